@@ -1,0 +1,1 @@
+//! The C interface: translates, computes nothing.

@@ -1,0 +1,95 @@
+//! What can go wrong, as plain values.
+
+use core::fmt;
+
+/// Why a lobe, a mixture or a prepared material was refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Error {
+    /// The axis is not a finite vector of length 1 within 1e-3.
+    Axis,
+    /// The sharpness is NaN, negative, or above [`MAX_SHARPNESS`](crate::MAX_SHARPNESS).
+    Sharpness,
+    /// An amplitude is NaN, negative or infinite.
+    Amplitude,
+    /// The squeeze is NaN or outside [0.01, 2].
+    Squeeze,
+    /// The mixture has room for fewer lobes than are needed.
+    Capacity {
+        /// Lobes that were to be stored.
+        needed: usize,
+        /// Lobes that the storage holds.
+        available: usize,
+    },
+    /// The direction is not a finite vector of length 1 within 1e-3.
+    Direction,
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Axis => f.write_str("the axis of a lobe must be a finite unit vector"),
+            Self::Sharpness => f.write_str("the sharpness of a lobe must be within [0, 1e8]"),
+            Self::Amplitude => f.write_str("an amplitude must be finite and not negative"),
+            Self::Squeeze => f.write_str("a squeeze must be within [0.01, 2]"),
+            Self::Capacity { needed, available } => {
+                write!(f, "the mixture has room for {available} lobes, {needed} are needed")
+            }
+            Self::Direction => f.write_str("a direction must be a finite unit vector"),
+        }
+    }
+}
+
+impl core::error::Error for Error {}
+
+/// Why bytes are not a `.srbf` material, with the place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum FormatError {
+    /// The first 8 bytes are not the `.srbf` magic.
+    Magic,
+    /// The version is one that this library does not read.
+    Version(u32),
+    /// The bytes end early, or more bytes follow than the header announces.
+    Length {
+        /// Bytes that the header announces (or its own size, if not even that is there).
+        expected: usize,
+        /// Bytes given.
+        actual: usize,
+    },
+    /// The checksum does not fit the bytes.
+    Checksum,
+    /// A field holds a value outside its range; the byte offset tells which.
+    Field {
+        /// What the field is.
+        name: &'static str,
+        /// Where it stands, in bytes from the start.
+        offset: usize,
+    },
+    /// The buffer to encode into is too small.
+    Buffer {
+        /// Bytes that are needed.
+        needed: usize,
+        /// Bytes given.
+        available: usize,
+    },
+}
+
+impl fmt::Display for FormatError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Magic => f.write_str("not a .srbf file: the first 8 bytes must be its magic"),
+            Self::Version(v) => {
+                write!(f, "version {v} at byte 8, this library reads version {}", crate::FORMAT_VERSION)
+            }
+            Self::Length { expected, actual } => write!(f, "{expected} bytes expected, {actual} found"),
+            Self::Checksum => f.write_str("the checksum does not fit: the bytes are damaged"),
+            Self::Field { name, offset } => write!(f, "{name} at byte {offset} is out of range"),
+            Self::Buffer { needed, available } => {
+                write!(f, "the buffer has {available} bytes, {needed} are needed")
+            }
+        }
+    }
+}
+
+impl core::error::Error for FormatError {}

@@ -1,0 +1,40 @@
+//! Mixtures of spherical Gaussian lobes for rendering with measured BRDFs: evaluate, integrate, importance-sample.
+//!
+//! A [`Material`] is read in place from `.srbf` bytes, offline work of `srbf-fit`. [`Material::prepare`] makes the
+//! [`Mixture`] of lobes for one outgoing direction; the mixture gives the value `f cos`, the albedo, the density and
+//! the samples, all of the same lobes, so that `value / pdf` has constant luminance.
+//!
+//! Directions are unit vectors in the caller's shading frame, +z the surface normal. Outgoing `wo` points towards the
+//! viewer and is fixed, incident `wi` points towards the light and is sampled. Values are linear sRGB.
+//!
+//! Not-a-number policy: constructors refuse what has no meaning; evaluation and sampling of what was constructed never
+//! make a NaN from finite directions. A direction that holds a NaN gives an unspecified value, never a panic.
+//!
+//! ```
+//! use glam::vec3;
+//! use srbf_core::{Lobe, Mixture};
+//!
+//! let lobe = Lobe::new(vec3(0.6, 0.0, 0.8), 40.0, vec3(1.0, 0.5, 0.2))?;
+//! let mixture = Mixture::<16>::hemisphere(&[lobe])?;
+//! let sample = mixture.sample([0.5, 0.25, 0.75]).expect("the mixture is not black");
+//! assert!((sample.pdf - mixture.pdf(sample.direction)).abs() <= 1e-6 * sample.pdf);
+//! # Ok::<(), srbf_core::Error>(())
+//! ```
+#![no_std]
+
+mod checksum;
+mod error;
+mod float;
+mod format;
+mod lobe;
+mod material;
+mod mixture;
+pub mod special;
+mod squeeze;
+
+pub use error::{Error, FormatError};
+pub use format::{FORMAT_VERSION, PlaneLobe, View, encode, encoded_len};
+pub use glam::Vec3;
+pub use lobe::{Gaussian, Lobe, MAX_SHARPNESS};
+pub use material::Material;
+pub use mixture::{Domain, MAX_LOBES, Mixture, Sample, luminance};

@@ -1,0 +1,1 @@
+//! Readers, fitters and error metrics: makes `.srbf` materials, offline.

@@ -1,0 +1,44 @@
+//! The command line: one file a command.
+
+pub mod compare;
+pub mod fit;
+pub mod inspect;
+pub mod presets;
+pub mod render;
+
+use clap::{Parser, Subcommand};
+
+/// Fits measured BRDFs with spherical Gaussian lobes, renders and compares them.
+///
+/// Without a command: renders a preset on two scenes, compares samplers, and writes pictures and a report to `out/`.
+#[derive(Debug, Parser)]
+#[command(version)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Fit(fit::Args),
+    Presets(presets::Args),
+    Inspect(inspect::Args),
+    Render(render::Args),
+    Compare(compare::Args),
+}
+
+/// Runs what the command line asks for.
+pub fn run(cli: Cli) -> anyhow::Result<()> {
+    match cli.command {
+        None => default_job(),
+        Some(Command::Fit(args)) => fit::run(args),
+        Some(Command::Presets(args)) => presets::run(args),
+        Some(Command::Inspect(args)) => inspect::run(args),
+        Some(Command::Render(args)) => render::run(args),
+        Some(Command::Compare(args)) => compare::run(args),
+    }
+}
+
+fn default_job() -> anyhow::Result<()> {
+    anyhow::bail!("not written yet")
+}

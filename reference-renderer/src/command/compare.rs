@@ -1,0 +1,10 @@
+//! `srbf compare`.
+
+/// Compares sampling strategies: error against run time.
+#[derive(Debug, clap::Args)]
+pub struct Args {}
+
+/// Runs the command.
+pub fn run(_args: Args) -> anyhow::Result<()> {
+    anyhow::bail!("not written yet")
+}
