@@ -170,14 +170,10 @@ impl<const N: usize> Mixture<N> {
         self.power += luminance(rgb);
         self.cumulative[k] = self.power;
         self.albedo += rgb;
-        if self.domain == Domain::Hemisphere {
-            let z = gaussian.axis.z;
-            // 1 - t without cancellation; a lobe that looks below the horizon is always folded.
-            let t = float::sqrt((1.0 - z * z).max(0.0));
-            let share = float::exp(-s * (z * z / (1.0 + t)));
-            if z <= 0.0 || share > FOLD_BOUND {
-                self.folded |= 1 << k;
-            }
+        if self.domain == Domain::Hemisphere
+            && special::share_below_horizon_bound(gaussian.axis.z, s) > FOLD_BOUND
+        {
+            self.folded |= 1 << k;
         }
         self.count += 1;
     }
@@ -233,7 +229,7 @@ impl<const N: usize> Mixture<N> {
     }
 
     #[inline]
-    fn gaussian(&self, k: usize) -> Gaussian {
+    pub(crate) fn gaussian(&self, k: usize) -> Gaussian {
         let axis = Vec3::new(self.axis_x[k], self.axis_y[k], self.axis_z[k]);
         Gaussian { axis, sharpness: self.sharpness[k] }
     }
@@ -277,7 +273,7 @@ impl<const N: usize> Mixture<N> {
 
     /// Calls with every lobe and its unit value at the direction, fold and change of solid angle included.
     #[inline]
-    fn for_each_lobe(&self, direction: Vec3, mut each: impl FnMut(usize, f32)) {
+    pub(crate) fn for_each_lobe(&self, direction: Vec3, mut each: impl FnMut(usize, f32)) {
         // The comparison is false for a NaN too.
         let above = direction.z >= 0.0;
         if !above && self.domain == Domain::Hemisphere {
@@ -310,21 +306,33 @@ impl<const N: usize> Mixture<N> {
     /// Source: Weng and Shih 2006, section 4.2.2, eq. 14; differs: what falls below the horizon is mirrored up.
     #[inline]
     pub fn sample(&self, u: [f32; 3]) -> Option<Sample> {
+        let direction = self.draw_direction(u)?;
+        let (value, pdf) = self.evaluate_and_pdf(direction);
+        // A density that f32 rounds to 0 cannot be divided by: far out in a tail, where the value is 0 too.
+        (pdf > 0.0).then_some(Sample { direction, pdf, value })
+    }
+
+    /// Draws a direction without its density; `None` where every amplitude is 0.
+    #[inline]
+    pub(crate) fn draw_direction(&self, u: [f32; 3]) -> Option<Vec3> {
         if self.power == 0.0 {
             return None;
         }
         let k = self.cumulative[..self.count].iter().position(|&c| u[0] < c).unwrap_or(self.count - 1);
-        let mut d = self.gaussian(k).sample([u[1], u[2]]);
+        Some(self.direction_from_lobe(k, [u[1], u[2]]))
+    }
+
+    /// Draws a direction from the density of one lobe, `k < len`.
+    #[inline]
+    pub(crate) fn direction_from_lobe(&self, k: usize, u: [f32; 2]) -> Vec3 {
+        let mut d = self.gaussian(k).sample(u);
         if k < self.squeezed {
             d = self.squeeze.unsqueeze(d);
         }
         if self.domain == Domain::Hemisphere {
             d.z = d.z.abs();
         }
-        let direction = self.squeeze.turn_back(d).normalize();
-        let (value, pdf) = self.evaluate_and_pdf(direction);
-        // A density that f32 rounds to 0 cannot be divided by: far out in a tail, where the value is 0 too.
-        (pdf > 0.0).then_some(Sample { direction, pdf, value })
+        self.squeeze.turn_back(d).normalize()
     }
 
     /// Luminance of the albedo; what the density was normalised by.

@@ -83,7 +83,7 @@ impl Squeeze {
 
 /// `a + b` and its rounding error (Knuth).
 #[inline]
-fn two_sum(a: f32, b: f32) -> (f32, f32) {
+pub(crate) fn two_sum(a: f32, b: f32) -> (f32, f32) {
     let sum = a + b;
     let b_part = sum - a;
     (sum, (a - (sum - b_part)) + (b - b_part))
@@ -91,7 +91,7 @@ fn two_sum(a: f32, b: f32) -> (f32, f32) {
 
 /// `a b` and its rounding error (Dekker; exact while nothing under- or overflows).
 #[inline]
-fn two_product(a: f32, b: f32) -> (f32, f32) {
+pub(crate) fn two_product(a: f32, b: f32) -> (f32, f32) {
     const SPLIT: f32 = 4097.0; // 2^12 + 1: halves of 12 bits
     let halves = |v: f32| {
         let t = SPLIT * v;
@@ -105,7 +105,7 @@ fn two_product(a: f32, b: f32) -> (f32, f32) {
 
 /// `a b + c d` as a sum of two.
 #[inline]
-fn sum_of_products(a: f32, b: f32, c: f32, d: f32) -> (f32, f32) {
+pub(crate) fn sum_of_products(a: f32, b: f32, c: f32, d: f32) -> (f32, f32) {
     let (p, p_error) = two_product(a, b);
     let (q, q_error) = two_product(c, d);
     let (sum, error) = two_sum(p, q);
