@@ -1,9 +1,9 @@
 //! Estimators: several samples of one mixture, stratified over its lobes; the weights that combine techniques; and a
 //! mixture with a defensive component, whose weights are bounded.
 
+use crate::batch::sample_direction;
 use crate::lobe::where_around;
-use crate::mixture::Sample;
-use crate::{Domain, Error, Mixture, float, special};
+use crate::{Domain, Error, Gaussian, Kernel, Mixture, Sample, float, special};
 use core::f32::consts::{FRAC_1_PI, PI};
 use glam::Vec3;
 
@@ -60,9 +60,12 @@ impl<const N: usize> Mixture<N> {
         if self.power == 0.0 {
             return Ok(());
         }
+        // The last lobe that adds anything ends at the whole.
+        let whole_power = self.cumulative[self.count - 1];
         // The number of strata that begin before a share c of the integral: the least i with i + offset >= c n.
         let mut taken = 0;
-        for (count, &share) in counts.iter_mut().zip(&self.cumulative[..self.count]) {
+        for (count, &running) in counts.iter_mut().zip(&self.cumulative[..self.count]) {
+            let share = running / whole_power;
             let reach = share * samples as f32 - offset;
             // The cast saturates: 0 for what is negative.
             let whole = reach as u32;
@@ -82,7 +85,14 @@ impl<const N: usize> Mixture<N> {
         if k >= self.count || self.power == 0.0 {
             return None;
         }
-        let direction = self.direction_from_lobe(k, u);
+        let mut d = self.gaussian(k).sample(u).to_array();
+        if k < self.squeezed {
+            d = self.squeeze.unsqueeze(d);
+        }
+        if self.domain == Domain::Hemisphere {
+            d[2] = d[2].abs();
+        }
+        let direction = Vec3::from_array(self.squeeze.turn_back(d)).normalize();
         let (value, pdf) = self.evaluate_and_pdf(direction);
         (pdf > 0.0).then_some(Sample { direction, pdf, value })
     }
@@ -112,10 +122,12 @@ impl<const N: usize> Mixture<N> {
     /// numbers that are uniform in the cube. `None` where the density is 0.
     pub fn invert_sample(&self, direction: Vec3, choice: f32) -> Option<[f32; 3]> {
         // The lobe: the first whose running part of the density exceeds the choice.
-        let target = choice * self.pdf(direction);
+        let mut whole = 0.0;
+        self.for_each_lobe(direction, |k, g| whole += self.luminance[k] * g);
+        let target = choice * whole;
         let (mut before, mut found) = (0.0, None);
         self.for_each_lobe(direction, |k, g| {
-            let part = self.weight[k] * g;
+            let part = self.luminance[k] * g;
             // The last lobe with any part takes what rounding leaves over.
             if part > 0.0 && found.is_none_or(|(_, start, size)| target >= start + size) {
                 found = Some((k, before, part));
@@ -126,14 +138,13 @@ impl<const N: usize> Mixture<N> {
         let mut rest = ((target - start) / part).clamp(0.0, 1.0 - f32::EPSILON / 2.0);
 
         // The direction as the lobe sees it, or its mirror image.
-        let turned = self.squeeze.turn(direction);
+        let turned = self.squeeze.turn(direction.to_array());
         let seen = if k < self.squeezed { self.squeeze.squeeze(&turned) } else { turned };
-        let mut u = seen.high + seen.low;
+        let mut u = Vec3::from_array(seen.high) + Vec3::from_array(seen.low);
         let gaussian = self.gaussian(k);
         if self.domain == Domain::Hemisphere {
-            let chord = (seen.high - gaussian.axis) + seen.low;
-            // Ratio of the image's part to the direct one, exp(-2 s d.z xi.z): at most huge, never 0 / 0.
-            let ratio = float::exp(-2.0 * gaussian.sharpness * gaussian.axis.z * (chord.z + gaussian.axis.z));
+            // Ratio of the image's part to the direct one.
+            let ratio = float::exp(-2.0 * gaussian.sharpness * gaussian.axis.z * u.z);
             let direct = 1.0 / (1.0 + ratio);
             if rest < direct {
                 rest /= direct;
@@ -145,8 +156,36 @@ impl<const N: usize> Mixture<N> {
         let [w, turns] = where_around(gaussian.axis, u);
         let share = special::share_within(gaussian.sharpness, w);
         let low = if k == 0 { 0.0 } else { self.cumulative[k - 1] };
+        let lobe = (low + rest * (self.cumulative[k] - low)) / self.power;
         let below_one = |x: f32| x.min(1.0 - f32::EPSILON / 2.0);
-        Some([below_one(low + rest * (self.cumulative[k] - low)), below_one(share), turns])
+        Some([below_one(lobe), below_one(share), turns])
+    }
+
+    fn gaussian(&self, k: usize) -> Gaussian {
+        let axis = Vec3::new(self.axis_x[k], self.axis_y[k], self.axis_z[k]);
+        Gaussian { axis, sharpness: self.sharpness[k] }
+    }
+
+    /// Calls with every lobe and its unit value at the direction, fold and change of solid angle included.
+    fn for_each_lobe(&self, direction: Vec3, mut each: impl FnMut(usize, f32)) {
+        // The comparison is false for a NaN too.
+        let above = direction.z >= 0.0;
+        if !above && self.domain == Domain::Hemisphere {
+            return;
+        }
+        let turned = self.squeeze.turn(direction.to_array());
+        let squeezed = if self.squeezed > 0 { self.squeeze.squeeze(&turned) } else { turned };
+        for k in 0..self.count {
+            let seen = if k < self.squeezed { &squeezed } else { &turned };
+            let gaussian = self.gaussian(k);
+            let high = Vec3::from_array(seen.high);
+            let chord = (high - gaussian.axis) + Vec3::from_array(seen.low);
+            let mut g = gaussian.value_at(chord.length_squared());
+            if self.folded >> k & 1 == 1 {
+                g += g * float::exp(-2.0 * gaussian.sharpness * gaussian.axis.z * high.z);
+            }
+            each(k, g * seen.scale);
+        }
     }
 }
 
@@ -211,7 +250,7 @@ impl<'a, const N: usize> Defensive<'a, N> {
             Vec3::new(across * cos_phi, across * sin_phi, z)
         } else {
             let lobe = ((u[0] - self.share) / (1.0 - self.share)).min(1.0 - f32::EPSILON / 2.0);
-            self.mixture.draw_direction([lobe, u[1], u[2]])?
+            Vec3::from_array(sample_direction::<f32, N>(self.mixture, [lobe, u[1], u[2]]))
         };
         let (value, pdf) = self.mixture.evaluate_and_pdf(direction);
         let pdf = self.mix(direction, pdf);

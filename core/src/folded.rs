@@ -44,7 +44,7 @@ use glam::Vec3;
 /// multiplies it by det M, and scaling its base back to the unit sphere divides it by r^3. Hence `F(u) / (c r^3)` has
 /// the integral of F; a sample u of F / I goes to `M^-1 u` normalised, with exactly the density `F(u) / (I c r^3)`; and
 /// the inverse maps d to u and inverts there. M commutes with the mirror, so fold and squeeze may be taken in either
-/// order. c < 1 narrows along y.
+/// order. c < 1 narrows along y; it is held as its reciprocal, rounded to f32.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Folded<K> {
     kernel: K,
@@ -83,18 +83,16 @@ impl<K: Kernel> Folded<K> {
         }
         let seen = self.seen(direction);
         let axis = self.kernel.axis();
-        let chord = (seen.high - axis) + seen.low;
-        let mirrored = Vec3::new(chord.x, chord.y, (seen.high.z + axis.z) + seen.low.z);
+        let (high, low) = (Vec3::from_array(seen.high), Vec3::from_array(seen.low));
+        let chord = (high - axis) + low;
+        let mirrored = Vec3::new(chord.x, chord.y, (high.z + axis.z) + low.z);
         [chord, mirrored].map(|c| self.kernel.value_at(c.length_squared()) * seen.scale)
     }
 
     #[inline]
-    fn seen(&self, direction: Vec3) -> Seen {
-        if self.squeeze == Squeeze::NONE {
-            Seen { high: direction, low: Vec3::ZERO, scale: 1.0 }
-        } else {
-            self.squeeze.squeeze(&Seen { high: direction, low: Vec3::ZERO, scale: 1.0 })
-        }
+    fn seen(&self, direction: Vec3) -> Seen<f32> {
+        let turned = self.squeeze.turn(direction.to_array());
+        if self.squeeze == Squeeze::NONE { turned } else { self.squeeze.squeeze(&turned) }
     }
 
     /// Evaluates `(K(u) + K(u mirrored)) / (c r^3)` towards a direction; 0 below the horizon.
@@ -121,7 +119,7 @@ impl<K: Kernel> Folded<K> {
     pub fn sample(&self, u: [f32; 2]) -> Vec3 {
         let mut d = self.kernel.sample(u);
         if self.squeeze != Squeeze::NONE {
-            d = self.squeeze.unsqueeze(d);
+            d = Vec3::from_array(self.squeeze.unsqueeze(d.to_array())).normalize();
         }
         d.z = d.z.abs();
         d
@@ -135,7 +133,7 @@ impl<K: Kernel> Folded<K> {
     pub fn invert_sample(&self, direction: Vec3, choice: f32) -> [f32; 2] {
         let [direct, mirrored] = self.parts(direction);
         let seen = self.seen(direction);
-        let mut u = seen.high + seen.low;
+        let mut u = Vec3::from_array(seen.high) + Vec3::from_array(seen.low);
         if mirrored > 0.0 && choice * (direct + mirrored) >= direct {
             u.z = -u.z;
         }

@@ -22,6 +22,7 @@
 //! ```
 #![no_std]
 
+mod batch;
 mod checksum;
 mod error;
 mod estimator;
@@ -30,14 +31,19 @@ mod folded;
 mod format;
 mod horizon;
 mod kernel;
+mod lanes;
 mod lobe;
 mod material;
 mod mixture;
+mod prepare;
 mod product;
 mod quadrature;
+mod simd;
+mod single;
 pub mod special;
 mod squeeze;
 
+pub use batch::SamplesMut;
 pub use error::{Error, FormatError};
 pub use estimator::{Defensive, balance_heuristic, power_heuristic};
 pub use folded::Folded;
@@ -56,5 +62,6 @@ pub use kernel::{
 };
 pub use lobe::{Gaussian, Lobe, MAX_SHARPNESS};
 pub use material::Material;
-pub use mixture::{Domain, MAX_LOBES, Mixture, Sample, luminance};
+pub use mixture::{Domain, LUMINANCE, MAX_LOBES, Mixture, Sample, luminance};
 pub use product::GaussianProduct;
+pub use simd::Level;

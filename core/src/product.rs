@@ -9,7 +9,7 @@
 //! The right form of `e` does not cancel (multiply by `s1 + s2 + |r|` and expand). `r` does, where the axes are nearly
 //! opposite and the sharpness equal; it is summed to twice the digits of f32.
 
-use crate::squeeze::{sum_of_products, two_product, two_sum};
+use crate::lanes::{sum_of_products, two_product, two_sum};
 use crate::{Domain, Error, Gaussian, Lobe, Mixture, float, special};
 use core::f32::consts::LOG2_E;
 use glam::Vec3;
@@ -172,7 +172,7 @@ impl<const N: usize> Mixture<N> {
     /// # Errors
     /// As [`product_into`](Self::product_into); and what [`Lobe::new`] refuses.
     pub fn product_with_lobe_into(&self, lobe: &Lobe, out: &mut [Lobe]) -> Result<usize, Error> {
-        self.product_into(&Mixture::<1>::sphere(&[*lobe])?, out)
+        self.product_into(&Mixture::<16>::sphere(&[*lobe])?, out)
     }
 
     /// Integrates the product of two mixtures of round lobes over the domain that they share; channel by channel.
@@ -215,7 +215,7 @@ impl<const N: usize> Mixture<N> {
     /// # Errors
     /// [`Error::Squeezed`]; and what [`Lobe::new`] refuses.
     pub fn inner_product_with_lobe(&self, lobe: &Lobe) -> Result<Vec3, Error> {
-        self.inner_product(&Mixture::<1>::sphere(&[*lobe])?)
+        self.inner_product(&Mixture::<16>::sphere(&[*lobe])?)
     }
 
     fn check_round(&self) -> Result<(), Error> {
@@ -225,7 +225,7 @@ impl<const N: usize> Mixture<N> {
 
     /// Lobe `k < len` with its axis turned to the caller's shading frame.
     fn lobe_in_shading_frame(&self, k: usize) -> Lobe {
-        let axis = self.squeeze.turn_back(Vec3::new(self.axis_x[k], self.axis_y[k], self.axis_z[k]));
+        let axis = Vec3::from_array(self.squeeze.turn_back([self.axis_x[k], self.axis_y[k], self.axis_z[k]]));
         let amplitude = Vec3::new(self.red[k], self.green[k], self.blue[k]);
         Lobe { gaussian: Gaussian { axis, sharpness: self.sharpness[k] }, amplitude }
     }
