@@ -2,7 +2,9 @@
 //! platform's C library: `libm` where it computes in f32 alone, and our own exp2, sine and cosine, because `libm`'s
 //! pass through f64, which small processors lack.
 
-pub(crate) use crate::lanes::{sin_cos, sin_cos_turns};
+#[cfg(any(feature = "kernels", test))]
+pub(crate) use crate::lanes::sin_cos;
+pub(crate) use crate::lanes::sin_cos_turns;
 
 /// `2^x`: 0 below -160, infinite from 130 on.
 ///

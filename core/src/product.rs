@@ -9,7 +9,7 @@
 //! The right form of `e` does not cancel (multiply by `s1 + s2 + |r|` and expand). `r` does, where the axes are nearly
 //! opposite and the sharpness equal; it is summed to twice the digits of f32.
 
-use crate::lanes::{sum_of_products, two_product, two_sum};
+use crate::lanes::{length_squared_minus_one, sum_of_products, two_product, two_sum};
 use crate::{Domain, Error, Gaussian, Lobe, Mixture, float, special};
 use core::f32::consts::LOG2_E;
 use glam::Vec3;
@@ -62,10 +62,14 @@ impl Gaussian {
         // reciprocal of the sharpness, is exact and keeps tiny sharpness from underflowing.
         let exponent_bits = s1.max(s2).to_bits() >> 23;
         let scale = f32::from_bits((254 - exponent_bits.clamp(1, 253)) << 23);
+        // What rounding adds to the length of either axis is taken off again: of opposite ones it would be all of r.
+        let (p1, p2) = (s1 * scale, s2 * scale);
+        let excess1 = 0.5 * p1 * length_squared_minus_one(self.axis.to_array());
+        let excess2 = 0.5 * p2 * length_squared_minus_one(other.axis.to_array());
         let (mut high, mut low) = (Vec3::ZERO, Vec3::ZERO);
         for i in 0..3 {
-            let (h, l) = sum_of_products(s1 * scale, self.axis[i], s2 * scale, other.axis[i]);
-            (high[i], low[i]) = two_sum(h, l);
+            let (h, l) = sum_of_products(p1, self.axis[i], p2, other.axis[i]);
+            (high[i], low[i]) = two_sum(h, l - (excess1 * self.axis[i] + excess2 * other.axis[i]));
         }
         let length = float::sqrt(high.length_squared());
         if length < 1e-16 {
@@ -83,7 +87,7 @@ impl Gaussian {
             remainder[i] += (high[i] - h) - l;
         }
         let axis_low = remainder * inverse;
-        let excess = 0.5 * length_squared_minus_one(axis) + axis.dot(axis_low);
+        let excess = 0.5 * length_squared_minus_one(axis.to_array()) + axis.dot(axis_low);
 
         let sharpness = (length + length * excess) / scale;
         let apart = (self.axis - other.axis).length_squared();
@@ -91,18 +95,6 @@ impl Gaussian {
         let gaussian = Gaussian { axis, sharpness };
         GaussianProduct { gaussian, axis_low: axis_low - axis * excess, exponent }
     }
-}
-
-/// `|v|^2 - 1` of a vector that f32 takes for a unit vector, without losing its digits.
-fn length_squared_minus_one(v: Vec3) -> f32 {
-    let (mut sum, mut error) = (-1.0, 0.0);
-    for i in 0..3 {
-        let (square, square_error) = two_product(v[i], v[i]);
-        let (next, next_error) = two_sum(sum, square);
-        sum = next;
-        error += square_error + next_error;
-    }
-    sum + error
 }
 
 /// `a b exp(-e)` without an intermediate that under- or overflows.

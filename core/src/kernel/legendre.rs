@@ -120,10 +120,12 @@ pub fn gaussian_coefficients_into(sharpness: f32, coefficients: &mut [f32]) {
     let s = sharpness;
     let count = coefficients.len();
     coefficients.fill(0.0);
-    // Begin above the last ratio, where this bound of Amos 1974 is already close.
-    let start = (count + 20) as f32 + 1.5;
-    let mut ratio = s / (start + float::sqrt(start * start + s * s));
-    for l in (0..count + 20).rev() {
+    // Begin above the last ratio with a bound of Amos 1974, whose relative error is about n / (4 s^2); n steps down
+    // shrink it by exp(-n^2 / s).
+    let above = 20 + (4.0 * float::sqrt(s)).min(400.0) as usize;
+    let start = (count + above + 1) as f32;
+    let mut ratio = s / (start + float::sqrt((start + 1.0) * (start + 1.0) + s * s));
+    for l in (0..count + above).rev() {
         ratio = s / ((2 * l + 3) as f32 + s * ratio);
         if l + 1 < count {
             coefficients[l + 1] = ratio;
