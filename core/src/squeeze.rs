@@ -76,7 +76,12 @@ impl Squeeze {
         // What is left of the length over 1: at s = 1e8 even 1e-7 of it counts, by its square.
         let along = high_x.mul_add(low[0], high_y.mul_add(low[1], high_z * low[2]));
         let excess = length_squared_minus_one(high).mul_add(L::splat(0.5), along);
-        let low = [0, 1, 2].map(|i| excess.neg_mul_add(high[i], low[i]));
+        // Written out: a closure in `map` would not be compiled for the instruction set of the caller.
+        let low = [
+            excess.neg_mul_add(high_x, low[0]),
+            excess.neg_mul_add(high_y, low[1]),
+            excess.neg_mul_add(high_z, low[2]),
+        ];
         Seen { high, low, scale: inverse * shrink * (shrink * shrink) }
     }
 

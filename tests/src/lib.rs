@@ -4,6 +4,7 @@ pub mod header;
 pub mod inputs;
 pub mod native;
 pub mod oracle;
+pub mod partition;
 pub mod reference;
 pub mod statistics;
 pub mod tolerance;
