@@ -1,5 +1,6 @@
 //! The command line: one file a command.
 
+mod argument;
 pub mod compare;
 pub mod fit;
 pub mod inspect;
