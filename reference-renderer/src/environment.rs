@@ -48,7 +48,11 @@ impl Environment {
     pub fn new(width: usize, radiance: Vec<Vec3>) -> anyhow::Result<Self> {
         ensure!(width > 0 && !radiance.is_empty(), "the map has no pixels");
         ensure!(radiance.len().is_multiple_of(width), "the last row of the map is incomplete");
-        ensure!(radiance.len() <= MAX_PIXELS, "the map has {} pixels, at most {MAX_PIXELS} are allowed", radiance.len());
+        ensure!(
+            radiance.len() <= MAX_PIXELS,
+            "the map has {} pixels, at most {MAX_PIXELS} are allowed",
+            radiance.len()
+        );
         let bad = radiance.iter().position(|c| !(c.is_finite() && c.min_element() >= 0.0));
         if let Some(i) = bad {
             anyhow::bail!(
@@ -68,13 +72,13 @@ impl Environment {
                 let (x, y) = (i % width, i / width);
                 let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
                 let columns = [(x + width - 1) % width, x, (x + 1) % width];
-                let sum: f32 = rows.clone().map(|r| columns.map(|c| bright[r * width + c]).iter().sum::<f32>()).sum();
+                let sum: f32 =
+                    rows.clone().map(|r| columns.map(|c| bright[r * width + c]).iter().sum::<f32>()).sum();
                 sum / (3 * rows.count()) as f32
             })
             .collect();
-        let power: Vec<f64> = (0..bright.len())
-            .map(|i| f64::from(around[i]) * solid_angle(i / width, width, height))
-            .collect();
+        let power: Vec<f64> =
+            (0..bright.len()).map(|i| f64::from(around[i]) * solid_angle(i / width, width, height)).collect();
         let total: f64 = power.iter().sum();
         let Some(table) = AliasTable::new(&power) else {
             anyhow::bail!("the map is black all over: there is nothing to render");
@@ -186,9 +190,8 @@ mod tests {
     fn density_integrates_to_one() {
         for environment in [uneven(), Environment::constant(2.0).unwrap(), sky::sky()] {
             let (w, h) = (environment.width, environment.height);
-            let sum: f64 = (0..w * h)
-                .map(|i| f64::from(environment.density[i]) * solid_angle(i / w, w, h))
-                .sum();
+            let sum: f64 =
+                (0..w * h).map(|i| f64::from(environment.density[i]) * solid_angle(i / w, w, h)).sum();
             assert!((sum - 1.0).abs() < 1e-5, "{sum}");
         }
     }

@@ -55,9 +55,7 @@ impl Sampler {
                 let direction = sphere_sampling::cosine([random.unit(), random.unit()]);
                 (direction, direction.z * FRAC_1_PI)
             }
-            Self::Uniform => {
-                (sphere_sampling::uniform_hemisphere([random.unit(), random.unit()]), 1.0 / TAU)
-            }
+            Self::Uniform => (sphere_sampling::uniform_hemisphere([random.unit(), random.unit()]), 1.0 / TAU),
         };
         Some(Sample { direction, pdf, value: mixture.evaluate(direction) })
     }
@@ -111,8 +109,7 @@ pub fn radiance(
             let sample = scene.environment.sample(random);
             if frame.leaves(sample.direction) {
                 let (value, pdf) = mixture.evaluate_and_pdf(frame.to_local(sample.direction));
-                let weight =
-                    if sampler == Sampler::Light { 1.0 } else { power_heuristic(sample.pdf, pdf) };
+                let weight = if sampler == Sampler::Light { 1.0 } else { power_heuristic(sample.pdf, pdf) };
                 let contribution = throughput * value * sample.radiance * (weight / sample.pdf);
                 if contribution != Vec3::ZERO && scene.is_clear(&frame.ray(sample.direction)) {
                     light += contribution;

@@ -35,7 +35,8 @@ impl TriangleTree {
         if triangles.is_empty() {
             return Self { tree: CwBvh::default(), triangles };
         }
-        let tree = build_cwbvh_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::default());
+        let tree =
+            build_cwbvh_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::default());
         let triangles = tree.primitive_indices.iter().map(|&i| triangles[i as usize]).collect();
         Self { tree, triangles }
     }
@@ -46,9 +47,9 @@ impl TriangleTree {
             return None;
         }
         let mut hit = ray::RayHit::none();
-        let found = self.tree.ray_traverse(to_obvhs(ray, limit), &mut hit, |ray, leaf| {
-            self.triangles[leaf].intersect(ray)
-        });
+        let found = self
+            .tree
+            .ray_traverse(to_obvhs(ray, limit), &mut hit, |ray, leaf| self.triangles[leaf].intersect(ray));
         found.then(|| TriangleHit {
             distance: hit.t,
             triangle: self.tree.primitive_indices[hit.primitive_id as usize] as usize,

@@ -2,6 +2,7 @@
 
 mod camera;
 mod command;
+mod comparison;
 mod discrete;
 mod environment;
 mod film;
@@ -12,9 +13,11 @@ mod material;
 mod mesh;
 mod output;
 mod picture_file;
+mod plot;
 mod progress;
 mod random;
 mod render;
+mod report;
 mod scene;
 mod sphere_sampling;
 mod teapot;

@@ -124,7 +124,10 @@ pub mod tests {
                 let (sin, cos) = (degrees as f32).to_radians().sin_cos();
                 stored.get().prepare(glam::vec3(-sin, 0.0, cos), &mut mixture).unwrap();
                 let albedo = mixture.albedo();
-                assert!(albedo.min_element() >= 0.0 && albedo.max_element() <= 1.0, "{name}, {degrees}: {albedo}");
+                assert!(
+                    albedo.min_element() >= 0.0 && albedo.max_element() <= 1.0,
+                    "{name}, {degrees}: {albedo}"
+                );
             }
         }
     }
@@ -132,7 +135,10 @@ pub mod tests {
     #[test]
     fn errors_say_what_is_expected() {
         let error = format!("{:#}", StoredMaterial::load("no_such_preset").unwrap_err());
-        assert!(error.contains("no_such_preset") && error.contains(".srbf") && error.contains(MATTE), "{error}");
+        assert!(
+            error.contains("no_such_preset") && error.contains(".srbf") && error.contains(MATTE),
+            "{error}"
+        );
         let error = format!("{:#}", StoredMaterial::load("missing/file.srbf").unwrap_err());
         assert!(error.contains("missing/file.srbf"), "{error}");
     }

@@ -52,9 +52,9 @@ impl Mesh {
 
     /// The smallest box round the vertices, lower and upper corner.
     pub fn bounds(&self) -> [Vec3; 2] {
-        self.positions.iter().fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], &p| {
-            [low.min(p), high.max(p)]
-        })
+        self.positions
+            .iter()
+            .fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], &p| [low.min(p), high.max(p)])
     }
 
     /// A square in the plane z = `height`, of two triangles, seen from above.

@@ -31,7 +31,12 @@ pub fn write_exr(path: &Path, [width, height]: [u32; 2], pixels: &[Vec3]) -> any
 ///
 /// # Errors
 /// Names the file.
-pub fn write_tone_mapped_png(path: &Path, size: [u32; 2], pixels: &[Vec3], exposure: f32) -> anyhow::Result<()> {
+pub fn write_tone_mapped_png(
+    path: &Path,
+    size: [u32; 2],
+    pixels: &[Vec3],
+    exposure: f32,
+) -> anyhow::Result<()> {
     let bytes: Vec<u8> = pixels.iter().flat_map(|&p| to_srgb(tone_map(p * exposure))).collect();
     write_png(path, size, &bytes)
 }

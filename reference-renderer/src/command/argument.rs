@@ -7,7 +7,8 @@ use std::path::Path;
 
 /// Parses `WIDTHxHEIGHT`.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
-    let expected = || format!("expected WIDTHxHEIGHT, at least 1x1 and at most {} pixels in all", film::MAX_PIXELS);
+    let expected =
+        || format!("expected WIDTHxHEIGHT, at least 1x1 and at most {} pixels in all", film::MAX_PIXELS);
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(expected)?;
     let [width, height] = [width, height].map(|n| n.parse::<u32>().unwrap_or(0));
     let pixels = u64::from(width) * u64::from(height);
@@ -49,7 +50,8 @@ mod tests {
     #[test]
     fn sizes() {
         assert_eq!(size("640x400"), Ok([640, 400]));
-        for text in ["", "640", "x", "0x10", "10x0", "-1x5", "99999x99999", "4294967295x4294967295", "1x1x1"] {
+        for text in ["", "640", "x", "0x10", "10x0", "-1x5", "99999x99999", "4294967295x4294967295", "1x1x1"]
+        {
             assert!(size(text).is_err(), "{text}");
         }
     }
@@ -58,7 +60,9 @@ mod tests {
     fn environments() {
         assert!(environment("sky").is_ok());
         assert!(environment("constant:0.5").is_ok());
-        for text in ["constant:", "constant:x", "constant:-1", "constant:nan", "constant:inf", "nowhere", "no.hdr"] {
+        for text in
+            ["constant:", "constant:x", "constant:-1", "constant:nan", "constant:inf", "nowhere", "no.hdr"]
+        {
             let error = format!("{:#}", environment(text).err().expect(text));
             assert!(error.contains(text), "{error}");
         }

@@ -32,7 +32,9 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     );
     println!("provenance  {}", material.provenance());
     println!();
-    println!("  view  degrees  squeeze   albedo red  green   blue    sharpness      share of the strongest lobe");
+    println!(
+        "  view  degrees  squeeze   albedo red  green   blue    sharpness      share of the strongest lobe"
+    );
     let mut mixture = AnyMixture::empty();
     for view in 0..material.view_count() {
         let theta = material.view_theta(view).unwrap_or_default();

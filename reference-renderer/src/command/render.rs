@@ -87,12 +87,20 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     picture_file::write_exr(&args.output, args.size, &picture)?;
     let png = args.output.with_extension("png");
     picture_file::write_tone_mapped_png(&png, args.size, &picture, args.exposure.exp2())?;
-    println!("{} and {}: {} samples a pixel in {seconds:.2} s", args.output.display(), png.display(), args.spp);
+    println!(
+        "{} and {}: {} samples a pixel in {seconds:.2} s",
+        args.output.display(),
+        png.display(),
+        args.spp
+    );
 
     if let (SceneName::Sphere, Some(radiance)) = (args.scene, environment.constant_radiance()) {
         let furnace = furnace::compare(&scene, &camera, radiance, &film);
         println!("white furnace, mean over the {} pixels that the sphere fills:", furnace.pixels);
-        println!("{:8} {:>10} {:>14} {:>10} {:>12}", "channel", "rendered", "standard error", "expected", "deviation");
+        println!(
+            "{:8} {:>10} {:>14} {:>10} {:>12}",
+            "channel", "rendered", "standard error", "expected", "deviation"
+        );
         for (i, channel) in ["red", "green", "blue"].iter().enumerate() {
             let (rendered, error, expected) =
                 (furnace.rendered[i], furnace.standard_error[i], furnace.expected[i]);

@@ -30,11 +30,16 @@ pub fn read(path: &Path) -> anyhow::Result<Environment> {
 
 /// Reads a Radiance picture. Bytes behind the last row are ignored: published probes have a stray one.
 fn from_hdr(bytes: &[u8]) -> anyhow::Result<Environment> {
-    let decoder = image::codecs::hdr::HdrDecoder::new(Cursor::new(bytes)).context("not a Radiance .hdr picture")?;
+    let decoder =
+        image::codecs::hdr::HdrDecoder::new(Cursor::new(bytes)).context("not a Radiance .hdr picture")?;
     let (width, height) = decoder.dimensions();
     check_size(width as usize, height as usize)?;
     // A row takes at least four bytes, whatever its compression.
-    ensure!(bytes.len() / 4 >= height as usize, "{height} rows are announced, {} bytes are too few", bytes.len());
+    ensure!(
+        bytes.len() / 4 >= height as usize,
+        "{height} rows are announced, {} bytes are too few",
+        bytes.len()
+    );
     let exposure = decoder.metadata().exposure.unwrap_or(1.0);
     ensure!(exposure.is_finite() && exposure > 0.0, "EXPOSURE is {exposure}: a positive number is expected");
     let picture = image::DynamicImage::from_decoder(decoder).context("the pixels of the .hdr picture")?;

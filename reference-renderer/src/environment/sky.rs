@@ -14,8 +14,8 @@ const SUN_AZIMUTH: f32 = -142.0;
 /// Angular radius of the sun, degrees. The true one, 0.27, is below a pixel of the map; haze makes it wider.
 const SUN_RADIUS: f32 = 2.0;
 
-/// Radiance of the sun: its irradiance is then about that of the rest of the sky.
-const SUN_RADIANCE: f32 = 450.0;
+/// Radiance of the sun: its irradiance is then about twice that of the rest of the sky.
+const SUN_RADIANCE: f32 = 900.0;
 
 /// Makes the sky.
 pub fn sky() -> Environment {
