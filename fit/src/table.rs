@@ -9,7 +9,12 @@ mod numbers;
 mod spectrum;
 
 use crate::FitError;
+use sha2::{Digest, Sha256};
 use std::f64::consts::FRAC_PI_2;
+use std::path::Path;
+
+/// Largest file that is read, bytes: the largest measured files are a tenth of it.
+const MAX_FILE: u64 = 1 << 30;
 
 /// Most views that a table may have.
 pub const MAX_VIEWS: usize = 1024;
@@ -41,6 +46,39 @@ pub struct View {
 pub struct Table {
     /// The views, theta rising.
     pub views: Vec<View>,
+}
+
+/// A table and the file that it came from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source {
+    /// The samples.
+    pub table: Table,
+    /// Name of the file, without its folder.
+    pub name: String,
+    /// SHA-256 of the file, hexadecimal.
+    pub sha256: String,
+}
+
+/// Reads a measured file; the format follows from the end of its name. `.brdf`: see [`cornell`].
+///
+/// # Errors
+/// [`FitError::Io`]; [`FitError::Read`] with the place of the fault; [`FitError::Table`].
+pub fn read(path: &Path) -> Result<Source, FitError> {
+    let size = std::fs::metadata(path).map_err(FitError::io(path))?.len();
+    if size > MAX_FILE {
+        return Err(FitError::Table(format!(
+            "{}: {size} bytes; at most {MAX_FILE} are read",
+            path.display()
+        )));
+    }
+    let bytes = std::fs::read(path).map_err(FitError::io(path))?;
+    let views =
+        cornell::parse(&bytes).map_err(|source| FitError::Read { path: path.to_path_buf(), source })?;
+    Ok(Source {
+        table: Table::from_scattered(views)?,
+        name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        sha256: Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect(),
+    })
 }
 
 /// Samples of one view before they have weights: incident direction and f.

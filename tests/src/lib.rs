@@ -1,1 +1,4 @@
 //! What the tests share: oracle, tolerances, inputs, statistics.
+
+pub mod header;
+pub mod native;

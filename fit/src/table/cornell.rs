@@ -10,10 +10,9 @@
 
 use super::numbers::Numbers;
 use super::spectrum::ToRgb;
-use super::{MAX_VIEWS, Scattered, Table, direction};
-use crate::{FitError, ReadError};
+use super::{MAX_VIEWS, Scattered, direction};
+use crate::ReadError;
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::path::Path;
 
 /// Most wavelengths that a file may have.
 const MAX_WAVELENGTHS: f64 = 4096.0;
@@ -23,16 +22,6 @@ const MAX_VALUE: f64 = 1e9;
 
 /// Angles of incidence closer than this are one view, radians; files print six decimals.
 const SAME_VIEW: f64 = 1e-3;
-
-/// Reads a `.brdf` file.
-///
-/// # Errors
-/// [`FitError::Io`]; [`FitError::Read`] with the line and number of the fault; [`FitError::Table`].
-pub fn read(path: &Path) -> Result<Table, FitError> {
-    let bytes = std::fs::read(path).map_err(FitError::io(path))?;
-    let views = parse(&bytes).map_err(|source| FitError::Read { path: path.to_path_buf(), source })?;
-    Table::from_scattered(views)
-}
 
 /// Parses the bytes of a `.brdf` file to the samples of each view, theta rising.
 ///
@@ -84,6 +73,7 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<(f64, Scattered)>, ReadError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::table::Table;
 
     fn small() -> String {
         let mut text = "# test\n4 # wavelengths\n400 500\n600 700\n".to_owned();

@@ -2,7 +2,6 @@
 
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
-use sha2::{Digest, Sha256};
 use srbf_fit::report::Report;
 use srbf_fit::{Fit, Settings};
 use std::path::{Path, PathBuf};
@@ -68,16 +67,13 @@ pub fn run(args: Args) -> anyhow::Result<()> {
 
 /// Reads and fits one file, with a progress bar; `source` says in the provenance where it comes from.
 pub fn fit_file(file: &Path, mut settings: Settings, source: &str) -> anyhow::Result<Fit> {
-    let bytes = std::fs::read(file).with_context(|| file.display().to_string())?;
-    let hash: String = Sha256::digest(&bytes).iter().take(16).map(|b| format!("{b:02x}")).collect();
-    let table = srbf_fit::table::cornell::read(file)?;
-    let name = file.file_name().unwrap_or_default().to_string_lossy();
-    settings.provenance = format!("{source}{name}, SHA-256 {hash}...\n");
+    let read = srbf_fit::table::read(file)?;
+    settings.provenance = format!("{source}{}, SHA-256 {}\n", read.name, read.sha256);
 
     // indicatif draws nothing where standard error is not a terminal.
-    let bar = ProgressBar::new(1000).with_message(name.into_owned());
+    let bar = ProgressBar::new(1000).with_message(read.name);
     bar.set_style(ProgressStyle::with_template("{msg} [{bar:40}] {percent} %")?);
-    let fit = srbf_fit::fit(&table, &settings, |share| bar.set_position((1000.0 * share) as u64));
+    let fit = srbf_fit::fit(&read.table, &settings, |share| bar.set_position((1000.0 * share) as u64));
     bar.finish_and_clear();
     Ok(fit?)
 }

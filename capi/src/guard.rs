@@ -1,0 +1,112 @@
+//! The panic mechanics: a panic becomes a status and never crosses into C.
+
+use crate::{SRBF_STATUS_OK, srbf_status};
+
+/// What went wrong, before it becomes a number.
+pub(crate) type Outcome = Result<(), Failure>;
+
+/// A status with, where there is room for text, a sentence that says more.
+pub(crate) struct Failure {
+    pub status: srbf_status,
+    #[cfg(feature = "std")]
+    pub message: Option<std::string::String>,
+}
+
+impl From<srbf_status> for Failure {
+    fn from(status: srbf_status) -> Self {
+        Self {
+            status,
+            #[cfg(feature = "std")]
+            message: None,
+        }
+    }
+}
+
+impl Failure {
+    /// A status with the reason as text; a freestanding build keeps only the status.
+    #[cfg_attr(not(feature = "std"), allow(unused_variables))]
+    pub fn new(status: srbf_status, reason: impl core::fmt::Display) -> Self {
+        Self {
+            status,
+            #[cfg(feature = "std")]
+            message: Some(std::string::ToString::to_string(&reason)),
+        }
+    }
+}
+
+/// Runs the body of an exported function; a failure and a panic become a status and the message of this thread.
+#[cfg(feature = "std")]
+#[inline(always)]
+pub(crate) fn guard(body: impl FnOnce() -> Outcome) -> srbf_status {
+    use std::panic::{AssertUnwindSafe, catch_unwind};
+    // What a panic may leave half written is only the caller's output, which the header calls unspecified then.
+    match catch_unwind(AssertUnwindSafe(body)) {
+        Ok(Ok(())) => SRBF_STATUS_OK,
+        Ok(Err(failure)) => report(failure),
+        Err(payload) => report_panic(payload),
+    }
+}
+
+#[cfg(feature = "std")]
+#[cold]
+fn report(failure: Failure) -> srbf_status {
+    crate::message::set(failure.status, failure.message.as_deref());
+    failure.status
+}
+
+#[cfg(feature = "std")]
+#[cold]
+fn report_panic(payload: std::boxed::Box<dyn core::any::Any + Send>) -> srbf_status {
+    use crate::SRBF_STATUS_PANIC;
+    use std::panic::{AssertUnwindSafe, catch_unwind};
+    let text = payload
+        .downcast_ref::<&str>()
+        .copied()
+        .or_else(|| payload.downcast_ref::<std::string::String>().map(std::string::String::as_str));
+    crate::message::set(SRBF_STATUS_PANIC, text);
+    // A payload may panic when it is dropped; the second one is leaked.
+    if let Err(second) = catch_unwind(AssertUnwindSafe(move || drop(payload))) {
+        core::mem::forget(second);
+    }
+    SRBF_STATUS_PANIC
+}
+
+/// Runs the body of an exported function. A panic does not return: see the handler below.
+#[cfg(not(feature = "std"))]
+#[inline(always)]
+pub(crate) fn guard(body: impl FnOnce() -> Outcome) -> srbf_status {
+    body().map_or_else(|failure| failure.status, |()| SRBF_STATUS_OK)
+}
+
+/// Without an operating system there is nowhere to return to from a panic: the thread stops here for ever.
+#[cfg(not(any(feature = "std", test)))]
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    loop {
+        core::hint::spin_loop();
+    }
+}
+
+#[cfg(all(test, feature = "std"))]
+mod tests {
+    use super::*;
+    use crate::SRBF_STATUS_PANIC;
+
+    #[test]
+    fn a_panic_becomes_a_status() {
+        assert_eq!(guard(|| panic!("planted {}", 1)), SRBF_STATUS_PANIC);
+        assert_eq!(guard(|| Ok(())), SRBF_STATUS_OK);
+        assert_eq!(guard(|| Err(7.into())), 7);
+    }
+
+    #[test]
+    fn a_payload_that_panics_when_dropped_does_not_escape() {
+        struct Bomb;
+        impl Drop for Bomb {
+            fn drop(&mut self) {
+                panic!("again");
+            }
+        }
+        assert_eq!(guard(|| std::panic::panic_any(Bomb)), SRBF_STATUS_PANIC);
+    }
+}

@@ -1,0 +1,37 @@
+//! The version of the library, to compare with the header's.
+#![allow(unsafe_code)]
+
+use core::ffi::c_char;
+
+/// Version of this header: `major * 10000 + minor * 100 + patch`.
+///
+/// Compare with `srbf_version()` to see whether header and library belong together.
+pub const SRBF_VERSION: u32 = 100;
+
+/// Version of the `.srbf` bytes that are read and written.
+pub const SRBF_FORMAT_VERSION: u32 = 1;
+
+const TEXT: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
+
+/// Returns the version of the library: `major * 10000 + minor * 100 + patch`.
+#[unsafe(no_mangle)]
+pub extern "C" fn srbf_version() -> u32 {
+    SRBF_VERSION
+}
+
+/// Returns the version of the library as text, such as "0.1.0"; never NULL, valid for ever.
+#[unsafe(no_mangle)]
+pub extern "C" fn srbf_version_text() -> *const c_char {
+    TEXT.as_ptr().cast()
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_numbers_are_those_of_the_crates() {
+        let mut parts = env!("CARGO_PKG_VERSION").split('.').map(|part| part.parse::<u32>().unwrap());
+        let mut next = || parts.next().unwrap();
+        assert_eq!(super::SRBF_VERSION, next() * 10000 + next() * 100 + next());
+        assert_eq!(super::SRBF_FORMAT_VERSION, srbf_core::FORMAT_VERSION);
+    }
+}
