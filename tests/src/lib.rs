@@ -1,4 +1,3 @@
 //! What the tests share: oracle, tolerances, inputs, statistics.
 
-pub mod header;
 pub mod native;
