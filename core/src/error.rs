@@ -10,7 +10,7 @@ pub enum Error {
     Axis,
     /// The sharpness is NaN, negative, or above [`MAX_SHARPNESS`](crate::MAX_SHARPNESS).
     Sharpness,
-    /// An amplitude is NaN, negative or infinite.
+    /// An amplitude is NaN, negative or infinite, or the integral of a mixture is infinite.
     Amplitude,
     /// The squeeze is NaN or outside [0.01, 2].
     Squeeze,
@@ -23,6 +23,10 @@ pub enum Error {
     },
     /// The direction is not a finite vector of length 1 within 1e-3.
     Direction,
+    /// The slices of a batch are not all of one length.
+    Length,
+    /// This processor or this build lacks the instruction set.
+    Level,
 }
 
 impl fmt::Display for Error {
@@ -35,6 +39,8 @@ impl fmt::Display for Error {
             Self::Capacity { needed, available } => {
                 write!(f, "the mixture has room for {available} lobes, {needed} are needed")
             }
+            Self::Length => f.write_str("the slices of a batch must all have one length"),
+            Self::Level => f.write_str("this processor or this build lacks the instruction set"),
             Self::Direction => f.write_str("a direction must be a finite unit vector"),
         }
     }

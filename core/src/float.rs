@@ -22,6 +22,3 @@ pub(crate) fn sqrt(x: f32) -> f32 {
 pub(crate) fn sin_cos(x: f32) -> (f32, f32) {
     libm::sincosf(x)
 }
-pub(crate) fn atan2(y: f32, x: f32) -> f32 {
-    libm::atan2f(y, x)
-}

@@ -10,9 +10,9 @@
 //! 28  u32       squeezed lobes, the first of the K
 //! 32  u32       bytes of the provenance text
 //! 36  u32 x 3   0
-//! 48  V views, each (2 + 5 K) f32:
-//!       angle of the outgoing direction from the normal, radians, the first 0, rising, at most pi / 2
-//!       log2 of the squeeze c, 0 in the first
+//! 48  V f32     angles of the outgoing directions from the normal, radians, the first 0, rising, at most pi / 2
+//!     V f32     log2 of the squeeze c, 0 in the first
+//!     V views, each 5 K f32:
 //!       K angles of the axes from the normal, radians, positive towards the mirror direction, 0 in the first view
 //!       K log2 of the sharpness
 //!       K log2 of the red amplitude, K of the green, K of the blue
@@ -64,12 +64,23 @@ pub(crate) struct Header {
 }
 
 impl Header {
-    /// f32 numbers a view.
-    pub const fn stride(&self) -> usize {
-        2 + 5 * self.lobes
+    /// Byte offset of the angle of a view.
+    #[inline(always)]
+    pub const fn theta(&self, view: usize) -> usize {
+        HEADER + 4 * view
+    }
+    /// Byte offset of the squeeze of a view.
+    #[inline(always)]
+    pub const fn squeeze(&self, view: usize) -> usize {
+        HEADER + 4 * (self.views + view)
+    }
+    /// Byte offset of a row of K numbers of a view: axes, sharpness, red, green, blue.
+    #[inline(always)]
+    pub const fn row(&self, view: usize, row: usize) -> usize {
+        HEADER + 4 * (2 * self.views + (5 * view + row) * self.lobes)
     }
     const fn len(&self) -> usize {
-        HEADER + 4 * self.views * self.stride() + self.provenance + CHECKSUM
+        self.row(self.views, 0) + self.provenance + CHECKSUM
     }
 }
 
@@ -112,13 +123,13 @@ pub fn encode(
     for n in [FORMAT_VERSION as usize, 0, needed, views.len(), lobes, squeezed, provenance.len(), 0, 0, 0] {
         put(&u32::try_from(n).unwrap_or(u32::MAX).to_le_bytes());
     }
-    for (v, view) in views.iter().enumerate() {
-        if view.lobes.len() != lobes {
-            let offset = HEADER + 4 * v * (2 + 5 * lobes);
-            return Err(FormatError::Field { name: "number of lobes of a view", offset });
-        }
-        put(&view.theta.to_le_bytes());
-        put(&view.log2_squeeze.to_le_bytes());
+    if let Some(v) = views.iter().position(|view| view.lobes.len() != lobes) {
+        let header = Header { views: views.len(), lobes, squeezed, provenance: 0 };
+        return Err(FormatError::Field { name: "number of lobes of a view", offset: header.row(v, 0) });
+    }
+    views.iter().for_each(|view| put(&view.theta.to_le_bytes()));
+    views.iter().for_each(|view| put(&view.log2_squeeze.to_le_bytes()));
+    for view in views {
         view.lobes.iter().for_each(|l| put(&l.angle.to_le_bytes()));
         view.lobes.iter().for_each(|l| put(&l.log2_sharpness.to_le_bytes()));
         for channel in 0..3 {
@@ -182,30 +193,27 @@ pub(crate) fn validate(bytes: &[u8]) -> Result<Header, FormatError> {
 }
 
 fn validate_views(bytes: &[u8], header: &Header) -> Result<(), FormatError> {
-    let k = header.lobes;
     let mut previous = -1.0;
     for view in 0..header.views {
-        let start = HEADER + 4 * view * header.stride();
-        let check = |name, index: usize, low: f32, high: f32| {
-            let offset = start + 4 * index;
+        let check = |name, offset: usize, low: f32, high: f32| {
             // False for NaN too.
             let inside = (low..=high).contains(&f32_at(bytes, offset));
             if inside { Ok(()) } else { Err(FormatError::Field { name, offset }) }
         };
         // The first view is the normal, where nothing may depend on the azimuth of the outgoing direction.
-        let normal = view == 0;
-        check("angle of a view", 0, 0.0, if normal { 0.0 } else { FRAC_PI_2 })?;
-        if f32_at(bytes, start) <= previous {
-            return Err(FormatError::Field { name: "angle of a view (must rise)", offset: start });
+        let limit = |free: f32| if view == 0 { 0.0 } else { free };
+        let theta = header.theta(view);
+        check("angle of a view", theta, 0.0, limit(FRAC_PI_2))?;
+        if f32_at(bytes, theta) <= previous {
+            return Err(FormatError::Field { name: "angle of a view (must rise)", offset: theta });
         }
-        previous = f32_at(bytes, start);
-        let limit = |free: f32| if normal { 0.0 } else { free };
-        check("squeeze", 1, limit(-6.64), limit(1.0))?;
-        for lobe in 0..k {
-            check("angle of an axis", 2 + lobe, limit(-PI), limit(PI))?;
-            check("sharpness", 2 + k + lobe, -100.0, 26.5)?;
+        previous = f32_at(bytes, theta);
+        check("squeeze", header.squeeze(view), limit(-6.64), limit(1.0))?;
+        for lobe in 0..header.lobes {
+            check("angle of an axis", header.row(view, 0) + 4 * lobe, limit(-PI), limit(PI))?;
+            check("sharpness", header.row(view, 1) + 4 * lobe, -100.0, 26.5)?;
             for channel in 2..5 {
-                check("amplitude", 2 + channel * k + lobe, -126.0, 60.0)?;
+                check("amplitude", header.row(view, channel) + 4 * lobe, -126.0, 60.0)?;
             }
         }
     }

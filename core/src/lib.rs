@@ -22,19 +22,26 @@
 //! ```
 #![no_std]
 
+mod batch;
 mod checksum;
 mod error;
 mod float;
 mod format;
+mod lanes;
 mod lobe;
 mod material;
 mod mixture;
+mod prepare;
+mod simd;
+mod single;
 pub mod special;
 mod squeeze;
 
+pub use batch::SamplesMut;
 pub use error::{Error, FormatError};
 pub use format::{FORMAT_VERSION, PlaneLobe, View, encode, encoded_len};
 pub use glam::Vec3;
 pub use lobe::{Gaussian, Lobe, MAX_SHARPNESS};
 pub use material::Material;
-pub use mixture::{Domain, MAX_LOBES, Mixture, Sample, luminance};
+pub use mixture::{Domain, LUMINANCE, MAX_LOBES, Mixture, Sample, luminance};
+pub use simd::Level;

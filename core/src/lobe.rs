@@ -24,7 +24,6 @@ pub struct Gaussian {
     pub sharpness: f32,
 }
 
-// SAFETY-free plain data: repr(C), four f32, no padding.
 impl Gaussian {
     /// Makes a kernel of a unit axis and a sharpness.
     ///

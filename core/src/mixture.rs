@@ -1,24 +1,28 @@
 //! A mixture: the lobes that one outgoing direction needs, ready to evaluate and sample.
 
-use crate::float;
-use crate::squeeze::{Seen, Squeeze};
-use crate::{Error, Gaussian, Lobe, special};
-use core::f32::consts::LOG2_E;
+use crate::lanes::{Lanes, exp2};
+use crate::simd::Level;
+use crate::single::{EvaluateOne, PdfOne, SampleOne};
+use crate::squeeze::Squeeze;
+use crate::{Error, Gaussian, Lobe};
+use core::f32::consts::{LOG2_E, PI};
 use glam::Vec3;
 
 /// Most lobes that a mixture can hold.
 pub const MAX_LOBES: usize = 64;
 
-/// Share of a lobe's integral that may lie below the horizon before the lobe is folded.
+/// `-ln 1e-7`: a lobe is folded if `s (1 - t)` is below this; see [`Mixture`], "Which lobes are folded".
 ///
-/// Smaller folds more lobes and costs an exponential each. Below this the error of leaving the fold out is under the
-/// rounding of the integral itself; see [`Mixture`], "Which lobes are folded".
-const FOLD_BOUND: f32 = 1e-7;
+/// A larger share than 1e-7 would fold fewer lobes and save an exponential each, at an error above f32 rounding.
+const FOLD_EXPONENT: f32 = 16.118;
 
-/// Luminance of a linear sRGB colour (Rec. 709 weights): what lobes are chosen by and densities are weighted with.
+/// Weights of luminance in linear sRGB (Rec. 709).
+pub const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+
+/// Luminance of a linear sRGB colour (Rec. 709): what lobes are chosen by and densities are weighted with.
 #[inline]
 pub fn luminance(rgb: Vec3) -> f32 {
-    0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z
+    rgb.dot(Vec3::from_array(LUMINANCE))
 }
 
 /// Where a mixture lives.
@@ -42,26 +46,43 @@ pub struct Sample {
     pub value: Vec3,
 }
 
-/// A sum of lobes for one outgoing direction, in storage for `N` of them (64 at most), without allocation.
+impl Sample {
+    /// `f cos / pdf`, linear sRGB: its luminance is that of the mixture's albedo at every sample.
+    #[inline]
+    pub fn weight(&self) -> Vec3 {
+        self.value / self.pdf
+    }
+}
+
+/// A sum of lobes for one outgoing direction, in storage for `N` of them, without allocation.
 ///
-/// The first lobes see the squeezed direction, the others the direction itself.
+/// `N` is 16, 32, 48 or 64. The first lobes see the squeezed direction, the others the direction itself.
 ///
 /// # Which lobes are folded
 /// A folded lobe is `a (G(d) + G(d mirrored in z = 0))`, whose integral over the hemisphere is that of the lobe over
-/// the sphere. The second term is left out, once per lobe, where the share of the lobe below the horizon is at most
-/// 1e-7. Below the horizon `cos <= t = sqrt(1 - axis.z^2)`, and a Gaussian has a share
-/// `(exp(-s (1 - t)) - exp(-2 s)) / (1 - exp(-2 s)) <= exp(-s (1 - t))` of its integral at `cos <= t`.
+/// the sphere. A folded lobe does not change if its axis is mirrored, so axes are kept above the horizon. The second
+/// term is left out, once per lobe, where the share of the lobe below the horizon is at most 1e-7: below the horizon
+/// `cos <= t = sqrt(1 - axis.z^2)`, and a Gaussian has the share
+/// `(exp(-s (1 - t)) - exp(-2 s)) / (1 - exp(-2 s)) <= exp(-s (1 - t))` of its integral at `cos <= t`. What is left out
+/// is at most `1e-7 a` at any direction.
 #[derive(Clone, Debug)]
 pub struct Mixture<const N: usize> {
     pub(crate) count: usize,
     pub(crate) squeezed: usize,
     pub(crate) domain: Domain,
+    /// Every axis has y = 0 in the frame of the view.
+    pub(crate) in_plane: bool,
+    /// What this mixture's kernels run on, chosen when it was made.
+    pub(crate) level: Level,
     pub(crate) squeeze: Squeeze,
     /// Bit k: lobe k needs its fold.
     pub(crate) folded: u64,
     pub(crate) albedo: Vec3,
-    /// Luminance of the albedo: the normaliser of the density.
+    /// Luminance of the albedo, the normaliser of the density; 0 if nothing can be sampled.
     pub(crate) power: f32,
+    /// `1 / power`, or 0.
+    pub(crate) inverse_power: f32,
+    // Structure of arrays; places from `count` up to the next multiple of 16 hold lobes of amplitude 0.
     pub(crate) axis_x: [f32; N],
     pub(crate) axis_y: [f32; N],
     pub(crate) axis_z: [f32; N],
@@ -69,9 +90,19 @@ pub struct Mixture<const N: usize> {
     pub(crate) red: [f32; N],
     pub(crate) green: [f32; N],
     pub(crate) blue: [f32; N],
-    /// Luminance amplitude over the mixture's integral: the density is the sum of `weight G`.
-    pub(crate) weight: [f32; N],
-    /// Running share of the integral, 1 from the last lobe that can be chosen on.
+    /// Luminance of the amplitude.
+    pub(crate) luminance: [f32; N],
+    /// `-s / 2` in base 2: times the squared chord it is the exponent.
+    pub(crate) rate: [f32; N],
+    /// `-2 s axis.z` in base 2: times d.z it is what the fold adds to the exponent.
+    pub(crate) fold_rate: [f32; N],
+    /// `1 / s`, of at least 1e-7: below, the lobe is constant to f32.
+    pub(crate) inverse_sharpness: [f32; N],
+    /// `1 - exp(-2 s)`.
+    pub(crate) inside: [f32; N],
+    /// `exp(-2 s)`.
+    pub(crate) tail: [f32; N],
+    /// Running sum of the luminance of the integrals.
     pub(crate) cumulative: [f32; N],
 }
 
@@ -84,31 +115,40 @@ impl<const N: usize> Default for Mixture<N> {
 impl<const N: usize> Mixture<N> {
     /// The mixture without lobes: value, albedo and density are 0, and no sample can be drawn.
     pub const fn empty() -> Self {
-        const { assert!(N <= MAX_LOBES) };
+        const { assert!(N.is_multiple_of(16) && N <= MAX_LOBES, "a mixture has room for 16, 32, 48 or 64 lobes") };
+        let zeros = [0.0; N];
         Self {
             count: 0,
             squeezed: 0,
             domain: Domain::Hemisphere,
+            in_plane: true,
+            level: Level::Scalar,
             squeeze: Squeeze::NONE,
             folded: 0,
             albedo: Vec3::ZERO,
             power: 0.0,
-            axis_x: [0.0; N],
-            axis_y: [0.0; N],
-            axis_z: [0.0; N],
-            sharpness: [0.0; N],
-            red: [0.0; N],
-            green: [0.0; N],
-            blue: [0.0; N],
-            weight: [0.0; N],
-            cumulative: [0.0; N],
+            inverse_power: 0.0,
+            axis_x: zeros,
+            axis_y: zeros,
+            axis_z: zeros,
+            sharpness: zeros,
+            red: zeros,
+            green: zeros,
+            blue: zeros,
+            luminance: zeros,
+            rate: zeros,
+            fold_rate: zeros,
+            inverse_sharpness: zeros,
+            inside: zeros,
+            tail: zeros,
+            cumulative: zeros,
         }
     }
 
     /// Makes a mixture of folded, round lobes on the upper hemisphere.
     ///
     /// # Errors
-    /// [`Error::Capacity`]; and what [`Lobe::new`] refuses.
+    /// [`Error::Capacity`]; [`Error::Amplitude`] if the integral is not finite; and what [`Lobe::new`] refuses.
     pub fn hemisphere(lobes: &[Lobe]) -> Result<Self, Error> {
         Self::new(Domain::Hemisphere, 1.0, &[], lobes)
     }
@@ -116,15 +156,16 @@ impl<const N: usize> Mixture<N> {
     /// Makes a mixture of round lobes on the whole sphere.
     ///
     /// # Errors
-    /// [`Error::Capacity`]; and what [`Lobe::new`] refuses.
+    /// [`Error::Capacity`]; [`Error::Amplitude`] if the integral is not finite; and what [`Lobe::new`] refuses.
     pub fn sphere(lobes: &[Lobe]) -> Result<Self, Error> {
         Self::new(Domain::Sphere, 1.0, &[], lobes)
     }
 
-    /// Makes a mixture of squeezed and round lobes; the squeeze narrows along y.
+    /// Makes a mixture of squeezed and round lobes; the squeeze c narrows (c < 1) or widens along y.
     ///
     /// # Errors
-    /// [`Error::Capacity`], [`Error::Squeeze`]; and what [`Lobe::new`] refuses.
+    /// [`Error::Capacity`]; [`Error::Squeeze`] outside [0.01, 2]; [`Error::Amplitude`] if the integral is not finite;
+    /// and what [`Lobe::new`] refuses.
     pub fn new(domain: Domain, squeeze: f32, squeezed: &[Lobe], round: &[Lobe]) -> Result<Self, Error> {
         let needed = squeezed.len() + round.len();
         if needed > N {
@@ -134,69 +175,97 @@ impl<const N: usize> Mixture<N> {
             return Err(Error::Squeeze);
         }
         let mut mixture = Self::empty();
-        mixture.begin(domain, Squeeze { azimuth: [1.0, 0.0], inverse: 1.0 / squeeze }, squeezed.len());
-        for lobe in squeezed.iter().chain(round) {
-            let checked = Lobe::new(lobe.gaussian.axis, lobe.gaussian.sharpness, lobe.amplitude)?;
-            mixture.push(checked.gaussian, checked.amplitude);
+        mixture.begin(domain, Squeeze { azimuth: [1.0, 0.0], inverse: 1.0 / squeeze });
+        for (k, lobe) in squeezed.iter().chain(round).enumerate() {
+            let Lobe { gaussian, amplitude } =
+                Lobe::new(lobe.gaussian.axis, lobe.gaussian.sharpness, lobe.amplitude)?;
+            mixture.in_plane &= gaussian.axis.y == 0.0;
+            mixture.axis_x[k] = gaussian.axis.x;
+            mixture.axis_y[k] = gaussian.axis.y;
+            mixture.axis_z[k] = gaussian.axis.z;
+            mixture.sharpness[k] = gaussian.sharpness;
+            [mixture.red[k], mixture.green[k], mixture.blue[k]] = amplitude.to_array();
         }
-        mixture.finish();
-        Ok(mixture)
+        mixture.finish::<f32>(needed, squeezed.len());
+        if mixture.albedo.is_finite() { Ok(mixture) } else { Err(Error::Amplitude) }
     }
 
-    /// Starts over, keeping the storage.
-    pub(crate) fn begin(&mut self, domain: Domain, squeeze: Squeeze, squeezed: usize) {
+    /// Starts over as an empty mixture, keeping the storage.
+    #[inline(always)]
+    pub(crate) fn begin(&mut self, domain: Domain, squeeze: Squeeze) {
         self.count = 0;
-        self.squeezed = squeezed;
+        self.squeezed = 0;
         self.domain = domain;
+        self.in_plane = true;
+        self.level = Level::current();
         self.squeeze = squeeze;
         self.folded = 0;
         self.albedo = Vec3::ZERO;
         self.power = 0.0;
+        self.inverse_power = 0.0;
     }
 
-    /// Adds one lobe, whose parts the caller has checked.
-    #[inline]
-    pub(crate) fn push(&mut self, gaussian: Gaussian, amplitude: Vec3) {
-        let (k, s) = (self.count, gaussian.sharpness);
-        let rgb = amplitude * gaussian.integral();
-        self.axis_x[k] = gaussian.axis.x;
-        self.axis_y[k] = gaussian.axis.y;
-        self.axis_z[k] = gaussian.axis.z;
-        self.sharpness[k] = s;
-        self.red[k] = amplitude.x;
-        self.green[k] = amplitude.y;
-        self.blue[k] = amplitude.z;
-        self.weight[k] = luminance(amplitude);
-        self.power += luminance(rgb);
-        self.cumulative[k] = self.power;
-        self.albedo += rgb;
-        if self.domain == Domain::Hemisphere {
-            let z = gaussian.axis.z;
-            // 1 - t without cancellation; a lobe that looks below the horizon is always folded.
-            let t = float::sqrt((1.0 - z * z).max(0.0));
-            let share = float::exp(-s * (z * z / (1.0 + t)));
-            if z <= 0.0 || share > FOLD_BOUND {
-                self.folded |= 1 << k;
+    /// Completes the mixture from axes, sharpness and amplitudes, which the caller has stored and checked; those of
+    /// the places up to the next multiple of 16 must be valid, of amplitude 0.
+    #[inline(always)]
+    pub(crate) fn finish<L: Lanes>(&mut self, count: usize, squeezed: usize) {
+        (self.count, self.squeezed) = (count, squeezed);
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        let mut albedo = [zero; 3];
+        let mut powers = [0.0; MAX_LOBES];
+        let mut k = 0;
+        while k < count && k + L::COUNT <= N {
+            let s = L::load(&self.sharpness[k..]);
+            let rate = s * L::splat(-0.5 * LOG2_E);
+            rate.store(&mut self.rate[k..]);
+
+            // Normaliser: (1 - exp(-x)) / x at x = 2 s, by its series where the difference would cancel.
+            let s = s.max(L::splat(1e-7));
+            let x = s + s;
+            let inverse = one / s;
+            let tail = exp2(s * L::splat(-2.0 * LOG2_E));
+            let mut series = L::splat(-1.0 / 40_320.0);
+            for coefficient in [1.0 / 5040.0, -1.0 / 720.0, 1.0 / 120.0, -1.0 / 24.0, 1.0 / 6.0, -0.5, 1.0] {
+                series = series.mul_add(x, L::splat(coefficient));
             }
+            let small = x.lt(L::splat(0.5));
+            let inside = L::select(small, series * x, one - tail);
+            let integral = inside * inverse * L::splat(2.0 * PI);
+            inverse.store(&mut self.inverse_sharpness[k..]);
+            tail.store(&mut self.tail[k..]);
+            inside.store(&mut self.inside[k..]);
+
+            let mut axis_z = L::load(&self.axis_z[k..]);
+            if self.domain == Domain::Hemisphere {
+                axis_z = axis_z.abs();
+                axis_z.store(&mut self.axis_z[k..]);
+                (rate * axis_z * L::splat(4.0)).store(&mut self.fold_rate[k..]);
+                // s (1 - t) = s z^2 / (1 + t), without cancellation.
+                let zz = axis_z * axis_z;
+                let t = (one - zz).max(zero).sqrt();
+                let folds = (s * zz).lt((one + t) * L::splat(FOLD_EXPONENT));
+                self.folded |= L::bits(folds) << k;
+            }
+
+            let rgb = [&self.red, &self.green, &self.blue].map(|channel| L::load(&channel[k..]));
+            let [r, g, b] = LUMINANCE.map(L::splat);
+            let luminance = rgb[0].mul_add(r, rgb[1].mul_add(g, rgb[2] * b));
+            luminance.store(&mut self.luminance[k..]);
+            (luminance * integral).store(&mut powers[k..]);
+            for (sum, amplitude) in albedo.iter_mut().zip(rgb) {
+                *sum = amplitude.mul_add(integral, *sum);
+            }
+            k += L::COUNT;
         }
-        self.count += 1;
-    }
-
-    /// Normalises the density and closes the distribution over the lobes.
-    pub(crate) fn finish(&mut self) {
-        if self.power > 0.0 && self.power.is_finite() {
-            let inverse = 1.0 / self.power;
-            let total = self.power;
-            for k in 0..self.count {
-                self.weight[k] *= inverse;
-                // The last lobe that adds anything gets exactly 1, and so do the black ones behind it.
-                self.cumulative[k] =
-                    if self.cumulative[k] >= total { 1.0 } else { self.cumulative[k] * inverse };
-            }
-        } else {
-            self.weight[..self.count].fill(0.0);
-            self.cumulative[..self.count].fill(0.0);
-            self.power = 0.0;
+        self.albedo = Vec3::from_array(albedo.map(L::sum));
+        let mut power = 0.0;
+        for (running, lobe) in self.cumulative[..count.min(N)].iter_mut().zip(&powers) {
+            power += lobe;
+            *running = power;
+        }
+        // A sum so small that its inverse is infinite reflects nothing.
+        if power >= f32::MIN_POSITIVE {
+            (self.power, self.inverse_power) = (power, 1.0 / power);
         }
     }
 
@@ -224,18 +293,33 @@ impl<const N: usize> Mixture<N> {
         1.0 / self.squeeze.inverse
     }
 
+    /// Where the mixture lives.
+    #[inline]
+    pub fn domain(&self) -> Domain {
+        self.domain
+    }
+
+    /// The instruction set that this mixture's kernels run on, chosen when it was made; see [`Level::set`].
+    #[inline]
+    pub fn level(&self) -> Level {
+        self.level
+    }
+
+    /// Whether lobe `k` is evaluated with its fold.
+    #[inline]
+    pub fn is_folded(&self, k: usize) -> bool {
+        k < self.count && self.folded >> k & 1 == 1
+    }
+
     /// Lobe `k` in the frame of the view, or `None` past the end.
     pub fn lobe(&self, k: usize) -> Option<Lobe> {
         (k < self.count).then(|| Lobe {
-            gaussian: self.gaussian(k),
+            gaussian: Gaussian {
+                axis: Vec3::new(self.axis_x[k], self.axis_y[k], self.axis_z[k]),
+                sharpness: self.sharpness[k],
+            },
             amplitude: Vec3::new(self.red[k], self.green[k], self.blue[k]),
         })
-    }
-
-    #[inline]
-    fn gaussian(&self, k: usize) -> Gaussian {
-        let axis = Vec3::new(self.axis_x[k], self.axis_y[k], self.axis_z[k]);
-        Gaussian { axis, sharpness: self.sharpness[k] }
     }
 
     /// Integral of the value over the domain, in closed form: `sum a I(s)`; linear sRGB.
@@ -246,66 +330,34 @@ impl<const N: usize> Mixture<N> {
         self.albedo
     }
 
+    /// Luminance of the albedo: what the density is normalised by, and the luminance of every sample's weight.
+    #[inline]
+    pub fn power(&self) -> f32 {
+        self.power
+    }
+
     /// Evaluates `f cos` towards an incident direction, linear sRGB; 1/sr. 0 below the horizon of a hemisphere.
     #[inline]
     pub fn evaluate(&self, direction: Vec3) -> Vec3 {
-        let mut sum = Vec3::ZERO;
-        self.for_each_lobe(direction, |k, g| {
-            sum += Vec3::new(self.red[k], self.green[k], self.blue[k]) * g;
-        });
-        sum
+        self.level.run(EvaluateOne { mixture: self, direction })
     }
 
     /// Evaluates the density of [`sample`](Self::sample) at a direction; 1/sr.
     #[inline]
     pub fn pdf(&self, direction: Vec3) -> f32 {
-        let mut sum = 0.0;
-        self.for_each_lobe(direction, |k, g| sum += self.weight[k] * g);
-        sum
+        self.level.run(PdfOne { mixture: self, direction })
     }
 
     /// Value and density in one pass over the lobes.
     #[inline]
     pub fn evaluate_and_pdf(&self, direction: Vec3) -> (Vec3, f32) {
-        let (mut value, mut pdf) = (Vec3::ZERO, 0.0);
-        self.for_each_lobe(direction, |k, g| {
-            value += Vec3::new(self.red[k], self.green[k], self.blue[k]) * g;
-            pdf += self.weight[k] * g;
-        });
-        (value, pdf)
-    }
-
-    /// Calls with every lobe and its unit value at the direction, fold and change of solid angle included.
-    #[inline]
-    fn for_each_lobe(&self, direction: Vec3, mut each: impl FnMut(usize, f32)) {
-        // The comparison is false for a NaN too.
-        let above = direction.z >= 0.0;
-        if !above && self.domain == Domain::Hemisphere {
-            return;
-        }
-        let turned = self.squeeze.turn(direction);
-        let mut run = |seen: Seen, from: usize, to: usize| {
-            for k in from..to {
-                let gaussian = self.gaussian(k);
-                let chord = (seen.high - gaussian.axis) + seen.low;
-                let rate = -0.5 * LOG2_E * gaussian.sharpness;
-                let mut g = float::exp2(rate * chord.length_squared());
-                if self.folded >> k & 1 == 1 {
-                    let mirrored = Vec3::new(chord.x, chord.y, (seen.high.z + gaussian.axis.z) + seen.low.z);
-                    g += float::exp2(rate * mirrored.length_squared());
-                }
-                each(k, g * seen.scale);
-            }
-        };
-        if self.squeezed > 0 {
-            run(self.squeeze.squeeze(&turned), 0, self.squeezed);
-        }
-        run(turned, self.squeezed, self.count);
+        let value = self.evaluate(direction);
+        (value, luminance(value) * self.inverse_power)
     }
 
     /// Draws an incident direction from the density: lobe by `u[0]`, direction in it by `u[1]` and `u[2]`.
     ///
-    /// `None` where every amplitude is 0: such a mixture reflects nothing. No sample is wasted below the horizon.
+    /// `None` where the integral is 0: such a mixture reflects nothing. No sample is wasted below the horizon.
     /// The three numbers are uniform in [0, 1).
     /// Source: Weng and Shih 2006, section 4.2.2, eq. 14; differs: what falls below the horizon is mirrored up.
     #[inline]
@@ -313,29 +365,9 @@ impl<const N: usize> Mixture<N> {
         if self.power == 0.0 {
             return None;
         }
-        let k = self.cumulative[..self.count].iter().position(|&c| u[0] < c).unwrap_or(self.count - 1);
-        let mut d = self.gaussian(k).sample([u[1], u[2]]);
-        if k < self.squeezed {
-            d = self.squeeze.unsqueeze(d);
-        }
-        if self.domain == Domain::Hemisphere {
-            d.z = d.z.abs();
-        }
-        let direction = self.squeeze.turn_back(d).normalize();
-        let (value, pdf) = self.evaluate_and_pdf(direction);
+        let (direction, value) = self.level.run(SampleOne { mixture: self, u });
+        let pdf = luminance(value) * self.inverse_power;
         // A density that f32 rounds to 0 cannot be divided by: far out in a tail, where the value is 0 too.
         (pdf > 0.0).then_some(Sample { direction, pdf, value })
-    }
-
-    /// Luminance of the albedo; what the density was normalised by.
-    #[inline]
-    pub fn power(&self) -> f32 {
-        self.power
-    }
-
-    /// Checks for tests: the sphere integral of every lobe by the closed form, sr.
-    #[doc(hidden)]
-    pub fn lobe_integral(&self, k: usize) -> f32 {
-        special::sphere_integral(self.sharpness[k])
     }
 }

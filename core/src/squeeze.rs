@@ -17,8 +17,7 @@
 //! unevaluated sum of two f32, by error-free transformations (Dekker 1971, Knuth 1969). The error along the direction
 //! that remains in `1 / r` counts only squared.
 
-use crate::float;
-use glam::Vec3;
+use crate::lanes::{Lanes, sum_of_products, two_product};
 
 /// The turn into the frame of a view, and the squeeze in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,84 +29,65 @@ pub(crate) struct Squeeze {
 }
 
 /// A direction as the lobes see it: `high + low`, `low` the part that f32 rounds away.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Seen {
-    pub high: Vec3,
-    pub low: Vec3,
+#[derive(Clone, Copy)]
+pub(crate) struct Seen<L> {
+    pub high: [L; 3],
+    pub low: [L; 3],
     /// Change of solid angle, `1 / (c r^3)`.
-    pub scale: f32,
+    pub scale: L,
 }
 
 impl Squeeze {
     pub const NONE: Self = Self { azimuth: [1.0, 0.0], inverse: 1.0 };
 
+    /// Whether the frame of the view is the caller's, so that turning loses nothing.
+    #[inline(always)]
+    pub fn is_unturned(&self) -> bool {
+        self.azimuth == [1.0, 0.0]
+    }
+
     /// The direction as round lobes see it: turned only.
-    #[inline]
-    pub fn turn(&self, d: Vec3) -> Seen {
-        let [c, s] = self.azimuth;
-        let (x, x_low) = sum_of_products(d.x, c, d.y, s);
-        let (y, y_low) = sum_of_products(d.y, c, -d.x, s);
-        Seen { high: Vec3::new(x, y, d.z), low: Vec3::new(x_low, y_low, 0.0), scale: 1.0 }
+    #[inline(always)]
+    pub fn turn<L: Lanes>(&self, [x, y, z]: [L; 3]) -> Seen<L> {
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        if self.is_unturned() {
+            return Seen { high: [x, y, z], low: [zero; 3], scale: one };
+        }
+        let [c, s] = self.azimuth.map(L::splat);
+        let (turned_x, low_x) = sum_of_products(x, c, y, s);
+        let (turned_y, low_y) = sum_of_products(y, c, zero - x, s);
+        Seen { high: [turned_x, turned_y, z], low: [low_x, low_y, zero], scale: one }
     }
 
     /// The direction as squeezed lobes see it, from the turned one.
-    #[inline]
-    pub fn squeeze(&self, turned: &Seen) -> Seen {
-        let (y, y_error) = two_product(turned.high.y, self.inverse);
-        let v = Vec3::new(turned.high.x, y, turned.high.z);
-        let v_low = Vec3::new(turned.low.x, y_error + turned.low.y * self.inverse, 0.0);
-        let inverse_length = 1.0 / float::sqrt(v.length_squared());
-        let (hx, lx) = two_product(v.x, inverse_length);
-        let (hy, ly) = two_product(v.y, inverse_length);
-        let (hz, lz) = two_product(v.z, inverse_length);
+    #[inline(always)]
+    pub fn squeeze<L: Lanes>(&self, turned: &Seen<L>) -> Seen<L> {
+        let inverse = L::splat(self.inverse);
+        let [x, y, z] = turned.high;
+        let (y, y_error) = two_product(y, inverse);
+        let y_low = turned.low[1].mul_add(inverse, y_error);
+        let length_squared = x.mul_add(x, y.mul_add(y, z * z));
+        let shrink = L::splat(1.0) / length_squared.sqrt();
+        let (high_x, low_x) = two_product(x, shrink);
+        let (high_y, low_y) = two_product(y, shrink);
+        let (high_z, low_z) = two_product(z, shrink);
         Seen {
-            high: Vec3::new(hx, hy, hz),
-            low: Vec3::new(lx, ly, lz) + v_low * inverse_length,
-            scale: self.inverse * inverse_length * inverse_length * inverse_length,
+            high: [high_x, high_y, high_z],
+            low: [turned.low[0].mul_add(shrink, low_x), y_low.mul_add(shrink, low_y), low_z],
+            scale: inverse * shrink * (shrink * shrink),
         }
     }
 
-    /// The direction whose squeezed image is `u`, still in the frame of the view.
-    #[inline]
-    pub fn unsqueeze(&self, u: Vec3) -> Vec3 {
-        Vec3::new(u.x, u.y / self.inverse, u.z).normalize()
+    /// The direction whose squeezed image is along `u`, not normalised, still in the frame of the view.
+    #[inline(always)]
+    pub fn unsqueeze<L: Lanes>(&self, [x, y, z]: [L; 3]) -> [L; 3] {
+        [x, y * L::splat(1.0 / self.inverse), z]
     }
 
     /// Turns a direction from the frame of the view back to the caller's.
-    #[inline]
-    pub fn turn_back(&self, d: Vec3) -> Vec3 {
-        let [c, s] = self.azimuth;
-        Vec3::new(d.x * c - d.y * s, d.x * s + d.y * c, d.z)
+    #[inline(always)]
+    pub fn turn_back<L: Lanes>(&self, [x, y, z]: [L; 3]) -> [L; 3] {
+        let [c, s] = self.azimuth.map(L::splat);
+        [(y * s).neg_mul_add(L::splat(1.0), x * c), x.mul_add(s, y * c), z]
     }
-}
-
-/// `a + b` and its rounding error (Knuth).
-#[inline]
-fn two_sum(a: f32, b: f32) -> (f32, f32) {
-    let sum = a + b;
-    let b_part = sum - a;
-    (sum, (a - (sum - b_part)) + (b - b_part))
-}
-
-/// `a b` and its rounding error (Dekker; exact while nothing under- or overflows).
-#[inline]
-fn two_product(a: f32, b: f32) -> (f32, f32) {
-    const SPLIT: f32 = 4097.0; // 2^12 + 1: halves of 12 bits
-    let halves = |v: f32| {
-        let t = SPLIT * v;
-        let high = t - (t - v);
-        (high, v - high)
-    };
-    let product = a * b;
-    let ((ah, al), (bh, bl)) = (halves(a), halves(b));
-    (product, ((ah * bh - product) + ah * bl + al * bh) + al * bl)
-}
-
-/// `a b + c d` as a sum of two.
-#[inline]
-fn sum_of_products(a: f32, b: f32, c: f32, d: f32) -> (f32, f32) {
-    let (p, p_error) = two_product(a, b);
-    let (q, q_error) = two_product(c, d);
-    let (sum, error) = two_sum(p, q);
-    (sum, error + (p_error + q_error))
 }

@@ -1,0 +1,308 @@
+//! The text of every kernel is generic over [`Lanes`]: one f32 for the scalar path, SIMD vectors for the back ends.
+//!
+//! Everything here is `#[inline(always)]`: a vector method must be compiled inside the `#[target_feature]` function that
+//! uses it, or it becomes a call that passes vectors through memory.
+
+use core::ops::{Add, Div, Mul, Sub};
+
+/// A vector of f32, or one f32.
+///
+/// Comparisons with NaN are false. `min` and `max` give the second operand if either is NaN, as x86 does.
+pub trait Lanes:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+{
+    /// Number of f32.
+    const COUNT: usize;
+    /// Whether [`mul_add`](Self::mul_add) rounds once.
+    const FUSED: bool;
+    /// Result of a comparison.
+    type Mask: Copy;
+    /// One small whole number a lane.
+    type Index: Copy;
+
+    /// The same number in every lane.
+    fn splat(value: f32) -> Self;
+    /// The first `COUNT` numbers of a slice; panics if there are fewer.
+    fn load(from: &[f32]) -> Self;
+    /// To the first `COUNT` places of a slice; panics if there are fewer.
+    fn store(self, to: &mut [f32]);
+    /// `self a + b`.
+    fn mul_add(self, a: Self, b: Self) -> Self;
+    /// `b - self a`.
+    fn neg_mul_add(self, a: Self, b: Self) -> Self;
+    /// Smaller of two.
+    fn min(self, other: Self) -> Self;
+    /// Larger of two.
+    fn max(self, other: Self) -> Self;
+    /// Square root, correctly rounded.
+    fn sqrt(self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// Magnitude of `self`, sign of `sign`.
+    fn copy_sign(self, sign: Self) -> Self;
+    /// `self < other`.
+    fn lt(self, other: Self) -> Self::Mask;
+    /// `self >= other`.
+    fn ge(self, other: Self) -> Self::Mask;
+    /// `yes` where the mask is set, else `no`.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// Adds a whole number to the exponent of `self`: `n` is the float `n + 1.5 2^23`, whose low bits hold it.
+    fn add_exponent(self, n: Self) -> Self;
+    /// Splits a positive normal number into a mantissa in [sqrt(1/2), sqrt(2)) and a whole exponent.
+    fn split_exponent(self) -> (Self, Self);
+    /// Number of thresholds that are `<= self`.
+    fn search(self, thresholds: &[f32]) -> Self::Index;
+    /// One bit a lane, the first lane lowest.
+    fn bits(mask: Self::Mask) -> u64;
+    /// `index < limit`.
+    fn index_below(index: Self::Index, limit: usize) -> Self::Mask;
+    /// `table[index]`; every index is within the first `len` entries. `table` has a multiple of 16 entries.
+    fn lookup(table: &[f32], len: usize, index: Self::Index) -> Self;
+    /// Sum over the lanes.
+    fn sum(self) -> f32;
+    /// 0, 1, 2, ...
+    fn iota() -> Self;
+}
+
+/// `2^t`, 0 below -127.
+///
+/// Relative error below 2.5e-7 where the result is a normal f32; below, an absolute error under 2^-126. `t` at most 127.
+/// The lower clamp lies at -127, where the bits of the polynomial's 1 and the exponent cancel to +0: far from a lobe the
+/// result is exactly 0 and not a slow subnormal.
+#[inline(always)]
+pub fn exp2<L: Lanes>(t: L) -> L {
+    const ROUND: f32 = 12_582_912.0; // 1.5 2^23: adding it leaves a whole number in the low bits
+    let t = t.max(L::splat(-127.0));
+    let n = t + L::splat(ROUND);
+    let f = t - (n - L::splat(ROUND));
+    // Minimax on [-1/2, 1/2], relative error 2.2e-7.
+    let mut p = L::splat(0.001_327_647_1);
+    p = p.mul_add(f, L::splat(0.009_675_541));
+    p = p.mul_add(f, L::splat(0.055_507_133));
+    p = p.mul_add(f, L::splat(0.240_221_2));
+    p = p.mul_add(f, L::splat(0.693_146_97));
+    p = p.mul_add(f, L::splat(1.0));
+    p.add_exponent(n)
+}
+
+/// `ln x` of a positive normal number; relative error below 2e-7 away from 1, absolute 1e-7 times `|x - 1|` near it.
+#[inline(always)]
+pub fn ln<L: Lanes>(x: L) -> L {
+    let (m, e) = x.split_exponent();
+    let f = m - L::splat(1.0);
+    // ln(1 + f) = f - f^2 / 2 + f^3 p(f); Cephes logf, Moshier 1992.
+    let mut p = L::splat(7.037_683_6e-2);
+    p = p.mul_add(f, L::splat(-1.151_461e-1));
+    p = p.mul_add(f, L::splat(1.167_699_84e-1));
+    p = p.mul_add(f, L::splat(-1.242_014_1e-1));
+    p = p.mul_add(f, L::splat(1.424_932_3e-1));
+    p = p.mul_add(f, L::splat(-1.666_805_7e-1));
+    p = p.mul_add(f, L::splat(2.000_071_5e-1));
+    p = p.mul_add(f, L::splat(-2.499_999_4e-1));
+    p = p.mul_add(f, L::splat(0.333_333_3));
+    let ff = f * f;
+    let mut y = p * f * ff;
+    y = e.mul_add(L::splat(-2.121_944_4e-4), y);
+    y = ff.neg_mul_add(L::splat(0.5), y);
+    e.mul_add(L::splat(0.693_359_4), f + y)
+}
+
+/// Sine and cosine of an angle in `[-8, 8]`; absolute error below 1e-7.
+#[inline(always)]
+pub fn sin_cos<L: Lanes>(angle: L) -> (L, L) {
+    const ROUND: f32 = 12_582_912.0;
+    let q = angle.mul_add(L::splat(core::f32::consts::FRAC_2_PI), L::splat(ROUND)) - L::splat(ROUND);
+    // pi/2 in two parts, the first with few enough bits that the product with q is exact.
+    let r = q.neg_mul_add(L::splat(1.570_312_5), angle);
+    let r = q.neg_mul_add(L::splat(4.837_513e-4), r);
+    let r = q.neg_mul_add(L::splat(7.549_79e-8), r);
+    quadrant(r, q)
+}
+
+/// Sine and cosine of `2 pi u`, `u` in `[0, 1]`; absolute error below 1e-7. The turn is reduced exactly.
+#[inline(always)]
+pub fn sin_cos_turns<L: Lanes>(u: L) -> (L, L) {
+    const ROUND: f32 = 12_582_912.0;
+    let u4 = u * L::splat(4.0);
+    let q = (u4 + L::splat(ROUND)) - L::splat(ROUND);
+    quadrant((u4 - q) * L::splat(core::f32::consts::FRAC_PI_2), q)
+}
+
+/// Sine and cosine of `r + q pi / 2`, `r` in [-pi/4, pi/4], `q` a small whole number.
+#[inline(always)]
+fn quadrant<L: Lanes>(r: L, q: L) -> (L, L) {
+    let rr = r * r;
+    // Cephes sinf and cosf, Moshier 1992.
+    let mut s = L::splat(-1.951_529_6e-4);
+    s = s.mul_add(rr, L::splat(8.332_161e-3));
+    s = s.mul_add(rr, L::splat(-1.666_665_5e-1));
+    s = (s * rr).mul_add(r, r);
+    let mut c = L::splat(2.443_315_7e-5);
+    c = c.mul_add(rr, L::splat(-1.388_731_6e-3));
+    c = c.mul_add(rr, L::splat(4.166_664_6e-2));
+    c = (c * rr).mul_add(rr, rr.neg_mul_add(L::splat(0.5), L::splat(1.0)));
+    // q modulo 4 by halving: odd quadrants swap, the sine is negative in 2 and 3, the cosine in 1 and 2.
+    const ROUND: f32 = 12_582_912.0;
+    let quarter = L::splat(0.25);
+    // m = q - 4 round(q/4) in {-2, -1, 0, 1, 2}
+    let turns = (q * quarter + L::splat(ROUND)) - L::splat(ROUND);
+    let m = turns.neg_mul_add(L::splat(4.0), q);
+    let half = L::splat(0.5);
+    let odd = (m.abs() - L::splat(1.0)).abs().lt(half);
+    let (sin, cos) = (L::select(odd, c, s), L::select(odd, s, c));
+    // m = 1: sin = c, cos = -s; m = -1: sin = -c, cos = s; |m| = 2: both negated.
+    let far = m.abs().ge(L::splat(1.5));
+    let sin_sign = L::select(far, L::splat(-1.0), L::select(odd, L::splat(1.0).copy_sign(m), L::splat(1.0)));
+    let cos_sign = L::select(
+        far,
+        L::splat(-1.0),
+        L::select(odd, L::splat(-1.0).copy_sign(L::splat(0.0) - m), L::splat(1.0)),
+    );
+    (sin * sin_sign, cos * cos_sign)
+}
+
+/// Angle of the vector (x, y), both not negative and not both 0, from the x axis; relative error below 3e-7.
+#[inline(always)]
+pub fn atan2_positive<L: Lanes>(y: L, x: L) -> L {
+    let a = y.min(x) / y.max(x);
+    let aa = a * a;
+    // Minimax of atan(a) / a in a^2 on [0, 1], relative error 1.6e-8.
+    let mut p = L::splat(0.002_849_886_4);
+    p = p.mul_add(aa, L::splat(-0.016_068_615));
+    p = p.mul_add(aa, L::splat(0.042_691_5));
+    p = p.mul_add(aa, L::splat(-0.075_042_926));
+    p = p.mul_add(aa, L::splat(0.106_409_33));
+    p = p.mul_add(aa, L::splat(-0.142_036_44));
+    p = p.mul_add(aa, L::splat(0.199_926_2));
+    p = p.mul_add(aa, L::splat(-0.333_330_72));
+    let angle = (p * aa).mul_add(a, a);
+    L::select(x.lt(y), L::splat(core::f32::consts::FRAC_PI_2) - angle, angle)
+}
+
+/// `a + b` and its rounding error (Knuth 1969).
+#[inline(always)]
+pub fn two_sum<L: Lanes>(a: L, b: L) -> (L, L) {
+    let sum = a + b;
+    let b_part = sum - a;
+    (sum, (a - (sum - b_part)) + (b - b_part))
+}
+
+/// `a b` and its rounding error: one fused operation, or Dekker's 17 (1971), exact while nothing under- or overflows.
+#[inline(always)]
+pub fn two_product<L: Lanes>(a: L, b: L) -> (L, L) {
+    let product = a * b;
+    if L::FUSED {
+        return (product, a.mul_add(b, L::splat(0.0) - product));
+    }
+    let halves = |v: L| {
+        let t = L::splat(4097.0) * v; // 2^12 + 1: halves of 12 bits
+        let high = t - (t - v);
+        (high, v - high)
+    };
+    let ((ah, al), (bh, bl)) = (halves(a), halves(b));
+    (product, ((ah * bh - product) + ah * bl + al * bh) + al * bl)
+}
+
+/// `a b + c d` as a sum of two.
+#[inline(always)]
+pub fn sum_of_products<L: Lanes>(a: L, b: L, c: L, d: L) -> (L, L) {
+    let (p, p_error) = two_product(a, b);
+    let (q, q_error) = two_product(c, d);
+    let (sum, error) = two_sum(p, q);
+    (sum, error + (p_error + q_error))
+}
+
+impl Lanes for f32 {
+    const COUNT: usize = 1;
+    const FUSED: bool = false;
+    type Mask = bool;
+    type Index = usize;
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn load(from: &[f32]) -> Self {
+        from[0]
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f32]) {
+        to[0] = self;
+    }
+    #[inline(always)]
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        self * a + b
+    }
+    #[inline(always)]
+    fn neg_mul_add(self, a: Self, b: Self) -> Self {
+        b - self * a
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        if self > other { self } else { other }
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        libm::sqrtf(self)
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        f32::from_bits(self.to_bits() & 0x7fff_ffff)
+    }
+    #[inline(always)]
+    fn copy_sign(self, sign: Self) -> Self {
+        f32::from_bits(self.to_bits() & 0x7fff_ffff | sign.to_bits() & 0x8000_0000)
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> bool {
+        self < other
+    }
+    #[inline(always)]
+    fn ge(self, other: Self) -> bool {
+        self >= other
+    }
+    #[inline(always)]
+    fn select(mask: bool, yes: Self, no: Self) -> Self {
+        if mask { yes } else { no }
+    }
+    #[inline(always)]
+    fn add_exponent(self, n: Self) -> Self {
+        f32::from_bits(self.to_bits().wrapping_add(n.to_bits() << 23))
+    }
+    #[inline(always)]
+    fn split_exponent(self) -> (Self, Self) {
+        // Bits of sqrt(1/2): what is left above it after whole exponents are taken off is in [sqrt(1/2), sqrt(2)).
+        let bits = self.to_bits().wrapping_sub(0x3f35_04f3);
+        let e = (bits as i32) >> 23;
+        (f32::from_bits((bits & 0x007f_ffff).wrapping_add(0x3f35_04f3)), e as f32)
+    }
+    #[inline(always)]
+    fn search(self, thresholds: &[f32]) -> usize {
+        thresholds.iter().filter(|&&t| t <= self).count()
+    }
+    #[inline(always)]
+    fn bits(mask: bool) -> u64 {
+        u64::from(mask)
+    }
+    #[inline(always)]
+    fn index_below(index: usize, limit: usize) -> bool {
+        index < limit
+    }
+    #[inline(always)]
+    fn lookup(table: &[f32], _len: usize, index: usize) -> Self {
+        table[index]
+    }
+    #[inline(always)]
+    fn sum(self) -> f32 {
+        self
+    }
+    #[inline(always)]
+    fn iota() -> Self {
+        0.0
+    }
+}

@@ -1,0 +1,106 @@
+//! From a material and an outgoing direction to a mixture: lanes are lobes.
+
+use crate::format::f32_at;
+use crate::lanes::{Lanes, atan2_positive, exp2, sin_cos};
+use crate::simd::Kernel;
+use crate::squeeze::Squeeze;
+use crate::{Domain, Error, Material, Mixture};
+use glam::Vec3;
+
+pub(crate) struct Prepare<'a, 'b, 'm, const N: usize> {
+    pub material: &'a Material<'b>,
+    pub wo: Vec3,
+    pub mixture: &'m mut Mixture<N>,
+}
+
+impl<const N: usize> Kernel for Prepare<'_, '_, '_, N> {
+    type Output = Result<(), Error>;
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Result<(), Error> {
+        prepare::<L, N>(self.material, self.wo, self.mixture)
+    }
+}
+
+#[inline(always)]
+pub(crate) fn prepare<L: Lanes, const N: usize>(
+    material: &Material<'_>,
+    wo: Vec3,
+    mixture: &mut Mixture<N>,
+) -> Result<(), Error> {
+    let (bytes, header) = (material.bytes, &material.header);
+    mixture.begin(Domain::Hemisphere, Squeeze::NONE);
+    let count = header.lobes;
+    if count > N {
+        return Err(Error::Capacity { needed: count, available: N });
+    }
+    // False for a NaN too.
+    let across_squared = wo.x * wo.x + wo.y * wo.y;
+    let is_unit = (across_squared + wo.z * wo.z - 1.0).abs() <= 2e-3;
+    if !is_unit {
+        return Err(Error::Direction);
+    }
+    if wo.z < 0.0 {
+        return Ok(());
+    }
+
+    // +x of the view points away from wo, towards the mirror direction; at the normal any azimuth serves.
+    let across = across_squared.sqrt();
+    let azimuth = if across > 0.0 {
+        let inverse = 1.0 / across;
+        [-wo.x * inverse, -wo.y * inverse]
+    } else {
+        [1.0, 0.0]
+    };
+
+    // The two views round wo, and how far between them it lies.
+    let theta = atan2_positive(across, wo.z);
+    let last = header.views - 1;
+    let after = (1..last).filter(|&view| f32_at(bytes, header.theta(view)) <= theta).count() + 1;
+    let after = after.min(last);
+    let before = after.saturating_sub(1);
+    let (from, to) = (f32_at(bytes, header.theta(before)), f32_at(bytes, header.theta(after)));
+    let blend = if to > from { ((theta - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+    let between = |a: f32, b: f32| a + blend * (b - a);
+    let log2_squeeze = between(f32_at(bytes, header.squeeze(before)), f32_at(bytes, header.squeeze(after)));
+    mixture.squeeze = Squeeze { azimuth, inverse: exp2(-log2_squeeze) };
+
+    let mut k = 0;
+    while k < count && k + L::COUNT <= N {
+        let valid = L::iota().lt(L::splat((count - k) as f32));
+        let zero = L::splat(0.0);
+        let row = |row| {
+            let a = load_bytes::<L>(bytes, header.row(before, row) + 4 * k);
+            let b = load_bytes::<L>(bytes, header.row(after, row) + 4 * k);
+            L::select(valid, (b - a).mul_add(L::splat(blend), a), zero)
+        };
+        let (sin, cos) = sin_cos(row(0));
+        sin.store(&mut mixture.axis_x[k..]);
+        zero.store(&mut mixture.axis_y[k..]);
+        cos.store(&mut mixture.axis_z[k..]);
+        exp2(row(1)).store(&mut mixture.sharpness[k..]);
+        let amplitude = |channel| L::select(valid, exp2(row(channel)), zero);
+        amplitude(2).store(&mut mixture.red[k..]);
+        amplitude(3).store(&mut mixture.green[k..]);
+        amplitude(4).store(&mut mixture.blue[k..]);
+        k += L::COUNT;
+    }
+    mixture.finish::<L>(count, header.squeezed);
+    Ok(())
+}
+
+/// Loads little-endian f32 from bytes of any alignment; what lies past the end reads as 0.
+#[inline(always)]
+fn load_bytes<L: Lanes>(bytes: &[u8], offset: usize) -> L {
+    let mut numbers = [0f32; 16];
+    let target: &mut [u8] = &mut bytemuck::cast_slice_mut(&mut numbers)[..4 * L::COUNT];
+    let rest = &bytes[offset..];
+    if rest.len() >= target.len() {
+        target.copy_from_slice(&rest[..target.len()]);
+    } else {
+        target[..rest.len()].copy_from_slice(rest);
+    }
+    if cfg!(target_endian = "big") {
+        numbers = numbers.map(|n| f32::from_bits(n.to_bits().swap_bytes()));
+    }
+    L::load(&numbers)
+}

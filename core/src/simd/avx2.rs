@@ -1,0 +1,186 @@
+//! AVX2 and FMA: eight lanes in one `__m256`.
+//!
+//! Every method is inlined into a function that enables `avx2,fma`, which only runs once [`super::detect`] has seen
+//! both on this processor: that is what makes each `unsafe` block here sound.
+#![allow(unsafe_code)]
+
+use crate::lanes::Lanes;
+use core::arch::x86_64::*;
+use core::ops::{Add, Div, Mul, Sub};
+
+/// Eight f32 in one register.
+#[derive(Clone, Copy)]
+pub(crate) struct Avx2(__m256);
+
+macro_rules! operators {
+    ($($name:ident $method:ident $intrinsic:ident)*) => { $(
+        impl $name for Avx2 {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                // SAFETY: the processor has AVX, see the head of this file.
+                Self(unsafe { $intrinsic(self.0, other.0) })
+            }
+        }
+    )* };
+}
+operators!(Add add _mm256_add_ps Sub sub _mm256_sub_ps Mul mul _mm256_mul_ps Div div _mm256_div_ps);
+
+impl Avx2 {
+    #[inline(always)]
+    fn chunk(table: &[f32], at: usize) -> __m256 {
+        let part: &[f32; 8] = table[at..].first_chunk().expect("a table of a multiple of 16");
+        // SAFETY: 8 f32 are readable; the load has no alignment; AVX as above.
+        unsafe { _mm256_loadu_ps(part.as_ptr()) }
+    }
+}
+
+impl Lanes for Avx2 {
+    const COUNT: usize = 8;
+    const FUSED: bool = true;
+    type Mask = __m256;
+    type Index = __m256i;
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        // SAFETY: the processor has AVX, see the head of this file.
+        Self(unsafe { _mm256_set1_ps(value) })
+    }
+    #[inline(always)]
+    fn load(from: &[f32]) -> Self {
+        let array: &[f32; 8] = from.first_chunk().expect("a slice of at least 8");
+        // SAFETY: 8 f32 are readable; the load has no alignment; AVX as above.
+        Self(unsafe { _mm256_loadu_ps(array.as_ptr()) })
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f32]) {
+        let array: &mut [f32; 8] = to.first_chunk_mut().expect("a slice of at least 8");
+        // SAFETY: 8 f32 are writable; the store has no alignment; AVX as above.
+        unsafe { _mm256_storeu_ps(array.as_mut_ptr(), self.0) }
+    }
+    #[inline(always)]
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        // SAFETY: the processor has FMA, see the head of this file.
+        Self(unsafe { _mm256_fmadd_ps(self.0, a.0, b.0) })
+    }
+    #[inline(always)]
+    fn neg_mul_add(self, a: Self, b: Self) -> Self {
+        // SAFETY: the processor has FMA, see the head of this file.
+        Self(unsafe { _mm256_fnmadd_ps(self.0, a.0, b.0) })
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // SAFETY: the processor has AVX, see the head of this file.
+        Self(unsafe { _mm256_min_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        // SAFETY: the processor has AVX, see the head of this file.
+        Self(unsafe { _mm256_max_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: the processor has AVX, see the head of this file.
+        Self(unsafe { _mm256_sqrt_ps(self.0) })
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: the processor has AVX, see the head of this file.
+        Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
+    }
+    #[inline(always)]
+    fn copy_sign(self, sign: Self) -> Self {
+        // SAFETY: the processor has AVX, see the head of this file.
+        Self(unsafe {
+            let bit = _mm256_set1_ps(-0.0);
+            _mm256_or_ps(_mm256_andnot_ps(bit, self.0), _mm256_and_ps(bit, sign.0))
+        })
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> __m256 {
+        // SAFETY: the processor has AVX, see the head of this file.
+        unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0) }
+    }
+    #[inline(always)]
+    fn ge(self, other: Self) -> __m256 {
+        // SAFETY: the processor has AVX, see the head of this file.
+        unsafe { _mm256_cmp_ps::<_CMP_GE_OQ>(self.0, other.0) }
+    }
+    #[inline(always)]
+    fn select(mask: __m256, yes: Self, no: Self) -> Self {
+        // SAFETY: the processor has AVX, see the head of this file.
+        Self(unsafe { _mm256_blendv_ps(no.0, yes.0, mask) })
+    }
+    #[inline(always)]
+    fn add_exponent(self, n: Self) -> Self {
+        // SAFETY: the processor has AVX2, see the head of this file.
+        Self(unsafe {
+            let shifted = _mm256_slli_epi32::<23>(_mm256_castps_si256(n.0));
+            _mm256_castsi256_ps(_mm256_add_epi32(_mm256_castps_si256(self.0), shifted))
+        })
+    }
+    #[inline(always)]
+    fn split_exponent(self) -> (Self, Self) {
+        // SAFETY: the processor has AVX2, see the head of this file.
+        unsafe {
+            let base = _mm256_set1_epi32(0x3f35_04f3);
+            let bits = _mm256_sub_epi32(_mm256_castps_si256(self.0), base);
+            let e = _mm256_srai_epi32::<23>(bits);
+            let m = _mm256_add_epi32(_mm256_and_si256(bits, _mm256_set1_epi32(0x007f_ffff)), base);
+            (Self(_mm256_castsi256_ps(m)), Self(_mm256_cvtepi32_ps(e)))
+        }
+    }
+    #[inline(always)]
+    fn search(self, thresholds: &[f32]) -> __m256i {
+        // SAFETY: the processor has AVX2, see the head of this file.
+        unsafe {
+            let mut count = _mm256_setzero_si256();
+            for &t in thresholds {
+                // A set mask is -1.
+                let mask = _mm256_cmp_ps::<_CMP_GE_OQ>(self.0, _mm256_set1_ps(t));
+                count = _mm256_sub_epi32(count, _mm256_castps_si256(mask));
+            }
+            count
+        }
+    }
+    #[inline(always)]
+    fn bits(mask: __m256) -> u64 {
+        // SAFETY: the processor has AVX, see the head of this file.
+        u64::from(unsafe { _mm256_movemask_ps(mask) } as u8)
+    }
+    #[inline(always)]
+    fn index_below(index: __m256i, limit: usize) -> __m256 {
+        // SAFETY: the processor has AVX2, see the head of this file.
+        unsafe { _mm256_castsi256_ps(_mm256_cmpgt_epi32(_mm256_set1_epi32(limit as i32), index)) }
+    }
+    #[inline(always)]
+    fn lookup(table: &[f32], len: usize, index: __m256i) -> Self {
+        // SAFETY: the processor has AVX2, see the head of this file.
+        unsafe {
+            // The permutation uses the low three bits of the index; the chunk that they belong to is blended in.
+            let mut value = _mm256_permutevar8x32_ps(Self::chunk(table, 0), index);
+            let mut at = 8;
+            while at < len {
+                let inside = _mm256_cmpgt_epi32(index, _mm256_set1_epi32(at as i32 - 1));
+                let candidate = _mm256_permutevar8x32_ps(Self::chunk(table, at), index);
+                value = _mm256_blendv_ps(value, candidate, _mm256_castsi256_ps(inside));
+                at += 8;
+            }
+            Self(value)
+        }
+    }
+    #[inline(always)]
+    fn sum(self) -> f32 {
+        // SAFETY: the processor has AVX, see the head of this file.
+        unsafe {
+            let four = _mm_add_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
+            let two = _mm_add_ps(four, _mm_movehl_ps(four, four));
+            _mm_cvtss_f32(_mm_add_ss(two, _mm_movehdup_ps(two)))
+        }
+    }
+    #[inline(always)]
+    fn iota() -> Self {
+        // SAFETY: the processor has AVX, see the head of this file.
+        Self(unsafe { _mm256_setr_ps(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0) })
+    }
+}

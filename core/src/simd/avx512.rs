@@ -1,0 +1,178 @@
+//! AVX-512 (F, VL, DQ, BW): sixteen lanes in one `__m512`.
+//!
+//! Every method is inlined into a function that enables `avx512f,avx512vl,avx512dq,avx512bw,fma`, which only runs once
+//! [`super::detect`] has seen them all on this processor: that is what makes each `unsafe` block here sound.
+#![allow(unsafe_code)]
+
+use crate::lanes::Lanes;
+use core::arch::x86_64::*;
+use core::ops::{Add, Div, Mul, Sub};
+
+/// Sixteen f32 in one register.
+#[derive(Clone, Copy)]
+pub(crate) struct Avx512(__m512);
+
+macro_rules! operators {
+    ($($name:ident $method:ident $intrinsic:ident)*) => { $(
+        impl $name for Avx512 {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                // SAFETY: the processor has AVX-512, see the head of this file.
+                Self(unsafe { $intrinsic(self.0, other.0) })
+            }
+        }
+    )* };
+}
+operators!(Add add _mm512_add_ps Sub sub _mm512_sub_ps Mul mul _mm512_mul_ps Div div _mm512_div_ps);
+
+impl Avx512 {
+    #[inline(always)]
+    fn chunk(table: &[f32], at: usize) -> __m512 {
+        let part: &[f32; 16] = table[at..].first_chunk().expect("a table of a multiple of 16");
+        // SAFETY: 16 f32 are readable; the load has no alignment; AVX-512 as above.
+        unsafe { _mm512_loadu_ps(part.as_ptr()) }
+    }
+}
+
+impl Lanes for Avx512 {
+    const COUNT: usize = 16;
+    const FUSED: bool = true;
+    type Mask = __mmask16;
+    type Index = __m512i;
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        Self(unsafe { _mm512_set1_ps(value) })
+    }
+    #[inline(always)]
+    fn load(from: &[f32]) -> Self {
+        Self(Self::chunk(from, 0))
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f32]) {
+        let array: &mut [f32; 16] = to.first_chunk_mut().expect("a slice of at least 16");
+        // SAFETY: 16 f32 are writable; the store has no alignment; AVX-512 as above.
+        unsafe { _mm512_storeu_ps(array.as_mut_ptr(), self.0) }
+    }
+    #[inline(always)]
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        Self(unsafe { _mm512_fmadd_ps(self.0, a.0, b.0) })
+    }
+    #[inline(always)]
+    fn neg_mul_add(self, a: Self, b: Self) -> Self {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        Self(unsafe { _mm512_fnmadd_ps(self.0, a.0, b.0) })
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        Self(unsafe { _mm512_min_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        Self(unsafe { _mm512_max_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        Self(unsafe { _mm512_sqrt_ps(self.0) })
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        Self(unsafe { _mm512_abs_ps(self.0) })
+    }
+    #[inline(always)]
+    fn copy_sign(self, sign: Self) -> Self {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        Self(unsafe {
+            let bit = _mm512_set1_ps(-0.0);
+            _mm512_or_ps(_mm512_andnot_ps(bit, self.0), _mm512_and_ps(bit, sign.0))
+        })
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> __mmask16 {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(self.0, other.0) }
+    }
+    #[inline(always)]
+    fn ge(self, other: Self) -> __mmask16 {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        unsafe { _mm512_cmp_ps_mask::<_CMP_GE_OQ>(self.0, other.0) }
+    }
+    #[inline(always)]
+    fn select(mask: __mmask16, yes: Self, no: Self) -> Self {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        Self(unsafe { _mm512_mask_blend_ps(mask, no.0, yes.0) })
+    }
+    #[inline(always)]
+    fn add_exponent(self, n: Self) -> Self {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        Self(unsafe {
+            let shifted = _mm512_slli_epi32::<23>(_mm512_castps_si512(n.0));
+            _mm512_castsi512_ps(_mm512_add_epi32(_mm512_castps_si512(self.0), shifted))
+        })
+    }
+    #[inline(always)]
+    fn split_exponent(self) -> (Self, Self) {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        unsafe {
+            let base = _mm512_set1_epi32(0x3f35_04f3);
+            let bits = _mm512_sub_epi32(_mm512_castps_si512(self.0), base);
+            let e = _mm512_srai_epi32::<23>(bits);
+            let m = _mm512_add_epi32(_mm512_and_si512(bits, _mm512_set1_epi32(0x007f_ffff)), base);
+            (Self(_mm512_castsi512_ps(m)), Self(_mm512_cvtepi32_ps(e)))
+        }
+    }
+    #[inline(always)]
+    fn search(self, thresholds: &[f32]) -> __m512i {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        unsafe {
+            let one = _mm512_set1_epi32(1);
+            let mut count = _mm512_setzero_si512();
+            for &t in thresholds {
+                let mask = _mm512_cmp_ps_mask::<_CMP_GE_OQ>(self.0, _mm512_set1_ps(t));
+                count = _mm512_mask_add_epi32(count, mask, count, one);
+            }
+            count
+        }
+    }
+    #[inline(always)]
+    fn bits(mask: __mmask16) -> u64 {
+        u64::from(mask)
+    }
+    #[inline(always)]
+    fn index_below(index: __m512i, limit: usize) -> __mmask16 {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        unsafe { _mm512_cmplt_epi32_mask(index, _mm512_set1_epi32(limit as i32)) }
+    }
+    #[inline(always)]
+    fn lookup(table: &[f32], len: usize, index: __m512i) -> Self {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        unsafe {
+            // The permutation uses the low four bits of the index; the chunk that they belong to is blended in.
+            let mut value = _mm512_permutexvar_ps(index, Self::chunk(table, 0));
+            let mut at = 16;
+            while at < len {
+                let inside = _mm512_cmpge_epi32_mask(index, _mm512_set1_epi32(at as i32));
+                value = _mm512_mask_permutexvar_ps(value, inside, index, Self::chunk(table, at));
+                at += 16;
+            }
+            Self(value)
+        }
+    }
+    #[inline(always)]
+    fn sum(self) -> f32 {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        unsafe { _mm512_reduce_add_ps(self.0) }
+    }
+    #[inline(always)]
+    fn iota() -> Self {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        Self(unsafe { _mm512_setr_ps(0., 1., 2., 3., 4., 5., 6., 7., 8., 9., 10., 11., 12., 13., 14., 15.) })
+    }
+}

@@ -1,0 +1,124 @@
+//! Which back end runs: detected once with `core` alone, cached, overridable.
+
+use crate::Error;
+use core::sync::atomic::{AtomicU8, Ordering};
+
+/// An instruction set that the kernels are compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[repr(u8)]
+pub enum Level {
+    /// One f32 at a time: the reference for every other level, and all there is without the feature `simd`.
+    Scalar = 1,
+    /// `wide`: SSE2, NEON, wasm simd128, or what the whole build targets.
+    Portable = 2,
+    /// x86-64 with AVX2 and FMA.
+    Avx2 = 3,
+    /// x86-64 with AVX-512 F, VL, DQ and BW.
+    Avx512 = 4,
+}
+
+/// 0 until the first look at the processor.
+static CURRENT: AtomicU8 = AtomicU8::new(0);
+
+impl Level {
+    /// Every level, slowest first.
+    pub const ALL: [Self; 4] = [Self::Scalar, Self::Portable, Self::Avx2, Self::Avx512];
+
+    /// The word for the level on the command line and in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Scalar => "scalar",
+            Self::Portable => "portable",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
+        }
+    }
+
+    /// The level of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|level| level.name() == name)
+    }
+
+    /// Whether this processor and this build can run the level.
+    pub fn is_available(self) -> bool {
+        match self {
+            Self::Scalar => true,
+            Self::Portable => cfg!(feature = "simd"),
+            Self::Avx2 | Self::Avx512 => self <= best(),
+        }
+    }
+
+    /// The level that mixtures prepared from now on use: the best available one, unless [`set`](Self::set) chose.
+    #[inline]
+    pub fn current() -> Self {
+        match CURRENT.load(Ordering::Relaxed) {
+            1 => Self::Scalar,
+            2 => Self::Portable,
+            3 => Self::Avx2,
+            4 => Self::Avx512,
+            _ => detect_and_cache(),
+        }
+    }
+
+    /// Chooses the level of every mixture prepared from now on, in all threads.
+    ///
+    /// # Errors
+    /// [`Error::Level`] if this processor or this build lacks it; nothing changes then.
+    pub fn set(self) -> Result<(), Error> {
+        if !self.is_available() {
+            return Err(Error::Level);
+        }
+        CURRENT.store(self as u8, Ordering::Relaxed);
+        Ok(())
+    }
+}
+
+#[cold]
+fn detect_and_cache() -> Level {
+    let level = best();
+    // Two threads that both detect store the same; one that has chosen meanwhile keeps its choice.
+    let _ = CURRENT.compare_exchange(0, level as u8, Ordering::Relaxed, Ordering::Relaxed);
+    level
+}
+
+#[cfg(all(feature = "simd", target_arch = "x86_64"))]
+fn best() -> Level {
+    use core::arch::x86_64::{__cpuid, __cpuid_count};
+    let bit = |word: u32, n: u32| word >> n & 1 == 1;
+    // Leaf 1: FMA, XSAVE enabled by the system. Leaf 7: AVX2 and AVX-512.
+    let highest = __cpuid(0).eax;
+    if highest < 7 {
+        return Level::Portable;
+    }
+    let ecx1 = __cpuid(1).ecx;
+    if !(bit(ecx1, 12) && bit(ecx1, 27) && bit(ecx1, 28)) {
+        return Level::Portable;
+    }
+    let saved = enabled_state();
+    let ebx7 = __cpuid_count(7, 0).ebx;
+    let avx2 = bit(ebx7, 5) && saved & 0b110 == 0b110;
+    let avx512 = [16, 17, 30, 31].into_iter().all(|n| bit(ebx7, n)) && saved & 0b1110_0110 == 0b1110_0110;
+    match (avx2, avx512) {
+        (true, true) => Level::Avx512,
+        (true, false) => Level::Avx2,
+        _ => Level::Portable,
+    }
+}
+
+/// The register state that the operating system saves; call only where OSXSAVE is reported.
+#[cfg(all(feature = "simd", target_arch = "x86_64"))]
+#[allow(unsafe_code)]
+fn enabled_state() -> u64 {
+    #[target_feature(enable = "xsave")]
+    fn xgetbv() -> u64 {
+        // SAFETY: register 0 always exists where XSAVE does.
+        unsafe { core::arch::x86_64::_xgetbv(0) }
+    }
+    // SAFETY: the caller has seen OSXSAVE.
+    unsafe { xgetbv() }
+}
+
+#[cfg(not(all(feature = "simd", target_arch = "x86_64")))]
+fn best() -> Level {
+    if cfg!(feature = "simd") { Level::Portable } else { Level::Scalar }
+}

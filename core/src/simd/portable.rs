@@ -1,0 +1,140 @@
+//! The portable back end: `wide`, eight lanes, whatever the target offers (SSE2, NEON, wasm simd128, or plain code).
+
+use crate::lanes::Lanes;
+use core::ops::{Add, Div, Mul, Sub};
+use wide::{f32x8, i32x8};
+
+/// Eight f32 of `wide`.
+#[derive(Clone, Copy)]
+pub(crate) struct Wide(f32x8);
+
+impl Wide {
+    #[inline(always)]
+    fn bits(self) -> i32x8 {
+        bytemuck::cast(self.0)
+    }
+    #[inline(always)]
+    fn of_bits(bits: i32x8) -> Self {
+        Self(bytemuck::cast(bits))
+    }
+}
+
+macro_rules! operators {
+    ($($name:ident $method:ident)*) => { $(
+        impl $name for Wide {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(self.0.$method(other.0))
+            }
+        }
+    )* };
+}
+operators!(Add add Sub sub Mul mul Div div);
+
+impl Lanes for Wide {
+    const COUNT: usize = 8;
+    const FUSED: bool = cfg!(target_feature = "fma") || cfg!(target_arch = "aarch64");
+    type Mask = f32x8;
+    type Index = [u32; 8];
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        Self(f32x8::splat(value))
+    }
+    #[inline(always)]
+    fn load(from: &[f32]) -> Self {
+        let array: [f32; 8] = *from.first_chunk().expect("a slice of at least 8");
+        Self(f32x8::new(array))
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f32]) {
+        *to.first_chunk_mut().expect("a slice of at least 8") = self.0.to_array();
+    }
+    #[inline(always)]
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        Self(self.0.mul_add(a.0, b.0))
+    }
+    #[inline(always)]
+    fn neg_mul_add(self, a: Self, b: Self) -> Self {
+        Self(self.0.mul_neg_add(a.0, b.0))
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self(self.0.fast_min(other.0))
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self(self.0.fast_max(other.0))
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.sqrt())
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self::of_bits(self.bits() & i32x8::splat(0x7fff_ffff))
+    }
+    #[inline(always)]
+    fn copy_sign(self, sign: Self) -> Self {
+        let sign_bit = i32x8::splat(i32::MIN);
+        Self::of_bits(self.bits() & i32x8::splat(0x7fff_ffff) | sign.bits() & sign_bit)
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> f32x8 {
+        self.0.simd_lt(other.0)
+    }
+    #[inline(always)]
+    fn ge(self, other: Self) -> f32x8 {
+        self.0.simd_ge(other.0)
+    }
+    #[inline(always)]
+    fn select(mask: f32x8, yes: Self, no: Self) -> Self {
+        Self(mask.bitselect(yes.0, no.0))
+    }
+    #[inline(always)]
+    fn add_exponent(self, n: Self) -> Self {
+        let shifted: i32x8 = n.bits() << 23;
+        Self::of_bits(self.bits() + shifted)
+    }
+    #[inline(always)]
+    fn split_exponent(self) -> (Self, Self) {
+        let base = i32x8::splat(0x3f35_04f3);
+        let bits = self.bits() - base;
+        let e: i32x8 = bits >> 23;
+        let m = (bits & i32x8::splat(0x007f_ffff)) + base;
+        (Self::of_bits(m), Self(f32x8::from_i32x8(e)))
+    }
+    #[inline(always)]
+    fn search(self, thresholds: &[f32]) -> [u32; 8] {
+        let mut count = i32x8::splat(0);
+        for &t in thresholds {
+            // A set mask is -1.
+            let mask: i32x8 = bytemuck::cast(self.0.simd_ge(f32x8::splat(t)));
+            count -= mask;
+        }
+        bytemuck::cast(count)
+    }
+    #[inline(always)]
+    fn bits(mask: f32x8) -> u64 {
+        u64::from(mask.to_bitmask())
+    }
+    #[inline(always)]
+    fn index_below(index: [u32; 8], limit: usize) -> f32x8 {
+        let limit = f32x8::splat(limit as f32);
+        let index: i32x8 = bytemuck::cast(index);
+        f32x8::from_i32x8(index).simd_lt(limit)
+    }
+    #[inline(always)]
+    fn lookup(table: &[f32], _len: usize, index: [u32; 8]) -> Self {
+        Self(f32x8::new(index.map(|i| table[i as usize])))
+    }
+    #[inline(always)]
+    fn sum(self) -> f32 {
+        self.0.reduce_add()
+    }
+    #[inline(always)]
+    fn iota() -> Self {
+        Self(f32x8::new([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]))
+    }
+}

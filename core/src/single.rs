@@ -1,0 +1,118 @@
+//! One direction: lanes are lobes, for renderers that shade a point at a time.
+
+use crate::batch::sample_direction;
+use crate::lanes::{Lanes, exp2};
+use crate::simd::Kernel;
+use crate::squeeze::Seen;
+use crate::{Domain, Mixture};
+use glam::Vec3;
+
+pub(crate) struct EvaluateOne<'a, const N: usize> {
+    pub mixture: &'a Mixture<N>,
+    pub direction: Vec3,
+}
+
+impl<const N: usize> Kernel for EvaluateOne<'_, N> {
+    type Output = Vec3;
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Vec3 {
+        let m = self.mixture;
+        Vec3::from_array(sums_one::<L, N, 3>(m, [&m.red, &m.green, &m.blue], self.direction))
+    }
+}
+
+pub(crate) struct PdfOne<'a, const N: usize> {
+    pub mixture: &'a Mixture<N>,
+    pub direction: Vec3,
+}
+
+impl<const N: usize> Kernel for PdfOne<'_, N> {
+    type Output = f32;
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        let m = self.mixture;
+        let [sum] = sums_one::<L, N, 1>(m, [&m.luminance], self.direction);
+        sum * m.inverse_power
+    }
+}
+
+pub(crate) struct SampleOne<'a, const N: usize> {
+    pub mixture: &'a Mixture<N>,
+    pub u: [f32; 3],
+}
+
+impl<const N: usize> Kernel for SampleOne<'_, N> {
+    /// Direction and value.
+    type Output = (Vec3, Vec3);
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> (Vec3, Vec3) {
+        let m = self.mixture;
+        let direction = Vec3::from_array(sample_direction::<f32, N>(m, self.u));
+        let value = sums_one::<L, N, 3>(m, [&m.red, &m.green, &m.blue], direction);
+        (direction, Vec3::from_array(value))
+    }
+}
+
+/// Sums the lobes towards one direction, once for each of `C` sets of amplitudes.
+#[inline(always)]
+pub(crate) fn sums_one<L: Lanes, const N: usize, const C: usize>(
+    m: &Mixture<N>,
+    amplitudes: [&[f32; N]; C],
+    direction: Vec3,
+) -> [f32; C] {
+    // False for a NaN too.
+    let above = direction.z >= 0.0;
+    if !above && m.domain == Domain::Hemisphere {
+        return [0.0; C];
+    }
+    let turned = m.squeeze.turn(direction.to_array().map(L::splat));
+    let squeezed = if m.squeezed > 0 { m.squeeze.squeeze(&turned) } else { turned };
+
+    let mut acc = [L::splat(0.0); C];
+    let mut k = 0;
+    while k < m.count && k + L::COUNT <= N {
+        let seen = if k + L::COUNT <= m.squeezed {
+            squeezed
+        } else if k >= m.squeezed {
+            turned
+        } else {
+            mix::<L>(&squeezed, &turned, m.squeezed - k)
+        };
+        let load = |array: &[f32; N]| L::load(&array[k..k + L::COUNT]);
+        let [x, y, z] = seen.high;
+        let dx = (x - load(&m.axis_x)) + seen.low[0];
+        let dy = (y - load(&m.axis_y)) + seen.low[1];
+        let dz = (z - load(&m.axis_z)) + seen.low[2];
+        let t = load(&m.rate) * dx.mul_add(dx, dy.mul_add(dy, dz * dz));
+        let mut g = exp2(t);
+        if m.folded >> k & lane_bits(L::COUNT) != 0 {
+            // Lanes whose fold cannot matter get it too: it is smaller than its bound there.
+            g = g + exp2(load(&m.fold_rate).mul_add(z, t));
+        }
+        let g = g * seen.scale;
+        for (sum, amplitude) in acc.iter_mut().zip(amplitudes) {
+            *sum = g.mul_add(load(amplitude), *sum);
+        }
+        k += L::COUNT;
+    }
+    acc.map(L::sum)
+}
+
+/// The lowest `count` bits.
+#[inline(always)]
+const fn lane_bits(count: usize) -> u64 {
+    (1 << count) - 1
+}
+
+/// What the first `count` lanes see from `first`, the others from `then`.
+#[inline(always)]
+fn mix<L: Lanes>(first: &Seen<L>, then: &Seen<L>, count: usize) -> Seen<L> {
+    let is_first = L::iota().lt(L::splat(count as f32));
+    let choose = |a, b| L::select(is_first, a, b);
+    let choose3 = |a: [L; 3], b: [L; 3]| [choose(a[0], b[0]), choose(a[1], b[1]), choose(a[2], b[2])];
+    Seen {
+        high: choose3(first.high, then.high),
+        low: choose3(first.low, then.low),
+        scale: choose(first.scale, then.scale),
+    }
+}
