@@ -6,7 +6,10 @@ use srbf_tests::native::root;
 use std::process::ExitCode;
 
 /// The files of `capi/src` that export something, in the order in which the header shows them.
-const SOURCES: [&str; 3] = ["version", "status", "message"];
+const SOURCES: [&str; 13] = [
+    "version", "status", "message", "simd", "lobe", "storage", "mixture", "material", "heap", "streams",
+    "single", "batch", "pairs",
+];
 
 fn main() -> ExitCode {
     let path = root().join("include/srbf.h");
