@@ -53,7 +53,7 @@ impl Squeeze {
         if self.is_unturned() {
             return Seen { high: [x, y, z], low: [zero; 3], scale: one };
         }
-        let [c, s] = self.azimuth.map(L::splat);
+        let (c, s) = (L::splat(self.azimuth[0]), L::splat(self.azimuth[1]));
         let (turned_x, low_x) = sum_of_products(x, c, y, s);
         let (turned_y, low_y) = sum_of_products(y, c, zero - x, s);
         Seen { high: [turned_x, turned_y, z], low: [low_x, low_y, zero], scale: one }
@@ -87,7 +87,7 @@ impl Squeeze {
     /// Turns a direction from the frame of the view back to the caller's.
     #[inline(always)]
     pub fn turn_back<L: Lanes>(&self, [x, y, z]: [L; 3]) -> [L; 3] {
-        let [c, s] = self.azimuth.map(L::splat);
+        let (c, s) = (L::splat(self.azimuth[0]), L::splat(self.azimuth[1]));
         [(y * s).neg_mul_add(L::splat(1.0), x * c), x.mul_add(s, y * c), z]
     }
 }
