@@ -17,6 +17,8 @@
 //! unevaluated sum of two f32, by error-free transformations (Dekker 1971, Knuth 1969). The error along the direction
 //! that remains in `1 / r` counts only squared.
 
+#![allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
+
 use crate::lanes::{Lanes, length_squared_minus_one, sum_of_products, two_product};
 
 /// The turn into the frame of a view, and the squeeze in it.
@@ -53,7 +55,7 @@ impl Squeeze {
         if self.is_unturned() {
             return Seen { high: [x, y, z], low: [zero; 3], scale: one };
         }
-        let [c, s] = self.azimuth.map(L::splat);
+        let (c, s) = (L::splat(self.azimuth[0]), L::splat(self.azimuth[1]));
         let (turned_x, low_x) = sum_of_products(x, c, y, s);
         let (turned_y, low_y) = sum_of_products(y, c, zero - x, s);
         Seen { high: [turned_x, turned_y, z], low: [low_x, low_y, zero], scale: one }
@@ -72,16 +74,13 @@ impl Squeeze {
         let (high_y, low_y) = two_product(y, shrink);
         let (high_z, low_z) = two_product(z, shrink);
         let high = [high_x, high_y, high_z];
-        let low = [turned.low[0].mul_add(shrink, low_x), y_low.mul_add(shrink, low_y), low_z];
+        let mut low = [turned.low[0].mul_add(shrink, low_x), y_low.mul_add(shrink, low_y), low_z];
         // What is left of the length over 1: at s = 1e8 even 1e-7 of it counts, by its square.
         let along = high_x.mul_add(low[0], high_y.mul_add(low[1], high_z * low[2]));
         let excess = length_squared_minus_one(high).mul_add(L::splat(0.5), along);
-        // Written out: a closure in `map` would not be compiled for the instruction set of the caller.
-        let low = [
-            excess.neg_mul_add(high_x, low[0]),
-            excess.neg_mul_add(high_y, low[1]),
-            excess.neg_mul_add(high_z, low[2]),
-        ];
+        for i in 0..3 {
+            low[i] = excess.neg_mul_add(high[i], low[i]);
+        }
         Seen { high, low, scale: inverse * shrink * (shrink * shrink) }
     }
 
@@ -94,7 +93,7 @@ impl Squeeze {
     /// Turns a direction from the frame of the view back to the caller's.
     #[inline(always)]
     pub fn turn_back<L: Lanes>(&self, [x, y, z]: [L; 3]) -> [L; 3] {
-        let [c, s] = self.azimuth.map(L::splat);
+        let (c, s) = (L::splat(self.azimuth[0]), L::splat(self.azimuth[1]));
         [(y * s).neg_mul_add(L::splat(1.0), x * c), x.mul_add(s, y * c), z]
     }
 }
