@@ -206,7 +206,7 @@ mod tests {
             samplers: vec![Sampler::Lobes, Sampler::Cosine],
             side,
             samples: vec![4, 8, 16, 32, 64, 128],
-            reference_samples: 2048,
+            reference_samples: 1024,
             seed: 7,
         }
     }
