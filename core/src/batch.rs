@@ -1,8 +1,9 @@
 //! Batches: lanes are directions, the lobes of one mixture are taken one after the other.
 //!
 //! Structure of arrays in and out, any count, any alignment, no allocation.
+#![allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
 
-use crate::lanes::{Lanes, exp2, ln, sin_cos_turns};
+use crate::lanes::{Lanes, dot3, exp2, ln, scale, sin_cos_turns, splat3};
 use crate::mixture::Mixture;
 use crate::simd::Kernel;
 use crate::squeeze::Seen;
@@ -20,7 +21,7 @@ impl<const N: usize> Mixture<N> {
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
     pub fn evaluate_into(&self, directions: [&[f32]; 3], value: [&mut [f32]; 3]) -> Result<(), Error> {
         same_length(directions.iter().map(|s| s.len()).chain(value.iter().map(|s| s.len())))?;
-        self.level.run(EvaluateInto { mixture: self, directions, value });
+        self.level.run(ForEach { block: Value(self), inputs: directions, outputs: value });
         Ok(())
     }
 
@@ -32,7 +33,7 @@ impl<const N: usize> Mixture<N> {
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
     pub fn pdf_into(&self, directions: [&[f32]; 3], pdf: &mut [f32]) -> Result<(), Error> {
         same_length(directions.iter().map(|s| s.len()).chain([pdf.len()]))?;
-        self.level.run(PdfInto { mixture: self, directions, pdf });
+        self.level.run(ForEach { block: Density(self), inputs: directions, outputs: [pdf] });
         Ok(())
     }
 
@@ -46,7 +47,14 @@ impl<const N: usize> Mixture<N> {
     pub fn sample_into(&self, u: [&[f32]; 3], samples: SamplesMut<'_>) -> Result<(), Error> {
         let outputs = samples.direction.iter().chain(&samples.weight).map(|s| s.len());
         same_length(u.iter().map(|s| s.len()).chain(outputs).chain([samples.pdf.len()]))?;
-        self.level.run(SampleInto { mixture: self, u, samples });
+        let SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] } = samples;
+        if self.power == 0.0 {
+            z.fill(1.0);
+            [x, y, pdf, red, green, blue].into_iter().for_each(|slice| slice.fill(0.0));
+            return Ok(());
+        }
+        let outputs = [x, y, z, pdf, red, green, blue];
+        self.level.run(ForEach { block: Draw(self), inputs: u, outputs });
         Ok(())
     }
 }
@@ -68,107 +76,92 @@ fn same_length(lengths: impl IntoIterator<Item = usize>) -> Result<(), Error> {
     if lengths.all(|n| n == first) { Ok(()) } else { Err(Error::Length) }
 }
 
-struct EvaluateInto<'a, 'b, const N: usize> {
-    mixture: &'a Mixture<N>,
-    directions: [&'b [f32]; 3],
-    value: [&'b mut [f32]; 3],
+/// A kernel that takes `I` numbers and gives `O` for each direction.
+trait Block<const I: usize, const O: usize> {
+    /// The text, `#[inline(always)]`.
+    fn block<L: Lanes>(&self, inputs: [L; I]) -> [L; O];
 }
 
-impl<const N: usize> Kernel for EvaluateInto<'_, '_, N> {
+/// Runs a block over whole slices.
+struct ForEach<'a, K, const I: usize, const O: usize> {
+    block: K,
+    inputs: [&'a [f32]; I],
+    outputs: [&'a mut [f32]; O],
+}
+
+impl<K: Block<I, O>, const I: usize, const O: usize> Kernel for ForEach<'_, K, I, O> {
     type Output = ();
+    /// Takes `COUNT` inputs at a time; the tail goes through a padded copy.
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let m = self.mixture;
-        for_each_block::<L, 3, 3>(self.directions, self.value, |d| sums(m, [&m.red, &m.green, &m.blue], d));
+        let Self { block, inputs, outputs } = self;
+        let n = inputs[0].len();
+        let mut at = 0;
+        while at + L::COUNT <= n {
+            let mut vectors = [L::splat(0.0); I];
+            for i in 0..I {
+                vectors[i] = L::load(&inputs[i][at..]);
+            }
+            let results = block.block(vectors);
+            for o in 0..O {
+                results[o].store(&mut outputs[o][at..]);
+            }
+            at += L::COUNT;
+        }
+        if at < n {
+            let mut vectors = [L::splat(0.0); I];
+            for i in 0..I {
+                // 0.5 is a valid uniform number and a harmless direction.
+                let mut padded = [0.5; WIDEST];
+                padded[..n - at].copy_from_slice(&inputs[i][at..]);
+                vectors[i] = L::load(&padded);
+            }
+            let results = block.block(vectors);
+            for o in 0..O {
+                let mut padded = [0.0; WIDEST];
+                results[o].store(&mut padded);
+                outputs[o][at..].copy_from_slice(&padded[..n - at]);
+            }
+        }
     }
 }
 
-struct PdfInto<'a, 'b, const N: usize> {
-    mixture: &'a Mixture<N>,
-    directions: [&'b [f32]; 3],
-    pdf: &'b mut [f32],
-}
+struct Value<'a, const N: usize>(&'a Mixture<N>);
 
-impl<const N: usize> Kernel for PdfInto<'_, '_, N> {
-    type Output = ();
+impl<const N: usize> Block<3, 3> for Value<'_, N> {
     #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let m = self.mixture;
-        let inverse_power = L::splat(m.inverse_power);
-        for_each_block::<L, 3, 1>(self.directions, [self.pdf], |d| {
-            sums(m, [&m.luminance], d).map(|sum| sum * inverse_power)
-        });
+    fn block<L: Lanes>(&self, d: [L; 3]) -> [L; 3] {
+        let m = self.0;
+        sums(m, [&m.red, &m.green, &m.blue], d)
     }
 }
 
-struct SampleInto<'a, 'b, const N: usize> {
-    mixture: &'a Mixture<N>,
-    u: [&'b [f32]; 3],
-    samples: SamplesMut<'b>,
-}
+struct Density<'a, const N: usize>(&'a Mixture<N>);
 
-impl<const N: usize> Kernel for SampleInto<'_, '_, N> {
-    type Output = ();
+impl<const N: usize> Block<3, 1> for Density<'_, N> {
     #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let m = self.mixture;
-        let SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] } = self.samples;
-        if m.power == 0.0 {
-            z.fill(1.0);
-            [x, y, pdf, red, green, blue].into_iter().for_each(|slice| slice.fill(0.0));
-            return;
-        }
-        for_each_block::<L, 3, 7>(self.u, [x, y, z, pdf, red, green, blue], |u| {
-            let direction = sample_direction(m, u);
-            let value = sums(m, [&m.red, &m.green, &m.blue], direction);
-            let (pdf, weight) = density_and_weight(m, value);
-            let [x, y, z] = direction;
-            let [red, green, blue] = weight;
-            [x, y, z, pdf, red, green, blue]
-        });
+    fn block<L: Lanes>(&self, d: [L; 3]) -> [L; 1] {
+        let m = self.0;
+        let [sum] = sums(m, [&m.luminance], d);
+        [sum * L::splat(m.inverse_power)]
     }
 }
 
-/// Density and weight of a value: the density is the luminance of the value over its integral.
-#[inline(always)]
-pub(crate) fn density_and_weight<L: Lanes, const N: usize>(m: &Mixture<N>, value: [L; 3]) -> (L, [L; 3]) {
-    let [red, green, blue] = LUMINANCE.map(L::splat);
-    let luminance = value[0].mul_add(red, value[1].mul_add(green, value[2] * blue));
-    // power / luminance is 1 / pdf; where f32 rounds the density to 0, the weight is 0 as well.
-    let seen = L::splat(0.0).lt(luminance);
-    let inverse = L::select(seen, L::splat(m.power) / luminance, L::splat(0.0));
-    (luminance * L::splat(m.inverse_power), value.map(|v| v * inverse))
-}
+struct Draw<'a, const N: usize>(&'a Mixture<N>);
 
-/// Calls with `COUNT` inputs at a time and stores what comes back; the tail goes through a padded copy.
-#[inline(always)]
-fn for_each_block<L: Lanes, const I: usize, const O: usize>(
-    inputs: [&[f32]; I],
-    mut outputs: [&mut [f32]; O],
-    mut block: impl FnMut([L; I]) -> [L; O],
-) {
-    let n = inputs[0].len();
-    let whole = n - n % L::COUNT;
-    let mut at = 0;
-    while at < whole {
-        let results = block(inputs.map(|s| L::load(&s[at..at + L::COUNT])));
-        for (output, result) in outputs.iter_mut().zip(results) {
-            result.store(&mut output[at..at + L::COUNT]);
-        }
-        at += L::COUNT;
-    }
-    if at < n {
-        let results = block(inputs.map(|s| {
-            // 0.5 is a valid uniform number and a harmless direction.
-            let mut padded = [0.5; WIDEST];
-            padded[..n - at].copy_from_slice(&s[at..]);
-            L::load(&padded)
-        }));
-        for (output, result) in outputs.iter_mut().zip(results) {
-            let mut padded = [0.0; WIDEST];
-            result.store(&mut padded);
-            output[at..].copy_from_slice(&padded[..n - at]);
-        }
+impl<const N: usize> Block<3, 7> for Draw<'_, N> {
+    #[inline(always)]
+    fn block<L: Lanes>(&self, u: [L; 3]) -> [L; 7] {
+        let m = self.0;
+        let [x, y, z] = sample_direction(m, u);
+        let value = sums(m, [&m.red, &m.green, &m.blue], [x, y, z]);
+        // The density is the luminance of the value over its integral, and power / luminance is 1 / pdf; where f32
+        // rounds the density to 0, the weight is 0 as well.
+        let luminance = dot3(value, splat3(LUMINANCE));
+        let zero = L::splat(0.0);
+        let inverse = L::select(zero.lt(luminance), L::splat(m.power) / luminance, zero);
+        let [red, green, blue] = scale(value, inverse);
+        [x, y, z, luminance * L::splat(m.inverse_power), red, green, blue]
     }
 }
 
@@ -188,7 +181,7 @@ pub(crate) fn sums<L: Lanes, const N: usize, const C: usize>(
         } else {
             run::<L, N, C, false, true>(m, amplitudes, &seen, 0, m.squeezed, &mut acc);
         }
-        acc = acc.map(|sum| sum * seen.scale);
+        acc = scale(acc, seen.scale);
     }
     let (from, to) = (m.squeezed, m.count);
     match (m.in_plane, m.squeeze.is_unturned()) {
@@ -200,7 +193,9 @@ pub(crate) fn sums<L: Lanes, const N: usize, const C: usize>(
     if m.domain == Domain::Hemisphere {
         let zero = L::splat(0.0);
         let above = d[2].ge(zero);
-        acc = acc.map(|sum| L::select(above, sum, zero));
+        for i in 0..C {
+            acc[i] = L::select(above, acc[i], zero);
+        }
     }
     acc
 }
@@ -240,8 +235,8 @@ fn run<L: Lanes, const N: usize, const C: usize, const PLANE: bool, const LOW: b
             // |d - mirrored axis|^2 = |d - axis|^2 + 4 d.z axis.z, both terms of one sign.
             g = g + exp2(L::splat(m.fold_rate[k]).mul_add(z, t));
         }
-        for (sum, amplitude) in acc.iter_mut().zip(amplitudes) {
-            *sum = g.mul_add(L::splat(amplitude[k]), *sum);
+        for i in 0..C {
+            acc[i] = g.mul_add(L::splat(amplitudes[i][k]), acc[i]);
         }
     }
 }
@@ -274,12 +269,11 @@ pub(crate) fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<N>, u: [L; 
     let tangent = [(sign * x).mul_add(xa, one), sign * b, zero - sign * x];
     let bitangent = [b, y.mul_add(ya, sign), zero - y];
     // The axis is added last and whole: `axis (1 - w)` would round a narrow lobe to the grid round its axis.
-    let component = |axis: L, t: L, b: L| axis + t.mul_add(across, b.mul_add(along, zero - axis * w));
-    let round = [
-        component(x, tangent[0], bitangent[0]),
-        component(y, tangent[1], bitangent[1]),
-        component(z, tangent[2], bitangent[2]),
-    ];
+    let axis = [x, y, z];
+    let mut round = axis;
+    for i in 0..3 {
+        round[i] = axis[i] + tangent[i].mul_add(across, bitangent[i].mul_add(along, zero - axis[i] * w));
+    }
     let mut d = round;
     if m.squeezed > 0 {
         let through = L::index_below(k, m.squeezed);
@@ -289,9 +283,7 @@ pub(crate) fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<N>, u: [L; 
         d[2] = d[2].abs();
     }
     let d = m.squeeze.turn_back(d);
-    let length_squared = d[0].mul_add(d[0], d[1].mul_add(d[1], d[2] * d[2]));
-    let shrink = one / length_squared.sqrt();
-    d.map(|component| component * shrink)
+    scale(d, one / dot3(d, d).sqrt())
 }
 
 /// `-ln(1 - u inside) / s` with `inside = 1 - exp(-2 s)` and `gone = exp(-2 s)`, both to full precision.

@@ -1,7 +1,9 @@
 //! The text of every kernel is generic over [`Lanes`]: one f32 for the scalar path, SIMD vectors for the back ends.
 //!
 //! Everything here is `#[inline(always)]`: a vector method must be compiled inside the `#[target_feature]` function that
-//! uses it, or it becomes a call that passes vectors through memory.
+//! uses it, or it becomes a call that passes vectors through memory. Closures and `array::map` cannot be marked so:
+//! kernels use neither, but small functions and loops over array indices.
+#![allow(clippy::needless_range_loop)]
 
 use core::ops::{Add, Div, Mul, Sub};
 
@@ -62,6 +64,27 @@ pub trait Lanes:
     fn sum(self) -> f32;
     /// 0, 1, 2, ...
     fn iota() -> Self;
+}
+
+/// Three numbers, each in every lane.
+#[inline(always)]
+pub fn splat3<L: Lanes>(v: [f32; 3]) -> [L; 3] {
+    [L::splat(v[0]), L::splat(v[1]), L::splat(v[2])]
+}
+
+/// Dot product.
+#[inline(always)]
+pub fn dot3<L: Lanes>(a: [L; 3], b: [L; 3]) -> L {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
+}
+
+/// Every component times a number.
+#[inline(always)]
+pub fn scale<L: Lanes, const C: usize>(mut a: [L; C], by: L) -> [L; C] {
+    for i in 0..C {
+        a[i] = a[i] * by;
+    }
+    a
 }
 
 /// `2^t`, 0 below -127.
@@ -210,6 +233,16 @@ pub fn sum_of_products<L: Lanes>(a: L, b: L, c: L, d: L) -> (L, L) {
     let (q, q_error) = two_product(c, d);
     let (sum, error) = two_sum(p, q);
     (sum, error + (p_error + q_error))
+}
+
+/// `|v|^2 - 1` of a vector that f32 takes for a unit vector, without losing its digits.
+#[inline(always)]
+pub fn length_squared_minus_one<L: Lanes>([x, y, z]: [L; 3]) -> L {
+    let [(xx, x_error), (yy, y_error), (zz, z_error)] =
+        [two_product(x, x), two_product(y, y), two_product(z, z)];
+    let (sum, xy_error) = two_sum(xx, yy);
+    let (sum, error) = two_sum(sum, zz);
+    (sum - L::splat(1.0)) + ((x_error + y_error) + (z_error + (xy_error + error)))
 }
 
 impl Lanes for f32 {

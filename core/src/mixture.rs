@@ -1,6 +1,6 @@
 //! A mixture: the lobes that one outgoing direction needs, ready to evaluate and sample.
 
-use crate::lanes::{Lanes, exp2};
+use crate::lanes::{Lanes, dot3, exp2, splat3};
 use crate::simd::Level;
 use crate::single::{EvaluateOne, PdfOne, SampleOne};
 use crate::squeeze::Squeeze;
@@ -208,6 +208,7 @@ impl<const N: usize> Mixture<N> {
     /// Completes the mixture from axes, sharpness and amplitudes, which the caller has stored and checked; those of
     /// the places up to the next multiple of 16 must be valid, of amplitude 0.
     #[inline(always)]
+    #[allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
     pub(crate) fn finish<L: Lanes>(&mut self, count: usize, squeezed: usize) {
         (self.count, self.squeezed) = (count, squeezed);
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
@@ -225,8 +226,9 @@ impl<const N: usize> Mixture<N> {
             let inverse = one / s;
             let tail = exp2(s * L::splat(-2.0 * LOG2_E));
             let mut series = L::splat(-1.0 / 40_320.0);
-            for coefficient in [1.0 / 5040.0, -1.0 / 720.0, 1.0 / 120.0, -1.0 / 24.0, 1.0 / 6.0, -0.5, 1.0] {
-                series = series.mul_add(x, L::splat(coefficient));
+            const SERIES: [f32; 7] = [1. / 5040., -1. / 720., 1. / 120., -1. / 24., 1. / 6., -0.5, 1.];
+            for i in 0..SERIES.len() {
+                series = series.mul_add(x, L::splat(SERIES[i]));
             }
             let small = x.lt(L::splat(0.5));
             let inside = L::select(small, series * x, one - tail);
@@ -247,17 +249,16 @@ impl<const N: usize> Mixture<N> {
                 self.folded |= L::bits(folds) << k;
             }
 
-            let rgb = [&self.red, &self.green, &self.blue].map(|channel| L::load(&channel[k..]));
-            let [r, g, b] = LUMINANCE.map(L::splat);
-            let luminance = rgb[0].mul_add(r, rgb[1].mul_add(g, rgb[2] * b));
+            let rgb = [L::load(&self.red[k..]), L::load(&self.green[k..]), L::load(&self.blue[k..])];
+            let luminance = dot3(rgb, splat3(LUMINANCE));
             luminance.store(&mut self.luminance[k..]);
             (luminance * integral).store(&mut powers[k..]);
-            for (sum, amplitude) in albedo.iter_mut().zip(rgb) {
-                *sum = amplitude.mul_add(integral, *sum);
+            for i in 0..3 {
+                albedo[i] = rgb[i].mul_add(integral, albedo[i]);
             }
             k += L::COUNT;
         }
-        self.albedo = Vec3::from_array(albedo.map(L::sum));
+        self.albedo = Vec3::new(albedo[0].sum(), albedo[1].sum(), albedo[2].sum());
         let mut power = 0.0;
         for (running, lobe) in self.cumulative[..count.min(N)].iter_mut().zip(&powers) {
             power += lobe;

@@ -44,7 +44,7 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     }
 
     // +x of the view points away from wo, towards the mirror direction; at the normal any azimuth serves.
-    let across = across_squared.sqrt();
+    let across = Lanes::sqrt(across_squared);
     let azimuth = if across > 0.0 {
         let inverse = 1.0 / across;
         [-wo.x * inverse, -wo.y * inverse]
@@ -68,20 +68,20 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     while k < count && k + L::COUNT <= N {
         let valid = L::iota().lt(L::splat((count - k) as f32));
         let zero = L::splat(0.0);
-        let row = |row| {
+        let mut rows = [zero; 5];
+        for (row, value) in rows.iter_mut().enumerate() {
             let a = load_bytes::<L>(bytes, header.row(before, row) + 4 * k);
             let b = load_bytes::<L>(bytes, header.row(after, row) + 4 * k);
-            L::select(valid, (b - a).mul_add(L::splat(blend), a), zero)
-        };
-        let (sin, cos) = sin_cos(row(0));
+            *value = L::select(valid, (b - a).mul_add(L::splat(blend), a), zero);
+        }
+        let (sin, cos) = sin_cos(rows[0]);
         sin.store(&mut mixture.axis_x[k..]);
         zero.store(&mut mixture.axis_y[k..]);
         cos.store(&mut mixture.axis_z[k..]);
-        exp2(row(1)).store(&mut mixture.sharpness[k..]);
-        let amplitude = |channel| L::select(valid, exp2(row(channel)), zero);
-        amplitude(2).store(&mut mixture.red[k..]);
-        amplitude(3).store(&mut mixture.green[k..]);
-        amplitude(4).store(&mut mixture.blue[k..]);
+        exp2(rows[1]).store(&mut mixture.sharpness[k..]);
+        L::select(valid, exp2(rows[2]), zero).store(&mut mixture.red[k..]);
+        L::select(valid, exp2(rows[3]), zero).store(&mut mixture.green[k..]);
+        L::select(valid, exp2(rows[4]), zero).store(&mut mixture.blue[k..]);
         k += L::COUNT;
     }
     mixture.finish::<L>(count, header.squeezed);
@@ -100,7 +100,9 @@ fn load_bytes<L: Lanes>(bytes: &[u8], offset: usize) -> L {
         target[..rest.len()].copy_from_slice(rest);
     }
     if cfg!(target_endian = "big") {
-        numbers = numbers.map(|n| f32::from_bits(n.to_bits().swap_bytes()));
+        for n in &mut numbers {
+            *n = f32::from_bits(n.to_bits().swap_bytes());
+        }
     }
     L::load(&numbers)
 }

@@ -1,7 +1,8 @@
 //! One direction: lanes are lobes, for renderers that shade a point at a time.
+#![allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
 
 use crate::batch::sample_direction;
-use crate::lanes::{Lanes, exp2};
+use crate::lanes::{Lanes, exp2, splat3};
 use crate::simd::Kernel;
 use crate::squeeze::Seen;
 use crate::{Domain, Mixture};
@@ -65,7 +66,7 @@ pub(crate) fn sums_one<L: Lanes, const N: usize, const C: usize>(
     if !above && m.domain == Domain::Hemisphere {
         return [0.0; C];
     }
-    let turned = m.squeeze.turn(direction.to_array().map(L::splat));
+    let turned = m.squeeze.turn(splat3::<L>(direction.to_array()));
     let squeezed = if m.squeezed > 0 { m.squeeze.squeeze(&turned) } else { turned };
 
     let mut acc = [L::splat(0.0); C];
@@ -78,24 +79,27 @@ pub(crate) fn sums_one<L: Lanes, const N: usize, const C: usize>(
         } else {
             mix::<L>(&squeezed, &turned, m.squeezed - k)
         };
-        let load = |array: &[f32; N]| L::load(&array[k..k + L::COUNT]);
         let [x, y, z] = seen.high;
-        let dx = (x - load(&m.axis_x)) + seen.low[0];
-        let dy = (y - load(&m.axis_y)) + seen.low[1];
-        let dz = (z - load(&m.axis_z)) + seen.low[2];
-        let t = load(&m.rate) * dx.mul_add(dx, dy.mul_add(dy, dz * dz));
+        let dx = (x - L::load(&m.axis_x[k..])) + seen.low[0];
+        let dy = (y - L::load(&m.axis_y[k..])) + seen.low[1];
+        let dz = (z - L::load(&m.axis_z[k..])) + seen.low[2];
+        let t = L::load(&m.rate[k..]) * dx.mul_add(dx, dy.mul_add(dy, dz * dz));
         let mut g = exp2(t);
         if m.folded >> k & lane_bits(L::COUNT) != 0 {
             // Lanes whose fold cannot matter get it too: it is smaller than its bound there.
-            g = g + exp2(load(&m.fold_rate).mul_add(z, t));
+            g = g + exp2(L::load(&m.fold_rate[k..]).mul_add(z, t));
         }
         let g = g * seen.scale;
-        for (sum, amplitude) in acc.iter_mut().zip(amplitudes) {
-            *sum = g.mul_add(load(amplitude), *sum);
+        for i in 0..C {
+            acc[i] = g.mul_add(L::load(&amplitudes[i][k..]), acc[i]);
         }
         k += L::COUNT;
     }
-    acc.map(L::sum)
+    let mut sums = [0.0; C];
+    for i in 0..C {
+        sums[i] = acc[i].sum();
+    }
+    sums
 }
 
 /// The lowest `count` bits.
@@ -108,11 +112,11 @@ const fn lane_bits(count: usize) -> u64 {
 #[inline(always)]
 fn mix<L: Lanes>(first: &Seen<L>, then: &Seen<L>, count: usize) -> Seen<L> {
     let is_first = L::iota().lt(L::splat(count as f32));
-    let choose = |a, b| L::select(is_first, a, b);
-    let choose3 = |a: [L; 3], b: [L; 3]| [choose(a[0], b[0]), choose(a[1], b[1]), choose(a[2], b[2])];
-    Seen {
-        high: choose3(first.high, then.high),
-        low: choose3(first.low, then.low),
-        scale: choose(first.scale, then.scale),
+    let mut seen = *then;
+    for i in 0..3 {
+        seen.high[i] = L::select(is_first, first.high[i], then.high[i]);
+        seen.low[i] = L::select(is_first, first.low[i], then.low[i]);
     }
+    seen.scale = L::select(is_first, first.scale, then.scale);
+    seen
 }

@@ -1,4 +1,9 @@
 //! What the tests share: oracle, tolerances, inputs, statistics.
 
 pub mod header;
+pub mod inputs;
 pub mod native;
+pub mod oracle;
+pub mod reference;
+pub mod statistics;
+pub mod tolerance;
