@@ -6,10 +6,14 @@ use std::borrow::Cow;
 use std::path::Path;
 
 /// The presets: name and `.srbf` bytes.
-pub const PRESETS: &[(&str, &[u8])] = &[];
+pub const PRESETS: &[(&str, &[u8])] = &[
+    ("garnet_red", include_bytes!("../../presets/garnet_red.srbf")),
+    ("krylon_blue", include_bytes!("../../presets/krylon_blue.srbf")),
+    ("cayman", include_bytes!("../../presets/cayman.srbf")),
+];
 
 /// What is rendered where no material is named.
-pub const DEFAULT: &str = MATTE;
+pub const DEFAULT: &str = "garnet_red";
 
 /// Name of the built-in material without a highlight.
 pub const MATTE: &str = "matte";

@@ -59,7 +59,7 @@ pub struct Args {
     /// Threads; 0 is one a processor. The picture does not depend on it
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
-    /// Stops to brighten the PNG by; the EXR stays as it is
+    /// Stops to brighten the PNG by, from an exposure that fits the picture; the EXR stays as it is
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_name = "STOPS")]
     exposure: f32,
     /// The picture to write, .exr
@@ -117,7 +117,8 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let picture = film.to_picture();
     picture_file::write_exr(&args.output, args.size, &picture)?;
     let png = args.output.with_extension("png");
-    picture_file::write_tone_mapped_png(&png, args.size, &picture, args.exposure.exp2())?;
+    let exposure = picture_file::automatic_exposure(&picture) * args.exposure.exp2();
+    picture_file::write_tone_mapped_png(&png, args.size, &picture, exposure)?;
     println!(
         "{} and {}: {} samples a pixel in {seconds:.2} s",
         args.output.display(),
