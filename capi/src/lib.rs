@@ -17,6 +17,7 @@ mod convert;
 mod guard;
 #[cfg(feature = "std")]
 mod heap;
+mod layout;
 mod lobe;
 mod material;
 #[cfg(feature = "std")]
