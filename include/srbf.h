@@ -445,6 +445,11 @@ typedef struct srbf_samples_out {
 #define SRBF_STATUS_CAPACITY 15
 
 /**
+ * A mixture holds squeezed lobes, whose products are not lobes.
+ */
+#define SRBF_STATUS_SQUEEZED 16
+
+/**
  * The bytes do not start like a `.srbf` file.
  */
 #define SRBF_STATUS_MAGIC 20
@@ -574,6 +579,56 @@ srbf_status srbf_lobe_pdf(const struct srbf_lobe *lobe, const float *direction, 
  * Shapes: `u` [2], uniform numbers in [0, 1); `direction` [3], overwritten with a unit vector.
  */
 srbf_status srbf_lobe_sample(const struct srbf_lobe *lobe, const float *u, float *direction);
+
+/**
+ * Multiplies two lobes, channel by channel; the product is a lobe again.
+ *
+ * Sharpness may reach 2e8, which no other call takes.
+ */
+srbf_status srbf_lobe_product(const struct srbf_lobe *a,
+                              const struct srbf_lobe *b,
+                              struct srbf_lobe *product);
+
+/**
+ * Integrates the product of two lobes over the whole sphere, in closed form.
+ *
+ * Shapes: `integral` [3], overwritten.
+ */
+srbf_status srbf_lobe_inner_product(const struct srbf_lobe *a, const struct srbf_lobe *b, float *integral);
+
+/**
+ * Integrates the product of a mixture of round lobes and a lobe, of light for example, over the mixture's domain.
+ *
+ * For a material's mixture and a lobe of radiance: the radiance that is reflected towards the viewer.
+ * Shapes: `integral` [3], overwritten. Status: `SRBF_STATUS_SQUEEZED`.
+ */
+srbf_status srbf_mixture_inner_product_with_lobe(const struct srbf_mixture *mixture,
+                                                 const struct srbf_lobe *lobe,
+                                                 float *integral);
+
+/**
+ * Integrates the product of two mixtures of round lobes over the domain that they share.
+ *
+ * Shapes: `integral` [3], overwritten. Status: `SRBF_STATUS_SQUEEZED`.
+ */
+srbf_status srbf_mixture_inner_product(const struct srbf_mixture *a,
+                                       const struct srbf_mixture *b,
+                                       float *integral);
+
+/**
+ * Multiplies two mixtures of round lobes, lobe by lobe.
+ *
+ * A folded lobe counts as two, itself and its mirror image. The products are lobes of the caller's shading frame, not
+ * folded; they stand for the product on the domain that the mixtures share.
+ * Shapes: `lobes` [capacity], of which the first `*count` are overwritten; `lobes` may be NULL with capacity 0, to ask
+ * for the count alone. Status: `SRBF_STATUS_SIZE` if the capacity is too small, `*count` says what is needed;
+ * `SRBF_STATUS_SQUEEZED`.
+ */
+srbf_status srbf_mixture_product(const struct srbf_mixture *a,
+                                 const struct srbf_mixture *b,
+                                 size_t capacity,
+                                 struct srbf_lobe *lobes,
+                                 size_t *count);
 
 /**
  * Returns the bytes of storage that a mixture of so many lobes needs; 0 if there is no such mixture (more than 64).

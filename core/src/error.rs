@@ -14,6 +14,10 @@ pub enum Error {
     Amplitude,
     /// The squeeze is NaN or outside [0.01, 2].
     Squeeze,
+    /// The operation has no closed form for squeezed lobes.
+    Squeezed,
+    /// A parameter of a kernel is out of its range.
+    Kernel,
     /// The mixture has room for fewer lobes than are needed.
     Capacity {
         /// Lobes that were to be stored.
@@ -36,6 +40,8 @@ impl fmt::Display for Error {
             Self::Sharpness => f.write_str("the sharpness of a lobe must be within [0, 1e8]"),
             Self::Amplitude => f.write_str("an amplitude must be finite and not negative"),
             Self::Squeeze => f.write_str("a squeeze must be within [0.01, 2]"),
+            Self::Squeezed => f.write_str("squeezed lobes and diffuse terms have no product in closed form"),
+            Self::Kernel => f.write_str("a parameter of the kernel is out of range"),
             Self::Capacity { needed, available } => {
                 write!(f, "the mixture has room for {available} lobes, {needed} are needed")
             }

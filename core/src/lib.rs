@@ -25,13 +25,19 @@
 mod batch;
 mod checksum;
 mod error;
+mod estimator;
 mod float;
+mod folded;
 mod format;
+mod horizon;
+mod kernel;
 mod lanes;
 mod lobe;
 mod material;
 mod mixture;
 mod prepare;
+mod product;
+mod quadrature;
 mod simd;
 mod single;
 pub mod special;
@@ -39,9 +45,23 @@ mod squeeze;
 
 pub use batch::SamplesMut;
 pub use error::{Error, FormatError};
+pub use estimator::{Defensive, balance_heuristic, power_heuristic};
+pub use folded::Folded;
 pub use format::{FORMAT_VERSION, PlaneLobe, View, encode, encoded_len};
 pub use glam::Vec3;
+pub use kernel::Kernel;
+#[cfg(feature = "kernels")]
+pub use kernel::{
+    abel_poisson::AbelPoisson,
+    legendre::{
+        abel_poisson_coefficients_into, gaussian_coefficients_into, legendre_coefficients_into,
+        legendre_series, legendre_singular_integral,
+    },
+    metropolis::Metropolis,
+    table::KernelTable,
+};
 pub use lobe::{Gaussian, Lobe, MAX_SHARPNESS};
 pub use material::Material;
 pub use mixture::{Domain, LUMINANCE, MAX_LOBES, Mixture, Sample, luminance};
+pub use product::GaussianProduct;
 pub use simd::Level;

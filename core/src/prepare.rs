@@ -1,6 +1,6 @@
 //! From a material and an outgoing direction to a mixture: lanes are lobes.
 
-use crate::format::f32_at;
+use crate::format::{self, f32_at};
 use crate::lanes::{Lanes, atan2_positive, exp2, sin_cos};
 use crate::simd::Kernel;
 use crate::squeeze::Squeeze;
@@ -60,9 +60,18 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     let before = after.saturating_sub(1);
     let (from, to) = (f32_at(bytes, header.theta(before)), f32_at(bytes, header.theta(after)));
     let blend = if to > from { ((theta - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
-    let between = |a: f32, b: f32| a + blend * (b - a);
-    let log2_squeeze = between(f32_at(bytes, header.squeeze(before)), f32_at(bytes, header.squeeze(after)));
-    mixture.squeeze = Squeeze { azimuth, inverse: exp2(-log2_squeeze) };
+
+    // The heads: squeeze and diffuse albedo.
+    let mut head = [0.0; 16];
+    let mut i = 0;
+    while i < format::HEAD {
+        let a = load_bytes::<L>(bytes, header.head(before) + 4 * i);
+        let b = load_bytes::<L>(bytes, header.head(after) + 4 * i);
+        exp2((b - a).mul_add(L::splat(blend), a)).store(&mut head[i..]);
+        i += L::COUNT;
+    }
+    mixture.squeeze = Squeeze { azimuth, inverse: 1.0 / head[0] };
+    mixture.diffuse = Vec3::new(head[1], head[2], head[3]);
 
     let mut k = 0;
     while k < count && k + L::COUNT <= N {

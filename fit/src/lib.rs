@@ -1,1 +1,19 @@
 //! Readers, fitters and error metrics: makes `.srbf` materials, offline.
+
+mod banded;
+mod error;
+mod initialize;
+mod levenberg;
+mod material;
+mod model;
+mod objective;
+mod parameters;
+mod random;
+pub mod report;
+pub mod table;
+mod track;
+mod write;
+
+pub use error::{FitError, ReadError};
+pub use track::{Fit, Settings, fit};
+pub use write::write_atomically;

@@ -1,21 +1,27 @@
 //! The command line: one file a command.
 
+mod argument;
 pub mod compare;
+mod default_job;
 pub mod fit;
 pub mod inspect;
 pub mod presets;
 pub mod render;
 
 use clap::{Parser, Subcommand};
+use std::path::PathBuf;
 
 /// Fits measured BRDFs with spherical Gaussian lobes, renders and compares them.
 ///
 /// Without a command: renders a preset on two scenes, compares samplers, and writes pictures and a report to `out/`.
 #[derive(Debug, Parser)]
-#[command(version)]
+#[command(version, args_conflicts_with_subcommands = true)]
 pub struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
+    /// Folder that is written to when no command is given
+    #[arg(long, default_value = "out", value_name = "DIR")]
+    out: PathBuf,
 }
 
 #[derive(Debug, Subcommand)]
@@ -30,15 +36,11 @@ enum Command {
 /// Runs what the command line asks for.
 pub fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
-        None => default_job(),
+        None => default_job::run(&cli.out),
         Some(Command::Fit(args)) => fit::run(args),
         Some(Command::Presets(args)) => presets::run(args),
         Some(Command::Inspect(args)) => inspect::run(args),
         Some(Command::Render(args)) => render::run(args),
         Some(Command::Compare(args)) => compare::run(args),
     }
-}
-
-fn default_job() -> anyhow::Result<()> {
-    anyhow::bail!("not written yet")
 }

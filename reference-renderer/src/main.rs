@@ -1,6 +1,26 @@
 //! `srbf`: fits, inspects, renders and compares materials. Without a command it does the main job on embedded defaults.
 
+mod camera;
 mod command;
+mod comparison;
+mod discrete;
+mod environment;
+mod film;
+mod furnace;
+mod integrator;
+mod intersect;
+mod material;
+mod mesh;
+mod output;
+mod picture_file;
+mod plot;
+mod progress;
+mod random;
+mod render;
+mod report;
+mod scene;
+mod sphere_sampling;
+mod teapot;
 
 use clap::Parser;
 use std::process::ExitCode;

@@ -186,6 +186,39 @@ static void test_lobes(void) {
     CHECK_POINTER(const srbf_lobe, &good, srbf_lobe_sample(p, U, out));
     CHECK_POINTER(const float, U, srbf_lobe_sample(&good, p, out));
     CHECK_POINTER(float, out, srbf_lobe_sample(&good, U, p));
+    srbf_lobe product = good;
+    CHECK_POINTER(const srbf_lobe, &good, srbf_lobe_product(p, &good, &product));
+    CHECK_POINTER(const srbf_lobe, &good, srbf_lobe_product(&good, p, &product));
+    CHECK_POINTER(srbf_lobe, &product, srbf_lobe_product(&good, &good, p));
+    CHECK_POINTER(const srbf_lobe, &good, srbf_lobe_inner_product(p, &good, out));
+    CHECK_POINTER(const srbf_lobe, &good, srbf_lobe_inner_product(&good, p, out));
+    CHECK_POINTER(float, out, srbf_lobe_inner_product(&good, &good, p));
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        CHECK_STATUS(bad[i].status, srbf_lobe_product(&good, &bad[i].lobe, &product));
+        CHECK_STATUS(bad[i].status, srbf_lobe_inner_product(&bad[i].lobe, &good, out));
+        CHECK_STATUS(bad[i].status, srbf_mixture_inner_product_with_lobe(mixture, &bad[i].lobe, out));
+    }
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_inner_product_with_lobe(p, &good, out));
+    CHECK_POINTER(const srbf_lobe, &good, srbf_mixture_inner_product_with_lobe(mixture, p, out));
+    CHECK_POINTER(float, out, srbf_mixture_inner_product_with_lobe(mixture, &good, p));
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_inner_product(p, mixture, out));
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_inner_product(mixture, p, out));
+    CHECK_POINTER(float, out, srbf_mixture_inner_product(mixture, mixture, p));
+    srbf_lobe products[4];
+    size_t count = 77;
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_product(p, mixture, 4, products, &count));
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_product(mixture, p, 4, products, &count));
+    CHECK_POINTER(srbf_lobe, products, srbf_mixture_product(mixture, mixture, 4, p, &count));
+    CHECK_POINTER(size_t, &count, srbf_mixture_product(mixture, mixture, 4, products, p));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_mixture_product(mixture, mixture, 4, (srbf_lobe *)(void *)mixture, &count));
+    CHECK(count == 77);
+    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_mixture_product(mixture, mixture, 0, NULL, &count));
+    CHECK(count == 1 || count == 4);
+    CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_HEMISPHERE, 0.5f, 1, 1, &good, mixture));
+    CHECK_STATUS(SRBF_STATUS_SQUEEZED, srbf_mixture_product(mixture, mixture, 4, products, &count));
+    CHECK_STATUS(SRBF_STATUS_SQUEEZED, srbf_mixture_inner_product(mixture, mixture, out));
+    CHECK_STATUS(SRBF_STATUS_SQUEEZED, srbf_mixture_inner_product_with_lobe(mixture, &good, out));
+    CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_HEMISPHERE, 1, 0, 1, &good, mixture));
     CHECK(is_untouched(out, 0) && is_untouched(out, 1) && is_untouched(out, 2));
 
     srbf_lobe many[65];

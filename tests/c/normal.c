@@ -332,6 +332,49 @@ static void test_lobes(void) {
         CHECK_OK(srbf_mixture_evaluate(mixture, d, value));
         CHECK(are_near(sum, value));
     }
+    /* Products: at a direction, and integrated, against each other and against quadrature. */
+    srbf_lobe products[36];
+    const float d[3] = {0.48f, 0.36f, 0.8f};
+    float x[3], y[3], z[3], sum[3] = {0, 0, 0}, integral[3];
+    size_t n = 0;
+    CHECK_OK(srbf_lobe_product(&lobes[0], &lobes[1], &lobe));
+    CHECK_OK(srbf_lobe_evaluate(&lobes[0], d, x));
+    CHECK_OK(srbf_lobe_evaluate(&lobes[1], d, y));
+    CHECK_OK(srbf_lobe_evaluate(&lobe, d, z));
+    for (int c = 0; c < 3; c++) {
+        CHECK(fabsf(x[c] * y[c] - z[c]) <= 1e-4f * z[c]);
+    }
+    CHECK_OK(srbf_lobe_inner_product(&lobes[0], &lobes[1], x));
+    CHECK_OK(srbf_lobe_integrate(&lobe, y));
+    CHECK(are_near(x, y));
+    CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_SPHERE, 1, 0, 3, lobes, mixture));
+    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_mixture_product(mixture, mixture, 0, NULL, &n));
+    CHECK(n == 9);
+    CHECK_OK(srbf_mixture_product(mixture, mixture, 36, products, &n));
+    CHECK_OK(srbf_mixture_inner_product(mixture, mixture, integral));
+    for (size_t k = 0; k < n; k++) {
+        CHECK_OK(srbf_lobe_integrate(&products[k], x));
+        for (int c = 0; c < 3; c++) {
+            sum[c] += x[c];
+        }
+    }
+    CHECK(are_near(sum, integral));
+    for (uint32_t domain = SRBF_DOMAIN_SPHERE; domain <= SRBF_DOMAIN_HEMISPHERE; domain++) {
+        double quadrature = 0;
+        const int low = domain == SRBF_DOMAIN_SPHERE ? -200 : 0;
+        CHECK_OK(srbf_mixture_from_lobes(domain, 1, 0, 3, lobes, mixture));
+        CHECK_OK(srbf_mixture_inner_product_with_lobe(mixture, &lobes[1], integral));
+        for (int i = low; i < 200; i++) {
+            for (int j = 0; j < 800; j++) {
+                float h = ((float)i + 0.5f) / 200, phi = ((float)j + 0.5f) / 800 * 6.2831853f;
+                float r = sqrtf(1 - h * h), at[3] = {r * cosf(phi), r * sinf(phi), h};
+                CHECK_OK(srbf_mixture_evaluate(mixture, at, x));
+                CHECK_OK(srbf_lobe_evaluate(&lobes[1], at, y));
+                quadrature += (double)(x[1] * y[1]);
+            }
+        }
+        CHECK(fabs(quadrature * 6.283185307 / (200 * 800) / (double)integral[1] - 1) < 1e-3);
+    }
     /* Squeezed lobes keep their integral. */
     CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_HEMISPHERE, 0.5f, 2, 3, lobes, mixture));
     CHECK_OK(srbf_mixture_query(mixture, &info));

@@ -1,3 +1,8 @@
 //! What the tests share: oracle, tolerances, inputs, statistics.
 
+pub mod inputs;
 pub mod native;
+pub mod oracle;
+pub mod reference;
+pub mod statistics;
+pub mod tolerance;

@@ -1,10 +1,95 @@
 //! `srbf fit`.
 
+use anyhow::Context;
+use indicatif::{ProgressBar, ProgressStyle};
+use srbf_fit::report::Report;
+use srbf_fit::{Fit, Settings};
+use std::path::{Path, PathBuf};
+
 /// Fits a measured BRDF file and writes a .srbf material.
 #[derive(Debug, clap::Args)]
-pub struct Args {}
+pub struct Args {
+    /// The measured BRDF: a Cornell/pbrt .brdf file.
+    file: PathBuf,
+    /// The material to write; by default the name of the file, with .srbf, in out/.
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    settings: SettingArgs,
+}
+
+/// Settings of a fit on the command line.
+#[derive(Debug, clap::Args)]
+pub struct SettingArgs {
+    /// Lobes of every view, 1 to 64.
+    #[arg(long)]
+    lobes: Option<usize>,
+    /// How many of the lobes are squeezed across the plane of incidence.
+    #[arg(long)]
+    squeezed: Option<usize>,
+    /// Weight of the smoothness from view to view.
+    #[arg(long)]
+    smoothness: Option<f64>,
+    /// Starting points that are tried.
+    #[arg(long)]
+    starts: Option<usize>,
+    /// Most steps of the solver in the refinement.
+    #[arg(long)]
+    steps: Option<usize>,
+}
+
+impl SettingArgs {
+    fn settings(&self) -> Settings {
+        let default = Settings::default();
+        let lobes = self.lobes.unwrap_or(default.lobes);
+        let squeezed = self.squeezed.unwrap_or((default.squeezed * lobes).div_ceil(default.lobes));
+        Settings {
+            lobes,
+            squeezed,
+            smoothness: self.smoothness.unwrap_or(default.smoothness),
+            starts: self.starts.unwrap_or(default.starts),
+            steps: self.steps.unwrap_or(default.steps),
+            provenance: String::new(),
+        }
+    }
+}
 
 /// Runs the command.
-pub fn run(_args: Args) -> anyhow::Result<()> {
-    anyhow::bail!("not written yet")
+pub fn run(args: Args) -> anyhow::Result<()> {
+    let name = args.file.file_stem().context("the file has no name")?;
+    let output = args.output.unwrap_or_else(|| Path::new("out").join(name).with_extension("srbf"));
+    let fit = fit_file(&args.file, args.settings.settings(), "")?;
+    srbf_fit::write_atomically(&output, &fit.bytes)?;
+    print_report(&fit.report);
+    println!("{}: {} bytes in {:.2} s", output.display(), fit.bytes.len(), fit.report.seconds);
+    Ok(())
+}
+
+/// Reads and fits one file, with a progress bar; `source` says in the provenance where it comes from.
+pub fn fit_file(file: &Path, mut settings: Settings, source: &str) -> anyhow::Result<Fit> {
+    let read = srbf_fit::table::read(file)?;
+    settings.provenance = format!("{source}{}, SHA-256 {}\n", read.name, read.sha256);
+
+    // indicatif draws nothing where standard error is not a terminal.
+    let bar = ProgressBar::new(1000).with_message(read.name);
+    bar.set_style(ProgressStyle::with_template("{msg} [{bar:40}] {percent} %")?);
+    let fit = srbf_fit::fit(&read.table, &settings, |share| bar.set_position((1000.0 * share) as u64));
+    bar.finish_and_clear();
+    Ok(fit?)
+}
+
+/// Prints a report, a line a view.
+pub fn print_report(report: &Report) {
+    println!("view deg | relative L2 % | variance | albedo r g b, fit (data)");
+    for v in &report.views {
+        let albedo = [0, 1, 2].map(|c| format!("{:.3} ({:.3})", v.albedo[c], v.data_albedo[c]));
+        println!(
+            "{:8.1} | {:13.2} | {:8.3} | {}",
+            v.theta.to_degrees(),
+            100.0 * v.error,
+            v.variance,
+            albedo.join("  ")
+        );
+    }
+    println!("mean relative L2 {:.2} %", 100.0 * report.mean_error());
 }

@@ -1,10 +1,80 @@
 //! `srbf inspect`.
 
+use crate::integrator::AnyMixture;
+use crate::material::StoredMaterial;
+use glam::Vec3;
+use srbf_core::MAX_LOBES;
+
 /// Prints what a .srbf material holds.
+///
+/// A line for each view: its angle, the squeeze, the albedo in closed form, and the range of the lobes.
 #[derive(Debug, clap::Args)]
-pub struct Args {}
+pub struct Args {
+    /// A .srbf file or the name of a preset
+    #[arg(value_name = "FILE|PRESET")]
+    material: String,
+    /// Also print every lobe of every view
+    #[arg(long)]
+    lobes: bool,
+}
 
 /// Runs the command.
-pub fn run(_args: Args) -> anyhow::Result<()> {
-    anyhow::bail!("not written yet")
+pub fn run(args: Args) -> anyhow::Result<()> {
+    let stored = StoredMaterial::load(&args.material)?;
+    let material = stored.get();
+    println!("name        {}", stored.name);
+    println!("bytes       {}", material.bytes().len());
+    println!("views       {}", material.view_count());
+    println!(
+        "lobes       {} at every view, {} of them squeezed (at most {MAX_LOBES})",
+        material.lobe_count(),
+        material.squeezed_count()
+    );
+    println!("provenance  {}", material.provenance());
+    println!();
+    println!(
+        "  view  degrees  squeeze   albedo red  green   blue    sharpness      share of the strongest lobe"
+    );
+    let mut mixture = AnyMixture::empty();
+    for view in 0..material.view_count() {
+        let theta = material.view_theta(view).unwrap_or_default();
+        material.prepare(Vec3::new(-theta.sin(), 0.0, theta.cos().max(0.0)), &mut mixture)?;
+        let albedo = mixture.albedo();
+        let lobes: Vec<_> = (0..mixture.len()).filter_map(|k| mixture.lobe(k)).collect();
+        let sharpness = |pick: fn(f32, f32) -> f32, start| {
+            lobes.iter().map(|lobe| lobe.gaussian.sharpness).fold(start, pick)
+        };
+        let strongest = lobes
+            .iter()
+            .map(|lobe| srbf_core::luminance(lobe.amplitude) * lobe.gaussian.integral())
+            .fold(0.0, f32::max);
+        println!(
+            "  {view:>4}  {:>7.2}  {:>7.4}      {:.4}  {:.4}  {:.4}  {:>9.3e} - {:<9.3e}  {:>5.1} %",
+            theta.to_degrees(),
+            mixture.squeeze(),
+            albedo.x,
+            albedo.y,
+            albedo.z,
+            sharpness(f32::min, f32::INFINITY),
+            sharpness(f32::max, 0.0),
+            100.0 * strongest / mixture.power().max(f32::MIN_POSITIVE)
+        );
+    }
+    if args.lobes {
+        println!();
+        println!("  view  lobe  degrees    sharpness    amplitude red  green        blue         kind");
+        for view in 0..material.view_count() {
+            for k in 0..material.lobe_count() {
+                let Some(lobe) = material.view_lobe(view, k) else { continue };
+                let [red, green, blue] = lobe.log2_amplitude.map(f32::exp2);
+                let kind = if k < material.squeezed_count() { "squeezed" } else { "round" };
+                println!(
+                    "  {view:>4}  {k:>4}  {:>7.2}  {:>11.4e}  {red:>11.4e}  {green:>11.4e}  {blue:>11.4e}  {kind}",
+                    lobe.angle.to_degrees(),
+                    lobe.log2_sharpness.exp2()
+                );
+            }
+        }
+    }
+    Ok(())
 }

@@ -1,10 +1,114 @@
 //! `srbf render`.
 
+use super::argument;
+use crate::film::Film;
+use crate::furnace;
+use crate::integrator::Sampler;
+use crate::material::{self, StoredMaterial};
+use crate::picture_file;
+use crate::progress::Progress;
+use crate::render::{Settings, add_samples};
+use crate::scene::{Scene, SceneName};
+use anyhow::ensure;
+use std::path::PathBuf;
+use std::time::Instant;
+
 /// Renders a scene with a material to EXR and PNG.
+///
+/// Writes linear radiance to OUT, and a tone-mapped PNG beside it. The sphere under `--env constant:VALUE` is a white
+/// furnace: the mean that was rendered is printed beside the closed form.
 #[derive(Debug, clap::Args)]
-pub struct Args {}
+pub struct Args {
+    /// The scene
+    #[arg(long, value_enum, default_value = "sphere")]
+    scene: SceneName,
+    /// Material of the object: a .srbf file or the name of a preset
+    #[arg(long, default_value = material::DEFAULT, value_name = "FILE|PRESET")]
+    material: String,
+    /// Material of the ground below the teapot
+    #[arg(long, default_value = material::MATTE, value_name = "FILE|PRESET")]
+    ground_material: String,
+    /// The light: sky, constant:VALUE, or a latitude-longitude map in a .hdr or .exr file
+    #[arg(long, default_value = "sky")]
+    env: String,
+    /// Degrees to turn the light by, anticlockwise seen from above
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_name = "DEGREES")]
+    env_turn: f32,
+    /// Size of the picture in pixels
+    #[arg(long, default_value = "512x512", value_parser = argument::size, value_name = "WIDTHxHEIGHT")]
+    size: [u32; 2],
+    /// Samples a pixel
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
+    spp: u32,
+    /// How directions are chosen
+    #[arg(long, value_enum, default_value = "mis")]
+    sampler: Sampler,
+    /// Seed of the random numbers
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Scatterings along a path; 1 is direct light only
+    #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    max_bounces: u32,
+    /// Threads; 0 is one a processor. The picture does not depend on it
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    threads: u16,
+    /// Stops to brighten the PNG by; the EXR stays as it is
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_name = "STOPS")]
+    exposure: f32,
+    /// The picture to write, .exr
+    #[arg(short, long, default_value = "out/render.exr", value_name = "OUT.exr")]
+    output: PathBuf,
+}
 
 /// Runs the command.
-pub fn run(_args: Args) -> anyhow::Result<()> {
-    anyhow::bail!("not written yet")
+pub fn run(args: Args) -> anyhow::Result<()> {
+    let is_exr = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+    ensure!(is_exr, "output {}: a name that ends in .exr is expected", args.output.display());
+    ensure!(args.exposure.abs() <= 64.0, "--exposure {}: within -64 to 64 is expected", args.exposure);
+    ensure!(args.env_turn.is_finite(), "--env-turn {}: a number of degrees is expected", args.env_turn);
+
+    let object = StoredMaterial::load(&args.material)?;
+    let ground = StoredMaterial::load(&args.ground_material)?;
+    let environment = argument::environment(&args.env)?.turned(args.env_turn.to_radians());
+    let scene = Scene::new(args.scene, object.get(), ground.get(), &environment);
+    let camera = args.scene.camera(args.size);
+    let settings = Settings { sampler: args.sampler, max_bounces: args.max_bounces, seed: args.seed };
+
+    let mut film = Film::new(args.size);
+    let progress = Progress::new("rendering", args.size[1].into());
+    let start = Instant::now();
+    argument::on_threads(args.threads.into(), || {
+        add_samples(&scene, &camera, &settings, &mut film, args.spp, &progress)
+    })?;
+    let seconds = start.elapsed().as_secs_f64();
+    drop(progress);
+
+    let picture = film.to_picture();
+    picture_file::write_exr(&args.output, args.size, &picture)?;
+    let png = args.output.with_extension("png");
+    picture_file::write_tone_mapped_png(&png, args.size, &picture, args.exposure.exp2())?;
+    println!(
+        "{} and {}: {} samples a pixel in {seconds:.2} s",
+        args.output.display(),
+        png.display(),
+        args.spp
+    );
+
+    if let (SceneName::Sphere, Some(radiance)) = (args.scene, environment.constant_radiance()) {
+        let furnace = furnace::compare(&scene, &camera, radiance, &film);
+        println!("white furnace, mean over the {} pixels that the sphere fills:", furnace.pixels);
+        println!(
+            "{:8} {:>10} {:>14} {:>10} {:>12}",
+            "channel", "rendered", "standard error", "expected", "deviation"
+        );
+        for (i, channel) in ["red", "green", "blue"].iter().enumerate() {
+            let (rendered, error, expected) =
+                (furnace.rendered[i], furnace.standard_error[i], furnace.expected[i]);
+            println!(
+                "{channel:8} {rendered:>10.6} {error:>14.6} {expected:>10.6} {:>9.2} se",
+                (rendered - expected) / error
+            );
+        }
+    }
+    Ok(())
 }

@@ -1,0 +1,88 @@
+//! What can go wrong between a file and a material.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// A fault in the content of a measured file, with the place.
+#[derive(Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// A text format with bytes that are not text.
+    #[error("byte {offset} is not UTF-8 text")]
+    NotText {
+        /// Offset of the first such byte.
+        offset: usize,
+    },
+    /// A word of a text format that is not what belongs there.
+    #[error("line {line}, number {index}: `{found}` where {expected} was expected")]
+    Word {
+        /// Line, from 1.
+        line: usize,
+        /// Number in the file, comments not counted, from 1.
+        index: usize,
+        /// The word, cut after 40 characters.
+        found: String,
+        /// What belongs there.
+        expected: String,
+    },
+    /// The file ends too early.
+    #[error("ends after number {count}, line {line}, where {expected} was expected")]
+    Truncated {
+        /// Numbers before the end.
+        count: usize,
+        /// Last line.
+        line: usize,
+        /// What is missing.
+        expected: String,
+    },
+    /// Something other than a number is wrong; the text says what and where.
+    #[error("{0}")]
+    Content(String),
+}
+
+/// What can go wrong between a file and a material.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum FitError {
+    /// A file could not be read or written.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: io::Error,
+    },
+    /// A file that was read has a fault.
+    #[error("{path}: {source}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The fault.
+        source: ReadError,
+    },
+    /// A table that nothing can be fitted to.
+    #[error("the table cannot be fitted: {0}")]
+    Table(String),
+    /// A setting out of its range.
+    #[error("setting {name}: {reason}")]
+    Setting {
+        /// The setting.
+        name: &'static str,
+        /// Its range.
+        reason: String,
+    },
+    /// The fitted lobes have no place in a material.
+    #[error("the fit is no material: {0}")]
+    Format(#[from] srbf_core::FormatError),
+    /// The material cannot be evaluated.
+    #[error("the fit cannot be evaluated: {0}")]
+    Core(#[from] srbf_core::Error),
+}
+
+impl FitError {
+    /// Names the file of a system error.
+    pub(crate) fn io(path: &Path) -> impl FnOnce(io::Error) -> Self + '_ {
+        move |source| Self::Io { path: path.to_path_buf(), source }
+    }
+}

@@ -1,0 +1,69 @@
+//! From fitted unknowns to `.srbf` bytes.
+
+use crate::FitError;
+use crate::parameters::Layout;
+use srbf_core::{PlaneLobe, View, encode as encode_bytes, encoded_len};
+use std::f64::consts::{FRAC_PI_2, LOG2_E};
+
+/// Largest albedo of a material, at any view.
+const MOST: f64 = 0.999;
+
+/// Views between two knots at which the albedo is looked at.
+const LOOKS: usize = 64;
+
+/// Encodes unknowns as a material.
+///
+/// Between knots a lobe's energy is interpolated nearly geometrically, which is never above the straight line, so the
+/// albedo has its maximum at a knot but for wide lobes; it is looked at in between all the same. Where it exceeds `MOST` the
+/// amplitudes of both knots are lowered.
+pub(crate) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec<u8>, FitError> {
+    let p = layout.stride();
+    let mut x = x.to_vec();
+    let mut q = vec![0.0; p];
+    for knot in 0..layout.knots.len() {
+        let last = knot + 1 == layout.knots.len();
+        for look in 0..if last { 1 } else { LOOKS } {
+            layout.interpolate(&x, (knot, look as f64 / LOOKS as f64), &mut q);
+            let most = layout.albedo(&q).into_iter().fold(0.0, f64::max);
+            if most > MOST {
+                for k in [knot, (knot + 1).min(layout.knots.len() - 1)] {
+                    for i in layout.amplitude(0, 0)..p {
+                        x[k * p + i] -= libm::log(most / MOST) * if k == knot || !last { 1.0 } else { 0.0 };
+                    }
+                    if last {
+                        break;
+                    }
+                }
+            }
+        }
+    }
+
+    let stored: Vec<(f32, f32, Vec<PlaneLobe>)> = layout
+        .knots
+        .iter()
+        .enumerate()
+        .map(|(knot, theta)| {
+            let q = &x[knot * p..(knot + 1) * p];
+            let log2 = |v: f64| (v * LOG2_E) as f32;
+            let lobes = (0..layout.lobes).map(|k| PlaneLobe {
+                angle: q[layout.angle(k)] as f32,
+                log2_sharpness: log2(q[layout.sharpness(k)]),
+                log2_amplitude: [0, 1, 2].map(|c| log2(q[layout.amplitude(c, k)])),
+            });
+            let theta = if *theta >= FRAC_PI_2 { std::f32::consts::FRAC_PI_2 } else { *theta as f32 };
+            (theta, log2(q[0]), lobes.collect())
+        })
+        .collect();
+    let views: Vec<View<'_>> = stored
+        .iter()
+        .map(|(theta, log2_squeeze, lobes)| View {
+            theta: *theta,
+            log2_squeeze: *log2_squeeze,
+            log2_diffuse: [-126.0; 3],
+            lobes,
+        })
+        .collect();
+    let mut bytes = vec![0; encoded_len(views.len(), layout.lobes, provenance)];
+    encode_bytes(&views, layout.squeezed, provenance, &mut bytes)?;
+    Ok(bytes)
+}

@@ -1,0 +1,427 @@
+//! What a fit makes small, with gradient and Gauss-Newton matrix.
+//!
+//! A sum of squares over all views at once, of
+//!
+//! * *data*: `f cos` of the lobes minus that of the table at every sample, relative to the view: the squared relative L2
+//!   error, plus `TAIL` times the relative variance that the lobes would have as a density, in which an error
+//!   counts relative to the value where it is (a view's norm is its peak; the variance sees the rest of the hemisphere);
+//! * *energy*: the logarithm of the albedo over the table's, per channel;
+//! * *ceiling*: what any channel's albedo exceeds `CEILING` by, at the views, at the knots and between them;
+//! * *roughness*: second differences of the unknowns from knot to knot, with the symmetry at the normal (angles are odd in
+//!   theta, the rest even) and a weak pull towards no change in the last interval, which Cornell's data do not reach.
+//!
+//! A view sees only the two knots round it, and roughness three in a row, so the matrix is a band two knots wide.
+
+use crate::FitError;
+use crate::banded::Banded;
+use crate::model::{Lobes, Slopes};
+use crate::parameters::{Layout, sphere_integral};
+use crate::table::{Table, View};
+use rayon::prelude::*;
+
+/// Weight of the relative variance beside the squared relative L2 error.
+const TAIL: f64 = 0.03;
+/// Share of a view's mean below which the variance no longer asks for relative accuracy: there it is noise.
+const TAIL_FLOOR: f64 = 0.05;
+/// Weight of the squared relative error of the albedo beside the squared relative L2 error.
+const ENERGY: f64 = 1.0;
+/// Albedo from which a view is pulled down.
+const CEILING: f64 = 0.96;
+/// Weight of the excess.
+const CEILING_WEIGHT: f64 = 30.0;
+/// Views between two knots at which the ceiling is watched.
+const WATCHED: usize = 4;
+/// Weight of the change in the last interval beside that of second differences.
+const HOLD: f64 = 0.1;
+
+struct Point {
+    direction: [f64; 3],
+    target: [f64; 3],
+    weight: f64,
+}
+
+struct Data {
+    place: (usize, f64),
+    points: Vec<Point>,
+    albedo: [f64; 3],
+}
+
+/// Linearisation in one view: half the gradient, and the lower half of the Gauss-Newton matrix, by its unknowns.
+struct Block {
+    place: (usize, f64),
+    cost: f64,
+    gradient: Vec<f64>,
+    matrix: Vec<f64>,
+}
+
+/// The whole problem linearised at a point.
+pub(crate) struct Linearized {
+    pub cost: f64,
+    pub gradient: Vec<f64>,
+    pub matrix: Banded,
+}
+
+/// The sum of squares over a table, for a layout.
+pub(crate) struct Objective {
+    pub layout: Layout,
+    views: Vec<Data>,
+    watched: Vec<(usize, f64)>,
+    /// Added to both albedos of a ratio: black stays black without a logarithm of 0.
+    black: f64,
+}
+
+impl Objective {
+    pub fn new(table: &Table, layout: Layout) -> Result<Self, FitError> {
+        let brightest = table.views.iter().flat_map(|v| v.albedo).fold(0.0, f64::max);
+        let count = table.views.len() as f64;
+        let strongest = table.views.iter().map(norm_squared).fold(0.0, f64::max);
+        if !(strongest > 0.0 && strongest.is_finite()) {
+            return Err(FitError::Table("no sample has any brightness".into()));
+        }
+        let data = |view: &View| {
+            let norm = norm_squared(view).max(1e-9 * strongest);
+            let bright = |s: &crate::table::Sample| s.rgb.iter().sum::<f64>() / 3.0 * s.direction[2];
+            let energy: f64 = view.samples.iter().map(|s| s.weight * bright(s)).sum();
+            let solid: f64 = view.samples.iter().map(|s| s.weight).sum();
+            let mean = (energy / solid).max(1e-9 * brightest);
+            let points = view.samples.iter().map(|s| {
+                let relative = TAIL / ((bright(s) + TAIL_FLOOR * mean) * (mean * solid)) / 3.0;
+                Point {
+                    direction: s.direction,
+                    target: s.rgb.map(|v| v * s.direction[2]),
+                    weight: s.weight * (1.0 / norm + relative) / count,
+                }
+            });
+            Data { place: layout.place(view.theta), points: points.collect(), albedo: view.albedo }
+        };
+        let views = table.views.iter().map(data).collect();
+        let last = layout.knots.len() - 1;
+        let between = |knot: usize| (0..WATCHED).map(move |i| (knot, i as f64 / WATCHED as f64));
+        let mut watched: Vec<(usize, f64)> = (0..last).flat_map(between).collect();
+        watched.push((last - usize::from(last > 0), if last > 0 { 1.0 } else { 0.0 }));
+        Ok(Self { layout, views, watched, black: 1e-4 * brightest })
+    }
+
+    /// The cost at a point.
+    pub fn cost(&self, x: &[f64], smoothness: f64) -> f64 {
+        let layout = &self.layout;
+        let parts: Vec<f64> = self
+            .views
+            .par_iter()
+            .map(|view| {
+                let mut q = vec![0.0; layout.stride()];
+                layout.interpolate(x, view.place, &mut q);
+                let lobes = Lobes::new(layout, &q);
+                let amplitudes = amplitudes(layout, &q);
+                let mut unit = vec![0.0; layout.lobes];
+                let mut cost = 0.0;
+                for p in &view.points {
+                    lobes.values(&p.direction, &mut unit);
+                    for (a, target) in amplitudes.iter().zip(p.target) {
+                        let value: f64 = a.iter().zip(&unit).map(|(a, u)| a * u).sum();
+                        cost += p.weight * (value - target) * (value - target);
+                    }
+                }
+                let albedo = layout.albedo(&q);
+                (0..3).for_each(|c| cost += self.energy_residual(albedo[c], view.albedo[c]).powi(2));
+                cost
+            })
+            .collect();
+        let mut cost: f64 = parts.iter().sum();
+        let mut q = vec![0.0; layout.stride()];
+        for &place in &self.watched {
+            layout.interpolate(x, place, &mut q);
+            cost += layout.albedo(&q).iter().map(|a| self.excess(*a).powi(2)).sum::<f64>();
+        }
+        self.for_each_difference(smoothness, |terms| {
+            let r: f64 = terms.iter().map(|&(index, factor)| factor * x[index]).sum();
+            cost += r * r;
+        });
+        cost
+    }
+
+    /// The problem linearised at a point. The cost is that of [`cost`](Self::cost).
+    pub fn linearize(&self, x: &[f64], smoothness: f64) -> Linearized {
+        let layout = &self.layout;
+        let p = layout.stride();
+        let mut blocks: Vec<Block> = self.views.par_iter().map(|view| self.linearize_view(view, x)).collect();
+        for &place in &self.watched {
+            let mut q = vec![0.0; p];
+            layout.interpolate(x, place, &mut q);
+            let albedo = layout.albedo(&q);
+            if albedo.iter().all(|a| self.excess(*a) == 0.0) {
+                continue;
+            }
+            let mut block = Block { place, cost: 0.0, gradient: vec![0.0; p], matrix: vec![0.0; p * p] };
+            for (channel, &a) in albedo.iter().enumerate() {
+                let excess = self.excess(a);
+                if excess > 0.0 {
+                    self.add_albedo_row(
+                        &mut block,
+                        &q,
+                        channel,
+                        excess,
+                        self.excess(a + 1.0) - self.excess(a),
+                    );
+                }
+            }
+            blocks.push(block);
+        }
+
+        let mut sum = Linearized {
+            cost: 0.0,
+            gradient: vec![0.0; layout.len()],
+            matrix: Banded::zeros(layout.len(), (2 * p).min(layout.len() - 1)),
+        };
+        for block in &blocks {
+            sum.cost += block.cost;
+            let (knot, blend) = block.place;
+            let ends = [(knot, 1.0 - blend), (knot + 1, blend)];
+            for (a, (knot_a, share_a)) in ends.into_iter().enumerate().filter(|e| e.1.1 > 0.0) {
+                for i in 0..p {
+                    sum.gradient[knot_a * p + i] += share_a * block.gradient[i];
+                }
+                for (knot_b, share_b) in ends.into_iter().take(a + 1).filter(|e| e.1 > 0.0) {
+                    let share = share_a * share_b;
+                    for i in 0..p {
+                        let end = if knot_a == knot_b { i + 1 } else { p };
+                        for j in 0..end {
+                            let value = block.matrix[if i >= j { i * p + j } else { j * p + i }];
+                            sum.matrix.add(knot_a * p + i, knot_b * p + j, share * value);
+                        }
+                    }
+                }
+            }
+        }
+        self.for_each_difference(smoothness, |terms| {
+            let r: f64 = terms.iter().map(|&(index, factor)| factor * x[index]).sum();
+            sum.cost += r * r;
+            for (a, &(i, fi)) in terms.iter().enumerate() {
+                sum.gradient[i] += fi * r;
+                for &(j, fj) in &terms[..=a] {
+                    sum.matrix.add(i, j, fi * fj);
+                }
+            }
+        });
+        sum
+    }
+
+    fn linearize_view(&self, view: &Data, x: &[f64]) -> Block {
+        let layout = &self.layout;
+        let (p, k) = (layout.stride(), layout.lobes);
+        let mut q = vec![0.0; p];
+        layout.interpolate(x, view.place, &mut q);
+        let lobes = Lobes::new(layout, &q);
+        let amplitude = amplitudes(layout, &q);
+
+        // The Jacobian is a product: a derivative of a unit lobe, the same for all channels, times an amplitude. So only the
+        // Gram matrix of the derivatives is summed over the samples.
+        let width = 3 * k + layout.squeezed;
+        let mut gram = vec![0.0; width * width];
+        let mut moment = vec![[0.0; 3]; width];
+        let mut basis = vec![0.0; width];
+        let mut slopes = vec![Slopes::default(); k];
+        let mut cost = 0.0;
+        for point in &view.points {
+            lobes.slopes(&point.direction, &mut slopes);
+            let root = libm::sqrt(point.weight);
+            for (n, s) in slopes.iter().enumerate() {
+                basis[n] = root * s.by_angle;
+                basis[k + n] = root * s.by_ln_sharpness;
+                basis[2 * k + n] = root * s.value;
+                if n < layout.squeezed {
+                    basis[3 * k + n] = root * s.by_ln_squeeze;
+                }
+            }
+            let mut residual = [0.0; 3];
+            for c in 0..3 {
+                let value: f64 = amplitude[c].iter().zip(&basis[2 * k..3 * k]).map(|(a, u)| a * u).sum();
+                residual[c] = value - root * point.target[c];
+                cost += residual[c] * residual[c];
+            }
+            for (i, &b) in basis.iter().enumerate() {
+                if b == 0.0 {
+                    continue;
+                }
+                for (g, v) in gram[i * width..=i * width + i].iter_mut().zip(&basis) {
+                    *g += b * v;
+                }
+                (0..3).for_each(|c| moment[i][c] += b * residual[c]);
+            }
+        }
+
+        // From derivatives of unit lobes to derivatives by the unknowns.
+        let mut block = Block { place: view.place, cost, gradient: vec![0.0; p], matrix: vec![0.0; p * p] };
+        let lobe_of = |i: usize| i % k.max(1);
+        let target = |i: usize, channel: usize| match i / k {
+            0 => layout.angle(lobe_of(i)),
+            1 => layout.sharpness(lobe_of(i)),
+            2 => layout.amplitude(channel, lobe_of(i)),
+            _ => 0,
+        };
+        for i in 0..width {
+            for c in 0..3 {
+                block.gradient[target(i, c)] += amplitude[c][lobe_of(i)] * moment[i][c];
+                for j in 0..=i {
+                    let value = amplitude[c][lobe_of(i)] * amplitude[c][lobe_of(j)] * gram[i * width + j];
+                    let (a, b) = (target(i, c), target(j, c));
+                    block.matrix[a.max(b) * p + a.min(b)] += value;
+                    if a == b && i != j {
+                        // Both (i, j) and (j, i) of the Gram matrix fall on one element: the squeeze is shared.
+                        block.matrix[a * p + a] += value;
+                    }
+                }
+            }
+        }
+        let albedo = layout.albedo(&q);
+        for c in 0..3 {
+            let residual = self.energy_residual(albedo[c], view.albedo[c]);
+            let slope = libm::sqrt(ENERGY / (3.0 * self.views.len() as f64)) / (albedo[c] + self.black);
+            self.add_albedo_row(&mut block, &q, c, residual, slope);
+        }
+        block
+    }
+
+    /// Adds the square of a residual of one channel's albedo to a view.
+    fn add_albedo_row(&self, block: &mut Block, q: &[f64], channel: usize, residual: f64, by_albedo: f64) {
+        let layout = &self.layout;
+        let p = layout.stride();
+        let mut row = Vec::with_capacity(2 * layout.lobes);
+        for k in 0..layout.lobes {
+            let (integral, slope) = sphere_integral(q[layout.sharpness(k)]);
+            row.push((layout.sharpness(k), by_albedo * libm::exp(q[layout.amplitude(channel, k)]) * slope));
+            row.push((
+                layout.amplitude(channel, k),
+                by_albedo * libm::exp(q[layout.amplitude(channel, k)]) * integral,
+            ));
+        }
+        block.cost += residual * residual;
+        for &(i, a) in &row {
+            block.gradient[i] += a * residual;
+            for &(j, b) in row.iter().filter(|e| e.0 <= i) {
+                block.matrix[i * p + j] += a * b;
+            }
+        }
+    }
+
+    fn energy_residual(&self, fitted: f64, data: f64) -> f64 {
+        libm::sqrt(ENERGY / (3.0 * self.views.len() as f64))
+            * libm::log((fitted + self.black) / (data + self.black))
+    }
+
+    fn excess(&self, albedo: f64) -> f64 {
+        libm::sqrt(CEILING_WEIGHT / self.watched.len() as f64) * (albedo - CEILING).max(0.0)
+    }
+
+    /// Calls with the terms (unknown, factor) of each residual of the roughness, unknowns rising.
+    fn for_each_difference(&self, smoothness: f64, mut each: impl FnMut(&[(usize, f64)])) {
+        let layout = &self.layout;
+        let knots = &layout.knots;
+        let (p, last) = (layout.stride(), knots.len() - 1);
+        if last == 0 || smoothness == 0.0 {
+            return;
+        }
+        let mean = knots[last] / last as f64;
+        let per_interval: Vec<f64> = knots.windows(2).map(|w| mean / (w[1] - w[0])).collect();
+        for index in 0..p {
+            let weight = libm::sqrt(smoothness / ((last as f64) * p as f64)) / layout.unit(index);
+            let angle = (1..=layout.lobes).contains(&index);
+            if !angle {
+                let d = 2.0 * weight * per_interval[0];
+                each(&[(index, -d), (p + index, d)]);
+            }
+            for k in 1..last {
+                let (a, b) = (weight * per_interval[k - 1], weight * per_interval[k]);
+                each(&[((k - 1) * p + index, a), (k * p + index, -a - b), ((k + 1) * p + index, b)]);
+            }
+            let d = HOLD * weight * per_interval[last - 1];
+            each(&[((last - 1) * p + index, -d), (last * p + index, d)]);
+        }
+    }
+}
+
+/// Squared norm of `f cos` over a view.
+fn norm_squared(view: &View) -> f64 {
+    let square =
+        |s: &crate::table::Sample| s.rgb.iter().map(|v| v * v).sum::<f64>() * s.direction[2] * s.direction[2];
+    view.samples.iter().map(|s| s.weight * square(s)).sum()
+}
+
+fn amplitudes(layout: &Layout, q: &[f64]) -> [Vec<f64>; 3] {
+    [0, 1, 2].map(|c| (0..layout.lobes).map(|k| libm::exp(q[layout.amplitude(c, k)])).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+    use crate::table::direction;
+
+    fn problem() -> (Objective, Vec<f64>) {
+        let mut random = Random::new(3);
+        let mut views = vec![];
+        for theta in [0.3, 0.5, 1.1] {
+            let mut scattered = vec![];
+            for _ in 0..40 {
+                let d = direction(1.5 * random.next(), 3.1 * random.next());
+                scattered.push((d, [0.1 + random.next(), random.next(), 0.3 * random.next()]));
+            }
+            views.push((theta, scattered));
+        }
+        let table = Table::from_scattered(views).unwrap();
+        let layout = Layout { lobes: 3, squeezed: 2, knots: vec![0.0, 0.5, 1.0, 1.5] };
+        let mut x: Vec<f64> = (0..layout.len()).map(|_| 2.0 * random.next() - 0.7).collect();
+        x.chunks_mut(layout.stride()).for_each(|knot| knot[0] = -0.4);
+        (Objective::new(&table, layout).unwrap(), x)
+    }
+
+    #[test]
+    fn gradient_and_cost_agree_with_differences() {
+        let (objective, x) = problem();
+        let smoothness = 0.1;
+        let linearized = objective.linearize(&x, smoothness);
+        let cost = objective.cost(&x, smoothness);
+        assert!((linearized.cost - cost).abs() < 1e-12 * cost, "{} {cost}", linearized.cost);
+        for i in 0..x.len() {
+            let at = |h: f64| {
+                let mut x = x.clone();
+                x[i] += h;
+                objective.cost(&x, smoothness)
+            };
+            let h = 1e-5;
+            // `gradient` is that of half the cost.
+            let difference = (at(h) - at(-h)) / (4.0 * h);
+            let g = linearized.gradient[i];
+            assert!((difference - g).abs() < 1e-6 * (g.abs() + cost), "{i}: {difference} {g}");
+        }
+    }
+
+    #[test]
+    fn the_matrix_is_the_second_derivative_where_the_data_are_met() {
+        // Gauss-Newton is exact where residuals vanish: make the targets the values themselves.
+        let (mut objective, x) = problem();
+        let layout = objective.layout.clone();
+        objective.watched.clear();
+        for view in &mut objective.views {
+            let mut q = vec![0.0; layout.stride()];
+            layout.interpolate(&x, view.place, &mut q);
+            view.albedo = layout.albedo(&q);
+            let (lobes, a) = (Lobes::new(&layout, &q), amplitudes(&layout, &q));
+            for point in &mut view.points {
+                let mut unit = [0.0; 3];
+                lobes.values(&point.direction, &mut unit);
+                point.target = [0, 1, 2].map(|c| (0..3).map(|k| a[c][k] * unit[k]).sum());
+            }
+        }
+        let linearized = objective.linearize(&x, 0.0);
+        let scale = (0..x.len()).map(|i| linearized.matrix.diagonal(i)).fold(0.0, f64::max);
+        let mut random = Random::new(5);
+        for _ in 0..20 {
+            let step: Vec<f64> = x.iter().map(|_| 1e-5 * (random.next() - 0.5)).collect();
+            let moved: Vec<f64> = x.iter().zip(&step).map(|(x, s)| x + s).collect();
+            let expected = objective.cost(&moved, 0.0);
+            let quadratic = linearized.matrix.quadratic(&step);
+            assert!((expected - quadratic).abs() < 1e-3 * expected + 1e-16 * scale, "{expected} {quadratic}");
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! The unknowns of a fit: lobes at the knots, and what lies between.
+//!
+//! A knot has `1 + 5 K` unknowns: `ln c`, K angles of the axes in radians, K `ln sharpness`, then K `ln amplitude` per
+//! channel. Lobe k of one knot is lobe k of the next; between knots everything is interpolated linearly in the angle of the
+//! outgoing direction, as `srbf_core` does it with the same numbers as base-2 logarithms.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// How many lobes there are, and where the knots lie.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Layout {
+    /// Lobes, K.
+    pub lobes: usize,
+    /// Lobes that see the squeezed direction; they come first.
+    pub squeezed: usize,
+    /// Angles of the knots in radians, from 0 rising to at most pi / 2.
+    pub knots: Vec<f64>,
+}
+
+/// Bounds of the unknowns of a kind: what a material can store, and no wider than fits need.
+const ANGLE: (f64, f64) = (-1.8, 2.2);
+const LN_SQUEEZE: (f64, f64) = (-4.5, 0.5);
+const LN_SHARPNESS: (f64, f64) = (-3.0, 14.0);
+const LN_AMPLITUDE: (f64, f64) = (-40.0, 30.0);
+
+impl Layout {
+    /// Unknowns of a knot.
+    pub fn stride(&self) -> usize {
+        1 + 5 * self.lobes
+    }
+    /// All unknowns.
+    pub fn len(&self) -> usize {
+        self.stride() * self.knots.len()
+    }
+    pub fn angle(&self, k: usize) -> usize {
+        1 + k
+    }
+    pub fn sharpness(&self, k: usize) -> usize {
+        1 + self.lobes + k
+    }
+    pub fn amplitude(&self, channel: usize, k: usize) -> usize {
+        1 + (2 + channel) * self.lobes + k
+    }
+
+    /// Whether an unknown of a knot is given: at the normal every axis is the normal and nothing is squeezed.
+    pub fn fixed(&self, knot: usize, index: usize) -> bool {
+        knot == 0 && index <= self.lobes
+    }
+
+    /// Least and greatest value of an unknown.
+    pub fn bounds(&self, index: usize) -> (f64, f64) {
+        match index {
+            0 => LN_SQUEEZE,
+            _ if index <= self.lobes => ANGLE,
+            _ if index <= 2 * self.lobes => LN_SHARPNESS,
+            _ => LN_AMPLITUDE,
+        }
+    }
+
+    /// A change of an unknown that counts as one unit of roughness: fitted lobes change by about this from knot to knot.
+    pub fn unit(&self, index: usize) -> f64 {
+        match index {
+            0 => 0.3,
+            _ if index <= self.lobes => 0.15,
+            _ => 0.7,
+        }
+    }
+
+    /// The knot before an angle of the outgoing direction, and how far towards the next one it lies, 0 to 1.
+    pub fn place(&self, theta: f64) -> (usize, f64) {
+        let last = self.knots.len() - 1;
+        if last == 0 {
+            return (0, 0.0);
+        }
+        let after = self.knots.partition_point(|&k| k <= theta).clamp(1, last);
+        let (from, to) = (self.knots[after - 1], self.knots[after]);
+        (after - 1, ((theta - from) / (to - from)).clamp(0.0, 1.0))
+    }
+
+    /// Interpolates the unknowns at a place.
+    pub fn interpolate(&self, x: &[f64], (knot, blend): (usize, f64), out: &mut [f64]) {
+        let p = self.stride();
+        let before = &x[knot * p..(knot + 1) * p];
+        if blend == 0.0 {
+            out.copy_from_slice(before);
+            return;
+        }
+        let after = &x[(knot + 1) * p..(knot + 2) * p];
+        for (out, (a, b)) in out.iter_mut().zip(before.iter().zip(after)) {
+            *out = a + blend * (b - a);
+        }
+    }
+
+    /// Albedo of interpolated unknowns, the closed form `sum a I(s)`.
+    pub fn albedo(&self, q: &[f64]) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for k in 0..self.lobes {
+            let (integral, _) = sphere_integral(q[self.sharpness(k)]);
+            for (c, s) in sum.iter_mut().enumerate() {
+                *s += libm::exp(q[self.amplitude(c, k)]) * integral;
+            }
+        }
+        sum
+    }
+
+    /// Knots at the angles of a table's views, at the normal and at the horizon.
+    ///
+    /// Views closer together than `least`, or than that to either end, share a knot.
+    pub fn knots_at(thetas: impl Iterator<Item = f64>, least: f64) -> Vec<f64> {
+        let mut knots = vec![0.0];
+        for theta in thetas {
+            if theta - knots[knots.len() - 1] >= least && FRAC_PI_2 - theta >= least {
+                knots.push(theta);
+            }
+        }
+        knots.push(FRAC_PI_2);
+        knots
+    }
+}
+
+/// Integral of a Gaussian lobe of unit amplitude over the sphere, and its derivative by the logarithm of the sharpness.
+pub(crate) fn sphere_integral(ln_sharpness: f64) -> (f64, f64) {
+    let s = libm::exp(ln_sharpness);
+    let integral = -2.0 * PI * libm::expm1(-2.0 * s) / s;
+    (integral, 4.0 * PI * libm::exp(-2.0 * s) - integral)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_between_their_knots() {
+        let layout = Layout {
+            lobes: 1,
+            squeezed: 0,
+            knots: Layout::knots_at([0.0, 0.02, 0.5, 0.51, 1.56].into_iter(), 0.03),
+        };
+        assert_eq!(layout.knots, [0.0, 0.5, FRAC_PI_2]);
+        assert_eq!(layout.place(0.0), (0, 0.0));
+        assert_eq!(layout.place(0.25), (0, 0.5));
+        assert_eq!(layout.place(0.5), (1, 0.0));
+        assert_eq!(layout.place(2.0), (1, 1.0));
+    }
+}

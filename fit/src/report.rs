@@ -1,0 +1,73 @@
+//! How good a material is, as the run-time library evaluates the bytes that were written.
+
+use crate::FitError;
+use crate::table::View;
+use srbf_core::{MAX_LOBES, Material, Mixture, Vec3};
+
+/// One view of a table against the material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ViewReport {
+    /// Angle of the outgoing direction from the normal, radians.
+    pub theta: f64,
+    /// Relative L2 error of `f cos` over the samples and channels, with the quadrature weights of the table.
+    pub error: f64,
+    /// Closed-form albedo of the lobes.
+    pub albedo: [f64; 3],
+    /// Albedo of the table.
+    pub data_albedo: [f64; 3],
+    /// Relative variance of `f cos / pdf` in luminance, with the pdf of the lobes alone.
+    pub variance: f64,
+}
+
+/// A material against its table.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// View by view.
+    pub views: Vec<ViewReport>,
+    /// Time of the fit.
+    pub seconds: f64,
+}
+
+impl ViewReport {
+    /// Compares a material with one view of a table.
+    ///
+    /// # Errors
+    /// [`FitError::Format`] and [`FitError::Core`] for bytes that are no material.
+    pub fn new(bytes: &[u8], view: &View) -> Result<Self, FitError> {
+        let material = Material::from_bytes(bytes)?;
+        let mut mixture = Mixture::<MAX_LOBES>::empty();
+        let (sin, cos) = libm::sincos(view.theta);
+        material.prepare(Vec3::new(-sin as f32, 0.0, cos as f32), &mut mixture)?;
+        let (mut difference, mut norm) = (0.0, 0.0);
+        let (mut second, mut first) = (0.0, 0.0);
+        for s in &view.samples {
+            let d = Vec3::from(s.direction.map(|v| v as f32));
+            let (value, pdf) = mixture.evaluate_and_pdf(d);
+            let value = value.to_array().map(f64::from);
+            let data = s.rgb.map(|v| v * s.direction[2]);
+            for c in 0..3 {
+                difference += s.weight * (value[c] - data[c]) * (value[c] - data[c]);
+                norm += s.weight * data[c] * data[c];
+            }
+            let luminance = 0.2126 * data[0] + 0.7152 * data[1] + 0.0722 * data[2];
+            first += s.weight * luminance;
+            if luminance > 0.0 {
+                second += s.weight * luminance * luminance / f64::from(pdf);
+            }
+        }
+        Ok(Self {
+            theta: view.theta,
+            error: if norm > 0.0 { libm::sqrt(difference / norm) } else { libm::sqrt(difference) },
+            albedo: mixture.albedo().to_array().map(f64::from),
+            data_albedo: view.albedo,
+            variance: if first > 0.0 { second / (first * first) - 1.0 } else { 0.0 },
+        })
+    }
+}
+
+impl Report {
+    /// Mean over the views of the relative L2 error.
+    pub fn mean_error(&self) -> f64 {
+        self.views.iter().map(|v| v.error).sum::<f64>() / self.views.len() as f64
+    }
+}

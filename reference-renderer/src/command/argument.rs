@@ -1,0 +1,70 @@
+//! Values of options that several commands take.
+
+use crate::environment::{self, Environment};
+use crate::film;
+use anyhow::{Context, bail};
+use std::path::Path;
+
+/// Parses `WIDTHxHEIGHT`.
+pub fn size(text: &str) -> Result<[u32; 2], String> {
+    let expected =
+        || format!("expected WIDTHxHEIGHT, at least 1x1 and at most {} pixels in all", film::MAX_PIXELS);
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(expected)?;
+    let [width, height] = [width, height].map(|n| n.parse::<u32>().unwrap_or(0));
+    let pixels = u64::from(width) * u64::from(height);
+    if (1..=film::MAX_PIXELS).contains(&pixels) { Ok([width, height]) } else { Err(expected()) }
+}
+
+/// Makes the environment of `sky`, `constant:VALUE`, or the name of a `.hdr` or `.exr` file.
+pub fn environment(text: &str) -> anyhow::Result<Environment> {
+    if text == "sky" {
+        return Ok(environment::sky::sky());
+    }
+    if let Some(value) = text.strip_prefix("constant:") {
+        let expected = || format!("environment {text}: a number above 0 is expected after `constant:`");
+        return Environment::constant(value.parse().with_context(expected)?).with_context(expected);
+    }
+    let path = Path::new(text);
+    if path.extension().is_none() && !path.exists() {
+        bail!("environment {text}: expected sky, constant:VALUE, or a .hdr or .exr file");
+    }
+    environment::file::read(path)
+}
+
+/// Runs work on the number of threads asked for; 0 is one a processor.
+pub fn on_threads<T: Send>(
+    threads: usize,
+    work: impl FnOnce() -> anyhow::Result<T> + Send,
+) -> anyhow::Result<T> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .context("cannot start the threads")?
+        .install(work)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes() {
+        assert_eq!(size("640x400"), Ok([640, 400]));
+        for text in ["", "640", "x", "0x10", "10x0", "-1x5", "99999x99999", "4294967295x4294967295", "1x1x1"]
+        {
+            assert!(size(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn environments() {
+        assert!(environment("sky").is_ok());
+        assert!(environment("constant:0.5").is_ok());
+        for text in
+            ["constant:", "constant:x", "constant:-1", "constant:nan", "constant:inf", "nowhere", "no.hdr"]
+        {
+            let error = format!("{:#}", environment(text).err().expect(text));
+            assert!(error.contains(text), "{error}");
+        }
+    }
+}

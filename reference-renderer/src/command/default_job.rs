@@ -1,0 +1,69 @@
+//! `srbf` without a command: pictures of a preset, and a comparison of samplers, from what is embedded.
+
+use crate::comparison::{self, Plan};
+use crate::environment::sky;
+use crate::film::Film;
+use crate::integrator::Sampler;
+use crate::material::{self, StoredMaterial};
+use crate::progress::Progress;
+use crate::render::{Settings, add_samples};
+use crate::scene::{Scene, SceneName};
+use crate::{picture_file, plot, report};
+use std::path::Path;
+use std::time::Instant;
+
+/// A picture of the job.
+struct Picture {
+    scene: SceneName,
+    file: &'static str,
+    size: [u32; 2],
+    samples: u32,
+}
+
+/// Sizes and samples are such that the job takes about a minute on two cores, half of it the teapot.
+const PICTURES: [Picture; 2] = [
+    Picture { scene: SceneName::Sphere, file: "sphere.exr", size: [400, 400], samples: 64 },
+    Picture { scene: SceneName::Teapot, file: "teapot.exr", size: [800, 500], samples: 96 },
+];
+
+/// Runs the job; writes into the folder.
+pub fn run(out: &Path) -> anyhow::Result<()> {
+    let start = Instant::now();
+    let sky = sky::sky();
+    let object = StoredMaterial::load(material::DEFAULT)?;
+    let ground = StoredMaterial::load(material::MATTE)?;
+    for Picture { scene: name, file, size, samples } in PICTURES {
+        let scene = Scene::new(name, object.get(), ground.get(), &sky);
+        let settings = Settings { sampler: Sampler::Mis, max_bounces: 6, seed: 0 };
+        let (mut film, path) = (Film::new(size), out.join(file));
+        let progress = Progress::new(file, size[1].into());
+        add_samples(&scene, &name.camera(size), &settings, &mut film, samples, &progress)?;
+        drop(progress);
+        let picture = film.to_picture();
+        picture_file::write_exr(&path, size, &picture)?;
+        picture_file::write_tone_mapped_png(&path.with_extension("png"), size, &picture, 1.0)?;
+        println!(
+            "{}: {} under the sky, {samples} samples a pixel, PNG beside it",
+            path.display(),
+            object.name
+        );
+    }
+
+    let plan = Plan {
+        samplers: vec![Sampler::Lobes, Sampler::Cosine],
+        side: 96,
+        samples: (0..=8).map(|i| 1 << i).collect(),
+        reference_samples: 2048,
+        seed: 0,
+    };
+    let progress = Progress::new("comparing samplers", plan.steps());
+    let comparison = comparison::measure(&plan, &object, "sky", &sky, &progress)?;
+    drop(progress);
+    println!();
+    report::print(&comparison);
+    let csv = out.join("error-vs-time.csv");
+    report::write_csv(&csv, std::slice::from_ref(&comparison))?;
+    plot::write_png(&csv.with_extension("png"), &[comparison])?;
+    println!("\n{}, plot beside it; {:.0} s in all", csv.display(), start.elapsed().as_secs_f64());
+    Ok(())
+}

@@ -1,0 +1,241 @@
+//! Error against run time and against samples, sampler by sampler, on the sphere.
+//!
+//! Pure sampling of the material under the environment, without samples of the light (Weng and Shih 2006, section 5.3):
+//! one scattering, so that the error is that of the choice of directions alone. The samplers take turns, so that a
+//! change of the machine's load meets all of them.
+
+use crate::camera::Camera;
+use crate::environment::Environment;
+use crate::film::Film;
+use crate::integrator::Sampler;
+use crate::material::StoredMaterial;
+use crate::progress::Progress;
+use crate::render::{Settings, add_samples};
+use crate::scene::{Scene, SceneName};
+use std::time::Instant;
+
+/// What is compared.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    pub samplers: Vec<Sampler>,
+    /// Sides of the square picture, pixels.
+    pub side: u32,
+    /// Samples a pixel at which the error is taken, rising.
+    pub samples: Vec<u32>,
+    /// Samples a pixel of the reference, which is rendered by multiple importance sampling.
+    pub reference_samples: u32,
+    pub seed: u64,
+}
+
+impl Plan {
+    /// Rows that are rendered in all: the steps of the progress.
+    pub fn steps(&self) -> u64 {
+        u64::from(self.side) * (2 + (self.samplers.len() * (self.samples.len() + 1)) as u64)
+    }
+}
+
+/// One measurement.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// Samples a pixel.
+    pub samples: u32,
+    /// Time to render all of them.
+    pub seconds: f64,
+    /// Root of the mean squared difference from the reference, over the mean of the reference.
+    pub error: f64,
+}
+
+/// The measurements of one sampler.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    pub sampler: Sampler,
+    pub points: Vec<Point>,
+}
+
+/// The curves of one material under one environment.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    pub material: String,
+    pub environment: String,
+    pub curves: Vec<Curve>,
+    /// Relative error of the reference itself, estimated from its two halves; already taken off the curves.
+    pub reference_error: f64,
+}
+
+/// Measures the curves.
+///
+/// # Errors
+/// Only faults of the renderer.
+pub fn measure(
+    plan: &Plan,
+    material: &StoredMaterial,
+    environment_name: &str,
+    environment: &Environment,
+    progress: &Progress,
+) -> anyhow::Result<Comparison> {
+    let scene = Scene::new(SceneName::Sphere, material.get(), material.get(), environment);
+    let camera = SceneName::Sphere.camera([plan.side; 2]);
+    let settings = |sampler, seed| Settings { sampler, max_bounces: 1, seed };
+
+    // Two halves with their own seeds: their difference tells how far the mean of both is from the truth.
+    let mut halves = [Film::new([plan.side; 2]), Film::new([plan.side; 2])];
+    for (i, half) in halves.iter_mut().enumerate() {
+        let seed = plan.seed.wrapping_add(1 + i as u64);
+        let samples = plan.reference_samples.div_ceil(2);
+        add_samples(&scene, &camera, &settings(Sampler::Mis, seed), half, samples, progress)?;
+    }
+    let reference = Reference::new(&scene, &camera, &halves);
+
+    let mut curves: Vec<Curve> =
+        plan.samplers.iter().map(|&sampler| Curve { sampler, points: Vec::new() }).collect();
+    let mut films = vec![Film::new([plan.side; 2]); curves.len()];
+    for curve in &curves {
+        // Into a film that is thrown away: caches and clock speed settle.
+        let mut film = Film::new([plan.side; 2]);
+        add_samples(&scene, &camera, &settings(curve.sampler, plan.seed), &mut film, 1, progress)?;
+    }
+    for &samples in &plan.samples {
+        for (curve, film) in curves.iter_mut().zip(&mut films) {
+            let more = samples - film.samples;
+            let start = Instant::now();
+            add_samples(&scene, &camera, &settings(curve.sampler, plan.seed), film, more, progress)?;
+            let before = curve.points.last().map_or(0.0, |point| point.seconds);
+            let seconds = before + start.elapsed().as_secs_f64();
+            curve.points.push(Point { samples, seconds, error: reference.error_of(film) });
+        }
+    }
+    Ok(Comparison {
+        material: material.name.clone(),
+        environment: environment_name.to_owned(),
+        curves,
+        reference_error: reference.error,
+    })
+}
+
+/// The converged picture, on the pixels that the sphere touches.
+struct Reference {
+    /// Pixel and its value.
+    pixels: Vec<(usize, glam::DVec3)>,
+    mean: f64,
+    /// Relative error, as of the curves.
+    error: f64,
+}
+
+impl Reference {
+    fn new(scene: &Scene<'_>, camera: &Camera, halves: &[Film; 2]) -> Self {
+        let [width, height] = halves[0].size();
+        let pixels: Vec<_> = (0..(width * height) as usize)
+            .filter(|&i| {
+                let (x, y) = (i as u32 % width, i as u32 / width);
+                scene.hit(&camera.ray(x as f32 + 0.5, y as f32 + 0.5)).is_some()
+            })
+            .map(|i| (i, 0.5 * (halves[0].mean(i) + halves[1].mean(i))))
+            .collect();
+        let count = 3.0 * pixels.len().max(1) as f64;
+        let mean = pixels.iter().map(|(_, value)| value.element_sum()).sum::<f64>() / count;
+        // The mean of two independent halves has half their difference as error.
+        let square: f64 = pixels
+            .iter()
+            .map(|&(i, _)| (0.5 * (halves[0].mean(i) - halves[1].mean(i))).length_squared())
+            .sum();
+        Self { error: (square / count).sqrt() / mean, pixels, mean }
+    }
+
+    /// Relative error of a film, without the part that is the reference's own.
+    fn error_of(&self, film: &Film) -> f64 {
+        let square: f64 = self.pixels.iter().map(|&(i, value)| (film.mean(i) - value).length_squared()).sum();
+        let relative = square / (3.0 * self.pixels.len().max(1) as f64) / (self.mean * self.mean);
+        (relative - self.error * self.error).max(0.0).sqrt()
+    }
+}
+
+impl Curve {
+    /// Slope of log error against log samples, by least squares.
+    pub fn slope(&self) -> f64 {
+        let points: Vec<[f64; 2]> =
+            self.points.iter().map(|p| [f64::from(p.samples).ln(), p.error.ln()]).collect();
+        let n = points.len() as f64;
+        let [x, y] = [0, 1].map(|i| points.iter().map(|p| p[i]).sum::<f64>() / n);
+        let covariance: f64 = points.iter().map(|p| (p[0] - x) * (p[1] - y)).sum();
+        let variance: f64 = points.iter().map(|p| (p[0] - x) * (p[0] - x)).sum();
+        covariance / variance
+    }
+
+    /// The error at a time, interpolated in logarithms; beyond the ends along the nearest piece.
+    pub fn error_at(&self, seconds: f64) -> f64 {
+        match self.points.as_slice() {
+            [] => f64::NAN,
+            [only] => only.error,
+            points => {
+                let after =
+                    points.iter().position(|p| p.seconds >= seconds).unwrap_or(points.len() - 1).max(1);
+                let [a, b] = [points[after - 1], points[after]];
+                let share = (seconds / a.seconds).ln() / (b.seconds / a.seconds).ln();
+                (a.error.ln() + share * (b.error.ln() - a.error.ln())).exp()
+            }
+        }
+    }
+}
+
+impl Comparison {
+    /// The longest time that every sampler was run for.
+    pub fn common_seconds(&self) -> f64 {
+        let longest = self.curves.iter().filter_map(|c| c.points.last()).map(|p| p.seconds);
+        longest.fold(f64::INFINITY, f64::min)
+    }
+
+    /// How many times the first sampler's error another sampler's is, after equal times and after equal samples.
+    pub fn error_ratios(&self, curve: &Curve) -> [f64; 2] {
+        let first = &self.curves[0];
+        let seconds = self.common_seconds();
+        let by_samples = match (curve.points.last(), first.points.last()) {
+            (Some(other), Some(own)) => other.error / own.error,
+            _ => f64::NAN,
+        };
+        [curve.error_at(seconds) / first.error_at(seconds), by_samples]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::tests::lacquer;
+
+    fn plan(side: u32) -> Plan {
+        Plan {
+            samplers: vec![Sampler::Lobes, Sampler::Cosine],
+            side,
+            samples: vec![4, 8, 16, 32, 64, 128],
+            reference_samples: 2048,
+            seed: 7,
+        }
+    }
+
+    #[test]
+    fn error_falls_with_the_square_root_of_the_samples() {
+        // A light without a sharp sun, so that 24 x 24 pixels are enough to estimate an error.
+        let pixels = (0..32 * 16).map(|i| glam::Vec3::splat(0.2 + ((i * 37) % 11) as f32)).collect();
+        let environment = Environment::new(32, pixels).unwrap();
+        let result = measure(&plan(24), &lacquer(), "test", &environment, &Progress::hidden()).unwrap();
+        for curve in &result.curves {
+            let slope = curve.slope();
+            assert!((slope + 0.5).abs() < 0.05, "{}: {slope}", curve.sampler.name());
+        }
+        let [_, by_samples] = result.error_ratios(&result.curves[1]);
+        assert!(by_samples > 1.0, "lobes must beat cosine: {by_samples}");
+    }
+
+    #[test]
+    fn interpolation_and_slope_of_a_known_curve() {
+        let point = |samples: u32| Point {
+            samples,
+            seconds: 0.5 * f64::from(samples),
+            error: 3.0 / f64::from(samples).sqrt(),
+        };
+        let curve = Curve { sampler: Sampler::Lobes, points: [1, 4, 16].map(point).to_vec() };
+        assert!((curve.slope() + 0.5).abs() < 1e-12);
+        for seconds in [0.1, 0.5, 1.3, 8.0, 40.0] {
+            assert!((curve.error_at(seconds) - 3.0 / (2.0 * seconds).sqrt()).abs() < 1e-12);
+        }
+    }
+}

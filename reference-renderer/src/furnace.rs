@@ -1,0 +1,56 @@
+//! The white furnace: under a constant environment the radiance of a convex object is its directional albedo, which
+//! the lobes give in closed form.
+
+use crate::camera::Camera;
+use crate::film::Film;
+use crate::integrator::AnyMixture;
+use crate::scene::Scene;
+use glam::{DVec3, Vec3};
+
+/// Points along each side of a pixel at which the closed form is evaluated.
+const GRID: u32 = 4;
+
+/// What was rendered beside what was expected, means over the pixels that the sphere fills; linear sRGB.
+#[derive(Clone, Copy, Debug)]
+pub struct Furnace {
+    pub pixels: usize,
+    pub rendered: DVec3,
+    /// Monte Carlo standard error of `rendered`.
+    pub standard_error: DVec3,
+    pub expected: DVec3,
+}
+
+/// Compares a film of the scene with the sphere, under constant radiance, with the closed form.
+pub fn compare(scene: &Scene<'_>, camera: &Camera, radiance: Vec3, film: &Film) -> Furnace {
+    let [width, height] = film.size();
+    let mut mixture = AnyMixture::empty();
+    let mut result =
+        Furnace { pixels: 0, rendered: DVec3::ZERO, standard_error: DVec3::ZERO, expected: DVec3::ZERO };
+    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        let (left, top) = (x as f32, y as f32);
+        // The picture of a sphere is convex: a pixel with its four corners in it lies in it whole.
+        let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)];
+        if !corners.iter().all(|(dx, dy)| scene.hit(&camera.ray(left + dx, top + dy)).is_some()) {
+            continue;
+        }
+        let pixel = (y * width + x) as usize;
+        result.pixels += 1;
+        result.rendered += film.mean(pixel);
+        result.standard_error += film.variance_of_mean(pixel);
+        for (i, j) in (0..GRID).flat_map(|i| (0..GRID).map(move |j| (i, j))) {
+            let inside = |n: u32| (n as f32 + 0.5) / GRID as f32;
+            let ray = camera.ray(left + inside(i), top + inside(j));
+            let Some(surface) = scene.hit(&ray) else { continue };
+            let cosine = surface.smooth.dot(-ray.direction).clamp(0.0, 1.0);
+            let wo = Vec3::new(-(1.0 - cosine * cosine).sqrt(), 0.0, cosine);
+            if scene.object().prepare(wo, &mut mixture).is_ok() {
+                result.expected += (mixture.albedo() * radiance).as_dvec3() / f64::from(GRID * GRID);
+            }
+        }
+    }
+    let n = (result.pixels.max(1)) as f64;
+    result.rendered /= n;
+    result.expected /= n;
+    result.standard_error = result.standard_error.map(f64::sqrt) / n;
+    result
+}

@@ -1,0 +1,95 @@
+//! Triangles with interpolated normals.
+
+use glam::Vec3;
+
+/// Triangles that share vertices.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    pub positions: Vec<Vec3>,
+    /// Unit normals, one a vertex.
+    pub normals: Vec<Vec3>,
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Mesh {
+    /// The corners of a triangle.
+    pub fn corners(&self, triangle: usize) -> [Vec3; 3] {
+        self.triangles[triangle].map(|v| self.positions[v as usize])
+    }
+
+    /// The normal of a triangle's plane and the interpolated normal at a point on it; both unit vectors.
+    pub fn normals_at(&self, triangle: usize, point: Vec3) -> (Vec3, Vec3) {
+        let [a, b, c] = self.corners(triangle);
+        let across = (b - a).cross(c - a);
+        let flat = across.normalize_or(Vec3::Z);
+        // Barycentric coordinates by areas.
+        let area = across.length_squared();
+        let of_b = (point - a).cross(c - a).dot(across) / area;
+        let of_c = (b - a).cross(point - a).dot(across) / area;
+        let [na, nb, nc] = self.triangles[triangle].map(|v| self.normals[v as usize]);
+        let smooth = na * (1.0 - of_b - of_c) + nb * of_b + nc * of_c;
+        (flat, if smooth.is_finite() { smooth.normalize_or(flat) } else { flat })
+    }
+
+    /// Adds the triangles of another mesh.
+    pub fn append(&mut self, other: &Mesh) {
+        let offset = self.positions.len() as u32;
+        self.positions.extend(&other.positions);
+        self.normals.extend(&other.normals);
+        self.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + offset)));
+    }
+
+    /// Replaces the normals by the mean of those of the triangles round each vertex, weighted by area.
+    pub fn smooth_normals(&mut self) {
+        self.normals = vec![Vec3::ZERO; self.positions.len()];
+        for i in 0..self.triangles.len() {
+            let [a, b, c] = self.corners(i);
+            let normal = (b - a).cross(c - a);
+            self.triangles[i].iter().for_each(|&v| self.normals[v as usize] += normal);
+        }
+        self.normals.iter_mut().for_each(|n| *n = n.normalize_or(Vec3::Z));
+    }
+
+    /// The smallest box round the vertices, lower and upper corner.
+    pub fn bounds(&self) -> [Vec3; 2] {
+        self.positions
+            .iter()
+            .fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], &p| [low.min(p), high.max(p)])
+    }
+
+    /// A square in the plane z = `height`, of two triangles, seen from above.
+    pub fn square(half_side: f32, height: f32) -> Self {
+        let corner = |x: f32, y: f32| Vec3::new(x * half_side, y * half_side, height);
+        Self {
+            positions: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
+            normals: vec![Vec3::Z; 4],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::vec3;
+
+    #[test]
+    fn normals_are_interpolated_linearly() {
+        let mesh = Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            normals: vec![Vec3::Z, Vec3::X, Vec3::Y],
+            triangles: vec![[0, 1, 2]],
+        };
+        let (flat, smooth) = mesh.normals_at(0, vec3(0.25, 0.5, 0.0));
+        assert_eq!(flat, Vec3::Z);
+        assert!((smooth - vec3(0.25, 0.5, 0.25).normalize()).length() < 1e-6);
+    }
+
+    #[test]
+    fn triangle_without_area_gives_unit_normals() {
+        let mesh =
+            Mesh { positions: vec![Vec3::ONE; 3], normals: vec![Vec3::X; 3], triangles: vec![[0, 1, 2]] };
+        let (flat, smooth) = mesh.normals_at(0, Vec3::ONE);
+        assert!((flat.length() - 1.0).abs() < 1e-6 && (smooth.length() - 1.0).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,100 @@
+//! Finished pictures as files: linear OpenEXR, and a tone-mapped PNG to look at.
+
+use crate::output;
+use anyhow::Context;
+use glam::Vec3;
+use std::io::Cursor;
+use std::path::Path;
+
+/// Writes linear radiance, rows from the top, as OpenEXR with 32-bit floats.
+///
+/// # Errors
+/// Names the file.
+pub fn write_exr(path: &Path, [width, height]: [u32; 2], pixels: &[Vec3]) -> anyhow::Result<()> {
+    use exr::prelude::{Encoding, Image, Layer, LayerAttributes, SpecificChannels, WritableImage};
+    let size = (width as usize, height as usize);
+    let channels = SpecificChannels::rgb(|at: exr::math::Vec2<usize>| {
+        let Vec3 { x, y, z } = pixels[at.y() * size.0 + at.x()];
+        (x, y, z)
+    });
+    let layer = Layer::new(size, LayerAttributes::default(), Encoding::FAST_LOSSLESS, channels);
+    let mut bytes = Vec::new();
+    Image::from_layer(layer)
+        .write()
+        .non_parallel()
+        .to_buffered(Cursor::new(&mut bytes))
+        .with_context(|| format!("cannot encode {}", path.display()))?;
+    output::write(path, &bytes)
+}
+
+/// Writes a tone-mapped PNG; `exposure` scales the radiance first.
+///
+/// # Errors
+/// Names the file.
+pub fn write_tone_mapped_png(
+    path: &Path,
+    size: [u32; 2],
+    pixels: &[Vec3],
+    exposure: f32,
+) -> anyhow::Result<()> {
+    let bytes: Vec<u8> = pixels.iter().flat_map(|&p| to_srgb(tone_map(p * exposure))).collect();
+    write_png(path, size, &bytes)
+}
+
+/// Writes a PNG of 8-bit sRGB pixels.
+///
+/// # Errors
+/// Names the file.
+pub fn write_png(path: &Path, [width, height]: [u32; 2], rgb: &[u8]) -> anyhow::Result<()> {
+    use image::ImageEncoder;
+    let mut bytes = Vec::new();
+    image::codecs::png::PngEncoder::new(&mut bytes)
+        .write_image(rgb, width, height, image::ExtendedColorType::Rgb8)
+        .with_context(|| format!("cannot encode {}", path.display()))?;
+    output::write(path, &bytes)
+}
+
+/// Maps radiance into [0, 1]: colours up to 0.8 keep their hue and nearly their value, brighter ones are compressed
+/// and run towards white.
+///
+/// Source: Khronos 2024, "PBR Neutral" tone mapper.
+fn tone_map(radiance: Vec3) -> Vec3 {
+    const START: f32 = 0.8 - 0.04;
+    const DESATURATION: f32 = 0.15;
+    let low = radiance.min_element();
+    let offset = if low < 0.08 { low - 6.25 * low * low } else { 0.04 };
+    let colour = radiance - offset;
+    let peak = colour.max_element();
+    if peak < START {
+        return colour;
+    }
+    let room = 1.0 - START;
+    let new_peak = 1.0 - room * room / (peak + room - START);
+    let white = 1.0 - 1.0 / (DESATURATION * (peak - new_peak) + 1.0);
+    (colour * (new_peak / peak)).lerp(Vec3::splat(new_peak), white)
+}
+
+fn to_srgb(linear: Vec3) -> [u8; 3] {
+    linear.to_array().map(|v| {
+        let v = v.clamp(0.0, 1.0);
+        let curved = if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
+        (255.0 * curved).round() as u8
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tone_map_is_monotonic_and_ends_below_one() {
+        let mut previous = -1.0;
+        for i in 0..2000 {
+            let value = tone_map(Vec3::splat(1e-3 * 1.01f32.powi(i))).x;
+            assert!(value >= previous && value <= 1.0, "{i}: {value}");
+            previous = value;
+        }
+        assert_eq!(to_srgb(Vec3::ZERO), [0; 3]);
+        assert_eq!(to_srgb(Vec3::ONE), [255; 3]);
+    }
+}

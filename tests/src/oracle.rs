@@ -1,0 +1,121 @@
+//! The truth in f64, from the equations of the design, in their plainest form; shares no code with `core`.
+//!
+//! f64 has nine digits more than f32: forms that lose a digit per decade of sharpness still have eight left at 1e8.
+
+use glam::DVec3;
+use srbf_core::{Domain, Mixture};
+use std::f64::consts::PI;
+
+/// `exp(s (cos - 1))` with the angle between two vectors of any length.
+pub fn gaussian(axis: DVec3, sharpness: f64, d: DVec3) -> f64 {
+    let (a, b) = (axis.normalize(), d.normalize());
+    (-0.5 * sharpness * (a - b).length_squared()).exp()
+}
+
+/// Integral of a Gaussian over the sphere.
+pub fn sphere_integral(sharpness: f64) -> f64 {
+    if sharpness == 0.0 { 4.0 * PI } else { -2.0 * PI * (-2.0 * sharpness).exp_m1() / sharpness }
+}
+
+/// Share of a Gaussian within `w = 1 - cos` of its axis.
+pub fn share_within(sharpness: f64, w: f64) -> f64 {
+    if sharpness == 0.0 { 0.5 * w } else { (-sharpness * w).exp_m1() / (-2.0 * sharpness).exp_m1() }
+}
+
+/// The direction mirrored in z = 0.
+pub fn mirrored(d: DVec3) -> DVec3 {
+    DVec3::new(d.x, d.y, -d.z)
+}
+
+/// The direction that squeezed lobes see, and the change of solid angle, in the frame of the view.
+pub fn squeezed(c: f64, d: DVec3) -> (DVec3, f64) {
+    let m = DVec3::new(d.x, d.y / c, d.z);
+    let r = m.length() / d.length();
+    (m, 1.0 / (c * r * r * r))
+}
+
+/// Value of a mixture that is in the caller's frame: linear sRGB.
+pub fn mixture<const N: usize>(m: &Mixture<N>, d: DVec3) -> DVec3 {
+    (0..m.len()).map(|k| mixture_lobe(m, k, d)).sum()
+}
+
+/// Value of lobe `k` of a mixture that is in the caller's frame.
+pub fn mixture_lobe<const N: usize>(m: &Mixture<N>, k: usize, d: DVec3) -> DVec3 {
+    let folded = m.domain() == Domain::Hemisphere;
+    if folded && d.z < 0.0 {
+        return DVec3::ZERO;
+    }
+    let lobe = m.lobe(k).expect("lobe");
+    let (axis, s) = (lobe.gaussian.axis.as_dvec3(), f64::from(lobe.gaussian.sharpness));
+    let (u, scale) = if k < m.squeezed_len() { squeezed(f64::from(m.squeeze()), d) } else { (d, 1.0) };
+    let fold = if folded { gaussian(axis, s, mirrored(u)) } else { 0.0 };
+    lobe.amplitude.as_dvec3() * ((gaussian(axis, s, u) + fold) * scale)
+}
+
+/// Luminance of linear sRGB.
+pub fn luminance(rgb: DVec3) -> f64 {
+    0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z
+}
+
+/// Density of a mixture that is in the caller's frame.
+pub fn mixture_pdf<const N: usize>(m: &Mixture<N>, d: DVec3) -> f64 {
+    let power: f64 = (0..m.len())
+        .map(|k| {
+            let lobe = m.lobe(k).expect("lobe");
+            luminance(lobe.amplitude.as_dvec3()) * sphere_integral(f64::from(lobe.gaussian.sharpness))
+        })
+        .sum();
+    luminance(mixture(m, d)) / power
+}
+
+/// Legendre polynomial by its three-term recurrence.
+pub fn legendre(l: usize, x: f64) -> f64 {
+    let (mut p0, mut p1) = (1.0, x);
+    if l == 0 {
+        return 1.0;
+    }
+    for k in 1..l {
+        let k = k as f64;
+        (p0, p1) = (p1, ((2.0 * k + 1.0) * x * p1 - k * p0) / (k + 1.0));
+    }
+    p1
+}
+
+/// Integrates over the sphere, or the upper hemisphere, on a grid of `n` by `2 n` cells in `z` and azimuth with
+/// four Gauss points each.
+pub fn integrate(domain: Domain, n: usize, f: impl Fn(DVec3) -> f64) -> f64 {
+    integrate_around(DVec3::Z, n, |d| if domain == Domain::Hemisphere && d.z < 0.0 { 0.0 } else { f(d) })
+}
+
+/// As [`integrate`] over the sphere, on a grid that is geometric in the angle to an axis: for what is sharp there.
+pub fn integrate_around(axis: DVec3, n: usize, f: impl Fn(DVec3) -> f64) -> f64 {
+    let (t, b) = axis.any_orthonormal_pair();
+    let mut sum = 0.0;
+    let rows = 2 * n;
+    // w = 1 - cos from 2^-40 to 2 in `rows` steps of equal ratio for the inner half, even steps of z outside.
+    let edge = |i: usize| {
+        if i == 0 {
+            0.0
+        } else if i <= n {
+            0.25 * 2f64.powf(-38.0 * (n - i) as f64 / n as f64)
+        } else {
+            0.25 + 1.75 * (i - n) as f64 / n as f64
+        }
+    };
+    const GAUSS: [(f64, f64); 3] =
+        [(0.112_701_665_379_258_31, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
+    let columns = 4 * n;
+    for i in 0..rows {
+        let (from, to) = (edge(i), edge(i + 1));
+        for (x, weight) in GAUSS {
+            let w = from + x * (to - from);
+            let sin = (w * (2.0 - w)).sqrt();
+            for j in 0..columns {
+                let (s, c) = ((j as f64 + 0.5) / columns as f64 * 2.0 * PI).sin_cos();
+                let d = axis * (1.0 - w) + t * (sin * c) + b * (sin * s);
+                sum += weight * (to - from) * (2.0 * PI / columns as f64) * f(d);
+            }
+        }
+    }
+    sum
+}

@@ -1,0 +1,105 @@
+//! The one table of allowed errors.
+//!
+//! An entry must hold, and must not be stale: one that is more than [`SLACK`] times looser than the worst error seen
+//! fails as well. The unit of an error is part of the entry: with `t` the exponent of the value, errors of values are
+//! divided by `2 + |t|`, as rounding `t` alone costs that much.
+
+/// How much looser than the worst error seen an entry may be.
+pub const SLACK: f64 = 4.0;
+
+/// One allowed error.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// What is measured.
+    pub name: &'static str,
+    /// What the error is divided by before it is compared.
+    pub unit: &'static str,
+    /// Largest error that passes.
+    pub allowed: f64,
+}
+
+const fn entry(name: &'static str, unit: &'static str, allowed: f64) -> Entry {
+    Entry { name, unit, allowed }
+}
+
+/// Every allowed error against the 50-digit tables.
+pub const TABLE: &[Entry] = &[
+    entry("special::sphere_integral", "relative", 2e-7),
+    entry("special::cap_integral", "relative", 2e-7),
+    entry("special::share_within", "relative", 2e-7),
+    entry("special::one_minus_cos", "relative", 2e-7),
+    entry("special::mean_cosine", "relative", 2e-7),
+    entry("special::bessel_i0_scaled", "relative", 2e-7),
+    entry("Gaussian::value", "relative / (2 + |t|)", 3e-7),
+    entry("Gaussian::pdf", "relative / (2 + |t|)", 3e-7),
+    entry("Gaussian::log_pdf", "absolute / (2 + |t| + |ln I|)", 3e-7),
+    entry("Gaussian::hemisphere_integral", "relative / (2 + |t|)", 3e-7),
+    entry("Gaussian::cosine_integral", "relative / (2 + |t|)", 3e-7),
+    entry("GaussianProduct::exponent", "absolute / (2 + e)", 3e-7),
+    entry("GaussianProduct::sharpness", "relative", 2e-7),
+    entry("GaussianProduct::value", "relative / (2 + |t|)", 3e-7),
+    entry("GaussianProduct::integral", "relative / (2 + e)", 3e-7),
+    entry("Lobe::product", "relative / (2 + e)", 3e-7),
+    entry("Folded::value", "relative / (2 + |t|)", 3e-7),
+    entry("Folded::pdf", "relative / (2 + |t|)", 3e-7),
+    entry("Mixture::evaluate scalar", "relative / (2 + |t|)", 3e-7),
+    entry("Mixture::evaluate portable", "relative / (2 + |t|)", 3e-7),
+    entry("Mixture::evaluate avx2", "relative / (2 + |t|)", 3e-7),
+    entry("Mixture::evaluate avx512", "relative / (2 + |t|)", 3e-7),
+    entry("Mixture::pdf scalar", "relative / (2 + |t|)", 3e-7),
+    entry("Mixture::pdf portable", "relative / (2 + |t|)", 3e-7),
+    entry("Mixture::pdf avx2", "relative / (2 + |t|)", 3e-7),
+    entry("Mixture::pdf avx512", "relative / (2 + |t|)", 3e-7),
+    entry("AbelPoisson::value", "relative", 3e-7),
+    entry("AbelPoisson::share_within", "relative", 3e-7),
+    entry("AbelPoisson::one_minus_cos", "relative", 4e-7),
+    entry("AbelPoisson::inner_product", "relative", 5e-7),
+    entry("gaussian_coefficients_into", "relative / (l + 5)", 1e-7),
+    entry("abel_poisson_coefficients_into", "relative / (l + 2)", 5e-8),
+];
+
+/// Worst error seen of one entry, and where.
+#[derive(Clone, Debug)]
+pub struct Worst {
+    /// Which entry.
+    pub name: String,
+    /// Largest error, in the entry's unit.
+    pub error: f64,
+    /// The input at which it was seen.
+    pub place: String,
+    /// How many comparisons were made.
+    pub count: usize,
+}
+
+impl Worst {
+    /// Nothing seen yet.
+    pub fn new(name: impl Into<String>) -> Self {
+        Self { name: name.into(), error: 0.0, place: String::new(), count: 0 }
+    }
+
+    /// Takes one error into account; a NaN counts as infinite.
+    pub fn see(&mut self, error: f64, place: impl FnOnce() -> String) {
+        self.count += 1;
+        let error = if error.is_nan() { f64::INFINITY } else { error };
+        if error > self.error {
+            (self.error, self.place) = (error, place());
+        }
+    }
+
+    /// Why this fails its entry, if it does.
+    pub fn failure(&self) -> Option<String> {
+        let Self { name, error, place, count } = self;
+        let Some(entry) = TABLE.iter().find(|e| e.name == name) else {
+            return Some(format!("{name} has no entry in the table of tolerances"));
+        };
+        if *count == 0 {
+            Some(format!("{name}: nothing was compared"))
+        } else if *error > entry.allowed {
+            Some(format!("{name}: {error:.3e} {} exceeds {:.1e}, at {place}", entry.unit, entry.allowed))
+        } else if entry.allowed > SLACK * error {
+            Some(format!("{name}: {:.1e} is stale, no error above {error:.3e} {}", entry.allowed, entry.unit))
+        } else {
+            None
+        }
+    }
+}
