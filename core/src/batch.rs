@@ -71,7 +71,7 @@ pub struct SamplesMut<'a> {
     pub weight: [&'a mut [f32]; 3],
 }
 
-fn same_length(lengths: impl IntoIterator<Item = usize>) -> Result<(), Error> {
+pub(crate) fn same_length(lengths: impl IntoIterator<Item = usize>) -> Result<(), Error> {
     let mut lengths = lengths.into_iter();
     let first = lengths.next().unwrap_or(0);
     if lengths.all(|n| n == first) { Ok(()) } else { Err(Error::Length) }
