@@ -157,7 +157,7 @@ static void test_lobes(void) {
     };
     srbf_mixture *mixture = new_mixture();
     srbf_mixture_info before, after;
-    CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_HEMISPHERE, 1, 0, 1, &good, mixture));
+    CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_HEMISPHERE, 1, 0, 1, &good, NULL, mixture));
     CHECK_OK(srbf_mixture_query(mixture, &before));
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         CHECK_STATUS(bad[i].status, srbf_lobe_evaluate(&bad[i].lobe, UP, out));
@@ -165,7 +165,7 @@ static void test_lobes(void) {
         CHECK_STATUS(bad[i].status, srbf_lobe_pdf(&bad[i].lobe, UP, out));
         CHECK_STATUS(bad[i].status, srbf_lobe_sample(&bad[i].lobe, U, out));
         srbf_lobe pair[2] = {good, bad[i].lobe};
-        CHECK_STATUS(bad[i].status, srbf_mixture_from_lobes(SRBF_DOMAIN_SPHERE, 1, 0, 2, pair, mixture));
+        CHECK_STATUS(bad[i].status, srbf_mixture_from_lobes(SRBF_DOMAIN_SPHERE, 1, 0, 2, pair, NULL, mixture));
     }
     for (int i = 0; i < 6; i++) {
         CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_lobe_evaluate(&good, BAD[i], out));
@@ -214,29 +214,34 @@ static void test_lobes(void) {
     CHECK(count == 77);
     CHECK_STATUS(SRBF_STATUS_SIZE, srbf_mixture_product(mixture, mixture, 0, NULL, &count));
     CHECK(count == 1 || count == 4);
-    CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_HEMISPHERE, 0.5f, 1, 1, &good, mixture));
+    CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_HEMISPHERE, 0.5f, 1, 1, &good, NULL, mixture));
     CHECK_STATUS(SRBF_STATUS_SQUEEZED, srbf_mixture_product(mixture, mixture, 4, products, &count));
     CHECK_STATUS(SRBF_STATUS_SQUEEZED, srbf_mixture_inner_product(mixture, mixture, out));
     CHECK_STATUS(SRBF_STATUS_SQUEEZED, srbf_mixture_inner_product_with_lobe(mixture, &good, out));
-    CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_HEMISPHERE, 1, 0, 1, &good, mixture));
+    CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_HEMISPHERE, 1, 0, 1, &good, NULL, mixture));
     CHECK(is_untouched(out, 0) && is_untouched(out, 1) && is_untouched(out, 2));
 
     srbf_lobe many[65];
     for (int i = 0; i < 65; i++) {
         many[i] = good;
     }
-    CHECK_STATUS(SRBF_STATUS_CAPACITY, srbf_mixture_from_lobes(0, 1, 0, 17, many, mixture));
-    CHECK_STATUS(SRBF_STATUS_CAPACITY, srbf_mixture_from_lobes(0, 1, 0, 65, many, mixture));
-    CHECK_STATUS(SRBF_STATUS_CAPACITY, srbf_mixture_from_lobes(0, 1, 0, SIZE_MAX, many, mixture));
-    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_mixture_from_lobes(2, 1, 0, 1, &good, mixture));
-    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_mixture_from_lobes(0, 1, 2, 1, &good, mixture));
-    CHECK_STATUS(SRBF_STATUS_SQUEEZE, srbf_mixture_from_lobes(0, 0, 1, 1, &good, mixture));
-    CHECK_STATUS(SRBF_STATUS_SQUEEZE, srbf_mixture_from_lobes(0, NAN, 1, 1, &good, mixture));
-    CHECK_POINTER(const srbf_lobe, &good, srbf_mixture_from_lobes(0, 1, 0, 1, p, mixture));
-    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_from_lobes(0, 1, 0, 1, &good, p));
+    CHECK_STATUS(SRBF_STATUS_CAPACITY, srbf_mixture_from_lobes(0, 1, 0, 17, many, NULL, mixture));
+    CHECK_STATUS(SRBF_STATUS_CAPACITY, srbf_mixture_from_lobes(0, 1, 0, 65, many, NULL, mixture));
+    CHECK_STATUS(SRBF_STATUS_CAPACITY, srbf_mixture_from_lobes(0, 1, 0, SIZE_MAX, many, NULL, mixture));
+    const float negative[3] = {0, -1, 0};
+    CHECK_STATUS(SRBF_STATUS_AMPLITUDE, srbf_mixture_from_lobes(1, 1, 0, 1, &good, negative, mixture));
+    CHECK_STATUS(SRBF_STATUS_AMPLITUDE, srbf_mixture_from_lobes(0, 1, 0, 1, &good, UP, mixture));
+    CHECK_STATUS(SRBF_STATUS_MISALIGNED,
+                 srbf_mixture_from_lobes(1, 1, 0, 1, &good, CROOKED(const float, UP), mixture));
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_mixture_from_lobes(2, 1, 0, 1, &good, NULL, mixture));
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_mixture_from_lobes(0, 1, 2, 1, &good, NULL, mixture));
+    CHECK_STATUS(SRBF_STATUS_SQUEEZE, srbf_mixture_from_lobes(0, 0, 1, 1, &good, NULL, mixture));
+    CHECK_STATUS(SRBF_STATUS_SQUEEZE, srbf_mixture_from_lobes(0, NAN, 1, 1, &good, NULL, mixture));
+    CHECK_POINTER(const srbf_lobe, &good, srbf_mixture_from_lobes(0, 1, 0, 1, p, NULL, mixture));
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_from_lobes(0, 1, 0, 1, &good, NULL, p));
     /* Finite amplitudes whose integral is not. */
     srbf_lobe huge = {{0, 0, 1}, 0, {3e38f, 3e38f, 3e38f}};
-    CHECK_STATUS(SRBF_STATUS_AMPLITUDE, srbf_mixture_from_lobes(0, 1, 0, 1, &huge, mixture));
+    CHECK_STATUS(SRBF_STATUS_AMPLITUDE, srbf_mixture_from_lobes(0, 1, 0, 1, &huge, NULL, mixture));
     CHECK_OK(srbf_mixture_query(mixture, &after));
     CHECK(before.lobes == after.lobes && before.power == after.power && before.domain == after.domain);
     release(out, 3);
@@ -445,6 +450,23 @@ static void test_batches(const srbf_material *material) {
     CHECK_STATUS(SRBF_STATUS_OBJECT, srbf_mixture_pdf_pairs_into(all, stride / 2, N, &good_in, &numbers));
     CHECK_OK(srbf_mixture_pdf_pairs_into(all, stride, N, &good_in, &numbers));
     CHECK_OK(srbf_mixture_pdf_pairs_into(NULL, 0, 0, NULL, NULL));
+
+    /* Pairs without storage. */
+    object = (void *)(uintptr_t)material;
+    CHECK_BATCH(srbf_material_evaluate_pairs_into(material, n, in_at, &wo, &out, &pdf));
+    CHECK_BATCH(srbf_material_evaluate_pairs_into(material, n, &wo, in_at, &out, &pdf));
+    CHECK_BATCH((samples.direction = out, samples.pdf = pdf, samples.weight = weight,
+                 srbf_material_sample_pairs_into(material, n, in_at, &good_in, &samples)));
+    CHECK_BATCH((samples.direction = out, samples.pdf = pdf, samples.weight = weight,
+                 srbf_material_sample_pairs_into(material, n, &wo, in_at, &samples)));
+    CHECK_OBJECT(const srbf_material, material,
+                 srbf_material_evaluate_pairs_into(p, N, &wo, &good_in, &good_out, &pdf));
+    CHECK_OBJECT(const srbf_material, material, srbf_material_sample_pairs_into(p, N, &wo, &good_in, &samples));
+    CHECK_POINTER(const srbf_vectors_out, &good_out,
+                  srbf_material_evaluate_pairs_into(material, N, &wo, &good_in, p, &pdf));
+    CHECK_POINTER(const srbf_numbers_out, &pdf,
+                  srbf_material_evaluate_pairs_into(material, N, &wo, &good_in, &good_out, p));
+    CHECK_POINTER(srbf_samples_out, &samples, srbf_material_sample_pairs_into(material, N, &wo, &good_in, p));
 
     /* Preparing n. */
     CHECK_OBJECT(const srbf_material, material, srbf_material_prepare_into(p, N, &wo, storage, stride));

@@ -21,9 +21,10 @@ OFFSET(srbf_sample, direction, 0);
 OFFSET(srbf_sample, pdf, 12);
 OFFSET(srbf_sample, weight, 16);
 
-SIZE(srbf_view, 8);
+SIZE(srbf_view, 20);
 OFFSET(srbf_view, theta, 0);
 OFFSET(srbf_view, log2_squeeze, 4);
+OFFSET(srbf_view, log2_diffuse, 8);
 
 SIZE(srbf_plane_lobe, 20);
 OFFSET(srbf_plane_lobe, angle, 0);
@@ -60,15 +61,16 @@ OFFSET(srbf_material_info, byte_count, 4 * P);
 OFFSET(srbf_material_info, provenance, 5 * P);
 OFFSET(srbf_material_info, provenance_length, 6 * P);
 
-SIZE(srbf_mixture_info, (3 * P + 28 + P - 1) / P * P);
+SIZE(srbf_mixture_info, (3 * P + 40 + P - 1) / P * P);
 OFFSET(srbf_mixture_info, lobes, 0);
 OFFSET(srbf_mixture_info, squeezed_lobes, P);
 OFFSET(srbf_mixture_info, capacity, 2 * P);
 OFFSET(srbf_mixture_info, domain, 3 * P);
 OFFSET(srbf_mixture_info, simd_level, 3 * P + 4);
 OFFSET(srbf_mixture_info, squeeze, 3 * P + 8);
-OFFSET(srbf_mixture_info, albedo, 3 * P + 12);
-OFFSET(srbf_mixture_info, power, 3 * P + 24);
+OFFSET(srbf_mixture_info, diffuse, 3 * P + 12);
+OFFSET(srbf_mixture_info, albedo, 3 * P + 24);
+OFFSET(srbf_mixture_info, power, 3 * P + 36);
 
 int main(void) {
     printf("layout: passed\n");

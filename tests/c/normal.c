@@ -265,14 +265,25 @@ static void test_pairs(const srbf_material *material) {
             CHECK(storage[(size_t)i * stride + b] == 0xcd);
         }
     }
+    for (int i = 0; i < N; i++) {
+        rays[i].other = rays[i].pdf, rays[i].pdf = rays[i].value[1] = -1;
+    }
+    CHECK_OK(srbf_material_evaluate_pairs_into(material, N, &wo_in, &wi, &value, &pdf));
+    for (int i = 0; i < N; i++) {
+        CHECK(is_near(rays[i].pdf, rays[i].other) && rays[i].value[1] >= 0);
+    }
     srbf_samples_out samples = {out(rays->wi, 1, sizeof(ray)), pdf, out(rays->weight, 1, sizeof(ray))};
+    CHECK_OK(srbf_material_sample_pairs_into(material, N, &wo_in, &u, &samples));
+    for (int i = 0; i < N; i++) {
+        rays[i].other = rays[i].pdf, rays[i].pdf = -1;
+    }
     CHECK_OK(srbf_mixture_sample_pairs_into(mixtures, stride, N, &u, &samples));
     for (int i = 0; i < N; i++) {
         srbf_sample one;
         CHECK_OK(srbf_material_prepare(material, wo[i], mixture));
         CHECK_OK(srbf_mixture_sample(mixture, rays[i].u, &one));
         CHECK(fabsf(one.direction[0] - rays[i].wi[0]) < 1e-5f && fabsf(one.direction[2] - rays[i].wi[2]) < 1e-5f);
-        CHECK(fabsf(one.pdf - rays[i].pdf) <= 1e-3f * one.pdf);
+        CHECK(fabsf(one.pdf - rays[i].pdf) <= 1e-3f * one.pdf && is_near(rays[i].pdf, rays[i].other));
         CHECK(fabsf(one.weight[1] - rays[i].weight[1]) <= 1e-3f * one.weight[1]);
     }
     free(mixture);
@@ -315,7 +326,7 @@ static void test_lobes(void) {
     srbf_mixture_info info;
     srbf_lobe lobe;
     for (uint32_t domain = SRBF_DOMAIN_SPHERE; domain <= SRBF_DOMAIN_HEMISPHERE; domain++) {
-        CHECK_OK(srbf_mixture_from_lobes(domain, 1, 0, 3, lobes, mixture));
+        CHECK_OK(srbf_mixture_from_lobes(domain, 1, 0, 3, lobes, NULL, mixture));
         CHECK_OK(srbf_mixture_query(mixture, &info));
         CHECK(info.domain == domain && info.lobes == 3 && info.squeezed_lobes == 0 && info.squeeze == 1);
         CHECK(are_near(info.albedo, total));
@@ -347,7 +358,7 @@ static void test_lobes(void) {
     CHECK_OK(srbf_lobe_inner_product(&lobes[0], &lobes[1], x));
     CHECK_OK(srbf_lobe_integrate(&lobe, y));
     CHECK(are_near(x, y));
-    CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_SPHERE, 1, 0, 3, lobes, mixture));
+    CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_SPHERE, 1, 0, 3, lobes, NULL, mixture));
     CHECK_STATUS(SRBF_STATUS_SIZE, srbf_mixture_product(mixture, mixture, 0, NULL, &n));
     CHECK(n == 9);
     CHECK_OK(srbf_mixture_product(mixture, mixture, 36, products, &n));
@@ -362,7 +373,7 @@ static void test_lobes(void) {
     for (uint32_t domain = SRBF_DOMAIN_SPHERE; domain <= SRBF_DOMAIN_HEMISPHERE; domain++) {
         double quadrature = 0;
         const int low = domain == SRBF_DOMAIN_SPHERE ? -200 : 0;
-        CHECK_OK(srbf_mixture_from_lobes(domain, 1, 0, 3, lobes, mixture));
+        CHECK_OK(srbf_mixture_from_lobes(domain, 1, 0, 3, lobes, NULL, mixture));
         CHECK_OK(srbf_mixture_inner_product_with_lobe(mixture, &lobes[1], integral));
         for (int i = low; i < 200; i++) {
             for (int j = 0; j < 800; j++) {
@@ -376,11 +387,19 @@ static void test_lobes(void) {
         CHECK(fabs(quadrature * 6.283185307 / (200 * 800) / (double)integral[1] - 1) < 1e-3);
     }
     /* Squeezed lobes keep their integral. */
-    CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_HEMISPHERE, 0.5f, 2, 3, lobes, mixture));
+    CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_HEMISPHERE, 0.5f, 2, 3, lobes, NULL, mixture));
     CHECK_OK(srbf_mixture_query(mixture, &info));
     CHECK(info.squeeze == 0.5f && info.squeezed_lobes == 2 && are_near(info.albedo, total));
+    /* A diffuse term beside them, and alone: the cosine. */
+    const float grey[3] = {0.5f, 0.25f, 0.125f};
+    CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_HEMISPHERE, 1, 0, 3, lobes, grey, mixture));
+    CHECK_OK(srbf_mixture_query(mixture, &info));
+    CHECK(are_near(info.diffuse, grey) && is_near(info.albedo[1], total[1] + 0.25f));
+    CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_HEMISPHERE, 1, 0, 0, NULL, grey, mixture));
+    CHECK_OK(srbf_mixture_evaluate_f(mixture, d, x));
+    CHECK(is_near(x[0], 0.5f / 3.14159265f));
     /* No lobes: an empty mixture. */
-    CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_SPHERE, 1, 0, 0, NULL, mixture));
+    CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_SPHERE, 1, 0, 0, NULL, NULL, mixture));
     CHECK_OK(srbf_mixture_query(mixture, &info));
     CHECK(info.lobes == 0 && info.power == 0);
     free(mixture);

@@ -38,7 +38,12 @@ pub fn bytes() -> Vec<u8> {
     let views: Vec<View<'_>> = lobes
         .iter()
         .enumerate()
-        .map(|(view, lobes)| View { theta: 0.2 * view as f32, log2_squeeze: -0.3 * view as f32, lobes })
+        .map(|(view, lobes)| View {
+            theta: 0.2 * view as f32,
+            log2_squeeze: -0.3 * view as f32,
+            log2_diffuse: [-5.0, -4.0, -6.0],
+            lobes,
+        })
         .collect();
     let provenance = "made by tests";
     let mut bytes = vec![0; encoded_len(VIEWS, LOBES, provenance)];
