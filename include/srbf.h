@@ -1,5 +1,35 @@
 /*
- * srbf: measured BRDFs as small mixtures of spherical Gaussian lobes. Generated from capi/src; do not edit.
+ * srbf: measured BRDFs as small mixtures of spherical Gaussian lobes: evaluate, integrate, importance-sample.
+ * Generated from capi/src, do not edit. SPDX-License-Identifier: MIT OR Apache-2.0
+ *
+ * A material (`srbf_material`) holds lobes for every outgoing direction. `srbf_material_prepare` makes of it the mixture
+ * (`srbf_mixture`) for one outgoing direction `wo`; the mixture evaluates, integrates and samples.
+ *
+ * Words
+ *   Directions are unit vectors, three floats, in the caller's shading frame, +z the surface normal. `wo` points towards
+ *   the viewer and is fixed, `wi` points towards the light and is sampled. The value is `f cos`: the BRDF times the
+ *   cosine of `wi`, in 1/sr, linear sRGB; `srbf_mixture_evaluate_f` gives `f`. A density (pdf) is per solid angle, 1/sr.
+ *   Order of arguments: object, inputs, count, outputs.
+ *
+ * Status
+ *   Calls that can fail return a `srbf_status`: 0 is success. A call that fails leaves its outputs as they were, unless its
+ *   page says otherwise, and keeps a message for the thread: `srbf_last_message`. No call prints, exits or lets a panic
+ *   out; after `SRBF_STATUS_PANIC`, a bug in the library, outputs are unspecified.
+ *
+ * Pointers
+ *   The caller owns every buffer. A pointer is to as many readable or writable elements as its page says, or NULL; NULL and
+ *   misaligned pointers are refused by a status. Inputs may overlap each other. In calls for one direction, outputs may
+ *   overlap inputs, but not an object or another output. In batches (`..._into`) an output that overlaps anything is refused;
+ *   arrays of one stride may interleave, so that inputs and outputs can be members of one structure.
+ *
+ * Threads
+ *   Every function may be called from every thread. Objects behind const pointers may be shared; what a call writes belongs to
+ *   that call alone until it returns.
+ *
+ * Without an operating system
+ *   Built without `std` the library needs neither an operating system nor an allocator, and offers everything but files,
+ *   fitting, messages and materials on the heap. Define SRBF_FREESTANDING before the header to hide those. A panic, a bug,
+ *   stops the thread there for ever.
  */
 
 #ifndef SRBF_H
@@ -25,9 +55,314 @@
 #define SRBF_FORMAT_VERSION 1
 
 /**
+ * The best level of this processor and build.
+ */
+#define SRBF_SIMD_AUTOMATIC 0
+
+/**
+ * One number at a time: the reference for every other level.
+ */
+#define SRBF_SIMD_SCALAR 1
+
+/**
+ * SSE2, NEON, or what the whole library was compiled for.
+ */
+#define SRBF_SIMD_PORTABLE 2
+
+/**
+ * x86-64 with AVX2 and FMA.
+ */
+#define SRBF_SIMD_AVX2 3
+
+/**
+ * x86-64 with AVX-512 F, VL, DQ and BW.
+ */
+#define SRBF_SIMD_AVX512 4
+
+/**
+ * Alignment of the storage for a mixture, which is also what `malloc` gives; 64 is a little faster.
+ */
+#define SRBF_MIXTURE_ALIGNMENT 16
+
+/**
+ * Bytes of storage for a mixture of at most 16 lobes.
+ */
+#define SRBF_MIXTURE_SIZE_16 1280
+
+/**
+ * Bytes of storage for a mixture of at most 32 lobes.
+ */
+#define SRBF_MIXTURE_SIZE_32 2304
+
+/**
+ * Bytes of storage for a mixture of at most 64 lobes, the most that there are.
+ */
+#define SRBF_MIXTURE_SIZE_64 4352
+
+/**
+ * The whole sphere: no fold.
+ */
+#define SRBF_DOMAIN_SPHERE 0
+
+/**
+ * The upper hemisphere: what a lobe has below the horizon is mirrored back up.
+ */
+#define SRBF_DOMAIN_HEMISPHERE 1
+
+/**
+ * Bytes of storage for a material that `srbf_material_borrow` makes.
+ */
+#define SRBF_MATERIAL_SIZE 128
+
+/**
+ * Alignment of that storage.
+ */
+#define SRBF_MATERIAL_ALIGNMENT 16
+
+/**
+ * A material: the lobes of every view, read in place from `.srbf` bytes.
+ *
+ * It never changes, so any number of threads may use one at once. Made by `srbf_material_borrow` in the caller's
+ * storage, or on the heap by `srbf_material_from_bytes` and `srbf_material_load`, which `srbf_material_free` releases.
+ */
+typedef struct srbf_material srbf_material;
+
+/**
+ * The lobes of one outgoing direction, in the caller's storage.
+ *
+ * Get its size from `srbf_mixture_size` or a constant `SRBF_MIXTURE_SIZE_...`, and the object by `srbf_mixture_init` or
+ * `srbf_material_prepare_into`. It owns nothing: it needs no release, and its bytes may be copied within a process to
+ * storage of the same size and alignment.
+ */
+typedef struct srbf_mixture srbf_mixture;
+
+/**
  * What a call returns: 0 if it succeeded, otherwise why not. The numbers never change their meaning.
  */
 typedef int32_t srbf_status;
+
+/**
+ * One spherical Gaussian lobe, `amplitude exp(sharpness (d . axis - 1))` over the whole sphere.
+ *
+ * Every call that takes a lobe checks it: `SRBF_STATUS_AXIS`, `SRBF_STATUS_SHARPNESS`, `SRBF_STATUS_AMPLITUDE`.
+ */
+typedef struct srbf_lobe {
+    /**
+     * Where the lobe is highest; unit vector.
+     */
+    float axis[3];
+    /**
+     * How narrow the lobe is, in [0, 1e8]; 0 is constant over the sphere.
+     */
+    float sharpness;
+    /**
+     * Value at the axis, linear sRGB, not negative.
+     */
+    float amplitude[3];
+} srbf_lobe;
+
+/**
+ * What a mixture holds.
+ */
+typedef struct srbf_mixture_info {
+    /**
+     * Number of lobes.
+     */
+    size_t lobes;
+    /**
+     * Number of lobes that see the squeezed direction; they come first.
+     */
+    size_t squeezed_lobes;
+    /**
+     * Most lobes that the storage has room for.
+     */
+    size_t capacity;
+    /**
+     * `SRBF_DOMAIN_SPHERE` or `SRBF_DOMAIN_HEMISPHERE`.
+     */
+    uint32_t domain;
+    /**
+     * The SIMD level that the mixture was made at.
+     */
+    uint32_t simd_level;
+    /**
+     * The squeeze c; 1 is no squeeze.
+     */
+    float squeeze;
+    /**
+     * Integral of `f cos` over the domain, linear sRGB: for a material's mixture, the albedo.
+     */
+    float albedo[3];
+    /**
+     * Luminance of the albedo, and of the weight of every sample.
+     */
+    float power;
+} srbf_mixture_info;
+
+/**
+ * What a material holds.
+ */
+typedef struct srbf_material_info {
+    /**
+     * Number of views: outgoing directions at which lobes are stored.
+     */
+    size_t views;
+    /**
+     * Number of lobes at every view: what a mixture must have room for.
+     */
+    size_t lobes;
+    /**
+     * Number of lobes that see the squeezed direction; they come first.
+     */
+    size_t squeezed_lobes;
+    /**
+     * The `.srbf` bytes; they live as long as the material.
+     */
+    const uint8_t *bytes;
+    /**
+     * Number of bytes.
+     */
+    size_t byte_count;
+    /**
+     * Where the material comes from, as its maker wrote it: UTF-8 without a zero at the end, part of the bytes.
+     */
+    const char *provenance;
+    /**
+     * Length of the provenance in bytes.
+     */
+    size_t provenance_length;
+} srbf_material_info;
+
+/**
+ * An outgoing direction at which a material stores lobes.
+ */
+typedef struct srbf_view {
+    /**
+     * Angle from the normal in radians, [0, pi/2].
+     */
+    float theta;
+    /**
+     * Base-2 logarithm of the squeeze c: how many times as wide across the plane of incidence as along it.
+     */
+    float log2_squeeze;
+} srbf_view;
+
+/**
+ * A lobe as a view stores it: its axis in the plane of incidence.
+ */
+typedef struct srbf_plane_lobe {
+    /**
+     * Angle of the axis from the normal in radians, positive towards the mirror direction.
+     */
+    float angle;
+    /**
+     * Base-2 logarithm of the sharpness.
+     */
+    float log2_sharpness;
+    /**
+     * Base-2 logarithm of the amplitude: red, green, blue.
+     */
+    float log2_amplitude[3];
+} srbf_plane_lobe;
+
+/**
+ * n vectors to read.
+ *
+ * Structure of arrays: three arrays and a stride of `sizeof(float)`, which is the fastest. Array of structures:
+ * `{&v[0].x, &v[0].y, &v[0].z, sizeof v[0]}`.
+ */
+typedef struct srbf_vectors {
+    /**
+     * The first x.
+     */
+    const float *x;
+    /**
+     * The first y.
+     */
+    const float *y;
+    /**
+     * The first z.
+     */
+    const float *z;
+    /**
+     * Bytes from one number to the next of the same array; a multiple of 4, at least 4.
+     */
+    size_t stride;
+} srbf_vectors;
+
+/**
+ * A direction drawn from a mixture.
+ */
+typedef struct srbf_sample {
+    /**
+     * Incident direction, unit vector in the caller's shading frame.
+     */
+    float direction[3];
+    /**
+     * Density of the whole mixture at the direction; 1/sr. 0: nothing was drawn, do not divide by it.
+     */
+    float pdf;
+    /**
+     * `f cos / pdf`, linear sRGB: what the throughput of a path is multiplied by.
+     */
+    float weight[3];
+} srbf_sample;
+
+/**
+ * n vectors to write; laid out as `srbf_vectors`.
+ *
+ * Colours are vectors too: red, green and blue in the place of x, y and z.
+ */
+typedef struct srbf_vectors_out {
+    /**
+     * The first x.
+     */
+    float *x;
+    /**
+     * The first y.
+     */
+    float *y;
+    /**
+     * The first z.
+     */
+    float *z;
+    /**
+     * Bytes from one number to the next of the same array; a multiple of 4, at least 4.
+     */
+    size_t stride;
+} srbf_vectors_out;
+
+/**
+ * n numbers to write.
+ */
+typedef struct srbf_numbers_out {
+    /**
+     * The first number.
+     */
+    float *values;
+    /**
+     * Bytes from one number to the next; a multiple of 4, at least 4.
+     */
+    size_t stride;
+} srbf_numbers_out;
+
+/**
+ * Where n samples go; see `srbf_sample`.
+ */
+typedef struct srbf_samples_out {
+    /**
+     * Incident directions, unit vectors in the caller's shading frame.
+     */
+    struct srbf_vectors_out direction;
+    /**
+     * Density of the whole mixture at the direction; 1/sr. 0: nothing was drawn, do not divide by it.
+     */
+    struct srbf_numbers_out pdf;
+    /**
+     * `f cos / pdf`, linear sRGB.
+     */
+    struct srbf_vectors_out weight;
+} srbf_samples_out;
 
 /**
  * The call succeeded.
@@ -108,6 +443,11 @@ typedef int32_t srbf_status;
  * The mixture has room for fewer lobes than are needed.
  */
 #define SRBF_STATUS_CAPACITY 15
+
+/**
+ * A mixture holds squeezed lobes, whose products are not lobes.
+ */
+#define SRBF_STATUS_SQUEEZED 16
 
 /**
  * The bytes do not start like a `.srbf` file.
@@ -198,6 +538,347 @@ srbf_status srbf_status_panic(void);
  * UTF-8, one line, never NULL. Valid until the next call that fails on this thread, or its end.
  */
 const char *srbf_last_message(void);
+
+/**
+ * Returns the level that mixtures prepared from now on use: `SRBF_SIMD_SCALAR` to `SRBF_SIMD_AVX512`.
+ */
+uint32_t srbf_simd_level(void);
+
+/**
+ * Chooses the level of every mixture prepared from now on, in all threads; for tests and comparisons.
+ *
+ * A mixture keeps the level that it was prepared at. `SRBF_SIMD_AUTOMATIC` goes back to the best.
+ * Status: `SRBF_STATUS_SIMD_LEVEL` if the processor or the build lacks the level; nothing changes then.
+ */
+srbf_status srbf_simd_set_level(uint32_t level);
+
+/**
+ * Evaluates a lobe towards a direction.
+ *
+ * Shapes: `direction` [3], unit vector; `value` [3], overwritten.
+ */
+srbf_status srbf_lobe_evaluate(const struct srbf_lobe *lobe, const float *direction, float *value);
+
+/**
+ * Integrates a lobe over the whole sphere: `2 pi amplitude (1 - exp(-2 s)) / s`.
+ *
+ * Shapes: `integral` [3], overwritten.
+ */
+srbf_status srbf_lobe_integrate(const struct srbf_lobe *lobe, float *integral);
+
+/**
+ * Evaluates the density of `srbf_lobe_sample` at a direction; 1/sr. The amplitude does not matter.
+ *
+ * Shapes: `direction` [3], unit vector; `pdf` one number, overwritten.
+ */
+srbf_status srbf_lobe_pdf(const struct srbf_lobe *lobe, const float *direction, float *pdf);
+
+/**
+ * Draws a direction on the whole sphere from a lobe's density.
+ *
+ * Shapes: `u` [2], uniform numbers in [0, 1); `direction` [3], overwritten with a unit vector.
+ */
+srbf_status srbf_lobe_sample(const struct srbf_lobe *lobe, const float *u, float *direction);
+
+/**
+ * Multiplies two lobes, channel by channel; the product is a lobe again.
+ *
+ * Sharpness may reach 2e8, which no other call takes.
+ */
+srbf_status srbf_lobe_product(const struct srbf_lobe *a,
+                              const struct srbf_lobe *b,
+                              struct srbf_lobe *product);
+
+/**
+ * Integrates the product of two lobes over the whole sphere, in closed form.
+ *
+ * Shapes: `integral` [3], overwritten.
+ */
+srbf_status srbf_lobe_inner_product(const struct srbf_lobe *a, const struct srbf_lobe *b, float *integral);
+
+/**
+ * Integrates the product of a mixture of round lobes and a lobe, of light for example, over the mixture's domain.
+ *
+ * For a material's mixture and a lobe of radiance: the radiance that is reflected towards the viewer.
+ * Shapes: `integral` [3], overwritten. Status: `SRBF_STATUS_SQUEEZED`.
+ */
+srbf_status srbf_mixture_inner_product_with_lobe(const struct srbf_mixture *mixture,
+                                                 const struct srbf_lobe *lobe,
+                                                 float *integral);
+
+/**
+ * Integrates the product of two mixtures of round lobes over the domain that they share.
+ *
+ * Shapes: `integral` [3], overwritten. Status: `SRBF_STATUS_SQUEEZED`.
+ */
+srbf_status srbf_mixture_inner_product(const struct srbf_mixture *a,
+                                       const struct srbf_mixture *b,
+                                       float *integral);
+
+/**
+ * Multiplies two mixtures of round lobes, lobe by lobe.
+ *
+ * A folded lobe counts as two, itself and its mirror image. The products are lobes of the caller's shading frame, not
+ * folded; they stand for the product on the domain that the mixtures share.
+ * Shapes: `lobes` [capacity], of which the first `*count` are overwritten; `lobes` may be NULL with capacity 0, to ask
+ * for the count alone. Status: `SRBF_STATUS_SIZE` if the capacity is too small, `*count` says what is needed;
+ * `SRBF_STATUS_SQUEEZED`.
+ */
+srbf_status srbf_mixture_product(const struct srbf_mixture *a,
+                                 const struct srbf_mixture *b,
+                                 size_t capacity,
+                                 struct srbf_lobe *lobes,
+                                 size_t *count);
+
+/**
+ * Returns the bytes of storage that a mixture of so many lobes needs; 0 if there is no such mixture (more than 64).
+ */
+size_t srbf_mixture_size(size_t lobes);
+
+/**
+ * Makes an empty mixture in the caller's storage, with room for as many lobes as fit: 16, 32 or 64.
+ *
+ * Shapes: `storage` [storage_size], at least `SRBF_MIXTURE_SIZE_16`, aligned to `SRBF_MIXTURE_ALIGNMENT`; `mixture`
+ * one pointer, to the same address. It needs no release.
+ */
+srbf_status srbf_mixture_init(void *storage,
+                              size_t storage_size,
+                              struct srbf_mixture **mixture);
+
+/**
+ * Makes a mixture of the caller's lobes, in a mixture that has been initialised; overwrites it.
+ *
+ * The first `squeezed_lobes` see the direction squeezed along y by c = `squeeze` in [0.01, 2]; give 0 and 1 for round
+ * lobes alone.
+ * Shapes: `lobes` [lobe_count]. Status: `SRBF_STATUS_CAPACITY`; what is wrong with a lobe; `SRBF_STATUS_AMPLITUDE` also
+ * if the integral is infinite. On failure the mixture keeps what it held.
+ */
+srbf_status srbf_mixture_from_lobes(uint32_t domain,
+                                    float squeeze,
+                                    size_t squeezed_lobes,
+                                    size_t lobe_count,
+                                    const struct srbf_lobe *lobes,
+                                    struct srbf_mixture *mixture);
+
+/**
+ * Says what a mixture holds, its closed-form integral included.
+ */
+srbf_status srbf_mixture_query(const struct srbf_mixture *mixture, struct srbf_mixture_info *info);
+
+/**
+ * Gives lobe `index` of a mixture, in the frame of its view. Status: `SRBF_STATUS_INDEX` past the end.
+ */
+srbf_status srbf_mixture_lobe(const struct srbf_mixture *mixture, size_t index, struct srbf_lobe *lobe);
+
+/**
+ * Makes a material of `.srbf` bytes where they are, of any alignment: nothing is copied, nothing allocated.
+ *
+ * The bytes must stay as they are for as long as the material is used. It needs no release.
+ * Shapes: `bytes` [byte_count]; `storage` [storage_size], at least `SRBF_MATERIAL_SIZE`, aligned to
+ * `SRBF_MATERIAL_ALIGNMENT`; `material` one pointer, into the storage.
+ * Status: `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if the bytes are not a material.
+ */
+srbf_status srbf_material_borrow(const uint8_t *bytes,
+                                 size_t byte_count,
+                                 void *storage,
+                                 size_t storage_size,
+                                 struct srbf_material **material);
+
+/**
+ * Says what a material holds.
+ */
+srbf_status srbf_material_query(const struct srbf_material *material, struct srbf_material_info *info);
+
+/**
+ * Says at which outgoing direction a view is. Status: `SRBF_STATUS_INDEX` past the end.
+ */
+srbf_status srbf_material_view(const struct srbf_material *material, size_t view, struct srbf_view *out);
+
+/**
+ * Gives a lobe as a view stores it. Status: `SRBF_STATUS_INDEX` past either end.
+ */
+srbf_status srbf_material_view_lobe(const struct srbf_material *material,
+                                    size_t view,
+                                    size_t index,
+                                    struct srbf_plane_lobe *lobe);
+
+/**
+ * Integrates `f cos` over all incident directions: how much of the light that goes back along `wo` is reflected.
+ *
+ * Shapes: `wo` [3], unit vector towards the viewer, below the horizon 0; `albedo` [3], linear sRGB, overwritten.
+ */
+srbf_status srbf_material_albedo(const struct srbf_material *material,
+                                 const float *wo,
+                                 float *albedo);
+
+/**
+ * Makes the mixture of lobes for an outgoing direction, in a mixture that the caller has initialised; overwrites it.
+ *
+ * The mixture takes and gives directions in the shading frame that `wo` is given in. Below the horizon (z < 0) nothing
+ * is reflected: the mixture is empty.
+ * Shapes: `wo` [3], unit vector towards the viewer, +z the surface normal.
+ * Status: `SRBF_STATUS_CAPACITY` if the mixture has room for fewer lobes than the material has. On failure the
+ * mixture keeps what it held.
+ */
+srbf_status srbf_material_prepare(const struct srbf_material *material,
+                                  const float *wo,
+                                  struct srbf_mixture *mixture);
+
+/**
+ * Makes the mixtures for n outgoing directions, in raw storage; no `srbf_mixture_init` is needed.
+ *
+ * Mixture i is at `(srbf_mixture *)((char *)storage + i * stride)`.
+ * Shapes: `wo` n unit vectors; `storage` [n * stride], aligned to `SRBF_MIXTURE_ALIGNMENT`; `stride` a multiple of
+ * that, at least `srbf_mixture_size(lobes of the material)`.
+ * Status: `SRBF_STATUS_DIRECTION` if some `wo` is not a unit vector: its mixture is empty, the others are made.
+ */
+srbf_status srbf_material_prepare_into(const struct srbf_material *material,
+                                       size_t n,
+                                       const struct srbf_vectors *wo,
+                                       void *storage,
+                                       size_t stride);
+
+/**
+ * Makes a material of `.srbf` bytes, which are copied. Release it with `srbf_material_free`.
+ *
+ * Shapes: `bytes` [byte_count]; `material` one pointer, overwritten.
+ * Status: `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if the bytes are not a material.
+ */
+srbf_status srbf_material_from_bytes(const uint8_t *bytes,
+                                     size_t byte_count,
+                                     struct srbf_material **material);
+
+/**
+ * Reads a material from a `.srbf` file. Release it with `srbf_material_free`.
+ *
+ * `path` is UTF-8 with a zero at the end. Status: `SRBF_STATUS_FILE` if it cannot be read, with the reason in
+ * `srbf_last_message`; `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if it holds no material.
+ */
+srbf_status srbf_material_load(const char *path, struct srbf_material **material);
+
+/**
+ * Releases a material; NULL is allowed and does nothing.
+ *
+ * A material that `srbf_material_borrow` made is only marked as none. Nobody may use the material during or after the
+ * call.
+ * Status: `SRBF_STATUS_OBJECT` if it is not a material.
+ */
+srbf_status srbf_material_free(struct srbf_material *material);
+
+/**
+ * Evaluates `f cos`, the BRDF times the incident cosine, towards a direction; 1/sr.
+ *
+ * 0 below the horizon of a hemisphere.
+ * Shapes: `wi` [3], unit vector; `value` [3], linear sRGB, overwritten.
+ */
+srbf_status srbf_mixture_evaluate(const struct srbf_mixture *mixture, const float *wi, float *value);
+
+/**
+ * Evaluates `f`, the BRDF without the incident cosine, towards a direction; 1/sr.
+ *
+ * `srbf_mixture_evaluate` over `wi[2]`; 0 at the horizon and below. What is fitted is `f cos`: towards grazing `f`
+ * divides what is left of it by almost nothing.
+ * Shapes: `wi` [3], unit vector; `f` [3], linear sRGB, overwritten.
+ */
+srbf_status srbf_mixture_evaluate_f(const struct srbf_mixture *mixture,
+                                    const float *wi,
+                                    float *f);
+
+/**
+ * Evaluates the density of `srbf_mixture_sample` at a direction; 1/sr, per solid angle.
+ *
+ * Shapes: `wi` [3], unit vector; `pdf` one number, overwritten.
+ */
+srbf_status srbf_mixture_pdf(const struct srbf_mixture *mixture, const float *wi, float *pdf);
+
+/**
+ * Evaluates value and density in one pass, for multiple importance sampling.
+ *
+ * Shapes: `wi` [3], unit vector; `value` [3], `f cos` in linear sRGB; `pdf` one number; both overwritten.
+ */
+srbf_status srbf_mixture_evaluate_and_pdf(const struct srbf_mixture *mixture,
+                                          const float *wi,
+                                          float *value,
+                                          float *pdf);
+
+/**
+ * Draws an incident direction from the density of a mixture; no sample is wasted below the horizon.
+ *
+ * A mixture that reflects nothing gives the normal with density 0 and weight 0, and `SRBF_STATUS_OK`.
+ * Shapes: `u` [3], uniform numbers in [0, 1): the first chooses the lobe, the others the direction in it.
+ */
+srbf_status srbf_mixture_sample(const struct srbf_mixture *mixture,
+                                const float *u,
+                                struct srbf_sample *sample);
+
+/**
+ * Evaluates `f cos` towards n directions; 1/sr. The values of `srbf_mixture_evaluate` within rounding.
+ *
+ * Shapes: `wi` n unit vectors; `value` n colours in linear sRGB, overwritten. n = 0 looks at no pointer but the
+ * mixture. What is not a unit vector gives an unspecified value; the others are not touched by it.
+ */
+srbf_status srbf_mixture_evaluate_into(const struct srbf_mixture *mixture,
+                                       size_t n,
+                                       const struct srbf_vectors *wi,
+                                       const struct srbf_vectors_out *value);
+
+/**
+ * Evaluates the density of sampling at n directions; 1/sr. The values of `srbf_mixture_pdf` within rounding.
+ *
+ * Shapes and directions as in `srbf_mixture_evaluate_into`; `pdf` n numbers, overwritten.
+ */
+srbf_status srbf_mixture_pdf_into(const struct srbf_mixture *mixture,
+                                  size_t n,
+                                  const struct srbf_vectors *wi,
+                                  const struct srbf_numbers_out *pdf);
+
+/**
+ * Draws n directions with density and weight, in one pass.
+ *
+ * Shapes: `u` n times three uniform numbers in [0, 1): the first chooses the lobe, the others the direction in it;
+ * `samples` n of each, overwritten. Numbers outside give an unspecified sample. n = 0 as in
+ * `srbf_mixture_evaluate_into`.
+ */
+srbf_status srbf_mixture_sample_into(const struct srbf_mixture *mixture,
+                                     size_t n,
+                                     const struct srbf_vectors *u,
+                                     const struct srbf_samples_out *samples);
+
+/**
+ * Evaluates `f cos` for n pairs of a mixture and a direction; 1/sr.
+ *
+ * Mixture i is at `(const srbf_mixture *)((const char *)mixtures + i * mixture_stride)`.
+ * Shapes: `mixtures` [n], `mixture_stride` bytes apart; `wi` n unit vectors; `value` n colours in linear sRGB,
+ * overwritten. n = 0 looks at no pointer. What is not a unit vector gives an unspecified value.
+ * Status: `SRBF_STATUS_OBJECT` if one of them is no mixture; the values are unspecified then.
+ */
+srbf_status srbf_mixture_evaluate_pairs_into(const struct srbf_mixture *mixtures,
+                                             size_t mixture_stride,
+                                             size_t n,
+                                             const struct srbf_vectors *wi,
+                                             const struct srbf_vectors_out *value);
+
+/**
+ * Evaluates the density of sampling for n pairs of a mixture and a direction; 1/sr.
+ *
+ * Shapes and status as in `srbf_mixture_evaluate_pairs_into`; `pdf` n numbers, overwritten.
+ */
+srbf_status srbf_mixture_pdf_pairs_into(const struct srbf_mixture *mixtures,
+                                        size_t mixture_stride,
+                                        size_t n,
+                                        const struct srbf_vectors *wi,
+                                        const struct srbf_numbers_out *pdf);
+
+/**
+ * Draws one direction from each of n mixtures.
+ *
+ * Shapes and status as in `srbf_mixture_evaluate_pairs_into`; `u` and `samples` as in `srbf_mixture_sample_into`.
+ */
+srbf_status srbf_mixture_sample_pairs_into(const struct srbf_mixture *mixtures,
+                                           size_t mixture_stride,
+                                           size_t n,
+                                           const struct srbf_vectors *u,
+                                           const struct srbf_samples_out *samples);
 
 #ifdef __cplusplus
 }  // extern "C"

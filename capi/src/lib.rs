@@ -17,6 +17,7 @@ mod convert;
 mod guard;
 #[cfg(feature = "std")]
 mod heap;
+mod layout;
 mod lobe;
 mod material;
 #[cfg(feature = "std")]
@@ -24,6 +25,7 @@ mod message;
 mod mixture;
 mod pairs;
 mod pointers;
+mod product;
 mod simd;
 mod single;
 mod status;
@@ -40,6 +42,7 @@ pub use material::*;
 pub use message::srbf_last_message;
 pub use mixture::*;
 pub use pairs::*;
+pub use product::*;
 pub use simd::*;
 pub use single::*;
 pub use status::*;

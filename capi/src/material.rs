@@ -99,6 +99,8 @@ pub struct srbf_view {
     pub theta: f32,
     /// Base-2 logarithm of the squeeze c: how many times as wide across the plane of incidence as along it.
     pub log2_squeeze: f32,
+    /// Base-2 logarithm of the albedo of the diffuse term, `albedo cos / pi` beside the lobes; -126 for none.
+    pub log2_diffuse: [f32; 3],
 }
 
 /// A lobe as a view stores it: its axis in the plane of incidence.
@@ -178,7 +180,8 @@ pub unsafe extern "C" fn srbf_material_view(
         let (material, out) = unsafe { (&self::material(material)?.material, Out::new(out)?) };
         let theta = material.view_theta(view).ok_or(SRBF_STATUS_INDEX)?;
         let log2_squeeze = material.view_log2_squeeze(view).ok_or(SRBF_STATUS_INDEX)?;
-        out.set(srbf_view { theta, log2_squeeze });
+        let log2_diffuse = material.view_log2_diffuse(view).ok_or(SRBF_STATUS_INDEX)?;
+        out.set(srbf_view { theta, log2_squeeze, log2_diffuse });
         Ok(())
     })
 }

@@ -2,7 +2,7 @@
 #![allow(unsafe_code)]
 
 use crate::guard::guard;
-use crate::pointers::{Out, slice};
+use crate::pointers::{Out, read_array, slice};
 use crate::storage::{check_room, init_at, mixture, mixture_mut, size_for, with_mixture};
 use crate::{SRBF_STATUS_ARGUMENT, SRBF_STATUS_INDEX, srbf_lobe, srbf_mixture, srbf_status};
 use srbf_core::{Domain, Error, Lobe, MAX_LOBES, Mixture, Vec3};
@@ -28,6 +28,8 @@ pub struct srbf_mixture_info {
     pub simd_level: u32,
     /// The squeeze c; 1 is no squeeze.
     pub squeeze: f32,
+    /// Albedo of the diffuse term, `diffuse cos / pi` beside the lobes, linear sRGB.
+    pub diffuse: [f32; 3],
     /// Integral of `f cos` over the domain, linear sRGB: for a material's mixture, the albedo.
     pub albedo: [f32; 3],
     /// Luminance of the albedo, and of the weight of every sample.
@@ -62,7 +64,7 @@ pub unsafe extern "C" fn srbf_mixture_init(
 ///
 /// The first `squeezed_lobes` see the direction squeezed along y by c = `squeeze` in [0.01, 2]; give 0 and 1 for round
 /// lobes alone.
-/// Shapes: `lobes` [lobe_count]. Status: `SRBF_STATUS_CAPACITY`; what is wrong with a lobe; `SRBF_STATUS_AMPLITUDE` also
+/// Shapes: `lobes` [lobe_count]; `diffuse` [3], the albedo of a diffuse term on the hemisphere, or NULL. Status: `SRBF_STATUS_CAPACITY`; what is wrong with a lobe; `SRBF_STATUS_AMPLITUDE` also
 /// if the integral is infinite. On failure the mixture keeps what it held.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_mixture_from_lobes(
@@ -71,6 +73,7 @@ pub unsafe extern "C" fn srbf_mixture_from_lobes(
     squeezed_lobes: usize,
     lobe_count: usize,
     lobes: *const srbf_lobe,
+    diffuse: *const f32,
     mixture: *mut srbf_mixture,
 ) -> srbf_status {
     guard(|| {
@@ -92,7 +95,9 @@ pub unsafe extern "C" fn srbf_mixture_from_lobes(
             *lobe = given.to_core()?;
         }
         let (squeezed, round) = lobes[..lobe_count].split_at(squeezed_lobes);
-        with_mixture!(AnyMixtureMut: &mut mixture, m => make(m, domain, squeeze, squeezed, round))?;
+        // SAFETY: the header's contract.
+        let diffuse = if diffuse.is_null() { None } else { Some(unsafe { read_array(diffuse)? }) };
+        with_mixture!(AnyMixtureMut: &mut mixture, m => make(m, domain, squeeze, [squeezed, round], diffuse))?;
         Ok(())
     })
 }
@@ -101,10 +106,14 @@ fn make<const N: usize>(
     mixture: &mut Mixture<N>,
     domain: Domain,
     squeeze: f32,
-    squeezed: &[Lobe],
-    round: &[Lobe],
+    [squeezed, round]: [&[Lobe]; 2],
+    diffuse: Option<[f32; 3]>,
 ) -> Result<(), Error> {
-    *mixture = Mixture::new(domain, squeeze, squeezed, round)?;
+    let mut made = Mixture::new(domain, squeeze, squeezed, round)?;
+    if let Some(albedo) = diffuse {
+        made = made.with_diffuse(Vec3::from_array(albedo))?;
+    }
+    *mixture = made;
     Ok(())
 }
 
@@ -133,6 +142,7 @@ fn describe<const N: usize>(mixture: &Mixture<N>) -> srbf_mixture_info {
         },
         simd_level: mixture.level() as u32,
         squeeze: mixture.squeeze(),
+        diffuse: mixture.diffuse().to_array(),
         albedo: mixture.albedo().to_array(),
         power: mixture.power(),
     }

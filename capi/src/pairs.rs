@@ -2,13 +2,87 @@
 #![allow(unsafe_code)]
 
 use crate::guard::{Failure, guard};
+use crate::material::material;
 use crate::pointers::{check_extent, read};
 use crate::single::draw;
 use crate::storage::{AnyMixture, check_storage, mixture, with_mixture};
 use crate::streams::{Batch, srbf_numbers_out, srbf_vectors, srbf_vectors_out};
-use crate::{SRBF_MIXTURE_ALIGNMENT, SRBF_STATUS_STRIDE, srbf_mixture, srbf_samples_out, srbf_status};
+use crate::{
+    SRBF_MIXTURE_ALIGNMENT, SRBF_STATUS_STRIDE, srbf_material, srbf_mixture, srbf_samples_out, srbf_status,
+};
 use core::ops::Range;
-use srbf_core::Vec3;
+use srbf_core::{SamplesMut, Vec3};
+
+/// Evaluates value and density for n pairs of an outgoing and an incident direction, each pair with its own mixture.
+///
+/// The values of `srbf_material_prepare` and `srbf_mixture_evaluate_and_pdf`, pair by pair, without storage for mixtures.
+/// Shapes: `wo` and `wi` n unit vectors; `value` n colours in linear sRGB, `f cos`, and `pdf` n numbers, overwritten.
+/// n = 0 looks at no pointer but the material. A `wo` that is no unit vector gives 0.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_evaluate_pairs_into(
+    material: *const srbf_material,
+    n: usize,
+    wo: *const srbf_vectors,
+    wi: *const srbf_vectors,
+    value: *const srbf_vectors_out,
+    pdf: *const srbf_numbers_out,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let object = unsafe { self::material(material)? };
+        if n == 0 {
+            return Ok(());
+        }
+        // SAFETY: the header's contract.
+        let (wo, wi, value, pdf) = unsafe { (read(wo)?, read(wi)?, read(value)?, read(pdf)?) };
+        let ([ox, oy, oz], [ix, iy, iz]) = (wo.streams(), wi.streams());
+        let [red, green, blue] = value.streams();
+        let (inputs, outputs) = ([ox, oy, oz, ix, iy, iz], [red, green, blue, pdf.stream()]);
+        // SAFETY: the header's contract.
+        let batch = unsafe { Batch::new(n, inputs, outputs, material_extent(material))? };
+        batch.run(|[ox, oy, oz, ix, iy, iz], [red, green, blue, pdf]| {
+            object.material.evaluate_pairs_into([ox, oy, oz], [ix, iy, iz], [red, green, blue], pdf)
+        })?;
+        Ok(())
+    })
+}
+
+/// Draws an incident direction for each of n outgoing ones, each with its own mixture.
+///
+/// The samples of `srbf_material_prepare` and `srbf_mixture_sample`, one by one, without storage for mixtures.
+/// Shapes: `wo` n unit vectors; `u` n times three uniform numbers in [0, 1); `samples` n of each, overwritten. n = 0
+/// and what is no unit vector as in `srbf_material_evaluate_pairs_into`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_sample_pairs_into(
+    material: *const srbf_material,
+    n: usize,
+    wo: *const srbf_vectors,
+    u: *const srbf_vectors,
+    samples: *const srbf_samples_out,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let object = unsafe { self::material(material)? };
+        if n == 0 {
+            return Ok(());
+        }
+        // SAFETY: the header's contract.
+        let (wo, u, samples) = unsafe { (read(wo)?, read(u)?, read(samples)?) };
+        let ([ox, oy, oz], [ux, uy, uz]) = (wo.streams(), u.streams());
+        let inputs = [ox, oy, oz, ux, uy, uz];
+        // SAFETY: the header's contract.
+        let batch = unsafe { Batch::new(n, inputs, samples.streams(), material_extent(material))? };
+        batch.run(|[ox, oy, oz, ux, uy, uz], [x, y, z, pdf, red, green, blue]| {
+            let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
+            object.material.sample_pairs_into([ox, oy, oz], [ux, uy, uz], samples)
+        })?;
+        Ok(())
+    })
+}
+
+fn material_extent(material: *const srbf_material) -> Range<usize> {
+    material.addr()..material.addr() + size_of::<srbf_material>()
+}
 
 /// n mixtures, one behind the other; those that `srbf_material_prepare_into` makes.
 struct Mixtures {

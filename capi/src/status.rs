@@ -38,6 +38,8 @@ pub const SRBF_STATUS_AMPLITUDE: srbf_status = 13;
 pub const SRBF_STATUS_SQUEEZE: srbf_status = 14;
 /// The mixture has room for fewer lobes than are needed.
 pub const SRBF_STATUS_CAPACITY: srbf_status = 15;
+/// A mixture holds squeezed lobes or a diffuse term, which have no product in closed form.
+pub const SRBF_STATUS_SQUEEZED: srbf_status = 16;
 /// The bytes do not start like a `.srbf` file.
 pub const SRBF_STATUS_MAGIC: srbf_status = 20;
 /// The `.srbf` version is one that this library does not read.
@@ -87,6 +89,7 @@ fn text(status: srbf_status) -> &'static CStr {
         SRBF_STATUS_AMPLITUDE => c"an amplitude must be finite and not negative",
         SRBF_STATUS_SQUEEZE => c"a squeeze must be within [0.01, 2]",
         SRBF_STATUS_CAPACITY => c"the mixture has room for fewer lobes than are needed",
+        SRBF_STATUS_SQUEEZED => c"squeezed lobes and diffuse terms have no product in closed form",
         SRBF_STATUS_MAGIC => c"not a .srbf file",
         SRBF_STATUS_FORMAT_VERSION => c"a .srbf version that this library does not read",
         SRBF_STATUS_LENGTH => c"the .srbf bytes have another length than they announce",

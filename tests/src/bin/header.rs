@@ -6,9 +6,9 @@ use srbf_tests::native::root;
 use std::process::ExitCode;
 
 /// The files of `capi/src` that export something, in the order in which the header shows them.
-const SOURCES: [&str; 13] = [
-    "version", "status", "message", "simd", "lobe", "storage", "mixture", "material", "heap", "streams",
-    "single", "batch", "pairs",
+const SOURCES: [&str; 14] = [
+    "version", "status", "message", "simd", "lobe", "product", "storage", "mixture", "material", "heap",
+    "streams", "single", "batch", "pairs",
 ];
 
 fn main() -> ExitCode {

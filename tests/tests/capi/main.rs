@@ -1,4 +1,5 @@
 //! The C interface, seen from C and C++.
 
 mod header;
+mod material;
 mod programs;

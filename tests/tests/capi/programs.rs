@@ -1,13 +1,51 @@
-//! C and C++ programs against the C library, as its users compile them.
+//! C programs against the C library, as its users compile them.
 
-use srbf_tests::native::{Language, Link, compilers, library, run_program};
+use crate::material;
+use srbf_tests::native::{Language, Link, compilers, library, library_with_planted_panic, run_program};
+
+/// Compiles a program with every compiler, linked both ways, and runs it on the test material.
+fn run_everywhere(source: &str, expected: &str) {
+    for compiler in compilers(Language::C) {
+        for link in [Link::Static, Link::Shared] {
+            let program = compiler.program(source, library(), link, &[]);
+            let output = run_program(&program, &[material::file().as_os_str()]);
+            assert!(output.contains(expected), "{compiler:?} {link:?}: {output}");
+        }
+    }
+}
 
 #[test]
 fn a_program_links_and_finds_its_version() {
+    run_everywhere("version.c", concat!("srbf ", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn normal_use() {
+    run_everywhere("normal.c", "normal use: passed");
+}
+
+#[test]
+fn abusive_use() {
+    run_everywhere("abuse.c", "abusive use: passed");
+}
+
+#[test]
+fn threads_share_a_material() {
+    run_everywhere("threads.c", "threads: passed");
+}
+
+#[test]
+fn structures_have_the_layout_that_rust_has() {
+    run_everywhere("layout.c", "layout: passed");
+}
+
+#[test]
+fn a_panic_comes_back_as_a_status() {
     for compiler in compilers(Language::C) {
         for link in [Link::Static, Link::Shared] {
-            let program = compiler.program("version.c", library(), link, &[]);
-            assert!(run_program(&program, &[]).starts_with(concat!("srbf ", env!("CARGO_PKG_VERSION"))));
+            let options = ["-DSRBF_PLANTED_PANIC"];
+            let program = compiler.program("panic.c", library_with_planted_panic(), link, &options);
+            assert!(run_program(&program, &[]).contains("panic: passed"));
         }
     }
 }

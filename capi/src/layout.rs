@@ -1,0 +1,61 @@
+//! Sizes and offsets of the structures, as tests/c/layout.c asserts them in C: keep the two lists alike.
+
+use crate::*;
+use core::mem::offset_of;
+
+const P: usize = size_of::<usize>();
+
+const _: () = {
+    assert!(size_of::<srbf_status>() == 4);
+    assert!(size_of::<srbf_lobe>() == 28);
+    assert!(offset_of!(srbf_lobe, axis) == 0);
+    assert!(offset_of!(srbf_lobe, sharpness) == 12);
+    assert!(offset_of!(srbf_lobe, amplitude) == 16);
+    assert!(size_of::<srbf_sample>() == 28);
+    assert!(offset_of!(srbf_sample, direction) == 0);
+    assert!(offset_of!(srbf_sample, pdf) == 12);
+    assert!(offset_of!(srbf_sample, weight) == 16);
+    assert!(size_of::<srbf_view>() == 20);
+    assert!(offset_of!(srbf_view, theta) == 0);
+    assert!(offset_of!(srbf_view, log2_squeeze) == 4);
+    assert!(offset_of!(srbf_view, log2_diffuse) == 8);
+    assert!(size_of::<srbf_plane_lobe>() == 20);
+    assert!(offset_of!(srbf_plane_lobe, angle) == 0);
+    assert!(offset_of!(srbf_plane_lobe, log2_sharpness) == 4);
+    assert!(offset_of!(srbf_plane_lobe, log2_amplitude) == 8);
+    assert!(size_of::<srbf_vectors>() == 4 * P);
+    assert!(offset_of!(srbf_vectors, x) == 0);
+    assert!(offset_of!(srbf_vectors, y) == P);
+    assert!(offset_of!(srbf_vectors, z) == 2 * P);
+    assert!(offset_of!(srbf_vectors, stride) == 3 * P);
+    assert!(size_of::<srbf_vectors_out>() == 4 * P);
+    assert!(offset_of!(srbf_vectors_out, x) == 0);
+    assert!(offset_of!(srbf_vectors_out, y) == P);
+    assert!(offset_of!(srbf_vectors_out, z) == 2 * P);
+    assert!(offset_of!(srbf_vectors_out, stride) == 3 * P);
+    assert!(size_of::<srbf_numbers_out>() == 2 * P);
+    assert!(offset_of!(srbf_numbers_out, values) == 0);
+    assert!(offset_of!(srbf_numbers_out, stride) == P);
+    assert!(size_of::<srbf_samples_out>() == 10 * P);
+    assert!(offset_of!(srbf_samples_out, direction) == 0);
+    assert!(offset_of!(srbf_samples_out, pdf) == 4 * P);
+    assert!(offset_of!(srbf_samples_out, weight) == 6 * P);
+    assert!(size_of::<srbf_material_info>() == 7 * P);
+    assert!(offset_of!(srbf_material_info, views) == 0);
+    assert!(offset_of!(srbf_material_info, lobes) == P);
+    assert!(offset_of!(srbf_material_info, squeezed_lobes) == 2 * P);
+    assert!(offset_of!(srbf_material_info, bytes) == 3 * P);
+    assert!(offset_of!(srbf_material_info, byte_count) == 4 * P);
+    assert!(offset_of!(srbf_material_info, provenance) == 5 * P);
+    assert!(offset_of!(srbf_material_info, provenance_length) == 6 * P);
+    assert!(size_of::<srbf_mixture_info>() == (3 * P + 40).next_multiple_of(P));
+    assert!(offset_of!(srbf_mixture_info, lobes) == 0);
+    assert!(offset_of!(srbf_mixture_info, squeezed_lobes) == P);
+    assert!(offset_of!(srbf_mixture_info, capacity) == 2 * P);
+    assert!(offset_of!(srbf_mixture_info, domain) == 3 * P);
+    assert!(offset_of!(srbf_mixture_info, simd_level) == 3 * P + 4);
+    assert!(offset_of!(srbf_mixture_info, squeeze) == 3 * P + 8);
+    assert!(offset_of!(srbf_mixture_info, diffuse) == 3 * P + 12);
+    assert!(offset_of!(srbf_mixture_info, albedo) == 3 * P + 24);
+    assert!(offset_of!(srbf_mixture_info, power) == 3 * P + 36);
+};

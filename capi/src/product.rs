@@ -1,0 +1,151 @@
+//! Products of lobes and mixtures, and their integrals.
+#![allow(unsafe_code)]
+
+use crate::guard::guard;
+use crate::pointers::{Out, check, check_extent, read};
+use crate::storage::{extent, mixture, with_mixture};
+use crate::{SRBF_STATUS_OVERLAP, SRBF_STATUS_SIZE, srbf_lobe, srbf_mixture, srbf_status};
+use core::mem::offset_of;
+use srbf_core::{Error, Gaussian, Lobe, Mixture, Vec3};
+
+/// Multiplies two lobes, channel by channel; the product is a lobe again.
+///
+/// Sharpness may reach 2e8, which no other call takes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_lobe_product(
+    a: *const srbf_lobe,
+    b: *const srbf_lobe,
+    product: *mut srbf_lobe,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (a, b, out) = unsafe { (read(a)?, read(b)?, Out::new(product)?) };
+        out.set(srbf_lobe::from_core(a.to_core()?.product(&b.to_core()?)));
+        Ok(())
+    })
+}
+
+/// Integrates the product of two lobes over the whole sphere, in closed form.
+///
+/// Shapes: `integral` [3], overwritten.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_lobe_inner_product(
+    a: *const srbf_lobe,
+    b: *const srbf_lobe,
+    integral: *mut f32,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (a, b, out) = unsafe { (read(a)?, read(b)?, Out::<[f32; 3]>::array(integral)?) };
+        out.set(a.to_core()?.inner_product(&b.to_core()?).to_array());
+        Ok(())
+    })
+}
+
+/// Integrates the product of a mixture of round lobes and a lobe, of light for example, over the mixture's domain.
+///
+/// For a material's mixture and a lobe of radiance: the radiance that is reflected towards the viewer.
+/// Shapes: `integral` [3], overwritten. Status: `SRBF_STATUS_SQUEEZED`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_mixture_inner_product_with_lobe(
+    mixture: *const srbf_mixture,
+    lobe: *const srbf_lobe,
+    integral: *mut f32,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (mixture, lobe, out) =
+            unsafe { (self::mixture(mixture)?, read(lobe)?, Out::<[f32; 3]>::array(integral)?) };
+        let lobe = lobe.to_core()?;
+        let sum = with_mixture!(AnyMixture: &mixture, m => m.inner_product_with_lobe(&lobe))?;
+        out.set(sum.to_array());
+        Ok(())
+    })
+}
+
+/// Integrates the product of two mixtures of round lobes over the domain that they share.
+///
+/// Shapes: `integral` [3], overwritten. Status: `SRBF_STATUS_SQUEEZED`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_mixture_inner_product(
+    a: *const srbf_mixture,
+    b: *const srbf_mixture,
+    integral: *mut f32,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (a, b, out) = unsafe { (mixture(a)?, mixture(b)?, Out::<[f32; 3]>::array(integral)?) };
+        let sum = with_mixture!(AnyMixture: &a, a => with_mixture!(AnyMixture: &b, b => inner(a, b)))?;
+        out.set(sum.to_array());
+        Ok(())
+    })
+}
+
+fn inner<const N: usize, const M: usize>(a: &Mixture<N>, b: &Mixture<M>) -> Result<Vec3, Error> {
+    a.inner_product(b)
+}
+
+/// Multiplies two mixtures of round lobes, lobe by lobe.
+///
+/// A folded lobe counts as two, itself and its mirror image. The products are lobes of the caller's shading frame, not
+/// folded; they stand for the product on the domain that the mixtures share.
+/// Shapes: `lobes` [capacity], of which the first `*count` are overwritten; `lobes` may be NULL with capacity 0, to ask
+/// for the count alone. Status: `SRBF_STATUS_SIZE` if the capacity is too small, `*count` says what is needed;
+/// `SRBF_STATUS_SQUEEZED`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_mixture_product(
+    a: *const srbf_mixture,
+    b: *const srbf_mixture,
+    capacity: usize,
+    lobes: *mut srbf_lobe,
+    count: *mut usize,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (first, second, out) = unsafe { (mixture(a)?, mixture(b)?, Out::new(count)?) };
+        let needed = with_mixture!(AnyMixture: &first, x => {
+            with_mixture!(AnyMixture: &second, y => x.product_len(y))
+        });
+        if capacity < needed {
+            out.set(needed);
+            return Err(SRBF_STATUS_SIZE.into());
+        }
+        let room: &mut [Lobe] = if needed == 0 {
+            &mut []
+        } else {
+            check(lobes)?;
+            check_extent(lobes.addr(), needed, size_of::<srbf_lobe>())?;
+            let written = lobes.addr()..lobes.addr() + needed * size_of::<srbf_lobe>();
+            for object in [extent(a, &first), extent(b, &second)] {
+                if written.start < object.end && object.start < written.end {
+                    return Err(SRBF_STATUS_OVERLAP.into());
+                }
+            }
+            // SAFETY: not NULL, aligned, within the address space and apart from what is read, checked above; writable
+            // by the header's contract. The two structures are laid out alike, asserted below, and any bits are one.
+            unsafe { core::slice::from_raw_parts_mut(lobes.cast(), needed) }
+        };
+        with_mixture!(AnyMixture: &first, x => {
+            with_mixture!(AnyMixture: &second, y => multiply(x, y, room))
+        })?;
+        out.set(needed);
+        Ok(())
+    })
+}
+
+const _: () = assert!(
+    size_of::<Lobe>() == size_of::<srbf_lobe>()
+        && align_of::<Lobe>() == align_of::<srbf_lobe>()
+        && offset_of!(Gaussian, axis) == offset_of!(srbf_lobe, axis)
+        && offset_of!(Lobe, gaussian) + offset_of!(Gaussian, sharpness) == offset_of!(srbf_lobe, sharpness)
+        && offset_of!(Lobe, amplitude) == offset_of!(srbf_lobe, amplitude)
+);
+
+fn multiply<const N: usize, const M: usize>(
+    a: &Mixture<N>,
+    b: &Mixture<M>,
+    lobes: &mut [Lobe],
+) -> Result<(), Error> {
+    a.product_into(b, lobes)?;
+    Ok(())
+}

@@ -1,0 +1,530 @@
+/* Every function in abusive use: a status, outputs as they were, never undefined behaviour.
+ *
+ *     abuse MATERIAL.srbf
+ */
+#include "check.h"
+
+static const float UP[3] = {0, 0, 1};
+static const float BAD[6][3] = {
+    {NAN, 0, 1}, {0, INFINITY, 1}, {0, 0, 0}, {0, 0, 2}, {0, 0, 0.9f}, {1e30f, 1e30f, 1e30f},
+};
+static const float U[3] = {0.5f, 0.5f, 0.5f};
+
+/* An address that is not NULL and not aligned for numbers. */
+#define CROOKED(type, pointer) ((type *)(void *)((char *)(pointer) + 1))
+
+static srbf_mixture *new_mixture(void) {
+    void *storage = aligned_alloc(SRBF_MIXTURE_ALIGNMENT, SRBF_MIXTURE_SIZE_16);
+    srbf_mixture *mixture = NULL;
+    CHECK(storage != NULL);
+    CHECK_OK(srbf_mixture_init(storage, SRBF_MIXTURE_SIZE_16, &mixture));
+    return mixture;
+}
+
+/* The pointer argument `p` of a call: NULL and misaligned. The macro's argument is a call in terms of `p`. */
+#define CHECK_POINTER(type, good, call)                       \
+    do {                                                      \
+        type *p = NULL;                                       \
+        CHECK_STATUS(SRBF_STATUS_NULL, call);                 \
+        p = CROOKED(type, good);                              \
+        CHECK_STATUS(SRBF_STATUS_MISALIGNED, call);           \
+    } while (0)
+
+/* An object argument: NULL, misaligned, and memory that holds no such object. */
+#define CHECK_OBJECT(type, good, call)                        \
+    do {                                                      \
+        _Alignas(64) unsigned char zeros[SRBF_MIXTURE_SIZE_64] = {0}; \
+        CHECK_POINTER(type, good, call);                      \
+        type *p = (type *)(void *)zeros;                      \
+        CHECK_STATUS(SRBF_STATUS_OBJECT, call);               \
+    } while (0)
+
+static void test_materials(const char *path) {
+    size_t size;
+    unsigned char *bytes = read_file(path, &size);
+    _Alignas(16) unsigned char storage[SRBF_MATERIAL_SIZE + 16];
+    srbf_material *made = NULL, *material;
+    CHECK_OK(srbf_material_load(path, &material));
+
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_borrow(NULL, size, storage, sizeof storage, &made));
+    CHECK_STATUS(SRBF_STATUS_MAGIC, srbf_material_borrow(NULL, 0, storage, sizeof storage, &made));
+    CHECK_STATUS(SRBF_STATUS_MAGIC, srbf_material_borrow(bytes, 0, storage, sizeof storage, &made));
+    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_material_borrow(bytes, SIZE_MAX, storage, sizeof storage, &made));
+    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_material_borrow(bytes, size, storage, SRBF_MATERIAL_SIZE - 1, &made));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_borrow(bytes, size, NULL, sizeof storage, &made));
+    CHECK_STATUS(SRBF_STATUS_MISALIGNED,
+                 srbf_material_borrow(bytes, size, storage + 1, SRBF_MATERIAL_SIZE, &made));
+    CHECK_POINTER(srbf_material *, &made, srbf_material_borrow(bytes, size, storage, sizeof storage, p));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_from_bytes(NULL, size, &made));
+    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_material_from_bytes(bytes, SIZE_MAX, &made));
+    CHECK_POINTER(srbf_material *, &made, srbf_material_from_bytes(bytes, size, p));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_load(NULL, &made));
+    CHECK_STATUS(SRBF_STATUS_FILE, srbf_material_load("/no/such/file.srbf", &made));
+    CHECK(strstr(srbf_last_message(), "/no/such/file.srbf") != NULL);
+    CHECK_STATUS(SRBF_STATUS_FILE, srbf_material_load("/", &made));
+    CHECK_STATUS(SRBF_STATUS_TEXT, srbf_material_load("\xff.srbf", &made));
+    CHECK_POINTER(srbf_material *, &made, srbf_material_load(path, p));
+    CHECK(made == NULL);
+
+    srbf_material_info info;
+    srbf_view view;
+    srbf_plane_lobe lobe;
+    float rgb[4];
+    CHECK_OBJECT(srbf_material, material, srbf_material_query(p, &info));
+    CHECK_POINTER(srbf_material_info, &info, srbf_material_query(material, p));
+    CHECK_OBJECT(srbf_material, material, srbf_material_view(p, 0, &view));
+    CHECK_POINTER(srbf_view, &view, srbf_material_view(material, 0, p));
+    CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_view(material, 8, &view));
+    CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_view(material, SIZE_MAX, &view));
+    CHECK_OBJECT(srbf_material, material, srbf_material_view_lobe(p, 0, 0, &lobe));
+    CHECK_POINTER(srbf_plane_lobe, &lobe, srbf_material_view_lobe(material, 0, 0, p));
+    CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_view_lobe(material, 8, 0, &lobe));
+    CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_view_lobe(material, SIZE_MAX, SIZE_MAX, &lobe));
+    CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_view_lobe(material, 0, 12, &lobe));
+    CHECK_OBJECT(srbf_material, material, srbf_material_albedo(p, UP, rgb));
+    CHECK_POINTER(float, rgb, srbf_material_albedo(material, p, rgb));
+    CHECK_POINTER(float, rgb, srbf_material_albedo(material, UP, p));
+
+    srbf_mixture *mixture = new_mixture();
+    srbf_mixture_info before, after;
+    CHECK_OK(srbf_material_prepare(material, UP, mixture));
+    CHECK_OK(srbf_mixture_query(mixture, &before));
+    CHECK_OBJECT(srbf_material, material, srbf_material_prepare(p, UP, mixture));
+    CHECK_POINTER(float, rgb, srbf_material_prepare(material, p, mixture));
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_material_prepare(material, UP, p));
+    for (int i = 0; i < 6; i++) {
+        CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_material_prepare(material, BAD[i], mixture));
+        CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_material_albedo(material, BAD[i], rgb));
+    }
+    CHECK_OK(srbf_mixture_query(mixture, &after));
+    CHECK(before.lobes == after.lobes && before.power == after.power);
+
+    /* An object that is none any more. */
+    CHECK_OK(srbf_material_borrow(bytes, size, storage, sizeof storage, &made));
+    CHECK_OK(srbf_material_free(made));
+    CHECK_STATUS(SRBF_STATUS_OBJECT, srbf_material_query(made, &info));
+    CHECK_STATUS(SRBF_STATUS_MISALIGNED, srbf_material_free(CROOKED(srbf_material, material)));
+    free(mixture);
+    free(bytes);
+    CHECK_OK(srbf_material_free(material));
+}
+
+/* Bytes cut at every length and with every byte changed: refused. */
+static void test_damaged_bytes(const char *path) {
+    size_t size;
+    unsigned char *bytes = read_file(path, &size);
+    _Alignas(16) unsigned char storage[SRBF_MATERIAL_SIZE];
+    srbf_material *made = NULL;
+    for (size_t n = 0; n < size; n++) {
+        /* A copy of just that size, so that a read past the end is seen. */
+        unsigned char *cut = (unsigned char *)malloc(n + (n == 0));
+        CHECK(cut != NULL);
+        memcpy(cut, bytes, n);
+        srbf_status status = srbf_material_borrow(cut, n, storage, sizeof storage, &made);
+        CHECK(status == SRBF_STATUS_MAGIC || status == SRBF_STATUS_LENGTH);
+        CHECK(srbf_material_from_bytes(cut, n, &made) == status);
+        free(cut);
+    }
+    for (size_t i = 0; i < size; i++) {
+        unsigned char old = bytes[i];
+        bytes[i] ^= (unsigned char)(1u << (i % 8));
+        srbf_status status = srbf_material_borrow(bytes, size, storage, sizeof storage, &made);
+        CHECK(status >= SRBF_STATUS_MAGIC && status <= SRBF_STATUS_FIELD);
+        CHECK(srbf_material_from_bytes(bytes, size, &made) == status);
+        CHECK(strlen(srbf_last_message()) > 0);
+        bytes[i] = old;
+    }
+    CHECK(made == NULL);
+    free(bytes);
+}
+
+static void test_lobes(void) {
+    const srbf_lobe good = {{0, 0, 1}, 10, {1, 1, 1}};
+    float *out = guarded(3);
+    struct {
+        srbf_lobe lobe;
+        srbf_status status;
+    } bad[] = {
+        {{{0, 0, 0}, 10, {1, 1, 1}}, SRBF_STATUS_AXIS},
+        {{{NAN, 0, 1}, 10, {1, 1, 1}}, SRBF_STATUS_AXIS},
+        {{{0, 0, 2}, 10, {1, 1, 1}}, SRBF_STATUS_AXIS},
+        {{{0, 0, 1}, -1, {1, 1, 1}}, SRBF_STATUS_SHARPNESS},
+        {{{0, 0, 1}, NAN, {1, 1, 1}}, SRBF_STATUS_SHARPNESS},
+        {{{0, 0, 1}, 2e8f, {1, 1, 1}}, SRBF_STATUS_SHARPNESS},
+        {{{0, 0, 1}, 10, {-1, 1, 1}}, SRBF_STATUS_AMPLITUDE},
+        {{{0, 0, 1}, 10, {1, NAN, 1}}, SRBF_STATUS_AMPLITUDE},
+        {{{0, 0, 1}, 10, {1, 1, INFINITY}}, SRBF_STATUS_AMPLITUDE},
+    };
+    srbf_mixture *mixture = new_mixture();
+    srbf_mixture_info before, after;
+    CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_HEMISPHERE, 1, 0, 1, &good, NULL, mixture));
+    CHECK_OK(srbf_mixture_query(mixture, &before));
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        CHECK_STATUS(bad[i].status, srbf_lobe_evaluate(&bad[i].lobe, UP, out));
+        CHECK_STATUS(bad[i].status, srbf_lobe_integrate(&bad[i].lobe, out));
+        CHECK_STATUS(bad[i].status, srbf_lobe_pdf(&bad[i].lobe, UP, out));
+        CHECK_STATUS(bad[i].status, srbf_lobe_sample(&bad[i].lobe, U, out));
+        srbf_lobe pair[2] = {good, bad[i].lobe};
+        CHECK_STATUS(bad[i].status, srbf_mixture_from_lobes(SRBF_DOMAIN_SPHERE, 1, 0, 2, pair, NULL, mixture));
+    }
+    for (int i = 0; i < 6; i++) {
+        CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_lobe_evaluate(&good, BAD[i], out));
+        CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_lobe_pdf(&good, BAD[i], out));
+    }
+    const float bad_u[4][2] = {{1, 0.5f}, {0.5f, -0.1f}, {NAN, 0.5f}, {0.5f, INFINITY}};
+    for (int i = 0; i < 4; i++) {
+        CHECK_STATUS(SRBF_STATUS_UNIFORM, srbf_lobe_sample(&good, bad_u[i], out));
+    }
+    CHECK_POINTER(const srbf_lobe, &good, srbf_lobe_evaluate(p, UP, out));
+    CHECK_POINTER(const float, UP, srbf_lobe_evaluate(&good, p, out));
+    CHECK_POINTER(float, out, srbf_lobe_evaluate(&good, UP, p));
+    CHECK_POINTER(const srbf_lobe, &good, srbf_lobe_integrate(p, out));
+    CHECK_POINTER(float, out, srbf_lobe_integrate(&good, p));
+    CHECK_POINTER(const srbf_lobe, &good, srbf_lobe_pdf(p, UP, out));
+    CHECK_POINTER(const float, UP, srbf_lobe_pdf(&good, p, out));
+    CHECK_POINTER(float, out, srbf_lobe_pdf(&good, UP, p));
+    CHECK_POINTER(const srbf_lobe, &good, srbf_lobe_sample(p, U, out));
+    CHECK_POINTER(const float, U, srbf_lobe_sample(&good, p, out));
+    CHECK_POINTER(float, out, srbf_lobe_sample(&good, U, p));
+    srbf_lobe product = good;
+    CHECK_POINTER(const srbf_lobe, &good, srbf_lobe_product(p, &good, &product));
+    CHECK_POINTER(const srbf_lobe, &good, srbf_lobe_product(&good, p, &product));
+    CHECK_POINTER(srbf_lobe, &product, srbf_lobe_product(&good, &good, p));
+    CHECK_POINTER(const srbf_lobe, &good, srbf_lobe_inner_product(p, &good, out));
+    CHECK_POINTER(const srbf_lobe, &good, srbf_lobe_inner_product(&good, p, out));
+    CHECK_POINTER(float, out, srbf_lobe_inner_product(&good, &good, p));
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        CHECK_STATUS(bad[i].status, srbf_lobe_product(&good, &bad[i].lobe, &product));
+        CHECK_STATUS(bad[i].status, srbf_lobe_inner_product(&bad[i].lobe, &good, out));
+        CHECK_STATUS(bad[i].status, srbf_mixture_inner_product_with_lobe(mixture, &bad[i].lobe, out));
+    }
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_inner_product_with_lobe(p, &good, out));
+    CHECK_POINTER(const srbf_lobe, &good, srbf_mixture_inner_product_with_lobe(mixture, p, out));
+    CHECK_POINTER(float, out, srbf_mixture_inner_product_with_lobe(mixture, &good, p));
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_inner_product(p, mixture, out));
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_inner_product(mixture, p, out));
+    CHECK_POINTER(float, out, srbf_mixture_inner_product(mixture, mixture, p));
+    srbf_lobe products[4];
+    size_t count = 77;
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_product(p, mixture, 4, products, &count));
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_product(mixture, p, 4, products, &count));
+    CHECK_POINTER(srbf_lobe, products, srbf_mixture_product(mixture, mixture, 4, p, &count));
+    CHECK_POINTER(size_t, &count, srbf_mixture_product(mixture, mixture, 4, products, p));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_mixture_product(mixture, mixture, 4, (srbf_lobe *)(void *)mixture, &count));
+    CHECK(count == 77);
+    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_mixture_product(mixture, mixture, 0, NULL, &count));
+    CHECK(count == 1 || count == 4);
+    CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_HEMISPHERE, 0.5f, 1, 1, &good, NULL, mixture));
+    CHECK_STATUS(SRBF_STATUS_SQUEEZED, srbf_mixture_product(mixture, mixture, 4, products, &count));
+    CHECK_STATUS(SRBF_STATUS_SQUEEZED, srbf_mixture_inner_product(mixture, mixture, out));
+    CHECK_STATUS(SRBF_STATUS_SQUEEZED, srbf_mixture_inner_product_with_lobe(mixture, &good, out));
+    CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_HEMISPHERE, 1, 0, 1, &good, NULL, mixture));
+    CHECK(is_untouched(out, 0) && is_untouched(out, 1) && is_untouched(out, 2));
+
+    srbf_lobe many[65];
+    for (int i = 0; i < 65; i++) {
+        many[i] = good;
+    }
+    CHECK_STATUS(SRBF_STATUS_CAPACITY, srbf_mixture_from_lobes(0, 1, 0, 17, many, NULL, mixture));
+    CHECK_STATUS(SRBF_STATUS_CAPACITY, srbf_mixture_from_lobes(0, 1, 0, 65, many, NULL, mixture));
+    CHECK_STATUS(SRBF_STATUS_CAPACITY, srbf_mixture_from_lobes(0, 1, 0, SIZE_MAX, many, NULL, mixture));
+    const float negative[3] = {0, -1, 0};
+    CHECK_STATUS(SRBF_STATUS_AMPLITUDE, srbf_mixture_from_lobes(1, 1, 0, 1, &good, negative, mixture));
+    CHECK_STATUS(SRBF_STATUS_AMPLITUDE, srbf_mixture_from_lobes(0, 1, 0, 1, &good, UP, mixture));
+    CHECK_STATUS(SRBF_STATUS_MISALIGNED,
+                 srbf_mixture_from_lobes(1, 1, 0, 1, &good, CROOKED(const float, UP), mixture));
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_mixture_from_lobes(2, 1, 0, 1, &good, NULL, mixture));
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_mixture_from_lobes(0, 1, 2, 1, &good, NULL, mixture));
+    CHECK_STATUS(SRBF_STATUS_SQUEEZE, srbf_mixture_from_lobes(0, 0, 1, 1, &good, NULL, mixture));
+    CHECK_STATUS(SRBF_STATUS_SQUEEZE, srbf_mixture_from_lobes(0, NAN, 1, 1, &good, NULL, mixture));
+    CHECK_POINTER(const srbf_lobe, &good, srbf_mixture_from_lobes(0, 1, 0, 1, p, NULL, mixture));
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_from_lobes(0, 1, 0, 1, &good, NULL, p));
+    /* Finite amplitudes whose integral is not. */
+    srbf_lobe huge = {{0, 0, 1}, 0, {3e38f, 3e38f, 3e38f}};
+    CHECK_STATUS(SRBF_STATUS_AMPLITUDE, srbf_mixture_from_lobes(0, 1, 0, 1, &huge, NULL, mixture));
+    CHECK_OK(srbf_mixture_query(mixture, &after));
+    CHECK(before.lobes == after.lobes && before.power == after.power && before.domain == after.domain);
+    release(out, 3);
+    free(mixture);
+}
+
+static void test_single(const srbf_material *material) {
+    srbf_mixture *mixture = new_mixture(), *made = NULL;
+    srbf_mixture_info info;
+    srbf_sample sample;
+    srbf_lobe lobe;
+    _Alignas(16) unsigned char storage[SRBF_MIXTURE_SIZE_16 + 16];
+    float *out = guarded(4);
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_mixture_init(NULL, sizeof storage, &made));
+    CHECK_STATUS(SRBF_STATUS_MISALIGNED, srbf_mixture_init(storage + 8, SRBF_MIXTURE_SIZE_16, &made));
+    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_mixture_init(storage, SRBF_MIXTURE_SIZE_16 - 1, &made));
+    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_mixture_init(storage, 0, &made));
+    CHECK_POINTER(srbf_mixture *, &made, srbf_mixture_init(storage, sizeof storage, p));
+    CHECK(made == NULL && srbf_mixture_size(SIZE_MAX) == 0);
+
+    CHECK_OK(srbf_material_prepare(material, UP, mixture));
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_query(p, &info));
+    CHECK_POINTER(srbf_mixture_info, &info, srbf_mixture_query(mixture, p));
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_lobe(p, 0, &lobe));
+    CHECK_POINTER(srbf_lobe, &lobe, srbf_mixture_lobe(mixture, 0, p));
+    CHECK_STATUS(SRBF_STATUS_INDEX, srbf_mixture_lobe(mixture, 12, &lobe));
+    CHECK_STATUS(SRBF_STATUS_INDEX, srbf_mixture_lobe(mixture, SIZE_MAX, &lobe));
+
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_evaluate(p, UP, out));
+    CHECK_POINTER(const float, UP, srbf_mixture_evaluate(mixture, p, out));
+    CHECK_POINTER(float, out, srbf_mixture_evaluate(mixture, UP, p));
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_evaluate_f(p, UP, out));
+    CHECK_POINTER(const float, UP, srbf_mixture_evaluate_f(mixture, p, out));
+    CHECK_POINTER(float, out, srbf_mixture_evaluate_f(mixture, UP, p));
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_pdf(p, UP, out));
+    CHECK_POINTER(const float, UP, srbf_mixture_pdf(mixture, p, out));
+    CHECK_POINTER(float, out, srbf_mixture_pdf(mixture, UP, p));
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_evaluate_and_pdf(p, UP, out, out + 3));
+    CHECK_POINTER(const float, UP, srbf_mixture_evaluate_and_pdf(mixture, p, out, out + 3));
+    CHECK_POINTER(float, out, srbf_mixture_evaluate_and_pdf(mixture, UP, p, out + 3));
+    CHECK_POINTER(float, out, srbf_mixture_evaluate_and_pdf(mixture, UP, out, p));
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_sample(p, U, &sample));
+    CHECK_POINTER(const float, U, srbf_mixture_sample(mixture, p, &sample));
+    CHECK_POINTER(srbf_sample, &sample, srbf_mixture_sample(mixture, U, p));
+    for (int i = 0; i < 6; i++) {
+        CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_mixture_evaluate(mixture, BAD[i], out));
+        CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_mixture_evaluate_f(mixture, BAD[i], out));
+        CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_mixture_pdf(mixture, BAD[i], out));
+        CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_mixture_evaluate_and_pdf(mixture, BAD[i], out, out + 3));
+    }
+    const float bad_u[4][3] = {{1, 0.5f, 0.5f}, {0.5f, -0.1f, 0.5f}, {0.5f, 0.5f, NAN}, {INFINITY, 0, 0}};
+    for (int i = 0; i < 4; i++) {
+        CHECK_STATUS(SRBF_STATUS_UNIFORM, srbf_mixture_sample(mixture, bad_u[i], &sample));
+    }
+    for (int i = 0; i < 4; i++) {
+        CHECK(is_untouched(out, i));
+    }
+
+    /* The horizon itself, and the ends of the uniform numbers. */
+    const float horizon[3] = {1, 0, 0}, ends[2] = {0, 0x1.fffffep-1f};
+    CHECK_OK(srbf_mixture_evaluate_f(mixture, horizon, out));
+    CHECK(out[0] == 0 && out[1] == 0 && out[2] == 0);
+    const float next[3] = {1, 0, 1e-38f};
+    CHECK_OK(srbf_mixture_evaluate_f(mixture, next, out));
+    CHECK(isfinite(out[0]) && isfinite(out[1]) && isfinite(out[2]));
+    for (int i = 0; i < 8; i++) {
+        const float u[3] = {ends[i & 1], ends[i >> 1 & 1], ends[i >> 2 & 1]};
+        CHECK_OK(srbf_mixture_sample(mixture, u, &sample));
+        float *d = sample.direction;
+        CHECK(fabsf(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - 1) < 1e-5f && d[2] >= 0 && isfinite(sample.pdf));
+    }
+    /* In and out in one place. */
+    float place[4] = {0, 0, 1, 0}, expected[3];
+    CHECK_OK(srbf_mixture_evaluate(mixture, UP, expected));
+    CHECK_OK(srbf_mixture_evaluate(mixture, place, place));
+    CHECK(memcmp(place, expected, sizeof expected) == 0);
+    release(out, 4);
+    free(mixture);
+}
+
+/* What every batch refuses, in terms of a call with `n`, the input `in` and the first output `out`. */
+#define CHECK_BATCH(call)                                                         \
+    do {                                                                          \
+        srbf_vectors in = good_in, *in_at = &in;                                  \
+        srbf_vectors_out out = good_out;                                          \
+        size_t n = N;                                                             \
+        CHECK_OK(call);                                                           \
+        in_at = NULL;                                                             \
+        CHECK_STATUS(SRBF_STATUS_NULL, call);                                     \
+        in_at = CROOKED(srbf_vectors, &in);                                       \
+        CHECK_STATUS(SRBF_STATUS_MISALIGNED, call);                               \
+        in_at = &in;                                                              \
+        in.y = NULL;                                                              \
+        CHECK_STATUS(SRBF_STATUS_NULL, call);                                     \
+        in = good_in, in.z = CROOKED(const float, in.z);                          \
+        CHECK_STATUS(SRBF_STATUS_MISALIGNED, call);                               \
+        in = good_in, in.stride = 0;                                              \
+        CHECK_STATUS(SRBF_STATUS_STRIDE, call);                                   \
+        in = good_in, in.stride = 6;                                              \
+        CHECK_STATUS(SRBF_STATUS_STRIDE, call);                                   \
+        in = good_in, n = SIZE_MAX;                                               \
+        CHECK_STATUS(SRBF_STATUS_SIZE, call);                                     \
+        n = SIZE_MAX / 8 + 1;                                                     \
+        CHECK_STATUS(SRBF_STATUS_SIZE, call);                                     \
+        n = N, in.stride = SIZE_MAX - 3;                                          \
+        CHECK_STATUS(SRBF_STATUS_SIZE, call);                                     \
+        /* Nothing is looked at where there is nothing to do. */                  \
+        in = good_in, in.x = NULL, n = 0;                                         \
+        CHECK_OK(call);                                                           \
+        n = N, in = good_in;                                                      \
+        out.y = NULL;                                                             \
+        CHECK_STATUS(SRBF_STATUS_NULL, call);                                     \
+        out = good_out, out.y = CROOKED(float, out.y);                            \
+        CHECK_STATUS(SRBF_STATUS_MISALIGNED, call);                               \
+        out = good_out, out.stride = 2;                                           \
+        CHECK_STATUS(SRBF_STATUS_STRIDE, call);                                   \
+        /* An output upon another, upon an input, shifted, of other strides. */   \
+        out = good_out, out.y = out.x;                                            \
+        CHECK_STATUS(SRBF_STATUS_OVERLAP, call);                                  \
+        out = good_out, out.y = out.x + N - 1;                                    \
+        CHECK_STATUS(SRBF_STATUS_OVERLAP, call);                                  \
+        out = good_out, out.x = inputs;                                           \
+        CHECK_STATUS(SRBF_STATUS_OVERLAP, call);                                  \
+        out = good_out, out.z = inputs + 2 * N;                                   \
+        CHECK_STATUS(SRBF_STATUS_OVERLAP, call);                                  \
+        out = good_out, out.z = inputs + 1, in.stride = 8;                        \
+        CHECK_STATUS(SRBF_STATUS_OVERLAP, call);                                  \
+        /* An output upon the object. */                                          \
+        out = good_out, in = good_in, out.x = (float *)(void *)object + 8;        \
+        CHECK_STATUS(SRBF_STATUS_OVERLAP, call);                                  \
+    } while (0)
+
+static void test_batches(const srbf_material *material) {
+    enum { N = 40 };
+    float *inputs = guarded(6 * N), *outputs = guarded(7 * N);
+    srbf_mixture *mixture = new_mixture();
+    void *object = mixture;
+    CHECK_OK(srbf_material_prepare(material, UP, mixture));
+    uint64_t state = 3;
+    for (int i = 0; i < 2 * N; i++) {
+        float d[3];
+        direction(&state, d);
+        inputs[i] = fabsf(d[0]), inputs[i + 2 * N] = fabsf(d[1]), inputs[i + 4 * N] = d[2];
+    }
+    const size_t dense = sizeof(float);
+    const srbf_vectors good_in = {inputs, inputs + 2 * N, inputs + 4 * N, dense};
+    const srbf_vectors_out good_out = {outputs, outputs + N, outputs + 2 * N, dense};
+    const srbf_numbers_out pdf = {outputs + 3 * N, dense};
+    const srbf_vectors_out weight = {outputs + 4 * N, outputs + 5 * N, outputs + 6 * N, dense};
+    srbf_samples_out samples;
+
+    CHECK_BATCH(srbf_mixture_evaluate_into(mixture, n, in_at, &out));
+    CHECK_BATCH((samples.direction = out, samples.pdf = pdf, samples.weight = weight,
+                 srbf_mixture_sample_into(mixture, n, in_at, &samples)));
+    CHECK_BATCH((samples.direction = weight, samples.pdf = pdf, samples.weight = out,
+                 srbf_mixture_sample_into(mixture, n, in_at, &samples)));
+    /* The density has one output: it is given y, and x is checked to be apart by itself. */
+    srbf_numbers_out numbers = {outputs, dense};
+    CHECK_OK(srbf_mixture_pdf_into(mixture, N, &good_in, &numbers));
+    numbers.values = NULL;
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_mixture_pdf_into(mixture, N, &good_in, &numbers));
+    CHECK_OK(srbf_mixture_pdf_into(mixture, 0, &good_in, &numbers));
+    CHECK_OK(srbf_mixture_pdf_into(mixture, 0, NULL, NULL));
+    numbers.values = CROOKED(float, outputs);
+    CHECK_STATUS(SRBF_STATUS_MISALIGNED, srbf_mixture_pdf_into(mixture, N, &good_in, &numbers));
+    numbers.values = inputs + 3;
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_mixture_pdf_into(mixture, N, &good_in, &numbers));
+    numbers.values = outputs, numbers.stride = 1;
+    CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_mixture_pdf_into(mixture, N, &good_in, &numbers));
+    numbers.stride = dense;
+    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_mixture_pdf_into(mixture, SIZE_MAX / 4, &good_in, &numbers));
+
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_evaluate_into(p, N, &good_in, &good_out));
+    CHECK_POINTER(const srbf_vectors_out, &good_out, srbf_mixture_evaluate_into(mixture, N, &good_in, p));
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_pdf_into(p, N, &good_in, &numbers));
+    CHECK_POINTER(const srbf_vectors, &good_in, srbf_mixture_pdf_into(mixture, N, p, &numbers));
+    CHECK_POINTER(srbf_numbers_out, &numbers, srbf_mixture_pdf_into(mixture, N, &good_in, p));
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_sample_into(p, N, &good_in, &samples));
+    CHECK_POINTER(srbf_samples_out, &samples, srbf_mixture_sample_into(mixture, N, &good_in, p));
+
+    /* Pairs: the same, and n mixtures. */
+    const size_t stride = SRBF_MIXTURE_SIZE_16;
+    unsigned char *storage = (unsigned char *)aligned_alloc(SRBF_MIXTURE_ALIGNMENT, N * stride);
+    CHECK(storage != NULL);
+    float up[3] = {0, 0, 1}, *wos = guarded(3 * N);
+    for (int i = 0; i < N; i++) {
+        memcpy(wos + 3 * i, up, sizeof up);
+    }
+    srbf_vectors wo = {wos, wos + 1, wos + 2, sizeof up};
+    CHECK_OK(srbf_material_prepare_into(material, N, &wo, storage, stride));
+    const srbf_mixture *all = (const srbf_mixture *)(const void *)storage;
+    object = storage + (N - 1) * stride;
+    CHECK_BATCH(srbf_mixture_evaluate_pairs_into(all, stride, n, in_at, &out));
+    CHECK_BATCH((samples.direction = out, samples.pdf = pdf, samples.weight = weight,
+                 srbf_mixture_sample_pairs_into(all, stride, n, in_at, &samples)));
+    CHECK_OBJECT(const srbf_mixture, all, srbf_mixture_evaluate_pairs_into(p, stride, N > 0, &good_in, &good_out));
+    CHECK_OBJECT(const srbf_mixture, all, srbf_mixture_pdf_pairs_into(p, stride, 1, &good_in, &numbers));
+    CHECK_OBJECT(const srbf_mixture, all, srbf_mixture_sample_pairs_into(p, stride, 1, &good_in, &samples));
+    CHECK_POINTER(const srbf_vectors, &good_in, srbf_mixture_pdf_pairs_into(all, stride, N, p, &numbers));
+    CHECK_POINTER(srbf_numbers_out, &numbers, srbf_mixture_pdf_pairs_into(all, stride, N, &good_in, p));
+    CHECK_POINTER(srbf_samples_out, &samples, srbf_mixture_sample_pairs_into(all, stride, N, &good_in, p));
+    CHECK_POINTER(const srbf_vectors_out, &good_out, srbf_mixture_evaluate_pairs_into(all, stride, N, &good_in, p));
+    CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_mixture_pdf_pairs_into(all, 0, N, &good_in, &numbers));
+    CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_mixture_pdf_pairs_into(all, stride + 8, N, &good_in, &numbers));
+    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_mixture_pdf_pairs_into(all, SIZE_MAX - 15, N, &good_in, &numbers));
+    CHECK_STATUS(SRBF_STATUS_OBJECT, srbf_mixture_pdf_pairs_into(all, stride / 2, N, &good_in, &numbers));
+    CHECK_OK(srbf_mixture_pdf_pairs_into(all, stride, N, &good_in, &numbers));
+    CHECK_OK(srbf_mixture_pdf_pairs_into(NULL, 0, 0, NULL, NULL));
+
+    /* Pairs without storage. */
+    object = (void *)(uintptr_t)material;
+    CHECK_BATCH(srbf_material_evaluate_pairs_into(material, n, in_at, &wo, &out, &pdf));
+    CHECK_BATCH(srbf_material_evaluate_pairs_into(material, n, &wo, in_at, &out, &pdf));
+    CHECK_BATCH((samples.direction = out, samples.pdf = pdf, samples.weight = weight,
+                 srbf_material_sample_pairs_into(material, n, in_at, &good_in, &samples)));
+    CHECK_BATCH((samples.direction = out, samples.pdf = pdf, samples.weight = weight,
+                 srbf_material_sample_pairs_into(material, n, &wo, in_at, &samples)));
+    CHECK_OBJECT(const srbf_material, material,
+                 srbf_material_evaluate_pairs_into(p, N, &wo, &good_in, &good_out, &pdf));
+    CHECK_OBJECT(const srbf_material, material, srbf_material_sample_pairs_into(p, N, &wo, &good_in, &samples));
+    CHECK_POINTER(const srbf_vectors_out, &good_out,
+                  srbf_material_evaluate_pairs_into(material, N, &wo, &good_in, p, &pdf));
+    CHECK_POINTER(const srbf_numbers_out, &pdf,
+                  srbf_material_evaluate_pairs_into(material, N, &wo, &good_in, &good_out, p));
+    CHECK_POINTER(srbf_samples_out, &samples, srbf_material_sample_pairs_into(material, N, &wo, &good_in, p));
+
+    /* Preparing n. */
+    CHECK_OBJECT(const srbf_material, material, srbf_material_prepare_into(p, N, &wo, storage, stride));
+    CHECK_POINTER(srbf_vectors, &wo, srbf_material_prepare_into(material, N, p, storage, stride));
+    CHECK_POINTER(unsigned char, storage, srbf_material_prepare_into(material, N, &wo, p, stride));
+    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_material_prepare_into(material, N, &wo, storage, stride - 16));
+    CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_material_prepare_into(material, N, &wo, storage, stride + 4));
+    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_material_prepare_into(material, SIZE_MAX / 8, &wo, storage, stride));
+    srbf_vectors inside = {(float *)(void *)storage, wos, wos, sizeof(float)};
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_prepare_into(material, N, &inside, storage, stride));
+    CHECK_OK(srbf_material_prepare_into(material, 0, NULL, NULL, 0));
+    wos[3 * 5] = NAN;
+    CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_material_prepare_into(material, N, &wo, storage, stride));
+    for (int i = 0; i < N; i++) {
+        srbf_mixture_info info;
+        CHECK_OK(srbf_mixture_query((const srbf_mixture *)(const void *)(storage + (size_t)i * stride), &info));
+        CHECK(info.lobes == (i == 5 ? 0 : 12));
+    }
+
+    /* Not-a-numbers in a batch do not spread to their neighbours. */
+    float *clean = guarded(N), *dirty = guarded(N);
+    srbf_numbers_out clean_out = {clean, dense}, dirty_out = {dirty, dense};
+    CHECK_OK(srbf_mixture_pdf_into(mixture, N, &good_in, &clean_out));
+    const float strange[5] = {NAN, INFINITY, -INFINITY, 1e38f, 0};
+    for (int i = 0; i < N; i += 3) {
+        inputs[i] = inputs[2 * N + i] = inputs[4 * N + i] = strange[i % 5];
+    }
+    CHECK_OK(srbf_mixture_pdf_into(mixture, N, &good_in, &dirty_out));
+    for (int i = 0; i < N; i++) {
+        CHECK(i % 3 == 0 || clean[i] == dirty[i]);
+    }
+    CHECK_OK(srbf_mixture_evaluate_into(mixture, N, &good_in, &good_out));
+    samples.direction = good_out, samples.pdf = pdf, samples.weight = weight;
+    CHECK_OK(srbf_mixture_sample_into(mixture, N, &good_in, &samples));
+    CHECK_OK(srbf_mixture_sample_pairs_into(all, stride, N, &good_in, &samples));
+    CHECK_OK(srbf_mixture_evaluate_pairs_into(all, stride, N, &good_in, &good_out));
+
+    release(clean, N), release(dirty, N), release(wos, 3 * N);
+    release(inputs, 6 * N), release(outputs, 7 * N);
+    free(storage);
+    free(mixture);
+}
+
+int main(int count, char **arguments) {
+    CHECK(count == 2);
+    test_materials(arguments[1]);
+    test_damaged_bytes(arguments[1]);
+    test_lobes();
+    srbf_material *material;
+    CHECK_OK(srbf_material_load(arguments[1], &material));
+    test_single(material);
+    test_batches(material);
+    CHECK_OK(srbf_material_free(material));
+    /* No number is without a text. */
+    for (srbf_status status = -3; status < 60; status++) {
+        CHECK(strlen(srbf_status_text(status)) > 0);
+    }
+    CHECK(strcmp(srbf_status_text(INT32_MIN), srbf_status_text(INT32_MAX)) == 0);
+    printf("abusive use: passed\n");
+    return 0;
+}
