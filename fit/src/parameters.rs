@@ -1,7 +1,7 @@
 //! The unknowns of a fit: lobes at the knots, and what lies between.
 //!
-//! A knot has `1 + 5 K` unknowns: `ln c`, K angles of the axes in radians, K `ln sharpness`, then K `ln amplitude` per
-//! channel. Lobe k of one knot is lobe k of the next; between knots everything is interpolated linearly in the angle of the
+//! A knot has `4 + 5 K` unknowns: `ln c`, K angles of the axes in radians, K `ln sharpness`, K `ln amplitude` per channel,
+//! and per channel the logarithm of the albedo of a Lambert term, the *base*. Lobe k of one knot is lobe k of the next; between knots everything is interpolated linearly in the angle of the
 //! outgoing direction, as `srbf_core` does it with the same numbers as base-2 logarithms.
 
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -13,6 +13,8 @@ pub(crate) struct Layout {
     pub lobes: usize,
     /// Lobes that see the squeezed direction; they come first.
     pub squeezed: usize,
+    /// Whether there is a base.
+    pub base: bool,
     /// Angles of the knots in radians, from 0 rising to at most pi / 2.
     pub knots: Vec<f64>,
 }
@@ -26,7 +28,7 @@ const LN_AMPLITUDE: (f64, f64) = (-40.0, 30.0);
 impl Layout {
     /// Unknowns of a knot.
     pub fn stride(&self) -> usize {
-        1 + 5 * self.lobes
+        4 + 5 * self.lobes
     }
     /// All unknowns.
     pub fn len(&self) -> usize {
@@ -42,9 +44,19 @@ impl Layout {
         1 + (2 + channel) * self.lobes + k
     }
 
+    /// The logarithm of the albedo of a channel's base.
+    pub fn base(&self, channel: usize) -> usize {
+        1 + 5 * self.lobes + channel
+    }
+
     /// Whether an unknown of a knot is given: at the normal every axis is the normal and nothing is squeezed.
     pub fn fixed(&self, knot: usize, index: usize) -> bool {
-        knot == 0 && index <= self.lobes
+        (knot == 0 && index <= self.lobes) || (!self.base && index >= self.base(0))
+    }
+
+    /// The value of an unknown that is given.
+    pub fn given(&self, index: usize) -> f64 {
+        if index <= self.lobes { 0.0 } else { LN_AMPLITUDE.0 }
     }
 
     /// Least and greatest value of an unknown.
@@ -99,6 +111,9 @@ impl Layout {
             for (c, s) in sum.iter_mut().enumerate() {
                 *s += libm::exp(q[self.amplitude(c, k)]) * integral;
             }
+        }
+        for (c, s) in sum.iter_mut().enumerate() {
+            *s += libm::exp(q[self.base(c)]);
         }
         sum
     }

@@ -42,6 +42,9 @@ pub struct Fit {
     pub report: Report,
 }
 
+/// Whether the lobes have a Lambert term beside them.
+const BASE: bool = false;
+
 /// Steps of each start before the best one is chosen.
 const SCOUTING: usize = 25;
 
@@ -60,47 +63,36 @@ pub fn fit(table: &Table, settings: &Settings, mut progress: impl FnMut(f64)) ->
     check(settings)?;
     let layout = Layout {
         lobes: settings.lobes,
-        squeezed: settings.squeezed.min(settings.lobes),
+        squeezed: settings.squeezed,
+        base: BASE,
         knots: Layout::knots_at(table.views.iter().map(|v| v.theta), KNOT_DISTANCE),
     };
     let objective = Objective::new(table, layout.clone())?;
 
-    // Scout: a few stiff steps from every start.
     let total = (settings.starts * SCOUTING + settings.steps) as f64;
     let mut done = 0;
-    let mut best: Option<(f64, Vec<f64>)> = None;
+    let mut tick = || {
+        done += 1;
+        progress((f64::from(done) / total).min(1.0));
+    };
+
+    // Scout: a few stiff steps from every start.
+    let mut best = (f64::INFINITY, Vec::new());
     for n in 0..settings.starts {
         let mut x = initialize::start(table, &layout, n);
         let limits = Limits { steps: SCOUTING, improvement: 1e-3, smoothness: STIFF * settings.smoothness };
-        let reached = levenberg::minimize(&objective, &mut x, limits);
-        if std::env::var("SRBF_TRACE").is_ok() {
-            eprintln!("start {n}: {} after {} steps", reached.cost, reached.steps);
+        let cost = levenberg::minimize(&objective, &mut x, limits, &mut tick);
+        if cost < best.0 || best.1.is_empty() {
+            best = (cost, x);
         }
-        if best.as_ref().is_none_or(|(cost, _)| reached.cost < *cost) {
-            best = Some((reached.cost, x));
-        }
-        done += SCOUTING;
-        progress(done as f64 / total);
     }
-    let Some((_, mut x)) = best else {
-        return Err(FitError::Setting { name: "starts", reason: "at least 1".into() });
-    };
 
-    // Refine, ever less stiff.
+    // Refine the best, ever less stiff.
+    let (_, mut x) = best;
     for (share, stiffness) in [(0.25, 10.0), (0.75, 1.0)] {
-        let steps = (share * settings.steps as f64) as usize;
+        let steps = (share * settings.steps as f64).ceil() as usize;
         let limits = Limits { steps, improvement: 1e-4, smoothness: stiffness * settings.smoothness };
-        let reached = levenberg::minimize(&objective, &mut x, limits);
-        if std::env::var("SRBF_TRACE").is_ok() {
-            eprintln!(
-                "refine {stiffness}: {} after {} steps, {:?}",
-                reached.cost,
-                reached.steps,
-                start.elapsed()
-            );
-        }
-        done += steps;
-        progress(done as f64 / total);
+        levenberg::minimize(&objective, &mut x, limits, &mut tick);
     }
 
     let text = format!("{}{}", settings.provenance, describe(settings));
