@@ -61,12 +61,12 @@ pub(crate) fn minimize(
         let mut delta: Vec<f64> = at.gradient.iter().map(|g| -g).collect();
         // An unknown that nothing depends on (a lobe that has faded) is damped as if it mattered a little.
         let least = 1e-10 * at.cost.max(1e-12);
-        for i in 0..x.len() {
+        for (i, d) in delta.iter_mut().enumerate() {
             if free(i) {
                 matrix.add(i, i, damping * matrix.diagonal(i) + least);
             } else {
                 matrix.isolate(i);
-                delta[i] = 0.0;
+                *d = 0.0;
             }
         }
         let mut cost = f64::INFINITY;

@@ -278,9 +278,9 @@ impl Objective {
             }
         }
         let albedo = layout.albedo(&q);
-        for c in 0..3 {
-            let residual = self.energy_residual(albedo[c], view.albedo[c]);
-            let slope = libm::sqrt(ENERGY / (3.0 * self.views.len() as f64)) / (albedo[c] + self.black);
+        for (c, (&fitted, &data)) in albedo.iter().zip(&view.albedo).enumerate() {
+            let residual = self.energy_residual(fitted, data);
+            let slope = libm::sqrt(ENERGY / (3.0 * self.views.len() as f64)) / (fitted + self.black);
             self.add_albedo_row(&mut block, &q, c, residual, slope);
         }
         block

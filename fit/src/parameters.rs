@@ -149,6 +149,7 @@ mod tests {
         let layout = Layout {
             lobes: 1,
             squeezed: 0,
+            base: false,
             knots: Layout::knots_at([0.0, 0.02, 0.5, 0.51, 1.56].into_iter(), 0.03),
         };
         assert_eq!(layout.knots, [0.0, 0.5, FRAC_PI_2]);
