@@ -1,7 +1,7 @@
 //! The C interface: translates, computes nothing.
 //!
-//! `include/srbf.h` is generated from these files. The pointer mechanics stand in `pointers`, the panic mechanics in
-//! `guard`; every exported function is a guard round a few lines of translation.
+//! `include/srbf.h` is generated from these files. The pointer mechanics stand in `pointers`, `streams` and `storage`,
+//! the panic mechanics in `guard`; every exported function is a guard round a few lines of translation.
 #![no_std]
 #![allow(non_camel_case_types, reason = "the same identifier in Rust and in C")]
 #![allow(
@@ -12,11 +12,39 @@
 #[cfg(feature = "std")]
 extern crate std;
 
+mod batch;
+mod convert;
 mod guard;
 #[cfg(feature = "std")]
+mod heap;
+mod lobe;
+mod material;
+#[cfg(feature = "std")]
 mod message;
+mod mixture;
+mod pairs;
+mod pointers;
+mod simd;
+mod single;
 mod status;
+mod storage;
+mod streams;
 mod version;
 
+pub use batch::*;
+#[cfg(feature = "std")]
+pub use heap::{srbf_material_free, srbf_material_from_bytes, srbf_material_load};
+pub use lobe::*;
+pub use material::*;
+#[cfg(feature = "std")]
+pub use message::srbf_last_message;
+pub use mixture::*;
+pub use pairs::*;
+pub use simd::*;
+pub use single::*;
 pub use status::*;
+pub use storage::{
+    SRBF_MIXTURE_ALIGNMENT, SRBF_MIXTURE_SIZE_16, SRBF_MIXTURE_SIZE_32, SRBF_MIXTURE_SIZE_64, srbf_mixture,
+};
+pub use streams::{srbf_numbers_out, srbf_vectors, srbf_vectors_out};
 pub use version::*;

@@ -8,6 +8,7 @@ use crate::mixture::Mixture;
 use crate::simd::Kernel;
 use crate::squeeze::Seen;
 use crate::{Domain, Error, LUMINANCE};
+use core::f32::consts::FRAC_1_PI;
 
 /// Widest vector: what a tail is padded to.
 const WIDEST: usize = 16;
@@ -70,7 +71,7 @@ pub struct SamplesMut<'a> {
     pub weight: [&'a mut [f32]; 3],
 }
 
-fn same_length(lengths: impl IntoIterator<Item = usize>) -> Result<(), Error> {
+pub(crate) fn same_length(lengths: impl IntoIterator<Item = usize>) -> Result<(), Error> {
     let mut lengths = lengths.into_iter();
     let first = lengths.next().unwrap_or(0);
     if lengths.all(|n| n == first) { Ok(()) } else { Err(Error::Length) }
@@ -132,7 +133,7 @@ impl<const N: usize> Block<3, 3> for Value<'_, N> {
     #[inline(always)]
     fn block<L: Lanes>(&self, d: [L; 3]) -> [L; 3] {
         let m = self.0;
-        sums(m, [&m.red, &m.green, &m.blue], d)
+        sums(m, [&m.red, &m.green, &m.blue], m.diffuse.to_array(), d)
     }
 }
 
@@ -142,7 +143,7 @@ impl<const N: usize> Block<3, 1> for Density<'_, N> {
     #[inline(always)]
     fn block<L: Lanes>(&self, d: [L; 3]) -> [L; 1] {
         let m = self.0;
-        let [sum] = sums(m, [&m.luminance], d);
+        let [sum] = sums(m, [&m.luminance], [m.power - m.lobes_power], d);
         [sum * L::splat(m.inverse_power)]
     }
 }
@@ -154,7 +155,7 @@ impl<const N: usize> Block<3, 7> for Draw<'_, N> {
     fn block<L: Lanes>(&self, u: [L; 3]) -> [L; 7] {
         let m = self.0;
         let [x, y, z] = sample_direction(m, u);
-        let value = sums(m, [&m.red, &m.green, &m.blue], [x, y, z]);
+        let value = sums(m, [&m.red, &m.green, &m.blue], m.diffuse.to_array(), [x, y, z]);
         // The density is the luminance of the value over its integral, and power / luminance is 1 / pdf; where f32
         // rounds the density to 0, the weight is 0 as well.
         let luminance = dot3(value, splat3(LUMINANCE));
@@ -165,11 +166,12 @@ impl<const N: usize> Block<3, 7> for Draw<'_, N> {
     }
 }
 
-/// Sums the lobes towards a vector of directions, once for each of `C` sets of amplitudes.
+/// Sums the lobes and the diffuse term towards a vector of directions, once for each of `C` sets of amplitudes.
 #[inline(always)]
 pub(crate) fn sums<L: Lanes, const N: usize, const C: usize>(
     m: &Mixture<N>,
     amplitudes: [&[f32; N]; C],
+    diffuse: [f32; C],
     d: [L; 3],
 ) -> [L; C] {
     let mut acc = [L::splat(0.0); C];
@@ -194,7 +196,8 @@ pub(crate) fn sums<L: Lanes, const N: usize, const C: usize>(
         let zero = L::splat(0.0);
         let above = d[2].ge(zero);
         for i in 0..C {
-            acc[i] = L::select(above, acc[i], zero);
+            let sum = L::splat(diffuse[i] * FRAC_1_PI).mul_add(d[2], acc[i]);
+            acc[i] = L::select(above, sum, zero);
         }
     }
     acc
@@ -252,16 +255,24 @@ pub(crate) fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<N>, u: [L; 
 
     // Angle from the axis, as w = 1 - cos: see special::one_minus_cos.
     let gone = L::lookup(&m.tail, count, k);
-    let w =
-        one_minus_cos(u[1], L::lookup(&m.inside, count, k), gone, L::lookup(&m.inverse_sharpness, count, k));
+    let inverse_sharpness = L::lookup(&m.inverse_sharpness, count, k);
+    let mut w = one_minus_cos(u[1], L::lookup(&m.inside, count, k), gone, inverse_sharpness);
+    let mut x = L::lookup(&m.axis_x, count, k);
+    let mut z = L::lookup(&m.axis_z, count, k);
+    let mut y = if m.in_plane { zero } else { L::lookup(&m.axis_y, count, k) };
+    // The diffuse term is cosine-weighted round the normal: w = 1 - sqrt(1 - u), without cancellation.
+    let is_diffuse = target.ge(L::splat(m.lobes_power));
+    if m.lobes_power < m.power {
+        w = L::select(is_diffuse, u[1] / (one + (one - u[1]).sqrt()), w);
+        x = L::select(is_diffuse, zero, x);
+        y = L::select(is_diffuse, zero, y);
+        z = L::select(is_diffuse, one, z);
+    }
     let sin_theta = (w * (L::splat(2.0) - w)).sqrt();
     let (sin_phi, cos_phi) = sin_cos_turns(u[2]);
     let (across, along) = (sin_theta * cos_phi, sin_theta * sin_phi);
 
     // The frame round the axis: Duff et al. 2017.
-    let x = L::lookup(&m.axis_x, count, k);
-    let z = L::lookup(&m.axis_z, count, k);
-    let y = if m.in_plane { zero } else { L::lookup(&m.axis_y, count, k) };
     let sign = one.copy_sign(z);
     let a = zero - one / (sign + z);
     let (xa, ya) = (x * a, y * a);
@@ -277,7 +288,8 @@ pub(crate) fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<N>, u: [L; 
     let mut d = round;
     if m.squeezed > 0 {
         let through = L::index_below(k, m.squeezed);
-        d[1] = L::select(through, m.squeeze.unsqueeze(round)[1], round[1]);
+        let squeezed = L::select(through, m.squeeze.unsqueeze(round)[1], round[1]);
+        d[1] = L::select(is_diffuse, round[1], squeezed);
     }
     if m.domain == Domain::Hemisphere {
         d[2] = d[2].abs();

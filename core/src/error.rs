@@ -40,7 +40,7 @@ impl fmt::Display for Error {
             Self::Sharpness => f.write_str("the sharpness of a lobe must be within [0, 1e8]"),
             Self::Amplitude => f.write_str("an amplitude must be finite and not negative"),
             Self::Squeeze => f.write_str("a squeeze must be within [0.01, 2]"),
-            Self::Squeezed => f.write_str("squeezed lobes have no product in closed form"),
+            Self::Squeezed => f.write_str("squeezed lobes and diffuse terms have no product in closed form"),
             Self::Kernel => f.write_str("a parameter of the kernel is out of range"),
             Self::Capacity { needed, available } => {
                 write!(f, "the mixture has room for {available} lobes, {needed} are needed")

@@ -3,7 +3,7 @@
 
 use crate::batch::sample_direction;
 use crate::lobe::where_around;
-use crate::{Domain, Error, Gaussian, Kernel, Mixture, Sample, float, special};
+use crate::{Domain, Error, Gaussian, Kernel, MAX_LOBES, Mixture, Sample, float, special};
 use core::f32::consts::{FRAC_1_PI, PI};
 use glam::Vec3;
 
@@ -47,25 +47,22 @@ impl<const N: usize> Mixture<N> {
     /// Hence `sum of value / (samples pdf)` over all of them, with the density of the whole mixture, is unbiased; it
     /// is the balance heuristic of eq. 13 for these allocations on average.
     ///
-    /// Shapes: `counts` [`len`], overwritten; longer is cleared. All 0 for a black mixture.
+    /// Shapes: `counts` [`component_len`](Self::component_len), overwritten; longer is cleared. All 0 for a black mixture.
     /// Source: Weng and Shih 2006, sections 4.2.1 and 4.2.2, eq. 14; differs: one random number, not one a sample.
     ///
     /// # Errors
     /// [`Error::Capacity`] if `counts` is shorter than the number of lobes.
     pub fn allocate_into(&self, samples: u32, offset: f32, counts: &mut [u32]) -> Result<(), Error> {
-        if counts.len() < self.count {
-            return Err(Error::Capacity { needed: self.count, available: counts.len() });
-        }
+        self.check_counts(counts)?;
         counts.fill(0);
         if self.power == 0.0 {
             return Ok(());
         }
-        // The last lobe that adds anything ends at the whole.
-        let whole_power = self.cumulative[self.count - 1];
         // The number of strata that begin before a share c of the integral: the least i with i + offset >= c n.
         let mut taken = 0;
-        for (count, &running) in counts.iter_mut().zip(&self.cumulative[..self.count]) {
-            let share = running / whole_power;
+        for (k, count) in counts[..self.component_len()].iter_mut().enumerate() {
+            // The last component that adds anything ends at the whole.
+            let share = self.running_power(k) / self.running_power(MAX_LOBES);
             let reach = share * samples as f32 - offset;
             // The cast saturates: 0 for what is negative.
             let whole = reach as u32;
@@ -82,10 +79,10 @@ impl<const N: usize> Mixture<N> {
     /// The density and value in the sample are those of the whole mixture. `None` past the last lobe, for a black
     /// mixture, and where the density underflows.
     pub fn sample_lobe(&self, k: usize, u: [f32; 2]) -> Option<Sample> {
-        if k >= self.count || self.power == 0.0 {
+        if k >= self.component_len() || self.power == 0.0 {
             return None;
         }
-        let mut d = self.gaussian(k).sample(u).to_array();
+        let mut d = if k == self.count { cosine_weighted(u) } else { self.gaussian(k).sample(u) }.to_array();
         if k < self.squeezed {
             d = self.squeeze.unsqueeze(d);
         }
@@ -105,12 +102,11 @@ impl<const N: usize> Mixture<N> {
     /// # Errors
     /// [`Error::Capacity`] if `counts` is shorter than the number of lobes.
     pub fn balance_divisor(&self, counts: &[u32], direction: Vec3) -> Result<f32, Error> {
-        if counts.len() < self.count {
-            return Err(Error::Capacity { needed: self.count, available: counts.len() });
-        }
+        self.check_counts(counts)?;
         let mut sum = 0.0;
-        self.for_each_lobe(direction, |k, g| {
-            sum += counts[k] as f32 * (g / special::sphere_integral(self.sharpness[k]));
+        self.for_each_component(direction, |k, g| {
+            let integral = if k == self.count { 1.0 } else { special::sphere_integral(self.sharpness[k]) };
+            sum += counts[k] as f32 * (g / integral);
         });
         Ok(sum)
     }
@@ -123,11 +119,13 @@ impl<const N: usize> Mixture<N> {
     pub fn invert_sample(&self, direction: Vec3, choice: f32) -> Option<[f32; 3]> {
         // The lobe: the first whose running part of the density exceeds the choice.
         let mut whole = 0.0;
-        self.for_each_lobe(direction, |k, g| whole += self.luminance[k] * g);
+        let luminance_of =
+            |k: usize| if k == self.count { self.power - self.lobes_power } else { self.luminance[k] };
+        self.for_each_component(direction, |k, g| whole += luminance_of(k) * g);
         let target = choice * whole;
         let (mut before, mut found) = (0.0, None);
-        self.for_each_lobe(direction, |k, g| {
-            let part = self.luminance[k] * g;
+        self.for_each_component(direction, |k, g| {
+            let part = luminance_of(k) * g;
             // The last lobe with any part takes what rounding leaves over.
             if part > 0.0 && found.is_none_or(|(_, start, size)| target >= start + size) {
                 found = Some((k, before, part));
@@ -136,6 +134,16 @@ impl<const N: usize> Mixture<N> {
         });
         let (k, start, part) = found?;
         let mut rest = ((target - start) / part).clamp(0.0, 1.0 - f32::EPSILON / 2.0);
+
+        let below_one = |x: f32| x.min(1.0 - f32::EPSILON / 2.0);
+        let low = if k == 0 { 0.0 } else { self.running_power(k - 1) };
+        let component = |rest| below_one((low + rest * (self.running_power(k) - low)) / self.power);
+        if k == self.count {
+            // Cosine-weighted heights: u = sin^2.
+            let [_, turns] = where_around(Vec3::Z, self.turned(direction));
+            let across = direction.x * direction.x + direction.y * direction.y;
+            return Some([component(rest), below_one(across), turns]);
+        }
 
         // The direction as the lobe sees it, or its mirror image.
         let turned = self.squeeze.turn(direction.to_array());
@@ -155,10 +163,26 @@ impl<const N: usize> Mixture<N> {
         }
         let [w, turns] = where_around(gaussian.axis, u);
         let share = special::share_within(gaussian.sharpness, w);
-        let low = if k == 0 { 0.0 } else { self.cumulative[k - 1] };
-        let lobe = (low + rest * (self.cumulative[k] - low)) / self.power;
-        let below_one = |x: f32| x.min(1.0 - f32::EPSILON / 2.0);
-        Some([below_one(lobe), below_one(share), turns])
+        Some([component(rest), below_one(share), turns])
+    }
+
+    /// Number of components that samples are drawn from: the lobes, then the diffuse term if there is one.
+    pub fn component_len(&self) -> usize {
+        self.count + usize::from(self.lobes_power < self.power)
+    }
+
+    fn check_counts(&self, counts: &[u32]) -> Result<(), Error> {
+        let (needed, available) = (self.component_len(), counts.len());
+        if available < needed { Err(Error::Capacity { needed, available }) } else { Ok(()) }
+    }
+
+    /// Luminance of the integral of the components up to and with `k`; of all past the last lobe.
+    fn running_power(&self, k: usize) -> f32 {
+        if k >= self.count { self.power } else { self.cumulative[k] }
+    }
+
+    fn turned(&self, direction: Vec3) -> Vec3 {
+        Vec3::from_array(self.squeeze.turn(direction.to_array()).high)
     }
 
     fn gaussian(&self, k: usize) -> Gaussian {
@@ -166,8 +190,9 @@ impl<const N: usize> Mixture<N> {
         Gaussian { axis, sharpness: self.sharpness[k] }
     }
 
-    /// Calls with every lobe and its unit value at the direction, fold and change of solid angle included.
-    fn for_each_lobe(&self, direction: Vec3, mut each: impl FnMut(usize, f32)) {
+    /// Calls with every lobe and its unit value at the direction, fold and change of solid angle included; last with the
+    /// diffuse term, if there is one, and `cos / pi`.
+    fn for_each_component(&self, direction: Vec3, mut each: impl FnMut(usize, f32)) {
         // The comparison is false for a NaN too.
         let above = direction.z >= 0.0;
         if !above && self.domain == Domain::Hemisphere {
@@ -186,7 +211,17 @@ impl<const N: usize> Mixture<N> {
             }
             each(k, g * seen.scale);
         }
+        if self.component_len() > self.count {
+            each(self.count, direction.z * FRAC_1_PI);
+        }
     }
+}
+
+/// A cosine-weighted direction of the upper hemisphere: heights `z = sqrt(1 - u)`.
+fn cosine_weighted(u: [f32; 2]) -> Vec3 {
+    let (sin_phi, cos_phi) = float::sin_cos_turns(u[1]);
+    let across = float::sqrt(u[0]);
+    Vec3::new(across * cos_phi, across * sin_phi, float::sqrt(1.0 - u[0]))
 }
 
 /// A mixture with a defensive component: with probability `share` a cosine-weighted direction of the hemisphere (a
@@ -241,13 +276,15 @@ impl<'a, const N: usize> Defensive<'a, N> {
     #[inline]
     pub fn sample(&self, u: [f32; 3]) -> Option<Sample> {
         let direction = if u[0] < self.share {
-            let (sin_phi, cos_phi) = float::sin_cos_turns(u[2]);
-            // Heights z = sqrt(1 - u) are cosine-weighted, z = 1 - 2 u uniform; 1 - u is never 0.
-            let (z, across) = match self.mixture.domain {
-                Domain::Hemisphere => (float::sqrt(1.0 - u[1]), float::sqrt(u[1])),
-                Domain::Sphere => (1.0 - 2.0 * u[1], 2.0 * float::sqrt(u[1] * (1.0 - u[1]))),
-            };
-            Vec3::new(across * cos_phi, across * sin_phi, z)
+            match self.mixture.domain {
+                Domain::Hemisphere => cosine_weighted([u[1], u[2]]),
+                Domain::Sphere => {
+                    // Heights z = 1 - 2 u are uniform.
+                    let (sin_phi, cos_phi) = float::sin_cos_turns(u[2]);
+                    let across = 2.0 * float::sqrt(u[1] * (1.0 - u[1]));
+                    Vec3::new(across * cos_phi, across * sin_phi, 1.0 - 2.0 * u[1])
+                }
+            }
         } else {
             let lobe = ((u[0] - self.share) / (1.0 - self.share)).min(1.0 - f32::EPSILON / 2.0);
             Vec3::from_array(sample_direction::<f32, N>(self.mixture, [lobe, u[1], u[2]]))

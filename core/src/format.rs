@@ -11,7 +11,9 @@
 //! 32  u32       bytes of the provenance text
 //! 36  u32 x 3   0
 //! 48  V f32     angles of the outgoing directions from the normal, radians, the first 0, rising, at most pi / 2
-//!     V f32     log2 of the squeeze c, 0 in the first
+//!     V heads, each 4 f32:
+//!       log2 of the squeeze c, 0 in the first
+//!       log2 of the diffuse albedo, red, green, blue
 //!     V views, each 5 K f32:
 //!       K angles of the axes from the normal, radians, positive towards the mirror direction, 0 in the first view
 //!       K log2 of the sharpness
@@ -30,6 +32,8 @@ pub const FORMAT_VERSION: u32 = 1;
 const MAGIC: [u8; 8] = [0x89, b'S', b'R', b'B', b'F', b'\r', b'\n', 0x1a];
 pub(crate) const HEADER: usize = 48;
 const CHECKSUM: usize = 4;
+/// Numbers in the head of a view: squeeze, diffuse albedo in three channels.
+pub(crate) const HEAD: usize = 4;
 const MAX_VIEWS: usize = 1024;
 
 /// One lobe at one view, as it is stored: its axis in the plane of incidence.
@@ -50,6 +54,8 @@ pub struct View<'a> {
     pub theta: f32,
     /// Base-2 logarithm of the squeeze; [-6.64, 1].
     pub log2_squeeze: f32,
+    /// Base-2 logarithm of the albedo of the diffuse term, per channel; [-126, 2], -126 for none.
+    pub log2_diffuse: [f32; 3],
     /// The lobes, squeezed ones first; the same number, in the same order, at every view.
     pub lobes: &'a [PlaneLobe],
 }
@@ -69,15 +75,15 @@ impl Header {
     pub const fn theta(&self, view: usize) -> usize {
         HEADER + 4 * view
     }
-    /// Byte offset of the squeeze of a view.
+    /// Byte offset of the head of a view: squeeze, diffuse albedo.
     #[inline(always)]
-    pub const fn squeeze(&self, view: usize) -> usize {
-        HEADER + 4 * (self.views + view)
+    pub const fn head(&self, view: usize) -> usize {
+        HEADER + 4 * (self.views + HEAD * view)
     }
     /// Byte offset of a row of K numbers of a view: axes, sharpness, red, green, blue.
     #[inline(always)]
     pub const fn row(&self, view: usize, row: usize) -> usize {
-        HEADER + 4 * (2 * self.views + (5 * view + row) * self.lobes)
+        HEADER + 4 * ((1 + HEAD) * self.views + (5 * view + row) * self.lobes)
     }
     const fn len(&self) -> usize {
         self.row(self.views, 0) + self.provenance + CHECKSUM
@@ -128,7 +134,10 @@ pub fn encode(
         return Err(FormatError::Field { name: "number of lobes of a view", offset: header.row(v, 0) });
     }
     views.iter().for_each(|view| put(&view.theta.to_le_bytes()));
-    views.iter().for_each(|view| put(&view.log2_squeeze.to_le_bytes()));
+    for view in views {
+        put(&view.log2_squeeze.to_le_bytes());
+        view.log2_diffuse.iter().for_each(|n| put(&n.to_le_bytes()));
+    }
     for view in views {
         view.lobes.iter().for_each(|l| put(&l.angle.to_le_bytes()));
         view.lobes.iter().for_each(|l| put(&l.log2_sharpness.to_le_bytes()));
@@ -208,7 +217,10 @@ fn validate_views(bytes: &[u8], header: &Header) -> Result<(), FormatError> {
             return Err(FormatError::Field { name: "angle of a view (must rise)", offset: theta });
         }
         previous = f32_at(bytes, theta);
-        check("squeeze", header.squeeze(view), limit(-6.64), limit(1.0))?;
+        check("squeeze", header.head(view), limit(-6.64), limit(1.0))?;
+        for channel in 1..HEAD {
+            check("diffuse albedo", header.head(view) + 4 * channel, -126.0, 2.0)?;
+        }
         for lobe in 0..header.lobes {
             check("angle of an axis", header.row(view, 0) + 4 * lobe, limit(-PI), limit(PI))?;
             check("sharpness", header.row(view, 1) + 4 * lobe, -100.0, 26.5)?;

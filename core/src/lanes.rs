@@ -26,6 +26,8 @@ pub trait Lanes:
     fn splat(value: f32) -> Self;
     /// The first `COUNT` numbers of a slice; panics if there are fewer.
     fn load(from: &[f32]) -> Self;
+    /// `COUNT` numbers from little-endian bytes of any alignment; panics if there are fewer.
+    fn load_bytes(from: &[u8]) -> Self;
     /// To the first `COUNT` places of a slice; panics if there are fewer.
     fn store(self, to: &mut [f32]);
     /// `self a + b`.
@@ -258,6 +260,10 @@ impl Lanes for f32 {
     #[inline(always)]
     fn load(from: &[f32]) -> Self {
         from[0]
+    }
+    #[inline(always)]
+    fn load_bytes(from: &[u8]) -> Self {
+        f32::from_le_bytes(*from.first_chunk().expect("at least 4 bytes"))
     }
     #[inline(always)]
     fn store(self, to: &mut [f32]) {

@@ -35,6 +35,7 @@ mod lanes;
 mod lobe;
 mod material;
 mod mixture;
+mod pairs;
 mod prepare;
 mod product;
 mod quadrature;

@@ -8,7 +8,7 @@ use glam::Vec3;
 /// A material in borrowed `.srbf` bytes of any alignment: nothing is copied, nothing allocated.
 ///
 /// Lobe `k` of one view corresponds to lobe `k` of the next; between views the angle of the axis and the logarithms of
-/// sharpness, amplitude and squeeze are interpolated linearly in the angle of the outgoing direction. Beyond the last
+/// sharpness, amplitude, diffuse albedo and squeeze are interpolated linearly in the angle of the outgoing direction. Beyond the last
 /// view the last one holds.
 #[derive(Clone, Copy, Debug)]
 pub struct Material<'a> {
@@ -58,7 +58,13 @@ impl<'a> Material<'a> {
 
     /// Base-2 logarithm of the squeeze of a view; `None` past the end.
     pub fn view_log2_squeeze(&self, view: usize) -> Option<f32> {
-        (view < self.header.views).then(|| f32_at(self.bytes, self.header.squeeze(view)))
+        (view < self.header.views).then(|| f32_at(self.bytes, self.header.head(view)))
+    }
+
+    /// Base-2 logarithm of the albedo of the diffuse term of a view, per channel; `None` past the end.
+    pub fn view_log2_diffuse(&self, view: usize) -> Option<[f32; 3]> {
+        let number = |channel: usize| f32_at(self.bytes, self.header.head(view) + 4 * channel);
+        (view < self.header.views).then(|| [1, 2, 3].map(number))
     }
 
     /// A lobe as it is stored at a view; `None` past either end.

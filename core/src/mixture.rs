@@ -54,9 +54,11 @@ impl Sample {
     }
 }
 
-/// A sum of lobes for one outgoing direction, in storage for `N` of them, without allocation.
+/// A sum of lobes, and a diffuse term, for one outgoing direction; storage for `N` lobes, without allocation.
 ///
-/// `N` is 16, 32, 48 or 64. The first lobes see the squeezed direction, the others the direction itself.
+/// `N` is 16, 32, 48 or 64. The first lobes see the squeezed direction, the others the direction itself. The diffuse term
+/// is `albedo cos / pi` on the hemisphere: lobes cannot make the cosine of a diffuse surface, and it keeps `f cos / pdf`
+/// bounded where the lobes end.
 ///
 /// # Which lobes are folded
 /// A folded lobe is `a (G(d) + G(d mirrored in z = 0))`, whose integral over the hemisphere is that of the lobe over
@@ -77,11 +79,15 @@ pub struct Mixture<const N: usize> {
     pub(crate) squeeze: Squeeze,
     /// Bit k: lobe k needs its fold.
     pub(crate) folded: u64,
+    /// Albedo of the diffuse term; 0 on the sphere.
+    pub(crate) diffuse: Vec3,
     pub(crate) albedo: Vec3,
     /// Luminance of the albedo, the normaliser of the density; 0 if nothing can be sampled.
     pub(crate) power: f32,
     /// `1 / power`, or 0.
     pub(crate) inverse_power: f32,
+    /// The part of `power` that lobes have; the rest is the diffuse term's.
+    pub(crate) lobes_power: f32,
     // Structure of arrays; places from `count` up to the next multiple of 16 hold lobes of amplitude 0.
     pub(crate) axis_x: [f32; N],
     pub(crate) axis_y: [f32; N],
@@ -125,9 +131,11 @@ impl<const N: usize> Mixture<N> {
             level: Level::Scalar,
             squeeze: Squeeze::NONE,
             folded: 0,
+            diffuse: Vec3::ZERO,
             albedo: Vec3::ZERO,
             power: 0.0,
             inverse_power: 0.0,
+            lobes_power: 0.0,
             axis_x: zeros,
             axis_y: zeros,
             axis_z: zeros,
@@ -200,9 +208,11 @@ impl<const N: usize> Mixture<N> {
         self.level = Level::current();
         self.squeeze = squeeze;
         self.folded = 0;
+        self.diffuse = Vec3::ZERO;
         self.albedo = Vec3::ZERO;
         self.power = 0.0;
         self.inverse_power = 0.0;
+        self.lobes_power = 0.0;
     }
 
     /// Completes the mixture from axes, sharpness and amplitudes, which the caller has stored and checked; those of
@@ -258,16 +268,45 @@ impl<const N: usize> Mixture<N> {
             }
             k += L::COUNT;
         }
-        self.albedo = Vec3::new(albedo[0].sum(), albedo[1].sum(), albedo[2].sum());
+        let lobes_albedo = Vec3::new(albedo[0].sum(), albedo[1].sum(), albedo[2].sum());
         let mut power = 0.0;
         for (running, lobe) in self.cumulative[..count.min(N)].iter_mut().zip(&powers) {
             power += lobe;
             *running = power;
         }
+        self.lobes_power = power;
+        self.add_up(lobes_albedo);
+    }
+
+    /// Sums up the lobes and the diffuse term.
+    #[inline(always)]
+    fn add_up(&mut self, lobes_albedo: Vec3) {
+        self.albedo = lobes_albedo + self.diffuse;
+        let power = self.lobes_power + luminance(self.diffuse);
         // A sum so small that its inverse is infinite reflects nothing.
         if power >= f32::MIN_POSITIVE {
             (self.power, self.inverse_power) = (power, 1.0 / power);
         }
+    }
+
+    /// The same lobes beside a diffuse term of an albedo, linear sRGB: `albedo cos / pi` is added to the value.
+    ///
+    /// # Errors
+    /// [`Error::Amplitude`] if a channel is not finite or negative, or the mixture lives on the whole sphere.
+    pub fn with_diffuse(mut self, albedo: Vec3) -> Result<Self, Error> {
+        if !albedo.is_finite() || albedo.min_element() < 0.0 || self.domain == Domain::Sphere {
+            return Err(Error::Amplitude);
+        }
+        let lobes_albedo = self.albedo - self.diffuse;
+        self.diffuse = albedo;
+        self.add_up(lobes_albedo);
+        if self.albedo.is_finite() { Ok(self) } else { Err(Error::Amplitude) }
+    }
+
+    /// Albedo of the diffuse term, linear sRGB.
+    #[inline]
+    pub fn diffuse(&self) -> Vec3 {
+        self.diffuse
     }
 
     /// Number of lobes.
@@ -323,7 +362,7 @@ impl<const N: usize> Mixture<N> {
         })
     }
 
-    /// Integral of the value over the domain, in closed form: `sum a I(s)`; linear sRGB.
+    /// Integral of the value over the domain, in closed form: `diffuse + sum a I(s)`; linear sRGB.
     ///
     /// For a material, the directional albedo towards the outgoing direction.
     #[inline]

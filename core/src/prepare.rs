@@ -1,6 +1,6 @@
 //! From a material and an outgoing direction to a mixture: lanes are lobes.
 
-use crate::format::f32_at;
+use crate::format::{self, f32_at};
 use crate::lanes::{Lanes, atan2_positive, exp2, sin_cos};
 use crate::simd::Kernel;
 use crate::squeeze::Squeeze;
@@ -55,14 +55,31 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     // The two views round wo, and how far between them it lies.
     let theta = atan2_positive(across, wo.z);
     let last = header.views - 1;
-    let after = (1..last).filter(|&view| f32_at(bytes, header.theta(view)) <= theta).count() + 1;
-    let after = after.min(last);
+    let mut passed = 0;
+    let mut view = 0;
+    while view < last {
+        // Bits of the views from here to the last but one that are at most theta; the first always is.
+        let thetas = load_bytes::<L>(bytes, header.theta(view));
+        let inner = (1u64 << (last - view).min(L::COUNT)) - 1;
+        passed += (L::bits(L::splat(theta).ge(thetas)) & inner).count_ones() as usize;
+        view += L::COUNT;
+    }
+    let after = passed.min(last);
     let before = after.saturating_sub(1);
     let (from, to) = (f32_at(bytes, header.theta(before)), f32_at(bytes, header.theta(after)));
     let blend = if to > from { ((theta - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
-    let between = |a: f32, b: f32| a + blend * (b - a);
-    let log2_squeeze = between(f32_at(bytes, header.squeeze(before)), f32_at(bytes, header.squeeze(after)));
-    mixture.squeeze = Squeeze { azimuth, inverse: exp2(-log2_squeeze) };
+
+    // The heads: squeeze and diffuse albedo.
+    let mut head = [0.0; 16];
+    let mut i = 0;
+    while i < format::HEAD {
+        let a = load_bytes::<L>(bytes, header.head(before) + 4 * i);
+        let b = load_bytes::<L>(bytes, header.head(after) + 4 * i);
+        exp2((b - a).mul_add(L::splat(blend), a)).store(&mut head[i..]);
+        i += L::COUNT;
+    }
+    mixture.squeeze = Squeeze { azimuth, inverse: 1.0 / head[0] };
+    mixture.diffuse = Vec3::new(head[1], head[2], head[3]);
 
     let mut k = 0;
     while k < count && k + L::COUNT <= N {
@@ -91,18 +108,11 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
 /// Loads little-endian f32 from bytes of any alignment; what lies past the end reads as 0.
 #[inline(always)]
 fn load_bytes<L: Lanes>(bytes: &[u8], offset: usize) -> L {
-    let mut numbers = [0f32; 16];
-    let target: &mut [u8] = &mut bytemuck::cast_slice_mut(&mut numbers)[..4 * L::COUNT];
     let rest = &bytes[offset..];
-    if rest.len() >= target.len() {
-        target.copy_from_slice(&rest[..target.len()]);
-    } else {
-        target[..rest.len()].copy_from_slice(rest);
+    if rest.len() >= 4 * L::COUNT {
+        return L::load_bytes(rest);
     }
-    if cfg!(target_endian = "big") {
-        for n in &mut numbers {
-            *n = f32::from_bits(n.to_bits().swap_bytes());
-        }
-    }
-    L::load(&numbers)
+    let mut padded = [0; 64];
+    padded[..rest.len()].copy_from_slice(rest);
+    L::load_bytes(&padded)
 }

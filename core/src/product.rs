@@ -212,7 +212,7 @@ impl<const N: usize> Mixture<N> {
 
     fn check_round(&self) -> Result<(), Error> {
         let squeezed = self.squeezed > 0 && self.squeeze.inverse != 1.0;
-        if squeezed { Err(Error::Squeezed) } else { Ok(()) }
+        if squeezed || self.diffuse != Vec3::ZERO { Err(Error::Squeezed) } else { Ok(()) }
     }
 
     /// Lobe `k < len` with its axis turned to the caller's shading frame.

@@ -6,6 +6,7 @@ use crate::lanes::{Lanes, exp2, splat3};
 use crate::simd::Kernel;
 use crate::squeeze::Seen;
 use crate::{Domain, Mixture};
+use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
 pub(crate) struct EvaluateOne<'a, const N: usize> {
@@ -18,7 +19,12 @@ impl<const N: usize> Kernel for EvaluateOne<'_, N> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> Vec3 {
         let m = self.mixture;
-        Vec3::from_array(sums_one::<L, N, 3>(m, [&m.red, &m.green, &m.blue], self.direction))
+        Vec3::from_array(sums_one::<L, N, 3>(
+            m,
+            [&m.red, &m.green, &m.blue],
+            m.diffuse.to_array(),
+            self.direction,
+        ))
     }
 }
 
@@ -32,7 +38,7 @@ impl<const N: usize> Kernel for PdfOne<'_, N> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> f32 {
         let m = self.mixture;
-        let [sum] = sums_one::<L, N, 1>(m, [&m.luminance], self.direction);
+        let [sum] = sums_one::<L, N, 1>(m, [&m.luminance], [m.power - m.lobes_power], self.direction);
         sum * m.inverse_power
     }
 }
@@ -49,7 +55,7 @@ impl<const N: usize> Kernel for SampleOne<'_, N> {
     fn run<L: Lanes>(self) -> (Vec3, Vec3) {
         let m = self.mixture;
         let direction = Vec3::from_array(sample_direction::<f32, N>(m, self.u));
-        let value = sums_one::<L, N, 3>(m, [&m.red, &m.green, &m.blue], direction);
+        let value = sums_one::<L, N, 3>(m, [&m.red, &m.green, &m.blue], m.diffuse.to_array(), direction);
         (direction, Vec3::from_array(value))
     }
 }
@@ -59,6 +65,7 @@ impl<const N: usize> Kernel for SampleOne<'_, N> {
 pub(crate) fn sums_one<L: Lanes, const N: usize, const C: usize>(
     m: &Mixture<N>,
     amplitudes: [&[f32; N]; C],
+    diffuse: [f32; C],
     direction: Vec3,
 ) -> [f32; C] {
     // False for a NaN too.
@@ -98,6 +105,9 @@ pub(crate) fn sums_one<L: Lanes, const N: usize, const C: usize>(
     let mut sums = [0.0; C];
     for i in 0..C {
         sums[i] = acc[i].sum();
+        if m.domain == Domain::Hemisphere {
+            sums[i] += diffuse[i] * FRAC_1_PI * direction.z;
+        }
     }
     sums
 }

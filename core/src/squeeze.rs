@@ -17,6 +17,8 @@
 //! unevaluated sum of two f32, by error-free transformations (Dekker 1971, Knuth 1969). The error along the direction
 //! that remains in `1 / r` counts only squared.
 
+#![allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
+
 use crate::lanes::{Lanes, length_squared_minus_one, sum_of_products, two_product};
 
 /// The turn into the frame of a view, and the squeeze in it.
@@ -72,11 +74,13 @@ impl Squeeze {
         let (high_y, low_y) = two_product(y, shrink);
         let (high_z, low_z) = two_product(z, shrink);
         let high = [high_x, high_y, high_z];
-        let low = [turned.low[0].mul_add(shrink, low_x), y_low.mul_add(shrink, low_y), low_z];
+        let mut low = [turned.low[0].mul_add(shrink, low_x), y_low.mul_add(shrink, low_y), low_z];
         // What is left of the length over 1: at s = 1e8 even 1e-7 of it counts, by its square.
         let along = high_x.mul_add(low[0], high_y.mul_add(low[1], high_z * low[2]));
         let excess = length_squared_minus_one(high).mul_add(L::splat(0.5), along);
-        let low = [0, 1, 2].map(|i| excess.neg_mul_add(high[i], low[i]));
+        for i in 0..3 {
+            low[i] = excess.neg_mul_add(high[i], low[i]);
+        }
         Seen { high, low, scale: inverse * shrink * (shrink * shrink) }
     }
 

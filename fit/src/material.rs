@@ -56,7 +56,12 @@ pub(crate) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec
         .collect();
     let views: Vec<View<'_>> = stored
         .iter()
-        .map(|(theta, log2_squeeze, lobes)| View { theta: *theta, log2_squeeze: *log2_squeeze, lobes })
+        .map(|(theta, log2_squeeze, lobes)| View {
+            theta: *theta,
+            log2_squeeze: *log2_squeeze,
+            log2_diffuse: [-126.0; 3],
+            lobes,
+        })
         .collect();
     let mut bytes = vec![0; encoded_len(views.len(), layout.lobes, provenance)];
     encode_bytes(&views, layout.squeezed, provenance, &mut bytes)?;

@@ -70,7 +70,7 @@ fn matte() -> Vec<u8> {
     let amplitude = albedo / srbf_core::special::sphere_integral(sharpness);
     let lobe =
         PlaneLobe { angle: 0.0, log2_sharpness: sharpness.log2(), log2_amplitude: [amplitude.log2(); 3] };
-    let view = View { theta: 0.0, log2_squeeze: 0.0, lobes: &[lobe] };
+    let view = View { theta: 0.0, log2_squeeze: 0.0, log2_diffuse: [-126.0; 3], lobes: &[lobe] };
     let provenance = "built in: one wide lobe, about Lambertian, albedo 1/2";
     let mut bytes = vec![0; encoded_len(1, 1, provenance)];
     encode(&[view], 0, provenance, &mut bytes).expect("the numbers are in range");
@@ -107,7 +107,7 @@ pub mod tests {
             .enumerate()
             .map(|(v, lobes)| {
                 let theta = v as f32 * 10f32.to_radians();
-                View { theta, log2_squeeze: theta.cos().log2(), lobes }
+                View { theta, log2_squeeze: theta.cos().log2(), log2_diffuse: [-126.0; 3], lobes }
             })
             .collect();
         let mut bytes = vec![0; encoded_len(views.len(), 3, "test")];

@@ -1,6 +1,5 @@
 //! What the tests share: oracle, tolerances, inputs, statistics.
 
-pub mod header;
 pub mod inputs;
 pub mod native;
 pub mod oracle;

@@ -63,7 +63,7 @@ fn truth(m: &Mixture<64>, azimuth: f64, d: Vec3) -> [f64; 3] {
     }
     let inverse = f64::from(1.0 / m.squeeze());
     let r = (x * x + y * y * inverse * inverse + z * z).sqrt();
-    let mut sum = [0.0; 3];
+    let mut sum = m.diffuse().to_array().map(|rho| f64::from(rho) * z / core::f64::consts::PI);
     for k in 0..m.len() {
         let lobe = m.lobe(k).unwrap();
         let axis = lobe.gaussian.axis.as_dvec3();
@@ -106,7 +106,10 @@ fn every_level_gives_the_f64_values_at_every_count() {
             let squeezed = if case % 5 == 0 { 0 } else { count / 2 };
             let all = lobes(&mut random, count, in_plane);
             let squeeze = random.between(0.05, 1.5);
-            let m = Mixture::<64>::new(domain, squeeze, &all[..squeezed], &all[squeezed..]).unwrap();
+            let mut m = Mixture::<64>::new(domain, squeeze, &all[..squeezed], &all[squeezed..]).unwrap();
+            if domain == Domain::Hemisphere && case % 4 < 2 {
+                m = m.with_diffuse(Vec3::new(0.3, 0.2, 0.1)).unwrap();
+            }
             assert_eq!(m.level(), level);
             for n in 0..=33 {
                 // Guard zones round every output.
@@ -161,7 +164,12 @@ fn material(random: &mut Random) -> Vec<u8> {
         .collect();
     let views: Vec<View> = views
         .iter()
-        .map(|(theta, squeeze, lobes)| View { theta: *theta, log2_squeeze: *squeeze, lobes })
+        .map(|(theta, squeeze, lobes)| View {
+            theta: *theta,
+            log2_squeeze: *squeeze,
+            log2_diffuse: [-4.0, -3.0, -2.0],
+            lobes,
+        })
         .collect();
     let mut bytes = vec![0; encoded_len(views.len(), 12, "test")];
     encode(&views, 7, "test", &mut bytes).unwrap();

@@ -53,6 +53,12 @@ impl Lanes for Avx2 {
         Self(unsafe { _mm256_loadu_ps(array.as_ptr()) })
     }
     #[inline(always)]
+    fn load_bytes(from: &[u8]) -> Self {
+        let array: &[u8; 32] = from.first_chunk().expect("at least 32 bytes");
+        // SAFETY: 32 bytes are readable; the load has no alignment; AVX as above.
+        Self(unsafe { _mm256_loadu_ps(array.as_ptr().cast()) })
+    }
+    #[inline(always)]
     fn store(self, to: &mut [f32]) {
         let array: &mut [f32; 8] = to.first_chunk_mut().expect("a slice of at least 8");
         // SAFETY: 8 f32 are writable; the store has no alignment; AVX as above.

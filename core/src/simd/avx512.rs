@@ -51,6 +51,12 @@ impl Lanes for Avx512 {
         Self(Self::chunk(from, 0))
     }
     #[inline(always)]
+    fn load_bytes(from: &[u8]) -> Self {
+        let array: &[u8; 64] = from.first_chunk().expect("at least 64 bytes");
+        // SAFETY: 64 bytes are readable; the load has no alignment; AVX-512 as above.
+        Self(unsafe { _mm512_loadu_ps(array.as_ptr().cast()) })
+    }
+    #[inline(always)]
     fn store(self, to: &mut [f32]) {
         let array: &mut [f32; 16] = to.first_chunk_mut().expect("a slice of at least 16");
         // SAFETY: 16 f32 are writable; the store has no alignment; AVX-512 as above.

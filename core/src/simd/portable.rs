@@ -48,6 +48,11 @@ impl Lanes for Wide {
         Self(f32x8::new(array))
     }
     #[inline(always)]
+    fn load_bytes(from: &[u8]) -> Self {
+        let array: [u32; 8] = bytemuck::pod_read_unaligned(&from[..32]);
+        Self(f32x8::new(array.map(|bits| f32::from_bits(u32::from_le(bits)))))
+    }
+    #[inline(always)]
     fn store(self, to: &mut [f32]) {
         *to.first_chunk_mut().expect("a slice of at least 8") = self.0.to_array();
     }

@@ -1,0 +1,106 @@
+//! Batches: n directions, one mixture.
+#![allow(unsafe_code)]
+
+use crate::guard::guard;
+use crate::pointers::read;
+use crate::storage::{extent, mixture, with_mixture};
+use crate::streams::{Batch, srbf_numbers_out, srbf_vectors, srbf_vectors_out};
+use crate::{srbf_mixture, srbf_status};
+use srbf_core::SamplesMut;
+
+/// Where n samples go; see `srbf_sample`.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct srbf_samples_out {
+    /// Incident directions, unit vectors in the caller's shading frame.
+    pub direction: srbf_vectors_out,
+    /// Density of the whole mixture at the direction; 1/sr. 0: nothing was drawn, do not divide by it.
+    pub pdf: srbf_numbers_out,
+    /// `f cos / pdf`, linear sRGB.
+    pub weight: srbf_vectors_out,
+}
+
+impl srbf_samples_out {
+    pub(crate) fn streams(&self) -> [crate::streams::Stream; 7] {
+        let ([x, y, z], pdf) = (self.direction.streams(), self.pdf.stream());
+        let [red, green, blue] = self.weight.streams();
+        [x, y, z, pdf, red, green, blue]
+    }
+}
+
+/// Evaluates `f cos` towards n directions; 1/sr. The values of `srbf_mixture_evaluate` within rounding.
+///
+/// Shapes: `wi` n unit vectors; `value` n colours in linear sRGB, overwritten. n = 0 looks at no pointer but the
+/// mixture. What is not a unit vector gives an unspecified value; the others are not touched by it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_mixture_evaluate_into(
+    mixture: *const srbf_mixture,
+    n: usize,
+    wi: *const srbf_vectors,
+    value: *const srbf_vectors_out,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let any = unsafe { self::mixture(mixture)? };
+        if n == 0 {
+            return Ok(());
+        }
+        // SAFETY: the header's contract.
+        let batch =
+            unsafe { Batch::new(n, read(wi)?.streams(), read(value)?.streams(), extent(mixture, &any))? };
+        with_mixture!(AnyMixture: &any, m => batch.run(|wi, value| m.evaluate_into(wi, value)))?;
+        Ok(())
+    })
+}
+
+/// Evaluates the density of sampling at n directions; 1/sr. The values of `srbf_mixture_pdf` within rounding.
+///
+/// Shapes and directions as in `srbf_mixture_evaluate_into`; `pdf` n numbers, overwritten.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_mixture_pdf_into(
+    mixture: *const srbf_mixture,
+    n: usize,
+    wi: *const srbf_vectors,
+    pdf: *const srbf_numbers_out,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let any = unsafe { self::mixture(mixture)? };
+        if n == 0 {
+            return Ok(());
+        }
+        // SAFETY: the header's contract.
+        let batch =
+            unsafe { Batch::new(n, read(wi)?.streams(), [read(pdf)?.stream()], extent(mixture, &any))? };
+        with_mixture!(AnyMixture: &any, m => batch.run(|wi, [pdf]| m.pdf_into(wi, pdf)))?;
+        Ok(())
+    })
+}
+
+/// Draws n directions with density and weight, in one pass.
+///
+/// Shapes: `u` n times three uniform numbers in [0, 1): the first chooses the lobe, the others the direction in it;
+/// `samples` n of each, overwritten. Numbers outside give an unspecified sample. n = 0 as in
+/// `srbf_mixture_evaluate_into`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_mixture_sample_into(
+    mixture: *const srbf_mixture,
+    n: usize,
+    u: *const srbf_vectors,
+    samples: *const srbf_samples_out,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let any = unsafe { self::mixture(mixture)? };
+        if n == 0 {
+            return Ok(());
+        }
+        // SAFETY: the header's contract.
+        let batch =
+            unsafe { Batch::new(n, read(u)?.streams(), read(samples)?.streams(), extent(mixture, &any))? };
+        with_mixture!(AnyMixture: &any, m => batch.run(|u, [x, y, z, pdf, red, green, blue]| {
+            m.sample_into(u, SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] })
+        }))?;
+        Ok(())
+    })
+}

@@ -1,0 +1,102 @@
+//! Materials that this library owns: copied from memory or read from a file.
+#![allow(unsafe_code)]
+
+use crate::guard::{Failure, Outcome, guard};
+use crate::material::material;
+use crate::pointers::{Out, check, slice};
+use crate::{SRBF_STATUS_FILE, SRBF_STATUS_TEXT, srbf_material, srbf_status};
+use core::ffi::{CStr, c_char};
+use core::ptr::NonNull;
+use srbf_core::Material;
+use std::boxed::Box;
+use std::vec::Vec;
+
+/// Makes a material of `.srbf` bytes, which are copied. Release it with `srbf_material_free`.
+///
+/// Shapes: `bytes` [byte_count]; `material` one pointer, overwritten.
+/// Status: `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if the bytes are not a material.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_from_bytes(
+    bytes: *const u8,
+    byte_count: usize,
+    material: *mut *mut srbf_material,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (bytes, out) = unsafe { (slice(bytes, byte_count)?, Out::new(material)?) };
+        own(bytes.to_vec(), &out)
+    })
+}
+
+/// Reads a material from a `.srbf` file. Release it with `srbf_material_free`.
+///
+/// `path` is UTF-8 with a zero at the end. Status: `SRBF_STATUS_FILE` if it cannot be read, with the reason in
+/// `srbf_last_message`; `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if it holds no material.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_load(
+    path: *const c_char,
+    material: *mut *mut srbf_material,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (path, out) = unsafe { (text(path)?, Out::new(material)?) };
+        let bytes = std::fs::read(path)
+            .map_err(|error| Failure::new(SRBF_STATUS_FILE, format_args!("{path}: {error}")))?;
+        own(bytes, &out)
+    })
+}
+
+/// Borrows a text of the caller.
+///
+/// # Safety
+/// The header's contract: what is not NULL points to bytes that end in a zero.
+pub(crate) unsafe fn text<'a>(text: *const c_char) -> Result<&'a str, Failure> {
+    check(text)?;
+    // SAFETY: not NULL; the rest is the contract.
+    unsafe { CStr::from_ptr(text) }.to_str().map_err(|error| Failure::new(SRBF_STATUS_TEXT, error))
+}
+
+/// Puts a material and its bytes on the heap.
+pub(crate) fn own(bytes: Vec<u8>, out: &Out<*mut srbf_material>) -> Outcome {
+    let bytes = NonNull::from(Box::leak(bytes.into_boxed_slice()));
+    // SAFETY: just leaked, and released only by `srbf_material_free` together with the material that borrows it.
+    match Material::from_bytes(unsafe { bytes.as_ref() }) {
+        Ok(material) => {
+            let mut made = Box::new(srbf_material::borrowed(material));
+            made.owned = Some(bytes);
+            out.set(Box::into_raw(made));
+            Ok(())
+        }
+        Err(error) => {
+            // SAFETY: the box of above, which nothing borrows any more.
+            drop(unsafe { Box::from_raw(bytes.as_ptr()) });
+            Err(error.into())
+        }
+    }
+}
+
+/// Releases a material; NULL is allowed and does nothing.
+///
+/// A material that `srbf_material_borrow` made is only marked as none. Nobody may use the material during or after the
+/// call.
+/// Status: `SRBF_STATUS_OBJECT` if it is not a material.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_free(material: *mut srbf_material) -> srbf_status {
+    guard(|| {
+        if material.is_null() {
+            return Ok(());
+        }
+        // SAFETY: the header's contract.
+        let owned = unsafe { self::material(material)? }.owned;
+        // SAFETY: a material, by its tag, that nobody else uses by the contract.
+        unsafe { (*material).forget() };
+        if let Some(bytes) = owned {
+            // SAFETY: `own` made both boxes, and the tag was still there: they have not been released yet.
+            unsafe {
+                drop(Box::from_raw(material));
+                drop(Box::from_raw(bytes.as_ptr()));
+            }
+        }
+        Ok(())
+    })
+}

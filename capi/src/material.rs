@@ -1,0 +1,318 @@
+//! Materials: borrowed in the caller's storage, queried, prepared for an outgoing direction.
+#![allow(unsafe_code)]
+
+use crate::convert::direction;
+use crate::guard::{Failure, Outcome, guard};
+use crate::pointers::{Out, check, check_extent, read, read_array, slice};
+use crate::storage::{AnyMixtureMut, check_room, init_at, mixture_mut, size_for, with_mixture};
+use crate::streams::{Batch, srbf_vectors};
+use crate::{
+    SRBF_MIXTURE_ALIGNMENT, SRBF_STATUS_DIRECTION, SRBF_STATUS_INDEX, SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE,
+    SRBF_STATUS_STRIDE, srbf_mixture, srbf_status,
+};
+use core::ffi::c_char;
+use srbf_core::{Error, Material, Mixture, PlaneLobe, Vec3};
+
+/// Bytes of storage for a material that `srbf_material_borrow` makes.
+pub const SRBF_MATERIAL_SIZE: usize = 128;
+/// Alignment of that storage.
+pub const SRBF_MATERIAL_ALIGNMENT: usize = 16;
+
+/// A material: the lobes of every view, read in place from `.srbf` bytes.
+///
+/// It never changes, so any number of threads may use one at once. Made by `srbf_material_borrow` in the caller's
+/// storage, or on the heap by `srbf_material_from_bytes` and `srbf_material_load`, which `srbf_material_free` releases.
+pub struct srbf_material {
+    tag: u32,
+    pub(crate) material: Material<'static>,
+    /// The bytes, where this library owns them and the object; both are on the heap then.
+    #[cfg(feature = "std")]
+    pub(crate) owned: Option<core::ptr::NonNull<[u8]>>,
+}
+
+/// What stands at the start of every material that this library made, and nothing that it has released.
+const TAG: u32 = 0x6a0d_7c53;
+
+const _: () = assert!(
+    size_of::<srbf_material>() <= SRBF_MATERIAL_SIZE
+        && align_of::<srbf_material>() <= SRBF_MATERIAL_ALIGNMENT
+);
+
+impl srbf_material {
+    pub(crate) fn borrowed(material: Material<'static>) -> Self {
+        Self {
+            tag: TAG,
+            material,
+            #[cfg(feature = "std")]
+            owned: None,
+        }
+    }
+
+    /// Makes it no material any more.
+    #[cfg(feature = "std")]
+    pub(crate) fn forget(&mut self) {
+        self.tag = 0;
+    }
+}
+
+/// Borrows a material of the caller.
+///
+/// # Safety
+/// The header's contract: what is not NULL points to a material.
+#[inline(always)]
+pub(crate) unsafe fn material<'a>(material: *const srbf_material) -> Result<&'a srbf_material, Failure> {
+    check(material)?;
+    // SAFETY: not NULL and aligned; readable by the contract. The tag is looked at through the pointer, before there is a
+    // reference to a whole that may not be one.
+    if unsafe { (&raw const (*material).tag).read() } != TAG {
+        return Err(SRBF_STATUS_OBJECT.into());
+    }
+    // SAFETY: the tag says that this library wrote a material here; it never changes.
+    Ok(unsafe { &*material })
+}
+
+/// What a material holds.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct srbf_material_info {
+    /// Number of views: outgoing directions at which lobes are stored.
+    pub views: usize,
+    /// Number of lobes at every view: what a mixture must have room for.
+    pub lobes: usize,
+    /// Number of lobes that see the squeezed direction; they come first.
+    pub squeezed_lobes: usize,
+    /// The `.srbf` bytes; they live as long as the material.
+    pub bytes: *const u8,
+    /// Number of bytes.
+    pub byte_count: usize,
+    /// Where the material comes from, as its maker wrote it: UTF-8 without a zero at the end, part of the bytes.
+    pub provenance: *const c_char,
+    /// Length of the provenance in bytes.
+    pub provenance_length: usize,
+}
+
+/// An outgoing direction at which a material stores lobes.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct srbf_view {
+    /// Angle from the normal in radians, [0, pi/2].
+    pub theta: f32,
+    /// Base-2 logarithm of the squeeze c: how many times as wide across the plane of incidence as along it.
+    pub log2_squeeze: f32,
+}
+
+/// A lobe as a view stores it: its axis in the plane of incidence.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct srbf_plane_lobe {
+    /// Angle of the axis from the normal in radians, positive towards the mirror direction.
+    pub angle: f32,
+    /// Base-2 logarithm of the sharpness.
+    pub log2_sharpness: f32,
+    /// Base-2 logarithm of the amplitude: red, green, blue.
+    pub log2_amplitude: [f32; 3],
+}
+
+/// Makes a material of `.srbf` bytes where they are, of any alignment: nothing is copied, nothing allocated.
+///
+/// The bytes must stay as they are for as long as the material is used. It needs no release.
+/// Shapes: `bytes` [byte_count]; `storage` [storage_size], at least `SRBF_MATERIAL_SIZE`, aligned to
+/// `SRBF_MATERIAL_ALIGNMENT`; `material` one pointer, into the storage.
+/// Status: `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if the bytes are not a material.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_borrow(
+    bytes: *const u8,
+    byte_count: usize,
+    storage: *mut core::ffi::c_void,
+    storage_size: usize,
+    material: *mut *mut srbf_material,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (bytes, out) = unsafe { (slice(bytes, byte_count)?, Out::new(material)?) };
+        let place = storage.cast::<srbf_material>();
+        check(place)?;
+        if storage_size < SRBF_MATERIAL_SIZE {
+            return Err(SRBF_STATUS_SIZE.into());
+        }
+        let made = srbf_material::borrowed(Material::from_bytes(bytes)?);
+        // SAFETY: not NULL, aligned and large enough; writable by the header's contract.
+        unsafe { place.write(made) };
+        out.set(place);
+        Ok(())
+    })
+}
+
+/// Says what a material holds.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_query(
+    material: *const srbf_material,
+    info: *mut srbf_material_info,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (material, out) = unsafe { (&self::material(material)?.material, Out::new(info)?) };
+        let (bytes, provenance) = (material.bytes(), material.provenance());
+        out.set(srbf_material_info {
+            views: material.view_count(),
+            lobes: material.lobe_count(),
+            squeezed_lobes: material.squeezed_count(),
+            bytes: bytes.as_ptr(),
+            byte_count: bytes.len(),
+            provenance: provenance.as_ptr().cast(),
+            provenance_length: provenance.len(),
+        });
+        Ok(())
+    })
+}
+
+/// Says at which outgoing direction a view is. Status: `SRBF_STATUS_INDEX` past the end.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_view(
+    material: *const srbf_material,
+    view: usize,
+    out: *mut srbf_view,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (material, out) = unsafe { (&self::material(material)?.material, Out::new(out)?) };
+        let theta = material.view_theta(view).ok_or(SRBF_STATUS_INDEX)?;
+        let log2_squeeze = material.view_log2_squeeze(view).ok_or(SRBF_STATUS_INDEX)?;
+        out.set(srbf_view { theta, log2_squeeze });
+        Ok(())
+    })
+}
+
+/// Gives a lobe as a view stores it. Status: `SRBF_STATUS_INDEX` past either end.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_view_lobe(
+    material: *const srbf_material,
+    view: usize,
+    index: usize,
+    lobe: *mut srbf_plane_lobe,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (material, out) = unsafe { (&self::material(material)?.material, Out::new(lobe)?) };
+        let PlaneLobe { angle, log2_sharpness, log2_amplitude } =
+            material.view_lobe(view, index).ok_or(SRBF_STATUS_INDEX)?;
+        out.set(srbf_plane_lobe { angle, log2_sharpness, log2_amplitude });
+        Ok(())
+    })
+}
+
+/// Integrates `f cos` over all incident directions: how much of the light that goes back along `wo` is reflected.
+///
+/// Shapes: `wo` [3], unit vector towards the viewer, below the horizon 0; `albedo` [3], linear sRGB, overwritten.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_albedo(
+    material: *const srbf_material,
+    wo: *const f32,
+    albedo: *mut f32,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (material, wo, out) =
+            unsafe { (self::material(material)?, read_array(wo)?, Out::<[f32; 3]>::array(albedo)?) };
+        let mut mixture = Mixture::<64>::empty();
+        material.material.prepare(direction(wo)?, &mut mixture)?;
+        out.set(mixture.albedo().to_array());
+        Ok(())
+    })
+}
+
+/// Makes the mixture of lobes for an outgoing direction, in a mixture that the caller has initialised; overwrites it.
+///
+/// The mixture takes and gives directions in the shading frame that `wo` is given in. Below the horizon (z < 0) nothing
+/// is reflected: the mixture is empty.
+/// Shapes: `wo` [3], unit vector towards the viewer, +z the surface normal.
+/// Status: `SRBF_STATUS_CAPACITY` if the mixture has room for fewer lobes than the material has. On failure the
+/// mixture keeps what it held.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_prepare(
+    material: *const srbf_material,
+    wo: *const f32,
+    mixture: *mut srbf_mixture,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (material, wo, mut mixture) =
+            unsafe { (self::material(material)?, read_array(wo)?, mixture_mut(mixture)?) };
+        prepare(&material.material, direction(wo)?, &mut mixture)
+    })
+}
+
+/// Checks the room first, so that a failure leaves the mixture as it was.
+#[inline(always)]
+fn prepare(material: &Material<'_>, wo: Vec3, mixture: &mut AnyMixtureMut<'_>) -> Outcome {
+    with_mixture!(AnyMixtureMut: mixture, mixture => {
+        check_room(material.lobe_count(), room(mixture))?;
+        material.prepare(wo, mixture)?;
+    });
+    Ok(())
+}
+
+fn room<const N: usize>(_: &Mixture<N>) -> usize {
+    N
+}
+
+/// Makes the mixtures for n outgoing directions, in raw storage; no `srbf_mixture_init` is needed.
+///
+/// Mixture i is at `(srbf_mixture *)((char *)storage + i * stride)`.
+/// Shapes: `wo` n unit vectors; `storage` [n * stride], aligned to `SRBF_MIXTURE_ALIGNMENT`; `stride` a multiple of
+/// that, at least `srbf_mixture_size(lobes of the material)`.
+/// Status: `SRBF_STATUS_DIRECTION` if some `wo` is not a unit vector: its mixture is empty, the others are made.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_prepare_into(
+    material: *const srbf_material,
+    n: usize,
+    wo: *const srbf_vectors,
+    storage: *mut core::ffi::c_void,
+    stride: usize,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let material = unsafe { self::material(material)? };
+        if n == 0 {
+            return Ok(());
+        }
+        // SAFETY: the header's contract.
+        let wo = unsafe { read(wo)? };
+        let storage = storage.cast::<u8>();
+        crate::storage::check_storage(storage)?;
+        check_extent(storage.addr(), n, stride)?;
+        if !stride.is_multiple_of(SRBF_MIXTURE_ALIGNMENT) {
+            return Err(SRBF_STATUS_STRIDE.into());
+        }
+        let needed = size_for(material.material.lobe_count()).ok_or(SRBF_STATUS_SIZE)?;
+        if stride < needed {
+            return Err(SRBF_STATUS_SIZE.into());
+        }
+        // As if the storage were the object of the batch, so that a direction inside it is refused.
+        let place = storage.addr()..storage.addr() + n * stride;
+        // SAFETY: the header's contract.
+        let batch = unsafe { Batch::<3, 0>::new(n, wo.streams(), [], 0..0)? };
+        batch.check_inputs_outside(&place)?;
+        let mut index = 0;
+        let mut refused = false;
+        batch.run(|[x, y, z], []| {
+            for ((&x, &y), &z) in x.iter().zip(y).zip(z) {
+                // SAFETY: index < n, so that the place lies within the storage, which the contract makes writable.
+                let mut mixture = unsafe {
+                    let made = init_at(storage.add(index * stride), needed)?;
+                    mixture_mut(made)?
+                };
+                index += 1;
+                let made = with_mixture!(AnyMixtureMut: &mut mixture, m => {
+                    material.material.prepare(Vec3::new(x, y, z), m)
+                });
+                match made {
+                    Err(Error::Direction) => refused = true,
+                    made => made?,
+                }
+            }
+            Ok::<(), Failure>(())
+        })?;
+        if refused { Err(SRBF_STATUS_DIRECTION.into()) } else { Ok(()) }
+    })
+}

@@ -1,0 +1,154 @@
+//! Mixtures: made in the caller's storage, of lobes or by a material, and queried.
+#![allow(unsafe_code)]
+
+use crate::guard::guard;
+use crate::pointers::{Out, slice};
+use crate::storage::{check_room, init_at, mixture, mixture_mut, size_for, with_mixture};
+use crate::{SRBF_STATUS_ARGUMENT, SRBF_STATUS_INDEX, srbf_lobe, srbf_mixture, srbf_status};
+use srbf_core::{Domain, Error, Lobe, MAX_LOBES, Mixture, Vec3};
+
+/// The whole sphere: no fold.
+pub const SRBF_DOMAIN_SPHERE: u32 = 0;
+/// The upper hemisphere: what a lobe has below the horizon is mirrored back up.
+pub const SRBF_DOMAIN_HEMISPHERE: u32 = 1;
+
+/// What a mixture holds.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct srbf_mixture_info {
+    /// Number of lobes.
+    pub lobes: usize,
+    /// Number of lobes that see the squeezed direction; they come first.
+    pub squeezed_lobes: usize,
+    /// Most lobes that the storage has room for.
+    pub capacity: usize,
+    /// `SRBF_DOMAIN_SPHERE` or `SRBF_DOMAIN_HEMISPHERE`.
+    pub domain: u32,
+    /// The SIMD level that the mixture was made at.
+    pub simd_level: u32,
+    /// The squeeze c; 1 is no squeeze.
+    pub squeeze: f32,
+    /// Integral of `f cos` over the domain, linear sRGB: for a material's mixture, the albedo.
+    pub albedo: [f32; 3],
+    /// Luminance of the albedo, and of the weight of every sample.
+    pub power: f32,
+}
+
+/// Returns the bytes of storage that a mixture of so many lobes needs; 0 if there is no such mixture (more than 64).
+#[unsafe(no_mangle)]
+pub extern "C" fn srbf_mixture_size(lobes: usize) -> usize {
+    size_for(lobes).unwrap_or(0)
+}
+
+/// Makes an empty mixture in the caller's storage, with room for as many lobes as fit: 16, 32 or 64.
+///
+/// Shapes: `storage` [storage_size], at least `SRBF_MIXTURE_SIZE_16`, aligned to `SRBF_MIXTURE_ALIGNMENT`; `mixture`
+/// one pointer, to the same address. It needs no release.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_mixture_init(
+    storage: *mut core::ffi::c_void,
+    storage_size: usize,
+    mixture: *mut *mut srbf_mixture,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (out, made) = unsafe { (Out::new(mixture)?, init_at(storage.cast(), storage_size)?) };
+        out.set(made);
+        Ok(())
+    })
+}
+
+/// Makes a mixture of the caller's lobes, in a mixture that has been initialised; overwrites it.
+///
+/// The first `squeezed_lobes` see the direction squeezed along y by c = `squeeze` in [0.01, 2]; give 0 and 1 for round
+/// lobes alone.
+/// Shapes: `lobes` [lobe_count]. Status: `SRBF_STATUS_CAPACITY`; what is wrong with a lobe; `SRBF_STATUS_AMPLITUDE` also
+/// if the integral is infinite. On failure the mixture keeps what it held.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_mixture_from_lobes(
+    domain: u32,
+    squeeze: f32,
+    squeezed_lobes: usize,
+    lobe_count: usize,
+    lobes: *const srbf_lobe,
+    mixture: *mut srbf_mixture,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let mut mixture = unsafe { mixture_mut(mixture)? };
+        let domain = match domain {
+            SRBF_DOMAIN_SPHERE => Domain::Sphere,
+            SRBF_DOMAIN_HEMISPHERE => Domain::Hemisphere,
+            _ => return Err(SRBF_STATUS_ARGUMENT.into()),
+        };
+        check_room(lobe_count, MAX_LOBES)?;
+        if squeezed_lobes > lobe_count {
+            return Err(SRBF_STATUS_ARGUMENT.into());
+        }
+        // SAFETY: the header's contract.
+        let given = unsafe { slice(lobes, lobe_count)? };
+        let mut lobes = [Lobe::new(Vec3::Z, 0.0, Vec3::ZERO)?; MAX_LOBES];
+        for (lobe, given) in lobes.iter_mut().zip(given) {
+            *lobe = given.to_core()?;
+        }
+        let (squeezed, round) = lobes[..lobe_count].split_at(squeezed_lobes);
+        with_mixture!(AnyMixtureMut: &mut mixture, m => make(m, domain, squeeze, squeezed, round))?;
+        Ok(())
+    })
+}
+
+fn make<const N: usize>(
+    mixture: &mut Mixture<N>,
+    domain: Domain,
+    squeeze: f32,
+    squeezed: &[Lobe],
+    round: &[Lobe],
+) -> Result<(), Error> {
+    *mixture = Mixture::new(domain, squeeze, squeezed, round)?;
+    Ok(())
+}
+
+/// Says what a mixture holds, its closed-form integral included.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_mixture_query(
+    mixture: *const srbf_mixture,
+    info: *mut srbf_mixture_info,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (mixture, out) = unsafe { (self::mixture(mixture)?, Out::new(info)?) };
+        out.set(with_mixture!(AnyMixture: &mixture, m => describe(m)));
+        Ok(())
+    })
+}
+
+fn describe<const N: usize>(mixture: &Mixture<N>) -> srbf_mixture_info {
+    srbf_mixture_info {
+        lobes: mixture.len(),
+        squeezed_lobes: mixture.squeezed_len(),
+        capacity: N,
+        domain: match mixture.domain() {
+            Domain::Sphere => SRBF_DOMAIN_SPHERE,
+            Domain::Hemisphere => SRBF_DOMAIN_HEMISPHERE,
+        },
+        simd_level: mixture.level() as u32,
+        squeeze: mixture.squeeze(),
+        albedo: mixture.albedo().to_array(),
+        power: mixture.power(),
+    }
+}
+
+/// Gives lobe `index` of a mixture, in the frame of its view. Status: `SRBF_STATUS_INDEX` past the end.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_mixture_lobe(
+    mixture: *const srbf_mixture,
+    index: usize,
+    lobe: *mut srbf_lobe,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (mixture, out) = unsafe { (self::mixture(mixture)?, Out::new(lobe)?) };
+        out.set(srbf_lobe::from_core(mixture.lobe(index).ok_or(SRBF_STATUS_INDEX)?));
+        Ok(())
+    })
+}

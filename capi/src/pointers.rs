@@ -1,0 +1,102 @@
+//! The pointer mechanics: what a caller hands over is checked here before it is touched.
+//!
+//! Nothing here can see whether memory is really there: that a pointer which is not NULL points to enough readable or
+//! writable memory is the caller's word, given by the contract at the top of the header. That contract is what every
+//! `SAFETY` comment calls "the header's contract".
+#![allow(unsafe_code)]
+
+use crate::guard::Failure;
+use crate::{SRBF_STATUS_MISALIGNED, SRBF_STATUS_NULL};
+use core::ptr::NonNull;
+
+/// Refuses NULL and addresses that are not aligned for `T`.
+#[inline(always)]
+pub(crate) fn check<T>(pointer: *const T) -> Result<(), Failure> {
+    if pointer.is_null() {
+        return Err(SRBF_STATUS_NULL.into());
+    }
+    if !pointer.is_aligned() {
+        return Err(SRBF_STATUS_MISALIGNED.into());
+    }
+    Ok(())
+}
+
+/// Copies a value that the caller owns.
+///
+/// # Safety
+/// The header's contract: what is not NULL points to a `T` that nobody writes during the call.
+#[inline(always)]
+pub(crate) unsafe fn read<T: Copy>(pointer: *const T) -> Result<T, Failure> {
+    check(pointer)?;
+    // SAFETY: not NULL and aligned, checked above; readable and initialised by the header's contract.
+    Ok(unsafe { pointer.read() })
+}
+
+/// Copies `K` numbers.
+///
+/// # Safety
+/// As [`read`], for an array of `K`.
+#[inline(always)]
+pub(crate) unsafe fn read_array<const K: usize>(pointer: *const f32) -> Result<[f32; K], Failure> {
+    // SAFETY: an array is aligned as its elements are; the caller's word is ours.
+    unsafe { read(pointer.cast::<[f32; K]>()) }
+}
+
+/// Borrows bytes or objects that the caller owns; NULL is allowed where the count is 0.
+///
+/// # Safety
+/// As [`read`], for `count` values, for as long as `'a`.
+#[inline]
+pub(crate) unsafe fn slice<'a, T>(pointer: *const T, count: usize) -> Result<&'a [T], Failure> {
+    if count == 0 {
+        return Ok(&[]);
+    }
+    check(pointer)?;
+    check_extent(pointer.addr(), count, size_of::<T>())?;
+    // SAFETY: not NULL, aligned and not past the end of the address space, checked above; the rest is the contract.
+    Ok(unsafe { core::slice::from_raw_parts(pointer, count) })
+}
+
+/// Refuses buffers of `count` elements, `stride` bytes apart, that the address space has no room for.
+#[inline]
+pub(crate) fn check_extent(start: usize, count: usize, stride: usize) -> Result<(), Failure> {
+    let bytes = count.checked_mul(stride).filter(|&bytes| isize::try_from(bytes).is_ok());
+    match bytes.and_then(|bytes| start.checked_add(bytes)) {
+        Some(_) => Ok(()),
+        None => Err(crate::SRBF_STATUS_SIZE.into()),
+    }
+}
+
+/// A place of the caller for one result. No reference to it is ever made, so that it may hold anything beforehand.
+pub(crate) struct Out<T>(NonNull<T>);
+
+impl<T> Out<T> {
+    /// Checks the place, before any work is done.
+    ///
+    /// # Safety
+    /// The header's contract: what is not NULL points to memory for a `T` that nobody else uses during the call.
+    #[inline(always)]
+    pub unsafe fn new(pointer: *mut T) -> Result<Self, Failure> {
+        check(pointer)?;
+        NonNull::new(pointer).map(Self).ok_or_else(|| SRBF_STATUS_NULL.into())
+    }
+
+    /// Writes the result.
+    #[inline(always)]
+    pub fn set(&self, value: T) {
+        // SAFETY: not NULL and aligned, checked when it was made; writable by the word given to `new`.
+        unsafe { self.0.write(value) }
+    }
+}
+
+impl<const K: usize> Out<[f32; K]> {
+    /// A place for `K` numbers.
+    ///
+    /// # Safety
+    /// As [`Out::new`], for an array of `K`.
+    #[inline(always)]
+    pub unsafe fn array(pointer: *mut f32) -> Result<Self, Failure> {
+        // SAFETY: an array is aligned as its elements are; the caller's word is ours.
+        unsafe { Self::new(pointer.cast()) }
+    }
+}

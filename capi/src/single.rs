@@ -1,0 +1,138 @@
+//! One direction at a time.
+#![allow(unsafe_code)]
+
+use crate::convert::{direction, uniform};
+use crate::guard::guard;
+use crate::pointers::{Out, read_array};
+use crate::storage::{mixture, with_mixture};
+use crate::{srbf_mixture, srbf_status};
+use srbf_core::{Mixture, Vec3};
+
+/// A direction drawn from a mixture.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct srbf_sample {
+    /// Incident direction, unit vector in the caller's shading frame.
+    pub direction: [f32; 3],
+    /// Density of the whole mixture at the direction; 1/sr. 0: nothing was drawn, do not divide by it.
+    pub pdf: f32,
+    /// `f cos / pdf`, linear sRGB: what the throughput of a path is multiplied by.
+    pub weight: [f32; 3],
+}
+
+/// Evaluates `f cos`, the BRDF times the incident cosine, towards a direction; 1/sr.
+///
+/// 0 below the horizon of a hemisphere.
+/// Shapes: `wi` [3], unit vector; `value` [3], linear sRGB, overwritten.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_mixture_evaluate(
+    mixture: *const srbf_mixture,
+    wi: *const f32,
+    value: *mut f32,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (mixture, wi, out) =
+            unsafe { (self::mixture(mixture)?, read_array(wi)?, Out::<[f32; 3]>::array(value)?) };
+        let wi = direction(wi)?;
+        out.set(with_mixture!(AnyMixture: &mixture, m => m.evaluate(wi)).to_array());
+        Ok(())
+    })
+}
+
+/// Evaluates `f`, the BRDF without the incident cosine, towards a direction; 1/sr.
+///
+/// `srbf_mixture_evaluate` over `wi[2]`; 0 at the horizon and below. What is fitted is `f cos`: towards grazing `f`
+/// divides what is left of it by almost nothing.
+/// Shapes: `wi` [3], unit vector; `f` [3], linear sRGB, overwritten.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_mixture_evaluate_f(
+    mixture: *const srbf_mixture,
+    wi: *const f32,
+    f: *mut f32,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (mixture, wi, out) =
+            unsafe { (self::mixture(mixture)?, read_array(wi)?, Out::<[f32; 3]>::array(f)?) };
+        let wi = direction(wi)?;
+        let value = with_mixture!(AnyMixture: &mixture, m => m.evaluate(wi));
+        let f = if wi.z > 0.0 { value / wi.z } else { Vec3::ZERO };
+        // At a cosine next to 0 the quotient may not fit in f32.
+        out.set(f.min(Vec3::MAX).to_array());
+        Ok(())
+    })
+}
+
+/// Evaluates the density of `srbf_mixture_sample` at a direction; 1/sr, per solid angle.
+///
+/// Shapes: `wi` [3], unit vector; `pdf` one number, overwritten.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_mixture_pdf(
+    mixture: *const srbf_mixture,
+    wi: *const f32,
+    pdf: *mut f32,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (mixture, wi, out) = unsafe { (self::mixture(mixture)?, read_array(wi)?, Out::new(pdf)?) };
+        let wi = direction(wi)?;
+        out.set(with_mixture!(AnyMixture: &mixture, m => m.pdf(wi)));
+        Ok(())
+    })
+}
+
+/// Evaluates value and density in one pass, for multiple importance sampling.
+///
+/// Shapes: `wi` [3], unit vector; `value` [3], `f cos` in linear sRGB; `pdf` one number; both overwritten.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_mixture_evaluate_and_pdf(
+    mixture: *const srbf_mixture,
+    wi: *const f32,
+    value: *mut f32,
+    pdf: *mut f32,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (mixture, wi, value_out, pdf_out) = unsafe {
+            (self::mixture(mixture)?, read_array(wi)?, Out::<[f32; 3]>::array(value)?, Out::new(pdf)?)
+        };
+        let wi = direction(wi)?;
+        let (value, pdf) = with_mixture!(AnyMixture: &mixture, m => m.evaluate_and_pdf(wi));
+        value_out.set(value.to_array());
+        pdf_out.set(pdf);
+        Ok(())
+    })
+}
+
+/// Draws an incident direction from the density of a mixture; no sample is wasted below the horizon.
+///
+/// A mixture that reflects nothing gives the normal with density 0 and weight 0, and `SRBF_STATUS_OK`.
+/// Shapes: `u` [3], uniform numbers in [0, 1): the first chooses the lobe, the others the direction in it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_mixture_sample(
+    mixture: *const srbf_mixture,
+    u: *const f32,
+    sample: *mut srbf_sample,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (mixture, u, out) = unsafe { (self::mixture(mixture)?, read_array(u)?, Out::new(sample)?) };
+        let u = uniform(u)?;
+        out.set(with_mixture!(AnyMixture: &mixture, m => draw(m, u)));
+        Ok(())
+    })
+}
+
+/// Draws one sample; what a black mixture gives is said in the header.
+#[inline(always)]
+pub(crate) fn draw<const N: usize>(mixture: &Mixture<N>, u: [f32; 3]) -> srbf_sample {
+    match mixture.sample(u) {
+        Some(sample) => srbf_sample {
+            direction: sample.direction.to_array(),
+            pdf: sample.pdf,
+            weight: sample.weight().to_array(),
+        },
+        None => srbf_sample { direction: [0.0, 0.0, 1.0], pdf: 0.0, weight: [0.0; 3] },
+    }
+}

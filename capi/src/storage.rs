@@ -1,0 +1,204 @@
+//! Objects in the caller's storage: how a mixture and a material are told from memory that holds neither.
+#![allow(unsafe_code)]
+
+use crate::guard::Failure;
+use crate::pointers::check;
+use crate::{SRBF_STATUS_CAPACITY, SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE};
+use core::ops::Range;
+use srbf_core::{Lobe, MAX_LOBES, Mixture};
+
+/// Alignment of the storage for a mixture, which is also what `malloc` gives; 64 is a little faster.
+pub const SRBF_MIXTURE_ALIGNMENT: usize = 16;
+/// Bytes of storage for a mixture of at most 16 lobes.
+pub const SRBF_MIXTURE_SIZE_16: usize = 1280;
+/// Bytes of storage for a mixture of at most 32 lobes.
+pub const SRBF_MIXTURE_SIZE_32: usize = 2304;
+/// Bytes of storage for a mixture of at most 64 lobes, the most that there are.
+pub const SRBF_MIXTURE_SIZE_64: usize = 4352;
+
+/// The lobes of one outgoing direction, in the caller's storage.
+///
+/// Get its size from `srbf_mixture_size` or a constant `SRBF_MIXTURE_SIZE_...`, and the object by `srbf_mixture_init` or
+/// `srbf_material_prepare_into`. It owns nothing: it needs no release, and its bytes may be copied within a process to
+/// storage of the same size and alignment.
+pub struct srbf_mixture {
+    tag: u32,
+    capacity: u32,
+}
+
+/// What stands at the start of every mixture that this library made: "srbf mix".
+const TAG: u32 = 0x5b2f_3b1d;
+
+/// The storage in full. The head comes first, so that a pointer to it is a pointer to the whole.
+#[repr(C, align(16))]
+pub(crate) struct Storage<const N: usize> {
+    head: srbf_mixture,
+    pub mixture: Mixture<N>,
+}
+
+// The constants of the header hold whatever core's mixture looks like.
+const _: () = assert!(
+    size_of::<Storage<16>>() <= SRBF_MIXTURE_SIZE_16
+        && size_of::<Storage<32>>() <= SRBF_MIXTURE_SIZE_32
+        && size_of::<Storage<64>>() <= SRBF_MIXTURE_SIZE_64
+        && align_of::<Storage<64>>() == SRBF_MIXTURE_ALIGNMENT
+        && MAX_LOBES == 64
+);
+
+/// The bytes of storage that a mixture of so many lobes needs; `None` for more than 64.
+pub(crate) const fn size_for(lobes: usize) -> Option<usize> {
+    match lobes {
+        0..=16 => Some(SRBF_MIXTURE_SIZE_16),
+        17..=32 => Some(SRBF_MIXTURE_SIZE_32),
+        33..=MAX_LOBES => Some(SRBF_MIXTURE_SIZE_64),
+        _ => None,
+    }
+}
+
+/// A mixture of the caller, of any capacity.
+pub(crate) enum AnyMixture<'a> {
+    C16(&'a Mixture<16>),
+    C32(&'a Mixture<32>),
+    C64(&'a Mixture<64>),
+}
+
+/// A mixture of the caller, to overwrite.
+pub(crate) enum AnyMixtureMut<'a> {
+    C16(&'a mut Mixture<16>),
+    C32(&'a mut Mixture<32>),
+    C64(&'a mut Mixture<64>),
+}
+
+/// Runs one text for whatever capacity the mixture has.
+macro_rules! with_mixture {
+    ($any:ident: $mixture:expr, $name:ident => $body:expr) => {
+        match $mixture {
+            $crate::storage::$any::C16($name) => $body,
+            $crate::storage::$any::C32($name) => $body,
+            $crate::storage::$any::C64($name) => $body,
+        }
+    };
+}
+pub(crate) use with_mixture;
+
+impl AnyMixture<'_> {
+    /// Lobe `k`.
+    pub fn lobe(&self, k: usize) -> Option<Lobe> {
+        with_mixture!(AnyMixture: self, mixture => mixture.lobe(k))
+    }
+}
+
+/// Reads the head of what should be a mixture; its capacity.
+///
+/// # Safety
+/// The header's contract: what is not NULL points to a mixture.
+#[inline(always)]
+unsafe fn capacity(mixture: *const srbf_mixture) -> Result<u32, Failure> {
+    // The alignment of the whole, not of the head.
+    check(mixture.cast::<Storage<16>>())?;
+    // SAFETY: not NULL and aligned; readable by the contract.
+    let head = unsafe { &*mixture };
+    if head.tag != TAG {
+        return Err(SRBF_STATUS_OBJECT.into());
+    }
+    Ok(head.capacity)
+}
+
+/// Borrows a mixture of the caller.
+///
+/// # Safety
+/// The header's contract: what is not NULL points to a mixture that nobody writes during the call.
+#[inline(always)]
+pub(crate) unsafe fn mixture<'a>(mixture: *const srbf_mixture) -> Result<AnyMixture<'a>, Failure> {
+    // SAFETY: the caller's word is ours.
+    match unsafe { capacity(mixture) }? {
+        // SAFETY: the tag says that `init_at` wrote a storage of this capacity here.
+        16 => Ok(AnyMixture::C16(unsafe { &(*mixture.cast::<Storage<16>>()).mixture })),
+        // SAFETY: as above.
+        32 => Ok(AnyMixture::C32(unsafe { &(*mixture.cast::<Storage<32>>()).mixture })),
+        // SAFETY: as above.
+        64 => Ok(AnyMixture::C64(unsafe { &(*mixture.cast::<Storage<64>>()).mixture })),
+        _ => Err(SRBF_STATUS_OBJECT.into()),
+    }
+}
+
+/// Borrows a mixture of the caller to overwrite it.
+///
+/// # Safety
+/// The header's contract: what is not NULL points to a mixture that nobody else uses during the call.
+#[inline(always)]
+pub(crate) unsafe fn mixture_mut<'a>(mixture: *mut srbf_mixture) -> Result<AnyMixtureMut<'a>, Failure> {
+    // SAFETY: the caller's word is ours.
+    match unsafe { capacity(mixture) }? {
+        // SAFETY: the tag says that `init_at` wrote a storage of this capacity here.
+        16 => Ok(AnyMixtureMut::C16(unsafe { &mut (*mixture.cast::<Storage<16>>()).mixture })),
+        // SAFETY: as above.
+        32 => Ok(AnyMixtureMut::C32(unsafe { &mut (*mixture.cast::<Storage<32>>()).mixture })),
+        // SAFETY: as above.
+        64 => Ok(AnyMixtureMut::C64(unsafe { &mut (*mixture.cast::<Storage<64>>()).mixture })),
+        _ => Err(SRBF_STATUS_OBJECT.into()),
+    }
+}
+
+/// Writes an empty mixture of the largest capacity that `size` bytes hold.
+///
+/// # Safety
+/// The header's contract: `size` bytes at `storage` are writable and nobody else uses them.
+pub(crate) unsafe fn init_at(storage: *mut u8, size: usize) -> Result<*mut srbf_mixture, Failure> {
+    check_storage(storage)?;
+    let place = storage.cast::<srbf_mixture>();
+    // SAFETY (each): not NULL, aligned, `size` bytes are writable by the contract, and the constant is at least the size
+    // of the storage.
+    if size >= SRBF_MIXTURE_SIZE_64 {
+        // SAFETY: as above.
+        unsafe { write_empty::<64>(place) }
+    } else if size >= SRBF_MIXTURE_SIZE_32 {
+        // SAFETY: as above.
+        unsafe { write_empty::<32>(place) }
+    } else if size >= SRBF_MIXTURE_SIZE_16 {
+        // SAFETY: as above.
+        unsafe { write_empty::<16>(place) }
+    } else {
+        return Err(SRBF_STATUS_SIZE.into());
+    }
+    Ok(place)
+}
+
+/// Refuses storage that is NULL or not aligned for a mixture.
+pub(crate) fn check_storage(storage: *mut u8) -> Result<(), Failure> {
+    check(storage)?;
+    if storage.addr().is_multiple_of(SRBF_MIXTURE_ALIGNMENT) {
+        Ok(())
+    } else {
+        Err(SRBF_STATUS_MISALIGNED.into())
+    }
+}
+
+/// # Safety
+/// A `Storage<N>` can be written at `place`.
+unsafe fn write_empty<const N: usize>(place: *mut srbf_mixture) {
+    let head = srbf_mixture { tag: TAG, capacity: N as u32 };
+    // SAFETY: the caller's word.
+    unsafe { place.cast::<Storage<N>>().write(Storage { head, mixture: Mixture::empty() }) }
+}
+
+/// The bytes that a mixture lies in.
+pub(crate) fn extent(mixture: *const srbf_mixture, any: &AnyMixture<'_>) -> Range<usize> {
+    let size = match any {
+        AnyMixture::C16(_) => size_of::<Storage<16>>(),
+        AnyMixture::C32(_) => size_of::<Storage<32>>(),
+        AnyMixture::C64(_) => size_of::<Storage<64>>(),
+    };
+    mixture.addr()..mixture.addr() + size
+}
+
+/// Refuses a capacity that is too small before anything is written.
+pub(crate) fn check_room(needed: usize, available: usize) -> Result<(), Failure> {
+    if needed > available {
+        return Err(Failure::new(
+            SRBF_STATUS_CAPACITY,
+            format_args!("{needed} lobes are needed, there is room for {available}"),
+        ));
+    }
+    Ok(())
+}

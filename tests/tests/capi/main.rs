@@ -1,0 +1,4 @@
+//! The C interface, seen from C and C++.
+
+mod header;
+mod programs;
