@@ -60,12 +60,10 @@ pub(crate) fn start(table: &Table, layout: &Layout, n: usize) -> Vec<f64> {
             let mut at_view = vec![0.0; p];
             shape(layout, view.theta, &sharpness, &lean, &mut at_view);
             let lobes = Lobes::new(layout, &at_view);
-            for (channel, found) in
-                best_amplitudes(view, &lobes, layout.lobes + usize::from(layout.base)).iter().enumerate()
-            {
+            for (channel, found) in best_amplitudes(view, &lobes, layout.lobes + 1).iter().enumerate() {
                 let largest = found.iter().copied().fold(1e-9, f64::max);
-                let base = found.get(layout.lobes).copied().unwrap_or(0.0);
-                q[layout.base(channel)] = libm::log(base.max(1e-3 * view.albedo[channel] + 1e-9));
+                let diffuse = found[layout.lobes];
+                q[layout.diffuse(channel)] = libm::log(diffuse.max(1e-3 * view.albedo[channel] + 1e-9));
                 for k in 0..layout.lobes {
                     let faint = FAINT * largest / sharpness[k].max(1.0);
                     q[layout.amplitude(channel, k)] = libm::log(found[k].max(faint));
@@ -103,7 +101,7 @@ fn nearest(table: &Table, theta: f64) -> Option<&View> {
     table.views.iter().min_by(|a, b| (a.theta - theta).abs().total_cmp(&(b.theta - theta).abs()))
 }
 
-/// Best non-negative amplitudes of the first `count` of lobes and base, per channel, by coordinate descent on the normal
+/// Best non-negative amplitudes of the first `count` of lobes and diffuse term, per channel, by coordinate descent on the normal
 /// equations.
 pub(crate) fn best_amplitudes(view: &View, lobes: &Lobes, count: usize) -> [Vec<f64>; 3] {
     let mut gram = vec![0.0; count * count];
@@ -143,7 +141,7 @@ mod tests {
 
     #[test]
     fn amplitudes_of_lobes_that_made_the_table_are_found_again() {
-        let layout = Layout { lobes: 3, squeezed: 1, base: true, knots: vec![0.0, 1.0] };
+        let layout = Layout { lobes: 3, squeezed: 1, knots: vec![0.0, 1.0] };
         let mut q = vec![0.0; layout.stride()];
         shape(&layout, 0.6, &[40.0, 5.0, 1.5], &[1.0, 0.5, 0.0], &mut q);
         let lobes = Lobes::new(&layout, &q);

@@ -42,7 +42,7 @@ pub(crate) fn minimize(
     let clamp = |x: &mut [f64]| {
         for (i, v) in x.iter_mut().enumerate() {
             let (low, high) = layout.bounds(i % p);
-            *v = if layout.fixed(i / p, i % p) { layout.given(i % p) } else { v.clamp(low, high) };
+            *v = if layout.fixed(i / p, i % p) { 0.0 } else { v.clamp(low, high) };
         }
     };
     clamp(x);

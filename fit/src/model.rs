@@ -51,7 +51,7 @@ impl Lobes {
         Self { squeezed: layout.squeezed, inverse_squeeze: libm::exp(-q[0]), shapes }
     }
 
-    /// How many lobes there are, the base not counted.
+    /// How many lobes there are, the diffuse term not counted.
     pub fn len(&self) -> usize {
         self.shapes.len()
     }
@@ -64,7 +64,7 @@ impl Lobes {
         ([d[0] * inverse, y * inverse, d[2] * inverse], self.inverse_squeeze * inverse * inverse * inverse)
     }
 
-    /// Values of the unit lobes, and of the base of albedo 1, `cos / pi`. Shapes: `out` [K + 1], overwritten.
+    /// Values of the unit lobes, and of the diffuse term of albedo 1, `cos / pi`. Shapes: `out` [K + 1], overwritten.
     pub fn values(&self, d: &[f64; 3], out: &mut [f64]) {
         let (squeezed, j) = self.squeeze(d);
         for (k, (out, [sin, cos, s])) in out.iter_mut().zip(&self.shapes).enumerate() {
@@ -106,7 +106,7 @@ mod tests {
 
     #[test]
     fn derivatives_agree_with_differences() {
-        let layout = Layout { lobes: 4, squeezed: 2, base: true, knots: vec![0.0] };
+        let layout = Layout { lobes: 4, squeezed: 2, knots: vec![0.0] };
         let mut random = Random::new(7);
         for _ in 0..50 {
             let mut q = vec![0.0; layout.stride()];

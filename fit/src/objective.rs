@@ -257,7 +257,7 @@ impl Objective {
         let mut block = Block { place: view.place, cost, gradient: vec![0.0; p], matrix: vec![0.0; p * p] };
         let lobe_of = |i: usize| if i == width - 1 { k } else { i % k };
         let target = |i: usize, channel: usize| match i / k {
-            _ if i == width - 1 => layout.base(channel),
+            _ if i == width - 1 => layout.diffuse(channel),
             0 => layout.angle(lobe_of(i)),
             1 => layout.sharpness(lobe_of(i)),
             2 => layout.amplitude(channel, lobe_of(i)),
@@ -299,7 +299,7 @@ impl Objective {
                 by_albedo * libm::exp(q[layout.amplitude(channel, k)]) * integral,
             ));
         }
-        row.push((layout.base(channel), by_albedo * libm::exp(q[layout.base(channel)])));
+        row.push((layout.diffuse(channel), by_albedo * libm::exp(q[layout.diffuse(channel)])));
         block.cost += residual * residual;
         for &(i, a) in &row {
             block.gradient[i] += a * residual;
@@ -352,9 +352,9 @@ fn norm_squared(view: &View) -> f64 {
     view.samples.iter().map(|s| s.weight * square(s)).sum()
 }
 
-/// Amplitudes of the lobes and of the base, per channel.
+/// Amplitudes of the lobes and of the diffuse term, per channel.
 fn amplitudes(layout: &Layout, q: &[f64]) -> [Vec<f64>; 3] {
-    let channel = |c| (0..layout.lobes).map(move |k| layout.amplitude(c, k)).chain([layout.base(c)]);
+    let channel = |c| (0..layout.lobes).map(move |k| layout.amplitude(c, k)).chain([layout.diffuse(c)]);
     [0, 1, 2].map(|c| channel(c).map(|i| libm::exp(q[i])).collect())
 }
 
@@ -376,7 +376,7 @@ mod tests {
             views.push((theta, scattered));
         }
         let table = Table::from_scattered(views).unwrap();
-        let layout = Layout { lobes: 3, squeezed: 2, base: true, knots: vec![0.0, 0.5, 1.0, 1.5] };
+        let layout = Layout { lobes: 3, squeezed: 2, knots: vec![0.0, 0.5, 1.0, 1.5] };
         let mut x: Vec<f64> = (0..layout.len()).map(|_| 2.0 * random.next() - 0.7).collect();
         x.chunks_mut(layout.stride()).for_each(|knot| knot[0] = -0.4);
         (Objective::new(&table, layout).unwrap(), x)

@@ -1,8 +1,9 @@
 //! The unknowns of a fit: lobes at the knots, and what lies between.
 //!
 //! A knot has `4 + 5 K` unknowns: `ln c`, K angles of the axes in radians, K `ln sharpness`, K `ln amplitude` per channel,
-//! and per channel the logarithm of the albedo of a Lambert term, the *base*. Lobe k of one knot is lobe k of the next; between knots everything is interpolated linearly in the angle of the
-//! outgoing direction, as `srbf_core` does it with the same numbers as base-2 logarithms.
+//! and per channel the logarithm of the albedo of the diffuse term. Lobe k of one knot is lobe k of the next; between knots
+//! everything is interpolated linearly in the angle of the outgoing direction, as `srbf_core` does it with the same numbers
+//! as base-2 logarithms.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -13,8 +14,6 @@ pub(crate) struct Layout {
     pub lobes: usize,
     /// Lobes that see the squeezed direction; they come first.
     pub squeezed: usize,
-    /// Whether there is a base.
-    pub base: bool,
     /// Angles of the knots in radians, from 0 rising to at most pi / 2.
     pub knots: Vec<f64>,
 }
@@ -44,19 +43,14 @@ impl Layout {
         1 + (2 + channel) * self.lobes + k
     }
 
-    /// The logarithm of the albedo of a channel's base.
-    pub fn base(&self, channel: usize) -> usize {
+    /// The logarithm of the albedo of a channel's diffuse term.
+    pub fn diffuse(&self, channel: usize) -> usize {
         1 + 5 * self.lobes + channel
     }
 
     /// Whether an unknown of a knot is given: at the normal every axis is the normal and nothing is squeezed.
     pub fn fixed(&self, knot: usize, index: usize) -> bool {
-        (knot == 0 && index <= self.lobes) || (!self.base && index >= self.base(0))
-    }
-
-    /// The value of an unknown that is given.
-    pub fn given(&self, index: usize) -> f64 {
-        if index <= self.lobes { 0.0 } else { LN_AMPLITUDE.0 }
+        knot == 0 && index <= self.lobes
     }
 
     /// Least and greatest value of an unknown.
@@ -113,7 +107,7 @@ impl Layout {
             }
         }
         for (c, s) in sum.iter_mut().enumerate() {
-            *s += libm::exp(q[self.base(c)]);
+            *s += libm::exp(q[self.diffuse(c)]);
         }
         sum
     }
@@ -149,7 +143,6 @@ mod tests {
         let layout = Layout {
             lobes: 1,
             squeezed: 0,
-            base: false,
             knots: Layout::knots_at([0.0, 0.02, 0.5, 0.51, 1.56].into_iter(), 0.03),
         };
         assert_eq!(layout.knots, [0.0, 0.5, FRAC_PI_2]);

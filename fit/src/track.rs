@@ -8,6 +8,7 @@ use crate::objective::Objective;
 use crate::parameters::Layout;
 use crate::report::{Report, ViewReport};
 use crate::table::Table;
+use std::f64::consts::FRAC_PI_2;
 use std::time::Instant;
 
 /// How a material is fitted.
@@ -23,13 +24,23 @@ pub struct Settings {
     pub starts: usize,
     /// Most steps of the refinement.
     pub steps: usize,
+    /// Angles of the knots in radians, from 0 rising; `None`: the views of the table, the normal and the horizon.
+    pub knots: Option<Vec<f64>>,
     /// Name of the source, hash and the like: the first lines of the material's provenance.
     pub provenance: String,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { lobes: 12, squeezed: 7, smoothness: 1e-5, starts: 6, steps: 150, provenance: String::new() }
+        Self {
+            lobes: 12,
+            squeezed: 7,
+            smoothness: 1e-5,
+            starts: 6,
+            steps: 150,
+            knots: None,
+            provenance: String::new(),
+        }
     }
 }
 
@@ -41,9 +52,6 @@ pub struct Fit {
     /// How good it is.
     pub report: Report,
 }
-
-/// Whether the lobes have a Lambert term beside them.
-const BASE: bool = false;
 
 /// Steps of each start before the best one is chosen.
 const SCOUTING: usize = 25;
@@ -64,8 +72,10 @@ pub fn fit(table: &Table, settings: &Settings, mut progress: impl FnMut(f64)) ->
     let layout = Layout {
         lobes: settings.lobes,
         squeezed: settings.squeezed,
-        base: BASE,
-        knots: Layout::knots_at(table.views.iter().map(|v| v.theta), KNOT_DISTANCE),
+        knots: match &settings.knots {
+            Some(knots) => knots.clone(),
+            None => Layout::knots_at(table.views.iter().map(|v| v.theta), KNOT_DISTANCE),
+        },
     };
     let objective = Objective::new(table, layout.clone())?;
 
@@ -121,6 +131,11 @@ fn check(settings: &Settings) -> Result<(), FitError> {
     range("lobes", (1..=srbf_core::MAX_LOBES).contains(&settings.lobes), "from 1 to 64")?;
     range("squeezed", settings.squeezed <= settings.lobes, "at most the number of lobes")?;
     range("smoothness", (1e-12..=1e3).contains(&settings.smoothness), "from 1e-12 to 1000")?;
+    if let Some(knots) = &settings.knots {
+        let rising = knots.windows(2).all(|w| w[1] - w[0] > 1e-4);
+        let inside = knots.len() <= 1024 && knots.first() == Some(&0.0) && knots.last() <= Some(&FRAC_PI_2);
+        range("knots", rising && inside, "from 0 rising to at most pi / 2 radians, at most 1024")?;
+    }
     range("starts", (1..=1000).contains(&settings.starts), "from 1 to 1000")?;
     range("steps", (1..=100_000).contains(&settings.steps), "from 1 to 100000")
 }
