@@ -1,7 +1,7 @@
 //! Materials: what was written is what is read, and views in between are interpolated as the design says.
 
 use glam::Vec3;
-use srbf_core::{Material, Mixture, PlaneLobe, View, encode, encoded_len};
+use srbf_core::{Level, Material, Mixture, PlaneLobe, SamplesMut, View, encode, encoded_len};
 use srbf_tests::inputs::Random;
 
 #[test]
@@ -78,4 +78,88 @@ fn what_was_written_is_read_and_interpolated() {
             assert!((lobe.gaussian.axis.as_dvec3() - want).length() < 1e-6, "axis at {theta}");
         }
     }
+}
+
+/// A small material, and as many outgoing directions, some below the horizon, some no direction.
+fn small_material() -> Vec<u8> {
+    let lobe = |angle, log2_sharpness| PlaneLobe { angle, log2_sharpness, log2_amplitude: [0.0, -1.0, 1.0] };
+    let (normal, tilted) = ([lobe(0.0, 3.0), lobe(0.0, 8.0)], [lobe(0.4, 2.0), lobe(1.2, 9.0)]);
+    let view = |theta, log2_squeeze, lobes| View { theta, log2_squeeze, log2_diffuse: [-2.0; 3], lobes };
+    let mut bytes = vec![0; encoded_len(2, 2, "")];
+    encode(&[view(0.0, 0.0, &normal[..]), view(1.3, -2.0, &tilted[..])], 1, "", &mut bytes).unwrap();
+    bytes
+}
+
+#[test]
+fn pairs_are_the_mixtures_one_by_one() {
+    const N: usize = 61;
+    let bytes = small_material();
+    let material = Material::from_bytes(&bytes).unwrap();
+    let mut random = Random(52);
+    let mut wo: Vec<Vec3> = (0..N).map(|_| random.direction()).collect();
+    wo[7] = Vec3::NAN;
+    wo[8] = Vec3::ZERO;
+    let wi: Vec<Vec3> = (0..N).map(|_| random.direction()).collect();
+    let u: Vec<Vec3> = (0..N).map(|_| Vec3::from_array(random.three())).collect();
+    let split = |v: &[Vec3]| [0, 1, 2].map(|i| v.iter().map(|d| d[i]).collect::<Vec<f32>>());
+    let (wo_split, wi_split, u_split) = (split(&wo), split(&wi), split(&u));
+    fn slices(v: &[Vec<f32>; 3]) -> [&[f32]; 3] {
+        [&v[0], &v[1], &v[2]]
+    }
+    let (wo_slices, wi_slices, u_slices) = (slices(&wo_split), slices(&wi_split), slices(&u_split));
+
+    let mut out = [(); 7].map(|()| vec![f32::NAN; N]);
+    let [r, g, b, pdf, ..] = &mut out;
+    material.evaluate_pairs_into(wo_slices, wi_slices, [r, g, b], pdf).unwrap();
+    let evaluated = out.clone();
+    let [x, y, z, pdf, wr, wg, wb] = &mut out;
+    let samples = SamplesMut { direction: [x, y, z], pdf, weight: [wr, wg, wb] };
+    material.sample_pairs_into(wo_slices, u_slices, samples).unwrap();
+    let mut mixtures = vec![Mixture::<16>::empty(); N];
+    material.prepare_into(wo_slices, &mut mixtures).unwrap();
+    let close = |a: f32, b: f32| (a - b).abs() <= 1e-5 * b.abs() + 1e-30;
+    for i in 0..N {
+        let mut m = Mixture::<16>::empty();
+        let known = material.prepare(wo[i], &mut m).is_ok();
+        assert_eq!(known, i != 7 && i != 8);
+        assert_eq!((mixtures[i].len(), mixtures[i].is_empty()), (m.len(), m.len() == 0));
+        assert!(close(mixtures[i].power(), m.power()));
+        let value = m.evaluate(wi[i]);
+        for c in 0..3 {
+            assert!(close(evaluated[c][i], value[c]), "value {i}: {}, {}", evaluated[c][i], value[c]);
+        }
+        assert!(close(evaluated[3][i], m.pdf(wi[i])), "pdf {i}");
+        let direction = Vec3::new(out[0][i], out[1][i], out[2][i]);
+        match m.sample(u[i].to_array()) {
+            Some(sample) => {
+                assert!(
+                    (sample.direction - direction).length() < 1e-5,
+                    "{i}: {direction}, {}",
+                    sample.direction
+                );
+                assert!((out[3][i] / sample.pdf - 1.0).abs() < 1e-3, "{i}");
+                for c in 0..3 {
+                    assert!((out[4 + c][i] / sample.weight()[c] - 1.0).abs() < 1e-3, "{i}");
+                    assert!(close(sample.weight()[c], sample.value[c] / sample.pdf), "{i}");
+                }
+            }
+            None => assert_eq!((direction, out[3][i], out[4][i]), (Vec3::Z, 0.0, 0.0), "{i}"),
+        }
+    }
+    let short = [&wo_slices[0][1..], wo_slices[1], wo_slices[2]];
+    assert!(material.prepare_into(short, &mut mixtures).is_err());
+    let [r, g, b, pdf, ..] = &mut out;
+    assert!(material.evaluate_pairs_into(short, wi_slices, [r, g, b], pdf).is_err());
+}
+
+#[test]
+fn levels_have_names_and_a_current_one() {
+    for level in Level::ALL {
+        assert_eq!(Level::from_name(level.name()), Some(level));
+    }
+    assert_eq!(Level::from_name("none"), None);
+    assert!(Level::current().is_available());
+    let m = Mixture::<16>::hemisphere(&[]).unwrap().with_diffuse(Vec3::splat(0.5)).unwrap();
+    assert_eq!(m.diffuse(), Vec3::splat(0.5));
+    assert!(m.is_empty());
 }
