@@ -49,7 +49,7 @@ impl SettingArgs {
             smoothness: self.smoothness.unwrap_or(default.smoothness),
             starts: self.starts.unwrap_or(default.starts),
             steps: self.steps.unwrap_or(default.steps),
-            provenance: String::new(),
+            ..default
         }
     }
 }
