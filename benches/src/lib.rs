@@ -1,1 +1,96 @@
-//! What the benches share.
+//! What the benches share: inputs, and the baselines that every figure is a ratio to.
+
+pub mod baseline;
+
+use srbf_core::{Level, Lobe, Material, Mixture, Vec3};
+
+/// Lobe counts that every batch operation is measured at.
+pub const LOBES: [usize; 7] = [1, 4, 8, 12, 16, 32, 64];
+
+/// Batch sizes that every batch operation is measured at.
+pub const DIRECTIONS: [usize; 5] = [1, 7, 64, 1024, 65536];
+
+/// The garnet red preset, as the renderer embeds it.
+pub const GARNET_RED: &[u8] = include_bytes!("../../presets/garnet_red.srbf");
+
+/// The levels that this machine has.
+pub fn levels() -> impl Iterator<Item = Level> {
+    Level::ALL.into_iter().filter(|level| level.is_available())
+}
+
+/// A small deterministic generator (SplitMix64).
+#[derive(Debug)]
+pub struct Random(pub u64);
+
+impl Random {
+    /// The next uniform number in [0, 1).
+    pub fn uniform(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ z >> 31) >> 40) as f32 / (1u64 << 24) as f32
+    }
+
+    /// A uniform direction of the upper hemisphere.
+    pub fn direction(&mut self) -> Vec3 {
+        let (z, phi) = (self.uniform(), self.uniform() * core::f32::consts::TAU);
+        let across = (1.0 - z * z).sqrt();
+        Vec3::new(across * phi.cos(), across * phi.sin(), z)
+    }
+}
+
+/// `n` directions of the upper hemisphere, or `n` triples of uniform numbers, as structure of arrays.
+#[derive(Debug)]
+pub struct Triples(pub [Vec<f32>; 3]);
+
+impl Triples {
+    /// Directions.
+    pub fn directions(n: usize, seed: u64) -> Self {
+        let mut random = Random(seed);
+        let all: Vec<Vec3> = (0..n).map(|_| random.direction()).collect();
+        Self([0, 1, 2].map(|i| all.iter().map(|d| d[i]).collect()))
+    }
+
+    /// Uniform numbers.
+    pub fn uniforms(n: usize, seed: u64) -> Self {
+        let mut random = Random(seed);
+        Self([0, 1, 2].map(|_| (0..n).map(|_| random.uniform()).collect()))
+    }
+
+    /// Borrowed, as the library takes them.
+    pub fn slices(&self) -> [&[f32]; 3] {
+        [&self.0[0], &self.0[1], &self.0[2]]
+    }
+
+    /// The `i`-th triple.
+    pub fn at(&self, i: usize) -> Vec3 {
+        Vec3::new(self.0[0][i], self.0[1][i], self.0[2][i])
+    }
+}
+
+/// `count` lobes with axes far above the horizon: none needs its fold, to compare with those who have none.
+pub fn general_lobes(count: usize) -> Vec<Lobe> {
+    let mut random = Random(42);
+    (0..count)
+        .map(|_| {
+            let axis = random.direction().with_z(1.5).normalize();
+            let sharpness = 50.0 * 2f32.powf(6.0 * random.uniform());
+            let rgb = Vec3::new(random.uniform(), random.uniform(), random.uniform());
+            Lobe::new(axis, sharpness, rgb).expect("a valid lobe")
+        })
+        .collect()
+}
+
+/// A mixture of [`general_lobes`], round and without folds, at the current level.
+pub fn general_mixture(count: usize) -> Mixture<64> {
+    Mixture::sphere(&general_lobes(count)).expect("a valid mixture")
+}
+
+/// The garnet red preset at 50 degrees, folded where needed, squeezed, with its diffuse term, at the current level.
+pub fn garnet_mixture() -> Mixture<64> {
+    let material = Material::from_bytes(GARNET_RED).expect("the preset is valid");
+    let mut mixture = Mixture::empty();
+    material.prepare(Vec3::new(-0.6, 0.4, 0.65).normalize(), &mut mixture).expect("a valid direction");
+    mixture
+}

@@ -240,8 +240,9 @@ pub fn sum_of_products<L: Lanes>(a: L, b: L, c: L, d: L) -> (L, L) {
 /// `|v|^2 - 1` of a vector that f32 takes for a unit vector, without losing its digits.
 #[inline(always)]
 pub fn length_squared_minus_one<L: Lanes>([x, y, z]: [L; 3]) -> L {
-    let [(xx, x_error), (yy, y_error), (zz, z_error)] =
-        [two_product(x, x), two_product(y, y), two_product(z, z)];
+    let (xx, x_error) = two_product(x, x);
+    let (yy, y_error) = two_product(y, y);
+    let (zz, z_error) = two_product(z, z);
     let (sum, xy_error) = two_sum(xx, yy);
     let (sum, error) = two_sum(sum, zz);
     (sum - L::splat(1.0)) + ((x_error + y_error) + (z_error + (xy_error + error)))

@@ -24,6 +24,8 @@ pub struct Environment {
     /// Density of `sample` in each pixel; 1/sr.
     density: Vec<f32>,
     table: AliasTable,
+    /// Heights z of the edges between rows, from 1 down to -1.
+    edges: Vec<f64>,
     /// What the map is turned by round +z, radians.
     turn: f32,
     constant: bool,
@@ -77,15 +79,17 @@ impl Environment {
                 sum / (3 * rows.count()) as f32
             })
             .collect();
+        let edges: Vec<f64> =
+            (0..=height).map(|row| (std::f64::consts::PI * row as f64 / height as f64).cos()).collect();
         let power: Vec<f64> =
-            (0..bright.len()).map(|i| f64::from(around[i]) * solid_angle(i / width, width, height)).collect();
+            (0..bright.len()).map(|i| f64::from(around[i]) * solid_angle(&edges, i / width, width)).collect();
         let total: f64 = power.iter().sum();
         let Some(table) = AliasTable::new(&power) else {
             anyhow::bail!("the map is black all over: there is nothing to render");
         };
         let density = around.iter().map(|&l| (f64::from(l) / total) as f32).collect();
         let constant = radiance.iter().all(|&c| c == radiance[0]);
-        Ok(Self { width, height, radiance, density, table, turn: 0.0, constant })
+        Ok(Self { width, height, radiance, density, table, edges, turn: 0.0, constant })
     }
 
     /// The same radiance from everywhere.
@@ -146,7 +150,8 @@ impl Environment {
         let pixel = self.table.choose(hit, random.unit());
         let (column, row) = (pixel % self.width, pixel / self.width);
         let turns = (column as f32 + random.unit()) / self.width as f32;
-        let z = height_within(row, self.height, f64::from(random.unit()));
+        let [upper, lower] = [self.edges[row], self.edges[row + 1]];
+        let z = (upper + (lower - upper) * f64::from(random.unit())) as f32;
         let radius = (1.0 - z * z).max(0.0).sqrt();
         let (sin, cos) = (self.turn - (turns - 0.5) * TAU).sin_cos();
         let direction = Vec3::new(radius * cos, radius * sin, z);
@@ -154,20 +159,9 @@ impl Environment {
     }
 }
 
-/// Heights z of the upper edge of a row and of the one below.
-fn edges(row: usize, height: usize) -> [f64; 2] {
-    [row, row + 1].map(|r| (std::f64::consts::PI * r as f64 / height as f64).cos())
-}
-
-/// Height at a share `u` of the area of a row.
-fn height_within(row: usize, height: usize, u: f64) -> f32 {
-    let [upper, lower] = edges(row, height);
-    (upper + (lower - upper) * u) as f32
-}
-
-fn solid_angle(row: usize, width: usize, height: usize) -> f64 {
-    let [upper, lower] = edges(row, height);
-    std::f64::consts::TAU / width as f64 * (upper - lower)
+/// Solid angle of a pixel of a row.
+fn solid_angle(edges: &[f64], row: usize, width: usize) -> f64 {
+    std::f64::consts::TAU / width as f64 * (edges[row] - edges[row + 1])
 }
 
 #[cfg(test)]
@@ -188,10 +182,11 @@ mod tests {
 
     #[test]
     fn density_integrates_to_one() {
-        for environment in [uneven(), Environment::constant(2.0).unwrap(), sky::sky()] {
+        for environment in [uneven(), Environment::constant(2.0).unwrap(), sky::sky(), sky::haze()] {
             let (w, h) = (environment.width, environment.height);
-            let sum: f64 =
-                (0..w * h).map(|i| f64::from(environment.density[i]) * solid_angle(i / w, w, h)).sum();
+            let sum: f64 = (0..w * h)
+                .map(|i| f64::from(environment.density[i]) * solid_angle(&environment.edges, i / w, w))
+                .sum();
             assert!((sum - 1.0).abs() < 1e-5, "{sum}");
         }
     }
@@ -215,7 +210,7 @@ mod tests {
         for (bin, &count) in counts.iter().enumerate() {
             let expected = f64::from(n)
                 * f64::from(environment.density[bin])
-                * solid_angle(bin / environment.width, environment.width, environment.height);
+                * solid_angle(&environment.edges, bin / environment.width, environment.width);
             if expected < 5.0 {
                 pooled[0] += count;
                 pooled[1] += expected;

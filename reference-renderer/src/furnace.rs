@@ -54,3 +54,35 @@ pub fn compare(scene: &Scene<'_>, camera: &Camera, radiance: Vec3, film: &Film) 
     result.standard_error = result.standard_error.map(f64::sqrt) / n;
     result
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::environment::Environment;
+    use crate::integrator::Sampler;
+    use crate::material::tests::lacquer;
+    use crate::progress::Progress;
+    use crate::render::{Settings, add_samples};
+    use crate::scene::SceneName;
+
+    #[test]
+    fn rendered_mean_is_the_closed_form_albedo() {
+        let environment = Environment::constant(1.7).unwrap();
+        let material = lacquer();
+        let scene = Scene::new(SceneName::Sphere, material.get(), material.get(), &environment);
+        let size = [32, 32];
+        let camera = SceneName::Sphere.camera(size);
+        for sampler in [Sampler::Lobes, Sampler::Mis, Sampler::Light] {
+            let settings = Settings { sampler, max_bounces: 4, seed: 3 };
+            let mut film = Film::new(size);
+            add_samples(&scene, &camera, &settings, &mut film, 128, &Progress::hidden()).unwrap();
+            let furnace = compare(&scene, &camera, Vec3::splat(1.7), &film);
+            assert!(furnace.pixels > 300);
+            // Within four standard errors and the error of evaluating the closed form on a grid in each pixel.
+            let deviation = (furnace.rendered - furnace.expected).abs();
+            let allowed = 4.0 * furnace.standard_error + 2e-4 * furnace.expected;
+            assert!(deviation.cmple(allowed).all(), "{}: {furnace:?}", sampler.name());
+            assert!(furnace.standard_error.max_element() < 0.02 * furnace.expected.max_element());
+        }
+    }
+}

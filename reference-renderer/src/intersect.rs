@@ -35,8 +35,7 @@ impl TriangleTree {
         if triangles.is_empty() {
             return Self { tree: CwBvh::default(), triangles };
         }
-        let tree =
-            build_cwbvh_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::default());
+        let tree = build_cwbvh_from_tris(&triangles, BvhBuildParams::slow_build(), &mut Duration::default());
         let triangles = tree.primitive_indices.iter().map(|&i| triangles[i as usize]).collect();
         Self { tree, triangles }
     }

@@ -6,10 +6,14 @@ use std::borrow::Cow;
 use std::path::Path;
 
 /// The presets: name and `.srbf` bytes.
-pub const PRESETS: &[(&str, &[u8])] = &[];
+pub const PRESETS: &[(&str, &[u8])] = &[
+    ("garnet_red", include_bytes!("../../presets/garnet_red.srbf")),
+    ("krylon_blue", include_bytes!("../../presets/krylon_blue.srbf")),
+    ("cayman", include_bytes!("../../presets/cayman.srbf")),
+];
 
 /// What is rendered where no material is named.
-pub const DEFAULT: &str = MATTE;
+pub const DEFAULT: &str = "garnet_red";
 
 /// Name of the built-in material without a highlight.
 pub const MATTE: &str = "matte";
@@ -62,16 +66,12 @@ impl StoredMaterial {
     }
 }
 
-/// Makes a grey of albedo 1/2 that scatters roughly as Lambert's law: one lobe of sharpness 2.26 round the normal comes
-/// closest to the cosine, within 17 % (relative L2 over the hemisphere).
+/// Makes a grey that scatters by Lambert's law with albedo 1/2: a diffuse term, and the one lobe that a material must
+/// have as dark as it can be.
 fn matte() -> Vec<u8> {
-    let albedo = 0.5f32;
-    let sharpness = 2.26f32;
-    let amplitude = albedo / srbf_core::special::sphere_integral(sharpness);
-    let lobe =
-        PlaneLobe { angle: 0.0, log2_sharpness: sharpness.log2(), log2_amplitude: [amplitude.log2(); 3] };
-    let view = View { theta: 0.0, log2_squeeze: 0.0, log2_diffuse: [-126.0; 3], lobes: &[lobe] };
-    let provenance = "built in: one wide lobe, about Lambertian, albedo 1/2";
+    let lobe = PlaneLobe { angle: 0.0, log2_sharpness: 0.0, log2_amplitude: [-126.0; 3] };
+    let view = View { theta: 0.0, log2_squeeze: 0.0, log2_diffuse: [-1.0; 3], lobes: &[lobe] };
+    let provenance = "built in: Lambert's law, albedo 1/2";
     let mut bytes = vec![0; encoded_len(1, 1, provenance)];
     encode(&[view], 0, provenance, &mut bytes).expect("the numbers are in range");
     bytes
@@ -81,7 +81,7 @@ fn matte() -> Vec<u8> {
 pub mod tests {
     use super::*;
 
-    /// A red lacquer for tests: a wide lobe, and a highlight that grows and narrows towards grazing.
+    /// A red lacquer for tests: a diffuse term, a wide lobe, and a highlight that grows and narrows towards grazing.
     pub fn lacquer() -> StoredMaterial {
         let lobes: Vec<[PlaneLobe; 3]> = (0..=8)
             .map(|v| {
@@ -102,12 +102,13 @@ pub mod tests {
                 ]
             })
             .collect();
+        let log2_diffuse = [0.05f32, 0.01, 0.01].map(f32::log2);
         let views: Vec<View<'_>> = lobes
             .iter()
             .enumerate()
             .map(|(v, lobes)| {
                 let theta = v as f32 * 10f32.to_radians();
-                View { theta, log2_squeeze: theta.cos().log2(), log2_diffuse: [-126.0; 3], lobes }
+                View { theta, log2_squeeze: theta.cos().log2(), log2_diffuse, lobes }
             })
             .collect();
         let mut bytes = vec![0; encoded_len(views.len(), 3, "test")];

@@ -1,5 +1,8 @@
 //! Triangles with interpolated normals.
 
+pub mod file;
+mod ply;
+
 use glam::Vec3;
 
 /// Triangles that share vertices.
@@ -50,6 +53,20 @@ impl Mesh {
         self.normals.iter_mut().for_each(|n| *n = n.normalize_or(Vec3::Z));
     }
 
+    /// Turns what has +y up into what has +z up.
+    pub fn turn_y_up(&mut self) {
+        let turn = |v: &mut Vec3| *v = Vec3::new(v.x, -v.z, v.y);
+        self.positions.iter_mut().chain(&mut self.normals).for_each(turn);
+    }
+
+    /// Scales and moves so that it stands on z = 0 over the origin, its largest side `size`.
+    pub fn stand(&mut self, size: f32) {
+        let [low, high] = self.bounds();
+        let scale = size / (high - low).max_element();
+        let foot = Vec3::new(0.5 * (low.x + high.x), 0.5 * (low.y + high.y), low.z);
+        self.positions.iter_mut().for_each(|p| *p = (*p - foot) * scale);
+    }
+
     /// The smallest box round the vertices, lower and upper corner.
     pub fn bounds(&self) -> [Vec3; 2] {
         self.positions
@@ -83,6 +100,23 @@ mod tests {
         let (flat, smooth) = mesh.normals_at(0, vec3(0.25, 0.5, 0.0));
         assert_eq!(flat, Vec3::Z);
         assert!((smooth - vec3(0.25, 0.5, 0.25).normalize()).length() < 1e-6);
+    }
+
+    #[test]
+    fn stands_upright_in_the_size_asked_for() {
+        let mut mesh = Mesh {
+            positions: vec![Vec3::new(5.0, 1.0, 0.0), Vec3::new(7.0, 1.0, 0.0), Vec3::new(6.0, 9.0, 0.5)],
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
+        mesh.smooth_normals();
+        mesh.turn_y_up();
+        mesh.stand(4.0);
+        let [low, high] = mesh.bounds();
+        assert!((low - vec3(-0.5, -0.125, 0.0)).length() < 1e-6, "{low}");
+        assert!((high - vec3(0.5, 0.125, 4.0)).length() < 1e-6, "{high}");
+        let (flat, smooth) = mesh.normals_at(0, mesh.positions[0]);
+        assert!((flat - smooth).length() < 1e-6);
     }
 
     #[test]

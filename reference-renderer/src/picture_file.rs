@@ -27,6 +27,18 @@ pub fn write_exr(path: &Path, [width, height]: [u32; 2], pixels: &[Vec3]) -> any
     output::write(path, &bytes)
 }
 
+/// Share of the pixels that are darker than what the PNG shows as nearly white.
+const BRIGHT_SHARE: f64 = 0.95;
+
+/// The factor that brings the brightest pixels, but for a twentieth of them, to where the tone map begins to compress.
+pub fn automatic_exposure(pixels: &[Vec3]) -> f32 {
+    let mut bright: Vec<f32> = pixels.iter().map(|&p| srbf_core::luminance(p)).collect();
+    let place = (BRIGHT_SHARE * bright.len() as f64) as usize;
+    let Some(place) = place.checked_sub(usize::from(place == bright.len())) else { return 1.0 };
+    let (_, &mut value, _) = bright.select_nth_unstable_by(place, f32::total_cmp);
+    if value > 0.0 && value.is_finite() { 0.8 / value } else { 1.0 }
+}
+
 /// Writes a tone-mapped PNG; `exposure` scales the radiance first.
 ///
 /// # Errors
@@ -94,6 +106,9 @@ mod tests {
             assert!(value >= previous && value <= 1.0, "{i}: {value}");
             previous = value;
         }
+        assert_eq!(automatic_exposure(&[]), 1.0);
+        assert_eq!(automatic_exposure(&[Vec3::ZERO]), 1.0);
+        assert_eq!(automatic_exposure(&[Vec3::ONE; 7]), 0.8);
         assert_eq!(to_srgb(Vec3::ZERO), [0; 3]);
         assert_eq!(to_srgb(Vec3::ONE), [255; 3]);
     }

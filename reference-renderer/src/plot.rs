@@ -88,12 +88,16 @@ fn panel(
     Ok(())
 }
 
-/// The range of positive values, a little widened; what is not positive has no place on a logarithmic axis.
+/// The range of positive values, widened to powers of ten; what is not positive has no place on a logarithmic axis.
 fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     let [low, high] = values
         .filter(|v| *v > 0.0 && v.is_finite())
         .fold([f64::INFINITY, 0.0], |[low, high], v| [f64::min(low, v), f64::max(high, v)]);
-    if high > 0.0 { [low / 1.3, high * 1.3] } else { [0.1, 1.0] }
+    if high == 0.0 {
+        return [0.1, 1.0];
+    }
+    let power = |exponent: f64| 10f64.powi(exponent as i32);
+    [power((low / 1.05).log10().floor()), power((high * 1.05).log10().ceil())]
 }
 
 /// Powers of ten and what lies between, without needless zeros.

@@ -50,3 +50,79 @@ pub fn add_samples(
         None => Ok(()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::environment::{Environment, sky};
+    use crate::material::StoredMaterial;
+    use crate::material::tests::lacquer;
+    use crate::scene::SceneName;
+    use glam::DVec3;
+
+    const SIZE: [u32; 2] = [24, 16];
+
+    fn film(scene: &Scene<'_>, name: SceneName, sampler: Sampler, samples: u32) -> Film {
+        let mut film = Film::new(SIZE);
+        let settings = Settings { sampler, max_bounces: 3, seed: 11 };
+        add_samples(scene, &name.camera(SIZE), &settings, &mut film, samples, &Progress::hidden()).unwrap();
+        film
+    }
+
+    #[test]
+    fn picture_does_not_depend_on_the_threads_nor_on_the_steps() {
+        let (sky, object, ground) = (sky::sky(), lacquer(), StoredMaterial::load("matte").unwrap());
+        let scene = Scene::new(SceneName::Teapot, object.get(), ground.get(), &sky);
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| film(&scene, SceneName::Teapot, Sampler::Mis, 4))
+        };
+        let one = on(1);
+        assert_eq!(one, on(2));
+        assert_eq!(one, on(3));
+        let mut steps = Film::new(SIZE);
+        for samples in [1, 3] {
+            let settings = Settings { sampler: Sampler::Mis, max_bounces: 3, seed: 11 };
+            let camera = SceneName::Teapot.camera(SIZE);
+            add_samples(&scene, &camera, &settings, &mut steps, samples, &Progress::hidden()).unwrap();
+        }
+        assert_eq!(one, steps);
+        assert_ne!(one, {
+            let mut other = Film::new(SIZE);
+            let settings = Settings { sampler: Sampler::Mis, max_bounces: 3, seed: 12 };
+            let camera = SceneName::Teapot.camera(SIZE);
+            add_samples(&scene, &camera, &settings, &mut other, 4, &Progress::hidden()).unwrap();
+            other
+        });
+    }
+
+    #[test]
+    fn every_sampler_has_the_same_mean() {
+        // A light without a sharp sun, so that samplers of the material alone converge too.
+        let pixels = (0..32 * 16).map(|i| glam::Vec3::splat(0.1 + ((i * 37) % 11) as f32)).collect();
+        let light = Environment::new(32, pixels).unwrap();
+        let (object, ground) = (lacquer(), StoredMaterial::load("matte").unwrap());
+        for name in [SceneName::Sphere, SceneName::Teapot] {
+            let scene = Scene::new(name, object.get(), ground.get(), &light);
+            let mean = |sampler| {
+                let film = film(&scene, name, sampler, 256);
+                let n = film.pixels.len() as f64;
+                let sum: DVec3 = (0..film.pixels.len()).map(|i| film.mean(i)).sum();
+                let variance: DVec3 = (0..film.pixels.len()).map(|i| film.variance_of_mean(i)).sum();
+                (sum / n, variance / (n * n))
+            };
+            let (expected, own) = mean(Sampler::Mis);
+            for sampler in [Sampler::Lobes, Sampler::Light, Sampler::Cosine, Sampler::Uniform] {
+                let (rendered, variance) = mean(sampler);
+                let error = (own + variance).map(f64::sqrt);
+                let deviation = (rendered - expected).abs();
+                assert!(
+                    deviation.cmple(4.5 * error).all(),
+                    "{}: {rendered} {expected} +- {error}",
+                    sampler.name()
+                );
+                assert!(error.max_element() < 0.05 * expected.max_element(), "{}: {error}", sampler.name());
+            }
+        }
+    }
+}

@@ -44,10 +44,8 @@ pub fn print(comparison: &Comparison) {
         let cells = points.iter().map(|p| format!("  {:>12.3}  {:.4}", p.seconds, p.error));
         println!("  {:>13}{}", points[0].samples, cells.collect::<String>());
     }
-    println!(
-        "  relative RMS error of the pixels; the reference's own, {:.4}, is taken off",
-        comparison.reference_error
-    );
+    let own = comparison.reference_error;
+    println!("  error: root mean square over the mean; the reference's own, {own:.4}, is taken off");
     println!("{}", summary(comparison));
 }
 

@@ -30,7 +30,7 @@ impl SceneName {
     /// The camera that shows the scene.
     pub fn camera(self, size: [u32; 2]) -> Camera {
         match self {
-            Self::Sphere => Camera::new(vec3(0.0, -6.0, 1.2), Vec3::ZERO, 24f32.to_radians(), size),
+            Self::Sphere => Camera::new(vec3(0.0, -6.0, 0.6), Vec3::ZERO, 24f32.to_radians(), size),
             Self::Teapot => {
                 Camera::new(vec3(3.6, -9.6, 5.2), vec3(0.15, 0.0, 1.25), 27f32.to_radians(), size)
             }
@@ -70,10 +70,21 @@ impl<'a> Scene<'a> {
         ground: Material<'a>,
         environment: &'a Environment,
     ) -> Self {
-        let mut mesh = Mesh::default();
-        if name == SceneName::Teapot {
-            mesh = teapot::tessellate(TEAPOT_STEPS);
-        }
+        let mesh = match name {
+            SceneName::Sphere => Mesh::default(),
+            SceneName::Teapot => teapot::tessellate(TEAPOT_STEPS),
+        };
+        Self::with_mesh(name, mesh, object, ground, environment)
+    }
+
+    /// Builds a scene with a mesh in place of the teapot.
+    pub fn with_mesh(
+        name: SceneName,
+        mut mesh: Mesh,
+        object: Material<'a>,
+        ground: Material<'a>,
+        environment: &'a Environment,
+    ) -> Self {
         let ground_from = mesh.triangles.len();
         if name == SceneName::Teapot {
             mesh.append(&Mesh::square(GROUND_HALF_SIDE, GROUND_HEIGHT));

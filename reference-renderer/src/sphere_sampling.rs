@@ -4,6 +4,7 @@ use glam::{Vec3, vec3};
 use std::f32::consts::PI;
 
 /// Draws a direction uniformly on the sphere; density `1 / (4 pi)`.
+#[cfg(test)]
 pub fn uniform(u: [f32; 2]) -> Vec3 {
     from_height(1.0 - 2.0 * u[0], u[1])
 }

@@ -3,6 +3,7 @@
 pub mod inputs;
 pub mod native;
 pub mod oracle;
+pub mod partition;
 pub mod reference;
 pub mod statistics;
 pub mod tolerance;

@@ -54,7 +54,7 @@ pub const TABLE: &[Entry] = &[
     entry("AbelPoisson::share_within", "relative", 3e-7),
     entry("AbelPoisson::one_minus_cos", "relative", 4e-7),
     entry("AbelPoisson::inner_product", "relative", 5e-7),
-    entry("gaussian_coefficients_into", "relative / (l + 5)", 1e-7),
+    entry("gaussian_coefficients_into", "relative / (l + 5)", 6e-8),
     entry("abel_poisson_coefficients_into", "relative / (l + 2)", 5e-8),
 ];
 

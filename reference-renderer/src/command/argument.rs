@@ -15,10 +15,12 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
     if (1..=film::MAX_PIXELS).contains(&pixels) { Ok([width, height]) } else { Err(expected()) }
 }
 
-/// Makes the environment of `sky`, `constant:VALUE`, or the name of a `.hdr` or `.exr` file.
+/// Makes the environment of `sky`, `haze`, `constant:VALUE`, or the name of a `.hdr` or `.exr` file.
 pub fn environment(text: &str) -> anyhow::Result<Environment> {
-    if text == "sky" {
-        return Ok(environment::sky::sky());
+    match text {
+        "sky" => return Ok(environment::sky::sky()),
+        "haze" => return Ok(environment::sky::haze()),
+        _ => {}
     }
     if let Some(value) = text.strip_prefix("constant:") {
         let expected = || format!("environment {text}: a number above 0 is expected after `constant:`");
@@ -26,7 +28,7 @@ pub fn environment(text: &str) -> anyhow::Result<Environment> {
     }
     let path = Path::new(text);
     if path.extension().is_none() && !path.exists() {
-        bail!("environment {text}: expected sky, constant:VALUE, or a .hdr or .exr file");
+        bail!("environment {text}: expected sky, haze, constant:VALUE, or a .hdr or .exr file");
     }
     environment::file::read(path)
 }

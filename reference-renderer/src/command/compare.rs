@@ -19,8 +19,8 @@ pub struct Args {
     /// Materials, separated by commas: .srbf files or names of presets [default: all presets]
     #[arg(long, value_delimiter = ',', value_name = "FILE|PRESET")]
     materials: Vec<String>,
-    /// Environments, separated by commas: sky, constant:VALUE, or .hdr or .exr files
-    #[arg(long, value_delimiter = ',', default_value = "sky", value_name = "ENV")]
+    /// Environments, separated by commas: haze (the sun spread wide), sky, constant:VALUE, or .hdr or .exr files
+    #[arg(long, value_delimiter = ',', default_value = "haze", value_name = "ENV")]
     env: Vec<String>,
     /// Samplers, separated by commas; errors are given as multiples of the first one's
     #[arg(long, value_enum, value_delimiter = ',', default_value = "lobes,cosine")]
@@ -30,7 +30,7 @@ pub struct Args {
         value_parser = clap::value_parser!(u32).range(1..=1 << 24), value_name = "N")]
     spp: Vec<u32>,
     /// Samples a pixel of the reference
-    #[arg(long, default_value_t = 2048, value_parser = clap::value_parser!(u32).range(2..=1 << 24), value_name = "N")]
+    #[arg(long, default_value_t = 1024, value_parser = clap::value_parser!(u32).range(2..=1 << 24), value_name = "N")]
     reference_spp: u32,
     /// Sides of the square picture in pixels
     #[arg(long, default_value_t = 96, value_parser = clap::value_parser!(u32).range(1..=4096), value_name = "PIXELS")]

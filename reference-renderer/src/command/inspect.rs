@@ -7,7 +7,8 @@ use srbf_core::MAX_LOBES;
 
 /// Prints what a .srbf material holds.
 ///
-/// A line for each view: its angle, the squeeze, the albedo in closed form, and the range of the lobes.
+/// A line for each view: its angle, the squeeze, the albedo in closed form, the share of it that the diffuse term has,
+/// the range of the lobes' sharpness, and the share of the strongest lobe.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// A .srbf file or the name of a preset
@@ -33,7 +34,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     println!("provenance  {}", material.provenance());
     println!();
     println!(
-        "  view  degrees  squeeze   albedo red  green   blue    sharpness      share of the strongest lobe"
+        "  view  degrees  squeeze   albedo red  green   blue    diffuse  sharpness              strongest lobe"
     );
     let mut mixture = AnyMixture::empty();
     for view in 0..material.view_count() {
@@ -48,16 +49,18 @@ pub fn run(args: Args) -> anyhow::Result<()> {
             .iter()
             .map(|lobe| srbf_core::luminance(lobe.amplitude) * lobe.gaussian.integral())
             .fold(0.0, f32::max);
+        let share = |part: f32| 100.0 * part / mixture.power().max(f32::MIN_POSITIVE);
         println!(
-            "  {view:>4}  {:>7.2}  {:>7.4}      {:.4}  {:.4}  {:.4}  {:>9.3e} - {:<9.3e}  {:>5.1} %",
+            "  {view:>4}  {:>7.2}  {:>7.4}      {:.4}  {:.4}  {:.4}  {:>5.1} %  {:>9.3e} - {:<9.3e}  {:>5.1} %",
             theta.to_degrees(),
             mixture.squeeze(),
             albedo.x,
             albedo.y,
             albedo.z,
+            share(srbf_core::luminance(mixture.diffuse())),
             sharpness(f32::min, f32::INFINITY),
             sharpness(f32::max, 0.0),
-            100.0 * strongest / mixture.power().max(f32::MIN_POSITIVE)
+            share(strongest)
         );
     }
     if args.lobes {

@@ -5,6 +5,7 @@ use crate::film::Film;
 use crate::furnace;
 use crate::integrator::Sampler;
 use crate::material::{self, StoredMaterial};
+use crate::mesh;
 use crate::picture_file;
 use crate::progress::Progress;
 use crate::render::{Settings, add_samples};
@@ -22,13 +23,19 @@ pub struct Args {
     /// The scene
     #[arg(long, value_enum, default_value = "sphere")]
     scene: SceneName,
+    /// A .obj or .ply file that takes the place of the teapot
+    #[arg(long, value_name = "FILE")]
+    mesh: Option<PathBuf>,
+    /// The axis that is up in the mesh file
+    #[arg(long, value_enum, default_value = "y")]
+    mesh_up: Up,
     /// Material of the object: a .srbf file or the name of a preset
     #[arg(long, default_value = material::DEFAULT, value_name = "FILE|PRESET")]
     material: String,
     /// Material of the ground below the teapot
     #[arg(long, default_value = material::MATTE, value_name = "FILE|PRESET")]
     ground_material: String,
-    /// The light: sky, constant:VALUE, or a latitude-longitude map in a .hdr or .exr file
+    /// The light: sky, haze (the sun spread wide), constant:VALUE, or a latitude-longitude map in a .hdr or .exr file
     #[arg(long, default_value = "sky")]
     env: String,
     /// Degrees to turn the light by, anticlockwise seen from above
@@ -52,13 +59,23 @@ pub struct Args {
     /// Threads; 0 is one a processor. The picture does not depend on it
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
-    /// Stops to brighten the PNG by; the EXR stays as it is
+    /// Stops to brighten the PNG by, from an exposure that fits the picture; the EXR stays as it is
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_name = "STOPS")]
     exposure: f32,
     /// The picture to write, .exr
     #[arg(short, long, default_value = "out/render.exr", value_name = "OUT.exr")]
     output: PathBuf,
 }
+
+/// Which axis of a mesh file is up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Up {
+    Y,
+    Z,
+}
+
+/// Largest side of a mesh that takes the place of the teapot: about the teapot's height, so that it fills the picture.
+const MESH_SIZE: f32 = 3.4;
 
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
@@ -70,7 +87,21 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let object = StoredMaterial::load(&args.material)?;
     let ground = StoredMaterial::load(&args.ground_material)?;
     let environment = argument::environment(&args.env)?.turned(args.env_turn.to_radians());
-    let scene = Scene::new(args.scene, object.get(), ground.get(), &environment);
+    let scene = match &args.mesh {
+        None => Scene::new(args.scene, object.get(), ground.get(), &environment),
+        Some(path) => {
+            ensure!(
+                args.scene == SceneName::Teapot,
+                "--mesh: it takes the place of the teapot, add --scene teapot"
+            );
+            let mut mesh = mesh::file::read(path)?;
+            if args.mesh_up == Up::Y {
+                mesh.turn_y_up();
+            }
+            mesh.stand(MESH_SIZE);
+            Scene::with_mesh(args.scene, mesh, object.get(), ground.get(), &environment)
+        }
+    };
     let camera = args.scene.camera(args.size);
     let settings = Settings { sampler: args.sampler, max_bounces: args.max_bounces, seed: args.seed };
 
@@ -86,7 +117,8 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let picture = film.to_picture();
     picture_file::write_exr(&args.output, args.size, &picture)?;
     let png = args.output.with_extension("png");
-    picture_file::write_tone_mapped_png(&png, args.size, &picture, args.exposure.exp2())?;
+    let exposure = picture_file::automatic_exposure(&picture) * args.exposure.exp2();
+    picture_file::write_tone_mapped_png(&png, args.size, &picture, exposure)?;
     println!(
         "{} and {}: {} samples a pixel in {seconds:.2} s",
         args.output.display(),

@@ -95,3 +95,118 @@ fn check_size_limit(width: usize, height: usize) -> anyhow::Result<()> {
     );
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    /// A small map in new-style run lengths is impossible below 8 columns: 16 x 8, rows of four runs each.
+    fn hdr() -> Vec<u8> {
+        let mut bytes = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=2\n\n-Y 8 +X 16\n".to_vec();
+        for row in 0..8u8 {
+            bytes.extend([2, 2, 0, 16]);
+            for value in [100 + row, 50, 25, 129] {
+                bytes.extend([128 + 16, value]);
+            }
+        }
+        bytes
+    }
+
+    fn exr(size: [u32; 2], pixels: &[Vec3]) -> Vec<u8> {
+        let name = format!("srbf-test-{}-{}.exr", std::process::id(), size[0]);
+        let path = std::env::temp_dir().join(name);
+        crate::picture_file::write_exr(&path, size, pixels).unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        std::fs::remove_file(path).unwrap();
+        bytes
+    }
+
+    #[test]
+    fn hdr_values_are_divided_by_the_exposure() {
+        let environment = from_hdr(&hdr()).unwrap();
+        // Up is the first row: mantissa 100.5 / 256 times 2^(129 - 128), over exposure 2.
+        let up = environment.radiance(Vec3::Z).x;
+        assert!((up - 100.0 / 256.0).abs() < 3e-3, "{up}");
+    }
+
+    #[test]
+    fn exr_that_was_written_is_read() {
+        let pixels: Vec<Vec3> = (0..32).map(|i| Vec3::new(i as f32, 0.5, 1e-3)).collect();
+        let environment = from_exr(&exr([8, 4], &pixels)).unwrap();
+        // Straight up the four values nearest the pole are blended around; the blue is constant.
+        assert_eq!(environment.radiance(Vec3::Z).z, 1e-3);
+    }
+
+    #[test]
+    fn every_truncation_is_an_error() {
+        let hdr = hdr();
+        for end in 0..hdr.len() {
+            assert!(from_hdr(&hdr[..end]).is_err(), "hdr {end}");
+        }
+        let exr = exr([16, 8], &[Vec3::ONE; 128]);
+        for end in 0..exr.len() {
+            assert!(from_exr(&exr[..end]).is_err(), "exr {end}");
+        }
+    }
+
+    #[test]
+    fn a_stray_byte_behind_the_pixels_is_harmless() {
+        let mut bytes = hdr();
+        bytes.push(0);
+        assert!(from_hdr(&bytes).is_ok());
+    }
+
+    #[test]
+    fn damaged_bytes_never_panic() {
+        let mut random = Random::new(21, 0, 0);
+        let originals = [hdr(), exr([32, 16], &[Vec3::splat(0.7); 512])];
+        for round in 0..4000 {
+            let mut bytes = originals[round % 2].clone();
+            for _ in 0..=random.below(3) {
+                let at = random.below(bytes.len() as u32) as usize;
+                bytes[at] = random.bits() as u8;
+            }
+            // Any value or any error will do.
+            let _ = if round % 2 == 0 { from_hdr(&bytes) } else { from_exr(&bytes) };
+        }
+    }
+
+    #[test]
+    fn sizes_and_values_without_meaning_are_refused() {
+        for size in
+            ["-Y 0 +X 0", "-Y 4294967295 +X 4294967295", "-Y 4096 +X 8192", "-Y 65536 +X 131072", "-Y 8 +X 8"]
+        {
+            let bytes =
+                [b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n", size.as_bytes(), b"\n\x01\x02\x03\x80"].concat();
+            assert!(from_hdr(&bytes).is_err(), "{size}");
+        }
+        let mut pixels = [Vec3::ONE; 128];
+        pixels[77].y = f32::NAN;
+        let error = format!("{:#}", from_exr(&exr([16, 8], &pixels)).err().unwrap());
+        assert!(error.contains("column 13, row 4"), "{error}");
+        let square = format!("{:#}", from_exr(&exr([9, 9], &[Vec3::ONE; 81])).err().unwrap());
+        assert!(square.contains("twice as wide as high"), "{square}");
+    }
+
+    #[test]
+    #[ignore = "needs SRBF_DATA_DIR"]
+    fn published_maps_load() {
+        let folder = std::env::var_os("SRBF_DATA_DIR").expect("SRBF_DATA_DIR names the folder of the data");
+        let mut loaded = 0;
+        for entry in std::fs::read_dir(Path::new(&folder).join("envmaps")).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            match (name.as_str(), read(&path)) {
+                // An angular map, square: decoded to its end, and refused by its shape.
+                ("funston_beach_probe.hdr", Err(error)) => {
+                    let text = format!("{error:#}");
+                    assert!(text.contains("640 x 640") && text.contains(&name), "{text}");
+                }
+                (_, result) => assert!(result.is_ok(), "{name}: {:#}", result.err().unwrap()),
+            }
+            loaded += 1;
+        }
+        assert!(loaded >= 7, "{loaded} maps in the folder");
+    }
+}

@@ -1,4 +1,5 @@
-//! The embedded sky: a procedural map with a sun behind haze, thin clouds and a ground. It needs no file.
+//! The embedded skies: procedural maps with thin clouds and a ground, the sun as a disc or spread wide by haze. They
+//! need no file.
 
 use super::Environment;
 use glam::{Vec3, vec3};
@@ -17,8 +18,29 @@ const SUN_RADIUS: f32 = 2.0;
 /// Radiance of the sun: its irradiance is then about twice that of the rest of the sky.
 const SUN_RADIANCE: f32 = 900.0;
 
-/// Makes the sky.
+const SUN_COLOUR: Vec3 = vec3(1.0, 0.90, 0.74);
+
+/// Peak radiance of the sun that haze has spread, and how narrow it is then, as the sharpness of a Gaussian lobe.
+///
+/// The brightest is then about 15 times the mean, as in the light probes that are common in comparisons of samplers of
+/// materials: such a sampler cannot find a small sun, which is what samples of the light are for.
+const HAZY_SUN_RADIANCE: f32 = 9.0;
+const HAZY_SUN_SHARPNESS: f32 = 40.0;
+
+/// Makes the sky with the disc of the sun.
 pub fn sky() -> Environment {
+    map(|d| clear(d) + disc(d))
+}
+
+/// Makes the sky whose sun is spread by haze.
+pub fn haze() -> Environment {
+    map(|d| {
+        let spread = (HAZY_SUN_SHARPNESS * (d.dot(sun()) - 1.0)).exp();
+        clear(d) + SUN_COLOUR * (HAZY_SUN_RADIANCE * spread)
+    })
+}
+
+fn map(radiance: impl Fn(Vec3) -> Vec3) -> Environment {
     let pixels = (0..WIDTH * HEIGHT)
         .map(|i| {
             let turn = ((i % WIDTH) as f32 + 0.5) / WIDTH as f32;
@@ -31,12 +53,13 @@ pub fn sky() -> Environment {
 }
 
 /// Direction towards the sun.
-pub fn sun() -> Vec3 {
+fn sun() -> Vec3 {
     let (height, azimuth) = (SUN_HEIGHT.to_radians(), SUN_AZIMUTH.to_radians());
     vec3(height.cos() * azimuth.cos(), height.cos() * azimuth.sin(), height.sin())
 }
 
-fn radiance(d: Vec3) -> Vec3 {
+/// The sky without the sun itself.
+fn clear(d: Vec3) -> Vec3 {
     let horizon = vec3(0.80, 0.86, 0.92);
     let ground = vec3(0.30, 0.27, 0.23);
     if d.z < 0.0 {
@@ -51,14 +74,15 @@ fn radiance(d: Vec3) -> Vec3 {
     let cover = smooth_step(0.48, 0.78, fractal_noise(overhead.map(|v| 1.3 * v + 40.0)));
     colour = colour.lerp(vec3(1.15, 1.12, 1.08), cover * smooth_step(0.02, 0.25, d.z));
 
-    let toward_sun = d.dot(sun()).clamp(-1.0, 1.0);
-    let glow = vec3(1.0, 0.86, 0.66);
-    colour += glow * (0.35 * toward_sun.max(0.0).powi(6) + 2.0 * toward_sun.max(0.0).powi(200));
+    let toward_sun = d.dot(sun()).max(0.0);
+    colour + vec3(1.0, 0.86, 0.66) * (0.35 * toward_sun.powi(6) + 2.0 * toward_sun.powi(200))
+}
 
-    // The rim of the sun is a pixel wide and more, so that the map shows no steps.
-    let from_centre = toward_sun.acos().to_degrees();
-    let disc = 1.0 - smooth_step(SUN_RADIUS - 0.5, SUN_RADIUS + 0.5, from_centre);
-    colour + vec3(1.0, 0.90, 0.74) * (SUN_RADIANCE * disc)
+/// The disc of the sun. Its rim is a pixel wide and more, so that the map shows no steps.
+fn disc(d: Vec3) -> Vec3 {
+    let from_centre = d.dot(sun()).clamp(-1.0, 1.0).acos().to_degrees();
+    let share = 1.0 - smooth_step(SUN_RADIUS - 0.5, SUN_RADIUS + 0.5, from_centre);
+    SUN_COLOUR * (SUN_RADIANCE * share)
 }
 
 fn smooth_step(from: f32, to: f32, x: f32) -> f32 {

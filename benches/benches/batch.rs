@@ -1,0 +1,193 @@
+//! Batches, named `operation.level/lobes/directions`; baselines in the same run.
+//!
+//! `cargo bench --bench batch`; `cargo run --release -- bench-report` then prints the ratios.
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use srbf_benches::baseline::{C, PackedLobes, evaluate_libm, sample_libm};
+use srbf_benches::{
+    DIRECTIONS, GARNET_RED, LOBES, Triples, garnet_mixture, general_lobes, general_mixture, levels,
+};
+use srbf_core::{Level, Material, Mixture, SamplesMut, Vec3};
+use std::hint::black_box;
+use std::time::Duration;
+
+/// Room for the outputs of the largest batch.
+struct Outputs([Vec<f32>; 7]);
+
+impl Outputs {
+    fn new() -> Self {
+        Self([(); 7].map(|()| vec![0.0; DIRECTIONS[DIRECTIONS.len() - 1]]))
+    }
+    fn samples(&mut self, n: usize) -> SamplesMut<'_> {
+        let [x, y, z, pdf, red, green, blue] = &mut self.0;
+        SamplesMut {
+            direction: [&mut x[..n], &mut y[..n], &mut z[..n]],
+            pdf: &mut pdf[..n],
+            weight: [&mut red[..n], &mut green[..n], &mut blue[..n]],
+        }
+    }
+}
+
+/// Which (lobes, directions) a baseline is measured at: all batch sizes at 12 lobes, all lobes at 1024.
+fn is_on_the_cross(lobes: usize, n: usize) -> bool {
+    lobes == 12 || n == 1024
+}
+
+fn evaluate(c: &mut Criterion) {
+    let mut out = Outputs::new();
+    for level in levels() {
+        level.set().expect("an available level");
+        let mut group = c.benchmark_group(format!("evaluate.{}", level.name()));
+        for lobes in LOBES {
+            let mixture = general_mixture(lobes);
+            for n in DIRECTIONS.into_iter().filter(|&n| is_on_the_cross(lobes, n)) {
+                let directions = Triples::directions(n, 1);
+                group.throughput(Throughput::Elements((lobes * n) as u64));
+                group.bench_function(BenchmarkId::new(lobes.to_string(), n), |b| {
+                    b.iter(|| {
+                        let samples = out.samples(n);
+                        mixture.evaluate_into(black_box(directions.slices()), samples.weight).unwrap();
+                    });
+                });
+            }
+        }
+        measure_garnet(&mut group, |mixture, n| {
+            let directions = Triples::directions(n, 1);
+            let mut out = Outputs::new();
+            move || mixture.evaluate_into(black_box(directions.slices()), out.samples(n).weight).unwrap()
+        });
+        group.finish();
+    }
+    for baseline in C::ALL {
+        let mut group = c.benchmark_group(format!("evaluate.{}", baseline.name()));
+        for lobes in LOBES {
+            let packed = PackedLobes::new(&general_lobes(lobes));
+            for n in DIRECTIONS.into_iter().filter(|&n| is_on_the_cross(lobes, n)) {
+                let directions = Triples::directions(n, 1);
+                group.throughput(Throughput::Elements((lobes * n) as u64));
+                group.bench_function(BenchmarkId::new(lobes.to_string(), n), |b| {
+                    b.iter(|| {
+                        let weight = out.samples(n).weight;
+                        baseline.evaluate(black_box(&packed), black_box(directions.slices()), weight);
+                    });
+                });
+            }
+        }
+        group.finish();
+    }
+    let mut group = c.benchmark_group("evaluate.rust-libm");
+    let (lobes, n) = (general_lobes(12), 1024);
+    let directions = Triples::directions(n, 1);
+    group.throughput(Throughput::Elements(12 * n as u64));
+    group.bench_function(BenchmarkId::new("12", n), |b| {
+        b.iter(|| (0..n).fold(Vec3::ZERO, |sum, i| sum + evaluate_libm(black_box(&lobes), directions.at(i))));
+    });
+    group.finish();
+}
+
+/// The preset as it really is: named by `garnet` in place of the number of lobes.
+fn measure_garnet<F: FnMut()>(
+    group: &mut criterion::BenchmarkGroup<'_, criterion::measurement::WallTime>,
+    make: impl FnOnce(Mixture<64>, usize) -> F,
+) {
+    let n = 1024;
+    let mixture = garnet_mixture();
+    group.throughput(Throughput::Elements((mixture.len() * n) as u64));
+    let mut run = make(mixture, n);
+    group.bench_function(BenchmarkId::new("garnet", n), |b| b.iter(&mut run));
+}
+
+fn pdf(c: &mut Criterion) {
+    let mut out = Outputs::new();
+    for level in levels() {
+        level.set().expect("an available level");
+        let mut group = c.benchmark_group(format!("pdf.{}", level.name()));
+        for lobes in LOBES {
+            let mixture = general_mixture(lobes);
+            for n in DIRECTIONS.into_iter().filter(|&n| is_on_the_cross(lobes, n)) {
+                let directions = Triples::directions(n, 1);
+                group.throughput(Throughput::Elements((lobes * n) as u64));
+                group.bench_function(BenchmarkId::new(lobes.to_string(), n), |b| {
+                    b.iter(|| mixture.pdf_into(black_box(directions.slices()), out.samples(n).pdf).unwrap());
+                });
+            }
+        }
+        group.finish();
+    }
+}
+
+fn sample(c: &mut Criterion) {
+    let mut out = Outputs::new();
+    for level in levels() {
+        level.set().expect("an available level");
+        let mut group = c.benchmark_group(format!("sample.{}", level.name()));
+        for lobes in LOBES {
+            let mixture = general_mixture(lobes);
+            for n in DIRECTIONS.into_iter().filter(|&n| is_on_the_cross(lobes, n)) {
+                let uniforms = Triples::uniforms(n, 2);
+                group.throughput(Throughput::Elements(n as u64));
+                group.bench_function(BenchmarkId::new(lobes.to_string(), n), |b| {
+                    b.iter(|| mixture.sample_into(black_box(uniforms.slices()), out.samples(n)).unwrap());
+                });
+            }
+        }
+        measure_garnet(&mut group, |mixture, n| {
+            let uniforms = Triples::uniforms(n, 2);
+            let mut out = Outputs::new();
+            move || mixture.sample_into(black_box(uniforms.slices()), out.samples(n)).unwrap()
+        });
+        group.finish();
+    }
+    let mut group = c.benchmark_group("sample.rust-libm");
+    let (lobes, mixture, n) = (general_lobes(12), general_mixture(12), 1024);
+    let uniforms = Triples::uniforms(n, 2);
+    group.throughput(Throughput::Elements(n as u64));
+    group.bench_function(BenchmarkId::new("12", n), |b| {
+        b.iter(|| (0..n).map(|i| sample_libm(black_box(&lobes), &mixture, uniforms.at(i)).1).sum::<f32>());
+    });
+    group.finish();
+}
+
+/// Every pair its own mixture, and the mixtures alone, of the garnet red preset.
+fn pairs(c: &mut Criterion) {
+    let material = Material::from_bytes(GARNET_RED).expect("the preset is valid");
+    let mut out = Outputs::new();
+    for level in levels() {
+        level.set().expect("an available level");
+        for n in [1, 7, 64, 1024] {
+            let (wo, wi) = (Triples::directions(n, 3), Triples::directions(n, 4));
+            let uniforms = Triples::uniforms(n, 5);
+            let mut mixtures = vec![Mixture::<16>::empty(); n];
+            let mut measure = |operation: &str, run: &mut dyn FnMut()| {
+                let mut group = c.benchmark_group(format!("{operation}.{}", level.name()));
+                group.throughput(Throughput::Elements(n as u64));
+                group.bench_function(BenchmarkId::new("garnet", n), |b| b.iter(&mut *run));
+                group.finish();
+            };
+            measure("prepare", &mut || {
+                material.prepare_into(black_box(wo.slices()), &mut mixtures).unwrap();
+            });
+            measure("evaluate-pairs", &mut || {
+                let SamplesMut { pdf, weight, .. } = out.samples(n);
+                material.evaluate_pairs_into(black_box(wo.slices()), wi.slices(), weight, pdf).unwrap();
+            });
+            measure("sample-pairs", &mut || {
+                material
+                    .sample_pairs_into(black_box(wo.slices()), uniforms.slices(), out.samples(n))
+                    .unwrap();
+            });
+        }
+    }
+    let _ = Level::current();
+}
+
+fn configured() -> Criterion {
+    Criterion::default()
+        .sample_size(12)
+        .warm_up_time(Duration::from_millis(60))
+        .measurement_time(Duration::from_millis(160))
+        .without_plots()
+}
+
+criterion_group! { name = batch; config = configured(); targets = evaluate, pdf, sample, pairs }
+criterion_main!(batch);

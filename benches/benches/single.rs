@@ -1,0 +1,71 @@
+//! One direction at a time, as a megakernel renderer calls: `operation.level/lobes/1`.
+
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use srbf_benches::baseline::{evaluate_libm, sample_libm};
+use srbf_benches::{GARNET_RED, Triples, garnet_mixture, general_lobes, general_mixture, levels};
+use srbf_core::{Material, Mixture, Vec3};
+use std::hint::black_box;
+use std::time::Duration;
+
+/// Calls with the numbers from 0 to 1023 over and over.
+fn counter() -> impl FnMut() -> usize {
+    let mut i = 0;
+    move || {
+        i = (i + 1) & 1023;
+        i
+    }
+}
+
+fn single(c: &mut Criterion) {
+    let (directions, uniforms) = (Triples::directions(1024, 1), Triples::uniforms(1024, 2));
+    let directions: Vec<Vec3> = (0..1024).map(|i| directions.at(i)).collect();
+    let uniforms: Vec<[f32; 3]> = (0..1024).map(|i| uniforms.at(i).to_array()).collect();
+    let material = Material::from_bytes(GARNET_RED).expect("the preset is valid");
+    let mut next = counter();
+    for level in levels() {
+        level.set().expect("an available level");
+        for (name, mixture) in [("12", general_mixture(12)), ("garnet", garnet_mixture())] {
+            let mut measure = |operation: &str, run: &mut dyn FnMut(usize) -> f32| {
+                let mut group = c.benchmark_group(format!("{operation}.{}", level.name()));
+                group.bench_function(BenchmarkId::new(name, 1), |b| b.iter(|| run(next())));
+                group.finish();
+            };
+            measure("one-pdf", &mut |i| mixture.pdf(black_box(directions[i])));
+            measure("one-evaluate", &mut |i| mixture.evaluate(black_box(directions[i])).x);
+            measure("one-sample-pdf", &mut |i| {
+                mixture.sample(black_box(uniforms[i])).map_or(0.0, |sample| sample.pdf)
+            });
+        }
+        let mut mixture = Mixture::<16>::empty();
+        let mut group = c.benchmark_group(format!("one-prepare.{}", level.name()));
+        group.bench_function(BenchmarkId::new("garnet", 1), |b| {
+            b.iter(|| {
+                material.prepare(black_box(directions[next()]), &mut mixture).unwrap();
+                mixture.power()
+            });
+        });
+        group.finish();
+    }
+    let (lobes, mixture) = (general_lobes(12), general_mixture(12));
+    let mut group = c.benchmark_group("one-evaluate.rust-libm");
+    group.bench_function(BenchmarkId::new("12", 1), |b| {
+        b.iter(|| evaluate_libm(&lobes, black_box(directions[next()])));
+    });
+    group.finish();
+    let mut group = c.benchmark_group("one-sample-pdf.rust-libm");
+    group.bench_function(BenchmarkId::new("12", 1), |b| {
+        b.iter(|| sample_libm(&lobes, &mixture, Vec3::from_array(black_box(uniforms[next()]))));
+    });
+    group.finish();
+}
+
+fn configured() -> Criterion {
+    Criterion::default()
+        .sample_size(12)
+        .warm_up_time(Duration::from_millis(60))
+        .measurement_time(Duration::from_millis(160))
+        .without_plots()
+}
+
+criterion_group! { name = benches; config = configured(); targets = single }
+criterion_main!(benches);

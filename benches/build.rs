@@ -1,0 +1,14 @@
+//! Compiles the C baselines twice: as a careful author would, and with everything the compiler may do to floating point.
+
+fn main() {
+    for (name, flags) in [("careful", &["-O3"][..]), ("fast", &["-O3", "-ffast-math"])] {
+        let mut build = cc::Build::new();
+        build.file("c/baseline.c").opt_level(3).define("SUFFIX", name).flag_if_supported("-march=native");
+        flags.iter().for_each(|flag| {
+            build.flag(flag);
+        });
+        build.compile(&format!("srbf_baseline_{name}"));
+    }
+    println!("cargo::rerun-if-changed=c/baseline.c");
+    println!("cargo::rustc-link-lib=m");
+}

@@ -1,0 +1,174 @@
+//! Reads meshes: Wavefront `.obj` and `.ply`. Only positions and faces are used; the normals are made smooth.
+
+use super::Mesh;
+use anyhow::{Context, bail, ensure};
+use glam::Vec3;
+use std::path::Path;
+
+/// Largest file that is read, bytes.
+const MAX_FILE: u64 = 1 << 30;
+
+/// Largest coordinate: with larger ones areas overflow.
+const MAX_COORDINATE: f32 = 1e9;
+
+/// Reads a mesh, its format told by the name's extension.
+///
+/// # Errors
+/// Names the file, and the line or byte at which something else was expected.
+pub fn read(path: &Path) -> anyhow::Result<Mesh> {
+    let open = || -> anyhow::Result<Mesh> {
+        let size = std::fs::metadata(path)?.len();
+        ensure!(size <= MAX_FILE, "the file has {size} bytes, at most {MAX_FILE} are read");
+        let bytes = std::fs::read(path)?;
+        match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+            Some("obj") => from_obj(&bytes),
+            Some("ply") => super::ply::from_ply(&bytes),
+            _ => bail!("a name that ends in .obj or .ply is expected"),
+        }
+    };
+    open().with_context(|| format!("mesh {}", path.display()))
+}
+
+/// Makes a mesh of positions and polygons, which are split into fans.
+pub(super) fn build(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> anyhow::Result<Mesh> {
+    ensure!(!triangles.is_empty(), "the mesh has no faces");
+    let mut mesh = Mesh { positions, triangles, ..Mesh::default() };
+    // A triangle without area cannot be seen, and has no normal.
+    let visible: Vec<bool> = (0..mesh.triangles.len())
+        .map(|i| {
+            let [a, b, c] = mesh.corners(i);
+            (b - a).cross(c - a).length_squared() > 0.0
+        })
+        .collect();
+    let mut keep = visible.iter();
+    mesh.triangles.retain(|_| keep.next().copied().unwrap_or(false));
+    ensure!(!mesh.triangles.is_empty(), "every face of the mesh has zero area");
+    mesh.smooth_normals();
+    Ok(mesh)
+}
+
+/// Checks a vertex.
+pub(super) fn vertex(position: [f32; 3]) -> anyhow::Result<Vec3> {
+    // False for a NaN too.
+    let fits = position.iter().all(|v| v.abs() <= MAX_COORDINATE);
+    ensure!(fits, "a vertex of three coordinates within 1e9 of 0 is expected, found {position:?}");
+    Ok(position.into())
+}
+
+/// Splits a polygon into a fan of triangles.
+pub(super) fn add_fan(polygon: &[u32], triangles: &mut Vec<[u32; 3]>) {
+    triangles.extend(polygon.windows(2).skip(1).map(|pair| [polygon[0], pair[0], pair[1]]));
+}
+
+fn from_obj(bytes: &[u8]) -> anyhow::Result<Mesh> {
+    let (mut positions, mut triangles, mut polygon) = (Vec::new(), Vec::new(), Vec::new());
+    for (number, line) in bytes.split(|&b| b == b'\n').enumerate() {
+        // Comments and names may be in any encoding.
+        let line = String::from_utf8_lossy(line);
+        let mut words = line.split_whitespace();
+        let read = || -> anyhow::Result<()> {
+            match words.next() {
+                Some("v") => {
+                    let mut coordinate = || -> anyhow::Result<f32> {
+                        let word = words.next().context("a vertex has three coordinates")?;
+                        word.parse().with_context(|| format!("a coordinate is expected, found {word}"))
+                    };
+                    positions.push(vertex([coordinate()?, coordinate()?, coordinate()?])?);
+                }
+                Some("f") => {
+                    polygon.clear();
+                    for word in words {
+                        polygon.push(obj_index(word, positions.len())?);
+                    }
+                    ensure!(polygon.len() >= 3, "a face of at least three vertices is expected");
+                    add_fan(&polygon, &mut triangles);
+                }
+                _ => {}
+            }
+            Ok(())
+        };
+        read().with_context(|| format!("line {}", number + 1))?;
+    }
+    build(positions, triangles)
+}
+
+/// The vertex that `7`, `7/1`, `7//3` or `-1` names, of those read so far.
+fn obj_index(word: &str, count: usize) -> anyhow::Result<u32> {
+    let number: Option<i64> = word.split('/').next().and_then(|n| n.parse().ok());
+    let index = match number {
+        Some(n) if n > 0 => Some(n - 1),
+        Some(n) if n < 0 => n.checked_add(count as i64),
+        _ => None,
+    };
+    match index {
+        Some(i) if (0..count as i64).contains(&i) => Ok(u32::try_from(i)?),
+        _ => bail!("the number of one of the {count} vertices above is expected, found {word}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CUBE_CORNER: &str =
+        "# comment \u{e9}\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1 2/5 3//1 -1\n";
+
+    #[test]
+    fn polygons_become_fans_and_normals_are_smooth() {
+        let mesh = from_obj(CUBE_CORNER.as_bytes()).unwrap();
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert!(mesh.normals.iter().all(|&n| n == Vec3::Z));
+    }
+
+    #[test]
+    fn every_truncation_is_an_error_or_a_smaller_mesh() {
+        for end in 0..CUBE_CORNER.len() {
+            if let Ok(mesh) = from_obj(&CUBE_CORNER.as_bytes()[..end]) {
+                assert!(mesh.triangles.len() <= 2 && mesh.positions.len() <= 4);
+            }
+        }
+        // Before the first face is complete there is no mesh.
+        let face = CUBE_CORNER.find("f 1").unwrap();
+        for end in 0..=face + 8 {
+            assert!(from_obj(&CUBE_CORNER.as_bytes()[..end]).is_err(), "{end}");
+        }
+    }
+
+    #[test]
+    fn errors_name_the_line() {
+        for (line, text) in [
+            (1, "v 0 x 0"),
+            (1, "v 0 nan 0"),
+            (1, "v 0 inf 0"),
+            (1, "v 1 2"),
+            (2, "v 0 0 0\nf 1 2 3"),
+            (2, "v 0 0 0\nf 1 1"),
+            (2, "v 0 0 0\nf 0 1 1"),
+            (2, "v 0 0 0\nf 1 1 -2"),
+            (2, "v 0 0 0\nf 1 1 -9223372036854775808"),
+            (2, "v 0 0 0\nf 1 1 99999999999999999999"),
+        ] {
+            let error = format!("{:#}", from_obj(text.as_bytes()).unwrap_err());
+            assert!(error.contains(&format!("line {line}")), "{text}: {error}");
+        }
+        assert!(from_obj(b"").is_err());
+        assert!(from_obj(b"v 0 0 0\nf 1 1 1").is_err());
+    }
+
+    #[test]
+    #[ignore = "needs SRBF_DATA_DIR"]
+    fn published_meshes_load() {
+        let folder = std::env::var_os("SRBF_DATA_DIR").expect("SRBF_DATA_DIR names the folder of the data");
+        for (name, faces) in [
+            ("happy_buddha_100k.ply", 100_000),
+            ("happy_buddha_20k.ply", 20_000),
+            ("stanford_dragon_res3.ply", 47_794),
+            ("stanford_dragon_res4_ascii.ply", 11_102),
+            ("stanford_bunny_small.obj", 3674),
+            ("teapot_6320.obj", 6320),
+        ] {
+            let mesh = read(&Path::new(&folder).join("meshes").join(name)).unwrap();
+            assert_eq!(mesh.triangles.len(), faces, "{name}");
+        }
+    }
+}

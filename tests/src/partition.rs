@@ -1,0 +1,220 @@
+//! Bins for chi-square that follow a mixture: cells of the sphere, split in 3 by 3 until none holds much of the density,
+//! each with its exact share. Fixed bins are blind to what a sharp lobe does inside one of them.
+
+use crate::statistics::{ChiSquare, chi_square};
+use glam::{DVec3, Vec3};
+use srbf_core::{Domain, Mixture};
+use std::f64::consts::PI;
+
+/// Largest share of the density that a bin may hold.
+const LARGEST: f64 = 0.01;
+/// Deepest split: 3^13 cells along each side.
+const DEEPEST: usize = 13;
+
+/// A cell in polar angle and azimuth.
+#[derive(Clone, Copy, Debug)]
+struct Cell {
+    theta: [f64; 2],
+    phi: [f64; 2],
+}
+
+impl Cell {
+    fn at(&self, x: f64, y: f64) -> DVec3 {
+        let (r, z) = (self.theta[0] + x * (self.theta[1] - self.theta[0])).sin_cos();
+        let phi = self.phi[0] + y * (self.phi[1] - self.phi[0]);
+        DVec3::new(r * phi.cos(), r * phi.sin(), z)
+    }
+    fn child(&self, i: usize) -> Self {
+        let part = |[a, b]: [f64; 2], i: usize| {
+            let edge = |j: usize| if j == 3 { b } else { a + (b - a) * j as f64 / 3.0 };
+            [edge(i), edge(i + 1)]
+        };
+        Self { theta: part(self.theta, i / 3), phi: part(self.phi, i % 3) }
+    }
+    fn area(&self) -> f64 {
+        (self.theta[1] - self.theta[0]) * (self.phi[1] - self.phi[0])
+    }
+}
+
+#[derive(Clone, Debug)]
+enum Node {
+    /// Nine children.
+    Split(Box<[Node; 9]>),
+    /// A bin by its number.
+    Bin(usize),
+}
+
+/// The bins of one mixture.
+#[derive(Clone, Debug)]
+pub struct Partition {
+    root: Cell,
+    tree: Node,
+    share: Vec<f64>,
+}
+
+/// What the density is made of: where the cells must be fine.
+struct Feature {
+    axis: DVec3,
+    width: f64,
+    squeezed: bool,
+}
+
+struct Builder<'a, F> {
+    pdf: F,
+    features: Vec<Feature>,
+    squeeze: f64,
+    azimuth: [f64; 2],
+    share: &'a mut Vec<f64>,
+}
+
+impl<F: Fn(Vec3) -> f32> Builder<'_, F> {
+    /// The direction as round and as squeezed lobes see it.
+    fn seen(&self, d: DVec3) -> [DVec3; 2] {
+        let [c, s] = self.azimuth;
+        let turned = DVec3::new(d.x * c + d.y * s, d.y * c - d.x * s, d.z);
+        [turned, DVec3::new(turned.x, turned.y / self.squeeze, turned.z).normalize()]
+    }
+
+    /// Which of the features reach into the cell, and whether the density may vary too fast over it for nine points.
+    fn look(&self, cell: &Cell, near: &[usize]) -> (Vec<usize>, bool) {
+        let middle = self.seen(cell.at(0.5, 0.5));
+        let mut radius = [0f64; 2];
+        for (x, y) in
+            [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0), (0.5, 0.0), (0.0, 0.5), (1.0, 0.5), (0.5, 1.0)]
+        {
+            let rim = self.seen(cell.at(x, y));
+            for i in 0..2 {
+                radius[i] = radius[i].max((middle[i] - rim[i]).length());
+            }
+        }
+        // Chords stand for angles: of a quarter turn and more they are too short.
+        let radius = radius.map(|r| if r > 1.0 { 4.0 } else { 1.1 * r });
+        let mut coarse = radius[0] > 0.3 || self.squeeze != 1.0 && radius[1] > 0.2;
+        let mut inside = Vec::with_capacity(near.len());
+        for &k in near {
+            let f = &self.features[k];
+            let i = usize::from(f.squeezed);
+            let reach = radius[i] + 6.0 * f.width;
+            if (middle[i] - f.axis).length_squared() < reach * reach {
+                inside.push(k);
+                coarse |= radius[i] > 0.6 * f.width;
+            }
+        }
+        (inside, coarse)
+    }
+
+    fn mass(&self, cell: &Cell) -> f64 {
+        const GAUSS: [(f64, f64); 3] =
+            [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
+        let mut sum = 0.0;
+        for (x, wx) in GAUSS {
+            for (y, wy) in GAUSS {
+                let d = cell.at(x, y);
+                sum += wx * wy * d.x.hypot(d.y) * f64::from((self.pdf)(d.as_vec3()));
+            }
+        }
+        sum * cell.area()
+    }
+
+    /// Splits, and gives the node and its share; a node of a small share becomes one bin whatever is below it.
+    fn build(&mut self, cell: &Cell, near: &[usize], depth: usize) -> (Node, f64) {
+        let first = self.share.len();
+        let (near, coarse) = self.look(cell, near);
+        let rough = if depth < DEEPEST && coarse { None } else { Some(self.mass(cell)) };
+        if let Some(share) = rough
+            && (share <= LARGEST || depth == DEEPEST)
+        {
+            self.share.push(share);
+            return (Node::Bin(first), share);
+        }
+        let built: [(Node, f64); 9] = std::array::from_fn(|i| self.build(&cell.child(i), &near, depth + 1));
+        let share = built.iter().map(|(_, share)| share).sum();
+        if share <= LARGEST {
+            self.share.truncate(first);
+            self.share.push(share);
+            return (Node::Bin(first), share);
+        }
+        (Node::Split(Box::new(built.map(|(node, _)| node))), share)
+    }
+}
+
+impl Partition {
+    /// Splits the domain of a mixture by its density.
+    ///
+    /// `wo` is the outgoing direction that the mixture was prepared for, `Vec3::NEG_X` for one made of lobes.
+    pub fn new<const N: usize>(m: &Mixture<N>, wo: Vec3, pdf: impl Fn(Vec3) -> f32) -> Self {
+        let across = f64::from(wo.x).hypot(f64::from(wo.y));
+        let azimuth =
+            if across > 0.0 { [-f64::from(wo.x) / across, -f64::from(wo.y) / across] } else { [1.0, 0.0] };
+        let squeeze = f64::from(m.squeeze());
+        let mut features: Vec<Feature> = (0..m.len())
+            .flat_map(|k| {
+                let g = m.lobe(k).expect("lobe").gaussian;
+                let width = (1.0 / f64::from(g.sharpness).sqrt()).min(0.5);
+                let axis = g.axis.as_dvec3();
+                let image = DVec3::new(axis.x, axis.y, -axis.z);
+                [axis, image].map(|axis| Feature { axis, width, squeezed: k < m.squeezed_len() })
+            })
+            .collect();
+        if squeeze < 1.0 {
+            // The change of solid angle is steep where the squeeze gathers directions: across the plane of incidence.
+            features.extend([DVec3::Y, DVec3::NEG_Y].map(|axis| Feature {
+                axis,
+                width: squeeze,
+                squeezed: true,
+            }));
+        }
+        let widest = if m.domain() == Domain::Hemisphere { 0.5 * PI } else { PI };
+        let root = Cell { theta: [0.0, widest], phi: [-PI, PI] };
+        let mut share = Vec::new();
+        let all: Vec<usize> = (0..features.len()).collect();
+        let (tree, _) = Builder { pdf, features, squeeze, azimuth, share: &mut share }.build(&root, &all, 0);
+        Self { root, tree, share }
+    }
+
+    /// Integral of the density over all bins: 1 for what is a density.
+    pub fn total(&self) -> f64 {
+        self.share.iter().sum()
+    }
+
+    /// Number of bins.
+    pub fn len(&self) -> usize {
+        self.share.len()
+    }
+
+    /// Whether there is no bin.
+    pub fn is_empty(&self) -> bool {
+        self.share.is_empty()
+    }
+
+    /// Number of the bin that holds a direction.
+    pub fn locate(&self, d: Vec3) -> usize {
+        let d = d.as_dvec3();
+        let theta = d.x.hypot(d.y).atan2(d.z);
+        let phi = d.y.atan2(d.x);
+        let (mut node, mut cell) = (&self.tree, self.root);
+        loop {
+            match node {
+                Node::Bin(i) => return *i,
+                Node::Split(children) => {
+                    // The edges of `child` decide, not a division that rounds differently.
+                    let third = |x: f64, [a, b]: [f64; 2]| {
+                        usize::from(x >= a + (b - a) * 1.0 / 3.0) + usize::from(x >= a + (b - a) * 2.0 / 3.0)
+                    };
+                    let i = 3 * third(theta, cell.theta) + third(phi, cell.phi);
+                    (node, cell) = (&children[i], cell.child(i));
+                }
+            }
+        }
+    }
+
+    /// Draws `n` directions and compares their counts with the shares.
+    pub fn test(&self, n: usize, mut draw: impl FnMut() -> Vec3) -> ChiSquare {
+        let mut observed = vec![0.0; self.len()];
+        for _ in 0..n {
+            observed[self.locate(draw())] += 1.0;
+        }
+        let expected: Vec<f64> = self.share.iter().map(|s| s * n as f64).collect();
+        chi_square(&observed, &expected)
+    }
+}

@@ -1,0 +1,222 @@
+//! Every public function of `core` has an oracle: a file of this package that compares it with something else. A new
+//! public function fails here until it is listed, and a file that does not call it fails too.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// Function, and the file that holds its oracle. `Type::name` for methods, the bare name for functions.
+const ORACLES: &[(&str, &str)] = &[
+    ("sphere_integral", "src/reference.rs"),
+    ("cap_integral", "src/reference.rs"),
+    ("share_within", "src/reference.rs"),
+    ("one_minus_cos", "src/reference.rs"),
+    ("share_below_horizon_bound", "tests/extremes.rs"),
+    ("bessel_i0_scaled", "src/reference.rs"),
+    ("mean_cosine", "src/reference.rs"),
+    ("luminance", "tests/estimators.rs"),
+    ("balance_heuristic", "tests/estimators.rs"),
+    ("power_heuristic", "tests/estimators.rs"),
+    ("legendre_coefficients_into", "tests/estimators.rs"),
+    ("legendre_series", "tests/estimators.rs"),
+    ("legendre_singular_integral", "tests/estimators.rs"),
+    ("gaussian_coefficients_into", "src/reference.rs"),
+    ("abel_poisson_coefficients_into", "src/reference.rs"),
+    ("encode", "tests/chi_square.rs"),
+    ("encoded_len", "tests/chi_square.rs"),
+    ("Gaussian::new", "tests/extremes.rs"),
+    ("Gaussian::value", "src/reference.rs"),
+    ("Gaussian::integral", "tests/extremes.rs"),
+    ("Gaussian::cap_integral", "tests/estimators.rs"),
+    ("Gaussian::pdf", "src/reference.rs"),
+    ("Gaussian::log_pdf", "src/reference.rs"),
+    ("Gaussian::sample", "tests/sampling.rs"),
+    ("Gaussian::invert_sample", "tests/properties.rs"),
+    ("Gaussian::hemisphere_integral", "src/reference.rs"),
+    ("Gaussian::cosine_integral", "src/reference.rs"),
+    ("Gaussian::product", "src/reference.rs"),
+    ("GaussianProduct::value", "src/reference.rs"),
+    ("GaussianProduct::integral", "src/reference.rs"),
+    ("Lobe::new", "tests/extremes.rs"),
+    ("Lobe::value", "tests/estimators.rs"),
+    ("Lobe::integral", "tests/extremes.rs"),
+    ("Lobe::product", "src/reference.rs"),
+    ("Lobe::inner_product", "tests/estimators.rs"),
+    ("Kernel::axis", "tests/properties.rs"),
+    ("Kernel::value_at", "src/reference.rs"),
+    ("Kernel::integral", "tests/sampling.rs"),
+    ("Kernel::one_minus_cos", "src/reference.rs"),
+    ("Kernel::share_within", "src/reference.rs"),
+    ("Kernel::value", "tests/properties.rs"),
+    ("Kernel::pdf", "tests/properties.rs"),
+    ("Kernel::sample", "tests/sampling.rs"),
+    ("Kernel::invert_sample", "tests/properties.rs"),
+    ("Folded::new", "tests/extremes.rs"),
+    ("Folded::squeezed", "src/reference.rs"),
+    ("Folded::kernel", "tests/extremes.rs"),
+    ("Folded::value", "src/reference.rs"),
+    ("Folded::integral", "tests/sampling.rs"),
+    ("Folded::pdf", "src/reference.rs"),
+    ("Folded::sample", "tests/sampling.rs"),
+    ("Folded::invert_sample", "tests/sampling.rs"),
+    ("AbelPoisson::new", "tests/extremes.rs"),
+    ("AbelPoisson::from_epsilon", "src/reference.rs"),
+    ("AbelPoisson::epsilon", "tests/extremes.rs"),
+    ("AbelPoisson::inner_product", "src/reference.rs"),
+    ("KernelTable::new", "tests/sampling.rs"),
+    ("Metropolis::range", "tests/estimators.rs"),
+    ("Metropolis::one_minus_cos", "tests/estimators.rs"),
+    ("Metropolis::sample", "tests/estimators.rs"),
+    ("Defensive::new", "tests/estimators.rs"),
+    ("Defensive::max_weight", "tests/estimators.rs"),
+    ("Defensive::pdf", "tests/estimators.rs"),
+    ("Defensive::sample", "tests/estimators.rs"),
+    ("Mixture::empty", "tests/extremes.rs"),
+    ("Mixture::hemisphere", "tests/extremes.rs"),
+    ("Mixture::sphere", "tests/estimators.rs"),
+    ("Mixture::new", "src/reference.rs"),
+    ("Mixture::with_diffuse", "tests/estimators.rs"),
+    ("Mixture::diffuse", "src/oracle.rs"),
+    ("Mixture::len", "src/oracle.rs"),
+    ("Mixture::is_empty", "tests/extremes.rs"),
+    ("Mixture::squeezed_len", "src/oracle.rs"),
+    ("Mixture::squeeze", "src/oracle.rs"),
+    ("Mixture::domain", "src/oracle.rs"),
+    ("Mixture::level", "tests/levels.rs"),
+    ("Mixture::is_folded", "tests/extremes.rs"),
+    ("Mixture::lobe", "src/oracle.rs"),
+    ("Mixture::albedo", "tests/extremes.rs"),
+    ("Mixture::power", "tests/estimators.rs"),
+    ("Mixture::evaluate", "src/reference.rs"),
+    ("Mixture::pdf", "src/reference.rs"),
+    ("Mixture::evaluate_and_pdf", "tests/extremes.rs"),
+    ("Mixture::sample", "tests/chi_square.rs"),
+    ("Mixture::evaluate_into", "tests/levels.rs"),
+    ("Mixture::pdf_into", "tests/levels.rs"),
+    ("Mixture::sample_into", "tests/levels.rs"),
+    ("Mixture::allocate_into", "tests/estimators.rs"),
+    ("Mixture::sample_lobe", "tests/estimators.rs"),
+    ("Mixture::balance_divisor", "tests/estimators.rs"),
+    ("Mixture::component_len", "tests/estimators.rs"),
+    ("Mixture::invert_sample", "tests/properties.rs"),
+    ("Mixture::product_into", "tests/estimators.rs"),
+    ("Mixture::product_len", "tests/estimators.rs"),
+    ("Mixture::product_with_lobe_into", "tests/estimators.rs"),
+    ("Mixture::inner_product", "tests/estimators.rs"),
+    ("Mixture::inner_product_with_lobe", "tests/estimators.rs"),
+    ("Material::from_bytes", "tests/presets.rs"),
+    ("Material::bytes", "tests/levels.rs"),
+    ("Material::view_count", "tests/presets.rs"),
+    ("Material::lobe_count", "tests/levels.rs"),
+    ("Material::squeezed_count", "tests/levels.rs"),
+    ("Material::provenance", "tests/levels.rs"),
+    ("Material::view_theta", "tests/presets.rs"),
+    ("Material::view_log2_squeeze", "tests/levels.rs"),
+    ("Material::view_log2_diffuse", "tests/levels.rs"),
+    ("Material::view_lobe", "tests/levels.rs"),
+    ("Material::prepare", "tests/presets.rs"),
+    ("Level::name", "src/reference.rs"),
+    ("Level::from_name", "tests/levels.rs"),
+    ("Level::is_available", "src/reference.rs"),
+    ("Level::current", "tests/levels.rs"),
+    ("Level::set", "src/reference.rs"),
+];
+
+fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            rust_files(&path, found);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// The name that begins a text.
+fn name(text: &str) -> String {
+    text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
+}
+
+/// Every function that a user of `core` can call.
+fn public_functions() -> BTreeSet<String> {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../core/src");
+    let lib = std::fs::read_to_string(source.join("lib.rs")).expect("lib.rs");
+    // The names that lib.rs exports: all words of its `pub use`.
+    let exported: BTreeSet<String> = lib
+        .split("pub use ")
+        .skip(1)
+        .flat_map(|rest| rest.split(';').next().unwrap_or("").split(|c: char| !(c.is_alphanumeric() || c == '_')))
+        .map(str::to_owned)
+        .collect();
+    let mut files = Vec::new();
+    rust_files(&source, &mut files);
+    let mut functions = BTreeSet::new();
+    for file in files {
+        let text = std::fs::read_to_string(&file).expect("a source file");
+        let public_module = file.file_stem().is_some_and(|stem| stem == "special");
+        let mut of_type: Option<String> = None;
+        let (mut is_trait, mut hidden) = (false, false);
+        for line in text.lines() {
+            if line.starts_with("mod tests") || line.starts_with("#[cfg(test)]") {
+                break;
+            }
+            if line.starts_with('}') {
+                of_type = None;
+            }
+            if let Some(rest) = line.strip_prefix("pub trait ") {
+                (of_type, is_trait) = (Some(name(rest)), true);
+            } else if line.starts_with("impl") && !line.contains(" for ") {
+                // After the generics of `impl<...>`.
+                let mut depth = 0;
+                let rest = line["impl".len()..].trim_start_matches(|c| {
+                    depth += i32::from(c == '<') - i32::from(c == '>');
+                    depth > 0 || c == '>' || c == ' '
+                });
+                (of_type, is_trait) = (Some(name(rest)), false);
+            }
+            let code = line.trim_start();
+            hidden |= code.starts_with("#[doc(hidden)]");
+            let declared = code.strip_prefix("pub ").or(is_trait.then_some(code)).and_then(|rest| {
+                ["const fn ", "fn ", "unsafe fn ", "const unsafe fn "].iter().find_map(|k| rest.strip_prefix(k))
+            });
+            let Some(function) = declared.map(name) else { continue };
+            let indented = line.starts_with(' ');
+            match &of_type {
+                Some(owner) if indented && exported.contains(owner) && !hidden => {
+                    functions.insert(format!("{owner}::{function}"));
+                }
+                None if !indented && (public_module || exported.contains(&function)) => {
+                    functions.insert(function);
+                }
+                _ => {}
+            }
+            hidden = false;
+        }
+    }
+    functions
+}
+
+#[test]
+fn every_public_function_of_core_has_an_oracle() {
+    let functions = public_functions();
+    assert!(functions.len() > 80, "the source was not understood: {functions:?}");
+    let mut failures = Vec::new();
+    for function in &functions {
+        if !ORACLES.iter().any(|(name, _)| name == function) {
+            failures.push(format!("{function} has no oracle"));
+        }
+    }
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for (function, file) in ORACLES {
+        if !functions.contains(*function) {
+            failures.push(format!("{function} is listed, but core has no such function"));
+        }
+        let text = std::fs::read_to_string(folder.join(file)).unwrap_or_default();
+        let bare = function.rsplit("::").next().expect("a name");
+        let calls = |c: char| text.contains(&format!("{bare}{c}"));
+        if !(calls('(') || calls(',') || calls(')') || text.contains(&format!("{bare}::<"))) {
+            failures.push(format!("{function}: {file} does not call it"));
+        }
+    }
+    assert!(failures.is_empty(), "\n{}", failures.join("\n"));
+}
