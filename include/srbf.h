@@ -540,12 +540,14 @@ const char *srbf_status_text(srbf_status status);
 srbf_status srbf_status_panic(void);
 #endif
 
+#if defined(SRBF_HOSTED)
 /**
  * Returns the message of the last call that failed on this thread, "" if none did.
  *
  * UTF-8, one line, never NULL. Valid until the next call that fails on this thread, or its end.
  */
 const char *srbf_last_message(void);
+#endif
 
 /**
  * Returns the level that mixtures prepared from now on use: `SRBF_SIMD_SCALAR` to `SRBF_SIMD_AVX512`.
@@ -747,6 +749,7 @@ srbf_status srbf_material_prepare_into(const struct srbf_material *material,
                                        void *storage,
                                        size_t stride);
 
+#if defined(SRBF_HOSTED)
 /**
  * Makes a material of `.srbf` bytes, which are copied. Release it with `srbf_material_free`.
  *
@@ -756,7 +759,9 @@ srbf_status srbf_material_prepare_into(const struct srbf_material *material,
 srbf_status srbf_material_from_bytes(const uint8_t *bytes,
                                      size_t byte_count,
                                      struct srbf_material **material);
+#endif
 
+#if defined(SRBF_HOSTED)
 /**
  * Reads a material from a `.srbf` file. Release it with `srbf_material_free`.
  *
@@ -764,7 +769,9 @@ srbf_status srbf_material_from_bytes(const uint8_t *bytes,
  * `srbf_last_message`; `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if it holds no material.
  */
 srbf_status srbf_material_load(const char *path, struct srbf_material **material);
+#endif
 
+#if defined(SRBF_HOSTED)
 /**
  * Releases a material; NULL is allowed and does nothing.
  *
@@ -773,6 +780,7 @@ srbf_status srbf_material_load(const char *path, struct srbf_material **material
  * Status: `SRBF_STATUS_OBJECT` if it is not a material.
  */
 srbf_status srbf_material_free(struct srbf_material *material);
+#endif
 
 /**
  * Evaluates `f cos`, the BRDF times the incident cosine, towards a direction; 1/sr.
