@@ -123,11 +123,10 @@ mod tests {
     fn dense_solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
         let n = b.len();
         for k in 0..n {
+            let pivot = a[k].clone();
             for i in k + 1..n {
-                let f = a[i][k] / a[k][k];
-                for j in k..n {
-                    a[i][j] -= f * a[k][j];
-                }
+                let f = a[i][k] / pivot[k];
+                a[i].iter_mut().zip(&pivot).for_each(|(v, p)| *v -= f * p);
                 b[i] -= f * b[k];
             }
         }
@@ -143,13 +142,12 @@ mod tests {
         for (n, band) in [(1, 0), (1, 3), (5, 0), (7, 2), (20, 6), (33, 17), (12, 30)] {
             let mut banded = Banded::zeros(n, band);
             let mut dense = vec![vec![0.0; n]; n];
-            for i in 0..n {
-                for j in i.saturating_sub(band)..=i {
-                    let v = if i == j { 2.0 * band as f64 + 2.0 } else { random.next() - 0.5 };
-                    banded.add(i, j, v);
-                    dense[i][j] = v;
-                    dense[j][i] = v;
-                }
+            let inside = |&(i, j): &(usize, usize)| j <= i && i - j <= band;
+            for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).filter(inside) {
+                let v = if i == j { 2.0 * band as f64 + 2.0 } else { random.next() - 0.5 };
+                banded.add(i, j, v);
+                dense[i][j] = v;
+                dense[j][i] = v;
             }
             let b: Vec<f64> = (0..n).map(|_| random.next()).collect();
             let mut x = b.clone();

@@ -18,6 +18,9 @@ const LEAST_SQUEEZE: f64 = 0.08;
 /// solver to feel it.
 const FAINT: f64 = 2e-3;
 
+/// Largest albedo of a start.
+const BRIGHTEST: f64 = 0.9;
+
 /// Sweeps of the coordinate descent for amplitudes.
 const SWEEPS: usize = 200;
 
@@ -57,13 +60,20 @@ pub(crate) fn start(table: &Table, layout: &Layout, n: usize) -> Vec<f64> {
             let mut at_view = vec![0.0; p];
             shape(layout, view.theta, &sharpness, &lean, &mut at_view);
             let lobes = Lobes::new(layout, &at_view);
-            for (channel, found) in best_amplitudes(view, &lobes, layout.lobes).iter().enumerate() {
+            for (channel, found) in best_amplitudes(view, &lobes, layout.lobes + 1).iter().enumerate() {
                 let largest = found.iter().copied().fold(1e-9, f64::max);
+                let diffuse = found[layout.lobes];
+                q[layout.diffuse(channel)] = libm::log(diffuse.max(1e-3 * view.albedo[channel] + 1e-9));
                 for k in 0..layout.lobes {
                     let faint = FAINT * largest / sharpness[k].max(1.0);
                     q[layout.amplitude(channel, k)] = libm::log(found[k].max(faint));
                 }
             }
+        }
+        // A knot without a view may hold too much light with borrowed amplitudes.
+        let most = layout.albedo(q).into_iter().fold(0.0, f64::max);
+        if most > BRIGHTEST {
+            q[layout.amplitude(0, 0)..].iter_mut().for_each(|a| *a -= libm::log(most / BRIGHTEST));
         }
     }
     x
@@ -91,11 +101,12 @@ fn nearest(table: &Table, theta: f64) -> Option<&View> {
     table.views.iter().min_by(|a, b| (a.theta - theta).abs().total_cmp(&(b.theta - theta).abs()))
 }
 
-/// Best non-negative amplitudes for given shapes, per channel, by coordinate descent on the normal equations.
+/// Best non-negative amplitudes of the first `count` of lobes and diffuse term, per channel, by coordinate descent on the normal
+/// equations.
 pub(crate) fn best_amplitudes(view: &View, lobes: &Lobes, count: usize) -> [Vec<f64>; 3] {
     let mut gram = vec![0.0; count * count];
     let mut moment = [vec![0.0; count], vec![0.0; count], vec![0.0; count]];
-    let mut unit = vec![0.0; count];
+    let mut unit = vec![0.0; lobes.len() + 1];
     for s in &view.samples {
         lobes.values(&s.direction, &mut unit);
         for i in 0..count {
@@ -139,14 +150,14 @@ mod tests {
         for theta in 0..28 {
             for phi in 0..19 {
                 let d = direction(f64::from(theta) * 0.05, f64::from(10 * phi).to_radians());
-                let mut unit = [0.0; 3];
+                let mut unit = [0.0; 4];
                 lobes.values(&d, &mut unit);
                 let v = truth.iter().zip(unit).map(|(a, u)| a * u).sum::<f64>() / d[2];
                 scattered.push((d, [v, 2.0 * v, 0.0]));
             }
         }
         let table = Table::from_scattered(vec![(0.6, scattered)]).unwrap();
-        let found = best_amplitudes(&table.views[0], &lobes, 3);
+        let found = best_amplitudes(&table.views[0], &lobes, 4);
         for k in 0..3 {
             assert!(
                 (found[0][k] - truth[k]).abs() < 1e-3 && (found[1][k] - 2.0 * truth[k]).abs() < 2e-3,

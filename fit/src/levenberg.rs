@@ -2,12 +2,22 @@
 //!
 //! Marquardt's scaling: the damping is relative to the diagonal, so that unknowns of different kinds need no common unit.
 //! The damping follows the ratio of achieved to predicted decrease (Nielsen 1999). Unknowns at a bound, with the descent
-//! pointing outwards, are left out of a step.
+//! pointing outwards, are left out of a step. A step that is too long is made shorter as a whole: cutting single unknowns
+//! breaks the compensation between overlapping lobes (garnet red then ends at 1.9 % in place of 1.6 %).
+//!
+//! Tried without gain: geodesic acceleration (Transtrum and Sethna 2012).
 
 use crate::objective::Objective;
 
-/// Largest change of an unknown in one step: beyond it the linearisation of an exponential says nothing.
-const LONGEST_STEP: f64 = 1.5;
+/// Largest change of an unknown in one step: beyond it the linearisation of an exponential says nothing. Half of it finds
+/// better minima of mirror-like materials, but takes twice the steps to leave a bad start.
+const LONGEST_STEP: f64 = 3.0;
+
+/// Damping of the first step.
+const FIRST_DAMPING: f64 = 0.1;
+
+/// Damping at which no step helps any more.
+const MOST_DAMPING: f64 = 1e12;
 
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
@@ -20,15 +30,13 @@ pub(crate) struct Limits {
     pub smoothness: f64,
 }
 
-/// What was reached.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Reached {
-    pub cost: f64,
-    pub steps: usize,
-}
-
-/// Moves `x` downhill.
-pub(crate) fn minimize(objective: &Objective, x: &mut Vec<f64>, limits: Limits) -> Reached {
+/// Moves `x` downhill; returns the cost reached. Calls `tick` after every step tried.
+pub(crate) fn minimize(
+    objective: &Objective,
+    x: &mut Vec<f64>,
+    limits: Limits,
+    mut tick: impl FnMut(),
+) -> f64 {
     let layout = &objective.layout;
     let p = layout.stride();
     let clamp = |x: &mut [f64]| {
@@ -39,10 +47,11 @@ pub(crate) fn minimize(objective: &Objective, x: &mut Vec<f64>, limits: Limits) 
     };
     clamp(x);
 
-    let (mut damping, mut growth) = (1e-3, 2.0);
+    let (mut damping, mut growth) = (FIRST_DAMPING, 2.0);
     let mut at = objective.linearize(x, limits.smoothness);
     let mut history = vec![at.cost];
-    for step in 0..limits.steps {
+    for _ in 0..limits.steps {
+        tick();
         let free = |i: usize| {
             let (low, high) = layout.bounds(i % p);
             let outward = (x[i] <= low && at.gradient[i] > 0.0) || (x[i] >= high && at.gradient[i] < 0.0);
@@ -52,32 +61,30 @@ pub(crate) fn minimize(objective: &Objective, x: &mut Vec<f64>, limits: Limits) 
         let mut delta: Vec<f64> = at.gradient.iter().map(|g| -g).collect();
         // An unknown that nothing depends on (a lobe that has faded) is damped as if it mattered a little.
         let least = 1e-10 * at.cost.max(1e-12);
-        for i in 0..x.len() {
+        for (i, d) in delta.iter_mut().enumerate() {
             if free(i) {
                 matrix.add(i, i, damping * matrix.diagonal(i) + least);
             } else {
                 matrix.isolate(i);
-                delta[i] = 0.0;
+                *d = 0.0;
             }
         }
-        if !matrix.factor() {
-            damping = (damping * 10.0).max(1e-6);
-            if damping > 1e12 {
-                return Reached { cost: at.cost, steps: step };
+        let mut cost = f64::INFINITY;
+        let mut moved = Vec::new();
+        let mut promised = f64::MIN_POSITIVE;
+        if matrix.factor() {
+            matrix.solve(&mut delta);
+            let longest = delta.iter().fold(0.0f64, |a, d| a.max(d.abs()));
+            if longest > LONGEST_STEP {
+                delta.iter_mut().for_each(|d| *d *= LONGEST_STEP / longest);
             }
-            continue;
+            moved = x.iter().zip(&delta).map(|(x, d)| x + d).collect();
+            clamp(&mut moved);
+            cost = objective.cost(&moved, limits.smoothness);
+            // Decrease that the damped model promises for the step as solved.
+            let promise = |i: usize| delta[i] * (damping * at.matrix.diagonal(i) * delta[i] - at.gradient[i]);
+            promised = (0..x.len()).map(promise).sum::<f64>().max(f64::MIN_POSITIVE);
         }
-        matrix.solve(&mut delta);
-        delta.iter_mut().for_each(|d| *d = d.clamp(-LONGEST_STEP, LONGEST_STEP));
-
-        let mut moved: Vec<f64> = x.iter().zip(&delta).map(|(x, d)| x + d).collect();
-        clamp(&mut moved);
-        let cost = objective.cost(&moved, limits.smoothness);
-        // Decrease that the damped model promises for the step as solved.
-        let promised: f64 = (0..x.len())
-            .map(|i| delta[i] * (damping * at.matrix.diagonal(i) * delta[i] - at.gradient[i]))
-            .sum::<f64>()
-            .max(f64::MIN_POSITIVE);
         if cost < at.cost {
             let ratio = ((at.cost - cost) / promised).min(1.0);
             let cube = 2.0 * ratio - 1.0;
@@ -88,15 +95,15 @@ pub(crate) fn minimize(objective: &Objective, x: &mut Vec<f64>, limits: Limits) 
             history.push(at.cost);
             let n = history.len();
             if n > 5 && history[n - 6] - at.cost < limits.improvement * at.cost {
-                return Reached { cost: at.cost, steps: step + 1 };
+                break;
             }
         } else {
             damping *= growth;
             growth *= 2.0;
-            if !(damping < 1e12) {
-                return Reached { cost: at.cost, steps: step + 1 };
+            if damping > MOST_DAMPING {
+                break;
             }
         }
     }
-    Reached { cost: at.cost, steps: limits.steps }
+    at.cost
 }

@@ -20,25 +20,22 @@ pub(crate) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec
     let p = layout.stride();
     let mut x = x.to_vec();
     let mut q = vec![0.0; p];
-    for knot in 0..layout.knots.len() {
-        let last = knot + 1 == layout.knots.len();
-        for look in 0..if last { 1 } else { LOOKS } {
+    let last = layout.knots.len() - 1;
+    for knot in 0..last.max(1) {
+        let most = (0..=if last == 0 { 0 } else { LOOKS }).fold(0.0, |most: f64, look| {
             layout.interpolate(&x, (knot, look as f64 / LOOKS as f64), &mut q);
-            let most = layout.albedo(&q).into_iter().fold(0.0, f64::max);
-            if most > MOST {
-                for k in [knot, (knot + 1).min(layout.knots.len() - 1)] {
-                    for i in layout.amplitude(0, 0)..p {
-                        x[k * p + i] -= libm::log(most / MOST) * if k == knot || !last { 1.0 } else { 0.0 };
-                    }
-                    if last {
-                        break;
-                    }
-                }
+            layout.albedo(&q).into_iter().fold(most, f64::max)
+        });
+        if most > MOST {
+            for k in knot..=(knot + 1).min(last) {
+                x[k * p + layout.amplitude(0, 0)..(k + 1) * p]
+                    .iter_mut()
+                    .for_each(|v| *v -= libm::log(most / MOST));
             }
         }
     }
 
-    let stored: Vec<(f32, f32, Vec<PlaneLobe>)> = layout
+    let stored: Vec<(f32, [f32; 4], Vec<PlaneLobe>)> = layout
         .knots
         .iter()
         .enumerate()
@@ -51,15 +48,16 @@ pub(crate) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec
                 log2_amplitude: [0, 1, 2].map(|c| log2(q[layout.amplitude(c, k)])),
             });
             let theta = if *theta >= FRAC_PI_2 { std::f32::consts::FRAC_PI_2 } else { *theta as f32 };
-            (theta, log2(q[0]), lobes.collect())
+            let diffuse = |c| log2(q[layout.diffuse(c)]);
+            (theta, [log2(q[0]), diffuse(0), diffuse(1), diffuse(2)], lobes.collect())
         })
         .collect();
     let views: Vec<View<'_>> = stored
         .iter()
-        .map(|(theta, log2_squeeze, lobes)| View {
-            theta: *theta,
-            log2_squeeze: *log2_squeeze,
-            log2_diffuse: [-126.0; 3],
+        .map(|&(theta, [log2_squeeze, red, green, blue], ref lobes)| View {
+            theta,
+            log2_squeeze,
+            log2_diffuse: [red, green, blue],
             lobes,
         })
         .collect();

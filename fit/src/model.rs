@@ -13,6 +13,7 @@
 //! In f64 the dot form loses nothing that matters: sharpness 1e6 leaves ten digits.
 
 use crate::parameters::Layout;
+use std::f64::consts::FRAC_1_PI;
 
 /// The lobes of one view, ready to be evaluated at many directions.
 pub(crate) struct Lobes {
@@ -50,6 +51,11 @@ impl Lobes {
         Self { squeezed: layout.squeezed, inverse_squeeze: libm::exp(-q[0]), shapes }
     }
 
+    /// How many lobes there are, the diffuse term not counted.
+    pub fn len(&self) -> usize {
+        self.shapes.len()
+    }
+
     /// Squeezed direction and change of solid angle.
     #[inline]
     fn squeeze(&self, d: &[f64; 3]) -> ([f64; 3], f64) {
@@ -58,7 +64,7 @@ impl Lobes {
         ([d[0] * inverse, y * inverse, d[2] * inverse], self.inverse_squeeze * inverse * inverse * inverse)
     }
 
-    /// Values of the unit lobes. Shapes: `out` [K], overwritten.
+    /// Values of the unit lobes, and of the diffuse term of albedo 1, `cos / pi`. Shapes: `out` [K + 1], overwritten.
     pub fn values(&self, d: &[f64; 3], out: &mut [f64]) {
         let (squeezed, j) = self.squeeze(d);
         for (k, (out, [sin, cos, s])) in out.iter_mut().zip(&self.shapes).enumerate() {
@@ -66,6 +72,7 @@ impl Lobes {
             let (x, z) = (u[0] * sin, u[2] * cos);
             *out = j * (exp(s * (x + z - 1.0)) + exp(s * (x - z - 1.0)));
         }
+        out[self.shapes.len()] = d[2] * FRAC_1_PI;
     }
 
     /// Values and derivatives of the unit lobes. Shapes: `out` [K], overwritten.
@@ -120,7 +127,7 @@ mod tests {
                     let at = |h: f64| {
                         let mut q = q.clone();
                         q[index] += h;
-                        let mut out = [0.0; 4];
+                        let mut out = [0.0; 5];
                         Lobes::new(&layout, &q).values(&d, &mut out);
                         out[k]
                     };

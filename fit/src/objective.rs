@@ -18,6 +18,7 @@ use crate::model::{Lobes, Slopes};
 use crate::parameters::{Layout, sphere_integral};
 use crate::table::{Table, View};
 use rayon::prelude::*;
+use std::f64::consts::FRAC_1_PI;
 
 /// Weight of the relative variance beside the squared relative L2 error.
 const TAIL: f64 = 0.03;
@@ -113,7 +114,7 @@ impl Objective {
                 layout.interpolate(x, view.place, &mut q);
                 let lobes = Lobes::new(layout, &q);
                 let amplitudes = amplitudes(layout, &q);
-                let mut unit = vec![0.0; layout.lobes];
+                let mut unit = vec![0.0; layout.lobes + 1];
                 let mut cost = 0.0;
                 for p in &view.points {
                     lobes.values(&p.direction, &mut unit);
@@ -216,7 +217,7 @@ impl Objective {
 
         // The Jacobian is a product: a derivative of a unit lobe, the same for all channels, times an amplitude. So only the
         // Gram matrix of the derivatives is summed over the samples.
-        let width = 3 * k + layout.squeezed;
+        let width = 3 * k + layout.squeezed + 1;
         let mut gram = vec![0.0; width * width];
         let mut moment = vec![[0.0; 3]; width];
         let mut basis = vec![0.0; width];
@@ -233,9 +234,11 @@ impl Objective {
                     basis[3 * k + n] = root * s.by_ln_squeeze;
                 }
             }
+            basis[width - 1] = root * point.direction[2] * FRAC_1_PI;
             let mut residual = [0.0; 3];
             for c in 0..3 {
                 let value: f64 = amplitude[c].iter().zip(&basis[2 * k..3 * k]).map(|(a, u)| a * u).sum();
+                let value = value + amplitude[c][k] * basis[width - 1];
                 residual[c] = value - root * point.target[c];
                 cost += residual[c] * residual[c];
             }
@@ -252,8 +255,9 @@ impl Objective {
 
         // From derivatives of unit lobes to derivatives by the unknowns.
         let mut block = Block { place: view.place, cost, gradient: vec![0.0; p], matrix: vec![0.0; p * p] };
-        let lobe_of = |i: usize| i % k.max(1);
+        let lobe_of = |i: usize| if i == width - 1 { k } else { i % k };
         let target = |i: usize, channel: usize| match i / k {
+            _ if i == width - 1 => layout.diffuse(channel),
             0 => layout.angle(lobe_of(i)),
             1 => layout.sharpness(lobe_of(i)),
             2 => layout.amplitude(channel, lobe_of(i)),
@@ -274,9 +278,9 @@ impl Objective {
             }
         }
         let albedo = layout.albedo(&q);
-        for c in 0..3 {
-            let residual = self.energy_residual(albedo[c], view.albedo[c]);
-            let slope = libm::sqrt(ENERGY / (3.0 * self.views.len() as f64)) / (albedo[c] + self.black);
+        for (c, (&fitted, &data)) in albedo.iter().zip(&view.albedo).enumerate() {
+            let residual = self.energy_residual(fitted, data);
+            let slope = libm::sqrt(ENERGY / (3.0 * self.views.len() as f64)) / (fitted + self.black);
             self.add_albedo_row(&mut block, &q, c, residual, slope);
         }
         block
@@ -295,6 +299,7 @@ impl Objective {
                 by_albedo * libm::exp(q[layout.amplitude(channel, k)]) * integral,
             ));
         }
+        row.push((layout.diffuse(channel), by_albedo * libm::exp(q[layout.diffuse(channel)])));
         block.cost += residual * residual;
         for &(i, a) in &row {
             block.gradient[i] += a * residual;
@@ -347,8 +352,10 @@ fn norm_squared(view: &View) -> f64 {
     view.samples.iter().map(|s| s.weight * square(s)).sum()
 }
 
+/// Amplitudes of the lobes and of the diffuse term, per channel.
 fn amplitudes(layout: &Layout, q: &[f64]) -> [Vec<f64>; 3] {
-    [0, 1, 2].map(|c| (0..layout.lobes).map(|k| libm::exp(q[layout.amplitude(c, k)])).collect())
+    let channel = |c| (0..layout.lobes).map(move |k| layout.amplitude(c, k)).chain([layout.diffuse(c)]);
+    [0, 1, 2].map(|c| channel(c).map(|i| libm::exp(q[i])).collect())
 }
 
 #[cfg(test)]
@@ -408,9 +415,9 @@ mod tests {
             view.albedo = layout.albedo(&q);
             let (lobes, a) = (Lobes::new(&layout, &q), amplitudes(&layout, &q));
             for point in &mut view.points {
-                let mut unit = [0.0; 3];
+                let mut unit = [0.0; 4];
                 lobes.values(&point.direction, &mut unit);
-                point.target = [0, 1, 2].map(|c| (0..3).map(|k| a[c][k] * unit[k]).sum());
+                point.target = [0, 1, 2].map(|c| (0..4).map(|k| a[c][k] * unit[k]).sum());
             }
         }
         let linearized = objective.linearize(&x, 0.0);

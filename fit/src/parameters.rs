@@ -1,8 +1,9 @@
 //! The unknowns of a fit: lobes at the knots, and what lies between.
 //!
-//! A knot has `1 + 5 K` unknowns: `ln c`, K angles of the axes in radians, K `ln sharpness`, then K `ln amplitude` per
-//! channel. Lobe k of one knot is lobe k of the next; between knots everything is interpolated linearly in the angle of the
-//! outgoing direction, as `srbf_core` does it with the same numbers as base-2 logarithms.
+//! A knot has `4 + 5 K` unknowns: `ln c`, K angles of the axes in radians, K `ln sharpness`, K `ln amplitude` per channel,
+//! and per channel the logarithm of the albedo of the diffuse term. Lobe k of one knot is lobe k of the next; between knots
+//! everything is interpolated linearly in the angle of the outgoing direction, as `srbf_core` does it with the same numbers
+//! as base-2 logarithms.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -26,7 +27,7 @@ const LN_AMPLITUDE: (f64, f64) = (-40.0, 30.0);
 impl Layout {
     /// Unknowns of a knot.
     pub fn stride(&self) -> usize {
-        1 + 5 * self.lobes
+        4 + 5 * self.lobes
     }
     /// All unknowns.
     pub fn len(&self) -> usize {
@@ -40,6 +41,11 @@ impl Layout {
     }
     pub fn amplitude(&self, channel: usize, k: usize) -> usize {
         1 + (2 + channel) * self.lobes + k
+    }
+
+    /// The logarithm of the albedo of a channel's diffuse term.
+    pub fn diffuse(&self, channel: usize) -> usize {
+        1 + 5 * self.lobes + channel
     }
 
     /// Whether an unknown of a knot is given: at the normal every axis is the normal and nothing is squeezed.
@@ -99,6 +105,9 @@ impl Layout {
             for (c, s) in sum.iter_mut().enumerate() {
                 *s += libm::exp(q[self.amplitude(c, k)]) * integral;
             }
+        }
+        for (c, s) in sum.iter_mut().enumerate() {
+            *s += libm::exp(q[self.diffuse(c)]);
         }
         sum
     }

@@ -4,7 +4,9 @@
 //! The materials are isotropic, so every sample is mirrored to y >= 0: a sample and its mirror image are one.
 
 pub mod cornell;
+pub mod evaluable;
 mod interpolate;
+pub mod neural;
 mod numbers;
 mod spectrum;
 

@@ -8,6 +8,7 @@ use crate::objective::Objective;
 use crate::parameters::Layout;
 use crate::report::{Report, ViewReport};
 use crate::table::Table;
+use std::f64::consts::FRAC_PI_2;
 use std::time::Instant;
 
 /// How a material is fitted.
@@ -23,13 +24,23 @@ pub struct Settings {
     pub starts: usize,
     /// Most steps of the refinement.
     pub steps: usize,
+    /// Angles of the knots in radians, from 0 rising; `None`: the views of the table, the normal and the horizon.
+    pub knots: Option<Vec<f64>>,
     /// Name of the source, hash and the like: the first lines of the material's provenance.
     pub provenance: String,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { lobes: 12, squeezed: 7, smoothness: 1e-5, starts: 6, steps: 150, provenance: String::new() }
+        Self {
+            lobes: 12,
+            squeezed: 7,
+            smoothness: 1e-5,
+            starts: 6,
+            steps: 150,
+            knots: None,
+            provenance: String::new(),
+        }
     }
 }
 
@@ -60,47 +71,38 @@ pub fn fit(table: &Table, settings: &Settings, mut progress: impl FnMut(f64)) ->
     check(settings)?;
     let layout = Layout {
         lobes: settings.lobes,
-        squeezed: settings.squeezed.min(settings.lobes),
-        knots: Layout::knots_at(table.views.iter().map(|v| v.theta), KNOT_DISTANCE),
+        squeezed: settings.squeezed,
+        knots: match &settings.knots {
+            Some(knots) => knots.clone(),
+            None => Layout::knots_at(table.views.iter().map(|v| v.theta), KNOT_DISTANCE),
+        },
     };
     let objective = Objective::new(table, layout.clone())?;
 
-    // Scout: a few stiff steps from every start.
     let total = (settings.starts * SCOUTING + settings.steps) as f64;
     let mut done = 0;
-    let mut best: Option<(f64, Vec<f64>)> = None;
+    let mut tick = || {
+        done += 1;
+        progress((f64::from(done) / total).min(1.0));
+    };
+
+    // Scout: a few stiff steps from every start.
+    let mut best = (f64::INFINITY, Vec::new());
     for n in 0..settings.starts {
         let mut x = initialize::start(table, &layout, n);
         let limits = Limits { steps: SCOUTING, improvement: 1e-3, smoothness: STIFF * settings.smoothness };
-        let reached = levenberg::minimize(&objective, &mut x, limits);
-        if std::env::var("SRBF_TRACE").is_ok() {
-            eprintln!("start {n}: {} after {} steps", reached.cost, reached.steps);
+        let cost = levenberg::minimize(&objective, &mut x, limits, &mut tick);
+        if cost < best.0 || best.1.is_empty() {
+            best = (cost, x);
         }
-        if best.as_ref().is_none_or(|(cost, _)| reached.cost < *cost) {
-            best = Some((reached.cost, x));
-        }
-        done += SCOUTING;
-        progress(done as f64 / total);
     }
-    let Some((_, mut x)) = best else {
-        return Err(FitError::Setting { name: "starts", reason: "at least 1".into() });
-    };
 
-    // Refine, ever less stiff.
+    // Refine the best, ever less stiff.
+    let (_, mut x) = best;
     for (share, stiffness) in [(0.25, 10.0), (0.75, 1.0)] {
-        let steps = (share * settings.steps as f64) as usize;
+        let steps = (share * settings.steps as f64).ceil() as usize;
         let limits = Limits { steps, improvement: 1e-4, smoothness: stiffness * settings.smoothness };
-        let reached = levenberg::minimize(&objective, &mut x, limits);
-        if std::env::var("SRBF_TRACE").is_ok() {
-            eprintln!(
-                "refine {stiffness}: {} after {} steps, {:?}",
-                reached.cost,
-                reached.steps,
-                start.elapsed()
-            );
-        }
-        done += steps;
-        progress(done as f64 / total);
+        levenberg::minimize(&objective, &mut x, limits, &mut tick);
     }
 
     let text = format!("{}{}", settings.provenance, describe(settings));
@@ -129,6 +131,11 @@ fn check(settings: &Settings) -> Result<(), FitError> {
     range("lobes", (1..=srbf_core::MAX_LOBES).contains(&settings.lobes), "from 1 to 64")?;
     range("squeezed", settings.squeezed <= settings.lobes, "at most the number of lobes")?;
     range("smoothness", (1e-12..=1e3).contains(&settings.smoothness), "from 1e-12 to 1000")?;
+    if let Some(knots) = &settings.knots {
+        let rising = knots.windows(2).all(|w| w[1] - w[0] > 1e-4);
+        let inside = knots.len() <= 1024 && knots.first() == Some(&0.0) && knots.last() <= Some(&FRAC_PI_2);
+        range("knots", rising && inside, "from 0 rising to at most pi / 2 radians, at most 1024")?;
+    }
     range("starts", (1..=1000).contains(&settings.starts), "from 1 to 1000")?;
     range("steps", (1..=100_000).contains(&settings.steps), "from 1 to 100000")
 }

@@ -5,6 +5,9 @@ use crate::film;
 use anyhow::{Context, bail};
 use std::path::Path;
 
+/// Largest radiance of a constant environment: squares of it stay far from the largest f32.
+const MAX_CONSTANT: f32 = 1e6;
+
 /// Parses `WIDTHxHEIGHT`.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
     let expected =
@@ -23,8 +26,13 @@ pub fn environment(text: &str) -> anyhow::Result<Environment> {
         _ => {}
     }
     if let Some(value) = text.strip_prefix("constant:") {
-        let expected = || format!("environment {text}: a number above 0 is expected after `constant:`");
-        return Environment::constant(value.parse().with_context(expected)?).with_context(expected);
+        let value = value.parse().ok().filter(|v| *v > 0.0 && *v <= MAX_CONSTANT);
+        let expected = || {
+            format!(
+                "environment {text}: a number above 0, at most {MAX_CONSTANT}, is expected after `constant:`"
+            )
+        };
+        return Environment::constant(value.with_context(expected)?);
     }
     let path = Path::new(text);
     if path.extension().is_none() && !path.exists() {

@@ -2,7 +2,7 @@
 
 use super::argument;
 use crate::film::Film;
-use crate::furnace;
+use crate::furnace::{self, Furnace};
 use crate::integrator::Sampler;
 use crate::material::{self, StoredMaterial};
 use crate::mesh;
@@ -127,20 +127,25 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     );
 
     if let (SceneName::Sphere, Some(radiance)) = (args.scene, environment.constant_radiance()) {
-        let furnace = furnace::compare(&scene, &camera, radiance, &film);
-        println!("white furnace, mean over the {} pixels that the sphere fills:", furnace.pixels);
-        println!(
-            "{:8} {:>10} {:>14} {:>10} {:>12}",
-            "channel", "rendered", "standard error", "expected", "deviation"
-        );
-        for (i, channel) in ["red", "green", "blue"].iter().enumerate() {
-            let (rendered, error, expected) =
-                (furnace.rendered[i], furnace.standard_error[i], furnace.expected[i]);
-            println!(
-                "{channel:8} {rendered:>10.6} {error:>14.6} {expected:>10.6} {:>9.2} se",
-                (rendered - expected) / error
-            );
-        }
+        print_furnace(&furnace::compare(&scene, &camera, radiance, &film), args.spp);
     }
     Ok(())
+}
+
+fn print_furnace(furnace: &Furnace, spp: u32) {
+    println!("white furnace, mean over the {} pixels that the sphere fills:", furnace.pixels);
+    if furnace.pixels == 0 || spp < 2 {
+        println!("no standard error: at least one such pixel and two samples are needed");
+        return;
+    }
+    println!(
+        "{:8} {:>10} {:>14} {:>10} {:>12}",
+        "channel", "rendered", "standard error", "expected", "deviation"
+    );
+    for (i, channel) in ["red", "green", "blue"].iter().enumerate() {
+        let (rendered, error, expected) =
+            (furnace.rendered[i], furnace.standard_error[i], furnace.expected[i]);
+        let deviation = (rendered - expected) / error;
+        println!("{channel:8} {rendered:>10.6} {error:>14.6} {expected:>10.6} {deviation:>9.2} se");
+    }
 }

@@ -42,7 +42,9 @@ fn from_hdr(bytes: &[u8]) -> anyhow::Result<Environment> {
     );
     let exposure = decoder.metadata().exposure.unwrap_or(1.0);
     ensure!(exposure.is_finite() && exposure > 0.0, "EXPOSURE is {exposure}: a positive number is expected");
-    let picture = image::DynamicImage::from_decoder(decoder).context("the pixels of the .hdr picture")?;
+    let picture = image::DynamicImage::from_decoder(decoder).with_context(|| {
+        format!("{width} x {height} pixels are announced, and the file ends early or is damaged")
+    })?;
     let pixels = picture.to_rgb32f().pixels().map(|p| Vec3::from_array(p.0) / exposure).collect();
     Environment::new(width as usize, pixels)
 }

@@ -1,0 +1,183 @@
+//! Tables of BRDFs that can be evaluated at any pair of directions: dense files and analytic models.
+//!
+//! The directions of a view are drawn from a mixture of a uniform hemisphere and caps round the peak, each cap six times
+//! narrower in solid angle than the one before, down to the width of the peak, which is looked for in the plane of
+//! incidence first. Every part is a spiral of equal shares; a direction weighs one over the density of the whole (the
+//! balance heuristic), so the sum is a quadrature over the hemisphere that sees a peak of any width.
+
+use super::{Sample, Table, View, direction};
+use crate::FitError;
+use rayon::prelude::*;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// A BRDF that can be evaluated.
+pub trait Brdf: Sync {
+    /// The BRDF f, linear sRGB; 1/sr. Both directions are unit vectors with z > 0, in the frame of the surface.
+    ///
+    /// It may be negative or not a number where nothing was measured; that counts as 0.
+    fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3];
+}
+
+/// How densely a BRDF is tabulated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Density {
+    /// Directions spread over the hemisphere.
+    pub hemisphere: usize,
+    /// Directions in each cap round the peak.
+    pub cap: usize,
+}
+
+impl Default for Density {
+    fn default() -> Self {
+        Self { hemisphere: 350, cap: 100 }
+    }
+}
+
+/// Sharpness of the widest cap, and what the next one's is multiplied by.
+const WIDEST: f64 = 12.0;
+const NARROWER: f64 = 6.0;
+
+/// Sharpness that caps may reach.
+const NARROWEST: f64 = 4e6;
+
+/// Steps of the search along the plane of incidence, and smallest distance from the mirror direction, radians.
+const SEARCH: usize = 720;
+const CLOSEST: f64 = 1e-4;
+
+/// Golden angle, of spirals.
+const GOLDEN: f64 = 2.399_963_229_728_653;
+
+impl Table {
+    /// Tabulates a BRDF at views, angles in radians within [0, pi / 2).
+    ///
+    /// # Errors
+    /// [`FitError::Table`] for no view, too many, and angles out of range.
+    pub fn from_brdf(brdf: &dyn Brdf, thetas: &[f64], density: Density) -> Result<Self, FitError> {
+        if thetas.is_empty() || thetas.len() > super::MAX_VIEWS {
+            return Err(FitError::Table(format!("{} views; from 1 to {}", thetas.len(), super::MAX_VIEWS)));
+        }
+        if let Some(theta) = thetas.iter().find(|t| !(0.0..FRAC_PI_2).contains(*t)) {
+            return Err(FitError::Table(format!("view at {} degrees", theta.to_degrees())));
+        }
+        let mut views: Vec<View> = thetas.par_iter().map(|&theta| tabulate(brdf, theta, density)).collect();
+        views.sort_by(|a, b| a.theta.total_cmp(&b.theta));
+        Ok(Self { views })
+    }
+}
+
+/// The value with everything that is no value taken as 0.
+fn value(brdf: &dyn Brdf, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
+    brdf.evaluate(wi, wo).map(|v| if v.is_finite() { v.max(0.0) } else { 0.0 })
+}
+
+fn tabulate(brdf: &dyn Brdf, theta: f64, density: Density) -> View {
+    let (sin, cos) = libm::sincos(theta);
+    let wo = [-sin, 0.0, cos];
+    let bright = |d: [f64; 3]| value(brdf, d, wo).iter().sum::<f64>() * d[2];
+    let (peak, width) =
+        find_peak(&|angle| bright(direction(angle.abs(), if angle < 0.0 { PI } else { 0.0 })), theta);
+
+    // Caps down to the width of the peak; towards grazing it is narrower across the plane, by about the cosine.
+    let sharpest = (1.0 / (width * width * cos.max(0.1))).min(NARROWEST);
+    let mut caps = vec![];
+    let mut s = WIDEST;
+    loop {
+        caps.push(s);
+        if s >= sharpest {
+            break;
+        }
+        s *= NARROWER;
+    }
+    let axis = direction(peak.abs(), if peak < 0.0 { PI } else { 0.0 });
+    let tangent = [axis[2], 0.0, -axis[0]];
+
+    let mut directions: Vec<[f64; 3]> = Vec::new();
+    for i in 0..density.hemisphere {
+        let z = (i as f64 + 0.5) / density.hemisphere as f64;
+        let (sp, cp) = libm::sincos(GOLDEN * i as f64);
+        let r = libm::sqrt(1.0 - z * z);
+        directions.push([r * cp, (r * sp).abs(), z]);
+    }
+    for (n, s) in caps.iter().enumerate() {
+        for i in 0..density.cap {
+            let u = (i as f64 + 0.5) / density.cap as f64;
+            let w = -libm::log1p(u * libm::expm1(-2.0 * s)) / s;
+            let r = libm::sqrt(w * (2.0 - w));
+            let (sp, cp) = libm::sincos(GOLDEN * i as f64 + n as f64);
+            let mut d = [0.0; 3];
+            (0..3).for_each(|k| d[k] = axis[k] * (1.0 - w) + tangent[k] * r * cp);
+            d[1] += (r * sp).abs();
+            directions.push(d);
+        }
+    }
+    let probability = |d: &[f64; 3]| {
+        let chord: f64 = (0..3).map(|k| (d[k] - axis[k]) * (d[k] - axis[k])).sum();
+        let cap = |s: &f64| {
+            density.cap as f64 * s / (-2.0 * PI * libm::expm1(-2.0 * s)) * libm::exp(-0.5 * s * chord)
+        };
+        density.hemisphere as f64 / (2.0 * PI) + caps.iter().map(cap).sum::<f64>()
+    };
+    let samples: Vec<Sample> = directions
+        .iter()
+        .filter(|d| d[2] > 1e-4)
+        .map(|d| Sample { direction: *d, rgb: value(brdf, *d, wo), weight: 1.0 / probability(d) })
+        .collect();
+    let mut albedo = [0.0; 3];
+    for s in &samples {
+        (0..3).for_each(|c| albedo[c] += s.weight * s.rgb[c] * s.direction[2]);
+    }
+    View { theta, samples, albedo }
+}
+
+/// Angle of the highest value in the plane of incidence, and the distance at which it has fallen to half.
+fn find_peak(value: &dyn Fn(f64) -> f64, theta: f64) -> (f64, f64) {
+    let limit = FRAC_PI_2 - 1e-3;
+    let wide = (0..SEARCH).map(|i| limit * (2.0 * (i as f64 + 0.5) / SEARCH as f64 - 1.0));
+    let steps = 60;
+    let near = (0..=steps).flat_map(|i| {
+        let distance = CLOSEST * libm::pow(0.3 / CLOSEST, f64::from(i) / f64::from(steps));
+        [theta - distance, theta + distance]
+    });
+    let inside = |a: &f64| a.abs() < limit;
+    let (mut peak, mut highest) = (theta.min(limit), value(theta.min(limit)));
+    for angle in wide.chain(near).filter(inside) {
+        let v = value(angle);
+        if v > highest {
+            (peak, highest) = (angle, v);
+        }
+    }
+    let mut width = CLOSEST;
+    while width < 0.5 {
+        let sides = [peak - width, peak + width];
+        if sides.iter().filter(|a| inside(a)).all(|&a| value(a) < 0.5 * highest) {
+            break;
+        }
+        width *= 1.25;
+    }
+    (peak, width)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Gloss(f64);
+    impl Brdf for Gloss {
+        fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
+            let mirror = [-wo[0], -wo[1], wo[2]];
+            let chord: f64 = (0..3).map(|k| (wi[k] - mirror[k]) * (wi[k] - mirror[k])).sum();
+            let lobe = 0.5 * self.0 / (2.0 * PI) * libm::exp(-0.5 * self.0 * chord);
+            [(0.3 / PI) + lobe / wi[2]; 3]
+        }
+    }
+
+    #[test]
+    fn the_albedo_is_that_of_the_peak_whatever_its_width() {
+        for s in [30.0, 1e3, 1e5, 1e6] {
+            let table = Table::from_brdf(&Gloss(s), &[0.0, 0.5, 1.0], Density::default()).unwrap();
+            for view in &table.views {
+                assert!((view.albedo[0] - 0.8).abs() < 0.02, "{s} {}: {:?}", view.theta, view.albedo);
+            }
+        }
+    }
+}
