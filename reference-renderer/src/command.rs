@@ -7,6 +7,8 @@ pub mod fit;
 pub mod inspect;
 pub mod presets;
 pub mod render;
+pub mod samples;
+pub mod stability;
 
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
@@ -31,6 +33,8 @@ enum Command {
     Inspect(inspect::Args),
     Render(render::Args),
     Compare(compare::Args),
+    Samples(samples::Args),
+    Stability(stability::Args),
 }
 
 /// Runs what the command line asks for.
@@ -42,5 +46,7 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
         Some(Command::Inspect(args)) => inspect::run(args),
         Some(Command::Render(args)) => render::run(args),
         Some(Command::Compare(args)) => compare::run(args),
+        Some(Command::Samples(args)) => samples::run(args),
+        Some(Command::Stability(args)) => stability::run(args),
     }
 }

@@ -20,6 +20,7 @@ mod render;
 mod report;
 mod scene;
 mod sphere_sampling;
+mod stability;
 mod teapot;
 
 use clap::Parser;

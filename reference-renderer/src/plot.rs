@@ -10,7 +10,8 @@ use std::path::Path;
 const WIDTH: u32 = 1200;
 /// Height of the panels of one comparison.
 const HEIGHT: u32 = 520;
-const FONT: &str = "hack";
+/// Name of the embedded font.
+pub const FONT: &str = "hack";
 
 /// Okabe and Ito 2008: told apart by every kind of colour vision.
 const COLOURS: [RGBColor; 5] =
@@ -31,9 +32,14 @@ pub fn write_png(path: &Path, comparisons: &[Comparison]) -> anyhow::Result<()> 
 
 type Failure = Box<dyn std::error::Error>;
 
-fn draw(pixels: &mut [u8], size: [u32; 2], comparisons: &[Comparison]) -> Result<(), Failure> {
+/// Makes the embedded font known to plotters.
+pub fn register_font() -> Result<(), &'static str> {
     plotters::style::register_font(FONT, FontStyle::Normal, epaint_default_fonts::HACK_REGULAR)
-        .map_err(|_| "the embedded font is unreadable")?;
+        .map_err(|_| "the embedded font is unreadable")
+}
+
+fn draw(pixels: &mut [u8], size: [u32; 2], comparisons: &[Comparison]) -> Result<(), Failure> {
+    register_font()?;
     let root = BitMapBackend::with_buffer(pixels, size.into()).into_drawing_area();
     root.fill(&WHITE)?;
     for (row, comparison) in root.split_evenly((comparisons.len().max(1), 1)).iter().zip(comparisons) {

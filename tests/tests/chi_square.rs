@@ -35,7 +35,10 @@ fn material(random: &mut Random, lobes: usize, squeezed: usize) -> Vec<u8> {
     let views: Vec<View> = views
         .iter()
         .enumerate()
-        .map(|(i, lobes)| View { theta: 0.38 * i as f32, log2_squeeze: -0.6 * i as f32, lobes })
+        .map(|(i, lobes)| {
+            let log2_diffuse = if squeezed > 0 { [1.0, 0.0, 0.5] } else { [-126.0; 3] };
+            View { theta: 0.38 * i as f32, log2_squeeze: -0.6 * i as f32, log2_diffuse, lobes }
+        })
         .collect();
     let mut bytes = vec![0; encoded_len(views.len(), lobes, "")];
     encode(&views, squeezed, "", &mut bytes).unwrap();

@@ -75,9 +75,9 @@ const ORACLES: &[(&str, &str)] = &[
     ("Mixture::sphere", "tests/estimators.rs"),
     ("Mixture::new", "src/reference.rs"),
     ("Mixture::with_diffuse", "tests/estimators.rs"),
-    ("Mixture::diffuse", "src/oracle.rs"),
+    ("Mixture::diffuse", "tests/material.rs"),
     ("Mixture::len", "src/oracle.rs"),
-    ("Mixture::is_empty", "tests/extremes.rs"),
+    ("Mixture::is_empty", "tests/material.rs"),
     ("Mixture::squeezed_len", "src/oracle.rs"),
     ("Mixture::squeeze", "src/oracle.rs"),
     ("Mixture::domain", "src/oracle.rs"),
@@ -104,20 +104,24 @@ const ORACLES: &[(&str, &str)] = &[
     ("Mixture::inner_product", "tests/estimators.rs"),
     ("Mixture::inner_product_with_lobe", "tests/estimators.rs"),
     ("Material::from_bytes", "tests/presets.rs"),
-    ("Material::bytes", "tests/levels.rs"),
+    ("Material::bytes", "tests/material.rs"),
     ("Material::view_count", "tests/presets.rs"),
-    ("Material::lobe_count", "tests/levels.rs"),
-    ("Material::squeezed_count", "tests/levels.rs"),
-    ("Material::provenance", "tests/levels.rs"),
+    ("Material::lobe_count", "tests/material.rs"),
+    ("Material::squeezed_count", "tests/material.rs"),
+    ("Material::provenance", "tests/material.rs"),
     ("Material::view_theta", "tests/presets.rs"),
-    ("Material::view_log2_squeeze", "tests/levels.rs"),
-    ("Material::view_log2_diffuse", "tests/levels.rs"),
-    ("Material::view_lobe", "tests/levels.rs"),
+    ("Material::view_log2_squeeze", "tests/material.rs"),
+    ("Material::view_log2_diffuse", "tests/material.rs"),
+    ("Material::view_lobe", "tests/material.rs"),
     ("Material::prepare", "tests/presets.rs"),
+    ("Material::evaluate_pairs_into", "tests/material.rs"),
+    ("Material::sample_pairs_into", "tests/material.rs"),
+    ("Material::prepare_into", "tests/material.rs"),
+    ("Sample::weight", "tests/material.rs"),
     ("Level::name", "src/reference.rs"),
-    ("Level::from_name", "tests/levels.rs"),
+    ("Level::from_name", "tests/material.rs"),
     ("Level::is_available", "src/reference.rs"),
-    ("Level::current", "tests/levels.rs"),
+    ("Level::current", "tests/material.rs"),
     ("Level::set", "src/reference.rs"),
 ];
 
@@ -145,7 +149,9 @@ fn public_functions() -> BTreeSet<String> {
     let exported: BTreeSet<String> = lib
         .split("pub use ")
         .skip(1)
-        .flat_map(|rest| rest.split(';').next().unwrap_or("").split(|c: char| !(c.is_alphanumeric() || c == '_')))
+        .flat_map(|rest| {
+            rest.split(';').next().unwrap_or("").split(|c: char| !(c.is_alphanumeric() || c == '_'))
+        })
         .map(str::to_owned)
         .collect();
     let mut files = Vec::new();
@@ -177,7 +183,9 @@ fn public_functions() -> BTreeSet<String> {
             let code = line.trim_start();
             hidden |= code.starts_with("#[doc(hidden)]");
             let declared = code.strip_prefix("pub ").or(is_trait.then_some(code)).and_then(|rest| {
-                ["const fn ", "fn ", "unsafe fn ", "const unsafe fn "].iter().find_map(|k| rest.strip_prefix(k))
+                ["const fn ", "fn ", "unsafe fn ", "const unsafe fn "]
+                    .iter()
+                    .find_map(|k| rest.strip_prefix(k))
             });
             let Some(function) = declared.map(name) else { continue };
             let indented = line.starts_with(' ');
