@@ -122,7 +122,7 @@ fn pairs_are_the_mixtures_one_by_one() {
         let mut m = Mixture::<16>::empty();
         let known = material.prepare(wo[i], &mut m).is_ok();
         assert_eq!(known, i != 7 && i != 8);
-        assert_eq!((mixtures[i].len(), mixtures[i].is_empty()), (m.len(), m.len() == 0));
+        assert_eq!(mixtures[i].len(), m.len());
         assert!(close(mixtures[i].power(), m.power()));
         let value = m.evaluate(wi[i]);
         for c in 0..3 {

@@ -1,7 +1,7 @@
 //! Samples against the distribution: Kolmogorov-Smirnov in the lobe's own scale, distinct directions, the ends of u.
 
 use glam::Vec3;
-use srbf_core::{AbelPoisson, Folded, Gaussian, Kernel, KernelTable, Lobe, Mixture};
+use srbf_core::{AbelPoisson, Folded, Gaussian, Kernel, KernelTable, Level, Lobe, Mixture};
 use srbf_tests::inputs::{Random, SHARPNESS, UNIFORM, axes};
 use srbf_tests::oracle;
 use srbf_tests::statistics::{ks_critical, ks_distance, sidak};
@@ -30,6 +30,70 @@ fn a_million_samples_follow_the_distribution_at_every_sharpness() {
         let (single, mixed) = (ks_distance(&mut single, cdf), ks_distance(&mut mixed, cdf));
         println!("s {s:7.0e}: distance {single:.6} (lobe), {mixed:.6} (mixture), critical {critical:.6}");
         assert!(single < critical && mixed < critical, "s {s:e}");
+    }
+}
+
+#[test]
+fn the_inverse_is_exact_for_u_of_every_size() {
+    let mut worst = 0f64;
+    for s in SHARPNESS {
+        // All of [0, 1) in steps of 1009 numbers, and every number within 1e-6 of 1.
+        let one = 1f32.to_bits();
+        for bits in (0..one).step_by(1009).chain(one - 20..one) {
+            let u = f32::from_bits(bits);
+            let want = if s == 0.0 {
+                2.0 * f64::from(u)
+            } else {
+                -(f64::from(u) * (-2.0 * f64::from(s)).exp_m1()).ln_1p() / f64::from(s)
+            };
+            if want >= f64::from(f32::MIN_POSITIVE) {
+                let error = (f64::from(srbf_core::special::one_minus_cos(u, s)) / want - 1.0).abs();
+                assert!(error < 2e-6, "u {u:e}, s {s:e}: {error:e}");
+                worst = worst.max(error);
+            }
+        }
+    }
+    println!("worst relative error of 1 - cos: {worst:.2e}");
+}
+
+#[test]
+fn samples_of_a_mixture_lie_at_the_exact_angle() {
+    // Round +z the components x and y keep every digit of the angle.
+    for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
+        level.set().unwrap();
+        let mut worst = (0f64, String::new());
+        for s in SHARPNESS {
+            let m = Mixture::<16>::sphere(&[Lobe::new(Vec3::Z, s, Vec3::ONE).unwrap()]).unwrap();
+            let one = 1f32.to_bits();
+            for bits in (0..one).step_by(100_003).chain(one - 20..one) {
+                let u = f32::from_bits(bits);
+                let s = f64::from(s);
+                let want = if s == 0.0 {
+                    2.0 * f64::from(u)
+                } else {
+                    -(f64::from(u) * (-2.0 * s).exp_m1()).ln_1p() / s
+                };
+                // Below 1e-30 the squares of x and y underflow; beyond 60 degrees z says more.
+                if want > 1e-30
+                    && let Some(sample) = m.sample([0.5, u, 0.125])
+                {
+                    let d = sample.direction.as_dvec3();
+                    let square = d.x * d.x + d.y * d.y;
+                    let w = if want < 0.5 { square / (1.0 + (1.0 - square).sqrt()) } else { 1.0 - d.z };
+                    let error = (w / want - 1.0).abs();
+                    if error > worst.0 {
+                        worst = (error, format!("u {u:e}, s {s:e}"));
+                    }
+                }
+            }
+        }
+        println!(
+            "{}: worst relative error of 1 - cos of samples: {:.2e} at {}",
+            level.name(),
+            worst.0,
+            worst.1
+        );
+        assert!(worst.0 < 2e-6, "{}: {worst:?}", level.name());
     }
 }
 

@@ -83,7 +83,7 @@ fn figure(
             .caption(operation.name, (plot::FONT, 18))
             .x_label_area_size(40)
             .y_label_area_size(64)
-            .build_cartesian_2d((first..last).log_scale(), (SMALLEST..LARGEST).log_scale())?;
+            .build_cartesian_2d((first..last).log_scale(), (SMALLEST..1e3 * LARGEST).log_scale())?;
         chart
             .configure_mesh()
             .x_desc("sharpness")
@@ -91,7 +91,7 @@ fn figure(
             .label_style((plot::FONT, 12))
             .axis_desc_style((plot::FONT, 14))
             .x_labels(5)
-            .y_labels(9)
+            .y_labels(12)
             .x_label_formatter(&|x| format!("{x:.0e}"))
             .y_label_formatter(&|y| format!("{y:.0e}"))
             .light_line_style(RGBColor(240, 240, 240))
