@@ -190,6 +190,10 @@ typedef struct srbf_mixture_info {
      */
     float squeeze;
     /**
+     * Albedo of the diffuse term, `diffuse cos / pi` beside the lobes, linear sRGB.
+     */
+    float diffuse[3];
+    /**
      * Integral of `f cos` over the domain, linear sRGB: for a material's mixture, the albedo.
      */
     float albedo[3];
@@ -245,6 +249,10 @@ typedef struct srbf_view {
      * Base-2 logarithm of the squeeze c: how many times as wide across the plane of incidence as along it.
      */
     float log2_squeeze;
+    /**
+     * Base-2 logarithm of the albedo of the diffuse term, `albedo cos / pi` beside the lobes; -126 for none.
+     */
+    float log2_diffuse[3];
 } srbf_view;
 
 /**
@@ -445,7 +453,7 @@ typedef struct srbf_samples_out {
 #define SRBF_STATUS_CAPACITY 15
 
 /**
- * A mixture holds squeezed lobes, whose products are not lobes.
+ * A mixture holds squeezed lobes or a diffuse term, which have no product in closed form.
  */
 #define SRBF_STATUS_SQUEEZED 16
 
@@ -532,12 +540,14 @@ const char *srbf_status_text(srbf_status status);
 srbf_status srbf_status_panic(void);
 #endif
 
+#if defined(SRBF_HOSTED)
 /**
  * Returns the message of the last call that failed on this thread, "" if none did.
  *
  * UTF-8, one line, never NULL. Valid until the next call that fails on this thread, or its end.
  */
 const char *srbf_last_message(void);
+#endif
 
 /**
  * Returns the level that mixtures prepared from now on use: `SRBF_SIMD_SCALAR` to `SRBF_SIMD_AVX512`.
@@ -650,7 +660,7 @@ srbf_status srbf_mixture_init(void *storage,
  *
  * The first `squeezed_lobes` see the direction squeezed along y by c = `squeeze` in [0.01, 2]; give 0 and 1 for round
  * lobes alone.
- * Shapes: `lobes` [lobe_count]. Status: `SRBF_STATUS_CAPACITY`; what is wrong with a lobe; `SRBF_STATUS_AMPLITUDE` also
+ * Shapes: `lobes` [lobe_count]; `diffuse` [3], the albedo of a diffuse term on the hemisphere, or NULL. Status: `SRBF_STATUS_CAPACITY`; what is wrong with a lobe; `SRBF_STATUS_AMPLITUDE` also
  * if the integral is infinite. On failure the mixture keeps what it held.
  */
 srbf_status srbf_mixture_from_lobes(uint32_t domain,
@@ -658,6 +668,7 @@ srbf_status srbf_mixture_from_lobes(uint32_t domain,
                                     size_t squeezed_lobes,
                                     size_t lobe_count,
                                     const struct srbf_lobe *lobes,
+                                    const float *diffuse,
                                     struct srbf_mixture *mixture);
 
 /**
@@ -738,6 +749,7 @@ srbf_status srbf_material_prepare_into(const struct srbf_material *material,
                                        void *storage,
                                        size_t stride);
 
+#if defined(SRBF_HOSTED)
 /**
  * Makes a material of `.srbf` bytes, which are copied. Release it with `srbf_material_free`.
  *
@@ -747,7 +759,9 @@ srbf_status srbf_material_prepare_into(const struct srbf_material *material,
 srbf_status srbf_material_from_bytes(const uint8_t *bytes,
                                      size_t byte_count,
                                      struct srbf_material **material);
+#endif
 
+#if defined(SRBF_HOSTED)
 /**
  * Reads a material from a `.srbf` file. Release it with `srbf_material_free`.
  *
@@ -755,7 +769,9 @@ srbf_status srbf_material_from_bytes(const uint8_t *bytes,
  * `srbf_last_message`; `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if it holds no material.
  */
 srbf_status srbf_material_load(const char *path, struct srbf_material **material);
+#endif
 
+#if defined(SRBF_HOSTED)
 /**
  * Releases a material; NULL is allowed and does nothing.
  *
@@ -764,6 +780,7 @@ srbf_status srbf_material_load(const char *path, struct srbf_material **material
  * Status: `SRBF_STATUS_OBJECT` if it is not a material.
  */
 srbf_status srbf_material_free(struct srbf_material *material);
+#endif
 
 /**
  * Evaluates `f cos`, the BRDF times the incident cosine, towards a direction; 1/sr.
@@ -843,6 +860,33 @@ srbf_status srbf_mixture_sample_into(const struct srbf_mixture *mixture,
                                      size_t n,
                                      const struct srbf_vectors *u,
                                      const struct srbf_samples_out *samples);
+
+/**
+ * Evaluates value and density for n pairs of an outgoing and an incident direction, each pair with its own mixture.
+ *
+ * The values of `srbf_material_prepare` and `srbf_mixture_evaluate_and_pdf`, pair by pair, without storage for mixtures.
+ * Shapes: `wo` and `wi` n unit vectors; `value` n colours in linear sRGB, `f cos`, and `pdf` n numbers, overwritten.
+ * n = 0 looks at no pointer but the material. A `wo` that is no unit vector gives 0.
+ */
+srbf_status srbf_material_evaluate_pairs_into(const struct srbf_material *material,
+                                              size_t n,
+                                              const struct srbf_vectors *wo,
+                                              const struct srbf_vectors *wi,
+                                              const struct srbf_vectors_out *value,
+                                              const struct srbf_numbers_out *pdf);
+
+/**
+ * Draws an incident direction for each of n outgoing ones, each with its own mixture.
+ *
+ * The samples of `srbf_material_prepare` and `srbf_mixture_sample`, one by one, without storage for mixtures.
+ * Shapes: `wo` n unit vectors; `u` n times three uniform numbers in [0, 1); `samples` n of each, overwritten. n = 0
+ * and what is no unit vector as in `srbf_material_evaluate_pairs_into`.
+ */
+srbf_status srbf_material_sample_pairs_into(const struct srbf_material *material,
+                                            size_t n,
+                                            const struct srbf_vectors *wo,
+                                            const struct srbf_vectors *u,
+                                            const struct srbf_samples_out *samples);
 
 /**
  * Evaluates `f cos` for n pairs of a mixture and a direction; 1/sr.

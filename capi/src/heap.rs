@@ -15,6 +15,7 @@ use std::vec::Vec;
 ///
 /// Shapes: `bytes` [byte_count]; `material` one pointer, overwritten.
 /// Status: `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if the bytes are not a material.
+#[cfg(feature = "std")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_material_from_bytes(
     bytes: *const u8,
@@ -32,6 +33,7 @@ pub unsafe extern "C" fn srbf_material_from_bytes(
 ///
 /// `path` is UTF-8 with a zero at the end. Status: `SRBF_STATUS_FILE` if it cannot be read, with the reason in
 /// `srbf_last_message`; `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if it holds no material.
+#[cfg(feature = "std")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_material_load(
     path: *const c_char,
@@ -80,6 +82,7 @@ pub(crate) fn own(bytes: Vec<u8>, out: &Out<*mut srbf_material>) -> Outcome {
 /// A material that `srbf_material_borrow` made is only marked as none. Nobody may use the material during or after the
 /// call.
 /// Status: `SRBF_STATUS_OBJECT` if it is not a material.
+#[cfg(feature = "std")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_material_free(material: *mut srbf_material) -> srbf_status {
     guard(|| {

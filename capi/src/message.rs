@@ -31,6 +31,7 @@ pub(crate) fn set(status: srbf_status, reason: Option<&str>) {
 /// Returns the message of the last call that failed on this thread, "" if none did.
 ///
 /// UTF-8, one line, never NULL. Valid until the next call that fails on this thread, or its end.
+#[cfg(feature = "std")]
 #[unsafe(no_mangle)]
 pub extern "C" fn srbf_last_message() -> *const c_char {
     LAST.try_with(|last| last.try_borrow().map_or(c"".as_ptr(), |last| last.as_ptr())).unwrap_or(c"".as_ptr())

@@ -15,5 +15,5 @@ mod track;
 mod write;
 
 pub use error::{FitError, ReadError};
-pub use track::{Fit, Settings, fit};
+pub use track::{Fit, Settings, fit, fit_content};
 pub use write::write_atomically;

@@ -3,14 +3,19 @@
 //! Frame: +z the normal, outgoing direction `(-sin theta, 0, cos theta)`, mirror direction `(sin theta, 0, cos theta)`.
 //! The materials are isotropic, so every sample is mirrored to y >= 0: a sample and its mirror image are one.
 
+pub mod astm;
 pub mod cornell;
+pub mod csv;
 pub mod evaluable;
 mod interpolate;
+pub mod merl;
 pub mod neural;
 mod numbers;
+pub mod rgl;
+mod rows;
 mod spectrum;
 
-use crate::FitError;
+use crate::{FitError, ReadError};
 use sha2::{Digest, Sha256};
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
@@ -50,18 +55,27 @@ pub struct Table {
     pub views: Vec<View>,
 }
 
-/// A table and the file that it came from.
-#[derive(Clone, Debug, PartialEq)]
+/// What a file holds.
+pub enum Content {
+    /// Scattered samples.
+    Samples(Table),
+    /// Values at every pair of directions.
+    Evaluable(Box<dyn evaluable::Brdf + Send>),
+}
+
+/// A measurement and the file that it came from.
 pub struct Source {
-    /// The samples.
-    pub table: Table,
+    /// The measurement.
+    pub content: Content,
     /// Name of the file, without its folder.
     pub name: String,
     /// SHA-256 of the file, hexadecimal.
     pub sha256: String,
 }
 
-/// Reads a measured file; the format follows from the end of its name. `.brdf`: see [`cornell`].
+/// Reads a measured file; the format follows from the end of its name.
+///
+/// `.brdf`: see [`cornell`]; `.astm`: [`astm`]; `.csv`: [`csv`]; `.binary`: [`merl`]; `.bsdf`: [`rgl`].
 ///
 /// # Errors
 /// [`FitError::Io`]; [`FitError::Read`] with the place of the fault; [`FitError::Table`].
@@ -74,13 +88,64 @@ pub fn read(path: &Path) -> Result<Source, FitError> {
         )));
     }
     let bytes = std::fs::read(path).map_err(FitError::io(path))?;
-    let views =
-        cornell::parse(&bytes).map_err(|source| FitError::Read { path: path.to_path_buf(), source })?;
+    let fault = |source| FitError::Read { path: path.to_path_buf(), source };
+    let scattered = |views| Table::from_scattered(views).map(Content::Samples);
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let content = match ending.as_str() {
+        "brdf" => scattered(cornell::parse(&bytes).map_err(fault)?)?,
+        "astm" => scattered(astm::parse(&bytes).map_err(fault)?)?,
+        "csv" => scattered(csv::parse(&bytes).map_err(fault)?)?,
+        "binary" => Content::Evaluable(Box::new(merl::parse(&bytes).map_err(fault)?)),
+        "bsdf" => Content::Evaluable(Box::new(rgl::parse(&bytes).map_err(fault)?)),
+        _ => {
+            let text = "the name has to end in .brdf, .astm, .csv, .binary or .bsdf".to_owned();
+            return Err(fault(ReadError::Content(text)));
+        }
+    };
     Ok(Source {
-        table: Table::from_scattered(views)?,
+        content,
         name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         sha256: Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect(),
     })
+}
+
+/// Samples grouped by the angle of the outgoing direction.
+#[derive(Debug, Default)]
+pub(crate) struct Scatter {
+    views: Vec<(f64, Scattered)>,
+}
+
+/// Angles of the outgoing direction closer than this are one view, radians; files print six decimals.
+const SAME_VIEW: f64 = 1e-3;
+
+impl Scatter {
+    /// Adds a sample: angle of the outgoing direction, incident direction in the frame of the view and its angle from the
+    /// normal, f. The error says what is out of range.
+    pub fn push(&mut self, theta: f64, wi: [f64; 3], theta_i: f64, rgb: [f64; 3]) -> Result<(), String> {
+        if !(0.0..FRAC_PI_2).contains(&theta) {
+            return Err(format!(
+                "outgoing direction {theta} radians from the normal; at least 0, less than pi / 2"
+            ));
+        }
+        if !(0.0..=FRAC_PI_2 + 1e-5).contains(&theta_i) {
+            return Err(format!("incident direction {theta_i} radians from the normal; from 0 to pi / 2"));
+        }
+        match self.views.iter().position(|(t, _)| (*t - theta).abs() < SAME_VIEW) {
+            Some(view) => self.views[view].1.push((wi, rgb)),
+            None if self.views.len() == MAX_VIEWS => return Err(format!("more than {MAX_VIEWS} views")),
+            None => self.views.push((theta, vec![(wi, rgb)])),
+        }
+        Ok(())
+    }
+
+    /// The views, theta rising.
+    pub fn finish(mut self) -> Result<Vec<(f64, Scattered)>, ReadError> {
+        if self.views.is_empty() {
+            return Err(ReadError::Content("no samples".into()));
+        }
+        self.views.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(self.views)
+    }
 }
 
 /// Samples of one view before they have weights: incident direction and f.
@@ -127,6 +192,22 @@ impl Table {
         }
         made.sort_by(|a, b| a.theta.total_cmp(&b.theta));
         Ok(Self { views: made })
+    }
+}
+
+impl Table {
+    /// Every n-th sample of each view, such that about `count` are left; all, if there are no more.
+    pub(crate) fn thinned(&self, count: usize) -> Self {
+        let total: usize = self.views.iter().map(|v| v.samples.len()).sum();
+        let every = total.div_ceil(count.max(1)).max(1);
+        let thin = |view: &View| {
+            let mut samples: Vec<Sample> = view.samples.iter().step_by(every).copied().collect();
+            let sum = |s: &[Sample]| s.iter().map(|s| s.weight).sum::<f64>();
+            let share = sum(&view.samples) / sum(&samples);
+            samples.iter_mut().for_each(|s| s.weight *= share);
+            View { theta: view.theta, samples, albedo: view.albedo }
+        };
+        Self { views: self.views.iter().map(thin).collect() }
     }
 }
 

@@ -11,7 +11,8 @@ fn data(file: &str) -> PathBuf {
 
 fn fitted(name: &str) -> Fit {
     let source = table::read(&data(&format!("cornell/{name}.brdf"))).unwrap();
-    fit(&source.table, &Settings::default(), |_| {}).unwrap()
+    let table::Content::Samples(table) = source.content else { panic!("{name} is scattered") };
+    fit(&table, &Settings::default(), |_| {}).unwrap()
 }
 
 fn prepared(bytes: &[u8], degrees: f32, azimuth: f32) -> Mixture<MAX_LOBES> {

@@ -85,9 +85,9 @@ static inline float uniform(uint64_t *state) {
     return (float)(bits >> 8) * 0x1p-24f;
 }
 
-/* A direction of the upper hemisphere. */
+/* A direction above the horizon. */
 static inline void direction(uint64_t *state, float d[3]) {
-    float z = uniform(state), phi = 6.2831853f * uniform(state), r = sqrtf(1 - z * z);
+    float z = 1 - uniform(state), phi = 6.2831853f * uniform(state), r = sqrtf(1 - z * z);
     d[0] = r * cosf(phi), d[1] = r * sinf(phi), d[2] = z;
 }
 

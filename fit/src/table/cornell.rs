@@ -10,7 +10,7 @@
 
 use super::numbers::Numbers;
 use super::spectrum::ToRgb;
-use super::{MAX_VIEWS, Scattered, direction};
+use super::{Scatter, Scattered, direction};
 use crate::ReadError;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -19,9 +19,6 @@ const MAX_WAVELENGTHS: f64 = 4096.0;
 
 /// Largest value of a BRDF that is believed, 1/sr.
 const MAX_VALUE: f64 = 1e9;
-
-/// Angles of incidence closer than this are one view, radians; files print six decimals.
-const SAME_VIEW: f64 = 1e-3;
 
 /// Parses the bytes of a `.brdf` file to the samples of each view, theta rising.
 ///
@@ -40,7 +37,8 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<(f64, Scattered)>, ReadError> {
 
     let theta = |v: f64| (0.0..=FRAC_PI_2 + 1e-5).contains(&v);
     let phi = |v: f64| v.abs() <= 2.0 * PI + 1e-5;
-    let mut views: Vec<(f64, Scattered)> = Vec::new();
+    let mut any = false;
+    let mut scatter = Scatter::default();
     let mut spectrum = vec![0.0; wavelengths.len()];
     while let Some(theta_i) = numbers
         .next_if_any("theta_i in radians, at least 0 and less than pi / 2", |v| {
@@ -53,21 +51,15 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<(f64, Scattered)>, ReadError> {
         for value in &mut spectrum {
             *value = numbers.next("a BRDF value, at most 1e9 in size", |v| v.abs() <= MAX_VALUE)?;
         }
-        let sample = (direction(theta_s, phi_s - phi_i - PI), to_rgb.convert(&spectrum));
-        match views.iter().position(|(t, _)| (*t - theta_i).abs() < SAME_VIEW) {
-            Some(view) => views[view].1.push(sample),
-            None if views.len() == MAX_VIEWS => {
-                return Err(ReadError::Content(format!("more than {MAX_VIEWS} different theta_i")));
-            }
-            None => views.push((theta_i, vec![sample])),
-        }
+        let wi = direction(theta_s, phi_s - phi_i - PI);
+        scatter.push(theta_i, wi, theta_s, to_rgb.convert(&spectrum)).map_err(ReadError::Content)?;
+        any = true;
     }
-    if views.is_empty() {
+    if !any {
         // One more number is missing at least; say so with its place.
         numbers.next("theta_i of a first sample", |_| true)?;
     }
-    views.sort_by(|a, b| a.0.total_cmp(&b.0));
-    Ok(views)
+    scatter.finish()
 }
 
 #[cfg(test)]

@@ -2,14 +2,15 @@
 
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
-use srbf_fit::report::Report;
+use srbf_core::Material;
+use srbf_fit::report::{Report, ViewReport, mean_error};
 use srbf_fit::{Fit, Settings};
 use std::path::{Path, PathBuf};
 
-/// Fits a measured BRDF file and writes a .srbf material.
+/// Fits a measured BRDF file and writes a .srbf material, with a report in JSON beside it.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The measured BRDF: a Cornell/pbrt .brdf file.
+    /// The measured BRDF: .brdf or .astm (Cornell), .binary (MERL), .bsdf (RGL), or our own .csv.
     file: PathBuf,
     /// The material to write; by default the name of the file, with .srbf, in out/.
     #[arg(short, long)]
@@ -42,10 +43,9 @@ impl SettingArgs {
     fn settings(&self) -> Settings {
         let default = Settings::default();
         let lobes = self.lobes.unwrap_or(default.lobes);
-        let squeezed = self.squeezed.unwrap_or((default.squeezed * lobes).div_ceil(default.lobes));
         Settings {
             lobes,
-            squeezed,
+            squeezed: self.squeezed,
             smoothness: self.smoothness.unwrap_or(default.smoothness),
             starts: self.starts.unwrap_or(default.starts),
             steps: self.steps.unwrap_or(default.steps),
@@ -60,6 +60,8 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let output = args.output.unwrap_or_else(|| Path::new("out").join(name).with_extension("srbf"));
     let fit = fit_file(&args.file, args.settings.settings(), "")?;
     srbf_fit::write_atomically(&output, &fit.bytes)?;
+    let json = fit.report.to_json(&Material::from_bytes(&fit.bytes)?);
+    srbf_fit::write_atomically(&output.with_extension("json"), json.as_bytes())?;
     print_report(&fit.report);
     println!("{}: {} bytes in {:.2} s", output.display(), fit.bytes.len(), fit.report.seconds);
     Ok(())
@@ -73,23 +75,31 @@ pub fn fit_file(file: &Path, mut settings: Settings, source: &str) -> anyhow::Re
     // indicatif draws nothing where standard error is not a terminal.
     let bar = ProgressBar::new(1000).with_message(read.name);
     bar.set_style(ProgressStyle::with_template("{msg} [{bar:40}] {percent} %")?);
-    let fit = srbf_fit::fit(&read.table, &settings, |share| bar.set_position((1000.0 * share) as u64));
+    let fit =
+        srbf_fit::fit_content(&read.content, &settings, |share| bar.set_position((1000.0 * share) as u64));
     bar.finish_and_clear();
     Ok(fit?)
 }
 
 /// Prints a report, a line a view.
 pub fn print_report(report: &Report) {
-    println!("view deg | relative L2 % | variance | albedo r g b, fit (data)");
-    for v in &report.views {
+    println!("view deg | relative L2 % | variance | largest weight | albedo r g b, fit (data)");
+    let print = |v: &ViewReport| {
         let albedo = [0, 1, 2].map(|c| format!("{:.3} ({:.3})", v.albedo[c], v.data_albedo[c]));
         println!(
-            "{:8.1} | {:13.2} | {:8.3} | {}",
+            "{:8.1} | {:13.2} | {:8.3} | {:14.2} | {}",
             v.theta.to_degrees(),
             100.0 * v.error,
             v.variance,
+            v.largest_weight,
             albedo.join("  ")
         );
+    };
+    report.views.iter().for_each(print);
+    if !report.held_out.is_empty() {
+        println!("held out, between the knots:");
+        report.held_out.iter().for_each(print);
+        println!("mean relative L2 held out {:.2} %", 100.0 * mean_error(&report.held_out));
     }
     println!("mean relative L2 {:.2} %", 100.0 * report.mean_error());
 }

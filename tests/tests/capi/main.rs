@@ -3,3 +3,4 @@
 mod header;
 mod material;
 mod programs;
+mod symbols;

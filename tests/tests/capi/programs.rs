@@ -49,3 +49,33 @@ fn a_panic_comes_back_as_a_status() {
         }
     }
 }
+
+#[test]
+fn the_example_of_the_documentation_runs() {
+    run_everywhere("example.c", "12 lobes at 8 views");
+}
+
+#[test]
+fn the_cpp_wrapper_works() {
+    for compiler in compilers(Language::Cpp) {
+        for link in [Link::Static, Link::Shared] {
+            let program = compiler.program("wrapper.cpp", library(), link, &[]);
+            assert!(run_program(&program, &[material::file().as_os_str()]).contains("wrapper: passed"));
+        }
+    }
+}
+
+#[test]
+fn both_languages_compile_the_header_with_and_without_an_operating_system() {
+    for language in [Language::C, Language::Cpp] {
+        for compiler in compilers(language) {
+            for options in [&[][..], &["-DSRBF_FREESTANDING", "-ffreestanding"]] {
+                let mut command = compiler.strict();
+                command.args(options).args(["-fsyntax-only", "-Wshadow", "-Wconversion", "-x"]);
+                command.arg(if language == Language::C { "c" } else { "c++" }).arg("include/srbf.h");
+                command.current_dir(srbf_tests::native::root());
+                srbf_tests::native::run(&mut command);
+            }
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! Bilinear grids over the unit square, and the inverse of the warp that turns uniform points into points distributed as one.
+
+/// Numbers at the corners of cells, interpolated bilinearly; x along the rows.
+#[derive(Clone, Debug)]
+pub struct Grid {
+    values: Vec<f64>,
+    columns: usize,
+    rows: usize,
+}
+
+impl Grid {
+    /// `None` if there is no cell, or another number of values.
+    pub fn new(values: Vec<f64>, columns: usize, rows: usize) -> Option<Self> {
+        let fits = columns >= 2 && rows >= 2 && columns.checked_mul(rows) == Some(values.len());
+        fits.then_some(Self { values, columns, rows })
+    }
+
+    /// Index of the lower corner of the cell that a point lies in, and where in the cell.
+    fn cell(&self, [x, y]: [f64; 2]) -> (usize, [f64; 2]) {
+        let along = |v: f64, n: usize| {
+            let scaled = v.clamp(0.0, 1.0) * (n - 1) as f64;
+            let low = (scaled as usize).min(n - 2);
+            (low, scaled - low as f64)
+        };
+        let ((column, x), (row, y)) = (along(x, self.columns), along(y, self.rows));
+        (row * self.columns + column, [x, y])
+    }
+
+    /// The interpolated number at a point of the unit square.
+    pub fn value(&self, point: [f64; 2]) -> f64 {
+        let (at, [x, y]) = self.cell(point);
+        let v = &self.values;
+        let lerp = |a: f64, b: f64, t: f64| a + t * (b - a);
+        let upper = at + self.columns;
+        lerp(lerp(v[at], v[at + 1], x), lerp(v[upper], v[upper + 1], x), y)
+    }
+}
+
+/// The warp of a distribution: first a row by the marginal distribution, then a place in it by the conditional one.
+#[derive(Clone, Debug)]
+pub struct Warp {
+    /// The distribution, its integral over the square 1 in units of cells.
+    grid: Grid,
+    /// Running integral along each row.
+    conditional: Vec<f64>,
+    /// Running integral over the rows.
+    marginal: Vec<f64>,
+}
+
+impl Warp {
+    /// `None` if the distribution has no mass.
+    pub fn new(mut grid: Grid) -> Option<Self> {
+        grid.values.iter_mut().for_each(|v| *v = v.max(0.0));
+        let mut conditional = Vec::with_capacity(grid.values.len());
+        for row in grid.values.chunks_exact(grid.columns) {
+            let mut sum = 0.0;
+            conditional.push(0.0);
+            conditional.extend(row.windows(2).map(|w| {
+                sum += 0.5 * (w[0] + w[1]);
+                sum
+            }));
+        }
+        let whole: Vec<f64> = conditional.chunks_exact(grid.columns).map(|row| row[row.len() - 1]).collect();
+        let mut marginal = vec![0.0];
+        let mut sum = 0.0;
+        marginal.extend(whole.windows(2).map(|w| {
+            sum += 0.5 * (w[0] + w[1]);
+            sum
+        }));
+        if sum <= 0.0 {
+            return None;
+        }
+        [&mut grid.values, &mut conditional, &mut marginal].into_iter().flatten().for_each(|v| *v /= sum);
+        Some(Self { grid, conditional, marginal })
+    }
+
+    /// The uniform point that the blend of two warps of one size takes to a point.
+    pub fn invert([a, b]: [&Self; 2], blend: f64, point: [f64; 2]) -> [f64; 2] {
+        let (at, [x, y]) = a.grid.cell(point);
+        let (columns, row) = (a.grid.columns, at / a.grid.columns);
+        let mix = |f: &dyn Fn(&Self) -> f64| {
+            let from = f(a);
+            from + blend * (f(b) - from)
+        };
+        let value = |i: usize| mix(&|w| w.grid.values[i]);
+        let lerp = |from: f64, to: f64| from + y * (to - from);
+        let (left, right) =
+            (lerp(value(at), value(at + columns)), lerp(value(at + 1), value(at + columns + 1)));
+        let running = |i: usize| mix(&|w| w.conditional[i]);
+        let before = lerp(running(at), running(at + columns));
+        let end = row * columns + columns - 1;
+        let (low, high) = (running(end), running(end + columns));
+        let along = before + x * (left + 0.5 * x * (right - left));
+        let whole = lerp(low, high);
+        let across = mix(&|w| w.marginal[row]) + y * (low + 0.5 * y * (high - low));
+        [if whole > 0.0 { along / whole } else { 0.5 }, across]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_constant_warps_to_itself_and_corners_to_corners() {
+        let flat = Warp::new(Grid::new(vec![2.0; 12], 4, 3).unwrap()).unwrap();
+        for p in [[0.0, 0.0], [0.3, 0.8], [1.0, 1.0]] {
+            let q = Warp::invert([&flat, &flat], 0.0, p);
+            assert!((p[0] - q[0]).abs() < 1e-12 && (p[1] - q[1]).abs() < 1e-12, "{p:?} {q:?}");
+        }
+        let slope = Warp::new(Grid::new((0..12).map(f64::from).collect(), 4, 3).unwrap()).unwrap();
+        assert!((Warp::invert([&slope, &slope], 0.0, [1.0, 1.0])[1] - 1.0).abs() < 1e-12);
+        assert!(Warp::new(Grid::new(vec![0.0; 4], 2, 2).unwrap()).is_none());
+    }
+
+    #[test]
+    fn the_density_of_the_warp_is_the_grid() {
+        let grid = Grid::new(vec![1.0, 2.0, 0.5, 3.0, 1.0, 2.5, 0.2, 1.4, 2.0], 3, 3).unwrap();
+        let warp = Warp::new(grid).unwrap();
+        let h = 1e-5;
+        for p in [[0.2, 0.3], [0.7, 0.1], [0.6, 0.9]] {
+            let at = |dx: f64, dy: f64| Warp::invert([&warp, &warp], 0.0, [p[0] + dx, p[1] + dy]);
+            let (x1, x0, y1, y0) = (at(h, 0.0), at(-h, 0.0), at(0.0, h), at(0.0, -h));
+            let determinant =
+                ((x1[0] - x0[0]) * (y1[1] - y0[1]) - (x1[1] - x0[1]) * (y1[0] - y0[0])) / (4.0 * h * h);
+            // Four cells: a density over the square is four times one over cells.
+            assert!(
+                (determinant - 4.0 * warp.grid.value(p)).abs() < 1e-4,
+                "{determinant} {}",
+                warp.grid.value(p)
+            );
+        }
+    }
+}

@@ -1,0 +1,187 @@
+/*
+ * srbf for C++17: RAII over srbf.h, which says what each call does. Header only, no exceptions, no allocation of its own.
+ * SPDX-License-Identifier: MIT OR Apache-2.0
+ */
+#ifndef SRBF_HPP
+#define SRBF_HPP
+
+#include "srbf.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+namespace srbf {
+
+/// A view of n elements, `stride` bytes apart, in memory of the caller: std::span with a stride, for C++17.
+template <class T>
+class Span {
+public:
+    constexpr Span() = default;
+    constexpr Span(T *data, std::size_t size, std::size_t stride = sizeof(T))
+        : data_(data), size_(size), stride_(stride) {}
+    /// From anything contiguous: std::vector, std::array, std::span.
+    template <class Container, class = decltype(std::declval<Container &>().data())>
+    constexpr Span(Container &container) : Span(container.data(), container.size()) {}
+    constexpr T *data() const { return data_; }
+    constexpr std::size_t size() const { return size_; }
+    constexpr std::size_t stride() const { return stride_; }
+
+private:
+    T *data_ = nullptr;
+    std::size_t size_ = 0, stride_ = sizeof(T);
+};
+
+/// Three floats: a direction or a colour in linear sRGB.
+using Vec3 = std::array<float, 3>;
+
+/// n vectors to read, from an array of structures: any type that starts with three floats.
+template <class T>
+srbf_vectors vectors(Span<const T> span) {
+    const float *first = reinterpret_cast<const float *>(span.data());
+    return {first, first + 1, first + 2, span.stride()};
+}
+
+/// n vectors to write, to an array of structures.
+template <class T>
+srbf_vectors_out vectors_out(Span<T> span) {
+    float *first = reinterpret_cast<float *>(span.data());
+    return {first, first + 1, first + 2, span.stride()};
+}
+
+/// The status of a call; true is failure, as with std::error_code.
+class [[nodiscard]] Status {
+public:
+    constexpr Status(srbf_status status = SRBF_STATUS_OK) : status_(status) {}
+    constexpr explicit operator bool() const { return status_ != SRBF_STATUS_OK; }
+    constexpr srbf_status code() const { return status_; }
+    const char *text() const { return srbf_status_text(status_); }
+
+private:
+    srbf_status status_;
+};
+
+/// The mixture of lobes for one outgoing direction, with storage for as many lobes as a material may have (16, 32, 64).
+///
+/// Move-only, so that no copy is made unseen; `clone` copies.
+template <std::size_t Lobes = 16>
+class Mixture {
+    static_assert(Lobes == 16 || Lobes == 32 || Lobes == 64, "a mixture has room for 16, 32 or 64 lobes");
+
+public:
+    Mixture() {
+        srbf_mixture *made = nullptr;
+        // Size and alignment are those that the header names: this cannot fail.
+        (void)srbf_mixture_init(storage_.data(), storage_.size(), &made);
+    }
+    Mixture(Mixture &&) = default;
+    Mixture &operator=(Mixture &&) = default;
+    Mixture clone() const { return Mixture(*this); }
+
+    srbf_mixture *get() { return reinterpret_cast<srbf_mixture *>(storage_.data()); }
+    const srbf_mixture *get() const { return reinterpret_cast<const srbf_mixture *>(storage_.data()); }
+
+    /// Makes it a mixture of round lobes, beside a diffuse term if there is one.
+    Status from_lobes(std::uint32_t domain, Span<const srbf_lobe> lobes, const Vec3 *diffuse = nullptr) {
+        const float *albedo = diffuse != nullptr ? diffuse->data() : nullptr;
+        return srbf_mixture_from_lobes(domain, 1, 0, lobes.size(), lobes.data(), albedo, get());
+    }
+    Status query(srbf_mixture_info &info) const { return srbf_mixture_query(get(), &info); }
+
+    Status evaluate(const Vec3 &wi, Vec3 &value) const {
+        return srbf_mixture_evaluate(get(), wi.data(), value.data());
+    }
+    Status evaluate_f(const Vec3 &wi, Vec3 &f) const { return srbf_mixture_evaluate_f(get(), wi.data(), f.data()); }
+    Status pdf(const Vec3 &wi, float &pdf) const { return srbf_mixture_pdf(get(), wi.data(), &pdf); }
+    Status evaluate_and_pdf(const Vec3 &wi, Vec3 &value, float &pdf) const {
+        return srbf_mixture_evaluate_and_pdf(get(), wi.data(), value.data(), &pdf);
+    }
+    Status sample(const Vec3 &u, srbf_sample &sample) const {
+        return srbf_mixture_sample(get(), u.data(), &sample);
+    }
+
+    /// Batches; spans of different length are refused.
+    Status evaluate_into(Span<const Vec3> wi, Span<Vec3> value) const {
+        if (wi.size() != value.size()) return SRBF_STATUS_SIZE;
+        const srbf_vectors in = vectors(wi);
+        const srbf_vectors_out out = vectors_out(value);
+        return srbf_mixture_evaluate_into(get(), wi.size(), &in, &out);
+    }
+    Status pdf_into(Span<const Vec3> wi, Span<float> pdf) const {
+        if (wi.size() != pdf.size()) return SRBF_STATUS_SIZE;
+        const srbf_vectors in = vectors(wi);
+        const srbf_numbers_out out = {pdf.data(), pdf.stride()};
+        return srbf_mixture_pdf_into(get(), wi.size(), &in, &out);
+    }
+    Status sample_into(Span<const Vec3> u, Span<srbf_sample> samples) const {
+        if (u.size() != samples.size()) return SRBF_STATUS_SIZE;
+        if (samples.size() == 0) return SRBF_STATUS_OK;
+        const srbf_vectors in = vectors(u);
+        srbf_sample *first = samples.data();
+        const std::size_t stride = samples.stride();
+        float *d = first->direction, *w = first->weight;
+        const srbf_samples_out out = {
+            {d, d + 1, d + 2, stride}, {&first->pdf, stride}, {w, w + 1, w + 2, stride}};
+        return srbf_mixture_sample_into(get(), u.size(), &in, &out);
+    }
+
+private:
+    Mixture(const Mixture &) = default;
+    alignas(SRBF_MIXTURE_ALIGNMENT) std::array<unsigned char,
+                                               Lobes == 16   ? SRBF_MIXTURE_SIZE_16
+                                               : Lobes == 32 ? SRBF_MIXTURE_SIZE_32
+                                                             : SRBF_MIXTURE_SIZE_64>
+        storage_;
+};
+
+#if defined(SRBF_HOSTED)
+/// A material, which it owns. Move-only; an empty one answers every call with SRBF_STATUS_NULL.
+class Material {
+public:
+    Material() = default;
+    ~Material() { (void)srbf_material_free(material_); }
+    Material(Material &&other) noexcept : material_(std::exchange(other.material_, nullptr)) {}
+    Material &operator=(Material &&other) noexcept {
+        std::swap(material_, other.material_);
+        return *this;
+    }
+
+    /// Reads a `.srbf` file; releases what it held before. On failure it keeps what it held.
+    Status load(const char *path) {
+        Material made;
+        const Status status = srbf_material_load(path, &made.material_);
+        if (!status) *this = std::move(made);
+        return status;
+    }
+    /// Copies `.srbf` bytes.
+    Status from_bytes(Span<const unsigned char> bytes) {
+        Material made;
+        const Status status = srbf_material_from_bytes(bytes.data(), bytes.size(), &made.material_);
+        if (!status) *this = std::move(made);
+        return status;
+    }
+
+    const srbf_material *get() const { return material_; }
+    explicit operator bool() const { return material_ != nullptr; }
+
+    Status query(srbf_material_info &info) const { return srbf_material_query(material_, &info); }
+    Status albedo(const Vec3 &wo, Vec3 &albedo) const {
+        return srbf_material_albedo(material_, wo.data(), albedo.data());
+    }
+    template <std::size_t Lobes>
+    Status prepare(const Vec3 &wo, Mixture<Lobes> &mixture) const {
+        return srbf_material_prepare(material_, wo.data(), mixture.get());
+    }
+
+private:
+    srbf_material *material_ = nullptr;
+};
+
+/// The message of the last call that failed on this thread.
+inline const char *last_message() { return srbf_last_message(); }
+#endif
+
+} // namespace srbf
+
+#endif

@@ -1,0 +1,74 @@
+/* The C++ wrapper: moves, spans, statuses; and structures that C and C++ lay out alike.
+ *
+ *     wrapper MATERIAL.srbf
+ */
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <srbf.hpp>
+#include <type_traits>
+#include <vector>
+
+#define CHECK(condition)                                                                                          \
+    do {                                                                                                          \
+        if (!(condition)) {                                                                                       \
+            std::fprintf(stderr, "%s:%d: failed: %s (%s)\n", __FILE__, __LINE__, #condition, srbf::last_message()); \
+            std::exit(1);                                                                                         \
+        }                                                                                                         \
+    } while (0)
+
+static_assert(!std::is_copy_constructible_v<srbf::Material> && std::is_nothrow_move_constructible_v<srbf::Material>);
+static_assert(!std::is_copy_constructible_v<srbf::Mixture<16>> && std::is_move_constructible_v<srbf::Mixture<16>>);
+static_assert(sizeof(srbf_sample) == 28 && std::is_standard_layout_v<srbf_sample> && sizeof(srbf_vectors) == 4 * sizeof(void *));
+
+static void use(const char *path) {
+    srbf::Material material;
+    srbf_material_info info;
+    CHECK(!material && material.query(info).code() == SRBF_STATUS_NULL);
+    CHECK(!material.load(path));
+    CHECK(material.load("/no/such/file").code() == SRBF_STATUS_FILE && material);
+    CHECK(!material.query(info) && info.lobes == 12);
+    srbf::Material other;
+    CHECK(!other.from_bytes({info.bytes, info.byte_count}));
+    other = std::move(material);
+    srbf::Material moved(std::move(other));
+    CHECK(!other && moved);
+
+    srbf::Mixture<16> mixture;
+    const srbf::Vec3 wo = {0.6f, 0, 0.8f}, u = {0.25f, 0.5f, 0.75f};
+    CHECK(!moved.prepare(wo, mixture));
+    srbf::Mixture<16> clone = mixture.clone(), taken = std::move(mixture);
+    srbf_sample sample;
+    CHECK(!taken.sample(u, sample) && sample.pdf > 0);
+    srbf::Vec3 wi = {sample.direction[0], sample.direction[1], sample.direction[2]}, value, f, albedo;
+    float pdf;
+    CHECK(!clone.evaluate_and_pdf(wi, value, pdf) && std::fabs(pdf - sample.pdf) <= 1e-3f * pdf);
+    CHECK(!clone.evaluate_f(wi, f) && std::fabs(f[0] * wi[2] - value[0]) <= 1e-5f * value[0]);
+    CHECK(!clone.evaluate(wi, value) && !clone.pdf(wi, pdf) && !moved.albedo(wo, albedo) && albedo[0] > 0);
+
+    std::vector<srbf::Vec3> us(100, u), directions(100), values(100);
+    std::vector<float> pdfs(100);
+    std::vector<srbf_sample> samples(100);
+    CHECK(!taken.sample_into({us.data(), us.size()}, samples));
+    for (std::size_t i = 0; i < 100; i++) {
+        directions[i] = {samples[i].direction[0], samples[i].direction[1], samples[i].direction[2]};
+    }
+    CHECK(!taken.pdf_into({directions.data(), 100}, pdfs));
+    CHECK(!taken.evaluate_into({directions.data(), 100}, values));
+    CHECK(std::fabs(pdfs[99] - sample.pdf) <= 1e-3f * pdf && values[99][1] > 0);
+    CHECK(taken.pdf_into({directions.data(), 99}, pdfs).code() == SRBF_STATUS_SIZE);
+
+    srbf::Mixture<64> large;
+    const std::array<srbf_lobe, 1> lobes = {{{{0, 0, 1}, 10, {1, 1, 1}}}};
+    const srbf::Vec3 grey = {0.5f, 0.5f, 0.5f};
+    srbf_mixture_info mixture_info;
+    CHECK(!large.from_lobes(SRBF_DOMAIN_HEMISPHERE, lobes, &grey) && !large.query(mixture_info));
+    CHECK(mixture_info.capacity == 64 && mixture_info.lobes == 1 && mixture_info.diffuse[0] == 0.5f);
+}
+
+int main(int count, char **arguments) {
+    CHECK(count == 2);
+    use(arguments[1]);
+    std::printf("wrapper: passed\n");
+    return 0;
+}
