@@ -1,6 +1,7 @@
 //! Readers, fitters and error metrics: makes `.srbf` materials, offline.
 
 mod banded;
+pub mod cross;
 mod error;
 mod initialize;
 mod levenberg;

@@ -20,7 +20,8 @@ pub struct Settings {
     pub lobes: usize,
     /// How many of them see the squeezed direction: those of the highlight. `None`: what turns out best.
     pub squeezed: Option<usize>,
-    /// Weight of the roughness from view to view. Smaller fits the samples better, larger what lies between them.
+    /// Weight of the roughness from view to view. Smaller fits the samples better, larger what lies between them: on garnet
+    /// red 1e-5, 1e-4 and 1e-3 give 29, 13 and 12 % at samples left out, at the same 1.6 to 1.8 % at those fitted.
     pub smoothness: f64,
     /// Starting points tried; the best is refined.
     pub starts: usize,
@@ -37,7 +38,7 @@ impl Default for Settings {
         Self {
             lobes: 12,
             squeezed: None,
-            smoothness: 1e-5,
+            smoothness: 1e-4,
             starts: 9,
             steps: 120,
             knots: None,

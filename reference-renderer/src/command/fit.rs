@@ -1,9 +1,12 @@
 //! `srbf fit`.
 
+mod survey;
+
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
 use srbf_core::Material;
 use srbf_fit::report::{Report, ViewReport, mean_error};
+use srbf_fit::table::Content;
 use srbf_fit::{Fit, Settings};
 use std::path::{Path, PathBuf};
 
@@ -11,10 +14,18 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// The measured BRDF: .brdf or .astm (Cornell), .binary (MERL), .bsdf (RGL), or our own .csv.
-    file: PathBuf,
+    #[arg(required_unless_present = "survey")]
+    file: Option<PathBuf>,
     /// The material to write; by default the name of the file, with .srbf, in out/.
     #[arg(short, long)]
     output: Option<PathBuf>,
+    /// Instead of one file, fits every N-th material of rgl/ and of the neural MERL set in the folder that SRBF_DATA_DIR
+    /// names, and prints how good the fits are.
+    #[arg(long, value_name = "N", conflicts_with = "file")]
+    survey: Option<usize>,
+    /// Writes nothing, and prints the error over samples and over views that were left out of the fit.
+    #[arg(long, conflicts_with_all = ["survey", "output"])]
+    cross_validate: bool,
     #[command(flatten)]
     settings: SettingArgs,
 }
@@ -56,14 +67,46 @@ impl SettingArgs {
 
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
-    let name = args.file.file_stem().context("the file has no name")?;
+    if let Some(every) = args.survey {
+        return survey::run(&args.settings.settings(), every);
+    }
+    let file = args.file.context("a file is needed")?;
+    if args.cross_validate {
+        return cross_validate(&file, &args.settings.settings());
+    }
+    let name = file.file_stem().context("the file has no name")?;
     let output = args.output.unwrap_or_else(|| Path::new("out").join(name).with_extension("srbf"));
-    let fit = fit_file(&args.file, args.settings.settings(), "")?;
+    let fit = fit_file(&file, args.settings.settings(), "")?;
     srbf_fit::write_atomically(&output, &fit.bytes)?;
     let json = fit.report.to_json(&Material::from_bytes(&fit.bytes)?);
     srbf_fit::write_atomically(&output.with_extension("json"), json.as_bytes())?;
     print_report(&fit.report);
     println!("{}: {} bytes in {:.2} s", output.display(), fit.bytes.len(), fit.report.seconds);
+    Ok(())
+}
+
+fn cross_validate(file: &Path, settings: &Settings) -> anyhow::Result<()> {
+    let Content::Samples(table) = srbf_fit::table::read(file)?.content else {
+        anyhow::bail!(
+            "{}: fits of what can be evaluated anywhere report held-out views as they are",
+            file.display()
+        );
+    };
+    let found = srbf_fit::cross::cross_validate(&table, settings)?;
+    let mean = |errors: &[f64]| 100.0 * errors.iter().sum::<f64>() / errors.len().max(1) as f64;
+    let list =
+        |errors: &[f64]| errors.iter().map(|e| format!("{:.1}", 100.0 * e)).collect::<Vec<_>>().join(" ");
+    let left_out: Vec<f64> = found.left_out.iter().map(|v| v.1).collect();
+    println!(
+        "relative L2 over samples left out, 5 folds: mean {:.2} %; views: {}",
+        mean(&found.folds),
+        list(&found.folds)
+    );
+    println!(
+        "relative L2 of views left out: mean {:.2} %; inner views: {}",
+        mean(&left_out),
+        list(&left_out)
+    );
     Ok(())
 }
 
