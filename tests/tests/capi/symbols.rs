@@ -44,7 +44,8 @@ fn are_declared_documented_and_tested() {
     assert!(undocumented.is_empty(), "no comment right before: {undocumented:?}");
 
     for program in ["normal.c", "abuse.c"] {
-        let source = std::fs::read_to_string(root().join("tests/c").join(program)).expect("the program is there");
+        let source =
+            std::fs::read_to_string(root().join("tests/c").join(program)).expect("the program is there");
         // Where nothing can be abused, normal use is all.
         let harmless = ["srbf_version", "srbf_version_text", "srbf_simd_level", "srbf_simd_set_level"];
         let untested: Vec<_> = names
