@@ -1,6 +1,7 @@
 //! The command line: one file a command.
 
 mod argument;
+pub mod bench_report;
 pub mod compare;
 mod default_job;
 pub mod fit;
@@ -35,6 +36,7 @@ enum Command {
     Compare(compare::Args),
     Samples(samples::Args),
     Stability(stability::Args),
+    BenchReport(bench_report::Args),
 }
 
 /// Runs what the command line asks for.
@@ -48,5 +50,6 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
         Some(Command::Compare(args)) => compare::run(args),
         Some(Command::Samples(args)) => samples::run(args),
         Some(Command::Stability(args)) => stability::run(args),
+        Some(Command::BenchReport(args)) => bench_report::run(args),
     }
 }

@@ -14,8 +14,16 @@ const HEIGHT: u32 = 520;
 pub const FONT: &str = "hack";
 
 /// Okabe and Ito 2008: told apart by every kind of colour vision.
-const COLOURS: [RGBColor; 5] =
-    [RGBColor(0, 114, 178), RGBColor(213, 94, 0), RGBColor(0, 158, 115), RGBColor(204, 121, 167), BLACK];
+pub const COLOURS: [RGBColor; 8] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    BLACK,
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
+    RGBColor(150, 150, 150),
+];
 
 /// Writes one row of two panels for each comparison: error against run time, and error against samples.
 ///
