@@ -12,7 +12,7 @@ use crate::{
 };
 use core::ffi::{c_char, c_void};
 use srbf_fit::table::evaluable::Brdf;
-use srbf_fit::table::{Content, Table};
+use srbf_fit::table::{Content, Scattered, Table};
 use srbf_fit::{FitError, Settings, fit_content, write_atomically};
 use std::boxed::Box;
 use std::path::Path;
@@ -80,7 +80,7 @@ pub unsafe extern "C" fn srbf_fit_table(
         let [[a, b, c], [d, e, g], [h, i, j]] = [wo, wi, f];
         // SAFETY: the header's contract.
         let batch = unsafe { Batch::<9, 0>::new(n, [a, b, c, d, e, g, h, i, j], [], 0..0)? };
-        let mut views: Vec<(f64, Vec<([f64; 3], [f64; 3])>)> = Vec::new();
+        let mut views: Vec<(f64, Scattered)> = Vec::new();
         batch.run(|columns, []| {
             for i in 0..columns[0].len() {
                 let [ox, oy, oz, ix, iy, iz, r, g, b] = columns.map(|column| f64::from(column[i]));
