@@ -120,6 +120,11 @@
 #define SRBF_MATERIAL_ALIGNMENT 16
 
 /**
+ * The number of squeezed lobes is chosen by what turns out best.
+ */
+#define SRBF_FIT_AUTOMATIC 65
+
+/**
  * A material: the lobes of every view, read in place from `.srbf` bytes.
  *
  * It never changes, so any number of threads may use one at once. Made by `srbf_material_borrow` in the caller's
@@ -371,6 +376,32 @@ typedef struct srbf_samples_out {
      */
     struct srbf_vectors_out weight;
 } srbf_samples_out;
+
+/**
+ * How a material is fitted.
+ */
+typedef struct srbf_fit_settings {
+    /**
+     * Lobes of every view, 1 to 64; more fit better and cost more at run time. Default: 12.
+     */
+    size_t lobes;
+    /**
+     * How many of them are squeezed, or `SRBF_FIT_AUTOMATIC`, the default.
+     */
+    size_t squeezed_lobes;
+    /**
+     * Weight of the roughness from view to view: smaller fits the samples better, larger what lies between. Default: 1e-5.
+     */
+    double smoothness;
+} srbf_fit_settings;
+
+/**
+ * A BRDF of the caller: writes f (not times the cosine; linear sRGB, 1/sr) for two unit vectors with z > 0.
+ *
+ * `wi`, `wo` and `f` are [3]; `user` is what the caller gave along. It may be called from several threads at once, must
+ * return, and what is negative or not finite counts as 0.
+ */
+typedef void (*srbf_brdf)(void *user, const float *wi, const float *wo, float *f);
 
 /**
  * The call succeeded.
@@ -923,6 +954,51 @@ srbf_status srbf_mixture_sample_pairs_into(const struct srbf_mixture *mixtures,
                                            size_t n,
                                            const struct srbf_vectors *u,
                                            const struct srbf_samples_out *samples);
+
+#if defined(SRBF_HOSTED)
+/**
+ * Gives the settings that NULL stands for.
+ */
+srbf_status srbf_fit_settings_default(struct srbf_fit_settings *settings);
+#endif
+
+#if defined(SRBF_HOSTED)
+/**
+ * Fits a material to n samples of an isotropic BRDF. Release it with `srbf_material_free`. Takes seconds, on all processors.
+ *
+ * Outgoing directions whose angles from the normal agree within 1e-3 are one view; each needs a few hundred samples.
+ * Shapes: `wo` and `wi` n directions above the horizon; `f` n colours, linear sRGB; `settings` one, or NULL;
+ * `material` one pointer, overwritten. Status: `SRBF_STATUS_TABLE`, `SRBF_STATUS_ARGUMENT` for a setting, with the reason
+ * in `srbf_last_message`.
+ */
+srbf_status srbf_fit_table(const struct srbf_fit_settings *settings,
+                           size_t n,
+                           const struct srbf_vectors *wo,
+                           const struct srbf_vectors *wi,
+                           const struct srbf_vectors *f,
+                           struct srbf_material **material);
+#endif
+
+#if defined(SRBF_HOSTED)
+/**
+ * Fits a material to an isotropic BRDF that can be evaluated. Release it with `srbf_material_free`.
+ *
+ * Shapes, status and time as in `srbf_fit_table`.
+ */
+srbf_status srbf_fit_brdf(const struct srbf_fit_settings *settings,
+                          srbf_brdf brdf,
+                          void *user,
+                          struct srbf_material **material);
+#endif
+
+#if defined(SRBF_HOSTED)
+/**
+ * Writes a material to a `.srbf` file, whole or not at all.
+ *
+ * `path` is UTF-8 with a zero at the end. Status: `SRBF_STATUS_FILE`, with the reason in `srbf_last_message`.
+ */
+srbf_status srbf_material_save(const struct srbf_material *material, const char *path);
+#endif
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -14,6 +14,8 @@ extern crate std;
 
 mod batch;
 mod convert;
+#[cfg(feature = "fit")]
+mod fit;
 mod guard;
 #[cfg(feature = "std")]
 mod heap;
@@ -34,6 +36,8 @@ mod streams;
 mod version;
 
 pub use batch::*;
+#[cfg(feature = "fit")]
+pub use fit::*;
 #[cfg(feature = "std")]
 pub use heap::{srbf_material_free, srbf_material_from_bytes, srbf_material_load};
 pub use lobe::*;

@@ -38,10 +38,14 @@ fn main() -> ExitCode {
     let z: Vec<f64> = sums.iter().map(|[d, v, _]| d / v.sqrt().max(1e-4)).collect();
     let total: [f64; 3] = std::array::from_fn(|k| sums.iter().map(|sum| sum[k]).sum());
     let (whole, n) = (total[0] / total[1].sqrt(), z.len() as f64);
-    let (chi_square, largest) = (z.iter().map(|z| z * z).sum::<f64>(), z.iter().fold(0.0, |m: f64, z| m.max(z.abs())));
+    let (chi_square, largest) =
+        (z.iter().map(|z| z * z).sum::<f64>(), z.iter().fold(0.0, |m: f64, z| m.max(z.abs())));
     let brightness = mean.iter().map(|a| luminance(*a)).sum::<f64>() / total[2];
     println!("mean luminance {brightness:.5}, difference {:.5} = {whole:.2} sigma", total[0] / total[2]);
-    println!("{n} blocks: chi-square {chi_square:.1}, limit {:.1}; largest |z| {largest:.2}", n + 5.0 * (2.0 * n).sqrt());
+    println!(
+        "{n} blocks: chi-square {chi_square:.1}, limit {:.1}; largest |z| {largest:.2}",
+        n + 5.0 * (2.0 * n).sqrt()
+    );
     if chi_square <= n + 5.0 * (2.0 * n).sqrt() && largest <= 5.0 && whole.abs() <= 4.0 {
         ExitCode::SUCCESS
     } else {

@@ -79,3 +79,11 @@ fn both_languages_compile_the_header_with_and_without_an_operating_system() {
         }
     }
 }
+
+#[test]
+fn fits_from_a_table_and_from_a_function() {
+    let compiler = &compilers(Language::C)[0];
+    let program = compiler.program("fit.c", library(), Link::Static, &[]);
+    let output = run_program(&program, &[env!("CARGO_TARGET_TMPDIR").as_ref()]);
+    assert!(output.contains("fit: passed"), "{output}");
+}

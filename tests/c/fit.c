@@ -1,0 +1,96 @@
+/* Fitting from a table and from a function of the caller, saving, loading again; and what is refused.
+ *
+ *     fit FOLDER
+ */
+#include "check.h"
+
+/* A diffuse surface with a gloss: f by the half vector, isotropic and reciprocal. */
+static void gloss(void *user, const float *wi, const float *wo, float *f) {
+    float h[3] = {wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]};
+    float z = h[2] / sqrtf(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]), peak = *(const float *)user * expf(60 * (z - 1));
+    f[0] = 0.2f + peak, f[1] = 0.1f + peak, f[2] = 0.05f + peak;
+}
+
+static void check_fit(const srbf_material *material, float height, float limit) {
+    _Alignas(SRBF_MIXTURE_ALIGNMENT) unsigned char storage[SRBF_MIXTURE_SIZE_64];
+    srbf_mixture *mixture;
+    CHECK_OK(srbf_mixture_init(storage, sizeof storage, &mixture));
+    const float wo[3] = {0.5f, 0, 0.8660254f};
+    CHECK_OK(srbf_material_prepare(material, wo, mixture));
+    uint64_t state = 5;
+    double error = 0, norm = 0;
+    for (int i = 0; i < 4000; i++) {
+        float wi[3], value[3], f[3];
+        direction(&state, wi);
+        gloss(&height, wi, wo, f);
+        CHECK_OK(srbf_mixture_evaluate(mixture, wi, value));
+        error += pow((double)(value[0] - f[0] * wi[2]), 2), norm += pow((double)(f[0] * wi[2]), 2);
+    }
+    printf("relative L2 %.3f\n", sqrt(error / norm));
+    CHECK(sqrt(error / norm) < (double)limit);
+}
+
+int main(int count, char **arguments) {
+    CHECK(count == 2);
+    float height = 0.5f;
+    srbf_fit_settings settings;
+    srbf_material *material = NULL, *again = NULL;
+    CHECK_OK(srbf_fit_settings_default(&settings));
+    CHECK(settings.lobes == 12 && settings.squeezed_lobes == SRBF_FIT_AUTOMATIC);
+    settings.lobes = 6, settings.squeezed_lobes = 2;
+
+    enum { VIEWS = 6, SAMPLES = 400, N = VIEWS * SAMPLES };
+    static float wo[N][3], wi[N][3], f[N][3];
+    uint64_t state = 9;
+    for (int i = 0; i < N; i++) {
+        float theta = 0.25f * (float)(i / SAMPLES), phi = 6.2831853f * uniform(&state);
+        wo[i][0] = sinf(theta) * cosf(phi), wo[i][1] = sinf(theta) * sinf(phi), wo[i][2] = cosf(theta);
+        direction(&state, wi[i]);
+        gloss(&height, wi[i], wo[i], f[i]);
+    }
+    srbf_vectors o = {wo[0], wo[0] + 1, wo[0] + 2, 12}, in = {wi[0], wi[0] + 1, wi[0] + 2, 12};
+    srbf_vectors values = {f[0], f[0] + 1, f[0] + 2, 12};
+    CHECK_OK(srbf_fit_table(&settings, N, &o, &in, &values, &material));
+    check_fit(material, height, 0.1f);
+    char path[4096];
+    CHECK(snprintf(path, sizeof path, "%s/fit.srbf", arguments[1]) < (int)sizeof path);
+    CHECK_OK(srbf_material_save(material, path));
+    CHECK_OK(srbf_material_load(path, &again));
+    srbf_material_info a, b;
+    CHECK_OK(srbf_material_query(material, &a));
+    CHECK_OK(srbf_material_query(again, &b));
+    CHECK(a.byte_count == b.byte_count && memcmp(a.bytes, b.bytes, a.byte_count) == 0 && a.lobes == 6);
+    CHECK_OK(srbf_material_free(material));
+    CHECK_OK(srbf_fit_brdf(&settings, gloss, &height, &material));
+    check_fit(material, height, 0.1f);
+    CHECK_OK(srbf_material_free(material));
+
+    /* What is refused. */
+    material = NULL;
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_fit_settings_default(NULL));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_fit_brdf(&settings, NULL, NULL, &material));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_fit_brdf(&settings, gloss, &height, NULL));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_fit_table(&settings, N, NULL, &in, &values, &material));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_fit_table(&settings, N, &o, &in, &values, NULL));
+    CHECK_STATUS(SRBF_STATUS_TABLE, srbf_fit_table(&settings, 0, &o, &in, &values, &material));
+    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_fit_table(&settings, SIZE_MAX / 4, &o, &in, &values, &material));
+    wo[7][0] = NAN;
+    CHECK_STATUS(SRBF_STATUS_TABLE, srbf_fit_table(&settings, N, &o, &in, &values, &material));
+    CHECK(strlen(srbf_last_message()) > 0);
+    wo[7][0] = 0, wo[7][2] = -1;
+    CHECK_STATUS(SRBF_STATUS_TABLE, srbf_fit_table(&settings, N, &o, &in, &values, &material));
+    settings.lobes = 0;
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material));
+    settings.lobes = 6, settings.squeezed_lobes = 7;
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material));
+    settings.squeezed_lobes = 2, settings.smoothness = (double)NAN;
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_save(NULL, path));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_save(again, NULL));
+    CHECK_STATUS(SRBF_STATUS_FILE, srbf_material_save(again, "/dev/null/a.srbf"));
+    CHECK_STATUS(SRBF_STATUS_TEXT, srbf_material_save(again, "\xff"));
+    CHECK(material == NULL);
+    CHECK_OK(srbf_material_free(again));
+    printf("fit: passed\n");
+    return 0;
+}
