@@ -5,7 +5,7 @@
 
 use crate::lanes::{Lanes, dot3, exp2, ln, scale, sin_cos_turns, splat3};
 use crate::mixture::Mixture;
-use crate::simd::Kernel;
+use crate::simd::Routine;
 use crate::squeeze::Seen;
 use crate::{Domain, Error, LUMINANCE};
 use core::f32::consts::FRAC_1_PI;
@@ -90,7 +90,7 @@ struct ForEach<'a, K, const I: usize, const O: usize> {
     outputs: [&'a mut [f32]; O],
 }
 
-impl<K: Block<I, O>, const I: usize, const O: usize> Kernel for ForEach<'_, K, I, O> {
+impl<K: Block<I, O>, const I: usize, const O: usize> Routine for ForEach<'_, K, I, O> {
     type Output = ();
     /// Takes `COUNT` inputs at a time; the tail goes through a padded copy.
     #[inline(always)]

@@ -6,7 +6,7 @@
 use crate::batch::{SamplesMut, same_length, sample_direction};
 use crate::lanes::Lanes;
 use crate::prepare::prepare;
-use crate::simd::{Kernel, Level};
+use crate::simd::{Level, Routine};
 use crate::single::sums_one;
 use crate::{Error, Material, Mixture, luminance};
 use glam::Vec3;
@@ -97,7 +97,7 @@ struct EvaluatePairs<'a, 'b, const N: usize> {
     pdf: &'a mut [f32],
 }
 
-impl<const N: usize> Kernel for EvaluatePairs<'_, '_, N> {
+impl<const N: usize> Routine for EvaluatePairs<'_, '_, N> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
@@ -119,7 +119,7 @@ struct SamplePairs<'a, 'b, const N: usize> {
     samples: SamplesMut<'a>,
 }
 
-impl<const N: usize> Kernel for SamplePairs<'_, '_, N> {
+impl<const N: usize> Routine for SamplePairs<'_, '_, N> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
@@ -149,7 +149,7 @@ struct PrepareInto<'a, 'b, const N: usize> {
     mixtures: &'a mut [Mixture<N>],
 }
 
-impl<const N: usize> Kernel for PrepareInto<'_, '_, N> {
+impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {

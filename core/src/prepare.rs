@@ -2,7 +2,7 @@
 
 use crate::format::{self, f32_at};
 use crate::lanes::{Lanes, atan2_positive, exp2, sin_cos};
-use crate::simd::Kernel;
+use crate::simd::Routine;
 use crate::squeeze::Squeeze;
 use crate::{Domain, Error, Material, Mixture};
 use glam::Vec3;
@@ -13,7 +13,7 @@ pub(crate) struct Prepare<'a, 'b, 'm, const N: usize> {
     pub mixture: &'m mut Mixture<N>,
 }
 
-impl<const N: usize> Kernel for Prepare<'_, '_, '_, N> {
+impl<const N: usize> Routine for Prepare<'_, '_, '_, N> {
     type Output = Result<(), Error>;
     #[inline(always)]
     fn run<L: Lanes>(self) -> Result<(), Error> {

@@ -11,8 +11,8 @@ mod portable;
 use crate::lanes::Lanes;
 pub use detect::Level;
 
-/// A kernel: text that can run at any level.
-pub(crate) trait Kernel {
+/// Text that can run at any level.
+pub(crate) trait Routine {
     /// What it gives.
     type Output;
     /// The text; must be `#[inline(always)]`, and so must all that it calls with vectors.
@@ -20,43 +20,43 @@ pub(crate) trait Kernel {
 }
 
 impl Level {
-    /// Runs a kernel in the instruction set of this level.
+    /// Runs a routine in the instruction set of this level.
     #[inline]
     #[allow(unsafe_code)]
-    pub(crate) fn run<K: Kernel>(self, kernel: K) -> K::Output {
+    pub(crate) fn run<R: Routine>(self, routine: R) -> R::Output {
         match self {
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             // SAFETY: a level above Portable exists only where the processor has been seen to have it.
-            Self::Avx512 => unsafe { run_avx512(kernel) },
+            Self::Avx512 => unsafe { run_avx512(routine) },
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             // SAFETY: as above.
-            Self::Avx2 => unsafe { run_avx2(kernel) },
+            Self::Avx2 => unsafe { run_avx2(routine) },
             #[cfg(feature = "simd")]
-            Self::Portable => run_portable(kernel),
-            _ => run_scalar(kernel),
+            Self::Portable => run_portable(routine),
+            _ => run_scalar(routine),
         }
     }
 }
 
 #[cfg(all(feature = "simd", target_arch = "x86_64"))]
 #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,fma,avx2")]
-fn run_avx512<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run::<avx512::Avx512>()
+fn run_avx512<R: Routine>(routine: R) -> R::Output {
+    routine.run::<avx512::Avx512>()
 }
 
 #[cfg(all(feature = "simd", target_arch = "x86_64"))]
 #[target_feature(enable = "avx2,fma")]
-fn run_avx2<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run::<avx2::Avx2>()
+fn run_avx2<R: Routine>(routine: R) -> R::Output {
+    routine.run::<avx2::Avx2>()
 }
 
 #[cfg(feature = "simd")]
 #[inline(never)]
-fn run_portable<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run::<portable::Wide>()
+fn run_portable<R: Routine>(routine: R) -> R::Output {
+    routine.run::<portable::Wide>()
 }
 
 #[inline(never)]
-fn run_scalar<K: Kernel>(kernel: K) -> K::Output {
-    kernel.run::<f32>()
+fn run_scalar<R: Routine>(routine: R) -> R::Output {
+    routine.run::<f32>()
 }

@@ -3,7 +3,7 @@
 
 use crate::batch::sample_direction;
 use crate::lanes::{Lanes, exp2, splat3};
-use crate::simd::Kernel;
+use crate::simd::Routine;
 use crate::squeeze::Seen;
 use crate::{Domain, Mixture};
 use core::f32::consts::FRAC_1_PI;
@@ -14,7 +14,7 @@ pub(crate) struct EvaluateOne<'a, const N: usize> {
     pub direction: Vec3,
 }
 
-impl<const N: usize> Kernel for EvaluateOne<'_, N> {
+impl<const N: usize> Routine for EvaluateOne<'_, N> {
     type Output = Vec3;
     #[inline(always)]
     fn run<L: Lanes>(self) -> Vec3 {
@@ -33,7 +33,7 @@ pub(crate) struct PdfOne<'a, const N: usize> {
     pub direction: Vec3,
 }
 
-impl<const N: usize> Kernel for PdfOne<'_, N> {
+impl<const N: usize> Routine for PdfOne<'_, N> {
     type Output = f32;
     #[inline(always)]
     fn run<L: Lanes>(self) -> f32 {
@@ -48,7 +48,7 @@ pub(crate) struct SampleOne<'a, const N: usize> {
     pub u: [f32; 3],
 }
 
-impl<const N: usize> Kernel for SampleOne<'_, N> {
+impl<const N: usize> Routine for SampleOne<'_, N> {
     /// Direction and value.
     type Output = (Vec3, Vec3);
     #[inline(always)]

@@ -11,7 +11,9 @@ pub mod render;
 pub mod samples;
 pub mod stability;
 
+use anyhow::Context;
 use clap::{Parser, Subcommand};
+use srbf_core::Level;
 use std::path::PathBuf;
 
 /// Fits measured BRDFs with spherical Gaussian lobes, renders and compares them.
@@ -41,6 +43,7 @@ enum Command {
 
 /// Runs what the command line asks for.
 pub fn run(cli: Cli) -> anyhow::Result<()> {
+    choose_level()?;
     match cli.command {
         None => default_job::run(&cli.out),
         Some(Command::Fit(args)) => fit::run(args),
@@ -52,4 +55,14 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
         Some(Command::Stability(args)) => stability::run(args),
         Some(Command::BenchReport(args)) => bench_report::run(args),
     }
+}
+
+/// The instruction set that the environment variable `SRBF_SIMD` names, if it is set; for tests and comparisons.
+fn choose_level() -> anyhow::Result<()> {
+    let Some(name) = std::env::var_os("SRBF_SIMD") else { return Ok(()) };
+    let name = name.to_string_lossy();
+    let known = || Level::ALL.map(Level::name).join(", ");
+    let level = Level::from_name(&name)
+        .with_context(|| format!("SRBF_SIMD is \"{name}\", expected one of {}", known()))?;
+    level.set().with_context(|| format!("SRBF_SIMD is \"{name}\""))
 }

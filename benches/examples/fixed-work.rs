@@ -1,0 +1,57 @@
+//! A fixed amount of work, for counting instructions: `.ci/checks/60-instructions` runs it under callgrind.
+//!
+//! `fixed-work LEVEL OPERATION`, operation one of none, evaluate, sample, one, prepare, pairs.
+
+use srbf_benches::{GARNET_RED, Triples, garnet_mixture, general_mixture};
+use srbf_core::{Level, Material, Mixture, SamplesMut};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [level, operation] = &arguments[..] else {
+        eprintln!("usage: fixed-work LEVEL OPERATION");
+        return ExitCode::from(2);
+    };
+    let Some(level) = Level::from_name(level) else {
+        eprintln!("no such level: {level}");
+        return ExitCode::from(2);
+    };
+    if level.set().is_err() {
+        eprintln!("this machine lacks {}", level.name());
+        return ExitCode::from(77);
+    }
+    let n = 4096;
+    let (directions, uniforms) = (Triples::directions(n, 1), Triples::uniforms(n, 2));
+    let mut out = [(); 7].map(|()| vec![0.0f32; n]);
+    let [x, y, z, pdf, red, green, blue] = &mut out;
+    let material = Material::from_bytes(GARNET_RED).expect("the preset is valid");
+    let (general, garnet) = (general_mixture(12), garnet_mixture());
+    let mut mixture = Mixture::<16>::empty();
+    match operation.as_str() {
+        "none" => {}
+        "evaluate" => general.evaluate_into(directions.slices(), [red, green, blue]).expect("equal lengths"),
+        "sample" => {
+            let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
+            garnet.sample_into(uniforms.slices(), samples).expect("equal lengths");
+        }
+        "one" => (0..n).for_each(|i| pdf[i] = garnet.pdf(directions.at(i))),
+        "prepare" => (0..n).for_each(|i| {
+            material.prepare(directions.at(i), &mut mixture).expect("a valid direction");
+            pdf[i] = mixture.power();
+        }),
+        "pairs" => {
+            let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
+            material
+                .sample_pairs_into(directions.slices(), uniforms.slices(), samples)
+                .expect("equal lengths");
+        }
+        _ => {
+            eprintln!("no such operation: {operation}");
+            return ExitCode::from(2);
+        }
+    }
+    // So that no work is optimised away.
+    let sum: f32 = out.iter().flatten().sum();
+    println!("{sum}");
+    ExitCode::SUCCESS
+}
