@@ -1,4 +1,4 @@
-//! What can go wrong between a file and a material.
+//! What can go wrong between a file and a material. The reason is the `source` of an error, not part of its own text.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -46,7 +46,7 @@ pub enum ReadError {
 #[non_exhaustive]
 pub enum FitError {
     /// A file could not be read or written.
-    #[error("{path}: {source}")]
+    #[error("{path}")]
     Io {
         /// The file.
         path: PathBuf,
@@ -54,7 +54,7 @@ pub enum FitError {
         source: io::Error,
     },
     /// A file that was read has a fault.
-    #[error("{path}: {source}")]
+    #[error("{path}")]
     Read {
         /// The file.
         path: PathBuf,
@@ -73,10 +73,10 @@ pub enum FitError {
         reason: String,
     },
     /// The fitted lobes have no place in a material.
-    #[error("the fit is no material: {0}")]
+    #[error("the fit is no material")]
     Format(#[from] srbf_core::FormatError),
     /// The material cannot be evaluated.
-    #[error("the fit cannot be evaluated: {0}")]
+    #[error("the fit cannot be evaluated")]
     Core(#[from] srbf_core::Error),
 }
 

@@ -154,7 +154,8 @@ pub type Scattered = Vec<([f64; 3], [f64; 3])>;
 impl Table {
     /// Makes a table of scattered samples: mirrors them, weighs them, and integrates the albedo of each view.
     ///
-    /// See [`interpolate`](self#) for both; an albedo is held to at most `ALBEDO_LIMIT`.
+    /// The weights integrate linearly between samples, the albedo its logarithm, and is held to at most 0.95: see the source of
+    /// `interpolate`.
     ///
     /// # Errors
     /// [`FitError::Table`] for no view, too many, angles outside [0, pi / 2), views without a sample above the

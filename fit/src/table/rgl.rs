@@ -2,7 +2,7 @@
 //! Acquisition and Rendering").
 //!
 //! The measurement is stored in the unit square that a warp of the visible normals maps to the half vectors: to evaluate, the
-//! half vector goes back through the warp ([`warp`]), and the colour found there is multiplied by `D / (4 sigma)`. What is
+//! half vector goes back through the warp, and the colour found there is multiplied by `D / (4 sigma)`. What is
 //! stored is `f cos`. Isotropic files only; anisotropic ones, and spectral ones, are refused by name.
 
 mod tensor;
