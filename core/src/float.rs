@@ -46,8 +46,12 @@ pub(crate) fn ln(x: f32) -> f32 {
 pub(crate) fn ln_1p(x: f32) -> f32 {
     libm::log1pf(x)
 }
-#[inline]
+/// Square root, correctly rounded.
+#[inline(always)]
 pub(crate) fn sqrt(x: f32) -> f32 {
+    #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+    return crate::simd::sse2::sqrt(x);
+    #[cfg(not(all(target_arch = "x86_64", target_feature = "sse2")))]
     libm::sqrtf(x)
 }
 #[inline]

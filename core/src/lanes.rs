@@ -288,7 +288,7 @@ impl Lanes for f32 {
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        libm::sqrtf(self)
+        crate::float::sqrt(self)
     }
     #[inline(always)]
     fn abs(self) -> Self {

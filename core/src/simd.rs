@@ -7,6 +7,8 @@ mod avx512;
 mod detect;
 #[cfg(feature = "simd")]
 mod portable;
+#[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+pub(crate) mod sse2;
 
 use crate::lanes::Lanes;
 pub use detect::Level;
