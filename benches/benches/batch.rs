@@ -7,7 +7,7 @@ use srbf_benches::baseline::{C, PackedLobes, evaluate_libm, sample_libm};
 use srbf_benches::{
     DIRECTIONS, GARNET_RED, LOBES, Triples, garnet_mixture, general_lobes, general_mixture, levels,
 };
-use srbf_core::{Level, Material, Mixture, SamplesMut, Vec3};
+use srbf_core::{Material, Mixture, SamplesMut, Vec3};
 use std::hint::black_box;
 use std::time::Duration;
 
@@ -180,7 +180,6 @@ fn pairs(c: &mut Criterion) {
             });
         }
     }
-    let _ = Level::current();
 }
 
 fn configured() -> Criterion {
