@@ -35,7 +35,23 @@ impl<const N: usize> Mixture<N> {
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
     pub fn pdf_into(&self, directions: [&[f32]; 3], pdf: &mut [f32]) -> Result<(), Error> {
         same_length(directions.iter().map(|s| s.len()).chain([pdf.len()]))?;
-        self.level.run(ForEach { block: Density(self), inputs: directions, outputs: [pdf] });
+        self.level.run(ForEach {
+            block: Luminance(self, self.inverse_power),
+            inputs: directions,
+            outputs: [pdf],
+        });
+        Ok(())
+    }
+
+    /// Evaluates the luminance of `f cos` towards n incident directions; 1/sr: one colour channel in place of three.
+    ///
+    /// Shapes: `directions` x, y, z, each [n], unit vectors; `luminance` [n], overwritten.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    pub fn luminance_into(&self, directions: [&[f32]; 3], luminance: &mut [f32]) -> Result<(), Error> {
+        same_length(directions.iter().map(|s| s.len()).chain([luminance.len()]))?;
+        self.level.run(ForEach { block: Luminance(self, 1.0), inputs: directions, outputs: [luminance] });
         Ok(())
     }
 
@@ -57,6 +73,30 @@ impl<const N: usize> Mixture<N> {
         }
         let outputs = [x, y, z, pdf, red, green, blue];
         self.level.run(ForEach { block: Draw(self), inputs: u, outputs });
+        Ok(())
+    }
+
+    /// Draws n directions with density, without a weight: one colour channel in place of three.
+    ///
+    /// Shapes: `u` as for [`sample_into`](Self::sample_into), each [n]; `direction` x, y, z, and `pdf`, each [n],
+    /// overwritten. A mixture that reflects nothing gives the normal with density 0.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    pub fn sample_pdf_into(
+        &self,
+        u: [&[f32]; 3],
+        direction: [&mut [f32]; 3],
+        pdf: &mut [f32],
+    ) -> Result<(), Error> {
+        same_length(u.iter().map(|s| s.len()).chain(direction.iter().map(|s| s.len())).chain([pdf.len()]))?;
+        let [x, y, z] = direction;
+        if self.power == 0.0 {
+            z.fill(1.0);
+            [x, y, pdf].into_iter().for_each(|slice| slice.fill(0.0));
+            return Ok(());
+        }
+        self.level.run(ForEach { block: DrawPdf(self), inputs: u, outputs: [x, y, z, pdf] });
         Ok(())
     }
 }
@@ -149,14 +189,26 @@ impl<const N: usize> Block<3, 3> for Value<'_, N> {
     }
 }
 
-struct Density<'a, const N: usize>(&'a Mixture<N>);
+/// The luminance times a number.
+struct Luminance<'a, const N: usize>(&'a Mixture<N>, f32);
 
-impl<const N: usize> Block<3, 1> for Density<'_, N> {
+impl<const N: usize> Block<3, 1> for Luminance<'_, N> {
     #[inline(always)]
     fn block<L: Lanes>(&self, d: [L; 3]) -> [L; 1] {
         let m = self.0;
         let [sum] = sums(m, [&m.luminance], [m.power - m.lobes_power], d);
-        [sum * L::splat(m.inverse_power)]
+        [sum * L::splat(self.1)]
+    }
+}
+
+struct DrawPdf<'a, const N: usize>(&'a Mixture<N>);
+
+impl<const N: usize> Block<3, 4> for DrawPdf<'_, N> {
+    #[inline(always)]
+    fn block<L: Lanes>(&self, u: [L; 3]) -> [L; 4] {
+        let [x, y, z] = sample_direction(self.0, u);
+        let [pdf] = Luminance(self.0, self.0.inverse_power).block([x, y, z]);
+        [x, y, z, pdf]
     }
 }
 
