@@ -6,6 +6,7 @@ pub mod compare;
 mod default_job;
 pub mod fit;
 pub mod inspect;
+pub mod leave_out;
 pub mod presets;
 pub mod render;
 pub mod samples;
@@ -34,6 +35,7 @@ enum Command {
     Fit(fit::Args),
     Presets(presets::Args),
     Inspect(inspect::Args),
+    LeaveOut(leave_out::Args),
     Render(render::Args),
     Compare(compare::Args),
     Samples(samples::Args),
@@ -49,6 +51,7 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
         Some(Command::Fit(args)) => fit::run(args),
         Some(Command::Presets(args)) => presets::run(args),
         Some(Command::Inspect(args)) => inspect::run(args),
+        Some(Command::LeaveOut(args)) => leave_out::run(args),
         Some(Command::Render(args)) => render::run(args),
         Some(Command::Compare(args)) => compare::run(args),
         Some(Command::Samples(args)) => samples::run(args),

@@ -1,5 +1,7 @@
 //! What the tests share: oracle, tolerances, inputs, statistics.
 
+extern crate alloc;
+
 pub mod inputs;
 pub mod native;
 pub mod oracle;

@@ -4,6 +4,9 @@
 //! fails as well. The unit of an error is part of the entry: with `t` the exponent of the value, errors of values are
 //! divided by `2 + |t|`, as rounding `t` alone costs that much.
 
+use alloc::format;
+use alloc::string::String;
+
 /// How much looser than the worst error seen an entry may be.
 pub const SLACK: f64 = 4.0;
 

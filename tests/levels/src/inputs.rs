@@ -1,5 +1,9 @@
 //! Mixtures and a material of every kind, from a generator with a seed.
 
+use alloc::format;
+use alloc::string::String;
+use alloc::vec;
+use alloc::vec::Vec;
 use srbf_core::{Domain, Lobe, Mixture, PlaneLobe, Vec3, View, encode, encoded_len};
 
 /// A small deterministic generator (SplitMix64).
@@ -18,8 +22,9 @@ impl Random {
     }
     pub fn direction(&mut self) -> Vec3 {
         let (z, phi) = (self.between(-1.0, 1.0), self.between(0.0, core::f32::consts::TAU));
-        let r = (1.0 - z * z).sqrt();
-        Vec3::new(r * phi.cos(), r * phi.sin(), z).normalize()
+        let (sin, cos) = libm::sincosf(phi);
+        let r = libm::sqrtf(1.0 - z * z);
+        Vec3::new(r * cos, r * sin, z).normalize()
     }
 }
 
@@ -54,7 +59,7 @@ fn lobe(random: &mut Random, in_plane: bool) -> Lobe {
     if in_plane {
         axis = Vec3::new(axis.x, 0.0, axis.z).normalize();
     }
-    let sharpness = 10f32.powf(random.between(-2.0, 5.0));
+    let sharpness = libm::powf(10.0, random.between(-2.0, 5.0));
     let rgb = Vec3::new(random.next(), random.next(), random.next());
     Lobe::new(axis, sharpness, rgb).expect("a valid lobe")
 }
@@ -72,7 +77,7 @@ pub fn material(random: &mut Random) -> Vec<u8> {
                     log2_amplitude: [-3.0 - random.next(), -2.5, -4.0 + 0.5 * k as f32],
                 })
                 .collect();
-            (theta, theta.cos().max(0.1).log2() * f32::from(v > 0), lobes)
+            (theta, libm::log2f(libm::cosf(theta).max(0.1)) * f32::from(v > 0), lobes)
         })
         .collect();
     let views: Vec<View<'_>> = views

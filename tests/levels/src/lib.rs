@@ -1,13 +1,23 @@
 //! Every SIMD level against f64, for every count round the lane widths.
 //!
-//! A package of its own with one dependency, so that it also runs where a machine is imitated: AArch64 under QEMU,
-//! WebAssembly in Node, AVX-512 in Bochs (`.ci/checks/70-other-processors`).
+//! A package of its own, without std, so that it also runs on processors that are only imitated: see the checks in
+//! `.ci/checks` whose names begin with 7.
+#![no_std]
+
+extern crate alloc;
+#[cfg(test)]
+extern crate std;
 
 mod inputs;
 #[path = "../../src/tolerance.rs"]
 pub mod tolerance;
 mod truth;
 
+use alloc::borrow::ToOwned;
+use alloc::format;
+use alloc::string::String;
+use alloc::vec;
+use alloc::vec::Vec;
 use inputs::{Case, Random};
 use srbf_core::{Level, Material, Mixture, SamplesMut, Vec3};
 use tolerance::Worst;
@@ -193,7 +203,7 @@ fn check_prepared(random: &mut Random, found: &mut Findings) {
         wo.z = wo.z.abs();
         let mut m = Mixture::<64>::empty();
         material.prepare(wo, &mut m).expect("a unit vector");
-        let azimuth = f64::from(-wo.y).atan2(f64::from(-wo.x));
+        let azimuth = libm::atan2(f64::from(-wo.y), f64::from(-wo.x));
         check_samples(&m, azimuth, &format!("prepared {n}, wo {wo}"), random, found);
     }
     let wo: Vec<Vec3> = (0..COUNTS).map(|_| random.direction()).collect();
@@ -224,6 +234,7 @@ fn check_prepared(random: &mut Random, found: &mut Findings) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::println;
 
     #[test]
     fn every_level_of_this_machine_gives_the_f64_values_at_every_count() {

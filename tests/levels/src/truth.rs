@@ -33,11 +33,11 @@ pub fn truth(m: &Mixture<64>, azimuth: f64, d: Vec3) -> Truth {
     if !is_inside(m, d) {
         return sum;
     }
-    let (sin, cos) = azimuth.sin_cos();
+    let (sin, cos) = libm::sincos(azimuth);
     let [x, y, z] = d.to_array().map(f64::from);
     let (x, y) = (x * cos + y * sin, y * cos - x * sin);
     let inverse = f64::from(1.0 / m.squeeze());
-    let r = (x * x + y * y * inverse * inverse + z * z).sqrt();
+    let r = libm::sqrt(x * x + y * y * inverse * inverse + z * z);
     for (c, rho) in m.diffuse().to_array().into_iter().enumerate() {
         let value = f64::from(rho) * z / core::f64::consts::PI;
         sum.value[c] += value;
@@ -55,7 +55,7 @@ pub fn truth(m: &Mixture<64>, azimuth: f64, d: Vec3) -> Truth {
             let (dx, dy, dz) = (u[0] - axis[0], u[1] - axis[1], u[2] - axis_z);
             let t = -0.5 * f64::from(lobe.gaussian.sharpness) * (dx * dx + dy * dy + dz * dz);
             for (c, a) in lobe.amplitude.to_array().into_iter().enumerate() {
-                let value = f64::from(a) * t.exp() * change;
+                let value = f64::from(a) * libm::exp(t) * change;
                 sum.value[c] += value;
                 sum.scale[c] += value * (2.0 - t);
             }
