@@ -102,7 +102,7 @@ fn sgd_fits_agree_with_neural_fits_of_the_same_material() {
         let mut logs = Vec::new();
         for i in 0..1000 {
             let at = |n: f64, m: f64| {
-                let (t, p) = (1.4 * (n * 0.618).fract(), 6.28 * (m * 0.414).fract());
+                let (t, p) = (1.4 * (n * 0.618).fract(), 6.0 * (m * 0.414).fract());
                 [t.sin() * p.cos(), t.sin() * p.sin(), t.cos()]
             };
             let (wi, wo) = (at(f64::from(i), f64::from(i)), at(f64::from(i) + 0.3, f64::from(3 * i)));
