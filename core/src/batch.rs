@@ -288,8 +288,11 @@ pub(crate) fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<N>, u: [L; 
     let mut d = round;
     if m.squeezed > 0 {
         let through = L::index_below(k, m.squeezed);
-        let squeezed = L::select(through, m.squeeze.unsqueeze(round)[1], round[1]);
-        d[1] = L::select(is_diffuse, round[1], squeezed);
+        let wide = m.squeeze.unsqueeze(round);
+        for i in 0..2 {
+            let squeezed = L::select(through, wide[i], round[i]);
+            d[i] = L::select(is_diffuse, round[i], squeezed);
+        }
     }
     if m.domain == Domain::Hemisphere {
         d[2] = d[2].abs();

@@ -1,6 +1,7 @@
 //! From a material and an outgoing direction to a mixture: lanes are lobes.
 
-use crate::format::{self, f32_at};
+use crate::anisotropic;
+use crate::format::{self, Kind, f32_at};
 use crate::lanes::{Lanes, atan2_positive, exp2, sin_cos};
 use crate::simd::Routine;
 use crate::squeeze::Squeeze;
@@ -28,6 +29,9 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     mixture: &mut Mixture<N>,
 ) -> Result<(), Error> {
     let (bytes, header) = (material.bytes, &material.header);
+    if let Kind::Grid(shape) = header.kind {
+        return anisotropic::prepare::<L, N>(material, shape, wo, mixture);
+    }
     mixture.begin(Domain::Hemisphere, Squeeze::NONE);
     let count = header.lobes;
     if count > N {
@@ -78,7 +82,7 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
         exp2((b - a).mul_add(L::splat(blend), a)).store(&mut head[i..]);
         i += L::COUNT;
     }
-    mixture.squeeze = Squeeze { azimuth, inverse: 1.0 / head[0] };
+    mixture.squeeze = Squeeze { azimuth, inverse: 1.0 / head[0], ..Squeeze::NONE };
     mixture.diffuse = Vec3::new(head[1], head[2], head[3]);
 
     let mut k = 0;
@@ -107,7 +111,7 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
 
 /// Loads little-endian f32 from bytes of any alignment; what lies past the end reads as 0.
 #[inline(always)]
-fn load_bytes<L: Lanes>(bytes: &[u8], offset: usize) -> L {
+pub(crate) fn load_bytes<L: Lanes>(bytes: &[u8], offset: usize) -> L {
     let rest = &bytes[offset..];
     if rest.len() >= 4 * L::COUNT {
         return L::load_bytes(rest);
