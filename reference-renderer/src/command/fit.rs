@@ -135,11 +135,17 @@ pub fn fit_file(file: &Path, mut settings: Settings, source: &str) -> anyhow::Re
 
 /// Prints a report, a line a view.
 pub fn print_report(report: &Report) {
-    println!("view deg | relative L2 % | variance | largest weight | albedo r g b, fit (data)");
+    let isotropic = report.views.iter().all(|v| v.azimuth == 0.0);
+    let azimuth = if isotropic { "" } else { "azimuth | " };
+    println!("view deg | {azimuth}relative L2 % | variance | largest weight | albedo r g b, fit (data)");
     let print = |v: &ViewReport| {
         let albedo = [0, 1, 2].map(|c| format!("{:.3} ({:.3})", v.albedo[c], v.data_albedo[c]));
+        let azimuth = match isotropic {
+            true => String::new(),
+            false => format!("{:7.1} | ", v.azimuth.to_degrees()),
+        };
         println!(
-            "{:8.1} | {:13.2} | {:8.3} | {:14.2} | {}",
+            "{:8.1} | {azimuth}{:13.2} | {:8.3} | {:14.2} | {}",
             v.theta.to_degrees(),
             100.0 * v.error,
             v.variance,
