@@ -161,41 +161,34 @@ impl Objective {
         let (shared, width) = (4 * k + 1, 4 * k + 10);
         let mut gram = vec![0.0; width * width];
         let mut moment = vec![[0.0; 3]; width];
-        let mut basis = vec![0.0; width];
+        // Four points at a time, so that the sums are loaded and stored once for four products.
+        let mut basis = [(); 4].map(|()| vec![0.0; width]);
         let mut slopes = vec![Slopes::default(); k];
         let mut cost = 0.0;
-        for point in &view.points {
-            lobes.slopes(&point.direction, &mut slopes);
-            let root = libm::sqrt(point.weight);
-            basis[shared..].fill(0.0);
-            for (n, s) in slopes.iter().enumerate() {
-                basis[n] = root * s.by_tilt[0];
-                basis[k + n] = root * s.by_tilt[1];
-                basis[2 * k + n] = root * s.by_ln_sharpness;
-                basis[3 * k + n] = root * s.value;
-                if n < layout.squeezed {
-                    for (c, a) in amplitude.iter().enumerate() {
-                        for i in 0..3 {
-                            basis[shared + 3 * c + i] += root * a[n] * s.by_squeeze[i];
-                        }
-                    }
+        for points in view.points.chunks(4) {
+            basis.iter_mut().skip(points.len()).for_each(|b| b.fill(0.0));
+            for (point, basis) in points.iter().zip(&mut basis) {
+                lobes.slopes(&point.direction, &mut slopes);
+                let root = libm::sqrt(point.weight);
+                fill(layout, &amplitude, &slopes, root, basis);
+                basis[4 * k] = root * point.direction[2] * FRAC_1_PI;
+                let mut residual = [0.0; 3];
+                for c in 0..3 {
+                    let value: f64 = amplitude[c].iter().zip(&basis[3 * k..]).map(|(a, u)| a * u).sum();
+                    residual[c] = value - root * point.target[c];
+                    cost += residual[c] * residual[c];
+                }
+                for (m, b) in moment.iter_mut().zip(basis.iter()) {
+                    (0..3).for_each(|c| m[c] += b * residual[c]);
                 }
             }
-            basis[4 * k] = root * point.direction[2] * FRAC_1_PI;
-            let mut residual = [0.0; 3];
-            for c in 0..3 {
-                let value: f64 = amplitude[c].iter().zip(&basis[3 * k..]).map(|(a, u)| a * u).sum();
-                residual[c] = value - root * point.target[c];
-                cost += residual[c] * residual[c];
-            }
-            for (i, &b) in basis.iter().enumerate() {
-                if b == 0.0 {
-                    continue;
+            let [p0, p1, p2, p3] = &basis;
+            for i in 0..width {
+                let (a0, a1, a2, a3) = (p0[i], p1[i], p2[i], p3[i]);
+                let sums = gram[i * width..=i * width + i].iter_mut();
+                for (g, (((b0, b1), b2), b3)) in sums.zip(p0.iter().zip(p1).zip(p2).zip(p3)) {
+                    *g += (a0 * b0 + a1 * b1) + (a2 * b2 + a3 * b3);
                 }
-                for (g, v) in gram[i * width..=i * width + i].iter_mut().zip(&basis) {
-                    *g += b * v;
-                }
-                (0..3).for_each(|c| moment[i][c] += b * residual[c]);
             }
         }
 
@@ -309,6 +302,24 @@ impl Objective {
                         each(&row);
                     }
                 }
+            }
+        }
+    }
+}
+
+/// Fills in what the lobes have in the columns of one point; the columns are described where they are summed.
+fn fill(layout: &Layout, amplitude: &[Vec<f64>; 3], slopes: &[Slopes], root: f64, basis: &mut [f64]) {
+    let k = layout.lobes;
+    let shared = 4 * k + 1;
+    basis[shared..].fill(0.0);
+    for (n, s) in slopes.iter().enumerate() {
+        basis[n] = root * s.by_tilt[0];
+        basis[k + n] = root * s.by_tilt[1];
+        basis[2 * k + n] = root * s.by_ln_sharpness;
+        basis[3 * k + n] = root * s.value;
+        if n < layout.squeezed {
+            for (c, a) in amplitude.iter().enumerate() {
+                (0..3).for_each(|i| basis[shared + 3 * c + i] += root * a[n] * s.by_squeeze[i]);
             }
         }
     }
