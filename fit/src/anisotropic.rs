@@ -44,7 +44,9 @@ const STARTS: usize = 4;
 const SCOUTING: usize = 12;
 const EVERY: usize = 3;
 
-/// Roughness weight of the starts over the final one.
+/// Roughness weight over that of isotropic fits, and that of the starts over the final one. Ward's model of (0.1, 0.4) has 6.3,
+/// 5.1 and 5.8 % between the knots at 0.1, 1 and 10.
+const ROUGHNESS: f64 = 3.0;
 const STIFF: f64 = 10.0;
 
 /// Relative decrease of the cost over five steps below which the minimum counts as reached.
@@ -69,7 +71,8 @@ pub(crate) fn fit_brdf(
     let at_knots = views.clone();
     views.extend(table::tabulate(brdf, &between(&layout), BETWEEN));
 
-    let thin = Objective::new(&views, layout.clone(), STIFF * settings.smoothness, EVERY)?;
+    let smoothness = ROUGHNESS * settings.smoothness;
+    let thin = Objective::new(&views, layout.clone(), STIFF * smoothness, EVERY)?;
     let starts = settings.starts.min(STARTS);
     let total = (SCOUTING + settings.steps) as f64;
     progress(0.0);
@@ -84,7 +87,7 @@ pub(crate) fn fit_brdf(
     let Some((_, _, mut x)) = candidates.into_iter().next() else {
         return Err(FitError::Setting { name: "starts", reason: "at least 1".into() });
     };
-    let full = Objective::new(&views, layout.clone(), settings.smoothness, 1)?;
+    let full = Objective::new(&views, layout.clone(), smoothness, 1)?;
     let mut done = SCOUTING;
     solve::minimize(&full, &mut x, settings.steps, IMPROVEMENT, || {
         done += 1;

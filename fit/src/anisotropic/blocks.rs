@@ -105,8 +105,7 @@ impl Blocks {
             product.iter_mut().zip(added.iter().zip(&direction)).for_each(|(p, (a, d))| *p += a * d);
             mask(&mut product);
             let curvature = dot(&direction, &product);
-            // False for NaN too.
-            if !(curvature > 0.0) {
+            if curvature.is_nan() || curvature <= 0.0 {
                 return None;
             }
             let step = norm / curvature;
