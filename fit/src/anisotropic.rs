@@ -206,6 +206,24 @@ mod tests {
         assert!(report::judge(&one.bytes, &views).unwrap()[0].error > 0.2);
     }
 
+    /// From the bytes of a file to a material that is good at what the file was made from.
+    #[test]
+    fn an_anisotropic_rgl_file_becomes_a_material() {
+        use crate::table::Content;
+        use crate::table::model::ggx::{Facets, Ggx};
+        use crate::table::rgl::{self, synthetic};
+        let model = Ggx { diffuse: [0.2; 3], alpha: [0.3, 0.6], facets: Facets::Schlick([0.8, 0.6, 0.3]) };
+        let settings = synthetic::Settings { phis: 5, range: TAU / 4.0, ..synthetic::Settings::default() };
+        let file = rgl::parse(&synthetic::write(&model, &settings)).unwrap();
+        let fit = crate::fit_content(&Content::Evaluable(Box::new(file)), &small(), |_| {}).unwrap();
+        let material = srbf_core::Material::from_bytes(&fit.bytes).unwrap();
+        assert!(!material.is_isotropic());
+        let views = table::tabulate(&model, &middles(&layout(Symmetry::Quadrant, &small())), BETWEEN);
+        let error = mean_error(&report::judge(&fit.bytes, &views).unwrap());
+        println!("{error}");
+        assert!(error < 0.1, "{error}");
+    }
+
     #[test]
     fn odd_surfaces_end_in_a_material_or_an_error() {
         let settings = Settings { lobes: 2, steps: 3, knots: Some(vec![0.0, 0.8]), ..small() };

@@ -124,9 +124,9 @@ pub mod tests {
         let thetas = [0.0f32, 0.5, 1.0, 1.4];
         let lobe = |theta: f32, share: f32| TiltedLobe {
             tilt: [theta, 0.0],
-            log2_sharpness: 6.0,
+            log2_sharpness: 4.0,
             log2_amplitude: [share, 0.8 * share, 0.5 * share]
-                .map(|c| (c / srbf_core::special::sphere_integral(64.0)).log2()),
+                .map(|c| (c / srbf_core::special::sphere_integral(16.0)).log2()),
         };
         let mut views = vec![([1.0, 0.0, -1.0], [lobe(0.0, 0.5)])];
         for &theta in &thetas[1..] {

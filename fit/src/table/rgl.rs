@@ -14,7 +14,7 @@ mod arrays;
 #[cfg(test)]
 mod damage;
 #[cfg(test)]
-mod synthetic;
+pub(crate) mod synthetic;
 mod tensor;
 mod warp;
 
