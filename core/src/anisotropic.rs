@@ -27,9 +27,8 @@
 use crate::format::f32_at;
 use crate::format::grid::{HEAD, ROWS, Shape};
 use crate::lanes::{Lanes, atan2_positive, exp2, sin_cos};
-use crate::prepare::load_bytes;
 use crate::squeeze::Squeeze;
-use crate::{Domain, Error, Material, Mixture};
+use crate::{Domain, Error, LeaveOut, Material, Mixture};
 use core::f32::consts::PI;
 use glam::Vec3;
 
@@ -97,6 +96,7 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     material: &Material<'_>,
     shape: Shape,
     wo: Vec3,
+    leave_out: LeaveOut,
     mixture: &mut Mixture<N>,
 ) -> Result<(), Error> {
     let (bytes, header) = (material.bytes, &material.header);
@@ -197,6 +197,18 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
         L::select(valid, exp2(rows[5]), zero).store(&mut mixture.blue[k..]);
         k += L::COUNT;
     }
-    mixture.finish::<L>(count, header.squeezed);
+    mixture.finish::<L>(count, header.squeezed, leave_out);
     Ok(())
+}
+
+/// Loads little-endian f32 from bytes of any alignment; what lies past the end reads as 0.
+#[inline(always)]
+fn load_bytes<L: Lanes>(bytes: &[u8], offset: usize) -> L {
+    let rest = &bytes[offset..];
+    if rest.len() >= 4 * L::COUNT {
+        return L::load_bytes(rest);
+    }
+    let mut padded = [0; 64];
+    padded[..rest.len()].copy_from_slice(rest);
+    L::load_bytes(&padded)
 }
