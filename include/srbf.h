@@ -732,12 +732,15 @@ srbf_status srbf_material_borrow(const uint8_t *bytes,
 srbf_status srbf_material_query(const struct srbf_material *material, struct srbf_material_info *info);
 
 /**
- * Says at which outgoing direction a view is. Status: `SRBF_STATUS_INDEX` past the end.
+ * Says at which outgoing direction a view is. Status: `SRBF_STATUS_INDEX` past the end, and for every view of an anisotropic
+ * material, which these numbers do not describe.
  */
-srbf_status srbf_material_view(const struct srbf_material *material, size_t view, struct srbf_view *out);
+srbf_status srbf_material_view(const struct srbf_material *material,
+                               size_t view,
+                               struct srbf_view *out);
 
 /**
- * Gives a lobe as a view stores it. Status: `SRBF_STATUS_INDEX` past either end.
+ * Gives a lobe as a view stores it. Status: `SRBF_STATUS_INDEX` past either end, and for an anisotropic material.
  */
 srbf_status srbf_material_view_lobe(const struct srbf_material *material,
                                     size_t view,

@@ -168,7 +168,8 @@ pub unsafe extern "C" fn srbf_material_query(
     })
 }
 
-/// Says at which outgoing direction a view is. Status: `SRBF_STATUS_INDEX` past the end.
+/// Says at which outgoing direction a view is. Status: `SRBF_STATUS_INDEX` past the end, and for every view of an anisotropic
+/// material, which these numbers do not describe.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_material_view(
     material: *const srbf_material,
@@ -186,7 +187,7 @@ pub unsafe extern "C" fn srbf_material_view(
     })
 }
 
-/// Gives a lobe as a view stores it. Status: `SRBF_STATUS_INDEX` past either end.
+/// Gives a lobe as a view stores it. Status: `SRBF_STATUS_INDEX` past either end, and for an anisotropic material.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_material_view_lobe(
     material: *const srbf_material,

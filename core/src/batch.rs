@@ -439,8 +439,11 @@ fn draw<L: Lanes, const N: usize>(m: &Mixture<N>, choice: Choice<L>, u: L, turns
     }
     let mut d = round;
     if m.squeezed > 0 {
-        let squeezed = L::select(choice.is_squeezed, m.squeeze.unsqueeze(round)[1], round[1]);
-        d[1] = L::select(choice.is_diffuse, round[1], squeezed);
+        let wide = m.squeeze.unsqueeze(round);
+        for i in 0..2 {
+            let squeezed = L::select(choice.is_squeezed, wide[i], round[i]);
+            d[i] = L::select(choice.is_diffuse, round[i], squeezed);
+        }
     }
     if m.domain == Domain::Hemisphere {
         d[2] = d[2].abs();

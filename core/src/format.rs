@@ -1,9 +1,10 @@
-//! The `.srbf` bytes: little endian, fixed header, views, provenance, checksum.
+//! The `.srbf` bytes: little endian, fixed header, views, provenance, checksum. Two kinds: views along one angle, for isotropic
+//! materials, described here; and views over the hemisphere, for anisotropic ones, described in `format/grid.rs`.
 //!
 //! ```text
 //!  0  8 bytes   magic 89 53 52 42 46 0D 0A 1A
 //!  8  u32       version, 1
-//! 12  u32       kind, 0 = isotropic with all axes in the plane of incidence
+//! 12  u32       kind, 0 = isotropic with all axes in the plane of incidence; 1 = anisotropic
 //! 16  u32       length of the whole file in bytes
 //! 20  u32       views V, 1 to 1024
 //! 24  u32       lobes K of every view, 1 to 64
@@ -21,6 +22,8 @@
 //!     provenance, UTF-8
 //!     u32       CRC-32 of everything before
 //! ```
+
+pub(crate) mod grid;
 
 use crate::FormatError;
 use crate::checksum::crc32;
@@ -63,10 +66,20 @@ pub struct View<'a> {
 /// What the header says, once it has been checked.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Header {
+    pub kind: Kind,
     pub views: usize,
     pub lobes: usize,
     pub squeezed: usize,
     pub provenance: usize,
+}
+
+/// Where the views of a material lie, and with it what is stored at each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// Along the angle from the normal; the material is isotropic.
+    Line,
+    /// Over the hemisphere.
+    Grid(grid::Shape),
 }
 
 impl Header {
@@ -86,13 +99,17 @@ impl Header {
         HEADER + 4 * ((1 + HEAD) * self.views + (5 * view + row) * self.lobes)
     }
     const fn len(&self) -> usize {
-        self.row(self.views, 0) + self.provenance + CHECKSUM
+        let end = match self.kind {
+            Kind::Line => self.row(self.views, 0),
+            Kind::Grid(shape) => shape.row(self, self.views, 0),
+        };
+        end + self.provenance + CHECKSUM
     }
 }
 
 /// Bytes that [`encode`] writes.
 pub const fn encoded_len(views: usize, lobes: usize, provenance: &str) -> usize {
-    Header { views, lobes, squeezed: 0, provenance: provenance.len() }.len()
+    Header { kind: Kind::Line, views, lobes, squeezed: 0, provenance: provenance.len() }.len()
 }
 
 #[inline(always)]
@@ -122,36 +139,60 @@ pub fn encode(
     if out.len() < needed {
         return Err(FormatError::Buffer { needed, available: out.len() });
     }
-    let mut at = 0;
-    let mut put = |bytes: &[u8]| {
-        out[at..at + bytes.len()].copy_from_slice(bytes);
-        at += bytes.len();
-    };
-    put(&MAGIC);
-    for n in [FORMAT_VERSION as usize, 0, needed, views.len(), lobes, squeezed, provenance.len(), 0, 0, 0] {
-        put(&u32::try_from(n).unwrap_or(u32::MAX).to_le_bytes());
-    }
+    let mut writer = Writer::new(out, 0, [views.len(), lobes, squeezed, provenance.len(), 0, 0, 0], needed);
     if let Some(v) = views.iter().position(|view| view.lobes.len() != lobes) {
-        let header = Header { views: views.len(), lobes, squeezed, provenance: 0 };
+        let header = Header { kind: Kind::Line, views: views.len(), lobes, squeezed, provenance: 0 };
         return Err(FormatError::Field { name: "number of lobes of a view", offset: header.row(v, 0) });
     }
-    views.iter().for_each(|view| put(&view.theta.to_le_bytes()));
+    views.iter().for_each(|view| writer.number(view.theta));
     for view in views {
-        put(&view.log2_squeeze.to_le_bytes());
-        view.log2_diffuse.iter().for_each(|n| put(&n.to_le_bytes()));
+        writer.number(view.log2_squeeze);
+        view.log2_diffuse.iter().for_each(|n| writer.number(*n));
     }
     for view in views {
-        view.lobes.iter().for_each(|l| put(&l.angle.to_le_bytes()));
-        view.lobes.iter().for_each(|l| put(&l.log2_sharpness.to_le_bytes()));
+        view.lobes.iter().for_each(|l| writer.number(l.angle));
+        view.lobes.iter().for_each(|l| writer.number(l.log2_sharpness));
         for channel in 0..3 {
-            view.lobes.iter().for_each(|l| put(&l.log2_amplitude[channel].to_le_bytes()));
+            view.lobes.iter().for_each(|l| writer.number(l.log2_amplitude[channel]));
         }
     }
-    put(provenance.as_bytes());
-    let checksum = crc32(&out[..needed - CHECKSUM]);
-    out[needed - CHECKSUM..needed].copy_from_slice(&checksum.to_le_bytes());
-    validate(&out[..needed])?;
-    Ok(needed)
+    writer.finish(provenance)
+}
+
+/// Puts bytes one behind the other into a buffer that is long enough.
+struct Writer<'a> {
+    out: &'a mut [u8],
+    at: usize,
+}
+
+impl<'a> Writer<'a> {
+    /// Begins with the header: kind, length of the whole, and the fields that follow it.
+    fn new(out: &'a mut [u8], kind: usize, fields: [usize; 7], length: usize) -> Self {
+        let mut writer = Self { out: &mut out[..length], at: 0 };
+        writer.put(&MAGIC);
+        for n in [FORMAT_VERSION as usize, kind, length].into_iter().chain(fields) {
+            writer.put(&u32::try_from(n).unwrap_or(u32::MAX).to_le_bytes());
+        }
+        writer
+    }
+
+    fn put(&mut self, bytes: &[u8]) {
+        self.out[self.at..self.at + bytes.len()].copy_from_slice(bytes);
+        self.at += bytes.len();
+    }
+
+    fn number(&mut self, n: f32) {
+        self.put(&n.to_le_bytes());
+    }
+
+    /// Ends with provenance and checksum, and checks the whole; returns its length.
+    fn finish(mut self, provenance: &str) -> Result<usize, FormatError> {
+        self.put(provenance.as_bytes());
+        let checksum = crc32(&self.out[..self.at]);
+        self.put(&checksum.to_le_bytes());
+        validate(self.out)?;
+        Ok(self.at)
+    }
 }
 
 /// Checks every field once; what passes can be read without a further check.
@@ -169,15 +210,26 @@ pub(crate) fn validate(bytes: &[u8]) -> Result<Header, FormatError> {
     }
     let field = |name, offset| Err(FormatError::Field { name, offset });
     let count = |offset| u32_at(bytes, offset) as usize;
-    if count(12) != 0 {
+    if count(12) > 1 {
         return field("kind", 12);
     }
     if count(16) != bytes.len() {
         return Err(length(count(16)));
     }
-    let header = Header { views: count(20), lobes: count(24), squeezed: count(28), provenance: count(32) };
+    let mut header = Header {
+        kind: Kind::Line,
+        views: count(20),
+        lobes: count(24),
+        squeezed: count(28),
+        provenance: count(32),
+    };
     if !(1..=MAX_VIEWS).contains(&header.views) {
         return field("number of views", 20);
+    }
+    let mut reserved = 36;
+    if count(12) == 1 {
+        (header.kind, header.views) = grid::read_shape(bytes)?;
+        reserved = 44;
     }
     if !(1..=crate::MAX_LOBES).contains(&header.lobes) {
         return field("number of lobes", 24);
@@ -189,8 +241,8 @@ pub(crate) fn validate(bytes: &[u8]) -> Result<Header, FormatError> {
     if header.provenance > bytes.len() || header.len() != bytes.len() {
         return field("length of the provenance", 32);
     }
-    if (36..HEADER).step_by(4).any(|offset| count(offset) != 0) {
-        return field("reserved field", 36);
+    if (reserved..HEADER).step_by(4).any(|offset| count(offset) != 0) {
+        return field("reserved field", reserved);
     }
     if crc32(&bytes[..bytes.len() - CHECKSUM]) != u32_at(bytes, bytes.len() - CHECKSUM) {
         return Err(FormatError::Checksum);
@@ -199,26 +251,45 @@ pub(crate) fn validate(bytes: &[u8]) -> Result<Header, FormatError> {
     if core::str::from_utf8(&bytes[text..text + header.provenance]).is_err() {
         return field("provenance (not UTF-8)", text);
     }
-    validate_views(bytes, &header)?;
+    match header.kind {
+        Kind::Line => {
+            validate_thetas(bytes, &header, header.views)?;
+            validate_views(bytes, &header)?;
+        }
+        Kind::Grid(shape) => {
+            validate_thetas(bytes, &header, shape.thetas)?;
+            grid::validate(bytes, &header, shape)?;
+        }
+    }
     Ok(header)
 }
 
-fn validate_views(bytes: &[u8], header: &Header) -> Result<(), FormatError> {
+/// Whether the number at an offset is within a range.
+fn check(bytes: &[u8], name: &'static str, offset: usize, low: f32, high: f32) -> Result<(), FormatError> {
+    // False for NaN too.
+    let inside = (low..=high).contains(&f32_at(bytes, offset));
+    if inside { Ok(()) } else { Err(FormatError::Field { name, offset }) }
+}
+
+/// The first angle is the normal, the others rise from it.
+fn validate_thetas(bytes: &[u8], header: &Header, count: usize) -> Result<(), FormatError> {
     let mut previous = -1.0;
-    for view in 0..header.views {
-        let check = |name, offset: usize, low: f32, high: f32| {
-            // False for NaN too.
-            let inside = (low..=high).contains(&f32_at(bytes, offset));
-            if inside { Ok(()) } else { Err(FormatError::Field { name, offset }) }
-        };
-        // The first view is the normal, where nothing may depend on the azimuth of the outgoing direction.
-        let limit = |free: f32| if view == 0 { 0.0 } else { free };
-        let theta = header.theta(view);
-        check("angle of a view", theta, 0.0, limit(FRAC_PI_2))?;
+    for n in 0..count {
+        let theta = header.theta(n);
+        check(bytes, "angle of a view", theta, 0.0, if n == 0 { 0.0 } else { FRAC_PI_2 })?;
         if f32_at(bytes, theta) <= previous {
             return Err(FormatError::Field { name: "angle of a view (must rise)", offset: theta });
         }
         previous = f32_at(bytes, theta);
+    }
+    Ok(())
+}
+
+fn validate_views(bytes: &[u8], header: &Header) -> Result<(), FormatError> {
+    for view in 0..header.views {
+        let check = |name, offset: usize, low: f32, high: f32| check(bytes, name, offset, low, high);
+        // The first view is the normal, where nothing may depend on the azimuth of the outgoing direction.
+        let limit = |free: f32| if view == 0 { 0.0 } else { free };
         check("squeeze", header.head(view), limit(-6.64), limit(1.0))?;
         for channel in 1..HEAD {
             check("diffuse albedo", header.head(view) + 4 * channel, -126.0, 2.0)?;

@@ -22,6 +22,7 @@
 //! ```
 #![no_std]
 
+mod anisotropic;
 mod batch;
 mod checksum;
 mod error;
@@ -50,6 +51,7 @@ pub use batch::SamplesMut;
 pub use error::{Error, FormatError};
 pub use estimator::{Defensive, balance_heuristic, power_heuristic};
 pub use folded::Folded;
+pub use format::grid::{Grid, GridView, TiltedLobe};
 pub use format::{FORMAT_VERSION, PlaneLobe, View, encode, encoded_len};
 pub use glam::Vec3;
 pub use kernel::Kernel;

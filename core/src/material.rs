@@ -1,15 +1,16 @@
 //! A material: lobes at view knots, read in place.
 
-use crate::format::{self, Header, f32_at};
+use crate::format::{self, Header, Kind, f32_at};
 use crate::prepare::Prepare;
-use crate::{Error, FormatError, LeaveOut, Mixture, PlaneLobe};
+use crate::{Error, FormatError, LeaveOut, Mixture, PlaneLobe, TiltedLobe};
+use core::f32::consts::PI;
 use glam::Vec3;
 
 /// A material in borrowed `.srbf` bytes of any alignment: nothing is copied, nothing allocated.
 ///
 /// Lobe `k` of one view corresponds to lobe `k` of the next; between views the angle of the axis and the logarithms of
 /// sharpness, amplitude, diffuse albedo and squeeze are interpolated linearly in the angle of the outgoing direction. Beyond the last
-/// view the last one holds.
+/// view the last one holds. The views of an anisotropic material lie over the hemisphere, see [`Grid`](crate::Grid).
 #[derive(Clone, Copy, Debug)]
 pub struct Material<'a> {
     pub(crate) bytes: &'a [u8],
@@ -51,29 +52,73 @@ impl<'a> Material<'a> {
         core::str::from_utf8(&self.bytes[end - self.header.provenance..end]).unwrap_or_default()
     }
 
-    /// Angle of the outgoing direction of a view from the normal, radians; `None` past the end.
-    pub fn view_theta(&self, view: usize) -> Option<f32> {
-        (view < self.header.views).then(|| f32_at(self.bytes, self.header.theta(view)))
+    /// Whether the mixture depends only on the angle of the outgoing direction from the normal, but for a turn.
+    pub fn is_isotropic(&self) -> bool {
+        self.header.kind == Kind::Line
     }
 
-    /// Base-2 logarithm of the squeeze of a view; `None` past the end.
+    /// Angle of the outgoing direction of a view from the normal, radians; `None` past the end.
+    pub fn view_theta(&self, view: usize) -> Option<f32> {
+        let index = match self.header.kind {
+            Kind::Grid(shape) if view > 0 => 1 + (view - 1) / shape.azimuths,
+            _ => view,
+        };
+        (view < self.header.views).then(|| f32_at(self.bytes, self.header.theta(index)))
+    }
+
+    /// Azimuth of the outgoing direction of a view, radians; 0 in an isotropic material; `None` past the end.
+    pub fn view_azimuth(&self, view: usize) -> Option<f32> {
+        let azimuth = match self.header.kind {
+            Kind::Grid(shape) if view > 0 => {
+                let step = 2.0 * PI / (shape.turns * shape.azimuths) as f32;
+                ((view - 1) % shape.azimuths) as f32 * step
+            }
+            _ => 0.0,
+        };
+        (view < self.header.views).then_some(azimuth)
+    }
+
+    /// Base-2 logarithm of the squeeze of a view; `None` past the end, and in an anisotropic material.
     pub fn view_log2_squeeze(&self, view: usize) -> Option<f32> {
-        (view < self.header.views).then(|| f32_at(self.bytes, self.header.head(view)))
+        let is_there = self.is_isotropic() && view < self.header.views;
+        is_there.then(|| f32_at(self.bytes, self.header.head(view)))
+    }
+
+    /// Base-2 logarithm of the squeeze matrix of a view, xx, xy, yy; `None` past the end, and in an isotropic material.
+    pub fn view_log2_squeeze_matrix(&self, view: usize) -> Option<[f32; 3]> {
+        let Kind::Grid(shape) = self.header.kind else { return None };
+        (view < self.header.views).then(|| [0, 1, 2].map(|i| f32_at(self.bytes, shape.head(view) + 4 * i)))
     }
 
     /// Base-2 logarithm of the albedo of the diffuse term of a view, per channel; `None` past the end.
     pub fn view_log2_diffuse(&self, view: usize) -> Option<[f32; 3]> {
-        let number = |channel: usize| f32_at(self.bytes, self.header.head(view) + 4 * channel);
-        (view < self.header.views).then(|| [1, 2, 3].map(number))
+        let first = || match self.header.kind {
+            Kind::Line => self.header.head(view) + 4,
+            Kind::Grid(shape) => shape.head(view) + 12,
+        };
+        let number = |channel: usize| f32_at(self.bytes, first() + 4 * channel);
+        (view < self.header.views).then(|| [0, 1, 2].map(number))
     }
 
-    /// A lobe as it is stored at a view; `None` past either end.
+    /// A lobe as it is stored at a view; `None` past either end, and in an anisotropic material.
     pub fn view_lobe(&self, view: usize, lobe: usize) -> Option<PlaneLobe> {
         let number = |row| f32_at(self.bytes, self.header.row(view, row) + 4 * lobe);
-        (view < self.header.views && lobe < self.header.lobes).then(|| PlaneLobe {
+        let is_there = self.is_isotropic() && view < self.header.views && lobe < self.header.lobes;
+        is_there.then(|| PlaneLobe {
             angle: number(0),
             log2_sharpness: number(1),
             log2_amplitude: [2, 3, 4].map(number),
+        })
+    }
+
+    /// A lobe as it is stored at a view; `None` past either end, and in an isotropic material.
+    pub fn view_tilted_lobe(&self, view: usize, lobe: usize) -> Option<TiltedLobe> {
+        let Kind::Grid(shape) = self.header.kind else { return None };
+        let number = |row| f32_at(self.bytes, shape.row(&self.header, view, row) + 4 * lobe);
+        (view < self.header.views && lobe < self.header.lobes).then(|| TiltedLobe {
+            tilt: [number(0), number(1)],
+            log2_sharpness: number(2),
+            log2_amplitude: [3, 4, 5].map(number),
         })
     }
 

@@ -179,7 +179,7 @@ impl<const N: usize> Mixture<N> {
             return Err(Error::Squeeze);
         }
         let mut mixture = Self::empty();
-        mixture.begin(domain, Squeeze { azimuth: [1.0, 0.0], inverse: 1.0 / squeeze });
+        mixture.begin(domain, Squeeze { inverse: 1.0 / squeeze, ..Squeeze::NONE });
         for (k, lobe) in squeezed.iter().chain(round).enumerate() {
             let Lobe { gaussian, amplitude } =
                 Lobe::new(lobe.gaussian.axis, lobe.gaussian.sharpness, lobe.amplitude)?;
@@ -372,10 +372,25 @@ impl<const N: usize> Mixture<N> {
         self.squeezed
     }
 
-    /// The squeeze c, 1 for none.
+    /// The squeeze c, across +x of the frame of the view; 1 for none.
     #[inline]
     pub fn squeeze(&self) -> f32 {
         1.0 / self.squeeze.inverse
+    }
+
+    /// The squeeze along +x of the frame of the view; 1 but for anisotropic materials.
+    #[inline]
+    pub fn squeeze_along(&self) -> f32 {
+        1.0 / self.squeeze.along
+    }
+
+    /// Azimuth of +x of the frame of the view in the caller's frame, its cosine and sine.
+    ///
+    /// Away from the outgoing direction for an isotropic material; for an anisotropic one turned by up to 45 degrees from
+    /// there, so that it and +y are what the squeeze acts along.
+    #[inline]
+    pub fn azimuth(&self) -> [f32; 2] {
+        self.squeeze.azimuth
     }
 
     /// Where the mixture lives.

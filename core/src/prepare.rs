@@ -1,6 +1,7 @@
 //! From a material and an outgoing direction to a mixture: lanes are lobes.
 
-use crate::format::{self, f32_at};
+use crate::anisotropic;
+use crate::format::{self, Kind, f32_at};
 use crate::lanes::{Lanes, atan2_positive, exp2, sin_cos};
 use crate::simd::Routine;
 use crate::squeeze::Squeeze;
@@ -46,6 +47,9 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     leave_out: LeaveOut,
     mixture: &mut Mixture<N>,
 ) -> Result<(), Error> {
+    if let Kind::Grid(shape) = material.header.kind {
+        return anisotropic::prepare::<L, N>(material, shape, wo, leave_out, mixture);
+    }
     mixture.begin(Domain::Hemisphere, Squeeze::NONE);
     let count = material.header.lobes;
     if count > N {
@@ -82,7 +86,7 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
         exp2(place.between::<L>(a, b, i)).store(&mut head[i..]);
         i += L::COUNT;
     }
-    mixture.squeeze = Squeeze { azimuth, inverse: 1.0 / head[0] };
+    mixture.squeeze = Squeeze { azimuth, inverse: 1.0 / head[0], ..Squeeze::NONE };
     mixture.diffuse = Vec3::new(head[1], head[2], head[3]);
 
     // Twelve lobes are one and a half vectors of eight lanes: a pair of them, with constants loaded once.

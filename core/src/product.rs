@@ -211,7 +211,7 @@ impl<const N: usize> Mixture<N> {
     }
 
     fn check_round(&self) -> Result<(), Error> {
-        let squeezed = self.squeezed > 0 && self.squeeze.inverse != 1.0;
+        let squeezed = self.squeezed > 0 && !self.squeeze.is_round();
         if squeezed || self.diffuse != Vec3::ZERO { Err(Error::Squeezed) } else { Ok(()) }
     }
 

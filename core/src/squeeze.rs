@@ -16,6 +16,9 @@
 //! `t` its exponent: 1e-4 at s = 1e6 if `u` is rounded to f32. So the turned and squeezed direction is carried as an
 //! unevaluated sum of two f32, by error-free transformations (Dekker 1971, Knuth 1969). The error along the direction
 //! that remains in `1 / r` counts only squared.
+//!
+//! Anisotropic materials squeeze by any symmetric matrix in (x, y), see `anisotropic.rs`: in the frame of its eigenvectors it is
+//! diag(`along`, `inverse`), of determinant `along inverse`, and everything above holds with that in place of `1 / c`.
 
 #![allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
 
@@ -26,7 +29,9 @@ use crate::lanes::{Lanes, length_squared_minus_one, sum_of_products, two_product
 pub(crate) struct Squeeze {
     /// Cosine and sine of the azimuth, in the caller's frame, of the view's +x.
     pub azimuth: [f32; 2],
-    /// `1 / c`.
+    /// What x is multiplied by; 1 in isotropic materials.
+    pub along: f32,
+    /// What y is multiplied by, `1 / c`.
     pub inverse: f32,
 }
 
@@ -40,12 +45,17 @@ pub(crate) struct Seen<L> {
 }
 
 impl Squeeze {
-    pub const NONE: Self = Self { azimuth: [1.0, 0.0], inverse: 1.0 };
+    pub const NONE: Self = Self { azimuth: [1.0, 0.0], along: 1.0, inverse: 1.0 };
 
     /// Whether the frame of the view is the caller's, so that turning loses nothing.
     #[inline(always)]
     pub fn is_unturned(&self) -> bool {
         self.azimuth == [1.0, 0.0]
+    }
+
+    /// Whether squeezed lobes see what round ones do.
+    pub fn is_round(&self) -> bool {
+        self.along == 1.0 && self.inverse == 1.0
     }
 
     /// The direction as round lobes see it: turned only.
@@ -65,23 +75,31 @@ impl Squeeze {
     #[inline(always)]
     pub fn squeeze<L: Lanes>(&self, turned: &Seen<L>) -> Seen<L> {
         let inverse = L::splat(self.inverse);
-        let [x, y, z] = turned.high;
+        let [mut x, y, z] = turned.high;
+        let mut x_low = turned.low[0];
         let (y, y_error) = two_product(y, inverse);
         let y_low = turned.low[1].mul_add(inverse, y_error);
+        let mut determinant = inverse;
+        if self.along != 1.0 {
+            let along = L::splat(self.along);
+            let (scaled, error) = two_product(x, along);
+            (x, x_low) = (scaled, x_low.mul_add(along, error));
+            determinant = along * inverse;
+        }
         let length_squared = x.mul_add(x, y.mul_add(y, z * z));
         let shrink = L::splat(1.0) / length_squared.sqrt();
         let (high_x, low_x) = two_product(x, shrink);
         let (high_y, low_y) = two_product(y, shrink);
         let (high_z, low_z) = two_product(z, shrink);
         let high = [high_x, high_y, high_z];
-        let mut low = [turned.low[0].mul_add(shrink, low_x), y_low.mul_add(shrink, low_y), low_z];
+        let mut low = [x_low.mul_add(shrink, low_x), y_low.mul_add(shrink, low_y), low_z];
         // What is left of the length over 1: at s = 1e8 even 1e-7 of it counts, by its square.
         let along = high_x.mul_add(low[0], high_y.mul_add(low[1], high_z * low[2]));
         let excess = length_squared_minus_one(high).mul_add(L::splat(0.5), along);
         for i in 0..3 {
             low[i] = excess.neg_mul_add(high[i], low[i]);
         }
-        Seen { high, low, scale: inverse * shrink * (shrink * shrink) }
+        Seen { high, low, scale: determinant * shrink * (shrink * shrink) }
     }
 
     /// One direction as round and as squeezed lobes see it, in every lane.
@@ -92,22 +110,23 @@ impl Squeeze {
         let (c, s) = (f64::from(self.azimuth[0]), f64::from(self.azimuth[1]));
         let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
         let (turned_x, turned_y) = (x * c + y * s, y * c - x * s);
+        let squeezed_x = turned_x * f64::from(self.along);
         let squeezed_y = turned_y * f64::from(self.inverse);
-        let length_squared = turned_x * turned_x + squeezed_y * squeezed_y + z * z;
+        let length_squared = squeezed_x * squeezed_x + squeezed_y * squeezed_y + z * z;
         // One step of Newton from the f32 root: 1e-14.
         let root = f64::from(1.0 / Lanes::sqrt(length_squared as f32));
         let shrink = root * (1.5 - 0.5 * length_squared * (root * root));
-        let scale = self.inverse * (shrink * shrink * shrink) as f32;
+        let scale = self.along * self.inverse * (shrink * shrink * shrink) as f32;
         [
             split([turned_x, turned_y, z], 1.0),
-            split([turned_x * shrink, squeezed_y * shrink, z * shrink], scale),
+            split([squeezed_x * shrink, squeezed_y * shrink, z * shrink], scale),
         ]
     }
 
     /// The direction whose squeezed image is along `u`, not normalised, still in the frame of the view.
     #[inline(always)]
     pub fn unsqueeze<L: Lanes>(&self, [x, y, z]: [L; 3]) -> [L; 3] {
-        [x, y * L::splat(1.0 / self.inverse), z]
+        [x * L::splat(1.0 / self.along), y * L::splat(1.0 / self.inverse), z]
     }
 
     /// Turns a direction from the frame of the view back to the caller's.

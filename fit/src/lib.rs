@@ -1,5 +1,6 @@
 //! Readers, fitters and error metrics: makes `.srbf` materials, offline.
 
+mod anisotropic;
 mod banded;
 pub mod cross;
 mod error;

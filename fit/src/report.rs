@@ -9,6 +9,8 @@ use srbf_core::{MAX_LOBES, Material, Mixture, Vec3};
 pub struct ViewReport {
     /// Angle of the outgoing direction from the normal, radians.
     pub theta: f64,
+    /// Azimuth of the outgoing direction, radians; 0 in an isotropic material.
+    pub azimuth: f64,
     /// Relative L2 error of `f cos` over the samples and channels, with the quadrature weights of the table.
     pub error: f64,
     /// Closed-form albedo of the lobes.
@@ -36,6 +38,7 @@ impl ViewReport {
     fn to_json(&self) -> serde_json::Value {
         serde_json::json!({
             "theta_degrees": self.theta.to_degrees(),
+            "azimuth_degrees": self.azimuth.to_degrees(),
             "relative_l2": self.error,
             "albedo": self.albedo,
             "data_albedo": self.data_albedo,
@@ -73,6 +76,7 @@ impl ViewReport {
         }
         Ok(Self {
             theta: view.theta,
+            azimuth: 0.0,
             error: if norm > 0.0 { libm::sqrt(difference / norm) } else { libm::sqrt(difference) },
             albedo: mixture.albedo().to_array().map(f64::from),
             data_albedo: view.albedo,

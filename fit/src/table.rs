@@ -9,6 +9,7 @@ pub mod csv;
 pub mod evaluable;
 mod interpolate;
 pub mod merl;
+pub mod model;
 pub mod neural;
 mod numbers;
 pub mod rgl;
@@ -67,27 +68,24 @@ pub enum Content {
 pub struct Source {
     /// The measurement.
     pub content: Content,
-    /// Name of the file, without its folder.
+    /// Name of the file, without its folder, or of the model.
     pub name: String,
-    /// SHA-256 of the file, hexadecimal.
+    /// SHA-256 of the file, hexadecimal; of a model, that of its name and parameters.
     pub sha256: String,
 }
 
-/// Reads a measured file; the format follows from the end of its name.
+/// Reads a measured file; the format follows from the end of its name. `model:...` in its place is an analytic [`model`].
 ///
 /// `.brdf`: see [`cornell`]; `.astm`: [`astm`]; `.csv`: [`csv`]; `.binary`: [`merl`]; `.bsdf`: [`rgl`].
 ///
 /// # Errors
 /// [`FitError::Io`]; [`FitError::Read`] with the place of the fault; [`FitError::Table`].
 pub fn read(path: &Path) -> Result<Source, FitError> {
-    let size = std::fs::metadata(path).map_err(FitError::io(path))?.len();
-    if size > MAX_FILE {
-        return Err(FitError::Table(format!(
-            "{}: {size} bytes; at most {MAX_FILE} are read",
-            path.display()
-        )));
+    if let Some(text) = path.to_str().and_then(|p| p.strip_prefix(model::PREFIX)) {
+        let model::Named { brdf, name, identity } = model::parse(text)?;
+        return Ok(Source { content: Content::Evaluable(brdf), name, sha256: sha256(&identity) });
     }
-    let bytes = std::fs::read(path).map_err(FitError::io(path))?;
+    let bytes = read_bytes(path)?;
     let fault = |source| FitError::Read { path: path.to_path_buf(), source };
     let scattered = |views| Table::from_scattered(views).map(Content::Samples);
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
@@ -105,8 +103,23 @@ pub fn read(path: &Path) -> Result<Source, FitError> {
     Ok(Source {
         content,
         name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-        sha256: Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect(),
+        sha256: sha256(&bytes),
     })
+}
+
+fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
+}
+
+fn read_bytes(path: &Path) -> Result<Vec<u8>, FitError> {
+    let size = std::fs::metadata(path).map_err(FitError::io(path))?.len();
+    if size > MAX_FILE {
+        return Err(FitError::Table(format!(
+            "{}: {size} bytes; at most {MAX_FILE} are read",
+            path.display()
+        )));
+    }
+    std::fs::read(path).map_err(FitError::io(path))
 }
 
 /// Samples grouped by the angle of the outgoing direction.

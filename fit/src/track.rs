@@ -1,13 +1,14 @@
 //! The fit: one family of lobes, followed over all views at once.
 
 use crate::FitError;
+use crate::anisotropic;
 use crate::initialize;
 use crate::levenberg::{self, Limits};
 use crate::material;
 use crate::objective::Objective;
 use crate::parameters::Layout;
 use crate::report::{Report, ViewReport};
-use crate::table::evaluable::Density;
+use crate::table::evaluable::{Density, Symmetry};
 use crate::table::{Content, Table};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
@@ -77,6 +78,10 @@ pub fn fit_content(
         Content::Samples(table) => return fit(table, settings, progress),
         Content::Evaluable(brdf) => brdf.as_ref(),
     };
+    if brdf.symmetry() != Symmetry::Isotropic {
+        check(settings)?;
+        return anisotropic::fit_brdf(brdf, settings, progress);
+    }
     let start = Instant::now();
     let last = LAST_KNOT.to_radians();
     let even = || (0..KNOTS).map(|n| last * n as f64 / (KNOTS - 1) as f64).collect();

@@ -83,3 +83,35 @@ fn the_merl_file_agrees_with_the_rgl_file_it_was_made_from() {
     logs.sort_by(f64::total_cmp);
     assert!(logs[logs.len() / 2] < 0.1, "median |log ratio| {}", logs[logs.len() / 2]);
 }
+
+/// SGD and neural fits are two independent fits of the same MERL measurements: they have to say about the same.
+#[test]
+#[ignore = "needs SRBF_DATA_DIR"]
+fn sgd_fits_agree_with_neural_fits_of_the_same_material() {
+    let names = std::fs::read_to_string(data("merl/nbrdf_merl80_names.txt")).unwrap();
+    let networks =
+        srbf_fit::table::neural::parse(&std::fs::read(data("merl/nbrdf_merl80.f32le")).unwrap()).unwrap();
+    // Medians of |log ratio| that data/README.md states, over other pairs.
+    for (name, stated) in [("red-fabric", 0.10), ("white-paint", 0.19), ("gold-metallic-paint", 0.27)] {
+        let network = &networks[names.split_whitespace().position(|n| n == name).unwrap()];
+        let Content::Evaluable(sgd) =
+            read(std::path::Path::new(&format!("model:sgd:name={name}"))).unwrap().content
+        else {
+            panic!("a model can be evaluated")
+        };
+        let mut logs = Vec::new();
+        for i in 0..1000 {
+            let at = |n: f64, m: f64| {
+                let (t, p) = (1.4 * (n * 0.618).fract(), 6.0 * (m * 0.414).fract());
+                [t.sin() * p.cos(), t.sin() * p.sin(), t.cos()]
+            };
+            let (wi, wo) = (at(f64::from(i), f64::from(i)), at(f64::from(i) + 0.3, f64::from(3 * i)));
+            let (a, b) = (sgd.evaluate(wi, wo), network.evaluate(wi, wo));
+            (0..3).for_each(|c| logs.push((a[c].max(1e-5) / b[c].max(1e-5)).ln().abs()));
+        }
+        logs.sort_by(f64::total_cmp);
+        let median = logs[logs.len() / 2];
+        println!("{name}: median |log ratio| {median:.3}, stated {stated}");
+        assert!(median < 1.6 * stated, "{name}: {median}, stated {stated}");
+    }
+}

@@ -3,7 +3,7 @@
 
 use crate::camera::Camera;
 use crate::film::Film;
-use crate::integrator::AnyMixture;
+use crate::integrator::{AnyMixture, Frame};
 use crate::scene::Scene;
 use glam::{DVec3, Vec3};
 
@@ -42,8 +42,7 @@ pub fn compare(scene: &Scene<'_>, camera: &Camera, radiance: Vec3, film: &Film) 
             let inside = |n: u32| (n as f32 + 0.5) / GRID as f32;
             let ray = camera.ray(left + inside(i), top + inside(j));
             let Some(surface) = scene.hit(&ray) else { continue };
-            let cosine = surface.smooth.dot(-ray.direction).clamp(0.0, 1.0);
-            let wo = Vec3::new(-(1.0 - cosine * cosine).sqrt(), 0.0, cosine);
+            let wo = Frame::new(&surface, -ray.direction).to_local(-ray.direction);
             if scene.object().prepare(wo, &mut mixture).is_ok() {
                 result.expected += (mixture.albedo() * radiance).as_dvec3() / f64::from(GRID * GRID);
             }
@@ -61,15 +60,24 @@ mod tests {
     use super::*;
     use crate::environment::Environment;
     use crate::integrator::Sampler;
-    use crate::material::tests::lacquer;
+    use crate::material::StoredMaterial;
+    use crate::material::tests::{brushed, lacquer};
     use crate::progress::Progress;
     use crate::render::{Settings, add_samples};
     use crate::scene::SceneName;
 
     #[test]
     fn rendered_mean_is_the_closed_form_albedo() {
+        check(&lacquer());
+    }
+
+    #[test]
+    fn rendered_mean_is_the_closed_form_albedo_of_an_anisotropic_material() {
+        check(&brushed());
+    }
+
+    fn check(material: &StoredMaterial) {
         let environment = Environment::constant(1.7).unwrap();
-        let material = lacquer();
         let scene = Scene::new(SceneName::Sphere, material.get(), material.get(), &environment);
         let size = [32, 32];
         let camera = SceneName::Sphere.camera(size);

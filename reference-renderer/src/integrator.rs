@@ -146,7 +146,7 @@ fn power_heuristic(pdf: f32, other: f32) -> f32 {
 }
 
 /// The shading frame at a point, on the side from where it is seen.
-struct Frame {
+pub struct Frame {
     point: Vec3,
     flat: Vec3,
     tangent: Vec3,
@@ -155,7 +155,11 @@ struct Frame {
 }
 
 impl Frame {
-    fn new(surface: &Surface<'_, '_>, wo: Vec3) -> Self {
+    /// Makes the frame at a surface seen from a direction.
+    ///
+    /// The tangent is horizontal, as the grooves are of what was turned on a lathe about the vertical: along the parallels of
+    /// the sphere and round the teapot's body. It matters to anisotropic materials only.
+    pub fn new(surface: &Surface<'_, '_>, wo: Vec3) -> Self {
         let flat = if surface.flat.dot(wo) < 0.0 { -surface.flat } else { surface.flat };
         let mut normal = if surface.smooth.dot(flat) < 0.0 { -surface.smooth } else { surface.smooth };
         // Near the outline an interpolated normal may look away from the viewer, who would see black.
@@ -163,13 +167,16 @@ impl Frame {
         if cosine < LEAST_COSINE {
             normal = (normal + wo * (LEAST_COSINE - cosine)).normalize();
         }
-        let (tangent, bitangent) = normal.any_orthonormal_pair();
+        let (tangent, bitangent) = match Vec3::Z.cross(normal).try_normalize() {
+            Some(tangent) if !surface.material.is_isotropic() => (tangent, normal.cross(tangent)),
+            _ => normal.any_orthonormal_pair(),
+        };
         Self { point: surface.point, flat, tangent, bitangent, normal }
     }
 
     /// Into the shading frame; what rounding puts below its horizon is put on it.
     #[inline]
-    fn to_local(&self, d: Vec3) -> Vec3 {
+    pub fn to_local(&self, d: Vec3) -> Vec3 {
         Vec3::new(d.dot(self.tangent), d.dot(self.bitangent), d.dot(self.normal))
     }
 

@@ -80,6 +80,7 @@ fn matte() -> Vec<u8> {
 #[cfg(test)]
 pub mod tests {
     use super::*;
+    use srbf_core::{Grid, GridView, TiltedLobe};
 
     /// A red lacquer for tests: a diffuse term, a wide lobe, and a highlight that grows and narrows towards grazing.
     pub fn lacquer() -> StoredMaterial {
@@ -114,6 +115,35 @@ pub mod tests {
         let mut bytes = vec![0; encoded_len(views.len(), 3, "test")];
         encode(&views, 2, "test", &mut bytes).unwrap();
         StoredMaterial::new("lacquer", Cow::Owned(bytes)).unwrap()
+    }
+
+    /// A brushed metal for tests: a highlight that is four times as wide across x as along it, whose albedo depends on the
+    /// azimuth.
+    pub fn brushed() -> StoredMaterial {
+        const AZIMUTHS: usize = 6;
+        let thetas = [0.0f32, 0.5, 1.0, 1.4];
+        let lobe = |theta: f32, share: f32| TiltedLobe {
+            tilt: [theta, 0.0],
+            log2_sharpness: 4.0,
+            log2_amplitude: [share, 0.8 * share, 0.5 * share]
+                .map(|c| (c / srbf_core::special::sphere_integral(16.0)).log2()),
+        };
+        let mut views = vec![([1.0, 0.0, -1.0], [lobe(0.0, 0.5)])];
+        for &theta in &thetas[1..] {
+            for j in 0..AZIMUTHS {
+                let (s, c) = (j as f32 * std::f32::consts::PI / AZIMUTHS as f32).sin_cos();
+                let squeeze = [c * c - s * s, -2.0 * s * c, s * s - c * c - theta.cos().log2()];
+                views.push((squeeze, [lobe(theta, 0.5 + 0.3 * theta.sin() * (c * c - s * s))]));
+            }
+        }
+        let views: Vec<GridView<'_>> = views
+            .iter()
+            .map(|(squeeze, lobes)| GridView { log2_squeeze: *squeeze, log2_diffuse: [-4.0; 3], lobes })
+            .collect();
+        let grid = Grid { thetas: &thetas, azimuths: AZIMUTHS, turns: 2, views: &views, squeezed: 1 };
+        let mut bytes = vec![0; grid.encoded_len("test")];
+        grid.encode("test", &mut bytes).unwrap();
+        StoredMaterial::new("brushed", Cow::Owned(bytes)).unwrap()
     }
 
     #[test]

@@ -62,7 +62,8 @@ struct Feature {
 struct Builder<'a, F> {
     pdf: F,
     features: Vec<Feature>,
-    squeeze: f64,
+    /// Along and across.
+    squeeze: [f64; 2],
     azimuth: [f64; 2],
     share: &'a mut Vec<f64>,
 }
@@ -72,7 +73,8 @@ impl<F: Fn(Vec3) -> f32> Builder<'_, F> {
     fn seen(&self, d: DVec3) -> [DVec3; 2] {
         let [c, s] = self.azimuth;
         let turned = DVec3::new(d.x * c + d.y * s, d.y * c - d.x * s, d.z);
-        [turned, DVec3::new(turned.x, turned.y / self.squeeze, turned.z).normalize()]
+        let [along, across] = self.squeeze;
+        [turned, DVec3::new(turned.x / along, turned.y / across, turned.z).normalize()]
     }
 
     /// Which of the features reach into the cell, and whether the density may vary too fast over it for nine points.
@@ -89,7 +91,7 @@ impl<F: Fn(Vec3) -> f32> Builder<'_, F> {
         }
         // Chords stand for angles: of a quarter turn and more they are too short.
         let radius = radius.map(|r| if r > 1.0 { 4.0 } else { 1.1 * r });
-        let mut coarse = radius[0] > 0.3 || self.squeeze != 1.0 && radius[1] > 0.2;
+        let mut coarse = radius[0] > 0.3 || self.squeeze != [1.0; 2] && radius[1] > 0.2;
         let mut inside = Vec::with_capacity(near.len());
         for &k in near {
             let f = &self.features[k];
@@ -140,13 +142,9 @@ impl<F: Fn(Vec3) -> f32> Builder<'_, F> {
 
 impl Partition {
     /// Splits the domain of a mixture by its density.
-    ///
-    /// `wo` is the outgoing direction that the mixture was prepared for, `Vec3::NEG_X` for one made of lobes.
-    pub fn new<const N: usize>(m: &Mixture<N>, wo: Vec3, pdf: impl Fn(Vec3) -> f32) -> Self {
-        let across = f64::from(wo.x).hypot(f64::from(wo.y));
-        let azimuth =
-            if across > 0.0 { [-f64::from(wo.x) / across, -f64::from(wo.y) / across] } else { [1.0, 0.0] };
-        let squeeze = f64::from(m.squeeze());
+    pub fn new<const N: usize>(m: &Mixture<N>, pdf: impl Fn(Vec3) -> f32) -> Self {
+        let azimuth = m.azimuth().map(f64::from);
+        let squeeze = [m.squeeze_along(), m.squeeze()].map(f64::from);
         let mut features: Vec<Feature> = (0..m.len())
             .flat_map(|k| {
                 let g = m.lobe(k).expect("lobe").gaussian;
@@ -156,13 +154,16 @@ impl Partition {
                 [axis, image].map(|axis| Feature { axis, width, squeezed: k < m.squeezed_len() })
             })
             .collect();
-        if squeeze < 1.0 {
-            // The change of solid angle is steep where the squeeze gathers directions: across the plane of incidence.
-            features.extend([DVec3::Y, DVec3::NEG_Y].map(|axis| Feature {
-                axis,
-                width: squeeze,
-                squeezed: true,
-            }));
+        // The change of solid angle is steep where the squeeze gathers directions: where the direction is multiplied most.
+        for (axis, c) in [(DVec3::X, squeeze[0]), (DVec3::Y, squeeze[1])] {
+            if c < 1.0 {
+                features.extend([axis, -axis].map(|axis| Feature { axis, width: c, squeezed: true }));
+            }
+        }
+        let widest = squeeze[0].max(squeeze[1]);
+        if widest > 1.0 {
+            // Widened, the horizon's surroundings are gathered at the normal.
+            features.push(Feature { axis: DVec3::Z, width: 1.0 / widest, squeezed: true });
         }
         let widest = if m.domain() == Domain::Hemisphere { 0.5 * PI } else { PI };
         let root = Cell { theta: [0.0, widest], phi: [-PI, PI] };

@@ -41,7 +41,7 @@ fn samples_of_every_preset_follow_the_density() {
         for (i, degrees) in angles.into_iter().enumerate() {
             let wo = wo(degrees.to_radians(), 1.0 + i as f32);
             let m = prepare(&material, wo);
-            let partition = Partition::new(&m, wo, |d| m.pdf(d));
+            let partition = Partition::new(&m, |d| m.pdf(d));
             let mut random = Random(41 + i as u64);
             let result = partition.test(200_000, || {
                 loop {

@@ -91,6 +91,11 @@ impl ToRgb {
         Ok(Self { weights })
     }
 
+    /// What each wavelength adds to red, green and blue.
+    pub fn weights(&self) -> &[[f64; 3]] {
+        &self.weights
+    }
+
     /// Linear sRGB of a spectrum, clamped at 0: saturated colours have slightly negative components.
     pub fn convert(&self, spectrum: &[f64]) -> [f64; 3] {
         let mut rgb = [0.0; 3];

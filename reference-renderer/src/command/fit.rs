@@ -13,8 +13,13 @@ use std::path::{Path, PathBuf};
 /// Fits a measured BRDF file and writes a .srbf material, with a report in JSON beside it.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The measured BRDF: .brdf or .astm (Cornell), .binary (MERL), .bsdf (RGL), or our own .csv.
-    #[arg(required_unless_present = "survey")]
+    /// The measured BRDF: .brdf or .astm (Cornell), .binary (MERL), .bsdf (RGL), or our own .csv; or an analytic model.
+    ///
+    /// Models are named model:NAME:KEY=VALUE,KEY=VALUE: model:lambert:albedo=0.6/0.2/0.1,
+    /// model:phong:diffuse=0.3,specular=0.3,exponent=50, model:ward:diffuse=0.2,specular=0.3,alpha_x=0.1,alpha_y=0.4,
+    /// model:ggx:alpha=0.2,ior=1.5 (or f0=0.9; alpha_x and alpha_y; diffuse), and the fits of MERL materials
+    /// model:sgd:name=gold-metallic-paint and model:abc:name=..., from file=PATH or the folder that SRBF_DATA_DIR names.
+    #[arg(required_unless_present = "survey", value_name = "FILE|MODEL", verbatim_doc_comment)]
     file: Option<PathBuf>,
     /// The material to write; by default the name of the file, with .srbf, in out/.
     #[arg(short, long)]
@@ -74,8 +79,12 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     if args.cross_validate {
         return cross_validate(&file, &args.settings.settings());
     }
-    let name = file.file_stem().context("the file has no name")?;
-    let output = args.output.unwrap_or_else(|| Path::new("out").join(name).with_extension("srbf"));
+    let stem = if file.to_string_lossy().starts_with(srbf_fit::table::model::PREFIX) {
+        srbf_fit::table::read(&file)?.name.into()
+    } else {
+        file.file_stem().context("the file has no name")?.to_owned()
+    };
+    let output = args.output.unwrap_or_else(|| Path::new("out").join(stem).with_extension("srbf"));
     let fit = fit_file(&file, args.settings.settings(), "")?;
     srbf_fit::write_atomically(&output, &fit.bytes)?;
     let json = fit.report.to_json(&Material::from_bytes(&fit.bytes)?);
@@ -126,11 +135,17 @@ pub fn fit_file(file: &Path, mut settings: Settings, source: &str) -> anyhow::Re
 
 /// Prints a report, a line a view.
 pub fn print_report(report: &Report) {
-    println!("view deg | relative L2 % | variance | largest weight | albedo r g b, fit (data)");
+    let isotropic = report.views.iter().all(|v| v.azimuth == 0.0);
+    let azimuth = if isotropic { "" } else { "azimuth | " };
+    println!("view deg | {azimuth}relative L2 % | variance | largest weight | albedo r g b, fit (data)");
     let print = |v: &ViewReport| {
         let albedo = [0, 1, 2].map(|c| format!("{:.3} ({:.3})", v.albedo[c], v.data_albedo[c]));
+        let azimuth = match isotropic {
+            true => String::new(),
+            false => format!("{:7.1} | ", v.azimuth.to_degrees()),
+        };
         println!(
-            "{:8.1} | {:13.2} | {:8.3} | {:14.2} | {}",
+            "{:8.1} | {azimuth}{:13.2} | {:8.3} | {:14.2} | {}",
             v.theta.to_degrees(),
             100.0 * v.error,
             v.variance,

@@ -8,7 +8,8 @@ use srbf_core::MAX_LOBES;
 /// Prints what a .srbf material holds.
 ///
 /// A line for each view: its angle, the squeeze, the albedo in closed form, the share of it that the diffuse term has,
-/// the range of the lobes' sharpness, and the share of the strongest lobe.
+/// the range of the lobes' sharpness, and the share of the strongest lobe. Of an anisotropic material also the azimuth, and the
+/// squeeze along and across the axes that it has.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// A .srbf file or the name of a preset
@@ -33,13 +34,18 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     );
     println!("provenance  {}", material.provenance());
     println!();
+    let isotropic = material.is_isotropic();
+    let extra = if isotropic { "" } else { "azimuth    along  " };
     println!(
-        "  view  degrees  squeeze   albedo red  green   blue    diffuse  sharpness              strongest lobe"
+        "  view  degrees  {extra}squeeze   albedo red  green   blue    diffuse  sharpness              strongest lobe"
     );
     let mut mixture = AnyMixture::empty();
     for view in 0..material.view_count() {
         let theta = material.view_theta(view).unwrap_or_default();
-        material.prepare(Vec3::new(-theta.sin(), 0.0, theta.cos().max(0.0)), &mut mixture)?;
+        let azimuth = material.view_azimuth(view).unwrap_or_default();
+        let (sin, cos) = azimuth.sin_cos();
+        let across = theta.sin();
+        material.prepare(Vec3::new(across * cos, across * sin, theta.cos().max(0.0)), &mut mixture)?;
         let albedo = mixture.albedo();
         let lobes: Vec<_> = (0..mixture.len()).filter_map(|k| mixture.lobe(k)).collect();
         let sharpness = |pick: fn(f32, f32) -> f32, start| {
@@ -50,8 +56,12 @@ pub fn run(args: Args) -> anyhow::Result<()> {
             .map(|lobe| srbf_core::luminance(lobe.amplitude) * lobe.gaussian.integral())
             .fold(0.0, f32::max);
         let share = |part: f32| 100.0 * part / mixture.power().max(f32::MIN_POSITIVE);
+        let extra = match isotropic {
+            true => String::new(),
+            false => format!("{:>7.2}  {:>7.4}  ", azimuth.to_degrees(), mixture.squeeze_along()),
+        };
         println!(
-            "  {view:>4}  {:>7.2}  {:>7.4}      {:.4}  {:.4}  {:.4}  {:>5.1} %  {:>9.3e} - {:<9.3e}  {:>5.1} %",
+            "  {view:>4}  {:>7.2}  {extra}{:>7.4}      {:.4}  {:.4}  {:.4}  {:>5.1} %  {:>9.3e} - {:<9.3e}  {:>5.1} %",
             theta.to_degrees(),
             mixture.squeeze(),
             albedo.x,
@@ -65,16 +75,26 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     }
     if args.lobes {
         println!();
-        println!("  view  lobe  degrees    sharpness    amplitude red  green        blue         kind");
+        let degrees = if isotropic { "degrees" } else { "along  across" };
+        println!("  view  lobe  {degrees}    sharpness    amplitude red  green        blue         kind");
         for view in 0..material.view_count() {
             for k in 0..material.lobe_count() {
-                let Some(lobe) = material.view_lobe(view, k) else { continue };
-                let [red, green, blue] = lobe.log2_amplitude.map(f32::exp2);
+                let (degrees, log2_sharpness, log2_amplitude) =
+                    match (material.view_lobe(view, k), material.view_tilted_lobe(view, k)) {
+                        (Some(l), _) => {
+                            (format!("{:>7.2}", l.angle.to_degrees()), l.log2_sharpness, l.log2_amplitude)
+                        }
+                        (_, Some(l)) => {
+                            let [along, across] = l.tilt.map(f32::to_degrees);
+                            (format!("{along:>7.2} {across:>7.2}"), l.log2_sharpness, l.log2_amplitude)
+                        }
+                        (None, None) => continue,
+                    };
+                let [red, green, blue] = log2_amplitude.map(f32::exp2);
                 let kind = if k < material.squeezed_count() { "squeezed" } else { "round" };
                 println!(
-                    "  {view:>4}  {k:>4}  {:>7.2}  {:>11.4e}  {red:>11.4e}  {green:>11.4e}  {blue:>11.4e}  {kind}",
-                    lobe.angle.to_degrees(),
-                    lobe.log2_sharpness.exp2()
+                    "  {view:>4}  {k:>4}  {degrees}  {:>11.4e}  {red:>11.4e}  {green:>11.4e}  {blue:>11.4e}  {kind}",
+                    log2_sharpness.exp2()
                 );
             }
         }

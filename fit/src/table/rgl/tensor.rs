@@ -23,11 +23,24 @@ pub struct Field<'a> {
     pub bytes: &'a [u8],
 }
 
-/// The numbers of a field.
+/// The numbers of a field, all of them finite; read in place, since a spectral file has a hundred megabytes of them.
 #[derive(Debug)]
-pub struct Numbers {
-    pub shape: Vec<usize>,
-    pub values: Vec<f64>,
+pub struct Numbers<'a> {
+    pub shape: &'a [usize],
+    bytes: &'a [u8],
+}
+
+impl Numbers<'_> {
+    /// Number `i` in the order of the file.
+    pub fn value(&self, i: usize) -> f64 {
+        let b = &self.bytes[4 * i..4 * i + 4];
+        f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+    }
+
+    /// All of them.
+    pub fn to_vec(&self) -> Vec<f64> {
+        (0..self.bytes.len() / 4).map(|i| self.value(i)).collect()
+    }
 }
 
 /// A parsed container.
@@ -99,7 +112,7 @@ impl File<'_> {
     }
 
     /// The finite numbers of an f32 field with a number of dimensions, at least one number.
-    pub fn numbers(&self, name: &str, dimensions: usize) -> Result<Numbers, ReadError> {
+    pub fn numbers(&self, name: &str, dimensions: usize) -> Result<Numbers<'_>, ReadError> {
         let fail = |text: String| Err(ReadError::Content(text));
         let Some(field) = self.find(name) else {
             return fail(format!("no field {name}"));
@@ -107,12 +120,11 @@ impl File<'_> {
         if field.kind != F32 || field.shape.len() != dimensions || field.bytes.is_empty() {
             return fail(format!("field {name}: {dimensions} dimensions of f32 were expected"));
         }
-        let number = |b: &[u8]| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-        let values: Vec<f64> = field.bytes.chunks_exact(4).map(number).collect();
-        if let Some(n) = values.iter().position(|v| !v.is_finite()) {
-            return fail(format!("field {name}: number {n} is {}", values[n]));
+        let numbers = Numbers { shape: &field.shape, bytes: field.bytes };
+        match (0..field.bytes.len() / 4).find(|&n| !numbers.value(n).is_finite()) {
+            Some(n) => fail(format!("field {name}: number {n} is {}", numbers.value(n))),
+            None => Ok(numbers),
         }
-        Ok(Numbers { shape: field.shape.clone(), values })
     }
 }
 
@@ -133,7 +145,7 @@ mod tests {
     #[test]
     fn every_truncation_is_an_error() {
         let good = file();
-        assert_eq!(parse(&good).unwrap().numbers("theta", 1).unwrap().values, [0.5, 1.5]);
+        assert_eq!(parse(&good).unwrap().numbers("theta", 1).unwrap().to_vec(), [0.5, 1.5]);
         for cut in 0..good.len() {
             assert!(parse(&good[..cut]).is_err(), "{cut}");
         }
@@ -146,7 +158,8 @@ mod tests {
                 let mut bad = file();
                 bad[at] = byte;
                 if let Ok(file) = parse(&bad) {
-                    let _ = file.numbers("theta", 1).map(|n| assert!(n.values.iter().all(|v| v.is_finite())));
+                    let _ =
+                        file.numbers("theta", 1).map(|n| assert!(n.to_vec().iter().all(|v| v.is_finite())));
                 }
             }
         }

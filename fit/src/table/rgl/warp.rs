@@ -15,6 +15,21 @@ impl Grid {
         fits.then_some(Self { values, columns, rows })
     }
 
+    /// The smallest number.
+    pub fn least(&self) -> f64 {
+        self.values.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// A grid of the same size that is 0.
+    pub fn zeros(&self) -> Self {
+        Self { values: vec![0.0; self.values.len()], ..*self }
+    }
+
+    /// Adds `factor` times a grid of the same size.
+    pub fn add_scaled(&mut self, factor: f64, other: &Self) {
+        self.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += factor * b);
+    }
+
     /// Index of the lower corner of the cell that a point lies in, and where in the cell.
     fn cell(&self, [x, y]: [f64; 2]) -> (usize, [f64; 2]) {
         let along = |v: f64, n: usize| {
@@ -74,13 +89,14 @@ impl Warp {
         Some(Self { grid, conditional, marginal })
     }
 
-    /// The uniform point that the blend of two warps of one size takes to a point.
-    pub fn invert([a, b]: [&Self; 2], blend: f64, point: [f64; 2]) -> [f64; 2] {
-        let (at, [x, y]) = a.grid.cell(point);
-        let (columns, row) = (a.grid.columns, at / a.grid.columns);
+    /// The uniform point that a blend of warps of one size, each with its share, takes to a point.
+    pub fn invert(warps: &[(&Self, f64)], point: [f64; 2]) -> [f64; 2] {
+        let first = &warps[0].0.grid;
+        let (at, [x, y]) = first.cell(point);
+        let (columns, row) = (first.columns, at / first.columns);
         let mix = |f: &dyn Fn(&Self) -> f64| {
-            let from = f(a);
-            from + blend * (f(b) - from)
+            let inside = warps.iter().filter(|(_, share)| *share > 0.0);
+            inside.map(|(warp, share)| share * f(warp)).sum::<f64>()
         };
         let value = |i: usize| mix(&|w| w.grid.values[i]);
         let lerp = |from: f64, to: f64| from + y * (to - from);
@@ -105,11 +121,11 @@ mod tests {
     fn a_constant_warps_to_itself_and_corners_to_corners() {
         let flat = Warp::new(Grid::new(vec![2.0; 12], 4, 3).unwrap()).unwrap();
         for p in [[0.0, 0.0], [0.3, 0.8], [1.0, 1.0]] {
-            let q = Warp::invert([&flat, &flat], 0.0, p);
+            let q = Warp::invert(&[(&flat, 0.3), (&flat, 0.7)], p);
             assert!((p[0] - q[0]).abs() < 1e-12 && (p[1] - q[1]).abs() < 1e-12, "{p:?} {q:?}");
         }
         let slope = Warp::new(Grid::new((0..12).map(f64::from).collect(), 4, 3).unwrap()).unwrap();
-        assert!((Warp::invert([&slope, &slope], 0.0, [1.0, 1.0])[1] - 1.0).abs() < 1e-12);
+        assert!((Warp::invert(&[(&slope, 1.0)], [1.0, 1.0])[1] - 1.0).abs() < 1e-12);
         assert!(Warp::new(Grid::new(vec![0.0; 4], 2, 2).unwrap()).is_none());
     }
 
@@ -119,7 +135,7 @@ mod tests {
         let warp = Warp::new(grid).unwrap();
         let h = 1e-5;
         for p in [[0.2, 0.3], [0.7, 0.1], [0.6, 0.9]] {
-            let at = |dx: f64, dy: f64| Warp::invert([&warp, &warp], 0.0, [p[0] + dx, p[1] + dy]);
+            let at = |dx: f64, dy: f64| Warp::invert(&[(&warp, 1.0)], [p[0] + dx, p[1] + dy]);
             let (x1, x0, y1, y0) = (at(h, 0.0), at(-h, 0.0), at(0.0, h), at(0.0, -h));
             let determinant =
                 ((x1[0] - x0[0]) * (y1[1] - y0[1]) - (x1[1] - x0[1]) * (y1[0] - y0[0])) / (4.0 * h * h);

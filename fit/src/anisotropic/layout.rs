@@ -1,0 +1,223 @@
+//! The unknowns of an anisotropic fit: lobes at knots over the hemisphere, and what lies between.
+//!
+//! Knot 0 is the normal; then ring by ring, each with the same number of azimuths. A knot has `6 + 6 K` unknowns: the logarithm
+//! of the squeeze matrix (xx, xy, yy), per channel the logarithm of the diffuse albedo, K tilts of the axes along the plane of
+//! incidence, K across it, K `ln sharpness`, and K `ln amplitude` per channel. Between knots `srbf_core` interpolates them as is
+//! done here; see `core/src/anisotropic.rs`, which also says why that is continuous at the normal.
+
+use crate::parameters::sphere_integral;
+use std::f64::consts::{PI, TAU};
+
+/// How many lobes there are, and where the knots lie.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Layout {
+    /// Lobes, K.
+    pub lobes: usize,
+    /// Lobes that see the squeezed direction; they come first.
+    pub squeezed: usize,
+    /// Angles of the rings from the normal, radians; the first is 0, the normal itself.
+    pub thetas: Vec<f64>,
+    /// Knots of a ring.
+    pub azimuths: usize,
+    /// How often a ring is repeated over the full turn, 1 or 2.
+    pub turns: usize,
+}
+
+/// Bounds of the unknowns of a kind: what a material can store, and no wider than fits need.
+const SQUEEZE: (f64, f64) = (-2.0, 3.2);
+const SHEAR: (f64, f64) = (-1.4, 1.4);
+const TILT: (f64, f64) = (-2.1, 2.1);
+const LN_SHARPNESS: (f64, f64) = (-3.0, 14.0);
+const LN_AMPLITUDE: (f64, f64) = (-40.0, 30.0);
+
+/// Where an outgoing direction lies: up to four knots with their shares.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub corners: [(usize, f64); 4],
+    /// Azimuth of the view's +x, cosine and sine: by it the normal's knot is turned into the frame of the view.
+    pub azimuth: [f64; 2],
+}
+
+impl Layout {
+    /// Unknowns of a knot.
+    pub fn stride(&self) -> usize {
+        6 + 6 * self.lobes
+    }
+    pub fn knots(&self) -> usize {
+        1 + (self.thetas.len() - 1) * self.azimuths
+    }
+    /// All unknowns.
+    pub fn len(&self) -> usize {
+        self.stride() * self.knots()
+    }
+    pub fn diffuse(&self, channel: usize) -> usize {
+        3 + channel
+    }
+    pub fn along(&self, k: usize) -> usize {
+        6 + k
+    }
+    pub fn across(&self, k: usize) -> usize {
+        6 + self.lobes + k
+    }
+    pub fn sharpness(&self, k: usize) -> usize {
+        6 + 2 * self.lobes + k
+    }
+    pub fn amplitude(&self, channel: usize, k: usize) -> usize {
+        6 + (3 + channel) * self.lobes + k
+    }
+
+    /// The knot at a place of a ring; any integer is an azimuth.
+    pub fn knot(&self, ring: usize, azimuth: usize) -> usize {
+        if ring == 0 { 0 } else { 1 + (ring - 1) * self.azimuths + azimuth % self.azimuths }
+    }
+
+    /// Angles of a knot's outgoing direction.
+    pub fn angles(&self, knot: usize) -> (f64, f64) {
+        if knot == 0 {
+            return (0.0, 0.0);
+        }
+        let (ring, azimuth) = (1 + (knot - 1) / self.azimuths, (knot - 1) % self.azimuths);
+        (self.thetas[ring], azimuth as f64 * TAU / (self.turns * self.azimuths) as f64)
+    }
+
+    /// Whether an unknown is given: where half a turn changes nothing, axes at the normal can only be the normal, which a
+    /// turn leaves as it is.
+    pub fn fixed(&self, knot: usize, index: usize) -> bool {
+        knot == 0 && self.turns == 2 && (self.along(0)..self.sharpness(0)).contains(&index)
+    }
+
+    /// Least and greatest value of an unknown.
+    pub fn bounds(&self, index: usize) -> (f64, f64) {
+        match index {
+            1 => SHEAR,
+            0..3 => SQUEEZE,
+            3..6 => LN_AMPLITUDE,
+            _ if index < self.sharpness(0) => TILT,
+            _ if index < self.amplitude(0, 0) => LN_SHARPNESS,
+            _ => LN_AMPLITUDE,
+        }
+    }
+
+    /// A change of an unknown that counts as one unit of roughness.
+    pub fn unit(&self, index: usize) -> f64 {
+        match index {
+            0..3 => 0.3,
+            _ if (6..self.sharpness(0)).contains(&index) => 0.15,
+            _ => 0.7,
+        }
+    }
+
+    /// Where an outgoing direction lies.
+    pub fn place(&self, theta: f64, phi: f64) -> Place {
+        let last = self.thetas.len() - 1;
+        let after = self.thetas.partition_point(|&t| t <= theta).clamp(last.min(1), last);
+        let before = after.saturating_sub(1);
+        let step = self.thetas[after] - self.thetas[before];
+        let outward = if step > 0.0 { ((theta - self.thetas[before]) / step).clamp(0.0, 1.0) } else { 0.0 };
+        let scaled = phi.rem_euclid(TAU) / TAU * (self.turns * self.azimuths) as f64;
+        let (whole, onward) = (scaled as usize, scaled.fract());
+        let corner = |ring, add, share| (self.knot(ring, whole + add), share);
+        let corners = [
+            corner(before, 0, (1.0 - outward) * if before == 0 { 1.0 } else { 1.0 - onward }),
+            corner(before, 1, (1.0 - outward) * if before == 0 { 0.0 } else { onward }),
+            corner(after, 0, outward * (1.0 - onward)),
+            corner(after, 1, outward * onward),
+        ];
+        let (sin, cos) = libm::sincos(phi + PI);
+        Place { corners, azimuth: [cos, sin] }
+    }
+
+    /// Interpolates the unknowns at a place, in the frame of its view.
+    pub fn interpolate(&self, x: &[f64], place: &Place, out: &mut [f64]) {
+        let p = self.stride();
+        out.fill(0.0);
+        let mut turned = vec![0.0; p];
+        for &(knot, share) in place.corners.iter().filter(|c| c.1 > 0.0) {
+            let mut from = &x[knot * p..(knot + 1) * p];
+            if knot == 0 {
+                turned.copy_from_slice(from);
+                self.turn(&mut turned, place.azimuth);
+                from = &turned;
+            }
+            out.iter_mut().zip(from).for_each(|(o, v)| *o += share * v);
+        }
+    }
+
+    /// Turns the unknowns of a knot from the frame of the surface into that of a view whose +x is at an azimuth: linear.
+    pub fn turn(&self, v: &mut [f64], [c, s]: [f64; 2]) {
+        let [xx, xy, yy] = [v[0], v[1], v[2]];
+        v[0] = c * c * xx + s * s * yy + 2.0 * c * s * xy;
+        v[1] = c * s * (yy - xx) + (c * c - s * s) * xy;
+        v[2] = s * s * xx + c * c * yy - 2.0 * c * s * xy;
+        for k in 0..self.lobes {
+            let (i, j) = (self.along(k), self.across(k));
+            (v[i], v[j]) = (c * v[i] + s * v[j], c * v[j] - s * v[i]);
+        }
+    }
+
+    /// The transpose of [`turn`](Self::turn): takes gradients the other way.
+    pub fn turn_transposed(&self, v: &mut [f64], [c, s]: [f64; 2]) {
+        let [xx, xy, yy] = [v[0], v[1], v[2]];
+        v[0] = c * c * xx - c * s * xy + s * s * yy;
+        v[1] = 2.0 * c * s * (xx - yy) + (c * c - s * s) * xy;
+        v[2] = s * s * xx + c * s * xy + c * c * yy;
+        for k in 0..self.lobes {
+            let (i, j) = (self.along(k), self.across(k));
+            (v[i], v[j]) = (c * v[i] - s * v[j], c * v[j] + s * v[i]);
+        }
+    }
+
+    /// Albedo of interpolated unknowns, the closed form `diffuse + sum a I(s)`.
+    pub fn albedo(&self, q: &[f64]) -> [f64; 3] {
+        let mut sum = [0, 1, 2].map(|c| libm::exp(q[self.diffuse(c)]));
+        for k in 0..self.lobes {
+            let (integral, _) = sphere_integral(q[self.sharpness(k)]);
+            for (c, s) in sum.iter_mut().enumerate() {
+                *s += libm::exp(q[self.amplitude(c, k)]) * integral;
+            }
+        }
+        sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    fn layout() -> Layout {
+        Layout { lobes: 2, squeezed: 1, thetas: vec![0.0, 0.5, 1.0], azimuths: 4, turns: 2 }
+    }
+
+    #[test]
+    fn places_have_shares_of_one_and_meet_at_knots() {
+        let layout = layout();
+        let mut random = Random::new(1);
+        for _ in 0..200 {
+            let place = layout.place(1.5 * random.next(), 10.0 * random.next() - 5.0);
+            assert!((place.corners.iter().map(|c| c.1).sum::<f64>() - 1.0).abs() < 1e-12);
+        }
+        for knot in 0..layout.knots() {
+            let (theta, phi) = layout.angles(knot);
+            for turn in [0.0, PI, -PI] {
+                let place = layout.place(theta, phi + turn + 1e-12);
+                let share: f64 = place.corners.iter().filter(|c| c.0 == knot).map(|c| c.1).sum();
+                assert!(share > 1.0 - 1e-9, "{knot} {place:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn transposed_turn_is_the_transpose() {
+        let layout = layout();
+        let mut random = Random::new(2);
+        let mut vector = || (0..layout.stride()).map(|_| random.next() - 0.5).collect::<Vec<f64>>();
+        let (a, b) = (vector(), vector());
+        let azimuth = [0.6, -0.8];
+        let (mut turned, mut back) = (a.clone(), b.clone());
+        layout.turn(&mut turned, azimuth);
+        layout.turn_transposed(&mut back, azimuth);
+        let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
+        assert!((dot(&turned, &b) - dot(&a, &back)).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,159 @@
+//! Tables of anisotropic BRDFs: views over the hemisphere, samples over the whole of it.
+//!
+//! As for isotropic ones (`table/evaluable.rs`), the directions of a view are drawn from a mixture of a uniform hemisphere and
+//! caps round the peak, ever narrower; but the peak is looked for in two dimensions, and nothing is mirrored.
+
+use crate::table::Sample;
+use crate::table::evaluable::{Brdf, Density};
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// The samples for one outgoing direction, in the frame of the view: +x in the plane of incidence, away from it.
+#[derive(Clone, Debug)]
+pub(super) struct View {
+    /// Angle of the outgoing direction from the normal, and its azimuth; radians.
+    pub theta: f64,
+    pub phi: f64,
+    pub samples: Vec<Sample>,
+    pub albedo: [f64; 3],
+}
+
+/// Sharpness of the widest cap, what the next one's is multiplied by, and the largest.
+const WIDEST: f64 = 8.0;
+const NARROWER: f64 = 5.0;
+const NARROWEST: f64 = 4e6;
+
+/// Golden angle, of spirals.
+const GOLDEN: f64 = 2.399_963_229_728_653;
+
+/// Tabulates a BRDF at outgoing directions, angle and azimuth.
+pub(super) fn tabulate(brdf: &dyn Brdf, directions: &[(f64, f64)], density: Density) -> Vec<View> {
+    directions.par_iter().map(|&(theta, phi)| tabulate_view(brdf, theta, phi, density)).collect()
+}
+
+fn tabulate_view(brdf: &dyn Brdf, theta: f64, phi: f64, density: Density) -> View {
+    let wo = crate::table::direction(theta, phi);
+    let (sin, cos) = libm::sincos(phi + PI);
+    let value = |d: [f64; 3]| {
+        let wi = [d[0] * cos - d[1] * sin, d[0] * sin + d[1] * cos, d[2]];
+        brdf.evaluate(wi, wo).map(|v| if v.is_finite() { v.max(0.0) } else { 0.0 })
+    };
+    let bright = |d: [f64; 3]| if d[2] > 1e-4 { value(d).iter().sum::<f64>() * d[2] } else { 0.0 };
+    let (axis, width) = find_peak(&bright, theta);
+    let sharpest = (1.0 / (width * width)).clamp(WIDEST, NARROWEST);
+    let mut caps = vec![WIDEST];
+    while caps[caps.len() - 1] < sharpest {
+        caps.push(caps[caps.len() - 1] * NARROWER);
+    }
+
+    let mut directions: Vec<[f64; 3]> = Vec::new();
+    for i in 0..density.hemisphere {
+        let z = (i as f64 + 0.5) / density.hemisphere as f64;
+        let (s, c) = libm::sincos(GOLDEN * i as f64);
+        let r = libm::sqrt(1.0 - z * z);
+        directions.push([r * c, r * s, z]);
+    }
+    for (n, s) in caps.iter().enumerate() {
+        for i in 0..density.cap {
+            let u = (i as f64 + 0.5) / density.cap as f64;
+            let w = -libm::log1p(u * libm::expm1(-2.0 * s)) / s;
+            directions.push(around(axis, w, GOLDEN * i as f64 + n as f64));
+        }
+    }
+    let probability = |d: &[f64; 3]| {
+        let chord: f64 = (0..3).map(|k| (d[k] - axis[k]) * (d[k] - axis[k])).sum();
+        let cap = |s: &f64| {
+            density.cap as f64 * s / (-2.0 * PI * libm::expm1(-2.0 * s)) * libm::exp(-0.5 * s * chord)
+        };
+        density.hemisphere as f64 / (2.0 * PI) + caps.iter().map(cap).sum::<f64>()
+    };
+    let samples: Vec<Sample> = directions
+        .iter()
+        .filter(|d| d[2] > 1e-4)
+        .map(|d| Sample { direction: *d, rgb: value(*d), weight: 1.0 / probability(d) })
+        .collect();
+    let mut albedo = [0.0; 3];
+    for s in &samples {
+        (0..3).for_each(|c| albedo[c] += s.weight * s.rgb[c] * s.direction[2]);
+    }
+    View { theta, phi, samples, albedo }
+}
+
+/// The direction at `w = 1 - cos` from an axis, at an angle round it.
+fn around(axis: [f64; 3], w: f64, angle: f64) -> [f64; 3] {
+    let (sin_axis, cos_axis) = (libm::hypot(axis[0], axis[1]), axis[2]);
+    let (c, s) = if sin_axis > 0.0 { (axis[0] / sin_axis, axis[1] / sin_axis) } else { (1.0, 0.0) };
+    let tangent = [cos_axis * c, cos_axis * s, -sin_axis];
+    let bitangent = [-s, c, 0.0];
+    let r = libm::sqrt(w * (2.0 - w));
+    let (sin, cos) = libm::sincos(angle);
+    [0, 1, 2].map(|k| axis[k] * (1.0 - w) + r * (tangent[k] * cos + bitangent[k] * sin))
+}
+
+/// Direction of the highest value, and the least distance from it at which it has fallen to half; radians.
+fn find_peak(value: &dyn Fn([f64; 3]) -> f64, theta: f64) -> ([f64; 3], f64) {
+    let mirror = crate::table::direction(theta.min(1.55), 0.0);
+    let (mut peak, mut highest) = (mirror, value(mirror));
+    let mut look = |d: [f64; 3]| {
+        let v = value(d);
+        if v > highest {
+            (peak, highest) = (d, v);
+        }
+    };
+    // All over, then round the mirror direction at every scale.
+    for i in 0..2000 {
+        let z = (f64::from(i) + 0.5) / 2000.0;
+        let (s, c) = libm::sincos(GOLDEN * f64::from(i));
+        let r = libm::sqrt(1.0 - z * z);
+        look([r * c, r * s, z]);
+    }
+    for i in 0..400 {
+        let distance = 1e-4 * libm::pow(5e3, f64::from(i) / 400.0);
+        look(around(mirror, 1.0 - libm::cos(distance), GOLDEN * f64::from(i)));
+    }
+    // Downhill on ever smaller circles.
+    let mut step = 0.03;
+    while step > 1e-4 {
+        let (start, before) = (peak, highest);
+        for i in 0..8 {
+            let d = around(start, 1.0 - libm::cos(step), f64::from(i) * PI / 4.0);
+            let v = value(d);
+            if v > highest {
+                (peak, highest) = (d, v);
+            }
+        }
+        if highest == before {
+            step *= 0.5;
+        }
+    }
+    let mut width = 1e-4;
+    let half = |width: f64| {
+        (0..8).any(|i| value(around(peak, 1.0 - libm::cos(width), f64::from(i) * PI / 4.0)) < 0.5 * highest)
+    };
+    while width < 0.5 && !half(width) {
+        width *= 1.25;
+    }
+    (peak, width)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table::model::ward::Ward;
+
+    /// Ward's albedo does not change when `wo` and the material turn together, and is that of the other axis a quarter on.
+    #[test]
+    fn albedo_and_mirror_images_are_those_of_the_model() {
+        let ward = |x, y| Ward { diffuse: [0.1; 3], specular: [0.5; 3], alpha: [x, y] };
+        let at = |w: &Ward, phi: f64| {
+            tabulate(w, &[(0.9, phi)], Density { hemisphere: 3000, cap: 3000 })[0].albedo[0]
+        };
+        let (a, b) = (ward(0.1, 0.4), ward(0.4, 0.1));
+        assert!((at(&a, 0.3) - at(&a, -0.3)).abs() < 2e-3);
+        assert!((at(&a, 0.3) - at(&b, 0.3 + PI / 2.0)).abs() < 2e-3);
+        assert!((at(&a, 0.0) - at(&b, 0.0)).abs() > 5e-3, "the test needs a difference");
+        // And coarse quadrature is as good as the fit needs.
+        let coarse = tabulate(&a, &[(0.9, 0.3)], Density { hemisphere: 500, cap: 120 })[0].albedo[0];
+        assert!((coarse / at(&a, 0.3) - 1.0).abs() < 0.01, "{coarse}");
+    }
+}

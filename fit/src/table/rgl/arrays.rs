@@ -1,0 +1,165 @@
+//! The fields of a `.bsdf` file, checked against each other.
+
+use super::super::spectrum::ToRgb;
+use super::tensor::{File, Numbers};
+use super::warp::{Grid, Warp};
+use crate::ReadError;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Most outgoing directions and wavelengths: real files have at most 16 x 8, and 195.
+const MAX_DIRECTIONS: usize = 4096;
+const MAX_WAVELENGTHS: usize = 4096;
+
+/// What a material is made of; the comments are at its fields.
+pub(super) struct Arrays {
+    pub phis: Vec<f64>,
+    pub thetas: Vec<f64>,
+    pub ndf: Grid,
+    pub sigma: Grid,
+    pub visible: Vec<Warp>,
+    pub rgb: Vec<[Grid; 3]>,
+    pub jacobian: bool,
+}
+
+fn fail<T>(text: String) -> Result<T, ReadError> {
+    Err(ReadError::Content(text))
+}
+
+/// Reads and checks every field that an evaluation needs.
+pub(super) fn read(file: &File<'_>) -> Result<Arrays, ReadError> {
+    let mut phis = angles(file, "phi_i", -PI, PI)?;
+    let thetas = angles(file, "theta_i", 0.0, FRAC_PI_2)?;
+    let slices = phis.len() * thetas.len();
+    if slices > MAX_DIRECTIONS {
+        return fail(format!("{slices} outgoing directions; at most {MAX_DIRECTIONS}"));
+    }
+    // Isotropic: the slices of a second phi_i repeat the first.
+    if phis.len() == 2 {
+        phis.truncate(1);
+    }
+    let used = phis.len() * thetas.len();
+
+    let (ndf, sigma) = (flat(file, "ndf")?, flat(file, "sigma")?);
+    if sigma.least() <= 0.0 {
+        return fail(format!("field sigma: {} where an area above 0 was expected", sigma.least()));
+    }
+
+    let vndf = file.numbers("vndf", 4)?;
+    check_slices("vndf", &vndf, [&phis, &thetas], slices)?;
+    let visible = (0..used)
+        .map(|n| picture("vndf", &vndf, n).and_then(|g| Warp::new(g).ok_or_else(|| black(n))))
+        .collect::<Result<Vec<_>, _>>()?;
+
+    Ok(Arrays {
+        rgb: colours(file, used, slices)?,
+        phis,
+        thetas,
+        ndf,
+        sigma,
+        visible,
+        jacobian: jacobian(file)?,
+    })
+}
+
+/// Rising angles within a range, at least one.
+fn angles(file: &File<'_>, name: &str, low: f64, high: f64) -> Result<Vec<f64>, ReadError> {
+    let list = file.numbers(name, 1)?.to_vec();
+    if let Some(n) = (1..list.len()).find(|&n| list[n] <= list[n - 1]) {
+        return fail(format!("field {name}: {} after {}; the angles have to rise", list[n], list[n - 1]));
+    }
+    let (first, last) = (list[0], list[list.len() - 1]);
+    if first < low - 1e-3 || last > high + 1e-3 {
+        return fail(format!("field {name}: from {first} to {last}; from {low} to {high} was expected"));
+    }
+    Ok(list)
+}
+
+/// A field that is one picture.
+fn flat(file: &File<'_>, name: &str) -> Result<Grid, ReadError> {
+    picture(name, &file.numbers(name, 2)?, 0)
+}
+
+/// Picture number `n` of a field whose last two dimensions are rows and columns.
+fn picture(name: &str, field: &Numbers<'_>, n: usize) -> Result<Grid, ReadError> {
+    let [.., rows, columns] = field.shape[..] else {
+        return fail(format!("field {name}: two dimensions or more were expected"));
+    };
+    let cells = rows * columns;
+    let values = (n * cells..(n + 1) * cells).map(|i| field.value(i)).collect();
+    Grid::new(values, columns, rows).ok_or_else(|| {
+        ReadError::Content(format!(
+            "field {name}: pictures of {rows} x {columns}; at least 2 x 2 was expected"
+        ))
+    })
+}
+
+fn black(n: usize) -> ReadError {
+    ReadError::Content(format!("field vndf, outgoing direction {n}: all numbers are 0 or less"))
+}
+
+/// Whether a field has a slice for every outgoing direction.
+fn check_slices(
+    name: &str,
+    field: &Numbers<'_>,
+    [phis, thetas]: [&[f64]; 2],
+    slices: usize,
+) -> Result<(), ReadError> {
+    let (shape, theta_count) = (field.shape, thetas.len());
+    let phi_count = slices / theta_count;
+    debug_assert!(phis.len() <= phi_count);
+    if shape[0] == phi_count && shape[1] == theta_count {
+        return Ok(());
+    }
+    fail(format!(
+        "field {name}: {} x {} slices where phi_i and theta_i have {phi_count} x {theta_count}",
+        shape[0], shape[1]
+    ))
+}
+
+/// The colours, from `rgb`, or from `spectra` and `wavelengths`.
+fn colours(file: &File<'_>, used: usize, slices: usize) -> Result<Vec<[Grid; 3]>, ReadError> {
+    let name = if file.find("rgb").is_some() { "rgb" } else { "spectra" };
+    let field = file.numbers(name, 5)?;
+    let channels = field.shape[2];
+    if field.shape[0] * field.shape[1] != slices {
+        return fail(format!(
+            "field {name}: {} x {} slices where phi_i and theta_i have {slices}",
+            field.shape[0], field.shape[1]
+        ));
+    }
+    let picture = |n: usize| picture(name, &field, n);
+    if name == "rgb" {
+        if channels != 3 {
+            return fail(format!("field rgb: {channels} channels where 3 were expected"));
+        }
+        return (0..used).map(|n| Ok([picture(3 * n)?, picture(3 * n + 1)?, picture(3 * n + 2)?])).collect();
+    }
+    let wavelengths = file.numbers("wavelengths", 1)?.to_vec();
+    if wavelengths.len() != channels || channels > MAX_WAVELENGTHS {
+        return fail(format!(
+            "field spectra: {channels} channels where wavelengths has {}; at most {MAX_WAVELENGTHS}",
+            wavelengths.len()
+        ));
+    }
+    let to_rgb = ToRgb::new(&wavelengths)?;
+    // The conversion is linear, so it may come before the interpolation; it is not clamped, as the RGB files are not.
+    let colour = |n: usize| {
+        let zero = picture(n * channels)?.zeros();
+        let mut sums = [zero.clone(), zero.clone(), zero];
+        for (w, weights) in to_rgb.weights().iter().enumerate() {
+            let spectral = picture(n * channels + w)?;
+            sums.iter_mut().zip(weights).for_each(|(sum, share)| sum.add_scaled(*share, &spectral));
+        }
+        Ok(sums)
+    };
+    (0..used).map(colour).collect()
+}
+
+/// Whether the colour is without the factor that the warp brings.
+fn jacobian(file: &File<'_>) -> Result<bool, ReadError> {
+    match file.find("jacobian").map(|f| f.bytes) {
+        None | Some([1]) => Ok(true),
+        Some([0]) => Ok(false),
+        Some(bytes) => fail(format!("field jacobian: {} bytes; one, 0 or 1, was expected", bytes.len())),
+    }
+}
