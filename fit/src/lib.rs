@@ -2,6 +2,7 @@
 
 mod banded;
 pub mod cross;
+mod data_term;
 mod error;
 mod initialize;
 mod levenberg;
@@ -13,6 +14,7 @@ mod random;
 pub mod report;
 pub mod table;
 mod track;
+mod vector;
 mod write;
 
 pub use error::{FitError, ReadError};

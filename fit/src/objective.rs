@@ -14,11 +14,11 @@
 
 use crate::FitError;
 use crate::banded::Banded;
-use crate::model::{Lobes, Slopes};
+use crate::data_term::{self, Point};
+use crate::model::Lobes;
 use crate::parameters::{Layout, sphere_integral};
 use crate::table::{Table, View};
 use rayon::prelude::*;
-use std::f64::consts::FRAC_1_PI;
 
 /// Weight of the relative variance beside the squared relative L2 error.
 const TAIL: f64 = 0.03;
@@ -34,12 +34,6 @@ const CEILING_WEIGHT: f64 = 30.0;
 const WATCHED: usize = 4;
 /// Weight of the change in the last interval beside that of second differences.
 const HOLD: f64 = 0.1;
-
-struct Point {
-    direction: [f64; 3],
-    target: [f64; 3],
-    weight: f64,
-}
 
 struct Data {
     place: (usize, f64),
@@ -114,15 +108,7 @@ impl Objective {
                 layout.interpolate(x, view.place, &mut q);
                 let lobes = Lobes::new(layout, &q);
                 let amplitudes = amplitudes(layout, &q);
-                let mut unit = vec![0.0; layout.lobes + 1];
-                let mut cost = 0.0;
-                for p in &view.points {
-                    lobes.values(&p.direction, &mut unit);
-                    for (a, target) in amplitudes.iter().zip(p.target) {
-                        let value: f64 = a.iter().zip(&unit).map(|(a, u)| a * u).sum();
-                        cost += p.weight * (value - target) * (value - target);
-                    }
-                }
+                let mut cost = data_term::cost(&lobes, &amplitudes, &view.points);
                 let albedo = layout.albedo(&q);
                 (0..3).for_each(|c| cost += self.energy_residual(albedo[c], view.albedo[c]).powi(2));
                 cost
@@ -215,45 +201,11 @@ impl Objective {
         let lobes = Lobes::new(layout, &q);
         let amplitude = amplitudes(layout, &q);
 
-        // The Jacobian is a product: a derivative of a unit lobe, the same for all channels, times an amplitude. So only the
-        // Gram matrix of the derivatives is summed over the samples.
-        let width = 3 * k + layout.squeezed + 1;
-        let mut gram = vec![0.0; width * width];
-        let mut moment = vec![[0.0; 3]; width];
-        let mut basis = vec![0.0; width];
-        let mut slopes = vec![Slopes::default(); k];
-        let mut cost = 0.0;
-        for point in &view.points {
-            lobes.slopes(&point.direction, &mut slopes);
-            let root = libm::sqrt(point.weight);
-            for (n, s) in slopes.iter().enumerate() {
-                basis[n] = root * s.by_angle;
-                basis[k + n] = root * s.by_ln_sharpness;
-                basis[2 * k + n] = root * s.value;
-                if n < layout.squeezed {
-                    basis[3 * k + n] = root * s.by_ln_squeeze;
-                }
-            }
-            basis[width - 1] = root * point.direction[2] * FRAC_1_PI;
-            let mut residual = [0.0; 3];
-            for c in 0..3 {
-                let value: f64 = amplitude[c].iter().zip(&basis[2 * k..3 * k]).map(|(a, u)| a * u).sum();
-                let value = value + amplitude[c][k] * basis[width - 1];
-                residual[c] = value - root * point.target[c];
-                cost += residual[c] * residual[c];
-            }
-            for (i, &b) in basis.iter().enumerate() {
-                if b == 0.0 {
-                    continue;
-                }
-                for (g, v) in gram[i * width..=i * width + i].iter_mut().zip(&basis) {
-                    *g += b * v;
-                }
-                (0..3).for_each(|c| moment[i][c] += b * residual[c]);
-            }
-        }
+        let data_term::Sums { cost, gram, moment } =
+            data_term::sums(&lobes, &amplitude, &view.points, layout.squeezed);
 
         // From derivatives of unit lobes to derivatives by the unknowns.
+        let width = 3 * k + layout.squeezed + 1;
         let mut block = Block { place: view.place, cost, gradient: vec![0.0; p], matrix: vec![0.0; p * p] };
         let lobe_of = |i: usize| if i == width - 1 { k } else { i % k };
         let target = |i: usize, channel: usize| match i / k {
@@ -265,7 +217,7 @@ impl Objective {
         };
         for i in 0..width {
             for c in 0..3 {
-                block.gradient[target(i, c)] += amplitude[c][lobe_of(i)] * moment[i][c];
+                block.gradient[target(i, c)] += amplitude[c][lobe_of(i)] * moment[c][i];
                 for j in 0..=i {
                     let value = amplitude[c][lobe_of(i)] * amplitude[c][lobe_of(j)] * gram[i * width + j];
                     let (a, b) = (target(i, c), target(j, c));
