@@ -28,7 +28,8 @@ impl Banded {
         self.rows[i * (self.band + 1) + j + self.band - i] += value;
     }
 
-    /// The diagonal.
+    /// The diagonal, for tests.
+    #[cfg(test)]
     pub fn diagonal(&self, i: usize) -> f64 {
         self.rows[i * (self.band + 1) + self.band]
     }

@@ -15,6 +15,11 @@ pub(crate) struct Point {
     pub target: [f64; 3],
     /// Weight of the squared difference of every channel.
     pub weight: f64,
+    /// The part of it that makes the relative L2 error.
+    pub base: f64,
+    /// What the rest is in inverse proportion to, and what is added to the value in that proportion.
+    pub tail: f64,
+    pub floor: f64,
 }
 
 /// Sums over the samples of a view. Derivatives are in the order of [`Lobes::slopes`].
@@ -54,13 +59,13 @@ impl NullaryFnOnce for Cost<'_> {
         for point in self.points {
             self.lobes.values(&point.direction, &mut unit);
             let mut value = [0.0; 3];
-            for (k, u) in unit.iter().enumerate() {
-                for c in 0..3 {
-                    value[c] += self.amplitudes[c][k] * u;
+            for (value, amplitudes) in value.iter_mut().zip(self.amplitudes) {
+                for (a, u) in amplitudes.iter().zip(&unit) {
+                    *value += a * u;
                 }
             }
-            for c in 0..3 {
-                let difference = value[c] - point.target[c];
+            for (value, target) in value.iter().zip(&point.target) {
+                let difference = value - target;
                 cost += point.weight * difference * difference;
             }
         }
@@ -95,14 +100,16 @@ impl NullaryFnOnce for AllSums<'_> {
             for (point, row) in chunk.iter().zip(rows.chunks_exact_mut(width)) {
                 let root = point.weight.sqrt();
                 self.lobes.slopes(&point.direction, root, row);
-                for c in 0..3 {
-                    let mut value = self.amplitudes[c][k] * row[width - 1];
-                    for (a, u) in self.amplitudes[c][..k].iter().zip(&row[2 * k..3 * k]) {
+                for ((amplitudes, target), moment) in
+                    self.amplitudes.iter().zip(&point.target).zip(&mut moment)
+                {
+                    let mut value = amplitudes[k] * row[width - 1];
+                    for (a, u) in amplitudes[..k].iter().zip(&row[2 * k..3 * k]) {
                         value += a * u;
                     }
-                    let difference = value - root * point.target[c];
+                    let difference = value - root * target;
                     cost += difference * difference;
-                    for (m, v) in moment[c].iter_mut().zip(&*row) {
+                    for (m, v) in moment.iter_mut().zip(&*row) {
                         *m += difference * v;
                     }
                 }

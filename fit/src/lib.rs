@@ -1,10 +1,13 @@
 //! Readers, fitters and error metrics: makes `.srbf` materials, offline.
 
 mod banded;
+mod content;
 pub mod cross;
 mod data_term;
 mod error;
+mod exchange;
 mod initialize;
+mod knots;
 mod levenberg;
 mod material;
 mod model;
@@ -12,11 +15,14 @@ mod objective;
 mod parameters;
 mod random;
 pub mod report;
+mod settings;
 pub mod table;
 mod track;
 mod vector;
 mod write;
 
+pub use content::fit_content;
 pub use error::{FitError, ReadError};
-pub use track::{Fit, Settings, fit, fit_content};
+pub use settings::Settings;
+pub use track::{Fit, fit};
 pub use write::write_atomically;

@@ -69,6 +69,13 @@ impl Lobes {
         out[self.len()] = d[2] * FRAC_1_PI;
     }
 
+    /// Value of one unit lobe.
+    pub fn value(&self, k: usize, d: &[f64; 3]) -> f64 {
+        let (u, j) = if k < self.squeezed { self.squeeze(d) } else { (*d, 1.0) };
+        let (x, z) = (u[0] * self.sin[k], u[2] * self.cos[k]);
+        j * (exp(self.sharpness[k] * (x + z - 1.0)) + exp(self.sharpness[k] * (x - z - 1.0)))
+    }
+
     /// Values and derivatives of the unit lobes and of the diffuse term, times `scale`.
     ///
     /// Shapes: `out` [3 K + S + 1] for S squeezed lobes, overwritten: K derivatives by angle, K by ln sharpness, K values, S

@@ -48,6 +48,12 @@ pub struct SettingArgs {
     /// Most steps of the solver in the refinement.
     #[arg(long)]
     steps: Option<usize>,
+    /// Times that a lobe is exchanged, from each of the best starting points.
+    #[arg(long)]
+    exchanges: Option<usize>,
+    /// Views of the material, placed where it changes; for files that have a value for every pair of directions.
+    #[arg(long)]
+    views: Option<usize>,
 }
 
 impl SettingArgs {
@@ -60,6 +66,8 @@ impl SettingArgs {
             smoothness: self.smoothness.unwrap_or(default.smoothness),
             starts: self.starts.unwrap_or(default.starts),
             steps: self.steps.unwrap_or(default.steps),
+            exchanges: self.exchanges.unwrap_or(default.exchanges),
+            views: self.views.unwrap_or(default.views),
             ..default
         }
     }
