@@ -1,5 +1,6 @@
 //! Fits to what a file holds: samples as they are, or a table made of what can be evaluated anywhere.
 
+use crate::choice;
 use crate::knots;
 use crate::report::ViewReport;
 use crate::table::evaluable::{Brdf, Density};
@@ -40,6 +41,14 @@ pub fn fit_content(
 }
 
 fn fit_evaluable(brdf: &dyn Brdf, settings: &Settings, progress: impl FnMut(f64)) -> Result<Fit, FitError> {
+    if let Some(error) = settings.error {
+        return choice::fewest_lobes(settings, error, progress, |s| fit_with(brdf, s, |_| {}));
+    }
+    fit_with(brdf, settings, progress)
+}
+
+/// As many lobes as the settings say.
+fn fit_with(brdf: &dyn Brdf, settings: &Settings, progress: impl FnMut(f64)) -> Result<Fit, FitError> {
     let start = Instant::now();
     let last = LAST_KNOT.to_radians();
     let knots = match &settings.knots {

@@ -1,6 +1,7 @@
 //! Readers, fitters and error metrics: makes `.srbf` materials, offline.
 
 mod banded;
+mod choice;
 mod content;
 pub mod cross;
 mod data_term;

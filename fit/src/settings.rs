@@ -8,7 +8,9 @@ use std::f64::consts::FRAC_PI_2;
 pub struct Settings {
     /// Lobes of every view, 1 to 64. More fit better and cost more at run time.
     pub lobes: usize,
-    /// How many of them see the squeezed direction: those of the highlight. `None`: what turns out best.
+    /// Mean relative L2 error that is asked for: as few lobes as reach it are used, at most [`lobes`](Self::lobes).
+    pub error: Option<f64>,
+    /// How many lobes see the squeezed direction: those of the highlight. `None`: what turns out best.
     pub squeezed: Option<usize>,
     /// Weight of the roughness from view to view. Smaller fits the samples better, larger what lies between them.
     pub smoothness: f64,
@@ -31,6 +33,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             lobes: 12,
+            error: None,
             squeezed: None,
             smoothness: 1e-4,
             starts: 8,
@@ -53,6 +56,8 @@ impl Settings {
             if inside { Ok(()) } else { Err(FitError::Setting { name, reason: reason.to_owned() }) }
         };
         range("lobes", (1..=srbf_core::MAX_LOBES).contains(&self.lobes), "from 1 to 64")?;
+        let error = self.error.is_none_or(|e| e.is_finite() && e > 0.0);
+        range("error", error, "a number above 0")?;
         range("squeezed", self.squeezed.is_none_or(|n| n <= self.lobes), "at most the number of lobes")?;
         range("smoothness", (1e-12..=1e3).contains(&self.smoothness), "from 1e-12 to 1000")?;
         if let Some(knots) = &self.knots {

@@ -3,6 +3,7 @@
 //! Stage by stage there are fewer candidates, more steps, and less stiffness: a stiff family cannot lose its order. Early stages
 //! see a thinned table. In the last one the albedo is held closely, and the weights of the tail follow the fit.
 
+use crate::choice;
 use crate::exchange;
 use crate::initialize;
 use crate::levenberg::{self, Limits};
@@ -76,11 +77,16 @@ struct Candidate {
     x: Vec<f64>,
 }
 
-/// Fits lobes to a table. `progress` is called with the share of the work that is done, 0 to 1.
+/// Fits lobes to a table, as many as the settings say or as few as reach the error that they ask for. `progress` is called with the share of the work that is done, 0 to 1.
 ///
 /// # Errors
 /// [`FitError::Setting`], [`FitError::Table`]; [`FitError::Format`] never for a table with finite numbers.
 pub fn fit(table: &Table, settings: &Settings, progress: impl FnMut(f64)) -> Result<Fit, FitError> {
+    settings.check()?;
+    if let Some(error) = settings.error {
+        let fit = |settings: &Settings| run(table, settings, ENERGY_OF_SAMPLES, |_| {});
+        return choice::fewest_lobes(settings, error, progress, fit);
+    }
     run(table, settings, ENERGY_OF_SAMPLES, progress)
 }
 
@@ -92,7 +98,6 @@ pub(crate) fn run(
     mut progress: impl FnMut(f64),
 ) -> Result<Fit, FitError> {
     let start = Instant::now();
-    settings.check()?;
     let knots = match &settings.knots {
         Some(knots) => knots.clone(),
         None => Layout::knots_at(table.views.iter().map(|v| v.theta), KNOT_DISTANCE),
