@@ -33,6 +33,8 @@ const CEILING: f64 = 0.96;
 const CEILING_WEIGHT: f64 = 30.0;
 /// Views between two knots at which the ceiling is watched.
 const WATCHED: usize = 4;
+/// Most that the weight of a view changes by its error.
+const MOST_FACTOR: f64 = 2.5;
 /// Weight of the change in the last interval beside that of second differences.
 const HOLD: f64 = 0.1;
 
@@ -146,21 +148,35 @@ impl Objective {
         (low, high)
     }
 
-    /// The same, with weights of the tail as if the lobes' values were the table's where they are lower: there a renderer that
-    /// samples the lobes gets its largest weights.
+    /// The same with weights that follow the fit. Views count in inverse proportion to their error, so that what is made small
+    /// is the mean error, not the mean of its square. The tail counts as if the lobes' values were the table's where they
+    /// are lower: there a renderer that samples the lobes gets its largest weights.
     pub fn reweighed(&self, x: &[f64]) -> Self {
         let mut new = self.clone();
         let mut q = vec![0.0; self.layout.stride()];
         let mut unit = vec![0.0; self.layout.lobes + 1];
+        let mut errors = Vec::with_capacity(new.views.len());
         for view in &mut new.views {
             self.layout.interpolate(x, view.place, &mut q);
             let (lobes, amplitudes) = (Lobes::new(&self.layout, &q), amplitudes(&self.layout, &q));
+            let mut square = 0.0;
             for point in &mut view.points {
                 lobes.values(&point.direction, &mut unit);
-                let sum: f64 = amplitudes.iter().flat_map(|a| a.iter().zip(&unit)).map(|(a, u)| a * u).sum();
+                let mut sum = 0.0;
+                for (a, target) in amplitudes.iter().zip(point.target) {
+                    let value: f64 = a.iter().zip(&unit).map(|(a, u)| a * u).sum();
+                    square += point.base * (value - target) * (value - target);
+                    sum += value;
+                }
                 let bright = point.target.iter().sum::<f64>();
-                point.weight = point.base + point.tail / (sum.min(bright) / 3.0 + point.floor);
+                point.weight = point.tail / (sum.min(bright) / 3.0 + point.floor);
             }
+            errors.push(libm::sqrt(square));
+        }
+        let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
+        for (view, error) in new.views.iter_mut().zip(errors) {
+            let factor = if error > 0.0 { (mean / error).clamp(1.0 / MOST_FACTOR, MOST_FACTOR) } else { 1.0 };
+            view.points.iter_mut().for_each(|p| p.weight += factor * p.base);
         }
         new
     }

@@ -12,7 +12,8 @@ pub struct Settings {
     pub error: Option<f64>,
     /// How many lobes see the squeezed direction: those of the highlight. `None`: what turns out best.
     pub squeezed: Option<usize>,
-    /// Weight of the roughness from view to view. Smaller fits the samples better, larger what lies between them.
+    /// Weight of the roughness from view to view. Smaller fits the samples better, larger what lies between them. What can be
+    /// evaluated anywhere is fitted with a fifth of it.
     pub smoothness: f64,
     /// Starting points tried; the best are refined.
     pub starts: usize,
@@ -85,7 +86,7 @@ impl Settings {
     /// The last line of the provenance.
     pub(crate) fn describe(&self, squeezed: usize) -> String {
         format!(
-            "srbf-fit {}: {} lobes, {} squeezed, smoothness {:e}, {} starts, {} steps, {} exchanges\n",
+            "srbf-fit {}: {} lobes, {} squeezed, smoothness {:.2e}, {} starts, {} steps, {} exchanges\n",
             env!("CARGO_PKG_VERSION"),
             self.lobes,
             squeezed,

@@ -32,7 +32,7 @@ const SCOUTED_SAMPLES: usize = 5000;
 const KNOT_DISTANCE: f64 = 0.035;
 
 /// Weight of the albedo in the last stage where the table has it from a fine quadrature.
-pub(crate) const ENERGY_OF_A_QUADRATURE: f64 = 30.0;
+pub(crate) const ENERGY_OF_A_QUADRATURE: f64 = 100.0;
 
 /// The same for scattered samples, whose albedo depends by 1 % on how one interpolates between them.
 const ENERGY_OF_SAMPLES: f64 = 1.0;
@@ -45,12 +45,12 @@ const USUAL_COST: f64 = 1e-3;
 struct Stage {
     /// Candidates that take part, the best of the stage before.
     keep: usize,
-    /// Whether it sees the whole table.
+    /// Whether it sees the whole table, with weights that follow the candidate as it is.
     full: bool,
     /// Times that a candidate is moved downhill: after the first, a lobe is exchanged before each.
     runs: usize,
     limits: Limits,
-    /// Whether the albedo is held closely, and the weights of the tail are made from the candidate as it is.
+    /// Whether the albedo is held closely.
     last: bool,
 }
 
@@ -178,7 +178,7 @@ fn advance_one(
         *x = initialize::start(table, &objective.layout, candidate.start);
     }
     let mut limits = stage.limits;
-    let reweighed = stage.last.then(|| objective.reweighed(x));
+    let reweighed = stage.full.then(|| objective.reweighed(x));
     if stage.full {
         // Beside a large error that cannot be helped, smoothness and albedo have to weigh more to count as much.
         let scale = (*cost / USUAL_COST).max(1.0);

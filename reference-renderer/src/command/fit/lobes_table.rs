@@ -79,7 +79,7 @@ pub fn run(file: &Path, settings: &Settings) -> anyhow::Result<()> {
 fn time(material: &Material<'_>) -> anyhow::Result<[f64; 3]> {
     let place = |n: usize| (n as f32 * 0.618_034).fract();
     let direction = |n: usize| {
-        let (z, azimuth) = (0.05 + 0.9 * place(n), 6.283 * place(3 * n + 1));
+        let (z, azimuth) = (0.05 + 0.9 * place(n), std::f32::consts::TAU * place(3 * n + 1));
         let across = (1.0 - z * z).sqrt();
         Vec3::new(across * azimuth.cos(), across * azimuth.sin(), z)
     };
