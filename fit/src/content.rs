@@ -17,7 +17,7 @@ const BETWEEN: usize = 3;
 
 /// Smoothness over that of the settings: with views between all knots less of it is needed (alum-bronze 3.9 % at unseen
 /// views in place of 4.4 %).
-const DENSE: f64 = 0.2;
+const DENSE: f64 = 0.4;
 
 /// Golden section: its multiples are spread evenly, and never at the same places.
 const GOLDEN_SECTION: f64 = 0.618_033_988_75;

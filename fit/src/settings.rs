@@ -13,7 +13,7 @@ pub struct Settings {
     /// How many lobes see the squeezed direction: those of the highlight. `None`: what turns out best.
     pub squeezed: Option<usize>,
     /// Weight of the roughness from view to view. Smaller fits the samples better, larger what lies between them. What can be
-    /// evaluated anywhere is fitted with a fifth of it.
+    /// evaluated anywhere is fitted with two fifths of it.
     pub smoothness: f64,
     /// Starting points tried; the best are refined.
     pub starts: usize,
@@ -36,10 +36,10 @@ impl Default for Settings {
             lobes: 12,
             error: None,
             squeezed: None,
-            smoothness: 1e-4,
+            smoothness: 5e-5,
             starts: 8,
             steps: 120,
-            exchanges: 6,
+            exchanges: 9,
             views: 14,
             knots: None,
             provenance: String::new(),
