@@ -196,3 +196,51 @@ fn inverse_diagonal(lower: &[f64], n: usize) -> Vec<f64> {
     }
     (0..n).map(|i| inverse[i * n + i].max(1e-300)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::objective::Weights;
+    use crate::parameters::Layout;
+    use crate::table::{Table, direction};
+
+    #[test]
+    fn the_diagonal_of_an_inverse_is_that_of_the_inverse() {
+        // [4 1; 1 3] has the inverse [3 -1; -1 4] / 11; the upper half is not read.
+        let found = inverse_diagonal(&[4.0, f64::NAN, 1.0, 3.0], 2);
+        assert!((found[0] - 3.0 / 11.0).abs() < 1e-8 && (found[1] - 4.0 / 11.0).abs() < 1e-8, "{found:?}");
+    }
+
+    /// Two lobes lie on one of two peaks: no step downhill parts them.
+    #[test]
+    fn of_two_lobes_on_one_peak_one_is_put_on_the_other() {
+        let layout = Layout { lobes: 2, squeezed: 2, knots: vec![0.0, 0.5, 1.0] };
+        let peak = |d: [f64; 3], angle: f64| {
+            let axis = direction(angle, 0.0);
+            libm::exp(60.0 * ((0..3).map(|k| d[k] * axis[k]).sum::<f64>() - 1.0)) / d[2]
+        };
+        let mut views = vec![];
+        for theta in [0.45, 0.55] {
+            let grid = (0..15).flat_map(|t| (0..12).map(move |p| (0.1 * f64::from(t), 0.28 * f64::from(p))));
+            let value = |d| peak(d, theta) + peak(d, 0.1 * theta);
+            views.push((theta, grid.map(|(t, p)| direction(t, p)).map(|d| (d, [value(d); 3])).collect()));
+        }
+        let table = Table::from_scattered(views).unwrap();
+        let objective = Objective::new(&table, layout.clone()).unwrap();
+        let mut x = vec![0.0; layout.len()];
+        for (knot, theta) in [0.0, 0.5, 1.0].into_iter().enumerate() {
+            let q = &mut x[knot * layout.stride()..];
+            for k in 0..2 {
+                q[layout.angle(k)] = theta;
+                q[layout.sharpness(k)] = libm::log(60.0);
+                (0..3).for_each(|c| q[layout.amplitude(c, k)] = libm::log(0.5));
+            }
+            (0..3).for_each(|c| q[layout.diffuse(c)] = -8.0);
+        }
+        let weights = Weights { smoothness: 1e-6, energy: 1.0 };
+        let limits = Limits { steps: 60, improvement: 1e-4, weights };
+        let before = levenberg::minimize(&objective, &mut x, limits, || {});
+        let after = exchange(&objective, &mut x, before, (8, limits), || {});
+        assert!(after < 0.2 * before, "{before} {after}");
+    }
+}

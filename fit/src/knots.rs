@@ -75,3 +75,29 @@ pub(crate) fn place(brdf: &dyn Brdf, count: usize, last: f64) -> Result<Vec<f64>
     };
     Ok((0..=intervals).map(knot).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A diffuse surface whose brightness has a step at an angle of the outgoing direction.
+    struct Step(f64);
+
+    impl Brdf for Step {
+        fn evaluate(&self, _: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
+            [0.1 + 0.1 / (1.0 + libm::exp(-40.0 * (libm::acos(wo[2]) - self.0))); 3]
+        }
+    }
+
+    #[test]
+    fn knots_rise_between_the_ends_and_gather_where_something_changes() {
+        for at in [0.4, 1.0] {
+            let knots = place(&Step(at), 14, 1.5).unwrap();
+            assert!(knots.len() == 14 && knots[0] == 0.0 && knots[13] == 1.5, "{knots:?}");
+            assert!(knots.windows(2).all(|w| w[1] - w[0] > 0.01), "{knots:?}");
+            let near = |centre: f64| knots.iter().filter(|k| (**k - centre).abs() < 0.15).count();
+            assert!(near(at) >= 4 && near(at) > near(1.4 - at), "{at}: {knots:?}");
+        }
+        assert_eq!(place(&Step(0.4), 2, 1.5).unwrap(), [0.0, 1.5]);
+    }
+}
