@@ -45,8 +45,8 @@ const SCOUTING: usize = 12;
 const EVERY: usize = 3;
 
 /// Roughness weight over that of isotropic fits, and that of the starts over the final one. Ward's model of (0.1, 0.4) has 6.3,
-/// 5.1 and 5.8 % between the knots at 0.1, 1 and 10.
-const ROUGHNESS: f64 = 3.0;
+/// 5.1 and 5.8 % between the knots at 0.2, 2 and 20.
+const ROUGHNESS: f64 = 6.0;
 const STIFF: f64 = 10.0;
 
 /// Relative decrease of the cost over five steps below which the minimum counts as reached.

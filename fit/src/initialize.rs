@@ -43,7 +43,8 @@ pub(crate) fn start(table: &Table, layout: &Layout, n: usize) -> Vec<f64> {
             let s = if k < layout.squeezed {
                 series(bottom, top, k, layout.squeezed)
             } else {
-                series(1.2, round_top, k - layout.squeezed, layout.lobes - layout.squeezed)
+                // The widest is the last, which may be the defensive lobe.
+                series(1.2, round_top, layout.lobes - 1 - k, layout.lobes - layout.squeezed)
             };
             s * libm::exp(vary(0.7))
         })

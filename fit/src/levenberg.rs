@@ -7,7 +7,7 @@
 //!
 //! Tried without gain: geodesic acceleration (Transtrum and Sethna 2012).
 
-use crate::objective::Objective;
+use crate::objective::{Objective, Weights};
 
 /// Largest change of an unknown in one step: beyond it the linearisation of an exponential says nothing. Half of it finds
 /// better minima of mirror-like materials, but takes twice the steps to leave a bad start.
@@ -26,8 +26,8 @@ pub(crate) struct Limits {
     pub steps: usize,
     /// Relative decrease of the cost over five accepted steps below which the minimum counts as reached.
     pub improvement: f64,
-    /// Weight of the roughness.
-    pub smoothness: f64,
+    /// Weights of the terms.
+    pub weights: Weights,
 }
 
 /// Moves `x` downhill; returns the cost reached. Calls `tick` after every step tried.
@@ -41,19 +41,19 @@ pub(crate) fn minimize(
     let p = layout.stride();
     let clamp = |x: &mut [f64]| {
         for (i, v) in x.iter_mut().enumerate() {
-            let (low, high) = layout.bounds(i % p);
+            let (low, high) = objective.bounds(i);
             *v = if layout.fixed(i / p, i % p) { 0.0 } else { v.clamp(low, high) };
         }
     };
     clamp(x);
 
     let (mut damping, mut growth) = (FIRST_DAMPING, 2.0);
-    let mut at = objective.linearize(x, limits.smoothness);
+    let mut at = objective.linearize(x, limits.weights);
     let mut history = vec![at.cost];
     for _ in 0..limits.steps {
         tick();
         let free = |i: usize| {
-            let (low, high) = layout.bounds(i % p);
+            let (low, high) = objective.bounds(i);
             let outward = (x[i] <= low && at.gradient[i] > 0.0) || (x[i] >= high && at.gradient[i] < 0.0);
             !layout.fixed(i / p, i % p) && !outward
         };
@@ -63,7 +63,7 @@ pub(crate) fn minimize(
         let least = 1e-10 * at.cost.max(1e-12);
         for (i, d) in delta.iter_mut().enumerate() {
             if free(i) {
-                matrix.add(i, i, damping * matrix.diagonal(i) + least);
+                matrix.add(i, i, damping * at.scale[i] + least);
             } else {
                 matrix.isolate(i);
                 *d = 0.0;
@@ -80,9 +80,9 @@ pub(crate) fn minimize(
             }
             moved = x.iter().zip(&delta).map(|(x, d)| x + d).collect();
             clamp(&mut moved);
-            cost = objective.cost(&moved, limits.smoothness);
+            cost = objective.cost(&moved, limits.weights);
             // Decrease that the damped model promises for the step as solved.
-            let promise = |i: usize| delta[i] * (damping * at.matrix.diagonal(i) * delta[i] - at.gradient[i]);
+            let promise = |i: usize| delta[i] * (damping * at.scale[i] * delta[i] - at.gradient[i]);
             promised = (0..x.len()).map(promise).sum::<f64>().max(f64::MIN_POSITIVE);
         }
         if cost < at.cost {
@@ -91,7 +91,7 @@ pub(crate) fn minimize(
             damping = (damping * (1.0 - cube * cube * cube).max(1.0 / 3.0)).max(1e-9);
             growth = 2.0;
             *x = moved;
-            at = objective.linearize(x, limits.smoothness);
+            at = objective.linearize(x, limits.weights);
             history.push(at.cost);
             let n = history.len();
             if n > 5 && history[n - 6] - at.cost < limits.improvement * at.cost {

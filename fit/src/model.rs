@@ -10,91 +10,107 @@
 //! dG/dln c = j   [ E+ (-1 + 3 u.y^2 + s u.y^2 u.axis) + E- (-1 + 3 u.y^2 + s u.y^2 u.m) ]
 //! ```
 //!
-//! In f64 the dot form loses nothing that matters: sharpness 1e6 leaves ten digits.
+//! In f64 the dot form loses nothing that matters: sharpness 1e6 leaves ten digits. Lobes are columns of numbers, and the
+//! exponential is our own, so that the loops over lobes become vector instructions of whatever width the machine has
+//! (`crate::vector`), with the same results to the last bit.
 
 use crate::parameters::Layout;
+use crate::vector::exp;
 use std::f64::consts::FRAC_1_PI;
 
 /// The lobes of one view, ready to be evaluated at many directions.
 pub(crate) struct Lobes {
     squeezed: usize,
     inverse_squeeze: f64,
-    /// Sine and cosine of the angle of the axis, sharpness.
-    shapes: Vec<[f64; 3]>,
-}
-
-/// The derivatives of one unit lobe at one direction, and its value.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Slopes {
-    pub value: f64,
-    pub by_angle: f64,
-    pub by_ln_sharpness: f64,
-    pub by_ln_squeeze: f64,
-}
-
-/// Below this the exponential is left out: it is under the rounding of anything that it is added to.
-const SMALLEST: f64 = -60.0;
-
-fn exp(t: f64) -> f64 {
-    if t < SMALLEST { 0.0 } else { libm::exp(t) }
+    sin: Vec<f64>,
+    cos: Vec<f64>,
+    sharpness: Vec<f64>,
 }
 
 impl Lobes {
     /// Prepares the interpolated unknowns `q` of a view.
     pub fn new(layout: &Layout, q: &[f64]) -> Self {
-        let shapes = (0..layout.lobes)
-            .map(|k| {
-                let (sin, cos) = libm::sincos(q[layout.angle(k)]);
-                [sin, cos, libm::exp(q[layout.sharpness(k)])]
-            })
-            .collect();
-        Self { squeezed: layout.squeezed, inverse_squeeze: libm::exp(-q[0]), shapes }
+        let (sin, cos) = (0..layout.lobes).map(|k| libm::sincos(q[layout.angle(k)])).unzip();
+        let sharpness = (0..layout.lobes).map(|k| libm::exp(q[layout.sharpness(k)])).collect();
+        Self { squeezed: layout.squeezed, inverse_squeeze: libm::exp(-q[0]), sin, cos, sharpness }
     }
 
     /// How many lobes there are, the diffuse term not counted.
     pub fn len(&self) -> usize {
-        self.shapes.len()
+        self.sharpness.len()
     }
 
     /// Squeezed direction and change of solid angle.
-    #[inline]
+    #[inline(always)]
     fn squeeze(&self, d: &[f64; 3]) -> ([f64; 3], f64) {
         let y = d[1] * self.inverse_squeeze;
-        let inverse = 1.0 / libm::sqrt(d[0] * d[0] + y * y + d[2] * d[2]);
+        let inverse = 1.0 / (d[0] * d[0] + y * y + d[2] * d[2]).sqrt();
         ([d[0] * inverse, y * inverse, d[2] * inverse], self.inverse_squeeze * inverse * inverse * inverse)
     }
 
-    /// Values of the unit lobes, and of the diffuse term of albedo 1, `cos / pi`. Shapes: `out` [K + 1], overwritten.
-    pub fn values(&self, d: &[f64; 3], out: &mut [f64]) {
+    /// The two runs of lobes, with the direction that each sees and its change of solid angle.
+    #[inline(always)]
+    fn runs(&self, d: &[f64; 3]) -> [(std::ops::Range<usize>, [f64; 3], f64); 2] {
         let (squeezed, j) = self.squeeze(d);
-        for (k, (out, [sin, cos, s])) in out.iter_mut().zip(&self.shapes).enumerate() {
-            let (u, j) = if k < self.squeezed { (&squeezed, j) } else { (d, 1.0) };
-            let (x, z) = (u[0] * sin, u[2] * cos);
-            *out = j * (exp(s * (x + z - 1.0)) + exp(s * (x - z - 1.0)));
-        }
-        out[self.shapes.len()] = d[2] * FRAC_1_PI;
+        [(0..self.squeezed, squeezed, j), (self.squeezed..self.len(), *d, 1.0)]
     }
 
-    /// Values and derivatives of the unit lobes. Shapes: `out` [K], overwritten.
-    pub fn slopes(&self, d: &[f64; 3], out: &mut [Slopes]) {
-        let (squeezed, j) = self.squeeze(d);
-        for (k, (out, [sin, cos, s])) in out.iter_mut().zip(&self.shapes).enumerate() {
-            let is_squeezed = k < self.squeezed;
-            let (u, j) = if is_squeezed { (&squeezed, j) } else { (d, 1.0) };
-            let (x, z) = (u[0] * sin, u[2] * cos);
-            let (above, below) = (exp(s * (x + z - 1.0)), exp(s * (x - z - 1.0)));
-            let (across_x, across_z) = (u[0] * cos, u[2] * sin);
-            out.value = j * (above + below);
-            out.by_angle = j * s * (above * (across_x - across_z) + below * (across_x + across_z));
-            out.by_ln_sharpness = j * s * (above * (x + z - 1.0) + below * (x - z - 1.0));
-            out.by_ln_squeeze = if is_squeezed {
-                let yy = u[1] * u[1];
-                let common = 3.0 * yy - 1.0;
-                j * (above * (common + s * yy * (x + z)) + below * (common + s * yy * (x - z)))
-            } else {
-                0.0
-            };
+    /// Values of the unit lobes, and of the diffuse term of albedo 1, `cos / pi`. Shapes: `out` [K + 1], overwritten.
+    #[inline(always)]
+    pub fn values(&self, d: &[f64; 3], out: &mut [f64]) {
+        for (run, u, j) in self.runs(d) {
+            let (sin, cos, sharpness) =
+                (&self.sin[run.clone()], &self.cos[run.clone()], &self.sharpness[run.clone()]);
+            for (((out, sin), cos), s) in out[run].iter_mut().zip(sin).zip(cos).zip(sharpness) {
+                let (x, z) = (u[0] * sin, u[2] * cos);
+                *out = j * (exp(s * (x + z - 1.0)) + exp(s * (x - z - 1.0)));
+            }
         }
+        out[self.len()] = d[2] * FRAC_1_PI;
+    }
+
+    /// Value of one unit lobe.
+    pub fn value(&self, k: usize, d: &[f64; 3]) -> f64 {
+        let (u, j) = if k < self.squeezed { self.squeeze(d) } else { (*d, 1.0) };
+        let (x, z) = (u[0] * self.sin[k], u[2] * self.cos[k]);
+        j * (exp(self.sharpness[k] * (x + z - 1.0)) + exp(self.sharpness[k] * (x - z - 1.0)))
+    }
+
+    /// Values and derivatives of the unit lobes and of the diffuse term, times `scale`.
+    ///
+    /// Shapes: `out` [3 K + S + 1] for S squeezed lobes, overwritten: K derivatives by angle, K by ln sharpness, K values, S
+    /// derivatives by ln squeeze, the value of the diffuse term of albedo 1.
+    #[inline(always)]
+    pub fn slopes(&self, d: &[f64; 3], scale: f64, out: &mut [f64]) {
+        let k = self.len();
+        let (by_angle, rest) = out.split_at_mut(k);
+        let (by_sharpness, rest) = rest.split_at_mut(k);
+        let (value, by_squeeze) = rest.split_at_mut(k);
+        for (run, u, j) in self.runs(d) {
+            let is_squeezed = run.start == 0 && self.squeezed > 0;
+            let j = scale * j;
+            let yy = u[1] * u[1];
+            let common = 3.0 * yy - 1.0;
+            let count = run.len();
+            let (sin, cos, sharpness) =
+                (&self.sin[run.clone()], &self.cos[run.clone()], &self.sharpness[run.clone()]);
+            let (by_angle, by_sharpness, value) =
+                (&mut by_angle[run.clone()], &mut by_sharpness[run.clone()], &mut value[run]);
+            for i in 0..count {
+                let s = sharpness[i];
+                let (x, z) = (u[0] * sin[i], u[2] * cos[i]);
+                let (up, down) = (x + z - 1.0, x - z - 1.0);
+                let (above, below) = (j * exp(s * up), j * exp(s * down));
+                let (across_x, across_z) = (u[0] * cos[i], u[2] * sin[i]);
+                value[i] = above + below;
+                by_angle[i] = s * (above * (across_x - across_z) + below * (across_x + across_z));
+                by_sharpness[i] = s * (above * up + below * down);
+                if is_squeezed {
+                    by_squeeze[i] = above * (common + s * yy * (x + z)) + below * (common + s * yy * (x - z));
+                }
+            }
+        }
+        by_squeeze[self.squeezed] = scale * d[2] * FRAC_1_PI;
     }
 }
 
@@ -116,13 +132,15 @@ mod tests {
                 q[layout.sharpness(k)] = 6.0 * random.next() - 1.0;
             }
             let d = direction(1.5 * random.next(), 3.0 * random.next());
-            let mut slopes = [Slopes::default(); 4];
-            Lobes::new(&layout, &q).slopes(&d, &mut slopes);
+            let mut slopes = [0.0; 15];
+            Lobes::new(&layout, &q).slopes(&d, 1.0, &mut slopes);
+            assert!((slopes[14] - d[2] * FRAC_1_PI).abs() < 1e-15);
             for k in 0..4 {
+                let value = slopes[8 + k];
                 for (index, slope) in [
-                    (0, slopes[k].by_ln_squeeze),
-                    (layout.angle(k), slopes[k].by_angle),
-                    (layout.sharpness(k), slopes[k].by_ln_sharpness),
+                    (0, if k < 2 { slopes[12 + k] } else { 0.0 }),
+                    (layout.angle(k), slopes[k]),
+                    (layout.sharpness(k), slopes[4 + k]),
                 ] {
                     let at = |h: f64| {
                         let mut q = q.clone();
@@ -133,12 +151,12 @@ mod tests {
                     };
                     let h = 1e-5;
                     let difference = (at(h) - at(-h)) / (2.0 * h);
-                    let scale = slopes[k].value.abs() + slope.abs() + 1e-9;
+                    let scale = value.abs() + slope.abs() + 1e-9;
                     assert!(
                         (difference - slope).abs() < 1e-6 * scale.max(1.0),
                         "{index}: {difference} {slope}"
                     );
-                    assert!((at(0.0) - slopes[k].value).abs() < 1e-12 * scale.max(1.0));
+                    assert!((at(0.0) - value).abs() < 1e-12 * scale.max(1.0));
                 }
             }
         }

@@ -14,42 +14,52 @@
 
 use crate::FitError;
 use crate::banded::Banded;
-use crate::model::{Lobes, Slopes};
-use crate::parameters::{Layout, sphere_integral};
+use crate::data_term::{self, Point};
+use crate::model::Lobes;
+use crate::parameters::{LN_SHARPNESS_DEFENSIVE, Layout, sphere_integral};
 use crate::table::{Table, View};
 use rayon::prelude::*;
-use std::f64::consts::FRAC_1_PI;
 
 /// Weight of the relative variance beside the squared relative L2 error.
 const TAIL: f64 = 0.03;
 /// Share of a view's mean below which the variance no longer asks for relative accuracy: there it is noise.
 const TAIL_FLOOR: f64 = 0.05;
-/// Weight of the squared relative error of the albedo beside the squared relative L2 error.
-const ENERGY: f64 = 1.0;
+/// Share of the albedo that the defensive lobe has at least. With its bounds (`crate::parameters`) every direction has at
+/// least 0.012 of it as density, 2.5e-5 / sr: that bounds `f cos / pdf`.
+const DEFENSIVE: f64 = 0.002;
 /// Albedo from which a view is pulled down.
 const CEILING: f64 = 0.96;
 /// Weight of the excess.
 const CEILING_WEIGHT: f64 = 30.0;
 /// Views between two knots at which the ceiling is watched.
 const WATCHED: usize = 4;
+/// Most that the weight of a view changes by its error.
+const MOST_FACTOR: f64 = 2.5;
 /// Weight of the change in the last interval beside that of second differences.
 const HOLD: f64 = 0.1;
 
-struct Point {
-    direction: [f64; 3],
-    target: [f64; 3],
-    weight: f64,
+/// Weights that change in the course of a fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Weights {
+    /// Of the roughness.
+    pub smoothness: f64,
+    /// Of the squared relative error of the albedo beside the squared relative L2 error.
+    pub energy: f64,
 }
 
-struct Data {
-    place: (usize, f64),
-    points: Vec<Point>,
+/// One view as the fit sees it.
+#[derive(Clone)]
+pub(crate) struct Data {
+    pub place: (usize, f64),
+    pub points: Vec<Point>,
     albedo: [f64; 3],
 }
 
 /// Linearisation in one view: half the gradient, and the lower half of the Gauss-Newton matrix, by its unknowns.
 struct Block {
     place: (usize, f64),
+    /// Diagonal of the data term.
+    scale: Vec<f64>,
     cost: f64,
     gradient: Vec<f64>,
     matrix: Vec<f64>,
@@ -60,13 +70,19 @@ pub(crate) struct Linearized {
     pub cost: f64,
     pub gradient: Vec<f64>,
     pub matrix: Banded,
+    /// Diagonal of the matrix without the albedo terms, to which damping is relative: those terms are stiff in one direction
+    /// and must not hold up the others.
+    pub scale: Vec<f64>,
 }
 
 /// The sum of squares over a table, for a layout.
+#[derive(Clone)]
 pub(crate) struct Objective {
     pub layout: Layout,
-    views: Vec<Data>,
+    pub views: Vec<Data>,
     watched: Vec<(usize, f64)>,
+    /// Least logarithm of the amplitude of the defensive lobe, by knot and channel.
+    ln_defensive: Vec<[f64; 3]>,
     /// Added to both albedos of a ratio: black stays black without a logarithm of 0.
     black: f64,
 }
@@ -86,25 +102,87 @@ impl Objective {
             let solid: f64 = view.samples.iter().map(|s| s.weight).sum();
             let mean = (energy / solid).max(1e-9 * brightest);
             let points = view.samples.iter().map(|s| {
-                let relative = TAIL / ((bright(s) + TAIL_FLOOR * mean) * (mean * solid)) / 3.0;
+                let base = s.weight / norm / count;
+                let tail = TAIL * s.weight / (mean * solid) / 3.0 / count;
+                let floor = TAIL_FLOOR * mean * 2.0 * s.direction[2];
+                let target = s.rgb.map(|v| v * s.direction[2]);
                 Point {
                     direction: s.direction,
-                    target: s.rgb.map(|v| v * s.direction[2]),
-                    weight: s.weight * (1.0 / norm + relative) / count,
+                    target,
+                    weight: base + tail / (bright(s) + floor),
+                    base,
+                    tail,
+                    floor,
                 }
             });
             Data { place: layout.place(view.theta), points: points.collect(), albedo: view.albedo }
         };
         let views = table.views.iter().map(data).collect();
+        let ln_defensive = layout.knots.iter().map(|&theta| {
+            let far = |v: &&View| (v.theta - theta).abs();
+            let nearest = table.views.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+            let albedo = nearest.map_or([0.0; 3], |v| v.albedo);
+            albedo.map(|a| {
+                libm::log(DEFENSIVE * a.max(1e-9 * brightest) / sphere_integral(LN_SHARPNESS_DEFENSIVE.1).0)
+            })
+        });
+        let ln_defensive = ln_defensive.collect();
         let last = layout.knots.len() - 1;
         let between = |knot: usize| (0..WATCHED).map(move |i| (knot, i as f64 / WATCHED as f64));
         let mut watched: Vec<(usize, f64)> = (0..last).flat_map(between).collect();
         watched.push((last - usize::from(last > 0), if last > 0 { 1.0 } else { 0.0 }));
-        Ok(Self { layout, views, watched, black: 1e-4 * brightest })
+        Ok(Self { layout, views, watched, ln_defensive, black: 1e-4 * brightest })
+    }
+
+    /// Least and greatest value of an unknown, at its knot.
+    pub fn bounds(&self, unknown: usize) -> (f64, f64) {
+        let (knot, index) = (unknown / self.layout.stride(), unknown % self.layout.stride());
+        let (low, high) = self.layout.bounds(index);
+        if let Some(lobe) = self.layout.defensive() {
+            for c in 0..3 {
+                if index == self.layout.amplitude(c, lobe) {
+                    return (low.max(self.ln_defensive[knot][c]), high);
+                }
+            }
+        }
+        (low, high)
+    }
+
+    /// The same with weights that follow the fit. Views count in inverse proportion to their error, so that what is made small
+    /// is the mean error, not the mean of its square. The tail counts as if the lobes' values were the table's where they
+    /// are lower: there a renderer that samples the lobes gets its largest weights.
+    pub fn reweighed(&self, x: &[f64]) -> Self {
+        let mut new = self.clone();
+        let mut q = vec![0.0; self.layout.stride()];
+        let mut unit = vec![0.0; self.layout.lobes + 1];
+        let mut errors = Vec::with_capacity(new.views.len());
+        for view in &mut new.views {
+            self.layout.interpolate(x, view.place, &mut q);
+            let (lobes, amplitudes) = (Lobes::new(&self.layout, &q), amplitudes(&self.layout, &q));
+            let mut square = 0.0;
+            for point in &mut view.points {
+                lobes.values(&point.direction, &mut unit);
+                let mut sum = 0.0;
+                for (a, target) in amplitudes.iter().zip(point.target) {
+                    let value: f64 = a.iter().zip(&unit).map(|(a, u)| a * u).sum();
+                    square += point.base * (value - target) * (value - target);
+                    sum += value;
+                }
+                let bright = point.target.iter().sum::<f64>();
+                point.weight = point.tail / (sum.min(bright) / 3.0 + point.floor);
+            }
+            errors.push(libm::sqrt(square));
+        }
+        let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
+        for (view, error) in new.views.iter_mut().zip(errors) {
+            let factor = if error > 0.0 { (mean / error).clamp(1.0 / MOST_FACTOR, MOST_FACTOR) } else { 1.0 };
+            view.points.iter_mut().for_each(|p| p.weight += factor * p.base);
+        }
+        new
     }
 
     /// The cost at a point.
-    pub fn cost(&self, x: &[f64], smoothness: f64) -> f64 {
+    pub fn cost(&self, x: &[f64], weights: Weights) -> f64 {
         let layout = &self.layout;
         let parts: Vec<f64> = self
             .views
@@ -114,17 +192,11 @@ impl Objective {
                 layout.interpolate(x, view.place, &mut q);
                 let lobes = Lobes::new(layout, &q);
                 let amplitudes = amplitudes(layout, &q);
-                let mut unit = vec![0.0; layout.lobes + 1];
-                let mut cost = 0.0;
-                for p in &view.points {
-                    lobes.values(&p.direction, &mut unit);
-                    for (a, target) in amplitudes.iter().zip(p.target) {
-                        let value: f64 = a.iter().zip(&unit).map(|(a, u)| a * u).sum();
-                        cost += p.weight * (value - target) * (value - target);
-                    }
-                }
+                let mut cost = data_term::cost(&lobes, &amplitudes, &view.points);
                 let albedo = layout.albedo(&q);
-                (0..3).for_each(|c| cost += self.energy_residual(albedo[c], view.albedo[c]).powi(2));
+                (0..3).for_each(|c| {
+                    cost += self.energy_residual(albedo[c], view.albedo[c], weights.energy).powi(2)
+                });
                 cost
             })
             .collect();
@@ -134,7 +206,7 @@ impl Objective {
             layout.interpolate(x, place, &mut q);
             cost += layout.albedo(&q).iter().map(|a| self.excess(*a).powi(2)).sum::<f64>();
         }
-        self.for_each_difference(smoothness, |terms| {
+        self.for_each_difference(weights.smoothness, |terms| {
             let r: f64 = terms.iter().map(|&(index, factor)| factor * x[index]).sum();
             cost += r * r;
         });
@@ -142,10 +214,11 @@ impl Objective {
     }
 
     /// The problem linearised at a point. The cost is that of [`cost`](Self::cost).
-    pub fn linearize(&self, x: &[f64], smoothness: f64) -> Linearized {
+    pub fn linearize(&self, x: &[f64], weights: Weights) -> Linearized {
         let layout = &self.layout;
         let p = layout.stride();
-        let mut blocks: Vec<Block> = self.views.par_iter().map(|view| self.linearize_view(view, x)).collect();
+        let mut blocks: Vec<Block> =
+            self.views.par_iter().map(|view| self.linearize_view(view, x, weights.energy)).collect();
         for &place in &self.watched {
             let mut q = vec![0.0; p];
             layout.interpolate(x, place, &mut q);
@@ -153,7 +226,13 @@ impl Objective {
             if albedo.iter().all(|a| self.excess(*a) == 0.0) {
                 continue;
             }
-            let mut block = Block { place, cost: 0.0, gradient: vec![0.0; p], matrix: vec![0.0; p * p] };
+            let mut block = Block {
+                place,
+                scale: vec![0.0; p],
+                cost: 0.0,
+                gradient: vec![0.0; p],
+                matrix: vec![0.0; p * p],
+            };
             for (channel, &a) in albedo.iter().enumerate() {
                 let excess = self.excess(a);
                 if excess > 0.0 {
@@ -172,6 +251,7 @@ impl Objective {
         let mut sum = Linearized {
             cost: 0.0,
             gradient: vec![0.0; layout.len()],
+            scale: vec![0.0; layout.len()],
             matrix: Banded::zeros(layout.len(), (2 * p).min(layout.len() - 1)),
         };
         for block in &blocks {
@@ -181,6 +261,7 @@ impl Objective {
             for (a, (knot_a, share_a)) in ends.into_iter().enumerate().filter(|e| e.1.1 > 0.0) {
                 for i in 0..p {
                     sum.gradient[knot_a * p + i] += share_a * block.gradient[i];
+                    sum.scale[knot_a * p + i] += share_a * share_a * block.scale[i];
                 }
                 for (knot_b, share_b) in ends.into_iter().take(a + 1).filter(|e| e.1 > 0.0) {
                     let share = share_a * share_b;
@@ -194,11 +275,12 @@ impl Objective {
                 }
             }
         }
-        self.for_each_difference(smoothness, |terms| {
+        self.for_each_difference(weights.smoothness, |terms| {
             let r: f64 = terms.iter().map(|&(index, factor)| factor * x[index]).sum();
             sum.cost += r * r;
             for (a, &(i, fi)) in terms.iter().enumerate() {
                 sum.gradient[i] += fi * r;
+                sum.scale[i] += fi * fi;
                 for &(j, fj) in &terms[..=a] {
                     sum.matrix.add(i, j, fi * fj);
                 }
@@ -207,7 +289,7 @@ impl Objective {
         sum
     }
 
-    fn linearize_view(&self, view: &Data, x: &[f64]) -> Block {
+    fn linearize_view(&self, view: &Data, x: &[f64], energy: f64) -> Block {
         let layout = &self.layout;
         let (p, k) = (layout.stride(), layout.lobes);
         let mut q = vec![0.0; p];
@@ -215,46 +297,18 @@ impl Objective {
         let lobes = Lobes::new(layout, &q);
         let amplitude = amplitudes(layout, &q);
 
-        // The Jacobian is a product: a derivative of a unit lobe, the same for all channels, times an amplitude. So only the
-        // Gram matrix of the derivatives is summed over the samples.
-        let width = 3 * k + layout.squeezed + 1;
-        let mut gram = vec![0.0; width * width];
-        let mut moment = vec![[0.0; 3]; width];
-        let mut basis = vec![0.0; width];
-        let mut slopes = vec![Slopes::default(); k];
-        let mut cost = 0.0;
-        for point in &view.points {
-            lobes.slopes(&point.direction, &mut slopes);
-            let root = libm::sqrt(point.weight);
-            for (n, s) in slopes.iter().enumerate() {
-                basis[n] = root * s.by_angle;
-                basis[k + n] = root * s.by_ln_sharpness;
-                basis[2 * k + n] = root * s.value;
-                if n < layout.squeezed {
-                    basis[3 * k + n] = root * s.by_ln_squeeze;
-                }
-            }
-            basis[width - 1] = root * point.direction[2] * FRAC_1_PI;
-            let mut residual = [0.0; 3];
-            for c in 0..3 {
-                let value: f64 = amplitude[c].iter().zip(&basis[2 * k..3 * k]).map(|(a, u)| a * u).sum();
-                let value = value + amplitude[c][k] * basis[width - 1];
-                residual[c] = value - root * point.target[c];
-                cost += residual[c] * residual[c];
-            }
-            for (i, &b) in basis.iter().enumerate() {
-                if b == 0.0 {
-                    continue;
-                }
-                for (g, v) in gram[i * width..=i * width + i].iter_mut().zip(&basis) {
-                    *g += b * v;
-                }
-                (0..3).for_each(|c| moment[i][c] += b * residual[c]);
-            }
-        }
+        let data_term::Sums { cost, gram, moment } =
+            data_term::sums(&lobes, &amplitude, &view.points, layout.squeezed);
 
         // From derivatives of unit lobes to derivatives by the unknowns.
-        let mut block = Block { place: view.place, cost, gradient: vec![0.0; p], matrix: vec![0.0; p * p] };
+        let width = 3 * k + layout.squeezed + 1;
+        let mut block = Block {
+            place: view.place,
+            scale: vec![0.0; p],
+            cost,
+            gradient: vec![0.0; p],
+            matrix: vec![0.0; p * p],
+        };
         let lobe_of = |i: usize| if i == width - 1 { k } else { i % k };
         let target = |i: usize, channel: usize| match i / k {
             _ if i == width - 1 => layout.diffuse(channel),
@@ -265,7 +319,7 @@ impl Objective {
         };
         for i in 0..width {
             for c in 0..3 {
-                block.gradient[target(i, c)] += amplitude[c][lobe_of(i)] * moment[i][c];
+                block.gradient[target(i, c)] += amplitude[c][lobe_of(i)] * moment[c][i];
                 for j in 0..=i {
                     let value = amplitude[c][lobe_of(i)] * amplitude[c][lobe_of(j)] * gram[i * width + j];
                     let (a, b) = (target(i, c), target(j, c));
@@ -277,10 +331,11 @@ impl Objective {
                 }
             }
         }
+        (0..p).for_each(|i| block.scale[i] = block.matrix[i * p + i]);
         let albedo = layout.albedo(&q);
         for (c, (&fitted, &data)) in albedo.iter().zip(&view.albedo).enumerate() {
-            let residual = self.energy_residual(fitted, data);
-            let slope = libm::sqrt(ENERGY / (3.0 * self.views.len() as f64)) / (fitted + self.black);
+            let residual = self.energy_residual(fitted, data, energy);
+            let slope = libm::sqrt(energy / (3.0 * self.views.len() as f64)) / (fitted + self.black);
             self.add_albedo_row(&mut block, &q, c, residual, slope);
         }
         block
@@ -309,8 +364,8 @@ impl Objective {
         }
     }
 
-    fn energy_residual(&self, fitted: f64, data: f64) -> f64 {
-        libm::sqrt(ENERGY / (3.0 * self.views.len() as f64))
+    fn energy_residual(&self, fitted: f64, data: f64, weight: f64) -> f64 {
+        libm::sqrt(weight / (3.0 * self.views.len() as f64))
             * libm::log((fitted + self.black) / (data + self.black))
     }
 
@@ -353,7 +408,7 @@ fn norm_squared(view: &View) -> f64 {
 }
 
 /// Amplitudes of the lobes and of the diffuse term, per channel.
-fn amplitudes(layout: &Layout, q: &[f64]) -> [Vec<f64>; 3] {
+pub(crate) fn amplitudes(layout: &Layout, q: &[f64]) -> [Vec<f64>; 3] {
     let channel = |c| (0..layout.lobes).map(move |k| layout.amplitude(c, k)).chain([layout.diffuse(c)]);
     [0, 1, 2].map(|c| channel(c).map(|i| libm::exp(q[i])).collect())
 }
@@ -385,7 +440,7 @@ mod tests {
     #[test]
     fn gradient_and_cost_agree_with_differences() {
         let (objective, x) = problem();
-        let smoothness = 0.1;
+        let smoothness = Weights { smoothness: 0.1, energy: 2.0 };
         let linearized = objective.linearize(&x, smoothness);
         let cost = objective.cost(&x, smoothness);
         assert!((linearized.cost - cost).abs() < 1e-12 * cost, "{} {cost}", linearized.cost);
@@ -420,13 +475,14 @@ mod tests {
                 point.target = [0, 1, 2].map(|c| (0..4).map(|k| a[c][k] * unit[k]).sum());
             }
         }
-        let linearized = objective.linearize(&x, 0.0);
+        let none = Weights { smoothness: 0.0, energy: 1.0 };
+        let linearized = objective.linearize(&x, none);
         let scale = (0..x.len()).map(|i| linearized.matrix.diagonal(i)).fold(0.0, f64::max);
         let mut random = Random::new(5);
         for _ in 0..20 {
             let step: Vec<f64> = x.iter().map(|_| 1e-5 * (random.next() - 0.5)).collect();
             let moved: Vec<f64> = x.iter().zip(&step).map(|(x, s)| x + s).collect();
-            let expected = objective.cost(&moved, 0.0);
+            let expected = objective.cost(&moved, none);
             let quadratic = linearized.matrix.quadratic(&step);
             assert!((expected - quadratic).abs() < 1e-3 * expected + 1e-16 * scale, "{expected} {quadratic}");
         }

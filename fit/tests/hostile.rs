@@ -6,6 +6,9 @@ use srbf_fit::{Settings, fit};
 
 const FLAT: f64 = 0.2;
 
+/// Such a fit takes a tenth of a second; a machine may be busy.
+const MOST_SECONDS: u64 = 60;
+
 fn direction(theta: f64, phi: f64) -> [f64; 3] {
     [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()]
 }
@@ -26,9 +29,16 @@ fn table(f: impl Fn(f64, [f64; 3]) -> f64) -> Vec<(f64, Scattered)> {
 /// Fits with few steps, and checks that the material is sound at every view; returns the mean error.
 fn sound(views: Vec<(f64, Scattered)>) -> Result<f64, srbf_fit::FitError> {
     let table = Table::from_scattered(views)?;
-    let settings = Settings { lobes: 6, starts: 3, steps: 20, ..Settings::default() };
+    let settings = Settings { lobes: 6, starts: 3, steps: 20, exchanges: 2, ..Settings::default() };
+    let start = std::time::Instant::now();
     let fit = fit(&table, &settings, |share| assert!((0.0..=1.0).contains(&share)))?;
+    assert!(start.elapsed().as_secs() < MOST_SECONDS, "{:?}", start.elapsed());
     let material = Material::from_bytes(&fit.bytes).unwrap();
+    for (view, lobe) in (0..material.view_count()).flat_map(|v| (0..6).map(move |k| (v, k))) {
+        let lobe = material.view_lobe(view, lobe).unwrap();
+        let finite = lobe.log2_amplitude.iter().all(|a| a.is_finite());
+        assert!(finite && lobe.angle.is_finite() && lobe.log2_sharpness.is_finite(), "{view}: {lobe:?}");
+    }
     let mut mixture = Mixture::<MAX_LOBES>::empty();
     for degrees in 0..=90 {
         let (sin, cos) = (degrees as f32).to_radians().sin_cos();
@@ -69,6 +79,102 @@ fn stiff_tables_give_sound_materials() {
     sound(table(|_, d| (1e4 * (d[0] + 3.0 * d[1])).sin().abs())).unwrap();
     sound(table(|_, _| 1e8)).unwrap();
     sound(table(|_, _| 1e-12)).unwrap();
+}
+
+/// One sample that is not zero, at one view or at each.
+#[test]
+fn a_mirror_of_one_sample_gives_a_sound_material() {
+    for mirrors in [1, 4] {
+        let mut views = table(|_, _| 0.0);
+        for (theta, samples) in views.iter_mut().take(mirrors) {
+            samples.push((direction(*theta, 0.0), [1e4, 1e4, 1e4]));
+        }
+        sound(views).unwrap();
+    }
+}
+
+/// Every value the same number, in every channel.
+#[test]
+fn equal_values_are_fitted_as_constants_are() {
+    let all = |value: f64| {
+        let mut views = table(|_, _| value);
+        views.iter_mut().for_each(|(_, samples)| samples.iter_mut().for_each(|(_, rgb)| *rgb = [value; 3]));
+        sound(views).unwrap()
+    };
+    assert!(all(0.1) < 0.01 && all(1e-6) < 0.01);
+    // An albedo of 1 is held a little below it.
+    assert!(all(1.0 / std::f64::consts::PI) < 0.06);
+    // These cannot be met: too dark to matter, and brighter than anything.
+    all(1e-30);
+    all(1e30);
+}
+
+/// Values over twelve decades within a view, and from one view to the next.
+#[test]
+fn twelve_decades_give_sound_materials() {
+    let noise = |d: [f64; 3]| (1e5 * (d[0] + 2.0 * d[1])).sin();
+    sound(table(|_, d| 1e6f64.powf(noise(d)))).unwrap();
+    sound(table(|t, _| 1e-6 * 1e12f64.powf(t / 1.3))).unwrap();
+    sound(table(|t, d| if t > 1.2 { 1e6 } else { 1e-6 * d[2] })).unwrap();
+}
+
+#[test]
+fn noise_of_five_per_cent_is_not_fitted_as_if_it_were_lobes() {
+    let noise = |d: [f64; 3]| 1.0 + 0.05 * 1.7 * (1e5 * (d[0] + 2.0 * d[1])).sin();
+    let gloss = |t: f64, d: [f64; 3]| {
+        let mirror = direction(t, 0.0);
+        let chord: f64 = (0..3).map(|k| (d[k] - mirror[k]).powi(2)).sum();
+        0.05 + (-10.0 * chord).exp()
+    };
+    let error = sound(table(|t, d| gloss(t, d) * noise(d))).unwrap();
+    assert!((0.01..0.12).contains(&error), "{error}");
+}
+
+/// The same directions with different values: the fit goes between them.
+#[test]
+fn directions_given_twice_with_different_values_are_averaged() {
+    let mut views = table(|_, _| 0.5 * FLAT);
+    let twice = table(|_, _| 1.5 * FLAT);
+    for ((_, samples), (_, more)) in views.iter_mut().zip(twice) {
+        samples.extend(more);
+    }
+    let error = sound(views).unwrap();
+    // Half of the difference over the root mean square of 0.5 and 1.5: 0.447.
+    assert!((error - 0.447).abs() < 0.02, "{error}");
+}
+
+/// A view with a hole in it: nothing is known of a quarter of the hemisphere, round the mirror direction.
+#[test]
+fn a_highlight_that_was_not_measured_gives_a_sound_material() {
+    let mut views = table(|t, d| if near_mirror(t, d) { 50.0 } else { FLAT });
+    views[1].1.retain(|(d, _)| d[0] < 0.2);
+    sound(views).unwrap();
+}
+
+#[test]
+fn any_number_of_lobes_and_of_views_gives_a_sound_material() {
+    let table = Table::from_scattered(table(|t, d| if near_mirror(t, d) { 5.0 } else { FLAT })).unwrap();
+    for (lobes, squeezed) in [(1, None), (1, Some(1)), (2, None), (3, Some(0)), (3, Some(3)), (20, None)] {
+        let settings = Settings { lobes, squeezed, starts: 2, steps: 8, exchanges: 1, ..Settings::default() };
+        let fit = fit(&table, &settings, |_| {}).unwrap();
+        assert!(fit.report.views.iter().all(|v| v.error < 1.0), "{lobes} {squeezed:?}: {:?}", fit.report);
+    }
+}
+
+/// As few lobes as reach an error, or why there are none.
+#[test]
+fn an_error_that_is_asked_for_is_reached_or_refused() {
+    let table = Table::from_scattered(table(|t, d| if near_mirror(t, d) { 5.0 } else { FLAT })).unwrap();
+    let settings = Settings { lobes: 6, starts: 2, steps: 30, exchanges: 1, ..Settings::default() };
+    let with = |error| fit(&table, &Settings { error: Some(error), ..settings.clone() }, |_| {});
+    let lobes = |bytes: &[u8]| Material::from_bytes(bytes).unwrap().lobe_count();
+    let easy = with(0.9).unwrap();
+    assert_eq!(lobes(&easy.bytes), 1);
+    let best = fit(&table, &settings, |_| {}).unwrap().report.mean_error();
+    let close = with(1.02 * best).unwrap();
+    assert!(close.report.mean_error() <= 1.02 * best && lobes(&close.bytes) > 1);
+    let refused = with(1e-6).unwrap_err().to_string();
+    assert!(refused.contains("6 lobes reach"), "{refused}");
 }
 
 #[test]
@@ -112,6 +218,10 @@ fn settings_out_of_range_are_refused() {
     for settings in [
         Settings { lobes: 0, ..default() },
         Settings { lobes: 65, ..default() },
+        Settings { error: Some(0.0), ..default() },
+        Settings { error: Some(f64::NAN), ..default() },
+        Settings { views: 1, ..default() },
+        Settings { exchanges: 1001, ..default() },
         Settings { squeezed: Some(13), ..default() },
         Settings { smoothness: f64::NAN, ..default() },
         Settings { starts: 0, ..default() },

@@ -38,7 +38,8 @@ pub fn write_png(path: &Path, comparisons: &[Comparison]) -> anyhow::Result<()> 
     picture_file::write_png(path, size, &pixels)
 }
 
-type Failure = Box<dyn std::error::Error>;
+/// Whatever plotters reports.
+pub type Failure = Box<dyn std::error::Error>;
 
 /// Makes the embedded font known to plotters.
 pub fn register_font() -> Result<(), &'static str> {
@@ -103,7 +104,7 @@ fn panel(
 }
 
 /// The range of positive values, widened to powers of ten; what is not positive has no place on a logarithmic axis.
-fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
+pub fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     let [low, high] = values
         .filter(|v| *v > 0.0 && v.is_finite())
         .fold([f64::INFINITY, 0.0], |[low, high], v| [f64::min(low, v), f64::max(high, v)]);
@@ -115,7 +116,7 @@ fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
 }
 
 /// Powers of ten and what lies between, without needless zeros.
-fn tick(value: &f64) -> String {
+pub fn tick(value: &f64) -> String {
     if (1e-4..1e6).contains(value) {
         format!("{}", (value * 1e6).round() / 1e6)
     } else {

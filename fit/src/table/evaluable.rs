@@ -2,8 +2,12 @@
 //!
 //! The directions of a view are drawn from a mixture of a uniform hemisphere and caps round the peak, each cap six times
 //! narrower in solid angle than the one before, down to the width of the peak, which is looked for in the plane of
-//! incidence first. Every part is a spiral of equal shares; a direction weighs one over the density of the whole (the
+//! incidence first. Caps are folded at the horizon and squeezed across the plane of incidence as a highlight is
+//! (`srbf_core` does the same to lobes), so that none of their directions is lost and grazing peaks are seen as well as others.
+//! Every part is a spiral of equal shares; a direction weighs one over the density of the whole (the
 //! balance heuristic), so the sum is a quadrature over the hemisphere that sees a peak of any width.
+//!
+//! The albedo is integrated with `FINER` times as many directions: the fit is held to it more closely than to a sample.
 
 use super::{Sample, Table, View, direction};
 use crate::FitError;
@@ -58,6 +62,12 @@ const NARROWER: f64 = 6.0;
 /// Sharpness that caps may reach.
 const NARROWEST: f64 = 4e6;
 
+/// Directions for the albedo, over those of the samples.
+const FINER: usize = 6;
+
+/// Squeeze of the caps at the horizon, where the cosine is 0.
+const LEAST_SQUEEZE: f64 = 0.06;
+
 /// Steps of the search along the plane of incidence, and smallest distance from the mirror direction, radians.
 const SEARCH: usize = 720;
 const CLOSEST: f64 = 1e-4;
@@ -91,60 +101,91 @@ fn value(brdf: &dyn Brdf, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
 fn tabulate(brdf: &dyn Brdf, theta: f64, density: Density) -> View {
     let (sin, cos) = libm::sincos(theta);
     let wo = [-sin, 0.0, cos];
-    let bright = |d: [f64; 3]| value(brdf, d, wo).iter().sum::<f64>() * d[2];
-    let (peak, width) =
-        find_peak(&|angle| bright(direction(angle.abs(), if angle < 0.0 { PI } else { 0.0 })), theta);
-
-    // Caps down to the width of the peak; towards grazing it is narrower across the plane, by about the cosine.
-    let sharpest = (1.0 / (width * width * cos.max(0.1))).min(NARROWEST);
-    let mut caps = vec![];
-    let mut s = WIDEST;
-    loop {
-        caps.push(s);
-        if s >= sharpest {
-            break;
-        }
-        s *= NARROWER;
-    }
-    let axis = direction(peak.abs(), if peak < 0.0 { PI } else { 0.0 });
-    let tangent = [axis[2], 0.0, -axis[0]];
-
-    let mut directions: Vec<[f64; 3]> = Vec::new();
-    for i in 0..density.hemisphere {
-        let z = (i as f64 + 0.5) / density.hemisphere as f64;
-        let (sp, cp) = libm::sincos(GOLDEN * i as f64);
-        let r = libm::sqrt(1.0 - z * z);
-        directions.push([r * cp, (r * sp).abs(), z]);
-    }
-    for (n, s) in caps.iter().enumerate() {
-        for i in 0..density.cap {
-            let u = (i as f64 + 0.5) / density.cap as f64;
-            let w = -libm::log1p(u * libm::expm1(-2.0 * s)) / s;
-            let r = libm::sqrt(w * (2.0 - w));
-            let (sp, cp) = libm::sincos(GOLDEN * i as f64 + n as f64);
-            let mut d = [0.0; 3];
-            (0..3).for_each(|k| d[k] = axis[k] * (1.0 - w) + tangent[k] * r * cp);
-            d[1] += (r * sp).abs();
-            directions.push(d);
-        }
-    }
-    let probability = |d: &[f64; 3]| {
-        let chord: f64 = (0..3).map(|k| (d[k] - axis[k]) * (d[k] - axis[k])).sum();
-        let cap = |s: &f64| {
-            density.cap as f64 * s / (-2.0 * PI * libm::expm1(-2.0 * s)) * libm::exp(-0.5 * s * chord)
-        };
-        density.hemisphere as f64 / (2.0 * PI) + caps.iter().map(cap).sum::<f64>()
+    let in_plane = |angle: f64| {
+        let d = direction(angle.abs(), if angle < 0.0 { PI } else { 0.0 });
+        value(brdf, d, wo).iter().sum::<f64>() * d[2]
     };
-    let samples: Vec<Sample> = directions
-        .iter()
-        .filter(|d| d[2] > 1e-4)
-        .map(|d| Sample { direction: *d, rgb: value(brdf, *d, wo), weight: 1.0 / probability(d) })
-        .collect();
+    let (peak, width) = find_peak(&in_plane, theta);
+    let samples = draw(brdf, wo, Caps::new(peak, width, cos), density);
+    let finer = Density { hemisphere: FINER * density.hemisphere, cap: FINER * density.cap };
     let mut albedo = [0.0; 3];
-    for s in &samples {
+    for s in &draw(brdf, wo, Caps::new(peak, width, cos), finer) {
         (0..3).for_each(|c| albedo[c] += s.weight * s.rgb[c] * s.direction[2]);
     }
     View { theta, samples, albedo }
+}
+
+/// Caps round one axis in the plane of incidence.
+struct Caps {
+    axis: [f64; 3],
+    squeeze: f64,
+    /// Sharpness of each, rising.
+    sharpness: Vec<f64>,
+}
+
+impl Caps {
+    /// Caps down to the half width of a peak along the plane of incidence; across it they are squeezed by the cosine.
+    fn new(peak: f64, width: f64, cos: f64) -> Self {
+        let sharpest = (1.0 / (width * width)).min(NARROWEST);
+        let mut sharpness = vec![WIDEST];
+        while sharpness[sharpness.len() - 1] < sharpest {
+            sharpness.push(NARROWER * sharpness[sharpness.len() - 1]);
+        }
+        let axis = direction(peak.abs(), if peak < 0.0 { PI } else { 0.0 });
+        Self { axis, squeeze: cos.max(LEAST_SQUEEZE), sharpness }
+    }
+
+    /// Direction number `i` of `count` of a cap.
+    fn direction(&self, cap: usize, i: usize, count: usize) -> [f64; 3] {
+        let s = self.sharpness[cap];
+        let u = (i as f64 + 0.5) / count as f64;
+        let w = -libm::log1p(u * libm::expm1(-2.0 * s)) / s;
+        let r = libm::sqrt(w * (2.0 - w));
+        let (sp, cp) = libm::sincos(GOLDEN * i as f64 + cap as f64);
+        let tangent = [self.axis[2], 0.0, -self.axis[0]];
+        let mut d = [0.0; 3];
+        (0..3).for_each(|k| d[k] = self.axis[k] * (1.0 - w) + tangent[k] * r * cp);
+        d[1] = (r * sp).abs() * self.squeeze;
+        let length = libm::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+        [d[0] / length, d[1] / length, d[2].abs() / length]
+    }
+
+    /// Sum of the densities of all caps, each of `count` directions, 1/sr.
+    fn density(&self, d: &[f64; 3], count: usize) -> f64 {
+        let y = d[1] / self.squeeze;
+        let r = libm::sqrt(d[0] * d[0] + y * y + d[2] * d[2]);
+        let u = [d[0] / r, y / r, d[2] / r];
+        let chord = |z: f64| {
+            let at = [u[0] - self.axis[0], u[1] - self.axis[1], z - self.axis[2]];
+            at[0] * at[0] + at[1] * at[1] + at[2] * at[2]
+        };
+        let (above, below) = (chord(u[2]), chord(-u[2]));
+        let cap = |s: &f64| {
+            let lobes = libm::exp(-0.5 * s * above) + libm::exp(-0.5 * s * below);
+            s / (-2.0 * PI * libm::expm1(-2.0 * s)) * lobes
+        };
+        let sum: f64 = self.sharpness.iter().map(cap).sum();
+        count as f64 * sum / (self.squeeze * r * r * r)
+    }
+}
+
+/// Values at directions spread over the hemisphere and the caps.
+fn draw(brdf: &dyn Brdf, wo: [f64; 3], caps: Caps, density: Density) -> Vec<Sample> {
+    let spread = (0..density.hemisphere).map(|i| {
+        let z = (i as f64 + 0.5) / density.hemisphere as f64;
+        let (sp, cp) = libm::sincos(GOLDEN * i as f64);
+        let r = libm::sqrt(1.0 - z * z);
+        [r * cp, (r * sp).abs(), z]
+    });
+    let caps = &caps;
+    let capped = (0..caps.sharpness.len())
+        .flat_map(|cap| (0..density.cap).map(move |i| caps.direction(cap, i, density.cap)));
+    let probability = |d: &[f64; 3]| density.hemisphere as f64 / (2.0 * PI) + caps.density(d, density.cap);
+    spread
+        .chain(capped)
+        .filter(|d| d[2] > 1e-4)
+        .map(|d| Sample { direction: d, rgb: value(brdf, d, wo), weight: 1.0 / probability(&d) })
+        .collect()
 }
 
 /// Angle of the highest value in the plane of incidence, and the distance at which it has fallen to half.

@@ -1,5 +1,6 @@
 //! `srbf fit`.
 
+mod lobes_table;
 mod survey;
 
 use anyhow::Context;
@@ -31,9 +32,15 @@ pub struct Args {
     /// Writes nothing, and prints the error over samples and over views that were left out of the fit.
     #[arg(long, conflicts_with_all = ["survey", "output"])]
     cross_validate: bool,
+    /// Instead of a material, writes a table and a plot: error, bytes and run time against the number of lobes.
+    #[arg(long, conflicts_with_all = ["survey", "cross_validate", "error", "lobes"])]
+    lobes_table: bool,
     #[command(flatten)]
     settings: SettingArgs,
 }
+
+/// Lobes that `--error` may use.
+const MOST_LOBES: usize = 32;
 
 /// Settings of a fit on the command line.
 #[derive(Debug, clap::Args)]
@@ -41,6 +48,9 @@ pub struct SettingArgs {
     /// Lobes of every view, 1 to 64.
     #[arg(long)]
     lobes: Option<usize>,
+    /// Mean relative L2 error in per cent that is asked for: the fewest lobes that reach it are used, at most --lobes or 32.
+    #[arg(long, value_name = "PER_CENT")]
+    error: Option<f64>,
     /// How many of the lobes are squeezed across the plane of incidence.
     #[arg(long)]
     squeezed: Option<usize>,
@@ -53,18 +63,27 @@ pub struct SettingArgs {
     /// Most steps of the solver in the refinement.
     #[arg(long)]
     steps: Option<usize>,
+    /// Times that a lobe is exchanged, from each of the best starting points.
+    #[arg(long)]
+    exchanges: Option<usize>,
+    /// Views of the material, placed where it changes; for files that have a value for every pair of directions.
+    #[arg(long)]
+    views: Option<usize>,
 }
 
 impl SettingArgs {
     fn settings(&self) -> Settings {
         let default = Settings::default();
-        let lobes = self.lobes.unwrap_or(default.lobes);
+        let lobes = self.lobes.unwrap_or(if self.error.is_some() { MOST_LOBES } else { default.lobes });
         Settings {
             lobes,
+            error: self.error.map(|per_cent| per_cent / 100.0),
             squeezed: self.squeezed,
             smoothness: self.smoothness.unwrap_or(default.smoothness),
             starts: self.starts.unwrap_or(default.starts),
             steps: self.steps.unwrap_or(default.steps),
+            exchanges: self.exchanges.unwrap_or(default.exchanges),
+            views: self.views.unwrap_or(default.views),
             ..default
         }
     }
@@ -78,6 +97,9 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let file = args.file.context("a file is needed")?;
     if args.cross_validate {
         return cross_validate(&file, &args.settings.settings());
+    }
+    if args.lobes_table {
+        return lobes_table::run(&file, &args.settings.settings());
     }
     let stem = if file.to_string_lossy().starts_with(srbf_fit::table::model::PREFIX) {
         srbf_fit::table::read(&file)?.name.into()

@@ -1,0 +1,94 @@
+//! Fits to what a file holds: samples as they are, or a table made of what can be evaluated anywhere.
+
+use crate::anisotropic;
+use crate::choice;
+use crate::knots;
+use crate::report::ViewReport;
+use crate::table::evaluable::{Brdf, Density, Symmetry};
+use crate::table::{Content, Table};
+use crate::track::{self, ENERGY_OF_A_QUADRATURE};
+use crate::{Fit, FitError, Settings, fit};
+use std::time::Instant;
+
+/// Angle of the last view of a BRDF that can be evaluated, degrees.
+const LAST_KNOT: f64 = 87.0;
+
+/// Views of the table between two of the material's.
+const BETWEEN: usize = 3;
+
+/// Smoothness over that of the settings: with views between all knots less of it is needed (alum-bronze 3.9 % at unseen
+/// views in place of 4.4 %).
+const DENSE: f64 = 0.4;
+
+/// Golden section: its multiples are spread evenly, and never at the same places.
+const GOLDEN_SECTION: f64 = 0.618_033_988_75;
+
+/// Directions of a held-out view.
+const HELD_OUT: Density = Density { hemisphere: 1000, cap: 300 };
+
+/// Fits lobes to a measurement: to its samples, or to a table of what can be evaluated.
+///
+/// In the second case the material's views are placed where it changes, up to 87 degrees (unless the settings name
+/// them), the views of the table lie between them, and the report has held-out views in the middle of every interval.
+///
+/// # Errors
+/// As [`fit`].
+pub fn fit_content(
+    content: &Content,
+    settings: &Settings,
+    progress: impl FnMut(f64),
+) -> Result<Fit, FitError> {
+    settings.check()?;
+    match content {
+        Content::Samples(table) => fit(table, settings, progress),
+        Content::Evaluable(brdf) => fit_evaluable(brdf.as_ref(), settings, progress),
+    }
+}
+
+fn fit_evaluable(brdf: &dyn Brdf, settings: &Settings, progress: impl FnMut(f64)) -> Result<Fit, FitError> {
+    if let Some(error) = settings.error {
+        return choice::fewest_lobes(settings, error, progress, |s| fit_with(brdf, s, |_| {}));
+    }
+    fit_with(brdf, settings, progress)
+}
+
+/// As many lobes as the settings say.
+fn fit_with(brdf: &dyn Brdf, settings: &Settings, progress: impl FnMut(f64)) -> Result<Fit, FitError> {
+    if brdf.symmetry() != Symmetry::Isotropic {
+        return anisotropic::fit_brdf(brdf, settings, progress);
+    }
+    let start = Instant::now();
+    let last = LAST_KNOT.to_radians();
+    let knots = match &settings.knots {
+        Some(knots) => knots.clone(),
+        None => knots::place(brdf, settings.views, last)?,
+    };
+    let end = knots[knots.len() - 1].min(last);
+    let table = Table::from_brdf(brdf, &tabulated(&knots, end), Density::default())?;
+    let mut middles: Vec<f64> = knots.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
+    middles.retain(|&theta| theta < end);
+    let held_out =
+        if middles.is_empty() { Vec::new() } else { Table::from_brdf(brdf, &middles, HELD_OUT)?.views };
+
+    let smoothness = DENSE * settings.smoothness;
+    let settings = Settings { knots: Some(knots), smoothness, ..settings.clone() };
+    let mut fit = track::run(&table, &settings, ENERGY_OF_A_QUADRATURE, progress)?;
+    let reports = held_out.iter().map(|view| ViewReport::new(&fit.bytes, view));
+    fit.report.held_out = reports.collect::<Result<_, _>>()?;
+    fit.report.seconds = start.elapsed().as_secs_f64();
+    Ok(fit)
+}
+
+/// Angles of the table's views: at irregular places in every interval, so that what a lobe does between knots is seen
+/// wherever it happens, and at the end.
+fn tabulated(knots: &[f64], end: f64) -> Vec<f64> {
+    let mut thetas = vec![end];
+    for (n, w) in knots.windows(2).enumerate() {
+        for i in 0..BETWEEN {
+            let irregular = (GOLDEN_SECTION * (BETWEEN * n + i) as f64).fract();
+            thetas.push(w[0] + (w[1] - w[0]) * (i as f64 + irregular) / BETWEEN as f64);
+        }
+    }
+    thetas.retain(|&theta| theta <= end);
+    thetas
+}

@@ -1,0 +1,246 @@
+//! Out of a local minimum: the lobe that is missed least is put where it is missed most.
+//!
+//! What a lobe is worth at a view is what the sum of squares grows by when it is taken out and the amplitudes of all others
+//! are chosen again: `a^2 / (G^-1)_kk` with the Gram matrix G of the unit lobes. Of two lobes that have merged, each is worth
+//! nothing. The new lobe is one of a few families (sharpness and lean constant over the views), the one that alone would take most
+//! off what is left at present. Then all lobes are moved downhill together; if that ends higher than before, all is put back.
+
+use crate::levenberg::{self, Limits};
+use crate::model::Lobes;
+use crate::objective::Objective;
+use crate::random::Random;
+
+/// Families from which a new lobe is chosen.
+const FAMILIES: usize = 60;
+
+/// Decrease of the cost from which an exchange is kept.
+const IMPROVEMENT: f64 = 1e-3;
+
+/// Share of the best amplitude with which a new lobe starts.
+const CAUTION: f64 = 0.7;
+
+/// A family of lobes: the same sharpness at all views, and an axis in proportion to the angle of the view.
+#[derive(Clone, Copy, Debug)]
+struct Family {
+    ln_sharpness: f64,
+    lean: f64,
+}
+
+/// What the exchange looks at in one view.
+struct Residual {
+    theta: f64,
+    q: Vec<f64>,
+    /// Target minus value per channel, for every sample.
+    left: Vec<[f64; 3]>,
+    worth: Vec<f64>,
+}
+
+/// Exchanges lobes up to `rounds` times; `tick` is called after each step of the solver. Returns the cost.
+pub(crate) fn exchange(
+    objective: &Objective,
+    x: &mut Vec<f64>,
+    cost: f64,
+    (rounds, limits): (usize, Limits),
+    mut tick: impl FnMut(),
+) -> f64 {
+    let layout = &objective.layout;
+    let mut random = Random::new(0xe8c4);
+    let mut cost = cost;
+    // Slots that were tried in vain since the last success.
+    let mut vain: Vec<usize> = Vec::new();
+    for _ in 0..rounds {
+        let residuals: Vec<Residual> = objective.residuals(x);
+        let worth = |k: usize| residuals.iter().map(|r| r.worth[k]).sum::<f64>();
+        let slot = (0..layout.lobes)
+            .filter(|&k| !vain.contains(&k) && layout.defensive() != Some(k))
+            .min_by(|&a, &b| worth(a).total_cmp(&worth(b)));
+        let Some(slot) = slot else { break };
+        let families: Vec<Family> = (0..FAMILIES).map(|_| Family::random(&mut random)).collect();
+        let gain = |f: &Family| objective.gain(&residuals, slot, *f);
+        let gains: Vec<f64> = families.iter().map(gain).collect();
+        let best = (0..FAMILIES).max_by(|&a, &b| gains[a].total_cmp(&gains[b])).unwrap_or(0);
+        let mut moved = x.clone();
+        objective.put(&residuals, slot, families[best], &mut moved);
+        let reached = levenberg::minimize(objective, &mut moved, limits, &mut tick);
+        if reached < cost * (1.0 - IMPROVEMENT) {
+            cost = reached;
+            *x = moved;
+            vain.clear();
+        } else {
+            vain.push(slot);
+        }
+    }
+    cost
+}
+
+impl Family {
+    fn random(random: &mut Random) -> Self {
+        let ln_sharpness = 0.5 + 9.5 * random.next();
+        // Sharp lobes follow the mirror direction, wide ones may point anywhere between.
+        let spread = 1.0 / (1.0 + 0.2 * ln_sharpness);
+        Self { ln_sharpness, lean: 1.05 - spread * 2.0 * random.next() }
+    }
+
+    /// The unknowns of a view with the family in a slot, amplitudes 1.
+    fn shape(&self, objective: &Objective, slot: usize, theta: f64, q: &mut [f64]) {
+        let layout = &objective.layout;
+        q[layout.angle(slot)] = self.lean * theta;
+        q[layout.sharpness(slot)] = self.ln_sharpness;
+    }
+}
+
+impl Objective {
+    fn residuals(&self, x: &[f64]) -> Vec<Residual> {
+        let layout = &self.layout;
+        let count = layout.lobes + 1;
+        let view =
+            |data: &crate::objective::Data| {
+                let mut q = vec![0.0; layout.stride()];
+                layout.interpolate(x, data.place, &mut q);
+                let lobes = Lobes::new(layout, &q);
+                let amplitudes = crate::objective::amplitudes(layout, &q);
+                let mut gram = vec![0.0; count * count];
+                let mut unit = vec![0.0; count];
+                let mut left = Vec::with_capacity(data.points.len());
+                for p in &data.points {
+                    lobes.values(&p.direction, &mut unit);
+                    left.push([0, 1, 2].map(|c| {
+                        p.target[c] - amplitudes[c].iter().zip(&unit).map(|(a, u)| a * u).sum::<f64>()
+                    }));
+                    for i in 0..count {
+                        for j in 0..=i {
+                            gram[i * count + j] += p.weight * unit[i] * unit[j];
+                        }
+                    }
+                }
+                let inverse = inverse_diagonal(&gram, count);
+                let power = |k: usize| amplitudes.iter().map(|a| a[k] * a[k]).sum::<f64>();
+                let worth = (0..layout.lobes).map(|k| power(k) / inverse[k]).collect();
+                let (knot, blend) = data.place;
+                let end = layout.knots[(knot + 1).min(layout.knots.len() - 1)];
+                let theta = layout.knots[knot] + blend * (end - layout.knots[knot]);
+                Residual { theta, q, left, worth }
+            };
+        self.views.iter().map(view).collect()
+    }
+
+    /// Best amplitudes of a family at a view, in place of the lobe in a slot, and what they take off the sum of squares.
+    fn best(&self, view: usize, residual: &Residual, slot: usize, family: Family) -> ([f64; 3], f64) {
+        let layout = &self.layout;
+        let mut q = residual.q.clone();
+        let old = Lobes::new(layout, &q);
+        family.shape(self, slot, residual.theta, &mut q);
+        let new = Lobes::new(layout, &q);
+        let (mut square, mut moment) = (0.0, [0.0; 3]);
+        for (p, left) in self.views[view].points.iter().zip(&residual.left) {
+            let (u, v) = (new.value(slot, &p.direction), old.value(slot, &p.direction));
+            square += p.weight * u * u;
+            for c in 0..3 {
+                let without = left[c] + libm::exp(residual.q[layout.amplitude(c, slot)]) * v;
+                moment[c] += p.weight * u * without;
+            }
+        }
+        let amplitude = moment.map(|m| if square > 0.0 { m.max(0.0) / square } else { 0.0 });
+        (amplitude, amplitude.iter().map(|a| a * a * square).sum())
+    }
+
+    fn gain(&self, residuals: &[Residual], slot: usize, family: Family) -> f64 {
+        residuals.iter().enumerate().map(|(n, r)| self.best(n, r, slot, family).1).sum()
+    }
+
+    fn put(&self, residuals: &[Residual], slot: usize, family: Family, x: &mut [f64]) {
+        let layout = &self.layout;
+        let p = layout.stride();
+        let found: Vec<[f64; 3]> =
+            residuals.iter().enumerate().map(|(n, r)| self.best(n, r, slot, family).0).collect();
+        let largest = found.iter().flatten().copied().fold(1e-9, f64::max);
+        for (knot, &theta) in layout.knots.iter().enumerate() {
+            let q = &mut x[knot * p..(knot + 1) * p];
+            family.shape(self, slot, theta, q);
+            let closer = |a: &usize, b: &usize| {
+                (residuals[*a].theta - theta).abs().total_cmp(&(residuals[*b].theta - theta).abs())
+            };
+            let Some(near) = (0..residuals.len()).min_by(closer) else { continue };
+            for c in 0..3 {
+                q[layout.amplitude(c, slot)] = libm::log((CAUTION * found[near][c]).max(1e-4 * largest));
+            }
+        }
+    }
+}
+
+/// Diagonal of the inverse of a symmetric matrix of which the lower half is given, by Gauss-Jordan elimination with a little
+/// added to the diagonal.
+fn inverse_diagonal(lower: &[f64], n: usize) -> Vec<f64> {
+    let mut a = vec![0.0; n * n];
+    let mut inverse = vec![0.0; n * n];
+    for i in 0..n {
+        for j in 0..n {
+            a[i * n + j] = if i >= j { lower[i * n + j] } else { lower[j * n + i] };
+        }
+        a[i * n + i] = a[i * n + i] * (1.0 + 1e-9) + 1e-30;
+        inverse[i * n + i] = 1.0;
+    }
+    for k in 0..n {
+        let pivot = 1.0 / a[k * n + k];
+        for j in 0..n {
+            a[k * n + j] *= pivot;
+            inverse[k * n + j] *= pivot;
+        }
+        for i in (0..n).filter(|&i| i != k) {
+            let factor = a[i * n + k];
+            for j in 0..n {
+                a[i * n + j] -= factor * a[k * n + j];
+                inverse[i * n + j] -= factor * inverse[k * n + j];
+            }
+        }
+    }
+    (0..n).map(|i| inverse[i * n + i].max(1e-300)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::objective::Weights;
+    use crate::parameters::Layout;
+    use crate::table::{Table, direction};
+
+    #[test]
+    fn the_diagonal_of_an_inverse_is_that_of_the_inverse() {
+        // [4 1; 1 3] has the inverse [3 -1; -1 4] / 11; the upper half is not read.
+        let found = inverse_diagonal(&[4.0, f64::NAN, 1.0, 3.0], 2);
+        assert!((found[0] - 3.0 / 11.0).abs() < 1e-8 && (found[1] - 4.0 / 11.0).abs() < 1e-8, "{found:?}");
+    }
+
+    /// Two lobes lie on one of two peaks: no step downhill parts them.
+    #[test]
+    fn of_two_lobes_on_one_peak_one_is_put_on_the_other() {
+        let layout = Layout { lobes: 2, squeezed: 2, knots: vec![0.0, 0.5, 1.0] };
+        let peak = |d: [f64; 3], angle: f64| {
+            let axis = direction(angle, 0.0);
+            libm::exp(60.0 * ((0..3).map(|k| d[k] * axis[k]).sum::<f64>() - 1.0)) / d[2]
+        };
+        let mut views = vec![];
+        for theta in [0.45, 0.55] {
+            let grid = (0..15).flat_map(|t| (0..12).map(move |p| (0.1 * f64::from(t), 0.28 * f64::from(p))));
+            let value = |d| peak(d, theta) + peak(d, 0.1 * theta);
+            views.push((theta, grid.map(|(t, p)| direction(t, p)).map(|d| (d, [value(d); 3])).collect()));
+        }
+        let table = Table::from_scattered(views).unwrap();
+        let objective = Objective::new(&table, layout.clone()).unwrap();
+        let mut x = vec![0.0; layout.len()];
+        for (knot, theta) in [0.0, 0.5, 1.0].into_iter().enumerate() {
+            let q = &mut x[knot * layout.stride()..];
+            for k in 0..2 {
+                q[layout.angle(k)] = theta;
+                q[layout.sharpness(k)] = libm::log(60.0);
+                (0..3).for_each(|c| q[layout.amplitude(c, k)] = libm::log(0.5));
+            }
+            (0..3).for_each(|c| q[layout.diffuse(c)] = -8.0);
+        }
+        let weights = Weights { smoothness: 1e-6, energy: 1.0 };
+        let limits = Limits { steps: 60, improvement: 1e-4, weights };
+        let before = levenberg::minimize(&objective, &mut x, limits, || {});
+        let after = exchange(&objective, &mut x, before, (8, limits), || {});
+        assert!(after < 0.2 * before, "{before} {after}");
+    }
+}

@@ -1,0 +1,99 @@
+//! What can be chosen of a fit.
+
+use crate::FitError;
+use std::f64::consts::FRAC_PI_2;
+
+/// How a material is fitted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Lobes of every view, 1 to 64. More fit better and cost more at run time.
+    pub lobes: usize,
+    /// Mean relative L2 error that is asked for: as few lobes as reach it are used, at most [`lobes`](Self::lobes).
+    pub error: Option<f64>,
+    /// How many lobes see the squeezed direction: those of the highlight. `None`: what turns out best.
+    pub squeezed: Option<usize>,
+    /// Weight of the roughness from view to view. Smaller fits the samples better, larger what lies between them. What can be
+    /// evaluated anywhere is fitted with two fifths of it.
+    pub smoothness: f64,
+    /// Starting points tried; the best are refined.
+    pub starts: usize,
+    /// Most steps of the refinement.
+    pub steps: usize,
+    /// Times that the lobe that is missed least is put where it is missed most, from each of the best starting points.
+    pub exchanges: usize,
+    /// Views of the material, placed where it changes; only for what can be evaluated anywhere. 14 are 3.8 kB with 12 lobes.
+    pub views: usize,
+    /// Angles of the views in radians, from 0 rising. `None`: for what can be evaluated anywhere, as many as
+    /// [`views`](Self::views) says; for samples, their own views, the normal and the horizon.
+    pub knots: Option<Vec<f64>>,
+    /// Name of the source, hash and the like: the first lines of the material's provenance.
+    pub provenance: String,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            lobes: 12,
+            error: None,
+            squeezed: None,
+            smoothness: 5e-5,
+            starts: 8,
+            steps: 120,
+            exchanges: 9,
+            views: 14,
+            knots: None,
+            provenance: String::new(),
+        }
+    }
+}
+
+impl Settings {
+    /// Checks every setting against its range.
+    ///
+    /// # Errors
+    /// [`FitError::Setting`], with the name and the range.
+    pub fn check(&self) -> Result<(), FitError> {
+        let range = |name, inside: bool, reason: &str| {
+            if inside { Ok(()) } else { Err(FitError::Setting { name, reason: reason.to_owned() }) }
+        };
+        range("lobes", (1..=srbf_core::MAX_LOBES).contains(&self.lobes), "from 1 to 64")?;
+        let error = self.error.is_none_or(|e| e.is_finite() && e > 0.0);
+        range("error", error, "a number above 0")?;
+        range("squeezed", self.squeezed.is_none_or(|n| n <= self.lobes), "at most the number of lobes")?;
+        range("smoothness", (1e-12..=1e3).contains(&self.smoothness), "from 1e-12 to 1000")?;
+        if let Some(knots) = &self.knots {
+            let rising = knots.windows(2).all(|w| w[1] - w[0] > 1e-4);
+            let inside =
+                knots.len() <= 1024 && knots.first() == Some(&0.0) && knots.last() <= Some(&FRAC_PI_2);
+            range("knots", rising && inside, "from 0 rising to at most pi / 2 radians, at most 1024")?;
+        }
+        range("starts", (1..=1000).contains(&self.starts), "from 1 to 1000")?;
+        range("steps", (1..=100_000).contains(&self.steps), "from 1 to 100000")?;
+        range("exchanges", self.exchanges <= 1000, "at most 1000")?;
+        range("views", (2..=256).contains(&self.views), "from 2 to 256")
+    }
+
+    /// Numbers of squeezed lobes that are tried: between a third and two thirds.
+    pub(crate) fn squeezed_counts(&self) -> Vec<usize> {
+        if let Some(squeezed) = self.squeezed {
+            return vec![squeezed];
+        }
+        let mut counts: Vec<usize> = [6, 8, 4].iter().map(|n| (n * self.lobes).div_ceil(12)).collect();
+        counts.dedup();
+        counts
+    }
+
+    /// The last line of the provenance.
+    pub(crate) fn describe(&self, squeezed: usize) -> String {
+        format!(
+            "srbf-fit {}: {} lobes, {} squeezed, smoothness {:.2e}, {} starts, {} steps, {} exchanges\n",
+            env!("CARGO_PKG_VERSION"),
+            self.lobes,
+            squeezed,
+            self.smoothness,
+            self.starts,
+            self.steps,
+            self.exchanges
+        )
+    }
+}

@@ -1,0 +1,74 @@
+//! Loops as vector instructions of the machine that runs them.
+//!
+//! `pulp` compiles a loop for AVX2 beside the baseline and chooses at run time, without unsafe code here. Additions keep their
+//! order and products are not fused, so every machine gives the same bits.
+
+use pulp::{Arch, NullaryFnOnce};
+use std::f64::consts::LOG2_E;
+use std::sync::LazyLock;
+
+static ARCH: LazyLock<Arch> = LazyLock::new(Arch::new);
+
+/// Runs an operation with the widest vectors there are; everything that it calls has to be `inline(always)`.
+pub(crate) fn run<Operation: NullaryFnOnce>(operation: Operation) -> Operation::Output {
+    ARCH.dispatch(operation)
+}
+
+/// Below this the exponential is 0: it is under the rounding of anything that it is added to.
+const SMALLEST: f64 = -60.0;
+
+/// Adding it rounds a number to the nearest whole one, and leaves that in the low bits.
+const ROUND: f64 = 6_755_399_441_055_744.0;
+
+/// High part of ln 2, with so few bits that whole multiples up to 1000 are exact, and the rest.
+const LN_2_HIGH: f64 = 0.693_147_180_369_123_8;
+const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
+
+/// One over the factorials, highest first.
+const TAYLOR: [f64; 13] = [
+    1.0 / 479_001_600.0,
+    1.0 / 39_916_800.0,
+    1.0 / 3_628_800.0,
+    1.0 / 362_880.0,
+    1.0 / 40_320.0,
+    1.0 / 5040.0,
+    1.0 / 720.0,
+    1.0 / 120.0,
+    1.0 / 24.0,
+    1.0 / 6.0,
+    0.5,
+    1.0,
+    1.0,
+];
+
+/// The exponential of a number that is at most about 1; 0 below -60. Relative error below 4e-16.
+#[inline(always)]
+pub(crate) fn exp(t: f64) -> f64 {
+    let inside = if t > SMALLEST { t } else { SMALLEST };
+    let shifted = inside * LOG2_E + ROUND;
+    let whole = shifted - ROUND;
+    let r = (inside - whole * LN_2_HIGH) - whole * LN_2_LOW;
+    let mut p = TAYLOR[0];
+    for c in &TAYLOR[1..] {
+        p = p * r + c;
+    }
+    let scaled = f64::from_bits(p.to_bits().wrapping_add(shifted.to_bits() << 52));
+    if t > SMALLEST { scaled } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_exponential_agrees_with_libm() {
+        for i in 0..200_000 {
+            let t = 1.0 - f64::from(i) * 3e-4;
+            let (ours, theirs) = (exp(t), libm::exp(t));
+            assert!((ours - theirs).abs() <= 4e-16 * theirs, "{t}: {ours} {theirs}");
+        }
+        assert_eq!(exp(0.0), 1.0);
+        assert_eq!([exp(-60.1), exp(-1e9), exp(f64::NEG_INFINITY)], [0.0; 3]);
+        assert!((LN_2_HIGH + LN_2_LOW - std::f64::consts::LN_2).abs() < 1e-17);
+    }
+}

@@ -1,0 +1,98 @@
+//! The table as a picture: error against bytes, and against what a call costs.
+
+use super::Row;
+use crate::picture_file;
+use crate::plot::{COLOURS, FONT, Failure, range, register_font, tick};
+use anyhow::anyhow;
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use std::path::Path;
+
+const SIZE: [u32; 2] = [1200, 520];
+
+/// What a panel's abscissa is of a row.
+type Abscissa = fn(&Row) -> f64;
+
+/// Writes the picture.
+///
+/// # Errors
+/// Names the file.
+pub fn write(path: &Path, name: &str, rows: &[Row]) -> anyhow::Result<()> {
+    let mut pixels = vec![255; 3 * (SIZE[0] * SIZE[1]) as usize];
+    draw(&mut pixels, name, rows).map_err(|error| anyhow!("cannot plot {}: {error}", path.display()))?;
+    picture_file::write_png(path, SIZE, &pixels)
+}
+
+fn draw(pixels: &mut [u8], name: &str, rows: &[Row]) -> Result<(), Failure> {
+    register_font()?;
+    let root = BitMapBackend::with_buffer(pixels, SIZE.into()).into_drawing_area();
+    root.fill(&WHITE)?;
+    let titled = root.titled(&format!("{name}: 2 to 32 lobes"), (FONT, 20))?;
+    let panels = titled.split_evenly((1, 2));
+    panel(&panels[0], rows, "bytes", &[("fit", |r| r.bytes as f64)])?;
+    let costs: [(&str, Abscissa); 3] = [
+        ("prepare", |r| r.nanoseconds[0]),
+        ("evaluate with density", |r| r.nanoseconds[1]),
+        ("sample with weight", |r| r.nanoseconds[2]),
+    ];
+    panel(&panels[1], rows, "nanoseconds a call", &costs)?;
+    root.present()?;
+    Ok(())
+}
+
+fn panel(
+    area: &DrawingArea<BitMapBackend<'_>, Shift>,
+    rows: &[Row],
+    label: &str,
+    curves: &[(&str, Abscissa)],
+) -> Result<(), Failure> {
+    let error = |r: &Row| 100.0 * r.held_out.unwrap_or(r.error);
+    let x = range(curves.iter().flat_map(|(_, abscissa)| rows.iter().map(abscissa)));
+    let y = range(rows.iter().map(error));
+    let mut chart = ChartBuilder::on(area)
+        .margin(12)
+        .x_label_area_size(46)
+        .y_label_area_size(78)
+        .build_cartesian_2d((x[0]..x[1]).log_scale(), (y[0]..y[1]).log_scale())?;
+    chart
+        .configure_mesh()
+        .x_desc(label)
+        .y_desc("relative L2 error, %")
+        .label_style((FONT, 14))
+        .axis_desc_style((FONT, 16))
+        .x_label_formatter(&tick)
+        .y_label_formatter(&tick)
+        .light_line_style(RGBColor(235, 235, 235))
+        .draw()?;
+    for ((name, abscissa), &colour) in curves.iter().zip(&COLOURS) {
+        let places: Vec<(f64, f64)> = rows.iter().map(|r| (abscissa(r), error(r))).collect();
+        chart
+            .draw_series(LineSeries::new(places.iter().copied(), colour.stroke_width(2)))?
+            .label(*name)
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 22, y)], colour.stroke_width(2)));
+        chart.draw_series(places.iter().map(|&place| Circle::new(place, 4, colour.filled())))?;
+    }
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperRight)
+        .label_font((FONT, 15))
+        .background_style(WHITE)
+        .border_style(BLACK)
+        .draw()?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_of_one_row_and_of_none_is_drawn() {
+        let row = Row { lobes: 2, error: 0.1, bytes: 900, nanoseconds: [5.0, 6.0, 7.0], ..Row::default() };
+        for rows in [vec![], vec![row]] {
+            let mut pixels = vec![255; 3 * (SIZE[0] * SIZE[1]) as usize];
+            draw(&mut pixels, "test", &rows).unwrap();
+            assert!(pixels.iter().filter(|&&p| p < 128).count() > 1000, "no letters");
+        }
+    }
+}
