@@ -7,12 +7,12 @@ pub mod astm;
 pub mod cornell;
 pub mod csv;
 pub mod evaluable;
-mod interpolate;
+pub(crate) mod interpolate;
 pub mod merl;
 pub mod neural;
 mod numbers;
 pub mod rgl;
-mod rows;
+pub(crate) mod rows;
 mod spectrum;
 
 use crate::{FitError, ReadError};
