@@ -7,7 +7,7 @@
 mod published;
 mod search;
 
-pub use published::{is_published, parse};
+pub use published::{parse, read};
 pub use search::Settings;
 
 use crate::FitError;

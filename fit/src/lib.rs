@@ -2,7 +2,9 @@
 
 mod banded;
 pub mod blend;
+pub mod compare;
 pub mod cross;
+pub mod dense;
 mod error;
 mod initialize;
 pub mod lafortune;

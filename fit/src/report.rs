@@ -2,8 +2,9 @@
 
 use crate::FitError;
 use crate::method::{Fitted, FittedView};
+use crate::reciprocity::{Reciprocity, reciprocity};
 use crate::table::View;
-use crate::tracked::TrackedView;
+use crate::tracked::{TrackedLobes, TrackedView};
 use srbf_core::{LUMINANCE, Material};
 
 /// One view of a table against the material.
@@ -32,6 +33,8 @@ pub struct Report {
     pub held_out: Vec<ViewReport>,
     /// Time of the fit.
     pub seconds: f64,
+    /// Evaluations of what the fit makes small, over all starts.
+    pub evaluations: usize,
 }
 
 impl ViewReport {
@@ -128,24 +131,62 @@ impl Report {
         mean_error(&self.views)
     }
 
-    /// The report as JSON, with the provenance of the material.
-    pub fn to_json(&self, material: &Material<'_>) -> String {
-        let views = |views: &[ViewReport]| views.iter().map(ViewReport::to_json).collect::<Vec<_>>();
-        let held_out = (!self.held_out.is_empty()).then(|| mean_error(&self.held_out));
-        let json = serde_json::json!({
+    /// The report as JSON, with the provenance of the material and its reciprocity error.
+    ///
+    /// # Errors
+    /// As [`Fitted::view`].
+    pub fn to_json(&self, material: &Material<'_>, input: &Input) -> Result<String, FitError> {
+        let lobes = TrackedLobes { bytes: material.bytes().to_vec() };
+        let mut json = self.to_json_of(&lobes, "tracked", input)?;
+        let more = serde_json::json!({
             "provenance": material.provenance(),
+            "settings": material.provenance().lines().last(),
             "bytes": material.bytes().len(),
             "lobes": material.lobe_count(),
             "squeezed": material.squeezed_count(),
             "knots": material.view_count(),
+        });
+        if let (Some(json), serde_json::Value::Object(more)) = (json.as_object_mut(), more) {
+            json.extend(more);
+        }
+        Ok(format!("{json:#}\n"))
+    }
+
+    /// What the reports of all methods say.
+    ///
+    /// # Errors
+    /// As [`Fitted::view`].
+    pub fn to_json_of(
+        &self,
+        fitted: &dyn Fitted,
+        method: &str,
+        input: &Input,
+    ) -> Result<serde_json::Value, FitError> {
+        let views = |views: &[ViewReport]| views.iter().map(ViewReport::to_json).collect::<Vec<_>>();
+        let held_out = (!self.held_out.is_empty()).then(|| mean_error(&self.held_out));
+        let Reciprocity { median, worst, pairs } = reciprocity(fitted)?;
+        Ok(serde_json::json!({
+            "method": method,
+            "version": env!("CARGO_PKG_VERSION"),
+            "input": {"name": input.name, "sha256": input.sha256},
             "seconds": self.seconds,
+            "evaluations": self.evaluations,
             "mean_relative_l2": self.mean_error(),
             "mean_relative_l2_held_out": held_out,
+            "reciprocity": {"median_abs_log_ratio": median, "worst_abs_log_ratio": worst, "pairs": pairs},
             "views": views(&self.views),
             "held_out": views(&self.held_out),
-        });
-        format!("{json:#}\n")
+        }))
     }
+}
+
+/// What a fit was made from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Input {
+    /// Name of the file or material.
+    pub name: String,
+    /// SHA-256 of the file, hexadecimal.
+    pub sha256: String,
 }
 
 /// Mean of the relative L2 error, 0 for no view.

@@ -56,6 +56,8 @@ pub struct RoundView {
     pub theta: f64,
     /// Its lobes.
     pub lobes: Vec<RoundLobe>,
+    /// Relative L2 error of f over the measured texels, which the fit made small.
+    pub error: f64,
 }
 
 /// A fit by the thesis's algorithm.
@@ -95,7 +97,11 @@ fn fit(vectors: Vec<Vector>, cube: &Cube, settings: &Settings) -> Result<ThesisF
     }
     let optimized: Vec<_> = vectors.par_iter().map(|v| optimize::fit(cube, &v.values, settings)).collect();
     let evaluations = optimized.iter().map(|o| o.evaluations).sum();
-    let view = |(v, o): (&Vector, optimize::Optimized)| RoundView { theta: v.theta, lobes: o.lobes };
+    let view = |(v, o): (&Vector, optimize::Optimized)| RoundView {
+        theta: v.theta,
+        lobes: o.lobes,
+        error: libm::sqrt(o.cost),
+    };
     let mut views: Vec<RoundView> = vectors.iter().zip(optimized).map(view).collect();
     views.sort_by(|a, b| a.theta.total_cmp(&b.theta));
     Ok(ThesisFit { views, neighbours: Neighbours::ThreeOrFour, evaluations })
@@ -124,7 +130,11 @@ impl ThesisFit {
         let lobe = |l: &RoundLobe| serde_json::json!({"axis": l.axis, "sharpness": l.sharpness, "amplitude": l.amplitude});
         let view = |v: &RoundView| {
             let lobes: Vec<_> = v.lobes.iter().map(lobe).collect();
-            serde_json::json!({"theta_degrees": v.theta.to_degrees(), "lobes": lobes})
+            serde_json::json!({
+                "theta_degrees": v.theta.to_degrees(),
+                "relative_l2_of_f_on_the_cube_map": v.error,
+                "lobes": lobes,
+            })
         };
         self.views.iter().map(view).collect()
     }

@@ -11,6 +11,7 @@ use crate::table::evaluable::Density;
 use crate::table::{Content, Table};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// How a material is fitted.
@@ -143,6 +144,7 @@ pub fn fit(table: &Table, settings: &Settings, mut progress: impl FnMut(f64)) ->
     let total: usize = rounds.iter().map(|r| r.1.min(settings.starts) * r.2).sum();
     let (send, receive) = std::sync::mpsc::channel();
     let mut done = 0;
+    let evaluations = &AtomicUsize::new(0);
     for (objectives, keep, steps, stiffness, improvement) in rounds {
         candidates.truncate(keep);
         let limits = Limits { steps, improvement, smoothness: stiffness * settings.smoothness };
@@ -158,6 +160,7 @@ pub fn fit(table: &Table, settings: &Settings, mut progress: impl FnMut(f64)) ->
                     }
                     // Nobody listens any more if the fit is being abandoned.
                     c.cost = levenberg::minimize(objective, &mut c.x, limits, || {
+                        evaluations.fetch_add(1, Ordering::Relaxed);
                         let _ = sender.send(());
                     });
                 });
@@ -181,7 +184,8 @@ pub fn fit(table: &Table, settings: &Settings, mut progress: impl FnMut(f64)) ->
     let bytes = material::encode(layout, &x, &text)?;
     let views = table.views.iter().map(|v| ViewReport::new(&bytes, v)).collect::<Result<Vec<_>, _>>()?;
     progress(1.0);
-    Ok(Fit { bytes, report: Report { views, held_out: Vec::new(), seconds: start.elapsed().as_secs_f64() } })
+    let (seconds, evaluations) = (start.elapsed().as_secs_f64(), evaluations.load(Ordering::Relaxed));
+    Ok(Fit { bytes, report: Report { views, held_out: Vec::new(), seconds, evaluations } })
 }
 
 /// One start on its way.

@@ -3,16 +3,39 @@
 //! The terms are `diffuse`, with no lobe, and `Cxy`, `Cz` and `n` of lobes that count from 0 and are all there.
 
 use super::{CosineLobe, Lafortune};
-use crate::ReadError;
-use crate::table::rows;
+use crate::table::{Content, Source, rows};
+use crate::{FitError, ReadError};
+use sha2::{Digest, Sha256};
+use std::path::Path;
 
 const HEADER: &str = "material,term,lobe,r,g,b";
 /// Most materials of a file, and lobes of a material.
 const MOST: usize = 256;
 
-/// Whether a text is of this format, by its first row.
-pub fn is_published(bytes: &[u8]) -> bool {
-    rows::text(bytes).is_ok_and(|text| text.lines().find(|l| !l.starts_with('#')) == Some(HEADER))
+/// Largest file that is read, bytes.
+const MAX_FILE: u64 = 1 << 20;
+
+/// Reads one material of a file, as something to fit.
+///
+/// # Errors
+/// [`FitError::Io`]; [`FitError::Read`] with the line of a fault, or with the names there are.
+pub fn read(path: &Path, material: &str) -> Result<Source, FitError> {
+    let fault = |text: String| FitError::Read { path: path.to_path_buf(), source: ReadError::Content(text) };
+    let size = std::fs::metadata(path).map_err(FitError::io(path))?.len();
+    if size > MAX_FILE {
+        return Err(fault(format!("{size} bytes; at most {MAX_FILE} are read")));
+    }
+    let bytes = std::fs::read(path).map_err(FitError::io(path))?;
+    let all = parse(&bytes).map_err(|source| FitError::Read { path: path.to_path_buf(), source })?;
+    let names: Vec<String> = all.iter().map(|m| m.0.clone()).collect();
+    let Some((name, model)) = all.into_iter().find(|m| m.0 == material) else {
+        return Err(fault(format!("material `{material}` where one of {} was expected", names.join(", "))));
+    };
+    Ok(Source {
+        content: Content::Evaluable(Box::new(model)),
+        name,
+        sha256: Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect(),
+    })
 }
 
 /// Parses the fits of a file: names and models, in the order of the file.
@@ -102,7 +125,6 @@ mod tests {
 
     #[test]
     fn a_file_is_read_and_evaluated() {
-        assert!(is_published(TEXT.as_bytes()) && !is_published(b"theta,phi\n"));
         let found = parse(TEXT.as_bytes()).unwrap();
         assert_eq!(found.iter().map(|f| f.0.as_str()).collect::<Vec<_>>(), ["a", "b"]);
         let (wi, wo) = ([0.6, 0.0, 0.8], [-0.6, 0.0, 0.8]);

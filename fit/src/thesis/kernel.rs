@@ -111,7 +111,7 @@ impl Texels {
 #[inline]
 fn unit_lobe(t: f64x4) -> f64x4 {
     let seen = t.simd_gt(f64x4::splat(SMALLEST));
-    if seen.none() { f64x4::ZERO } else { seen.blend(t.exp(), f64x4::ZERO) }
+    if seen.none() { f64x4::ZERO } else { seen.select(t.exp(), f64x4::ZERO) }
 }
 
 #[cfg(test)]
