@@ -1,8 +1,11 @@
 //! The fit of the model: Levenberg-Marquardt of the crate `basin` from many random starts, the best of which is kept.
 //!
 //! What is made small is the difference of `f cos`, as Lafortune does, relative to each view's norm: the mean square over
-//! the views of the error that a fit is judged by. (An absolute difference would fit the view at grazing alone, where f is
-//! a thousand times as high.) Each channel is a fit of its own.
+//! the views of the error that a fit is judged by. Each channel is a fit of its own. (Lafortune's plain mean square fits the
+//! views at grazing, where f is a thousand times as high: garnet red 22.9 % in place of 20.9 % as mean over the views, cayman
+//! 41 % in place of 21 %; over all samples as one it is 21.7 % in place of 25.9 %, and 1.0 % in place of 1.1 %.)
+//!
+//! Every start makes some steps, and the best of them go on: 400 starts end where 100 do.
 //!
 //! A lobe's unknowns are the logarithm of its value P where `wo` and `wi` mirror each other in both terms, the angle of
 //! `(Cxy, Cz)`, and the logarithm of n: `C = sqrt(2) P^(1/n) (cos, sin)`. The same lobes, with unknowns that do not
@@ -27,15 +30,19 @@ pub struct Settings {
     pub lobes: usize,
     /// Random starts of each channel.
     pub starts: usize,
-    /// Most steps of a start.
+    /// Most steps of those that go on.
     pub steps: u64,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { lobes: 3, starts: 100, steps: 100 }
+        Self { lobes: 3, starts: 100, steps: 300 }
     }
 }
+
+/// Most steps of every start, and how many go on.
+const SCOUTING: u64 = 30;
+const FINAL: usize = 8;
 
 /// Relative change of the cost in a step below which a minimum counts as reached.
 const REACHED: f64 = 1e-6;
@@ -61,12 +68,16 @@ pub(super) fn fit(table: &Table, settings: &Settings) -> Result<Lafortune, FitEr
     }
     let mut model = Lafortune::default();
     for (channel, data) in problems.iter().enumerate().filter(|p| p.1.brightest > 0.0) {
-        let run = |start: usize| data.run(settings, start);
-        let runs: Vec<(f64, Vec<f64>, usize)> = (0..settings.starts).into_par_iter().map(run).collect();
-        model.evaluations += runs.iter().map(|r| r.2).sum::<usize>();
-        // The first of equals, so that threads do not matter.
-        if let Some((_, x, _)) = runs.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)) {
-            model.channels[channel] = to_channel(&x);
+        let scout = |start: usize| data.run(data.start(settings.lobes, start), SCOUTING.min(settings.steps));
+        let mut runs: Vec<Run> = (0..settings.starts).into_par_iter().map(scout).collect();
+        model.evaluations += runs.iter().map(|r| r.evaluations).sum::<usize>();
+        // Stable, so that threads do not matter among equals.
+        runs.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        runs.truncate(FINAL);
+        let runs: Vec<Run> = runs.into_par_iter().map(|r| data.run(r.x, settings.steps)).collect();
+        model.evaluations += runs.iter().map(|r| r.evaluations).sum::<usize>();
+        if let Some(best) = runs.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost)) {
+            model.channels[channel] = to_channel(&best.x);
         }
     }
     Ok(model)
@@ -93,6 +104,13 @@ struct Point {
     normal: f64,
     value: f64,
     weight: f64,
+}
+
+/// Where a run ended.
+struct Run {
+    cost: f64,
+    x: Vec<f64>,
+    evaluations: usize,
 }
 
 /// The samples of one channel.
@@ -122,30 +140,35 @@ impl Data {
         Self { points, brightest }
     }
 
-    /// One start: cost, unknowns, evaluations.
-    fn run(&self, settings: &Settings, start: usize) -> (f64, Vec<f64>, usize) {
-        let mut random = Random::new(0x1af0_0000 + start as u64);
+    /// The unknowns of a start.
+    fn start(&self, lobes: usize, number: usize) -> Vec<f64> {
+        let mut random = Random::new(0x1af0_0000 + number as u64);
         let mut x = vec![0.5 * random.next() * (PI * self.lowest()).min(1.0) + 1e-3];
-        for _ in 0..settings.lobes {
+        for _ in 0..lobes {
             x.push(libm::log(self.brightest) - 7.0 * random.next());
             x.push(1.25 * PI * random.next());
             x.push(0.5 + 6.5 * random.next());
         }
-        let (mut lower, mut upper) = (vec![DIFFUSE.0], vec![DIFFUSE.1]);
-        for _ in 0..settings.lobes {
-            lower.extend(LOBE.map(|b| b.0));
-            upper.extend(LOBE.map(|b| b.1));
-        }
+        x
+    }
+
+    /// Goes downhill from a point.
+    fn run(&self, x: Vec<f64>, steps: u64) -> Run {
+        let bound = |diffuse: f64, lobe: [f64; 3]| -> Vec<f64> {
+            std::iter::once(diffuse).chain(lobe.into_iter().cycle()).take(x.len()).collect()
+        };
+        let (lower, upper) = (bound(DIFFUSE.0, LOBE.map(|b| b.0)), bound(DIFFUSE.1, LOBE.map(|b| b.1)));
         let evaluations = Cell::new(0);
         let problem = Problem { data: self, lower, upper, evaluations: &evaluations };
         let solver = BoundedLevenbergMarquardt::<Vec<f64>, DenseMatrix>::new()
             .with_relative_cost_change_tolerance(REACHED);
         let state = PointState::new(x.clone());
-        match Executor::new(problem, solver, state).max_iter(settings.steps).run() {
-            Ok(result) => (result.best_cost(), result.best_param().clone(), evaluations.get()),
+        let (cost, x) = match Executor::new(problem, solver, state).max_iter(steps).run() {
+            Ok(result) => (result.best_cost(), result.best_param().clone()),
             // The only errors are bounds that contradict each other: this start is worth nothing.
-            Err(_) => (f64::INFINITY, x, evaluations.get()),
-        }
+            Err(_) => (f64::INFINITY, x),
+        };
+        Run { cost, x, evaluations: evaluations.get() }
     }
 
     fn lowest(&self) -> f64 {
