@@ -115,9 +115,9 @@ pub(crate) fn squares(fitted: &dyn FittedView, view: &View, norm: Norm) -> (f64,
             Norm::FCos => 1.0,
             Norm::F => s.direction[2],
         };
-        for c in 0..3 {
-            let data = s.rgb[c] * s.direction[2] / cosine;
-            let off = value[c] / cosine - data;
+        for (value, f) in value.into_iter().zip(s.rgb) {
+            let data = f * s.direction[2] / cosine;
+            let off = value / cosine - data;
             difference += s.weight * off * off;
             sum += s.weight * data * data;
         }

@@ -112,7 +112,11 @@ fn check(settings: &Settings) -> Result<(), FitError> {
         if inside { Ok(()) } else { Err(FitError::Setting { name, reason: reason.to_owned() }) }
     };
     range("lobes", (1..=srbf_core::MAX_LOBES).contains(&settings.lobes), "from 1 to 64")?;
-    range("edge", (2..=512).contains(&settings.edge) && settings.edge % 2 == 0, "even, from 2 to 512")?;
+    range(
+        "edge",
+        (2..=512).contains(&settings.edge) && settings.edge.is_multiple_of(2),
+        "even, from 2 to 512",
+    )?;
     range("coverage", settings.coverage > 0.0 && settings.coverage <= 1.0, "above 0, at most 1")?;
     range("iterations", (1..=10_000).contains(&settings.iterations), "from 1 to 10000")?;
     range("steps", (1..=10_000).contains(&settings.steps), "from 1 to 10000")?;

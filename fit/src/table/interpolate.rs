@@ -32,6 +32,9 @@ const CUTS: usize = 6;
 /// f below this share of the view's mean counts as this: the logarithm of 0 is not a number, and of noise is noise.
 const FLOOR: f64 = 1e-3;
 
+/// Where all is black, f counts as this in logarithms.
+const LEAST: f64 = 1e-30;
+
 struct Node {
     /// The sample that it stands for.
     sample: usize,
@@ -83,7 +86,7 @@ fn net(samples: &[Sample]) -> Net {
     }
     let logs = |r: usize| {
         let mut log = [0.0; 3];
-        (0..3).for_each(|c| log[c] = libm::log((sum[r][c] / copies[r]).max(FLOOR * mean[c]).max(1e-30)));
+        (0..3).for_each(|c| log[c] = libm::log((sum[r][c] / copies[r]).max(FLOOR * mean[c]).max(LEAST)));
         log
     };
     let mut nodes: Vec<Node> = Vec::with_capacity(2 * representative.len() + GHOSTS);
@@ -188,7 +191,7 @@ impl Interpolant {
                 // Between the ghosts and the horizon.
                 rgb = node.log_rgb.map(libm::exp);
             }
-            rgb
+            rgb.map(|v| if v > 2.0 * LEAST { v } else { 0.0 })
         };
         directions.iter().map(value).collect()
     }
