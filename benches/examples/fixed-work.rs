@@ -1,6 +1,7 @@
 //! A fixed amount of work, for counting instructions: `.ci/checks/60-instructions` runs it under callgrind.
 //!
-//! `fixed-work LEVEL OPERATION`, operation one of none, evaluate, sample, one, prepare, pairs.
+//! `fixed-work LEVEL OPERATION`, operation one of none, evaluate, sample, one, one-round, one-sample,
+//! prepare, pairs; `one-round` of 12 general round lobes, the rest but `evaluate` of the garnet red preset.
 
 use srbf_benches::{GARNET_RED, Triples, garnet_mixture, general_mixture};
 use srbf_core::{Level, Material, Mixture, SamplesMut};
@@ -35,6 +36,10 @@ fn main() -> ExitCode {
             garnet.sample_into(uniforms.slices(), samples).expect("equal lengths");
         }
         "one" => (0..n).for_each(|i| pdf[i] = garnet.pdf(directions.at(i))),
+        "one-round" => (0..n).for_each(|i| pdf[i] = general.pdf(directions.at(i))),
+        "one-sample" => (0..n).for_each(|i| {
+            pdf[i] = garnet.sample(uniforms.at(i).to_array()).map_or(0.0, |sample| sample.pdf);
+        }),
         "prepare" => (0..n).for_each(|i| {
             material.prepare(directions.at(i), &mut mixture).expect("a valid direction");
             pdf[i] = mixture.power();

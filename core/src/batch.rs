@@ -7,6 +7,7 @@ use crate::lanes::{Lanes, dot3, exp2, ln, scale, sin_cos_turns, splat3};
 use crate::mixture::Mixture;
 use crate::simd::Routine;
 use crate::squeeze::Seen;
+use crate::two::Two;
 use crate::{Domain, Error, LUMINANCE};
 use core::f32::consts::FRAC_1_PI;
 
@@ -34,7 +35,23 @@ impl<const N: usize> Mixture<N> {
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
     pub fn pdf_into(&self, directions: [&[f32]; 3], pdf: &mut [f32]) -> Result<(), Error> {
         same_length(directions.iter().map(|s| s.len()).chain([pdf.len()]))?;
-        self.level.run(ForEach { block: Density(self), inputs: directions, outputs: [pdf] });
+        self.level.run(ForEach {
+            block: Luminance(self, self.inverse_power),
+            inputs: directions,
+            outputs: [pdf],
+        });
+        Ok(())
+    }
+
+    /// Evaluates the luminance of `f cos` towards n incident directions; 1/sr: one colour channel in place of three.
+    ///
+    /// Shapes: `directions` x, y, z, each [n], unit vectors; `luminance` [n], overwritten.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    pub fn luminance_into(&self, directions: [&[f32]; 3], luminance: &mut [f32]) -> Result<(), Error> {
+        same_length(directions.iter().map(|s| s.len()).chain([luminance.len()]))?;
+        self.level.run(ForEach { block: Luminance(self, 1.0), inputs: directions, outputs: [luminance] });
         Ok(())
     }
 
@@ -56,6 +73,30 @@ impl<const N: usize> Mixture<N> {
         }
         let outputs = [x, y, z, pdf, red, green, blue];
         self.level.run(ForEach { block: Draw(self), inputs: u, outputs });
+        Ok(())
+    }
+
+    /// Draws n directions with density, without a weight: one colour channel in place of three.
+    ///
+    /// Shapes: `u` as for [`sample_into`](Self::sample_into), each [n]; `direction` x, y, z, and `pdf`, each [n],
+    /// overwritten. A mixture that reflects nothing gives the normal with density 0.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    pub fn sample_pdf_into(
+        &self,
+        u: [&[f32]; 3],
+        direction: [&mut [f32]; 3],
+        pdf: &mut [f32],
+    ) -> Result<(), Error> {
+        same_length(u.iter().map(|s| s.len()).chain(direction.iter().map(|s| s.len())).chain([pdf.len()]))?;
+        let [x, y, z] = direction;
+        if self.power == 0.0 {
+            z.fill(1.0);
+            [x, y, pdf].into_iter().for_each(|slice| slice.fill(0.0));
+            return Ok(());
+        }
+        self.level.run(ForEach { block: DrawPdf(self), inputs: u, outputs: [x, y, z, pdf] });
         Ok(())
     }
 }
@@ -92,36 +133,47 @@ struct ForEach<'a, K, const I: usize, const O: usize> {
 
 impl<K: Block<I, O>, const I: usize, const O: usize> Routine for ForEach<'_, K, I, O> {
     type Output = ();
-    /// Takes `COUNT` inputs at a time; the tail goes through a padded copy.
     #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { block, inputs, outputs } = self;
-        let n = inputs[0].len();
+    fn run<L: Lanes>(mut self) {
+        let n = self.inputs[0].len();
         let mut at = 0;
-        while at + L::COUNT <= n {
-            let mut vectors = [L::splat(0.0); I];
-            for i in 0..I {
-                vectors[i] = L::load(&inputs[i][at..]);
+        if L::PAIRED {
+            while at + 2 * L::COUNT <= n {
+                self.step::<Two<L>>(at, n);
+                at += 2 * L::COUNT;
             }
-            let results = block.block(vectors);
-            for o in 0..O {
-                results[o].store(&mut outputs[o][at..]);
-            }
+        }
+        while at < n {
+            self.step::<L>(at, n);
             at += L::COUNT;
         }
-        if at < n {
-            let mut vectors = [L::splat(0.0); I];
-            for i in 0..I {
+    }
+}
+
+impl<K: Block<I, O>, const I: usize, const O: usize> ForEach<'_, K, I, O> {
+    /// Takes `COUNT` inputs from `at` on, or what is left of `n`, by a padded copy.
+    #[inline(always)]
+    fn step<L: Lanes>(&mut self, at: usize, n: usize) {
+        let left = n - at;
+        let mut vectors = [L::splat(0.0); I];
+        for i in 0..I {
+            vectors[i] = if left >= L::COUNT {
+                L::load(&self.inputs[i][at..])
+            } else {
                 // 0.5 is a valid uniform number and a harmless direction.
                 let mut padded = [0.5; WIDEST];
-                padded[..n - at].copy_from_slice(&inputs[i][at..]);
-                vectors[i] = L::load(&padded);
-            }
-            let results = block.block(vectors);
-            for o in 0..O {
+                padded[..left].copy_from_slice(&self.inputs[i][at..n]);
+                L::load(&padded)
+            };
+        }
+        let results = self.block.block(vectors);
+        for o in 0..O {
+            if left >= L::COUNT {
+                results[o].store(&mut self.outputs[o][at..]);
+            } else {
                 let mut padded = [0.0; WIDEST];
                 results[o].store(&mut padded);
-                outputs[o][at..].copy_from_slice(&padded[..n - at]);
+                self.outputs[o][at..n].copy_from_slice(&padded[..left]);
             }
         }
     }
@@ -137,14 +189,26 @@ impl<const N: usize> Block<3, 3> for Value<'_, N> {
     }
 }
 
-struct Density<'a, const N: usize>(&'a Mixture<N>);
+/// The luminance times a number.
+struct Luminance<'a, const N: usize>(&'a Mixture<N>, f32);
 
-impl<const N: usize> Block<3, 1> for Density<'_, N> {
+impl<const N: usize> Block<3, 1> for Luminance<'_, N> {
     #[inline(always)]
     fn block<L: Lanes>(&self, d: [L; 3]) -> [L; 1] {
         let m = self.0;
         let [sum] = sums(m, [&m.luminance], [m.power - m.lobes_power], d);
-        [sum * L::splat(m.inverse_power)]
+        [sum * L::splat(self.1)]
+    }
+}
+
+struct DrawPdf<'a, const N: usize>(&'a Mixture<N>);
+
+impl<const N: usize> Block<3, 4> for DrawPdf<'_, N> {
+    #[inline(always)]
+    fn block<L: Lanes>(&self, u: [L; 3]) -> [L; 4] {
+        let [x, y, z] = sample_direction(self.0, u);
+        let [pdf] = Luminance(self.0, self.0.inverse_power).block([x, y, z]);
+        [x, y, z, pdf]
     }
 }
 
@@ -213,28 +277,56 @@ fn run<L: Lanes, const N: usize, const C: usize, const PLANE: bool, const LOW: b
     to: usize,
     acc: &mut [L; C],
 ) {
+    // Stretches of lobes that need their fold, and of lobes that do not: no branch in the loop over either.
+    let to = to.min(N);
+    let mut k = from;
+    while k < to {
+        let ahead = m.folded >> k;
+        if ahead & 1 == 1 {
+            let end = to.min(k + ahead.trailing_ones() as usize);
+            stretch::<L, N, C, PLANE, LOW, true>(m, amplitudes, seen, k, end, acc);
+            k = end;
+        } else {
+            let end = to.min(k + ahead.trailing_zeros() as usize);
+            stretch::<L, N, C, PLANE, LOW, false>(m, amplitudes, seen, k, end, acc);
+            k = end;
+        }
+    }
+}
+
+/// Adds lobes that all need their fold (`FOLD`), or none.
+#[inline(always)]
+fn stretch<L: Lanes, const N: usize, const C: usize, const PLANE: bool, const LOW: bool, const FOLD: bool>(
+    m: &Mixture<N>,
+    amplitudes: [&[f32; N]; C],
+    seen: &Seen<L>,
+    from: usize,
+    to: usize,
+    acc: &mut [L; C],
+) {
     let ([x, y, z], [x_low, y_low, z_low]) = (seen.high, seen.low);
     // Axes in the plane share the part across it; its low part would only count relative to itself.
     let yy = y * y;
     for k in from..to.min(N) {
-        let mut dx = x - L::splat(m.axis_x[k]);
-        let mut dz = z - L::splat(m.axis_z[k]);
+        // Axis minus direction: what is the same for all lobes stands second, where it may stay in memory.
+        let mut dx = L::splat(m.axis_x[k]) - x;
+        let mut dz = L::splat(m.axis_z[k]) - z;
         if LOW {
-            dx = dx + x_low;
-            dz = dz + z_low;
+            dx = dx - x_low;
+            dz = dz - z_low;
         }
         let chord_squared = if PLANE {
             dx.mul_add(dx, dz.mul_add(dz, yy))
         } else {
-            let mut dy = y - L::splat(m.axis_y[k]);
+            let mut dy = L::splat(m.axis_y[k]) - y;
             if LOW {
-                dy = dy + y_low;
+                dy = dy - y_low;
             }
             dx.mul_add(dx, dz.mul_add(dz, dy * dy))
         };
         let t = L::splat(m.rate[k]) * chord_squared;
         let mut g = exp2(t);
-        if m.folded >> k & 1 == 1 {
+        if FOLD {
             // |d - mirrored axis|^2 = |d - axis|^2 + 4 d.z axis.z, both terms of one sign.
             g = g + exp2(L::splat(m.fold_rate[k]).mul_add(z, t));
         }
@@ -244,32 +336,92 @@ fn run<L: Lanes, const N: usize, const C: usize, const PLANE: bool, const LOW: b
     }
 }
 
+/// What drawing from a lobe needs to know of it.
+struct Choice<L: Lanes> {
+    axis: [L; 3],
+    inside: L,
+    gone: L,
+    inverse_sharpness: L,
+    is_squeezed: L::Mask,
+    /// The diffuse term was chosen: the rest does not matter then.
+    is_diffuse: L::Mask,
+}
+
 /// Draws directions: lobe by `u[0]`, direction in it by `u[1]` and `u[2]`.
 #[inline(always)]
-pub(crate) fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<N>, u: [L; 3]) -> [L; 3] {
-    let (zero, one) = (L::splat(0.0), L::splat(1.0));
-    // Below the whole, so that a lobe that adds something is found whatever the product rounds to.
-    let target = (u[0] * L::splat(m.power)).min(L::splat(m.power * (1.0 - f32::EPSILON)));
+fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<N>, u: [L; 3]) -> [L; 3] {
+    let target = chosen_power(m, u[0]);
     let count = m.count.min(N);
     let k = target.search(&m.cumulative[..count.saturating_sub(1)]);
+    let choice = Choice {
+        axis: [
+            L::lookup(&m.axis_x, count, k),
+            if m.in_plane { L::splat(0.0) } else { L::lookup(&m.axis_y, count, k) },
+            L::lookup(&m.axis_z, count, k),
+        ],
+        inside: L::lookup(&m.inside, count, k),
+        gone: L::lookup(&m.tail, count, k),
+        inverse_sharpness: L::lookup(&m.inverse_sharpness, count, k),
+        is_squeezed: L::index_below(k, m.squeezed),
+        is_diffuse: target.ge(L::splat(m.lobes_power)),
+    };
+    draw(m, choice, u[1], u[2])
+}
 
+/// Draws one direction: lanes are lobes while the lobe is searched.
+#[inline(always)]
+pub(crate) fn sample_one<L: Lanes, const N: usize>(m: &Mixture<N>, u: [f32; 3]) -> [f32; 3] {
+    let target = chosen_power(m, u[0]);
+    let last = m.count.min(N).saturating_sub(1);
+    let (mut k, mut passed) = (0, 0);
+    while passed < last && passed + L::COUNT <= N {
+        let inner = u64::MAX >> (64 - (last - passed).min(L::COUNT));
+        let at_most = L::splat(target).ge(L::load(&m.cumulative[passed..]));
+        k += (L::bits(at_most) & inner).count_ones() as usize;
+        passed += L::COUNT;
+    }
+    let k = k.min(N - 1);
+    if L::PAIRED { draw_one::<L, N>(m, k, target, u) } else { draw_one::<f32, N>(m, k, target, u) }
+}
+
+/// Draws one direction from lobe `k`, or the diffuse term: the same number in every lane, for the sake of fused operations.
+#[inline(always)]
+fn draw_one<L: Lanes, const N: usize>(m: &Mixture<N>, k: usize, target: f32, u: [f32; 3]) -> [f32; 3] {
+    let choice = Choice {
+        axis: [L::splat(m.axis_x[k]), L::splat(m.axis_y[k]), L::splat(m.axis_z[k])],
+        inside: L::splat(m.inside[k]),
+        gone: L::splat(m.tail[k]),
+        inverse_sharpness: L::splat(m.inverse_sharpness[k]),
+        is_squeezed: L::splat(k as f32).lt(L::splat(m.squeezed as f32)),
+        is_diffuse: L::splat(target).ge(L::splat(m.lobes_power)),
+    };
+    let [x, y, z] = draw(m, choice, L::splat(u[1]), L::splat(u[2]));
+    [x.first(), y.first(), z.first()]
+}
+
+/// The place on the running sum of powers that a uniform number stands for.
+#[inline(always)]
+fn chosen_power<L: Lanes, const N: usize>(m: &Mixture<N>, u: L) -> L {
+    // Below the whole, so that a lobe that adds something is found whatever the product rounds to.
+    (u * L::splat(m.power)).min(L::splat(m.power * (1.0 - f32::EPSILON)))
+}
+
+/// Draws directions from chosen lobes.
+#[inline(always)]
+fn draw<L: Lanes, const N: usize>(m: &Mixture<N>, choice: Choice<L>, u: L, turns: L) -> [L; 3] {
+    let (zero, one) = (L::splat(0.0), L::splat(1.0));
     // Angle from the axis, as w = 1 - cos: see special::one_minus_cos.
-    let gone = L::lookup(&m.tail, count, k);
-    let inverse_sharpness = L::lookup(&m.inverse_sharpness, count, k);
-    let mut w = one_minus_cos(u[1], L::lookup(&m.inside, count, k), gone, inverse_sharpness);
-    let mut x = L::lookup(&m.axis_x, count, k);
-    let mut z = L::lookup(&m.axis_z, count, k);
-    let mut y = if m.in_plane { zero } else { L::lookup(&m.axis_y, count, k) };
+    let mut w = one_minus_cos(u, choice.inside, choice.gone, choice.inverse_sharpness);
+    let [mut x, mut y, mut z] = choice.axis;
     // The diffuse term is cosine-weighted round the normal: w = 1 - sqrt(1 - u), without cancellation.
-    let is_diffuse = target.ge(L::splat(m.lobes_power));
     if m.lobes_power < m.power {
-        w = L::select(is_diffuse, u[1] / (one + (one - u[1]).sqrt()), w);
-        x = L::select(is_diffuse, zero, x);
-        y = L::select(is_diffuse, zero, y);
-        z = L::select(is_diffuse, one, z);
+        w = L::select(choice.is_diffuse, u / (one + (one - u).sqrt()), w);
+        x = L::select(choice.is_diffuse, zero, x);
+        y = L::select(choice.is_diffuse, zero, y);
+        z = L::select(choice.is_diffuse, one, z);
     }
     let sin_theta = (w * (L::splat(2.0) - w)).sqrt();
-    let (sin_phi, cos_phi) = sin_cos_turns(u[2]);
+    let (sin_phi, cos_phi) = sin_cos_turns(turns);
     let (across, along) = (sin_theta * cos_phi, sin_theta * sin_phi);
 
     // The frame round the axis: Duff et al. 2017.
@@ -287,9 +439,8 @@ pub(crate) fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<N>, u: [L; 
     }
     let mut d = round;
     if m.squeezed > 0 {
-        let through = L::index_below(k, m.squeezed);
-        let squeezed = L::select(through, m.squeeze.unsqueeze(round)[1], round[1]);
-        d[1] = L::select(is_diffuse, round[1], squeezed);
+        let squeezed = L::select(choice.is_squeezed, m.squeeze.unsqueeze(round)[1], round[1]);
+        d[1] = L::select(choice.is_diffuse, round[1], squeezed);
     }
     if m.domain == Domain::Hemisphere {
         d[2] = d[2].abs();

@@ -18,6 +18,8 @@ pub enum Error {
     Squeezed,
     /// A parameter of a kernel is out of its range.
     Kernel,
+    /// A share that may be left out is NaN or outside [0, 1].
+    Share,
     /// The mixture has room for fewer lobes than are needed.
     Capacity {
         /// Lobes that were to be stored.
@@ -42,6 +44,7 @@ impl fmt::Display for Error {
             Self::Squeeze => f.write_str("a squeeze must be within [0.01, 2]"),
             Self::Squeezed => f.write_str("squeezed lobes and diffuse terms have no product in closed form"),
             Self::Kernel => f.write_str("a parameter of the kernel is out of range"),
+            Self::Share => f.write_str("a share that may be left out must be within [0, 1]"),
             Self::Capacity { needed, available } => {
                 write!(f, "the mixture has room for {available} lobes, {needed} are needed")
             }

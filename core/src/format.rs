@@ -95,10 +95,12 @@ pub const fn encoded_len(views: usize, lobes: usize, provenance: &str) -> usize 
     Header { views, lobes, squeezed: 0, provenance: provenance.len() }.len()
 }
 
+#[inline(always)]
 pub(crate) fn u32_at(bytes: &[u8], offset: usize) -> u32 {
     bytemuck::pod_read_unaligned::<u32>(&bytes[offset..offset + 4]).to_le()
 }
 
+#[inline(always)]
 pub(crate) fn f32_at(bytes: &[u8], offset: usize) -> f32 {
     f32::from_bits(u32_at(bytes, offset))
 }

@@ -17,6 +17,8 @@ pub trait Lanes:
     const COUNT: usize;
     /// Whether [`mul_add`](Self::mul_add) rounds once.
     const FUSED: bool;
+    /// Whether batches take two vectors at a time: the registers suffice, and a broadcast then serves both.
+    const PAIRED: bool;
     /// Result of a comparison.
     type Mask: Copy;
     /// One small whole number a lane.
@@ -52,6 +54,8 @@ pub trait Lanes:
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     /// Adds a whole number to the exponent of `self`: `n` is the float `n + 1.5 2^23`, whose low bits hold it.
     fn add_exponent(self, n: Self) -> Self;
+    /// Sine and cosine after `q` quarter turns, from those before; `n` is the float `q + 1.5 2^23`, whose low bits hold q.
+    fn quarter_turns(n: Self, sin: Self, cos: Self) -> (Self, Self);
     /// Splits a positive normal number into a mantissa in [sqrt(1/2), sqrt(2)) and a whole exponent.
     fn split_exponent(self) -> (Self, Self);
     /// Number of thresholds that are `<= self`.
@@ -62,6 +66,8 @@ pub trait Lanes:
     fn index_below(index: Self::Index, limit: usize) -> Self::Mask;
     /// `table[index]`; every index is within the first `len` entries. `table` has a multiple of 16 entries.
     fn lookup(table: &[f32], len: usize, index: Self::Index) -> Self;
+    /// The first lane.
+    fn first(self) -> f32;
     /// Sum over the lanes.
     fn sum(self) -> f32;
     /// 0, 1, 2, ...
@@ -96,7 +102,6 @@ pub fn scale<L: Lanes, const C: usize>(mut a: [L; C], by: L) -> [L; C] {
 /// result is exactly 0 and not a slow subnormal.
 #[inline(always)]
 pub fn exp2<L: Lanes>(t: L) -> L {
-    const ROUND: f32 = 12_582_912.0; // 1.5 2^23: adding it leaves a whole number in the low bits
     let t = t.max(L::splat(-127.0));
     let n = t + L::splat(ROUND);
     let f = t - (n - L::splat(ROUND));
@@ -132,30 +137,33 @@ pub fn ln<L: Lanes>(x: L) -> L {
     e.mul_add(L::splat(0.693_359_4), f + y)
 }
 
+/// 1.5 2^23: added to a small number it leaves the nearest whole number in the low bits.
+const ROUND: f32 = 12_582_912.0;
+
 /// Sine and cosine of an angle in `[-8, 8]`; absolute error below 1e-7.
 #[inline(always)]
 pub fn sin_cos<L: Lanes>(angle: L) -> (L, L) {
-    const ROUND: f32 = 12_582_912.0;
-    let q = angle.mul_add(L::splat(core::f32::consts::FRAC_2_PI), L::splat(ROUND)) - L::splat(ROUND);
-    // pi/2 in two parts, the first with few enough bits that the product with q is exact.
+    let n = angle.mul_add(L::splat(core::f32::consts::FRAC_2_PI), L::splat(ROUND));
+    let q = n - L::splat(ROUND);
+    // pi/2 in three parts, the first with few enough bits that the product with q is exact.
     let r = q.neg_mul_add(L::splat(1.570_312_5), angle);
     let r = q.neg_mul_add(L::splat(4.837_513e-4), r);
     let r = q.neg_mul_add(L::splat(7.549_79e-8), r);
-    quadrant(r, q)
+    quadrant(r, n)
 }
 
 /// Sine and cosine of `2 pi u`, `u` in `[0, 1]`; absolute error below 1e-7. The turn is reduced exactly.
 #[inline(always)]
 pub fn sin_cos_turns<L: Lanes>(u: L) -> (L, L) {
-    const ROUND: f32 = 12_582_912.0;
     let u4 = u * L::splat(4.0);
-    let q = (u4 + L::splat(ROUND)) - L::splat(ROUND);
-    quadrant((u4 - q) * L::splat(core::f32::consts::FRAC_PI_2), q)
+    let n = u4 + L::splat(ROUND);
+    let q = n - L::splat(ROUND);
+    quadrant((u4 - q) * L::splat(core::f32::consts::FRAC_PI_2), n)
 }
 
-/// Sine and cosine of `r + q pi / 2`, `r` in [-pi/4, pi/4], `q` a small whole number.
+/// Sine and cosine of `r + q pi / 2`, `r` in [-pi/4, pi/4], `n = q + ROUND`.
 #[inline(always)]
-fn quadrant<L: Lanes>(r: L, q: L) -> (L, L) {
+fn quadrant<L: Lanes>(r: L, n: L) -> (L, L) {
     let rr = r * r;
     // Cephes sinf and cosf, Moshier 1992.
     let mut s = L::splat(-1.951_529_6e-4);
@@ -166,24 +174,7 @@ fn quadrant<L: Lanes>(r: L, q: L) -> (L, L) {
     c = c.mul_add(rr, L::splat(-1.388_731_6e-3));
     c = c.mul_add(rr, L::splat(4.166_664_6e-2));
     c = (c * rr).mul_add(rr, rr.neg_mul_add(L::splat(0.5), L::splat(1.0)));
-    // q modulo 4 by halving: odd quadrants swap, the sine is negative in 2 and 3, the cosine in 1 and 2.
-    const ROUND: f32 = 12_582_912.0;
-    let quarter = L::splat(0.25);
-    // m = q - 4 round(q/4) in {-2, -1, 0, 1, 2}
-    let turns = (q * quarter + L::splat(ROUND)) - L::splat(ROUND);
-    let m = turns.neg_mul_add(L::splat(4.0), q);
-    let half = L::splat(0.5);
-    let odd = (m.abs() - L::splat(1.0)).abs().lt(half);
-    let (sin, cos) = (L::select(odd, c, s), L::select(odd, s, c));
-    // m = 1: sin = c, cos = -s; m = -1: sin = -c, cos = s; |m| = 2: both negated.
-    let far = m.abs().ge(L::splat(1.5));
-    let sin_sign = L::select(far, L::splat(-1.0), L::select(odd, L::splat(1.0).copy_sign(m), L::splat(1.0)));
-    let cos_sign = L::select(
-        far,
-        L::splat(-1.0),
-        L::select(odd, L::splat(-1.0).copy_sign(L::splat(0.0) - m), L::splat(1.0)),
-    );
-    (sin * sin_sign, cos * cos_sign)
+    L::quarter_turns(n, s, c)
 }
 
 /// Angle of the vector (x, y), both not negative and not both 0, from the x axis; relative error below 3e-7.
@@ -251,6 +242,7 @@ pub fn length_squared_minus_one<L: Lanes>([x, y, z]: [L; 3]) -> L {
 impl Lanes for f32 {
     const COUNT: usize = 1;
     const FUSED: bool = false;
+    const PAIRED: bool = false;
     type Mask = bool;
     type Index = usize;
 
@@ -315,6 +307,13 @@ impl Lanes for f32 {
         f32::from_bits(self.to_bits().wrapping_add(n.to_bits() << 23))
     }
     #[inline(always)]
+    fn quarter_turns(n: Self, sin: Self, cos: Self) -> (Self, Self) {
+        // Odd quarters swap; the sine is negative in 2 and 3, the cosine in 1 and 2.
+        let (swap, sine_sign) = (n.to_bits() << 31, n.to_bits() >> 1 << 31);
+        let (s, c) = if swap == 0 { (sin, cos) } else { (cos, sin) };
+        (f32::from_bits(s.to_bits() ^ sine_sign), f32::from_bits(c.to_bits() ^ (sine_sign ^ swap)))
+    }
+    #[inline(always)]
     fn split_exponent(self) -> (Self, Self) {
         // Bits of sqrt(1/2): what is left above it after whole exponents are taken off is in [sqrt(1/2), sqrt(2)).
         let bits = self.to_bits().wrapping_sub(0x3f35_04f3);
@@ -336,6 +335,10 @@ impl Lanes for f32 {
     #[inline(always)]
     fn lookup(table: &[f32], _len: usize, index: usize) -> Self {
         table[index]
+    }
+    #[inline(always)]
+    fn first(self) -> f32 {
+        self
     }
     #[inline(always)]
     fn sum(self) -> f32 {

@@ -32,6 +32,7 @@ mod format;
 mod horizon;
 mod kernel;
 mod lanes;
+mod leave_out;
 mod lobe;
 mod material;
 mod mixture;
@@ -43,6 +44,7 @@ mod simd;
 mod single;
 pub mod special;
 mod squeeze;
+mod two;
 
 pub use batch::SamplesMut;
 pub use error::{Error, FormatError};
@@ -61,6 +63,7 @@ pub use kernel::{
     metropolis::Metropolis,
     table::KernelTable,
 };
+pub use leave_out::LeaveOut;
 pub use lobe::{Gaussian, Lobe, MAX_SHARPNESS};
 pub use material::Material;
 pub use mixture::{Domain, LUMINANCE, MAX_LOBES, Mixture, Sample, luminance};

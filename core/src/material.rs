@@ -2,7 +2,7 @@
 
 use crate::format::{self, Header, f32_at};
 use crate::prepare::Prepare;
-use crate::{Error, FormatError, Mixture, PlaneLobe};
+use crate::{Error, FormatError, LeaveOut, Mixture, PlaneLobe};
 use glam::Vec3;
 
 /// A material in borrowed `.srbf` bytes of any alignment: nothing is copied, nothing allocated.
@@ -87,6 +87,22 @@ impl<'a> Material<'a> {
     /// is not a finite unit vector. The mixture is empty then.
     #[inline]
     pub fn prepare<const N: usize>(&self, wo: Vec3, mixture: &mut Mixture<N>) -> Result<(), Error> {
-        crate::simd::Level::current().run(Prepare { material: self, wo, mixture })
+        self.prepare_leaving_out(wo, LeaveOut::default(), mixture)
+    }
+
+    /// [`prepare`](Self::prepare), leaving out lobes and folds that matter less than a bound.
+    ///
+    /// `srbf leave-out` prints the error and the time of bounds, for each preset.
+    ///
+    /// # Errors
+    /// Those of [`prepare`](Self::prepare).
+    #[inline]
+    pub fn prepare_leaving_out<const N: usize>(
+        &self,
+        wo: Vec3,
+        leave_out: LeaveOut,
+        mixture: &mut Mixture<N>,
+    ) -> Result<(), Error> {
+        crate::simd::Level::current().run(Prepare { material: self, wo, leave_out, mixture })
     }
 }

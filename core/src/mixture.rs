@@ -1,8 +1,9 @@
 //! A mixture: the lobes that one outgoing direction needs, ready to evaluate and sample.
 
 use crate::lanes::{Lanes, dot3, exp2, splat3};
+use crate::leave_out::LeaveOut;
 use crate::simd::Level;
-use crate::single::{EvaluateOne, PdfOne, SampleOne};
+use crate::single::{DirectionOne, EvaluateOne, PdfOne, SampleOne};
 use crate::squeeze::Squeeze;
 use crate::{Error, Gaussian, Lobe};
 use core::f32::consts::{LOG2_E, PI};
@@ -10,11 +11,6 @@ use glam::Vec3;
 
 /// Most lobes that a mixture can hold.
 pub const MAX_LOBES: usize = 64;
-
-/// `-ln 1e-7`: a lobe is folded if `s (1 - t)` is below this; see [`Mixture`], "Which lobes are folded".
-///
-/// A larger share than 1e-7 would fold fewer lobes and save an exponential each, at an error above f32 rounding.
-const FOLD_EXPONENT: f32 = 16.118;
 
 /// Weights of luminance in linear sRGB (Rec. 709).
 pub const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
@@ -194,7 +190,7 @@ impl<const N: usize> Mixture<N> {
             mixture.sharpness[k] = gaussian.sharpness;
             [mixture.red[k], mixture.green[k], mixture.blue[k]] = amplitude.to_array();
         }
-        mixture.finish::<f32>(needed, squeezed.len());
+        mixture.finish::<f32>(needed, squeezed.len(), LeaveOut::default());
         if mixture.albedo.is_finite() { Ok(mixture) } else { Err(Error::Amplitude) }
     }
 
@@ -219,11 +215,11 @@ impl<const N: usize> Mixture<N> {
     /// the places up to the next multiple of 16 must be valid, of amplitude 0.
     #[inline(always)]
     #[allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
-    pub(crate) fn finish<L: Lanes>(&mut self, count: usize, squeezed: usize) {
+    pub(crate) fn finish<L: Lanes>(&mut self, count: usize, squeezed: usize, leave_out: LeaveOut) {
         (self.count, self.squeezed) = (count, squeezed);
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let mut albedo = [zero; 3];
-        let mut powers = [0.0; MAX_LOBES];
+        let mut folded = 0;
         let mut k = 0;
         while k < count && k + L::COUNT <= N {
             let s = L::load(&self.sharpness[k..]);
@@ -235,44 +231,94 @@ impl<const N: usize> Mixture<N> {
             let x = s + s;
             let inverse = one / s;
             let tail = exp2(s * L::splat(-2.0 * LOG2_E));
-            let mut series = L::splat(-1.0 / 40_320.0);
-            const SERIES: [f32; 7] = [1. / 5040., -1. / 720., 1. / 120., -1. / 24., 1. / 6., -0.5, 1.];
-            for i in 0..SERIES.len() {
-                series = series.mul_add(x, L::splat(SERIES[i]));
-            }
+            let mut inside = one - tail;
             let small = x.lt(L::splat(0.5));
-            let inside = L::select(small, series * x, one - tail);
+            if L::bits(small) != 0 {
+                let mut series = L::splat(-1.0 / 40_320.0);
+                const SERIES: [f32; 7] = [1. / 5040., -1. / 720., 1. / 120., -1. / 24., 1. / 6., -0.5, 1.];
+                for i in 0..SERIES.len() {
+                    series = series.mul_add(x, L::splat(SERIES[i]));
+                }
+                inside = L::select(small, series * x, inside);
+            }
             let integral = inside * inverse * L::splat(2.0 * PI);
             inverse.store(&mut self.inverse_sharpness[k..]);
             tail.store(&mut self.tail[k..]);
             inside.store(&mut self.inside[k..]);
 
-            let mut axis_z = L::load(&self.axis_z[k..]);
             if self.domain == Domain::Hemisphere {
-                axis_z = axis_z.abs();
+                let axis_z = L::load(&self.axis_z[k..]).abs();
                 axis_z.store(&mut self.axis_z[k..]);
                 (rate * axis_z * L::splat(4.0)).store(&mut self.fold_rate[k..]);
                 // s (1 - t) = s z^2 / (1 + t), without cancellation.
                 let zz = axis_z * axis_z;
                 let t = (one - zz).max(zero).sqrt();
-                let folds = (s * zz).lt((one + t) * L::splat(FOLD_EXPONENT));
-                self.folded |= L::bits(folds) << k;
+                let folds = (s * zz).lt((one + t) * L::splat(leave_out.fold_exponent));
+                folded |= L::bits(folds) << k;
             }
 
             let rgb = [L::load(&self.red[k..]), L::load(&self.green[k..]), L::load(&self.blue[k..])];
             let luminance = dot3(rgb, splat3(LUMINANCE));
             luminance.store(&mut self.luminance[k..]);
-            (luminance * integral).store(&mut powers[k..]);
+            // The powers first, their running sum below.
+            (luminance * integral).store(&mut self.cumulative[k..]);
             for i in 0..3 {
                 albedo[i] = rgb[i].mul_add(integral, albedo[i]);
             }
             k += L::COUNT;
         }
-        let lobes_albedo = Vec3::new(albedo[0].sum(), albedo[1].sum(), albedo[2].sum());
+        self.folded = folded;
         let mut power = 0.0;
-        for (running, lobe) in self.cumulative[..count.min(N)].iter_mut().zip(&powers) {
-            power += lobe;
+        for running in &mut self.cumulative[..count.min(N)] {
+            power += *running;
             *running = power;
+        }
+        self.lobes_power = power;
+        self.add_up(Vec3::new(albedo[0].sum(), albedo[1].sum(), albedo[2].sum()));
+        if leave_out.lobes > 0.0 {
+            self.drop_lobes(leave_out.lobes);
+        }
+    }
+
+    /// Drops the lobes whose share of the power is below a bound; those that stay keep their order.
+    fn drop_lobes(&mut self, share: f32) {
+        let least = share * self.power;
+        let (count, squeezed, folded) = (self.count.min(N), self.squeezed, self.folded);
+        let mut lobes_albedo = Vec3::ZERO;
+        let mut power = 0.0;
+        (self.count, self.squeezed, self.folded) = (0, 0, 0);
+        for k in 0..count {
+            let integral = self.inside[k] * self.inverse_sharpness[k] * (2.0 * PI);
+            if self.luminance[k] * integral < least {
+                continue;
+            }
+            let to = self.count;
+            for row in [
+                &mut self.axis_x,
+                &mut self.axis_y,
+                &mut self.axis_z,
+                &mut self.sharpness,
+                &mut self.red,
+                &mut self.green,
+                &mut self.blue,
+                &mut self.luminance,
+                &mut self.rate,
+                &mut self.fold_rate,
+                &mut self.inverse_sharpness,
+                &mut self.inside,
+                &mut self.tail,
+            ] {
+                row[to] = row[k];
+            }
+            lobes_albedo += Vec3::new(self.red[to], self.green[to], self.blue[to]) * integral;
+            power += self.luminance[to] * integral;
+            self.cumulative[to] = power;
+            self.folded |= (folded >> k & 1) << to;
+            self.squeezed += usize::from(k < squeezed);
+            self.count += 1;
+        }
+        for row in [&mut self.red, &mut self.green, &mut self.blue, &mut self.luminance] {
+            row[self.count..count].fill(0.0);
         }
         self.lobes_power = power;
         self.add_up(lobes_albedo);
@@ -284,9 +330,8 @@ impl<const N: usize> Mixture<N> {
         self.albedo = lobes_albedo + self.diffuse;
         let power = self.lobes_power + luminance(self.diffuse);
         // A sum so small that its inverse is infinite reflects nothing.
-        if power >= f32::MIN_POSITIVE {
-            (self.power, self.inverse_power) = (power, 1.0 / power);
-        }
+        (self.power, self.inverse_power) =
+            if power >= f32::MIN_POSITIVE { (power, 1.0 / power) } else { (0.0, 0.0) };
     }
 
     /// The same lobes beside a diffuse term of an albedo, linear sRGB: `albedo cos / pi` is added to the value.
@@ -379,13 +424,13 @@ impl<const N: usize> Mixture<N> {
     /// Evaluates `f cos` towards an incident direction, linear sRGB; 1/sr. 0 below the horizon of a hemisphere.
     #[inline]
     pub fn evaluate(&self, direction: Vec3) -> Vec3 {
-        self.level.run(EvaluateOne { mixture: self, direction })
+        self.level.run_one::<_, EvaluateOne>(self, direction.to_array())
     }
 
     /// Evaluates the density of [`sample`](Self::sample) at a direction; 1/sr.
     #[inline]
     pub fn pdf(&self, direction: Vec3) -> f32 {
-        self.level.run(PdfOne { mixture: self, direction })
+        self.level.run_one::<_, PdfOne>(self, direction.to_array())
     }
 
     /// Value and density in one pass over the lobes.
@@ -405,9 +450,15 @@ impl<const N: usize> Mixture<N> {
         if self.power == 0.0 {
             return None;
         }
-        let (direction, value) = self.level.run(SampleOne { mixture: self, u });
+        let (direction, value) = self.level.run_one::<_, SampleOne>(self, u);
         let pdf = luminance(value) * self.inverse_power;
         // A density that f32 rounds to 0 cannot be divided by: far out in a tail, where the value is 0 too.
         (pdf > 0.0).then_some(Sample { direction, pdf, value })
+    }
+
+    /// Draws only the direction of [`sample`](Self::sample), for callers that take value and density elsewhere.
+    #[inline]
+    pub fn sample_direction(&self, u: [f32; 3]) -> Option<Vec3> {
+        (self.power > 0.0).then(|| self.level.run_one::<_, DirectionOne>(self, u))
     }
 }

@@ -3,12 +3,12 @@
 //! Lanes are lobes: the pairs are taken one after the other, mixture and all, inside one call of the back end. The
 //! mixtures never leave the cache.
 
-use crate::batch::{SamplesMut, same_length, sample_direction};
+use crate::batch::{SamplesMut, same_length, sample_one};
 use crate::lanes::Lanes;
 use crate::prepare::prepare;
 use crate::simd::{Level, Routine};
-use crate::single::sums_one;
-use crate::{Error, Material, Mixture, luminance};
+use crate::single::value_one;
+use crate::{Error, LeaveOut, Material, Mixture, luminance};
 use glam::Vec3;
 
 impl Material<'_> {
@@ -104,8 +104,8 @@ impl<const N: usize> Routine for EvaluatePairs<'_, '_, N> {
         let Self { material, wo, wi, value: [red, green, blue], pdf } = self;
         let mut m = Mixture::<N>::empty();
         for i in 0..pdf.len() {
-            let prepared = prepare::<L, N>(material, at(&wo, i), &mut m).is_ok();
-            let value = if prepared { value_of::<L, N>(&m, at(&wi, i)) } else { Vec3::ZERO };
+            let prepared = prepare::<L, N>(material, at(&wo, i), LeaveOut::default(), &mut m).is_ok();
+            let value = if prepared { value_one::<L, N>(&m, at(&wi, i).to_array()) } else { Vec3::ZERO };
             [red[i], green[i], blue[i]] = value.to_array();
             pdf[i] = luminance(value) * m.inverse_power;
         }
@@ -127,16 +127,16 @@ impl<const N: usize> Routine for SamplePairs<'_, '_, N> {
         let SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] } = samples;
         let mut m = Mixture::<N>::empty();
         for i in 0..pdf.len() {
-            let mut direction = Vec3::Z;
+            let mut direction = [0.0, 0.0, 1.0];
             let mut value = Vec3::ZERO;
-            if prepare::<L, N>(material, at(&wo, i), &mut m).is_ok() && m.power > 0.0 {
+            if prepare::<L, N>(material, at(&wo, i), LeaveOut::default(), &mut m).is_ok() && m.power > 0.0 {
                 let u = [u[0][i], u[1][i], u[2][i]];
-                direction = Vec3::from_array(sample_direction::<f32, N>(&m, u));
-                value = value_of::<L, N>(&m, direction);
+                direction = sample_one::<L, N>(&m, u);
+                value = value_one::<L, N>(&m, direction);
             }
             let density = luminance(value) * m.inverse_power;
             let weight = if density > 0.0 { value / density } else { Vec3::ZERO };
-            [x[i], y[i], z[i]] = direction.to_array();
+            [x[i], y[i], z[i]] = direction;
             pdf[i] = density;
             [red[i], green[i], blue[i]] = weight.to_array();
         }
@@ -155,13 +155,7 @@ impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
     fn run<L: Lanes>(self) {
         for (i, mixture) in self.mixtures.iter_mut().enumerate() {
             // A direction that is none leaves the mixture empty; the capacity has been checked.
-            let _ = prepare::<L, N>(self.material, at(&self.wo, i), mixture);
+            let _ = prepare::<L, N>(self.material, at(&self.wo, i), LeaveOut::default(), mixture);
         }
     }
-}
-
-#[inline(always)]
-fn value_of<L: Lanes, const N: usize>(m: &Mixture<N>, direction: Vec3) -> Vec3 {
-    let amplitudes = [&m.red, &m.green, &m.blue];
-    Vec3::from_array(sums_one::<L, N, 3>(m, amplitudes, m.diffuse.to_array(), direction))
 }

@@ -4,12 +4,30 @@ use crate::format::{self, f32_at};
 use crate::lanes::{Lanes, atan2_positive, exp2, sin_cos};
 use crate::simd::Routine;
 use crate::squeeze::Squeeze;
-use crate::{Domain, Error, Material, Mixture};
+use crate::two::Two;
+use crate::{Domain, Error, LeaveOut, MAX_LOBES, Material, Mixture};
 use glam::Vec3;
+
+/// Widest vector of any back end, a pair included.
+const WIDEST: usize = 32;
+
+/// The bytes from an offset on, at least `need` of them: near the end of the file those of `copy`, which is then made.
+macro_rules! from_offset {
+    ($bytes:expr, $offset:expr, $need:expr, $copy:ident) => {{
+        let rest: &[u8] = &$bytes[$offset..];
+        if rest.len() >= $need {
+            rest
+        } else {
+            $copy = padded(rest);
+            &$copy[..]
+        }
+    }};
+}
 
 pub(crate) struct Prepare<'a, 'b, 'm, const N: usize> {
     pub material: &'a Material<'b>,
     pub wo: Vec3,
+    pub leave_out: LeaveOut,
     pub mixture: &'m mut Mixture<N>,
 }
 
@@ -17,7 +35,7 @@ impl<const N: usize> Routine for Prepare<'_, '_, '_, N> {
     type Output = Result<(), Error>;
     #[inline(always)]
     fn run<L: Lanes>(self) -> Result<(), Error> {
-        prepare::<L, N>(self.material, self.wo, self.mixture)
+        prepare::<L, N>(self.material, self.wo, self.leave_out, self.mixture)
     }
 }
 
@@ -25,11 +43,11 @@ impl<const N: usize> Routine for Prepare<'_, '_, '_, N> {
 pub(crate) fn prepare<L: Lanes, const N: usize>(
     material: &Material<'_>,
     wo: Vec3,
+    leave_out: LeaveOut,
     mixture: &mut Mixture<N>,
 ) -> Result<(), Error> {
-    let (bytes, header) = (material.bytes, &material.header);
     mixture.begin(Domain::Hemisphere, Squeeze::NONE);
-    let count = header.lobes;
+    let count = material.header.lobes;
     if count > N {
         return Err(Error::Capacity { needed: count, available: N });
     }
@@ -51,68 +69,118 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     } else {
         [1.0, 0.0]
     };
-
-    // The two views round wo, and how far between them it lies.
-    let theta = atan2_positive(across, wo.z);
-    let last = header.views - 1;
-    let mut passed = 0;
-    let mut view = 0;
-    while view < last {
-        // Bits of the views from here to the last but one that are at most theta; the first always is.
-        let thetas = load_bytes::<L>(bytes, header.theta(view));
-        let inner = (1u64 << (last - view).min(L::COUNT)) - 1;
-        passed += (L::bits(L::splat(theta).ge(thetas)) & inner).count_ones() as usize;
-        view += L::COUNT;
-    }
-    let after = passed.min(last);
-    let before = after.saturating_sub(1);
-    let (from, to) = (f32_at(bytes, header.theta(before)), f32_at(bytes, header.theta(after)));
-    let blend = if to > from { ((theta - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+    let place = Place::find::<L>(material, across, wo.z);
 
     // The heads: squeeze and diffuse albedo.
-    let mut head = [0.0; 16];
+    let (copy_a, copy_b);
+    let (a, b) = (material.header.head(place.before), material.header.head(place.after));
+    let a = from_offset!(material.bytes, a, 4 * WIDEST, copy_a);
+    let b = from_offset!(material.bytes, b, 4 * WIDEST, copy_b);
+    let mut head = [0.0; WIDEST];
     let mut i = 0;
     while i < format::HEAD {
-        let a = load_bytes::<L>(bytes, header.head(before) + 4 * i);
-        let b = load_bytes::<L>(bytes, header.head(after) + 4 * i);
-        exp2((b - a).mul_add(L::splat(blend), a)).store(&mut head[i..]);
+        exp2(place.between::<L>(a, b, i)).store(&mut head[i..]);
         i += L::COUNT;
     }
     mixture.squeeze = Squeeze { azimuth, inverse: 1.0 / head[0] };
     mixture.diffuse = Vec3::new(head[1], head[2], head[3]);
 
-    let mut k = 0;
-    while k < count && k + L::COUNT <= N {
-        let valid = L::iota().lt(L::splat((count - k) as f32));
-        let zero = L::splat(0.0);
-        let mut rows = [zero; 5];
-        for (row, value) in rows.iter_mut().enumerate() {
-            let a = load_bytes::<L>(bytes, header.row(before, row) + 4 * k);
-            let b = load_bytes::<L>(bytes, header.row(after, row) + 4 * k);
-            *value = L::select(valid, (b - a).mul_add(L::splat(blend), a), zero);
-        }
-        let (sin, cos) = sin_cos(rows[0]);
-        sin.store(&mut mixture.axis_x[k..]);
-        zero.store(&mut mixture.axis_y[k..]);
-        cos.store(&mut mixture.axis_z[k..]);
-        exp2(rows[1]).store(&mut mixture.sharpness[k..]);
-        L::select(valid, exp2(rows[2]), zero).store(&mut mixture.red[k..]);
-        L::select(valid, exp2(rows[3]), zero).store(&mut mixture.green[k..]);
-        L::select(valid, exp2(rows[4]), zero).store(&mut mixture.blue[k..]);
-        k += L::COUNT;
+    // Twelve lobes are one and a half vectors of eight lanes: a pair of them, with constants loaded once.
+    if L::PAIRED && 2 * L::COUNT <= 16 {
+        lobes::<Two<L>, N>(material, place, leave_out, mixture);
+    } else {
+        lobes::<L, N>(material, place, leave_out, mixture);
     }
-    mixture.finish::<L>(count, header.squeezed);
     Ok(())
 }
 
-/// Loads little-endian f32 from bytes of any alignment; what lies past the end reads as 0.
-#[inline(always)]
-fn load_bytes<L: Lanes>(bytes: &[u8], offset: usize) -> L {
-    let rest = &bytes[offset..];
-    if rest.len() >= 4 * L::COUNT {
-        return L::load_bytes(rest);
+/// The two views round an outgoing direction, and how far between them it lies.
+#[derive(Clone, Copy)]
+struct Place {
+    before: usize,
+    after: usize,
+    blend: f32,
+}
+
+impl Place {
+    /// `across` and `z`: sine and cosine of the angle of the outgoing direction.
+    #[inline(always)]
+    fn find<L: Lanes>(material: &Material<'_>, across: f32, z: f32) -> Self {
+        let (bytes, header) = (material.bytes, &material.header);
+        let theta = atan2_positive(L::splat(across), L::splat(z));
+        let last = header.views - 1;
+        let mut passed = 0;
+        let mut view = 0;
+        while view < last {
+            // Bits of the views from here to the last but one that are at most theta; the first always is.
+            let copy;
+            let thetas = from_offset!(bytes, header.theta(view), 4 * WIDEST, copy);
+            let inner = u64::MAX >> (64 - (last - view).min(L::COUNT));
+            passed += (L::bits(theta.ge(L::load_bytes(thetas))) & inner).count_ones() as usize;
+            view += L::COUNT;
+        }
+        let after = passed.min(last);
+        let before = after.saturating_sub(1);
+        let (from, to) = (f32_at(bytes, header.theta(before)), f32_at(bytes, header.theta(after)));
+        let blend = if to > from { ((theta.first() - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+        Self { before, after, blend }
     }
-    let mut padded = [0; 64];
-    padded[..rest.len()].copy_from_slice(rest);
-    L::load_bytes(&padded)
+
+    /// Interpolates numbers from the `i`-th on; `a` and `b` are the bytes of the same rows of the two views.
+    #[inline(always)]
+    fn between<L: Lanes>(self, a: &[u8], b: &[u8], i: usize) -> L {
+        let (a, b) = (L::load_bytes(&a[4 * i..]), L::load_bytes(&b[4 * i..]));
+        (b - a).mul_add(L::splat(self.blend), a)
+    }
+}
+
+/// Interpolates the lobes and completes the mixture.
+#[inline(always)]
+fn lobes<L: Lanes, const N: usize>(
+    material: &Material<'_>,
+    place: Place,
+    leave_out: LeaveOut,
+    mixture: &mut Mixture<N>,
+) {
+    let header = &material.header;
+    let count = header.lobes;
+    // The last vector of the last row reaches past the view, and at the last view past the file.
+    let reach = 4 * (4 * count + count.next_multiple_of(L::COUNT));
+    let (copy_a, copy_b);
+    let a = from_offset!(material.bytes, header.row(place.before, 0), reach, copy_a);
+    let b = from_offset!(material.bytes, header.row(place.after, 0), reach, copy_b);
+    let (a, b) = (&a[..reach], &b[..reach]);
+    let zero = L::splat(0.0);
+    let mut k = 0;
+    while k < count && k + L::COUNT <= N {
+        let valid = L::iota().lt(L::splat((count - k) as f32));
+        let angle = L::select(valid, place.between(a, b, k), zero);
+        let log_sharpness = L::select(valid, place.between(a, b, count + k), zero);
+        let log_red = place.between::<L>(a, b, 2 * count + k);
+        let log_green = place.between::<L>(a, b, 3 * count + k);
+        let log_blue = place.between::<L>(a, b, 4 * count + k);
+        let (sin, cos) = sin_cos(angle);
+        sin.store(&mut mixture.axis_x[k..]);
+        zero.store(&mut mixture.axis_y[k..]);
+        cos.store(&mut mixture.axis_z[k..]);
+        exp2(log_sharpness).store(&mut mixture.sharpness[k..]);
+        L::select(valid, exp2(log_red), zero).store(&mut mixture.red[k..]);
+        L::select(valid, exp2(log_green), zero).store(&mut mixture.green[k..]);
+        L::select(valid, exp2(log_blue), zero).store(&mut mixture.blue[k..]);
+        k += L::COUNT;
+    }
+    mixture.finish::<L>(count, header.squeezed, leave_out);
+}
+
+/// Room for a view of the most lobes, and a vector more.
+const PADDED: usize = 4 * (5 * MAX_LOBES + WIDEST);
+
+/// The end of a file, with zeros after it.
+#[cold]
+#[inline(never)]
+fn padded(rest: &[u8]) -> [u8; PADDED] {
+    let mut copy = [0; PADDED];
+    let len = rest.len().min(PADDED);
+    copy[..len].copy_from_slice(&rest[..len]);
+    copy
 }

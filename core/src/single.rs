@@ -1,63 +1,65 @@
 //! One direction: lanes are lobes, for renderers that shade a point at a time.
 #![allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
 
-use crate::batch::sample_direction;
+use crate::batch::sample_one;
 use crate::lanes::{Lanes, exp2, splat3};
-use crate::simd::Routine;
+use crate::simd::One;
 use crate::squeeze::Seen;
 use crate::{Domain, Mixture};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
-pub(crate) struct EvaluateOne<'a, const N: usize> {
-    pub mixture: &'a Mixture<N>,
-    pub direction: Vec3,
-}
+/// Value towards a direction.
+pub(crate) struct EvaluateOne;
 
-impl<const N: usize> Routine for EvaluateOne<'_, N> {
+impl<const N: usize> One<Mixture<N>> for EvaluateOne {
     type Output = Vec3;
     #[inline(always)]
-    fn run<L: Lanes>(self) -> Vec3 {
-        let m = self.mixture;
-        Vec3::from_array(sums_one::<L, N, 3>(
-            m,
-            [&m.red, &m.green, &m.blue],
-            m.diffuse.to_array(),
-            self.direction,
-        ))
+    fn run<L: Lanes>(m: &Mixture<N>, direction: [f32; 3]) -> Vec3 {
+        value_one::<L, N>(m, direction)
     }
 }
 
-pub(crate) struct PdfOne<'a, const N: usize> {
-    pub mixture: &'a Mixture<N>,
-    pub direction: Vec3,
-}
+/// Density at a direction.
+pub(crate) struct PdfOne;
 
-impl<const N: usize> Routine for PdfOne<'_, N> {
+impl<const N: usize> One<Mixture<N>> for PdfOne {
     type Output = f32;
     #[inline(always)]
-    fn run<L: Lanes>(self) -> f32 {
-        let m = self.mixture;
-        let [sum] = sums_one::<L, N, 1>(m, [&m.luminance], [m.power - m.lobes_power], self.direction);
+    fn run<L: Lanes>(m: &Mixture<N>, direction: [f32; 3]) -> f32 {
+        let [sum] = sums_one::<L, N, 1>(m, [&m.luminance], [m.power - m.lobes_power], direction);
         sum * m.inverse_power
     }
 }
 
-pub(crate) struct SampleOne<'a, const N: usize> {
-    pub mixture: &'a Mixture<N>,
-    pub u: [f32; 3],
+/// A direction from three uniform numbers.
+pub(crate) struct DirectionOne;
+
+impl<const N: usize> One<Mixture<N>> for DirectionOne {
+    type Output = Vec3;
+    #[inline(always)]
+    fn run<L: Lanes>(m: &Mixture<N>, u: [f32; 3]) -> Vec3 {
+        Vec3::from_array(sample_one::<L, N>(m, u))
+    }
 }
 
-impl<const N: usize> Routine for SampleOne<'_, N> {
-    /// Direction and value.
+/// A direction from three uniform numbers, and the value there.
+pub(crate) struct SampleOne;
+
+impl<const N: usize> One<Mixture<N>> for SampleOne {
     type Output = (Vec3, Vec3);
     #[inline(always)]
-    fn run<L: Lanes>(self) -> (Vec3, Vec3) {
-        let m = self.mixture;
-        let direction = Vec3::from_array(sample_direction::<f32, N>(m, self.u));
-        let value = sums_one::<L, N, 3>(m, [&m.red, &m.green, &m.blue], m.diffuse.to_array(), direction);
-        (direction, Vec3::from_array(value))
+    fn run<L: Lanes>(m: &Mixture<N>, u: [f32; 3]) -> (Vec3, Vec3) {
+        let direction = sample_one::<L, N>(m, u);
+        (Vec3::from_array(direction), value_one::<L, N>(m, direction))
     }
+}
+
+/// Value towards one direction.
+#[inline(always)]
+pub(crate) fn value_one<L: Lanes, const N: usize>(m: &Mixture<N>, direction: [f32; 3]) -> Vec3 {
+    let amplitudes = [&m.red, &m.green, &m.blue];
+    Vec3::from_array(sums_one::<L, N, 3>(m, amplitudes, m.diffuse.to_array(), direction))
 }
 
 /// Sums the lobes towards one direction, once for each of `C` sets of amplitudes.
@@ -66,50 +68,81 @@ pub(crate) fn sums_one<L: Lanes, const N: usize, const C: usize>(
     m: &Mixture<N>,
     amplitudes: [&[f32; N]; C],
     diffuse: [f32; C],
-    direction: Vec3,
+    direction: [f32; 3],
 ) -> [f32; C] {
     // False for a NaN too.
-    let above = direction.z >= 0.0;
+    let above = direction[2] >= 0.0;
     if !above && m.domain == Domain::Hemisphere {
         return [0.0; C];
     }
-    let turned = m.squeeze.turn(splat3::<L>(direction.to_array()));
-    let squeezed = if m.squeezed > 0 { m.squeeze.squeeze(&turned) } else { turned };
-
     let mut acc = [L::splat(0.0); C];
-    let mut k = 0;
-    while k < m.count && k + L::COUNT <= N {
-        let seen = if k + L::COUNT <= m.squeezed {
-            squeezed
-        } else if k >= m.squeezed {
-            turned
+    if m.squeezed == 0 && m.squeeze.is_unturned() {
+        let seen = m.squeeze.turn(splat3::<L>(direction));
+        let mut k = 0;
+        while k < m.count && k + L::COUNT <= N {
+            add_lobes::<L, N, C, false>(m, amplitudes, &seen, k, &mut acc);
+            k += L::COUNT;
+        }
+    } else {
+        let [turned, squeezed] = if L::COUNT > 1 {
+            m.squeeze.see_one(direction)
         } else {
-            mix::<L>(&squeezed, &turned, m.squeezed - k)
+            let turned = m.squeeze.turn(splat3::<L>(direction));
+            [turned, m.squeeze.squeeze(&turned)]
         };
-        let [x, y, z] = seen.high;
-        let dx = (x - L::load(&m.axis_x[k..])) + seen.low[0];
-        let dy = (y - L::load(&m.axis_y[k..])) + seen.low[1];
-        let dz = (z - L::load(&m.axis_z[k..])) + seen.low[2];
-        let t = L::load(&m.rate[k..]) * dx.mul_add(dx, dy.mul_add(dy, dz * dz));
-        let mut g = exp2(t);
-        if m.folded >> k & lane_bits(L::COUNT) != 0 {
-            // Lanes whose fold cannot matter get it too: it is smaller than its bound there.
-            g = g + exp2(L::load(&m.fold_rate[k..]).mul_add(z, t));
+        let mut k = 0;
+        while k < m.count && k + L::COUNT <= N {
+            if k + L::COUNT <= m.squeezed {
+                add_lobes::<L, N, C, true>(m, amplitudes, &squeezed, k, &mut acc);
+            } else if k >= m.squeezed {
+                add_lobes::<L, N, C, true>(m, amplitudes, &turned, k, &mut acc);
+            } else {
+                let mixed = mix::<L>(&squeezed, &turned, m.squeezed - k);
+                add_lobes::<L, N, C, true>(m, amplitudes, &mixed, k, &mut acc);
+            }
+            k += L::COUNT;
         }
-        let g = g * seen.scale;
-        for i in 0..C {
-            acc[i] = g.mul_add(L::load(&amplitudes[i][k..]), acc[i]);
-        }
-        k += L::COUNT;
     }
     let mut sums = [0.0; C];
     for i in 0..C {
         sums[i] = acc[i].sum();
         if m.domain == Domain::Hemisphere {
-            sums[i] += diffuse[i] * FRAC_1_PI * direction.z;
+            sums[i] += diffuse[i] * FRAC_1_PI * direction[2];
         }
     }
     sums
+}
+
+/// Adds the lobes from `k` on, one a lane. `SEEN`: the direction was turned or squeezed, and has a low part and a scale.
+#[inline(always)]
+fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
+    m: &Mixture<N>,
+    amplitudes: [&[f32; N]; C],
+    seen: &Seen<L>,
+    k: usize,
+    acc: &mut [L; C],
+) {
+    let [x, y, z] = seen.high;
+    let mut dx = x - L::load(&m.axis_x[k..]);
+    let mut dy = y - L::load(&m.axis_y[k..]);
+    let mut dz = z - L::load(&m.axis_z[k..]);
+    if SEEN {
+        dx = dx + seen.low[0];
+        dy = dy + seen.low[1];
+        dz = dz + seen.low[2];
+    }
+    let t = L::load(&m.rate[k..]) * dx.mul_add(dx, dy.mul_add(dy, dz * dz));
+    let mut g = exp2(t);
+    if m.folded >> k & lane_bits(L::COUNT) != 0 {
+        // Lanes whose fold cannot matter get it too: it is smaller than its bound there.
+        g = g + exp2(L::load(&m.fold_rate[k..]).mul_add(z, t));
+    }
+    if SEEN {
+        g = g * seen.scale;
+    }
+    for i in 0..C {
+        acc[i] = g.mul_add(L::load(&amplitudes[i][k..]), acc[i]);
+    }
 }
 
 /// The lowest `count` bits.

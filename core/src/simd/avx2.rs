@@ -38,6 +38,7 @@ impl Avx2 {
 impl Lanes for Avx2 {
     const COUNT: usize = 8;
     const FUSED: bool = true;
+    const PAIRED: bool = true;
     type Mask = __m256;
     type Index = __m256i;
 
@@ -126,6 +127,19 @@ impl Lanes for Avx2 {
         })
     }
     #[inline(always)]
+    fn quarter_turns(n: Self, sin: Self, cos: Self) -> (Self, Self) {
+        // SAFETY: the processor has AVX2, see the head of this file.
+        unsafe {
+            // Sign bits: odd quarters swap; the sine is negative in 2 and 3, the cosine in 1 and 2.
+            let bits = _mm256_castps_si256(n.0);
+            let swap = _mm256_castsi256_ps(_mm256_slli_epi32::<31>(bits));
+            let sine_sign = _mm256_castsi256_ps(_mm256_slli_epi32::<31>(_mm256_srli_epi32::<1>(bits)));
+            let cosine_sign = _mm256_xor_ps(sine_sign, swap);
+            let (s, c) = (_mm256_blendv_ps(sin.0, cos.0, swap), _mm256_blendv_ps(cos.0, sin.0, swap));
+            (Self(_mm256_xor_ps(s, sine_sign)), Self(_mm256_xor_ps(c, cosine_sign)))
+        }
+    }
+    #[inline(always)]
     fn split_exponent(self) -> (Self, Self) {
         // SAFETY: the processor has AVX2, see the head of this file.
         unsafe {
@@ -174,6 +188,11 @@ impl Lanes for Avx2 {
             }
             Self(value)
         }
+    }
+    #[inline(always)]
+    fn first(self) -> f32 {
+        // SAFETY: the processor has AVX, see the head of this file.
+        unsafe { _mm256_cvtss_f32(self.0) }
     }
     #[inline(always)]
     fn sum(self) -> f32 {

@@ -38,6 +38,7 @@ impl Avx512 {
 impl Lanes for Avx512 {
     const COUNT: usize = 16;
     const FUSED: bool = true;
+    const PAIRED: bool = true;
     type Mask = __mmask16;
     type Index = __m512i;
 
@@ -124,6 +125,20 @@ impl Lanes for Avx512 {
         })
     }
     #[inline(always)]
+    fn quarter_turns(n: Self, sin: Self, cos: Self) -> (Self, Self) {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        unsafe {
+            // Sign bits: odd quarters swap; the sine is negative in 2 and 3, the cosine in 1 and 2.
+            let bits = _mm512_castps_si512(n.0);
+            let swap = _mm512_slli_epi32::<31>(bits);
+            let sine_sign = _mm512_slli_epi32::<31>(_mm512_srli_epi32::<1>(bits));
+            let cosine_sign = _mm512_castsi512_ps(_mm512_xor_si512(sine_sign, swap));
+            let odd = _mm512_movepi32_mask(swap);
+            let (s, c) = (_mm512_mask_blend_ps(odd, sin.0, cos.0), _mm512_mask_blend_ps(odd, cos.0, sin.0));
+            (Self(_mm512_xor_ps(s, _mm512_castsi512_ps(sine_sign))), Self(_mm512_xor_ps(c, cosine_sign)))
+        }
+    }
+    #[inline(always)]
     fn split_exponent(self) -> (Self, Self) {
         // SAFETY: the processor has AVX-512, see the head of this file.
         unsafe {
@@ -170,6 +185,11 @@ impl Lanes for Avx512 {
             }
             Self(value)
         }
+    }
+    #[inline(always)]
+    fn first(self) -> f32 {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        unsafe { _mm512_cvtss_f32(self.0) }
     }
     #[inline(always)]
     fn sum(self) -> f32 {

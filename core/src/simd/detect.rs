@@ -11,9 +11,9 @@ pub enum Level {
     Scalar = 1,
     /// `wide`: SSE2, NEON, wasm simd128, or what the whole build targets.
     Portable = 2,
-    /// x86-64 with AVX2 and FMA.
+    /// x86-64 with AVX2 and FMA (and BMI1, BMI2 and POPCNT, which every such processor has).
     Avx2 = 3,
-    /// x86-64 with AVX-512 F, VL, DQ and BW.
+    /// x86-64 with AVX-512 F, VL, DQ and BW, and all of [`Avx2`](Self::Avx2).
     Avx512 = 4,
 }
 
@@ -85,18 +85,18 @@ fn detect_and_cache() -> Level {
 fn best() -> Level {
     use core::arch::x86_64::{__cpuid, __cpuid_count};
     let bit = |word: u32, n: u32| word >> n & 1 == 1;
-    // Leaf 1: FMA, XSAVE enabled by the system. Leaf 7: AVX2 and AVX-512.
+    // Leaf 1: FMA, POPCNT, XSAVE enabled by the system. Leaf 7: BMI1, AVX2, BMI2 and AVX-512.
     let highest = __cpuid(0).eax;
     if highest < 7 {
         return Level::Portable;
     }
     let ecx1 = __cpuid(1).ecx;
-    if !(bit(ecx1, 12) && bit(ecx1, 27) && bit(ecx1, 28)) {
+    if ![12, 23, 27, 28].into_iter().all(|n| bit(ecx1, n)) {
         return Level::Portable;
     }
     let saved = enabled_state();
     let ebx7 = __cpuid_count(7, 0).ebx;
-    let avx2 = bit(ebx7, 5) && saved & 0b110 == 0b110;
+    let avx2 = [3, 5, 8].into_iter().all(|n| bit(ebx7, n)) && saved & 0b110 == 0b110;
     let avx512 = [16, 17, 30, 31].into_iter().all(|n| bit(ebx7, n)) && saved & 0b1110_0110 == 0b1110_0110;
     match (avx2, avx512) {
         (true, true) => Level::Avx512,

@@ -35,6 +35,8 @@ operators!(Add add Sub sub Mul mul Div div);
 impl Lanes for Wide {
     const COUNT: usize = 8;
     const FUSED: bool = cfg!(target_feature = "fma") || cfg!(target_arch = "aarch64");
+    // Eight lanes are two registers already.
+    const PAIRED: bool = false;
     type Mask = f32x8;
     type Index = [u32; 8];
 
@@ -103,6 +105,14 @@ impl Lanes for Wide {
         Self::of_bits(self.bits() + shifted)
     }
     #[inline(always)]
+    fn quarter_turns(n: Self, sin: Self, cos: Self) -> (Self, Self) {
+        // Sign bits: odd quarters swap; the sine is negative in 2 and 3, the cosine in 1 and 2.
+        let (swap, sine_sign): (i32x8, i32x8) = (n.bits() << 31, n.bits() << 30 & i32x8::splat(i32::MIN));
+        let odd: f32x8 = bytemuck::cast(swap >> 31);
+        let (s, c) = (Self(odd.bitselect(cos.0, sin.0)), Self(odd.bitselect(sin.0, cos.0)));
+        (Self::of_bits(s.bits() ^ sine_sign), Self::of_bits(c.bits() ^ (sine_sign ^ swap)))
+    }
+    #[inline(always)]
     fn split_exponent(self) -> (Self, Self) {
         let base = i32x8::splat(0x3f35_04f3);
         let bits = self.bits() - base;
@@ -133,6 +143,10 @@ impl Lanes for Wide {
     #[inline(always)]
     fn lookup(table: &[f32], _len: usize, index: [u32; 8]) -> Self {
         Self(f32x8::new(index.map(|i| table[i as usize])))
+    }
+    #[inline(always)]
+    fn first(self) -> f32 {
+        self.0.to_array()[0]
     }
     #[inline(always)]
     fn sum(self) -> f32 {

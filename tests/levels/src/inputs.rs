@@ -1,0 +1,90 @@
+//! Mixtures and a material of every kind, from a generator with a seed.
+
+use srbf_core::{Domain, Lobe, Mixture, PlaneLobe, Vec3, View, encode, encoded_len};
+
+/// A small deterministic generator (SplitMix64).
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ z >> 31) >> 40) as f32 / (1u64 << 24) as f32
+    }
+    fn between(&mut self, low: f32, high: f32) -> f32 {
+        low + (high - low) * self.next()
+    }
+    pub fn direction(&mut self) -> Vec3 {
+        let (z, phi) = (self.between(-1.0, 1.0), self.between(0.0, core::f32::consts::TAU));
+        let r = (1.0 - z * z).sqrt();
+        Vec3::new(r * phi.cos(), r * phi.sin(), z).normalize()
+    }
+}
+
+/// A mixture to check.
+pub struct Case {
+    pub name: String,
+    pub mixture: Mixture<64>,
+}
+
+impl Case {
+    /// Every combination of sphere and hemisphere, axes in the plane or anywhere, squeezed or not, diffuse or not.
+    pub fn new(n: usize, random: &mut Random) -> Self {
+        let in_plane = n % 2 == 0;
+        let domain = if n % 3 == 0 { Domain::Sphere } else { Domain::Hemisphere };
+        let count = 1 + (n * 7) % 64;
+        let squeezed = if n % 5 == 0 { 0 } else { count / 2 };
+        let lobes: Vec<Lobe> = (0..count).map(|_| lobe(random, in_plane)).collect();
+        let squeeze = random.between(0.05, 1.5);
+        let (first, then) = lobes.split_at(squeezed);
+        let mut mixture = Mixture::new(domain, squeeze, first, then).expect("a valid mixture");
+        if domain == Domain::Hemisphere && n % 4 < 2 {
+            mixture = mixture.with_diffuse(Vec3::new(0.3, 0.2, 0.1)).expect("a valid albedo");
+        }
+        let name =
+            format!("mixture {n}: {domain:?}, {count} lobes, {squeezed} squeezed, in the plane: {in_plane}");
+        Self { name, mixture }
+    }
+}
+
+fn lobe(random: &mut Random, in_plane: bool) -> Lobe {
+    let mut axis = random.direction();
+    if in_plane {
+        axis = Vec3::new(axis.x, 0.0, axis.z).normalize();
+    }
+    let sharpness = 10f32.powf(random.between(-2.0, 5.0));
+    let rgb = Vec3::new(random.next(), random.next(), random.next());
+    Lobe::new(axis, sharpness, rgb).expect("a valid lobe")
+}
+
+/// A material of nine views and twelve lobes.
+pub fn material(random: &mut Random) -> Vec<u8> {
+    let knots = 9;
+    let views: Vec<(f32, f32, Vec<PlaneLobe>)> = (0..knots)
+        .map(|v| {
+            let theta = v as f32 / (knots - 1) as f32 * core::f32::consts::FRAC_PI_2;
+            let lobes = (0..12)
+                .map(|k| PlaneLobe {
+                    angle: if v == 0 { 0.0 } else { theta * k as f32 / 11.0 },
+                    log2_sharpness: k as f32 + 0.3 * random.next(),
+                    log2_amplitude: [-3.0 - random.next(), -2.5, -4.0 + 0.5 * k as f32],
+                })
+                .collect();
+            (theta, theta.cos().max(0.1).log2() * f32::from(v > 0), lobes)
+        })
+        .collect();
+    let views: Vec<View<'_>> = views
+        .iter()
+        .map(|(theta, squeeze, lobes)| View {
+            theta: *theta,
+            log2_squeeze: *squeeze,
+            log2_diffuse: [-4.0, -3.0, -2.0],
+            lobes,
+        })
+        .collect();
+    let mut bytes = vec![0; encoded_len(views.len(), 12, "test")];
+    encode(&views, 7, "test", &mut bytes).expect("a valid material");
+    bytes
+}

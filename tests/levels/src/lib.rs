@@ -1,0 +1,250 @@
+//! Every SIMD level against f64, for every count round the lane widths.
+//!
+//! A package of its own with one dependency, so that it also runs where a machine is imitated: AArch64 under QEMU,
+//! WebAssembly in Node, AVX-512 in Bochs (`.ci/checks/70-other-processors`).
+
+mod inputs;
+#[path = "../../src/tolerance.rs"]
+pub mod tolerance;
+mod truth;
+
+use inputs::{Case, Random};
+use srbf_core::{Level, Material, Mixture, SamplesMut, Vec3};
+use tolerance::Worst;
+use truth::{Truth, truth};
+
+/// Counts that are tried: none, and up to two pairs of the widest vectors and one.
+const COUNTS: usize = 2 * 2 * 16 + 2;
+
+/// Mixtures that are tried.
+const MIXTURES: usize = 60;
+
+/// What a guard zone holds.
+const GUARD: f32 = -7.25e33;
+/// Its width, on either side of an output.
+const ZONE: usize = 4;
+
+/// What was found at one level.
+#[derive(Debug)]
+pub struct Findings {
+    /// The worst error of each quantity.
+    pub worst: Vec<Worst>,
+    /// What is wrong beside errors too large: a guard zone that was written, a length, a sample that is none.
+    pub faults: Vec<String>,
+}
+
+impl Findings {
+    /// Everything that is wrong; nothing if the level passes.
+    pub fn failures(&self) -> Vec<String> {
+        self.faults.iter().cloned().chain(self.worst.iter().filter_map(Worst::excess)).collect()
+    }
+}
+
+/// Checks a level, which the machine must have; it is then the current one.
+///
+/// # Errors
+/// [`srbf_core::Error::Level`] where it has not.
+pub fn check(level: Level) -> Result<Findings, srbf_core::Error> {
+    level.set()?;
+    let names = [
+        "batch value",
+        "batch luminance",
+        "batch pdf",
+        "one value",
+        "one pdf",
+        "sampled pdf",
+        "sampled weight",
+    ];
+    let mut found = Findings { worst: names.map(Worst::new).into(), faults: Vec::new() };
+    let mut random = Random(7);
+    for n in 0..MIXTURES {
+        let case = Case::new(n, &mut random);
+        check_values(&case, &mut random, &mut found);
+        check_samples(&case.mixture, 0.0, &format!("mixture {n}"), &mut random, &mut found);
+    }
+    check_prepared(&mut random, &mut found);
+    Ok(found)
+}
+
+impl Findings {
+    fn see(&mut self, name: &str, got: f32, want: f64, scale: f64, place: &str) {
+        let worst = self.worst.iter_mut().find(|w| w.name == name).expect("a name of the list above");
+        // What f32 rounds to 0 is no error.
+        worst.see((f64::from(got) - want).abs() / (scale + 1e-30), || place.to_owned());
+    }
+
+    fn fault(&mut self, text: String) {
+        if self.faults.len() < 20 {
+            self.faults.push(text);
+        }
+    }
+}
+
+/// A number of outputs with guard zones.
+struct Guarded<const K: usize>([Vec<f32>; K], usize);
+
+impl<const K: usize> Guarded<K> {
+    fn new(n: usize) -> Self {
+        Self([(); K].map(|()| vec![GUARD; n + 2 * ZONE]), n)
+    }
+    fn slices(&mut self) -> [&mut [f32]; K] {
+        let n = self.1;
+        self.0.each_mut().map(|v| &mut v[ZONE..ZONE + n])
+    }
+    fn at(&self, which: usize, i: usize) -> f32 {
+        self.0[which][ZONE + i]
+    }
+    fn is_intact(&self) -> bool {
+        let zones = |v: &Vec<f32>| v[..ZONE].iter().chain(&v[ZONE + self.1..]).all(|&x| x == GUARD);
+        self.0.iter().all(zones)
+    }
+}
+
+fn structure_of_arrays(vectors: &[Vec3]) -> [Vec<f32>; 3] {
+    [0, 1, 2].map(|i| vectors.iter().map(|v| v[i]).collect())
+}
+
+fn slices(arrays: &[Vec<f32>; 3], n: usize) -> [&[f32]; 3] {
+    [&arrays[0][..n], &arrays[1][..n], &arrays[2][..n]]
+}
+
+/// Values and densities at every count, and one by one.
+fn check_values(case: &Case, random: &mut Random, found: &mut Findings) {
+    let m = &case.mixture;
+    let directions: Vec<Vec3> = (0..COUNTS).map(|_| random.direction()).collect();
+    let wanted: Vec<Truth> = directions.iter().map(|&d| truth(m, 0.0, d)).collect();
+    let arrays = structure_of_arrays(&directions);
+    let power = f64::from(m.power());
+    for n in 0..COUNTS {
+        let (mut out, mut scalar) = (Guarded::<3>::new(n), Guarded::<2>::new(n));
+        let [luminance, pdf] = scalar.slices();
+        let written = m
+            .evaluate_into(slices(&arrays, n), out.slices())
+            .and(m.luminance_into(slices(&arrays, n), luminance))
+            .and(m.pdf_into(slices(&arrays, n), pdf));
+        if written.is_err() || !out.is_intact() || !scalar.is_intact() {
+            found.fault(format!("{}, {n} directions: {written:?}, or a guard zone was written", case.name));
+        }
+        for (i, want) in wanted[..n].iter().enumerate() {
+            let place = || format!("{}, direction {i} of {n}: {}", case.name, directions[i]);
+            for c in 0..3 {
+                found.see("batch value", out.at(c, i), want.value[c], want.scale[c], &place());
+            }
+            let (value, scale) = (want.luminance(), want.luminance_scale());
+            found.see("batch luminance", scalar.at(0, i), value, scale, &place());
+            found.see("batch pdf", scalar.at(1, i), value / power, scale / power, &place());
+        }
+    }
+    for (d, want) in directions.iter().zip(&wanted) {
+        let place = format!("{}, {d}", case.name);
+        let value = m.evaluate(*d);
+        for c in 0..3 {
+            found.see("one value", value[c], want.value[c], want.scale[c], &place);
+        }
+        let (value, scale) = (want.luminance(), want.luminance_scale());
+        found.see("one pdf", m.pdf(*d), value / power, scale / power, &place);
+    }
+}
+
+/// Samples in a batch are unit vectors above the horizon, with the density and the weight of the mixture there, and
+/// those that one call after the other gives. `azimuth` is that of the mirror direction.
+fn check_samples(m: &Mixture<64>, azimuth: f64, name: &str, random: &mut Random, found: &mut Findings) {
+    let n = COUNTS / 2 + 1;
+    let u: Vec<Vec3> = (0..n).map(|_| Vec3::new(random.next(), random.next(), random.next())).collect();
+    let arrays = structure_of_arrays(&u);
+    let (mut out, mut bare) = (Guarded::<7>::new(n), Guarded::<4>::new(n));
+    let [x, y, z, pdf, r, g, b] = out.slices();
+    let samples = SamplesMut { direction: [x, y, z], pdf, weight: [r, g, b] };
+    let written = m.sample_into(slices(&arrays, n), samples);
+    let [x, y, z, pdf] = bare.slices();
+    let written = written.and(m.sample_pdf_into(slices(&arrays, n), [x, y, z], pdf));
+    if written.is_err() || !out.is_intact() || !bare.is_intact() {
+        found.fault(format!("{name}: {written:?}, or a guard zone was written"));
+    }
+    let power = f64::from(m.power());
+    for (i, u) in u.iter().enumerate() {
+        let d = Vec3::new(out.at(0, i), out.at(1, i), out.at(2, i));
+        let place = format!("{name}, u {u}: {d}");
+        if !((d.length() - 1.0).abs() < 3e-7 && truth::is_inside(m, d)) {
+            found.fault(format!("{place}: no unit vector of the domain"));
+        }
+        let want = truth(m, azimuth, d);
+        let (density, scale) = (want.luminance() / power, want.luminance_scale() / power);
+        found.see("sampled pdf", out.at(3, i), density, scale, &place);
+        found.see("sampled pdf", bare.at(3, i), density, scale, &place);
+        let weight = srbf_core::luminance(Vec3::new(out.at(4, i), out.at(5, i), out.at(6, i)));
+        found.see("sampled weight", weight, power, power, &place);
+        let one = m.sample(u.to_array()).map(|s| s.direction);
+        let again = Vec3::new(bare.at(0, i), bare.at(1, i), bare.at(2, i));
+        for other in [one, m.sample_direction(u.to_array()), Some(again)] {
+            if !other.is_some_and(|o| o.distance(d) < 4e-6) {
+                found.fault(format!("{place}: another call gives {other:?}"));
+            }
+        }
+    }
+}
+
+/// The same for prepared mixtures, and what is prepared pair by pair is what is prepared one by one.
+fn check_prepared(random: &mut Random, found: &mut Findings) {
+    let bytes = inputs::material(random);
+    let material = Material::from_bytes(&bytes).expect("a valid material");
+    for n in 0..40 {
+        let mut wo = random.direction();
+        wo.z = wo.z.abs();
+        let mut m = Mixture::<64>::empty();
+        material.prepare(wo, &mut m).expect("a unit vector");
+        let azimuth = f64::from(-wo.y).atan2(f64::from(-wo.x));
+        check_samples(&m, azimuth, &format!("prepared {n}, wo {wo}"), random, found);
+    }
+    let wo: Vec<Vec3> = (0..COUNTS).map(|_| random.direction()).collect();
+    let (wi, wo_arrays) = (
+        structure_of_arrays(&wo.iter().map(|d| Vec3::new(d.y, d.z, d.x)).collect::<Vec<_>>()),
+        structure_of_arrays(&wo),
+    );
+    for n in 0..COUNTS {
+        let mut out = Guarded::<4>::new(n);
+        let [r, g, b, pdf] = out.slices();
+        let written = material.evaluate_pairs_into(slices(&wo_arrays, n), slices(&wi, n), [r, g, b], pdf);
+        if written.is_err() || !out.is_intact() {
+            found.fault(format!("{n} pairs: {written:?}, or a guard zone was written"));
+        }
+        for (i, wo) in wo[..n].iter().enumerate() {
+            let mut m = Mixture::<16>::empty();
+            material.prepare(*wo, &mut m).expect("a unit vector");
+            let d = Vec3::new(wi[0][i], wi[1][i], wi[2][i]);
+            let (value, pdf) = m.evaluate_and_pdf(d);
+            let got = [out.at(0, i), out.at(1, i), out.at(2, i), out.at(3, i)];
+            if got != [value.x, value.y, value.z, pdf] {
+                found.fault(format!("pair {i} of {n}: {got:?}, one by one {value} {pdf}"));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_level_of_this_machine_gives_the_f64_values_at_every_count() {
+        let mut worst: Vec<Worst> = Vec::new();
+        for level in Level::ALL {
+            let Ok(found) = check(level) else {
+                println!("level {} NOT RUN: this machine lacks it", level.name());
+                continue;
+            };
+            assert_eq!(found.failures(), Vec::<String>::new(), "level {}", level.name());
+            for w in found.worst {
+                println!("level {}: {}: {:.2e} at {}", level.name(), w.name, w.error, w.place);
+                match worst.iter_mut().find(|other| other.name == w.name) {
+                    Some(other) if other.error >= w.error => {}
+                    Some(other) => *other = w,
+                    None => worst.push(w),
+                }
+            }
+        }
+        // No entry is looser than needed either.
+        let failures: Vec<String> = worst.iter().filter_map(Worst::failure).collect();
+        assert_eq!(failures, Vec::<String>::new());
+    }
+}
