@@ -18,7 +18,9 @@ const EACH_BESIDE_THESIS: [Goal; 2] = [
 ];
 
 /// A goal for the median: what it says, what is measured, and the most that meets it.
-const MEDIAN: [(&str, fn(&Row) -> f64, f64); 3] = [
+type MedianGoal = (&'static str, fn(&Row) -> f64, f64);
+
+const MEDIAN: [MedianGoal; 3] = [
     ("median error halfway, %", |r| r.halfway, 5.0),
     ("median of error halfway over error at the views", Row::ratio, 1.2),
     ("median relative variance", |r| r.variance_median, 0.02),
