@@ -161,14 +161,18 @@ fn fit_source(read: Source, mut settings: Settings, source: &str) -> anyhow::Res
 /// Prints a report, a line a view.
 pub fn print_report(report: &Report) {
     println!("view deg | relative L2 % | variance | largest weight | albedo r g b, fit (data)");
+    // A method that does not sample has no variance, and no weight.
+    let number = |v: f64, width: usize, digits: usize| {
+        if v.is_nan() { format!("{:>width$}", "-") } else { format!("{v:width$.digits$}") }
+    };
     let print = |v: &ViewReport| {
         let albedo = [0, 1, 2].map(|c| format!("{:.3} ({:.3})", v.albedo[c], v.data_albedo[c]));
         println!(
-            "{:8.1} | {:13.2} | {:8.3} | {:14.2} | {}",
+            "{:8.1} | {:13.2} | {} | {} | {}",
             v.theta.to_degrees(),
             100.0 * v.error,
-            v.variance,
-            v.largest_weight,
+            number(v.variance, 8, 3),
+            number(v.largest_weight, 14, 2),
             albedo.join("  ")
         );
     };

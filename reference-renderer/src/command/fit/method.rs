@@ -5,6 +5,7 @@ use anyhow::bail;
 use srbf_fit::lafortune::{self, Lafortune};
 use srbf_fit::method::{Fitted, Method};
 use srbf_fit::report::{Input, Report, ViewReport};
+use srbf_fit::table::evaluable::Density;
 use srbf_fit::table::{Content, Source, Table};
 use srbf_fit::{FitError, Tracked, dense, thesis};
 use std::path::Path;
@@ -24,6 +25,9 @@ pub enum MethodName {
 
 /// Views at which a BRDF that can be evaluated is fitted.
 const VIEWS: usize = 16;
+
+/// Directions of each, for Lafortune's 10 unknowns.
+const FITTED: Density = Density { hemisphere: 150, cap: 40 };
 
 impl MethodName {
     /// Calls with the method and its settings.
@@ -97,7 +101,13 @@ pub fn fit(source: &Source, name: MethodName, args: &SettingArgs) -> anyhow::Res
         }
         MethodName::Lafortune => {
             let settings = args.lafortune()?;
-            let fit = Lafortune::fit(&views, &settings)?;
+            let fit = match &source.content {
+                Content::Samples(table) => Lafortune::fit(table, &settings)?,
+                Content::Evaluable(brdf) => {
+                    let table = Table::from_brdf(brdf.as_ref(), &dense::even_views(VIEWS), FITTED)?;
+                    Lafortune::fit(&table, &settings)?
+                }
+            };
             let (json, evaluations) = (fit.to_json(), fit.evaluations);
             (Box::new(fit), "lafortune", format!("{settings:?}"), ("channels", json), evaluations)
         }
