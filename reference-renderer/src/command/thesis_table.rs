@@ -81,11 +81,12 @@ pub fn run(args: Args) -> anyhow::Result<()> {
             println!("{line}");
             writeln!(markdown, "{line}")?;
             writeln!(csv, "{}", csv_row(material, method, *lobes, &found, said))?;
+            // After every row, so that a run that is stopped has said what it knows.
+            output::write(&args.output, markdown.as_bytes())?;
+            output::write(&args.output.with_extension("csv"), csv.as_bytes())?;
             progress.advance(1);
         }
     }
-    output::write(&args.output, markdown.as_bytes())?;
-    output::write(&args.output.with_extension("csv"), csv.as_bytes())?;
     println!("{}", args.output.display());
     Ok(())
 }
