@@ -104,6 +104,21 @@ fn scattered_samples_are_resampled() {
     }
 }
 
+/// The same input gives the same fit, whatever the number of threads.
+#[test]
+fn threads_do_not_matter() {
+    let table = small_table();
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let lafortune = lafortune::Settings { starts: 6, ..lafortune::Settings::default() };
+        pool.install(|| {
+            let thesis = thesis::fit_table(&table, &quick_thesis()).unwrap();
+            (thesis, Lafortune::fit(&table, &lafortune).unwrap())
+        })
+    };
+    assert_eq!(on(1), on(3));
+}
+
 /// Nothing to see, and settings out of range, are no panic.
 #[test]
 fn black_and_bad_settings_are_survived() {
