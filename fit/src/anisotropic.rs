@@ -99,8 +99,12 @@ pub(crate) fn fit_brdf(
     let finer = Density { hemisphere: 1000, cap: 300 };
     let held_out = table::tabulate(brdf, &middles(&layout), finer);
     let judge = |views: &[table::View]| report::judge(&bytes, views);
-    let report =
-        Report { views: judge(&views)?, held_out: judge(&held_out)?, seconds: clock.elapsed().as_secs_f64() };
+    let report = Report {
+        views: judge(&views)?,
+        held_out: judge(&held_out)?,
+        seconds: clock.elapsed().as_secs_f64(),
+        evaluations: done,
+    };
     progress(1.0);
     Ok(Fit { bytes, report })
 }

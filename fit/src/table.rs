@@ -7,13 +7,13 @@ pub mod astm;
 pub mod cornell;
 pub mod csv;
 pub mod evaluable;
-mod interpolate;
+pub(crate) mod interpolate;
 pub mod merl;
 pub mod model;
 pub mod neural;
 mod numbers;
 pub mod rgl;
-mod rows;
+pub(crate) mod rows;
 mod spectrum;
 
 use crate::{FitError, ReadError};

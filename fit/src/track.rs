@@ -14,6 +14,7 @@ use crate::report::{Report, ViewReport};
 use crate::table::Table;
 use crate::{FitError, Settings};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 /// A fitted material.
@@ -115,12 +116,13 @@ pub(crate) fn run(
     let stages = stages(settings, energy);
     let work = |s: &Stage| s.keep.min(settings.starts) * s.runs * s.limits.steps;
     let total: usize = stages.iter().map(work).sum();
+    let evaluations = AtomicUsize::new(0);
     let mut done = 0;
     for stage in &stages {
         candidates.truncate(stage.keep);
         let objectives = if stage.full { &full } else { &thin };
         let mut ticks = 0;
-        advance(table, objectives, stage, &mut candidates, || {
+        advance(table, objectives, stage, &mut candidates, &evaluations, || {
             ticks += 1;
             progress((done + ticks).min(total) as f64 / total as f64);
         });
@@ -137,7 +139,8 @@ pub(crate) fn run(
     let views = table.views.iter().map(|v| ViewReport::new(&bytes, v)).collect::<Result<Vec<_>, _>>()?;
     progress(1.0);
     let seconds = start.elapsed().as_secs_f64();
-    Ok(Fit { bytes, report: Report { views, seconds, ..Report::default() } })
+    let evaluations = evaluations.into_inner();
+    Ok(Fit { bytes, report: Report { views, seconds, evaluations, ..Report::default() } })
 }
 
 /// Takes all candidates through a stage, side by side; what becomes of each does not depend on the others, nor on threads.
@@ -146,6 +149,7 @@ fn advance(
     objectives: &[Objective],
     stage: &Stage,
     candidates: &mut [Candidate],
+    evaluations: &AtomicUsize,
     mut tick: impl FnMut(),
 ) {
     let (send, receive) = std::sync::mpsc::channel();
@@ -154,6 +158,7 @@ fn advance(
             candidates.par_iter_mut().for_each_with(send, |send, candidate| {
                 // Nobody listens any more if the fit is being abandoned.
                 advance_one(table, &objectives[candidate.count], stage, candidate, || {
+                    evaluations.fetch_add(1, Ordering::Relaxed);
                     let _ = send.send(());
                 });
             });

@@ -11,6 +11,7 @@ pub mod presets;
 pub mod render;
 pub mod samples;
 pub mod stability;
+pub mod thesis_table;
 
 use anyhow::Context;
 use clap::{Parser, Subcommand};
@@ -40,6 +41,7 @@ enum Command {
     Compare(compare::Args),
     Samples(samples::Args),
     Stability(stability::Args),
+    ThesisTable(thesis_table::Args),
     BenchReport(bench_report::Args),
 }
 
@@ -56,6 +58,7 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
         Some(Command::Compare(args)) => compare::run(args),
         Some(Command::Samples(args)) => samples::run(args),
         Some(Command::Stability(args)) => stability::run(args),
+        Some(Command::ThesisTable(args)) => thesis_table::run(args),
         Some(Command::BenchReport(args)) => bench_report::run(args),
     }
 }

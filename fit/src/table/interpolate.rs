@@ -32,6 +32,9 @@ const CUTS: usize = 6;
 /// f below this share of the view's mean counts as this: the logarithm of 0 is not a number, and of noise is noise.
 const FLOOR: f64 = 1e-3;
 
+/// Where all is black, f counts as this in logarithms.
+const LEAST: f64 = 1e-30;
+
 struct Node {
     /// The sample that it stands for.
     sample: usize,
@@ -39,10 +42,17 @@ struct Node {
     log_rgb: [f64; 3],
 }
 
-/// Sets the weights of the samples and returns the albedo.
-pub(crate) fn weigh(samples: &mut [Sample]) -> [f64; 3] {
-    samples.iter_mut().for_each(|s| s.weight = 0.0);
+/// Samples and ghosts, ready to be joined by triangles.
+struct Net {
+    nodes: Vec<Node>,
+    /// The sample that stands for each sample: itself, or one with the same direction.
+    owner: Vec<usize>,
+    /// How many samples each one stands for.
+    copies: Vec<f64>,
+}
 
+/// Makes the nodes of a view.
+fn net(samples: &[Sample]) -> Net {
     // Nodes: one for each different direction, and its mirror image. What shares a direction shares its weight.
     let mut representative: Vec<usize> = Vec::with_capacity(samples.len());
     let mut copies = vec![0.0f64; samples.len()];
@@ -76,7 +86,7 @@ pub(crate) fn weigh(samples: &mut [Sample]) -> [f64; 3] {
     }
     let logs = |r: usize| {
         let mut log = [0.0; 3];
-        (0..3).for_each(|c| log[c] = libm::log((sum[r][c] / copies[r]).max(FLOOR * mean[c]).max(1e-30)));
+        (0..3).for_each(|c| log[c] = libm::log((sum[r][c] / copies[r]).max(FLOOR * mean[c]).max(LEAST)));
         log
     };
     let mut nodes: Vec<Node> = Vec::with_capacity(2 * representative.len() + GHOSTS);
@@ -87,12 +97,6 @@ pub(crate) fn weigh(samples: &mut [Sample]) -> [f64; 3] {
             nodes.push(Node { sample: r, direction: [d[0], -d[1], d[2]], log_rgb: logs(r) });
         }
     }
-    let nearest = |d: &[f64; 3], nodes: &[Node]| {
-        let closer = |a: &&Node, b: &&Node| {
-            distance_squared(&a.direction, d).total_cmp(&distance_squared(&b.direction, d))
-        };
-        nodes.iter().min_by(closer).map(|n| (n.sample, n.log_rgb))
-    };
 
     // Lone spikes are not repeated to the horizon: the highest of their neighbours is.
     let mut calm: Vec<Node> = Vec::with_capacity(nodes.len());
@@ -117,11 +121,16 @@ pub(crate) fn weigh(samples: &mut [Sample]) -> [f64; 3] {
     }
     for g in 0..GHOSTS {
         let d = super::direction(PI / 2.0, 2.0 * PI * g as f64 / GHOSTS as f64);
-        if let Some((sample, log_rgb)) = nearest(&d, &calm) {
+        if let Some(&Node { sample, log_rgb, .. }) = nearest(&d, &calm) {
             nodes.push(Node { sample, direction: d, log_rgb });
         }
     }
+    Net { nodes, owner, copies }
+}
 
+/// Sets the weights of the samples and returns the albedo.
+pub(crate) fn weigh(samples: &mut [Sample]) -> [f64; 3] {
+    let Net { nodes, owner, copies } = net(samples);
     // Sum over the cut triangles.
     let mut albedo = [0.0f64; 3];
     let mut weight = vec![0.0f64; samples.len()];
@@ -141,6 +150,76 @@ pub(crate) fn weigh(samples: &mut [Sample]) -> [f64; 3] {
         s.weight = weight[owner[n]] / copies[owner[n]] / s.direction[2];
     }
     albedo.map(|a| a.min(ALBEDO_LIMIT))
+}
+
+/// The values of scattered samples in between, linear in f over the same triangles that the weights integrate.
+pub(crate) struct Interpolant {
+    nodes: Vec<Node>,
+    triangles: Vec<Triangle>,
+}
+
+/// Three nodes, and the rows that turn a direction into its coordinates in their directions.
+struct Triangle {
+    corners: [usize; 3],
+    rows: [[f64; 3]; 3],
+}
+
+impl Interpolant {
+    /// Joins the samples of a view.
+    pub fn new(samples: &[Sample]) -> Self {
+        let Net { nodes, .. } = net(samples);
+        let corners = triangulate(&nodes);
+        let triangle = |t: &[usize]| Triangle::new(&nodes, [t[0], t[1], t[2]]);
+        let triangles = corners.chunks_exact(3).filter_map(triangle).collect();
+        Self { nodes, triangles }
+    }
+
+    /// Values of f at directions; quickest where each lies near the one before.
+    pub fn values(&self, directions: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let mut last = 0;
+        let value = |d: &[f64; 3]| {
+            let found = (0..self.triangles.len())
+                .map(|step| (last + step) % self.triangles.len())
+                .find_map(|n| self.triangles[n].coordinates(d).map(|b| (n, b)));
+            let mut rgb = [0.0; 3];
+            if let Some((n, bary)) = found {
+                last = n;
+                for (corner, share) in self.triangles[n].corners.into_iter().zip(bary) {
+                    (0..3).for_each(|c| rgb[c] += share * libm::exp(self.nodes[corner].log_rgb[c]));
+                }
+            } else if let Some(node) = nearest(d, &self.nodes) {
+                // Between the ghosts and the horizon.
+                rgb = node.log_rgb.map(libm::exp);
+            }
+            rgb.map(|v| if v > 2.0 * LEAST { v } else { 0.0 })
+        };
+        directions.iter().map(value).collect()
+    }
+}
+
+impl Triangle {
+    fn new(nodes: &[Node], corners: [usize; 3]) -> Option<Self> {
+        let [a, b, c] = corners.map(|n| nodes[n].direction);
+        let cross = |p: [f64; 3], q: [f64; 3]| {
+            [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
+        };
+        let rows = [cross(b, c), cross(c, a), cross(a, b)];
+        let volume: f64 = (0..3).map(|k| a[k] * rows[0][k]).sum();
+        (volume.abs() > 1e-12).then(|| Self { corners, rows: rows.map(|row| row.map(|v| v / volume)) })
+    }
+
+    /// Barycentric coordinates of a direction, if it lies within.
+    fn coordinates(&self, d: &[f64; 3]) -> Option<[f64; 3]> {
+        let raw = self.rows.map(|row| row[0] * d[0] + row[1] * d[1] + row[2] * d[2]);
+        let sum: f64 = raw.iter().sum();
+        raw.iter().all(|&v| v >= -1e-9).then(|| raw.map(|v| v / sum))
+    }
+}
+
+/// The node nearest to a direction.
+fn nearest<'a>(d: &[f64; 3], nodes: &'a [Node]) -> Option<&'a Node> {
+    let distance = |n: &Node| distance_squared(&n.direction, d);
+    nodes.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
 fn distance_squared(a: &[f64; 3], b: &[f64; 3]) -> f64 {
@@ -205,6 +284,21 @@ mod tests {
         assert!((albedo[0] - 0.25 * PI).abs() < 3e-3, "{albedo:?}");
         assert!((sum - albedo[0]).abs() < 1e-9, "{sum} {albedo:?}");
         assert!(samples.iter().all(|s| s.weight > 0.0));
+    }
+
+    #[test]
+    fn values_in_between_are_those_of_the_samples_and_linear() {
+        let samples = grid(|d| 0.2 + d[2] + 0.3 * d[0]);
+        let interpolant = Interpolant::new(&samples);
+        let at: Vec<[f64; 3]> = samples.iter().map(|s| s.direction).collect();
+        for (s, v) in samples.iter().zip(interpolant.values(&at)) {
+            assert!((v[1] - s.rgb[1]).abs() < 1e-9, "{s:?} {v:?}");
+        }
+        let between: Vec<[f64; 3]> =
+            (0..500).map(|i| direction(1.2 * (0.618 * f64::from(i)).fract(), 0.1 * f64::from(i))).collect();
+        for (d, v) in between.iter().zip(interpolant.values(&between)) {
+            assert!((v[0] - (0.2 + d[2] + 0.3 * d[0])).abs() < 0.01, "{d:?} {v:?}");
+        }
     }
 
     #[test]

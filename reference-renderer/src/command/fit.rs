@@ -1,14 +1,17 @@
 //! `srbf fit`.
 
 mod lobes_table;
+mod method;
 mod survey;
 
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressStyle};
+use method::MethodName;
 use srbf_core::Material;
-use srbf_fit::report::{Report, ViewReport, mean_error};
-use srbf_fit::table::Content;
-use srbf_fit::{Fit, Settings};
+use srbf_fit::reciprocity::reciprocity;
+use srbf_fit::report::{Input, Report, ViewReport, mean_error};
+use srbf_fit::table::{Content, Source};
+use srbf_fit::{Fit, Settings, TrackedLobes};
 use std::path::{Path, PathBuf};
 
 /// Fits a measured BRDF file and writes a .srbf material, with a report in JSON beside it.
@@ -22,13 +25,16 @@ pub struct Args {
     /// model:sgd:name=gold-metallic-paint and model:abc:name=..., from file=PATH or the folder that SRBF_DATA_DIR names.
     #[arg(required_unless_present = "survey", value_name = "FILE|MODEL", verbatim_doc_comment)]
     file: Option<PathBuf>,
-    /// The material to write; by default the name of the file, with .srbf, in out/.
+    /// The file to write; by default the name of the input, with .srbf, in out/. Methods other than ours write JSON only: a
+    /// .srbf file holds tracked lobes.
     #[arg(short, long)]
     output: Option<PathBuf>,
-    /// Instead of one file, fits every N-th material of rgl/ and of the neural MERL set in the folder that SRBF_DATA_DIR
-    /// names, and prints how good the fits are.
-    #[arg(long, value_name = "N", conflicts_with = "file")]
-    survey: Option<usize>,
+    /// The way of fitting.
+    #[arg(long, value_enum, default_value_t)]
+    method: MethodName,
+    /// The file holds published Lafortune fits (lafortune_fits.csv); this is the one that is taken as the measurement.
+    #[arg(long, value_name = "NAME")]
+    material: Option<String>,
     /// Writes nothing, and prints the error over samples and over views that were left out of the fit.
     #[arg(long, conflicts_with_all = ["survey", "output"])]
     cross_validate: bool,
@@ -37,6 +43,8 @@ pub struct Args {
     lobes_table: bool,
     #[command(flatten)]
     settings: SettingArgs,
+    #[command(flatten)]
+    survey: survey::Args,
 }
 
 /// Lobes that `--error` may use.
@@ -91,39 +99,61 @@ impl SettingArgs {
 
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
-    if let Some(every) = args.survey {
-        return survey::run(&args.settings.settings(), every);
+    if args.survey.is_asked_for() {
+        return survey::run(&args.settings, &args.survey);
     }
     let file = args.file.context("a file is needed")?;
+    let source = method::read(&file, args.material.as_deref())?;
     if args.cross_validate {
-        return cross_validate(&file, &args.settings.settings());
+        return cross_validate(&file, &source.content, args.method, &args.settings);
     }
     if args.lobes_table {
         return lobes_table::run(&file, &args.settings.settings());
     }
-    let stem = if file.to_string_lossy().starts_with(srbf_fit::table::model::PREFIX) {
-        srbf_fit::table::read(&file)?.name.into()
-    } else {
-        file.file_stem().context("the file has no name")?.to_owned()
+    let name = match &args.material {
+        Some(name) => name.into(),
+        None if file.to_string_lossy().starts_with(srbf_fit::table::model::PREFIX) => {
+            source.name.clone().into()
+        }
+        None => file.file_stem().context("the file has no name")?.to_owned(),
     };
-    let output = args.output.unwrap_or_else(|| Path::new("out").join(stem).with_extension("srbf"));
-    let fit = fit_file(&file, args.settings.settings(), "")?;
+    let output = args.output.unwrap_or_else(|| Path::new("out").join(name).with_extension("srbf"));
+    let beside = output.with_extension("json");
+    if args.method != MethodName::Tracked {
+        let fit = method::fit(&source, args.method, &args.settings)?;
+        srbf_fit::write_atomically(&beside, fit.json.as_bytes())?;
+        print_report(&fit.report);
+        println!("{} in {:.2} s", beside.display(), fit.report.seconds);
+        return Ok(());
+    }
+    let input = Input { name: source.name.clone(), sha256: source.sha256.clone() };
+    let fit = fit_source(source, args.settings.settings(), "")?;
     srbf_fit::write_atomically(&output, &fit.bytes)?;
-    let json = fit.report.to_json(&Material::from_bytes(&fit.bytes)?);
-    srbf_fit::write_atomically(&output.with_extension("json"), json.as_bytes())?;
+    let json = fit.report.to_json(&Material::from_bytes(&fit.bytes)?, &input)?;
+    srbf_fit::write_atomically(&beside, json.as_bytes())?;
     print_report(&fit.report);
+    let found = reciprocity(&TrackedLobes { bytes: fit.bytes.clone() })?;
+    println!(
+        "reciprocity error |ln f(a, b) / f(b, a)|: median {:.3}, worst {:.3}, {} pairs; {} evaluations",
+        found.median, found.worst, found.pairs, fit.report.evaluations
+    );
     println!("{}: {} bytes in {:.2} s", output.display(), fit.bytes.len(), fit.report.seconds);
     Ok(())
 }
 
-fn cross_validate(file: &Path, settings: &Settings) -> anyhow::Result<()> {
-    let Content::Samples(table) = srbf_fit::table::read(file)?.content else {
+fn cross_validate(
+    file: &Path,
+    content: &Content,
+    method: MethodName,
+    settings: &SettingArgs,
+) -> anyhow::Result<()> {
+    let Content::Samples(table) = content else {
         anyhow::bail!(
             "{}: fits of what can be evaluated anywhere report held-out views as they are",
             file.display()
         );
     };
-    let found = srbf_fit::cross::cross_validate(&table, settings)?;
+    let found = method.with(settings, |method| srbf_fit::cross::cross_validate(table, method))??;
     let mean = |errors: &[f64]| 100.0 * errors.iter().sum::<f64>() / errors.len().max(1) as f64;
     let list =
         |errors: &[f64]| errors.iter().map(|e| format!("{:.1}", 100.0 * e)).collect::<Vec<_>>().join(" ");
@@ -142,8 +172,11 @@ fn cross_validate(file: &Path, settings: &Settings) -> anyhow::Result<()> {
 }
 
 /// Reads and fits one file, with a progress bar; `source` says in the provenance where it comes from.
-pub fn fit_file(file: &Path, mut settings: Settings, source: &str) -> anyhow::Result<Fit> {
-    let read = srbf_fit::table::read(file)?;
+pub fn fit_file(file: &Path, settings: Settings, source: &str) -> anyhow::Result<Fit> {
+    fit_source(srbf_fit::table::read(file)?, settings, source)
+}
+
+fn fit_source(read: Source, mut settings: Settings, source: &str) -> anyhow::Result<Fit> {
     settings.provenance = format!("{source}{}, SHA-256 {}\n", read.name, read.sha256);
 
     // indicatif draws nothing where standard error is not a terminal.
@@ -160,6 +193,10 @@ pub fn print_report(report: &Report) {
     let isotropic = report.views.iter().all(|v| v.azimuth == 0.0);
     let azimuth = if isotropic { "" } else { "azimuth | " };
     println!("view deg | {azimuth}relative L2 % | variance | largest weight | albedo r g b, fit (data)");
+    // A method that does not sample has no variance, and no weight.
+    let number = |v: f64, width: usize, digits: usize| {
+        if v.is_nan() { format!("{:>width$}", "-") } else { format!("{v:width$.digits$}") }
+    };
     let print = |v: &ViewReport| {
         let albedo = [0, 1, 2].map(|c| format!("{:.3} ({:.3})", v.albedo[c], v.data_albedo[c]));
         let azimuth = match isotropic {
@@ -167,11 +204,11 @@ pub fn print_report(report: &Report) {
             false => format!("{:7.1} | ", v.azimuth.to_degrees()),
         };
         println!(
-            "{:8.1} | {azimuth}{:13.2} | {:8.3} | {:14.2} | {}",
+            "{:8.1} | {azimuth}{:13.2} | {} | {} | {}",
             v.theta.to_degrees(),
             100.0 * v.error,
-            v.variance,
-            v.largest_weight,
+            number(v.variance, 8, 3),
+            number(v.largest_weight, 14, 2),
             albedo.join("  ")
         );
     };

@@ -1,82 +1,155 @@
-//! `srbf fit --survey`: how good fits are over all materials that can be evaluated between the views.
+//! `srbf fit --survey`: how good fits are over all materials that can be evaluated between the views, beside the thesis's.
+//!
+//! Both methods have the same number of views: ours where it places them, the thesis's even to 87 degrees. Each is judged at its
+//! views and halfway between them. A row is written as soon as it is known.
 
-use anyhow::Context;
+mod goals;
+mod row;
+
+use super::SettingArgs;
+use anyhow::{Context, ensure};
+use row::Row;
+use srbf_fit::blend::{BlendedKnots, Neighbours};
+use srbf_fit::method::Fitted;
+use srbf_fit::reciprocity::reciprocity;
 use srbf_fit::report::{ViewReport, mean_error};
-use srbf_fit::table::{Content, neural, read};
-use srbf_fit::{Settings, fit_content};
+use srbf_fit::table::evaluable::Brdf;
+use srbf_fit::table::{Content, Table, neural, read};
+use srbf_fit::{Settings, TrackedLobes, dense, fit_content, thesis};
+use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Options of the survey.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Instead of one file, fits every N-th material of rgl/ and of the neural MERL set in the folder that SRBF_DATA_DIR
+    /// names, prints how good the fits are beside the thesis's, and which goals are met.
+    #[arg(long, value_name = "N", conflicts_with = "file", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    survey: Option<u32>,
+    /// Of the survey: only the materials whose names contain this.
+    #[arg(long, value_name = "NAME", requires = "survey")]
+    only: Option<String>,
+    /// Of the survey: leaves the thesis's method out, which takes about half of the time.
+    #[arg(long, requires = "survey")]
+    no_thesis: bool,
+    /// Of the survey: the table to write; by default out/survey-LOBES-lobes-VIEWS-views.csv.
+    #[arg(long, value_name = "FILE", requires = "survey")]
+    csv: Option<PathBuf>,
+}
+
+impl Args {
+    /// Whether there is to be a survey.
+    pub fn is_asked_for(&self) -> bool {
+        self.survey.is_some()
+    }
+}
 
 /// Views up to this angle count for variance and weight, degrees: beyond, little light is reflected in a picture.
 const JUDGED: f64 = 80.0;
 
-/// What is measured of a material, in the order of the columns.
-const COLUMNS: [&str; 8] = [
-    "fit %",
-    "held out %",
-    "held out / fit",
-    "median variance",
-    "worst variance",
-    "largest weight",
-    "worst energy %",
-    "seconds",
-];
-
-/// Fits every n-th of the materials in rgl/ and of the neural MERL materials in merl/.
-pub fn run(settings: &Settings, every: usize) -> anyhow::Result<()> {
+/// Fits the materials, and judges the fits.
+pub fn run(args: &SettingArgs, survey: &Args) -> anyhow::Result<()> {
     let data =
         std::env::var_os("SRBF_DATA_DIR").context("SRBF_DATA_DIR is not set: it names the data folder")?;
-    let data = Path::new(&data);
-    println!("{:32} {}", "material", COLUMNS.join(" | "));
-    let mut rows: Vec<[f64; 8]> = Vec::new();
-    let mut bytes = 0;
-    for (name, content) in materials(data)?.into_iter().step_by(every.max(1)) {
-        let fit = fit_content(&content?, settings, |_| {}).with_context(|| name.clone())?;
-        let report = &fit.report;
-        let judged: Vec<&ViewReport> =
-            report.held_out.iter().filter(|v| v.theta.to_degrees() <= JUDGED).collect();
-        let largest = |f: fn(&ViewReport) -> f64| judged.iter().map(|v| f(v)).fold(0.0, f64::max);
-        let energy = |v: &ViewReport| {
-            let off = |c: usize| (v.albedo[c] - v.data_albedo[c]).abs() / (v.data_albedo[c] + 1e-3);
-            100.0 * off(0).max(off(1)).max(off(2))
-        };
-        let (seen, unseen) = (100.0 * report.mean_error(), 100.0 * mean_error(&report.held_out));
-        let row = [
-            seen,
-            unseen,
-            unseen / seen,
-            quantile(judged.iter().map(|v| v.variance).collect(), 0.5),
-            largest(|v| v.variance),
-            largest(|v| v.largest_weight),
-            largest(energy),
-            report.seconds,
-        ];
-        println!("{name:32} {}", show(&row));
+    let settings = args.settings();
+    let thetas = dense::even_views(settings.views);
+    let thesis = thesis::Settings { lobes: settings.lobes, ..thesis::Settings::default() };
+    let thesis = (!survey.no_thesis).then_some(thesis);
+    let named = |name: &String| survey.only.as_ref().is_none_or(|only| name.contains(only));
+    let chosen: Vec<Named> = materials(Path::new(&data))?.into_iter().filter(|m| named(&m.0)).collect();
+    ensure!(
+        !chosen.is_empty(),
+        "no material whose name contains `{}`",
+        survey.only.clone().unwrap_or_default()
+    );
+
+    let default = || format!("out/survey-{}-lobes-{}-views.csv", settings.lobes, settings.views);
+    let path = survey.csv.clone().unwrap_or_else(|| default().into());
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    }
+    let mut csv = std::fs::File::create(&path).with_context(|| path.display().to_string())?;
+    writeln!(csv, "{}", Row::csv_header()).with_context(|| path.display().to_string())?;
+    println!("{} lobes, {} views; {}", settings.lobes, settings.views, row::LEGEND);
+    println!("{}", Row::header());
+    let mut rows: Vec<Row> = Vec::new();
+    for (name, content) in chosen.into_iter().step_by(survey.survey.unwrap_or(1) as usize) {
+        let row = examine(&name, &content?, &thetas, &settings, thesis.as_ref())
+            .with_context(|| format!("material {name}"))?;
+        println!("{}", row.line());
+        writeln!(csv, "{}", row.csv()).with_context(|| path.display().to_string())?;
         rows.push(row);
-        bytes = bytes.max(fit.bytes.len());
     }
     for (name, share) in [("median", 0.5), ("90 %", 0.9), ("worst", 1.0)] {
-        let mut row = [0.0; 8];
-        for (c, value) in row.iter_mut().enumerate() {
-            *value = quantile(rows.iter().map(|r| r[c]).collect(), share);
-        }
-        println!("{name:32} {}", show(&row));
+        println!("{}", Row::quantile_line(name, &rows, share));
     }
-    println!("{} materials, at most {bytes} bytes", rows.len());
+    println!("{} materials; {}", rows.len(), path.display());
+    goals::print(&rows, thesis.is_some());
     Ok(())
 }
 
-fn show(row: &[f64]) -> String {
-    row.iter()
-        .zip(COLUMNS)
-        .map(|(v, c)| format!("{v:>width$.3}", width = c.len()))
-        .collect::<Vec<_>>()
-        .join(" | ")
+/// Fits one material, and judges the fit.
+fn examine(
+    name: &str,
+    content: &Content,
+    thetas: &[f64],
+    settings: &Settings,
+    thesis: Option<&thesis::Settings>,
+) -> anyhow::Result<Row> {
+    let Content::Evaluable(brdf) = content else {
+        anyhow::bail!("scattered samples have no views in between")
+    };
+    let brdf: &(dyn Brdf + Send) = brdf.as_ref();
+    let error =
+        |fit: &dyn Fitted, table: &Table| Ok::<_, anyhow::Error>(100.0 * mean_error(&judge(fit, table)?));
+
+    let fit = fit_content(content, settings, |_| {})?;
+    let lobes = TrackedLobes { bytes: fit.bytes };
+    let placed = lobes.knots()?;
+    let at_views = dense::judging_table(brdf, &placed)?;
+    let halfway = dense::judging_table(brdf, &dense::halfway(&placed))?;
+    let between = judge(&lobes, &halfway)?;
+    let low: Vec<&ViewReport> = between.iter().filter(|v| v.theta.to_degrees() <= JUDGED).collect();
+    let list = |f: fn(&ViewReport) -> f64| low.iter().map(|v| f(v)).collect::<Vec<f64>>();
+    let fold = |list: Vec<f64>| list.into_iter().fold(0.0, f64::max);
+    let energy = |v: &ViewReport| {
+        let off = |c: usize| (v.albedo[c] - v.data_albedo[c]).abs() / (v.data_albedo[c] + 1e-3);
+        100.0 * off(0).max(off(1)).max(off(2))
+    };
+    let mut row = Row {
+        name: name.to_owned(),
+        fit: error(&lobes, &at_views)?,
+        halfway: 100.0 * mean_error(&between),
+        blended: error(&BlendedKnots::new(&lobes, Neighbours::ThreeOrFour)?, &halfway)?,
+        blended_two: error(&BlendedKnots::new(&lobes, Neighbours::Two)?, &halfway)?,
+        variance_median: row::quantile(list(|v| v.variance), 0.5),
+        variance_worst: fold(list(|v| v.variance)),
+        weight: fold(list(|v| v.largest_weight)),
+        energy: fold(list(energy)),
+        reciprocity: reciprocity(&lobes)?.median,
+        bytes: lobes.bytes.len() as f64,
+        seconds: fit.report.seconds,
+        ..Row::default()
+    };
+    if let Some(settings) = thesis {
+        let at_views = dense::judging_table(brdf, thetas)?;
+        let halfway = dense::judging_table(brdf, &dense::halfway(thetas))?;
+        let start = Instant::now();
+        let fit = thesis::fit_brdf(brdf, thetas, settings)?;
+        row.thesis_seconds = start.elapsed().as_secs_f64();
+        row.thesis_fit = error(&fit, &at_views)?;
+        let between = judge(&fit, &halfway)?;
+        row.eq9 = 100.0 * mean_error(&between);
+        row.eq9_two = error(&fit.blended_over(Neighbours::Two), &halfway)?;
+        let low = between.iter().filter(|v| v.theta.to_degrees() <= JUDGED);
+        row.thesis_variance = row::quantile(low.map(|v| v.variance).collect(), 0.5);
+    }
+    Ok(row)
 }
 
-fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let index = (share * values.len().saturating_sub(1) as f64).round() as usize;
-    values.get(index).copied().unwrap_or(0.0)
+fn judge(fit: &dyn Fitted, table: &Table) -> anyhow::Result<Vec<ViewReport>> {
+    table.views.iter().map(|view| Ok(ViewReport::judge(fit, view)?)).collect()
 }
 
 type Named = (String, anyhow::Result<Content>);
@@ -93,7 +166,8 @@ fn materials(data: &Path) -> anyhow::Result<Vec<Named>> {
 
     let path = data.join("merl/nbrdf_merl80.f32le");
     let weights = std::fs::read(&path).with_context(|| path.display().to_string())?;
-    let names = std::fs::read_to_string(data.join("merl/nbrdf_merl80_names.txt"))?;
+    let path = data.join("merl/nbrdf_merl80_names.txt");
+    let names = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
     let networks = neural::parse(&weights)?;
     let evaluable = |n: neural::Neural| Ok(Content::Evaluable(Box::new(n)));
     all.extend(names.split_whitespace().map(str::to_owned).zip(networks.into_iter().map(evaluable)));

@@ -1,0 +1,148 @@
+//! `srbf fit --method`: the ways of fitting, and those whose result is no `.srbf` file.
+
+use super::SettingArgs;
+use anyhow::bail;
+use srbf_fit::lafortune::{self, Lafortune};
+use srbf_fit::method::{Fitted, Method};
+use srbf_fit::report::{Input, Report, ViewReport};
+use srbf_fit::table::evaluable::Density;
+use srbf_fit::table::{Content, Source, Table};
+use srbf_fit::{FitError, Tracked, dense, thesis};
+use std::path::Path;
+use std::time::Instant;
+
+/// A way of fitting, on the command line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum MethodName {
+    /// Our lobes, followed over all views: a .srbf file.
+    #[default]
+    Tracked,
+    /// The thesis's algorithm: lobes of each view, as JSON.
+    Thesis,
+    /// Lafortune's generalised cosine lobes, best of 100 starts: coefficients, as JSON.
+    Lafortune,
+}
+
+/// Views at which a BRDF that can be evaluated is fitted.
+const VIEWS: usize = 16;
+
+/// Directions of each, for Lafortune's 10 unknowns.
+const FITTED: Density = Density { hemisphere: 150, cap: 40 };
+
+impl MethodName {
+    /// Calls with the method and its settings.
+    pub fn with<T>(self, args: &SettingArgs, call: impl FnOnce(&dyn Method) -> T) -> anyhow::Result<T> {
+        Ok(match self {
+            Self::Tracked => call(&Tracked(&args.settings())),
+            Self::Thesis => call(&args.thesis()?),
+            Self::Lafortune => call(&args.lafortune()?),
+        })
+    }
+}
+
+impl SettingArgs {
+    /// Settings of the thesis's algorithm.
+    pub fn thesis(&self) -> anyhow::Result<thesis::Settings> {
+        self.only(
+            "--lobes",
+            "thesis",
+            &[("--starts", self.starts.is_some()), ("--steps", self.steps.is_some())],
+        )?;
+        let default = thesis::Settings::default();
+        Ok(thesis::Settings { lobes: self.lobes.unwrap_or(default.lobes), ..default })
+    }
+
+    /// Settings of Lafortune's model.
+    pub fn lafortune(&self) -> anyhow::Result<lafortune::Settings> {
+        self.only("--lobes and --starts", "lafortune", &[("--steps", self.steps.is_some())])?;
+        let default = lafortune::Settings::default();
+        Ok(lafortune::Settings {
+            lobes: self.lobes.unwrap_or(default.lobes),
+            starts: self.starts.unwrap_or(default.starts),
+            ..default
+        })
+    }
+
+    /// An option that a method does not have is an error, not ignored.
+    fn only(&self, has: &str, method: &str, others: &[(&str, bool)]) -> anyhow::Result<()> {
+        let ours = [("--squeezed", self.squeezed.is_some()), ("--smoothness", self.smoothness.is_some())];
+        match ours.iter().chain(others).find(|o| o.1) {
+            Some((name, _)) => bail!("{name}: method {method} has only {has}"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A fit by another method than ours, judged as ours is.
+pub struct Baseline {
+    /// How good it is.
+    pub report: Report,
+    /// The report, settings and lobes, as JSON.
+    pub json: String,
+}
+
+/// Fits by another method than ours.
+pub fn fit(source: &Source, name: MethodName, args: &SettingArgs) -> anyhow::Result<Baseline> {
+    let start = Instant::now();
+    let input = Input { name: source.name.clone(), sha256: source.sha256.clone() };
+    let (views, held_out) = tables(&source.content)?;
+    let (fitted, key, settings, result, evaluations): (Box<dyn Fitted>, _, _, _, _) = match name {
+        MethodName::Tracked => bail!("our own fit makes a .srbf file"),
+        MethodName::Thesis => {
+            let settings = args.thesis()?;
+            let fit = match &source.content {
+                Content::Samples(table) => thesis::fit_table(table, &settings)?,
+                Content::Evaluable(brdf) => {
+                    thesis::fit_brdf(brdf.as_ref(), &dense::even_views(VIEWS), &settings)?
+                }
+            };
+            let (json, evaluations) = (fit.to_json(), fit.evaluations);
+            (Box::new(fit), "thesis", format!("{settings:?}"), ("lobes", json), evaluations)
+        }
+        MethodName::Lafortune => {
+            let settings = args.lafortune()?;
+            let fit = match &source.content {
+                Content::Samples(table) => Lafortune::fit(table, &settings)?,
+                Content::Evaluable(brdf) => {
+                    let table = Table::from_brdf(brdf.as_ref(), &dense::even_views(VIEWS), FITTED)?;
+                    Lafortune::fit(&table, &settings)?
+                }
+            };
+            let (json, evaluations) = (fit.to_json(), fit.evaluations);
+            (Box::new(fit), "lafortune", format!("{settings:?}"), ("channels", json), evaluations)
+        }
+    };
+    let judge = |table: &Table| -> Result<Vec<ViewReport>, FitError> {
+        table.views.iter().map(|v| ViewReport::judge(fitted.as_ref(), v)).collect()
+    };
+    let report = Report {
+        views: judge(&views)?,
+        held_out: held_out.map(|t| judge(&t)).transpose()?.unwrap_or_default(),
+        seconds: start.elapsed().as_secs_f64(),
+        evaluations,
+    };
+    let mut json = report.to_json_of(fitted.as_ref(), key, &input)?;
+    json["settings"] = settings.into();
+    json[result.0] = result.1;
+    Ok(Baseline { report, json: format!("{json:#}\n") })
+}
+
+/// The views that are fitted, and those in between where there are any.
+fn tables(content: &Content) -> anyhow::Result<(Table, Option<Table>)> {
+    Ok(match content {
+        Content::Samples(table) => (table.clone(), None),
+        Content::Evaluable(brdf) => {
+            let thetas = dense::even_views(VIEWS);
+            let halfway = dense::judging_table(brdf.as_ref(), &dense::halfway(&thetas))?;
+            (dense::judging_table(brdf.as_ref(), &thetas)?, Some(halfway))
+        }
+    })
+}
+
+/// Reads what is to be fitted: a file, or one material of a file of published Lafortune fits.
+pub fn read(file: &Path, material: Option<&str>) -> anyhow::Result<Source> {
+    Ok(match material {
+        Some(material) => lafortune::read(file, material)?,
+        None => srbf_fit::table::read(file)?,
+    })
+}

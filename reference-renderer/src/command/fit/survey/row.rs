@@ -1,0 +1,153 @@
+//! What the survey measures of one material, as a row.
+
+/// One material. Errors are relative L2 of `f cos`, percent, mean over the views; NaN where the thesis was left out.
+#[derive(Clone, Debug)]
+pub struct Row {
+    pub name: String,
+    /// Our error at the views.
+    pub fit: f64,
+    /// Our error halfway between.
+    pub halfway: f64,
+    /// Halfway, our lobes at the views blended by equation 9, and over the two nearest views.
+    pub blended: f64,
+    pub blended_two: f64,
+    /// The thesis's method: at the views; halfway by equation 9; over the two nearest views.
+    pub thesis_fit: f64,
+    pub eq9: f64,
+    pub eq9_two: f64,
+    /// Relative variance of `f cos / pdf` halfway, median and worst view, and the median of the thesis's lobes.
+    pub variance_median: f64,
+    pub variance_worst: f64,
+    pub thesis_variance: f64,
+    /// Largest `f cos / pdf` over its mean, halfway.
+    pub weight: f64,
+    /// Largest error of an albedo halfway, percent.
+    pub energy: f64,
+    /// Median of `|ln f(a, b) / f(b, a)|`.
+    pub reciprocity: f64,
+    pub bytes: f64,
+    pub seconds: f64,
+    pub thesis_seconds: f64,
+}
+
+/// What the columns are.
+pub const LEGEND: &str = "fit, halfway: relative L2 of f cos in %, mean over the views and over those in between; \
+    blend: halfway, our lobes at the views blended by eq. 9 over the 3 or 4 nearest views, and over 2; thesis: the same of \
+    its own lobes; var: relative variance of f cos / pdf, views to 80 degrees";
+
+/// Name in CSV, heading, digits after the point, and number.
+type Column = (&'static str, &'static str, usize, fn(&Row) -> f64);
+
+const COLUMNS: [Column; 17] = [
+    ("fit_percent", "fit", 2, |r| r.fit),
+    ("halfway_percent", "halfway", 2, |r| r.halfway),
+    ("halfway_over_fit", "ratio", 2, Row::ratio),
+    ("blended_eq9_percent", "blend", 2, |r| r.blended),
+    ("blended_two_percent", "blend 2", 2, |r| r.blended_two),
+    ("thesis_fit_percent", "thesis", 2, |r| r.thesis_fit),
+    ("thesis_eq9_percent", "its eq. 9", 2, |r| r.eq9),
+    ("thesis_two_percent", "over 2", 2, |r| r.eq9_two),
+    ("variance_median", "var", 4, |r| r.variance_median),
+    ("variance_worst", "worst var", 3, |r| r.variance_worst),
+    ("thesis_variance_median", "its var", 3, |r| r.thesis_variance),
+    ("largest_weight", "weight", 2, |r| r.weight),
+    ("energy_error_percent", "energy %", 2, |r| r.energy),
+    ("reciprocity_median", "recip.", 3, |r| r.reciprocity),
+    ("bytes", "bytes", 0, |r| r.bytes),
+    ("seconds", "s", 1, |r| r.seconds),
+    ("thesis_seconds", "its s", 1, |r| r.thesis_seconds),
+];
+
+impl Default for Row {
+    fn default() -> Self {
+        let nan = f64::NAN;
+        Self {
+            name: String::new(),
+            fit: nan,
+            halfway: nan,
+            blended: nan,
+            blended_two: nan,
+            thesis_fit: nan,
+            eq9: nan,
+            eq9_two: nan,
+            variance_median: nan,
+            variance_worst: nan,
+            thesis_variance: nan,
+            weight: nan,
+            energy: nan,
+            reciprocity: nan,
+            bytes: nan,
+            seconds: nan,
+            thesis_seconds: nan,
+        }
+    }
+}
+
+impl Row {
+    /// Error halfway over error at the views.
+    pub fn ratio(&self) -> f64 {
+        self.halfway / self.fit
+    }
+
+    /// The heading of printed lines.
+    pub fn header() -> String {
+        let columns = COLUMNS.map(|c| format!("{:>9}", c.1));
+        format!("{:32} {}", "material", columns.join(" "))
+    }
+
+    /// The printed line; `-` for what was not measured.
+    pub fn line(&self) -> String {
+        line(&self.name, &COLUMNS.map(|c| (c.3)(self)))
+    }
+
+    /// The heading of the CSV file.
+    pub fn csv_header() -> String {
+        format!("material,{}", COLUMNS.map(|c| c.0).join(","))
+    }
+
+    /// The line of the CSV file; empty for what was not measured.
+    pub fn csv(&self) -> String {
+        let field = |v: f64| if v.is_nan() { String::new() } else { format!("{v:.6}") };
+        format!("{},{}", self.name, COLUMNS.map(|c| field((c.3)(self))).join(","))
+    }
+
+    /// The printed line of a quantile of each column.
+    pub fn quantile_line(name: &str, rows: &[Self], share: f64) -> String {
+        line(name, &COLUMNS.map(|c| quantile(rows.iter().map(c.3).collect(), share)))
+    }
+}
+
+fn line(name: &str, numbers: &[f64; COLUMNS.len()]) -> String {
+    let field = |(v, c): (&f64, &Column)| {
+        if v.is_nan() { format!("{:>9}", "-") } else { format!("{v:9.*}", c.2) }
+    };
+    let fields: Vec<String> = numbers.iter().zip(&COLUMNS).map(field).collect();
+    format!("{name:32} {}", fields.join(" "))
+}
+
+/// The value that a share of the others does not exceed; NaN counts as largest, and is that of an empty list.
+pub fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let index = (share * values.len().saturating_sub(1) as f64).round() as usize;
+    values.get(index).copied().unwrap_or(f64::NAN)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_have_as_many_fields_as_headings_and_no_number_is_dropped() {
+        let row = Row { name: "a".into(), fit: 2.0, halfway: 3.0, ..Row::default() };
+        assert_eq!(row.csv().split(',').count(), Row::csv_header().split(',').count());
+        assert!(row.csv().starts_with("a,2.000000,3.000000,1.500000,,"), "{}", row.csv());
+        assert_eq!(row.line().chars().count(), Row::header().chars().count());
+    }
+
+    #[test]
+    fn quantiles() {
+        let values = || vec![3.0, 1.0, 2.0];
+        assert_eq!([0.0, 0.5, 1.0].map(|s| quantile(values(), s)), [1.0, 2.0, 3.0]);
+        assert!(quantile(vec![], 0.5).is_nan());
+    }
+}
