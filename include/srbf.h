@@ -770,6 +770,21 @@ srbf_status srbf_material_prepare(const struct srbf_material *material,
                                   struct srbf_mixture *mixture);
 
 /**
+ * `srbf_material_prepare`, leaving out what matters less than a bound: fewer lobes to evaluate, at an error that is bounded.
+ *
+ * Range: shares within [0, 1]. `lobes`: a lobe is dropped if its share of the luminance of the albedo is below this.
+ * `folds`: what a lobe has below the horizon is not mirrored up if it is at most this share of the lobe. `srbf_material_prepare`
+ * takes 0 and 1e-7.
+ * Shapes: `wo` [3], unit vector towards the viewer, +z the surface normal.
+ * Status: `SRBF_STATUS_ARGUMENT` for a share out of range; otherwise as `srbf_material_prepare`.
+ */
+srbf_status srbf_material_prepare_leaving_out(const struct srbf_material *material,
+                                              const float *wo,
+                                              float lobes,
+                                              float folds,
+                                              struct srbf_mixture *mixture);
+
+/**
  * Makes the mixtures for n outgoing directions, in raw storage; no `srbf_mixture_init` is needed.
  *
  * Mixture i is at `(srbf_mixture *)((char *)storage + i * stride)`.

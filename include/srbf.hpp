@@ -173,6 +173,10 @@ public:
     Status prepare(const Vec3 &wo, Mixture<Lobes> &mixture) const {
         return srbf_material_prepare(material_, wo.data(), mixture.get());
     }
+    template <std::size_t Lobes>
+    Status prepare_leaving_out(const Vec3 &wo, float lobes, float folds, Mixture<Lobes> &mixture) const {
+        return srbf_material_prepare_leaving_out(material_, wo.data(), lobes, folds, mixture.get());
+    }
 
 private:
     srbf_material *material_ = nullptr;

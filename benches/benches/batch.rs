@@ -5,7 +5,8 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use srbf_benches::baseline::{C, PackedLobes, evaluate_libm, sample_libm};
 use srbf_benches::{
-    DIRECTIONS, GARNET_RED, LOBES, Triples, garnet_mixture, general_lobes, general_mixture, levels,
+    DIRECTIONS, GARNET_RED, LOBES, Triples, general_lobes, general_mixture, levels, mild_lobes,
+    named_mixtures,
 };
 use srbf_core::{Material, Mixture, SamplesMut, Vec3};
 use std::hint::black_box;
@@ -51,7 +52,7 @@ fn evaluate(c: &mut Criterion) {
                 });
             }
         }
-        measure_garnet(&mut group, true, |mixture, n| {
+        measure_named(&mut group, true, |mixture, n| {
             let directions = Triples::directions(n, 1);
             let mut out = Outputs::new();
             move || mixture.evaluate_into(black_box(directions.slices()), out.samples(n).weight).unwrap()
@@ -60,6 +61,14 @@ fn evaluate(c: &mut Criterion) {
     }
     for baseline in C::ALL {
         let mut group = c.benchmark_group(format!("evaluate.{}", baseline.name()));
+        let (packed, directions) = (PackedLobes::new(&mild_lobes()), Triples::directions(1024, 1));
+        group.throughput(Throughput::Elements(12 * 1024));
+        group.bench_function(BenchmarkId::new("mild", 1024), |b| {
+            b.iter(|| {
+                let weight = out.samples(1024).weight;
+                baseline.evaluate(black_box(&packed), black_box(directions.slices()), weight);
+            });
+        });
         for lobes in LOBES {
             let packed = PackedLobes::new(&general_lobes(lobes));
             for n in DIRECTIONS.into_iter().filter(|&n| is_on_the_cross(lobes, n)) {
@@ -85,18 +94,19 @@ fn evaluate(c: &mut Criterion) {
     group.finish();
 }
 
-/// The preset as it really is: named by `garnet` in place of the number of lobes. `per_lobe`: a direction and a lobe count
-/// as one element, as in the rest of the group.
-fn measure_garnet<F: FnMut()>(
+/// Each form of lobe alone, and the preset as it really is: a name in place of the number of lobes. `per_lobe`: a direction and a
+/// lobe count as one element, as in the rest of the group.
+fn measure_named<F: FnMut()>(
     group: &mut criterion::BenchmarkGroup<'_, criterion::measurement::WallTime>,
     per_lobe: bool,
-    make: impl FnOnce(Mixture<64>, usize) -> F,
+    make: impl Fn(Mixture<64>, usize) -> F,
 ) {
     let n = 1024;
-    let mixture = garnet_mixture();
-    group.throughput(Throughput::Elements((if per_lobe { mixture.len() * n } else { n }) as u64));
-    let mut run = make(mixture, n);
-    group.bench_function(BenchmarkId::new("garnet", n), |b| b.iter(&mut run));
+    for (name, mixture) in named_mixtures() {
+        group.throughput(Throughput::Elements((if per_lobe { mixture.len() * n } else { n }) as u64));
+        let mut run = make(mixture, n);
+        group.bench_function(BenchmarkId::new(name, n), |b| b.iter(&mut run));
+    }
 }
 
 fn pdf(c: &mut Criterion) {
@@ -133,7 +143,7 @@ fn sample(c: &mut Criterion) {
                 });
             }
         }
-        measure_garnet(&mut group, false, |mixture, n| {
+        measure_named(&mut group, false, |mixture, n| {
             let uniforms = Triples::uniforms(n, 2);
             let mut out = Outputs::new();
             move || mixture.sample_into(black_box(uniforms.slices()), out.samples(n)).unwrap()

@@ -32,6 +32,9 @@ fn single(c: &mut Criterion) {
             };
             measure("one-pdf", &mut |i| mixture.pdf(black_box(directions[i])));
             measure("one-evaluate", &mut |i| mixture.evaluate(black_box(directions[i])).x);
+            measure("one-sample", &mut |i| {
+                mixture.sample_direction(black_box(uniforms[i])).map_or(0.0, |d| d.x)
+            });
             measure("one-sample-pdf", &mut |i| {
                 mixture.sample(black_box(uniforms[i])).map_or(0.0, |sample| sample.pdf)
             });

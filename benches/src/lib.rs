@@ -2,7 +2,7 @@
 
 pub mod baseline;
 
-use srbf_core::{Level, Lobe, Material, Mixture, Vec3};
+use srbf_core::{Domain, Level, Lobe, Material, Mixture, Vec3};
 
 /// Lobe counts that every batch operation is measured at.
 pub const LOBES: [usize; 7] = [1, 4, 8, 12, 16, 32, 64];
@@ -85,6 +85,36 @@ pub fn general_lobes(count: usize) -> Vec<Lobe> {
 /// A mixture of [`general_lobes`], round and without folds, at the current level.
 pub fn general_mixture(count: usize) -> Mixture<64> {
     Mixture::sphere(&general_lobes(count)).expect("a valid mixture")
+}
+
+/// Twelve lobes so wide (sharpness 1 to 32) that no exponential underflows: where it does, `expf` and the vector `expf` of
+/// GNU's C library take a path several times slower than the usual one.
+pub fn mild_lobes() -> Vec<Lobe> {
+    let wide = |lobe: &Lobe| {
+        let sharpness = (lobe.gaussian.sharpness / 50.0).powf(5.0 / 6.0);
+        Lobe::new(lobe.gaussian.axis, sharpness, lobe.amplitude).expect("a valid lobe")
+    };
+    general_lobes(12).iter().map(wide).collect()
+}
+
+/// Mixtures of twelve lobes by name, at the current level: each form of lobe switched on alone, and the preset with all of them.
+pub fn named_mixtures() -> Vec<(&'static str, Mixture<64>)> {
+    let general = general_lobes(12);
+    let with_axis = |axis: fn(Vec3) -> Vec3| -> Vec<Lobe> {
+        let moved =
+            |l: &Lobe| Lobe::new(axis(l.gaussian.axis).normalize(), l.gaussian.sharpness, l.amplitude);
+        general.iter().map(|l| moved(l).expect("a valid lobe")).collect()
+    };
+    let mixture = |domain, squeeze, squeezed: &[Lobe], round: &[Lobe]| {
+        Mixture::new(domain, squeeze, squeezed, round).expect("a valid mixture")
+    };
+    vec![
+        ("mild", mixture(Domain::Sphere, 1.0, &[], &mild_lobes())),
+        ("plane", mixture(Domain::Sphere, 1.0, &[], &with_axis(|a| a.with_y(0.0)))),
+        ("folded", mixture(Domain::Hemisphere, 1.0, &[], &with_axis(|a| a.with_z(0.02)))),
+        ("squeezed", mixture(Domain::Sphere, 0.5, &general, &[])),
+        ("garnet", garnet_mixture()),
+    ]
 }
 
 /// The garnet red preset at 50 degrees, folded where needed, squeezed, with its diffuse term, at the current level.

@@ -11,7 +11,7 @@ use crate::{
     SRBF_STATUS_STRIDE, srbf_mixture, srbf_status,
 };
 use core::ffi::c_char;
-use srbf_core::{Error, Material, Mixture, PlaneLobe, Vec3};
+use srbf_core::{Error, LeaveOut, Material, Mixture, PlaneLobe, Vec3};
 
 /// Bytes of storage for a material that `srbf_material_borrow` makes.
 pub const SRBF_MATERIAL_SIZE: usize = 128;
@@ -242,16 +242,44 @@ pub unsafe extern "C" fn srbf_material_prepare(
         // SAFETY: the header's contract.
         let (material, wo, mut mixture) =
             unsafe { (self::material(material)?, read_array(wo)?, mixture_mut(mixture)?) };
-        prepare(&material.material, direction(wo)?, &mut mixture)
+        prepare(&material.material, direction(wo)?, LeaveOut::default(), &mut mixture)
+    })
+}
+
+/// `srbf_material_prepare`, leaving out what matters less than a bound: fewer lobes to evaluate, at an error that is bounded.
+///
+/// Range: shares within [0, 1]. `lobes`: a lobe is dropped if its share of the luminance of the albedo is below this.
+/// `folds`: what a lobe has below the horizon is not mirrored up if it is at most this share of the lobe. `srbf_material_prepare`
+/// takes 0 and 1e-7.
+/// Shapes: `wo` [3], unit vector towards the viewer, +z the surface normal.
+/// Status: `SRBF_STATUS_ARGUMENT` for a share out of range; otherwise as `srbf_material_prepare`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_prepare_leaving_out(
+    material: *const srbf_material,
+    wo: *const f32,
+    lobes: f32,
+    folds: f32,
+    mixture: *mut srbf_mixture,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (material, wo, mut mixture) =
+            unsafe { (self::material(material)?, read_array(wo)?, mixture_mut(mixture)?) };
+        prepare(&material.material, direction(wo)?, LeaveOut::new(lobes, folds)?, &mut mixture)
     })
 }
 
 /// Checks the room first, so that a failure leaves the mixture as it was.
 #[inline(always)]
-fn prepare(material: &Material<'_>, wo: Vec3, mixture: &mut AnyMixtureMut<'_>) -> Outcome {
+fn prepare(
+    material: &Material<'_>,
+    wo: Vec3,
+    leave_out: LeaveOut,
+    mixture: &mut AnyMixtureMut<'_>,
+) -> Outcome {
     with_mixture!(AnyMixtureMut: mixture, mixture => {
         check_room(material.lobe_count(), room(mixture))?;
-        material.prepare(wo, mixture)?;
+        material.prepare_leaving_out(wo, leave_out, mixture)?;
     });
     Ok(())
 }

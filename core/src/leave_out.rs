@@ -17,7 +17,7 @@ pub struct LeaveOut {
 impl Default for LeaveOut {
     fn default() -> Self {
         // -ln 1e-7
-        Self { lobes: 0.0, fold_exponent: 16.118_096 }
+        Self { lobes: 0.0, fold_exponent: 16.118_095 }
     }
 }
 
@@ -36,7 +36,7 @@ impl LeaveOut {
         if !(is_share(lobes) && is_share(folds)) {
             return Err(Error::Share);
         }
-        let fold_exponent = if folds > 0.0 { -libm::logf(folds) } else { f32::INFINITY };
+        let fold_exponent = if folds > 0.0 { -crate::float::ln(folds) } else { f32::INFINITY };
         Ok(Self { lobes, fold_exponent })
     }
 }

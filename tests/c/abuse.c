@@ -92,6 +92,17 @@ static void test_materials(const char *path) {
     CHECK_OBJECT(srbf_material, material, srbf_material_prepare(p, UP, mixture));
     CHECK_POINTER(float, rgb, srbf_material_prepare(material, p, mixture));
     CHECK_OBJECT(srbf_mixture, mixture, srbf_material_prepare(material, UP, p));
+    CHECK_OK(srbf_material_prepare_leaving_out(material, UP, 0.0f, 1e-7f, mixture));
+    CHECK_OBJECT(srbf_material, material, srbf_material_prepare_leaving_out(p, UP, 0.0f, 0.0f, mixture));
+    CHECK_POINTER(float, rgb, srbf_material_prepare_leaving_out(material, p, 0.0f, 0.0f, mixture));
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_material_prepare_leaving_out(material, UP, 0.0f, 0.0f, p));
+    for (int i = 0; i < 6; i++)
+        CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_material_prepare_leaving_out(material, BAD[i], 0.0f, 0.0f, mixture));
+    const float shares[] = {-0.1f, 1.1f, NAN, INFINITY};
+    for (int i = 0; i < 4; i++) {
+        CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_material_prepare_leaving_out(material, UP, shares[i], 0.0f, mixture));
+        CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_material_prepare_leaving_out(material, UP, 0.0f, shares[i], mixture));
+    }
     for (int i = 0; i < 6; i++) {
         CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_material_prepare(material, BAD[i], mixture));
         CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_material_albedo(material, BAD[i], rgb));

@@ -95,6 +95,13 @@ static void test_single(const srbf_material *material) {
         CHECK_OK(srbf_mixture_query(mixture, &info));
         CHECK(info.lobes == 12 && info.squeezed_lobes == 5 && info.domain == SRBF_DOMAIN_HEMISPHERE);
         CHECK(info.simd_level == srbf_simd_level() && info.squeeze < 1);
+        srbf_mixture_info left;
+        CHECK_OK(srbf_material_prepare_leaving_out(material, WO, 0.02f, 1e-3f, mixture));
+        CHECK_OK(srbf_mixture_query(mixture, &left));
+        CHECK(left.lobes < info.lobes && left.power < info.power && left.power > 0.7f * info.power);
+        CHECK_OK(srbf_material_prepare_leaving_out(material, WO, 0, 1e-7f, mixture));
+        CHECK_OK(srbf_mixture_query(mixture, &left));
+        CHECK(left.lobes == info.lobes && left.power == info.power);
         float albedo[3];
         CHECK_OK(srbf_material_albedo(material, WO, albedo));
         CHECK(are_near(info.albedo, albedo) && is_near(info.power, luminance(albedo)));

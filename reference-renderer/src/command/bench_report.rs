@@ -35,7 +35,7 @@ struct Measurement {
 fn baseline_of(operation: &str) -> &'static str {
     match operation {
         "evaluate" | "pdf" => "c-expf",
-        "sample" | "one-evaluate" | "one-sample-pdf" => "rust-libm",
+        "sample" | "one-evaluate" | "one-sample" | "one-sample-pdf" => "rust-libm",
         _ => "scalar",
     }
 }
@@ -60,12 +60,17 @@ pub fn run(args: Args) -> anyhow::Result<()> {
 /// (the preset) and any number of directions.
 fn baseline<'a>(all: &'a [Measurement], m: &Measurement) -> Option<&'a Measurement> {
     // The density alone is compared with the C loop for values: it is the same sum, one channel of it.
-    let operation = if m.operation == "pdf" { "evaluate" } else { &m.operation };
+    let operation = match m.operation.as_str() {
+        "pdf" => "evaluate",
+        "one-sample" => "one-sample-pdf",
+        other => other,
+    };
     let wanted = baseline_of(&m.operation);
     let same = all.iter().filter(|b| b.operation == operation && b.level == wanted);
     let exact = same.clone().find(|b| b.lobes == m.lobes && b.directions == m.directions);
     exact.or_else(|| {
-        same.clone().find(|b| b.lobes == "12" && m.lobes == "garnet" && b.directions == m.directions)
+        same.clone()
+            .find(|b| b.lobes == "12" && m.lobes.parse::<u32>().is_err() && b.directions == m.directions)
     })
 }
 
@@ -166,7 +171,8 @@ fn draw_panels(
     let root = BitMapBackend::with_buffer(pixels, size.into()).into_drawing_area();
     root.fill(&WHITE)?;
     let panels = root.split_evenly((1, 2));
-    let evaluate = || measurements.iter().filter(|m| m.operation == "evaluate" && m.lobes != "garnet");
+    let evaluate =
+        || measurements.iter().filter(|m| m.operation == "evaluate" && m.lobes.parse::<u32>().is_ok());
     let by_lobes = evaluate().filter(|m| m.directions == 1024);
     let by_batch = evaluate().filter(|m| m.lobes == "12");
     let lobes = |m: &&Measurement| (m.level.clone(), m.lobes.parse().unwrap_or(1.0), 1.0 / m.nanoseconds);

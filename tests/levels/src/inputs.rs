@@ -37,10 +37,10 @@ pub struct Case {
 impl Case {
     /// Every combination of sphere and hemisphere, axes in the plane or anywhere, squeezed or not, diffuse or not.
     pub fn new(n: usize, random: &mut Random) -> Self {
-        let in_plane = n % 2 == 0;
-        let domain = if n % 3 == 0 { Domain::Sphere } else { Domain::Hemisphere };
+        let in_plane = n.is_multiple_of(2);
+        let domain = if n.is_multiple_of(3) { Domain::Sphere } else { Domain::Hemisphere };
         let count = 1 + (n * 7) % 64;
-        let squeezed = if n % 5 == 0 { 0 } else { count / 2 };
+        let squeezed = if n.is_multiple_of(5) { 0 } else { count / 2 };
         let lobes: Vec<Lobe> = (0..count).map(|_| lobe(random, in_plane)).collect();
         let squeeze = random.between(0.05, 1.5);
         let (first, then) = lobes.split_at(squeezed);

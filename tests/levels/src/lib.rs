@@ -69,6 +69,9 @@ pub fn check(level: Level) -> Result<Findings, srbf_core::Error> {
     let mut random = Random(7);
     for n in 0..MIXTURES {
         let case = Case::new(n, &mut random);
+        if case.mixture.level() != level {
+            found.fault(format!("{}: made for {:?}", case.name, case.mixture.level()));
+        }
         check_values(&case, &mut random, &mut found);
         check_samples(&case.mixture, 0.0, &format!("mixture {n}"), &mut random, &mut found);
     }

@@ -1,0 +1,103 @@
+//! What is left out of a mixture is what was allowed to be, and the rest is whole.
+
+use glam::Vec3;
+use srbf_core::{Error, LeaveOut, Material, Mixture};
+
+const GARNET_RED: &[u8] = include_bytes!("../../presets/garnet_red.srbf");
+
+fn prepare(theta: f32, leave_out: LeaveOut) -> Mixture<16> {
+    let material = Material::from_bytes(GARNET_RED).unwrap();
+    let mut mixture = Mixture::empty();
+    let wo = Vec3::new(-theta.sin(), 0.0, theta.cos());
+    material.prepare_leaving_out(wo, leave_out, &mut mixture).unwrap();
+    mixture
+}
+
+#[test]
+fn dropped_lobes_take_at_most_their_share_and_the_rest_is_whole() {
+    let mut dropped = 0;
+    for view in 0..9 {
+        let theta = 0.17 * view as f32;
+        let whole = prepare(theta, LeaveOut::default());
+        for share in [1e-4, 1e-2, 0.1] {
+            let left = prepare(theta, LeaveOut::new(share, 1e-7).unwrap());
+            dropped += whole.len() - left.len();
+            let lost = whole.power() - left.power();
+            let most = (whole.len() - left.len()) as f32 * share * whole.power();
+            assert!(
+                (-1e-6..=most + 1e-6).contains(&lost),
+                "view {view}, share {share}: lost {lost}, at most {most}"
+            );
+
+            // The lobes that stay are lobes of the whole, in order; squeezed ones still come first.
+            let mut all =
+                (0..whole.len()).map(|k| (whole.lobe(k), k < whole.squeezed_len(), whole.is_folded(k)));
+            for k in 0..left.len() {
+                let wanted = (left.lobe(k), k < left.squeezed_len(), left.is_folded(k));
+                assert!(all.any(|lobe| lobe == wanted), "view {view}, share {share}: lobe {k}");
+            }
+
+            // Value by value nothing is added, and what is taken integrates to the albedo that was lost.
+            let (rings, steps) = (400, 64);
+            let mut integral = 0.0;
+            for i in 0..rings {
+                let z = (i as f32 + 0.5) / rings as f32;
+                for j in 0..steps {
+                    let (sin, cos) = ((j as f32 + 0.5) / steps as f32 * core::f32::consts::TAU).sin_cos();
+                    let across = (1.0 - z * z).sqrt();
+                    let d = Vec3::new(across * cos, across * sin, z);
+                    let difference = whole.evaluate(d) - left.evaluate(d);
+                    let rounding = 1e-5 * whole.evaluate(d).max_element();
+                    assert!(
+                        difference.min_element() >= -rounding,
+                        "view {view}, share {share}, {d}: {difference}"
+                    );
+                    integral += f64::from(srbf_core::luminance(difference));
+                }
+            }
+            integral *= core::f64::consts::TAU / f64::from(rings * steps);
+            let tolerance = 0.03 * f64::from(lost) + 1e-4 * f64::from(whole.power());
+            assert!(
+                (integral - f64::from(lost)).abs() < tolerance,
+                "view {view}, share {share}: {integral} {lost}"
+            );
+        }
+    }
+    assert!(dropped > 20, "{dropped} lobes in all: the bounds do nothing");
+}
+
+#[test]
+fn folds_that_are_left_out_change_the_value_by_at_most_their_share() {
+    let mut skipped = 0;
+    for view in 0..9 {
+        let theta = 0.17 * view as f32;
+        let whole = prepare(theta, LeaveOut::new(0.0, 0.0).unwrap());
+        assert!((0..whole.len()).all(|k| whole.is_folded(k)));
+        for share in [1e-3, 0.1] {
+            let left = prepare(theta, LeaveOut::new(0.0, share).unwrap());
+            assert_eq!(left.len(), whole.len());
+            skipped += (0..left.len()).filter(|&k| !left.is_folded(k)).count();
+            let squeezed = 1.0 / left.squeeze().min(1.0).powi(3);
+            let amplitudes: Vec3 =
+                (0..left.len()).filter_map(|k| left.lobe(k)).map(|lobe| lobe.amplitude).sum();
+            for i in 0..500 {
+                let (z, phi) = ((i as f32 + 0.5) / 500.0, 2.4 * i as f32);
+                let across = (1.0 - z * z).sqrt();
+                let d = Vec3::new(across * phi.cos(), across * phi.sin(), z);
+                let difference = whole.evaluate(d) - left.evaluate(d);
+                let most = amplitudes * share * squeezed + 1e-5 * whole.evaluate(d);
+                assert!(difference.cmple(most).all() && difference.min_element() >= -most.max_element());
+            }
+        }
+    }
+    assert!(skipped > 20, "{skipped} folds in all: the bounds do nothing");
+}
+
+#[test]
+fn shares_out_of_range_are_refused() {
+    for share in [-0.1, 1.1, f32::NAN, f32::INFINITY] {
+        assert_eq!(LeaveOut::new(share, 0.0), Err(Error::Share));
+        assert_eq!(LeaveOut::new(0.0, share), Err(Error::Share));
+    }
+    assert_eq!(LeaveOut::new(0.0, 1e-7).unwrap(), LeaveOut::default());
+}
