@@ -121,7 +121,7 @@ impl pulp::NullaryFnOnce for Factor<'_> {
 
 /// Inner product in eight running sums, which the compiler may turn into lanes; the order is fixed.
 #[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 8];
     let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
     let rest: f64 = a8.remainder().iter().zip(b8.remainder()).map(|(x, y)| x * y).sum();

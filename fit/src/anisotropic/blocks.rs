@@ -5,6 +5,7 @@
 //! Conjugate gradients touch only what is there, 3 million a step, and a few dozen steps do, because the blocks on the diagonal,
 //! factored as preconditioner, hold what is stiff: the couplings of overlapping lobes within a view.
 
+use crate::banded::dot;
 use std::collections::BTreeMap;
 
 /// A symmetric matrix of square blocks.
@@ -178,19 +179,6 @@ fn solve_blocks(factors: &[Vec<f64>], n: usize, x: &mut [f64]) {
             x[..i].iter_mut().zip(&l[i * n..i * n + i]).for_each(|(v, l)| *v -= l * xi);
         }
     }
-}
-
-/// Inner product in eight running sums, which the compiler may turn into lanes; the order is fixed.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 8];
-    let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = a8.remainder().iter().zip(b8.remainder()).map(|(x, y)| x * y).sum();
-    for (x, y) in a8.zip(b8) {
-        for k in 0..8 {
-            sums[k] += x[k] * y[k];
-        }
-    }
-    ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7])) + rest
 }
 
 #[cfg(test)]
