@@ -6,7 +6,7 @@ use crate::knots;
 use crate::report::ViewReport;
 use crate::table::evaluable::{Brdf, Density, Symmetry};
 use crate::table::{Content, Table};
-use crate::track::{self, ENERGY_OF_A_QUADRATURE};
+use crate::track::{self, Data, ENERGY_OF_A_QUADRATURE};
 use crate::{Fit, FitError, Settings, fit};
 use std::time::Instant;
 
@@ -22,6 +22,9 @@ const DENSE: f64 = 0.4;
 
 /// Golden section: its multiples are spread evenly, and never at the same places.
 const GOLDEN_SECTION: f64 = 0.618_033_988_75;
+
+/// Shift of those places from round to round.
+const SHIFT: f64 = 0.381_966;
 
 /// Directions of a held-out view.
 const HELD_OUT: Density = Density { hemisphere: 1000, cap: 300 };
@@ -64,15 +67,19 @@ fn fit_with(brdf: &dyn Brdf, settings: &Settings, progress: impl FnMut(f64)) -> 
         None => knots::place(brdf, settings.views, last)?,
     };
     let end = knots[knots.len() - 1].min(last);
-    let table = Table::from_brdf(brdf, &tabulated(&knots, end), Density::default())?;
+    let table = Table::from_brdf(brdf, &tabulated(&knots, end, 0), Density::default())?;
     let mut middles: Vec<f64> = knots.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
     middles.retain(|&theta| theta < end);
     let held_out =
         if middles.is_empty() { Vec::new() } else { Table::from_brdf(brdf, &middles, HELD_OUT)?.views };
 
+    let look_again = |bytes: &[u8], round| {
+        Table::seen_by(brdf, &tabulated(&knots, end, 1 + round), Density::default(), bytes, round)
+    };
     let smoothness = DENSE * settings.smoothness;
-    let settings = Settings { knots: Some(knots), smoothness, ..settings.clone() };
-    let mut fit = track::run(&table, &settings, ENERGY_OF_A_QUADRATURE, progress)?;
+    let settings = Settings { knots: Some(knots.clone()), smoothness, ..settings.clone() };
+    let data = Data { table: &table, energy: ENERGY_OF_A_QUADRATURE, look_again: Some(&look_again) };
+    let mut fit = track::run(data, &settings, progress)?;
     let reports = held_out.iter().map(|view| ViewReport::new(&fit.bytes, view));
     fit.report.held_out = reports.collect::<Result<_, _>>()?;
     fit.report.seconds = start.elapsed().as_secs_f64();
@@ -80,12 +87,12 @@ fn fit_with(brdf: &dyn Brdf, settings: &Settings, progress: impl FnMut(f64)) -> 
 }
 
 /// Angles of the table's views: at irregular places in every interval, so that what a lobe does between knots is seen
-/// wherever it happens, and at the end.
-fn tabulated(knots: &[f64], end: f64) -> Vec<f64> {
+/// wherever it happens, other ones in every round, and at the end.
+fn tabulated(knots: &[f64], end: f64, round: usize) -> Vec<f64> {
     let mut thetas = vec![end];
     for (n, w) in knots.windows(2).enumerate() {
         for i in 0..BETWEEN {
-            let irregular = (GOLDEN_SECTION * (BETWEEN * n + i) as f64).fract();
+            let irregular = (GOLDEN_SECTION * (BETWEEN * n + i) as f64 + SHIFT * round as f64).fract();
             thetas.push(w[0] + (w[1] - w[0]) * (i as f64 + irregular) / BETWEEN as f64);
         }
     }

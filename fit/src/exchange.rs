@@ -2,16 +2,19 @@
 //!
 //! What a lobe is worth at a view is what the sum of squares grows by when it is taken out and the amplitudes of all others
 //! are chosen again: `a^2 / (G^-1)_kk` with the Gram matrix G of the unit lobes. Of two lobes that have merged, each is worth
-//! nothing. The new lobe is one of a few families (sharpness and lean constant over the views), the one that alone would take most
-//! off what is left at present. Then all lobes are moved downhill together; if that ends higher than before, all is put back.
+//! nothing. The new lobe is one of a few families (sharpness and lean constant over the views, or beside a lobe that is there), the
+//! one that alone would take most off what is left at present. Then all lobes are moved downhill together; if that ends higher than before, all is put back.
 
 use crate::levenberg::{self, Limits};
 use crate::model::Lobes;
 use crate::objective::Objective;
 use crate::random::Random;
 
-/// Families from which a new lobe is chosen.
+/// Families from which a new lobe is chosen; every second is beside a lobe that is there.
 const FAMILIES: usize = 60;
+
+/// Exchanges in vain, one after the other, after which no more is expected.
+const PATIENCE: usize = 6;
 
 /// Decrease of the cost from which an exchange is kept.
 const IMPROVEMENT: f64 = 1e-3;
@@ -19,11 +22,13 @@ const IMPROVEMENT: f64 = 1e-3;
 /// Share of the best amplitude with which a new lobe starts.
 const CAUTION: f64 = 0.7;
 
-/// A family of lobes: the same sharpness at all views, and an axis in proportion to the angle of the view.
+/// A family of lobes: one for every view.
 #[derive(Clone, Copy, Debug)]
-struct Family {
-    ln_sharpness: f64,
-    lean: f64,
+enum Family {
+    /// The same sharpness at all views, and an axis in proportion to the angle of the view.
+    Alone { ln_sharpness: f64, lean: f64 },
+    /// What a lobe is at every view, but for a factor of the sharpness, and moved along the plane by a share of its width.
+    Beside { lobe: usize, ln_sharper: f64, widths: f64 },
 }
 
 /// What the exchange looks at in one view.
@@ -51,11 +56,15 @@ pub(crate) fn exchange(
     for _ in 0..rounds {
         let residuals: Vec<Residual> = objective.residuals(x);
         let worth = |k: usize| residuals.iter().map(|r| r.worth[k]).sum::<f64>();
+        if vain.len() >= PATIENCE {
+            break;
+        }
         let slot = (0..layout.lobes)
             .filter(|&k| !vain.contains(&k) && layout.defensive() != Some(k))
             .min_by(|&a, &b| worth(a).total_cmp(&worth(b)));
         let Some(slot) = slot else { break };
-        let families: Vec<Family> = (0..FAMILIES).map(|_| Family::random(&mut random)).collect();
+        let families: Vec<Family> =
+            (0..FAMILIES).map(|n| Family::random(&mut random, n % 2 == 1, layout.lobes)).collect();
         let gain = |f: &Family| objective.gain(&residuals, slot, *f);
         let gains: Vec<f64> = families.iter().map(gain).collect();
         let best = (0..FAMILIES).max_by(|&a, &b| gains[a].total_cmp(&gains[b])).unwrap_or(0);
@@ -74,18 +83,29 @@ pub(crate) fn exchange(
 }
 
 impl Family {
-    fn random(random: &mut Random) -> Self {
-        let ln_sharpness = 0.5 + 9.5 * random.next();
+    fn random(random: &mut Random, is_beside: bool, lobes: usize) -> Self {
+        let ln_sharpness = 0.5 + 12.0 * random.next();
         // Sharp lobes follow the mirror direction, wide ones may point anywhere between.
         let spread = 1.0 / (1.0 + 0.2 * ln_sharpness);
-        Self { ln_sharpness, lean: 1.05 - spread * 2.0 * random.next() }
+        let lean = 1.05 - spread * 2.0 * random.next();
+        let lobe = ((random.next() * lobes as f64) as usize).min(lobes - 1);
+        let (ln_sharper, widths) = (4.0 * random.next() - 2.0, 3.0 * random.next() - 1.5);
+        if is_beside { Self::Beside { lobe, ln_sharper, widths } } else { Self::Alone { ln_sharpness, lean } }
     }
 
-    /// The unknowns of a view with the family in a slot, amplitudes 1.
+    /// The unknowns of a view with the family in a slot, amplitudes as they were.
     fn shape(&self, objective: &Objective, slot: usize, theta: f64, q: &mut [f64]) {
         let layout = &objective.layout;
-        q[layout.angle(slot)] = self.lean * theta;
-        q[layout.sharpness(slot)] = self.ln_sharpness;
+        let (angle, ln_sharpness) = match *self {
+            Self::Alone { ln_sharpness, lean } => (lean * theta, ln_sharpness),
+            Self::Beside { lobe, ln_sharper, widths } => {
+                let ln_sharpness = q[layout.sharpness(lobe)];
+                (q[layout.angle(lobe)] + widths * libm::exp(-0.5 * ln_sharpness), ln_sharpness + ln_sharper)
+            }
+        };
+        // At the normal every axis is the normal.
+        q[layout.angle(slot)] = if theta == 0.0 { 0.0 } else { angle };
+        q[layout.sharpness(slot)] = ln_sharpness;
     }
 }
 

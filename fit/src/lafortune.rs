@@ -7,7 +7,7 @@
 mod published;
 mod search;
 
-pub use published::{parse, read};
+pub use published::{names, parse, read};
 pub use search::Settings;
 
 use crate::FitError;

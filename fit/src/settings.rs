@@ -19,7 +19,8 @@ pub struct Settings {
     pub starts: usize,
     /// Most steps of the refinement.
     pub steps: usize,
-    /// Times that the lobe that is missed least is put where it is missed most, from each of the best starting points.
+    /// Most times that the lobe that is missed least is put where it is missed most, from each of the best starting points; it
+    /// ends after six in a row that lower the cost by less than a thousandth.
     pub exchanges: usize,
     /// Views of the material, placed where it changes; only for what can be evaluated anywhere. 14 are 3.8 kB with 12 lobes.
     pub views: usize,
@@ -39,7 +40,7 @@ impl Default for Settings {
             smoothness: 5e-5,
             starts: 8,
             steps: 120,
-            exchanges: 9,
+            exchanges: 15,
             views: 14,
             knots: None,
             provenance: String::new(),

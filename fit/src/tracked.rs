@@ -39,7 +39,7 @@ impl Fitted for TrackedLobes {
 }
 
 /// The mixture of a material for one outgoing direction.
-pub(crate) struct TrackedView(Mixture<MAX_LOBES>);
+pub(crate) struct TrackedView(pub Mixture<MAX_LOBES>);
 
 impl TrackedView {
     pub fn new(material: &Material<'_>, theta: f64) -> Result<Self, FitError> {

@@ -18,30 +18,32 @@ fn target() -> PathBuf {
     folders.nth(3).expect("cargo runs tests from target/PROFILE/deps").to_owned()
 }
 
-/// Builds the C library in the release profile and returns the folder that holds `libsrbf.a` and `libsrbf.so`.
+/// Builds the C library in the release profile, and returns the folder that holds `libsrbf.a` and `libsrbf.so`.
 ///
 /// Inside `cargo test --release` most of it is built already. Cargo lets go of its lock before tests run, and
 /// serialises the builds that several tests ask for.
 pub fn library() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
-    FOLDER.get_or_init(|| build_library(&target(), &[]))
+    FOLDER.get_or_init(|| build_library(&target(), "release", &["--release"]))
 }
 
-/// Builds the C library with the panic that only tests have; in a folder of its own, so that the two never mix.
+/// Builds the C library with the panic that only tests have, without fits and unoptimised, which takes seconds; in a folder
+/// of its own, so that the two never mix.
 pub fn library_with_planted_panic() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
-    FOLDER.get_or_init(|| build_library(&target().join("planted-panic"), &["--features", "planted-panic"]))
+    let options = ["--no-default-features", "--features", "std,planted-panic"];
+    FOLDER.get_or_init(|| build_library(&target().join("planted-panic"), "debug", &options))
 }
 
-fn build_library(target: &Path, options: &[&str]) -> PathBuf {
+fn build_library(target: &Path, profile: &str, options: &[&str]) -> PathBuf {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
-    command.current_dir(root()).args(["build", "--release", "--offline", "--package", "srbf-capi"]);
+    command.current_dir(root()).args(["build", "--offline", "--package", "srbf-capi"]);
     command.args(options).arg("--target-dir").arg(target);
     // A folder named by the triple would be somewhere else.
     command.env_remove("CARGO_BUILD_TARGET");
     run(&mut command);
-    let folder = target.join("release");
+    let folder = target.join(profile);
     for name in ["libsrbf.a", "libsrbf.so"] {
         assert!(folder.join(name).is_file(), "cargo did not make {}", folder.join(name).display());
     }

@@ -20,22 +20,43 @@ const MAX_FILE: u64 = 1 << 20;
 /// # Errors
 /// [`FitError::Io`]; [`FitError::Read`] with the line of a fault, or with the names there are.
 pub fn read(path: &Path, material: &str) -> Result<Source, FitError> {
-    let fault = |text: String| FitError::Read { path: path.to_path_buf(), source: ReadError::Content(text) };
-    let size = std::fs::metadata(path).map_err(FitError::io(path))?.len();
-    if size > MAX_FILE {
-        return Err(fault(format!("{size} bytes; at most {MAX_FILE} are read")));
-    }
-    let bytes = std::fs::read(path).map_err(FitError::io(path))?;
-    let all = parse(&bytes).map_err(|source| FitError::Read { path: path.to_path_buf(), source })?;
-    let names: Vec<String> = all.iter().map(|m| m.0.clone()).collect();
+    let (bytes, all) = read_all(path)?;
+    let names = list(&all);
     let Some((name, model)) = all.into_iter().find(|m| m.0 == material) else {
-        return Err(fault(format!("material `{material}` where one of {} was expected", names.join(", "))));
+        return Err(fault(path, format!("material `{material}` where one of {names} was expected")));
     };
     Ok(Source {
         content: Content::Evaluable(Box::new(model)),
         name,
         sha256: Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect(),
     })
+}
+
+/// The names of the materials of a file, separated by commas.
+///
+/// # Errors
+/// As [`read`].
+pub fn names(path: &Path) -> Result<String, FitError> {
+    Ok(list(&read_all(path)?.1))
+}
+
+fn list(all: &[(String, Lafortune)]) -> String {
+    all.iter().map(|m| m.0.as_str()).collect::<Vec<_>>().join(", ")
+}
+
+fn fault(path: &Path, text: String) -> FitError {
+    FitError::Read { path: path.to_path_buf(), source: ReadError::Content(text) }
+}
+
+/// The bytes of a file, and its materials.
+fn read_all(path: &Path) -> Result<(Vec<u8>, Vec<(String, Lafortune)>), FitError> {
+    let size = std::fs::metadata(path).map_err(FitError::io(path))?.len();
+    if size > MAX_FILE {
+        return Err(fault(path, format!("{size} bytes; at most {MAX_FILE} are read")));
+    }
+    let bytes = std::fs::read(path).map_err(FitError::io(path))?;
+    let all = parse(&bytes).map_err(|source| FitError::Read { path: path.to_path_buf(), source })?;
+    Ok((bytes, all))
 }
 
 /// Parses the fits of a file: names and models, in the order of the file.

@@ -7,11 +7,17 @@
 //! Every part is a spiral of equal shares; a direction weighs one over the density of the whole (the
 //! balance heuristic), so the sum is a quadrature over the hemisphere that sees a peak of any width.
 //!
+//! Where a fit puts a lobe between the directions it costs nothing: so a table can be made again with directions drawn from
+//! a material's lobes as one more part of the mixture ([`Table::seen_by`]).
+//!
 //! The albedo is integrated with `FINER` times as many directions: the fit is held to it more closely than to a sample.
 
 use super::{Sample, Table, View, direction};
 use crate::FitError;
+use crate::method::FittedView;
+use crate::tracked::TrackedView;
 use rayon::prelude::*;
+use srbf_core::Material;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// A BRDF that can be evaluated.
@@ -72,6 +78,12 @@ const LEAST_SQUEEZE: f64 = 0.06;
 const SEARCH: usize = 720;
 const CLOSEST: f64 = 1e-4;
 
+/// Directions that lobes draw.
+const DRAWN: usize = 250;
+
+/// Steps of the R2 sequence: powers of the inverse of the root of `x^3 = x + 1`.
+const R2: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
+
 /// Golden angle, of spirals.
 const GOLDEN: f64 = 2.399_963_229_728_653;
 
@@ -91,6 +103,29 @@ impl Table {
         views.sort_by(|a, b| a.theta.total_cmp(&b.theta));
         Ok(Self { views })
     }
+
+    /// [`from_brdf`](Self::from_brdf) with directions drawn from the lobes of a material beside those that `density` says, other
+    /// ones in every `round`: what the lobes do that the BRDF does not is then seen.
+    ///
+    /// # Errors
+    /// As [`from_brdf`](Self::from_brdf); [`FitError::Format`] and [`FitError::Core`] for bytes that are no material.
+    pub(crate) fn seen_by(
+        brdf: &dyn Brdf,
+        thetas: &[f64],
+        density: Density,
+        bytes: &[u8],
+        round: usize,
+    ) -> Result<Self, FitError> {
+        let material = Material::from_bytes(bytes)?;
+        let mut table = Self::from_brdf(brdf, thetas, density)?;
+        table.views.par_iter_mut().try_for_each(|view| {
+            let (wo, caps) = look(brdf, view.theta);
+            let drawn = Drawn { lobes: TrackedView::new(&material, view.theta)?, count: DRAWN, round };
+            view.samples = draw(brdf, wo, &caps, density, Some(&drawn));
+            Ok::<_, FitError>(())
+        })?;
+        Ok(table)
+    }
 }
 
 /// The value with everything that is no value taken as 0.
@@ -99,6 +134,18 @@ fn value(brdf: &dyn Brdf, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
 }
 
 fn tabulate(brdf: &dyn Brdf, theta: f64, density: Density) -> View {
+    let (wo, caps) = look(brdf, theta);
+    let samples = draw(brdf, wo, &caps, density, None);
+    let finer = Density { hemisphere: FINER * density.hemisphere, cap: FINER * density.cap };
+    let mut albedo = [0.0; 3];
+    for s in &draw(brdf, wo, &caps, finer, None) {
+        (0..3).for_each(|c| albedo[c] += s.weight * s.rgb[c] * s.direction[2]);
+    }
+    View { theta, samples, albedo }
+}
+
+/// The outgoing direction of a view, and caps round its peak.
+fn look(brdf: &dyn Brdf, theta: f64) -> ([f64; 3], Caps) {
     let (sin, cos) = libm::sincos(theta);
     let wo = [-sin, 0.0, cos];
     let in_plane = |angle: f64| {
@@ -106,13 +153,7 @@ fn tabulate(brdf: &dyn Brdf, theta: f64, density: Density) -> View {
         value(brdf, d, wo).iter().sum::<f64>() * d[2]
     };
     let (peak, width) = find_peak(&in_plane, theta);
-    let samples = draw(brdf, wo, Caps::new(peak, width, cos), density);
-    let finer = Density { hemisphere: FINER * density.hemisphere, cap: FINER * density.cap };
-    let mut albedo = [0.0; 3];
-    for s in &draw(brdf, wo, Caps::new(peak, width, cos), finer) {
-        (0..3).for_each(|c| albedo[c] += s.weight * s.rgb[c] * s.direction[2]);
-    }
-    View { theta, samples, albedo }
+    (wo, Caps::new(peak, width, cos))
 }
 
 /// Caps round one axis in the plane of incidence.
@@ -169,20 +210,45 @@ impl Caps {
     }
 }
 
-/// Values at directions spread over the hemisphere and the caps.
-fn draw(brdf: &dyn Brdf, wo: [f64; 3], caps: Caps, density: Density) -> Vec<Sample> {
+/// Directions that a material's lobes draw, a part of the mixture of directions.
+struct Drawn {
+    lobes: TrackedView,
+    count: usize,
+    round: usize,
+}
+
+impl Drawn {
+    fn direction(&self, i: usize) -> Option<[f64; 3]> {
+        // The R2 sequence (Roberts 2018) beside even steps; another part of it in every round.
+        let n = (i + self.round * self.count) as f64;
+        let u = [(i as f64 + 0.5) / self.count as f64, R2[0] * n, R2[1] * n].map(|u| u.fract() as f32);
+        let d = self.lobes.0.sample_direction(u)?.to_array().map(f64::from);
+        Some([d[0], d[1].abs(), d[2]])
+    }
+
+    fn density(&self, d: &[f64; 3]) -> f64 {
+        self.count as f64 * self.lobes.pdf(*d).unwrap_or(0.0)
+    }
+}
+
+/// Values at directions spread over the hemisphere, the caps and the lobes.
+fn draw(brdf: &dyn Brdf, wo: [f64; 3], caps: &Caps, density: Density, drawn: Option<&Drawn>) -> Vec<Sample> {
     let spread = (0..density.hemisphere).map(|i| {
         let z = (i as f64 + 0.5) / density.hemisphere as f64;
         let (sp, cp) = libm::sincos(GOLDEN * i as f64);
         let r = libm::sqrt(1.0 - z * z);
         [r * cp, (r * sp).abs(), z]
     });
-    let caps = &caps;
     let capped = (0..caps.sharpness.len())
         .flat_map(|cap| (0..density.cap).map(move |i| caps.direction(cap, i, density.cap)));
-    let probability = |d: &[f64; 3]| density.hemisphere as f64 / (2.0 * PI) + caps.density(d, density.cap);
+    let by_lobes = drawn.iter().flat_map(|drawn| (0..drawn.count).filter_map(|i| drawn.direction(i)));
+    let probability = |d: &[f64; 3]| {
+        let lobes = drawn.map_or(0.0, |drawn| drawn.density(d));
+        density.hemisphere as f64 / (2.0 * PI) + caps.density(d, density.cap) + lobes
+    };
     spread
         .chain(capped)
+        .chain(by_lobes)
         .filter(|d| d[2] > 1e-4)
         .map(|d| Sample { direction: d, rgb: value(brdf, d, wo), weight: 1.0 / probability(&d) })
         .collect()

@@ -4,7 +4,7 @@ mod lobes_table;
 mod method;
 mod survey;
 
-use anyhow::Context;
+use anyhow::{Context, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use method::MethodName;
 use srbf_core::Material;
@@ -104,6 +104,12 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     }
     let file = args.file.context("a file is needed")?;
     let source = method::read(&file, args.material.as_deref())?;
+    let scattered = matches!(source.content, Content::Samples(_));
+    ensure!(
+        !(scattered && args.settings.views.is_some()),
+        "{}: --views is for what can be evaluated anywhere; these samples have views of their own",
+        file.display()
+    );
     if args.cross_validate {
         return cross_validate(&file, &source.content, args.method, &args.settings);
     }

@@ -1,6 +1,6 @@
-//! The material that the C programs work with.
+//! The materials that the C programs work with.
 
-use srbf_core::{PlaneLobe, View, encode, encoded_len};
+use srbf_core::{Grid, GridView, PlaneLobe, TiltedLobe, View, encode, encoded_len};
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
@@ -12,12 +12,61 @@ const SQUEEZED: usize = 5;
 /// A `.srbf` file of a material with lobes of every width, folds and a squeeze.
 pub fn file() -> PathBuf {
     static FILE: OnceLock<PathBuf> = OnceLock::new();
-    FILE.get_or_init(|| {
-        let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("capi.srbf");
-        std::fs::write(&path, bytes()).expect("the target folder can be written");
-        path
-    })
-    .clone()
+    FILE.get_or_init(|| write("capi.srbf", &bytes())).clone()
+}
+
+/// A `.srbf` file of a brushed metal: 4 angles, 8 azimuths over half a turn, 5 lobes of which 3 are squeezed. The surface has one
+/// squeeze matrix, written in the frame of every view.
+pub fn anisotropic_file() -> PathBuf {
+    static FILE: OnceLock<PathBuf> = OnceLock::new();
+    FILE.get_or_init(|| write("anisotropic.srbf", &anisotropic_bytes())).clone()
+}
+
+fn write(name: &str, bytes: &[u8]) -> PathBuf {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::write(&path, bytes).expect("the target folder can be written");
+    path
+}
+
+fn anisotropic_bytes() -> Vec<u8> {
+    const ALONG: f32 = 1.0;
+    const ACROSS: f32 = -1.0;
+    let (thetas, azimuths) = ([0.0, 0.5, 1.0, 1.4], 8);
+    let places = (0..1 + (thetas.len() - 1) * azimuths).map(|view| match view {
+        0 => (0.0, 0.0),
+        _ => {
+            let turn = std::f32::consts::PI * ((view - 1) % azimuths) as f32 / azimuths as f32;
+            (thetas[1 + (view - 1) / azimuths], turn)
+        }
+    });
+    let lobes_of = |theta: f32| {
+        let lobe = |k: usize| TiltedLobe {
+            tilt: [theta * (0.8 + 0.1 * k as f32), 0.0],
+            log2_sharpness: 8.0 - k as f32,
+            log2_amplitude: [0.0, 0.2, -0.4].map(|tint| tint - 1.0 - k as f32),
+        };
+        (0..5).map(lobe).collect::<Vec<_>>()
+    };
+    let views: Vec<([f32; 3], Vec<TiltedLobe>)> = places
+        .map(|(theta, azimuth)| {
+            let (s, c) = azimuth.sin_cos();
+            let (xx, yy) = (c * c * ALONG + s * s * ACROSS, s * s * ALONG + c * c * ACROSS);
+            ([xx, c * s * (ACROSS - ALONG), yy], lobes_of(theta))
+        })
+        .collect();
+    let views: Vec<GridView<'_>> = views
+        .iter()
+        .map(|(log2_squeeze, lobes)| GridView {
+            log2_squeeze: *log2_squeeze,
+            log2_diffuse: [-5.0, -4.0, -6.0],
+            lobes,
+        })
+        .collect();
+    let grid = Grid { thetas: &thetas, azimuths, turns: 2, views: &views, squeezed: 3 };
+    let mut bytes = vec![0; grid.encoded_len("made by tests")];
+    let written = grid.encode("made by tests", &mut bytes).expect("the material is valid");
+    bytes.truncate(written);
+    bytes
 }
 
 /// Its bytes.

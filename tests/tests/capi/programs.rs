@@ -2,13 +2,18 @@
 
 use crate::material;
 use srbf_tests::native::{Language, Link, compilers, library, library_with_planted_panic, run_program};
+use std::path::Path;
 
 /// Compiles a program with every compiler, linked both ways, and runs it on the test material.
 fn run_everywhere(source: &str, expected: &str) {
+    run_everywhere_on(&material::file(), source, expected);
+}
+
+fn run_everywhere_on(material: &Path, source: &str, expected: &str) {
     for compiler in compilers(Language::C) {
         for link in [Link::Static, Link::Shared] {
             let program = compiler.program(source, library(), link, &[]);
-            let output = run_program(&program, &[material::file().as_os_str()]);
+            let output = run_program(&program, &[material.as_os_str()]);
             assert!(output.contains(expected), "{compiler:?} {link:?}: {output}");
         }
     }
@@ -27,6 +32,11 @@ fn normal_use() {
 #[test]
 fn abusive_use() {
     run_everywhere("abuse.c", "abusive use: passed");
+}
+
+#[test]
+fn anisotropic_material() {
+    run_everywhere_on(&material::anisotropic_file(), "anisotropic.c", "anisotropic: passed");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! `srbf fit --method`: the ways of fitting, and those whose result is no `.srbf` file.
 
 use super::SettingArgs;
-use anyhow::bail;
+use anyhow::{anyhow, bail};
 use srbf_fit::lafortune::{self, Lafortune};
 use srbf_fit::method::{Fitted, Method};
 use srbf_fit::report::{Input, Report, ViewReport};
@@ -65,7 +65,13 @@ impl SettingArgs {
 
     /// An option that a method does not have is an error, not ignored.
     fn only(&self, has: &str, method: &str, others: &[(&str, bool)]) -> anyhow::Result<()> {
-        let ours = [("--squeezed", self.squeezed.is_some()), ("--smoothness", self.smoothness.is_some())];
+        let ours = [
+            ("--squeezed", self.squeezed.is_some()),
+            ("--smoothness", self.smoothness.is_some()),
+            ("--exchanges", self.exchanges.is_some()),
+            ("--views", self.views.is_some()),
+            ("--error", self.error.is_some()),
+        ];
         match ours.iter().chain(others).find(|o| o.1) {
             Some((name, _)) => bail!("{name}: method {method} has only {has}"),
             None => Ok(()),
@@ -143,6 +149,9 @@ fn tables(content: &Content) -> anyhow::Result<(Table, Option<Table>)> {
 pub fn read(file: &Path, material: Option<&str>) -> anyhow::Result<Source> {
     Ok(match material {
         Some(material) => lafortune::read(file, material)?,
-        None => srbf_fit::table::read(file)?,
+        None => srbf_fit::table::read(file).map_err(|error| match lafortune::names(file) {
+            Ok(names) => anyhow!("{}: --material is needed, one of {names}", file.display()),
+            Err(_) => error.into(),
+        })?,
     })
 }
