@@ -14,10 +14,10 @@
 
 use super::{Sample, Table, View, direction};
 use crate::FitError;
-use crate::method::FittedView;
+use crate::parameters::sphere_integral;
 use crate::tracked::TrackedView;
 use rayon::prelude::*;
-use srbf_core::Material;
+use srbf_core::{Domain, Lobe, MAX_LOBES, Material, Mixture, Vec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// A BRDF that can be evaluated.
@@ -78,8 +78,8 @@ const LEAST_SQUEEZE: f64 = 0.06;
 const SEARCH: usize = 720;
 const CLOSEST: f64 = 1e-4;
 
-/// Directions that lobes draw.
-const DRAWN: usize = 250;
+/// Directions that a lobe draws.
+const DRAWN: usize = 20;
 
 /// Steps of the R2 sequence: powers of the inverse of the root of `x^3 = x + 1`.
 const R2: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
@@ -120,7 +120,7 @@ impl Table {
         let mut table = Self::from_brdf(brdf, thetas, density)?;
         table.views.par_iter_mut().try_for_each(|view| {
             let (wo, caps) = look(brdf, view.theta);
-            let drawn = Drawn { lobes: TrackedView::new(&material, view.theta)?, count: DRAWN, round };
+            let drawn = Drawn::new(&material, view.theta, round)?;
             view.samples = draw(brdf, wo, &caps, density, Some(&drawn));
             Ok::<_, FitError>(())
         })?;
@@ -210,24 +210,37 @@ impl Caps {
     }
 }
 
-/// Directions that a material's lobes draw, a part of the mixture of directions.
+/// Directions that a material's lobes draw, the same number by each, a part of the mixture of directions.
 struct Drawn {
-    lobes: TrackedView,
+    lobes: Mixture<MAX_LOBES>,
     count: usize,
     round: usize,
 }
 
 impl Drawn {
+    fn new(material: &Material<'_>, theta: f64, round: usize) -> Result<Self, FitError> {
+        let view = TrackedView::new(material, theta)?.0;
+        let lobe = |k| {
+            let Lobe { gaussian, .. } = view.lobe(k)?;
+            let (integral, _) = sphere_integral(libm::log(f64::from(gaussian.sharpness)));
+            Lobe::new(gaussian.axis, gaussian.sharpness, Vec3::splat((1.0 / integral) as f32)).ok()
+        };
+        let lobes: Vec<Lobe> = (0..view.len()).filter_map(lobe).collect();
+        let (squeezed, round_lobes) = lobes.split_at(view.squeezed_len().min(lobes.len()));
+        let lobes = Mixture::new(Domain::Hemisphere, view.squeeze(), squeezed, round_lobes)?;
+        Ok(Self { count: DRAWN * lobes.len(), lobes, round })
+    }
+
     fn direction(&self, i: usize) -> Option<[f64; 3]> {
         // The R2 sequence (Roberts 2018) beside even steps; another part of it in every round.
         let n = (i + self.round * self.count) as f64;
         let u = [(i as f64 + 0.5) / self.count as f64, R2[0] * n, R2[1] * n].map(|u| u.fract() as f32);
-        let d = self.lobes.0.sample_direction(u)?.to_array().map(f64::from);
+        let d = self.lobes.sample_direction(u)?.to_array().map(f64::from);
         Some([d[0], d[1].abs(), d[2]])
     }
 
     fn density(&self, d: &[f64; 3]) -> f64 {
-        self.count as f64 * self.lobes.pdf(*d).unwrap_or(0.0)
+        self.count as f64 * f64::from(self.lobes.pdf(Vec3::from(d.map(|v| v as f32))))
     }
 }
 
@@ -285,6 +298,8 @@ fn find_peak(value: &dyn Fn(f64) -> f64, theta: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::ViewReport;
+    use srbf_core::{PlaneLobe, encode, encoded_len};
 
     struct Gloss(f64);
     impl Brdf for Gloss {
@@ -303,6 +318,42 @@ mod tests {
             for view in &table.views {
                 assert!((view.albedo[0] - 0.8).abs() < 0.02, "{s} {}: {:?}", view.theta, view.albedo);
             }
+        }
+    }
+
+    /// A material of one view that is right but for a needle between the directions of a table.
+    fn needle() -> Vec<u8> {
+        let lobe = |log2_sharpness, log2_amplitude: f32| PlaneLobe {
+            angle: 0.0,
+            log2_sharpness,
+            log2_amplitude: [log2_amplitude; 3],
+        };
+        let lobes = [lobe(17.0, 6.0), lobe(0.0, -126.0)];
+        let view = srbf_core::View { theta: 0.0, log2_squeeze: 0.0, log2_diffuse: [-1.0; 3], lobes: &lobes };
+        let mut bytes = vec![0; encoded_len(1, lobes.len(), "")];
+        let len = encode(&[view], 0, "", &mut bytes).unwrap();
+        bytes.truncate(len);
+        bytes
+    }
+
+    #[test]
+    fn a_needle_between_the_directions_is_seen_by_those_that_it_draws() {
+        struct Diffuse;
+        impl Brdf for Diffuse {
+            fn evaluate(&self, _: [f64; 3], _: [f64; 3]) -> [f64; 3] {
+                [0.5 / PI; 3]
+            }
+        }
+        let (bytes, density) = (needle(), Density::default());
+        let error = |table: Table| ViewReport::new(&bytes, &table.views[0]).unwrap().error;
+        let hidden = error(Table::from_brdf(&Diffuse, &[0.7], density).unwrap());
+        let truth = 64.0 * libm::sqrt(PI / 131_072.0 / (0.25 / PI / PI * 2.0 * PI / 3.0));
+        for round in 0..3 {
+            let table = Table::seen_by(&Diffuse, &[0.7], density, &bytes, round).unwrap();
+            let sum: f64 = table.views[0].samples.iter().map(|s| s.weight).sum();
+            assert!((sum / (2.0 * PI) - 1.0).abs() < 0.01, "{round}: {sum}");
+            let seen = error(table);
+            assert!(hidden < 1e-3 && (seen / truth - 1.0).abs() < 0.1, "{round}: {hidden} {seen} {truth}");
         }
     }
 }
