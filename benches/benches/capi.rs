@@ -6,6 +6,7 @@
 
 use srbf::{srbf_mixture, srbf_numbers_out, srbf_sample, srbf_samples_out, srbf_vectors, srbf_vectors_out};
 use srbf_core::{Domain, Lobe, Mixture, SamplesMut, Vec3};
+use std::cell::RefCell;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -95,23 +96,17 @@ fn main() {
         let column =
             |k: usize| (0..n).map(|i| ((i * (2 * k + 7) + k) % n) as f32 / n as f32).collect::<Vec<_>>();
         let (x, y, z) = (column(0), column(1), column(2));
-        let mut out: [Vec<f32>; 7] = std::array::from_fn(|_| vec![0.0; n]);
-        let [a, b, c, d, e, f, g] = out.each_mut().map(|v| v.as_mut_ptr());
+        // Both write to the same places, so that neither has the luckier ones.
+        let out: RefCell<[Vec<f32>; 7]> = RefCell::new(std::array::from_fn(|_| vec![0.0; n]));
         let stride = size_of::<f32>();
         let input = srbf_vectors { x: x.as_ptr(), y: y.as_ptr(), z: z.as_ptr(), stride };
-        let numbers = srbf_numbers_out { values: d, stride };
-        let samples = srbf_samples_out {
-            direction: srbf_vectors_out { x: a, y: b, z: c, stride },
-            pdf: numbers,
-            weight: srbf_vectors_out { x: e, y: f, z: g, stride },
-        };
-        let mut own: [Vec<f32>; 7] = std::array::from_fn(|_| vec![0.0; n]);
         let calls = (20_000 / n) as u32 + 1;
         compare(
             &format!("pdf/12/{n}"),
             calls,
-            || mixture.pdf_into(black_box([&x, &y, &z]), &mut own[0]).expect("one length"),
+            || mixture.pdf_into(black_box([&x, &y, &z]), &mut out.borrow_mut()[0]).expect("one length"),
             || {
+                let numbers = srbf_numbers_out { values: out.borrow_mut()[0].as_mut_ptr(), stride };
                 // SAFETY: the arrays are as long as said, and nothing else uses the outputs.
                 black_box(unsafe {
                     many_pdf(made.cast_const(), n, black_box(&raw const input), &raw const numbers)
@@ -122,12 +117,19 @@ fn main() {
             &format!("sample/12/{n}"),
             calls,
             || {
-                let [x_out, y_out, z_out, pdf, red, green, blue] = own.each_mut().map(Vec::as_mut_slice);
+                let mut out = out.borrow_mut();
+                let [x_out, y_out, z_out, pdf, red, green, blue] = out.each_mut().map(Vec::as_mut_slice);
                 let direction = [x_out, y_out, z_out];
                 let samples = SamplesMut { direction, pdf, weight: [red, green, blue] };
                 mixture.sample_into(black_box([&x, &y, &z]), samples).expect("one length");
             },
             || {
+                let [a, b, c, d, e, f, g] = out.borrow_mut().each_mut().map(|v| v.as_mut_ptr());
+                let samples = srbf_samples_out {
+                    direction: srbf_vectors_out { x: a, y: b, z: c, stride },
+                    pdf: srbf_numbers_out { values: d, stride },
+                    weight: srbf_vectors_out { x: e, y: f, z: g, stride },
+                };
                 // SAFETY: as above.
                 black_box(unsafe {
                     many_sample(made.cast_const(), n, black_box(&raw const input), &raw const samples)
