@@ -20,11 +20,11 @@ fn target() -> PathBuf {
 
 /// Builds the C library in the release profile, and returns the folder that holds `libsrbf.a` and `libsrbf.so`.
 ///
-/// Inside `cargo test --release` most of it is built already. Cargo lets go of its lock before tests run, and
-/// serialises the builds that several tests ask for.
+/// In a folder of its own, as a C program's build would: the features of the whole workspace differ, and the two builds would
+/// replace each other's files. Cargo serialises the builds that several tests ask for.
 pub fn library() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
-    FOLDER.get_or_init(|| build_library(&target(), "release", &["--release"]))
+    FOLDER.get_or_init(|| build_library(&target().join("c"), "release", &["--release"]))
 }
 
 /// Builds the C library with the panic that only tests have, without fits and unoptimised, which takes seconds; in a folder
