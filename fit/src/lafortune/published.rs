@@ -48,8 +48,11 @@ fn fault(path: &Path, text: String) -> FitError {
     FitError::Read { path: path.to_path_buf(), source: ReadError::Content(text) }
 }
 
+/// Names and models, in the order of a file.
+type Models = Vec<(String, Lafortune)>;
+
 /// The bytes of a file, and its materials.
-fn read_all(path: &Path) -> Result<(Vec<u8>, Vec<(String, Lafortune)>), FitError> {
+fn read_all(path: &Path) -> Result<(Vec<u8>, Models), FitError> {
     let size = std::fs::metadata(path).map_err(FitError::io(path))?.len();
     if size > MAX_FILE {
         return Err(fault(path, format!("{size} bytes; at most {MAX_FILE} are read")));
