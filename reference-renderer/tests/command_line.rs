@@ -100,7 +100,7 @@ fn options_that_do_not_fit_are_refused_by_name() {
     refused(&place, &["fit", "published.csv", "--material", "red"], &["red", "blue, grey"]);
     refused(&place, &["fit", "diffuse.csv", "--method", "thesis", "--exchanges", "3"], &["--exchanges"]);
     for (option, value) in
-        [("--lobes", "0"), ("--lobes", "65"), ("--smoothness", "NaN"), ("--starts", "0"), ("--steps", "-1")]
+        [("--lobes", "0"), ("--lobes", "65"), ("--smoothness", "NaN"), ("--starts", "0"), ("--steps", "0")]
     {
         refused(&place, &["fit", "diffuse.csv", option, value], &[option.trim_start_matches('-')]);
     }
