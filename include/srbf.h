@@ -217,13 +217,18 @@ typedef struct srbf_material_info {
      */
     size_t views;
     /**
-     * Number of lobes at every view: what a mixture must have room for.
+     * Number of lobes of a mixture: what it must have room for.
      */
     size_t lobes;
     /**
      * Number of lobes that see the squeezed direction; they come first.
      */
     size_t squeezed_lobes;
+    /**
+     * Number of stored lobes that stand for two, one on either side of the plane of incidence; they come last. A view stores
+     * `lobes - mirrored_lobes` lobes.
+     */
+    size_t mirrored_lobes;
     /**
      * The `.srbf` bytes; they live as long as the material.
      */
@@ -261,13 +266,17 @@ typedef struct srbf_view {
 } srbf_view;
 
 /**
- * A lobe as a view stores it: its axis in the plane of incidence.
+ * A lobe as a view stores it: its axis in the plane of incidence, or off it if it is a mirrored one.
  */
 typedef struct srbf_plane_lobe {
     /**
-     * Angle of the axis from the normal in radians, positive towards the mirror direction.
+     * Angle of the axis from the normal in radians, within the plane of incidence, positive towards the mirror direction.
      */
     float angle;
+    /**
+     * Angle of the axis out of the plane of incidence in radians; 0 but for a mirrored lobe.
+     */
+    float off_plane;
     /**
      * Base-2 logarithm of the sharpness.
      */

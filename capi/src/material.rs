@@ -77,10 +77,13 @@ pub(crate) unsafe fn material<'a>(material: *const srbf_material) -> Result<&'a 
 pub struct srbf_material_info {
     /// Number of views: outgoing directions at which lobes are stored.
     pub views: usize,
-    /// Number of lobes at every view: what a mixture must have room for.
+    /// Number of lobes of a mixture: what it must have room for.
     pub lobes: usize,
     /// Number of lobes that see the squeezed direction; they come first.
     pub squeezed_lobes: usize,
+    /// Number of stored lobes that stand for two, one on either side of the plane of incidence; they come last. A view stores
+    /// `lobes - mirrored_lobes` lobes.
+    pub mirrored_lobes: usize,
     /// The `.srbf` bytes; they live as long as the material.
     pub bytes: *const u8,
     /// Number of bytes.
@@ -103,12 +106,14 @@ pub struct srbf_view {
     pub log2_diffuse: [f32; 3],
 }
 
-/// A lobe as a view stores it: its axis in the plane of incidence.
+/// A lobe as a view stores it: its axis in the plane of incidence, or off it if it is a mirrored one.
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub struct srbf_plane_lobe {
-    /// Angle of the axis from the normal in radians, positive towards the mirror direction.
+    /// Angle of the axis from the normal in radians, within the plane of incidence, positive towards the mirror direction.
     pub angle: f32,
+    /// Angle of the axis out of the plane of incidence in radians; 0 but for a mirrored lobe.
+    pub off_plane: f32,
     /// Base-2 logarithm of the sharpness.
     pub log2_sharpness: f32,
     /// Base-2 logarithm of the amplitude: red, green, blue.
@@ -159,6 +164,7 @@ pub unsafe extern "C" fn srbf_material_query(
             views: material.view_count(),
             lobes: material.lobe_count(),
             squeezed_lobes: material.squeezed_count(),
+            mirrored_lobes: material.mirrored_count(),
             bytes: bytes.as_ptr(),
             byte_count: bytes.len(),
             provenance: provenance.as_ptr().cast(),
@@ -198,9 +204,9 @@ pub unsafe extern "C" fn srbf_material_view_lobe(
     guard(|| {
         // SAFETY: the header's contract.
         let (material, out) = unsafe { (&self::material(material)?.material, Out::new(lobe)?) };
-        let PlaneLobe { angle, log2_sharpness, log2_amplitude } =
+        let PlaneLobe { angle, off_plane, log2_sharpness, log2_amplitude } =
             material.view_lobe(view, index).ok_or(SRBF_STATUS_INDEX)?;
-        out.set(srbf_plane_lobe { angle, log2_sharpness, log2_amplitude });
+        out.set(srbf_plane_lobe { angle, off_plane, log2_sharpness, log2_amplitude });
         Ok(())
     })
 }

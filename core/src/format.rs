@@ -4,21 +4,23 @@
 //! ```text
 //!  0  8 bytes   magic 89 53 52 42 46 0D 0A 1A
 //!  8  u32       version, 1
-//! 12  u32       kind, 0 = isotropic with all axes in the plane of incidence; 1 = anisotropic
+//! 12  u32       kind, 0 = isotropic, symmetric about the plane of incidence; 1 = anisotropic
 //! 16  u32       length of the whole file in bytes
 //! 20  u32       views V, 1 to 1024
 //! 24  u32       lobes K of every view, 1 to 64
 //! 28  u32       squeezed lobes, the first of the K
 //! 32  u32       bytes of the provenance text
-//! 36  u32 x 3   0
+//! 36  u32       mirrored lobes M, the last of the K, each of which stands for two; K + M is at most 64
+//! 40  u32 x 2   0
 //! 48  V f32     angles of the outgoing directions from the normal, radians, the first 0, rising, at most pi / 2
 //!     V heads, each 4 f32:
 //!       log2 of the squeeze c, 0 in the first
 //!       log2 of the diffuse albedo, red, green, blue
-//!     V views, each 5 K f32:
+//!     V views, each 5 K + M f32:
 //!       K angles of the axes from the normal, radians, positive towards the mirror direction, 0 in the first view
 //!       K log2 of the sharpness
 //!       K log2 of the red amplitude, K of the green, K of the blue
+//!       M angles of the axes out of the plane of incidence, radians, 0 in the first view
 //!     provenance, UTF-8
 //!     u32       CRC-32 of everything before
 //! ```
@@ -35,15 +37,22 @@ pub const FORMAT_VERSION: u32 = 1;
 const MAGIC: [u8; 8] = [0x89, b'S', b'R', b'B', b'F', b'\r', b'\n', 0x1a];
 pub(crate) const HEADER: usize = 48;
 const CHECKSUM: usize = 4;
+/// Byte offset of the number of mirrored lobes.
+const MIRRORED: usize = 36;
 /// Numbers in the head of a view: squeeze, diffuse albedo in three channels.
 pub(crate) const HEAD: usize = 4;
 const MAX_VIEWS: usize = 1024;
 
-/// One lobe at one view, as it is stored: its axis in the plane of incidence.
+/// One lobe of an isotropic material at one view, as it is stored: its axis in the plane of incidence, or, if it is a mirrored one,
+/// off it and standing for a second one on the other side.
+///
+/// The axis is `(sin angle cos off_plane, sin off_plane, cos angle cos off_plane)` in the frame of the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneLobe {
-    /// Angle of the axis from the normal, radians, positive towards the mirror direction; [-pi, pi].
+    /// Angle of the axis from the normal, within the plane of incidence, radians, positive towards the mirror direction; [-pi, pi].
     pub angle: f32,
+    /// Angle of the axis out of the plane of incidence, radians; [-pi/2, pi/2] for a mirrored lobe, 0 for any other.
+    pub off_plane: f32,
     /// Base-2 logarithm of the sharpness; [-100, 26.5].
     pub log2_sharpness: f32,
     /// Base-2 logarithm of the amplitude per channel; [-126, 60].
@@ -59,7 +68,7 @@ pub struct View<'a> {
     pub log2_squeeze: f32,
     /// Base-2 logarithm of the albedo of the diffuse term, per channel; [-126, 2], -126 for none.
     pub log2_diffuse: [f32; 3],
-    /// The lobes, squeezed ones first; the same number, in the same order, at every view.
+    /// The lobes, squeezed ones first, mirrored ones last; the same number, in the same order, at every view.
     pub lobes: &'a [PlaneLobe],
 }
 
@@ -70,6 +79,8 @@ pub(crate) struct Header {
     pub views: usize,
     pub lobes: usize,
     pub squeezed: usize,
+    /// Lobes that stand for two, the last ones; 0 in an anisotropic material.
+    pub mirrored: usize,
     pub provenance: usize,
 }
 
@@ -93,10 +104,10 @@ impl Header {
     pub const fn head(&self, view: usize) -> usize {
         HEADER + 4 * (self.views + HEAD * view)
     }
-    /// Byte offset of a row of K numbers of a view: axes, sharpness, red, green, blue.
+    /// Byte offset of a row of K numbers of a view: axes, sharpness, red, green, blue; and of the M angles out of the plane.
     #[inline(always)]
     pub const fn row(&self, view: usize, row: usize) -> usize {
-        HEADER + 4 * ((1 + HEAD) * self.views + (5 * view + row) * self.lobes)
+        HEADER + 4 * ((1 + HEAD) * self.views + (5 * view + row) * self.lobes + view * self.mirrored)
     }
     const fn len(&self) -> usize {
         let end = match self.kind {
@@ -107,9 +118,9 @@ impl Header {
     }
 }
 
-/// Bytes that [`encode`] writes.
-pub const fn encoded_len(views: usize, lobes: usize, provenance: &str) -> usize {
-    Header { kind: Kind::Line, views, lobes, squeezed: 0, provenance: provenance.len() }.len()
+/// Bytes that [`encode`] writes, for so many views of so many lobes, the last `mirrored` of which stand for two.
+pub const fn encoded_len(views: usize, lobes: usize, mirrored: usize, provenance: &str) -> usize {
+    Header { kind: Kind::Line, views, lobes, squeezed: 0, mirrored, provenance: provenance.len() }.len()
 }
 
 #[inline(always)]
@@ -124,25 +135,44 @@ pub(crate) fn f32_at(bytes: &[u8], offset: usize) -> f32 {
 
 /// Writes a material as `.srbf` bytes and checks them as a reader would.
 ///
-/// Shapes: `out` [[`encoded_len`]], overwritten. Returns: the bytes written.
+/// Of the lobes of every view the first `squeezed` see the squeezed direction, and each of the last `mirrored` stands for two, one
+/// on either side of the plane of incidence; none is both. Shapes: `out` [[`encoded_len`]], overwritten. Returns: the bytes written.
 ///
 /// # Errors
 /// [`FormatError::Buffer`] if `out` is too small; [`FormatError::Field`] for a value that has no place in a material.
 pub fn encode(
     views: &[View<'_>],
     squeezed: usize,
+    mirrored: usize,
     provenance: &str,
     out: &mut [u8],
 ) -> Result<usize, FormatError> {
     let lobes = views.first().map_or(0, |v| v.lobes.len());
-    let needed = encoded_len(views.len(), lobes, provenance);
+    if mirrored > lobes {
+        return Err(FormatError::Field { name: "number of mirrored lobes", offset: MIRRORED });
+    }
+    let needed = encoded_len(views.len(), lobes, mirrored, provenance);
     if out.len() < needed {
         return Err(FormatError::Buffer { needed, available: out.len() });
     }
-    let mut writer = Writer::new(out, 0, [views.len(), lobes, squeezed, provenance.len(), 0, 0, 0], needed);
-    if let Some(v) = views.iter().position(|view| view.lobes.len() != lobes) {
-        let header = Header { kind: Kind::Line, views: views.len(), lobes, squeezed, provenance: 0 };
-        return Err(FormatError::Field { name: "number of lobes of a view", offset: header.row(v, 0) });
+    let header = Header {
+        kind: Kind::Line,
+        views: views.len(),
+        lobes,
+        squeezed,
+        mirrored,
+        provenance: provenance.len(),
+    };
+    let counts = [views.len(), lobes, squeezed, provenance.len(), mirrored, 0, 0];
+    let mut writer = Writer::new(out, 0, counts, needed);
+    for (v, view) in views.iter().enumerate() {
+        let field = |name, row| Err(FormatError::Field { name, offset: header.row(v, row) });
+        if view.lobes.len() != lobes {
+            return field("number of lobes of a view", 0);
+        }
+        if view.lobes[..lobes - mirrored].iter().any(|l| l.off_plane != 0.0) {
+            return field("angle out of the plane of incidence", 5);
+        }
     }
     views.iter().for_each(|view| writer.number(view.theta));
     for view in views {
@@ -155,6 +185,7 @@ pub fn encode(
         for channel in 0..3 {
             view.lobes.iter().for_each(|l| writer.number(l.log2_amplitude[channel]));
         }
+        view.lobes[lobes - mirrored..].iter().for_each(|l| writer.number(l.off_plane));
     }
     writer.finish(provenance)
 }
@@ -221,21 +252,27 @@ pub(crate) fn validate(bytes: &[u8]) -> Result<Header, FormatError> {
         views: count(20),
         lobes: count(24),
         squeezed: count(28),
+        mirrored: 0,
         provenance: count(32),
     };
     if !(1..=MAX_VIEWS).contains(&header.views) {
         return field("number of views", 20);
     }
-    let mut reserved = 36;
+    let mut reserved = 40;
     if count(12) == 1 {
         (header.kind, header.views) = grid::read_shape(bytes)?;
         reserved = 44;
+    } else {
+        header.mirrored = count(MIRRORED);
     }
     if !(1..=crate::MAX_LOBES).contains(&header.lobes) {
         return field("number of lobes", 24);
     }
     if header.squeezed > header.lobes {
         return field("number of squeezed lobes", 28);
+    }
+    if header.mirrored > header.lobes - header.squeezed || header.lobes + header.mirrored > crate::MAX_LOBES {
+        return field("number of mirrored lobes", MIRRORED);
     }
     // The counts are small by now, and the text is no longer than the file: the sum cannot overflow.
     if header.provenance > bytes.len() || header.len() != bytes.len() {
@@ -300,6 +337,10 @@ fn validate_views(bytes: &[u8], header: &Header) -> Result<(), FormatError> {
             for channel in 2..5 {
                 check("amplitude", header.row(view, channel) + 4 * lobe, -126.0, 60.0)?;
             }
+        }
+        for lobe in 0..header.mirrored {
+            let offset = header.row(view, 5) + 4 * lobe;
+            check("angle out of the plane of incidence", offset, limit(-FRAC_PI_2), limit(FRAC_PI_2))?;
         }
     }
     Ok(())

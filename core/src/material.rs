@@ -36,14 +36,25 @@ impl<'a> Material<'a> {
         self.header.views
     }
 
-    /// Number of lobes at every view.
+    /// Number of lobes of a mixture that it makes: what the storage must have room for.
     pub fn lobe_count(&self) -> usize {
+        self.header.lobes + self.header.mirrored
+    }
+
+    /// Number of lobes that are stored at every view: fewer than [`lobe_count`](Self::lobe_count) if some stand for two.
+    pub fn view_lobe_count(&self) -> usize {
         self.header.lobes
     }
 
     /// Number of lobes that see the squeezed direction; they come first.
     pub fn squeezed_count(&self) -> usize {
         self.header.squeezed
+    }
+
+    /// Number of lobes that stand for two, one on either side of the plane of incidence; they come last. 0 in an anisotropic
+    /// material.
+    pub fn mirrored_count(&self) -> usize {
+        self.header.mirrored
     }
 
     /// Where the material comes from, as its maker wrote it.
@@ -104,8 +115,14 @@ impl<'a> Material<'a> {
     pub fn view_lobe(&self, view: usize, lobe: usize) -> Option<PlaneLobe> {
         let number = |row| f32_at(self.bytes, self.header.row(view, row) + 4 * lobe);
         let is_there = self.is_isotropic() && view < self.header.views && lobe < self.header.lobes;
+        let in_plane = self.header.lobes - self.header.mirrored;
         is_there.then(|| PlaneLobe {
             angle: number(0),
+            off_plane: if lobe < in_plane {
+                0.0
+            } else {
+                f32_at(self.bytes, self.header.row(view, 5) + 4 * (lobe - in_plane))
+            },
             log2_sharpness: number(1),
             log2_amplitude: [2, 3, 4].map(number),
         })
@@ -128,7 +145,8 @@ impl<'a> Material<'a> {
     /// the mixture is empty. The mixture takes and gives directions in the same shading frame.
     ///
     /// # Errors
-    /// [`Error::Capacity`] if the storage has room for fewer lobes than the material has; [`Error::Direction`] if `wo`
+    /// [`Error::Capacity`] if the storage has room for fewer lobes than
+    /// [`lobe_count`](Self::lobe_count); [`Error::Direction`] if `wo`
     /// is not a finite unit vector. The mixture is empty then.
     #[inline]
     pub fn prepare<const N: usize>(&self, wo: Vec3, mixture: &mut Mixture<N>) -> Result<(), Error> {

@@ -51,7 +51,7 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
         return anisotropic::prepare::<L, N>(material, shape, wo, leave_out, mixture);
     }
     mixture.begin(Domain::Hemisphere, Squeeze::NONE);
-    let count = material.header.lobes;
+    let count = material.lobe_count();
     if count > N {
         return Err(Error::Capacity { needed: count, available: N });
     }
@@ -148,15 +148,17 @@ fn lobes<L: Lanes, const N: usize>(
 ) {
     let header = &material.header;
     let count = header.lobes;
+    let total = count + header.mirrored;
     // The last vector of the last row reaches past the view, and at the last view past the file.
-    let reach = 4 * (4 * count + count.next_multiple_of(L::COUNT));
+    let reach = 4 * (4 * count + total.next_multiple_of(L::COUNT));
     let (copy_a, copy_b);
     let a = from_offset!(material.bytes, header.row(place.before, 0), reach, copy_a);
     let b = from_offset!(material.bytes, header.row(place.after, 0), reach, copy_b);
     let (a, b) = (&a[..reach], &b[..reach]);
     let zero = L::splat(0.0);
     let mut k = 0;
-    while k < count && k + L::COUNT <= N {
+    while k < total && k + L::COUNT <= N {
+        // Beyond the stored lobes there is room for the images of mirrored ones, or nothing.
         let valid = L::iota().lt(L::splat((count - k) as f32));
         let angle = L::select(valid, place.between(a, b, k), zero);
         let log_sharpness = L::select(valid, place.between(a, b, count + k), zero);
@@ -173,7 +175,45 @@ fn lobes<L: Lanes, const N: usize>(
         L::select(valid, exp2(log_blue), zero).store(&mut mixture.blue[k..]);
         k += L::COUNT;
     }
-    mixture.finish::<L>(count, header.squeezed, leave_out);
+    if header.mirrored > 0 {
+        mirror::<L, N>(material, place, mixture);
+    }
+    mixture.finish::<L>(total, header.squeezed, leave_out);
+}
+
+/// Takes the mirrored lobes, the last of the stored ones, off the plane of incidence, and puts their images behind them.
+#[inline(always)]
+fn mirror<L: Lanes, const N: usize>(material: &Material<'_>, place: Place, mixture: &mut Mixture<N>) {
+    let header = &material.header;
+    let (count, mirrored) = (header.lobes, header.mirrored);
+    let reach = 4 * mirrored.next_multiple_of(L::COUNT);
+    let (copy_a, copy_b);
+    let a = from_offset!(material.bytes, header.row(place.before, 5), reach, copy_a);
+    let b = from_offset!(material.bytes, header.row(place.after, 5), reach, copy_b);
+    let (mut sin, mut cos) = ([0.0; MAX_LOBES], [0.0; MAX_LOBES]);
+    let mut i = 0;
+    while i < mirrored && i + L::COUNT <= MAX_LOBES {
+        let (s, c) = sin_cos(place.between::<L>(a, b, i));
+        s.store(&mut sin[i..]);
+        c.store(&mut cos[i..]);
+        i += L::COUNT;
+    }
+    mixture.in_plane = false;
+    let mut i = 0;
+    while i < mirrored && count + i < N {
+        let (k, image) = (count - mirrored + i, count + i);
+        mixture.axis_x[k] *= cos[i];
+        mixture.axis_y[k] = sin[i];
+        mixture.axis_z[k] *= cos[i];
+        mixture.axis_x[image] = mixture.axis_x[k];
+        mixture.axis_y[image] = -sin[i];
+        mixture.axis_z[image] = mixture.axis_z[k];
+        mixture.sharpness[image] = mixture.sharpness[k];
+        mixture.red[image] = mixture.red[k];
+        mixture.green[image] = mixture.green[k];
+        mixture.blue[image] = mixture.blue[k];
+        i += 1;
+    }
 }
 
 /// Room for a view of the most lobes, and a vector more.

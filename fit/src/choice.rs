@@ -21,8 +21,7 @@ pub(crate) fn fewest_lobes(
     let rounds = 2.0 * (1.0 + libm::log2(most as f64));
     let mut done = 0.0;
     let mut with = |lobes: usize| {
-        let squeezed = settings.squeezed.map(|s| s.min(lobes));
-        let found = fit(&Settings { lobes, squeezed, error: None, ..settings.clone() })?;
+        let found = fit(&Settings { error: None, ..settings.with_lobes(lobes) })?;
         done += 1.0;
         progress((done / rounds).min(1.0));
         let reached = found.report.mean_error().max(mean_error(&found.report.held_out));

@@ -38,9 +38,9 @@ pub(crate) fn cost(lobes: &Lobes, amplitudes: &[Vec<f64>; 3], points: &[Point]) 
     vector::run(Cost { lobes, amplitudes, points })
 }
 
-/// All sums. `squeezed`: lobes that have a derivative by the squeeze.
-pub(crate) fn sums(lobes: &Lobes, amplitudes: &[Vec<f64>; 3], points: &[Point], squeezed: usize) -> Sums {
-    vector::run(AllSums { lobes, amplitudes, points, squeezed })
+/// All sums.
+pub(crate) fn sums(lobes: &Lobes, amplitudes: &[Vec<f64>; 3], points: &[Point]) -> Sums {
+    vector::run(AllSums { lobes, amplitudes, points })
 }
 
 struct Cost<'a> {
@@ -80,7 +80,6 @@ struct AllSums<'a> {
     lobes: &'a Lobes,
     amplitudes: &'a [Vec<f64>; 3],
     points: &'a [Point],
-    squeezed: usize,
 }
 
 impl NullaryFnOnce for AllSums<'_> {
@@ -89,7 +88,7 @@ impl NullaryFnOnce for AllSums<'_> {
     #[inline(always)]
     fn call(self) -> Sums {
         let k = self.lobes.len();
-        let width = 3 * k + self.squeezed + 1;
+        let width = self.lobes.slopes_len();
         let mut gram = vec![0.0; width * width];
         let mut moment = [vec![0.0; width], vec![0.0; width], vec![0.0; width]];
         let mut cost = 0.0;

@@ -25,9 +25,10 @@ const CAUTION: f64 = 0.7;
 /// A family of lobes: one for every view.
 #[derive(Clone, Copy, Debug)]
 enum Family {
-    /// The same sharpness at all views, and an axis in proportion to the angle of the view.
-    Alone { ln_sharpness: f64, lean: f64 },
-    /// What a lobe is at every view, but for a factor of the sharpness, and moved along the plane by a share of its width.
+    /// The same sharpness at all views, and an axis in proportion to the angle of the view; so far off the plane if mirrored.
+    Alone { ln_sharpness: f64, lean: f64, off_plane: f64 },
+    /// What a lobe is at every view, but for a factor of the sharpness, and moved by a share of its width: along the plane, or off
+    /// it if mirrored.
     Beside { lobe: usize, ln_sharper: f64, widths: f64 },
 }
 
@@ -90,21 +91,33 @@ impl Family {
         let lean = 1.05 - spread * 2.0 * random.next();
         let lobe = ((random.next() * lobes as f64) as usize).min(lobes - 1);
         let (ln_sharper, widths) = (4.0 * random.next() - 2.0, 3.0 * random.next() - 1.5);
-        if is_beside { Self::Beside { lobe, ln_sharper, widths } } else { Self::Alone { ln_sharpness, lean } }
+        let off_plane = random.next();
+        if is_beside {
+            Self::Beside { lobe, ln_sharper, widths }
+        } else {
+            Self::Alone { ln_sharpness, lean, off_plane }
+        }
     }
 
     /// The unknowns of a view with the family in a slot, amplitudes as they were.
     fn shape(&self, objective: &Objective, slot: usize, theta: f64, q: &mut [f64]) {
         let layout = &objective.layout;
-        let (angle, ln_sharpness) = match *self {
-            Self::Alone { ln_sharpness, lean } => (lean * theta, ln_sharpness),
+        let mirrored = slot.checked_sub(layout.first_mirrored());
+        let (angle, off_plane, ln_sharpness) = match *self {
+            Self::Alone { ln_sharpness, lean, off_plane } => (lean * theta, off_plane * theta, ln_sharpness),
             Self::Beside { lobe, ln_sharper, widths } => {
                 let ln_sharpness = q[layout.sharpness(lobe)];
-                (q[layout.angle(lobe)] + widths * libm::exp(-0.5 * ln_sharpness), ln_sharpness + ln_sharper)
+                let moved = widths * libm::exp(-0.5 * ln_sharpness);
+                let along = if mirrored.is_some() { 0.0 } else { moved };
+                (q[layout.angle(lobe)] + along, moved.abs(), ln_sharpness + ln_sharper)
             }
         };
         // At the normal every axis is the normal.
-        q[layout.angle(slot)] = if theta == 0.0 { 0.0 } else { angle };
+        let is_free = f64::from(u8::from(theta != 0.0));
+        q[layout.angle(slot)] = is_free * angle;
+        if let Some(m) = mirrored {
+            q[layout.off_plane(m)] = is_free * off_plane;
+        }
         q[layout.sharpness(slot)] = ln_sharpness;
     }
 }
@@ -234,7 +247,7 @@ mod tests {
     /// Two lobes lie on one of two peaks: no step downhill parts them.
     #[test]
     fn of_two_lobes_on_one_peak_one_is_put_on_the_other() {
-        let layout = Layout { lobes: 2, squeezed: 2, knots: vec![0.0, 0.5, 1.0] };
+        let layout = Layout { lobes: 2, squeezed: 2, mirrored: 0, knots: vec![0.0, 0.5, 1.0] };
         let peak = |d: [f64; 3], angle: f64| {
             let axis = direction(angle, 0.0);
             libm::exp(60.0 * ((0..3).map(|k| d[k] * axis[k]).sum::<f64>() - 1.0)) / d[2]

@@ -3,7 +3,7 @@
 //! Every start is a family of lobes that is sensible at every view at once, so that lobe k of one view already is lobe k
 //! of the next: sharpness in a geometric series, the same at all views; narrow lobes point to the mirror direction, wide
 //! ones to the normal (`angle = theta s / (s + s0)`); the squeeze is the cosine of the view. The amplitudes are the
-//! best non-negative ones, view by view. Starts differ in the range of the series, in `s0`, and by a jitter.
+//! best non-negative ones, view by view. Mirrored lobes are wide, and as far off the plane of incidence as within it. Starts differ in the range of the series, in `s0`, and by a jitter.
 
 use crate::model::Lobes;
 use crate::parameters::Layout;
@@ -17,6 +17,9 @@ const LEAST_SQUEEZE: f64 = 0.08;
 /// Share of a view's largest amplitude over sharpness that a lobe gets which the best amplitudes leave out: enough for the
 /// solver to feel it.
 const FAINT: f64 = 2e-3;
+
+/// Sharpness of the widest and the narrowest mirrored lobe.
+const MIRRORED: (f64, f64) = (4.0, 16.0);
 
 /// Largest albedo of a start.
 const BRIGHTEST: f64 = 0.9;
@@ -40,11 +43,14 @@ pub(crate) fn start(table: &Table, layout: &Layout, n: usize) -> Vec<f64> {
     };
     let sharpness: Vec<f64> = (0..layout.lobes)
         .map(|k| {
+            let in_plane = layout.first_mirrored();
             let s = if k < layout.squeezed {
                 series(bottom, top, k, layout.squeezed)
-            } else {
+            } else if k < in_plane {
                 // The widest is the last, which may be the defensive lobe.
-                series(1.2, round_top, layout.lobes - 1 - k, layout.lobes - layout.squeezed)
+                series(1.2, round_top, in_plane - 1 - k, in_plane - layout.squeezed)
+            } else {
+                series(MIRRORED.0, MIRRORED.1, k - in_plane, layout.mirrored)
             };
             s * libm::exp(vary(0.7))
         })
@@ -85,6 +91,9 @@ fn shape(layout: &Layout, theta: f64, sharpness: &[f64], lean: &[f64], q: &mut [
     for k in 0..layout.lobes {
         q[layout.angle(k)] = theta * lean[k];
         q[layout.sharpness(k)] = libm::log(sharpness[k]);
+    }
+    for m in 0..layout.mirrored {
+        q[layout.off_plane(m)] = theta * lean[layout.first_mirrored() + m].abs();
     }
 }
 
@@ -142,7 +151,7 @@ mod tests {
 
     #[test]
     fn amplitudes_of_lobes_that_made_the_table_are_found_again() {
-        let layout = Layout { lobes: 3, squeezed: 1, knots: vec![0.0, 1.0] };
+        let layout = Layout { lobes: 3, squeezed: 1, mirrored: 0, knots: vec![0.0, 1.0] };
         let mut q = vec![0.0; layout.stride()];
         shape(&layout, 0.6, &[40.0, 5.0, 1.5], &[1.0, 0.5, 0.0], &mut q);
         let lobes = Lobes::new(&layout, &q);

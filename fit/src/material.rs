@@ -44,6 +44,9 @@ pub(crate) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec
             let log2 = |v: f64| (v * LOG2_E) as f32;
             let lobes = (0..layout.lobes).map(|k| PlaneLobe {
                 angle: q[layout.angle(k)] as f32,
+                off_plane: k
+                    .checked_sub(layout.first_mirrored())
+                    .map_or(0.0, |m| q[layout.off_plane(m)] as f32),
                 log2_sharpness: log2(q[layout.sharpness(k)]),
                 log2_amplitude: [0, 1, 2].map(|c| log2(q[layout.amplitude(c, k)])),
             });
@@ -61,7 +64,7 @@ pub(crate) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec
             lobes,
         })
         .collect();
-    let mut bytes = vec![0; encoded_len(views.len(), layout.lobes, provenance)];
-    encode_bytes(&views, layout.squeezed, provenance, &mut bytes)?;
+    let mut bytes = vec![0; encoded_len(views.len(), layout.lobes, layout.mirrored, provenance)];
+    encode_bytes(&views, layout.squeezed, layout.mirrored, provenance, &mut bytes)?;
     Ok(bytes)
 }

@@ -297,11 +297,11 @@ impl Objective {
         let lobes = Lobes::new(layout, &q);
         let amplitude = amplitudes(layout, &q);
 
-        let data_term::Sums { cost, gram, moment } =
-            data_term::sums(&lobes, &amplitude, &view.points, layout.squeezed);
+        let data_term::Sums { cost, gram, moment } = data_term::sums(&lobes, &amplitude, &view.points);
 
         // From derivatives of unit lobes to derivatives by the unknowns.
-        let width = 3 * k + layout.squeezed + 1;
+        let width = lobes.slopes_len();
+        let off_plane = 3 * k + layout.squeezed;
         let mut block = Block {
             place: view.place,
             scale: vec![0.0; p],
@@ -309,9 +309,14 @@ impl Objective {
             gradient: vec![0.0; p],
             matrix: vec![0.0; p * p],
         };
-        let lobe_of = |i: usize| if i == width - 1 { k } else { i % k };
+        let lobe_of = |i: usize| match i {
+            _ if i == width - 1 => k,
+            _ if i >= off_plane => layout.first_mirrored() + i - off_plane,
+            _ => i % k,
+        };
         let target = |i: usize, channel: usize| match i / k {
             _ if i == width - 1 => layout.diffuse(channel),
+            _ if i >= off_plane => layout.off_plane(i - off_plane),
             0 => layout.angle(lobe_of(i)),
             1 => layout.sharpness(lobe_of(i)),
             2 => layout.amplitude(channel, lobe_of(i)),
@@ -348,11 +353,9 @@ impl Objective {
         let mut row = Vec::with_capacity(2 * layout.lobes);
         for k in 0..layout.lobes {
             let (integral, slope) = sphere_integral(q[layout.sharpness(k)]);
-            row.push((layout.sharpness(k), by_albedo * libm::exp(q[layout.amplitude(channel, k)]) * slope));
-            row.push((
-                layout.amplitude(channel, k),
-                by_albedo * libm::exp(q[layout.amplitude(channel, k)]) * integral,
-            ));
+            let amplitude = by_albedo * layout.copies(k) * libm::exp(q[layout.amplitude(channel, k)]);
+            row.push((layout.sharpness(k), amplitude * slope));
+            row.push((layout.amplitude(channel, k), amplitude * integral));
         }
         row.push((layout.diffuse(channel), by_albedo * libm::exp(q[layout.diffuse(channel)])));
         block.cost += residual * residual;
@@ -385,8 +388,7 @@ impl Objective {
         let per_interval: Vec<f64> = knots.windows(2).map(|w| mean / (w[1] - w[0])).collect();
         for index in 0..p {
             let weight = libm::sqrt(smoothness / ((last as f64) * p as f64)) / layout.unit(index);
-            let angle = (1..=layout.lobes).contains(&index);
-            if !angle {
+            if !layout.angles().contains(&index) {
                 let d = 2.0 * weight * per_interval[0];
                 each(&[(index, -d), (p + index, d)]);
             }
@@ -431,7 +433,7 @@ mod tests {
             views.push((theta, scattered));
         }
         let table = Table::from_scattered(views).unwrap();
-        let layout = Layout { lobes: 3, squeezed: 2, knots: vec![0.0, 0.5, 1.0, 1.5] };
+        let layout = Layout { lobes: 4, squeezed: 2, mirrored: 1, knots: vec![0.0, 0.5, 1.0, 1.5] };
         let mut x: Vec<f64> = (0..layout.len()).map(|_| 2.0 * random.next() - 0.7).collect();
         x.chunks_mut(layout.stride()).for_each(|knot| knot[0] = -0.4);
         (Objective::new(&table, layout).unwrap(), x)
@@ -470,9 +472,9 @@ mod tests {
             view.albedo = layout.albedo(&q);
             let (lobes, a) = (Lobes::new(&layout, &q), amplitudes(&layout, &q));
             for point in &mut view.points {
-                let mut unit = [0.0; 4];
+                let mut unit = [0.0; 5];
                 lobes.values(&point.direction, &mut unit);
-                point.target = [0, 1, 2].map(|c| (0..4).map(|k| a[c][k] * unit[k]).sum());
+                point.target = [0, 1, 2].map(|c| (0..5).map(|k| a[c][k] * unit[k]).sum());
             }
         }
         let none = Weights { smoothness: 0.0, energy: 1.0 };

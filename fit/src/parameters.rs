@@ -1,7 +1,7 @@
 //! The unknowns of a fit: lobes at the knots, and what lies between.
 //!
-//! A knot has `4 + 5 K` unknowns: `ln c`, K angles of the axes in radians, K `ln sharpness`, K `ln amplitude` per channel,
-//! and per channel the logarithm of the albedo of the diffuse term. Lobe k of one knot is lobe k of the next; between knots
+//! A knot has `4 + 5 K + M` unknowns: `ln c`, K angles of the axes in radians, M angles of the axes of mirrored lobes out of the
+//! plane of incidence, K `ln sharpness`, K `ln amplitude` per channel, and per channel the logarithm of the albedo of the diffuse term. Lobe k of one knot is lobe k of the next; between knots
 //! everything is interpolated linearly in the angle of the outgoing direction, as `srbf_core` does it with the same numbers
 //! as base-2 logarithms.
 
@@ -10,16 +10,19 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// How many lobes there are, and where the knots lie.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Layout {
-    /// Lobes, K.
+    /// Lobes, K, mirrored ones counted once.
     pub lobes: usize,
     /// Lobes that see the squeezed direction; they come first.
     pub squeezed: usize,
+    /// Lobes that stand for two, M, one on either side of the plane of incidence; they come last.
+    pub mirrored: usize,
     /// Angles of the knots in radians, from 0 rising to at most pi / 2.
     pub knots: Vec<f64>,
 }
 
 /// Bounds of the unknowns of a kind: what a material can store, and no wider than fits need.
 const ANGLE: (f64, f64) = (-1.8, 2.2);
+const OFF_PLANE: (f64, f64) = (0.0, 1.55);
 const LN_SQUEEZE: (f64, f64) = (-4.5, 0.5);
 const LN_SHARPNESS: (f64, f64) = (-3.0, 14.0);
 const LN_AMPLITUDE: (f64, f64) = (-40.0, 30.0);
@@ -32,7 +35,7 @@ pub(crate) const LN_SHARPNESS_DEFENSIVE: (f64, f64) = (-3.0, 1.0);
 impl Layout {
     /// Unknowns of a knot.
     pub fn stride(&self) -> usize {
-        4 + 5 * self.lobes
+        4 + 5 * self.lobes + self.mirrored
     }
     /// All unknowns.
     pub fn len(&self) -> usize {
@@ -41,26 +44,46 @@ impl Layout {
     pub fn angle(&self, k: usize) -> usize {
         1 + k
     }
+    /// The angle out of the plane of incidence of the `m`-th mirrored lobe.
+    pub fn off_plane(&self, m: usize) -> usize {
+        1 + self.lobes + m
+    }
     pub fn sharpness(&self, k: usize) -> usize {
-        1 + self.lobes + k
+        self.angles().end + k
     }
     pub fn amplitude(&self, channel: usize, k: usize) -> usize {
-        1 + (2 + channel) * self.lobes + k
+        self.angles().end + (1 + channel) * self.lobes + k
+    }
+
+    /// All angles of axes.
+    pub fn angles(&self) -> std::ops::Range<usize> {
+        1..1 + self.lobes + self.mirrored
+    }
+
+    /// The first mirrored lobe; K if there is none.
+    pub fn first_mirrored(&self) -> usize {
+        self.lobes - self.mirrored
+    }
+
+    /// Lobes of the mixture that a lobe stands for.
+    pub fn copies(&self, k: usize) -> f64 {
+        if k < self.first_mirrored() { 1.0 } else { 2.0 }
     }
 
     /// The logarithm of the albedo of a channel's diffuse term.
     pub fn diffuse(&self, channel: usize) -> usize {
-        1 + 5 * self.lobes + channel
+        self.angles().end + 4 * self.lobes + channel
     }
 
     /// Whether an unknown of a knot is given: at the normal every axis is the normal and nothing is squeezed.
     pub fn fixed(&self, knot: usize, index: usize) -> bool {
-        knot == 0 && index <= self.lobes
+        knot == 0 && index < self.angles().end
     }
 
-    /// The lobe that is kept wide, so that no direction has a small density; none if there are fewer than two round lobes.
+    /// The lobe that is kept wide, so that no direction has a small density, the last in the plane of incidence; none if there
+    /// are fewer than two round ones there.
     pub fn defensive(&self) -> Option<usize> {
-        (self.lobes >= self.squeezed + 2).then(|| self.lobes - 1)
+        (self.first_mirrored() >= self.squeezed + 2).then(|| self.first_mirrored() - 1)
     }
 
     /// Least and greatest value of an unknown.
@@ -70,7 +93,8 @@ impl Layout {
             _ if self.defensive().is_some_and(|k| index == self.angle(k)) => ANGLE_DEFENSIVE,
             _ if self.defensive().is_some_and(|k| index == self.sharpness(k)) => LN_SHARPNESS_DEFENSIVE,
             _ if index <= self.lobes => ANGLE,
-            _ if index <= 2 * self.lobes => LN_SHARPNESS,
+            _ if index < self.angles().end => OFF_PLANE,
+            _ if index < self.amplitude(0, 0) => LN_SHARPNESS,
             _ => LN_AMPLITUDE,
         }
     }
@@ -79,7 +103,7 @@ impl Layout {
     pub fn unit(&self, index: usize) -> f64 {
         match index {
             0 => 0.3,
-            _ if index <= self.lobes => 0.15,
+            _ if index < self.angles().end => 0.15,
             _ => 0.7,
         }
     }
@@ -115,7 +139,7 @@ impl Layout {
         for k in 0..self.lobes {
             let (integral, _) = sphere_integral(q[self.sharpness(k)]);
             for (c, s) in sum.iter_mut().enumerate() {
-                *s += libm::exp(q[self.amplitude(c, k)]) * integral;
+                *s += libm::exp(q[self.amplitude(c, k)]) * self.copies(k) * integral;
             }
         }
         for (c, s) in sum.iter_mut().enumerate() {
@@ -155,6 +179,7 @@ mod tests {
         let layout = Layout {
             lobes: 1,
             squeezed: 0,
+            mirrored: 0,
             knots: Layout::knots_at([0.0, 0.02, 0.5, 0.51, 1.56].into_iter(), 0.03),
         };
         assert_eq!(layout.knots, [0.0, 0.5, FRAC_PI_2]);

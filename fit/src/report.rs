@@ -148,6 +148,7 @@ impl Report {
             "bytes": material.bytes().len(),
             "lobes": material.lobe_count(),
             "squeezed": material.squeezed_count(),
+            "mirrored": material.mirrored_count(),
             "knots": material.view_count(),
         });
         if let (Some(json), serde_json::Value::Object(more)) = (json.as_object_mut(), more) {

@@ -1,6 +1,7 @@
 //! What can be chosen of a fit.
 
 use crate::FitError;
+use crate::parameters::Layout;
 use std::f64::consts::FRAC_PI_2;
 
 /// How a material is fitted.
@@ -12,6 +13,8 @@ pub struct Settings {
     pub error: Option<f64>,
     /// How many lobes see the squeezed direction: those of the highlight. `None`: what turns out best.
     pub squeezed: Option<usize>,
+    /// How many pairs of the lobes are mirrored in the plane of incidence: those of what lies beside it. `None`: what turns out best.
+    pub mirrored: Option<usize>,
     /// Weight of the roughness from view to view. Smaller fits the samples better, larger what lies between them. What can be
     /// evaluated anywhere is fitted with two fifths of it.
     pub smoothness: f64,
@@ -31,12 +34,16 @@ pub struct Settings {
     pub provenance: String,
 }
 
+/// Of twelve lobes: how many are squeezed, and how many pairs mirrored, in the shapes that are tried.
+const SHAPES: [(usize, usize); 6] = [(6, 0), (4, 3), (8, 0), (4, 1), (4, 0), (2, 4)];
+
 impl Default for Settings {
     fn default() -> Self {
         Self {
             lobes: 12,
             error: None,
             squeezed: None,
+            mirrored: None,
             smoothness: 5e-5,
             starts: 8,
             steps: 120,
@@ -61,6 +68,8 @@ impl Settings {
         let error = self.error.is_none_or(|e| e.is_finite() && e > 0.0);
         range("error", error, "a number above 0")?;
         range("squeezed", self.squeezed.is_none_or(|n| n <= self.lobes), "at most the number of lobes")?;
+        let pairs = self.mirrored.is_none_or(|n| n <= (self.lobes - self.squeezed.unwrap_or(0)) / 2);
+        range("mirrored", pairs, "at most half of the lobes that are not squeezed")?;
         range("smoothness", (1e-12..=1e3).contains(&self.smoothness), "from 1e-12 to 1000")?;
         if let Some(knots) = &self.knots {
             let rising = knots.windows(2).all(|w| w[1] - w[0] > 1e-4);
@@ -74,23 +83,37 @@ impl Settings {
         range("views", (2..=256).contains(&self.views), "from 2 to 256")
     }
 
-    /// Numbers of squeezed lobes that are tried: between a third and two thirds.
-    pub(crate) fn squeezed_counts(&self) -> Vec<usize> {
-        if let Some(squeezed) = self.squeezed {
-            return vec![squeezed];
-        }
-        let mut counts: Vec<usize> = [6, 8, 4].iter().map(|n| (n * self.lobes).div_ceil(12)).collect();
-        counts.dedup();
-        counts
+    /// The same with another number of lobes, of which no more are squeezed or mirrored than there are.
+    #[must_use]
+    pub fn with_lobes(&self, lobes: usize) -> Self {
+        let squeezed = self.squeezed.map(|s| s.min(lobes));
+        let mirrored = self.mirrored.map(|m| m.min((lobes - squeezed.unwrap_or(0)) / 2));
+        Self { lobes, squeezed, mirrored, ..self.clone() }
+    }
+
+    /// Numbers of squeezed lobes and of mirrored pairs that are tried.
+    pub(crate) fn shapes(&self) -> Vec<(usize, usize)> {
+        let share = |n: usize| (n * self.lobes).div_ceil(12);
+        let mut shapes: Vec<(usize, usize)> = SHAPES
+            .iter()
+            .map(|&(squeezed, mirrored)| {
+                let squeezed = self.squeezed.unwrap_or(share(squeezed));
+                let most = (self.lobes - squeezed) / 2;
+                (squeezed, self.mirrored.unwrap_or(mirrored * self.lobes / 12).min(most))
+            })
+            .collect();
+        shapes.dedup();
+        shapes
     }
 
     /// The last line of the provenance.
-    pub(crate) fn describe(&self, squeezed: usize) -> String {
+    pub(crate) fn describe(&self, layout: &Layout) -> String {
         format!(
-            "srbf-fit {}: {} lobes, {} squeezed, smoothness {:.2e}, {} starts, {} steps, {} exchanges\n",
+            "srbf-fit {}: {} lobes, {} squeezed, {} in mirrored pairs, smoothness {:.2e}, {} starts, {} steps, {} exchanges\n",
             env!("CARGO_PKG_VERSION"),
             self.lobes,
-            squeezed,
+            layout.squeezed,
+            2 * layout.mirrored,
             self.smoothness,
             self.starts,
             self.steps,

@@ -74,7 +74,7 @@ fn stages(settings: &Settings, energy: f64, looks: usize) -> Vec<Stage> {
         |look| Stage { look, ..stage(1, true, settings.steps.div_ceil(4), 1, 1.0, energy, 1e-3, true) };
     let mut stages = vec![
         stage(settings.starts, false, 25, 1, 100.0, 1.0, 1e-3, false),
-        stage(2, false, settings.steps / 4, 1, 10.0, 1.0, 1e-3, false),
+        stage(4, false, settings.steps / 4, 1, 10.0, 1.0, 1e-3, false),
         stage(2, false, settings.steps.div_ceil(6), 1 + settings.exchanges, 3.0, 1.0, 1e-3, false),
         stage(1, true, settings.steps, 1, 1.0, 1.0, 1e-4, false),
     ];
@@ -87,9 +87,11 @@ fn stages(settings: &Settings, energy: f64, looks: usize) -> Vec<Stage> {
 
 /// One start on its way.
 struct Candidate {
-    /// Index of its number of squeezed lobes.
-    count: usize,
+    /// Index of its numbers of squeezed and of mirrored lobes.
+    shape: usize,
     start: usize,
+    /// Whether there is a better one of its shape.
+    is_second: bool,
     cost: f64,
     x: Vec<f64>,
 }
@@ -138,15 +140,26 @@ pub(crate) fn run(
         Some(knots) => knots.clone(),
         None => Layout::knots_at(table.views.iter().map(|v| v.theta), KNOT_DISTANCE),
     };
-    let counts = settings.squeezed_counts();
-    let layout = |&squeezed: &usize| Layout { lobes: settings.lobes, squeezed, knots: knots.clone() };
+    let shapes = settings.shapes();
+    let layout = |&(squeezed, mirrored): &(usize, usize)| Layout {
+        lobes: settings.lobes - mirrored,
+        squeezed,
+        mirrored,
+        knots: knots.clone(),
+    };
     let objectives_on = |table: &Table| {
-        counts.iter().map(|n| Objective::new(table, layout(n))).collect::<Result<Vec<_>, _>>()
+        shapes.iter().map(|n| Objective::new(table, layout(n))).collect::<Result<Vec<_>, _>>()
     };
     let (thin, full) = (objectives_on(&table.thinned(SCOUTED_SAMPLES))?, objectives_on(table)?);
 
     let mut candidates: Vec<Candidate> = (0..settings.starts)
-        .map(|n| Candidate { count: n % counts.len(), start: n, cost: f64::INFINITY, x: Vec::new() })
+        .map(|n| Candidate {
+            shape: n % shapes.len(),
+            start: n,
+            is_second: false,
+            cost: f64::INFINITY,
+            x: Vec::new(),
+        })
         .collect();
     let stages = stages(settings, energy, if look_again.is_some() { LOOKS } else { 0 });
     let work = |s: &Stage| s.keep.min(settings.starts) * s.runs * s.limits.steps;
@@ -158,7 +171,7 @@ pub(crate) fn run(
         let seen;
         let objectives = match (stage.look, look_again, candidates.first()) {
             (Some(round), Some(look_again), Some(c)) => {
-                let bytes = material::encode(&full[c.count].layout, &c.x, "")?;
+                let bytes = material::encode(&full[c.shape].layout, &c.x, "")?;
                 seen = objectives_on(&look_again(&bytes, round)?)?;
                 &seen
             }
@@ -171,20 +184,30 @@ pub(crate) fn run(
             progress((done + ticks).min(total) as f64 / total as f64);
         });
         done += work(stage);
-        candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.start.cmp(&b.start)));
+        rank(&mut candidates);
     }
     let Some(best) = candidates.into_iter().next() else {
         return Err(FitError::Setting { name: "starts", reason: "at least 1".into() });
     };
-    let (layout, x) = (&full[best.count].layout, best.x);
+    let (layout, x) = (&full[best.shape].layout, best.x);
 
-    let text = format!("{}{}", settings.provenance, settings.describe(layout.squeezed));
+    let text = format!("{}{}", settings.provenance, settings.describe(layout));
     let bytes = material::encode(layout, &x, &text)?;
     let views = table.views.iter().map(|v| ViewReport::new(&bytes, v)).collect::<Result<Vec<_>, _>>()?;
     progress(1.0);
     let seconds = start.elapsed().as_secs_f64();
     let evaluations = evaluations.into_inner();
     Ok(Fit { bytes, report: Report { views, seconds, evaluations, ..Report::default() } })
+}
+
+/// Sorts by cost, the best of every shape before the second of any: a shape shows what it is good for late.
+fn rank(candidates: &mut [Candidate]) {
+    candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.start.cmp(&b.start)));
+    let seconds: Vec<bool> = (0..candidates.len())
+        .map(|i| candidates[..i].iter().any(|c| c.shape == candidates[i].shape))
+        .collect();
+    candidates.iter_mut().zip(seconds).for_each(|(candidate, is_second)| candidate.is_second = is_second);
+    candidates.sort_by_key(|c| c.is_second);
 }
 
 /// Takes all candidates through a stage, side by side; what becomes of each does not depend on the others, nor on threads.
@@ -201,7 +224,7 @@ fn advance(
         let worker = scope.spawn(move || {
             candidates.par_iter_mut().for_each_with(send, |send, candidate| {
                 // Nobody listens any more if the fit is being abandoned.
-                advance_one(table, &objectives[candidate.count], stage, candidate, || {
+                advance_one(table, &objectives[candidate.shape], stage, candidate, || {
                     evaluations.fetch_add(1, Ordering::Relaxed);
                     let _ = send.send(());
                 });

@@ -84,7 +84,7 @@ fn presets_are_fits_of_the_measurements() {
         let again = Material::from_bytes(&again).unwrap();
         assert_eq!((preset.view_count(), preset.lobe_count()), (again.view_count(), again.lobe_count()));
         for view in 0..preset.view_count() {
-            for lobe in 0..preset.lobe_count() {
+            for lobe in 0..preset.view_lobe_count() {
                 assert_eq!(preset.view_lobe(view, lobe), again.view_lobe(view, lobe), "{name} {view} {lobe}");
             }
         }

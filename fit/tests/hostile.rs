@@ -34,10 +34,15 @@ fn sound(views: Vec<(f64, Scattered)>) -> Result<f64, srbf_fit::FitError> {
     let fit = fit(&table, &settings, |share| assert!((0.0..=1.0).contains(&share)))?;
     assert!(start.elapsed().as_secs() < MOST_SECONDS, "{:?}", start.elapsed());
     let material = Material::from_bytes(&fit.bytes).unwrap();
-    for (view, lobe) in (0..material.view_count()).flat_map(|v| (0..6).map(move |k| (v, k))) {
+    for (view, lobe) in
+        (0..material.view_count()).flat_map(|v| (0..material.view_lobe_count()).map(move |k| (v, k)))
+    {
         let lobe = material.view_lobe(view, lobe).unwrap();
         let finite = lobe.log2_amplitude.iter().all(|a| a.is_finite());
-        assert!(finite && lobe.angle.is_finite() && lobe.log2_sharpness.is_finite(), "{view}: {lobe:?}");
+        assert!(
+            finite && (lobe.angle + lobe.off_plane).is_finite() && lobe.log2_sharpness.is_finite(),
+            "{view}: {lobe:?}"
+        );
     }
     let mut mixture = Mixture::<MAX_LOBES>::empty();
     for degrees in 0..=90 {

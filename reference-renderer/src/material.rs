@@ -69,11 +69,11 @@ impl StoredMaterial {
 /// Makes a grey that scatters by Lambert's law with albedo 1/2: a diffuse term, and the one lobe that a material must
 /// have as dark as it can be.
 fn matte() -> Vec<u8> {
-    let lobe = PlaneLobe { angle: 0.0, log2_sharpness: 0.0, log2_amplitude: [-126.0; 3] };
+    let lobe = PlaneLobe { angle: 0.0, off_plane: 0.0, log2_sharpness: 0.0, log2_amplitude: [-126.0; 3] };
     let view = View { theta: 0.0, log2_squeeze: 0.0, log2_diffuse: [-1.0; 3], lobes: &[lobe] };
     let provenance = "built in: Lambert's law, albedo 1/2";
-    let mut bytes = vec![0; encoded_len(1, 1, provenance)];
-    encode(&[view], 0, provenance, &mut bytes).expect("the numbers are in range");
+    let mut bytes = vec![0; encoded_len(1, 1, 0, provenance)];
+    encode(&[view], 0, 0, provenance, &mut bytes).expect("the numbers are in range");
     bytes
 }
 
@@ -91,6 +91,7 @@ pub mod tests {
                     let integral = srbf_core::special::sphere_integral(sharpness);
                     PlaneLobe {
                         angle,
+                        off_plane: 0.0,
                         log2_sharpness: sharpness.log2(),
                         log2_amplitude: rgb.map(|c| (c / integral).log2()),
                     }
@@ -112,8 +113,8 @@ pub mod tests {
                 View { theta, log2_squeeze: theta.cos().log2(), log2_diffuse, lobes }
             })
             .collect();
-        let mut bytes = vec![0; encoded_len(views.len(), 3, "test")];
-        encode(&views, 2, "test", &mut bytes).unwrap();
+        let mut bytes = vec![0; encoded_len(views.len(), 3, 0, "test")];
+        encode(&views, 2, 0, "test", &mut bytes).unwrap();
         StoredMaterial::new("lacquer", Cow::Owned(bytes)).unwrap()
     }
 

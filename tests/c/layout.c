@@ -26,10 +26,11 @@ OFFSET(srbf_view, theta, 0);
 OFFSET(srbf_view, log2_squeeze, 4);
 OFFSET(srbf_view, log2_diffuse, 8);
 
-SIZE(srbf_plane_lobe, 20);
+SIZE(srbf_plane_lobe, 24);
 OFFSET(srbf_plane_lobe, angle, 0);
-OFFSET(srbf_plane_lobe, log2_sharpness, 4);
-OFFSET(srbf_plane_lobe, log2_amplitude, 8);
+OFFSET(srbf_plane_lobe, off_plane, 4);
+OFFSET(srbf_plane_lobe, log2_sharpness, 8);
+OFFSET(srbf_plane_lobe, log2_amplitude, 12);
 
 SIZE(srbf_vectors, 4 * P);
 OFFSET(srbf_vectors, x, 0);
@@ -52,14 +53,15 @@ OFFSET(srbf_samples_out, direction, 0);
 OFFSET(srbf_samples_out, pdf, 4 * P);
 OFFSET(srbf_samples_out, weight, 6 * P);
 
-SIZE(srbf_material_info, 7 * P);
+SIZE(srbf_material_info, 8 * P);
 OFFSET(srbf_material_info, views, 0);
 OFFSET(srbf_material_info, lobes, P);
 OFFSET(srbf_material_info, squeezed_lobes, 2 * P);
-OFFSET(srbf_material_info, bytes, 3 * P);
-OFFSET(srbf_material_info, byte_count, 4 * P);
-OFFSET(srbf_material_info, provenance, 5 * P);
-OFFSET(srbf_material_info, provenance_length, 6 * P);
+OFFSET(srbf_material_info, mirrored_lobes, 3 * P);
+OFFSET(srbf_material_info, bytes, 4 * P);
+OFFSET(srbf_material_info, byte_count, 5 * P);
+OFFSET(srbf_material_info, provenance, 6 * P);
+OFFSET(srbf_material_info, provenance_length, 7 * P);
 
 SIZE(srbf_mixture_info, (3 * P + 40 + P - 1) / P * P);
 OFFSET(srbf_mixture_info, lobes, 0);

@@ -41,7 +41,7 @@ static void test_materials(const char *path) {
     for (int m = 0; m < 3; m++) {
         srbf_material_info info;
         CHECK_OK(srbf_material_query(material[m], &info));
-        CHECK(info.views == 8 && info.lobes == 12 && info.squeezed_lobes == 5);
+        CHECK(info.views == 8 && info.lobes == 12 && info.squeezed_lobes == 5 && info.mirrored_lobes == 1);
         CHECK(info.byte_count == size && memcmp(info.bytes, bytes, size) == 0);
         CHECK((info.bytes == bytes) == (m == 0));
         CHECK(info.provenance_length == 13 && memcmp(info.provenance, "made by tests", 13) == 0);
@@ -49,9 +49,10 @@ static void test_materials(const char *path) {
             srbf_view view;
             CHECK_OK(srbf_material_view(material[m], v, &view));
             CHECK(is_near(view.theta, 0.2f * (float)v) && view.log2_squeeze <= 0);
-            for (size_t k = 0; k < info.lobes; k++) {
+            for (size_t k = 0; k < info.lobes - info.mirrored_lobes; k++) {
                 srbf_plane_lobe lobe;
                 CHECK_OK(srbf_material_view_lobe(material[m], v, k, &lobe));
+                CHECK((lobe.off_plane == 0) == (v == 0 || k < 10));
                 CHECK(fabsf(lobe.angle) < 3.2f && lobe.log2_sharpness > 0 && lobe.log2_amplitude[2] < 10);
             }
         }

@@ -12,18 +12,29 @@ const CONTROL_SAMPLES: usize = 1_200_000;
 const ALPHA: f64 = 0.01;
 
 /// A material of random lobes at five views, those of a kind from view to view.
-fn material(random: &mut Random, lobes: usize, squeezed: usize) -> Vec<u8> {
+///
+/// Of `lobes` lobes the last `2 mirrored` are pairs, `squeezed` see the squeezed direction.
+fn material(random: &mut Random, lobes: usize, squeezed: usize, mirrored: usize) -> Vec<u8> {
+    let lobes = lobes - mirrored;
     let start: Vec<PlaneLobe> = (0..lobes)
         .map(|_| {
             let log2_sharpness = random.between(0.0, 12.0);
             let level = log2_sharpness - 6.0 + random.between(-2.0, 2.0);
-            PlaneLobe { angle: 0.0, log2_sharpness, log2_amplitude: [level, level - 1.0, level + 0.5] }
+            PlaneLobe {
+                angle: 0.0,
+                off_plane: 0.0,
+                log2_sharpness,
+                log2_amplitude: [level, level - 1.0, level + 0.5],
+            }
         })
         .collect();
     let views: Vec<Vec<PlaneLobe>> = (0..5)
         .map(|view| {
             let mut lobes = start.clone();
             if view > 0 {
+                for lobe in lobes.iter_mut().rev().take(mirrored) {
+                    lobe.off_plane = 0.3 * view as f32;
+                }
                 for lobe in &mut lobes {
                     lobe.angle = 0.35 * view as f32 + random.between(-0.2, 0.2);
                     lobe.log2_sharpness += random.between(-0.5, 0.5);
@@ -40,8 +51,8 @@ fn material(random: &mut Random, lobes: usize, squeezed: usize) -> Vec<u8> {
             View { theta: 0.38 * i as f32, log2_squeeze: -0.6 * i as f32, log2_diffuse, lobes }
         })
         .collect();
-    let mut bytes = vec![0; encoded_len(views.len(), lobes, "")];
-    encode(&views, squeezed, "", &mut bytes).unwrap();
+    let mut bytes = vec![0; encoded_len(views.len(), lobes, mirrored, "")];
+    encode(&views, squeezed, mirrored, "", &mut bytes).unwrap();
     bytes
 }
 
@@ -73,14 +84,17 @@ fn samples_of_mixtures_follow_their_density() {
     let mut jobs: Vec<(String, Mixture<64>)> = Vec::new();
     let mut random = Random(21);
     for count in counts {
-        // Isotropic: axes in the plane of incidence, prepared for ten outgoing directions.
-        for squeezed in [0, count.div_ceil(2)] {
-            let bytes = material(&mut random, count, squeezed);
+        // Isotropic: axes in the plane of incidence or in pairs beside it, prepared for ten outgoing directions.
+        for (squeezed, mirrored) in [(0, 0), (count.div_ceil(2), 0), (count / 3, count / 4)] {
+            let bytes = material(&mut random, count, squeezed, mirrored);
             let material = Material::from_bytes(&bytes).unwrap();
             for wo in outgoing() {
                 let mut m = Mixture::<64>::empty();
                 material.prepare(wo, &mut m).unwrap();
-                jobs.push((format!("isotropic, {count} lobes, {squeezed} squeezed, wo {wo}"), m));
+                jobs.push((
+                    format!("isotropic, {count} lobes, {squeezed} squeezed, {mirrored} pairs, wo {wo}"),
+                    m,
+                ));
             }
         }
         // Tilted: any axes, on the sphere and folded, squeezed or not.

@@ -7,11 +7,13 @@ use srbf_tests::inputs::Random;
 #[test]
 fn what_was_written_is_read_and_interpolated() {
     let mut random = Random(51);
+    // The last of the five stands for two.
     let lobes: Vec<Vec<PlaneLobe>> = (0..4)
         .map(|view| {
             (0..5)
-                .map(|_| PlaneLobe {
+                .map(|k| PlaneLobe {
                     angle: if view == 0 { 0.0 } else { random.between(-1.0, 1.5) },
+                    off_plane: if view == 0 || k < 4 { 0.0 } else { random.between(-1.4, 1.4) },
                     log2_sharpness: random.between(-3.0, 20.0),
                     log2_amplitude: [random.between(-5.0, 5.0), random.between(-5.0, 5.0), 0.5],
                 })
@@ -29,11 +31,12 @@ fn what_was_written_is_read_and_interpolated() {
         })
         .collect();
     let text = "test, made by tests/material.rs";
-    let mut bytes = vec![0; encoded_len(4, 5, text)];
-    assert_eq!(encode(&views, 2, text, &mut bytes).unwrap(), bytes.len());
+    let mut bytes = vec![0; encoded_len(4, 5, 1, text)];
+    assert_eq!(encode(&views, 2, 1, text, &mut bytes).unwrap(), bytes.len());
     let material = Material::from_bytes(&bytes).unwrap();
     assert_eq!(material.bytes(), bytes);
-    assert_eq!((material.view_count(), material.lobe_count(), material.squeezed_count()), (4, 5, 2));
+    assert_eq!((material.view_count(), material.lobe_count(), material.view_lobe_count()), (4, 6, 5));
+    assert_eq!((material.squeezed_count(), material.mirrored_count()), (2, 1));
     assert_eq!(material.provenance(), text);
     for (v, view) in views.iter().enumerate() {
         assert_eq!(material.view_theta(v), Some(view.theta));
@@ -67,14 +70,16 @@ fn what_was_written_is_read_and_interpolated() {
         for c in 0..3 {
             close(m.diffuse()[c], blend(&|v| v.log2_diffuse[c]).exp2(), "diffuse");
         }
-        for k in 0..5 {
-            let lobe = m.lobe(k).unwrap();
+        for image in 0..6 {
+            let (lobe, k) = (m.lobe(image).unwrap(), image.min(4));
             close(lobe.gaussian.sharpness, blend(&|v| v.lobes[k].log2_sharpness).exp2(), "sharpness");
             for c in 0..3 {
                 close(lobe.amplitude[c], blend(&|v| v.lobes[k].log2_amplitude[c]).exp2(), "amplitude");
             }
             let angle = blend(&|v| v.lobes[k].angle);
-            let want = glam::DVec3::new(angle.sin(), 0.0, angle.cos().abs());
+            let (across, along) = blend(&|v| v.lobes[k].off_plane).sin_cos();
+            let side = if image == 5 { -across } else { across };
+            let want = glam::DVec3::new(angle.sin() * along, side, (angle.cos() * along).abs());
             assert!((lobe.gaussian.axis.as_dvec3() - want).length() < 1e-6, "axis at {theta}");
         }
     }
@@ -82,11 +87,17 @@ fn what_was_written_is_read_and_interpolated() {
 
 /// A small material, and as many outgoing directions, some below the horizon, some no direction.
 fn small_material() -> Vec<u8> {
-    let lobe = |angle, log2_sharpness| PlaneLobe { angle, log2_sharpness, log2_amplitude: [0.0, -1.0, 1.0] };
-    let (normal, tilted) = ([lobe(0.0, 3.0), lobe(0.0, 8.0)], [lobe(0.4, 2.0), lobe(1.2, 9.0)]);
+    let lobe = |angle, off_plane, log2_sharpness| PlaneLobe {
+        angle,
+        off_plane,
+        log2_sharpness,
+        log2_amplitude: [0.0, -1.0, 1.0],
+    };
+    let normal = [lobe(0.0, 0.0, 3.0), lobe(0.0, 0.0, 8.0), lobe(0.0, 0.0, 3.0)];
+    let tilted = [lobe(0.4, 0.0, 2.0), lobe(1.2, 0.0, 9.0), lobe(0.9, 0.8, 4.0)];
     let view = |theta, log2_squeeze, lobes| View { theta, log2_squeeze, log2_diffuse: [-2.0; 3], lobes };
-    let mut bytes = vec![0; encoded_len(2, 2, "")];
-    encode(&[view(0.0, 0.0, &normal[..]), view(1.3, -2.0, &tilted[..])], 1, "", &mut bytes).unwrap();
+    let mut bytes = vec![0; encoded_len(2, 3, 1, "")];
+    encode(&[view(0.0, 0.0, &normal[..]), view(1.3, -2.0, &tilted[..])], 1, 1, "", &mut bytes).unwrap();
     bytes
 }
 

@@ -103,6 +103,7 @@ impl Grid<'_> {
             views: self.views.len(),
             lobes: self.views.first().map_or(0, |v| v.lobes.len()),
             squeezed: self.squeezed,
+            mirrored: 0,
             provenance: provenance.len(),
         }
     }

@@ -325,13 +325,14 @@ mod tests {
     fn needle() -> Vec<u8> {
         let lobe = |log2_sharpness, log2_amplitude: f32| PlaneLobe {
             angle: 0.0,
+            off_plane: 0.0,
             log2_sharpness,
             log2_amplitude: [log2_amplitude; 3],
         };
         let lobes = [lobe(17.0, 6.0), lobe(0.0, -126.0)];
         let view = srbf_core::View { theta: 0.0, log2_squeeze: 0.0, log2_diffuse: [-1.0; 3], lobes: &lobes };
-        let mut bytes = vec![0; encoded_len(1, lobes.len(), "")];
-        let len = encode(&[view], 0, "", &mut bytes).unwrap();
+        let mut bytes = vec![0; encoded_len(1, lobes.len(), 0, "")];
+        let len = encode(&[view], 0, 0, "", &mut bytes).unwrap();
         bytes.truncate(len);
         bytes
     }

@@ -62,6 +62,9 @@ pub struct SettingArgs {
     /// How many of the lobes are squeezed across the plane of incidence.
     #[arg(long)]
     squeezed: Option<usize>,
+    /// How many pairs of the lobes are mirrored in the plane of incidence.
+    #[arg(long, value_name = "PAIRS")]
+    mirrored: Option<usize>,
     /// Weight of the smoothness from view to view.
     #[arg(long)]
     smoothness: Option<f64>,
@@ -87,6 +90,7 @@ impl SettingArgs {
             lobes,
             error: self.error.map(|per_cent| per_cent / 100.0),
             squeezed: self.squeezed,
+            mirrored: self.mirrored,
             smoothness: self.smoothness.unwrap_or(default.smoothness),
             starts: self.starts.unwrap_or(default.starts),
             steps: self.steps.unwrap_or(default.steps),

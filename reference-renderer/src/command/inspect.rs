@@ -28,9 +28,10 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     println!("bytes       {}", material.bytes().len());
     println!("views       {}", material.view_count());
     println!(
-        "lobes       {} at every view, {} of them squeezed (at most {MAX_LOBES})",
+        "lobes       {}, {} of them squeezed, {} in mirrored pairs (at most {MAX_LOBES})",
         material.lobe_count(),
-        material.squeezed_count()
+        material.squeezed_count(),
+        2 * material.mirrored_count()
     );
     println!("provenance  {}", material.provenance());
     println!();
@@ -75,14 +76,15 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     }
     if args.lobes {
         println!();
-        let degrees = if isotropic { "degrees" } else { "along  across" };
+        let degrees = " along  across";
         println!("  view  lobe  {degrees}    sharpness    amplitude red  green        blue         kind");
         for view in 0..material.view_count() {
-            for k in 0..material.lobe_count() {
+            for k in 0..material.view_lobe_count() {
                 let (degrees, log2_sharpness, log2_amplitude) =
                     match (material.view_lobe(view, k), material.view_tilted_lobe(view, k)) {
                         (Some(l), _) => {
-                            (format!("{:>7.2}", l.angle.to_degrees()), l.log2_sharpness, l.log2_amplitude)
+                            let (along, across) = (l.angle.to_degrees(), l.off_plane.to_degrees());
+                            (format!("{along:>7.2} {across:>7.2}"), l.log2_sharpness, l.log2_amplitude)
                         }
                         (_, Some(l)) => {
                             let [along, across] = l.tilt.map(f32::to_degrees);
@@ -91,7 +93,11 @@ pub fn run(args: Args) -> anyhow::Result<()> {
                         (None, None) => continue,
                     };
                 let [red, green, blue] = log2_amplitude.map(f32::exp2);
-                let kind = if k < material.squeezed_count() { "squeezed" } else { "round" };
+                let kind = match k {
+                    _ if k < material.squeezed_count() => "squeezed",
+                    _ if k + material.mirrored_count() >= material.view_lobe_count() => "round, mirrored",
+                    _ => "round",
+                };
                 println!(
                     "  {view:>4}  {k:>4}  {degrees}  {:>11.4e}  {red:>11.4e}  {green:>11.4e}  {blue:>11.4e}  {kind}",
                     log2_sharpness.exp2()

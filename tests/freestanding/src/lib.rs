@@ -49,10 +49,10 @@ fn check() -> Result<(), i32> {
     gaussian_coefficients_into(10.0, &mut coefficients);
     near(legendre_series(&coefficients, 0.0), 1.0, 15)?;
 
-    let lobes = [PlaneLobe { angle: 0.0, log2_sharpness: 5.0, log2_amplitude: [0.0; 3] }];
+    let lobes = [PlaneLobe { angle: 0.0, off_plane: 0.0, log2_sharpness: 5.0, log2_amplitude: [0.0; 3] }];
     let view = |theta| View { theta, log2_squeeze: 0.0, log2_diffuse: [-126.0; 3], lobes: &lobes };
     let mut bytes = [0; 512];
-    let length = encode(&[view(0.0), view(1.0)], 0, "", &mut bytes).map_err(|_| 16)?;
+    let length = encode(&[view(0.0), view(1.0)], 0, 0, "", &mut bytes).map_err(|_| 16)?;
     let material = Material::from_bytes(&bytes[..length]).map_err(|_| 17)?;
     let mut m = Mixture::<16>::empty();
     material.prepare(Vec3::new(0.6, 0.0, 0.8), &mut m).map_err(|_| 18)?;

@@ -64,15 +64,17 @@ fn lobe(random: &mut Random, in_plane: bool) -> Lobe {
     Lobe::new(axis, sharpness, rgb).expect("a valid lobe")
 }
 
-/// A material of nine views and twelve lobes.
-pub fn material(random: &mut Random) -> Vec<u8> {
+/// A material of nine views and twelve lobes, of which so many pairs lie beside the plane of incidence.
+pub fn material(random: &mut Random, mirrored: usize) -> Vec<u8> {
+    let stored = 12 - mirrored;
     let knots = 9;
     let views: Vec<(f32, f32, Vec<PlaneLobe>)> = (0..knots)
         .map(|v| {
             let theta = v as f32 / (knots - 1) as f32 * core::f32::consts::FRAC_PI_2;
-            let lobes = (0..12)
+            let lobes = (0..stored)
                 .map(|k| PlaneLobe {
                     angle: if v == 0 { 0.0 } else { theta * k as f32 / 11.0 },
+                    off_plane: if v == 0 || k < stored - mirrored { 0.0 } else { theta * random.next() },
                     log2_sharpness: k as f32 + 0.3 * random.next(),
                     log2_amplitude: [-3.0 - random.next(), -2.5, -4.0 + 0.5 * k as f32],
                 })
@@ -89,7 +91,7 @@ pub fn material(random: &mut Random) -> Vec<u8> {
             lobes,
         })
         .collect();
-    let mut bytes = vec![0; encoded_len(views.len(), 12, "test")];
-    encode(&views, 7, "test", &mut bytes).expect("a valid material");
+    let mut bytes = vec![0; encoded_len(views.len(), stored, mirrored, "test")];
+    encode(&views, 7.min(stored - mirrored), mirrored, "test", &mut bytes).expect("a valid material");
     bytes
 }

@@ -73,7 +73,9 @@ pub fn check(level: Level) -> Result<Findings, srbf_core::Error> {
         check_values(&case, &mut random, &mut found);
         check_samples(&case.mixture, 0.0, &format!("mixture {n}"), &mut random, &mut found);
     }
-    check_prepared(&mut random, &mut found);
+    for mirrored in [0, 3] {
+        check_prepared(mirrored, &mut random, &mut found);
+    }
     Ok(found)
 }
 
@@ -196,8 +198,8 @@ fn check_samples(m: &Mixture<64>, azimuth: f64, name: &str, random: &mut Random,
 }
 
 /// The same for prepared mixtures, and what is prepared pair by pair is what is prepared one by one.
-fn check_prepared(random: &mut Random, found: &mut Findings) {
-    let bytes = inputs::material(random);
+fn check_prepared(mirrored: usize, random: &mut Random, found: &mut Findings) {
+    let bytes = inputs::material(random, mirrored);
     let material = Material::from_bytes(&bytes).expect("a valid material");
     for n in 0..40 {
         let mut wo = random.direction();

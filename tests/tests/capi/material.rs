@@ -4,10 +4,11 @@ use srbf_core::{Grid, GridView, PlaneLobe, TiltedLobe, View, encode, encoded_len
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-/// Views, lobes and squeezed lobes; the C programs know these numbers, and the provenance, "made by tests".
+/// Views, lobes, squeezed lobes and mirrored pairs; the C programs know these numbers, and the provenance, "made by tests".
 const VIEWS: usize = 8;
 const LOBES: usize = 12;
 const SQUEEZED: usize = 5;
+const MIRRORED: usize = 1;
 
 /// A `.srbf` file of a material with lobes of every width, folds and a squeeze.
 pub fn file() -> PathBuf {
@@ -74,10 +75,11 @@ pub fn bytes() -> Vec<u8> {
     let lobes: Vec<Vec<PlaneLobe>> = (0..VIEWS)
         .map(|view| {
             let theta = 0.2 * view as f32;
-            (0..LOBES)
+            (0..LOBES - MIRRORED)
                 .map(|lobe| PlaneLobe {
                     // Towards the mirror direction and, the wide ones, below the horizon.
                     angle: theta * (1.0 + 0.06 * (lobe as f32 - 6.0)),
+                    off_plane: if lobe < LOBES - 2 * MIRRORED { 0.0 } else { 0.5 * theta },
                     log2_sharpness: 0.5 + 0.6 * lobe as f32,
                     log2_amplitude: [0.0, 0.2, -0.4].map(|tint| tint - 7.0 + 0.4 * lobe as f32),
                 })
@@ -95,8 +97,8 @@ pub fn bytes() -> Vec<u8> {
         })
         .collect();
     let provenance = "made by tests";
-    let mut bytes = vec![0; encoded_len(VIEWS, LOBES, provenance)];
-    let written = encode(&views, SQUEEZED, provenance, &mut bytes).expect("the material is valid");
+    let mut bytes = vec![0; encoded_len(VIEWS, LOBES - MIRRORED, MIRRORED, provenance)];
+    let written = encode(&views, SQUEEZED, MIRRORED, provenance, &mut bytes).expect("the material is valid");
     bytes.truncate(written);
     bytes
 }

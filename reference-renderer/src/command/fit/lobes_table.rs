@@ -44,9 +44,7 @@ pub fn run(file: &Path, settings: &Settings) -> anyhow::Result<()> {
     let mut rows = Vec::new();
     let mut fitted = Vec::new();
     for lobes in COUNTS {
-        let settings =
-            Settings { lobes, squeezed: settings.squeezed.map(|s| s.min(lobes)), ..settings.clone() };
-        let fit = fit_content(&source.content, &settings, |_| {})?;
+        let fit = fit_content(&source.content, &settings.with_lobes(lobes), |_| {})?;
         let report = &fit.report;
         rows.push(Row {
             lobes,

@@ -67,6 +67,7 @@ impl SettingArgs {
     fn only(&self, has: &str, method: &str, others: &[(&str, bool)]) -> anyhow::Result<()> {
         let ours = [
             ("--squeezed", self.squeezed.is_some()),
+            ("--mirrored", self.mirrored.is_some()),
             ("--smoothness", self.smoothness.is_some()),
             ("--exchanges", self.exchanges.is_some()),
             ("--views", self.views.is_some()),
