@@ -934,6 +934,44 @@ srbf_status srbf_material_evaluate_pairs_into(const struct srbf_material *materi
                                               const struct srbf_numbers_out *pdf);
 
 /**
+ * Evaluates the density of sampling alone for n pairs of an outgoing and an incident direction; 1/sr.
+ *
+ * The densities of `srbf_material_evaluate_pairs_into` within rounding, in less time.
+ * Shapes: `wo` and `wi` n unit vectors; `pdf` n numbers, overwritten. n = 0 and what is no unit vector as there.
+ */
+srbf_status srbf_material_pdf_pairs_into(const struct srbf_material *material,
+                                         size_t n,
+                                         const struct srbf_vectors *wo,
+                                         const struct srbf_vectors *wi,
+                                         const struct srbf_numbers_out *pdf);
+
+/**
+ * Evaluates the luminance of `f cos` (Rec. 709) for n pairs of an outgoing and an incident direction; 1/sr.
+ *
+ * One colour channel in place of the three of `srbf_material_evaluate_pairs_into`.
+ * Shapes: `wo` and `wi` n unit vectors; `luminance` n numbers, overwritten. n = 0 and what is no unit vector as there.
+ */
+srbf_status srbf_material_luminance_pairs_into(const struct srbf_material *material,
+                                               size_t n,
+                                               const struct srbf_vectors *wo,
+                                               const struct srbf_vectors *wi,
+                                               const struct srbf_numbers_out *luminance);
+
+/**
+ * Draws an incident direction for each of n outgoing ones with its density, without a weight.
+ *
+ * The samples of `srbf_material_sample_pairs_into`, for callers that take the value elsewhere, in less time.
+ * Shapes: `wo` n unit vectors; `u` n times three uniform numbers in [0, 1); `direction` n unit vectors and `pdf` n
+ * numbers, overwritten. n = 0 and what is no unit vector as in `srbf_material_evaluate_pairs_into`.
+ */
+srbf_status srbf_material_sample_pdf_pairs_into(const struct srbf_material *material,
+                                                size_t n,
+                                                const struct srbf_vectors *wo,
+                                                const struct srbf_vectors *u,
+                                                const struct srbf_vectors_out *direction,
+                                                const struct srbf_numbers_out *pdf);
+
+/**
  * Draws an incident direction for each of n outgoing ones, each with its own mixture.
  *
  * The samples of `srbf_material_prepare` and `srbf_mixture_sample`, one by one, without storage for mixtures.

@@ -183,6 +183,18 @@ fn pairs(c: &mut Criterion) {
                 let SamplesMut { pdf, weight, .. } = out.samples(n);
                 material.evaluate_pairs_into(black_box(wo.slices()), wi.slices(), weight, pdf).unwrap();
             });
+            measure("pdf-pairs", &mut || {
+                material.pdf_pairs_into(black_box(wo.slices()), wi.slices(), out.samples(n).pdf).unwrap();
+            });
+            measure("luminance-pairs", &mut || {
+                let SamplesMut { pdf, .. } = out.samples(n);
+                material.luminance_pairs_into(black_box(wo.slices()), wi.slices(), pdf).unwrap();
+            });
+            measure("sample-pdf-pairs", &mut || {
+                let SamplesMut { direction, pdf, .. } = out.samples(n);
+                let (wo, u) = (black_box(wo.slices()), uniforms.slices());
+                material.sample_pdf_pairs_into(wo, u, direction, pdf).unwrap();
+            });
             measure("sample-pairs", &mut || {
                 material
                     .sample_pairs_into(black_box(wo.slices()), uniforms.slices(), out.samples(n))

@@ -1,11 +1,22 @@
 //! A fixed amount of work, for counting instructions: `.ci/checks/60-instructions` runs it under callgrind.
 //!
-//! `fixed-work LEVEL OPERATION`, operation one of none, evaluate, sample, one, one-round, one-sample,
-//! prepare, pairs; `one-round` of 12 general round lobes, the rest but `evaluate` of the garnet red preset.
+//! `fixed-work LEVEL OPERATION`, operation one of none, evaluate, evaluate-garnet, sample, one, one-round, one-draw,
+//! one-draw-round, one-sample, one-sample-round, prepare, prepare-dropping, pairs, sample-pdf-pairs, evaluate-pairs,
+//! pdf-pairs, luminance-pairs; `evaluate` and the `-round` of 12 general round lobes, the rest of the garnet red preset.
 
 use srbf_benches::{GARNET_RED, Triples, garnet_mixture, general_mixture};
-use srbf_core::{Level, Material, Mixture, SamplesMut};
+use srbf_core::{LeaveOut, Level, Material, Mixture, SamplesMut, Vec3};
 use std::process::ExitCode;
+
+/// The height of a direction drawn alone.
+fn draw(mixture: &Mixture<64>, u: Vec3) -> f32 {
+    mixture.sample_direction(u.to_array()).map_or(0.0, |direction| direction.z)
+}
+
+/// The density of a direction drawn alone.
+fn sample(mixture: &Mixture<64>, u: Vec3) -> f32 {
+    mixture.sample(u.to_array()).map_or(0.0, |sample| sample.pdf)
+}
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -23,6 +34,7 @@ fn main() -> ExitCode {
     }
     let n = 4096;
     let (directions, uniforms) = (Triples::directions(n, 1), Triples::uniforms(n, 2));
+    let incident = Triples::directions(n, 3);
     let mut out = [(); 7].map(|()| vec![0.0f32; n]);
     let [x, y, z, pdf, red, green, blue] = &mut out;
     let material = Material::from_bytes(GARNET_RED).expect("the preset is valid");
@@ -31,19 +43,43 @@ fn main() -> ExitCode {
     match operation.as_str() {
         "none" => {}
         "evaluate" => general.evaluate_into(directions.slices(), [red, green, blue]).expect("equal lengths"),
+        "evaluate-garnet" => {
+            garnet.evaluate_into(directions.slices(), [red, green, blue]).expect("equal lengths");
+        }
         "sample" => {
             let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
             garnet.sample_into(uniforms.slices(), samples).expect("equal lengths");
         }
         "one" => (0..n).for_each(|i| pdf[i] = garnet.pdf(directions.at(i))),
         "one-round" => (0..n).for_each(|i| pdf[i] = general.pdf(directions.at(i))),
-        "one-sample" => (0..n).for_each(|i| {
-            pdf[i] = garnet.sample(uniforms.at(i).to_array()).map_or(0.0, |sample| sample.pdf);
-        }),
-        "prepare" => (0..n).for_each(|i| {
-            material.prepare(directions.at(i), &mut mixture).expect("a valid direction");
-            pdf[i] = mixture.power();
-        }),
+        "one-draw" => (0..n).for_each(|i| pdf[i] = draw(&garnet, uniforms.at(i))),
+        "one-draw-round" => (0..n).for_each(|i| pdf[i] = draw(&general, uniforms.at(i))),
+        "one-sample" => (0..n).for_each(|i| pdf[i] = sample(&garnet, uniforms.at(i))),
+        "one-sample-round" => (0..n).for_each(|i| pdf[i] = sample(&general, uniforms.at(i))),
+        "prepare" | "prepare-dropping" => {
+            let share = if operation == "prepare" { 0.0 } else { 0.01 };
+            let leave_out = LeaveOut::new(share, 1e-7).expect("shares");
+            (0..n).for_each(|i| {
+                material
+                    .prepare_leaving_out(directions.at(i), leave_out, &mut mixture)
+                    .expect("a valid direction");
+                pdf[i] = mixture.power();
+            });
+        }
+        "evaluate-pairs" => material
+            .evaluate_pairs_into(directions.slices(), incident.slices(), [red, green, blue], pdf)
+            .expect("equal lengths"),
+        "pdf-pairs" => {
+            material.pdf_pairs_into(directions.slices(), incident.slices(), pdf).expect("equal lengths");
+        }
+        "luminance-pairs" => {
+            material
+                .luminance_pairs_into(directions.slices(), incident.slices(), pdf)
+                .expect("equal lengths");
+        }
+        "sample-pdf-pairs" => material
+            .sample_pdf_pairs_into(directions.slices(), uniforms.slices(), [x, y, z], pdf)
+            .expect("equal lengths"),
         "pairs" => {
             let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
             material

@@ -11,7 +11,7 @@ use crate::{
     SRBF_MIXTURE_ALIGNMENT, SRBF_STATUS_STRIDE, srbf_material, srbf_mixture, srbf_samples_out, srbf_status,
 };
 use core::ops::Range;
-use srbf_core::{SamplesMut, Vec3};
+use srbf_core::{Error, Material, SamplesMut, Vec3};
 
 /// Evaluates value and density for n pairs of an outgoing and an incident direction, each pair with its own mixture.
 ///
@@ -42,6 +42,102 @@ pub unsafe extern "C" fn srbf_material_evaluate_pairs_into(
         let batch = unsafe { Batch::new(n, inputs, outputs, material_extent(material))? };
         batch.run(|[ox, oy, oz, ix, iy, iz], [red, green, blue, pdf]| {
             object.material.evaluate_pairs_into([ox, oy, oz], [ix, iy, iz], [red, green, blue], pdf)
+        })?;
+        Ok(())
+    })
+}
+
+/// Evaluates the density of sampling alone for n pairs of an outgoing and an incident direction; 1/sr.
+///
+/// The densities of `srbf_material_evaluate_pairs_into` within rounding, in less time.
+/// Shapes: `wo` and `wi` n unit vectors; `pdf` n numbers, overwritten. n = 0 and what is no unit vector as there.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_pdf_pairs_into(
+    material: *const srbf_material,
+    n: usize,
+    wo: *const srbf_vectors,
+    wi: *const srbf_vectors,
+    pdf: *const srbf_numbers_out,
+) -> srbf_status {
+    // SAFETY: the header's contract.
+    unsafe { one_channel(material, n, wo, wi, pdf, Material::pdf_pairs_into) }
+}
+
+/// Evaluates the luminance of `f cos` (Rec. 709) for n pairs of an outgoing and an incident direction; 1/sr.
+///
+/// One colour channel in place of the three of `srbf_material_evaluate_pairs_into`.
+/// Shapes: `wo` and `wi` n unit vectors; `luminance` n numbers, overwritten. n = 0 and what is no unit vector as there.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_luminance_pairs_into(
+    material: *const srbf_material,
+    n: usize,
+    wo: *const srbf_vectors,
+    wi: *const srbf_vectors,
+    luminance: *const srbf_numbers_out,
+) -> srbf_status {
+    // SAFETY: the header's contract.
+    unsafe { one_channel(material, n, wo, wi, luminance, Material::luminance_pairs_into) }
+}
+
+type OneChannel = fn(&Material<'static>, [&[f32]; 3], [&[f32]; 3], &mut [f32]) -> Result<(), Error>;
+
+/// # Safety
+/// The header's contract.
+unsafe fn one_channel(
+    material: *const srbf_material,
+    n: usize,
+    wo: *const srbf_vectors,
+    wi: *const srbf_vectors,
+    out: *const srbf_numbers_out,
+    run: OneChannel,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let object = unsafe { self::material(material)? };
+        if n == 0 {
+            return Ok(());
+        }
+        // SAFETY: the header's contract.
+        let (wo, wi, out) = unsafe { (read(wo)?, read(wi)?, read(out)?) };
+        let ([ox, oy, oz], [ix, iy, iz]) = (wo.streams(), wi.streams());
+        let inputs = [ox, oy, oz, ix, iy, iz];
+        // SAFETY: the header's contract.
+        let batch = unsafe { Batch::new(n, inputs, [out.stream()], material_extent(material))? };
+        batch
+            .run(|[ox, oy, oz, ix, iy, iz], [out]| run(&object.material, [ox, oy, oz], [ix, iy, iz], out))?;
+        Ok(())
+    })
+}
+
+/// Draws an incident direction for each of n outgoing ones with its density, without a weight.
+///
+/// The samples of `srbf_material_sample_pairs_into`, for callers that take the value elsewhere, in less time.
+/// Shapes: `wo` n unit vectors; `u` n times three uniform numbers in [0, 1); `direction` n unit vectors and `pdf` n
+/// numbers, overwritten. n = 0 and what is no unit vector as in `srbf_material_evaluate_pairs_into`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_sample_pdf_pairs_into(
+    material: *const srbf_material,
+    n: usize,
+    wo: *const srbf_vectors,
+    u: *const srbf_vectors,
+    direction: *const srbf_vectors_out,
+    pdf: *const srbf_numbers_out,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let object = unsafe { self::material(material)? };
+        if n == 0 {
+            return Ok(());
+        }
+        // SAFETY: the header's contract.
+        let (wo, u, direction, pdf) = unsafe { (read(wo)?, read(u)?, read(direction)?, read(pdf)?) };
+        let ([ox, oy, oz], [ux, uy, uz]) = (wo.streams(), u.streams());
+        let [x, y, z] = direction.streams();
+        let (inputs, outputs) = ([ox, oy, oz, ux, uy, uz], [x, y, z, pdf.stream()]);
+        // SAFETY: the header's contract.
+        let batch = unsafe { Batch::new(n, inputs, outputs, material_extent(material))? };
+        batch.run(|[ox, oy, oz, ux, uy, uz], [x, y, z, pdf]| {
+            object.material.sample_pdf_pairs_into([ox, oy, oz], [ux, uy, uz], [x, y, z], pdf)
         })?;
         Ok(())
     })

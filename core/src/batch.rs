@@ -373,26 +373,30 @@ fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<N>, u: [L; 3]) -> [L; 
 pub(crate) fn sample_one<L: Lanes, const N: usize>(m: &Mixture<N>, u: [f32; 3]) -> [f32; 3] {
     let target = chosen_power(m, u[0]);
     let last = m.count.min(N).saturating_sub(1);
-    let (mut k, mut passed) = (0, 0);
-    while passed < last && passed + L::COUNT <= N {
-        let inner = u64::MAX >> (64 - (last - passed).min(L::COUNT));
-        let at_most = L::splat(target).ge(L::load(&m.cumulative[passed..]));
-        k += (L::bits(at_most) & inner).count_ones() as usize;
-        passed += L::COUNT;
+    // The running sum never falls: the lobes that are passed come first, and what is stored behind the last does not matter.
+    let (mut at_most, mut from) = (0, 0);
+    while from < last && from + L::COUNT <= N {
+        at_most |= L::bits(L::splat(target).ge(L::load(&m.cumulative[from..]))) << from;
+        from += L::COUNT;
     }
-    let k = k.min(N - 1);
-    if L::PAIRED { draw_one::<L, N>(m, k, target, u) } else { draw_one::<f32, N>(m, k, target, u) }
+    let k = (at_most.trailing_ones() as usize).min(last).min(N - 1);
+    draw_one::<L::One, N>(m, k, target, u)
 }
 
-/// Draws one direction from lobe `k`, or the diffuse term: the same number in every lane, for the sake of fused operations.
+/// Draws one direction from lobe `k`, or the diffuse term; `L` has one lane.
 #[inline(always)]
-fn draw_one<L: Lanes, const N: usize>(m: &Mixture<N>, k: usize, target: f32, u: [f32; 3]) -> [f32; 3] {
+fn draw_one<L: Lanes<Index = usize>, const N: usize>(
+    m: &Mixture<N>,
+    k: usize,
+    target: f32,
+    u: [f32; 3],
+) -> [f32; 3] {
     let choice = Choice {
         axis: [L::splat(m.axis_x[k]), L::splat(m.axis_y[k]), L::splat(m.axis_z[k])],
         inside: L::splat(m.inside[k]),
         gone: L::splat(m.tail[k]),
         inverse_sharpness: L::splat(m.inverse_sharpness[k]),
-        is_squeezed: L::splat(k as f32).lt(L::splat(m.squeezed as f32)),
+        is_squeezed: L::index_below(k, m.squeezed),
         is_diffuse: L::splat(target).ge(L::splat(m.lobes_power)),
     };
     let [x, y, z] = draw(m, choice, L::splat(u[1]), L::splat(u[2]));
@@ -424,19 +428,26 @@ fn draw<L: Lanes, const N: usize>(m: &Mixture<N>, choice: Choice<L>, u: L, turns
     let (sin_phi, cos_phi) = sin_cos_turns(turns);
     let (across, along) = (sin_theta * cos_phi, sin_theta * sin_phi);
 
-    // The frame round the axis: Duff et al. 2017.
-    let sign = one.copy_sign(z);
-    let a = zero - one / (sign + z);
-    let (xa, ya) = (x * a, y * a);
-    let b = x * ya;
-    let tangent = [(sign * x).mul_add(xa, one), sign * b, zero - sign * x];
-    let bitangent = [b, y.mul_add(ya, sign), zero - y];
     // The axis is added last and whole: `axis (1 - w)` would round a narrow lobe to the grid round its axis.
-    let axis = [x, y, z];
-    let mut round = axis;
-    for i in 0..3 {
-        round[i] = axis[i] + tangent[i].mul_add(across, bitangent[i].mul_add(along, zero - axis[i] * w));
-    }
+    let sign = one.copy_sign(z);
+    let round = if m.in_plane {
+        // The frame below for y = 0 and a unit axis: no division.
+        let (across, along) = (sign * across, sign * along);
+        [x + z.mul_add(across, zero - x * w), along, z - x.mul_add(across, z * w)]
+    } else {
+        // The frame round the axis: Duff et al. 2017.
+        let a = zero - one / (sign + z);
+        let (xa, ya) = (x * a, y * a);
+        let b = x * ya;
+        let tangent = [(sign * x).mul_add(xa, one), sign * b, zero - sign * x];
+        let bitangent = [b, y.mul_add(ya, sign), zero - y];
+        let axis = [x, y, z];
+        let mut round = axis;
+        for i in 0..3 {
+            round[i] = axis[i] + tangent[i].mul_add(across, bitangent[i].mul_add(along, zero - axis[i] * w));
+        }
+        round
+    };
     let mut d = round;
     if m.squeezed > 0 {
         let wide = m.squeeze.unsqueeze(round);
@@ -449,7 +460,14 @@ fn draw<L: Lanes, const N: usize>(m: &Mixture<N>, choice: Choice<L>, u: L, turns
         d[2] = d[2].abs();
     }
     let d = m.squeeze.turn_back(d);
-    scale(d, one / dot3(d, d).sqrt())
+    let length_squared = dot3(d, d);
+    // What is not squeezed has a length of 1 but for rounding, and one step of Newton's is exact.
+    let inverse = if m.squeezed > 0 {
+        one / length_squared.sqrt()
+    } else {
+        length_squared.neg_mul_add(L::splat(0.5), L::splat(1.5))
+    };
+    scale(d, inverse)
 }
 
 /// `-ln(1 - u inside) / s` with `inside = 1 - exp(-2 s)` and `gone = exp(-2 s)`, both to full precision.
@@ -462,7 +480,8 @@ fn one_minus_cos<L: Lanes>(u: L, inside: L, gone: L, inverse_sharpness: L) -> L 
     let y_near = one - drop;
     let lost = (one - y_near) - drop;
     let y = L::select(near, y_near, gone.mul_add(u, one - u));
-    let correction = L::select(near, lost / y_near, L::splat(0.0));
+    // 1 / y = 1 + drop + ...: what is left out is below a quarter of a rounding, as c is at most half of one.
+    let correction = L::select(near, lost.mul_add(drop, lost), L::splat(0.0));
     // u = 1 at a large sharpness: the smallest normal number stands for 0.
     let log = ln(y.max(L::splat(f32::MIN_POSITIVE))) + correction;
     (L::splat(0.0) - log * inverse_sharpness).max(L::splat(0.0)).min(L::splat(2.0))

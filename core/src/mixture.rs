@@ -84,7 +84,8 @@ pub struct Mixture<const N: usize> {
     pub(crate) inverse_power: f32,
     /// The part of `power` that lobes have; the rest is the diffuse term's.
     pub(crate) lobes_power: f32,
-    // Structure of arrays; places from `count` up to the next multiple of 16 hold lobes of amplitude 0.
+    // Structure of arrays; places from `count` up to the next multiple of what one direction
+    // takes at a time (two vectors on AVX2, one elsewhere) hold lobes of amplitude 0.
     pub(crate) axis_x: [f32; N],
     pub(crate) axis_y: [f32; N],
     pub(crate) axis_z: [f32; N],
@@ -106,6 +107,12 @@ pub struct Mixture<const N: usize> {
     pub(crate) tail: [f32; N],
     /// Running sum of the luminance of the integrals.
     pub(crate) cumulative: [f32; N],
+}
+
+/// A number whose lowest `count` bits are set, up to 64.
+#[inline(always)]
+const fn lowest_bits(count: usize) -> u64 {
+    if count == 0 { 0 } else { u64::MAX >> (64 - count) }
 }
 
 impl<const N: usize> Default for Mixture<N> {
@@ -212,7 +219,8 @@ impl<const N: usize> Mixture<N> {
     }
 
     /// Completes the mixture from axes, sharpness and amplitudes, which the caller has stored and checked; those of
-    /// the places up to the next multiple of 16 must be valid, of amplitude 0.
+    /// the places up to the next multiple of the lanes must be valid, of amplitude 0. On AVX2 `L` is a pair of vectors, as
+    /// it is where one direction is evaluated.
     #[inline(always)]
     #[allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
     pub(crate) fn finish<L: Lanes>(&mut self, count: usize, squeezed: usize, leave_out: LeaveOut) {
@@ -268,60 +276,78 @@ impl<const N: usize> Mixture<N> {
             k += L::COUNT;
         }
         self.folded = folded;
+        let mut lobes_albedo = Vec3::new(albedo[0].sum(), albedo[1].sum(), albedo[2].sum());
+        if leave_out.lobes > 0.0 {
+            let least = leave_out.lobes * luminance(lobes_albedo + self.diffuse);
+            lobes_albedo = self.drop_lobes::<L>(least).unwrap_or(lobes_albedo);
+        }
         let mut power = 0.0;
-        for running in &mut self.cumulative[..count.min(N)] {
+        for running in &mut self.cumulative[..self.count.min(N)] {
             power += *running;
             *running = power;
         }
         self.lobes_power = power;
-        self.add_up(Vec3::new(albedo[0].sum(), albedo[1].sum(), albedo[2].sum()));
-        if leave_out.lobes > 0.0 {
-            self.drop_lobes(leave_out.lobes);
-        }
+        self.add_up(lobes_albedo);
     }
 
-    /// Drops the lobes whose share of the power is below a bound; those that stay keep their order.
-    fn drop_lobes(&mut self, share: f32) {
-        let least = share * self.power;
-        let (count, squeezed, folded) = (self.count.min(N), self.squeezed, self.folded);
-        let mut lobes_albedo = Vec3::ZERO;
-        let mut power = 0.0;
-        (self.count, self.squeezed, self.folded) = (0, 0, 0);
-        for k in 0..count {
-            let integral = self.inside[k] * self.inverse_sharpness[k] * (2.0 * PI);
-            if self.luminance[k] * integral < least {
-                continue;
+    /// Drops the lobes whose power, which `cumulative` still holds one by one, is below a bound; those that stay keep their
+    /// order. Gives their albedo, or `None` if all stay.
+    #[inline(always)]
+    #[allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
+    fn drop_lobes<L: Lanes>(&mut self, least: f32) -> Option<Vec3> {
+        let count = self.count.min(N);
+        let zero = L::splat(0.0);
+        let mut albedo = [zero; 3];
+        let mut stays = 0;
+        let mut k = 0;
+        while k < count && k + L::COUNT <= N {
+            let stay = L::load(&self.cumulative[k..]).ge(L::splat(least));
+            stays |= L::bits(stay) << k;
+            let integral = L::load(&self.inside[k..]) * L::load(&self.inverse_sharpness[k..]);
+            let integral = L::select(stay, integral, zero);
+            let rgb = [L::load(&self.red[k..]), L::load(&self.green[k..]), L::load(&self.blue[k..])];
+            for i in 0..3 {
+                albedo[i] = rgb[i].mul_add(integral, albedo[i]);
             }
-            let to = self.count;
-            for row in [
-                &mut self.axis_x,
-                &mut self.axis_y,
-                &mut self.axis_z,
-                &mut self.sharpness,
-                &mut self.red,
-                &mut self.green,
-                &mut self.blue,
-                &mut self.luminance,
-                &mut self.rate,
-                &mut self.fold_rate,
-                &mut self.inverse_sharpness,
-                &mut self.inside,
-                &mut self.tail,
-            ] {
-                row[to] = row[k];
+            k += L::COUNT;
+        }
+        let all = lowest_bits(count);
+        stays &= all;
+        if stays == all {
+            return None;
+        }
+        // The lobes before the first that goes are in their places.
+        let mut to = stays.trailing_ones() as usize;
+        let mut left = stays & !lowest_bits(to);
+        while left != 0 {
+            let k = left.trailing_zeros() as usize;
+            left &= left - 1;
+            // Never so: the compiler sees that no place below lies outside.
+            if k >= N || to >= N {
+                break;
             }
-            lobes_albedo += Vec3::new(self.red[to], self.green[to], self.blue[to]) * integral;
-            power += self.luminance[to] * integral;
-            self.cumulative[to] = power;
-            self.folded |= (folded >> k & 1) << to;
-            self.squeezed += usize::from(k < squeezed);
-            self.count += 1;
+            macro_rules! move_rows {
+                ($($row:ident)*) => { $(self.$row[to] = self.$row[k];)* };
+            }
+            move_rows!(axis_x axis_y axis_z sharpness red green blue luminance rate fold_rate);
+            move_rows!(inverse_sharpness inside tail cumulative);
+            to += 1;
         }
-        for row in [&mut self.red, &mut self.green, &mut self.blue, &mut self.luminance] {
-            row[self.count..count].fill(0.0);
+        for k in to..count {
+            (self.red[k], self.green[k], self.blue[k], self.luminance[k]) = (0.0, 0.0, 0.0, 0.0);
         }
-        self.lobes_power = power;
-        self.add_up(lobes_albedo);
+        self.squeezed = (stays & lowest_bits(self.squeezed)).count_ones() as usize;
+        self.count = to;
+        // The bits of the folds move down over every one that goes, the highest first.
+        let mut goes = all & !stays;
+        while goes != 0 {
+            let place = 63 - goes.leading_zeros();
+            let below = (1 << place) - 1;
+            self.folded = self.folded & below | self.folded >> 1 & !below;
+            goes &= below;
+        }
+        let [red, green, blue] = albedo;
+        Some(Vec3::new(red.sum(), green.sum(), blue.sum()) * (2.0 * PI))
     }
 
     /// Sums up the lobes and the diffuse term.

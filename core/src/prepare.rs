@@ -48,7 +48,11 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     mixture: &mut Mixture<N>,
 ) -> Result<(), Error> {
     if let Kind::Grid(shape) = material.header.kind {
-        return anisotropic::prepare::<L, N>(material, shape, wo, leave_out, mixture);
+        return if L::PAIRED && 2 * L::COUNT <= 16 {
+            anisotropic::prepare::<Two<L>, N>(material, shape, wo, leave_out, mixture)
+        } else {
+            anisotropic::prepare::<L, N>(material, shape, wo, leave_out, mixture)
+        };
     }
     mixture.begin(Domain::Hemisphere, Squeeze::NONE);
     let count = material.lobe_count();
@@ -111,7 +115,7 @@ impl Place {
     #[inline(always)]
     fn find<L: Lanes>(material: &Material<'_>, across: f32, z: f32) -> Self {
         let (bytes, header) = (material.bytes, &material.header);
-        let theta = atan2_positive(L::splat(across), L::splat(z));
+        let theta = atan2_positive(L::One::splat(across), L::One::splat(z)).first();
         let last = header.views - 1;
         let mut passed = 0;
         let mut view = 0;
@@ -120,13 +124,13 @@ impl Place {
             let copy;
             let thetas = from_offset!(bytes, header.theta(view), 4 * WIDEST, copy);
             let inner = u64::MAX >> (64 - (last - view).min(L::COUNT));
-            passed += (L::bits(theta.ge(L::load_bytes(thetas))) & inner).count_ones() as usize;
+            passed += (L::bits(L::splat(theta).ge(L::load_bytes(thetas))) & inner).count_ones() as usize;
             view += L::COUNT;
         }
         let after = passed.min(last);
         let before = after.saturating_sub(1);
         let (from, to) = (f32_at(bytes, header.theta(before)), f32_at(bytes, header.theta(after)));
-        let blend = if to > from { ((theta.first() - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+        let blend = if to > from { ((theta - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
         Self { before, after, blend }
     }
 

@@ -5,6 +5,8 @@ mod avx2;
 #[cfg(all(feature = "simd", target_arch = "x86_64"))]
 mod avx512;
 mod detect;
+#[cfg(all(feature = "simd", target_arch = "x86_64"))]
+mod fused;
 #[cfg(feature = "simd")]
 mod portable;
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]

@@ -5,6 +5,7 @@ use crate::batch::sample_one;
 use crate::lanes::{Lanes, exp2, splat3};
 use crate::simd::One;
 use crate::squeeze::Seen;
+use crate::two::Two;
 use crate::{Domain, Mixture};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
@@ -27,8 +28,7 @@ impl<const N: usize> One<Mixture<N>> for PdfOne {
     type Output = f32;
     #[inline(always)]
     fn run<L: Lanes>(m: &Mixture<N>, direction: [f32; 3]) -> f32 {
-        let [sum] = sums_one::<L, N, 1>(m, [&m.luminance], [m.power - m.lobes_power], direction);
-        sum * m.inverse_power
+        luminance_one::<L, N>(m, direction) * m.inverse_power
     }
 }
 
@@ -59,7 +59,25 @@ impl<const N: usize> One<Mixture<N>> for SampleOne {
 #[inline(always)]
 pub(crate) fn value_one<L: Lanes, const N: usize>(m: &Mixture<N>, direction: [f32; 3]) -> Vec3 {
     let amplitudes = [&m.red, &m.green, &m.blue];
-    Vec3::from_array(sums_one::<L, N, 3>(m, amplitudes, m.diffuse.to_array(), direction))
+    let diffuse = m.diffuse.to_array();
+    // A pair of vectors of eight lanes: most mixtures need two, and constants are then loaded once.
+    Vec3::from_array(if L::PAIRED && 2 * L::COUNT <= 16 {
+        sums_one::<Two<L>, N, 3>(m, amplitudes, diffuse, direction)
+    } else {
+        sums_one::<L, N, 3>(m, amplitudes, diffuse, direction)
+    })
+}
+
+/// Luminance of the value towards one direction.
+#[inline(always)]
+pub(crate) fn luminance_one<L: Lanes, const N: usize>(m: &Mixture<N>, direction: [f32; 3]) -> f32 {
+    let diffuse = [m.power - m.lobes_power];
+    let [sum] = if L::PAIRED && 2 * L::COUNT <= 16 {
+        sums_one::<Two<L>, N, 1>(m, [&m.luminance], diffuse, direction)
+    } else {
+        sums_one::<L, N, 1>(m, [&m.luminance], diffuse, direction)
+    };
+    sum
 }
 
 /// Sums the lobes towards one direction, once for each of `C` sets of amplitudes.
@@ -76,12 +94,18 @@ pub(crate) fn sums_one<L: Lanes, const N: usize, const C: usize>(
         return [0.0; C];
     }
     let mut acc = [L::splat(0.0); C];
+    // The usual number of lobes without a loop: a loop keeps more constants in registers than there are.
+    let is_one_step = L::COUNT > 1 && 1 <= m.count && m.count <= L::COUNT;
     if m.squeezed == 0 && m.squeeze.is_unturned() {
         let seen = m.squeeze.turn(splat3::<L>(direction));
-        let mut k = 0;
-        while k < m.count && k + L::COUNT <= N {
-            add_lobes::<L, N, C, false>(m, amplitudes, &seen, k, &mut acc);
-            k += L::COUNT;
+        if is_one_step {
+            add_lobes::<L, N, C, false>(m, amplitudes, &seen, 0, &mut acc);
+        } else {
+            let mut k = 0;
+            while k < m.count && k + L::COUNT <= N {
+                add_lobes::<L, N, C, false>(m, amplitudes, &seen, k, &mut acc);
+                k += L::COUNT;
+            }
         }
     } else {
         let [turned, squeezed] = if L::COUNT > 1 {
@@ -90,7 +114,11 @@ pub(crate) fn sums_one<L: Lanes, const N: usize, const C: usize>(
             let turned = m.squeeze.turn(splat3::<L>(direction));
             [turned, m.squeeze.squeeze(&turned)]
         };
-        let mut k = 0;
+        if is_one_step {
+            let mixed = mix::<L>(&squeezed, &turned, m.squeezed);
+            add_lobes::<L, N, C, true>(m, amplitudes, &mixed, 0, &mut acc);
+        }
+        let mut k = if is_one_step { m.count } else { 0 };
         while k < m.count && k + L::COUNT <= N {
             if k + L::COUNT <= m.squeezed {
                 add_lobes::<L, N, C, true>(m, amplitudes, &squeezed, k, &mut acc);

@@ -28,6 +28,7 @@ impl<L: Lanes> Lanes for Two<L> {
     const PAIRED: bool = false;
     type Mask = [L::Mask; 2];
     type Index = [L::Index; 2];
+    type One = L::One;
 
     #[inline(always)]
     fn splat(value: f32) -> Self {

@@ -385,6 +385,51 @@ static void test_single(const srbf_material *material) {
         CHECK_STATUS(SRBF_STATUS_OVERLAP, call);                                  \
     } while (0)
 
+typedef srbf_status one_channel(const srbf_material *, size_t, const srbf_vectors *, const srbf_vectors *,
+                                const srbf_numbers_out *);
+
+/* Pairs to one number each: every wrong pointer, stride, count and overlap. */
+static void test_one_channel_pairs(const srbf_material *material, const srbf_vectors *good_wo, const srbf_vectors *good_wi,
+                                   one_channel *call) {
+    enum { N = 40 };
+    float *outputs = guarded(N);
+    srbf_numbers_out numbers = {outputs, sizeof(float)};
+    CHECK_OK(call(material, N, good_wo, good_wi, &numbers));
+    for (int i = 0; i < N; i++) {
+        CHECK(outputs[i] >= 0 && outputs[i] < 1e6f);
+    }
+    CHECK_OK(call(material, 0, NULL, NULL, NULL));
+    CHECK_OBJECT(const srbf_material, material, call(p, N, good_wo, good_wi, &numbers));
+    CHECK_OBJECT(const srbf_material, material, call(p, 0, good_wo, good_wi, &numbers));
+    CHECK_POINTER(const srbf_vectors, good_wo, call(material, N, p, good_wi, &numbers));
+    CHECK_POINTER(const srbf_vectors, good_wi, call(material, N, good_wo, p, &numbers));
+    CHECK_POINTER(const srbf_numbers_out, &numbers, call(material, N, good_wo, good_wi, p));
+    for (int which = 0; which < 2; which++) {
+        srbf_vectors wo = *good_wo, wi = *good_wi, *bad = which == 0 ? &wo : &wi;
+        const srbf_vectors good = *bad;
+        bad->y = NULL;
+        CHECK_STATUS(SRBF_STATUS_NULL, call(material, N, &wo, &wi, &numbers));
+        *bad = good, bad->z = CROOKED(const float, good.z);
+        CHECK_STATUS(SRBF_STATUS_MISALIGNED, call(material, N, &wo, &wi, &numbers));
+        *bad = good, bad->stride = 6;
+        CHECK_STATUS(SRBF_STATUS_STRIDE, call(material, N, &wo, &wi, &numbers));
+        *bad = good, bad->stride = SIZE_MAX - 3;
+        CHECK_STATUS(SRBF_STATUS_SIZE, call(material, N, &wo, &wi, &numbers));
+        *bad = good, bad->x = outputs + N - 1, bad->stride = sizeof(float);
+        CHECK_STATUS(SRBF_STATUS_OVERLAP, call(material, N, &wo, &wi, &numbers));
+    }
+    CHECK_STATUS(SRBF_STATUS_SIZE, call(material, SIZE_MAX / 4, good_wo, good_wi, &numbers));
+    numbers.values = NULL;
+    CHECK_STATUS(SRBF_STATUS_NULL, call(material, N, good_wo, good_wi, &numbers));
+    numbers.values = CROOKED(float, outputs);
+    CHECK_STATUS(SRBF_STATUS_MISALIGNED, call(material, N, good_wo, good_wi, &numbers));
+    numbers.values = (float *)(uintptr_t)material + 8;
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, call(material, N, good_wo, good_wi, &numbers));
+    numbers.values = outputs, numbers.stride = 2;
+    CHECK_STATUS(SRBF_STATUS_STRIDE, call(material, N, good_wo, good_wi, &numbers));
+    release(outputs, N);
+}
+
 static void test_batches(const srbf_material *material) {
     enum { N = 40 };
     float *inputs = guarded(6 * N), *outputs = guarded(7 * N);
@@ -478,6 +523,19 @@ static void test_batches(const srbf_material *material) {
     CHECK_POINTER(const srbf_numbers_out, &pdf,
                   srbf_material_evaluate_pairs_into(material, N, &wo, &good_in, &good_out, p));
     CHECK_POINTER(srbf_samples_out, &samples, srbf_material_sample_pairs_into(material, N, &wo, &good_in, p));
+
+    CHECK_BATCH(srbf_material_sample_pdf_pairs_into(material, n, in_at, &good_in, &out, &pdf));
+    CHECK_BATCH(srbf_material_sample_pdf_pairs_into(material, n, &wo, in_at, &out, &pdf));
+    CHECK_OBJECT(const srbf_material, material,
+                 srbf_material_sample_pdf_pairs_into(p, N, &wo, &good_in, &good_out, &pdf));
+    CHECK_POINTER(const srbf_vectors_out, &good_out,
+                  srbf_material_sample_pdf_pairs_into(material, N, &wo, &good_in, p, &pdf));
+    CHECK_POINTER(const srbf_numbers_out, &pdf,
+                  srbf_material_sample_pdf_pairs_into(material, N, &wo, &good_in, &good_out, p));
+    CHECK_OK(srbf_material_pdf_pairs_into(material, 0, NULL, NULL, NULL));
+    CHECK_OK(srbf_material_luminance_pairs_into(material, 0, NULL, NULL, NULL));
+    test_one_channel_pairs(material, &wo, &good_in, srbf_material_pdf_pairs_into);
+    test_one_channel_pairs(material, &wo, &good_in, srbf_material_luminance_pairs_into);
 
     /* Preparing n. */
     CHECK_OBJECT(const srbf_material, material, srbf_material_prepare_into(p, N, &wo, storage, stride));

@@ -283,9 +283,28 @@ static void test_pairs(const srbf_material *material) {
     CHECK_OK(srbf_material_evaluate_pairs_into(material, N, &wo_in, &wi, &value, &pdf));
     for (int i = 0; i < N; i++) {
         CHECK(is_near(rays[i].pdf, rays[i].other) && rays[i].value[1] >= 0);
+        rays[i].pdf = -1;
+    }
+    CHECK_OK(srbf_material_pdf_pairs_into(material, N, &wo_in, &wi, &pdf));
+    for (int i = 0; i < N; i++) {
+        CHECK(is_near(rays[i].pdf, rays[i].other));
+        rays[i].pdf = -1;
+    }
+    CHECK_OK(srbf_material_luminance_pairs_into(material, N, &wo_in, &wi, &pdf));
+    for (int i = 0; i < N; i++) {
+        const float *rgb = rays[i].value;
+        CHECK(is_near(rays[i].pdf, 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2]));
     }
     srbf_samples_out samples = {out(rays->wi, 1, sizeof(ray)), pdf, out(rays->weight, 1, sizeof(ray))};
+    CHECK_OK(srbf_material_sample_pdf_pairs_into(material, N, &wo_in, &u, &samples.direction, &pdf));
+    for (int i = 0; i < N; i++) {
+        memcpy(rays[i].value, rays[i].wi, sizeof rays[i].wi);
+        rays[i].other = rays[i].pdf;
+    }
     CHECK_OK(srbf_material_sample_pairs_into(material, N, &wo_in, &u, &samples));
+    for (int i = 0; i < N; i++) {
+        CHECK(are_near(rays[i].value, rays[i].wi) && is_near(rays[i].pdf, rays[i].other));
+    }
     for (int i = 0; i < N; i++) {
         rays[i].other = rays[i].pdf, rays[i].pdf = -1;
     }

@@ -68,6 +68,7 @@ pub const LEVELS: &[Entry] = &[
     entry("batch pdf", "relative / (2 + |t|)", 3e-7),
     entry("one value", "relative / (2 + |t|)", 3e-7),
     entry("one pdf", "relative / (2 + |t|)", 3e-7),
+    entry("one luminance", "relative / (2 + |t|)", 3e-7),
     entry("sampled pdf", "relative / (2 + |t|)", 3e-7),
     entry("sampled weight", "relative", 3e-7),
 ];

@@ -266,6 +266,32 @@ fn crc32(bytes: &[u8]) -> u32 {
 }
 
 #[test]
+fn a_mixture_that_held_more_lobes_forgets_them() {
+    let _guard = LEVEL.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+    let before = Level::current();
+    let bytes = Made::new(13, 4, 1, 8.0).encode();
+    let few = Material::from_bytes(&bytes).unwrap();
+    let many = Material::from_bytes(include_bytes!("../../presets/garnet_red.srbf")).unwrap();
+    assert!(many.lobe_count() > 8 && few.lobe_count() < 8, "a vector of 8 lanes more than is needed");
+    for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
+        level.set().unwrap();
+        let mut random = Random(13);
+        let mut m = Mixture::<16>::empty();
+        for _ in 0..100 {
+            let (wo, wi) = (random.direction(), random.direction());
+            many.prepare(wo.with_z(wo.z.abs()), &mut m).unwrap();
+            few.prepare(wo, &mut m).unwrap();
+            let fresh = prepare(&few, wo);
+            assert_eq!(m.evaluate_and_pdf(wi), fresh.evaluate_and_pdf(wi), "{level:?}, {wo}, {wi}");
+            assert_eq!(m.pdf(wi), fresh.pdf(wi), "{level:?}, {wo}, {wi}");
+            let u = random.three();
+            assert_eq!(m.sample(u), fresh.sample(u), "{level:?}, {wo}, {u:?}");
+        }
+    }
+    before.set().unwrap();
+}
+
+#[test]
 fn every_level_gives_the_f64_values_one_by_one_in_batches_and_in_pairs() {
     let _guard = LEVEL.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
     let before = Level::current();

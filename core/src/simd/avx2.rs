@@ -41,6 +41,7 @@ impl Lanes for Avx2 {
     const PAIRED: bool = true;
     type Mask = __m256;
     type Index = __m256i;
+    type One = super::fused::Fused;
 
     #[inline(always)]
     fn splat(value: f32) -> Self {

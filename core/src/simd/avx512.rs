@@ -41,6 +41,7 @@ impl Lanes for Avx512 {
     const PAIRED: bool = true;
     type Mask = __mmask16;
     type Index = __m512i;
+    type One = super::fused::Fused;
 
     #[inline(always)]
     fn splat(value: f32) -> Self {

@@ -39,6 +39,7 @@ impl Lanes for Wide {
     const PAIRED: bool = false;
     type Mask = f32x8;
     type Index = [u32; 8];
+    type One = f32;
 
     #[inline(always)]
     fn splat(value: f32) -> Self {

@@ -60,6 +60,7 @@ pub fn check(level: Level) -> Result<Findings, srbf_core::Error> {
         "batch pdf",
         "one value",
         "one pdf",
+        "one luminance",
         "sampled pdf",
         "sampled weight",
     ];
@@ -209,26 +210,70 @@ fn check_prepared(mirrored: usize, random: &mut Random, found: &mut Findings) {
         let azimuth = libm::atan2(f64::from(-wo.y), f64::from(-wo.x));
         check_samples(&m, azimuth, &format!("prepared {n}, wo {wo}"), random, found);
     }
+    check_pairs(&material, random, found);
+}
+
+/// Values, densities and samples of pairs at every count are those of the mixtures one by one, and those are the truth's.
+fn check_pairs(material: &Material<'_>, random: &mut Random, found: &mut Findings) {
     let wo: Vec<Vec3> = (0..COUNTS).map(|_| random.direction()).collect();
-    let (wi, wo_arrays) = (
-        structure_of_arrays(&wo.iter().map(|d| Vec3::new(d.y, d.z, d.x)).collect::<Vec<_>>()),
-        structure_of_arrays(&wo),
-    );
+    let wi: Vec<Vec3> = wo.iter().map(|d| Vec3::new(d.y, d.z, d.x)).collect();
+    let u: Vec<Vec3> = (0..COUNTS).map(|_| Vec3::new(random.next(), random.next(), random.next())).collect();
+    let mut mixtures = vec![Mixture::<64>::empty(); COUNTS];
+    for (m, wo) in mixtures.iter_mut().zip(&wo) {
+        material.prepare(*wo, m).expect("a unit vector");
+    }
+    let (wo_arrays, wi_arrays) = (structure_of_arrays(&wo), structure_of_arrays(&wi));
+    let u_arrays = structure_of_arrays(&u);
     for n in 0..COUNTS {
-        let mut out = Guarded::<4>::new(n);
+        let (wo_in, wi_in, u_in) = (slices(&wo_arrays, n), slices(&wi_arrays, n), slices(&u_arrays, n));
+        let (mut out, mut one_channel) = (Guarded::<4>::new(n), Guarded::<2>::new(n));
+        let (mut drawn, mut bare) = (Guarded::<7>::new(n), Guarded::<4>::new(n));
         let [r, g, b, pdf] = out.slices();
-        let written = material.evaluate_pairs_into(slices(&wo_arrays, n), slices(&wi, n), [r, g, b], pdf);
-        if written.is_err() || !out.is_intact() {
+        let mut written = material.evaluate_pairs_into(wo_in, wi_in, [r, g, b], pdf);
+        let [pdf, luminance] = one_channel.slices();
+        written = written
+            .and(material.pdf_pairs_into(wo_in, wi_in, pdf))
+            .and(material.luminance_pairs_into(wo_in, wi_in, luminance));
+        let [x, y, z, pdf, r, g, b] = drawn.slices();
+        let samples = SamplesMut { direction: [x, y, z], pdf, weight: [r, g, b] };
+        written = written.and(material.sample_pairs_into(wo_in, u_in, samples));
+        let [x, y, z, pdf] = bare.slices();
+        written = written.and(material.sample_pdf_pairs_into(wo_in, u_in, [x, y, z], pdf));
+        let intact = out.is_intact() && one_channel.is_intact() && drawn.is_intact() && bare.is_intact();
+        if written.is_err() || !intact {
             found.fault(format!("{n} pairs: {written:?}, or a guard zone was written"));
         }
-        for (i, wo) in wo[..n].iter().enumerate() {
-            let mut m = Mixture::<16>::empty();
-            material.prepare(*wo, &mut m).expect("a unit vector");
-            let d = Vec3::new(wi[0][i], wi[1][i], wi[2][i]);
-            let (value, pdf) = m.evaluate_and_pdf(d);
-            let got = [out.at(0, i), out.at(1, i), out.at(2, i), out.at(3, i)];
-            if got != [value.x, value.y, value.z, pdf] {
-                found.fault(format!("pair {i} of {n}: {got:?}, one by one {value} {pdf}"));
+        for (i, m) in mixtures[..n].iter().enumerate() {
+            let place = format!("pair {i} of {n}: wo {}, wi {}, u {}", wo[i], wi[i], u[i]);
+            let (value, pdf) = m.evaluate_and_pdf(wi[i]);
+            let got = [out.at(0, i), out.at(1, i), out.at(2, i), out.at(3, i), one_channel.at(0, i)];
+            if got != [value.x, value.y, value.z, pdf, m.pdf(wi[i])] {
+                found.fault(format!("{place}: {got:?}, one by one {value} {pdf} {}", m.pdf(wi[i])));
+            }
+            let azimuth = libm::atan2(f64::from(-wo[i].y), f64::from(-wo[i].x));
+            let power = f64::from(m.power());
+            if wo[i].z >= 0.0 {
+                let want = truth(m, azimuth, wi[i]);
+                let (value, scale) = (want.luminance(), want.luminance_scale());
+                found.see("one pdf", one_channel.at(0, i), value / power, scale / power, &place);
+                found.see("one luminance", one_channel.at(1, i), value, scale, &place);
+            } else if [one_channel.at(0, i), one_channel.at(1, i)] != [0.0; 2] {
+                found.fault(format!("{place}: below the horizon, and not 0"));
+            }
+
+            let d = Vec3::new(bare.at(0, i), bare.at(1, i), bare.at(2, i));
+            let one = m.sample_direction(u[i].to_array()).unwrap_or(Vec3::Z);
+            let whole = Vec3::new(drawn.at(0, i), drawn.at(1, i), drawn.at(2, i));
+            if d != whole || d.distance(one) > 4e-6 {
+                found.fault(format!("{place}: drawn {d}, with weight {whole}, one by one {one}"));
+            }
+            if m.power() > 0.0 {
+                let want = truth(m, azimuth, d);
+                let (density, scale) = (want.luminance() / power, want.luminance_scale() / power);
+                found.see("sampled pdf", bare.at(3, i), density, scale, &place);
+                found.see("sampled pdf", drawn.at(3, i), density, scale, &place);
+            } else if bare.at(3, i) != 0.0 {
+                found.fault(format!("{place}: nothing is reflected, and the density is not 0"));
             }
         }
     }

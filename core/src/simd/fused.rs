@@ -1,0 +1,185 @@
+//! One f32 with the fused operations of AVX2 and AVX-512: for what such a level computes once and not in every lane.
+//!
+//! Every method is inlined into a function that enables `avx2,fma`, as those of [`super::avx2`] are, which is what makes
+//! each `unsafe` block here sound. Choices are blends and never branches: they depend on random numbers.
+#![allow(unsafe_code)]
+
+use crate::lanes::Lanes;
+use core::arch::x86_64::*;
+use core::ops::{Add, Div, Mul, Sub};
+
+/// One f32, whose [`mul_add`](Lanes::mul_add) rounds once.
+#[derive(Clone, Copy)]
+pub(crate) struct Fused(f32);
+
+macro_rules! operators {
+    ($($name:ident $method:ident)*) => { $(
+        impl $name for Fused {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(self.0.$method(other.0))
+            }
+        }
+    )* };
+}
+operators!(Add add Sub sub Mul mul Div div);
+
+impl Fused {
+    /// In the lowest lane of a register.
+    #[inline(always)]
+    fn wide(self) -> __m128 {
+        // SAFETY: the processor has SSE.
+        unsafe { _mm_set_ss(self.0) }
+    }
+    #[inline(always)]
+    fn of(wide: __m128) -> Self {
+        // SAFETY: the processor has SSE.
+        Self(unsafe { _mm_cvtss_f32(wide) })
+    }
+    #[inline(always)]
+    fn bits(self) -> __m128i {
+        // SAFETY: the processor has SSE2.
+        unsafe { _mm_castps_si128(self.wide()) }
+    }
+    #[inline(always)]
+    fn of_bits(bits: __m128i) -> Self {
+        // SAFETY: the processor has SSE2.
+        Self::of(unsafe { _mm_castsi128_ps(bits) })
+    }
+}
+
+impl Lanes for Fused {
+    const COUNT: usize = 1;
+    const FUSED: bool = true;
+    const PAIRED: bool = false;
+    type Mask = __m128;
+    type Index = usize;
+    type One = Self;
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        Self(value)
+    }
+    #[inline(always)]
+    fn load(from: &[f32]) -> Self {
+        Self(from[0])
+    }
+    #[inline(always)]
+    fn load_bytes(from: &[u8]) -> Self {
+        Self(f32::load_bytes(from))
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f32]) {
+        to[0] = self.0;
+    }
+    #[inline(always)]
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        // SAFETY: the processor has FMA, see the head of this file.
+        Self::of(unsafe { _mm_fmadd_ss(self.wide(), a.wide(), b.wide()) })
+    }
+    #[inline(always)]
+    fn neg_mul_add(self, a: Self, b: Self) -> Self {
+        // SAFETY: the processor has FMA, see the head of this file.
+        Self::of(unsafe { _mm_fnmadd_ss(self.wide(), a.wide(), b.wide()) })
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self(Lanes::min(self.0, other.0))
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self(Lanes::max(self.0, other.0))
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(Lanes::sqrt(self.0))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: the processor has SSE.
+        Self::of(unsafe { _mm_andnot_ps(_mm_set1_ps(-0.0), self.wide()) })
+    }
+    #[inline(always)]
+    fn copy_sign(self, sign: Self) -> Self {
+        // SAFETY: the processor has SSE.
+        Self::of(unsafe {
+            let bit = _mm_set1_ps(-0.0);
+            _mm_or_ps(_mm_andnot_ps(bit, self.wide()), _mm_and_ps(bit, sign.wide()))
+        })
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> __m128 {
+        // SAFETY: the processor has SSE.
+        unsafe { _mm_cmplt_ss(self.wide(), other.wide()) }
+    }
+    #[inline(always)]
+    fn ge(self, other: Self) -> __m128 {
+        // SAFETY: the processor has SSE.
+        unsafe { _mm_cmpge_ss(self.wide(), other.wide()) }
+    }
+    #[inline(always)]
+    fn select(mask: __m128, yes: Self, no: Self) -> Self {
+        // SAFETY: the processor has SSE4.1, see the head of this file.
+        Self::of(unsafe { _mm_blendv_ps(no.wide(), yes.wide(), mask) })
+    }
+    #[inline(always)]
+    fn add_exponent(self, n: Self) -> Self {
+        // SAFETY: the processor has SSE2.
+        Self::of_bits(unsafe { _mm_add_epi32(self.bits(), _mm_slli_epi32::<23>(n.bits())) })
+    }
+    #[inline(always)]
+    fn quarter_turns(n: Self, sin: Self, cos: Self) -> (Self, Self) {
+        // SAFETY: the processor has SSE4.1, see the head of this file.
+        unsafe {
+            // Sign bits: odd quarters swap; the sine is negative in 2 and 3, the cosine in 1 and 2.
+            let swap = _mm_castsi128_ps(_mm_slli_epi32::<31>(n.bits()));
+            let sine_sign = _mm_castsi128_ps(_mm_slli_epi32::<31>(_mm_srli_epi32::<1>(n.bits())));
+            let cosine_sign = _mm_xor_ps(sine_sign, swap);
+            let s = _mm_blendv_ps(sin.wide(), cos.wide(), swap);
+            let c = _mm_blendv_ps(cos.wide(), sin.wide(), swap);
+            (Self::of(_mm_xor_ps(s, sine_sign)), Self::of(_mm_xor_ps(c, cosine_sign)))
+        }
+    }
+    #[inline(always)]
+    fn split_exponent(self) -> (Self, Self) {
+        // SAFETY: the processor has SSE2.
+        unsafe {
+            let base = _mm_set1_epi32(0x3f35_04f3);
+            let bits = _mm_sub_epi32(self.bits(), base);
+            let e = _mm_srai_epi32::<23>(bits);
+            let m = _mm_add_epi32(_mm_and_si128(bits, _mm_set1_epi32(0x007f_ffff)), base);
+            (Self::of_bits(m), Self::of(_mm_cvtepi32_ps(e)))
+        }
+    }
+    #[inline(always)]
+    fn search(self, thresholds: &[f32]) -> usize {
+        self.0.search(thresholds)
+    }
+    #[inline(always)]
+    fn bits(mask: __m128) -> u64 {
+        // SAFETY: the processor has SSE.
+        (unsafe { _mm_movemask_ps(mask) } & 1) as u64
+    }
+    #[inline(always)]
+    fn index_below(index: usize, limit: usize) -> __m128 {
+        // SAFETY: the processor has SSE2.
+        unsafe { _mm_castsi128_ps(_mm_cvtsi32_si128(-i32::from(index < limit))) }
+    }
+    #[inline(always)]
+    fn lookup(table: &[f32], _len: usize, index: usize) -> Self {
+        Self(table[index])
+    }
+    #[inline(always)]
+    fn first(self) -> f32 {
+        self.0
+    }
+    #[inline(always)]
+    fn sum(self) -> f32 {
+        self.0
+    }
+    #[inline(always)]
+    fn iota() -> Self {
+        Self(0.0)
+    }
+}
