@@ -93,15 +93,7 @@ impl Table {
     /// # Errors
     /// [`FitError::Table`] for no view, too many, and angles out of range.
     pub fn from_brdf(brdf: &dyn Brdf, thetas: &[f64], density: Density) -> Result<Self, FitError> {
-        if thetas.is_empty() || thetas.len() > super::MAX_VIEWS {
-            return Err(FitError::Table(format!("{} views; from 1 to {}", thetas.len(), super::MAX_VIEWS)));
-        }
-        if let Some(theta) = thetas.iter().find(|t| !(0.0..FRAC_PI_2).contains(*t)) {
-            return Err(FitError::Table(format!("view at {} degrees", theta.to_degrees())));
-        }
-        let mut views: Vec<View> = thetas.par_iter().map(|&theta| tabulate(brdf, theta, density)).collect();
-        views.sort_by(|a, b| a.theta.total_cmp(&b.theta));
-        Ok(Self { views })
+        tabulate(brdf, thetas, density, &|_| Ok(None))
     }
 
     /// [`from_brdf`](Self::from_brdf) with directions drawn from the lobes of a material beside those that `density` says, other
@@ -117,31 +109,41 @@ impl Table {
         round: usize,
     ) -> Result<Self, FitError> {
         let material = Material::from_bytes(bytes)?;
-        let mut table = Self::from_brdf(brdf, thetas, density)?;
-        table.views.par_iter_mut().try_for_each(|view| {
-            let (wo, caps) = look(brdf, view.theta);
-            let drawn = Drawn::new(&material, view.theta, round)?;
-            view.samples = draw(brdf, wo, &caps, density, Some(&drawn));
-            Ok::<_, FitError>(())
-        })?;
-        Ok(table)
+        tabulate(brdf, thetas, density, &|theta| Drawn::new(&material, theta, round).map(Some))
     }
+}
+
+/// Tabulates a BRDF at views, with directions drawn beside those that `density` says.
+fn tabulate(
+    brdf: &dyn Brdf,
+    thetas: &[f64],
+    density: Density,
+    drawn: &(dyn Fn(f64) -> Result<Option<Drawn>, FitError> + Sync),
+) -> Result<Table, FitError> {
+    if thetas.is_empty() || thetas.len() > super::MAX_VIEWS {
+        return Err(FitError::Table(format!("{} views; from 1 to {}", thetas.len(), super::MAX_VIEWS)));
+    }
+    if let Some(theta) = thetas.iter().find(|t| !(0.0..FRAC_PI_2).contains(*t)) {
+        return Err(FitError::Table(format!("view at {} degrees", theta.to_degrees())));
+    }
+    let view = |&theta: &f64| {
+        let (wo, caps) = look(brdf, theta);
+        let samples = draw(brdf, wo, &caps, density, drawn(theta)?.as_ref());
+        let finer = Density { hemisphere: FINER * density.hemisphere, cap: FINER * density.cap };
+        let mut albedo = [0.0; 3];
+        for s in &draw(brdf, wo, &caps, finer, None) {
+            (0..3).for_each(|c| albedo[c] += s.weight * s.rgb[c] * s.direction[2]);
+        }
+        Ok(View { theta, samples, albedo })
+    };
+    let mut views = thetas.par_iter().map(view).collect::<Result<Vec<View>, FitError>>()?;
+    views.sort_by(|a, b| a.theta.total_cmp(&b.theta));
+    Ok(Table { views })
 }
 
 /// The value with everything that is no value taken as 0.
 fn value(brdf: &dyn Brdf, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
     brdf.evaluate(wi, wo).map(|v| if v.is_finite() { v.max(0.0) } else { 0.0 })
-}
-
-fn tabulate(brdf: &dyn Brdf, theta: f64, density: Density) -> View {
-    let (wo, caps) = look(brdf, theta);
-    let samples = draw(brdf, wo, &caps, density, None);
-    let finer = Density { hemisphere: FINER * density.hemisphere, cap: FINER * density.cap };
-    let mut albedo = [0.0; 3];
-    for s in &draw(brdf, wo, &caps, finer, None) {
-        (0..3).for_each(|c| albedo[c] += s.weight * s.rgb[c] * s.direction[2]);
-    }
-    View { theta, samples, albedo }
 }
 
 /// The outgoing direction of a view, and caps round its peak.
