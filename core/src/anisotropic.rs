@@ -153,7 +153,7 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     let (along, inverse) = (exp2(middle + reach), exp2(middle - reach));
     let (x, y) = (c * tilt_cos - s * tilt_sin, s * tilt_cos + c * tilt_sin);
     let shrink = 1.0 / Lanes::sqrt(x * x + y * y);
-    mixture.squeeze = Squeeze { azimuth: [x * shrink, y * shrink], along, inverse };
+    mixture.squeeze = Squeeze::new([x * shrink, y * shrink], along, inverse);
 
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let (onward, outward) = (L::splat(place.onward), L::splat(place.outward));

@@ -65,7 +65,7 @@ impl<K: Kernel> Folded<K> {
         if !(0.01..=2.0).contains(&c) {
             return Err(Error::Squeeze);
         }
-        Ok(Self { kernel, squeeze: Squeeze { inverse: 1.0 / c, ..Squeeze::NONE } })
+        Ok(Self { kernel, squeeze: Squeeze::new([1.0, 0.0], 1.0, 1.0 / c) })
     }
 
     /// The kernel without fold and squeeze.

@@ -186,7 +186,7 @@ impl<const N: usize> Mixture<N> {
             return Err(Error::Squeeze);
         }
         let mut mixture = Self::empty();
-        mixture.begin(domain, Squeeze { inverse: 1.0 / squeeze, ..Squeeze::NONE });
+        mixture.begin(domain, Squeeze::new([1.0, 0.0], 1.0, 1.0 / squeeze));
         for (k, lobe) in squeezed.iter().chain(round).enumerate() {
             let Lobe { gaussian, amplitude } =
                 Lobe::new(lobe.gaussian.axis, lobe.gaussian.sharpness, lobe.amplitude)?;

@@ -90,7 +90,7 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
         exp2(place.between::<L>(a, b, i)).store(&mut head[i..]);
         i += L::COUNT;
     }
-    mixture.squeeze = Squeeze { azimuth, inverse: 1.0 / head[0], ..Squeeze::NONE };
+    mixture.squeeze = Squeeze::new(azimuth, 1.0, 1.0 / head[0]);
     mixture.diffuse = Vec3::new(head[1], head[2], head[3]);
 
     // Twelve lobes are one and a half vectors of eight lanes: a pair of them, with constants loaded once.
@@ -151,72 +151,81 @@ fn lobes<L: Lanes, const N: usize>(
     mixture: &mut Mixture<N>,
 ) {
     let header = &material.header;
-    let count = header.lobes;
-    let total = count + header.mirrored;
-    // The last vector of the last row reaches past the view, and at the last view past the file.
-    let reach = 4 * (4 * count + total.next_multiple_of(L::COUNT));
+    let (count, mirrored) = (header.lobes, header.mirrored);
+    let total = count + mirrored;
+    // From as many numbers before the view as there are images, which lie so much before their own places: all that precedes
+    // a view is longer. The last vector reaches past the view, and at the last view past the file.
+    let reach = 4 * (4 * count + 2 * mirrored + total.next_multiple_of(L::COUNT));
     let (copy_a, copy_b);
-    let a = from_offset!(material.bytes, header.row(place.before, 0), reach, copy_a);
-    let b = from_offset!(material.bytes, header.row(place.after, 0), reach, copy_b);
-    let (a, b) = (&a[..reach], &b[..reach]);
+    let a = from_offset!(material.bytes, header.row(place.before, 0) - 4 * mirrored, reach, copy_a);
+    let b = from_offset!(material.bytes, header.row(place.after, 0) - 4 * mirrored, reach, copy_b);
+    let rows = Rows { a: &a[..reach], b: &b[..reach], place, count, mirrored };
     let zero = L::splat(0.0);
+    mixture.in_plane = mirrored == 0;
     let mut k = 0;
     while k < total && k + L::COUNT <= N {
-        // Beyond the stored lobes there is room for the images of mirrored ones, or nothing.
-        let valid = L::iota().lt(L::splat((count - k) as f32));
-        let angle = L::select(valid, place.between(a, b, k), zero);
-        let log_sharpness = L::select(valid, place.between(a, b, count + k), zero);
-        let log_red = place.between::<L>(a, b, 2 * count + k);
-        let log_green = place.between::<L>(a, b, 3 * count + k);
-        let log_blue = place.between::<L>(a, b, 4 * count + k);
-        let (sin, cos) = sin_cos(angle);
-        sin.store(&mut mixture.axis_x[k..]);
-        zero.store(&mut mixture.axis_y[k..]);
-        cos.store(&mut mixture.axis_z[k..]);
+        let valid = L::iota().lt(L::splat((total - k) as f32));
+        let angle = L::select(valid, rows.row(0, k), zero);
+        let log_sharpness = L::select(valid, rows.row(1, k), zero);
+        let log_red = rows.row::<L>(2, k);
+        let log_green = rows.row::<L>(3, k);
+        let log_blue = rows.row::<L>(4, k);
+        let (mut x, mut z) = sin_cos(angle);
+        let mut y = zero;
+        if mirrored > 0 && k + L::COUNT > count - mirrored {
+            let (sin, cos) = sin_cos(rows.off_plane(k));
+            (x, y, z) = (x * cos, sin, z * cos);
+        }
+        x.store(&mut mixture.axis_x[k..]);
+        y.store(&mut mixture.axis_y[k..]);
+        z.store(&mut mixture.axis_z[k..]);
         exp2(log_sharpness).store(&mut mixture.sharpness[k..]);
         L::select(valid, exp2(log_red), zero).store(&mut mixture.red[k..]);
         L::select(valid, exp2(log_green), zero).store(&mut mixture.green[k..]);
         L::select(valid, exp2(log_blue), zero).store(&mut mixture.blue[k..]);
         k += L::COUNT;
     }
-    if header.mirrored > 0 {
-        mirror::<L, N>(material, place, mixture);
-    }
     mixture.finish::<L>(total, header.squeezed, leave_out);
 }
 
-/// Takes the mirrored lobes, the last of the stored ones, off the plane of incidence, and puts their images behind them.
-#[inline(always)]
-fn mirror<L: Lanes, const N: usize>(material: &Material<'_>, place: Place, mixture: &mut Mixture<N>) {
-    let header = &material.header;
-    let (count, mirrored) = (header.lobes, header.mirrored);
-    let reach = 4 * mirrored.next_multiple_of(L::COUNT);
-    let (copy_a, copy_b);
-    let a = from_offset!(material.bytes, header.row(place.before, 5), reach, copy_a);
-    let b = from_offset!(material.bytes, header.row(place.after, 5), reach, copy_b);
-    let (mut sin, mut cos) = ([0.0; MAX_LOBES], [0.0; MAX_LOBES]);
-    let mut i = 0;
-    while i < mirrored && i + L::COUNT <= MAX_LOBES {
-        let (s, c) = sin_cos(place.between::<L>(a, b, i));
-        s.store(&mut sin[i..]);
-        c.store(&mut cos[i..]);
-        i += L::COUNT;
+/// The bytes of two views, from as many numbers before each as it has mirrored lobes.
+struct Rows<'a> {
+    a: &'a [u8],
+    b: &'a [u8],
+    place: Place,
+    count: usize,
+    mirrored: usize,
+}
+
+impl Rows<'_> {
+    /// Numbers of a row of a vector of lobes, images being what they mirror; behind the last lobe anything.
+    #[inline(always)]
+    fn row<L: Lanes>(&self, row: usize, k: usize) -> L {
+        let at = self.mirrored + row * self.count + k;
+        let stored = self.place.between(self.a, self.b, at);
+        if self.mirrored == 0 || k + L::COUNT <= self.count {
+            return stored;
+        }
+        let image = self.place.between(self.a, self.b, at - self.mirrored);
+        L::select(self.before::<L>(self.count, k), stored, image)
     }
-    mixture.in_plane = false;
-    let mut i = 0;
-    while i < mirrored && count + i < N {
-        let (k, image) = (count - mirrored + i, count + i);
-        mixture.axis_x[k] *= cos[i];
-        mixture.axis_y[k] = sin[i];
-        mixture.axis_z[k] *= cos[i];
-        mixture.axis_x[image] = mixture.axis_x[k];
-        mixture.axis_y[image] = -sin[i];
-        mixture.axis_z[image] = mixture.axis_z[k];
-        mixture.sharpness[image] = mixture.sharpness[k];
-        mixture.red[image] = mixture.red[k];
-        mixture.green[image] = mixture.green[k];
-        mixture.blue[image] = mixture.blue[k];
-        i += 1;
+
+    /// Angles out of the plane of incidence: 0, then those of the mirrored lobes, then their opposites, then 0.
+    #[inline(always)]
+    fn off_plane<L: Lanes>(&self, k: usize) -> L {
+        let zero = L::splat(0.0);
+        let at = 4 * self.count + self.mirrored + k;
+        let stored = self.place.between(self.a, self.b, at + self.mirrored);
+        let image = zero - self.place.between::<L>(self.a, self.b, at);
+        let image = L::select(self.before::<L>(self.count + self.mirrored, k), image, zero);
+        let mirrored = L::select(self.before::<L>(self.count, k), stored, image);
+        L::select(self.before::<L>(self.count - self.mirrored, k), zero, mirrored)
+    }
+
+    /// Which lobes of a vector come before one.
+    #[inline(always)]
+    fn before<L: Lanes>(&self, lobe: usize, k: usize) -> L::Mask {
+        L::iota().lt(L::splat(lobe as f32 - k as f32))
     }
 }
 

@@ -29,6 +29,8 @@ use crate::lanes::{Lanes, length_squared_minus_one, sum_of_products, two_product
 pub(crate) struct Squeeze {
     /// Cosine and sine of the azimuth, in the caller's frame, of the view's +x.
     pub azimuth: [f32; 2],
+    /// What the length of these two exceeds 1 by, having been rounded.
+    excess: f32,
     /// What x is multiplied by; 1 in isotropic materials.
     pub along: f32,
     /// What y is multiplied by, `1 / c`.
@@ -45,7 +47,14 @@ pub(crate) struct Seen<L> {
 }
 
 impl Squeeze {
-    pub const NONE: Self = Self { azimuth: [1.0, 0.0], along: 1.0, inverse: 1.0 };
+    pub const NONE: Self = Self { azimuth: [1.0, 0.0], excess: 0.0, along: 1.0, inverse: 1.0 };
+
+    /// `azimuth`: a unit vector but for rounding.
+    #[inline(always)]
+    pub fn new(azimuth: [f32; 2], along: f32, inverse: f32) -> Self {
+        let (c, s) = (f64::from(azimuth[0]), f64::from(azimuth[1]));
+        Self { azimuth, excess: (0.5 * (c * c + s * s - 1.0)) as f32, along, inverse }
+    }
 
     /// Whether the frame of the view is the caller's, so that turning loses nothing.
     #[inline(always)]
@@ -68,6 +77,10 @@ impl Squeeze {
         let (c, s) = (L::splat(self.azimuth[0]), L::splat(self.azimuth[1]));
         let (turned_x, low_x) = sum_of_products(x, c, y, s);
         let (turned_y, low_y) = sum_of_products(y, c, zero - x, s);
+        // Cosine and sine are rounded, so that x and y come out too long or too short by up to 6e-8.
+        let excess = L::splat(self.excess);
+        let low_x = excess.neg_mul_add(turned_x, low_x);
+        let low_y = excess.neg_mul_add(turned_y, low_y);
         Seen { high: [turned_x, turned_y, z], low: [low_x, low_y, zero], scale: one }
     }
 
@@ -107,7 +120,8 @@ impl Squeeze {
     /// In f64, where a processor with vectors spends less than on sums of two f32.
     #[inline(always)]
     pub fn see_one<L: Lanes>(&self, [x, y, z]: [f32; 3]) -> [Seen<L>; 2] {
-        let (c, s) = (f64::from(self.azimuth[0]), f64::from(self.azimuth[1]));
+        let length = 1.0 - f64::from(self.excess);
+        let (c, s) = (f64::from(self.azimuth[0]) * length, f64::from(self.azimuth[1]) * length);
         let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
         let (turned_x, turned_y) = (x * c + y * s, y * c - x * s);
         let squeezed_x = turned_x * f64::from(self.along);
