@@ -94,10 +94,11 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     mixture.diffuse = Vec3::new(head[1], head[2], head[3]);
 
     // Twelve lobes are one and a half vectors of eight lanes: a pair of them, with constants loaded once.
-    if L::PAIRED && 2 * L::COUNT <= 16 {
-        lobes::<Two<L>, N>(material, place, leave_out, mixture);
-    } else {
-        lobes::<L, N>(material, place, leave_out, mixture);
+    match (L::PAIRED && 2 * L::COUNT <= 16, material.header.mirrored > 0) {
+        (true, true) => lobes::<Two<L>, N, true>(material, place, leave_out, mixture),
+        (true, false) => lobes::<Two<L>, N, false>(material, place, leave_out, mixture),
+        (false, true) => lobes::<L, N, true>(material, place, leave_out, mixture),
+        (false, false) => lobes::<L, N, false>(material, place, leave_out, mixture),
     }
     Ok(())
 }
@@ -142,16 +143,16 @@ impl Place {
     }
 }
 
-/// Interpolates the lobes and completes the mixture.
+/// Interpolates the lobes and completes the mixture. `MIRRORED`: some of them are.
 #[inline(always)]
-fn lobes<L: Lanes, const N: usize>(
+fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
     material: &Material<'_>,
     place: Place,
     leave_out: LeaveOut,
     mixture: &mut Mixture<N>,
 ) {
     let header = &material.header;
-    let (count, mirrored) = (header.lobes, header.mirrored);
+    let (count, mirrored) = (header.lobes, if MIRRORED { header.mirrored } else { 0 });
     let total = count + mirrored;
     // From as many numbers before the view as there are images, which lie so much before their own places: all that precedes
     // a view is longer. The last vector reaches past the view, and at the last view past the file.

@@ -13,7 +13,9 @@ pub struct Settings {
     pub error: Option<f64>,
     /// How many lobes see the squeezed direction: those of the highlight. `None`: what turns out best.
     pub squeezed: Option<usize>,
-    /// How many pairs of the lobes are mirrored in the plane of incidence: those of what lies beside it. `None`: what turns out best.
+    /// How many pairs of the lobes are mirrored in the plane of incidence: those of what lies beside it. `None`: for what can be
+    /// evaluated anywhere, what turns out best; for samples none, as the few that a view has do not show whether they help
+    /// (the error over samples and views left out is the same), and pairs cost time.
     pub mirrored: Option<usize>,
     /// Weight of the roughness from view to view. Smaller fits the samples better, larger what lies between them. What can be
     /// evaluated anywhere is fitted with two fifths of it.
@@ -91,18 +93,17 @@ impl Settings {
         Self { lobes, squeezed, mirrored, ..self.clone() }
     }
 
-    /// Numbers of squeezed lobes and of mirrored pairs that are tried.
-    pub(crate) fn shapes(&self) -> Vec<(usize, usize)> {
-        let share = |n: usize| (n * self.lobes).div_ceil(12);
-        let mut shapes: Vec<(usize, usize)> = SHAPES
-            .iter()
-            .map(|&(squeezed, mirrored)| {
-                let squeezed = self.squeezed.unwrap_or(share(squeezed));
-                let most = (self.lobes - squeezed) / 2;
-                (squeezed, self.mirrored.unwrap_or(mirrored * self.lobes / 12).min(most))
-            })
-            .collect();
-        shapes.dedup();
+    /// Numbers of squeezed lobes and of mirrored pairs that are tried; `pairs`: whether pairs are if the settings do not say.
+    pub(crate) fn shapes(&self, pairs: bool) -> Vec<(usize, usize)> {
+        let mut shapes = Vec::new();
+        for (squeezed, mirrored) in SHAPES {
+            let squeezed = self.squeezed.unwrap_or((squeezed * self.lobes).div_ceil(12));
+            let tried = if pairs { mirrored * self.lobes / 12 } else { 0 };
+            let shape = (squeezed, self.mirrored.unwrap_or(tried).min((self.lobes - squeezed) / 2));
+            if !shapes.contains(&shape) {
+                shapes.push(shape);
+            }
+        }
         shapes
     }
 

@@ -140,7 +140,7 @@ pub(crate) fn run(
         Some(knots) => knots.clone(),
         None => Layout::knots_at(table.views.iter().map(|v| v.theta), KNOT_DISTANCE),
     };
-    let shapes = settings.shapes();
+    let shapes = settings.shapes(look_again.is_some());
     let layout = |&(squeezed, mirrored): &(usize, usize)| Layout {
         lobes: settings.lobes - mirrored,
         squeezed,
