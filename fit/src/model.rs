@@ -76,8 +76,9 @@ impl Lobes {
                 *out = j * (exp(s * (x + z - 1.0)) + exp(s * (x - z - 1.0)));
             }
         }
-        for k in self.first_mirrored()..self.len() {
-            out[k] = self.mirrored(k, d);
+        let first = self.first_mirrored();
+        for (m, out) in out[first..self.len()].iter_mut().enumerate() {
+            *out = self.mirrored(first + m, d);
         }
         out[self.len()] = d[2] * FRAC_1_PI;
     }
