@@ -2,11 +2,13 @@
 
 use crate::anisotropic;
 use crate::choice;
+use crate::dense;
 use crate::knots;
 use crate::report::ViewReport;
 use crate::table::evaluable::{Brdf, Density, Symmetry};
 use crate::table::{Content, Table};
-use crate::track::{self, Data, ENERGY_OF_A_QUADRATURE};
+use crate::track::{self, Data, Source};
+use crate::tracked::knots as knots_of;
 use crate::{Fit, FitError, Settings, fit};
 use std::time::Instant;
 
@@ -61,29 +63,38 @@ fn fit_with(brdf: &dyn Brdf, settings: &Settings, progress: impl FnMut(f64)) -> 
         return anisotropic::fit_brdf(brdf, settings, progress);
     }
     let start = Instant::now();
-    let last = LAST_KNOT.to_radians();
-    let knots = match &settings.knots {
-        Some(knots) => knots.clone(),
-        None => knots::place(brdf, settings.views, last)?,
-    };
-    let end = knots[knots.len() - 1].min(last);
-    let table = Table::from_brdf(brdf, &tabulated(&knots, end, 0), Density::default())?;
-    let mut middles: Vec<f64> = knots.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
-    middles.retain(|&theta| theta < end);
-    let held_out =
-        if middles.is_empty() { Vec::new() } else { Table::from_brdf(brdf, &middles, HELD_OUT)?.views };
-
-    let look_again = |bytes: &[u8], round| {
-        Table::seen_by(brdf, &tabulated(&knots, end, 1 + round), Density::default(), bytes, round)
-    };
-    let smoothness = DENSE * settings.smoothness;
-    let settings = Settings { knots: Some(knots.clone()), smoothness, ..settings.clone() };
-    let data = Data { table: &table, energy: ENERGY_OF_A_QUADRATURE, look_again: Some(&look_again) };
-    let mut fit = track::run(data, &settings, progress)?;
-    let reports = held_out.iter().map(|view| ViewReport::new(&fit.bytes, view));
-    fit.report.held_out = reports.collect::<Result<_, _>>()?;
+    let source = Evaluable(brdf);
+    let settings = Settings { smoothness: DENSE * settings.smoothness, ..settings.clone() };
+    let mut fit = track::run(Data::Source(&source), &settings, progress)?;
+    let mut middles = dense::halfway(&knots_of(&fit.bytes)?);
+    middles.retain(|theta| *theta < LAST_KNOT.to_radians());
+    if !middles.is_empty() {
+        let held_out = Table::from_brdf(brdf, &middles, HELD_OUT)?;
+        let reports = held_out.views.iter().map(|view| ViewReport::new(&fit.bytes, view));
+        fit.report.held_out = reports.collect::<Result<_, _>>()?;
+    }
     fit.report.seconds = start.elapsed().as_secs_f64();
     Ok(fit)
+}
+
+/// What can be evaluated, as the fit sees it.
+struct Evaluable<'a>(&'a dyn Brdf);
+
+impl Source for Evaluable<'_> {
+    fn knots(&self, count: usize) -> Result<Vec<f64>, FitError> {
+        knots::place(self.0, count, LAST_KNOT.to_radians())
+    }
+
+    fn table(&self, knots: &[f64], seen: Option<(&[u8], usize)>) -> Result<Table, FitError> {
+        let end = knots[knots.len() - 1].min(LAST_KNOT.to_radians());
+        match seen {
+            None => Table::from_brdf(self.0, &tabulated(knots, end, 0), Density::default()),
+            Some((bytes, round)) => {
+                let thetas = tabulated(knots, end, 1 + round);
+                Table::seen_by(self.0, &thetas, Density::default(), bytes, round)
+            }
+        }
+    }
 }
 
 /// Angles of the table's views: at irregular places in every interval, so that what a lobe does between knots is seen

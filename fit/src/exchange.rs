@@ -41,16 +41,17 @@ struct Residual {
     worth: Vec<f64>,
 }
 
-/// Exchanges lobes up to `rounds` times; `tick` is called after each step of the solver. Returns the cost.
+/// Exchanges lobes up to `rounds` times, for families that follow from `seed`; `tick` is called after each step of the solver. Returns the cost.
 pub(crate) fn exchange(
     objective: &Objective,
     x: &mut Vec<f64>,
     cost: f64,
     (rounds, limits): (usize, Limits),
+    seed: u64,
     mut tick: impl FnMut(),
 ) -> f64 {
     let layout = &objective.layout;
-    let mut random = Random::new(0xe8c4);
+    let mut random = Random::new(0xe8c4 + seed);
     let mut cost = cost;
     // Slots that were tried in vain since the last success.
     let mut vain: Vec<usize> = Vec::new();
@@ -273,7 +274,7 @@ mod tests {
         let weights = Weights { smoothness: 1e-6, energy: 1.0 };
         let limits = Limits { steps: 60, improvement: 1e-4, weights };
         let before = levenberg::minimize(&objective, &mut x, limits, || {});
-        let after = exchange(&objective, &mut x, before, (8, limits), || {});
+        let after = exchange(&objective, &mut x, before, (8, limits), 0, || {});
         assert!(after < 0.2 * before, "{before} {after}");
     }
 }

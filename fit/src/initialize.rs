@@ -3,7 +3,8 @@
 //! Every start is a family of lobes that is sensible at every view at once, so that lobe k of one view already is lobe k
 //! of the next: sharpness in a geometric series, the same at all views; narrow lobes point to the mirror direction, wide
 //! ones to the normal (`angle = theta s / (s + s0)`); the squeeze is the cosine of the view. The amplitudes are the
-//! best non-negative ones, view by view. Mirrored lobes are wide, and as far off the plane of incidence as within it. Starts differ in the range of the series, in `s0`, and by a jitter.
+//! best non-negative ones, view by view. Mirrored lobes are narrow ones beside the plane of incidence, a little more than their width off it: a
+//! peak that is no Gaussian needs several lobes side by side. Starts differ in the range of the series, in `s0`, and by a jitter.
 
 use crate::model::Lobes;
 use crate::parameters::Layout;
@@ -18,8 +19,11 @@ const LEAST_SQUEEZE: f64 = 0.08;
 /// solver to feel it.
 const FAINT: f64 = 2e-3;
 
-/// Sharpness of the widest and the narrowest mirrored lobe.
-const MIRRORED: (f64, f64) = (4.0, 16.0);
+/// Sharpness of the widest and the narrowest mirrored lobe over that of the narrowest lobe of all.
+const MIRRORED: (f64, f64) = (0.03, 0.5);
+
+/// Angle of mirrored lobes out of the plane of incidence, over the inverse root of their sharpness.
+const WIDTHS: f64 = 1.2;
 
 /// Largest albedo of a start.
 const BRIGHTEST: f64 = 0.9;
@@ -50,7 +54,7 @@ pub(crate) fn start(table: &Table, layout: &Layout, n: usize) -> Vec<f64> {
                 // The widest is the last, which may be the defensive lobe.
                 series(1.2, round_top, in_plane - 1 - k, in_plane - layout.squeezed)
             } else {
-                series(MIRRORED.0, MIRRORED.1, k - in_plane, layout.mirrored)
+                series(MIRRORED.0 * top, MIRRORED.1 * top, k - in_plane, layout.mirrored)
             };
             s * libm::exp(vary(0.7))
         })
@@ -93,7 +97,9 @@ fn shape(layout: &Layout, theta: f64, sharpness: &[f64], lean: &[f64], q: &mut [
         q[layout.sharpness(k)] = libm::log(sharpness[k]);
     }
     for m in 0..layout.mirrored {
-        q[layout.off_plane(m)] = theta * lean[layout.first_mirrored() + m].abs();
+        // At the normal every axis is the normal.
+        let is_free = f64::from(u8::from(theta != 0.0));
+        q[layout.off_plane(m)] = is_free * WIDTHS / libm::sqrt(sharpness[layout.first_mirrored() + m]);
     }
 }
 

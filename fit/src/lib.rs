@@ -23,6 +23,7 @@ mod parameters;
 mod random;
 pub mod reciprocity;
 pub mod report;
+mod schedule;
 mod settings;
 pub mod table;
 pub mod thesis;

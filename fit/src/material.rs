@@ -11,6 +11,16 @@ const MOST: f64 = 0.999;
 /// Views between two knots at which the albedo is looked at.
 const LOOKS: usize = 64;
 
+/// As many views as take no more bytes than those of a layout would if no lobe stood for two.
+pub(crate) fn views_of_equal_size(layout: &Layout) -> usize {
+    let views = layout.knots.len();
+    let size = encoded_len(views, layout.lobes + layout.mirrored, 0, "");
+    (views..=2 * views)
+        .rev()
+        .find(|&n| encoded_len(n, layout.lobes, layout.mirrored, "") <= size)
+        .unwrap_or(views)
+}
+
 /// Encodes unknowns as a material.
 ///
 /// Between knots a lobe's energy is interpolated nearly geometrically, which is never above the straight line, so the

@@ -24,9 +24,15 @@ use rayon::prelude::*;
 const TAIL: f64 = 0.03;
 /// Share of a view's mean below which the variance no longer asks for relative accuracy: there it is noise.
 const TAIL_FLOOR: f64 = 0.05;
+/// Times by which lobes may fall short of the table before the tail weighs more there, by the square, and how much more at most:
+/// `f cos / pdf` is about as many times the mean there (chrome: 10 in place of 27).
+const SHORT: f64 = 3.0;
+const MOST_SHORT: f64 = 30.0;
 /// Share of the albedo that the defensive lobe has at least. With its bounds (`crate::parameters`) every direction has at
-/// least 0.012 of it as density, 2.5e-5 / sr: that bounds `f cos / pdf`.
+/// least 0.012 of it as density, 2.5e-5 / sr: that bounds `f cos / pdf`. Without such a lobe the diffuse term
+/// has `DEFENSIVE_DIFFUSE`.
 const DEFENSIVE: f64 = 0.002;
+const DEFENSIVE_DIFFUSE: f64 = 0.01;
 /// Albedo from which a view is pulled down.
 const CEILING: f64 = 0.96;
 /// Weight of the excess.
@@ -144,6 +150,10 @@ impl Objective {
                     return (low.max(self.ln_defensive[knot][c]), high);
                 }
             }
+        } else if let Some(c) = (0..3).find(|&c| index == self.layout.diffuse(c)) {
+            let share = self.ln_defensive[knot][c]
+                + libm::log(sphere_integral(LN_SHARPNESS_DEFENSIVE.1).0 * DEFENSIVE_DIFFUSE / DEFENSIVE);
+            return (low.max(share), high);
         }
         (low, high)
     }
@@ -169,7 +179,9 @@ impl Objective {
                     sum += value;
                 }
                 let bright = point.target.iter().sum::<f64>();
-                point.weight = point.tail / (sum.min(bright) / 3.0 + point.floor);
+                let short = bright / (SHORT * sum).max(1e-300);
+                let short = (short * short).clamp(1.0, MOST_SHORT);
+                point.weight = point.tail * short / (sum.min(bright) / 3.0 + point.floor);
             }
             errors.push(libm::sqrt(square));
         }

@@ -23,7 +23,7 @@ pub(crate) struct Layout {
 /// Bounds of the unknowns of a kind: what a material can store, and no wider than fits need.
 const ANGLE: (f64, f64) = (-1.8, 2.2);
 const OFF_PLANE: (f64, f64) = (0.0, 1.55);
-const LN_SQUEEZE: (f64, f64) = (-4.5, 0.5);
+const LN_SQUEEZE: (f64, f64) = (-4.5, 0.69);
 const LN_SHARPNESS: (f64, f64) = (-3.0, 14.0);
 const LN_AMPLITUDE: (f64, f64) = (-40.0, 30.0);
 
@@ -131,6 +131,15 @@ impl Layout {
         for (out, (a, b)) in out.iter_mut().zip(before.iter().zip(after)) {
             *out = a + blend * (b - a);
         }
+    }
+
+    /// The unknowns at the knots of another layout of the same lobes.
+    pub fn resampled(&self, x: &[f64], other: &Self) -> Vec<f64> {
+        let mut new = vec![0.0; other.len()];
+        for (q, theta) in new.chunks_exact_mut(other.stride()).zip(&other.knots) {
+            self.interpolate(x, self.place(*theta), q);
+        }
+        new
     }
 
     /// Albedo of interpolated unknowns, the closed form `sum a I(s)`.

@@ -6,14 +6,16 @@
 use crate::choice;
 use crate::exchange;
 use crate::initialize;
-use crate::levenberg::{self, Limits};
+use crate::levenberg;
 use crate::material;
-use crate::objective::{Objective, Weights};
+use crate::objective::Objective;
 use crate::parameters::Layout;
-use crate::report::{Report, ViewReport};
+use crate::report::{Report, ViewReport, mean_error};
+use crate::schedule::{Stage, stages};
 use crate::table::Table;
 use crate::{FitError, Settings};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
@@ -49,42 +51,6 @@ const LOOKS: usize = 3;
 /// that ilm_solo_m_68 ends at 15 % in place of 12 %.
 const MOST_SCALE: f64 = 3.0;
 
-/// One stage of a fit.
-#[derive(Clone, Copy, Debug)]
-struct Stage {
-    /// Candidates that take part, the best of the stage before.
-    keep: usize,
-    /// Whether it sees the whole table, with weights that follow the candidate as it is.
-    full: bool,
-    /// Times that a candidate is moved downhill: after the first, a lobe is exchanged before each.
-    runs: usize,
-    limits: Limits,
-    /// Whether the albedo is held closely.
-    last: bool,
-    /// The round of the table made again that it sees, if it can be.
-    look: Option<usize>,
-}
-
-fn stages(settings: &Settings, energy: f64, looks: usize) -> Vec<Stage> {
-    let stage = |keep, full, steps, runs, stiffness: f64, energy, improvement, last| {
-        let weights = Weights { smoothness: stiffness * settings.smoothness, energy };
-        Stage { keep, full, runs, limits: Limits { steps, improvement, weights }, last, look: None }
-    };
-    let last =
-        |look| Stage { look, ..stage(1, true, settings.steps.div_ceil(4), 1, 1.0, energy, 1e-3, true) };
-    let mut stages = vec![
-        stage(settings.starts, false, 25, 1, 100.0, 1.0, 1e-3, false),
-        stage(4, false, settings.steps / 4, 1, 10.0, 1.0, 1e-3, false),
-        stage(2, false, settings.steps.div_ceil(6), 1 + settings.exchanges, 3.0, 1.0, 1e-3, false),
-        stage(1, true, settings.steps, 1, 1.0, 1.0, 1e-4, false),
-    ];
-    if looks == 0 {
-        stages.push(last(None));
-    }
-    stages.extend((0..looks).map(|round| last(Some(round))));
-    stages
-}
-
 /// One start on its way.
 struct Candidate {
     /// Index of its numbers of squeezed and of mirrored lobes.
@@ -103,29 +69,36 @@ struct Candidate {
 pub fn fit(table: &Table, settings: &Settings, progress: impl FnMut(f64)) -> Result<Fit, FitError> {
     settings.check()?;
     if let Some(error) = settings.error {
-        let fit = |settings: &Settings| run(Data::samples(table), settings, |_| {});
+        let fit = |settings: &Settings| run(Data::Samples(table), settings, |_| {});
         return choice::fewest_lobes(settings, error, progress, fit);
     }
-    run(Data::samples(table), settings, progress)
+    run(Data::Samples(table), settings, progress)
 }
 
-/// Makes the table again with directions that lobes draw: bytes of a material, and a number of the round.
-pub(crate) type LookAgain<'a> = dyn Fn(&[u8], usize) -> Result<Table, FitError> + Sync + 'a;
+/// What can be tabulated wherever the fit asks for it.
+pub(crate) trait Source: Sync {
+    /// As many knots, where the material changes.
+    fn knots(&self, count: usize) -> Result<Vec<f64>, FitError>;
+
+    /// A table of views between knots. With `seen`, bytes of a material and a number: also in directions that its lobes draw,
+    /// others and at other views for every number.
+    fn table(&self, knots: &[f64], seen: Option<(&[u8], usize)>) -> Result<Table, FitError>;
+}
 
 /// What is fitted.
 #[derive(Clone, Copy)]
-pub(crate) struct Data<'a> {
-    pub table: &'a Table,
-    /// Weight of the albedo in the last stage.
-    pub energy: f64,
-    /// For what can be evaluated anywhere.
-    pub look_again: Option<&'a LookAgain<'a>>,
+pub(crate) enum Data<'a> {
+    Samples(&'a Table),
+    Source(&'a dyn Source),
 }
 
-impl<'a> Data<'a> {
-    fn samples(table: &'a Table) -> Self {
-        Self { table, energy: ENERGY_OF_SAMPLES, look_again: None }
-    }
+/// How far a fit has come.
+struct Work<'a> {
+    done: usize,
+    total: usize,
+    progress: &'a mut dyn FnMut(f64),
+    /// Evaluations of what is made small.
+    evaluations: AtomicUsize,
 }
 
 /// [`fit`], of any data.
@@ -135,69 +108,137 @@ pub(crate) fn run(
     mut progress: impl FnMut(f64),
 ) -> Result<Fit, FitError> {
     let start = Instant::now();
-    let Data { table, energy, look_again } = data;
-    let knots = match &settings.knots {
-        Some(knots) => knots.clone(),
-        None => Layout::knots_at(table.views.iter().map(|v| v.theta), KNOT_DISTANCE),
+    let knots = match (&settings.knots, data) {
+        (Some(knots), _) => knots.clone(),
+        (None, Data::Samples(table)) => Layout::knots_at(table.views.iter().map(|v| v.theta), KNOT_DISTANCE),
+        (None, Data::Source(source)) => source.knots(settings.views)?,
     };
-    let shapes = settings.shapes(look_again.is_some());
-    let layout = |&(squeezed, mirrored): &(usize, usize)| Layout {
+    let table = match data {
+        Data::Samples(table) => Cow::Borrowed(table),
+        Data::Source(source) => Cow::Owned(source.table(&knots, None)?),
+    };
+    let (energy, looks) = match data {
+        Data::Samples(_) => (ENERGY_OF_SAMPLES, 0),
+        Data::Source(_) => (ENERGY_OF_A_QUADRATURE, LOOKS),
+    };
+    let stages = stages(settings, energy, looks);
+    let total = stages.iter().map(|stage| stage.work(settings)).sum();
+    let mut work = Work { done: 0, total, progress: &mut progress, evaluations: AtomicUsize::new(0) };
+
+    let (scouting, refining) = stages.split_at(stages.partition_point(|stage| !stage.full));
+    let shapes = settings.shapes(matches!(data, Data::Source(_)));
+    let layouts = shapes.into_iter().map(|(squeezed, mirrored)| Layout {
         lobes: settings.lobes - mirrored,
         squeezed,
         mirrored,
         knots: knots.clone(),
+    });
+    let scouted = scout(&table, layouts.collect(), settings, scouting, &mut work)?;
+    let mut finalists = Vec::new();
+    for (layout, candidate) in scouted {
+        finalists.push(Finalist::new(data, settings, &table, layout, candidate)?);
+    }
+    for stage in refining {
+        finalists.truncate(stage.keep);
+        for finalist in &mut finalists {
+            finalist.advance(data, stage, &mut work)?;
+            work.done += stage.runs * stage.limits.steps;
+        }
+        finalists.sort_by(|a, b| a.error.total_cmp(&b.error));
+    }
+    let Some(Finalist { layout, table, candidate, .. }) = finalists.into_iter().next() else {
+        return Err(FitError::Setting { name: "starts", reason: "at least 1".into() });
     };
-    let objectives_on = |table: &Table| {
-        shapes.iter().map(|n| Objective::new(table, layout(n))).collect::<Result<Vec<_>, _>>()
-    };
-    let (thin, full) = (objectives_on(&table.thinned(SCOUTED_SAMPLES))?, objectives_on(table)?);
 
+    let text = format!("{}{}", settings.provenance, settings.describe(&layout));
+    let bytes = material::encode(&layout, &candidate.x, &text)?;
+    let views = reports(&bytes, &table)?;
+    let evaluations = work.evaluations.into_inner();
+    progress(1.0);
+    let seconds = start.elapsed().as_secs_f64();
+    Ok(Fit { bytes, report: Report { views, seconds, evaluations, ..Report::default() } })
+}
+
+/// Takes all starts through the first stages, on a thinned table, and returns the best of each shape, the best first.
+fn scout(
+    table: &Table,
+    layouts: Vec<Layout>,
+    settings: &Settings,
+    stages: &[Stage],
+    work: &mut Work<'_>,
+) -> Result<Vec<(Layout, Candidate)>, FitError> {
     let mut candidates: Vec<Candidate> = (0..settings.starts)
-        .map(|n| Candidate {
-            shape: n % shapes.len(),
-            start: n,
+        .map(|start| Candidate {
+            shape: start % layouts.len(),
+            start,
             is_second: false,
             cost: f64::INFINITY,
             x: Vec::new(),
         })
         .collect();
-    let stages = stages(settings, energy, if look_again.is_some() { LOOKS } else { 0 });
-    let work = |s: &Stage| s.keep.min(settings.starts) * s.runs * s.limits.steps;
-    let total: usize = stages.iter().map(work).sum();
-    let evaluations = AtomicUsize::new(0);
-    let mut done = 0;
-    for stage in &stages {
+    let thin = table.thinned(SCOUTED_SAMPLES);
+    let objectives: Vec<Objective> =
+        layouts.into_iter().map(|layout| Objective::new(&thin, layout)).collect::<Result<_, _>>()?;
+    for stage in stages {
         candidates.truncate(stage.keep);
-        let seen;
-        let objectives = match (stage.look, look_again, candidates.first()) {
-            (Some(round), Some(look_again), Some(c)) => {
-                let bytes = material::encode(&full[c.shape].layout, &c.x, "")?;
-                seen = objectives_on(&look_again(&bytes, round)?)?;
-                &seen
-            }
-            _ if stage.full => &full,
-            _ => &thin,
-        };
-        let mut ticks = 0;
-        advance(table, objectives, stage, &mut candidates, &evaluations, || {
-            ticks += 1;
-            progress((done + ticks).min(total) as f64 / total as f64);
-        });
-        done += work(stage);
+        advance(table, &objectives, stage, &mut candidates, work);
+        work.done += stage.work(settings);
         rank(&mut candidates);
     }
-    let Some(best) = candidates.into_iter().next() else {
-        return Err(FitError::Setting { name: "starts", reason: "at least 1".into() });
-    };
-    let (layout, x) = (&full[best.shape].layout, best.x);
+    let with_layout = |c: Candidate| (objectives[c.shape].layout.clone(), Candidate { shape: 0, ..c });
+    Ok(candidates.into_iter().filter(|c| !c.is_second).map(with_layout).collect())
+}
 
-    let text = format!("{}{}", settings.provenance, settings.describe(layout));
-    let bytes = material::encode(layout, &x, &text)?;
-    let views = table.views.iter().map(|v| ViewReport::new(&bytes, v)).collect::<Result<Vec<_>, _>>()?;
-    progress(1.0);
-    let seconds = start.elapsed().as_secs_f64();
-    let evaluations = evaluations.into_inner();
-    Ok(Fit { bytes, report: Report { views, seconds, evaluations, ..Report::default() } })
+/// The best of a shape, on a table of its own.
+struct Finalist<'a> {
+    layout: Layout,
+    table: Cow<'a, Table>,
+    /// The table as its lobes last saw it.
+    seen: Option<Table>,
+    candidate: Candidate,
+    /// Mean error on that.
+    error: f64,
+}
+
+impl<'a> Finalist<'a> {
+    fn new(
+        data: Data<'_>,
+        settings: &Settings,
+        table: &'a Table,
+        layout: Layout,
+        candidate: Candidate,
+    ) -> Result<Self, FitError> {
+        let mut new =
+            Self { layout, table: Cow::Borrowed(table), seen: None, candidate, error: f64::INFINITY };
+        // Lobes in pairs are fewer bytes, which are spent on more views.
+        let views = material::views_of_equal_size(&new.layout);
+        if let (Data::Source(source), None, true) = (data, &settings.knots, views > new.layout.knots.len()) {
+            let denser = Layout { knots: source.knots(views)?, ..new.layout.clone() };
+            new.candidate.x = new.layout.resampled(&new.candidate.x, &denser);
+            new.table = Cow::Owned(source.table(&denser.knots, None)?);
+            new.layout = denser;
+        }
+        Ok(new)
+    }
+
+    fn advance(&mut self, data: Data<'_>, stage: &Stage, work: &mut Work<'_>) -> Result<(), FitError> {
+        let table = self.seen.as_ref().unwrap_or(&self.table);
+        let objective = Objective::new(table, self.layout.clone())?;
+        let candidate = std::slice::from_mut(&mut self.candidate);
+        advance(table, std::slice::from_ref(&objective), stage, candidate, work);
+        if let (Some(round), Data::Source(source)) = (stage.look, data) {
+            let bytes = material::encode(&self.layout, &self.candidate.x, "")?;
+            let seen = source.table(&self.layout.knots, Some((&bytes, round)))?;
+            self.error = mean_error(&reports(&bytes, &seen)?);
+            self.seen = Some(seen);
+        }
+        Ok(())
+    }
+}
+
+/// The material against every view of a table.
+fn reports(bytes: &[u8], table: &Table) -> Result<Vec<ViewReport>, FitError> {
+    table.views.iter().map(|view| ViewReport::new(bytes, view)).collect()
 }
 
 /// Sorts by cost, the best of every shape before the second of any: a shape shows what it is good for late.
@@ -216,12 +257,12 @@ fn advance(
     objectives: &[Objective],
     stage: &Stage,
     candidates: &mut [Candidate],
-    evaluations: &AtomicUsize,
-    mut tick: impl FnMut(),
+    work: &mut Work<'_>,
 ) {
+    let Work { done, total, progress, evaluations } = work;
     let (send, receive) = std::sync::mpsc::channel();
     std::thread::scope(|scope| {
-        let worker = scope.spawn(move || {
+        let worker = scope.spawn(|| {
             candidates.par_iter_mut().for_each_with(send, |send, candidate| {
                 // Nobody listens any more if the fit is being abandoned.
                 advance_one(table, &objectives[candidate.shape], stage, candidate, || {
@@ -230,9 +271,11 @@ fn advance(
                 });
             });
         });
+        let mut ticks = 0;
         while !worker.is_finished() {
             if receive.recv_timeout(Duration::from_millis(20)).is_ok() {
-                tick();
+                ticks += 1;
+                progress((*done + ticks).min(*total) as f64 / *total as f64);
             }
         }
     });
@@ -245,9 +288,9 @@ fn advance_one(
     candidate: &mut Candidate,
     mut tick: impl FnMut(),
 ) {
-    let Candidate { x, cost, .. } = candidate;
+    let Candidate { x, cost, start, .. } = candidate;
     if x.is_empty() {
-        *x = initialize::start(table, &objective.layout, candidate.start);
+        *x = initialize::start(table, &objective.layout, *start);
     }
     let mut limits = stage.limits;
     let reweighed = stage.full.then(|| objective.reweighed(x));
@@ -259,5 +302,7 @@ fn advance_one(
     }
     let objective = reweighed.as_ref().unwrap_or(objective);
     *cost = levenberg::minimize(objective, x, limits, &mut tick);
-    *cost = exchange::exchange(objective, x, *cost, (stage.runs - 1, limits), &mut tick);
+    // Other families in every stage.
+    let seed = (256 * *start + stage.runs) as u64;
+    *cost = exchange::exchange(objective, x, *cost, (stage.runs - 1, limits), seed, &mut tick);
 }

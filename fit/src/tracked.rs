@@ -27,9 +27,14 @@ impl TrackedLobes {
     /// # Errors
     /// [`FitError::Format`] for bytes that are no material.
     pub fn knots(&self) -> Result<Vec<f64>, FitError> {
-        let material = Material::from_bytes(&self.bytes)?;
-        Ok((0..material.view_count()).filter_map(|n| material.view_theta(n)).map(f64::from).collect())
+        knots(&self.bytes)
     }
+}
+
+/// Angles of the views of a material, radians.
+pub(crate) fn knots(bytes: &[u8]) -> Result<Vec<f64>, FitError> {
+    let material = Material::from_bytes(bytes)?;
+    Ok((0..material.view_count()).filter_map(|n| material.view_theta(n)).map(f64::from).collect())
 }
 
 impl Fitted for TrackedLobes {

@@ -1,0 +1,54 @@
+//! The stages of a fit: fewer candidates from one to the next, more steps, and less stiffness.
+
+use crate::Settings;
+use crate::levenberg::Limits;
+use crate::objective::Weights;
+
+/// One stage of a fit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stage {
+    /// Candidates that take part, the best of the stage before.
+    pub keep: usize,
+    /// Whether it sees the whole table, with weights that follow the candidate as it is.
+    pub full: bool,
+    /// Times that a candidate is moved downhill: after the first, a lobe is exchanged before each.
+    pub runs: usize,
+    pub limits: Limits,
+    /// Whether the albedo is held closely.
+    pub last: bool,
+    /// The number with which the table is made again after it, if it can be.
+    pub look: Option<usize>,
+}
+
+impl Stage {
+    /// Steps of the solver that it may take.
+    pub fn work(&self, settings: &Settings) -> usize {
+        self.keep.min(settings.starts) * self.runs * self.limits.steps
+    }
+}
+
+/// The stages. `energy`: weight of the albedo in the last ones. `looks`: times that the table is made again, 0 if it cannot be.
+pub(crate) fn stages(settings: &Settings, energy: f64, looks: usize) -> Vec<Stage> {
+    let stage = |keep, full, steps, runs, stiffness: f64, energy, improvement, last| {
+        let weights = Weights { smoothness: stiffness * settings.smoothness, energy };
+        Stage { keep, full, runs, limits: Limits { steps, improvement, weights }, last, look: None }
+    };
+    let exchange =
+        |keep, count| stage(keep, false, settings.steps.div_ceil(6), 1 + count, 3.0, 1.0, 1e-3, false);
+    let scout = |keep| stage(keep, false, settings.steps / 4, 1, 10.0, 1.0, 1e-3, false);
+    let full = |keep, improvement| stage(keep, true, settings.steps, 1, 1.0, 1.0, improvement, false);
+    let mut stages = vec![stage(settings.starts, false, 25, 1, 100.0, 1.0, 1e-3, false)];
+    if looks == 0 {
+        stages.extend([scout(4), exchange(2, settings.exchanges), full(1, 1e-4)]);
+    } else {
+        // Shapes show late what they are good for, and what may hide between directions is judged when it has been seen once.
+        let exchanges = [exchange(6, settings.exchanges / 5), exchange(2, settings.exchanges / 2)];
+        stages.extend([scout(6), exchanges[0], exchanges[1], Stage { look: Some(0), ..full(2, 5e-4) }]);
+    }
+    stages.extend((0..looks.max(1)).map(|round| {
+        let keep = if round == 0 && looks > 0 { 2 } else { 1 };
+        let last = stage(keep, true, settings.steps.div_ceil(4), 1, 1.0, energy, 1e-3, true);
+        Stage { look: (round + 1 < looks).then_some(round + 1), ..last }
+    }));
+    stages
+}
