@@ -78,3 +78,22 @@ pub(crate) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec
     encode_bytes(&views, layout.squeezed, layout.mirrored, provenance, &mut bytes)?;
     Ok(bytes)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_leave_room_for_more_views_and_no_more_than_that() {
+        let layout = |lobes, mirrored| Layout {
+            lobes,
+            squeezed: 4,
+            mirrored,
+            knots: (0..14).map(f64::from).collect(),
+        };
+        assert_eq!(views_of_equal_size(&layout(12, 0)), 14);
+        let views = views_of_equal_size(&layout(8, 4));
+        let (size, most) = (|n| encoded_len(n, 8, 4, ""), encoded_len(14, 12, 0, ""));
+        assert!(views == 18 && size(views) <= most && most < size(views + 1), "{views}");
+    }
+}

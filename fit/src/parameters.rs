@@ -197,4 +197,20 @@ mod tests {
         assert_eq!(layout.place(0.5), (1, 0.0));
         assert_eq!(layout.place(2.0), (1, 1.0));
     }
+
+    #[test]
+    fn at_other_knots_the_unknowns_are_what_lies_between() {
+        let layout = |knots| Layout { lobes: 1, squeezed: 0, mirrored: 0, knots };
+        let (old, new) = (layout(vec![0.0, 0.4, 1.0]), layout(vec![0.0, 0.2, 0.7, 1.0]));
+        let x: Vec<f64> = (0..old.len()).map(|i| (i * i) as f64).collect();
+        let at = |x: &[f64], knot: usize, index: usize| x[knot * old.stride() + index];
+        let found = old.resampled(&x, &new);
+        for i in 0..old.stride() {
+            let between = |knot: usize| 0.5 * (at(&x, knot, i) + at(&x, knot + 1, i));
+            let expected = [at(&x, 0, i), between(0), between(1), at(&x, 2, i)];
+            for (knot, value) in expected.into_iter().enumerate() {
+                assert!((at(&found, knot, i) - value).abs() < 1e-9, "{knot} {i}: {found:?}");
+            }
+        }
+    }
 }

@@ -22,8 +22,8 @@ pub(crate) struct Stage {
 
 impl Stage {
     /// Steps of the solver that it may take.
-    pub fn work(&self, settings: &Settings) -> usize {
-        self.keep.min(settings.starts) * self.runs * self.limits.steps
+    pub fn work(&self) -> usize {
+        self.keep * self.runs * self.limits.steps
     }
 }
 
@@ -37,7 +37,8 @@ pub(crate) fn stages(settings: &Settings, energy: f64, looks: usize) -> Vec<Stag
         |keep, count| stage(keep, false, settings.steps.div_ceil(6), 1 + count, 3.0, 1.0, 1e-3, false);
     let scout = |keep| stage(keep, false, settings.steps / 4, 1, 10.0, 1.0, 1e-3, false);
     let full = |keep, improvement| stage(keep, true, settings.steps, 1, 1.0, 1.0, improvement, false);
-    let mut stages = vec![stage(settings.starts, false, 25, 1, 100.0, 1.0, 1e-3, false)];
+    let starts = if looks == 0 { (2 * settings.starts).div_ceil(3) } else { settings.starts };
+    let mut stages = vec![stage(starts, false, 25, 1, 100.0, 1.0, 1e-3, false)];
     if looks == 0 {
         stages.extend([scout(4), exchange(2, settings.exchanges), full(1, 1e-4)]);
     } else {

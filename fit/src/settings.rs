@@ -20,7 +20,7 @@ pub struct Settings {
     /// Weight of the roughness from view to view. Smaller fits the samples better, larger what lies between them. What can be
     /// evaluated anywhere is fitted with two fifths of it.
     pub smoothness: f64,
-    /// Starting points tried; the best are refined.
+    /// Starting points tried; the best are refined. Of samples, two thirds as many, as fewer shapes are tried.
     pub starts: usize,
     /// Most steps of the refinement.
     pub steps: usize,

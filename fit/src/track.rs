@@ -122,7 +122,7 @@ pub(crate) fn run(
         Data::Source(_) => (ENERGY_OF_A_QUADRATURE, LOOKS),
     };
     let stages = stages(settings, energy, looks);
-    let total = stages.iter().map(|stage| stage.work(settings)).sum();
+    let total = stages.iter().map(|stage| stage.work()).sum();
     let mut work = Work { done: 0, total, progress: &mut progress, evaluations: AtomicUsize::new(0) };
 
     let (scouting, refining) = stages.split_at(stages.partition_point(|stage| !stage.full));
@@ -133,7 +133,7 @@ pub(crate) fn run(
         mirrored,
         knots: knots.clone(),
     });
-    let scouted = scout(&table, layouts.collect(), settings, scouting, &mut work)?;
+    let scouted = scout(&table, layouts.collect(), scouting, &mut work)?;
     let mut finalists = Vec::new();
     for (layout, candidate) in scouted {
         finalists.push(Finalist::new(data, settings, &table, layout, candidate)?);
@@ -163,11 +163,11 @@ pub(crate) fn run(
 fn scout(
     table: &Table,
     layouts: Vec<Layout>,
-    settings: &Settings,
     stages: &[Stage],
     work: &mut Work<'_>,
 ) -> Result<Vec<(Layout, Candidate)>, FitError> {
-    let mut candidates: Vec<Candidate> = (0..settings.starts)
+    let starts = stages.first().map_or(0, |stage| stage.keep);
+    let mut candidates: Vec<Candidate> = (0..starts)
         .map(|start| Candidate {
             shape: start % layouts.len(),
             start,
@@ -182,7 +182,7 @@ fn scout(
     for stage in stages {
         candidates.truncate(stage.keep);
         advance(table, &objectives, stage, &mut candidates, work);
-        work.done += stage.work(settings);
+        work.done += stage.work();
         rank(&mut candidates);
     }
     let with_layout = |c: Candidate| (objectives[c.shape].layout.clone(), Candidate { shape: 0, ..c });

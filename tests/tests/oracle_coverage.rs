@@ -246,3 +246,18 @@ fn every_public_function_of_core_has_an_oracle() {
     }
     assert!(failures.is_empty(), "\n{}", failures.join("\n"));
 }
+
+/// The manifest names the programs, as not every file is one: a file that is forgotten would never run.
+#[test]
+fn every_file_of_this_folder_is_run() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = |path: &str| std::fs::read_to_string(folder.join(path)).unwrap();
+    let (manifest, library) = (text("Cargo.toml"), text("tests/library.rs"));
+    for entry in folder.join("tests").read_dir().unwrap() {
+        let path = entry.unwrap().path();
+        let stem = path.file_stem().unwrap().to_str().unwrap();
+        let place = if path.is_dir() { format!("{stem}/main.rs") } else { format!("{stem}.rs") };
+        let is_program = manifest.contains(&format!("path = \"tests/{place}\""));
+        assert!(is_program || library.contains(&format!("mod {stem};")), "{place} is not run");
+    }
+}

@@ -74,10 +74,11 @@ pub struct SettingArgs {
     /// Most steps of the solver in the refinement.
     #[arg(long)]
     steps: Option<usize>,
-    /// Times that a lobe is exchanged, from each of the best starting points.
+    /// Most times that a lobe is exchanged, in all stages.
     #[arg(long)]
     exchanges: Option<usize>,
-    /// Views of the material, placed where it changes; for files that have a value for every pair of directions.
+    /// Views of the material, placed where it changes; for files that have a value for every pair of directions. With lobes in
+    /// mirrored pairs, as many more as take the same bytes.
     #[arg(long)]
     views: Option<usize>,
 }

@@ -141,6 +141,7 @@ fn examine(
         row.thesis_fit = error(&fit, &at_views)?;
         let between = judge(&fit, &halfway)?;
         row.eq9 = 100.0 * mean_error(&between);
+        row.same_views = error(&lobes, &halfway)?;
         row.eq9_two = error(&fit.blended_over(Neighbours::Two), &halfway)?;
         let low = between.iter().filter(|v| v.theta.to_degrees() <= JUDGED);
         row.thesis_variance = row::quantile(low.map(|v| v.variance).collect(), 0.5);

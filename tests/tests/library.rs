@@ -1,0 +1,11 @@
+//! The tests of `core` that can share a process.
+
+mod chi_square;
+mod estimators;
+mod extremes;
+mod leave_out;
+mod material;
+mod oracle_coverage;
+mod presets;
+mod properties;
+mod sampling;
