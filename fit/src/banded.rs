@@ -31,6 +31,14 @@ impl Banded {
         self.rows[j * (self.band + 1) + i - j] += value;
     }
 
+    /// [`add`](Self::add) of a factor times numbers to those in column `j` from row `i` on.
+    #[inline]
+    pub fn add_run(&mut self, i: usize, j: usize, factor: f64, values: &[f64]) {
+        debug_assert!(i >= j && i - j + values.len() <= self.band + 1);
+        let first = j * (self.band + 1) + i - j;
+        self.rows[first..first + values.len()].iter_mut().zip(values).for_each(|(v, add)| *v += factor * add);
+    }
+
     /// The diagonal, for tests.
     #[cfg(test)]
     pub fn diagonal(&self, i: usize) -> f64 {
@@ -77,7 +85,7 @@ impl Banded {
                 for pivot in start.max((k + 1).saturating_sub(stride))..k {
                     let part = &before[pivot * stride + k - pivot..(pivot + 1) * stride];
                     let factor = part[0];
-                    row.iter_mut().zip(part).for_each(|(v, u)| *v -= factor * u);
+                    row.iter_mut().zip(part).for_each(|(v, u)| *v = (-factor).mul_add(*u, *v));
                 }
                 // False for NaN too.
                 if !(row[0] > 0.0 && row[0].is_finite()) {
@@ -102,7 +110,7 @@ impl Banded {
                 if common > 0 && end - start == BLOCK {
                     let all = a.iter().zip(&b[..common]).zip(&c[..common]).zip(&d[..common]);
                     for (v, (((a, b), c), d)) in row[..common].iter_mut().zip(all) {
-                        *v -= (fa * a + fb * b) + (fc * c + fd * d);
+                        *v = (-fa).mul_add(*a, (-fb).mul_add(*b, (-fc).mul_add(*c, (-fd).mul_add(*d, *v))));
                     }
                     for (part, factor) in [(b, fb), (c, fc), (d, fd)] {
                         let rest = row[common..].iter_mut().zip(&part[common..]);

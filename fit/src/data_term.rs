@@ -1,9 +1,10 @@
 //! The data term of one view: squared differences between lobes and samples, and what Gauss-Newton needs of them.
 //!
 //! The derivative of a value by an unknown is that of a unit lobe, the same for all channels, times an amplitude. So only
-//! the Gram matrix of the derivatives of unit lobes is summed over the samples, once for the three channels.
+//! the Gram matrix of the derivatives of unit lobes is summed over the samples, once for the three channels; the
+//! differences are three more columns of it.
 
-use crate::model::Lobes;
+use crate::model::{Column, Lobes, PANEL};
 use crate::vector;
 use pulp::NullaryFnOnce;
 
@@ -33,9 +34,23 @@ pub(crate) struct Sums {
     pub moment: [Vec<f64>; 3],
 }
 
-/// Sum of the weighted squared differences. `amplitudes`: per channel, of the lobes and the diffuse term.
+/// Values of the lobes at every point, per channel. `amplitudes`: per channel, of the lobes and the diffuse term.
+pub(crate) fn values(lobes: &Lobes, amplitudes: &[Vec<f64>; 3], points: &[Point]) -> Vec<[f64; 3]> {
+    vector::run(Values { lobes, amplitudes, points })
+}
+
+/// Sum of the weighted squared differences.
 pub(crate) fn cost(lobes: &Lobes, amplitudes: &[Vec<f64>; 3], points: &[Point]) -> f64 {
-    vector::run(Cost { lobes, amplitudes, points })
+    let squares = values(lobes, amplitudes, points).into_iter().zip(points).map(|(value, point)| {
+        let square = |c: usize| (value[c] - point.target[c]) * (value[c] - point.target[c]);
+        point.weight * (square(0) + square(1) + square(2))
+    });
+    squares.sum()
+}
+
+/// Sum of the weighted squares of a unit lobe, and of its weighted products with what is `left` at every point, per channel.
+pub(crate) fn projection(lobes: &Lobes, k: usize, points: &[Point], left: &[[f64; 3]]) -> (f64, [f64; 3]) {
+    vector::run(Projection { lobes, k, points, left })
 }
 
 /// All sums.
@@ -43,38 +58,56 @@ pub(crate) fn sums(lobes: &Lobes, amplitudes: &[Vec<f64>; 3], points: &[Point]) 
     vector::run(AllSums { lobes, amplitudes, points })
 }
 
-struct Cost<'a> {
+struct Values<'a> {
     lobes: &'a Lobes,
     amplitudes: &'a [Vec<f64>; 3],
     points: &'a [Point],
 }
 
-impl NullaryFnOnce for Cost<'_> {
-    type Output = f64;
+impl NullaryFnOnce for Values<'_> {
+    type Output = Vec<[f64; 3]>;
 
     #[inline(always)]
-    fn call(self) -> f64 {
-        let mut unit = vec![0.0; self.lobes.len() + 1];
-        let mut cost = 0.0;
-        for point in self.points {
-            self.lobes.values(&point.direction, &mut unit);
-            let mut value = [0.0; 3];
-            for (value, amplitudes) in value.iter_mut().zip(self.amplitudes) {
-                for (a, u) in amplitudes.iter().zip(&unit) {
-                    *value += a * u;
-                }
-            }
-            for (value, target) in value.iter().zip(&point.target) {
-                let difference = value - target;
-                cost += point.weight * difference * difference;
-            }
+    fn call(self) -> Vec<[f64; 3]> {
+        let mut out = Vec::with_capacity(self.points.len());
+        for chunk in self.points.chunks(PANEL) {
+            let panel = self.lobes.panel(chunk.iter().map(|p| p.direction));
+            let sums = self.lobes.sums(&panel, self.amplitudes);
+            out.extend((0..chunk.len()).map(|n| [sums[0][n], sums[1][n], sums[2][n]]));
         }
-        cost
+        out
     }
 }
 
-/// Samples whose products are added in one pass over the Gram matrix.
-const ROWS: usize = 4;
+struct Projection<'a> {
+    lobes: &'a Lobes,
+    k: usize,
+    points: &'a [Point],
+    left: &'a [[f64; 3]],
+}
+
+impl NullaryFnOnce for Projection<'_> {
+    type Output = (f64, [f64; 3]);
+
+    #[inline(always)]
+    fn call(self) -> (f64, [f64; 3]) {
+        let (mut square, mut moment) = (0.0, [0.0; 3]);
+        for (points, left) in self.points.chunks(PANEL).zip(self.left.chunks(PANEL)) {
+            let panel = self.lobes.panel(points.iter().map(|p| p.direction));
+            let Some(values) = self.lobes.column(self.k, &panel) else { continue };
+            for ((point, left), value) in points.iter().zip(left).zip(values) {
+                square += point.weight * value * value;
+                (0..3).for_each(|c| moment[c] += point.weight * value * left[c]);
+            }
+        }
+        (square, moment)
+    }
+}
+
+/// Columns of a tile of the Gram matrix, across and down, and lanes in which its numbers are summed.
+const ACROSS: usize = 4;
+const DOWN: usize = 2;
+const LANES: usize = 4;
 
 struct AllSums<'a> {
     lobes: &'a Lobes,
@@ -89,46 +122,73 @@ impl NullaryFnOnce for AllSums<'_> {
     fn call(self) -> Sums {
         let k = self.lobes.len();
         let width = self.lobes.slopes_len();
-        let mut gram = vec![0.0; width * width];
-        let mut moment = [vec![0.0; width], vec![0.0; width], vec![0.0; width]];
-        let mut cost = 0.0;
-        let mut rows = vec![0.0; ROWS * width];
-        for chunk in self.points.chunks(ROWS) {
-            // A chunk that is not full has rows of zeros.
-            rows[chunk.len() * width..].fill(0.0);
-            for (point, row) in chunk.iter().zip(rows.chunks_exact_mut(width)) {
-                let root = point.weight.sqrt();
-                self.lobes.slopes(&point.direction, root, row);
-                for ((amplitudes, target), moment) in
-                    self.amplitudes.iter().zip(&point.target).zip(&mut moment)
-                {
-                    let mut value = amplitudes[k] * row[width - 1];
-                    for (a, u) in amplitudes[..k].iter().zip(&row[2 * k..3 * k]) {
-                        value += a * u;
-                    }
-                    let difference = value - root * target;
-                    cost += difference * difference;
-                    for (m, v) in moment.iter_mut().zip(&*row) {
-                        *m += difference * v;
+        // Derivatives, three differences, and a column of zeros that fills tiles up.
+        let zero = width + 3;
+        let stride = zero + 1;
+        let mut columns = vec![[0.0; PANEL]; stride];
+        let mut seen = vec![true; width];
+        let mut used: Vec<usize> = Vec::with_capacity(stride + ACROSS);
+        let mut gram = vec![[0.0; LANES]; stride * stride];
+        for chunk in self.points.chunks(PANEL) {
+            let panel = self.lobes.panel(chunk.iter().map(|p| p.direction));
+            // What a panel lacks weighs nothing.
+            let mut scale = [0.0; PANEL];
+            scale.iter_mut().zip(chunk).for_each(|(s, p)| *s = p.weight.sqrt());
+            self.lobes.slopes(&panel, &scale, &mut columns[..width], &mut seen);
+            for c in 0..3 {
+                let mut difference = [0.0; PANEL];
+                for (n, point) in chunk.iter().enumerate() {
+                    difference[n] = -scale[n] * point.target[c];
+                }
+                let values = (0..k).map(|k| (k, 2 * self.lobes.len() + k)).chain([(k, width - 1)]);
+                for (lobe, column) in values.filter(|v| seen[v.1]) {
+                    let amplitude = self.amplitudes[c][lobe];
+                    for (d, v) in difference.iter_mut().zip(&columns[column]) {
+                        *d = amplitude.mul_add(*v, *d);
                     }
                 }
+                columns[width + c] = difference;
             }
-            let (first, rest) = rows.split_at(width);
-            let (second, rest) = rest.split_at(width);
-            let (third, fourth) = rest.split_at(width);
-            for i in 0..width {
-                let [a, b, c, d] = [first[i], second[i], third[i], fourth[i]];
-                if a == 0.0 && b == 0.0 && c == 0.0 && d == 0.0 {
-                    continue;
-                }
-                let end = i + 1;
-                let out = &mut gram[i * width..i * width + end];
-                let rows = first[..end].iter().zip(&second[..end]).zip(&third[..end]).zip(&fourth[..end]);
-                for (out, (((v, w), x), y)) in out.iter_mut().zip(rows) {
-                    *out += (a * v + b * w) + (c * x + d * y);
+            used.clear();
+            used.extend((0..zero).filter(|&i| i >= width || seen[i]));
+            used.resize(used.len().next_multiple_of(ACROSS), zero);
+            for (first, across) in used.chunks_exact(ACROSS).enumerate() {
+                let right = [0, 1, 2, 3].map(|i| &columns[across[i]]);
+                for down in used[ACROSS * first..].chunks_exact(DOWN) {
+                    let tile = tile([&columns[down[0]], &columns[down[1]]], right);
+                    for (i, row) in down.iter().zip(tile) {
+                        for (j, product) in across.iter().zip(row) {
+                            let sum = &mut gram[i * stride + j];
+                            (0..LANES).for_each(|lane| sum[lane] += product[lane]);
+                        }
+                    }
                 }
             }
         }
-        Sums { cost, gram, moment }
+        let sum = |i: usize, j: usize| {
+            let [a, b, c, d] = gram[i * stride + j];
+            (a + b) + (c + d)
+        };
+        Sums {
+            cost: (0..3).map(|c| sum(width + c, width + c)).sum(),
+            gram: (0..width * width).map(|n| sum(n / width, n % width)).collect(),
+            moment: [0, 1, 2].map(|c| (0..width).map(|i| sum(width + c, i)).collect()),
+        }
     }
+}
+
+/// Inner products of some columns with some others, in lanes that are still to be added up.
+#[inline(always)]
+fn tile(down: [&Column; DOWN], across: [&Column; ACROSS]) -> [[[f64; LANES]; ACROSS]; DOWN] {
+    let mut sums = [[[0.0; LANES]; ACROSS]; DOWN];
+    for n in (0..PANEL).step_by(LANES) {
+        for i in 0..DOWN {
+            for j in 0..ACROSS {
+                for lane in 0..LANES {
+                    sums[i][j][lane] = down[i][n + lane].mul_add(across[j][n + lane], sums[i][j][lane]);
+                }
+            }
+        }
+    }
+    sums
 }

@@ -5,10 +5,12 @@
 //! nothing. The new lobe is one of a few families (sharpness and lean constant over the views, or beside a lobe that is there), the
 //! one that alone would take most off what is left at present. Then all lobes are moved downhill together; if that ends higher than before, all is put back.
 
+use crate::data_term::{self, Point};
 use crate::levenberg::{self, Limits};
 use crate::model::Lobes;
 use crate::objective::Objective;
 use crate::random::Random;
+use rayon::prelude::*;
 
 /// Families from which a new lobe is chosen; every second is beside a lobe that is there.
 const FAMILIES: usize = 60;
@@ -36,7 +38,7 @@ enum Family {
 struct Residual {
     theta: f64,
     q: Vec<f64>,
-    /// Target minus value per channel, for every sample.
+    /// Target minus value per channel, for every sample; of a lobe that is taken out, without it.
     left: Vec<[f64; 3]>,
     worth: Vec<f64>,
 }
@@ -56,7 +58,7 @@ pub(crate) fn exchange(
     // Slots that were tried in vain since the last success.
     let mut vain: Vec<usize> = Vec::new();
     for _ in 0..rounds {
-        let residuals: Vec<Residual> = objective.residuals(x);
+        let mut residuals: Vec<Residual> = objective.residuals(x);
         let worth = |k: usize| residuals.iter().map(|r| r.worth[k]).sum::<f64>();
         if vain.len() >= PATIENCE {
             break;
@@ -65,10 +67,11 @@ pub(crate) fn exchange(
             .filter(|&k| !vain.contains(&k) && layout.defensive() != Some(k))
             .min_by(|&a, &b| worth(a).total_cmp(&worth(b)));
         let Some(slot) = slot else { break };
+        objective.take_out(&mut residuals, slot);
         let families: Vec<Family> =
             (0..FAMILIES).map(|n| Family::random(&mut random, n % 2 == 1, layout.lobes)).collect();
         let gain = |f: &Family| objective.gain(&residuals, slot, *f);
-        let gains: Vec<f64> = families.iter().map(gain).collect();
+        let gains: Vec<f64> = families.par_iter().map(gain).collect();
         let best = (0..FAMILIES).max_by(|&a, &b| gains[a].total_cmp(&gains[b])).unwrap_or(0);
         let mut moved = x.clone();
         objective.put(&residuals, slot, families[best], &mut moved);
@@ -133,20 +136,15 @@ impl Objective {
                 layout.interpolate(x, data.place, &mut q);
                 let lobes = Lobes::new(layout, &q);
                 let amplitudes = crate::objective::amplitudes(layout, &q);
-                let mut gram = vec![0.0; count * count];
-                let mut unit = vec![0.0; count];
-                let mut left = Vec::with_capacity(data.points.len());
-                for p in &data.points {
-                    lobes.values(&p.direction, &mut unit);
-                    left.push([0, 1, 2].map(|c| {
-                        p.target[c] - amplitudes[c].iter().zip(&unit).map(|(a, u)| a * u).sum::<f64>()
-                    }));
-                    for i in 0..count {
-                        for j in 0..=i {
-                            gram[i * count + j] += p.weight * unit[i] * unit[j];
-                        }
-                    }
-                }
+                let values = data_term::values(&lobes, &amplitudes, &data.points);
+                let difference = |(p, v): (&Point, &[f64; 3])| [0, 1, 2].map(|c| p.target[c] - v[c]);
+                let left = data.points.iter().zip(&values).map(difference).collect();
+                // Of all derivatives, the values themselves.
+                let sums = data_term::sums(&lobes, &amplitudes, &data.points);
+                let width = lobes.slopes_len();
+                let column = |k: usize| if k < layout.lobes { 2 * layout.lobes + k } else { width - 1 };
+                let product = |n: usize| sums.gram[column(n / count) * width + column(n % count)];
+                let gram: Vec<f64> = (0..count * count).map(product).collect();
                 let inverse = inverse_diagonal(&gram, count);
                 let power = |k: usize| amplitudes.iter().map(|a| a[k] * a[k]).sum::<f64>();
                 let worth = (0..layout.lobes).map(|k| power(k) / inverse[k]).collect();
@@ -155,25 +153,31 @@ impl Objective {
                 let theta = layout.knots[knot] + blend * (end - layout.knots[knot]);
                 Residual { theta, q, left, worth }
             };
-        self.views.iter().map(view).collect()
+        self.views.par_iter().map(view).collect()
+    }
+
+    /// Takes the lobe in a slot out of what the lobes account for.
+    fn take_out(&self, residuals: &mut [Residual], slot: usize) {
+        for (view, residual) in self.views.iter().zip(residuals) {
+            let lobes = Lobes::new(&self.layout, &residual.q);
+            let mut alone = crate::objective::amplitudes(&self.layout, &residual.q);
+            for (k, a) in alone.iter_mut().flat_map(|a| a.iter_mut().enumerate()) {
+                *a *= f64::from(u8::from(k == slot));
+            }
+            let values = data_term::values(&lobes, &alone, &view.points);
+            for (left, value) in residual.left.iter_mut().zip(values) {
+                (0..3).for_each(|c| left[c] += value[c]);
+            }
+        }
     }
 
     /// Best amplitudes of a family at a view, in place of the lobe in a slot, and what they take off the sum of squares.
     fn best(&self, view: usize, residual: &Residual, slot: usize, family: Family) -> ([f64; 3], f64) {
         let layout = &self.layout;
         let mut q = residual.q.clone();
-        let old = Lobes::new(layout, &q);
         family.shape(self, slot, residual.theta, &mut q);
-        let new = Lobes::new(layout, &q);
-        let (mut square, mut moment) = (0.0, [0.0; 3]);
-        for (p, left) in self.views[view].points.iter().zip(&residual.left) {
-            let (u, v) = (new.value(slot, &p.direction), old.value(slot, &p.direction));
-            square += p.weight * u * u;
-            for c in 0..3 {
-                let without = left[c] + libm::exp(residual.q[layout.amplitude(c, slot)]) * v;
-                moment[c] += p.weight * u * without;
-            }
-        }
+        let lobes = Lobes::new(layout, &q);
+        let (square, moment) = data_term::projection(&lobes, slot, &self.views[view].points, &residual.left);
         let amplitude = moment.map(|m| if square > 0.0 { m.max(0.0) / square } else { 0.0 });
         (amplitude, amplitude.iter().map(|a| a * a * square).sum())
     }

@@ -1,53 +1,133 @@
-//! The value of unit lobes at a direction, with derivatives.
+//! The value of unit lobes at directions, with derivatives.
 //!
-//! With `u` the direction as a lobe sees it (squeezed or not), `j` the change of solid angle, and `m` the mirror image of
-//! the axis `(sin a, 0, cos a)` in the horizon, a unit lobe is
+//! With `u` the direction as a lobe sees it (squeezed or not), `j` the change of solid angle, and `m` the lobe's axes, a unit
+//! lobe is
 //!
 //! ```text
-//! G = j [ exp(s (u.axis - 1)) + exp(s (u.m - 1)) ]
-//! dG/da    = j s [ E+ (u.x cos a - u.z sin a) + E- (u.x cos a + u.z sin a) ]
-//! dG/dln s = j s [ E+ (u.axis - 1) + E- (u.m - 1) ]
-//! dG/dln c = j   [ E+ (-1 + 3 u.y^2 + s u.y^2 u.axis) + E- (-1 + 3 u.y^2 + s u.y^2 u.m) ]
+//! G = j sum_m E_m,  E_m = exp(s (u.m - 1))
+//! dG/da    = j s sum_m E_m (u.dm/da)          a: angle of the axis in the plane of incidence
+//! dG/dln s = j s sum_m E_m (u.m - 1)
+//! dG/dln c = j   sum_m E_m (-1 + 3 u.y^2 + s u.y^2 u.m)
+//! dG/db    = j s sum_m E_m (u.dm/db)          b: angle out of that plane
 //! ```
 //!
-//! A mirrored lobe is two of them, with the axes `(sin a cos b, +-sin b, cos a cos b)`, and is not squeezed.
+//! The axes are `(sin a, 0, cos a)` and its mirror image in the horizon. A mirrored lobe has the four axes
+//! `(sin a cos b, +-sin b, +-cos a cos b)`, and is not squeezed.
 //!
-//! In f64 the dot form loses nothing that matters: sharpness 1e6 leaves ten digits. Lobes are columns of numbers, and the
-//! exponential is our own, so that the loops over lobes become vector instructions of whatever width the machine has
-//! (`crate::vector`), with the same results to the last bit.
+//! In f64 the dot form loses nothing that matters: sharpness 1e6 leaves ten digits. Directions come in panels of a fixed size, and
+//! the exponential is our own, so that the loops over directions become vector instructions of whatever width the machine
+//! has (`crate::vector`), with the same results to the last bit.
 
 use crate::parameters::Layout;
 use crate::vector::exp;
 use std::f64::consts::FRAC_1_PI;
 
+/// Directions of a panel.
+pub(crate) const PANEL: usize = 32;
+
+/// A number for every direction of a panel.
+pub(crate) type Column = [f64; PANEL];
+
+/// Exponent below which a lobe counts as 0 at a whole panel: 4e-18 of its peak.
+const UNSEEN: f64 = -40.0;
+
 /// The lobes of one view, ready to be evaluated at many directions.
 pub(crate) struct Lobes {
     squeezed: usize,
+    mirrored: usize,
     inverse_squeeze: f64,
-    sin: Vec<f64>,
-    cos: Vec<f64>,
-    sharpness: Vec<f64>,
-    /// Sine and cosine of the angle out of the plane of incidence, of the mirrored lobes.
-    off_plane: Vec<(f64, f64)>,
+    lobes: Vec<Unit>,
+}
+
+/// One lobe.
+struct Unit {
+    sharpness: f64,
+    axes: [Axis; 4],
+    /// How many of the axes there are.
+    count: usize,
+}
+
+/// One axis, and its derivatives by the angles in and out of the plane of incidence.
+#[derive(Clone, Copy, Default)]
+struct Axis {
+    at: [f64; 3],
+    by_angle: [f64; 3],
+    by_off_plane: [f64; 3],
+}
+
+/// Directions side by side.
+pub(crate) struct Panel {
+    round: Seen,
+    squeezed: Seen,
+}
+
+/// Directions as lobes see them, and the change of solid angle.
+struct Seen {
+    at: [Column; 3],
+    jacobian: Column,
+}
+
+impl Unit {
+    fn new(angle: f64, ln_sharpness: f64, off_plane: Option<f64>) -> Self {
+        let (sin, cos) = libm::sincos(angle);
+        let (sin_b, cos_b) = libm::sincos(off_plane.unwrap_or(0.0));
+        let axis = |side: f64, up: f64| Axis {
+            at: [sin * cos_b, side * sin_b, up * cos * cos_b],
+            by_angle: [cos * cos_b, 0.0, -up * sin * cos_b],
+            by_off_plane: [-sin * sin_b, side * cos_b, -up * cos * sin_b],
+        };
+        let axes = [axis(1.0, 1.0), axis(1.0, -1.0), axis(-1.0, 1.0), axis(-1.0, -1.0)];
+        Self { sharpness: libm::exp(ln_sharpness), axes, count: if off_plane.is_some() { 4 } else { 2 } }
+    }
+
+    /// The axes.
+    #[inline(always)]
+    fn axes(&self) -> &[Axis] {
+        &self.axes[..self.count]
+    }
+
+    /// Value at a direction as the lobe sees it.
+    #[inline(always)]
+    fn value(&self, u: &[f64; 3]) -> f64 {
+        self.axes().iter().map(|axis| exp(self.sharpness * (dot(u, &axis.at) - 1.0))).sum()
+    }
+
+    /// Exponents at a panel of directions; false if all are too low to count.
+    #[inline(always)]
+    fn exponents(&self, axis: &Axis, seen: &Seen, out: &mut Column) -> bool {
+        let [x, y, z] = &seen.at;
+        let least = UNSEEN / self.sharpness;
+        let mut is_seen = false;
+        for n in 0..PANEL {
+            let t = x[n] * axis.at[0] + (y[n] * axis.at[1] + z[n] * axis.at[2]) - 1.0;
+            is_seen |= t > least;
+            out[n] = t;
+        }
+        is_seen
+    }
+}
+
+#[inline(always)]
+fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + (a[1] * b[1] + a[2] * b[2])
 }
 
 impl Lobes {
     /// Prepares the interpolated unknowns `q` of a view.
     pub fn new(layout: &Layout, q: &[f64]) -> Self {
-        let (sin, cos) = (0..layout.lobes).map(|k| libm::sincos(q[layout.angle(k)])).unzip();
-        let sharpness = (0..layout.lobes).map(|k| libm::exp(q[layout.sharpness(k)])).collect();
-        let off_plane = (0..layout.mirrored).map(|m| libm::sincos(q[layout.off_plane(m)])).collect();
-        Self { squeezed: layout.squeezed, inverse_squeeze: libm::exp(-q[0]), sin, cos, sharpness, off_plane }
-    }
-
-    /// The first mirrored lobe; the number of lobes if there is none.
-    fn first_mirrored(&self) -> usize {
-        self.len() - self.off_plane.len()
+        let off_plane = |k: usize| k.checked_sub(layout.first_mirrored()).map(|m| q[layout.off_plane(m)]);
+        let lobe = |k| Unit::new(q[layout.angle(k)], q[layout.sharpness(k)], off_plane(k));
+        Self {
+            squeezed: layout.squeezed,
+            mirrored: layout.mirrored,
+            inverse_squeeze: libm::exp(-q[0]),
+            lobes: (0..layout.lobes).map(lobe).collect(),
+        }
     }
 
     /// How many lobes there are, the diffuse term not counted.
     pub fn len(&self) -> usize {
-        self.sharpness.len()
+        self.lobes.len()
     }
 
     /// Squeezed direction and change of solid angle.
@@ -58,111 +138,138 @@ impl Lobes {
         ([d[0] * inverse, y * inverse, d[2] * inverse], self.inverse_squeeze * inverse * inverse * inverse)
     }
 
-    /// The two runs of lobes in the plane of incidence, with the direction that each sees and its change of solid angle.
-    #[inline(always)]
-    fn runs(&self, d: &[f64; 3]) -> [(std::ops::Range<usize>, [f64; 3], f64); 2] {
-        let (squeezed, j) = self.squeeze(d);
-        [(0..self.squeezed, squeezed, j), (self.squeezed..self.first_mirrored(), *d, 1.0)]
-    }
-
     /// Values of the unit lobes, and of the diffuse term of albedo 1, `cos / pi`. Shapes: `out` [K + 1], overwritten.
     #[inline(always)]
     pub fn values(&self, d: &[f64; 3], out: &mut [f64]) {
-        for (run, u, j) in self.runs(d) {
-            let (sin, cos, sharpness) =
-                (&self.sin[run.clone()], &self.cos[run.clone()], &self.sharpness[run.clone()]);
-            for (((out, sin), cos), s) in out[run].iter_mut().zip(sin).zip(cos).zip(sharpness) {
-                let (x, z) = (u[0] * sin, u[2] * cos);
-                *out = j * (exp(s * (x + z - 1.0)) + exp(s * (x - z - 1.0)));
-            }
-        }
-        let first = self.first_mirrored();
-        for (m, out) in out[first..self.len()].iter_mut().enumerate() {
-            *out = self.mirrored(first + m, d);
+        let (u, j) = self.squeeze(d);
+        for (k, (lobe, out)) in self.lobes.iter().zip(&mut *out).enumerate() {
+            *out = if k < self.squeezed { j * lobe.value(&u) } else { lobe.value(d) };
         }
         out[self.len()] = d[2] * FRAC_1_PI;
     }
 
-    /// Value of a mirrored lobe.
+    /// At most [`PANEL`] directions side by side, those that lack straight up.
     #[inline(always)]
-    fn mirrored(&self, k: usize, d: &[f64; 3]) -> f64 {
-        let (sin, cos) = self.off_plane[k - self.first_mirrored()];
-        let (x, y, z) = (d[0] * self.sin[k] * cos, d[1] * sin, d[2] * self.cos[k] * cos);
-        let s = self.sharpness[k];
-        let above = exp(s * (x + z + y - 1.0)) + exp(s * (x + z - y - 1.0));
-        above + exp(s * (x - z + y - 1.0)) + exp(s * (x - z - y - 1.0))
-    }
-
-    /// Value of one unit lobe.
-    pub fn value(&self, k: usize, d: &[f64; 3]) -> f64 {
-        if k >= self.first_mirrored() {
-            return self.mirrored(k, d);
+    pub fn panel(&self, directions: impl Iterator<Item = [f64; 3]>) -> Panel {
+        let zero = [0.0; PANEL];
+        let mut round = Seen { at: [zero, zero, [1.0; PANEL]], jacobian: [1.0; PANEL] };
+        for (n, d) in directions.enumerate() {
+            (0..3).for_each(|axis| round.at[axis][n] = d[axis]);
         }
-        let (u, j) = if k < self.squeezed { self.squeeze(d) } else { (*d, 1.0) };
-        let (x, z) = (u[0] * self.sin[k], u[2] * self.cos[k]);
-        j * (exp(self.sharpness[k] * (x + z - 1.0)) + exp(self.sharpness[k] * (x - z - 1.0)))
+        let mut squeezed = Seen { at: [zero; 3], jacobian: zero };
+        if self.squeezed > 0 {
+            for n in 0..PANEL {
+                let (u, j) = self.squeeze(&[round.at[0][n], round.at[1][n], round.at[2][n]]);
+                (0..3).for_each(|axis| squeezed.at[axis][n] = u[axis]);
+                squeezed.jacobian[n] = j;
+            }
+        }
+        Panel { round, squeezed }
     }
 
-    /// How many numbers [`slopes`](Self::slopes) gives.
-    pub fn slopes_len(&self) -> usize {
-        3 * self.len() + self.squeezed + self.off_plane.len() + 1
-    }
-
-    /// Values and derivatives of the unit lobes and of the diffuse term, times `scale`.
-    ///
-    /// Shapes: `out` [3 K + S + M + 1] for S squeezed lobes and M mirrored ones, overwritten: K derivatives by angle, K by ln
-    /// sharpness, K values, S derivatives by ln squeeze, M by the angle out of the plane, the value of the diffuse term of albedo 1.
+    /// Values of one unit lobe at a panel of directions; none if it is 0 at all of them.
     #[inline(always)]
-    pub fn slopes(&self, d: &[f64; 3], scale: f64, out: &mut [f64]) {
-        let k = self.len();
-        let (by_angle, rest) = out.split_at_mut(k);
-        let (by_sharpness, rest) = rest.split_at_mut(k);
-        let (value, by_squeeze) = rest.split_at_mut(k);
-        for numbers in [&mut by_angle[self.first_mirrored()..], &mut by_sharpness[self.first_mirrored()..]] {
-            numbers.fill(0.0);
-        }
-        value[self.first_mirrored()..].fill(0.0);
-        by_squeeze.fill(0.0);
-        for (run, u, j) in self.runs(d) {
-            let is_squeezed = run.start == 0 && self.squeezed > 0;
-            let j = scale * j;
-            let yy = u[1] * u[1];
-            let common = 3.0 * yy - 1.0;
-            let count = run.len();
-            let (sin, cos, sharpness) =
-                (&self.sin[run.clone()], &self.cos[run.clone()], &self.sharpness[run.clone()]);
-            let (by_angle, by_sharpness, value) =
-                (&mut by_angle[run.clone()], &mut by_sharpness[run.clone()], &mut value[run]);
-            for i in 0..count {
-                let s = sharpness[i];
-                let (x, z) = (u[0] * sin[i], u[2] * cos[i]);
-                let (up, down) = (x + z - 1.0, x - z - 1.0);
-                let (above, below) = (j * exp(s * up), j * exp(s * down));
-                let (across_x, across_z) = (u[0] * cos[i], u[2] * sin[i]);
-                value[i] = above + below;
-                by_angle[i] = s * (above * (across_x - across_z) + below * (across_x + across_z));
-                by_sharpness[i] = s * (above * up + below * down);
-                if is_squeezed {
-                    by_squeeze[i] = above * (common + s * yy * (x + z)) + below * (common + s * yy * (x - z));
+    pub fn column(&self, k: usize, panel: &Panel) -> Option<Column> {
+        let seen = if k < self.squeezed { &panel.squeezed } else { &panel.round };
+        let lobe = &self.lobes[k];
+        let mut sums = [0.0; PANEL];
+        let mut exponents = [0.0; PANEL];
+        let mut is_seen = false;
+        for axis in lobe.axes() {
+            if lobe.exponents(axis, seen, &mut exponents) {
+                is_seen = true;
+                for n in 0..PANEL {
+                    sums[n] += seen.jacobian[n] * exp(lobe.sharpness * exponents[n]);
                 }
             }
         }
-        for (m, &(sin, cos)) in self.off_plane.iter().enumerate() {
-            let k = self.first_mirrored() + m;
-            let (s, y) = (self.sharpness[k], d[1] * sin);
-            let (x, z) = (d[0] * self.sin[k], d[2] * self.cos[k]);
-            let (across_x, across_z) = (d[0] * self.cos[k], d[2] * self.sin[k]);
-            for (z, across_z) in [(z, -across_z), (-z, across_z)] {
-                let along = cos * (x + z);
-                let (left, right) = (along + y - 1.0, along - y - 1.0);
-                let (e, f) = (scale * exp(s * left), scale * exp(s * right));
-                value[k] += e + f;
-                by_angle[k] += s * cos * (e + f) * (across_x + across_z);
-                by_sharpness[k] += s * (e * left + f * right);
-                by_squeeze[self.squeezed + m] += s * ((e - f) * d[1] * cos - (e + f) * sin * (x + z));
+        is_seen.then_some(sums)
+    }
+
+    /// [`values`](Self::values) at a panel of directions, summed over the lobes. Shapes: `amplitudes` [K + 1] per channel.
+    #[inline(always)]
+    pub fn sums(&self, panel: &Panel, amplitudes: &[Vec<f64>; 3]) -> [Column; 3] {
+        let diffuse = |a: &Vec<f64>| panel.round.at[2].map(|cos| a[self.len()] * FRAC_1_PI * cos);
+        let mut sums = [diffuse(&amplitudes[0]), diffuse(&amplitudes[1]), diffuse(&amplitudes[2])];
+        for k in 0..self.len() {
+            let Some(value) = self.column(k, panel) else { continue };
+            for (sum, amplitudes) in sums.iter_mut().zip(amplitudes) {
+                let amplitude = amplitudes[k];
+                sum.iter_mut().zip(&value).for_each(|(sum, v)| *sum = amplitude.mul_add(*v, *sum));
             }
         }
-        by_squeeze[self.squeezed + self.off_plane.len()] = scale * d[2] * FRAC_1_PI;
+        sums
+    }
+
+    /// How many columns [`slopes`](Self::slopes) gives.
+    pub fn slopes_len(&self) -> usize {
+        3 * self.len() + self.squeezed + self.mirrored + 1
+    }
+
+    /// Values and derivatives of the unit lobes and of the diffuse term at a panel of directions, each times its `scale`.
+    ///
+    /// Shapes: `out` and `seen` [3 K + S + M + 1] for S squeezed lobes and M mirrored ones: K derivatives by angle, K by ln
+    /// sharpness, K values, S derivatives by ln squeeze, M by the angle out of the plane, the value of the diffuse term of albedo 1.
+    /// Where a lobe is 0 at the whole panel `seen` is false, and its columns are undefined.
+    #[inline(always)]
+    pub fn slopes(&self, panel: &Panel, scale: &Column, out: &mut [Column], seen: &mut [bool]) {
+        let count = self.len();
+        for (k, lobe) in self.lobes.iter().enumerate() {
+            let is_squeezed = k < self.squeezed;
+            let extra = match k.checked_sub(count - self.mirrored) {
+                Some(m) => Some(3 * count + self.squeezed + m),
+                None => is_squeezed.then_some(3 * count + k),
+            };
+            let directions = if is_squeezed { &panel.squeezed } else { &panel.round };
+            let slopes = lobe.slopes(directions, scale, is_squeezed);
+            let columns = [Some(k), Some(count + k), Some(2 * count + k), extra];
+            for (n, column) in columns.into_iter().enumerate() {
+                let Some(column) = column else { continue };
+                seen[column] = slopes.is_some();
+                if let Some(slopes) = &slopes {
+                    out[column] = slopes[n];
+                }
+            }
+        }
+        let last = self.slopes_len() - 1;
+        seen[last] = true;
+        for n in 0..PANEL {
+            out[last][n] = scale[n] * panel.round.at[2][n] * FRAC_1_PI;
+        }
+    }
+}
+
+impl Unit {
+    /// Derivatives by angle and ln sharpness, the value, and the derivative by ln squeeze or by the angle out of the plane;
+    /// none if the lobe is 0 at the whole panel.
+    #[inline(always)]
+    fn slopes(&self, seen: &Seen, scale: &Column, is_squeezed: bool) -> Option<[Column; 4]> {
+        let mut sums = [[0.0; PANEL]; 4];
+        let mut exponents = [0.0; PANEL];
+        let mut is_seen = false;
+        let s = self.sharpness;
+        let [x, y, z] = &seen.at;
+        for axis in self.axes() {
+            if !self.exponents(axis, seen, &mut exponents) {
+                continue;
+            }
+            is_seen = true;
+            let ([ax, _, az], [bx, by, bz]) = (axis.by_angle, axis.by_off_plane);
+            for n in 0..PANEL {
+                let t = exponents[n];
+                let e = scale[n] * seen.jacobian[n] * exp(s * t);
+                sums[0][n] += s * e * (x[n] * ax + z[n] * az);
+                sums[1][n] += s * e * t;
+                sums[2][n] += e;
+                sums[3][n] += if is_squeezed {
+                    let yy = y[n] * y[n];
+                    e * (3.0 * yy - 1.0 + s * yy * (t + 1.0))
+                } else {
+                    s * e * (x[n] * bx + (y[n] * by + z[n] * bz))
+                };
+            }
+        }
+        is_seen.then_some(sums)
     }
 }
 
@@ -185,9 +292,17 @@ mod tests {
             }
             q[layout.off_plane(0)] = 1.5 * random.next();
             let d = direction(1.5 * random.next(), 3.0 * random.next());
-            let mut slopes = [0.0; 16];
-            Lobes::new(&layout, &q).slopes(&d, 1.0, &mut slopes);
+            let lobes = Lobes::new(&layout, &q);
+            let panel = lobes.panel([d, d].into_iter());
+            let (mut columns, mut seen) = ([[f64::NAN; PANEL]; 16], [false; 16]);
+            let scale = std::array::from_fn(|n| if n == 1 { 0.5 } else { 1.0 });
+            lobes.slopes(&panel, &scale, &mut columns, &mut seen);
+            let slopes = std::array::from_fn::<f64, 16, _>(|i| if seen[i] { columns[i][0] } else { 0.0 });
+            assert!((0..16).all(|i| !seen[i] || (columns[i][1] - 0.5 * slopes[i]).abs() < 1e-14));
             assert!((slopes[15] - d[2] * FRAC_1_PI).abs() < 1e-15);
+            let sums = lobes.sums(&panel, &[vec![1.0; 5], vec![0.0; 5], (0..5).map(f64::from).collect()]);
+            let weighted: f64 = (0..5).map(|k| if k < 4 { slopes[8 + k] } else { slopes[15] } * k as f64).sum();
+            assert!((sums[2][0] - weighted).abs() < 1e-12 * weighted && sums[1] == [0.0; PANEL]);
             for k in 0..4 {
                 let value = slopes[8 + k];
                 for (index, slope) in [

@@ -61,7 +61,7 @@ pub(crate) struct Data {
     albedo: [f64; 3],
 }
 
-/// Linearisation in one view: half the gradient, and the lower half of the Gauss-Newton matrix, by its unknowns.
+/// Linearisation in one view: half the gradient, and the upper half of the Gauss-Newton matrix, by its unknowns.
 struct Block {
     place: (usize, f64),
     /// Diagonal of the data term.
@@ -164,17 +164,15 @@ impl Objective {
     pub fn reweighed(&self, x: &[f64]) -> Self {
         let mut new = self.clone();
         let mut q = vec![0.0; self.layout.stride()];
-        let mut unit = vec![0.0; self.layout.lobes + 1];
         let mut errors = Vec::with_capacity(new.views.len());
         for view in &mut new.views {
             self.layout.interpolate(x, view.place, &mut q);
             let (lobes, amplitudes) = (Lobes::new(&self.layout, &q), amplitudes(&self.layout, &q));
             let mut square = 0.0;
-            for point in &mut view.points {
-                lobes.values(&point.direction, &mut unit);
+            let values = data_term::values(&lobes, &amplitudes, &view.points);
+            for (point, values) in view.points.iter_mut().zip(values) {
                 let mut sum = 0.0;
-                for (a, target) in amplitudes.iter().zip(point.target) {
-                    let value: f64 = a.iter().zip(&unit).map(|(a, u)| a * u).sum();
+                for (value, target) in values.into_iter().zip(point.target) {
                     square += point.base * (value - target) * (value - target);
                     sum += value;
                 }
@@ -277,12 +275,17 @@ impl Objective {
                 }
                 for (knot_b, share_b) in ends.into_iter().take(a + 1).filter(|e| e.1 > 0.0) {
                     let share = share_a * share_b;
-                    for i in 0..p {
-                        let end = if knot_a == knot_b { i + 1 } else { p };
-                        for j in 0..end {
-                            let value = block.matrix[if i >= j { i * p + j } else { j * p + i }];
-                            sum.matrix.add(knot_a * p + i, knot_b * p + j, share * value);
+                    for j in 0..p {
+                        let start = if knot_a == knot_b { j } else { 0 };
+                        for i in start..j {
+                            sum.matrix.add(knot_a * p + i, knot_b * p + j, share * block.matrix[i * p + j]);
                         }
+                        sum.matrix.add_run(
+                            knot_a * p + j,
+                            knot_b * p + j,
+                            share,
+                            &block.matrix[j * p + j..(j + 1) * p],
+                        );
                     }
                 }
             }
@@ -321,6 +324,7 @@ impl Objective {
             gradient: vec![0.0; p],
             matrix: vec![0.0; p * p],
         };
+        // Which unknown a derivative belongs to, and the amplitude that it is multiplied by.
         let lobe_of = |i: usize| match i {
             _ if i == width - 1 => k,
             _ if i >= off_plane => layout.first_mirrored() + i - off_plane,
@@ -334,18 +338,19 @@ impl Objective {
             2 => layout.amplitude(channel, lobe_of(i)),
             _ => 0,
         };
-        for i in 0..width {
-            for c in 0..3 {
-                block.gradient[target(i, c)] += amplitude[c][lobe_of(i)] * moment[c][i];
-                for j in 0..=i {
-                    let value = amplitude[c][lobe_of(i)] * amplitude[c][lobe_of(j)] * gram[i * width + j];
-                    let (a, b) = (target(i, c), target(j, c));
-                    block.matrix[a.max(b) * p + a.min(b)] += value;
-                    if a == b && i != j {
-                        // Both (i, j) and (j, i) of the Gram matrix fall on one element: the squeeze is shared.
-                        block.matrix[a * p + a] += value;
-                    }
+        for c in 0..3 {
+            let targets: Vec<(usize, f64)> =
+                (0..width).map(|i| (target(i, c), amplitude[c][lobe_of(i)])).collect();
+            for (i, &(a, factor)) in targets.iter().enumerate() {
+                block.gradient[a] += factor * moment[c][i];
+                for (&(b, other), product) in targets[..=i].iter().zip(&gram[i * width..]) {
+                    let value = factor * other * product;
+                    let element = &mut block.matrix[a.min(b) * p + a.max(b)];
+                    // Both (i, j) and (j, i) of the Gram matrix may fall on one element: the squeeze is shared.
+                    *element += value;
                 }
+                let shared = targets[..i].iter().zip(&gram[i * width..]).filter(|(target, _)| target.0 == a);
+                block.matrix[a * p + a] += shared.map(|(target, product)| factor * target.1 * product).sum::<f64>();
             }
         }
         (0..p).for_each(|i| block.scale[i] = block.matrix[i * p + i]);
@@ -374,7 +379,7 @@ impl Objective {
         for &(i, a) in &row {
             block.gradient[i] += a * residual;
             for &(j, b) in row.iter().filter(|e| e.0 <= i) {
-                block.matrix[i * p + j] += a * b;
+                block.matrix[j * p + i] += a * b;
             }
         }
     }
