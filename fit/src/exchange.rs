@@ -127,32 +127,38 @@ impl Family {
 }
 
 impl Objective {
+    /// The squeezed lobe that would be missed least; none if there is none.
+    pub fn least_missed(&self, x: &[f64]) -> Option<usize> {
+        let residuals = self.residuals(x);
+        let worth = |k: usize| residuals.iter().map(|r| r.worth[k]).sum::<f64>();
+        (0..self.layout.squeezed).min_by(|&a, &b| worth(a).total_cmp(&worth(b)))
+    }
+
     fn residuals(&self, x: &[f64]) -> Vec<Residual> {
         let layout = &self.layout;
         let count = layout.lobes + 1;
-        let view =
-            |data: &crate::objective::Data| {
-                let mut q = vec![0.0; layout.stride()];
-                layout.interpolate(x, data.place, &mut q);
-                let lobes = Lobes::new(layout, &q);
-                let amplitudes = crate::objective::amplitudes(layout, &q);
-                let values = data_term::values(&lobes, &amplitudes, &data.points);
-                let difference = |(p, v): (&Point, &[f64; 3])| [0, 1, 2].map(|c| p.target[c] - v[c]);
-                let left = data.points.iter().zip(&values).map(difference).collect();
-                // Of all derivatives, the values themselves.
-                let sums = data_term::sums(&lobes, &amplitudes, &data.points);
-                let width = lobes.slopes_len();
-                let column = |k: usize| if k < layout.lobes { 2 * layout.lobes + k } else { width - 1 };
-                let product = |n: usize| sums.gram[column(n / count) * width + column(n % count)];
-                let gram: Vec<f64> = (0..count * count).map(product).collect();
-                let inverse = inverse_diagonal(&gram, count);
-                let power = |k: usize| amplitudes.iter().map(|a| a[k] * a[k]).sum::<f64>();
-                let worth = (0..layout.lobes).map(|k| power(k) / inverse[k]).collect();
-                let (knot, blend) = data.place;
-                let end = layout.knots[(knot + 1).min(layout.knots.len() - 1)];
-                let theta = layout.knots[knot] + blend * (end - layout.knots[knot]);
-                Residual { theta, q, left, worth }
-            };
+        let view = |data: &crate::objective::Data| {
+            let mut q = vec![0.0; layout.stride()];
+            layout.interpolate(x, data.place, &mut q);
+            let lobes = Lobes::new(layout, &q);
+            let amplitudes = crate::objective::amplitudes(layout, &q);
+            let values = data_term::values(&lobes, &amplitudes, &data.points);
+            let difference = |(p, v): (&Point, &[f64; 3])| [0, 1, 2].map(|c| p.target[c] - v[c]);
+            let left = data.points.iter().zip(&values).map(difference).collect();
+            // Of all derivatives, the values themselves.
+            let sums = data_term::sums(&lobes, &amplitudes, &data.points);
+            let width = lobes.slopes_len();
+            let column = |k: usize| if k < layout.lobes { 2 * layout.lobes + k } else { width - 1 };
+            let product = |n: usize| sums.gram[column(n / count) * width + column(n % count)];
+            let gram: Vec<f64> = (0..count * count).map(product).collect();
+            let inverse = inverse_diagonal(&gram, count);
+            let power = |k: usize| amplitudes.iter().map(|a| a[k] * a[k]).sum::<f64>();
+            let worth = (0..layout.lobes).map(|k| power(k) / inverse[k]).collect();
+            let (knot, blend) = data.place;
+            let end = layout.knots[(knot + 1).min(layout.knots.len() - 1)];
+            let theta = layout.knots[knot] + blend * (end - layout.knots[knot]);
+            Residual { theta, q, left, worth }
+        };
         self.views.par_iter().map(view).collect()
     }
 

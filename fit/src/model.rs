@@ -301,7 +301,8 @@ mod tests {
             assert!((0..16).all(|i| !seen[i] || (columns[i][1] - 0.5 * slopes[i]).abs() < 1e-14));
             assert!((slopes[15] - d[2] * FRAC_1_PI).abs() < 1e-15);
             let sums = lobes.sums(&panel, &[vec![1.0; 5], vec![0.0; 5], (0..5).map(f64::from).collect()]);
-            let weighted: f64 = (0..5).map(|k| if k < 4 { slopes[8 + k] } else { slopes[15] } * k as f64).sum();
+            let weighted: f64 =
+                (0..5).map(|k| if k < 4 { slopes[8 + k] } else { slopes[15] } * k as f64).sum();
             assert!((sums[2][0] - weighted).abs() < 1e-12 * weighted && sums[1] == [0.0; PANEL]);
             for k in 0..4 {
                 let value = slopes[8 + k];

@@ -27,7 +27,7 @@ const TAIL_FLOOR: f64 = 0.05;
 /// Times by which lobes may fall short of the table before the tail weighs more there, by the square, and how much more at most:
 /// `f cos / pdf` is about as many times the mean there (chrome: 10 in place of 27).
 const SHORT: f64 = 3.0;
-const MOST_SHORT: f64 = 30.0;
+const MOST_SHORT: f64 = 1000.0;
 /// Share of the albedo that the defensive lobe has at least. With its bounds (`crate::parameters`) every direction has at
 /// least 0.012 of it as density, 2.5e-5 / sr: that bounds `f cos / pdf`. Without such a lobe the diffuse term
 /// has `DEFENSIVE_DIFFUSE`.
@@ -350,7 +350,8 @@ impl Objective {
                     *element += value;
                 }
                 let shared = targets[..i].iter().zip(&gram[i * width..]).filter(|(target, _)| target.0 == a);
-                block.matrix[a * p + a] += shared.map(|(target, product)| factor * target.1 * product).sum::<f64>();
+                block.matrix[a * p + a] +=
+                    shared.map(|(target, product)| factor * target.1 * product).sum::<f64>();
             }
         }
         (0..p).for_each(|i| block.scale[i] = block.matrix[i * p + i]);

@@ -86,6 +86,24 @@ impl Layout {
         (self.first_mirrored() >= self.squeezed + 2).then(|| self.first_mirrored() - 1)
     }
 
+    /// The layout and unknowns with a squeezed lobe given up for a wide and weak one, if that makes one that is kept wide.
+    pub fn widened(&self, x: &[f64], given_up: usize) -> Option<(Self, Vec<f64>)> {
+        let new = Self { squeezed: self.squeezed.checked_sub(1)?, ..self.clone() };
+        let wide = new.defensive()?;
+        let mut moved = x.to_vec();
+        for q in moved.chunks_exact_mut(self.stride()) {
+            for first in
+                [self.angle(0), self.sharpness(0)].into_iter().chain((0..3).map(|c| self.amplitude(c, 0)))
+            {
+                q[first + given_up..=first + wide].rotate_left(1);
+            }
+            q[self.angle(wide)] = 0.0;
+            q[self.sharpness(wide)] = LN_SHARPNESS_DEFENSIVE.1;
+            (0..3).for_each(|c| q[self.amplitude(c, wide)] = LN_AMPLITUDE.0);
+        }
+        Some((new, moved))
+    }
+
     /// Least and greatest value of an unknown.
     pub fn bounds(&self, index: usize) -> (f64, f64) {
         match index {
@@ -196,6 +214,24 @@ mod tests {
         assert_eq!(layout.place(0.25), (0, 0.5));
         assert_eq!(layout.place(0.5), (1, 0.0));
         assert_eq!(layout.place(2.0), (1, 1.0));
+    }
+
+    #[test]
+    fn a_squeezed_lobe_makes_room_for_a_wide_one() {
+        let layout = |lobes, squeezed, mirrored| Layout { lobes, squeezed, mirrored, knots: vec![0.0, 1.0] };
+        let old = layout(5, 3, 1);
+        let x: Vec<f64> = (0..old.len()).map(|i| i as f64).collect();
+        let (new, moved) = old.widened(&x, 1).unwrap();
+        assert!(old.defensive().is_none() && new == layout(5, 2, 1) && new.defensive() == Some(3));
+        let p = old.stride();
+        for (from, to) in [(0, 0), (2, 1), (3, 2), (4, 4)] {
+            assert_eq!(moved[p + new.angle(to)], x[p + old.angle(from)]);
+            assert_eq!(moved[p + new.sharpness(to)], x[p + old.sharpness(from)]);
+            assert_eq!(moved[p + new.amplitude(2, to)], x[p + old.amplitude(2, from)]);
+        }
+        assert_eq!((moved[p + new.angle(3)], moved[p + new.sharpness(3)]), (0.0, 1.0));
+        assert_eq!((moved[p], moved[p + new.off_plane(0)]), (x[p], x[p + old.off_plane(0)]));
+        assert!(layout(8, 4, 4).widened(&[], 0).is_none() && layout(4, 0, 0).widened(&[], 0).is_none());
     }
 
     #[test]

@@ -43,8 +43,8 @@ pub(crate) fn stages(settings: &Settings, energy: f64, looks: usize) -> Vec<Stag
         stages.extend([scout(4), exchange(2, settings.exchanges), full(1, 1e-4)]);
     } else {
         // Shapes show late what they are good for, and what may hide between directions is judged when it has been seen once.
-        let exchanges = [exchange(6, settings.exchanges / 5), exchange(2, settings.exchanges / 2)];
-        stages.extend([scout(6), exchanges[0], exchanges[1], Stage { look: Some(0), ..full(2, 5e-4) }]);
+        let exchanges = [exchange(4, 2 * settings.exchanges / 3), exchange(3, settings.exchanges)];
+        stages.extend([scout(6), exchanges[0], exchanges[1], Stage { look: Some(0), ..full(3, 5e-4) }]);
     }
     stages.extend((0..looks.max(1)).map(|round| {
         let keep = if round == 0 && looks > 0 { 2 } else { 1 };

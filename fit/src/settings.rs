@@ -26,7 +26,7 @@ pub struct Settings {
     pub steps: usize,
     /// Most times that the lobe that is missed least is put where it is missed most; it ends after six in a row that lower the
     /// cost by less than a thousandth. Of samples, from each of the two best starting points; of what can be evaluated anywhere,
-    /// a fifth of it from six, one of each shape, then half of it from two.
+    /// two thirds of it from four, one of each shape, then all of it from three.
     pub exchanges: usize,
     /// Views of the material, placed where it changes; only for what can be evaluated anywhere. 14 are 3.8 kB with 12 lobes. Lobes
     /// in mirrored pairs are fewer bytes: an isotropic material that has some gets as many more views as those take.
@@ -38,8 +38,10 @@ pub struct Settings {
     pub provenance: String,
 }
 
-/// Of twelve lobes: how many are squeezed, and how many pairs mirrored, in the shapes that are tried.
-const SHAPES: [(usize, usize); 6] = [(6, 0), (4, 4), (6, 2), (8, 0), (4, 3), (4, 0)];
+/// Of twelve lobes, the shapes that are tried: how many are squeezed, and how many pairs mirrored; and those that are where no
+/// pairs are. Each of the four is by far the best of some materials; of six or more, each would get too few starts.
+const SHAPES: [(usize, usize); 4] = [(7, 2), (8, 0), (5, 3), (4, 4)];
+const SHAPES_WITHOUT_PAIRS: [(usize, usize); 3] = [(6, 0), (4, 0), (8, 0)];
 
 impl Default for Settings {
     fn default() -> Self {
@@ -97,11 +99,12 @@ impl Settings {
 
     /// Numbers of squeezed lobes and of mirrored pairs that are tried; `pairs`: whether pairs are if the settings do not say.
     pub(crate) fn shapes(&self, pairs: bool) -> Vec<(usize, usize)> {
+        let all: &[(usize, usize)] = if pairs { &SHAPES } else { &SHAPES_WITHOUT_PAIRS };
         let mut shapes = Vec::new();
-        for (squeezed, mirrored) in SHAPES {
+        for &(squeezed, mirrored) in all {
             let squeezed = self.squeezed.unwrap_or((squeezed * self.lobes).div_ceil(12));
-            let tried = if pairs { mirrored * self.lobes / 12 } else { 0 };
-            let shape = (squeezed, self.mirrored.unwrap_or(tried).min((self.lobes - squeezed) / 2));
+            let tried = self.mirrored.unwrap_or(mirrored * self.lobes / 12);
+            let shape = (squeezed, tried.min((self.lobes - squeezed) / 2));
             if !shapes.contains(&shape) {
                 shapes.push(shape);
             }

@@ -51,6 +51,9 @@ const LOOKS: usize = 3;
 /// that ilm_solo_m_68 ends at 15 % in place of 12 %.
 const MOST_SCALE: f64 = 3.0;
 
+/// Largest `f cos / pdf`, over the mean, in directions that the lobes draw too, from which a fit is worse than any with less.
+const MOST_WEIGHT: f64 = 30.0;
+
 /// One start on its way.
 struct Candidate {
     /// Index of its numbers of squeezed and of mirrored lobes.
@@ -135,16 +138,22 @@ pub(crate) fn run(
     });
     let scouted = scout(&table, layouts.collect(), scouting, &mut work)?;
     let mut finalists = Vec::new();
-    for (layout, candidate) in scouted {
+    for (layout, candidate) in scouted.into_iter().take(refining.first().map_or(0, |stage| stage.keep)) {
         finalists.push(Finalist::new(data, settings, &table, layout, candidate)?);
     }
     for stage in refining {
         finalists.truncate(stage.keep);
-        for finalist in &mut finalists {
-            finalist.advance(data, stage, &mut work)?;
-            work.done += stage.runs * stage.limits.steps;
+        refine(data, &mut finalists, stage, &mut work)?;
+        if stage.look == Some(0) && finalists.iter().all(|f| f.largest_weight > MOST_WEIGHT) {
+            // None samples well enough: the best once more, with a lobe that is kept wide.
+            finalists.sort_by(|a, b| a.error.total_cmp(&b.error));
+            if let Some(finalist) = finalists.iter_mut().find_map(|f| f.widen().then_some(f)) {
+                refine(data, std::slice::from_mut(finalist), stage, &mut work)?;
+            }
         }
-        finalists.sort_by(|a, b| a.error.total_cmp(&b.error));
+        work.done += stage.work();
+        let key = |f: &Finalist| (f.largest_weight > MOST_WEIGHT, f.error);
+        finalists.sort_by(|a, b| key(a).0.cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)));
     }
     let Some(Finalist { layout, table, candidate, .. }) = finalists.into_iter().next() else {
         return Err(FitError::Setting { name: "starts", reason: "at least 1".into() });
@@ -181,7 +190,9 @@ fn scout(
         layouts.into_iter().map(|layout| Objective::new(&thin, layout)).collect::<Result<_, _>>()?;
     for stage in stages {
         candidates.truncate(stage.keep);
-        advance(table, &objectives, stage, &mut candidates, work);
+        let tasks = candidates.iter_mut();
+        let tasks = tasks.map(|c| Task { table, objective: &objectives[c.shape], candidate: c });
+        advance(stage, tasks.collect(), work);
         work.done += stage.work();
         rank(&mut candidates);
     }
@@ -196,8 +207,9 @@ struct Finalist<'a> {
     /// The table as its lobes last saw it.
     seen: Option<Table>,
     candidate: Candidate,
-    /// Mean error on that.
+    /// Mean error and largest weight on that.
     error: f64,
+    largest_weight: f64,
 }
 
 impl<'a> Finalist<'a> {
@@ -208,8 +220,14 @@ impl<'a> Finalist<'a> {
         layout: Layout,
         candidate: Candidate,
     ) -> Result<Self, FitError> {
-        let mut new =
-            Self { layout, table: Cow::Borrowed(table), seen: None, candidate, error: f64::INFINITY };
+        let mut new = Self {
+            layout,
+            table: Cow::Borrowed(table),
+            seen: None,
+            candidate,
+            error: f64::INFINITY,
+            largest_weight: f64::INFINITY,
+        };
         // Lobes in pairs are fewer bytes, which are spent on more views.
         let views = material::views_of_equal_size(&new.layout);
         if let (Data::Source(source), None, true) = (data, &settings.knots, views > new.layout.knots.len()) {
@@ -221,19 +239,53 @@ impl<'a> Finalist<'a> {
         Ok(new)
     }
 
-    fn advance(&mut self, data: Data<'_>, stage: &Stage, work: &mut Work<'_>) -> Result<(), FitError> {
+    /// Gives up a lobe for one that is kept wide; false if that cannot be done.
+    fn widen(&mut self) -> bool {
         let table = self.seen.as_ref().unwrap_or(&self.table);
-        let objective = Objective::new(table, self.layout.clone())?;
-        let candidate = std::slice::from_mut(&mut self.candidate);
-        advance(table, std::slice::from_ref(&objective), stage, candidate, work);
-        if let (Some(round), Data::Source(source)) = (stage.look, data) {
-            let bytes = material::encode(&self.layout, &self.candidate.x, "")?;
-            let seen = source.table(&self.layout.knots, Some((&bytes, round)))?;
-            self.error = mean_error(&reports(&bytes, &seen)?);
-            self.seen = Some(seen);
+        let given_up = Objective::new(table, self.layout.clone())
+            .ok()
+            .and_then(|objective| objective.least_missed(&self.candidate.x));
+        let widened = given_up.and_then(|lobe| self.layout.widened(&self.candidate.x, lobe));
+        let is_widened = widened.is_some();
+        if let Some(widened) = widened {
+            (self.layout, self.candidate.x) = widened;
         }
+        is_widened
+    }
+
+    /// Looks at the lobes on a table that they see.
+    fn look(&mut self, source: &dyn Source, round: usize) -> Result<(), FitError> {
+        let bytes = material::encode(&self.layout, &self.candidate.x, "")?;
+        let seen = source.table(&self.layout.knots, Some((&bytes, round)))?;
+        let reports = reports(&bytes, &seen)?;
+        self.error = mean_error(&reports);
+        self.largest_weight = reports.iter().map(|r| r.largest_weight).fold(0.0, f64::max);
+        self.seen = Some(seen);
         Ok(())
     }
+}
+
+/// Takes all finalists through a stage, side by side.
+fn refine(
+    data: Data<'_>,
+    finalists: &mut [Finalist<'_>],
+    stage: &Stage,
+    work: &mut Work<'_>,
+) -> Result<(), FitError> {
+    let objectives = finalists
+        .iter()
+        .map(|f| Objective::new(f.seen.as_ref().unwrap_or(&f.table), f.layout.clone()))
+        .collect::<Result<Vec<_>, _>>()?;
+    let tasks = finalists.iter_mut().zip(&objectives).map(|(f, objective)| Task {
+        table: f.seen.as_ref().unwrap_or(&f.table),
+        objective,
+        candidate: &mut f.candidate,
+    });
+    advance(stage, tasks.collect(), work);
+    if let (Some(round), Data::Source(source)) = (stage.look, data) {
+        finalists.par_iter_mut().try_for_each(|f| f.look(source, round))?;
+    }
+    Ok(())
 }
 
 /// The material against every view of a table.
@@ -251,21 +303,22 @@ fn rank(candidates: &mut [Candidate]) {
     candidates.sort_by_key(|c| c.is_second);
 }
 
-/// Takes all candidates through a stage, side by side; what becomes of each does not depend on the others, nor on threads.
-fn advance(
-    table: &Table,
-    objectives: &[Objective],
-    stage: &Stage,
-    candidates: &mut [Candidate],
-    work: &mut Work<'_>,
-) {
+/// A candidate, and what it is to make small.
+struct Task<'a> {
+    table: &'a Table,
+    objective: &'a Objective,
+    candidate: &'a mut Candidate,
+}
+
+/// Takes candidates through a stage, side by side; what becomes of each does not depend on the others, nor on threads.
+fn advance(stage: &Stage, tasks: Vec<Task<'_>>, work: &mut Work<'_>) {
     let Work { done, total, progress, evaluations } = work;
     let (send, receive) = std::sync::mpsc::channel();
     std::thread::scope(|scope| {
         let worker = scope.spawn(|| {
-            candidates.par_iter_mut().for_each_with(send, |send, candidate| {
+            tasks.into_par_iter().for_each_with(send, |send, task| {
                 // Nobody listens any more if the fit is being abandoned.
-                advance_one(table, &objectives[candidate.shape], stage, candidate, || {
+                advance_one(stage, task, || {
                     evaluations.fetch_add(1, Ordering::Relaxed);
                     let _ = send.send(());
                 });
@@ -281,13 +334,8 @@ fn advance(
     });
 }
 
-fn advance_one(
-    table: &Table,
-    objective: &Objective,
-    stage: &Stage,
-    candidate: &mut Candidate,
-    mut tick: impl FnMut(),
-) {
+fn advance_one(stage: &Stage, task: Task<'_>, mut tick: impl FnMut()) {
+    let Task { table, objective, candidate } = task;
     let Candidate { x, cost, start, .. } = candidate;
     if x.is_empty() {
         *x = initialize::start(table, &objective.layout, *start);
