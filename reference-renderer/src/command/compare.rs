@@ -8,7 +8,7 @@ use crate::material::StoredMaterial;
 use crate::progress::Progress;
 use crate::{material, plot, report};
 use anyhow::ensure;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Compares sampling strategies: error against run time.
 ///
@@ -41,7 +41,7 @@ pub struct Args {
     /// Threads; 0 is one a processor
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
-    /// The files to write, without extension
+    /// The files to write, OUT.csv and OUT.png; either name will do
     #[arg(short, long, default_value = "out/compare", value_name = "OUT")]
     output: PathBuf,
 }
@@ -83,16 +83,22 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         }
     }
 
-    // A folder name may hold a point: the extensions are added, not put in place of one.
-    let [csv, png] = ["csv", "png"].map(|extension| {
-        let mut path = args.output.clone().into_os_string();
-        path.push(format!(".{extension}"));
-        PathBuf::from(path)
-    });
+    let [csv, png] = outputs(&args.output);
     report::write_csv(&csv, &comparisons)?;
     plot::write_png(&png, &comparisons)?;
     println!("wrote {} and {}", csv.display(), png.display());
     Ok(())
+}
+
+/// The two files that are written. Only their own extensions are put in place of one another: a name may hold a point.
+fn outputs(given: &Path) -> [PathBuf; 2] {
+    let is_ours = given.extension().is_some_and(|e| e == "csv" || e == "png");
+    let stem = if is_ours { given.with_extension("") } else { given.to_owned() };
+    ["csv", "png"].map(|extension| {
+        let mut path = stem.clone().into_os_string();
+        path.push(format!(".{extension}"));
+        PathBuf::from(path)
+    })
 }
 
 /// What tables call an environment: a file by its name without folder and extension.
@@ -100,5 +106,20 @@ fn environment_name(text: &str) -> String {
     if text.starts_with("constant:") {
         return text.to_owned();
     }
-    std::path::Path::new(text).file_stem().unwrap_or_default().to_string_lossy().into_owned()
+    Path::new(text).file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn either_name_of_the_outputs_names_both() {
+        for (given, stem) in
+            [("a/b", "a/b"), ("b.csv", "b"), ("b.png", "b"), ("b.v1", "b.v1"), ("b.csv/c", "b.csv/c")]
+        {
+            let expected = [format!("{stem}.csv"), format!("{stem}.png")].map(PathBuf::from);
+            assert_eq!(outputs(Path::new(given)), expected, "{given}");
+        }
+    }
 }
