@@ -3,7 +3,8 @@
 //! What a lobe is worth at a view is what the sum of squares grows by when it is taken out and the amplitudes of all others
 //! are chosen again: `a^2 / (G^-1)_kk` with the Gram matrix G of the unit lobes. Of two lobes that have merged, each is worth
 //! nothing. The new lobe is one of a few families (sharpness and lean constant over the views, or beside a lobe that is there), the
-//! one that alone would take most off what is left at present. Then all lobes are moved downhill together; if that ends higher than before, all is put back.
+//! one that alone would take most off what is left at present. Then all lobes are moved downhill together; if that ends higher
+//! than before, all is put back.
 
 use crate::data_term::{self, Point};
 use crate::levenberg::{self, Limits};
@@ -43,7 +44,8 @@ struct Residual {
     worth: Vec<f64>,
 }
 
-/// Exchanges lobes up to `rounds` times, for families that follow from `seed`; `tick` is called after each step of the solver. Returns the cost.
+/// Exchanges lobes up to `rounds` times, for families that follow from `seed`; `tick` is called after each step of the solver.
+/// Returns the cost.
 pub(crate) fn exchange(
     objective: &Objective,
     x: &mut Vec<f64>,

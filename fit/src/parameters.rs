@@ -1,9 +1,9 @@
 //! The unknowns of a fit: lobes at the knots, and what lies between.
 //!
 //! A knot has `4 + 5 K + M` unknowns: `ln c`, K angles of the axes in radians, M angles of the axes of mirrored lobes out of the
-//! plane of incidence, K `ln sharpness`, K `ln amplitude` per channel, and per channel the logarithm of the albedo of the diffuse term. Lobe k of one knot is lobe k of the next; between knots
-//! everything is interpolated linearly in the angle of the outgoing direction, as `srbf_core` does it with the same numbers
-//! as base-2 logarithms.
+//! plane of incidence, K `ln sharpness`, K `ln amplitude` per channel, and per channel the logarithm of the albedo of the
+//! diffuse term. Lobe k of one knot is lobe k of the next; between knots everything is interpolated linearly in the angle of
+//! the outgoing direction, as `srbf_core` does it with the same numbers as base-2 logarithms.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -65,7 +65,8 @@ struct Candidate {
     x: Vec<f64>,
 }
 
-/// Fits lobes to a table, as many as the settings say or as few as reach the error that they ask for. `progress` is called with the share of the work that is done, 0 to 1.
+/// Fits lobes to a table, as many as the settings say or as few as reach the error that they ask for. `progress` is called with
+/// the share of the work that is done, 0 to 1.
 ///
 /// # Errors
 /// [`FitError::Setting`], [`FitError::Table`]; [`FitError::Format`] never for a table with finite numbers.

@@ -35,7 +35,8 @@ pub struct Row {
 /// What the columns are.
 pub const LEGEND: &str = "fit, halfway: relative L2 of f cos in %, mean over the views and over those in between; \
     blend: halfway, our lobes at the views blended by eq. 9 over the 3 or 4 nearest views, and over 2; thesis: the same of \
-    its own lobes, halfway between even views; ours there: our fit at those; var: relative variance of f cos / pdf, views to 80 degrees; with lobes in pairs, ours has more views in the same bytes";
+    its own lobes, halfway between even views; ours there: our fit at those; var: relative variance of f cos / pdf, \
+    views to 80 degrees; with lobes in pairs, ours has more views in the same bytes";
 
 /// Name in CSV, heading, digits after the point, and number.
 type Column = (&'static str, &'static str, usize, fn(&Row) -> f64);
