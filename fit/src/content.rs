@@ -3,7 +3,7 @@
 use crate::anisotropic;
 use crate::choice;
 use crate::dense;
-use crate::knots;
+use crate::knots::Probes;
 use crate::report::ViewReport;
 use crate::table::evaluable::{Brdf, Density, Symmetry};
 use crate::table::{Content, Table};
@@ -63,7 +63,7 @@ fn fit_with(brdf: &dyn Brdf, settings: &Settings, progress: impl FnMut(f64)) -> 
         return anisotropic::fit_brdf(brdf, settings, progress);
     }
     let start = Instant::now();
-    let source = Evaluable(brdf);
+    let source = Evaluable { brdf, probes: Probes::new(brdf, LAST_KNOT.to_radians())? };
     let settings = Settings { smoothness: DENSE * settings.smoothness, ..settings.clone() };
     let mut fit = track::run(Data::Source(&source), &settings, progress)?;
     let mut middles = dense::halfway(&knots_of(&fit.bytes)?);
@@ -78,20 +78,27 @@ fn fit_with(brdf: &dyn Brdf, settings: &Settings, progress: impl FnMut(f64)) -> 
 }
 
 /// What can be evaluated, as the fit sees it.
-struct Evaluable<'a>(&'a dyn Brdf);
+struct Evaluable<'a> {
+    brdf: &'a dyn Brdf,
+    probes: Probes,
+}
 
 impl Source for Evaluable<'_> {
-    fn knots(&self, count: usize) -> Result<Vec<f64>, FitError> {
-        knots::place(self.0, count, LAST_KNOT.to_radians())
+    fn knots(&self, count: usize) -> Vec<f64> {
+        self.probes.place(count)
+    }
+
+    fn albedo(&self) -> &[(f64, [f64; 3])] {
+        &self.probes.albedo
     }
 
     fn table(&self, knots: &[f64], seen: Option<(&[u8], usize)>) -> Result<Table, FitError> {
         let end = knots[knots.len() - 1].min(LAST_KNOT.to_radians());
         match seen {
-            None => Table::from_brdf(self.0, &tabulated(knots, end, 0), Density::default()),
+            None => Table::from_brdf(self.brdf, &tabulated(knots, end, 0), Density::default()),
             Some((bytes, round)) => {
                 let thetas = tabulated(knots, end, 1 + round);
-                Table::seen_by(self.0, &thetas, Density::default(), bytes, round)
+                Table::seen_by(self.brdf, &thetas, Density::default(), bytes, round)
             }
         }
     }

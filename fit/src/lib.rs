@@ -1,6 +1,7 @@
 //! Readers, fitters and error metrics: makes `.srbf` materials, offline.
 
 mod anisotropic;
+mod balance;
 mod banded;
 pub mod blend;
 mod choice;

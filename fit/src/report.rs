@@ -39,7 +39,16 @@ pub struct Report {
     pub evaluations: usize,
 }
 
+/// Added to an albedo of which errors are a share: of what is nearly black it does not matter.
+const BLACK: f64 = 1e-3;
+
 impl ViewReport {
+    /// Largest relative error of the albedo over the channels.
+    pub fn energy_error(&self) -> f64 {
+        let off = |c: usize| (self.albedo[c] - self.data_albedo[c]).abs() / (self.data_albedo[c] + BLACK);
+        off(0).max(off(1)).max(off(2))
+    }
+
     fn to_json(&self) -> serde_json::Value {
         serde_json::json!({
             "theta_degrees": self.theta.to_degrees(),

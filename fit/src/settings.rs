@@ -28,7 +28,7 @@ pub struct Settings {
     /// cost by less than a thousandth. Of samples, from each of the two best starting points; of what can be evaluated anywhere,
     /// two thirds of it from four, one of each shape, then all of it from three.
     pub exchanges: usize,
-    /// Views of the material, placed where it changes; only for what can be evaluated anywhere. 14 are 3.8 kB with 12 lobes. Lobes
+    /// Views of the material, placed where it changes; only for what can be evaluated anywhere. 15 are 4.1 kB with 12 lobes. Lobes
     /// in mirrored pairs are fewer bytes: an isotropic material that has some gets as many more views as those take.
     pub views: usize,
     /// Angles of the views in radians, from 0 rising. `None`: for what can be evaluated anywhere, as many as
@@ -54,7 +54,7 @@ impl Default for Settings {
             starts: 12,
             steps: 120,
             exchanges: 15,
-            views: 14,
+            views: 15,
             knots: None,
             provenance: String::new(),
         }

@@ -3,6 +3,7 @@
 //! Stage by stage there are fewer candidates, more steps, and less stiffness: a stiff family cannot lose its order. Early stages
 //! see a thinned table. In the last one the albedo is held closely, and the weights of the tail follow the fit.
 
+use crate::balance;
 use crate::choice;
 use crate::exchange;
 use crate::initialize;
@@ -35,7 +36,7 @@ const SCOUTED_SAMPLES: usize = 5000;
 const KNOT_DISTANCE: f64 = 0.035;
 
 /// Weight of the albedo in the last stage where the table has it from a fine quadrature.
-pub(crate) const ENERGY_OF_A_QUADRATURE: f64 = 100.0;
+pub(crate) const ENERGY_OF_A_QUADRATURE: f64 = 30.0;
 
 /// The same for scattered samples, whose albedo depends by 1 % on how one interpolates between them.
 const ENERGY_OF_SAMPLES: f64 = 1.0;
@@ -51,8 +52,10 @@ const LOOKS: usize = 3;
 /// that ilm_solo_m_68 ends at 15 % in place of 12 %.
 const MOST_SCALE: f64 = 3.0;
 
-/// Largest `f cos / pdf`, over the mean, in directions that the lobes draw too, from which a fit is worse than any with less.
-const MOST_WEIGHT: f64 = 30.0;
+/// Largest `f cos / pdf`, over the mean, that a fit may have, in directions that the lobes draw too. One with more is fitted again
+/// with a lobe that is kept wide, and what that adds to its error.
+const MOST_WEIGHT: f64 = 20.0;
+const WIDENED: f64 = 1.1;
 
 /// One start on its way.
 struct Candidate {
@@ -82,7 +85,10 @@ pub fn fit(table: &Table, settings: &Settings, progress: impl FnMut(f64)) -> Res
 /// What can be tabulated wherever the fit asks for it.
 pub(crate) trait Source: Sync {
     /// As many knots, where the material changes.
-    fn knots(&self, count: usize) -> Result<Vec<f64>, FitError>;
+    fn knots(&self, count: usize) -> Vec<f64>;
+
+    /// Angles, radians, and the albedo there: more of them than views.
+    fn albedo(&self) -> &[(f64, [f64; 3])];
 
     /// A table of views between knots. With `seen`, bytes of a material and a number: also in directions that its lobes draw,
     /// others and at other views for every number.
@@ -115,7 +121,7 @@ pub(crate) fn run(
     let knots = match (&settings.knots, data) {
         (Some(knots), _) => knots.clone(),
         (None, Data::Samples(table)) => Layout::knots_at(table.views.iter().map(|v| v.theta), KNOT_DISTANCE),
-        (None, Data::Source(source)) => source.knots(settings.views)?,
+        (None, Data::Source(source)) => source.knots(settings.views),
     };
     let table = match data {
         Data::Samples(table) => Cow::Borrowed(table),
@@ -145,20 +151,23 @@ pub(crate) fn run(
     for stage in refining {
         finalists.truncate(stage.keep);
         refine(data, &mut finalists, stage, &mut work)?;
-        if stage.look == Some(0) && finalists.iter().all(|f| f.largest_weight > MOST_WEIGHT) {
-            // None samples well enough: the best once more, with a lobe that is kept wide.
-            finalists.sort_by(|a, b| a.error.total_cmp(&b.error));
-            if let Some(finalist) = finalists.iter_mut().find_map(|f| f.widen().then_some(f)) {
-                refine(data, std::slice::from_mut(finalist), stage, &mut work)?;
-            }
-        }
         work.done += stage.work();
-        let key = |f: &Finalist| (f.largest_weight > MOST_WEIGHT, f.error);
-        finalists.sort_by(|a, b| key(a).0.cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)));
+        let key = |f: &Finalist| if f.samples_well() { f.error } else { WIDENED * f.error };
+        finalists.sort_by(|a, b| key(a).total_cmp(&key(b)));
     }
-    let Some(Finalist { layout, table, candidate, .. }) = finalists.into_iter().next() else {
+    let Some(mut best) = finalists.into_iter().next() else {
         return Err(FitError::Setting { name: "starts", reason: "at least 1".into() });
     };
+    if let Data::Source(source) = data {
+        best.look(source, LOOKS)?;
+        if !best.samples_well() && best.widen() {
+            for stage in refining {
+                refine(data, std::slice::from_mut(&mut best), stage, &mut work)?;
+            }
+        }
+        balance::balance(&best.layout, &mut best.candidate.x, source.albedo());
+    }
+    let Finalist { layout, table, candidate, .. } = best;
 
     let text = format!("{}{}", settings.provenance, settings.describe(&layout));
     let bytes = material::encode(&layout, &candidate.x, &text)?;
@@ -208,7 +217,7 @@ struct Finalist<'a> {
     /// The table as its lobes last saw it.
     seen: Option<Table>,
     candidate: Candidate,
-    /// Mean error and largest weight on that.
+    /// Mean error on that, of values and of the albedo, and largest weight.
     error: f64,
     largest_weight: f64,
 }
@@ -232,12 +241,16 @@ impl<'a> Finalist<'a> {
         // Lobes in pairs are fewer bytes, which are spent on more views.
         let views = material::views_of_equal_size(&new.layout);
         if let (Data::Source(source), None, true) = (data, &settings.knots, views > new.layout.knots.len()) {
-            let denser = Layout { knots: source.knots(views)?, ..new.layout.clone() };
+            let denser = Layout { knots: source.knots(views), ..new.layout.clone() };
             new.candidate.x = new.layout.resampled(&new.candidate.x, &denser);
             new.table = Cow::Owned(source.table(&denser.knots, None)?);
             new.layout = denser;
         }
         Ok(new)
+    }
+
+    fn samples_well(&self) -> bool {
+        self.largest_weight <= MOST_WEIGHT
     }
 
     /// Gives up a lobe for one that is kept wide; false if that cannot be done.
@@ -256,11 +269,16 @@ impl<'a> Finalist<'a> {
 
     /// Looks at the lobes on a table that they see.
     fn look(&mut self, source: &dyn Source, round: usize) -> Result<(), FitError> {
-        let bytes = material::encode(&self.layout, &self.candidate.x, "")?;
+        let mut x = self.candidate.x.clone();
+        balance::balance(&self.layout, &mut x, source.albedo());
+        let bytes = material::encode(&self.layout, &x, "")?;
         let seen = source.table(&self.layout.knots, Some((&bytes, round)))?;
         let reports = reports(&bytes, &seen)?;
-        self.error = mean_error(&reports);
-        self.largest_weight = reports.iter().map(|r| r.largest_weight).fold(0.0, f64::max);
+        let energy_error = reports.iter().map(ViewReport::energy_error).sum::<f64>() / reports.len() as f64;
+        self.error = mean_error(&reports) + energy_error;
+        // A view where the density is too small may be seen once only.
+        let largest = reports.iter().map(|r| r.largest_weight).fold(0.0, f64::max);
+        self.largest_weight = if round == 0 { largest } else { self.largest_weight.max(largest) };
         self.seen = Some(seen);
         Ok(())
     }

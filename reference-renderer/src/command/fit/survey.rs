@@ -113,10 +113,6 @@ fn examine(
     let low: Vec<&ViewReport> = between.iter().filter(|v| v.theta.to_degrees() <= JUDGED).collect();
     let list = |f: fn(&ViewReport) -> f64| low.iter().map(|v| f(v)).collect::<Vec<f64>>();
     let fold = |list: Vec<f64>| list.into_iter().fold(0.0, f64::max);
-    let energy = |v: &ViewReport| {
-        let off = |c: usize| (v.albedo[c] - v.data_albedo[c]).abs() / (v.data_albedo[c] + 1e-3);
-        100.0 * off(0).max(off(1)).max(off(2))
-    };
     let mut row = Row {
         name: name.to_owned(),
         fit: error(&lobes, &at_views)?,
@@ -126,7 +122,7 @@ fn examine(
         variance_median: row::quantile(list(|v| v.variance), 0.5),
         variance_worst: fold(list(|v| v.variance)),
         weight: fold(list(|v| v.largest_weight)),
-        energy: fold(list(energy)),
+        energy: 100.0 * fold(list(ViewReport::energy_error)),
         reciprocity: reciprocity(&lobes)?.median,
         bytes: lobes.bytes.len() as f64,
         seconds: fit.report.seconds,
