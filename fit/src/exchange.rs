@@ -260,7 +260,7 @@ mod tests {
     /// Two lobes lie on one of two peaks: no step downhill parts them.
     #[test]
     fn of_two_lobes_on_one_peak_one_is_put_on_the_other() {
-        let layout = Layout { lobes: 2, squeezed: 2, mirrored: 0, knots: vec![0.0, 0.5, 1.0] };
+        let layout = Layout::new(2, 2, 0, vec![0.0, 0.5, 1.0]);
         let peak = |d: [f64; 3], angle: f64| {
             let axis = direction(angle, 0.0);
             libm::exp(60.0 * ((0..3).map(|k| d[k] * axis[k]).sum::<f64>() - 1.0)) / d[2]

@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn amplitudes_of_lobes_that_made_the_table_are_found_again() {
-        let layout = Layout { lobes: 3, squeezed: 1, mirrored: 0, knots: vec![0.0, 1.0] };
+        let layout = Layout::new(3, 1, 0, vec![0.0, 1.0]);
         let mut q = vec![0.0; layout.stride()];
         shape(&layout, 0.6, &[40.0, 5.0, 1.5], &[1.0, 0.5, 0.0], &mut q);
         let lobes = Lobes::new(&layout, &q);

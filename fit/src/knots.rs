@@ -36,6 +36,9 @@ const APART: usize = 2;
 /// Distance of an albedo from straight that weighs as much as an interval's equal share of the density.
 const CROOKED: f64 = 0.02;
 
+/// What it counts where the albedo is above the line, over below.
+const BULGE: f64 = 1.5;
+
 /// A material as it looks from the probes.
 pub(crate) struct Probes {
     /// Angles, radians, and the albedo there.
@@ -96,12 +99,16 @@ impl Probes {
         knots.iter().rev().map(|&probe| self.albedo[probe].0).collect()
     }
 
-    /// Farthest that a channel's albedo is from a straight line between two probes, in its logarithm.
+    /// Farthest that a channel's albedo is from a straight line between two probes, in its logarithm. The logarithm of a sum of
+    /// lobes between two knots is convex, and cannot follow what bulges upwards.
     fn crooked(&self, from: usize, to: usize) -> f64 {
         let (a, b) = (self.ln_albedo[from], self.ln_albedo[to]);
         let off = |i: usize| {
             let blend = (i - from) as f64 / (to - from) as f64;
-            let off = |c: usize| (self.ln_albedo[i][c] - (a[c] + blend * (b[c] - a[c]))).abs();
+            let off = |c: usize| {
+                let above = self.ln_albedo[i][c] - (a[c] + blend * (b[c] - a[c]));
+                if above > 0.0 { BULGE * above } else { -above }
+            };
             off(0).max(off(1)).max(off(2))
         };
         (from + 1..to).map(off).fold(0.0, f64::max)

@@ -85,12 +85,7 @@ mod tests {
 
     #[test]
     fn pairs_leave_room_for_more_views_and_no_more_than_that() {
-        let layout = |lobes, mirrored| Layout {
-            lobes,
-            squeezed: 4,
-            mirrored,
-            knots: (0..14).map(f64::from).collect(),
-        };
+        let layout = |lobes, mirrored| Layout::new(lobes, 4, mirrored, (0..14).map(f64::from).collect());
         assert_eq!(views_of_equal_size(&layout(12, 0)), 14);
         let views = views_of_equal_size(&layout(8, 4));
         let (size, most) = (|n| encoded_len(n, 8, 4, ""), encoded_len(14, 12, 0, ""));

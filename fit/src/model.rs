@@ -281,7 +281,7 @@ mod tests {
 
     #[test]
     fn derivatives_agree_with_differences() {
-        let layout = Layout { lobes: 4, squeezed: 2, mirrored: 1, knots: vec![0.0] };
+        let layout = Layout::new(4, 2, 1, vec![0.0]);
         let mut random = Random::new(7);
         for _ in 0..50 {
             let mut q = vec![0.0; layout.stride()];

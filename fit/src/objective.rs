@@ -451,7 +451,7 @@ mod tests {
             views.push((theta, scattered));
         }
         let table = Table::from_scattered(views).unwrap();
-        let layout = Layout { lobes: 4, squeezed: 2, mirrored: 1, knots: vec![0.0, 0.5, 1.0, 1.5] };
+        let layout = Layout::new(4, 2, 1, vec![0.0, 0.5, 1.0, 1.5]);
         let mut x: Vec<f64> = (0..layout.len()).map(|_| 2.0 * random.next() - 0.7).collect();
         x.chunks_mut(layout.stride()).for_each(|knot| knot[0] = -0.4);
         (Objective::new(&table, layout).unwrap(), x)

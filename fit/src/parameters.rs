@@ -16,6 +16,8 @@ pub(crate) struct Layout {
     pub squeezed: usize,
     /// Lobes that stand for two, M, one on either side of the plane of incidence; they come last.
     pub mirrored: usize,
+    /// Whether the last lobe in the plane of incidence is kept wide, so that no direction has a small density.
+    pub is_last_wide: bool,
     /// Angles of the knots in radians, from 0 rising to at most pi / 2.
     pub knots: Vec<f64>,
 }
@@ -33,6 +35,12 @@ const ANGLE_DEFENSIVE: (f64, f64) = (-0.6, 0.6);
 pub(crate) const LN_SHARPNESS_DEFENSIVE: (f64, f64) = (-3.0, 1.0);
 
 impl Layout {
+    /// A layout of `lobes` lobes, of which `squeezed` are squeezed and `mirrored` stand for two. One is kept wide if two or more in
+    /// the plane of incidence are round.
+    pub fn new(lobes: usize, squeezed: usize, mirrored: usize, knots: Vec<f64>) -> Self {
+        Self { lobes, squeezed, mirrored, is_last_wide: lobes - mirrored >= squeezed + 2, knots }
+    }
+
     /// Unknowns of a knot.
     pub fn stride(&self) -> usize {
         4 + 5 * self.lobes + self.mirrored
@@ -80,16 +88,18 @@ impl Layout {
         knot == 0 && index < self.angles().end
     }
 
-    /// The lobe that is kept wide, so that no direction has a small density, the last in the plane of incidence; none if there
-    /// are fewer than two round ones there.
+    /// The lobe that is kept wide.
     pub fn defensive(&self) -> Option<usize> {
-        (self.first_mirrored() >= self.squeezed + 2).then(|| self.first_mirrored() - 1)
+        self.is_last_wide.then(|| self.first_mirrored() - 1)
     }
 
-    /// The layout and unknowns with a squeezed lobe given up for a wide and weak one, if that makes one that is kept wide.
+    /// The layout and unknowns with a squeezed lobe given up for a wide and weak one, unless there is one that is kept wide.
     pub fn widened(&self, x: &[f64], given_up: usize) -> Option<(Self, Vec<f64>)> {
-        let new = Self { squeezed: self.squeezed.checked_sub(1)?, ..self.clone() };
-        let wide = new.defensive()?;
+        if self.is_last_wide || given_up >= self.squeezed {
+            return None;
+        }
+        let new = Self { squeezed: self.squeezed - 1, is_last_wide: true, ..self.clone() };
+        let wide = new.first_mirrored() - 1;
         let mut moved = x.to_vec();
         for q in moved.chunks_exact_mut(self.stride()) {
             for first in
@@ -203,12 +213,8 @@ mod tests {
 
     #[test]
     fn places_are_between_their_knots() {
-        let layout = Layout {
-            lobes: 1,
-            squeezed: 0,
-            mirrored: 0,
-            knots: Layout::knots_at([0.0, 0.02, 0.5, 0.51, 1.56].into_iter(), 0.03),
-        };
+        let knots = Layout::knots_at([0.0, 0.02, 0.5, 0.51, 1.56].into_iter(), 0.03);
+        let layout = Layout::new(1, 0, 0, knots);
         assert_eq!(layout.knots, [0.0, 0.5, FRAC_PI_2]);
         assert_eq!(layout.place(0.0), (0, 0.0));
         assert_eq!(layout.place(0.25), (0, 0.5));
@@ -218,7 +224,7 @@ mod tests {
 
     #[test]
     fn a_squeezed_lobe_makes_room_for_a_wide_one() {
-        let layout = |lobes, squeezed, mirrored| Layout { lobes, squeezed, mirrored, knots: vec![0.0, 1.0] };
+        let layout = |lobes, squeezed, mirrored| Layout::new(lobes, squeezed, mirrored, vec![0.0, 1.0]);
         let old = layout(5, 3, 1);
         let x: Vec<f64> = (0..old.len()).map(|i| i as f64).collect();
         let (new, moved) = old.widened(&x, 1).unwrap();
@@ -231,12 +237,16 @@ mod tests {
         }
         assert_eq!((moved[p + new.angle(3)], moved[p + new.sharpness(3)]), (0.0, 1.0));
         assert_eq!((moved[p], moved[p + new.off_plane(0)]), (x[p], x[p + old.off_plane(0)]));
-        assert!(layout(8, 4, 4).widened(&[], 0).is_none() && layout(4, 0, 0).widened(&[], 0).is_none());
+        // None is left in the plane but the wide one.
+        let lonely = layout(2, 1, 1);
+        let (new, _) = lonely.widened(&vec![0.0; lonely.len()], 0).unwrap();
+        assert!(lonely.defensive().is_none() && new.squeezed == 0 && new.defensive() == Some(0));
+        assert!(layout(4, 1, 0).widened(&[], 0).is_none() && layout(4, 0, 4).widened(&[], 0).is_none());
     }
 
     #[test]
     fn at_other_knots_the_unknowns_are_what_lies_between() {
-        let layout = |knots| Layout { lobes: 1, squeezed: 0, mirrored: 0, knots };
+        let layout = |knots| Layout::new(1, 0, 0, knots);
         let (old, new) = (layout(vec![0.0, 0.4, 1.0]), layout(vec![0.0, 0.2, 0.7, 1.0]));
         let x: Vec<f64> = (0..old.len()).map(|i| (i * i) as f64).collect();
         let at = |x: &[f64], knot: usize, index: usize| x[knot * old.stride() + index];

@@ -54,7 +54,7 @@ const MOST_SCALE: f64 = 3.0;
 
 /// Largest `f cos / pdf`, over the mean, that a fit may have, in directions that the lobes draw too. One with more is fitted again
 /// with a lobe that is kept wide, and what that adds to its error.
-const MOST_WEIGHT: f64 = 20.0;
+const MOST_WEIGHT: f64 = 15.0;
 const WIDENED: f64 = 1.1;
 
 /// One start on its way.
@@ -137,11 +137,8 @@ pub(crate) fn run(
 
     let (scouting, refining) = stages.split_at(stages.partition_point(|stage| !stage.full));
     let shapes = settings.shapes(matches!(data, Data::Source(_)));
-    let layouts = shapes.into_iter().map(|(squeezed, mirrored)| Layout {
-        lobes: settings.lobes - mirrored,
-        squeezed,
-        mirrored,
-        knots: knots.clone(),
+    let layouts = shapes.into_iter().map(|(squeezed, mirrored)| {
+        Layout::new(settings.lobes - mirrored, squeezed, mirrored, knots.clone())
     });
     let scouted = scout(&table, layouts.collect(), scouting, &mut work)?;
     let mut finalists = Vec::new();
