@@ -9,7 +9,7 @@
 //! Where exactly is a matter of energy. Measured tables are straight lines themselves, between rows that are some degrees
 //! apart, and the albedo of a channel that has a kink (vch_golden_yellow's blue at 45 degrees) wants a knot there. So the knots
 //! are those, of all at the probes, for which the intervals have the least sum of the square of their share of that density
-//! and of the square of how far their albedos are from straight, by dynamic programming (Bellman and Roth 1969, Curve fitting
+//! and of the fourth power of how far their albedos are from straight, by dynamic programming (Bellman and Roth 1969, Curve fitting
 //! by segmented straight lines).
 
 use crate::FitError;
@@ -33,8 +33,8 @@ const SMOOTHED: usize = 6;
 /// Least number of probes from knot to knot.
 const APART: usize = 2;
 
-/// Distance of an albedo from straight that weighs as much as an interval's equal share of the density.
-const CROOKED: f64 = 0.02;
+/// Distance of an albedo from straight that weighs as much as an interval's equal share of the density; less of it hardly counts.
+const CROOKED: f64 = 0.012;
 
 /// What it counts where the albedo is above the line, over below.
 const BULGE: f64 = 1.5;
@@ -72,8 +72,7 @@ impl Probes {
         let equal = self.integral[PROBES - 1] / intervals as f64;
         let cost = |from: usize, to: usize| {
             let share = (self.integral[to] - self.integral[from]) / equal;
-            let crooked = self.crooked(from, to) / CROOKED;
-            share * share + crooked * crooked
+            share * share + (self.crooked(from, to) / CROOKED).powi(4)
         };
         let costs: Vec<Vec<f64>> =
             (0..PROBES).map(|to| (0..to).map(|from| cost(from, to)).collect()).collect();
