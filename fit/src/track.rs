@@ -269,13 +269,16 @@ impl<'a> Finalist<'a> {
         let mut x = self.candidate.x.clone();
         balance::balance(&self.layout, &mut x, source.albedo());
         let bytes = material::encode(&self.layout, &x, "")?;
-        let seen = source.table(&self.layout.knots, Some((&bytes, round)))?;
+        let mut seen = source.table(&self.layout.knots, Some((&bytes, round)))?;
         let reports = reports(&bytes, &seen)?;
         let energy_error = reports.iter().map(ViewReport::energy_error).sum::<f64>() / reports.len() as f64;
         self.error = mean_error(&reports) + energy_error;
         // A view where the density is too small may be seen once only.
         let largest = reports.iter().map(|r| r.largest_weight).fold(0.0, f64::max);
         self.largest_weight = if round == 0 { largest } else { self.largest_weight.max(largest) };
+        // The last stage sees the views of the one before too: what is seen no more is done again.
+        let before = self.seen.take().filter(|_| round + 1 == LOOKS);
+        seen.views.extend(before.into_iter().flat_map(|table| table.views));
         self.seen = Some(seen);
         Ok(())
     }
