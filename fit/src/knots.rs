@@ -16,8 +16,11 @@ use crate::FitError;
 use crate::table::Table;
 use crate::table::evaluable::{Brdf, Density};
 
-/// Views at which the material is looked at: half a degree apart up to 87 degrees.
-const PROBES: usize = 175;
+/// Intervals between views at which the material is looked at, or a multiple: half a degree up to 87 degrees.
+const PROBED_INTERVALS: usize = 174;
+
+/// Least number of them over that of the material's views. Pairs of lobes pay for up to twice as many.
+const FINER: usize = 4;
 
 /// How densely each is looked at.
 const PROBED: Density = Density { hemisphere: 150, cap: 50 };
@@ -25,8 +28,8 @@ const PROBED: Density = Density { hemisphere: 150, cap: 50 };
 /// Share of the knots that are placed by the angle alone, as `1 / sqrt(cos)`: towards grazing, highlights stretch.
 const BY_ANGLE: f64 = 0.5;
 
-/// Probes that a second difference spans on each side, and half the number of neighbours over which the density of knots is
-/// smoothed: noise has second derivatives too.
+/// Half degrees that a second difference spans on each side, and half the number over which the density of knots is smoothed:
+/// noise has second derivatives too.
 const SPAN: usize = 3;
 const SMOOTHED: usize = 6;
 
@@ -50,35 +53,38 @@ pub(crate) struct Probes {
 }
 
 impl Probes {
-    /// Looks at a material from 0 to `last` radians.
+    /// Looks at a material from 0 to `last` radians, closely enough for `views` views and twice as many.
     ///
     /// # Errors
     /// As [`Table::from_brdf`].
-    pub fn new(brdf: &dyn Brdf, last: f64) -> Result<Self, FitError> {
-        let step = last / (PROBES - 1) as f64;
-        let mut thetas: Vec<f64> = (0..PROBES).map(|i| step * i as f64).collect();
-        thetas[PROBES - 1] = last;
+    pub fn new(brdf: &dyn Brdf, last: f64, views: usize) -> Result<Self, FitError> {
+        let multiple = (FINER * views).div_ceil(PROBED_INTERVALS).max(1);
+        let intervals = multiple * PROBED_INTERVALS;
+        let step = last / intervals as f64;
+        let mut thetas: Vec<f64> = (0..=intervals).map(|i| step * i as f64).collect();
+        thetas[intervals] = last;
         let table = Table::from_brdf(brdf, &thetas, PROBED)?;
         let black = 1e-4 * table.views.iter().flat_map(|view| view.albedo).fold(1e-12, f64::max);
         let ln_albedo = table.views.iter().map(|view| view.albedo.map(|a| libm::log(a + black))).collect();
-        let integral = integral(&table, step);
+        let integral = integral(&table, step, multiple);
         let albedo = table.views.iter().map(|view| (view.theta, view.albedo)).collect();
         Ok(Self { albedo, ln_albedo, integral })
     }
 
     /// Places `count` knots, at least 2, from the first probe to the last.
     pub fn place(&self, count: usize) -> Vec<f64> {
-        let intervals = (count.max(2) - 1).min((PROBES - 1) / APART);
-        let equal = self.integral[PROBES - 1] / intervals as f64;
+        let probes = self.albedo.len();
+        let intervals = (count.max(2) - 1).min((probes - 1) / APART);
+        let equal = self.integral[probes - 1] / intervals as f64;
         let cost = |from: usize, to: usize| {
             let share = (self.integral[to] - self.integral[from]) / equal;
             share * share + (self.crooked(from, to) / CROOKED).powi(4)
         };
         let costs: Vec<Vec<f64>> =
-            (0..PROBES).map(|to| (0..to).map(|from| cost(from, to)).collect()).collect();
+            (0..probes).map(|to| (0..to).map(|from| cost(from, to)).collect()).collect();
 
         // Least cost of so many intervals up to each probe, and where the last of them begins.
-        let mut least = vec![f64::INFINITY; PROBES];
+        let mut least = vec![f64::INFINITY; probes];
         least[0] = 0.0;
         let mut begins = Vec::with_capacity(intervals);
         for _ in 0..intervals {
@@ -87,11 +93,11 @@ impl Probes {
                 let begins = (0..(to + 1).saturating_sub(APART)).map(begin);
                 begins.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, 0))
             };
-            let (costs, begin): (Vec<f64>, Vec<usize>) = (0..PROBES).map(best).unzip();
+            let (costs, begin): (Vec<f64>, Vec<usize>) = (0..probes).map(best).unzip();
             least = costs;
             begins.push(begin);
         }
-        let mut knots = vec![PROBES - 1];
+        let mut knots = vec![probes - 1];
         for begin in begins.iter().rev() {
             knots.push(begin[knots[knots.len() - 1]]);
         }
@@ -115,7 +121,7 @@ impl Probes {
 }
 
 /// Integral of the density of knots up to every view of a table, views a step apart from the normal on.
-fn integral(table: &Table, step: f64) -> Vec<f64> {
+fn integral(table: &Table, step: f64, multiple: usize) -> Vec<f64> {
     let logs: Vec<[f64; 2]> = table
         .views
         .iter()
@@ -133,15 +139,15 @@ fn integral(table: &Table, step: f64) -> Vec<f64> {
 
     // Odd and even continuations are the same at the normal: the table is symmetric there.
     let count = logs.len();
-    let span = SPAN as isize;
+    let span = (multiple * SPAN) as isize;
     let at = |i: isize| logs[i.unsigned_abs().min(count - 1)];
     let bend = |i: isize| {
         let i = i.clamp(0, count as isize - 1 - span);
         let (before, here, after) = (at(i - span), at(i), at(i + span));
-        let second = [0, 1].map(|n| (before[n] - 2.0 * here[n] + after[n]) / (SPAN as f64 * step).powi(2));
+        let second = [0, 1].map(|n| (before[n] - 2.0 * here[n] + after[n]) / (span as f64 * step).powi(2));
         libm::sqrt(libm::hypot(second[0], second[1]))
     };
-    let reach = SMOOTHED as isize;
+    let reach = (multiple * SMOOTHED) as isize;
     let smooth = |i: usize| (-reach..=reach).map(|n| bend(i as isize + n)).sum::<f64>();
     let density: Vec<f64> = (0..count).map(smooth).collect();
     let base: Vec<f64> = table.views.iter().map(|view| 1.0 / libm::sqrt(libm::cos(view.theta))).collect();
@@ -171,12 +177,31 @@ mod tests {
     #[test]
     fn knots_rise_between_the_ends_and_gather_where_something_changes() {
         for at in [0.4, 1.0] {
-            let knots = Probes::new(&Step(at), 1.5).unwrap().place(14);
+            let knots = Probes::new(&Step(at), 1.5, 14).unwrap().place(14);
             assert!(knots.len() == 14 && knots[0] == 0.0 && knots[13] == 1.5, "{knots:?}");
             assert!(knots.windows(2).all(|w| w[1] - w[0] > 0.01), "{knots:?}");
             let near = |centre: f64| knots.iter().filter(|k| (**k - centre).abs() < 0.15).count();
             assert!(near(at) >= 4 && near(at) > near(1.4 - at), "{at}: {knots:?}");
         }
-        assert_eq!(Probes::new(&Step(0.4), 1.5).unwrap().place(2), [0.0, 1.5]);
+        let probes = Probes::new(&Step(0.4), 1.5, 100).unwrap();
+        assert_eq!(probes.place(2), [0.0, 1.5]);
+        assert!((100..=200).step_by(50).all(|count| probes.place(count).len() == count));
+    }
+
+    /// A diffuse surface of which one channel rises from an angle of the outgoing direction on.
+    struct Kink(f64);
+
+    impl Brdf for Kink {
+        fn evaluate(&self, _: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
+            [0.1, 0.1, 0.01 * libm::exp(5.0 * (libm::acos(wo[2]) - self.0).max(0.0))]
+        }
+    }
+
+    #[test]
+    fn a_kink_of_one_channel_has_a_knot() {
+        for at in [0.3, 0.77, 1.1] {
+            let knots = Probes::new(&Kink(at), 1.5, 8).unwrap().place(8);
+            assert!(knots.iter().any(|knot| (knot - at).abs() < 0.01), "{at}: {knots:?}");
+        }
     }
 }
