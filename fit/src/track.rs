@@ -149,17 +149,22 @@ pub(crate) fn run(
         finalists.truncate(stage.keep);
         refine(data, &mut finalists, stage, &mut work)?;
         work.done += stage.work();
-        let key = |f: &Finalist| if f.samples_well() { f.error } else { WIDENED * f.error };
-        finalists.sort_by(|a, b| key(a).total_cmp(&key(b)));
+        finalists.sort_by(|a, b| a.rank().total_cmp(&b.rank()));
     }
     let Some(mut best) = finalists.into_iter().next() else {
         return Err(FitError::Setting { name: "starts", reason: "at least 1".into() });
     };
     if let Data::Source(source) = data {
         best.look(source, LOOKS)?;
+        let before = (best.rank(), best.layout.clone(), best.candidate.x.clone());
         if !best.samples_well() && best.widen() {
             for stage in refining {
                 refine(data, std::slice::from_mut(&mut best), stage, &mut work)?;
+            }
+            best.look(source, LOOKS)?;
+            // Of few lobes, none can be spared.
+            if before.0 < best.rank() {
+                (_, best.layout, best.candidate.x) = before;
             }
         }
         balance::balance(&best.layout, &mut best.candidate.x, source.albedo());
@@ -248,6 +253,11 @@ impl<'a> Finalist<'a> {
 
     fn samples_well(&self) -> bool {
         self.largest_weight <= MOST_WEIGHT
+    }
+
+    /// What the best has least of.
+    fn rank(&self) -> f64 {
+        if self.samples_well() { self.error } else { WIDENED * self.error }
     }
 
     /// Gives up a lobe for one that is kept wide; false if that cannot be done.
