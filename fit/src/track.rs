@@ -156,15 +156,17 @@ pub(crate) fn run(
     };
     if let Data::Source(source) = data {
         best.look(source, LOOKS)?;
-        let before = (best.rank(), best.layout.clone(), best.candidate.x.clone());
-        if !best.samples_well() && best.widen() {
-            for stage in refining {
-                refine(data, std::slice::from_mut(&mut best), stage, &mut work)?;
-            }
-            best.look(source, LOOKS)?;
-            // Of few lobes, none can be spared.
-            if before.0 < best.rank() {
-                (_, best.layout, best.candidate.x) = before;
+        if !best.samples_well() {
+            let (rank, layout, x) = (best.rank(), best.layout.clone(), best.candidate.x.clone());
+            if best.widen() {
+                for stage in refining {
+                    refine(data, std::slice::from_mut(&mut best), stage, &mut work)?;
+                }
+                best.look(source, LOOKS)?;
+                // Of few lobes, none can be spared.
+                if rank < best.rank() {
+                    (best.layout, best.candidate.x) = (layout, x);
+                }
             }
         }
         balance::balance(&best.layout, &mut best.candidate.x, source.albedo());
@@ -219,7 +221,7 @@ struct Finalist<'a> {
     /// The table as its lobes last saw it.
     seen: Option<Table>,
     candidate: Candidate,
-    /// Mean error on that, of values and of the albedo, and largest weight.
+    /// Mean error on that, of values and of the albedo, and largest weight on all that they saw since the first look.
     error: f64,
     largest_weight: f64,
 }
