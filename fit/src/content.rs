@@ -7,7 +7,7 @@ use crate::knots::Probes;
 use crate::report::ViewReport;
 use crate::table::evaluable::{Brdf, Density, Symmetry};
 use crate::table::{Content, Table};
-use crate::track::{self, Data, Source};
+use crate::track::{self, Data, LOOKS, Source};
 use crate::tracked::knots as knots_of;
 use crate::{Fit, FitError, Settings, fit};
 use std::time::Instant;
@@ -105,13 +105,15 @@ impl Source for Evaluable<'_> {
 }
 
 /// Angles of the table's views: at irregular places in every interval, so that what a lobe does between knots is seen
-/// wherever it happens, other ones in every round, and at the end.
+/// wherever it happens, other ones in every round, and at the end. In the last round also at the knots: a lobe that is there at a
+/// single knot is highest there.
 fn tabulated(knots: &[f64], end: f64, round: usize) -> Vec<f64> {
     let mut thetas = vec![end];
     for (n, w) in knots.windows(2).enumerate() {
         for i in 0..BETWEEN {
             let irregular = (GOLDEN_SECTION * (BETWEEN * n + i) as f64 + SHIFT * round as f64).fract();
-            thetas.push(w[0] + (w[1] - w[0]) * (i as f64 + irregular) / BETWEEN as f64);
+            let place = if i == 0 && round == LOOKS { 0.0 } else { i as f64 + irregular };
+            thetas.push(w[0] + (w[1] - w[0]) * place / BETWEEN as f64);
         }
     }
     thetas.retain(|&theta| theta <= end);

@@ -33,6 +33,11 @@ const MOST_SHORT: f64 = 1000.0;
 /// has `DEFENSIVE_DIFFUSE`.
 const DEFENSIVE: f64 = 0.002;
 const DEFENSIVE_DIFFUSE: f64 = 0.01;
+
+/// Error of an albedo from which it counts more, with its square, and how much more at most: the goal is for the largest.
+const ALBEDO_ERROR: f64 = 0.005;
+const MOST_ALBEDO: f64 = 10.0;
+
 /// Albedo from which a view is pulled down.
 const CEILING: f64 = 0.96;
 /// Weight of the excess.
@@ -59,6 +64,8 @@ pub(crate) struct Data {
     pub place: (usize, f64),
     pub points: Vec<Point>,
     albedo: [f64; 3],
+    /// Factors of the weights of its errors.
+    energy: [f64; 3],
 }
 
 /// Linearisation in one view: half the gradient, and the upper half of the Gauss-Newton matrix, by its unknowns.
@@ -121,7 +128,12 @@ impl Objective {
                     floor,
                 }
             });
-            Data { place: layout.place(view.theta), points: points.collect(), albedo: view.albedo }
+            Data {
+                place: layout.place(view.theta),
+                points: points.collect(),
+                albedo: view.albedo,
+                energy: [1.0; 3],
+            }
         };
         let views = table.views.iter().map(data).collect();
         let ln_defensive = layout.knots.iter().map(|&theta| {
@@ -160,8 +172,8 @@ impl Objective {
 
     /// The same with weights that follow the fit. Views count in inverse proportion to their error, so that what is made small
     /// is the mean error, not the mean of its square. The tail counts as if the lobes' values were the table's where they
-    /// are lower: there a renderer that samples the lobes gets its largest weights.
-    pub fn reweighed(&self, x: &[f64]) -> Self {
+    /// are lower: there a renderer that samples the lobes gets its largest weights. `evenly`: albedos count the more, the worse they are.
+    pub fn reweighed(&self, x: &[f64], evenly: bool) -> Self {
         let mut new = self.clone();
         let mut q = vec![0.0; self.layout.stride()];
         let mut errors = Vec::with_capacity(new.views.len());
@@ -182,6 +194,13 @@ impl Objective {
                 point.weight = point.tail * short / (sum.min(bright) / 3.0 + point.floor);
             }
             errors.push(libm::sqrt(square));
+            if evenly {
+                let albedo = self.layout.albedo(&q);
+                view.energy = [0, 1, 2].map(|c| {
+                    let error = self.ln_ratio(albedo[c], view.albedo[c]) / ALBEDO_ERROR;
+                    (error * error).clamp(1.0, MOST_ALBEDO)
+                });
+            }
         }
         let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
         for (view, error) in new.views.iter_mut().zip(errors) {
@@ -205,7 +224,9 @@ impl Objective {
                 let mut cost = data_term::cost(&lobes, &amplitudes, &view.points);
                 let albedo = layout.albedo(&q);
                 (0..3).for_each(|c| {
-                    cost += self.energy_residual(albedo[c], view.albedo[c], weights.energy).powi(2)
+                    cost += self
+                        .energy_residual(albedo[c], view.albedo[c], view.energy[c] * weights.energy)
+                        .powi(2)
                 });
                 cost
             })
@@ -357,6 +378,7 @@ impl Objective {
         (0..p).for_each(|i| block.scale[i] = block.matrix[i * p + i]);
         let albedo = layout.albedo(&q);
         for (c, (&fitted, &data)) in albedo.iter().zip(&view.albedo).enumerate() {
+            let energy = view.energy[c] * energy;
             let residual = self.energy_residual(fitted, data, energy);
             let slope = libm::sqrt(energy / (3.0 * self.views.len() as f64)) / (fitted + self.black);
             self.add_albedo_row(&mut block, &q, c, residual, slope);
@@ -386,8 +408,12 @@ impl Objective {
     }
 
     fn energy_residual(&self, fitted: f64, data: f64, weight: f64) -> f64 {
-        libm::sqrt(weight / (3.0 * self.views.len() as f64))
-            * libm::log((fitted + self.black) / (data + self.black))
+        libm::sqrt(weight / (3.0 * self.views.len() as f64)) * self.ln_ratio(fitted, data)
+    }
+
+    /// Logarithm of an albedo over that of the data.
+    fn ln_ratio(&self, fitted: f64, data: f64) -> f64 {
+        libm::log((fitted + self.black) / (data + self.black))
     }
 
     fn excess(&self, albedo: f64) -> f64 {

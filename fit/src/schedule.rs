@@ -16,6 +16,8 @@ pub(crate) struct Stage {
     pub limits: Limits,
     /// Whether the albedo is held closely.
     pub last: bool,
+    /// Whether albedos count the more, the worse they are: those of a quadrature are known well enough.
+    pub evenly: bool,
     /// The number with which the table is made again after it, if it can be.
     pub look: Option<usize>,
 }
@@ -25,13 +27,29 @@ impl Stage {
     pub fn work(&self) -> usize {
         self.keep * self.runs * self.limits.steps
     }
+
+    /// The same for what has been through it and has lost a lobe: near its minimum.
+    pub fn again(mut self) -> Self {
+        if !self.last {
+            self.limits.steps = self.limits.steps.div_ceil(3);
+        }
+        self
+    }
 }
 
 /// The stages. `energy`: weight of the albedo in the last ones. `looks`: times that the table is made again, 0 if it cannot be.
 pub(crate) fn stages(settings: &Settings, energy: f64, looks: usize) -> Vec<Stage> {
     let stage = |keep, full, steps, runs, stiffness: f64, energy, improvement, last| {
         let weights = Weights { smoothness: stiffness * settings.smoothness, energy };
-        Stage { keep, full, runs, limits: Limits { steps, improvement, weights }, last, look: None }
+        Stage {
+            keep,
+            full,
+            runs,
+            limits: Limits { steps, improvement, weights },
+            last,
+            evenly: looks > 0,
+            look: None,
+        }
     };
     let exchange =
         |keep, count| stage(keep, false, settings.steps.div_ceil(6), 1 + count, 3.0, 1.0, 1e-3, false);
@@ -47,7 +65,8 @@ pub(crate) fn stages(settings: &Settings, energy: f64, looks: usize) -> Vec<Stag
         stages.extend([scout(6), exchanges[0], exchanges[1], Stage { look: Some(0), ..full(3, 5e-4) }]);
     }
     stages.extend((0..looks.max(1)).map(|round| {
-        let keep = if round == 0 && looks > 0 { 2 } else { 1 };
+        // A shape with more knots may end the stage before with a needle between directions that nothing had seen yet.
+        let keep = if round == 0 && looks > 0 { 3 } else { 1 };
         let last = stage(keep, true, settings.steps.div_ceil(4), 1, 1.0, energy, 1e-3, true);
         Stage { look: (round + 1 < looks).then_some(round + 1), ..last }
     }));

@@ -11,7 +11,7 @@ use crate::levenberg;
 use crate::material;
 use crate::objective::Objective;
 use crate::parameters::Layout;
-use crate::report::{Report, ViewReport, mean_error};
+use crate::report::{Report, ViewReport};
 use crate::schedule::{Stage, stages};
 use crate::table::Table;
 use crate::{FitError, Settings};
@@ -46,16 +46,18 @@ const USUAL_COST: f64 = 1e-3;
 
 /// Times that the table is made again, with directions that the lobes draw and at other views: a lobe that is sharp between the
 /// directions and views of a table costs nothing there (steel at 42.5 degrees: 32 % in place of 4 %).
-const LOOKS: usize = 3;
+pub(crate) const LOOKS: usize = 3;
 
 /// Most that smoothness and albedo weigh more beside a large error: without a limit, mirror-like materials are held so stiffly
 /// that ilm_solo_m_68 ends at 15 % in place of 12 %.
 const MOST_SCALE: f64 = 3.0;
 
-/// Largest `f cos / pdf`, over the mean, that a fit may have, in directions that the lobes draw too. One with more is fitted again
-/// with a lobe that is kept wide, and what that adds to its error.
-const MOST_WEIGHT: f64 = 15.0;
+/// Largest `f cos / pdf`, over the mean, that a fit may have, in directions that the lobes draw and at the horizon too. One with
+/// more is fitted again with a lobe that is kept wide, and what that adds to its error; and the share of the error for which every
+/// doubling of the weight is avoided.
+const MOST_WEIGHT: f64 = 18.0;
 const WIDENED: f64 = 1.1;
+const DOUBLING: f64 = 0.07;
 
 /// One start on its way.
 struct Candidate {
@@ -157,14 +159,14 @@ pub(crate) fn run(
     if let Data::Source(source) = data {
         best.look(source, LOOKS)?;
         if !best.samples_well() {
-            let (rank, layout, x) = (best.rank(), best.layout.clone(), best.candidate.x.clone());
+            let (rank, layout, x) = (best.final_rank(), best.layout.clone(), best.candidate.x.clone());
             if best.widen() {
                 for stage in refining {
-                    refine(data, std::slice::from_mut(&mut best), stage, &mut work)?;
+                    refine(data, std::slice::from_mut(&mut best), &stage.again(), &mut work)?;
                 }
                 best.look(source, LOOKS)?;
                 // Of few lobes, none can be spared.
-                if rank < best.rank() {
+                if rank < best.final_rank() {
                     (best.layout, best.candidate.x) = (layout, x);
                 }
             }
@@ -262,6 +264,11 @@ impl<'a> Finalist<'a> {
         if self.samples_well() { self.error } else { WIDENED * self.error }
     }
 
+    /// The same of what is not fitted again.
+    fn final_rank(&self) -> f64 {
+        self.error * (1.0 + DOUBLING * libm::log2((self.largest_weight / MOST_WEIGHT).max(1.0)))
+    }
+
     /// Gives up a lobe for one that is kept wide; false if that cannot be done.
     fn widen(&mut self) -> bool {
         let table = self.seen.as_ref().unwrap_or(&self.table);
@@ -283,8 +290,7 @@ impl<'a> Finalist<'a> {
         let bytes = material::encode(&self.layout, &x, "")?;
         let mut seen = source.table(&self.layout.knots, Some((&bytes, round)))?;
         let reports = reports(&bytes, &seen)?;
-        let energy_error = reports.iter().map(ViewReport::energy_error).sum::<f64>() / reports.len() as f64;
-        self.error = mean_error(&reports) + energy_error;
+        self.error = mean_over_angle(&reports);
         // A view where the density is too small may be seen once only.
         let largest = reports.iter().map(|r| r.largest_weight).fold(0.0, f64::max);
         self.largest_weight = if round == 0 { largest } else { self.largest_weight.max(largest) };
@@ -322,6 +328,19 @@ fn refine(
 /// The material against every view of a table.
 fn reports(bytes: &[u8], table: &Table) -> Result<Vec<ViewReport>, FitError> {
     table.views.iter().map(|view| ViewReport::new(bytes, view)).collect()
+}
+
+/// Error of values and of the albedo, the mean over the angle of views from the normal on: in one layout more of them may be at
+/// grazing angles, where errors are larger, than in another.
+fn mean_over_angle(reports: &[ViewReport]) -> f64 {
+    let last = reports.len() - 1;
+    let halfway = |i: usize| 0.5 * (reports[i].theta + reports[i + 1].theta);
+    let width = |i: usize| {
+        let begin = if i == 0 { 0.0 } else { halfway(i - 1) };
+        if i == last { reports[last].theta - begin } else { halfway(i) - begin }
+    };
+    let sum: f64 = reports.iter().enumerate().map(|(i, r)| width(i) * (r.error + r.energy_error())).sum();
+    sum / reports[last].theta
 }
 
 /// Sorts by cost, the best of every shape before the second of any: a shape shows what it is good for late.
@@ -372,7 +391,7 @@ fn advance_one(stage: &Stage, task: Task<'_>, mut tick: impl FnMut()) {
         *x = initialize::start(table, &objective.layout, *start);
     }
     let mut limits = stage.limits;
-    let reweighed = stage.full.then(|| objective.reweighed(x));
+    let reweighed = stage.full.then(|| objective.reweighed(x, stage.evenly));
     if stage.full {
         // Beside a large error that cannot be helped, smoothness and albedo have to weigh more to count as much.
         let scale = (*cost / USUAL_COST).clamp(1.0, MOST_SCALE);

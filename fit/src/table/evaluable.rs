@@ -78,6 +78,10 @@ const LEAST_SQUEEZE: f64 = 0.06;
 const SEARCH: usize = 720;
 const CLOSEST: f64 = 1e-4;
 
+/// Directions at the horizon where the largest weight is looked for too, on one side of the plane of incidence, and radians above.
+const HORIZON: usize = 24;
+const ABOVE_HORIZON: f64 = 1.5e-3;
+
 /// Directions that a lobe draws.
 const DRAWN: usize = 20;
 
@@ -261,12 +265,17 @@ fn draw(brdf: &dyn Brdf, wo: [f64; 3], caps: &Caps, density: Density, drawn: Opt
         let lobes = drawn.map_or(0.0, |drawn| drawn.density(d));
         density.hemisphere as f64 / (2.0 * PI) + caps.density(d, density.cap) + lobes
     };
-    spread
-        .chain(capped)
-        .chain(by_lobes)
-        .filter(|d| d[2] > 1e-4)
-        .map(|d| Sample { direction: d, rgb: value(brdf, d, wo), weight: 1.0 / probability(&d) })
-        .collect()
+    let weighed = spread.chain(capped).chain(by_lobes).filter(|d| d[2] > 1e-4).map(|d| Sample {
+        direction: d,
+        rgb: value(brdf, d, wo),
+        weight: 1.0 / probability(&d),
+    });
+    // No part of the quadrature: what lobes that draw directions may lack.
+    let horizon = (0..HORIZON * usize::from(drawn.is_some())).map(|i| {
+        let d = direction(FRAC_PI_2 - ABOVE_HORIZON, PI * (i as f64 + 0.5) / HORIZON as f64);
+        Sample { direction: d, rgb: value(brdf, d, wo), weight: 0.0 }
+    });
+    weighed.chain(horizon).collect()
 }
 
 /// Angle of the highest value in the plane of incidence, and the distance at which it has fallen to half.
