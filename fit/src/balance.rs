@@ -7,6 +7,7 @@
 
 use crate::banded::Banded;
 use crate::parameters::Layout;
+use crate::ratio::Ratio;
 
 /// Power of the norm: high enough that only the largest errors count.
 const POWER: f64 = 16.0;
@@ -23,7 +24,7 @@ const STEPS: usize = 150;
 /// Scales the amplitudes at all knots. `albedo`: angles, radians, and the albedo of the data there.
 pub(crate) fn balance(layout: &Layout, x: &mut [f64], albedo: &[(f64, [f64; 3])]) {
     let p = layout.stride();
-    let black = 1e-4 * albedo.iter().flat_map(|(_, albedo)| *albedo).fold(1e-12, f64::max);
+    let ratio = Ratio::new(albedo.iter().map(|(_, albedo)| *albedo));
     let mut q = vec![0.0; p];
     let rows: Vec<((usize, f64), [f64; 3])> = albedo
         .iter()
@@ -31,7 +32,7 @@ pub(crate) fn balance(layout: &Layout, x: &mut [f64], albedo: &[(f64, [f64; 3])]
             let place = layout.place(theta);
             layout.interpolate(x, place, &mut q);
             let fitted = layout.albedo(&q);
-            (place, [0, 1, 2].map(|c| libm::log((fitted[c] + black) / (data[c] + black))))
+            (place, [0, 1, 2].map(|c| ratio.ln(fitted[c], data[c])))
         })
         .collect();
     for channel in 0..3 {

@@ -13,6 +13,7 @@
 //! by segmented straight lines).
 
 use crate::FitError;
+use crate::ratio::Ratio;
 use crate::table::Table;
 use crate::table::evaluable::{Brdf, Density};
 
@@ -64,8 +65,9 @@ impl Probes {
         let mut thetas: Vec<f64> = (0..=intervals).map(|i| step * i as f64).collect();
         thetas[intervals] = last;
         let table = Table::from_brdf(brdf, &thetas, PROBED)?;
-        let black = 1e-4 * table.views.iter().flat_map(|view| view.albedo).fold(1e-12, f64::max);
-        let ln_albedo = table.views.iter().map(|view| view.albedo.map(|a| libm::log(a + black))).collect();
+        let ratio = Ratio::new(table.views.iter().map(|view| view.albedo));
+        let ln_albedo =
+            table.views.iter().map(|view| view.albedo.map(|a| libm::log(ratio.shifted(a)))).collect();
         let integral = integral(&table, step, multiple);
         let albedo = table.views.iter().map(|view| (view.theta, view.albedo)).collect();
         Ok(Self { albedo, ln_albedo, integral })

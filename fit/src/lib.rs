@@ -22,6 +22,7 @@ mod model;
 mod objective;
 mod parameters;
 mod random;
+mod ratio;
 pub mod reciprocity;
 pub mod report;
 mod schedule;

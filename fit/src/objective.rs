@@ -17,6 +17,7 @@ use crate::banded::Banded;
 use crate::data_term::{self, Point};
 use crate::model::Lobes;
 use crate::parameters::{LN_SHARPNESS_DEFENSIVE, Layout, sphere_integral};
+use crate::ratio::Ratio;
 use crate::table::{Table, View};
 use rayon::prelude::*;
 
@@ -96,8 +97,7 @@ pub(crate) struct Objective {
     watched: Vec<(usize, f64)>,
     /// Least logarithm of the amplitude of the defensive lobe, by knot and channel.
     ln_defensive: Vec<[f64; 3]>,
-    /// Added to both albedos of a ratio: black stays black without a logarithm of 0.
-    black: f64,
+    ratio: Ratio,
 }
 
 impl Objective {
@@ -149,7 +149,13 @@ impl Objective {
         let between = |knot: usize| (0..WATCHED).map(move |i| (knot, i as f64 / WATCHED as f64));
         let mut watched: Vec<(usize, f64)> = (0..last).flat_map(between).collect();
         watched.push((last - usize::from(last > 0), if last > 0 { 1.0 } else { 0.0 }));
-        Ok(Self { layout, views, watched, ln_defensive, black: 1e-4 * brightest })
+        Ok(Self {
+            layout,
+            views,
+            watched,
+            ln_defensive,
+            ratio: Ratio::new(table.views.iter().map(|v| v.albedo)),
+        })
     }
 
     /// Least and greatest value of an unknown, at its knot.
@@ -197,7 +203,7 @@ impl Objective {
             if evenly {
                 let albedo = self.layout.albedo(&q);
                 view.energy = [0, 1, 2].map(|c| {
-                    let error = self.ln_ratio(albedo[c], view.albedo[c]) / ALBEDO_ERROR;
+                    let error = self.ratio.ln(albedo[c], view.albedo[c]) / ALBEDO_ERROR;
                     (error * error).clamp(1.0, MOST_ALBEDO)
                 });
             }
@@ -380,7 +386,7 @@ impl Objective {
         for (c, (&fitted, &data)) in albedo.iter().zip(&view.albedo).enumerate() {
             let energy = view.energy[c] * energy;
             let residual = self.energy_residual(fitted, data, energy);
-            let slope = libm::sqrt(energy / (3.0 * self.views.len() as f64)) / (fitted + self.black);
+            let slope = libm::sqrt(energy / (3.0 * self.views.len() as f64)) / self.ratio.shifted(fitted);
             self.add_albedo_row(&mut block, &q, c, residual, slope);
         }
         block
@@ -408,12 +414,7 @@ impl Objective {
     }
 
     fn energy_residual(&self, fitted: f64, data: f64, weight: f64) -> f64 {
-        libm::sqrt(weight / (3.0 * self.views.len() as f64)) * self.ln_ratio(fitted, data)
-    }
-
-    /// Logarithm of an albedo over that of the data.
-    fn ln_ratio(&self, fitted: f64, data: f64) -> f64 {
-        libm::log((fitted + self.black) / (data + self.black))
+        libm::sqrt(weight / (3.0 * self.views.len() as f64)) * self.ratio.ln(fitted, data)
     }
 
     fn excess(&self, albedo: f64) -> f64 {

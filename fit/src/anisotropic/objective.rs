@@ -10,6 +10,7 @@ use super::model::{Lobes, Slopes};
 use super::table::View;
 use crate::FitError;
 use crate::parameters::sphere_integral;
+use crate::ratio::Ratio;
 use crate::table::Sample;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
@@ -53,8 +54,7 @@ pub(super) struct Objective {
     pub layout: Layout,
     smoothness: f64,
     views: Vec<Data>,
-    /// Added to both albedos of a ratio: black stays black without a logarithm of 0.
-    black: f64,
+    ratio: Ratio,
 }
 
 /// Squared norm of `f cos` over a view.
@@ -88,8 +88,9 @@ impl Objective {
             });
             Data { place: layout.place(view.theta, view.phi), points: points.collect(), albedo: view.albedo }
         };
+        let ratio = Ratio::new(views.iter().map(|v| v.albedo));
         let views = views.iter().map(data).collect();
-        Ok(Self { layout, smoothness, views, black: 1e-4 * brightest })
+        Ok(Self { layout, smoothness, views, ratio })
     }
 
     /// The cost at a point.
@@ -228,7 +229,7 @@ impl Objective {
         let albedo = layout.albedo(&q);
         for (c, (&fitted, &data)) in albedo.iter().zip(&view.albedo).enumerate() {
             let residual = self.energy_residual(fitted, data);
-            let slope = self.energy_weight() / (fitted + self.black);
+            let slope = self.energy_weight() / self.ratio.shifted(fitted);
             self.add_albedo_row(&mut local, &q, c, residual, slope);
         }
         local
@@ -257,7 +258,7 @@ impl Objective {
     }
 
     fn energy_residual(&self, fitted: f64, data: f64) -> f64 {
-        self.energy_weight() * libm::log((fitted + self.black) / (data + self.black))
+        self.energy_weight() * self.ratio.ln(fitted, data)
     }
 
     /// Calls with the terms (unknown, factor) of each residual of the roughness.
