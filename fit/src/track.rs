@@ -339,8 +339,14 @@ fn mean_over_angle(reports: &[ViewReport]) -> f64 {
         let begin = if i == 0 { 0.0 } else { halfway(i - 1) };
         if i == last { reports[last].theta - begin } else { halfway(i) - begin }
     };
-    let sum: f64 = reports.iter().enumerate().map(|(i, r)| width(i) * (r.error + r.energy_error())).sum();
-    sum / reports[last].theta
+    // A single view at the normal is as wide as nothing.
+    let (mut sum, mut total) = (0.0, 0.0);
+    for (i, report) in reports.iter().enumerate() {
+        let width = width(i) + f64::EPSILON;
+        sum += width * (report.error + report.energy_error());
+        total += width;
+    }
+    sum / total
 }
 
 /// Sorts by cost, the best of every shape before the second of any: a shape shows what it is good for late.
