@@ -119,3 +119,21 @@ fn tabulated(knots: &[f64], end: f64, round: usize) -> Vec<f64> {
     thetas.retain(|&theta| theta <= end);
     thetas
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_table_that_is_fitted_has_views_at_the_knots() {
+        let knots = [0.0, 0.3, 0.5, 1.1];
+        for round in 1..=LOOKS + 1 {
+            let thetas = tabulated(&knots, 1.1, round);
+            let at_knots = knots.iter().filter(|knot| thetas.contains(knot)).count();
+            let (all, end_alone) = (knots.len(), 1);
+            assert_eq!(at_knots, if round == LOOKS { all } else { end_alone }, "{round}: {thetas:?}");
+            let inside = |w: &[f64]| thetas.iter().filter(|t| **t > w[0] && **t < w[1]).count();
+            assert!(knots.windows(2).all(|w| inside(w) >= BETWEEN - 1), "{round}: {thetas:?}");
+        }
+    }
+}

@@ -178,7 +178,8 @@ impl Objective {
 
     /// The same with weights that follow the fit. Views count in inverse proportion to their error, so that what is made small
     /// is the mean error, not the mean of its square. The tail counts as if the lobes' values were the table's where they
-    /// are lower: there a renderer that samples the lobes gets its largest weights. `evenly`: albedos count the more, the worse they are.
+    /// are lower: there a renderer that samples the lobes gets its largest weights. `evenly`: albedos count the more, the worse
+    /// they are.
     pub fn reweighed(&self, x: &[f64], evenly: bool) -> Self {
         let mut new = self.clone();
         let mut q = vec![0.0; self.layout.stride()];
