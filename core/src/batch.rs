@@ -3,7 +3,7 @@
 //! Structure of arrays in and out, any count, any alignment, no allocation.
 #![allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
 
-use crate::lanes::{Lanes, dot3, exp2, ln, scale, sin_cos_turns, splat3};
+use crate::lanes::{Lanes, dot3, falloff, ln, scale, sin_cos_turns, splat3};
 use crate::mixture::Mixture;
 use crate::simd::Routine;
 use crate::squeeze::Seen;
@@ -325,10 +325,10 @@ fn stretch<L: Lanes, const N: usize, const C: usize, const PLANE: bool, const LO
             dx.mul_add(dx, dz.mul_add(dz, dy * dy))
         };
         let t = L::splat(m.rate[k]) * chord_squared;
-        let mut g = exp2(t);
+        let mut g = falloff(t);
         if FOLD {
             // |d - mirrored axis|^2 = |d - axis|^2 + 4 d.z axis.z, both terms of one sign.
-            g = g + exp2(L::splat(m.fold_rate[k]).mul_add(z, t));
+            g = g + falloff(L::splat(m.fold_rate[k]).mul_add(z, t));
         }
         for i in 0..C {
             acc[i] = g.mul_add(L::splat(amplitudes[i][k]), acc[i]);

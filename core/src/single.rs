@@ -2,7 +2,7 @@
 #![allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
 
 use crate::batch::sample_one;
-use crate::lanes::{Lanes, exp2, splat3};
+use crate::lanes::{Lanes, falloff, splat3};
 use crate::simd::One;
 use crate::squeeze::Seen;
 use crate::two::Two;
@@ -160,10 +160,10 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
         dz = dz + seen.low[2];
     }
     let t = L::load(&m.rate[k..]) * dx.mul_add(dx, dy.mul_add(dy, dz * dz));
-    let mut g = exp2(t);
+    let mut g = falloff(t);
     if m.folded >> k & lane_bits(L::COUNT) != 0 {
         // Lanes whose fold cannot matter get it too: it is smaller than its bound there.
-        g = g + exp2(L::load(&m.fold_rate[k..]).mul_add(z, t));
+        g = g + falloff(L::load(&m.fold_rate[k..]).mul_add(z, t));
     }
     if SEEN {
         g = g * seen.scale;
