@@ -6,7 +6,7 @@
 use crate::lanes::{Lanes, dot3, falloff, ln, scale, sin_cos_turns, splat3};
 use crate::mixture::Mixture;
 use crate::simd::Routine;
-use crate::squeeze::Seen;
+use crate::squeeze::{Seen, turn_back};
 use crate::two::Two;
 use crate::{Domain, Error, LUMINANCE};
 use core::f32::consts::FRAC_1_PI;
@@ -337,14 +337,43 @@ fn stretch<L: Lanes, const N: usize, const C: usize, const PLANE: bool, const LO
 }
 
 /// What drawing from a lobe needs to know of it.
-struct Choice<L: Lanes> {
-    axis: [L; 3],
-    inside: L,
-    gone: L,
-    inverse_sharpness: L,
-    is_squeezed: L::Mask,
+pub(crate) struct Choice<L: Lanes> {
+    pub axis: [L; 3],
+    pub inside: L,
+    pub gone: L,
+    pub inverse_sharpness: L,
+    pub is_squeezed: L::Mask,
     /// The diffuse term was chosen: the rest does not matter then.
-    is_diffuse: L::Mask,
+    pub is_diffuse: L::Mask,
+}
+
+/// What drawing needs to know of the mixture.
+pub(crate) struct Frame<L: Lanes> {
+    /// Every axis has y = 0 in the frame of the view.
+    pub in_plane: bool,
+    /// Some lobe is squeezed; there is a diffuse term.
+    pub any_squeezed: bool,
+    pub any_diffuse: bool,
+    /// What falls below the horizon is mirrored up.
+    pub is_folded: bool,
+    /// Cosine and sine of the azimuth of the view's +x.
+    pub azimuth: [L; 2],
+    /// What takes x and y back from what squeezed lobes see.
+    pub widen: [L; 2],
+}
+
+impl<L: Lanes> Frame<L> {
+    #[inline(always)]
+    fn new<const N: usize>(m: &Mixture<N>) -> Self {
+        Self {
+            in_plane: m.in_plane,
+            any_squeezed: m.squeezed > 0,
+            any_diffuse: m.lobes_power < m.power,
+            is_folded: m.domain == Domain::Hemisphere,
+            azimuth: [L::splat(m.squeeze.azimuth[0]), L::splat(m.squeeze.azimuth[1])],
+            widen: [L::splat(1.0 / m.squeeze.along), L::splat(1.0 / m.squeeze.inverse)],
+        }
+    }
 }
 
 /// Draws directions: lobe by `u[0]`, direction in it by `u[1]` and `u[2]`.
@@ -353,6 +382,7 @@ fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<N>, u: [L; 3]) -> [L; 
     let target = chosen_power(m, u[0]);
     let count = m.count.min(N);
     let k = target.search(&m.cumulative[..count.saturating_sub(1)]);
+    let frame = Frame::new(m);
     let choice = Choice {
         axis: [
             L::lookup(&m.axis_x, count, k),
@@ -365,13 +395,20 @@ fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<N>, u: [L; 3]) -> [L; 
         is_squeezed: L::index_below(k, m.squeezed),
         is_diffuse: target.ge(L::splat(m.lobes_power)),
     };
-    draw(m, choice, u[1], u[2])
+    draw(&frame, choice, u[1], u[2])
 }
 
 /// Draws one direction: lanes are lobes while the lobe is searched.
 #[inline(always)]
 pub(crate) fn sample_one<L: Lanes, const N: usize>(m: &Mixture<N>, u: [f32; 3]) -> [f32; 3] {
     let target = chosen_power(m, u[0]);
+    let k = chosen_lobe::<L, N>(m, target);
+    draw_one::<L::One, N>(m, k, target, u)
+}
+
+/// The lobe at a place on the running sum of powers.
+#[inline(always)]
+pub(crate) fn chosen_lobe<L: Lanes, const N: usize>(m: &Mixture<N>, target: f32) -> usize {
     let last = m.count.min(N).saturating_sub(1);
     // The running sum never falls: the lobes that are passed come first, and what is stored behind the last does not matter.
     let (mut at_most, mut from) = (0, 0);
@@ -379,8 +416,7 @@ pub(crate) fn sample_one<L: Lanes, const N: usize>(m: &Mixture<N>, u: [f32; 3]) 
         at_most |= L::bits(L::splat(target).ge(L::load(&m.cumulative[from..]))) << from;
         from += L::COUNT;
     }
-    let k = (at_most.trailing_ones() as usize).min(last).min(N - 1);
-    draw_one::<L::One, N>(m, k, target, u)
+    (at_most.trailing_ones() as usize).min(last).min(N - 1)
 }
 
 /// Draws one direction from lobe `k`, or the diffuse term; `L` has one lane.
@@ -399,26 +435,26 @@ fn draw_one<L: Lanes<Index = usize>, const N: usize>(
         is_squeezed: L::index_below(k, m.squeezed),
         is_diffuse: L::splat(target).ge(L::splat(m.lobes_power)),
     };
-    let [x, y, z] = draw(m, choice, L::splat(u[1]), L::splat(u[2]));
+    let [x, y, z] = draw(&Frame::new(m), choice, L::splat(u[1]), L::splat(u[2]));
     [x.first(), y.first(), z.first()]
 }
 
 /// The place on the running sum of powers that a uniform number stands for.
 #[inline(always)]
-fn chosen_power<L: Lanes, const N: usize>(m: &Mixture<N>, u: L) -> L {
+pub(crate) fn chosen_power<L: Lanes, const N: usize>(m: &Mixture<N>, u: L) -> L {
     // Below the whole, so that a lobe that adds something is found whatever the product rounds to.
     (u * L::splat(m.power)).min(L::splat(m.power * (1.0 - f32::EPSILON)))
 }
 
 /// Draws directions from chosen lobes.
 #[inline(always)]
-fn draw<L: Lanes, const N: usize>(m: &Mixture<N>, choice: Choice<L>, u: L, turns: L) -> [L; 3] {
+pub(crate) fn draw<L: Lanes>(frame: &Frame<L>, choice: Choice<L>, u: L, turns: L) -> [L; 3] {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     // Angle from the axis, as w = 1 - cos: see special::one_minus_cos.
     let mut w = one_minus_cos(u, choice.inside, choice.gone, choice.inverse_sharpness);
     let [mut x, mut y, mut z] = choice.axis;
     // The diffuse term is cosine-weighted round the normal: w = 1 - sqrt(1 - u), without cancellation.
-    if m.lobes_power < m.power {
+    if frame.any_diffuse {
         w = L::select(choice.is_diffuse, u / (one + (one - u).sqrt()), w);
         x = L::select(choice.is_diffuse, zero, x);
         y = L::select(choice.is_diffuse, zero, y);
@@ -430,7 +466,7 @@ fn draw<L: Lanes, const N: usize>(m: &Mixture<N>, choice: Choice<L>, u: L, turns
 
     // The axis is added last and whole: `axis (1 - w)` would round a narrow lobe to the grid round its axis.
     let sign = one.copy_sign(z);
-    let round = if m.in_plane {
+    let round = if frame.in_plane {
         // The frame below for y = 0 and a unit axis: no division.
         let (across, along) = (sign * across, sign * along);
         [x + z.mul_add(across, zero - x * w), along, z - x.mul_add(across, z * w)]
@@ -449,20 +485,19 @@ fn draw<L: Lanes, const N: usize>(m: &Mixture<N>, choice: Choice<L>, u: L, turns
         round
     };
     let mut d = round;
-    if m.squeezed > 0 {
-        let wide = m.squeeze.unsqueeze(round);
+    if frame.any_squeezed {
         for i in 0..2 {
-            let squeezed = L::select(choice.is_squeezed, wide[i], round[i]);
+            let squeezed = L::select(choice.is_squeezed, round[i] * frame.widen[i], round[i]);
             d[i] = L::select(choice.is_diffuse, round[i], squeezed);
         }
     }
-    if m.domain == Domain::Hemisphere {
+    if frame.is_folded {
         d[2] = d[2].abs();
     }
-    let d = m.squeeze.turn_back(d);
+    let d = turn_back(d, frame.azimuth);
     let length_squared = dot3(d, d);
     // What is not squeezed has a length of 1 but for rounding, and one step of Newton's is exact.
-    let inverse = if m.squeezed > 0 {
+    let inverse = if frame.any_squeezed {
         one / length_squared.sqrt()
     } else {
         length_squared.neg_mul_add(L::splat(0.5), L::splat(1.5))

@@ -24,6 +24,8 @@
 
 mod anisotropic;
 mod batch;
+#[cfg(feature = "simd")]
+mod block;
 mod checksum;
 mod error;
 mod estimator;

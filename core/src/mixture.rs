@@ -463,6 +463,9 @@ impl<const N: usize> Mixture<N> {
     }
 
     /// Evaluates `f cos` towards an incident direction, linear sRGB; 1/sr. 0 below the horizon of a hemisphere.
+    ///
+    /// A lobe is exactly 0 where it is below 2^-100 (8e-31) of its amplitude; above, its relative error is at most 3e-7 times
+    /// 2 plus its exponent.
     #[inline]
     pub fn evaluate(&self, direction: Vec3) -> Vec3 {
         self.level.run_one::<_, EvaluateOne>(self, direction.to_array())

@@ -1,14 +1,16 @@
 //! Pairs: every outgoing direction has its own mixture, as a wavefront renderer needs it.
 //!
-//! Lanes are lobes: the pairs are taken one after the other, mixture and all, inside one call of the back end. The
-//! mixtures never leave the cache.
+//! With vectors the pairs are taken in blocks, see [`block`](crate::block), whose mixtures never leave the cache; without, and where
+//! there are only a few, one after the other.
 
-use crate::batch::{SamplesMut, same_length, sample_one};
-use crate::lanes::Lanes;
-use crate::prepare::prepare;
-use crate::simd::{Level, Routine};
-use crate::single::{luminance_one, value_one};
-use crate::{Error, LeaveOut, Material, Mixture, luminance};
+use crate::batch::{SamplesMut, same_length};
+#[cfg(feature = "simd")]
+use crate::block::{self, DrawBlock, SumBlock};
+#[cfg(feature = "simd")]
+use crate::luminance;
+use crate::prepare::PrepareInto;
+use crate::simd::Level;
+use crate::{Error, Material, Mixture};
 use glam::Vec3;
 
 impl Material<'_> {
@@ -31,9 +33,9 @@ impl Material<'_> {
         let outputs = value.iter().map(|s| s.len()).chain([pdf.len()]);
         same_length(wo.iter().chain(&wi).map(|s| s.len()).chain(outputs))?;
         match self.lobe_count() {
-            0..=16 => Level::current().run(EvaluatePairs::<16> { material: self, wo, wi, value, pdf }),
-            17..=32 => Level::current().run(EvaluatePairs::<32> { material: self, wo, wi, value, pdf }),
-            _ => Level::current().run(EvaluatePairs::<64> { material: self, wo, wi, value, pdf }),
+            0..=16 => for_each::<16>(self, wo, &mut EvaluatePairs { wi, value, pdf }),
+            17..=32 => for_each::<32>(self, wo, &mut EvaluatePairs { wi, value, pdf }),
+            _ => for_each::<64>(self, wo, &mut EvaluatePairs { wi, value, pdf }),
         }
         Ok(())
     }
@@ -56,9 +58,9 @@ impl Material<'_> {
         let outputs = samples.direction.iter().chain(&samples.weight).map(|s| s.len());
         same_length(wo.iter().chain(&u).map(|s| s.len()).chain(outputs).chain([samples.pdf.len()]))?;
         match self.lobe_count() {
-            0..=16 => Level::current().run(SamplePairs::<16> { material: self, wo, u, samples }),
-            17..=32 => Level::current().run(SamplePairs::<32> { material: self, wo, u, samples }),
-            _ => Level::current().run(SamplePairs::<64> { material: self, wo, u, samples }),
+            0..=16 => for_each::<16>(self, wo, &mut SamplePairs { u, samples }),
+            17..=32 => for_each::<32>(self, wo, &mut SamplePairs { u, samples }),
+            _ => for_each::<64>(self, wo, &mut SamplePairs { u, samples }),
         }
         Ok(())
     }
@@ -101,11 +103,10 @@ impl Material<'_> {
         is_pdf: bool,
     ) -> Result<(), Error> {
         same_length(wo.iter().chain(&wi).map(|s| s.len()).chain([out.len()]))?;
-        let material = self;
         match self.lobe_count() {
-            0..=16 => Level::current().run(OneChannelPairs::<16> { material, wo, wi, out, is_pdf }),
-            17..=32 => Level::current().run(OneChannelPairs::<32> { material, wo, wi, out, is_pdf }),
-            _ => Level::current().run(OneChannelPairs::<64> { material, wo, wi, out, is_pdf }),
+            0..=16 => for_each::<16>(self, wo, &mut OneChannelPairs { wi, out, is_pdf }),
+            17..=32 => for_each::<32>(self, wo, &mut OneChannelPairs { wi, out, is_pdf }),
+            _ => for_each::<64>(self, wo, &mut OneChannelPairs { wi, out, is_pdf }),
         }
         Ok(())
     }
@@ -129,11 +130,10 @@ impl Material<'_> {
     ) -> Result<(), Error> {
         let outputs = direction.iter().map(|s| s.len()).chain([pdf.len()]);
         same_length(wo.iter().chain(&u).map(|s| s.len()).chain(outputs))?;
-        let material = self;
         match self.lobe_count() {
-            0..=16 => Level::current().run(SamplePdfPairs::<16> { material, wo, u, direction, pdf }),
-            17..=32 => Level::current().run(SamplePdfPairs::<32> { material, wo, u, direction, pdf }),
-            _ => Level::current().run(SamplePdfPairs::<64> { material, wo, u, direction, pdf }),
+            0..=16 => for_each::<16>(self, wo, &mut SamplePdfPairs { u, direction, pdf }),
+            17..=32 => for_each::<32>(self, wo, &mut SamplePdfPairs { u, direction, pdf }),
+            _ => for_each::<64>(self, wo, &mut SamplePdfPairs { u, direction, pdf }),
         }
         Ok(())
     }
@@ -159,127 +159,176 @@ impl Material<'_> {
     }
 }
 
-#[inline(always)]
+/// One direction, or three uniform numbers.
 fn at(vectors: &[&[f32]; 3], i: usize) -> Vec3 {
     Vec3::new(vectors[0][i], vectors[1][i], vectors[2][i])
 }
 
-struct EvaluatePairs<'a, 'b, const N: usize> {
-    material: &'a Material<'b>,
-    wo: [&'a [f32]; 3],
+/// What is done with every pair, its mixture made.
+trait Each<const N: usize> {
+    /// For mixture `m`, an empty one if the outgoing direction of pair `i` was none.
+    fn one(&mut self, m: &Mixture<N>, i: usize);
+    /// For the pairs from `from` on, as many as mixtures, at most [`block::MOST`].
+    #[cfg(feature = "simd")]
+    fn block(&mut self, level: Level, mixtures: &[Mixture<N>], from: usize);
+}
+
+/// Fewer pairs than this are taken one by one.
+#[cfg(feature = "simd")]
+const FEW: usize = 4;
+
+fn for_each<const N: usize>(material: &Material<'_>, wo: [&[f32]; 3], each: &mut impl Each<N>) {
+    let n = wo[0].len();
+    #[cfg(feature = "simd")]
+    if n >= FEW && Level::current() != Level::Scalar {
+        let level = Level::current();
+        let mut mixtures = [const { Mixture::<N>::empty() }; block::MOST];
+        let mut from = 0;
+        while from < n {
+            let count = block::MOST.min(n - from);
+            let [x, y, z] = wo.map(|s| &s[from..from + count]);
+            let mixtures = &mut mixtures[..count];
+            level.run(PrepareInto { material, wo: [x, y, z], mixtures });
+            each.block(level, mixtures, from);
+            from += count;
+        }
+        return;
+    }
+    let mut mixture = Mixture::<N>::empty();
+    for i in 0..n {
+        // A direction that is none leaves the mixture empty; it has room for all lobes.
+        let _ = material.prepare(at(&wo, i), &mut mixture);
+        each.one(&mixture, i);
+    }
+}
+
+/// The numbers of a block, padded with harmless ones: a direction, or uniform numbers.
+#[cfg(feature = "simd")]
+fn padded(vectors: &[&[f32]; 3], from: usize, count: usize) -> [block::Numbers; 3] {
+    let mut block = [[0.5; block::MOST]; 3];
+    for (block, from_here) in block.iter_mut().zip(vectors.map(|s| &s[from..from + count])) {
+        block[..count].copy_from_slice(from_here);
+    }
+    block
+}
+
+/// Copies a block of directions out.
+#[cfg(feature = "simd")]
+fn copy_out(block: &[block::Numbers; 3], to: [&mut [f32]; 3], from: usize, count: usize) {
+    for (block, to) in block.iter().zip(to) {
+        to[from..from + count].copy_from_slice(&block[..count]);
+    }
+}
+
+struct EvaluatePairs<'a> {
     wi: [&'a [f32]; 3],
     value: [&'a mut [f32]; 3],
     pdf: &'a mut [f32],
 }
 
-impl<const N: usize> Routine for EvaluatePairs<'_, '_, N> {
-    type Output = ();
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { material, wo, wi, value: [red, green, blue], pdf } = self;
-        let mut m = Mixture::<N>::empty();
-        for i in 0..pdf.len() {
-            let prepared = prepare::<L, N>(material, at(&wo, i), LeaveOut::default(), &mut m).is_ok();
-            let value = if prepared { value_one::<L, N>(&m, at(&wi, i).to_array()) } else { Vec3::ZERO };
-            [red[i], green[i], blue[i]] = value.to_array();
-            pdf[i] = luminance(value) * m.inverse_power;
+impl<const N: usize> Each<N> for EvaluatePairs<'_> {
+    fn one(&mut self, m: &Mixture<N>, i: usize) {
+        let (value, pdf) = m.evaluate_and_pdf(at(&self.wi, i));
+        self.pdf[i] = pdf;
+        let [red, green, blue] = &mut self.value;
+        [red[i], green[i], blue[i]] = value.to_array();
+    }
+
+    #[cfg(feature = "simd")]
+    fn block(&mut self, level: Level, mixtures: &[Mixture<N>], from: usize) {
+        let count = mixtures.len();
+        let directions = &padded(&self.wi, from, count);
+        let value = level.run(SumBlock::<N, 3> { mixtures, directions });
+        for (i, m) in mixtures.iter().enumerate() {
+            let value = Vec3::new(value[0][i], value[1][i], value[2][i]);
+            self.pdf[from + i] = luminance(value) * m.inverse_power;
         }
+        let [red, green, blue] = &mut self.value;
+        copy_out(&value, [red, green, blue], from, count);
     }
 }
 
-struct SamplePairs<'a, 'b, const N: usize> {
-    material: &'a Material<'b>,
-    wo: [&'a [f32]; 3],
+struct SamplePairs<'a> {
     u: [&'a [f32]; 3],
     samples: SamplesMut<'a>,
 }
 
-impl<const N: usize> Routine for SamplePairs<'_, '_, N> {
-    type Output = ();
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { material, wo, u, samples } = self;
-        let SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] } = samples;
-        let mut m = Mixture::<N>::empty();
-        for i in 0..pdf.len() {
-            let mut direction = [0.0, 0.0, 1.0];
-            let mut value = Vec3::ZERO;
-            if prepare::<L, N>(material, at(&wo, i), LeaveOut::default(), &mut m).is_ok() && m.power > 0.0 {
-                let u = [u[0][i], u[1][i], u[2][i]];
-                direction = sample_one::<L, N>(&m, u);
-                value = value_one::<L, N>(&m, direction);
-            }
+impl<const N: usize> Each<N> for SamplePairs<'_> {
+    fn one(&mut self, m: &Mixture<N>, i: usize) {
+        let u = at(&self.u, i).to_array();
+        let (direction, pdf, weight) = match m.sample(u) {
+            Some(sample) => (sample.direction, sample.pdf, sample.weight()),
+            None => (m.sample_direction(u).unwrap_or(Vec3::Z), 0.0, Vec3::ZERO),
+        };
+        let SamplesMut { direction: [x, y, z], pdf: pdf_out, weight: [red, green, blue] } = &mut self.samples;
+        [x[i], y[i], z[i]] = direction.to_array();
+        pdf_out[i] = pdf;
+        [red[i], green[i], blue[i]] = weight.to_array();
+    }
+
+    #[cfg(feature = "simd")]
+    fn block(&mut self, level: Level, mixtures: &[Mixture<N>], from: usize) {
+        let count = mixtures.len();
+        let directions = level.run(DrawBlock { mixtures, u: &padded(&self.u, from, count) });
+        let value = level.run(SumBlock::<N, 3> { mixtures, directions: &directions });
+        let SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] } = &mut self.samples;
+        for (i, m) in mixtures.iter().enumerate() {
+            let value = Vec3::new(value[0][i], value[1][i], value[2][i]);
             let density = luminance(value) * m.inverse_power;
             let weight = if density > 0.0 { value / density } else { Vec3::ZERO };
-            [x[i], y[i], z[i]] = direction;
-            pdf[i] = density;
-            [red[i], green[i], blue[i]] = weight.to_array();
+            pdf[from + i] = density;
+            [red[from + i], green[from + i], blue[from + i]] = weight.to_array();
         }
+        copy_out(&directions, [x, y, z], from, count);
     }
 }
 
 /// Density or luminance.
-struct OneChannelPairs<'a, 'b, const N: usize> {
-    material: &'a Material<'b>,
-    wo: [&'a [f32]; 3],
+struct OneChannelPairs<'a> {
     wi: [&'a [f32]; 3],
     out: &'a mut [f32],
     is_pdf: bool,
 }
 
-impl<const N: usize> Routine for OneChannelPairs<'_, '_, N> {
-    type Output = ();
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { material, wo, wi, out, is_pdf } = self;
-        let mut m = Mixture::<N>::empty();
-        for (i, out) in out.iter_mut().enumerate() {
-            let prepared = prepare::<L, N>(material, at(&wo, i), LeaveOut::default(), &mut m).is_ok();
-            let value = if prepared { luminance_one::<L, N>(&m, at(&wi, i).to_array()) } else { 0.0 };
-            *out = if is_pdf { value * m.inverse_power } else { value };
+impl<const N: usize> Each<N> for OneChannelPairs<'_> {
+    fn one(&mut self, m: &Mixture<N>, i: usize) {
+        let pdf = m.pdf(at(&self.wi, i));
+        self.out[i] = if self.is_pdf { pdf } else { pdf * m.power };
+    }
+
+    #[cfg(feature = "simd")]
+    fn block(&mut self, level: Level, mixtures: &[Mixture<N>], from: usize) {
+        let directions = &padded(&self.wi, from, mixtures.len());
+        let [sums] = level.run(SumBlock::<N, 1> { mixtures, directions });
+        for (i, m) in mixtures.iter().enumerate() {
+            self.out[from + i] = if self.is_pdf { sums[i] * m.inverse_power } else { sums[i] };
         }
     }
 }
 
-struct SamplePdfPairs<'a, 'b, const N: usize> {
-    material: &'a Material<'b>,
-    wo: [&'a [f32]; 3],
+struct SamplePdfPairs<'a> {
     u: [&'a [f32]; 3],
     direction: [&'a mut [f32]; 3],
     pdf: &'a mut [f32],
 }
 
-impl<const N: usize> Routine for SamplePdfPairs<'_, '_, N> {
-    type Output = ();
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { material, wo, u, direction: [x, y, z], pdf } = self;
-        let mut m = Mixture::<N>::empty();
-        for i in 0..pdf.len() {
-            let mut direction = [0.0, 0.0, 1.0];
-            pdf[i] = 0.0;
-            if prepare::<L, N>(material, at(&wo, i), LeaveOut::default(), &mut m).is_ok() && m.power > 0.0 {
-                direction = sample_one::<L, N>(&m, [u[0][i], u[1][i], u[2][i]]);
-                pdf[i] = luminance_one::<L, N>(&m, direction) * m.inverse_power;
-            }
-            [x[i], y[i], z[i]] = direction;
-        }
+impl<const N: usize> Each<N> for SamplePdfPairs<'_> {
+    fn one(&mut self, m: &Mixture<N>, i: usize) {
+        let direction = m.sample_direction(at(&self.u, i).to_array()).unwrap_or(Vec3::Z);
+        self.pdf[i] = m.pdf(direction);
+        let [x, y, z] = &mut self.direction;
+        [x[i], y[i], z[i]] = direction.to_array();
     }
-}
 
-struct PrepareInto<'a, 'b, const N: usize> {
-    material: &'a Material<'b>,
-    wo: [&'a [f32]; 3],
-    mixtures: &'a mut [Mixture<N>],
-}
-
-impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
-    type Output = ();
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        for (i, mixture) in self.mixtures.iter_mut().enumerate() {
-            // A direction that is none leaves the mixture empty; the capacity has been checked.
-            let _ = prepare::<L, N>(self.material, at(&self.wo, i), LeaveOut::default(), mixture);
+    #[cfg(feature = "simd")]
+    fn block(&mut self, level: Level, mixtures: &[Mixture<N>], from: usize) {
+        let count = mixtures.len();
+        let directions = level.run(DrawBlock { mixtures, u: &padded(&self.u, from, count) });
+        let [sums] = level.run(SumBlock::<N, 1> { mixtures, directions: &directions });
+        for (i, m) in mixtures.iter().enumerate() {
+            self.pdf[from + i] = sums[i] * m.inverse_power;
         }
+        let [x, y, z] = &mut self.direction;
+        copy_out(&directions, [x, y, z], from, count);
     }
 }

@@ -68,17 +68,114 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     if wo.z < 0.0 {
         return Ok(());
     }
+    let wo = [L::One::splat(wo.x), L::One::splat(wo.y), L::One::splat(wo.z)];
+    let facing = Facing::new(wo, L::One::splat(across_squared));
+    let azimuth = [facing.azimuth[0].first(), facing.azimuth[1].first()];
+    let theta = facing.theta.first();
+    let place = Place::after(material, views_passed::<L>(material, theta), theta);
+    at_place::<L, N>(material, azimuth, place, leave_out, mixture);
+    Ok(())
+}
 
-    // +x of the view points away from wo, towards the mirror direction; at the normal any azimuth serves.
-    let across = Lanes::sqrt(across_squared);
-    let azimuth = if across > 0.0 {
-        let inverse = 1.0 / across;
-        [-wo.x * inverse, -wo.y * inverse]
-    } else {
-        [1.0, 0.0]
-    };
-    let place = Place::find::<L>(material, across, wo.z);
+/// Mixtures for many outgoing directions: lanes are directions for their angles and azimuths, lobes for the rest.
+pub(crate) struct PrepareInto<'a, 'b, const N: usize> {
+    pub material: &'a Material<'b>,
+    pub wo: [&'a [f32]; 3],
+    /// As many as directions; a direction that is none leaves an empty one. They have room for all lobes.
+    pub mixtures: &'a mut [Mixture<N>],
+}
 
+impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
+    type Output = ();
+    #[inline(always)]
+    #[allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
+    fn run<L: Lanes>(self) {
+        let Self { material, wo: [x, y, z], mixtures } = self;
+        if L::COUNT == 1 || matches!(material.header.kind, Kind::Grid(_)) {
+            for i in 0..mixtures.len() {
+                let wo = Vec3::new(x[i], y[i], z[i]);
+                let _ = prepare::<L, N>(material, wo, LeaveOut::default(), &mut mixtures[i]);
+            }
+            return;
+        }
+        let mut at = 0;
+        while at < mixtures.len() {
+            let count = L::COUNT.min(mixtures.len() - at);
+            let [x, y, z] =
+                [load_some::<L>(&x[at..], count), load_some(&y[at..], count), load_some(&z[at..], count)];
+            let across_squared = x * x + y * y;
+            let off = (across_squared + z * z - L::splat(1.0)).abs();
+            let seen = L::bits(L::splat(2e-3).ge(off)) & L::bits(z.ge(L::splat(0.0)));
+            let facing = Facing::new([x, y, z], across_squared);
+            let mut passed = L::splat(0.0);
+            for view in 0..material.header.views - 1 {
+                let theta = L::splat(f32_at(material.bytes, material.header.theta(view)));
+                passed = passed + L::select(facing.theta.ge(theta), L::splat(1.0), L::splat(0.0));
+            }
+            let (mut thetas, mut passed_by, mut azimuths) =
+                ([0.0; WIDEST], [0.0; WIDEST], [[0.0; WIDEST]; 2]);
+            facing.theta.store(&mut thetas);
+            passed.store(&mut passed_by);
+            facing.azimuth[0].store(&mut azimuths[0]);
+            facing.azimuth[1].store(&mut azimuths[1]);
+            for i in 0..count {
+                let mixture = &mut mixtures[at + i];
+                mixture.begin(Domain::Hemisphere, Squeeze::NONE);
+                if seen >> i & 1 == 1 {
+                    let place = Place::after(material, passed_by[i] as usize, thetas[i]);
+                    let azimuth = [azimuths[0][i], azimuths[1][i]];
+                    at_place::<L, N>(material, azimuth, place, LeaveOut::default(), mixture);
+                }
+            }
+            at += L::COUNT;
+        }
+    }
+}
+
+/// The first `count` numbers of a slice, and zeros.
+#[inline(always)]
+pub(crate) fn load_some<L: Lanes>(from: &[f32], count: usize) -> L {
+    if count == L::COUNT {
+        return L::load(from);
+    }
+    let mut padded = [0.0; WIDEST];
+    padded[..count].copy_from_slice(&from[..count]);
+    L::load(&padded)
+}
+
+/// Outgoing directions as angle from the normal and azimuth.
+struct Facing<L> {
+    theta: L,
+    /// Cosine and sine, in the caller's frame, of the azimuth of +x of the view.
+    azimuth: [L; 2],
+}
+
+impl<L: Lanes> Facing<L> {
+    /// Of unit vectors above the horizon; anything for others.
+    #[inline(always)]
+    fn new([x, y, z]: [L; 3], across_squared: L) -> Self {
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        let across = across_squared.sqrt();
+        // +x of the view points away from wo, towards the mirror direction; at the normal any azimuth serves.
+        let inverse = one / across;
+        let is_tilted = zero.lt(across);
+        let azimuth = [
+            L::select(is_tilted, (zero - x) * inverse, one),
+            L::select(is_tilted, (zero - y) * inverse, zero),
+        ];
+        Self { theta: atan2_positive(across, z), azimuth }
+    }
+}
+
+/// Interpolates the views round a place. The mixture has begun.
+#[inline(always)]
+fn at_place<L: Lanes, const N: usize>(
+    material: &Material<'_>,
+    azimuth: [f32; 2],
+    place: Place,
+    leave_out: LeaveOut,
+    mixture: &mut Mixture<N>,
+) {
     // The heads: squeeze and diffuse albedo.
     let (copy_a, copy_b);
     let (a, b) = (material.header.head(place.before), material.header.head(place.after));
@@ -100,7 +197,6 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
         (false, true) => lobes::<L, N, true>(material, place, leave_out, mixture),
         (false, false) => lobes::<L, N, false>(material, place, leave_out, mixture),
     }
-    Ok(())
 }
 
 /// The two views round an outgoing direction, and how far between them it lies.
@@ -112,23 +208,11 @@ struct Place {
 }
 
 impl Place {
-    /// `across` and `z`: sine and cosine of the angle of the outgoing direction.
+    /// `passed`: how many views but the last have an angle of at most `theta`.
     #[inline(always)]
-    fn find<L: Lanes>(material: &Material<'_>, across: f32, z: f32) -> Self {
+    fn after(material: &Material<'_>, passed: usize, theta: f32) -> Self {
         let (bytes, header) = (material.bytes, &material.header);
-        let theta = atan2_positive(L::One::splat(across), L::One::splat(z)).first();
-        let last = header.views - 1;
-        let mut passed = 0;
-        let mut view = 0;
-        while view < last {
-            // Bits of the views from here to the last but one that are at most theta; the first always is.
-            let copy;
-            let thetas = from_offset!(bytes, header.theta(view), 4 * WIDEST, copy);
-            let inner = u64::MAX >> (64 - (last - view).min(L::COUNT));
-            passed += (L::bits(L::splat(theta).ge(L::load_bytes(thetas))) & inner).count_ones() as usize;
-            view += L::COUNT;
-        }
-        let after = passed.min(last);
+        let after = passed.min(header.views - 1);
         let before = after.saturating_sub(1);
         let (from, to) = (f32_at(bytes, header.theta(before)), f32_at(bytes, header.theta(after)));
         let blend = if to > from { ((theta - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
@@ -141,6 +225,22 @@ impl Place {
         let (a, b) = (L::load_bytes(&a[4 * i..]), L::load_bytes(&b[4 * i..]));
         (b - a).mul_add(L::splat(self.blend), a)
     }
+}
+
+/// How many views but the last have an angle of at most `theta`; the first always has.
+#[inline(always)]
+fn views_passed<L: Lanes>(material: &Material<'_>, theta: f32) -> usize {
+    let last = material.header.views - 1;
+    let mut passed = 0;
+    let mut view = 0;
+    while view < last {
+        let copy;
+        let thetas = from_offset!(material.bytes, material.header.theta(view), 4 * WIDEST, copy);
+        let inner = u64::MAX >> (64 - (last - view).min(L::COUNT));
+        passed += (L::bits(L::splat(theta).ge(L::load_bytes(thetas))) & inner).count_ones() as usize;
+        view += L::COUNT;
+    }
+    passed
 }
 
 /// Interpolates the lobes and completes the mixture. `MIRRORED`: some of them are.

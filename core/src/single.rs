@@ -93,40 +93,58 @@ pub(crate) fn sums_one<L: Lanes, const N: usize, const C: usize>(
     if !above && m.domain == Domain::Hemisphere {
         return [0.0; C];
     }
+    let sums = if m.squeezed == 0 && m.squeeze.is_unturned() {
+        let seen = m.squeeze.turn(splat3::<L>(direction));
+        all_lobes::<L, N, C, false>(m, amplitudes, &seen, &seen)
+    } else if L::COUNT > 1 {
+        let [turned, squeezed] = m.squeeze.see(direction);
+        all_lobes::<L, N, C, true>(m, amplitudes, &turned.splat(), &squeezed.splat())
+    } else {
+        let turned = m.squeeze.turn(splat3::<L>(direction));
+        all_lobes::<L, N, C, true>(m, amplitudes, &turned, &m.squeeze.squeeze(&turned))
+    };
+    if m.domain == Domain::Sphere {
+        return sums;
+    }
+    with_diffuse(sums, diffuse, direction[2])
+}
+
+/// Adds the diffuse term, of albedos `diffuse`, to sums over the lobes.
+#[inline(always)]
+pub(crate) fn with_diffuse<const C: usize>(mut sums: [f32; C], diffuse: [f32; C], z: f32) -> [f32; C] {
+    for i in 0..C {
+        sums[i] += diffuse[i] * FRAC_1_PI * z;
+    }
+    sums
+}
+
+/// Sums all lobes towards a direction. `SEEN`: it was turned or squeezed, and has a low part and a scale.
+#[inline(always)]
+pub(crate) fn all_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
+    m: &Mixture<N>,
+    amplitudes: [&[f32; N]; C],
+    turned: &Seen<L>,
+    squeezed: &Seen<L>,
+) -> [f32; C] {
     let mut acc = [L::splat(0.0); C];
     // The usual number of lobes without a loop: a loop keeps more constants in registers than there are.
-    let is_one_step = L::COUNT > 1 && 1 <= m.count && m.count <= L::COUNT;
-    if m.squeezed == 0 && m.squeeze.is_unturned() {
-        let seen = m.squeeze.turn(splat3::<L>(direction));
-        if is_one_step {
-            add_lobes::<L, N, C, false>(m, amplitudes, &seen, 0, &mut acc);
+    if L::COUNT > 1 && 1 <= m.count && m.count <= L::COUNT {
+        if SEEN {
+            let mixed = mix::<L>(squeezed, turned, m.squeezed);
+            add_lobes::<L, N, C, SEEN>(m, amplitudes, &mixed, 0, &mut acc);
         } else {
-            let mut k = 0;
-            while k < m.count && k + L::COUNT <= N {
-                add_lobes::<L, N, C, false>(m, amplitudes, &seen, k, &mut acc);
-                k += L::COUNT;
-            }
+            add_lobes::<L, N, C, SEEN>(m, amplitudes, turned, 0, &mut acc);
         }
     } else {
-        let [turned, squeezed] = if L::COUNT > 1 {
-            m.squeeze.see_one(direction)
-        } else {
-            let turned = m.squeeze.turn(splat3::<L>(direction));
-            [turned, m.squeeze.squeeze(&turned)]
-        };
-        if is_one_step {
-            let mixed = mix::<L>(&squeezed, &turned, m.squeezed);
-            add_lobes::<L, N, C, true>(m, amplitudes, &mixed, 0, &mut acc);
-        }
-        let mut k = if is_one_step { m.count } else { 0 };
+        let mut k = 0;
         while k < m.count && k + L::COUNT <= N {
-            if k + L::COUNT <= m.squeezed {
-                add_lobes::<L, N, C, true>(m, amplitudes, &squeezed, k, &mut acc);
-            } else if k >= m.squeezed {
-                add_lobes::<L, N, C, true>(m, amplitudes, &turned, k, &mut acc);
+            if k >= m.squeezed {
+                add_lobes::<L, N, C, SEEN>(m, amplitudes, turned, k, &mut acc);
+            } else if k + L::COUNT <= m.squeezed {
+                add_lobes::<L, N, C, SEEN>(m, amplitudes, squeezed, k, &mut acc);
             } else {
-                let mixed = mix::<L>(&squeezed, &turned, m.squeezed - k);
-                add_lobes::<L, N, C, true>(m, amplitudes, &mixed, k, &mut acc);
+                let mixed = mix::<L>(squeezed, turned, m.squeezed - k);
+                add_lobes::<L, N, C, SEEN>(m, amplitudes, &mixed, k, &mut acc);
             }
             k += L::COUNT;
         }
@@ -134,9 +152,6 @@ pub(crate) fn sums_one<L: Lanes, const N: usize, const C: usize>(
     let mut sums = [0.0; C];
     for i in 0..C {
         sums[i] = acc[i].sum();
-        if m.domain == Domain::Hemisphere {
-            sums[i] += diffuse[i] * FRAC_1_PI * direction[2];
-        }
     }
     sums
 }

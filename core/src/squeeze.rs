@@ -22,7 +22,7 @@
 
 #![allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
 
-use crate::lanes::{Lanes, length_squared_minus_one, sum_of_products, two_product};
+use crate::lanes::{Lanes, length_squared_minus_one, splat3, sum_of_products, two_product};
 
 /// The turn into the frame of a view, and the squeeze in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +30,7 @@ pub(crate) struct Squeeze {
     /// Cosine and sine of the azimuth, in the caller's frame, of the view's +x.
     pub azimuth: [f32; 2],
     /// What the length of these two exceeds 1 by, having been rounded.
-    excess: f32,
+    pub excess: f32,
     /// What x is multiplied by; 1 in isotropic materials.
     pub along: f32,
     /// What y is multiplied by, `1 / c`.
@@ -115,11 +115,11 @@ impl Squeeze {
         Seen { high, low, scale: determinant * shrink * (shrink * shrink) }
     }
 
-    /// One direction as round and as squeezed lobes see it, in every lane.
+    /// One direction as round and as squeezed lobes see it.
     ///
     /// In f64, where a processor with vectors spends less than on sums of two f32.
     #[inline(always)]
-    pub fn see_one<L: Lanes>(&self, [x, y, z]: [f32; 3]) -> [Seen<L>; 2] {
+    pub fn see(&self, [x, y, z]: [f32; 3]) -> [Sight; 2] {
         let length = 1.0 - f64::from(self.excess);
         let (c, s) = (f64::from(self.azimuth[0]) * length, f64::from(self.azimuth[1]) * length);
         let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
@@ -132,33 +132,53 @@ impl Squeeze {
         let shrink = root * (1.5 - 0.5 * length_squared * (root * root));
         let scale = self.along * self.inverse * (shrink * shrink * shrink) as f32;
         [
-            split([turned_x, turned_y, z], 1.0),
-            split([squeezed_x * shrink, squeezed_y * shrink, z * shrink], scale),
+            Sight::split([turned_x, turned_y, z], 1.0),
+            Sight::split([squeezed_x * shrink, squeezed_y * shrink, z * shrink], scale),
         ]
     }
 
     /// The direction whose squeezed image is along `u`, not normalised, still in the frame of the view.
     #[inline(always)]
-    pub fn unsqueeze<L: Lanes>(&self, [x, y, z]: [L; 3]) -> [L; 3] {
-        [x * L::splat(1.0 / self.along), y * L::splat(1.0 / self.inverse), z]
+    pub fn unsqueeze(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        [x / self.along, y / self.inverse, z]
     }
 
     /// Turns a direction from the frame of the view back to the caller's.
     #[inline(always)]
-    pub fn turn_back<L: Lanes>(&self, [x, y, z]: [L; 3]) -> [L; 3] {
-        let (c, s) = (L::splat(self.azimuth[0]), L::splat(self.azimuth[1]));
-        [(y * s).neg_mul_add(L::splat(1.0), x * c), x.mul_add(s, y * c), z]
+    pub fn turn_back(&self, d: [f32; 3]) -> [f32; 3] {
+        turn_back(d, self.azimuth)
     }
 }
 
-/// A vector in f64 as a sum of two f32, the same in every lane.
+/// Turns directions from the frame of a view, of such an azimuth, back to the caller's.
 #[inline(always)]
-fn split<L: Lanes>(v: [f64; 3], scale: f32) -> Seen<L> {
-    let mut seen = Seen { high: [L::splat(0.0); 3], low: [L::splat(0.0); 3], scale: L::splat(scale) };
-    for i in 0..3 {
-        let high = v[i] as f32;
-        seen.high[i] = L::splat(high);
-        seen.low[i] = L::splat((v[i] - f64::from(high)) as f32);
+pub(crate) fn turn_back<L: Lanes>([x, y, z]: [L; 3], [c, s]: [L; 2]) -> [L; 3] {
+    [(y * s).neg_mul_add(L::splat(1.0), x * c), x.mul_add(s, y * c), z]
+}
+
+/// What [`Seen`] says of one direction, in numbers.
+#[derive(Clone, Copy)]
+pub(crate) struct Sight {
+    pub high: [f32; 3],
+    pub low: [f32; 3],
+    pub scale: f32,
+}
+
+impl Sight {
+    /// A vector in f64 as a sum of two f32.
+    #[inline(always)]
+    fn split(v: [f64; 3], scale: f32) -> Self {
+        let mut sight = Self { high: [0.0; 3], low: [0.0; 3], scale };
+        for i in 0..3 {
+            sight.high[i] = v[i] as f32;
+            sight.low[i] = (v[i] - f64::from(sight.high[i])) as f32;
+        }
+        sight
     }
-    seen
+
+    /// In every lane.
+    #[inline(always)]
+    pub fn splat<L: Lanes>(&self) -> Seen<L> {
+        Seen { high: splat3(self.high), low: splat3(self.low), scale: L::splat(self.scale) }
+    }
 }

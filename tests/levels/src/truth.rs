@@ -57,7 +57,9 @@ pub fn truth(m: &Mixture<64>, azimuth: f64, d: Vec3) -> Truth {
             for (c, a) in lobe.amplitude.to_array().into_iter().enumerate() {
                 let value = f64::from(a) * libm::exp(t) * change;
                 sum.value[c] += value;
-                sum.scale[c] += value * (2.0 - t);
+                // Below 2^-100 of its amplitude a lobe is 0.
+                let may_be_0 = t < -69.3;
+                sum.scale[c] += value * if may_be_0 { 1e7 } else { 2.0 - t };
             }
         };
         add(axis[2]);
