@@ -222,8 +222,15 @@ impl<const N: usize> Mixture<N> {
     /// the places up to the next multiple of the lanes must be valid, of amplitude 0. On AVX2 `L` is a pair of vectors, as
     /// it is where one direction is evaluated.
     #[inline(always)]
-    #[allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
     pub(crate) fn finish<L: Lanes>(&mut self, count: usize, squeezed: usize, leave_out: LeaveOut) {
+        self.finish_lobes::<L>(count, squeezed, leave_out);
+        self.sum_up();
+    }
+
+    /// The part of [`finish`](Self::finish) that every lobe needs; [`sum_up`](Self::sum_up) is to follow.
+    #[inline(always)]
+    #[allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
+    pub(crate) fn finish_lobes<L: Lanes>(&mut self, count: usize, squeezed: usize, leave_out: LeaveOut) {
         (self.count, self.squeezed) = (count, squeezed);
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let mut albedo = [zero; 3];
@@ -281,13 +288,19 @@ impl<const N: usize> Mixture<N> {
             let least = leave_out.lobes * luminance(lobes_albedo + self.diffuse);
             lobes_albedo = self.drop_lobes::<L>(least).unwrap_or(lobes_albedo);
         }
+        self.albedo = lobes_albedo;
+    }
+
+    /// Sums up the powers of the lobes, a chain of as many dependent additions, and adds the diffuse term to the albedo.
+    #[inline(always)]
+    pub(crate) fn sum_up(&mut self) {
         let mut power = 0.0;
         for running in &mut self.cumulative[..self.count.min(N)] {
             power += *running;
             *running = power;
         }
         self.lobes_power = power;
-        self.add_up(lobes_albedo);
+        self.add_up(self.albedo);
     }
 
     /// Drops the lobes whose power, which `cumulative` still holds one by one, is below a bound; those that stay keep their
@@ -350,7 +363,7 @@ impl<const N: usize> Mixture<N> {
         Some(Vec3::new(red.sum(), green.sum(), blue.sum()) * (2.0 * PI))
     }
 
-    /// Sums up the lobes and the diffuse term.
+    /// Adds the diffuse term to the albedo of the lobes.
     #[inline(always)]
     fn add_up(&mut self, lobes_albedo: Vec3) {
         self.albedo = lobes_albedo + self.diffuse;

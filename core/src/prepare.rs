@@ -74,6 +74,7 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     let theta = facing.theta.first();
     let place = Place::after(material, views_passed::<L>(material, theta), theta);
     at_place::<L, N>(material, azimuth, place, leave_out, mixture);
+    mixture.sum_up();
     Ok(())
 }
 
@@ -127,6 +128,10 @@ impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
                     at_place::<L, N>(material, azimuth, place, LeaveOut::default(), mixture);
                 }
             }
+            // Apart, so that the chains of additions of many mixtures run side by side.
+            for mixture in &mut mixtures[at..at + count] {
+                mixture.sum_up();
+            }
             at += L::COUNT;
         }
     }
@@ -167,7 +172,7 @@ impl<L: Lanes> Facing<L> {
     }
 }
 
-/// Interpolates the views round a place. The mixture has begun.
+/// Interpolates the views round a place. The mixture has begun, and is to be summed up.
 #[inline(always)]
 fn at_place<L: Lanes, const N: usize>(
     material: &Material<'_>,
@@ -243,7 +248,7 @@ fn views_passed<L: Lanes>(material: &Material<'_>, theta: f32) -> usize {
     passed
 }
 
-/// Interpolates the lobes and completes the mixture. `MIRRORED`: some of them are.
+/// Interpolates the lobes and completes the mixture but for its sums. `MIRRORED`: some of them are.
 #[inline(always)]
 fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
     material: &Material<'_>,
@@ -286,7 +291,7 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
         L::select(valid, exp2(log_blue), zero).store(&mut mixture.blue[k..]);
         k += L::COUNT;
     }
-    mixture.finish::<L>(total, header.squeezed, leave_out);
+    mixture.finish_lobes::<L>(total, header.squeezed, leave_out);
 }
 
 /// The bytes of two views, from as many numbers before each as it has mirrored lobes.
