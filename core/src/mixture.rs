@@ -507,7 +507,8 @@ impl<const N: usize> Mixture<N> {
         if self.power == 0.0 {
             return None;
         }
-        let (direction, value) = self.level.run_one::<_, SampleOne>(self, u);
+        let direction = self.level.run_one::<_, DirectionOne>(self, u);
+        let value = self.level.run_one::<_, EvaluateOne>(self, direction.to_array());
         let pdf = luminance(value) * self.inverse_power;
         // A density that f32 rounds to 0 cannot be divided by: far out in a tail, where the value is 0 too.
         (pdf > 0.0).then_some(Sample { direction, pdf, value })

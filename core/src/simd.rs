@@ -27,6 +27,8 @@ pub(crate) trait Routine {
 pub(crate) trait One<State> {
     /// What it gives.
     type Output;
+    /// Whether it gains by vectors of 512 bits: while those are at work, an Intel core has one port less for numbers alone.
+    const IS_WIDE: bool;
     /// The text; as in [`Routine`].
     fn run<L: Lanes>(state: &State, numbers: [f32; 3]) -> Self::Output;
 }
@@ -56,10 +58,10 @@ impl Level {
         match self {
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             // SAFETY: a level above Portable exists only where the processor has been seen to have it.
-            Self::Avx512 => unsafe { one_avx512::<S, R>(state, a, b, c) },
+            Self::Avx512 if R::IS_WIDE => unsafe { one_avx512::<S, R>(state, a, b, c) },
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
-            // SAFETY: as above.
-            Self::Avx2 => unsafe { one_avx2::<S, R>(state, a, b, c) },
+            // SAFETY: as above; who has AVX-512 has AVX2.
+            Self::Avx2 | Self::Avx512 => unsafe { one_avx2::<S, R>(state, a, b, c) },
             #[cfg(feature = "simd")]
             Self::Portable => one_portable::<S, R>(state, a, b, c),
             _ => one_scalar::<S, R>(state, a, b, c),

@@ -15,6 +15,7 @@ pub(crate) struct EvaluateOne;
 
 impl<const N: usize> One<Mixture<N>> for EvaluateOne {
     type Output = Vec3;
+    const IS_WIDE: bool = true;
     #[inline(always)]
     fn run<L: Lanes>(m: &Mixture<N>, direction: [f32; 3]) -> Vec3 {
         value_one::<L, N>(m, direction)
@@ -26,6 +27,7 @@ pub(crate) struct PdfOne;
 
 impl<const N: usize> One<Mixture<N>> for PdfOne {
     type Output = f32;
+    const IS_WIDE: bool = true;
     #[inline(always)]
     fn run<L: Lanes>(m: &Mixture<N>, direction: [f32; 3]) -> f32 {
         luminance_one::<L, N>(m, direction) * m.inverse_power
@@ -37,6 +39,7 @@ pub(crate) struct DirectionOne;
 
 impl<const N: usize> One<Mixture<N>> for DirectionOne {
     type Output = Vec3;
+    const IS_WIDE: bool = false;
     #[inline(always)]
     fn run<L: Lanes>(m: &Mixture<N>, u: [f32; 3]) -> Vec3 {
         Vec3::from_array(sample_one::<L, N>(m, u))
@@ -48,6 +51,7 @@ pub(crate) struct SampleOne;
 
 impl<const N: usize> One<Mixture<N>> for SampleOne {
     type Output = (Vec3, Vec3);
+    const IS_WIDE: bool = true;
     #[inline(always)]
     fn run<L: Lanes>(m: &Mixture<N>, u: [f32; 3]) -> (Vec3, Vec3) {
         let direction = sample_one::<L, N>(m, u);
