@@ -242,19 +242,20 @@ pub(crate) fn sums<L: Lanes, const N: usize, const C: usize>(
     let turned = m.squeeze.turn(d);
     if m.squeezed > 0 {
         let seen = m.squeeze.squeeze(&turned);
-        if m.in_plane {
-            run::<L, N, C, true, true>(m, amplitudes, &seen, 0, m.squeezed, &mut acc);
-        } else {
-            run::<L, N, C, false, true>(m, amplitudes, &seen, 0, m.squeezed, &mut acc);
+        match (m.in_plane, L::FUSED) {
+            (true, true) => run::<L, N, C, true, true, true>(m, amplitudes, &seen, 0, m.squeezed, &mut acc),
+            (true, false) => run::<L, N, C, true, true, false>(m, amplitudes, &seen, 0, m.squeezed, &mut acc),
+            (false, true) => run::<L, N, C, false, true, true>(m, amplitudes, &seen, 0, m.squeezed, &mut acc),
+            (false, false) => run::<L, N, C, false, true, false>(m, amplitudes, &seen, 0, m.squeezed, &mut acc),
         }
         acc = scale(acc, seen.scale);
     }
     let (from, to) = (m.squeezed, m.count);
     match (m.in_plane, m.squeeze.is_unturned()) {
-        (true, false) => run::<L, N, C, true, true>(m, amplitudes, &turned, from, to, &mut acc),
-        (true, true) => run::<L, N, C, true, false>(m, amplitudes, &turned, from, to, &mut acc),
-        (false, false) => run::<L, N, C, false, true>(m, amplitudes, &turned, from, to, &mut acc),
-        (false, true) => run::<L, N, C, false, false>(m, amplitudes, &turned, from, to, &mut acc),
+        (true, false) => run::<L, N, C, true, true, false>(m, amplitudes, &turned, from, to, &mut acc),
+        (true, true) => run::<L, N, C, true, false, false>(m, amplitudes, &turned, from, to, &mut acc),
+        (false, false) => run::<L, N, C, false, true, false>(m, amplitudes, &turned, from, to, &mut acc),
+        (false, true) => run::<L, N, C, false, false, false>(m, amplitudes, &turned, from, to, &mut acc),
     }
     if m.domain == Domain::Hemisphere {
         let zero = L::splat(0.0);
@@ -268,8 +269,9 @@ pub(crate) fn sums<L: Lanes, const N: usize, const C: usize>(
 }
 
 /// Adds a run of lobes that see the same direction. `PLANE`: every axis has y = 0. `LOW`: the direction has a low part.
+/// `LONG`: it has a length.
 #[inline(always)]
-fn run<L: Lanes, const N: usize, const C: usize, const PLANE: bool, const LOW: bool>(
+fn run<L: Lanes, const N: usize, const C: usize, const PLANE: bool, const LOW: bool, const LONG: bool>(
     m: &Mixture<N>,
     amplitudes: [&[f32; N]; C],
     seen: &Seen<L>,
@@ -284,11 +286,11 @@ fn run<L: Lanes, const N: usize, const C: usize, const PLANE: bool, const LOW: b
         let ahead = m.folded >> k;
         if ahead & 1 == 1 {
             let end = to.min(k + ahead.trailing_ones() as usize);
-            stretch::<L, N, C, PLANE, LOW, true>(m, amplitudes, seen, k, end, acc);
+            stretch::<L, N, C, PLANE, LOW, LONG, true>(m, amplitudes, seen, k, end, acc);
             k = end;
         } else {
             let end = to.min(k + ahead.trailing_zeros() as usize);
-            stretch::<L, N, C, PLANE, LOW, false>(m, amplitudes, seen, k, end, acc);
+            stretch::<L, N, C, PLANE, LOW, LONG, false>(m, amplitudes, seen, k, end, acc);
             k = end;
         }
     }
@@ -296,7 +298,15 @@ fn run<L: Lanes, const N: usize, const C: usize, const PLANE: bool, const LOW: b
 
 /// Adds lobes that all need their fold (`FOLD`), or none.
 #[inline(always)]
-fn stretch<L: Lanes, const N: usize, const C: usize, const PLANE: bool, const LOW: bool, const FOLD: bool>(
+fn stretch<
+    L: Lanes,
+    const N: usize,
+    const C: usize,
+    const PLANE: bool,
+    const LOW: bool,
+    const LONG: bool,
+    const FOLD: bool,
+>(
     m: &Mixture<N>,
     amplitudes: [&[f32; N]; C],
     seen: &Seen<L>,
@@ -308,32 +318,52 @@ fn stretch<L: Lanes, const N: usize, const C: usize, const PLANE: bool, const LO
     // Axes in the plane share the part across it; its low part would only count relative to itself.
     let yy = y * y;
     for k in from..to.min(N) {
-        // Axis minus direction: what is the same for all lobes stands second, where it may stay in memory.
-        let mut dx = L::splat(m.axis_x[k]) - x;
-        let mut dz = L::splat(m.axis_z[k]) - z;
+        let mut dx = apart::<L, LONG>(m.axis_x[k], x, seen.length);
+        let mut dz = apart::<L, LONG>(m.axis_z[k], z, seen.length);
         if LOW {
-            dx = dx - x_low;
-            dz = dz - z_low;
+            dx = lower::<L, LONG>(dx, x_low);
+            // What is only turned or not made a unit vector has its height in one f32.
+            if !L::FUSED {
+                dz = lower::<L, LONG>(dz, z_low);
+            }
         }
         let chord_squared = if PLANE {
             dx.mul_add(dx, dz.mul_add(dz, yy))
         } else {
-            let mut dy = L::splat(m.axis_y[k]) - y;
+            let mut dy = apart::<L, LONG>(m.axis_y[k], y, seen.length);
             if LOW {
-                dy = dy - y_low;
+                dy = lower::<L, LONG>(dy, y_low);
             }
             dx.mul_add(dx, dz.mul_add(dz, dy * dy))
         };
-        let t = L::splat(m.rate[k]) * chord_squared;
+        let mut rate = L::splat(m.rate[k]);
+        if LONG {
+            rate = rate * seen.inverse_square;
+        }
+        let t = rate * chord_squared;
         let mut g = falloff(t);
         if FOLD {
             // |d - mirrored axis|^2 = |d - axis|^2 + 4 d.z axis.z, both terms of one sign.
-            g = g + falloff(L::splat(m.fold_rate[k]).mul_add(z, t));
+            g = g + falloff(L::splat(m.fold_rate[k]).mul_add(seen.height, t));
         }
         for i in 0..C {
             acc[i] = g.mul_add(L::splat(amplitudes[i][k]), acc[i]);
         }
     }
+}
+
+/// A component of the axis minus one of the direction, or of the direction minus the axis that is as long (`LONG`): what is the same
+/// for all lobes stands where it may stay in memory.
+#[inline(always)]
+fn apart<L: Lanes, const LONG: bool>(axis: f32, direction: L, length: L) -> L {
+    let axis = L::splat(axis);
+    if LONG { axis.neg_mul_add(length, direction) } else { axis - direction }
+}
+
+/// Adds the low part of the direction to that.
+#[inline(always)]
+fn lower<L: Lanes, const LONG: bool>(apart: L, low: L) -> L {
+    if LONG { apart + low } else { apart - low }
 }
 
 /// What drawing from a lobe needs to know of it.

@@ -16,6 +16,9 @@ use crate::two::Two;
 /// Most mixtures of a block: the lanes of the widest vector.
 pub(crate) const MOST: usize = 16;
 
+/// How many numbers a [`Sight`] has.
+const SIGHT: usize = 10;
+
 /// One number for each mixture of a block.
 pub(crate) type Numbers = [f32; MOST];
 
@@ -110,7 +113,7 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
             inverse[i] = m.squeeze.inverse;
         }
         // Round and squeezed, as structures of arrays: the compiler makes vectors of this loop.
-        let (mut high, mut low, mut scale) = ([[zeros; 3]; 2], [[zeros; 3]; 2], [zeros; 2]);
+        let mut sights = [[zeros; SIGHT]; 2];
         for i in 0..MOST {
             let squeeze = Squeeze {
                 azimuth: [azimuth[0][i], azimuth[1][i]],
@@ -118,13 +121,14 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
                 along: along[i],
                 inverse: inverse[i],
             };
-            let sights = squeeze.see([x[i], y[i], z[i]]);
+            let pair = squeeze.see([x[i], y[i], z[i]], L::FUSED);
             for kind in 0..2 {
-                for axis in 0..3 {
-                    high[kind][axis][i] = sights[kind].high[axis];
-                    low[kind][axis][i] = sights[kind].low[axis];
+                let Sight { high, low, length, inverse_square, height, scale } = pair[kind];
+                let numbers =
+                    [high[0], high[1], high[2], low[0], low[1], low[2], length, inverse_square, height, scale];
+                for n in 0..SIGHT {
+                    sights[kind][n][i] = numbers[n];
                 }
-                scale[kind][i] = sights[kind].scale;
             }
         }
         let mut out = [zeros; C];
@@ -134,10 +138,16 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
             if !above {
                 continue;
             }
-            let sight = |kind: usize| Sight {
-                high: [high[kind][0][i], high[kind][1][i], high[kind][2][i]],
-                low: [low[kind][0][i], low[kind][1][i], low[kind][2][i]],
-                scale: scale[kind][i],
+            let sight = |kind: usize| {
+                let number = |n: usize| sights[kind][n][i];
+                Sight {
+                    high: [number(0), number(1), number(2)],
+                    low: [number(3), number(4), number(5)],
+                    length: number(6),
+                    inverse_square: number(7),
+                    height: number(8),
+                    scale: number(9),
+                }
             };
             let (turned, squeezed) = (sight(0), sight(1));
             let rows: [&[f32; N]; 4] = [&m.red, &m.green, &m.blue, &m.luminance];

@@ -3,7 +3,7 @@
 use crate::lanes::{Lanes, dot3, exp2, splat3};
 use crate::leave_out::LeaveOut;
 use crate::simd::Level;
-use crate::single::{DirectionOne, EvaluateOne, PdfOne, SampleOne};
+use crate::single::{DirectionOne, EvaluateOne, PdfOne};
 use crate::squeeze::Squeeze;
 use crate::{Error, Gaussian, Lobe};
 use core::f32::consts::{LOG2_E, PI};

@@ -46,19 +46,6 @@ impl<const N: usize> One<Mixture<N>> for DirectionOne {
     }
 }
 
-/// A direction from three uniform numbers, and the value there.
-pub(crate) struct SampleOne;
-
-impl<const N: usize> One<Mixture<N>> for SampleOne {
-    type Output = (Vec3, Vec3);
-    const IS_WIDE: bool = true;
-    #[inline(always)]
-    fn run<L: Lanes>(m: &Mixture<N>, u: [f32; 3]) -> (Vec3, Vec3) {
-        let direction = sample_one::<L, N>(m, u);
-        (Vec3::from_array(direction), value_one::<L, N>(m, direction))
-    }
-}
-
 /// Value towards one direction.
 #[inline(always)]
 pub(crate) fn value_one<L: Lanes, const N: usize>(m: &Mixture<N>, direction: [f32; 3]) -> Vec3 {
@@ -101,7 +88,7 @@ pub(crate) fn sums_one<L: Lanes, const N: usize, const C: usize>(
         let seen = m.squeeze.turn(splat3::<L>(direction));
         all_lobes::<L, N, C, false>(m, amplitudes, &seen, &seen)
     } else if L::COUNT > 1 {
-        let [turned, squeezed] = m.squeeze.see(direction);
+        let [turned, squeezed] = m.squeeze.see(direction, L::FUSED);
         all_lobes::<L, N, C, true>(m, amplitudes, &turned.splat(), &squeezed.splat())
     } else {
         let turned = m.squeeze.turn(splat3::<L>(direction));
@@ -169,20 +156,29 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     k: usize,
     acc: &mut [L; C],
 ) {
-    let [x, y, z] = seen.high;
-    let mut dx = x - L::load(&m.axis_x[k..]);
-    let mut dy = y - L::load(&m.axis_y[k..]);
-    let mut dz = z - L::load(&m.axis_z[k..]);
+    let (axis, [x, y, z]) = ([L::load(&m.axis_x[k..]), L::load(&m.axis_y[k..]), L::load(&m.axis_z[k..])], seen.high);
+    let mut rate = L::load(&m.rate[k..]);
+    let [mut dx, mut dy, mut dz];
+    if SEEN && L::FUSED {
+        dx = axis[0].neg_mul_add(seen.length, x);
+        dy = axis[1].neg_mul_add(seen.length, y);
+        dz = axis[2].neg_mul_add(seen.length, z);
+        rate = rate * seen.inverse_square;
+    } else {
+        dx = x - axis[0];
+        dy = y - axis[1];
+        dz = z - axis[2];
+    }
     if SEEN {
         dx = dx + seen.low[0];
         dy = dy + seen.low[1];
         dz = dz + seen.low[2];
     }
-    let t = L::load(&m.rate[k..]) * dx.mul_add(dx, dy.mul_add(dy, dz * dz));
+    let t = rate * dx.mul_add(dx, dy.mul_add(dy, dz * dz));
     let mut g = falloff(t);
     if m.folded >> k & lane_bits(L::COUNT) != 0 {
         // Lanes whose fold cannot matter get it too: it is smaller than its bound there.
-        g = g + falloff(L::load(&m.fold_rate[k..]).mul_add(z, t));
+        g = g + falloff(L::load(&m.fold_rate[k..]).mul_add(seen.height, t));
     }
     if SEEN {
         g = g * seen.scale;
@@ -207,6 +203,9 @@ fn mix<L: Lanes>(first: &Seen<L>, then: &Seen<L>, count: usize) -> Seen<L> {
         seen.high[i] = L::select(is_first, first.high[i], then.high[i]);
         seen.low[i] = L::select(is_first, first.low[i], then.low[i]);
     }
+    seen.length = L::select(is_first, first.length, then.length);
+    seen.inverse_square = L::select(is_first, first.inverse_square, then.inverse_square);
+    seen.height = L::select(is_first, first.height, then.height);
     seen.scale = L::select(is_first, first.scale, then.scale);
     seen
 }

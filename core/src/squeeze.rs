@@ -17,6 +17,9 @@
 //! unevaluated sum of two f32, by error-free transformations (Dekker 1971, Knuth 1969). The error along the direction
 //! that remains in `1 / r` counts only squared.
 //!
+//! With fused operations `u` is not even made: `|u - a|^2 = |r u - r a|^2 / r^2`, in which `r u` needs no division and
+//! `x - r a` rounds once. An error `e` of r is one along the direction again: of `e` relative to the exponent, and of `s e^2`.
+//!
 //! Anisotropic materials squeeze by any symmetric matrix in (x, y), see `anisotropic.rs`: in the frame of its eigenvectors it is
 //! diag(`along`, `inverse`), of determinant `along inverse`, and everything above holds with that in place of `1 / c`.
 
@@ -37,11 +40,16 @@ pub(crate) struct Squeeze {
     pub inverse: f32,
 }
 
-/// A direction as the lobes see it: `high + low`, `low` the part that f32 rounds away.
+/// A direction as the lobes see it: `(high + low) / length`, `low` the part that f32 rounds away.
 #[derive(Clone, Copy)]
 pub(crate) struct Seen<L> {
     pub high: [L; 3],
     pub low: [L; 3],
+    /// r, and 1 / r^2; 1 without fused operations, where the vector is made a unit vector.
+    pub length: L,
+    pub inverse_square: L,
+    /// The height of the unit vector.
+    pub height: L,
     /// Change of solid angle, `1 / (c r^3)`.
     pub scale: L,
 }
@@ -70,9 +78,9 @@ impl Squeeze {
     /// The direction as round lobes see it: turned only.
     #[inline(always)]
     pub fn turn<L: Lanes>(&self, [x, y, z]: [L; 3]) -> Seen<L> {
-        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        let zero = L::splat(0.0);
         if self.is_unturned() {
-            return Seen { high: [x, y, z], low: [zero; 3], scale: one };
+            return Seen::round([x, y, z], [zero; 3]);
         }
         let (c, s) = (L::splat(self.azimuth[0]), L::splat(self.azimuth[1]));
         let (turned_x, low_x) = sum_of_products(x, c, y, s);
@@ -81,7 +89,7 @@ impl Squeeze {
         let excess = L::splat(self.excess);
         let low_x = excess.neg_mul_add(turned_x, low_x);
         let low_y = excess.neg_mul_add(turned_y, low_y);
-        Seen { high: [turned_x, turned_y, z], low: [low_x, low_y, zero], scale: one }
+        Seen::round([turned_x, turned_y, z], [low_x, low_y, zero])
     }
 
     /// The direction as squeezed lobes see it, from the turned one.
@@ -100,6 +108,19 @@ impl Squeeze {
             determinant = along * inverse;
         }
         let length_squared = x.mul_add(x, y.mul_add(y, z * z));
+        if L::FUSED {
+            let length = length_squared.sqrt();
+            let inverse_square = L::splat(1.0) / length_squared;
+            let shrink = length * inverse_square;
+            return Seen {
+                high: [x, y, z],
+                low: [x_low, y_low, L::splat(0.0)],
+                length,
+                inverse_square,
+                height: z * shrink,
+                scale: determinant * shrink * inverse_square,
+            };
+        }
         let shrink = L::splat(1.0) / length_squared.sqrt();
         let (high_x, low_x) = two_product(x, shrink);
         let (high_y, low_y) = two_product(y, shrink);
@@ -112,29 +133,36 @@ impl Squeeze {
         for i in 0..3 {
             low[i] = excess.neg_mul_add(high[i], low[i]);
         }
-        Seen { high, low, scale: determinant * shrink * (shrink * shrink) }
+        Seen { scale: determinant * shrink * (shrink * shrink), ..Seen::round(high, low) }
     }
 
-    /// One direction as round and as squeezed lobes see it.
+    /// One direction as round and as squeezed lobes see it. `is_fused`: whether what sums the lobes has fused operations.
     ///
     /// In f64, where a processor with vectors spends less than on sums of two f32.
     #[inline(always)]
-    pub fn see(&self, [x, y, z]: [f32; 3]) -> [Sight; 2] {
-        let length = 1.0 - f64::from(self.excess);
-        let (c, s) = (f64::from(self.azimuth[0]) * length, f64::from(self.azimuth[1]) * length);
+    pub fn see(&self, [x, y, z]: [f32; 3], is_fused: bool) -> [Sight; 2] {
+        let unit = 1.0 - f64::from(self.excess);
+        let (c, s) = (f64::from(self.azimuth[0]) * unit, f64::from(self.azimuth[1]) * unit);
         let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
         let (turned_x, turned_y) = (x * c + y * s, y * c - x * s);
-        let squeezed_x = turned_x * f64::from(self.along);
-        let squeezed_y = turned_y * f64::from(self.inverse);
+        let round = Sight::split([turned_x, turned_y, z]);
+        let (squeezed_x, squeezed_y) = (turned_x * f64::from(self.along), turned_y * f64::from(self.inverse));
         let length_squared = squeezed_x * squeezed_x + squeezed_y * squeezed_y + z * z;
+        let determinant = self.along * self.inverse;
+        let rounded = length_squared as f32;
+        let length = Lanes::sqrt(rounded);
+        if is_fused {
+            let inverse_square = 1.0 / rounded;
+            let shrink = length * inverse_square;
+            let squeezed = Sight::split([squeezed_x, squeezed_y, z]);
+            let (height, scale) = (z as f32 * shrink, determinant * shrink * inverse_square);
+            return [round, Seen { length, inverse_square, height, scale, ..squeezed }];
+        }
         // One step of Newton from the f32 root: 1e-14.
-        let root = f64::from(1.0 / Lanes::sqrt(length_squared as f32));
+        let root = f64::from(1.0 / length);
         let shrink = root * (1.5 - 0.5 * length_squared * (root * root));
-        let scale = self.along * self.inverse * (shrink * shrink * shrink) as f32;
-        [
-            Sight::split([turned_x, turned_y, z], 1.0),
-            Sight::split([squeezed_x * shrink, squeezed_y * shrink, z * shrink], scale),
-        ]
+        let scale = determinant * (shrink * shrink * shrink) as f32;
+        [round, Seen { scale, ..Sight::split([squeezed_x * shrink, squeezed_y * shrink, z * shrink]) }]
     }
 
     /// The direction whose squeezed image is along `u`, not normalised, still in the frame of the view.
@@ -156,29 +184,40 @@ pub(crate) fn turn_back<L: Lanes>([x, y, z]: [L; 3], [c, s]: [L; 2]) -> [L; 3] {
     [(y * s).neg_mul_add(L::splat(1.0), x * c), x.mul_add(s, y * c), z]
 }
 
-/// What [`Seen`] says of one direction, in numbers.
-#[derive(Clone, Copy)]
-pub(crate) struct Sight {
-    pub high: [f32; 3],
-    pub low: [f32; 3],
-    pub scale: f32,
+/// What is seen of one direction.
+pub(crate) type Sight = Seen<f32>;
+
+impl<L: Lanes> Seen<L> {
+    /// Of a unit vector.
+    #[inline(always)]
+    fn round(high: [L; 3], low: [L; 3]) -> Self {
+        let one = L::splat(1.0);
+        Self { high, low, length: one, inverse_square: one, height: high[2], scale: one }
+    }
 }
 
 impl Sight {
-    /// A vector in f64 as a sum of two f32.
+    /// A unit vector in f64 as a sum of two f32.
     #[inline(always)]
-    fn split(v: [f64; 3], scale: f32) -> Self {
-        let mut sight = Self { high: [0.0; 3], low: [0.0; 3], scale };
+    fn split(v: [f64; 3]) -> Self {
+        let (mut high, mut low) = ([0.0; 3], [0.0; 3]);
         for i in 0..3 {
-            sight.high[i] = v[i] as f32;
-            sight.low[i] = (v[i] - f64::from(sight.high[i])) as f32;
+            high[i] = v[i] as f32;
+            low[i] = (v[i] - f64::from(high[i])) as f32;
         }
-        sight
+        Self::round(high, low)
     }
 
     /// In every lane.
     #[inline(always)]
     pub fn splat<L: Lanes>(&self) -> Seen<L> {
-        Seen { high: splat3(self.high), low: splat3(self.low), scale: L::splat(self.scale) }
+        Seen {
+            high: splat3(self.high),
+            low: splat3(self.low),
+            length: L::splat(self.length),
+            inverse_square: L::splat(self.inverse_square),
+            height: L::splat(self.height),
+            scale: L::splat(self.scale),
+        }
     }
 }
