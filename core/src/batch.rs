@@ -256,7 +256,9 @@ pub(crate) fn sums<L: Lanes, const N: usize, const C: usize>(
             (true, true) => run::<L, N, C, true, true, true>(m, amplitudes, &seen, from, to, &mut squeezed),
             (true, false) => run::<L, N, C, true, true, false>(m, amplitudes, &seen, from, to, &mut squeezed),
             (false, true) => run::<L, N, C, false, true, true>(m, amplitudes, &seen, from, to, &mut squeezed),
-            (false, false) => run::<L, N, C, false, true, false>(m, amplitudes, &seen, from, to, &mut squeezed),
+            (false, false) => {
+                run::<L, N, C, false, true, false>(m, amplitudes, &seen, from, to, &mut squeezed)
+            }
         }
         for i in 0..C {
             acc[i] = squeezed[i].mul_add(seen.scale, acc[i]);

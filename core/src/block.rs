@@ -124,8 +124,18 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
             let pair = squeeze.see([x[i], y[i], z[i]], L::FUSED);
             for kind in 0..2 {
                 let Sight { high, low, length, inverse_square, height, scale } = pair[kind];
-                let numbers =
-                    [high[0], high[1], high[2], low[0], low[1], low[2], length, inverse_square, height, scale];
+                let numbers = [
+                    high[0],
+                    high[1],
+                    high[2],
+                    low[0],
+                    low[1],
+                    low[2],
+                    length,
+                    inverse_square,
+                    height,
+                    scale,
+                ];
                 for n in 0..SIGHT {
                     sights[kind][n][i] = numbers[n];
                 }
@@ -159,7 +169,7 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
                     diffuse[channel] = m.diffuse[channel];
                 }
             }
-            let sums = if L::PAIRED && 2 * L::COUNT <= 16 {
+            let sums = if L::LOBES_PAIRED {
                 all_lobes::<Two<L>, N, C, true>(m, amplitudes, &turned.splat(), &squeezed.splat())
             } else {
                 all_lobes::<L, N, C, true>(m, amplitudes, &turned.splat(), &squeezed.splat())

@@ -19,6 +19,8 @@ pub trait Lanes:
     const FUSED: bool;
     /// Whether batches take two vectors at a time: the registers suffice, and a broadcast then serves both.
     const PAIRED: bool;
+    /// Whether lobes are taken two vectors at a time where lanes are lobes: most mixtures need two, and constants are then loaded once.
+    const LOBES_PAIRED: bool;
     /// Result of a comparison.
     type Mask: Copy;
     /// One small whole number a lane.
@@ -54,6 +56,8 @@ pub trait Lanes:
     fn ge(self, other: Self) -> Self::Mask;
     /// `yes` where the mask is set, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// `self` where the mask is set, else 0.
+    fn keep(self, mask: Self::Mask) -> Self;
     /// Adds a whole number to the exponent of `self`: `n` is the float `n + 1.5 2^23`, whose low bits hold it.
     fn add_exponent(self, n: Self) -> Self;
     /// Sine and cosine after `q` quarter turns, from those before; `n` is the float `q + 1.5 2^23`, whose low bits hold q.
@@ -103,22 +107,24 @@ pub fn scale<L: Lanes, const C: usize>(mut a: [L; C], by: L) -> [L; C] {
 /// The lower clamp lies at -127, where the bits of the polynomial's 1 and the exponent cancel to +0.
 #[inline(always)]
 pub fn exp2<L: Lanes>(t: L) -> L {
-    exp2_unclamped(t.max(L::splat(-127.0)))
+    let (fraction, n) = split_exp2(t.max(L::splat(-127.0)));
+    fraction.add_exponent(n)
 }
 
-/// `2^t`, exactly 0 below -100: what a lobe falls to.
+/// `2^t`, exactly 0 below -100 (to the nearest whole number): what a lobe falls to.
 ///
-/// Relative error below 2.5e-7; `t` at most 127. Neither the result nor its product with an amplitude above 2^-26 is a subnormal:
-/// one subnormal in a vector makes an Intel processor take 150 cycles for that instruction, and among
-/// sixteen directions there is often one whose exponent is between -127 and -126.
+/// Relative error below 2.5e-7; `t` at most 127. Neither the result nor its product with an amplitude above 2^-25 is a subnormal:
+/// one subnormal in a vector makes an Intel processor take 150 cycles for that instruction, and among sixteen directions there is
+/// often one whose exponent is near -127.
 #[inline(always)]
 pub fn falloff<L: Lanes>(t: L) -> L {
-    L::select(t.ge(L::splat(-100.0)), exp2_unclamped(t), L::splat(0.0))
+    let (fraction, n) = split_exp2(t);
+    fraction.add_exponent(n).keep(n.ge(L::splat(ROUND - 100.0)))
 }
 
-/// `2^t` for `t` in [-126, 127]; anything elsewhere.
+/// `2^(t - n)` and `n + ROUND`, `n` the whole number nearest to `t`; anything for the first if t is infinite.
 #[inline(always)]
-fn exp2_unclamped<L: Lanes>(t: L) -> L {
+fn split_exp2<L: Lanes>(t: L) -> (L, L) {
     let n = t + L::splat(ROUND);
     let f = t - (n - L::splat(ROUND));
     // Minimax on [-1/2, 1/2], relative error 2.2e-7.
@@ -128,7 +134,7 @@ fn exp2_unclamped<L: Lanes>(t: L) -> L {
     p = p.mul_add(f, L::splat(0.240_221_2));
     p = p.mul_add(f, L::splat(0.693_146_97));
     p = p.mul_add(f, L::splat(1.0));
-    p.add_exponent(n)
+    (p, n)
 }
 
 /// `ln x` of a positive normal number; relative error below 2e-7 away from 1, absolute 1e-7 times `|x - 1|` near it.
@@ -258,6 +264,7 @@ impl Lanes for f32 {
     const COUNT: usize = 1;
     const FUSED: bool = false;
     const PAIRED: bool = false;
+    const LOBES_PAIRED: bool = false;
     type Mask = bool;
     type Index = usize;
     type One = f32;
@@ -317,6 +324,10 @@ impl Lanes for f32 {
     #[inline(always)]
     fn select(mask: bool, yes: Self, no: Self) -> Self {
         if mask { yes } else { no }
+    }
+    #[inline(always)]
+    fn keep(self, mask: bool) -> Self {
+        if mask { self } else { 0.0 }
     }
     #[inline(always)]
     fn add_exponent(self, n: Self) -> Self {

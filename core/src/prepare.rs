@@ -48,7 +48,7 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     mixture: &mut Mixture<N>,
 ) -> Result<(), Error> {
     if let Kind::Grid(shape) = material.header.kind {
-        return if L::PAIRED && 2 * L::COUNT <= 16 {
+        return if L::LOBES_PAIRED {
             anisotropic::prepare::<Two<L>, N>(material, shape, wo, leave_out, mixture)
         } else {
             anisotropic::prepare::<L, N>(material, shape, wo, leave_out, mixture)
@@ -196,7 +196,7 @@ fn at_place<L: Lanes, const N: usize>(
     mixture.diffuse = Vec3::new(head[1], head[2], head[3]);
 
     // Twelve lobes are one and a half vectors of eight lanes: a pair of them, with constants loaded once.
-    match (L::PAIRED && 2 * L::COUNT <= 16, material.header.mirrored > 0) {
+    match (L::LOBES_PAIRED, material.header.mirrored > 0) {
         (true, true) => lobes::<Two<L>, N, true>(material, place, leave_out, mixture),
         (true, false) => lobes::<Two<L>, N, false>(material, place, leave_out, mixture),
         (false, true) => lobes::<L, N, true>(material, place, leave_out, mixture),

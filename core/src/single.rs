@@ -52,7 +52,7 @@ pub(crate) fn value_one<L: Lanes, const N: usize>(m: &Mixture<N>, direction: [f3
     let amplitudes = [&m.red, &m.green, &m.blue];
     let diffuse = m.diffuse.to_array();
     // A pair of vectors of eight lanes: most mixtures need two, and constants are then loaded once.
-    Vec3::from_array(if L::PAIRED && 2 * L::COUNT <= 16 {
+    Vec3::from_array(if L::LOBES_PAIRED {
         sums_one::<Two<L>, N, 3>(m, amplitudes, diffuse, direction)
     } else {
         sums_one::<L, N, 3>(m, amplitudes, diffuse, direction)
@@ -63,7 +63,7 @@ pub(crate) fn value_one<L: Lanes, const N: usize>(m: &Mixture<N>, direction: [f3
 #[inline(always)]
 pub(crate) fn luminance_one<L: Lanes, const N: usize>(m: &Mixture<N>, direction: [f32; 3]) -> f32 {
     let diffuse = [m.power - m.lobes_power];
-    let [sum] = if L::PAIRED && 2 * L::COUNT <= 16 {
+    let [sum] = if L::LOBES_PAIRED {
         sums_one::<Two<L>, N, 1>(m, [&m.luminance], diffuse, direction)
     } else {
         sums_one::<L, N, 1>(m, [&m.luminance], diffuse, direction)
@@ -156,7 +156,8 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     k: usize,
     acc: &mut [L; C],
 ) {
-    let (axis, [x, y, z]) = ([L::load(&m.axis_x[k..]), L::load(&m.axis_y[k..]), L::load(&m.axis_z[k..])], seen.high);
+    let (axis, [x, y, z]) =
+        ([L::load(&m.axis_x[k..]), L::load(&m.axis_y[k..]), L::load(&m.axis_z[k..])], seen.high);
     let mut rate = L::load(&m.rate[k..]);
     let [mut dx, mut dy, mut dz];
     if SEEN && L::FUSED {

@@ -26,6 +26,7 @@ impl<L: Lanes> Lanes for Two<L> {
     const COUNT: usize = 2 * L::COUNT;
     const FUSED: bool = L::FUSED;
     const PAIRED: bool = false;
+    const LOBES_PAIRED: bool = false;
     type Mask = [L::Mask; 2];
     type Index = [L::Index; 2];
     type One = L::One;
@@ -87,6 +88,10 @@ impl<L: Lanes> Lanes for Two<L> {
     #[inline(always)]
     fn select(mask: [L::Mask; 2], yes: Self, no: Self) -> Self {
         Self(L::select(mask[0], yes.0, no.0), L::select(mask[1], yes.1, no.1))
+    }
+    #[inline(always)]
+    fn keep(self, mask: [L::Mask; 2]) -> Self {
+        Self(self.0.keep(mask[0]), self.1.keep(mask[1]))
     }
     #[inline(always)]
     fn add_exponent(self, n: Self) -> Self {

@@ -39,6 +39,7 @@ impl Lanes for Avx2 {
     const COUNT: usize = 8;
     const FUSED: bool = true;
     const PAIRED: bool = true;
+    const LOBES_PAIRED: bool = true;
     type Mask = __m256;
     type Index = __m256i;
     type One = super::fused::Fused;
@@ -118,6 +119,11 @@ impl Lanes for Avx2 {
     fn select(mask: __m256, yes: Self, no: Self) -> Self {
         // SAFETY: the processor has AVX, see the head of this file.
         Self(unsafe { _mm256_blendv_ps(no.0, yes.0, mask) })
+    }
+    #[inline(always)]
+    fn keep(self, mask: __m256) -> Self {
+        // SAFETY: the processor has AVX2, see the head of this file.
+        Self(unsafe { _mm256_and_ps(mask, self.0) })
     }
     #[inline(always)]
     fn add_exponent(self, n: Self) -> Self {

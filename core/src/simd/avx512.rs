@@ -39,6 +39,7 @@ impl Lanes for Avx512 {
     const COUNT: usize = 16;
     const FUSED: bool = true;
     const PAIRED: bool = true;
+    const LOBES_PAIRED: bool = false;
     type Mask = __mmask16;
     type Index = __m512i;
     type One = super::fused::Fused;
@@ -116,6 +117,11 @@ impl Lanes for Avx512 {
     fn select(mask: __mmask16, yes: Self, no: Self) -> Self {
         // SAFETY: the processor has AVX-512, see the head of this file.
         Self(unsafe { _mm512_mask_blend_ps(mask, no.0, yes.0) })
+    }
+    #[inline(always)]
+    fn keep(self, mask: __mmask16) -> Self {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        Self(unsafe { _mm512_maskz_mov_ps(mask, self.0) })
     }
     #[inline(always)]
     fn add_exponent(self, n: Self) -> Self {

@@ -53,6 +53,7 @@ impl Lanes for Fused {
     const COUNT: usize = 1;
     const FUSED: bool = true;
     const PAIRED: bool = false;
+    const LOBES_PAIRED: bool = false;
     type Mask = __m128;
     type Index = usize;
     type One = Self;
@@ -122,6 +123,11 @@ impl Lanes for Fused {
     fn select(mask: __m128, yes: Self, no: Self) -> Self {
         // SAFETY: the processor has SSE4.1, see the head of this file.
         Self::of(unsafe { _mm_blendv_ps(no.wide(), yes.wide(), mask) })
+    }
+    #[inline(always)]
+    fn keep(self, mask: __m128) -> Self {
+        // SAFETY: the processor has SSE.
+        Self::of(unsafe { _mm_and_ps(mask, self.wide()) })
     }
     #[inline(always)]
     fn add_exponent(self, n: Self) -> Self {

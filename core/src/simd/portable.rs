@@ -1,20 +1,20 @@
-//! The portable back end: `wide`, eight lanes, whatever the target offers (SSE2, NEON, wasm simd128, or plain code).
+//! The portable back end: `wide`, four lanes, whatever the target offers (SSE2, NEON, wasm simd128, or plain code).
 
 use crate::lanes::Lanes;
 use core::ops::{Add, Div, Mul, Sub};
-use wide::{f32x8, i32x8};
+use wide::{f32x4, i32x4};
 
-/// Eight f32 of `wide`.
+/// Four f32 of `wide`: a register of most targets.
 #[derive(Clone, Copy)]
-pub(crate) struct Wide(f32x8);
+pub(crate) struct Wide(f32x4);
 
 impl Wide {
     #[inline(always)]
-    fn bits(self) -> i32x8 {
+    fn bits(self) -> i32x4 {
         bytemuck::cast(self.0)
     }
     #[inline(always)]
-    fn of_bits(bits: i32x8) -> Self {
+    fn of_bits(bits: i32x4) -> Self {
         Self(bytemuck::cast(bits))
     }
 }
@@ -33,31 +33,31 @@ macro_rules! operators {
 operators!(Add add Sub sub Mul mul Div div);
 
 impl Lanes for Wide {
-    const COUNT: usize = 8;
+    const COUNT: usize = 4;
     const FUSED: bool = cfg!(target_feature = "fma") || cfg!(target_arch = "aarch64");
-    // Eight lanes are two registers already.
-    const PAIRED: bool = false;
-    type Mask = f32x8;
-    type Index = [u32; 8];
+    const PAIRED: bool = true;
+    const LOBES_PAIRED: bool = false;
+    type Mask = f32x4;
+    type Index = [u32; 4];
     type One = f32;
 
     #[inline(always)]
     fn splat(value: f32) -> Self {
-        Self(f32x8::splat(value))
+        Self(f32x4::splat(value))
     }
     #[inline(always)]
     fn load(from: &[f32]) -> Self {
-        let array: [f32; 8] = *from.first_chunk().expect("a slice of at least 8");
-        Self(f32x8::new(array))
+        let array: [f32; 4] = *from.first_chunk().expect("a slice of at least 4");
+        Self(f32x4::new(array))
     }
     #[inline(always)]
     fn load_bytes(from: &[u8]) -> Self {
-        let array: [u32; 8] = bytemuck::pod_read_unaligned(&from[..32]);
-        Self(f32x8::new(array.map(|bits| f32::from_bits(u32::from_le(bits)))))
+        let array: [u32; 4] = bytemuck::pod_read_unaligned(&from[..16]);
+        Self(f32x4::new(array.map(|bits| f32::from_bits(u32::from_le(bits)))))
     }
     #[inline(always)]
     fn store(self, to: &mut [f32]) {
-        *to.first_chunk_mut().expect("a slice of at least 8") = self.0.to_array();
+        *to.first_chunk_mut().expect("a slice of at least 4") = self.0.to_array();
     }
     #[inline(always)]
     fn mul_add(self, a: Self, b: Self) -> Self {
@@ -81,69 +81,73 @@ impl Lanes for Wide {
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        Self::of_bits(self.bits() & i32x8::splat(0x7fff_ffff))
+        Self::of_bits(self.bits() & i32x4::splat(0x7fff_ffff))
     }
     #[inline(always)]
     fn copy_sign(self, sign: Self) -> Self {
-        let sign_bit = i32x8::splat(i32::MIN);
-        Self::of_bits(self.bits() & i32x8::splat(0x7fff_ffff) | sign.bits() & sign_bit)
+        let sign_bit = i32x4::splat(i32::MIN);
+        Self::of_bits(self.bits() & i32x4::splat(0x7fff_ffff) | sign.bits() & sign_bit)
     }
     #[inline(always)]
-    fn lt(self, other: Self) -> f32x8 {
+    fn lt(self, other: Self) -> f32x4 {
         self.0.simd_lt(other.0)
     }
     #[inline(always)]
-    fn ge(self, other: Self) -> f32x8 {
+    fn ge(self, other: Self) -> f32x4 {
         self.0.simd_ge(other.0)
     }
     #[inline(always)]
-    fn select(mask: f32x8, yes: Self, no: Self) -> Self {
+    fn select(mask: f32x4, yes: Self, no: Self) -> Self {
         Self(mask.bitselect(yes.0, no.0))
     }
     #[inline(always)]
+    fn keep(self, mask: f32x4) -> Self {
+        Self(self.0 & mask)
+    }
+    #[inline(always)]
     fn add_exponent(self, n: Self) -> Self {
-        let shifted: i32x8 = n.bits() << 23;
+        let shifted: i32x4 = n.bits() << 23;
         Self::of_bits(self.bits() + shifted)
     }
     #[inline(always)]
     fn quarter_turns(n: Self, sin: Self, cos: Self) -> (Self, Self) {
         // Sign bits: odd quarters swap; the sine is negative in 2 and 3, the cosine in 1 and 2.
-        let (swap, sine_sign): (i32x8, i32x8) = (n.bits() << 31, n.bits() << 30 & i32x8::splat(i32::MIN));
-        let odd: f32x8 = bytemuck::cast(swap >> 31);
+        let (swap, sine_sign): (i32x4, i32x4) = (n.bits() << 31, n.bits() << 30 & i32x4::splat(i32::MIN));
+        let odd: f32x4 = bytemuck::cast(swap >> 31);
         let (s, c) = (Self(odd.bitselect(cos.0, sin.0)), Self(odd.bitselect(sin.0, cos.0)));
         (Self::of_bits(s.bits() ^ sine_sign), Self::of_bits(c.bits() ^ (sine_sign ^ swap)))
     }
     #[inline(always)]
     fn split_exponent(self) -> (Self, Self) {
-        let base = i32x8::splat(0x3f35_04f3);
+        let base = i32x4::splat(0x3f35_04f3);
         let bits = self.bits() - base;
-        let e: i32x8 = bits >> 23;
-        let m = (bits & i32x8::splat(0x007f_ffff)) + base;
-        (Self::of_bits(m), Self(f32x8::from_i32x8(e)))
+        let e: i32x4 = bits >> 23;
+        let m = (bits & i32x4::splat(0x007f_ffff)) + base;
+        (Self::of_bits(m), Self(f32x4::from_i32x4(e)))
     }
     #[inline(always)]
-    fn search(self, thresholds: &[f32]) -> [u32; 8] {
-        let mut count = i32x8::splat(0);
+    fn search(self, thresholds: &[f32]) -> [u32; 4] {
+        let mut count = i32x4::splat(0);
         for &t in thresholds {
             // A set mask is -1.
-            let mask: i32x8 = bytemuck::cast(self.0.simd_ge(f32x8::splat(t)));
+            let mask: i32x4 = bytemuck::cast(self.0.simd_ge(f32x4::splat(t)));
             count -= mask;
         }
         bytemuck::cast(count)
     }
     #[inline(always)]
-    fn bits(mask: f32x8) -> u64 {
+    fn bits(mask: f32x4) -> u64 {
         u64::from(mask.to_bitmask())
     }
     #[inline(always)]
-    fn index_below(index: [u32; 8], limit: usize) -> f32x8 {
-        let limit = f32x8::splat(limit as f32);
-        let index: i32x8 = bytemuck::cast(index);
-        f32x8::from_i32x8(index).simd_lt(limit)
+    fn index_below(index: [u32; 4], limit: usize) -> f32x4 {
+        let limit = f32x4::splat(limit as f32);
+        let index: i32x4 = bytemuck::cast(index);
+        f32x4::from_i32x4(index).simd_lt(limit)
     }
     #[inline(always)]
-    fn lookup(table: &[f32], _len: usize, index: [u32; 8]) -> Self {
-        Self(f32x8::new(index.map(|i| table[i as usize])))
+    fn lookup(table: &[f32], _len: usize, index: [u32; 4]) -> Self {
+        Self(f32x4::new(index.map(|i| table[i as usize])))
     }
     #[inline(always)]
     fn first(self) -> f32 {
@@ -155,6 +159,6 @@ impl Lanes for Wide {
     }
     #[inline(always)]
     fn iota() -> Self {
-        Self(f32x8::new([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]))
+        Self(f32x4::new([0.0, 1.0, 2.0, 3.0]))
     }
 }
