@@ -240,29 +240,23 @@ pub(crate) fn sums<L: Lanes, const N: usize, const C: usize>(
 ) -> [L; C] {
     let mut acc = [L::splat(0.0); C];
     let turned = m.squeeze.turn(d);
+    if m.squeezed > 0 {
+        let seen = m.squeeze.squeeze(&turned);
+        let (from, to) = (0, m.squeezed);
+        match (m.in_plane, L::FUSED) {
+            (true, true) => run::<L, N, C, true, true, true>(m, amplitudes, &seen, from, to, &mut acc),
+            (true, false) => run::<L, N, C, true, true, false>(m, amplitudes, &seen, from, to, &mut acc),
+            (false, true) => run::<L, N, C, false, true, true>(m, amplitudes, &seen, from, to, &mut acc),
+            (false, false) => run::<L, N, C, false, true, false>(m, amplitudes, &seen, from, to, &mut acc),
+        }
+        acc = scale(acc, seen.scale);
+    }
     let (from, to) = (m.squeezed, m.count);
     match (m.in_plane, m.squeeze.is_unturned()) {
         (true, false) => run::<L, N, C, true, true, false>(m, amplitudes, &turned, from, to, &mut acc),
         (true, true) => run::<L, N, C, true, false, false>(m, amplitudes, &turned, from, to, &mut acc),
         (false, false) => run::<L, N, C, false, true, false>(m, amplitudes, &turned, from, to, &mut acc),
         (false, true) => run::<L, N, C, false, false, false>(m, amplitudes, &turned, from, to, &mut acc),
-    }
-    // Squeezed lobes come last: root and division are ready by then.
-    if m.squeezed > 0 {
-        let seen = m.squeeze.squeeze(&turned);
-        let mut squeezed = [L::splat(0.0); C];
-        let (from, to) = (0, m.squeezed);
-        match (m.in_plane, L::FUSED) {
-            (true, true) => run::<L, N, C, true, true, true>(m, amplitudes, &seen, from, to, &mut squeezed),
-            (true, false) => run::<L, N, C, true, true, false>(m, amplitudes, &seen, from, to, &mut squeezed),
-            (false, true) => run::<L, N, C, false, true, true>(m, amplitudes, &seen, from, to, &mut squeezed),
-            (false, false) => {
-                run::<L, N, C, false, true, false>(m, amplitudes, &seen, from, to, &mut squeezed)
-            }
-        }
-        for i in 0..C {
-            acc[i] = squeezed[i].mul_add(seen.scale, acc[i]);
-        }
     }
     if m.domain == Domain::Hemisphere {
         let zero = L::splat(0.0);
