@@ -12,8 +12,9 @@ import subprocess
 import sys
 
 BINARY = sys.argv[1] if len(sys.argv) > 1 else "target/release/examples/fixed-work"
-# Of one lobe for two vectors: fused operations of chord (2), polynomial (5) and colours (3); subtractions of axis (3) and exponent (1).
-FUSED, SUBTRACTIONS, SHIFTS = 20, 8, 2
+# Of one lobe for two vectors: fused operations of chord (2), polynomial (5) and colours (3); subtractions of axis (3) and exponent (1);
+# multiplications of chord and exponent (2).
+FUSED, SUBTRACTIONS, MULTIPLICATIONS, SHIFTS = 20, 8, 4, 2
 LEVELS = {
     "run_avx2": (16, ["znver2", "znver3", "znver4", "skylake", "alderlake"]),
     "run_avx512": (32, ["znver4", "skylake-avx512", "icelake-server", "sapphirerapids"]),
@@ -41,7 +42,7 @@ def innermost_loop(level, found):
             start = index.get(int(jump[1], 16), i) if jump else i
             loop = [text for _, text in body[start : i + 1]]
             count = lambda word: sum(word in text for text in loop)
-            if start < i and (count("vfmadd"), count("vsubps"), count("vpslld")) == (FUSED, SUBTRACTIONS, SHIFTS):
+            if start < i and tuple(map(count, ["vfmadd", "vsubps", "vmulps", "vpslld"])) == (FUSED, SUBTRACTIONS, MULTIPLICATIONS, SHIFTS):
                 return loop
     sys.exit(f"{level}: no such loop in {BINARY}")
 
