@@ -16,9 +16,6 @@ use crate::two::Two;
 /// Most mixtures of a block: the lanes of the widest vector.
 pub(crate) const MOST: usize = 16;
 
-/// How many numbers a [`Sight`] has.
-const SIGHT: usize = 10;
-
 /// One number for each mixture of a block.
 pub(crate) type Numbers = [f32; MOST];
 
@@ -113,7 +110,7 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
             inverse[i] = m.squeeze.inverse;
         }
         // Round and squeezed, as structures of arrays: the compiler makes vectors of this loop.
-        let mut sights = [[zeros; SIGHT]; 2];
+        let mut sights = [[zeros; Sight::NUMBERS]; 2];
         for i in 0..MOST {
             let squeeze = Squeeze {
                 azimuth: [azimuth[0][i], azimuth[1][i]],
@@ -123,20 +120,8 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
             };
             let pair = squeeze.see([x[i], y[i], z[i]], L::FUSED);
             for kind in 0..2 {
-                let Sight { high, low, length, inverse_square, height, scale } = pair[kind];
-                let numbers = [
-                    high[0],
-                    high[1],
-                    high[2],
-                    low[0],
-                    low[1],
-                    low[2],
-                    length,
-                    inverse_square,
-                    height,
-                    scale,
-                ];
-                for n in 0..SIGHT {
+                let numbers = pair[kind].to_numbers();
+                for n in 0..Sight::NUMBERS {
                     sights[kind][n][i] = numbers[n];
                 }
             }
@@ -148,18 +133,13 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
             if !above {
                 continue;
             }
-            let sight = |kind: usize| {
-                let number = |n: usize| sights[kind][n][i];
-                Sight {
-                    high: [number(0), number(1), number(2)],
-                    low: [number(3), number(4), number(5)],
-                    length: number(6),
-                    inverse_square: number(7),
-                    height: number(8),
-                    scale: number(9),
+            let mut pair = [[0.0; Sight::NUMBERS]; 2];
+            for kind in 0..2 {
+                for n in 0..Sight::NUMBERS {
+                    pair[kind][n] = sights[kind][n][i];
                 }
-            };
-            let (turned, squeezed) = (sight(0), sight(1));
+            }
+            let [turned, squeezed] = [Sight::from_numbers(pair[0]), Sight::from_numbers(pair[1])];
             let rows: [&[f32; N]; 4] = [&m.red, &m.green, &m.blue, &m.luminance];
             let mut amplitudes = [rows[3]; C];
             let mut diffuse = [m.power - m.lobes_power; C];

@@ -28,6 +28,7 @@ pub(crate) trait One<State> {
     /// What it gives.
     type Output;
     /// Whether it gains by vectors of 512 bits: while those are at work, an Intel core has one port less for numbers alone.
+    #[cfg_attr(not(all(feature = "simd", target_arch = "x86_64")), allow(dead_code))]
     const IS_WIDE: bool;
     /// The text; as in [`Routine`].
     fn run<L: Lanes>(state: &State, numbers: [f32; 3]) -> Self::Output;

@@ -208,6 +208,27 @@ impl Sight {
         Self::round(high, low)
     }
 
+    /// How many numbers it is.
+    #[cfg(feature = "simd")]
+    pub const NUMBERS: usize = 10;
+
+    /// As an array, for a structure of arrays.
+    #[cfg(feature = "simd")]
+    #[inline(always)]
+    pub fn to_numbers(self) -> [f32; Self::NUMBERS] {
+        let Self { high: [x, y, z], low: [x_low, y_low, z_low], length, inverse_square, height, scale } =
+            self;
+        [x, y, z, x_low, y_low, z_low, length, inverse_square, height, scale]
+    }
+
+    /// Of such an array.
+    #[cfg(feature = "simd")]
+    #[inline(always)]
+    pub fn from_numbers(numbers: [f32; Self::NUMBERS]) -> Self {
+        let [x, y, z, x_low, y_low, z_low, length, inverse_square, height, scale] = numbers;
+        Self { high: [x, y, z], low: [x_low, y_low, z_low], length, inverse_square, height, scale }
+    }
+
     /// In every lane.
     #[inline(always)]
     pub fn splat<L: Lanes>(&self) -> Seen<L> {
