@@ -2,7 +2,7 @@
 
 use crate::anisotropic;
 use crate::format::{self, Kind, f32_at};
-use crate::lanes::{Lanes, atan2_positive, exp2, sin_cos};
+use crate::lanes::{Lanes, atan2_positive, exp2, sin_cos, splat3};
 use crate::simd::Routine;
 use crate::squeeze::Squeeze;
 use crate::two::Two;
@@ -68,10 +68,12 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     if wo.z < 0.0 {
         return Ok(());
     }
-    let wo = [L::One::splat(wo.x), L::One::splat(wo.y), L::One::splat(wo.z)];
-    let facing = Facing::new(wo, L::One::splat(across_squared));
-    let azimuth = [facing.azimuth[0].first(), facing.azimuth[1].first()];
-    let theta = facing.theta.first();
+    // Where one number has no fused operations but a vector has, in a vector: the same bits as in `PrepareInto`.
+    let (azimuth, theta) = if L::FUSED && !L::One::FUSED {
+        Facing::<L>::of(wo, across_squared)
+    } else {
+        Facing::<L::One>::of(wo, across_squared)
+    };
     let place = Place::after(material, views_passed::<L>(material, theta), theta);
     at_place::<L, N>(material, azimuth, place, leave_out, mixture);
     mixture.sum_up();
@@ -156,6 +158,13 @@ struct Facing<L> {
 }
 
 impl<L: Lanes> Facing<L> {
+    /// Azimuth and angle of one direction.
+    #[inline(always)]
+    fn of(wo: Vec3, across_squared: f32) -> ([f32; 2], f32) {
+        let facing = Self::new(splat3(wo.to_array()), L::splat(across_squared));
+        ([facing.azimuth[0].first(), facing.azimuth[1].first()], facing.theta.first())
+    }
+
     /// Of unit vectors above the horizon; anything for others.
     #[inline(always)]
     fn new([x, y, z]: [L; 3], across_squared: L) -> Self {
