@@ -14,7 +14,7 @@ const HEIGHT: u32 = 520;
 pub const FONT: &str = "hack";
 
 /// Okabe and Ito 2008: told apart by every kind of colour vision.
-pub const COLOURS: [RGBColor; 8] = [
+pub const COLOURS: [RGBColor; 9] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
@@ -23,6 +23,7 @@ pub const COLOURS: [RGBColor; 8] = [
     RGBColor(86, 180, 233),
     RGBColor(230, 159, 0),
     RGBColor(150, 150, 150),
+    RGBColor(240, 228, 66),
 ];
 
 /// Writes one row of two panels for each comparison: error against run time, and error against samples.

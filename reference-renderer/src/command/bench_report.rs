@@ -192,11 +192,12 @@ fn draw_panels(
             .y_label_area_size(70)
             .build_cartesian_2d(
                 (1.0..largest(|p| p.0) * 1.1).log_scale(),
-                (0.01..largest(|p| p.1) * 2.0).log_scale(),
+                (0.001..largest(|p| p.1) * 2.0).log_scale(),
             )?;
         chart
             .configure_mesh()
             .x_desc(label)
+            .x_labels(5)
             .y_desc("lobes evaluated, 1e9 / s")
             .label_style((plot::FONT, 14))
             .axis_desc_style((plot::FONT, 16))
