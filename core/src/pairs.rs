@@ -182,8 +182,9 @@ const FEW: usize = 4;
 fn for_each<const N: usize>(material: &Material<'_>, wo: [&[f32]; 3], each: &mut impl Each<N>) {
     let n = wo[0].len();
     #[cfg(feature = "simd")]
-    if n >= FEW && Level::current() != Level::Scalar {
-        let level = Level::current();
+    let level = Level::current();
+    #[cfg(feature = "simd")]
+    if n >= FEW && level != Level::Scalar {
         let mut mixtures = [const { Mixture::<N>::empty() }; block::MOST];
         let mut from = 0;
         while from < n {

@@ -141,7 +141,7 @@ impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
 
 /// The first `count` numbers of a slice, and zeros.
 #[inline(always)]
-pub(crate) fn load_some<L: Lanes>(from: &[f32], count: usize) -> L {
+fn load_some<L: Lanes>(from: &[f32], count: usize) -> L {
     if count == L::COUNT {
         return L::load(from);
     }
