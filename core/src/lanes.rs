@@ -60,6 +60,22 @@ pub trait Lanes:
     fn keep(self, mask: Self::Mask) -> Self;
     /// Adds a whole number to the exponent of `self`: `n` is the float `n + 1.5 2^23`, whose low bits hold it.
     fn add_exponent(self, n: Self) -> Self;
+    /// `2^self`, and exactly 0 where `self` is less than `least`, to a half. Relative error below 2.5e-7; `self` at most 127, `least` -125 or
+    /// more: no subnormal.
+    #[inline(always)]
+    fn exp2_above(self, least: f32) -> Self {
+        // The nearest whole number in the low bits, and what is left of it.
+        let n = self + Self::splat(ROUND);
+        let f = self - (n - Self::splat(ROUND));
+        // Minimax on [-1/2, 1/2], relative error 2.2e-7.
+        let mut p = Self::splat(0.001_327_647_1);
+        p = p.mul_add(f, Self::splat(0.009_675_541));
+        p = p.mul_add(f, Self::splat(0.055_507_133));
+        p = p.mul_add(f, Self::splat(0.240_221_2));
+        p = p.mul_add(f, Self::splat(0.693_146_97));
+        p = p.mul_add(f, Self::splat(1.0));
+        p.add_exponent(n).keep(n.ge(Self::splat(ROUND + least)))
+    }
     /// Sine and cosine after `q` quarter turns, from those before; `n` is the float `q + 1.5 2^23`, whose low bits hold q.
     fn quarter_turns(n: Self, sin: Self, cos: Self) -> (Self, Self);
     /// Splits a positive normal number into a mantissa in [sqrt(1/2), sqrt(2)) and a whole exponent.
@@ -101,40 +117,19 @@ pub fn scale<L: Lanes, const C: usize>(mut a: [L; C], by: L) -> [L; C] {
     a
 }
 
-/// `2^t`, 0 below -127.
-///
-/// Relative error below 2.5e-7 where the result is a normal f32; below, an absolute error under 2^-126. `t` at most 127.
-/// The lower clamp lies at -127, where the bits of the polynomial's 1 and the exponent cancel to +0.
+/// `2^t`, exactly 0 below 2^-125. Relative error below 2.5e-7; `t` at most 127.
 #[inline(always)]
 pub fn exp2<L: Lanes>(t: L) -> L {
-    let (fraction, n) = split_exp2(t.max(L::splat(-127.0)));
-    fraction.add_exponent(n)
+    t.exp2_above(-125.0)
 }
 
-/// `2^t`, exactly 0 below -100 (to the nearest whole number): what a lobe falls to.
+/// `2^t`, exactly 0 below 2^-100: what a lobe falls to. Relative error below 2.5e-7; `t` at most 127.
 ///
-/// Relative error below 2.5e-7; `t` at most 127. Neither the result nor its product with an amplitude above 2^-25 is a subnormal:
-/// one subnormal in a vector makes an Intel processor take 150 cycles for that instruction, and among sixteen directions there is
-/// often one whose exponent is near -127.
+/// Neither the result nor its product with an amplitude above 2^-25 is a subnormal: one subnormal in a vector makes an Intel
+/// processor take 150 cycles for that instruction, and among sixteen directions there is often one whose exponent is near -127.
 #[inline(always)]
 pub fn falloff<L: Lanes>(t: L) -> L {
-    let (fraction, n) = split_exp2(t);
-    fraction.add_exponent(n).keep(n.ge(L::splat(ROUND - 100.0)))
-}
-
-/// `2^(t - n)` and `n + ROUND`, `n` the whole number nearest to `t`; anything for the first if t is infinite.
-#[inline(always)]
-fn split_exp2<L: Lanes>(t: L) -> (L, L) {
-    let n = t + L::splat(ROUND);
-    let f = t - (n - L::splat(ROUND));
-    // Minimax on [-1/2, 1/2], relative error 2.2e-7.
-    let mut p = L::splat(0.001_327_647_1);
-    p = p.mul_add(f, L::splat(0.009_675_541));
-    p = p.mul_add(f, L::splat(0.055_507_133));
-    p = p.mul_add(f, L::splat(0.240_221_2));
-    p = p.mul_add(f, L::splat(0.693_146_97));
-    p = p.mul_add(f, L::splat(1.0));
-    (p, n)
+    t.exp2_above(-100.0)
 }
 
 /// `ln x` of a positive normal number; relative error below 2e-7 away from 1, absolute 1e-7 times `|x - 1|` near it.

@@ -98,6 +98,10 @@ impl<L: Lanes> Lanes for Two<L> {
         Self(self.0.add_exponent(n.0), self.1.add_exponent(n.1))
     }
     #[inline(always)]
+    fn exp2_above(self, least: f32) -> Self {
+        Self(self.0.exp2_above(least), self.1.exp2_above(least))
+    }
+    #[inline(always)]
     fn quarter_turns(n: Self, sin: Self, cos: Self) -> (Self, Self) {
         let (s0, c0) = L::quarter_turns(n.0, sin.0, cos.0);
         let (s1, c1) = L::quarter_turns(n.1, sin.1, cos.1);
