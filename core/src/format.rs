@@ -118,7 +118,8 @@ impl Header {
     }
 }
 
-/// Bytes that [`encode`] writes, for so many views of so many lobes, the last `mirrored` of which stand for two.
+/// Bytes that [`encode`] writes, for so many views of so many lobes, the last `mirrored` of which stand for two; of 1024 views and
+/// 64 lobes at most.
 pub const fn encoded_len(views: usize, lobes: usize, mirrored: usize, provenance: &str) -> usize {
     Header { kind: Kind::Line, views, lobes, squeezed: 0, mirrored, provenance: provenance.len() }.len()
 }

@@ -8,7 +8,7 @@
 //! viewer and is fixed, incident `wi` points towards the light and is sampled. Values are linear sRGB.
 //!
 //! Not-a-number policy: constructors refuse what has no meaning; evaluation and sampling of what was constructed never
-//! make a NaN from finite directions. A direction that holds a NaN gives an unspecified value, never a panic.
+//! make a NaN from unit directions. Any other vector gives an unspecified value, never a panic.
 //!
 //! ```
 //! use glam::vec3;

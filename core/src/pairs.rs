@@ -156,7 +156,8 @@ impl Material<'_> {
         if self.lobe_count() > N {
             return Err(Error::Capacity { needed: self.lobe_count(), available: N });
         }
-        Level::current().run(PrepareInto { material: self, wo, mixtures });
+        let level = Level::current();
+        level.run(PrepareInto { material: self, wo, level, mixtures });
         Ok(())
     }
 }
@@ -191,7 +192,7 @@ fn for_each<const N: usize>(material: &Material<'_>, wo: [&[f32]; 3], each: &mut
             let count = block::MOST.min(n - from);
             let [x, y, z] = wo.map(|s| &s[from..from + count]);
             let mixtures = &mut mixtures[..count];
-            level.run(PrepareInto { material, wo: [x, y, z], mixtures });
+            level.run(PrepareInto { material, wo: [x, y, z], level, mixtures });
             each.block(level, mixtures, from);
             from += count;
         }
