@@ -98,7 +98,7 @@ impl fmt::Display for FormatError {
                 write!(f, "version {v} at byte 8, this library reads version {}", crate::FORMAT_VERSION)
             }
             Self::Length { expected, actual } => write!(f, "{expected} bytes expected, {actual} found"),
-            Self::Checksum => f.write_str("the checksum does not fit: the bytes are damaged"),
+            Self::Checksum => f.write_str("the checksum does not fit: the .srbf bytes are damaged"),
             Self::Field { name, offset } => write!(f, "{name} at byte {offset} is out of range"),
             Self::Buffer { needed, available } => {
                 write!(f, "the buffer has {available} bytes, {needed} are needed")
