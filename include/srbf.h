@@ -711,7 +711,7 @@ srbf_status srbf_mixture_init(void *storage,
  * The first `squeezed_lobes` see the direction squeezed along y by c = `squeeze` in [0.01, 2]; give 0 and 1 for round
  * lobes alone.
  * Shapes: `lobes` [lobe_count]; `diffuse` [3], the albedo of a diffuse term on the hemisphere, or NULL.
- * Status: `SRBF_STATUS_CAPACITY`; what is wrong with a lobe; `SRBF_STATUS_AMPLITUDE` also if the integral is infinite, and for a
+ * Status: `SRBF_STATUS_CAPACITY`; what is wrong with a lobe; `SRBF_STATUS_AMPLITUDE` also if integral or value could be infinite, and for a
  * diffuse term on `SRBF_DOMAIN_SPHERE`. On failure the mixture keeps what it held.
  */
 srbf_status srbf_mixture_from_lobes(uint32_t domain,
