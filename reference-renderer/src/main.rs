@@ -1,5 +1,14 @@
 //! `srbf`: fits, inspects, renders and compares materials. Without a command it does the main job on embedded defaults.
 
+/// `println!` and `print!` of the whole program: where nobody reads what it prints any more, it ends quietly in place of a panic.
+macro_rules! println {
+    () => { $crate::output::print(format_args!("\n")) };
+    ($($text:tt)*) => { $crate::output::print(format_args!("{}\n", format_args!($($text)*))) };
+}
+macro_rules! print {
+    ($($text:tt)*) => { $crate::output::print(format_args!($($text)*)) };
+}
+
 mod camera;
 mod command;
 mod comparison;

@@ -1,7 +1,21 @@
-//! Files that are whole or absent: written under a temporary name, then renamed.
+//! Standard output, and files that are whole or absent: written under a temporary name, then renamed.
 
 use anyhow::Context;
+use std::fmt;
+use std::io::{self, Write};
 use std::path::Path;
+
+/// Prints to standard output. Ends the program if that cannot be: quietly if its reader has gone (`srbf ... | head`), otherwise with
+/// the reason and status 2.
+pub fn print(text: fmt::Arguments<'_>) {
+    if let Err(error) = io::stdout().write_fmt(text) {
+        if error.kind() == io::ErrorKind::BrokenPipe {
+            std::process::exit(0);
+        }
+        eprintln!("srbf: standard output: {error}");
+        std::process::exit(2);
+    }
+}
 
 /// Writes a file, with the folders above it; replaces what was there in one step.
 ///
