@@ -60,21 +60,20 @@ pub trait Lanes:
     fn keep(self, mask: Self::Mask) -> Self;
     /// Adds a whole number to the exponent of `self`: `n` is the float `n + 1.5 2^23`, whose low bits hold it.
     fn add_exponent(self, n: Self) -> Self;
-    /// `2^self`, and exactly 0 where `self` is less than `least`, to a half, or a NaN. Relative error below 2.5e-7; `self` at most
-    /// 127, `least` -125 or more: no subnormal.
+    /// Coefficients of a polynomial that is `2^f` for what [`split_whole`](Self::split_whole) leaves, the highest first, without the
+    /// last, which is 1.
+    const EXP2: [f32; 5] = [0.001_327_647_1, 0.009_675_541, 0.055_507_133, 0.240_221_2, 0.693_146_97];
+    /// What is left of a number when the nearest whole one, or the one below, is taken off; and what
+    /// [`times_exp2`](Self::times_exp2) wants to know of that. Anything of a NaN or what is infinite.
     #[inline(always)]
-    fn exp2_above(self, least: f32) -> Self {
-        // The nearest whole number in the low bits, and what is left of it.
-        let n = self + Self::splat(ROUND);
-        let f = self - (n - Self::splat(ROUND));
-        // Minimax on [-1/2, 1/2], relative error 2.2e-7.
-        let mut p = Self::splat(0.001_327_647_1);
-        p = p.mul_add(f, Self::splat(0.009_675_541));
-        p = p.mul_add(f, Self::splat(0.055_507_133));
-        p = p.mul_add(f, Self::splat(0.240_221_2));
-        p = p.mul_add(f, Self::splat(0.693_146_97));
-        p = p.mul_add(f, Self::splat(1.0));
-        p.add_exponent(n).keep(n.ge(Self::splat(ROUND + least)))
+    fn split_whole(self) -> (Self, Self) {
+        let whole = self + Self::splat(ROUND);
+        (self - (whole - Self::splat(ROUND)), whole)
+    }
+    /// `self` times 2 to the power of a whole number; exactly 0 where that is less than `least`, to a half, or of a NaN.
+    #[inline(always)]
+    fn times_exp2(self, whole: Self, least: f32) -> Self {
+        self.add_exponent(whole).keep(whole.ge(Self::splat(ROUND + least)))
     }
     /// Sine and cosine after `q` quarter turns, from those before; `n` is the float `q + 1.5 2^23`, whose low bits hold q.
     fn quarter_turns(n: Self, sin: Self, cos: Self) -> (Self, Self);
@@ -120,7 +119,7 @@ pub fn scale<L: Lanes, const C: usize>(mut a: [L; C], by: L) -> [L; C] {
 /// `2^t`, exactly 0 below 2^-125. Relative error below 2.5e-7; `t` at most 127.
 #[inline(always)]
 pub fn exp2<L: Lanes>(t: L) -> L {
-    t.exp2_above(-125.0)
+    exp2_above(t, -125.0)
 }
 
 /// `2^t`, exactly 0 below 2^-100: what a lobe falls to. Relative error below 2.5e-7; `t` at most 127.
@@ -129,7 +128,19 @@ pub fn exp2<L: Lanes>(t: L) -> L {
 /// processor take 150 cycles for that instruction, and among sixteen directions there is often one whose exponent is near -127.
 #[inline(always)]
 pub fn falloff<L: Lanes>(t: L) -> L {
-    t.exp2_above(-100.0)
+    exp2_above(t, -100.0)
+}
+
+/// `2^t`, exactly 0 where `t` is less than `least`, to a half, or a NaN. `least` is -125 or more: no subnormal.
+#[inline(always)]
+fn exp2_above<L: Lanes>(t: L, least: f32) -> L {
+    let (f, whole) = t.split_whole();
+    // Minimax on [-1/2, 1/2], relative error 2.2e-7 with all roundings, or as the level says.
+    let mut p = L::splat(L::EXP2[0]);
+    for i in 1..5 {
+        p = p.mul_add(f, L::splat(L::EXP2[i]));
+    }
+    p.mul_add(f, L::splat(1.0)).times_exp2(whole, least)
 }
 
 /// `ln x` of a positive normal number; relative error below 2e-7 away from 1, absolute 1e-7 times `|x - 1|` near it.

@@ -30,6 +30,7 @@ impl<L: Lanes> Lanes for Two<L> {
     type Mask = [L::Mask; 2];
     type Index = [L::Index; 2];
     type One = L::One;
+    const EXP2: [f32; 5] = L::EXP2;
 
     #[inline(always)]
     fn splat(value: f32) -> Self {
@@ -98,8 +99,13 @@ impl<L: Lanes> Lanes for Two<L> {
         Self(self.0.add_exponent(n.0), self.1.add_exponent(n.1))
     }
     #[inline(always)]
-    fn exp2_above(self, least: f32) -> Self {
-        Self(self.0.exp2_above(least), self.1.exp2_above(least))
+    fn split_whole(self) -> (Self, Self) {
+        let ((f0, n0), (f1, n1)) = (self.0.split_whole(), self.1.split_whole());
+        (Self(f0, f1), Self(n0, n1))
+    }
+    #[inline(always)]
+    fn times_exp2(self, whole: Self, least: f32) -> Self {
+        Self(self.0.times_exp2(whole.0, least), self.1.times_exp2(whole.1, least))
     }
     #[inline(always)]
     fn quarter_turns(n: Self, sin: Self, cos: Self) -> (Self, Self) {
