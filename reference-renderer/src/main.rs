@@ -11,6 +11,7 @@ mod discrete;
 mod environment;
 mod film;
 mod furnace;
+mod input;
 mod integrator;
 mod intersect;
 mod material;
