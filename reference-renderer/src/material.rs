@@ -165,6 +165,13 @@ pub mod tests {
     }
 
     #[test]
+    fn products_with_the_lobe_of_the_matte_are_no_subnormals() {
+        let stored = StoredMaterial::load(MATTE).unwrap();
+        let [amplitude, ..] = stored.get().view_lobe(0, 0).unwrap().log2_amplitude;
+        assert!((-62.0..-40.0).contains(&amplitude), "{amplitude}");
+    }
+
+    #[test]
     fn errors_say_what_is_expected() {
         let error = format!("{:#}", StoredMaterial::load("no_such_preset").unwrap_err());
         assert!(

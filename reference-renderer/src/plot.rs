@@ -154,6 +154,16 @@ mod tests {
     use crate::integrator::Sampler;
 
     #[test]
+    fn the_ticks_at_both_ends_lie_within_the_range() {
+        for (low, high) in [(0.11, 0.9), (1e-3, 0.5), (2.0, 4e4)] {
+            let [from, to] = range([low, high].into_iter());
+            let ticks = (-9..9).map(|n| 10f64.powi(n)).filter(|t| from < *t && *t < to);
+            let ends = ticks.fold([f64::INFINITY, 0.0], |[a, b], t| [f64::min(a, t), f64::max(b, t)]);
+            assert!(ends[0] <= low && high <= ends[1], "{from} {to}");
+        }
+    }
+
+    #[test]
     fn plots_without_fonts_of_the_system_and_without_points() {
         let point = |samples: u32| Point { samples, seconds: 1e-3 * f64::from(samples), error: 0.1 };
         for points in [vec![], vec![point(1)], vec![point(1), point(4096)]] {
