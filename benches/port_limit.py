@@ -12,12 +12,19 @@ import subprocess
 import sys
 
 BINARY = sys.argv[1] if len(sys.argv) > 1 else "target/release/examples/fixed-work"
-# Of one lobe for two vectors: fused operations of chord (2), polynomial (5) and colours (3); subtractions of axis (3) and exponent (1);
-# multiplications of chord and exponent (2).
-FUSED, SUBTRACTIONS, MULTIPLICATIONS, SHIFTS = 20, 8, 4, 2
+# Of one lobe for two vectors: fused operations of chord (2), polynomial (5) and colours (3); subtractions of axis (3) and, on AVX2,
+# exponent (1); multiplications of chord and exponent (2); and what puts the exponent in place.
 LEVELS = {
-    "run_avx2": (16, ["znver2", "znver3", "znver4", "skylake", "alderlake"]),
-    "run_avx512": (32, ["znver4", "skylake-avx512", "icelake-server", "sapphirerapids"]),
+    "run_avx2": (
+        16,
+        {"vfmadd": 20, "vsubps": 8, "vmulps": 4, "vpslld": 2},
+        ["znver2", "znver3", "znver4", "skylake", "alderlake"],
+    ),
+    "run_avx512": (
+        32,
+        {"vfmadd": 20, "vsubps": 6, "vmulps": 4, "vscalefps": 2},
+        ["znver4", "skylake-avx512", "icelake-server", "sapphirerapids"],
+    ),
 }
 
 
@@ -32,7 +39,7 @@ def functions():
     return found
 
 
-def innermost_loop(level, found):
+def innermost_loop(level, operations, found):
     for name, body in found.items():
         if level not in name:
             continue
@@ -42,14 +49,14 @@ def innermost_loop(level, found):
             start = index.get(int(jump[1], 16), i) if jump else i
             loop = [text for _, text in body[start : i + 1]]
             count = lambda word: sum(word in text for text in loop)
-            if start < i and tuple(map(count, ["vfmadd", "vsubps", "vmulps", "vpslld"])) == (FUSED, SUBTRACTIONS, MULTIPLICATIONS, SHIFTS):
+            if start < i and all(count(word) == n for word, n in operations.items()):
                 return loop
     sys.exit(f"{level}: no such loop in {BINARY}")
 
 
 found = functions()
-for level, (directions, models) in LEVELS.items():
-    loop = innermost_loop(level, found)
+for level, (directions, operations, models) in LEVELS.items():
+    loop = innermost_loop(level, operations, found)
     straight = [re.sub(r"<[^>]*>", "", re.sub(r"-?0x[0-9a-f]+\(%rip\)", "8(%rip)", text)) for text in loop if not text.startswith("j")]
     print(f"{level}: {len(loop)} instructions for {directions} directions, {len(loop) / directions:.2f} for one")
     for model in models:

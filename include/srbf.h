@@ -9,18 +9,21 @@
  *   Directions are unit vectors, three floats, in the caller's shading frame, +z the surface normal. `wo` points towards
  *   the viewer and is fixed, `wi` points towards the light and is sampled. The value is `f cos`: the BRDF times the
  *   cosine of `wi`, in 1/sr, linear sRGB; `srbf_mixture_evaluate_f` gives `f`. A density (pdf) is per solid angle, 1/sr.
- *   Order of arguments: object, inputs, count, outputs.
+ *   Order of arguments: object, count, inputs, outputs; but the bytes of a file, raw storage and mixtures come before their size
+ *   or stride.
  *
  * Status
  *   Calls that can fail return a `srbf_status`: 0 is success. A call that fails leaves its outputs as they were, unless its
  *   page says otherwise, and keeps a message for the thread: `srbf_last_message`. No call prints, exits or lets a panic
- *   out; after `SRBF_STATUS_PANIC`, a bug in the library, outputs are unspecified.
+ *   out, but for a bug in the library: Rust prints a line about a panic to the standard error, the call returns
+ *   `SRBF_STATUS_PANIC`, and its outputs are unspecified.
  *
  * Pointers
  *   The caller owns every buffer. A pointer is to as many readable or writable elements as its page says, or NULL; NULL and
  *   misaligned pointers are refused by a status. Inputs may overlap each other. In calls for one direction, outputs may
- *   overlap inputs, but not an object or another output. In batches (`..._into`) an output that overlaps anything is refused;
- *   arrays of one stride may interleave, so that inputs and outputs can be members of one structure.
+ *   overlap inputs, but not an object, the `.srbf` bytes of a material, or another output. In batches (`..._into`) an output
+ *   that overlaps anything is refused; arrays of one stride may interleave, so that inputs and outputs can be members of one
+ *   structure.
  *
  * Threads
  *   Every function may be called from every thread. Objects behind const pointers may be shared; what a call writes belongs to
@@ -30,6 +33,8 @@
  *   Built without `std` the library needs neither an operating system nor an allocator, and offers everything but files,
  *   fitting, messages and materials on the heap. Define SRBF_FREESTANDING before the header to hide those. A panic, a bug,
  *   stops the thread there for ever.
+ *   Without SRBF_FREESTANDING the header declares everything. A library built with `std` but without `fit` has neither
+ *   `srbf_fit_...` nor `srbf_material_save`: a program that calls them does not link.
  */
 
 #ifndef SRBF_H
@@ -80,7 +85,7 @@
 #define SRBF_SIMD_AVX512 4
 
 /**
- * Alignment of the storage for a mixture, which is also what `malloc` gives; 64 is a little faster.
+ * Alignment of the storage for a mixture, which is also what `malloc` gives on 64-bit platforms; 64 is a little faster.
  */
 #define SRBF_MIXTURE_ALIGNMENT 16
 
@@ -399,7 +404,8 @@ typedef struct srbf_fit_settings {
      */
     size_t squeezed_lobes;
     /**
-     * Weight of the roughness from view to view: smaller fits the samples better, larger what lies between. Default: 1e-5.
+     * Weight of the roughness from view to view, 1e-12 to 1000: smaller fits the samples better, larger what lies between.
+     * Default: 5e-5.
      */
     double smoothness;
 } srbf_fit_settings;
@@ -407,8 +413,8 @@ typedef struct srbf_fit_settings {
 /**
  * A BRDF of the caller: writes f (not times the cosine; linear sRGB, 1/sr) for two unit vectors with z > 0.
  *
- * `wi`, `wo` and `f` are [3]; `user` is what the caller gave along. It may be called from several threads at once, must
- * return, and what is negative or not finite counts as 0.
+ * `wi`, `wo` and `f` are [3]; `user` is what the caller gave along. It is called from threads of the library, several at once. It
+ * must return: neither throw nor `longjmp` out. What is negative or not finite counts as 0.
  */
 typedef void (*srbf_brdf)(void *user, const float *wi, const float *wo, float *f);
 
@@ -438,7 +444,7 @@ typedef void (*srbf_brdf)(void *user, const float *wi, const float *wo, float *f
 #define SRBF_STATUS_SIZE 4
 
 /**
- * A stride is not a multiple of the alignment, or smaller than one element.
+ * A stride is not a multiple of the alignment, or smaller than one element: 0 too.
  */
 #define SRBF_STATUS_STRIDE 5
 
@@ -584,7 +590,8 @@ srbf_status srbf_status_panic(void);
 /**
  * Returns the message of the last call that failed on this thread, "" if none did.
  *
- * UTF-8, one line, never NULL. Valid until the next call that fails on this thread, or its end.
+ * UTF-8, one line (a control character, in the name of a file for example, becomes a question mark), never NULL. Valid until the
+ * next call that fails on this thread, or its end.
  */
 const char *srbf_last_message(void);
 #endif
@@ -612,6 +619,7 @@ srbf_status srbf_lobe_evaluate(const struct srbf_lobe *lobe, const float *direct
 /**
  * Integrates a lobe over the whole sphere: `2 pi amplitude (1 - exp(-2 s)) / s`.
  *
+ * Infinite where it is more than a float holds, for amplitudes from 2.7e37 on.
  * Shapes: `integral` [3], overwritten.
  */
 srbf_status srbf_lobe_integrate(const struct srbf_lobe *lobe, float *integral);
@@ -633,7 +641,8 @@ srbf_status srbf_lobe_sample(const struct srbf_lobe *lobe, const float *u, float
 /**
  * Multiplies two lobes, channel by channel; the product is a lobe again.
  *
- * Sharpness may reach 2e8, which no other call takes.
+ * Sharpness may reach 2e8, which no other call takes, and an amplitude infinity, where those of `a` and `b` multiply to more
+ * than a float holds.
  */
 srbf_status srbf_lobe_product(const struct srbf_lobe *a,
                               const struct srbf_lobe *b,
@@ -642,6 +651,7 @@ srbf_status srbf_lobe_product(const struct srbf_lobe *a,
 /**
  * Integrates the product of two lobes over the whole sphere, in closed form.
  *
+ * Infinite where it is more than a float holds.
  * Shapes: `integral` [3], overwritten.
  */
 srbf_status srbf_lobe_inner_product(const struct srbf_lobe *a, const struct srbf_lobe *b, float *integral);
@@ -669,7 +679,7 @@ srbf_status srbf_mixture_inner_product(const struct srbf_mixture *a,
  * Multiplies two mixtures of round lobes, lobe by lobe.
  *
  * A folded lobe counts as two, itself and its mirror image. The products are lobes of the caller's shading frame, not
- * folded; they stand for the product on the domain that the mixtures share.
+ * folded; they stand for the product on the domain that the mixtures share. Sharpness and amplitudes as in `srbf_lobe_product`.
  * Shapes: `lobes` [capacity], of which the first `*count` are overwritten; `lobes` may be NULL with capacity 0, to ask
  * for the count alone. Status: `SRBF_STATUS_SIZE` if the capacity is too small, `*count` says what is needed;
  * `SRBF_STATUS_SQUEEZED`.
@@ -689,7 +699,7 @@ size_t srbf_mixture_size(size_t lobes);
  * Makes an empty mixture in the caller's storage, with room for as many lobes as fit: 16, 32 or 64.
  *
  * Shapes: `storage` [storage_size], at least `SRBF_MIXTURE_SIZE_16`, aligned to `SRBF_MIXTURE_ALIGNMENT`; `mixture`
- * one pointer, to the same address. It needs no release.
+ * one pointer outside the storage, which is set to the same address. It needs no release.
  */
 srbf_status srbf_mixture_init(void *storage,
                               size_t storage_size,
@@ -700,8 +710,9 @@ srbf_status srbf_mixture_init(void *storage,
  *
  * The first `squeezed_lobes` see the direction squeezed along y by c = `squeeze` in [0.01, 2]; give 0 and 1 for round
  * lobes alone.
- * Shapes: `lobes` [lobe_count]; `diffuse` [3], the albedo of a diffuse term on the hemisphere, or NULL. Status: `SRBF_STATUS_CAPACITY`; what is wrong with a lobe; `SRBF_STATUS_AMPLITUDE` also
- * if the integral is infinite. On failure the mixture keeps what it held.
+ * Shapes: `lobes` [lobe_count]; `diffuse` [3], the albedo of a diffuse term on the hemisphere, or NULL.
+ * Status: `SRBF_STATUS_CAPACITY`; what is wrong with a lobe; `SRBF_STATUS_AMPLITUDE` also if integral or value could be infinite, and for a
+ * diffuse term on `SRBF_DOMAIN_SPHERE`. On failure the mixture keeps what it held.
  */
 srbf_status srbf_mixture_from_lobes(uint32_t domain,
                                     float squeeze,
@@ -726,7 +737,7 @@ srbf_status srbf_mixture_lobe(const struct srbf_mixture *mixture, size_t index, 
  *
  * The bytes must stay as they are for as long as the material is used. It needs no release.
  * Shapes: `bytes` [byte_count]; `storage` [storage_size], at least `SRBF_MATERIAL_SIZE`, aligned to
- * `SRBF_MATERIAL_ALIGNMENT`; `material` one pointer, into the storage.
+ * `SRBF_MATERIAL_ALIGNMENT`; `material` one pointer, which is set to the storage. None of the three may overlap another.
  * Status: `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if the bytes are not a material.
  */
 srbf_status srbf_material_borrow(const uint8_t *bytes,
@@ -798,7 +809,7 @@ srbf_status srbf_material_prepare_leaving_out(const struct srbf_material *materi
  *
  * Mixture i is at `(srbf_mixture *)((char *)storage + i * stride)`.
  * Shapes: `wo` n unit vectors; `storage` [n * stride], aligned to `SRBF_MIXTURE_ALIGNMENT`; `stride` a multiple of
- * that, at least `srbf_mixture_size(lobes of the material)`.
+ * that, at least `srbf_mixture_size(lobes of the material)`. The storage may overlap neither `wo` nor the material.
  * Status: `SRBF_STATUS_DIRECTION` if some `wo` is not a unit vector: its mixture is empty, the others are made.
  */
 srbf_status srbf_material_prepare_into(const struct srbf_material *material,
@@ -812,7 +823,8 @@ srbf_status srbf_material_prepare_into(const struct srbf_material *material,
  * Makes a material of `.srbf` bytes, which are copied. Release it with `srbf_material_free`.
  *
  * Shapes: `bytes` [byte_count]; `material` one pointer, overwritten.
- * Status: `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if the bytes are not a material.
+ * Status: `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if the bytes are not a material; `SRBF_STATUS_OTHER` if there is no memory
+ * for the copy.
  */
 srbf_status srbf_material_from_bytes(const uint8_t *bytes,
                                      size_t byte_count,
@@ -823,10 +835,12 @@ srbf_status srbf_material_from_bytes(const uint8_t *bytes,
 /**
  * Reads a material from a `.srbf` file. Release it with `srbf_material_free`.
  *
+ * No more is read than the head of the file announces, and nothing behind a head that is no material's.
  * `path` is UTF-8 with a zero at the end. Status: `SRBF_STATUS_FILE` if it cannot be read, with the reason in
- * `srbf_last_message`; `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if it holds no material.
+ * `srbf_last_message`; `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if it holds no material. Every message names the file.
  */
-srbf_status srbf_material_load(const char *path, struct srbf_material **material);
+srbf_status srbf_material_load(const char *path,
+                               struct srbf_material **material);
 #endif
 
 #if defined(SRBF_HOSTED)
@@ -988,8 +1002,9 @@ srbf_status srbf_material_sample_pairs_into(const struct srbf_material *material
  * Evaluates `f cos` for n pairs of a mixture and a direction; 1/sr.
  *
  * Mixture i is at `(const srbf_mixture *)((const char *)mixtures + i * mixture_stride)`.
- * Shapes: `mixtures` [n], `mixture_stride` bytes apart; `wi` n unit vectors; `value` n colours in linear sRGB,
- * overwritten. n = 0 looks at no pointer. What is not a unit vector gives an unspecified value.
+ * Shapes: `mixtures` [n], `mixture_stride` bytes apart, a multiple of `SRBF_MIXTURE_ALIGNMENT` and at least
+ * `SRBF_MIXTURE_SIZE_16`; `wi` n unit vectors; `value` n colours in linear sRGB, overwritten. n = 0 looks at no pointer. What is
+ * not a unit vector gives an unspecified value.
  * Status: `SRBF_STATUS_OBJECT` if one of them is no mixture; the values are unspecified then.
  */
 srbf_status srbf_mixture_evaluate_pairs_into(const struct srbf_mixture *mixtures,
@@ -1031,10 +1046,13 @@ srbf_status srbf_fit_settings_default(struct srbf_fit_settings *settings);
 /**
  * Fits a material to n samples of an isotropic BRDF. Release it with `srbf_material_free`. Takes seconds, on all processors.
  *
- * Outgoing directions whose angles from the normal agree within 1e-3 are one view; each needs a few hundred samples.
- * Shapes: `wo` and `wi` n directions above the horizon; `f` n colours, linear sRGB; `settings` one, or NULL;
- * `material` one pointer, overwritten. Status: `SRBF_STATUS_TABLE`, `SRBF_STATUS_ARGUMENT` for a setting, with the reason
- * in `srbf_last_message`.
+ * Outgoing directions whose angles from the normal agree within 1e-3 are one view. Any number of samples is taken; with fewer than a
+ * few hundred a view, what lies between them is badly known. No surface reflects more than it receives: where the albedo of the
+ * samples of a view is above 0.95, the fit is held to 0.95, and is darker than the samples.
+ * Shapes: `wo` and `wi` n unit vectors, `wo` above the horizon; samples whose `wi` is not are left out; `f` n colours, linear
+ * sRGB, of which what is negative counts as 0; `settings` one, or NULL; `material` one pointer, overwritten.
+ * Status, with the reason in `srbf_last_message`: `SRBF_STATUS_DIRECTION` for what is no unit vector; `SRBF_STATUS_TABLE`;
+ * `SRBF_STATUS_ARGUMENT` for a setting; `SRBF_STATUS_OTHER` if the system gives no threads to fit on.
  */
 srbf_status srbf_fit_table(const struct srbf_fit_settings *settings,
                            size_t n,
@@ -1058,7 +1076,7 @@ srbf_status srbf_fit_brdf(const struct srbf_fit_settings *settings,
 
 #if defined(SRBF_HOSTED)
 /**
- * Writes a material to a `.srbf` file, whole or not at all.
+ * Writes a material to a `.srbf` file, whole or not at all; folders that are missing are made.
  *
  * `path` is UTF-8 with a zero at the end. Status: `SRBF_STATUS_FILE`, with the reason in `srbf_last_message`.
  */

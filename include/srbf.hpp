@@ -10,9 +10,30 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <utility>
 
 namespace srbf {
+
+template <class T>
+class Span;
+
+/// What the constructors of Span ask of their arguments.
+namespace detail {
+template <class U>
+std::true_type is_span(const Span<U> *);
+std::false_type is_span(const void *);
+
+/// Elements of U are elements of T, at most less const: neither of another type nor of a derived one, of another size.
+template <class U, class T>
+constexpr bool is_same_element = std::is_convertible_v<U (*)[], T (*)[]>;
+
+/// What the data() of a container points to. None for a Span, which has a stride to keep.
+template <class Container, class = decltype(std::declval<Container &>().size())>
+using Element =
+    std::enable_if_t<!decltype(is_span(static_cast<std::remove_reference_t<Container> *>(nullptr)))::value,
+                     std::remove_pointer_t<decltype(std::declval<Container &>().data())>>;
+} // namespace detail
 
 /// A view of n elements, `stride` bytes apart, in memory of the caller: std::span with a stride, for C++17.
 template <class T>
@@ -21,9 +42,15 @@ public:
     constexpr Span() = default;
     constexpr Span(T *data, std::size_t size, std::size_t stride = sizeof(T))
         : data_(data), size_(size), stride_(stride) {}
+    /// From a span of what is less const; the stride stays.
+    template <class U, class = std::enable_if_t<detail::is_same_element<U, T>>>
+    constexpr Span(const Span<U> &other) : Span(other.data(), other.size(), other.stride()) {}
     /// From anything contiguous: std::vector, std::array, std::span.
-    template <class Container, class = decltype(std::declval<Container &>().data())>
+    template <class Container, class = std::enable_if_t<detail::is_same_element<detail::Element<Container>, T>>>
     constexpr Span(Container &container) : Span(container.data(), container.size()) {}
+    /// From a temporary too, if it is only a view, as std::span is, or only read. What it views must outlive the span.
+    template <class Container, class = std::enable_if_t<detail::is_same_element<detail::Element<const Container>, T>>>
+    constexpr Span(const Container &container) : Span(container.data(), container.size()) {}
     constexpr T *data() const { return data_; }
     constexpr std::size_t size() const { return size_; }
     constexpr std::size_t stride() const { return stride_; }
@@ -40,6 +67,7 @@ using Vec3 = std::array<float, 3>;
 template <class T>
 srbf_vectors vectors(Span<const T> span) {
     const float *first = reinterpret_cast<const float *>(span.data());
+    if (first == nullptr) return {nullptr, nullptr, nullptr, span.stride()};
     return {first, first + 1, first + 2, span.stride()};
 }
 
@@ -47,10 +75,12 @@ srbf_vectors vectors(Span<const T> span) {
 template <class T>
 srbf_vectors_out vectors_out(Span<T> span) {
     float *first = reinterpret_cast<float *>(span.data());
+    if (first == nullptr) return {nullptr, nullptr, nullptr, span.stride()};
     return {first, first + 1, first + 2, span.stride()};
 }
 
-/// The status of a call; true is failure, as with std::error_code.
+/// The status of a call; true is failure, as with std::error_code. Some are made here, by SRBF_STATUS_SIZE for example, without a
+/// call: `text` says what a status means wherever it comes from.
 class [[nodiscard]] Status {
 public:
     constexpr Status(srbf_status status = SRBF_STATUS_OK) : status_(status) {}
@@ -119,6 +149,7 @@ public:
         if (samples.size() == 0) return SRBF_STATUS_OK;
         const srbf_vectors in = vectors(u);
         srbf_sample *first = samples.data();
+        if (first == nullptr) return SRBF_STATUS_NULL;
         const std::size_t stride = samples.stride();
         float *d = first->direction, *w = first->weight;
         const srbf_samples_out out = {
@@ -182,7 +213,7 @@ private:
     srbf_material *material_ = nullptr;
 };
 
-/// The message of the last call that failed on this thread.
+/// The message of the last call of srbf.h that failed on this thread; what this wrapper refuses by itself leaves none.
 inline const char *last_message() { return srbf_last_message(); }
 #endif
 

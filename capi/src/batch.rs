@@ -47,7 +47,7 @@ pub unsafe extern "C" fn srbf_mixture_evaluate_into(
         }
         // SAFETY: the header's contract.
         let batch =
-            unsafe { Batch::new(n, read(wi)?.streams(), read(value)?.streams(), extent(mixture, &any))? };
+            unsafe { Batch::new(n, read(wi)?.streams(), read(value)?.streams(), [extent(mixture, &any)])? };
         with_mixture!(AnyMixture: &any, m => batch.run(|wi, value| m.evaluate_into(wi, value)))?;
         Ok(())
     })
@@ -71,7 +71,7 @@ pub unsafe extern "C" fn srbf_mixture_pdf_into(
         }
         // SAFETY: the header's contract.
         let batch =
-            unsafe { Batch::new(n, read(wi)?.streams(), [read(pdf)?.stream()], extent(mixture, &any))? };
+            unsafe { Batch::new(n, read(wi)?.streams(), [read(pdf)?.stream()], [extent(mixture, &any)])? };
         with_mixture!(AnyMixture: &any, m => batch.run(|wi, [pdf]| m.pdf_into(wi, pdf)))?;
         Ok(())
     })
@@ -97,7 +97,7 @@ pub unsafe extern "C" fn srbf_mixture_sample_into(
         }
         // SAFETY: the header's contract.
         let batch =
-            unsafe { Batch::new(n, read(u)?.streams(), read(samples)?.streams(), extent(mixture, &any))? };
+            unsafe { Batch::new(n, read(u)?.streams(), read(samples)?.streams(), [extent(mixture, &any)])? };
         with_mixture!(AnyMixture: &any, m => batch.run(|u, [x, y, z, pdf, red, green, blue]| {
             m.sample_into(u, SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] })
         }))?;

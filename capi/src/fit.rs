@@ -1,6 +1,7 @@
 //! Fitting: from a table or a function of the caller to a material, and materials to files.
 #![allow(unsafe_code)]
 
+use crate::convert::direction;
 use crate::guard::{Failure, Outcome, guard};
 use crate::heap::{own, text};
 use crate::material::material;
@@ -10,12 +11,17 @@ use crate::{
     SRBF_STATUS_ARGUMENT, SRBF_STATUS_FILE, SRBF_STATUS_NULL, SRBF_STATUS_OTHER, SRBF_STATUS_TABLE,
     srbf_material, srbf_status,
 };
+use core::error::Error;
 use core::ffi::{c_char, c_void};
+use core::fmt::Write;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use srbf_fit::table::evaluable::Brdf;
 use srbf_fit::table::{Content, Scattered, Table};
 use srbf_fit::{FitError, Settings, fit_content, write_atomically};
 use std::boxed::Box;
 use std::path::Path;
+use std::string::{String, ToString};
+use std::sync::OnceLock;
 use std::vec::Vec;
 
 /// The number of squeezed lobes is chosen by what turns out best.
@@ -29,14 +35,15 @@ pub struct srbf_fit_settings {
     pub lobes: usize,
     /// How many of them are squeezed, or `SRBF_FIT_AUTOMATIC`, the default.
     pub squeezed_lobes: usize,
-    /// Weight of the roughness from view to view: smaller fits the samples better, larger what lies between. Default: 1e-5.
+    /// Weight of the roughness from view to view, 1e-12 to 1000: smaller fits the samples better, larger what lies between.
+    /// Default: 5e-5.
     pub smoothness: f64,
 }
 
 /// A BRDF of the caller: writes f (not times the cosine; linear sRGB, 1/sr) for two unit vectors with z > 0.
 ///
-/// `wi`, `wo` and `f` are [3]; `user` is what the caller gave along. It may be called from several threads at once, must
-/// return, and what is negative or not finite counts as 0.
+/// `wi`, `wo` and `f` are [3]; `user` is what the caller gave along. It is called from threads of the library, several at once. It
+/// must return: neither throw nor `longjmp` out. What is negative or not finite counts as 0.
 pub type srbf_brdf =
     Option<unsafe extern "C" fn(user: *mut c_void, wi: *const f32, wo: *const f32, f: *mut f32)>;
 
@@ -55,10 +62,13 @@ pub unsafe extern "C" fn srbf_fit_settings_default(settings: *mut srbf_fit_setti
 
 /// Fits a material to n samples of an isotropic BRDF. Release it with `srbf_material_free`. Takes seconds, on all processors.
 ///
-/// Outgoing directions whose angles from the normal agree within 1e-3 are one view; each needs a few hundred samples.
-/// Shapes: `wo` and `wi` n directions above the horizon; `f` n colours, linear sRGB; `settings` one, or NULL;
-/// `material` one pointer, overwritten. Status: `SRBF_STATUS_TABLE`, `SRBF_STATUS_ARGUMENT` for a setting, with the reason
-/// in `srbf_last_message`.
+/// Outgoing directions whose angles from the normal agree within 1e-3 are one view. Any number of samples is taken; with fewer than a
+/// few hundred a view, what lies between them is badly known. No surface reflects more than it receives: where the albedo of the
+/// samples of a view is above 0.95, the fit is held to 0.95, and is darker than the samples.
+/// Shapes: `wo` and `wi` n unit vectors, `wo` above the horizon; samples whose `wi` is not are left out; `f` n colours, linear
+/// sRGB, of which what is negative counts as 0; `settings` one, or NULL; `material` one pointer, overwritten.
+/// Status, with the reason in `srbf_last_message`: `SRBF_STATUS_DIRECTION` for what is no unit vector; `SRBF_STATUS_TABLE`;
+/// `SRBF_STATUS_ARGUMENT` for a setting; `SRBF_STATUS_OTHER` if the system gives no threads to fit on.
 #[cfg(feature = "fit")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_fit_table(
@@ -79,27 +89,9 @@ pub unsafe extern "C" fn srbf_fit_table(
         let (wo, wi, f) = unsafe { (read(wo)?.streams(), read(wi)?.streams(), read(f)?.streams()) };
         let [[a, b, c], [d, e, g], [h, i, j]] = [wo, wi, f];
         // SAFETY: the header's contract.
-        let batch = unsafe { Batch::<9, 0>::new(n, [a, b, c, d, e, g, h, i, j], [], 0..0)? };
-        let mut views: Vec<(f64, Scattered)> = Vec::new();
-        batch.run(|columns, []| {
-            for i in 0..columns[0].len() {
-                let [ox, oy, oz, ix, iy, iz, r, g, b] = columns.map(|column| f64::from(column[i]));
-                let across = libm::hypot(ox, oy);
-                let theta = libm::atan2(across, oz);
-                // Into the frame of the view, where wo is (-sin theta, 0, cos theta).
-                let [cos, sin] = if across > 0.0 { [-ox / across, -oy / across] } else { [1.0, 0.0] };
-                let sample = ([ix * cos + iy * sin, iy * cos - ix * sin, iz], [r, g, b]);
-                match views.iter().position(|(other, _)| (*other - theta).abs() < 1e-3) {
-                    Some(view) => views[view].1.push(sample),
-                    None if views.len() == srbf_fit::table::MAX_VIEWS => {
-                        return Err(Failure::new(SRBF_STATUS_TABLE, "too many views"));
-                    }
-                    None => views.push((theta, [sample].into())),
-                }
-            }
-            Ok(())
-        })?;
-        fit(&Content::Samples(Table::from_scattered(views)?), &settings, &out)
+        let batch = unsafe { Batch::<9, 0>::new(n, [a, b, c, d, e, g, h, i, j], [], [])? };
+        let table = Table::from_scattered(scattered(batch)?)?;
+        fit(&Content::Samples(table), &settings, &out)
     })
 }
 
@@ -122,7 +114,7 @@ pub unsafe extern "C" fn srbf_fit_brdf(
     })
 }
 
-/// Writes a material to a `.srbf` file, whole or not at all.
+/// Writes a material to a `.srbf` file, whole or not at all; folders that are missing are made.
 ///
 /// `path` is UTF-8 with a zero at the end. Status: `SRBF_STATUS_FILE`, with the reason in `srbf_last_message`.
 #[cfg(feature = "fit")]
@@ -137,6 +129,40 @@ pub unsafe extern "C" fn srbf_material_save(
         write_atomically(Path::new(path), material.material.bytes())?;
         Ok(())
     })
+}
+
+/// Groups samples, nine columns `wo`, `wi` and f, by the angle of `wo`; in the frame of the view.
+fn scattered(batch: Batch<9, 0>) -> Result<Vec<(f64, Scattered)>, Failure> {
+    let mut views: Vec<(f64, Scattered)> = Vec::new();
+    let mut number = 0;
+    batch.run(|columns, []| {
+        for i in 0..columns[0].len() {
+            let sample = columns.map(|column| column[i]);
+            add(&mut views, sample).map_err(|failure| failure.about(&std::format!("sample {number}")))?;
+            number += 1;
+        }
+        Ok::<(), Failure>(())
+    })?;
+    Ok(views)
+}
+
+fn add(views: &mut Vec<(f64, Scattered)>, sample: [f32; 9]) -> Outcome {
+    direction([sample[0], sample[1], sample[2]])?;
+    direction([sample[3], sample[4], sample[5]])?;
+    let [ox, oy, oz, ix, iy, iz, r, g, b] = sample.map(f64::from);
+    let across = libm::hypot(ox, oy);
+    let theta = libm::atan2(across, oz);
+    // Into the frame of the view, where wo is (-sin theta, 0, cos theta).
+    let [cos, sin] = if across > 0.0 { [-ox / across, -oy / across] } else { [1.0, 0.0] };
+    let sample = ([ix * cos + iy * sin, iy * cos - ix * sin, iz], [r, g, b]);
+    match views.iter().position(|(other, _)| (*other - theta).abs() < 1e-3) {
+        Some(view) => views[view].1.push(sample),
+        None if views.len() == srbf_fit::table::MAX_VIEWS => {
+            return Err(Failure::new(SRBF_STATUS_TABLE, "too many views"));
+        }
+        None => views.push((theta, [sample].into())),
+    }
+    Ok(())
 }
 
 struct Callback {
@@ -170,12 +196,26 @@ unsafe fn settings(given: *const srbf_fit_settings) -> Result<Settings, Failure>
         settings.squeezed = (given.squeezed_lobes != SRBF_FIT_AUTOMATIC).then_some(given.squeezed_lobes);
         settings.smoothness = given.smoothness;
     }
-    settings.provenance = "fitted by srbf through its C interface".into();
+    settings.provenance = "fitted by srbf through its C interface\n".into();
     Ok(settings)
 }
 
 fn fit(content: &Content, settings: &Settings, out: &Out<*mut srbf_material>) -> Outcome {
-    own(fit_content(content, settings, |_| ())?.bytes, out)
+    let fit = pool()?.install(|| fit_content(content, settings, |_| ()))?;
+    own(fit.bytes, out)
+}
+
+/// The threads that fits run on, which the first fit starts. Where the system refuses them, the next fit asks again: threads that
+/// start by themselves would panic then, and for ever.
+fn pool() -> Result<&'static ThreadPool, Failure> {
+    static POOL: OnceLock<ThreadPool> = OnceLock::new();
+    if let Some(pool) = POOL.get() {
+        return Ok(pool);
+    }
+    let made = ThreadPoolBuilder::new()
+        .build()
+        .map_err(|error| Failure::new(SRBF_STATUS_OTHER, format_args!("no threads to fit on: {error}")))?;
+    Ok(POOL.get_or_init(|| made))
 }
 
 impl From<FitError> for Failure {
@@ -186,6 +226,35 @@ impl From<FitError> for Failure {
             FitError::Setting { .. } => SRBF_STATUS_ARGUMENT,
             _ => SRBF_STATUS_OTHER,
         };
-        Self::new(status, error)
+        match error {
+            FitError::Table(reason) => Self::new(status, reason),
+            error => Self::new(status, with_reasons(&error)),
+        }
+    }
+}
+
+/// An error and what it comes from: the name of a file, and why the system refuses it.
+fn with_reasons(error: &dyn Error) -> String {
+    let mut text = error.to_string();
+    let mut source = error.source();
+    while let Some(reason) = source {
+        // A text takes whatever is written to it.
+        let _ = write!(text, ": {reason}");
+        source = reason.source();
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_documented_default_is_the_default() {
+        let documented = std::format!("    /// Default: {:e}.\n", Settings::default().smoothness);
+        let source = include_str!("fit.rs");
+        let field = source.split("    pub smoothness").next().unwrap_or_default();
+        assert!(field.ends_with(&documented), "{documented}");
+        assert!(source.contains(&std::format!("Default: {}.\n", Settings::default().lobes)));
     }
 }

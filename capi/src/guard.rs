@@ -32,6 +32,16 @@ impl Failure {
             message: Some(std::string::ToString::to_string(&reason)),
         }
     }
+
+    /// The same with the name of what it is about.
+    #[cfg(feature = "std")]
+    pub fn about(self, name: &str) -> Self {
+        let message = match self.message {
+            Some(reason) => std::format!("{name}: {reason}"),
+            None => name.into(),
+        };
+        Self { message: Some(message), ..self }
+    }
 }
 
 /// Runs the body of an exported function; a failure and a panic become a status and the message of this thread.

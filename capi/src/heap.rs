@@ -4,17 +4,19 @@
 use crate::guard::{Failure, Outcome, guard};
 use crate::material::material;
 use crate::pointers::{Out, check, slice};
-use crate::{SRBF_STATUS_FILE, SRBF_STATUS_TEXT, srbf_material, srbf_status};
+use crate::{SRBF_STATUS_FILE, SRBF_STATUS_OTHER, SRBF_STATUS_TEXT, srbf_material, srbf_status};
 use core::ffi::{CStr, c_char};
 use core::ptr::NonNull;
-use srbf_core::Material;
+use srbf_core::{FileError, Material, read_file};
 use std::boxed::Box;
+use std::path::Path;
 use std::vec::Vec;
 
 /// Makes a material of `.srbf` bytes, which are copied. Release it with `srbf_material_free`.
 ///
 /// Shapes: `bytes` [byte_count]; `material` one pointer, overwritten.
-/// Status: `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if the bytes are not a material.
+/// Status: `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if the bytes are not a material; `SRBF_STATUS_OTHER` if there is no memory
+/// for the copy.
 #[cfg(feature = "std")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_material_from_bytes(
@@ -25,14 +27,17 @@ pub unsafe extern "C" fn srbf_material_from_bytes(
     guard(|| {
         // SAFETY: the header's contract.
         let (bytes, out) = unsafe { (slice(bytes, byte_count)?, Out::new(material)?) };
-        own(bytes.to_vec(), &out)
+        // Before there is a copy of what may be any number of bytes.
+        Material::from_bytes(bytes)?;
+        own(copy(bytes)?, &out)
     })
 }
 
 /// Reads a material from a `.srbf` file. Release it with `srbf_material_free`.
 ///
+/// No more is read than the head of the file announces, and nothing behind a head that is no material's.
 /// `path` is UTF-8 with a zero at the end. Status: `SRBF_STATUS_FILE` if it cannot be read, with the reason in
-/// `srbf_last_message`; `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if it holds no material.
+/// `srbf_last_message`; `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if it holds no material. Every message names the file.
 #[cfg(feature = "std")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_material_load(
@@ -42,10 +47,25 @@ pub unsafe extern "C" fn srbf_material_load(
     guard(|| {
         // SAFETY: the header's contract.
         let (path, out) = unsafe { (text(path)?, Out::new(material)?) };
-        let bytes = std::fs::read(path)
-            .map_err(|error| Failure::new(SRBF_STATUS_FILE, format_args!("{path}: {error}")))?;
-        own(bytes, &out)
+        let read = || own(read_file(Path::new(path))?, &out);
+        read().map_err(|failure: Failure| failure.about(path))
     })
+}
+
+fn copy(bytes: &[u8]) -> Result<Vec<u8>, Failure> {
+    let mut copy = Vec::new();
+    copy.try_reserve_exact(bytes.len()).map_err(|error| Failure::new(SRBF_STATUS_OTHER, error))?;
+    copy.extend_from_slice(bytes);
+    Ok(copy)
+}
+
+impl From<FileError> for Failure {
+    fn from(error: FileError) -> Self {
+        match error {
+            FileError::Format(error) => error.into(),
+            error => Self::new(SRBF_STATUS_FILE, error),
+        }
+    }
 }
 
 /// Borrows a text of the caller.

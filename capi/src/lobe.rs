@@ -58,6 +58,7 @@ pub unsafe extern "C" fn srbf_lobe_evaluate(
 
 /// Integrates a lobe over the whole sphere: `2 pi amplitude (1 - exp(-2 s)) / s`.
 ///
+/// Infinite where it is more than a float holds, for amplitudes from 2.7e37 on.
 /// Shapes: `integral` [3], overwritten.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_lobe_integrate(lobe: *const srbf_lobe, integral: *mut f32) -> srbf_status {

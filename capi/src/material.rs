@@ -3,14 +3,15 @@
 
 use crate::convert::direction;
 use crate::guard::{Failure, Outcome, guard};
-use crate::pointers::{Out, check, check_extent, read, read_array, slice};
+use crate::pointers::{Out, check, check_apart, check_extent, read, read_array, slice};
 use crate::storage::{AnyMixtureMut, check_room, init_at, mixture_mut, size_for, with_mixture};
 use crate::streams::{Batch, srbf_vectors};
 use crate::{
-    SRBF_MIXTURE_ALIGNMENT, SRBF_STATUS_DIRECTION, SRBF_STATUS_INDEX, SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE,
-    SRBF_STATUS_STRIDE, srbf_mixture, srbf_status,
+    SRBF_MIXTURE_ALIGNMENT, SRBF_STATUS_DIRECTION, SRBF_STATUS_INDEX, SRBF_STATUS_MISALIGNED,
+    SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE, SRBF_STATUS_STRIDE, srbf_mixture, srbf_status,
 };
 use core::ffi::c_char;
+use core::ops::Range;
 use srbf_core::{Error, LeaveOut, Material, Mixture, PlaneLobe, Vec3};
 
 /// Bytes of storage for a material that `srbf_material_borrow` makes.
@@ -48,11 +49,22 @@ impl srbf_material {
         }
     }
 
+    /// The bytes that it lies in, and the `.srbf` bytes that it reads.
+    pub(crate) fn extents(&self) -> [Range<usize>; 2] {
+        let start = core::ptr::from_ref(self).addr();
+        [start..start + size_of::<Self>(), bytes_of(self.material.bytes())]
+    }
+
     /// Makes it no material any more.
     #[cfg(feature = "std")]
     pub(crate) fn forget(&mut self) {
         self.tag = 0;
     }
+}
+
+fn bytes_of(bytes: &[u8]) -> Range<usize> {
+    let start = bytes.as_ptr().addr();
+    start..start + bytes.len()
 }
 
 /// Borrows a material of the caller.
@@ -124,7 +136,7 @@ pub struct srbf_plane_lobe {
 ///
 /// The bytes must stay as they are for as long as the material is used. It needs no release.
 /// Shapes: `bytes` [byte_count]; `storage` [storage_size], at least `SRBF_MATERIAL_SIZE`, aligned to
-/// `SRBF_MATERIAL_ALIGNMENT`; `material` one pointer, into the storage.
+/// `SRBF_MATERIAL_ALIGNMENT`; `material` one pointer, which is set to the storage. None of the three may overlap another.
 /// Status: `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if the bytes are not a material.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_material_borrow(
@@ -139,10 +151,18 @@ pub unsafe extern "C" fn srbf_material_borrow(
         let (bytes, out) = unsafe { (slice(bytes, byte_count)?, Out::new(material)?) };
         let place = storage.cast::<srbf_material>();
         check(place)?;
+        if !place.addr().is_multiple_of(SRBF_MATERIAL_ALIGNMENT) {
+            return Err(SRBF_STATUS_MISALIGNED.into());
+        }
         if storage_size < SRBF_MATERIAL_SIZE {
             return Err(SRBF_STATUS_SIZE.into());
         }
+        check_extent(place.addr(), SRBF_MATERIAL_SIZE, 1)?;
         let made = srbf_material::borrowed(Material::from_bytes(bytes)?);
+        let written = place.addr()..place.addr() + SRBF_MATERIAL_SIZE;
+        check_apart(&written, &bytes_of(bytes))?;
+        check_apart(&out.extent(), &written)?;
+        check_apart(&out.extent(), &bytes_of(bytes))?;
         // SAFETY: not NULL, aligned and large enough; writable by the header's contract.
         unsafe { place.write(made) };
         out.set(place);
@@ -298,7 +318,7 @@ fn room<const N: usize>(_: &Mixture<N>) -> usize {
 ///
 /// Mixture i is at `(srbf_mixture *)((char *)storage + i * stride)`.
 /// Shapes: `wo` n unit vectors; `storage` [n * stride], aligned to `SRBF_MIXTURE_ALIGNMENT`; `stride` a multiple of
-/// that, at least `srbf_mixture_size(lobes of the material)`.
+/// that, at least `srbf_mixture_size(lobes of the material)`. The storage may overlap neither `wo` nor the material.
 /// Status: `SRBF_STATUS_DIRECTION` if some `wo` is not a unit vector: its mixture is empty, the others are made.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_material_prepare_into(
@@ -319,18 +339,15 @@ pub unsafe extern "C" fn srbf_material_prepare_into(
         let storage = storage.cast::<u8>();
         crate::storage::check_storage(storage)?;
         check_extent(storage.addr(), n, stride)?;
-        if !stride.is_multiple_of(SRBF_MIXTURE_ALIGNMENT) {
+        let needed = size_for(material.material.lobe_count()).ok_or(SRBF_STATUS_SIZE)?;
+        if stride < needed || !stride.is_multiple_of(SRBF_MIXTURE_ALIGNMENT) {
             return Err(SRBF_STATUS_STRIDE.into());
         }
-        let needed = size_for(material.material.lobe_count()).ok_or(SRBF_STATUS_SIZE)?;
-        if stride < needed {
-            return Err(SRBF_STATUS_SIZE.into());
-        }
-        // As if the storage were the object of the batch, so that a direction inside it is refused.
         let place = storage.addr()..storage.addr() + n * stride;
         // SAFETY: the header's contract.
-        let batch = unsafe { Batch::<3, 0>::new(n, wo.streams(), [], 0..0)? };
+        let batch = unsafe { Batch::<3, 0>::new(n, wo.streams(), [], [])? };
         batch.check_inputs_outside(&place)?;
+        material.extents().iter().try_for_each(|object| check_apart(&place, object))?;
         let mut index = 0;
         let mut refused = false;
         batch.run(|[x, y, z], []| {

@@ -10,16 +10,18 @@ std::thread_local! {
     static LAST: RefCell<CString> = RefCell::default();
 }
 
-/// Keeps the text of the status and the reason, if there is one, for this thread.
+/// Keeps the text of the status and the reason, if there is one, for this thread. A reason that says what the text says stands
+/// alone.
 pub(crate) fn set(status: srbf_status, reason: Option<&str>) {
     let text = srbf_status_text(status);
     // SAFETY: srbf_status_text returns a constant that ends in a zero byte.
     let text = unsafe { CStr::from_ptr(text) }.to_string_lossy();
     let line = match reason {
+        Some(reason) if reason.contains(&*text) => reason.into(),
         Some(reason) => std::format!("{text}: {reason}"),
         None => text.into_owned(),
     };
-    let line: std::vec::Vec<u8> = line.into_bytes().into_iter().filter(|&byte| byte != 0).collect();
+    let line = line.replace(char::is_control, "?");
     // At the end of a thread its message may be gone already: then there is none to keep.
     let _ = LAST.try_with(|last| {
         if let (Ok(mut last), Ok(line)) = (last.try_borrow_mut(), CString::new(line)) {
@@ -30,7 +32,8 @@ pub(crate) fn set(status: srbf_status, reason: Option<&str>) {
 
 /// Returns the message of the last call that failed on this thread, "" if none did.
 ///
-/// UTF-8, one line, never NULL. Valid until the next call that fails on this thread, or its end.
+/// UTF-8, one line (a control character, in the name of a file for example, becomes a question mark), never NULL. Valid until the
+/// next call that fails on this thread, or its end.
 #[cfg(feature = "std")]
 #[unsafe(no_mangle)]
 pub extern "C" fn srbf_last_message() -> *const c_char {

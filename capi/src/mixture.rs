@@ -2,9 +2,11 @@
 #![allow(unsafe_code)]
 
 use crate::guard::guard;
-use crate::pointers::{Out, read_array, slice};
-use crate::storage::{check_room, init_at, mixture, mixture_mut, size_for, with_mixture};
-use crate::{SRBF_STATUS_ARGUMENT, SRBF_STATUS_INDEX, srbf_lobe, srbf_mixture, srbf_status};
+use crate::pointers::{Out, check_apart, read_array, slice};
+use crate::storage::{check_room, check_storage, init_at, mixture, mixture_mut, size_for, with_mixture};
+use crate::{
+    SRBF_MIXTURE_SIZE_64, SRBF_STATUS_ARGUMENT, SRBF_STATUS_INDEX, srbf_lobe, srbf_mixture, srbf_status,
+};
 use srbf_core::{Domain, Error, Lobe, MAX_LOBES, Mixture, Vec3};
 
 /// The whole sphere: no fold.
@@ -45,7 +47,7 @@ pub extern "C" fn srbf_mixture_size(lobes: usize) -> usize {
 /// Makes an empty mixture in the caller's storage, with room for as many lobes as fit: 16, 32 or 64.
 ///
 /// Shapes: `storage` [storage_size], at least `SRBF_MIXTURE_SIZE_16`, aligned to `SRBF_MIXTURE_ALIGNMENT`; `mixture`
-/// one pointer, to the same address. It needs no release.
+/// one pointer outside the storage, which is set to the same address. It needs no release.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_mixture_init(
     storage: *mut core::ffi::c_void,
@@ -54,8 +56,12 @@ pub unsafe extern "C" fn srbf_mixture_init(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (out, made) = unsafe { (Out::new(mixture)?, init_at(storage.cast(), storage_size)?) };
-        out.set(made);
+        let out = unsafe { Out::new(mixture)? };
+        check_storage(storage.cast())?;
+        let start = storage.addr();
+        check_apart(&out.extent(), &(start..start.saturating_add(storage_size.min(SRBF_MIXTURE_SIZE_64))))?;
+        // SAFETY: the header's contract.
+        out.set(unsafe { init_at(storage.cast(), storage_size)? });
         Ok(())
     })
 }
@@ -64,8 +70,9 @@ pub unsafe extern "C" fn srbf_mixture_init(
 ///
 /// The first `squeezed_lobes` see the direction squeezed along y by c = `squeeze` in [0.01, 2]; give 0 and 1 for round
 /// lobes alone.
-/// Shapes: `lobes` [lobe_count]; `diffuse` [3], the albedo of a diffuse term on the hemisphere, or NULL. Status: `SRBF_STATUS_CAPACITY`; what is wrong with a lobe; `SRBF_STATUS_AMPLITUDE` also
-/// if the integral is infinite. On failure the mixture keeps what it held.
+/// Shapes: `lobes` [lobe_count]; `diffuse` [3], the albedo of a diffuse term on the hemisphere, or NULL.
+/// Status: `SRBF_STATUS_CAPACITY`; what is wrong with a lobe; `SRBF_STATUS_AMPLITUDE` also if integral or value could be infinite, and for a
+/// diffuse term on `SRBF_DOMAIN_SPHERE`. On failure the mixture keeps what it held.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_mixture_from_lobes(
     domain: u32,

@@ -5,10 +5,11 @@ use crate::guard::{Failure, guard};
 use crate::material::material;
 use crate::pointers::{check_extent, read};
 use crate::single::draw;
-use crate::storage::{AnyMixture, check_storage, mixture, with_mixture};
+use crate::storage::{AnyMixture, check_storage, extent, mixture, with_mixture};
 use crate::streams::{Batch, srbf_numbers_out, srbf_vectors, srbf_vectors_out};
 use crate::{
-    SRBF_MIXTURE_ALIGNMENT, SRBF_STATUS_STRIDE, srbf_material, srbf_mixture, srbf_samples_out, srbf_status,
+    SRBF_MIXTURE_ALIGNMENT, SRBF_MIXTURE_SIZE_16, SRBF_STATUS_STRIDE, srbf_material, srbf_mixture,
+    srbf_samples_out, srbf_status,
 };
 use core::ops::Range;
 use srbf_core::{Error, Material, SamplesMut, Vec3};
@@ -39,7 +40,7 @@ pub unsafe extern "C" fn srbf_material_evaluate_pairs_into(
         let [red, green, blue] = value.streams();
         let (inputs, outputs) = ([ox, oy, oz, ix, iy, iz], [red, green, blue, pdf.stream()]);
         // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, inputs, outputs, material_extent(material))? };
+        let batch = unsafe { Batch::new(n, inputs, outputs, object.extents())? };
         batch.run(|[ox, oy, oz, ix, iy, iz], [red, green, blue, pdf]| {
             object.material.evaluate_pairs_into([ox, oy, oz], [ix, iy, iz], [red, green, blue], pdf)
         })?;
@@ -102,7 +103,7 @@ unsafe fn one_channel(
         let ([ox, oy, oz], [ix, iy, iz]) = (wo.streams(), wi.streams());
         let inputs = [ox, oy, oz, ix, iy, iz];
         // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, inputs, [out.stream()], material_extent(material))? };
+        let batch = unsafe { Batch::new(n, inputs, [out.stream()], object.extents())? };
         batch
             .run(|[ox, oy, oz, ix, iy, iz], [out]| run(&object.material, [ox, oy, oz], [ix, iy, iz], out))?;
         Ok(())
@@ -135,7 +136,7 @@ pub unsafe extern "C" fn srbf_material_sample_pdf_pairs_into(
         let [x, y, z] = direction.streams();
         let (inputs, outputs) = ([ox, oy, oz, ux, uy, uz], [x, y, z, pdf.stream()]);
         // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, inputs, outputs, material_extent(material))? };
+        let batch = unsafe { Batch::new(n, inputs, outputs, object.extents())? };
         batch.run(|[ox, oy, oz, ux, uy, uz], [x, y, z, pdf]| {
             object.material.sample_pdf_pairs_into([ox, oy, oz], [ux, uy, uz], [x, y, z], pdf)
         })?;
@@ -167,7 +168,7 @@ pub unsafe extern "C" fn srbf_material_sample_pairs_into(
         let ([ox, oy, oz], [ux, uy, uz]) = (wo.streams(), u.streams());
         let inputs = [ox, oy, oz, ux, uy, uz];
         // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, inputs, samples.streams(), material_extent(material))? };
+        let batch = unsafe { Batch::new(n, inputs, samples.streams(), object.extents())? };
         batch.run(|[ox, oy, oz, ux, uy, uz], [x, y, z, pdf, red, green, blue]| {
             let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
             object.material.sample_pairs_into([ox, oy, oz], [ux, uy, uz], samples)
@@ -176,46 +177,57 @@ pub unsafe extern "C" fn srbf_material_sample_pairs_into(
     })
 }
 
-fn material_extent(material: *const srbf_material) -> Range<usize> {
-    material.addr()..material.addr() + size_of::<srbf_material>()
-}
-
 /// n mixtures, one behind the other; those that `srbf_material_prepare_into` makes.
 struct Mixtures {
     start: *const u8,
-    count: usize,
     stride: usize,
+    /// The bytes from the first to the end of the last.
+    extent: Range<usize>,
 }
 
 impl Mixtures {
-    fn new(start: *const srbf_mixture, count: usize, stride: usize) -> Result<Self, Failure> {
+    /// # Safety
+    /// The header's contract: there is a mixture at every multiple of the stride; `count` is not 0.
+    unsafe fn new(start: *const srbf_mixture, count: usize, stride: usize) -> Result<Self, Failure> {
         let start = start.cast::<u8>();
         check_storage(start.cast_mut())?;
-        if stride == 0 || !stride.is_multiple_of(SRBF_MIXTURE_ALIGNMENT) {
+        if stride < SRBF_MIXTURE_SIZE_16 || !stride.is_multiple_of(SRBF_MIXTURE_ALIGNMENT) {
             return Err(SRBF_STATUS_STRIDE.into());
         }
         check_extent(start.addr(), count, stride)?;
-        Ok(Self { start, count, stride })
+        let mut made = Self { start, stride, extent: start.addr()..start.addr() + count * stride };
+        // The last one may be of a larger capacity than the stride has room for: nothing comes behind it.
+        // SAFETY: the caller's word.
+        let end = unsafe { extent(made.at(count - 1), &made.get(count - 1)?).end };
+        made.extent.end = made.extent.end.max(end);
+        Ok(made)
     }
 
     fn extent(&self) -> Range<usize> {
-        self.start.addr()..self.start.addr() + self.count * self.stride
+        self.extent.clone()
+    }
+
+    /// Where a mixture is; `index` is below the count.
+    #[inline(always)]
+    fn at(&self, index: usize) -> *const srbf_mixture {
+        self.start.wrapping_byte_add(index * self.stride).cast()
     }
 
     /// # Safety
-    /// The header's contract: there is a mixture at every multiple of the stride; `index` is below the count.
+    /// As [`Self::new`]; `index` is below the count.
     #[inline(always)]
     unsafe fn get<'a>(&self, index: usize) -> Result<AnyMixture<'a>, Failure> {
         // SAFETY: within the extent that `new` has checked; the rest is the caller's word.
-        unsafe { mixture(self.start.byte_add(index * self.stride).cast()) }
+        unsafe { mixture(self.at(index)) }
     }
 }
 
 /// Evaluates `f cos` for n pairs of a mixture and a direction; 1/sr.
 ///
 /// Mixture i is at `(const srbf_mixture *)((const char *)mixtures + i * mixture_stride)`.
-/// Shapes: `mixtures` [n], `mixture_stride` bytes apart; `wi` n unit vectors; `value` n colours in linear sRGB,
-/// overwritten. n = 0 looks at no pointer. What is not a unit vector gives an unspecified value.
+/// Shapes: `mixtures` [n], `mixture_stride` bytes apart, a multiple of `SRBF_MIXTURE_ALIGNMENT` and at least
+/// `SRBF_MIXTURE_SIZE_16`; `wi` n unit vectors; `value` n colours in linear sRGB, overwritten. n = 0 looks at no pointer. What is
+/// not a unit vector gives an unspecified value.
 /// Status: `SRBF_STATUS_OBJECT` if one of them is no mixture; the values are unspecified then.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_mixture_evaluate_pairs_into(
@@ -229,9 +241,11 @@ pub unsafe extern "C" fn srbf_mixture_evaluate_pairs_into(
         if n == 0 {
             return Ok(());
         }
-        let mixtures = Mixtures::new(mixtures, n, mixture_stride)?;
         // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, read(wi)?.streams(), read(value)?.streams(), mixtures.extent())? };
+        let mixtures = unsafe { Mixtures::new(mixtures, n, mixture_stride)? };
+        // SAFETY: the header's contract.
+        let batch =
+            unsafe { Batch::new(n, read(wi)?.streams(), read(value)?.streams(), [mixtures.extent()])? };
         let mut first = 0;
         batch.run(|wi, [red, green, blue]| {
             for i in 0..wi[0].len() {
@@ -262,9 +276,11 @@ pub unsafe extern "C" fn srbf_mixture_pdf_pairs_into(
         if n == 0 {
             return Ok(());
         }
-        let mixtures = Mixtures::new(mixtures, n, mixture_stride)?;
         // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, read(wi)?.streams(), [read(pdf)?.stream()], mixtures.extent())? };
+        let mixtures = unsafe { Mixtures::new(mixtures, n, mixture_stride)? };
+        // SAFETY: the header's contract.
+        let batch =
+            unsafe { Batch::new(n, read(wi)?.streams(), [read(pdf)?.stream()], [mixtures.extent()])? };
         let mut first = 0;
         batch.run(|wi, [pdf]| {
             for i in 0..wi[0].len() {
@@ -294,10 +310,11 @@ pub unsafe extern "C" fn srbf_mixture_sample_pairs_into(
         if n == 0 {
             return Ok(());
         }
-        let mixtures = Mixtures::new(mixtures, n, mixture_stride)?;
+        // SAFETY: the header's contract.
+        let mixtures = unsafe { Mixtures::new(mixtures, n, mixture_stride)? };
         // SAFETY: the header's contract.
         let batch =
-            unsafe { Batch::new(n, read(u)?.streams(), read(samples)?.streams(), mixtures.extent())? };
+            unsafe { Batch::new(n, read(u)?.streams(), read(samples)?.streams(), [mixtures.extent()])? };
         let mut first = 0;
         batch.run(|u, [x, y, z, pdf, red, green, blue]| {
             for i in 0..u[0].len() {

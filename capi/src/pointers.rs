@@ -6,7 +6,8 @@
 #![allow(unsafe_code)]
 
 use crate::guard::Failure;
-use crate::{SRBF_STATUS_MISALIGNED, SRBF_STATUS_NULL};
+use crate::{SRBF_STATUS_MISALIGNED, SRBF_STATUS_NULL, SRBF_STATUS_OVERLAP};
+use core::ops::Range;
 use core::ptr::NonNull;
 
 /// Refuses NULL and addresses that are not aligned for `T`.
@@ -67,6 +68,18 @@ pub(crate) fn check_extent(start: usize, count: usize, stride: usize) -> Result<
     }
 }
 
+/// Whether two runs of bytes have none in common.
+#[inline(always)]
+pub(crate) fn apart(a: &Range<usize>, b: &Range<usize>) -> bool {
+    a.end <= b.start || b.end <= a.start
+}
+
+/// Refuses bytes that are to be written where others are.
+#[inline]
+pub(crate) fn check_apart(written: &Range<usize>, other: &Range<usize>) -> Result<(), Failure> {
+    if apart(written, other) { Ok(()) } else { Err(SRBF_STATUS_OVERLAP.into()) }
+}
+
 /// A place of the caller for one result. No reference to it is ever made, so that it may hold anything beforehand.
 pub(crate) struct Out<T>(NonNull<T>);
 
@@ -79,6 +92,12 @@ impl<T> Out<T> {
     pub unsafe fn new(pointer: *mut T) -> Result<Self, Failure> {
         check(pointer)?;
         NonNull::new(pointer).map(Self).ok_or_else(|| SRBF_STATUS_NULL.into())
+    }
+
+    /// The bytes that the result will lie in.
+    pub fn extent(&self) -> Range<usize> {
+        let start = self.0.addr().get();
+        start..start + size_of::<T>()
     }
 
     /// Writes the result.

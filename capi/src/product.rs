@@ -2,15 +2,16 @@
 #![allow(unsafe_code)]
 
 use crate::guard::guard;
-use crate::pointers::{Out, check, check_extent, read};
+use crate::pointers::{Out, check, check_apart, check_extent, read};
 use crate::storage::{extent, mixture, with_mixture};
-use crate::{SRBF_STATUS_OVERLAP, SRBF_STATUS_SIZE, srbf_lobe, srbf_mixture, srbf_status};
+use crate::{SRBF_STATUS_SIZE, srbf_lobe, srbf_mixture, srbf_status};
 use core::mem::offset_of;
 use srbf_core::{Error, Gaussian, Lobe, Mixture, Vec3};
 
 /// Multiplies two lobes, channel by channel; the product is a lobe again.
 ///
-/// Sharpness may reach 2e8, which no other call takes.
+/// Sharpness may reach 2e8, which no other call takes, and an amplitude infinity, where those of `a` and `b` multiply to more
+/// than a float holds.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_lobe_product(
     a: *const srbf_lobe,
@@ -27,6 +28,7 @@ pub unsafe extern "C" fn srbf_lobe_product(
 
 /// Integrates the product of two lobes over the whole sphere, in closed form.
 ///
+/// Infinite where it is more than a float holds.
 /// Shapes: `integral` [3], overwritten.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_lobe_inner_product(
@@ -88,7 +90,7 @@ fn inner<const N: usize, const M: usize>(a: &Mixture<N>, b: &Mixture<M>) -> Resu
 /// Multiplies two mixtures of round lobes, lobe by lobe.
 ///
 /// A folded lobe counts as two, itself and its mirror image. The products are lobes of the caller's shading frame, not
-/// folded; they stand for the product on the domain that the mixtures share.
+/// folded; they stand for the product on the domain that the mixtures share. Sharpness and amplitudes as in `srbf_lobe_product`.
 /// Shapes: `lobes` [capacity], of which the first `*count` are overwritten; `lobes` may be NULL with capacity 0, to ask
 /// for the count alone. Status: `SRBF_STATUS_SIZE` if the capacity is too small, `*count` says what is needed;
 /// `SRBF_STATUS_SQUEEZED`.
@@ -117,9 +119,7 @@ pub unsafe extern "C" fn srbf_mixture_product(
             check_extent(lobes.addr(), needed, size_of::<srbf_lobe>())?;
             let written = lobes.addr()..lobes.addr() + needed * size_of::<srbf_lobe>();
             for object in [extent(a, &first), extent(b, &second)] {
-                if written.start < object.end && object.start < written.end {
-                    return Err(SRBF_STATUS_OVERLAP.into());
-                }
+                check_apart(&written, &object)?;
             }
             // SAFETY: not NULL, aligned, within the address space and apart from what is read, checked above; writable
             // by the header's contract. The two structures are laid out alike, asserted below, and any bits are one.

@@ -16,7 +16,7 @@ pub const SRBF_STATUS_MISALIGNED: srbf_status = 2;
 pub const SRBF_STATUS_OVERLAP: srbf_status = 3;
 /// A buffer is too small, or a count is so large that the address space ends before the buffer.
 pub const SRBF_STATUS_SIZE: srbf_status = 4;
-/// A stride is not a multiple of the alignment, or smaller than one element.
+/// A stride is not a multiple of the alignment, or smaller than one element: 0 too.
 pub const SRBF_STATUS_STRIDE: srbf_status = 5;
 /// The memory does not hold the object: it was not made by this library, or its size does not fit.
 pub const SRBF_STATUS_OBJECT: srbf_status = 6;

@@ -7,7 +7,7 @@ use crate::{SRBF_STATUS_CAPACITY, SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT, SR
 use core::ops::Range;
 use srbf_core::{Lobe, MAX_LOBES, Mixture};
 
-/// Alignment of the storage for a mixture, which is also what `malloc` gives; 64 is a little faster.
+/// Alignment of the storage for a mixture, which is also what `malloc` gives on 64-bit platforms; 64 is a little faster.
 pub const SRBF_MIXTURE_ALIGNMENT: usize = 16;
 /// Bytes of storage for a mixture of at most 16 lobes.
 pub const SRBF_MIXTURE_SIZE_16: usize = 1280;

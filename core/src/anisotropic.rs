@@ -28,7 +28,7 @@ use crate::format::f32_at;
 use crate::format::grid::{HEAD, ROWS, Shape};
 use crate::lanes::{Lanes, atan2_positive, exp2, sin_cos};
 use crate::squeeze::Squeeze;
-use crate::{Domain, Error, LeaveOut, Material, Mixture};
+use crate::{LeaveOut, Material, Mixture};
 use core::f32::consts::PI;
 use glam::Vec3;
 
@@ -46,7 +46,9 @@ struct Place {
 
 impl Place {
     #[inline(always)]
-    fn new(bytes: &[u8], shape: Shape, thetas: usize, wo: Vec3, across: f32) -> Self {
+    fn new(bytes: &[u8], shape: Shape, thetas: usize, wo: Vec3) -> Self {
+        let across_squared = wo.x * wo.x + wo.y * wo.y;
+        let across = Lanes::sqrt(across_squared);
         let theta = atan2_positive(across, wo.z);
         let (mut within, last) = (0, shape.thetas - 1);
         while within + 1 < last && f32_at(bytes, thetas + 4 * (within + 1)) <= theta {
@@ -56,10 +58,10 @@ impl Place {
         let (from, to) = (f32_at(bytes, thetas + 4 * within), f32_at(bytes, thetas + 4 * beyond));
         let outward = if to > from { ((theta - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
 
-        // At the normal any azimuth serves.
+        // At the normal any azimuth serves, as in `crate::prepare`.
         let mut azimuth = [1.0, 0.0];
         let mut phi = PI;
-        if across > 0.0 {
+        if across_squared >= f32::MIN_POSITIVE {
             let inverse = 1.0 / across;
             azimuth = [-wo.x * inverse, -wo.y * inverse];
             let quarter = atan2_positive(wo.y.abs(), wo.x.abs());
@@ -98,25 +100,12 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     wo: Vec3,
     leave_out: LeaveOut,
     mixture: &mut Mixture<N>,
-) -> Result<(), Error> {
+) {
     let (bytes, header) = (material.bytes, &material.header);
-    mixture.begin(Domain::Hemisphere, Squeeze::NONE);
     let count = header.lobes;
-    if count > N {
-        return Err(Error::Capacity { needed: count, available: N });
-    }
-    let across_squared = wo.x * wo.x + wo.y * wo.y;
-    // False for a NaN too.
-    let is_unit = (across_squared + wo.z * wo.z - 1.0).abs() <= 2e-3;
-    if !is_unit {
-        return Err(Error::Direction);
-    }
-    if wo.z < 0.0 {
-        return Ok(());
-    }
     mixture.in_plane = false;
 
-    let place = Place::new(bytes, shape, header.theta(0), wo, Lanes::sqrt(across_squared));
+    let place = Place::new(bytes, shape, header.theta(0), wo);
     let [c, s] = place.azimuth;
     let views = [
         [place.view(shape, 0, 0), place.view(shape, 0, 1)],
@@ -198,7 +187,6 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
         k += L::COUNT;
     }
     mixture.finish::<L>(count, header.squeezed, leave_out);
-    Ok(())
 }
 
 /// Loads little-endian f32 from bytes of any alignment; what lies past the end reads as 0.

@@ -196,7 +196,7 @@ impl<const N: usize> Block<3, 1> for Luminance<'_, N> {
     #[inline(always)]
     fn block<L: Lanes>(&self, d: [L; 3]) -> [L; 1] {
         let m = self.0;
-        let [sum] = sums(m, [&m.luminance], [m.power - m.lobes_power], d);
+        let [sum] = sums(m, [&m.luminance], [m.diffuse_power], d);
         [sum * L::splat(self.1)]
     }
 }

@@ -142,7 +142,7 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
             let [turned, squeezed] = [Sight::from_numbers(pair[0]), Sight::from_numbers(pair[1])];
             let rows: [&[f32; N]; 4] = [&m.red, &m.green, &m.blue, &m.luminance];
             let mut amplitudes = [rows[3]; C];
-            let mut diffuse = [m.power - m.lobes_power; C];
+            let mut diffuse = [m.diffuse_power; C];
             if C == 3 {
                 for channel in 0..C {
                     amplitudes[channel] = rows[channel];

@@ -14,11 +14,11 @@ pub enum Error {
     Amplitude,
     /// The squeeze is NaN or outside [0.01, 2].
     Squeeze,
-    /// The operation has no closed form for squeezed lobes.
+    /// The operation has no closed form for squeezed lobes, nor for a diffuse term.
     Squeezed,
     /// A parameter of a kernel is out of its range.
     Kernel,
-    /// A share that may be left out is NaN or outside [0, 1].
+    /// A share is NaN or outside [0, 1].
     Share,
     /// The mixture has room for fewer lobes than are needed.
     Capacity {
@@ -44,7 +44,7 @@ impl fmt::Display for Error {
             Self::Squeeze => f.write_str("a squeeze must be within [0.01, 2]"),
             Self::Squeezed => f.write_str("squeezed lobes and diffuse terms have no product in closed form"),
             Self::Kernel => f.write_str("a parameter of the kernel is out of range"),
-            Self::Share => f.write_str("a share that may be left out must be within [0, 1]"),
+            Self::Share => f.write_str("a share must be within [0, 1]"),
             Self::Capacity { needed, available } => {
                 write!(f, "the mixture has room for {available} lobes, {needed} are needed")
             }
@@ -98,7 +98,7 @@ impl fmt::Display for FormatError {
                 write!(f, "version {v} at byte 8, this library reads version {}", crate::FORMAT_VERSION)
             }
             Self::Length { expected, actual } => write!(f, "{expected} bytes expected, {actual} found"),
-            Self::Checksum => f.write_str("the checksum does not fit: the bytes are damaged"),
+            Self::Checksum => f.write_str("the checksum does not fit: the .srbf bytes are damaged"),
             Self::Field { name, offset } => write!(f, "{name} at byte {offset} is out of range"),
             Self::Buffer { needed, available } => {
                 write!(f, "the buffer has {available} bytes, {needed} are needed")

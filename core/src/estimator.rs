@@ -1,9 +1,9 @@
 //! Estimators: several samples of one mixture, stratified over its lobes; the weights that combine techniques; and a
 //! mixture with a defensive component, whose weights are bounded.
 
-use crate::batch::sample_one;
+use crate::batch::{chosen_power, sample_one};
 use crate::lobe::where_around;
-use crate::{Domain, Error, Gaussian, Kernel, MAX_LOBES, Mixture, Sample, float, special};
+use crate::{Domain, Error, Kernel, MAX_LOBES, Mixture, Sample, float, special};
 use core::f32::consts::{FRAC_1_PI, PI};
 use glam::Vec3;
 
@@ -51,7 +51,7 @@ impl<const N: usize> Mixture<N> {
     /// Source: Weng and Shih 2006, sections 4.2.1 and 4.2.2, eq. 14; differs: one random number, not one a sample.
     ///
     /// # Errors
-    /// [`Error::Capacity`] if `counts` is shorter than the number of lobes.
+    /// [`Error::Capacity`] if `counts` is shorter than [`component_len`](Self::component_len).
     pub fn allocate_into(&self, samples: u32, offset: f32, counts: &mut [u32]) -> Result<(), Error> {
         self.check_counts(counts)?;
         counts.fill(0);
@@ -66,7 +66,7 @@ impl<const N: usize> Mixture<N> {
             let reach = share * samples as f32 - offset;
             // The cast saturates: 0 for what is negative.
             let whole = reach as u32;
-            let until = (whole + u32::from(reach > whole as f32)).min(samples);
+            let until = whole.saturating_add(u32::from(reach > whole as f32)).min(samples);
             let until = if share >= 1.0 { samples } else { until };
             *count = until.saturating_sub(taken);
             taken = taken.max(until);
@@ -97,10 +97,10 @@ impl<const N: usize> Mixture<N> {
     /// Evaluates `sum over lobes of count_k p_k(d)`, the divisor of eq. 13: the estimate is the sum over all samples,
     /// of all lobes, of `value / divisor`, unbiased for any counts that are positive where the value is.
     ///
-    /// Shapes: `counts` [`len`]. Source: Weng and Shih 2006, eq. 13 (balance heuristic).
+    /// Shapes: `counts` [`component_len`](Self::component_len). Source: Weng and Shih 2006, eq. 13 (balance heuristic).
     ///
     /// # Errors
-    /// [`Error::Capacity`] if `counts` is shorter than the number of lobes.
+    /// [`Error::Capacity`] if `counts` is shorter than [`component_len`](Self::component_len).
     pub fn balance_divisor(&self, counts: &[u32], direction: Vec3) -> Result<f32, Error> {
         self.check_counts(counts)?;
         let mut sum = 0.0;
@@ -119,8 +119,7 @@ impl<const N: usize> Mixture<N> {
     pub fn invert_sample(&self, direction: Vec3, choice: f32) -> Option<[f32; 3]> {
         // The lobe: the first whose running part of the density exceeds the choice.
         let mut whole = 0.0;
-        let luminance_of =
-            |k: usize| if k == self.count { self.power - self.lobes_power } else { self.luminance[k] };
+        let luminance_of = |k: usize| if k == self.count { self.diffuse_power } else { self.luminance[k] };
         self.for_each_component(direction, |k, g| whole += luminance_of(k) * g);
         let target = choice * whole;
         let (mut before, mut found) = (0.0, None);
@@ -137,7 +136,8 @@ impl<const N: usize> Mixture<N> {
 
         let below_one = |x: f32| x.min(1.0 - f32::EPSILON / 2.0);
         let low = if k == 0 { 0.0 } else { self.running_power(k - 1) };
-        let component = |rest| below_one((low + rest * (self.running_power(k) - low)) / self.power);
+        let high = self.running_power(k);
+        let component = |rest| self.choosing(low, high, below_one((low + rest * (high - low)) / self.power));
         if k == self.count {
             // Cosine-weighted heights: u = sin^2.
             let [_, turns] = where_around(Vec3::Z, self.turned(direction));
@@ -185,9 +185,19 @@ impl<const N: usize> Mixture<N> {
         Vec3::from_array(self.squeeze.turn(direction.to_array()).high)
     }
 
-    fn gaussian(&self, k: usize) -> Gaussian {
-        let axis = Vec3::new(self.axis_x[k], self.axis_y[k], self.axis_z[k]);
-        Gaussian { axis, sharpness: self.sharpness[k] }
+    /// The number nearest to `u`, but for a few roundings, that chooses the component from `low` to `high` of the running power.
+    fn choosing(&self, low: f32, high: f32, mut u: f32) -> f32 {
+        for _ in 0..4 {
+            let target = chosen_power(self, u);
+            if target < low {
+                u = u.next_up();
+            } else if target >= high {
+                u = u.next_down();
+            } else {
+                break;
+            }
+        }
+        u
     }
 
     /// Calls with every lobe and its unit value at the direction, fold and change of solid angle included; last with the
@@ -239,10 +249,10 @@ impl<'a, const N: usize> Defensive<'a, N> {
     /// Adds a defensive component of a share in [0, 1]; 0.02 to 0.05 serves well. A black mixture gives it all.
     ///
     /// # Errors
-    /// [`Error::Kernel`] for a share outside the range.
+    /// [`Error::Share`] for a share outside the range.
     pub fn new(mixture: &'a Mixture<N>, share: f32) -> Result<Self, Error> {
         if !(0.0..=1.0).contains(&share) {
-            return Err(Error::Kernel);
+            return Err(Error::Share);
         }
         Ok(Self { mixture, share: if mixture.power == 0.0 { 1.0 } else { share } })
     }

@@ -37,6 +37,8 @@ pub const FORMAT_VERSION: u32 = 1;
 const MAGIC: [u8; 8] = [0x89, b'S', b'R', b'B', b'F', b'\r', b'\n', 0x1a];
 pub(crate) const HEADER: usize = 48;
 const CHECKSUM: usize = 4;
+/// Bytes that every file has.
+pub(crate) const SMALLEST: usize = HEADER + CHECKSUM;
 /// Byte offset of the number of mirrored lobes.
 const MIRRORED: usize = 36;
 /// Numbers in the head of a view: squeeze, diffuse albedo in three channels.
@@ -118,7 +120,8 @@ impl Header {
     }
 }
 
-/// Bytes that [`encode`] writes, for so many views of so many lobes, the last `mirrored` of which stand for two.
+/// Bytes that [`encode`] writes, for so many views of so many lobes, the last `mirrored` of which stand for two; of 1024 views and
+/// 64 lobes at most.
 pub const fn encoded_len(views: usize, lobes: usize, mirrored: usize, provenance: &str) -> usize {
     Header { kind: Kind::Line, views, lobes, squeezed: 0, mirrored, provenance: provenance.len() }.len()
 }
@@ -226,27 +229,32 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// Checks every field once; what passes can be read without a further check.
-pub(crate) fn validate(bytes: &[u8]) -> Result<Header, FormatError> {
-    let length = |expected| FormatError::Length { expected, actual: bytes.len() };
+/// Checks how bytes start, of which [`SMALLEST`] are enough, and returns the length that they announce.
+pub(crate) fn announced_len(bytes: &[u8]) -> Result<usize, FormatError> {
     if bytes.len() < MAGIC.len() || bytes[..MAGIC.len()] != MAGIC {
         return Err(FormatError::Magic);
     }
-    if bytes.len() < HEADER + CHECKSUM {
-        return Err(length(HEADER + CHECKSUM));
+    if bytes.len() < SMALLEST {
+        return Err(FormatError::Length { expected: SMALLEST, actual: bytes.len() });
     }
     let version = u32_at(bytes, 8);
     if version != FORMAT_VERSION {
         return Err(FormatError::Version(version));
     }
+    if u32_at(bytes, 12) > 1 {
+        return Err(FormatError::Field { name: "kind", offset: 12 });
+    }
+    Ok(u32_at(bytes, 16) as usize)
+}
+
+/// Checks every field once; what passes can be read without a further check.
+pub(crate) fn validate(bytes: &[u8]) -> Result<Header, FormatError> {
+    let announced = announced_len(bytes)?;
+    if announced != bytes.len() {
+        return Err(FormatError::Length { expected: announced, actual: bytes.len() });
+    }
     let field = |name, offset| Err(FormatError::Field { name, offset });
     let count = |offset| u32_at(bytes, offset) as usize;
-    if count(12) > 1 {
-        return field("kind", 12);
-    }
-    if count(16) != bytes.len() {
-        return Err(length(count(16)));
-    }
     let mut header = Header {
         kind: Kind::Line,
         views: count(20),

@@ -9,7 +9,7 @@ use core::ops::{Add, Div, Mul, Sub};
 
 /// A vector of f32, or one f32.
 ///
-/// Comparisons with NaN are false. `min` and `max` give the second operand if either is NaN, as x86 does.
+/// Comparisons with NaN are false. `min` and `max` give any of the two operands if one is NaN.
 pub trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
@@ -60,8 +60,8 @@ pub trait Lanes:
     fn keep(self, mask: Self::Mask) -> Self;
     /// Adds a whole number to the exponent of `self`: `n` is the float `n + 1.5 2^23`, whose low bits hold it.
     fn add_exponent(self, n: Self) -> Self;
-    /// `2^self`, and exactly 0 where `self` is less than `least`, to a half. Relative error below 2.5e-7; `self` at most 127, `least` -125 or
-    /// more: no subnormal.
+    /// `2^self`, and exactly 0 where `self` is less than `least`, to a half, or a NaN. Relative error below 2.5e-7; `self` at most
+    /// 127, `least` -125 or more: no subnormal.
     #[inline(always)]
     fn exp2_above(self, least: f32) -> Self {
         // The nearest whole number in the low bits, and what is left of it.

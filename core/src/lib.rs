@@ -8,7 +8,7 @@
 //! viewer and is fixed, incident `wi` points towards the light and is sampled. Values are linear sRGB.
 //!
 //! Not-a-number policy: constructors refuse what has no meaning; evaluation and sampling of what was constructed never
-//! make a NaN from finite directions. A direction that holds a NaN gives an unspecified value, never a panic.
+//! make a NaN from unit directions. Any other vector gives an unspecified value, never a panic.
 //!
 //! ```
 //! use glam::vec3;
@@ -29,6 +29,8 @@ mod block;
 mod checksum;
 mod error;
 mod estimator;
+#[cfg(feature = "std")]
+mod file;
 mod float;
 mod folded;
 mod format;
@@ -52,6 +54,8 @@ mod two;
 pub use batch::SamplesMut;
 pub use error::{Error, FormatError};
 pub use estimator::{Defensive, balance_heuristic, power_heuristic};
+#[cfg(feature = "std")]
+pub use file::{FileError, read_file};
 pub use folded::Folded;
 pub use format::grid::{Grid, GridView, TiltedLobe};
 pub use format::{FORMAT_VERSION, PlaneLobe, View, encode, encoded_len};

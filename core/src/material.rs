@@ -2,6 +2,7 @@
 
 use crate::format::{self, Header, Kind, f32_at};
 use crate::prepare::Prepare;
+use crate::simd::Level;
 use crate::{Error, FormatError, LeaveOut, Mixture, PlaneLobe, TiltedLobe};
 use core::f32::consts::PI;
 use glam::Vec3;
@@ -166,6 +167,7 @@ impl<'a> Material<'a> {
         leave_out: LeaveOut,
         mixture: &mut Mixture<N>,
     ) -> Result<(), Error> {
-        crate::simd::Level::current().run(Prepare { material: self, wo, leave_out, mixture })
+        let level = Level::current();
+        level.run(Prepare { material: self, wo, leave_out, level, mixture })
     }
 }

@@ -77,13 +77,16 @@ pub struct Mixture<const N: usize> {
     pub(crate) folded: u64,
     /// Albedo of the diffuse term; 0 on the sphere.
     pub(crate) diffuse: Vec3,
-    pub(crate) albedo: Vec3,
+    /// Albedo of the lobes.
+    pub(crate) lobes_albedo: Vec3,
     /// Luminance of the albedo, the normaliser of the density; 0 if nothing can be sampled.
     pub(crate) power: f32,
     /// `1 / power`, or 0.
     pub(crate) inverse_power: f32,
-    /// The part of `power` that lobes have; the rest is the diffuse term's.
+    /// The part of `power` that lobes have.
     pub(crate) lobes_power: f32,
+    /// The part that the diffuse term has: the difference of the two above would have lost its digits.
+    pub(crate) diffuse_power: f32,
     // Structure of arrays; places from `count` up to the next multiple of what one direction
     // takes at a time (two vectors on AVX2, one elsewhere) hold lobes of amplitude 0.
     pub(crate) axis_x: [f32; N],
@@ -97,7 +100,8 @@ pub struct Mixture<const N: usize> {
     pub(crate) luminance: [f32; N],
     /// `-s / 2` in base 2: times the squared chord it is the exponent.
     pub(crate) rate: [f32; N],
-    /// `-2 s axis.z` in base 2: times d.z it is what the fold adds to the exponent.
+    /// `-2 s axis.z` in base 2: times d.z it is what the fold adds to the exponent. Minus infinity, or a NaN times 0, which both
+    /// leave nothing of it, for a lobe that does not need its fold but shares a vector with one that does.
     pub(crate) fold_rate: [f32; N],
     /// `1 / s`, of at least 1e-7: below, the lobe is constant to f32.
     pub(crate) inverse_sharpness: [f32; N],
@@ -111,8 +115,13 @@ pub struct Mixture<const N: usize> {
 
 /// A number whose lowest `count` bits are set, up to 64.
 #[inline(always)]
-const fn lowest_bits(count: usize) -> u64 {
+pub(crate) const fn lowest_bits(count: usize) -> u64 {
     if count == 0 { 0 } else { u64::MAX >> (64 - count) }
+}
+
+/// Largest component that folded lobes can have, if all have their peaks at one place.
+fn lobes_at_most(lobes: &[Lobe]) -> f32 {
+    2.0 * lobes.iter().map(|lobe| lobe.amplitude.max_element()).sum::<f32>()
 }
 
 impl<const N: usize> Default for Mixture<N> {
@@ -124,7 +133,12 @@ impl<const N: usize> Default for Mixture<N> {
 impl<const N: usize> Mixture<N> {
     /// The mixture without lobes: value, albedo and density are 0, and no sample can be drawn.
     pub const fn empty() -> Self {
-        const { assert!(N.is_multiple_of(16) && N <= MAX_LOBES, "a mixture has room for 16, 32, 48 or 64 lobes") };
+        const {
+            assert!(
+                N > 0 && N.is_multiple_of(16) && N <= MAX_LOBES,
+                "a mixture has room for 16, 32, 48 or 64 lobes"
+            )
+        };
         let zeros = [0.0; N];
         Self {
             count: 0,
@@ -135,10 +149,11 @@ impl<const N: usize> Mixture<N> {
             squeeze: Squeeze::NONE,
             folded: 0,
             diffuse: Vec3::ZERO,
-            albedo: Vec3::ZERO,
+            lobes_albedo: Vec3::ZERO,
             power: 0.0,
             inverse_power: 0.0,
             lobes_power: 0.0,
+            diffuse_power: 0.0,
             axis_x: zeros,
             axis_y: zeros,
             axis_z: zeros,
@@ -159,7 +174,7 @@ impl<const N: usize> Mixture<N> {
     /// Makes a mixture of folded, round lobes on the upper hemisphere.
     ///
     /// # Errors
-    /// [`Error::Capacity`]; [`Error::Amplitude`] if the integral is not finite; and what [`Lobe::new`] refuses.
+    /// [`Error::Capacity`]; [`Error::Amplitude`] if integral or value could be infinite; and what [`Lobe::new`] refuses.
     pub fn hemisphere(lobes: &[Lobe]) -> Result<Self, Error> {
         Self::new(Domain::Hemisphere, 1.0, &[], lobes)
     }
@@ -167,7 +182,7 @@ impl<const N: usize> Mixture<N> {
     /// Makes a mixture of round lobes on the whole sphere.
     ///
     /// # Errors
-    /// [`Error::Capacity`]; [`Error::Amplitude`] if the integral is not finite; and what [`Lobe::new`] refuses.
+    /// [`Error::Capacity`]; [`Error::Amplitude`] if integral or value could be infinite; and what [`Lobe::new`] refuses.
     pub fn sphere(lobes: &[Lobe]) -> Result<Self, Error> {
         Self::new(Domain::Sphere, 1.0, &[], lobes)
     }
@@ -175,7 +190,7 @@ impl<const N: usize> Mixture<N> {
     /// Makes a mixture of squeezed and round lobes; the squeeze c narrows (c < 1) or widens along y.
     ///
     /// # Errors
-    /// [`Error::Capacity`]; [`Error::Squeeze`] outside [0.01, 2]; [`Error::Amplitude`] if the integral is not finite;
+    /// [`Error::Capacity`]; [`Error::Squeeze`] outside [0.01, 2]; [`Error::Amplitude`] if integral or value could be infinite;
     /// and what [`Lobe::new`] refuses.
     pub fn new(domain: Domain, squeeze: f32, squeezed: &[Lobe], round: &[Lobe]) -> Result<Self, Error> {
         let needed = squeezed.len() + round.len();
@@ -186,7 +201,7 @@ impl<const N: usize> Mixture<N> {
             return Err(Error::Squeeze);
         }
         let mut mixture = Self::empty();
-        mixture.begin(domain, Squeeze::new([1.0, 0.0], 1.0, 1.0 / squeeze));
+        mixture.begin(Level::current(), domain, Squeeze::new([1.0, 0.0], 1.0, 1.0 / squeeze));
         for (k, lobe) in squeezed.iter().chain(round).enumerate() {
             let Lobe { gaussian, amplitude } =
                 Lobe::new(lobe.gaussian.axis, lobe.gaussian.sharpness, lobe.amplitude)?;
@@ -198,24 +213,28 @@ impl<const N: usize> Mixture<N> {
             [mixture.red[k], mixture.green[k], mixture.blue[k]] = amplitude.to_array();
         }
         mixture.finish::<f32>(needed, squeezed.len(), LeaveOut::default());
-        if mixture.albedo.is_finite() { Ok(mixture) } else { Err(Error::Amplitude) }
+        // The most that a value can be: the fold doubles a lobe, the squeeze changes solid angles.
+        let most = lobes_at_most(squeezed) * (1.0 / squeeze).max(squeeze * squeeze) + lobes_at_most(round);
+        let is_finite = mixture.albedo().is_finite() && most.is_finite();
+        if is_finite { Ok(mixture) } else { Err(Error::Amplitude) }
     }
 
     /// Starts over as an empty mixture, keeping the storage.
     #[inline(always)]
-    pub(crate) fn begin(&mut self, domain: Domain, squeeze: Squeeze) {
+    pub(crate) fn begin(&mut self, level: Level, domain: Domain, squeeze: Squeeze) {
         self.count = 0;
         self.squeezed = 0;
         self.domain = domain;
         self.in_plane = true;
-        self.level = Level::current();
+        self.level = level;
         self.squeeze = squeeze;
         self.folded = 0;
         self.diffuse = Vec3::ZERO;
-        self.albedo = Vec3::ZERO;
+        self.lobes_albedo = Vec3::ZERO;
         self.power = 0.0;
         self.inverse_power = 0.0;
         self.lobes_power = 0.0;
+        self.diffuse_power = 0.0;
     }
 
     /// Completes the mixture from axes, sharpness and amplitudes, which the caller has stored and checked; those of
@@ -264,12 +283,13 @@ impl<const N: usize> Mixture<N> {
             if self.domain == Domain::Hemisphere {
                 let axis_z = L::load(&self.axis_z[k..]).abs();
                 axis_z.store(&mut self.axis_z[k..]);
-                (rate * axis_z * L::splat(4.0)).store(&mut self.fold_rate[k..]);
                 // s (1 - t) = s z^2 / (1 + t), without cancellation.
                 let zz = axis_z * axis_z;
                 let t = (one - zz).max(zero).sqrt();
                 let folds = (s * zz).lt((one + t) * L::splat(leave_out.fold_exponent));
                 folded |= L::bits(folds) << k;
+                let fold_rate = rate * axis_z * L::splat(4.0);
+                L::select(folds, fold_rate, L::splat(f32::NEG_INFINITY)).store(&mut self.fold_rate[k..]);
             }
 
             let rgb = [L::load(&self.red[k..]), L::load(&self.green[k..]), L::load(&self.blue[k..])];
@@ -282,16 +302,17 @@ impl<const N: usize> Mixture<N> {
             }
             k += L::COUNT;
         }
-        self.folded = folded;
+        self.folded = folded & lowest_bits(count);
         let mut lobes_albedo = Vec3::new(albedo[0].sum(), albedo[1].sum(), albedo[2].sum());
         if leave_out.lobes > 0.0 {
-            let least = leave_out.lobes * luminance(lobes_albedo + self.diffuse);
+            // Less what rounding may have taken from the power of a lobe: one that is all there is stays.
+            let least = leave_out.lobes * (1.0 - 1e-6) * luminance(lobes_albedo + self.diffuse);
             lobes_albedo = self.drop_lobes::<L>(least).unwrap_or(lobes_albedo);
         }
-        self.albedo = lobes_albedo;
+        self.lobes_albedo = lobes_albedo;
     }
 
-    /// Sums up the powers of the lobes, a chain of as many dependent additions, and adds the diffuse term to the albedo.
+    /// Sums up the powers of the lobes, a chain of as many dependent additions, and of the diffuse term.
     #[inline(always)]
     pub(crate) fn sum_up(&mut self) {
         let mut power = 0.0;
@@ -300,7 +321,7 @@ impl<const N: usize> Mixture<N> {
             *running = power;
         }
         self.lobes_power = power;
-        self.add_up(self.albedo);
+        self.add_diffuse();
     }
 
     /// Drops the lobes whose power, which `cumulative` still holds one by one, is below a bound; those that stay keep their
@@ -363,11 +384,11 @@ impl<const N: usize> Mixture<N> {
         Some(Vec3::new(red.sum(), green.sum(), blue.sum()) * (2.0 * PI))
     }
 
-    /// Adds the diffuse term to the albedo of the lobes.
+    /// Adds the power of the diffuse term to that of the lobes.
     #[inline(always)]
-    fn add_up(&mut self, lobes_albedo: Vec3) {
-        self.albedo = lobes_albedo + self.diffuse;
-        let power = self.lobes_power + luminance(self.diffuse);
+    fn add_diffuse(&mut self) {
+        self.diffuse_power = luminance(self.diffuse);
+        let power = self.lobes_power + self.diffuse_power;
         // A sum so small that its inverse is infinite reflects nothing.
         (self.power, self.inverse_power) =
             if power >= f32::MIN_POSITIVE { (power, 1.0 / power) } else { (0.0, 0.0) };
@@ -381,10 +402,12 @@ impl<const N: usize> Mixture<N> {
         if !albedo.is_finite() || albedo.min_element() < 0.0 || self.domain == Domain::Sphere {
             return Err(Error::Amplitude);
         }
-        let lobes_albedo = self.albedo - self.diffuse;
+        if self.count == 0 {
+            self.level = Level::current();
+        }
         self.diffuse = albedo;
-        self.add_up(lobes_albedo);
-        if self.albedo.is_finite() { Ok(self) } else { Err(Error::Amplitude) }
+        self.add_diffuse();
+        if self.albedo().is_finite() { Ok(self) } else { Err(Error::Amplitude) }
     }
 
     /// Albedo of the diffuse term, linear sRGB.
@@ -452,13 +475,13 @@ impl<const N: usize> Mixture<N> {
 
     /// Lobe `k` in the frame of the view, or `None` past the end.
     pub fn lobe(&self, k: usize) -> Option<Lobe> {
-        (k < self.count).then(|| Lobe {
-            gaussian: Gaussian {
-                axis: Vec3::new(self.axis_x[k], self.axis_y[k], self.axis_z[k]),
-                sharpness: self.sharpness[k],
-            },
-            amplitude: Vec3::new(self.red[k], self.green[k], self.blue[k]),
-        })
+        let amplitude = || Vec3::new(self.red[k], self.green[k], self.blue[k]);
+        (k < self.count).then(|| Lobe { gaussian: self.gaussian(k), amplitude: amplitude() })
+    }
+
+    pub(crate) fn gaussian(&self, k: usize) -> Gaussian {
+        let axis = Vec3::new(self.axis_x[k], self.axis_y[k], self.axis_z[k]);
+        Gaussian { axis, sharpness: self.sharpness[k] }
     }
 
     /// Integral of the value over the domain, in closed form: `diffuse + sum a I(s)`; linear sRGB.
@@ -466,7 +489,7 @@ impl<const N: usize> Mixture<N> {
     /// For a material, the directional albedo towards the outgoing direction.
     #[inline]
     pub fn albedo(&self) -> Vec3 {
-        self.albedo
+        self.lobes_albedo + self.diffuse
     }
 
     /// Luminance of the albedo: what the density is normalised by, and the luminance of every sample's weight.
@@ -499,7 +522,8 @@ impl<const N: usize> Mixture<N> {
 
     /// Draws an incident direction from the density: lobe by `u[0]`, direction in it by `u[1]` and `u[2]`.
     ///
-    /// `None` where the integral is 0: such a mixture reflects nothing. No sample is wasted below the horizon.
+    /// `None` where the integral is 0: such a mixture reflects nothing; and where the density underflows, far out in a tail. No sample is
+    /// wasted below the horizon.
     /// The three numbers are uniform in [0, 1).
     /// Source: Weng and Shih 2006, section 4.2.2, eq. 14; differs: what falls below the horizon is mirrored up.
     #[inline]

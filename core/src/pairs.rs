@@ -1,7 +1,8 @@
 //! Pairs: every outgoing direction has its own mixture, as a wavefront renderer needs it.
 //!
 //! With vectors the pairs are taken in blocks, see [`block`](crate::block), whose mixtures never leave the cache; without, and where
-//! there are only a few, one after the other. A block takes 16 kB of stack, 31 or 58 where a material has more than 16 or 32 lobes.
+//! there are only a few, one after the other. With its block, a call takes up to 30 kB of stack, 44 or 74 where a material has more than 16
+//! or 32 lobes.
 
 use crate::batch::{SamplesMut, same_length};
 #[cfg(feature = "simd")]
@@ -19,7 +20,8 @@ impl Material<'_> {
     /// The same values as [`prepare`](Self::prepare) and [`Mixture::evaluate`], pair by pair. An outgoing direction
     /// below the horizon, or none at all (not finite, not of unit length), gives 0.
     ///
-    /// This and the other calls for pairs use up to 16 kB of stack, 58 kB for materials of more than 32 lobes; without the feature `simd` 4 kB.
+    /// This and the other calls for pairs use up to 30 kB of stack, 44 or 74 kB for materials of more than 16 or 32 lobes; 17 kB without
+    /// the feature `simd`.
     ///
     /// Shapes: `wo` and `wi` x, y, z, each [n]; `value` red, green, blue, each [n], and `pdf` [n], overwritten; 1/sr.
     ///
@@ -156,7 +158,8 @@ impl Material<'_> {
         if self.lobe_count() > N {
             return Err(Error::Capacity { needed: self.lobe_count(), available: N });
         }
-        Level::current().run(PrepareInto { material: self, wo, mixtures });
+        let level = Level::current();
+        level.run(PrepareInto { material: self, wo, level, mixtures });
         Ok(())
     }
 }
@@ -191,7 +194,7 @@ fn for_each<const N: usize>(material: &Material<'_>, wo: [&[f32]; 3], each: &mut
             let count = block::MOST.min(n - from);
             let [x, y, z] = wo.map(|s| &s[from..from + count]);
             let mixtures = &mut mixtures[..count];
-            level.run(PrepareInto { material, wo: [x, y, z], mixtures });
+            level.run(PrepareInto { material, wo: [x, y, z], level, mixtures });
             each.block(level, mixtures, from);
             from += count;
         }

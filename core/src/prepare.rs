@@ -3,7 +3,7 @@
 use crate::anisotropic;
 use crate::format::{self, Kind, f32_at};
 use crate::lanes::{Lanes, atan2_positive, exp2, sin_cos, splat3};
-use crate::simd::Routine;
+use crate::simd::{Level, Routine};
 use crate::squeeze::Squeeze;
 use crate::two::Two;
 use crate::{Domain, Error, LeaveOut, MAX_LOBES, Material, Mixture};
@@ -12,14 +12,15 @@ use glam::Vec3;
 /// Widest vector of any back end, a pair included.
 const WIDEST: usize = 32;
 
-/// The bytes from an offset on, at least `need` of them: near the end of the file those of `copy`, which is then made.
+/// The bytes from `ahead` before an offset on, at least `need` of them: near either end of the file those of `copy`, `len` bytes, which
+/// is then made.
 macro_rules! from_offset {
-    ($bytes:expr, $offset:expr, $need:expr, $copy:ident) => {{
-        let rest: &[u8] = &$bytes[$offset..];
-        if rest.len() >= $need {
-            rest
+    ($bytes:expr, $offset:expr, $ahead:expr, $need:expr, $copy:ident, $len:expr) => {{
+        let (bytes, offset, ahead): (&[u8], usize, usize) = ($bytes, $offset, $ahead);
+        if offset >= ahead && bytes.len() - (offset - ahead) >= $need {
+            &bytes[offset - ahead..]
         } else {
-            $copy = padded(rest);
+            $copy = padded::<$len>(bytes, offset, ahead, $need);
             &$copy[..]
         }
     }};
@@ -29,6 +30,8 @@ pub(crate) struct Prepare<'a, 'b, 'm, const N: usize> {
     pub material: &'a Material<'b>,
     pub wo: Vec3,
     pub leave_out: LeaveOut,
+    /// What it runs on.
+    pub level: Level,
     pub mixture: &'m mut Mixture<N>,
 }
 
@@ -36,7 +39,7 @@ impl<const N: usize> Routine for Prepare<'_, '_, '_, N> {
     type Output = Result<(), Error>;
     #[inline(always)]
     fn run<L: Lanes>(self) -> Result<(), Error> {
-        prepare::<L, N>(self.material, self.wo, self.leave_out, self.mixture)
+        prepare::<L, N>(self.material, self.wo, self.leave_out, self.level, self.mixture)
     }
 }
 
@@ -45,16 +48,10 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     material: &Material<'_>,
     wo: Vec3,
     leave_out: LeaveOut,
+    level: Level,
     mixture: &mut Mixture<N>,
 ) -> Result<(), Error> {
-    if let Kind::Grid(shape) = material.header.kind {
-        return if L::LOBES_PAIRED {
-            anisotropic::prepare::<Two<L>, N>(material, shape, wo, leave_out, mixture)
-        } else {
-            anisotropic::prepare::<L, N>(material, shape, wo, leave_out, mixture)
-        };
-    }
-    mixture.begin(Domain::Hemisphere, Squeeze::NONE);
+    mixture.begin(level, Domain::Hemisphere, Squeeze::NONE);
     let count = material.lobe_count();
     if count > N {
         return Err(Error::Capacity { needed: count, available: N });
@@ -66,6 +63,14 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
         return Err(Error::Direction);
     }
     if wo.z < 0.0 {
+        return Ok(());
+    }
+    if let Kind::Grid(shape) = material.header.kind {
+        if L::LOBES_PAIRED {
+            anisotropic::prepare::<Two<L>, N>(material, shape, wo, leave_out, mixture);
+        } else {
+            anisotropic::prepare::<L, N>(material, shape, wo, leave_out, mixture);
+        }
         return Ok(());
     }
     // Where one number has no fused operations but a vector has, in a vector: the same bits as in `PrepareInto`.
@@ -84,6 +89,8 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
 pub(crate) struct PrepareInto<'a, 'b, const N: usize> {
     pub material: &'a Material<'b>,
     pub wo: [&'a [f32]; 3],
+    /// What it runs on.
+    pub level: Level,
     /// As many as directions; a direction that is none leaves an empty one. They have room for all lobes.
     pub mixtures: &'a mut [Mixture<N>],
 }
@@ -93,11 +100,11 @@ impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
     #[inline(always)]
     #[allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
     fn run<L: Lanes>(self) {
-        let Self { material, wo: [x, y, z], mixtures } = self;
+        let Self { material, wo: [x, y, z], level, mixtures } = self;
         if L::COUNT == 1 || matches!(material.header.kind, Kind::Grid(_)) {
             for i in 0..mixtures.len() {
                 let wo = Vec3::new(x[i], y[i], z[i]);
-                let _ = prepare::<L, N>(material, wo, LeaveOut::default(), &mut mixtures[i]);
+                let _ = prepare::<L, N>(material, wo, LeaveOut::default(), level, &mut mixtures[i]);
             }
             return;
         }
@@ -123,7 +130,7 @@ impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
             facing.azimuth[1].store(&mut azimuths[1]);
             for i in 0..count {
                 let mixture = &mut mixtures[at + i];
-                mixture.begin(Domain::Hemisphere, Squeeze::NONE);
+                mixture.begin(level, Domain::Hemisphere, Squeeze::NONE);
                 if seen >> i & 1 == 1 {
                     let place = Place::after(material, passed_by[i] as usize, thetas[i]);
                     let azimuth = [azimuths[0][i], azimuths[1][i]];
@@ -170,9 +177,10 @@ impl<L: Lanes> Facing<L> {
     fn new([x, y, z]: [L; 3], across_squared: L) -> Self {
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let across = across_squared.sqrt();
-        // +x of the view points away from wo, towards the mirror direction; at the normal any azimuth serves.
+        // +x of the view points away from wo, towards the mirror direction; at the normal any azimuth serves, and the square of
+        // what is nearer to it than 1e-19 has lost its digits.
         let inverse = one / across;
-        let is_tilted = zero.lt(across);
+        let is_tilted = across_squared.ge(L::splat(f32::MIN_POSITIVE));
         let azimuth = [
             L::select(is_tilted, (zero - x) * inverse, one),
             L::select(is_tilted, (zero - y) * inverse, zero),
@@ -193,8 +201,8 @@ fn at_place<L: Lanes, const N: usize>(
     // The heads: squeeze and diffuse albedo.
     let (copy_a, copy_b);
     let (a, b) = (material.header.head(place.before), material.header.head(place.after));
-    let a = from_offset!(material.bytes, a, 4 * WIDEST, copy_a);
-    let b = from_offset!(material.bytes, b, 4 * WIDEST, copy_b);
+    let a = from_offset!(material.bytes, a, 0, HEADS, copy_a, HEADS);
+    let b = from_offset!(material.bytes, b, 0, HEADS, copy_b, HEADS);
     let mut head = [0.0; WIDEST];
     let mut i = 0;
     while i < format::HEAD {
@@ -249,7 +257,7 @@ fn views_passed<L: Lanes>(material: &Material<'_>, theta: f32) -> usize {
     let mut view = 0;
     while view < last {
         let copy;
-        let thetas = from_offset!(material.bytes, material.header.theta(view), 4 * WIDEST, copy);
+        let thetas = from_offset!(material.bytes, material.header.theta(view), 0, HEADS, copy, HEADS);
         let inner = u64::MAX >> (64 - (last - view).min(L::COUNT));
         passed += (L::bits(L::splat(theta).ge(L::load_bytes(thetas))) & inner).count_ones() as usize;
         view += L::COUNT;
@@ -268,12 +276,12 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
     let header = &material.header;
     let (count, mirrored) = (header.lobes, if MIRRORED { header.mirrored } else { 0 });
     let total = count + mirrored;
-    // From as many numbers before the view as there are images, which lie so much before their own places: all that precedes
-    // a view is longer. The last vector reaches past the view, and at the last view past the file.
+    // From as many numbers before the view as there are images, which lie so much before their own places. The last vector
+    // reaches past the view, and at the last view past the file.
     let reach = 4 * (4 * count + 2 * mirrored + total.next_multiple_of(L::COUNT));
     let (copy_a, copy_b);
-    let a = from_offset!(material.bytes, header.row(place.before, 0) - 4 * mirrored, reach, copy_a);
-    let b = from_offset!(material.bytes, header.row(place.after, 0) - 4 * mirrored, reach, copy_b);
+    let a = from_offset!(material.bytes, header.row(place.before, 0), 4 * mirrored, reach, copy_a, PADDED);
+    let b = from_offset!(material.bytes, header.row(place.after, 0), 4 * mirrored, reach, copy_b, PADDED);
     let rows = Rows { a: &a[..reach], b: &b[..reach], place, count, mirrored };
     let zero = L::splat(0.0);
     mixture.in_plane = mirrored == 0;
@@ -344,15 +352,20 @@ impl Rows<'_> {
     }
 }
 
+/// Bytes of one vector: the angles of views, or the head of one.
+const HEADS: usize = 4 * WIDEST;
+
 /// Room for a view of the most lobes, and a vector more.
 const PADDED: usize = 4 * (5 * MAX_LOBES + WIDEST);
 
-/// The end of a file, with zeros after it.
+/// At least `need` bytes from `ahead` before an offset on, with zeros before the file and after it.
 #[cold]
 #[inline(never)]
-fn padded(rest: &[u8]) -> [u8; PADDED] {
-    let mut copy = [0; PADDED];
-    let len = rest.len().min(PADDED);
-    copy[..len].copy_from_slice(&rest[..len]);
+fn padded<const LEN: usize>(bytes: &[u8], offset: usize, ahead: usize, need: usize) -> [u8; LEN] {
+    let mut copy = [0; LEN];
+    let missing = ahead.saturating_sub(offset).min(LEN);
+    let rest = &bytes[offset.saturating_sub(ahead)..];
+    let len = rest.len().min(need.min(LEN).saturating_sub(missing));
+    copy[missing..missing + len].copy_from_slice(&rest[..len]);
     copy
 }

@@ -137,7 +137,7 @@ impl<const N: usize> Mixture<N> {
     /// other]; [`product_len`](Self::product_len) says.
     ///
     /// # Errors
-    /// [`Error::Capacity`]; [`Error::Squeezed`], since a squeezed lobe times another is not a lobe.
+    /// [`Error::Capacity`]; [`Error::Squeezed`], since a squeezed lobe or a diffuse term times a lobe is not a lobe.
     pub fn product_into<const M: usize>(&self, other: &Mixture<M>, out: &mut [Lobe]) -> Result<usize, Error> {
         self.check_round()?;
         other.check_round()?;
@@ -174,7 +174,7 @@ impl<const N: usize> Mixture<N> {
     /// Between a folded mixture and one on the sphere by [`Gaussian::hemisphere_integral`].
     ///
     /// # Errors
-    /// [`Error::Squeezed`].
+    /// [`Error::Squeezed`], for squeezed lobes and diffuse terms.
     #[doc(alias = "spherical singular integral")]
     pub fn inner_product<const M: usize>(&self, other: &Mixture<M>) -> Result<Vec3, Error> {
         self.check_round()?;
@@ -202,7 +202,7 @@ impl<const N: usize> Mixture<N> {
 
     /// Integrates the product of a lobe and a mixture of round lobes over the mixture's domain.
     ///
-    /// For a material's mixture and a lobe of light: the radiance that is reflected.
+    /// For a mixture that reflects and a lobe of light: the radiance that is reflected.
     ///
     /// # Errors
     /// [`Error::Squeezed`]; and what [`Lobe::new`] refuses.
@@ -219,7 +219,7 @@ impl<const N: usize> Mixture<N> {
     fn lobe_in_shading_frame(&self, k: usize) -> Lobe {
         let axis = Vec3::from_array(self.squeeze.turn_back([self.axis_x[k], self.axis_y[k], self.axis_z[k]]));
         let amplitude = Vec3::new(self.red[k], self.green[k], self.blue[k]);
-        Lobe { gaussian: Gaussian { axis, sharpness: self.sharpness[k] }, amplitude }
+        Lobe { gaussian: Gaussian { axis, ..self.gaussian(k) }, amplitude }
     }
 
     /// All lobes in the caller's shading frame, each followed by its mirror image if it is folded.

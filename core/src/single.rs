@@ -3,6 +3,7 @@
 
 use crate::batch::sample_one;
 use crate::lanes::{Lanes, falloff, splat3};
+use crate::mixture::lowest_bits;
 use crate::simd::One;
 use crate::squeeze::Seen;
 use crate::two::Two;
@@ -62,7 +63,7 @@ pub(crate) fn value_one<L: Lanes, const N: usize>(m: &Mixture<N>, direction: [f3
 /// Luminance of the value towards one direction.
 #[inline(always)]
 pub(crate) fn luminance_one<L: Lanes, const N: usize>(m: &Mixture<N>, direction: [f32; 3]) -> f32 {
-    let diffuse = [m.power - m.lobes_power];
+    let diffuse = [m.diffuse_power];
     let [sum] = if L::LOBES_PAIRED {
         sums_one::<Two<L>, N, 1>(m, [&m.luminance], diffuse, direction)
     } else {
@@ -177,8 +178,8 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     }
     let t = rate * dx.mul_add(dx, dy.mul_add(dy, dz * dz));
     let mut g = falloff(t);
-    if m.folded >> k & lane_bits(L::COUNT) != 0 {
-        // Lanes whose fold cannot matter get it too: it is smaller than its bound there.
+    if m.folded >> k & lowest_bits(L::COUNT) != 0 {
+        // A lobe of them that does not need its fold has a rate that leaves nothing of it.
         g = g + falloff(L::load(&m.fold_rate[k..]).mul_add(seen.height, t));
     }
     if SEEN {
@@ -187,12 +188,6 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     for i in 0..C {
         acc[i] = g.mul_add(L::load(&amplitudes[i][k..]), acc[i]);
     }
-}
-
-/// The lowest `count` bits.
-#[inline(always)]
-const fn lane_bits(count: usize) -> u64 {
-    (1 << count) - 1
 }
 
 /// What the first `count` lanes see from `first`, the others from `then`.

@@ -20,6 +20,7 @@ use layout::Layout;
 use objective::Objective;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Angles of the rings of knots, degrees: closer towards grazing, where a highlight changes fastest.
@@ -76,11 +77,15 @@ pub(crate) fn fit_brdf(
     let starts = settings.starts.min(STARTS);
     let total = (SCOUTING + settings.steps) as f64;
     progress(0.0);
+    let evaluations = AtomicUsize::new(0);
     let mut candidates: Vec<(f64, usize, Vec<f64>)> = (0..starts)
         .into_par_iter()
         .map(|n| {
             let mut x = start::start(&at_knots, &layout, n);
-            (solve::minimize(&thin, &mut x, SCOUTING, 1e-3, || {}), n, x)
+            let count = || {
+                evaluations.fetch_add(1, Ordering::Relaxed);
+            };
+            (solve::minimize(&thin, &mut x, SCOUTING, 1e-3, count).0, n, x)
         })
         .collect();
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -89,7 +94,7 @@ pub(crate) fn fit_brdf(
     };
     let full = Objective::new(&views, layout.clone(), smoothness, 1)?;
     let mut done = SCOUTING;
-    solve::minimize(&full, &mut x, settings.steps, IMPROVEMENT, || {
+    let (_, ending) = solve::minimize(&full, &mut x, settings.steps, IMPROVEMENT, || {
         done += 1;
         progress(done as f64 / total);
     });
@@ -103,7 +108,9 @@ pub(crate) fn fit_brdf(
         views: judge(&views)?,
         held_out: judge(&held_out)?,
         seconds: clock.elapsed().as_secs_f64(),
-        evaluations: done,
+        evaluations: evaluations.into_inner() + done - SCOUTING,
+        ending: Some(ending),
+        cross_validation: None,
     };
     progress(1.0);
     Ok(Fit { bytes, report })

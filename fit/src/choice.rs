@@ -2,11 +2,13 @@
 
 use crate::report::mean_error;
 use crate::{Fit, FitError, Settings};
+use std::time::Instant;
 
 /// Fits with ever more lobes until the error of the settings is reached, then with fewer until it no longer is.
 ///
 /// What counts is the mean relative L2 error over the views, or over the held-out ones if that is larger. It is taken to fall with the
-/// number of lobes; where it does not, a number that reaches the error is found, if not the smallest.
+/// number of lobes; where it does not, a number that reaches the error is found, if not the smallest. Time and evaluations in the
+/// report are those of all fits.
 ///
 /// # Errors
 /// [`FitError::Setting`] with the error that is reached if the most lobes allowed do not reach it; otherwise as `fit`.
@@ -20,10 +22,12 @@ pub(crate) fn fewest_lobes(
     // Doublings, then halvings of what lies between.
     let rounds = 2.0 * (1.0 + libm::log2(most as f64));
     let mut done = 0.0;
+    let (start, mut evaluations) = (Instant::now(), 0);
     let mut with = |lobes: usize| {
         let found = fit(&Settings { error: None, ..settings.with_lobes(lobes) })?;
         done += 1.0;
         progress((done / rounds).min(1.0));
+        evaluations += found.report.evaluations;
         let reached = found.report.mean_error().max(mean_error(&found.report.held_out));
         Ok::<_, FitError>((found, reached))
     };
@@ -52,5 +56,7 @@ pub(crate) fn fewest_lobes(
             too_few = middle;
         }
     }
+    best.report.seconds = start.elapsed().as_secs_f64();
+    best.report.evaluations = evaluations;
     Ok(best)
 }

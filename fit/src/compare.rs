@@ -3,14 +3,14 @@
 use crate::FitError;
 use crate::cross::{CrossValidation, cross_validate};
 use crate::method::Method;
-use crate::report::{Norm, squares};
-use crate::table::Table;
+use crate::report::{Norm, relative, squares};
+use crate::table::{Table, View};
 use std::time::Instant;
 
 /// What a method makes of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Score {
-    /// Mean over the views of the relative L2 error of `f cos`.
+    /// Mean over the views that are not black of the relative L2 error of `f cos`.
     pub mean: f64,
     /// The same of f alone.
     pub mean_of_f: f64,
@@ -32,18 +32,19 @@ pub fn score(table: &Table, method: &dyn Method, cross: bool) -> Result<Score, F
     let seconds = start.elapsed().as_secs_f64();
     let mut score = Score { mean: 0.0, mean_of_f: 0.0, whole: 0.0, seconds, held_out: None };
     let (mut difference, mut data) = (0.0, 0.0);
+    let is_bright = |view: &&View| view.samples.iter().any(|s| s.rgb.iter().any(|v| *v > 0.0));
+    let bright = table.views.iter().filter(is_bright).count();
     for view in &table.views {
         let fitted = fitted.view(view.theta)?;
-        let relative = |(difference, data): (f64, f64)| {
-            libm::sqrt(difference / if data > 0.0 { data } else { 1.0 }) / table.views.len() as f64
-        };
-        let f_cos = squares(fitted.as_ref(), view, Norm::FCos);
-        score.mean += relative(f_cos);
-        score.mean_of_f += relative(squares(fitted.as_ref(), view, Norm::F));
+        let [f_cos, f] = [Norm::FCos, Norm::F].map(|norm| squares(fitted.as_ref(), view, norm));
         difference += f_cos.0;
         data += f_cos.1;
+        if f_cos.1 > 0.0 {
+            score.mean += relative(f_cos) / bright as f64;
+            score.mean_of_f += relative(f) / bright as f64;
+        }
     }
-    score.whole = libm::sqrt(difference / if data > 0.0 { data } else { 1.0 });
+    score.whole = relative((difference, data));
     if cross {
         score.held_out = Some(cross_validate(table, method)?);
     }

@@ -77,7 +77,7 @@ pub(crate) fn exchange(
         let best = (0..FAMILIES).max_by(|&a, &b| gains[a].total_cmp(&gains[b])).unwrap_or(0);
         let mut moved = x.clone();
         objective.put(&residuals, slot, families[best], &mut moved);
-        let reached = levenberg::minimize(objective, &mut moved, limits, &mut tick);
+        let (reached, _) = levenberg::minimize(objective, &mut moved, limits, &mut tick);
         if reached < cost * (1.0 - IMPROVEMENT) {
             cost = reached;
             *x = moved;
@@ -285,7 +285,7 @@ mod tests {
         }
         let weights = Weights { smoothness: 1e-6, energy: 1.0 };
         let limits = Limits { steps: 60, improvement: 1e-4, weights };
-        let before = levenberg::minimize(&objective, &mut x, limits, || {});
+        let (before, _) = levenberg::minimize(&objective, &mut x, limits, || {});
         let after = exchange(&objective, &mut x, before, (8, limits), 0, || {});
         assert!(after < 0.2 * before, "{before} {after}");
     }

@@ -8,6 +8,7 @@
 //! Tried without gain: geodesic acceleration (Transtrum and Sethna 2012).
 
 use crate::objective::{Objective, Weights};
+use crate::report::Ending;
 
 /// Largest change of an unknown in one step: beyond it the linearisation of an exponential says nothing. Half of it finds
 /// better minima of mirror-like materials, but takes twice the steps to leave a bad start.
@@ -30,13 +31,13 @@ pub(crate) struct Limits {
     pub weights: Weights,
 }
 
-/// Moves `x` downhill; returns the cost reached. Calls `tick` after every step tried.
+/// Moves `x` downhill; returns the cost reached and why it ended. Calls `tick` after every step tried.
 pub(crate) fn minimize(
     objective: &Objective,
     x: &mut Vec<f64>,
     limits: Limits,
     mut tick: impl FnMut(),
-) -> f64 {
+) -> (f64, Ending) {
     let layout = &objective.layout;
     let p = layout.stride();
     let clamp = |x: &mut [f64]| {
@@ -50,6 +51,7 @@ pub(crate) fn minimize(
     let (mut damping, mut growth) = (FIRST_DAMPING, 2.0);
     let mut at = objective.linearize(x, limits.weights);
     let mut history = vec![at.cost];
+    let mut ending = Ending::Steps;
     for _ in 0..limits.steps {
         tick();
         let free = |i: usize| {
@@ -95,15 +97,17 @@ pub(crate) fn minimize(
             history.push(at.cost);
             let n = history.len();
             if n > 5 && history[n - 6] - at.cost < limits.improvement * at.cost {
+                ending = Ending::Converged;
                 break;
             }
         } else {
             damping *= growth;
             growth *= 2.0;
             if damping > MOST_DAMPING {
+                ending = Ending::Converged;
                 break;
             }
         }
     }
-    at.cost
+    (at.cost, ending)
 }

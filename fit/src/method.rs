@@ -19,6 +19,15 @@ pub trait Fitted: Sync {
     /// # Errors
     /// [`FitError`] for a fit that is none, and an angle outside [0, pi / 2].
     fn view(&self, theta: f64) -> Result<Box<dyn FittedView + '_>, FitError>;
+
+    /// The same at an azimuth round the normal, radians, for a fit to which it matters. Directions stay in the frame of the view,
+    /// where the outgoing one is at -x.
+    ///
+    /// # Errors
+    /// As [`view`](Self::view).
+    fn view_at(&self, theta: f64, _azimuth: f64) -> Result<Box<dyn FittedView + '_>, FitError> {
+        self.view(theta)
+    }
 }
 
 /// What a fit says of one outgoing direction. Directions are unit vectors with z > 0, in the frame of the view.
@@ -29,6 +38,11 @@ pub trait FittedView {
     /// Density of sampling the lobes, 1/sr; `None` for a method that does not sample.
     fn pdf(&self, _direction: [f64; 3]) -> Option<f64> {
         None
+    }
+
+    /// Integral of the density over the hemisphere: less than 1 where samples are lost below the horizon.
+    fn share_above_horizon(&self) -> f64 {
+        1.0
     }
 
     /// Directional albedo in closed form; `None` where there is none.

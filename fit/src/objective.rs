@@ -18,7 +18,7 @@ use crate::data_term::{self, Point};
 use crate::model::Lobes;
 use crate::parameters::{LN_SHARPNESS_DEFENSIVE, Layout, sphere_integral};
 use crate::ratio::Ratio;
-use crate::table::{Table, View};
+use crate::table::{Table, View, check_bright, check_storable};
 use rayon::prelude::*;
 
 /// Weight of the relative variance beside the squared relative L2 error.
@@ -105,9 +105,8 @@ impl Objective {
         let brightest = table.views.iter().flat_map(|v| v.albedo).fold(0.0, f64::max);
         let count = table.views.len() as f64;
         let strongest = table.views.iter().map(norm_squared).fold(0.0, f64::max);
-        if !(strongest > 0.0 && strongest.is_finite()) {
-            return Err(FitError::Table("no sample has any brightness".into()));
-        }
+        check_storable(table.views.iter().flat_map(|view| &view.samples))?;
+        check_bright(strongest > 0.0 && strongest.is_finite())?;
         let data = |view: &View| {
             let norm = norm_squared(view).max(1e-9 * strongest);
             let bright = |s: &crate::table::Sample| s.rgb.iter().sum::<f64>() / 3.0 * s.direction[2];

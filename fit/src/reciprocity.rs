@@ -1,14 +1,14 @@
 //! How far a fit is from reciprocity: f(a, b) = f(b, a).
 //!
 //! The pairs are a fixed spread over the hemisphere, every second one with its second direction near the mirror direction
-//! of the first. Of the pairs where both values are above a floor, the measure is `|ln f(a, b) / f(b, a)|` in luminance:
+//! of the first; to a fit that is anisotropic, the pair is turned round the normal by any angle. Of the pairs where both values are above a floor, the measure is `|ln f(a, b) / f(b, a)|` in luminance:
 //! 0.1 is 10 %.
 
 use crate::FitError;
 use crate::method::Fitted;
 use crate::table::direction;
 use srbf_core::LUMINANCE;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// Reciprocity error of a fit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -37,9 +37,9 @@ const NEAR: f64 = 0.35;
 pub fn reciprocity(fit: &dyn Fitted) -> Result<Reciprocity, FitError> {
     // Steps of the generalised golden ratio: every coordinate evenly spread.
     let spread = |n: usize, step: f64| (0.5 + step * n as f64).fract();
-    let luminance = |theta_o: f64, theta_i: f64, azimuth: f64| -> Result<f64, FitError> {
+    let luminance = |theta_o: f64, turn: f64, theta_i: f64, azimuth: f64| -> Result<f64, FitError> {
         let wi = direction(theta_i, azimuth);
-        let value = fit.view(theta_o)?.f_cos(wi);
+        let value = fit.view_at(theta_o, turn)?.f_cos(wi);
         Ok((0..3).map(|c| f64::from(LUMINANCE[c]) * value[c]).sum::<f64>() / wi[2])
     };
     let mut values = Vec::with_capacity(PAIRS);
@@ -51,7 +51,10 @@ pub fn reciprocity(fit: &dyn Fitted) -> Result<Reciprocity, FitError> {
             let theta_i = theta_o + NEAR * (2.0 * spread(n, 0.671_043_606_7) - 1.0);
             (theta_i.clamp(0.02, LARGEST), NEAR * spread(n, 0.549_700_477_9))
         };
-        values.push([luminance(theta_o, theta_i, azimuth)?, luminance(theta_i, theta_o, azimuth)?]);
+        let turn = TAU * spread(n, 0.618_033_988_75);
+        // As seen from the other direction, which lies at -x in the frame of its own view.
+        let back = luminance(theta_i, turn + azimuth - PI, theta_o, -azimuth)?;
+        values.push([luminance(theta_o, turn, theta_i, azimuth)?, back]);
     }
     let floor = FLOOR * values.iter().flatten().sum::<f64>() / (2 * PAIRS) as f64;
     let bright = values.iter().filter(|[a, b]| *a > floor && *b > floor);
@@ -89,6 +92,33 @@ mod tests {
     fn what_is_the_same_both_ways_has_no_error() {
         let found = reciprocity(&Tilted(0.0)).unwrap();
         assert!(found.worst < 1e-12 && found.pairs == PAIRS, "{found:?}");
+    }
+
+    /// Reciprocal, and another at every azimuth.
+    struct Brushed;
+    struct BrushedView([f64; 3], f64);
+    impl Fitted for Brushed {
+        fn view(&self, theta: f64) -> Result<Box<dyn FittedView + '_>, FitError> {
+            self.view_at(theta, 0.0)
+        }
+        fn view_at(&self, theta: f64, azimuth: f64) -> Result<Box<dyn FittedView + '_>, FitError> {
+            Ok(Box::new(BrushedView(direction(theta, azimuth + PI), azimuth)))
+        }
+    }
+    impl FittedView for BrushedView {
+        fn f_cos(&self, d: [f64; 3]) -> [f64; 3] {
+            let (sin, cos) = libm::sincos(self.1);
+            let wi = [d[0] * cos - d[1] * sin, d[0] * sin + d[1] * cos];
+            let bent =
+                wi[0] * self.0[0] - 2.0 * wi[1] * self.0[1] + 0.3 * (wi[0] * self.0[1] + wi[1] * self.0[0]);
+            [d[2] * libm::exp(bent); 3]
+        }
+    }
+
+    #[test]
+    fn what_is_the_same_both_ways_at_every_azimuth_has_no_error() {
+        let found = reciprocity(&Brushed).unwrap();
+        assert!(found.worst < 1e-12 && found.pairs > PAIRS / 2, "{found:?}");
     }
 
     #[test]

@@ -43,6 +43,11 @@ pub struct Settings {
 const SHAPES: [(usize, usize); 4] = [(7, 2), (8, 0), (5, 3), (4, 4)];
 const SHAPES_WITHOUT_PAIRS: [(usize, usize); 3] = [(6, 0), (4, 0), (8, 0)];
 
+/// Refuses a setting that is not inside its range.
+pub(crate) fn range(name: &'static str, inside: bool, reason: &str) -> Result<(), FitError> {
+    if inside { Ok(()) } else { Err(FitError::Setting { name, reason: reason.to_owned() }) }
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self {
@@ -67,9 +72,6 @@ impl Settings {
     /// # Errors
     /// [`FitError::Setting`], with the name and the range.
     pub fn check(&self) -> Result<(), FitError> {
-        let range = |name, inside: bool, reason: &str| {
-            if inside { Ok(()) } else { Err(FitError::Setting { name, reason: reason.to_owned() }) }
-        };
         range("lobes", (1..=srbf_core::MAX_LOBES).contains(&self.lobes), "from 1 to 64")?;
         let error = self.error.is_none_or(|e| e.is_finite() && e > 0.0);
         range("error", error, "a number above 0")?;
@@ -110,6 +112,23 @@ impl Settings {
             }
         }
         shapes
+    }
+
+    /// The settings as they were given, the knots in degrees.
+    pub(crate) fn to_json(&self) -> serde_json::Value {
+        let degrees = |knots: &Vec<f64>| knots.iter().map(|k| k.to_degrees()).collect::<Vec<_>>();
+        serde_json::json!({
+            "lobes": self.lobes,
+            "error": self.error,
+            "squeezed": self.squeezed,
+            "mirrored_pairs": self.mirrored,
+            "smoothness": self.smoothness,
+            "starts": self.starts,
+            "steps": self.steps,
+            "exchanges": self.exchanges,
+            "views": self.views,
+            "knots_degrees": self.knots.as_ref().map(degrees),
+        })
     }
 
     /// The last line of the provenance.

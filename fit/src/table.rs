@@ -14,6 +14,7 @@ pub mod neural;
 mod numbers;
 pub mod rgl;
 pub(crate) mod rows;
+mod rusinkiewicz;
 mod spectrum;
 
 use crate::{FitError, ReadError};
@@ -21,8 +22,14 @@ use sha2::{Digest, Sha256};
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 
+/// Largest albedo that is believed: no surface reflects more than it receives.
+const ALBEDO_LIMIT: f64 = 0.95;
+
 /// Largest file that is read, bytes: the largest measured files are a tenth of it.
 const MAX_FILE: u64 = 1 << 30;
+
+/// Brightest f of a table that lobes can be fitted to, 1/sr: the least amplitude that is stored is a thousandth of it in all lobes.
+pub(crate) const DARKEST: f64 = 1e-15;
 
 /// Most views that a table may have.
 pub const MAX_VIEWS: usize = 1024;
@@ -47,6 +54,8 @@ pub struct View {
     pub samples: Vec<Sample>,
     /// Directional albedo, linear sRGB: what the lobes' energy is held to.
     pub albedo: [f64; 3],
+    /// The same as the samples have it, which may be more than the 0.95 that lobes are held to.
+    pub uncut_albedo: [f64; 3],
 }
 
 /// Samples of an isotropic BRDF for a number of outgoing directions.
@@ -85,7 +94,7 @@ pub fn read(path: &Path) -> Result<Source, FitError> {
         let model::Named { brdf, name, identity } = model::parse(text)?;
         return Ok(Source { content: Content::Evaluable(brdf), name, sha256: sha256(&identity) });
     }
-    let bytes = read_bytes(path)?;
+    let bytes = read_bytes(path, MAX_FILE)?;
     let fault = |source| FitError::Read { path: path.to_path_buf(), source };
     let scattered = |views| Table::from_scattered(views).map(Content::Samples);
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
@@ -107,19 +116,36 @@ pub fn read(path: &Path) -> Result<Source, FitError> {
     })
 }
 
-fn sha256(bytes: &[u8]) -> String {
+/// The SHA-256 of bytes, hexadecimal.
+pub(crate) fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
 }
 
-fn read_bytes(path: &Path) -> Result<Vec<u8>, FitError> {
+/// The bytes of a file that has at most so many.
+pub(crate) fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, FitError> {
     let size = std::fs::metadata(path).map_err(FitError::io(path))?.len();
-    if size > MAX_FILE {
-        return Err(FitError::Table(format!(
-            "{}: {size} bytes; at most {MAX_FILE} are read",
-            path.display()
-        )));
+    if size > most {
+        let source = ReadError::Content(format!("{size} bytes; at most {most} are read"));
+        return Err(FitError::Read { path: path.to_path_buf(), source });
     }
     std::fs::read(path).map_err(FitError::io(path))
+}
+
+/// Refuses what has no brightness.
+pub(crate) fn check_bright(is_bright: bool) -> Result<(), FitError> {
+    if is_bright { Ok(()) } else { Err(FitError::Table("no sample has any brightness".into())) }
+}
+
+/// Refuses samples that are black, or darker than lobes can be.
+pub(crate) fn check_storable<'a>(samples: impl Iterator<Item = &'a Sample>) -> Result<(), FitError> {
+    let brightest = samples.flat_map(|s| s.rgb).fold(0.0, f64::max);
+    check_bright(brightest > 0.0)?;
+    if brightest < DARKEST {
+        return Err(FitError::Table(format!(
+            "the largest f is {brightest:e} / sr; lobes can be stored from {DARKEST:e} / sr on"
+        )));
+    }
+    Ok(())
 }
 
 /// Samples grouped by the angle of the outgoing direction.
@@ -201,8 +227,9 @@ impl Table {
             if samples.is_empty() {
                 return fail(format!("view at {degrees:.2} degrees: no sample above the horizon"));
             }
-            let albedo = interpolate::weigh(&mut samples);
-            made.push(View { theta, samples, albedo });
+            let uncut_albedo = interpolate::weigh(&mut samples);
+            let albedo = uncut_albedo.map(|a| a.min(ALBEDO_LIMIT));
+            made.push(View { theta, samples, albedo, uncut_albedo });
         }
         made.sort_by(|a, b| a.theta.total_cmp(&b.theta));
         Ok(Self { views: made })
@@ -219,7 +246,7 @@ impl Table {
             let sum = |s: &[Sample]| s.iter().map(|s| s.weight).sum::<f64>();
             let share = sum(&view.samples) / sum(&samples);
             samples.iter_mut().for_each(|s| s.weight *= share);
-            View { theta: view.theta, samples, albedo: view.albedo }
+            View { samples, ..*view }
         };
         Self { views: self.views.iter().map(thin).collect() }
     }

@@ -3,7 +3,13 @@
 //! For each view a vector of f over a cube map, an initial guess from its peaks, and a fit of round lobes on the sphere
 //! by L-BFGS-B; between views equation 9. The fit is of f, not of `f cos`; nothing is folded or squeezed; each view is on
 //! its own. What the thesis leaves open is decided in its favour and said where it is: texels below the horizon take no
-//! part (`cube`), colours share axes and sharpness (`optimize`), unknowns are scaled for the solver.
+//! part (`cube`), colours share axes and sharpness (`optimize`), unknowns are scaled for the solver. So are these:
+//!
+//! * the amplitudes are solved for once before the first step of the axes: those of the guess are the values at the axes, and
+//!   lobes that overlap are too bright by then;
+//! * the intensity of the guess is the luminance (`guess`);
+//! * the sharpness, its bandwidth, is kept from 0.05 to that of a lobe as wide as a texel, 8192 with faces of 64 texels. The fit
+//!   ends at the upper bound on some materials with sharp highlights: the map does not see a narrower one.
 
 mod cube;
 mod guess;
@@ -18,8 +24,10 @@ pub use lobes::RoundLobe;
 use crate::FitError;
 use crate::blend::{self, Neighbours};
 use crate::method::{Fitted, FittedView, Method};
-use crate::table::Table;
-use crate::table::evaluable::Brdf;
+use crate::report::Ending;
+use crate::settings::range;
+use crate::table::evaluable::{Brdf, Symmetry};
+use crate::table::{Table, check_bright};
 use cube::Cube;
 use rayon::prelude::*;
 use resample::Vector;
@@ -58,6 +66,8 @@ pub struct RoundView {
     pub lobes: Vec<RoundLobe>,
     /// Relative L2 error of f over the measured texels, which the fit made small.
     pub error: f64,
+    /// Why its iterations ended.
+    pub ending: Ending,
 }
 
 /// A fit by the thesis's algorithm.
@@ -74,7 +84,7 @@ pub struct ThesisFit {
 /// Fits a table of samples: its views, resampled on the cube map.
 ///
 /// # Errors
-/// [`FitError::Setting`]; [`FitError::Table`] for a table without views.
+/// [`FitError::Setting`]; [`FitError::Table`] for a table without views or brightness.
 pub fn fit_table(table: &Table, settings: &Settings) -> Result<ThesisFit, FitError> {
     check(settings)?;
     let cube = Cube::new(settings.edge);
@@ -84,9 +94,12 @@ pub fn fit_table(table: &Table, settings: &Settings) -> Result<ThesisFit, FitErr
 /// Fits a BRDF at angles of the outgoing direction, radians.
 ///
 /// # Errors
-/// [`FitError::Setting`]; [`FitError::Table`] for no angle and one outside [0, pi / 2).
+/// [`FitError::Setting`]; [`FitError::Table`] for no angle, one outside [0, pi / 2), no brightness, and an anisotropic BRDF.
 pub fn fit_brdf(brdf: &dyn Brdf, thetas: &[f64], settings: &Settings) -> Result<ThesisFit, FitError> {
     check(settings)?;
+    if brdf.symmetry() != Symmetry::Isotropic {
+        return Err(FitError::Table("it is anisotropic: this method fits isotropic surfaces".into()));
+    }
     let cube = Cube::new(settings.edge);
     fit(resample::from_brdf(brdf, thetas, &cube)?, &cube, settings)
 }
@@ -95,12 +108,14 @@ fn fit(vectors: Vec<Vector>, cube: &Cube, settings: &Settings) -> Result<ThesisF
     if vectors.is_empty() {
         return Err(FitError::Table("no view".into()));
     }
+    check_bright(vectors.iter().flat_map(|v| &v.values).flatten().any(|v| *v > 0.0))?;
     let optimized: Vec<_> = vectors.par_iter().map(|v| optimize::fit(cube, &v.values, settings)).collect();
     let evaluations = optimized.iter().map(|o| o.evaluations).sum();
     let view = |(v, o): (&Vector, optimize::Optimized)| RoundView {
         theta: v.theta,
         lobes: o.lobes,
         error: libm::sqrt(o.cost),
+        ending: o.ending,
     };
     let mut views: Vec<RoundView> = vectors.iter().zip(optimized).map(view).collect();
     views.sort_by(|a, b| a.theta.total_cmp(&b.theta));
@@ -108,9 +123,6 @@ fn fit(vectors: Vec<Vector>, cube: &Cube, settings: &Settings) -> Result<ThesisF
 }
 
 fn check(settings: &Settings) -> Result<(), FitError> {
-    let range = |name, inside: bool, reason: &str| {
-        if inside { Ok(()) } else { Err(FitError::Setting { name, reason: reason.to_owned() }) }
-    };
     range("lobes", (1..=srbf_core::MAX_LOBES).contains(&settings.lobes), "from 1 to 64")?;
     range(
         "edge",
@@ -124,6 +136,12 @@ fn check(settings: &Settings) -> Result<(), FitError> {
 }
 
 impl ThesisFit {
+    /// Why the fit ended: with its most iterations if any view did.
+    pub fn ending(&self) -> Ending {
+        let any = self.views.iter().any(|view| view.ending == Ending::Steps);
+        if any { Ending::Steps } else { Ending::Converged }
+    }
+
     /// The same lobes, blended over other views.
     pub fn blended_over(&self, neighbours: Neighbours) -> Self {
         Self { neighbours, ..self.clone() }
@@ -185,5 +203,11 @@ impl FittedView for Blend {
     fn pdf(&self, direction: [f64; 3]) -> Option<f64> {
         let sum: f64 = self.lobes.iter().zip(&self.power).map(|(l, p)| p * l.unit(&direction)).sum();
         Some(if self.total > 0.0 { sum / self.total } else { 0.0 })
+    }
+
+    fn share_above_horizon(&self) -> f64 {
+        let above: f64 =
+            self.lobes.iter().zip(&self.power).map(|(l, p)| p * l.unit_integral_above_horizon()).sum();
+        if self.total > 0.0 { above / self.total } else { 1.0 }
     }
 }

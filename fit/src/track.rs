@@ -11,7 +11,7 @@ use crate::levenberg;
 use crate::material;
 use crate::objective::Objective;
 use crate::parameters::Layout;
-use crate::report::{Report, ViewReport};
+use crate::report::{Ending, Report, ViewReport};
 use crate::schedule::{Stage, stages};
 use crate::table::Table;
 use crate::{FitError, Settings};
@@ -67,6 +67,8 @@ struct Candidate {
     /// Whether there is a better one of its shape.
     is_second: bool,
     cost: f64,
+    /// Why the solver ended that moved it last, exchanges aside.
+    ending: Ending,
     x: Vec<f64>,
 }
 
@@ -180,8 +182,8 @@ pub(crate) fn run(
     let views = reports(&bytes, &table)?;
     let evaluations = work.evaluations.into_inner();
     progress(1.0);
-    let seconds = start.elapsed().as_secs_f64();
-    Ok(Fit { bytes, report: Report { views, seconds, evaluations, ..Report::default() } })
+    let (seconds, ending) = (start.elapsed().as_secs_f64(), Some(candidate.ending));
+    Ok(Fit { bytes, report: Report { views, seconds, evaluations, ending, ..Report::default() } })
 }
 
 /// Takes all starts through the first stages, on a thinned table, and returns the best of each shape, the best first.
@@ -198,6 +200,7 @@ fn scout(
             start,
             is_second: false,
             cost: f64::INFINITY,
+            ending: Ending::Steps,
             x: Vec::new(),
         })
         .collect();
@@ -292,7 +295,7 @@ impl<'a> Finalist<'a> {
         let reports = reports(&bytes, &seen)?;
         self.error = mean_over_angle(&reports);
         // A view where the density is too small may be seen once only.
-        let largest = reports.iter().map(|r| r.largest_weight).fold(0.0, f64::max);
+        let largest = reports.iter().map(ViewReport::largest_weight_as_summed).fold(0.0, f64::max);
         self.largest_weight = if round == 0 { largest } else { self.largest_weight.max(largest) };
         // The last stage sees the views of the one before too: what is seen no more is done again.
         let before = self.seen.take().filter(|_| round + 1 == LOOKS);
@@ -392,7 +395,7 @@ fn advance(stage: &Stage, tasks: Vec<Task<'_>>, work: &mut Work<'_>) {
 
 fn advance_one(stage: &Stage, task: Task<'_>, mut tick: impl FnMut()) {
     let Task { table, objective, candidate } = task;
-    let Candidate { x, cost, start, .. } = candidate;
+    let Candidate { x, cost, start, ending, .. } = candidate;
     if x.is_empty() {
         *x = initialize::start(table, &objective.layout, *start);
     }
@@ -405,7 +408,7 @@ fn advance_one(stage: &Stage, task: Task<'_>, mut tick: impl FnMut()) {
         limits.weights.energy *= if stage.last { scale } else { 1.0 };
     }
     let objective = reweighed.as_ref().unwrap_or(objective);
-    *cost = levenberg::minimize(objective, x, limits, &mut tick);
+    (*cost, *ending) = levenberg::minimize(objective, x, limits, &mut tick);
     // Other families in every stage.
     let seed = (256 * *start + stage.runs) as u64;
     *cost = exchange::exchange(objective, x, *cost, (stage.runs - 1, limits), seed, &mut tick);

@@ -39,33 +39,50 @@ pub(crate) fn knots(bytes: &[u8]) -> Result<Vec<f64>, FitError> {
 
 impl Fitted for TrackedLobes {
     fn view(&self, theta: f64) -> Result<Box<dyn FittedView + '_>, FitError> {
-        Ok(Box::new(TrackedView::new(&Material::from_bytes(&self.bytes)?, theta)?))
+        self.view_at(theta, 0.0)
+    }
+
+    fn view_at(&self, theta: f64, azimuth: f64) -> Result<Box<dyn FittedView + '_>, FitError> {
+        let material = Material::from_bytes(&self.bytes)?;
+        let azimuth = if material.is_isotropic() { 0.0 } else { azimuth };
+        Ok(Box::new(TrackedView::new(&material, theta, azimuth)?))
     }
 }
 
 /// The mixture of a material for one outgoing direction.
-pub(crate) struct TrackedView(pub Mixture<MAX_LOBES>);
+pub(crate) struct TrackedView {
+    pub mixture: Mixture<MAX_LOBES>,
+    /// Sine and cosine of the angle from the frame of the view to that of the surface.
+    turn: (f64, f64),
+}
 
 impl TrackedView {
-    pub fn new(material: &Material<'_>, theta: f64) -> Result<Self, FitError> {
-        let mut mixture = Mixture::empty();
+    /// `azimuth`: by how much the outgoing direction is turned from -x.
+    pub fn new(material: &Material<'_>, theta: f64, azimuth: f64) -> Result<Self, FitError> {
+        let mut view = Self { mixture: Mixture::empty(), turn: libm::sincos(azimuth) };
         let (sin, cos) = libm::sincos(theta);
         // The f32 nearest to pi / 2 is beyond it.
-        material.prepare(Vec3::new(-sin as f32, 0.0, cos.max(0.0) as f32), &mut mixture)?;
-        Ok(Self(mixture))
+        let wo = view.to_surface([-sin, 0.0, cos.max(0.0)]);
+        material.prepare(wo, &mut view.mixture)?;
+        Ok(view)
+    }
+
+    fn to_surface(&self, [x, y, z]: [f64; 3]) -> Vec3 {
+        let (sin, cos) = self.turn;
+        Vec3::from([x * cos - y * sin, x * sin + y * cos, z].map(|v| v as f32))
     }
 }
 
 impl FittedView for TrackedView {
     fn f_cos(&self, direction: [f64; 3]) -> [f64; 3] {
-        self.0.evaluate(Vec3::from(direction.map(|v| v as f32))).to_array().map(f64::from)
+        self.mixture.evaluate(self.to_surface(direction)).to_array().map(f64::from)
     }
 
     fn pdf(&self, direction: [f64; 3]) -> Option<f64> {
-        Some(f64::from(self.0.pdf(Vec3::from(direction.map(|v| v as f32)))))
+        Some(f64::from(self.mixture.pdf(self.to_surface(direction))))
     }
 
     fn albedo(&self) -> Option<[f64; 3]> {
-        Some(self.0.albedo().to_array().map(f64::from))
+        Some(self.mixture.albedo().to_array().map(f64::from))
     }
 }

@@ -2,11 +2,12 @@
 
 use srbf_fit::compare::score;
 use srbf_fit::lafortune::{self, Channel, CosineLobe, Lafortune};
-use srbf_fit::method::{Fitted, Method};
-use srbf_fit::report::{Input, Report, ViewReport};
+use srbf_fit::method::{Fitted, FittedView, Method};
+use srbf_fit::report::{Ending, Input, Report, ViewReport};
 use srbf_fit::table::evaluable::Brdf;
+use srbf_fit::table::model::ward::Ward;
 use srbf_fit::table::{self, Content, Table};
-use srbf_fit::{Settings, Tracked, dense, fit, thesis};
+use srbf_fit::{FitError, Settings, Tracked, dense, fit, thesis};
 use std::path::PathBuf;
 
 fn planted() -> Lafortune {
@@ -35,6 +36,10 @@ fn sampled(polar: u32, azimuths: u32) -> Table {
         (theta, samples)
     };
     Table::from_scattered([0.1, 0.35, 0.6, 0.85, 1.1].map(view).to_vec()).unwrap()
+}
+
+fn scattered(view: &table::View) -> table::Scattered {
+    view.samples.iter().map(|s| (s.direction, s.rgb)).collect()
 }
 
 fn quick_thesis() -> thesis::Settings {
@@ -125,10 +130,20 @@ fn black_and_bad_settings_are_survived() {
     let black =
         Table::from_scattered(vec![(0.3, vec![([0.0, 0.0, 1.0], [0.0; 3]), ([0.6, 0.0, 0.8], [0.0; 3])])])
             .unwrap();
-    let found = thesis::fit_table(&black, &quick_thesis()).unwrap();
+    let methods: [&dyn Method; 3] =
+        [&quick_thesis(), &lafortune::Settings::default(), &Tracked(&Settings::default())];
+    for method in methods {
+        let error = method.fit(&black).err().map(|e| e.to_string()).unwrap();
+        assert!(error.contains("no sample has any brightness"), "{error}");
+    }
+    // One black view among others has no lobes.
+    let mut views: Vec<_> = small_table().views.iter().map(|v| (v.theta, scattered(v))).collect();
+    views[0].1.iter_mut().for_each(|(_, rgb)| *rgb = [0.0; 3]);
+    let table = Table::from_scattered(views).unwrap();
+    let found = thesis::fit_table(&table, &quick_thesis()).unwrap();
     assert!(found.views[0].lobes.is_empty());
-    assert_eq!(found.view(0.3).unwrap().f_cos([0.0, 0.0, 1.0]), [0.0; 3]);
-    assert_eq!(found.view(0.3).unwrap().pdf([0.0, 0.0, 1.0]), Some(0.0));
+    assert_eq!(found.view(0.1).unwrap().f_cos([0.0, 0.0, 1.0]), [0.0; 3]);
+    assert_eq!(found.view(0.1).unwrap().pdf([0.0, 0.0, 1.0]), Some(0.0));
     let bad = |s: thesis::Settings| thesis::fit_table(&black, &s).unwrap_err().to_string();
     assert!(bad(thesis::Settings { lobes: 0, ..quick_thesis() }).contains("lobes"));
     assert!(bad(thesis::Settings { edge: 7, ..quick_thesis() }).contains("edge"));
@@ -151,11 +166,15 @@ fn reports_are_complete() {
     let material = srbf_core::Material::from_bytes(&found.bytes).unwrap();
     let input = Input { name: "some.csv".into(), sha256: "0123".into() };
     let json: serde_json::Value =
-        serde_json::from_str(&found.report.to_json(&material, &input).unwrap()).unwrap();
+        serde_json::from_str(&found.report.to_json(&material, &input, &settings).unwrap()).unwrap();
     assert_eq!(json["input"]["name"], "some.csv");
     assert_eq!(json["input"]["sha256"], "0123");
     assert_eq!(json["version"], env!("CARGO_PKG_VERSION"));
-    assert!(json["settings"].as_str().unwrap().contains("3 lobes"), "{json}");
+    assert_eq!(json["settings"]["lobes"], 3);
+    assert_eq!(json["settings"]["smoothness"], settings.smoothness);
+    assert!(json["settings"]["knots_degrees"].is_null() && json["settings"]["views"] == 15, "{json}");
+    assert!(["steps", "improvement"].contains(&json["stopped"].as_str().unwrap()), "{json}");
+    assert_eq!(json["views"][1]["energy_error"], found.report.views[1].energy_error());
     assert!(json["provenance"].as_str().unwrap().starts_with("a line\n"), "{json}");
     assert_eq!(json["evaluations"], found.report.evaluations);
     let median = json["reciprocity"]["median_abs_log_ratio"].as_f64().unwrap();
@@ -171,6 +190,93 @@ fn reports_are_complete() {
     let json = report.to_json_of(&planted(), "lafortune", &input).unwrap();
     assert!(json["reciprocity"]["worst_abs_log_ratio"].as_f64().unwrap() < 1e-9);
     assert!(json["views"][0]["relative_variance"].is_null());
+}
+
+/// A fit that never draws some directions, that is black at the first view, and whose albedo nothing can have.
+struct Odd;
+struct OddView;
+impl Fitted for Odd {
+    fn view(&self, _: f64) -> Result<Box<dyn FittedView + '_>, FitError> {
+        Ok(Box::new(OddView))
+    }
+}
+impl FittedView for OddView {
+    fn f_cos(&self, d: [f64; 3]) -> [f64; 3] {
+        [d[2]; 3]
+    }
+    fn pdf(&self, d: [f64; 3]) -> Option<f64> {
+        Some(if d[0] > 0.0 { 1.0 } else { 0.0 })
+    }
+}
+
+#[test]
+fn what_has_no_number_is_said_and_not_averaged() {
+    let mut views: Vec<_> = small_table().views.iter().map(|v| (v.theta, scattered(v))).collect();
+    views[0].1.iter_mut().for_each(|(_, rgb)| *rgb = [0.0; 3]);
+    views[1].1.iter_mut().for_each(|(_, rgb)| *rgb = [1.0; 3]);
+    let table = Table::from_scattered(views).unwrap();
+    let reports: Vec<_> = table.views.iter().map(|v| ViewReport::judge(&Odd, v).unwrap()).collect();
+    let report = Report { views: reports, ending: Some(Ending::Steps), ..Report::default() };
+    assert!(report.views[0].is_black && report.views[0].error > 0.0);
+    let bright = &report.views[1..];
+    let mean = bright.iter().map(|v| v.error).sum::<f64>() / bright.len() as f64;
+    assert!((report.mean_error() - mean).abs() < 1e-12 && report.views[1].error < 1e-12);
+    // The albedo is a sum over the same samples on both sides.
+    assert!(report.views[1].energy_error() < 1e-12, "{:?}", report.views[1]);
+    let notes = report.notes().join("\n");
+    assert!(notes.contains("black") && notes.contains("50 %") && notes.contains("steps"), "{notes}");
+
+    let json = report.to_json_of(&Odd, "odd", &Input::default()).unwrap();
+    assert!(json["views"][0]["relative_l2"].is_null() && json["views"][0]["is_black"] == true, "{json}");
+    assert_eq!(json["views"][1]["largest_weight_over_mean"], "inf");
+    assert_eq!(json["views"][1]["relative_variance"], "inf");
+    assert_eq!(json["notes"].as_array().unwrap().len(), report.notes().len());
+
+    // Lobes were held to less than what no surface reflects, and the report says so.
+    let settings = Settings { lobes: 3, starts: 2, steps: 10, ..Settings::default() };
+    let fit = fit(&table, &settings, |_| {}).unwrap();
+    let view = &fit.report.views[1];
+    assert!(view.is_albedo_cut && view.data_albedo[0] > 3.0 && view.energy_error() > 0.5, "{view:?}");
+    assert!(fit.report.notes().iter().any(|note| note.contains("0.95")), "{:?}", fit.report.notes());
+}
+
+/// What the thesis's lobes lose below the horizon is a part of their variance.
+#[test]
+fn samples_that_are_lost_count() {
+    let table = sampled(48, 49);
+    let found = thesis::fit_table(&table, &quick_thesis()).unwrap();
+    for view in &table.views {
+        let fitted = found.view(view.theta).unwrap();
+        let share = fitted.share_above_horizon();
+        let report = ViewReport::judge(&found, view).unwrap();
+        assert!(share < 0.99 && (report.density - 1.0).abs() < 0.05, "{share} {report:?}");
+        assert!(report.largest_weight > 1.0 / share - 0.01 && report.variance >= 1.0 / share - 1.01);
+    }
+}
+
+/// Evaluations are those of all fits, not of the one that was chosen alone.
+#[test]
+fn all_fits_of_an_error_that_is_asked_for_count() {
+    let settings = Settings { lobes: 6, starts: 2, steps: 20, exchanges: 1, ..Settings::default() };
+    let table = small_table();
+    let with = |settings: &Settings| fit(&table, settings, |_| {}).unwrap();
+    let error = Some(1.02 * with(&settings).report.mean_error());
+    let all = with(&Settings { error, ..settings.clone() });
+    let lobes = srbf_core::Material::from_bytes(&all.bytes).unwrap().lobe_count();
+    let last = with(&settings.with_lobes(lobes));
+    assert_eq!(last.bytes, all.bytes);
+    assert!(lobes > 1 && all.report.evaluations > last.report.evaluations, "{lobes}");
+}
+
+/// A view at one azimuth does not say what an anisotropic surface is, so no method pretends that it does.
+#[test]
+fn methods_for_isotropic_surfaces_refuse_others() {
+    let ward = Ward { diffuse: [0.2; 3], specular: [0.3; 3], alpha: [0.1, 0.4] };
+    let of_thesis = thesis::fit_brdf(&ward, &[0.3], &quick_thesis()).err().map(|e| e.to_string());
+    let of_table = dense::judging_table(&ward, &[0.3]).err().map(|e| e.to_string());
+    for error in [of_thesis, of_table] {
+        assert!(error.as_ref().is_some_and(|e| e.contains("anisotropic")), "{error:?}");
+    }
 }
 
 /// Cornell's garnet red: the thesis reports 4 % for its method; ours is better than both baselines.

@@ -1,8 +1,12 @@
 //! Tables that no measurement should be, but some are: each gives a sound material, or says why not.
 
 use srbf_core::{MAX_LOBES, Material, Mixture, Vec3};
+use srbf_fit::lafortune::{self, Lafortune};
+use srbf_fit::method::Fitted;
+use srbf_fit::report::ViewReport;
+use srbf_fit::table::model::lambert::Lambert;
 use srbf_fit::table::{Scattered, Table};
-use srbf_fit::{Settings, fit};
+use srbf_fit::{Settings, fit, thesis};
 
 const FLAT: f64 = 0.2;
 
@@ -61,8 +65,41 @@ fn sound(views: Vec<(f64, Scattered)>) -> Result<f64, srbf_fit::FitError> {
             );
         }
     }
-    assert!(fit.report.views.iter().all(|v| v.error.is_finite()), "{:?}", fit.report);
+    for v in &fit.report.views {
+        assert!(v.error.is_finite() && v.variance >= 0.0, "{v:?}");
+        assert!(v.is_black || v.largest_weight > 0.999, "{v:?}");
+    }
+    sound_baselines(&table);
     Ok(fit.report.mean_error())
+}
+
+/// The baselines have lobes of finite numbers too, whatever becomes of ours.
+fn sound_baselines(table: &Table) {
+    let settings = thesis::Settings { lobes: 3, edge: 8, iterations: 3, ..thesis::Settings::default() };
+    let thesis = thesis::fit_table(table, &settings).unwrap();
+    let settings = lafortune::Settings { lobes: 1, starts: 3, steps: 5 };
+    let lafortune = Lafortune::fit(table, &settings).unwrap();
+    for view in &table.views {
+        for fitted in [&thesis as &dyn Fitted, &lafortune] {
+            let value = fitted.view(view.theta).unwrap().f_cos([0.6, 0.0, 0.8]);
+            assert!(value.iter().all(|v| v.is_finite() && *v >= 0.0), "{}: {value:?}", view.theta);
+            let report = ViewReport::judge(fitted, view).unwrap();
+            let variance = report.variance;
+            assert!(report.error.is_finite() && (variance.is_nan() || variance >= 0.0), "{report:?}");
+        }
+    }
+}
+
+/// Of a BRDF, where no interpolation has a floor: squares that are 0 or infinite, and numbers that are no normal ones.
+#[test]
+fn the_thesis_method_survives_values_of_any_size() {
+    for albedo in [f64::from_bits(100), 1e-310, 1e-300, 1e-155, 1e-30, 1e30, 1e155, 1e300] {
+        let settings = thesis::Settings { lobes: 2, edge: 8, ..thesis::Settings::default() };
+        let found = thesis::fit_brdf(&Lambert { albedo: [albedo; 3] }, &[0.0, 0.7], &settings).unwrap();
+        for view in &found.views {
+            assert!(view.error < 0.5, "{albedo:e}: {view:?}");
+        }
+    }
 }
 
 fn near_mirror(theta: f64, d: [f64; 3]) -> bool {
@@ -109,9 +146,20 @@ fn equal_values_are_fitted_as_constants_are() {
     assert!(all(0.1) < 0.01 && all(1e-6) < 0.01);
     // An albedo of 1 is held a little below it.
     assert!(all(1.0 / std::f64::consts::PI) < 0.06);
-    // These cannot be met: too dark to matter, and brighter than anything.
-    all(1e-30);
+    // This cannot be met: brighter than anything.
     all(1e30);
+}
+
+/// Too dark for the amplitudes of a material, which says so; the baselines have no such bound.
+#[test]
+fn what_is_too_dark_to_be_stored_is_refused() {
+    for value in [1e-300, 1e-155, 1e-30, 1e-16] {
+        let error = sound(table(|_, _| value)).unwrap_err().to_string();
+        assert!(error.contains("1e-15"), "{value:e}: {error}");
+        if value > 1e-29 {
+            sound_baselines(&Table::from_scattered(table(|_, _| value)).unwrap());
+        }
+    }
 }
 
 /// Values over twelve decades within a view, and from one view to the next.

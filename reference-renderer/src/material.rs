@@ -1,7 +1,7 @@
 //! Materials by name: the embedded presets, a matte grey, and `.srbf` files.
 
-use anyhow::{Context, bail, ensure};
-use srbf_core::{Material, PlaneLobe, View, encode, encoded_len};
+use anyhow::{Context, bail};
+use srbf_core::{Material, PlaneLobe, View, encode, encoded_len, read_file};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -17,9 +17,6 @@ pub const DEFAULT: &str = "garnet_red";
 
 /// Name of the built-in material without a highlight.
 pub const MATTE: &str = "matte";
-
-/// Largest `.srbf` file that is read, bytes; the format's own limits end far below.
-const MAX_FILE: u64 = 1 << 24;
 
 /// The bytes of a material, and what it is called.
 #[derive(Clone, Debug)]
@@ -47,10 +44,8 @@ impl StoredMaterial {
             bail!("material {name}: expected a .srbf file or one of {}", presets.join(", "));
         }
         let read = || {
-            let size = std::fs::metadata(path)?.len();
-            ensure!(size <= MAX_FILE, "the file has {size} bytes, at most {MAX_FILE} are read");
             let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-            Self::new(&stem, Cow::Owned(std::fs::read(path)?))
+            Self::new(&stem, Cow::Owned(read_file(path)?))
         };
         read().with_context(|| format!("material {name}"))
     }
@@ -180,5 +175,11 @@ pub mod tests {
         );
         let error = format!("{:#}", StoredMaterial::load("missing/file.srbf").unwrap_err());
         assert!(error.contains("missing/file.srbf"), "{error}");
+        // Without an end.
+        #[cfg(unix)]
+        {
+            let error = format!("{:#}", StoredMaterial::load("/dev/zero").unwrap_err());
+            assert!(error.contains("/dev/zero") && error.contains("not a .srbf file"), "{error}");
+        }
     }
 }

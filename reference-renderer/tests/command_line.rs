@@ -100,6 +100,37 @@ fn a_table_is_fitted_and_the_material_inspected_and_a_cut_one_refused() {
     refused(&place, &["inspect", "absent.srbf"], &["absent.srbf"]);
 }
 
+/// The folder that is written to without -o has a name for each.
+#[test]
+fn models_and_methods_have_files_of_their_own() {
+    let place = folder("names");
+    for arguments in [
+        &["model:lambert:albedo=0.3", "--lobes", "1", "--method", "thesis"][..],
+        &["model:lambert:albedo=1e-155", "--lobes", "2", "--method", "thesis"],
+    ] {
+        let output = srbf(&place, &[&["fit"], arguments].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    let mut names: Vec<_> =
+        std::fs::read_dir(place.join("out")).unwrap().map(|f| f.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, ["lambert-albedo=0.3-thesis.json", "lambert-albedo=1e-155-thesis.json"]);
+    let json = std::fs::read_to_string(place.join("out/lambert-albedo=0.3-thesis.json")).unwrap();
+    assert!(json.contains("model:lambert:albedo=0.3"), "{json}");
+}
+
+#[test]
+fn what_is_left_out_is_printed_and_in_the_report() {
+    let place = folder("left-out");
+    std::fs::write(place.join("diffuse.csv"), rows()).unwrap();
+    let fit = ["fit", "diffuse.csv", "--lobes", "1", "--starts", "1", "--exchanges", "0", "--cross-validate"];
+    let output = srbf(&place, &fit);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && text.contains("views left out: mean - %"), "{text}");
+    let json = std::fs::read_to_string(place.join("out/diffuse.json")).unwrap();
+    assert!(json.contains("mean_relative_l2_of_samples"), "{json}");
+}
+
 #[test]
 fn options_that_do_not_fit_are_refused_by_name() {
     let place = folder("options");
@@ -117,6 +148,25 @@ fn options_that_do_not_fit_are_refused_by_name() {
     }
     refused(&place, &["fit", "model:phong:shine=3"], &["shine"]);
     refused(&place, &["fit", "--survey", "6"], &["SRBF_DATA_DIR"]);
+    for other in [["--method", "thesis"], ["-o", "a.srbf"], ["--material", "blue"]] {
+        refused(&place, &["fit", "--survey", "6", other[0], other[1]], &[other[0], "--survey"]);
+    }
+    for other in [["--method", "thesis"], ["-o", "a.srbf"]] {
+        refused(
+            &place,
+            &["fit", "diffuse.csv", "--lobes-table", other[0], other[1]],
+            &[other[0], "--lobes-table"],
+        );
+    }
+    let brushed = "model:ward:alpha_x=0.1,alpha_y=0.4";
+    for (option, value) in [("--views", "9"), ("--exchanges", "3"), ("--mirrored", "1")] {
+        refused(&place, &["fit", brushed, option, value], &[option, "anisotropic"]);
+    }
+    for method in ["thesis", "lafortune"] {
+        refused(&place, &["fit", brushed, "--method", method], &["anisotropic"]);
+    }
+    refused(&place, &["fit", "model:lambert", "--cross-validate"], &["--cross-validate", "samples"]);
+    refused(&place, &["fit", "diffuse.csv", "-o", "diffuse.json"], &["diffuse.json", "-o"]);
     refused(&place, &["render", "--env", "constant:NaN", "-o", "out.exr"], &["NaN"]);
     refused(&place, &["render", "--size", "0x9", "-o", "out.exr"], &["0x9"]);
     refused(&place, &["compare", "--spp", "4,2"], &["--spp"]);

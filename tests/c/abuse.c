@@ -2,7 +2,9 @@
  *
  *     abuse MATERIAL.srbf
  */
+#define _DEFAULT_SOURCE
 #include "check.h"
+#include <sys/mman.h>
 
 static const float UP[3] = {0, 0, 1};
 static const float BAD[6][3] = {
@@ -39,6 +41,40 @@ static srbf_mixture *new_mixture(void) {
         CHECK_STATUS(SRBF_STATUS_OBJECT, call);               \
     } while (0)
 
+/* Whatever is no material is seen at its head: of a file without an end, and of bytes that no copy has room for. */
+static void test_endless(void) {
+    srbf_material *made = NULL;
+    CHECK_STATUS(SRBF_STATUS_MAGIC, srbf_material_load("/dev/zero", &made));
+    CHECK(strcmp(srbf_last_message(), "/dev/zero: not a .srbf file: the first 8 bytes must be its magic") == 0);
+    const size_t size = (size_t)1 << (sizeof(size_t) > 4 ? 40 : 30);
+    void *zeros = mmap(NULL, size, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (zeros != MAP_FAILED) {
+        CHECK_STATUS(SRBF_STATUS_MAGIC, srbf_material_from_bytes((const unsigned char *)zeros, size, &made));
+        CHECK(munmap(zeros, size) == 0);
+    }
+    CHECK(made == NULL);
+}
+
+/* Storage, bytes and the pointer to the material, one upon another: refused before anything is written. */
+static void test_borrow_overlaps(const unsigned char *bytes, size_t size) {
+    const size_t room = size + SRBF_MATERIAL_SIZE + 16;
+    unsigned char *memory = (unsigned char *)aligned_alloc(16, (room + 15) / 16 * 16);
+    _Alignas(16) unsigned char storage[SRBF_MATERIAL_SIZE];
+    srbf_material *made = NULL;
+    CHECK(memory != NULL);
+    memcpy(memory, bytes, size);
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_borrow(memory, size, memory, SRBF_MATERIAL_SIZE, &made));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP,
+                 srbf_material_borrow(memory, size, memory + (size - 1) / 16 * 16, SRBF_MATERIAL_SIZE, &made));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP,
+                 srbf_material_borrow(memory, size, storage, sizeof storage, (srbf_material **)(void *)(memory + 16)));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP,
+                 srbf_material_borrow(memory, size, storage, sizeof storage, (srbf_material **)(void *)(storage + 120)));
+    CHECK(made == NULL && memcmp(memory, bytes, size) == 0);
+    CHECK_OK(srbf_material_borrow(memory, size, memory + (size + 15) / 16 * 16, SRBF_MATERIAL_SIZE, &made));
+    free(memory);
+}
+
 static void test_materials(const char *path) {
     size_t size;
     unsigned char *bytes = read_file(path, &size);
@@ -54,6 +90,8 @@ static void test_materials(const char *path) {
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_borrow(bytes, size, NULL, sizeof storage, &made));
     CHECK_STATUS(SRBF_STATUS_MISALIGNED,
                  srbf_material_borrow(bytes, size, storage + 1, SRBF_MATERIAL_SIZE, &made));
+    CHECK_STATUS(SRBF_STATUS_MISALIGNED,
+                 srbf_material_borrow(bytes, size, storage + 8, SRBF_MATERIAL_SIZE, &made));
     CHECK_POINTER(srbf_material *, &made, srbf_material_borrow(bytes, size, storage, sizeof storage, p));
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_from_bytes(NULL, size, &made));
     CHECK_STATUS(SRBF_STATUS_SIZE, srbf_material_from_bytes(bytes, SIZE_MAX, &made));
@@ -61,10 +99,13 @@ static void test_materials(const char *path) {
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_load(NULL, &made));
     CHECK_STATUS(SRBF_STATUS_FILE, srbf_material_load("/no/such/file.srbf", &made));
     CHECK(strstr(srbf_last_message(), "/no/such/file.srbf") != NULL);
+    CHECK_STATUS(SRBF_STATUS_FILE, srbf_material_load("/no/such\nfile\t\x7f.srbf", &made));
+    CHECK(strstr(srbf_last_message(), "/no/such?file??.srbf: ") != NULL);
     CHECK_STATUS(SRBF_STATUS_FILE, srbf_material_load("/", &made));
     CHECK_STATUS(SRBF_STATUS_TEXT, srbf_material_load("\xff.srbf", &made));
     CHECK_POINTER(srbf_material *, &made, srbf_material_load(path, p));
     CHECK(made == NULL);
+    test_borrow_overlaps(bytes, size);
 
     srbf_material_info info;
     srbf_view view;
@@ -271,6 +312,10 @@ static void test_single(const srbf_material *material) {
     CHECK_STATUS(SRBF_STATUS_SIZE, srbf_mixture_init(storage, SRBF_MIXTURE_SIZE_16 - 1, &made));
     CHECK_STATUS(SRBF_STATUS_SIZE, srbf_mixture_init(storage, 0, &made));
     CHECK_POINTER(srbf_mixture *, &made, srbf_mixture_init(storage, sizeof storage, p));
+    srbf_mixture **inside = (srbf_mixture **)(void *)(storage + SRBF_MIXTURE_SIZE_16 - sizeof made);
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_mixture_init(storage, SRBF_MIXTURE_SIZE_16, inside));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_mixture_init(storage, SIZE_MAX, inside));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_mixture_init(storage, sizeof storage, (srbf_mixture **)(void *)storage));
     CHECK(made == NULL && srbf_mixture_size(SIZE_MAX) == 0);
 
     CHECK_OK(srbf_material_prepare(material, UP, mixture));
@@ -430,6 +475,55 @@ static void test_one_channel_pairs(const srbf_material *material, const srbf_vec
     release(outputs, N);
 }
 
+/* The last mixture may be larger than the stride: an output within what only it holds is refused too. */
+static void test_large_last(const srbf_material *material, const srbf_vectors *wo, const srbf_vectors *wi) {
+    enum { N = 3 };
+    const size_t stride = SRBF_MIXTURE_SIZE_16, size = (N - 1) * stride + SRBF_MIXTURE_SIZE_64 + 64;
+    unsigned char *storage = (unsigned char *)aligned_alloc(16, size);
+    srbf_mixture *last;
+    CHECK(storage != NULL);
+    CHECK_OK(srbf_material_prepare_into(material, N, wo, storage, stride));
+    CHECK_OK(srbf_mixture_init(storage + (N - 1) * stride, SRBF_MIXTURE_SIZE_64, &last));
+    CHECK_OK(srbf_material_prepare(material, UP, last));
+    const srbf_mixture *all = (const srbf_mixture *)(const void *)storage;
+    srbf_numbers_out within = {(float *)(void *)(storage + N * stride + 16), sizeof(float)};
+    srbf_numbers_out behind = {(float *)(void *)(storage + size - 64), sizeof(float)};
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_mixture_pdf_pairs_into(all, stride, N, wi, &within));
+    CHECK_OK(srbf_mixture_pdf_pairs_into(all, stride, N, wi, &behind));
+    free(storage);
+}
+
+/* A material whose object and bytes lie where a call would write: refused, and the material stays whole. */
+static void test_upon_material(const srbf_material *original, const srbf_vectors *wo, const srbf_vectors *wi) {
+    enum { N = 8 };
+    const size_t stride = SRBF_MIXTURE_SIZE_16;
+    srbf_material_info info;
+    CHECK_OK(srbf_material_query(original, &info));
+    const size_t bytes_at = (SRBF_MATERIAL_SIZE + stride + 15) / 16 * 16;
+    unsigned char *memory = (unsigned char *)aligned_alloc(16, (bytes_at + info.byte_count + N * stride + 15) / 16 * 16);
+    CHECK(memory != NULL);
+    memcpy(memory + bytes_at, info.bytes, info.byte_count);
+    srbf_material *material;
+    CHECK_OK(srbf_material_borrow(memory + bytes_at, info.byte_count, memory, SRBF_MATERIAL_SIZE, &material));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_prepare_into(material, 1, wo, memory, stride));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_prepare_into(material, N, wo, memory + SRBF_MATERIAL_SIZE, stride));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_prepare_into(material, N, wo, memory + bytes_at, stride));
+    srbf_numbers_out pdf = {(float *)(void *)(memory + bytes_at), sizeof(float)};
+    srbf_numbers_out apart = {(float *)(void *)(memory + SRBF_MATERIAL_SIZE), sizeof(float)};
+    float *value = (float *)(void *)(memory + bytes_at + 64);
+    srbf_vectors_out values = {value, value + N, value + 2 * N, sizeof(float)};
+    srbf_samples_out samples = {values, apart, {value + 3 * N, value + 4 * N, value + 5 * N, sizeof(float)}};
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_pdf_pairs_into(material, N, wo, wi, &pdf));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_luminance_pairs_into(material, N, wo, wi, &pdf));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_evaluate_pairs_into(material, N, wo, wi, &values, &apart));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_sample_pairs_into(material, N, wo, wi, &samples));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_sample_pdf_pairs_into(material, N, wo, wi, &values, &apart));
+    CHECK_OK(srbf_material_pdf_pairs_into(material, N, wo, wi, &apart));
+    CHECK_OK(srbf_material_prepare_into(material, 1, wo, memory + SRBF_MATERIAL_SIZE, stride));
+    CHECK(memcmp(memory + bytes_at, info.bytes, info.byte_count) == 0);
+    free(memory);
+}
+
 static void test_batches(const srbf_material *material) {
     enum { N = 40 };
     float *inputs = guarded(6 * N), *outputs = guarded(7 * N);
@@ -503,7 +597,9 @@ static void test_batches(const srbf_material *material) {
     CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_mixture_pdf_pairs_into(all, 0, N, &good_in, &numbers));
     CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_mixture_pdf_pairs_into(all, stride + 8, N, &good_in, &numbers));
     CHECK_STATUS(SRBF_STATUS_SIZE, srbf_mixture_pdf_pairs_into(all, SIZE_MAX - 15, N, &good_in, &numbers));
-    CHECK_STATUS(SRBF_STATUS_OBJECT, srbf_mixture_pdf_pairs_into(all, stride / 2, N, &good_in, &numbers));
+    CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_mixture_pdf_pairs_into(all, stride / 2, N, &good_in, &numbers));
+    CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_mixture_pdf_pairs_into(all, 16, 1, &good_in, &numbers));
+    test_large_last(material, &wo, &good_in);
     CHECK_OK(srbf_mixture_pdf_pairs_into(all, stride, N, &good_in, &numbers));
     CHECK_OK(srbf_mixture_pdf_pairs_into(NULL, 0, 0, NULL, NULL));
 
@@ -541,12 +637,14 @@ static void test_batches(const srbf_material *material) {
     CHECK_OBJECT(const srbf_material, material, srbf_material_prepare_into(p, N, &wo, storage, stride));
     CHECK_POINTER(srbf_vectors, &wo, srbf_material_prepare_into(material, N, p, storage, stride));
     CHECK_POINTER(unsigned char, storage, srbf_material_prepare_into(material, N, &wo, p, stride));
-    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_material_prepare_into(material, N, &wo, storage, stride - 16));
+    CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_material_prepare_into(material, N, &wo, storage, stride - 16));
+    CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_material_prepare_into(material, N, &wo, storage, 0));
     CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_material_prepare_into(material, N, &wo, storage, stride + 4));
     CHECK_STATUS(SRBF_STATUS_SIZE, srbf_material_prepare_into(material, SIZE_MAX / 8, &wo, storage, stride));
     srbf_vectors inside = {(float *)(void *)storage, wos, wos, sizeof(float)};
     CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_prepare_into(material, N, &inside, storage, stride));
     CHECK_OK(srbf_material_prepare_into(material, 0, NULL, NULL, 0));
+    test_upon_material(material, &wo, &good_in);
     wos[3 * 5] = NAN;
     CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_material_prepare_into(material, N, &wo, storage, stride));
     for (int i = 0; i < N; i++) {
@@ -581,6 +679,7 @@ static void test_batches(const srbf_material *material) {
 
 int main(int count, char **arguments) {
     CHECK(count == 2);
+    test_endless();
     test_materials(arguments[1]);
     test_damaged_bytes(arguments[1]);
     test_lobes();

@@ -2,7 +2,10 @@
  *
  *     fit FOLDER
  */
+#define _POSIX_C_SOURCE 200809L
 #include "check.h"
+#include <sys/wait.h>
+#include <unistd.h>
 
 /* A diffuse surface with a gloss: f by the half vector, isotropic and reciprocal. */
 static void gloss(void *user, const float *wi, const float *wo, float *f) {
@@ -30,13 +33,44 @@ static void check_fit(const srbf_material *material, float height, float limit) 
     CHECK(sqrt(error / norm) < (double)limit);
 }
 
+/* Where the system gives no threads, a fit is refused and nothing panics; in a process of its own, as threads are started once. */
+static void test_without_threads(void) {
+    pid_t child = fork();
+    CHECK(child >= 0);
+    if (child == 0) {
+        float height = 0.5f;
+        srbf_material *material = NULL;
+        /* A stack that no address space has room for. */
+        CHECK(setenv("RUST_MIN_STACK", "1125899906842624", 1) == 0);
+        for (int i = 0; i < 2; i++) {
+            CHECK_STATUS(SRBF_STATUS_OTHER, srbf_fit_brdf(NULL, gloss, &height, &material));
+            CHECK(strstr(srbf_last_message(), "no threads") != NULL && material == NULL);
+        }
+        _exit(0);
+    }
+    int status;
+    CHECK(waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0);
+}
+
+/* Material and samples say where they come from, line by line. */
+static void check_provenance(const srbf_material *material) {
+    srbf_material_info info;
+    CHECK_OK(srbf_material_query(material, &info));
+    char text[1024] = {0};
+    CHECK(info.provenance_length < sizeof text);
+    memcpy(text, info.provenance, info.provenance_length);
+    CHECK(strstr(text, "through its C interface\nsrbf-fit ") != NULL);
+}
+
 int main(int count, char **arguments) {
     CHECK(count == 2);
+    test_without_threads();
     float height = 0.5f;
     srbf_fit_settings settings;
     srbf_material *material = NULL, *again = NULL;
     CHECK_OK(srbf_fit_settings_default(&settings));
     CHECK(settings.lobes == 12 && settings.squeezed_lobes == SRBF_FIT_AUTOMATIC);
+    CHECK(fabs(settings.smoothness / 5e-5 - 1) < 1e-12);
     settings.lobes = 6, settings.squeezed_lobes = 2;
 
     enum { VIEWS = 6, SAMPLES = 400, N = VIEWS * SAMPLES };
@@ -52,8 +86,9 @@ int main(int count, char **arguments) {
     srbf_vectors values = {f[0], f[0] + 1, f[0] + 2, 12};
     CHECK_OK(srbf_fit_table(&settings, N, &o, &in, &values, &material));
     check_fit(material, height, 0.1f);
+    check_provenance(material);
     char path[4096];
-    CHECK(snprintf(path, sizeof path, "%s/fit.srbf", arguments[1]) < (int)sizeof path);
+    CHECK(snprintf(path, sizeof path, "%s/made/by/fit/fit.srbf", arguments[1]) < (int)sizeof path);
     CHECK_OK(srbf_material_save(material, path));
     CHECK_OK(srbf_material_load(path, &again));
     srbf_material_info a, b;
@@ -74,11 +109,23 @@ int main(int count, char **arguments) {
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_fit_table(&settings, N, &o, &in, &values, NULL));
     CHECK_STATUS(SRBF_STATUS_TABLE, srbf_fit_table(&settings, 0, &o, &in, &values, &material));
     CHECK_STATUS(SRBF_STATUS_SIZE, srbf_fit_table(&settings, SIZE_MAX / 4, &o, &in, &values, &material));
-    wo[7][0] = NAN;
+    const float good_wo[3] = {0, 0, 1}, bad[][3] = {{NAN, 0, 1}, {0, 0, 0}, {INFINITY, 0, 0}, {0, 0, 0.5f}};
+    float good_wi[3];
+    memcpy(good_wi, wi[7], sizeof good_wi);
+    for (int i = 0; i < 4; i++) {
+        memcpy(wo[7], bad[i], sizeof bad[i]);
+        CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_fit_table(&settings, N, &o, &in, &values, &material));
+        CHECK(strstr(srbf_last_message(), "sample 7") != NULL);
+        memcpy(wo[7], good_wo, sizeof good_wo);
+        memcpy(wi[7], bad[i], sizeof bad[i]);
+        CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_fit_table(&settings, N, &o, &in, &values, &material));
+        memcpy(wi[7], good_wi, sizeof good_wi);
+    }
+    f[7][1] = NAN;
     CHECK_STATUS(SRBF_STATUS_TABLE, srbf_fit_table(&settings, N, &o, &in, &values, &material));
-    CHECK(strlen(srbf_last_message()) > 0);
-    wo[7][0] = 0, wo[7][2] = -1;
+    f[7][1] = 0.1f, wo[7][2] = -1;
     CHECK_STATUS(SRBF_STATUS_TABLE, srbf_fit_table(&settings, N, &o, &in, &values, &material));
+    CHECK(strstr(srbf_last_message(), "no material can be fitted to the table: view at") != NULL);
     settings.lobes = 0;
     CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material));
     settings.lobes = 6, settings.squeezed_lobes = 7;
@@ -88,6 +135,8 @@ int main(int count, char **arguments) {
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_save(NULL, path));
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_save(again, NULL));
     CHECK_STATUS(SRBF_STATUS_FILE, srbf_material_save(again, "/dev/null/a.srbf"));
+    CHECK(strstr(srbf_last_message(), "/dev/null: ") != NULL);
+    CHECK_STATUS(SRBF_STATUS_FILE, srbf_material_save(again, ""));
     CHECK_STATUS(SRBF_STATUS_TEXT, srbf_material_save(again, "\xff"));
     CHECK(material == NULL);
     CHECK_OK(srbf_material_free(again));

@@ -321,6 +321,19 @@ static void test_pairs(const srbf_material *material) {
     free(storage);
 }
 
+/* What a float does not hold is infinite. */
+static void test_huge_lobes(void) {
+    const srbf_lobe huge = {{0, 0, 1}, 0, {3e38f, 1, 0}};
+    srbf_lobe product_of_huge;
+    float sum[3];
+    CHECK_OK(srbf_lobe_integrate(&huge, sum));
+    CHECK(isinf(sum[0]) && is_near(sum[1], 12.566371f) && sum[2] == 0);
+    CHECK_OK(srbf_lobe_inner_product(&huge, &huge, sum));
+    CHECK(isinf(sum[0]) && is_near(sum[1], 12.566371f) && sum[2] == 0);
+    CHECK_OK(srbf_lobe_product(&huge, &huge, &product_of_huge));
+    CHECK(isinf(product_of_huge.amplitude[0]) && product_of_huge.amplitude[1] == 1);
+}
+
 /* Lobes and mixtures without a material. */
 static void test_lobes(void) {
     const srbf_lobe lobes[3] = {
@@ -477,6 +490,7 @@ int main(int count, char **arguments) {
     test_levels(material);
     CHECK_OK(srbf_material_free(material));
     test_lobes();
+    test_huge_lobes();
     printf("normal use: passed\n");
     return 0;
 }

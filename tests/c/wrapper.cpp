@@ -8,6 +8,9 @@
 #include <srbf.hpp>
 #include <type_traits>
 #include <vector>
+#if __has_include(<span>)
+#include <span>
+#endif
 
 #define CHECK(condition)                                                                                          \
     do {                                                                                                          \
@@ -20,6 +23,75 @@
 static_assert(!std::is_copy_constructible_v<srbf::Material> && std::is_nothrow_move_constructible_v<srbf::Material>);
 static_assert(!std::is_copy_constructible_v<srbf::Mixture<16>> && std::is_move_constructible_v<srbf::Mixture<16>>);
 static_assert(sizeof(srbf_sample) == 28 && std::is_standard_layout_v<srbf_sample> && sizeof(srbf_vectors) == 4 * sizeof(void *));
+
+/* A span of what is no element, or of another size, is none. */
+struct Base {
+    srbf::Vec3 v;
+};
+struct Derived : Base {
+    int id;
+};
+struct Named : srbf::Span<float> {
+    using srbf::Span<float>::Span;
+};
+template <class T, class From>
+constexpr bool makes = std::is_constructible_v<srbf::Span<T>, From> && std::is_convertible_v<From, srbf::Span<T>>;
+template <class T, class From>
+constexpr bool makes_none = !std::is_constructible_v<srbf::Span<T>, From>;
+static_assert(makes<float, std::vector<float> &> && makes<const float, std::vector<float> &>);
+static_assert(makes<const float, const std::vector<float> &> && makes<const float, std::vector<float>>);
+static_assert(makes<float, std::array<float, 3> &> && makes<const float, const std::array<const float, 3>>);
+static_assert(makes<float, srbf::Span<float> &> && makes<const float, srbf::Span<float> &>);
+static_assert(makes<const float, srbf::Span<float>> && makes<const float, const srbf::Span<const float> &>);
+static_assert(makes<float, Named &> && makes<const float, Named>);
+static_assert(makes_none<float, const std::vector<float> &> && makes_none<float, std::vector<float>>);
+static_assert(makes_none<float, std::vector<double> &> && makes_none<const float, std::vector<int> &>);
+static_assert(makes_none<Base, std::vector<Derived> &> && makes_none<const Base, srbf::Span<Derived> &>);
+static_assert(makes_none<float, srbf::Span<const float> &> && makes_none<float, int &> && makes_none<float, float *&>);
+#if defined(__cpp_lib_span)
+static_assert(makes<float, std::span<float>> && makes<float, const std::span<float> &>);
+static_assert(makes<const float, std::span<float> &> && makes<const float, std::span<const float>>);
+static_assert(makes<float, std::span<float, 3>> && makes_none<float, std::span<const float>>);
+#endif
+
+/* What a renderer keeps of a hit: the density is one member of many. */
+struct Hit {
+    float pdf;
+    int id;
+    float throughput[3];
+};
+
+/* Spans keep their stride however they are copied: nothing is written beside the member. */
+static void strides(const srbf::Mixture<16> &mixture) {
+    std::vector<srbf::Vec3> wi(8, srbf::Vec3{-0.6f, 0, 0.8f});
+    std::array<Hit, 8> hits;
+    hits.fill({-1, 1000, {7, 7, 7}});
+    srbf::Span<float> pdf(&hits[0].pdf, hits.size(), sizeof(Hit)), copy(pdf);
+    srbf::Span<const float> read = pdf;
+    const Named named(&hits[0].pdf, hits.size(), sizeof(Hit));
+    srbf::Span<float> of_named = named;
+    CHECK(copy.stride() == sizeof(Hit) && read.stride() == sizeof(Hit) && of_named.stride() == sizeof(Hit));
+    CHECK(read.data() == &hits[0].pdf && read.size() == 8 && of_named.size() == 8);
+    CHECK(!mixture.pdf_into(wi, pdf) && !mixture.pdf_into(wi, copy));
+    for (const Hit &hit : hits) {
+        CHECK(hit.pdf > 0 && hit.id == 1000 && hit.throughput[0] == 7 && hit.throughput[2] == 7);
+    }
+#if defined(__cpp_lib_span)
+    std::vector<float> dense(8);
+    CHECK(!mixture.pdf_into(std::span<const srbf::Vec3>(wi), std::span<float>(dense)) && dense[7] == hits[7].pdf);
+#endif
+}
+
+/* Nothing to do, and nowhere to do it. */
+static void nothing(const srbf::Mixture<16> &mixture) {
+    std::vector<srbf::Vec3> none;
+    srbf::Span<srbf_sample> nowhere;
+    CHECK(!mixture.evaluate_into(none, none) && !mixture.pdf_into(none, {}) && !mixture.sample_into(none, nowhere));
+    CHECK(mixture.evaluate_into({nullptr, 3}, {nullptr, 3}).code() == SRBF_STATUS_NULL);
+    CHECK(mixture.sample_into({nullptr, 3}, {nullptr, 3}).code() == SRBF_STATUS_NULL);
+    srbf::Status status = mixture.pdf_into({nullptr, 3}, {});
+    CHECK(status.code() == SRBF_STATUS_SIZE && status.text() == srbf::Status(SRBF_STATUS_SIZE).text());
+}
 
 static void use(const char *path) {
     srbf::Material material;
@@ -57,6 +129,9 @@ static void use(const char *path) {
     CHECK(!taken.evaluate_into({directions.data(), 100}, values));
     CHECK(std::fabs(pdfs[99] - sample.pdf) <= 1e-3f * pdf && values[99][1] > 0);
     CHECK(taken.pdf_into({directions.data(), 99}, pdfs).code() == SRBF_STATUS_SIZE);
+
+    strides(taken);
+    nothing(taken);
 
     srbf::Mixture<64> large;
     const std::array<srbf_lobe, 1> lobes = {{{{0, 0, 1}, 10, {1, 1, 1}}}};

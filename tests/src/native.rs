@@ -114,6 +114,13 @@ impl Compiler {
         command
     }
 
+    /// Whether the compiler knows an option, such as a standard that is newer than it may be.
+    pub fn takes(&self, option: &str) -> bool {
+        let mut command = self.strict();
+        command.args([option, "-fsyntax-only", "-x", if self.language == Language::C { "c" } else { "c++" }]);
+        command.arg("/dev/null").output().is_ok_and(|output| output.status.success())
+    }
+
     /// Compiles one source file of `tests/c` and links it with the library in `folder`. Returns: the program.
     pub fn program(&self, source: &str, folder: &Path, link: Link, options: &[&str]) -> PathBuf {
         let place = target().join("tests-c");

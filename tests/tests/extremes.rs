@@ -180,7 +180,7 @@ fn parameters_out_of_range_are_refused() {
         assert_eq!(Mixture::<16>::new(Domain::Sphere, c, &[], &[]).err(), Some(Error::Squeeze), "{c}");
     }
     assert_eq!(Folded::new(g).kernel(), &g);
-    for h in [-0.1, 1.0, 1.5, f32::NAN, f32::INFINITY] {
+    for h in [-0.1, -1e-9, 1.0, 1.5, f32::NAN, f32::INFINITY] {
         assert_eq!(AbelPoisson::new(Vec3::Z, h), Err(Error::Kernel), "{h}");
     }
     assert_eq!(AbelPoisson::new(Vec3::Z, 0.75).unwrap().epsilon(), 0.25);

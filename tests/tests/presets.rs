@@ -2,7 +2,7 @@
 //! are refused.
 
 use glam::Vec3;
-use srbf_core::{Material, Mixture};
+use srbf_core::{Material, Mixture, read_file};
 use srbf_tests::inputs::Random;
 use srbf_tests::partition::Partition;
 use srbf_tests::statistics::sidak;
@@ -29,6 +29,14 @@ fn prepare(material: &Material, wo: Vec3) -> Mixture<64> {
     let mut m = Mixture::empty();
     material.prepare(wo, &mut m).unwrap();
     m
+}
+
+#[test]
+fn every_preset_is_read_as_it_is() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../presets");
+    for (name, bytes) in presets() {
+        assert_eq!(read_file(&folder.join(&name).with_extension("srbf")).unwrap(), bytes, "{name}");
+    }
 }
 
 #[test]

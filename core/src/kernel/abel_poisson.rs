@@ -33,6 +33,10 @@ impl AbelPoisson {
     /// # Errors
     /// [`Error::Axis`]; [`Error::Kernel`] for h outside the range.
     pub fn new(axis: Vec3, h: f32) -> Result<Self, Error> {
+        // A tiny negative h would round to an epsilon of 1.
+        if h < 0.0 {
+            return Err(Error::Kernel);
+        }
         Self::from_epsilon(axis, 1.0 - h)
     }
 

@@ -14,8 +14,8 @@ const BLOCK: usize = 16;
 /// `K_l = (2 l + 1) / 2 integral of K P_l sin theta d theta`, by 12-point Gauss-Legendre on panels that halve towards
 /// the axis, down to 1e-7 radians, and are short enough elsewhere for the highest `P_l` asked for.
 ///
-/// Shapes: `coefficients` any length, overwritten with l = 0, 1, ... Cost: about `60 n + 4 n^2` evaluations of the
-/// kernel for n coefficients; meant for offline work.
+/// Shapes: `coefficients` any length, overwritten with l = 0, 1, ... Cost: about `(336 + 3 n) ceil(n / 16)` evaluations of
+/// the kernel for n coefficients; meant for offline work.
 /// Range: kernels that are smooth off the axis. Accuracy: `4e-7 (2 l + 1)` of the mean of |K| over the sphere.
 /// Source: Weng and Shih 2006, eq. 2.
 pub fn legendre_coefficients_into(kernel: impl Fn(f32) -> f32, coefficients: &mut [f32]) {

@@ -26,7 +26,7 @@ impl<const N: usize> KernelTable<N> {
     /// Tabulates a kernel, given as a function of `w = 1 - cos theta` in [0, 2], round an axis.
     ///
     /// # Errors
-    /// [`Error::Axis`]; [`Error::Kernel`] if a value is negative or not finite, or the integral is 0 or infinite.
+    /// [`Error::Axis`]; [`Error::Kernel`] if a value is negative or not finite, or a slope, or the integral is 0 or infinite.
     pub fn new(axis: Vec3, kernel: impl Fn(f32) -> f32) -> Result<Self, Error> {
         const { assert!(N >= 3) };
         let axis = unit(axis).ok_or(Error::Axis)?;
@@ -47,6 +47,9 @@ impl<const N: usize> KernelTable<N> {
         let mut sum = 0.0;
         for i in 1..N {
             let width = table.knot[i] - table.knot[i - 1];
+            if !table.line(i - 1).1.is_finite() {
+                return Err(Error::Kernel);
+            }
             sum += width * (0.5 * table.value[i] + 0.5 * table.value[i - 1]);
             table.cumulative[i] = sum;
         }

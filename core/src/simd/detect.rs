@@ -76,7 +76,9 @@ impl Level {
 #[cold]
 fn detect_and_cache() -> Level {
     let level = best();
-    // Two threads that both detect store the same; one that has chosen meanwhile keeps its choice.
+    // Two threads that both detect store the same; one that has chosen meanwhile keeps its choice. Small processors without this
+    // instruction have one level to detect.
+    #[cfg(target_has_atomic = "8")]
     let _ = CURRENT.compare_exchange(0, level as u8, Ordering::Relaxed, Ordering::Relaxed);
     level
 }
@@ -85,13 +87,13 @@ fn detect_and_cache() -> Level {
 fn best() -> Level {
     use core::arch::x86_64::{__cpuid, __cpuid_count};
     let bit = |word: u32, n: u32| word >> n & 1 == 1;
-    // Leaf 1: FMA, POPCNT, XSAVE enabled by the system. Leaf 7: BMI1, AVX2, BMI2 and AVX-512.
+    // Leaf 1: FMA, POPCNT, XSAVE enabled by the system, AVX, F16C. Leaf 7: BMI1, AVX2, BMI2 and AVX-512.
     let highest = __cpuid(0).eax;
     if highest < 7 {
         return Level::Portable;
     }
     let ecx1 = __cpuid(1).ecx;
-    if ![12, 23, 27, 28].into_iter().all(|n| bit(ecx1, n)) {
+    if ![12, 23, 27, 28, 29].into_iter().all(|n| bit(ecx1, n)) {
         return Level::Portable;
     }
     let saved = enabled_state();

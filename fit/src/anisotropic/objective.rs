@@ -11,7 +11,7 @@ use super::table::View;
 use crate::FitError;
 use crate::parameters::sphere_integral;
 use crate::ratio::Ratio;
-use crate::table::Sample;
+use crate::table::{Sample, check_bright, check_storable};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
 
@@ -68,9 +68,8 @@ impl Objective {
     pub fn new(views: &[View], layout: Layout, smoothness: f64, every: usize) -> Result<Self, FitError> {
         let brightest = views.iter().flat_map(|v| v.albedo).fold(0.0, f64::max);
         let strongest = views.iter().map(norm_squared).fold(0.0, f64::max);
-        if !(strongest > 0.0 && strongest.is_finite()) {
-            return Err(FitError::Table("no sample has any brightness".into()));
-        }
+        check_storable(views.iter().flat_map(|view| &view.samples))?;
+        check_bright(strongest > 0.0 && strongest.is_finite())?;
         let count = views.len() as f64;
         let data = |view: &View| {
             let norm = norm_squared(view).max(1e-9 * strongest);

@@ -4,6 +4,7 @@
 //! would take them outwards, long steps shortened as a whole.
 
 use super::objective::Objective;
+use crate::report::Ending;
 
 const LONGEST_STEP: f64 = 2.0;
 const FIRST_DAMPING: f64 = 0.1;
@@ -15,14 +16,14 @@ const TOLERANCE: f64 = 0.02;
 const INNER_STEPS: usize = 150;
 
 /// Moves `x` downhill in at most `steps` steps, or until five of them lower the cost by less than `improvement` of it; returns the
-/// cost reached. Calls `tick` after every step tried.
+/// cost reached and why it ended. Calls `tick` after every step tried.
 pub(super) fn minimize(
     objective: &Objective,
     x: &mut Vec<f64>,
     steps: usize,
     improvement: f64,
     mut tick: impl FnMut(),
-) -> f64 {
+) -> (f64, Ending) {
     let layout = &objective.layout;
     let p = layout.stride();
     let clamp = |x: &mut [f64]| {
@@ -36,6 +37,7 @@ pub(super) fn minimize(
     let (mut damping, mut growth) = (FIRST_DAMPING, 2.0);
     let mut at = objective.linearize(x);
     let mut history = vec![at.cost];
+    let mut ending = Ending::Steps;
     for _ in 0..steps {
         tick();
         let free: Vec<bool> = (0..x.len())
@@ -75,15 +77,17 @@ pub(super) fn minimize(
             history.push(at.cost);
             let n = history.len();
             if n > 5 && history[n - 6] - at.cost < improvement * at.cost {
+                ending = Ending::Converged;
                 break;
             }
         } else {
             damping *= growth;
             growth *= 2.0;
             if damping > MOST_DAMPING {
+                ending = Ending::Converged;
                 break;
             }
         }
     }
-    at.cost
+    (at.cost, ending)
 }

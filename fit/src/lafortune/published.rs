@@ -3,9 +3,8 @@
 //! The terms are `diffuse`, with no lobe, and `Cxy`, `Cz` and `n` of lobes that count from 0 and are all there.
 
 use super::{CosineLobe, Lafortune};
-use crate::table::{Content, Source, rows};
+use crate::table::{self, Content, Source, rows};
 use crate::{FitError, ReadError};
-use sha2::{Digest, Sha256};
 use std::path::Path;
 
 const HEADER: &str = "material,term,lobe,r,g,b";
@@ -25,11 +24,7 @@ pub fn read(path: &Path, material: &str) -> Result<Source, FitError> {
     let Some((name, model)) = all.into_iter().find(|m| m.0 == material) else {
         return Err(fault(path, format!("material `{material}` where one of {names} was expected")));
     };
-    Ok(Source {
-        content: Content::Evaluable(Box::new(model)),
-        name,
-        sha256: Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect(),
-    })
+    Ok(Source { content: Content::Evaluable(Box::new(model)), name, sha256: table::sha256(&bytes) })
 }
 
 /// The names of the materials of a file, separated by commas.
@@ -53,11 +48,7 @@ type Models = Vec<(String, Lafortune)>;
 
 /// The bytes of a file, and its materials.
 fn read_all(path: &Path) -> Result<(Vec<u8>, Models), FitError> {
-    let size = std::fs::metadata(path).map_err(FitError::io(path))?.len();
-    if size > MAX_FILE {
-        return Err(fault(path, format!("{size} bytes; at most {MAX_FILE} are read")));
-    }
-    let bytes = std::fs::read(path).map_err(FitError::io(path))?;
+    let bytes = table::read_bytes(path, MAX_FILE)?;
     let all = parse(&bytes).map_err(|source| FitError::Read { path: path.to_path_buf(), source })?;
     Ok((bytes, all))
 }

@@ -15,7 +15,8 @@ use super::{Channel, CosineLobe, Lafortune};
 use crate::FitError;
 use crate::method::{Fitted, Method};
 use crate::random::Random;
-use crate::table::Table;
+use crate::settings::range;
+use crate::table::{Table, check_bright};
 use basin::{BoundedLevenbergMarquardt, BoxBounds, ConstraintDescription, ConstraintSet, Constraints};
 use basin::{DenseMatrix, Executor, Jacobian, PointState, Residual};
 use rayon::prelude::*;
@@ -44,8 +45,14 @@ impl Default for Settings {
 const SCOUTING: u64 = 30;
 const FINAL: usize = 8;
 
+/// Most samples that are fitted, every n-th of more: ten unknowns a channel do not need them, and 30 000 take most of a minute.
+const MOST_SAMPLES: usize = 10_000;
+
 /// Relative change of the cost in a step below which a minimum counts as reached.
 const REACHED: f64 = 1e-6;
+
+/// Squared norm of a view below which it counts as black: relative to it, weights would be infinite.
+const BLACK: f64 = 1e-300;
 
 /// Bounds: diffuse albedo, and of each lobe ln P, angle and ln n.
 const DIFFUSE: (f64, f64) = (-1e-6, 2.0);
@@ -56,16 +63,12 @@ const LOBE: [(f64, f64); 3] = [(-25.0, 15.0), (-0.5 * PI, 1.5 * PI), (0.0, 11.0)
 /// # Errors
 /// [`FitError::Setting`]; [`FitError::Table`] for a table without brightness.
 pub(super) fn fit(table: &Table, settings: &Settings) -> Result<Lafortune, FitError> {
-    let range = |name, inside: bool, reason: &str| {
-        if inside { Ok(()) } else { Err(FitError::Setting { name, reason: reason.to_owned() }) }
-    };
     range("lobes", (1..=16).contains(&settings.lobes), "from 1 to 16 of Lafortune's")?;
     range("starts", (1..=100_000).contains(&settings.starts), "from 1 to 100000")?;
     range("steps", (1..=10_000).contains(&settings.steps), "from 1 to 10000")?;
-    let problems = [0, 1, 2].map(|channel| Data::new(table, channel));
-    if problems.iter().all(|p| p.brightest <= 0.0) {
-        return Err(FitError::Table("no sample has any brightness".into()));
-    }
+    let table = table.thinned(MOST_SAMPLES);
+    let problems = [0, 1, 2].map(|channel| Data::new(&table, channel));
+    check_bright(problems.iter().any(|p| p.brightest > 0.0))?;
     let mut model = Lafortune::default();
     for (channel, data) in problems.iter().enumerate().filter(|p| p.1.brightest > 0.0) {
         let scout = |start: usize| data.run(data.start(settings.lobes, start), SCOUTING.min(settings.steps));
@@ -129,7 +132,7 @@ impl Data {
             };
             let norm: f64 = view.samples.iter().map(square).sum::<f64>() * table.views.len() as f64;
             let (sin, cos) = libm::sincos(view.theta);
-            points.extend(view.samples.iter().filter(|_| norm > 0.0).map(|s| Point {
+            points.extend(view.samples.iter().filter(|_| norm > BLACK).map(|s| Point {
                 tangential: -sin * s.direction[0],
                 normal: cos * s.direction[2],
                 value: s.rgb[channel],
@@ -163,10 +166,11 @@ impl Data {
         let solver = BoundedLevenbergMarquardt::<Vec<f64>, DenseMatrix>::new()
             .with_relative_cost_change_tolerance(REACHED);
         let state = PointState::new(x.clone());
-        let (cost, x) = match Executor::new(problem, solver, state).max_iter(steps).run() {
-            Ok(result) => (result.best_cost(), result.best_param().clone()),
-            // The only errors are bounds that contradict each other: this start is worth nothing.
-            Err(_) => (f64::INFINITY, x),
+        let found = Executor::new(problem, solver, state).max_iter(steps).run();
+        // Bounds that contradict each other are an error; where no cost is a finite number there is no best point.
+        let (cost, x) = match found.ok().filter(|result| result.best_cost().is_finite()) {
+            Some(result) => (result.best_cost(), result.best_param().clone()),
+            None => (f64::INFINITY, x),
         };
         Run { cost, x, evaluations: evaluations.get() }
     }

@@ -3,6 +3,10 @@
 //! The first line is `wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,r,g,b`; then a row a sample: unit vectors towards the incident and the
 //! outgoing direction, +z the normal, and the BRDF in linear sRGB, 1/sr, not multiplied by the cosine. Outgoing directions of
 //! one angle from the normal are one view. Lines that begin with `#` are comments.
+//!
+//! A negative value counts as 0. Refused are numbers above 1e9 in size, directions whose squared length is off 1 by more than 1e-3,
+//! and directions below the horizon. Azimuths of the outgoing direction are turned away: rows of an anisotropic surface are merged
+//! as if it were isotropic, and fitted as their mean.
 
 use super::rows::{row, text};
 use super::{Scatter, Scattered};

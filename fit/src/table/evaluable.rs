@@ -95,7 +95,7 @@ impl Table {
     /// Tabulates a BRDF at views, angles in radians within [0, pi / 2).
     ///
     /// # Errors
-    /// [`FitError::Table`] for no view, too many, and angles out of range.
+    /// [`FitError::Table`] for no view, too many, angles out of range, and a BRDF that is anisotropic.
     pub fn from_brdf(brdf: &dyn Brdf, thetas: &[f64], density: Density) -> Result<Self, FitError> {
         tabulate(brdf, thetas, density, &|_| Ok(None))
     }
@@ -130,6 +130,9 @@ fn tabulate(
     if let Some(theta) = thetas.iter().find(|t| !(0.0..FRAC_PI_2).contains(*t)) {
         return Err(FitError::Table(format!("view at {} degrees", theta.to_degrees())));
     }
+    if brdf.symmetry() != Symmetry::Isotropic {
+        return Err(FitError::Table("it is anisotropic: views at one azimuth do not say what it is".into()));
+    }
     let view = |&theta: &f64| {
         let (wo, caps) = look(brdf, theta);
         let samples = draw(brdf, wo, &caps, density, drawn(theta)?.as_ref());
@@ -138,7 +141,7 @@ fn tabulate(
         for s in &draw(brdf, wo, &caps, finer, None) {
             (0..3).for_each(|c| albedo[c] += s.weight * s.rgb[c] * s.direction[2]);
         }
-        Ok(View { theta, samples, albedo })
+        Ok(View { theta, samples, albedo, uncut_albedo: albedo })
     };
     let mut views = thetas.par_iter().map(view).collect::<Result<Vec<View>, FitError>>()?;
     views.sort_by(|a, b| a.theta.total_cmp(&b.theta));
@@ -225,7 +228,7 @@ struct Drawn {
 
 impl Drawn {
     fn new(material: &Material<'_>, theta: f64, round: usize) -> Result<Self, FitError> {
-        let view = TrackedView::new(material, theta)?.0;
+        let view = TrackedView::new(material, theta, 0.0)?.mixture;
         let lobe = |k| {
             let Lobe { gaussian, .. } = view.lobe(k)?;
             let (integral, _) = sphere_integral(libm::log(f64::from(gaussian.sharpness)));

@@ -17,9 +17,6 @@
 use super::Sample;
 use std::f64::consts::PI;
 
-/// Largest albedo that is believed: no surface reflects more than it receives.
-pub(crate) const ALBEDO_LIMIT: f64 = 0.95;
-
 /// Ratio to its highest neighbour from which a sample counts as a lone spike.
 const SPIKE: f64 = 10.0;
 
@@ -51,12 +48,18 @@ struct Net {
     copies: Vec<f64>,
 }
 
-/// Makes the nodes of a view.
-fn net(samples: &[Sample]) -> Net {
-    // Nodes: one for each different direction, and its mirror image. What shares a direction shares its weight.
+/// Which samples have one direction.
+pub(crate) struct Owners {
+    /// The sample that stands for each sample: itself, or one with the same direction.
+    pub owner: Vec<usize>,
+    /// Those that stand for themselves, and all samples, sorted by direction.
+    representative: Vec<usize>,
+    order: Vec<usize>,
+}
+
+/// Finds the samples that have one direction.
+pub(crate) fn owners(samples: &[Sample]) -> Owners {
     let mut representative: Vec<usize> = Vec::with_capacity(samples.len());
-    let mut copies = vec![0.0f64; samples.len()];
-    let mut sum = vec![[0.0f64; 3]; samples.len()];
     let mut order: Vec<usize> = (0..samples.len()).collect();
     order.sort_by(|&a, &b| {
         let (a, b) = (&samples[a].direction, &samples[b].direction);
@@ -77,6 +80,17 @@ fn net(samples: &[Sample]) -> Net {
                 n
             }
         };
+    }
+    Owners { owner, representative, order }
+}
+
+/// Makes the nodes of a view.
+fn net(samples: &[Sample]) -> Net {
+    // Nodes: one for each different direction, and its mirror image. What shares a direction shares its weight.
+    let Owners { owner, representative, order } = owners(samples);
+    let mut copies = vec![0.0f64; samples.len()];
+    let mut sum = vec![[0.0f64; 3]; samples.len()];
+    for n in order {
         copies[owner[n]] += 1.0;
         (0..3).for_each(|c| sum[owner[n]][c] += samples[n].rgb[c]);
     }
@@ -149,13 +163,15 @@ pub(crate) fn weigh(samples: &mut [Sample]) -> [f64; 3] {
     for (n, s) in samples.iter_mut().enumerate() {
         s.weight = weight[owner[n]] / copies[owner[n]] / s.direction[2];
     }
-    albedo.map(|a| a.min(ALBEDO_LIMIT))
+    albedo
 }
 
-/// The values of scattered samples in between, linear in f over the same triangles that the weights integrate.
+/// The values of scattered samples in between, linear in f over the same triangles that the weights integrate. Samples below
+/// `FLOOR` count as that here, while the weights integrate them as they are.
 pub(crate) struct Interpolant {
     nodes: Vec<Node>,
     triangles: Vec<Triangle>,
+    places: Places,
 }
 
 /// Three nodes, and the rows that turn a direction into its coordinates in their directions.
@@ -170,17 +186,19 @@ impl Interpolant {
         let Net { nodes, .. } = net(samples);
         let corners = triangulate(&nodes);
         let triangle = |t: &[usize]| Triangle::new(&nodes, [t[0], t[1], t[2]]);
-        let triangles = corners.chunks_exact(3).filter_map(triangle).collect();
-        Self { nodes, triangles }
+        let triangles: Vec<Triangle> = corners.chunks_exact(3).filter_map(triangle).collect();
+        let places = Places::new(&nodes, &triangles);
+        Self { nodes, triangles, places }
     }
 
-    /// Values of f at directions; quickest where each lies near the one before.
+    /// Values of f at directions. Of several triangles that hold one, the first is taken from that of the direction before on.
     pub fn values(&self, directions: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let mut last = 0;
         let value = |d: &[f64; 3]| {
-            let found = (0..self.triangles.len())
-                .map(|step| (last + step) % self.triangles.len())
-                .find_map(|n| self.triangles[n].coordinates(d).map(|b| (n, b)));
+            let near = self.places.near(d);
+            let (before, after) = near.split_at(near.partition_point(|&n| n < last));
+            let found =
+                after.iter().chain(before).find_map(|&n| self.triangles[n].coordinates(d).map(|b| (n, b)));
             let mut rgb = [0.0; 3];
             if let Some((n, bary)) = found {
                 last = n;
@@ -194,6 +212,45 @@ impl Interpolant {
             rgb.map(|v| if v > 2.0 * LEAST { v } else { 0.0 })
         };
         directions.iter().map(value).collect()
+    }
+}
+
+/// The triangles that may reach into each square of a grid over x and y, numbers rising.
+struct Places {
+    /// Squares along an edge of [-1, 1].
+    edge: usize,
+    squares: Vec<Vec<usize>>,
+}
+
+impl Places {
+    /// About as many squares as triangles.
+    fn new(nodes: &[Node], triangles: &[Triangle]) -> Self {
+        let edge = (libm::sqrt(triangles.len() as f64) as usize).clamp(1, 512);
+        let mut places = Self { edge, squares: vec![Vec::new(); edge * edge] };
+        for (n, triangle) in triangles.iter().enumerate() {
+            let corners = triangle.corners.map(|corner| nodes[corner].direction);
+            // No point of a triangle on the sphere is further from its middle than a corner is.
+            let sum = [0, 1, 2].map(|k| corners[0][k] + corners[1][k] + corners[2][k]);
+            let length = libm::sqrt(distance_squared(&sum, &[0.0; 3]));
+            let middle = sum.map(|v| v / length);
+            let far = corners.iter().map(|c| distance_squared(c, &middle)).fold(0.0, f64::max);
+            let radius = libm::sqrt(far) + 1e-6;
+            let [columns, rows] =
+                [0, 1].map(|k| places.place(middle[k] - radius)..=places.place(middle[k] + radius));
+            for row in rows {
+                columns.clone().for_each(|column| places.squares[row * edge + column].push(n));
+            }
+        }
+        places
+    }
+
+    /// The column or row of a coordinate.
+    fn place(&self, x: f64) -> usize {
+        ((0.5 * (x + 1.0) * self.edge as f64) as usize).min(self.edge - 1)
+    }
+
+    fn near(&self, d: &[f64; 3]) -> &[usize] {
+        &self.squares[self.place(d[1]) * self.edge + self.place(d[0])]
     }
 }
 
@@ -298,6 +355,20 @@ mod tests {
             (0..500).map(|i| direction(1.2 * (0.618 * f64::from(i)).fract(), 0.1 * f64::from(i))).collect();
         for (d, v) in between.iter().zip(interpolant.values(&between)) {
             assert!((v[0] - (0.2 + d[2] + 0.3 * d[0])).abs() < 0.01, "{d:?} {v:?}");
+        }
+    }
+
+    #[test]
+    fn the_triangle_of_a_direction_is_found_wherever_it_lies() {
+        for samples in [grid(|d| d[2]), grid(|d| d[2]).split_off(186)] {
+            let interpolant = Interpolant::new(&samples);
+            for i in 0..2000 {
+                let d = direction(1.6 * (0.618 * f64::from(i)).fract(), 0.1 * f64::from(i));
+                let holds = |n: &usize| interpolant.triangles[*n].coordinates(&d).is_some();
+                let all: Vec<usize> = (0..interpolant.triangles.len()).filter(holds).collect();
+                let near: Vec<usize> = interpolant.places.near(&d).iter().copied().filter(holds).collect();
+                assert_eq!(near, all, "{d:?}");
+            }
         }
     }
 

@@ -5,6 +5,7 @@
 //! interpolated linearly, among the cells that were measured.
 
 use super::evaluable::Brdf;
+use super::rusinkiewicz::{HalfAndDifference, half_and_difference};
 use crate::ReadError;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -56,14 +57,8 @@ pub fn parse(bytes: &[u8]) -> Result<Merl, ReadError> {
 
 impl Brdf for Merl {
     fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
-        let mut h = [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]];
-        let length = libm::sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
-        h.iter_mut().for_each(|v| *v /= length);
-        let across = libm::hypot(h[0], h[1]);
-        let (c, s) = if across > 0.0 { (h[0] / across, h[1] / across) } else { (1.0, 0.0) };
-        let (x, y) = (c * wi[0] + s * wi[1], c * wi[1] - s * wi[0]);
-        let d = [h[2] * x - across * wi[2], y, across * x + h[2] * wi[2]];
-        let theta_h = libm::atan2(across, h[2]);
+        let HalfAndDifference { across, along, difference: d } = half_and_difference(wi, wo);
+        let theta_h = libm::atan2(across, along);
         let theta_d = libm::atan2(libm::hypot(d[0], d[1]), d[2]);
         let mut phi_d = libm::atan2(d[1], d[0]);
         if phi_d < 0.0 {

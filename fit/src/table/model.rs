@@ -58,7 +58,7 @@ pub(super) fn parse(text: &str) -> Result<Named, FitError> {
                 Some(file) => PathBuf::from(file),
                 None => default_file(&format!("{model}_fit_params.csv")).map_err(fault)?,
             };
-            let bytes = super::read_bytes(&path)?;
+            let bytes = super::read_bytes(&path, super::MAX_FILE)?;
             let found = material
                 .ok_or_else(|| ReadError::Content("`name=MATERIAL` is needed".into()))
                 .and_then(|material| {

@@ -4,6 +4,7 @@
 //! azimuth 0, and the difference vector of Rusinkiewicz; activations are ReLU, ReLU, and `max(exp(x) - 1, 0)`.
 
 use super::evaluable::Brdf;
+use super::rusinkiewicz::{HalfAndDifference, half_and_difference};
 use crate::ReadError;
 
 /// Numbers of a material.
@@ -38,13 +39,8 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<Neural>, ReadError> {
 
 impl Brdf for Neural {
     fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
-        let mut h = [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]];
-        let length = libm::sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
-        h.iter_mut().for_each(|v| *v /= length);
-        let across = libm::hypot(h[0], h[1]);
-        let (c, s) = if across > 0.0 { (h[0] / across, h[1] / across) } else { (1.0, 0.0) };
-        let (x, y, z) = (c * wi[0] + s * wi[1], c * wi[1] - s * wi[0], wi[2]);
-        let input = [across, 0.0, h[2], h[2] * x - across * z, y, across * x + h[2] * z];
+        let HalfAndDifference { across, along, difference: [x, y, z] } = half_and_difference(wi, wo);
+        let input = [across, 0.0, along, x, y, z];
 
         let (first, rest) = self.weights.split_at(7 * WIDTH);
         let (second, third) = rest.split_at((WIDTH + 1) * WIDTH);

@@ -17,7 +17,7 @@ struct Problem<'a, F> {
 
 /// Moves `x` to a smaller value of a function within bounds, in at most `steps` steps; returns the evaluations.
 ///
-/// The function takes a point and writes its gradient.
+/// The function takes a point and writes its gradient. Where it has no finite value, `x` stays.
 pub(crate) fn minimize(
     x: &mut Vec<f64>,
     lower: &[f64],
@@ -30,8 +30,9 @@ pub(crate) fn minimize(
         Problem { lower: lower.to_vec(), upper: upper.to_vec(), function, evaluations: &evaluations };
     let solver = Lbfgsb::new().with_relative_cost_reduction_tolerance(REACHED);
     let start = FirstOrderState::new(x.clone());
-    // The only errors are bounds that contradict each other; the start is as good as any point then.
-    if let Ok(result) = Executor::new(problem, solver, start).max_iter(steps).run() {
+    // Bounds that contradict each other are an error; where no value is a finite number there is no best point. The start stays.
+    let found = Executor::new(problem, solver, start).max_iter(steps).run();
+    if let Some(result) = found.ok().filter(|result| result.best_cost().is_finite()) {
         x.clone_from(result.best_param());
     }
     // Rounding may leave a bound by an ulp.
@@ -89,5 +90,17 @@ mod tests {
         let mut x = vec![-1.2, 0.4];
         minimize(&mut x, &[-2.0; 2], &[0.5; 2], 500, function);
         assert!((x[0] - 0.5).abs() < 1e-3 && (x[1] - 0.25).abs() < 1e-3, "{x:?}");
+    }
+
+    #[test]
+    fn the_start_stays_where_no_value_is_finite() {
+        for value in [f64::NAN, f64::INFINITY] {
+            let mut x = vec![0.3, 0.4];
+            minimize(&mut x, &[0.0; 2], &[1.0; 2], 10, |_, gradient| {
+                gradient.fill(value);
+                value
+            });
+            assert_eq!(x, [0.3, 0.4]);
+        }
     }
 }

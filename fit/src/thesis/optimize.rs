@@ -11,6 +11,7 @@ use super::guess;
 use super::kernel::{Slope, Texels};
 use super::lbfgsb::minimize;
 use super::lobes::RoundLobe;
+use crate::report::Ending;
 
 /// Least sharpness: wider than a hemisphere.
 const WIDEST: f64 = 0.05;
@@ -26,13 +27,26 @@ pub(crate) struct Optimized {
     pub evaluations: usize,
     /// Relative squared difference that was reached.
     pub cost: f64,
+    pub ending: Ending,
 }
 
 /// Fits lobes to a vector. A black one has none.
+///
+/// Values are fitted as multiples of a power of two next to the largest, so that the square of none is lost at either end of the
+/// range of f64, and no digit changes.
 pub(crate) fn fit(cube: &Cube, values: &[[f64; 3]], settings: &Settings) -> Optimized {
+    let exponent = libm::frexp(values.iter().flatten().copied().fold(0.0, f64::max)).1;
+    let scaled = |rgb: [f64; 3], exponent| rgb.map(|v| libm::ldexp(v, exponent));
+    let values: Vec<[f64; 3]> = values.iter().map(|rgb| scaled(*rgb, -exponent)).collect();
+    let mut found = fit_scaled(cube, &values, settings);
+    found.lobes.iter_mut().for_each(|lobe| lobe.amplitude = scaled(lobe.amplitude, exponent));
+    found
+}
+
+fn fit_scaled(cube: &Cube, values: &[[f64; 3]], settings: &Settings) -> Optimized {
     let mut lobes = guess::guess(cube, values, settings.lobes, settings.coverage);
     if lobes.is_empty() {
-        return Optimized { lobes, evaluations: 0, cost: 0.0 };
+        return Optimized { lobes, evaluations: 0, cost: 0.0, ending: Ending::Converged };
     }
     let texels = Texels::new(cube, values);
     let largest = values.iter().flatten().copied().fold(0.0, f64::max);
@@ -40,7 +54,7 @@ pub(crate) fn fit(cube: &Cube, values: &[[f64; 3]], settings: &Settings) -> Opti
     let mut slopes = vec![Slope::default(); lobes.len()];
     fit_amplitudes(&texels, &mut lobes, largest, settings.steps);
     let mut cost = texels.differentiate(&lobes, &mut slopes);
-    let mut evaluations = 2;
+    let (mut evaluations, mut ending) = (2, Ending::Steps);
     for _ in 0..settings.iterations {
         evaluations += fit_axes(&texels, &mut lobes, settings.steps);
         evaluations += fit_sharpness(&texels, &mut lobes, bounds, settings.steps);
@@ -49,10 +63,11 @@ pub(crate) fn fit(cube: &Cube, values: &[[f64; 3]], settings: &Settings) -> Opti
         cost = texels.differentiate(&lobes, &mut slopes);
         evaluations += 2;
         if (before - cost).abs() < settings.threshold * before {
+            ending = Ending::Converged;
             break;
         }
     }
-    Optimized { lobes, evaluations, cost }
+    Optimized { lobes, evaluations, cost, ending }
 }
 
 /// Moves the axes; returns the evaluations.
@@ -160,6 +175,26 @@ mod tests {
         let error = libm::sqrt(found.cost);
         assert!(error < 0.01, "{error}: {found:?}");
         assert!(found.evaluations > 10);
+    }
+
+    /// At either end of the range of f64, where the square of a value is 0 or infinite.
+    #[test]
+    fn the_unit_of_the_values_does_not_matter() {
+        let cube = Cube::new(16);
+        let settings = Settings { lobes: 3, ..Settings::default() };
+        let in_unit = |exponent: i32| {
+            let value = |d: &[f64; 3]| evaluate(&planted(), d).map(|v| libm::ldexp(v, exponent));
+            fit(&cube, &cube.directions.iter().map(value).collect::<Vec<_>>(), &settings)
+        };
+        let usual = in_unit(0);
+        assert!(usual.cost < 0.1, "{usual:?}");
+        for exponent in [-700, 700] {
+            let mut found = in_unit(exponent);
+            for lobe in &mut found.lobes {
+                lobe.amplitude = lobe.amplitude.map(|a| libm::ldexp(a, -exponent));
+            }
+            assert_eq!((&found.lobes, found.cost), (&usual.lobes, usual.cost), "{exponent}");
+        }
     }
 
     #[test]

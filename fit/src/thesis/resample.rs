@@ -1,7 +1,8 @@
 //! From measurements to the vector of a view: f at the centres of the measured texels.
 //!
 //! A BRDF that can be evaluated is evaluated there. Scattered samples are interpolated, linear in f over the Delaunay
-//! triangles of `table::interpolate`, so that the vector holds what the quadrature weights of the samples integrate.
+//! triangles of `table::interpolate`: the vector holds what the quadrature weights of the samples integrate, but for samples
+//! darker than a thousandth of their view's mean, which count as that, as they do in the albedo.
 
 use super::cube::Cube;
 use crate::FitError;

@@ -2,14 +2,17 @@
 
 mod lobes_table;
 mod method;
+mod names;
 mod survey;
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use method::MethodName;
 use srbf_core::Material;
+use srbf_fit::cross::CrossValidation;
 use srbf_fit::reciprocity::reciprocity;
 use srbf_fit::report::{Input, Report, ViewReport, mean_error};
+use srbf_fit::table::evaluable::Symmetry;
 use srbf_fit::table::{Content, Source};
 use srbf_fit::{Fit, Settings, TrackedLobes};
 use std::path::{Path, PathBuf};
@@ -25,21 +28,22 @@ pub struct Args {
     /// model:sgd:name=gold-metallic-paint and model:abc:name=..., from file=PATH or the folder that SRBF_DATA_DIR names.
     #[arg(required_unless_present = "survey", value_name = "FILE|MODEL", verbatim_doc_comment)]
     file: Option<PathBuf>,
-    /// The file to write; by default the name of the input, with .srbf, in out/. Methods other than ours write JSON only: a
-    /// .srbf file holds tracked lobes.
-    #[arg(short, long)]
+    /// The file to write; by default the name of the input, a model's with its parameters, with .srbf, in out/. Methods other
+    /// than ours write JSON only, NAME-METHOD.json if -o does not end in .json: a .srbf file holds tracked lobes.
+    #[arg(short, long, conflicts_with = "survey")]
     output: Option<PathBuf>,
     /// The way of fitting.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, conflicts_with = "survey")]
     method: MethodName,
     /// The file holds published Lafortune fits (lafortune_fits.csv); this is the one that is taken as the measurement.
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", conflicts_with = "survey")]
     material: Option<String>,
-    /// Writes nothing, and prints the error over samples and over views that were left out of the fit.
-    #[arg(long, conflicts_with_all = ["survey", "output"])]
+    /// Also fits without parts of the samples and without whole views, prints the error over what was left out, and puts it
+    /// into the report.
+    #[arg(long, conflicts_with = "survey")]
     cross_validate: bool,
     /// Instead of a material, writes a table and a plot: error, bytes and run time against the number of lobes.
-    #[arg(long, conflicts_with_all = ["survey", "cross_validate", "error", "lobes"])]
+    #[arg(long, conflicts_with_all = ["survey", "cross_validate", "error", "lobes", "method", "output"])]
     lobes_table: bool,
     #[command(flatten)]
     settings: SettingArgs,
@@ -109,39 +113,31 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     }
     let file = args.file.context("a file is needed")?;
     let source = method::read(&file, args.material.as_deref())?;
-    let scattered = matches!(source.content, Content::Samples(_));
-    ensure!(
-        !(scattered && args.settings.views.is_some()),
-        "{}: --views is for what can be evaluated anywhere; these samples have views of their own",
-        file.display()
-    );
-    if args.cross_validate {
-        return cross_validate(&file, &source.content, args.method, &args.settings);
-    }
+    check_options(&file, &source.content, &args.settings)?;
+    let name = names::stem(&file, args.material.as_deref())?;
     if args.lobes_table {
-        return lobes_table::run(&file, &args.settings.settings());
+        return lobes_table::run(&source, &name.to_string_lossy(), &args.settings.settings());
     }
-    let name = match &args.material {
-        Some(name) => name.into(),
-        None if file.to_string_lossy().starts_with(srbf_fit::table::model::PREFIX) => {
-            source.name.clone().into()
-        }
-        None => file.file_stem().context("the file has no name")?.to_owned(),
-    };
-    let output = args.output.unwrap_or_else(|| Path::new("out").join(name).with_extension("srbf"));
-    let beside = output.with_extension("json");
+    let is_model = file.to_string_lossy().starts_with(srbf_fit::table::model::PREFIX);
+    let named = if is_model { file.display().to_string() } else { source.name.clone() };
+    let input = Input { name: named, sha256: source.sha256.clone() };
     if args.method != MethodName::Tracked {
-        let fit = method::fit(&source, args.method, &args.settings)?;
-        srbf_fit::write_atomically(&beside, fit.json.as_bytes())?;
+        let path = names::baseline(args.output, &name, args.method);
+        let left_out = left_out(args.cross_validate, &file, &source.content, args.method, &args.settings)?;
+        let fit = method::fit(&source, &input, args.method, &args.settings, left_out)?;
+        srbf_fit::write_atomically(&path, fit.json.as_bytes())?;
         print_report(&fit.report);
-        println!("{} in {:.2} s", beside.display(), fit.report.seconds);
+        println!("{} in {:.2} s", path.display(), fit.report.seconds);
         return Ok(());
     }
-    let input = Input { name: source.name.clone(), sha256: source.sha256.clone() };
-    let fit = fit_source(source, args.settings.settings(), "")?;
+    let output = names::material(args.output, &name)?;
+    let settings = args.settings.settings();
+    let left_out = left_out(args.cross_validate, &file, &source.content, args.method, &args.settings)?;
+    let mut fit = fit_source(source, settings.clone(), "")?;
+    fit.report.cross_validation = left_out;
     srbf_fit::write_atomically(&output, &fit.bytes)?;
-    let json = fit.report.to_json(&Material::from_bytes(&fit.bytes)?, &input)?;
-    srbf_fit::write_atomically(&beside, json.as_bytes())?;
+    let json = fit.report.to_json(&Material::from_bytes(&fit.bytes)?, &input, &settings)?;
+    srbf_fit::write_atomically(&names::report(&output), json.as_bytes())?;
     print_report(&fit.report);
     let found = reciprocity(&TrackedLobes { bytes: fit.bytes.clone() })?;
     println!(
@@ -152,34 +148,47 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn cross_validate(
+/// Refuses options that the fit of such a content would ignore.
+fn check_options(file: &Path, content: &Content, settings: &SettingArgs) -> anyhow::Result<()> {
+    match content {
+        Content::Samples(_) => ensure!(
+            settings.views.is_none(),
+            "{}: --views is for what can be evaluated anywhere; these samples have views of their own",
+            file.display()
+        ),
+        Content::Evaluable(brdf) if brdf.symmetry() != Symmetry::Isotropic => {
+            let given = [
+                ("--views", settings.views.is_some()),
+                ("--exchanges", settings.exchanges.is_some()),
+                ("--mirrored", settings.mirrored.is_some()),
+            ];
+            if let Some((option, _)) = given.iter().find(|option| option.1) {
+                bail!("{}: {option} is for isotropic surfaces; this one is anisotropic", file.display());
+            }
+        }
+        Content::Evaluable(_) => {}
+    }
+    Ok(())
+}
+
+/// Errors over what is left out of the fit, if they are asked for.
+fn left_out(
+    is_asked_for: bool,
     file: &Path,
     content: &Content,
     method: MethodName,
     settings: &SettingArgs,
-) -> anyhow::Result<()> {
-    let Content::Samples(table) = content else {
-        anyhow::bail!(
-            "{}: fits of what can be evaluated anywhere report held-out views as they are",
+) -> anyhow::Result<Option<CrossValidation>> {
+    match content {
+        _ if !is_asked_for => Ok(None),
+        Content::Samples(table) => {
+            Ok(Some(method.with(settings, |method| srbf_fit::cross::cross_validate(table, method))??))
+        }
+        Content::Evaluable(_) => bail!(
+            "{}: --cross-validate is for samples; fits of what can be evaluated anywhere report held-out views as they are",
             file.display()
-        );
-    };
-    let found = method.with(settings, |method| srbf_fit::cross::cross_validate(table, method))??;
-    let mean = |errors: &[f64]| 100.0 * errors.iter().sum::<f64>() / errors.len().max(1) as f64;
-    let list =
-        |errors: &[f64]| errors.iter().map(|e| format!("{:.1}", 100.0 * e)).collect::<Vec<_>>().join(" ");
-    let left_out: Vec<f64> = found.left_out.iter().map(|v| v.1).collect();
-    println!(
-        "relative L2 over samples left out, 5 folds: mean {:.2} %; views: {}",
-        mean(&found.folds),
-        list(&found.folds)
-    );
-    println!(
-        "relative L2 of views left out: mean {:.2} %; inner views: {}",
-        mean(&left_out),
-        list(&left_out)
-    );
-    Ok(())
+        ),
+    }
 }
 
 /// Reads and fits one file, with a progress bar; `source` says in the provenance where it comes from.
@@ -204,7 +213,7 @@ pub fn print_report(report: &Report) {
     let isotropic = report.views.iter().all(|v| v.azimuth == 0.0);
     let azimuth = if isotropic { "" } else { "azimuth | " };
     println!("view deg | {azimuth}relative L2 % | variance | largest weight | albedo r g b, fit (data)");
-    // A method that does not sample has no variance, and no weight.
+    // A method that does not sample has no variance, and no weight; what is black has no relative error.
     let number = |v: f64, width: usize, digits: usize| {
         if v.is_nan() { format!("{:>width$}", "-") } else { format!("{v:width$.digits$}") }
     };
@@ -215,9 +224,9 @@ pub fn print_report(report: &Report) {
             false => format!("{:7.1} | ", v.azimuth.to_degrees()),
         };
         println!(
-            "{:8.1} | {azimuth}{:13.2} | {} | {} | {}",
+            "{:8.1} | {azimuth}{} | {} | {} | {}",
             v.theta.to_degrees(),
-            100.0 * v.error,
+            number(if v.is_black { f64::NAN } else { 100.0 * v.error }, 13, 2),
             number(v.variance, 8, 3),
             number(v.largest_weight, 14, 2),
             albedo.join("  ")
@@ -229,5 +238,29 @@ pub fn print_report(report: &Report) {
         report.held_out.iter().for_each(print);
         println!("mean relative L2 held out {:.2} %", 100.0 * mean_error(&report.held_out));
     }
+    if let Some(found) = &report.cross_validation {
+        print_left_out(found);
+    }
     println!("mean relative L2 {:.2} %", 100.0 * report.mean_error());
+    report.notes().iter().for_each(|note| println!("note: {note}"));
+}
+
+fn print_left_out(found: &CrossValidation) {
+    let percent = |digits: usize, error: Option<f64>| {
+        error.filter(|e| !e.is_nan()).map_or_else(|| "-".into(), |e| format!("{:.digits$}", 100.0 * e))
+    };
+    let list = |errors: &mut dyn Iterator<Item = f64>| -> String {
+        errors.map(|e| percent(1, Some(e))).collect::<Vec<_>>().join(" ")
+    };
+    let [samples, views] = found.means();
+    println!(
+        "relative L2 over samples left out, 5 folds: mean {} %; views: {}",
+        percent(2, samples),
+        list(&mut found.folds.iter().copied())
+    );
+    println!(
+        "relative L2 of views left out: mean {} %; inner views: {}",
+        percent(2, views),
+        list(&mut found.left_out.iter().map(|view| view.1))
+    );
 }

@@ -4,6 +4,7 @@ use crate::output;
 use crate::progress::Progress;
 use anyhow::{Context, bail};
 use srbf_fit::compare::{Score, score};
+use srbf_fit::cross::CrossValidation;
 use srbf_fit::method::Method;
 use srbf_fit::table::evaluable::Brdf;
 use srbf_fit::table::{Content, Table, read};
@@ -94,9 +95,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
 
 /// Means of the held-out errors over the views, of samples and of views.
 fn held_out(found: &Score) -> [Option<f64>; 2] {
-    let mean = |errors: Vec<f64>| errors.iter().sum::<f64>() / errors.len().max(1) as f64;
-    let cross = found.held_out.as_ref();
-    [cross.map(|c| mean(c.folds.clone())), cross.map(|c| mean(c.left_out.iter().map(|v| v.1).collect()))]
+    found.held_out.as_ref().map_or([None; 2], CrossValidation::means)
 }
 
 fn row(material: &str, method: &str, lobes: usize, found: &Score, said: Option<f64>) -> String {

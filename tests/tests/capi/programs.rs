@@ -68,9 +68,12 @@ fn the_example_of_the_documentation_runs() {
 #[test]
 fn the_cpp_wrapper_works() {
     for compiler in compilers(Language::Cpp) {
-        for link in [Link::Static, Link::Shared] {
-            let program = compiler.program("wrapper.cpp", library(), link, &[]);
-            assert!(run_program(&program, &[material::file().as_os_str()]).contains("wrapper: passed"));
+        for standard in ["-std=c++17", "-std=c++20", "-std=c++2b"].into_iter().filter(|s| compiler.takes(s)) {
+            for link in [Link::Static, Link::Shared] {
+                let options = [standard, "-Wconversion", "-Wshadow"];
+                let program = compiler.program("wrapper.cpp", library(), link, &options);
+                assert!(run_program(&program, &[material::file().as_os_str()]).contains("wrapper: passed"));
+            }
         }
     }
 }

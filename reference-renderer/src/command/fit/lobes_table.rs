@@ -5,9 +5,9 @@
 
 mod plot;
 
-use anyhow::Context;
 use srbf_core::{MAX_LOBES, Material, Mixture, Vec3};
 use srbf_fit::report::mean_error;
+use srbf_fit::table::Source;
 use srbf_fit::{Settings, fit_content, write_atomically};
 use std::fmt::Write;
 use std::hint::black_box;
@@ -38,9 +38,8 @@ pub struct Row {
     pub nanoseconds: [f64; 3],
 }
 
-/// Fits a file with each number of lobes, prints the table, and writes it as CSV and as a plot into out/.
-pub fn run(file: &Path, settings: &Settings) -> anyhow::Result<()> {
-    let source = srbf_fit::table::read(file)?;
+/// Fits a measurement with each number of lobes, prints the table, and writes it as CSV and as a plot into out/.
+pub fn run(source: &Source, name: &str, settings: &Settings) -> anyhow::Result<()> {
     let mut rows = Vec::new();
     let mut fitted = Vec::new();
     for lobes in COUNTS {
@@ -64,7 +63,6 @@ pub fn run(file: &Path, settings: &Settings) -> anyhow::Result<()> {
     }
 
     print(&rows);
-    let name = file.file_stem().context("the file has no name")?.to_string_lossy();
     let out = Path::new("out").join(format!("{name}-lobes.csv"));
     write_atomically(&out, csv(&rows).as_bytes())?;
     let picture = out.with_extension("png");

@@ -2,6 +2,7 @@
 
 use super::SettingArgs;
 use anyhow::{anyhow, bail};
+use srbf_fit::cross::CrossValidation;
 use srbf_fit::lafortune::{self, Lafortune};
 use srbf_fit::method::{Fitted, Method};
 use srbf_fit::report::{Input, Report, ViewReport};
@@ -89,11 +90,16 @@ pub struct Baseline {
 }
 
 /// Fits by another method than ours.
-pub fn fit(source: &Source, name: MethodName, args: &SettingArgs) -> anyhow::Result<Baseline> {
+pub fn fit(
+    source: &Source,
+    input: &Input,
+    name: MethodName,
+    args: &SettingArgs,
+    left_out: Option<CrossValidation>,
+) -> anyhow::Result<Baseline> {
     let start = Instant::now();
-    let input = Input { name: source.name.clone(), sha256: source.sha256.clone() };
     let (views, held_out) = tables(&source.content)?;
-    let (fitted, key, settings, result, evaluations): (Box<dyn Fitted>, _, _, _, _) = match name {
+    let (fitted, key, settings, result, evaluations, ending): (Box<dyn Fitted>, _, _, _, _, _) = match name {
         MethodName::Tracked => bail!("our own fit makes a .srbf file"),
         MethodName::Thesis => {
             let settings = args.thesis()?;
@@ -104,7 +110,8 @@ pub fn fit(source: &Source, name: MethodName, args: &SettingArgs) -> anyhow::Res
                 }
             };
             let (json, evaluations) = (fit.to_json(), fit.evaluations);
-            (Box::new(fit), "thesis", format!("{settings:?}"), ("lobes", json), evaluations)
+            let ending = Some(fit.ending());
+            (Box::new(fit), "thesis", format!("{settings:?}"), ("lobes", json), evaluations, ending)
         }
         MethodName::Lafortune => {
             let settings = args.lafortune()?;
@@ -116,7 +123,7 @@ pub fn fit(source: &Source, name: MethodName, args: &SettingArgs) -> anyhow::Res
                 }
             };
             let (json, evaluations) = (fit.to_json(), fit.evaluations);
-            (Box::new(fit), "lafortune", format!("{settings:?}"), ("channels", json), evaluations)
+            (Box::new(fit), "lafortune", format!("{settings:?}"), ("channels", json), evaluations, None)
         }
     };
     let judge = |table: &Table| -> Result<Vec<ViewReport>, FitError> {
@@ -127,8 +134,10 @@ pub fn fit(source: &Source, name: MethodName, args: &SettingArgs) -> anyhow::Res
         held_out: held_out.map(|t| judge(&t)).transpose()?.unwrap_or_default(),
         seconds: start.elapsed().as_secs_f64(),
         evaluations,
+        ending,
+        cross_validation: left_out,
     };
-    let mut json = report.to_json_of(fitted.as_ref(), key, &input)?;
+    let mut json = report.to_json_of(fitted.as_ref(), key, input)?;
     json["settings"] = settings.into();
     json[result.0] = result.1;
     Ok(Baseline { report, json: format!("{json:#}\n") })

@@ -1,0 +1,90 @@
+//! `srbf fit`: the names of what it writes. Endings are added to names, never put in place of a part of them.
+
+use super::method::MethodName;
+use anyhow::{Context, bail};
+use clap::ValueEnum;
+use srbf_fit::table::model::PREFIX;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+/// Folder that is written to if no file is named.
+const FOLDER: &str = "out";
+
+/// What the input is called: the name of its file without the last ending, of the one material that is taken from it, or of a
+/// model with all its parameters.
+pub fn stem(file: &Path, material: Option<&str>) -> anyhow::Result<OsString> {
+    let model = file.to_str().and_then(|text| text.strip_prefix(PREFIX));
+    Ok(match material.or(model) {
+        Some(text) => as_file_name(text).into(),
+        None => file.file_stem().context("the file has no name")?.to_owned(),
+    })
+}
+
+/// The same with `-` for what a file name should not have.
+fn as_file_name(text: &str) -> String {
+    let plain = |c: char| if c.is_alphanumeric() || "-_.,=".contains(c) { c } else { '-' };
+    text.chars().map(plain).collect()
+}
+
+/// The material to write.
+pub fn material(output: Option<PathBuf>, stem: &OsString) -> anyhow::Result<PathBuf> {
+    match output {
+        Some(path) if ends_in(&path, "json") => {
+            bail!("{}: -o names the material, and the report beside it ends in .json", path.display())
+        }
+        Some(path) => Ok(path),
+        None => Ok(Path::new(FOLDER).join(with(stem, ".srbf"))),
+    }
+}
+
+/// The report beside a material.
+pub fn report(material: &Path) -> PathBuf {
+    if ends_in(material, "srbf") { material.with_extension("json") } else { with(material, ".json").into() }
+}
+
+/// The report of another method: `-o` if it ends in .json; otherwise the name of the method is added, so that the report of our own
+/// fit stays.
+pub fn baseline(output: Option<PathBuf>, stem: &OsString, method: MethodName) -> PathBuf {
+    let path = match output {
+        Some(path) if ends_in(&path, "json") => return path,
+        Some(path) if ends_in(&path, "srbf") => path.with_extension(""),
+        Some(path) => path,
+        None => Path::new(FOLDER).join(stem),
+    };
+    let method = method.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
+    with(&path, &format!("-{method}.json")).into()
+}
+
+fn ends_in(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending))
+}
+
+fn with(path: impl AsRef<std::ffi::OsStr>, ending: &str) -> OsString {
+    let mut name = path.as_ref().to_owned();
+    name.push(ending);
+    name
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_inputs_or_methods_have_one_output() {
+        let name = |file: &str, material| stem(Path::new(file), material).unwrap();
+        let written = |file| material(None, &name(file, None)).unwrap().display().to_string();
+        assert_eq!(written("a/steel.v2.csv"), "out/steel.v2.srbf");
+        assert_eq!(written("a/steel.v3.csv"), "out/steel.v3.srbf");
+        assert_eq!(written("model:ggx:alpha=0.2,f0=0.9/0.8/0.1"), "out/ggx-alpha=0.2,f0=0.9-0.8-0.1.srbf");
+        assert_eq!(name("fits.csv", Some("blue/paint")), "blue-paint");
+
+        assert_eq!(report(Path::new("out/steel.v2.srbf")), Path::new("out/steel.v2.json"));
+        assert_eq!(report(Path::new("out/steel.v2")), Path::new("out/steel.v2.json"));
+        let other = |output: Option<&str>, method| baseline(output.map(Into::into), &"a.b".into(), method);
+        assert_eq!(other(None, MethodName::Thesis), Path::new("out/a.b-thesis.json"));
+        assert_eq!(other(Some("x.srbf"), MethodName::Lafortune), Path::new("x-lafortune.json"));
+        assert_eq!(other(Some("x.v1"), MethodName::Thesis), Path::new("x.v1-thesis.json"));
+        assert_eq!(other(Some("x.json"), MethodName::Thesis), Path::new("x.json"));
+        assert!(material(Some("x.JSON".into()), &"x".into()).is_err());
+    }
+}
