@@ -42,7 +42,8 @@ pub struct Point {
     pub samples: u32,
     /// Time to render all of them.
     pub seconds: f64,
-    /// Root of the mean squared difference from the reference, over the mean of the reference.
+    /// Root of the mean squared difference from the reference, over the mean of the reference; not above 0 where the error
+    /// of the reference itself is as large.
     pub error: f64,
 }
 
@@ -160,29 +161,41 @@ fn root_mean_square(differences: impl ExactSizeIterator<Item = DVec3>) -> f64 {
     (differences.map(DVec3::length_squared).sum::<f64>() / count).sqrt()
 }
 
+impl Point {
+    /// The error, unless the reference is too poor to tell it.
+    pub fn known_error(&self) -> Option<f64> {
+        (self.error > 0.0 && self.error.is_finite()).then_some(self.error)
+    }
+}
+
 impl Curve {
-    /// Slope of log error against log samples, by least squares.
-    pub fn slope(&self) -> f64 {
-        let points: Vec<[f64; 2]> =
-            self.points.iter().map(|p| [f64::from(p.samples).ln(), p.error.ln()]).collect();
+    /// The points whose error is known.
+    pub fn known(&self) -> impl Iterator<Item = &Point> {
+        self.points.iter().filter(|p| p.known_error().is_some())
+    }
+
+    /// Slope of log error against log samples, by least squares; `None` with fewer than two points.
+    pub fn slope(&self) -> Option<f64> {
+        let points: Vec<[f64; 2]> = self.known().map(|p| [f64::from(p.samples).ln(), p.error.ln()]).collect();
         let n = points.len() as f64;
         let [x, y] = [0, 1].map(|i| points.iter().map(|p| p[i]).sum::<f64>() / n);
         let covariance: f64 = points.iter().map(|p| (p[0] - x) * (p[1] - y)).sum();
         let variance: f64 = points.iter().map(|p| (p[0] - x) * (p[0] - x)).sum();
-        covariance / variance
+        (points.len() > 1).then(|| covariance / variance)
     }
 
     /// The error at a time, interpolated in logarithms; beyond the ends along the nearest piece.
-    pub fn error_at(&self, seconds: f64) -> f64 {
-        match self.points.as_slice() {
-            [] => f64::NAN,
-            [only] => only.error,
+    pub fn error_at(&self, seconds: f64) -> Option<f64> {
+        let points: Vec<Point> = self.known().copied().collect();
+        match points.as_slice() {
+            [] => None,
+            [only] => Some(only.error),
             points => {
                 let after =
                     points.iter().position(|p| p.seconds >= seconds).unwrap_or(points.len() - 1).max(1);
                 let [a, b] = [points[after - 1], points[after]];
                 let share = (seconds / a.seconds).ln() / (b.seconds / a.seconds).ln();
-                (a.error.ln() + share * (b.error.ln() - a.error.ln())).exp()
+                Some((a.error.ln() + share * (b.error.ln() - a.error.ln())).exp())
             }
         }
     }
@@ -196,14 +209,13 @@ impl Comparison {
     }
 
     /// How many times the first sampler's error another sampler's is, after equal times and after equal samples.
-    pub fn error_ratios(&self, curve: &Curve) -> [f64; 2] {
-        let first = &self.curves[0];
+    /// `None` where the errors are not known.
+    pub fn error_ratios(&self, curve: &Curve) -> [Option<f64>; 2] {
         let seconds = self.common_seconds();
-        let by_samples = match (curve.points.last(), first.points.last()) {
-            (Some(other), Some(own)) => other.error / own.error,
-            _ => f64::NAN,
-        };
-        [curve.error_at(seconds) / first.error_at(seconds), by_samples]
+        let by_time = |curve: &Curve| curve.error_at(seconds);
+        let by_samples = |curve: &Curve| curve.points.last()?.known_error();
+        let ratio = |error: &dyn Fn(&Curve) -> Option<f64>| Some(error(curve)? / error(&self.curves[0])?);
+        [ratio(&by_time), ratio(&by_samples)]
     }
 }
 
@@ -231,14 +243,14 @@ mod tests {
         let matte = StoredMaterial::load("matte").unwrap();
         let result = measure(&plan(24), &matte, "test", &environment, &Progress::hidden()).unwrap();
         for curve in &result.curves {
-            let slope = curve.slope();
+            let slope = curve.slope().unwrap();
             assert!((slope + 0.5).abs() < 0.03, "{}: {slope}", curve.sampler.name());
         }
         // A sharp highlight is where lobes gain.
         let result = measure(&plan(24), &lacquer(), "test", &environment, &Progress::hidden()).unwrap();
         for curve in &result.curves[1..] {
             let [_, by_samples] = result.error_ratios(curve);
-            assert!(by_samples > 1.2, "lobes must beat {}: {by_samples}", curve.sampler.name());
+            assert!(by_samples > Some(1.2), "lobes must beat {}: {by_samples:?}", curve.sampler.name());
         }
     }
 
@@ -250,9 +262,32 @@ mod tests {
             error: 3.0 / f64::from(samples).sqrt(),
         };
         let curve = Curve { sampler: Sampler::Lobes, points: [1, 4, 16].map(point).to_vec() };
-        assert!((curve.slope() + 0.5).abs() < 1e-12);
+        assert!((curve.slope().unwrap() + 0.5).abs() < 1e-12);
         for seconds in [0.1, 0.5, 1.3, 8.0, 40.0] {
-            assert!((curve.error_at(seconds) - 3.0 / (2.0 * seconds).sqrt()).abs() < 1e-12);
+            let error = curve.error_at(seconds).unwrap();
+            assert!((error - 3.0 / (2.0 * seconds).sqrt()).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn errors_below_that_of_the_reference_are_left_out() {
+        let point = |(samples, error)| Point { samples, seconds: f64::from(samples), error };
+        let curve = |points: &[(u32, f64)]| Curve {
+            sampler: Sampler::Lobes,
+            points: points.iter().copied().map(point).collect(),
+        };
+        let some = curve(&[(1, 1.0), (4, 0.5), (16, 0.0), (64, f64::NAN)]);
+        assert!((some.slope().unwrap() + 0.5).abs() < 1e-12);
+        assert!((some.error_at(4.0).unwrap() - 0.5).abs() < 1e-12);
+        let none = curve(&[(1, 0.0)]);
+        assert_eq!((none.slope(), none.error_at(1.0)), (None, None));
+        let comparison = Comparison {
+            material: String::new(),
+            environment: String::new(),
+            curves: vec![some.clone(), none.clone()],
+            reference_error: 0.5,
+        };
+        assert_eq!(comparison.error_ratios(&some)[1], None);
+        assert_eq!(comparison.error_ratios(&none), [None, None]);
     }
 }

@@ -13,8 +13,11 @@ use glam::Vec3;
 use srbf_core::luminance;
 use std::f32::consts::{PI, TAU};
 
-/// Most pixels that a map may have, 8192 x 4096: what it needs in memory stays below a gigabyte.
+/// Most pixels that a map may have, 8192 x 4096: while its distribution is made, such a map needs 2 GB of memory.
 pub const MAX_PIXELS: usize = 1 << 25;
+
+/// Largest radiance that a map may have: sums of it stay far below the largest f32, 3e38.
+const MAX_RADIANCE: f32 = 1e30;
 
 /// A map of radiance, and the distribution that samples it by luminance.
 pub struct Environment {
@@ -46,7 +49,7 @@ impl Environment {
     /// Makes an environment of rows of radiance, the top row first.
     ///
     /// # Errors
-    /// No or too many pixels; a value that is NaN, infinite or negative; an image that is black all over.
+    /// No or too many pixels; a value that is NaN, negative or above 1e30; an image that is black all over.
     pub fn new(width: usize, radiance: Vec<Vec3>) -> anyhow::Result<Self> {
         ensure!(width > 0 && !radiance.is_empty(), "the map has no pixels");
         ensure!(radiance.len().is_multiple_of(width), "the last row of the map is incomplete");
@@ -55,10 +58,11 @@ impl Environment {
             "the map has {} pixels, at most {MAX_PIXELS} are allowed",
             radiance.len()
         );
-        let bad = radiance.iter().position(|c| !(c.is_finite() && c.min_element() >= 0.0));
+        let fits = |v: f32| (0.0..=MAX_RADIANCE).contains(&v);
+        let bad = radiance.iter().position(|c| !c.to_array().into_iter().all(fits));
         if let Some(i) = bad {
             anyhow::bail!(
-                "the pixel in column {}, row {} is {}: finite values that are not negative are expected",
+                "the pixel in column {}, row {} is {}: values from 0 to {MAX_RADIANCE:e} are expected",
                 i % width,
                 i / width,
                 radiance[i]
@@ -263,6 +267,11 @@ mod tests {
         assert!(Environment::new(0, vec![]).is_err());
         assert!(Environment::new(2, vec![Vec3::ONE; 3]).is_err());
         assert!(Environment::constant(0.0).is_err());
+        assert!(Environment::constant(1e30).is_ok());
+        let mut bright = vec![Vec3::ONE; 128];
+        bright[77].y = 3e38;
+        let error = Environment::new(16, bright).err().unwrap().to_string();
+        assert!(error.contains("column 13, row 4") && error.contains("1e30"), "{error}");
         assert!(Environment::constant(f32::NAN).is_err());
         assert!(Environment::constant(-1.0).is_err());
         let mut pixels = vec![Vec3::ONE; 8];

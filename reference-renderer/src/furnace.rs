@@ -1,11 +1,12 @@
 //! The white furnace: under a constant environment the radiance of a convex object is its directional albedo, which
 //! the lobes give in closed form.
 
-use crate::camera::Camera;
+use crate::camera::{Camera, Ray};
 use crate::film::Film;
 use crate::integrator::{AnyMixture, Frame};
 use crate::scene::Scene;
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 /// Points along each side of a pixel at which the closed form is evaluated: with 4 the error of the grid shows at the
 /// outline, where the albedo rises steeply within a pixel.
@@ -21,13 +22,53 @@ pub struct Furnace {
     pub expected: DVec3,
 }
 
+/// Share of a value below which a standard error says nothing: what f32 loses in a value is the same in every sample.
+const ROUNDING: f64 = 1e-6;
+
+impl Furnace {
+    /// How many standard errors a channel lies off; `None` where rounding, and not chance, decides that.
+    pub fn deviation(&self, channel: usize) -> Option<f64> {
+        let (error, expected) = (self.standard_error[channel], self.expected[channel]);
+        (error > ROUNDING * expected).then(|| (self.rendered[channel] - expected) / error)
+    }
+}
+
 /// Compares a film of the scene with the sphere, under constant radiance, with the closed form.
 pub fn compare(scene: &Scene<'_>, camera: &Camera, radiance: Vec3, film: &Film) -> Furnace {
-    let [width, height] = film.size();
-    let mut mixture = AnyMixture::empty();
-    let mut result =
-        Furnace { pixels: 0, rendered: DVec3::ZERO, standard_error: DVec3::ZERO, expected: DVec3::ZERO };
-    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+    let rows: Vec<Furnace> = (0..film.size()[1])
+        .into_par_iter()
+        .map_init(AnyMixture::empty, |mixture, y| row(scene, camera, radiance, film, y, mixture))
+        .collect();
+    // In the order of the rows, so that the sums do not depend on the threads.
+    let mut result = NOTHING;
+    for row in rows {
+        result.pixels += row.pixels;
+        result.rendered += row.rendered;
+        result.standard_error += row.standard_error;
+        result.expected += row.expected;
+    }
+    let n = (result.pixels.max(1)) as f64;
+    result.rendered /= n;
+    result.expected /= n;
+    result.standard_error = result.standard_error.map(f64::sqrt) / n;
+    result
+}
+
+const NOTHING: Furnace =
+    Furnace { pixels: 0, rendered: DVec3::ZERO, standard_error: DVec3::ZERO, expected: DVec3::ZERO };
+
+/// Sums over the pixels of a row; of squares of the standard error.
+fn row(
+    scene: &Scene<'_>,
+    camera: &Camera,
+    radiance: Vec3,
+    film: &Film,
+    y: u32,
+    mixture: &mut AnyMixture,
+) -> Furnace {
+    let width = film.size()[0];
+    let mut sums = NOTHING;
+    for x in 0..width {
         let (left, top) = (x as f32, y as f32);
         // The picture of a sphere is convex: a pixel with its four corners in it lies in it whole.
         let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)];
@@ -35,24 +76,24 @@ pub fn compare(scene: &Scene<'_>, camera: &Camera, radiance: Vec3, film: &Film) 
             continue;
         }
         let pixel = (y * width + x) as usize;
-        result.pixels += 1;
-        result.rendered += film.mean(pixel);
-        result.standard_error += film.variance_of_mean(pixel);
+        sums.pixels += 1;
+        sums.rendered += film.mean(pixel);
+        sums.standard_error += film.variance_of_mean(pixel);
         for (i, j) in (0..GRID).flat_map(|i| (0..GRID).map(move |j| (i, j))) {
             let inside = |n: u32| (n as f32 + 0.5) / GRID as f32;
             let ray = camera.ray(left + inside(i), top + inside(j));
-            let Some(surface) = scene.hit(&ray) else { continue };
-            let wo = Frame::new(&surface, -ray.direction).to_local(-ray.direction);
-            if scene.object().prepare(wo, &mut mixture).is_ok() {
-                result.expected += (mixture.albedo() * radiance).as_dvec3() / f64::from(GRID * GRID);
-            }
+            sums.expected += albedo(scene, &ray, mixture) * radiance.as_dvec3() / f64::from(GRID * GRID);
         }
     }
-    let n = (result.pixels.max(1)) as f64;
-    result.rendered /= n;
-    result.expected /= n;
-    result.standard_error = result.standard_error.map(f64::sqrt) / n;
-    result
+    sums
+}
+
+/// The directional albedo where a ray meets the sphere; 0 where it does not.
+fn albedo(scene: &Scene<'_>, ray: &Ray, mixture: &mut AnyMixture) -> DVec3 {
+    let Some(surface) = scene.hit(ray) else { return DVec3::ZERO };
+    let wo = Frame::new(&surface, -ray.direction).to_local(-ray.direction);
+    let prepared = scene.object().prepare(wo, mixture);
+    if prepared.is_ok() { mixture.albedo().as_dvec3() } else { DVec3::ZERO }
 }
 
 #[cfg(test)]
@@ -65,6 +106,18 @@ mod tests {
     use crate::progress::Progress;
     use crate::render::{Settings, add_samples};
     use crate::scene::SceneName;
+
+    #[test]
+    fn no_deviation_is_told_where_there_is_only_rounding() {
+        let furnace = Furnace {
+            pixels: 9,
+            rendered: DVec3::new(0.5, 0.500_000_1, 0.51),
+            standard_error: DVec3::new(0.0, 1e-9, 0.01),
+            expected: DVec3::splat(0.5),
+        };
+        assert_eq!([0, 1].map(|i| furnace.deviation(i)), [None, None]);
+        assert!((furnace.deviation(2).unwrap() - 1.0).abs() < 1e-9);
+    }
 
     #[test]
     fn rendered_mean_is_the_closed_form_albedo() {

@@ -174,7 +174,7 @@ impl Frame {
         Self { point: surface.point, flat, tangent, bitangent, normal }
     }
 
-    /// Into the shading frame; what rounding puts below its horizon is put on it.
+    /// Into the shading frame.
     #[inline]
     pub fn to_local(&self, d: Vec3) -> Vec3 {
         Vec3::new(d.dot(self.tangent), d.dot(self.bitangent), d.dot(self.normal))

@@ -1,13 +1,8 @@
 //! `srbf`: fits, inspects, renders and compares materials. Without a command it does the main job on embedded defaults.
 
-/// `println!` and `print!` of the whole program: where nobody reads what it prints any more, it ends quietly in place of a panic.
-macro_rules! println {
-    () => { $crate::output::print(format_args!("\n")) };
-    ($($text:tt)*) => { $crate::output::print(format_args!("{}\n", format_args!($($text)*))) };
-}
-macro_rules! print {
-    ($($text:tt)*) => { $crate::output::print(format_args!($($text)*)) };
-}
+// First, so that its macros take the place of the standard library's in all that follows.
+#[macro_use]
+mod print;
 
 mod camera;
 mod command;
@@ -16,6 +11,7 @@ mod discrete;
 mod environment;
 mod film;
 mod furnace;
+mod input;
 mod integrator;
 mod intersect;
 mod material;
@@ -36,9 +32,19 @@ use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    // clap prints its own errors and exits with status 2, as we do.
-    match command::run(command::Cli::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
+    let cli = command::Cli::try_parse().unwrap_or_else(|error| {
+        // Help and version go to standard output; clap's own way passes over a failure there.
+        let written = error.print();
+        if !error.use_stderr() {
+            print::or_end(written);
+        }
+        std::process::exit(error.exit_code())
+    });
+    match command::run(cli) {
+        Ok(()) => {
+            print::flush();
+            ExitCode::SUCCESS
+        }
         Err(error) => {
             eprintln!("srbf: {error:#}");
             ExitCode::from(2)

@@ -62,9 +62,9 @@ impl StoredMaterial {
 }
 
 /// Makes a grey that scatters by Lambert's law with albedo 1/2: a diffuse term, and the one lobe that a material must
-/// have as dark as it can be.
+/// have so dark that no f32 shows it; still darker, its products would be subnormal and slow.
 fn matte() -> Vec<u8> {
-    let lobe = PlaneLobe { angle: 0.0, off_plane: 0.0, log2_sharpness: 0.0, log2_amplitude: [-126.0; 3] };
+    let lobe = PlaneLobe { angle: 0.0, off_plane: 0.0, log2_sharpness: 0.0, log2_amplitude: [-60.0; 3] };
     let view = View { theta: 0.0, log2_squeeze: 0.0, log2_diffuse: [-1.0; 3], lobes: &[lobe] };
     let provenance = "built in: Lambert's law, albedo 1/2";
     let mut bytes = vec![0; encoded_len(1, 1, 0, provenance)];
@@ -157,6 +157,13 @@ pub mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn products_with_the_lobe_of_the_matte_are_no_subnormals() {
+        let stored = StoredMaterial::load(MATTE).unwrap();
+        let [amplitude, ..] = stored.get().view_lobe(0, 0).unwrap().log2_amplitude;
+        assert!((-62.0..-40.0).contains(&amplitude), "{amplitude}");
     }
 
     #[test]

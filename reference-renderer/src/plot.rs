@@ -1,15 +1,18 @@
 //! Plots of comparisons: two panels with logarithmic axes, as a PNG. Letters come from an embedded font.
 
-use crate::comparison::{Comparison, Point};
+use crate::comparison::{Comparison, Curve, Point};
 use crate::picture_file;
 use anyhow::anyhow;
 use plotters::coord::Shift;
+use plotters::coord::combinators::LogCoord;
 use plotters::prelude::*;
 use std::path::Path;
 
 const WIDTH: u32 = 1200;
 /// Height of the panels of one comparison.
 const HEIGHT: u32 = 520;
+/// Free pixels on the right of a panel: half of the last label of the axis lies there.
+pub const RIGHT_MARGIN: u32 = 40;
 /// Name of the embedded font.
 pub const FONT: &str = "hack";
 
@@ -69,10 +72,11 @@ fn panel(
     label: &str,
     abscissa: fn(&Point) -> f64,
 ) -> Result<(), Failure> {
-    let points = || comparison.curves.iter().flat_map(|c| &c.points);
+    let points = || comparison.curves.iter().flat_map(Curve::known);
     let [x_range, y_range] = [range(points().map(abscissa)), range(points().map(|p| p.error))];
     let mut chart = ChartBuilder::on(area)
         .margin(12)
+        .margin_right(RIGHT_MARGIN)
         .x_label_area_size(46)
         .y_label_area_size(78)
         .build_cartesian_2d((x_range[0]..x_range[1]).log_scale(), (y_range[0]..y_range[1]).log_scale())?;
@@ -87,12 +91,9 @@ fn panel(
         .light_line_style(RGBColor(235, 235, 235))
         .draw()?;
     for (curve, &colour) in comparison.curves.iter().zip(COLOURS.iter().cycle()) {
-        let places: Vec<(f64, f64)> = curve.points.iter().map(|p| (abscissa(p), p.error)).collect();
-        chart
-            .draw_series(LineSeries::new(places.iter().copied(), colour.stroke_width(2)))?
-            .label(format!("{}, slope {:.2}", curve.sampler.name(), curve.slope()))
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 22, y)], colour.stroke_width(2)));
-        chart.draw_series(places.iter().map(|&place| Circle::new(place, 4, colour.filled())))?;
+        let places: Vec<(f64, f64)> = curve.known().map(|p| (abscissa(p), p.error)).collect();
+        let slope = curve.slope().map_or_else(|| "-".to_owned(), |slope| format!("{slope:.2}"));
+        add_curve(&mut chart, format!("{}, slope {slope}", curve.sampler.name()), colour, &places)?;
     }
     chart
         .configure_series_labels()
@@ -101,6 +102,26 @@ fn panel(
         .background_style(WHITE)
         .border_style(BLACK)
         .draw()?;
+    Ok(())
+}
+
+/// A chart with two logarithmic axes.
+pub type Chart<'a, 'b> = ChartContext<'a, BitMapBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
+
+/// Draws the points of a curve and what joins them, and puts its name into the legend.
+pub fn add_curve(
+    chart: &mut Chart<'_, '_>,
+    name: String,
+    colour: RGBColor,
+    places: &[(f64, f64)],
+) -> Result<(), Failure> {
+    let line = colour.stroke_width(2);
+    // Piece by piece: where a curve turns back, the mitre between two pieces would be a stroke of its own.
+    chart
+        .draw_series(places.windows(2).map(|pair| PathElement::new(pair.to_vec(), line)))?
+        .label(name)
+        .legend(move |(x, y)| PathElement::new([(x, y), (x + 22, y)], line));
+    chart.draw_series(places.iter().map(|&place| Circle::new(place, 4, colour.filled())))?;
     Ok(())
 }
 
@@ -113,7 +134,9 @@ pub fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
         return [0.1, 1.0];
     }
     let power = |exponent: f64| 10f64.powi(exponent as i32);
-    [power((low / 1.05).log10().floor()), power((high * 1.05).log10().ceil())]
+    // A little beyond, or rounding would leave the first tick or the last outside.
+    let beyond = 1.0 + 1e-9;
+    [power((low / 1.05).log10().floor()) / beyond, power((high * 1.05).log10().ceil()) * beyond]
 }
 
 /// Powers of ten and what lies between, without needless zeros.
@@ -128,8 +151,17 @@ pub fn tick(value: &f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::comparison::Curve;
     use crate::integrator::Sampler;
+
+    #[test]
+    fn the_ticks_at_both_ends_lie_within_the_range() {
+        for (low, high) in [(0.11, 0.9), (1e-3, 0.5), (2.0, 4e4)] {
+            let [from, to] = range([low, high].into_iter());
+            let ticks = (-9..9).map(|n| 10f64.powi(n)).filter(|t| from < *t && *t < to);
+            let ends = ticks.fold([f64::INFINITY, 0.0], |[a, b], t| [f64::min(a, t), f64::max(b, t)]);
+            assert!(ends[0] <= low && high <= ends[1], "{from} {to}");
+        }
+    }
 
     #[test]
     fn plots_without_fonts_of_the_system_and_without_points() {

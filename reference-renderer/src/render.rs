@@ -21,7 +21,7 @@ pub struct Settings {
 /// What a pixel gets depends only on the seed, the pixel and the samples it holds already: not on the threads.
 ///
 /// # Errors
-/// A sample that is not finite: a fault of this program, never passed over.
+/// A sample that is not finite, of a material or light whose values are too extreme for f32: never passed over.
 pub fn add_samples(
     scene: &Scene<'_>,
     camera: &Camera,
@@ -46,7 +46,13 @@ pub fn add_samples(
     });
     film.samples += samples;
     match (0..film.pixels.len()).find(|&i| !film.mean(i).is_finite()) {
-        Some(i) => anyhow::bail!("internal error: pixel {}, {} is not finite", i % width, i / width),
+        Some(i) => anyhow::bail!(
+            "the pixel in column {}, row {} is {}: finite radiance is expected, and the values of a material or of the light \
+             leave the range of f32",
+            i % width,
+            i / width,
+            film.mean(i)
+        ),
         None => Ok(()),
     }
 }

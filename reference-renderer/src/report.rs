@@ -5,7 +5,7 @@ use crate::output;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Writes every measurement as a line of CSV.
+/// Writes every measurement as a line of CSV; an error that the reference is too poor to tell is empty.
 ///
 /// # Errors
 /// Names the file.
@@ -17,7 +17,8 @@ pub fn write_csv(path: &Path, comparisons: &[Comparison]) -> anyhow::Result<()> 
             for point in &curve.points {
                 let fields = [quote(&comparison.material), quote(&comparison.environment)].join(",");
                 let (name, samples) = (curve.sampler.name(), point.samples);
-                let _ = writeln!(text, "{fields},{name},{samples},{:.6},{:.6e}", point.seconds, point.error);
+                let error = point.known_error().map_or_else(String::new, |error| format!("{error:.6e}"));
+                let _ = writeln!(text, "{fields},{name},{samples},{:.6},{error}", point.seconds);
             }
         }
     }
@@ -41,7 +42,8 @@ pub fn print(comparison: &Comparison) {
     let rows = comparison.curves.iter().map(|c| c.points.len()).max().unwrap_or(0);
     for row in 0..rows {
         let points: Vec<_> = comparison.curves.iter().filter_map(|c| c.points.get(row)).collect();
-        let cells = points.iter().map(|p| format!("  {:>12.3}  {:.4}", p.seconds, p.error));
+        let cells =
+            points.iter().map(|p| format!("  {:>12.3}  {:6}", p.seconds, or_dash(p.known_error(), 4)));
         println!("  {:>13}{}", points[0].samples, cells.collect::<String>());
     }
     let own = comparison.reference_error;
@@ -60,13 +62,16 @@ pub fn summary(comparison: &Comparison) -> String {
     for curve in &comparison.curves {
         let [by_time, by_samples] = comparison.error_ratios(curve);
         let cost = per_sample(curve) / per_sample(&comparison.curves[0]);
-        let (name, slope) = (curve.sampler.name(), curve.slope());
-        let _ = write!(
-            text,
-            "\n  {name:8} {slope:>6.3}   {cost:>25.2}   {by_time:>13.2} x   {by_samples:>14.2} x"
-        );
+        let (name, slope) = (curve.sampler.name(), or_dash(curve.slope(), 3));
+        let [by_time, by_samples] = [by_time, by_samples].map(|ratio| or_dash(ratio, 2));
+        let _ = write!(text, "\n  {name:8} {slope:>6}   {cost:>25.2}   {by_time:>13} x   {by_samples:>14} x");
     }
     text
+}
+
+/// A number with so many digits after the point, or a dash for one that is not known.
+fn or_dash(number: Option<f64>, digits: usize) -> String {
+    number.map_or_else(|| "-".to_owned(), |number| format!("{number:.digits$}"))
 }
 
 #[cfg(test)]

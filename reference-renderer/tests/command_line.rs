@@ -1,7 +1,8 @@
 //! The program `srbf` as a user calls it: what is wrong is named, the exit status is 2, and nothing half-written is left.
 
+use srbf_core::{PlaneLobe, View, encode, encoded_len};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Output};
 
 /// A folder of a test.
 fn folder(name: &str) -> PathBuf {
@@ -11,16 +12,26 @@ fn folder(name: &str) -> PathBuf {
     place
 }
 
-fn srbf(place: &Path, arguments: &[&str]) -> Output {
+fn command(place: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_srbf"));
-    command.current_dir(place).args(arguments).env_remove("SRBF_DATA_DIR").output().unwrap()
+    command.current_dir(place).args(arguments).env_remove("SRBF_DATA_DIR");
+    command
+}
+
+fn srbf(place: &Path, arguments: &[&str]) -> Output {
+    command(place, arguments).output().unwrap()
 }
 
 /// The call fails with status 2, says all of this, and leaves no file but those that were there.
 fn refused(place: &Path, arguments: &[&str], says: &[&str]) {
+    refused_with_data(place, None, arguments, says);
+}
+
+/// The same with SRBF_DATA_DIR.
+fn refused_with_data(place: &Path, data: Option<&str>, arguments: &[&str], says: &[&str]) {
     let files = || std::fs::read_dir(place).unwrap().map(|f| f.unwrap().file_name()).collect::<Vec<_>>();
     let before = files();
-    let output = srbf(place, arguments);
+    let output = command(place, arguments).envs(data.map(|data| ("SRBF_DATA_DIR", data))).output().unwrap();
     let text = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {text}");
     for part in says {
@@ -120,21 +131,6 @@ fn what_is_left_out_is_printed_and_in_the_report() {
     assert!(json.contains("mean_relative_l2_of_samples"), "{json}");
 }
 
-/// As `srbf ... | head` does it.
-#[test]
-fn a_reader_that_goes_away_ends_the_program_quietly() {
-    let place = folder("pipe");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_srbf"));
-    command
-        .current_dir(&place)
-        .args(["inspect", concat!(env!("CARGO_MANIFEST_DIR"), "/../presets/cayman.srbf")]);
-    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    drop(child.stdout.take());
-    let output = child.wait_with_output().unwrap();
-    let text = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && text.is_empty(), "{text}");
-}
-
 #[test]
 fn options_that_do_not_fit_are_refused_by_name() {
     let place = folder("options");
@@ -174,4 +170,182 @@ fn options_that_do_not_fit_are_refused_by_name() {
     refused(&place, &["render", "--env", "constant:NaN", "-o", "out.exr"], &["NaN"]);
     refused(&place, &["render", "--size", "0x9", "-o", "out.exr"], &["0x9"]);
     refused(&place, &["compare", "--spp", "4,2"], &["--spp"]);
+}
+
+#[test]
+fn an_output_that_would_lie_over_another_is_refused() {
+    let place = folder("outputs");
+    refused(&place, &["samples", "-o", "s.csv"], &["s.csv", ".png"]);
+    refused(&place, &["stability", "-o", "t.csv"], &["t.csv", ".png"]);
+    refused(&place, &["thesis-table", "-o", "x.csv"], &["x.csv", ".md"]);
+    refused(&place, &["render", "-o", "r.png"], &["r.png", ".exr"]);
+    std::fs::write(place.join("README.md"), "# Another project\n").unwrap();
+    refused_with_data(&place, Some("."), &["presets", "--out", "."], &["README.md"]);
+}
+
+#[test]
+fn a_place_that_cannot_be_written_is_found_before_the_work() {
+    let place = folder("places");
+    std::fs::write(place.join("file"), "").unwrap();
+    for arguments in [
+        &["render", "--size", "4096x4096", "--spp", "16777216", "-o", "file/a.exr"][..],
+        &["compare", "--side", "4096", "--reference-spp", "16777216", "-o", "file/a"],
+        &["stability", "--inputs", "100000000", "-o", "file/a.png"],
+        &["leave-out", "-o", "file/a.csv"],
+    ] {
+        refused(&place, arguments, &["file/a"]);
+    }
+}
+
+#[test]
+fn options_without_effect_and_numbers_without_end_are_refused() {
+    let place = folder("effect");
+    std::fs::write(place.join("diffuse.csv"), rows()).unwrap();
+    refused(&place, &["render", "--scene", "teapot", "--mesh-up", "z"], &["--mesh"]);
+    refused(&place, &["render", "--ground-material", "cayman"], &["--ground-material", "teapot"]);
+    refused(&place, &["samples", "--steps", "4294967295"], &["--steps"]);
+    for option in [&["--no-thesis"][..], &["--only", "a"], &["--csv", "a.csv"]] {
+        refused(&place, &[&["fit", "diffuse.csv"][..], option].concat(), &[option[0]]);
+    }
+}
+
+#[test]
+fn many_turns_of_the_light_are_drawn_as_one() {
+    let place = folder("turns");
+    let picture = |turn: &str| {
+        let turned = ["render", "--size", "16x16", "--spp", "1", "--env-turn", turn, "-o", "a.exr"];
+        assert!(srbf(&place, &turned).status.success());
+        std::fs::read(place.join("a.exr")).unwrap()
+    };
+    assert_eq!(picture("1e9"), picture("280"));
+}
+
+#[test]
+fn a_furnace_of_one_sample_has_no_error() {
+    let place = folder("furnace");
+    let one = ["render", "--env", "constant:1", "--size", "8x8", "--spp", "1", "-o", "a.exr"];
+    let text = String::from_utf8(srbf(&place, &one).stdout).unwrap();
+    assert!(text.contains("at least two samples"), "{text}");
+    let matte = ["render", "--material", "matte", "--env", "constant:1", "--sampler", "cosine"];
+    let size = ["--size", "16x16", "--spp", "4", "-o", "a.exr"];
+    let text = String::from_utf8(srbf(&place, &[&matte[..], &size].concat()).stdout).unwrap();
+    assert!(text.contains("red        0.500000") && text.contains(" -\n") && !text.contains("NaN"), "{text}");
+}
+
+#[test]
+fn a_comparison_with_a_poor_reference_says_so() {
+    let place = folder("poor");
+    let poor = ["compare", "--materials", "garnet_red", "--spp", "512,1024", "--reference-spp", "2"];
+    let output = srbf(&place, &[&poor[..], &["--side", "12", "-o", "a"]].concat());
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("- x") && !text.contains("NaN"), "{text}");
+    let csv = std::fs::read_to_string(place.join("a.csv")).unwrap();
+    assert!(csv.lines().nth(1).unwrap().ends_with(','), "{csv}");
+}
+
+#[test]
+fn an_extreme_material_is_named() {
+    let place = folder("extreme");
+    let lobe = PlaneLobe { angle: 0.0, off_plane: 0.0, log2_sharpness: 0.0, log2_amplitude: [60.0; 3] };
+    let view = View { theta: 0.0, log2_squeeze: 0.0, log2_diffuse: [-1.0; 3], lobes: &[lobe] };
+    let mut bytes = vec![0; encoded_len(1, 1, 0, "test")];
+    encode(&[view], 0, 0, "test", &mut bytes).unwrap();
+    std::fs::write(place.join("hot.srbf"), bytes).unwrap();
+    let render = ["render", "--scene", "teapot", "--size", "16x16", "--spp", "4", "--material", "hot.srbf"];
+    refused(&place, &[&render[..], &["-o", "a.exr"]].concat(), &["material hot", "matte", "finite radiance"]);
+}
+
+#[test]
+fn a_damaged_survey_is_named_and_the_table_before_it_is_kept() {
+    let place = folder("survey");
+    for folder in ["data/rgl", "data/merl"] {
+        std::fs::create_dir_all(place.join(folder)).unwrap();
+    }
+    std::fs::write(place.join("old.csv"), "old").unwrap();
+    let survey = |lobes, says: &[&str]| {
+        let arguments = ["fit", "--survey", "1", "--csv", "old.csv", "--lobes", lobes];
+        refused_with_data(&place, Some("data"), &arguments, says);
+        assert_eq!(std::fs::read(place.join("old.csv")).unwrap(), b"old");
+    };
+    refused_with_data(&place, Some(""), &["fit", "--survey", "1"], &["SRBF_DATA_DIR"]);
+    survey("0", &["lobes"]);
+    survey("2", &["nbrdf_merl80.f32le"]);
+    let (weights, names) = ("data/merl/nbrdf_merl80.f32le", "data/merl/nbrdf_merl80_names.txt");
+    std::fs::write(place.join(weights), [0; 7]).unwrap();
+    survey("2", &["nbrdf_merl80.f32le", "7 bytes"]);
+    std::fs::write(place.join(weights), [0; 2 * 4 * NETWORK]).unwrap();
+    survey("2", &["nbrdf_merl80_names.txt"]);
+    std::fs::write(place.join(names), "one two three").unwrap();
+    survey("2", &["2 networks", "3 names"]);
+}
+
+/// Numbers of a network: 6 inputs, two layers of 21, 3 outputs, and a constant for each.
+const NETWORK: usize = 7 * 21 + 22 * 21 + 22 * 3;
+
+/// What criterion leaves of a bench.
+fn measured(place: &Path, nanoseconds: &str) {
+    let new = place.join("criterion/evaluate.scalar/12/1024/new");
+    std::fs::create_dir_all(&new).unwrap();
+    let id =
+        r#"{"group_id":"evaluate.scalar","function_id":"12","value_str":"1024","throughput":{"Elements":1}}"#;
+    std::fs::write(new.join("benchmark.json"), id).unwrap();
+    let estimates = format!(r#"{{"median":{{"point_estimate":{nanoseconds}}}}}"#);
+    std::fs::write(new.join("estimates.json"), estimates).unwrap();
+}
+
+#[test]
+fn times_without_meaning_are_refused_with_their_file() {
+    let place = folder("times");
+    for nanoseconds in ["0", "-1", "1e300", "1e-300", "null"] {
+        measured(&place, nanoseconds);
+        refused(&place, &["bench-report", "--measured", "criterion"], &["evaluate.scalar", "a median of"]);
+    }
+    measured(&place, "2.5");
+    let output = srbf(&place, &["bench-report", "--measured", "criterion"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[cfg(unix)]
+#[test]
+fn links_that_make_a_ring_are_not_followed() {
+    let place = folder("ring");
+    measured(&place, "2.5");
+    std::os::unix::fs::symlink("..", place.join("criterion/ring")).unwrap();
+    let output = srbf(&place, &["bench-report", "--measured", "criterion"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(String::from_utf8(output.stdout).unwrap().matches("scalar").count(), 1);
+}
+
+#[cfg(unix)]
+#[test]
+fn only_files_are_read() {
+    let place = folder("devices");
+    for name in ["a.hdr", "a.obj"] {
+        std::os::unix::fs::symlink("/dev/null", place.join(name)).unwrap();
+    }
+    refused(&place, &["render", "--env", "a.hdr", "-o", "a.exr"], &["a.hdr", "regular file"]);
+    let mesh = ["render", "--scene", "teapot", "--mesh", "a.obj", "-o", "a.exr"];
+    refused(&place, &mesh, &["a.obj", "regular file"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn output_that_cannot_be_written_is_an_error() {
+    let place = folder("full");
+    for arguments in [&["inspect", "garnet_red"][..], &["--help"]] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let output = command(&place, arguments).stdout(full).output().unwrap();
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.starts_with("srbf: cannot write to standard output: "), "{text}");
+    }
+}
+
+#[test]
+fn a_reader_that_has_gone_ends_the_program_without_a_word() {
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let output = command(&folder("gone"), &["inspect", "garnet_red"]).stdout(writer).output().unwrap();
+    assert_eq!(output.status.code(), Some(141));
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "");
 }

@@ -3,7 +3,7 @@
 use crate::environment::{self, Environment};
 use crate::film;
 use anyhow::{Context, bail};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Largest radiance of a constant environment: squares of it stay far from the largest f32.
 const MAX_CONSTANT: f32 = 1e6;
@@ -39,6 +39,12 @@ pub fn environment(text: &str) -> anyhow::Result<Environment> {
         bail!("environment {text}: expected sky, haze, constant:VALUE, or a .hdr or .exr file");
     }
     environment::file::read(path)
+}
+
+/// The folder of the measurements.
+pub fn data_folder() -> anyhow::Result<PathBuf> {
+    let folder = std::env::var_os("SRBF_DATA_DIR").filter(|folder| !folder.is_empty());
+    folder.map(PathBuf::from).context("SRBF_DATA_DIR is not set: it names the folder of the measurements")
 }
 
 /// Runs work on the number of threads asked for; 0 is one a processor.

@@ -1,10 +1,11 @@
 //! `srbf bench-report`: what criterion measured, as ratios.
 
-use crate::{output, picture_file, plot};
-use anyhow::{Context, bail};
+use crate::{input, output, picture_file, plot};
+use anyhow::{Context, bail, ensure};
 use plotters::prelude::*;
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
 /// Prints the ratios of what `cargo bench` measured, and writes them as CSV and as a plot.
@@ -19,6 +20,12 @@ pub struct Args {
     #[arg(long, default_value = "out")]
     out: PathBuf,
 }
+
+/// Times an element that are believed; others would leave a plot without an axis.
+const NANOSECONDS: std::ops::RangeInclusive<f64> = 1e-6..=1e15;
+
+/// Largest file that is read, bytes; criterion's are a few hundred.
+const MAX_FILE: u64 = 1 << 20;
 
 /// One bench: `operation.level/lobes/directions`.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,10 +88,13 @@ fn read_all(folder: &Path) -> anyhow::Result<Vec<Measurement>> {
         let entries = std::fs::read_dir(&folder)
             .with_context(|| format!("cannot read {}: run `cargo bench` first", folder.display()))?;
         for entry in entries {
-            let path = entry?.path();
-            if path.file_name().is_some_and(|name| name == "new") {
+            let entry = entry.with_context(|| format!("cannot read {}", folder.display()))?;
+            let path = entry.path();
+            // Of the entry itself, not of what a link names: links may make a ring.
+            let kind = entry.file_type().with_context(|| format!("cannot read {}", path.display()))?;
+            if kind.is_dir() && path.file_name().is_some_and(|name| name == "new") {
                 found.extend(read(&path)?);
-            } else if path.is_dir() {
+            } else if kind.is_dir() {
                 folders.push(path);
             }
         }
@@ -103,7 +113,7 @@ fn read_all(folder: &Path) -> anyhow::Result<Vec<Measurement>> {
 fn read(folder: &Path) -> anyhow::Result<Option<Measurement>> {
     let json = |name: &str| -> anyhow::Result<serde_json::Value> {
         let path = folder.join(name);
-        let text = std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        let text = input::read(&path, MAX_FILE).with_context(|| format!("cannot read {}", path.display()))?;
         serde_json::from_slice(&text).with_context(|| format!("{} is not JSON", path.display()))
     };
     let id = json("benchmark.json")?;
@@ -118,7 +128,13 @@ fn read(folder: &Path) -> anyhow::Result<Option<Measurement>> {
     };
     let elements = id["throughput"]["Elements"].as_f64().unwrap_or(1.0);
     let median = json("estimates.json")?["median"]["point_estimate"].as_f64();
-    let nanoseconds = median.with_context(|| format!("{}: no median", folder.display()))? / elements;
+    let nanoseconds = median.unwrap_or(f64::NAN) / elements;
+    ensure!(
+        NANOSECONDS.contains(&nanoseconds) && directions > 0,
+        "{}: a median of {median:?} ns for {elements} elements and {directions} directions, expected a time within \
+         1e-6 to 1e15 ns an element, and a direction at least",
+        folder.display()
+    );
     Ok(Some(Measurement { operation: operation.into(), level: level.into(), lobes, directions, nanoseconds }))
 }
 
@@ -172,7 +188,7 @@ fn draw_panels(
     root.fill(&WHITE)?;
     let panels = root.split_evenly((1, 2));
     let evaluate =
-        || measurements.iter().filter(|m| m.operation == "evaluate" && m.lobes.parse::<u32>().is_ok());
+        || measurements.iter().filter(|m| m.operation == "evaluate" && m.lobes.parse::<NonZeroU32>().is_ok());
     let by_lobes = evaluate().filter(|m| m.directions == 1024);
     let by_batch = evaluate().filter(|m| m.lobes == "12");
     let lobes = |m: &&Measurement| (m.level.clone(), m.lobes.parse().unwrap_or(1.0), 1.0 / m.nanoseconds);

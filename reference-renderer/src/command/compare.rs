@@ -6,7 +6,7 @@ use crate::environment::Environment;
 use crate::integrator::Sampler;
 use crate::material::StoredMaterial;
 use crate::progress::Progress;
-use crate::{material, plot, report};
+use crate::{material, output, plot, report};
 use anyhow::ensure;
 use std::path::{Path, PathBuf};
 
@@ -50,6 +50,9 @@ pub struct Args {
 pub fn run(args: Args) -> anyhow::Result<()> {
     ensure!(args.spp.is_sorted_by(|a, b| a < b), "--spp: numbers that rise are expected");
     ensure!(!args.samplers.is_empty() && !args.spp.is_empty(), "--samplers and --spp: at least one each");
+    let [csv, png] = outputs(&args.output);
+    output::check_place(&csv)?;
+    output::check_place(&png)?;
     let mut names = args.materials;
     if names.is_empty() {
         names = material::PRESETS.iter().map(|preset| preset.0.to_owned()).collect();
@@ -83,7 +86,6 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         }
     }
 
-    let [csv, png] = outputs(&args.output);
     report::write_csv(&csv, &comparisons)?;
     plot::write_png(&png, &comparisons)?;
     println!("wrote {} and {}", csv.display(), png.display());

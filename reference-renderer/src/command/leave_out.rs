@@ -56,6 +56,7 @@ struct Sums {
 
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
+    output::check_place(&args.output)?;
     let mut csv = String::from(
         "material,lobe_bound,fold_bound,lobes,folds,relative_l2,largest_albedo_loss,prepare_ns,evaluate_ns,sample_ns\n",
     );

@@ -1,13 +1,16 @@
 //! `srbf presets`.
 
 use super::fit::fit_file;
-use anyhow::{Context, bail};
+use anyhow::{Context, bail, ensure};
 use srbf_fit::Settings;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Where the measurements of all presets come from.
 const SOURCE: &str = "Cornell University Program of Computer Graphics, gonioreflectometer measurements (Lafortune and others)\n";
+
+/// First line of the README.md beside the presets.
+const HEADING: &str = "# Presets";
 
 /// Name, file under the data folder, what it is.
 const PRESETS: [(&str, &str, &str); 3] = [
@@ -31,12 +34,14 @@ pub struct Args {
 
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
-    let data = std::env::var_os("SRBF_DATA_DIR")
-        .context("SRBF_DATA_DIR is not set: it names the folder of the measurements")?;
+    let data = super::argument::data_folder()?;
+    let about = args.out.join("README.md");
+    let is_ours = std::fs::read_to_string(&about).map_or(true, |text| text.starts_with(HEADING));
+    ensure!(args.check || is_ours, "{}: it is not about presets, name another folder", about.display());
     let mut made = Vec::new();
     let mut rows = String::new();
     for (name, file, what) in PRESETS {
-        let fit = fit_file(&Path::new(&data).join(file), Settings::default(), SOURCE)?;
+        let fit = fit_file(&data.join(file), Settings::default(), SOURCE)?;
         let errors: Vec<String> =
             fit.report.views.iter().map(|v| format!("{:.1}", 100.0 * v.error)).collect();
         println!(
@@ -54,7 +59,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         )?;
         made.push((args.out.join(name).with_extension("srbf"), fit.bytes));
     }
-    made.push((args.out.join("README.md"), readme(&rows).into_bytes()));
+    made.push((about, readme(&rows).into_bytes()));
     for (path, bytes) in &made {
         if !args.check {
             srbf_fit::write_atomically(path, bytes)?;
@@ -67,7 +72,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
 
 fn readme(rows: &str) -> String {
     format!(
-        "# Presets
+        "{HEADING}
 
 Materials that are compiled into the `srbf` program. Each is fitted by our own tool from a measurement of the Cornell University
 Program of Computer Graphics (E. Lafortune and others; 8 outgoing directions, 10 to 80 degrees, about 180 incident ones each).

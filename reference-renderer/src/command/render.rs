@@ -6,11 +6,12 @@ use crate::furnace::{self, Furnace};
 use crate::integrator::Sampler;
 use crate::material::{self, StoredMaterial};
 use crate::mesh;
+use crate::output;
 use crate::picture_file;
 use crate::progress::Progress;
 use crate::render::{Settings, add_samples};
 use crate::scene::{Scene, SceneName};
-use anyhow::ensure;
+use anyhow::{Context, ensure};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -27,20 +28,20 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     mesh: Option<PathBuf>,
     /// The axis that is up in the mesh file
-    #[arg(long, value_enum, default_value = "y")]
+    #[arg(long, value_enum, default_value = "y", requires = "mesh")]
     mesh_up: Up,
     /// Material of the object: a .srbf file or the name of a preset
     #[arg(long, default_value = material::DEFAULT, value_name = "FILE|PRESET")]
     material: String,
-    /// Material of the ground below the teapot
-    #[arg(long, default_value = material::MATTE, value_name = "FILE|PRESET")]
-    ground_material: String,
+    /// Material of the ground below the teapot [default: matte]
+    #[arg(long, value_name = "FILE|PRESET")]
+    ground_material: Option<String>,
     /// The light: sky, haze (the sun spread wide), constant:VALUE, or a latitude-longitude map in a .hdr or .exr file
     #[arg(long, default_value = "sky")]
     env: String,
     /// Degrees to turn the light by, anticlockwise seen from above
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_name = "DEGREES")]
-    env_turn: f32,
+    env_turn: f64,
     /// Size of the picture in pixels
     #[arg(long, default_value = "512x512", value_parser = argument::size, value_name = "WIDTHxHEIGHT")]
     size: [u32; 2],
@@ -79,14 +80,18 @@ const MESH_SIZE: f32 = 3.4;
 
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
-    let is_exr = args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
-    ensure!(is_exr, "output {}: a name that ends in .exr is expected", args.output.display());
+    output::check_extension(&args.output, "exr")?;
+    output::check_place(&args.output)?;
     ensure!(args.exposure.abs() <= 64.0, "--exposure {}: within -64 to 64 is expected", args.exposure);
     ensure!(args.env_turn.is_finite(), "--env-turn {}: a number of degrees is expected", args.env_turn);
 
     let object = StoredMaterial::load(&args.material)?;
-    let ground = StoredMaterial::load(&args.ground_material)?;
-    let environment = argument::environment(&args.env)?.turned(args.env_turn.to_radians());
+    ensure!(
+        args.ground_material.is_none() || args.scene == SceneName::Teapot,
+        "--ground-material: only the teapot stands on a ground, add --scene teapot"
+    );
+    let ground = StoredMaterial::load(args.ground_material.as_deref().unwrap_or(material::MATTE))?;
+    let environment = argument::environment(&args.env)?.turned(radians(args.env_turn));
     let scene = match &args.mesh {
         None => Scene::new(args.scene, object.get(), ground.get(), &environment),
         Some(path) => {
@@ -110,7 +115,8 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let start = Instant::now();
     argument::on_threads(args.threads.into(), || {
         add_samples(&scene, &camera, &settings, &mut film, args.spp, &progress)
-    })?;
+    })
+    .with_context(|| format!("material {}, ground {}, light {}", object.name, ground.name, args.env))?;
     let seconds = start.elapsed().as_secs_f64();
     drop(progress);
 
@@ -127,15 +133,27 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     );
 
     if let (SceneName::Sphere, Some(radiance)) = (args.scene, environment.constant_radiance()) {
-        print_furnace(&furnace::compare(&scene, &camera, radiance, &film), args.spp);
+        if args.spp < 2 {
+            println!("white furnace: no standard error, at least two samples a pixel are needed");
+            return Ok(());
+        }
+        let furnace = argument::on_threads(args.threads.into(), || {
+            Ok(furnace::compare(&scene, &camera, radiance, &film))
+        })?;
+        print_furnace(&furnace);
     }
     Ok(())
 }
 
-fn print_furnace(furnace: &Furnace, spp: u32) {
+/// The angle within one turn; the remainder is exact, and a large angle in f32 is not.
+fn radians(degrees: f64) -> f32 {
+    ((degrees % 360.0) as f32).to_radians()
+}
+
+fn print_furnace(furnace: &Furnace) {
     println!("white furnace, mean over the {} pixels that the sphere fills:", furnace.pixels);
-    if furnace.pixels == 0 || spp < 2 {
-        println!("no standard error: at least one such pixel and two samples are needed");
+    if furnace.pixels == 0 {
+        println!("no standard error: at least one such pixel is needed");
         return;
     }
     println!(
@@ -145,7 +163,19 @@ fn print_furnace(furnace: &Furnace, spp: u32) {
     for (i, channel) in ["red", "green", "blue"].iter().enumerate() {
         let (rendered, error, expected) =
             (furnace.rendered[i], furnace.standard_error[i], furnace.expected[i]);
-        let deviation = (rendered - expected) / error;
-        println!("{channel:8} {rendered:>10.6} {error:>14.6} {expected:>10.6} {deviation:>9.2} se");
+        let deviation = furnace.deviation(i).map_or_else(|| "-".to_owned(), |d| format!("{d:.2} se"));
+        println!("{channel:8} {rendered:>10.6} {error:>14.6} {expected:>10.6} {deviation:>12}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_turns_of_the_light_are_as_one() {
+        for (degrees, same) in [(1e9, 280.0), (-1e9, -280.0), (360.0 * 1e12 + 90.0, 90.0), (37.5, 37.5)] {
+            assert_eq!(radians(degrees), (same as f32).to_radians(), "{degrees}");
+        }
     }
 }

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Steps of the walk for each sample
-    #[arg(long, default_value_t = 5, value_name = "N")]
+    #[arg(long, default_value_t = 5, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=100_000))]
     steps: u32,
     /// Smallest value relative to the peak that the walk enters
     #[arg(long, default_value_t = 0.01, value_name = "SHARE")]
@@ -27,7 +27,7 @@ pub struct Args {
     /// Seed of the random numbers
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// The picture to write; the numbers go beside it as .csv
+    /// The picture to write, .png; the numbers go beside it as .csv
     #[arg(short, long, default_value = "out/samples.png", value_name = "FILE")]
     output: PathBuf,
 }
@@ -108,6 +108,8 @@ fn distance(drawn: &[Drawn]) -> f64 {
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
     ensure!((0.0..1.0).contains(&args.floor), "--floor: a number in [0, 1) is expected");
+    output::check_extension(&args.output, "png")?;
+    output::check_place(&args.output)?;
     let walk = Metropolis { steps: args.steps, floor: args.floor };
     let mut csv = String::from("method,samples,steps,distance\n");
     let mut rows = Vec::new();
@@ -207,10 +209,14 @@ fn figure(
         .draw_series(LineSeries::new(falls.iter().copied(), orange.stroke_width(2)).point_size(4))?
         .label("Metropolis")
         .legend(legend(orange));
-    chart
-        .draw_series(LineSeries::new(line(f64::from(walk.floor)), green.stroke_width(2)))?
-        .label("share beyond the floor")
-        .legend(legend(green));
+    // A floor of 0 has no place on a logarithmic axis.
+    let floor = f64::from(walk.floor);
+    if floor > least / 2.0 {
+        chart
+            .draw_series(LineSeries::new(line(floor), green.stroke_width(2)))?
+            .label("share beyond the floor")
+            .legend(legend(green));
+    }
     chart
         .draw_series(LineSeries::new(line(exact), blue.stroke_width(2)))?
         .label("inversion")

@@ -19,7 +19,7 @@ pub struct Args {
     /// Seed of the inputs
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// The plot to write; the numbers go beside it as .csv
+    /// The plot to write, .png; the numbers go beside it as .csv
     #[arg(short, long, default_value = "out/stability.png", value_name = "FILE")]
     output: PathBuf,
 }
@@ -34,6 +34,8 @@ const LARGEST: f64 = 10.0;
 
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
+    output::check_extension(&args.output, "png")?;
+    output::check_place(&args.output)?;
     let operations = stability::measure(args.inputs, args.seed);
     println!(
         "Worst relative error, ours / plain formula, by sharpness. Exponents up to 10; f32 rounds to 6e-8.\n"

@@ -30,7 +30,7 @@ pub struct Args {
     /// Leaves the errors over what was left out away: a twelfth of the time.
     #[arg(long)]
     no_held_out: bool,
-    /// The table to write, in Markdown; the numbers go beside it as .csv.
+    /// The table to write, .md; the numbers go beside it as .csv.
     #[arg(short, long, default_value = "out/thesis-table.md", value_name = "FILE")]
     output: PathBuf,
 }
@@ -48,8 +48,9 @@ const BLUE_PAINT_VIEWS: [f64; 7] = [0.0, 20.0, 35.0, 55.0, 65.0, 75.0, 85.0];
 
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
-    let data =
-        std::env::var_os("SRBF_DATA_DIR").context("SRBF_DATA_DIR is not set: it names the data folder")?;
+    output::check_extension(&args.output, "md")?;
+    output::check_place(&args.output)?;
+    let data = super::argument::data_folder()?;
     let lobes = args.lobes as usize;
     let ours = Settings { lobes, ..Settings::default() };
     let thesis = thesis::Settings { lobes, ..thesis::Settings::default() };
@@ -73,7 +74,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     print!("{markdown}");
     let progress = Progress::new("Table 5.1", (chosen.len() * methods.len()) as u64);
     for (material, said) in chosen {
-        let table = table(Path::new(&data), material)?;
+        let table = table(&data, material)?;
         for (column, (method, lobes, run)) in methods.iter().enumerate() {
             let found = score(&table, *run, !args.no_held_out)
                 .with_context(|| format!("material {material}, method {method}"))?;

@@ -1,6 +1,7 @@
 //! Reads latitude-longitude maps: Radiance `.hdr` and OpenEXR `.exr`.
 
 use super::{Environment, MAX_PIXELS};
+use crate::input;
 use anyhow::{Context, bail, ensure};
 use glam::Vec3;
 use image::ImageDecoder;
@@ -16,9 +17,7 @@ const MAX_FILE: u64 = 16 * MAX_PIXELS as u64;
 /// Names the file, and what in it is not as expected.
 pub fn read(path: &Path) -> anyhow::Result<Environment> {
     let open = || -> anyhow::Result<Environment> {
-        let size = std::fs::metadata(path)?.len();
-        ensure!(size <= MAX_FILE, "the file has {size} bytes, at most {MAX_FILE} are read");
-        let bytes = std::fs::read(path)?;
+        let bytes = input::read(path, MAX_FILE)?;
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("hdr") => from_hdr(&bytes),
             Some("exr") => from_exr(&bytes),

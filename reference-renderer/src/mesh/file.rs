@@ -1,8 +1,10 @@
 //! Reads meshes: Wavefront `.obj` and `.ply`. Only positions and faces are used; the normals are made smooth.
 
 use super::Mesh;
+use crate::input;
 use anyhow::{Context, bail, ensure};
 use glam::Vec3;
+use std::collections::HashSet;
 use std::path::Path;
 
 /// Largest file that is read, bytes.
@@ -17,9 +19,7 @@ const MAX_COORDINATE: f32 = 1e9;
 /// Names the file, and the line or byte at which something else was expected.
 pub fn read(path: &Path) -> anyhow::Result<Mesh> {
     let open = || -> anyhow::Result<Mesh> {
-        let size = std::fs::metadata(path)?.len();
-        ensure!(size <= MAX_FILE, "the file has {size} bytes, at most {MAX_FILE} are read");
-        let bytes = std::fs::read(path)?;
+        let bytes = input::read(path, MAX_FILE)?;
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("obj") => from_obj(&bytes),
             Some("ply") => super::ply::from_ply(&bytes),
@@ -44,7 +44,24 @@ pub(super) fn build(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> anyhow::R
     mesh.triangles.retain(|_| keep.next().copied().unwrap_or(false));
     ensure!(!mesh.triangles.is_empty(), "every face of the mesh has zero area");
     mesh.smooth_normals();
+    drop_repeated(&mut mesh);
     Ok(mesh)
+}
+
+/// Leaves of triangles with the same corners, in any order, the first only: a ray could not tell them apart.
+fn drop_repeated(mesh: &mut Mesh) {
+    // Adding 0 makes one zero of two.
+    let bits = |corner: Vec3| corner.to_array().map(|v| (v + 0.0).to_bits());
+    let mut seen = HashSet::with_capacity(mesh.triangles.len());
+    let is_new: Vec<bool> = (0..mesh.triangles.len())
+        .map(|i| {
+            let mut corners = mesh.corners(i).map(bits);
+            corners.sort_unstable();
+            seen.insert(corners)
+        })
+        .collect();
+    let mut keep = is_new.iter();
+    mesh.triangles.retain(|_| keep.next().copied().unwrap_or(false));
 }
 
 /// Checks a vertex.
@@ -121,6 +138,15 @@ mod tests {
     }
 
     #[test]
+    fn of_triangles_with_the_same_corners_one_is_left() {
+        // The other way round, by other vertices at the same places, and with the other zero.
+        let again = "v 0 0 0\nv 1 0 -0\nv 1 1 0\nf 1 2 3\nf 3 2 1\nf 5 6 7\nf 2 3 1\n";
+        let mesh = from_obj([CUBE_CORNER, again].concat().as_bytes()).unwrap();
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert!(mesh.normals[..4].iter().all(|&n| n == Vec3::Z));
+    }
+
+    #[test]
     fn every_truncation_is_an_error_or_a_smaller_mesh() {
         for end in 0..CUBE_CORNER.len() {
             if let Ok(mesh) = from_obj(&CUBE_CORNER.as_bytes()[..end]) {
@@ -159,16 +185,17 @@ mod tests {
     #[ignore = "needs SRBF_DATA_DIR"]
     fn published_meshes_load() {
         let folder = std::env::var_os("SRBF_DATA_DIR").expect("SRBF_DATA_DIR names the folder of the data");
-        for (name, faces) in [
-            ("happy_buddha_100k.ply", 100_000),
-            ("happy_buddha_20k.ply", 20_000),
-            ("stanford_dragon_res3.ply", 47_794),
-            ("stanford_dragon_res4_ascii.ply", 11_102),
-            ("stanford_bunny_small.obj", 3674),
-            ("teapot_6320.obj", 6320),
+        // Faces of the file, and those that lie where another lies.
+        for (name, faces, repeated) in [
+            ("happy_buddha_100k.ply", 100_000, 24),
+            ("happy_buddha_20k.ply", 20_000, 0),
+            ("stanford_dragon_res3.ply", 47_794, 1254),
+            ("stanford_dragon_res4_ascii.ply", 11_102, 502),
+            ("stanford_bunny_small.obj", 3674, 0),
+            ("teapot_6320.obj", 6320, 0),
         ] {
             let mesh = read(&Path::new(&folder).join("meshes").join(name)).unwrap();
-            assert_eq!(mesh.triangles.len(), faces, "{name}");
+            assert_eq!(mesh.triangles.len() + repeated, faces, "{name}");
         }
     }
 }

@@ -7,6 +7,8 @@ mod goals;
 mod row;
 
 use super::SettingArgs;
+use crate::command::argument;
+use crate::{input, output};
 use anyhow::{Context, ensure};
 use row::Row;
 use srbf_fit::blend::{BlendedKnots, Neighbours};
@@ -16,7 +18,6 @@ use srbf_fit::report::{ViewReport, mean_error};
 use srbf_fit::table::evaluable::Brdf;
 use srbf_fit::table::{Content, Table, neural, read};
 use srbf_fit::{Settings, TrackedLobes, dense, fit_content, thesis};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -28,13 +29,13 @@ pub struct Args {
     #[arg(long, value_name = "N", conflicts_with = "file", value_parser = clap::value_parser!(u32).range(1..=1000))]
     survey: Option<u32>,
     /// Of the survey: only the materials whose names contain this.
-    #[arg(long, value_name = "NAME", requires = "survey")]
+    #[arg(long, value_name = "NAME", requires = "survey", conflicts_with = "file")]
     only: Option<String>,
     /// Of the survey: leaves the thesis's method out, which takes about half of the time.
-    #[arg(long, requires = "survey")]
+    #[arg(long, requires = "survey", conflicts_with = "file")]
     no_thesis: bool,
     /// Of the survey: the table to write; by default out/survey-LOBES-lobes-VIEWS-views.csv.
-    #[arg(long, value_name = "FILE", requires = "survey")]
+    #[arg(long, value_name = "FILE", requires = "survey", conflicts_with = "file")]
     csv: Option<PathBuf>,
 }
 
@@ -48,29 +49,29 @@ impl Args {
 /// Views up to this angle count for variance and weight, degrees: beyond, little light is reflected in a picture.
 const JUDGED: f64 = 80.0;
 
+/// Largest file of networks and of their names that is read, bytes.
+const MAX_FILE: u64 = 1 << 24;
+
 /// Fits the materials, and judges the fits.
 pub fn run(args: &SettingArgs, survey: &Args) -> anyhow::Result<()> {
-    let data =
-        std::env::var_os("SRBF_DATA_DIR").context("SRBF_DATA_DIR is not set: it names the data folder")?;
+    let data = argument::data_folder()?;
     let settings = args.settings();
+    settings.check()?;
+    let default = || format!("out/survey-{}-lobes-{}-views.csv", settings.lobes, settings.views);
+    let path = survey.csv.clone().unwrap_or_else(|| default().into());
+    output::check_place(&path)?;
     let thetas = dense::even_views(settings.views);
     let thesis = thesis::Settings { lobes: settings.lobes, ..thesis::Settings::default() };
     let thesis = (!survey.no_thesis).then_some(thesis);
     let named = |name: &String| survey.only.as_ref().is_none_or(|only| name.contains(only));
-    let chosen: Vec<Named> = materials(Path::new(&data))?.into_iter().filter(|m| named(&m.0)).collect();
+    let chosen: Vec<Named> = materials(&data)?.into_iter().filter(|m| named(&m.0)).collect();
     ensure!(
         !chosen.is_empty(),
         "no material whose name contains `{}`",
         survey.only.clone().unwrap_or_default()
     );
 
-    let default = || format!("out/survey-{}-lobes-{}-views.csv", settings.lobes, settings.views);
-    let path = survey.csv.clone().unwrap_or_else(|| default().into());
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    }
-    let mut csv = std::fs::File::create(&path).with_context(|| path.display().to_string())?;
-    writeln!(csv, "{}", Row::csv_header()).with_context(|| path.display().to_string())?;
+    let mut csv = Row::csv_header() + "\n";
     println!("{} lobes, {} views; {}", settings.lobes, settings.views, row::LEGEND);
     println!("{}", Row::header());
     let mut rows: Vec<Row> = Vec::new();
@@ -78,7 +79,9 @@ pub fn run(args: &SettingArgs, survey: &Args) -> anyhow::Result<()> {
         let row = examine(&name, &content?, &thetas, &settings, thesis.as_ref())
             .with_context(|| format!("material {name}"))?;
         println!("{}", row.line());
-        writeln!(csv, "{}", row.csv()).with_context(|| path.display().to_string())?;
+        csv += &(row.csv() + "\n");
+        // After every row, so that a run that is stopped has said what it knows.
+        output::write(&path, csv.as_bytes())?;
         rows.push(row);
     }
     for (name, share) in [("median", 0.5), ("90 %", 0.9), ("worst", 1.0)] {
@@ -161,12 +164,28 @@ fn materials(data: &Path) -> anyhow::Result<Vec<Named>> {
     let mut all: Vec<Named> =
         files.iter().map(|f| (name(f), read(f).map(|s| s.content).map_err(Into::into))).collect();
 
-    let path = data.join("merl/nbrdf_merl80.f32le");
-    let weights = std::fs::read(&path).with_context(|| path.display().to_string())?;
-    let path = data.join("merl/nbrdf_merl80_names.txt");
-    let names = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-    let networks = neural::parse(&weights)?;
-    let evaluable = |n: neural::Neural| Ok(Content::Evaluable(Box::new(n)));
-    all.extend(names.split_whitespace().map(str::to_owned).zip(networks.into_iter().map(evaluable)));
+    all.extend(networks(&data.join("merl"))?);
     Ok(all)
+}
+
+/// The networks that stand for MERL materials, with their names.
+fn networks(folder: &Path) -> anyhow::Result<Vec<Named>> {
+    let path = folder.join("nbrdf_merl80.f32le");
+    let parse = |bytes: Vec<u8>| Ok(neural::parse(&bytes)?);
+    let networks =
+        input::read(&path, MAX_FILE).and_then(parse).with_context(|| path.display().to_string())?;
+    let list = folder.join("nbrdf_merl80_names.txt");
+    let text = |bytes: Vec<u8>| Ok(String::from_utf8(bytes)?);
+    let names = input::read(&list, MAX_FILE).and_then(text).with_context(|| list.display().to_string())?;
+    let names: Vec<&str> = names.split_whitespace().collect();
+    ensure!(
+        names.len() == networks.len(),
+        "{}: {} networks, and {} names in {}",
+        path.display(),
+        networks.len(),
+        names.len(),
+        list.display()
+    );
+    let evaluable = |n: neural::Neural| Ok(Content::Evaluable(Box::new(n)));
+    Ok(names.into_iter().map(str::to_owned).zip(networks.into_iter().map(evaluable)).collect())
 }
