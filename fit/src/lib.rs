@@ -23,6 +23,7 @@ mod objective;
 mod parameters;
 mod random;
 mod ratio;
+mod read;
 pub mod reciprocity;
 pub mod report;
 mod schedule;
@@ -36,6 +37,7 @@ mod write;
 
 pub use content::fit_content;
 pub use error::{FitError, ReadError};
+pub use read::read_at_most;
 pub use settings::Settings;
 pub use track::{Fit, fit};
 pub use tracked::{Tracked, TrackedLobes};

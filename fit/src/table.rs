@@ -123,12 +123,7 @@ pub(crate) fn sha256(bytes: &[u8]) -> String {
 
 /// The bytes of a file that has at most so many.
 pub(crate) fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, FitError> {
-    let size = std::fs::metadata(path).map_err(FitError::io(path))?.len();
-    if size > most {
-        let source = ReadError::Content(format!("{size} bytes; at most {most} are read"));
-        return Err(FitError::Read { path: path.to_path_buf(), source });
-    }
-    std::fs::read(path).map_err(FitError::io(path))
+    crate::read_at_most(path, most).map_err(FitError::io(path))
 }
 
 /// Refuses what has no brightness.

@@ -11,7 +11,6 @@ mod discrete;
 mod environment;
 mod film;
 mod furnace;
-mod input;
 mod integrator;
 mod intersect;
 mod material;

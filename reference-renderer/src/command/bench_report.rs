@@ -1,6 +1,6 @@
 //! `srbf bench-report`: what criterion measured, as ratios.
 
-use crate::{input, output, picture_file, plot};
+use crate::{output, picture_file, plot};
 use anyhow::{Context, bail, ensure};
 use plotters::prelude::*;
 use std::collections::BTreeMap;
@@ -113,7 +113,8 @@ fn read_all(folder: &Path) -> anyhow::Result<Vec<Measurement>> {
 fn read(folder: &Path) -> anyhow::Result<Option<Measurement>> {
     let json = |name: &str| -> anyhow::Result<serde_json::Value> {
         let path = folder.join(name);
-        let text = input::read(&path, MAX_FILE).with_context(|| format!("cannot read {}", path.display()))?;
+        let text = srbf_fit::read_at_most(&path, MAX_FILE)
+            .with_context(|| format!("cannot read {}", path.display()))?;
         serde_json::from_slice(&text).with_context(|| format!("{} is not JSON", path.display()))
     };
     let id = json("benchmark.json")?;

@@ -1,7 +1,6 @@
 //! Reads latitude-longitude maps: Radiance `.hdr` and OpenEXR `.exr`.
 
 use super::{Environment, MAX_PIXELS};
-use crate::input;
 use anyhow::{Context, bail, ensure};
 use glam::Vec3;
 use image::ImageDecoder;
@@ -17,7 +16,7 @@ const MAX_FILE: u64 = 16 * MAX_PIXELS as u64;
 /// Names the file, and what in it is not as expected.
 pub fn read(path: &Path) -> anyhow::Result<Environment> {
     let open = || -> anyhow::Result<Environment> {
-        let bytes = input::read(path, MAX_FILE)?;
+        let bytes = srbf_fit::read_at_most(path, MAX_FILE)?;
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("hdr") => from_hdr(&bytes),
             Some("exr") => from_exr(&bytes),

@@ -1,7 +1,6 @@
 //! Reads meshes: Wavefront `.obj` and `.ply`. Only positions and faces are used; the normals are made smooth.
 
 use super::Mesh;
-use crate::input;
 use anyhow::{Context, bail, ensure};
 use glam::Vec3;
 use std::collections::HashSet;
@@ -19,7 +18,7 @@ const MAX_COORDINATE: f32 = 1e9;
 /// Names the file, and the line or byte at which something else was expected.
 pub fn read(path: &Path) -> anyhow::Result<Mesh> {
     let open = || -> anyhow::Result<Mesh> {
-        let bytes = input::read(path, MAX_FILE)?;
+        let bytes = srbf_fit::read_at_most(path, MAX_FILE)?;
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("obj") => from_obj(&bytes),
             Some("ply") => super::ply::from_ply(&bytes),

@@ -8,7 +8,7 @@ mod row;
 
 use super::SettingArgs;
 use crate::command::argument;
-use crate::{input, output};
+use crate::output;
 use anyhow::{Context, ensure};
 use row::Row;
 use srbf_fit::blend::{BlendedKnots, Neighbours};
@@ -172,11 +172,16 @@ fn materials(data: &Path) -> anyhow::Result<Vec<Named>> {
 fn networks(folder: &Path) -> anyhow::Result<Vec<Named>> {
     let path = folder.join("nbrdf_merl80.f32le");
     let parse = |bytes: Vec<u8>| Ok(neural::parse(&bytes)?);
-    let networks =
-        input::read(&path, MAX_FILE).and_then(parse).with_context(|| path.display().to_string())?;
+    let networks = srbf_fit::read_at_most(&path, MAX_FILE)
+        .map_err(anyhow::Error::new)
+        .and_then(parse)
+        .with_context(|| path.display().to_string())?;
     let list = folder.join("nbrdf_merl80_names.txt");
     let text = |bytes: Vec<u8>| Ok(String::from_utf8(bytes)?);
-    let names = input::read(&list, MAX_FILE).and_then(text).with_context(|| list.display().to_string())?;
+    let names = srbf_fit::read_at_most(&list, MAX_FILE)
+        .map_err(anyhow::Error::new)
+        .and_then(text)
+        .with_context(|| list.display().to_string())?;
     let names: Vec<&str> = names.split_whitespace().collect();
     ensure!(
         names.len() == networks.len(),

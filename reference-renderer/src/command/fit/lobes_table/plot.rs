@@ -2,7 +2,7 @@
 
 use super::Row;
 use crate::picture_file;
-use crate::plot::{COLOURS, FONT, Failure, range, register_font, tick};
+use crate::plot::{COLOURS, FONT, Failure, RIGHT_MARGIN, add_curve, range, register_font, tick};
 use anyhow::anyhow;
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -51,6 +51,7 @@ fn panel(
     let y = range(rows.iter().map(error));
     let mut chart = ChartBuilder::on(area)
         .margin(12)
+        .margin_right(RIGHT_MARGIN)
         .x_label_area_size(46)
         .y_label_area_size(78)
         .build_cartesian_2d((x[0]..x[1]).log_scale(), (y[0]..y[1]).log_scale())?;
@@ -66,11 +67,7 @@ fn panel(
         .draw()?;
     for ((name, abscissa), &colour) in curves.iter().zip(&COLOURS) {
         let places: Vec<(f64, f64)> = rows.iter().map(|r| (abscissa(r), error(r))).collect();
-        chart
-            .draw_series(LineSeries::new(places.iter().copied(), colour.stroke_width(2)))?
-            .label(*name)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 22, y)], colour.stroke_width(2)));
-        chart.draw_series(places.iter().map(|&place| Circle::new(place, 4, colour.filled())))?;
+        add_curve(&mut chart, (*name).to_owned(), colour, &places)?;
     }
     chart
         .configure_series_labels()
