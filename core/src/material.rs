@@ -3,7 +3,8 @@
 use crate::format::{self, Header, Kind, f32_at};
 use crate::prepare::Prepare;
 use crate::simd::Level;
-use crate::{Error, FormatError, LeaveOut, Mixture, PlaneLobe, TiltedLobe};
+use crate::squeeze::Squeeze;
+use crate::{Domain, Error, FormatError, LeaveOut, Mixture, PlaneLobe, TiltedLobe};
 use core::f32::consts::PI;
 use glam::Vec3;
 
@@ -168,6 +169,25 @@ impl<'a> Material<'a> {
         mixture: &mut Mixture<N>,
     ) -> Result<(), Error> {
         let level = Level::current();
+        level.run(Prepare { material: self, wo, leave_out, level, mixture })
+    }
+
+    /// [`prepare_leaving_out`](Self::prepare_leaving_out) for the kernels of one level, whatever [`Level::set`] chose: for values
+    /// that must not depend on the processor, [`Level::Scalar`].
+    ///
+    /// # Errors
+    /// [`Error::Level`] if this processor or this build lacks it; and those of [`prepare`](Self::prepare).
+    pub fn prepare_at<const N: usize>(
+        &self,
+        level: Level,
+        wo: Vec3,
+        leave_out: LeaveOut,
+        mixture: &mut Mixture<N>,
+    ) -> Result<(), Error> {
+        if !level.is_available() {
+            mixture.begin(Level::Scalar, Domain::Hemisphere, Squeeze::NONE);
+            return Err(Error::Level);
+        }
         level.run(Prepare { material: self, wo, leave_out, level, mixture })
     }
 }

@@ -410,6 +410,18 @@ impl<const N: usize> Mixture<N> {
         if self.albedo().is_finite() { Ok(self) } else { Err(Error::Amplitude) }
     }
 
+    /// The same, with the kernels of a level, whatever [`Level::set`] chose.
+    ///
+    /// # Errors
+    /// [`Error::Level`] if this processor or this build lacks it.
+    pub fn with_level(mut self, level: Level) -> Result<Self, Error> {
+        if !level.is_available() {
+            return Err(Error::Level);
+        }
+        self.level = level;
+        Ok(self)
+    }
+
     /// Albedo of the diffuse term, linear sRGB.
     #[inline]
     pub fn diffuse(&self) -> Vec3 {

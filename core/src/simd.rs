@@ -41,7 +41,7 @@ impl Level {
     pub(crate) fn run<R: Routine>(self, routine: R) -> R::Output {
         match self {
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
-            // SAFETY: a mixture's level, and what is passed here, is what `Level::current` gave: seen on this processor.
+            // SAFETY: a mixture's level, and what is passed here, is what `Level::current` gave or `is_available` allowed.
             Self::Avx512 => unsafe { run_avx512(routine) },
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             // SAFETY: as above.
@@ -58,7 +58,7 @@ impl Level {
     pub(crate) fn run_one<S, R: One<S>>(self, state: &S, [a, b, c]: [f32; 3]) -> R::Output {
         match self {
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
-            // SAFETY: a mixture's level, and what is passed here, is what `Level::current` gave: seen on this processor.
+            // SAFETY: a mixture's level, and what is passed here, is what `Level::current` gave or `is_available` allowed.
             Self::Avx512 if R::IS_WIDE => unsafe { one_avx512::<S, R>(state, a, b, c) },
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             // SAFETY: as above; who has AVX-512 has AVX2.

@@ -3,7 +3,7 @@
 use crate::method::{Fitted, FittedView, Method};
 use crate::table::Table;
 use crate::{FitError, Settings, fit};
-use srbf_core::{MAX_LOBES, Material, Mixture, Vec3};
+use srbf_core::{LeaveOut, Level, MAX_LOBES, Material, Mixture, Vec3};
 
 /// Our method with its settings.
 pub struct Tracked<'a>(pub &'a Settings);
@@ -63,7 +63,8 @@ impl TrackedView {
         let (sin, cos) = libm::sincos(theta);
         // The f32 nearest to pi / 2 is beyond it.
         let wo = view.to_surface([-sin, 0.0, cos.max(0.0)]);
-        material.prepare(wo, &mut view.mixture)?;
+        // Whatever the processor: what a look sees decides where the fit goes.
+        material.prepare_at(Level::Scalar, wo, LeaveOut::default(), &mut view.mixture)?;
         Ok(view)
     }
 

@@ -206,3 +206,35 @@ fn a_lobe_that_is_all_there_is_is_never_left_out() {
         assert_eq!(m.len(), 1, "{:?}", m.lobe(0));
     }
 }
+
+#[test]
+fn a_level_that_was_asked_for_is_what_it_is_when_set() {
+    let bytes = material(&[0.0, 0.6, 1.2], &[plane_lobe(0.9, 0.0), plane_lobe(0.7, 6.3)], 1, 0, -3.0);
+    let material = Material::from_bytes(&bytes).unwrap();
+    let wo = Vec3::new(-0.8f32.sin(), 0.0, 0.8f32.cos());
+    let lobes = [Lobe::new(Vec3::new(0.6, 0.0, 0.8), 7.0, Vec3::new(0.3, 0.2, 0.1)).unwrap()];
+    let directions = [Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.48, 0.64, 0.6)];
+    let values = |m: &Mixture<16>| directions.map(|d| (m.evaluate(d), m.pdf(d)));
+    let mut wanted = Vec::new();
+    for_each_level(|level| {
+        let (mut m, leave_out) = (Mixture::<16>::empty(), LeaveOut::default());
+        material.prepare_leaving_out(wo, leave_out, &mut m).unwrap();
+        wanted.push((level, values(&m), values(&Mixture::hemisphere(&lobes).unwrap())));
+    });
+    // Whatever is set now and whatever a mixture was made on.
+    for_each_level(|_| {
+        for (level, prepared, made) in &wanted {
+            let mut m = Mixture::<16>::empty();
+            material.prepare_at(*level, wo, LeaveOut::default(), &mut m).unwrap();
+            assert_eq!((m.level(), values(&m)), (*level, *prepared));
+            let m = Mixture::hemisphere(&lobes).unwrap().with_level(*level).unwrap();
+            assert_eq!((m.level(), values(&m)), (*level, *made));
+        }
+    });
+    for level in Level::ALL.into_iter().filter(|level| !level.is_available()) {
+        let mut m = Mixture::<16>::hemisphere(&lobes).unwrap();
+        assert!(matches!(m.clone().with_level(level), Err(Error::Level)));
+        assert_eq!(material.prepare_at(level, wo, LeaveOut::default(), &mut m), Err(Error::Level));
+        assert!(m.is_empty());
+    }
+}

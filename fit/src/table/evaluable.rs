@@ -17,7 +17,7 @@ use crate::FitError;
 use crate::parameters::sphere_integral;
 use crate::tracked::TrackedView;
 use rayon::prelude::*;
-use srbf_core::{Domain, Lobe, MAX_LOBES, Material, Mixture, Vec3};
+use srbf_core::{Domain, Level, Lobe, MAX_LOBES, Material, Mixture, Vec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// A BRDF that can be evaluated.
@@ -237,6 +237,7 @@ impl Drawn {
         let lobes: Vec<Lobe> = (0..view.len()).filter_map(lobe).collect();
         let (squeezed, round_lobes) = lobes.split_at(view.squeezed_len().min(lobes.len()));
         let lobes = Mixture::new(Domain::Hemisphere, view.squeeze(), squeezed, round_lobes)?;
+        let lobes = lobes.with_level(Level::Scalar)?;
         Ok(Self { count: DRAWN * lobes.len(), lobes, round })
     }
 

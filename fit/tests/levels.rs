@@ -1,0 +1,24 @@
+//! A fit does not depend on the processor. Alone in its process, as the level is that of the process.
+
+use srbf_core::Level;
+use srbf_fit::{Settings, fit_content, table};
+use std::path::Path;
+
+#[test]
+fn every_level_gives_the_same_bytes() {
+    let settings = Settings { lobes: 4, views: 5, starts: 4, steps: 24, exchanges: 2, ..Settings::default() };
+    for model in ["model:ggx:alpha=0.2", "model:ward:alpha_x=0.2,alpha_y=0.4"] {
+        let content = table::read(Path::new(model)).unwrap().content;
+        let fits: Vec<_> = Level::ALL
+            .into_iter()
+            .filter(|level| level.set().is_ok())
+            .map(|level| (level, fit_content(&content, &settings, |_| {}).unwrap()))
+            .collect();
+        assert!(fits.len() >= 2, "there is one level to compare");
+        for (level, fit) in &fits[1..] {
+            assert!(fit.bytes == fits[0].1.bytes, "{model}: {level:?} and {:?} differ", fits[0].0);
+            assert_eq!(fit.report.views, fits[0].1.report.views, "{model}: {level:?}");
+            assert_eq!(fit.report.held_out, fits[0].1.report.held_out, "{model}: {level:?}");
+        }
+    }
+}
