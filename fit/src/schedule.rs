@@ -4,6 +4,11 @@ use crate::Settings;
 use crate::levenberg::Limits;
 use crate::objective::Weights;
 
+/// Lobes with which as many candidates as are named below take part, and most times as many of fewer lobes: they have more minima of
+/// their own, and take less time.
+const USUAL_LOBES: usize = 12;
+const MOST_TIMES: usize = 4;
+
 /// One stage of a fit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stage {
@@ -55,18 +60,30 @@ pub(crate) fn stages(settings: &Settings, energy: f64, looks: usize) -> Vec<Stag
         |keep, count| stage(keep, false, settings.steps.div_ceil(6), 1 + count, 3.0, 1.0, 1e-3, false);
     let scout = |keep| stage(keep, false, settings.steps / 4, 1, 10.0, 1.0, 1e-3, false);
     let full = |keep, improvement| stage(keep, true, settings.steps, 1, 1.0, 1.0, improvement, false);
+    let ratio = (USUAL_LOBES + settings.lobes / 2) / settings.lobes;
+    let many = if looks == 0 { 1 } else { ratio.clamp(1, MOST_TIMES) };
     let starts = if looks == 0 { (2 * settings.starts).div_ceil(3) } else { settings.starts };
-    let mut stages = vec![stage(starts, false, 25, 1, 100.0, 1.0, 1e-3, false)];
+    let mut stages = vec![stage(many * starts, false, 25, 1, 100.0, 1.0, 1e-3, false)];
     if looks == 0 {
         stages.extend([scout(4), exchange(2, settings.exchanges), full(1, 1e-4)]);
     } else {
         // Shapes show late what they are good for, and what may hide between directions is judged when it has been seen once.
-        let exchanges = [exchange(4, 2 * settings.exchanges / 3), exchange(3, settings.exchanges)];
-        stages.extend([scout(6), exchanges[0], exchanges[1], Stage { look: Some(0), ..full(3, 5e-4) }]);
+        let exchanges =
+            [exchange(4 * many, 2 * settings.exchanges / 3), exchange(3 * many, settings.exchanges)];
+        stages.extend([
+            scout(6 * many),
+            exchanges[0],
+            exchanges[1],
+            Stage { look: Some(0), ..full(3 * many, 5e-4) },
+        ]);
     }
     stages.extend((0..looks.max(1)).map(|round| {
         // A shape with more knots may end the stage before with a needle between directions that nothing had seen yet.
-        let keep = if round == 0 && looks > 0 { 3 } else { 1 };
+        let keep = match round {
+            0 if looks > 0 => 3 * many,
+            1 => many,
+            _ => 1,
+        };
         let last = stage(keep, true, settings.steps.div_ceil(4), 1, 1.0, energy, 1e-3, true);
         Stage { look: (round + 1 < looks).then_some(round + 1), ..last }
     }));

@@ -20,13 +20,14 @@ pub struct Settings {
     /// Weight of the roughness from view to view. Smaller fits the samples better, larger what lies between them. What can be
     /// evaluated anywhere is fitted with two fifths of it.
     pub smoothness: f64,
-    /// Starting points tried; the best are refined. Of samples, two thirds as many, as fewer shapes are tried.
+    /// Starting points tried; the best are refined. Of samples, two thirds as many, as fewer shapes are tried; of what can be
+    /// evaluated anywhere, twice as many for 5 to 8 lobes, three times for 4, four times for fewer.
     pub starts: usize,
     /// Most steps of the refinement.
     pub steps: usize,
     /// Most times that the lobe that is missed least is put where it is missed most; it ends after six in a row that lower the
     /// cost by less than a thousandth. Of samples, from each of the two best starting points; of what can be evaluated anywhere,
-    /// two thirds of it from four, one of each shape, then all of it from three.
+    /// two thirds of it from four, one of each shape, then all of it from three (more for fewer lobes, as of the starts).
     pub exchanges: usize,
     /// Views of the material, placed where it changes; only for what can be evaluated anywhere. 15 are 4.1 kB with 12 lobes. Lobes
     /// in mirrored pairs are fewer bytes: an isotropic material that has some gets as many more views as those take.
@@ -39,7 +40,8 @@ pub struct Settings {
 }
 
 /// Of twelve lobes, the shapes that are tried: how many are squeezed, and how many pairs mirrored; and those that are where no
-/// pairs are. Each of the four is by far the best of some materials; of six or more, each would get too few starts.
+/// pairs are. Each of the four is by far the best of some materials; of six or more, each would get too few starts. Of few lobes
+/// several come to the same, and shapes with half of the lobes squeezed, or one less and a pair, fill up.
 const SHAPES: [(usize, usize); 4] = [(7, 2), (8, 0), (5, 3), (4, 4)];
 const SHAPES_WITHOUT_PAIRS: [(usize, usize); 3] = [(6, 0), (4, 0), (8, 0)];
 
@@ -102,12 +104,18 @@ impl Settings {
     /// Numbers of squeezed lobes and of mirrored pairs that are tried; `pairs`: whether pairs are if the settings do not say.
     pub(crate) fn shapes(&self, pairs: bool) -> Vec<(usize, usize)> {
         let all: &[(usize, usize)] = if pairs { &SHAPES } else { &SHAPES_WITHOUT_PAIRS };
+        let scaled = all
+            .iter()
+            .map(|&(squeezed, mirrored)| ((squeezed * self.lobes).div_ceil(12), mirrored * self.lobes / 12));
+        let half = self.lobes / 2;
+        let more = [(half, 0), (half.saturating_sub(1), usize::from(pairs && half > 0))];
         let mut shapes = Vec::new();
-        for &(squeezed, mirrored) in all {
-            let squeezed = self.squeezed.unwrap_or((squeezed * self.lobes).div_ceil(12));
-            let tried = self.mirrored.unwrap_or(mirrored * self.lobes / 12);
+        for (squeezed, mirrored) in scaled.chain(more) {
+            let round = 2 * self.mirrored.unwrap_or(0);
+            let squeezed = self.squeezed.unwrap_or(squeezed.min(self.lobes - round));
+            let tried = self.mirrored.unwrap_or(mirrored);
             let shape = (squeezed, tried.min((self.lobes - squeezed) / 2));
-            if !shapes.contains(&shape) {
+            if !shapes.contains(&shape) && shapes.len() < all.len() {
                 shapes.push(shape);
             }
         }
@@ -144,5 +152,29 @@ impl Settings {
             self.steps,
             self.exchanges
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shapes_are_what_was_asked_for_and_differ() {
+        let shapes = |lobes, squeezed, mirrored, pairs| {
+            Settings { lobes, squeezed, mirrored, ..Settings::default() }.shapes(pairs)
+        };
+        assert_eq!(shapes(12, None, None, true), SHAPES);
+        assert_eq!(shapes(4, None, None, true), [(3, 0), (2, 1), (2, 0), (1, 1)]);
+        assert_eq!(shapes(1, None, None, true), [(1, 0), (0, 0)]);
+        assert_eq!(shapes(12, Some(3), Some(2), true), [(3, 2)]);
+        for lobes in 1..=64 {
+            for mirrored in 0..=lobes / 2 {
+                let shapes = shapes(lobes, None, Some(mirrored), true);
+                assert!(
+                    !shapes.is_empty() && shapes.iter().all(|s| s.1 == mirrored && s.0 + 2 * s.1 <= lobes)
+                );
+            }
+        }
     }
 }

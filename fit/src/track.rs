@@ -52,11 +52,12 @@ pub(crate) const LOOKS: usize = 3;
 /// that ilm_solo_m_68 ends at 15 % in place of 12 %.
 const MOST_SCALE: f64 = 3.0;
 
-/// Largest `f cos / pdf`, over the mean, that a fit may have, in directions that the lobes draw and at the horizon too. One with
-/// more is fitted again with a lobe that is kept wide, and what that adds to its error; and the share of the error for which every
-/// doubling of the weight is avoided.
+/// Largest `f cos / pdf`, over the mean, that a fit may have, in directions that the lobes draw and at the horizon too: one with
+/// more is fitted again with a lobe that is kept wide; and what that adds to its error.
 const MOST_WEIGHT: f64 = 18.0;
 const WIDENED: f64 = 1.1;
+/// Largest relative variance that a view should have, and the share of the error for which every doubling of either is avoided.
+const MOST_VARIANCE: f64 = 0.25;
 const DOUBLING: f64 = 0.07;
 
 /// One start on its way.
@@ -144,16 +145,20 @@ pub(crate) fn run(
     let layouts = shapes.into_iter().map(|(squeezed, mirrored)| {
         Layout::new(settings.lobes - mirrored, squeezed, mirrored, knots.clone())
     });
-    let scouted = scout(&table, layouts.collect(), scouting, &mut work)?;
+    let count = refining.first().map_or(0, |stage| stage.keep);
+    let scouted = scout(&table, layouts.collect(), (scouting, count), &mut work)?;
     let mut finalists = Vec::new();
-    for (layout, candidate) in scouted.into_iter().take(refining.first().map_or(0, |stage| stage.keep)) {
+    for (layout, candidate) in scouted {
         finalists.push(Finalist::new(data, settings, &table, layout, candidate)?);
     }
     for stage in refining {
         finalists.truncate(stage.keep);
         refine(data, &mut finalists, stage, &mut work)?;
         work.done += stage.work();
-        finalists.sort_by(|a, b| a.rank().total_cmp(&b.rank()));
+        // What has been seen for the last time is judged as what it is.
+        let is_final = stage.look == Some(LOOKS - 1);
+        let rank = |f: &Finalist<'_>| if is_final { f.final_rank() } else { f.rank() };
+        finalists.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
     }
     let Some(mut best) = finalists.into_iter().next() else {
         return Err(FitError::Setting { name: "starts", reason: "at least 1".into() });
@@ -186,13 +191,15 @@ pub(crate) fn run(
     Ok(Fit { bytes, report: Report { views, seconds, evaluations, ending, ..Report::default() } })
 }
 
-/// Takes all starts through the first stages, on a thinned table, and returns the best of each shape, the best first.
+/// Takes all starts through the first stages, on a thinned table, and returns at most `count` of them: the best of each shape, and
+/// others only if there are fewer shapes than that.
 fn scout(
     table: &Table,
     layouts: Vec<Layout>,
-    stages: &[Stage],
+    (stages, count): (&[Stage], usize),
     work: &mut Work<'_>,
 ) -> Result<Vec<(Layout, Candidate)>, FitError> {
+    let with_seconds = layouts.len() < count;
     let starts = stages.first().map_or(0, |stage| stage.keep);
     let mut candidates: Vec<Candidate> = (0..starts)
         .map(|start| Candidate {
@@ -216,7 +223,8 @@ fn scout(
         rank(&mut candidates);
     }
     let with_layout = |c: Candidate| (objectives[c.shape].layout.clone(), Candidate { shape: 0, ..c });
-    Ok(candidates.into_iter().filter(|c| !c.is_second).map(with_layout).collect())
+    let finalists = candidates.into_iter().filter(|c| with_seconds || !c.is_second).take(count);
+    Ok(finalists.map(with_layout).collect())
 }
 
 /// The best of a shape, on a table of its own.
@@ -226,8 +234,10 @@ struct Finalist<'a> {
     /// The table as its lobes last saw it.
     seen: Option<Table>,
     candidate: Candidate,
-    /// Mean error on that, of values and of the albedo, and largest weight on all that they saw since the first look.
+    /// Mean error on that, of values and of the albedo, the largest variance of a view, and the largest weight on all that they saw
+    /// since the first look.
     error: f64,
+    variance: f64,
     largest_weight: f64,
 }
 
@@ -245,6 +255,7 @@ impl<'a> Finalist<'a> {
             seen: None,
             candidate,
             error: f64::INFINITY,
+            variance: f64::INFINITY,
             largest_weight: f64::INFINITY,
         };
         // Lobes in pairs are fewer bytes, which are spent on more views.
@@ -269,7 +280,9 @@ impl<'a> Finalist<'a> {
 
     /// The same of what is not fitted again.
     fn final_rank(&self) -> f64 {
-        self.error * (1.0 + DOUBLING * libm::log2((self.largest_weight / MOST_WEIGHT).max(1.0)))
+        let doublings = |value: f64, most: f64| libm::log2((value / most).max(1.0));
+        let weight = doublings(self.largest_weight, MOST_WEIGHT);
+        self.error * (1.0 + DOUBLING * (weight + doublings(self.variance, MOST_VARIANCE)))
     }
 
     /// Gives up a lobe for one that is kept wide; false if that cannot be done.
@@ -294,6 +307,7 @@ impl<'a> Finalist<'a> {
         let mut seen = source.table(&self.layout.knots, Some((&bytes, round)))?;
         let reports = reports(&bytes, &seen)?;
         self.error = mean_over_angle(&reports);
+        self.variance = reports.iter().map(|view| view.variance).fold(0.0, f64::max);
         // A view where the density is too small may be seen once only.
         let largest = reports.iter().map(ViewReport::largest_weight_as_summed).fold(0.0, f64::max);
         self.largest_weight = if round == 0 { largest } else { self.largest_weight.max(largest) };
