@@ -35,15 +35,11 @@ const SCOUTED_SAMPLES: usize = 5000;
 /// Least distance of two knots, radians.
 const KNOT_DISTANCE: f64 = 0.035;
 
-/// Weight of the albedo in the last stage where the table has it from a fine quadrature, and of the tail everywhere. Ten times as much
-/// of that makes errors a tenth larger and the median variance a tenth smaller.
-pub(crate) const ENERGY_OF_A_QUADRATURE: f64 = 50.0;
-const TAIL_OF_A_QUADRATURE: f64 = 0.003;
+/// Weight of the albedo in the last stage where the table has it from a fine quadrature.
+pub(crate) const ENERGY_OF_A_QUADRATURE: f64 = 30.0;
 
-/// The same for scattered samples, whose albedo depends by 1 % on how one interpolates between them, and whose tail is all that
-/// holds lobes between them (over samples left out, garnet red has 22 % with the other weight, in place of 12).
+/// The same for scattered samples, whose albedo depends by 1 % on how one interpolates between them.
 const ENERGY_OF_SAMPLES: f64 = 1.0;
-const TAIL_OF_SAMPLES: f64 = 0.03;
 
 /// Cost of an ordinary fit, an error of 2 to 3 %.
 const USUAL_COST: f64 = 1e-3;
@@ -57,7 +53,7 @@ pub(crate) const LOOKS: usize = 3;
 const MOST_SCALE: f64 = 3.0;
 
 /// Largest `f cos / pdf`, over the mean, that a fit may have, in directions that the lobes draw and at the horizon too: one with
-/// more is fitted again with a lobe that is kept wide; and what that may add to its error.
+/// more is fitted again with a lobe that is kept wide; and what that adds to its error.
 const MOST_WEIGHT: f64 = 18.0;
 const WIDENED: f64 = 1.1;
 /// Largest relative variance that a view should have, and the share of the error for which every doubling of either is avoided.
@@ -111,16 +107,6 @@ pub(crate) enum Data<'a> {
     Source(&'a dyn Source),
 }
 
-impl Data<'_> {
-    /// Weight of the tail.
-    fn tail(self) -> f64 {
-        match self {
-            Self::Samples(_) => TAIL_OF_SAMPLES,
-            Self::Source(_) => TAIL_OF_A_QUADRATURE,
-        }
-    }
-}
-
 /// How far a fit has come.
 struct Work<'a> {
     done: usize,
@@ -160,7 +146,7 @@ pub(crate) fn run(
         Layout::new(settings.lobes - mirrored, squeezed, mirrored, knots.clone())
     });
     let count = refining.first().map_or(0, |stage| stage.keep);
-    let scouted = scout(&table, layouts.collect(), data.tail(), (scouting, count), &mut work)?;
+    let scouted = scout(&table, layouts.collect(), (scouting, count), &mut work)?;
     let mut finalists = Vec::new();
     for (layout, candidate) in scouted {
         finalists.push(Finalist::new(data, settings, &table, layout, candidate)?);
@@ -187,7 +173,7 @@ pub(crate) fn run(
                 }
                 best.look(source, LOOKS)?;
                 // Of few lobes, none can be spared.
-                if WIDENED * rank < best.final_rank() {
+                if rank < best.final_rank() {
                     (best.layout, best.candidate.x) = (layout, x);
                 }
             }
@@ -210,7 +196,6 @@ pub(crate) fn run(
 fn scout(
     table: &Table,
     layouts: Vec<Layout>,
-    tail: f64,
     (stages, count): (&[Stage], usize),
     work: &mut Work<'_>,
 ) -> Result<Vec<(Layout, Candidate)>, FitError> {
@@ -228,7 +213,7 @@ fn scout(
         .collect();
     let thin = table.thinned(SCOUTED_SAMPLES);
     let objectives: Vec<Objective> =
-        layouts.into_iter().map(|layout| Objective::new(&thin, layout, tail)).collect::<Result<_, _>>()?;
+        layouts.into_iter().map(|layout| Objective::new(&thin, layout)).collect::<Result<_, _>>()?;
     for stage in stages {
         candidates.truncate(stage.keep);
         let tasks = candidates.iter_mut();
@@ -303,7 +288,7 @@ impl<'a> Finalist<'a> {
     /// Gives up a lobe for one that is kept wide; false if that cannot be done.
     fn widen(&mut self) -> bool {
         let table = self.seen.as_ref().unwrap_or(&self.table);
-        let given_up = Objective::new(table, self.layout.clone(), TAIL_OF_A_QUADRATURE)
+        let given_up = Objective::new(table, self.layout.clone())
             .ok()
             .and_then(|objective| objective.least_missed(&self.candidate.x));
         let widened = given_up.and_then(|lobe| self.layout.widened(&self.candidate.x, lobe));
@@ -343,7 +328,7 @@ fn refine(
 ) -> Result<(), FitError> {
     let objectives = finalists
         .iter()
-        .map(|f| Objective::new(f.seen.as_ref().unwrap_or(&f.table), f.layout.clone(), data.tail()))
+        .map(|f| Objective::new(f.seen.as_ref().unwrap_or(&f.table), f.layout.clone()))
         .collect::<Result<Vec<_>, _>>()?;
     let tasks = finalists.iter_mut().zip(&objectives).map(|(f, objective)| Task {
         table: f.seen.as_ref().unwrap_or(&f.table),
