@@ -410,7 +410,8 @@ impl<const N: usize> Mixture<N> {
         if self.albedo().is_finite() { Ok(self) } else { Err(Error::Amplitude) }
     }
 
-    /// The same, with the kernels of a level, whatever [`Level::set`] chose.
+    /// The same, with the kernels of a level, whatever [`Level::set`] chose. [`with_diffuse`](Self::with_diffuse) on a mixture without
+    /// lobes chooses anew: call it before.
     ///
     /// # Errors
     /// [`Error::Level`] if this processor or this build lacks it.

@@ -22,8 +22,8 @@ use crate::table::{Table, View, check_bright, check_storable};
 use rayon::prelude::*;
 
 /// Weight of the relative variance beside the squared relative L2 error. A tenth of it lowers errors of what can be evaluated anywhere
-/// by up to a tenth, but lets weights and variances of metals out of their goals (chrome 28, ilm_solo_m_68 0.35); with samples it
-/// leaves what lies between them to chance (garnet red over samples left out: 22 % in place of 12).
+/// by up to a tenth (22 materials), but lets weights and variances of metals out of their goals (with more weight of the energy
+/// beside it, as in commit 686591a: chrome 28, ilm_solo_m_68 0.35); with samples it leaves what lies between them to chance (garnet red over samples left out: 22 % in place of 12).
 const TAIL: f64 = 0.03;
 /// Share of a view's mean below which the variance no longer asks for relative accuracy: there it is noise.
 const TAIL_FLOOR: f64 = 0.05;
