@@ -3,7 +3,7 @@
 //! Structure of arrays in and out, any count, any alignment, no allocation.
 #![allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
 
-use crate::lanes::{Lanes, dot3, falloff, ln, scale, sin_cos_turns, splat3};
+use crate::lanes::{Lanes, dot3, falloff, ln_plus, scale, sin_cos_turns, splat3};
 use crate::mixture::Mixture;
 use crate::simd::Routine;
 use crate::squeeze::{Seen, turn_back};
@@ -374,8 +374,8 @@ pub(crate) struct Choice<L: Lanes> {
     pub gone: L,
     pub inverse_sharpness: L,
     pub is_squeezed: L::Mask,
-    /// The diffuse term was chosen: the rest does not matter then.
-    pub is_diffuse: L::Mask,
+    /// A lobe was chosen, not the diffuse term: the rest does not matter for that.
+    pub is_lobe: L::Mask,
 }
 
 /// What drawing needs to know of the mixture.
@@ -424,7 +424,7 @@ fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<N>, u: [L; 3]) -> [L; 
         gone: L::lookup(&m.tail, count, k),
         inverse_sharpness: L::lookup(&m.inverse_sharpness, count, k),
         is_squeezed: L::index_below(k, m.squeezed),
-        is_diffuse: target.ge(L::splat(m.lobes_power)),
+        is_lobe: target.lt(L::splat(m.lobes_power)),
     };
     draw(&frame, choice, u[1], u[2])
 }
@@ -442,12 +442,12 @@ pub(crate) fn sample_one<L: Lanes, const N: usize>(m: &Mixture<N>, u: [f32; 3]) 
 pub(crate) fn chosen_lobe<L: Lanes, const N: usize>(m: &Mixture<N>, target: f32) -> usize {
     let last = m.count.min(N).saturating_sub(1);
     // The running sum never falls: the lobes that are passed come first, and what is stored behind the last does not matter.
-    let (mut at_most, mut from) = (0, 0);
+    let (mut above, mut from) = (u64::MAX << last, 0);
     while from < last && from + L::COUNT <= N {
-        at_most |= L::bits(L::splat(target).ge(L::load(&m.cumulative[from..]))) << from;
+        above |= L::bits(L::splat(target).lt(L::load(&m.cumulative[from..]))) << from;
         from += L::COUNT;
     }
-    (at_most.trailing_ones() as usize).min(last).min(N - 1)
+    (above.trailing_zeros() as usize).min(N - 1)
 }
 
 /// Draws one direction from lobe `k`, or the diffuse term; `L` has one lane.
@@ -464,7 +464,7 @@ fn draw_one<L: Lanes<Index = usize>, const N: usize>(
         gone: L::splat(m.tail[k]),
         inverse_sharpness: L::splat(m.inverse_sharpness[k]),
         is_squeezed: L::index_below(k, m.squeezed),
-        is_diffuse: L::splat(target).ge(L::splat(m.lobes_power)),
+        is_lobe: L::splat(target).lt(L::splat(m.lobes_power)),
     };
     let [x, y, z] = draw(&Frame::new(m), choice, L::splat(u[1]), L::splat(u[2]));
     [x.first(), y.first(), z.first()]
@@ -480,75 +480,76 @@ pub(crate) fn chosen_power<L: Lanes, const N: usize>(m: &Mixture<N>, u: L) -> L 
 /// Draws directions from chosen lobes.
 #[inline(always)]
 pub(crate) fn draw<L: Lanes>(frame: &Frame<L>, choice: Choice<L>, u: L, turns: L) -> [L; 3] {
-    let (zero, one) = (L::splat(0.0), L::splat(1.0));
-    // Angle from the axis, as w = 1 - cos: see special::one_minus_cos.
-    let mut w = one_minus_cos(u, choice.inside, choice.gone, choice.inverse_sharpness);
+    let one = L::splat(1.0);
+    // One direction is a chain of dependent operations: what does not wait for the lobe, and then what does not wait for the
+    // logarithm, is done beside that.
+    // Angle from the axis, as cos - 1: see special::one_minus_cos.
+    let mut fall = cos_minus_one(u, choice.inside, choice.gone, choice.inverse_sharpness);
     let [mut x, mut y, mut z] = choice.axis;
-    // The diffuse term is cosine-weighted round the normal: w = 1 - sqrt(1 - u), without cancellation.
+    let mut is_squeezed = choice.is_squeezed;
+    // The diffuse term is cosine-weighted round the normal: sqrt(1 - u) - 1, without cancellation.
     if frame.any_diffuse {
-        w = L::select(choice.is_diffuse, u / (one + (one - u).sqrt()), w);
-        x = L::select(choice.is_diffuse, zero, x);
-        y = L::select(choice.is_diffuse, zero, y);
-        z = L::select(choice.is_diffuse, one, z);
+        fall = L::select(choice.is_lobe, fall, u / (L::splat(-1.0) - (one - u).sqrt()));
+        x = x.keep(choice.is_lobe);
+        y = y.keep(choice.is_lobe);
+        z = L::select(choice.is_lobe, z, one);
+        is_squeezed = L::both(is_squeezed, choice.is_lobe);
     }
-    let sin_theta = (w * (L::splat(2.0) - w)).sqrt();
     let (sin_phi, cos_phi) = sin_cos_turns(turns);
-    let (across, along) = (sin_theta * cos_phi, sin_theta * sin_phi);
 
-    // The axis is added last and whole: `axis (1 - w)` would round a narrow lobe to the grid round its axis.
+    // The unit vector across the axis at this azimuth, in the frame of Duff et al. 2017: tangent and bitangent are
+    // (1 + sign x a x, sign x a y, -sign x) and (y a x, sign + y a y, -y).
     let sign = one.copy_sign(z);
-    let round = if frame.in_plane {
-        // The frame below for y = 0 and a unit axis: no division.
-        let (across, along) = (sign * across, sign * along);
-        [x + z.mul_add(across, zero - x * w), along, z - x.mul_add(across, z * w)]
+    let (across, along) = (sign * cos_phi, sign * sin_phi);
+    let (side_x, side_y, minus_side_z) = if frame.in_plane {
+        // The same for y = 0 and a unit axis: no division.
+        (z * across, along, x * across)
     } else {
-        // The frame round the axis: Duff et al. 2017.
-        let a = zero - one / (sign + z);
-        let (xa, ya) = (x * a, y * a);
-        let b = x * ya;
-        let tangent = [(sign * x).mul_add(xa, one), sign * b, zero - sign * x];
-        let bitangent = [b, y.mul_add(ya, sign), zero - y];
-        let axis = [x, y, z];
-        let mut round = axis;
-        for i in 0..3 {
-            round[i] = axis[i] + tangent[i].mul_add(across, bitangent[i].mul_add(along, zero - axis[i] * w));
-        }
-        round
+        let a = L::splat(-1.0) / (sign + z);
+        let q = x.mul_add(across, y * sin_phi);
+        let aq = a * q;
+        (x.mul_add(aq, cos_phi), y.mul_add(aq, along), q)
     };
-    let mut d = round;
+
+    // Negative, but for rounding at the far end.
+    let sin_theta = (fall * (L::splat(2.0) + fall)).abs().sqrt();
+    // The axis is added last and whole: `axis cos` would round a narrow lobe to the grid round its axis.
+    let mut d = [
+        x + side_x.mul_add(sin_theta, x * fall),
+        y + side_y.mul_add(sin_theta, y * fall),
+        z + minus_side_z.neg_mul_add(sin_theta, z * fall),
+    ];
     if frame.any_squeezed {
         for i in 0..2 {
-            let squeezed = L::select(choice.is_squeezed, round[i] * frame.widen[i], round[i]);
-            d[i] = L::select(choice.is_diffuse, round[i], squeezed);
+            d[i] = d[i] * L::select(is_squeezed, frame.widen[i], one);
         }
     }
     if frame.is_folded {
         d[2] = d[2].abs();
     }
-    let d = turn_back(d, frame.azimuth);
+    // Turning leaves the length as it is.
     let length_squared = dot3(d, d);
-    // What is not squeezed has a length of 1 but for rounding, and one step of Newton's is exact.
     let inverse = if frame.any_squeezed {
-        one / length_squared.sqrt()
+        length_squared.sqrt() * (one / length_squared)
     } else {
+        // What is not squeezed has a length of 1 but for rounding, and one step of Newton's is exact.
         length_squared.neg_mul_add(L::splat(0.5), L::splat(1.5))
     };
-    scale(d, inverse)
+    scale(turn_back(d, frame.azimuth), inverse)
 }
 
-/// `-ln(1 - u inside) / s` with `inside = 1 - exp(-2 s)` and `gone = exp(-2 s)`, both to full precision.
+/// `ln(1 - u inside) / s` with `inside = 1 - exp(-2 s)` and `gone = exp(-2 s)`, both to full precision; rounding may
+/// leave it a little below -2.
 #[inline(always)]
-fn one_minus_cos<L: Lanes>(u: L, inside: L, gone: L, inverse_sharpness: L) -> L {
+fn cos_minus_one<L: Lanes>(u: L, inside: L, gone: L, inverse_sharpness: L) -> L {
     let one = L::splat(1.0);
+    // u = 1 at a large sharpness: a small number stands for 0.
+    let left = (one - u).max(L::splat(1e-30));
+    // 1 - u inside; for a large u, for which 1 - u is exact, without cancellation.
+    let y = L::select(u.lt(L::splat(0.5)), inside.neg_mul_add(u, one), gone.mul_add(u, left));
+    // ln(1 - drop) = ln(y) + c / y, c what rounding lost of y. 1 / y = 1 + drop + ...: what is left out is below a rounding.
     let drop = u * inside;
-    // Small drop: ln(1 - drop) = ln(y) + c / y, c what rounding y = 1 - drop lost. Large: 1 - u is exact.
-    let near = drop.lt(L::splat(0.5));
-    let y_near = one - drop;
-    let lost = (one - y_near) - drop;
-    let y = L::select(near, y_near, gone.mul_add(u, one - u));
-    // 1 / y = 1 + drop + ...: what is left out is below a quarter of a rounding, as c is at most half of one.
-    let correction = L::select(near, lost.mul_add(drop, lost), L::splat(0.0));
-    // u = 1 at a large sharpness: the smallest normal number stands for 0.
-    let log = ln(y.max(L::splat(f32::MIN_POSITIVE))) + correction;
-    (L::splat(0.0) - log * inverse_sharpness).max(L::splat(0.0)).min(L::splat(2.0))
+    let lost = (one - y) - drop;
+    let lost = lost.mul_add(drop, lost).keep(y.ge(L::splat(0.5)));
+    ln_plus(y, lost) * inverse_sharpness
 }

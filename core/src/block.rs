@@ -35,7 +35,7 @@ impl<const N: usize> Routine for DrawBlock<'_, N> {
         let (mut in_plane, mut any_squeezed, mut any_diffuse) = (true, false, false);
         let (mut axis, mut azimuth, mut narrow) = ([zeros; 3], [zeros; 2], [zeros; 2]);
         let (mut inside, mut gone, mut inverse_sharpness) = (zeros, zeros, zeros);
-        let (mut squeezed, mut diffuse, mut dark) = (zeros, zeros, zeros);
+        let (mut squeezed, mut lobe, mut dark) = (zeros, zeros, zeros);
         for (i, m) in mixtures.iter().take(MOST).enumerate() {
             let target = chosen_power(m, u[0][i]);
             let k = chosen_lobe::<L, N>(m, target);
@@ -50,7 +50,7 @@ impl<const N: usize> Routine for DrawBlock<'_, N> {
             narrow[0][i] = m.squeeze.along;
             narrow[1][i] = m.squeeze.inverse;
             squeezed[i] = if k < m.squeezed { 1.0 } else { 0.0 };
-            diffuse[i] = if target >= m.lobes_power { 1.0 } else { 0.0 };
+            lobe[i] = if target < m.lobes_power { 1.0 } else { 0.0 };
             dark[i] = if m.power == 0.0 { 1.0 } else { 0.0 };
             in_plane &= m.in_plane;
             any_squeezed |= m.squeezed > 0;
@@ -75,7 +75,7 @@ impl<const N: usize> Routine for DrawBlock<'_, N> {
                 gone: L::load(&gone[at..]),
                 inverse_sharpness: L::load(&inverse_sharpness[at..]),
                 is_squeezed: L::load(&squeezed[at..]).ge(half),
-                is_diffuse: L::load(&diffuse[at..]).ge(half),
+                is_lobe: L::load(&lobe[at..]).ge(half),
             };
             let [x, y, z] = draw(&frame, choice, L::load(&u[1][at..]), L::load(&u[2][at..]));
             let is_dark = L::load(&dark[at..]).ge(half);

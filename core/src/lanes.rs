@@ -52,6 +52,8 @@ pub trait Lanes:
     fn copy_sign(self, sign: Self) -> Self;
     /// `self < other`.
     fn lt(self, other: Self) -> Self::Mask;
+    /// Whether both are set.
+    fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// `self >= other`.
     fn ge(self, other: Self) -> Self::Mask;
     /// `yes` where the mask is set, else `no`.
@@ -143,9 +145,10 @@ fn exp2_above<L: Lanes>(t: L, least: f32) -> L {
     p.mul_add(f, L::splat(1.0)).times_exp2(whole, least)
 }
 
-/// `ln x` of a positive normal number; relative error below 2e-7 away from 1, absolute 1e-7 times `|x - 1|` near it.
+/// `ln x + rest` of a positive normal number and a small one; relative error of the logarithm below 2e-7 away from 1, absolute
+/// 1e-7 times `|x - 1|` near it.
 #[inline(always)]
-pub fn ln<L: Lanes>(x: L) -> L {
+pub fn ln_plus<L: Lanes>(x: L, rest: L) -> L {
     let (m, e) = x.split_exponent();
     let f = m - L::splat(1.0);
     // ln(1 + f) = f - f^2 / 2 + f^3 p(f); Cephes logf, Moshier 1992.
@@ -158,10 +161,9 @@ pub fn ln<L: Lanes>(x: L) -> L {
     let p6 = f.mul_add(L::splat(-1.151_461e-1), L::splat(1.167_699_84e-1));
     let p4 = ffff.mul_add(L::splat(7.037_683_6e-2), ff.mul_add(p6, p4));
     let p = ffff.mul_add(p4, ff.mul_add(p2, p0));
-    let mut y = p * f * ff;
-    y = e.mul_add(L::splat(-2.121_944_4e-4), y);
-    y = ff.neg_mul_add(L::splat(0.5), y);
-    e.mul_add(L::splat(0.693_359_4), f + y)
+    // All that does not wait for the polynomial is summed beside it: two operations are left.
+    let low = ff.neg_mul_add(L::splat(0.5), e.mul_add(L::splat(-2.121_944_4e-4), rest));
+    e.mul_add(L::splat(0.693_359_4), f) + p.mul_add(f * ff, low)
 }
 
 /// 1.5 2^23: added to a small number it leaves the nearest whole number in the low bits.
@@ -322,6 +324,10 @@ impl Lanes for f32 {
     #[inline(always)]
     fn lt(self, other: Self) -> bool {
         self < other
+    }
+    #[inline(always)]
+    fn both(a: bool, b: bool) -> bool {
+        a & b
     }
     #[inline(always)]
     fn ge(self, other: Self) -> bool {

@@ -181,7 +181,7 @@ impl Squeeze {
 /// Turns directions from the frame of a view, of such an azimuth, back to the caller's.
 #[inline(always)]
 pub(crate) fn turn_back<L: Lanes>([x, y, z]: [L; 3], [c, s]: [L; 2]) -> [L; 3] {
-    [(y * s).neg_mul_add(L::splat(1.0), x * c), x.mul_add(s, y * c), z]
+    [y.neg_mul_add(s, x * c), x.mul_add(s, y * c), z]
 }
 
 /// What is seen of one direction.

@@ -83,6 +83,10 @@ impl<L: Lanes> Lanes for Two<L> {
         [self.0.lt(other.0), self.1.lt(other.1)]
     }
     #[inline(always)]
+    fn both(a: [L::Mask; 2], b: [L::Mask; 2]) -> [L::Mask; 2] {
+        [L::both(a[0], b[0]), L::both(a[1], b[1])]
+    }
+    #[inline(always)]
     fn ge(self, other: Self) -> [L::Mask; 2] {
         [self.0.ge(other.0), self.1.ge(other.1)]
     }

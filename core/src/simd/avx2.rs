@@ -111,6 +111,11 @@ impl Lanes for Avx2 {
         unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0) }
     }
     #[inline(always)]
+    fn both(a: __m256, b: __m256) -> __m256 {
+        // SAFETY: the processor has AVX, see the head of this file.
+        unsafe { _mm256_and_ps(a, b) }
+    }
+    #[inline(always)]
     fn ge(self, other: Self) -> __m256 {
         // SAFETY: the processor has AVX, see the head of this file.
         unsafe { _mm256_cmp_ps::<_CMP_GE_OQ>(self.0, other.0) }

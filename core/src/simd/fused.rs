@@ -115,6 +115,11 @@ impl Lanes for Fused {
         unsafe { _mm_cmplt_ss(self.wide(), other.wide()) }
     }
     #[inline(always)]
+    fn both(a: __m128, b: __m128) -> __m128 {
+        // SAFETY: the processor has SSE.
+        unsafe { _mm_and_ps(a, b) }
+    }
+    #[inline(always)]
     fn ge(self, other: Self) -> __m128 {
         // SAFETY: the processor has SSE.
         unsafe { _mm_cmpge_ss(self.wide(), other.wide()) }
@@ -138,13 +143,15 @@ impl Lanes for Fused {
     fn quarter_turns(n: Self, sin: Self, cos: Self) -> (Self, Self) {
         // SAFETY: the processor has SSE4.1, see the head of this file.
         unsafe {
-            // Sign bits: odd quarters swap; the sine is negative in 2 and 3, the cosine in 1 and 2.
-            let swap = _mm_castsi128_ps(_mm_slli_epi32::<31>(n.bits()));
-            let sine_sign = _mm_castsi128_ps(_mm_slli_epi32::<31>(_mm_srli_epi32::<1>(n.bits())));
-            let cosine_sign = _mm_xor_ps(sine_sign, swap);
-            let s = _mm_blendv_ps(sin.wide(), cos.wide(), swap);
-            let c = _mm_blendv_ps(cos.wide(), sin.wide(), swap);
-            (Self::of(_mm_xor_ps(s, sine_sign)), Self::of(_mm_xor_ps(c, cosine_sign)))
+            // Odd quarters swap; the sine is negative in 2 and 3, the cosine in 1 and 2.
+            let odd = _mm_slli_epi32::<31>(n.bits());
+            let sine_sign = _mm_slli_epi32::<31>(_mm_srli_epi32::<1>(n.bits()));
+            let cosine_sign = _mm_xor_si128(sine_sign, odd);
+            let swap = _mm_srai_epi32::<31>(odd);
+            let (s, c) = (sin.bits(), cos.bits());
+            let change = _mm_and_si128(_mm_xor_si128(s, c), swap);
+            let (s, c) = (_mm_xor_si128(s, change), _mm_xor_si128(c, change));
+            (Self::of_bits(_mm_xor_si128(s, sine_sign)), Self::of_bits(_mm_xor_si128(c, cosine_sign)))
         }
     }
     #[inline(always)]

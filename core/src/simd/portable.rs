@@ -93,6 +93,10 @@ impl Lanes for Wide {
         self.0.simd_lt(other.0)
     }
     #[inline(always)]
+    fn both(a: f32x4, b: f32x4) -> f32x4 {
+        a & b
+    }
+    #[inline(always)]
     fn ge(self, other: Self) -> f32x4 {
         self.0.simd_ge(other.0)
     }
