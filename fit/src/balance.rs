@@ -21,8 +21,9 @@ const STAY: f64 = 1e-4;
 /// Steps of the reweighted least squares.
 const STEPS: usize = 150;
 
-/// Scales the amplitudes at all knots. `albedo`: angles, radians, and the albedo of the data there.
-pub(crate) fn balance(layout: &Layout, x: &mut [f64], albedo: &[(f64, [f64; 3])]) {
+/// Scales the amplitudes at all knots. `albedo`: angles, radians, and the albedo of the data there. Returns the largest error that is
+/// left, of the logarithm.
+pub(crate) fn balance(layout: &Layout, x: &mut [f64], albedo: &[(f64, [f64; 3])]) -> f64 {
     let p = layout.stride();
     let ratio = Ratio::new(albedo.iter().map(|(_, albedo)| *albedo));
     let mut q = vec![0.0; p];
@@ -35,21 +36,29 @@ pub(crate) fn balance(layout: &Layout, x: &mut [f64], albedo: &[(f64, [f64; 3])]
             (place, [0, 1, 2].map(|c| ratio.ln(fitted[c], data[c])))
         })
         .collect();
+    let mut largest = 0.0;
     for channel in 0..3 {
         let rows: Vec<_> = rows.iter().map(|&(place, errors)| (place, errors[channel])).collect();
-        for (knot, factor) in factors(&rows, layout.knots.len()).into_iter().enumerate() {
+        let factors = factors(&rows, layout.knots.len());
+        largest = rows
+            .iter()
+            .fold(largest, |most: f64, &(place, error)| most.max((error + at(&factors, place)).abs()));
+        for (knot, factor) in factors.into_iter().enumerate() {
             (0..layout.lobes).for_each(|k| x[knot * p + layout.amplitude(channel, k)] += factor);
             x[knot * p + layout.diffuse(channel)] += factor;
         }
     }
+    largest
+}
+
+/// Factors at the knots, interpolated.
+fn at(factors: &[f64], (knot, blend): (usize, f64)) -> f64 {
+    (1.0 - blend) * factors[knot] + if blend > 0.0 { blend * factors[knot + 1] } else { 0.0 }
 }
 
 /// Logarithms of factors at the knots that make the largest error small. `rows`: places between knots and the errors there.
 fn factors(rows: &[((usize, f64), f64)], knots: usize) -> Vec<f64> {
     let mut factors = vec![0.0; knots];
-    let at = |factors: &[f64], (knot, blend): (usize, f64)| {
-        (1.0 - blend) * factors[knot] + if blend > 0.0 { blend * factors[knot + 1] } else { 0.0 }
-    };
     for _ in 0..STEPS {
         let errors: Vec<f64> = rows.iter().map(|&(place, error)| error + at(&factors, place)).collect();
         let largest = errors.iter().fold(UNCERTAIN, |most, e| most.max(e.abs()));

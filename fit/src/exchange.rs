@@ -272,7 +272,7 @@ mod tests {
             views.push((theta, grid.map(|(t, p)| direction(t, p)).map(|d| (d, [value(d); 3])).collect()));
         }
         let table = Table::from_scattered(views).unwrap();
-        let objective = Objective::new(&table, layout.clone()).unwrap();
+        let objective = Objective::new(&table, layout.clone(), 0.03).unwrap();
         let mut x = vec![0.0; layout.len()];
         for (knot, theta) in [0.0, 0.5, 1.0].into_iter().enumerate() {
             let q = &mut x[knot * layout.stride()..];

@@ -3,7 +3,7 @@
 //! A sum of squares over all views at once, of
 //!
 //! * *data*: `f cos` of the lobes minus that of the table at every sample, relative to the view: the squared relative L2
-//!   error, plus `TAIL` times the relative variance that the lobes would have as a density, in which an error
+//!   error, plus a share of the relative variance that the lobes would have as a density, in which an error
 //!   counts relative to the value where it is (a view's norm is its peak; the variance sees the rest of the hemisphere);
 //! * *energy*: the logarithm of the albedo over the table's, per channel;
 //! * *ceiling*: what any channel's albedo exceeds `CEILING` by, at the views, at the knots and between them;
@@ -21,10 +21,6 @@ use crate::ratio::Ratio;
 use crate::table::{Table, View, check_bright, check_storable};
 use rayon::prelude::*;
 
-/// Weight of the relative variance beside the squared relative L2 error. A tenth of it lowers errors of what can be evaluated anywhere
-/// by up to a tenth (22 materials), but lets weights and variances of metals out of their goals (with more weight of the energy
-/// beside it, as in commit 686591a: chrome 28, ilm_solo_m_68 0.35); with samples it leaves what lies between them to chance (garnet red over samples left out: 22 % in place of 12).
-const TAIL: f64 = 0.03;
 /// Share of a view's mean below which the variance no longer asks for relative accuracy: there it is noise.
 const TAIL_FLOOR: f64 = 0.05;
 /// Times by which lobes may fall short of the table before the tail weighs more there, by the square, and how much more at most:
@@ -103,7 +99,8 @@ pub(crate) struct Objective {
 }
 
 impl Objective {
-    pub fn new(table: &Table, layout: Layout) -> Result<Self, FitError> {
+    /// `tail`: weight of the relative variance beside the squared relative L2 error.
+    pub fn new(table: &Table, layout: Layout, tail: f64) -> Result<Self, FitError> {
         let brightest = table.views.iter().flat_map(|v| v.albedo).fold(0.0, f64::max);
         let count = table.views.len() as f64;
         let strongest = table.views.iter().map(norm_squared).fold(0.0, f64::max);
@@ -117,7 +114,7 @@ impl Objective {
             let mean = (energy / solid).max(1e-9 * brightest);
             let points = view.samples.iter().map(|s| {
                 let base = s.weight / norm / count;
-                let tail = TAIL * s.weight / (mean * solid) / 3.0 / count;
+                let tail = tail * s.weight / (mean * solid) / 3.0 / count;
                 let floor = TAIL_FLOOR * mean * 2.0 * s.direction[2];
                 let target = s.rgb.map(|v| v * s.direction[2]);
                 Point {
@@ -483,7 +480,7 @@ mod tests {
         let layout = Layout::new(4, 2, 1, vec![0.0, 0.5, 1.0, 1.5]);
         let mut x: Vec<f64> = (0..layout.len()).map(|_| 2.0 * random.next() - 0.7).collect();
         x.chunks_mut(layout.stride()).for_each(|knot| knot[0] = -0.4);
-        (Objective::new(&table, layout).unwrap(), x)
+        (Objective::new(&table, layout, 0.03).unwrap(), x)
     }
 
     #[test]

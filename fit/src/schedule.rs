@@ -9,6 +9,28 @@ use crate::objective::Weights;
 const USUAL_LOBES: usize = 12;
 const MOST_TIMES: usize = 4;
 
+/// Times that the table is made again, with directions that the lobes draw and at other views: a lobe that is sharp between the
+/// directions and views of a table costs nothing there (steel at 42.5 degrees: 32 % in place of 4 %).
+pub(crate) const LOOKS: usize = 3;
+
+/// What counts beside the squared relative L2 error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Emphasis {
+    /// Weight of the relative variance.
+    pub tail: f64,
+    /// Weight of the albedo in the last stages.
+    pub energy: f64,
+}
+
+/// Of what can be evaluated anywhere: first for the least error, and where that misses a goal, for the goals. On 22 materials the error
+/// halfway between the views is 3.10 % in the median with the first and 3.55 % with the second.
+pub(crate) const LIGHT: Emphasis = Emphasis { tail: 0.003, energy: 10.0 };
+pub(crate) const HEAVY: Emphasis = Emphasis { tail: 0.03, energy: 30.0 };
+
+/// Of scattered samples, whose albedo depends by 1 % on how one interpolates between them; and whose tail is all that
+/// holds lobes between them (garnet red has 22 % over samples left out with a tenth of it, in place of 12).
+pub(crate) const SAMPLES: Emphasis = Emphasis { tail: 0.03, energy: 1.0 };
+
 /// One stage of a fit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stage {
@@ -34,11 +56,12 @@ impl Stage {
     }
 
     /// The same for what has been through it and has lost a lobe: near its minimum.
-    pub fn again(mut self) -> Self {
-        if !self.last {
-            self.limits.steps = self.limits.steps.div_ceil(3);
+    pub fn again(&self) -> Self {
+        let mut new = *self;
+        if !new.last {
+            new.limits.steps = new.limits.steps.div_ceil(3);
         }
-        self
+        new
     }
 }
 
