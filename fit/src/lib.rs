@@ -14,6 +14,7 @@ pub mod dense;
 mod error;
 mod exchange;
 mod finalist;
+pub mod handedness;
 mod initialize;
 mod knots;
 pub mod lafortune;

@@ -12,6 +12,7 @@ use crate::output;
 use anyhow::{Context, ensure};
 use row::Row;
 use srbf_fit::blend::{BlendedKnots, Neighbours};
+use srbf_fit::handedness::handedness;
 use srbf_fit::method::Fitted;
 use srbf_fit::reciprocity::reciprocity;
 use srbf_fit::report::{ViewReport, mean_error};
@@ -127,6 +128,7 @@ fn examine(
         weight: fold(list(|v| v.largest_weight)),
         energy: 100.0 * fold(list(ViewReport::energy_error)),
         reciprocity: reciprocity(&lobes)?.median,
+        handedness: 100.0 * handedness(brdf, &halfway),
         bytes: lobes.bytes.len() as f64,
         seconds: fit.report.seconds,
         ..Row::default()

@@ -27,6 +27,8 @@ pub struct Row {
     pub energy: f64,
     /// Median of `|ln f(a, b) / f(b, a)|`.
     pub reciprocity: f64,
+    /// Part of the data halfway that differs from their mirror image, percent: no isotropic fit has less error.
+    pub handedness: f64,
     pub bytes: f64,
     pub seconds: f64,
     pub thesis_seconds: f64,
@@ -36,12 +38,12 @@ pub struct Row {
 pub const LEGEND: &str = "fit, halfway: relative L2 of f cos in %, mean over the views and over those in between; \
     blend: halfway, our lobes at the views blended by eq. 9 over the 3 or 4 nearest views, and over 2; thesis: the same of \
     its own lobes, halfway between even views; ours there: our fit at those; var: relative variance of f cos / pdf, \
-    views to 80 degrees; with lobes in pairs, ours has more views in the same bytes";
+    views to 80 degrees; handed: what of the data, halfway, differs from their mirror image, %, which no fit can have; with lobes in pairs, ours has more views in the same bytes";
 
 /// Name in CSV, heading, digits after the point, and number.
 type Column = (&'static str, &'static str, usize, fn(&Row) -> f64);
 
-const COLUMNS: [Column; 18] = [
+const COLUMNS: [Column; 19] = [
     ("fit_percent", "fit", 2, |r| r.fit),
     ("halfway_percent", "halfway", 2, |r| r.halfway),
     ("halfway_over_fit", "ratio", 2, Row::ratio),
@@ -57,6 +59,7 @@ const COLUMNS: [Column; 18] = [
     ("largest_weight", "weight", 2, |r| r.weight),
     ("energy_error_percent", "energy %", 2, |r| r.energy),
     ("reciprocity_median", "recip.", 3, |r| r.reciprocity),
+    ("handedness_percent", "handed", 2, |r| r.handedness),
     ("bytes", "bytes", 0, |r| r.bytes),
     ("seconds", "s", 1, |r| r.seconds),
     ("thesis_seconds", "its s", 1, |r| r.thesis_seconds),
@@ -81,6 +84,7 @@ impl Default for Row {
             weight: nan,
             energy: nan,
             reciprocity: nan,
+            handedness: nan,
             bytes: nan,
             seconds: nan,
             thesis_seconds: nan,
