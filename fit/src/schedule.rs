@@ -7,7 +7,7 @@ use crate::objective::Weights;
 /// Lobes with which as many candidates as are named below take part, and most times as many of fewer lobes: they have more minima of
 /// their own, and take less time.
 const USUAL_LOBES: usize = 12;
-const MOST_TIMES: usize = 4;
+pub(crate) const MOST_TIMES: usize = 4;
 
 /// Times that the table is made again, with directions that the lobes draw and at other views: a lobe that is sharp between the
 /// directions and views of a table costs nothing there (steel at 42.5 degrees: 32 % in place of 4 %).
@@ -66,7 +66,8 @@ impl Stage {
 }
 
 /// The stages. `energy`: weight of the albedo in the last ones. `looks`: times that the table is made again, 0 if it cannot be.
-pub(crate) fn stages(settings: &Settings, energy: f64, looks: usize) -> Vec<Stage> {
+/// `most_times`: most times as many candidates of few lobes.
+pub(crate) fn stages(settings: &Settings, energy: f64, looks: usize, most_times: usize) -> Vec<Stage> {
     let stage = |keep, full, steps, runs, stiffness: f64, energy, improvement, last| {
         let weights = Weights { smoothness: stiffness * settings.smoothness, energy };
         Stage {
@@ -84,7 +85,7 @@ pub(crate) fn stages(settings: &Settings, energy: f64, looks: usize) -> Vec<Stag
     let scout = |keep| stage(keep, false, settings.steps / 4, 1, 10.0, 1.0, 1e-3, false);
     let full = |keep, improvement| stage(keep, true, settings.steps, 1, 1.0, 1.0, improvement, false);
     let ratio = (USUAL_LOBES + settings.lobes / 2) / settings.lobes;
-    let many = if looks == 0 { 1 } else { ratio.clamp(1, MOST_TIMES) };
+    let many = if looks == 0 { 1 } else { ratio.clamp(1, most_times) };
     let starts = if looks == 0 { (2 * settings.starts).div_ceil(3) } else { settings.starts };
     let mut stages = vec![stage(many * starts, false, 25, 1, 100.0, 1.0, 1e-3, false)];
     if looks == 0 {

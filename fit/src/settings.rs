@@ -21,7 +21,8 @@ pub struct Settings {
     /// evaluated anywhere is fitted with two fifths of it.
     pub smoothness: f64,
     /// Starting points tried; the best are refined. Of samples, two thirds as many, as fewer shapes are tried; of what can be
-    /// evaluated anywhere, twice as many for 5 to 8 lobes, three times for 4, four times for fewer.
+    /// evaluated anywhere, twice as many for 5 to 8 lobes, three times for 4, four times for fewer; what then misses a goal of weight,
+    /// variance or energy, and cannot be moved to it, is fitted anew with at most twice as many.
     pub starts: usize,
     /// Most steps of the refinement.
     pub steps: usize,

@@ -11,7 +11,7 @@ use crate::finalist::{Finalist, refine, reports};
 use crate::material;
 use crate::parameters::Layout;
 use crate::report::Report;
-use crate::schedule::{Emphasis, HEAVY, LIGHT, LOOKS, SAMPLES, Stage, stages};
+use crate::schedule::{Emphasis, HEAVY, LIGHT, LOOKS, MOST_TIMES, SAMPLES, Stage, stages};
 use crate::table::Table;
 use crate::{FitError, Settings};
 use std::borrow::Cow;
@@ -86,9 +86,9 @@ pub(crate) fn run(
     let problem = Problem { data, settings, table: &table, knots: &knots };
     let mut work = Work { done: 0, total: 0, progress: &mut progress, evaluations: AtomicUsize::new(0) };
     let best = match data {
-        Data::Samples(_) => problem.solve(SAMPLES, &mut work)?,
+        Data::Samples(_) => problem.solve((SAMPLES, 1), &mut work)?,
         Data::Source(source) => {
-            let best = problem.solve(LIGHT, &mut work)?;
+            let best = problem.solve((LIGHT, MOST_TIMES), &mut work)?;
             let mut best = problem.mend(source, best, &mut work)?;
             balance::balance(&best.layout, &mut best.candidate.x, source.albedo());
             best
@@ -114,15 +114,19 @@ struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    fn stages(&self, emphasis: Emphasis) -> Vec<Stage> {
+    fn stages(&self, (emphasis, most_times): (Emphasis, usize)) -> Vec<Stage> {
         let looks = if let Data::Source(_) = self.data { LOOKS } else { 0 };
-        stages(self.settings, emphasis.energy, looks)
+        stages(self.settings, emphasis.energy, looks, most_times)
     }
 
-    /// The best of all starts.
-    fn solve(&self, emphasis: Emphasis, work: &mut Work<'_>) -> Result<Finalist<'a>, FitError> {
+    /// The best of all starts, of few lobes up to so many times as many of them.
+    fn solve(
+        &self,
+        (emphasis, most_times): (Emphasis, usize),
+        work: &mut Work<'_>,
+    ) -> Result<Finalist<'a>, FitError> {
         let Self { data, settings, table, knots } = *self;
-        let stages = self.stages(emphasis);
+        let stages = self.stages((emphasis, most_times));
         work.total += stages.iter().map(Stage::work).sum::<usize>();
         let (scouting, refining) = stages.split_at(stages.partition_point(|stage| !stage.full));
         let shapes = settings.shapes(matches!(data, Data::Source(_)));
@@ -182,7 +186,7 @@ impl<'a> Problem<'a> {
         if best.missed() == 0 {
             return Ok(best);
         }
-        let mut other = self.solve(HEAVY, work)?;
+        let mut other = self.solve((HEAVY, MOST_TIMES / 2), work)?;
         if !other.has_small_weights() {
             let mut widened = other.clone();
             if widened.widen() {
@@ -204,7 +208,7 @@ impl<'a> Problem<'a> {
         (emphasis, is_widened): (Emphasis, bool),
         work: &mut Work<'_>,
     ) -> Result<(), FitError> {
-        let mut stages: Vec<Stage> = self.stages(emphasis).iter().map(Stage::again).collect();
+        let mut stages: Vec<Stage> = self.stages((emphasis, 1)).iter().map(Stage::again).collect();
         stages.retain(|stage| if is_widened { stage.full } else { stage.last });
         work.total += stages.iter().map(Stage::work).sum::<usize>();
         best.forget();
