@@ -1,6 +1,6 @@
 //! How far data are from their own mirror image in the plane of incidence. An isotropic material whose lobes lie in that plane, or in
-//! pairs beside it, is its own image, as surfaces are that are no spirals: what differs is noise of a measurement, and no such
-//! material can have a smaller error than that.
+//! pairs beside it, is its own image, as surfaces are that are no spirals: what differs is noise of a measurement. Tables of
+//! isotropic data have directions on one side of the plane only, so that fits and errors say nothing of the other.
 
 use crate::table::evaluable::Brdf;
 use crate::table::{Table, direction};
