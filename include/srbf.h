@@ -901,6 +901,17 @@ srbf_status srbf_mixture_sample(const struct srbf_mixture *mixture,
                                 struct srbf_sample *sample);
 
 /**
+ * Draws direction and density of `srbf_mixture_sample`, without the weight: one colour channel in place of three.
+ *
+ * A mixture that reflects nothing gives the normal with density 0, and `SRBF_STATUS_OK`.
+ * Shapes: `u` [3], uniform numbers in [0, 1), as there; `wi` [3], unit vector, and `pdf`, one number, 1/sr; both overwritten.
+ */
+srbf_status srbf_mixture_sample_pdf(const struct srbf_mixture *mixture,
+                                    const float *u,
+                                    float *wi,
+                                    float *pdf);
+
+/**
  * Evaluates `f cos` towards n directions; 1/sr. The values of `srbf_mixture_evaluate` within rounding.
  *
  * Shapes: `wi` n unit vectors; `value` n colours in linear sRGB, overwritten. n = 0 looks at no pointer but the

@@ -130,6 +130,9 @@ public:
     Status sample(const Vec3 &u, srbf_sample &sample) const {
         return srbf_mixture_sample(get(), u.data(), &sample);
     }
+    Status sample_pdf(const Vec3 &u, Vec3 &wi, float &pdf) const {
+        return srbf_mixture_sample_pdf(get(), u.data(), wi.data(), &pdf);
+    }
 
     /// Batches; spans of different length are refused.
     Status evaluate_into(Span<const Vec3> wi, Span<Vec3> value) const {

@@ -36,7 +36,10 @@ fn single(c: &mut Criterion) {
                 mixture.sample_direction(black_box(uniforms[i])).map_or(0.0, |d| d.x)
             });
             measure("one-sample-pdf", &mut |i| {
-                mixture.sample(black_box(uniforms[i])).map_or(0.0, |sample| sample.pdf)
+                mixture.sample_pdf(black_box(uniforms[i])).map_or(0.0, |(direction, pdf)| direction.x + pdf)
+            });
+            measure("one-sample-value", &mut |i| {
+                mixture.sample(black_box(uniforms[i])).map_or(0.0, |s| s.direction.x + s.pdf + s.value.x)
             });
         }
         let mut mixture = Mixture::<16>::empty();

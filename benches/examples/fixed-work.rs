@@ -1,7 +1,7 @@
 //! A fixed amount of work, for counting instructions: `.ci/checks/60-instructions` runs it under callgrind.
 //!
 //! `fixed-work LEVEL OPERATION`, operation one of none, evaluate, evaluate-garnet, sample, one, one-round, one-draw,
-//! one-draw-round, one-sample, one-sample-round, prepare, prepare-dropping, pairs, sample-pdf-pairs, evaluate-pairs,
+//! one-draw-round, one-sample, one-sample-round, one-sample-pdf, one-sample-pdf-round, prepare, prepare-dropping, pairs, sample-pdf-pairs, evaluate-pairs,
 //! pdf-pairs, luminance-pairs; `evaluate` and the `-round` of 12 general round lobes, the rest of the garnet red preset.
 
 use srbf_benches::{GARNET_RED, Triples, garnet_mixture, general_mixture};
@@ -11,6 +11,11 @@ use std::process::ExitCode;
 /// The height of a direction drawn alone.
 fn draw(mixture: &Mixture<64>, u: Vec3) -> f32 {
     mixture.sample_direction(u.to_array()).map_or(0.0, |direction| direction.z)
+}
+
+/// The density of a direction drawn alone, without the value.
+fn sample_pdf(mixture: &Mixture<64>, u: Vec3) -> f32 {
+    mixture.sample_pdf(u.to_array()).map_or(0.0, |(_, pdf)| pdf)
 }
 
 /// The density of a direction drawn alone.
@@ -56,6 +61,8 @@ fn main() -> ExitCode {
         "one-draw-round" => (0..n).for_each(|i| pdf[i] = draw(&general, uniforms.at(i))),
         "one-sample" => (0..n).for_each(|i| pdf[i] = sample(&garnet, uniforms.at(i))),
         "one-sample-round" => (0..n).for_each(|i| pdf[i] = sample(&general, uniforms.at(i))),
+        "one-sample-pdf" => (0..n).for_each(|i| pdf[i] = sample_pdf(&garnet, uniforms.at(i))),
+        "one-sample-pdf-round" => (0..n).for_each(|i| pdf[i] = sample_pdf(&general, uniforms.at(i))),
         "prepare" | "prepare-dropping" => {
             let share = if operation == "prepare" { 0.0 } else { 0.01 };
             let leave_out = LeaveOut::new(share, 1e-7).expect("shares");

@@ -124,6 +124,30 @@ pub unsafe extern "C" fn srbf_mixture_sample(
     })
 }
 
+/// Draws direction and density of `srbf_mixture_sample`, without the weight: one colour channel in place of three.
+///
+/// A mixture that reflects nothing gives the normal with density 0, and `SRBF_STATUS_OK`.
+/// Shapes: `u` [3], uniform numbers in [0, 1), as there; `wi` [3], unit vector, and `pdf`, one number, 1/sr; both overwritten.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_mixture_sample_pdf(
+    mixture: *const srbf_mixture,
+    u: *const f32,
+    wi: *mut f32,
+    pdf: *mut f32,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (mixture, u, wi_out, pdf_out) =
+            unsafe { (self::mixture(mixture)?, read_array(u)?, Out::<[f32; 3]>::array(wi)?, Out::new(pdf)?) };
+        let u = uniform(u)?;
+        let sample = with_mixture!(AnyMixture: &mixture, m => m.sample_pdf(u));
+        let (direction, pdf) = sample.unwrap_or((Vec3::Z, 0.0));
+        wi_out.set(direction.to_array());
+        pdf_out.set(pdf);
+        Ok(())
+    })
+}
+
 /// Draws one sample; what a black mixture gives is said in the header.
 #[inline(always)]
 pub(crate) fn draw<const N: usize>(mixture: &Mixture<N>, u: [f32; 3]) -> srbf_sample {

@@ -3,7 +3,7 @@
 //! Structure of arrays in and out, any count, any alignment, no allocation.
 #![allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
 
-use crate::lanes::{Lanes, dot3, falloff, ln_plus, scale, sin_cos_turns, splat3};
+use crate::lanes::{Lanes, dot3, falloff, ln_plus_times, scale, sin_cos_turns, splat3};
 use crate::mixture::Mixture;
 use crate::simd::Routine;
 use crate::squeeze::{Seen, turn_back};
@@ -252,11 +252,11 @@ pub(crate) fn sums<L: Lanes, const N: usize, const C: usize>(
         acc = scale(acc, seen.scale);
     }
     let (from, to) = (m.squeezed, m.count);
-    match (m.in_plane, m.squeeze.is_unturned()) {
-        (true, false) => run::<L, N, C, true, true, false>(m, amplitudes, &turned, from, to, &mut acc),
-        (true, true) => run::<L, N, C, true, false, false>(m, amplitudes, &turned, from, to, &mut acc),
-        (false, false) => run::<L, N, C, false, true, false>(m, amplitudes, &turned, from, to, &mut acc),
-        (false, true) => run::<L, N, C, false, false, false>(m, amplitudes, &turned, from, to, &mut acc),
+    match (m.in_plane, m.squeeze.is_turned) {
+        (true, true) => run::<L, N, C, true, true, false>(m, amplitudes, &turned, from, to, &mut acc),
+        (true, false) => run::<L, N, C, true, false, false>(m, amplitudes, &turned, from, to, &mut acc),
+        (false, true) => run::<L, N, C, false, true, false>(m, amplitudes, &turned, from, to, &mut acc),
+        (false, false) => run::<L, N, C, false, false, false>(m, amplitudes, &turned, from, to, &mut acc),
     }
     if m.domain == Domain::Hemisphere {
         let zero = L::splat(0.0);
@@ -432,7 +432,7 @@ fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<N>, u: [L; 3]) -> [L; 
 /// Draws one direction: lanes are lobes while the lobe is searched.
 #[inline(always)]
 pub(crate) fn sample_one<L: Lanes, const N: usize>(m: &Mixture<N>, u: [f32; 3]) -> [f32; 3] {
-    let target = chosen_power(m, u[0]);
+    let target = u[0] * m.power;
     let k = chosen_lobe::<L, N>(m, target);
     draw_one::<L::One, N>(m, k, target, u)
 }
@@ -440,10 +440,10 @@ pub(crate) fn sample_one<L: Lanes, const N: usize>(m: &Mixture<N>, u: [f32; 3]) 
 /// The lobe at a place on the running sum of powers.
 #[inline(always)]
 pub(crate) fn chosen_lobe<L: Lanes, const N: usize>(m: &Mixture<N>, target: f32) -> usize {
-    let last = m.count.min(N).saturating_sub(1);
-    // The running sum never falls: the lobes that are passed come first, and what is stored behind the last does not matter.
-    let (mut above, mut from) = (u64::MAX << last, 0);
-    while from < last && from + L::COUNT <= N {
+    // The running sum never falls: the lobes that are passed come first, and what is stored behind the last does not matter. The last
+    // ends the search whatever its sum is rounded to.
+    let (mut above, mut from) = (1u64.wrapping_shl((m.count as u32).wrapping_sub(1)), 0);
+    while from < m.count && from + L::COUNT <= N {
         above |= L::bits(L::splat(target).lt(L::load(&m.cumulative[from..]))) << from;
         from += L::COUNT;
     }
@@ -497,18 +497,12 @@ pub(crate) fn draw<L: Lanes>(frame: &Frame<L>, choice: Choice<L>, u: L, turns: L
     }
     let (sin_phi, cos_phi) = sin_cos_turns(turns);
 
-    // The unit vector across the axis at this azimuth, in the frame of Duff et al. 2017: tangent and bitangent are
-    // (1 + sign x a x, sign x a y, -sign x) and (y a x, sign + y a y, -y).
-    let sign = one.copy_sign(z);
-    let (across, along) = (sign * cos_phi, sign * sin_phi);
-    let (side_x, side_y, minus_side_z) = if frame.in_plane {
-        // The same for y = 0 and a unit axis: no division.
-        (z * across, along, x * across)
+    // Axes that are mirrored up need no sign.
+    let [side_x, side_y, minus_side_z] = if frame.is_folded {
+        across(frame.in_plane, [x, y, z], one, [cos_phi, sin_phi], [cos_phi, sin_phi])
     } else {
-        let a = L::splat(-1.0) / (sign + z);
-        let q = x.mul_add(across, y * sin_phi);
-        let aq = a * q;
-        (x.mul_add(aq, cos_phi), y.mul_add(aq, along), q)
+        let sign = one.copy_sign(z);
+        across(frame.in_plane, [x, y, z], sign, [cos_phi, sin_phi], [sign * cos_phi, sign * sin_phi])
     };
 
     // Negative, but for rounding at the far end.
@@ -538,6 +532,28 @@ pub(crate) fn draw<L: Lanes>(frame: &Frame<L>, choice: Choice<L>, u: L, turns: L
     scale(turn_back(d, frame.azimuth), inverse)
 }
 
+/// The unit vector across an axis at an azimuth, in the frame of Duff et al. 2017: tangent and bitangent are
+/// (1 + sign x a x, sign x a y, -sign x) and (y a x, sign + y a y, -y). Its last component comes with the other sign. `signed` is
+/// cosine and sine times the sign.
+#[inline(always)]
+fn across<L: Lanes>(
+    in_plane: bool,
+    [x, y, z]: [L; 3],
+    sign: L,
+    [cos, sin]: [L; 2],
+    signed: [L; 2],
+) -> [L; 3] {
+    let [across, along] = signed;
+    if in_plane {
+        // The same for y = 0 and a unit axis: no division.
+        return [z * across, along, x * across];
+    }
+    let a = L::splat(-1.0) / (sign + z);
+    let q = x.mul_add(across, y * sin);
+    let aq = a * q;
+    [x.mul_add(aq, cos), y.mul_add(aq, along), q]
+}
+
 /// `ln(1 - u inside) / s` with `inside = 1 - exp(-2 s)` and `gone = exp(-2 s)`, both to full precision; rounding may
 /// leave it a little below -2.
 #[inline(always)]
@@ -545,11 +561,11 @@ fn cos_minus_one<L: Lanes>(u: L, inside: L, gone: L, inverse_sharpness: L) -> L 
     let one = L::splat(1.0);
     // u = 1 at a large sharpness: a small number stands for 0.
     let left = (one - u).max(L::splat(1e-30));
-    // 1 - u inside; for a large u, for which 1 - u is exact, without cancellation.
+    // 1 - u inside, rounded once; for a large u, for which 1 - u is exact, without cancellation.
     let y = L::select(u.lt(L::splat(0.5)), inside.neg_mul_add(u, one), gone.mul_add(u, left));
     // ln(1 - drop) = ln(y) + c / y, c what rounding lost of y. 1 / y = 1 + drop + ...: what is left out is below a rounding.
     let drop = u * inside;
     let lost = (one - y) - drop;
     let lost = lost.mul_add(drop, lost).keep(y.ge(L::splat(0.5)));
-    ln_plus(y, lost) * inverse_sharpness
+    ln_plus_times(y, lost, inverse_sharpness)
 }

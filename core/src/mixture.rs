@@ -511,19 +511,33 @@ impl<const N: usize> Mixture<N> {
         self.power
     }
 
+    /// Whether lobes see directions as they are, neither turned nor squeezed.
+    #[inline(always)]
+    fn is_plain(&self) -> bool {
+        self.squeezed == 0 && !self.squeeze.is_turned
+    }
+
     /// Evaluates `f cos` towards an incident direction, linear sRGB; 1/sr. 0 below the horizon of a hemisphere.
     ///
     /// A lobe is exactly 0 where it is below 2^-100 (8e-31) of its amplitude; above, its relative error is at most 3e-7 times
     /// 2 plus its exponent.
     #[inline]
     pub fn evaluate(&self, direction: Vec3) -> Vec3 {
-        self.level.run_one::<_, EvaluateOne>(self, direction.to_array())
+        if self.is_plain() {
+            self.level.run_one::<_, EvaluateOne<false>>(self, direction.to_array())
+        } else {
+            self.level.run_one::<_, EvaluateOne<true>>(self, direction.to_array())
+        }
     }
 
     /// Evaluates the density of [`sample`](Self::sample) at a direction; 1/sr.
     #[inline]
     pub fn pdf(&self, direction: Vec3) -> f32 {
-        self.level.run_one::<_, PdfOne>(self, direction.to_array())
+        if self.is_plain() {
+            self.level.run_one::<_, PdfOne<false>>(self, direction.to_array())
+        } else {
+            self.level.run_one::<_, PdfOne<true>>(self, direction.to_array())
+        }
     }
 
     /// Value and density in one pass over the lobes.
@@ -541,14 +555,20 @@ impl<const N: usize> Mixture<N> {
     /// Source: Weng and Shih 2006, section 4.2.2, eq. 14; differs: what falls below the horizon is mirrored up.
     #[inline]
     pub fn sample(&self, u: [f32; 3]) -> Option<Sample> {
-        if self.power == 0.0 {
-            return None;
-        }
-        let direction = self.level.run_one::<_, DirectionOne>(self, u);
-        let value = self.level.run_one::<_, EvaluateOne>(self, direction.to_array());
+        let direction = self.sample_direction(u)?;
+        let value = self.evaluate(direction);
         let pdf = luminance(value) * self.inverse_power;
         // A density that f32 rounds to 0 cannot be divided by: far out in a tail, where the value is 0 too.
         (pdf > 0.0).then_some(Sample { direction, pdf, value })
+    }
+
+    /// Draws only direction and density of [`sample`](Self::sample), for callers that take the value elsewhere: one colour channel in
+    /// place of three.
+    #[inline]
+    pub fn sample_pdf(&self, u: [f32; 3]) -> Option<(Vec3, f32)> {
+        let direction = self.sample_direction(u)?;
+        let pdf = self.pdf(direction);
+        (pdf > 0.0).then_some((direction, pdf))
     }
 
     /// Draws only the direction of [`sample`](Self::sample), for callers that take value and density elsewhere.

@@ -2,7 +2,7 @@
 #![allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
 
 use crate::batch::sample_one;
-use crate::lanes::{Lanes, falloff, splat3};
+use crate::lanes::{Lanes, falloff, falloff_soon, splat3};
 use crate::mixture::lowest_bits;
 use crate::simd::One;
 use crate::squeeze::Seen;
@@ -11,27 +11,27 @@ use crate::{Domain, Mixture};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
-/// Value towards a direction.
-pub(crate) struct EvaluateOne;
+/// Value towards a direction. `SEEN`: for a mixture that turns or squeezes it.
+pub(crate) struct EvaluateOne<const SEEN: bool>;
 
-impl<const N: usize> One<Mixture<N>> for EvaluateOne {
+impl<const N: usize, const SEEN: bool> One<Mixture<N>> for EvaluateOne<SEEN> {
     type Output = Vec3;
     const IS_WIDE: bool = true;
     #[inline(always)]
     fn run<L: Lanes>(m: &Mixture<N>, direction: [f32; 3]) -> Vec3 {
-        value_one::<L, N>(m, direction)
+        value_one::<L, N, SEEN>(m, direction)
     }
 }
 
-/// Density at a direction.
-pub(crate) struct PdfOne;
+/// Density at a direction. `SEEN`: for a mixture that turns or squeezes it.
+pub(crate) struct PdfOne<const SEEN: bool>;
 
-impl<const N: usize> One<Mixture<N>> for PdfOne {
+impl<const N: usize, const SEEN: bool> One<Mixture<N>> for PdfOne<SEEN> {
     type Output = f32;
     const IS_WIDE: bool = true;
     #[inline(always)]
     fn run<L: Lanes>(m: &Mixture<N>, direction: [f32; 3]) -> f32 {
-        luminance_one::<L, N>(m, direction) * m.inverse_power
+        luminance_one::<L, N, SEEN>(m, direction) * m.inverse_power
     }
 }
 
@@ -49,32 +49,38 @@ impl<const N: usize> One<Mixture<N>> for DirectionOne {
 
 /// Value towards one direction.
 #[inline(always)]
-pub(crate) fn value_one<L: Lanes, const N: usize>(m: &Mixture<N>, direction: [f32; 3]) -> Vec3 {
+pub(crate) fn value_one<L: Lanes, const N: usize, const SEEN: bool>(
+    m: &Mixture<N>,
+    direction: [f32; 3],
+) -> Vec3 {
     let amplitudes = [&m.red, &m.green, &m.blue];
     let diffuse = m.diffuse.to_array();
     // A pair of vectors of eight lanes: most mixtures need two, and constants are then loaded once.
     Vec3::from_array(if L::LOBES_PAIRED {
-        sums_one::<Two<L>, N, 3>(m, amplitudes, diffuse, direction)
+        sums_one::<Two<L>, N, 3, SEEN>(m, amplitudes, diffuse, direction)
     } else {
-        sums_one::<L, N, 3>(m, amplitudes, diffuse, direction)
+        sums_one::<L, N, 3, SEEN>(m, amplitudes, diffuse, direction)
     })
 }
 
 /// Luminance of the value towards one direction.
 #[inline(always)]
-pub(crate) fn luminance_one<L: Lanes, const N: usize>(m: &Mixture<N>, direction: [f32; 3]) -> f32 {
+pub(crate) fn luminance_one<L: Lanes, const N: usize, const SEEN: bool>(
+    m: &Mixture<N>,
+    direction: [f32; 3],
+) -> f32 {
     let diffuse = [m.diffuse_power];
     let [sum] = if L::LOBES_PAIRED {
-        sums_one::<Two<L>, N, 1>(m, [&m.luminance], diffuse, direction)
+        sums_one::<Two<L>, N, 1, SEEN>(m, [&m.luminance], diffuse, direction)
     } else {
-        sums_one::<L, N, 1>(m, [&m.luminance], diffuse, direction)
+        sums_one::<L, N, 1, SEEN>(m, [&m.luminance], diffuse, direction)
     };
     sum
 }
 
-/// Sums the lobes towards one direction, once for each of `C` sets of amplitudes.
+/// Sums the lobes towards one direction, once for each of `C` sets of amplitudes. `SEEN`: it is turned or squeezed.
 #[inline(always)]
-pub(crate) fn sums_one<L: Lanes, const N: usize, const C: usize>(
+pub(crate) fn sums_one<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     m: &Mixture<N>,
     amplitudes: [&[f32; N]; C],
     diffuse: [f32; C],
@@ -85,7 +91,7 @@ pub(crate) fn sums_one<L: Lanes, const N: usize, const C: usize>(
     if !above && m.domain == Domain::Hemisphere {
         return [0.0; C];
     }
-    let sums = if m.squeezed == 0 && m.squeeze.is_unturned() {
+    let sums = if !SEEN {
         let seen = m.squeeze.turn(splat3::<L>(direction));
         all_lobes::<L, N, C, false>(m, amplitudes, &seen, &seen)
     } else if L::COUNT > 1 {
@@ -177,10 +183,11 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
         dz = dz + seen.low[2];
     }
     let t = rate * dx.mul_add(dx, dy.mul_add(dy, dz * dz));
-    let mut g = falloff(t);
+    let mut g = if SEEN { falloff(t) } else { falloff_soon(t) };
     if m.folded >> k & lowest_bits(L::COUNT) != 0 {
         // A lobe of them that does not need its fold has a rate that leaves nothing of it.
-        g = g + falloff(L::load(&m.fold_rate[k..]).mul_add(seen.height, t));
+        let t = L::load(&m.fold_rate[k..]).mul_add(seen.height, t);
+        g = g + if SEEN { falloff(t) } else { falloff_soon(t) };
     }
     if SEEN {
         g = g * seen.scale;

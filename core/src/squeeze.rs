@@ -32,6 +32,8 @@ use crate::lanes::{Lanes, length_squared_minus_one, splat3, sum_of_products, two
 pub(crate) struct Squeeze {
     /// Cosine and sine of the azimuth, in the caller's frame, of the view's +x.
     pub azimuth: [f32; 2],
+    /// Whether that is not (1, 0): turning loses digits.
+    pub is_turned: bool,
     /// What the length of these two exceeds 1 by, having been rounded.
     pub excess: f32,
     /// What x is multiplied by; 1 in isotropic materials.
@@ -55,19 +57,20 @@ pub(crate) struct Seen<L> {
 }
 
 impl Squeeze {
-    pub const NONE: Self = Self { azimuth: [1.0, 0.0], excess: 0.0, along: 1.0, inverse: 1.0 };
+    pub const NONE: Self =
+        Self { azimuth: [1.0, 0.0], is_turned: false, excess: 0.0, along: 1.0, inverse: 1.0 };
 
     /// `azimuth`: a unit vector but for rounding.
     #[inline(always)]
     pub fn new(azimuth: [f32; 2], along: f32, inverse: f32) -> Self {
         let (c, s) = (f64::from(azimuth[0]), f64::from(azimuth[1]));
-        Self { azimuth, excess: (0.5 * (c * c + s * s - 1.0)) as f32, along, inverse }
-    }
-
-    /// Whether the frame of the view is the caller's, so that turning loses nothing.
-    #[inline(always)]
-    pub fn is_unturned(&self) -> bool {
-        self.azimuth == [1.0, 0.0]
+        Self {
+            azimuth,
+            is_turned: azimuth != [1.0, 0.0],
+            excess: (0.5 * (c * c + s * s - 1.0)) as f32,
+            along,
+            inverse,
+        }
     }
 
     /// Whether squeezed lobes see what round ones do.
@@ -79,7 +82,7 @@ impl Squeeze {
     #[inline(always)]
     pub fn turn<L: Lanes>(&self, [x, y, z]: [L; 3]) -> Seen<L> {
         let zero = L::splat(0.0);
-        if self.is_unturned() {
+        if !self.is_turned {
             return Seen::round([x, y, z], [zero; 3]);
         }
         let (c, s) = (L::splat(self.azimuth[0]), L::splat(self.azimuth[1]));

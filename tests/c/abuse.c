@@ -342,6 +342,10 @@ static void test_single(const srbf_material *material) {
     CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_sample(p, U, &sample));
     CHECK_POINTER(const float, U, srbf_mixture_sample(mixture, p, &sample));
     CHECK_POINTER(srbf_sample, &sample, srbf_mixture_sample(mixture, U, p));
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_sample_pdf(p, U, out, out + 3));
+    CHECK_POINTER(const float, U, srbf_mixture_sample_pdf(mixture, p, out, out + 3));
+    CHECK_POINTER(float, out, srbf_mixture_sample_pdf(mixture, U, p, out + 3));
+    CHECK_POINTER(float, out, srbf_mixture_sample_pdf(mixture, U, out, p));
     for (int i = 0; i < 6; i++) {
         CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_mixture_evaluate(mixture, BAD[i], out));
         CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_mixture_evaluate_f(mixture, BAD[i], out));
@@ -351,6 +355,7 @@ static void test_single(const srbf_material *material) {
     const float bad_u[4][3] = {{1, 0.5f, 0.5f}, {0.5f, -0.1f, 0.5f}, {0.5f, 0.5f, NAN}, {INFINITY, 0, 0}};
     for (int i = 0; i < 4; i++) {
         CHECK_STATUS(SRBF_STATUS_UNIFORM, srbf_mixture_sample(mixture, bad_u[i], &sample));
+        CHECK_STATUS(SRBF_STATUS_UNIFORM, srbf_mixture_sample_pdf(mixture, bad_u[i], out, out + 3));
     }
     for (int i = 0; i < 4; i++) {
         CHECK(is_untouched(out, i));

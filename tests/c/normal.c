@@ -137,6 +137,11 @@ static void test_single(const srbf_material *material) {
             float at[3], density;
             CHECK_OK(srbf_mixture_evaluate_and_pdf(mixture, sample->direction, at, &density));
             CHECK(fabsf(density - sample->pdf) <= 1e-3f * density);
+            float *drawn = guarded(3), *drawn_pdf = guarded(1);
+            CHECK_OK(srbf_mixture_sample_pdf(mixture, u, drawn, drawn_pdf));
+            CHECK(memcmp(drawn, sample->direction, sizeof sample->direction) == 0);
+            CHECK(is_near(*drawn_pdf, sample->pdf));
+            release(drawn, 3), release(drawn_pdf, 1);
             release(memory, sizeof(srbf_sample) / sizeof(float));
         }
 
@@ -158,6 +163,9 @@ static void test_single(const srbf_material *material) {
         srbf_sample sample;
         CHECK_OK(srbf_mixture_sample(mixture, u, &sample));
         CHECK(sample.pdf == 0 && sample.weight[0] == 0 && sample.direction[2] == 1);
+        float none[4];
+        CHECK_OK(srbf_mixture_sample_pdf(mixture, u, none, none + 3));
+        CHECK(none[2] == 1 && none[3] == 0);
         CHECK_OK(srbf_material_albedo(material, below, albedo));
         CHECK(albedo[0] == 0 && albedo[1] == 0 && albedo[2] == 0);
         free(mixture);

@@ -153,6 +153,36 @@ fn products_of_a_prepared_mixture_have_its_lobes_alone() {
 }
 
 #[test]
+fn direction_and_density_alone_are_those_of_a_sample() {
+    let bytes = material(&[0.0, 1.2], &[plane_lobe(0.9, 0.0), plane_lobe(1.37, 6.0)], 1, 0, -3.0);
+    let material = Material::from_bytes(&bytes).unwrap();
+    let lobes = [
+        Lobe::new(Vec3::new(0.6, 0.0, 0.8), 50.0, Vec3::new(1.0, 2.0, 0.5)).unwrap(),
+        Lobe::new(Vec3::new(0.0, 0.6, -0.8), 1e5, Vec3::ONE).unwrap(),
+    ];
+    for_each_level(|level| {
+        let mut prepared = Mixture::<16>::empty();
+        material.prepare(Vec3::new(-1.2f32.sin(), 0.0, 1.2f32.cos()), &mut prepared).unwrap();
+        let mixtures = [
+            prepared,
+            Mixture::sphere(&lobes).unwrap(),
+            Mixture::hemisphere(&lobes).unwrap(),
+            Mixture::new(Domain::Hemisphere, 0.3, &lobes[..1], &lobes[1..]).unwrap(),
+        ];
+        let mut random = Random(79);
+        for m in &mixtures {
+            for _ in 0..500 {
+                let u = [random.uniform(), random.uniform(), random.uniform()];
+                let (sample, (direction, pdf)) = (m.sample(u).unwrap(), m.sample_pdf(u).unwrap());
+                assert_eq!(direction, sample.direction, "{level:?}");
+                assert!((pdf / sample.pdf - 1.0).abs() < 1e-5, "{level:?}: {pdf} {}", sample.pdf);
+            }
+        }
+        assert_eq!(Mixture::<16>::empty().sample_pdf([0.5; 3]), None);
+    });
+}
+
+#[test]
 fn numbers_of_a_sample_lead_back_to_a_lobe_that_is_hardly_ever_drawn() {
     let mut random = Random(77);
     for faint in [1e-4, 1e-5, 1e-6] {

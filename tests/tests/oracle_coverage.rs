@@ -99,6 +99,7 @@ const ORACLES: &[(&str, &str)] = &[
     ("Mixture::luminance_into", "levels/src/lib.rs"),
     ("Mixture::sample_pdf_into", "levels/src/lib.rs"),
     ("Mixture::sample_direction", "levels/src/lib.rs"),
+    ("Mixture::sample_pdf", "tests/agreement.rs"),
     ("LeaveOut::new", "tests/leave_out.rs"),
     ("Material::prepare_leaving_out", "tests/leave_out.rs"),
     ("Material::prepare_at", "tests/agreement.rs"),

@@ -155,11 +155,10 @@ impl Lanes for Avx2 {
     fn split_exponent(self) -> (Self, Self) {
         // SAFETY: the processor has AVX2, see the head of this file.
         unsafe {
-            let base = _mm256_set1_epi32(0x3f35_04f3);
-            let bits = _mm256_sub_epi32(_mm256_castps_si256(self.0), base);
-            let e = _mm256_srai_epi32::<23>(bits);
-            let m = _mm256_add_epi32(_mm256_and_si256(bits, _mm256_set1_epi32(0x007f_ffff)), base);
-            (Self(_mm256_castsi256_ps(m)), Self(_mm256_cvtepi32_ps(e)))
+            let bits = _mm256_castps_si256(self.0);
+            let e = _mm256_sub_epi32(bits, _mm256_set1_epi32(0x3f35_04f3));
+            let e = _mm256_and_si256(e, _mm256_set1_epi32(-0x80_0000));
+            (Self(_mm256_castsi256_ps(_mm256_sub_epi32(bits, e))), Self(_mm256_cvtepi32_ps(e)))
         }
     }
     #[inline(always)]

@@ -168,11 +168,10 @@ impl Lanes for Avx512 {
     fn split_exponent(self) -> (Self, Self) {
         // SAFETY: the processor has AVX-512, see the head of this file.
         unsafe {
-            let base = _mm512_set1_epi32(0x3f35_04f3);
-            let bits = _mm512_sub_epi32(_mm512_castps_si512(self.0), base);
-            let e = _mm512_srai_epi32::<23>(bits);
-            let m = _mm512_add_epi32(_mm512_and_si512(bits, _mm512_set1_epi32(0x007f_ffff)), base);
-            (Self(_mm512_castsi512_ps(m)), Self(_mm512_cvtepi32_ps(e)))
+            let bits = _mm512_castps_si512(self.0);
+            let e = _mm512_sub_epi32(bits, _mm512_set1_epi32(0x3f35_04f3));
+            let e = _mm512_and_si512(e, _mm512_set1_epi32(-0x80_0000));
+            (Self(_mm512_castsi512_ps(_mm512_sub_epi32(bits, e))), Self(_mm512_cvtepi32_ps(e)))
         }
     }
     #[inline(always)]

@@ -4,7 +4,7 @@
 //! each `unsafe` block here sound. Choices are blends and never branches: they depend on random numbers.
 #![allow(unsafe_code)]
 
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, ROUND};
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
 
@@ -24,6 +24,13 @@ macro_rules! operators {
     )* };
 }
 operators!(Add add Sub sub Mul mul Div div);
+
+/// A coefficient for an angle, and beside it the one for twice that, smaller by a power of two.
+#[inline(always)]
+fn doubled(coefficient: f32, by: f32) -> __m128 {
+    // SAFETY: the processor has SSE.
+    unsafe { _mm_setr_ps(coefficient, coefficient / by, 0.0, 0.0) }
+}
 
 impl Fused {
     /// In the lowest lane of a register.
@@ -139,6 +146,30 @@ impl Lanes for Fused {
         // SAFETY: the processor has SSE2.
         Self::of_bits(unsafe { _mm_add_epi32(self.bits(), _mm_slli_epi32::<23>(n.bits())) })
     }
+    /// The turn is reduced to halves, where the cosine is the sine of what is left to the quarter: two lanes take one polynomial.
+    #[inline(always)]
+    fn sin_cos_turns(self) -> (Self, Self) {
+        let halves = self + self;
+        let n = halves + Self(ROUND);
+        let r = halves - (n - Self(ROUND));
+        // SAFETY: the processor has SSE3 and FMA, see the head of this file.
+        unsafe {
+            // The second lane holds twice its angle, so that no constant is the same in both: they are loaded whole by the operation.
+            let x = _mm_unpacklo_ps(r.wide(), (Self(1.0) - (r + r).abs()).wide());
+            let x = _mm_mul_ps(x, _mm_set1_ps(core::f32::consts::PI));
+            // Minimax of (sin x - x) / x^3 in x^2 on [0, pi / 2], relative to the sine 6e-9.
+            let xx = _mm_mul_ps(x, x);
+            let high = _mm_fmadd_ps(xx, doubled(2.605_781e-6, 256.0), doubled(-1.980_960_3e-4, 64.0));
+            let low = _mm_fmadd_ps(xx, doubled(8.333_066_3e-3, 16.0), doubled(-1.666_666e-1, 4.0));
+            let p = _mm_fmadd_ps(_mm_mul_ps(xx, xx), high, low);
+            // Odd halves change both signs.
+            let sign = _mm_slli_epi32::<31>(n.bits());
+            let sign = _mm_castsi128_ps(_mm_unpacklo_epi32(sign, sign));
+            let x = _mm_mul_ps(x, _mm_xor_ps(_mm_setr_ps(1.0, 0.5, 0.0, 0.0), sign));
+            let sines = _mm_fmadd_ps(_mm_mul_ps(xx, x), p, x);
+            (Self::of(sines), Self::of(_mm_movehdup_ps(sines)))
+        }
+    }
     #[inline(always)]
     fn quarter_turns(n: Self, sin: Self, cos: Self) -> (Self, Self) {
         // SAFETY: the processor has SSE4.1, see the head of this file.
@@ -158,11 +189,9 @@ impl Lanes for Fused {
     fn split_exponent(self) -> (Self, Self) {
         // SAFETY: the processor has SSE2.
         unsafe {
-            let base = _mm_set1_epi32(0x3f35_04f3);
-            let bits = _mm_sub_epi32(self.bits(), base);
-            let e = _mm_srai_epi32::<23>(bits);
-            let m = _mm_add_epi32(_mm_and_si128(bits, _mm_set1_epi32(0x007f_ffff)), base);
-            (Self::of_bits(m), Self::of(_mm_cvtepi32_ps(e)))
+            let e = _mm_sub_epi32(self.bits(), _mm_set1_epi32(0x3f35_04f3));
+            let e = _mm_and_si128(e, _mm_set1_epi32(-0x80_0000));
+            (Self::of_bits(_mm_sub_epi32(self.bits(), e)), Self::of(_mm_cvtepi32_ps(e)))
         }
     }
     #[inline(always)]

@@ -123,11 +123,8 @@ impl Lanes for Wide {
     }
     #[inline(always)]
     fn split_exponent(self) -> (Self, Self) {
-        let base = i32x4::splat(0x3f35_04f3);
-        let bits = self.bits() - base;
-        let e: i32x4 = bits >> 23;
-        let m = (bits & i32x4::splat(0x007f_ffff)) + base;
-        (Self::of_bits(m), Self(f32x4::from_i32x4(e)))
+        let e = (self.bits() - i32x4::splat(0x3f35_04f3)) & i32x4::splat(-0x80_0000);
+        (Self::of_bits(self.bits() - e), Self(f32x4::from_i32x4(e)))
     }
     #[inline(always)]
     fn search(self, thresholds: &[f32]) -> [u32; 4] {

@@ -42,7 +42,7 @@ struct Measurement {
 fn baseline_of(operation: &str) -> &'static str {
     match operation {
         "evaluate" | "pdf" => "c-expf",
-        "sample" | "one-evaluate" | "one-sample" | "one-sample-pdf" => "rust-libm",
+        "sample" | "one-evaluate" | "one-sample" | "one-sample-pdf" | "one-sample-value" => "rust-libm",
         _ => "scalar",
     }
 }
@@ -69,7 +69,7 @@ fn baseline<'a>(all: &'a [Measurement], m: &Measurement) -> Option<&'a Measureme
     // The density alone is compared with the C loop for values: it is the same sum, one channel of it.
     let operation = match m.operation.as_str() {
         "pdf" => "evaluate",
-        "one-sample" => "one-sample-pdf",
+        "one-sample" | "one-sample-value" => "one-sample-pdf",
         other => other,
     };
     let wanted = baseline_of(&m.operation);
