@@ -1,8 +1,8 @@
 //! A fixed amount of work, for counting instructions: `.ci/checks/60-instructions` runs it under callgrind.
 //!
 //! `fixed-work LEVEL OPERATION`, operation one of none, evaluate, evaluate-garnet, sample, one, one-round, one-draw,
-//! one-draw-round, one-sample, one-sample-round, one-sample-pdf, one-sample-pdf-round, prepare, prepare-dropping, pairs, sample-pdf-pairs, evaluate-pairs,
-//! pdf-pairs, luminance-pairs; `evaluate` and the `-round` of 12 general round lobes, the rest of the garnet red preset.
+//! one-draw-round, one-sample, one-sample-round, one-sample-pdf, one-sample-pdf-round, prepare, prepare-dropping, pairs,
+//! sample-pdf-pairs, evaluate-pairs, pdf-pairs, luminance-pairs; `evaluate` and the `-round` of 12 general round lobes, the rest of the garnet red preset.
 
 use srbf_benches::{GARNET_RED, Triples, garnet_mixture, general_mixture};
 use srbf_core::{LeaveOut, Level, Material, Mixture, SamplesMut, Vec3};

@@ -114,6 +114,7 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
         for i in 0..MOST {
             let squeeze = Squeeze {
                 azimuth: [azimuth[0][i], azimuth[1][i]],
+                // `see` turns in any case.
                 is_turned: true,
                 excess: excess[i],
                 along: along[i],
