@@ -945,6 +945,19 @@ srbf_status srbf_mixture_sample_into(const struct srbf_mixture *mixture,
                                      const struct srbf_samples_out *samples);
 
 /**
+ * Draws n directions with their density, without a weight.
+ *
+ * The samples of `srbf_mixture_sample_into`, for callers that take the value elsewhere, in less time.
+ * Shapes: `u` as for `srbf_mixture_sample_into`; `direction` n unit vectors and `pdf` n numbers, overwritten. n = 0 as in
+ * `srbf_mixture_evaluate_into`.
+ */
+srbf_status srbf_mixture_sample_pdf_into(const struct srbf_mixture *mixture,
+                                         size_t n,
+                                         const struct srbf_vectors *u,
+                                         const struct srbf_vectors_out *direction,
+                                         const struct srbf_numbers_out *pdf);
+
+/**
  * Evaluates value and density for n pairs of an outgoing and an incident direction, each pair with its own mixture.
  *
  * The values of `srbf_material_prepare` and `srbf_mixture_evaluate_and_pdf`, pair by pair, without storage for mixtures.

@@ -159,6 +159,13 @@ public:
             {d, d + 1, d + 2, stride}, {&first->pdf, stride}, {w, w + 1, w + 2, stride}};
         return srbf_mixture_sample_into(get(), u.size(), &in, &out);
     }
+    Status sample_pdf_into(Span<const Vec3> u, Span<Vec3> wi, Span<float> pdf) const {
+        if (u.size() != wi.size() || u.size() != pdf.size()) return SRBF_STATUS_SIZE;
+        const srbf_vectors in = vectors(u);
+        const srbf_vectors_out out = vectors_out(wi);
+        const srbf_numbers_out density = {pdf.data(), pdf.stride()};
+        return srbf_mixture_sample_pdf_into(get(), u.size(), &in, &out, &density);
+    }
 
 private:
     Mixture(const Mixture &) = default;

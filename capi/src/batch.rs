@@ -104,3 +104,32 @@ pub unsafe extern "C" fn srbf_mixture_sample_into(
         Ok(())
     })
 }
+
+/// Draws n directions with their density, without a weight.
+///
+/// The samples of `srbf_mixture_sample_into`, for callers that take the value elsewhere, in less time.
+/// Shapes: `u` as for `srbf_mixture_sample_into`; `direction` n unit vectors and `pdf` n numbers, overwritten. n = 0 as in
+/// `srbf_mixture_evaluate_into`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_mixture_sample_pdf_into(
+    mixture: *const srbf_mixture,
+    n: usize,
+    u: *const srbf_vectors,
+    direction: *const srbf_vectors_out,
+    pdf: *const srbf_numbers_out,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let any = unsafe { self::mixture(mixture)? };
+        if n == 0 {
+            return Ok(());
+        }
+        // SAFETY: the header's contract.
+        let (u, direction, pdf) = unsafe { (read(u)?, read(direction)?, read(pdf)?) };
+        let [x, y, z] = direction.streams();
+        // SAFETY: the header's contract.
+        let batch = unsafe { Batch::new(n, u.streams(), [x, y, z, pdf.stream()], [extent(mixture, &any)])? };
+        with_mixture!(AnyMixture: &any, m => batch.run(|u, [x, y, z, pdf]| m.sample_pdf_into(u, [x, y, z], pdf)))?;
+        Ok(())
+    })
+}

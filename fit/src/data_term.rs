@@ -6,7 +6,7 @@
 
 use crate::model::{Column, Lobes, PANEL};
 use crate::vector;
-use pulp::NullaryFnOnce;
+use pulp::{NullaryFnOnce, Simd, WithSimd};
 
 /// A sample as the fit sees it.
 #[derive(Clone, Debug)]
@@ -104,10 +104,8 @@ impl NullaryFnOnce for Projection<'_> {
     }
 }
 
-/// Columns of a tile of the Gram matrix, across and down, and lanes in which its numbers are summed.
-const ACROSS: usize = 4;
-const DOWN: usize = 2;
-const LANES: usize = 4;
+/// Lanes in which the products of two columns are summed: the widest registers hold so many.
+const LANES: usize = 8;
 
 struct AllSums<'a> {
     lobes: &'a Lobes,
@@ -115,11 +113,20 @@ struct AllSums<'a> {
     points: &'a [Point],
 }
 
-impl NullaryFnOnce for AllSums<'_> {
+impl WithSimd for AllSums<'_> {
     type Output = Sums;
 
     #[inline(always)]
-    fn call(self) -> Sums {
+    fn with_simd<S: Simd>(self, _: S) -> Sums {
+        // What fits into 32 registers of all lanes, or into 16 of half of them.
+        if S::F64_LANES == LANES { self.sums::<4>() } else { self.sums::<2>() }
+    }
+}
+
+impl AllSums<'_> {
+    /// The Gram matrix in tiles of `SIDE` columns across and down.
+    #[inline(always)]
+    fn sums<const SIDE: usize>(self) -> Sums {
         let k = self.lobes.len();
         let width = self.lobes.slopes_len();
         // Derivatives, three differences, and a column of zeros that fills tiles up.
@@ -127,8 +134,8 @@ impl NullaryFnOnce for AllSums<'_> {
         let stride = zero + 1;
         let mut columns = vec![[0.0; PANEL]; stride];
         let mut seen = vec![true; width];
-        let mut used: Vec<usize> = Vec::with_capacity(stride + ACROSS);
-        let mut gram = vec![[0.0; LANES]; stride * stride];
+        let mut used: Vec<usize> = Vec::with_capacity(stride + SIDE);
+        let mut gram = vec![[0.0; LANES / 2]; stride * stride];
         for chunk in self.points.chunks(PANEL) {
             let panel = self.lobes.panel(chunk.iter().map(|p| p.direction));
             // What a panel lacks weighs nothing.
@@ -151,15 +158,15 @@ impl NullaryFnOnce for AllSums<'_> {
             }
             used.clear();
             used.extend((0..zero).filter(|&i| i >= width || seen[i]));
-            used.resize(used.len().next_multiple_of(ACROSS), zero);
-            for (first, across) in used.chunks_exact(ACROSS).enumerate() {
-                let right = [0, 1, 2, 3].map(|i| &columns[across[i]]);
-                for down in used[ACROSS * first..].chunks_exact(DOWN) {
-                    let tile = tile([&columns[down[0]], &columns[down[1]]], right);
+            used.resize(used.len().next_multiple_of(SIDE), zero);
+            for (first, across) in used.chunks_exact(SIDE).enumerate() {
+                let right: [&Column; SIDE] = std::array::from_fn(|i| &columns[across[i]]);
+                for down in used[SIDE * first..].chunks_exact(SIDE) {
+                    let tile = tile::<SIDE>(std::array::from_fn(|i| &columns[down[i]]), right);
                     for (i, row) in down.iter().zip(tile) {
                         for (j, product) in across.iter().zip(row) {
                             let sum = &mut gram[i * stride + j];
-                            (0..LANES).for_each(|lane| sum[lane] += product[lane]);
+                            (0..LANES / 2).for_each(|n| sum[n] += product[n] + product[n + LANES / 2]);
                         }
                     }
                 }
@@ -167,11 +174,13 @@ impl NullaryFnOnce for AllSums<'_> {
         }
         let sum = |i: usize, j: usize| {
             let [a, b, c, d] = gram[i * stride + j];
-            (a + b) + (c + d)
+            (a + c) + (b + d)
         };
         Sums {
             cost: (0..3).map(|c| sum(width + c, width + c)).sum(),
-            gram: (0..width * width).map(|n| sum(n / width, n % width)).collect(),
+            gram: (0..width * width)
+                .map(|n| if n % width <= n / width { sum(n / width, n % width) } else { 0.0 })
+                .collect(),
             moment: [0, 1, 2].map(|c| (0..width).map(|i| sum(width + c, i)).collect()),
         }
     }
@@ -179,11 +188,11 @@ impl NullaryFnOnce for AllSums<'_> {
 
 /// Inner products of some columns with some others, in lanes that are still to be added up.
 #[inline(always)]
-fn tile(down: [&Column; DOWN], across: [&Column; ACROSS]) -> [[[f64; LANES]; ACROSS]; DOWN] {
-    let mut sums = [[[0.0; LANES]; ACROSS]; DOWN];
+fn tile<const SIDE: usize>(down: [&Column; SIDE], across: [&Column; SIDE]) -> [[[f64; LANES]; SIDE]; SIDE] {
+    let mut sums = [[[0.0; LANES]; SIDE]; SIDE];
     for n in (0..PANEL).step_by(LANES) {
-        for i in 0..DOWN {
-            for j in 0..ACROSS {
+        for i in 0..SIDE {
+            for j in 0..SIDE {
                 for lane in 0..LANES {
                     sums[i][j][lane] = down[i][n + lane].mul_add(across[j][n + lane], sums[i][j][lane]);
                 }

@@ -6,7 +6,7 @@ use crate::material;
 use crate::objective::Objective;
 use crate::parameters::Layout;
 use crate::report::ViewReport;
-use crate::schedule::{HEAVY, LOOKS, Stage};
+use crate::schedule::{HEAVY_TAIL, LOOKS, Stage};
 use crate::table::Table;
 use crate::track::{Data, Source};
 use crate::{FitError, Settings};
@@ -17,8 +17,9 @@ use std::borrow::Cow;
 /// larger one adds to its error while it may be mended.
 const MOST_WEIGHT: f64 = 18.0;
 const WIDENED: f64 = 1.1;
-/// Largest relative variance that a view should have.
+/// Largest relative variance that a view should have, and the angle in radians up to which one should: 80 degrees.
 const MOST_VARIANCE: f64 = 0.25;
+const STEEPEST: f64 = 1.4;
 /// Largest error of the albedo, at any view.
 const MOST_ENERGY_ERROR: f64 = 0.01;
 /// Share of the error for which every doubling of weight or variance over that is avoided, and what the error is multiplied by for
@@ -34,8 +35,8 @@ pub(crate) struct Finalist<'a> {
     /// The table as its lobes last saw it.
     seen: Option<Table>,
     pub candidate: Candidate,
-    /// Mean error on that, of values and of the albedo, the largest variance of a view, and the largest weight on all that they saw
-    /// since they were first looked at, or moved again; and the largest error of the albedo at any view.
+    /// Mean error on that, of values and of the albedo, the largest variance of a view, the largest weight on that and, at the end, on
+    /// what they saw before; and the largest error of the albedo at any view.
     error: f64,
     variance: f64,
     largest_weight: f64,
@@ -89,6 +90,11 @@ impl<'a> Finalist<'a> {
         self.energy_error <= MOST_ENERGY_ERROR
     }
 
+    /// Mean error of values and of the albedo.
+    pub fn error(&self) -> f64 {
+        self.error
+    }
+
     /// What the best has least of.
     pub fn rank(&self) -> f64 {
         if self.has_small_weights() { self.error } else { WIDENED * self.error }
@@ -102,10 +108,10 @@ impl<'a> Finalist<'a> {
         self.error * (1.0 + DOUBLING * (weight + variance)) * MISSED.powi(self.missed())
     }
 
-    /// Gives up a lobe for one that is kept wide; false if that cannot be done.
+    /// Gives up the least useful lobe for one that is kept wide; false if there is one.
     pub fn widen(&mut self) -> bool {
         let table = self.seen.as_ref().unwrap_or(&self.table);
-        let given_up = Objective::new(table, self.layout.clone(), HEAVY.tail)
+        let given_up = Objective::new(table, self.layout.clone(), HEAVY_TAIL)
             .ok()
             .and_then(|objective| objective.least_missed(&self.candidate.x));
         let widened = given_up.and_then(|lobe| self.layout.widened(&self.candidate.x, lobe));
@@ -116,11 +122,6 @@ impl<'a> Finalist<'a> {
         is_widened
     }
 
-    /// Forgets what was seen: it is going to be moved.
-    pub fn forget(&mut self) {
-        self.largest_weight = 0.0;
-    }
-
     /// Looks at the lobes on a table that they see.
     pub fn look(&mut self, source: &dyn Source, round: usize) -> Result<(), FitError> {
         let mut x = self.candidate.x.clone();
@@ -129,10 +130,11 @@ impl<'a> Finalist<'a> {
         let mut seen = source.table(&self.layout.knots, Some((&bytes, round)))?;
         let reports = reports(&bytes, &seen)?;
         self.error = mean_over_angle(&reports);
-        self.variance = reports.iter().map(|view| view.variance).fold(0.0, f64::max);
-        // A view where the density is too small may be seen once only.
+        let asked_for = reports.iter().filter(|view| view.theta < STEEPEST);
+        self.variance = asked_for.map(|view| view.variance).fold(0.0, f64::max);
+        // A view where the density is too small may be seen once only; but what was seen before has been moved far since.
         let largest = reports.iter().map(ViewReport::largest_weight_as_summed).fold(0.0, f64::max);
-        self.largest_weight = if round == 0 { largest } else { self.largest_weight.max(largest) };
+        self.largest_weight = if round < LOOKS - 1 { largest } else { self.largest_weight.max(largest) };
         // The last stage sees the views of the one before too: what is seen no more is done again.
         let before = self.seen.take().filter(|_| round + 1 == LOOKS);
         seen.views.extend(before.into_iter().flat_map(|table| table.views));

@@ -23,7 +23,7 @@ use crate::vector::exp;
 use std::f64::consts::FRAC_1_PI;
 
 /// Directions of a panel.
-pub(crate) const PANEL: usize = 32;
+pub(crate) const PANEL: usize = 64;
 
 /// A number for every direction of a panel.
 pub(crate) type Column = [f64; PANEL];

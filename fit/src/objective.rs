@@ -77,6 +77,18 @@ struct Block {
     matrix: Vec<f64>,
 }
 
+impl Block {
+    /// Makes the lower half of the matrix that of the upper.
+    fn mirror(&mut self) {
+        let p = self.gradient.len();
+        for i in 0..p {
+            for j in 0..i {
+                self.matrix[i * p + j] = self.matrix[j * p + i];
+            }
+        }
+    }
+}
+
 /// The whole problem linearised at a point.
 pub(crate) struct Linearized {
     pub cost: f64,
@@ -290,7 +302,8 @@ impl Objective {
             scale: vec![0.0; layout.len()],
             matrix: Banded::zeros(layout.len(), (2 * p).min(layout.len() - 1)),
         };
-        for block in &blocks {
+        for block in &mut blocks {
+            block.mirror();
             sum.cost += block.cost;
             let (knot, blend) = block.place;
             let ends = [(knot, 1.0 - blend), (knot + 1, blend)];
@@ -303,15 +316,8 @@ impl Objective {
                     let share = share_a * share_b;
                     for j in 0..p {
                         let start = if knot_a == knot_b { j } else { 0 };
-                        for i in start..j {
-                            sum.matrix.add(knot_a * p + i, knot_b * p + j, share * block.matrix[i * p + j]);
-                        }
-                        sum.matrix.add_run(
-                            knot_a * p + j,
-                            knot_b * p + j,
-                            share,
-                            &block.matrix[j * p + j..(j + 1) * p],
-                        );
+                        let row = &block.matrix[j * p + start..(j + 1) * p];
+                        sum.matrix.add_run(knot_a * p + start, knot_b * p + j, share, row);
                     }
                 }
             }

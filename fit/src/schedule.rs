@@ -7,7 +7,7 @@ use crate::objective::Weights;
 /// Lobes with which as many candidates as are named below take part, and most times as many of fewer lobes: they have more minima of
 /// their own, and take less time.
 const USUAL_LOBES: usize = 12;
-pub(crate) const MOST_TIMES: usize = 4;
+const MOST_TIMES: usize = 4;
 
 /// Times that the table is made again, with directions that the lobes draw and at other views: a lobe that is sharp between the
 /// directions and views of a table costs nothing there (steel at 42.5 degrees: 32 % in place of 4 %).
@@ -22,14 +22,14 @@ pub(crate) struct Emphasis {
     pub energy: f64,
 }
 
-/// Of what can be evaluated anywhere: first for the least error, and where that misses a goal, for the goals. On 22 materials the error
-/// halfway between the views is 3.10 % in the median with the first and 3.55 % with the second.
+/// Of what can be evaluated anywhere: for the least error first, and where that misses a goal, with at least that tail. On 22
+/// materials the error halfway between the views is 3.10 % in the median with little tail and 3.55 % with ten times as much.
 pub(crate) const LIGHT: Emphasis = Emphasis { tail: 0.003, energy: 10.0 };
-pub(crate) const HEAVY: Emphasis = Emphasis { tail: 0.03, energy: 30.0 };
+pub(crate) const HEAVY_TAIL: f64 = 0.03;
 
 /// Of scattered samples, whose albedo depends by 1 % on how one interpolates between them; and whose tail is all that
 /// holds lobes between them (garnet red has 22 % over samples left out with a tenth of it, in place of 12).
-pub(crate) const SAMPLES: Emphasis = Emphasis { tail: 0.03, energy: 1.0 };
+pub(crate) const SAMPLES: Emphasis = Emphasis { tail: HEAVY_TAIL, energy: 1.0 };
 
 /// One stage of a fit.
 #[derive(Clone, Copy, Debug)]
@@ -55,9 +55,9 @@ impl Stage {
         self.keep * self.runs * self.limits.steps
     }
 
-    /// The same for what has been through it and has lost a lobe: near its minimum.
-    pub fn again(&self) -> Self {
-        let mut new = *self;
+    /// The same for so many that have been through it: near their minimum.
+    pub fn again(&self, keep: usize) -> Self {
+        let mut new = Self { keep, ..*self };
         if !new.last {
             new.limits.steps = new.limits.steps.div_ceil(3);
         }
@@ -66,8 +66,7 @@ impl Stage {
 }
 
 /// The stages. `energy`: weight of the albedo in the last ones. `looks`: times that the table is made again, 0 if it cannot be.
-/// `most_times`: most times as many candidates of few lobes.
-pub(crate) fn stages(settings: &Settings, energy: f64, looks: usize, most_times: usize) -> Vec<Stage> {
+pub(crate) fn stages(settings: &Settings, energy: f64, looks: usize) -> Vec<Stage> {
     let stage = |keep, full, steps, runs, stiffness: f64, energy, improvement, last| {
         let weights = Weights { smoothness: stiffness * settings.smoothness, energy };
         Stage {
@@ -85,11 +84,11 @@ pub(crate) fn stages(settings: &Settings, energy: f64, looks: usize, most_times:
     let scout = |keep| stage(keep, false, settings.steps / 4, 1, 10.0, 1.0, 1e-3, false);
     let full = |keep, improvement| stage(keep, true, settings.steps, 1, 1.0, 1.0, improvement, false);
     let ratio = (USUAL_LOBES + settings.lobes / 2) / settings.lobes;
-    let many = if looks == 0 { 1 } else { ratio.clamp(1, most_times) };
+    let many = if looks == 0 { 1 } else { ratio.clamp(1, MOST_TIMES) };
     let starts = if looks == 0 { (2 * settings.starts).div_ceil(3) } else { settings.starts };
     let mut stages = vec![stage(many * starts, false, 25, 1, 100.0, 1.0, 1e-3, false)];
     if looks == 0 {
-        stages.extend([scout(4), exchange(2, settings.exchanges), full(1, 1e-4)]);
+        stages.extend([scout(4), exchange(3, settings.exchanges), full(1, 1e-4)]);
     } else {
         // Shapes show late what they are good for, and what may hide between directions is judged when it has been seen once.
         let exchanges =

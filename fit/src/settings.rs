@@ -21,13 +21,12 @@ pub struct Settings {
     /// evaluated anywhere is fitted with two fifths of it.
     pub smoothness: f64,
     /// Starting points tried; the best are refined. Of samples, two thirds as many, as fewer shapes are tried; of what can be
-    /// evaluated anywhere, twice as many for 5 to 8 lobes, three times for 4, four times for fewer; what then misses a goal of weight,
-    /// variance or energy, and cannot be moved to it, is fitted anew with at most twice as many.
+    /// evaluated anywhere, twice as many for 5 to 8 lobes, three times for 4, four times for fewer.
     pub starts: usize,
     /// Most steps of the refinement.
     pub steps: usize,
     /// Most times that the lobe that is missed least is put where it is missed most; it ends after six in a row that lower the
-    /// cost by less than a thousandth. Of samples, from each of the two best starting points; of what can be evaluated anywhere,
+    /// cost by less than a thousandth. Of samples, from each of the three best starting points; of what can be evaluated anywhere,
     /// two thirds of it from four, one of each shape, then all of it from three (more for fewer lobes, as of the starts).
     pub exchanges: usize,
     /// Views of the material, placed where it changes; only for what can be evaluated anywhere. 15 are 4.1 kB with 12 lobes. Lobes

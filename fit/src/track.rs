@@ -2,7 +2,7 @@
 //!
 //! Stage by stage there are fewer candidates, more steps, and less stiffness: a stiff family cannot lose its order. Early stages
 //! see a thinned table. In the last ones the albedo is held closely, and the weights of the tail follow the fit. A fit that then misses
-//! a goal is mended.
+//! a goal is mended: it goes through the last of these stages again.
 
 use crate::balance;
 use crate::candidates::{Work, scout};
@@ -11,9 +11,10 @@ use crate::finalist::{Finalist, refine, reports};
 use crate::material;
 use crate::parameters::Layout;
 use crate::report::Report;
-use crate::schedule::{Emphasis, HEAVY, LIGHT, LOOKS, MOST_TIMES, SAMPLES, Stage, stages};
+use crate::schedule::{Emphasis, HEAVY_TAIL, LIGHT, LOOKS, SAMPLES, Stage, stages};
 use crate::table::Table;
 use crate::{FitError, Settings};
+use rayon::prelude::*;
 use std::borrow::Cow;
 use std::sync::atomic::AtomicUsize;
 use std::time::Instant;
@@ -30,8 +31,14 @@ pub struct Fit {
 /// Least distance of two knots, radians.
 const KNOT_DISTANCE: f64 = 0.035;
 
-/// Times that a fit which misses a goal is moved again from where it ended, before it is made anew.
-const REMEDIES: usize = 2;
+/// Times that fits which miss a goal are moved again, at most; and the share of the best one's rank that an error must be below for
+/// that to be worth the time.
+const REMEDIES: usize = 3;
+const WORTHWHILE: f64 = 0.97;
+/// What the weights of missed goals are multiplied by before, and the most that energy gets: with more, nothing else counts.
+const MORE_ENERGY: f64 = 10.0;
+const MOST_ENERGY: f64 = 1000.0;
+const MORE_TAIL: f64 = 3.0;
 
 /// Fits lobes to a table, as many as the settings say or as few as reach the error that they ask for. `progress` is called with
 /// the share of the work that is done, 0 to 1; it falls where what misses a goal is fitted again.
@@ -86,10 +93,10 @@ pub(crate) fn run(
     let problem = Problem { data, settings, table: &table, knots: &knots };
     let mut work = Work { done: 0, total: 0, progress: &mut progress, evaluations: AtomicUsize::new(0) };
     let best = match data {
-        Data::Samples(_) => problem.solve((SAMPLES, 1), &mut work)?,
+        Data::Samples(_) => problem.solve(SAMPLES, &mut work)?.swap_remove(0),
         Data::Source(source) => {
-            let best = problem.solve((LIGHT, MOST_TIMES), &mut work)?;
-            let mut best = problem.mend(source, best, &mut work)?;
+            let finalists = problem.solve(LIGHT, &mut work)?;
+            let mut best = problem.mend(source, finalists, &mut work)?;
             balance::balance(&best.layout, &mut best.candidate.x, source.albedo());
             best
         }
@@ -114,19 +121,15 @@ struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    fn stages(&self, (emphasis, most_times): (Emphasis, usize)) -> Vec<Stage> {
+    fn stages(&self, emphasis: Emphasis) -> Vec<Stage> {
         let looks = if let Data::Source(_) = self.data { LOOKS } else { 0 };
-        stages(self.settings, emphasis.energy, looks, most_times)
+        stages(self.settings, emphasis.energy, looks)
     }
 
-    /// The best of all starts, of few lobes up to so many times as many of them.
-    fn solve(
-        &self,
-        (emphasis, most_times): (Emphasis, usize),
-        work: &mut Work<'_>,
-    ) -> Result<Finalist<'a>, FitError> {
+    /// The best of all starts, and the last that was given up.
+    fn solve(&self, emphasis: Emphasis, work: &mut Work<'_>) -> Result<Vec<Finalist<'a>>, FitError> {
         let Self { data, settings, table, knots } = *self;
-        let stages = self.stages((emphasis, most_times));
+        let stages = self.stages(emphasis);
         work.total += stages.iter().map(Stage::work).sum::<usize>();
         let (scouting, refining) = stages.split_at(stages.partition_point(|stage| !stage.full));
         let shapes = settings.shapes(matches!(data, Data::Source(_)));
@@ -135,12 +138,14 @@ impl<'a> Problem<'a> {
         });
         let count = refining.first().map_or(0, |stage| stage.keep);
         let scouted = scout(table, layouts.collect(), emphasis.tail, (scouting, count), work)?;
-        let mut finalists = Vec::new();
+        let (mut finalists, mut others) = (Vec::new(), Vec::new());
         for (layout, candidate) in scouted {
             finalists.push(Finalist::new(data, settings, table, layout, candidate)?);
         }
         for stage in refining {
-            finalists.truncate(stage.keep);
+            if stage.keep < finalists.len() {
+                others = finalists.split_off(stage.keep);
+            }
             refine(data, &mut finalists, emphasis.tail, stage, work)?;
             work.done += stage.work();
             // What has been seen for the last time is judged as what it is.
@@ -148,74 +153,71 @@ impl<'a> Problem<'a> {
             let rank = |f: &Finalist<'_>| if is_final { f.final_rank() } else { f.rank() };
             finalists.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
         }
-        let Some(mut best) = finalists.into_iter().next() else {
+        let Some(best) = finalists.first_mut() else {
             return Err(FitError::Setting { name: "starts", reason: "at least 1".into() });
         };
         if let Data::Source(source) = data {
             best.look(source, LOOKS)?;
         }
-        Ok(best)
+        finalists.extend(others.into_iter().take(1));
+        Ok(finalists)
     }
 
-    /// Fits again what misses a goal: from where it ended, with more weight on what it misses; then from all starts.
+    /// Moves finalists again if the first misses a goal, from where they ended, with more and more weight on what they miss, as long
+    /// as they may become better than what there is; returns the best that there was.
     fn mend(
         &self,
         source: &dyn Source,
-        mut best: Finalist<'a>,
+        mut finalists: Vec<Finalist<'a>>,
         work: &mut Work<'_>,
     ) -> Result<Finalist<'a>, FitError> {
-        let (mut mended, mut emphasis) = (best.clone(), LIGHT);
+        if finalists[0].missed() == 0 {
+            return Ok(finalists.swap_remove(0));
+        }
+        let (mut best, mut emphasis) = (finalists[0].clone(), LIGHT);
         for _ in 0..REMEDIES {
-            if best.missed() == 0 {
-                return Ok(best);
+            finalists.retain(|f| f.error() < WORTHWHILE * best.final_rank());
+            if finalists.is_empty() {
+                break;
             }
-            if !mended.keeps_energy() {
-                emphasis.energy *= 10.0;
+            if finalists.iter().any(|f| !f.keeps_energy()) {
+                emphasis.energy = (MORE_ENERGY * emphasis.energy).min(MOST_ENERGY);
             }
-            let mut is_widened = false;
-            if !mended.has_small_weights() && emphasis.tail == HEAVY.tail {
-                is_widened = mended.widen();
-            } else if !mended.has_small_weights() || !mended.has_small_variances() {
-                emphasis.tail = HEAVY.tail;
+            let is_widened = emphasis.tail >= HEAVY_TAIL
+                && finalists
+                    .iter_mut()
+                    .filter(|f| !f.has_small_weights())
+                    .fold(false, |any, f| f.widen() || any);
+            if !is_widened && finalists.iter().any(|f| !f.has_small_weights() || !f.has_small_variances()) {
+                emphasis.tail = (MORE_TAIL * emphasis.tail).max(HEAVY_TAIL);
             }
-            self.again(source, &mut mended, (emphasis, is_widened), work)?;
-            if mended.final_rank() < best.final_rank() {
-                best = mended.clone();
-            }
-        }
-        if best.missed() == 0 {
-            return Ok(best);
-        }
-        let mut other = self.solve((HEAVY, MOST_TIMES / 2), work)?;
-        if !other.has_small_weights() {
-            let mut widened = other.clone();
-            if widened.widen() {
-                self.again(source, &mut widened, (HEAVY, true), work)?;
-                // Of few lobes, none can be spared.
-                if widened.final_rank() <= other.final_rank() {
-                    other = widened;
+            self.again(source, &mut finalists, emphasis, work)?;
+            for finalist in &finalists {
+                if finalist.final_rank() < best.final_rank() {
+                    best = finalist.clone();
                 }
             }
+            finalists.retain(|f| f.missed() > 0);
         }
-        Ok(if other.final_rank() < best.final_rank() { other } else { best })
+        Ok(best)
     }
 
-    /// Moves what has been fitted downhill again; through all that follows the scouting if a lobe was made another.
+    /// Takes what has been fitted through all that follows the scouting again: the first of these stages moves it to minima
+    /// that the last ones, which are short, do not reach.
     fn again(
         &self,
         source: &dyn Source,
-        best: &mut Finalist<'a>,
-        (emphasis, is_widened): (Emphasis, bool),
+        finalists: &mut [Finalist<'a>],
+        emphasis: Emphasis,
         work: &mut Work<'_>,
     ) -> Result<(), FitError> {
-        let mut stages: Vec<Stage> = self.stages((emphasis, 1)).iter().map(Stage::again).collect();
-        stages.retain(|stage| if is_widened { stage.full } else { stage.last });
+        let stages = self.stages(emphasis).into_iter().filter(|stage| stage.full);
+        let stages: Vec<Stage> = stages.map(|stage| stage.again(finalists.len())).collect();
         work.total += stages.iter().map(Stage::work).sum::<usize>();
-        best.forget();
         for stage in &stages {
-            refine(self.data, std::slice::from_mut(best), emphasis.tail, stage, work)?;
+            refine(self.data, finalists, emphasis.tail, stage, work)?;
             work.done += stage.work();
         }
-        best.look(source, LOOKS)
+        finalists.par_iter_mut().try_for_each(|finalist| finalist.look(source, LOOKS))
     }
 }

@@ -553,6 +553,7 @@ static void test_batches(const srbf_material *material) {
                  srbf_mixture_sample_into(mixture, n, in_at, &samples)));
     CHECK_BATCH((samples.direction = weight, samples.pdf = pdf, samples.weight = out,
                  srbf_mixture_sample_into(mixture, n, in_at, &samples)));
+    CHECK_BATCH(srbf_mixture_sample_pdf_into(mixture, n, in_at, &out, &pdf));
     /* The density has one output: it is given y, and x is checked to be apart by itself. */
     srbf_numbers_out numbers = {outputs, dense};
     CHECK_OK(srbf_mixture_pdf_into(mixture, N, &good_in, &numbers));
@@ -576,6 +577,13 @@ static void test_batches(const srbf_material *material) {
     CHECK_POINTER(srbf_numbers_out, &numbers, srbf_mixture_pdf_into(mixture, N, &good_in, p));
     CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_sample_into(p, N, &good_in, &samples));
     CHECK_POINTER(srbf_samples_out, &samples, srbf_mixture_sample_into(mixture, N, &good_in, p));
+    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_sample_pdf_into(p, N, &good_in, &good_out, &pdf));
+    CHECK_POINTER(const srbf_vectors, &good_in, srbf_mixture_sample_pdf_into(mixture, N, p, &good_out, &pdf));
+    CHECK_POINTER(const srbf_vectors_out, &good_out,
+                  srbf_mixture_sample_pdf_into(mixture, N, &good_in, p, &pdf));
+    CHECK_POINTER(const srbf_numbers_out, &pdf,
+                  srbf_mixture_sample_pdf_into(mixture, N, &good_in, &good_out, p));
+    CHECK_OK(srbf_mixture_sample_pdf_into(mixture, 0, NULL, NULL, NULL));
 
     /* Pairs: the same, and n mixtures. */
     const size_t stride = SRBF_MIXTURE_SIZE_16;

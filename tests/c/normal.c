@@ -228,6 +228,15 @@ static void test_batches(const srbf_material *material) {
             /* Another block length may change the last bit, not more. */
             CHECK(are_near(many, rays[i].value) && is_near(rays[i].pdf, pdf[i]) && rays[i].other == 42);
         }
+        /* The same directions and densities without the weights. */
+        float *alone = guarded(4 * size);
+        srbf_vectors_out alone_out = out(alone, n, dense);
+        srbf_numbers_out alone_pdf = {alone + 3 * n, dense};
+        CHECK_OK(srbf_mixture_sample_pdf_into(mixture, n, &u_in, &alone_out, &alone_pdf));
+        for (size_t i = 0; i < n; i++) {
+            for (size_t c = 0; c < 3; c++) CHECK(fabsf(alone[c * n + i] - drawn[c * n + i]) < 1e-6f);
+            CHECK(is_near(alone[3 * n + i], drawn[3 * n + i]));
+        }
         srbf_samples_out ray_samples = {out(rays->wi, 1, wide), ray_pdf, out(rays->weight, 1, wide)};
         CHECK_OK(srbf_mixture_sample_into(mixture, n, &ray_u, &ray_samples));
         for (size_t i = 0; i < n; i++) {
@@ -243,10 +252,10 @@ static void test_batches(const srbf_material *material) {
             CHECK(rays[i].other == 42);
         }
         if (n == 0) {
-            CHECK(is_untouched(value, 0) && is_untouched(pdf, 0) && is_untouched(drawn, 0));
+            CHECK(is_untouched(value, 0) && is_untouched(pdf, 0) && is_untouched(drawn, 0) && is_untouched(alone, 0));
         }
         release(wi, 3 * size), release(u, 3 * size), release(value, 3 * size);
-        release(pdf, size), release(drawn, 7 * size), free(rays);
+        release(pdf, size), release(drawn, 7 * size), release(alone, 4 * size), free(rays);
     }
     free(mixture);
 }

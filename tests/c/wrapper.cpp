@@ -130,6 +130,11 @@ static void use(const char *path) {
     CHECK(std::fabs(pdfs[99] - sample.pdf) <= 1e-3f * pdf && values[99][1] > 0);
     CHECK(taken.pdf_into({directions.data(), 99}, pdfs).code() == SRBF_STATUS_SIZE);
 
+    std::vector<float> drawn(100);
+    CHECK(!taken.sample_pdf_into({us.data(), us.size()}, values, drawn));
+    CHECK(std::fabs(values[99][0] - directions[99][0]) < 1e-6f && std::fabs(drawn[99] - sample.pdf) <= 1e-3f * pdf);
+    CHECK(taken.sample_pdf_into({us.data(), 99}, values, drawn).code() == SRBF_STATUS_SIZE);
+
     strides(taken);
     nothing(taken);
 

@@ -5,7 +5,7 @@
 //! Conjugate gradients touch only what is there, 3 million a step, and a few dozen steps do, because the blocks on the diagonal,
 //! factored as preconditioner, hold what is stiff: the couplings of overlapping lobes within a view.
 
-use crate::banded::dot;
+use crate::vector::dot;
 use std::collections::BTreeMap;
 
 /// A symmetric matrix of square blocks.
