@@ -120,8 +120,8 @@ impl Banded {
                     for (done, rows) in before.chunks_exact(WIDE * width).enumerate() {
                         let at = reach - done;
                         for row in rows.chunks_exact(width) {
-                            for n in 0..AT_A_TIME {
-                                sums[n].subtract(row[at].0[first + n], &row[at + chunk]);
+                            for (sum, factor) in sums.iter_mut().zip(&row[at].0[first..]) {
+                                sum.subtract(*factor, &row[at + chunk]);
                             }
                         }
                     }
@@ -189,8 +189,8 @@ fn factor_block(own: &mut [Chunk], width: usize, chunks: usize) -> bool {
     let (mut pivots, mut inverse) = ([ZERO; WIDE], [0.0; WIDE]);
     for k in 0..WIDE {
         let mut row = own[k * width];
-        for j in 0..k {
-            row.subtract(pivots[j].0[k], &pivots[j]);
+        for pivot in &pivots[..k] {
+            row.subtract(pivot.0[k], pivot);
         }
         let pivot = row.0[k];
         // False for NaN too.
@@ -210,8 +210,8 @@ fn factor_block(own: &mut [Chunk], width: usize, chunks: usize) -> bool {
         let mut rows = [ZERO; WIDE];
         for k in 0..WIDE {
             let mut row = own[k * width + chunk];
-            for j in 0..k {
-                row.subtract(pivots[j].0[k], &rows[j]);
+            for (pivot, above) in pivots.iter().zip(&rows[..k]) {
+                row.subtract(pivot.0[k], above);
             }
             (0..WIDE).for_each(|n| row.0[n] *= inverse[k]);
             rows[k] = row;

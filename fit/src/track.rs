@@ -183,11 +183,10 @@ impl<'a> Problem<'a> {
             if finalists.iter().any(|f| !f.keeps_energy()) {
                 emphasis.energy = (MORE_ENERGY * emphasis.energy).min(MOST_ENERGY);
             }
-            let is_widened = emphasis.tail >= HEAVY_TAIL
-                && finalists
-                    .iter_mut()
-                    .filter(|f| !f.has_small_weights())
-                    .fold(false, |any, f| f.widen() || any);
+            let mut is_widened = false;
+            for finalist in finalists.iter_mut().filter(|f| !f.has_small_weights()) {
+                is_widened |= emphasis.tail >= HEAVY_TAIL && finalist.widen();
+            }
             if !is_widened && finalists.iter().any(|f| !f.has_small_weights() || !f.has_small_variances()) {
                 emphasis.tail = (MORE_TAIL * emphasis.tail).max(HEAVY_TAIL);
             }
