@@ -108,7 +108,7 @@ impl<'a> Finalist<'a> {
         self.error * (1.0 + DOUBLING * (weight + variance)) * MISSED.powi(self.missed())
     }
 
-    /// Gives up the least useful lobe for one that is kept wide; false if there is one.
+    /// Gives up the least useful lobe for one that is kept wide; false if it has such a lobe, or none to give.
     pub fn widen(&mut self) -> bool {
         let table = self.seen.as_ref().unwrap_or(&self.table);
         let given_up = Objective::new(table, self.layout.clone(), HEAVY_TAIL)
