@@ -13,6 +13,9 @@ const MOST_TIMES: usize = 4;
 /// directions and views of a table costs nothing there (steel at 42.5 degrees: 32 % in place of 4 %).
 pub(crate) const LOOKS: usize = 3;
 
+/// What the stiffness of the last stages is multiplied by when they follow exchanges: what is that far keeps its order.
+const LOOSENED: f64 = 0.3;
+
 /// What counts beside the squared relative L2 error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Emphasis {
@@ -55,14 +58,23 @@ impl Stage {
         self.keep * self.runs * self.limits.steps
     }
 
-    /// The same for so many that have been through it: near their minimum.
-    pub fn again(&self, keep: usize) -> Self {
+    /// The same for so many that have been through it, near their minimum. Lobes are exchanged so often before the last stages, which
+    /// are less stiff then.
+    pub fn again(&self, keep: usize, exchanges: usize) -> Self {
         let mut new = Self { keep, ..*self };
         if !new.last {
             new.limits.steps = new.limits.steps.div_ceil(3);
+            new.runs = 1 + exchanges;
+        } else if exchanges > 0 {
+            new.limits.weights.smoothness *= LOOSENED;
         }
         new
     }
+}
+
+/// Steps of the solver that stages may take.
+pub(crate) fn work(stages: &[Stage]) -> usize {
+    stages.iter().map(Stage::work).sum()
 }
 
 /// The stages. `energy`: weight of the albedo in the last ones. `looks`: times that the table is made again, 0 if it cannot be.

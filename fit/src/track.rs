@@ -1,8 +1,9 @@
 //! The fit: one family of lobes, followed over all views at once.
 //!
 //! Stage by stage there are fewer candidates, more steps, and less stiffness: a stiff family cannot lose its order. Early stages
-//! see a thinned table. In the last ones the albedo is held closely, and the weights of the tail follow the fit. A fit that then misses
-//! a goal is mended: it goes through the last of these stages again.
+//! see a thinned table. In the last ones the albedo is held closely, and the weights of the tail follow the fit. What can be
+//! evaluated anywhere then goes through the last of these stages again: with more weight on a goal that it misses, or, if it
+//! misses none, with lobes exchanged.
 
 use crate::balance;
 use crate::candidates::{Work, scout};
@@ -11,7 +12,7 @@ use crate::finalist::{Finalist, refine, reports};
 use crate::material;
 use crate::parameters::Layout;
 use crate::report::Report;
-use crate::schedule::{Emphasis, HEAVY_TAIL, LIGHT, LOOKS, SAMPLES, Stage, stages};
+use crate::schedule::{self, Emphasis, HEAVY_TAIL, LIGHT, LOOKS, SAMPLES, Stage};
 use crate::table::Table;
 use crate::{FitError, Settings};
 use rayon::prelude::*;
@@ -31,9 +32,9 @@ pub struct Fit {
 /// Least distance of two knots, radians.
 const KNOT_DISTANCE: f64 = 0.035;
 
-/// Times that fits which miss a goal are moved again, at most; and the share of the best one's rank that an error must be below for
-/// that to be worth the time.
-const REMEDIES: usize = 3;
+/// Times that fits are moved again, at most; and the share of the best one's rank that the error of one which misses a goal must be
+/// below for that to be worth the time.
+const ROUNDS: usize = 3;
 const WORTHWHILE: f64 = 0.97;
 /// What the weights of missed goals are multiplied by before, and the most that energy gets: with more, nothing else counts.
 const MORE_ENERGY: f64 = 10.0;
@@ -41,7 +42,7 @@ const MOST_ENERGY: f64 = 1000.0;
 const MORE_TAIL: f64 = 3.0;
 
 /// Fits lobes to a table, as many as the settings say or as few as reach the error that they ask for. `progress` is called with
-/// the share of the work that is done, 0 to 1; it falls where what misses a goal is fitted again.
+/// the share of the work that is done, 0 to 1; it falls where a goal is missed by what should have been the end.
 ///
 /// # Errors
 /// [`FitError::Setting`], [`FitError::Table`]; [`FitError::Format`] never for a table with finite numbers.
@@ -96,7 +97,7 @@ pub(crate) fn run(
         Data::Samples(_) => problem.solve(SAMPLES, &mut work)?.swap_remove(0),
         Data::Source(source) => {
             let finalists = problem.solve(LIGHT, &mut work)?;
-            let mut best = problem.mend(source, finalists, &mut work)?;
+            let mut best = problem.improve(source, finalists, &mut work)?;
             balance::balance(&best.layout, &mut best.candidate.x, source.albedo());
             best
         }
@@ -123,14 +124,24 @@ struct Problem<'a> {
 impl<'a> Problem<'a> {
     fn stages(&self, emphasis: Emphasis) -> Vec<Stage> {
         let looks = if let Data::Source(_) = self.data { LOOKS } else { 0 };
-        stages(self.settings, emphasis.energy, looks)
+        schedule::stages(self.settings, emphasis.energy, looks)
+    }
+
+    /// The stages for so many that have been through them: all that follow the scouting. The first of them moves a fit to minima that
+    /// the last ones, which are short, do not reach.
+    fn stages_again(&self, emphasis: Emphasis, keep: usize, exchanges: usize) -> Vec<Stage> {
+        let stages = self.stages(emphasis).into_iter().filter(|stage| stage.full);
+        stages.map(|stage| stage.again(keep, exchanges)).collect()
     }
 
     /// The best of all starts, and the last that was given up.
     fn solve(&self, emphasis: Emphasis, work: &mut Work<'_>) -> Result<Vec<Finalist<'a>>, FitError> {
         let Self { data, settings, table, knots } = *self;
         let stages = self.stages(emphasis);
-        work.total += stages.iter().map(Stage::work).sum::<usize>();
+        work.total = schedule::work(&stages);
+        if let Data::Source(_) = data {
+            work.total += schedule::work(&self.stages_again(emphasis, 1, settings.exchanges));
+        }
         let (scouting, refining) = stages.split_at(stages.partition_point(|stage| !stage.full));
         let shapes = settings.shapes(matches!(data, Data::Source(_)));
         let layouts = shapes.into_iter().map(|(squeezed, mirrored)| {
@@ -163,60 +174,72 @@ impl<'a> Problem<'a> {
         Ok(finalists)
     }
 
-    /// Moves finalists again if the first misses a goal, from where they ended, with more and more weight on what they miss, as long
-    /// as they may become better than what there is; returns the best that there was.
-    fn mend(
+    /// Goes on with finalists, from where they ended, as long as they may become better than what there is; returns the best that
+    /// there was. Those that miss a goal are moved with more and more weight on it. One that misses none, at first or after the first of
+    /// these rounds, has lobes exchanged.
+    fn improve(
         &self,
         source: &dyn Source,
         mut finalists: Vec<Finalist<'a>>,
         work: &mut Work<'_>,
     ) -> Result<Finalist<'a>, FitError> {
-        if finalists[0].missed() == 0 {
-            return Ok(finalists.swap_remove(0));
-        }
         let (mut best, mut emphasis) = (finalists[0].clone(), LIGHT);
-        for _ in 0..REMEDIES {
-            finalists.retain(|f| f.error() < WORTHWHILE * best.final_rank());
-            if finalists.is_empty() {
-                break;
-            }
-            if finalists.iter().any(|f| !f.keeps_energy()) {
-                emphasis.energy = (MORE_ENERGY * emphasis.energy).min(MOST_ENERGY);
-            }
-            let mut is_widened = false;
-            for finalist in finalists.iter_mut().filter(|f| !f.has_small_weights()) {
-                is_widened |= emphasis.tail >= HEAVY_TAIL && finalist.widen();
-            }
-            if !is_widened && finalists.iter().any(|f| !f.has_small_weights() || !f.has_small_variances()) {
-                emphasis.tail = (MORE_TAIL * emphasis.tail).max(HEAVY_TAIL);
-            }
-            self.again(source, &mut finalists, emphasis, work)?;
+        if best.missed() == 0 {
+            finalists.truncate(1);
+        }
+        for round in 0..ROUNDS {
+            // Then it is the only one.
+            let meets_all = finalists[0].missed() == 0;
+            emphasis = emphasized(&mut finalists, emphasis);
+            let exchanges = if meets_all { self.settings.exchanges } else { 0 };
+            self.again(source, &mut finalists, (emphasis, exchanges), work)?;
             for finalist in &finalists {
                 if finalist.final_rank() < best.final_rank() {
                     best = finalist.clone();
                 }
             }
-            finalists.retain(|f| f.missed() > 0);
+            finalists.retain(|f| f.missed() > 0 && f.error() < WORTHWHILE * best.final_rank());
+            if finalists.is_empty() {
+                if round > 0 || meets_all || best.missed() > 0 {
+                    break;
+                }
+                finalists.push(best.clone());
+            }
         }
         Ok(best)
     }
 
-    /// Takes what has been fitted through all that follows the scouting again: the first of these stages moves it to minima
-    /// that the last ones, which are short, do not reach.
+    /// Takes finalists through a round.
     fn again(
         &self,
         source: &dyn Source,
         finalists: &mut [Finalist<'a>],
-        emphasis: Emphasis,
+        (emphasis, exchanges): (Emphasis, usize),
         work: &mut Work<'_>,
     ) -> Result<(), FitError> {
-        let stages = self.stages(emphasis).into_iter().filter(|stage| stage.full);
-        let stages: Vec<Stage> = stages.map(|stage| stage.again(finalists.len())).collect();
-        work.total += stages.iter().map(Stage::work).sum::<usize>();
+        let stages = self.stages_again(emphasis, finalists.len(), exchanges);
+        work.total = work.total.max(work.done + schedule::work(&stages));
         for stage in &stages {
             refine(self.data, finalists, emphasis.tail, stage, work)?;
             work.done += stage.work();
         }
         finalists.par_iter_mut().try_for_each(|finalist| finalist.look(source, LOOKS))
     }
+}
+
+/// What finalists are moved with next: more weight on the goals that they miss, and a lobe that is kept wide in those whose weights
+/// stay large.
+fn emphasized(finalists: &mut [Finalist<'_>], before: Emphasis) -> Emphasis {
+    let mut emphasis = before;
+    if finalists.iter().any(|f| !f.keeps_energy()) {
+        emphasis.energy = (MORE_ENERGY * emphasis.energy).min(MOST_ENERGY);
+    }
+    let mut is_widened = false;
+    for finalist in finalists.iter_mut().filter(|f| !f.has_small_weights()) {
+        is_widened |= emphasis.tail >= HEAVY_TAIL && finalist.widen();
+    }
+    if !is_widened && finalists.iter().any(|f| !f.has_small_weights() || !f.has_small_variances()) {
+        emphasis.tail = (MORE_TAIL * emphasis.tail).max(HEAVY_TAIL);
+    }
+    emphasis
 }

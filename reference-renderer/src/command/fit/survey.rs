@@ -133,16 +133,16 @@ fn examine(
         seconds: fit.report.seconds,
         ..Row::default()
     };
+    let halfway = dense::judging_table(brdf, &dense::halfway(thetas))?;
+    row.same_views = error(&lobes, &halfway)?;
     if let Some(settings) = thesis {
         let at_views = dense::judging_table(brdf, thetas)?;
-        let halfway = dense::judging_table(brdf, &dense::halfway(thetas))?;
         let start = Instant::now();
         let fit = thesis::fit_brdf(brdf, thetas, settings)?;
         row.thesis_seconds = start.elapsed().as_secs_f64();
         row.thesis_fit = error(&fit, &at_views)?;
         let between = judge(&fit, &halfway)?;
         row.eq9 = 100.0 * mean_error(&between);
-        row.same_views = error(&lobes, &halfway)?;
         row.eq9_two = error(&fit.blended_over(Neighbours::Two), &halfway)?;
         let low = between.iter().filter(|v| v.theta.to_degrees() <= JUDGED);
         row.thesis_variance = row::quantile(low.map(|v| v.variance).collect(), 0.5);
