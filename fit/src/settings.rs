@@ -18,7 +18,7 @@ pub struct Settings {
     /// (the error over samples and views left out is the same), and pairs cost time.
     pub mirrored: Option<usize>,
     /// Weight of the roughness from view to view. Smaller fits the samples better, larger what lies between them. What can be
-    /// evaluated anywhere is fitted with two fifths of it.
+    /// evaluated anywhere is fitted with two fifths of it, and with an eighth once the best has had lobes exchanged.
     pub smoothness: f64,
     /// Starting points tried; the best are refined. Of samples, two thirds as many, as fewer shapes are tried; of what can be
     /// evaluated anywhere, twice as many for 5 to 8 lobes, three times for 4, four times for fewer.
@@ -27,7 +27,8 @@ pub struct Settings {
     pub steps: usize,
     /// Most times that the lobe that is missed least is put where it is missed most; it ends after six in a row that lower the
     /// cost by less than a thousandth. Of samples, from each of the three best starting points; of what can be evaluated anywhere,
-    /// two thirds of it from four, one of each shape, then all of it from three (more for fewer lobes, as of the starts).
+    /// two thirds of it from four, one of each shape, then all of it from three (more for fewer lobes, as of the starts), and again all
+    /// of it from the best, if that misses no goal.
     pub exchanges: usize,
     /// Views of the material, placed where it changes; only for what can be evaluated anywhere. 15 are 4.1 kB with 12 lobes. Lobes
     /// in mirrored pairs are fewer bytes: an isotropic material that has some gets as many more views as those take.

@@ -78,7 +78,7 @@ pub struct SettingArgs {
     /// Most steps of the solver in the refinement.
     #[arg(long)]
     steps: Option<usize>,
-    /// Most times that a lobe is exchanged, in all stages.
+    /// Most times that a lobe is exchanged, in each of the stages that do so.
     #[arg(long)]
     exchanges: Option<usize>,
     /// Views of the material, placed where it changes; for files that have a value for every pair of directions. With lobes in
