@@ -174,9 +174,9 @@ impl<'a> Problem<'a> {
         Ok(finalists)
     }
 
-    /// Goes on with finalists, from where they ended, as long as they may become better than what there is; returns the best that
-    /// there was. Those that miss a goal are moved with more and more weight on it. One that misses none, at first or after the first of
-    /// these rounds, has lobes exchanged.
+    /// Goes on with finalists, from where they ended, and returns the best that there was. Those that miss a goal are moved with more
+    /// and more weight on it, after the first round as long as they may become better than the best. One that misses none, at first or
+    /// after the first round, has lobes exchanged.
     fn improve(
         &self,
         source: &dyn Source,
