@@ -429,12 +429,16 @@ fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<N>, u: [L; 3]) -> [L; 
     draw(&frame, choice, u[1], u[2])
 }
 
-/// Draws one direction: lanes are lobes while the lobe is searched.
+/// Draws one direction, and what it is to be multiplied by to be of length 1: lanes are lobes while the lobe is searched. Without `SEEN`,
+/// for a mixture that neither turns nor squeezes it, that is 1 but for rounding.
 #[inline(always)]
-pub(crate) fn sample_one<L: Lanes, const N: usize>(m: &Mixture<N>, u: [f32; 3]) -> [f32; 3] {
+pub(crate) fn draw_one<L: Lanes, const N: usize, const SEEN: bool>(
+    m: &Mixture<N>,
+    u: [f32; 3],
+) -> ([f32; 3], f32) {
     let target = u[0] * m.power;
     let k = chosen_lobe::<L, N>(m, target);
-    draw_one::<L::One, N>(m, k, target, u)
+    draw_from::<L::One, N, SEEN>(m, k, target, u)
 }
 
 /// The lobe at a place on the running sum of powers.
@@ -452,12 +456,12 @@ pub(crate) fn chosen_lobe<L: Lanes, const N: usize>(m: &Mixture<N>, target: f32)
 
 /// Draws one direction from lobe `k`, or the diffuse term; `L` has one lane.
 #[inline(always)]
-fn draw_one<L: Lanes<Index = usize>, const N: usize>(
+fn draw_from<L: Lanes<Index = usize>, const N: usize, const SEEN: bool>(
     m: &Mixture<N>,
     k: usize,
     target: f32,
     u: [f32; 3],
-) -> [f32; 3] {
+) -> ([f32; 3], f32) {
     let choice = Choice {
         axis: [L::splat(m.axis_x[k]), L::splat(m.axis_y[k]), L::splat(m.axis_z[k])],
         inside: L::splat(m.inside[k]),
@@ -466,8 +470,9 @@ fn draw_one<L: Lanes<Index = usize>, const N: usize>(
         is_squeezed: L::index_below(k, m.squeezed),
         is_lobe: L::splat(target).lt(L::splat(m.lobes_power)),
     };
-    let [x, y, z] = draw(&Frame::new(m), choice, L::splat(u[1]), L::splat(u[2]));
-    [x.first(), y.first(), z.first()]
+    let frame = Frame { any_squeezed: SEEN && m.squeezed > 0, ..Frame::new(m) };
+    let ([x, y, z], inverse) = draw_unscaled::<L, SEEN>(&frame, choice, L::splat(u[1]), L::splat(u[2]));
+    ([x.first(), y.first(), z.first()], inverse.first())
 }
 
 /// The place on the running sum of powers that a uniform number stands for.
@@ -480,16 +485,30 @@ pub(crate) fn chosen_power<L: Lanes, const N: usize>(m: &Mixture<N>, u: L) -> L 
 /// Draws directions from chosen lobes.
 #[inline(always)]
 pub(crate) fn draw<L: Lanes>(frame: &Frame<L>, choice: Choice<L>, u: L, turns: L) -> [L; 3] {
+    let (d, inverse) = draw_unscaled::<L, true>(frame, choice, u, turns);
+    scale(d, inverse)
+}
+
+/// Draws directions, and what they are to be multiplied by to be of length 1. `SEEN`: they are turned.
+#[inline(always)]
+fn draw_unscaled<L: Lanes, const SEEN: bool>(
+    frame: &Frame<L>,
+    choice: Choice<L>,
+    u: L,
+    turns: L,
+) -> ([L; 3], L) {
     let one = L::splat(1.0);
     // One direction is a chain of dependent operations: what does not wait for the lobe, and then what does not wait for the
     // logarithm, is done beside that.
     // Angle from the axis, as cos - 1: see special::one_minus_cos.
-    let mut fall = cos_minus_one(u, choice.inside, choice.gone, choice.inverse_sharpness);
+    let [mut fall, above] = cos_minus_one(u, choice.inside, choice.gone, choice.inverse_sharpness);
+    let mut sin_squared = fall * above;
     let [mut x, mut y, mut z] = choice.axis;
     let mut is_squeezed = choice.is_squeezed;
     // The diffuse term is cosine-weighted round the normal: sqrt(1 - u) - 1, without cancellation.
     if frame.any_diffuse {
         fall = L::select(choice.is_lobe, fall, u / (L::splat(-1.0) - (one - u).sqrt()));
+        sin_squared = L::select(choice.is_lobe, sin_squared, u);
         x = x.keep(choice.is_lobe);
         y = y.keep(choice.is_lobe);
         z = L::select(choice.is_lobe, z, one);
@@ -505,8 +524,8 @@ pub(crate) fn draw<L: Lanes>(frame: &Frame<L>, choice: Choice<L>, u: L, turns: L
         across(frame.in_plane, [x, y, z], sign, [cos_phi, sin_phi], [sign * cos_phi, sign * sin_phi])
     };
 
-    // Negative, but for rounding at the far end.
-    let sin_theta = (fall * (L::splat(2.0) + fall)).abs().sqrt();
+    // A lobe's is negative, but for rounding at the far end.
+    let sin_theta = sin_squared.abs().sqrt();
     // The axis is added last and whole: `axis cos` would round a narrow lobe to the grid round its axis.
     let mut d = [
         x + side_x.mul_add(sin_theta, x * fall),
@@ -529,7 +548,7 @@ pub(crate) fn draw<L: Lanes>(frame: &Frame<L>, choice: Choice<L>, u: L, turns: L
         // What is not squeezed has a length of 1 but for rounding, and one step of Newton's is exact.
         length_squared.neg_mul_add(L::splat(0.5), L::splat(1.5))
     };
-    scale(turn_back(d, frame.azimuth), inverse)
+    (if SEEN { turn_back(d, frame.azimuth) } else { d }, inverse)
 }
 
 /// The unit vector across an axis at an azimuth, in the frame of Duff et al. 2017: tangent and bitangent are
@@ -555,9 +574,9 @@ fn across<L: Lanes>(
 }
 
 /// `ln(1 - u inside) / s` with `inside = 1 - exp(-2 s)` and `gone = exp(-2 s)`, both to full precision; rounding may
-/// leave it a little below -2.
+/// leave it a little below -2. And that plus 2.
 #[inline(always)]
-fn cos_minus_one<L: Lanes>(u: L, inside: L, gone: L, inverse_sharpness: L) -> L {
+fn cos_minus_one<L: Lanes>(u: L, inside: L, gone: L, inverse_sharpness: L) -> [L; 2] {
     let one = L::splat(1.0);
     // u = 1 at a large sharpness: a small number stands for 0.
     let left = (one - u).max(L::splat(1e-30));

@@ -167,9 +167,9 @@ fn exp2_above<L: Lanes, const SOON: bool>(t: L, least: f32) -> L {
 }
 
 /// `(ln x + rest) factor` of a positive normal number and a small one; relative error of the logarithm below 2e-7 away from 1, absolute
-/// 1e-7 times `|x - 1|` near it.
+/// 1e-7 times `|x - 1|` near it. And that plus 2.
 #[inline(always)]
-pub fn ln_plus_times<L: Lanes>(x: L, rest: L, factor: L) -> L {
+pub fn ln_plus_times<L: Lanes>(x: L, rest: L, factor: L) -> [L; 2] {
     let (m, e) = x.split_exponent();
     let f = m - L::splat(1.0);
     // ln(1 + f) = f - f^2 / 2 + f^3 p(f); Cephes logf, Moshier 1992.
@@ -182,10 +182,13 @@ pub fn ln_plus_times<L: Lanes>(x: L, rest: L, factor: L) -> L {
     let p6 = f.mul_add(L::splat(-1.151_461e-1), L::splat(1.167_699_84e-1));
     let p4 = ffff.mul_add(L::splat(7.037_683_6e-2), ff.mul_add(p6, p4));
     let p = ffff.mul_add(p4, ff.mul_add(p2, p0));
-    // All that does not wait for the polynomial is done beside it: two operations are left.
+    // All that does not wait for the polynomial is done beside it: two operations are left, also of the sum with 2 where they are
+    // waited for.
     const PLACE: f32 = 1.0 / 8_388_608.0;
     let low = ff.neg_mul_add(L::splat(0.5), e.mul_add(L::splat(-2.121_944_4e-4 * PLACE), rest));
-    p.mul_add(f * ff, low).mul_add(factor, e.mul_add(L::splat(0.693_359_4 * PLACE), f) * factor)
+    let (small, large) = (p.mul_add(f * ff, low), e.mul_add(L::splat(0.693_359_4 * PLACE), f) * factor);
+    let (product, two) = (small.mul_add(factor, large), L::splat(2.0));
+    [product, if L::COUNT == 1 { small.mul_add(factor, large + two) } else { product + two }]
 }
 
 /// 1.5 2^23: added to a small number it leaves the nearest whole number in the low bits.

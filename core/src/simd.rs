@@ -34,6 +34,13 @@ pub(crate) trait One<State> {
     fn run<L: Lanes>(state: &State, numbers: [f32; 3]) -> Self::Output;
 }
 
+/// Text that draws a direction from three uniform numbers.
+pub(crate) trait Draw<State> {
+    /// The direction, and what it is to be multiplied by to be of length 1, which it is but for rounding. The text; as in
+    /// [`Routine`].
+    fn run<L: Lanes>(state: &State, numbers: [f32; 3]) -> ([f32; 3], f32);
+}
+
 impl Level {
     /// Runs a routine in the instruction set of this level.
     #[inline]
@@ -66,6 +73,28 @@ impl Level {
             #[cfg(feature = "simd")]
             Self::Portable => one_portable::<S, R>(state, a, b, c),
             _ => one_scalar::<S, R>(state, a, b, c),
+        }
+    }
+
+    /// Draws a direction, and runs a routine for it, in the instruction set of this level. The routine does not wait for the last step
+    /// to the direction's length of 1.
+    #[inline]
+    #[allow(unsafe_code)]
+    pub(crate) fn draw_one<S, D: Draw<S>, R: One<S>>(
+        self,
+        state: &S,
+        [a, b, c]: [f32; 3],
+    ) -> ([f32; 3], R::Output) {
+        match self {
+            #[cfg(all(feature = "simd", target_arch = "x86_64"))]
+            // SAFETY: a mixture's level, and what is passed here, is what `Level::current` gave or `is_available` allowed.
+            Self::Avx512 => unsafe { draw_avx512::<S, D, R>(state, a, b, c) },
+            #[cfg(all(feature = "simd", target_arch = "x86_64"))]
+            // SAFETY: as above.
+            Self::Avx2 => unsafe { draw_avx2::<S, D, R>(state, a, b, c) },
+            #[cfg(feature = "simd")]
+            Self::Portable => draw_portable::<S, D, R>(state, a, b, c),
+            _ => draw_scalar::<S, D, R>(state, a, b, c),
         }
     }
 }
@@ -114,4 +143,43 @@ fn one_portable<S, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> R::Output {
 #[inline(never)]
 fn one_scalar<S, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> R::Output {
     R::run::<f32>(state, [a, b, c])
+}
+
+// The routine is a call of its own: in one function, both have too few registers.
+
+/// A direction times a number, and what was made of it.
+#[inline(always)]
+fn scaled<T>([x, y, z]: [f32; 3], by: f32, then: T) -> ([f32; 3], T) {
+    ([x * by, y * by, z * by], then)
+}
+
+/// Draws without vectors of 512 bits, as [`One::IS_WIDE`] says why.
+#[cfg(all(feature = "simd", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]
+#[allow(unsafe_code)]
+fn draw_avx512<S, D: Draw<S>, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> ([f32; 3], R::Output) {
+    let ([x, y, z], inverse) = D::run::<avx2::Avx2>(state, [a, b, c]);
+    // SAFETY: `Level::draw_one` comes here for a level that has it.
+    let then = unsafe { one_avx512::<S, R>(state, x, y, z) };
+    scaled([x, y, z], inverse, then)
+}
+
+#[cfg(all(feature = "simd", target_arch = "x86_64"))]
+#[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]
+fn draw_avx2<S, D: Draw<S>, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> ([f32; 3], R::Output) {
+    let ([x, y, z], inverse) = D::run::<avx2::Avx2>(state, [a, b, c]);
+    scaled([x, y, z], inverse, one_avx2::<S, R>(state, x, y, z))
+}
+
+#[cfg(feature = "simd")]
+#[inline(never)]
+fn draw_portable<S, D: Draw<S>, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> ([f32; 3], R::Output) {
+    let ([x, y, z], inverse) = D::run::<portable::Wide>(state, [a, b, c]);
+    scaled([x, y, z], inverse, one_portable::<S, R>(state, x, y, z))
+}
+
+#[inline(never)]
+fn draw_scalar<S, D: Draw<S>, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> ([f32; 3], R::Output) {
+    let ([x, y, z], inverse) = D::run::<f32>(state, [a, b, c]);
+    scaled([x, y, z], inverse, one_scalar::<S, R>(state, x, y, z))
 }

@@ -1,10 +1,10 @@
 //! One direction: lanes are lobes, for renderers that shade a point at a time.
 #![allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
 
-use crate::batch::sample_one;
+use crate::batch::draw_one;
 use crate::lanes::{Lanes, falloff, falloff_soon, splat3};
 use crate::mixture::lowest_bits;
-use crate::simd::One;
+use crate::simd::{Draw, One};
 use crate::squeeze::Seen;
 use crate::two::Two;
 use crate::{Domain, Mixture};
@@ -35,6 +35,16 @@ impl<const N: usize, const SEEN: bool> One<Mixture<N>> for PdfOne<SEEN> {
     }
 }
 
+/// A direction from three uniform numbers, for a mixture that neither turns nor squeezes it.
+pub(crate) struct PlainDraw;
+
+impl<const N: usize> Draw<Mixture<N>> for PlainDraw {
+    #[inline(always)]
+    fn run<L: Lanes>(m: &Mixture<N>, u: [f32; 3]) -> ([f32; 3], f32) {
+        draw_one::<L, N, false>(m, u)
+    }
+}
+
 /// A direction from three uniform numbers.
 pub(crate) struct DirectionOne;
 
@@ -43,7 +53,8 @@ impl<const N: usize> One<Mixture<N>> for DirectionOne {
     const IS_WIDE: bool = false;
     #[inline(always)]
     fn run<L: Lanes>(m: &Mixture<N>, u: [f32; 3]) -> Vec3 {
-        Vec3::from_array(sample_one::<L, N>(m, u))
+        let ([x, y, z], inverse) = draw_one::<L, N, true>(m, u);
+        Vec3::new(x * inverse, y * inverse, z * inverse)
     }
 }
 
