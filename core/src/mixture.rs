@@ -3,7 +3,7 @@
 use crate::lanes::{Lanes, dot3, exp2, splat3};
 use crate::leave_out::LeaveOut;
 use crate::simd::Level;
-use crate::single::{DirectionOne, EvaluateOne, PdfOne, PlainDraw};
+use crate::single::{DirectionOne, Drawn, EvaluateOne, PdfOne};
 use crate::squeeze::Squeeze;
 use crate::{Error, Gaussian, Lobe};
 use core::f32::consts::{LOG2_E, PI};
@@ -555,34 +555,34 @@ impl<const N: usize> Mixture<N> {
     /// Source: Weng and Shih 2006, section 4.2.2, eq. 14; differs: what falls below the horizon is mirrored up.
     #[inline]
     pub fn sample(&self, u: [f32; 3]) -> Option<Sample> {
-        if self.is_plain() && self.power > 0.0 {
-            let (direction, value) = self.level.draw_one::<_, PlainDraw, EvaluateOne<false>>(self, u);
-            return self.sample_with(Vec3::from_array(direction), value);
-        }
-        let direction = self.sample_direction(u)?;
-        self.sample_with(direction, self.evaluate(direction))
+        if self.is_plain() { self.sample_as::<false>(u) } else { self.sample_as::<true>(u) }
     }
 
-    /// The sample of a direction of such a value.
     #[inline(always)]
-    fn sample_with(&self, direction: Vec3, value: Vec3) -> Option<Sample> {
+    fn sample_as<const SEEN: bool>(&self, u: [f32; 3]) -> Option<Sample> {
+        if self.power <= 0.0 {
+            return None;
+        }
+        let (direction, value) = self.level.draw_one::<_, Drawn<SEEN>, EvaluateOne<SEEN>>(self, u);
         let pdf = luminance(value) * self.inverse_power;
         // A density that f32 rounds to 0 cannot be divided by: far out in a tail, where the value is 0 too.
-        (pdf > 0.0).then_some(Sample { direction, pdf, value })
+        (pdf > 0.0).then_some(Sample { direction: Vec3::from_array(direction), pdf, value })
     }
 
     /// Draws only direction and density of [`sample`](Self::sample), for callers that take the value elsewhere: one colour channel in
     /// place of three.
     #[inline]
     pub fn sample_pdf(&self, u: [f32; 3]) -> Option<(Vec3, f32)> {
-        // Not one `if` with two results: a direction that two calls may have made is copied, which waits for its parts to be stored.
-        if self.is_plain() && self.power > 0.0 {
-            let (direction, pdf) = self.level.draw_one::<_, PlainDraw, PdfOne<false>>(self, u);
-            return (pdf > 0.0).then_some((Vec3::from_array(direction), pdf));
+        if self.is_plain() { self.sample_pdf_as::<false>(u) } else { self.sample_pdf_as::<true>(u) }
+    }
+
+    #[inline(always)]
+    fn sample_pdf_as<const SEEN: bool>(&self, u: [f32; 3]) -> Option<(Vec3, f32)> {
+        if self.power <= 0.0 {
+            return None;
         }
-        let direction = self.sample_direction(u)?;
-        let pdf = self.pdf(direction);
-        (pdf > 0.0).then_some((direction, pdf))
+        let (direction, pdf) = self.level.draw_one::<_, Drawn<SEEN>, PdfOne<SEEN>>(self, u);
+        (pdf > 0.0).then_some((Vec3::from_array(direction), pdf))
     }
 
     /// Draws only the direction of [`sample`](Self::sample), for callers that take value and density elsewhere.

@@ -35,13 +35,15 @@ impl<const N: usize, const SEEN: bool> One<Mixture<N>> for PdfOne<SEEN> {
     }
 }
 
-/// A direction from three uniform numbers, for a mixture that neither turns nor squeezes it.
-pub(crate) struct PlainDraw;
+/// A direction from three uniform numbers, and what follows. `SEEN`: for a mixture that turns or squeezes it.
+pub(crate) struct Drawn<const SEEN: bool>;
 
-impl<const N: usize> Draw<Mixture<N>> for PlainDraw {
+impl<const N: usize, const SEEN: bool> Draw<Mixture<N>> for Drawn<SEEN> {
     #[inline(always)]
     fn run<L: Lanes>(m: &Mixture<N>, u: [f32; 3]) -> ([f32; 3], f32) {
-        draw_one::<L, N, false>(m, u)
+        let (d, inverse) = draw_one::<L, N, SEEN>(m, u);
+        // What was squeezed has another length.
+        if SEEN { ([d[0] * inverse, d[1] * inverse, d[2] * inverse], 1.0) } else { (d, inverse) }
     }
 }
 
