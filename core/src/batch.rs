@@ -501,14 +501,14 @@ fn draw_unscaled<L: Lanes, const SEEN: bool>(
     // One direction is a chain of dependent operations: what does not wait for the lobe, and then what does not wait for the
     // logarithm, is done beside that.
     // Angle from the axis, as cos - 1: see special::one_minus_cos.
-    let [mut fall, above] = cos_minus_one(u, choice.inside, choice.gone, choice.inverse_sharpness);
-    let mut sin_squared = fall * above;
+    let [mut fall, mut above] = cos_minus_one(u, choice.inside, choice.gone, choice.inverse_sharpness);
     let [mut x, mut y, mut z] = choice.axis;
     let mut is_squeezed = choice.is_squeezed;
     // The diffuse term is cosine-weighted round the normal: sqrt(1 - u) - 1, without cancellation.
     if frame.any_diffuse {
-        fall = L::select(choice.is_lobe, fall, u / (L::splat(-1.0) - (one - u).sqrt()));
-        sin_squared = L::select(choice.is_lobe, sin_squared, u);
+        let flat = u / (L::splat(-1.0) - (one - u).sqrt());
+        fall = L::select(choice.is_lobe, fall, flat);
+        above = L::select(choice.is_lobe, above, flat + L::splat(2.0));
         x = x.keep(choice.is_lobe);
         y = y.keep(choice.is_lobe);
         z = L::select(choice.is_lobe, z, one);
@@ -524,8 +524,8 @@ fn draw_unscaled<L: Lanes, const SEEN: bool>(
         across(frame.in_plane, [x, y, z], sign, [cos_phi, sin_phi], [sign * cos_phi, sign * sin_phi])
     };
 
-    // A lobe's is negative, but for rounding at the far end.
-    let sin_theta = sin_squared.abs().sqrt();
+    // Negative, but for rounding at the far end.
+    let sin_theta = (fall * above).abs().sqrt();
     // The axis is added last and whole: `axis cos` would round a narrow lobe to the grid round its axis.
     let mut d = [
         x + side_x.mul_add(sin_theta, x * fall),

@@ -182,13 +182,13 @@ pub fn ln_plus_times<L: Lanes>(x: L, rest: L, factor: L) -> [L; 2] {
     let p6 = f.mul_add(L::splat(-1.151_461e-1), L::splat(1.167_699_84e-1));
     let p4 = ffff.mul_add(L::splat(7.037_683_6e-2), ff.mul_add(p6, p4));
     let p = ffff.mul_add(p4, ff.mul_add(p2, p0));
-    // All that does not wait for the polynomial is done beside it: two operations are left, also of the sum with 2 where they are
-    // waited for.
+    // All that does not wait for the polynomial is done beside it: two operations are left, also of the sum with 2 where one number is
+    // waited for. Without fused operations its digits would be others than those that fits have seen.
     const PLACE: f32 = 1.0 / 8_388_608.0;
     let low = ff.neg_mul_add(L::splat(0.5), e.mul_add(L::splat(-2.121_944_4e-4 * PLACE), rest));
     let (small, large) = (p.mul_add(f * ff, low), e.mul_add(L::splat(0.693_359_4 * PLACE), f) * factor);
     let (product, two) = (small.mul_add(factor, large), L::splat(2.0));
-    [product, if L::COUNT == 1 { small.mul_add(factor, large + two) } else { product + two }]
+    [product, if L::FUSED && L::COUNT == 1 { small.mul_add(factor, large + two) } else { product + two }]
 }
 
 /// 1.5 2^23: added to a small number it leaves the nearest whole number in the low bits.
