@@ -2,6 +2,7 @@
 //! mixture with a defensive component, whose weights are bounded.
 
 use crate::batch::{chosen_power, draw_one};
+use crate::lanes::scale;
 use crate::lobe::where_around;
 use crate::{Domain, Error, Kernel, MAX_LOBES, Mixture, Sample, float, special};
 use core::f32::consts::{FRAC_1_PI, PI};
@@ -298,7 +299,7 @@ impl<'a, const N: usize> Defensive<'a, N> {
         } else {
             let lobe = ((u[0] - self.share) / (1.0 - self.share)).min(1.0 - f32::EPSILON / 2.0);
             let (d, inverse) = draw_one::<f32, N, true>(self.mixture, [lobe, u[1], u[2]]);
-            Vec3::from_array(d) * inverse
+            Vec3::from_array(scale(d, inverse))
         };
         let (value, pdf) = self.mixture.evaluate_and_pdf(direction);
         let pdf = self.mix(direction, pdf);

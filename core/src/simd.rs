@@ -12,7 +12,7 @@ mod portable;
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 pub(crate) mod sse2;
 
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, scale};
 pub use detect::Level;
 
 /// Text that can run at any level.
@@ -147,39 +147,36 @@ fn one_scalar<S, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> R::Output {
 
 // The routine is a call of its own: in one function, both have too few registers.
 
-/// A direction times a number, and what was made of it.
-#[inline(always)]
-fn scaled<T>([x, y, z]: [f32; 3], by: f32, then: T) -> ([f32; 3], T) {
-    ([x * by, y * by, z * by], then)
-}
-
 /// Draws without vectors of 512 bits, as [`One::IS_WIDE`] says why.
 #[cfg(all(feature = "simd", target_arch = "x86_64"))]
 #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]
 #[allow(unsafe_code)]
 fn draw_avx512<S, D: Draw<S>, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> ([f32; 3], R::Output) {
-    let ([x, y, z], inverse) = D::run::<avx2::Avx2>(state, [a, b, c]);
+    let (d, inverse) = D::run::<avx2::Avx2>(state, [a, b, c]);
     // SAFETY: `Level::draw_one` comes here for a level that has it.
-    let then = unsafe { one_avx512::<S, R>(state, x, y, z) };
-    scaled([x, y, z], inverse, then)
+    let then = unsafe { one_avx512::<S, R>(state, d[0], d[1], d[2]) };
+    (scale(d, inverse), then)
 }
 
 #[cfg(all(feature = "simd", target_arch = "x86_64"))]
 #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]
 fn draw_avx2<S, D: Draw<S>, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> ([f32; 3], R::Output) {
-    let ([x, y, z], inverse) = D::run::<avx2::Avx2>(state, [a, b, c]);
-    scaled([x, y, z], inverse, one_avx2::<S, R>(state, x, y, z))
+    let (d, inverse) = D::run::<avx2::Avx2>(state, [a, b, c]);
+    let then = one_avx2::<S, R>(state, d[0], d[1], d[2]);
+    (scale(d, inverse), then)
 }
 
 #[cfg(feature = "simd")]
 #[inline(never)]
 fn draw_portable<S, D: Draw<S>, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> ([f32; 3], R::Output) {
-    let ([x, y, z], inverse) = D::run::<portable::Wide>(state, [a, b, c]);
-    scaled([x, y, z], inverse, one_portable::<S, R>(state, x, y, z))
+    let (d, inverse) = D::run::<portable::Wide>(state, [a, b, c]);
+    let then = one_portable::<S, R>(state, d[0], d[1], d[2]);
+    (scale(d, inverse), then)
 }
 
 #[inline(never)]
 fn draw_scalar<S, D: Draw<S>, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> ([f32; 3], R::Output) {
-    let ([x, y, z], inverse) = D::run::<f32>(state, [a, b, c]);
-    scaled([x, y, z], inverse, one_scalar::<S, R>(state, x, y, z))
+    let (d, inverse) = D::run::<f32>(state, [a, b, c]);
+    let then = one_scalar::<S, R>(state, d[0], d[1], d[2]);
+    (scale(d, inverse), then)
 }

@@ -2,7 +2,7 @@
 #![allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
 
 use crate::batch::draw_one;
-use crate::lanes::{Lanes, falloff, falloff_soon, splat3};
+use crate::lanes::{Lanes, falloff, falloff_soon, scale, splat3};
 use crate::mixture::lowest_bits;
 use crate::simd::{Draw, One};
 use crate::squeeze::Seen;
@@ -43,7 +43,7 @@ impl<const N: usize, const SEEN: bool> Draw<Mixture<N>> for Drawn<SEEN> {
     fn run<L: Lanes>(m: &Mixture<N>, u: [f32; 3]) -> ([f32; 3], f32) {
         let (d, inverse) = draw_one::<L, N, SEEN>(m, u);
         // What was squeezed has another length.
-        if SEEN { ([d[0] * inverse, d[1] * inverse, d[2] * inverse], 1.0) } else { (d, inverse) }
+        if SEEN { (scale(d, inverse), 1.0) } else { (d, inverse) }
     }
 }
 
@@ -55,8 +55,8 @@ impl<const N: usize> One<Mixture<N>> for DirectionOne {
     const IS_WIDE: bool = false;
     #[inline(always)]
     fn run<L: Lanes>(m: &Mixture<N>, u: [f32; 3]) -> Vec3 {
-        let ([x, y, z], inverse) = draw_one::<L, N, true>(m, u);
-        Vec3::new(x * inverse, y * inverse, z * inverse)
+        let (d, inverse) = draw_one::<L, N, true>(m, u);
+        Vec3::from_array(scale(d, inverse))
     }
 }
 

@@ -113,11 +113,8 @@ impl Settings {
         let scaled = all
             .iter()
             .map(|&(squeezed, mirrored)| ((squeezed * self.lobes).div_ceil(12), mirrored * self.lobes / 12));
-        let streaks: &[(usize, usize)] = if pairs && self.lobes <= FEW_LOBES {
-            &[(self.lobes, 0), (self.lobes.saturating_sub(1), 0)]
-        } else {
-            &[]
-        };
+        let streaks: &[(usize, usize)] =
+            if pairs && self.lobes <= FEW_LOBES { &[(self.lobes, 0), (self.lobes - 1, 0)] } else { &[] };
         let half = self.lobes / 2;
         let more = [(half, 0), (half.saturating_sub(1), usize::from(pairs && half > 0))];
         let most = all.len() + streaks.len();
