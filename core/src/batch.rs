@@ -3,16 +3,21 @@
 //! Structure of arrays in and out, any count, any alignment, no allocation.
 #![allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
 
-use crate::lanes::{Lanes, dot3, falloff, ln_plus_times, scale, sin_cos_turns, splat3};
+use crate::lanes::{
+    Lanes, TOGETHER, dot3, falloff, halves, ln_plus_times, of_halves, scale, sin_cos_turns, splat3,
+};
 use crate::mixture::Mixture;
 use crate::simd::Routine;
 use crate::squeeze::{Seen, turn_back};
-use crate::two::Two;
 use crate::{Domain, Error, LUMINANCE};
 use core::f32::consts::FRAC_1_PI;
 
-/// Widest vector: what a tail is padded to.
+/// Widest vector: what fewer directions than that are padded to.
 const WIDEST: usize = 16;
+
+/// What one stage leaves for the next: a number for each lobe, and one for its fold.
+type Stage<L> = [L; STAGE];
+const STAGE: usize = 16;
 
 impl<const N: usize> Mixture<N> {
     /// Evaluates `f cos` towards n incident directions; 1/sr. Same values as [`evaluate`](Self::evaluate).
@@ -121,7 +126,7 @@ pub(crate) fn same_length(lengths: impl IntoIterator<Item = usize>) -> Result<()
 /// A kernel that takes `I` numbers and gives `O` for each direction.
 trait Block<const I: usize, const O: usize> {
     /// The text, `#[inline(always)]`.
-    fn block<L: Lanes>(&self, inputs: [L; I]) -> [L; O];
+    fn block<L: Lanes>(&self, inputs: [L; I], stage: &mut Stage<L>) -> [L; O];
 }
 
 /// Runs a block over whole slices.
@@ -135,26 +140,34 @@ impl<K: Block<I, O>, const I: usize, const O: usize> Routine for ForEach<'_, K, 
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(mut self) {
-        let n = self.inputs[0].len();
-        let mut at = 0;
-        if L::PAIRED {
-            while at + 2 * L::COUNT <= n {
-                self.step::<Two<L>>(at, n);
-                at += 2 * L::COUNT;
-            }
-        }
-        while at < n {
-            self.step::<L>(at, n);
-            at += L::COUNT;
-        }
+        self.steps::<L::Batch>(0);
     }
 }
 
 impl<K: Block<I, O>, const I: usize, const O: usize> ForEach<'_, K, I, O> {
-    /// Takes `COUNT` inputs from `at` on, or what is left of `n`, by a padded copy.
+    /// Takes all inputs from `at` on, `COUNT` at a time; then half of that; at last one vector, with inputs that have been taken before,
+    /// or padded.
     #[inline(always)]
-    fn step<L: Lanes>(&mut self, at: usize, n: usize) {
-        let left = n - at;
+    fn steps<L: Lanes>(&mut self, mut at: usize) {
+        let n = self.inputs[0].len();
+        // Where no step begins any more; one vector goes on to the end.
+        let end = if L::VECTORS == 1 { n } else { (n + 1).saturating_sub(L::COUNT) };
+        if at < end {
+            let mut stage = [L::splat(0.0); STAGE];
+            while at < end {
+                self.step(at.min(n.saturating_sub(L::COUNT)), &mut stage);
+                at += L::COUNT;
+            }
+        }
+        if L::VECTORS > 1 {
+            self.steps::<L::Half>(at);
+        }
+    }
+
+    /// Takes `COUNT` inputs from `at` on, or all, if there are fewer, by a padded copy.
+    #[inline(always)]
+    fn step<L: Lanes>(&mut self, at: usize, stage: &mut Stage<L>) {
+        let left = self.inputs[0].len() - at;
         let mut vectors = [L::splat(0.0); I];
         for i in 0..I {
             vectors[i] = if left >= L::COUNT {
@@ -162,18 +175,18 @@ impl<K: Block<I, O>, const I: usize, const O: usize> ForEach<'_, K, I, O> {
             } else {
                 // 0.5 is a valid uniform number and a harmless direction.
                 let mut padded = [0.5; WIDEST];
-                padded[..left].copy_from_slice(&self.inputs[i][at..n]);
+                padded[..left].copy_from_slice(&self.inputs[i][at..]);
                 L::load(&padded)
             };
         }
-        let results = self.block.block(vectors);
+        let results = self.block.block(vectors, stage);
         for o in 0..O {
             if left >= L::COUNT {
                 results[o].store(&mut self.outputs[o][at..]);
             } else {
                 let mut padded = [0.0; WIDEST];
                 results[o].store(&mut padded);
-                self.outputs[o][at..n].copy_from_slice(&padded[..left]);
+                self.outputs[o][at..].copy_from_slice(&padded[..left]);
             }
         }
     }
@@ -183,9 +196,9 @@ struct Value<'a, const N: usize>(&'a Mixture<N>);
 
 impl<const N: usize> Block<3, 3> for Value<'_, N> {
     #[inline(always)]
-    fn block<L: Lanes>(&self, d: [L; 3]) -> [L; 3] {
+    fn block<L: Lanes>(&self, d: [L; 3], stage: &mut Stage<L>) -> [L; 3] {
         let m = self.0;
-        sums(m, [&m.red, &m.green, &m.blue], m.diffuse.to_array(), d)
+        sums(m, [&m.red, &m.green, &m.blue], m.diffuse.to_array(), d, stage)
     }
 }
 
@@ -194,9 +207,9 @@ struct Luminance<'a, const N: usize>(&'a Mixture<N>, f32);
 
 impl<const N: usize> Block<3, 1> for Luminance<'_, N> {
     #[inline(always)]
-    fn block<L: Lanes>(&self, d: [L; 3]) -> [L; 1] {
+    fn block<L: Lanes>(&self, d: [L; 3], stage: &mut Stage<L>) -> [L; 1] {
         let m = self.0;
-        let [sum] = sums(m, [&m.luminance], [m.diffuse_power], d);
+        let [sum] = sums(m, [&m.luminance], [m.diffuse_power], d, stage);
         [sum * L::splat(self.1)]
     }
 }
@@ -205,9 +218,9 @@ struct DrawPdf<'a, const N: usize>(&'a Mixture<N>);
 
 impl<const N: usize> Block<3, 4> for DrawPdf<'_, N> {
     #[inline(always)]
-    fn block<L: Lanes>(&self, u: [L; 3]) -> [L; 4] {
+    fn block<L: Lanes>(&self, u: [L; 3], stage: &mut Stage<L>) -> [L; 4] {
         let [x, y, z] = sample_direction(self.0, u);
-        let [pdf] = Luminance(self.0, self.0.inverse_power).block([x, y, z]);
+        let [pdf] = Luminance(self.0, self.0.inverse_power).block([x, y, z], stage);
         [x, y, z, pdf]
     }
 }
@@ -216,10 +229,10 @@ struct Draw<'a, const N: usize>(&'a Mixture<N>);
 
 impl<const N: usize> Block<3, 7> for Draw<'_, N> {
     #[inline(always)]
-    fn block<L: Lanes>(&self, u: [L; 3]) -> [L; 7] {
+    fn block<L: Lanes>(&self, u: [L; 3], stage: &mut Stage<L>) -> [L; 7] {
         let m = self.0;
         let [x, y, z] = sample_direction(m, u);
-        let value = sums(m, [&m.red, &m.green, &m.blue], m.diffuse.to_array(), [x, y, z]);
+        let value = sums(m, [&m.red, &m.green, &m.blue], m.diffuse.to_array(), [x, y, z], stage);
         // The density is the luminance of the value over its integral, and power / luminance is 1 / pdf; where f32
         // rounds the density to 0, the weight is 0 as well.
         let luminance = dot3(value, splat3(LUMINANCE));
@@ -232,11 +245,12 @@ impl<const N: usize> Block<3, 7> for Draw<'_, N> {
 
 /// Sums the lobes and the diffuse term towards a vector of directions, once for each of `C` sets of amplitudes.
 #[inline(always)]
-pub(crate) fn sums<L: Lanes, const N: usize, const C: usize>(
+fn sums<L: Lanes, const N: usize, const C: usize>(
     m: &Mixture<N>,
     amplitudes: [&[f32; N]; C],
     diffuse: [f32; C],
     d: [L; 3],
+    stage: &mut Stage<L>,
 ) -> [L; C] {
     let mut acc = [L::splat(0.0); C];
     let turned = m.squeeze.turn(d);
@@ -244,19 +258,31 @@ pub(crate) fn sums<L: Lanes, const N: usize, const C: usize>(
         let seen = m.squeeze.squeeze(&turned);
         let (from, to) = (0, m.squeezed);
         match (m.in_plane, L::FUSED) {
-            (true, true) => run::<L, N, C, true, true, true>(m, amplitudes, &seen, from, to, &mut acc),
-            (true, false) => run::<L, N, C, true, true, false>(m, amplitudes, &seen, from, to, &mut acc),
-            (false, true) => run::<L, N, C, false, true, true>(m, amplitudes, &seen, from, to, &mut acc),
-            (false, false) => run::<L, N, C, false, true, false>(m, amplitudes, &seen, from, to, &mut acc),
+            (true, true) => run::<L, N, C, true, true, true>(m, amplitudes, &seen, from, to, &mut acc, stage),
+            (true, false) => {
+                run::<L, N, C, true, true, false>(m, amplitudes, &seen, from, to, &mut acc, stage)
+            }
+            (false, true) => {
+                run::<L, N, C, false, true, true>(m, amplitudes, &seen, from, to, &mut acc, stage)
+            }
+            (false, false) => {
+                run::<L, N, C, false, true, false>(m, amplitudes, &seen, from, to, &mut acc, stage)
+            }
         }
         acc = scale(acc, seen.scale);
     }
     let (from, to) = (m.squeezed, m.count);
     match (m.in_plane, m.squeeze.is_turned) {
-        (true, true) => run::<L, N, C, true, true, false>(m, amplitudes, &turned, from, to, &mut acc),
-        (true, false) => run::<L, N, C, true, false, false>(m, amplitudes, &turned, from, to, &mut acc),
-        (false, true) => run::<L, N, C, false, true, false>(m, amplitudes, &turned, from, to, &mut acc),
-        (false, false) => run::<L, N, C, false, false, false>(m, amplitudes, &turned, from, to, &mut acc),
+        (true, true) => run::<L, N, C, true, true, false>(m, amplitudes, &turned, from, to, &mut acc, stage),
+        (true, false) => {
+            run::<L, N, C, true, false, false>(m, amplitudes, &turned, from, to, &mut acc, stage)
+        }
+        (false, true) => {
+            run::<L, N, C, false, true, false>(m, amplitudes, &turned, from, to, &mut acc, stage)
+        }
+        (false, false) => {
+            run::<L, N, C, false, false, false>(m, amplitudes, &turned, from, to, &mut acc, stage)
+        }
     }
     if m.domain == Domain::Hemisphere {
         let zero = L::splat(0.0);
@@ -279,19 +305,20 @@ fn run<L: Lanes, const N: usize, const C: usize, const PLANE: bool, const LOW: b
     from: usize,
     to: usize,
     acc: &mut [L; C],
+    stage: &mut Stage<L>,
 ) {
-    // Stretches of lobes that need their fold, and of lobes that do not: no branch in the loop over either.
     let to = to.min(N);
+    // Stretches of lobes that need their fold, and of lobes that do not: no branch in the loop over either.
     let mut k = from;
     while k < to {
         let ahead = m.folded >> k;
         if ahead & 1 == 1 {
             let end = to.min(k + ahead.trailing_ones() as usize);
-            stretch::<L, N, C, PLANE, LOW, LONG, true>(m, amplitudes, seen, k, end, acc);
+            stretch::<L, N, C, PLANE, LOW, LONG, true>(m, amplitudes, seen, k, end, acc, stage);
             k = end;
         } else {
             let end = to.min(k + ahead.trailing_zeros() as usize);
-            stretch::<L, N, C, PLANE, LOW, LONG, false>(m, amplitudes, seen, k, end, acc);
+            stretch::<L, N, C, PLANE, LOW, LONG, false>(m, amplitudes, seen, k, end, acc, stage);
             k = end;
         }
     }
@@ -314,43 +341,97 @@ fn stretch<
     from: usize,
     to: usize,
     acc: &mut [L; C],
+    stage: &mut Stage<L>,
 ) {
-    let ([x, y, z], [x_low, y_low, z_low]) = (seen.high, seen.low);
+    let to = to.min(N);
     // Axes in the plane share the part across it; its low part would only count relative to itself.
-    let yy = y * y;
-    for k in from..to.min(N) {
-        let mut dx = apart::<L, LONG>(m.axis_x[k], x, seen.length);
-        let mut dz = apart::<L, LONG>(m.axis_z[k], z, seen.length);
-        if LOW {
-            dx = lower::<L, LONG>(dx, x_low);
-            // What is only turned or not made a unit vector has its height in one f32.
-            if !L::FUSED {
-                dz = lower::<L, LONG>(dz, z_low);
+    let yy = seen.high[1] * seen.high[1];
+    if !(L::STAGED && L::VECTORS > TOGETHER) {
+        for k in from..to {
+            let axis = [m.axis_x[k], m.axis_y[k], m.axis_z[k]];
+            let t = exponent::<L, PLANE, LOW, LONG>(axis, m.rate[k], seen, yy);
+            let mut g = falloff(t);
+            if FOLD {
+                g = g + falloff(fold_exponent(m.fold_rate[k], seen, t));
+            }
+            for i in 0..C {
+                acc[i] = g.mul_add(L::splat(amplitudes[i][k]), acc[i]);
             }
         }
-        let chord_squared = if PLANE {
-            dx.mul_add(dx, dz.mul_add(dz, yy))
-        } else {
-            let mut dy = apart::<L, LONG>(m.axis_y[k], y, seen.length);
-            if LOW {
-                dy = lower::<L, LONG>(dy, y_low);
+        return;
+    }
+    // One lobe is a long chain of dependent operations, and a processor sees no further than a few of them ahead. In stages, each a loop
+    // of its own with a short chain, it sees many lobes.
+    let mut k = from;
+    while k < to {
+        let n = (to - k).min(if FOLD { STAGE / 2 } else { STAGE });
+        let (x, y, z) = (&m.axis_x[k..k + n], &m.axis_y[k..k + n], &m.axis_z[k..k + n]);
+        let (rate, fold_rate) = (&m.rate[k..k + n], &m.fold_rate[k..k + n]);
+        for j in 0..n {
+            stage[j] = exponent::<L, PLANE, LOW, LONG>([x[j], y[j], z[j]], rate[j], seen, yy);
+            if FOLD {
+                stage[n + j] = fold_exponent(fold_rate[j], seen, stage[j]);
             }
-            dx.mul_add(dx, dz.mul_add(dz, dy * dy))
-        };
-        let mut rate = L::splat(m.rate[k]);
-        if LONG {
-            rate = rate * seen.inverse_square;
         }
-        let t = rate * chord_squared;
-        let mut g = falloff(t);
+        for j in 0..if FOLD { 2 * n } else { n } {
+            stage[j] = falloff(stage[j]);
+        }
         if FOLD {
-            // |d - mirrored axis|^2 = |d - axis|^2 + 4 d.z axis.z, both terms of one sign.
-            g = g + falloff(L::splat(m.fold_rate[k]).mul_add(seen.height, t));
+            for j in 0..n {
+                stage[j] = stage[j] + stage[n + j];
+            }
         }
+        // A channel at a time: its sums stay in registers.
         for i in 0..C {
-            acc[i] = g.mul_add(L::splat(amplitudes[i][k]), acc[i]);
+            let amplitude = &amplitudes[i][k..k + n];
+            let mut sum = acc[i];
+            for j in 0..n {
+                sum = stage[j].mul_add(L::splat(amplitude[j]), sum);
+            }
+            acc[i] = sum;
+        }
+        k += n;
+    }
+}
+
+/// The exponent of a lobe, to base 2; `yy` is the square of what is seen of y.
+#[inline(always)]
+fn exponent<L: Lanes, const PLANE: bool, const LOW: bool, const LONG: bool>(
+    axis: [f32; 3],
+    rate: f32,
+    seen: &Seen<L>,
+    yy: L,
+) -> L {
+    let ([x, y, z], [x_low, y_low, z_low]) = (seen.high, seen.low);
+    let mut dx = apart::<L, LONG>(axis[0], x, seen.length);
+    let mut dz = apart::<L, LONG>(axis[2], z, seen.length);
+    if LOW {
+        dx = lower::<L, LONG>(dx, x_low);
+        // What is only turned or not made a unit vector has its height in one f32.
+        if !L::FUSED {
+            dz = lower::<L, LONG>(dz, z_low);
         }
     }
+    let chord_squared = if PLANE {
+        dx.mul_add(dx, dz.mul_add(dz, yy))
+    } else {
+        let mut dy = apart::<L, LONG>(axis[1], y, seen.length);
+        if LOW {
+            dy = lower::<L, LONG>(dy, y_low);
+        }
+        dx.mul_add(dx, dz.mul_add(dz, dy * dy))
+    };
+    let mut rate = L::splat(rate);
+    if LONG {
+        rate = rate * seen.inverse_square;
+    }
+    rate * chord_squared
+}
+
+/// The exponent of the fold of a lobe: `|d - mirrored axis|^2 = |d - axis|^2 + 4 d.z axis.z`, both terms of one sign.
+#[inline(always)]
+fn fold_exponent<L: Lanes>(fold_rate: f32, seen: &Seen<L>, exponent: L) -> L {
+    L::splat(fold_rate).mul_add(seen.height, exponent)
 }
 
 /// A component of the axis minus one of the direction, or of the direction minus the axis that is as long (`LONG`): what is the same
@@ -410,6 +491,13 @@ impl<L: Lanes> Frame<L> {
 /// Draws directions: lobe by `u[0]`, direction in it by `u[1]` and `u[2]`.
 #[inline(always)]
 fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<N>, u: [L; 3]) -> [L; 3] {
+    if L::VECTORS > TOGETHER {
+        let mut parts = halves(u);
+        for i in 0..2 {
+            parts[i] = sample_direction(m, parts[i]);
+        }
+        return of_halves(parts);
+    }
     let target = chosen_power(m, u[0]);
     let count = m.count.min(N);
     let k = target.search(&m.cumulative[..count.saturating_sub(1)]);

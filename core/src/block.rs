@@ -10,7 +10,7 @@ use crate::batch::{Choice, Frame, chosen_lobe, chosen_power, draw};
 use crate::lanes::Lanes;
 use crate::simd::Routine;
 use crate::single::{all_lobes, with_diffuse};
-use crate::squeeze::{Sight, Squeeze};
+use crate::squeeze::{NUMBERS, Sight, Squeeze};
 use crate::two::Two;
 
 /// Most mixtures of a block: the lanes of the widest vector.
@@ -110,7 +110,7 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
             inverse[i] = m.squeeze.inverse;
         }
         // Round and squeezed, as structures of arrays: the compiler makes vectors of this loop.
-        let mut sights = [[zeros; Sight::NUMBERS]; 2];
+        let mut sights = [[zeros; NUMBERS]; 2];
         for i in 0..MOST {
             let squeeze = Squeeze {
                 azimuth: [azimuth[0][i], azimuth[1][i]],
@@ -123,7 +123,7 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
             let pair = squeeze.see([x[i], y[i], z[i]], L::FUSED);
             for kind in 0..2 {
                 let numbers = pair[kind].to_numbers();
-                for n in 0..Sight::NUMBERS {
+                for n in 0..NUMBERS {
                     sights[kind][n][i] = numbers[n];
                 }
             }
@@ -135,9 +135,9 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
             if !above {
                 continue;
             }
-            let mut pair = [[0.0; Sight::NUMBERS]; 2];
+            let mut pair = [[0.0; NUMBERS]; 2];
             for kind in 0..2 {
-                for n in 0..Sight::NUMBERS {
+                for n in 0..NUMBERS {
                     pair[kind][n] = sights[kind][n][i];
                 }
             }

@@ -17,8 +17,18 @@ pub trait Lanes:
     const COUNT: usize;
     /// Whether [`mul_add`](Self::mul_add) rounds once.
     const FUSED: bool;
-    /// Whether batches take two vectors at a time: the registers suffice, and a broadcast then serves both.
-    const PAIRED: bool;
+    /// What batches of directions take at a time: a broadcast of a lobe's number then serves several vectors.
+    type Batch: Lanes;
+    /// How many vectors it is.
+    const VECTORS: usize = 1;
+    /// Whether batches take the lobes in stages, see `batch.rs`.
+    const STAGED: bool = false;
+    /// Half of the vectors; of one vector, that one.
+    type Half: Lanes;
+    /// Both halves.
+    fn halves(self) -> [Self::Half; 2];
+    /// Of both halves.
+    fn of_halves(halves: [Self::Half; 2]) -> Self;
     /// Whether lobes are taken two vectors at a time where lanes are lobes: most mixtures need two, and constants are then loaded once.
     const LOBES_PAIRED: bool;
     /// Result of a comparison.
@@ -103,6 +113,45 @@ pub trait Lanes:
     fn sum(self) -> f32;
     /// 0, 1, 2, ...
     fn iota() -> Self;
+}
+
+/// How [`Lanes`] that are one vector have halves: both are that one.
+macro_rules! one_vector {
+    () => {
+        type Half = Self;
+        #[inline(always)]
+        fn halves(self) -> [Self; 2] {
+            [self, self]
+        }
+        #[inline(always)]
+        fn of_halves([half, _]: [Self; 2]) -> Self {
+            half
+        }
+    };
+}
+pub(crate) use one_vector;
+
+/// A long formula of each lane is worked out for so many vectors at a time: registers hold no more.
+pub const TOGETHER: usize = 2;
+
+/// Both halves of several numbers.
+#[inline(always)]
+pub fn halves<L: Lanes, const I: usize>(v: [L; I]) -> [[L::Half; I]; 2] {
+    let mut halves = [[L::Half::splat(0.0); I]; 2];
+    for i in 0..I {
+        [halves[0][i], halves[1][i]] = v[i].halves();
+    }
+    halves
+}
+
+/// Several numbers of both halves.
+#[inline(always)]
+pub fn of_halves<L: Lanes, const I: usize>([low, high]: [[L::Half; I]; 2]) -> [L; I] {
+    let mut v = [L::splat(0.0); I];
+    for i in 0..I {
+        v[i] = L::of_halves([low[i], high[i]]);
+    }
+    v
 }
 
 /// Three numbers, each in every lane.
@@ -293,7 +342,8 @@ pub fn length_squared_minus_one<L: Lanes>([x, y, z]: [L; 3]) -> L {
 impl Lanes for f32 {
     const COUNT: usize = 1;
     const FUSED: bool = false;
-    const PAIRED: bool = false;
+    type Batch = f32;
+    one_vector!();
     const LOBES_PAIRED: bool = false;
     type Mask = bool;
     type Index = usize;

@@ -25,7 +25,9 @@
 
 #![allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
 
-use crate::lanes::{Lanes, length_squared_minus_one, splat3, sum_of_products, two_product};
+use crate::lanes::{
+    Lanes, TOGETHER, halves, length_squared_minus_one, of_halves, splat3, sum_of_products, two_product,
+};
 
 /// The turn into the frame of a view, and the squeeze in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +58,9 @@ pub(crate) struct Seen<L> {
     pub scale: L,
 }
 
+/// How many numbers [`Seen`] is.
+pub(crate) const NUMBERS: usize = 10;
+
 impl Squeeze {
     pub const NONE: Self =
         Self { azimuth: [1.0, 0.0], is_turned: false, excess: 0.0, along: 1.0, inverse: 1.0 };
@@ -85,6 +90,13 @@ impl Squeeze {
         if !self.is_turned {
             return Seen::round([x, y, z], [zero; 3]);
         }
+        if L::VECTORS > TOGETHER {
+            let (parts, mut seen) = (halves([x, y, z]), halves([zero; NUMBERS]));
+            for i in 0..2 {
+                seen[i] = self.turn(parts[i]).to_numbers();
+            }
+            return Seen::from_numbers(of_halves(seen));
+        }
         let (c, s) = (L::splat(self.azimuth[0]), L::splat(self.azimuth[1]));
         let (turned_x, low_x) = sum_of_products(x, c, y, s);
         let (turned_y, low_y) = sum_of_products(y, c, zero - x, s);
@@ -98,6 +110,13 @@ impl Squeeze {
     /// The direction as squeezed lobes see it, from the turned one.
     #[inline(always)]
     pub fn squeeze<L: Lanes>(&self, turned: &Seen<L>) -> Seen<L> {
+        if L::VECTORS > TOGETHER {
+            let mut seen = halves(turned.to_numbers());
+            for i in 0..2 {
+                seen[i] = self.squeeze(&Seen::from_numbers(seen[i])).to_numbers();
+            }
+            return Seen::from_numbers(of_halves(seen));
+        }
         let inverse = L::splat(self.inverse);
         let [mut x, y, z] = turned.high;
         let mut x_low = turned.low[0];
@@ -197,6 +216,21 @@ impl<L: Lanes> Seen<L> {
         let one = L::splat(1.0);
         Self { high, low, length: one, inverse_square: one, height: high[2], scale: one }
     }
+
+    /// As an array, for a structure of arrays.
+    #[inline(always)]
+    pub fn to_numbers(self) -> [L; NUMBERS] {
+        let Self { high: [x, y, z], low: [x_low, y_low, z_low], length, inverse_square, height, scale } =
+            self;
+        [x, y, z, x_low, y_low, z_low, length, inverse_square, height, scale]
+    }
+
+    /// Of such an array.
+    #[inline(always)]
+    pub fn from_numbers(numbers: [L; NUMBERS]) -> Self {
+        let [x, y, z, x_low, y_low, z_low, length, inverse_square, height, scale] = numbers;
+        Self { high: [x, y, z], low: [x_low, y_low, z_low], length, inverse_square, height, scale }
+    }
 }
 
 impl Sight {
@@ -209,27 +243,6 @@ impl Sight {
             low[i] = (v[i] - f64::from(high[i])) as f32;
         }
         Self::round(high, low)
-    }
-
-    /// How many numbers it is.
-    #[cfg(feature = "simd")]
-    pub const NUMBERS: usize = 10;
-
-    /// As an array, for a structure of arrays.
-    #[cfg(feature = "simd")]
-    #[inline(always)]
-    pub fn to_numbers(self) -> [f32; Self::NUMBERS] {
-        let Self { high: [x, y, z], low: [x_low, y_low, z_low], length, inverse_square, height, scale } =
-            self;
-        [x, y, z, x_low, y_low, z_low, length, inverse_square, height, scale]
-    }
-
-    /// Of such an array.
-    #[cfg(feature = "simd")]
-    #[inline(always)]
-    pub fn from_numbers(numbers: [f32; Self::NUMBERS]) -> Self {
-        let [x, y, z, x_low, y_low, z_low, length, inverse_square, height, scale] = numbers;
-        Self { high: [x, y, z], low: [x_low, y_low, z_low], length, inverse_square, height, scale }
     }
 
     /// In every lane.

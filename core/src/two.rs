@@ -1,4 +1,4 @@
-//! A pair of vectors as one: twice the lanes, for kernels whose loop broadcasts numbers that all lanes share.
+//! A pair of vectors as one: twice the lanes, for kernels whose loop broadcasts numbers that all lanes share. Or a pair of pairs.
 //!
 //! A broadcast then serves both halves, and the two chains of dependent operations run side by side.
 
@@ -25,7 +25,18 @@ operators!(Add add Sub sub Mul mul Div div);
 impl<L: Lanes> Lanes for Two<L> {
     const COUNT: usize = 2 * L::COUNT;
     const FUSED: bool = L::FUSED;
-    const PAIRED: bool = false;
+    type Batch = Self;
+    const VECTORS: usize = 2 * L::VECTORS;
+    const STAGED: bool = L::STAGED;
+    type Half = L;
+    #[inline(always)]
+    fn halves(self) -> [L; 2] {
+        [self.0, self.1]
+    }
+    #[inline(always)]
+    fn of_halves([low, high]: [L; 2]) -> Self {
+        Self(low, high)
+    }
     const LOBES_PAIRED: bool = false;
     type Mask = [L::Mask; 2];
     type Index = [L::Index; 2];

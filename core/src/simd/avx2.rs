@@ -4,7 +4,8 @@
 //! both on this processor: that is what makes each `unsafe` block here sound.
 #![allow(unsafe_code)]
 
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, one_vector};
+use crate::two::Two;
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
 
@@ -38,7 +39,9 @@ impl Avx2 {
 impl Lanes for Avx2 {
     const COUNT: usize = 8;
     const FUSED: bool = true;
-    const PAIRED: bool = true;
+    type Batch = Two<Two<Self>>;
+    const STAGED: bool = true;
+    one_vector!();
     const LOBES_PAIRED: bool = true;
     type Mask = __m256;
     type Index = __m256i;

@@ -4,7 +4,8 @@
 //! [`super::detect`] has seen them all on this processor: that is what makes each `unsafe` block here sound.
 #![allow(unsafe_code)]
 
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, one_vector};
+use crate::two::Two;
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
 
@@ -38,7 +39,8 @@ impl Avx512 {
 impl Lanes for Avx512 {
     const COUNT: usize = 16;
     const FUSED: bool = true;
-    const PAIRED: bool = true;
+    type Batch = Two<Self>;
+    one_vector!();
     const LOBES_PAIRED: bool = false;
     type Mask = __mmask16;
     type Index = __m512i;

@@ -4,7 +4,7 @@
 //! each `unsafe` block here sound. Choices are blends and never branches: they depend on random numbers.
 #![allow(unsafe_code)]
 
-use crate::lanes::{Lanes, ROUND};
+use crate::lanes::{Lanes, ROUND, one_vector};
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
 
@@ -59,7 +59,8 @@ impl Fused {
 impl Lanes for Fused {
     const COUNT: usize = 1;
     const FUSED: bool = true;
-    const PAIRED: bool = false;
+    type Batch = Self;
+    one_vector!();
     const LOBES_PAIRED: bool = false;
     type Mask = __m128;
     type Index = usize;

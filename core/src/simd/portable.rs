@@ -1,6 +1,7 @@
 //! The portable back end: `wide`, four lanes, whatever the target offers (SSE2, NEON, wasm simd128, or plain code).
 
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, one_vector};
+use crate::two::Two;
 use core::ops::{Add, Div, Mul, Sub};
 use wide::{f32x4, i32x4};
 
@@ -35,7 +36,9 @@ operators!(Add add Sub sub Mul mul Div div);
 impl Lanes for Wide {
     const COUNT: usize = 4;
     const FUSED: bool = cfg!(target_feature = "fma") || cfg!(target_arch = "aarch64");
-    const PAIRED: bool = true;
+    type Batch = Two<Two<Self>>;
+    const STAGED: bool = true;
+    one_vector!();
     const LOBES_PAIRED: bool = false;
     type Mask = f32x4;
     type Index = [u32; 4];

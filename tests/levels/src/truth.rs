@@ -27,13 +27,16 @@ pub fn is_inside(m: &Mixture<64>, d: Vec3) -> bool {
     m.domain() == Domain::Sphere || d.z >= 0.0
 }
 
-/// `azimuth`: of the view's +x in the caller's frame.
-pub fn truth(m: &Mixture<64>, azimuth: f64, d: Vec3) -> Truth {
+/// The value of a mixture at a direction.
+pub fn truth(m: &Mixture<64>, d: Vec3) -> Truth {
     let mut sum = Truth { value: [0.0; 3], scale: [0.0; 3] };
     if !is_inside(m, d) {
         return sum;
     }
-    let (sin, cos) = libm::sincos(azimuth);
+    // A unit vector but for rounding.
+    let [cos, sin] = m.azimuth().map(f64::from);
+    let length = libm::hypot(cos, sin);
+    let (cos, sin) = (cos / length, sin / length);
     let [x, y, z] = d.to_array().map(f64::from);
     let (x, y) = (x * cos + y * sin, y * cos - x * sin);
     let inverse = f64::from(1.0 / m.squeeze());
