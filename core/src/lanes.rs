@@ -129,6 +129,7 @@ macro_rules! one_vector {
         }
     };
 }
+#[cfg(feature = "simd")]
 pub(crate) use one_vector;
 
 /// A long formula of each lane is worked out for so many vectors at a time: registers hold no more.
