@@ -11,6 +11,7 @@ use crate::simd::Routine;
 use crate::squeeze::{Seen, turn_back};
 use crate::{Domain, Error, LUMINANCE};
 use core::f32::consts::FRAC_1_PI;
+use core::ops::Range;
 
 /// Widest vector: what fewer directions than that are padded to.
 const WIDEST: usize = 16;
@@ -255,34 +256,23 @@ fn sums<L: Lanes, const N: usize, const C: usize>(
     let mut acc = [L::splat(0.0); C];
     let turned = m.squeeze.turn(d);
     if m.squeezed > 0 {
-        let seen = m.squeeze.squeeze(&turned);
-        let (from, to) = (0, m.squeezed);
+        let (seen, lobes) = (m.squeeze.squeeze(&turned), 0..m.squeezed);
         match (m.in_plane, L::FUSED) {
-            (true, true) => run::<L, N, C, true, true, true>(m, amplitudes, &seen, from, to, &mut acc, stage),
-            (true, false) => {
-                run::<L, N, C, true, true, false>(m, amplitudes, &seen, from, to, &mut acc, stage)
-            }
-            (false, true) => {
-                run::<L, N, C, false, true, true>(m, amplitudes, &seen, from, to, &mut acc, stage)
-            }
+            (true, true) => run::<L, N, C, true, true, true>(m, amplitudes, &seen, lobes, &mut acc, stage),
+            (true, false) => run::<L, N, C, true, true, false>(m, amplitudes, &seen, lobes, &mut acc, stage),
+            (false, true) => run::<L, N, C, false, true, true>(m, amplitudes, &seen, lobes, &mut acc, stage),
             (false, false) => {
-                run::<L, N, C, false, true, false>(m, amplitudes, &seen, from, to, &mut acc, stage)
+                run::<L, N, C, false, true, false>(m, amplitudes, &seen, lobes, &mut acc, stage)
             }
         }
         acc = scale(acc, seen.scale);
     }
-    let (from, to) = (m.squeezed, m.count);
+    let lobes = m.squeezed..m.count;
     match (m.in_plane, m.squeeze.is_turned) {
-        (true, true) => run::<L, N, C, true, true, false>(m, amplitudes, &turned, from, to, &mut acc, stage),
-        (true, false) => {
-            run::<L, N, C, true, false, false>(m, amplitudes, &turned, from, to, &mut acc, stage)
-        }
-        (false, true) => {
-            run::<L, N, C, false, true, false>(m, amplitudes, &turned, from, to, &mut acc, stage)
-        }
-        (false, false) => {
-            run::<L, N, C, false, false, false>(m, amplitudes, &turned, from, to, &mut acc, stage)
-        }
+        (true, true) => run::<L, N, C, true, true, false>(m, amplitudes, &turned, lobes, &mut acc, stage),
+        (true, false) => run::<L, N, C, true, false, false>(m, amplitudes, &turned, lobes, &mut acc, stage),
+        (false, true) => run::<L, N, C, false, true, false>(m, amplitudes, &turned, lobes, &mut acc, stage),
+        (false, false) => run::<L, N, C, false, false, false>(m, amplitudes, &turned, lobes, &mut acc, stage),
     }
     if m.domain == Domain::Hemisphere {
         let zero = L::splat(0.0);
@@ -302,23 +292,21 @@ fn run<L: Lanes, const N: usize, const C: usize, const PLANE: bool, const LOW: b
     m: &Mixture<N>,
     amplitudes: [&[f32; N]; C],
     seen: &Seen<L>,
-    from: usize,
-    to: usize,
+    lobes: Range<usize>,
     acc: &mut [L; C],
     stage: &mut Stage<L>,
 ) {
-    let to = to.min(N);
     // Stretches of lobes that need their fold, and of lobes that do not: no branch in the loop over either.
-    let mut k = from;
+    let (mut k, to) = (lobes.start, lobes.end.min(N));
     while k < to {
         let ahead = m.folded >> k;
         if ahead & 1 == 1 {
             let end = to.min(k + ahead.trailing_ones() as usize);
-            stretch::<L, N, C, PLANE, LOW, LONG, true>(m, amplitudes, seen, k, end, acc, stage);
+            stretch::<L, N, C, PLANE, LOW, LONG, true>(m, amplitudes, seen, k..end, acc, stage);
             k = end;
         } else {
             let end = to.min(k + ahead.trailing_zeros() as usize);
-            stretch::<L, N, C, PLANE, LOW, LONG, false>(m, amplitudes, seen, k, end, acc, stage);
+            stretch::<L, N, C, PLANE, LOW, LONG, false>(m, amplitudes, seen, k..end, acc, stage);
             k = end;
         }
     }
@@ -338,16 +326,15 @@ fn stretch<
     m: &Mixture<N>,
     amplitudes: [&[f32; N]; C],
     seen: &Seen<L>,
-    from: usize,
-    to: usize,
+    lobes: Range<usize>,
     acc: &mut [L; C],
     stage: &mut Stage<L>,
 ) {
-    let to = to.min(N);
+    let (mut k, to) = (lobes.start, lobes.end.min(N));
     // Axes in the plane share the part across it; its low part would only count relative to itself.
     let yy = seen.high[1] * seen.high[1];
     if !(L::STAGED && L::VECTORS > TOGETHER) {
-        for k in from..to {
+        for k in k..to {
             let axis = [m.axis_x[k], m.axis_y[k], m.axis_z[k]];
             let t = exponent::<L, PLANE, LOW, LONG>(axis, m.rate[k], seen, yy);
             let mut g = falloff(t);
@@ -362,7 +349,6 @@ fn stretch<
     }
     // One lobe is a long chain of dependent operations, and a processor sees no further than a few of them ahead. In stages, each a loop
     // of its own with a short chain, it sees many lobes.
-    let mut k = from;
     while k < to {
         let n = (to - k).min(if FOLD { STAGE / 2 } else { STAGE });
         let (x, y, z) = (&m.axis_x[k..k + n], &m.axis_y[k..k + n], &m.axis_z[k..k + n]);
