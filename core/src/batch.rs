@@ -333,7 +333,7 @@ fn stretch<
     let (mut k, to) = (lobes.start, lobes.end.min(N));
     // Axes in the plane share the part across it; its low part would only count relative to itself.
     let yy = seen.high[1] * seen.high[1];
-    if !(L::STAGED && L::VECTORS > TOGETHER) {
+    if L::VECTORS <= TOGETHER {
         for k in k..to {
             let axis = [m.axis_x[k], m.axis_y[k], m.axis_z[k]];
             let t = exponent::<L, PLANE, LOW, LONG>(axis, m.rate[k], seen, yy);

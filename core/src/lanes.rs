@@ -17,12 +17,11 @@ pub trait Lanes:
     const COUNT: usize;
     /// Whether [`mul_add`](Self::mul_add) rounds once.
     const FUSED: bool;
-    /// What batches of directions take at a time: a broadcast of a lobe's number then serves several vectors.
+    /// What batches of directions take at a time: a broadcast of a lobe's number then serves several vectors. The lobes are taken in stages
+    /// if those are more than [`TOGETHER`], see `batch.rs`.
     type Batch: Lanes;
     /// How many vectors it is.
     const VECTORS: usize = 1;
-    /// Whether batches take the lobes in stages, see `batch.rs`.
-    const STAGED: bool = false;
     /// Half of the vectors; of one vector, that one.
     type Half: Lanes;
     /// Both halves.

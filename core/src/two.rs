@@ -27,7 +27,6 @@ impl<L: Lanes> Lanes for Two<L> {
     const FUSED: bool = L::FUSED;
     type Batch = Self;
     const VECTORS: usize = 2 * L::VECTORS;
-    const STAGED: bool = L::STAGED;
     type Half = L;
     #[inline(always)]
     fn halves(self) -> [L; 2] {

@@ -40,7 +40,6 @@ impl Lanes for Avx2 {
     const COUNT: usize = 8;
     const FUSED: bool = true;
     type Batch = Two<Two<Self>>;
-    const STAGED: bool = true;
     one_vector!();
     const LOBES_PAIRED: bool = true;
     type Mask = __m256;

@@ -37,7 +37,6 @@ impl Lanes for Wide {
     const COUNT: usize = 4;
     const FUSED: bool = cfg!(target_feature = "fma") || cfg!(target_arch = "aarch64");
     type Batch = Two<Two<Self>>;
-    const STAGED: bool = true;
     one_vector!();
     const LOBES_PAIRED: bool = false;
     type Mask = f32x4;
