@@ -367,14 +367,23 @@ fn stretch<
                 stage[j] = stage[j] + stage[n + j];
             }
         }
-        // A channel at a time: its sums stay in registers.
-        for i in 0..C {
+        // Two channels at a time, and the last by itself: so many sums stay in registers.
+        for i in (0..C).step_by(2) {
             let amplitude = &amplitudes[i][k..k + n];
-            let mut sum = acc[i];
-            for j in 0..n {
-                sum = stage[j].mul_add(L::splat(amplitude[j]), sum);
+            if i + 1 < C {
+                let (other, mut sum) = (&amplitudes[i + 1][k..k + n], [acc[i], acc[i + 1]]);
+                for j in 0..n {
+                    sum[0] = stage[j].mul_add(L::splat(amplitude[j]), sum[0]);
+                    sum[1] = stage[j].mul_add(L::splat(other[j]), sum[1]);
+                }
+                [acc[i], acc[i + 1]] = sum;
+            } else {
+                let mut sum = acc[i];
+                for j in 0..n {
+                    sum = stage[j].mul_add(L::splat(amplitude[j]), sum);
+                }
+                acc[i] = sum;
             }
-            acc[i] = sum;
         }
         k += n;
     }

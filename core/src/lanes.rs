@@ -208,6 +208,14 @@ fn exp2_above<L: Lanes, const SOON: bool>(t: L, least: f32) -> L {
         let high = ff.mul_add(f.mul_add(L::splat(a), L::splat(b)), f.mul_add(L::splat(c), L::splat(d)));
         return ff.mul_add(high, f.mul_add(L::splat(e), L::splat(1.0))).times_exp2(whole, least);
     }
+    // Without fused operations 1 + f c (f^2 + a f + b) (f^2 + d f + e) is as many operations as Horner's form in half the latency; relative
+    // error 2.0e-7 with all roundings. One lane keeps the digits that fits have seen.
+    if !L::FUSED && L::COUNT > 1 {
+        let factor = |a, b| (f + L::splat(a)) * f + L::splat(b);
+        let product = factor(7.802_083_5, 21.231_173) * factor(-0.514_329_14, 24.590_559);
+        let small = product * (f * L::splat(0.001_327_647_9));
+        return (small + L::splat(1.0)).times_exp2(whole, least);
+    }
     let mut p = L::splat(L::EXP2[0]);
     for i in 1..5 {
         p = p.mul_add(f, L::splat(L::EXP2[i]));
