@@ -213,7 +213,7 @@ fn exp2_above<L: Lanes, const SOON: bool>(t: L, least: f32) -> L {
     if !L::FUSED && L::COUNT > 1 {
         let factor = |a, b| (f + L::splat(a)) * f + L::splat(b);
         let product = factor(7.802_083_5, 21.231_173) * factor(-0.514_329_14, 24.590_559);
-        let small = product * (f * L::splat(0.001_327_647_9));
+        let small = product * (f * L::splat(0.001_327_648));
         return (small + L::splat(1.0)).times_exp2(whole, least);
     }
     let mut p = L::splat(L::EXP2[0]);

@@ -64,7 +64,8 @@ fn fit_with(brdf: &dyn Brdf, settings: &Settings, progress: impl FnMut(f64)) -> 
         return anisotropic::fit_brdf(brdf, settings, progress);
     }
     let start = Instant::now();
-    let source = Evaluable { brdf, probes: Probes::new(brdf, LAST_KNOT.to_radians(), settings.views)? };
+    let source =
+        Evaluable { brdf, probes: Probes::new(brdf, LAST_KNOT.to_radians(), settings.view_count())? };
     let settings = Settings { smoothness: DENSE * settings.smoothness, ..settings.clone() };
     let mut fit = track::run(Data::Source(&source), &settings, progress)?;
     let mut middles = dense::halfway(&knots_of(&fit.bytes)?);

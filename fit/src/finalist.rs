@@ -61,8 +61,8 @@ impl<'a> Finalist<'a> {
             largest_weight: f64::INFINITY,
             energy_error: f64::INFINITY,
         };
-        // Lobes in pairs are fewer bytes, which are spent on more views.
-        let views = material::views_of_equal_size(&new.layout);
+        // Few lobes, or lobes in pairs, are fewer bytes, which are spent on more views.
+        let views = material::views_of_equal_size(&new.layout, settings.lobes_of_size());
         if let (Data::Source(source), None, true) = (data, &settings.knots, views > new.layout.knots.len()) {
             let denser = Layout { knots: source.knots(views), ..new.layout.clone() };
             new.candidate.x = new.layout.resampled(&new.candidate.x, &denser);

@@ -11,10 +11,11 @@ const MOST: f64 = 0.999;
 /// Views between two knots at which the albedo is looked at.
 const LOOKS: usize = 64;
 
-/// As many views as take no more bytes than those of a layout would if no lobe stood for two.
-pub(crate) fn views_of_equal_size(layout: &Layout) -> usize {
+/// As many views as take no more bytes than those of a layout would with so many lobes, none of which stands for two; at most twice as
+/// many.
+pub(crate) fn views_of_equal_size(layout: &Layout, lobes: usize) -> usize {
     let views = layout.knots.len();
-    let size = encoded_len(views, layout.lobes + layout.mirrored, 0, "");
+    let size = encoded_len(views, lobes, 0, "");
     (views..=2 * views)
         .rev()
         .find(|&n| encoded_len(n, layout.lobes, layout.mirrored, "") <= size)
@@ -84,11 +85,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pairs_leave_room_for_more_views_and_no_more_than_that() {
-        let layout = |lobes, mirrored| Layout::new(lobes, 4, mirrored, (0..14).map(f64::from).collect());
-        assert_eq!(views_of_equal_size(&layout(12, 0)), 14);
-        let views = views_of_equal_size(&layout(8, 4));
-        let (size, most) = (|n| encoded_len(n, 8, 4, ""), encoded_len(14, 12, 0, ""));
-        assert!(views == 18 && size(views) <= most && most < size(views + 1), "{views}");
+    fn pairs_and_few_lobes_leave_room_for_more_views_and_no_more_than_that() {
+        let layout = |lobes, mirrored| Layout::new(lobes, 2, mirrored, (0..14).map(f64::from).collect());
+        assert_eq!(views_of_equal_size(&layout(12, 0), 12), 14);
+        for (lobes, mirrored, expected) in [(8, 4, 18), (8, 0, 20), (6, 0, 26)] {
+            let views = views_of_equal_size(&layout(lobes, mirrored), 12);
+            let (size, most) = (|n| encoded_len(n, lobes, mirrored, ""), encoded_len(14, 12, 0, ""));
+            assert!(views == expected && size(views) <= most && most < size(views + 1), "{views}");
+        }
+        assert_eq!(views_of_equal_size(&layout(2, 0), 12), 28);
     }
 }

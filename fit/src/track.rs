@@ -85,7 +85,7 @@ pub(crate) fn run(
     let knots = match (&settings.knots, data) {
         (Some(knots), _) => knots.clone(),
         (None, Data::Samples(table)) => Layout::knots_at(table.views.iter().map(|v| v.theta), KNOT_DISTANCE),
-        (None, Data::Source(source)) => source.knots(settings.views),
+        (None, Data::Source(source)) => source.knots(settings.view_count()),
     };
     let table = match data {
         Data::Samples(table) => Cow::Borrowed(table),

@@ -284,7 +284,7 @@ fn settings_out_of_range_are_refused() {
         Settings { lobes: 65, ..default() },
         Settings { error: Some(0.0), ..default() },
         Settings { error: Some(f64::NAN), ..default() },
-        Settings { views: 1, ..default() },
+        Settings { views: Some(1), ..default() },
         Settings { exchanges: 1001, ..default() },
         Settings { squeezed: Some(13), ..default() },
         Settings { smoothness: f64::NAN, ..default() },

@@ -6,7 +6,8 @@ use std::path::Path;
 
 #[test]
 fn every_level_gives_the_same_bytes() {
-    let settings = Settings { lobes: 4, views: 5, starts: 4, steps: 24, exchanges: 2, ..Settings::default() };
+    let settings =
+        Settings { lobes: 4, views: Some(5), starts: 4, steps: 24, exchanges: 2, ..Settings::default() };
     for model in ["model:ggx:alpha=0.2", "model:ward:alpha_x=0.2,alpha_y=0.4"] {
         let content = table::read(Path::new(model)).unwrap().content;
         let fits: Vec<_> = Level::ALL

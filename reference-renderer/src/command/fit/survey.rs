@@ -1,7 +1,7 @@
 //! `srbf fit --survey`: how good fits are over all materials that can be evaluated between the views, beside the thesis's.
 //!
-//! Both methods have the same number of views: ours where it places them, the thesis's even to 87 degrees. Each is judged at its
-//! views and halfway between them. A row is written as soon as it is known.
+//! Both methods have the same number of views: ours where it places them, the thesis's even to 87 degrees; but six to eleven lobes, or
+//! lobes in pairs, ours spends on more. Each is judged at its views and halfway between them. A row is written as soon as it is known.
 
 mod goals;
 mod row;
@@ -58,10 +58,10 @@ pub fn run(args: &SettingArgs, survey: &Args) -> anyhow::Result<()> {
     let data = argument::data_folder()?;
     let settings = args.settings();
     settings.check()?;
-    let default = || format!("out/survey-{}-lobes-{}-views.csv", settings.lobes, settings.views);
+    let default = || format!("out/survey-{}-lobes-{}-views.csv", settings.lobes, settings.view_count());
     let path = survey.csv.clone().unwrap_or_else(|| default().into());
     output::check_place(&path)?;
-    let thetas = dense::even_views(settings.views);
+    let thetas = dense::even_views(settings.view_count());
     let thesis = thesis::Settings { lobes: settings.lobes, ..thesis::Settings::default() };
     let thesis = (!survey.no_thesis).then_some(thesis);
     let named = |name: &String| survey.only.as_ref().is_none_or(|only| name.contains(only));
@@ -73,7 +73,7 @@ pub fn run(args: &SettingArgs, survey: &Args) -> anyhow::Result<()> {
     );
 
     let mut csv = Row::csv_header() + "\n";
-    println!("{} lobes, {} views; {}", settings.lobes, settings.views, row::LEGEND);
+    println!("{} lobes, {} views; {}", settings.lobes, settings.view_count(), row::LEGEND);
     println!("{}", Row::header());
     let mut rows: Vec<Row> = Vec::new();
     for (name, content) in chosen.into_iter().step_by(survey.survey.unwrap_or(1) as usize) {

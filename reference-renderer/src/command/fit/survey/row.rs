@@ -38,7 +38,7 @@ pub struct Row {
 pub const LEGEND: &str = "fit, halfway: relative L2 of f cos in %, mean over the views and over those in between; \
     blend: halfway, our lobes at the views blended by eq. 9 over the 3 or 4 nearest views, and over 2; thesis: the same of \
     its own lobes, halfway between even views; ours there: our fit at those; var: relative variance of f cos / pdf, \
-    views to 80 degrees; handed: how far the data, halfway, differ from their mirror image, %: fits and errors are of one side; with lobes in pairs, ours has more views in the same bytes";
+    views to 80 degrees; handed: how far the data, halfway, differ from their mirror image, %: fits and errors are of one side; with 6 to 11 lobes, or lobes in pairs, ours has more views in the same bytes";
 
 /// Name in CSV, heading, digits after the point, and number.
 type Column = (&'static str, &'static str, usize, fn(&Row) -> f64);
