@@ -13,15 +13,16 @@ import sys
 
 BINARY = sys.argv[1] if len(sys.argv) > 1 else "target/release/examples/fixed-work"
 # Directions; of the loops, how often each runs for a lobe, and its operations; models. Fused operations of chord (2 a vector), polynomial
-# (5) and colours (3, a loop each that takes two lobes); subtractions of axis (3) and, on AVX2, exponent (1); multiplications of chord
-# and exponent (2); and what puts the exponent in place.
+# (5) and colours (3: two in a loop, which loads what it multiplies, the third in one that takes two lobes); subtractions of axis (3) and,
+# on AVX2, exponent (1); multiplications of chord and exponent (2); and what puts the exponent in place.
 LEVELS = {
     "run_avx2": (
         32,
         [
             (1, {"vfmadd": 8, "vsubps": 12, "vmulps": 8, "vpslld": 0}),
             (1, {"vfmadd": 20, "vsubps": 4, "vmulps": 0, "vpslld": 4}),
-            (1.5, {"vfmadd": 8, "vsubps": 0, "vmulps": 0, "vpslld": 0}),
+            (1, {"vfmadd": 8, "vsubps": 0, "vmulps": 0, "vpslld": 0, "vmovaps": 4}),
+            (0.5, {"vfmadd": 8, "vsubps": 0, "vmulps": 0, "vpslld": 0, "vmovaps": 0}),
         ],
         ["znver2", "znver3", "znver4", "skylake", "alderlake"],
     ),
