@@ -201,7 +201,7 @@ pub fn falloff_soon<L: Lanes>(t: L) -> L {
 #[inline(always)]
 fn exp2_above<L: Lanes, const SOON: bool>(t: L, least: f32) -> L {
     let (f, whole) = t.split_whole();
-    // Minimax on [-1/2, 1/2], relative error 2.2e-7 with all roundings, or as the level says.
+    // Minimax on [-1/2, 1/2], relative error 2.4e-7 with all roundings, or as the level says.
     if SOON {
         let [a, b, c, d, e] = L::EXP2;
         let ff = f * f;
