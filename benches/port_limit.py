@@ -16,6 +16,16 @@ BINARY = sys.argv[1] if len(sys.argv) > 1 else "target/release/examples/fixed-wo
 # (5) and colours (3: two in a loop, which loads what it multiplies, the third in one that takes two lobes); subtractions of axis (3) and,
 # on AVX2, exponent (1); multiplications of chord and exponent (2); and what puts the exponent in place.
 LEVELS = {
+    "run_portable": (
+        16,
+        [
+            (1, {"mulps": 16, "addps": 8, "subps": 12}),
+            (1, {"mulps": 20, "addps": 28, "subps": 4, "pslld": 4}),
+            (1, {"mulps": 8, "addps": 8, "subps": 0}),
+            (1, {"mulps": 4, "addps": 4, "subps": 0}),
+        ],
+        ["znver2", "znver3", "znver4", "skylake", "icelake-server", "sapphirerapids"],
+    ),
     "run_avx2": (
         32,
         [
@@ -24,7 +34,7 @@ LEVELS = {
             (1, {"vfmadd": 8, "vsubps": 0, "vmulps": 0, "vpslld": 0, "vmovaps": 4}),
             (0.5, {"vfmadd": 8, "vsubps": 0, "vmulps": 0, "vpslld": 0, "vmovaps": 0}),
         ],
-        ["znver2", "znver3", "znver4", "skylake", "alderlake"],
+        ["znver2", "znver3", "znver4", "skylake", "icelake-server", "alderlake"],
     ),
     "run_avx512": (
         32,

@@ -1,6 +1,9 @@
 //! What the benches share: inputs, and the baselines that every figure is a ratio to.
 
 pub mod baseline;
+#[cfg(target_arch = "x86_64")]
+pub mod clock;
+pub mod work;
 
 use srbf_core::{Domain, Level, Lobe, Material, Mixture, Vec3};
 

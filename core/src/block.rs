@@ -10,7 +10,7 @@ use crate::batch::{Choice, Frame, chosen_lobe, chosen_power, draw};
 use crate::lanes::Lanes;
 use crate::simd::Routine;
 use crate::single::{all_lobes, with_diffuse};
-use crate::squeeze::{NUMBERS, Sight, Squeeze};
+use crate::squeeze::{NUMBERS, Precise, Sight};
 use crate::two::Two;
 
 /// Most mixtures of a block: the lanes of the widest vector.
@@ -112,15 +112,8 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
         // Round and squeezed, as structures of arrays: the compiler makes vectors of this loop.
         let mut sights = [[zeros; NUMBERS]; 2];
         for i in 0..MOST {
-            let squeeze = Squeeze {
-                azimuth: [azimuth[0][i], azimuth[1][i]],
-                // `see` turns in any case.
-                is_turned: true,
-                excess: excess[i],
-                along: along[i],
-                inverse: inverse[i],
-            };
-            let pair = squeeze.see([x[i], y[i], z[i]], L::FUSED);
+            let precise = Precise::new([azimuth[0][i], azimuth[1][i]], excess[i], along[i], inverse[i]);
+            let pair = precise.see([x[i], y[i], z[i]], L::FUSED);
             for kind in 0..2 {
                 let numbers = pair[kind].to_numbers();
                 for n in 0..NUMBERS {
@@ -152,9 +145,9 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
                 }
             }
             let sums = if L::LOBES_PAIRED {
-                all_lobes::<Two<L>, N, C, true>(m, amplitudes, &turned.splat(), &squeezed.splat())
+                all_lobes::<Two<L>, N, C, true>(m, amplitudes, &turned, &squeezed)
             } else {
-                all_lobes::<L, N, C, true>(m, amplitudes, &turned.splat(), &squeezed.splat())
+                all_lobes::<L, N, C, true>(m, amplitudes, &turned, &squeezed)
             };
             let sums = with_diffuse(sums, diffuse, z[i]);
             for channel in 0..C {

@@ -112,6 +112,11 @@ pub trait Lanes:
     fn sum(self) -> f32;
     /// 0, 1, 2, ...
     fn iota() -> Self;
+    /// The first `count` lanes.
+    #[inline(always)]
+    fn first_lanes(count: usize) -> Self::Mask {
+        Self::iota().lt(Self::splat(count as f32))
+    }
 }
 
 /// How [`Lanes`] that are one vector have halves: both are that one.

@@ -2,10 +2,10 @@
 #![allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
 
 use crate::batch::draw_one;
-use crate::lanes::{Lanes, falloff, falloff_soon, scale, splat3};
+use crate::lanes::{Lanes, falloff, falloff_soon, scale};
 use crate::mixture::lowest_bits;
 use crate::simd::{Draw, One};
-use crate::squeeze::Seen;
+use crate::squeeze::{NUMBERS, Seen, Sight};
 use crate::two::Two;
 use crate::{Domain, Mixture};
 use core::f32::consts::FRAC_1_PI;
@@ -105,13 +105,13 @@ pub(crate) fn sums_one<L: Lanes, const N: usize, const C: usize, const SEEN: boo
         return [0.0; C];
     }
     let sums = if !SEEN {
-        let seen = m.squeeze.turn(splat3::<L>(direction));
+        let seen = m.squeeze.turn(direction);
         all_lobes::<L, N, C, false>(m, amplitudes, &seen, &seen)
     } else if L::COUNT > 1 {
-        let [turned, squeezed] = m.squeeze.see(direction, L::FUSED);
-        all_lobes::<L, N, C, true>(m, amplitudes, &turned.splat(), &squeezed.splat())
+        let [turned, squeezed] = m.squeeze.precise.see(direction, L::FUSED);
+        all_lobes::<L, N, C, true>(m, amplitudes, &turned, &squeezed)
     } else {
-        let turned = m.squeeze.turn(splat3::<L>(direction));
+        let turned = m.squeeze.turn(direction);
         all_lobes::<L, N, C, true>(m, amplitudes, &turned, &m.squeeze.squeeze(&turned))
     };
     if m.domain == Domain::Sphere {
@@ -134,27 +134,28 @@ pub(crate) fn with_diffuse<const C: usize>(mut sums: [f32; C], diffuse: [f32; C]
 pub(crate) fn all_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     m: &Mixture<N>,
     amplitudes: [&[f32; N]; C],
-    turned: &Seen<L>,
-    squeezed: &Seen<L>,
+    turned: &Sight,
+    squeezed: &Sight,
 ) -> [f32; C] {
     let mut acc = [L::splat(0.0); C];
     // The usual number of lobes without a loop: a loop keeps more constants in registers than there are.
     if L::COUNT > 1 && 1 <= m.count && m.count <= L::COUNT {
-        if SEEN {
-            let mixed = mix::<L>(squeezed, turned, m.squeezed);
-            add_lobes::<L, N, C, SEEN>(m, amplitudes, &mixed, 0, &mut acc);
+        let seen = if SEEN {
+            Sight::splat_either::<L>(L::first_lanes(m.squeezed), squeezed, turned)
         } else {
-            add_lobes::<L, N, C, SEEN>(m, amplitudes, turned, 0, &mut acc);
-        }
+            turned.splat()
+        };
+        add_lobes::<L, N, C, SEEN>(m, amplitudes, &seen, 0, &mut acc);
     } else {
+        let (turned, squeezed) = (turned.splat(), squeezed.splat());
         let mut k = 0;
         while k < m.count && k + L::COUNT <= N {
             if k >= m.squeezed {
-                add_lobes::<L, N, C, SEEN>(m, amplitudes, turned, k, &mut acc);
+                add_lobes::<L, N, C, SEEN>(m, amplitudes, &turned, k, &mut acc);
             } else if k + L::COUNT <= m.squeezed {
-                add_lobes::<L, N, C, SEEN>(m, amplitudes, squeezed, k, &mut acc);
+                add_lobes::<L, N, C, SEEN>(m, amplitudes, &squeezed, k, &mut acc);
             } else {
-                let mixed = mix::<L>(squeezed, turned, m.squeezed - k);
+                let mixed = mix::<L>(&squeezed, &turned, m.squeezed - k);
                 add_lobes::<L, N, C, SEEN>(m, amplitudes, &mixed, k, &mut acc);
             }
             k += L::COUNT;
@@ -193,7 +194,9 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     if SEEN {
         dx = dx + seen.low[0];
         dy = dy + seen.low[1];
-        dz = dz + seen.low[2];
+        if !L::FUSED {
+            dz = dz + seen.low[2];
+        }
     }
     let t = rate * dx.mul_add(dx, dy.mul_add(dy, dz * dz));
     let mut g = if SEEN { falloff(t) } else { falloff_soon(t) };
@@ -210,18 +213,13 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     }
 }
 
-/// What the first `count` lanes see from `first`, the others from `then`.
+/// What is seen, `first` by the first `count` lanes, `then` by the others.
 #[inline(always)]
 fn mix<L: Lanes>(first: &Seen<L>, then: &Seen<L>, count: usize) -> Seen<L> {
-    let is_first = L::iota().lt(L::splat(count as f32));
-    let mut seen = *then;
-    for i in 0..3 {
-        seen.high[i] = L::select(is_first, first.high[i], then.high[i]);
-        seen.low[i] = L::select(is_first, first.low[i], then.low[i]);
+    let is_first = L::first_lanes(count);
+    let (first, mut mixed) = (first.to_numbers(), then.to_numbers());
+    for n in 0..NUMBERS {
+        mixed[n] = L::select(is_first, first[n], mixed[n]);
     }
-    seen.length = L::select(is_first, first.length, then.length);
-    seen.inverse_square = L::select(is_first, first.inverse_square, then.inverse_square);
-    seen.height = L::select(is_first, first.height, then.height);
-    seen.scale = L::select(is_first, first.scale, then.scale);
-    seen
+    Seen::from_numbers(mixed)
 }

@@ -42,9 +42,22 @@ pub(crate) struct Squeeze {
     pub along: f32,
     /// What y is multiplied by, `1 / c`.
     pub inverse: f32,
+    /// The same for one direction at a time.
+    pub precise: Precise,
 }
 
-/// A direction as the lobes see it: `(high + low) / length`, `low` the part that f32 rounds away.
+/// [`Squeeze`] in f64, where a processor with vectors spends less on one direction than on sums of two f32.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Precise {
+    /// Cosine and sine of the azimuth, of length 1.
+    pub azimuth: [f64; 2],
+    /// What x and y are multiplied by.
+    pub stretch: [f64; 2],
+    /// The product of these.
+    pub determinant: f32,
+}
+
+/// A direction as the lobes see it: `(high + low) / length`, `low` the part that f32 rounds away; of z none with fused operations.
 #[derive(Clone, Copy)]
 pub(crate) struct Seen<L> {
     pub high: [L; 3],
@@ -62,20 +75,22 @@ pub(crate) struct Seen<L> {
 pub(crate) const NUMBERS: usize = 10;
 
 impl Squeeze {
-    pub const NONE: Self =
-        Self { azimuth: [1.0, 0.0], is_turned: false, excess: 0.0, along: 1.0, inverse: 1.0 };
+    pub const NONE: Self = Self {
+        azimuth: [1.0, 0.0],
+        is_turned: false,
+        excess: 0.0,
+        along: 1.0,
+        inverse: 1.0,
+        precise: Precise { azimuth: [1.0, 0.0], stretch: [1.0, 1.0], determinant: 1.0 },
+    };
 
     /// `azimuth`: a unit vector but for rounding.
     #[inline(always)]
     pub fn new(azimuth: [f32; 2], along: f32, inverse: f32) -> Self {
         let (c, s) = (f64::from(azimuth[0]), f64::from(azimuth[1]));
-        Self {
-            azimuth,
-            is_turned: azimuth != [1.0, 0.0],
-            excess: (0.5 * (c * c + s * s - 1.0)) as f32,
-            along,
-            inverse,
-        }
+        let excess = (0.5 * (c * c + s * s - 1.0)) as f32;
+        let precise = Precise::new(azimuth, excess, along, inverse);
+        Self { azimuth, is_turned: azimuth != [1.0, 0.0], excess, along, inverse, precise }
     }
 
     /// Whether squeezed lobes see what round ones do.
@@ -158,35 +173,6 @@ impl Squeeze {
         Seen { scale: determinant * shrink * (shrink * shrink), ..Seen::round(high, low) }
     }
 
-    /// One direction as round and as squeezed lobes see it. `is_fused`: whether what sums the lobes has fused operations.
-    ///
-    /// In f64, where a processor with vectors spends less than on sums of two f32.
-    #[inline(always)]
-    pub fn see(&self, [x, y, z]: [f32; 3], is_fused: bool) -> [Sight; 2] {
-        let unit = 1.0 - f64::from(self.excess);
-        let (c, s) = (f64::from(self.azimuth[0]) * unit, f64::from(self.azimuth[1]) * unit);
-        let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
-        let (turned_x, turned_y) = (x * c + y * s, y * c - x * s);
-        let round = Sight::split([turned_x, turned_y, z]);
-        let (squeezed_x, squeezed_y) = (turned_x * f64::from(self.along), turned_y * f64::from(self.inverse));
-        let length_squared = squeezed_x * squeezed_x + squeezed_y * squeezed_y + z * z;
-        let determinant = self.along * self.inverse;
-        let rounded = length_squared as f32;
-        let length = Lanes::sqrt(rounded);
-        if is_fused {
-            let inverse_square = 1.0 / rounded;
-            let shrink = length * inverse_square;
-            let squeezed = Sight::split([squeezed_x, squeezed_y, z]);
-            let (height, scale) = (z as f32 * shrink, determinant * shrink * inverse_square);
-            return [round, Seen { length, inverse_square, height, scale, ..squeezed }];
-        }
-        // One step of Newton from the f32 root: 1e-14.
-        let root = f64::from(1.0 / length);
-        let shrink = root * (1.5 - 0.5 * length_squared * (root * root));
-        let scale = determinant * (shrink * shrink * shrink) as f32;
-        [round, Seen { scale, ..Sight::split([squeezed_x * shrink, squeezed_y * shrink, z * shrink]) }]
-    }
-
     /// The direction whose squeezed image is along `u`, not normalised, still in the frame of the view.
     #[inline(always)]
     pub fn unsqueeze(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
@@ -197,6 +183,50 @@ impl Squeeze {
     #[inline(always)]
     pub fn turn_back(&self, d: [f32; 3]) -> [f32; 3] {
         turn_back(d, self.azimuth)
+    }
+}
+
+impl Precise {
+    /// Of the numbers of a [`Squeeze`].
+    #[inline(always)]
+    pub fn new(azimuth: [f32; 2], excess: f32, along: f32, inverse: f32) -> Self {
+        let unit = 1.0 - f64::from(excess);
+        Self {
+            azimuth: [f64::from(azimuth[0]) * unit, f64::from(azimuth[1]) * unit],
+            stretch: [f64::from(along), f64::from(inverse)],
+            determinant: along * inverse,
+        }
+    }
+
+    /// One direction as round and as squeezed lobes see it. `is_fused`: whether what sums the lobes has fused operations.
+    #[inline(always)]
+    pub fn see(&self, [x, y, z]: [f32; 3], is_fused: bool) -> [Sight; 2] {
+        let ([c, s], [along, inverse]) = (self.azimuth, self.stretch);
+        let (wide_x, wide_y) = (f64::from(x), f64::from(y));
+        let (turned_x, turned_y) = (wide_x * c + wide_y * s, wide_y * c - wide_x * s);
+        let round = Sight::split([turned_x, turned_y], z);
+        let (squeezed_x, squeezed_y) = (turned_x * along, turned_y * inverse);
+        if is_fused {
+            let squeezed = Sight::split([squeezed_x, squeezed_y], z);
+            let [x, y, _] = squeezed.high;
+            let length_squared = x * x + (y * y + z * z);
+            let length = Lanes::sqrt(length_squared);
+            let inverse_square = 1.0 / length_squared;
+            let shrink = length * inverse_square;
+            let (height, scale) = (z * shrink, self.determinant * shrink * inverse_square);
+            return [round, Seen { length, inverse_square, height, scale, ..squeezed }];
+        }
+        let wide_z = f64::from(z);
+        let length_squared = squeezed_x * squeezed_x + squeezed_y * squeezed_y + wide_z * wide_z;
+        let length = Lanes::sqrt(length_squared as f32);
+        // One step of Newton from the f32 root: 1e-14.
+        let root = f64::from(1.0 / length);
+        let shrink = root * (1.5 - 0.5 * length_squared * (root * root));
+        let scale = self.determinant * (shrink * shrink * shrink) as f32;
+        let squeezed_z = wide_z * shrink;
+        let mut squeezed = Sight::split([squeezed_x * shrink, squeezed_y * shrink], squeezed_z as f32);
+        squeezed.low[2] = (squeezed_z - f64::from(squeezed.high[2])) as f32;
+        [round, Seen { scale, ..squeezed }]
     }
 }
 
@@ -234,13 +264,13 @@ impl<L: Lanes> Seen<L> {
 }
 
 impl Sight {
-    /// A unit vector in f64 as a sum of two f32.
+    /// A vector of which x and y are in f64 as a sum of two f32, taken for a unit vector.
     #[inline(always)]
-    fn split(v: [f64; 3]) -> Self {
-        let (mut high, mut low) = ([0.0; 3], [0.0; 3]);
-        for i in 0..3 {
-            high[i] = v[i] as f32;
-            low[i] = (v[i] - f64::from(high[i])) as f32;
+    fn split(xy: [f64; 2], z: f32) -> Self {
+        let (mut high, mut low) = ([0.0, 0.0, z], [0.0; 3]);
+        for i in 0..2 {
+            high[i] = xy[i] as f32;
+            low[i] = (xy[i] - f64::from(high[i])) as f32;
         }
         Self::round(high, low)
     }
@@ -256,5 +286,16 @@ impl Sight {
             height: L::splat(self.height),
             scale: L::splat(self.scale),
         }
+    }
+
+    /// `yes` in the lanes of a mask, `no` in the others.
+    #[inline(always)]
+    pub fn splat_either<L: Lanes>(mask: L::Mask, yes: &Self, no: &Self) -> Seen<L> {
+        let (yes, no) = (yes.to_numbers(), no.to_numbers());
+        let mut numbers = [L::splat(0.0); NUMBERS];
+        for n in 0..NUMBERS {
+            numbers[n] = L::select(mask, L::splat(yes[n]), L::splat(no[n]));
+        }
+        Seen::from_numbers(numbers)
     }
 }

@@ -224,6 +224,10 @@ impl Lanes for Avx512 {
         unsafe { _mm512_reduce_add_ps(self.0) }
     }
     #[inline(always)]
+    fn first_lanes(count: usize) -> __mmask16 {
+        ((1u32 << count.min(16)) - 1) as u16
+    }
+    #[inline(always)]
     fn iota() -> Self {
         // SAFETY: the processor has AVX-512, see the head of this file.
         Self(unsafe { _mm512_setr_ps(0., 1., 2., 3., 4., 5., 6., 7., 8., 9., 10., 11., 12., 13., 14., 15.) })

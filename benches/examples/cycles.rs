@@ -1,0 +1,138 @@
+//! Cycles that every operation takes, in rounds in which no neighbour shares the core.
+//!
+//! `cargo run --release -p srbf-benches --example cycles [LEVEL...]`, a minute: 1024 directions, cycles for each direction, and of
+//! batches of values and densities for each direction and lobe. A round is 60 microseconds of an operation between two looks at the
+//! core; it counts where both found the full rate of the core and the same clock. x86-64 only.
+
+#[cfg(target_arch = "x86_64")]
+fn main() -> std::process::ExitCode {
+    x86::main()
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn main() -> std::process::ExitCode {
+    eprintln!("cycles: x86-64 only");
+    std::process::ExitCode::from(2)
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use srbf_benches::clock::Probe;
+    use srbf_benches::levels;
+    use srbf_benches::work::{Operation, Work};
+    use srbf_core::Level;
+    use std::process::ExitCode;
+    use std::time::{Duration, Instant};
+
+    const DIRECTIONS: usize = 1024;
+    const LOBES: f64 = 12.0;
+    const ROUND: Duration = Duration::from_micros(60);
+    /// How long every operation is at work, and in how many passes, as neighbours come and go.
+    const TURN: Duration = Duration::from_millis(60);
+    const PASSES: usize = 12;
+    /// Fewest rounds that have to count.
+    const ENOUGH: usize = 20;
+    /// Share of the full rate that counts as full, and change of the clock that counts as none.
+    const FULL: f64 = 0.93;
+    const STEADY: f64 = 0.02;
+    /// Clock for which times are given beside cycles, GHz: that of the goals.
+    const CLOCK: f64 = 3.7;
+
+    /// An operation, and its rounds.
+    struct Row {
+        level: Level,
+        name: &'static str,
+        operation: Operation,
+        is_round: bool,
+        rounds: Vec<Round>,
+    }
+
+    /// What was seen in a round.
+    struct Round {
+        /// Cycles for each direction.
+        cycles: f64,
+        /// Instructions a cycle, the smaller of those before and after.
+        rate: f64,
+        is_steady: bool,
+    }
+
+    pub fn main() -> ExitCode {
+        let names: Vec<String> = std::env::args().skip(1).collect();
+        let is_missing = |name: &&String| Level::from_name(name).is_none_or(|level| !level.is_available());
+        if let Some(name) = names.iter().find(is_missing) {
+            eprintln!("cycles: no such level here: {name}");
+            return ExitCode::from(2);
+        }
+        let is_asked_for = |level: &Level| names.is_empty() || names.iter().any(|name| name == level.name());
+        let levels: Vec<Level> = levels().filter(is_asked_for).collect();
+        let row =
+            |level, (name, operation), is_round| Row { level, name, operation, is_round, rounds: vec![] };
+        let mut rows = vec![];
+        for &level in &levels {
+            for named in Operation::ALL {
+                if named.1.has_mixture() {
+                    rows.push(row(level, named, true));
+                }
+                rows.push(row(level, named, false));
+            }
+        }
+        for _ in 0..PASSES {
+            for rows in rows.chunk_by_mut(|a, b| a.level == b.level) {
+                rows[0].level.set().expect("an available level");
+                let mut work = Work::new(DIRECTIONS);
+                rows.iter_mut().for_each(|row| row.measure(&mut work));
+            }
+        }
+        let mut rates: Vec<f64> = rows.iter().flat_map(|row| row.rounds.iter().map(|r| r.rate)).collect();
+        rates.sort_by(f64::total_cmp);
+        let (full, typical) = (rates[rates.len() * 99 / 100], rates[rates.len() / 2]);
+        println!(
+            "instructions that do nothing, a cycle: up to {full:.2}, {typical:.2} in the median of all rounds"
+        );
+        println!(
+            "{:9} {:21} {:>9} {:>14}   rounds that count",
+            "level", "operation", "cycles", "ns at 3.7 GHz"
+        );
+        rows.iter().for_each(|row| row.print(FULL * full));
+        ExitCode::SUCCESS
+    }
+
+    impl Row {
+        fn measure(&mut self, work: &mut Work) {
+            let mut run = || work.run(self.operation, self.is_round);
+            run();
+            let once = Instant::now();
+            run();
+            let runs = (ROUND.as_secs_f64() / once.elapsed().as_secs_f64()).ceil().max(1.0) as u32;
+            let start = Instant::now();
+            while start.elapsed() < TURN {
+                let before = Probe::take();
+                let begin = Instant::now();
+                (0..runs).for_each(|_| run());
+                let seconds = begin.elapsed().as_secs_f64() / f64::from(runs) / DIRECTIONS as f64;
+                let after = Probe::take();
+                self.rounds.push(Round {
+                    cycles: seconds / (0.5 * (before.cycle + after.cycle)),
+                    rate: before.rate.min(after.rate),
+                    is_steady: (before.cycle / after.cycle - 1.0).abs() < STEADY,
+                });
+            }
+        }
+
+        /// Prints the median of the rounds of at least some rate.
+        fn print(&self, rate: f64) {
+            let counts = |r: &&Round| r.is_steady && r.rate >= rate;
+            let mut cycles: Vec<f64> = self.rounds.iter().filter(counts).map(|r| r.cycles).collect();
+            cycles.sort_by(f64::total_cmp);
+            let name = format!("{}{}", self.name, if self.is_round { "-round" } else { "" });
+            let lobes = if let Operation::Evaluate | Operation::Pdf = self.operation { LOBES } else { 1.0 };
+            let (level, counted, all) = (self.level.name(), cycles.len(), self.rounds.len());
+            if counted < ENOUGH {
+                println!("{level:9} {name:21} {:>24}   {counted} of {all}", "the core was shared");
+            } else {
+                let each = cycles[counted / 2] / lobes;
+                println!("{level:9} {name:21} {each:9.3} {:14.3}   {counted} of {all}", each / CLOCK);
+            }
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! Operations by name, each on the same directions: `fixed-work` counts their instructions, `cycles` their time.
+
+use crate::{GARNET_RED, Triples, garnet_mixture, general_mixture};
+use srbf_core::{LeaveOut, Material, Mixture, SamplesMut, Vec3};
+
+/// What is done for every direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Operation {
+    /// Value in RGB, in a batch.
+    Evaluate,
+    /// Density, in a batch.
+    Pdf,
+    /// Direction, density and weight, in a batch.
+    Sample,
+    /// Density, one direction a call.
+    OnePdf,
+    /// Direction, one a call.
+    OneDraw,
+    /// Direction and density, one a call.
+    OneSamplePdf,
+    /// Direction, density and value, one a call.
+    OneSample,
+    /// The mixture for an outgoing direction, one a call.
+    Prepare,
+    /// The same without lobes and folds that hardly matter.
+    PrepareDropping,
+    /// Direction, density and weight, every pair with a mixture of its own.
+    Pairs,
+    /// Direction and density, every pair with a mixture of its own.
+    SamplePdfPairs,
+    /// Value and density, every pair with a mixture of its own.
+    EvaluatePairs,
+    /// Density, every pair with a mixture of its own.
+    PdfPairs,
+    /// Luminance, every pair with a mixture of its own.
+    LuminancePairs,
+}
+
+impl Operation {
+    /// Every operation with its name.
+    pub const ALL: [(&'static str, Self); 14] = [
+        ("evaluate", Self::Evaluate),
+        ("pdf", Self::Pdf),
+        ("sample", Self::Sample),
+        ("one-pdf", Self::OnePdf),
+        ("one-draw", Self::OneDraw),
+        ("one-sample-pdf", Self::OneSamplePdf),
+        ("one-sample", Self::OneSample),
+        ("prepare", Self::Prepare),
+        ("prepare-dropping", Self::PrepareDropping),
+        ("pairs", Self::Pairs),
+        ("sample-pdf-pairs", Self::SamplePdfPairs),
+        ("evaluate-pairs", Self::EvaluatePairs),
+        ("pdf-pairs", Self::PdfPairs),
+        ("luminance-pairs", Self::LuminancePairs),
+    ];
+
+    /// Whether it is of a mixture that is there already.
+    pub fn has_mixture(self) -> bool {
+        use Operation::*;
+        matches!(self, Evaluate | Pdf | Sample | OnePdf | OneDraw | OneSamplePdf | OneSample)
+    }
+}
+
+/// Operations, at one level, on so many directions.
+#[derive(Debug)]
+pub struct Work {
+    directions: Triples,
+    uniforms: Triples,
+    incident: Triples,
+    out: [Vec<f32>; 7],
+    material: Material<'static>,
+    round: Mixture<64>,
+    garnet: Mixture<64>,
+    prepared: Mixture<16>,
+}
+
+impl Work {
+    /// For `n` directions, at the current level.
+    pub fn new(n: usize) -> Self {
+        Self {
+            directions: Triples::directions(n, 1),
+            uniforms: Triples::uniforms(n, 2),
+            incident: Triples::directions(n, 3),
+            out: [(); 7].map(|()| vec![0.0; n]),
+            material: Material::from_bytes(GARNET_RED).expect("the preset is valid"),
+            round: general_mixture(12),
+            garnet: garnet_mixture(),
+            prepared: Mixture::empty(),
+        }
+    }
+
+    /// Does an operation for every direction: of 12 general round lobes, or of the garnet red preset, of which mixtures are prepared
+    /// whatever `is_round` is.
+    pub fn run(&mut self, operation: Operation, is_round: bool) {
+        let Self { directions, uniforms, incident, out, material, .. } = self;
+        let mixture = if is_round { &self.round } else { &self.garnet };
+        let prepared = &mut self.prepared;
+        let n = out[0].len();
+        let [x, y, z, pdf, red, green, blue] = out;
+        match operation {
+            Operation::Evaluate => {
+                mixture.evaluate_into(directions.slices(), [red, green, blue]).expect("equal lengths");
+            }
+            Operation::Pdf => mixture.pdf_into(directions.slices(), pdf).expect("equal lengths"),
+            Operation::Sample => {
+                let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
+                mixture.sample_into(uniforms.slices(), samples).expect("equal lengths");
+            }
+            Operation::OnePdf => (0..n).for_each(|i| pdf[i] = mixture.pdf(directions.at(i))),
+            Operation::OneDraw => (0..n).for_each(|i| {
+                pdf[i] =
+                    mixture.sample_direction(uniforms.at(i).to_array()).map_or(0.0, |direction| direction.z);
+            }),
+            Operation::OneSamplePdf => (0..n).for_each(|i| {
+                pdf[i] = mixture.sample_pdf(uniforms.at(i).to_array()).map_or(0.0, |(_, pdf)| pdf);
+            }),
+            Operation::OneSample => (0..n).for_each(|i| {
+                pdf[i] = mixture.sample(uniforms.at(i).to_array()).map_or(0.0, |sample| sample.pdf);
+            }),
+            Operation::Prepare => prepare(material, directions, 0.0, prepared, pdf),
+            Operation::PrepareDropping => prepare(material, directions, 0.01, prepared, pdf),
+            Operation::Pairs => {
+                let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
+                material
+                    .sample_pairs_into(directions.slices(), uniforms.slices(), samples)
+                    .expect("equal lengths");
+            }
+            Operation::SamplePdfPairs => material
+                .sample_pdf_pairs_into(directions.slices(), uniforms.slices(), [x, y, z], pdf)
+                .expect("equal lengths"),
+            Operation::EvaluatePairs => material
+                .evaluate_pairs_into(directions.slices(), incident.slices(), [red, green, blue], pdf)
+                .expect("equal lengths"),
+            Operation::PdfPairs => {
+                material.pdf_pairs_into(directions.slices(), incident.slices(), pdf).expect("equal lengths");
+            }
+            Operation::LuminancePairs => material
+                .luminance_pairs_into(directions.slices(), incident.slices(), pdf)
+                .expect("equal lengths"),
+        }
+    }
+
+    /// The sum of what the last operations left, so that no work is optimised away.
+    pub fn sum(&self) -> f32 {
+        self.out.iter().flatten().sum()
+    }
+}
+
+/// Prepares a mixture for each direction, without lobes of less than a share of the albedo; writes its power.
+fn prepare(
+    material: &Material<'_>,
+    directions: &Triples,
+    share: f32,
+    mixture: &mut Mixture<16>,
+    power: &mut [f32],
+) {
+    let leave_out = LeaveOut::new(share, 1e-7).expect("shares");
+    for (i, power) in power.iter_mut().enumerate() {
+        let wo: Vec3 = directions.at(i);
+        material.prepare_leaving_out(wo, leave_out, mixture).expect("a valid direction");
+        *power = mixture.power();
+    }
+}
