@@ -140,10 +140,13 @@ pub(crate) fn all_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bo
     let mut acc = [L::splat(0.0); C];
     // The usual number of lobes without a loop: a loop keeps more constants in registers than there are.
     if L::COUNT > 1 && 1 <= m.count && m.count <= L::COUNT {
-        let seen = if SEEN {
+        let seen = if !SEEN {
+            turned.splat()
+        } else if L::FUSED {
             Sight::splat_either::<L>(L::first_lanes(m.squeezed), squeezed, turned)
         } else {
-            turned.splat()
+            // No broadcasts under a mask; and the loop below is what is run.
+            mix::<L>(&squeezed.splat(), &turned.splat(), m.squeezed)
         };
         add_lobes::<L, N, C, SEEN>(m, amplitudes, &seen, 0, &mut acc);
     } else {
