@@ -244,17 +244,3 @@ fn with_reasons(error: &dyn Error) -> String {
     }
     text
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_documented_default_is_the_default() {
-        let documented = std::format!("    /// Default: {:e}.\n", Settings::default().smoothness);
-        let source = include_str!("fit.rs");
-        let field = source.split("    pub smoothness").next().unwrap_or_default();
-        assert!(field.ends_with(&documented), "{documented}");
-        assert!(source.contains(&std::format!("Default: {}.\n", Settings::default().lobes)));
-    }
-}

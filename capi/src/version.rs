@@ -24,14 +24,3 @@ pub extern "C" fn srbf_version() -> u32 {
 pub extern "C" fn srbf_version_text() -> *const c_char {
     TEXT.as_ptr().cast()
 }
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn the_numbers_are_those_of_the_crates() {
-        let mut parts = env!("CARGO_PKG_VERSION").split('.').map(|part| part.parse::<u32>().unwrap());
-        let mut next = || parts.next().unwrap();
-        assert_eq!(super::SRBF_VERSION, next() * 10000 + next() * 100 + next());
-        assert_eq!(super::SRBF_FORMAT_VERSION, srbf_core::FORMAT_VERSION);
-    }
-}

@@ -1,9 +1,36 @@
 //! `include/srbf.h` is what the source of the C interface says.
 
-use srbf_tests::native::run;
+use srbf_fit::Settings;
+use srbf_tests::native::{root, run};
 use std::process::Command;
 
 #[test]
 fn is_fresh() {
     run(Command::new(env!("CARGO_BIN_EXE_header")).arg("--check"));
+}
+
+/// Versions that the header defines, and defaults that it documents, are those of the crates.
+#[test]
+fn says_what_the_crates_say() {
+    let header = std::fs::read_to_string(root().join("include/srbf.h")).unwrap();
+    let defined = |name: &str| {
+        let value = header.lines().find_map(|line| line.strip_prefix("#define ")?.strip_prefix(name));
+        value.unwrap_or_else(|| panic!("no {name} in srbf.h")).trim().parse::<u32>().unwrap()
+    };
+    let version =
+        [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR"), env!("CARGO_PKG_VERSION_PATCH")];
+    let [major, minor, patch] = version.map(|part| part.parse::<u32>().unwrap());
+    assert_eq!(defined("SRBF_VERSION "), major * 10000 + minor * 100 + patch);
+    assert_eq!(defined("SRBF_FORMAT_VERSION "), srbf_core::FORMAT_VERSION);
+
+    // What the comment before a field says last.
+    let (_, fields) = header.split_once("struct srbf_fit_settings {").expect("the settings are in srbf.h");
+    let default_of = |field: &str| {
+        let (before, _) = fields.split_once(&format!(" {field};")).expect("the settings have the field");
+        let (_, after) = before.rsplit_once("Default: ").expect("a comment names a default");
+        after.lines().next().unwrap_or_default()
+    };
+    let settings = Settings::default();
+    assert_eq!(default_of("lobes"), format!("{}.", settings.lobes));
+    assert_eq!(default_of("smoothness"), format!("{:e}.", settings.smoothness));
 }
