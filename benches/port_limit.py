@@ -16,7 +16,7 @@ BINARY = sys.argv[1] if len(sys.argv) > 1 else "target/release/examples/fixed-wo
 # (5) and colours (3: two in a loop, which loads what it multiplies, the third in one that takes two lobes); subtractions of axis (3) and,
 # on AVX2, exponent (1); multiplications of chord and exponent (2); and what puts the exponent in place.
 LEVELS = {
-    "run_portable": (
+    "simd::portable::run": (
         16,
         [
             (1, {"mulps": 16, "addps": 8, "subps": 12}),
@@ -26,7 +26,7 @@ LEVELS = {
         ],
         ["znver2", "znver3", "znver4", "skylake", "icelake-server", "sapphirerapids"],
     ),
-    "run_avx2": (
+    "simd::avx2::run": (
         32,
         [
             (1, {"vfmadd": 8, "vsubps": 12, "vmulps": 8, "vpslld": 0}),
@@ -36,7 +36,7 @@ LEVELS = {
         ],
         ["znver2", "znver3", "znver4", "skylake", "icelake-server", "alderlake"],
     ),
-    "run_avx512": (
+    "simd::avx512::run": (
         32,
         [(1, {"vfmadd": 20, "vsubps": 6, "vmulps": 4, "vscalefps": 2})],
         ["znver4", "skylake-avx512", "icelake-server", "sapphirerapids"],
@@ -45,7 +45,7 @@ LEVELS = {
 
 
 def functions():
-    text = subprocess.run(["objdump", "-d", "--no-show-raw-insn", BINARY], capture_output=True, text=True, check=True).stdout
+    text = subprocess.run(["objdump", "-dC", "--no-show-raw-insn", BINARY], capture_output=True, text=True, check=True).stdout
     name, found = None, {}
     for line in text.splitlines():
         if head := re.match(r"^[0-9a-f]+ <(.*)>:", line):

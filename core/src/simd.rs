@@ -1,4 +1,7 @@
 //! Back ends of the kernels and the choice among them.
+//!
+//! Each back end has the functions that run a text in its instruction set, in a file of its own also for the compiler, which
+//! makes machine code of several files side by side, but not of what stands in one.
 
 #[cfg(all(feature = "simd", target_arch = "x86_64"))]
 mod avx2;
@@ -9,10 +12,11 @@ mod detect;
 mod fused;
 #[cfg(feature = "simd")]
 mod portable;
+mod scalar;
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 pub(crate) mod sse2;
 
-use crate::lanes::{Lanes, scale};
+use crate::lanes::Lanes;
 pub use detect::Level;
 
 /// Text that can run at any level.
@@ -49,13 +53,13 @@ impl Level {
         match self {
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             // SAFETY: a mixture's level, and what is passed here, is what `Level::current` gave or `is_available` allowed.
-            Self::Avx512 => unsafe { run_avx512(routine) },
+            Self::Avx512 => unsafe { avx512::run(routine) },
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             // SAFETY: as above.
-            Self::Avx2 => unsafe { run_avx2(routine) },
+            Self::Avx2 => unsafe { avx2::run(routine) },
             #[cfg(feature = "simd")]
-            Self::Portable => run_portable(routine),
-            _ => run_scalar(routine),
+            Self::Portable => portable::run(routine),
+            _ => scalar::run(routine),
         }
     }
 
@@ -66,13 +70,13 @@ impl Level {
         match self {
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             // SAFETY: a mixture's level, and what is passed here, is what `Level::current` gave or `is_available` allowed.
-            Self::Avx512 if R::IS_WIDE => unsafe { one_avx512::<S, R>(state, a, b, c) },
+            Self::Avx512 if R::IS_WIDE => unsafe { avx512::one::<S, R>(state, a, b, c) },
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             // SAFETY: as above; who has AVX-512 has AVX2.
-            Self::Avx2 | Self::Avx512 => unsafe { one_avx2::<S, R>(state, a, b, c) },
+            Self::Avx2 | Self::Avx512 => unsafe { avx2::one::<S, R>(state, a, b, c) },
             #[cfg(feature = "simd")]
-            Self::Portable => one_portable::<S, R>(state, a, b, c),
-            _ => one_scalar::<S, R>(state, a, b, c),
+            Self::Portable => portable::one::<S, R>(state, a, b, c),
+            _ => scalar::one::<S, R>(state, a, b, c),
         }
     }
 
@@ -88,95 +92,13 @@ impl Level {
         match self {
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             // SAFETY: a mixture's level, and what is passed here, is what `Level::current` gave or `is_available` allowed.
-            Self::Avx512 => unsafe { draw_avx512::<S, D, R>(state, a, b, c) },
+            Self::Avx512 => unsafe { avx512::draw::<S, D, R>(state, a, b, c) },
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             // SAFETY: as above.
-            Self::Avx2 => unsafe { draw_avx2::<S, D, R>(state, a, b, c) },
+            Self::Avx2 => unsafe { avx2::draw::<S, D, R>(state, a, b, c) },
             #[cfg(feature = "simd")]
-            Self::Portable => draw_portable::<S, D, R>(state, a, b, c),
-            _ => draw_scalar::<S, D, R>(state, a, b, c),
+            Self::Portable => portable::draw::<S, D, R>(state, a, b, c),
+            _ => scalar::draw::<S, D, R>(state, a, b, c),
         }
     }
-}
-
-#[cfg(all(feature = "simd", target_arch = "x86_64"))]
-#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,fma,avx2,popcnt,bmi1,bmi2")]
-fn run_avx512<R: Routine>(routine: R) -> R::Output {
-    routine.run::<avx512::Avx512>()
-}
-
-#[cfg(all(feature = "simd", target_arch = "x86_64"))]
-#[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]
-fn run_avx2<R: Routine>(routine: R) -> R::Output {
-    routine.run::<avx2::Avx2>()
-}
-
-#[cfg(feature = "simd")]
-#[inline(never)]
-fn run_portable<R: Routine>(routine: R) -> R::Output {
-    routine.run::<portable::Wide>()
-}
-
-#[inline(never)]
-fn run_scalar<R: Routine>(routine: R) -> R::Output {
-    routine.run::<f32>()
-}
-
-#[cfg(all(feature = "simd", target_arch = "x86_64"))]
-#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,fma,avx2,popcnt,bmi1,bmi2")]
-fn one_avx512<S, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> R::Output {
-    R::run::<avx512::Avx512>(state, [a, b, c])
-}
-
-#[cfg(all(feature = "simd", target_arch = "x86_64"))]
-#[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]
-fn one_avx2<S, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> R::Output {
-    R::run::<avx2::Avx2>(state, [a, b, c])
-}
-
-#[cfg(feature = "simd")]
-#[inline(never)]
-fn one_portable<S, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> R::Output {
-    R::run::<portable::Wide>(state, [a, b, c])
-}
-
-#[inline(never)]
-fn one_scalar<S, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> R::Output {
-    R::run::<f32>(state, [a, b, c])
-}
-
-// The routine is a call of its own: in one function, both have too few registers.
-
-/// Draws without vectors of 512 bits, as [`One::IS_WIDE`] says why.
-#[cfg(all(feature = "simd", target_arch = "x86_64"))]
-#[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]
-#[allow(unsafe_code)]
-fn draw_avx512<S, D: Draw<S>, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> ([f32; 3], R::Output) {
-    let (d, inverse) = D::run::<avx2::Avx2>(state, [a, b, c]);
-    // SAFETY: `Level::draw_one` comes here for a level that has it.
-    let then = unsafe { one_avx512::<S, R>(state, d[0], d[1], d[2]) };
-    (scale(d, inverse), then)
-}
-
-#[cfg(all(feature = "simd", target_arch = "x86_64"))]
-#[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]
-fn draw_avx2<S, D: Draw<S>, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> ([f32; 3], R::Output) {
-    let (d, inverse) = D::run::<avx2::Avx2>(state, [a, b, c]);
-    let then = one_avx2::<S, R>(state, d[0], d[1], d[2]);
-    (scale(d, inverse), then)
-}
-
-#[cfg(feature = "simd")]
-#[inline(never)]
-fn draw_portable<S, D: Draw<S>, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> ([f32; 3], R::Output) {
-    let (d, inverse) = D::run::<portable::Wide>(state, [a, b, c]);
-    let then = one_portable::<S, R>(state, d[0], d[1], d[2]);
-    (scale(d, inverse), then)
-}
-
-#[inline(never)]
-fn draw_scalar<S, D: Draw<S>, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> ([f32; 3], R::Output) {
-    let (d, inverse) = D::run::<f32>(state, [a, b, c]);
-    let then = one_scalar::<S, R>(state, d[0], d[1], d[2]);
-    (scale(d, inverse), then)
 }

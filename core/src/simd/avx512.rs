@@ -4,7 +4,8 @@
 //! [`super::detect`] has seen them all on this processor: that is what makes each `unsafe` block here sound.
 #![allow(unsafe_code)]
 
-use crate::lanes::{Lanes, one_vector};
+use super::{Draw, One, Routine, avx2};
+use crate::lanes::{Lanes, one_vector, scale};
 use crate::two::Two;
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
@@ -232,4 +233,26 @@ impl Lanes for Avx512 {
         // SAFETY: the processor has AVX-512, see the head of this file.
         Self(unsafe { _mm512_setr_ps(0., 1., 2., 3., 4., 5., 6., 7., 8., 9., 10., 11., 12., 13., 14., 15.) })
     }
+}
+
+/// Runs a routine.
+#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,fma,avx2,popcnt,bmi1,bmi2")]
+pub(super) fn run<R: Routine>(routine: R) -> R::Output {
+    routine.run::<Avx512>()
+}
+
+/// Runs a routine for one direction.
+#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,fma,avx2,popcnt,bmi1,bmi2")]
+pub(super) fn one<S, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> R::Output {
+    R::run::<Avx512>(state, [a, b, c])
+}
+
+/// Draws a direction, without vectors of 512 bits, as [`One::IS_WIDE`] says why, and runs a routine for it, which is a call of its
+/// own: in one function, both have too few registers.
+#[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]
+pub(super) fn draw<S, D: Draw<S>, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> ([f32; 3], R::Output) {
+    let (d, inverse) = D::run::<avx2::Avx2>(state, [a, b, c]);
+    // SAFETY: `Level::draw_one` comes here for a level that has it.
+    let then = unsafe { one::<S, R>(state, d[0], d[1], d[2]) };
+    (scale(d, inverse), then)
 }
