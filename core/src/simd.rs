@@ -1,7 +1,7 @@
 //! Back ends of the kernels and the choice among them.
 //!
-//! Each back end has the functions that run a text in its instruction set, in a file of its own also for the compiler, which
-//! makes machine code of several files side by side, but not of what stands in one.
+//! The functions that run a text in an instruction set stand with its back end: the compiler makes the machine code of several
+//! modules side by side, that of one module on one core.
 
 #[cfg(all(feature = "simd", target_arch = "x86_64"))]
 mod avx2;
@@ -102,3 +102,38 @@ impl Level {
         }
     }
 }
+
+/// The functions of a back end that run a text in its instruction set, which is `$attribute`. A back end that draws in another way
+/// leaves out `draw`.
+macro_rules! entries {
+    ($lanes:ty, #[$($attribute:tt)*]) => {
+        $crate::simd::entries!($lanes, #[$($attribute)*] without draw);
+
+        /// Draws a direction and runs a routine for it, which is a call of its own: in one function, both have too few registers.
+        #[$($attribute)*]
+        pub(super) fn draw<S, D: super::Draw<S>, R: super::One<S>>(
+            state: &S,
+            a: f32,
+            b: f32,
+            c: f32,
+        ) -> ([f32; 3], R::Output) {
+            let (d, inverse) = D::run::<$lanes>(state, [a, b, c]);
+            let then = one::<S, R>(state, d[0], d[1], d[2]);
+            ($crate::lanes::scale(d, inverse), then)
+        }
+    };
+    ($lanes:ty, #[$($attribute:tt)*] without draw) => {
+        /// Runs a routine.
+        #[$($attribute)*]
+        pub(super) fn run<R: super::Routine>(routine: R) -> R::Output {
+            routine.run::<$lanes>()
+        }
+
+        /// Runs a routine for one direction.
+        #[$($attribute)*]
+        pub(super) fn one<S, R: super::One<S>>(state: &S, a: f32, b: f32, c: f32) -> R::Output {
+            R::run::<$lanes>(state, [a, b, c])
+        }
+    };
+}
+use entries;

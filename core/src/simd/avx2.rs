@@ -4,8 +4,7 @@
 //! both on this processor: that is what makes each `unsafe` block here sound.
 #![allow(unsafe_code)]
 
-use super::{Draw, One, Routine};
-use crate::lanes::{Lanes, one_vector, scale};
+use crate::lanes::{Lanes, one_vector};
 use crate::two::Two;
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
@@ -224,22 +223,4 @@ impl Lanes for Avx2 {
     }
 }
 
-/// Runs a routine.
-#[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]
-pub(super) fn run<R: Routine>(routine: R) -> R::Output {
-    routine.run::<Avx2>()
-}
-
-/// Runs a routine for one direction.
-#[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]
-pub(super) fn one<S, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> R::Output {
-    R::run::<Avx2>(state, [a, b, c])
-}
-
-/// Draws a direction and runs a routine for it, which is a call of its own: in one function, both have too few registers.
-#[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]
-pub(super) fn draw<S, D: Draw<S>, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> ([f32; 3], R::Output) {
-    let (d, inverse) = D::run::<Avx2>(state, [a, b, c]);
-    let then = one::<S, R>(state, d[0], d[1], d[2]);
-    (scale(d, inverse), then)
-}
+super::entries!(Avx2, #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]);

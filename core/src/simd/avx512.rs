@@ -4,7 +4,7 @@
 //! [`super::detect`] has seen them all on this processor: that is what makes each `unsafe` block here sound.
 #![allow(unsafe_code)]
 
-use super::{Draw, One, Routine, avx2};
+use super::{Draw, One, avx2};
 use crate::lanes::{Lanes, one_vector, scale};
 use crate::two::Two;
 use core::arch::x86_64::*;
@@ -235,17 +235,10 @@ impl Lanes for Avx512 {
     }
 }
 
-/// Runs a routine.
-#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,fma,avx2,popcnt,bmi1,bmi2")]
-pub(super) fn run<R: Routine>(routine: R) -> R::Output {
-    routine.run::<Avx512>()
-}
-
-/// Runs a routine for one direction.
-#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,fma,avx2,popcnt,bmi1,bmi2")]
-pub(super) fn one<S, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> R::Output {
-    R::run::<Avx512>(state, [a, b, c])
-}
+super::entries!(
+    Avx512,
+    #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,fma,avx2,popcnt,bmi1,bmi2")] without draw
+);
 
 /// Draws a direction, without vectors of 512 bits, as [`One::IS_WIDE`] says why, and runs a routine for it, which is a call of its
 /// own: in one function, both have too few registers.

@@ -1,7 +1,6 @@
 //! The portable back end: `wide`, four lanes, whatever the target offers (SSE2, NEON, wasm simd128, or plain code).
 
-use super::{Draw, One, Routine};
-use crate::lanes::{Lanes, one_vector, scale};
+use crate::lanes::{Lanes, one_vector};
 use crate::two::Two;
 use core::ops::{Add, Div, Mul, Sub};
 use wide::{f32x4, i32x4};
@@ -167,22 +166,4 @@ impl Lanes for Wide {
     }
 }
 
-/// Runs a routine.
-#[inline(never)]
-pub(super) fn run<R: Routine>(routine: R) -> R::Output {
-    routine.run::<Wide>()
-}
-
-/// Runs a routine for one direction.
-#[inline(never)]
-pub(super) fn one<S, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> R::Output {
-    R::run::<Wide>(state, [a, b, c])
-}
-
-/// Draws a direction and runs a routine for it, which is a call of its own: in one function, both have too few registers.
-#[inline(never)]
-pub(super) fn draw<S, D: Draw<S>, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> ([f32; 3], R::Output) {
-    let (d, inverse) = D::run::<Wide>(state, [a, b, c]);
-    let then = one::<S, R>(state, d[0], d[1], d[2]);
-    (scale(d, inverse), then)
-}
+super::entries!(Wide, #[inline(never)]);
