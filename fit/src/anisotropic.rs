@@ -1,9 +1,8 @@
 //! The fit of anisotropic materials: one family of lobes, followed over the hemisphere of outgoing directions.
 //!
-//! What an isotropic fit (`track.rs`) does along one angle is done here over a grid of angle and azimuth. Azimuths whose views
+//! What an isotropic fit (`isotropic`) does along one angle is done here over a grid of angle and azimuth. Azimuths whose views
 //! follow by half a turn are left out; a material that has mirrors, too, is fitted over half a turn all the same.
 
-mod blocks;
 mod encode;
 mod layout;
 mod model;
@@ -13,8 +12,8 @@ mod solve;
 mod start;
 mod table;
 
-use crate::report::Report;
-use crate::table::evaluable::{Brdf, Density, Symmetry};
+use crate::judge::report::Report;
+use crate::table::{Brdf, Density, Symmetry};
 use crate::{Fit, FitError, Settings};
 use layout::Layout;
 use objective::Objective;
@@ -172,9 +171,9 @@ fn describe(settings: &Settings, layout: &Layout) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::mean_error;
-    use crate::table::model::lambert::Lambert;
-    use crate::table::model::ward::Ward;
+    use crate::analytic::lambert::Lambert;
+    use crate::analytic::ward::Ward;
+    use crate::judge::report::mean_error;
 
     fn small() -> Settings {
         let knots = Some(vec![0.0, 0.35, 0.7, 1.0]);
@@ -220,9 +219,9 @@ mod tests {
     /// From the bytes of a file to a material that is good at what the file was made from.
     #[test]
     fn an_anisotropic_rgl_file_becomes_a_material() {
-        use crate::table::Content;
-        use crate::table::model::ggx::{Facets, Ggx};
-        use crate::table::rgl::{self, synthetic};
+        use crate::analytic::ggx::{Facets, Ggx};
+        use crate::read::Content;
+        use crate::read::rgl::{self, synthetic};
         let model = Ggx { diffuse: [0.2; 3], alpha: [0.3, 0.6], facets: Facets::Schlick([0.8, 0.6, 0.3]) };
         let settings = synthetic::Settings { phis: 5, range: TAU / 4.0, ..synthetic::Settings::default() };
         let file = rgl::parse(&synthetic::write(&model, &settings)).unwrap();

@@ -1,7 +1,7 @@
 //! What can be chosen of a fit.
 
 use crate::FitError;
-use crate::parameters::Layout;
+use crate::isotropic::model::parameters::Layout;
 use std::f64::consts::FRAC_PI_2;
 use std::ops::RangeInclusive;
 

@@ -1,13 +1,16 @@
 //! The methods that ours is compared with, from a table to errors and JSON.
 
-use srbf_fit::compare::score;
-use srbf_fit::lafortune::{self, Channel, CosineLobe, Lafortune};
-use srbf_fit::method::{Fitted, FittedView, Method};
-use srbf_fit::report::{Ending, Input, Report, ViewReport};
-use srbf_fit::table::evaluable::Brdf;
-use srbf_fit::table::model::ward::Ward;
-use srbf_fit::table::{self, Content, Table};
-use srbf_fit::{FitError, Settings, Tracked, dense, fit, thesis};
+use srbf_fit::analytic::ward::Ward;
+use srbf_fit::baselines::lafortune::{self, Channel, CosineLobe, Lafortune};
+use srbf_fit::baselines::thesis;
+use srbf_fit::judge::compare::score;
+use srbf_fit::judge::method::{Fitted, FittedView, Method};
+use srbf_fit::judge::report::{Ending, Input, Report, ViewReport};
+use srbf_fit::read::Content;
+use srbf_fit::table::Brdf;
+use srbf_fit::table::evaluation_views;
+use srbf_fit::table::{self, Table};
+use srbf_fit::{FitError, Settings, Tracked, fit};
 use std::path::PathBuf;
 
 fn planted() -> Lafortune {
@@ -76,13 +79,13 @@ fn every_method_is_judged_by_what_it_has_seen_and_what_not() {
 #[test]
 fn the_thesis_method_blends_between_its_views() {
     let model = planted();
-    let thetas = dense::even_views(5);
+    let thetas = evaluation_views::even_views(5);
     assert!((thetas[4] - 87f64.to_radians()).abs() < 1e-12);
     let found = thesis::fit_brdf(&model, &thetas, &quick_thesis()).unwrap();
     assert!(found.evaluations > 5 * 10);
     let d = [0.36, 0.48, 0.8];
     let at = |theta: f64| found.view(theta).unwrap().f_cos(d);
-    let between = dense::halfway(&thetas)[1];
+    let between = evaluation_views::halfway(&thetas)[1];
     // The second of four intervals: distances 1/2, 1/2, 3/2, 3/2.
     for c in 0..3 {
         let [a, b, e, f] = [0, 1, 2, 3].map(|n| at(thetas[n])[c]);
@@ -273,7 +276,7 @@ fn all_fits_of_an_error_that_is_asked_for_count() {
 fn methods_for_isotropic_surfaces_refuse_others() {
     let ward = Ward { diffuse: [0.2; 3], specular: [0.3; 3], alpha: [0.1, 0.4] };
     let of_thesis = thesis::fit_brdf(&ward, &[0.3], &quick_thesis()).err().map(|e| e.to_string());
-    let of_table = dense::judging_table(&ward, &[0.3]).err().map(|e| e.to_string());
+    let of_table = evaluation_views::judging_table(&ward, &[0.3]).err().map(|e| e.to_string());
     for error in [of_thesis, of_table] {
         assert!(error.as_ref().is_some_and(|e| e.contains("anisotropic")), "{error:?}");
     }
@@ -285,7 +288,7 @@ fn methods_for_isotropic_surfaces_refuse_others() {
 fn garnet_red_as_in_table_5_1() {
     let folder = std::env::var_os("SRBF_DATA_DIR").expect("SRBF_DATA_DIR names the data folder");
     let path = PathBuf::from(folder).join("cornell/garnet_red.brdf");
-    let Content::Samples(table) = table::read(&path).unwrap().content else { panic!("scattered") };
+    let Content::Samples(table) = srbf_fit::read::read(&path).unwrap().content else { panic!("scattered") };
     let thesis = score(&table, &thesis::Settings::default(), false).unwrap();
     let lafortune = score(&table, &lafortune::Settings::default(), false).unwrap();
     let ours = score(&table, &Tracked(&Settings::default()), false).unwrap();
@@ -301,7 +304,9 @@ fn the_published_fit_of_blue_paint_is_a_material() {
     let folder = std::env::var_os("SRBF_DATA_DIR").expect("SRBF_DATA_DIR names the data folder");
     let path = PathBuf::from(folder).join("cornell/lafortune_fits.csv");
     let Content::Evaluable(model) = lafortune::read(&path, "bluepaint").unwrap().content else { panic!() };
-    let table = dense::judging_table(model.as_ref(), &[0.0, 60f64.to_radians(), 75f64.to_radians()]).unwrap();
+    let table =
+        evaluation_views::judging_table(model.as_ref(), &[0.0, 60f64.to_radians(), 75f64.to_radians()])
+            .unwrap();
     for (view, expected) in
         table.views.iter().zip([[0.312, 0.399, 0.725], [0.338, 0.426, 0.741], [0.382, 0.463, 0.764]])
     {

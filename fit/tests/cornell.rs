@@ -1,7 +1,7 @@
 //! The materials of the thesis's Table 5.1, from the measurements: `cargo test -p srbf-fit -- --ignored`.
 
 use srbf_core::{MAX_LOBES, Material, Mixture, Vec3};
-use srbf_fit::{Fit, Settings, fit, table};
+use srbf_fit::{Fit, Settings, fit};
 use std::path::PathBuf;
 
 fn data(file: &str) -> PathBuf {
@@ -10,8 +10,8 @@ fn data(file: &str) -> PathBuf {
 }
 
 fn fitted(name: &str) -> Fit {
-    let source = table::read(&data(&format!("cornell/{name}.brdf"))).unwrap();
-    let table::Content::Samples(table) = source.content else { panic!("{name} is scattered") };
+    let source = srbf_fit::read::read(&data(&format!("cornell/{name}.brdf"))).unwrap();
+    let srbf_fit::read::Content::Samples(table) = source.content else { panic!("{name} is scattered") };
     fit(&table, &Settings::default(), |_| {}).unwrap()
 }
 

@@ -1,7 +1,7 @@
 //! Readers on the real files: `cargo test -p srbf-fit -- --ignored`.
 
-use srbf_fit::table::evaluable::Brdf;
-use srbf_fit::table::{Content, read, rgl};
+use srbf_fit::read::{Content, read, rgl};
+use srbf_fit::table::Brdf;
 use std::path::PathBuf;
 
 fn data(file: &str) -> PathBuf {
@@ -67,8 +67,8 @@ fn the_merl_file_agrees_with_the_rgl_file_it_was_made_from() {
     let mut unpacked = Vec::new();
     let packed = std::fs::read(data("merl/rgl_ilm_solo_m_68_as_merl.binary.xz")).unwrap();
     lzma_rs::xz_decompress(&mut packed.as_slice(), &mut unpacked).unwrap();
-    let merl = srbf_fit::table::merl::parse(&unpacked).unwrap();
-    assert!(srbf_fit::table::merl::parse(&unpacked[..unpacked.len() - 8]).is_err());
+    let merl = srbf_fit::read::merl::parse(&unpacked).unwrap();
+    assert!(srbf_fit::read::merl::parse(&unpacked[..unpacked.len() - 8]).is_err());
     let rgl = rgl::parse(&std::fs::read(data("rgl/ilm_solo_m_68_rgb.bsdf")).unwrap()).unwrap();
     let mut logs = Vec::new();
     for i in 0..400 {
@@ -90,7 +90,7 @@ fn the_merl_file_agrees_with_the_rgl_file_it_was_made_from() {
 fn sgd_fits_agree_with_neural_fits_of_the_same_material() {
     let names = std::fs::read_to_string(data("merl/nbrdf_merl80_names.txt")).unwrap();
     let networks =
-        srbf_fit::table::neural::parse(&std::fs::read(data("merl/nbrdf_merl80.f32le")).unwrap()).unwrap();
+        srbf_fit::read::neural::parse(&std::fs::read(data("merl/nbrdf_merl80.f32le")).unwrap()).unwrap();
     // Medians of |log ratio| that data/README.md states, over other pairs.
     for (name, stated) in [("red-fabric", 0.10), ("white-paint", 0.19), ("gold-metallic-paint", 0.27)] {
         let network = &networks[names.split_whitespace().position(|n| n == name).unwrap()];

@@ -1,12 +1,13 @@
 //! Tables that no measurement should be, but some are: each gives a sound material, or says why not.
 
 use srbf_core::{MAX_LOBES, Material, Mixture, Vec3};
-use srbf_fit::lafortune::{self, Lafortune};
-use srbf_fit::method::Fitted;
-use srbf_fit::report::ViewReport;
-use srbf_fit::table::model::lambert::Lambert;
+use srbf_fit::analytic::lambert::Lambert;
+use srbf_fit::baselines::lafortune::{self, Lafortune};
+use srbf_fit::baselines::thesis;
+use srbf_fit::judge::method::Fitted;
+use srbf_fit::judge::report::ViewReport;
 use srbf_fit::table::{Scattered, Table};
-use srbf_fit::{Settings, fit, thesis};
+use srbf_fit::{Settings, fit};
 
 const FLAT: f64 = 0.2;
 

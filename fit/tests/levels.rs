@@ -1,7 +1,7 @@
 //! A fit does not depend on the processor. Alone in its process, as the level is that of the process.
 
 use srbf_core::Level;
-use srbf_fit::{Settings, fit_content, table};
+use srbf_fit::{Settings, fit_content};
 use std::path::Path;
 
 #[test]
@@ -9,7 +9,7 @@ fn every_level_gives_the_same_bytes() {
     let settings =
         Settings { lobes: 4, views: Some(5), starts: 4, steps: 24, exchanges: 2, ..Settings::default() };
     for model in ["model:ggx:alpha=0.2", "model:ward:alpha_x=0.2,alpha_y=0.4"] {
-        let content = table::read(Path::new(model)).unwrap().content;
+        let content = srbf_fit::read::read(Path::new(model)).unwrap().content;
         let fits: Vec<_> = Level::ALL
             .into_iter()
             .filter(|level| level.set().is_ok())

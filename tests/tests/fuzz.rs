@@ -140,8 +140,8 @@ fn tables() {
         let path = format!("{}/corpus/{name}", env!("CARGO_MANIFEST_DIR"));
         std::fs::read(&path).unwrap_or_else(|error| panic!("{path}: {error}"))
     };
-    fuzz_reader("brdf", &corpus("small.brdf"), |bytes| scattered(table::cornell::parse(bytes)));
-    fuzz_reader("astm", &corpus("small.astm"), |bytes| scattered(table::astm::parse(bytes)));
-    fuzz_reader("csv", &corpus("small.csv"), |bytes| scattered(table::csv::parse(bytes)));
-    fuzz_reader("bsdf", &corpus("small.bsdf"), |bytes| table::rgl::parse(bytes).is_ok());
+    fuzz_reader("brdf", &corpus("small.brdf"), |bytes| scattered(srbf_fit::read::cornell::parse(bytes)));
+    fuzz_reader("astm", &corpus("small.astm"), |bytes| scattered(srbf_fit::read::astm::parse(bytes)));
+    fuzz_reader("csv", &corpus("small.csv"), |bytes| scattered(srbf_fit::read::csv::parse(bytes)));
+    fuzz_reader("bsdf", &corpus("small.bsdf"), |bytes| srbf_fit::read::rgl::parse(bytes).is_ok());
 }

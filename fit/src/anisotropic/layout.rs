@@ -5,7 +5,7 @@
 //! incidence, K across it, K `ln sharpness`, and K `ln amplitude` per channel. Between knots `srbf_core` interpolates them as is
 //! done here; see `core/src/anisotropic.rs`, which also says why that is continuous at the normal.
 
-use crate::parameters::sphere_integral;
+use crate::numeric::special::sphere_integral;
 use std::f64::consts::{PI, TAU};
 
 /// How many lobes there are, and where the knots lie.
@@ -183,7 +183,7 @@ impl Layout {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::Random;
+    use crate::numeric::random::Random;
 
     fn layout() -> Layout {
         Layout { lobes: 2, squeezed: 1, thetas: vec![0.0, 0.5, 1.0], azimuths: 4, turns: 2 }

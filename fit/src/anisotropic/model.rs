@@ -206,7 +206,7 @@ impl Shape {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::Random;
+    use crate::numeric::random::Random;
     use crate::table::direction;
 
     #[test]

@@ -4,13 +4,13 @@
 //! *data*, relative to the view, with a share for the relative variance; *energy*, the logarithm of the albedo; and *roughness*,
 //! second differences outward from the normal and, times the sine of the angle, along each ring.
 
-use super::blocks::Blocks;
 use super::layout::{Layout, Place};
 use super::model::{Lobes, Slopes};
 use super::table::View;
 use crate::FitError;
-use crate::parameters::sphere_integral;
-use crate::ratio::Ratio;
+use crate::numeric::blocks::Blocks;
+use crate::numeric::special::sphere_integral;
+use crate::table::albedo_log::Ratio;
 use crate::table::{Sample, check_bright, check_storable};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
@@ -380,7 +380,7 @@ pub(super) fn amplitudes(layout: &Layout, q: &[f64]) -> [Vec<f64>; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::Random;
+    use crate::numeric::random::Random;
     use crate::table::direction;
 
     fn problem(azimuths: usize, turns: usize) -> (Objective, Vec<f64>) {

@@ -2,9 +2,9 @@
 
 use super::table::View;
 use crate::FitError;
-use crate::report::ViewReport;
+use crate::judge::fitted_material::TrackedView;
+use crate::judge::report::ViewReport;
 use crate::table;
-use crate::tracked::TrackedView;
 use srbf_core::Material;
 use std::f64::consts::PI;
 

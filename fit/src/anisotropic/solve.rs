@@ -4,7 +4,7 @@
 //! would take them outwards, long steps shortened as a whole.
 
 use super::objective::Objective;
-use crate::report::Ending;
+use crate::judge::report::Ending;
 
 const LONGEST_STEP: f64 = 2.0;
 const FIRST_DAMPING: f64 = 0.1;

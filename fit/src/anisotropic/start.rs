@@ -8,7 +8,7 @@
 use super::layout::Layout;
 use super::model::{Lobes, exponential};
 use super::table::View;
-use crate::random::Random;
+use crate::numeric::random::Random;
 
 /// Share of a knot's largest amplitude over sharpness that a lobe gets which the best amplitudes leave out: enough for the solver
 /// to feel it.

@@ -4,7 +4,7 @@
 //! caps round the peak, ever narrower; but the peak is looked for in two dimensions, and nothing is mirrored.
 
 use crate::table::Sample;
-use crate::table::evaluable::{Brdf, Density};
+use crate::table::{Brdf, Density};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -139,7 +139,7 @@ fn find_peak(value: &dyn Fn([f64; 3]) -> f64, theta: f64) -> ([f64; 3], f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::model::ward::Ward;
+    use crate::analytic::ward::Ward;
 
     /// Ward's albedo does not change when `wo` and the material turn together, and is that of the other axis a quarter on.
     #[test]

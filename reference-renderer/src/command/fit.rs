@@ -9,11 +9,11 @@ use anyhow::{Context, bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use method::MethodName;
 use srbf_core::Material;
-use srbf_fit::cross::CrossValidation;
-use srbf_fit::reciprocity::reciprocity;
-use srbf_fit::report::{Input, Report, ViewReport, mean_error};
-use srbf_fit::table::evaluable::Symmetry;
-use srbf_fit::table::{Content, Source};
+use srbf_fit::judge::cross::CrossValidation;
+use srbf_fit::judge::reciprocity::reciprocity;
+use srbf_fit::judge::report::{Input, Report, ViewReport, mean_error};
+use srbf_fit::read::{Content, Source};
+use srbf_fit::table::Symmetry;
 use srbf_fit::{Fit, Settings, TrackedLobes};
 use std::path::{Path, PathBuf};
 
@@ -118,7 +118,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     if args.lobes_table {
         return lobes_table::run(&source, &name.to_string_lossy(), &args.settings.settings());
     }
-    let is_model = file.to_string_lossy().starts_with(srbf_fit::table::model::PREFIX);
+    let is_model = file.to_string_lossy().starts_with(srbf_fit::analytic::PREFIX);
     let named = if is_model { file.display().to_string() } else { source.name.clone() };
     let input = Input { name: named, sha256: source.sha256.clone() };
     if args.method != MethodName::Tracked {
@@ -182,7 +182,7 @@ fn left_out(
     match content {
         _ if !is_asked_for => Ok(None),
         Content::Samples(table) => {
-            Ok(Some(method.with(settings, |method| srbf_fit::cross::cross_validate(table, method))??))
+            Ok(Some(method.with(settings, |method| srbf_fit::judge::cross::cross_validate(table, method))??))
         }
         Content::Evaluable(_) => bail!(
             "{}: --cross-validate is for samples; fits of what can be evaluated anywhere report held-out views as they are",
@@ -193,7 +193,7 @@ fn left_out(
 
 /// Reads and fits one file, with a progress bar; `source` says in the provenance where it comes from.
 pub fn fit_file(file: &Path, settings: Settings, source: &str) -> anyhow::Result<Fit> {
-    fit_source(srbf_fit::table::read(file)?, settings, source)
+    fit_source(srbf_fit::read::read(file)?, settings, source)
 }
 
 fn fit_source(read: Source, mut settings: Settings, source: &str) -> anyhow::Result<Fit> {

@@ -3,12 +3,15 @@
 use crate::output;
 use crate::progress::Progress;
 use anyhow::{Context, bail};
-use srbf_fit::compare::{Score, score};
-use srbf_fit::cross::CrossValidation;
-use srbf_fit::method::Method;
-use srbf_fit::table::evaluable::Brdf;
-use srbf_fit::table::{Content, Table, read};
-use srbf_fit::{Settings, Tracked, lafortune, thesis};
+use srbf_fit::baselines::lafortune;
+use srbf_fit::baselines::thesis;
+use srbf_fit::judge::compare::{Score, score};
+use srbf_fit::judge::cross::CrossValidation;
+use srbf_fit::judge::method::Method;
+use srbf_fit::read::{Content, read};
+use srbf_fit::table::Brdf;
+use srbf_fit::table::Table;
+use srbf_fit::{Settings, Tracked};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 

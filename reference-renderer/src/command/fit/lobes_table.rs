@@ -6,8 +6,8 @@
 mod plot;
 
 use srbf_core::{MAX_LOBES, Material, Mixture, Vec3};
-use srbf_fit::report::mean_error;
-use srbf_fit::table::Source;
+use srbf_fit::judge::report::mean_error;
+use srbf_fit::read::Source;
 use srbf_fit::{Settings, fit_content, write_atomically};
 use std::fmt::Write;
 use std::hint::black_box;

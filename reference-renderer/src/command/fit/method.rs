@@ -2,13 +2,16 @@
 
 use super::SettingArgs;
 use anyhow::{anyhow, bail};
-use srbf_fit::cross::CrossValidation;
-use srbf_fit::lafortune::{self, Lafortune};
-use srbf_fit::method::{Fitted, Method};
-use srbf_fit::report::{Input, Report, ViewReport};
-use srbf_fit::table::evaluable::Density;
-use srbf_fit::table::{Content, Source, Table};
-use srbf_fit::{FitError, Tracked, dense, thesis};
+use srbf_fit::baselines::lafortune::{self, Lafortune};
+use srbf_fit::baselines::thesis;
+use srbf_fit::judge::cross::CrossValidation;
+use srbf_fit::judge::method::{Fitted, Method};
+use srbf_fit::judge::report::{Input, Report, ViewReport};
+use srbf_fit::read::{Content, Source};
+use srbf_fit::table::Density;
+use srbf_fit::table::Table;
+use srbf_fit::table::evaluation_views;
+use srbf_fit::{FitError, Tracked};
 use std::path::Path;
 use std::time::Instant;
 
@@ -106,7 +109,7 @@ pub fn fit(
             let fit = match &source.content {
                 Content::Samples(table) => thesis::fit_table(table, &settings)?,
                 Content::Evaluable(brdf) => {
-                    thesis::fit_brdf(brdf.as_ref(), &dense::even_views(VIEWS), &settings)?
+                    thesis::fit_brdf(brdf.as_ref(), &evaluation_views::even_views(VIEWS), &settings)?
                 }
             };
             let (json, evaluations) = (fit.to_json(), fit.evaluations);
@@ -118,7 +121,8 @@ pub fn fit(
             let fit = match &source.content {
                 Content::Samples(table) => Lafortune::fit(table, &settings)?,
                 Content::Evaluable(brdf) => {
-                    let table = Table::from_brdf(brdf.as_ref(), &dense::even_views(VIEWS), FITTED)?;
+                    let table =
+                        Table::from_brdf(brdf.as_ref(), &evaluation_views::even_views(VIEWS), FITTED)?;
                     Lafortune::fit(&table, &settings)?
                 }
             };
@@ -148,9 +152,10 @@ fn tables(content: &Content) -> anyhow::Result<(Table, Option<Table>)> {
     Ok(match content {
         Content::Samples(table) => (table.clone(), None),
         Content::Evaluable(brdf) => {
-            let thetas = dense::even_views(VIEWS);
-            let halfway = dense::judging_table(brdf.as_ref(), &dense::halfway(&thetas))?;
-            (dense::judging_table(brdf.as_ref(), &thetas)?, Some(halfway))
+            let thetas = evaluation_views::even_views(VIEWS);
+            let halfway =
+                evaluation_views::judging_table(brdf.as_ref(), &evaluation_views::halfway(&thetas))?;
+            (evaluation_views::judging_table(brdf.as_ref(), &thetas)?, Some(halfway))
         }
     })
 }
@@ -159,7 +164,7 @@ fn tables(content: &Content) -> anyhow::Result<(Table, Option<Table>)> {
 pub fn read(file: &Path, material: Option<&str>) -> anyhow::Result<Source> {
     Ok(match material {
         Some(material) => lafortune::read(file, material)?,
-        None => srbf_fit::table::read(file).map_err(|error| match lafortune::names(file) {
+        None => srbf_fit::read::read(file).map_err(|error| match lafortune::names(file) {
             Ok(names) => anyhow!("{}: --material is needed, one of {names}", file.display()),
             Err(_) => error.into(),
         })?,

@@ -3,7 +3,7 @@
 use super::method::MethodName;
 use anyhow::{Context, bail};
 use clap::ValueEnum;
-use srbf_fit::table::model::PREFIX;
+use srbf_fit::analytic::PREFIX;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 

@@ -11,14 +11,17 @@ use crate::command::argument;
 use crate::output;
 use anyhow::{Context, ensure};
 use row::Row;
-use srbf_fit::blend::{BlendedKnots, Neighbours};
-use srbf_fit::handedness::handedness;
-use srbf_fit::method::Fitted;
-use srbf_fit::reciprocity::reciprocity;
-use srbf_fit::report::{ViewReport, mean_error};
-use srbf_fit::table::evaluable::Brdf;
-use srbf_fit::table::{Content, Table, neural, read};
-use srbf_fit::{Settings, TrackedLobes, dense, fit_content, thesis};
+use srbf_fit::baselines::blend::{BlendedKnots, Neighbours};
+use srbf_fit::baselines::thesis;
+use srbf_fit::judge::method::Fitted;
+use srbf_fit::judge::mirror_asymmetry::handedness;
+use srbf_fit::judge::reciprocity::reciprocity;
+use srbf_fit::judge::report::{ViewReport, mean_error};
+use srbf_fit::read::{Content, neural, read};
+use srbf_fit::table::Brdf;
+use srbf_fit::table::Table;
+use srbf_fit::table::evaluation_views;
+use srbf_fit::{Settings, TrackedLobes, fit_content};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -61,7 +64,7 @@ pub fn run(args: &SettingArgs, survey: &Args) -> anyhow::Result<()> {
     let default = || format!("out/survey-{}-lobes-{}-views.csv", settings.lobes, settings.view_count());
     let path = survey.csv.clone().unwrap_or_else(|| default().into());
     output::check_place(&path)?;
-    let thetas = dense::even_views(settings.view_count());
+    let thetas = evaluation_views::even_views(settings.view_count());
     let thesis = thesis::Settings { lobes: settings.lobes, ..thesis::Settings::default() };
     let thesis = (!survey.no_thesis).then_some(thesis);
     let named = |name: &String| survey.only.as_ref().is_none_or(|only| name.contains(only));
@@ -111,8 +114,8 @@ fn examine(
     let fit = fit_content(content, settings, |_| {})?;
     let lobes = TrackedLobes { bytes: fit.bytes };
     let placed = lobes.knots()?;
-    let at_views = dense::judging_table(brdf, &placed)?;
-    let halfway = dense::judging_table(brdf, &dense::halfway(&placed))?;
+    let at_views = evaluation_views::judging_table(brdf, &placed)?;
+    let halfway = evaluation_views::judging_table(brdf, &evaluation_views::halfway(&placed))?;
     let between = judge(&lobes, &halfway)?;
     let low: Vec<&ViewReport> = between.iter().filter(|v| v.theta.to_degrees() <= JUDGED).collect();
     let list = |f: fn(&ViewReport) -> f64| low.iter().map(|v| f(v)).collect::<Vec<f64>>();
@@ -133,10 +136,10 @@ fn examine(
         seconds: fit.report.seconds,
         ..Row::default()
     };
-    let halfway = dense::judging_table(brdf, &dense::halfway(thetas))?;
+    let halfway = evaluation_views::judging_table(brdf, &evaluation_views::halfway(thetas))?;
     row.same_views = error(&lobes, &halfway)?;
     if let Some(settings) = thesis {
-        let at_views = dense::judging_table(brdf, thetas)?;
+        let at_views = evaluation_views::judging_table(brdf, thetas)?;
         let start = Instant::now();
         let fit = thesis::fit_brdf(brdf, thetas, settings)?;
         row.thesis_seconds = start.elapsed().as_secs_f64();

@@ -1,0 +1,14 @@
+//! The fit of isotropic materials: one family of lobes, followed along the angle of the outgoing direction.
+
+mod balance;
+mod encode;
+mod knots;
+mod levenberg;
+pub(crate) mod model;
+mod objective;
+pub(crate) mod search;
+mod seen_by;
+mod source;
+
+pub(crate) use search::fit_samples;
+pub(crate) use source::fit_evaluable;

@@ -1,0 +1,203 @@
+//! The data term of one view: squared differences between lobes and samples, and what Gauss-Newton needs of them.
+//!
+//! The derivative of a value by an unknown is that of a unit lobe, the same for all channels, times an amplitude. So only
+//! the Gram matrix of the derivatives of unit lobes is summed over the samples, once for the three channels; the
+//! differences are three more columns of it.
+
+use crate::isotropic::model::{Column, Lobes, PANEL};
+use crate::numeric::vector;
+use pulp::{NullaryFnOnce, Simd, WithSimd};
+
+/// A sample as the fit sees it.
+#[derive(Clone, Debug)]
+pub(crate) struct Point {
+    pub direction: [f64; 3],
+    /// `f cos`.
+    pub target: [f64; 3],
+    /// Weight of the squared difference of every channel.
+    pub weight: f64,
+    /// The part of it that makes the relative L2 error.
+    pub base: f64,
+    /// What the rest is in inverse proportion to, and what is added to the value in that proportion.
+    pub tail: f64,
+    pub floor: f64,
+}
+
+/// Sums over the samples of a view. Derivatives are in the order of [`Lobes::slopes`].
+#[derive(Clone, Debug)]
+pub(crate) struct Sums {
+    /// Sum of the weighted squared differences.
+    pub cost: f64,
+    /// Products of derivatives of unit lobes; [width * width], lower half.
+    pub gram: Vec<f64>,
+    /// Products of derivatives of unit lobes with the difference, per channel; [width].
+    pub moment: [Vec<f64>; 3],
+}
+
+/// Values of the lobes at every point, per channel. `amplitudes`: per channel, of the lobes and the diffuse term.
+pub(crate) fn values(lobes: &Lobes, amplitudes: &[Vec<f64>; 3], points: &[Point]) -> Vec<[f64; 3]> {
+    vector::run(Values { lobes, amplitudes, points })
+}
+
+/// Sum of the weighted squared differences.
+pub(crate) fn cost(lobes: &Lobes, amplitudes: &[Vec<f64>; 3], points: &[Point]) -> f64 {
+    let squares = values(lobes, amplitudes, points).into_iter().zip(points).map(|(value, point)| {
+        let square = |c: usize| (value[c] - point.target[c]) * (value[c] - point.target[c]);
+        point.weight * (square(0) + square(1) + square(2))
+    });
+    squares.sum()
+}
+
+/// Sum of the weighted squares of a unit lobe, and of its weighted products with what is `left` at every point, per channel.
+pub(crate) fn projection(lobes: &Lobes, k: usize, points: &[Point], left: &[[f64; 3]]) -> (f64, [f64; 3]) {
+    vector::run(Projection { lobes, k, points, left })
+}
+
+/// All sums.
+pub(crate) fn sums(lobes: &Lobes, amplitudes: &[Vec<f64>; 3], points: &[Point]) -> Sums {
+    vector::run(AllSums { lobes, amplitudes, points })
+}
+
+struct Values<'a> {
+    lobes: &'a Lobes,
+    amplitudes: &'a [Vec<f64>; 3],
+    points: &'a [Point],
+}
+
+impl NullaryFnOnce for Values<'_> {
+    type Output = Vec<[f64; 3]>;
+
+    #[inline(always)]
+    fn call(self) -> Vec<[f64; 3]> {
+        let mut out = Vec::with_capacity(self.points.len());
+        for chunk in self.points.chunks(PANEL) {
+            let panel = self.lobes.panel(chunk.iter().map(|p| p.direction));
+            let sums = self.lobes.sums(&panel, self.amplitudes);
+            out.extend((0..chunk.len()).map(|n| [sums[0][n], sums[1][n], sums[2][n]]));
+        }
+        out
+    }
+}
+
+struct Projection<'a> {
+    lobes: &'a Lobes,
+    k: usize,
+    points: &'a [Point],
+    left: &'a [[f64; 3]],
+}
+
+impl NullaryFnOnce for Projection<'_> {
+    type Output = (f64, [f64; 3]);
+
+    #[inline(always)]
+    fn call(self) -> (f64, [f64; 3]) {
+        let (mut square, mut moment) = (0.0, [0.0; 3]);
+        for (points, left) in self.points.chunks(PANEL).zip(self.left.chunks(PANEL)) {
+            let panel = self.lobes.panel(points.iter().map(|p| p.direction));
+            let Some(values) = self.lobes.column(self.k, &panel) else { continue };
+            for ((point, left), value) in points.iter().zip(left).zip(values) {
+                square += point.weight * value * value;
+                (0..3).for_each(|c| moment[c] += point.weight * value * left[c]);
+            }
+        }
+        (square, moment)
+    }
+}
+
+/// Lanes in which the products of two columns are summed: the widest registers hold so many.
+const LANES: usize = 8;
+
+struct AllSums<'a> {
+    lobes: &'a Lobes,
+    amplitudes: &'a [Vec<f64>; 3],
+    points: &'a [Point],
+}
+
+impl WithSimd for AllSums<'_> {
+    type Output = Sums;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Sums {
+        // What fits into 32 registers of all lanes, or into 16 of half of them.
+        if S::F64_LANES == LANES { self.sums::<4>() } else { self.sums::<2>() }
+    }
+}
+
+impl AllSums<'_> {
+    /// The Gram matrix in tiles of `SIDE` columns across and down.
+    #[inline(always)]
+    fn sums<const SIDE: usize>(self) -> Sums {
+        let k = self.lobes.len();
+        let width = self.lobes.slopes_len();
+        // Derivatives, three differences, and a column of zeros that fills tiles up.
+        let zero = width + 3;
+        let stride = zero + 1;
+        let mut columns = vec![[0.0; PANEL]; stride];
+        let mut seen = vec![true; width];
+        let mut used: Vec<usize> = Vec::with_capacity(stride + SIDE);
+        let mut gram = vec![[0.0; LANES / 2]; stride * stride];
+        for chunk in self.points.chunks(PANEL) {
+            let panel = self.lobes.panel(chunk.iter().map(|p| p.direction));
+            // What a panel lacks weighs nothing.
+            let mut scale = [0.0; PANEL];
+            scale.iter_mut().zip(chunk).for_each(|(s, p)| *s = p.weight.sqrt());
+            self.lobes.slopes(&panel, &scale, &mut columns[..width], &mut seen);
+            for c in 0..3 {
+                let mut difference = [0.0; PANEL];
+                for (n, point) in chunk.iter().enumerate() {
+                    difference[n] = -scale[n] * point.target[c];
+                }
+                let values = (0..k).map(|k| (k, 2 * self.lobes.len() + k)).chain([(k, width - 1)]);
+                for (lobe, column) in values.filter(|v| seen[v.1]) {
+                    let amplitude = self.amplitudes[c][lobe];
+                    for (d, v) in difference.iter_mut().zip(&columns[column]) {
+                        *d = amplitude.mul_add(*v, *d);
+                    }
+                }
+                columns[width + c] = difference;
+            }
+            used.clear();
+            used.extend((0..zero).filter(|&i| i >= width || seen[i]));
+            used.resize(used.len().next_multiple_of(SIDE), zero);
+            for (first, across) in used.chunks_exact(SIDE).enumerate() {
+                let right: [&Column; SIDE] = std::array::from_fn(|i| &columns[across[i]]);
+                for down in used[SIDE * first..].chunks_exact(SIDE) {
+                    let tile = tile::<SIDE>(std::array::from_fn(|i| &columns[down[i]]), right);
+                    for (i, row) in down.iter().zip(tile) {
+                        for (j, product) in across.iter().zip(row) {
+                            let sum = &mut gram[i * stride + j];
+                            (0..LANES / 2).for_each(|n| sum[n] += product[n] + product[n + LANES / 2]);
+                        }
+                    }
+                }
+            }
+        }
+        let sum = |i: usize, j: usize| {
+            let [a, b, c, d] = gram[i * stride + j];
+            (a + c) + (b + d)
+        };
+        Sums {
+            cost: (0..3).map(|c| sum(width + c, width + c)).sum(),
+            gram: (0..width * width)
+                .map(|n| if n % width <= n / width { sum(n / width, n % width) } else { 0.0 })
+                .collect(),
+            moment: [0, 1, 2].map(|c| (0..width).map(|i| sum(width + c, i)).collect()),
+        }
+    }
+}
+
+/// Inner products of some columns with some others, in lanes that are still to be added up.
+#[inline(always)]
+fn tile<const SIDE: usize>(down: [&Column; SIDE], across: [&Column; SIDE]) -> [[[f64; LANES]; SIDE]; SIDE] {
+    let mut sums = [[[0.0; LANES]; SIDE]; SIDE];
+    for n in (0..PANEL).step_by(LANES) {
+        for i in 0..SIDE {
+            for j in 0..SIDE {
+                for lane in 0..LANES {
+                    sums[i][j][lane] = down[i][n + lane].mul_add(across[j][n + lane], sums[i][j][lane]);
+                }
+            }
+        }
+    }
+    sums
+}

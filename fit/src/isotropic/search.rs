@@ -1,0 +1,237 @@
+//! The fit: one family of lobes, followed over all views at once.
+//!
+//! Stage by stage there are fewer candidates, more steps, and less stiffness: a stiff family cannot lose its order. Early stages
+//! see a thinned table. In the last ones the albedo is held closely, and the weights of the tail follow the fit. What can be
+//! evaluated anywhere then goes through the last of these stages again: with more weight on a goal that it misses, or, if it
+//! misses none, with lobes exchanged.
+
+mod candidates;
+mod exchange;
+mod finalist;
+pub(crate) mod schedule;
+mod start;
+
+use crate::isotropic::balance;
+use crate::isotropic::encode;
+use crate::isotropic::model::parameters::Layout;
+use crate::isotropic::search::candidates::{Work, scout};
+use crate::isotropic::search::finalist::{Finalist, refine, reports};
+use crate::judge::report::{Fit, Report};
+use crate::table::Table;
+use crate::{FitError, Settings};
+use rayon::prelude::*;
+use schedule::{Emphasis, HEAVY_TAIL, LIGHT, LOOKS, SAMPLES, Stage};
+use std::borrow::Cow;
+use std::sync::atomic::AtomicUsize;
+use std::time::Instant;
+
+/// Least distance of two knots, radians.
+const KNOT_DISTANCE: f64 = 0.035;
+
+/// Times that fits are moved again, at most; and the share of the best one's rank that the error of one which misses a goal must be
+/// below for that to be worth the time.
+const ROUNDS: usize = 3;
+const WORTHWHILE: f64 = 0.97;
+/// What the weights of missed goals are multiplied by before, and the most that energy gets: with more, nothing else counts.
+const MORE_ENERGY: f64 = 10.0;
+const MOST_ENERGY: f64 = 1000.0;
+const MORE_TAIL: f64 = 3.0;
+
+/// Fits as many lobes as the settings say to the samples of a table.
+pub(crate) fn fit_samples(
+    table: &Table,
+    settings: &Settings,
+    progress: impl FnMut(f64),
+) -> Result<Fit, FitError> {
+    run(Data::Samples(table), settings, progress)
+}
+
+/// What can be tabulated wherever the fit asks for it.
+pub(crate) trait Source: Sync {
+    /// As many knots, where the material changes.
+    fn knots(&self, count: usize) -> Vec<f64>;
+
+    /// Angles, radians, and the albedo there: more of them than views.
+    fn albedo(&self) -> &[(f64, [f64; 3])];
+
+    /// A table of views between knots. With `seen`, bytes of a material and a number: also in directions that its lobes draw,
+    /// others and at other views for every number.
+    fn table(&self, knots: &[f64], seen: Option<(&[u8], usize)>) -> Result<Table, FitError>;
+}
+
+/// What is fitted.
+#[derive(Clone, Copy)]
+pub(crate) enum Data<'a> {
+    Samples(&'a Table),
+    Source(&'a dyn Source),
+}
+
+/// Fits as many lobes as the settings say. `progress` is called with the share of the work that is done, 0 to 1; it falls where a
+/// goal is missed by what should have been the end.
+pub(crate) fn run(
+    data: Data<'_>,
+    settings: &Settings,
+    mut progress: impl FnMut(f64),
+) -> Result<Fit, FitError> {
+    let start = Instant::now();
+    let knots = match (&settings.knots, data) {
+        (Some(knots), _) => knots.clone(),
+        (None, Data::Samples(table)) => Layout::knots_at(table.views.iter().map(|v| v.theta), KNOT_DISTANCE),
+        (None, Data::Source(source)) => source.knots(settings.view_count()),
+    };
+    let table = match data {
+        Data::Samples(table) => Cow::Borrowed(table),
+        Data::Source(source) => Cow::Owned(source.table(&knots, None)?),
+    };
+    let problem = Problem { data, settings, table: &table, knots: &knots };
+    let mut work = Work { done: 0, total: 0, progress: &mut progress, evaluations: AtomicUsize::new(0) };
+    let best = match data {
+        Data::Samples(_) => problem.solve(SAMPLES, &mut work)?.swap_remove(0),
+        Data::Source(source) => {
+            let finalists = problem.solve(LIGHT, &mut work)?;
+            let mut best = problem.improve(source, finalists, &mut work)?;
+            balance::balance(&best.layout, &mut best.candidate.x, source.albedo());
+            best
+        }
+    };
+    let Finalist { layout, table, candidate, .. } = best;
+
+    let text = format!("{}{}", settings.provenance, settings.describe(&layout));
+    let bytes = encode::encode(&layout, &candidate.x, &text)?;
+    let views = reports(&bytes, &table)?;
+    let evaluations = work.evaluations.into_inner();
+    progress(1.0);
+    let (seconds, ending) = (start.elapsed().as_secs_f64(), Some(candidate.ending));
+    Ok(Fit { bytes, report: Report { views, seconds, evaluations, ending, ..Report::default() } })
+}
+
+/// What is to be fitted.
+struct Problem<'a> {
+    data: Data<'a>,
+    settings: &'a Settings,
+    table: &'a Table,
+    knots: &'a [f64],
+}
+
+impl<'a> Problem<'a> {
+    fn stages(&self, emphasis: Emphasis) -> Vec<Stage> {
+        let looks = if let Data::Source(_) = self.data { LOOKS } else { 0 };
+        schedule::stages(self.settings, emphasis.energy, looks)
+    }
+
+    /// The stages for so many that have been through them: all that follow the scouting. The first of them moves a fit to minima that
+    /// the last ones, which are short, do not reach.
+    fn stages_again(&self, emphasis: Emphasis, keep: usize, exchanges: usize) -> Vec<Stage> {
+        let stages = self.stages(emphasis).into_iter().filter(|stage| stage.full);
+        stages.map(|stage| stage.again(keep, exchanges)).collect()
+    }
+
+    /// The best of all starts, and the last that was given up.
+    fn solve(&self, emphasis: Emphasis, work: &mut Work<'_>) -> Result<Vec<Finalist<'a>>, FitError> {
+        let Self { data, settings, table, knots } = *self;
+        let stages = self.stages(emphasis);
+        work.total = schedule::work(&stages);
+        if let Data::Source(_) = data {
+            work.total += schedule::work(&self.stages_again(emphasis, 1, settings.exchanges));
+        }
+        let (scouting, refining) = stages.split_at(stages.partition_point(|stage| !stage.full));
+        let shapes = settings.shapes(matches!(data, Data::Source(_)));
+        let layouts = shapes.into_iter().map(|(squeezed, mirrored)| {
+            Layout::new(settings.lobes - mirrored, squeezed, mirrored, knots.to_vec())
+        });
+        let count = refining.first().map_or(0, |stage| stage.keep);
+        let scouted = scout(table, layouts.collect(), emphasis.tail, (scouting, count), work)?;
+        let (mut finalists, mut others) = (Vec::new(), Vec::new());
+        for (layout, candidate) in scouted {
+            finalists.push(Finalist::new(data, settings, table, layout, candidate)?);
+        }
+        for stage in refining {
+            if stage.keep < finalists.len() {
+                others = finalists.split_off(stage.keep);
+            }
+            refine(data, &mut finalists, emphasis.tail, stage, work)?;
+            work.done += stage.work();
+            // What has been seen for the last time is judged as what it is.
+            let is_final = stage.look == Some(LOOKS - 1);
+            let rank = |f: &Finalist<'_>| if is_final { f.final_rank() } else { f.rank() };
+            finalists.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
+        }
+        let Some(best) = finalists.first_mut() else {
+            return Err(FitError::Setting { name: "starts", reason: "at least 1".into() });
+        };
+        if let Data::Source(source) = data {
+            best.look(source, LOOKS)?;
+        }
+        finalists.extend(others.into_iter().take(1));
+        Ok(finalists)
+    }
+
+    /// Goes on with finalists, from where they ended, and returns the best that there was. Those that miss a goal are moved with more
+    /// and more weight on it, after the first round as long as they may become better than the best. One that misses none, at first or
+    /// after the first round, has lobes exchanged.
+    fn improve(
+        &self,
+        source: &dyn Source,
+        mut finalists: Vec<Finalist<'a>>,
+        work: &mut Work<'_>,
+    ) -> Result<Finalist<'a>, FitError> {
+        let (mut best, mut emphasis) = (finalists[0].clone(), LIGHT);
+        if best.missed() == 0 {
+            finalists.truncate(1);
+        }
+        for round in 0..ROUNDS {
+            // Then it is the only one.
+            let meets_all = finalists[0].missed() == 0;
+            emphasis = emphasized(&mut finalists, emphasis);
+            let exchanges = if meets_all { self.settings.exchanges } else { 0 };
+            self.again(source, &mut finalists, (emphasis, exchanges), work)?;
+            for finalist in &finalists {
+                if finalist.final_rank() < best.final_rank() {
+                    best = finalist.clone();
+                }
+            }
+            finalists.retain(|f| f.missed() > 0 && f.error() < WORTHWHILE * best.final_rank());
+            if finalists.is_empty() {
+                if round > 0 || meets_all || best.missed() > 0 {
+                    break;
+                }
+                finalists.push(best.clone());
+            }
+        }
+        Ok(best)
+    }
+
+    /// Takes finalists through a round.
+    fn again(
+        &self,
+        source: &dyn Source,
+        finalists: &mut [Finalist<'a>],
+        (emphasis, exchanges): (Emphasis, usize),
+        work: &mut Work<'_>,
+    ) -> Result<(), FitError> {
+        let stages = self.stages_again(emphasis, finalists.len(), exchanges);
+        work.total = work.total.max(work.done + schedule::work(&stages));
+        for stage in &stages {
+            refine(self.data, finalists, emphasis.tail, stage, work)?;
+            work.done += stage.work();
+        }
+        finalists.par_iter_mut().try_for_each(|finalist| finalist.look(source, LOOKS))
+    }
+}
+
+/// What finalists are moved with next: more weight on the goals that they miss, and a lobe that is kept wide in those whose weights
+/// stay large.
+fn emphasized(finalists: &mut [Finalist<'_>], before: Emphasis) -> Emphasis {
+    let mut emphasis = before;
+    if finalists.iter().any(|f| !f.keeps_energy()) {
+        emphasis.energy = (MORE_ENERGY * emphasis.energy).min(MOST_ENERGY);
+    }
+    let mut is_widened = false;
+    for finalist in finalists.iter_mut().filter(|f| !f.has_small_weights()) {
+        is_widened |= emphasis.tail >= HEAVY_TAIL && finalist.widen();
+    }
+    if !is_widened && finalists.iter().any(|f| !f.has_small_weights() || !f.has_small_variances()) {
+        emphasis.tail = (MORE_TAIL * emphasis.tail).max(HEAVY_TAIL);
+    }
+    emphasis
+}

@@ -1,0 +1,192 @@
+//! The best of a shape, as it looks to itself: goals, ranks, and the table that it is made to see.
+
+use crate::isotropic::balance;
+use crate::isotropic::encode;
+use crate::isotropic::model::parameters::Layout;
+use crate::isotropic::objective::Objective;
+use crate::isotropic::search::candidates::{Candidate, Task, Work, advance};
+use crate::isotropic::search::schedule::{HEAVY_TAIL, LOOKS, Stage};
+use crate::isotropic::search::{Data, Source};
+use crate::judge::report::ViewReport;
+use crate::table::Table;
+use crate::{FitError, Settings};
+use rayon::prelude::*;
+use std::borrow::Cow;
+
+/// Largest `f cos / pdf`, over the mean, that a fit may have, in directions that the lobes draw and at the horizon too, and what a
+/// larger one adds to its error while it may be mended.
+const MOST_WEIGHT: f64 = 18.0;
+const WIDENED: f64 = 1.1;
+/// Largest relative variance that a view should have, and the angle in radians up to which one should: 80 degrees.
+const MOST_VARIANCE: f64 = 0.25;
+const STEEPEST: f64 = 1.4;
+/// Largest error of the albedo, at any view.
+const MOST_ENERGY_ERROR: f64 = 0.01;
+/// Share of the error for which every doubling of weight or variance over that is avoided, and what the error is multiplied by for
+/// every goal that is missed.
+const DOUBLING: f64 = 0.07;
+const MISSED: f64 = 1.25;
+
+/// The best of a shape, on a table of its own.
+#[derive(Clone)]
+pub(crate) struct Finalist<'a> {
+    pub layout: Layout,
+    pub table: Cow<'a, Table>,
+    /// The table as its lobes last saw it.
+    seen: Option<Table>,
+    pub candidate: Candidate,
+    /// Mean error on that, of values and of the albedo, the largest variance of a view, the largest weight on that and, at the end, on
+    /// what they saw before; and the largest error of the albedo at any view.
+    error: f64,
+    variance: f64,
+    largest_weight: f64,
+    energy_error: f64,
+}
+
+impl<'a> Finalist<'a> {
+    pub fn new(
+        data: Data<'_>,
+        settings: &Settings,
+        table: &'a Table,
+        layout: Layout,
+        candidate: Candidate,
+    ) -> Result<Self, FitError> {
+        let mut new = Self {
+            layout,
+            table: Cow::Borrowed(table),
+            seen: None,
+            candidate,
+            error: f64::INFINITY,
+            variance: f64::INFINITY,
+            largest_weight: f64::INFINITY,
+            energy_error: f64::INFINITY,
+        };
+        // Few lobes, or lobes in pairs, are fewer bytes, which are spent on more views.
+        let views = encode::views_of_equal_size(&new.layout, settings.lobes_of_size());
+        if let (Data::Source(source), None, true) = (data, &settings.knots, views > new.layout.knots.len()) {
+            let denser = Layout { knots: source.knots(views), ..new.layout.clone() };
+            new.candidate.x = new.layout.resampled(&new.candidate.x, &denser);
+            new.table = Cow::Owned(source.table(&denser.knots, None)?);
+            new.layout = denser;
+        }
+        Ok(new)
+    }
+
+    /// How many of the goals are missed of which a fit should miss none.
+    pub fn missed(&self) -> i32 {
+        let missed = [!self.has_small_weights(), !self.has_small_variances(), !self.keeps_energy()];
+        missed.into_iter().map(i32::from).sum()
+    }
+
+    pub fn has_small_weights(&self) -> bool {
+        self.largest_weight <= MOST_WEIGHT
+    }
+
+    pub fn has_small_variances(&self) -> bool {
+        self.variance <= MOST_VARIANCE
+    }
+
+    pub fn keeps_energy(&self) -> bool {
+        self.energy_error <= MOST_ENERGY_ERROR
+    }
+
+    /// Mean error of values and of the albedo.
+    pub fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// What the best has least of.
+    pub fn rank(&self) -> f64 {
+        if self.has_small_weights() { self.error } else { WIDENED * self.error }
+    }
+
+    /// The same, where all goals count.
+    pub fn final_rank(&self) -> f64 {
+        let doublings = |value: f64, most: f64| libm::log2((value / most).max(1.0));
+        let weight = doublings(self.largest_weight, MOST_WEIGHT);
+        let variance = doublings(self.variance, MOST_VARIANCE);
+        self.error * (1.0 + DOUBLING * (weight + variance)) * MISSED.powi(self.missed())
+    }
+
+    /// Gives up the least useful lobe for one that is kept wide; false if it has such a lobe, or none to give.
+    pub fn widen(&mut self) -> bool {
+        let table = self.seen.as_ref().unwrap_or(&self.table);
+        let given_up = Objective::new(table, self.layout.clone(), HEAVY_TAIL)
+            .ok()
+            .and_then(|objective| objective.least_missed(&self.candidate.x));
+        let widened = given_up.and_then(|lobe| self.layout.widened(&self.candidate.x, lobe));
+        let is_widened = widened.is_some();
+        if let Some(widened) = widened {
+            (self.layout, self.candidate.x) = widened;
+        }
+        is_widened
+    }
+
+    /// Looks at the lobes on a table that they see.
+    pub fn look(&mut self, source: &dyn Source, round: usize) -> Result<(), FitError> {
+        let mut x = self.candidate.x.clone();
+        self.energy_error = balance::balance(&self.layout, &mut x, source.albedo());
+        let bytes = encode::encode(&self.layout, &x, "")?;
+        let mut seen = source.table(&self.layout.knots, Some((&bytes, round)))?;
+        let reports = reports(&bytes, &seen)?;
+        self.error = mean_over_angle(&reports);
+        let asked_for = reports.iter().filter(|view| view.theta < STEEPEST);
+        self.variance = asked_for.map(|view| view.variance).fold(0.0, f64::max);
+        // A view where the density is too small may be seen once only; but what was seen before has been moved far since.
+        let largest = reports.iter().map(ViewReport::largest_weight_as_summed).fold(0.0, f64::max);
+        self.largest_weight = if round < LOOKS - 1 { largest } else { self.largest_weight.max(largest) };
+        // The last stage sees the views of the one before too: what is seen no more is done again.
+        let before = self.seen.take().filter(|_| round + 1 == LOOKS);
+        seen.views.extend(before.into_iter().flat_map(|table| table.views));
+        self.seen = Some(seen);
+        Ok(())
+    }
+}
+
+/// Takes all finalists through a stage, side by side.
+pub(crate) fn refine(
+    data: Data<'_>,
+    finalists: &mut [Finalist<'_>],
+    tail: f64,
+    stage: &Stage,
+    work: &mut Work<'_>,
+) -> Result<(), FitError> {
+    let objectives = finalists
+        .iter()
+        .map(|f| Objective::new(f.seen.as_ref().unwrap_or(&f.table), f.layout.clone(), tail))
+        .collect::<Result<Vec<_>, _>>()?;
+    let tasks = finalists.iter_mut().zip(&objectives).map(|(f, objective)| Task {
+        table: f.seen.as_ref().unwrap_or(&f.table),
+        objective,
+        candidate: &mut f.candidate,
+    });
+    advance(stage, tasks.collect(), work);
+    if let (Some(round), Data::Source(source)) = (stage.look, data) {
+        finalists.par_iter_mut().try_for_each(|f| f.look(source, round))?;
+    }
+    Ok(())
+}
+
+/// The material against every view of a table.
+pub(crate) fn reports(bytes: &[u8], table: &Table) -> Result<Vec<ViewReport>, FitError> {
+    table.views.iter().map(|view| ViewReport::new(bytes, view)).collect()
+}
+
+/// Error of values and of the albedo, the mean over the angle of views from the normal on: in one layout more of them may be at
+/// grazing angles, where errors are larger, than in another.
+fn mean_over_angle(reports: &[ViewReport]) -> f64 {
+    let last = reports.len() - 1;
+    let halfway = |i: usize| 0.5 * (reports[i].theta + reports[i + 1].theta);
+    let width = |i: usize| {
+        let begin = if i == 0 { 0.0 } else { halfway(i - 1) };
+        if i == last { reports[last].theta - begin } else { halfway(i) - begin }
+    };
+    // A single view at the normal is as wide as nothing.
+    let (mut sum, mut total) = (0.0, 0.0);
+    for (i, report) in reports.iter().enumerate() {
+        let width = width(i) + f64::EPSILON;
+        sum += width * (report.error + report.energy_error());
+        total += width;
+    }
+    sum / total
+}

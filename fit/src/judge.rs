@@ -1,0 +1,9 @@
+//! How good a fit is, whoever made it.
+
+pub mod compare;
+pub mod cross;
+pub(crate) mod fitted_material;
+pub mod method;
+pub mod mirror_asymmetry;
+pub mod reciprocity;
+pub mod report;

@@ -1,0 +1,133 @@
+//! Held-out error of scattered tables, for any method: what a fit says where it has seen nothing.
+
+use crate::FitError;
+use crate::judge::method::Method;
+use crate::judge::report::{Norm, relative, squares};
+use crate::table::interpolate::owners;
+use crate::table::{Scattered, Table, View};
+
+/// Errors of views whose samples were, in part or all, left out of the fit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CrossValidation {
+    /// Each view's error over samples that were left out, a fifth at a time.
+    pub folds: Vec<f64>,
+    /// Each view's error when the whole view was left out; the first and the last view stay in. Angle, and error.
+    pub left_out: Vec<(f64, f64)>,
+}
+
+impl CrossValidation {
+    /// Mean over the views of the errors of samples left out, and of views left out; `None` where there are none.
+    pub fn means(&self) -> [Option<f64>; 2] {
+        let mean = |errors: Vec<f64>| {
+            let bright: Vec<f64> = errors.into_iter().filter(|e| !e.is_nan()).collect();
+            (!bright.is_empty()).then(|| bright.iter().sum::<f64>() / bright.len() as f64)
+        };
+        [mean(self.folds.clone()), mean(self.left_out.iter().map(|v| v.1).collect())]
+    }
+
+    pub(crate) fn to_json(&self) -> serde_json::Value {
+        let [samples, views] = self.means();
+        let left_out =
+            |v: &(f64, f64)| serde_json::json!({"theta_degrees": v.0.to_degrees(), "relative_l2": v.1});
+        serde_json::json!({
+            "folds_of_samples": FOLDS,
+            "mean_relative_l2_of_samples": samples,
+            "relative_l2_of_samples": self.folds,
+            "mean_relative_l2_of_views": views,
+            "relative_l2_of_views": self.left_out.iter().map(left_out).collect::<Vec<_>>(),
+        })
+    }
+}
+
+const FOLDS: usize = 5;
+
+/// The fold of every sample: of the directions of a view in the order of the file, every fifth. Samples of one direction, which on
+/// an isotropic surface its mirror image is too, share a fold: what is left out is not seen by its twin.
+fn folds(view: &View) -> Vec<usize> {
+    let mut directions = Vec::new();
+    let owner = owners(&view.samples).owner;
+    let mut number = vec![None; owner.len()];
+    for &owner in &owner {
+        number[owner].get_or_insert_with(|| {
+            directions.push(owner);
+            directions.len() - 1
+        });
+    }
+    owner.iter().map(|&owner| number[owner].unwrap_or(0) % FOLDS).collect()
+}
+
+/// Fits a table without each fifth of its directions, and without each inner view, and judges what was left out.
+///
+/// The fifth is every fifth direction in the order of the file. Weights and albedo are made again from what is left. What is black
+/// has no relative error: such folds are left out of a view's mean, and a view without any other has NaN.
+///
+/// # Errors
+/// As [`Method::fit`]; [`FitError::Table`] for a view with fewer than five directions.
+pub fn cross_validate(table: &Table, method: &dyn Method) -> Result<CrossValidation, FitError> {
+    let fold_of: Vec<Vec<usize>> = table.views.iter().map(folds).collect();
+    if let Some((view, _)) = table.views.iter().zip(&fold_of).find(|(_, f)| !f.contains(&(FOLDS - 1))) {
+        return Err(FitError::Table(format!(
+            "view at {:.2} degrees: at least {FOLDS} directions are needed to leave some out",
+            view.theta.to_degrees(),
+        )));
+    }
+    // Sum of squared relative errors of a view, and number of folds.
+    let mut squared = vec![(0.0, 0); table.views.len()];
+    for fold in 0..FOLDS {
+        let scattered = |(view, fold_of): (&View, &Vec<usize>)| -> (f64, Scattered) {
+            let kept = view.samples.iter().zip(fold_of).filter(|(_, f)| **f != fold);
+            (view.theta, kept.map(|(s, _)| (s.direction, s.rgb)).collect())
+        };
+        let rest = Table::from_scattered(table.views.iter().zip(&fold_of).map(scattered).collect())?;
+        let fitted = method.fit(&rest)?;
+        for (sum, (view, fold_of)) in squared.iter_mut().zip(table.views.iter().zip(&fold_of)) {
+            let gone = view.samples.iter().zip(fold_of).filter(|(_, f)| **f == fold);
+            let gone = View { samples: gone.map(|(s, _)| *s).collect(), ..*view };
+            let error = relative_or_nan(squares(fitted.view(view.theta)?.as_ref(), &gone, Norm::FCos));
+            if !error.is_nan() {
+                *sum = (sum.0 + error * error, sum.1 + 1);
+            }
+        }
+    }
+    let mut left_out = Vec::new();
+    for gone in 1..table.views.len().saturating_sub(1) {
+        let mut rest = table.clone();
+        let view = rest.views.remove(gone);
+        let fitted = method.fit(&rest)?;
+        let error = relative_or_nan(squares(fitted.view(view.theta)?.as_ref(), &view, Norm::FCos));
+        left_out.push((view.theta, error));
+    }
+    let folds = squared.into_iter().map(|(sum, count)| libm::sqrt(sum / f64::from(count)));
+    Ok(CrossValidation { folds: folds.collect(), left_out })
+}
+
+/// The relative error; NaN if the data are black.
+fn relative_or_nan(squares: (f64, f64)) -> f64 {
+    if squares.1 > 0.0 { relative(squares) } else { f64::NAN }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table::direction;
+
+    #[test]
+    fn samples_of_one_direction_and_mirror_images_share_a_fold() {
+        let mut scattered: Scattered = Vec::new();
+        for n in 0..12 {
+            let (theta, phi) = (0.1 * f64::from(n), 0.2 + 0.1 * f64::from(n));
+            for _ in 0..1 + n % 2 {
+                scattered.extend([phi, -phi].map(|phi| (direction(theta, phi), [0.1; 3])));
+            }
+        }
+        let table = Table::from_scattered(vec![(0.3, scattered)]).unwrap();
+        let found = folds(&table.views[0]);
+        for (a, fold) in table.views[0].samples.iter().zip(&found) {
+            for (b, other) in table.views[0].samples.iter().zip(&found) {
+                let apart: f64 = (0..3).map(|k| (a.direction[k] - b.direction[k]).abs()).sum();
+                assert!(apart > 1e-5 || fold == other, "{a:?} {b:?}: {fold} {other}");
+            }
+        }
+        assert!((0..FOLDS).all(|fold| found.contains(&fold)), "{found:?}");
+    }
+}

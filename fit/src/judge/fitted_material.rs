@@ -1,0 +1,79 @@
+//! Our fit, as the judge of methods sees it: `.srbf` bytes, evaluated by the run-time library.
+
+use crate::FitError;
+use crate::judge::method::{Fitted, FittedView};
+use srbf_core::{LeaveOut, Level, MAX_LOBES, Material, Mixture, Vec3};
+
+/// A material as `.srbf` bytes.
+#[derive(Clone, Debug)]
+pub struct TrackedLobes {
+    /// The bytes.
+    pub bytes: Vec<u8>,
+}
+
+impl TrackedLobes {
+    /// Angles of the views that are stored, radians.
+    ///
+    /// # Errors
+    /// [`FitError::Format`] for bytes that are no material.
+    pub fn knots(&self) -> Result<Vec<f64>, FitError> {
+        knots(&self.bytes)
+    }
+}
+
+/// Angles of the views of a material, radians.
+pub(crate) fn knots(bytes: &[u8]) -> Result<Vec<f64>, FitError> {
+    let material = Material::from_bytes(bytes)?;
+    Ok((0..material.view_count()).filter_map(|n| material.view_theta(n)).map(f64::from).collect())
+}
+
+impl Fitted for TrackedLobes {
+    fn view(&self, theta: f64) -> Result<Box<dyn FittedView + '_>, FitError> {
+        self.view_at(theta, 0.0)
+    }
+
+    fn view_at(&self, theta: f64, azimuth: f64) -> Result<Box<dyn FittedView + '_>, FitError> {
+        let material = Material::from_bytes(&self.bytes)?;
+        let azimuth = if material.is_isotropic() { 0.0 } else { azimuth };
+        Ok(Box::new(TrackedView::new(&material, theta, azimuth)?))
+    }
+}
+
+/// The mixture of a material for one outgoing direction.
+pub(crate) struct TrackedView {
+    pub mixture: Mixture<MAX_LOBES>,
+    /// Sine and cosine of the angle from the frame of the view to that of the surface.
+    turn: (f64, f64),
+}
+
+impl TrackedView {
+    /// `azimuth`: by how much the outgoing direction is turned from -x.
+    pub fn new(material: &Material<'_>, theta: f64, azimuth: f64) -> Result<Self, FitError> {
+        let mut view = Self { mixture: Mixture::empty(), turn: libm::sincos(azimuth) };
+        let (sin, cos) = libm::sincos(theta);
+        // The f32 nearest to pi / 2 is beyond it.
+        let wo = view.to_surface([-sin, 0.0, cos.max(0.0)]);
+        // Whatever the processor: what a look sees decides where the fit goes.
+        material.prepare_at(Level::Scalar, wo, LeaveOut::default(), &mut view.mixture)?;
+        Ok(view)
+    }
+
+    fn to_surface(&self, [x, y, z]: [f64; 3]) -> Vec3 {
+        let (sin, cos) = self.turn;
+        Vec3::from([x * cos - y * sin, x * sin + y * cos, z].map(|v| v as f32))
+    }
+}
+
+impl FittedView for TrackedView {
+    fn f_cos(&self, direction: [f64; 3]) -> [f64; 3] {
+        self.mixture.evaluate(self.to_surface(direction)).to_array().map(f64::from)
+    }
+
+    fn pdf(&self, direction: [f64; 3]) -> Option<f64> {
+        Some(f64::from(self.mixture.pdf(self.to_surface(direction))))
+    }
+
+    fn albedo(&self) -> Option<[f64; 3]> {
+        Some(self.mixture.albedo().to_array().map(f64::from))
+    }
+}

@@ -1,0 +1,352 @@
+//! How good a fit is: a material as the run-time library evaluates the bytes that were written, and other methods' fits.
+//!
+//! Scattered samples are a coarse quadrature: the sum of a density over them may be far from 1, and a variance made of it below 0.
+//! So a density counts relative to its own sum over the same samples: then no variance is below 0 and no largest weight below 1.
+
+use crate::judge::cross::CrossValidation;
+use crate::judge::fitted_material::{TrackedLobes, TrackedView};
+use crate::judge::method::{Fitted, FittedView};
+use crate::judge::reciprocity::{Reciprocity, reciprocity};
+use crate::table::{DARKEST, Sample, View};
+use crate::{FitError, Settings};
+use serde_json::{Value, json};
+use srbf_core::{LUMINANCE, Material};
+
+/// One view of a table against the material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ViewReport {
+    /// Angle of the outgoing direction from the normal, radians.
+    pub theta: f64,
+    /// Azimuth of the outgoing direction, radians; 0 in an isotropic material.
+    pub azimuth: f64,
+    /// Relative L2 error of `f cos` over the samples and channels, with the quadrature weights of the table. Where the table is
+    /// black, the L2 norm of the fit, 1/sr: no share of anything, and in no mean.
+    pub error: f64,
+    /// Whether every sample of the table is 0.
+    pub is_black: bool,
+    /// Albedo of the lobes: closed form where the method has one, otherwise the sum over the samples.
+    pub albedo: [f64; 3],
+    /// Albedo of the table, by its own quadrature if that of the lobes is a closed form, otherwise the sum over the samples too.
+    pub data_albedo: [f64; 3],
+    /// Whether lobes were fitted to a smaller albedo than that, 0.95: no surface reflects more.
+    pub is_albedo_cut: bool,
+    /// Sum of the density over the samples, over its integral there: 1 where the samples are a fine quadrature of it; NaN for a
+    /// method that does not sample.
+    pub density: f64,
+    /// Relative variance of `f cos / pdf` in luminance, sampled by the lobes, the density made to sum to its integral; NaN as above.
+    pub variance: f64,
+    /// Largest `f cos / pdf` in luminance at a sample, over the mean: what the worst path is worth; the density and NaN as above.
+    pub largest_weight: f64,
+}
+
+/// A fitted material.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The material, as `.srbf` bytes.
+    pub bytes: Vec<u8>,
+    /// How good it is.
+    pub report: Report,
+}
+
+/// A material against its table.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// View by view, as fitted.
+    pub views: Vec<ViewReport>,
+    /// Views between those, where the BRDF can be evaluated there.
+    pub held_out: Vec<ViewReport>,
+    /// Time of the fit.
+    pub seconds: f64,
+    /// Evaluations of what the fit makes small, over all starts.
+    pub evaluations: usize,
+    /// Why the last stage of the fit ended, if that is known.
+    pub ending: Option<Ending>,
+    /// Errors of samples and views left out, if they were asked for.
+    pub cross_validation: Option<CrossValidation>,
+}
+
+/// Why a solver ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// It gained too little.
+    Converged,
+    /// It had made all its steps.
+    Steps,
+}
+
+/// Added to an albedo of which errors are a share: of what is nearly black it does not matter.
+const BLACK: f64 = 1e-3;
+
+/// Error of a view that is worth a note.
+const LARGE_ERROR: f64 = 0.5;
+
+impl ViewReport {
+    /// Largest relative error of the albedo over the channels.
+    pub fn energy_error(&self) -> f64 {
+        let off = |c: usize| (self.albedo[c] - self.data_albedo[c]).abs() / (self.data_albedo[c] + BLACK);
+        off(0).max(off(1)).max(off(2))
+    }
+
+    /// Whether the view holds no more than what lobes cannot be darker than.
+    fn is_too_dark(&self) -> bool {
+        !self.is_black && self.error > LARGE_ERROR && self.data_albedo.iter().all(|a| *a < DARKEST)
+    }
+
+    /// The largest weight with the density as it is, whatever its sum over the samples.
+    pub(crate) fn largest_weight_as_summed(&self) -> f64 {
+        self.largest_weight / self.density
+    }
+
+    fn to_json(&self) -> Value {
+        json!({
+            "theta_degrees": self.theta.to_degrees(),
+            "azimuth_degrees": self.azimuth.to_degrees(),
+            "relative_l2": (!self.is_black).then_some(self.error),
+            "is_black": self.is_black,
+            "albedo": self.albedo,
+            "data_albedo": self.data_albedo,
+            "is_data_albedo_cut": self.is_albedo_cut,
+            "energy_error": self.energy_error(),
+            "density_over_samples": number(self.density),
+            "relative_variance": number(self.variance),
+            "largest_weight_over_mean": number(self.largest_weight),
+        })
+    }
+
+    /// Compares a material with one view of a table.
+    ///
+    /// # Errors
+    /// [`FitError::Format`] and [`FitError::Core`] for bytes that are no material.
+    pub fn new(bytes: &[u8], view: &View) -> Result<Self, FitError> {
+        Ok(Self::of(&TrackedView::new(&Material::from_bytes(bytes)?, view.theta, 0.0)?, view))
+    }
+
+    /// Compares any fit with one view of a table.
+    ///
+    /// # Errors
+    /// As [`Fitted::view`].
+    pub fn judge(fit: &dyn Fitted, view: &View) -> Result<Self, FitError> {
+        Ok(Self::of(fit.view(view.theta)?.as_ref(), view))
+    }
+
+    pub(crate) fn of(fitted: &dyn FittedView, view: &View) -> Self {
+        let mut sums = Sums::default();
+        view.samples.iter().for_each(|s| sums.add(s, fitted));
+        let density = sums.density / fitted.share_above_horizon();
+        let (albedo, data_albedo) = match fitted.albedo() {
+            Some(albedo) => (albedo, view.uncut_albedo),
+            None => (sums.albedo, sums.data_albedo),
+        };
+        let square = squares(fitted, view, Norm::FCos);
+        Self {
+            theta: view.theta,
+            azimuth: 0.0,
+            error: relative(square),
+            is_black: square.1 <= 0.0,
+            albedo,
+            data_albedo,
+            is_albedo_cut: fitted.albedo().is_some() && view.albedo != view.uncut_albedo,
+            density,
+            largest_weight: sums.largest_weight(density),
+            variance: sums.variance(density),
+        }
+    }
+}
+
+/// Sums over the samples of a view: of the albedos, and of the luminance as the lobes sample it.
+#[derive(Default)]
+struct Sums {
+    albedo: [f64; 3],
+    data_albedo: [f64; 3],
+    luminance: f64,
+    /// Of the squared luminance over the density.
+    square: f64,
+    /// Largest luminance over the density; not a sum.
+    largest: f64,
+    density: f64,
+}
+
+impl Sums {
+    fn add(&mut self, s: &Sample, fitted: &dyn FittedView) {
+        let value = fitted.f_cos(s.direction);
+        let data = s.rgb.map(|v| v * s.direction[2]);
+        for c in 0..3 {
+            self.albedo[c] += s.weight * value[c];
+            self.data_albedo[c] += s.weight * data[c];
+        }
+        let luminance: f64 = (0..3).map(|c| f64::from(LUMINANCE[c]) * data[c]).sum();
+        let pdf = fitted.pdf(s.direction).unwrap_or(f64::NAN);
+        self.luminance += s.weight * luminance;
+        self.density += s.weight * pdf;
+        if luminance > 0.0 {
+            self.square += s.weight * luminance * luminance / pdf;
+            self.largest = if pdf.is_nan() { f64::NAN } else { self.largest.max(luminance / pdf) };
+        }
+    }
+
+    /// Relative variance, 0 where all is black; infinite where light comes from where no sample is drawn.
+    fn variance(&self, density: f64) -> f64 {
+        let mean = self.luminance;
+        let variance = self.square * density / (mean * mean) - 1.0;
+        if mean == 0.0 || variance < 0.0 {
+            // Below 0 by rounding alone.
+            0.0
+        } else if self.square.is_infinite() {
+            f64::INFINITY
+        } else {
+            variance
+        }
+    }
+
+    /// Largest weight over the mean, as [`variance`](Self::variance).
+    fn largest_weight(&self, density: f64) -> f64 {
+        match self.luminance {
+            0.0 => 0.0,
+            _ if self.largest.is_infinite() => f64::INFINITY,
+            mean => self.largest * density / mean,
+        }
+    }
+}
+
+/// A number for JSON, which has no word for an infinite one; what is not a number is null.
+fn number(v: f64) -> Value {
+    if v.is_infinite() { "inf".into() } else { v.into() }
+}
+
+/// What errors are measured in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Norm {
+    /// `f cos`: what a renderer integrates.
+    FCos,
+    /// f alone: what the thesis's equation 7 makes small.
+    F,
+}
+
+/// Relative L2 error over the samples of a view and the channels, with the quadrature weights of the table.
+pub fn relative_l2(fitted: &dyn FittedView, view: &View, norm: Norm) -> f64 {
+    relative(squares(fitted, view, norm))
+}
+
+/// Root of a squared difference over the squares of the data; of the difference alone if the data are black.
+pub(crate) fn relative((difference, data): (f64, f64)) -> f64 {
+    libm::sqrt(if data > 0.0 { difference / data } else { difference })
+}
+
+/// Sums of squares over a view: of the difference, and of the data.
+pub(crate) fn squares(fitted: &dyn FittedView, view: &View, norm: Norm) -> (f64, f64) {
+    let (mut difference, mut sum) = (0.0, 0.0);
+    for s in &view.samples {
+        let value = fitted.f_cos(s.direction);
+        let cosine = match norm {
+            Norm::FCos => 1.0,
+            Norm::F => s.direction[2],
+        };
+        for (value, f) in value.into_iter().zip(s.rgb) {
+            let data = f * s.direction[2] / cosine;
+            let off = value / cosine - data;
+            difference += s.weight * off * off;
+            sum += s.weight * data * data;
+        }
+    }
+    (difference, sum)
+}
+
+impl Report {
+    /// Mean over the views of the relative L2 error, black ones left out.
+    pub fn mean_error(&self) -> f64 {
+        mean_error(&self.views)
+    }
+
+    /// What has to be known to judge the fit, a sentence each.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        let mut note = |of: fn(&ViewReport) -> bool, text: &str| {
+            let views: Vec<&ViewReport> = self.views.iter().filter(|v| of(v)).collect();
+            let mut places: Vec<String> =
+                views.iter().map(|v| format!("{:.1}", v.theta.to_degrees())).collect();
+            places.dedup();
+            if !places.is_empty() {
+                notes.push(format!("view at {} degrees: {text}", places.join(", ")));
+            }
+        };
+        note(|v| v.is_black, "black; no relative error, and in no mean");
+        note(|v| v.is_albedo_cut, "the data's albedo is above 0.95, which lobes were held to");
+        note(|v| v.is_too_dark(), "darker than a material can store");
+        let is_off = |v: &ViewReport| !v.is_black && !v.is_too_dark() && v.error > LARGE_ERROR;
+        note(is_off, "relative L2 error above 50 %");
+        if self.ending == Some(Ending::Steps) {
+            notes.push("the fit ended with its steps, not because it gained too little".into());
+        }
+        notes
+    }
+
+    /// The report as JSON, with the settings, the provenance of the material and its reciprocity error.
+    ///
+    /// # Errors
+    /// As [`Fitted::view`].
+    pub fn to_json(
+        &self,
+        material: &Material<'_>,
+        input: &Input,
+        settings: &Settings,
+    ) -> Result<String, FitError> {
+        let lobes = TrackedLobes { bytes: material.bytes().to_vec() };
+        let mut json = self.to_json_of(&lobes, "tracked", input)?;
+        let more = json!({
+            "provenance": material.provenance(),
+            "settings": settings.to_json(),
+            "bytes": material.bytes().len(),
+            "lobes": material.lobe_count(),
+            "squeezed": material.squeezed_count(),
+            "mirrored": material.mirrored_count(),
+            "knots": material.view_count(),
+        });
+        if let (Some(json), Value::Object(more)) = (json.as_object_mut(), more) {
+            json.extend(more);
+        }
+        Ok(format!("{json:#}\n"))
+    }
+
+    /// What the reports of all methods say.
+    ///
+    /// # Errors
+    /// As [`Fitted::view`].
+    pub fn to_json_of(&self, fitted: &dyn Fitted, method: &str, input: &Input) -> Result<Value, FitError> {
+        let views = |views: &[ViewReport]| views.iter().map(ViewReport::to_json).collect::<Vec<_>>();
+        let held_out = (!self.held_out.is_empty()).then(|| mean_error(&self.held_out));
+        let Reciprocity { median, worst, pairs } = reciprocity(fitted)?;
+        Ok(json!({
+            "method": method,
+            "version": env!("CARGO_PKG_VERSION"),
+            "input": {"name": input.name, "sha256": input.sha256},
+            "seconds": self.seconds,
+            "evaluations": self.evaluations,
+            "stopped": self.ending.map(|ending| match ending {
+                Ending::Converged => "improvement",
+                Ending::Steps => "steps",
+            }),
+            "notes": self.notes(),
+            "mean_relative_l2": self.mean_error(),
+            "mean_relative_l2_held_out": held_out,
+            "cross_validation": self.cross_validation.as_ref().map(CrossValidation::to_json),
+            "reciprocity": {"median_abs_log_ratio": median, "worst_abs_log_ratio": worst, "pairs": pairs},
+            "views": views(&self.views),
+            "held_out": views(&self.held_out),
+        }))
+    }
+}
+
+/// What a fit was made from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Input {
+    /// Name of the file or material.
+    pub name: String,
+    /// SHA-256 of the file, hexadecimal.
+    pub sha256: String,
+}
+
+/// Mean of the relative L2 error over the views that are not black, 0 if there is none.
+pub fn mean_error(views: &[ViewReport]) -> f64 {
+    let errors: Vec<f64> = views.iter().filter(|v| !v.is_black).map(|v| v.error).collect();
+    errors.iter().sum::<f64>() / errors.len().max(1) as f64
+}

@@ -1,0 +1,135 @@
+//! Reader of MERL `.binary` files (Matusik et al. 2003): 90 x 90 x 180 cells of half angle, difference angle and azimuth.
+//!
+//! Three little-endian i32 (90, 90, 180), then three planes (red, green, blue) of f64, azimuth fastest. The half angle is cut
+//! finer near 0, by the square root. Negative cells were not measured. Between the centres of the cells the value is
+//! interpolated linearly, among the cells that were measured.
+
+use super::rusinkiewicz::{HalfAndDifference, half_and_difference};
+use crate::ReadError;
+use crate::table::Brdf;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+const SIZE: [usize; 3] = [90, 90, 180];
+const CELLS: usize = SIZE[0] * SIZE[1] * SIZE[2];
+const SCALE: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
+
+/// One MERL material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Merl {
+    /// Scaled values, negative where nothing was measured.
+    cells: Vec<[f32; 3]>,
+}
+
+/// Parses the bytes of a `.binary` file.
+///
+/// # Errors
+/// [`ReadError::Content`] for another size, other counts, numbers that are not finite, and a file without a measured cell.
+pub fn parse(bytes: &[u8]) -> Result<Merl, ReadError> {
+    let expected = 12 + 3 * 8 * CELLS;
+    if bytes.len() != expected {
+        return Err(ReadError::Content(format!("{} bytes; a MERL file has {expected}", bytes.len())));
+    }
+    for (i, size) in SIZE.iter().enumerate() {
+        let b = &bytes[4 * i..4 * i + 4];
+        let count = i32::from_le_bytes([b[0], b[1], b[2], b[3]]);
+        if usize::try_from(count) != Ok(*size) {
+            return Err(ReadError::Content(format!("count {} is {count}; a MERL file has {size}", i + 1)));
+        }
+    }
+    let mut cells = vec![[0f32; 3]; CELLS];
+    let mut measured = 0;
+    for channel in 0..3 {
+        let plane = &bytes[12 + 8 * CELLS * channel..];
+        for (n, (cell, b)) in cells.iter_mut().zip(plane.chunks_exact(8)).enumerate() {
+            let v = f64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]]);
+            if !v.is_finite() {
+                return Err(ReadError::Content(format!("channel {channel}, cell {n}: {v}")));
+            }
+            measured += usize::from(v >= 0.0);
+            cell[channel] = (v * SCALE[channel]) as f32;
+        }
+    }
+    if measured == 0 {
+        return Err(ReadError::Content("no cell was measured: all are negative".into()));
+    }
+    Ok(Merl { cells })
+}
+
+impl Brdf for Merl {
+    fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
+        let HalfAndDifference { across, along, difference: d } = half_and_difference(wi, wo);
+        let theta_h = libm::atan2(across, along);
+        let theta_d = libm::atan2(libm::hypot(d[0], d[1]), d[2]);
+        let mut phi_d = libm::atan2(d[1], d[0]);
+        if phi_d < 0.0 {
+            phi_d += PI;
+        }
+
+        // Places between the centres of cells; the azimuth goes round after 180 degrees.
+        let at = [
+            libm::sqrt(theta_h / FRAC_PI_2) * SIZE[0] as f64 - 0.5,
+            theta_d / FRAC_PI_2 * SIZE[1] as f64 - 0.5,
+            phi_d / PI * SIZE[2] as f64 - 0.5,
+        ];
+        let (mut sum, mut weights) = ([0.0; 3], [0.0; 3]);
+        for corner in 0..8 {
+            let mut index = 0;
+            let mut weight = 1.0;
+            for (axis, (&at, &size)) in at.iter().zip(&SIZE).enumerate() {
+                let low = libm::floor(at);
+                let up = corner >> axis & 1;
+                weight *= if up == 1 { at - low } else { 1.0 - (at - low) };
+                let cell = low as i64 + i64::from(up);
+                let cell =
+                    if axis == 2 { cell.rem_euclid(size as i64) } else { cell.clamp(0, size as i64 - 1) };
+                index = index * size + cell as usize;
+            }
+            for c in 0..3 {
+                let v = f64::from(self.cells[index][c]);
+                if v >= 0.0 {
+                    sum[c] += weight * v;
+                    weights[c] += weight;
+                }
+            }
+        }
+        [0, 1, 2].map(|c| if weights[c] > 0.0 { sum[c] / weights[c] } else { 0.0 })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table::direction;
+
+    fn file(value: f64) -> Vec<u8> {
+        let mut bytes: Vec<u8> = [90i32, 90, 180].iter().flat_map(|n| n.to_le_bytes()).collect();
+        (0..3 * CELLS).for_each(|n| bytes.extend((value * (n % CELLS) as f64).to_le_bytes()));
+        bytes
+    }
+
+    #[test]
+    fn a_file_of_another_size_or_content_is_an_error() {
+        let good = file(1.0);
+        assert!(parse(&good).is_ok());
+        assert!(parse(&good[..good.len() - 1]).is_err() && parse(&[]).is_err());
+        assert!(parse(&file(-1.0)[..]).is_ok(), "cell 0 is 0, which was measured");
+        for (at, byte) in [(0, 91), (8, 181), (3, 0x80)] {
+            let mut bad = good.clone();
+            bad[at] = byte;
+            assert!(parse(&bad).is_err(), "{at}");
+        }
+        let mut bad = good;
+        bad[12 + 6..12 + 8].copy_from_slice(&[0xf8, 0x7f]);
+        assert!(parse(&bad).is_err());
+    }
+
+    #[test]
+    fn values_are_continuous_and_reciprocal() {
+        let merl = parse(&file(1e-3)).unwrap();
+        let (a, b) = (direction(0.7, 0.3), direction(0.4, 2.0));
+        let (ab, ba) = (merl.evaluate(a, b), merl.evaluate(b, a));
+        assert!((ab[0] - ba[0]).abs() < 1e-6 * ab[0], "{ab:?} {ba:?}");
+        let near = merl.evaluate(direction(0.7 + 1e-6, 0.3), b);
+        assert!((near[0] - ab[0]).abs() < 1e-3 * ab[0]);
+    }
+}

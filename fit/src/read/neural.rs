@@ -1,0 +1,66 @@
+//! Neural BRDFs: fits of MERL materials by small networks (Sztrajman et al. 2021), as test input.
+//!
+//! One material is 675 little-endian f32: weights and biases of layers 6-21-21-3. Input is the half vector, turned to
+//! azimuth 0, and the difference vector of Rusinkiewicz; activations are ReLU, ReLU, and `max(exp(x) - 1, 0)`.
+
+use super::rusinkiewicz::{HalfAndDifference, half_and_difference};
+use crate::ReadError;
+use crate::table::Brdf;
+
+/// Numbers of a material.
+const NUMBERS: usize = 675;
+const WIDTH: usize = 21;
+
+/// One network.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Neural {
+    weights: Vec<f64>,
+}
+
+/// Parses the weights of any number of materials.
+///
+/// # Errors
+/// [`ReadError::Content`] if the length is not a multiple of a material's, or a number is not finite.
+pub fn parse(bytes: &[u8]) -> Result<Vec<Neural>, ReadError> {
+    if bytes.is_empty() || !bytes.len().is_multiple_of(4 * NUMBERS) {
+        let expected = 4 * NUMBERS;
+        return Err(ReadError::Content(format!(
+            "{} bytes; a multiple of {expected} was expected",
+            bytes.len()
+        )));
+    }
+    let number = |b: &[u8]| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    let numbers: Vec<f64> = bytes.chunks_exact(4).map(number).collect();
+    if let Some(n) = numbers.iter().position(|v| !v.is_finite()) {
+        return Err(ReadError::Content(format!("weight {n} is not finite")));
+    }
+    Ok(numbers.chunks_exact(NUMBERS).map(|w| Neural { weights: w.to_vec() }).collect())
+}
+
+impl Brdf for Neural {
+    fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
+        let HalfAndDifference { across, along, difference: [x, y, z] } = half_and_difference(wi, wo);
+        let input = [across, 0.0, along, x, y, z];
+
+        let (first, rest) = self.weights.split_at(7 * WIDTH);
+        let (second, third) = rest.split_at((WIDTH + 1) * WIDTH);
+        let mut a = [0.0; WIDTH];
+        layer(first, &input, &mut a);
+        a.iter_mut().for_each(|v| *v = v.max(0.0));
+        let mut b = [0.0; WIDTH];
+        layer(second, &a, &mut b);
+        b.iter_mut().for_each(|v| *v = v.max(0.0));
+        let mut out = [0.0; 3];
+        layer(third, &b, &mut out);
+        out.map(|v| libm::expm1(v).max(0.0))
+    }
+}
+
+/// `out = input W + b`, rows of W by input.
+fn layer(weights: &[f64], input: &[f64], out: &mut [f64]) {
+    let n = out.len();
+    out.copy_from_slice(&weights[input.len() * n..(input.len() + 1) * n]);
+    for (row, v) in weights.chunks_exact(n).zip(input) {
+        out.iter_mut().zip(row).for_each(|(o, w)| *o += v * w);
+    }
+}

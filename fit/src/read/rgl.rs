@@ -1,0 +1,253 @@
+//! Reader of RGL `.bsdf` tensor files (Dupuy and Jakob 2018, "An Adaptive Parameterization for Efficient Material Acquisition
+//! and Rendering"): RGB and spectral, isotropic and anisotropic.
+//!
+//! The measurement is stored in the unit square that a warp of the visible normals maps to the half vectors: to evaluate, the
+//! half vector goes back through the warp, and the colour found there is multiplied by `D / (4 sigma)`, unless `jacobian`
+//! says that it holds that factor already. What is stored is `f cos`. There is a warp and a picture for every measured
+//! outgoing direction; in between they are interpolated linearly in its angles.
+//!
+//! An isotropic file has one or two `phi_i`, and half vectors are counted from the azimuth of the outgoing direction. An
+//! anisotropic one has more: over a whole turn, over half a turn (`phi_i` from -pi to 0; the rest follows by half a turn), or
+//! over a quarter (from -pi to -pi / 2; the rest follows by mirrors in x and y).
+
+mod arrays;
+#[cfg(test)]
+mod damage;
+#[cfg(test)]
+pub(crate) mod synthetic;
+mod tensor;
+mod warp;
+
+use crate::ReadError;
+use crate::table::{Brdf, Symmetry};
+use arrays::Arrays;
+use std::f64::consts::{FRAC_PI_2, PI};
+use warp::{Grid, Warp};
+
+/// One RGL material.
+#[derive(Clone, Debug)]
+pub struct Rgl {
+    symmetry: Symmetry,
+    /// Angles of the measured outgoing directions, radians, rising; one azimuth if isotropic.
+    phis: Vec<f64>,
+    thetas: Vec<f64>,
+    /// Distribution of normals over (theta, phi).
+    ndf: Grid,
+    /// Projected area of the normals.
+    sigma: Grid,
+    /// Visible normals, one warp for each outgoing direction, theta fastest.
+    visible: Vec<Warp>,
+    /// Colour, for each outgoing direction and channel.
+    rgb: Vec<[Grid; 3]>,
+    /// Whether the colour is without `D / (4 sigma)`.
+    jacobian: bool,
+}
+
+/// Parses the bytes of a `.bsdf` file.
+///
+/// # Errors
+/// [`ReadError::Content`], with the field.
+pub fn parse(bytes: &[u8]) -> Result<Rgl, ReadError> {
+    let file = tensor::parse(bytes)?;
+    let Arrays { phis, thetas, ndf, sigma, visible, rgb, jacobian } = arrays::read(&file)?;
+    let symmetry = if phis.len() == 1 { Symmetry::Isotropic } else { symmetry(&phis)? };
+    Ok(Rgl { symmetry, phis, thetas, ndf, sigma, visible, rgb, jacobian })
+}
+
+/// How far a range of azimuths may be from a whole, half or quarter turn, radians: f32 rounding, and little more.
+const RANGE: f64 = 1e-3;
+
+/// What the range of measured azimuths leaves to symmetry.
+fn symmetry(phis: &[f64]) -> Result<Symmetry, ReadError> {
+    let (first, last) = (phis[0], phis[phis.len() - 1]);
+    let close = |a: f64, b: f64| (a - b).abs() <= RANGE;
+    match last - first {
+        range if close(first, -PI) && close(range, 2.0 * PI) => Ok(Symmetry::None),
+        range if close(first, -PI) && close(range, PI) => Ok(Symmetry::HalfTurn),
+        range if close(first, -PI) && close(range, FRAC_PI_2) => Ok(Symmetry::Quadrant),
+        _ => Err(ReadError::Content(format!(
+            "phi_i from {first} to {last}; from -pi to pi, to 0 or to -pi / 2 was expected"
+        ))),
+    }
+}
+
+impl Rgl {
+    /// `f cos` of the incident direction, and not clamped: what the file holds.
+    pub fn f_cos(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
+        // Where the outgoing direction was not measured, both directions are turned or mirrored to where it was.
+        let sign = |v: f64| if v > 0.0 { -1.0 } else { 1.0 };
+        let (flip_x, flip_y) = match self.symmetry {
+            Symmetry::Quadrant => (sign(wo[0]), sign(wo[1])),
+            Symmetry::HalfTurn => (sign(wo[1]), sign(wo[1])),
+            Symmetry::Isotropic | Symmetry::None => (1.0, 1.0),
+        };
+        let [wi, wo] = [wi, wo].map(|d| [flip_x * d[0], flip_y * d[1], d[2]]);
+
+        let mut h = [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]];
+        let length = libm::sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
+        h.iter_mut().for_each(|v| *v /= length);
+        let angles = |d: [f64; 3]| (libm::atan2(libm::hypot(d[0], d[1]), d[2]), libm::atan2(d[1], d[0]));
+        let ((theta_o, phi_o), (theta_m, phi_m)) = (angles(wo), angles(h));
+        let turn = |phi: f64| {
+            let u = (phi + PI) / (2.0 * PI);
+            u - libm::floor(u)
+        };
+        let square = |theta: f64| libm::sqrt(theta / FRAC_PI_2);
+        let isotropic = self.symmetry == Symmetry::Isotropic;
+        let normal = [square(theta_m), turn(if isotropic { phi_m - phi_o } else { phi_m })];
+
+        // The up to four measured directions round the outgoing one.
+        let (theta, along_theta) = place(&self.thetas, theta_o);
+        // atan2 gives pi where -pi was measured: y = 0 on the side of -x.
+        let (phi, along_phi) = place(
+            &self.phis,
+            if phi_o > self.phis[self.phis.len() - 1] + RANGE { phi_o - 2.0 * PI } else { phi_o },
+        );
+        let mut corners = [(0, 0.0); 4];
+        for (corner, (i, j)) in corners.iter_mut().zip([(0, 0), (0, 1), (1, 0), (1, 1)]) {
+            let share = |at: usize, along: f64| if at == 0 { 1.0 - along } else { along };
+            let last = |list: &[f64]| list.len() - 1;
+            let index = |at: usize, add: usize, list: &[f64]| (at + add).min(last(list));
+            *corner = (
+                index(phi, i, &self.phis) * self.thetas.len() + index(theta, j, &self.thetas),
+                share(i, along_phi) * share(j, along_theta),
+            );
+        }
+
+        let sample = Warp::invert(&corners.map(|(n, share)| (&self.visible[n], share)), normal);
+        let scale = if self.jacobian {
+            self.ndf.value(normal) / (4.0 * self.sigma.value([square(theta_o), turn(phi_o)]))
+        } else {
+            1.0
+        };
+        [0, 1, 2].map(|c| {
+            let inside = corners.iter().filter(|(_, share)| *share > 0.0);
+            scale * inside.map(|&(n, share)| share * self.rgb[n][c].value(sample)).sum::<f64>()
+        })
+    }
+}
+
+/// The entry of a rising list before a number, and how far towards the next one it lies, 0 to 1.
+fn place(list: &[f64], value: f64) -> (usize, f64) {
+    let last = list.len() - 1;
+    if last == 0 {
+        return (0, 0.0);
+    }
+    let after = list.partition_point(|&v| v <= value).clamp(1, last);
+    let (from, to) = (list[after - 1], list[after]);
+    (after - 1, ((value - from) / (to - from)).clamp(0.0, 1.0))
+}
+
+impl Brdf for Rgl {
+    fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
+        self.f_cos(wi, wo).map(|v| v / wi[2])
+    }
+
+    fn symmetry(&self) -> Symmetry {
+        self.symmetry
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::synthetic::{self, Settings};
+    use super::*;
+    use crate::analytic::ggx::{Facets, Ggx};
+    use crate::table::direction;
+
+    fn model(alpha: [f64; 2]) -> Ggx {
+        Ggx { diffuse: [0.1; 3], alpha, facets: Facets::Schlick([0.9, 0.6, 0.3]) }
+    }
+
+    /// Mean and largest deviation of f cos from the model, over the peak of the view.
+    fn deviation(rgl: &Rgl, model: &dyn Brdf) -> (f64, f64) {
+        let (mut sum, mut worst, mut count) = (0.0, 0.0f64, 0);
+        for v in 0..40 {
+            let v = f64::from(v);
+            let wo = direction(1.2 * (0.05 + 0.9 * (v * 0.618).fract()), 2.0 * PI * (v * 0.414).fract() - PI);
+            let peak = model.evaluate([-wo[0], -wo[1], wo[2]], wo)[0] * wo[2];
+            for i in 0..40 {
+                let i = f64::from(i);
+                // Round the mirror direction, ever farther out.
+                let r = 0.02 * (1.0 + i);
+                let (s, c) = (2.4 * i).sin_cos();
+                let mut wi = [-wo[0] + r * c, -wo[1] + r * s, wo[2]];
+                let length = libm::sqrt(wi.iter().map(|x| x * x).sum());
+                wi.iter_mut().for_each(|x| *x /= length);
+                let (found, expected) = (rgl.f_cos(wi, wo), model.evaluate(wi, wo).map(|f| f * wi[2]));
+                for c in 0..3 {
+                    let d = (found[c] - expected[c]).abs() / peak;
+                    sum += d;
+                    worst = worst.max(d);
+                    count += 1;
+                }
+            }
+        }
+        (sum / f64::from(count), worst)
+    }
+
+    #[test]
+    fn anisotropic_files_evaluate_to_the_model_they_were_tabulated_from() {
+        let model = model([0.25, 0.5]);
+        for (range, symmetry, jacobian) in [
+            (2.0 * PI, Symmetry::None, true),
+            (PI, Symmetry::HalfTurn, true),
+            (FRAC_PI_2, Symmetry::Quadrant, true),
+            (FRAC_PI_2, Symmetry::Quadrant, false),
+        ] {
+            let phis = 1 + (4.0 * range / FRAC_PI_2).round() as usize;
+            let settings = Settings { phis, range, jacobian, ..Settings::default() };
+            let rgl = parse(&synthetic::write(&model, &settings)).unwrap();
+            assert_eq!(rgl.symmetry(), symmetry);
+            let (mean, worst) = deviation(&rgl, &model);
+            println!("{symmetry:?}, jacobian {jacobian}: mean {mean:.4}, worst {worst:.3} of the peak");
+            assert!(mean < 0.005 && worst < 0.03, "{symmetry:?}: mean {mean}, worst {worst}");
+        }
+    }
+
+    #[test]
+    fn a_file_turned_by_a_quarter_is_another_material() {
+        // What makes the test above able to fail: the axes swapped, the deviation is of the order of the peak.
+        let settings = Settings { phis: 7, range: FRAC_PI_2, ..Settings::default() };
+        let rgl = parse(&synthetic::write(&model([0.25, 0.5]), &settings)).unwrap();
+        assert!(deviation(&rgl, &model([0.5, 0.25])).1 > 0.3);
+    }
+
+    #[test]
+    fn isotropic_files_evaluate_to_the_model_whatever_the_azimuth() {
+        let model = model([0.3, 0.3]);
+        for phis in [1, 2] {
+            let settings = Settings { phis, range: 0.0, ..Settings::default() };
+            let rgl = parse(&synthetic::write(&model, &settings)).unwrap();
+            assert_eq!(rgl.symmetry(), Symmetry::Isotropic);
+            let (mean, worst) = deviation(&rgl, &model);
+            assert!(mean < 0.005 && worst < 0.03, "mean {mean}, worst {worst}");
+        }
+    }
+
+    #[test]
+    fn spectral_files_have_the_colour_of_their_spectrum() {
+        let model = model([0.3, 0.3]);
+        let wavelengths: Vec<f64> = (0..66).map(|i| 370.0 + 6.0 * f64::from(i)).collect();
+        let shape = |w: f64| 0.2 + 0.8 * libm::exp(-((w - 620.0) / 40.0) * ((w - 620.0) / 40.0));
+        let spectrum: Vec<f64> = wavelengths.iter().map(|w| shape(*w)).collect();
+        let settings =
+            Settings { spectrum: Some((wavelengths.clone(), spectrum.clone())), ..Settings::default() };
+        let rgl = parse(&synthetic::write(&model, &settings)).unwrap();
+        // The model's red channel times the spectrum: a colour that does not depend on the directions.
+        let expected = super::super::spectrum::ToRgb::new(&wavelengths).unwrap().convert(&spectrum);
+        let grey = parse(&synthetic::write(&model, &Settings::default())).unwrap();
+        for n in 0..30 {
+            let n = f64::from(n);
+            let (wi, wo) = (direction(0.04 * n, 0.9 * n), direction(0.6, -0.4 * n));
+            let (found, red) = (rgl.f_cos(wi, wo), grey.f_cos(wi, wo)[0]);
+            for c in 0..3 {
+                assert!(
+                    (found[c] - red * expected[c]).abs() < 1e-5 * red.abs(),
+                    "{found:?} {red} {expected:?}"
+                );
+            }
+        }
+        assert!(expected[0] > 2.0 * expected[1], "the test needs a colour: {expected:?}");
+    }
+}
