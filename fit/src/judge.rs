@@ -5,5 +5,6 @@ pub mod cross;
 pub(crate) mod fitted_material;
 pub mod method;
 pub mod mirror_asymmetry;
+pub mod norm;
 pub mod reciprocity;
 pub mod report;

@@ -3,7 +3,7 @@
 pub mod astm;
 pub mod cornell;
 pub mod csv;
-mod limit;
+pub(crate) mod limit;
 pub mod merl;
 pub mod neural;
 mod numbers;
@@ -20,9 +20,7 @@ use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 
 pub use limit::read_at_most;
-
-/// Largest file that is read, bytes: the largest measured files are a tenth of it.
-pub(crate) const MAX_FILE: u64 = 1 << 30;
+use limit::{MAX_FILE, read_bytes};
 
 /// What a file holds.
 pub enum Content {
@@ -78,11 +76,6 @@ pub fn read(path: &Path) -> Result<Source, FitError> {
 /// The SHA-256 of bytes, hexadecimal.
 pub(crate) fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
-}
-
-/// The bytes of a file that has at most so many.
-pub(crate) fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, FitError> {
-    read_at_most(path, most).map_err(FitError::io(path))
 }
 
 /// Samples grouped by the angle of the outgoing direction.

@@ -3,7 +3,7 @@
 use crate::FitError;
 use crate::judge::cross::{CrossValidation, cross_validate};
 use crate::judge::method::Method;
-use crate::judge::report::{Norm, relative, squares};
+use crate::judge::norm::{Norm, relative, squares};
 use crate::table::{Table, View};
 use std::time::Instant;
 

@@ -2,7 +2,7 @@
 
 use crate::FitError;
 use crate::judge::method::Method;
-use crate::judge::report::{Norm, relative, squares};
+use crate::judge::norm::{Norm, relative, squares};
 use crate::table::interpolate::owners;
 use crate::table::{Scattered, Table, View};
 

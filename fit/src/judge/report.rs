@@ -6,6 +6,7 @@
 use crate::judge::cross::CrossValidation;
 use crate::judge::fitted_material::{TrackedLobes, TrackedView};
 use crate::judge::method::{Fitted, FittedView};
+use crate::judge::norm::{Norm, relative, squares};
 use crate::judge::reciprocity::{Reciprocity, reciprocity};
 use crate::table::{DARKEST, Sample, View};
 use crate::{FitError, Settings};
@@ -211,44 +212,6 @@ impl Sums {
 /// A number for JSON, which has no word for an infinite one; what is not a number is null.
 fn number(v: f64) -> Value {
     if v.is_infinite() { "inf".into() } else { v.into() }
-}
-
-/// What errors are measured in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Norm {
-    /// `f cos`: what a renderer integrates.
-    FCos,
-    /// f alone: what the thesis's equation 7 makes small.
-    F,
-}
-
-/// Relative L2 error over the samples of a view and the channels, with the quadrature weights of the table.
-pub fn relative_l2(fitted: &dyn FittedView, view: &View, norm: Norm) -> f64 {
-    relative(squares(fitted, view, norm))
-}
-
-/// Root of a squared difference over the squares of the data; of the difference alone if the data are black.
-pub(crate) fn relative((difference, data): (f64, f64)) -> f64 {
-    libm::sqrt(if data > 0.0 { difference / data } else { difference })
-}
-
-/// Sums of squares over a view: of the difference, and of the data.
-pub(crate) fn squares(fitted: &dyn FittedView, view: &View, norm: Norm) -> (f64, f64) {
-    let (mut difference, mut sum) = (0.0, 0.0);
-    for s in &view.samples {
-        let value = fitted.f_cos(s.direction);
-        let cosine = match norm {
-            Norm::FCos => 1.0,
-            Norm::F => s.direction[2],
-        };
-        for (value, f) in value.into_iter().zip(s.rgb) {
-            let data = f * s.direction[2] / cosine;
-            let off = value / cosine - data;
-            difference += s.weight * off * off;
-            sum += s.weight * data * data;
-        }
-    }
-    (difference, sum)
 }
 
 impl Report {

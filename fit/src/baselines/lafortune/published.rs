@@ -3,6 +3,7 @@
 //! The terms are `diffuse`, with no lobe, and `Cxy`, `Cz` and `n` of lobes that count from 0 and are all there.
 
 use super::{CosineLobe, Lafortune};
+use crate::read::limit::read_bytes;
 use crate::read::{self, Content, Source, rows};
 use crate::{FitError, ReadError};
 use std::path::Path;
@@ -48,7 +49,7 @@ type Models = Vec<(String, Lafortune)>;
 
 /// The bytes of a file, and its materials.
 fn read_all(path: &Path) -> Result<(Vec<u8>, Models), FitError> {
-    let bytes = read::read_bytes(path, MAX_FILE)?;
+    let bytes = read_bytes(path, MAX_FILE)?;
     let all = parse(&bytes).map_err(|source| FitError::Read { path: path.to_path_buf(), source })?;
     Ok((bytes, all))
 }
