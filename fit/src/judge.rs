@@ -8,3 +8,4 @@ pub mod mirror_asymmetry;
 pub mod norm;
 pub mod reciprocity;
 pub mod report;
+pub mod seen;

@@ -6,6 +6,7 @@ pub mod compare;
 mod default_job;
 pub mod fit;
 pub mod inspect;
+pub mod judge;
 pub mod leave_out;
 pub mod presets;
 pub mod render;
@@ -36,6 +37,7 @@ enum Command {
     Fit(fit::Args),
     Presets(presets::Args),
     Inspect(inspect::Args),
+    Judge(judge::Args),
     LeaveOut(leave_out::Args),
     Render(render::Args),
     Compare(compare::Args),
@@ -53,6 +55,7 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
         Some(Command::Fit(args)) => fit::run(args),
         Some(Command::Presets(args)) => presets::run(args),
         Some(Command::Inspect(args)) => inspect::run(args),
+        Some(Command::Judge(args)) => judge::run(args),
         Some(Command::LeaveOut(args)) => leave_out::run(args),
         Some(Command::Render(args)) => render::run(args),
         Some(Command::Compare(args)) => compare::run(args),

@@ -8,6 +8,7 @@ use crate::judge::fitted_material::{TrackedLobes, TrackedView};
 use crate::judge::method::{Fitted, FittedView};
 use crate::judge::norm::{Norm, relative, squares};
 use crate::judge::reciprocity::{Reciprocity, reciprocity};
+use crate::judge::seen::{Seen, negatives, seen};
 use crate::table::{DARKEST, Sample, View};
 use crate::{FitError, Settings};
 use serde_json::{Value, json};
@@ -38,6 +39,10 @@ pub struct ViewReport {
     pub variance: f64,
     /// Largest `f cos / pdf` in luminance at a sample, over the mean: what the worst path is worth; the density and NaN as above.
     pub largest_weight: f64,
+    /// Errors at the peak, and away from it.
+    pub seen: Seen,
+    /// Share of the hemisphere where the table has a negative channel, and the relative L2 norm of those.
+    pub negatives: (f64, f64),
 }
 
 /// A fitted material.
@@ -111,6 +116,12 @@ impl ViewReport {
             "density_over_samples": number(self.density),
             "relative_variance": number(self.variance),
             "largest_weight_over_mean": number(self.largest_weight),
+            "relative_l2_peak": number(self.seen.peak),
+            "relative_l2_off_peak": number(self.seen.off_peak),
+            "median_luminance_error_off_peak": number(self.seen.luminance),
+            "median_chroma_error_off_peak": number(self.seen.chroma),
+            "negative_share": self.negatives.0,
+            "negative_relative_l2": self.negatives.1,
         })
     }
 
@@ -150,6 +161,8 @@ impl ViewReport {
             density,
             largest_weight: sums.largest_weight(density),
             variance: sums.variance(density),
+            seen: seen(fitted, view),
+            negatives: negatives(&view.samples),
         }
     }
 }

@@ -120,8 +120,14 @@ fn examine(
     let low: Vec<&ViewReport> = between.iter().filter(|v| v.theta.to_degrees() <= JUDGED).collect();
     let list = |f: fn(&ViewReport) -> f64| low.iter().map(|v| f(v)).collect::<Vec<f64>>();
     let fold = |list: Vec<f64>| list.into_iter().fold(0.0, f64::max);
+    let seen = judge(&lobes, &evaluation_views::judging_table(brdf, &evaluation_views::seen_views())?)?;
+    let mean = |f: fn(&ViewReport) -> f64| seen.iter().map(f).sum::<f64>() / seen.len() as f64;
     let mut row = Row {
         name: name.to_owned(),
+        peak: 100.0 * mean(|v| v.seen.peak),
+        off_peak: 100.0 * mean(|v| v.seen.off_peak),
+        luminance: 100.0 * mean(|v| v.seen.luminance),
+        chroma: mean(|v| v.seen.chroma),
         fit: error(&lobes, &at_views)?,
         halfway: 100.0 * mean_error(&between),
         blended: error(&BlendedKnots::new(&lobes, Neighbours::ThreeOrFour)?, &halfway)?,

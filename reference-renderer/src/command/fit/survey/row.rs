@@ -4,6 +4,12 @@
 #[derive(Clone, Debug)]
 pub struct Row {
     pub name: String,
+    /// Ours within 15 degrees of the mirror direction, and beyond; there the median error of the luminance, percent, and that of the
+    /// colour. Means over the outgoing directions at 5, 30, 60 and 75 degrees.
+    pub peak: f64,
+    pub off_peak: f64,
+    pub luminance: f64,
+    pub chroma: f64,
     /// Our error at the views.
     pub fit: f64,
     /// Our error halfway between.
@@ -36,6 +42,7 @@ pub struct Row {
 
 /// What the columns are.
 pub const LEGEND: &str = "fit, halfway: relative L2 of f cos in %, mean over the views and over those in between; \
+    peak, off peak: within 15 degrees of the mirror direction and beyond, lumin., chroma: median errors beyond, at 5, 30, 60 and 75 degrees; \
     blend: halfway, our lobes at the views blended by eq. 9 over the 3 or 4 nearest views, and over 2; thesis: the same of \
     its own lobes, halfway between even views; ours there: our fit at those; var: relative variance of f cos / pdf, \
     views to 80 degrees; handed: how far the data, halfway, differ from their mirror image, %: fits and errors are of one side; with 6 to 11 lobes, or lobes in pairs, ours has more views in the same bytes";
@@ -43,9 +50,13 @@ pub const LEGEND: &str = "fit, halfway: relative L2 of f cos in %, mean over the
 /// Name in CSV, heading, digits after the point, and number.
 type Column = (&'static str, &'static str, usize, fn(&Row) -> f64);
 
-const COLUMNS: [Column; 19] = [
+const COLUMNS: [Column; 23] = [
     ("fit_percent", "fit", 2, |r| r.fit),
     ("halfway_percent", "halfway", 2, |r| r.halfway),
+    ("peak_percent", "peak", 2, |r| r.peak),
+    ("off_peak_percent", "off peak", 2, |r| r.off_peak),
+    ("off_peak_luminance_percent", "lumin.", 2, |r| r.luminance),
+    ("off_peak_chroma", "chroma", 3, |r| r.chroma),
     ("halfway_over_fit", "ratio", 2, Row::ratio),
     ("blended_eq9_percent", "blend", 2, |r| r.blended),
     ("blended_two_percent", "blend 2", 2, |r| r.blended_two),
@@ -70,6 +81,10 @@ impl Default for Row {
         let nan = f64::NAN;
         Self {
             name: String::new(),
+            peak: nan,
+            off_peak: nan,
+            luminance: nan,
+            chroma: nan,
             fit: nan,
             halfway: nan,
             blended: nan,
