@@ -2,6 +2,7 @@
 
 mod balance;
 mod encode;
+mod factors;
 mod knots;
 mod levenberg;
 pub(crate) mod model;

@@ -2,6 +2,7 @@
 
 pub mod compare;
 pub mod cross;
+pub(crate) mod energy;
 pub(crate) mod fitted_material;
 pub mod method;
 pub mod mirror_asymmetry;

@@ -19,5 +19,5 @@ pub use fit::{Tracked, fit, fit_content};
 pub use judge::fitted_material::TrackedLobes;
 pub use judge::report::Fit;
 pub use read::read_at_most;
-pub use settings::Settings;
+pub use settings::{FactorNodes, Settings};
 pub use write::write_atomically;

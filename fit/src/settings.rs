@@ -38,8 +38,21 @@ pub struct Settings {
     /// Angles of the views in radians, from 0 rising. `None`: for what can be evaluated anywhere, as many as
     /// [`views`](Self::views) says; for samples, their own views, the normal and the horizon.
     pub knots: Option<Vec<f64>>,
+    /// The table of factors that the lobes are multiplied by; only for what can be evaluated anywhere, and isotropic.
+    pub factors: FactorNodes,
     /// Name of the source, hash and the like: the first lines of the material's provenance.
     pub provenance: String,
+}
+
+/// Whether lobes are multiplied by factors over half angle and difference angle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FactorNodes {
+    /// They are not.
+    None,
+    /// By the smallest table that is worth its bytes, if any is.
+    Chosen,
+    /// By a table of so many nodes over the half angle and over the difference angle.
+    Given([usize; 2]),
 }
 
 /// Views of a material that can be evaluated anywhere.
@@ -78,6 +91,7 @@ impl Default for Settings {
             exchanges: 15,
             views: None,
             knots: None,
+            factors: FactorNodes::Chosen,
             provenance: String::new(),
         }
     }
@@ -105,6 +119,9 @@ impl Settings {
         range("starts", (1..=1000).contains(&self.starts), "from 1 to 1000")?;
         range("steps", (1..=100_000).contains(&self.steps), "from 1 to 100000")?;
         range("exchanges", self.exchanges <= 1000, "at most 1000")?;
+        if let FactorNodes::Given(nodes) = self.factors {
+            range("factors", nodes.iter().all(|n| (2..=32).contains(n)), "from 2 to 32 nodes each way")?;
+        }
         range("views", self.views.is_none_or(|n| (2..=256).contains(&n)), "from 2 to 256")
     }
 
@@ -164,6 +181,11 @@ impl Settings {
             "steps": self.steps,
             "exchanges": self.exchanges,
             "views": self.views,
+            "factors": match self.factors {
+                FactorNodes::None => serde_json::json!("none"),
+                FactorNodes::Chosen => serde_json::json!("chosen"),
+                FactorNodes::Given(size) => serde_json::json!(size),
+            },
             "knots_degrees": self.knots.as_ref().map(degrees),
         })
     }

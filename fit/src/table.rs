@@ -30,7 +30,7 @@ pub const MAX_VIEWS: usize = 1024;
 pub struct Sample {
     /// Incident direction, unit vector in the frame of the view, y >= 0, z > 0.
     pub direction: [f64; 3],
-    /// The BRDF f, linear sRGB, not negative; 1/sr.
+    /// The BRDF f, linear sRGB; 1/sr. Channels of colours outside the gamut, and noise, are negative.
     pub rgb: [f64; 3],
     /// Quadrature weight over the hemisphere, such that the sum of `weight f cos` is an albedo; sr.
     pub weight: f64,
@@ -47,6 +47,9 @@ pub struct View {
     pub albedo: [f64; 3],
     /// The same as the samples have it, which may be more than the 0.95 that lobes are held to.
     pub uncut_albedo: [f64; 3],
+    /// Least relative L2 error that a fit can have: at the normal an isotropic material is the same at every azimuth, but measured
+    /// tables are not, and the samples are their mean over it. 0 elsewhere.
+    pub floor: f64,
 }
 
 /// Samples of an isotropic BRDF for a number of outgoing directions.
@@ -107,7 +110,7 @@ impl Table {
                 // A sample at the horizon says nothing of f cos.
                 if d[2] > 1e-6 * length {
                     let direction = [d[0] / length, (d[1] / length).abs(), d[2] / length];
-                    samples.push(Sample { direction, rgb: rgb.map(|v| v.max(0.0)), weight: 0.0 });
+                    samples.push(Sample { direction, rgb, weight: 0.0 });
                 }
             }
             if samples.is_empty() {
@@ -115,7 +118,7 @@ impl Table {
             }
             let uncut_albedo = interpolate::weigh(&mut samples);
             let albedo = uncut_albedo.map(|a| a.min(ALBEDO_LIMIT));
-            made.push(View { theta, samples, albedo, uncut_albedo });
+            made.push(View { theta, samples, albedo, uncut_albedo, floor: 0.0 });
         }
         made.sort_by(|a, b| a.theta.total_cmp(&b.theta));
         Ok(Self { views: made })

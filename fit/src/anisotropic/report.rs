@@ -17,6 +17,6 @@ pub(super) fn judge(bytes: &[u8], views: &[View]) -> Result<Vec<ViewReport>, Fit
 fn judge_view(material: &Material<'_>, view: &View) -> Result<ViewReport, FitError> {
     let fitted = TrackedView::new(material, view.theta, view.phi + PI)?;
     let View { theta, phi, samples, albedo } = view.clone();
-    let view = table::View { theta, samples, albedo, uncut_albedo: albedo };
+    let view = table::View { theta, samples, albedo, uncut_albedo: albedo, floor: 0.0 };
     Ok(ViewReport { azimuth: phi, ..ViewReport::of(&fitted, &view) })
 }

@@ -36,7 +36,7 @@ fn tabulate_view(brdf: &dyn Brdf, theta: f64, phi: f64, density: Density) -> Vie
     let (sin, cos) = libm::sincos(phi + PI);
     let value = |d: [f64; 3]| {
         let wi = [d[0] * cos - d[1] * sin, d[0] * sin + d[1] * cos, d[2]];
-        brdf.evaluate(wi, wo).map(|v| if v.is_finite() { v.max(0.0) } else { 0.0 })
+        brdf.evaluate(wi, wo).map(|v| if v.is_finite() { v } else { 0.0 })
     };
     let bright = |d: [f64; 3]| if d[2] > 1e-4 { value(d).iter().sum::<f64>() * d[2] } else { 0.0 };
     let (axis, width) = find_peak(&bright, theta);

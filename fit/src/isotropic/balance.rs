@@ -1,13 +1,15 @@
 //! The last touch of a fit: amplitudes scaled, knot by knot, until the largest error of the albedo is as small as it gets.
 //!
 //! The solver holds the mean square of those errors down beside everything else, at the views of its table; the albedo is asked
-//! for at any view. A factor on all amplitudes of a channel at a knot changes the logarithm of the albedo by a hat
-//! function of the angle, exactly: so the best factors are the solution of a linear problem, in the norm of a high power,
+//! for at any view. A factor on all amplitudes of a channel at a knot changes the albedo by nearly a hat
+//! function of the angle: so the best factors are the solution of a linear problem, in the norm of a high power,
 //! by iteratively reweighted least squares (Lawson 1961; Karlovitz 1970 for the shortened step).
 
-use crate::isotropic::model::parameters::Layout;
+use crate::isotropic::factors::Factors;
+use crate::isotropic::model::parameters::{Layout, luminance, rgb};
+use crate::judge::energy::EnergyError;
 use crate::numeric::banded::Banded;
-use crate::table::albedo_log::Ratio;
+use rayon::prelude::*;
 
 /// Power of the norm: high enough that only the largest errors count.
 const POWER: f64 = 16.0;
@@ -18,37 +20,60 @@ const UNCERTAIN: f64 = 1e-3;
 /// Weight of the squared factors beside the squared errors.
 const STAY: f64 = 1e-4;
 
+/// Times that the factors are looked for.
+const PASSES: usize = 2;
+
 /// Steps of the reweighted least squares.
 const STEPS: usize = 150;
 
 /// Scales the amplitudes at all knots. `albedo`: angles, radians, and the albedo of the data there. Returns the largest error that is
-/// left, of the logarithm.
-pub(crate) fn balance(layout: &Layout, x: &mut [f64], albedo: &[(f64, [f64; 3])]) -> f64 {
+/// left.
+pub(crate) fn balance(
+    layout: &Layout,
+    x: &mut [f64],
+    table: Option<&Factors>,
+    albedo: &[(f64, [f64; 3])],
+) -> f64 {
     let p = layout.stride();
-    let ratio = Ratio::new(albedo.iter().map(|(_, albedo)| *albedo));
-    let mut q = vec![0.0; p];
-    let rows: Vec<((usize, f64), [f64; 3])> = albedo
-        .iter()
-        .map(|&(theta, data)| {
+    let energy = EnergyError::new(albedo.iter().map(|(_, albedo)| *albedo));
+    let rows = |x: &[f64]| -> Vec<[Row; 3]> {
+        let row = |&(theta, data): &(f64, [f64; 3])| {
+            let mut q = vec![0.0; p];
             let place = layout.place(theta);
             layout.interpolate(x, place, &mut q);
-            let fitted = layout.albedo(&q);
-            (place, [0, 1, 2].map(|c| ratio.ln(fitted[c], data[c])))
-        })
-        .collect();
-    let mut largest = 0.0;
-    for channel in 0..3 {
-        let rows: Vec<_> = rows.iter().map(|&(place, errors)| (place, errors[channel])).collect();
-        let factors = factors(&rows, layout.knots.len());
-        largest = rows
-            .iter()
-            .fold(largest, |most: f64, &(place, error)| most.max((error + at(&factors, place)).abs()));
-        for (knot, factor) in factors.into_iter().enumerate() {
-            (0..layout.lobes).for_each(|k| x[knot * p + layout.amplitude(channel, k)] += factor);
-            x[knot * p + layout.diffuse(channel)] += factor;
+            let fitted = layout.albedo(&q, table.map(|f| f.means(layout, &q, theta)).as_deref());
+            let errors = energy.errors(fitted, data);
+            [0, 1, 2].map(|c| Row { place, error: errors[c], slope: fitted[c] / energy.scale(data, c) })
+        };
+        albedo.par_iter().map(row).collect()
+    };
+    // What lies between two knots follows them not quite as a straight line: once more from where that leads.
+    for _ in 0..PASSES {
+        let rows = rows(x);
+        let factors = [0, 1, 2].map(|c| {
+            factors(&rows.iter().map(|row| row[c]).collect::<Vec<_>>(), layout.knots.len())
+        });
+        for (knot, q) in x.chunks_exact_mut(p).enumerate() {
+            let by = [0, 1, 2].map(|c| libm::exp(factors[c][knot]));
+            for k in 0..=layout.lobes {
+                let color = rgb(layout.tint(k).map(|i| q[i]));
+                let scaled = [0, 1, 2].map(|c| color[c] * by[c]);
+                // What would have no luminance any more stays as it is.
+                if luminance(scaled) > 0.0 {
+                    layout.set_tint(q, k, scaled, 0.0);
+                }
+            }
         }
     }
-    largest
+    rows(x).iter().flatten().fold(0.0, |most, row| most.max(row.error.abs()))
+}
+
+/// The error of a channel's albedo between two knots, and its derivative by the logarithm of a factor on all amplitudes.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    place: (usize, f64),
+    error: f64,
+    slope: f64,
 }
 
 /// Factors at the knots, interpolated.
@@ -56,16 +81,20 @@ fn at(factors: &[f64], (knot, blend): (usize, f64)) -> f64 {
     (1.0 - blend) * factors[knot] + if blend > 0.0 { blend * factors[knot + 1] } else { 0.0 }
 }
 
-/// Logarithms of factors at the knots that make the largest error small. `rows`: places between knots and the errors there.
-fn factors(rows: &[((usize, f64), f64)], knots: usize) -> Vec<f64> {
+/// Logarithms of factors at the knots that make the largest error small.
+fn factors(rows: &[Row], knots: usize) -> Vec<f64> {
     let mut factors = vec![0.0; knots];
     for _ in 0..STEPS {
-        let errors: Vec<f64> = rows.iter().map(|&(place, error)| error + at(&factors, place)).collect();
+        let errors: Vec<f64> = rows.iter().map(|row| row.error + row.slope * at(&factors, row.place)).collect();
         let largest = errors.iter().fold(UNCERTAIN, |most, e| most.max(e.abs()));
         let mut matrix = Banded::zeros(knots, 1.min(knots - 1));
         let mut step = vec![0.0; knots];
-        for (&((knot, blend), _), error) in rows.iter().zip(&errors) {
+        for (&Row { place: (knot, blend), slope, .. }, error) in rows.iter().zip(&errors) {
             let weight = libm::pow(libm::hypot(*error, UNCERTAIN) / largest, POWER - 2.0);
+            if slope == 0.0 {
+                continue;
+            }
+            let (weight, error) = (weight * slope * slope, error / slope);
             matrix.add(knot, knot, weight * (1.0 - blend) * (1.0 - blend));
             step[knot] -= weight * (1.0 - blend) * error;
             if blend > 0.0 {
@@ -94,10 +123,11 @@ mod tests {
     /// Errors of a curve between 5 knots, without and with the factors.
     fn largest(error: impl Fn(f64) -> f64) -> (f64, f64) {
         let places: Vec<(usize, f64)> = (0..80).map(|i| (i / 20, (i % 20) as f64 / 20.0)).collect();
-        let rows: Vec<_> = places.iter().map(|&(k, b)| ((k, b), error(k as f64 + b))).collect();
+        let row = |&(k, b): &(usize, f64)| Row { place: (k, b), error: error(k as f64 + b), slope: 1.0 };
+        let rows: Vec<Row> = places.iter().map(row).collect();
         let factors = factors(&rows, 5);
-        let after = rows.iter().map(|&((k, b), e)| (e + (1.0 - b) * factors[k] + b * factors[k + 1]).abs());
-        (rows.iter().fold(0.0, |m, r| m.max(r.1.abs())), after.fold(0.0, f64::max))
+        let after = rows.iter().map(|r| (r.error + at(&factors, r.place)).abs());
+        (rows.iter().fold(0.0, |m, r| m.max(r.error.abs())), after.fold(0.0, f64::max))
     }
 
     #[test]

@@ -1,8 +1,9 @@
 //! From fitted unknowns to `.srbf` bytes.
 
 use crate::FitError;
+use crate::isotropic::factors::Factors;
 use crate::isotropic::model::parameters::Layout;
-use srbf_core::{PlaneLobe, View, encode as encode_bytes, encoded_len};
+use srbf_core::{FactorTable, Line, PlaneLobe, View, encoded_len};
 use std::f64::consts::{FRAC_PI_2, LOG2_E};
 
 /// Largest albedo of a material, at any view.
@@ -27,7 +28,12 @@ pub(crate) fn views_of_equal_size(layout: &Layout, lobes: usize) -> usize {
 /// Between knots a lobe's energy is interpolated nearly geometrically, which is never above the straight line, so the
 /// albedo has its maximum at a knot but for wide lobes; it is looked at in between all the same. Where it exceeds `MOST` the
 /// amplitudes of both knots are lowered.
-pub(crate) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec<u8>, FitError> {
+pub(crate) fn encode(
+    layout: &Layout,
+    x: &[f64],
+    factors: Option<&Factors>,
+    provenance: &str,
+) -> Result<Vec<u8>, FitError> {
     let p = layout.stride();
     let mut x = x.to_vec();
     let mut q = vec![0.0; p];
@@ -35,49 +41,67 @@ pub(crate) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec
     for knot in 0..last.max(1) {
         let most = (0..=if last == 0 { 0 } else { LOOKS }).fold(0.0, |most: f64, look| {
             layout.interpolate(&x, (knot, look as f64 / LOOKS as f64), &mut q);
-            layout.albedo(&q).into_iter().fold(most, f64::max)
+            let means = factors.map(|f| f.means(layout, &q, layout.theta((knot, look as f64 / LOOKS as f64))));
+            layout.albedo(&q, means.as_deref()).into_iter().fold(most, f64::max)
         });
         if most > MOST {
             for k in knot..=(knot + 1).min(last) {
-                x[k * p + layout.amplitude(0, 0)..(k + 1) * p]
-                    .iter_mut()
-                    .for_each(|v| *v -= libm::log(most / MOST));
+                layout.luminances().for_each(|i| x[k * p + i] -= libm::log(most / MOST));
             }
         }
     }
 
-    let stored: Vec<(f32, [f32; 4], Vec<PlaneLobe>)> = layout
-        .knots
-        .iter()
-        .enumerate()
-        .map(|(knot, theta)| {
-            let q = &x[knot * p..(knot + 1) * p];
-            let log2 = |v: f64| (v * LOG2_E) as f32;
-            let lobes = (0..layout.lobes).map(|k| PlaneLobe {
+    let log2 = |v: f64| (v * LOG2_E) as f32;
+    let stored = |(knot, q): (usize, &[f64])| {
+        let lobes = (0..layout.lobes).map(|k| {
+            let [luminance, red, blue] = layout.tint(k).map(|i| q[i]);
+            let mirrored = k.checked_sub(layout.first_mirrored());
+            PlaneLobe {
                 angle: q[layout.angle(k)] as f32,
-                off_plane: k
-                    .checked_sub(layout.first_mirrored())
-                    .map_or(0.0, |m| q[layout.off_plane(m)] as f32),
+                off_plane: mirrored.map_or(0.0, |m| off_plane(q[layout.off_plane(m)])),
                 log2_sharpness: log2(q[layout.sharpness(k)]),
-                log2_amplitude: [0, 1, 2].map(|c| log2(q[layout.amplitude(c, k)])),
-            });
-            let theta = if *theta >= FRAC_PI_2 { std::f32::consts::FRAC_PI_2 } else { *theta as f32 };
-            let diffuse = |c| log2(q[layout.diffuse(c)]);
-            (theta, [log2(q[0]), diffuse(0), diffuse(1), diffuse(2)], lobes.collect())
-        })
-        .collect();
-    let views: Vec<View<'_>> = stored
-        .iter()
-        .map(|&(theta, [log2_squeeze, red, green, blue], ref lobes)| View {
-            theta,
-            log2_squeeze,
-            log2_diffuse: [red, green, blue],
+                log2_luminance: log2(luminance),
+                color_differences: [red as f32, blue as f32],
+            }
+        });
+        let theta = layout.knots[knot];
+        let theta = if theta >= FRAC_PI_2 { std::f32::consts::FRAC_PI_2 } else { theta as f32 };
+        (theta, q, lobes.collect::<Vec<_>>())
+    };
+    let stored: Vec<_> = x.chunks_exact(p).enumerate().map(stored).collect();
+    let view = |(theta, q, lobes): &(f32, &[f64], Vec<PlaneLobe>)| {
+        let [luminance, red, blue] = layout.tint(layout.lobes).map(|i| q[i]);
+        View {
+            theta: *theta,
+            log2_squeeze: log2(q[0]),
+            log2_diffuse: log2(luminance),
+            diffuse_color_differences: [red as f32, blue as f32],
             lobes,
-        })
-        .collect();
-    let mut bytes = vec![0; encoded_len(views.len(), layout.lobes, layout.mirrored, provenance)];
-    encode_bytes(&views, layout.squeezed, layout.mirrored, provenance, &mut bytes)?;
+        }
+    };
+    let views: Vec<View<'_>> = stored.iter().map(view).collect();
+    let albedo = |(knot, q): (usize, &[f64])| {
+        let means = factors.map(|f| f.means(layout, q, layout.knots[knot]));
+        layout.albedo(q, means.as_deref()).map(|v| v as f32)
+    };
+    let albedos: Vec<[f32; 3]> = x.chunks_exact(p).enumerate().map(albedo).collect();
+    let nodes = factors.map(Factors::nodes).unwrap_or_default();
+    let table = factors.map(|f| FactorTable {
+        half: f.size()[0],
+        difference: f.size()[1],
+        factors: &nodes,
+        albedos: &albedos,
+    });
+    let line = Line { views: &views, squeezed: layout.squeezed, mirrored: layout.mirrored, factors: table };
+    let mut bytes = vec![0; line.encoded_len(provenance)];
+    line.encode(provenance, &mut bytes)?;
     Ok(bytes)
+}
+
+/// An angle out of the plane of incidence as it is stored: one that is nearly 0 is 0, as its square would be a subnormal, which
+/// processors take long to multiply.
+fn off_plane(angle: f64) -> f32 {
+    if angle.abs() < 1e-9 { 0.0 } else { angle as f32 }
 }
 
 #[cfg(test)]

@@ -2,10 +2,10 @@
 //!
 //! A sum of squares over all views at once, of
 //!
-//! * *data*: `f cos` of the lobes minus that of the table at every sample, relative to the view: the squared relative L2
-//!   error, plus a share of the relative variance that the lobes would have as a density, in which an error
-//!   counts relative to the value where it is (a view's norm is its peak; the variance sees the rest of the hemisphere);
-//! * *energy*: the logarithm of the albedo over the table's, per channel;
+//! * *data*: `f cos` of the lobes, times factors if there are any, minus that of the table at every sample, relative to the view:
+//!   the squared relative L2 error, plus what is seen away from the peak (`crate::judge::seen`), plus a share of the relative
+//!   variance that the lobes alone would have as a density, in which an error counts relative to the value where it is;
+//! * *energy*: the albedo minus the table's, relative to that, per channel;
 //! * *ceiling*: what any channel's albedo exceeds `CEILING` by, at the views, at the knots and between them;
 //! * *roughness*: second differences of the unknowns from knot to knot, with the symmetry at the normal (angles are odd in
 //!   theta, the rest even) and a weak pull towards no change in the last interval, which Cornell's data do not reach.
@@ -16,10 +16,12 @@ pub(crate) mod data_term;
 
 use crate::FitError;
 use crate::isotropic::model::Lobes;
-use crate::isotropic::model::parameters::{LN_SHARPNESS_DEFENSIVE, Layout};
+use crate::isotropic::factors::{Demand, Factors};
+use crate::isotropic::model::parameters::{COLOR_SLOPES, LN_SHARPNESS_DEFENSIVE, Layout, luminance, rgb};
+use crate::judge::seen;
 use crate::numeric::banded::Banded;
 use crate::numeric::special::sphere_integral;
-use crate::table::albedo_log::Ratio;
+use crate::judge::energy::EnergyError;
 use crate::table::{Table, View, check_bright, check_storable};
 use data_term::Point;
 use rayon::prelude::*;
@@ -66,6 +68,8 @@ pub(crate) struct Data {
     pub place: (usize, f64),
     pub points: Vec<Point>,
     albedo: [f64; 3],
+    /// Means of the factors that the lobes and the diffuse term see, if there are any.
+    factors: Option<Vec<[f64; 3]>>,
     /// Factors of the weights of its errors.
     energy: [f64; 3],
 }
@@ -108,14 +112,20 @@ pub(crate) struct Objective {
     pub layout: Layout,
     pub views: Vec<Data>,
     watched: Vec<(usize, f64)>,
-    /// Least logarithm of the amplitude of the defensive lobe, by knot and channel.
-    ln_defensive: Vec<[f64; 3]>,
-    ratio: Ratio,
+    /// Least logarithm of the luminance of the defensive lobe, by knot.
+    ln_defensive: Vec<f64>,
+    energy: EnergyError,
+    factors: Option<Factors>,
 }
 
 impl Objective {
-    /// `tail`: weight of the relative variance beside the squared relative L2 error.
-    pub fn new(table: &Table, layout: Layout, tail: f64) -> Result<Self, FitError> {
+    /// `tail`: weight of the relative variance beside the squared relative L2 error. `factors`: what the lobes are multiplied by.
+    pub fn new(
+        table: &Table,
+        layout: Layout,
+        tail: f64,
+        factors: Option<&Factors>,
+    ) -> Result<Self, FitError> {
         let brightest = table.views.iter().flat_map(|v| v.albedo).fold(0.0, f64::max);
         let count = table.views.len() as f64;
         let strongest = table.views.iter().map(norm_squared).fold(0.0, f64::max);
@@ -123,28 +133,35 @@ impl Objective {
         check_bright(strongest > 0.0 && strongest.is_finite())?;
         let data = |view: &View| {
             let norm = norm_squared(view).max(1e-9 * strongest);
-            let bright = |s: &crate::table::Sample| s.rgb.iter().sum::<f64>() / 3.0 * s.direction[2];
+            let bright = |s: &crate::table::Sample| brightness(s.rgb) * s.direction[2];
             let energy: f64 = view.samples.iter().map(|s| s.weight * bright(s)).sum();
             let solid: f64 = view.samples.iter().map(|s| s.weight).sum();
             let mean = (energy / solid).max(1e-9 * brightest);
+            let (sin, cos) = libm::sincos(view.theta);
+            let level = seen::level(view.albedo).max(1e-9 * brightest);
             let points = view.samples.iter().map(|s| {
-                let base = s.weight / norm / count;
-                let tail = tail * s.weight / (mean * solid) / 3.0 / count;
-                let floor = TAIL_FLOOR * mean * 2.0 * s.direction[2];
-                let target = s.rgb.map(|v| v * s.direction[2]);
-                Point {
+                let mut point = Point {
                     direction: s.direction,
-                    target,
-                    weight: base + tail / (bright(s) + floor),
-                    base,
-                    tail,
-                    floor,
-                }
+                    target: s.rgb.map(|v| v * s.direction[2]),
+                    factor: factors.map_or([1.0; 3], |f| f.at(s.direction, [-sin, 0.0, cos])),
+                    aim: [0.0; 3],
+                    weight: [0.0; 3],
+                    rest: 0.0,
+                    value: 0.0,
+                    base: s.weight / norm / count,
+                    seen: s.weight / count * seen::weight(brightness(s.rgb), level, s.direction[2]),
+                    seen_floor: seen::floor(level) * s.direction[2],
+                    tail: tail * s.weight / (mean * solid) / 3.0 / count,
+                    floor: TAIL_FLOOR * mean * 2.0 * s.direction[2],
+                };
+                point.weigh(point.base + point.seen, point.tail / (bright(s) + point.floor));
+                point
             });
             Data {
                 place: layout.place(view.theta),
                 points: points.collect(),
                 albedo: view.albedo,
+                factors: None,
                 energy: [1.0; 3],
             }
         };
@@ -153,9 +170,8 @@ impl Objective {
             let far = |v: &&View| (v.theta - theta).abs();
             let nearest = table.views.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
             let albedo = nearest.map_or([0.0; 3], |v| v.albedo);
-            albedo.map(|a| {
-                libm::log(DEFENSIVE * a.max(1e-9 * brightest) / sphere_integral(LN_SHARPNESS_DEFENSIVE.1).0)
-            })
+            let share = DEFENSIVE * luminance(albedo).max(1e-9 * brightest);
+            libm::log(share / sphere_integral(LN_SHARPNESS_DEFENSIVE.1).0)
         });
         let ln_defensive = ln_defensive.collect();
         let last = layout.knots.len() - 1;
@@ -167,7 +183,8 @@ impl Objective {
             views,
             watched,
             ln_defensive,
-            ratio: Ratio::new(table.views.iter().map(|v| v.albedo)),
+            energy: EnergyError::new(table.views.iter().map(|v| v.albedo)),
+            factors: factors.cloned(),
         })
     }
 
@@ -175,59 +192,77 @@ impl Objective {
     pub fn bounds(&self, unknown: usize) -> (f64, f64) {
         let (knot, index) = (unknown / self.layout.stride(), unknown % self.layout.stride());
         let (low, high) = self.layout.bounds(index);
-        if let Some(lobe) = self.layout.defensive() {
-            for c in 0..3 {
-                if index == self.layout.amplitude(c, lobe) {
-                    return (low.max(self.ln_defensive[knot][c]), high);
-                }
+        match self.layout.defensive() {
+            Some(lobe) if index == self.layout.luminance(lobe) => (low.max(self.ln_defensive[knot]), high),
+            None if index == self.layout.diffuse() => {
+                let share = sphere_integral(LN_SHARPNESS_DEFENSIVE.1).0 * DEFENSIVE_DIFFUSE / DEFENSIVE;
+                (low.max(self.ln_defensive[knot] + libm::log(share)), high)
             }
-        } else if let Some(c) = (0..3).find(|&c| index == self.layout.diffuse(c)) {
-            let share = self.ln_defensive[knot][c]
-                + libm::log(sphere_integral(LN_SHARPNESS_DEFENSIVE.1).0 * DEFENSIVE_DIFFUSE / DEFENSIVE);
-            return (low.max(share), high);
+            _ => (low, high),
         }
-        (low, high)
     }
 
     /// The same with weights that follow the fit. Views count in inverse proportion to their error, so that what is made small
-    /// is the mean error, not the mean of its square. The tail counts as if the lobes' values were the table's where they
-    /// are lower: there a renderer that samples the lobes gets its largest weights. `evenly`: albedos count the more, the worse
-    /// they are.
+    /// is the mean error, not the mean of its square. What is seen away from the peak counts by the difference of logarithms. The
+    /// tail counts as if the lobes' values were the table's where they are lower: there a renderer that samples the lobes gets its
+    /// largest weights. `evenly`: albedos count the more, the worse they are.
     pub fn reweighed(&self, x: &[f64], evenly: bool) -> Self {
         let mut new = self.clone();
         let mut q = vec![0.0; self.layout.stride()];
         let mut errors = Vec::with_capacity(new.views.len());
+        let mut weights = Vec::with_capacity(new.views.len());
         for view in &mut new.views {
             self.layout.interpolate(x, view.place, &mut q);
-            let (lobes, amplitudes) = (Lobes::new(&self.layout, &q), amplitudes(&self.layout, &q));
+            let (lobes, amplitudes) = (Lobes::new(&self.layout, &q), self.layout.amplitudes(&q));
             let mut square = 0.0;
             let values = data_term::values(&lobes, &amplitudes, &view.points);
-            for (point, values) in view.points.iter_mut().zip(values) {
-                let mut sum = 0.0;
-                for (value, target) in values.into_iter().zip(point.target) {
-                    square += point.base * (value - target) * (value - target);
-                    sum += value;
-                }
-                let bright = point.target.iter().sum::<f64>();
-                let short = bright / (SHORT * sum).max(1e-300);
+            let terms = view.points.iter().zip(values).map(|(point, lobes)| {
+                let value = [0, 1, 2].map(|c| lobes[c] * point.factor[c]);
+                let distance: f64 = (0..3).map(|c| (value[c] - point.target[c]).powi(2)).sum();
+                let bright = brightness(point.target);
+                let secant = seen::secant(brightness(value), bright, point.seen_floor);
+                square += (point.base + point.seen * secant) * distance;
+                let short = bright / (SHORT * brightness(lobes)).max(1e-300);
                 let short = (short * short).clamp(1.0, MOST_SHORT);
-                point.weight = point.tail * short / (sum.min(bright) / 3.0 + point.floor);
-            }
+                let density = point.tail * short / (brightness(lobes).min(bright) + point.floor);
+                (point.seen * secant, density)
+            });
+            weights.push(terms.collect::<Vec<_>>());
             errors.push(libm::sqrt(square));
+            view.factors = self.factors.as_ref().map(|f| f.means(&self.layout, &q, self.layout.theta(view.place)));
             if evenly {
-                let albedo = self.layout.albedo(&q);
-                view.energy = [0, 1, 2].map(|c| {
-                    let error = self.ratio.ln(albedo[c], view.albedo[c]) / ALBEDO_ERROR;
-                    (error * error).clamp(1.0, MOST_ALBEDO)
-                });
+                let albedo = self.layout.albedo(&q, view.factors.as_deref());
+                let errors = self.energy.errors(albedo, view.albedo);
+                view.energy = errors.map(|e| (e / ALBEDO_ERROR).powi(2).clamp(1.0, MOST_ALBEDO));
             }
         }
         let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
-        for (view, error) in new.views.iter_mut().zip(errors) {
+        for ((view, error), weights) in new.views.iter_mut().zip(errors).zip(weights) {
             let factor = if error > 0.0 { (mean / error).clamp(1.0 / MOST_FACTOR, MOST_FACTOR) } else { 1.0 };
-            view.points.iter_mut().for_each(|p| p.weight += factor * p.base);
+            for (point, (seen, density)) in view.points.iter_mut().zip(weights) {
+                point.weigh(factor * (point.base + seen), density);
+            }
         }
         new
+    }
+
+    /// What factors are to make of the lobes, at all samples.
+    pub fn demands(&self, x: &[f64]) -> Vec<Demand> {
+        let demands = self.views.par_iter().map(|view| {
+            let mut q = vec![0.0; self.layout.stride()];
+            self.layout.interpolate(x, view.place, &mut q);
+            let values = data_term::values(&Lobes::new(&self.layout, &q), &self.layout.amplitudes(&q), &view.points);
+            let (sin, cos) = libm::sincos(self.layout.theta(view.place));
+            let demand = |(point, lobes): (&Point, [f64; 3])| Demand {
+                wi: point.direction,
+                wo: [-sin, 0.0, cos],
+                lobes,
+                target: point.target,
+                weight: point.value,
+            };
+            view.points.iter().zip(values).map(demand).collect::<Vec<_>>()
+        });
+        demands.collect::<Vec<_>>().into_iter().flatten().collect()
     }
 
     /// The cost at a point.
@@ -240,14 +275,11 @@ impl Objective {
                 let mut q = vec![0.0; layout.stride()];
                 layout.interpolate(x, view.place, &mut q);
                 let lobes = Lobes::new(layout, &q);
-                let amplitudes = amplitudes(layout, &q);
+                let amplitudes = layout.amplitudes(&q);
                 let mut cost = data_term::cost(&lobes, &amplitudes, &view.points);
-                let albedo = layout.albedo(&q);
-                (0..3).for_each(|c| {
-                    cost += self
-                        .energy_residual(albedo[c], view.albedo[c], view.energy[c] * weights.energy)
-                        .powi(2)
-                });
+                let albedo = layout.albedo(&q, view.factors.as_deref());
+                let residuals = self.energy_residuals(albedo, view, weights.energy);
+                cost += residuals.iter().map(|r| r.0 * r.0).sum::<f64>();
                 cost
             })
             .collect();
@@ -255,7 +287,7 @@ impl Objective {
         let mut q = vec![0.0; layout.stride()];
         for &place in &self.watched {
             layout.interpolate(x, place, &mut q);
-            cost += layout.albedo(&q).iter().map(|a| self.excess(*a).powi(2)).sum::<f64>();
+            cost += layout.albedo(&q, None).iter().map(|a| self.excess(*a).powi(2)).sum::<f64>();
         }
         self.for_each_difference(weights.smoothness, |terms| {
             let r: f64 = terms.iter().map(|&(index, factor)| factor * x[index]).sum();
@@ -273,7 +305,7 @@ impl Objective {
         for &place in &self.watched {
             let mut q = vec![0.0; p];
             layout.interpolate(x, place, &mut q);
-            let albedo = layout.albedo(&q);
+            let albedo = layout.albedo(&q, None);
             if albedo.iter().all(|a| self.excess(*a) == 0.0) {
                 continue;
             }
@@ -287,13 +319,8 @@ impl Objective {
             for (channel, &a) in albedo.iter().enumerate() {
                 let excess = self.excess(a);
                 if excess > 0.0 {
-                    self.add_albedo_row(
-                        &mut block,
-                        &q,
-                        channel,
-                        excess,
-                        self.excess(a + 1.0) - self.excess(a),
-                    );
+                    let slope = self.excess(a + 1.0) - excess;
+                    self.add_albedo_row(&mut block, &q, (channel, None), (excess, slope));
                 }
             }
             blocks.push(block);
@@ -345,13 +372,12 @@ impl Objective {
         let mut q = vec![0.0; p];
         layout.interpolate(x, view.place, &mut q);
         let lobes = Lobes::new(layout, &q);
-        let amplitude = amplitudes(layout, &q);
+        let amplitude = layout.amplitudes(&q);
 
         let data_term::Sums { cost, gram, moment } = data_term::sums(&lobes, &amplitude, &view.points);
 
         // From derivatives of unit lobes to derivatives by the unknowns.
         let width = lobes.slopes_len();
-        let off_plane = 3 * k + layout.squeezed;
         let mut block = Block {
             place: view.place,
             scale: vec![0.0; p],
@@ -359,59 +385,85 @@ impl Objective {
             gradient: vec![0.0; p],
             matrix: vec![0.0; p * p],
         };
-        // Which unknown a derivative belongs to, and the amplitude that it is multiplied by.
-        let lobe_of = |i: usize| match i {
-            _ if i == width - 1 => k,
-            _ if i >= off_plane => layout.first_mirrored() + i - off_plane,
-            _ => i % k,
-        };
-        let target = |i: usize, channel: usize| match i / k {
-            _ if i == width - 1 => layout.diffuse(channel),
-            _ if i >= off_plane => layout.off_plane(i - off_plane),
-            0 => layout.angle(lobe_of(i)),
-            1 => layout.sharpness(lobe_of(i)),
-            2 => layout.amplitude(channel, lobe_of(i)),
-            _ => 0,
-        };
+        let columns = self.columns(width, &q);
         for c in 0..3 {
-            let targets: Vec<(usize, f64)> =
-                (0..width).map(|i| (target(i, c), amplitude[c][lobe_of(i)])).collect();
-            for (i, &(a, factor)) in targets.iter().enumerate() {
-                block.gradient[a] += factor * moment[c][i];
-                for (&(b, other), product) in targets[..=i].iter().zip(&gram[i * width..]) {
-                    let value = factor * other * product;
-                    let element = &mut block.matrix[a.min(b) * p + a.max(b)];
+            let targets: Vec<(usize, usize, f64)> =
+                columns.iter().map(|&(a, i, by)| (a, i, by[c])).filter(|target| target.2 != 0.0).collect();
+            for (n, &(a, i, by)) in targets.iter().enumerate() {
+                block.gradient[a] += by * moment[c][i];
+                for (m, &(b, j, other)) in targets[..=n].iter().enumerate() {
+                    let value = by * other * gram[i.max(j) * width + i.min(j)];
                     // Both (i, j) and (j, i) of the Gram matrix may fall on one element: the squeeze is shared.
-                    *element += value;
+                    let both = if a == b && m < n { 2.0 } else { 1.0 };
+                    block.matrix[a.min(b) * p + a.max(b)] += both * value;
                 }
-                let shared = targets[..i].iter().zip(&gram[i * width..]).filter(|(target, _)| target.0 == a);
-                block.matrix[a * p + a] +=
-                    shared.map(|(target, product)| factor * target.1 * product).sum::<f64>();
             }
         }
         (0..p).for_each(|i| block.scale[i] = block.matrix[i * p + i]);
-        let albedo = layout.albedo(&q);
-        for (c, (&fitted, &data)) in albedo.iter().zip(&view.albedo).enumerate() {
-            let energy = view.energy[c] * energy;
-            let residual = self.energy_residual(fitted, data, energy);
-            let slope = libm::sqrt(energy / (3.0 * self.views.len() as f64)) / self.ratio.shifted(fitted);
-            self.add_albedo_row(&mut block, &q, c, residual, slope);
+        let albedo = layout.albedo(&q, view.factors.as_deref());
+        for (c, row) in self.energy_residuals(albedo, view, energy).into_iter().enumerate() {
+            self.add_albedo_row(&mut block, &q, (c, view.factors.as_deref()), row);
         }
         block
     }
 
-    /// Adds the square of a residual of one channel's albedo to a view.
-    fn add_albedo_row(&self, block: &mut Block, q: &[f64], channel: usize, residual: f64, by_albedo: f64) {
+    /// For every unknown of a view the derivative of unit lobes that it goes with, and the colour that this is multiplied by.
+    fn columns(&self, width: usize, q: &[f64]) -> Vec<(usize, usize, [f64; 3])> {
+        let layout = &self.layout;
+        let k = layout.lobes;
+        let off_plane = 3 * k + layout.squeezed;
+        let color = |lobe: usize| rgb(layout.tint(lobe).map(|i| q[i]));
+        let mut columns = Vec::with_capacity(width + 2 * k + 2);
+        for i in 0..width {
+            let lobe = match i {
+                _ if i == width - 1 => k,
+                _ if i >= off_plane => layout.first_mirrored() + i - off_plane,
+                _ => i % k,
+            };
+            match i / k {
+                _ if i != width - 1 && i >= off_plane => columns.push((layout.off_plane(i - off_plane), i, color(lobe))),
+                0 if i != width - 1 => columns.push((layout.angle(lobe), i, color(lobe))),
+                1 if i != width - 1 => columns.push((layout.sharpness(lobe), i, color(lobe))),
+                3.. if i != width - 1 => columns.push((0, i, color(lobe))),
+                // The value itself: luminance and colour.
+                _ => {
+                    let [luminance, red, blue] = layout.tint(lobe);
+                    let y = libm::exp(q[luminance]);
+                    columns.push((luminance, i, color(lobe)));
+                    columns.push((red, i, COLOR_SLOPES[0].map(|s| y * s)));
+                    columns.push((blue, i, COLOR_SLOPES[1].map(|s| y * s)));
+                }
+            }
+        }
+        columns
+    }
+
+    /// Adds the square of a residual of one channel's albedo, of which the derivative by the albedo is given, to a view.
+    fn add_albedo_row(
+        &self,
+        block: &mut Block,
+        q: &[f64],
+        (channel, factors): (usize, Option<&[[f64; 3]]>),
+        (residual, by_albedo): (f64, f64),
+    ) {
         let layout = &self.layout;
         let p = layout.stride();
-        let mut row = Vec::with_capacity(2 * layout.lobes);
-        for k in 0..layout.lobes {
-            let (integral, slope) = sphere_integral(q[layout.sharpness(k)]);
-            let amplitude = by_albedo * layout.copies(k) * libm::exp(q[layout.amplitude(channel, k)]);
-            row.push((layout.sharpness(k), amplitude * slope));
-            row.push((layout.amplitude(channel, k), amplitude * integral));
+        let mut row = Vec::with_capacity(4 * layout.lobes + 3);
+        for k in 0..=layout.lobes {
+            let [luminance, red, blue] = layout.tint(k);
+            let by = by_albedo * factors.map_or(1.0, |factors| factors[k][channel]);
+            let color = by * rgb([luminance, red, blue].map(|i| q[i]))[channel];
+            let (integral, slope) =
+                if k < layout.lobes { sphere_integral(q[layout.sharpness(k)]) } else { (1.0, 0.0) };
+            let copies = if k < layout.lobes { layout.copies(k) } else { 1.0 };
+            if k < layout.lobes {
+                row.push((layout.sharpness(k), color * copies * slope));
+            }
+            row.push((luminance, color * copies * integral));
+            let y = by * libm::exp(q[luminance]) * copies * integral;
+            row.push((red, y * COLOR_SLOPES[0][channel]));
+            row.push((blue, y * COLOR_SLOPES[1][channel]));
         }
-        row.push((layout.diffuse(channel), by_albedo * libm::exp(q[layout.diffuse(channel)])));
         block.cost += residual * residual;
         for &(i, a) in &row {
             block.gradient[i] += a * residual;
@@ -421,8 +473,13 @@ impl Objective {
         }
     }
 
-    fn energy_residual(&self, fitted: f64, data: f64, weight: f64) -> f64 {
-        libm::sqrt(weight / (3.0 * self.views.len() as f64)) * self.ratio.ln(fitted, data)
+    /// Residuals of the channels of an albedo, and their derivatives by it.
+    fn energy_residuals(&self, fitted: [f64; 3], view: &Data, weight: f64) -> [(f64, f64); 3] {
+        let (errors, slopes) = (self.energy.errors(fitted, view.albedo), self.energy.slopes(view.albedo));
+        [0, 1, 2].map(|c| {
+            let weight = libm::sqrt(view.energy[c] * weight / (3.0 * self.views.len() as f64));
+            (weight * errors[c], weight * slopes[c])
+        })
     }
 
     fn excess(&self, albedo: f64) -> f64 {
@@ -462,10 +519,9 @@ fn norm_squared(view: &View) -> f64 {
     view.samples.iter().map(|s| s.weight * square(s)).sum()
 }
 
-/// Amplitudes of the lobes and of the diffuse term, per channel.
-pub(crate) fn amplitudes(layout: &Layout, q: &[f64]) -> [Vec<f64>; 3] {
-    let channel = |c| (0..layout.lobes).map(move |k| layout.amplitude(c, k)).chain([layout.diffuse(c)]);
-    [0, 1, 2].map(|c| channel(c).map(|i| libm::exp(q[i])).collect())
+/// Mean of the channels, and 0 where that is negative.
+fn brightness(rgb: [f64; 3]) -> f64 {
+    (rgb.iter().sum::<f64>() / 3.0).max(0.0)
 }
 
 #[cfg(test)]
@@ -489,7 +545,7 @@ mod tests {
         let layout = Layout::new(4, 2, 1, vec![0.0, 0.5, 1.0, 1.5]);
         let mut x: Vec<f64> = (0..layout.len()).map(|_| 2.0 * random.next() - 0.7).collect();
         x.chunks_mut(layout.stride()).for_each(|knot| knot[0] = -0.4);
-        (Objective::new(&table, layout, 0.03).unwrap(), x)
+        (Objective::new(&table, layout, 0.03, None).unwrap(), x)
     }
 
     #[test]
@@ -522,12 +578,13 @@ mod tests {
         for view in &mut objective.views {
             let mut q = vec![0.0; layout.stride()];
             layout.interpolate(&x, view.place, &mut q);
-            view.albedo = layout.albedo(&q);
+            view.albedo = layout.albedo(&q, None);
             let (lobes, a) = (Lobes::new(&layout, &q), amplitudes(&layout, &q));
             for point in &mut view.points {
                 let mut unit = [0.0; 5];
                 lobes.values(&point.direction, &mut unit);
                 point.target = [0, 1, 2].map(|c| (0..5).map(|k| a[c][k] * unit[k]).sum());
+                point.weigh(point.base, 0.0);
             }
         }
         let none = Weights { smoothness: 0.0, energy: 1.0 };

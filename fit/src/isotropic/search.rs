@@ -13,11 +13,13 @@ mod start;
 
 use crate::isotropic::balance;
 use crate::isotropic::encode;
+use crate::isotropic::factors::SIZES;
 use crate::isotropic::model::parameters::Layout;
 use crate::isotropic::search::candidates::{Work, scout};
 use crate::isotropic::search::finalist::{Finalist, refine, reports};
 use crate::judge::report::{Fit, Report};
 use crate::table::Table;
+use crate::settings::FactorNodes;
 use crate::{FitError, Settings};
 use rayon::prelude::*;
 use schedule::{Emphasis, HEAVY_TAIL, LIGHT, LOOKS, SAMPLES, Stage};
@@ -32,6 +34,10 @@ const KNOT_DISTANCE: f64 = 0.035;
 /// below for that to be worth the time.
 const ROUNDS: usize = 3;
 const WORTHWHILE: f64 = 0.97;
+/// Times that factors and lobes are fitted in turn; and the share of the error of lobes alone that factors may leave, to be worth their
+/// bytes.
+const FACTOR_ROUNDS: usize = 3;
+const WORTH_FACTORS: f64 = 0.93;
 /// What the weights of missed goals are multiplied by before, and the most that energy gets: with more, nothing else counts.
 const MORE_ENERGY: f64 = 10.0;
 const MOST_ENERGY: f64 = 1000.0;
@@ -89,15 +95,16 @@ pub(crate) fn run(
         Data::Samples(_) => problem.solve(SAMPLES, &mut work)?.swap_remove(0),
         Data::Source(source) => {
             let finalists = problem.solve(LIGHT, &mut work)?;
-            let mut best = problem.improve(source, finalists, &mut work)?;
-            balance::balance(&best.layout, &mut best.candidate.x, source.albedo());
+            let best = problem.improve(source, finalists, &mut work)?;
+            let mut best = problem.with_factors(source, best, &mut work)?;
+            balance::balance(&best.layout, &mut best.candidate.x, best.factors.as_ref(), source.albedo());
             best
         }
     };
-    let Finalist { layout, table, candidate, .. } = best;
+    let Finalist { layout, table, candidate, factors, .. } = best;
 
     let text = format!("{}{}", settings.provenance, settings.describe(&layout));
-    let bytes = encode::encode(&layout, &candidate.x, &text)?;
+    let bytes = encode::encode(&layout, &candidate.x, factors.as_ref(), &text)?;
     let views = reports(&bytes, &table)?;
     let evaluations = work.evaluations.into_inner();
     progress(1.0);
@@ -199,6 +206,39 @@ impl<'a> Problem<'a> {
             }
         }
         Ok(best)
+    }
+
+    /// Gives the lobes factors, and moves both in turn; what had none, if those are not worth their bytes.
+    fn with_factors(
+        &self,
+        source: &dyn Source,
+        plain: Finalist<'a>,
+        work: &mut Work<'_>,
+    ) -> Result<Finalist<'a>, FitError> {
+        let sizes: &[[usize; 2]] = match &self.settings.factors {
+            FactorNodes::None => &[],
+            FactorNodes::Chosen => &SIZES,
+            FactorNodes::Given(size) => &[*size],
+        };
+        if sizes.is_empty() {
+            return Ok(plain);
+        }
+        let emphasis = LIGHT;
+        let Some(stage) = self.stages(emphasis).pop() else { return Ok(plain) };
+        let stage = Stage { keep: 1, look: None, ..stage };
+        let mut candidates = vec![plain.clone()];
+        let worth = if let FactorNodes::Chosen = self.settings.factors { WORTH_FACTORS } else { f64::INFINITY };
+        let mut best: Option<Finalist<'a>> = None;
+        for round in 0..FACTOR_ROUNDS {
+            candidates[0].fit_factors(sizes, emphasis.tail)?;
+            refine(self.data, &mut candidates, emphasis.tail, &stage, work)?;
+            candidates[0].look(source, LOOKS + 1 + round)?;
+            let rank = candidates[0].final_rank();
+            if best.as_ref().is_none_or(|best| rank < best.final_rank()) {
+                best = Some(candidates[0].clone());
+            }
+        }
+        Ok(best.filter(|best| best.final_rank() < worth * plain.final_rank()).unwrap_or(plain))
     }
 
     /// Takes finalists through a round.

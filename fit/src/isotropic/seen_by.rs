@@ -26,21 +26,29 @@ pub(super) fn seen_by(
 mod tests {
     use super::*;
     use crate::judge::report::ViewReport;
-    use srbf_core::{PlaneLobe, encode, encoded_len};
+    use srbf_core::{Line, PlaneLobe};
     use std::f64::consts::PI;
 
     /// A material of one view that is right but for a needle between the directions of a table.
     fn needle() -> Vec<u8> {
-        let lobe = |log2_sharpness, log2_amplitude: f32| PlaneLobe {
+        let lobe = |log2_sharpness, log2_luminance| PlaneLobe {
             angle: 0.0,
             off_plane: 0.0,
             log2_sharpness,
-            log2_amplitude: [log2_amplitude; 3],
+            log2_luminance,
+            color_differences: [0.0; 2],
         };
         let lobes = [lobe(17.0, 6.0), lobe(0.0, -126.0)];
-        let view = srbf_core::View { theta: 0.0, log2_squeeze: 0.0, log2_diffuse: [-1.0; 3], lobes: &lobes };
-        let mut bytes = vec![0; encoded_len(1, lobes.len(), 0, "")];
-        let len = encode(&[view], 0, 0, "", &mut bytes).unwrap();
+        let view = srbf_core::View {
+            theta: 0.0,
+            log2_squeeze: 0.0,
+            log2_diffuse: -1.0,
+            diffuse_color_differences: [0.0; 2],
+            lobes: &lobes,
+        };
+        let line = Line { views: &[view], squeezed: 0, mirrored: 0, factors: None };
+        let mut bytes = vec![0; line.encoded_len("")];
+        let len = line.encode("", &mut bytes).unwrap();
         bytes.truncate(len);
         bytes
     }

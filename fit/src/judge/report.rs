@@ -4,11 +4,12 @@
 //! So a density counts relative to its own sum over the same samples: then no variance is below 0 and no largest weight below 1.
 
 use crate::judge::cross::CrossValidation;
+use crate::judge::energy::EnergyError;
 use crate::judge::fitted_material::{TrackedLobes, TrackedView};
 use crate::judge::method::{Fitted, FittedView};
 use crate::judge::norm::{Norm, relative, squares};
 use crate::judge::reciprocity::{Reciprocity, reciprocity};
-use crate::judge::seen::{Seen, negatives, seen};
+use crate::judge::seen::{Seen, away, negatives, seen};
 use crate::table::{DARKEST, Sample, View};
 use crate::{FitError, Settings};
 use serde_json::{Value, json};
@@ -24,6 +25,9 @@ pub struct ViewReport {
     /// Relative L2 error of `f cos` over the samples and channels, with the quadrature weights of the table. Where the table is
     /// black, the L2 norm of the fit, 1/sr: no share of anything, and in no mean.
     pub error: f64,
+    /// The measure that the fit makes small: the root of the squared relative L2 error and the squared error away from the peak, see
+    /// [`seen`](crate::judge::seen). Of a black table as `error`.
+    pub measure: f64,
     /// Whether every sample of the table is 0.
     pub is_black: bool,
     /// Albedo of the lobes: closed form where the method has one, otherwise the sum over the samples.
@@ -41,6 +45,8 @@ pub struct ViewReport {
     pub largest_weight: f64,
     /// Errors at the peak, and away from it.
     pub seen: Seen,
+    /// Least relative L2 error that a fit can have there, see [`View::floor`].
+    pub floor: f64,
     /// Share of the hemisphere where the table has a negative channel, and the relative L2 norm of those.
     pub negatives: (f64, f64),
 }
@@ -89,8 +95,8 @@ const LARGE_ERROR: f64 = 0.5;
 impl ViewReport {
     /// Largest relative error of the albedo over the channels.
     pub fn energy_error(&self) -> f64 {
-        let off = |c: usize| (self.albedo[c] - self.data_albedo[c]).abs() / (self.data_albedo[c] + BLACK);
-        off(0).max(off(1)).max(off(2))
+        let errors = EnergyError::beside(BLACK).errors(self.albedo, self.data_albedo);
+        errors.iter().fold(0.0, |most: f64, e| most.max(e.abs()))
     }
 
     /// Whether the view holds no more than what lobes cannot be darker than.
@@ -108,6 +114,7 @@ impl ViewReport {
             "theta_degrees": self.theta.to_degrees(),
             "azimuth_degrees": self.azimuth.to_degrees(),
             "relative_l2": (!self.is_black).then_some(self.error),
+            "measure": (!self.is_black).then_some(self.measure),
             "is_black": self.is_black,
             "albedo": self.albedo,
             "data_albedo": self.data_albedo,
@@ -120,6 +127,7 @@ impl ViewReport {
             "relative_l2_off_peak": number(self.seen.off_peak),
             "median_luminance_error_off_peak": number(self.seen.luminance),
             "median_chroma_error_off_peak": number(self.seen.chroma),
+            "least_relative_l2": self.floor,
             "negative_share": self.negatives.0,
             "negative_relative_l2": self.negatives.1,
         })
@@ -154,6 +162,7 @@ impl ViewReport {
             theta: view.theta,
             azimuth: 0.0,
             error: relative(square),
+            measure: libm::sqrt(relative(square).powi(2) + away(fitted, view)),
             is_black: square.1 <= 0.0,
             albedo,
             data_albedo,
@@ -162,6 +171,7 @@ impl ViewReport {
             largest_weight: sums.largest_weight(density),
             variance: sums.variance(density),
             seen: seen(fitted, view),
+            floor: view.floor,
             negatives: negatives(&view.samples),
         }
     }

@@ -1,11 +1,26 @@
 //! What an eye sees of a fit: the peak, and what lies away from it.
 //!
 //! The relative L2 error of a view is that of its highlight: a fit may have 3 % of it, and the wrong brightness or colour on
-//! most of a ball. So the two are told apart by the angle from the mirror direction.
+//! most of a ball. So the report tells the two apart by the angle from the mirror direction, and there is one measure that sees
+//! both: what the fit makes small, what its search ranks by, and what it ends with.
+//!
+//! The measure of a view is the root of `e^2 + w a^2`. e is the relative L2 error of `f cos`. `a^2` is the mean, by the projected solid
+//! angle, of the squared difference of `ln(f + floor)`, f the mean of the channels: as a difference of values it is
+//! `cos / pi |df|^2 / 3 / (f + floor)^2` where it is small, for every channel. The floor is a hundredth of the mean radiance, so that
+//! what is black beside everything else stays unseen.
 
 use crate::judge::method::FittedView;
 use crate::table::{Sample, View};
 use srbf_core::LUMINANCE;
+use std::f64::consts::PI;
+
+/// Weight of the squared error away from the peak beside that of the squared relative L2 error. With three times as much, nothing more
+/// is gained there; without, golden yellow has 1.3 to 2 times the error of luminance, for no less L2.
+pub(crate) const SEEN: f64 = 0.01;
+/// What is added to f over the mean radiance, albedo / pi.
+const FLOOR: f64 = 0.01;
+/// Least and largest factor by which logarithms differ from their tangents.
+const SECANT: (f64, f64) = (0.02, 20.0);
 
 /// Angle from the mirror direction, degrees, from which a direction is away from the peak.
 const PEAK: f64 = 15.0;
@@ -13,6 +28,49 @@ const PEAK: f64 = 15.0;
 const RING: f64 = 60.0;
 /// Least cosine of what is compared by its own brightness: at the horizon a share of `f cos` is a share of nothing.
 const LEAST_COSINE: f64 = 0.1;
+
+/// Mean radiance under a white sky, per channel.
+pub(crate) fn level(albedo: [f64; 3]) -> f64 {
+    albedo.iter().sum::<f64>() / 3.0 / PI
+}
+
+/// What is added to f.
+pub(crate) fn floor(level: f64) -> f64 {
+    FLOOR * level
+}
+
+/// Weight of the squared differences of `f cos`, at a direction whose f has that mean, beside those of the squared relative L2 error; 1 / sr is
+/// missing: the caller multiplies by the solid angle.
+pub(crate) fn weight(mean: f64, level: f64, cos: f64) -> f64 {
+    SEEN / (3.0 * PI * cos.max(1e-3) * (mean + floor(level)).powi(2))
+}
+
+/// Factor by which a squared difference of values counts so that it is that of the logarithms; both not negative.
+pub(crate) fn secant(value: f64, data: f64, floor: f64) -> f64 {
+    let ratio = (value + floor) / (data + floor);
+    if !((ratio - 1.0).abs() > 1e-4) {
+        return 1.0;
+    }
+    let slope = libm::log(ratio.max(1e-300)) / (ratio - 1.0);
+    (slope * slope).clamp(SECANT.0, SECANT.1)
+}
+
+/// The squared error of a view away from its peak, times [`SEEN`].
+pub(crate) fn away(fitted: &dyn FittedView, view: &View) -> f64 {
+    let level = level(view.uncut_albedo);
+    if level <= 0.0 {
+        return 0.0;
+    }
+    let square = |s: &Sample| {
+        let cos = s.direction[2];
+        let value = fitted.f_cos(s.direction);
+        let mean = |rgb: [f64; 3]| (rgb.iter().sum::<f64>() / 3.0).max(0.0);
+        let secant = secant(mean(value) / cos, mean(s.rgb), floor(level));
+        let distance: f64 = (0..3).map(|c| (value[c] - s.rgb[c] * cos).powi(2)).sum();
+        s.weight * secant * weight(mean(s.rgb), level, cos) * distance
+    };
+    view.samples.iter().map(square).sum()
+}
 
 /// Errors of one view, by where they are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -126,7 +184,7 @@ mod tests {
         let sample =
             |(t, p): (f64, f64)| Sample { direction: direction(t, p), rgb: [1.0; 3], weight: libm::sin(t) };
         let samples = spread.map(sample).collect();
-        let view = View { theta: 0.5, samples, albedo: [1.0; 3], uncut_albedo: [1.0; 3] };
+        let view = View { theta: 0.5, samples, albedo: [1.0; 3], uncut_albedo: [1.0; 3], floor: 0.0 };
         let found = seen(&Off, &view);
         assert!((found.peak - 2.0).abs() < 0.02, "{found:?}");
         assert!((found.off_peak - 1.0).abs() < 0.02, "{found:?}");

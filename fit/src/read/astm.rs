@@ -66,7 +66,7 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<(f64, Scattered)>, ReadError> {
         let [theta_i, phi_i, theta_s, phi_s] = [numbers[0], numbers[1], numbers[2], numbers[3]];
         let rgb = match &to_rgb {
             Some(to_rgb) => to_rgb.convert(&numbers[4..]),
-            None => [0, 1, 2].map(|c| (numbers[4 + c] / scale[c]).max(0.0)),
+            None => [0, 1, 2].map(|c| numbers[4 + c] / scale[c]),
         };
         let place = |reason| content(format!("line {}: {reason}", n + 1));
         scatter.push(theta_i, direction(theta_s, phi_s - phi_i - PI), theta_s, rgb).map_err(place)?;

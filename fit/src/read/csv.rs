@@ -41,7 +41,7 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<(f64, Scattered)>, ReadError> {
         let across = libm::hypot(wo[0], wo[1]);
         let (c, s) = if across > 0.0 { (-wo[0] / across, -wo[1] / across) } else { (1.0, 0.0) };
         let turned = [wi[0] * c + wi[1] * s, wi[1] * c - wi[0] * s, wi[2]];
-        let rgb = [v[6], v[7], v[8]].map(|x| x.max(0.0));
+        let rgb = [v[6], v[7], v[8]];
         scatter.push(libm::atan2(across, wo[2]), turned, libm::acos(wi[2].min(1.0)), rgb).map_err(place)?;
     }
     scatter.finish()

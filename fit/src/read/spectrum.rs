@@ -96,13 +96,13 @@ impl ToRgb {
         &self.weights
     }
 
-    /// Linear sRGB of a spectrum, clamped at 0: saturated colours have slightly negative components.
+    /// Linear sRGB of a spectrum. Colours outside the gamut have negative channels.
     pub fn convert(&self, spectrum: &[f64]) -> [f64; 3] {
         let mut rgb = [0.0; 3];
         for (weights, value) in self.weights.iter().zip(spectrum) {
             rgb.iter_mut().zip(weights).for_each(|(c, w)| *c += w * value);
         }
-        rgb.map(|v| v.max(0.0))
+        rgb
     }
 }
 

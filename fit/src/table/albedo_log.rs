@@ -15,9 +15,9 @@ impl Ratio {
         Self { black: BLACK * data.flatten().fold(1e-12, f64::max) }
     }
 
-    /// An albedo with what is added to it.
+    /// An albedo with what is added to it; one below 0, of a colour outside the gamut, counts as black.
     pub fn shifted(self, albedo: f64) -> f64 {
-        albedo + self.black
+        albedo.max(0.0) + self.black
     }
 
     /// Logarithm of one over the other.

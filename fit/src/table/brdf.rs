@@ -4,7 +4,7 @@
 pub trait Brdf: Sync {
     /// The BRDF f, linear sRGB; 1/sr. Both directions are unit vectors with z > 0, in the frame of the surface.
     ///
-    /// It may be negative or not a number where nothing was measured; that counts as 0.
+    /// Channels of colours outside the gamut are negative. What is not a finite number, where nothing was measured, counts as 0.
     fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3];
 
     /// What turning or mirroring both directions leaves as it is.

@@ -61,6 +61,10 @@ const DRAWN: usize = 20;
 /// Steps of the R2 sequence: powers of the inverse of the root of `x^3 = x + 1`.
 const R2: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
 
+/// Angle from the normal below which a view is at the normal, radians, and azimuths over which it is averaged.
+const AT_NORMAL: f64 = 1e-6;
+const AZIMUTHS: usize = 32;
+
 /// Golden angle, of spirals.
 const GOLDEN: f64 = 2.399_963_229_728_653;
 
@@ -92,13 +96,14 @@ pub(crate) fn tabulate(
     }
     let view = |&theta: &f64| {
         let (wo, caps) = look(brdf, theta);
-        let samples = draw(brdf, wo, &caps, density, drawn(theta)?.as_ref());
+        let mut samples = draw(brdf, wo, &caps, density, drawn(theta)?.as_ref());
+        let floor = if theta < AT_NORMAL { make_round(brdf, &mut samples) } else { 0.0 };
         let finer = Density { hemisphere: FINER * density.hemisphere, cap: FINER * density.cap };
         let mut albedo = [0.0; 3];
         for s in &draw(brdf, wo, &caps, finer, None) {
             (0..3).for_each(|c| albedo[c] += s.weight * s.rgb[c] * s.direction[2]);
         }
-        Ok(View { theta, samples, albedo, uncut_albedo: albedo })
+        Ok(View { theta, samples, albedo, uncut_albedo: albedo, floor })
     };
     let mut views = thetas.par_iter().map(view).collect::<Result<Vec<View>, FitError>>()?;
     views.sort_by(|a, b| a.theta.total_cmp(&b.theta));
@@ -107,7 +112,27 @@ pub(crate) fn tabulate(
 
 /// The value with everything that is no value taken as 0.
 fn value(brdf: &dyn Brdf, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
-    brdf.evaluate(wi, wo).map(|v| if v.is_finite() { v.max(0.0) } else { 0.0 })
+    brdf.evaluate(wi, wo).map(|v| if v.is_finite() { v } else { 0.0 })
+}
+
+/// Replaces samples at the normal by their means over the azimuth, and returns the relative L2 norm of what differs from those.
+fn make_round(brdf: &dyn Brdf, samples: &mut [Sample]) -> f64 {
+    let (mut difference, mut square) = (0.0, 0.0);
+    for s in samples {
+        let [x, y, z] = s.direction;
+        let (mut mean, mut squares) = ([0.0; 3], 0.0);
+        for n in 0..AZIMUTHS {
+            let (sin, cos) = libm::sincos(2.0 * PI * n as f64 / AZIMUTHS as f64);
+            let rgb = value(brdf, [x * cos - y * sin, x * sin + y * cos, z], [0.0, 0.0, 1.0]);
+            (0..3).for_each(|c| mean[c] += rgb[c] / AZIMUTHS as f64);
+            squares += rgb.iter().map(|v| v * v).sum::<f64>() / AZIMUTHS as f64;
+        }
+        let weight = s.weight * z * z;
+        square += weight * squares;
+        difference += weight * (squares - mean.iter().map(|v| v * v).sum::<f64>()).max(0.0);
+        s.rgb = mean;
+    }
+    if square > 0.0 { libm::sqrt(difference / square) } else { 0.0 }
 }
 
 /// The outgoing direction of a view, and caps round its peak.

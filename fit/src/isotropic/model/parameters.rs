@@ -1,9 +1,12 @@
 //! The unknowns of a fit: lobes at the knots, and what lies between.
 //!
 //! A knot has `4 + 5 K + M` unknowns: `ln c`, K angles of the axes in radians, M angles of the axes of mirrored lobes out of the
-//! plane of incidence, K `ln sharpness`, K `ln amplitude` per channel, and per channel the logarithm of the albedo of the
-//! diffuse term. Lobe k of one knot is lobe k of the next; between knots everything is interpolated linearly in the angle of
-//! the outgoing direction, as `srbf_core` does it with the same numbers as base-2 logarithms.
+//! plane of incidence, K `ln sharpness`, K logarithms of the luminance of the amplitude, K relative red differences and K blue
+//! ones, and the same three numbers of the diffuse term. Lobe k of one knot is lobe k of the next; between knots everything is
+//! interpolated linearly in the angle of the outgoing direction, as `srbf_core` does it with the same numbers, logarithms to base 2.
+//!
+//! A colour of luminance Y is `Y (1 + red difference)`, `Y (1 + blue difference)`, and the green that makes the luminance Y. So
+//! channels may be negative, as those of measured colours outside the gamut of sRGB are, and the luminance never is.
 
 use crate::numeric::special::sphere_integral;
 use std::f64::consts::FRAC_PI_2;
@@ -29,6 +32,8 @@ const OFF_PLANE: (f64, f64) = (0.0, 1.55);
 const LN_SQUEEZE: (f64, f64) = (-4.5, 0.69);
 const LN_SHARPNESS: (f64, f64) = (-3.0, 14.0);
 const LN_AMPLITUDE: (f64, f64) = (-40.0, 30.0);
+/// Relative colour differences: pure blue of sRGB has one of 12.9.
+const COLOR: (f64, f64) = (-15.0, 15.0);
 
 /// Bounds of the defensive lobe: nowhere on the hemisphere is it below a fiftieth of its peak. A sharpness of at most 1 would
 /// bound it better, but fits garnet red to 1.7 % in place of 1.6 %.
@@ -60,8 +65,17 @@ impl Layout {
     pub fn sharpness(&self, k: usize) -> usize {
         self.angles().end + k
     }
-    pub fn amplitude(&self, channel: usize, k: usize) -> usize {
-        self.angles().end + (1 + channel) * self.lobes + k
+    /// The logarithm of the luminance of a lobe's amplitude.
+    pub fn luminance(&self, k: usize) -> usize {
+        self.angles().end + self.lobes + k
+    }
+    /// A lobe's relative red (0) or blue (1) difference.
+    pub fn color(&self, difference: usize, k: usize) -> usize {
+        self.angles().end + (2 + difference) * self.lobes + k
+    }
+    /// The colour differences of lobes and diffuse term.
+    fn is_color(&self, index: usize) -> bool {
+        index >= self.color(0, 0) && index != self.diffuse()
     }
 
     /// All angles of axes.
@@ -79,9 +93,44 @@ impl Layout {
         if k < self.first_mirrored() { 1.0 } else { 2.0 }
     }
 
-    /// The logarithm of the albedo of a channel's diffuse term.
-    pub fn diffuse(&self, channel: usize) -> usize {
-        self.angles().end + 4 * self.lobes + channel
+    /// The logarithm of the luminance of the albedo of the diffuse term; its colour differences follow.
+    pub fn diffuse(&self) -> usize {
+        self.angles().end + 4 * self.lobes
+    }
+
+    /// Luminance and colour differences of lobe k, or, for K, of the diffuse term.
+    pub fn tint(&self, k: usize) -> [usize; 3] {
+        if k == self.lobes {
+            [0, 1, 2].map(|i| self.diffuse() + i)
+        } else {
+            [self.luminance(k), self.color(0, k), self.color(1, k)]
+        }
+    }
+
+    /// All logarithms of luminances at a knot.
+    pub fn luminances(&self) -> impl Iterator<Item = usize> {
+        (0..=self.lobes).map(|k| self.tint(k)[0])
+    }
+
+    /// Amplitudes of the lobes and of the diffuse term, per channel.
+    pub fn amplitudes(&self, q: &[f64]) -> [Vec<f64>; 3] {
+        let mut amplitudes = [(); 3].map(|()| Vec::with_capacity(self.lobes + 1));
+        for k in 0..=self.lobes {
+            let rgb = rgb(self.tint(k).map(|i| q[i]));
+            (0..3).for_each(|c| amplitudes[c].push(rgb[c]));
+        }
+        amplitudes
+    }
+
+    /// Sets luminance and colour of lobe k, or the diffuse term, to a colour; to `least` if its luminance is less.
+    pub fn set_tint(&self, q: &mut [f64], k: usize, color: [f64; 3], least: f64) {
+        let luminance = luminance(color);
+        let [y, red, blue] = self.tint(k);
+        q[y] = libm::log(luminance.max(least));
+        if luminance > 0.0 {
+            q[red] = (color[0] / luminance - 1.0).clamp(COLOR.0, COLOR.1);
+            q[blue] = (color[2] / luminance - 1.0).clamp(COLOR.0, COLOR.1);
+        }
     }
 
     /// Whether an unknown of a knot is given: at the normal every axis is the normal and nothing is squeezed.
@@ -103,14 +152,15 @@ impl Layout {
         let wide = new.first_mirrored() - 1;
         let mut moved = x.to_vec();
         for q in moved.chunks_exact_mut(self.stride()) {
-            for first in
-                [self.angle(0), self.sharpness(0)].into_iter().chain((0..3).map(|c| self.amplitude(c, 0)))
-            {
+            let rows =
+                [self.angle(0), self.sharpness(0), self.luminance(0), self.color(0, 0), self.color(1, 0)];
+            for first in rows {
                 q[first + given_up..=first + wide].rotate_left(1);
             }
             q[self.angle(wide)] = 0.0;
             q[self.sharpness(wide)] = LN_SHARPNESS_DEFENSIVE.1;
-            (0..3).for_each(|c| q[self.amplitude(c, wide)] = LN_AMPLITUDE.0);
+            let [luminance, red, blue] = self.tint(wide);
+            (q[luminance], q[red], q[blue]) = (LN_AMPLITUDE.0, 0.0, 0.0);
         }
         Some((new, moved))
     }
@@ -123,7 +173,8 @@ impl Layout {
             _ if self.defensive().is_some_and(|k| index == self.sharpness(k)) => LN_SHARPNESS_DEFENSIVE,
             _ if index <= self.lobes => ANGLE,
             _ if index < self.angles().end => OFF_PLANE,
-            _ if index < self.amplitude(0, 0) => LN_SHARPNESS,
+            _ if index < self.luminance(0) => LN_SHARPNESS,
+            _ if self.is_color(index) => COLOR,
             _ => LN_AMPLITUDE,
         }
     }
@@ -133,6 +184,7 @@ impl Layout {
         match index {
             0 => 0.3,
             _ if index < self.angles().end => 0.15,
+            _ if self.is_color(index) => 0.5,
             _ => 0.7,
         }
     }
@@ -146,6 +198,12 @@ impl Layout {
         let after = self.knots.partition_point(|&k| k <= theta).clamp(1, last);
         let (from, to) = (self.knots[after - 1], self.knots[after]);
         (after - 1, ((theta - from) / (to - from)).clamp(0.0, 1.0))
+    }
+
+    /// The angle of the outgoing direction at a place.
+    pub fn theta(&self, (knot, blend): (usize, f64)) -> f64 {
+        let after = self.knots[(knot + 1).min(self.knots.len() - 1)];
+        self.knots[knot] + blend * (after - self.knots[knot])
     }
 
     /// Interpolates the unknowns at a place.
@@ -171,17 +229,19 @@ impl Layout {
         new
     }
 
-    /// Albedo of interpolated unknowns, the closed form `sum a I(s)`.
-    pub fn albedo(&self, q: &[f64]) -> [f64; 3] {
+    /// Albedo of interpolated unknowns: `sum a I(s)` in closed form, each lobe, and last the diffuse term, times the mean of the factors
+    /// that it sees, if there are any.
+    pub fn albedo(&self, q: &[f64], factors: Option<&[[f64; 3]]>) -> [f64; 3] {
         let mut sum = [0.0; 3];
-        for k in 0..self.lobes {
-            let (integral, _) = sphere_integral(q[self.sharpness(k)]);
-            for (c, s) in sum.iter_mut().enumerate() {
-                *s += libm::exp(q[self.amplitude(c, k)]) * self.copies(k) * integral;
-            }
-        }
-        for (c, s) in sum.iter_mut().enumerate() {
-            *s += libm::exp(q[self.diffuse(c)]);
+        for k in 0..=self.lobes {
+            let integral = if k < self.lobes {
+                self.copies(k) * sphere_integral(q[self.sharpness(k)]).0
+            } else {
+                1.0
+            };
+            let rgb = rgb(self.tint(k).map(|i| q[i]));
+            let factor = factors.map_or([1.0; 3], |factors| factors[k]);
+            (0..3).for_each(|c| sum[c] += rgb[c] * integral * factor[c]);
         }
         sum
     }
@@ -199,6 +259,21 @@ impl Layout {
         knots.push(FRAC_PI_2);
         knots
     }
+}
+
+/// What red, green and blue of a colour of luminance 1 change by with its red and its blue difference.
+pub(crate) const COLOR_SLOPES: [[f64; 3]; 2] = [[1.0, -0.2126 / 0.7152, 0.0], [0.0, -0.0722 / 0.7152, 1.0]];
+
+/// The colour of a logarithm of the luminance and two relative colour differences.
+pub(crate) fn rgb([ln_luminance, red, blue]: [f64; 3]) -> [f64; 3] {
+    let [by_red, by_blue] = COLOR_SLOPES;
+    let y = libm::exp(ln_luminance);
+    [0, 1, 2].map(|c| y * (1.0 + red * by_red[c] + blue * by_blue[c]))
+}
+
+/// Luminance of a linear sRGB colour.
+pub(crate) fn luminance(rgb: [f64; 3]) -> f64 {
+    0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
 }
 
 #[cfg(test)]
@@ -227,7 +302,7 @@ mod tests {
         for (from, to) in [(0, 0), (2, 1), (3, 2), (4, 4)] {
             assert_eq!(moved[p + new.angle(to)], x[p + old.angle(from)]);
             assert_eq!(moved[p + new.sharpness(to)], x[p + old.sharpness(from)]);
-            assert_eq!(moved[p + new.amplitude(2, to)], x[p + old.amplitude(2, from)]);
+            assert_eq!(moved[p + new.color(1, to)], x[p + old.color(1, from)]);
         }
         assert_eq!((moved[p + new.angle(3)], moved[p + new.sharpness(3)]), (0.0, 1.0));
         assert_eq!((moved[p], moved[p + new.off_plane(0)]), (x[p], x[p + old.off_plane(0)]));

@@ -2,7 +2,8 @@
 //!
 //! The derivative of a value by an unknown is that of a unit lobe, the same for all channels, times an amplitude. So only
 //! the Gram matrix of the derivatives of unit lobes is summed over the samples, once for the three channels; the
-//! differences are three more columns of it.
+//! differences are three more columns of it. Where factors give the channels weights of their own, the matrix has their mean: the
+//! gradient is exact, the steps are a little shorter or longer than Gauss-Newton's.
 
 use crate::isotropic::model::{Column, Lobes, PANEL};
 use crate::numeric::vector;
@@ -12,15 +13,48 @@ use pulp::{NullaryFnOnce, Simd, WithSimd};
 #[derive(Clone, Debug)]
 pub(crate) struct Point {
     pub direction: [f64; 3],
-    /// `f cos`.
+    /// `f cos` of the table.
     pub target: [f64; 3],
-    /// Weight of the squared difference of every channel.
-    pub weight: f64,
-    /// The part of it that makes the relative L2 error.
+    /// What the lobes are multiplied by there to make the value.
+    pub factor: [f64; 3],
+    /// What the lobes are to be, per channel, and the weight of the squared difference: of all terms together.
+    pub aim: [f64; 3],
+    pub weight: [f64; 3],
+    /// What is left of the terms where the lobes are that.
+    pub rest: f64,
+    /// The weight of the difference of values alone.
+    pub value: f64,
+    /// Weight of the squared difference of values that makes the relative L2 error.
     pub base: f64,
-    /// What the rest is in inverse proportion to, and what is added to the value in that proportion.
+    /// Weight of it that makes the error relative to what is seen away from the peak, and what is added to values then.
+    pub seen: f64,
+    pub seen_floor: f64,
+    /// What the weight of differences of densities is in inverse proportion to, and what is added to the value in that proportion.
     pub tail: f64,
     pub floor: f64,
+}
+
+impl Point {
+    /// Sets the weights: of the difference of values, which have the factor, and of that of the lobes alone, which are the density.
+    pub fn weigh(&mut self, value: f64, density: f64) {
+        (self.rest, self.value) = (0.0, value);
+        for c in 0..3 {
+            let (factor, target) = (self.factor[c], self.target[c]);
+            self.weight[c] = value * factor * factor + density;
+            if factor == 1.0 {
+                self.aim[c] = target;
+                continue;
+            }
+            self.aim[c] = (value * factor + density) * target / self.weight[c].max(f64::MIN_POSITIVE);
+            self.rest += (value + density) * target * target - self.weight[c] * self.aim[c] * self.aim[c];
+        }
+    }
+
+    /// Mean weight of the channels.
+    #[inline(always)]
+    fn mean_weight(&self) -> f64 {
+        (self.weight[0] + self.weight[1] + self.weight[2]) / 3.0
+    }
 }
 
 /// Sums over the samples of a view. Derivatives are in the order of [`Lobes::slopes`].
@@ -42,13 +76,14 @@ pub(crate) fn values(lobes: &Lobes, amplitudes: &[Vec<f64>; 3], points: &[Point]
 /// Sum of the weighted squared differences.
 pub(crate) fn cost(lobes: &Lobes, amplitudes: &[Vec<f64>; 3], points: &[Point]) -> f64 {
     let squares = values(lobes, amplitudes, points).into_iter().zip(points).map(|(value, point)| {
-        let square = |c: usize| (value[c] - point.target[c]) * (value[c] - point.target[c]);
-        point.weight * (square(0) + square(1) + square(2))
+        let square = |c: usize| point.weight[c] * (value[c] - point.aim[c]) * (value[c] - point.aim[c]);
+        square(0) + square(1) + square(2) + point.rest
     });
     squares.sum()
 }
 
-/// Sum of the weighted squares of a unit lobe, and of its weighted products with what is `left` at every point, per channel.
+/// Sum of the weighted squares of a unit lobe, and of its weighted products with what is `left` at every point, per channel. The
+/// squares are by the mean weight of the channels.
 pub(crate) fn projection(lobes: &Lobes, k: usize, points: &[Point], left: &[[f64; 3]]) -> (f64, [f64; 3]) {
     vector::run(Projection { lobes, k, points, left })
 }
@@ -96,8 +131,8 @@ impl NullaryFnOnce for Projection<'_> {
             let panel = self.lobes.panel(points.iter().map(|p| p.direction));
             let Some(values) = self.lobes.column(self.k, &panel) else { continue };
             for ((point, left), value) in points.iter().zip(left).zip(values) {
-                square += point.weight * value * value;
-                (0..3).for_each(|c| moment[c] += point.weight * value * left[c]);
+                square += point.mean_weight() * value * value;
+                (0..3).for_each(|c| moment[c] += point.weight[c] * value * left[c]);
             }
         }
         (square, moment)
@@ -136,16 +171,17 @@ impl AllSums<'_> {
         let mut seen = vec![true; width];
         let mut used: Vec<usize> = Vec::with_capacity(stride + SIDE);
         let mut gram = vec![[0.0; LANES / 2]; stride * stride];
+        let mut cost = 0.0;
         for chunk in self.points.chunks(PANEL) {
             let panel = self.lobes.panel(chunk.iter().map(|p| p.direction));
             // What a panel lacks weighs nothing.
             let mut scale = [0.0; PANEL];
-            scale.iter_mut().zip(chunk).for_each(|(s, p)| *s = p.weight.sqrt());
+            scale.iter_mut().zip(chunk).for_each(|(s, p)| *s = p.mean_weight().sqrt());
             self.lobes.slopes(&panel, &scale, &mut columns[..width], &mut seen);
             for c in 0..3 {
                 let mut difference = [0.0; PANEL];
                 for (n, point) in chunk.iter().enumerate() {
-                    difference[n] = -scale[n] * point.target[c];
+                    difference[n] = -scale[n] * point.aim[c];
                 }
                 let values = (0..k).map(|k| (k, 2 * self.lobes.len() + k)).chain([(k, width - 1)]);
                 for (lobe, column) in values.filter(|v| seen[v.1]) {
@@ -154,8 +190,15 @@ impl AllSums<'_> {
                         *d = amplitude.mul_add(*v, *d);
                     }
                 }
+                // By the weight of the channel, over that of all, which the derivatives have.
+                for (n, point) in chunk.iter().enumerate() {
+                    let share = point.weight[c] / point.mean_weight().max(f64::MIN_POSITIVE);
+                    cost += share * difference[n] * difference[n];
+                    difference[n] *= share;
+                }
                 columns[width + c] = difference;
             }
+            cost += chunk.iter().map(|p| p.rest).sum::<f64>();
             used.clear();
             used.extend((0..zero).filter(|&i| i >= width || seen[i]));
             used.resize(used.len().next_multiple_of(SIDE), zero);
@@ -177,7 +220,7 @@ impl AllSums<'_> {
             (a + c) + (b + d)
         };
         Sums {
-            cost: (0..3).map(|c| sum(width + c, width + c)).sum(),
+            cost,
             gram: (0..width * width)
                 .map(|n| if n % width <= n / width { sum(n / width, n % width) } else { 0.0 })
                 .collect(),

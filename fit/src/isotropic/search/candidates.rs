@@ -69,7 +69,7 @@ pub(crate) fn scout(
         .collect();
     let thin = table.thinned(SCOUTED_SAMPLES);
     let objectives: Vec<Objective> =
-        layouts.into_iter().map(|layout| Objective::new(&thin, layout, tail)).collect::<Result<_, _>>()?;
+        layouts.into_iter().map(|layout| Objective::new(&thin, layout, tail, None)).collect::<Result<_, _>>()?;
     for stage in stages {
         candidates.truncate(stage.keep);
         let tasks = candidates.iter_mut();

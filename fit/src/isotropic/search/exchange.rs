@@ -8,6 +8,7 @@
 
 use crate::isotropic::levenberg::{self, Limits};
 use crate::isotropic::model::Lobes;
+use crate::isotropic::model::parameters::luminance;
 use crate::isotropic::objective::Objective;
 use crate::isotropic::objective::data_term::{self, Point};
 use crate::numeric::random::Random;
@@ -39,7 +40,7 @@ enum Family {
 struct Residual {
     theta: f64,
     q: Vec<f64>,
-    /// Target minus value per channel, for every sample; of a lobe that is taken out, without it.
+    /// What lobes are to be minus what they are, per channel, for every sample; of a lobe that is taken out, without it.
     left: Vec<[f64; 3]>,
     worth: Vec<f64>,
 }
@@ -143,9 +144,9 @@ impl Objective {
             let mut q = vec![0.0; layout.stride()];
             layout.interpolate(x, data.place, &mut q);
             let lobes = Lobes::new(layout, &q);
-            let amplitudes = crate::isotropic::objective::amplitudes(layout, &q);
+            let amplitudes = layout.amplitudes(&q);
             let values = data_term::values(&lobes, &amplitudes, &data.points);
-            let difference = |(p, v): (&Point, &[f64; 3])| [0, 1, 2].map(|c| p.target[c] - v[c]);
+            let difference = |(p, v): (&Point, &[f64; 3])| [0, 1, 2].map(|c| p.aim[c] - v[c]);
             let left = data.points.iter().zip(&values).map(difference).collect();
             // Of all derivatives, the values themselves.
             let sums = data_term::sums(&lobes, &amplitudes, &data.points);
@@ -156,10 +157,7 @@ impl Objective {
             let inverse = inverse_diagonal(&gram, count);
             let power = |k: usize| amplitudes.iter().map(|a| a[k] * a[k]).sum::<f64>();
             let worth = (0..layout.lobes).map(|k| power(k) / inverse[k]).collect();
-            let (knot, blend) = data.place;
-            let end = layout.knots[(knot + 1).min(layout.knots.len() - 1)];
-            let theta = layout.knots[knot] + blend * (end - layout.knots[knot]);
-            Residual { theta, q, left, worth }
+            Residual { theta: layout.theta(data.place), q, left, worth }
         };
         self.views.par_iter().map(view).collect()
     }
@@ -168,7 +166,7 @@ impl Objective {
     fn take_out(&self, residuals: &mut [Residual], slot: usize) {
         for (view, residual) in self.views.iter().zip(residuals) {
             let lobes = Lobes::new(&self.layout, &residual.q);
-            let mut alone = crate::isotropic::objective::amplitudes(&self.layout, &residual.q);
+            let mut alone = self.layout.amplitudes(&residual.q);
             for (k, a) in alone.iter_mut().flat_map(|a| a.iter_mut().enumerate()) {
                 *a *= f64::from(u8::from(k == slot));
             }
@@ -186,7 +184,11 @@ impl Objective {
         family.shape(self, slot, residual.theta, &mut q);
         let lobes = Lobes::new(layout, &q);
         let (square, moment) = data_term::projection(&lobes, slot, &self.views[view].points, &residual.left);
-        let amplitude = moment.map(|m| if square > 0.0 { m.max(0.0) / square } else { 0.0 });
+        let amplitude = moment.map(|m| if square > 0.0 { m / square } else { 0.0 });
+        // A lobe without luminance has no colour either.
+        if luminance(amplitude) <= 0.0 {
+            return ([0.0; 3], 0.0);
+        }
         (amplitude, amplitude.iter().map(|a| a * a * square).sum())
     }
 
@@ -199,7 +201,7 @@ impl Objective {
         let p = layout.stride();
         let found: Vec<[f64; 3]> =
             residuals.iter().enumerate().map(|(n, r)| self.best(n, r, slot, family).0).collect();
-        let largest = found.iter().flatten().copied().fold(1e-9, f64::max);
+        let largest = found.iter().map(|color| luminance(*color)).fold(1e-9, f64::max);
         for (knot, &theta) in layout.knots.iter().enumerate() {
             let q = &mut x[knot * p..(knot + 1) * p];
             family.shape(self, slot, theta, q);
@@ -207,9 +209,7 @@ impl Objective {
                 (residuals[*a].theta - theta).abs().total_cmp(&(residuals[*b].theta - theta).abs())
             };
             let Some(near) = (0..residuals.len()).min_by(closer) else { continue };
-            for c in 0..3 {
-                q[layout.amplitude(c, slot)] = libm::log((CAUTION * found[near][c]).max(1e-4 * largest));
-            }
+            layout.set_tint(q, slot, found[near].map(|a| CAUTION * a), 1e-4 * largest);
         }
     }
 }
@@ -272,16 +272,16 @@ mod tests {
             views.push((theta, grid.map(|(t, p)| direction(t, p)).map(|d| (d, [value(d); 3])).collect()));
         }
         let table = Table::from_scattered(views).unwrap();
-        let objective = Objective::new(&table, layout.clone(), 0.03).unwrap();
+        let objective = Objective::new(&table, layout.clone(), 0.03, None).unwrap();
         let mut x = vec![0.0; layout.len()];
         for (knot, theta) in [0.0, 0.5, 1.0].into_iter().enumerate() {
             let q = &mut x[knot * layout.stride()..];
             for k in 0..2 {
                 q[layout.angle(k)] = theta;
                 q[layout.sharpness(k)] = libm::log(60.0);
-                (0..3).for_each(|c| q[layout.amplitude(c, k)] = libm::log(0.5));
+                layout.set_tint(q, k, [0.5; 3], 0.0);
             }
-            (0..3).for_each(|c| q[layout.diffuse(c)] = -8.0);
+            q[layout.diffuse()] = -8.0;
         }
         let weights = Weights { smoothness: 1e-6, energy: 1.0 };
         let limits = Limits { steps: 60, improvement: 1e-4, weights };

@@ -2,6 +2,7 @@
 
 use crate::isotropic::balance;
 use crate::isotropic::encode;
+use crate::isotropic::factors::Factors;
 use crate::isotropic::model::parameters::Layout;
 use crate::isotropic::objective::Objective;
 use crate::isotropic::search::candidates::{Candidate, Task, Work, advance};
@@ -35,6 +36,8 @@ pub(crate) struct Finalist<'a> {
     /// The table as its lobes last saw it.
     seen: Option<Table>,
     pub candidate: Candidate,
+    /// What its lobes are multiplied by.
+    pub factors: Option<Factors>,
     /// Mean error on that, of values and of the albedo, the largest variance of a view, the largest weight on that and, at the end, on
     /// what they saw before; and the largest error of the albedo at any view.
     error: f64,
@@ -56,6 +59,7 @@ impl<'a> Finalist<'a> {
             table: Cow::Borrowed(table),
             seen: None,
             candidate,
+            factors: None,
             error: f64::INFINITY,
             variance: f64::INFINITY,
             largest_weight: f64::INFINITY,
@@ -111,7 +115,7 @@ impl<'a> Finalist<'a> {
     /// Gives up the least useful lobe for one that is kept wide; false if it has such a lobe, or none to give.
     pub fn widen(&mut self) -> bool {
         let table = self.seen.as_ref().unwrap_or(&self.table);
-        let given_up = Objective::new(table, self.layout.clone(), HEAVY_TAIL)
+        let given_up = Objective::new(table, self.layout.clone(), HEAVY_TAIL, self.factors.as_ref())
             .ok()
             .and_then(|objective| objective.least_missed(&self.candidate.x));
         let widened = given_up.and_then(|lobe| self.layout.widened(&self.candidate.x, lobe));
@@ -122,11 +126,20 @@ impl<'a> Finalist<'a> {
         is_widened
     }
 
+    /// Fits factors to what the lobes leave, with a table of one of these sizes.
+    pub fn fit_factors(&mut self, sizes: &[[usize; 2]], tail: f64) -> Result<(), FitError> {
+        let table = self.seen.as_ref().unwrap_or(&self.table);
+        let objective = Objective::new(table, self.layout.clone(), tail, self.factors.as_ref())?;
+        let demands = objective.reweighed(&self.candidate.x, true).demands(&self.candidate.x);
+        self.factors = Factors::worthwhile(sizes, &demands);
+        Ok(())
+    }
+
     /// Looks at the lobes on a table that they see.
     pub fn look(&mut self, source: &dyn Source, round: usize) -> Result<(), FitError> {
         let mut x = self.candidate.x.clone();
-        self.energy_error = balance::balance(&self.layout, &mut x, source.albedo());
-        let bytes = encode::encode(&self.layout, &x, "")?;
+        self.energy_error = balance::balance(&self.layout, &mut x, self.factors.as_ref(), source.albedo());
+        let bytes = encode::encode(&self.layout, &x, self.factors.as_ref(), "")?;
         let mut seen = source.table(&self.layout.knots, Some((&bytes, round)))?;
         let reports = reports(&bytes, &seen)?;
         self.error = mean_over_angle(&reports);
@@ -153,7 +166,7 @@ pub(crate) fn refine(
 ) -> Result<(), FitError> {
     let objectives = finalists
         .iter()
-        .map(|f| Objective::new(f.seen.as_ref().unwrap_or(&f.table), f.layout.clone(), tail))
+        .map(|f| Objective::new(f.seen.as_ref().unwrap_or(&f.table), f.layout.clone(), tail, f.factors.as_ref()))
         .collect::<Result<Vec<_>, _>>()?;
     let tasks = finalists.iter_mut().zip(&objectives).map(|(f, objective)| Task {
         table: f.seen.as_ref().unwrap_or(&f.table),
@@ -185,7 +198,7 @@ fn mean_over_angle(reports: &[ViewReport]) -> f64 {
     let (mut sum, mut total) = (0.0, 0.0);
     for (i, report) in reports.iter().enumerate() {
         let width = width(i) + f64::EPSILON;
-        sum += width * (report.error + report.energy_error());
+        sum += width * (report.measure + report.energy_error());
         total += width;
     }
     sum / total

@@ -8,7 +8,7 @@
 //! `s0`, and by a jitter.
 
 use crate::isotropic::model::Lobes;
-use crate::isotropic::model::parameters::Layout;
+use crate::isotropic::model::parameters::{Layout, luminance};
 use crate::numeric::random::Random;
 use crate::table::{Table, View};
 use std::f64::consts::PI;
@@ -72,20 +72,20 @@ pub(crate) fn start(table: &Table, layout: &Layout, n: usize) -> Vec<f64> {
             let mut at_view = vec![0.0; p];
             shape(layout, view.theta, &sharpness, &lean, &mut at_view);
             let lobes = Lobes::new(layout, &at_view);
-            for (channel, found) in best_amplitudes(view, &lobes, layout.lobes + 1).iter().enumerate() {
-                let largest = found.iter().copied().fold(1e-9, f64::max);
-                let diffuse = found[layout.lobes];
-                q[layout.diffuse(channel)] = libm::log(diffuse.max(1e-3 * view.albedo[channel] + 1e-9));
-                for k in 0..layout.lobes {
-                    let faint = FAINT * largest / sharpness[k].max(1.0);
-                    q[layout.amplitude(channel, k)] = libm::log(found[k].max(faint));
-                }
+            let found = best_amplitudes(view, &lobes, layout.lobes + 1);
+            let color = |k: usize| [0, 1, 2].map(|c| found[c][k]);
+            let largest = (0..=layout.lobes).map(|k| luminance(color(k))).fold(1e-9, f64::max);
+            for k in 0..layout.lobes {
+                let faint = FAINT * largest / sharpness[k].max(1.0);
+                layout.set_tint(q, k, color(k), faint);
             }
+            let faint = 1e-3 * luminance(view.albedo).max(0.0) + 1e-9;
+            layout.set_tint(q, layout.lobes, color(layout.lobes), faint);
         }
         // A knot without a view may hold too much light with borrowed amplitudes.
-        let most = layout.albedo(q).into_iter().fold(0.0, f64::max);
+        let most = layout.albedo(q, None).into_iter().fold(0.0, f64::max);
         if most > BRIGHTEST {
-            q[layout.amplitude(0, 0)..].iter_mut().for_each(|a| *a -= libm::log(most / BRIGHTEST));
+            layout.luminances().for_each(|i| q[i] -= libm::log(most / BRIGHTEST));
         }
     }
     x
