@@ -52,7 +52,7 @@ pub(crate) fn encode(
     }
 
     let log2 = |v: f64| (v * LOG2_E) as f32;
-    let stored = |(knot, q): (usize, &[f64])| {
+    let stored_lobes = |q: &[f64]| -> Vec<PlaneLobe> {
         let lobes = (0..layout.lobes).map(|k| {
             let [luminance, red, blue] = layout.tint(k).map(|i| q[i]);
             let mirrored = k.checked_sub(layout.first_mirrored());
@@ -64,22 +64,20 @@ pub(crate) fn encode(
                 color_differences: [red as f32, blue as f32],
             }
         });
-        let theta = layout.knots[knot];
-        let theta = if theta >= FRAC_PI_2 { std::f32::consts::FRAC_PI_2 } else { theta as f32 };
-        (theta, q, lobes.collect::<Vec<_>>())
+        lobes.collect()
     };
-    let stored: Vec<_> = x.chunks_exact(p).enumerate().map(stored).collect();
-    let view = |(theta, q, lobes): &(f32, &[f64], Vec<PlaneLobe>)| {
+    let lobes: Vec<Vec<PlaneLobe>> = x.chunks_exact(p).map(stored_lobes).collect();
+    let mut views: Vec<View<'_>> = Vec::with_capacity(lobes.len());
+    for ((theta, q), lobes) in layout.knots.iter().zip(x.chunks_exact(p)).zip(&lobes) {
         let [luminance, red, blue] = layout.tint(layout.lobes).map(|i| q[i]);
-        View {
-            theta: *theta,
+        views.push(View {
+            theta: if *theta >= FRAC_PI_2 { std::f32::consts::FRAC_PI_2 } else { *theta as f32 },
             log2_squeeze: log2(q[0]),
             log2_diffuse: log2(luminance),
             diffuse_color_differences: [red as f32, blue as f32],
             lobes,
-        }
-    };
-    let views: Vec<View<'_>> = stored.iter().map(view).collect();
+        });
+    }
     let albedo = |(knot, q): (usize, &[f64])| {
         let means = factors.map(|f| f.means(layout, q, layout.knots[knot]));
         layout.albedo(q, means.as_deref()).map(|v| v as f32)

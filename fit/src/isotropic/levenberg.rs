@@ -14,6 +14,11 @@ use crate::judge::report::Ending;
 /// better minima of mirror-like materials, but takes twice the steps to leave a bad start.
 const LONGEST_STEP: f64 = 3.0;
 
+/// Damping of an unknown that nothing depends on, over the cost; and of a colour, which faint lobes would else change by large steps
+/// that shorten all others.
+const FAINT: f64 = 1e-10;
+const FAINT_COLOR: f64 = 1e-3;
+
 /// Damping of the first step.
 const FIRST_DAMPING: f64 = 0.1;
 
@@ -62,10 +67,10 @@ pub(crate) fn minimize(
         let mut matrix = at.matrix.clone();
         let mut delta: Vec<f64> = at.gradient.iter().map(|g| -g).collect();
         // An unknown that nothing depends on (a lobe that has faded) is damped as if it mattered a little.
-        let least = 1e-10 * at.cost.max(1e-12);
+        let least = |i: usize| at.cost.max(1e-12) * if layout.is_color(i % p) { FAINT_COLOR } else { FAINT };
         for (i, d) in delta.iter_mut().enumerate() {
             if free(i) {
-                matrix.add(i, i, damping * at.scale[i] + least);
+                matrix.add(i, i, damping * at.scale[i] + least(i));
             } else {
                 matrix.isolate(i);
                 *d = 0.0;
@@ -76,7 +81,8 @@ pub(crate) fn minimize(
         let mut promised = f64::MIN_POSITIVE;
         if matrix.factor() {
             matrix.solve(&mut delta);
-            let longest = delta.iter().fold(0.0f64, |a, d| a.max(d.abs()));
+            let length = |(i, d): (usize, &f64)| if layout.is_color(i % p) { d.abs() / 4.0 } else { d.abs() };
+            let longest = delta.iter().enumerate().map(length).fold(0.0, f64::max);
             if longest > LONGEST_STEP {
                 delta.iter_mut().for_each(|d| *d *= LONGEST_STEP / longest);
             }

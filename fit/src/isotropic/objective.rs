@@ -368,7 +368,7 @@ impl Objective {
 
     fn linearize_view(&self, view: &Data, x: &[f64], energy: f64) -> Block {
         let layout = &self.layout;
-        let (p, k) = (layout.stride(), layout.lobes);
+        let p = layout.stride();
         let mut q = vec![0.0; p];
         layout.interpolate(x, view.place, &mut q);
         let lobes = Lobes::new(layout, &q);
@@ -579,7 +579,7 @@ mod tests {
             let mut q = vec![0.0; layout.stride()];
             layout.interpolate(&x, view.place, &mut q);
             view.albedo = layout.albedo(&q, None);
-            let (lobes, a) = (Lobes::new(&layout, &q), amplitudes(&layout, &q));
+            let (lobes, a) = (Lobes::new(&layout, &q), layout.amplitudes(&q));
             for point in &mut view.points {
                 let mut unit = [0.0; 5];
                 lobes.values(&point.direction, &mut unit);

@@ -87,7 +87,7 @@ mod tests {
     fn reads_rows_and_counts_them() {
         let views = parse(SMALL.as_bytes()).unwrap();
         assert_eq!((views.len(), views[0].1.len()), (1, 2));
-        assert_eq!(views[0].1[1].1, [0.1, 0.0, 0.3]);
+        assert_eq!(views[0].1[1].1, [0.1, -0.2, 0.3]);
         let whole = SMALL.len();
         // A cut inside the very last number leaves a number.
         for cut in (0..whole - 4).chain([whole - 2]) {

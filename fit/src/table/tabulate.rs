@@ -203,14 +203,14 @@ impl Caps {
 
 /// Directions that a material's lobes draw, the same number by each, a part of the mixture of directions.
 pub(crate) struct Drawn {
-    lobes: Mixture<MAX_LOBES>,
+    lobes: Mixture<'static, MAX_LOBES>,
     count: usize,
     round: usize,
 }
 
 impl Drawn {
     /// Of the lobes of a mixture; others in every round.
-    pub fn new(view: &Mixture<MAX_LOBES>, round: usize) -> Result<Self, FitError> {
+    pub fn new(view: &Mixture<'_, MAX_LOBES>, round: usize) -> Result<Self, FitError> {
         let lobe = |k| {
             let Lobe { gaussian, .. } = view.lobe(k)?;
             let (integral, _) = sphere_integral(libm::log(f64::from(gaussian.sharpness)));

@@ -14,7 +14,7 @@ use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Input, Report, ViewReport, mean_error};
 use srbf_fit::read::{Content, Source};
 use srbf_fit::table::Symmetry;
-use srbf_fit::{Fit, Settings, TrackedLobes};
+use srbf_fit::{FactorNodes, Fit, Settings, TrackedLobes};
 use std::path::{Path, PathBuf};
 
 /// Fits a measured BRDF file and writes a .srbf material, with a report in JSON beside it.
@@ -85,6 +85,23 @@ pub struct SettingArgs {
     /// 6 to 11 lobes as many more as take the bytes of 12. With lobes in mirrored pairs, as many more as take the same bytes.
     #[arg(long)]
     views: Option<usize>,
+    /// The table of factors over half angle and difference angle that the lobes are multiplied by, `24x10` for example: `none`, or
+    /// by default what it gains decides; for files that have a value for every pair of directions.
+    #[arg(long, value_name = "NODES", value_parser = factor_nodes)]
+    factors: Option<FactorNodes>,
+}
+
+/// Reads `none`, `chosen` or two numbers of nodes.
+fn factor_nodes(text: &str) -> Result<FactorNodes, String> {
+    let given = || {
+        let (half, difference) = text.split_once('x')?;
+        Some(FactorNodes::Given([half.parse().ok()?, difference.parse().ok()?]))
+    };
+    match text {
+        "none" => Ok(FactorNodes::None),
+        "chosen" => Ok(FactorNodes::Chosen),
+        _ => given().ok_or_else(|| "expected `none`, `chosen`, or numbers of nodes as in 24x10".into()),
+    }
 }
 
 impl SettingArgs {
@@ -101,6 +118,7 @@ impl SettingArgs {
             steps: self.steps.unwrap_or(default.steps),
             exchanges: self.exchanges.unwrap_or(default.exchanges),
             views: self.views,
+            factors: self.factors.unwrap_or(default.factors),
             ..default
         }
     }

@@ -74,7 +74,7 @@ impl Layout {
         self.angles().end + (2 + difference) * self.lobes + k
     }
     /// The colour differences of lobes and diffuse term.
-    fn is_color(&self, index: usize) -> bool {
+    pub fn is_color(&self, index: usize) -> bool {
         index >= self.color(0, 0) && index != self.diffuse()
     }
 
