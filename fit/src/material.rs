@@ -2,7 +2,7 @@
 
 use crate::FitError;
 use crate::parameters::Layout;
-use srbf_core::{PlaneLobe, View, encode as encode_bytes, encoded_len};
+use srbf_core::{Line, PlaneLobe, View, color_differences, encoded_len};
 use std::f64::consts::{FRAC_PI_2, LOG2_E};
 
 /// Largest albedo of a material, at any view.
@@ -53,30 +53,37 @@ pub(crate) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec
         .map(|(knot, theta)| {
             let q = &x[knot * p..(knot + 1) * p];
             let log2 = |v: f64| (v * LOG2_E) as f32;
-            let lobes = (0..layout.lobes).map(|k| PlaneLobe {
-                angle: q[layout.angle(k)] as f32,
-                off_plane: k
-                    .checked_sub(layout.first_mirrored())
-                    .map_or(0.0, |m| q[layout.off_plane(m)] as f32),
-                log2_sharpness: log2(q[layout.sharpness(k)]),
-                log2_amplitude: [0, 1, 2].map(|c| log2(q[layout.amplitude(c, k)])),
+            let color = |of: [usize; 3]| color_differences(of.map(|i| log2(q[i])));
+            let lobes = (0..layout.lobes).map(|k| {
+                let (log2_luminance, color_differences) = color([0, 1, 2].map(|c| layout.amplitude(c, k)));
+                PlaneLobe {
+                    angle: q[layout.angle(k)] as f32,
+                    off_plane: k
+                        .checked_sub(layout.first_mirrored())
+                        .map_or(0.0, |m| q[layout.off_plane(m)] as f32),
+                    log2_sharpness: log2(q[layout.sharpness(k)]),
+                    log2_luminance,
+                    color_differences,
+                }
             });
             let theta = if *theta >= FRAC_PI_2 { std::f32::consts::FRAC_PI_2 } else { *theta as f32 };
-            let diffuse = |c| log2(q[layout.diffuse(c)]);
-            (theta, [log2(q[0]), diffuse(0), diffuse(1), diffuse(2)], lobes.collect())
+            let (diffuse, differences) = color([0, 1, 2].map(|c| layout.diffuse(c)));
+            (theta, [log2(q[0]), diffuse, differences[0], differences[1]], lobes.collect())
         })
         .collect();
     let views: Vec<View<'_>> = stored
         .iter()
-        .map(|&(theta, [log2_squeeze, red, green, blue], ref lobes)| View {
+        .map(|&(theta, [log2_squeeze, log2_diffuse, rho, beta], ref lobes)| View {
             theta,
             log2_squeeze,
-            log2_diffuse: [red, green, blue],
+            log2_diffuse,
+            diffuse_color_differences: [rho, beta],
             lobes,
         })
         .collect();
-    let mut bytes = vec![0; encoded_len(views.len(), layout.lobes, layout.mirrored, provenance)];
-    encode_bytes(&views, layout.squeezed, layout.mirrored, provenance, &mut bytes)?;
+    let line = Line { views: &views, squeezed: layout.squeezed, mirrored: layout.mirrored, factors: None };
+    let mut bytes = vec![0; line.encoded_len(provenance)];
+    line.encode(provenance, &mut bytes)?;
     Ok(bytes)
 }
 

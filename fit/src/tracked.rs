@@ -50,15 +50,15 @@ impl Fitted for TrackedLobes {
 }
 
 /// The mixture of a material for one outgoing direction.
-pub(crate) struct TrackedView {
-    pub mixture: Mixture<MAX_LOBES>,
+pub(crate) struct TrackedView<'m> {
+    pub mixture: Mixture<'m, MAX_LOBES>,
     /// Sine and cosine of the angle from the frame of the view to that of the surface.
     turn: (f64, f64),
 }
 
-impl TrackedView {
+impl<'m> TrackedView<'m> {
     /// `azimuth`: by how much the outgoing direction is turned from -x.
-    pub fn new(material: &Material<'_>, theta: f64, azimuth: f64) -> Result<Self, FitError> {
+    pub fn new(material: &Material<'m>, theta: f64, azimuth: f64) -> Result<Self, FitError> {
         let mut view = Self { mixture: Mixture::empty(), turn: libm::sincos(azimuth) };
         let (sin, cos) = libm::sincos(theta);
         // The f32 nearest to pi / 2 is beyond it.
@@ -74,7 +74,7 @@ impl TrackedView {
     }
 }
 
-impl FittedView for TrackedView {
+impl FittedView for TrackedView<'_> {
     fn f_cos(&self, direction: [f64; 3]) -> [f64; 3] {
         self.mixture.evaluate(self.to_surface(direction)).to_array().map(f64::from)
     }

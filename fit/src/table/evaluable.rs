@@ -221,7 +221,7 @@ impl Caps {
 
 /// Directions that a material's lobes draw, the same number by each, a part of the mixture of directions.
 struct Drawn {
-    lobes: Mixture<MAX_LOBES>,
+    lobes: Mixture<'static, MAX_LOBES>,
     count: usize,
     round: usize,
 }
@@ -314,7 +314,7 @@ fn find_peak(value: &dyn Fn(f64) -> f64, theta: f64) -> (f64, f64) {
 mod tests {
     use super::*;
     use crate::report::ViewReport;
-    use srbf_core::{PlaneLobe, encode, encoded_len};
+    use srbf_core::{Line, PlaneLobe};
 
     struct Gloss(f64);
     impl Brdf for Gloss {
@@ -338,16 +338,24 @@ mod tests {
 
     /// A material of one view that is right but for a needle between the directions of a table.
     fn needle() -> Vec<u8> {
-        let lobe = |log2_sharpness, log2_amplitude: f32| PlaneLobe {
+        let lobe = |log2_sharpness, log2_luminance| PlaneLobe {
             angle: 0.0,
             off_plane: 0.0,
             log2_sharpness,
-            log2_amplitude: [log2_amplitude; 3],
+            log2_luminance,
+            color_differences: [0.0; 2],
         };
         let lobes = [lobe(17.0, 6.0), lobe(0.0, -126.0)];
-        let view = srbf_core::View { theta: 0.0, log2_squeeze: 0.0, log2_diffuse: [-1.0; 3], lobes: &lobes };
-        let mut bytes = vec![0; encoded_len(1, lobes.len(), 0, "")];
-        let len = encode(&[view], 0, 0, "", &mut bytes).unwrap();
+        let view = srbf_core::View {
+            theta: 0.0,
+            log2_squeeze: 0.0,
+            log2_diffuse: -1.0,
+            diffuse_color_differences: [0.0; 2],
+            lobes: &lobes,
+        };
+        let line = Line { views: &[view], squeezed: 0, mirrored: 0, factors: None };
+        let mut bytes = vec![0; line.encoded_len("")];
+        let len = line.encode("", &mut bytes).unwrap();
         bytes.truncate(len);
         bytes
     }
