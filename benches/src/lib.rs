@@ -86,7 +86,7 @@ pub fn general_lobes(count: usize) -> Vec<Lobe> {
 }
 
 /// A mixture of [`general_lobes`], round and without folds, at the current level.
-pub fn general_mixture(count: usize) -> Mixture<64> {
+pub fn general_mixture(count: usize) -> Mixture<'static, 64> {
     Mixture::sphere(&general_lobes(count)).expect("a valid mixture")
 }
 
@@ -101,7 +101,7 @@ pub fn mild_lobes() -> Vec<Lobe> {
 }
 
 /// Mixtures of twelve lobes by name, at the current level: each form of lobe switched on alone, and the preset with all of them.
-pub fn named_mixtures() -> Vec<(&'static str, Mixture<64>)> {
+pub fn named_mixtures() -> Vec<(&'static str, Mixture<'static, 64>)> {
     let general = general_lobes(12);
     let with_axis = |axis: fn(Vec3) -> Vec3| -> Vec<Lobe> {
         let moved =
@@ -121,7 +121,7 @@ pub fn named_mixtures() -> Vec<(&'static str, Mixture<64>)> {
 }
 
 /// The garnet red preset at 50 degrees, folded where needed, squeezed, with its diffuse term, at the current level.
-pub fn garnet_mixture() -> Mixture<64> {
+pub fn garnet_mixture() -> Mixture<'static, 64> {
     let material = Material::from_bytes(GARNET_RED).expect("the preset is valid");
     let mut mixture = Mixture::empty();
     material.prepare(Vec3::new(-0.6, 0.4, 0.65).normalize(), &mut mixture).expect("a valid direction");

@@ -70,9 +70,9 @@ pub struct Work {
     incident: Triples,
     out: [Vec<f32>; 7],
     material: Material<'static>,
-    round: Mixture<64>,
-    garnet: Mixture<64>,
-    prepared: Mixture<16>,
+    round: Mixture<'static, 64>,
+    garnet: Mixture<'static, 64>,
+    prepared: Mixture<'static, 16>,
 }
 
 impl Work {
@@ -149,10 +149,10 @@ impl Work {
 
 /// Prepares a mixture for each direction, without lobes of less than a share of the albedo; writes its power.
 fn prepare(
-    material: &Material<'_>,
+    material: &Material<'static>,
     directions: &Triples,
     share: f32,
-    mixture: &mut Mixture<16>,
+    mixture: &mut Mixture<'static, 16>,
     power: &mut [f32],
 ) {
     let leave_out = LeaveOut::new(share, 1e-7).expect("shares");

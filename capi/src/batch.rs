@@ -3,7 +3,7 @@
 
 use crate::guard::guard;
 use crate::pointers::read;
-use crate::storage::{extent, mixture, with_mixture};
+use crate::storage::{extents, mixture, with_mixture};
 use crate::streams::{Batch, srbf_numbers_out, srbf_vectors, srbf_vectors_out};
 use crate::{srbf_mixture, srbf_status};
 use srbf_core::SamplesMut;
@@ -47,7 +47,7 @@ pub unsafe extern "C" fn srbf_mixture_evaluate_into(
         }
         // SAFETY: the header's contract.
         let batch =
-            unsafe { Batch::new(n, read(wi)?.streams(), read(value)?.streams(), [extent(mixture, &any)])? };
+            unsafe { Batch::new(n, read(wi)?.streams(), read(value)?.streams(), extents(mixture, &any))? };
         with_mixture!(AnyMixture: &any, m => batch.run(|wi, value| m.evaluate_into(wi, value)))?;
         Ok(())
     })
@@ -71,7 +71,7 @@ pub unsafe extern "C" fn srbf_mixture_pdf_into(
         }
         // SAFETY: the header's contract.
         let batch =
-            unsafe { Batch::new(n, read(wi)?.streams(), [read(pdf)?.stream()], [extent(mixture, &any)])? };
+            unsafe { Batch::new(n, read(wi)?.streams(), [read(pdf)?.stream()], extents(mixture, &any))? };
         with_mixture!(AnyMixture: &any, m => batch.run(|wi, [pdf]| m.pdf_into(wi, pdf)))?;
         Ok(())
     })
@@ -97,7 +97,7 @@ pub unsafe extern "C" fn srbf_mixture_sample_into(
         }
         // SAFETY: the header's contract.
         let batch =
-            unsafe { Batch::new(n, read(u)?.streams(), read(samples)?.streams(), [extent(mixture, &any)])? };
+            unsafe { Batch::new(n, read(u)?.streams(), read(samples)?.streams(), extents(mixture, &any))? };
         with_mixture!(AnyMixture: &any, m => batch.run(|u, [x, y, z, pdf, red, green, blue]| {
             m.sample_into(u, SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] })
         }))?;
@@ -128,7 +128,7 @@ pub unsafe extern "C" fn srbf_mixture_sample_pdf_into(
         let (u, direction, pdf) = unsafe { (read(u)?, read(direction)?, read(pdf)?) };
         let [x, y, z] = direction.streams();
         // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, u.streams(), [x, y, z, pdf.stream()], [extent(mixture, &any)])? };
+        let batch = unsafe { Batch::new(n, u.streams(), [x, y, z, pdf.stream()], extents(mixture, &any))? };
         with_mixture!(AnyMixture: &any, m => batch.run(|u, [x, y, z, pdf]| m.sample_pdf_into(u, [x, y, z], pdf)))?;
         Ok(())
     })

@@ -19,11 +19,15 @@ const _: () = {
     assert!(offset_of!(srbf_view, theta) == 0);
     assert!(offset_of!(srbf_view, log2_squeeze) == 4);
     assert!(offset_of!(srbf_view, log2_diffuse) == 8);
+    assert!(offset_of!(srbf_view, diffuse_color_differences) == 12);
     assert!(size_of::<srbf_plane_lobe>() == 24);
     assert!(offset_of!(srbf_plane_lobe, angle) == 0);
     assert!(offset_of!(srbf_plane_lobe, off_plane) == 4);
     assert!(offset_of!(srbf_plane_lobe, log2_sharpness) == 8);
-    assert!(offset_of!(srbf_plane_lobe, log2_amplitude) == 12);
+    assert!(
+        offset_of!(srbf_plane_lobe, log2_luminance) == 12
+            && offset_of!(srbf_plane_lobe, color_differences) == 16
+    );
     assert!(size_of::<srbf_vectors>() == 4 * P);
     assert!(offset_of!(srbf_vectors, x) == 0);
     assert!(offset_of!(srbf_vectors, y) == P);

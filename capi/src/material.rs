@@ -114,8 +114,10 @@ pub struct srbf_view {
     pub theta: f32,
     /// Base-2 logarithm of the squeeze c: how many times as wide across the plane of incidence as along it.
     pub log2_squeeze: f32,
-    /// Base-2 logarithm of the albedo of the diffuse term, `albedo cos / pi` beside the lobes; -126 for none.
-    pub log2_diffuse: [f32; 3],
+    /// Base-2 logarithm of the luminance Y of the albedo of the diffuse term, `albedo cos / pi` beside the lobes; -126 for none.
+    pub log2_diffuse: f32,
+    /// Relative colour differences of that albedo, `(R - Y) / Y` and `(B - Y) / Y`.
+    pub diffuse_color_differences: [f32; 2],
 }
 
 /// A lobe as a view stores it: its axis in the plane of incidence, or off it if it is a mirrored one.
@@ -128,8 +130,10 @@ pub struct srbf_plane_lobe {
     pub off_plane: f32,
     /// Base-2 logarithm of the sharpness.
     pub log2_sharpness: f32,
-    /// Base-2 logarithm of the amplitude: red, green, blue.
-    pub log2_amplitude: [f32; 3],
+    /// Base-2 logarithm of the luminance Y of the amplitude; -126 for none.
+    pub log2_luminance: f32,
+    /// Relative colour differences of the amplitude, `(R - Y) / Y` and `(B - Y) / Y`.
+    pub color_differences: [f32; 2],
 }
 
 /// Makes a material of `.srbf` bytes where they are, of any alignment: nothing is copied, nothing allocated.
@@ -208,7 +212,9 @@ pub unsafe extern "C" fn srbf_material_view(
         let theta = material.view_theta(view).ok_or(SRBF_STATUS_INDEX)?;
         let log2_squeeze = material.view_log2_squeeze(view).ok_or(SRBF_STATUS_INDEX)?;
         let log2_diffuse = material.view_log2_diffuse(view).ok_or(SRBF_STATUS_INDEX)?;
-        out.set(srbf_view { theta, log2_squeeze, log2_diffuse });
+        let diffuse_color_differences =
+            material.view_diffuse_color_differences(view).ok_or(SRBF_STATUS_INDEX)?;
+        out.set(srbf_view { theta, log2_squeeze, log2_diffuse, diffuse_color_differences });
         Ok(())
     })
 }
@@ -224,9 +230,9 @@ pub unsafe extern "C" fn srbf_material_view_lobe(
     guard(|| {
         // SAFETY: the header's contract.
         let (material, out) = unsafe { (&self::material(material)?.material, Out::new(lobe)?) };
-        let PlaneLobe { angle, off_plane, log2_sharpness, log2_amplitude } =
+        let PlaneLobe { angle, off_plane, log2_sharpness, log2_luminance, color_differences } =
             material.view_lobe(view, index).ok_or(SRBF_STATUS_INDEX)?;
-        out.set(srbf_plane_lobe { angle, off_plane, log2_sharpness, log2_amplitude });
+        out.set(srbf_plane_lobe { angle, off_plane, log2_sharpness, log2_luminance, color_differences });
         Ok(())
     })
 }
@@ -298,7 +304,7 @@ pub unsafe extern "C" fn srbf_material_prepare_leaving_out(
 /// Checks the room first, so that a failure leaves the mixture as it was.
 #[inline(always)]
 fn prepare(
-    material: &Material<'_>,
+    material: &Material<'static>,
     wo: Vec3,
     leave_out: LeaveOut,
     mixture: &mut AnyMixtureMut<'_>,
@@ -310,7 +316,7 @@ fn prepare(
     Ok(())
 }
 
-fn room<const N: usize>(_: &Mixture<N>) -> usize {
+fn room<const N: usize>(_: &Mixture<'_, N>) -> usize {
     N
 }
 

@@ -110,7 +110,7 @@ pub unsafe extern "C" fn srbf_mixture_from_lobes(
 }
 
 fn make<const N: usize>(
-    mixture: &mut Mixture<N>,
+    mixture: &mut Mixture<'_, N>,
     domain: Domain,
     squeeze: f32,
     [squeezed, round]: [&[Lobe]; 2],

@@ -83,7 +83,7 @@ pub unsafe extern "C" fn srbf_mixture_inner_product(
     })
 }
 
-fn inner<const N: usize, const M: usize>(a: &Mixture<N>, b: &Mixture<M>) -> Result<Vec3, Error> {
+fn inner<const N: usize, const M: usize>(a: &Mixture<'_, N>, b: &Mixture<'_, M>) -> Result<Vec3, Error> {
     a.inner_product(b)
 }
 
@@ -142,8 +142,8 @@ const _: () = assert!(
 );
 
 fn multiply<const N: usize, const M: usize>(
-    a: &Mixture<N>,
-    b: &Mixture<M>,
+    a: &Mixture<'_, N>,
+    b: &Mixture<'_, M>,
     lobes: &mut [Lobe],
 ) -> Result<(), Error> {
     a.product_into(b, lobes)?;

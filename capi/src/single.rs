@@ -150,7 +150,7 @@ pub unsafe extern "C" fn srbf_mixture_sample_pdf(
 
 /// Draws one sample; what a black mixture gives is said in the header.
 #[inline(always)]
-pub(crate) fn draw<const N: usize>(mixture: &Mixture<N>, u: [f32; 3]) -> srbf_sample {
+pub(crate) fn draw<const N: usize>(mixture: &Mixture<'_, N>, u: [f32; 3]) -> srbf_sample {
     match mixture.sample(u) {
         Some(sample) => srbf_sample {
             direction: sample.direction.to_array(),

@@ -21,6 +21,10 @@ pub const SRBF_MIXTURE_SIZE_64: usize = 4352;
 /// Get its size from `srbf_mixture_size` or a constant `SRBF_MIXTURE_SIZE_...`, and the object by `srbf_mixture_init` or
 /// `srbf_material_prepare_into`. It owns nothing: it needs no release, and its bytes may be copied within a process to
 /// storage of the same size and alignment.
+///
+/// One that a material with factors has made, see `srbf_material_factor_nodes`, reads them from the material's bytes whenever it is
+/// evaluated or sampled: the material must live, and its bytes stay as they are, for as long as the mixture or a copy of it is used. A
+/// mixture of any other material, or of the caller's lobes, stands by itself.
 pub struct srbf_mixture {
     tag: u32,
     capacity: u32,
@@ -33,7 +37,8 @@ const TAG: u32 = 0x5b2f_3b1d;
 #[repr(C, align(16))]
 pub(crate) struct Storage<const N: usize> {
     head: srbf_mixture,
-    pub mixture: Mixture<N>,
+    /// Of a material with factors it reads these from the material's bytes, which live as long as the header says.
+    pub mixture: Mixture<'static, N>,
 }
 
 // The constants of the header hold whatever core's mixture looks like.
@@ -57,16 +62,16 @@ pub(crate) const fn size_for(lobes: usize) -> Option<usize> {
 
 /// A mixture of the caller, of any capacity.
 pub(crate) enum AnyMixture<'a> {
-    C16(&'a Mixture<16>),
-    C32(&'a Mixture<32>),
-    C64(&'a Mixture<64>),
+    C16(&'a Mixture<'static, 16>),
+    C32(&'a Mixture<'static, 32>),
+    C64(&'a Mixture<'static, 64>),
 }
 
 /// A mixture of the caller, to overwrite.
 pub(crate) enum AnyMixtureMut<'a> {
-    C16(&'a mut Mixture<16>),
-    C32(&'a mut Mixture<32>),
-    C64(&'a mut Mixture<64>),
+    C16(&'a mut Mixture<'static, 16>),
+    C32(&'a mut Mixture<'static, 32>),
+    C64(&'a mut Mixture<'static, 64>),
 }
 
 /// Runs one text for whatever capacity the mixture has.
@@ -180,6 +185,13 @@ unsafe fn write_empty<const N: usize>(place: *mut srbf_mixture) {
     let head = srbf_mixture { tag: TAG, capacity: N as u32 };
     // SAFETY: the caller's word.
     unsafe { place.cast::<Storage<N>>().write(Storage { head, mixture: Mixture::empty() }) }
+}
+
+/// The bytes that a call on a mixture reads: its own, and those of the factors that it borrows.
+pub(crate) fn extents(mixture: *const srbf_mixture, any: &AnyMixture<'_>) -> [Range<usize>; 2] {
+    let factors = with_mixture!(AnyMixture: any, m => m.factor_bytes());
+    let start = factors.as_ptr().addr();
+    [extent(mixture, any), start..start + factors.len()]
 }
 
 /// The bytes that a mixture lies in.

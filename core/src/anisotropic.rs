@@ -4,7 +4,7 @@
 //! The views lie on rings round the normal, each ring periodic in the azimuth of the outgoing direction. The mixture of a view is
 //! written in the frame of the view, +x in the plane of incidence away from `wo`, because there a highlight stays where it is
 //! when `wo` turns. Between four views everything is interpolated linearly, in angle and azimuth: the axes as vectors of angles
-//! from the normal ([`TiltedLobe`](crate::TiltedLobe)), and the logarithms of sharpness, amplitude, diffuse albedo and squeeze.
+//! from the normal ([`TiltedLobe`](crate::TiltedLobe)), the logarithms of sharpness, luminance and squeeze, and the colour differences.
 //!
 //! # The squeeze matrix
 //! Isotropic materials are squeezed across the plane of incidence by one number. A brushed surface has a direction of its own, so
@@ -24,11 +24,12 @@
 //! frame of the surface it differs from the normal's by at most `t` times a constant, whatever a is: so it tends
 //! to the normal's view from every side, and at the normal itself, where a is any number, it is that view.
 
+use crate::factors::Factors;
 use crate::format::f32_at;
 use crate::format::grid::{HEAD, ROWS, Shape};
 use crate::lanes::{Lanes, atan2_positive, exp2, sin_cos};
 use crate::squeeze::Squeeze;
-use crate::{LeaveOut, Material, Mixture};
+use crate::{LeaveOut, Material, Mixture, color};
 use core::f32::consts::PI;
 use glam::Vec3;
 
@@ -94,12 +95,12 @@ fn between(bytes: &[u8], shape: Shape, [a, b]: [usize; 2], onward: f32, i: usize
 
 #[inline(always)]
 #[allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
-pub(crate) fn prepare<L: Lanes, const N: usize>(
-    material: &Material<'_>,
+pub(crate) fn prepare<'m, L: Lanes, const N: usize>(
+    material: &Material<'m>,
     shape: Shape,
     wo: Vec3,
     leave_out: LeaveOut,
-    mixture: &mut Mixture<N>,
+    mixture: &mut Mixture<'m, N>,
 ) {
     let (bytes, header) = (material.bytes, &material.header);
     let count = header.lobes;
@@ -128,7 +129,11 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
         let ring = between(bytes, shape, views[1], place.onward, i);
         head[i] += place.outward * (ring - head[i]);
     }
-    mixture.diffuse = Vec3::new(exp2(head[3]), exp2(head[4]), exp2(head[5]));
+    mixture.diffuse = if header.has_luminance {
+        Vec3::from_array(color::rgb(exp2(head[3]), [head[4], head[5]]))
+    } else {
+        Vec3::new(exp2(head[3]), exp2(head[4]), exp2(head[5]))
+    };
 
     // Eigenvectors: the one closer to the plane of incidence is the new x, at an angle of at most 45 degrees.
     let (middle, half, xy) = (0.5 * (head[0] + head[2]), 0.5 * (head[0] - head[2]), head[1]);
@@ -181,12 +186,24 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
         L::select(squeezed, wide_y * shrink, y).store(&mut mixture.axis_y[k..]);
         L::select(squeezed, cos * shrink, cos).store(&mut mixture.axis_z[k..]);
         exp2(rows[2]).store(&mut mixture.sharpness[k..]);
-        L::select(valid, exp2(rows[3]), zero).store(&mut mixture.red[k..]);
-        L::select(valid, exp2(rows[4]), zero).store(&mut mixture.green[k..]);
-        L::select(valid, exp2(rows[5]), zero).store(&mut mixture.blue[k..]);
+        let first = exp2(rows[3]).keep(valid);
+        let amplitude = if header.has_luminance {
+            color::rgb(first, [rows[4], rows[5]])
+        } else {
+            [first, exp2(rows[4]).keep(valid), exp2(rows[5]).keep(valid)]
+        };
+        amplitude[0].store(&mut mixture.red[k..]);
+        amplitude[1].store(&mut mixture.green[k..]);
+        amplitude[2].store(&mut mixture.blue[k..]);
         k += L::COUNT;
     }
     mixture.finish::<L>(count, header.squeezed, leave_out);
+    if header.factors[0] > 0 {
+        let albedo = |view| Vec3::from_array(material.stored_albedo(view));
+        let ring = |[a, b]: [usize; 2]| albedo(a) + place.onward * (albedo(b) - albedo(a));
+        let (within, beyond) = (ring(views[0]), ring(views[1]));
+        mixture.factors = Factors::new(material, wo, within + place.outward * (beyond - within));
+    }
 }
 
 /// Loads little-endian f32 from bytes of any alignment; what lies past the end reads as 0.

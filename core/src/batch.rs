@@ -20,7 +20,7 @@ const WIDEST: usize = 16;
 type Stage<L> = [L; STAGE];
 const STAGE: usize = 16;
 
-impl<const N: usize> Mixture<N> {
+impl<const N: usize> Mixture<'_, N> {
     /// Evaluates `f cos` towards n incident directions; 1/sr. Same values as [`evaluate`](Self::evaluate).
     ///
     /// Shapes: `directions` x, y, z, each [n], unit vectors; `value` red, green, blue, each [n], overwritten.
@@ -29,8 +29,18 @@ impl<const N: usize> Mixture<N> {
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
     pub fn evaluate_into(&self, directions: [&[f32]; 3], value: [&mut [f32]; 3]) -> Result<(), Error> {
         same_length(directions.iter().map(|s| s.len()).chain(value.iter().map(|s| s.len())))?;
-        self.level.run(ForEach { block: Value(self), inputs: directions, outputs: value });
+        if self.has_factors() {
+            self.factored_into(directions, value);
+        } else {
+            self.lobes_into(directions, value);
+        }
         Ok(())
+    }
+
+    /// What the lobes and the diffuse term have towards n directions, without factors; all slices of one length.
+    #[inline(always)]
+    pub(crate) fn lobes_into(&self, directions: [&[f32]; 3], value: [&mut [f32]; 3]) {
+        self.level.run(ForEach { block: Value(self), inputs: directions, outputs: value });
     }
 
     /// Evaluates the density of [`sample`](Self::sample) at n directions; 1/sr.
@@ -49,7 +59,8 @@ impl<const N: usize> Mixture<N> {
         Ok(())
     }
 
-    /// Evaluates the luminance of `f cos` towards n incident directions; 1/sr: one colour channel in place of three.
+    /// Evaluates the luminance of `f cos` towards n incident directions; 1/sr: one colour channel in place of three, but for a mixture
+    /// with factors, which has them for each channel.
     ///
     /// Shapes: `directions` x, y, z, each [n], unit vectors; `luminance` [n], overwritten.
     ///
@@ -57,6 +68,10 @@ impl<const N: usize> Mixture<N> {
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
     pub fn luminance_into(&self, directions: [&[f32]; 3], luminance: &mut [f32]) -> Result<(), Error> {
         same_length(directions.iter().map(|s| s.len()).chain([luminance.len()]))?;
+        if self.has_factors() {
+            self.factored_luminance(directions, luminance);
+            return Ok(());
+        }
         self.level.run(ForEach { block: Luminance(self, 1.0), inputs: directions, outputs: [luminance] });
         Ok(())
     }
@@ -77,9 +92,18 @@ impl<const N: usize> Mixture<N> {
             [x, y, pdf, red, green, blue].into_iter().for_each(|slice| slice.fill(0.0));
             return Ok(());
         }
-        let outputs = [x, y, z, pdf, red, green, blue];
-        self.level.run(ForEach { block: Draw(self), inputs: u, outputs });
+        if self.has_factors() {
+            self.factored_draws(u, [x, y, z], pdf, [red, green, blue]);
+            return Ok(());
+        }
+        self.draws_into(u, [x, y, z, pdf, red, green, blue]);
         Ok(())
+    }
+
+    /// Directions, densities, and weights without factors; all slices of one length.
+    #[inline(always)]
+    pub(crate) fn draws_into(&self, u: [&[f32]; 3], outputs: [&mut [f32]; 7]) {
+        self.level.run(ForEach { block: Draw(self), inputs: u, outputs });
     }
 
     /// Draws n directions with density, without a weight: one colour channel in place of three.
@@ -193,7 +217,7 @@ impl<K: Block<I, O>, const I: usize, const O: usize> ForEach<'_, K, I, O> {
     }
 }
 
-struct Value<'a, const N: usize>(&'a Mixture<N>);
+struct Value<'a, const N: usize>(&'a Mixture<'a, N>);
 
 impl<const N: usize> Block<3, 3> for Value<'_, N> {
     #[inline(always)]
@@ -204,7 +228,7 @@ impl<const N: usize> Block<3, 3> for Value<'_, N> {
 }
 
 /// The luminance times a number.
-struct Luminance<'a, const N: usize>(&'a Mixture<N>, f32);
+struct Luminance<'a, const N: usize>(&'a Mixture<'a, N>, f32);
 
 impl<const N: usize> Block<3, 1> for Luminance<'_, N> {
     #[inline(always)]
@@ -215,7 +239,7 @@ impl<const N: usize> Block<3, 1> for Luminance<'_, N> {
     }
 }
 
-struct DrawPdf<'a, const N: usize>(&'a Mixture<N>);
+struct DrawPdf<'a, const N: usize>(&'a Mixture<'a, N>);
 
 impl<const N: usize> Block<3, 4> for DrawPdf<'_, N> {
     #[inline(always)]
@@ -226,7 +250,7 @@ impl<const N: usize> Block<3, 4> for DrawPdf<'_, N> {
     }
 }
 
-struct Draw<'a, const N: usize>(&'a Mixture<N>);
+struct Draw<'a, const N: usize>(&'a Mixture<'a, N>);
 
 impl<const N: usize> Block<3, 7> for Draw<'_, N> {
     #[inline(always)]
@@ -247,7 +271,7 @@ impl<const N: usize> Block<3, 7> for Draw<'_, N> {
 /// Sums the lobes and the diffuse term towards a vector of directions, once for each of `C` sets of amplitudes.
 #[inline(always)]
 fn sums<L: Lanes, const N: usize, const C: usize>(
-    m: &Mixture<N>,
+    m: &Mixture<'_, N>,
     amplitudes: [&[f32; N]; C],
     diffuse: [f32; C],
     d: [L; 3],
@@ -289,7 +313,7 @@ fn sums<L: Lanes, const N: usize, const C: usize>(
 /// `LONG`: it has a length.
 #[inline(always)]
 fn run<L: Lanes, const N: usize, const C: usize, const PLANE: bool, const LOW: bool, const LONG: bool>(
-    m: &Mixture<N>,
+    m: &Mixture<'_, N>,
     amplitudes: [&[f32; N]; C],
     seen: &Seen<L>,
     lobes: Range<usize>,
@@ -323,7 +347,7 @@ fn stretch<
     const LONG: bool,
     const FOLD: bool,
 >(
-    m: &Mixture<N>,
+    m: &Mixture<'_, N>,
     amplitudes: [&[f32; N]; C],
     seen: &Seen<L>,
     lobes: Range<usize>,
@@ -472,7 +496,7 @@ pub(crate) struct Frame<L: Lanes> {
 
 impl<L: Lanes> Frame<L> {
     #[inline(always)]
-    fn new<const N: usize>(m: &Mixture<N>) -> Self {
+    fn new<const N: usize>(m: &Mixture<'_, N>) -> Self {
         Self {
             in_plane: m.in_plane,
             any_squeezed: m.squeezed > 0,
@@ -486,7 +510,7 @@ impl<L: Lanes> Frame<L> {
 
 /// Draws directions: lobe by `u[0]`, direction in it by `u[1]` and `u[2]`.
 #[inline(always)]
-fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<N>, u: [L; 3]) -> [L; 3] {
+fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<'_, N>, u: [L; 3]) -> [L; 3] {
     if L::VECTORS > TOGETHER {
         let mut parts = halves(u);
         for i in 0..2 {
@@ -517,7 +541,7 @@ fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<N>, u: [L; 3]) -> [L; 
 /// for a mixture that neither turns nor squeezes it, that is 1 but for rounding.
 #[inline(always)]
 pub(crate) fn draw_one<L: Lanes, const N: usize, const SEEN: bool>(
-    m: &Mixture<N>,
+    m: &Mixture<'_, N>,
     u: [f32; 3],
 ) -> ([f32; 3], f32) {
     let target = u[0] * m.power;
@@ -527,7 +551,7 @@ pub(crate) fn draw_one<L: Lanes, const N: usize, const SEEN: bool>(
 
 /// The lobe at a place on the running sum of powers.
 #[inline(always)]
-pub(crate) fn chosen_lobe<L: Lanes, const N: usize>(m: &Mixture<N>, target: f32) -> usize {
+pub(crate) fn chosen_lobe<L: Lanes, const N: usize>(m: &Mixture<'_, N>, target: f32) -> usize {
     // The running sum never falls: the lobes that are passed come first, and what is stored behind the last does not matter. The last
     // ends the search whatever its sum is rounded to.
     let (mut above, mut from) = (1u64.wrapping_shl((m.count as u32).wrapping_sub(1)), 0);
@@ -541,7 +565,7 @@ pub(crate) fn chosen_lobe<L: Lanes, const N: usize>(m: &Mixture<N>, target: f32)
 /// Draws one direction from lobe `k`, or the diffuse term; `L` has one lane.
 #[inline(always)]
 fn draw_from<L: Lanes<Index = usize>, const N: usize, const SEEN: bool>(
-    m: &Mixture<N>,
+    m: &Mixture<'_, N>,
     k: usize,
     target: f32,
     u: [f32; 3],
@@ -561,7 +585,7 @@ fn draw_from<L: Lanes<Index = usize>, const N: usize, const SEEN: bool>(
 
 /// The place on the running sum of powers that a uniform number stands for.
 #[inline(always)]
-pub(crate) fn chosen_power<L: Lanes, const N: usize>(m: &Mixture<N>, u: L) -> L {
+pub(crate) fn chosen_power<L: Lanes, const N: usize>(m: &Mixture<'_, N>, u: L) -> L {
     // Below the whole, so that a lobe that adds something is found whatever the product rounds to.
     (u * L::splat(m.power)).min(L::splat(m.power * (1.0 - f32::EPSILON)))
 }

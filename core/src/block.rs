@@ -21,7 +21,7 @@ pub(crate) type Numbers = [f32; MOST];
 
 /// Draws a direction from each of at most [`MOST`] mixtures. One that reflects nothing gives the normal.
 pub(crate) struct DrawBlock<'a, const N: usize> {
-    pub mixtures: &'a [Mixture<N>],
+    pub mixtures: &'a [Mixture<'a, N>],
     pub u: &'a [Numbers; 3],
 }
 
@@ -90,7 +90,7 @@ impl<const N: usize> Routine for DrawBlock<'_, N> {
 
 /// Evaluates each of at most [`MOST`] mixtures towards its direction: red, green and blue, or the luminance (`C` = 1).
 pub(crate) struct SumBlock<'a, const N: usize, const C: usize> {
-    pub mixtures: &'a [Mixture<N>],
+    pub mixtures: &'a [Mixture<'a, N>],
     pub directions: &'a [Numbers; 3],
 }
 

@@ -10,11 +10,12 @@ pub enum Error {
     Axis,
     /// The sharpness is NaN, negative, or above [`MAX_SHARPNESS`](crate::MAX_SHARPNESS).
     Sharpness,
-    /// An amplitude is NaN, negative or infinite, or the integral of a mixture is infinite.
+    /// An amplitude is NaN or infinite, its luminance negative or a channel more than 32 times that; or the integral of a mixture is
+    /// infinite; or the mixture has no room for a diffuse term.
     Amplitude,
     /// The squeeze is NaN or outside [0.01, 2].
     Squeeze,
-    /// The operation has no closed form for squeezed lobes, nor for a diffuse term.
+    /// The operation has no closed form for squeezed lobes, nor for a diffuse term, nor for factors.
     Squeezed,
     /// A parameter of a kernel is out of its range.
     Kernel,
@@ -40,9 +41,11 @@ impl fmt::Display for Error {
         match self {
             Self::Axis => f.write_str("the axis of a lobe must be a finite unit vector"),
             Self::Sharpness => f.write_str("the sharpness of a lobe must be within [0, 1e8]"),
-            Self::Amplitude => f.write_str("an amplitude must be finite and not negative"),
+            Self::Amplitude => f.write_str("an amplitude must be finite, of a luminance that is not negative, and no channel beyond 32 times that"),
             Self::Squeeze => f.write_str("a squeeze must be within [0.01, 2]"),
-            Self::Squeezed => f.write_str("squeezed lobes and diffuse terms have no product in closed form"),
+            Self::Squeezed => {
+                f.write_str("squeezed lobes, diffuse terms and factors have no product in closed form")
+            }
             Self::Kernel => f.write_str("a parameter of the kernel is out of range"),
             Self::Share => f.write_str("a share must be within [0, 1]"),
             Self::Capacity { needed, available } => {
@@ -95,7 +98,7 @@ impl fmt::Display for FormatError {
         match self {
             Self::Magic => f.write_str("not a .srbf file: the first 8 bytes must be its magic"),
             Self::Version(v) => {
-                write!(f, "version {v} at byte 8, this library reads version {}", crate::FORMAT_VERSION)
+                write!(f, "version {v} at byte 8, this library reads versions 1 to {}", crate::FORMAT_VERSION)
             }
             Self::Length { expected, actual } => write!(f, "{expected} bytes expected, {actual} found"),
             Self::Checksum => f.write_str("the checksum does not fit: the .srbf bytes are damaged"),

@@ -40,7 +40,7 @@ fn weight_ratio(count_a: f32, pdf_a: f32, count_b: f32, pdf_b: f32) -> Option<f3
     }
 }
 
-impl<const N: usize> Mixture<N> {
+impl<const N: usize> Mixture<'_, N> {
     /// Allocates `samples` to the lobes in proportion to their integrals, by systematic resampling.
     ///
     /// Sample `i` goes to the lobe at share `(i + offset) / samples` of the running integral, so that lobe k gets
@@ -242,7 +242,7 @@ fn cosine_weighted(u: [f32; 2]) -> Vec3 {
 /// sample it: where the mixture misses the table, the weight stays bounded. See [`max_weight`](Self::max_weight).
 #[derive(Clone, Copy, Debug)]
 pub struct Defensive<'a, const N: usize> {
-    mixture: &'a Mixture<N>,
+    mixture: &'a Mixture<'a, N>,
     share: f32,
 }
 
@@ -251,7 +251,7 @@ impl<'a, const N: usize> Defensive<'a, N> {
     ///
     /// # Errors
     /// [`Error::Share`] for a share outside the range.
-    pub fn new(mixture: &'a Mixture<N>, share: f32) -> Result<Self, Error> {
+    pub fn new(mixture: &'a Mixture<'a, N>, share: f32) -> Result<Self, Error> {
         if !(0.0..=1.0).contains(&share) {
             return Err(Error::Share);
         }

@@ -106,6 +106,33 @@ pub trait Lanes:
     fn index_below(index: Self::Index, limit: usize) -> Self::Mask;
     /// `table[index]`; every index is within the first `len` entries. `table` has a multiple of 16 entries.
     fn lookup(table: &[f32], len: usize, index: Self::Index) -> Self;
+    /// Red, green and blue, the latter two times 2^10 and 2^20, of the codes of two nodes that lie one behind the other, from whole numbers
+    /// `index` on: `nodes` holds four bytes a node. Whatever `index` is, nothing outside is read.
+    #[inline(always)]
+    fn node_pairs(nodes: &[u8], index: Self) -> [[Self; 3]; 2] {
+        let last = (nodes.len() / 4).saturating_sub(2);
+        let (mut at, mut codes) = ([0.0; 16], [[[0.0; 16]; 3]; 2]);
+        index.store(&mut at);
+        for lane in 0..Self::COUNT {
+            // The cast makes 0 of a NaN and of what is negative.
+            let from = 4 * (at[lane] as usize).min(last);
+            let pair = &nodes[from..from + 8];
+            for node in 0..2 {
+                let bytes = &pair[4 * node..4 * node + 4];
+                let code = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+                for channel in 0..3 {
+                    codes[node][channel][lane] = (code & 1023 << (10 * channel)) as f32;
+                }
+            }
+        }
+        let mut pairs = [[index; 3]; 2];
+        for node in 0..2 {
+            for channel in 0..3 {
+                pairs[node][channel] = Self::load(&codes[node][channel]);
+            }
+        }
+        pairs
+    }
     /// The first lane.
     fn first(self) -> f32;
     /// Sum over the lanes.

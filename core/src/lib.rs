@@ -27,8 +27,10 @@ mod batch;
 #[cfg(feature = "simd")]
 mod block;
 mod checksum;
+mod color;
 mod error;
 mod estimator;
+mod factors;
 #[cfg(feature = "std")]
 mod file;
 mod float;
@@ -52,13 +54,14 @@ mod squeeze;
 mod two;
 
 pub use batch::SamplesMut;
+pub use color::color_differences;
 pub use error::{Error, FormatError};
 pub use estimator::{Defensive, balance_heuristic, power_heuristic};
 #[cfg(feature = "std")]
 pub use file::{FileError, read_file};
 pub use folded::Folded;
 pub use format::grid::{Grid, GridView, TiltedLobe};
-pub use format::{FORMAT_VERSION, PlaneLobe, View, encode, encoded_len};
+pub use format::{FORMAT_VERSION, FactorTable, Line, PlaneLobe, View, encoded_len};
 pub use glam::Vec3;
 pub use kernel::Kernel;
 #[cfg(feature = "kernels")]

@@ -2,7 +2,7 @@
 
 use crate::kernel::Kernel;
 use crate::special;
-use crate::{Error, float};
+use crate::{Error, color, float};
 use core::f32::consts::{LOG2_E, PI};
 use glam::Vec3;
 
@@ -177,7 +177,7 @@ pub(crate) fn frame(n: Vec3) -> (Vec3, Vec3) {
 pub struct Lobe {
     /// Axis and sharpness.
     pub gaussian: Gaussian,
-    /// Value at the axis, linear sRGB, not negative.
+    /// Value at the axis, linear sRGB; its luminance is not negative, a channel may be.
     #[doc(alias = "coefficient")]
     pub amplitude: Vec3,
 }
@@ -185,10 +185,13 @@ pub struct Lobe {
 impl Lobe {
     /// Makes a lobe of a unit axis, a sharpness and an amplitude.
     ///
+    /// A channel may be negative, as it is in colours outside the gamut of sRGB: no channel may be farther from 0 than 32 times the
+    /// luminance. Densities and draws see the luminance alone.
+    ///
     /// # Errors
     /// [`Error::Axis`], [`Error::Sharpness`], [`Error::Amplitude`].
     pub fn new(axis: Vec3, sharpness: f32, amplitude: Vec3) -> Result<Self, Error> {
-        if !amplitude.is_finite() || amplitude.min_element() < 0.0 {
+        if !color::is_admissible(amplitude) {
             return Err(Error::Amplitude);
         }
         Ok(Self { gaussian: Gaussian::new(axis, sharpness)?, amplitude })

@@ -1,5 +1,6 @@
 //! A material: lobes at view knots, read in place.
 
+use crate::color::color_differences;
 use crate::format::{self, Header, Kind, f32_at};
 use crate::prepare::Prepare;
 use crate::simd::Level;
@@ -11,8 +12,8 @@ use glam::Vec3;
 /// A material in borrowed `.srbf` bytes of any alignment: nothing is copied, nothing allocated.
 ///
 /// Lobe `k` of one view corresponds to lobe `k` of the next; between views the angle of the axis and the logarithms of
-/// sharpness, amplitude, diffuse albedo and squeeze are interpolated linearly in the angle of the outgoing direction. Beyond the last
-/// view the last one holds. The views of an anisotropic material lie over the hemisphere, see [`Grid`](crate::Grid).
+/// sharpness, luminance and squeeze, and the colour differences, are interpolated linearly in the angle of the outgoing direction (in files
+/// of version 1 the logarithms of red, green and blue). Beyond the last view the last one holds. The views of an anisotropic material lie over the hemisphere, see [`Grid`](crate::Grid).
 #[derive(Clone, Copy, Debug)]
 pub struct Material<'a> {
     pub(crate) bytes: &'a [u8],
@@ -103,55 +104,76 @@ impl<'a> Material<'a> {
         (view < self.header.views).then(|| [0, 1, 2].map(|i| f32_at(self.bytes, shape.head(view) + 4 * i)))
     }
 
-    /// Base-2 logarithm of the albedo of the diffuse term of a view, per channel; `None` past the end.
-    pub fn view_log2_diffuse(&self, view: usize) -> Option<[f32; 3]> {
+    /// Base-2 logarithm of the luminance of the albedo of the diffuse term of a view, -126 for none; `None` past the end.
+    pub fn view_log2_diffuse(&self, view: usize) -> Option<f32> {
+        self.view_diffuse(view).map(|(log2, _)| log2)
+    }
+
+    /// Relative colour differences of the albedo of the diffuse term of a view, `(R - Y) / Y` and `(B - Y) / Y`; `None` past the end.
+    pub fn view_diffuse_color_differences(&self, view: usize) -> Option<[f32; 2]> {
+        self.view_diffuse(view).map(|(_, differences)| differences)
+    }
+
+    fn view_diffuse(&self, view: usize) -> Option<(f32, [f32; 2])> {
         let first = || match self.header.kind {
             Kind::Line => self.header.head(view) + 4,
             Kind::Grid(shape) => shape.head(view) + 12,
         };
-        let number = |channel: usize| f32_at(self.bytes, first() + 4 * channel);
-        (view < self.header.views).then(|| [0, 1, 2].map(number))
+        let number = |i: usize| f32_at(self.bytes, first() + 4 * i);
+        (view < self.header.views).then(|| self.color([0, 1, 2].map(number)))
     }
 
-    /// A lobe as it is stored at a view; `None` past either end, and in an anisotropic material.
+    /// Logarithm of the luminance and colour differences, of the three numbers that are stored.
+    fn color(&self, stored: [f32; 3]) -> (f32, [f32; 2]) {
+        if self.header.has_luminance {
+            (stored[0], [stored[1], stored[2]])
+        } else {
+            color_differences(stored)
+        }
+    }
+
+    /// A lobe as it is stored at a view, its colour as luminance and differences whatever the version of the bytes; `None` past either
+    /// end, and in an anisotropic material.
     pub fn view_lobe(&self, view: usize, lobe: usize) -> Option<PlaneLobe> {
+        if !self.is_isotropic() || view >= self.header.views || lobe >= self.header.lobes {
+            return None;
+        }
         let number = |row| f32_at(self.bytes, self.header.row(view, row) + 4 * lobe);
-        let is_there = self.is_isotropic() && view < self.header.views && lobe < self.header.lobes;
-        let in_plane = self.header.lobes - self.header.mirrored;
-        is_there.then(|| PlaneLobe {
+        let (log2_luminance, color_differences) = self.color([2, 3, 4].map(number));
+        let off_plane = lobe.checked_sub(self.header.lobes - self.header.mirrored);
+        Some(PlaneLobe {
             angle: number(0),
-            off_plane: if lobe < in_plane {
-                0.0
-            } else {
-                f32_at(self.bytes, self.header.row(view, 5) + 4 * (lobe - in_plane))
-            },
+            off_plane: off_plane.map_or(0.0, |m| f32_at(self.bytes, self.header.row(view, 5) + 4 * m)),
             log2_sharpness: number(1),
-            log2_amplitude: [2, 3, 4].map(number),
+            log2_luminance,
+            color_differences,
         })
     }
 
-    /// A lobe as it is stored at a view; `None` past either end, and in an isotropic material.
+    /// A lobe as it is stored at a view, as [`view_lobe`](Self::view_lobe); `None` past either end, and in an isotropic material.
     pub fn view_tilted_lobe(&self, view: usize, lobe: usize) -> Option<TiltedLobe> {
         let Kind::Grid(shape) = self.header.kind else { return None };
+        if view >= self.header.views || lobe >= self.header.lobes {
+            return None;
+        }
         let number = |row| f32_at(self.bytes, shape.row(&self.header, view, row) + 4 * lobe);
-        (view < self.header.views && lobe < self.header.lobes).then(|| TiltedLobe {
-            tilt: [number(0), number(1)],
-            log2_sharpness: number(2),
-            log2_amplitude: [3, 4, 5].map(number),
-        })
+        let (log2_luminance, color_differences) = self.color([3, 4, 5].map(number));
+        let tilt = [number(0), number(1)];
+        Some(TiltedLobe { tilt, log2_sharpness: number(2), log2_luminance, color_differences })
     }
 
     /// Makes the mixture for an outgoing direction, in the caller's storage, which it overwrites.
     ///
     /// `wo` is a unit vector in the shading frame, +z the normal. Below the horizon (z < 0) nothing is reflected and
-    /// the mixture is empty. The mixture takes and gives directions in the same shading frame.
+    /// the mixture is empty. The mixture takes and gives directions in the same shading frame. It borrows the table of factors from
+    /// the bytes of the material, if there is one.
     ///
     /// # Errors
     /// [`Error::Capacity`] if the storage has room for fewer lobes than
     /// [`lobe_count`](Self::lobe_count); [`Error::Direction`] if `wo`
     /// is not a finite unit vector. The mixture is empty then.
     #[inline]
-    pub fn prepare<const N: usize>(&self, wo: Vec3, mixture: &mut Mixture<N>) -> Result<(), Error> {
+    pub fn prepare<const N: usize>(&self, wo: Vec3, mixture: &mut Mixture<'a, N>) -> Result<(), Error> {
         self.prepare_leaving_out(wo, LeaveOut::default(), mixture)
     }
 
@@ -166,7 +188,7 @@ impl<'a> Material<'a> {
         &self,
         wo: Vec3,
         leave_out: LeaveOut,
-        mixture: &mut Mixture<N>,
+        mixture: &mut Mixture<'a, N>,
     ) -> Result<(), Error> {
         let level = Level::current();
         level.run(Prepare { material: self, wo, leave_out, level, mixture })
@@ -182,7 +204,7 @@ impl<'a> Material<'a> {
         level: Level,
         wo: Vec3,
         leave_out: LeaveOut,
-        mixture: &mut Mixture<N>,
+        mixture: &mut Mixture<'a, N>,
     ) -> Result<(), Error> {
         if !level.is_available() {
             mixture.begin(Level::Scalar, Domain::Hemisphere, Squeeze::NONE);

@@ -1,5 +1,7 @@
 //! A mixture: the lobes that one outgoing direction needs, ready to evaluate and sample.
 
+use crate::color;
+use crate::factors::Factors;
 use crate::lanes::{Lanes, dot3, exp2, splat3};
 use crate::leave_out::LeaveOut;
 use crate::simd::Level;
@@ -43,7 +45,8 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// `f cos / pdf`, linear sRGB: its luminance is that of the mixture's albedo at every sample.
+    /// `f cos / pdf`, linear sRGB: its luminance is that of the mixture's albedo at every sample, times that of a factor if the
+    /// material has factors.
     #[inline]
     pub fn weight(&self) -> Vec3 {
         self.value / self.pdf
@@ -52,7 +55,8 @@ impl Sample {
 
 /// A sum of lobes, and a diffuse term, for one outgoing direction; storage for `N` lobes, without allocation.
 ///
-/// `N` is 16, 32, 48 or 64. The first lobes see the squeezed direction, the others the direction itself. The diffuse term
+/// One that a material with factors has made reads them from the bytes of the material, which live for `'m`; any other lives for as
+/// long as it may. `N` is 16, 32, 48 or 64. The first lobes see the squeezed direction, the others the direction itself. The diffuse term
 /// is `albedo cos / pi` on the hemisphere: lobes cannot make the cosine of a diffuse surface, and it keeps `f cos / pdf`
 /// bounded where the lobes end.
 ///
@@ -64,7 +68,7 @@ impl Sample {
 /// `(exp(-s (1 - t)) - exp(-2 s)) / (1 - exp(-2 s)) <= exp(-s (1 - t))` of its integral at `cos <= t`. What is left out
 /// is at most `1e-7 a` at any direction.
 #[derive(Clone, Debug)]
-pub struct Mixture<const N: usize> {
+pub struct Mixture<'m, const N: usize> {
     pub(crate) count: usize,
     pub(crate) squeezed: usize,
     pub(crate) domain: Domain,
@@ -87,6 +91,8 @@ pub struct Mixture<const N: usize> {
     pub(crate) lobes_power: f32,
     /// The part that the diffuse term has: the difference of the two above would have lost its digits.
     pub(crate) diffuse_power: f32,
+    /// What values are multiplied by.
+    pub(crate) factors: Factors<'m>,
     // Structure of arrays; places from `count` up to the next multiple of what one direction
     // takes at a time (two vectors on AVX2, one elsewhere) hold lobes of amplitude 0.
     pub(crate) axis_x: [f32; N],
@@ -119,18 +125,18 @@ pub(crate) const fn lowest_bits(count: usize) -> u64 {
     if count == 0 { 0 } else { u64::MAX >> (64 - count) }
 }
 
-/// Largest component that folded lobes can have, if all have their peaks at one place.
+/// Largest magnitude of a component that folded lobes can have, if all have their peaks at one place.
 fn lobes_at_most(lobes: &[Lobe]) -> f32 {
-    2.0 * lobes.iter().map(|lobe| lobe.amplitude.max_element()).sum::<f32>()
+    2.0 * lobes.iter().map(|lobe| lobe.amplitude.abs().max_element()).sum::<f32>()
 }
 
-impl<const N: usize> Default for Mixture<N> {
+impl<const N: usize> Default for Mixture<'_, N> {
     fn default() -> Self {
         Self::empty()
     }
 }
 
-impl<const N: usize> Mixture<N> {
+impl<const N: usize> Mixture<'_, N> {
     /// The mixture without lobes: value, albedo and density are 0, and no sample can be drawn.
     pub const fn empty() -> Self {
         const {
@@ -154,6 +160,7 @@ impl<const N: usize> Mixture<N> {
             inverse_power: 0.0,
             lobes_power: 0.0,
             diffuse_power: 0.0,
+            factors: Factors::NONE,
             axis_x: zeros,
             axis_y: zeros,
             axis_z: zeros,
@@ -235,6 +242,7 @@ impl<const N: usize> Mixture<N> {
         self.inverse_power = 0.0;
         self.lobes_power = 0.0;
         self.diffuse_power = 0.0;
+        self.factors.nodes = &[];
     }
 
     /// Completes the mixture from axes, sharpness and amplitudes, which the caller has stored and checked; those of
@@ -397,9 +405,9 @@ impl<const N: usize> Mixture<N> {
     /// The same lobes beside a diffuse term of an albedo, linear sRGB: `albedo cos / pi` is added to the value.
     ///
     /// # Errors
-    /// [`Error::Amplitude`] if a channel is not finite or negative, or the mixture lives on the whole sphere.
+    /// [`Error::Amplitude`] for a colour that no [`Lobe`] may have, and for a mixture that lives on the whole sphere or has factors.
     pub fn with_diffuse(mut self, albedo: Vec3) -> Result<Self, Error> {
-        if !albedo.is_finite() || albedo.min_element() < 0.0 || self.domain == Domain::Sphere {
+        if !color::is_admissible(albedo) || self.domain == Domain::Sphere || self.has_factors() {
             return Err(Error::Amplitude);
         }
         if self.count == 0 {
@@ -499,13 +507,15 @@ impl<const N: usize> Mixture<N> {
 
     /// Integral of the value over the domain, in closed form: `diffuse + sum a I(s)`; linear sRGB.
     ///
-    /// For a material, the directional albedo towards the outgoing direction.
+    /// For a material, the directional albedo towards the outgoing direction. One with factors stores it for its views, and it is
+    /// interpolated linearly between them.
     #[inline]
     pub fn albedo(&self) -> Vec3 {
-        self.lobes_albedo + self.diffuse
+        if self.has_factors() { self.factors.albedo } else { self.lobes_albedo + self.diffuse }
     }
 
-    /// Luminance of the albedo: what the density is normalised by, and the luminance of every sample's weight.
+    /// Luminance of the closed form of the albedo, without factors: what the density is normalised by, and without factors the luminance of
+    /// every sample's weight.
     #[inline]
     pub fn power(&self) -> f32 {
         self.power
@@ -523,6 +533,12 @@ impl<const N: usize> Mixture<N> {
     /// 2 plus its exponent.
     #[inline]
     pub fn evaluate(&self, direction: Vec3) -> Vec3 {
+        self.with_factor(direction, self.lobes_value(direction))
+    }
+
+    /// What the lobes and the diffuse term have, without factors.
+    #[inline(always)]
+    fn lobes_value(&self, direction: Vec3) -> Vec3 {
         if self.is_plain() {
             self.level.run_one::<_, EvaluateOne<false>>(self, direction.to_array())
         } else {
@@ -543,8 +559,8 @@ impl<const N: usize> Mixture<N> {
     /// Value and density in one pass over the lobes.
     #[inline]
     pub fn evaluate_and_pdf(&self, direction: Vec3) -> (Vec3, f32) {
-        let value = self.evaluate(direction);
-        (value, luminance(value) * self.inverse_power)
+        let value = self.lobes_value(direction);
+        (self.with_factor(direction, value), luminance(value) * self.inverse_power)
     }
 
     /// Draws an incident direction from the density: lobe by `u[0]`, direction in it by `u[1]` and `u[2]`.
@@ -566,7 +582,8 @@ impl<const N: usize> Mixture<N> {
         let (direction, value) = self.level.draw_one::<_, Drawn<SEEN>, EvaluateOne<SEEN>>(self, u);
         let pdf = luminance(value) * self.inverse_power;
         // A density that f32 rounds to 0 cannot be divided by: far out in a tail, where the value is 0 too.
-        (pdf > 0.0).then_some(Sample { direction: Vec3::from_array(direction), pdf, value })
+        let direction = Vec3::from_array(direction);
+        (pdf > 0.0).then(|| Sample { direction, pdf, value: self.with_factor(direction, value) })
     }
 
     /// Draws only direction and density of [`sample`](Self::sample), for callers that take the value elsewhere: one colour channel in

@@ -8,13 +8,14 @@ use crate::batch::{SamplesMut, same_length};
 #[cfg(feature = "simd")]
 use crate::block::{self, DrawBlock, SumBlock};
 #[cfg(feature = "simd")]
+use crate::factors::multiply_block;
 use crate::luminance;
 use crate::prepare::PrepareInto;
 use crate::simd::Level;
 use crate::{Error, Material, Mixture};
 use glam::Vec3;
 
-impl Material<'_> {
+impl<'m> Material<'m> {
     /// Evaluates `f cos` and the density for n pairs of an outgoing and an incident direction.
     ///
     /// The same values as [`prepare`](Self::prepare) and [`Mixture::evaluate`], pair by pair. An outgoing direction
@@ -152,7 +153,7 @@ impl Material<'_> {
     pub fn prepare_into<const N: usize>(
         &self,
         wo: [&[f32]; 3],
-        mixtures: &mut [Mixture<N>],
+        mixtures: &mut [Mixture<'m, N>],
     ) -> Result<(), Error> {
         same_length(wo.iter().map(|s| s.len()).chain([mixtures.len()]))?;
         if self.lobe_count() > N {
@@ -172,10 +173,10 @@ fn at(vectors: &[&[f32]; 3], i: usize) -> Vec3 {
 /// What is done with every pair, its mixture made.
 trait Each<const N: usize> {
     /// For mixture `m`, an empty one if the outgoing direction of pair `i` was none.
-    fn one(&mut self, m: &Mixture<N>, i: usize);
+    fn one(&mut self, m: &Mixture<'_, N>, i: usize);
     /// For the pairs from `from` on, as many as mixtures, at most [`block::MOST`].
     #[cfg(feature = "simd")]
-    fn block(&mut self, level: Level, mixtures: &[Mixture<N>], from: usize);
+    fn block(&mut self, level: Level, mixtures: &[Mixture<'_, N>], from: usize);
 }
 
 /// Fewer pairs than this are taken one by one.
@@ -233,7 +234,7 @@ struct EvaluatePairs<'a> {
 }
 
 impl<const N: usize> Each<N> for EvaluatePairs<'_> {
-    fn one(&mut self, m: &Mixture<N>, i: usize) {
+    fn one(&mut self, m: &Mixture<'_, N>, i: usize) {
         let (value, pdf) = m.evaluate_and_pdf(at(&self.wi, i));
         self.pdf[i] = pdf;
         let [red, green, blue] = &mut self.value;
@@ -241,14 +242,15 @@ impl<const N: usize> Each<N> for EvaluatePairs<'_> {
     }
 
     #[cfg(feature = "simd")]
-    fn block(&mut self, level: Level, mixtures: &[Mixture<N>], from: usize) {
+    fn block(&mut self, level: Level, mixtures: &[Mixture<'_, N>], from: usize) {
         let count = mixtures.len();
         let directions = &padded(&self.wi, from, count);
-        let value = level.run(SumBlock::<N, 3> { mixtures, directions });
+        let mut value = level.run(SumBlock::<N, 3> { mixtures, directions });
         for (i, m) in mixtures.iter().enumerate() {
             let value = Vec3::new(value[0][i], value[1][i], value[2][i]);
             self.pdf[from + i] = luminance(value) * m.inverse_power;
         }
+        multiply_block(level, mixtures, directions, &mut value);
         let [red, green, blue] = &mut self.value;
         copy_out(&value, [red, green, blue], from, count);
     }
@@ -260,7 +262,7 @@ struct SamplePairs<'a> {
 }
 
 impl<const N: usize> Each<N> for SamplePairs<'_> {
-    fn one(&mut self, m: &Mixture<N>, i: usize) {
+    fn one(&mut self, m: &Mixture<'_, N>, i: usize) {
         let u = at(&self.u, i).to_array();
         let (direction, pdf, weight) = match m.sample(u) {
             Some(sample) => (sample.direction, sample.pdf, sample.weight()),
@@ -273,16 +275,19 @@ impl<const N: usize> Each<N> for SamplePairs<'_> {
     }
 
     #[cfg(feature = "simd")]
-    fn block(&mut self, level: Level, mixtures: &[Mixture<N>], from: usize) {
+    fn block(&mut self, level: Level, mixtures: &[Mixture<'_, N>], from: usize) {
         let count = mixtures.len();
         let directions = level.run(DrawBlock { mixtures, u: &padded(&self.u, from, count) });
-        let value = level.run(SumBlock::<N, 3> { mixtures, directions: &directions });
+        let mut value = level.run(SumBlock::<N, 3> { mixtures, directions: &directions });
         let SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] } = &mut self.samples;
         for (i, m) in mixtures.iter().enumerate() {
-            let value = Vec3::new(value[0][i], value[1][i], value[2][i]);
-            let density = luminance(value) * m.inverse_power;
-            let weight = if density > 0.0 { value / density } else { Vec3::ZERO };
+            let density = luminance(Vec3::new(value[0][i], value[1][i], value[2][i])) * m.inverse_power;
             pdf[from + i] = density;
+        }
+        multiply_block(level, mixtures, &directions, &mut value);
+        for i in 0..count {
+            let (value, density) = (Vec3::new(value[0][i], value[1][i], value[2][i]), pdf[from + i]);
+            let weight = if density > 0.0 { value / density } else { Vec3::ZERO };
             [red[from + i], green[from + i], blue[from + i]] = weight.to_array();
         }
         copy_out(&directions, [x, y, z], from, count);
@@ -297,14 +302,28 @@ struct OneChannelPairs<'a> {
 }
 
 impl<const N: usize> Each<N> for OneChannelPairs<'_> {
-    fn one(&mut self, m: &Mixture<N>, i: usize) {
-        let pdf = m.pdf(at(&self.wi, i));
-        self.out[i] = if self.is_pdf { pdf } else { pdf * m.power };
+    fn one(&mut self, m: &Mixture<'_, N>, i: usize) {
+        let d = at(&self.wi, i);
+        self.out[i] = if self.is_pdf {
+            m.pdf(d)
+        } else if m.has_factors() {
+            luminance(m.evaluate(d))
+        } else {
+            m.pdf(d) * m.power
+        };
     }
 
     #[cfg(feature = "simd")]
-    fn block(&mut self, level: Level, mixtures: &[Mixture<N>], from: usize) {
+    fn block(&mut self, level: Level, mixtures: &[Mixture<'_, N>], from: usize) {
         let directions = &padded(&self.wi, from, mixtures.len());
+        if !self.is_pdf && mixtures.iter().any(Mixture::has_factors) {
+            let mut value = level.run(SumBlock::<N, 3> { mixtures, directions });
+            multiply_block(level, mixtures, directions, &mut value);
+            for i in 0..mixtures.len() {
+                self.out[from + i] = luminance(Vec3::new(value[0][i], value[1][i], value[2][i]));
+            }
+            return;
+        }
         let [sums] = level.run(SumBlock::<N, 1> { mixtures, directions });
         for (i, m) in mixtures.iter().enumerate() {
             self.out[from + i] = if self.is_pdf { sums[i] * m.inverse_power } else { sums[i] };
@@ -319,7 +338,7 @@ struct SamplePdfPairs<'a> {
 }
 
 impl<const N: usize> Each<N> for SamplePdfPairs<'_> {
-    fn one(&mut self, m: &Mixture<N>, i: usize) {
+    fn one(&mut self, m: &Mixture<'_, N>, i: usize) {
         let direction = m.sample_direction(at(&self.u, i).to_array()).unwrap_or(Vec3::Z);
         self.pdf[i] = m.pdf(direction);
         let [x, y, z] = &mut self.direction;
@@ -327,7 +346,7 @@ impl<const N: usize> Each<N> for SamplePdfPairs<'_> {
     }
 
     #[cfg(feature = "simd")]
-    fn block(&mut self, level: Level, mixtures: &[Mixture<N>], from: usize) {
+    fn block(&mut self, level: Level, mixtures: &[Mixture<'_, N>], from: usize) {
         let count = mixtures.len();
         let directions = level.run(DrawBlock { mixtures, u: &padded(&self.u, from, count) });
         let [sums] = level.run(SumBlock::<N, 1> { mixtures, directions: &directions });

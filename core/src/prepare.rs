@@ -1,12 +1,12 @@
 //! From a material and an outgoing direction to a mixture: lanes are lobes.
 
-use crate::anisotropic;
+use crate::factors::Factors;
 use crate::format::{self, Kind, f32_at};
 use crate::lanes::{Lanes, atan2_positive, exp2, sin_cos, splat3};
 use crate::simd::{Level, Routine};
 use crate::squeeze::Squeeze;
 use crate::two::Two;
-use crate::{Domain, Error, LeaveOut, MAX_LOBES, Material, Mixture};
+use crate::{Domain, Error, LeaveOut, MAX_LOBES, Material, Mixture, anisotropic, color};
 use glam::Vec3;
 
 /// Widest vector of any back end, a pair included.
@@ -26,16 +26,16 @@ macro_rules! from_offset {
     }};
 }
 
-pub(crate) struct Prepare<'a, 'b, 'm, const N: usize> {
+pub(crate) struct Prepare<'a, 'b, const N: usize> {
     pub material: &'a Material<'b>,
     pub wo: Vec3,
     pub leave_out: LeaveOut,
     /// What it runs on.
     pub level: Level,
-    pub mixture: &'m mut Mixture<N>,
+    pub mixture: &'a mut Mixture<'b, N>,
 }
 
-impl<const N: usize> Routine for Prepare<'_, '_, '_, N> {
+impl<const N: usize> Routine for Prepare<'_, '_, N> {
     type Output = Result<(), Error>;
     #[inline(always)]
     fn run<L: Lanes>(self) -> Result<(), Error> {
@@ -44,12 +44,12 @@ impl<const N: usize> Routine for Prepare<'_, '_, '_, N> {
 }
 
 #[inline(always)]
-pub(crate) fn prepare<L: Lanes, const N: usize>(
-    material: &Material<'_>,
+pub(crate) fn prepare<'m, L: Lanes, const N: usize>(
+    material: &Material<'m>,
     wo: Vec3,
     leave_out: LeaveOut,
     level: Level,
-    mixture: &mut Mixture<N>,
+    mixture: &mut Mixture<'m, N>,
 ) -> Result<(), Error> {
     mixture.begin(level, Domain::Hemisphere, Squeeze::NONE);
     let count = material.lobe_count();
@@ -82,7 +82,22 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     let place = Place::after(material, views_passed::<L>(material, theta), theta);
     at_place::<L, N>(material, azimuth, place, leave_out, mixture);
     mixture.sum_up();
+    take_factors(material, place, wo, mixture);
     Ok(())
+}
+
+/// Gives a mixture the factors of its material, if there are some.
+#[inline(always)]
+fn take_factors<'m, const N: usize>(
+    material: &Material<'m>,
+    place: Place,
+    wo: Vec3,
+    mixture: &mut Mixture<'m, N>,
+) {
+    if material.header.factors[0] > 0 {
+        let [a, b] = [place.before, place.after].map(|view| Vec3::from_array(material.stored_albedo(view)));
+        mixture.factors = Factors::new(material, wo, a + place.blend * (b - a));
+    }
 }
 
 /// Mixtures for many outgoing directions: lanes are directions for their angles and azimuths, lobes for the rest.
@@ -92,7 +107,7 @@ pub(crate) struct PrepareInto<'a, 'b, const N: usize> {
     /// What it runs on.
     pub level: Level,
     /// As many as directions; a direction that is none leaves an empty one. They have room for all lobes.
-    pub mixtures: &'a mut [Mixture<N>],
+    pub mixtures: &'a mut [Mixture<'b, N>],
 }
 
 impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
@@ -100,7 +115,8 @@ impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
     #[inline(always)]
     #[allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
     fn run<L: Lanes>(self) {
-        let Self { material, wo: [x, y, z], level, mixtures } = self;
+        let Self { material, wo, level, mixtures } = self;
+        let [x, y, z] = wo;
         if L::COUNT == 1 || matches!(material.header.kind, Kind::Grid(_)) {
             for i in 0..mixtures.len() {
                 let wo = Vec3::new(x[i], y[i], z[i]);
@@ -135,6 +151,8 @@ impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
                     let place = Place::after(material, passed_by[i] as usize, thetas[i]);
                     let azimuth = [azimuths[0][i], azimuths[1][i]];
                     at_place::<L, N>(material, azimuth, place, LeaveOut::default(), mixture);
+                    let wo = Vec3::new(wo[0][at + i], wo[1][at + i], wo[2][at + i]);
+                    take_factors(material, place, wo, mixture);
                 }
             }
             // Apart, so that the chains of additions of many mixtures run side by side.
@@ -196,21 +214,28 @@ fn at_place<L: Lanes, const N: usize>(
     azimuth: [f32; 2],
     place: Place,
     leave_out: LeaveOut,
-    mixture: &mut Mixture<N>,
+    mixture: &mut Mixture<'_, N>,
 ) {
     // The heads: squeeze and diffuse albedo.
     let (copy_a, copy_b);
     let (a, b) = (material.header.head(place.before), material.header.head(place.after));
     let a = from_offset!(material.bytes, a, 0, HEADS, copy_a, HEADS);
     let b = from_offset!(material.bytes, b, 0, HEADS, copy_b, HEADS);
-    let mut head = [0.0; WIDEST];
+    let (mut head, mut logarithms) = ([0.0; WIDEST], [0.0; WIDEST]);
     let mut i = 0;
     while i < format::HEAD {
-        exp2(place.between::<L>(a, b, i)).store(&mut head[i..]);
+        // What comes behind the head is none of its numbers, and its power of two may be a subnormal, which costs 150 cycles.
+        let numbers = place.between::<L>(a, b, i).keep(L::first_lanes(format::HEAD - i));
+        exp2(numbers).store(&mut head[i..]);
+        numbers.store(&mut logarithms[i..]);
         i += L::COUNT;
     }
     mixture.squeeze = Squeeze::new(azimuth, 1.0, 1.0 / head[0]);
-    mixture.diffuse = Vec3::new(head[1], head[2], head[3]);
+    mixture.diffuse = if material.header.has_luminance {
+        Vec3::from_array(color::rgb(head[1], [logarithms[2], logarithms[3]]))
+    } else {
+        Vec3::new(head[1], head[2], head[3])
+    };
 
     // Twelve lobes are one and a half vectors of eight lanes: a pair of them, with constants loaded once.
     match (L::LOBES_PAIRED, material.header.mirrored > 0) {
@@ -271,7 +296,7 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
     material: &Material<'_>,
     place: Place,
     leave_out: LeaveOut,
-    mixture: &mut Mixture<N>,
+    mixture: &mut Mixture<'_, N>,
 ) {
     let header = &material.header;
     let (count, mirrored) = (header.lobes, if MIRRORED { header.mirrored } else { 0 });
@@ -288,11 +313,19 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
     let mut k = 0;
     while k < total && k + L::COUNT <= N {
         let valid = L::iota().lt(L::splat((total - k) as f32));
-        let angle = L::select(valid, rows.row(0, k), zero);
-        let log_sharpness = L::select(valid, rows.row(1, k), zero);
-        let log_red = rows.row::<L>(2, k);
-        let log_green = rows.row::<L>(3, k);
-        let log_blue = rows.row::<L>(4, k);
+        // Lanes without a lobe hold bytes of the next view or of the text, whose powers of two may be subnormals: 150 cycles each on Intel.
+        let angle = rows.row::<L>(0, k).keep(valid);
+        let log_sharpness = rows.row::<L>(1, k).keep(valid);
+        let color = [
+            rows.row::<L>(2, k).keep(valid),
+            rows.row::<L>(3, k).keep(valid),
+            rows.row::<L>(4, k).keep(valid),
+        ];
+        let amplitude = if header.has_luminance {
+            color::rgb(exp2(color[0]).keep(valid), [color[1], color[2]])
+        } else {
+            [exp2(color[0]).keep(valid), exp2(color[1]).keep(valid), exp2(color[2]).keep(valid)]
+        };
         let (mut x, mut z) = sin_cos(angle);
         let mut y = zero;
         if mirrored > 0 && k + L::COUNT > count - mirrored {
@@ -303,9 +336,9 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
         y.store(&mut mixture.axis_y[k..]);
         z.store(&mut mixture.axis_z[k..]);
         exp2(log_sharpness).store(&mut mixture.sharpness[k..]);
-        L::select(valid, exp2(log_red), zero).store(&mut mixture.red[k..]);
-        L::select(valid, exp2(log_green), zero).store(&mut mixture.green[k..]);
-        L::select(valid, exp2(log_blue), zero).store(&mut mixture.blue[k..]);
+        amplitude[0].store(&mut mixture.red[k..]);
+        amplitude[1].store(&mut mixture.green[k..]);
+        amplitude[2].store(&mut mixture.blue[k..]);
         k += L::COUNT;
     }
     mixture.finish_lobes::<L>(total, header.squeezed, leave_out);
@@ -342,7 +375,9 @@ impl Rows<'_> {
         let image = zero - self.place.between::<L>(self.a, self.b, at);
         let image = L::select(self.before::<L>(self.count + self.mirrored, k), image, zero);
         let mirrored = L::select(self.before::<L>(self.count, k), stored, image);
-        L::select(self.before::<L>(self.count - self.mirrored, k), zero, mirrored)
+        let off_plane = L::select(self.before::<L>(self.count - self.mirrored, k), zero, mirrored);
+        // The square of what is next to nothing is a subnormal.
+        off_plane.keep(off_plane.abs().ge(L::splat(LEAST_OFF_PLANE)))
     }
 
     /// Which lobes of a vector come before one.
@@ -351,6 +386,9 @@ impl Rows<'_> {
         L::iota().lt(L::splat(lobe as f32 - k as f32))
     }
 }
+
+/// Least angle out of the plane of incidence that is not taken for 0, radians.
+const LEAST_OFF_PLANE: f32 = 1e-9;
 
 /// Bytes of one vector: the angles of views, or the head of one.
 const HEADS: usize = 4 * WIDEST;

@@ -125,7 +125,7 @@ impl Lobe {
     }
 }
 
-impl<const N: usize> Mixture<N> {
+impl<const N: usize> Mixture<'_, N> {
     /// Multiplies two mixtures of round lobes, lobe by lobe, into the caller's storage.
     ///
     /// A folded lobe counts as two, itself and its mirror image. The products are not folded: they are lobes of the
@@ -137,8 +137,12 @@ impl<const N: usize> Mixture<N> {
     /// other]; [`product_len`](Self::product_len) says.
     ///
     /// # Errors
-    /// [`Error::Capacity`]; [`Error::Squeezed`], since a squeezed lobe or a diffuse term times a lobe is not a lobe.
-    pub fn product_into<const M: usize>(&self, other: &Mixture<M>, out: &mut [Lobe]) -> Result<usize, Error> {
+    /// [`Error::Capacity`]; [`Error::Squeezed`], since a squeezed lobe, a diffuse term or a factor times a lobe is not a lobe.
+    pub fn product_into<const M: usize>(
+        &self,
+        other: &Mixture<'_, M>,
+        out: &mut [Lobe],
+    ) -> Result<usize, Error> {
         self.check_round()?;
         other.check_round()?;
         let needed = self.product_len(other);
@@ -153,7 +157,7 @@ impl<const N: usize> Mixture<N> {
     }
 
     /// Number of lobes that [`product_into`](Self::product_into) writes.
-    pub fn product_len<const M: usize>(&self, other: &Mixture<M>) -> usize {
+    pub fn product_len<const M: usize>(&self, other: &Mixture<'_, M>) -> usize {
         let count = |lobes: usize, folded: u64| lobes + folded.count_ones() as usize;
         count(self.count, self.folded) * count(other.count, other.folded)
     }
@@ -174,9 +178,9 @@ impl<const N: usize> Mixture<N> {
     /// Between a folded mixture and one on the sphere by [`Gaussian::hemisphere_integral`].
     ///
     /// # Errors
-    /// [`Error::Squeezed`], for squeezed lobes and diffuse terms.
+    /// [`Error::Squeezed`], for squeezed lobes, diffuse terms and factors.
     #[doc(alias = "spherical singular integral")]
-    pub fn inner_product<const M: usize>(&self, other: &Mixture<M>) -> Result<Vec3, Error> {
+    pub fn inner_product<const M: usize>(&self, other: &Mixture<'_, M>) -> Result<Vec3, Error> {
         self.check_round()?;
         other.check_round()?;
         let mut sum = Vec3::ZERO;
@@ -212,7 +216,11 @@ impl<const N: usize> Mixture<N> {
 
     fn check_round(&self) -> Result<(), Error> {
         let squeezed = self.squeezed > 0 && !self.squeeze.is_round();
-        if squeezed || self.diffuse != Vec3::ZERO { Err(Error::Squeezed) } else { Ok(()) }
+        if squeezed || self.diffuse != Vec3::ZERO || self.has_factors() {
+            Err(Error::Squeezed)
+        } else {
+            Ok(())
+        }
     }
 
     /// Lobe `k < len` with its axis turned to the caller's shading frame.

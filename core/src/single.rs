@@ -14,11 +14,11 @@ use glam::Vec3;
 /// Value towards a direction. `SEEN`: for a mixture that turns or squeezes it.
 pub(crate) struct EvaluateOne<const SEEN: bool>;
 
-impl<const N: usize, const SEEN: bool> One<Mixture<N>> for EvaluateOne<SEEN> {
+impl<const N: usize, const SEEN: bool> One<Mixture<'_, N>> for EvaluateOne<SEEN> {
     type Output = Vec3;
     const IS_WIDE: bool = true;
     #[inline(always)]
-    fn run<L: Lanes>(m: &Mixture<N>, direction: [f32; 3]) -> Vec3 {
+    fn run<L: Lanes>(m: &Mixture<'_, N>, direction: [f32; 3]) -> Vec3 {
         value_one::<L, N, SEEN>(m, direction)
     }
 }
@@ -26,11 +26,11 @@ impl<const N: usize, const SEEN: bool> One<Mixture<N>> for EvaluateOne<SEEN> {
 /// Density at a direction. `SEEN`: for a mixture that turns or squeezes it.
 pub(crate) struct PdfOne<const SEEN: bool>;
 
-impl<const N: usize, const SEEN: bool> One<Mixture<N>> for PdfOne<SEEN> {
+impl<const N: usize, const SEEN: bool> One<Mixture<'_, N>> for PdfOne<SEEN> {
     type Output = f32;
     const IS_WIDE: bool = true;
     #[inline(always)]
-    fn run<L: Lanes>(m: &Mixture<N>, direction: [f32; 3]) -> f32 {
+    fn run<L: Lanes>(m: &Mixture<'_, N>, direction: [f32; 3]) -> f32 {
         luminance_one::<L, N, SEEN>(m, direction) * m.inverse_power
     }
 }
@@ -38,9 +38,9 @@ impl<const N: usize, const SEEN: bool> One<Mixture<N>> for PdfOne<SEEN> {
 /// A direction from three uniform numbers, and what follows. `SEEN`: for a mixture that turns or squeezes it.
 pub(crate) struct Drawn<const SEEN: bool>;
 
-impl<const N: usize, const SEEN: bool> Draw<Mixture<N>> for Drawn<SEEN> {
+impl<const N: usize, const SEEN: bool> Draw<Mixture<'_, N>> for Drawn<SEEN> {
     #[inline(always)]
-    fn run<L: Lanes>(m: &Mixture<N>, u: [f32; 3]) -> ([f32; 3], f32) {
+    fn run<L: Lanes>(m: &Mixture<'_, N>, u: [f32; 3]) -> ([f32; 3], f32) {
         let (d, inverse) = draw_one::<L, N, SEEN>(m, u);
         // What was squeezed has another length.
         if SEEN { (scale(d, inverse), 1.0) } else { (d, inverse) }
@@ -50,11 +50,11 @@ impl<const N: usize, const SEEN: bool> Draw<Mixture<N>> for Drawn<SEEN> {
 /// A direction from three uniform numbers.
 pub(crate) struct DirectionOne;
 
-impl<const N: usize> One<Mixture<N>> for DirectionOne {
+impl<const N: usize> One<Mixture<'_, N>> for DirectionOne {
     type Output = Vec3;
     const IS_WIDE: bool = false;
     #[inline(always)]
-    fn run<L: Lanes>(m: &Mixture<N>, u: [f32; 3]) -> Vec3 {
+    fn run<L: Lanes>(m: &Mixture<'_, N>, u: [f32; 3]) -> Vec3 {
         let (d, inverse) = draw_one::<L, N, true>(m, u);
         Vec3::from_array(scale(d, inverse))
     }
@@ -63,7 +63,7 @@ impl<const N: usize> One<Mixture<N>> for DirectionOne {
 /// Value towards one direction.
 #[inline(always)]
 pub(crate) fn value_one<L: Lanes, const N: usize, const SEEN: bool>(
-    m: &Mixture<N>,
+    m: &Mixture<'_, N>,
     direction: [f32; 3],
 ) -> Vec3 {
     let amplitudes = [&m.red, &m.green, &m.blue];
@@ -79,7 +79,7 @@ pub(crate) fn value_one<L: Lanes, const N: usize, const SEEN: bool>(
 /// Luminance of the value towards one direction.
 #[inline(always)]
 pub(crate) fn luminance_one<L: Lanes, const N: usize, const SEEN: bool>(
-    m: &Mixture<N>,
+    m: &Mixture<'_, N>,
     direction: [f32; 3],
 ) -> f32 {
     let diffuse = [m.diffuse_power];
@@ -94,7 +94,7 @@ pub(crate) fn luminance_one<L: Lanes, const N: usize, const SEEN: bool>(
 /// Sums the lobes towards one direction, once for each of `C` sets of amplitudes. `SEEN`: it is turned or squeezed.
 #[inline(always)]
 pub(crate) fn sums_one<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
-    m: &Mixture<N>,
+    m: &Mixture<'_, N>,
     amplitudes: [&[f32; N]; C],
     diffuse: [f32; C],
     direction: [f32; 3],
@@ -132,7 +132,7 @@ pub(crate) fn with_diffuse<const C: usize>(mut sums: [f32; C], diffuse: [f32; C]
 /// Sums all lobes towards a direction. `SEEN`: it was turned or squeezed, and has a low part and a scale.
 #[inline(always)]
 pub(crate) fn all_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
-    m: &Mixture<N>,
+    m: &Mixture<'_, N>,
     amplitudes: [&[f32; N]; C],
     turned: &Sight,
     squeezed: &Sight,
@@ -174,7 +174,7 @@ pub(crate) fn all_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bo
 /// Adds the lobes from `k` on, one a lane. `SEEN`: the direction was turned or squeezed, and has a low part and a scale.
 #[inline(always)]
 fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
-    m: &Mixture<N>,
+    m: &Mixture<'_, N>,
     amplitudes: [&[f32; N]; C],
     seen: &Seen<L>,
     k: usize,

@@ -149,6 +149,17 @@ impl<L: Lanes> Lanes for Two<L> {
         Self(L::lookup(table, len, index[0]), L::lookup(table, len, index[1]))
     }
     #[inline(always)]
+    fn node_pairs(nodes: &[u8], index: Self) -> [[Self; 3]; 2] {
+        let (low, high) = (L::node_pairs(nodes, index.0), L::node_pairs(nodes, index.1));
+        let mut pairs = [[index; 3]; 2];
+        for node in 0..2 {
+            for channel in 0..3 {
+                pairs[node][channel] = Self(low[node][channel], high[node][channel]);
+            }
+        }
+        pairs
+    }
+    #[inline(always)]
     fn first(self) -> f32 {
         self.0.first()
     }

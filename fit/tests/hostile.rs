@@ -43,7 +43,7 @@ fn sound(views: Vec<(f64, Scattered)>) -> Result<f64, srbf_fit::FitError> {
         (0..material.view_count()).flat_map(|v| (0..material.view_lobe_count()).map(move |k| (v, k)))
     {
         let lobe = material.view_lobe(view, lobe).unwrap();
-        let finite = lobe.log2_amplitude.iter().all(|a| a.is_finite());
+        let finite = lobe.log2_luminance.is_finite() && lobe.color_differences.iter().all(|a| a.is_finite());
         assert!(
             finite && (lobe.angle + lobe.off_plane).is_finite() && lobe.log2_sharpness.is_finite(),
             "{view}: {lobe:?}"

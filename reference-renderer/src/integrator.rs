@@ -11,7 +11,7 @@ use srbf_core::{MAX_LOBES, Mixture, Sample};
 use std::f32::consts::{FRAC_1_PI, TAU};
 
 /// Storage for the mixture of any material.
-pub type AnyMixture = Mixture<MAX_LOBES>;
+pub type AnyMixture<'m> = Mixture<'m, MAX_LOBES>;
 
 /// How directions are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]

@@ -61,7 +61,7 @@ impl Random {
         Lobe::new(self.direction(), sharpness, rgb * sharpness.max(0.1)).expect("a valid lobe")
     }
     /// A mixture of random lobes, the first half squeezed unless `squeeze` is 1.
-    pub fn mixture(&mut self, domain: Domain, count: usize, squeeze: f32) -> Mixture<64> {
+    pub fn mixture(&mut self, domain: Domain, count: usize, squeeze: f32) -> Mixture<'static, 64> {
         let lobes: Vec<Lobe> = (0..count).map(|_| self.lobe(-1.0, 4.0)).collect();
         let squeezed = if squeeze == 1.0 { 0 } else { count.div_ceil(2) };
         Mixture::new(domain, squeeze, &lobes[..squeezed], &lobes[squeezed..]).expect("a valid mixture")

@@ -57,6 +57,12 @@ pub fn luminance(rgb: DVec3) -> f64 {
     0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z
 }
 
+/// Linear sRGB of a luminance and two relative colour differences.
+pub fn color(luminance: f64, [rho, beta]: [f64; 2]) -> DVec3 {
+    let green = 1.0 - (0.2126 * rho + 0.0722 * beta) / 0.7152;
+    luminance * DVec3::new(1.0 + rho, green, 1.0 + beta)
+}
+
 /// Density of a mixture that is in the caller's frame.
 pub fn mixture_pdf<const N: usize>(m: &Mixture<N>, d: DVec3) -> f64 {
     let power: f64 = (0..m.len())

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 use srbf_core::{
-    Domain, Error, KernelTable, LeaveOut, Level, Lobe, Material, Mixture, PlaneLobe, View, encode,
-    encoded_len, luminance,
+    Domain, Error, KernelTable, LeaveOut, Level, Line, Lobe, Material, Mixture, PlaneLobe, View,
+    color_differences, luminance,
 };
 use srbf_tests::inputs::Random;
 
@@ -14,17 +14,20 @@ fn material(thetas: &[f32], lobes: &[PlaneLobe], squeezed: usize, mirrored: usiz
     let view = |&theta: &f32| View {
         theta,
         log2_squeeze: if theta > 0.0 && squeezed > 0 { -2.0 } else { 0.0 },
-        log2_diffuse: [diffuse; 3],
+        log2_diffuse: diffuse,
+        diffuse_color_differences: [0.0; 2],
         lobes: if theta > 0.0 { lobes } else { &at_normal },
     };
     let views: Vec<View> = thetas.iter().map(view).collect();
-    let mut bytes = vec![0; encoded_len(views.len(), lobes.len(), mirrored, "")];
-    encode(&views, squeezed, mirrored, "", &mut bytes).unwrap();
+    let line = Line { views: &views, squeezed, mirrored, factors: None };
+    let mut bytes = vec![0; line.encoded_len("")];
+    line.encode("", &mut bytes).unwrap();
     bytes
 }
 
 fn plane_lobe(angle: f32, log2_sharpness: f32) -> PlaneLobe {
-    PlaneLobe { angle, off_plane: 0.0, log2_sharpness, log2_amplitude: [0.0, -1.0, -2.0] }
+    let (log2_luminance, color_differences) = color_differences([0.0, -1.0, -2.0]);
+    PlaneLobe { angle, off_plane: 0.0, log2_sharpness, log2_luminance, color_differences }
 }
 
 /// One test at a time, as the level is that of the process.
@@ -226,7 +229,8 @@ fn a_lobe_that_is_all_there_is_is_never_left_out() {
     let mut random = Random(78);
     for _ in 0..200 {
         let lobe = PlaneLobe {
-            log2_amplitude: [random.between(-3.0, 3.0), random.between(-3.0, 3.0), random.between(-3.0, 3.0)],
+            log2_luminance: random.between(-3.0, 3.0),
+            color_differences: [random.between(-16.0, 16.0), random.between(-16.0, 16.0)],
             ..plane_lobe(0.0, random.between(-2.0, 12.0))
         };
         let bytes = material(&[0.0], &[lobe], 0, 0, -126.0);

@@ -4,6 +4,7 @@
 use glam::{DMat2, DVec2, DVec3, Vec3};
 use srbf_core::{Grid, GridView, Level, Material, Mixture, SamplesMut, TiltedLobe};
 use srbf_tests::inputs::Random;
+use srbf_tests::oracle;
 use srbf_tests::partition::Partition;
 use srbf_tests::statistics::sidak;
 use std::f64::consts::{PI, TAU};
@@ -24,6 +25,16 @@ struct Made {
     views: Vec<([f32; 3], [f32; 3], Vec<TiltedLobe>)>,
 }
 
+/// A view of the numbers of [`Made`].
+fn view((log2_squeeze, diffuse, lobes): &([f32; 3], [f32; 3], Vec<TiltedLobe>)) -> GridView<'_> {
+    GridView {
+        log2_squeeze: *log2_squeeze,
+        log2_diffuse: diffuse[0],
+        diffuse_color_differences: [diffuse[1], diffuse[2]],
+        lobes,
+    }
+}
+
 impl Made {
     fn new(seed: u64, azimuths: usize, turns: usize, sharpest: f32) -> Self {
         let mut random = Random(seed);
@@ -33,14 +44,15 @@ impl Made {
                 let theta = if view == 0 { 0.0 } else { THETAS[1 + (view - 1) / azimuths] };
                 let squeeze =
                     [random.between(-1.5, 1.5), random.between(-1.0, 1.0), random.between(-1.5, 3.0)];
-                let diffuse = [-2.0, -3.0, random.between(-4.0, -1.0)];
+                let diffuse = [-2.0, random.between(-1.0, 2.0), random.between(-1.0, 3.0)];
                 let lobes = (0..LOBES)
                     .map(|k| {
                         let level = sharpness[k] - 6.0;
                         TiltedLobe {
                             tilt: [theta + random.between(-0.3, 0.3), random.between(-0.4, 0.4)],
                             log2_sharpness: sharpness[k] + random.between(-0.5, 0.5),
-                            log2_amplitude: [level + random.between(-1.0, 1.0), level, level - 1.0],
+                            log2_luminance: level,
+                            color_differences: [random.between(-1.5, 2.0), random.between(-1.0, 4.0)],
                         }
                     })
                     .collect();
@@ -51,21 +63,14 @@ impl Made {
     }
 
     fn encode(&self) -> Vec<u8> {
-        let views: Vec<GridView> = self
-            .views
-            .iter()
-            .map(|(log2_squeeze, log2_diffuse, lobes)| GridView {
-                log2_squeeze: *log2_squeeze,
-                log2_diffuse: *log2_diffuse,
-                lobes,
-            })
-            .collect();
+        let views: Vec<GridView> = self.views.iter().map(view).collect();
         let grid = Grid {
             thetas: &THETAS,
             azimuths: self.azimuths,
             turns: self.turns,
             views: &views,
             squeezed: SQUEEZED,
+            factors: None,
         };
         let mut bytes = vec![0; grid.encoded_len(TEXT)];
         assert_eq!(grid.encode(TEXT, &mut bytes).unwrap(), bytes.len());
@@ -75,8 +80,9 @@ impl Made {
     /// All numbers of a view in one row: squeeze matrix, diffuse, then of each lobe tilt, sharpness, amplitude.
     fn numbers(&self, view: usize) -> Vec<f64> {
         let (squeeze, diffuse, lobes) = &self.views[view];
-        let of_lobes =
-            lobes.iter().flat_map(|l| l.tilt.into_iter().chain([l.log2_sharpness]).chain(l.log2_amplitude));
+        let of_lobes = lobes.iter().flat_map(|l| {
+            l.tilt.into_iter().chain([l.log2_sharpness, l.log2_luminance]).chain(l.color_differences)
+        });
         squeeze.iter().copied().chain(*diffuse).chain(of_lobes).map(f64::from).collect()
     }
 
@@ -121,7 +127,7 @@ impl Made {
         };
 
         let d = DVec3::new(wi.x * a.x + wi.y * a.y, wi.y * a.x - wi.x * a.y, wi.z);
-        let diffuse = DVec3::new(v[3], v[4], v[5]).map(f64::exp2);
+        let diffuse = oracle::color(v[3].exp2(), [v[4], v[5]]);
         let (mut value, mut albedo) = (diffuse * d.z / PI, diffuse);
         for (k, l) in v[6..].chunks(6).enumerate() {
             let tilt = DVec2::new(l[0], l[1]);
@@ -147,7 +153,7 @@ fn direction(theta: f32, phi: f32) -> Vec3 {
     Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
 }
 
-fn prepare(material: &Material, wo: Vec3) -> Mixture<16> {
+fn prepare<'m>(material: &Material<'m>, wo: Vec3) -> Mixture<'m, 16> {
     let mut m = Mixture::empty();
     material.prepare(wo, &mut m).unwrap();
     m
@@ -170,7 +176,8 @@ fn what_was_written_is_read() {
         let azimuth = if v == 0 { 0.0 } else { (v - 1) as f32 % 4.0 * std::f32::consts::FRAC_PI_4 };
         assert!((material.view_azimuth(v).unwrap() - azimuth).abs() < 1e-6);
         assert_eq!(material.view_log2_squeeze_matrix(v), Some(*squeeze));
-        assert_eq!(material.view_log2_diffuse(v), Some(*diffuse));
+        assert_eq!(material.view_log2_diffuse(v), Some(diffuse[0]));
+        assert_eq!(material.view_diffuse_color_differences(v), Some([diffuse[1], diffuse[2]]));
         for (k, lobe) in lobes.iter().enumerate() {
             assert_eq!(material.view_tilted_lobe(v, k), Some(*lobe));
         }
@@ -188,13 +195,15 @@ fn what_has_no_place_in_a_material_is_refused_with_its_name() {
     fn error(azimuths: usize, turns: usize, change: impl Fn(&mut Made)) -> String {
         let mut made = Made::new(1, azimuths, turns, 10.0);
         change(&mut made);
-        let views: Vec<GridView> = made
-            .views
-            .iter()
-            .map(|v| GridView { log2_squeeze: v.0, log2_diffuse: v.1, lobes: &v.2 })
-            .collect();
-        let grid =
-            Grid { thetas: &THETAS, azimuths: made.azimuths, turns, views: &views, squeezed: SQUEEZED };
+        let views: Vec<GridView> = made.views.iter().map(view).collect();
+        let grid = Grid {
+            thetas: &THETAS,
+            azimuths: made.azimuths,
+            turns,
+            views: &views,
+            squeezed: SQUEEZED,
+            factors: None,
+        };
         let mut bytes = vec![0; grid.encoded_len("")];
         grid.encode("", &mut bytes).unwrap_err().to_string()
     }
@@ -209,11 +218,13 @@ fn what_has_no_place_in_a_material_is_refused_with_its_name() {
     {
         assert!(error(4, 1, |m| m.views[3].0 = bad).contains(name), "{bad:?}");
     }
-    assert!(error(4, 1, |m| m.views[2].1[1] = 3.0).contains("diffuse"));
+    assert!(error(4, 1, |m| m.views[2].1[0] = 3.0).contains("diffuse"));
     assert!(error(4, 1, |m| m.views[2].2[1].tilt = [3.0, 1.0]).contains("axis"));
     assert!(error(4, 1, |m| m.views[2].2[1].tilt = [0.0, f32::NAN]).contains("axis"));
+    assert!(error(4, 1, |m| m.views[2].1[2] = f32::NAN).contains("diffuse"));
+    assert!(error(4, 1, |m| m.views[2].2[1].color_differences[1] = 16.1).contains("amplitude"));
     assert!(error(4, 1, |m| m.views[2].2[1].log2_sharpness = 27.0).contains("sharpness"));
-    assert!(error(4, 1, |m| m.views[2].2[1].log2_amplitude[2] = f32::INFINITY).contains("amplitude"));
+    assert!(error(4, 1, |m| m.views[2].2[1].log2_luminance = f32::INFINITY).contains("amplitude"));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Chi-square: the samples of mixtures follow their density; a density that is slightly wrong is rejected.
 
 use glam::Vec3;
-use srbf_core::{Domain, Level, Lobe, Material, Mixture, PlaneLobe, View, encode, encoded_len};
+use srbf_core::{Domain, Level, Line, Lobe, Material, Mixture, PlaneLobe, View, encoded_len};
 use srbf_tests::inputs::Random;
 use srbf_tests::partition::Partition;
 use srbf_tests::statistics::sidak;
@@ -24,7 +24,8 @@ fn material(random: &mut Random, lobes: usize, squeezed: usize, mirrored: usize)
                 angle: 0.0,
                 off_plane: 0.0,
                 log2_sharpness,
-                log2_amplitude: [level, level - 1.0, level + 0.5],
+                log2_luminance: level,
+                color_differences: [random.between(-1.5, 2.0), random.between(-1.0, 6.0)],
             }
         })
         .collect();
@@ -46,13 +47,16 @@ fn material(random: &mut Random, lobes: usize, squeezed: usize, mirrored: usize)
     let views: Vec<View> = views
         .iter()
         .enumerate()
-        .map(|(i, lobes)| {
-            let log2_diffuse = if squeezed > 0 { [1.0, 0.0, 0.5] } else { [-126.0; 3] };
-            View { theta: 0.38 * i as f32, log2_squeeze: -0.6 * i as f32, log2_diffuse, lobes }
+        .map(|(i, lobes)| View {
+            theta: 0.38 * i as f32,
+            log2_squeeze: -0.6 * i as f32,
+            log2_diffuse: if squeezed > 0 { 0.4 } else { -126.0 },
+            diffuse_color_differences: [0.5, -0.2],
+            lobes,
         })
         .collect();
     let mut bytes = vec![0; encoded_len(views.len(), lobes, mirrored, "")];
-    encode(&views, squeezed, mirrored, "", &mut bytes).unwrap();
+    Line { views: &views, squeezed, mirrored, factors: None }.encode("", &mut bytes).unwrap();
     bytes
 }
 
@@ -86,8 +90,9 @@ fn samples_of_mixtures_follow_their_density() {
     for count in counts {
         // Isotropic: axes in the plane of incidence or in pairs beside it, prepared for ten outgoing directions.
         for (squeezed, mirrored) in [(0, 0), (count.div_ceil(2), 0), (count / 3, count / 4)] {
-            let bytes = material(&mut random, count, squeezed, mirrored);
-            let material = Material::from_bytes(&bytes).unwrap();
+            // The jobs below borrow it.
+            let bytes = material(&mut random, count, squeezed, mirrored).leak();
+            let material = Material::from_bytes(bytes).unwrap();
             for wo in outgoing() {
                 let mut m = Mixture::<64>::empty();
                 material.prepare(wo, &mut m).unwrap();

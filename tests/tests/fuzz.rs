@@ -89,7 +89,6 @@ fn srbf_bytes() {
         include_bytes!("../../presets/cayman.srbf"),
     ];
     let mut random = Random(1);
-    let mut mixture = Mixture::<64>::empty();
     let mut accepted = 0;
     for execution in 0..executions() {
         let seed = seeds[below(&mut random, 3)];
@@ -104,6 +103,7 @@ fn srbf_bytes() {
         }
         let Ok(material) = Material::from_bytes(&bytes) else { continue };
         accepted += 1;
+        let mut mixture = Mixture::<64>::empty();
         for wo in [Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.0, -0.99, 0.141).normalize(), Vec3::X] {
             material.prepare(wo, &mut mixture).expect("a unit vector and room for every lobe");
             let u = [random.uniform(), random.uniform(), random.uniform()];

@@ -5,7 +5,7 @@ use srbf_core::{Domain, Error, LeaveOut, Lobe, Material, Mixture};
 
 const GARNET_RED: &[u8] = include_bytes!("../../presets/garnet_red.srbf");
 
-fn prepare(theta: f32, leave_out: LeaveOut) -> Mixture<16> {
+fn prepare(theta: f32, leave_out: LeaveOut) -> Mixture<'static, 16> {
     let material = Material::from_bytes(GARNET_RED).unwrap();
     let mut mixture = Mixture::empty();
     let wo = Vec3::new(-theta.sin(), 0.0, theta.cos());

@@ -1,8 +1,9 @@
 //! Materials: what was written is what is read, and views in between are interpolated as the design says.
 
 use glam::Vec3;
-use srbf_core::{Level, Material, Mixture, PlaneLobe, SamplesMut, View, encode, encoded_len};
+use srbf_core::{Level, Line, Material, Mixture, PlaneLobe, SamplesMut, View, encoded_len};
 use srbf_tests::inputs::Random;
+use srbf_tests::oracle;
 
 #[test]
 fn what_was_written_is_read_and_interpolated() {
@@ -15,7 +16,8 @@ fn what_was_written_is_read_and_interpolated() {
                     angle: if view == 0 { 0.0 } else { random.between(-1.0, 1.5) },
                     off_plane: if view == 0 || k < 4 { 0.0 } else { random.between(-1.4, 1.4) },
                     log2_sharpness: random.between(-3.0, 20.0),
-                    log2_amplitude: [random.between(-5.0, 5.0), random.between(-5.0, 5.0), 0.5],
+                    log2_luminance: random.between(-5.0, 5.0),
+                    color_differences: [random.between(-2.0, 4.0), random.between(-3.0, 12.0)],
                 })
                 .collect()
         })
@@ -26,13 +28,16 @@ fn what_was_written_is_read_and_interpolated() {
         .map(|(v, lobes)| View {
             theta: 0.45 * v as f32,
             log2_squeeze: -1.1 * v as f32,
-            log2_diffuse: [-2.0 - v as f32, -3.0, -1.0 - 0.5 * v as f32],
+            log2_diffuse: -2.0 - v as f32,
+            diffuse_color_differences: [0.2 * v as f32, -1.3],
             lobes,
         })
         .collect();
     let text = "test, made by tests/material.rs";
+    let line = Line { views: &views, squeezed: 2, mirrored: 1, factors: None };
     let mut bytes = vec![0; encoded_len(4, 5, 1, text)];
-    assert_eq!(encode(&views, 2, 1, text, &mut bytes).unwrap(), bytes.len());
+    assert_eq!(line.encoded_len(text), bytes.len());
+    assert_eq!(line.encode(text, &mut bytes).unwrap(), bytes.len());
     let material = Material::from_bytes(&bytes).unwrap();
     assert_eq!(material.bytes(), bytes);
     assert_eq!((material.view_count(), material.lobe_count(), material.view_lobe_count()), (4, 6, 5));
@@ -42,6 +47,7 @@ fn what_was_written_is_read_and_interpolated() {
         assert_eq!(material.view_theta(v), Some(view.theta));
         assert_eq!(material.view_log2_squeeze(v), Some(view.log2_squeeze));
         assert_eq!(material.view_log2_diffuse(v), Some(view.log2_diffuse));
+        assert_eq!(material.view_diffuse_color_differences(v), Some(view.diffuse_color_differences));
         for (k, lobe) in view.lobes.iter().enumerate() {
             assert_eq!(material.view_lobe(v, k), Some(*lobe));
         }
@@ -49,6 +55,7 @@ fn what_was_written_is_read_and_interpolated() {
     }
     assert_eq!((material.view_theta(4), material.view_log2_squeeze(4)), (None, None));
     assert_eq!((material.view_lobe(4, 0), material.view_log2_diffuse(4)), (None, None));
+    assert_eq!(material.view_diffuse_color_differences(4), None);
 
     for _ in 0..300 {
         let (theta, phi) = (random.between(0.0, 1.57), random.between(-3.1, 3.1));
@@ -67,15 +74,22 @@ fn what_was_written_is_read_and_interpolated() {
             assert!((f64::from(got) / want - 1.0).abs() < 2e-5, "{name} at {theta}: {got}, {want}");
         };
         close(m.squeeze(), blend(&|v| v.log2_squeeze).exp2(), "squeeze");
+        let differences = [0, 1].map(|i| blend(&|v| v.diffuse_color_differences[i]));
+        let diffuse = oracle::color(blend(&|v| v.log2_diffuse).exp2(), differences);
         for c in 0..3 {
-            close(m.diffuse()[c], blend(&|v| v.log2_diffuse[c]).exp2(), "diffuse");
+            close(m.diffuse()[c], diffuse[c], "diffuse");
         }
         for image in 0..6 {
             let (lobe, k) = (m.lobe(image).unwrap(), image.min(4));
             close(lobe.gaussian.sharpness, blend(&|v| v.lobes[k].log2_sharpness).exp2(), "sharpness");
-            for c in 0..3 {
-                close(lobe.amplitude[c], blend(&|v| v.lobes[k].log2_amplitude[c]).exp2(), "amplitude");
-            }
+            let luminance = blend(&|v| v.lobes[k].log2_luminance).exp2();
+            let differences = [0, 1].map(|i| blend(&|v| v.lobes[k].color_differences[i]));
+            let amplitude = oracle::color(luminance, differences);
+            // A channel may pass through 0.
+            assert!(
+                (lobe.amplitude.as_dvec3() - amplitude).abs().max_element() < 2e-5 * luminance,
+                "{theta}"
+            );
             let angle = blend(&|v| v.lobes[k].angle);
             let (across, along) = blend(&|v| v.lobes[k].off_plane).sin_cos();
             let side = if image == 5 { -across } else { across };
@@ -91,13 +105,22 @@ fn small_material() -> Vec<u8> {
         angle,
         off_plane,
         log2_sharpness,
-        log2_amplitude: [0.0, -1.0, 1.0],
+        log2_luminance: -0.4,
+        color_differences: [0.3, 1.6],
     };
     let normal = [lobe(0.0, 0.0, 3.0), lobe(0.0, 0.0, 8.0), lobe(0.0, 0.0, 3.0)];
     let tilted = [lobe(0.4, 0.0, 2.0), lobe(1.2, 0.0, 9.0), lobe(0.9, 0.8, 4.0)];
-    let view = |theta, log2_squeeze, lobes| View { theta, log2_squeeze, log2_diffuse: [-2.0; 3], lobes };
-    let mut bytes = vec![0; encoded_len(2, 3, 1, "")];
-    encode(&[view(0.0, 0.0, &normal[..]), view(1.3, -2.0, &tilted[..])], 1, 1, "", &mut bytes).unwrap();
+    let view = |theta, log2_squeeze, lobes| View {
+        theta,
+        log2_squeeze,
+        log2_diffuse: -2.0,
+        diffuse_color_differences: [0.0; 2],
+        lobes,
+    };
+    let views = [view(0.0, 0.0, &normal[..]), view(1.3, -2.0, &tilted[..])];
+    let line = Line { views: &views, squeezed: 1, mirrored: 1, factors: None };
+    let mut bytes = vec![0; line.encoded_len("")];
+    line.encode("", &mut bytes).unwrap();
     bytes
 }
 

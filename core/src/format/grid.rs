@@ -5,24 +5,24 @@
 //! 20  u32       angles from the normal T, 1 to 1024; the first view is the normal itself, each further angle a ring of views
 //! 36  u32       views of a ring P, 1 to 64, at the azimuths 2 pi j / (turns P) of the outgoing direction
 //! 40  u32       turns, 1 or 2: how often a ring is repeated over the full turn; 2 says that half a turn changes nothing
-//! 44  u32       0
+//! 44  u32       nodes of the table of factors, as in isotropic materials
 //! 48  T f32     angles of the outgoing directions from the normal, radians, the first 0, rising, at most pi / 2
 //!     V heads, V = 1 + (T - 1) P at most 4096, the normal first, then ring by ring; each 6 f32:
 //!       log2 of the squeeze matrix, xx, xy, yy; its eigenvalues in [-5, 6.64]
-//!       log2 of the diffuse albedo, red, green, blue
+//!       log2 of the luminance of the diffuse albedo, and its two colour differences
 //!     V views, each 6 K f32:
 //!       K angles of the axes from the normal along the plane of incidence, K across it; radians, together at most pi
 //!       K log2 of the sharpness
-//!       K log2 of the red amplitude, K of the green, K of the blue
+//!       K log2 of the luminance of the amplitude, K of the one colour difference, K of the other
 //! ```
 //!
 //! The rest is as in isotropic materials. `core/src/anisotropic.rs` says what the numbers mean between the views.
 
-use super::{CHECKSUM, HEADER, Header, Kind, Writer, check, f32_at, u32_at};
+use super::{FactorTable, HEADER, Header, Kind, Writer, check, color_bounds, f32_at, u32_at};
 use crate::{FormatError, float};
 use core::f32::consts::PI;
 
-/// Numbers in the head of a view: squeeze matrix, diffuse albedo in three channels.
+/// Numbers in the head of a view: squeeze matrix, diffuse albedo in three numbers.
 pub(crate) const HEAD: usize = 6;
 /// Rows of K numbers of a view.
 pub(crate) const ROWS: usize = 6;
@@ -64,8 +64,10 @@ pub struct TiltedLobe {
     pub tilt: [f32; 2],
     /// Base-2 logarithm of the sharpness; [-100, 26.5].
     pub log2_sharpness: f32,
-    /// Base-2 logarithm of the amplitude per channel; [-126, 60].
-    pub log2_amplitude: [f32; 3],
+    /// Base-2 logarithm of the luminance Y of the amplitude; [-126, 60], -126 for none.
+    pub log2_luminance: f32,
+    /// Relative colour differences of the amplitude, `(R - Y) / Y` and `(B - Y) / Y`; [-16, 16].
+    pub color_differences: [f32; 2],
 }
 
 /// One view of an anisotropic material.
@@ -74,8 +76,10 @@ pub struct GridView<'a> {
     /// Base-2 logarithm of the squeeze matrix, a symmetric 2 x 2 one: xx, xy, yy; x along the plane of incidence, at the
     /// normal along x of the surface. Eigenvalues in [-5, 6.64]. `(0, 0, -log2 c)` is the squeeze c of an isotropic material.
     pub log2_squeeze: [f32; 3],
-    /// Base-2 logarithm of the albedo of the diffuse term, per channel; [-126, 2], -126 for none.
-    pub log2_diffuse: [f32; 3],
+    /// Base-2 logarithm of the luminance Y of the albedo of the diffuse term; [-126, 2], -126 for none.
+    pub log2_diffuse: f32,
+    /// Relative colour differences of that albedo, `(R - Y) / Y` and `(B - Y) / Y`; [-16, 16].
+    pub diffuse_color_differences: [f32; 2],
     /// The lobes, squeezed ones first; the same number, in the same order, at every view.
     pub lobes: &'a [TiltedLobe],
 }
@@ -93,6 +97,8 @@ pub struct Grid<'a> {
     pub views: &'a [GridView<'a>],
     /// Number of lobes that see the squeezed direction; they come first.
     pub squeezed: usize,
+    /// What values are multiplied by, if anything.
+    pub factors: Option<FactorTable<'a>>,
 }
 
 impl Grid<'_> {
@@ -105,6 +111,8 @@ impl Grid<'_> {
             squeezed: self.squeezed,
             mirrored: 0,
             provenance: provenance.len(),
+            has_luminance: true,
+            factors: FactorTable::shape(self.factors.as_ref()),
         }
     }
 
@@ -122,6 +130,7 @@ impl Grid<'_> {
     pub fn encode(&self, provenance: &str, out: &mut [u8]) -> Result<usize, FormatError> {
         let header = self.header(provenance);
         let needed = header.len();
+        self.factors.map_or(Ok(()), |table| table.check(self.views.len()))?;
         if out.len() < needed {
             return Err(FormatError::Buffer { needed, available: out.len() });
         }
@@ -134,22 +143,24 @@ impl Grid<'_> {
         if self.views.iter().any(|view| view.lobes.len() != lobes) {
             return field("number of lobes of a view", 24);
         }
-        let fields = [thetas, lobes, self.squeezed, provenance.len(), self.azimuths, self.turns, 0];
-        let mut writer = Writer::new(out, 1, fields, needed);
+        let fields = [thetas, lobes, self.squeezed, provenance.len(), self.azimuths, self.turns];
+        let mut writer = Writer::new(out, 1, fields, header.factors, needed);
         self.thetas.iter().for_each(|theta| writer.number(*theta));
         for view in self.views {
-            view.log2_squeeze.iter().chain(&view.log2_diffuse).for_each(|n| writer.number(*n));
+            let diffuse = [view.log2_diffuse].into_iter().chain(view.diffuse_color_differences);
+            view.log2_squeeze.into_iter().chain(diffuse).for_each(|n| writer.number(n));
         }
         for view in self.views {
             for i in 0..2 {
                 view.lobes.iter().for_each(|l| writer.number(l.tilt[i]));
             }
             view.lobes.iter().for_each(|l| writer.number(l.log2_sharpness));
-            for channel in 0..3 {
-                view.lobes.iter().for_each(|l| writer.number(l.log2_amplitude[channel]));
+            view.lobes.iter().for_each(|l| writer.number(l.log2_luminance));
+            for i in 0..2 {
+                view.lobes.iter().for_each(|l| writer.number(l.color_differences[i]));
             }
         }
-        writer.finish(provenance)
+        writer.finish(self.factors, provenance)
     }
 }
 
@@ -168,7 +179,7 @@ pub(super) fn read_shape(bytes: &[u8]) -> Result<(Kind, usize), FormatError> {
 
 /// Checks heads and lobes of every view.
 pub(super) fn validate(bytes: &[u8], header: &Header, shape: Shape) -> Result<(), FormatError> {
-    debug_assert!(shape.row(header, header.views, 0) + header.provenance + CHECKSUM == bytes.len());
+    debug_assert!(header.len() == bytes.len());
     for view in 0..header.views {
         let head = shape.head(view);
         let [xx, xy, yy] = [0, 1, 2].map(|i| f32_at(bytes, head + 4 * i));
@@ -178,8 +189,9 @@ pub(super) fn validate(bytes: &[u8], header: &Header, shape: Shape) -> Result<()
         if !(middle - reach >= SQUEEZE.0 && middle + reach <= SQUEEZE.1) {
             return Err(FormatError::Field { name: "squeeze matrix", offset: head });
         }
-        for channel in 3..HEAD {
-            check(bytes, "diffuse albedo", head + 4 * channel, -126.0, 2.0)?;
+        for number in 0..3 {
+            let (low, high) = color_bounds(header, number, 2.0);
+            check(bytes, "diffuse albedo", head + 4 * (3 + number), low, high)?;
         }
         for lobe in 0..header.lobes {
             let at = |row| shape.row(header, view, row) + 4 * lobe;
@@ -190,8 +202,9 @@ pub(super) fn validate(bytes: &[u8], header: &Header, shape: Shape) -> Result<()
                 return Err(FormatError::Field { name: "angle of an axis", offset: at(0) });
             }
             check(bytes, "sharpness", at(2), -100.0, 26.5)?;
-            for channel in 3..ROWS {
-                check(bytes, "amplitude", at(channel), -126.0, 60.0)?;
+            for number in 0..3 {
+                let (low, high) = color_bounds(header, number, 60.0);
+                check(bytes, "amplitude", at(3 + number), low, high)?;
             }
         }
     }

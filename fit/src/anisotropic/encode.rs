@@ -2,7 +2,7 @@
 
 use super::layout::Layout;
 use crate::FitError;
-use srbf_core::{Grid, GridView, TiltedLobe};
+use srbf_core::{Grid, GridView, TiltedLobe, color_differences};
 use std::f64::consts::{LOG2_E, TAU};
 
 /// Largest albedo of a material, at any view.
@@ -18,22 +18,28 @@ pub(super) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec
     keep_energy(layout, &mut x);
 
     let log2 = |v: f64| (v * LOG2_E) as f32;
-    let stored: Vec<([f32; 3], [f32; 3], Vec<TiltedLobe>)> = x
+    let stored: Vec<([f32; 3], (f32, [f32; 2]), Vec<TiltedLobe>)> = x
         .chunks_exact(p)
         .map(|q| {
-            let lobes = (0..layout.lobes).map(|k| TiltedLobe {
-                tilt: [q[layout.along(k)] as f32, q[layout.across(k)] as f32],
-                log2_sharpness: log2(q[layout.sharpness(k)]),
-                log2_amplitude: [0, 1, 2].map(|c| log2(q[layout.amplitude(c, k)])),
+            let color = |of: [usize; 3]| color_differences(of.map(|i| log2(q[i])));
+            let lobes = (0..layout.lobes).map(|k| {
+                let (log2_luminance, color_differences) = color([0, 1, 2].map(|c| layout.amplitude(c, k)));
+                TiltedLobe {
+                    tilt: [q[layout.along(k)] as f32, q[layout.across(k)] as f32],
+                    log2_sharpness: log2(q[layout.sharpness(k)]),
+                    log2_luminance,
+                    color_differences,
+                }
             });
-            ([0, 1, 2].map(|i| log2(q[i])), [0, 1, 2].map(|c| log2(q[layout.diffuse(c)])), lobes.collect())
+            ([0, 1, 2].map(|i| log2(q[i])), color([0, 1, 2].map(|c| layout.diffuse(c))), lobes.collect())
         })
         .collect();
     let views: Vec<GridView<'_>> = stored
         .iter()
-        .map(|(log2_squeeze, log2_diffuse, lobes)| GridView {
+        .map(|(log2_squeeze, (log2_diffuse, differences), lobes)| GridView {
             log2_squeeze: *log2_squeeze,
             log2_diffuse: *log2_diffuse,
+            diffuse_color_differences: *differences,
             lobes,
         })
         .collect();
@@ -44,6 +50,7 @@ pub(super) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec
         turns: layout.turns,
         views: &views,
         squeezed: layout.squeezed,
+        factors: None,
     };
     let mut bytes = vec![0; grid.encoded_len(provenance)];
     grid.encode(provenance, &mut bytes)?;

@@ -80,19 +80,32 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         println!("  view  lobe  {degrees}    sharpness    amplitude red  green        blue         kind");
         for view in 0..material.view_count() {
             for k in 0..material.view_lobe_count() {
-                let (degrees, log2_sharpness, log2_amplitude) =
+                let (degrees, log2_sharpness, log2_luminance, [rho, beta]) =
                     match (material.view_lobe(view, k), material.view_tilted_lobe(view, k)) {
                         (Some(l), _) => {
                             let (along, across) = (l.angle.to_degrees(), l.off_plane.to_degrees());
-                            (format!("{along:>7.2} {across:>7.2}"), l.log2_sharpness, l.log2_amplitude)
+                            (
+                                format!("{along:>7.2} {across:>7.2}"),
+                                l.log2_sharpness,
+                                l.log2_luminance,
+                                l.color_differences,
+                            )
                         }
                         (_, Some(l)) => {
                             let [along, across] = l.tilt.map(f32::to_degrees);
-                            (format!("{along:>7.2} {across:>7.2}"), l.log2_sharpness, l.log2_amplitude)
+                            (
+                                format!("{along:>7.2} {across:>7.2}"),
+                                l.log2_sharpness,
+                                l.log2_luminance,
+                                l.color_differences,
+                            )
                         }
                         (None, None) => continue,
                     };
-                let [red, green, blue] = log2_amplitude.map(f32::exp2);
+                let luminance = log2_luminance.exp2();
+                let [red, blue] = [rho, beta].map(|difference| luminance * (1.0 + difference));
+                let [of_red, of_green, of_blue] = srbf_core::LUMINANCE;
+                let green = (luminance - of_red * red - of_blue * blue) / of_green;
                 let kind = match k {
                     _ if k < material.squeezed_count() => "squeezed",
                     _ if k + material.mirrored_count() >= material.view_lobe_count() => "round, mirrored",

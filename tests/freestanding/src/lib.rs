@@ -2,7 +2,7 @@
 #![cfg_attr(not(feature = "std"), no_std)]
 
 use srbf_core::{
-    AbelPoisson, Domain, Folded, Gaussian, Kernel, Lobe, Material, Mixture, PlaneLobe, Vec3, View, encode,
+    AbelPoisson, Domain, FactorTable, Folded, Gaussian, Kernel, Lobe, Line, Material, Mixture, PlaneLobe, Vec3, View,
     gaussian_coefficients_into, legendre_series,
 };
 
@@ -49,10 +49,25 @@ fn check() -> Result<(), i32> {
     gaussian_coefficients_into(10.0, &mut coefficients);
     near(legendre_series(&coefficients, 0.0), 1.0, 15)?;
 
-    let lobes = [PlaneLobe { angle: 0.0, off_plane: 0.0, log2_sharpness: 5.0, log2_amplitude: [0.0; 3] }];
-    let view = |theta| View { theta, log2_squeeze: 0.0, log2_diffuse: [-126.0; 3], lobes: &lobes };
+    let lobes = [PlaneLobe {
+        angle: 0.0,
+        off_plane: 0.0,
+        log2_sharpness: 5.0,
+        log2_luminance: 0.0,
+        color_differences: [0.0; 2],
+    }];
+    let view = |theta| View {
+        theta,
+        log2_squeeze: 0.0,
+        log2_diffuse: -126.0,
+        diffuse_color_differences: [0.0; 2],
+        lobes: &lobes,
+    };
     let mut bytes = [0; 512];
-    let length = encode(&[view(0.0), view(1.0)], 0, 0, "", &mut bytes).map_err(|_| 16)?;
+    // Factors of 1, 2 by 2 of them.
+    let factors = FactorTable { half: 2, difference: 2, factors: &[[1.0; 3]; 4], albedos: &[[0.2; 3]; 2] };
+    let line = Line { views: &[view(0.0), view(1.0)], squeezed: 0, mirrored: 0, factors: Some(factors) };
+    let length = line.encode("", &mut bytes).map_err(|_| 16)?;
     let material = Material::from_bytes(&bytes[..length]).map_err(|_| 17)?;
     let mut m = Mixture::<16>::empty();
     material.prepare(Vec3::new(0.6, 0.0, 0.8), &mut m).map_err(|_| 18)?;

@@ -4,7 +4,7 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec;
 use alloc::vec::Vec;
-use srbf_core::{Domain, Lobe, Mixture, PlaneLobe, Vec3, View, encode, encoded_len};
+use srbf_core::{Domain, Line, Lobe, Mixture, PlaneLobe, Vec3, View};
 
 /// A small deterministic generator (SplitMix64).
 pub struct Random(pub u64);
@@ -31,7 +31,7 @@ impl Random {
 /// A mixture to check.
 pub struct Case {
     pub name: String,
-    pub mixture: Mixture<64>,
+    pub mixture: Mixture<'static, 64>,
 }
 
 impl Case {
@@ -76,7 +76,8 @@ pub fn material(random: &mut Random, mirrored: usize) -> Vec<u8> {
                     angle: if v == 0 { 0.0 } else { theta * k as f32 / 11.0 },
                     off_plane: if v == 0 || k < stored - mirrored { 0.0 } else { theta * random.next() },
                     log2_sharpness: k as f32 + 0.3 * random.next(),
-                    log2_amplitude: [-3.0 - random.next(), -2.5, -4.0 + 0.5 * k as f32],
+                    log2_luminance: -3.0 - random.next() + 0.2 * k as f32,
+                    color_differences: [random.between(-1.5, 2.0), random.between(-1.0, 5.0)],
                 })
                 .collect();
             (theta, libm::log2f(libm::cosf(theta).max(0.1)) * f32::from(v > 0), lobes)
@@ -87,11 +88,13 @@ pub fn material(random: &mut Random, mirrored: usize) -> Vec<u8> {
         .map(|(theta, squeeze, lobes)| View {
             theta: *theta,
             log2_squeeze: *squeeze,
-            log2_diffuse: [-4.0, -3.0, -2.0],
+            log2_diffuse: -3.0,
+            diffuse_color_differences: [-0.4, 0.9],
             lobes,
         })
         .collect();
-    let mut bytes = vec![0; encoded_len(views.len(), stored, mirrored, "test")];
-    encode(&views, 7.min(stored - mirrored), mirrored, "test", &mut bytes).expect("a valid material");
+    let line = Line { views: &views, squeezed: 7.min(stored - mirrored), mirrored, factors: None };
+    let mut bytes = vec![0; line.encoded_len("test")];
+    line.encode("test", &mut bytes).expect("a valid material");
     bytes
 }

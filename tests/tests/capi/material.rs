@@ -1,6 +1,6 @@
 //! The materials that the C programs work with.
 
-use srbf_core::{Grid, GridView, PlaneLobe, TiltedLobe, View, encode, encoded_len};
+use srbf_core::{Grid, GridView, Line, PlaneLobe, TiltedLobe, View, encoded_len};
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
@@ -44,7 +44,8 @@ fn anisotropic_bytes() -> Vec<u8> {
         let lobe = |k: usize| TiltedLobe {
             tilt: [theta * (0.8 + 0.1 * k as f32), 0.0],
             log2_sharpness: 8.0 - k as f32,
-            log2_amplitude: [0.0, 0.2, -0.4].map(|tint| tint - 1.0 - k as f32),
+            log2_luminance: -0.9 - k as f32,
+            color_differences: [-0.1, -0.3],
         };
         (0..5).map(lobe).collect::<Vec<_>>()
     };
@@ -59,11 +60,12 @@ fn anisotropic_bytes() -> Vec<u8> {
         .iter()
         .map(|(log2_squeeze, lobes)| GridView {
             log2_squeeze: *log2_squeeze,
-            log2_diffuse: [-5.0, -4.0, -6.0],
+            log2_diffuse: -4.3,
+            diffuse_color_differences: [-0.4, -0.7],
             lobes,
         })
         .collect();
-    let grid = Grid { thetas: &thetas, azimuths, turns: 2, views: &views, squeezed: 3 };
+    let grid = Grid { thetas: &thetas, azimuths, turns: 2, views: &views, squeezed: 3, factors: None };
     let mut bytes = vec![0; grid.encoded_len("made by tests")];
     let written = grid.encode("made by tests", &mut bytes).expect("the material is valid");
     bytes.truncate(written);
@@ -81,7 +83,8 @@ pub fn bytes() -> Vec<u8> {
                     angle: theta * (1.0 + 0.06 * (lobe as f32 - 6.0)),
                     off_plane: if lobe < LOBES - 2 * MIRRORED { 0.0 } else { 0.5 * theta },
                     log2_sharpness: 0.5 + 0.6 * lobe as f32,
-                    log2_amplitude: [0.0, 0.2, -0.4].map(|tint| tint - 7.0 + 0.4 * lobe as f32),
+                    log2_luminance: -6.9 + 0.4 * lobe as f32,
+                    color_differences: [-0.1, -0.3],
                 })
                 .collect()
         })
@@ -92,13 +95,15 @@ pub fn bytes() -> Vec<u8> {
         .map(|(view, lobes)| View {
             theta: 0.2 * view as f32,
             log2_squeeze: -0.3 * view as f32,
-            log2_diffuse: [-5.0, -4.0, -6.0],
+            log2_diffuse: -4.3,
+            diffuse_color_differences: [-0.4, -0.7],
             lobes,
         })
         .collect();
     let provenance = "made by tests";
     let mut bytes = vec![0; encoded_len(VIEWS, LOBES - MIRRORED, MIRRORED, provenance)];
-    let written = encode(&views, SQUEEZED, MIRRORED, provenance, &mut bytes).expect("the material is valid");
+    let line = Line { views: &views, squeezed: SQUEEZED, mirrored: MIRRORED, factors: None };
+    let written = line.encode(provenance, &mut bytes).expect("the material is valid");
     bytes.truncate(written);
     bytes
 }
