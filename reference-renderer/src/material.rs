@@ -41,7 +41,10 @@ impl StoredMaterial {
         let path = Path::new(name);
         if !path.exists() && path.extension().is_none() {
             let presets: Vec<&str> = PRESETS.iter().map(|preset| preset.0).chain([MATTE]).collect();
-            bail!("material {name}: expected a .srbf file or one of {}", presets.join(", "));
+            bail!(
+                "material {name}: expected a .srbf file, a table that `fit` reads, or one of {}",
+                presets.join(", ")
+            );
         }
         let read = || {
             let stem = path.file_stem().unwrap_or_default().to_string_lossy();

@@ -39,7 +39,7 @@ pub fn automatic_exposure(pixels: &[Vec3]) -> f32 {
     if value > 0.0 && value.is_finite() { 0.8 / value } else { 1.0 }
 }
 
-/// Writes a tone-mapped PNG; `exposure` scales the radiance first.
+/// Writes a tone-mapped PNG; `exposure` scales the radiance first. Here alone negative channels become 0.
 ///
 /// # Errors
 /// Names the file.
@@ -49,7 +49,8 @@ pub fn write_tone_mapped_png(
     pixels: &[Vec3],
     exposure: f32,
 ) -> anyhow::Result<()> {
-    let bytes: Vec<u8> = pixels.iter().flat_map(|&p| to_srgb(tone_map(p * exposure))).collect();
+    let bytes: Vec<u8> =
+        pixels.iter().flat_map(|&p| to_srgb(tone_map((p * exposure).max(Vec3::ZERO)))).collect();
     write_png(path, size, &bytes)
 }
 
