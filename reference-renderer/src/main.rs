@@ -4,6 +4,8 @@
 #[macro_use]
 mod print;
 
+mod ball;
+mod ball_sheet;
 mod camera;
 mod command;
 mod comparison;

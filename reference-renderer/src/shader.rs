@@ -36,6 +36,14 @@ impl LoadedMaterial {
         }
     }
 
+    /// What it is called, and what kind of material it is.
+    pub fn title(&self) -> String {
+        match self {
+            Self::Lobes(stored) => format!("{}, {} lobes", stored.name, stored.get().lobe_count()),
+            Self::Table(measured) => format!("{}, table", measured.name),
+        }
+    }
+
     /// What a scene shades with.
     pub fn shader(&self) -> Shader<'_> {
         match self {
