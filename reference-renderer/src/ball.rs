@@ -3,7 +3,7 @@
 //! Every direction is drawn once and shaded by all materials: from the light and from each of the materials, weighted by the balance
 //! heuristic over all of these. So where two materials are equal their balls are the same to the last digit, whatever the noise.
 
-use crate::environment::Environment;
+use crate::environment::{Environment, LightSample};
 use crate::integrator::Frame;
 use crate::progress::Progress;
 use crate::random::Random;
@@ -20,6 +20,20 @@ pub struct BallPixel<const N: usize> {
     /// The share of the pixel that they fill, 0 to 1.
     pub coverage: f32,
 }
+
+/// Steps of evenly spread points in the square and the cube: powers of the inverses of the roots of `x^3 = x + 1` and `x^4 = x + 1`
+/// (Roberts 2018).
+const R2: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
+const R3: [f64; 3] = [0.819_172_513_396_164, 0.671_043_606_703_789, 0.549_700_477_901_970];
+
+/// Point number `n` of evenly spread ones, shifted; each coordinate in [0, 1).
+fn spread<const D: usize>(shift: [f32; D], steps: [f64; D], n: u32) -> [f32; D] {
+    // A fraction just below 1 would round to 1.
+    std::array::from_fn(|k| ((f64::from(shift[k]) + steps[k] * f64::from(n)).fract() as f32).min(LARGEST))
+}
+
+/// The largest f32 below 1.
+const LARGEST: f32 = 1.0 - 0.5 * f32::EPSILON;
 
 /// Renders balls in squares of `side` pixels, rows from the top; advances the progress by the number of rows.
 ///
@@ -42,14 +56,20 @@ pub fn render<const N: usize>(
         for (x, pixel) in row.iter_mut().enumerate() {
             let index = (y * side as usize + x) as u64;
             let mut hits = 0;
+            let mut shift = Random::new(1, index, 0);
+            let shift_inside = [(); 2].map(|()| shift.unit());
+            let shifts = [[(); 3]; N].map(|own| own.map(|()| shift.unit()));
             for sample in 0..samples {
                 let mut random = Random::new(0, index, sample.into());
-                let ray = camera.ray(x as f32 + random.unit(), y as f32 + random.unit());
+                let inside = spread(shift_inside, R2, sample);
+                let ray = camera.ray(x as f32 + inside[0], y as f32 + inside[1]);
                 let Some(surface) = scene.hit(&ray) else { continue };
                 let wo = -ray.direction;
                 let frame = Frame::new(&surface, wo);
                 hits += 1;
-                let found = direct(&shaders, environment, &frame, wo, &mut random, scattering);
+                let drawn = environment.sample(&mut random);
+                let units = shifts.map(|shift| spread(shift, R3, sample));
+                let found = direct(&shaders, environment, &frame, wo, drawn, units, scattering);
                 (0..N).for_each(|k| pixel.radiance[k] += found[k]);
             }
             pixel.coverage = hits as f32 / samples as f32;
@@ -72,7 +92,8 @@ fn direct<'a, const N: usize>(
     environment: &Environment,
     frame: &Frame,
     wo: Vec3,
-    random: &mut Random,
+    drawn: LightSample,
+    units: [[f32; 3]; N],
     scattering: &mut [Scattering<'a>; N],
 ) -> [Vec3; N] {
     let local_wo = frame.to_local(wo);
@@ -95,11 +116,8 @@ fn direct<'a, const N: usize>(
         });
         (0..N).for_each(|k| light[k] += values[k] * radiance / density);
     };
-    let drawn = environment.sample(random);
     add(frame.to_local(drawn.direction), drawn.direction, drawn.radiance, drawn.pdf);
-    let own: [_; N] = std::array::from_fn(|k| {
-        scattering[k].sample([random.unit(), random.unit(), random.unit()]).map(|sample| sample.direction)
-    });
+    let own: [_; N] = std::array::from_fn(|k| scattering[k].sample(units[k]).map(|sample| sample.direction));
     for local in own.into_iter().flatten() {
         let world = frame.to_world(local);
         add(local, world, environment.radiance(world), environment.pdf(world));

@@ -53,7 +53,11 @@ impl StoredMaterial {
         read().with_context(|| format!("material {name}"))
     }
 
-    fn new(name: &str, bytes: Cow<'static, [u8]>) -> anyhow::Result<Self> {
+    /// Takes the bytes of a material.
+    ///
+    /// # Errors
+    /// Bytes that are no material.
+    pub fn new(name: &str, bytes: Cow<'static, [u8]>) -> anyhow::Result<Self> {
         Material::from_bytes(&bytes)?;
         Ok(Self { name: name.to_owned(), bytes })
     }
