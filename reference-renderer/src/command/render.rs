@@ -87,12 +87,13 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     ensure!(args.exposure.abs() <= 64.0, "--exposure {}: within -64 to 64 is expected", args.exposure);
     ensure!(args.env_turn.is_finite(), "--env-turn {}: a number of degrees is expected", args.env_turn);
 
-    let object = LoadedMaterial::load(&args.material)?;
+    let load = |name: &str| argument::on_threads(args.threads.into(), || LoadedMaterial::load(name));
+    let object = load(&args.material)?;
     ensure!(
         args.ground_material.is_none() || args.scene == SceneName::Teapot,
         "--ground-material: only the teapot stands on a ground, add --scene teapot"
     );
-    let ground = LoadedMaterial::load(args.ground_material.as_deref().unwrap_or(material::MATTE))?;
+    let ground = load(args.ground_material.as_deref().unwrap_or(material::MATTE))?;
     let environment = argument::environment(&args.env)?.turned(radians(args.env_turn));
     let scene = match &args.mesh {
         None => Scene::new(args.scene, object.shader(), ground.shader(), &environment),

@@ -120,11 +120,11 @@ impl Proposal {
     /// Draws a direction, maybe below the horizon.
     pub fn sample(&self, [part, u, v]: [f64; 3]) -> DVec3 {
         let mut left = part;
-        for k in 0..ROUGHNESS.len() {
-            if left < self.weights[k] {
-                return self.reflect(ROUGHNESS[k], u, v);
+        for (alpha, weight) in ROUGHNESS.into_iter().zip(self.weights) {
+            if left < weight {
+                return self.reflect(alpha, u, v);
             }
-            left -= self.weights[k];
+            left -= weight;
         }
         cosine(u, v)
     }
