@@ -1,6 +1,7 @@
 //! The command line: one file a command.
 
 mod argument;
+pub mod ball;
 pub mod bench_report;
 pub mod compare;
 mod default_job;
@@ -40,6 +41,7 @@ enum Command {
     Judge(judge::Args),
     LeaveOut(leave_out::Args),
     Render(render::Args),
+    Ball(ball::Args),
     Compare(compare::Args),
     Samples(samples::Args),
     Stability(stability::Args),
@@ -58,6 +60,7 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
         Some(Command::Judge(args)) => judge::run(args),
         Some(Command::LeaveOut(args)) => leave_out::run(args),
         Some(Command::Render(args)) => render::run(args),
+        Some(Command::Ball(args)) => ball::run(args),
         Some(Command::Compare(args)) => compare::run(args),
         Some(Command::Samples(args)) => samples::run(args),
         Some(Command::Stability(args)) => stability::run(args),

@@ -1,24 +1,23 @@
 //! Path tracing: the radiance along one ray, by the strategy asked for.
 //!
-//! The lobes are the material, so that a sample of them has the weight `value / pdf` of constant luminance.
+//! Where lobes are the material, a sample of them has the weight `value / pdf` of constant luminance. Of a measured table the
+//! samples are those of a mixture that is like it.
 
 use crate::camera::Ray;
 use crate::random::Random;
 use crate::scene::{Scene, Surface};
+use crate::shader::Scattering;
 use crate::sphere_sampling;
 use glam::Vec3;
-use srbf_core::{MAX_LOBES, Mixture, Sample};
+use srbf_core::Sample;
 use std::f32::consts::{FRAC_1_PI, TAU};
-
-/// Storage for the mixture of any material.
-pub type AnyMixture<'m> = Mixture<'m, MAX_LOBES>;
 
 /// How directions are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Sampler {
-    /// From the lobes and from the environment, weighted by the power heuristic.
+    /// From the material and from the environment, weighted by the power heuristic.
     Mis,
-    /// From the lobes only.
+    /// From the material only: its lobes, or what samples a table.
     Lobes,
     /// From the cosine only.
     Cosine,
@@ -46,10 +45,10 @@ impl Sampler {
 
     /// Draws an incident direction in the shading frame.
     #[inline]
-    fn sample(self, mixture: &AnyMixture, random: &mut Random) -> Option<Sample> {
+    fn sample(self, scattering: &Scattering<'_>, random: &mut Random) -> Option<Sample> {
         let (direction, pdf) = match self {
             Self::Mis | Self::Lobes | Self::Light => {
-                return mixture.sample([random.unit(), random.unit(), random.unit()]);
+                return scattering.sample([random.unit(), random.unit(), random.unit()]);
             }
             Self::Cosine => {
                 let direction = sphere_sampling::cosine([random.unit(), random.unit()]);
@@ -57,7 +56,7 @@ impl Sampler {
             }
             Self::Uniform => (sphere_sampling::uniform_hemisphere([random.unit(), random.unit()]), 1.0 / TAU),
         };
-        Some(Sample { direction, pdf, value: mixture.evaluate(direction) })
+        Some(Sample { direction, pdf, value: scattering.evaluate(direction) })
     }
 }
 
@@ -71,13 +70,13 @@ const LEAST_COSINE: f32 = 1e-3;
 const RAY_OFFSET: f32 = 1e-4;
 
 /// Estimates the radiance that comes in along a ray with one path of at most `max_bounces` scatterings.
-pub fn radiance(
-    scene: &Scene<'_>,
+pub fn radiance<'a>(
+    scene: &Scene<'a>,
     mut ray: Ray,
     sampler: Sampler,
     max_bounces: u32,
     random: &mut Random,
-    mixture: &mut AnyMixture,
+    scattering: &mut Scattering<'a>,
 ) -> Vec3 {
     let mut light = Vec3::ZERO;
     let mut throughput = Vec3::ONE;
@@ -100,7 +99,7 @@ pub fn radiance(
 
         let wo = -ray.direction;
         let frame = Frame::new(&surface, wo);
-        if surface.material.prepare(frame.to_local(wo), mixture).is_err() {
+        if surface.material.prepare(frame.to_local(wo), scattering).is_err() {
             // Impossible: the storage holds every material, and wo is a unit vector. A NaN is found in the picture.
             return Vec3::NAN;
         }
@@ -108,7 +107,7 @@ pub fn radiance(
         if sampler.samples_environment() {
             let sample = scene.environment.sample(random);
             if frame.leaves(sample.direction) {
-                let (value, pdf) = mixture.evaluate_and_pdf(frame.to_local(sample.direction));
+                let (value, pdf) = scattering.evaluate_and_pdf(frame.to_local(sample.direction));
                 let weight = if sampler == Sampler::Light { 1.0 } else { power_heuristic(sample.pdf, pdf) };
                 let contribution = throughput * value * sample.radiance * (weight / sample.pdf);
                 if contribution != Vec3::ZERO && scene.is_clear(&frame.ray(sample.direction)) {
@@ -117,14 +116,15 @@ pub fn radiance(
             }
         }
 
-        let Some(sample) = sampler.sample(mixture, random) else { break };
+        let Some(sample) = sampler.sample(scattering, random) else { break };
         let direction = frame.to_world(sample.direction);
         if !frame.leaves(direction) {
             break;
         }
         throughput *= sample.value / sample.pdf;
         if bounce >= ROULETTE_FROM {
-            let survival = throughput.max_element().min(0.95);
+            // By its size: of a colour outside the gamut, channels are negative.
+            let survival = throughput.abs().max_element().min(0.95);
             if random.unit() >= survival {
                 break;
             }
@@ -180,14 +180,15 @@ impl Frame {
         Vec3::new(d.dot(self.tangent), d.dot(self.bitangent), d.dot(self.normal))
     }
 
+    /// Out of the shading frame.
     #[inline]
-    fn to_world(&self, d: Vec3) -> Vec3 {
+    pub fn to_world(&self, d: Vec3) -> Vec3 {
         (self.tangent * d.x + self.bitangent * d.y + self.normal * d.z).normalize()
     }
 
     /// Whether a direction leaves the surface itself: one that does not would leak light through it.
     #[inline]
-    fn leaves(&self, direction: Vec3) -> bool {
+    pub fn leaves(&self, direction: Vec3) -> bool {
         direction.dot(self.flat) > 0.0
     }
 

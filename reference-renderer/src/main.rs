@@ -4,6 +4,8 @@
 #[macro_use]
 mod print;
 
+mod ball;
+mod ball_sheet;
 mod camera;
 mod command;
 mod comparison;
@@ -14,6 +16,7 @@ mod furnace;
 mod integrator;
 mod intersect;
 mod material;
+mod measured;
 mod mesh;
 mod output;
 mod picture_file;
@@ -23,6 +26,7 @@ mod random;
 mod render;
 mod report;
 mod scene;
+mod shader;
 mod sphere_sampling;
 mod stability;
 mod teapot;

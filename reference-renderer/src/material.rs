@@ -1,7 +1,7 @@
 //! Materials by name: the embedded presets, a matte grey, and `.srbf` files.
 
 use anyhow::{Context, bail};
-use srbf_core::{Material, PlaneLobe, View, encode, encoded_len, read_file};
+use srbf_core::{Line, Material, PlaneLobe, View, read_file};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -41,7 +41,10 @@ impl StoredMaterial {
         let path = Path::new(name);
         if !path.exists() && path.extension().is_none() {
             let presets: Vec<&str> = PRESETS.iter().map(|preset| preset.0).chain([MATTE]).collect();
-            bail!("material {name}: expected a .srbf file or one of {}", presets.join(", "));
+            bail!(
+                "material {name}: expected a .srbf file, a table that `fit` reads, or one of {}",
+                presets.join(", ")
+            );
         }
         let read = || {
             let stem = path.file_stem().unwrap_or_default().to_string_lossy();
@@ -50,7 +53,11 @@ impl StoredMaterial {
         read().with_context(|| format!("material {name}"))
     }
 
-    fn new(name: &str, bytes: Cow<'static, [u8]>) -> anyhow::Result<Self> {
+    /// Takes the bytes of a material.
+    ///
+    /// # Errors
+    /// Bytes that are no material.
+    pub fn new(name: &str, bytes: Cow<'static, [u8]>) -> anyhow::Result<Self> {
         Material::from_bytes(&bytes)?;
         Ok(Self { name: name.to_owned(), bytes })
     }
@@ -64,11 +71,12 @@ impl StoredMaterial {
 /// Makes a grey that scatters by Lambert's law with albedo 1/2: a diffuse term, and the one lobe that a material must
 /// have so dark that no f32 shows it; still darker, its products would be subnormal and slow.
 fn matte() -> Vec<u8> {
-    let lobe = PlaneLobe { angle: 0.0, off_plane: 0.0, log2_sharpness: 0.0, log2_amplitude: [-60.0; 3] };
-    let view = View { theta: 0.0, log2_squeeze: 0.0, log2_diffuse: [-1.0; 3], lobes: &[lobe] };
+    let lobe = PlaneLobe { angle: 0.0, off_plane: 0.0, log2_sharpness: 0.0, log2_luminance: -60.0, color_differences: [0.0; 2] };
+    let view = View { theta: 0.0, log2_squeeze: 0.0, log2_diffuse: -1.0, diffuse_color_differences: [0.0; 2], lobes: &[lobe] };
+    let line = Line { views: &[view], squeezed: 0, mirrored: 0, factors: None };
     let provenance = "built in: Lambert's law, albedo 1/2";
-    let mut bytes = vec![0; encoded_len(1, 1, 0, provenance)];
-    encode(&[view], 0, 0, provenance, &mut bytes).expect("the numbers are in range");
+    let mut bytes = vec![0; line.encoded_len(provenance)];
+    line.encode(provenance, &mut bytes).expect("the numbers are in range");
     bytes
 }
 

@@ -49,7 +49,7 @@ pub fn write_tone_mapped_png(
     pixels: &[Vec3],
     exposure: f32,
 ) -> anyhow::Result<()> {
-    let bytes: Vec<u8> = pixels.iter().flat_map(|&p| to_srgb(tone_map(p * exposure))).collect();
+    let bytes: Vec<u8> = pixels.iter().flat_map(|&p| to_bytes(displayed(p * exposure))).collect();
     write_png(path, size, &bytes)
 }
 
@@ -86,12 +86,15 @@ fn tone_map(radiance: Vec3) -> Vec3 {
     (colour * (new_peak / peak)).lerp(Vec3::splat(new_peak), white)
 }
 
-fn to_srgb(linear: Vec3) -> [u8; 3] {
-    linear.to_array().map(|v| {
-        let v = v.clamp(0.0, 1.0);
-        let curved = if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
-        (255.0 * curved).round() as u8
-    })
+/// What a display shows of a radiance: tone-mapped, sRGB values from 0 to 1. Here, and only here, negative channels become 0.
+pub fn displayed(radiance: Vec3) -> Vec3 {
+    let curve = |v: f32| if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
+    tone_map(radiance.max(Vec3::ZERO)).clamp(Vec3::ZERO, Vec3::ONE).map(curve)
+}
+
+/// Bytes of a colour of a display, each channel from 0 to 1.
+pub fn to_bytes(shown: Vec3) -> [u8; 3] {
+    shown.to_array().map(|v| (255.0 * v).round() as u8)
 }
 
 #[cfg(test)]
@@ -109,7 +112,8 @@ mod tests {
         assert_eq!(automatic_exposure(&[]), 1.0);
         assert_eq!(automatic_exposure(&[Vec3::ZERO]), 1.0);
         assert_eq!(automatic_exposure(&[Vec3::ONE; 7]), 0.8);
-        assert_eq!(to_srgb(Vec3::ZERO), [0; 3]);
-        assert_eq!(to_srgb(Vec3::ONE), [255; 3]);
+        assert_eq!(to_bytes(displayed(Vec3::ZERO)), [0; 3]);
+        assert_eq!(to_bytes(displayed(Vec3::splat(1e9))), [255; 3]);
+        assert_eq!(displayed(Vec3::new(-0.3, 0.2, -0.1)), displayed(Vec3::new(0.0, 0.2, 0.0)));
     }
 }

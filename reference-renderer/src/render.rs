@@ -2,10 +2,11 @@
 
 use crate::camera::Camera;
 use crate::film::Film;
-use crate::integrator::{AnyMixture, Sampler, radiance};
+use crate::integrator::{Sampler, radiance};
 use crate::progress::Progress;
 use crate::random::Random;
 use crate::scene::Scene;
+use crate::shader::Scattering;
 use rayon::prelude::*;
 
 /// How to render.
@@ -32,14 +33,14 @@ pub fn add_samples(
 ) -> anyhow::Result<()> {
     let width = film.size()[0] as usize;
     let held = film.samples;
-    film.pixels.par_chunks_mut(width).enumerate().for_each_init(AnyMixture::empty, |mixture, (y, row)| {
+    film.pixels.par_chunks_mut(width).enumerate().for_each_init(Scattering::empty, |scattering, (y, row)| {
         for (x, pixel) in row.iter_mut().enumerate() {
             let index = (y * width + x) as u64;
             for sample in held..held + samples {
                 let mut random = Random::new(settings.seed, index, sample.into());
                 let ray = camera.ray(x as f32 + random.unit(), y as f32 + random.unit());
                 let Settings { sampler, max_bounces, .. } = *settings;
-                pixel.add(radiance(scene, ray, sampler, max_bounces, &mut random, mixture));
+                pixel.add(radiance(scene, ray, sampler, max_bounces, &mut random, scattering));
             }
         }
         progress.advance(1);

@@ -4,9 +4,9 @@ use crate::camera::{Camera, Ray};
 use crate::environment::Environment;
 use crate::intersect::TriangleTree;
 use crate::mesh::Mesh;
+use crate::shader::Shader;
 use crate::teapot;
 use glam::{Vec3, vec3};
-use srbf_core::Material;
 
 /// Quadrilaterals along each side of a patch of the teapot: at 24 the outline shows no corners in 4096 pixels.
 const TEAPOT_STEPS: u32 = 24;
@@ -46,8 +46,8 @@ pub struct Scene<'a> {
     tree: TriangleTree,
     /// Triangles from this one on are the ground.
     ground_from: usize,
-    object: Material<'a>,
-    ground: Material<'a>,
+    object: Shader<'a>,
+    ground: Shader<'a>,
     /// The light.
     pub environment: &'a Environment,
 }
@@ -59,15 +59,15 @@ pub struct Surface<'s, 'a> {
     pub flat: Vec3,
     /// Unit normal of the smooth surface that the triangles stand for.
     pub smooth: Vec3,
-    pub material: &'s Material<'a>,
+    pub material: &'s Shader<'a>,
 }
 
 impl<'a> Scene<'a> {
     /// Builds a scene of the object's material and the ground's, which the sphere's scene does not have.
     pub fn new(
         name: SceneName,
-        object: Material<'a>,
-        ground: Material<'a>,
+        object: impl Into<Shader<'a>>,
+        ground: impl Into<Shader<'a>>,
         environment: &'a Environment,
     ) -> Self {
         let mesh = match name {
@@ -81,8 +81,8 @@ impl<'a> Scene<'a> {
     pub fn with_mesh(
         name: SceneName,
         mut mesh: Mesh,
-        object: Material<'a>,
-        ground: Material<'a>,
+        object: impl Into<Shader<'a>>,
+        ground: impl Into<Shader<'a>>,
         environment: &'a Environment,
     ) -> Self {
         let ground_from = mesh.triangles.len();
@@ -90,6 +90,7 @@ impl<'a> Scene<'a> {
             mesh.append(&Mesh::square(GROUND_HALF_SIDE, GROUND_HEIGHT));
         }
         let tree = TriangleTree::new(&mesh);
+        let (object, ground) = (object.into(), ground.into());
         Self { sphere: name == SceneName::Sphere, mesh, tree, ground_from, object, ground, environment }
     }
 
@@ -115,7 +116,7 @@ impl<'a> Scene<'a> {
     }
 
     /// The object's material.
-    pub fn object(&self) -> &Material<'a> {
+    pub fn object(&self) -> &Shader<'a> {
         &self.object
     }
 }

@@ -3,6 +3,7 @@
 mod lobes_table;
 mod method;
 mod names;
+mod picture;
 mod survey;
 
 use anyhow::{Context, bail, ensure};
@@ -45,6 +46,8 @@ pub struct Args {
     /// Instead of a material, writes a table and a plot: error, bytes and run time against the number of lobes.
     #[arg(long, conflicts_with_all = ["survey", "cross_validate", "error", "lobes", "method", "output"])]
     lobes_table: bool,
+    #[command(flatten)]
+    picture: picture::Args,
     #[command(flatten)]
     settings: SettingArgs,
     #[command(flatten)]
@@ -132,6 +135,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let file = args.file.context("a file is needed")?;
     let source = method::read(&file, args.material.as_deref())?;
     check_options(&file, &source.content, &args.settings)?;
+    let picture = args.picture.check(&file, &source, args.method)?;
     let name = names::stem(&file, args.material.as_deref())?;
     if args.lobes_table {
         return lobes_table::run(&source, &name.to_string_lossy(), &args.settings.settings());
@@ -151,7 +155,10 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let output = names::material(args.output, &name)?;
     let settings = args.settings.settings();
     let left_out = left_out(args.cross_validate, &file, &source.content, args.method, &args.settings)?;
-    let mut fit = fit_source(source, settings.clone(), "")?;
+    if let Some(picture) = &picture {
+        picture.check_beside(&output)?;
+    }
+    let mut fit = fit_source(&source, settings.clone(), "")?;
     fit.report.cross_validation = left_out;
     srbf_fit::write_atomically(&output, &fit.bytes)?;
     let json = fit.report.to_json(&Material::from_bytes(&fit.bytes)?, &input, &settings)?;
@@ -163,7 +170,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         found.median, found.worst, found.pairs, fit.report.evaluations
     );
     println!("{}: {} bytes in {:.2} s", output.display(), fit.bytes.len(), fit.report.seconds);
-    Ok(())
+    picture.map_or(Ok(()), |picture| picture.write(&output, fit.bytes, source))
 }
 
 /// Refuses options that the fit of such a content would ignore.
@@ -211,14 +218,14 @@ fn left_out(
 
 /// Reads and fits one file, with a progress bar; `source` says in the provenance where it comes from.
 pub fn fit_file(file: &Path, settings: Settings, source: &str) -> anyhow::Result<Fit> {
-    fit_source(srbf_fit::read::read(file)?, settings, source)
+    fit_source(&srbf_fit::read::read(file)?, settings, source)
 }
 
-fn fit_source(read: Source, mut settings: Settings, source: &str) -> anyhow::Result<Fit> {
+fn fit_source(read: &Source, mut settings: Settings, source: &str) -> anyhow::Result<Fit> {
     settings.provenance = format!("{source}{}, SHA-256 {}\n", read.name, read.sha256);
 
     // indicatif draws nothing where standard error is not a terminal.
-    let bar = ProgressBar::new(1000).with_message(read.name);
+    let bar = ProgressBar::new(1000).with_message(read.name.clone());
     bar.set_style(ProgressStyle::with_template("{msg} [{bar:40}] {percent} %")?);
     let fit =
         srbf_fit::fit_content(&read.content, &settings, |share| bar.set_position((1000.0 * share) as u64));

@@ -1,7 +1,7 @@
 //! `srbf inspect`.
 
-use crate::integrator::AnyMixture;
 use crate::material::StoredMaterial;
+use crate::shader::AnyMixture;
 use glam::Vec3;
 use srbf_core::MAX_LOBES;
 

@@ -4,13 +4,14 @@ use super::argument;
 use crate::film::Film;
 use crate::furnace::{self, Furnace};
 use crate::integrator::Sampler;
-use crate::material::{self, StoredMaterial};
+use crate::material;
 use crate::mesh;
 use crate::output;
 use crate::picture_file;
 use crate::progress::Progress;
 use crate::render::{Settings, add_samples};
 use crate::scene::{Scene, SceneName};
+use crate::shader::LoadedMaterial;
 use anyhow::{Context, ensure};
 use std::path::PathBuf;
 use std::time::Instant;
@@ -18,7 +19,7 @@ use std::time::Instant;
 /// Renders a scene with a material to EXR and PNG.
 ///
 /// Writes linear radiance to OUT, and a tone-mapped PNG beside it. The sphere under `--env constant:VALUE` is a white
-/// furnace: the mean that was rendered is printed beside the closed form.
+/// furnace: the mean that was rendered is printed beside the closed form, or the quadrature of a table.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// The scene
@@ -30,11 +31,12 @@ pub struct Args {
     /// The axis that is up in the mesh file
     #[arg(long, value_enum, default_value = "y", requires = "mesh")]
     mesh_up: Up,
-    /// Material of the object: a .srbf file or the name of a preset
-    #[arg(long, default_value = material::DEFAULT, value_name = "FILE|PRESET")]
+    /// Material of the object: a .srbf file, the name of a preset, or what `fit` reads and has a value for every pair of
+    /// directions (.bsdf, .binary, model:..., FILE.csv:NAME of published Lafortune fits), which is then rendered as it is
+    #[arg(long, default_value = material::DEFAULT, value_name = "FILE|PRESET|MODEL")]
     material: String,
     /// Material of the ground below the teapot [default: matte]
-    #[arg(long, value_name = "FILE|PRESET")]
+    #[arg(long, value_name = "FILE|PRESET|MODEL")]
     ground_material: Option<String>,
     /// The light: sky, haze (the sun spread wide), constant:VALUE, or a latitude-longitude map in a .hdr or .exr file
     #[arg(long, default_value = "sky")]
@@ -85,15 +87,16 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     ensure!(args.exposure.abs() <= 64.0, "--exposure {}: within -64 to 64 is expected", args.exposure);
     ensure!(args.env_turn.is_finite(), "--env-turn {}: a number of degrees is expected", args.env_turn);
 
-    let object = StoredMaterial::load(&args.material)?;
+    let load = |name: &str| argument::on_threads(args.threads.into(), || LoadedMaterial::load(name));
+    let object = load(&args.material)?;
     ensure!(
         args.ground_material.is_none() || args.scene == SceneName::Teapot,
         "--ground-material: only the teapot stands on a ground, add --scene teapot"
     );
-    let ground = StoredMaterial::load(args.ground_material.as_deref().unwrap_or(material::MATTE))?;
+    let ground = load(args.ground_material.as_deref().unwrap_or(material::MATTE))?;
     let environment = argument::environment(&args.env)?.turned(radians(args.env_turn));
     let scene = match &args.mesh {
-        None => Scene::new(args.scene, object.get(), ground.get(), &environment),
+        None => Scene::new(args.scene, object.shader(), ground.shader(), &environment),
         Some(path) => {
             ensure!(
                 args.scene == SceneName::Teapot,
@@ -104,7 +107,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
                 mesh.turn_y_up();
             }
             mesh.stand(MESH_SIZE);
-            Scene::with_mesh(args.scene, mesh, object.get(), ground.get(), &environment)
+            Scene::with_mesh(args.scene, mesh, object.shader(), ground.shader(), &environment)
         }
     };
     let camera = args.scene.camera(args.size);
@@ -116,7 +119,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     argument::on_threads(args.threads.into(), || {
         add_samples(&scene, &camera, &settings, &mut film, args.spp, &progress)
     })
-    .with_context(|| format!("material {}, ground {}, light {}", object.name, ground.name, args.env))?;
+    .with_context(|| format!("material {}, ground {}, light {}", object.name(), ground.name(), args.env))?;
     let seconds = start.elapsed().as_secs_f64();
     drop(progress);
 

@@ -1,0 +1,86 @@
+//! `srbf ball`.
+
+use super::argument;
+use crate::ball_sheet::{self, Light};
+use crate::shader::LoadedMaterial;
+use crate::{output, picture_file};
+use anyhow::ensure;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Draws a ball of a material, or beside it a ball of what it was fitted to, and their difference.
+///
+/// Direct light, one PNG: on the left the material, in the middle what it is held against, under the same light and with the
+/// same exposure, on the right four times the difference of what the display shows, where grey is none. Both balls are shaded along the same
+/// random directions, so that their noise cancels in the difference.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// A .srbf file, the name of a preset, or a table or model as in `render`
+    #[arg(value_name = "FILE|PRESET|MODEL")]
+    material: String,
+    /// What it is held against: the table that it was fitted to, or another material
+    #[arg(long, value_name = "FILE|PRESET|MODEL")]
+    against: Option<String>,
+    /// The light: sky, haze (the sun spread wide), constant:VALUE, or a latitude-longitude map in a .hdr or .exr file
+    #[arg(long, default_value = "sky")]
+    env: String,
+    /// Samples a pixel
+    #[arg(long, default_value_t = ball_sheet::SAMPLES, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    spp: u32,
+    /// Stops to brighten the balls by, from an exposure that fits the picture
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_name = "STOPS")]
+    exposure: f32,
+    /// Threads; 0 is one a processor. The picture does not depend on it
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    threads: u16,
+    /// The picture to write, .png
+    #[arg(short, long, default_value = "out/ball.png", value_name = "OUT.png")]
+    output: PathBuf,
+}
+
+/// Runs the command.
+pub fn run(args: Args) -> anyhow::Result<()> {
+    check_output(&args.output)?;
+    ensure!(args.exposure.abs() <= 64.0, "--exposure {}: within -64 to 64 is expected", args.exposure);
+    argument::on_threads(args.threads.into(), || {
+        let material = LoadedMaterial::load(&args.material)?;
+        let against = args.against.as_deref().map(LoadedMaterial::load).transpose()?;
+        let environment = argument::environment(&args.env)?;
+        let light =
+            Light { name: &args.env, environment: &environment, samples: args.spp, stops: args.exposure };
+        write(&args.output, &material, against.as_ref(), &light)
+    })
+}
+
+/// Finds out, before a long work, whether a picture of that name can be written.
+///
+/// # Errors
+/// Names the file.
+pub fn check_output(path: &Path) -> anyhow::Result<()> {
+    output::check_extension(path, "png")?;
+    output::check_place(path)
+}
+
+/// Draws and writes a picture, and prints what it shows.
+///
+/// # Errors
+/// As [`ball_sheet::draw`]; names the file that cannot be written.
+pub fn write(
+    path: &Path,
+    material: &LoadedMaterial,
+    against: Option<&LoadedMaterial>,
+    light: &Light<'_>,
+) -> anyhow::Result<()> {
+    let start = Instant::now();
+    let sheet = ball_sheet::draw(material, against, light)?;
+    picture_file::write_png(path, sheet.size, &sheet.rgb)?;
+    let numbers = sheet.difference.map_or_else(String::new, |found| {
+        format!(
+            ", difference of the balls: mean {:.2} % of the mean radiance, root mean square {:.2} %",
+            100.0 * found.mean,
+            100.0 * found.root_mean_square
+        )
+    });
+    println!("{} in {:.2} s{numbers}", path.display(), start.elapsed().as_secs_f64());
+    Ok(())
+}

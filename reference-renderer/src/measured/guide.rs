@@ -1,0 +1,273 @@
+//! Directions for a table: a mixture of a cosine and of GGX lobes of fixed roughness, whose weights depend on the outgoing
+//! direction and are found from the table itself.
+//!
+//! The weights have the least variance among all mixtures of these parts. They are tabulated over the outgoing direction and
+//! interpolated; whatever they are, the density is exact, and the estimate unbiased.
+
+use glam::DVec3;
+use rayon::prelude::*;
+use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
+
+/// Roughness of the lobes. A step of 2.3 costs little: the density between two of them is a mixture of both.
+const ROUGHNESS: [f64; 8] = [1.0, 0.44, 0.19, 0.083, 0.036, 0.016, 0.007, 0.003];
+
+/// The lobes, and the cosine as the last.
+const PARTS: usize = ROUGHNESS.len() + 1;
+const COSINE: usize = ROUGHNESS.len();
+
+/// Share of the cosine that is always there, whatever the weights: it bounds `f cos / pdf` where the table has a highlight that
+/// its tabulation did not see.
+const DEFENSIVE: f64 = 0.1;
+
+/// Angles of the outgoing direction at which weights are tabulated, and azimuths of what is anisotropic.
+const THETAS: usize = 48;
+const AZIMUTHS: usize = 32;
+
+/// Directions that each part draws to find the weights, of what is isotropic and of what is not.
+const DRAWN: [usize; 2] = [320, 96];
+
+/// Steps to the least variance; each lowers it.
+const STEPS: usize = 60;
+
+/// Steps of the R2 sequence: powers of the inverse of the root of `x^3 = x + 1`.
+const R2: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
+
+/// Weights of the parts.
+type Weights = [f64; PARTS];
+
+/// The weights over the outgoing direction.
+#[derive(Clone, Debug)]
+pub struct Guide {
+    azimuths: usize,
+    /// Theta fastest.
+    weights: Vec<Weights>,
+}
+
+impl Guide {
+    /// Finds the weights for `f cos` of incident and outgoing direction.
+    pub fn new(f_cos: &(dyn Fn(DVec3, DVec3) -> DVec3 + Sync), is_isotropic: bool) -> Self {
+        let azimuths = if is_isotropic { 1 } else { AZIMUTHS };
+        let at = |n: usize| {
+            let (sin, cos) = (FRAC_PI_2 * (n % THETAS) as f64 / (THETAS - 1) as f64).min(1.57).sin_cos();
+            let azimuth = PI + TAU * (n / THETAS) as f64 / azimuths as f64;
+            let wo = DVec3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos);
+            least_variance(&|wi| f_cos(wi, wo), wo, DRAWN[usize::from(!is_isotropic)])
+        };
+        Self { azimuths, weights: (0..THETAS * azimuths).into_par_iter().map(at).collect() }
+    }
+
+    /// The mixture for an outgoing direction.
+    pub fn proposal(&self, wo: DVec3) -> Proposal {
+        let place = wo.z.clamp(0.0, 1.0).acos() / FRAC_PI_2 * (THETAS - 1) as f64;
+        let theta = (place as usize).min(THETAS - 2);
+        let along = place - theta as f64;
+        let turns = (wo.y.atan2(wo.x) - PI) / TAU;
+        let turned = (turns - turns.floor()) * self.azimuths as f64;
+        let azimuth = (turned as usize).min(self.azimuths - 1);
+        let across = turned - azimuth as f64;
+        let mut weights = [0.0; PARTS];
+        for (azimuth, share) in [(azimuth, 1.0 - across), ((azimuth + 1) % self.azimuths, across)] {
+            let row = azimuth * THETAS + theta;
+            let [low, high] = [&self.weights[row], &self.weights[row + 1]];
+            for (k, weight) in weights.iter_mut().enumerate() {
+                *weight += share * (low[k] + along * (high[k] - low[k]));
+            }
+        }
+        Proposal::new(wo, weights)
+    }
+}
+
+/// The mixture for one outgoing direction.
+#[derive(Clone, Debug)]
+pub struct Proposal {
+    wo: DVec3,
+    weights: Weights,
+    /// What is constant in the density of each lobe.
+    scale: [f64; ROUGHNESS.len()],
+}
+
+impl Proposal {
+    fn new(wo: DVec3, weights: Weights) -> Self {
+        let across = wo.x * wo.x + wo.y * wo.y;
+        // Half of Smith's visible share over the cosine, over pi alpha^2.
+        let scale = ROUGHNESS.map(|alpha| {
+            1.0 / (2.0 * (wo.z + (wo.z * wo.z + alpha * alpha * across).sqrt()) * PI * alpha * alpha)
+        });
+        Self { wo, weights, scale }
+    }
+
+    /// Density of each part at an incident direction; 1/sr.
+    fn densities(&self, wi: DVec3) -> Weights {
+        let mut densities = [0.0; PARTS];
+        if wi.z > 0.0 {
+            let h = self.wo + wi;
+            let squared = h.length_squared().max(f64::MIN_POSITIVE);
+            let (across, along) = ((h.x * h.x + h.y * h.y) / squared, h.z * h.z / squared);
+            for k in 0..ROUGHNESS.len() {
+                let q = across / (ROUGHNESS[k] * ROUGHNESS[k]) + along;
+                densities[k] = self.scale[k] / (q * q);
+            }
+            densities[COSINE] = wi.z * FRAC_1_PI;
+        }
+        densities
+    }
+
+    /// Density of the mixture; 1/sr. Its integral is less than 1: of a lobe, some directions lie below the horizon.
+    pub fn density(&self, wi: DVec3) -> f64 {
+        self.densities(wi).iter().zip(&self.weights).map(|(density, weight)| density * weight).sum()
+    }
+
+    /// Draws a direction, maybe below the horizon.
+    pub fn sample(&self, [part, u, v]: [f64; 3]) -> DVec3 {
+        let mut left = part;
+        for (alpha, weight) in ROUGHNESS.into_iter().zip(self.weights) {
+            if left < weight {
+                return self.reflect(alpha, u, v);
+            }
+            left -= weight;
+        }
+        cosine(u, v)
+    }
+
+    fn draw(&self, part: usize, u: f64, v: f64) -> DVec3 {
+        if part == COSINE { cosine(u, v) } else { self.reflect(ROUGHNESS[part], u, v) }
+    }
+
+    /// The outgoing direction mirrored at a visible normal of the GGX distribution.
+    ///
+    /// Source: Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".
+    fn reflect(&self, alpha: f64, u: f64, v: f64) -> DVec3 {
+        let stretched = DVec3::new(alpha * self.wo.x, alpha * self.wo.y, self.wo.z).normalize();
+        let (sin, cos) = (TAU * u).sin_cos();
+        let z = (1.0 - v) * (1.0 + stretched.z) - stretched.z;
+        let radius = (1.0 - z * z).max(0.0).sqrt();
+        let h = DVec3::new(radius * cos, radius * sin, z) + stretched;
+        let normal = DVec3::new(alpha * h.x, alpha * h.y, h.z.max(0.0)).normalize_or(DVec3::Z);
+        (2.0 * self.wo.dot(normal) * normal - self.wo).normalize()
+    }
+}
+
+fn cosine(u: f64, v: f64) -> DVec3 {
+    let (sin, cos) = (TAU * u).sin_cos();
+    // 1 - v lies in (0, 1]: z, and with it the density, is never 0.
+    let (radius, z) = (v.sqrt(), (1.0 - v).sqrt());
+    DVec3::new(radius * cos, radius * sin, z)
+}
+
+/// The weights for which samples of the mixture have the least variance, the cosine's raised to its least share.
+fn least_variance(f_cos: &dyn Fn(DVec3) -> DVec3, wo: DVec3, drawn: usize) -> Weights {
+    let even = [1.0 / PARTS as f64; PARTS];
+    let proposal = Proposal::new(wo, even);
+    // Directions of all parts alike; the second moment at each, and the densities there.
+    let mut seen: Vec<(f64, Weights)> = Vec::with_capacity(PARTS * drawn);
+    for part in 0..PARTS {
+        for i in 0..drawn {
+            let n = (part * drawn + i) as f64;
+            let wi = proposal.draw(part, (R2[0] * n).fract(), (R2[1] * n).fract());
+            if wi.z > 0.0 {
+                let value = f_cos(wi).abs().element_sum();
+                let density = proposal.density(wi);
+                seen.push((value * value / density, proposal.densities(wi)));
+            }
+        }
+    }
+    let mut weights = even;
+    for _ in 0..STEPS {
+        // The sum over f^2 / (p q) is convex in the weights of q. A bound of it that touches it where the weights are has its
+        // least value at weights times the root of this slope (Hunter and Lange 2004, "A Tutorial on MM Algorithms").
+        let mut slope = [0.0; PARTS];
+        for (moment, densities) in &seen {
+            let q: f64 = densities.iter().zip(&weights).map(|(density, weight)| density * weight).sum();
+            if q > 0.0 {
+                (0..PARTS).for_each(|k| slope[k] += moment * densities[k] / (q * q));
+            }
+        }
+        let next: Weights = std::array::from_fn(|k| weights[k] * slope[k].sqrt());
+        let sum: f64 = next.iter().sum();
+        if !(sum > 0.0 && sum.is_finite()) {
+            break;
+        }
+        weights = next.map(|weight| weight / sum);
+    }
+    weights.iter_mut().for_each(|weight| *weight *= 1.0 - DEFENSIVE);
+    weights[COSINE] += DEFENSIVE;
+    weights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    fn direction(degrees: f64, azimuth: f64) -> DVec3 {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        DVec3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos)
+    }
+
+    #[test]
+    fn samples_of_every_part_have_its_density() {
+        // Moments of the direction, by samples of the part and by the density at directions of the cosine or of a rougher lobe.
+        for (degrees, azimuth) in [(0.0, 0.0), (40.0, 1.0), (80.0, -2.0)] {
+            let wo = direction(degrees, azimuth);
+            for part in 0..PARTS {
+                let wide = if part == COSINE { 0 } else { part.checked_sub(1).unwrap_or(COSINE) };
+                let (n, mut random) = (200_000, Random::new(part as u64, 1, 2));
+                let proposal = Proposal::new(wo, [1.0 / PARTS as f64; PARTS]);
+                let mirror = DVec3::new(-wo.x, -wo.y, wo.z);
+                let of = |wi: DVec3| {
+                    let near = (wi - mirror).length_squared() / ROUGHNESS.get(part).map_or(1.0, |a| a * a);
+                    [1.0, (-near).exp(), wi.y].map(|v| if wi.z > 0.0 { v } else { 0.0 })
+                };
+                let (mut ours, mut theirs, mut squares) = ([0.0; 3], [0.0; 3], [0.0; 3]);
+                for _ in 0..n {
+                    let mut unit = || f64::from(random.unit());
+                    let direct = of(proposal.draw(part, unit(), unit()));
+                    let other = proposal.draw(wide, unit(), unit());
+                    let densities = proposal.densities(other);
+                    let ratio = if other.z > 0.0 { densities[part] / densities[wide] } else { 0.0 };
+                    let weighed = of(other).map(|v| v * ratio);
+                    for k in 0..3 {
+                        ours[k] += direct[k] / f64::from(n);
+                        theirs[k] += weighed[k] / f64::from(n);
+                        squares[k] += (direct[k] * direct[k] + weighed[k] * weighed[k]) / f64::from(n);
+                    }
+                }
+                for k in 0..3 {
+                    let error = (squares[k] / f64::from(n)).sqrt();
+                    let deviation = (ours[k] - theirs[k]).abs();
+                    assert!(deviation < 4.5 * error, "{degrees} {part} {k}: {ours:?} {theirs:?} +- {error}");
+                    assert!(error < 0.02, "{degrees} {part} {k}: +- {error}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn weights_find_the_roughness() {
+        let guide = Guide::new(
+            &|wi, wo| {
+                DVec3::splat(
+                    Proposal::new(wo, {
+                        let mut weights = [0.0; PARTS];
+                        weights[6] = 1.0;
+                        weights
+                    })
+                    .density(wi),
+                )
+            },
+            true,
+        );
+        for degrees in [0.0, 30.0, 60.0, 80.0] {
+            let proposal = guide.proposal(direction(degrees, 0.7));
+            assert!(proposal.weights[6] > 0.8, "{degrees}: {:?}", proposal.weights);
+            assert!((proposal.weights.iter().sum::<f64>() - 1.0).abs() < 1e-9);
+        }
+        // What is black is sampled too.
+        let guide = Guide::new(&|_, _| DVec3::ZERO, false);
+        let weights = guide.proposal(direction(40.0, 3.0)).weights;
+        assert!(
+            weights[COSINE] >= DEFENSIVE && (weights.iter().sum::<f64>() - 1.0).abs() < 1e-9,
+            "{weights:?}"
+        );
+    }
+}

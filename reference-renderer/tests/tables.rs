@@ -1,0 +1,184 @@
+//! Tables and models as materials of `srbf render`, and the pictures of `srbf ball` and `srbf fit --picture`, as a user calls them.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A folder of a test.
+fn folder(name: &str) -> PathBuf {
+    let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join("tables").join(name);
+    let _ = std::fs::remove_dir_all(&place);
+    std::fs::create_dir_all(&place).unwrap();
+    place
+}
+
+fn srbf(place: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_srbf")).current_dir(place).args(arguments).output().unwrap()
+}
+
+/// Standard output of a call that succeeds.
+fn printed(place: &Path, arguments: &[&str]) -> String {
+    let output = srbf(place, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The call fails with status 2, says all of this, and writes nothing.
+fn refused(place: &Path, arguments: &[&str], says: &[&str]) {
+    let files = || std::fs::read_dir(place).unwrap().map(|f| f.unwrap().file_name()).collect::<Vec<_>>();
+    let before = files();
+    let output = srbf(place, arguments);
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {text}");
+    assert!(says.iter().all(|part| text.contains(part)), "{arguments:?} does not say {says:?}: {text}");
+    assert!(!text.contains("panicked"), "{text}");
+    assert_eq!(files(), before, "{arguments:?}");
+}
+
+/// What a white furnace prints: for each channel what was rendered, its standard error, and what was expected.
+fn furnace(place: &Path, material: &str) -> [[f64; 3]; 3] {
+    let light = ["render", "--material", material, "--env", "constant:1", "--seed", "2"];
+    let text = printed(place, &[&light[..], &["--size", "64x64", "--spp", "64", "-o", "a.exr"]].concat());
+    ["red", "green", "blue"].map(|channel| {
+        let line = text.lines().find(|line| line.starts_with(channel)).expect(&text);
+        let numbers: Vec<f64> = line.split_whitespace().skip(1).take(3).map(|n| n.parse().unwrap()).collect();
+        [numbers[0], numbers[1], numbers[2]]
+    })
+}
+
+/// The rendered mean is the quadrature, within what chance explains.
+fn check_furnace(place: &Path, material: &str) -> [[f64; 3]; 3] {
+    let channels = furnace(place, material);
+    for [rendered, error, expected] in channels {
+        // Beside chance, the six digits that are printed, and a quadrature that is interpolated.
+        let allowed = 4.5 * error + 2e-6 + 2e-4 * expected.abs();
+        assert!((rendered - expected).abs() < allowed, "{material}: {channels:?}");
+        assert!(error < 0.01 * expected.abs().max(0.01), "{material}: {channels:?}");
+    }
+    channels
+}
+
+#[test]
+fn the_mean_of_a_model_in_a_furnace_is_its_quadrature() {
+    let place = folder("furnace");
+    let lambert = check_furnace(&place, "model:lambert:albedo=0.6/0.2/0.1");
+    for (channel, albedo) in lambert.iter().zip([0.6, 0.2, 0.1]) {
+        assert!((channel[2] - albedo).abs() < 1e-4, "{lambert:?}");
+    }
+    for model in [
+        "model:ggx:alpha=0.003,f0=0.9/0.5/0.1",
+        "model:ggx:alpha=0.3,ior=1.5,diffuse=0.2",
+        "model:phong:diffuse=0.3,specular=0.3,exponent=50",
+        "model:ward:alpha_x=0.05,alpha_y=0.3,specular=0.5",
+    ] {
+        check_furnace(&place, model);
+    }
+}
+
+#[test]
+fn published_fits_are_rendered_by_name() {
+    let place = folder("published");
+    let fits = "material,term,lobe,r,g,b\nblue,diffuse,,0.3,0.2,0.1\ngrey,diffuse,,0.1,0.1,0.1\n";
+    std::fs::write(place.join("fits.csv"), fits).unwrap();
+    assert!(check_furnace(&place, "fits.csv:blue")[0][2] > 0.05);
+    refused(&place, &["render", "--material", "fits.csv"], &["fits.csv:NAME", "blue, grey"]);
+    refused(&place, &["render", "--material", "fits.csv:red"], &["red", "blue, grey"]);
+}
+
+#[test]
+fn what_cannot_be_rendered_is_refused_by_name() {
+    let place = folder("refused");
+    let mut rows = String::from("wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,r,g,b\n");
+    for i in 0..40 {
+        let (z, phi) = ((f64::from(i) + 0.5) / 40.0, 2.4 * f64::from(i));
+        let r = (1.0 - z * z).sqrt();
+        rows += &format!("{},{},{z},0,0,1,0.2,0.1,0.05\n", r * phi.cos(), r * phi.sin());
+    }
+    std::fs::write(place.join("samples.csv"), rows).unwrap();
+    std::fs::write(place.join("cut.bsdf"), "tensor_file").unwrap();
+    std::fs::write(place.join("cut.BINARY"), "abc").unwrap();
+    let render = |material: &str, says: &[&str]| {
+        refused(&place, &["render", "--material", material, "-o", "a.exr"], says);
+        refused(&place, &["ball", "matte", "--against", material, "-o", "a.png"], says);
+        let ground = ["render", "--scene", "teapot", "--ground-material", material, "-o", "a.exr"];
+        refused(&place, &ground, says);
+    };
+    render("samples.csv", &["samples.csv", "scattered samples"]);
+    render("cut.bsdf", &["cut.bsdf"]);
+    render("cut.BINARY", &["cut.BINARY", "3 bytes"]);
+    render("absent.bsdf", &["absent.bsdf"]);
+    render("model:phong:shine=3", &["shine"]);
+    render("model:blinn", &["blinn"]);
+    refused(
+        &place,
+        &["fit", "samples.csv", "--picture", "a.png"],
+        &["--picture", "samples.csv", "scattered"],
+    );
+}
+
+#[test]
+fn pictures_that_cannot_be_drawn_are_refused_before_the_fit() {
+    let place = folder("pictures-refused");
+    let fit = |options: &[&str], says: &[&str]| {
+        refused(&place, &[&["fit", "model:lambert"], options].concat(), says);
+    };
+    fit(&["--picture", "a.jpg"], &["a.jpg", ".png"]);
+    fit(&["--picture", "a.png", "-o", "a.png"], &["a.png", "the same file"]);
+    fit(&["--picture", "a.png", "--env", "nowhere"], &["nowhere"]);
+    fit(&["--picture", "a.png", "--method", "thesis"], &["--picture", "our own method"]);
+    fit(&["--picture", "a.png", "--lobes-table"], &["--picture", "--lobes-table"]);
+    fit(&["--env", "haze"], &["--picture"]);
+    refused(&place, &["fit", "--survey", "1", "--picture", "a.png"], &["--picture", "--survey"]);
+    refused(&place, &["ball", "matte", "-o", "a.exr"], &["a.exr", ".png"]);
+    refused(&place, &["ball", "matte", "--exposure", "NaN"], &["--exposure"]);
+}
+
+/// Width and height in the head of a PNG.
+fn png_size(path: &Path) -> [u32; 2] {
+    let bytes = std::fs::read(path).unwrap();
+    assert_eq!(&bytes[1..4], b"PNG");
+    [16, 20].map(|at| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap()))
+}
+
+/// The mean difference of two balls that a line names, in per cent.
+fn mean_difference(text: &str) -> f64 {
+    let after = text.split("difference of the balls: mean ").nth(1).expect(text);
+    after.split_whitespace().next().unwrap().parse().unwrap()
+}
+
+#[test]
+fn balls_are_drawn_alone_and_side_by_side() {
+    let place = folder("balls");
+    let grey = ["--against", "model:lambert:albedo=0.5", "--spp", "2"];
+    let text = printed(&place, &[&["ball", "matte", "-o", "same.png"], &grey[..]].concat());
+    assert!(mean_difference(&text) < 0.01, "{text}");
+    let text = printed(&place, &[&["ball", "garnet_red", "-o", "other.png"], &grey[..]].concat());
+    assert!(mean_difference(&text) > 20.0, "{text}");
+    let [width, height] = png_size(&place.join("other.png"));
+    printed(&place, &["ball", "cayman", "--spp", "2", "--env", "haze", "-o", "one.png"]);
+    assert_eq!(png_size(&place.join("one.png")), [width / 3, height]);
+    // The same bytes on any number of threads.
+    printed(&place, &["ball", "cayman", "--spp", "2", "--env", "haze", "--threads", "1", "-o", "two.png"]);
+    assert_eq!(std::fs::read(place.join("one.png")).unwrap(), std::fs::read(place.join("two.png")).unwrap());
+}
+
+#[test]
+fn a_fit_is_pictured_beside_its_model() {
+    let place = folder("fit");
+    let quick = ["--lobes", "2", "--starts", "1", "--exchanges", "0", "--steps", "2", "--views", "3"];
+    let fit = ["fit", "model:lambert:albedo=0.6/0.2/0.1", "-o", "a.srbf", "--picture", "a.png"];
+    let text = printed(&place, &[&fit[..], &quick].concat());
+    assert!(mean_difference(&text) < 2.0, "{text}");
+    assert_eq!(png_size(&place.join("a.png"))[0], 3 * 256);
+    assert!(place.join("a.srbf").exists() && place.join("a.json").exists());
+}
+
+#[test]
+#[ignore = "needs SRBF_DATA_DIR"]
+fn the_mean_of_measured_tables_in_a_furnace_is_their_quadrature() {
+    let data = std::env::var("SRBF_DATA_DIR").expect("SRBF_DATA_DIR names the folder of the data");
+    let place = folder("measured");
+    for name in ["cc_green_malachite", "irid_flake_paint1", "ilm_solo_m_68", "chm_light_blue"] {
+        let channels = check_furnace(&place, &format!("{data}/rgl/{name}_rgb.bsdf"));
+        println!("{name}: {channels:?}");
+    }
+}
