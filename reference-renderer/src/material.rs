@@ -71,8 +71,20 @@ impl StoredMaterial {
 /// Makes a grey that scatters by Lambert's law with albedo 1/2: a diffuse term, and the one lobe that a material must
 /// have so dark that no f32 shows it; still darker, its products would be subnormal and slow.
 fn matte() -> Vec<u8> {
-    let lobe = PlaneLobe { angle: 0.0, off_plane: 0.0, log2_sharpness: 0.0, log2_luminance: -60.0, color_differences: [0.0; 2] };
-    let view = View { theta: 0.0, log2_squeeze: 0.0, log2_diffuse: -1.0, diffuse_color_differences: [0.0; 2], lobes: &[lobe] };
+    let lobe = PlaneLobe {
+        angle: 0.0,
+        off_plane: 0.0,
+        log2_sharpness: 0.0,
+        log2_luminance: -60.0,
+        color_differences: [0.0; 2],
+    };
+    let view = View {
+        theta: 0.0,
+        log2_squeeze: 0.0,
+        log2_diffuse: -1.0,
+        diffuse_color_differences: [0.0; 2],
+        lobes: &[lobe],
+    };
     let line = Line { views: &[view], squeezed: 0, mirrored: 0, factors: None };
     let provenance = "built in: Lambert's law, albedo 1/2";
     let mut bytes = vec![0; line.encoded_len(provenance)];

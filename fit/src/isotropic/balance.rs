@@ -50,9 +50,8 @@ pub(crate) fn balance(
     // What lies between two knots follows them not quite as a straight line: once more from where that leads.
     for _ in 0..PASSES {
         let rows = rows(x);
-        let factors = [0, 1, 2].map(|c| {
-            factors(&rows.iter().map(|row| row[c]).collect::<Vec<_>>(), layout.knots.len())
-        });
+        let factors = [0, 1, 2]
+            .map(|c| factors(&rows.iter().map(|row| row[c]).collect::<Vec<_>>(), layout.knots.len()));
         for (knot, q) in x.chunks_exact_mut(p).enumerate() {
             let by = [0, 1, 2].map(|c| libm::exp(factors[c][knot]));
             for k in 0..=layout.lobes {
@@ -85,7 +84,8 @@ fn at(factors: &[f64], (knot, blend): (usize, f64)) -> f64 {
 fn factors(rows: &[Row], knots: usize) -> Vec<f64> {
     let mut factors = vec![0.0; knots];
     for _ in 0..STEPS {
-        let errors: Vec<f64> = rows.iter().map(|row| row.error + row.slope * at(&factors, row.place)).collect();
+        let errors: Vec<f64> =
+            rows.iter().map(|row| row.error + row.slope * at(&factors, row.place)).collect();
         let largest = errors.iter().fold(UNCERTAIN, |most, e| most.max(e.abs()));
         let mut matrix = Banded::zeros(knots, 1.min(knots - 1));
         let mut step = vec![0.0; knots];

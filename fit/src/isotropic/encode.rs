@@ -38,10 +38,12 @@ pub(crate) fn encode(
     let mut x = x.to_vec();
     let mut q = vec![0.0; p];
     let last = layout.knots.len() - 1;
+    let looks = if factors.is_some() { LOOKS / 4 } else { LOOKS };
     for knot in 0..last.max(1) {
-        let most = (0..=if last == 0 { 0 } else { LOOKS }).fold(0.0, |most: f64, look| {
-            layout.interpolate(&x, (knot, look as f64 / LOOKS as f64), &mut q);
-            let means = factors.map(|f| f.means(layout, &q, layout.theta((knot, look as f64 / LOOKS as f64))));
+        let most = (0..=if last == 0 { 0 } else { looks }).fold(0.0, |most: f64, look| {
+            layout.interpolate(&x, (knot, look as f64 / looks as f64), &mut q);
+            let means =
+                factors.map(|f| f.means(layout, &q, layout.theta((knot, look as f64 / looks as f64))));
             layout.albedo(&q, means.as_deref()).into_iter().fold(most, f64::max)
         });
         if most > MOST {

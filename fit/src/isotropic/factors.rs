@@ -27,7 +27,7 @@ const MORE_NODES: f64 = 0.93;
 const SWEEPS: usize = 400;
 
 /// Directions of a lobe over which the factors are averaged.
-const AVERAGED: usize = 64;
+const AVERAGED: usize = 200;
 
 /// Golden angle, of spirals.
 const GOLDEN: f64 = 2.399_963_229_728_653;
@@ -199,10 +199,18 @@ impl Problem {
             for j in 0..difference {
                 problem.add_row(&[(at(i, j), 1.0)], PULL, 1.0);
                 if i > 0 && i + 1 < half {
-                    problem.add_row(&[(at(i - 1, j), 1.0), (at(i, j), -2.0), (at(i + 1, j), 1.0)], SMOOTH, 0.0);
+                    problem.add_row(
+                        &[(at(i - 1, j), 1.0), (at(i, j), -2.0), (at(i + 1, j), 1.0)],
+                        SMOOTH,
+                        0.0,
+                    );
                 }
                 if j > 0 && j + 1 < difference {
-                    problem.add_row(&[(at(i, j - 1), 1.0), (at(i, j), -2.0), (at(i, j + 1), 1.0)], SMOOTH, 0.0);
+                    problem.add_row(
+                        &[(at(i, j - 1), 1.0), (at(i, j), -2.0), (at(i, j + 1), 1.0)],
+                        SMOOTH,
+                        0.0,
+                    );
                 }
             }
         }
@@ -271,7 +279,8 @@ mod tests {
 
     #[test]
     fn smooth_factors_are_found_again() {
-        let truth = |half: f64, difference: f64| [1.0 + 0.5 * libm::sin(4.0 * half), 1.0 + 0.3 * difference, 0.5];
+        let truth =
+            |half: f64, difference: f64| [1.0 + 0.5 * libm::sin(4.0 * half), 1.0 + 0.3 * difference, 0.5];
         let demands = demands(truth);
         let factors = Factors::fit([24, 10], &demands);
         for d in &demands {

@@ -15,13 +15,13 @@
 pub(crate) mod data_term;
 
 use crate::FitError;
-use crate::isotropic::model::Lobes;
 use crate::isotropic::factors::{Demand, Factors};
+use crate::isotropic::model::Lobes;
 use crate::isotropic::model::parameters::{COLOR_SLOPES, LN_SHARPNESS_DEFENSIVE, Layout, luminance, rgb};
+use crate::judge::energy::EnergyError;
 use crate::judge::seen;
 use crate::numeric::banded::Banded;
 use crate::numeric::special::sphere_integral;
-use crate::judge::energy::EnergyError;
 use crate::table::{Table, View, check_bright, check_storable};
 use data_term::Point;
 use rayon::prelude::*;
@@ -52,6 +52,17 @@ const WATCHED: usize = 4;
 const MOST_FACTOR: f64 = 2.5;
 /// Weight of the change in the last interval beside that of second differences.
 const HOLD: f64 = 0.1;
+
+/// What counts beside the squared relative L2 error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Emphasis {
+    /// Weight of the relative variance.
+    pub tail: f64,
+    /// Weight of what is seen away from the peak, over that of the measure (`crate::judge::seen`).
+    pub seen: f64,
+    /// Weight of the albedo in the last stages.
+    pub energy: f64,
+}
 
 /// Weights that change in the course of a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -119,11 +130,11 @@ pub(crate) struct Objective {
 }
 
 impl Objective {
-    /// `tail`: weight of the relative variance beside the squared relative L2 error. `factors`: what the lobes are multiplied by.
+    /// `factors`: what the lobes are multiplied by.
     pub fn new(
         table: &Table,
         layout: Layout,
-        tail: f64,
+        emphasis: Emphasis,
         factors: Option<&Factors>,
     ) -> Result<Self, FitError> {
         let brightest = table.views.iter().flat_map(|v| v.albedo).fold(0.0, f64::max);
@@ -149,9 +160,10 @@ impl Objective {
                     rest: 0.0,
                     value: 0.0,
                     base: s.weight / norm / count,
-                    seen: s.weight / count * seen::weight(brightness(s.rgb), level, s.direction[2]),
+                    seen: emphasis.seen * s.weight / count
+                        * seen::weight(brightness(s.rgb), level, s.direction[2]),
                     seen_floor: seen::floor(level) * s.direction[2],
-                    tail: tail * s.weight / (mean * solid) / 3.0 / count,
+                    tail: emphasis.tail * s.weight / (mean * solid) / 3.0 / count,
                     floor: TAIL_FLOOR * mean * 2.0 * s.direction[2],
                 };
                 point.weigh(point.base + point.seen, point.tail / (bright(s) + point.floor));
@@ -166,10 +178,12 @@ impl Objective {
             }
         };
         let views = table.views.iter().map(data).collect();
-        let ln_defensive = layout.knots.iter().map(|&theta| {
+        let albedo = |theta: f64| {
             let far = |v: &&View| (v.theta - theta).abs();
-            let nearest = table.views.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
-            let albedo = nearest.map_or([0.0; 3], |v| v.albedo);
+            table.views.iter().min_by(|a, b| far(a).total_cmp(&far(b))).map_or([0.0; 3], |v| v.albedo)
+        };
+        let ln_defensive = layout.knots.iter().map(|&theta| {
+            let albedo = albedo(theta);
             let share = DEFENSIVE * luminance(albedo).max(1e-9 * brightest);
             libm::log(share / sphere_integral(LN_SHARPNESS_DEFENSIVE.1).0)
         });
@@ -229,7 +243,8 @@ impl Objective {
             });
             weights.push(terms.collect::<Vec<_>>());
             errors.push(libm::sqrt(square));
-            view.factors = self.factors.as_ref().map(|f| f.means(&self.layout, &q, self.layout.theta(view.place)));
+            view.factors =
+                self.factors.as_ref().map(|f| f.means(&self.layout, &q, self.layout.theta(view.place)));
             if evenly {
                 let albedo = self.layout.albedo(&q, view.factors.as_deref());
                 let errors = self.energy.errors(albedo, view.albedo);
@@ -251,7 +266,8 @@ impl Objective {
         let demands = self.views.par_iter().map(|view| {
             let mut q = vec![0.0; self.layout.stride()];
             self.layout.interpolate(x, view.place, &mut q);
-            let values = data_term::values(&Lobes::new(&self.layout, &q), &self.layout.amplitudes(&q), &view.points);
+            let values =
+                data_term::values(&Lobes::new(&self.layout, &q), &self.layout.amplitudes(&q), &view.points);
             let (sin, cos) = libm::sincos(self.layout.theta(view.place));
             let demand = |(point, lobes): (&Point, [f64; 3])| Demand {
                 wi: point.direction,
@@ -421,7 +437,9 @@ impl Objective {
                 _ => i % k,
             };
             match i / k {
-                _ if i != width - 1 && i >= off_plane => columns.push((layout.off_plane(i - off_plane), i, color(lobe))),
+                _ if i != width - 1 && i >= off_plane => {
+                    columns.push((layout.off_plane(i - off_plane), i, color(lobe)))
+                }
                 0 if i != width - 1 => columns.push((layout.angle(lobe), i, color(lobe))),
                 1 if i != width - 1 => columns.push((layout.sharpness(lobe), i, color(lobe))),
                 3.. if i != width - 1 => columns.push((0, i, color(lobe))),
@@ -545,7 +563,7 @@ mod tests {
         let layout = Layout::new(4, 2, 1, vec![0.0, 0.5, 1.0, 1.5]);
         let mut x: Vec<f64> = (0..layout.len()).map(|_| 2.0 * random.next() - 0.7).collect();
         x.chunks_mut(layout.stride()).for_each(|knot| knot[0] = -0.4);
-        (Objective::new(&table, layout, 0.03, None).unwrap(), x)
+        (Objective::new(&table, layout, Emphasis { tail: 0.03, seen: 1.0, energy: 1.0 }, None).unwrap(), x)
     }
 
     #[test]

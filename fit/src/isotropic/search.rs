@@ -15,14 +15,15 @@ use crate::isotropic::balance;
 use crate::isotropic::encode;
 use crate::isotropic::factors::SIZES;
 use crate::isotropic::model::parameters::Layout;
+use crate::isotropic::objective::Emphasis;
 use crate::isotropic::search::candidates::{Work, scout};
 use crate::isotropic::search::finalist::{Finalist, refine, reports};
 use crate::judge::report::{Fit, Report};
-use crate::table::Table;
 use crate::settings::FactorNodes;
+use crate::table::Table;
 use crate::{FitError, Settings};
 use rayon::prelude::*;
-use schedule::{Emphasis, HEAVY_TAIL, LIGHT, LOOKS, SAMPLES, Stage};
+use schedule::{HEAVY_TAIL, LAST, LIGHT, LOOKS, SAMPLES, Stage};
 use std::borrow::Cow;
 use std::sync::atomic::AtomicUsize;
 use std::time::Instant;
@@ -36,7 +37,7 @@ const ROUNDS: usize = 3;
 const WORTHWHILE: f64 = 0.97;
 /// Times that factors and lobes are fitted in turn; and the share of the error of lobes alone that factors may leave, to be worth their
 /// bytes.
-const FACTOR_ROUNDS: usize = 3;
+const FACTOR_ROUNDS: usize = 2;
 const WORTH_FACTORS: f64 = 0.93;
 /// What the weights of missed goals are multiplied by before, and the most that energy gets: with more, nothing else counts.
 const MORE_ENERGY: f64 = 10.0;
@@ -96,7 +97,7 @@ pub(crate) fn run(
         Data::Source(source) => {
             let finalists = problem.solve(LIGHT, &mut work)?;
             let best = problem.improve(source, finalists, &mut work)?;
-            let mut best = problem.with_factors(source, best, &mut work)?;
+            let mut best = problem.finish(source, best, &mut work)?;
             balance::balance(&best.layout, &mut best.candidate.x, best.factors.as_ref(), source.albedo());
             best
         }
@@ -147,7 +148,7 @@ impl<'a> Problem<'a> {
             Layout::new(settings.lobes - mirrored, squeezed, mirrored, knots.to_vec())
         });
         let count = refining.first().map_or(0, |stage| stage.keep);
-        let scouted = scout(table, layouts.collect(), emphasis.tail, (scouting, count), work)?;
+        let scouted = scout(table, layouts.collect(), emphasis, (scouting, count), work)?;
         let (mut finalists, mut others) = (Vec::new(), Vec::new());
         for (layout, candidate) in scouted {
             finalists.push(Finalist::new(data, settings, table, layout, candidate)?);
@@ -156,7 +157,7 @@ impl<'a> Problem<'a> {
             if stage.keep < finalists.len() {
                 others = finalists.split_off(stage.keep);
             }
-            refine(data, &mut finalists, emphasis.tail, stage, work)?;
+            refine(data, &mut finalists, emphasis, stage, work)?;
             work.done += stage.work();
             // What has been seen for the last time is judged as what it is.
             let is_final = stage.look == Some(LOOKS - 1);
@@ -208,37 +209,51 @@ impl<'a> Problem<'a> {
         Ok(best)
     }
 
-    /// Gives the lobes factors, and moves both in turn; what had none, if those are not worth their bytes.
-    fn with_factors(
+    /// Moves the best once more, by the measure of what is seen: as it is, and with factors, of which lobes and table take turns. What
+    /// has factors has to be that much better.
+    fn finish(
         &self,
         source: &dyn Source,
-        plain: Finalist<'a>,
+        best: Finalist<'a>,
         work: &mut Work<'_>,
     ) -> Result<Finalist<'a>, FitError> {
-        let sizes: &[[usize; 2]] = match &self.settings.factors {
-            FactorNodes::None => &[],
-            FactorNodes::Chosen => &SIZES,
-            FactorNodes::Given(size) => &[*size],
+        let (sizes, worth): (&[[usize; 2]], f64) = match &self.settings.factors {
+            FactorNodes::None => (&[], 1.0),
+            FactorNodes::Chosen => (&SIZES, WORTH_FACTORS),
+            FactorNodes::Given(size) => (std::slice::from_ref(size), f64::INFINITY),
         };
-        if sizes.is_empty() {
-            return Ok(plain);
-        }
-        let emphasis = LIGHT;
-        let Some(stage) = self.stages(emphasis).pop() else { return Ok(plain) };
+        let Some(stage) = self.stages(LAST).pop() else { return Ok(best) };
         let stage = Stage { keep: 1, look: None, ..stage };
-        let mut candidates = vec![plain.clone()];
-        let worth = if let FactorNodes::Chosen = self.settings.factors { WORTH_FACTORS } else { f64::INFINITY };
-        let mut best: Option<Finalist<'a>> = None;
-        for round in 0..FACTOR_ROUNDS {
-            candidates[0].fit_factors(sizes, emphasis.tail)?;
-            refine(self.data, &mut candidates, emphasis.tail, &stage, work)?;
-            candidates[0].look(source, LOOKS + 1 + round)?;
-            let rank = candidates[0].final_rank();
-            if best.as_ref().is_none_or(|best| rank < best.final_rank()) {
-                best = Some(candidates[0].clone());
+        work.total = work.total.max(work.done + FACTOR_ROUNDS * stage.work());
+        let mut with: Option<Finalist<'a>> = None;
+        let mut moved = best.clone();
+        for _ in 0..if sizes.is_empty() { 0 } else { FACTOR_ROUNDS } {
+            moved.look_again(source)?;
+            moved.fit_factors(sizes, LAST)?;
+            self.move_by_what_is_seen(source, &mut moved, &stage, work)?;
+            if with.as_ref().is_none_or(|with| moved.final_rank() < with.final_rank()) {
+                with = Some(moved.clone());
             }
         }
-        Ok(best.filter(|best| best.final_rank() < worth * plain.final_rank()).unwrap_or(plain))
+        if let Some(with) = with.filter(|with| with.final_rank() < worth * best.final_rank()) {
+            return Ok(with);
+        }
+        let mut moved = best.clone();
+        moved.look_again(source)?;
+        self.move_by_what_is_seen(source, &mut moved, &stage, work)?;
+        Ok(if moved.final_rank() < best.final_rank() { moved } else { best })
+    }
+
+    fn move_by_what_is_seen(
+        &self,
+        source: &dyn Source,
+        finalist: &mut Finalist<'a>,
+        stage: &Stage,
+        work: &mut Work<'_>,
+    ) -> Result<(), FitError> {
+        refine(self.data, std::slice::from_mut(finalist), LAST, stage, work)?;
+        work.done += stage.work();
+        finalist.look(source, LOOKS)
     }
 
     /// Takes finalists through a round.
@@ -252,7 +267,7 @@ impl<'a> Problem<'a> {
         let stages = self.stages_again(emphasis, finalists.len(), exchanges);
         work.total = work.total.max(work.done + schedule::work(&stages));
         for stage in &stages {
-            refine(self.data, finalists, emphasis.tail, stage, work)?;
+            refine(self.data, finalists, emphasis, stage, work)?;
             work.done += stage.work();
         }
         finalists.par_iter_mut().try_for_each(|finalist| finalist.look(source, LOOKS))

@@ -39,9 +39,14 @@ impl Fitted for TrackedLobes {
     }
 }
 
+/// Directions over which a value with factors is averaged: to about a thousandth.
+const DRAWN: u32 = 3000;
+
 /// The mixture of a material for one outgoing direction.
 pub(crate) struct TrackedView<'m> {
     pub mixture: Mixture<'m, MAX_LOBES>,
+    /// Whether the value is more than the lobes, whose albedo has a closed form.
+    has_factors: bool,
     /// Sine and cosine of the angle from the frame of the view to that of the surface.
     turn: (f64, f64),
 }
@@ -49,13 +54,32 @@ pub(crate) struct TrackedView<'m> {
 impl<'m> TrackedView<'m> {
     /// `azimuth`: by how much the outgoing direction is turned from -x.
     pub fn new(material: &Material<'m>, theta: f64, azimuth: f64) -> Result<Self, FitError> {
-        let mut view = Self { mixture: Mixture::empty(), turn: libm::sincos(azimuth) };
+        let mut view = Self {
+            mixture: Mixture::empty(),
+            has_factors: material.factor_nodes().is_some(),
+            turn: libm::sincos(azimuth),
+        };
         let (sin, cos) = libm::sincos(theta);
         // The f32 nearest to pi / 2 is beyond it.
         let wo = view.to_surface([-sin, 0.0, cos.max(0.0)]);
         // Whatever the processor: what a look sees decides where the fit goes.
         material.prepare_at(Level::Scalar, wo, LeaveOut::default(), &mut view.mixture)?;
         Ok(view)
+    }
+
+    /// The albedo as the mean of `f cos / pdf` over directions that the lobes draw, evenly spread.
+    fn drawn_albedo(&self) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for i in 0..DRAWN {
+            // The R2 sequence (Roberts 2018) beside even steps.
+            let n = f64::from(i);
+            let u = [(n + 0.5) / f64::from(DRAWN), 0.754_877_666_246_693 * n, 0.569_840_290_998_053 * n];
+            if let Some(sample) = self.mixture.sample(u.map(|u| u.fract() as f32)) {
+                let weight = sample.weight().to_array();
+                (0..3).for_each(|c| sum[c] += f64::from(weight[c]) / f64::from(DRAWN));
+            }
+        }
+        sum
     }
 
     fn to_surface(&self, [x, y, z]: [f64; 3]) -> Vec3 {
@@ -74,6 +98,9 @@ impl FittedView for TrackedView<'_> {
     }
 
     fn albedo(&self) -> Option<[f64; 3]> {
-        Some(self.mixture.albedo().to_array().map(f64::from))
+        Some(match self.has_factors {
+            true => self.drawn_albedo(),
+            false => self.mixture.albedo().to_array().map(f64::from),
+        })
     }
 }

@@ -32,8 +32,10 @@ const OFF_PLANE: (f64, f64) = (0.0, 1.55);
 const LN_SQUEEZE: (f64, f64) = (-4.5, 0.69);
 const LN_SHARPNESS: (f64, f64) = (-3.0, 14.0);
 const LN_AMPLITUDE: (f64, f64) = (-40.0, 30.0);
-/// Relative colour differences: pure blue of sRGB has one of 12.9.
-const COLOR: (f64, f64) = (-15.0, 15.0);
+/// Relative colour differences, red and blue. Those of colours in the gamut of sRGB are from -1 to 3.7 and to 12.9; colours of
+/// overlapping lobes may lie far outside of it and make one within. With bounds of -2, or pulled to the mean colour, malachite's
+/// colours are worse.
+const COLORS: [(f64, f64); 2] = [(-15.0, 15.0); 2];
 
 /// Bounds of the defensive lobe: nowhere on the hemisphere is it below a fiftieth of its peak. A sharpness of at most 1 would
 /// bound it better, but fits garnet red to 1.7 % in place of 1.6 %.
@@ -73,6 +75,15 @@ impl Layout {
     pub fn color(&self, difference: usize, k: usize) -> usize {
         self.angles().end + (2 + difference) * self.lobes + k
     }
+    /// Which of the two a colour difference is, red or blue.
+    pub fn color_difference(&self, index: usize) -> usize {
+        if index > self.diffuse() {
+            index - self.diffuse() - 1
+        } else {
+            usize::from(index >= self.color(1, 0))
+        }
+    }
+
     /// The colour differences of lobes and diffuse term.
     pub fn is_color(&self, index: usize) -> bool {
         index >= self.color(0, 0) && index != self.diffuse()
@@ -128,8 +139,8 @@ impl Layout {
         let [y, red, blue] = self.tint(k);
         q[y] = libm::log(luminance.max(least));
         if luminance > 0.0 {
-            q[red] = (color[0] / luminance - 1.0).clamp(COLOR.0, COLOR.1);
-            q[blue] = (color[2] / luminance - 1.0).clamp(COLOR.0, COLOR.1);
+            q[red] = (color[0] / luminance - 1.0).clamp(COLORS[0].0, COLORS[0].1);
+            q[blue] = (color[2] / luminance - 1.0).clamp(COLORS[1].0, COLORS[1].1);
         }
     }
 
@@ -174,7 +185,7 @@ impl Layout {
             _ if index <= self.lobes => ANGLE,
             _ if index < self.angles().end => OFF_PLANE,
             _ if index < self.luminance(0) => LN_SHARPNESS,
-            _ if self.is_color(index) => COLOR,
+            _ if self.is_color(index) => COLORS[self.color_difference(index)],
             _ => LN_AMPLITUDE,
         }
     }
@@ -234,11 +245,8 @@ impl Layout {
     pub fn albedo(&self, q: &[f64], factors: Option<&[[f64; 3]]>) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for k in 0..=self.lobes {
-            let integral = if k < self.lobes {
-                self.copies(k) * sphere_integral(q[self.sharpness(k)]).0
-            } else {
-                1.0
-            };
+            let integral =
+                if k < self.lobes { self.copies(k) * sphere_integral(q[self.sharpness(k)]).0 } else { 1.0 };
             let rgb = rgb(self.tint(k).map(|i| q[i]));
             let factor = factors.map_or([1.0; 3], |factors| factors[k]);
             (0..3).for_each(|c| sum[c] += rgb[c] * integral * factor[c]);

@@ -3,7 +3,7 @@
 use crate::FitError;
 use crate::isotropic::levenberg;
 use crate::isotropic::model::parameters::Layout;
-use crate::isotropic::objective::Objective;
+use crate::isotropic::objective::{Emphasis, Objective};
 use crate::isotropic::search::exchange::exchange;
 use crate::isotropic::search::schedule::Stage;
 use crate::isotropic::search::start;
@@ -51,7 +51,7 @@ pub(crate) struct Work<'a> {
 pub(crate) fn scout(
     table: &Table,
     layouts: Vec<Layout>,
-    tail: f64,
+    emphasis: Emphasis,
     (stages, count): (&[Stage], usize),
     work: &mut Work<'_>,
 ) -> Result<Vec<(Layout, Candidate)>, FitError> {
@@ -68,8 +68,10 @@ pub(crate) fn scout(
         })
         .collect();
     let thin = table.thinned(SCOUTED_SAMPLES);
-    let objectives: Vec<Objective> =
-        layouts.into_iter().map(|layout| Objective::new(&thin, layout, tail, None)).collect::<Result<_, _>>()?;
+    let objectives: Vec<Objective> = layouts
+        .into_iter()
+        .map(|layout| Objective::new(&thin, layout, emphasis, None))
+        .collect::<Result<_, _>>()?;
     for stage in stages {
         candidates.truncate(stage.keep);
         let tasks = candidates.iter_mut();

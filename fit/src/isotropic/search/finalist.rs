@@ -4,9 +4,9 @@ use crate::isotropic::balance;
 use crate::isotropic::encode;
 use crate::isotropic::factors::Factors;
 use crate::isotropic::model::parameters::Layout;
-use crate::isotropic::objective::Objective;
+use crate::isotropic::objective::{Emphasis, Objective};
 use crate::isotropic::search::candidates::{Candidate, Task, Work, advance};
-use crate::isotropic::search::schedule::{HEAVY_TAIL, LOOKS, Stage};
+use crate::isotropic::search::schedule::{LOOKS, Stage, WIDE};
 use crate::isotropic::search::{Data, Source};
 use crate::judge::report::ViewReport;
 use crate::table::Table;
@@ -115,7 +115,7 @@ impl<'a> Finalist<'a> {
     /// Gives up the least useful lobe for one that is kept wide; false if it has such a lobe, or none to give.
     pub fn widen(&mut self) -> bool {
         let table = self.seen.as_ref().unwrap_or(&self.table);
-        let given_up = Objective::new(table, self.layout.clone(), HEAVY_TAIL, self.factors.as_ref())
+        let given_up = Objective::new(table, self.layout.clone(), WIDE, self.factors.as_ref())
             .ok()
             .and_then(|objective| objective.least_missed(&self.candidate.x));
         let widened = given_up.and_then(|lobe| self.layout.widened(&self.candidate.x, lobe));
@@ -127,12 +127,18 @@ impl<'a> Finalist<'a> {
     }
 
     /// Fits factors to what the lobes leave, with a table of one of these sizes.
-    pub fn fit_factors(&mut self, sizes: &[[usize; 2]], tail: f64) -> Result<(), FitError> {
+    pub fn fit_factors(&mut self, sizes: &[[usize; 2]], emphasis: Emphasis) -> Result<(), FitError> {
         let table = self.seen.as_ref().unwrap_or(&self.table);
-        let objective = Objective::new(table, self.layout.clone(), tail, self.factors.as_ref())?;
+        let objective = Objective::new(table, self.layout.clone(), emphasis, self.factors.as_ref())?;
         let demands = objective.reweighed(&self.candidate.x, true).demands(&self.candidate.x);
         self.factors = Factors::worthwhile(sizes, &demands);
         Ok(())
+    }
+
+    /// Looks at the lobes as before the last stage, views at the knots among what they see.
+    pub fn look_again(&mut self, source: &dyn Source) -> Result<(), FitError> {
+        self.largest_weight = 0.0;
+        self.look(source, LOOKS - 1)
     }
 
     /// Looks at the lobes on a table that they see.
@@ -160,13 +166,20 @@ impl<'a> Finalist<'a> {
 pub(crate) fn refine(
     data: Data<'_>,
     finalists: &mut [Finalist<'_>],
-    tail: f64,
+    emphasis: Emphasis,
     stage: &Stage,
     work: &mut Work<'_>,
 ) -> Result<(), FitError> {
     let objectives = finalists
         .iter()
-        .map(|f| Objective::new(f.seen.as_ref().unwrap_or(&f.table), f.layout.clone(), tail, f.factors.as_ref()))
+        .map(|f| {
+            Objective::new(
+                f.seen.as_ref().unwrap_or(&f.table),
+                f.layout.clone(),
+                emphasis,
+                f.factors.as_ref(),
+            )
+        })
         .collect::<Result<Vec<_>, _>>()?;
     let tasks = finalists.iter_mut().zip(&objectives).map(|(f, objective)| Task {
         table: f.seen.as_ref().unwrap_or(&f.table),
