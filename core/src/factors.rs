@@ -88,7 +88,7 @@ impl<'m> Factors<'m> {
         let across = sum[0].mul_add(sum[0], sum[1] * sum[1]);
         let squared = sum[2].mul_add(sum[2], across);
         let length = squared.sqrt();
-        // One division for both. Opposite directions at the horizon have no half direction: they get that of the normal.
+        // One division for both. Opposite directions at the horizon, to 1e-15, have no half direction: they get that of the normal.
         let divisors = [
             sum[2].max(zero).mul_add(length, squared).max(L::splat(1e-30)),
             length.mul_add(L::splat(2.0), L::splat(4.0)),
@@ -342,7 +342,7 @@ impl Material<'_> {
     /// sRGB, 1 without a table.
     ///
     /// The two may be exchanged. Interpolated bilinearly between the nodes, in `(1 - h.z)^(1/4)` and `(1 - h.wo)^(1/2)` with the half
-    /// direction `h = (wi + wo) / |wi + wo|`, from 0 at the first node to 1 at the last. Accuracy: 2e-5 of the largest factor.
+    /// direction `h = (wi + wo) / |wi + wo|`, from 0 at the first node to 1 at the last. Accuracy: 6e-6 of the largest factor.
     pub fn factor(&self, wo: Vec3, wi: Vec3) -> Vec3 {
         if self.factor_nodes().is_none() {
             return Vec3::ONE;

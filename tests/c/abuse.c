@@ -203,7 +203,7 @@ static void test_lobes(void) {
         {{{0, 0, 1}, -1, {1, 1, 1}}, SRBF_STATUS_SHARPNESS},
         {{{0, 0, 1}, NAN, {1, 1, 1}}, SRBF_STATUS_SHARPNESS},
         {{{0, 0, 1}, 2e8f, {1, 1, 1}}, SRBF_STATUS_SHARPNESS},
-        {{{0, 0, 1}, 10, {-1, 1, 1}}, SRBF_STATUS_AMPLITUDE},
+        {{{0, 0, 1}, 10, {1, -1, 1}}, SRBF_STATUS_AMPLITUDE},
         {{{0, 0, 1}, 10, {1, NAN, 1}}, SRBF_STATUS_AMPLITUDE},
         {{{0, 0, 1}, 10, {1, 1, INFINITY}}, SRBF_STATUS_AMPLITUDE},
     };

@@ -139,7 +139,7 @@ impl Made {
                 axis = see(axis).0;
             }
             let s = l[2].exp2();
-            let rgb = DVec3::new(l[3], l[4], l[5]).map(f64::exp2);
+            let rgb = oracle::color(l[3].exp2(), [l[4], l[5]]);
             let image = axis.with_z(-axis.z);
             let g = |axis: DVec3| (-0.5 * s * (u - axis).length_squared()).exp();
             value += rgb * scale * (g(axis) + g(image));
