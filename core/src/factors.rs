@@ -19,7 +19,9 @@
 
 use crate::format::f32_at;
 use crate::lanes::{Lanes, ROUND, dot3, splat3};
-use crate::simd::{Level, One, Routine};
+#[cfg(feature = "simd")]
+use crate::simd::Level;
+use crate::simd::{One, Routine};
 use crate::single::value_one;
 use crate::{Material, Mixture, luminance};
 use glam::Vec3;
@@ -193,6 +195,7 @@ enum Outgoing<'a> {
     /// The same for all.
     One([f32; 3]),
     /// One for each incident direction.
+    #[cfg(feature = "simd")]
     Each([&'a [f32]; 3]),
 }
 
@@ -229,6 +232,7 @@ impl Routine for Multiply<'_, '_> {
                     [some::<L>(&wi[0][at..], count), some(&wi[1][at..], count), some(&wi[2][at..], count)];
                 let outgoing = match wo {
                     Outgoing::One(wo) => splat3(wo),
+                    #[cfg(feature = "simd")]
                     Outgoing::Each(wo) => {
                         [some(&wo[0][at..], count), some(&wo[1][at..], count), some(&wo[2][at..], count)]
                     }
