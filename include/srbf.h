@@ -143,6 +143,10 @@ typedef struct srbf_material srbf_material;
  * Get its size from `srbf_mixture_size` or a constant `SRBF_MIXTURE_SIZE_...`, and the object by `srbf_mixture_init` or
  * `srbf_material_prepare_into`. It owns nothing: it needs no release, and its bytes may be copied within a process to
  * storage of the same size and alignment.
+ *
+ * One that a material with factors has made, see `srbf_material_factor_nodes`, reads them from the material's bytes whenever it is
+ * evaluated or sampled: the material must live, and its bytes stay as they are, for as long as the mixture or a copy of it is used. A
+ * mixture of any other material, or of the caller's lobes, stands by itself.
  */
 typedef struct srbf_mixture srbf_mixture;
 
@@ -265,9 +269,13 @@ typedef struct srbf_view {
      */
     float log2_squeeze;
     /**
-     * Base-2 logarithm of the albedo of the diffuse term, `albedo cos / pi` beside the lobes; -126 for none.
+     * Base-2 logarithm of the luminance Y of the albedo of the diffuse term, `albedo cos / pi` beside the lobes; -126 for none.
      */
-    float log2_diffuse[3];
+    float log2_diffuse;
+    /**
+     * Relative colour differences of that albedo, `(R - Y) / Y` and `(B - Y) / Y`.
+     */
+    float diffuse_color_differences[2];
 } srbf_view;
 
 /**
@@ -287,9 +295,13 @@ typedef struct srbf_plane_lobe {
      */
     float log2_sharpness;
     /**
-     * Base-2 logarithm of the amplitude: red, green, blue.
+     * Base-2 logarithm of the luminance Y of the amplitude; -126 for none.
      */
-    float log2_amplitude[3];
+    float log2_luminance;
+    /**
+     * Relative colour differences of the amplitude, `(R - Y) / Y` and `(B - Y) / Y`.
+     */
+    float color_differences[2];
 } srbf_plane_lobe;
 
 /**

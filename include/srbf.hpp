@@ -210,6 +210,12 @@ public:
     Status albedo(const Vec3 &wo, Vec3 &albedo) const {
         return srbf_material_albedo(material_, wo.data(), albedo.data());
     }
+    /// What values are multiplied by for a pair of directions; 1 without factors.
+    Status factor(const Vec3 &wo, const Vec3 &wi, Vec3 &factor) const {
+        return srbf_material_factor(material_, wo.data(), wi.data(), factor.data());
+    }
+    Status largest_factor(float &factor) const { return srbf_material_largest_factor(material_, &factor); }
+    /// The material must outlive the mixture if it has factors.
     template <std::size_t Lobes>
     Status prepare(const Vec3 &wo, Mixture<Lobes> &mixture) const {
         return srbf_material_prepare(material_, wo.data(), mixture.get());

@@ -19,7 +19,7 @@ fn main() -> std::process::ExitCode {
 mod x86 {
     use srbf_benches::clock::Probe;
     use srbf_benches::levels;
-    use srbf_benches::work::{Operation, Work};
+    use srbf_benches::work::{Operation, Subject, Work};
     use srbf_core::Level;
     use std::process::ExitCode;
     use std::time::{Duration, Instant};
@@ -43,7 +43,7 @@ mod x86 {
         level: Level,
         name: &'static str,
         operation: Operation,
-        is_round: bool,
+        subject: Subject,
         rounds: Vec<Round>,
     }
 
@@ -65,15 +65,15 @@ mod x86 {
         }
         let is_asked_for = |level: &Level| names.is_empty() || names.iter().any(|name| name == level.name());
         let levels: Vec<Level> = levels().filter(is_asked_for).collect();
-        let row =
-            |level, (name, operation), is_round| Row { level, name, operation, is_round, rounds: vec![] };
+        let row = |level, (name, operation), subject| Row { level, name, operation, subject, rounds: vec![] };
         let mut rows = vec![];
         for &level in &levels {
             for named in Operation::ALL {
                 if named.1.has_mixture() {
-                    rows.push(row(level, named, true));
+                    rows.push(row(level, named, Subject::Round));
                 }
-                rows.push(row(level, named, false));
+                rows.push(row(level, named, Subject::Preset));
+                rows.push(row(level, named, Subject::Factored));
             }
         }
         for _ in 0..PASSES {
@@ -90,7 +90,7 @@ mod x86 {
             "instructions that do nothing, a cycle: up to {full:.2}, {typical:.2} in the median of all rounds"
         );
         println!(
-            "{:9} {:21} {:>9} {:>14}   rounds that count",
+            "{:9} {:25} {:>9} {:>14}   rounds that count",
             "level", "operation", "cycles", "ns at 3.7 GHz"
         );
         rows.iter().for_each(|row| row.print(FULL * full));
@@ -99,7 +99,7 @@ mod x86 {
 
     impl Row {
         fn measure(&mut self, work: &mut Work) {
-            let mut run = || work.run(self.operation, self.is_round);
+            let mut run = || work.run(self.operation, self.subject);
             run();
             let once = Instant::now();
             run();
@@ -124,14 +124,16 @@ mod x86 {
             let counts = |r: &&Round| r.is_steady && r.rate >= rate;
             let mut cycles: Vec<f64> = self.rounds.iter().filter(counts).map(|r| r.cycles).collect();
             cycles.sort_by(f64::total_cmp);
-            let name = format!("{}{}", self.name, if self.is_round { "-round" } else { "" });
+            let is_own = |(subject, _, _): &&(Subject, &str, &str)| *subject == self.subject;
+            let (_, before, behind) = Subject::ALL.iter().find(is_own).expect("all subjects");
+            let name = format!("{before}{}{behind}", self.name);
             let lobes = if let Operation::Evaluate | Operation::Pdf = self.operation { LOBES } else { 1.0 };
             let (level, counted, all) = (self.level.name(), cycles.len(), self.rounds.len());
             if counted < ENOUGH {
-                println!("{level:9} {name:21} {:>24}   {counted} of {all}", "the core was shared");
+                println!("{level:9} {name:25} {:>24}   {counted} of {all}", "the core was shared");
             } else {
                 let each = cycles[counted / 2] / lobes;
-                println!("{level:9} {name:21} {each:9.3} {:14.3}   {counted} of {all}", each / CLOCK);
+                println!("{level:9} {name:25} {each:9.3} {:14.3}   {counted} of {all}", each / CLOCK);
             }
         }
     }

@@ -1,9 +1,9 @@
 //! A fixed amount of work, for counting instructions: `.ci/checks/60-instructions` runs it under callgrind.
 //!
-//! `fixed-work LEVEL OPERATION`, operation `none` or a name of [`Operation`], with `-round` of 12 general round lobes and
-//! without of the garnet red preset.
+//! `fixed-work LEVEL OPERATION`, operation `none` or a name of [`Operation`]: with `-round` behind it of 12 general round lobes, with
+//! `factored-` before it of the garnet red preset with a table of factors, alone of the preset.
 
-use srbf_benches::work::{Operation, Work};
+use srbf_benches::work::{Operation, Subject, Work};
 use srbf_core::Level;
 use std::process::ExitCode;
 
@@ -17,8 +17,13 @@ fn main() -> ExitCode {
         eprintln!("no such level: {level}");
         return ExitCode::from(2);
     };
-    let (plain, is_round) = name.strip_suffix("-round").map_or((&name[..], false), |plain| (plain, true));
-    let operation = Operation::ALL.into_iter().find(|(known, _)| *known == plain);
+    let named = |before: &str, behind: &str| {
+        let plain = name.strip_prefix(before)?.strip_suffix(behind)?;
+        Operation::ALL.into_iter().find(|(known, _)| *known == plain)
+    };
+    let operation = Subject::ALL
+        .into_iter()
+        .find_map(|(subject, before, behind)| Some((named(before, behind)?.1, subject)));
     if operation.is_none() && name != "none" {
         eprintln!("no such operation: {name}");
         return ExitCode::from(2);
@@ -28,8 +33,8 @@ fn main() -> ExitCode {
         return ExitCode::from(77);
     }
     let mut work = Work::new(4096);
-    if let Some((_, operation)) = operation {
-        work.run(operation, is_round);
+    if let Some((operation, subject)) = operation {
+        work.run(operation, subject);
     }
     println!("{}", work.sum());
     ExitCode::SUCCESS

@@ -5,7 +5,7 @@ pub mod baseline;
 pub mod clock;
 pub mod work;
 
-use srbf_core::{Domain, Level, Lobe, Material, Mixture, Vec3};
+use srbf_core::{Domain, FactorTable, Level, Line, Lobe, Material, Mixture, Vec3, View};
 
 /// Lobe counts that every batch operation is measured at.
 pub const LOBES: [usize; 7] = [1, 4, 8, 12, 16, 32, 64];
@@ -122,8 +122,54 @@ pub fn named_mixtures() -> Vec<(&'static str, Mixture<'static, 64>)> {
 
 /// The garnet red preset at 50 degrees, folded where needed, squeezed, with its diffuse term, at the current level.
 pub fn garnet_mixture() -> Mixture<'static, 64> {
-    let material = Material::from_bytes(GARNET_RED).expect("the preset is valid");
+    mixture_at_50_degrees(&Material::from_bytes(GARNET_RED).expect("the preset is valid"))
+}
+
+/// The mixture of a material for an outgoing direction at 50 degrees, at the current level.
+pub fn mixture_at_50_degrees<const N: usize>(material: &Material<'static>) -> Mixture<'static, N> {
     let mut mixture = Mixture::empty();
     material.prepare(Vec3::new(-0.6, 0.4, 0.65).normalize(), &mut mixture).expect("a valid direction");
     mixture
+}
+
+/// The garnet red preset with a table of 32 by 32 factors, which is made once.
+pub fn factored_material() -> Material<'static> {
+    static BYTES: std::sync::OnceLock<Vec<u8>> = std::sync::OnceLock::new();
+    Material::from_bytes(BYTES.get_or_init(factored_bytes)).expect("a valid material")
+}
+
+fn factored_bytes() -> Vec<u8> {
+    const NODES: usize = 32;
+    let material = Material::from_bytes(GARNET_RED).expect("the preset is valid");
+    let every = 0..material.view_count();
+    let lobes: Vec<Vec<_>> = every
+        .clone()
+        .map(|v| (0..material.view_lobe_count()).filter_map(|k| material.view_lobe(v, k)).collect())
+        .collect();
+    let view = |v: usize| {
+        Some(View {
+            theta: material.view_theta(v)?,
+            log2_squeeze: material.view_log2_squeeze(v)?,
+            log2_diffuse: material.view_log2_diffuse(v)?,
+            diffuse_color_differences: material.view_diffuse_color_differences(v)?,
+            lobes: &lobes[v],
+        })
+    };
+    let views: Vec<View<'_>> = every.map(|v| view(v).expect("a view of an isotropic material")).collect();
+    let factors: Vec<[f32; 3]> = (0..NODES * NODES)
+        .map(|n| {
+            [0.7, 1.0, 1.3].map(|f| f + 0.5 * ((n / NODES) as f32 * 0.3 + (n % NODES) as f32 * 0.2).sin())
+        })
+        .collect();
+    let albedos = vec![[0.5; 3]; views.len()];
+    let factors = FactorTable { half: NODES, difference: NODES, factors: &factors, albedos: &albedos };
+    let line = Line {
+        views: &views,
+        squeezed: material.squeezed_count(),
+        mirrored: material.mirrored_count(),
+        factors: Some(factors),
+    };
+    let mut bytes = vec![0; line.encoded_len("")];
+    line.encode("", &mut bytes).expect("a valid material");
+    bytes
 }

@@ -1,6 +1,6 @@
 //! Operations by name, each on the same directions: `fixed-work` counts their instructions, `cycles` their time.
 
-use crate::{GARNET_RED, Triples, garnet_mixture, general_mixture};
+use crate::{GARNET_RED, Triples, factored_material, garnet_mixture, general_mixture, mixture_at_50_degrees};
 use srbf_core::{LeaveOut, Material, Mixture, SamplesMut, Vec3};
 
 /// What is done for every direction.
@@ -62,6 +62,23 @@ impl Operation {
     }
 }
 
+/// What an operation is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject {
+    /// The garnet red preset.
+    Preset,
+    /// 12 general round lobes, where the operation is of a mixture that is there already; else the preset.
+    Round,
+    /// The preset with a table of factors.
+    Factored,
+}
+
+impl Subject {
+    /// Each with what stands before and behind the name of an operation of it.
+    pub const ALL: [(Self, &'static str, &'static str); 3] =
+        [(Self::Preset, "", ""), (Self::Round, "", "-round"), (Self::Factored, "factored-", "")];
+}
+
 /// Operations, at one level, on so many directions.
 #[derive(Debug)]
 pub struct Work {
@@ -73,6 +90,8 @@ pub struct Work {
     round: Mixture<'static, 64>,
     garnet: Mixture<'static, 64>,
     prepared: Mixture<'static, 16>,
+    factored_material: Material<'static>,
+    factored: Mixture<'static, 64>,
 }
 
 impl Work {
@@ -87,14 +106,19 @@ impl Work {
             round: general_mixture(12),
             garnet: garnet_mixture(),
             prepared: Mixture::empty(),
+            factored_material: factored_material(),
+            factored: mixture_at_50_degrees(&factored_material()),
         }
     }
 
-    /// Does an operation for every direction: of 12 general round lobes, or of the garnet red preset, of which mixtures are prepared
-    /// whatever `is_round` is.
-    pub fn run(&mut self, operation: Operation, is_round: bool) {
-        let Self { directions, uniforms, incident, out, material, .. } = self;
-        let mixture = if is_round { &self.round } else { &self.garnet };
+    /// Does an operation for every direction.
+    pub fn run(&mut self, operation: Operation, subject: Subject) {
+        let Self { directions, uniforms, incident, out, .. } = self;
+        let (mixture, material) = match subject {
+            Subject::Preset => (&self.garnet, &self.material),
+            Subject::Round => (&self.round, &self.material),
+            Subject::Factored => (&self.factored, &self.factored_material),
+        };
         let prepared = &mut self.prepared;
         let n = out[0].len();
         let [x, y, z, pdf, red, green, blue] = out;

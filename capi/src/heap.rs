@@ -100,7 +100,7 @@ pub(crate) fn own(bytes: Vec<u8>, out: &Out<*mut srbf_material>) -> Outcome {
 /// Releases a material; NULL is allowed and does nothing.
 ///
 /// A material that `srbf_material_borrow` made is only marked as none. Nobody may use the material during or after the
-/// call.
+/// call, nor, if it has factors, a mixture that it has made.
 /// Status: `SRBF_STATUS_OBJECT` if it is not a material.
 #[cfg(feature = "std")]
 #[unsafe(no_mangle)]

@@ -14,6 +14,7 @@ extern crate std;
 
 mod batch;
 mod convert;
+mod factors;
 #[cfg(feature = "fit")]
 mod fit;
 mod guard;
@@ -36,6 +37,7 @@ mod streams;
 mod version;
 
 pub use batch::*;
+pub use factors::*;
 #[cfg(feature = "fit")]
 pub use fit::*;
 #[cfg(feature = "std")]

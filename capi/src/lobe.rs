@@ -17,7 +17,7 @@ pub struct srbf_lobe {
     pub axis: [f32; 3],
     /// How narrow the lobe is, in [0, 1e8]; 0 is constant over the sphere.
     pub sharpness: f32,
-    /// Value at the axis, linear sRGB, not negative.
+    /// Value at the axis, linear sRGB. A channel may be negative, the luminance not, and no channel beyond 32 times that.
     pub amplitude: [f32; 3],
 }
 

@@ -260,7 +260,7 @@ pub unsafe extern "C" fn srbf_material_albedo(
 /// Makes the mixture of lobes for an outgoing direction, in a mixture that the caller has initialised; overwrites it.
 ///
 /// The mixture takes and gives directions in the shading frame that `wo` is given in. Below the horizon (z < 0) nothing
-/// is reflected: the mixture is empty.
+/// is reflected: the mixture is empty. Of a material with factors the mixture reads them from the material, which must outlive it.
 /// Shapes: `wo` [3], unit vector towards the viewer, +z the surface normal.
 /// Status: `SRBF_STATUS_CAPACITY` if the mixture has room for fewer lobes than the material has. On failure the
 /// mixture keeps what it held.

@@ -32,13 +32,13 @@ pub const SRBF_STATUS_UNIFORM: srbf_status = 10;
 pub const SRBF_STATUS_AXIS: srbf_status = 11;
 /// A sharpness is NaN or outside [0, 1e8].
 pub const SRBF_STATUS_SHARPNESS: srbf_status = 12;
-/// An amplitude is NaN, negative or infinite.
+/// An amplitude is NaN or infinite, its luminance negative, or a channel beyond 32 times that.
 pub const SRBF_STATUS_AMPLITUDE: srbf_status = 13;
 /// A squeeze is NaN or outside [0.01, 2].
 pub const SRBF_STATUS_SQUEEZE: srbf_status = 14;
 /// The mixture has room for fewer lobes than are needed.
 pub const SRBF_STATUS_CAPACITY: srbf_status = 15;
-/// A mixture holds squeezed lobes or a diffuse term, which have no product in closed form.
+/// A mixture holds squeezed lobes, a diffuse term or factors, which have no product in closed form.
 pub const SRBF_STATUS_SQUEEZED: srbf_status = 16;
 /// The bytes do not start like a `.srbf` file.
 pub const SRBF_STATUS_MAGIC: srbf_status = 20;
@@ -86,10 +86,10 @@ fn text(status: srbf_status) -> &'static CStr {
         SRBF_STATUS_UNIFORM => c"a uniform number must be within [0, 1)",
         SRBF_STATUS_AXIS => c"the axis of a lobe must be a finite unit vector",
         SRBF_STATUS_SHARPNESS => c"the sharpness of a lobe must be within [0, 1e8]",
-        SRBF_STATUS_AMPLITUDE => c"an amplitude must be finite and not negative",
+        SRBF_STATUS_AMPLITUDE => c"an amplitude must be finite, of a luminance that is not negative, and no channel beyond 32 times that",
         SRBF_STATUS_SQUEEZE => c"a squeeze must be within [0.01, 2]",
         SRBF_STATUS_CAPACITY => c"the mixture has room for fewer lobes than are needed",
-        SRBF_STATUS_SQUEEZED => c"squeezed lobes and diffuse terms have no product in closed form",
+        SRBF_STATUS_SQUEEZED => c"squeezed lobes, diffuse terms and factors have no product in closed form",
         SRBF_STATUS_MAGIC => c"not a .srbf file",
         SRBF_STATUS_FORMAT_VERSION => c"a .srbf version that this library does not read",
         SRBF_STATUS_LENGTH => c"the .srbf bytes have another length than they announce",

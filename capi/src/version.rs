@@ -8,8 +8,8 @@ use core::ffi::c_char;
 /// Compare with `srbf_version()` to see whether header and library belong together.
 pub const SRBF_VERSION: u32 = 100;
 
-/// Version of the `.srbf` bytes that are read and written.
-pub const SRBF_FORMAT_VERSION: u32 = 1;
+/// Version of the `.srbf` bytes that are written; this one and version 1 are read.
+pub const SRBF_FORMAT_VERSION: u32 = 2;
 
 const TEXT: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
 

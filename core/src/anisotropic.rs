@@ -24,7 +24,7 @@
 //! frame of the surface it differs from the normal's by at most `t` times a constant, whatever a is: so it tends
 //! to the normal's view from every side, and at the normal itself, where a is any number, it is that view.
 
-use crate::factors::Factors;
+use crate::factors::{Among, Factors};
 use crate::format::f32_at;
 use crate::format::grid::{HEAD, ROWS, Shape};
 use crate::lanes::{Lanes, atan2_positive, exp2, sin_cos};
@@ -199,10 +199,9 @@ pub(crate) fn prepare<'m, L: Lanes, const N: usize>(
     }
     mixture.finish::<L>(count, header.squeezed, leave_out);
     if header.factors[0] > 0 {
-        let albedo = |view| Vec3::from_array(material.stored_albedo(view));
-        let ring = |[a, b]: [usize; 2]| albedo(a) + place.onward * (albedo(b) - albedo(a));
-        let (within, beyond) = (ring(views[0]), ring(views[1]));
-        mixture.factors = Factors::new(material, wo, within + place.outward * (beyond - within));
+        let views = views.map(|ring| ring.map(|view| view as u16));
+        let place = Among { views, onward: place.onward, outward: place.outward };
+        mixture.factors = Factors::new(material, wo, place);
     }
 }
 

@@ -487,6 +487,20 @@ impl Lanes for f32 {
         table[index]
     }
     #[inline(always)]
+    fn node_pairs(nodes: &[u8], index: Self) -> [[Self; 3]; 2] {
+        // The cast makes 0 of a NaN and of what is negative.
+        let from = 4 * (index as usize).min((nodes.len() / 4).saturating_sub(2));
+        let pair: &[u8; 8] = nodes[from..].first_chunk().expect("a table of at least two nodes");
+        let pair = u64::from_le_bytes(*pair);
+        [pair as u32, (pair >> 32) as u32].map(|node| {
+            [
+                (node & 1023) as i32 as f32,
+                (node & 1023 << 10) as i32 as f32,
+                (node & 1023 << 20) as i32 as f32,
+            ]
+        })
+    }
+    #[inline(always)]
     fn first(self) -> f32 {
         self
     }

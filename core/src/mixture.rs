@@ -1,7 +1,7 @@
 //! A mixture: the lobes that one outgoing direction needs, ready to evaluate and sample.
 
 use crate::color;
-use crate::factors::Factors;
+use crate::factors::{FactoredOne, Factors};
 use crate::lanes::{Lanes, dot3, exp2, splat3};
 use crate::leave_out::LeaveOut;
 use crate::simd::Level;
@@ -511,7 +511,7 @@ impl<const N: usize> Mixture<'_, N> {
     /// interpolated linearly between them.
     #[inline]
     pub fn albedo(&self) -> Vec3 {
-        if self.has_factors() { self.factors.albedo } else { self.lobes_albedo + self.diffuse }
+        if self.has_factors() { self.factors.albedo() } else { self.lobes_albedo + self.diffuse }
     }
 
     /// Luminance of the closed form of the albedo, without factors: what the density is normalised by, and without factors the luminance of
@@ -533,7 +533,16 @@ impl<const N: usize> Mixture<'_, N> {
     /// 2 plus its exponent.
     #[inline]
     pub fn evaluate(&self, direction: Vec3) -> Vec3 {
-        self.with_factor(direction, self.lobes_value(direction))
+        if self.has_factors() {
+            return self.factored(direction).0;
+        }
+        self.lobes_value(direction)
+    }
+
+    /// The value, and the luminance of what the lobes have, of a mixture with factors.
+    #[inline(never)]
+    fn factored(&self, direction: Vec3) -> (Vec3, f32) {
+        self.level.run_one::<_, FactoredOne>(self, direction.to_array())
     }
 
     /// What the lobes and the diffuse term have, without factors.
@@ -559,8 +568,13 @@ impl<const N: usize> Mixture<'_, N> {
     /// Value and density in one pass over the lobes.
     #[inline]
     pub fn evaluate_and_pdf(&self, direction: Vec3) -> (Vec3, f32) {
-        let value = self.lobes_value(direction);
-        (self.with_factor(direction, value), luminance(value) * self.inverse_power)
+        let (value, luminance) = if self.has_factors() {
+            self.factored(direction)
+        } else {
+            let value = self.lobes_value(direction);
+            (value, luminance(value))
+        };
+        (value, luminance * self.inverse_power)
     }
 
     /// Draws an incident direction from the density: lobe by `u[0]`, direction in it by `u[1]` and `u[2]`.
@@ -571,6 +585,9 @@ impl<const N: usize> Mixture<'_, N> {
     /// Source: Weng and Shih 2006, section 4.2.2, eq. 14; differs: what falls below the horizon is mirrored up.
     #[inline]
     pub fn sample(&self, u: [f32; 3]) -> Option<Sample> {
+        if self.has_factors() {
+            return self.sample_factored(u);
+        }
         if self.is_plain() { self.sample_as::<false>(u) } else { self.sample_as::<true>(u) }
     }
 
@@ -580,10 +597,24 @@ impl<const N: usize> Mixture<'_, N> {
             return None;
         }
         let (direction, value) = self.level.draw_one::<_, Drawn<SEEN>, EvaluateOne<SEEN>>(self, u);
-        let pdf = luminance(value) * self.inverse_power;
+        self.sampled(direction, value, luminance(value))
+    }
+
+    #[inline(never)]
+    fn sample_factored(&self, u: [f32; 3]) -> Option<Sample> {
+        if self.power <= 0.0 {
+            return None;
+        }
+        let (direction, (value, luminance)) = self.level.draw_one::<_, Drawn<true>, FactoredOne>(self, u);
+        self.sampled(direction, value, luminance)
+    }
+
+    /// A sample of a direction that has been drawn, with the value there and the luminance of what the lobes have.
+    #[inline(always)]
+    fn sampled(&self, direction: [f32; 3], value: Vec3, luminance: f32) -> Option<Sample> {
+        let pdf = luminance * self.inverse_power;
         // A density that f32 rounds to 0 cannot be divided by: far out in a tail, where the value is 0 too.
-        let direction = Vec3::from_array(direction);
-        (pdf > 0.0).then(|| Sample { direction, pdf, value: self.with_factor(direction, value) })
+        (pdf > 0.0).then_some(Sample { direction: Vec3::from_array(direction), pdf, value })
     }
 
     /// Draws only direction and density of [`sample`](Self::sample), for callers that take the value elsewhere: one colour channel in

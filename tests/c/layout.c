@@ -25,12 +25,14 @@ SIZE(srbf_view, 20);
 OFFSET(srbf_view, theta, 0);
 OFFSET(srbf_view, log2_squeeze, 4);
 OFFSET(srbf_view, log2_diffuse, 8);
+OFFSET(srbf_view, diffuse_color_differences, 12);
 
 SIZE(srbf_plane_lobe, 24);
 OFFSET(srbf_plane_lobe, angle, 0);
 OFFSET(srbf_plane_lobe, off_plane, 4);
 OFFSET(srbf_plane_lobe, log2_sharpness, 8);
-OFFSET(srbf_plane_lobe, log2_amplitude, 12);
+OFFSET(srbf_plane_lobe, log2_luminance, 12);
+OFFSET(srbf_plane_lobe, color_differences, 16);
 
 SIZE(srbf_vectors, 4 * P);
 OFFSET(srbf_vectors, x, 0);

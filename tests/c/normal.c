@@ -53,7 +53,8 @@ static void test_materials(const char *path) {
                 srbf_plane_lobe lobe;
                 CHECK_OK(srbf_material_view_lobe(material[m], v, k, &lobe));
                 CHECK((lobe.off_plane == 0) == (v == 0 || k < 10));
-                CHECK(fabsf(lobe.angle) < 3.2f && lobe.log2_sharpness > 0 && lobe.log2_amplitude[2] < 10);
+                CHECK(fabsf(lobe.angle) < 3.2f && lobe.log2_sharpness > 0 && lobe.log2_luminance < 10);
+                CHECK(lobe.color_differences[0] == -0.1f && lobe.color_differences[1] == -0.3f);
             }
         }
         float albedo[3];

@@ -63,6 +63,28 @@ pub fn color(luminance: f64, [rho, beta]: [f64; 2]) -> DVec3 {
     luminance * DVec3::new(1.0 + rho, green, 1.0 + beta)
 }
 
+/// Factor for a pair of directions above the horizon, of `nodes` evenly spaced nodes from 0 to 1 along the roots of the half angle and of
+/// the difference angle. The directions are taken as they are, rounded to f32.
+pub fn factor(
+    [half, difference]: [usize; 2],
+    node: impl Fn(usize, usize) -> DVec3,
+    wo: DVec3,
+    wi: DVec3,
+) -> DVec3 {
+    let sum = wi + wo;
+    // 1 - cos of the half angle, and of the difference angle, without cancellation.
+    let to_normal = (sum.x * sum.x + sum.y * sum.y) / (sum.length() * (sum.length() + sum.z));
+    let to_outgoing = (wi - wo).length_squared() / (4.0 + 2.0 * sum.length());
+    let place = |x: f64, nodes: usize| {
+        let x = (x * (nodes - 1) as f64).min((nodes - 1) as f64);
+        let before = (x as usize).min(nodes - 2);
+        (before, x - before as f64)
+    };
+    let ((i, a), (j, b)) = (place(to_normal.powf(0.25), half), place(to_outgoing.sqrt(), difference));
+    (node(i, j) * (1.0 - a) + node(i + 1, j) * a) * (1.0 - b)
+        + (node(i, j + 1) * (1.0 - a) + node(i + 1, j + 1) * a) * b
+}
+
 /// Density of a mixture that is in the caller's frame.
 pub fn mixture_pdf<const N: usize>(m: &Mixture<N>, d: DVec3) -> f64 {
     let power: f64 = (0..m.len())

@@ -71,6 +71,7 @@ pub const LEVELS: &[Entry] = &[
     entry("one luminance", "relative / (2 + |t|)", 3e-7),
     entry("sampled pdf", "relative / (2 + |t|)", 3e-7),
     entry("sampled weight", "relative", 3e-7),
+    entry("factored value", "absolute / (value of the lobes x largest factor)", 6e-6),
 ];
 
 /// Worst error seen of one entry, and where.

@@ -2,7 +2,7 @@
 //! the outgoing direction, the same at every level, and sampled by their density.
 
 use glam::{DMat2, DVec2, DVec3, Vec3};
-use srbf_core::{Grid, GridView, Level, Material, Mixture, SamplesMut, TiltedLobe};
+use srbf_core::{FactorTable, Grid, GridView, Level, Material, Mixture, SamplesMut, TiltedLobe};
 use srbf_tests::inputs::Random;
 use srbf_tests::oracle;
 use srbf_tests::partition::Partition;
@@ -63,6 +63,10 @@ impl Made {
     }
 
     fn encode(&self) -> Vec<u8> {
+        self.encode_with(None)
+    }
+
+    fn encode_with(&self, factors: Option<FactorTable<'_>>) -> Vec<u8> {
         let views: Vec<GridView> = self.views.iter().map(view).collect();
         let grid = Grid {
             thetas: &THETAS,
@@ -70,7 +74,7 @@ impl Made {
             turns: self.turns,
             views: &views,
             squeezed: SQUEEZED,
-            factors: None,
+            factors,
         };
         let mut bytes = vec![0; grid.encoded_len(TEXT)];
         assert_eq!(grid.encode(TEXT, &mut bytes).unwrap(), bytes.len());
@@ -139,7 +143,7 @@ impl Made {
                 axis = see(axis).0;
             }
             let s = l[2].exp2();
-            let rgb = DVec3::new(l[3], l[4], l[5]).map(f64::exp2);
+            let rgb = oracle::color(l[3].exp2(), [l[4], l[5]]);
             let image = axis.with_z(-axis.z);
             let g = |axis: DVec3| (-0.5 * s * (u - axis).length_squared()).exp();
             value += rgb * scale * (g(axis) + g(image));
@@ -187,6 +191,47 @@ fn what_was_written_is_read() {
         assert_eq!((material.view_theta(v), material.view_azimuth(v)), (None, None));
         assert_eq!((material.view_log2_diffuse(v), material.view_log2_squeeze_matrix(v)), (None, None));
         assert_eq!(material.view_tilted_lobe(v, 0), None);
+    }
+}
+
+#[test]
+fn factors_of_a_grid_multiply_values_and_albedos_are_interpolated_along_and_across_rings() {
+    let made = Made::new(3, 3, 2, 8.0);
+    let factors: Vec<[f32; 3]> = (0..20).map(|n| [0.3 * n as f32, 1.0, 2.0 / (1 + n) as f32]).collect();
+    let mut random = Random(31);
+    let albedos: Vec<[f32; 3]> = made.views.iter().map(|_| random.three()).collect();
+    let table = FactorTable { half: 5, difference: 4, factors: &factors, albedos: &albedos };
+    let (bytes, bare) = (made.encode_with(Some(table)), made.encode());
+    let (material, bare) = (Material::from_bytes(&bytes).unwrap(), Material::from_bytes(&bare).unwrap());
+    assert_eq!((material.factor_nodes(), bare.factor_nodes()), (Some([5, 4]), None));
+    for v in 0..=made.views.len() {
+        assert_eq!(material.view_albedo(v), albedos.get(v).copied());
+    }
+    for _ in 0..500 {
+        let (theta, phi) = (random.between(0.0, 1.57), random.between(0.0, 6.28));
+        let wo = Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+        let wi = random.direction();
+        let wi = wi.with_z(wi.z.abs());
+        let (m, lobes) = (prepare(&material, wo), prepare(&bare, wo));
+        let node = |i, j| Vec3::from_array(material.factor_node(i, j).unwrap()).as_dvec3();
+        let want = oracle::factor([5, 4], node, wo.as_dvec3(), wi.as_dvec3()) * lobes.evaluate(wi).as_dvec3();
+        let (got, scale) = (m.evaluate(wi), f64::from(6.0 * lobes.evaluate(wi).abs().max_element()));
+        assert!((got.as_dvec3() - want).abs().max_element() <= 6e-6 * scale, "{wo} {wi}: {got}, {want}");
+        assert_eq!(m.pdf(wi), lobes.pdf(wi));
+
+        // The albedo in f64, from the angles of the documentation.
+        let theta = f64::from(wo.x).hypot(f64::from(wo.y)).atan2(f64::from(wo.z));
+        let within = (1..3).rev().find(|&r| f64::from(THETAS[r]) <= theta).unwrap_or(0);
+        let (from, to) = (f64::from(THETAS[within]), f64::from(THETAS[within + 1]));
+        let outward = ((theta - from) / (to - from)).min(1.0);
+        let along = f64::from(wo.y).atan2(f64::from(wo.x)).rem_euclid(TAU) / TAU * 6.0;
+        let stored = |ring: usize, place: usize| {
+            let view = if ring == 0 { 0 } else { 1 + (ring - 1) * 3 + place % 3 };
+            Vec3::from_array(albedos[view]).as_dvec3()
+        };
+        let ring = |ring| stored(ring, along as usize).lerp(stored(ring, along as usize + 1), along.fract());
+        let want = ring(within).lerp(ring(within + 1), outward);
+        assert!((m.albedo().as_dvec3() - want).abs().max_element() < 2e-5, "{wo}: {}, {want}", m.albedo());
     }
 }
 

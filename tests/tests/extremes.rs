@@ -75,8 +75,18 @@ fn the_largest_sharpness_works_on_every_axis() {
 
 #[test]
 fn amplitudes_from_nothing_to_the_largest() {
-    for a in [-1e-38, f32::INFINITY, f32::NAN] {
-        assert_eq!(Lobe::new(Vec3::Z, 1.0, Vec3::new(1.0, a, 1.0)), Err(Error::Amplitude), "{a}");
+    let amplitude = |r, g, b| Lobe::new(Vec3::Z, 1.0, Vec3::new(r, g, b));
+    for a in [-1.0, f32::INFINITY, f32::NAN] {
+        assert_eq!(amplitude(1.0, a, 1.0), Err(Error::Amplitude), "{a}");
+    }
+    // A channel may be negative, and up to 32 times the luminance; luminance none without any.
+    for (red, green, blue) in [(-1e-38, 1.0, 1.0), (1.0, -0.2, 0.0), (-2.5, 1.0, 0.0), (0.0, 0.0, 1e-44)] {
+        assert!(amplitude(red, green, blue).is_ok(), "{red}, {green}, {blue}");
+    }
+    for (red, green, blue) in [(1.0, -0.29, 0.0), (-3.36, 1.0, 0.0), (-1e-38, 0.0, 0.0), (0.0, 0.0, -1.0)] {
+        assert_eq!(amplitude(red, green, blue), Err(Error::Amplitude), "{red}, {green}, {blue}");
+        let black = Mixture::<16>::empty().with_diffuse(Vec3::new(red, green, blue));
+        assert_eq!(black.err(), Some(Error::Amplitude), "{red}, {green}, {blue}");
     }
     // A black mixture reflects nothing and draws nothing; so does one whose integral underflows.
     for m in [

@@ -5,7 +5,7 @@
 //! small files of our own. What a run finds is added there.
 
 use glam::Vec3;
-use srbf_core::{Material, Mixture};
+use srbf_core::{FactorTable, Line, Material, Mixture, PlaneLobe, View};
 use srbf_fit::table;
 use srbf_tests::inputs::Random;
 
@@ -81,9 +81,38 @@ fn crc32(bytes: &[u8]) -> u32 {
     })
 }
 
+/// A material with colours outside the gamut and a table of factors.
+fn factored() -> Vec<u8> {
+    let lobe = |k: usize, angle| PlaneLobe {
+        angle,
+        off_plane: 0.0,
+        log2_sharpness: 2.0 + 3.0 * k as f32,
+        log2_luminance: 2.0 * k as f32 - 5.0,
+        color_differences: [4.0 * k as f32 - 1.5, 12.0 - 8.0 * k as f32],
+    };
+    let lobes = [[lobe(0, 0.0), lobe(1, 0.0)], [lobe(0, 0.9), lobe(1, 1.1)]];
+    let view = |v: usize| View {
+        theta: 1.2 * v as f32,
+        log2_squeeze: -(v as f32),
+        log2_diffuse: -3.0,
+        diffuse_color_differences: [-1.2, 3.0],
+        lobes: &lobes[v],
+    };
+    let factors: Vec<[f32; 3]> = (0..12).map(|n| [0.6 * n as f32, 1.0, 0.0]).collect();
+    let albedos = [[0.5, -0.2, 1.0]; 2];
+    let factors = Some(FactorTable { half: 4, difference: 3, factors: &factors, albedos: &albedos });
+    let line = Line { views: &[view(0), view(1)], squeezed: 1, mirrored: 0, factors };
+    let mut bytes = vec![0; line.encoded_len("made by tests/fuzz.rs")];
+    line.encode("made by tests/fuzz.rs", &mut bytes).expect("the seed is valid");
+    bytes
+}
+
 #[test]
 fn srbf_bytes() {
-    let seeds: [&[u8]; 3] = [
+    let factored = factored();
+    let seeds: [&[u8]; 5] = [
+        include_bytes!("../corpus/version1.srbf"),
+        &factored,
         include_bytes!("../../presets/garnet_red.srbf"),
         include_bytes!("../../presets/krylon_blue.srbf"),
         include_bytes!("../../presets/cayman.srbf"),
@@ -91,7 +120,7 @@ fn srbf_bytes() {
     let mut random = Random(1);
     let mut accepted = 0;
     for execution in 0..executions() {
-        let seed = seeds[below(&mut random, 3)];
+        let seed = seeds[below(&mut random, 5)];
         let mut bytes = mutate(&mut random, seed);
         if bytes.len() >= 48 && below(&mut random, 4) > 0 {
             // The length and the checksum put right, so that the fields behind them are reached.
@@ -108,6 +137,18 @@ fn srbf_bytes() {
             material.prepare(wo, &mut mixture).expect("a unit vector and room for every lobe");
             let u = [random.uniform(), random.uniform(), random.uniform()];
             assert!(mixture.albedo().is_finite(), "execution {execution}: albedo");
+            let wi = random.direction();
+            let factor = material.factor(wo, wi);
+            // Below the horizon it is any number.
+            let within =
+                factor.min_element() >= 0.0 && factor.max_element() <= 1.001 * material.largest_factor();
+            assert!(within || wi.z < 0.0, "execution {execution}, {wo}, {wi}: factor {factor}");
+            let (mut value, mut pdf) = ([[0.0; 1]; 3], [0.0; 1]);
+            let [red, green, blue] = value.each_mut().map(|channel| &mut channel[..]);
+            let [o, i] = [wo, wi].map(|d| d.to_array().map(|x| [x]));
+            let pair = [&o, &i].map(|d| [&d[0][..], &d[1][..], &d[2][..]]);
+            material.evaluate_pairs_into(pair[0], pair[1], [red, green, blue], &mut pdf).expect("one pair");
+            assert!(value.as_flattened().iter().all(|v| v.is_finite()), "execution {execution}: {value:?}");
             if let Some(sample) = mixture.sample(u) {
                 let sound =
                     sample.direction.is_finite() && sample.pdf.is_finite() && sample.weight().is_finite();

@@ -3,6 +3,7 @@
 mod chi_square;
 mod estimators;
 mod extremes;
+mod factors;
 mod leave_out;
 mod material;
 mod oracle_coverage;

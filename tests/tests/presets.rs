@@ -4,6 +4,7 @@
 use glam::Vec3;
 use srbf_core::{Material, Mixture, read_file};
 use srbf_tests::inputs::Random;
+use srbf_tests::oracle;
 use srbf_tests::partition::Partition;
 use srbf_tests::statistics::sidak;
 use std::path::Path;
@@ -36,6 +37,62 @@ fn every_preset_is_read_as_it_is() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../presets");
     for (name, bytes) in presets() {
         assert_eq!(read_file(&folder.join(&name).with_extension("srbf")).unwrap(), bytes, "{name}");
+    }
+}
+
+/// Bytes of version 1 hold the logarithms of red, green and blue, and are interpolated in these.
+#[test]
+fn version_1_is_read_as_it_was() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/version1.srbf");
+    let bytes = std::fs::read(path).unwrap();
+    let material = Material::from_bytes(&bytes).unwrap();
+    assert_eq!((bytes[8], material.factor_nodes(), material.largest_factor()), (1, None, 1.0));
+    let number = |at: usize| f32::from_le_bytes(bytes[48 + 4 * at..][..4].try_into().unwrap());
+    let (views, lobes, mirrored) =
+        (material.view_count(), material.view_lobe_count(), material.mirrored_count());
+    let head = |view: usize, i: usize| f64::from(number(views + 4 * view + i));
+    let row = |view: usize, row: usize, lobe: usize| {
+        f64::from(number(5 * views + (5 * view + row) * lobes + view * mirrored + lobe))
+    };
+    // What is stored as nothing is nothing.
+    let power = |log2: f64| if log2 <= -125.5 { 0.0 } else { log2.exp2() };
+    let close = |got: f64, want: f64, scale: f64, name: &str| {
+        assert!((got - want).abs() <= 3e-6 * scale, "{name}: {got}, {want}");
+    };
+    for view in 0..views {
+        for k in 0..lobes {
+            let lobe = material.view_lobe(view, k).unwrap();
+            let got =
+                oracle::color(f64::from(lobe.log2_luminance).exp2(), lobe.color_differences.map(f64::from));
+            for c in 0..3 {
+                close(got[c], power(row(view, 2 + c, k)), got.max_element(), "lobe of a view");
+            }
+        }
+        let diffuse = f64::from(material.view_log2_diffuse(view).unwrap()).exp2();
+        let got =
+            oracle::color(diffuse, material.view_diffuse_color_differences(view).unwrap().map(f64::from));
+        for c in 0..3 {
+            close(got[c], power(head(view, 1 + c)), got.max_element(), "diffuse term of a view");
+        }
+        let next = view + 1;
+        for t in if next < views { &[0.0, 0.3, 0.75][..] } else { &[] } {
+            let (from, to) = (f64::from(number(view)), f64::from(number(next)));
+            let wo = wo((from * (1.0 - t) + to * t).min(1.5707) as f32, 0.8);
+            let m = prepare(&material, wo);
+            // Where that lies once it has been rounded.
+            let theta = f64::from(wo.x).hypot(f64::from(wo.y)).atan2(f64::from(wo.z));
+            let t = ((theta - from) / (to - from)).clamp(0.0, 1.0);
+            let blend = |a: f64, b: f64| a * (1.0 - t) + b * t;
+            for c in 0..3 {
+                let want = power(blend(head(view, 1 + c), head(next, 1 + c)));
+                close(f64::from(m.diffuse()[c]), want, want + 1e-30, "diffuse term");
+                for k in 0..lobes {
+                    let want = power(blend(row(view, 2 + c, k), row(next, 2 + c, k)));
+                    let amplitude = m.lobe(k).unwrap().amplitude;
+                    close(f64::from(amplitude[c]), want, 10.0 * want + 1e-30, "amplitude");
+                }
+            }
+        }
     }
 }
 

@@ -36,6 +36,21 @@ impl Avx2 {
     }
 }
 
+/// The three channels of nodes, as [`Lanes::node_pairs`] says.
+#[inline(always)]
+#[allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
+fn channels(nodes: __m256i) -> [Avx2; 3] {
+    // SAFETY: the processor has AVX2, see the head of this file.
+    unsafe {
+        let mut channels = [Avx2(_mm256_setzero_ps()); 3];
+        for i in 0..3 {
+            let channel = _mm256_and_si256(nodes, _mm256_set1_epi32(0x3ff << (10 * i)));
+            channels[i] = Avx2(_mm256_cvtepi32_ps(channel));
+        }
+        channels
+    }
+}
+
 impl Lanes for Avx2 {
     const COUNT: usize = 8;
     const FUSED: bool = true;
@@ -200,6 +215,28 @@ impl Lanes for Avx2 {
                 at += 8;
             }
             Self(value)
+        }
+    }
+    #[inline(always)]
+    fn node_pairs(nodes: &[u8], index: Self) -> [[Self; 3]; 2] {
+        assert!(nodes.len() >= 8, "a table of at least two nodes");
+        let last = nodes.len() / 4 - 2;
+        // SAFETY: the processor has AVX2, see the head of this file. An index is at most `last`, whatever it was made of: the cast makes a
+        // large number of a NaN and of what is negative. Eight bytes from there on are within the slice, which has eight and more; a gather has no alignment.
+        unsafe {
+            let at = _mm256_min_epu32(_mm256_cvttps_epi32(index.0), _mm256_set1_epi32(last as i32));
+            let base = nodes.as_ptr().cast();
+            let low = _mm256_i32gather_epi64::<4>(base, _mm256_castsi256_si128(at));
+            let high = _mm256_i32gather_epi64::<4>(base, _mm256_extracti128_si256::<1>(at));
+            // In each half of a register two of `low`, then two of `high`: to be put in order.
+            let (low, high) = (_mm256_castsi256_ps(low), _mm256_castsi256_ps(high));
+            let (evens, odds) = (
+                _mm256_shuffle_ps::<0b10_00_10_00>(low, high),
+                _mm256_shuffle_ps::<0b11_01_11_01>(low, high),
+            );
+            let evens = _mm256_permute4x64_epi64::<0b11_01_10_00>(_mm256_castps_si256(evens));
+            let odds = _mm256_permute4x64_epi64::<0b11_01_10_00>(_mm256_castps_si256(odds));
+            [channels(evens), channels(odds)]
         }
     }
     #[inline(always)]

@@ -214,6 +214,11 @@ impl Lanes for Fused {
         Self(table[index])
     }
     #[inline(always)]
+    fn node_pairs(nodes: &[u8], index: Self) -> [[Self; 3]; 2] {
+        let [[a, b, c], [d, e, f]] = f32::node_pairs(nodes, index.0);
+        [[Self(a), Self(b), Self(c)], [Self(d), Self(e), Self(f)]]
+    }
+    #[inline(always)]
     fn first(self) -> f32 {
         self.0
     }

@@ -4,7 +4,7 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec;
 use alloc::vec::Vec;
-use srbf_core::{Domain, Line, Lobe, Mixture, PlaneLobe, Vec3, View};
+use srbf_core::{Domain, FactorTable, Line, Lobe, Mixture, PlaneLobe, Vec3, View};
 
 /// A small deterministic generator (SplitMix64).
 pub struct Random(pub u64);
@@ -66,6 +66,22 @@ fn lobe(random: &mut Random, in_plane: bool) -> Lobe {
 
 /// A material of nine views and twelve lobes, of which so many pairs lie beside the plane of incidence.
 pub fn material(random: &mut Random, mirrored: usize) -> Vec<u8> {
+    made(random, mirrored, &[None]).remove(0)
+}
+
+/// Such a material with a table of factors, and the same without.
+pub fn factored(random: &mut Random) -> [Vec<u8>; 2] {
+    let (half, difference) = (32, 19);
+    let factors: Vec<[f32; 3]> =
+        (0..half * difference).map(|_| [0.0; 3].map(|_: f32| 8.0 * random.next())).collect();
+    let table = FactorTable { half, difference, factors: &factors, albedos: &[[0.5; 3]; 9] };
+    let mut both = made(random, 1, &[Some(table), None]);
+    let bare = both.pop().expect("two of them");
+    [both.pop().expect("two of them"), bare]
+}
+
+/// Materials that are the same but for their factors.
+fn made(random: &mut Random, mirrored: usize, factors: &[Option<FactorTable<'_>>]) -> Vec<Vec<u8>> {
     let stored = 12 - mirrored;
     let knots = 9;
     let views: Vec<(f32, f32, Vec<PlaneLobe>)> = (0..knots)
@@ -93,8 +109,12 @@ pub fn material(random: &mut Random, mirrored: usize) -> Vec<u8> {
             lobes,
         })
         .collect();
-    let line = Line { views: &views, squeezed: 7.min(stored - mirrored), mirrored, factors: None };
-    let mut bytes = vec![0; line.encoded_len("test")];
-    line.encode("test", &mut bytes).expect("a valid material");
-    bytes
+    let encoded = |factors: &Option<FactorTable<'_>>| {
+        let squeezed = 7.min(stored - mirrored);
+        let line = Line { views: &views, squeezed, mirrored, factors: *factors };
+        let mut bytes = vec![0; line.encoded_len("test")];
+        line.encode("test", &mut bytes).expect("a valid material");
+        bytes
+    };
+    factors.iter().map(encoded).collect()
 }

@@ -6,6 +6,7 @@
 
 extern crate alloc;
 
+mod factors;
 mod inputs;
 #[path = "../../src/tolerance.rs"]
 pub mod tolerance;
@@ -63,6 +64,7 @@ pub fn check(level: Level) -> Result<Findings, srbf_core::Error> {
         "one luminance",
         "sampled pdf",
         "sampled weight",
+        "factored value",
     ];
     let mut found = Findings { worst: names.map(Worst::new).into(), faults: Vec::new() };
     let mut random = Random(7);
@@ -77,6 +79,7 @@ pub fn check(level: Level) -> Result<Findings, srbf_core::Error> {
     for mirrored in [0, 3] {
         check_prepared(mirrored, &mut random, &mut found);
     }
+    factors::check(&mut random, &mut found);
     Ok(found)
 }
 

@@ -1,6 +1,6 @@
 //! The materials that the C programs work with.
 
-use srbf_core::{Grid, GridView, Line, PlaneLobe, TiltedLobe, View, encoded_len};
+use srbf_core::{FactorTable, Grid, GridView, Line, PlaneLobe, TiltedLobe, View, encoded_len};
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
@@ -21,6 +21,43 @@ pub fn file() -> PathBuf {
 pub fn anisotropic_file() -> PathBuf {
     static FILE: OnceLock<PathBuf> = OnceLock::new();
     FILE.get_or_init(|| write("anisotropic.srbf", &anisotropic_bytes())).clone()
+}
+
+/// A `.srbf` file of two views of three grey lobes, with a table of 5 by 4 factors: see `tests/c/factors.c`.
+pub fn factored_file() -> PathBuf {
+    static FILE: OnceLock<PathBuf> = OnceLock::new();
+    FILE.get_or_init(|| write("factored.srbf", &factored_bytes())).clone()
+}
+
+fn factored_bytes() -> Vec<u8> {
+    let lobes = |theta: f32| {
+        let lobe = |k: usize| PlaneLobe {
+            angle: theta,
+            off_plane: 0.0,
+            log2_sharpness: 1.0 + 3.0 * k as f32,
+            log2_luminance: -4.0 + 2.0 * k as f32,
+            color_differences: [0.0; 2],
+        };
+        (0..3).map(lobe).collect::<Vec<_>>()
+    };
+    let stored = [(0.0, lobes(0.0)), (1.2, lobes(1.1))];
+    let views = [0, 1].map(|v| View {
+        theta: stored[v].0,
+        log2_squeeze: -stored[v].0,
+        log2_diffuse: -4.0,
+        diffuse_color_differences: [0.0; 2],
+        lobes: &stored[v].1,
+    });
+    let (half, difference) = (5, 4);
+    let factor = |n: usize| [0.25 * (1 + n / difference) as f32, 1.0, 0.25 * (1 + n % difference) as f32];
+    let factors: Vec<[f32; 3]> = (0..half * difference).map(factor).collect();
+    let albedos = [[0.25, 0.5, 0.125], [0.25, 0.5, 0.25]];
+    let factors = FactorTable { half, difference, factors: &factors, albedos: &albedos };
+    let line = Line { views: &views, squeezed: 1, mirrored: 0, factors: Some(factors) };
+    // Eight letters leave the numbers where a program may read them as such.
+    let mut bytes = vec![0; line.encoded_len("by tests")];
+    line.encode("by tests", &mut bytes).expect("the material is valid");
+    bytes
 }
 
 fn write(name: &str, bytes: &[u8]) -> PathBuf {

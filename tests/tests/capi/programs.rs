@@ -40,6 +40,11 @@ fn anisotropic_material() {
 }
 
 #[test]
+fn material_with_factors() {
+    run_everywhere_on(&material::factored_file(), "factors.c", "factors: passed");
+}
+
+#[test]
 fn threads_share_a_material() {
     run_everywhere("threads.c", "threads: passed");
 }

@@ -1,0 +1,103 @@
+//! Factors of a material: what the values of its lobes are multiplied by.
+#![allow(unsafe_code)]
+
+use crate::convert::direction;
+use crate::guard::guard;
+use crate::material::material;
+use crate::pointers::{Out, read_array};
+use crate::{SRBF_STATUS_INDEX, srbf_material, srbf_status};
+
+/// Says how many nodes a material's table of factors has along the half angle and along the difference angle; 0 and 0 without one.
+///
+/// A mixture of a material with factors reads them from the material: see `srbf_mixture`.
+/// Shapes: `half` and `difference` one number each, overwritten.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_factor_nodes(
+    material: *const srbf_material,
+    half: *mut usize,
+    difference: *mut usize,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (material, half, difference) =
+            unsafe { (self::material(material)?, Out::new(half)?, Out::new(difference)?) };
+        let [halves, differences] = material.material.factor_nodes().unwrap_or([0; 2]);
+        half.set(halves);
+        difference.set(differences);
+        Ok(())
+    })
+}
+
+/// Gives the largest factor of any node and channel, which no factor exceeds but for rounding; 1 without a table.
+///
+/// The luminance of a sample's weight is at most the power of its mixture times this, where no channel of a lobe is negative.
+/// Shapes: `factor` one number, overwritten.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_largest_factor(
+    material: *const srbf_material,
+    factor: *mut f32,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (material, out) = unsafe { (self::material(material)?, Out::new(factor)?) };
+        out.set(material.material.largest_factor());
+        Ok(())
+    })
+}
+
+/// Gives the factor of a node. Status: `SRBF_STATUS_INDEX` past either end, and without a table.
+///
+/// Nodes are evenly spaced from 0 to 1 in `(1 - h.z)^(1/4)` and in `(1 - h.wo)^(1/2)`, `h = (wi + wo) / |wi + wo|`.
+/// Shapes: `factor` [3], linear sRGB, overwritten.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_factor_node(
+    material: *const srbf_material,
+    half: usize,
+    difference: usize,
+    factor: *mut f32,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (material, out) = unsafe { (self::material(material)?, Out::<[f32; 3]>::array(factor)?) };
+        out.set(material.material.factor_node(half, difference).ok_or(SRBF_STATUS_INDEX)?);
+        Ok(())
+    })
+}
+
+/// Evaluates what the value of the lobes is multiplied by for a pair of directions above the horizon; 1 without a table.
+///
+/// `srbf_mixture_evaluate` and all that gives values or weights has multiplied already; densities and draws are the lobes' alone.
+/// Shapes: `wo` and `wi` [3], unit vectors, which may be exchanged; `factor` [3], linear sRGB, overwritten.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_factor(
+    material: *const srbf_material,
+    wo: *const f32,
+    wi: *const f32,
+    factor: *mut f32,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (material, wo, wi, out) = unsafe {
+            (self::material(material)?, read_array(wo)?, read_array(wi)?, Out::<[f32; 3]>::array(factor)?)
+        };
+        out.set(material.material.factor(direction(wo)?, direction(wi)?).to_array());
+        Ok(())
+    })
+}
+
+/// Gives the albedo of a view with its factors, as it is stored. Status: `SRBF_STATUS_INDEX` past the end, and without a table.
+///
+/// Shapes: `albedo` [3], linear sRGB, overwritten.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_view_albedo(
+    material: *const srbf_material,
+    view: usize,
+    albedo: *mut f32,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (material, out) = unsafe { (self::material(material)?, Out::<[f32; 3]>::array(albedo)?) };
+        out.set(material.material.view_albedo(view).ok_or(SRBF_STATUS_INDEX)?);
+        Ok(())
+    })
+}

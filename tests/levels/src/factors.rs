@@ -1,0 +1,138 @@
+//! A material with factors: every way to a value gives that of the lobes times the factor of the definition, in f64.
+
+use crate::inputs::{self, Random};
+use crate::{COUNTS, Findings, Guarded, slices, structure_of_arrays};
+use alloc::format;
+use alloc::vec::Vec;
+use srbf_core::{Material, Mixture, SamplesMut, Vec3, luminance};
+
+const NAME: &str = "factored value";
+
+/// The factor of a pair of directions above the horizon, from the nodes.
+fn truth(material: &Material<'_>, wo: Vec3, wi: Vec3) -> [f64; 3] {
+    let [half, difference] = material.factor_nodes().expect("a table");
+    let ([ox, oy, oz], [ix, iy, iz]) = (wo.to_array().map(f64::from), wi.to_array().map(f64::from));
+    let (x, y, z) = (ix + ox, iy + oy, iz + oz);
+    let length = libm::sqrt(x * x + y * y + z * z);
+    let a = libm::pow((x * x + y * y) / (length * (length + z)), 0.25) * (half - 1) as f64;
+    let (x, y, z) = (ix - ox, iy - oy, iz - oz);
+    let b = libm::sqrt((x * x + y * y + z * z) / (4.0 + 2.0 * length)) * (difference - 1) as f64;
+    let (i, j) = ((a as usize).min(half - 2), (b as usize).min(difference - 2));
+    let (a, b) = (a - i as f64, b - j as f64);
+    [0, 1, 2].map(|c| {
+        let node = |i, j| f64::from(material.factor_node(i, j).expect("a node")[c]);
+        (node(i, j) * (1.0 - a) + node(i + 1, j) * a) * (1.0 - b)
+            + (node(i, j + 1) * (1.0 - a) + node(i + 1, j + 1) * a) * b
+    })
+}
+
+/// Checks one value, given that of the lobes alone.
+fn see(found: &mut Findings, material: &Material<'_>, [wo, wi]: [Vec3; 2], got: Vec3, lobes: Vec3) {
+    if wi.z < 0.0 || wo.z < 0.0 {
+        if got != Vec3::ZERO {
+            found.fault(format!("wo {wo}, wi {wi}: below the horizon {got}"));
+        }
+        return;
+    }
+    let (factor, largest) = (truth(material, wo, wi), f64::from(material.largest_factor()));
+    for c in 0..3 {
+        let (want, scale) = (factor[c] * f64::from(lobes[c]), largest * f64::from(lobes[c].abs()));
+        found.see(NAME, got[c], want, scale, &format!("wo {wo}, wi {wi}"));
+    }
+}
+
+/// Batches, samples and single calls of mixtures, and pairs.
+pub fn check(random: &mut Random, found: &mut Findings) {
+    let [bytes, bare] = inputs::factored(random);
+    let [material, bare] =
+        [&bytes, &bare].map(|bytes| Material::from_bytes(bytes).expect("a valid material"));
+    let wo: Vec<Vec3> = (0..COUNTS).map(|_| random.direction()).collect();
+    let wi: Vec<Vec3> = (0..COUNTS).map(|_| random.direction()).collect();
+    let (wo_arrays, wi_arrays) = (structure_of_arrays(&wo), structure_of_arrays(&wi));
+    for (n, wo) in wo.iter().enumerate() {
+        let (mut m, mut lobes) = (Mixture::<64>::empty(), Mixture::<64>::empty());
+        material.prepare(*wo, &mut m).and(bare.prepare(*wo, &mut lobes)).expect("a unit vector");
+        let (mut out, mut plain, mut one) =
+            (Guarded::<3>::new(n), Guarded::<3>::new(n), Guarded::<1>::new(n));
+        let [luminances] = one.slices();
+        let inputs = slices(&wi_arrays, n);
+        let written = m.evaluate_into(inputs, out.slices()).and(lobes.evaluate_into(inputs, plain.slices()));
+        let written = written.and(m.luminance_into(inputs, luminances));
+        if written.is_err() || !out.is_intact() || !one.is_intact() {
+            found.fault(format!("{n} values with factors: {written:?}, or a guard zone was written"));
+        }
+        for (i, wi) in wi[..n].iter().enumerate() {
+            let vector = |from: &Guarded<3>| Vec3::new(from.at(0, i), from.at(1, i), from.at(2, i));
+            see(found, &material, [*wo, *wi], vector(&out), vector(&plain));
+            see(found, &material, [*wo, *wi], m.evaluate(*wi), lobes.evaluate(*wi));
+            let (batch, both) = (vector(&out), m.evaluate_and_pdf(*wi));
+            let off = (one.at(0, i) - luminance(batch)).abs();
+            if off > 1e-6 * batch.abs().max_element()
+                || both != (m.evaluate(*wi), lobes.evaluate_and_pdf(*wi).1)
+            {
+                found.fault(format!("wo {wo}, wi {wi}: luminance off by {off:e}, or {both:?}"));
+            }
+        }
+        check_samples(&material, *wo, [&m, &lobes], random, found);
+    }
+    for n in 0..COUNTS {
+        let (mut out, mut plain, mut one) =
+            (Guarded::<4>::new(n), Guarded::<4>::new(n), Guarded::<1>::new(n));
+        let (wo_in, wi_in) = (slices(&wo_arrays, n), slices(&wi_arrays, n));
+        let mut written = Ok(());
+        for (material, out) in [(&material, &mut out), (&bare, &mut plain)] {
+            let [r, g, b, pdf] = out.slices();
+            written = written.and(material.evaluate_pairs_into(wo_in, wi_in, [r, g, b], pdf));
+        }
+        let [luminances] = one.slices();
+        written = written.and(material.luminance_pairs_into(wo_in, wi_in, luminances));
+        if written.is_err() || !out.is_intact() || !one.is_intact() {
+            found.fault(format!("{n} pairs with factors: {written:?}, or a guard zone was written"));
+        }
+        for i in 0..n {
+            let vector = |from: &Guarded<4>| Vec3::new(from.at(0, i), from.at(1, i), from.at(2, i));
+            see(found, &material, [wo[i], wi[i]], vector(&out), vector(&plain));
+            let off = (one.at(0, i) - luminance(vector(&out))).abs();
+            if off > 1e-5 * vector(&out).abs().max_element() || out.at(3, i) != plain.at(3, i) {
+                found.fault(format!("pair {i} of {n}: luminance off by {off:e}, or another density"));
+            }
+        }
+    }
+}
+
+/// Samples are those of the lobes, their weights times the factor.
+fn check_samples(
+    material: &Material<'_>,
+    wo: Vec3,
+    [m, lobes]: [&Mixture<'_, 64>; 2],
+    random: &mut Random,
+    found: &mut Findings,
+) {
+    let n = COUNTS - 3;
+    let u: Vec<Vec3> = (0..n).map(|_| Vec3::new(random.next(), random.next(), random.next())).collect();
+    let arrays = structure_of_arrays(&u);
+    let (mut out, mut plain) = (Guarded::<7>::new(n), Guarded::<7>::new(n));
+    for (m, out) in [(m, &mut out), (lobes, &mut plain)] {
+        let [x, y, z, pdf, r, g, b] = out.slices();
+        let samples = SamplesMut { direction: [x, y, z], pdf, weight: [r, g, b] };
+        if m.sample_into(slices(&arrays, n), samples).is_err() || !out.is_intact() {
+            found.fault(format!("wo {wo}: samples with factors, or a guard zone was written"));
+        }
+    }
+    for i in 0..n {
+        let vector =
+            |from: &Guarded<7>, at: usize| Vec3::new(from.at(at, i), from.at(at + 1, i), from.at(at + 2, i));
+        let d = vector(&out, 0);
+        if d != vector(&plain, 0) || out.at(3, i) != plain.at(3, i) {
+            found.fault(format!("wo {wo}, sample {i}: another draw or density than of the lobes"));
+        }
+        see(found, material, [wo, d], vector(&out, 4), vector(&plain, 4));
+        match (m.sample(u[i].to_array()), lobes.sample(u[i].to_array())) {
+            (Some(got), Some(want)) if (got.direction, got.pdf) == (want.direction, want.pdf) => {
+                see(found, material, [wo, got.direction], got.value, want.value);
+            }
+            (None, None) => {}
+            (got, want) => found.fault(format!("wo {wo}, sample {i}: {got:?}, of the lobes {want:?}")),
+        }
+    }
+}

@@ -1,0 +1,394 @@
+//! Materials with a table of factors, against the f64 of its definition; what has no place in one; and weights within their bound.
+
+use glam::{DVec3, Vec3};
+use srbf_core::{
+    Defensive, Error, FactorTable, FormatError, LeaveOut, Level, Line, Material, Mixture, PlaneLobe, Sample,
+    SamplesMut, View, luminance,
+};
+use srbf_tests::inputs::Random;
+use srbf_tests::oracle;
+use srbf_tests::tolerance::SLACK;
+
+const THETAS: [f32; 3] = [0.0, 0.6, 1.5];
+const LOBES: usize = 5;
+/// Allowed error of a factor, relative to the largest of its table.
+const FACTOR: f64 = 6e-6;
+const PROVENANCE: &str = "test, made by tests/factors.rs";
+
+/// What a material is made of, so that it can be made without its factors too.
+struct Made {
+    lobes: Vec<Vec<PlaneLobe>>,
+    nodes: [usize; 2],
+    factors: Vec<[f32; 3]>,
+    albedos: Vec<[f32; 3]>,
+}
+
+impl Made {
+    fn new(seed: u64, nodes: [usize; 2]) -> Self {
+        let mut random = Random(seed);
+        let lobe = |random: &mut Random, theta: f32, k: usize| PlaneLobe {
+            angle: if theta > 0.0 { theta + random.between(-0.2, 0.2) } else { 0.0 },
+            off_plane: if theta > 0.0 && k == LOBES - 1 { random.between(0.1, 0.4) } else { 0.0 },
+            log2_sharpness: 2.0 * k as f32,
+            log2_luminance: 2.0 * k as f32 - 5.0,
+            color_differences: [random.between(-0.9, 1.0), random.between(-0.9, 1.0)],
+        };
+        let lobes = THETAS.map(|theta| (0..LOBES).map(|k| lobe(&mut random, theta, k)).collect()).into();
+        let factors = (0..nodes[0] * nodes[1]).map(|_| random.three().map(|x| 8.0 * x)).collect();
+        let albedos = THETAS.map(|_| random.three()).into();
+        Self { lobes, nodes, factors, albedos }
+    }
+
+    fn table(&self) -> FactorTable<'_> {
+        let Self { nodes: [half, difference], factors, albedos, .. } = self;
+        FactorTable { half: *half, difference: *difference, factors, albedos }
+    }
+
+    fn try_encode(&self, factors: Option<FactorTable<'_>>) -> Result<Vec<u8>, FormatError> {
+        let view = |(lobes, theta): (&Vec<PlaneLobe>, f32)| View {
+            theta,
+            log2_squeeze: -0.8 * theta,
+            log2_diffuse: -3.0,
+            diffuse_color_differences: [0.2, -0.3],
+            lobes: lobes.clone().leak(),
+        };
+        let views: Vec<View> = self.lobes.iter().zip(THETAS).map(view).collect();
+        let line = Line { views: &views, squeezed: 2, mirrored: 1, factors };
+        let mut bytes = vec![0; line.encoded_len(PROVENANCE)];
+        assert!(line.encode(PROVENANCE, &mut bytes)? == bytes.len());
+        Ok(bytes)
+    }
+
+    /// With factors, and without.
+    fn encode(&self) -> [Vec<u8>; 2] {
+        [Some(self.table()), None].map(|factors| self.try_encode(factors).unwrap())
+    }
+}
+
+/// A factor from the nodes that a material gives, in f64.
+fn truth(material: &Material, wo: Vec3, wi: Vec3) -> DVec3 {
+    let node = |i, j| Vec3::from_array(material.factor_node(i, j).unwrap()).as_dvec3();
+    oracle::factor(material.factor_nodes().unwrap(), node, wo.as_dvec3(), wi.as_dvec3())
+}
+
+fn at(theta: f32, phi: f32) -> Vec3 {
+    Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos().max(0.0))
+}
+
+/// Pairs everywhere, and where something could go wrong: equal, mirrored, at the normal and beside it, grazing, opposite at grazing.
+fn pairs(random: &mut Random) -> Vec<[Vec3; 2]> {
+    let up = |d: Vec3| Vec3::new(d.x, d.y, d.z.abs());
+    let mut pairs: Vec<[Vec3; 2]> =
+        (0..3000).map(|_| [up(random.direction()), up(random.direction())]).collect();
+    for theta in [0.0, 1e-20, 1e-7, 1e-3, 0.4, 1.2, 1.57, std::f32::consts::FRAC_PI_2] {
+        for phi in [0.0, 0.7, 3.0] {
+            let wo = at(theta, phi);
+            for by in [0.0, 1e-30, 1e-12, 1e-7, 1e-5, 1e-3, 0.1] {
+                let aside = Vec3::new(by, -0.3 * by, 0.0);
+                for wi in [wo, Vec3::new(-wo.x, -wo.y, wo.z), Vec3::Z, Vec3::new(wo.y, -wo.x, wo.z)] {
+                    let wi = up((wi + aside).normalize());
+                    // Opposite at the horizon there is no half direction.
+                    if (wo + wi).length() > 1e-14 {
+                        pairs.push([wo, wi]);
+                    }
+                }
+            }
+        }
+    }
+    for height in [1e-20, 1e-9, 1e-7, 1e-5, 1e-3] {
+        pairs.push([Vec3::new(1.0, 0.0, height), Vec3::new(-1.0, 0.0, 0.0)]);
+        pairs.push([Vec3::new(0.6, 0.8, height), Vec3::new(-0.6, -0.8, 0.5 * height)]);
+    }
+    pairs
+}
+
+#[test]
+fn what_was_written_is_read() {
+    for nodes in [[2, 2], [7, 3], [32, 32]] {
+        let made = Made::new(1, nodes);
+        let [bytes, plain] = made.encode();
+        assert_eq!(bytes.len(), plain.len() + 4 * (9 + 1 + nodes[0] * nodes[1]));
+        let (material, plain) =
+            (Material::from_bytes(&bytes).unwrap(), Material::from_bytes(&plain).unwrap());
+        assert_eq!((material.factor_nodes(), plain.factor_nodes()), (Some(nodes), None));
+        assert_eq!((material.provenance(), plain.provenance()), (PROVENANCE, PROVENANCE));
+        let mut largest = 0f32;
+        for i in 0..nodes[0] {
+            for j in 0..nodes[1] {
+                let (got, want) = (material.factor_node(i, j).unwrap(), made.factors[i * nodes[1] + j]);
+                for c in 0..3 {
+                    let apart = (got[c].sqrt() - want[c].sqrt()).abs();
+                    assert!(apart < 0.50001 / 360.0, "{i}, {j}: {got:?}, {want:?}");
+                    largest = largest.max(got[c]);
+                }
+            }
+        }
+        assert_eq!((material.largest_factor(), plain.largest_factor()), (largest, 1.0));
+        for past in [[nodes[0], 0], [0, nodes[1]], [usize::MAX, 0]] {
+            assert_eq!(material.factor_node(past[0], past[1]), None);
+        }
+        assert_eq!((plain.factor_node(0, 0), plain.view_albedo(0)), (None, None));
+        assert_eq!(plain.factor(Vec3::Z, Vec3::Z), Vec3::ONE);
+        for view in 0..4 {
+            assert_eq!(material.view_albedo(view), made.albedos.get(view).copied());
+        }
+    }
+}
+
+#[test]
+fn factors_are_those_of_the_definition_and_symmetric() {
+    let mut worst = 0f64;
+    for (seed, nodes) in [(2, [32, 32]), (3, [2, 2]), (4, [9, 24])] {
+        let [bytes, _] = Made::new(seed, nodes).encode();
+        let material = Material::from_bytes(&bytes).unwrap();
+        let largest = f64::from(material.largest_factor());
+        for [wo, wi] in pairs(&mut Random(5)) {
+            let got = material.factor(wo, wi);
+            let error = (got.as_dvec3() - truth(&material, wo, wi)).abs().max_element() / largest;
+            assert!(error < FACTOR, "{nodes:?}, wo {wo}, wi {wi}: {got}, off by {error:e}");
+            assert!((got - material.factor(wi, wo)).abs().max_element() < 2e-5 * largest as f32);
+            worst = worst.max(error);
+        }
+        // Opposite at the horizon there is no half direction.
+        let got = material.factor(Vec3::X, -Vec3::X);
+        assert!(got.min_element() >= 0.0 && got.max_element() <= 1.00001 * largest as f32, "{got}");
+    }
+    println!("worst error of a factor: {worst:e} of the largest");
+    assert!(worst > FACTOR / SLACK, "the bound is stale: {worst:e}");
+}
+
+#[test]
+fn factors_are_continuous_across_the_borders_of_nodes() {
+    let [bytes, _] = Made::new(6, [32, 32]).encode();
+    let material = Material::from_bytes(&bytes).unwrap();
+    // Steps of 2e-4 along an arc through the mirror direction, the outgoing one and the horizon: the steepest is the fourth root at 0.
+    let wo = at(0.7, 0.0);
+    let mut before: Option<(f32, Vec3)> = None;
+    let mut borders = 0;
+    for step in -7800..7800 {
+        let theta = 2e-4 * step as f32;
+        let (got, want) = (material.factor(wo, at(theta, 0.0)), truth(&material, wo, at(theta, 0.0)));
+        assert!((got.as_dvec3() - want).abs().max_element() < 2e-4, "{theta}: {got}, {want}");
+        let place = ((theta - 0.7).abs() / 2.0).sin() * 31.0;
+        if let Some((place_before, factor)) = before {
+            borders += usize::from(place_before.floor() != place.floor());
+            // Near the mirror direction a is sqrt(|theta + 0.7| / 2 / sqrt(2)), times 31 nodes that differ by up to 8.
+            let steep = (theta + 0.7).abs().max(2e-4).sqrt().recip() * 2e-4 * 150.0 + 0.05;
+            assert!((got - factor).abs().max_element() < steep + 1.5, "{theta}: {got}, {factor}");
+        }
+        before = Some((place, got));
+    }
+    assert!(borders > 20, "{borders}");
+}
+
+/// Value of a mixture with factors towards directions, by every way that gives it.
+fn all_values(m: &Mixture<16>, d: &[Vec3]) -> [Vec<Vec3>; 3] {
+    let arrays = [0, 1, 2].map(|i| d.iter().map(|d| d[i]).collect::<Vec<f32>>());
+    let [x, y, z] = &arrays;
+    let mut value = [(); 3].map(|()| vec![0.0; d.len()]);
+    let [red, green, blue] = &mut value;
+    m.evaluate_into([x, y, z], [red, green, blue]).unwrap();
+    let batch = (0..d.len()).map(|i| Vec3::new(value[0][i], value[1][i], value[2][i])).collect();
+    let one = d.iter().map(|d| m.evaluate(*d)).collect();
+    let both = d.iter().map(|d| m.evaluate_and_pdf(*d).0).collect();
+    [one, both, batch]
+}
+
+#[test]
+fn values_are_those_of_the_lobes_times_the_factor_and_densities_those_of_the_lobes() {
+    let [bytes, plain] = Made::new(7, [32, 20]).encode();
+    let (material, plain) = (Material::from_bytes(&bytes).unwrap(), Material::from_bytes(&plain).unwrap());
+    let mut random = Random(8);
+    for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
+        for [wo, _] in pairs(&mut random).into_iter().step_by(41) {
+            let (mut m, mut bare) = (Mixture::<16>::empty(), Mixture::<16>::empty());
+            let leave_out = LeaveOut::new(if random.uniform() < 0.5 { 0.0 } else { 0.02 }, 1e-7).unwrap();
+            material.prepare_at(level, wo, leave_out, &mut m).unwrap();
+            plain.prepare_at(level, wo, leave_out, &mut bare).unwrap();
+            assert!(m.has_factors() && !bare.has_factors());
+            assert_eq!((m.factor_bytes().len(), bare.factor_bytes().len()), (4 * 32 * 20, 0));
+            assert_eq!((m.power(), m.diffuse(), m.len()), (bare.power(), bare.diffuse(), bare.len()));
+            let d: Vec<Vec3> = (0..37).map(|_| random.direction()).collect();
+            let (got, lobes) = (all_values(&m, &d), all_values(&bare, &d));
+            for (got, lobes) in got.iter().zip(&lobes) {
+                for (i, d) in d.iter().enumerate() {
+                    let want =
+                        if d.z < 0.0 { DVec3::ZERO } else { lobes[i].as_dvec3() * truth(&material, wo, *d) };
+                    let scale = f64::from(8.0 * lobes[i].abs().max_element());
+                    let off = (got[i].as_dvec3() - want).abs().max_element();
+                    assert!(off <= 2e-5 * scale, "{level:?}, wo {wo}, wi {d}: {}, {want}", got[i]);
+                    assert_eq!(m.pdf(*d), bare.pdf(*d));
+                }
+            }
+            let arrays = [0, 1, 2].map(|i| d.iter().map(|d| d[i]).collect::<Vec<f32>>());
+            let (mut luminances, [x, y, z]) = (vec![0.0; d.len()], &arrays);
+            m.luminance_into([x, y, z], &mut luminances).unwrap();
+            for (l, value) in luminances.iter().zip(&got[2]) {
+                assert!(
+                    (l - luminance(*value)).abs() <= 1e-6 * value.abs().max_element(),
+                    "{level:?} {l} {value}"
+                );
+            }
+            check_samples(&m, &bare, &mut random);
+        }
+    }
+}
+
+/// Samples are those of the lobes, with the factor in value and weight, and the weight within its bound.
+fn check_samples(m: &Mixture<16>, bare: &Mixture<16>, random: &mut Random) {
+    const N: usize = 50;
+    // Of the largest code below 8 of the table.
+    let (u, largest): (Vec<[f32; 3]>, f32) = ((0..N).map(|_| random.three()).collect(), 8.01);
+    let check = |got: Sample, want: Sample, share: f32| {
+        assert_eq!((got.direction, got.pdf), (want.direction, want.pdf));
+        assert!(
+            (got.value - m.evaluate(got.direction)).abs().max_element()
+                <= 2e-5 * largest * want.value.max_element()
+        );
+        assert!(luminance(got.weight()) <= m.power() * largest * 1.00001 / (1.0 - share));
+    };
+    let (defensive, bare_one) = (Defensive::new(m, 0.1).unwrap(), Defensive::new(bare, 0.1).unwrap());
+    for &u in &u {
+        let (Some(got), Some(want)) = (m.sample(u), bare.sample(u)) else { continue };
+        check(got, want, 0.0);
+        if let (Some(got), Some(want)) = (defensive.sample(u), bare_one.sample(u)) {
+            check(got, want, 0.1);
+        }
+        if let (Some(got), Some(want)) = (m.sample_lobe(1, [u[1], u[2]]), bare.sample_lobe(1, [u[1], u[2]])) {
+            check(got, want, 0.0);
+        }
+    }
+    let u = [0, 1, 2].map(|i| u.iter().map(|u| u[i]).collect::<Vec<f32>>());
+    let draw = |m: &Mixture<16>| {
+        let mut out = [(); 7].map(|()| vec![0.0; N]);
+        let [x, y, z, pdf, red, green, blue] = &mut out;
+        let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
+        m.sample_into([&u[0], &u[1], &u[2]], samples).unwrap();
+        out
+    };
+    let (got, lobes) = (draw(m), draw(bare));
+    assert_eq!(got[..4], lobes[..4]);
+    for i in 0..N {
+        let d = Vec3::new(got[0][i], got[1][i], got[2][i]);
+        let weight = Vec3::new(got[4][i], got[5][i], got[6][i]);
+        let want = m.evaluate(d) / got[3][i];
+        assert!((weight - want).abs().max_element() <= 1e-4 * largest * m.power(), "{d}: {weight}, {want}");
+    }
+}
+
+#[test]
+fn the_albedo_is_the_stored_one_and_between_the_views_that_between_them() {
+    let made = Made::new(9, [4, 4]);
+    let [bytes, _] = made.encode();
+    let material = Material::from_bytes(&bytes).unwrap();
+    let albedo = |theta: f32| {
+        let mut m = Mixture::<16>::empty();
+        material.prepare(at(theta, 2.0), &mut m).unwrap();
+        m.albedo()
+    };
+    let stored = |view: usize| Vec3::from_array(made.albedos[view]);
+    for (theta, want) in
+        [(0.0, stored(0)), (0.3, 0.5 * (stored(0) + stored(1))), (0.6, stored(1)), (1.55, stored(2))]
+    {
+        assert!((albedo(theta) - want).abs().max_element() < 1e-6, "{theta}: {}, {want}", albedo(theta));
+    }
+    let mut m = Mixture::<16>::empty();
+    material.prepare(Vec3::new(0.6, 0.0, -0.8), &mut m).unwrap();
+    assert_eq!((m.albedo(), m.has_factors(), m.evaluate(Vec3::Z)), (Vec3::ZERO, false, Vec3::ZERO));
+}
+
+#[test]
+fn what_needs_lobes_alone_refuses_factors() {
+    let [bytes, _] = Made::new(10, [3, 3]).encode();
+    let mut m = Mixture::<16>::empty();
+    Material::from_bytes(&bytes).unwrap().prepare(Vec3::Z, &mut m).unwrap();
+    let light = Mixture::<16>::sphere(&[]).unwrap();
+    assert_eq!(m.inner_product(&light), Err(Error::Squeezed));
+    assert_eq!(m.product_into(&light, &mut []), Err(Error::Squeezed));
+    assert_eq!(m.with_diffuse(Vec3::ONE).err(), Some(Error::Amplitude));
+}
+
+#[test]
+fn what_has_no_place_in_a_table_is_refused_with_its_name() {
+    let made = Made::new(11, [5, 6]);
+    let refused = |table: FactorTable<'_>| made.try_encode(Some(table)).unwrap_err().to_string();
+    let table = made.table();
+    for (half, difference) in [(1, 30), (30, 1), (33, 6), (5, 33), (0, 0), (usize::MAX, 2), (65541, 6)] {
+        let message = refused(FactorTable { half, difference, ..table });
+        assert!(message.contains("size of the table"), "{half}, {difference}: {message}");
+    }
+    assert!(refused(FactorTable { half: 6, ..table }).contains("number of factors"));
+    assert!(refused(FactorTable { albedos: &made.albedos[1..], ..table }).contains("number of albedos"));
+    for bad in [-0.1, 8.1, f32::NAN, f32::INFINITY] {
+        let mut factors = made.factors.clone();
+        factors[17][1] = bad;
+        assert!(refused(FactorTable { factors: &factors, ..table }).contains("factor at"), "{bad}");
+    }
+    for bad in [4.1, -4.1, f32::NAN] {
+        let mut albedos = made.albedos.clone();
+        albedos[1][2] = bad;
+        assert!(refused(FactorTable { albedos: &albedos, ..table }).contains("albedo with factors"), "{bad}");
+    }
+}
+
+/// CRC-32 (IEEE 802.3), bit by bit.
+fn with_checksum(mut bytes: Vec<u8>) -> Vec<u8> {
+    let length = bytes.len() as u32;
+    bytes[16..20].copy_from_slice(&length.to_le_bytes());
+    let end = bytes.len() - 4;
+    let crc = bytes[..end].iter().fold(!0u32, |crc, &byte| {
+        (0..8).fold(
+            crc ^ u32::from(byte),
+            |crc, _| if crc & 1 == 1 { 0xedb8_8320 ^ (crc >> 1) } else { crc >> 1 },
+        )
+    });
+    bytes[end..].copy_from_slice(&(!crc).to_le_bytes());
+    bytes
+}
+
+#[test]
+fn hostile_bytes_are_refused_with_the_place() {
+    let [bytes, plain] = Made::new(12, [5, 6]).encode();
+    let table = plain.len() - 4 - PROVENANCE.len();
+    let nodes = table + 4 * (9 + 1);
+    let refused = |place: usize, put: [u8; 4]| {
+        let mut bytes = bytes.clone();
+        bytes[place..place + 4].copy_from_slice(&put);
+        Material::from_bytes(&with_checksum(bytes)).map(|_| ()).unwrap_err()
+    };
+    let field = |name, offset| FormatError::Field { name, offset };
+    for both in [5u32, 6 << 16, 1 | 6 << 16, 33 | 6 << 16, 5 | 1 << 16, 5 | 33 << 16, u32::MAX] {
+        assert_eq!(refused(44, both.to_le_bytes()), field("size of the table of factors", 44), "{both:x}");
+    }
+    // Sizes that other bytes of the file do not fit.
+    assert_eq!(refused(44, (6u32 | 6 << 16).to_le_bytes()), field("length of the provenance", 32));
+    assert_eq!(refused(40, [1, 0, 0, 0]), field("reserved field", 40));
+    for node in [0, 29] {
+        let place = nodes + 4 * node;
+        assert_eq!(refused(place, [0, 0, 0, 0x40]), field("node of the table of factors", place));
+        assert_eq!(refused(place, [0, 0, 0, 0x80]), field("node of the table of factors", place));
+        // A larger code than any there.
+        assert_eq!(refused(place, [0xff, 3, 0, 0]), field("largest factor", nodes - 4));
+    }
+    for largest in [0.0, 7.0, 9.0, f32::NAN, f32::INFINITY] {
+        assert_eq!(refused(nodes - 4, f32::to_le_bytes(largest)), field("largest factor", nodes - 4));
+    }
+    assert_eq!(refused(table + 8, f32::NAN.to_le_bytes()), field("albedo with factors", table + 8));
+    // Colour differences: of the diffuse term of the second view, and of its third lobe.
+    let head = 48 + 4 * (3 + 4);
+    let lobe = 48 + 4 * (3 + 12) + 4 * (5 * LOBES + 1) + 4 * (3 * LOBES + 2);
+    for bad in [f32::NAN, 16.1, -16.1, f32::INFINITY] {
+        assert_eq!(refused(head + 8, bad.to_le_bytes()), field("diffuse albedo", head + 8), "{bad}");
+        assert_eq!(refused(lobe, bad.to_le_bytes()), field("amplitude", lobe), "{bad}");
+    }
+    // Cut anywhere, with the length and the checksum put right.
+    for length in 60..bytes.len() {
+        let cut = Material::from_bytes(&bytes[..length]);
+        assert!(matches!(cut, Err(FormatError::Length { .. })), "{length}");
+        assert!(Material::from_bytes(&with_checksum(bytes[..length].to_vec())).is_err(), "{length}");
+    }
+    // Version 1 has no table; of version 0 and 3 nothing is known.
+    assert_eq!(refused(8, [1, 0, 0, 0]), field("length of the provenance", 32));
+    assert_eq!(refused(8, [0; 4]), FormatError::Version(0));
+    assert_eq!(refused(8, [3, 0, 0, 0]), FormatError::Version(3));
+}
