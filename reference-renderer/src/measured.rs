@@ -9,10 +9,10 @@ use anyhow::{Context, bail};
 use glam::{DVec3, Vec3};
 use guide::{Guide, Proposal};
 use srbf_core::Sample;
-use srbf_fit::baselines::lafortune;
-use srbf_fit::table::{Brdf, Symmetry};
-use srbf_fit::read::{Content, Source};
 use srbf_fit::analytic;
+use srbf_fit::baselines::lafortune;
+use srbf_fit::read::{Content, Source};
+use srbf_fit::table::{Brdf, Symmetry};
 use std::path::Path;
 
 /// Ends of the names of tables.
@@ -42,14 +42,14 @@ impl MeasuredMaterial {
     pub fn load(name: &str) -> anyhow::Result<Self> {
         let source = match split_published(name) {
             Some((file, material)) => lafortune::read(Path::new(file), material)?,
-            None => {
-                srbf_fit::read::read(Path::new(name)).map_err(|error| match lafortune::names(Path::new(name)) {
+            None => srbf_fit::read::read(Path::new(name)).map_err(|error| {
+                match lafortune::names(Path::new(name)) {
                     Ok(names) => anyhow::anyhow!(
                         "{name}: published fits; {name}:NAME is expected, with one of {names}"
                     ),
                     Err(_) => error.into(),
-                })?
-            }
+                }
+            })?,
         };
         Self::new(source).with_context(|| format!("material {name}"))
     }
