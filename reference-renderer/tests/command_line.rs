@@ -90,8 +90,17 @@ fn a_table_is_fitted_and_the_material_inspected_and_a_cut_one_refused() {
     let output = srbf(&place, &fit);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let json = std::fs::read_to_string(place.join("diffuse.json")).unwrap();
-    assert!(json.contains("mean_relative_l2"), "{json}");
-    assert!(srbf(&place, &["inspect", "diffuse.srbf"]).status.success());
+    for key in ["mean_relative_l2", "\"summary\"", "\"verdict\"", "\"fitted views\"", "\"try\""] {
+        assert!(json.contains(key), "{key}: {json}");
+    }
+    // The verdict is what is read last.
+    let text = String::from_utf8(output.stdout).unwrap();
+    let last = text.lines().last().unwrap();
+    assert!(["good", "fair", "off ", "try "].iter().any(|label| last.starts_with(label)), "{text}");
+    assert!(text.contains("good relative L2: median") && text.contains("fitted views:"), "{text}");
+    let inspected = srbf(&place, &["inspect", "diffuse.srbf", "--lobes"]);
+    let text = String::from_utf8(inspected.stdout).unwrap();
+    assert!(inspected.status.success() && text.contains("luminance  (R-Y)/Y  (B-Y)/Y"), "{text}");
 
     let bytes = std::fs::read(place.join("diffuse.srbf")).unwrap();
     std::fs::write(place.join("cut.srbf"), &bytes[..bytes.len() / 2]).unwrap();
@@ -258,6 +267,32 @@ fn an_extreme_material_is_named() {
     std::fs::write(place.join("hot.srbf"), bytes).unwrap();
     let render = ["render", "--scene", "teapot", "--size", "16x16", "--spp", "4", "--material", "hot.srbf"];
     refused(&place, &[&render[..], &["-o", "a.exr"]].concat(), &["material hot", "matte", "finite radiance"]);
+}
+
+#[test]
+fn a_fit_is_judged_against_what_it_was_made_from() {
+    let place = folder("judge");
+    let model = "model:phong:diffuse=0.3,specular=0.3,exponent=50";
+    let few = ["--lobes", "2", "--starts", "1", "--steps", "20", "--exchanges", "0", "--views", "4"];
+    let fit = [&["fit", model, "--factors", "4x3", "-o", "phong.srbf"], &few[..]].concat();
+    let output = srbf(&place, &fit);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let fitted = String::from_utf8(output.stdout).unwrap();
+    assert!(fitted.contains("factors: 4 x 3 nodes, largest "), "{fitted}");
+    assert!(std::fs::read_to_string(place.join("phong.json")).unwrap().contains("\"factors\""));
+
+    let judge = ["judge", "phong.srbf", "--against", model, "--angles", "10,50"];
+    let output = srbf(&place, &judge);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success() && text.contains("2 held-out views:"), "{text}");
+    assert!(
+        text.lines().filter(|line| line.starts_with("  10.0 |") || line.starts_with("  50.0 |")).count() == 2
+    );
+    for line in text.lines().chain(fitted.lines()) {
+        assert!(line.chars().count() <= 115, "{line}");
+    }
+    let text = String::from_utf8(srbf(&place, &["inspect", "phong.srbf"]).stdout).unwrap();
+    assert!(text.contains("factors     4 x 3 nodes"), "{text}");
 }
 
 #[test]

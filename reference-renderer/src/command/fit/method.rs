@@ -88,6 +88,8 @@ impl SettingArgs {
 pub struct Baseline {
     /// How good it is.
     pub report: Report,
+    /// What it says of any direction.
+    pub fitted: Box<dyn Fitted>,
     /// The report, settings and lobes, as JSON.
     pub json: String,
 }
@@ -144,7 +146,7 @@ pub fn fit(
     let mut json = report.to_json_of(fitted.as_ref(), key, input)?;
     json["settings"] = settings.into();
     json[result.0] = result.1;
-    Ok(Baseline { report, json: format!("{json:#}\n") })
+    Ok(Baseline { report, fitted, json: format!("{json:#}\n") })
 }
 
 /// The views that are fitted, and those in between where there are any.
