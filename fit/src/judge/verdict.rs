@@ -154,9 +154,8 @@ const MOST_RECIPROCITY: f64 = 0.3;
 /// How much larger the error of held-out views is where more views help.
 const BETWEEN: f64 = 1.3;
 
-/// What no symmetric fit falls below at the normal is worth a word from here on, if it is so large a part of the error there.
+/// Asymmetry of the data at the normal that is worth a word: no isotropic fit has it.
 const LEAST_FLOOR: f64 = 0.02;
-const FLOOR_SHARE: f64 = 0.5;
 
 /// A size of the table of factors that most materials are well served with.
 const USUAL_FACTORS: &str = "24x10";
@@ -329,12 +328,11 @@ impl Verdict {
     fn say_floor(&mut self, report: &Report) {
         let at_normal = judged(&report.held_out).chain(judged(&report.views)).find(|v| v.floor > 0.0);
         let Some(view) = at_normal else { return };
-        if view.floor >= LEAST_FLOOR && view.floor >= FLOOR_SHARE * view.error {
+        if view.floor >= LEAST_FLOOR {
             self.fair.push(format!(
-                "{:.1} % of L2 at {:.1} degrees is asymmetry of the data, which no isotropic fit has, of {:.1} %",
-                100.0 * view.floor,
+                "asymmetric data: at {:.1} degrees {:.1} % of L2 from their mean over the azimuth, to which errors are taken",
                 view.theta.to_degrees(),
-                100.0 * view.error
+                100.0 * view.floor
             ));
         }
     }

@@ -113,9 +113,9 @@ fn print_data(report: &Report) {
     let all = || report.held_out.iter().chain(&report.views);
     if let Some(view) = all().find(|v| v.floor > LEAST_SHARE) {
         println!(
-            "floor: no isotropic fit has less than {:.2} % of L2 at {:.1} degrees",
-            100.0 * view.floor,
-            view.theta.to_degrees()
+            "floor at {:.1} degrees: the data are {:.2} % of L2 from their mean over the azimuth, to which errors are taken",
+            view.theta.to_degrees(),
+            100.0 * view.floor
         );
     }
     if let Some(view) =
