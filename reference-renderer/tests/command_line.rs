@@ -147,6 +147,8 @@ fn options_that_do_not_fit_are_refused_by_name() {
     let fits = "material,term,lobe,r,g,b\nblue,diffuse,,0.3,0.3,0.3\ngrey,diffuse,,0.1,0.1,0.1\n";
     std::fs::write(place.join("published.csv"), fits).unwrap();
     refused(&place, &["fit", "diffuse.csv", "--views", "9"], &["diffuse.csv", "--views"]);
+    refused(&place, &["fit", "diffuse.csv", "--factors", "4x3"], &["diffuse.csv", "--factors"]);
+    refused(&place, &["fit", "diffuse.csv", "--factors", "4"], &["--factors", "24x10"]);
     refused(&place, &["fit", "published.csv"], &["published.csv", "--material", "blue, grey"]);
     refused(&place, &["fit", "published.csv", "--material", "red"], &["red", "blue, grey"]);
     refused(&place, &["fit", "diffuse.csv", "--method", "thesis", "--exchanges", "3"], &["--exchanges"]);
@@ -168,7 +170,8 @@ fn options_that_do_not_fit_are_refused_by_name() {
         );
     }
     let brushed = "model:ward:alpha_x=0.1,alpha_y=0.4";
-    for (option, value) in [("--views", "9"), ("--exchanges", "3"), ("--mirrored", "1")] {
+    let isotropic = [("--views", "9"), ("--exchanges", "3"), ("--mirrored", "1"), ("--factors", "4x3")];
+    for (option, value) in isotropic {
         refused(&place, &["fit", brushed, option, value], &[option, "anisotropic"]);
     }
     for method in ["thesis", "lafortune"] {

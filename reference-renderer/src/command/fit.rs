@@ -7,7 +7,7 @@ mod picture;
 mod survey;
 
 use super::view_table;
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use method::MethodName;
 use srbf_core::Material;
@@ -180,16 +180,21 @@ pub fn run(args: Args) -> anyhow::Result<()> {
 /// Refuses options that the fit of such a content would ignore.
 fn check_options(file: &Path, content: &Content, settings: &SettingArgs) -> anyhow::Result<()> {
     match content {
-        Content::Samples(_) => ensure!(
-            settings.views.is_none(),
-            "{}: --views is for what can be evaluated anywhere; these samples have views of their own",
-            file.display()
-        ),
+        Content::Samples(_) => {
+            let given = [("--views", settings.views.is_some()), ("--factors", settings.factors.is_some())];
+            if let Some((option, _)) = given.iter().find(|option| option.1) {
+                bail!(
+                    "{}: {option} is for what can be evaluated anywhere; these samples have views of their own",
+                    file.display()
+                );
+            }
+        }
         Content::Evaluable(brdf) if brdf.symmetry() != Symmetry::Isotropic => {
             let given = [
                 ("--views", settings.views.is_some()),
                 ("--exchanges", settings.exchanges.is_some()),
                 ("--mirrored", settings.mirrored.is_some()),
+                ("--factors", settings.factors.is_some()),
             ];
             if let Some((option, _)) = given.iter().find(|option| option.1) {
                 bail!("{}: {option} is for isotropic surfaces; this one is anisotropic", file.display());

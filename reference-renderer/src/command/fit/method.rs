@@ -75,6 +75,7 @@ impl SettingArgs {
             ("--smoothness", self.smoothness.is_some()),
             ("--exchanges", self.exchanges.is_some()),
             ("--views", self.views.is_some()),
+            ("--factors", self.factors.is_some()),
             ("--error", self.error.is_some()),
         ];
         match ours.iter().chain(others).find(|o| o.1) {
