@@ -10,3 +10,4 @@ pub mod norm;
 pub mod reciprocity;
 pub mod report;
 pub mod seen;
+pub mod verdict;

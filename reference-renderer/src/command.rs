@@ -14,6 +14,7 @@ pub mod render;
 pub mod samples;
 pub mod stability;
 pub mod thesis_table;
+mod view_table;
 
 use anyhow::Context;
 use clap::{Parser, Subcommand};
@@ -35,7 +36,7 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Fit(fit::Args),
+    Fit(Box<fit::Args>),
     Presets(presets::Args),
     Inspect(inspect::Args),
     Judge(judge::Args),
@@ -54,7 +55,7 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
     choose_level()?;
     match cli.command {
         None => default_job::run(&cli.out),
-        Some(Command::Fit(args)) => fit::run(args),
+        Some(Command::Fit(args)) => fit::run(*args),
         Some(Command::Presets(args)) => presets::run(args),
         Some(Command::Inspect(args)) => inspect::run(args),
         Some(Command::Judge(args)) => judge::run(args),

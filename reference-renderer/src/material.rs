@@ -95,7 +95,7 @@ fn matte() -> Vec<u8> {
 #[cfg(test)]
 pub mod tests {
     use super::*;
-    use srbf_core::{Grid, GridView, TiltedLobe};
+    use srbf_core::{Grid, GridView, TiltedLobe, color_differences};
 
     /// A red lacquer for tests: a diffuse term, a wide lobe, and a highlight that grows and narrows towards grazing.
     pub fn lacquer() -> StoredMaterial {
@@ -104,11 +104,14 @@ pub mod tests {
                 let theta = v as f32 * 10f32.to_radians();
                 let lobe = |angle: f32, sharpness: f32, rgb: [f32; 3]| {
                     let integral = srbf_core::special::sphere_integral(sharpness);
+                    let (log2_luminance, color_differences) =
+                        color_differences(rgb.map(|c| (c / integral).log2()));
                     PlaneLobe {
                         angle,
                         off_plane: 0.0,
                         log2_sharpness: sharpness.log2(),
-                        log2_amplitude: rgb.map(|c| (c / integral).log2()),
+                        log2_luminance,
+                        color_differences,
                     }
                 };
                 let grazing = 0.04 + 0.4 * (1.0 - theta.cos()).powi(3);
@@ -119,17 +122,25 @@ pub mod tests {
                 ]
             })
             .collect();
-        let log2_diffuse = [0.05f32, 0.01, 0.01].map(f32::log2);
+        let (log2_diffuse, diffuse_color_differences) =
+            color_differences([0.05f32, 0.01, 0.01].map(f32::log2));
         let views: Vec<View<'_>> = lobes
             .iter()
             .enumerate()
             .map(|(v, lobes)| {
                 let theta = v as f32 * 10f32.to_radians();
-                View { theta, log2_squeeze: theta.cos().log2(), log2_diffuse, lobes }
+                View {
+                    theta,
+                    log2_squeeze: theta.cos().log2(),
+                    log2_diffuse,
+                    diffuse_color_differences,
+                    lobes,
+                }
             })
             .collect();
-        let mut bytes = vec![0; encoded_len(views.len(), 3, 0, "test")];
-        encode(&views, 2, 0, "test", &mut bytes).unwrap();
+        let line = Line { views: &views, squeezed: 2, mirrored: 0, factors: None };
+        let mut bytes = vec![0; line.encoded_len("test")];
+        line.encode("test", &mut bytes).unwrap();
         StoredMaterial::new("lacquer", Cow::Owned(bytes)).unwrap()
     }
 
@@ -138,11 +149,11 @@ pub mod tests {
     pub fn brushed() -> StoredMaterial {
         const AZIMUTHS: usize = 6;
         let thetas = [0.0f32, 0.5, 1.0, 1.4];
-        let lobe = |theta: f32, share: f32| TiltedLobe {
-            tilt: [theta, 0.0],
-            log2_sharpness: 4.0,
-            log2_amplitude: [share, 0.8 * share, 0.5 * share]
-                .map(|c| (c / srbf_core::special::sphere_integral(16.0)).log2()),
+        let lobe = |theta: f32, share: f32| {
+            let integral = srbf_core::special::sphere_integral(16.0);
+            let rgb = [share, 0.8 * share, 0.5 * share];
+            let (log2_luminance, color_differences) = color_differences(rgb.map(|c| (c / integral).log2()));
+            TiltedLobe { tilt: [theta, 0.0], log2_sharpness: 4.0, log2_luminance, color_differences }
         };
         let mut views = vec![([1.0, 0.0, -1.0], [lobe(0.0, 0.5)])];
         for &theta in &thetas[1..] {
@@ -154,9 +165,15 @@ pub mod tests {
         }
         let views: Vec<GridView<'_>> = views
             .iter()
-            .map(|(squeeze, lobes)| GridView { log2_squeeze: *squeeze, log2_diffuse: [-4.0; 3], lobes })
+            .map(|(squeeze, lobes)| GridView {
+                log2_squeeze: *squeeze,
+                log2_diffuse: -4.0,
+                diffuse_color_differences: [0.0; 2],
+                lobes,
+            })
             .collect();
-        let grid = Grid { thetas: &thetas, azimuths: AZIMUTHS, turns: 2, views: &views, squeezed: 1 };
+        let grid =
+            Grid { thetas: &thetas, azimuths: AZIMUTHS, turns: 2, views: &views, squeezed: 1, factors: None };
         let mut bytes = vec![0; grid.encoded_len("test")];
         grid.encode("test", &mut bytes).unwrap();
         StoredMaterial::new("brushed", Cow::Owned(bytes)).unwrap()
@@ -182,7 +199,7 @@ pub mod tests {
     #[test]
     fn products_with_the_lobe_of_the_matte_are_no_subnormals() {
         let stored = StoredMaterial::load(MATTE).unwrap();
-        let [amplitude, ..] = stored.get().view_lobe(0, 0).unwrap().log2_amplitude;
+        let amplitude = stored.get().view_lobe(0, 0).unwrap().log2_luminance;
         assert!((-62.0..-40.0).contains(&amplitude), "{amplitude}");
     }
 

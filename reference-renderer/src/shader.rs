@@ -6,7 +6,7 @@ use glam::Vec3;
 use srbf_core::{Error, MAX_LOBES, Material, Mixture, Sample};
 
 /// Storage for the mixture of any material.
-pub type AnyMixture = Mixture<MAX_LOBES>;
+pub type AnyMixture<'m> = Mixture<'m, MAX_LOBES>;
 
 /// A material that was loaded.
 pub enum LoadedMaterial {
@@ -99,11 +99,11 @@ impl<'a> Shader<'a> {
 /// How a surface scatters towards one outgoing direction. All directions are unit vectors in the shading frame.
 pub struct Scattering<'a> {
     /// Unused where a table is.
-    lobes: AnyMixture,
+    lobes: AnyMixture<'a>,
     table: Option<View<'a>>,
 }
 
-impl Scattering<'_> {
+impl<'a> Scattering<'a> {
     /// Storage for any material.
     pub fn empty() -> Self {
         Self { lobes: AnyMixture::empty(), table: None }
@@ -137,7 +137,7 @@ impl Scattering<'_> {
     }
 
     /// The lobes that were prepared last.
-    pub fn lobes(&self) -> &AnyMixture {
+    pub fn lobes(&self) -> &AnyMixture<'a> {
         &self.lobes
     }
 }

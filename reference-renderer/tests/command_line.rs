@@ -1,6 +1,6 @@
 //! The program `srbf` as a user calls it: what is wrong is named, the exit status is 2, and nothing half-written is left.
 
-use srbf_core::{PlaneLobe, View, encode, encoded_len};
+use srbf_core::{Line, PlaneLobe, View};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -90,8 +90,17 @@ fn a_table_is_fitted_and_the_material_inspected_and_a_cut_one_refused() {
     let output = srbf(&place, &fit);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let json = std::fs::read_to_string(place.join("diffuse.json")).unwrap();
-    assert!(json.contains("mean_relative_l2"), "{json}");
-    assert!(srbf(&place, &["inspect", "diffuse.srbf"]).status.success());
+    for key in ["mean_relative_l2", "\"summary\"", "\"verdict\"", "\"fitted views\"", "\"try\""] {
+        assert!(json.contains(key), "{key}: {json}");
+    }
+    // The verdict is what is read last.
+    let text = String::from_utf8(output.stdout).unwrap();
+    let last = text.lines().last().unwrap();
+    assert!(["good", "fair", "off ", "try "].iter().any(|label| last.starts_with(label)), "{text}");
+    assert!(text.contains("good relative L2: median") && text.contains("fitted views:"), "{text}");
+    let inspected = srbf(&place, &["inspect", "diffuse.srbf", "--lobes"]);
+    let text = String::from_utf8(inspected.stdout).unwrap();
+    assert!(inspected.status.success() && text.contains("luminance  (R-Y)/Y  (B-Y)/Y"), "{text}");
 
     let bytes = std::fs::read(place.join("diffuse.srbf")).unwrap();
     std::fs::write(place.join("cut.srbf"), &bytes[..bytes.len() / 2]).unwrap();
@@ -138,6 +147,8 @@ fn options_that_do_not_fit_are_refused_by_name() {
     let fits = "material,term,lobe,r,g,b\nblue,diffuse,,0.3,0.3,0.3\ngrey,diffuse,,0.1,0.1,0.1\n";
     std::fs::write(place.join("published.csv"), fits).unwrap();
     refused(&place, &["fit", "diffuse.csv", "--views", "9"], &["diffuse.csv", "--views"]);
+    refused(&place, &["fit", "diffuse.csv", "--factors", "4x3"], &["diffuse.csv", "--factors"]);
+    refused(&place, &["fit", "diffuse.csv", "--factors", "4"], &["--factors", "24x10"]);
     refused(&place, &["fit", "published.csv"], &["published.csv", "--material", "blue, grey"]);
     refused(&place, &["fit", "published.csv", "--material", "red"], &["red", "blue, grey"]);
     refused(&place, &["fit", "diffuse.csv", "--method", "thesis", "--exchanges", "3"], &["--exchanges"]);
@@ -159,7 +170,8 @@ fn options_that_do_not_fit_are_refused_by_name() {
         );
     }
     let brushed = "model:ward:alpha_x=0.1,alpha_y=0.4";
-    for (option, value) in [("--views", "9"), ("--exchanges", "3"), ("--mirrored", "1")] {
+    let isotropic = [("--views", "9"), ("--exchanges", "3"), ("--mirrored", "1"), ("--factors", "4x3")];
+    for (option, value) in isotropic {
         refused(&place, &["fit", brushed, option, value], &[option, "anisotropic"]);
     }
     for method in ["thesis", "lafortune"] {
@@ -246,13 +258,44 @@ fn a_comparison_with_a_poor_reference_says_so() {
 #[test]
 fn an_extreme_material_is_named() {
     let place = folder("extreme");
-    let lobe = PlaneLobe { angle: 0.0, off_plane: 0.0, log2_sharpness: 0.0, log2_amplitude: [60.0; 3] };
-    let view = View { theta: 0.0, log2_squeeze: 0.0, log2_diffuse: [-1.0; 3], lobes: &[lobe] };
-    let mut bytes = vec![0; encoded_len(1, 1, 0, "test")];
-    encode(&[view], 0, 0, "test", &mut bytes).unwrap();
+    let color_differences = [0.0; 2];
+    let (angle, off_plane, log2_sharpness, log2_luminance) = (0.0, 0.0, 0.0, 60.0);
+    let lobe = PlaneLobe { angle, off_plane, log2_sharpness, log2_luminance, color_differences };
+    let (theta, log2_squeeze, log2_diffuse) = (0.0, 0.0, -1.0);
+    let diffuse_color_differences = color_differences;
+    let view = View { theta, log2_squeeze, log2_diffuse, diffuse_color_differences, lobes: &[lobe] };
+    let line = Line { views: &[view], squeezed: 0, mirrored: 0, factors: None };
+    let mut bytes = vec![0; line.encoded_len("test")];
+    line.encode("test", &mut bytes).unwrap();
     std::fs::write(place.join("hot.srbf"), bytes).unwrap();
     let render = ["render", "--scene", "teapot", "--size", "16x16", "--spp", "4", "--material", "hot.srbf"];
     refused(&place, &[&render[..], &["-o", "a.exr"]].concat(), &["material hot", "matte", "finite radiance"]);
+}
+
+#[test]
+fn a_fit_is_judged_against_what_it_was_made_from() {
+    let place = folder("judge");
+    let model = "model:phong:diffuse=0.3,specular=0.3,exponent=50";
+    let few = ["--lobes", "2", "--starts", "1", "--steps", "20", "--exchanges", "0", "--views", "4"];
+    let fit = [&["fit", model, "--factors", "4x3", "-o", "phong.srbf"], &few[..]].concat();
+    let output = srbf(&place, &fit);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let fitted = String::from_utf8(output.stdout).unwrap();
+    assert!(fitted.contains("factors: 4 x 3 nodes, largest "), "{fitted}");
+    assert!(std::fs::read_to_string(place.join("phong.json")).unwrap().contains("\"factors\""));
+
+    let judge = ["judge", "phong.srbf", "--against", model, "--angles", "10,50"];
+    let output = srbf(&place, &judge);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success() && text.contains("2 held-out views:"), "{text}");
+    assert!(
+        text.lines().filter(|line| line.starts_with("  10.0 |") || line.starts_with("  50.0 |")).count() == 2
+    );
+    for line in text.lines().chain(fitted.lines()) {
+        assert!(line.chars().count() <= 115, "{line}");
+    }
+    let text = String::from_utf8(srbf(&place, &["inspect", "phong.srbf"]).stdout).unwrap();
+    assert!(text.contains("factors     4 x 3 nodes"), "{text}");
 }
 
 #[test]

@@ -10,6 +10,7 @@ use crate::judge::method::{Fitted, FittedView};
 use crate::judge::norm::{Norm, relative, squares};
 use crate::judge::reciprocity::{Reciprocity, reciprocity};
 use crate::judge::seen::{Seen, away, negatives, seen};
+use crate::judge::verdict::{Made, Summary, Verdict, steps_matter};
 use crate::table::{DARKEST, Sample, View};
 use crate::{FitError, Settings};
 use serde_json::{Value, json};
@@ -100,7 +101,7 @@ impl ViewReport {
     }
 
     /// Whether the view holds no more than what lobes cannot be darker than.
-    fn is_too_dark(&self) -> bool {
+    pub(crate) fn is_too_dark(&self) -> bool {
         !self.is_black && self.error > LARGE_ERROR && self.data_albedo.iter().all(|a| *a < DARKEST)
     }
 
@@ -260,8 +261,11 @@ impl Report {
         note(|v| v.is_too_dark(), "darker than a material can store");
         let is_off = |v: &ViewReport| !v.is_black && !v.is_too_dark() && v.error > LARGE_ERROR;
         note(is_off, "relative L2 error above 50 %");
-        if self.ending == Some(Ending::Steps) {
-            notes.push("the fit ended with its steps, not because it gained too little".into());
+        if steps_matter(self) {
+            notes.push(
+                "the fit ended with its steps, not because it gained too little: more of them may help"
+                    .into(),
+            );
         }
         notes
     }
@@ -277,7 +281,7 @@ impl Report {
         settings: &Settings,
     ) -> Result<String, FitError> {
         let lobes = TrackedLobes { bytes: material.bytes().to_vec() };
-        let mut json = self.to_json_of(&lobes, "tracked", input)?;
+        let mut json = self.json_of(&lobes, "tracked", input, Some(Made::new(material)))?;
         let more = json!({
             "provenance": material.provenance(),
             "settings": settings.to_json(),
@@ -286,6 +290,7 @@ impl Report {
             "squeezed": material.squeezed_count(),
             "mirrored": material.mirrored_count(),
             "knots": material.view_count(),
+            "factors": factors_json(material),
         });
         if let (Some(json), Value::Object(more)) = (json.as_object_mut(), more) {
             json.extend(more);
@@ -298,9 +303,20 @@ impl Report {
     /// # Errors
     /// As [`Fitted::view`].
     pub fn to_json_of(&self, fitted: &dyn Fitted, method: &str, input: &Input) -> Result<Value, FitError> {
+        self.json_of(fitted, method, input, None)
+    }
+
+    fn json_of(
+        &self,
+        fitted: &dyn Fitted,
+        method: &str,
+        input: &Input,
+        made: Option<Made>,
+    ) -> Result<Value, FitError> {
         let views = |views: &[ViewReport]| views.iter().map(ViewReport::to_json).collect::<Vec<_>>();
         let held_out = (!self.held_out.is_empty()).then(|| mean_error(&self.held_out));
-        let Reciprocity { median, worst, pairs } = reciprocity(fitted)?;
+        let found = reciprocity(fitted)?;
+        let Reciprocity { median, worst, pairs } = found;
         Ok(json!({
             "method": method,
             "version": env!("CARGO_PKG_VERSION"),
@@ -312,6 +328,8 @@ impl Report {
                 Ending::Steps => "steps",
             }),
             "notes": self.notes(),
+            "summary": Summary::new(self).to_json(),
+            "verdict": Verdict::new(self, &found, made).to_json(),
             "mean_relative_l2": self.mean_error(),
             "mean_relative_l2_held_out": held_out,
             "cross_validation": self.cross_validation.as_ref().map(CrossValidation::to_json),
@@ -320,6 +338,21 @@ impl Report {
             "held_out": views(&self.held_out),
         }))
     }
+}
+
+/// The table of factors of a material; null if it has none.
+fn factors_json(material: &Material<'_>) -> Value {
+    material.factor_nodes().map_or(Value::Null, |nodes| {
+        json!({"nodes": nodes, "largest": material.largest_factor(), "bytes": factor_bytes(material)})
+    })
+}
+
+/// Bytes that a material has for its table of factors, the albedos of the views with them included; 0 if it has none.
+pub fn factor_bytes(material: &Material<'_>) -> usize {
+    // The albedos, the largest factor, and the nodes.
+    material
+        .factor_nodes()
+        .map_or(0, |[half, difference]| 12 * material.view_count() + 4 + 4 * half * difference)
 }
 
 /// What a fit was made from.

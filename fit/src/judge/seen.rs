@@ -48,7 +48,8 @@ pub(crate) fn weight(mean: f64, level: f64, cos: f64) -> f64 {
 /// Factor by which a squared difference of values counts so that it is that of the logarithms; both not negative.
 pub(crate) fn secant(value: f64, data: f64, floor: f64) -> f64 {
     let ratio = (value + floor) / (data + floor);
-    if !((ratio - 1.0).abs() > 1e-4) {
+    let apart = (ratio - 1.0).abs();
+    if apart.is_nan() || apart <= 1e-4 {
         return 1.0;
     }
     let slope = libm::log(ratio.max(1e-300)) / (ratio - 1.0);
@@ -113,7 +114,7 @@ pub(crate) fn seen(fitted: &dyn FittedView, view: &View) -> Seen {
     Seen { peak, off_peak, luminance: median(luminances), chroma: median(chromas) }
 }
 
-/// Share of the squared norm of `f cos` in negative channels, and share of the weight of samples that have one.
+/// Share of the weight of samples that have a negative channel, and relative L2 norm of `f cos` in those channels.
 pub(crate) fn negatives(samples: &[Sample]) -> (f64, f64) {
     let (mut below, mut square, mut count, mut all) = (0.0, 0.0, 0.0, 0.0);
     for s in samples {

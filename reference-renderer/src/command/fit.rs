@@ -6,13 +6,15 @@ mod names;
 mod picture;
 mod survey;
 
-use anyhow::{Context, bail, ensure};
+use super::view_table;
+use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use method::MethodName;
 use srbf_core::Material;
 use srbf_fit::judge::cross::CrossValidation;
+use srbf_fit::judge::method::Fitted;
 use srbf_fit::judge::reciprocity::reciprocity;
-use srbf_fit::judge::report::{Input, Report, ViewReport, mean_error};
+use srbf_fit::judge::report::{Input, Report, mean_error};
 use srbf_fit::read::{Content, Source};
 use srbf_fit::table::Symmetry;
 use srbf_fit::{FactorNodes, Fit, Settings, TrackedLobes};
@@ -148,8 +150,8 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         let left_out = left_out(args.cross_validate, &file, &source.content, args.method, &args.settings)?;
         let fit = method::fit(&source, &input, args.method, &args.settings, left_out)?;
         srbf_fit::write_atomically(&path, fit.json.as_bytes())?;
-        print_report(&fit.report);
         println!("{} in {:.2} s", path.display(), fit.report.seconds);
+        print_report(&fit.report, fit.fitted.as_ref(), None)?;
         return Ok(());
     }
     let output = names::material(args.output, &name)?;
@@ -161,31 +163,38 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let mut fit = fit_source(&source, settings.clone(), "")?;
     fit.report.cross_validation = left_out;
     srbf_fit::write_atomically(&output, &fit.bytes)?;
-    let json = fit.report.to_json(&Material::from_bytes(&fit.bytes)?, &input, &settings)?;
+    let material = Material::from_bytes(&fit.bytes)?;
+    let json = fit.report.to_json(&material, &input, &settings)?;
     srbf_fit::write_atomically(&names::report(&output), json.as_bytes())?;
-    print_report(&fit.report);
-    let found = reciprocity(&TrackedLobes { bytes: fit.bytes.clone() })?;
     println!(
-        "reciprocity error |ln f(a, b) / f(b, a)|: median {:.3}, worst {:.3}, {} pairs; {} evaluations",
-        found.median, found.worst, found.pairs, fit.report.evaluations
+        "{}: {} bytes in {:.2} s, {} evaluations",
+        output.display(),
+        fit.bytes.len(),
+        fit.report.seconds,
+        fit.report.evaluations
     );
-    println!("{}: {} bytes in {:.2} s", output.display(), fit.bytes.len(), fit.report.seconds);
+    print_report(&fit.report, &TrackedLobes { bytes: fit.bytes.clone() }, Some(&material))?;
     picture.map_or(Ok(()), |picture| picture.write(&output, fit.bytes, source))
 }
 
 /// Refuses options that the fit of such a content would ignore.
 fn check_options(file: &Path, content: &Content, settings: &SettingArgs) -> anyhow::Result<()> {
     match content {
-        Content::Samples(_) => ensure!(
-            settings.views.is_none(),
-            "{}: --views is for what can be evaluated anywhere; these samples have views of their own",
-            file.display()
-        ),
+        Content::Samples(_) => {
+            let given = [("--views", settings.views.is_some()), ("--factors", settings.factors.is_some())];
+            if let Some((option, _)) = given.iter().find(|option| option.1) {
+                bail!(
+                    "{}: {option} is for what can be evaluated anywhere; these samples have views of their own",
+                    file.display()
+                );
+            }
+        }
         Content::Evaluable(brdf) if brdf.symmetry() != Symmetry::Isotropic => {
             let given = [
                 ("--views", settings.views.is_some()),
                 ("--exchanges", settings.exchanges.is_some()),
                 ("--mirrored", settings.mirrored.is_some()),
+                ("--factors", settings.factors.is_some()),
             ];
             if let Some((option, _)) = given.iter().find(|option| option.1) {
                 bail!("{}: {option} is for isotropic surfaces; this one is anisotropic", file.display());
@@ -233,41 +242,22 @@ fn fit_source(read: &Source, mut settings: Settings, source: &str) -> anyhow::Re
     Ok(fit?)
 }
 
-/// Prints a report, a line a view.
-pub fn print_report(report: &Report) {
-    let isotropic = report.views.iter().all(|v| v.azimuth == 0.0);
-    let azimuth = if isotropic { "" } else { "azimuth | " };
-    println!("view deg | {azimuth}relative L2 % | variance | largest weight | albedo r g b, fit (data)");
-    // A method that does not sample has no variance, and no weight; what is black has no relative error.
-    let number = |v: f64, width: usize, digits: usize| {
-        if v.is_nan() { format!("{:>width$}", "-") } else { format!("{v:width$.digits$}") }
-    };
-    let print = |v: &ViewReport| {
-        let albedo = [0, 1, 2].map(|c| format!("{:.3} ({:.3})", v.albedo[c], v.data_albedo[c]));
-        let azimuth = match isotropic {
-            true => String::new(),
-            false => format!("{:7.1} | ", v.azimuth.to_degrees()),
-        };
-        println!(
-            "{:8.1} | {azimuth}{} | {} | {} | {}",
-            v.theta.to_degrees(),
-            number(if v.is_black { f64::NAN } else { 100.0 * v.error }, 13, 2),
-            number(v.variance, 8, 3),
-            number(v.largest_weight, 14, 2),
-            albedo.join("  ")
-        );
-    };
-    report.views.iter().for_each(print);
+/// Prints a report, a line a view, with the verdict last; `material`: the material, if the method makes one.
+fn print_report(report: &Report, fitted: &dyn Fitted, material: Option<&Material<'_>>) -> anyhow::Result<()> {
+    let isotropic = view_table::is_isotropic(report);
+    println!("{}", view_table::LEGEND);
+    view_table::print_views(&report.views, isotropic);
+    println!("mean relative L2 {:.2} %", 100.0 * report.mean_error());
     if !report.held_out.is_empty() {
         println!("held out, between the knots:");
-        report.held_out.iter().for_each(print);
+        view_table::print_views(&report.held_out, isotropic);
         println!("mean relative L2 held out {:.2} %", 100.0 * mean_error(&report.held_out));
     }
     if let Some(found) = &report.cross_validation {
         print_left_out(found);
     }
-    println!("mean relative L2 {:.2} %", 100.0 * report.mean_error());
-    report.notes().iter().for_each(|note| println!("note: {note}"));
+    view_table::print_verdict(report, &reciprocity(fitted)?, material);
+    Ok(())
 }
 
 fn print_left_out(found: &CrossValidation) {

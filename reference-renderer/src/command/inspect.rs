@@ -3,7 +3,8 @@
 use crate::material::StoredMaterial;
 use crate::shader::AnyMixture;
 use glam::Vec3;
-use srbf_core::MAX_LOBES;
+use srbf_core::{MAX_LOBES, Material};
+use srbf_fit::judge::report::factor_bytes;
 
 /// Prints what a .srbf material holds.
 ///
@@ -15,7 +16,7 @@ pub struct Args {
     /// A .srbf file or the name of a preset
     #[arg(value_name = "FILE|PRESET")]
     material: String,
-    /// Also print every lobe of every view
+    /// Also print every lobe of every view, its colour as luminance and relative colour differences
     #[arg(long)]
     lobes: bool,
 }
@@ -33,6 +34,13 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         material.squeezed_count(),
         2 * material.mirrored_count()
     );
+    if let Some([half, difference]) = material.factor_nodes() {
+        println!(
+            "factors     {half} x {difference} nodes over half and difference angle, largest {:.3}, {} bytes",
+            material.largest_factor(),
+            factor_bytes(&material)
+        );
+    }
     println!("provenance  {}", material.provenance());
     println!();
     let isotropic = material.is_isotropic();
@@ -75,48 +83,37 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         );
     }
     if args.lobes {
-        println!();
-        let degrees = " along  across";
-        println!("  view  lobe  {degrees}    sharpness    amplitude red  green        blue         kind");
-        for view in 0..material.view_count() {
-            for k in 0..material.view_lobe_count() {
-                let (degrees, log2_sharpness, log2_luminance, [rho, beta]) =
-                    match (material.view_lobe(view, k), material.view_tilted_lobe(view, k)) {
-                        (Some(l), _) => {
-                            let (along, across) = (l.angle.to_degrees(), l.off_plane.to_degrees());
-                            (
-                                format!("{along:>7.2} {across:>7.2}"),
-                                l.log2_sharpness,
-                                l.log2_luminance,
-                                l.color_differences,
-                            )
-                        }
-                        (_, Some(l)) => {
-                            let [along, across] = l.tilt.map(f32::to_degrees);
-                            (
-                                format!("{along:>7.2} {across:>7.2}"),
-                                l.log2_sharpness,
-                                l.log2_luminance,
-                                l.color_differences,
-                            )
-                        }
-                        (None, None) => continue,
-                    };
-                let luminance = log2_luminance.exp2();
-                let [red, blue] = [rho, beta].map(|difference| luminance * (1.0 + difference));
-                let [of_red, of_green, of_blue] = srbf_core::LUMINANCE;
-                let green = (luminance - of_red * red - of_blue * blue) / of_green;
-                let kind = match k {
-                    _ if k < material.squeezed_count() => "squeezed",
-                    _ if k + material.mirrored_count() >= material.view_lobe_count() => "round, mirrored",
-                    _ => "round",
-                };
-                println!(
-                    "  {view:>4}  {k:>4}  {degrees}  {:>11.4e}  {red:>11.4e}  {green:>11.4e}  {blue:>11.4e}  {kind}",
-                    log2_sharpness.exp2()
-                );
-            }
-        }
+        print_lobes(&material);
     }
     Ok(())
+}
+
+/// Prints every lobe of every view, its colour as it is stored: luminance, and red and blue less that, relative to it.
+fn print_lobes(material: &Material<'_>) {
+    println!();
+    println!("  view  lobe   along  across    sharpness    luminance  (R-Y)/Y  (B-Y)/Y  kind");
+    for view in 0..material.view_count() {
+        for k in 0..material.view_lobe_count() {
+            let plane = material
+                .view_lobe(view, k)
+                .map(|l| ([l.angle, l.off_plane], l.log2_sharpness, l.log2_luminance, l.color_differences));
+            let tilted = material
+                .view_tilted_lobe(view, k)
+                .map(|l| (l.tilt, l.log2_sharpness, l.log2_luminance, l.color_differences));
+            let Some((axis, log2_sharpness, log2_luminance, [red, blue])) = plane.or(tilted) else {
+                continue;
+            };
+            let [along, across] = axis.map(f32::to_degrees);
+            let kind = match k {
+                _ if k < material.squeezed_count() => "squeezed",
+                _ if k + material.mirrored_count() >= material.view_lobe_count() => "round, mirrored",
+                _ => "round",
+            };
+            println!(
+                "  {view:>4}  {k:>4} {along:>7.2} {across:>7.2}  {:>11.4e}  {:>11.4e}  {red:>7.3}  {blue:>7.3}  {kind}",
+                log2_sharpness.exp2(),
+                log2_luminance.exp2()
+            );
+        }
+    }
 }

@@ -1,9 +1,11 @@
 //! `srbf judge`: a fitted material beside the table that it stands for.
 
+use super::view_table;
 use anyhow::{Context, bail};
 use srbf_core::Material;
 use srbf_fit::TrackedLobes;
-use srbf_fit::judge::report::ViewReport;
+use srbf_fit::judge::reciprocity::reciprocity;
+use srbf_fit::judge::report::{Report, ViewReport};
 use srbf_fit::read::{Content, read};
 use srbf_fit::table::evaluation_views;
 use std::path::PathBuf;
@@ -11,7 +13,7 @@ use std::path::PathBuf;
 /// Most bytes of a material that is read.
 const MAX_FILE: u64 = 1 << 26;
 
-/// Prints how far a fitted material is from a table, at the peak and away from it, at fixed outgoing directions.
+/// Prints how far a fitted material is from a table, at the peak and away from it, at fixed outgoing directions, and a verdict.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// The fitted material, `.srbf`
@@ -39,24 +41,12 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let thetas: Vec<f64> = args.angles.iter().map(|a| a.to_radians()).collect();
     let table = evaluation_views::judging_table(brdf.as_ref(), &thetas)?;
     let lobes = TrackedLobes { bytes };
-    println!(
-        "view deg | L2 % | peak L2 % | off-peak L2 % | luminance % | chroma | variance | weight | albedo r g b, fit (data)"
-    );
-    for view in &table.views {
-        let v = ViewReport::judge(&lobes, view)?;
-        let albedo = [0, 1, 2].map(|c| format!("{:.3} ({:.3})", v.albedo[c], v.data_albedo[c]));
-        println!(
-            "{:8.1} | {:4.1} | {:9.1} | {:13.1} | {:11.1} | {:6.3} | {:8.3} | {:6.2} | {}",
-            v.theta.to_degrees(),
-            100.0 * v.error,
-            100.0 * v.seen.peak,
-            100.0 * v.seen.off_peak,
-            100.0 * v.seen.luminance,
-            v.seen.chroma,
-            v.variance,
-            v.largest_weight,
-            albedo.join("  ")
-        );
-    }
+    let judged = table.views.iter().map(|view| ViewReport::judge(&lobes, view));
+    // None of them need be a view of the material.
+    let report = Report { held_out: judged.collect::<Result<_, _>>()?, ..Report::default() };
+    println!("{}", view_table::LEGEND);
+    view_table::print_views(&report.held_out, true);
+    let material = Material::from_bytes(&lobes.bytes)?;
+    view_table::print_verdict(&report, &reciprocity(&lobes)?, Some(&material));
     Ok(())
 }

@@ -75,6 +75,7 @@ impl SettingArgs {
             ("--smoothness", self.smoothness.is_some()),
             ("--exchanges", self.exchanges.is_some()),
             ("--views", self.views.is_some()),
+            ("--factors", self.factors.is_some()),
             ("--error", self.error.is_some()),
         ];
         match ours.iter().chain(others).find(|o| o.1) {
@@ -88,6 +89,8 @@ impl SettingArgs {
 pub struct Baseline {
     /// How good it is.
     pub report: Report,
+    /// What it says of any direction.
+    pub fitted: Box<dyn Fitted>,
     /// The report, settings and lobes, as JSON.
     pub json: String,
 }
@@ -144,7 +147,7 @@ pub fn fit(
     let mut json = report.to_json_of(fitted.as_ref(), key, input)?;
     json["settings"] = settings.into();
     json[result.0] = result.1;
-    Ok(Baseline { report, json: format!("{json:#}\n") })
+    Ok(Baseline { report, fitted, json: format!("{json:#}\n") })
 }
 
 /// The views that are fitted, and those in between where there are any.

@@ -20,8 +20,8 @@ pub fn stem(file: &Path, material: Option<&str>) -> anyhow::Result<OsString> {
     })
 }
 
-/// The same with `-` for what a file name should not have.
-fn as_file_name(text: &str) -> String {
+/// A text with `-` for what a file name should not have.
+pub fn as_file_name(text: &str) -> String {
     let plain = |c: char| if c.is_alphanumeric() || "-_.,=".contains(c) { c } else { '-' };
     text.chars().map(plain).collect()
 }

@@ -6,17 +6,18 @@
 mod goals;
 mod row;
 
-use super::SettingArgs;
+use super::{SettingArgs, names};
 use crate::command::argument;
 use crate::output;
 use anyhow::{Context, ensure};
 use row::Row;
+use srbf_core::Material;
 use srbf_fit::baselines::blend::{BlendedKnots, Neighbours};
 use srbf_fit::baselines::thesis;
 use srbf_fit::judge::method::Fitted;
 use srbf_fit::judge::mirror_asymmetry::handedness;
 use srbf_fit::judge::reciprocity::reciprocity;
-use srbf_fit::judge::report::{ViewReport, mean_error};
+use srbf_fit::judge::report::{ViewReport, factor_bytes, mean_error};
 use srbf_fit::read::{Content, neural, read};
 use srbf_fit::table::Brdf;
 use srbf_fit::table::Table;
@@ -41,6 +42,9 @@ pub struct Args {
     /// Of the survey: the table to write; by default out/survey-LOBES-lobes-VIEWS-views.csv.
     #[arg(long, value_name = "FILE", requires = "survey", conflicts_with = "file")]
     csv: Option<PathBuf>,
+    /// Of the survey: a folder into which every fitted material is written, as NAME.srbf.
+    #[arg(long, value_name = "DIR", requires = "survey", conflicts_with = "file")]
+    materials: Option<PathBuf>,
 }
 
 impl Args {
@@ -64,6 +68,10 @@ pub fn run(args: &SettingArgs, survey: &Args) -> anyhow::Result<()> {
     let default = || format!("out/survey-{}-lobes-{}-views.csv", settings.lobes, settings.view_count());
     let path = survey.csv.clone().unwrap_or_else(|| default().into());
     output::check_place(&path)?;
+    let material_path = |folder: &PathBuf, name: &str| folder.join(names::as_file_name(name) + ".srbf");
+    if let Some(folder) = &survey.materials {
+        output::check_place(&material_path(folder, "material"))?;
+    }
     let thetas = evaluation_views::even_views(settings.view_count());
     let thesis = thesis::Settings { lobes: settings.lobes, ..thesis::Settings::default() };
     let thesis = (!survey.no_thesis).then_some(thesis);
@@ -80,8 +88,11 @@ pub fn run(args: &SettingArgs, survey: &Args) -> anyhow::Result<()> {
     println!("{}", Row::header());
     let mut rows: Vec<Row> = Vec::new();
     for (name, content) in chosen.into_iter().step_by(survey.survey.unwrap_or(1) as usize) {
-        let row = examine(&name, &content?, &thetas, &settings, thesis.as_ref())
+        let (row, bytes) = examine(&name, &content?, &thetas, &settings, thesis.as_ref())
             .with_context(|| format!("material {name}"))?;
+        if let Some(folder) = &survey.materials {
+            output::write(&material_path(folder, &name), &bytes)?;
+        }
         println!("{}", row.line());
         csv += &(row.csv() + "\n");
         // After every row, so that a run that is stopped has said what it knows.
@@ -96,14 +107,14 @@ pub fn run(args: &SettingArgs, survey: &Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Fits one material, and judges the fit.
+/// Fits one material, and judges the fit. Returns the bytes of the material too.
 fn examine(
     name: &str,
     content: &Content,
     thetas: &[f64],
     settings: &Settings,
     thesis: Option<&thesis::Settings>,
-) -> anyhow::Result<Row> {
+) -> anyhow::Result<(Row, Vec<u8>)> {
     let Content::Evaluable(brdf) = content else {
         anyhow::bail!("scattered samples have no views in between")
     };
@@ -122,6 +133,8 @@ fn examine(
     let fold = |list: Vec<f64>| list.into_iter().fold(0.0, f64::max);
     let seen = judge(&lobes, &evaluation_views::judging_table(brdf, &evaluation_views::seen_views())?)?;
     let mean = |f: fn(&ViewReport) -> f64| seen.iter().map(f).sum::<f64>() / seen.len() as f64;
+    let material = Material::from_bytes(&lobes.bytes)?;
+    let anywhere = between.iter().chain(&fit.report.views).map(|v| v.largest_weight);
     let mut row = Row {
         name: name.to_owned(),
         peak: 100.0 * mean(|v| v.seen.peak),
@@ -138,7 +151,10 @@ fn examine(
         energy: 100.0 * fold(list(ViewReport::energy_error)),
         reciprocity: reciprocity(&lobes)?.median,
         handedness: 100.0 * handedness(brdf, &halfway),
+        weight_anywhere: anywhere.fold(0.0, f64::max),
         bytes: lobes.bytes.len() as f64,
+        factor_bytes: factor_bytes(&material) as f64,
+        largest_factor: material.largest_factor().into(),
         seconds: fit.report.seconds,
         ..Row::default()
     };
@@ -156,7 +172,7 @@ fn examine(
         let low = between.iter().filter(|v| v.theta.to_degrees() <= JUDGED);
         row.thesis_variance = row::quantile(low.map(|v| v.variance).collect(), 0.5);
     }
-    Ok(row)
+    Ok((row, lobes.bytes))
 }
 
 fn judge(fit: &dyn Fitted, table: &Table) -> anyhow::Result<Vec<ViewReport>> {

@@ -29,6 +29,8 @@ pub struct Row {
     pub thesis_variance: f64,
     /// Largest `f cos / pdf` over its mean, halfway.
     pub weight: f64,
+    /// The same over all views, halfway and fitted, whatever their angle.
+    pub weight_anywhere: f64,
     /// Largest error of an albedo halfway, percent.
     pub energy: f64,
     /// Median of `|ln f(a, b) / f(b, a)|`.
@@ -36,6 +38,9 @@ pub struct Row {
     /// Part of the data halfway that differs from their mirror image, percent: fits and errors are of one side.
     pub handedness: f64,
     pub bytes: f64,
+    /// Of those, the bytes of the table of factors, 0 if there is none; and its largest factor, 1 if there is none.
+    pub factor_bytes: f64,
+    pub largest_factor: f64,
     pub seconds: f64,
     pub thesis_seconds: f64,
 }
@@ -45,12 +50,13 @@ pub const LEGEND: &str = "fit, halfway: relative L2 of f cos in %, mean over the
     peak, off peak: within 15 degrees of the mirror direction and beyond, lumin., chroma: median errors beyond, at 5, 30, 60 and 75 degrees; \
     blend: halfway, our lobes at the views blended by eq. 9 over the 3 or 4 nearest views, and over 2; thesis: the same of \
     its own lobes, halfway between even views; ours there: our fit at those; var: relative variance of f cos / pdf, \
-    views to 80 degrees; handed: how far the data, halfway, differ from their mirror image, %: fits and errors are of one side; with 6 to 11 lobes, or lobes in pairs, ours has more views in the same bytes";
+    and weight: largest over mean, views to 80 degrees; anywhere: at any view; factors: bytes of their table, largest: of them; \
+    handed: how far the data, halfway, differ from their mirror image, %: fits and errors are of one side; with 6 to 11 lobes, or lobes in pairs, ours has more views in the same bytes";
 
 /// Name in CSV, heading, digits after the point, and number.
 type Column = (&'static str, &'static str, usize, fn(&Row) -> f64);
 
-const COLUMNS: [Column; 23] = [
+const COLUMNS: [Column; 26] = [
     ("fit_percent", "fit", 2, |r| r.fit),
     ("halfway_percent", "halfway", 2, |r| r.halfway),
     ("peak_percent", "peak", 2, |r| r.peak),
@@ -68,10 +74,13 @@ const COLUMNS: [Column; 23] = [
     ("variance_worst", "worst var", 3, |r| r.variance_worst),
     ("thesis_variance_median", "its var", 3, |r| r.thesis_variance),
     ("largest_weight", "weight", 2, |r| r.weight),
+    ("largest_weight_anywhere", "anywhere", 2, |r| r.weight_anywhere),
     ("energy_error_percent", "energy %", 2, |r| r.energy),
     ("reciprocity_median", "recip.", 3, |r| r.reciprocity),
     ("handedness_percent", "handed", 2, |r| r.handedness),
     ("bytes", "bytes", 0, |r| r.bytes),
+    ("factor_bytes", "factors", 0, |r| r.factor_bytes),
+    ("largest_factor", "largest", 2, |r| r.largest_factor),
     ("seconds", "s", 1, |r| r.seconds),
     ("thesis_seconds", "its s", 1, |r| r.thesis_seconds),
 ];
@@ -97,10 +106,13 @@ impl Default for Row {
             variance_worst: nan,
             thesis_variance: nan,
             weight: nan,
+            weight_anywhere: nan,
             energy: nan,
             reciprocity: nan,
             handedness: nan,
             bytes: nan,
+            factor_bytes: nan,
+            largest_factor: nan,
             seconds: nan,
             thesis_seconds: nan,
         }
@@ -164,7 +176,7 @@ mod tests {
     fn rows_have_as_many_fields_as_headings_and_no_number_is_dropped() {
         let row = Row { name: "a".into(), fit: 2.0, halfway: 3.0, ..Row::default() };
         assert_eq!(row.csv().split(',').count(), Row::csv_header().split(',').count());
-        assert!(row.csv().starts_with("a,2.000000,3.000000,1.500000,,"), "{}", row.csv());
+        assert!(row.csv().starts_with("a,2.000000,3.000000,,,,,1.500000,,"), "{}", row.csv());
         assert_eq!(row.line().chars().count(), Row::header().chars().count());
     }
 

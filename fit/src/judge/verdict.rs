@@ -1,0 +1,420 @@
+//! A fit in a few numbers, and in words: what is good, what is off, and what to try.
+//!
+//! The numbers are of the held-out views, if there are any: what a fit says where it was not made. The words are of all views: a
+//! weight that is large at a view that was fitted is as bright a dot in a picture.
+
+use crate::judge::reciprocity::Reciprocity;
+use crate::judge::report::{Ending, Report, ViewReport};
+use serde_json::{Value, json};
+use srbf_core::{MAX_LOBES, Material};
+
+/// A number over several views.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// Its median.
+    pub median: f64,
+    /// The largest.
+    pub worst: f64,
+    /// Angle of the outgoing direction of the largest, radians.
+    pub worst_at: f64,
+}
+
+impl Spread {
+    /// Of the views that have such a number; `None` if there is none. The lower of two numbers in the middle is the median.
+    fn of<'v>(views: impl Iterator<Item = &'v ViewReport>, number: fn(&ViewReport) -> f64) -> Option<Self> {
+        let mut all: Vec<(f64, f64)> =
+            views.map(|v| (number(v), v.theta)).filter(|(number, _)| !number.is_nan()).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let &(worst, worst_at) = all.last()?;
+        Some(Self { median: all[(all.len() - 1) / 2].0, worst, worst_at })
+    }
+
+    fn to_json(self) -> Value {
+        // JSON has no word for an infinite number.
+        let number = |v: f64| if v.is_infinite() { json!("inf") } else { json!(v) };
+        json!({
+            "median": number(self.median),
+            "worst": number(self.worst),
+            "worst_at_degrees": self.worst_at.to_degrees(),
+        })
+    }
+}
+
+/// How a number is written.
+#[derive(Clone, Copy)]
+enum Unit {
+    Percent,
+    Plain(usize),
+}
+
+impl Unit {
+    fn text(self, value: f64) -> String {
+        match self {
+            Self::Percent => format!("{:.1} %", 100.0 * value),
+            Self::Plain(digits) => format!("{value:.digits$}"),
+        }
+    }
+}
+
+/// What is said of every view.
+struct Measure {
+    name: &'static str,
+    /// Its name in JSON.
+    key: &'static str,
+    unit: Unit,
+    number: fn(&ViewReport) -> f64,
+    /// Most that the median of a good fit is.
+    good: f64,
+    /// Most that any view of a good fit has.
+    most: f64,
+}
+
+/// Largest variance and largest weight over the mean that are no trouble in a picture.
+const MOST_VARIANCE: f64 = 0.25;
+const MOST_WEIGHT: f64 = 18.0;
+
+const L2: Measure = Measure {
+    name: "relative L2",
+    key: "relative_l2",
+    unit: Unit::Percent,
+    number: |v| v.error,
+    good: 0.052,
+    most: 0.2,
+};
+const OFF_PEAK: Measure = Measure {
+    name: "L2 off the peak",
+    key: "relative_l2_off_peak",
+    unit: Unit::Percent,
+    number: |v| v.seen.off_peak,
+    good: 0.1,
+    most: 0.2,
+};
+const LUMINANCE: Measure = Measure {
+    name: "luminance off the peak",
+    key: "luminance_error_off_peak",
+    unit: Unit::Percent,
+    number: |v| v.seen.luminance,
+    good: 0.06,
+    most: 0.15,
+};
+const CHROMA: Measure = Measure {
+    name: "colour off the peak",
+    key: "chroma_error_off_peak",
+    unit: Unit::Plain(3),
+    number: |v| v.seen.chroma,
+    good: 0.03,
+    most: 0.1,
+};
+const VARIANCE: Measure = Measure {
+    name: "variance of f cos / pdf",
+    key: "relative_variance",
+    unit: Unit::Plain(3),
+    number: |v| v.variance,
+    good: MOST_VARIANCE,
+    most: MOST_VARIANCE,
+};
+const WEIGHT: Measure = Measure {
+    name: "largest weight over the mean",
+    key: "largest_weight_over_mean",
+    unit: Unit::Plain(1),
+    number: |v| v.largest_weight,
+    good: MOST_WEIGHT,
+    most: MOST_WEIGHT,
+};
+const ENERGY: Measure = Measure {
+    name: "energy",
+    key: "energy_error",
+    unit: Unit::Percent,
+    // Lobes were not asked for what no surface reflects.
+    number: |v| if v.is_albedo_cut { f64::NAN } else { v.energy_error() },
+    good: 0.01,
+    most: 0.01,
+};
+
+/// What words are about.
+const MEASURES: [&Measure; 7] = [&L2, &OFF_PEAK, &LUMINANCE, &CHROMA, &VARIANCE, &WEIGHT, &ENERGY];
+
+/// Error at the peak, which is a number of the summary alone.
+const PEAK: Measure = Measure {
+    name: "L2 at the peak",
+    key: "relative_l2_peak",
+    number: |v| v.seen.peak,
+    good: 0.1,
+    most: f64::INFINITY,
+    ..L2
+};
+
+/// Median of what the fit makes small above which it matters that its steps were at an end.
+const MOST_MEASURE: f64 = 0.05;
+
+/// Reciprocity error of a good fit in the median, and of one that is off.
+const GOOD_RECIPROCITY: f64 = 0.1;
+const MOST_RECIPROCITY: f64 = 0.3;
+
+/// How much larger the error of held-out views is where more views help.
+const BETWEEN: f64 = 1.3;
+
+/// Asymmetry of the data at the normal that is worth a word: no isotropic fit has it.
+const LEAST_FLOOR: f64 = 0.02;
+
+/// A size of the table of factors that most materials are well served with.
+const USUAL_FACTORS: &str = "24x10";
+
+/// A fit in a few numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// Whether they are of held-out views.
+    pub is_of_held_out: bool,
+    /// Views that they are of.
+    pub views: usize,
+    /// Relative L2 error of `f cos`. Here and below: `None` where no view has such a number.
+    pub error: Option<Spread>,
+    /// The same within 15 degrees of the mirror direction.
+    pub peak: Option<Spread>,
+    /// The same beyond.
+    pub off_peak: Option<Spread>,
+    /// Median relative error of the luminance there.
+    pub luminance: Option<Spread>,
+    /// Median distance of the colours there.
+    pub chroma: Option<Spread>,
+    /// Relative variance of `f cos / pdf`.
+    pub variance: Option<Spread>,
+    /// Largest `f cos / pdf` over the mean.
+    pub weight: Option<Spread>,
+    /// Largest relative error of an albedo.
+    pub energy: Option<Spread>,
+}
+
+/// The views that are judged: those that lobes can be compared with.
+fn judged(views: &[ViewReport]) -> impl Iterator<Item = &ViewReport> {
+    views.iter().filter(|v| !v.is_black && !v.is_too_dark())
+}
+
+impl Summary {
+    /// Sums a report up.
+    pub fn new(report: &Report) -> Self {
+        let is_of_held_out = !report.held_out.is_empty();
+        let views = if is_of_held_out { &report.held_out } else { &report.views };
+        let spread = |measure: &Measure| Spread::of(judged(views), measure.number);
+        Self {
+            is_of_held_out,
+            views: judged(views).count(),
+            error: spread(&L2),
+            peak: spread(&PEAK),
+            off_peak: spread(&OFF_PEAK),
+            luminance: spread(&LUMINANCE),
+            chroma: spread(&CHROMA),
+            variance: spread(&VARIANCE),
+            weight: spread(&WEIGHT),
+            energy: spread(&ENERGY),
+        }
+    }
+
+    pub(crate) fn to_json(&self) -> Value {
+        let mut json = json!({
+            "of": if self.is_of_held_out { "held-out views" } else { "fitted views" },
+            "views": self.views,
+        });
+        let spreads = [
+            (&L2, self.error),
+            (&PEAK, self.peak),
+            (&OFF_PEAK, self.off_peak),
+            (&LUMINANCE, self.luminance),
+            (&CHROMA, self.chroma),
+            (&VARIANCE, self.variance),
+            (&WEIGHT, self.weight),
+            (&ENERGY, self.energy),
+        ];
+        for (measure, spread) in spreads {
+            json[measure.key] = spread.map(Spread::to_json).into();
+        }
+        json
+    }
+}
+
+/// What a material was made of: what can be more of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Made {
+    /// Lobes of a view.
+    pub lobes: usize,
+    /// Views.
+    pub views: usize,
+    /// Whether there is a table of factors.
+    pub has_factors: bool,
+    /// Whether views lie along one angle.
+    pub is_isotropic: bool,
+}
+
+impl Made {
+    /// Of a material.
+    pub fn new(material: &Material<'_>) -> Self {
+        Self {
+            lobes: material.lobe_count(),
+            views: material.view_count(),
+            has_factors: material.factor_nodes().is_some(),
+            is_isotropic: material.is_isotropic(),
+        }
+    }
+}
+
+/// A fit in words, a sentence each.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Verdict {
+    /// What is as good as a fit should be.
+    pub good: Vec<String>,
+    /// What is neither good nor off.
+    pub fair: Vec<String>,
+    /// What is off.
+    pub off: Vec<String>,
+    /// What may make it better.
+    pub advice: Vec<String>,
+}
+
+impl Verdict {
+    /// Judges a fit; `made`: what it was made of, for advice, where there is a choice.
+    pub fn new(report: &Report, reciprocity: &Reciprocity, made: Option<Made>) -> Self {
+        let mut verdict = Self::default();
+        for measure in MEASURES {
+            verdict.say(measure, report);
+        }
+        verdict.say_reciprocity(reciprocity);
+        verdict.say_floor(report);
+        if let Some(made) = made {
+            verdict.advice = advice(report, made);
+        }
+        verdict
+    }
+
+    fn say(&mut self, measure: &Measure, report: &Report) {
+        let all = || judged(&report.views).chain(judged(&report.held_out));
+        let spread = if report.held_out.is_empty() { &report.views } else { &report.held_out };
+        let (Some(spread), Some(most)) =
+            (Spread::of(judged(spread), measure.number), Spread::of(all(), measure.number))
+        else {
+            return;
+        };
+        let Measure { name, unit, number, .. } = measure;
+        let (median, worst, limit) =
+            (unit.text(spread.median), unit.text(most.worst), unit.text(measure.most));
+        let angle = most.worst_at.to_degrees();
+        let over = all().filter(|v| number(v) > measure.most).count();
+        if over > 0 {
+            self.off.push(format!(
+                "{name}: {worst} at {angle:.1} degrees, above {limit} at {over} of {} views; median {median}",
+                all().count()
+            ));
+            return;
+        }
+        let text = format!("{name}: median {median}, at most {worst}, at {angle:.1} degrees");
+        if spread.median <= measure.good { &mut self.good } else { &mut self.fair }.push(text);
+    }
+
+    fn say_reciprocity(&mut self, found: &Reciprocity) {
+        if found.pairs == 0 {
+            return;
+        }
+        let text = format!(
+            "reciprocity: |ln f(a, b) / f(b, a)| is {:.3} in the median, at most {:.3}",
+            found.median, found.worst
+        );
+        let place = match found.median {
+            error if error <= GOOD_RECIPROCITY => &mut self.good,
+            error if error <= MOST_RECIPROCITY => &mut self.fair,
+            _ => &mut self.off,
+        };
+        place.push(text);
+    }
+
+    fn say_floor(&mut self, report: &Report) {
+        let at_normal = judged(&report.held_out).chain(judged(&report.views)).find(|v| v.floor > 0.0);
+        let Some(view) = at_normal else { return };
+        if view.floor >= LEAST_FLOOR {
+            self.fair.push(format!(
+                "asymmetric data: at {:.1} degrees {:.1} % of L2 from their mean over the azimuth, to which errors are taken",
+                view.theta.to_degrees(),
+                100.0 * view.floor
+            ));
+        }
+    }
+
+    /// The lines to print, with what they are: good, fair, off, try.
+    pub fn lines(&self) -> Vec<String> {
+        let parts = [("good", &self.good), ("fair", &self.fair), ("off", &self.off), ("try", &self.advice)];
+        let labelled = |(label, sentences): (&str, &Vec<String>)| {
+            sentences.iter().map(|s| format!("{label:4} {s}")).collect::<Vec<_>>()
+        };
+        parts.into_iter().flat_map(labelled).collect()
+    }
+
+    pub(crate) fn to_json(&self) -> Value {
+        json!({"good": self.good, "fair": self.fair, "off": self.off, "try": self.advice})
+    }
+}
+
+/// Whether any view has more than it should have.
+fn is_off(measure: &Measure, report: &Report) -> bool {
+    judged(&report.views).chain(judged(&report.held_out)).any(|v| (measure.number)(v) > measure.most)
+}
+
+/// Whether it matters that the last stage of a fit ended with its steps: there is something to gain.
+pub(crate) fn steps_matter(report: &Report) -> bool {
+    let measure = Spread::of(judged(&report.views), |v| v.measure);
+    report.ending == Some(Ending::Steps)
+        && (measure.is_some_and(|m| m.median > MOST_MEASURE) || MEASURES.iter().any(|m| is_off(m, report)))
+}
+
+/// What may make a fit better, the most likely first.
+fn advice(report: &Report, made: Made) -> Vec<String> {
+    let summary = Summary::new(report);
+    let median = |spread: Option<Spread>| spread.map_or(0.0, |s| s.median);
+    let can_evaluate = summary.is_of_held_out;
+    let mut advice = Vec::new();
+    let is_seen = [&OFF_PEAK, &LUMINANCE, &CHROMA].iter().any(|measure| is_off(measure, report));
+    let is_for_factors = is_seen && can_evaluate && made.is_isotropic && !made.has_factors;
+    if is_for_factors {
+        advice.push(format!(
+            "--factors {USUAL_FACTORS}: a table of factors is for what is off the peak, {} of L2 in the median here",
+            OFF_PEAK.unit.text(median(summary.off_peak))
+        ));
+    }
+    let is_poor = median(summary.error) > L2.good || is_off(&L2, report) || median(summary.peak) > PEAK.good;
+    if (is_poor || (is_seen && !is_for_factors)) && made.lobes < MAX_LOBES {
+        let more = (made.lobes + made.lobes.div_ceil(2)).min(MAX_LOBES);
+        advice.push(format!(
+            "--lobes {more} rather than {}: L2 is {} in the median, {} at the peak and {} off it",
+            made.lobes,
+            L2.unit.text(median(summary.error)),
+            PEAK.unit.text(median(summary.peak)),
+            OFF_PEAK.unit.text(median(summary.off_peak))
+        ));
+    }
+    advice.extend(more_views(report, &summary, made));
+    if is_off(&WEIGHT, report) || is_off(&VARIANCE, report) {
+        let all = || judged(&report.views).chain(judged(&report.held_out));
+        let worst = Spread::of(all(), WEIGHT.number).map_or(0.0, |s| s.worst);
+        advice.push(format!(
+            "`Defensive` sampling where the table stays the truth: it bounds the weight, {worst:.0} here"
+        ));
+    }
+    advice
+}
+
+/// The advice of more views, if what lies between them is worse than they are.
+fn more_views(report: &Report, summary: &Summary, made: Made) -> Option<String> {
+    const MOST: usize = 256;
+    let at_views = Spread::of(judged(&report.views), L2.number)?.median;
+    let between = summary.error.filter(|_| summary.is_of_held_out)?.median;
+    let more = (made.views + made.views.div_ceil(2)).min(MOST);
+    let is_worse = between > BETWEEN * at_views && between > L2.good;
+    (is_worse && made.is_isotropic && more > made.views).then(|| {
+        format!(
+            "--views {more} rather than {}: L2 between the views is {}, and {} at them",
+            made.views,
+            L2.unit.text(between),
+            L2.unit.text(at_views)
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,181 @@
+//! How good a fit is, as text: a line a view, the numbers of all views, and the verdict.
+
+use srbf_core::Material;
+use srbf_fit::judge::reciprocity::Reciprocity;
+use srbf_fit::judge::report::{Report, ViewReport, factor_bytes};
+use srbf_fit::judge::verdict::{Made, Spread, Summary, Verdict};
+
+const COLUMNS: [(&str, usize, usize); 7] = [
+    ("L2 %", 7, 2),
+    ("peak", 6, 1),
+    ("off", 6, 1),
+    ("lumin.", 6, 1),
+    ("chroma", 6, 3),
+    ("var.", 7, 3),
+    ("weight", 7, 1),
+];
+
+/// Parts of L2 below are printed as 0, and are not.
+const LEAST_SHARE: f64 = 5e-5;
+
+/// What the columns are.
+pub const LEGEND: &str = "L2 %: relative L2 error of f cos; peak, off: the same within 15 degrees of the mirror direction, and beyond;\n\
+    lumin., chroma: median error beyond, of the luminance in % and of the colour; var., weight: relative variance and\n\
+    largest over mean of f cos / pdf; albedo: of the fit, and in brackets of the data";
+
+/// Prints the views of a report under a heading, with their azimuths if any has one.
+pub fn print_views(views: &[ViewReport], isotropic: bool) {
+    let azimuth = if isotropic { "" } else { " azim." };
+    let names = COLUMNS.map(|(name, width, _)| format!("{name:>width$}"));
+    println!("  view{azimuth} |{} | albedo r g b, fit (data)", names.join(" "));
+    views.iter().for_each(|view| println!("{}", line(view, isotropic)));
+}
+
+fn line(v: &ViewReport, isotropic: bool) -> String {
+    let azimuth = if isotropic { String::new() } else { format!(" {:5.1}", v.azimuth.to_degrees()) };
+    // What is black has no relative error.
+    let error = if v.is_black { f64::NAN } else { v.error };
+    let seen = v.seen;
+    let numbers =
+        numbers([error, seen.peak, seen.off_peak, seen.luminance, seen.chroma, v.variance, v.largest_weight]);
+    let rgb = |albedo: [f64; 3]| albedo.map(|a| format!("{a:.3}")).join(" ");
+    format!("{:6.1}{azimuth} |{numbers} | {} ({})", v.theta.to_degrees(), rgb(v.albedo), rgb(v.data_albedo))
+}
+
+/// The numbers of the columns, the first four in per cent; `-` for what a method has none of, as the variance if it does not sample.
+fn numbers(values: [f64; 7]) -> String {
+    let field = |(n, value): (usize, f64)| {
+        let (_, width, digits) = COLUMNS[n];
+        let value = if n < 4 { 100.0 * value } else { value };
+        if value.is_nan() { format!("{:>width$}", "-") } else { format!("{value:width$.digits$}") }
+    };
+    values.into_iter().enumerate().map(field).collect::<Vec<_>>().join(" ")
+}
+
+/// Prints the median and the worst of each column, and where the worst is.
+fn print_summary(summary: &Summary, isotropic: bool) {
+    let spreads = [
+        summary.error,
+        summary.peak,
+        summary.off_peak,
+        summary.luminance,
+        summary.chroma,
+        summary.variance,
+        summary.weight,
+    ];
+    let row = |of: fn(Spread) -> f64| spreads.map(|spread| spread.map_or(f64::NAN, of));
+    let gap = if isotropic { "" } else { "      " };
+    println!("median{gap} |{}", numbers(row(|s| s.median)));
+    println!(" worst{gap} |{}", numbers(row(|s| s.worst)));
+    let angles = row(|s| s.worst_at.to_degrees()).into_iter().zip(COLUMNS);
+    let angle = |(angle, (_, width, _)): (f64, (&str, usize, usize))| {
+        if angle.is_nan() { format!("{:>width$}", "-") } else { format!("{angle:width$.1}") }
+    };
+    println!("at deg{gap} |{}", angles.map(angle).collect::<Vec<_>>().join(" "));
+}
+
+/// Prints what is known of the whole: the table behind it, the material, energy and reciprocity; the verdict last.
+///
+/// `material`: the material, if the fit is one.
+pub fn print_verdict(report: &Report, reciprocity: &Reciprocity, material: Option<&Material<'_>>) {
+    let isotropic = is_isotropic(report);
+    let summary = Summary::new(report);
+    println!("{} {} views:", summary.views, if summary.is_of_held_out { "held-out" } else { "fitted" });
+    print_summary(&summary, isotropic);
+    if let Some(energy) = summary.energy {
+        println!(
+            "energy: largest error of an albedo, median {:.2} %, worst {:.2} % at {:.1} degrees",
+            100.0 * energy.median,
+            100.0 * energy.worst,
+            energy.worst_at.to_degrees()
+        );
+    }
+    println!(
+        "reciprocity error |ln f(a, b) / f(b, a)|: median {:.3}, worst {:.3}, {} pairs",
+        reciprocity.median, reciprocity.worst, reciprocity.pairs
+    );
+    print_data(report);
+    if let Some(material) = material {
+        print_factors(material);
+    }
+    report.notes().iter().for_each(|note| println!("note {note}"));
+    let made = material.map(Made::new);
+    Verdict::new(report, reciprocity, made).lines().iter().for_each(|line| println!("{line}"));
+}
+
+/// Whether no view of a report is turned.
+pub fn is_isotropic(report: &Report) -> bool {
+    report.views.iter().chain(&report.held_out).all(|v| v.azimuth == 0.0)
+}
+
+/// What no fit has of the data: asymmetry at the normal, and negative samples.
+fn print_data(report: &Report) {
+    let all = || report.held_out.iter().chain(&report.views);
+    if let Some(view) = all().find(|v| v.floor > LEAST_SHARE) {
+        println!(
+            "floor at {:.1} degrees: the data are {:.2} % of L2 from their mean over the azimuth, to which errors are taken",
+            view.theta.to_degrees(),
+            100.0 * view.floor
+        );
+    }
+    if let Some(view) =
+        all().max_by(|a, b| a.negatives.1.total_cmp(&b.negatives.1)).filter(|v| v.negatives.1 > LEAST_SHARE)
+    {
+        println!(
+            "negative data: at most {:.2} % of L2, at {:.1} degrees, where {:.1} % of the hemisphere has some",
+            100.0 * view.negatives.1,
+            view.theta.to_degrees(),
+            100.0 * view.negatives.0
+        );
+    }
+}
+
+/// Prints the table of factors, if there is one.
+pub fn print_factors(material: &Material<'_>) {
+    if let Some([half, difference]) = material.factor_nodes() {
+        println!(
+            "factors: {half} x {difference} nodes, largest {:.2}, {} of {} bytes",
+            material.largest_factor(),
+            factor_bytes(material),
+            material.bytes().len()
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use srbf_fit::judge::seen::Seen;
+
+    /// A view with numbers as long as they get.
+    fn long() -> ViewReport {
+        ViewReport {
+            theta: 1.5,
+            azimuth: 3.1,
+            error: 1.2345,
+            measure: 1.0,
+            is_black: false,
+            albedo: [0.123; 3],
+            data_albedo: [0.123; 3],
+            is_albedo_cut: false,
+            density: 1.0,
+            variance: 123.4,
+            largest_weight: 1234.5,
+            seen: Seen { peak: 1.0, off_peak: 12.0, luminance: 12.0, chroma: 1.2 },
+            floor: 0.0,
+            negatives: (0.0, 0.0),
+        }
+    }
+
+    #[test]
+    fn lines_are_not_too_wide_and_say_what_is_not_known() {
+        assert!(line(&long(), false).len() <= 110, "{}", line(&long(), false));
+        assert_eq!(line(&long(), false).len(), line(&ViewReport { error: 0.01, ..long() }, false).len());
+        let unknown =
+            ViewReport { is_black: true, variance: f64::NAN, largest_weight: f64::INFINITY, ..long() };
+        let text = line(&unknown, true);
+        assert_eq!(text.len() + 6, line(&long(), false).len());
+        assert!(text.contains("      -  100.0") && text.contains("      -     inf |"), "{text}");
+        assert!(LEGEND.lines().all(|line| line.len() <= 115));
+    }
+}
