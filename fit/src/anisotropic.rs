@@ -8,11 +8,11 @@ mod layout;
 mod model;
 mod objective;
 mod report;
-mod solve;
 mod start;
 mod table;
 
 use crate::judge::report::Report;
+use crate::numeric::levenberg::{Limits, minimize};
 use crate::table::{Brdf, Density, Symmetry};
 use crate::{Fit, FitError, Settings};
 use layout::Layout;
@@ -84,7 +84,8 @@ pub(crate) fn fit_brdf(
             let count = || {
                 evaluations.fetch_add(1, Ordering::Relaxed);
             };
-            (solve::minimize(&thin, &mut x, SCOUTING, 1e-3, count).0, n, x)
+            let limits = Limits { steps: SCOUTING, improvement: 1e-3 };
+            (minimize(&thin, &mut x, limits, count).0, n, x)
         })
         .collect();
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -93,7 +94,8 @@ pub(crate) fn fit_brdf(
     };
     let full = Objective::new(&views, layout.clone(), smoothness, 1)?;
     let mut done = SCOUTING;
-    let (_, ending) = solve::minimize(&full, &mut x, settings.steps, IMPROVEMENT, || {
+    let limits = Limits { steps: settings.steps, improvement: IMPROVEMENT };
+    let (_, ending) = minimize(&full, &mut x, limits, || {
         done += 1;
         progress(done as f64 / total);
     });

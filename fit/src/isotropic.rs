@@ -4,7 +4,6 @@ mod balance;
 mod encode;
 mod factors;
 mod knots;
-mod levenberg;
 pub(crate) mod model;
 mod objective;
 pub(crate) mod search;

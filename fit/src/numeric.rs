@@ -3,6 +3,7 @@
 pub(crate) mod banded;
 pub(crate) mod blocks;
 pub(crate) mod lbfgsb;
+pub(crate) mod levenberg;
 pub(crate) mod random;
 pub(crate) mod special;
 pub(crate) mod vector;

@@ -23,7 +23,7 @@ use crate::settings::FactorNodes;
 use crate::table::Table;
 use crate::{FitError, Settings};
 use rayon::prelude::*;
-use schedule::{HEAVY_TAIL, LAST, LIGHT, LOOKS, SAMPLES, Stage};
+use schedule::{HEAVY_TAIL, LAST, LIGHT, LOOKS, SCATTERED, Stage};
 use std::borrow::Cow;
 use std::sync::atomic::AtomicUsize;
 use std::time::Instant;
@@ -93,7 +93,7 @@ pub(crate) fn run(
     let problem = Problem { data, settings, table: &table, knots: &knots };
     let mut work = Work { done: 0, total: 0, progress: &mut progress, evaluations: AtomicUsize::new(0) };
     let best = match data {
-        Data::Samples(_) => problem.solve(SAMPLES, &mut work)?.swap_remove(0),
+        Data::Samples(_) => problem.solve(SCATTERED, &mut work)?.swap_remove(0),
         Data::Source(source) => {
             let finalists = problem.solve(LIGHT, &mut work)?;
             let best = problem.improve(source, finalists, &mut work)?;
@@ -123,8 +123,7 @@ struct Problem<'a> {
 
 impl<'a> Problem<'a> {
     fn stages(&self, emphasis: Emphasis) -> Vec<Stage> {
-        let looks = if let Data::Source(_) = self.data { LOOKS } else { 0 };
-        schedule::stages(self.settings, emphasis.energy, looks)
+        schedule::stages(self.settings, emphasis.energy, matches!(self.data, Data::Source(_)))
     }
 
     /// The stages for so many that have been through them: all that follow the scouting. The first of them moves a fit to minima that
@@ -161,7 +160,7 @@ impl<'a> Problem<'a> {
             work.done += stage.work();
             // What has been seen for the last time is judged as what it is.
             let is_final = stage.look == Some(LOOKS - 1);
-            let rank = |f: &Finalist<'_>| if is_final { f.final_rank() } else { f.rank() };
+            let rank = |f: &Finalist<'_>| if is_final { f.rank() } else { f.early_rank() };
             finalists.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
         }
         let Some(best) = finalists.first_mut() else {
@@ -184,23 +183,23 @@ impl<'a> Problem<'a> {
         work: &mut Work<'_>,
     ) -> Result<Finalist<'a>, FitError> {
         let (mut best, mut emphasis) = (finalists[0].clone(), LIGHT);
-        if best.missed() == 0 {
+        if !best.misses() {
             finalists.truncate(1);
         }
         for round in 0..ROUNDS {
             // Then it is the only one.
-            let meets_all = finalists[0].missed() == 0;
+            let meets_all = !finalists[0].misses();
             emphasis = emphasized(&mut finalists, emphasis);
             let exchanges = if meets_all { self.settings.exchanges } else { 0 };
             self.again(source, &mut finalists, (emphasis, exchanges), work)?;
             for finalist in &finalists {
-                if finalist.final_rank() < best.final_rank() {
+                if finalist.rank() < best.rank() {
                     best = finalist.clone();
                 }
             }
-            finalists.retain(|f| f.missed() > 0 && f.error() < WORTHWHILE * best.final_rank());
+            finalists.retain(|f| f.misses() && f.error() < WORTHWHILE * best.rank());
             if finalists.is_empty() {
-                if round > 0 || meets_all || best.missed() > 0 {
+                if round > 0 || meets_all || best.misses() {
                     break;
                 }
                 finalists.push(best.clone());
@@ -231,17 +230,17 @@ impl<'a> Problem<'a> {
             moved.look_again(source)?;
             moved.fit_factors(sizes, LAST)?;
             self.move_by_what_is_seen(source, &mut moved, &stage, work)?;
-            if with.as_ref().is_none_or(|with| moved.final_rank() < with.final_rank()) {
+            if with.as_ref().is_none_or(|with| moved.rank() < with.rank()) {
                 with = Some(moved.clone());
             }
         }
-        if let Some(with) = with.filter(|with| with.final_rank() < worth * best.final_rank()) {
+        if let Some(with) = with.filter(|with| with.rank() < worth * best.rank()) {
             return Ok(with);
         }
         let mut moved = best.clone();
         moved.look_again(source)?;
         self.move_by_what_is_seen(source, &mut moved, &stage, work)?;
-        Ok(if moved.final_rank() < best.final_rank() { moved } else { best })
+        Ok(if moved.rank() < best.rank() { moved } else { best })
     }
 
     fn move_by_what_is_seen(

@@ -11,6 +11,7 @@ use crate::judge::norm::{Norm, relative, squares};
 use crate::judge::reciprocity::{Reciprocity, reciprocity};
 use crate::judge::seen::{Seen, away, negatives, seen};
 use crate::judge::verdict::{Made, Summary, Verdict, steps_matter};
+pub use crate::numeric::levenberg::Ending;
 use crate::table::{DARKEST, Sample, View};
 use crate::{FitError, Settings};
 use serde_json::{Value, json};
@@ -76,15 +77,6 @@ pub struct Report {
     pub ending: Option<Ending>,
     /// Errors of samples and views left out, if they were asked for.
     pub cross_validation: Option<CrossValidation>,
-}
-
-/// Why a solver ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ending {
-    /// It gained too little.
-    Converged,
-    /// It had made all its steps.
-    Steps,
 }
 
 /// Added to an albedo of which errors are a share: of what is nearly black it does not matter.

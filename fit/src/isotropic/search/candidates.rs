@@ -1,13 +1,13 @@
 //! Starts on their way to a fit: moved downhill side by side, the best of them further.
 
 use crate::FitError;
-use crate::isotropic::levenberg;
 use crate::isotropic::model::parameters::Layout;
-use crate::isotropic::objective::{Emphasis, Objective};
+use crate::isotropic::objective::{Emphasis, Objective, Weighted};
 use crate::isotropic::search::exchange::exchange;
 use crate::isotropic::search::schedule::Stage;
 use crate::isotropic::search::start;
 use crate::judge::report::Ending;
+use crate::numeric::levenberg::minimize;
 use crate::table::Table;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -132,17 +132,17 @@ fn advance_one(stage: &Stage, task: Task<'_>, mut tick: impl FnMut()) {
     if x.is_empty() {
         *x = start::start(table, &objective.layout, *start);
     }
-    let mut limits = stage.limits;
+    let mut weights = stage.weights;
     let reweighed = stage.full.then(|| objective.reweighed(x, stage.evenly));
     if stage.full {
         // Beside a large error that cannot be helped, smoothness and albedo have to weigh more to count as much.
         let scale = (*cost / USUAL_COST).clamp(1.0, MOST_SCALE);
-        limits.weights.smoothness *= scale;
-        limits.weights.energy *= if stage.last { scale } else { 1.0 };
+        weights.smoothness *= scale;
+        weights.energy *= if stage.last { scale } else { 1.0 };
     }
     let objective = reweighed.as_ref().unwrap_or(objective);
-    (*cost, *ending) = levenberg::minimize(objective, x, limits, &mut tick);
+    (*cost, *ending) = minimize(&Weighted { objective, weights }, x, stage.limits, &mut tick);
     // Other families in every stage.
     let seed = (256 * *start + stage.runs) as u64;
-    *cost = exchange(objective, x, *cost, (stage.runs - 1, limits), seed, &mut tick);
+    *cost = exchange(objective, x, *cost, (stage.runs - 1, stage.limits, weights), seed, &mut tick);
 }

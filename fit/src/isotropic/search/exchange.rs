@@ -6,11 +6,11 @@
 //! one that alone would take most off what is left at present. Then all lobes are moved downhill together; if that ends higher
 //! than before, all is put back.
 
-use crate::isotropic::levenberg::{self, Limits};
 use crate::isotropic::model::Lobes;
 use crate::isotropic::model::parameters::luminance;
-use crate::isotropic::objective::Objective;
 use crate::isotropic::objective::data_term::{self, Point};
+use crate::isotropic::objective::{Objective, Weighted, Weights};
+use crate::numeric::levenberg::{Limits, minimize};
 use crate::numeric::random::Random;
 use rayon::prelude::*;
 
@@ -51,7 +51,7 @@ pub(crate) fn exchange(
     objective: &Objective,
     x: &mut Vec<f64>,
     cost: f64,
-    (rounds, limits): (usize, Limits),
+    (rounds, limits, weights): (usize, Limits, Weights),
     seed: u64,
     mut tick: impl FnMut(),
 ) -> f64 {
@@ -78,7 +78,7 @@ pub(crate) fn exchange(
         let best = (0..FAMILIES).max_by(|&a, &b| gains[a].total_cmp(&gains[b])).unwrap_or(0);
         let mut moved = x.clone();
         objective.put(&residuals, slot, families[best], &mut moved);
-        let (reached, _) = levenberg::minimize(objective, &mut moved, limits, &mut tick);
+        let (reached, _) = minimize(&Weighted { objective, weights }, &mut moved, limits, &mut tick);
         if reached < cost * (1.0 - IMPROVEMENT) {
             cost = reached;
             *x = moved;
@@ -247,7 +247,7 @@ fn inverse_diagonal(lower: &[f64], n: usize) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::isotropic::model::parameters::Layout;
-    use crate::isotropic::objective::{Emphasis, Weights};
+    use crate::isotropic::objective::Emphasis;
     use crate::table::{Table, direction};
 
     #[test]
@@ -286,9 +286,9 @@ mod tests {
             q[layout.diffuse()] = -8.0;
         }
         let weights = Weights { smoothness: 1e-6, energy: 1.0 };
-        let limits = Limits { steps: 60, improvement: 1e-4, weights };
-        let (before, _) = levenberg::minimize(&objective, &mut x, limits, || {});
-        let after = exchange(&objective, &mut x, before, (8, limits), 0, || {});
+        let limits = Limits { steps: 60, improvement: 1e-4 };
+        let (before, _) = minimize(&Weighted { objective: &objective, weights }, &mut x, limits, || {});
+        let after = exchange(&objective, &mut x, before, (8, limits, weights), 0, || {});
         assert!(after < 0.2 * before, "{before} {after}");
     }
 }

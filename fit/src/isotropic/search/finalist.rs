@@ -23,10 +23,13 @@ const MOST_VARIANCE: f64 = 0.25;
 const STEEPEST: f64 = 1.4;
 /// Largest error of the albedo, at any view.
 const MOST_ENERGY_ERROR: f64 = 0.01;
-/// Share of the error for which every doubling of weight or variance over that is avoided, and what the error is multiplied by for
-/// every goal that is missed.
-const DOUBLING: f64 = 0.07;
+/// What the error is multiplied by where a goal is missed by more than [`RAMP`] doublings, rising from 1 where it is just met; and the
+/// share of the error that every doubling beyond costs. A goal missed by a hair costs a hair.
 const MISSED: f64 = 1.25;
+const RAMP: f64 = 0.5;
+const DOUBLING: f64 = 0.07;
+/// What the error may be multiplied by before it is worth the time to mend what is missed.
+const TOLERATED: f64 = 1.04;
 
 /// The best of a shape, on a table of its own.
 #[derive(Clone)]
@@ -76,10 +79,20 @@ impl<'a> Finalist<'a> {
         Ok(new)
     }
 
-    /// How many of the goals are missed of which a fit should miss none.
-    pub fn missed(&self) -> i32 {
-        let missed = [!self.has_small_weights(), !self.has_small_variances(), !self.keeps_energy()];
-        missed.into_iter().map(i32::from).sum()
+    /// What the error is multiplied by for the goals that are missed, weight, variance and energy; 1 if none is.
+    fn penalty(&self) -> f64 {
+        let missed = |value: f64, most: f64| {
+            let doublings = libm::log2((value / most).max(1.0));
+            (1.0 + (MISSED - 1.0) * (doublings / RAMP).min(1.0)) * (1.0 + DOUBLING * doublings)
+        };
+        missed(self.largest_weight, MOST_WEIGHT)
+            * missed(self.variance, MOST_VARIANCE)
+            * missed(self.energy_error, MOST_ENERGY_ERROR)
+    }
+
+    /// Whether a goal is missed by more than a hair.
+    pub fn misses(&self) -> bool {
+        self.penalty() > TOLERATED
     }
 
     pub fn has_small_weights(&self) -> bool {
@@ -99,17 +112,14 @@ impl<'a> Finalist<'a> {
         self.error
     }
 
-    /// What the best has least of.
+    /// What the best has least of, where all goals count.
     pub fn rank(&self) -> f64 {
-        if self.has_small_weights() { self.error } else { WIDENED * self.error }
+        self.error * self.penalty()
     }
 
-    /// The same, where all goals count.
-    pub fn final_rank(&self) -> f64 {
-        let doublings = |value: f64, most: f64| libm::log2((value / most).max(1.0));
-        let weight = doublings(self.largest_weight, MOST_WEIGHT);
-        let variance = doublings(self.variance, MOST_VARIANCE);
-        self.error * (1.0 + DOUBLING * (weight + variance)) * MISSED.powi(self.missed())
+    /// The same before the end, where only the weight counts, which gets worse when it is not mended.
+    pub fn early_rank(&self) -> f64 {
+        if self.has_small_weights() { self.error } else { WIDENED * self.error }
     }
 
     /// Gives up the least useful lobe for one that is kept wide; false if it has such a lobe, or none to give.

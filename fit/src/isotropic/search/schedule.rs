@@ -1,11 +1,14 @@
 //! The stages of a fit: fewer candidates from one to the next, more steps, and less stiffness.
+//!
+//! There are two recipes, each a table that can be read from top to bottom: [`SAMPLES`] for scattered samples, and [`ANYWHERE`] for
+//! what can be evaluated wherever the fit looks. [`stages`] puts in the numbers of the settings.
 
 use crate::Settings;
-use crate::isotropic::levenberg::Limits;
 use crate::isotropic::objective::{Emphasis, Weights};
+use crate::numeric::levenberg::Limits;
 
-/// Lobes with which as many candidates as are named below take part, and most times as many of fewer lobes: they have more minima of
-/// their own, and take less time.
+/// Lobes with which as many candidates as a recipe names take part, and most times as many of fewer lobes: they have more minima of
+/// their own, and take less time. Only of what can be evaluated anywhere.
 const USUAL_LOBES: usize = 12;
 const MOST_TIMES: usize = 4;
 
@@ -27,7 +30,98 @@ pub(crate) const LAST: Emphasis = Emphasis { seen: 1.0, ..LIGHT };
 
 /// Of scattered samples, whose albedo depends by 1 % on how one interpolates between them; and whose tail is all that
 /// holds lobes between them (garnet red has 22 % over samples left out with a tenth of it, in place of 12).
-pub(crate) const SAMPLES: Emphasis = Emphasis { tail: HEAVY_TAIL, seen: 0.0, energy: 1.0 };
+pub(crate) const SCATTERED: Emphasis = Emphasis { tail: HEAVY_TAIL, seen: 0.0, energy: 1.0 };
+
+/// How many candidates take part in a stage, the best of the one before.
+#[derive(Clone, Copy, Debug)]
+enum Keep {
+    /// A share of the starts of the settings, as a fraction.
+    Starts(usize, usize),
+    /// So many.
+    Best(usize),
+}
+
+/// Steps of the solver.
+#[derive(Clone, Copy, Debug)]
+enum Steps {
+    /// So many.
+    Fixed(usize),
+    /// Those of the settings over a number.
+    Over(usize),
+}
+
+/// A stage as a recipe has it.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    keep: Keep,
+    steps: Steps,
+    /// Exchanges of lobes, as a share of those of the settings.
+    exchanges: (usize, usize),
+    /// What the smoothness is multiplied by.
+    stiffness: f64,
+    /// Relative decrease of the cost at which the solver ends.
+    improvement: f64,
+    /// What it sees of the table.
+    sees: Sees,
+    /// The number with which the table is made again after it.
+    look: Option<usize>,
+}
+
+/// What a stage sees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sees {
+    /// A thinned table.
+    Some,
+    /// The whole table, with weights that follow the candidate as it is.
+    All,
+    /// That, and the albedo is held closely.
+    AllAndAlbedo,
+}
+
+/// A line of a recipe from its numbers in order.
+const fn line(
+    keep: Keep,
+    steps: Steps,
+    exchanges: (usize, usize),
+    stiffness: f64,
+    improvement: f64,
+    sees: Sees,
+    look: Option<usize>,
+) -> Line {
+    Line { keep, steps, exchanges, stiffness, improvement, sees, look }
+}
+
+/// Of scattered samples.
+const SAMPLES: [Line; 5] = {
+    use Keep::{Best, Starts};
+    use Steps::{Fixed, Over};
+    //   candidates     steps      exchanges  stiffness  improvement  sees                look
+    [
+        line(Starts(2, 3), Fixed(25), (0, 1), 100.0, 1e-3, Sees::Some, None),
+        line(Best(4), Over(4), (0, 1), 10.0, 1e-3, Sees::Some, None),
+        line(Best(3), Over(6), (1, 1), 3.0, 1e-3, Sees::Some, None),
+        line(Best(1), Over(1), (0, 1), 1.0, 1e-4, Sees::All, None),
+        line(Best(1), Over(4), (0, 1), 1.0, 1e-3, Sees::AllAndAlbedo, None),
+    ]
+};
+
+/// Of what can be evaluated anywhere. Shapes show late what they are good for: so three are kept until each has been moved to where
+/// its lobes cannot hide. One with more knots may end a stage with a needle between directions that nothing had seen yet.
+const ANYWHERE: [Line; 8] = {
+    use Keep::{Best, Starts};
+    use Steps::{Fixed, Over};
+    //   candidates     steps      exchanges  stiffness  improvement  sees                look
+    [
+        line(Starts(1, 1), Fixed(25), (0, 1), 100.0, 1e-3, Sees::Some, None),
+        line(Best(6), Over(4), (0, 1), 10.0, 1e-3, Sees::Some, None),
+        line(Best(4), Over(6), (2, 3), 3.0, 1e-3, Sees::Some, None),
+        line(Best(3), Over(6), (1, 1), 3.0, 1e-3, Sees::Some, None),
+        line(Best(3), Over(1), (0, 1), 1.0, 5e-4, Sees::All, Some(0)),
+        line(Best(3), Over(4), (0, 1), 1.0, 1e-3, Sees::AllAndAlbedo, Some(1)),
+        line(Best(1), Over(4), (0, 1), 1.0, 1e-3, Sees::AllAndAlbedo, Some(2)),
+        line(Keep::Best(0), Over(4), (0, 1), 1.0, 1e-3, Sees::AllAndAlbedo, None),
+    ]
+};
 
 /// One stage of a fit.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +133,7 @@ pub(crate) struct Stage {
     /// Times that a candidate is moved downhill: after the first, a lobe is exchanged before each.
     pub runs: usize,
     pub limits: Limits,
+    pub weights: Weights,
     /// Whether the albedo is held closely.
     pub last: bool,
     /// Whether albedos count the more, the worse they are: those of a quadrature are known well enough.
@@ -61,7 +156,7 @@ impl Stage {
             new.limits.steps = new.limits.steps.div_ceil(3);
             new.runs = 1 + exchanges;
         } else if exchanges > 0 {
-            new.limits.weights.smoothness *= LOOSENED;
+            new.weights.smoothness *= LOOSENED;
         }
         new
     }
@@ -72,50 +167,34 @@ pub(crate) fn work(stages: &[Stage]) -> usize {
     stages.iter().map(Stage::work).sum()
 }
 
-/// The stages. `energy`: weight of the albedo in the last ones. `looks`: times that the table is made again, 0 if it cannot be.
-pub(crate) fn stages(settings: &Settings, energy: f64, looks: usize) -> Vec<Stage> {
-    let stage = |keep, full, steps, runs, stiffness: f64, energy, improvement, last| {
-        let weights = Weights { smoothness: stiffness * settings.smoothness, energy };
-        Stage {
-            keep,
-            full,
-            runs,
-            limits: Limits { steps, improvement, weights },
-            last,
-            evenly: looks > 0,
-            look: None,
-        }
+/// The stages. `energy`: weight of the albedo in the last ones. `is_evaluable`: whether there are values wherever one looks.
+pub(crate) fn stages(settings: &Settings, energy: f64, is_evaluable: bool) -> Vec<Stage> {
+    let times = (USUAL_LOBES + settings.lobes / 2) / settings.lobes;
+    let times = if is_evaluable { times.clamp(1, MOST_TIMES) } else { 1 };
+    let recipe: &[Line] = if is_evaluable { &ANYWHERE } else { &SAMPLES };
+    let stage = |line: &Line| Stage {
+        keep: match line.keep {
+            Keep::Starts(part, whole) => times * (part * settings.starts).div_ceil(whole),
+            // The last of all is alone.
+            Keep::Best(0) => 1,
+            Keep::Best(count) => times * count,
+        },
+        full: line.sees != Sees::Some,
+        runs: 1 + line.exchanges.0 * settings.exchanges / line.exchanges.1,
+        limits: Limits {
+            steps: match line.steps {
+                Steps::Fixed(steps) => steps,
+                Steps::Over(part) => settings.steps.div_ceil(part),
+            },
+            improvement: line.improvement,
+        },
+        weights: Weights {
+            smoothness: line.stiffness * settings.smoothness,
+            energy: if line.sees == Sees::AllAndAlbedo { energy } else { 1.0 },
+        },
+        last: line.sees == Sees::AllAndAlbedo,
+        evenly: is_evaluable,
+        look: line.look,
     };
-    let exchange =
-        |keep, count| stage(keep, false, settings.steps.div_ceil(6), 1 + count, 3.0, 1.0, 1e-3, false);
-    let scout = |keep| stage(keep, false, settings.steps / 4, 1, 10.0, 1.0, 1e-3, false);
-    let full = |keep, improvement| stage(keep, true, settings.steps, 1, 1.0, 1.0, improvement, false);
-    let ratio = (USUAL_LOBES + settings.lobes / 2) / settings.lobes;
-    let many = if looks == 0 { 1 } else { ratio.clamp(1, MOST_TIMES) };
-    let starts = if looks == 0 { (2 * settings.starts).div_ceil(3) } else { settings.starts };
-    let mut stages = vec![stage(many * starts, false, 25, 1, 100.0, 1.0, 1e-3, false)];
-    if looks == 0 {
-        stages.extend([scout(4), exchange(3, settings.exchanges), full(1, 1e-4)]);
-    } else {
-        // Shapes show late what they are good for, and what may hide between directions is judged when it has been seen once.
-        let exchanges =
-            [exchange(4 * many, 2 * settings.exchanges / 3), exchange(3 * many, settings.exchanges)];
-        stages.extend([
-            scout(6 * many),
-            exchanges[0],
-            exchanges[1],
-            Stage { look: Some(0), ..full(3 * many, 5e-4) },
-        ]);
-    }
-    stages.extend((0..looks.max(1)).map(|round| {
-        // A shape with more knots may end the stage before with a needle between directions that nothing had seen yet.
-        let keep = match round {
-            0 if looks > 0 => 3 * many,
-            1 => many,
-            _ => 1,
-        };
-        let last = stage(keep, true, settings.steps.div_ceil(4), 1, 1.0, energy, 1e-3, true);
-        Stage { look: (round + 1 < looks).then_some(round + 1), ..last }
-    }));
-    stages
+    recipe.iter().map(stage).collect()
 }
