@@ -55,9 +55,9 @@
 #define SRBF_VERSION 100
 
 /**
- * Version of the `.srbf` bytes that are read and written.
+ * Version of the `.srbf` bytes that are written; this one and version 1 are read.
  */
-#define SRBF_FORMAT_VERSION 1
+#define SRBF_FORMAT_VERSION 2
 
 /**
  * The best level of this processor and build.
@@ -170,7 +170,7 @@ typedef struct srbf_lobe {
      */
     float sharpness;
     /**
-     * Value at the axis, linear sRGB, not negative.
+     * Value at the axis, linear sRGB. A channel may be negative, the luminance not, and no channel beyond 32 times that.
      */
     float amplitude[3];
 } srbf_lobe;
@@ -208,11 +208,13 @@ typedef struct srbf_mixture_info {
      */
     float diffuse[3];
     /**
-     * Integral of `f cos` over the domain, linear sRGB: for a material's mixture, the albedo.
+     * Integral of `f cos` over the domain, linear sRGB: for a material's mixture, the albedo. One of a material with factors is
+     * interpolated between those that it stores.
      */
     float albedo[3];
     /**
-     * Luminance of the albedo, and of the weight of every sample.
+     * Luminance of the integral of lobes and diffuse term: what densities are normalised by, and the luminance of the weight of every
+     * sample. In a material with factors the latter is multiplied by its factor.
      */
     float power;
 } srbf_mixture_info;
@@ -496,7 +498,7 @@ typedef void (*srbf_brdf)(void *user, const float *wi, const float *wo, float *f
 #define SRBF_STATUS_SHARPNESS 12
 
 /**
- * An amplitude is NaN, negative or infinite.
+ * An amplitude is NaN or infinite, its luminance negative, or a channel beyond 32 times that.
  */
 #define SRBF_STATUS_AMPLITUDE 13
 
@@ -511,7 +513,7 @@ typedef void (*srbf_brdf)(void *user, const float *wi, const float *wo, float *f
 #define SRBF_STATUS_CAPACITY 15
 
 /**
- * A mixture holds squeezed lobes or a diffuse term, which have no product in closed form.
+ * A mixture holds squeezed lobes, a diffuse term or factors, which have no product in closed form.
  */
 #define SRBF_STATUS_SQUEEZED 16
 
@@ -792,7 +794,7 @@ srbf_status srbf_material_albedo(const struct srbf_material *material,
  * Makes the mixture of lobes for an outgoing direction, in a mixture that the caller has initialised; overwrites it.
  *
  * The mixture takes and gives directions in the shading frame that `wo` is given in. Below the horizon (z < 0) nothing
- * is reflected: the mixture is empty.
+ * is reflected: the mixture is empty. Of a material with factors the mixture reads them from the material, which must outlive it.
  * Shapes: `wo` [3], unit vector towards the viewer, +z the surface normal.
  * Status: `SRBF_STATUS_CAPACITY` if the mixture has room for fewer lobes than the material has. On failure the
  * mixture keeps what it held.
@@ -860,7 +862,7 @@ srbf_status srbf_material_load(const char *path,
  * Releases a material; NULL is allowed and does nothing.
  *
  * A material that `srbf_material_borrow` made is only marked as none. Nobody may use the material during or after the
- * call.
+ * call, nor, if it has factors, a mixture that it has made.
  * Status: `SRBF_STATUS_OBJECT` if it is not a material.
  */
 srbf_status srbf_material_free(struct srbf_material *material);

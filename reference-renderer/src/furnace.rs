@@ -58,13 +58,13 @@ const NOTHING: Furnace =
     Furnace { pixels: 0, rendered: DVec3::ZERO, standard_error: DVec3::ZERO, expected: DVec3::ZERO };
 
 /// Sums over the pixels of a row; of squares of the standard error.
-fn row(
-    scene: &Scene<'_>,
+fn row<'m>(
+    scene: &Scene<'m>,
     camera: &Camera,
     radiance: Vec3,
     film: &Film,
     y: u32,
-    mixture: &mut AnyMixture,
+    mixture: &mut AnyMixture<'m>,
 ) -> Furnace {
     let width = film.size()[0];
     let mut sums = NOTHING;
@@ -89,7 +89,7 @@ fn row(
 }
 
 /// The directional albedo where a ray meets the sphere; 0 where it does not.
-fn albedo(scene: &Scene<'_>, ray: &Ray, mixture: &mut AnyMixture) -> DVec3 {
+fn albedo<'m>(scene: &Scene<'m>, ray: &Ray, mixture: &mut AnyMixture<'m>) -> DVec3 {
     let Some(surface) = scene.hit(ray) else { return DVec3::ZERO };
     let wo = Frame::new(&surface, -ray.direction).to_local(-ray.direction);
     let prepared = scene.object().prepare(wo, mixture);

@@ -71,13 +71,13 @@ const LEAST_COSINE: f32 = 1e-3;
 const RAY_OFFSET: f32 = 1e-4;
 
 /// Estimates the radiance that comes in along a ray with one path of at most `max_bounces` scatterings.
-pub fn radiance(
-    scene: &Scene<'_>,
+pub fn radiance<'m>(
+    scene: &Scene<'m>,
     mut ray: Ray,
     sampler: Sampler,
     max_bounces: u32,
     random: &mut Random,
-    mixture: &mut AnyMixture,
+    mixture: &mut AnyMixture<'m>,
 ) -> Vec3 {
     let mut light = Vec3::ZERO;
     let mut throughput = Vec3::ONE;

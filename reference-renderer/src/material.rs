@@ -1,7 +1,7 @@
 //! Materials by name: the embedded presets, a matte grey, and `.srbf` files.
 
 use anyhow::{Context, bail};
-use srbf_core::{Material, PlaneLobe, View, encode, encoded_len, read_file};
+use srbf_core::{Line, Material, PlaneLobe, View, read_file};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -64,18 +64,32 @@ impl StoredMaterial {
 /// Makes a grey that scatters by Lambert's law with albedo 1/2: a diffuse term, and the one lobe that a material must
 /// have so dark that no f32 shows it; still darker, its products would be subnormal and slow.
 fn matte() -> Vec<u8> {
-    let lobe = PlaneLobe { angle: 0.0, off_plane: 0.0, log2_sharpness: 0.0, log2_amplitude: [-60.0; 3] };
-    let view = View { theta: 0.0, log2_squeeze: 0.0, log2_diffuse: [-1.0; 3], lobes: &[lobe] };
+    let color_differences = [0.0; 2];
+    let lobe = PlaneLobe {
+        angle: 0.0,
+        off_plane: 0.0,
+        log2_sharpness: 0.0,
+        log2_luminance: -60.0,
+        color_differences,
+    };
+    let view = View {
+        theta: 0.0,
+        log2_squeeze: 0.0,
+        log2_diffuse: -1.0,
+        diffuse_color_differences: color_differences,
+        lobes: &[lobe],
+    };
+    let line = Line { views: &[view], squeezed: 0, mirrored: 0, factors: None };
     let provenance = "built in: Lambert's law, albedo 1/2";
-    let mut bytes = vec![0; encoded_len(1, 1, 0, provenance)];
-    encode(&[view], 0, 0, provenance, &mut bytes).expect("the numbers are in range");
+    let mut bytes = vec![0; line.encoded_len(provenance)];
+    line.encode(provenance, &mut bytes).expect("the numbers are in range");
     bytes
 }
 
 #[cfg(test)]
 pub mod tests {
     use super::*;
-    use srbf_core::{Grid, GridView, TiltedLobe};
+    use srbf_core::{Grid, GridView, TiltedLobe, color_differences};
 
     /// A red lacquer for tests: a diffuse term, a wide lobe, and a highlight that grows and narrows towards grazing.
     pub fn lacquer() -> StoredMaterial {
@@ -84,11 +98,14 @@ pub mod tests {
                 let theta = v as f32 * 10f32.to_radians();
                 let lobe = |angle: f32, sharpness: f32, rgb: [f32; 3]| {
                     let integral = srbf_core::special::sphere_integral(sharpness);
+                    let (log2_luminance, color_differences) =
+                        color_differences(rgb.map(|c| (c / integral).log2()));
                     PlaneLobe {
                         angle,
                         off_plane: 0.0,
                         log2_sharpness: sharpness.log2(),
-                        log2_amplitude: rgb.map(|c| (c / integral).log2()),
+                        log2_luminance,
+                        color_differences,
                     }
                 };
                 let grazing = 0.04 + 0.4 * (1.0 - theta.cos()).powi(3);
@@ -99,17 +116,20 @@ pub mod tests {
                 ]
             })
             .collect();
-        let log2_diffuse = [0.05f32, 0.01, 0.01].map(f32::log2);
+        let (log2_diffuse, diffuse_color_differences) =
+            color_differences([0.05f32, 0.01, 0.01].map(f32::log2));
         let views: Vec<View<'_>> = lobes
             .iter()
             .enumerate()
             .map(|(v, lobes)| {
                 let theta = v as f32 * 10f32.to_radians();
-                View { theta, log2_squeeze: theta.cos().log2(), log2_diffuse, lobes }
+                let log2_squeeze = theta.cos().log2();
+                View { theta, log2_squeeze, log2_diffuse, diffuse_color_differences, lobes }
             })
             .collect();
-        let mut bytes = vec![0; encoded_len(views.len(), 3, 0, "test")];
-        encode(&views, 2, 0, "test", &mut bytes).unwrap();
+        let line = Line { views: &views, squeezed: 2, mirrored: 0, factors: None };
+        let mut bytes = vec![0; line.encoded_len("test")];
+        line.encode("test", &mut bytes).unwrap();
         StoredMaterial::new("lacquer", Cow::Owned(bytes)).unwrap()
     }
 
@@ -118,11 +138,12 @@ pub mod tests {
     pub fn brushed() -> StoredMaterial {
         const AZIMUTHS: usize = 6;
         let thetas = [0.0f32, 0.5, 1.0, 1.4];
-        let lobe = |theta: f32, share: f32| TiltedLobe {
-            tilt: [theta, 0.0],
-            log2_sharpness: 4.0,
-            log2_amplitude: [share, 0.8 * share, 0.5 * share]
-                .map(|c| (c / srbf_core::special::sphere_integral(16.0)).log2()),
+        let lobe = |theta: f32, share: f32| {
+            let (log2_luminance, color_differences) = color_differences(
+                [share, 0.8 * share, 0.5 * share]
+                    .map(|c| (c / srbf_core::special::sphere_integral(16.0)).log2()),
+            );
+            TiltedLobe { tilt: [theta, 0.0], log2_sharpness: 4.0, log2_luminance, color_differences }
         };
         let mut views = vec![([1.0, 0.0, -1.0], [lobe(0.0, 0.5)])];
         for &theta in &thetas[1..] {
@@ -134,9 +155,15 @@ pub mod tests {
         }
         let views: Vec<GridView<'_>> = views
             .iter()
-            .map(|(squeeze, lobes)| GridView { log2_squeeze: *squeeze, log2_diffuse: [-4.0; 3], lobes })
+            .map(|(squeeze, lobes)| GridView {
+                log2_squeeze: *squeeze,
+                log2_diffuse: -4.0,
+                diffuse_color_differences: [0.0; 2],
+                lobes,
+            })
             .collect();
-        let grid = Grid { thetas: &thetas, azimuths: AZIMUTHS, turns: 2, views: &views, squeezed: 1 };
+        let grid =
+            Grid { thetas: &thetas, azimuths: AZIMUTHS, turns: 2, views: &views, squeezed: 1, factors: None };
         let mut bytes = vec![0; grid.encoded_len("test")];
         grid.encode("test", &mut bytes).unwrap();
         StoredMaterial::new("brushed", Cow::Owned(bytes)).unwrap()
@@ -146,10 +173,11 @@ pub mod tests {
     fn every_preset_and_the_matte_load_and_keep_energy() {
         for name in PRESETS.iter().map(|preset| preset.0).chain([MATTE]) {
             let stored = StoredMaterial::load(name).unwrap();
+            let material = stored.get();
             let mut mixture = srbf_core::Mixture::<{ srbf_core::MAX_LOBES }>::empty();
             for degrees in 0..90 {
                 let (sin, cos) = (degrees as f32).to_radians().sin_cos();
-                stored.get().prepare(glam::vec3(-sin, 0.0, cos), &mut mixture).unwrap();
+                material.prepare(glam::vec3(-sin, 0.0, cos), &mut mixture).unwrap();
                 let albedo = mixture.albedo();
                 assert!(
                     albedo.min_element() >= 0.0 && albedo.max_element() <= 1.0,
@@ -162,7 +190,7 @@ pub mod tests {
     #[test]
     fn products_with_the_lobe_of_the_matte_are_no_subnormals() {
         let stored = StoredMaterial::load(MATTE).unwrap();
-        let [amplitude, ..] = stored.get().view_lobe(0, 0).unwrap().log2_amplitude;
+        let amplitude = stored.get().view_lobe(0, 0).unwrap().log2_luminance;
         assert!((-62.0..-40.0).contains(&amplitude), "{amplitude}");
     }
 

@@ -1,6 +1,6 @@
 //! The program `srbf` as a user calls it: what is wrong is named, the exit status is 2, and nothing half-written is left.
 
-use srbf_core::{PlaneLobe, View, encode, encoded_len};
+use srbf_core::{Line, PlaneLobe, View};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -246,10 +246,24 @@ fn a_comparison_with_a_poor_reference_says_so() {
 #[test]
 fn an_extreme_material_is_named() {
     let place = folder("extreme");
-    let lobe = PlaneLobe { angle: 0.0, off_plane: 0.0, log2_sharpness: 0.0, log2_amplitude: [60.0; 3] };
-    let view = View { theta: 0.0, log2_squeeze: 0.0, log2_diffuse: [-1.0; 3], lobes: &[lobe] };
-    let mut bytes = vec![0; encoded_len(1, 1, 0, "test")];
-    encode(&[view], 0, 0, "test", &mut bytes).unwrap();
+    let color_differences = [0.0; 2];
+    let lobe = PlaneLobe {
+        angle: 0.0,
+        off_plane: 0.0,
+        log2_sharpness: 0.0,
+        log2_luminance: 60.0,
+        color_differences,
+    };
+    let view = View {
+        theta: 0.0,
+        log2_squeeze: 0.0,
+        log2_diffuse: -1.0,
+        diffuse_color_differences: color_differences,
+        lobes: &[lobe],
+    };
+    let line = Line { views: &[view], squeezed: 0, mirrored: 0, factors: None };
+    let mut bytes = vec![0; line.encoded_len("test")];
+    line.encode("test", &mut bytes).unwrap();
     std::fs::write(place.join("hot.srbf"), bytes).unwrap();
     let render = ["render", "--scene", "teapot", "--size", "16x16", "--spp", "4", "--material", "hot.srbf"];
     refused(&place, &[&render[..], &["-o", "a.exr"]].concat(), &["material hot", "matte", "finite radiance"]);
