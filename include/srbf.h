@@ -832,6 +832,56 @@ srbf_status srbf_material_prepare_into(const struct srbf_material *material,
                                        void *storage,
                                        size_t stride);
 
+/**
+ * Says how many nodes a material's table of factors has along the half angle and along the difference angle; 0 and 0 without one.
+ *
+ * A mixture of a material with factors reads them from the material: see `srbf_mixture`.
+ * Shapes: `half` and `difference` one number each, overwritten.
+ */
+srbf_status srbf_material_factor_nodes(const struct srbf_material *material,
+                                       size_t *half,
+                                       size_t *difference);
+
+/**
+ * Gives the largest factor of any node and channel, which no factor exceeds but for rounding; 1 without a table.
+ *
+ * The luminance of a sample's weight is at most the power of its mixture times this, where no channel of a lobe is negative.
+ * Shapes: `factor` one number, overwritten.
+ */
+srbf_status srbf_material_largest_factor(const struct srbf_material *material,
+                                         float *factor);
+
+/**
+ * Gives the factor of a node. Status: `SRBF_STATUS_INDEX` past either end, and without a table.
+ *
+ * Nodes are evenly spaced from 0 to 1 in `(1 - h.z)^(1/4)` and in `(1 - h.wo)^(1/2)`, `h = (wi + wo) / |wi + wo|`.
+ * Shapes: `factor` [3], linear sRGB, overwritten.
+ */
+srbf_status srbf_material_factor_node(const struct srbf_material *material,
+                                      size_t half,
+                                      size_t difference,
+                                      float *factor);
+
+/**
+ * Evaluates what the value of the lobes is multiplied by for a pair of directions above the horizon; 1 without a table.
+ *
+ * `srbf_mixture_evaluate` and all that gives values or weights has multiplied already; densities and draws are the lobes' alone.
+ * Shapes: `wo` and `wi` [3], unit vectors, which may be exchanged; `factor` [3], linear sRGB, overwritten.
+ */
+srbf_status srbf_material_factor(const struct srbf_material *material,
+                                 const float *wo,
+                                 const float *wi,
+                                 float *factor);
+
+/**
+ * Gives the albedo of a view with its factors, as it is stored. Status: `SRBF_STATUS_INDEX` past the end, and without a table.
+ *
+ * Shapes: `albedo` [3], linear sRGB, overwritten.
+ */
+srbf_status srbf_material_view_albedo(const struct srbf_material *material,
+                                      size_t view,
+                                      float *albedo);
+
 #if defined(SRBF_HOSTED)
 /**
  * Makes a material of `.srbf` bytes, which are copied. Release it with `srbf_material_free`.
