@@ -55,9 +55,9 @@
 #define SRBF_VERSION 100
 
 /**
- * Version of the `.srbf` bytes that are read and written.
+ * Version of the `.srbf` bytes that are written; this one and version 1 are read.
  */
-#define SRBF_FORMAT_VERSION 1
+#define SRBF_FORMAT_VERSION 2
 
 /**
  * The best level of this processor and build.
@@ -170,7 +170,7 @@ typedef struct srbf_lobe {
      */
     float sharpness;
     /**
-     * Value at the axis, linear sRGB, not negative.
+     * Value at the axis, linear sRGB. A channel may be negative, the luminance not, and no channel beyond 32 times that.
      */
     float amplitude[3];
 } srbf_lobe;
@@ -208,11 +208,13 @@ typedef struct srbf_mixture_info {
      */
     float diffuse[3];
     /**
-     * Integral of `f cos` over the domain, linear sRGB: for a material's mixture, the albedo.
+     * Integral of `f cos` over the domain, linear sRGB: for a material's mixture, the albedo. One of a material with factors is
+     * interpolated between those that it stores.
      */
     float albedo[3];
     /**
-     * Luminance of the albedo, and of the weight of every sample.
+     * Luminance of the integral of lobes and diffuse term: what densities are normalised by, and the luminance of the weight of every
+     * sample. In a material with factors the latter is multiplied by its factor.
      */
     float power;
 } srbf_mixture_info;
@@ -496,7 +498,7 @@ typedef void (*srbf_brdf)(void *user, const float *wi, const float *wo, float *f
 #define SRBF_STATUS_SHARPNESS 12
 
 /**
- * An amplitude is NaN, negative or infinite.
+ * An amplitude is NaN or infinite, its luminance negative, or a channel beyond 32 times that.
  */
 #define SRBF_STATUS_AMPLITUDE 13
 
@@ -511,7 +513,7 @@ typedef void (*srbf_brdf)(void *user, const float *wi, const float *wo, float *f
 #define SRBF_STATUS_CAPACITY 15
 
 /**
- * A mixture holds squeezed lobes or a diffuse term, which have no product in closed form.
+ * A mixture holds squeezed lobes, a diffuse term or factors, which have no product in closed form.
  */
 #define SRBF_STATUS_SQUEEZED 16
 
@@ -792,7 +794,7 @@ srbf_status srbf_material_albedo(const struct srbf_material *material,
  * Makes the mixture of lobes for an outgoing direction, in a mixture that the caller has initialised; overwrites it.
  *
  * The mixture takes and gives directions in the shading frame that `wo` is given in. Below the horizon (z < 0) nothing
- * is reflected: the mixture is empty.
+ * is reflected: the mixture is empty. Of a material with factors the mixture reads them from the material, which must outlive it.
  * Shapes: `wo` [3], unit vector towards the viewer, +z the surface normal.
  * Status: `SRBF_STATUS_CAPACITY` if the mixture has room for fewer lobes than the material has. On failure the
  * mixture keeps what it held.
@@ -830,6 +832,56 @@ srbf_status srbf_material_prepare_into(const struct srbf_material *material,
                                        void *storage,
                                        size_t stride);
 
+/**
+ * Says how many nodes a material's table of factors has along the half angle and along the difference angle; 0 and 0 without one.
+ *
+ * A mixture of a material with factors reads them from the material: see `srbf_mixture`.
+ * Shapes: `half` and `difference` one number each, overwritten.
+ */
+srbf_status srbf_material_factor_nodes(const struct srbf_material *material,
+                                       size_t *half,
+                                       size_t *difference);
+
+/**
+ * Gives the largest factor of any node and channel, which no factor exceeds but for rounding; 1 without a table.
+ *
+ * The luminance of a sample's weight is at most the power of its mixture times this, where no channel of a lobe is negative.
+ * Shapes: `factor` one number, overwritten.
+ */
+srbf_status srbf_material_largest_factor(const struct srbf_material *material,
+                                         float *factor);
+
+/**
+ * Gives the factor of a node. Status: `SRBF_STATUS_INDEX` past either end, and without a table.
+ *
+ * Nodes are evenly spaced from 0 to 1 in `(1 - h.z)^(1/4)` and in `(1 - h.wo)^(1/2)`, `h = (wi + wo) / |wi + wo|`.
+ * Shapes: `factor` [3], linear sRGB, overwritten.
+ */
+srbf_status srbf_material_factor_node(const struct srbf_material *material,
+                                      size_t half,
+                                      size_t difference,
+                                      float *factor);
+
+/**
+ * Evaluates what the value of the lobes is multiplied by for a pair of directions above the horizon; 1 without a table.
+ *
+ * `srbf_mixture_evaluate` and all that gives values or weights has multiplied already; densities and draws are the lobes' alone.
+ * Shapes: `wo` and `wi` [3], unit vectors, which may be exchanged; `factor` [3], linear sRGB, overwritten.
+ */
+srbf_status srbf_material_factor(const struct srbf_material *material,
+                                 const float *wo,
+                                 const float *wi,
+                                 float *factor);
+
+/**
+ * Gives the albedo of a view with its factors, as it is stored. Status: `SRBF_STATUS_INDEX` past the end, and without a table.
+ *
+ * Shapes: `albedo` [3], linear sRGB, overwritten.
+ */
+srbf_status srbf_material_view_albedo(const struct srbf_material *material,
+                                      size_t view,
+                                      float *albedo);
+
 #if defined(SRBF_HOSTED)
 /**
  * Makes a material of `.srbf` bytes, which are copied. Release it with `srbf_material_free`.
@@ -860,7 +912,7 @@ srbf_status srbf_material_load(const char *path,
  * Releases a material; NULL is allowed and does nothing.
  *
  * A material that `srbf_material_borrow` made is only marked as none. Nobody may use the material during or after the
- * call.
+ * call, nor, if it has factors, a mixture that it has made.
  * Status: `SRBF_STATUS_OBJECT` if it is not a material.
  */
 srbf_status srbf_material_free(struct srbf_material *material);

@@ -99,7 +99,7 @@ fn evaluate(c: &mut Criterion) {
 fn measure_named<F: FnMut()>(
     group: &mut criterion::BenchmarkGroup<'_, criterion::measurement::WallTime>,
     per_lobe: bool,
-    make: impl Fn(Mixture<64>, usize) -> F,
+    make: impl Fn(Mixture<'static, 64>, usize) -> F,
 ) {
     let n = 1024;
     for (name, mixture) in named_mixtures() {

@@ -319,8 +319,9 @@ impl<const N: usize> Each<N> for OneChannelPairs<'_> {
         if !self.is_pdf && mixtures.iter().any(Mixture::has_factors) {
             let mut value = level.run(SumBlock::<N, 3> { mixtures, directions });
             multiply_block(level, mixtures, directions, &mut value);
-            for i in 0..mixtures.len() {
-                self.out[from + i] = luminance(Vec3::new(value[0][i], value[1][i], value[2][i]));
+            let [red, green, blue] = value;
+            for (i, out) in self.out[from..from + mixtures.len()].iter_mut().enumerate() {
+                *out = luminance(Vec3::new(red[i], green[i], blue[i]));
             }
             return;
         }

@@ -8,6 +8,9 @@ use std::f64::consts::{LOG2_E, TAU};
 /// Largest albedo of a material, at any view.
 const MOST: f64 = 0.999;
 
+/// Logarithm of a luminance, and colour differences.
+type Color = (f32, [f32; 2]);
+
 /// Looks at the albedo between two knots, each way.
 const LOOKS: usize = 8;
 
@@ -18,7 +21,7 @@ pub(super) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec
     keep_energy(layout, &mut x);
 
     let log2 = |v: f64| (v * LOG2_E) as f32;
-    let stored: Vec<([f32; 3], (f32, [f32; 2]), Vec<TiltedLobe>)> = x
+    let stored: Vec<([f32; 3], Color, Vec<TiltedLobe>)> = x
         .chunks_exact(p)
         .map(|q| {
             let color = |of: [usize; 3]| color_differences(of.map(|i| log2(q[i])));

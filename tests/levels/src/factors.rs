@@ -119,7 +119,7 @@ fn check_samples(
             found.fault(format!("wo {wo}: samples with factors, or a guard zone was written"));
         }
     }
-    for i in 0..n {
+    for (i, u) in u.iter().enumerate() {
         let vector =
             |from: &Guarded<7>, at: usize| Vec3::new(from.at(at, i), from.at(at + 1, i), from.at(at + 2, i));
         let d = vector(&out, 0);
@@ -127,7 +127,7 @@ fn check_samples(
             found.fault(format!("wo {wo}, sample {i}: another draw or density than of the lobes"));
         }
         see(found, material, [wo, d], vector(&out, 4), vector(&plain, 4));
-        match (m.sample(u[i].to_array()), lobes.sample(u[i].to_array())) {
+        match (m.sample(u.to_array()), lobes.sample(u.to_array())) {
             (Some(got), Some(want)) if (got.direction, got.pdf) == (want.direction, want.pdf) => {
                 see(found, material, [wo, got.direction], got.value, want.value);
             }
