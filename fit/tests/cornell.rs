@@ -15,7 +15,7 @@ fn fitted(name: &str) -> Fit {
     fit(&table, &Settings::default(), |_| {}).unwrap()
 }
 
-fn prepared(bytes: &[u8], degrees: f32, azimuth: f32) -> Mixture<MAX_LOBES> {
+fn prepared(bytes: &[u8], degrees: f32, azimuth: f32) -> Mixture<'_, MAX_LOBES> {
     let mut mixture = Mixture::empty();
     let (sin, cos) = degrees.to_radians().sin_cos();
     let wo = Vec3::new(-sin * azimuth.cos(), -sin * azimuth.sin(), cos);
