@@ -208,7 +208,7 @@ fn factors_of_a_grid_multiply_values_and_albedos_are_interpolated_along_and_acro
         assert_eq!(material.view_albedo(v), albedos.get(v).copied());
     }
     for _ in 0..500 {
-        let (theta, phi) = (random.between(0.0, 1.57), random.between(0.0, 6.28));
+        let (theta, phi) = (random.between(0.0, 1.57), random.between(0.0, 6.0));
         let wo = Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
         let wi = random.direction();
         let wi = wi.with_z(wi.z.abs());

@@ -268,10 +268,10 @@ fn check_samples(m: &Mixture<16>, bare: &Mixture<16>, random: &mut Random) {
     };
     let (got, lobes) = (draw(m), draw(bare));
     assert_eq!(got[..4], lobes[..4]);
-    for i in 0..N {
-        let d = Vec3::new(got[0][i], got[1][i], got[2][i]);
-        let weight = Vec3::new(got[4][i], got[5][i], got[6][i]);
-        let want = m.evaluate(d) / got[3][i];
+    let vector = |first: usize, i: usize| Vec3::from([0, 1, 2].map(|k| got[first + k][i]));
+    for (i, pdf) in got[3].iter().enumerate() {
+        let (d, weight) = (vector(0, i), vector(4, i));
+        let want = m.evaluate(d) / pdf;
         assert!((weight - want).abs().max_element() <= 1e-4 * largest * m.power(), "{d}: {weight}, {want}");
     }
 }

@@ -77,7 +77,7 @@ fn version_1_is_read_as_it_was() {
         let next = view + 1;
         for t in if next < views { &[0.0, 0.3, 0.75][..] } else { &[] } {
             let (from, to) = (f64::from(number(view)), f64::from(number(next)));
-            let wo = wo((from * (1.0 - t) + to * t).min(1.5707) as f32, 0.8);
+            let wo = wo((from * (1.0 - t) + to * t).min(1.57) as f32, 0.8);
             let m = prepare(&material, wo);
             // Where that lies once it has been rounded.
             let theta = f64::from(wo.x).hypot(f64::from(wo.y)).atan2(f64::from(wo.z));

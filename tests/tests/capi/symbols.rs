@@ -43,11 +43,12 @@ fn are_declared_documented_and_tested() {
     let undocumented: Vec<_> = declared.iter().filter(|(_, documented)| !documented).collect();
     assert!(undocumented.is_empty(), "no comment right before: {undocumented:?}");
 
-    for program in ["normal.c", "abuse.c"] {
-        // Fitting has a program of its own for both.
-        let read =
-            |name| std::fs::read_to_string(root().join("tests/c").join(name)).expect("the program is there");
-        let source = read(program) + &read("fit.c");
+    for (program, others) in [("normal.c", &["fit.c", "factors.c"][..]), ("abuse.c", &["fit.c"])] {
+        // Fitting has a program of its own for both, normal use of factors one as well.
+        let read = |name: &str| {
+            std::fs::read_to_string(root().join("tests/c").join(name)).expect("the program is there")
+        };
+        let source = others.iter().fold(read(program), |source, other| source + &read(other));
         // Where nothing can be abused, normal use is all.
         let harmless = ["srbf_version", "srbf_version_text", "srbf_simd_level", "srbf_simd_set_level"];
         let untested: Vec<_> = names
