@@ -20,6 +20,9 @@ const UNCERTAIN: f64 = 1e-3;
 /// Weight of the squared factors beside the squared errors.
 const STAY: f64 = 1e-4;
 
+/// Largest logarithm of a factor.
+const MOST: f64 = 0.3;
+
 /// Times that the factors are looked for.
 const PASSES: usize = 2;
 
@@ -47,24 +50,46 @@ pub(crate) fn balance(
         };
         albedo.par_iter().map(row).collect()
     };
-    // What lies between two knots follows them not quite as a straight line: once more from where that leads.
+    let largest =
+        |rows: &[[Row; 3]], c: usize| rows.iter().fold(0.0, |most: f64, row| most.max(row[c].error.abs()));
+    // What lies between two knots follows them not quite as a straight line: once more from where that leads. A channel that has become
+    // worse, as one near 0 may, stays as it was.
+    let mut at = rows(x);
     for _ in 0..PASSES {
-        let rows = rows(x);
-        let factors = [0, 1, 2]
-            .map(|c| factors(&rows.iter().map(|row| row[c]).collect::<Vec<_>>(), layout.knots.len()));
-        for (knot, q) in x.chunks_exact_mut(p).enumerate() {
-            let by = [0, 1, 2].map(|c| libm::exp(factors[c][knot]));
-            for k in 0..=layout.lobes {
-                let color = rgb(layout.tint(k).map(|i| q[i]));
-                let scaled = [0, 1, 2].map(|c| color[c] * by[c]);
-                // What would have no luminance any more stays as it is.
-                if luminance(scaled) > 0.0 {
-                    layout.set_tint(q, k, scaled, 0.0);
-                }
+        let factors =
+            [0, 1, 2].map(|c| factors(&at.iter().map(|row| row[c]).collect::<Vec<_>>(), layout.knots.len()));
+        let mut is_kept = [true; 3];
+        for _ in 0..2 {
+            let moved = scaled(layout, x, &factors, is_kept);
+            let then = rows(&moved);
+            let kept = [0, 1, 2].map(|c| is_kept[c] && largest(&then, c) <= largest(&at, c));
+            if kept == is_kept {
+                x.copy_from_slice(&moved);
+                at = then;
+                break;
+            }
+            is_kept = kept;
+        }
+    }
+    (0..3).fold(0.0, |most, c| most.max(largest(&at, c)))
+}
+
+/// The unknowns with the channels that are kept scaled at every knot.
+fn scaled(layout: &Layout, x: &[f64], factors: &[Vec<f64>; 3], is_kept: [bool; 3]) -> Vec<f64> {
+    let mut x = x.to_vec();
+    for (knot, q) in x.chunks_exact_mut(layout.stride()).enumerate() {
+        let by =
+            [0, 1, 2].map(|c| if is_kept[c] { libm::exp(factors[c][knot].clamp(-MOST, MOST)) } else { 1.0 });
+        for k in 0..=layout.lobes {
+            let color = rgb(layout.tint(k).map(|i| q[i]));
+            let scaled = [0, 1, 2].map(|c| color[c] * by[c]);
+            // What would have no luminance any more stays as it is.
+            if luminance(scaled) > 0.0 {
+                layout.set_tint(q, k, scaled, 0.0);
             }
         }
     }
-    rows(x).iter().flatten().fold(0.0, |most, row| most.max(row.error.abs()))
+    x
 }
 
 /// The error of a channel's albedo between two knots, and its derivative by the logarithm of a factor on all amplitudes.

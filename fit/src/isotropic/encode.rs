@@ -23,6 +23,12 @@ pub(crate) fn views_of_equal_size(layout: &Layout, lobes: usize) -> usize {
         .unwrap_or(views)
 }
 
+/// Bytes of a layout with a table of factors, without provenance.
+pub(crate) fn len(layout: &Layout, factors: Option<[usize; 2]>) -> usize {
+    let table = factors.map_or(0, |[half, difference]| 4 * (half * difference + 1 + 3 * layout.knots.len()));
+    encoded_len(layout.knots.len(), layout.lobes, layout.mirrored, "") + table
+}
+
 /// Encodes unknowns as a material.
 ///
 /// Between knots a lobe's energy is interpolated nearly geometrically, which is never above the straight line, so the

@@ -72,6 +72,8 @@ pub(crate) struct Weights {
     pub smoothness: f64,
     /// Of the squared relative error of the albedo beside the squared relative L2 error.
     pub energy: f64,
+    /// Damping of a colour, over the cost: else faint lobes would change theirs by large steps, which shorten all others.
+    pub faint_color: f64,
 }
 
 /// One view as the fit sees it.
@@ -114,8 +116,6 @@ pub(crate) struct Weighted<'a> {
     pub weights: Weights,
 }
 
-/// Damping of a colour, over the cost: else faint lobes would change theirs by large steps, which shorten all others.
-const FAINT_COLOR: f64 = 1e-3;
 /// A change of a colour difference that is as long as one of 1 of the logarithms.
 const COLOR_STEP: f64 = 4.0;
 
@@ -137,7 +137,7 @@ impl LeastSquares for Weighted<'_> {
         if self.is_color(unknown) { COLOR_STEP } else { 1.0 }
     }
     fn faint(&self, unknown: usize) -> f64 {
-        if self.is_color(unknown) { FAINT_COLOR } else { 1e-10 }
+        if self.is_color(unknown) { self.weights.faint_color } else { 1e-10 }
     }
     fn cost(&self, x: &[f64]) -> f64 {
         self.objective.cost(x, self.weights)
@@ -640,7 +640,7 @@ mod tests {
     #[test]
     fn gradient_and_cost_agree_with_differences() {
         let (objective, x) = problem();
-        let smoothness = Weights { smoothness: 0.1, energy: 2.0 };
+        let smoothness = Weights { smoothness: 0.1, energy: 2.0, faint_color: 0.0 };
         let linearized = objective.linearize(&x, smoothness);
         let cost = objective.cost(&x, smoothness);
         assert!((linearized.cost - cost).abs() < 1e-12 * cost, "{} {cost}", linearized.cost);
@@ -676,7 +676,7 @@ mod tests {
                 point.weigh(point.base, 0.0);
             }
         }
-        let none = Weights { smoothness: 0.0, energy: 1.0 };
+        let none = Weights { smoothness: 0.0, energy: 1.0, faint_color: 0.0 };
         let linearized = objective.linearize(&x, none);
         let scale = (0..x.len()).map(|i| linearized.matrix.diagonal(i)).fold(0.0, f64::max);
         let mut random = Random::new(5);

@@ -35,10 +35,10 @@ const KNOT_DISTANCE: f64 = 0.035;
 /// below for that to be worth the time.
 const ROUNDS: usize = 3;
 const WORTHWHILE: f64 = 0.97;
-/// Times that factors and lobes are fitted in turn; and the share of the error of lobes alone that factors may leave, to be worth their
-/// bytes.
+/// Bytes that a material with factors may have, but for what is said of where it comes from.
+const MOST_BYTES: usize = 5900;
+/// Times that factors and lobes are fitted in turn.
 const FACTOR_ROUNDS: usize = 2;
-const WORTH_FACTORS: f64 = 0.93;
 /// What the weights of missed goals are multiplied by before, and the most that energy gets: with more, nothing else counts.
 const MORE_ENERGY: f64 = 10.0;
 const MOST_ENERGY: f64 = 1000.0;
@@ -216,10 +216,10 @@ impl<'a> Problem<'a> {
         best: Finalist<'a>,
         work: &mut Work<'_>,
     ) -> Result<Finalist<'a>, FitError> {
-        let (sizes, worth): (&[[usize; 2]], f64) = match &self.settings.factors {
-            FactorNodes::None => (&[], 1.0),
-            FactorNodes::Chosen => (&SIZES, WORTH_FACTORS),
-            FactorNodes::Given(size) => (std::slice::from_ref(size), f64::INFINITY),
+        let (sizes, is_given): (&[[usize; 2]], bool) = match &self.settings.factors {
+            FactorNodes::None => (&[], false),
+            FactorNodes::Chosen => (SIZES[..].get(..best.sizes_within(MOST_BYTES)).unwrap_or(&[]), false),
+            FactorNodes::Given(size) => (std::slice::from_ref(size), true),
         };
         let Some(stage) = self.stages(LAST).pop() else { return Ok(best) };
         let stage = Stage { keep: 1, look: None, ..stage };
@@ -234,7 +234,7 @@ impl<'a> Problem<'a> {
                 with = Some(moved.clone());
             }
         }
-        if let Some(with) = with.filter(|with| with.rank() < worth * best.rank()) {
+        if let Some(with) = with.filter(|with| is_given || with.is_worth_factors(&best)) {
             return Ok(with);
         }
         let mut moved = best.clone();

@@ -9,7 +9,7 @@ use crate::judge::fitted_material::{TrackedLobes, TrackedView};
 use crate::judge::method::{Fitted, FittedView};
 use crate::judge::norm::{Norm, relative, squares};
 use crate::judge::reciprocity::{Reciprocity, reciprocity};
-use crate::judge::seen::{Seen, away, negatives, seen};
+use crate::judge::seen::{SEEN, Seen, away, negatives, seen};
 use crate::judge::verdict::{Made, Summary, Verdict, steps_matter};
 pub use crate::numeric::levenberg::Ending;
 use crate::table::{DARKEST, Sample, View};
@@ -90,6 +90,11 @@ impl ViewReport {
     pub fn energy_error(&self) -> f64 {
         let errors = EnergyError::beside(BLACK).errors(self.albedo, self.data_albedo);
         errors.iter().fold(0.0, |most: f64, e| most.max(e.abs()))
+    }
+
+    /// Root mean squared difference of logarithms away from the peak, see [`seen`](crate::judge::seen).
+    pub(crate) fn away(&self) -> f64 {
+        libm::sqrt((self.measure * self.measure - self.error * self.error).max(0.0) / SEEN)
     }
 
     /// Whether the view holds no more than what lobes cannot be darker than.

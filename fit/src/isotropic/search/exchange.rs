@@ -285,7 +285,7 @@ mod tests {
             }
             q[layout.diffuse()] = -8.0;
         }
-        let weights = Weights { smoothness: 1e-6, energy: 1.0 };
+        let weights = Weights { smoothness: 1e-6, energy: 1.0, faint_color: 1e-3 };
         let limits = Limits { steps: 60, improvement: 1e-4 };
         let (before, _) = minimize(&Weighted { objective: &objective, weights }, &mut x, limits, || {});
         let after = exchange(&objective, &mut x, before, (8, limits, weights), 0, || {});

@@ -2,7 +2,7 @@
 
 use crate::isotropic::balance;
 use crate::isotropic::encode;
-use crate::isotropic::factors::Factors;
+use crate::isotropic::factors::{Factors, SIZES};
 use crate::isotropic::model::parameters::Layout;
 use crate::isotropic::objective::{Emphasis, Objective};
 use crate::isotropic::search::candidates::{Candidate, Task, Work, advance};
@@ -31,6 +31,10 @@ const DOUBLING: f64 = 0.07;
 /// What the error may be multiplied by before it is worth the time to mend what is missed.
 const TOLERATED: f64 = 1.04;
 
+/// Shares that factors may leave of the rank, or of the error away from the peak, to be worth their bytes.
+const WORTH_RANK: f64 = 0.93;
+const WORTH_AWAY: f64 = 0.8;
+
 /// The best of a shape, on a table of its own.
 #[derive(Clone)]
 pub(crate) struct Finalist<'a> {
@@ -44,6 +48,8 @@ pub(crate) struct Finalist<'a> {
     /// Mean error on that, of values and of the albedo, the largest variance of a view, the largest weight on that and, at the end, on
     /// what they saw before; and the largest error of the albedo at any view.
     error: f64,
+    /// Mean error away from the peak alone, see `crate::judge::seen`.
+    away: f64,
     variance: f64,
     largest_weight: f64,
     energy_error: f64,
@@ -64,6 +70,7 @@ impl<'a> Finalist<'a> {
             candidate,
             factors: None,
             error: f64::INFINITY,
+            away: f64::INFINITY,
             variance: f64::INFINITY,
             largest_weight: f64::INFINITY,
             energy_error: f64::INFINITY,
@@ -117,6 +124,18 @@ impl<'a> Finalist<'a> {
         self.error * self.penalty()
     }
 
+    /// How many of the sizes of tables of factors leave it within so many bytes.
+    pub fn sizes_within(&self, bytes: usize) -> usize {
+        SIZES.iter().take_while(|size| encode::len(&self.layout, Some(**size)) <= bytes).count()
+    }
+
+    /// Whether it is worth the bytes of factors that the other one lacks: less of the measure, or, where a grazing peak rules that, much
+    /// less away from the peak.
+    pub fn is_worth_factors(&self, plain: &Self) -> bool {
+        let (rank, away) = (self.rank() / plain.rank(), self.away / plain.away);
+        rank < WORTH_RANK || (rank < 1.0 && away < WORTH_AWAY)
+    }
+
     /// The same before the end, where only the weight counts, which gets worse when it is not mended.
     pub fn early_rank(&self) -> f64 {
         if self.has_small_weights() { self.error } else { WIDENED * self.error }
@@ -158,7 +177,8 @@ impl<'a> Finalist<'a> {
         let bytes = encode::encode(&self.layout, &x, self.factors.as_ref(), "")?;
         let mut seen = source.table(&self.layout.knots, Some((&bytes, round)))?;
         let reports = reports(&bytes, &seen)?;
-        self.error = mean_over_angle(&reports);
+        self.error = mean_over_angle(&reports, |report| report.measure + report.energy_error());
+        self.away = mean_over_angle(&reports, ViewReport::away);
         let asked_for = reports.iter().filter(|view| view.theta < STEEPEST);
         self.variance = asked_for.map(|view| view.variance).fold(0.0, f64::max);
         // A view where the density is too small may be seen once only; but what was seen before has been moved far since.
@@ -208,9 +228,9 @@ pub(crate) fn reports(bytes: &[u8], table: &Table) -> Result<Vec<ViewReport>, Fi
     table.views.iter().map(|view| ViewReport::new(bytes, view)).collect()
 }
 
-/// Error of values and of the albedo, the mean over the angle of views from the normal on: in one layout more of them may be at
+/// An error, the mean over the angle of views from the normal on: in one layout more of them may be at
 /// grazing angles, where errors are larger, than in another.
-fn mean_over_angle(reports: &[ViewReport]) -> f64 {
+fn mean_over_angle(reports: &[ViewReport], error: impl Fn(&ViewReport) -> f64) -> f64 {
     let last = reports.len() - 1;
     let halfway = |i: usize| 0.5 * (reports[i].theta + reports[i + 1].theta);
     let width = |i: usize| {
@@ -221,7 +241,7 @@ fn mean_over_angle(reports: &[ViewReport]) -> f64 {
     let (mut sum, mut total) = (0.0, 0.0);
     for (i, report) in reports.iter().enumerate() {
         let width = width(i) + f64::EPSILON;
-        sum += width * (report.measure + report.energy_error());
+        sum += width * error(report);
         total += width;
     }
     sum / total

@@ -32,6 +32,11 @@ pub(crate) const LAST: Emphasis = Emphasis { seen: 1.0, ..LIGHT };
 /// holds lobes between them (garnet red has 22 % over samples left out with a tenth of it, in place of 12).
 pub(crate) const SCATTERED: Emphasis = Emphasis { tail: HEAVY_TAIL, seen: 0.0, energy: 1.0 };
 
+/// Damping of colours, over the cost. Of scattered samples a tenth is enough: cayman ends at 0.92 % in place of 1.08; malachite at 11.1 %
+/// in place of 16.4 without it.
+const FAINT_COLOR: f64 = 1e-3;
+const FAINT_COLOR_SCATTERED: f64 = 1e-4;
+
 /// How many candidates take part in a stage, the best of the one before.
 #[derive(Clone, Copy, Debug)]
 enum Keep {
@@ -191,6 +196,7 @@ pub(crate) fn stages(settings: &Settings, energy: f64, is_evaluable: bool) -> Ve
         weights: Weights {
             smoothness: line.stiffness * settings.smoothness,
             energy: if line.sees == Sees::AllAndAlbedo { energy } else { 1.0 },
+            faint_color: if is_evaluable { FAINT_COLOR } else { FAINT_COLOR_SCATTERED },
         },
         last: line.sees == Sees::AllAndAlbedo,
         evenly: is_evaluable,
