@@ -65,14 +65,28 @@ fn read(mut source: impl Read) -> Result<Vec<u8>, FileError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Material, PlaneLobe, View, encode, encoded_len};
+    use crate::{Line, Material, PlaneLobe, View};
     use std::vec;
 
     fn material() -> Vec<u8> {
-        let lobe = PlaneLobe { angle: 0.0, off_plane: 0.0, log2_sharpness: 3.0, log2_amplitude: [-3.0; 3] };
-        let view = View { theta: 0.0, log2_squeeze: 0.0, log2_diffuse: [-2.0; 3], lobes: &[lobe] };
-        let mut bytes = vec![0; encoded_len(1, 1, 0, "test")];
-        encode(&[view], 0, 0, "test", &mut bytes).unwrap();
+        let color_differences = [0.0; 2];
+        let lobe = PlaneLobe {
+            angle: 0.0,
+            off_plane: 0.0,
+            log2_sharpness: 3.0,
+            log2_luminance: -3.0,
+            color_differences,
+        };
+        let view = View {
+            theta: 0.0,
+            log2_squeeze: 0.0,
+            log2_diffuse: -2.0,
+            diffuse_color_differences: color_differences,
+            lobes: &[lobe],
+        };
+        let line = Line { views: &[view], squeezed: 0, mirrored: 0, factors: None };
+        let mut bytes = vec![0; line.encoded_len("test")];
+        line.encode("test", &mut bytes).unwrap();
         bytes
     }
 
