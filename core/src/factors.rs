@@ -194,8 +194,8 @@ impl<const N: usize> One<Mixture<'_, N>> for FactoredOne {
 enum Outgoing<'a> {
     /// The same for all.
     One([f32; 3]),
-    /// One for each incident direction.
-    #[cfg(feature = "simd")]
+    /// One for each incident direction: in blocks of pairs, which there are with vectors.
+    #[cfg_attr(not(feature = "simd"), allow(dead_code))]
     Each([&'a [f32]; 3]),
 }
 
@@ -232,7 +232,6 @@ impl Routine for Multiply<'_, '_> {
                     [some::<L>(&wi[0][at..], count), some(&wi[1][at..], count), some(&wi[2][at..], count)];
                 let outgoing = match wo {
                     Outgoing::One(wo) => splat3(wo),
-                    #[cfg(feature = "simd")]
                     Outgoing::Each(wo) => {
                         [some(&wo[0][at..], count), some(&wo[1][at..], count), some(&wo[2][at..], count)]
                     }

@@ -69,18 +69,19 @@ mod tests {
     use std::vec;
 
     fn material() -> Vec<u8> {
+        let color_differences = [0.0; 2];
         let lobe = PlaneLobe {
             angle: 0.0,
             off_plane: 0.0,
             log2_sharpness: 3.0,
             log2_luminance: -3.0,
-            color_differences: [0.0; 2],
+            color_differences,
         };
         let view = View {
             theta: 0.0,
             log2_squeeze: 0.0,
             log2_diffuse: -2.0,
-            diffuse_color_differences: [0.0; 2],
+            diffuse_color_differences: color_differences,
             lobes: &[lobe],
         };
         let line = Line { views: &[view], squeezed: 0, mirrored: 0, factors: None };
