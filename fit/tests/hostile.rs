@@ -1,6 +1,6 @@
 //! Tables that no measurement should be, but some are: each gives a sound material, or says why not.
 
-use srbf_core::{MAX_LOBES, Material, Mixture, Vec3};
+use srbf_core::{MAX_LOBES, Material, Mixture, Vec3, luminance};
 use srbf_fit::analytic::lambert::Lambert;
 use srbf_fit::baselines::lafortune::{self, Lafortune};
 use srbf_fit::baselines::thesis;
@@ -60,10 +60,10 @@ fn sound(views: Vec<(f64, Scattered)>) -> Result<f64, srbf_fit::FitError> {
         );
         for i in 0..20 {
             let d = direction(0.08 * f64::from(i), 0.7 * f64::from(i)).map(|v| v as f32);
-            assert!(
-                mixture.evaluate(Vec3::from(d)).is_finite()
-                    && mixture.evaluate(Vec3::from(d)).min_element() >= 0.0
-            );
+            // Channels of saturated colours may be below 0, the luminance is not, but for rounding.
+            let value = mixture.evaluate(Vec3::from(d));
+            let rounding = 1e-6 * value.abs().max_element();
+            assert!(value.is_finite() && luminance(value) >= -rounding, "{degrees}: {value}");
         }
     }
     for v in &fit.report.views {
@@ -243,7 +243,7 @@ fn an_error_that_is_asked_for_is_reached_or_refused() {
 }
 
 #[test]
-fn negative_values_count_as_nothing() {
+fn negative_values_give_sound_materials() {
     sound(table(|_, d| if d[1] > 0.3 { -1.0 } else { FLAT })).unwrap();
 }
 

@@ -196,7 +196,8 @@ impl Sums {
             self.albedo[c] += s.weight * value[c];
             self.data_albedo[c] += s.weight * data[c];
         }
-        let luminance: f64 = (0..3).map(|c| f64::from(LUMINANCE[c]) * data[c]).sum();
+        // A negative luminance is noise, and nothing that could be sampled.
+        let luminance = (0..3).map(|c| f64::from(LUMINANCE[c]) * data[c]).sum::<f64>().max(0.0);
         let pdf = fitted.pdf(s.direction).unwrap_or(f64::NAN);
         self.luminance += s.weight * luminance;
         self.density += s.weight * pdf;
