@@ -75,8 +75,8 @@ pub(crate) fn start(table: &Table, layout: &Layout, n: usize) -> Vec<f64> {
             let found = best_amplitudes(view, &lobes, layout.lobes + 1);
             let color = |k: usize| [0, 1, 2].map(|c| found[c][k]);
             let largest = (0..=layout.lobes).map(|k| luminance(color(k))).fold(1e-9, f64::max);
-            for k in 0..layout.lobes {
-                let faint = FAINT * largest / sharpness[k].max(1.0);
+            for (k, sharpness) in sharpness.iter().enumerate() {
+                let faint = FAINT * largest / sharpness.max(1.0);
                 layout.set_tint(q, k, color(k), faint);
             }
             let faint = 1e-3 * luminance(view.albedo).max(0.0) + 1e-9;
