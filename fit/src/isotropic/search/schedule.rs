@@ -12,6 +12,9 @@ use crate::numeric::levenberg::Limits;
 const USUAL_LOBES: usize = 12;
 const MOST_TIMES: usize = 4;
 
+/// Lobes from which on there are fewer starts and exchanges, in inverse proportion to them.
+const MANY_LOBES: usize = 20;
+
 /// Times that the table is made again, with directions that the lobes draw and at other views: a lobe that is sharp between the
 /// directions and views of a table costs nothing there (steel at 42.5 degrees: 32 % in place of 4 %).
 pub(crate) const LOOKS: usize = 3;
@@ -178,15 +181,18 @@ pub(crate) fn stages(settings: &Settings, energy: f64, is_evaluable: bool) -> Ve
     let times = (USUAL_LOBES + settings.lobes / 2) / settings.lobes;
     let times = if is_evaluable { times.clamp(1, MOST_TIMES) } else { 1 };
     let recipe: &[Line] = if is_evaluable { &ANYWHERE } else { &SAMPLES };
+    // A step takes the square of the lobes, and many lobes have fewer minima that are bad.
+    let fewer = |count: usize| (count * MANY_LOBES).div_ceil(settings.lobes.max(MANY_LOBES));
+    let (starts, exchanges) = (fewer(settings.starts), fewer(settings.exchanges));
     let stage = |line: &Line| Stage {
         keep: match line.keep {
-            Keep::Starts(part, whole) => times * (part * settings.starts).div_ceil(whole),
+            Keep::Starts(part, whole) => times * (part * starts).div_ceil(whole),
             // The last of all is alone.
             Keep::Best(0) => 1,
             Keep::Best(count) => times * count,
         },
         full: line.sees != Sees::Some,
-        runs: 1 + line.exchanges.0 * settings.exchanges / line.exchanges.1,
+        runs: 1 + line.exchanges.0 * exchanges / line.exchanges.1,
         limits: Limits {
             steps: match line.steps {
                 Steps::Fixed(steps) => steps,
