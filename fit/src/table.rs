@@ -141,6 +141,11 @@ impl Table {
     }
 }
 
+/// Luminance of a linear sRGB colour (Rec. 709).
+pub(crate) fn luminance(rgb: [f64; 3]) -> f64 {
+    0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
+}
+
 /// Unit vector at an angle from the normal and an azimuth from the mirror direction's.
 pub(crate) fn direction(theta: f64, azimuth: f64) -> [f64; 3] {
     let (st, ct) = libm::sincos(theta);

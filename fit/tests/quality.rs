@@ -1,5 +1,5 @@
 //! How good fits are, without data: three models, each error within a tenth of a stated value. Worse fails, and so does better: then
-//! the stated value is stale, and the figures of the README with it.
+//! the stated value is stale, and the figures in `docs/figures.md` with it.
 //!
 //! `cargo test --release -p srbf-fit --test quality -- --nocapture` prints the errors, and what each optional stage buys.
 

@@ -6,9 +6,10 @@
 //! by iteratively reweighted least squares (Lawson 1961; Karlovitz 1970 for the shortened step).
 
 use crate::isotropic::factors::Factors;
-use crate::isotropic::model::parameters::{Layout, luminance, rgb};
+use crate::isotropic::model::parameters::{Layout, rgb};
 use crate::judge::energy::EnergyError;
 use crate::numeric::banded::Banded;
+use crate::table::luminance;
 use rayon::prelude::*;
 
 /// Power of the norm: high enough that only the largest errors count.

@@ -13,19 +13,21 @@
 //! A view sees only the two knots round it, and roughness three in a row, so the matrix is a band two knots wide.
 
 pub(crate) mod data_term;
+mod linearize;
+mod solver;
 
 use crate::FitError;
 use crate::isotropic::factors::{Demand, Factors};
 use crate::isotropic::model::Lobes;
-use crate::isotropic::model::parameters::{COLOR_SLOPES, LN_SHARPNESS_DEFENSIVE, Layout, luminance, rgb};
+use crate::isotropic::model::parameters::{LN_SHARPNESS_DEFENSIVE, Layout};
 use crate::judge::energy::EnergyError;
-use crate::judge::seen;
-use crate::numeric::banded::Banded;
-use crate::numeric::levenberg::{LeastSquares, Linear};
+use crate::judge::seen::{self, brightness};
 use crate::numeric::special::sphere_integral;
-use crate::table::{Table, View, check_bright, check_storable};
+use crate::table::{Table, View, check_bright, check_storable, luminance};
 use data_term::Point;
 use rayon::prelude::*;
+
+pub(crate) use solver::Weighted;
 
 /// Share of a view's mean below which the variance no longer asks for relative accuracy: there it is noise.
 const TAIL_FLOOR: f64 = 0.05;
@@ -91,103 +93,6 @@ pub(crate) struct Data {
     factors: Option<Vec<[f64; 3]>>,
     /// Factors of the weights of its errors.
     energy: [f64; 3],
-}
-
-/// Linearisation in one view: half the gradient, and the upper half of the Gauss-Newton matrix, by its unknowns.
-struct Block {
-    place: (usize, f64),
-    /// Diagonal of the data term.
-    scale: Vec<f64>,
-    cost: f64,
-    gradient: Vec<f64>,
-    matrix: Vec<f64>,
-}
-
-impl Block {
-    /// Makes the lower half of the matrix that of the upper.
-    fn mirror(&mut self) {
-        let p = self.gradient.len();
-        for i in 0..p {
-            for j in 0..i {
-                self.matrix[i * p + j] = self.matrix[j * p + i];
-            }
-        }
-    }
-}
-
-/// The sum of squares with weights, as the solver sees it.
-pub(crate) struct Weighted<'a> {
-    pub objective: &'a Objective,
-    pub weights: Weights,
-}
-
-/// A change of a colour difference that is as long as one of 1 of the logarithms.
-const COLOR_STEP: f64 = 4.0;
-
-impl Weighted<'_> {
-    fn is_color(&self, unknown: usize) -> bool {
-        self.objective.layout.is_color(unknown % self.objective.layout.stride())
-    }
-}
-
-impl LeastSquares for Weighted<'_> {
-    /// Half of it finds better minima of mirror-like materials, but takes twice the steps to leave a bad start.
-    const LONGEST_STEP: f64 = 3.0;
-    type Linear = Linearized;
-
-    fn bounds(&self, unknown: usize) -> (f64, f64) {
-        self.objective.bounds(unknown)
-    }
-    fn unit(&self, unknown: usize) -> f64 {
-        if self.is_color(unknown) { COLOR_STEP } else { 1.0 }
-    }
-    fn faint(&self, unknown: usize) -> f64 {
-        if self.is_color(unknown) { self.weights.faint_color } else { 1e-10 }
-    }
-    fn cost(&self, x: &[f64]) -> f64 {
-        self.objective.cost(x, self.weights)
-    }
-    fn linearize(&self, x: &[f64]) -> Linearized {
-        self.objective.linearize(x, self.weights)
-    }
-}
-
-impl Linear for Linearized {
-    fn cost(&self) -> f64 {
-        self.cost
-    }
-    fn gradient(&self) -> &[f64] {
-        &self.gradient
-    }
-    fn scale(&self) -> Vec<f64> {
-        self.scale.clone()
-    }
-    fn step(&self, added: &[f64], free: &[bool]) -> Option<Vec<f64>> {
-        let mut matrix = self.matrix.clone();
-        let mut step: Vec<f64> = self.gradient.iter().map(|g| -g).collect();
-        for i in 0..step.len() {
-            if free[i] {
-                matrix.add(i, i, added[i]);
-            } else {
-                matrix.isolate(i);
-                step[i] = 0.0;
-            }
-        }
-        matrix.factor().then(|| {
-            matrix.solve(&mut step);
-            step
-        })
-    }
-}
-
-/// The whole problem linearised at a point.
-pub(crate) struct Linearized {
-    pub cost: f64,
-    pub gradient: Vec<f64>,
-    pub matrix: Banded,
-    /// Diagonal of the matrix without the albedo terms, to which damping is relative: those terms are stiff in one direction
-    /// and must not hold up the others.
-    pub scale: Vec<f64>,
 }
 
 /// The sum of squares over a table, for a layout.
@@ -393,185 +298,6 @@ impl Objective {
         cost
     }
 
-    /// The problem linearised at a point. The cost is that of [`cost`](Self::cost).
-    pub fn linearize(&self, x: &[f64], weights: Weights) -> Linearized {
-        let layout = &self.layout;
-        let p = layout.stride();
-        let mut blocks: Vec<Block> =
-            self.views.par_iter().map(|view| self.linearize_view(view, x, weights.energy)).collect();
-        for &place in &self.watched {
-            let mut q = vec![0.0; p];
-            layout.interpolate(x, place, &mut q);
-            let albedo = layout.albedo(&q, None);
-            if albedo.iter().all(|a| self.excess(*a) == 0.0) {
-                continue;
-            }
-            let mut block = Block {
-                place,
-                scale: vec![0.0; p],
-                cost: 0.0,
-                gradient: vec![0.0; p],
-                matrix: vec![0.0; p * p],
-            };
-            for (channel, &a) in albedo.iter().enumerate() {
-                let excess = self.excess(a);
-                if excess > 0.0 {
-                    let slope = self.excess(a + 1.0) - excess;
-                    self.add_albedo_row(&mut block, &q, (channel, None), (excess, slope));
-                }
-            }
-            blocks.push(block);
-        }
-
-        let mut sum = Linearized {
-            cost: 0.0,
-            gradient: vec![0.0; layout.len()],
-            scale: vec![0.0; layout.len()],
-            matrix: Banded::zeros(layout.len(), (2 * p).min(layout.len() - 1)),
-        };
-        for block in &mut blocks {
-            block.mirror();
-            sum.cost += block.cost;
-            let (knot, blend) = block.place;
-            let ends = [(knot, 1.0 - blend), (knot + 1, blend)];
-            for (a, (knot_a, share_a)) in ends.into_iter().enumerate().filter(|e| e.1.1 > 0.0) {
-                for i in 0..p {
-                    sum.gradient[knot_a * p + i] += share_a * block.gradient[i];
-                    sum.scale[knot_a * p + i] += share_a * share_a * block.scale[i];
-                }
-                for (knot_b, share_b) in ends.into_iter().take(a + 1).filter(|e| e.1 > 0.0) {
-                    let share = share_a * share_b;
-                    for j in 0..p {
-                        let start = if knot_a == knot_b { j } else { 0 };
-                        let row = &block.matrix[j * p + start..(j + 1) * p];
-                        sum.matrix.add_run(knot_a * p + start, knot_b * p + j, share, row);
-                    }
-                }
-            }
-        }
-        self.for_each_difference(weights.smoothness, |terms| {
-            let r: f64 = terms.iter().map(|&(index, factor)| factor * x[index]).sum();
-            sum.cost += r * r;
-            for (a, &(i, fi)) in terms.iter().enumerate() {
-                sum.gradient[i] += fi * r;
-                sum.scale[i] += fi * fi;
-                for &(j, fj) in &terms[..=a] {
-                    sum.matrix.add(i, j, fi * fj);
-                }
-            }
-        });
-        sum
-    }
-
-    fn linearize_view(&self, view: &Data, x: &[f64], energy: f64) -> Block {
-        let layout = &self.layout;
-        let p = layout.stride();
-        let mut q = vec![0.0; p];
-        layout.interpolate(x, view.place, &mut q);
-        let lobes = Lobes::new(layout, &q);
-        let amplitude = layout.amplitudes(&q);
-
-        let data_term::Sums { cost, gram, moment } = data_term::sums(&lobes, &amplitude, &view.points);
-
-        // From derivatives of unit lobes to derivatives by the unknowns.
-        let width = lobes.slopes_len();
-        let mut block = Block {
-            place: view.place,
-            scale: vec![0.0; p],
-            cost,
-            gradient: vec![0.0; p],
-            matrix: vec![0.0; p * p],
-        };
-        let columns = self.columns(width, &q);
-        for c in 0..3 {
-            let targets: Vec<(usize, usize, f64)> =
-                columns.iter().map(|&(a, i, by)| (a, i, by[c])).filter(|target| target.2 != 0.0).collect();
-            for (n, &(a, i, by)) in targets.iter().enumerate() {
-                block.gradient[a] += by * moment[c][i];
-                for (m, &(b, j, other)) in targets[..=n].iter().enumerate() {
-                    let value = by * other * gram[i.max(j) * width + i.min(j)];
-                    // Both (i, j) and (j, i) of the Gram matrix may fall on one element: the squeeze is shared.
-                    let both = if a == b && m < n { 2.0 } else { 1.0 };
-                    block.matrix[a.min(b) * p + a.max(b)] += both * value;
-                }
-            }
-        }
-        (0..p).for_each(|i| block.scale[i] = block.matrix[i * p + i]);
-        let albedo = layout.albedo(&q, view.factors.as_deref());
-        for (c, row) in self.energy_residuals(albedo, view, energy).into_iter().enumerate() {
-            self.add_albedo_row(&mut block, &q, (c, view.factors.as_deref()), row);
-        }
-        block
-    }
-
-    /// For every unknown of a view the derivative of unit lobes that it goes with, and the colour that this is multiplied by.
-    fn columns(&self, width: usize, q: &[f64]) -> Vec<(usize, usize, [f64; 3])> {
-        let layout = &self.layout;
-        let k = layout.lobes;
-        let off_plane = 3 * k + layout.squeezed;
-        let color = |lobe: usize| rgb(layout.tint(lobe).map(|i| q[i]));
-        let mut columns = Vec::with_capacity(width + 2 * k + 2);
-        for i in 0..width {
-            let lobe = match i {
-                _ if i == width - 1 => k,
-                _ if i >= off_plane => layout.first_mirrored() + i - off_plane,
-                _ => i % k,
-            };
-            match i / k {
-                _ if i != width - 1 && i >= off_plane => {
-                    columns.push((layout.off_plane(i - off_plane), i, color(lobe)))
-                }
-                0 if i != width - 1 => columns.push((layout.angle(lobe), i, color(lobe))),
-                1 if i != width - 1 => columns.push((layout.sharpness(lobe), i, color(lobe))),
-                3.. if i != width - 1 => columns.push((0, i, color(lobe))),
-                // The value itself: luminance and colour.
-                _ => {
-                    let [luminance, red, blue] = layout.tint(lobe);
-                    let y = libm::exp(q[luminance]);
-                    columns.push((luminance, i, color(lobe)));
-                    columns.push((red, i, COLOR_SLOPES[0].map(|s| y * s)));
-                    columns.push((blue, i, COLOR_SLOPES[1].map(|s| y * s)));
-                }
-            }
-        }
-        columns
-    }
-
-    /// Adds the square of a residual of one channel's albedo, of which the derivative by the albedo is given, to a view.
-    fn add_albedo_row(
-        &self,
-        block: &mut Block,
-        q: &[f64],
-        (channel, factors): (usize, Option<&[[f64; 3]]>),
-        (residual, by_albedo): (f64, f64),
-    ) {
-        let layout = &self.layout;
-        let p = layout.stride();
-        let mut row = Vec::with_capacity(4 * layout.lobes + 3);
-        for k in 0..=layout.lobes {
-            let [luminance, red, blue] = layout.tint(k);
-            let by = by_albedo * factors.map_or(1.0, |factors| factors[k][channel]);
-            let color = by * rgb([luminance, red, blue].map(|i| q[i]))[channel];
-            let (integral, slope) =
-                if k < layout.lobes { sphere_integral(q[layout.sharpness(k)]) } else { (1.0, 0.0) };
-            let copies = if k < layout.lobes { layout.copies(k) } else { 1.0 };
-            if k < layout.lobes {
-                row.push((layout.sharpness(k), color * copies * slope));
-            }
-            row.push((luminance, color * copies * integral));
-            let y = by * libm::exp(q[luminance]) * copies * integral;
-            row.push((red, y * COLOR_SLOPES[0][channel]));
-            row.push((blue, y * COLOR_SLOPES[1][channel]));
-        }
-        block.cost += residual * residual;
-        for &(i, a) in &row {
-            block.gradient[i] += a * residual;
-            for &(j, b) in row.iter().filter(|e| e.0 <= i) {
-                block.matrix[j * p + i] += a * b;
-            }
-        }
-    }
-
     /// Residuals of the channels of an albedo, and their derivatives by it.
     fn energy_residuals(&self, fitted: [f64; 3], view: &Data, weight: f64) -> [(f64, f64); 3] {
         let (errors, slopes) = (self.energy.errors(fitted, view.albedo), self.energy.slopes(view.albedo));
@@ -616,11 +342,6 @@ fn norm_squared(view: &View) -> f64 {
     let square =
         |s: &crate::table::Sample| s.rgb.iter().map(|v| v * v).sum::<f64>() * s.direction[2] * s.direction[2];
     view.samples.iter().map(|s| s.weight * square(s)).sum()
-}
-
-/// Mean of the channels, and 0 where that is negative.
-fn brightness(rgb: [f64; 3]) -> f64 {
-    (rgb.iter().sum::<f64>() / 3.0).max(0.0)
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! Errors of albedos.
 
+use crate::table::luminance;
+
 /// Share of the luminance that is added to what errors are relative to: a channel that is nearly 0, or below, in a bright colour is
 /// not seen.
 const UNSEEN: f64 = 0.005;
@@ -23,8 +25,7 @@ impl EnergyError {
 
     /// The albedo of a channel that errors are relative to.
     pub fn scale(self, data: [f64; 3], channel: usize) -> f64 {
-        let luminance = 0.2126 * data[0] + 0.7152 * data[1] + 0.0722 * data[2];
-        data[channel].abs() + UNSEEN * luminance.max(0.0) + self.black
+        data[channel].abs() + UNSEEN * luminance(data).max(0.0) + self.black
     }
 
     /// Errors of the channels.

@@ -12,10 +12,10 @@ use crate::judge::reciprocity::{Reciprocity, reciprocity};
 use crate::judge::seen::{SEEN, Seen, away, negatives, seen};
 use crate::judge::verdict::{Made, Summary, Verdict, steps_matter};
 pub use crate::numeric::levenberg::Ending;
-use crate::table::{DARKEST, Sample, View};
+use crate::table::{DARKEST, Sample, View, luminance};
 use crate::{FitError, Settings};
 use serde_json::{Value, json};
-use srbf_core::{LUMINANCE, Material};
+use srbf_core::Material;
 
 /// One view of a table against the material.
 #[derive(Clone, Debug, PartialEq)]
@@ -197,7 +197,7 @@ impl Sums {
             self.data_albedo[c] += s.weight * data[c];
         }
         // A negative luminance is noise, and nothing that could be sampled.
-        let luminance = (0..3).map(|c| f64::from(LUMINANCE[c]) * data[c]).sum::<f64>().max(0.0);
+        let luminance = luminance(data).max(0.0);
         let pdf = fitted.pdf(s.direction).unwrap_or(f64::NAN);
         self.luminance += s.weight * luminance;
         self.density += s.weight * pdf;

@@ -10,8 +10,7 @@
 //! what is black beside everything else stays unseen.
 
 use crate::judge::method::FittedView;
-use crate::table::{Sample, View};
-use srbf_core::LUMINANCE;
+use crate::table::{Sample, View, luminance};
 use std::f64::consts::PI;
 
 /// Weight of the squared error away from the peak beside that of the squared relative L2 error. With three times as much, nothing more
@@ -28,6 +27,11 @@ const PEAK: f64 = 15.0;
 const RING: f64 = 60.0;
 /// Least cosine of what is compared by its own brightness: at the horizon a share of `f cos` is a share of nothing.
 const LEAST_COSINE: f64 = 0.1;
+
+/// Mean of the channels, and 0 where that is negative.
+pub(crate) fn brightness(rgb: [f64; 3]) -> f64 {
+    (rgb.iter().sum::<f64>() / 3.0).max(0.0)
+}
 
 /// Mean radiance under a white sky, per channel.
 pub(crate) fn level(albedo: [f64; 3]) -> f64 {
@@ -65,10 +69,9 @@ pub(crate) fn away(fitted: &dyn FittedView, view: &View) -> f64 {
     let square = |s: &Sample| {
         let cos = s.direction[2];
         let value = fitted.f_cos(s.direction);
-        let mean = |rgb: [f64; 3]| (rgb.iter().sum::<f64>() / 3.0).max(0.0);
-        let secant = secant(mean(value) / cos, mean(s.rgb), floor(level));
+        let secant = secant(brightness(value) / cos, brightness(s.rgb), floor(level));
         let distance: f64 = (0..3).map(|c| (value[c] - s.rgb[c] * cos).powi(2)).sum();
-        s.weight * secant * weight(mean(s.rgb), level, cos) * distance
+        s.weight * secant * weight(brightness(s.rgb), level, cos) * distance
     };
     view.samples.iter().map(square).sum()
 }
@@ -128,10 +131,6 @@ pub(crate) fn negatives(samples: &[Sample]) -> (f64, f64) {
     }
     let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
     (share(count, all), libm::sqrt(share(below, square)))
-}
-
-fn luminance(rgb: [f64; 3]) -> f64 {
-    (0..3).map(|c| f64::from(LUMINANCE[c]) * rgb[c]).sum()
 }
 
 fn relative(value: f64, data: f64) -> f64 {

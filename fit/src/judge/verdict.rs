@@ -69,9 +69,11 @@ struct Measure {
     most: f64,
 }
 
-/// Largest variance and largest weight over the mean that are no trouble in a picture.
-const MOST_VARIANCE: f64 = 0.25;
-const MOST_WEIGHT: f64 = 18.0;
+/// Largest variance and largest weight over the mean that are no trouble in a picture, and largest error of the albedo: what a fit is
+/// mended for too.
+pub(crate) const MOST_VARIANCE: f64 = 0.25;
+pub(crate) const MOST_WEIGHT: f64 = 18.0;
+pub(crate) const MOST_ENERGY_ERROR: f64 = 0.01;
 
 const L2: Measure = Measure {
     name: "relative L2",
@@ -127,8 +129,8 @@ const ENERGY: Measure = Measure {
     unit: Unit::Percent,
     // Lobes were not asked for what no surface reflects.
     number: |v| if v.is_albedo_cut { f64::NAN } else { v.energy_error() },
-    good: 0.01,
-    most: 0.01,
+    good: MOST_ENERGY_ERROR,
+    most: MOST_ENERGY_ERROR,
 };
 
 /// What words are about.

@@ -9,6 +9,7 @@
 //! channels may be negative, as those of measured colours outside the gamut of sRGB are, and the luminance never is.
 
 use crate::numeric::special::sphere_integral;
+use crate::table::luminance;
 use std::f64::consts::FRAC_PI_2;
 
 /// How many lobes there are, and where the knots lie.
@@ -277,11 +278,6 @@ pub(crate) fn rgb([ln_luminance, red, blue]: [f64; 3]) -> [f64; 3] {
     let [by_red, by_blue] = COLOR_SLOPES;
     let y = libm::exp(ln_luminance);
     [0, 1, 2].map(|c| y * (1.0 + red * by_red[c] + blue * by_blue[c]))
-}
-
-/// Luminance of a linear sRGB colour.
-pub(crate) fn luminance(rgb: [f64; 3]) -> f64 {
-    0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
 }
 
 #[cfg(test)]

@@ -7,11 +7,11 @@
 //! than before, all is put back.
 
 use crate::isotropic::model::Lobes;
-use crate::isotropic::model::parameters::luminance;
 use crate::isotropic::objective::data_term::{self, Point};
 use crate::isotropic::objective::{Objective, Weighted, Weights};
 use crate::numeric::levenberg::{Limits, minimize};
 use crate::numeric::random::Random;
+use crate::table::luminance;
 use rayon::prelude::*;
 
 /// Families from which a new lobe is chosen; every second is beside a lobe that is there.

@@ -9,20 +9,16 @@ use crate::isotropic::search::candidates::{Candidate, Task, Work, advance};
 use crate::isotropic::search::schedule::{LOOKS, Stage, WIDE};
 use crate::isotropic::search::{Data, Source};
 use crate::judge::report::ViewReport;
+use crate::judge::verdict::{MOST_ENERGY_ERROR, MOST_VARIANCE, MOST_WEIGHT};
 use crate::table::Table;
 use crate::{FitError, Settings};
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// Largest `f cos / pdf`, over the mean, that a fit may have, in directions that the lobes draw and at the horizon too, and what a
-/// larger one adds to its error while it may be mended.
-const MOST_WEIGHT: f64 = 18.0;
+/// What a weight that is too large adds to the error while it may be mended.
 const WIDENED: f64 = 1.1;
-/// Largest relative variance that a view should have, and the angle in radians up to which one should: 80 degrees.
-const MOST_VARIANCE: f64 = 0.25;
+/// Angle in radians up to which the variance is a goal: 80 degrees.
 const STEEPEST: f64 = 1.4;
-/// Largest error of the albedo, at any view.
-const MOST_ENERGY_ERROR: f64 = 0.01;
 /// What the error is multiplied by where a goal is missed by more than [`RAMP`] doublings, rising from 1 where it is just met; and the
 /// share of the error that every doubling beyond costs. A goal missed by a hair costs a hair.
 const MISSED: f64 = 1.25;

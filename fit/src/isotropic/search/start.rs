@@ -8,9 +8,9 @@
 //! `s0`, and by a jitter.
 
 use crate::isotropic::model::Lobes;
-use crate::isotropic::model::parameters::{Layout, luminance};
+use crate::isotropic::model::parameters::Layout;
 use crate::numeric::random::Random;
-use crate::table::{Table, View};
+use crate::table::{Table, View, luminance};
 use std::f64::consts::PI;
 
 /// Least squeeze of a start: the cosine is 0 at the horizon.

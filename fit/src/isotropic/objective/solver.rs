@@ -1,0 +1,70 @@
+//! The objective as the solver sees it: with weights, within bounds, and a step by factoring a band matrix.
+
+use super::linearize::Linearized;
+use super::{Objective, Weights};
+use crate::numeric::levenberg::{LeastSquares, Linear};
+
+/// The sum of squares with weights, as the solver sees it.
+pub(crate) struct Weighted<'a> {
+    pub objective: &'a Objective,
+    pub weights: Weights,
+}
+
+/// A change of a colour difference that is as long as one of 1 of the logarithms.
+const COLOR_STEP: f64 = 4.0;
+
+impl Weighted<'_> {
+    fn is_color(&self, unknown: usize) -> bool {
+        self.objective.layout.is_color(unknown % self.objective.layout.stride())
+    }
+}
+
+impl LeastSquares for Weighted<'_> {
+    /// Half of it finds better minima of mirror-like materials, but takes twice the steps to leave a bad start.
+    const LONGEST_STEP: f64 = 3.0;
+    type Linear = Linearized;
+
+    fn bounds(&self, unknown: usize) -> (f64, f64) {
+        self.objective.bounds(unknown)
+    }
+    fn unit(&self, unknown: usize) -> f64 {
+        if self.is_color(unknown) { COLOR_STEP } else { 1.0 }
+    }
+    fn faint(&self, unknown: usize) -> f64 {
+        if self.is_color(unknown) { self.weights.faint_color } else { 1e-10 }
+    }
+    fn cost(&self, x: &[f64]) -> f64 {
+        self.objective.cost(x, self.weights)
+    }
+    fn linearize(&self, x: &[f64]) -> Linearized {
+        self.objective.linearize(x, self.weights)
+    }
+}
+
+impl Linear for Linearized {
+    fn cost(&self) -> f64 {
+        self.cost
+    }
+    fn gradient(&self) -> &[f64] {
+        &self.gradient
+    }
+    fn scale(&self) -> Vec<f64> {
+        self.scale.clone()
+    }
+    fn step(&self, added: &[f64], free: &[bool]) -> Option<Vec<f64>> {
+        let mut matrix = self.matrix.clone();
+        let mut step: Vec<f64> = self.gradient.iter().map(|g| -g).collect();
+        for i in 0..step.len() {
+            if free[i] {
+                matrix.add(i, i, added[i]);
+            } else {
+                matrix.isolate(i);
+                step[i] = 0.0;
+            }
+        }
+        matrix.factor().then(|| {
+            matrix.solve(&mut step);
+            step
+        })
+    }
+}
