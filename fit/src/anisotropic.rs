@@ -112,6 +112,7 @@ pub(crate) fn fit_brdf(
         evaluations: evaluations.into_inner() + done - SCOUTING,
         ending: Some(ending),
         cross_validation: None,
+        completion: None,
     };
     progress(1.0);
     Ok(Fit { bytes, report })

@@ -10,5 +10,4 @@ pub(crate) mod search;
 mod seen_by;
 mod source;
 
-pub(crate) use search::fit_samples;
-pub(crate) use source::fit_evaluable;
+pub(crate) use source::{fit_evaluable, fit_samples};

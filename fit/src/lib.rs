@@ -3,6 +3,7 @@
 pub mod analytic;
 mod anisotropic;
 pub mod baselines;
+pub mod complete;
 mod error;
 mod fewest_lobes;
 mod fit;

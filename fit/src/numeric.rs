@@ -2,6 +2,7 @@
 
 pub(crate) mod banded;
 pub(crate) mod blocks;
+pub(crate) mod cholesky;
 pub(crate) mod lbfgsb;
 pub(crate) mod levenberg;
 pub(crate) mod random;

@@ -14,9 +14,7 @@ pub struct Settings {
     pub error: Option<f64>,
     /// How many lobes see the squeezed direction: those of the highlight. `None`: what turns out best.
     pub squeezed: Option<usize>,
-    /// How many pairs of the lobes are mirrored in the plane of incidence: those of what lies beside it. `None`: for what can be
-    /// evaluated anywhere, what turns out best; for samples none, as the few that a view has do not show whether they help
-    /// (the error over samples and views left out is the same), and pairs cost time.
+    /// How many pairs of the lobes are mirrored in the plane of incidence: those of what lies beside it. `None`: what turns out best.
     pub mirrored: Option<usize>,
     /// Weight of the roughness from view to view. Smaller fits the samples better, larger what lies between them. What can be
     /// evaluated anywhere is fitted with two fifths of it, and with an eighth once the best has had lobes exchanged.
@@ -62,11 +60,9 @@ const USUAL_VIEWS: usize = 15;
 /// with 30 views are 6.0 % off there in place of 6.5, but weights are above 20 on five of 22 materials in place of two.
 const PAID_IN_VIEWS: RangeInclusive<usize> = 6..=12;
 
-/// Of twelve lobes, the shapes that are tried: how many are squeezed, and how many pairs mirrored; and those that are where no
-/// pairs are. Each of the four is by far the best of some materials; of six or more, each would get too few starts. Of few lobes
+/// Of twelve lobes, the shapes that are tried: how many are squeezed, and how many pairs mirrored. Each of the four is by far the best of some materials; of six or more, each would get too few starts. Of few lobes
 /// several come to the same, and shapes with half of the lobes squeezed, or one less and a pair, fill up.
 const SHAPES: [(usize, usize); 4] = [(7, 2), (8, 0), (5, 3), (4, 4)];
-const SHAPES_WITHOUT_PAIRS: [(usize, usize); 3] = [(6, 0), (4, 0), (8, 0)];
 
 /// So few lobes, of what can be evaluated anywhere, are tried in two more shapes: all squeezed, and all but one. They are often the
 /// best (steel with four: 6.0 % halfway between the views, and 8.4 % without them); with twelve, one more with ten squeezed takes
@@ -144,17 +140,16 @@ impl Settings {
         Self { lobes, squeezed, mirrored, ..self.clone() }
     }
 
-    /// Numbers of squeezed lobes and of mirrored pairs that are tried; `pairs`: whether pairs are if the settings do not say.
-    pub(crate) fn shapes(&self, pairs: bool) -> Vec<(usize, usize)> {
-        let all: &[(usize, usize)] = if pairs { &SHAPES } else { &SHAPES_WITHOUT_PAIRS };
-        let scaled = all
+    /// Numbers of squeezed lobes and of mirrored pairs that are tried.
+    pub(crate) fn shapes(&self) -> Vec<(usize, usize)> {
+        let scaled = SHAPES
             .iter()
             .map(|&(squeezed, mirrored)| ((squeezed * self.lobes).div_ceil(12), mirrored * self.lobes / 12));
         let streaks: &[(usize, usize)] =
-            if pairs && self.lobes <= FEW_LOBES { &[(self.lobes, 0), (self.lobes - 1, 0)] } else { &[] };
+            if self.lobes <= FEW_LOBES { &[(self.lobes, 0), (self.lobes - 1, 0)] } else { &[] };
         let half = self.lobes / 2;
-        let more = [(half, 0), (half.saturating_sub(1), usize::from(pairs && half > 0))];
-        let most = all.len() + streaks.len();
+        let more = [(half, 0), (half.saturating_sub(1), usize::from(half > 0))];
+        let most = SHAPES.len() + streaks.len();
         let mut shapes = Vec::new();
         for (squeezed, mirrored) in streaks.iter().copied().chain(scaled).chain(more) {
             let round = 2 * self.mirrored.unwrap_or(0);
@@ -219,18 +214,17 @@ mod tests {
 
     #[test]
     fn shapes_are_what_was_asked_for_and_differ() {
-        let shapes = |lobes, squeezed, mirrored, pairs| {
-            Settings { lobes, squeezed, mirrored, ..Settings::default() }.shapes(pairs)
+        let shapes = |lobes, squeezed, mirrored| {
+            Settings { lobes, squeezed, mirrored, ..Settings::default() }.shapes()
         };
-        assert_eq!(shapes(12, None, None, true), SHAPES);
-        assert_eq!(shapes(8, None, None, true), [(8, 0), (7, 0), (5, 1), (6, 0), (4, 2), (3, 2)]);
-        assert_eq!(shapes(4, None, None, true), [(4, 0), (3, 0), (2, 1), (2, 0), (1, 1)]);
-        assert_eq!(shapes(4, None, None, false), [(2, 0), (3, 0), (1, 0)]);
-        assert_eq!(shapes(1, None, None, true), [(1, 0), (0, 0)]);
-        assert_eq!(shapes(12, Some(3), Some(2), true), [(3, 2)]);
+        assert_eq!(shapes(12, None, None), SHAPES);
+        assert_eq!(shapes(8, None, None), [(8, 0), (7, 0), (5, 1), (6, 0), (4, 2), (3, 2)]);
+        assert_eq!(shapes(4, None, None), [(4, 0), (3, 0), (2, 1), (2, 0), (1, 1)]);
+        assert_eq!(shapes(1, None, None), [(1, 0), (0, 0)]);
+        assert_eq!(shapes(12, Some(3), Some(2)), [(3, 2)]);
         for lobes in 1..=64 {
             for mirrored in 0..=lobes / 2 {
-                let shapes = shapes(lobes, None, Some(mirrored), true);
+                let shapes = shapes(lobes, None, Some(mirrored));
                 assert!(
                     !shapes.is_empty() && shapes.iter().all(|s| s.1 == mirrored && s.0 + 2 * s.1 <= lobes)
                 );

@@ -53,9 +53,6 @@ const CEILING_WEIGHT: f64 = 30.0;
 const WATCHED: usize = 4;
 /// Most that the weight of a view changes by its error.
 const MOST_FACTOR: f64 = 2.5;
-/// Bounds of relative colour differences where the samples are few. Wilder colours fit them better, and are worse between: with bounds of
-/// 15 krylon blue has 0.8 % at its samples and 120 % at views left out, in place of 0.9 and 19; with those of the gamut, 2.2 and 14.
-const FEW_SAMPLES: (f64, f64) = (-4.0, 13.0);
 /// Weight of the change in the last interval beside that of second differences.
 const HOLD: f64 = 0.1;
 
@@ -68,8 +65,6 @@ pub(crate) struct Emphasis {
     pub seen: f64,
     /// Weight of the albedo in the last stages.
     pub energy: f64,
-    /// Whether samples are few, so that wild colours of lobes would show between them.
-    pub has_few_samples: bool,
 }
 
 /// Weights that change in the course of a fit.
@@ -103,7 +98,6 @@ pub(crate) struct Objective {
     watched: Vec<(usize, f64)>,
     /// Least logarithm of the luminance of the defensive lobe, by knot.
     ln_defensive: Vec<f64>,
-    has_few_samples: bool,
     energy: EnergyError,
     factors: Option<Factors>,
 }
@@ -176,7 +170,6 @@ impl Objective {
             views,
             watched,
             ln_defensive,
-            has_few_samples: emphasis.has_few_samples,
             energy: EnergyError::new(table.views.iter().map(|v| v.albedo)),
             factors: factors.cloned(),
         })
@@ -189,9 +182,6 @@ impl Objective {
             return (0.0, 0.0);
         }
         let (low, high) = self.layout.bounds(index);
-        if self.has_few_samples && self.layout.is_color(index) {
-            return FEW_SAMPLES;
-        }
         match self.layout.defensive() {
             Some(lobe) if index == self.layout.luminance(lobe) => (low.max(self.ln_defensive[knot]), high),
             None if index == self.layout.diffuse() => {
@@ -205,8 +195,8 @@ impl Objective {
     /// The same with weights that follow the fit. Views count in inverse proportion to their error, so that what is made small
     /// is the mean error, not the mean of its square. What is seen away from the peak counts by the difference of logarithms. The
     /// tail counts as if the lobes' values were the table's where they are lower: there a renderer that samples the lobes gets its
-    /// largest weights. `evenly`: albedos count the more, the worse they are.
-    pub fn reweighed(&self, x: &[f64], evenly: bool) -> Self {
+    /// largest weights. Albedos count the more, the worse they are.
+    pub fn reweighed(&self, x: &[f64]) -> Self {
         let mut new = self.clone();
         let mut q = vec![0.0; self.layout.stride()];
         let mut errors = Vec::with_capacity(new.views.len());
@@ -231,11 +221,9 @@ impl Objective {
             errors.push(libm::sqrt(square));
             view.factors =
                 self.factors.as_ref().map(|f| f.means(&self.layout, &q, self.layout.theta(view.place)));
-            if evenly {
-                let albedo = self.layout.albedo(&q, view.factors.as_deref());
-                let errors = self.energy.errors(albedo, view.albedo);
-                view.energy = errors.map(|e| (e / ALBEDO_ERROR).powi(2).clamp(1.0, MOST_ALBEDO));
-            }
+            let albedo = self.layout.albedo(&q, view.factors.as_deref());
+            let off = self.energy.errors(albedo, view.albedo);
+            view.energy = off.map(|e| (e / ALBEDO_ERROR).powi(2).clamp(1.0, MOST_ALBEDO));
         }
         let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
         for ((view, error), weights) in new.views.iter_mut().zip(errors).zip(weights) {
@@ -365,16 +353,7 @@ mod tests {
         let layout = Layout::new(4, 2, 1, vec![0.0, 0.5, 1.0, 1.5]);
         let mut x: Vec<f64> = (0..layout.len()).map(|_| 2.0 * random.next() - 0.7).collect();
         x.chunks_mut(layout.stride()).for_each(|knot| knot[0] = -0.4);
-        (
-            Objective::new(
-                &table,
-                layout,
-                Emphasis { tail: 0.03, seen: 1.0, energy: 1.0, has_few_samples: false },
-                None,
-            )
-            .unwrap(),
-            x,
-        )
+        (Objective::new(&table, layout, Emphasis { tail: 0.03, seen: 1.0, energy: 1.0 }, None).unwrap(), x)
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! The fit: one family of lobes, followed over all views at once.
 //!
 //! Stage by stage there are fewer candidates, more steps, and less stiffness: a stiff family cannot lose its order. Early stages
-//! see a thinned table. In the last ones the albedo is held closely, and the weights of the tail follow the fit. What can be
-//! evaluated anywhere then goes through the last of these stages again: with more weight on a goal that it misses, or, if it
+//! see a thinned table. In the last ones the albedo is held closely, and the weights of the tail follow the fit. The fit
+//! then goes through the last of these stages again: with more weight on a goal that it misses, or, if it
 //! misses none, with lobes exchanged.
 
 mod candidates;
@@ -23,13 +23,9 @@ use crate::settings::FactorNodes;
 use crate::table::Table;
 use crate::{FitError, Settings};
 use rayon::prelude::*;
-use schedule::{HEAVY_TAIL, LAST, LIGHT, LOOKS, SCATTERED, Stage};
-use std::borrow::Cow;
+use schedule::{HEAVY_TAIL, LAST, LIGHT, LOOKS, Stage};
 use std::sync::atomic::AtomicUsize;
 use std::time::Instant;
-
-/// Least distance of two knots, radians.
-const KNOT_DISTANCE: f64 = 0.035;
 
 /// Times that fits are moved again, at most; and the share of the best one's rank that the error of one which misses a goal must be
 /// below for that to be worth the time.
@@ -44,15 +40,6 @@ const MORE_ENERGY: f64 = 10.0;
 const MOST_ENERGY: f64 = 1000.0;
 const MORE_TAIL: f64 = 3.0;
 
-/// Fits as many lobes as the settings say to the samples of a table.
-pub(crate) fn fit_samples(
-    table: &Table,
-    settings: &Settings,
-    progress: impl FnMut(f64),
-) -> Result<Fit, FitError> {
-    run(Data::Samples(table), settings, progress)
-}
-
 /// What can be tabulated wherever the fit asks for it.
 pub(crate) trait Source: Sync {
     /// As many knots, where the material changes.
@@ -66,42 +53,22 @@ pub(crate) trait Source: Sync {
     fn table(&self, knots: &[f64], seen: Option<(&[u8], usize)>) -> Result<Table, FitError>;
 }
 
-/// What is fitted.
-#[derive(Clone, Copy)]
-pub(crate) enum Data<'a> {
-    Samples(&'a Table),
-    Source(&'a dyn Source),
-}
-
 /// Fits as many lobes as the settings say. `progress` is called with the share of the work that is done, 0 to 1; it falls where a
 /// goal is missed by what should have been the end.
 pub(crate) fn run(
-    data: Data<'_>,
+    source: &dyn Source,
     settings: &Settings,
     mut progress: impl FnMut(f64),
 ) -> Result<Fit, FitError> {
     let start = Instant::now();
-    let knots = match (&settings.knots, data) {
-        (Some(knots), _) => knots.clone(),
-        (None, Data::Samples(table)) => Layout::knots_at(table.views.iter().map(|v| v.theta), KNOT_DISTANCE),
-        (None, Data::Source(source)) => source.knots(settings.view_count()),
-    };
-    let table = match data {
-        Data::Samples(table) => Cow::Borrowed(table),
-        Data::Source(source) => Cow::Owned(source.table(&knots, None)?),
-    };
-    let problem = Problem { data, settings, table: &table, knots: &knots };
+    let knots = settings.knots.clone().unwrap_or_else(|| source.knots(settings.view_count()));
+    let table = source.table(&knots, None)?;
+    let problem = Problem { source, settings, table: &table, knots: &knots };
     let mut work = Work { done: 0, total: 0, progress: &mut progress, evaluations: AtomicUsize::new(0) };
-    let best = match data {
-        Data::Samples(_) => problem.solve(SCATTERED, &mut work)?.swap_remove(0),
-        Data::Source(source) => {
-            let finalists = problem.solve(LIGHT, &mut work)?;
-            let best = problem.improve(source, finalists, &mut work)?;
-            let mut best = problem.finish(source, best, &mut work)?;
-            balance::balance(&best.layout, &mut best.candidate.x, best.factors.as_ref(), source.albedo());
-            best
-        }
-    };
+    let finalists = problem.solve(LIGHT, &mut work)?;
+    let best = problem.improve(finalists, &mut work)?;
+    let mut best = problem.finish(best, &mut work)?;
+    balance::balance(&best.layout, &mut best.candidate.x, best.factors.as_ref(), source.albedo());
     let Finalist { layout, table, candidate, factors, .. } = best;
 
     let text = format!("{}{}", settings.provenance, settings.describe(&layout));
@@ -115,7 +82,7 @@ pub(crate) fn run(
 
 /// What is to be fitted.
 struct Problem<'a> {
-    data: Data<'a>,
+    source: &'a dyn Source,
     settings: &'a Settings,
     table: &'a Table,
     knots: &'a [f64],
@@ -123,7 +90,7 @@ struct Problem<'a> {
 
 impl<'a> Problem<'a> {
     fn stages(&self, emphasis: Emphasis) -> Vec<Stage> {
-        schedule::stages(self.settings, emphasis.energy, matches!(self.data, Data::Source(_)))
+        schedule::stages(self.settings, emphasis.energy)
     }
 
     /// The stages for so many that have been through them: all that follow the scouting. The first of them moves a fit to minima that
@@ -135,14 +102,12 @@ impl<'a> Problem<'a> {
 
     /// The best of all starts, and the last that was given up.
     fn solve(&self, emphasis: Emphasis, work: &mut Work<'_>) -> Result<Vec<Finalist<'a>>, FitError> {
-        let Self { data, settings, table, knots } = *self;
+        let Self { source, settings, table, knots } = *self;
         let stages = self.stages(emphasis);
-        work.total = schedule::work(&stages);
-        if let Data::Source(_) = data {
-            work.total += schedule::work(&self.stages_again(emphasis, 1, settings.exchanges));
-        }
+        work.total =
+            schedule::work(&stages) + schedule::work(&self.stages_again(emphasis, 1, settings.exchanges));
         let (scouting, refining) = stages.split_at(stages.partition_point(|stage| !stage.full));
-        let shapes = settings.shapes(matches!(data, Data::Source(_)));
+        let shapes = settings.shapes();
         let layouts = shapes.into_iter().map(|(squeezed, mirrored)| {
             Layout::new(settings.lobes - mirrored, squeezed, mirrored, knots.to_vec())
         });
@@ -150,13 +115,13 @@ impl<'a> Problem<'a> {
         let scouted = scout(table, layouts.collect(), emphasis, (scouting, count), work)?;
         let (mut finalists, mut others) = (Vec::new(), Vec::new());
         for (layout, candidate) in scouted {
-            finalists.push(Finalist::new(data, settings, table, layout, candidate)?);
+            finalists.push(Finalist::new(source, settings, table, layout, candidate)?);
         }
         for stage in refining {
             if stage.keep < finalists.len() {
                 others = finalists.split_off(stage.keep);
             }
-            refine(data, &mut finalists, emphasis, stage, work)?;
+            refine(source, &mut finalists, emphasis, stage, work)?;
             work.done += stage.work();
             // What has been seen for the last time is judged as what it is.
             let is_final = stage.look == Some(LOOKS - 1);
@@ -166,9 +131,7 @@ impl<'a> Problem<'a> {
         let Some(best) = finalists.first_mut() else {
             return Err(FitError::Setting { name: "starts", reason: "at least 1".into() });
         };
-        if let Data::Source(source) = data {
-            best.look(source, LOOKS)?;
-        }
+        best.look(source, LOOKS)?;
         finalists.extend(others.into_iter().take(1));
         Ok(finalists)
     }
@@ -178,7 +141,6 @@ impl<'a> Problem<'a> {
     /// after the first round, has lobes exchanged.
     fn improve(
         &self,
-        source: &dyn Source,
         mut finalists: Vec<Finalist<'a>>,
         work: &mut Work<'_>,
     ) -> Result<Finalist<'a>, FitError> {
@@ -191,7 +153,7 @@ impl<'a> Problem<'a> {
             let meets_all = !finalists[0].misses();
             emphasis = emphasized(&mut finalists, emphasis);
             let exchanges = if meets_all { self.settings.exchanges } else { 0 };
-            self.again(source, &mut finalists, (emphasis, exchanges), work)?;
+            self.again(&mut finalists, (emphasis, exchanges), work)?;
             for finalist in &finalists {
                 if finalist.rank() < best.rank() {
                     best = finalist.clone();
@@ -210,12 +172,7 @@ impl<'a> Problem<'a> {
 
     /// Moves the best once more, by the measure of what is seen: as it is, and with factors, of which lobes and table take turns. What
     /// has factors has to be that much better.
-    fn finish(
-        &self,
-        source: &dyn Source,
-        best: Finalist<'a>,
-        work: &mut Work<'_>,
-    ) -> Result<Finalist<'a>, FitError> {
+    fn finish(&self, best: Finalist<'a>, work: &mut Work<'_>) -> Result<Finalist<'a>, FitError> {
         let (sizes, is_given): (&[[usize; 2]], bool) = match &self.settings.factors {
             FactorNodes::None => (&[], false),
             FactorNodes::Chosen => (SIZES[..].get(..best.sizes_within(MOST_BYTES)).unwrap_or(&[]), false),
@@ -227,9 +184,9 @@ impl<'a> Problem<'a> {
         let mut with: Option<Finalist<'a>> = None;
         let mut moved = best.clone();
         for _ in 0..if sizes.is_empty() { 0 } else { FACTOR_ROUNDS } {
-            moved.look_again(source)?;
+            moved.look_again(self.source)?;
             moved.fit_factors(sizes, LAST)?;
-            self.move_by_what_is_seen(source, &mut moved, &stage, work)?;
+            self.move_by_what_is_seen(&mut moved, &stage, work)?;
             if with.as_ref().is_none_or(|with| moved.rank() < with.rank()) {
                 with = Some(moved.clone());
             }
@@ -238,27 +195,25 @@ impl<'a> Problem<'a> {
             return Ok(with);
         }
         let mut moved = best.clone();
-        moved.look_again(source)?;
-        self.move_by_what_is_seen(source, &mut moved, &stage, work)?;
+        moved.look_again(self.source)?;
+        self.move_by_what_is_seen(&mut moved, &stage, work)?;
         Ok(if moved.rank() < best.rank() { moved } else { best })
     }
 
     fn move_by_what_is_seen(
         &self,
-        source: &dyn Source,
         finalist: &mut Finalist<'a>,
         stage: &Stage,
         work: &mut Work<'_>,
     ) -> Result<(), FitError> {
-        refine(self.data, std::slice::from_mut(finalist), LAST, stage, work)?;
+        refine(self.source, std::slice::from_mut(finalist), LAST, stage, work)?;
         work.done += stage.work();
-        finalist.look(source, LOOKS)
+        finalist.look(self.source, LOOKS)
     }
 
     /// Takes finalists through a round.
     fn again(
         &self,
-        source: &dyn Source,
         finalists: &mut [Finalist<'a>],
         (emphasis, exchanges): (Emphasis, usize),
         work: &mut Work<'_>,
@@ -266,10 +221,10 @@ impl<'a> Problem<'a> {
         let stages = self.stages_again(emphasis, finalists.len(), exchanges);
         work.total = work.total.max(work.done + schedule::work(&stages));
         for stage in &stages {
-            refine(self.data, finalists, emphasis, stage, work)?;
+            refine(self.source, finalists, emphasis, stage, work)?;
             work.done += stage.work();
         }
-        finalists.par_iter_mut().try_for_each(|finalist| finalist.look(source, LOOKS))
+        finalists.par_iter_mut().try_for_each(|finalist| finalist.look(self.source, LOOKS))
     }
 }
 

@@ -1,13 +1,14 @@
 //! Fits to what a file holds: samples as they are, or a table made of what can be evaluated anywhere.
 
+use crate::complete::complete;
 use crate::isotropic::knots::Probes;
 use crate::isotropic::search::schedule::LOOKS;
-use crate::isotropic::search::{self, Data, Source};
+use crate::isotropic::search::{self, Source};
 use crate::isotropic::seen_by::seen_by;
 use crate::judge::fitted_material::knots as knots_of;
 use crate::judge::report::ViewReport;
 use crate::table::evaluation_views;
-use crate::table::{Brdf, Density, Table};
+use crate::table::{Brdf, Density, Sample, Table};
 use crate::{Fit, FitError, Settings};
 use std::time::Instant;
 
@@ -20,6 +21,13 @@ const BETWEEN: usize = 3;
 /// Smoothness over that of the settings: with views between all knots less of it is needed (alum-bronze 3.9 % at unseen
 /// views in place of 4.4 %).
 const DENSE: f64 = 0.4;
+
+/// What starts and exchanges are divided by for samples: what they are completed to is smoother than measured tables are.
+const LESS: usize = 2;
+
+/// Share of the samples themselves in the weight of their views, and most of those views.
+const SHARE: f64 = 0.5;
+const SAMPLED: usize = 16;
 
 /// Golden section: its multiples are spread evenly, and never at the same places.
 const GOLDEN_SECTION: f64 = 0.618_033_988_75;
@@ -36,11 +44,38 @@ pub(crate) fn fit_evaluable(
     settings: &Settings,
     progress: impl FnMut(f64),
 ) -> Result<Fit, FitError> {
+    fit_both(brdf, None, settings, progress)
+}
+
+/// Fits as many lobes as the settings say to samples: to what they are completed to, and to themselves.
+///
+/// The report has the samples' own views, and as held out the completion between the knots.
+pub(crate) fn fit_samples(
+    table: &Table,
+    settings: &Settings,
+    progress: impl FnMut(f64),
+) -> Result<Fit, FitError> {
+    let completion = complete(table)?;
+    let [starts, exchanges] = [settings.starts, settings.exchanges].map(|n| n.div_ceil(LESS));
+    let settings = Settings { starts, exchanges, ..settings.clone() };
+    let mut fit = fit_both(&completion, Some(table), &settings, progress)?;
+    let reports = table.views.iter().map(|view| ViewReport::new(&fit.bytes, view));
+    fit.report.views = reports.collect::<Result<_, _>>()?;
+    fit.report.completion = Some(completion.report);
+    Ok(fit)
+}
+
+fn fit_both(
+    brdf: &dyn Brdf,
+    samples: Option<&Table>,
+    settings: &Settings,
+    progress: impl FnMut(f64),
+) -> Result<Fit, FitError> {
     let start = Instant::now();
-    let source =
-        Evaluable { brdf, probes: Probes::new(brdf, LAST_KNOT.to_radians(), settings.view_count())? };
+    let probes = Probes::new(brdf, LAST_KNOT.to_radians(), settings.view_count())?;
+    let source = Evaluable { brdf, samples, probes };
     let settings = Settings { smoothness: DENSE * settings.smoothness, ..settings.clone() };
-    let mut fit = search::run(Data::Source(&source), &settings, progress)?;
+    let mut fit = search::run(&source, &settings, progress)?;
     let mut middles = evaluation_views::halfway(&knots_of(&fit.bytes)?);
     middles.retain(|theta| *theta < LAST_KNOT.to_radians());
     if !middles.is_empty() {
@@ -55,7 +90,28 @@ pub(crate) fn fit_evaluable(
 /// What can be evaluated, as the fit sees it.
 struct Evaluable<'a> {
     brdf: &'a dyn Brdf,
+    /// What it was made of, if it was.
+    samples: Option<&'a Table>,
     probes: Probes,
+}
+
+impl Evaluable<'_> {
+    /// The views of the samples, with the samples beside what a table has there.
+    fn with_samples(&self, table: &mut Table) {
+        for view in &mut table.views {
+            let own = self.samples.iter().flat_map(|s| &s.views).find(|own| own.theta == view.theta);
+            let Some(own) = own else { continue };
+            view.samples.iter_mut().for_each(|s| s.weight *= 1.0 - SHARE);
+            view.samples.extend(own.samples.iter().map(|s| Sample { weight: SHARE * s.weight, ..*s }));
+        }
+    }
+
+    /// Angles of the samples' views.
+    fn sampled(&self, end: f64) -> impl Iterator<Item = f64> {
+        let views = self.samples.iter().flat_map(|s| &s.views);
+        let every = self.samples.map_or(1, |s| s.views.len().div_ceil(SAMPLED));
+        views.step_by(every).map(|v| v.theta).filter(move |theta| *theta <= end)
+    }
 }
 
 impl Source for Evaluable<'_> {
@@ -69,13 +125,14 @@ impl Source for Evaluable<'_> {
 
     fn table(&self, knots: &[f64], seen: Option<(&[u8], usize)>) -> Result<Table, FitError> {
         let end = knots[knots.len() - 1].min(LAST_KNOT.to_radians());
-        match seen {
-            None => Table::from_brdf(self.brdf, &tabulated(knots, end, 0), Density::default()),
-            Some((bytes, round)) => {
-                let thetas = tabulated(knots, end, 1 + round);
-                seen_by(self.brdf, &thetas, Density::default(), bytes, round)
-            }
-        }
+        let thetas =
+            |round| tabulated(knots, end, round).into_iter().chain(self.sampled(end)).collect::<Vec<_>>();
+        let mut table = match seen {
+            None => Table::from_brdf(self.brdf, &thetas(0), Density::default())?,
+            Some((bytes, round)) => seen_by(self.brdf, &thetas(1 + round), Density::default(), bytes, round)?,
+        };
+        self.with_samples(&mut table);
+        Ok(table)
     }
 }
 

@@ -3,6 +3,7 @@
 //! Scattered samples are a coarse quadrature: the sum of a density over them may be far from 1, and a variance made of it below 0.
 //! So a density counts relative to its own sum over the same samples: then no variance is below 0 and no largest weight below 1.
 
+use crate::complete::CompletionReport;
 use crate::judge::cross::CrossValidation;
 use crate::judge::energy::EnergyError;
 use crate::judge::fitted_material::{TrackedLobes, TrackedView};
@@ -77,6 +78,8 @@ pub struct Report {
     pub ending: Option<Ending>,
     /// Errors of samples and views left out, if they were asked for.
     pub cross_validation: Option<CrossValidation>,
+    /// What is known of what samples were completed to.
+    pub completion: Option<CompletionReport>,
 }
 
 /// Added to an albedo of which errors are a share: of what is nearly black it does not matter.

@@ -254,20 +254,6 @@ impl Layout {
         }
         sum
     }
-
-    /// Knots at the angles of a table's views, at the normal and at the horizon.
-    ///
-    /// Views closer together than `least`, or than that to either end, share a knot.
-    pub fn knots_at(thetas: impl Iterator<Item = f64>, least: f64) -> Vec<f64> {
-        let mut knots = vec![0.0];
-        for theta in thetas {
-            if theta - knots[knots.len() - 1] >= least && FRAC_PI_2 - theta >= least {
-                knots.push(theta);
-            }
-        }
-        knots.push(FRAC_PI_2);
-        knots
-    }
 }
 
 /// What red, green and blue of a colour of luminance 1 change by with its red and its blue difference.

@@ -133,7 +133,7 @@ fn advance_one(stage: &Stage, task: Task<'_>, mut tick: impl FnMut()) {
         *x = start::start(table, &objective.layout, *start);
     }
     let mut weights = stage.weights;
-    let reweighed = stage.full.then(|| objective.reweighed(x, stage.evenly));
+    let reweighed = stage.full.then(|| objective.reweighed(x));
     if stage.full {
         // Beside a large error that cannot be helped, smoothness and albedo have to weigh more to count as much.
         let scale = (*cost / USUAL_COST).clamp(1.0, MOST_SCALE);

@@ -272,13 +272,9 @@ mod tests {
             views.push((theta, grid.map(|(t, p)| direction(t, p)).map(|d| (d, [value(d); 3])).collect()));
         }
         let table = Table::from_scattered(views).unwrap();
-        let objective = Objective::new(
-            &table,
-            layout.clone(),
-            Emphasis { tail: 0.03, seen: 0.0, energy: 1.0, has_few_samples: false },
-            None,
-        )
-        .unwrap();
+        let objective =
+            Objective::new(&table, layout.clone(), Emphasis { tail: 0.03, seen: 0.0, energy: 1.0 }, None)
+                .unwrap();
         let mut x = vec![0.0; layout.len()];
         for (knot, theta) in [0.0, 0.5, 1.0].into_iter().enumerate() {
             let q = &mut x[knot * layout.stride()..];

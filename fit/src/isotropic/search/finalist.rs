@@ -5,9 +5,9 @@ use crate::isotropic::encode;
 use crate::isotropic::factors::{Factors, SIZES};
 use crate::isotropic::model::parameters::Layout;
 use crate::isotropic::objective::{Emphasis, Objective};
+use crate::isotropic::search::Source;
 use crate::isotropic::search::candidates::{Candidate, Task, Work, advance};
 use crate::isotropic::search::schedule::{LOOKS, Stage, WIDE};
-use crate::isotropic::search::{Data, Source};
 use crate::judge::report::ViewReport;
 use crate::judge::verdict::{MOST_ENERGY_ERROR, MOST_VARIANCE, MOST_WEIGHT};
 use crate::table::Table;
@@ -53,7 +53,7 @@ pub(crate) struct Finalist<'a> {
 
 impl<'a> Finalist<'a> {
     pub fn new(
-        data: Data<'_>,
+        source: &dyn Source,
         settings: &Settings,
         table: &'a Table,
         layout: Layout,
@@ -73,7 +73,7 @@ impl<'a> Finalist<'a> {
         };
         // Few lobes, or lobes in pairs, are fewer bytes, which are spent on more views.
         let views = encode::views_of_equal_size(&new.layout, settings.lobes_of_size());
-        if let (Data::Source(source), None, true) = (data, &settings.knots, views > new.layout.knots.len()) {
+        if settings.knots.is_none() && views > new.layout.knots.len() {
             let denser = Layout { knots: source.knots(views), ..new.layout.clone() };
             new.candidate.x = new.layout.resampled(&new.candidate.x, &denser);
             new.table = Cow::Owned(source.table(&denser.knots, None)?);
@@ -155,7 +155,7 @@ impl<'a> Finalist<'a> {
     pub fn fit_factors(&mut self, sizes: &[[usize; 2]], emphasis: Emphasis) -> Result<(), FitError> {
         let table = self.seen.as_ref().unwrap_or(&self.table);
         let objective = Objective::new(table, self.layout.clone(), emphasis, self.factors.as_ref())?;
-        let demands = objective.reweighed(&self.candidate.x, true).demands(&self.candidate.x);
+        let demands = objective.reweighed(&self.candidate.x).demands(&self.candidate.x);
         self.factors = Factors::worthwhile(sizes, &demands);
         Ok(())
     }
@@ -190,7 +190,7 @@ impl<'a> Finalist<'a> {
 
 /// Takes all finalists through a stage, side by side.
 pub(crate) fn refine(
-    data: Data<'_>,
+    source: &dyn Source,
     finalists: &mut [Finalist<'_>],
     emphasis: Emphasis,
     stage: &Stage,
@@ -213,7 +213,7 @@ pub(crate) fn refine(
         candidate: &mut f.candidate,
     });
     advance(stage, tasks.collect(), work);
-    if let (Some(round), Data::Source(source)) = (stage.look, data) {
+    if let Some(round) = stage.look {
         finalists.par_iter_mut().try_for_each(|f| f.look(source, round))?;
     }
     Ok(())

@@ -1,14 +1,13 @@
 //! The stages of a fit: fewer candidates from one to the next, more steps, and less stiffness.
 //!
-//! There are two recipes, each a table that can be read from top to bottom: [`SAMPLES`] for scattered samples, and [`ANYWHERE`] for
-//! what can be evaluated wherever the fit looks. [`stages`] puts in the numbers of the settings.
+//! The recipe, [`RECIPE`], is a table that can be read from top to bottom. [`stages`] puts in the numbers of the settings.
 
 use crate::Settings;
 use crate::isotropic::objective::{Emphasis, Weights};
 use crate::numeric::levenberg::Limits;
 
 /// Lobes with which as many candidates as a recipe names take part, and most times as many of fewer lobes: they have more minima of
-/// their own, and take less time. Only of what can be evaluated anywhere.
+/// their own, and take less time.
 const USUAL_LOBES: usize = 12;
 const MOST_TIMES: usize = 4;
 
@@ -22,24 +21,17 @@ pub(crate) const LOOKS: usize = 3;
 /// What the stiffness of the last stages is multiplied by when they follow exchanges: what is that far keeps its order.
 const LOOSENED: f64 = 0.3;
 
-/// Of what can be evaluated anywhere: for the least error first, and where that misses a goal, with at least that tail. On 22
+/// For the least error first, and where that misses a goal, with at least that tail. On 22
 /// materials the error halfway between the views is 3.10 % in the median with little tail and 3.55 % with ten times as much.
-pub(crate) const LIGHT: Emphasis = Emphasis { tail: 0.003, seen: 0.0, energy: 10.0, has_few_samples: false };
+pub(crate) const LIGHT: Emphasis = Emphasis { tail: 0.003, seen: 0.0, energy: 10.0 };
 pub(crate) const HEAVY_TAIL: f64 = 0.03;
 pub(crate) const WIDE: Emphasis = Emphasis { tail: HEAVY_TAIL, ..LIGHT };
 /// In the end, what is seen. Earlier it costs L2 for nothing: malachite ends at 13.7 % in place of 10.8, with no less error away from
 /// the peak.
 pub(crate) const LAST: Emphasis = Emphasis { seen: 1.0, ..LIGHT };
 
-/// Of scattered samples, whose albedo depends by 1 % on how one interpolates between them; and whose tail is all that
-/// holds lobes between them (garnet red has 22 % over samples left out with a tenth of it, in place of 12).
-pub(crate) const SCATTERED: Emphasis =
-    Emphasis { tail: HEAVY_TAIL, seen: 0.0, energy: 1.0, has_few_samples: true };
-
-/// Damping of colours, over the cost. Of scattered samples a tenth is enough: cayman ends at 1.1 % at its samples; malachite at 11.1 %
-/// in place of 16.4 without it.
+/// Damping of colours, over the cost: malachite ends at 11.1 % with it, and at 16.4 without.
 const FAINT_COLOR: f64 = 1e-3;
-const FAINT_COLOR_SCATTERED: f64 = 1e-4;
 
 /// How many candidates take part in a stage, the best of the one before.
 #[derive(Clone, Copy, Debug)]
@@ -100,23 +92,9 @@ const fn line(
     Line { keep, steps, exchanges, stiffness, improvement, sees, look }
 }
 
-/// Of scattered samples.
-const SAMPLES: [Line; 5] = {
-    use Keep::{Best, Starts};
-    use Steps::{Fixed, Over};
-    //   candidates     steps      exchanges  stiffness  improvement  sees                look
-    [
-        line(Starts(2, 3), Fixed(25), (0, 1), 100.0, 1e-3, Sees::Some, None),
-        line(Best(4), Over(4), (0, 1), 10.0, 1e-3, Sees::Some, None),
-        line(Best(3), Over(6), (1, 1), 3.0, 1e-3, Sees::Some, None),
-        line(Best(1), Over(1), (0, 1), 1.0, 1e-4, Sees::All, None),
-        line(Best(1), Over(4), (0, 1), 1.0, 1e-3, Sees::AllAndAlbedo, None),
-    ]
-};
-
-/// Of what can be evaluated anywhere. Shapes show late what they are good for: so three are kept until each has been moved to where
+/// Shapes show late what they are good for: so three are kept until each has been moved to where
 /// its lobes cannot hide. One with more knots may end a stage with a needle between directions that nothing had seen yet.
-const ANYWHERE: [Line; 8] = {
+const RECIPE: [Line; 8] = {
     use Keep::{Best, Starts};
     use Steps::{Fixed, Over};
     //   candidates     steps      exchanges  stiffness  improvement  sees                look
@@ -145,8 +123,6 @@ pub(crate) struct Stage {
     pub weights: Weights,
     /// Whether the albedo is held closely.
     pub last: bool,
-    /// Whether albedos count the more, the worse they are: those of a quadrature are known well enough.
-    pub evenly: bool,
     /// The number with which the table is made again after it, if it can be.
     pub look: Option<usize>,
 }
@@ -176,11 +152,10 @@ pub(crate) fn work(stages: &[Stage]) -> usize {
     stages.iter().map(Stage::work).sum()
 }
 
-/// The stages. `energy`: weight of the albedo in the last ones. `is_evaluable`: whether there are values wherever one looks.
-pub(crate) fn stages(settings: &Settings, energy: f64, is_evaluable: bool) -> Vec<Stage> {
+/// The stages. `energy`: weight of the albedo in the last ones.
+pub(crate) fn stages(settings: &Settings, energy: f64) -> Vec<Stage> {
     let times = (USUAL_LOBES + settings.lobes / 2) / settings.lobes;
-    let times = if is_evaluable { times.clamp(1, MOST_TIMES) } else { 1 };
-    let recipe: &[Line] = if is_evaluable { &ANYWHERE } else { &SAMPLES };
+    let times = times.clamp(1, MOST_TIMES);
     // A step takes the square of the lobes, and many lobes have fewer minima that are bad.
     let fewer = |count: usize| (count * MANY_LOBES).div_ceil(settings.lobes.max(MANY_LOBES));
     let (starts, exchanges) = (fewer(settings.starts), fewer(settings.exchanges));
@@ -202,12 +177,11 @@ pub(crate) fn stages(settings: &Settings, energy: f64, is_evaluable: bool) -> Ve
         },
         weights: Weights {
             smoothness: line.stiffness * settings.smoothness,
+            faint_color: FAINT_COLOR,
             energy: if line.sees == Sees::AllAndAlbedo { energy } else { 1.0 },
-            faint_color: if is_evaluable { FAINT_COLOR } else { FAINT_COLOR_SCATTERED },
         },
         last: line.sees == Sees::AllAndAlbedo,
-        evenly: is_evaluable,
         look: line.look,
     };
-    recipe.iter().map(stage).collect()
+    RECIPE.iter().map(stage).collect()
 }

@@ -143,6 +143,7 @@ pub fn fit(
         evaluations,
         ending,
         cross_validation: left_out,
+        completion: None,
     };
     let mut json = report.to_json_of(fitted.as_ref(), key, input)?;
     json["settings"] = settings.into();

@@ -1,0 +1,107 @@
+//! A pair of directions in coordinates that are the same for (wi, wo) and (wo, wi).
+//!
+//! An isotropic and reciprocal BRDF is a function of three numbers. A smooth one of these here is close to what measurements are: the
+//! angle of the half vector from the normal, spread where highlights are; half of the angle between the directions; the product of
+//! their cosines; and, as highlights are wider or narrower across the plane of incidence than a function of the half vector alone has
+//! them, by how much the half vector leans sideways.
+
+/// What is needed of a pair before anything is known of the surface.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Pair {
+    /// Cosines of incident and outgoing direction.
+    pub cosines: [f64; 2],
+    /// Cosine of the angle of the half vector from the normal, and square of the sine.
+    pub cos_half: f64,
+    pub sin2_half: f64,
+    /// Cosine of the angle between half vector and direction, and square of the sine.
+    pub cos_difference: f64,
+    pub sin2_difference: f64,
+    /// Square of the part of the half vector that leans out of the plane of the two directions, times `sin2_difference`.
+    pub sideways: f64,
+}
+
+/// Coordinates in which the logarithm of a BRDF is smooth.
+pub(super) const COORDINATES: usize = 4;
+
+impl Pair {
+    /// Of unit vectors with z > 0, in any frame with +z the normal.
+    pub fn new(wi: [f64; 3], wo: [f64; 3]) -> Self {
+        let sum = [0, 1, 2].map(|k| wi[k] + wo[k]);
+        let length2: f64 = sum.iter().map(|v| v * v).sum::<f64>().max(1e-12);
+        let apart2: f64 = (0..3).map(|k| (wi[k] - wo[k]) * (wi[k] - wo[k])).sum();
+        let across = wi[0] * wo[1] - wi[1] * wo[0];
+        let cos2_difference = 0.25 * length2;
+        Self {
+            cosines: [wi[2], wo[2]],
+            cos_half: (sum[2] / libm::sqrt(length2)).min(1.0),
+            sin2_half: (sum[0] * sum[0] + sum[1] * sum[1]) / length2,
+            cos_difference: libm::sqrt(cos2_difference).min(1.0),
+            sin2_difference: 0.25 * apart2,
+            sideways: 0.25 * across * across / cos2_difference,
+        }
+    }
+
+    /// From angles: sines and cosines of the half vector's from the normal and of the direction's from the half vector, and the share of
+    /// the half vector that leans sideways, 0 to 1.
+    pub fn from_angles(half: f64, difference: f64, sideways: f64) -> Self {
+        let ((sin_half, cos_half), (sin_difference, cos_difference)) =
+            (libm::sincos(half), libm::sincos(difference));
+        let along = sin_half * sin_difference * libm::sqrt((1.0 - sideways).max(0.0));
+        let mean = cos_half * cos_difference;
+        Self {
+            cosines: [mean + along, mean - along],
+            cos_half,
+            sin2_half: sin_half * sin_half,
+            cos_difference,
+            sin2_difference: sin_difference * sin_difference,
+            sideways: sideways * sin_half * sin_half * sin_difference * sin_difference,
+        }
+    }
+
+    /// The coordinates; `width`: sine of the angle of the half vector up to which they are even.
+    pub fn coordinates(&self, width: f64) -> [f64; COORDINATES] {
+        [
+            self.spread_half(width),
+            self.difference(),
+            self.cosines[0] * self.cosines[1],
+            2.0 * self.sideways / (self.sin2_half + width * width),
+        ]
+    }
+
+    /// The angle of the half vector, even up to `width` and by its logarithm beyond.
+    pub fn spread_half(&self, width: f64) -> f64 {
+        libm::asinh(libm::sqrt(self.sin2_half) / width)
+    }
+
+    /// Angle between half vector and direction, radians.
+    pub fn difference(&self) -> f64 {
+        libm::atan2(libm::sqrt(self.sin2_difference), self.cos_difference)
+    }
+
+    /// Share of the half vector that leans sideways, 0 to 1; anything where it does not lean, or where there is no plane.
+    pub fn share_sideways(&self) -> f64 {
+        let all = self.sin2_half * self.sin2_difference;
+        if all > 1e-18 { (self.sideways / all).clamp(0.0, 1.0) } else { 0.5 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table::direction;
+
+    #[test]
+    fn a_pair_is_the_same_both_ways_whatever_the_frame_and_from_its_angles() {
+        for i in 0..2000 {
+            let n = f64::from(i);
+            let (wi, wo) =
+                (direction(1.5 * (0.618 * n).fract(), n), direction(1.5 * (0.37 * n).fract(), 2.7 * n));
+            let (there, back) = (Pair::new(wi, wo).coordinates(0.1), Pair::new(wo, wi).coordinates(0.1));
+            assert!((0..4).all(|k| (there[k] - back[k]).abs() < 1e-12), "{there:?} {back:?}");
+            let pair = Pair::new(wi, wo);
+            let half = libm::atan2(libm::sqrt(pair.sin2_half), pair.cos_half);
+            let again = Pair::from_angles(half, pair.difference(), pair.share_sideways()).coordinates(0.1);
+            assert!((0..4).all(|k| (there[k] - again[k]).abs() < 1e-9), "{there:?} {again:?}");
+        }
+    }
+}

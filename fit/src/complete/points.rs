@@ -1,0 +1,82 @@
+//! What a Gaussian process is given: how far the samples are from a model, thinned where there are too many.
+
+use super::measurement::Measurement;
+use super::microfacet::Microfacet;
+use super::pair::COORDINATES;
+use super::scale::Scale;
+use std::collections::BTreeMap;
+
+/// Most points: time goes with the cube of them, memory with the square.
+pub(super) const MOST: usize = 1500;
+
+/// Views are taken together, neighbours, to at most so many when whole views are left out.
+const BANDS: usize = 12;
+
+/// Cells into which coordinates are cut where there are too many samples: doublings of their size, and steps of each.
+const STEPS: usize = 40;
+const FINEST: f64 = 0.01;
+
+/// One sample, or the mean of close ones.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Point {
+    pub at: [f64; COORDINATES],
+    /// The model on the scale.
+    pub base: [f64; 3],
+    /// How far the sample is above it.
+    pub above: [f64; 3],
+    /// Samples that it is the mean of.
+    pub count: f64,
+    /// As of a sample.
+    pub relative: f64,
+    pub even: f64,
+    pub band: usize,
+}
+
+/// The points of samples over a model; `width`: of the coordinates.
+pub(super) fn points(measurement: &Measurement, model: &Microfacet, scale: Scale, width: f64) -> Vec<Point> {
+    let wide = measurement.views.div_ceil(BANDS);
+    let all: Vec<Point> = measurement
+        .samples
+        .iter()
+        .map(|s| {
+            let base = model.value(&s.pair).map(|v| scale.to(v));
+            let above = [0, 1, 2].map(|c| scale.to(s.rgb[c]) - base[c]);
+            let (at, band) = (s.pair.coordinates(width), s.view / wide);
+            Point { at, base, above, count: 1.0, relative: s.relative, even: s.even, band }
+        })
+        .collect();
+    if all.len() <= MOST {
+        return all;
+    }
+    let mut cell = FINEST;
+    for _ in 0..STEPS {
+        let merged = merged(&all, cell);
+        if merged.len() <= MOST {
+            return merged;
+        }
+        cell *= 1.19;
+    }
+    merged(&all, cell)
+}
+
+/// Points of one band whose coordinates are in one cell, as their mean.
+fn merged(all: &[Point], cell: f64) -> Vec<Point> {
+    let mut cells: BTreeMap<(usize, [i64; COORDINATES]), Point> = BTreeMap::new();
+    for p in all {
+        let key = (p.band, p.at.map(|v| (v / cell) as i64));
+        let sum = cells.entry(key).or_insert_with(|| Point { band: p.band, ..Point::default() });
+        (0..COORDINATES).for_each(|k| sum.at[k] += p.at[k]);
+        (0..3).for_each(|c| sum.base[c] += p.base[c]);
+        (0..3).for_each(|c| sum.above[c] += p.above[c]);
+        sum.count += p.count;
+        sum.relative += p.relative;
+        sum.even += p.even;
+    }
+    let mean = |sum: Point| Point {
+        at: sum.at.map(|v| v / sum.count),
+        base: sum.base.map(|v| v / sum.count),
+        above: sum.above.map(|v| v / sum.count),
+        ..sum
+    };
+    cells.into_values().map(mean).collect()
+}

@@ -1,0 +1,127 @@
+//! A Gaussian process through points (Rasmussen and Williams 2006, "Gaussian Processes for Machine Learning").
+//!
+//! What it says of points that are left out is known without solving again: of one, and of a group (their sections 5.4.2): with the
+//! inverse `P` of the matrix, `y - P_gg^-1 (P y)_g`.
+
+use super::pair::COORDINATES;
+use super::points::Point;
+use crate::numeric::cholesky::Square;
+use crate::numeric::vector;
+use pulp::NullaryFnOnce;
+
+/// How alike points are at a distance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Kernel {
+    /// Variance and length of a term of each of the first three coordinates alone.
+    pub alone: [(f64, f64); 3],
+    /// Variance and lengths of a term of all, Matern's of 5/2.
+    pub joint: f64,
+    pub lengths: [f64; COORDINATES],
+}
+
+impl Kernel {
+    /// Of points at `from` with one at `to`, coordinate by coordinate.
+    fn row(&self, from: &[Vec<f64>; COORDINATES], to: &[f64; COORDINATES], out: &mut [f64]) {
+        vector::run(Row { kernel: self, from, to, out });
+    }
+}
+
+struct Row<'a> {
+    kernel: &'a Kernel,
+    from: &'a [Vec<f64>; COORDINATES],
+    to: &'a [f64; COORDINATES],
+    out: &'a mut [f64],
+}
+
+impl NullaryFnOnce for Row<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { kernel, from, to, out } = self;
+        let weights = kernel.lengths.map(|l| 5.0 / (l * l));
+        let len = out.len();
+        let from = [&from[0][..len], &from[1][..len], &from[2][..len], &from[3][..len]];
+        for n in 0..len {
+            let mut r2 = 0.0f64;
+            for k in 0..COORDINATES {
+                let d = from[k][n] - to[k];
+                r2 = (weights[k] * d).mul_add(d, r2);
+            }
+            let r = r2.sqrt();
+            out[n] = kernel.joint * r2.mul_add(1.0 / 3.0, 1.0 + r) * vector::exp(-r);
+        }
+        for k in 0..3 {
+            let (variance, length) = kernel.alone[k];
+            if variance > 0.0 {
+                let weight = -0.5 / (length * length);
+                for n in 0..len {
+                    let d = from[k][n] - to[k];
+                    out[n] = variance.mul_add(vector::exp(weight * d * d), out[n]);
+                }
+            }
+        }
+    }
+}
+
+/// Factor of the matrix of points with the variance of noise of each; `None` where that is too little for the arithmetic.
+pub(super) fn factor(points: &[Point], kernel: Kernel, noise: &[f64]) -> Option<Square> {
+    let at = columns(points);
+    let mut matrix = Square::zeros(points.len());
+    for (i, point) in points.iter().enumerate() {
+        let row = &mut matrix.row_mut(i)[..=i];
+        kernel.row(&at, &point.at, row);
+        row[i] += noise[i];
+    }
+    matrix.cholesky()
+}
+
+/// Coordinates of points, one after the other.
+fn columns(points: &[Point]) -> [Vec<f64>; COORDINATES] {
+    [0, 1, 2, 3].map(|k| points.iter().map(|p| p.at[k]).collect())
+}
+
+/// A process that has seen its points.
+pub(super) struct Process {
+    kernel: Kernel,
+    /// Coordinates of the points.
+    at: [Vec<f64>; COORDINATES],
+    /// Of every channel, the solution of the points' values.
+    solution: [Vec<f64>; 3],
+    /// The inverse of the factor by columns.
+    columns: Square,
+}
+
+impl Process {
+    /// As [`factor`].
+    pub fn new(points: &[Point], kernel: Kernel, noise: &[f64]) -> Option<Self> {
+        let factor = factor(points, kernel, noise)?;
+        let solution =
+            [0, 1, 2].map(|c| factor.solve(&points.iter().map(|p| p.above[c]).collect::<Vec<f64>>()));
+        Some(Self { kernel, at: columns(points), solution, columns: factor.inverse_of_lower() })
+    }
+
+    /// What it says at coordinates.
+    pub fn at(&self, to: &[f64; COORDINATES]) -> [f64; 3] {
+        let mut row = vec![0.0; self.at[0].len()];
+        self.kernel.row(&self.at, to, &mut row);
+        [0, 1, 2].map(|c| vector::dot(&row, &self.solution[c]))
+    }
+
+    /// How far every point is above what the others say of it, and the variance of that.
+    pub fn left_out_alone(&self) -> Vec<([f64; 3], f64)> {
+        let of = |i: usize| {
+            let squared = self.columns.squared(i);
+            ([0, 1, 2].map(|c| self.solution[c][i] / squared), 1.0 / squared)
+        };
+        (0..self.columns.size()).map(of).collect()
+    }
+
+    /// How far the points of a group are above what all others say of them; `None` as of [`new`](Self::new).
+    pub fn left_out(&self, group: &[usize]) -> Option<Vec<[f64; 3]>> {
+        let factor = self.columns.gram(group).cholesky()?;
+        let channels = [0, 1, 2]
+            .map(|c| factor.solve(&group.iter().map(|&i| self.solution[c][i]).collect::<Vec<f64>>()));
+        Some((0..group.len()).map(|n| [channels[0][n], channels[1][n], channels[2][n]]).collect())
+    }
+}

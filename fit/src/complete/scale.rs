@@ -1,0 +1,29 @@
+//! A scale that is logarithmic for what is bright, and even around 0: measured values may be 0, or negative.
+
+use super::measurement::Measurement;
+
+/// Values up to this share of the mean radiance are on the even part.
+const FLOOR: f64 = 0.02;
+
+/// `asinh(f / (2 floor))`: the logarithm of `f / floor` where f is much more than that.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scale {
+    twice: f64,
+}
+
+impl Scale {
+    /// For samples with that mean radiance.
+    pub fn of(measurement: &Measurement) -> Self {
+        Self { twice: (2.0 * FLOOR * measurement.level).max(f64::MIN_POSITIVE) }
+    }
+
+    /// On the scale.
+    pub fn to(self, f: f64) -> f64 {
+        libm::asinh(f / self.twice)
+    }
+
+    /// Back.
+    pub fn back(self, scaled: f64) -> f64 {
+        self.twice * libm::sinh(scaled)
+    }
+}
