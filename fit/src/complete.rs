@@ -12,6 +12,7 @@
 //! Which model, how smooth, and how much noise there is: what says best of samples left out, one by one and view by view
 //! ([`held_out`]). A sample that all others speak against counts less. Of more samples than [`points`] takes, close ones are taken together.
 
+mod energy;
 mod gaps;
 mod grid;
 pub mod held_out;
@@ -24,6 +25,7 @@ mod scale;
 
 use crate::FitError;
 use crate::table::{Brdf, Table, check_storable};
+use energy::Energy;
 pub use gaps::Gaps;
 use gaps::gaps;
 use grid::Grid;
@@ -83,6 +85,7 @@ pub struct Completion {
     above: Grid,
     /// Greatest size of a value, on the scale.
     most: f64,
+    energy: Option<Energy>,
     /// What is known of how good it is.
     pub report: CompletionReport,
 }
@@ -145,9 +148,13 @@ pub fn complete(table: &Table) -> Result<Completion, FitError> {
     });
     let ranked: Vec<Candidate> = ranked.collect();
     let best = ranked.into_iter().filter(|c| c.rank.is_finite()).min_by(|a, b| a.rank.total_cmp(&b.rank));
-    best.and_then(|best| made(&measurement, scale, table, &best)).ok_or_else(|| {
-        FitError::Table("its samples are too far apart in size to say what lies between them".into())
-    })
+    let made = best.and_then(|best| made(&measurement, scale, table, &best));
+    let Some(mut completion) = made else {
+        let text = "its samples are too far apart in size to say what lies between them";
+        return Err(FitError::Table(text.into()));
+    };
+    completion.energy = Energy::new(&completion)?;
+    Ok(completion)
 }
 
 /// The model at its best from several widths, each also beside the process.
@@ -228,7 +235,7 @@ fn made(measurement: &Measurement, scale: Scale, table: &Table, best: &Candidate
     };
     let above = Grid::new(width(&model), |at| process.at(at));
     let brightest = measurement.samples.iter().flat_map(|s| s.rgb).fold(0.0, f64::max);
-    Some(Completion { model, scale, above, most: scale.to(brightest) + BRIGHTER, report })
+    Some(Completion { model, scale, above, most: scale.to(brightest) + BRIGHTER, energy: None, report })
 }
 
 impl Completion {
@@ -251,6 +258,7 @@ impl Brdf for Completion {
         let pair = Pair::new(wi, wo);
         let (model, above) = (self.model.value(&pair), self.above.at(&pair));
         let value = |c: usize| self.scale.to(model[c]) + above[c].clamp(-FARTHEST, FARTHEST);
-        [0, 1, 2].map(|c| self.scale.back(value(c).clamp(-self.most, self.most)))
+        let share = self.energy.as_ref().map_or(1.0, |energy| energy.factor(wi[2]) * energy.factor(wo[2]));
+        [0, 1, 2].map(|c| share * self.scale.back(value(c).clamp(-self.most, self.most)))
     }
 }

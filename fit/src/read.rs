@@ -10,13 +10,14 @@ mod numbers;
 pub mod rgl;
 pub(crate) mod rows;
 mod rusinkiewicz;
+mod scatter;
 mod spectrum;
 
 use crate::analytic;
-use crate::table::{Brdf, MAX_VIEWS, Scattered, Table};
+use crate::table::{Brdf, Table};
 use crate::{FitError, ReadError};
+pub(crate) use scatter::Scatter;
 use sha2::{Digest, Sha256};
-use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 
 pub use limit::read_at_most;
@@ -76,43 +77,4 @@ pub fn read(path: &Path) -> Result<Source, FitError> {
 /// The SHA-256 of bytes, hexadecimal.
 pub(crate) fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
-}
-
-/// Samples grouped by the angle of the outgoing direction.
-#[derive(Debug, Default)]
-pub(crate) struct Scatter {
-    views: Vec<(f64, Scattered)>,
-}
-
-/// Angles of the outgoing direction closer than this are one view, radians; files print six decimals.
-const SAME_VIEW: f64 = 1e-3;
-
-impl Scatter {
-    /// Adds a sample: angle of the outgoing direction, incident direction in the frame of the view and its angle from the
-    /// normal, f. The error says what is out of range.
-    pub fn push(&mut self, theta: f64, wi: [f64; 3], theta_i: f64, rgb: [f64; 3]) -> Result<(), String> {
-        if !(0.0..FRAC_PI_2).contains(&theta) {
-            return Err(format!(
-                "outgoing direction {theta} radians from the normal; at least 0, less than pi / 2"
-            ));
-        }
-        if !(0.0..=FRAC_PI_2 + 1e-5).contains(&theta_i) {
-            return Err(format!("incident direction {theta_i} radians from the normal; from 0 to pi / 2"));
-        }
-        match self.views.iter().position(|(t, _)| (*t - theta).abs() < SAME_VIEW) {
-            Some(view) => self.views[view].1.push((wi, rgb)),
-            None if self.views.len() == MAX_VIEWS => return Err(format!("more than {MAX_VIEWS} views")),
-            None => self.views.push((theta, vec![(wi, rgb)])),
-        }
-        Ok(())
-    }
-
-    /// The views, theta rising.
-    pub fn finish(mut self) -> Result<Vec<(f64, Scattered)>, ReadError> {
-        if self.views.is_empty() {
-            return Err(ReadError::Content("no samples".into()));
-        }
-        self.views.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Ok(self.views)
-    }
 }

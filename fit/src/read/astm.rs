@@ -69,7 +69,9 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<(f64, Scattered)>, ReadError> {
             None => [0, 1, 2].map(|c| numbers[4 + c] / scale[c]),
         };
         let place = |reason| content(format!("line {}: {reason}", n + 1));
-        scatter.push(theta_i, direction(theta_s, phi_s - phi_i - PI), theta_s, rgb).map_err(place)?;
+        scatter
+            .push([theta_i, phi_i], direction(theta_s, phi_s - phi_i - PI), theta_s, rgb)
+            .map_err(place)?;
     }
     if points.is_some_and(|n| n != rows) {
         return Err(content(format!("{rows} rows, but NUM_POINTS is {}", points.unwrap_or(0))));

@@ -53,7 +53,7 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<(f64, Scattered)>, ReadError> {
             *value = numbers.next("a BRDF value, at most 1e9 in size", |v| v.abs() <= MAX_VALUE)?;
         }
         let wi = direction(theta_s, phi_s - phi_i - PI);
-        scatter.push(theta_i, wi, theta_s, to_rgb.convert(&spectrum)).map_err(ReadError::Content)?;
+        scatter.push([theta_i, phi_i], wi, theta_s, to_rgb.convert(&spectrum)).map_err(ReadError::Content)?;
         any = true;
     }
     if !any {

@@ -1,12 +1,12 @@
 //! Reader of our own `.csv`: anybody's isotropic measurement, a sample a line.
 //!
 //! The first line is `wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,r,g,b`; then a row a sample: unit vectors towards the incident and the
-//! outgoing direction, +z the normal, and the BRDF in linear sRGB, 1/sr, not multiplied by the cosine. Outgoing directions of
-//! one angle from the normal are one view. Lines that begin with `#` are comments.
+//! outgoing direction, +z the normal, and the BRDF in linear sRGB, 1/sr, not multiplied by the cosine. Lines that begin with `#` are
+//! comments. Any number of samples is enough, in any pattern: see `scatter` for how they are grouped.
 //!
-//! A negative value counts as 0. Refused are numbers above 1e9 in size, directions whose squared length is off 1 by more than 1e-3,
-//! and directions below the horizon. Azimuths of the outgoing direction are turned away: rows of an anisotropic surface are merged
-//! as if it were isotropic, and fitted as their mean.
+//! Refused are numbers above 1e9 in size, directions whose squared length is off 1 by more than 1e-3, directions below the horizon,
+//! and samples of an anisotropic surface, as far as they tell: pairs of directions that differ by a turn about the normal alone, and
+//! have other values.
 
 use super::Scatter;
 use super::rows::{row, text};
@@ -42,7 +42,8 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<(f64, Scattered)>, ReadError> {
         let (c, s) = if across > 0.0 { (-wo[0] / across, -wo[1] / across) } else { (1.0, 0.0) };
         let turned = [wi[0] * c + wi[1] * s, wi[1] * c - wi[0] * s, wi[2]];
         let rgb = [v[6], v[7], v[8]];
-        scatter.push(libm::atan2(across, wo[2]), turned, libm::acos(wi[2].min(1.0)), rgb).map_err(place)?;
+        let angles = [libm::atan2(across, wo[2]), libm::atan2(wo[1], wo[0])];
+        scatter.push(angles, turned, libm::acos(wi[2].min(1.0)), rgb).map_err(place)?;
     }
     scatter.finish()
 }

@@ -1,0 +1,38 @@
+//! No surface reflects more than it receives: what is between samples, and beyond the last, is held to that.
+
+use crate::FitError;
+use crate::table::{Brdf, Density, Table};
+use std::f64::consts::FRAC_PI_2;
+
+/// Largest albedo.
+const MOST: f64 = 0.98;
+
+/// Intervals of angles, even in what [`Energy::place`] makes of them, and how closely each is looked at.
+const INTERVALS: usize = 24;
+const DENSITY: Density = Density { hemisphere: 150, cap: 60 };
+
+/// What values are multiplied by, once for each of the two directions, so that they stay reciprocal.
+pub(super) struct Energy {
+    factors: Vec<f64>,
+}
+
+impl Energy {
+    /// Factors that hold the albedos of a BRDF; `None` where they hold by themselves.
+    pub fn new(brdf: &dyn Brdf) -> Result<Option<Self>, FitError> {
+        let last = 0.999 * FRAC_PI_2;
+        let theta = |n: usize| libm::acos(1.0 - (n as f64 / INTERVALS as f64).powi(2)).min(last);
+        let thetas: Vec<f64> = (0..=INTERVALS).map(theta).collect();
+        let table = Table::from_brdf(brdf, &thetas, DENSITY)?;
+        let factor = |albedo: [f64; 3]| libm::sqrt((MOST / albedo.into_iter().fold(MOST, f64::max)).min(1.0));
+        let factors: Vec<f64> = table.views.iter().map(|view| factor(view.albedo)).collect();
+        Ok(factors.iter().any(|f| *f < 1.0).then_some(Self { factors }))
+    }
+
+    /// The factor of one direction, by its cosine.
+    pub fn factor(&self, cos: f64) -> f64 {
+        let place = libm::sqrt((1.0 - cos).clamp(0.0, 1.0)) * INTERVALS as f64;
+        let node = (place as usize).min(INTERVALS - 1);
+        let part = place - node as f64;
+        self.factors[node] + part * (self.factors[node + 1] - self.factors[node])
+    }
+}
