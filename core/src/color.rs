@@ -1,12 +1,20 @@
-//! Colours of lobes and of the diffuse term: a luminance, and how far red and blue are from it, relative to it.
+//! Luminance; and the colours of lobes and of the diffuse term as a luminance, and how far red and blue are from it, relative to it.
 //!
 //! `R = Y (1 + rho)`, `B = Y (1 + beta)`, and green is what makes the luminance Y:
 //! `G = Y (1 - (0.2126 rho + 0.0722 beta) / 0.7152)`. What chooses lobes and weighs densities sees Y alone, so that a channel may be
 //! negative, as measured colours outside the gamut of sRGB are.
 
-use crate::lanes::Lanes;
-use crate::{LUMINANCE, luminance};
+use crate::simd::lanes::Lanes;
 use glam::Vec3;
+
+/// Weights of luminance in linear sRGB (Rec. 709).
+pub const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+
+/// Luminance of a linear sRGB colour (Rec. 709): what lobes are chosen by and densities are weighted with.
+#[inline]
+pub fn luminance(rgb: Vec3) -> f32 {
+    rgb.dot(Vec3::from_array(LUMINANCE))
+}
 
 /// Largest magnitude of a relative colour difference.
 pub(crate) const MOST_DIFFERENCE: f32 = 16.0;

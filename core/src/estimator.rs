@@ -1,10 +1,14 @@
 //! Estimators: several samples of one mixture, stratified over its lobes; the weights that combine techniques; and a
 //! mixture with a defensive component, whose weights are bounded.
 
-use crate::batch::{chosen_power, draw_one};
-use crate::lanes::scale;
-use crate::lobe::where_around;
-use crate::{Domain, Error, Kernel, MAX_LOBES, Mixture, Sample, float, special};
+use crate::error::Error;
+use crate::kernel::draw::{chosen_power, draw_one};
+use crate::material::layout::MAX_LOBES;
+use crate::mixture::rows::{Domain, Mixture, Sample};
+use crate::simd::lanes::scale;
+use crate::zonal::around::where_around;
+use crate::zonal::kernel::Kernel;
+use crate::{float, special};
 use core::f32::consts::{FRAC_1_PI, PI};
 use glam::Vec3;
 

@@ -3,8 +3,9 @@
 //! pass through f64, which small processors lack.
 
 #[cfg(any(feature = "kernels", test))]
-pub(crate) use crate::lanes::sin_cos;
-pub(crate) use crate::lanes::sin_cos_turns;
+pub(crate) use crate::simd::elementary::sin_cos;
+pub(crate) use crate::simd::elementary::sin_cos_turns;
+pub(crate) use crate::simd::scalar::sqrt;
 
 /// `2^x`: 0 below -160, infinite from 130 on.
 ///
@@ -45,14 +46,6 @@ pub(crate) fn ln(x: f32) -> f32 {
 #[inline]
 pub(crate) fn ln_1p(x: f32) -> f32 {
     libm::log1pf(x)
-}
-/// Square root, correctly rounded.
-#[inline(always)]
-pub(crate) fn sqrt(x: f32) -> f32 {
-    #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
-    return crate::simd::sse2::sqrt(x);
-    #[cfg(not(all(target_arch = "x86_64", target_feature = "sse2")))]
-    libm::sqrtf(x)
 }
 #[inline]
 pub(crate) fn atan2(y: f32, x: f32) -> f32 {

@@ -22,61 +22,48 @@
 //! ```
 #![no_std]
 
-mod anisotropic;
-mod batch;
-#[cfg(feature = "simd")]
-mod block;
-mod checksum;
 mod color;
 mod error;
 mod estimator;
-mod factors;
-#[cfg(feature = "std")]
-mod file;
 mod float;
-mod folded;
-mod format;
-mod horizon;
 mod kernel;
-mod lanes;
-mod leave_out;
 mod lobe;
 mod material;
 mod mixture;
-mod pairs;
-mod prepare;
-mod product;
 mod quadrature;
 mod simd;
-mod single;
 pub mod special;
 mod squeeze;
-mod two;
+mod zonal;
 
-pub use batch::SamplesMut;
-pub use color::color_differences;
-pub use error::{Error, FormatError};
+pub use color::{LUMINANCE, color_differences, luminance};
+pub use error::Error;
 pub use estimator::{Defensive, balance_heuristic, power_heuristic};
-#[cfg(feature = "std")]
-pub use file::{FileError, read_file};
-pub use folded::Folded;
-pub use format::grid::{Grid, GridView, TiltedLobe};
-pub use format::{FORMAT_VERSION, FactorTable, Line, PlaneLobe, View, encoded_len};
 pub use glam::Vec3;
-pub use kernel::Kernel;
+pub use kernel::slices::SamplesMut;
+pub use lobe::gaussian::{Gaussian, Lobe, MAX_SHARPNESS};
+pub use lobe::product::GaussianProduct;
+pub use material::borrowed::Material;
+pub use material::encode::encoded_len;
+pub use material::factor_table::FactorTable;
+#[cfg(feature = "std")]
+pub use material::file::{FileError, read_file};
+pub use material::format_error::{FORMAT_VERSION, FormatError};
+pub use material::layout::MAX_LOBES;
+pub use material::views::{Grid, GridView, Line, PlaneLobe, TiltedLobe, View};
+pub use mixture::leave_out::LeaveOut;
+pub use mixture::rows::{Domain, Mixture, Sample};
+pub use simd::detect::Level;
 #[cfg(feature = "kernels")]
-pub use kernel::{
-    abel_poisson::AbelPoisson,
-    legendre::{
-        abel_poisson_coefficients_into, gaussian_coefficients_into, legendre_coefficients_into,
-        legendre_series, legendre_singular_integral,
-    },
-    metropolis::Metropolis,
-    table::KernelTable,
+pub use zonal::abel_poisson::AbelPoisson;
+pub use zonal::folded::Folded;
+pub use zonal::kernel::Kernel;
+#[cfg(feature = "kernels")]
+pub use zonal::legendre::{
+    abel_poisson_coefficients_into, gaussian_coefficients_into, legendre_coefficients_into, legendre_series,
+    legendre_singular_integral,
 };
-pub use leave_out::LeaveOut;
-pub use lobe::{Gaussian, Lobe, MAX_SHARPNESS};
-pub use material::Material;
-pub use mixture::{Domain, LUMINANCE, MAX_LOBES, Mixture, Sample, luminance};
-pub use product::GaussianProduct;
-pub use simd::Level;
+#[cfg(feature = "kernels")]
+pub use zonal::metropolis::Metropolis;
+#[cfg(feature = "kernels")]
+pub use zonal::table::KernelTable;

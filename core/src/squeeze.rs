@@ -20,14 +20,13 @@
 //! With fused operations `u` is not even made: `|u - a|^2 = |r u - r a|^2 / r^2`, in which `r u` needs no division and
 //! `x - r a` rounds once. An error `e` of r is one along the direction again: of `e` relative to the exponent, and of `s e^2`.
 //!
-//! Anisotropic materials squeeze by any symmetric matrix in (x, y), see `anisotropic.rs`: in the frame of its eigenvectors it is
+//! Anisotropic materials squeeze by any symmetric matrix in (x, y), see `kernel/prepare_anisotropic.rs`: in the frame of its eigenvectors it is
 //! diag(`along`, `inverse`), of determinant `along inverse`, and everything above holds with that in place of `1 / c`.
 
-#![allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
+#![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
-use crate::lanes::{
-    Lanes, TOGETHER, halves, length_squared_minus_one, of_halves, splat3, sum_of_products, two_product,
-};
+use crate::simd::error_free::{length_squared_minus_one, sum_of_products, two_product};
+use crate::simd::lanes::{Lanes, TOGETHER, halves, of_halves, splat3};
 
 /// The turn into the frame of a view, and the squeeze in it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,8 +4,8 @@
 //! both on this processor: that is what makes each `unsafe` block here sound.
 #![allow(unsafe_code)]
 
-use crate::lanes::{Lanes, one_vector};
-use crate::two::Two;
+use super::lane_pair::LanePair;
+use super::lanes::{Lanes, one_vector};
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
 
@@ -38,7 +38,7 @@ impl Avx2 {
 
 /// The three channels of nodes, as [`Lanes::node_pairs`] says.
 #[inline(always)]
-#[allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
+#[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 fn channels(nodes: __m256i) -> [Avx2; 3] {
     // SAFETY: the processor has AVX2, see the head of this file.
     unsafe {
@@ -54,7 +54,7 @@ fn channels(nodes: __m256i) -> [Avx2; 3] {
 impl Lanes for Avx2 {
     const COUNT: usize = 8;
     const FUSED: bool = true;
-    type Batch = Two<Two<Self>>;
+    type Batch = LanePair<LanePair<Self>>;
     one_vector!();
     const LOBES_PAIRED: bool = true;
     type Mask = __m256;
@@ -260,4 +260,4 @@ impl Lanes for Avx2 {
     }
 }
 
-super::entries!(Avx2, #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]);
+super::routine::entries!(Avx2, #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]);

@@ -4,9 +4,10 @@
 //! [`super::detect`] has seen them all on this processor: that is what makes each `unsafe` block here sound.
 #![allow(unsafe_code)]
 
-use super::{Draw, One, avx2};
-use crate::lanes::{Lanes, one_vector, scale};
-use crate::two::Two;
+use super::avx2;
+use super::lane_pair::LanePair;
+use super::lanes::{Lanes, one_vector, scale};
+use super::routine::{Draw, One};
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
 
@@ -39,7 +40,7 @@ impl Avx512 {
 
 /// The three channels of nodes, as [`Lanes::node_pairs`] says.
 #[inline(always)]
-#[allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
+#[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 fn channels(nodes: __m512i) -> [Avx512; 3] {
     // SAFETY: the processor has AVX-512, see the head of this file.
     unsafe {
@@ -55,7 +56,7 @@ fn channels(nodes: __m512i) -> [Avx512; 3] {
 impl Lanes for Avx512 {
     const COUNT: usize = 16;
     const FUSED: bool = true;
-    type Batch = Two<Self>;
+    type Batch = LanePair<Self>;
     one_vector!();
     const LOBES_PAIRED: bool = false;
     type Mask = __mmask16;
@@ -269,7 +270,7 @@ impl Lanes for Avx512 {
     }
 }
 
-super::entries!(
+super::routine::entries!(
     Avx512,
     #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,fma,avx2,popcnt,bmi1,bmi2")] without draw
 );

@@ -4,7 +4,7 @@
 //! each `unsafe` block here sound. Choices are blends and never branches: they depend on random numbers.
 #![allow(unsafe_code)]
 
-use crate::lanes::{Lanes, ROUND, one_vector};
+use super::lanes::{Lanes, ROUND, one_vector};
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
 

@@ -1,7 +1,7 @@
 //! The portable back end: `wide`, four lanes, whatever the target offers (SSE2, NEON, wasm simd128, or plain code).
 
-use crate::lanes::{Lanes, one_vector};
-use crate::two::Two;
+use super::lane_pair::LanePair;
+use super::lanes::{Lanes, one_vector};
 use core::ops::{Add, Div, Mul, Sub};
 use wide::{f32x4, i32x4};
 
@@ -36,7 +36,7 @@ operators!(Add add Sub sub Mul mul Div div);
 impl Lanes for Wide {
     const COUNT: usize = 4;
     const FUSED: bool = cfg!(target_feature = "fma") || cfg!(target_arch = "aarch64");
-    type Batch = Two<Two<Self>>;
+    type Batch = LanePair<LanePair<Self>>;
     one_vector!();
     const LOBES_PAIRED: bool = false;
     type Mask = f32x4;
@@ -166,4 +166,4 @@ impl Lanes for Wide {
     }
 }
 
-super::entries!(Wide, #[inline(never)]);
+super::routine::entries!(Wide, #[inline(never)]);

@@ -3,7 +3,7 @@
 //! Knot 0 is the normal; then ring by ring, each with the same number of azimuths. A knot has `6 + 6 K` unknowns: the logarithm
 //! of the squeeze matrix (xx, xy, yy), per channel the logarithm of the diffuse albedo, K tilts of the axes along the plane of
 //! incidence, K across it, K `ln sharpness`, and K `ln amplitude` per channel. Between knots `srbf_core` interpolates them as is
-//! done here; see `core/src/anisotropic.rs`, which also says why that is continuous at the normal.
+//! done here; see `core/src/kernel/prepare_anisotropic.rs`, which also says why that is continuous at the normal.
 
 use crate::numeric::special::sphere_integral;
 use std::f64::consts::{PI, TAU};

@@ -2,16 +2,16 @@
 //!
 //! A broadcast then serves both halves, and the two chains of dependent operations run side by side.
 
-use crate::lanes::Lanes;
+use super::lanes::Lanes;
 use core::ops::{Add, Div, Mul, Sub};
 
 /// Two vectors; the first holds the lower lanes.
 #[derive(Clone, Copy)]
-pub(crate) struct Two<L>(L, L);
+pub(crate) struct LanePair<L>(L, L);
 
 macro_rules! operators {
     ($($name:ident $method:ident)*) => { $(
-        impl<L: Lanes> $name for Two<L> {
+        impl<L: Lanes> $name for LanePair<L> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
@@ -22,7 +22,7 @@ macro_rules! operators {
 }
 operators!(Add add Sub sub Mul mul Div div);
 
-impl<L: Lanes> Lanes for Two<L> {
+impl<L: Lanes> Lanes for LanePair<L> {
     const COUNT: usize = 2 * L::COUNT;
     const FUSED: bool = L::FUSED;
     type Batch = Self;

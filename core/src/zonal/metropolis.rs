@@ -1,8 +1,8 @@
 //! The Metropolis random walk of Weng and Shih 2006, sections 4.2.2 and 5.2: samples of a kernel that has no inverse.
 
+use super::around::around;
+use super::kernel::Kernel;
 use crate::float;
-use crate::kernel::Kernel;
-use crate::lobe::around;
 use glam::Vec3;
 use rand_core::Rng;
 

@@ -21,8 +21,9 @@
 //! the last because the integral of `d.z G` over the whole sphere is `axis.z L I`. No subtraction loses digits:
 //! `far_0 <= I / 2`.
 
+use super::gaussian::Gaussian;
 use crate::quadrature::GAUSS_LEGENDRE;
-use crate::{Gaussian, float, special};
+use crate::{float, special};
 use core::f32::consts::PI;
 
 /// Exponent at which the integrand is cut: `exp(-20)` is 2e-9.

@@ -1,6 +1,6 @@
 //! What a mixture may leave out for one outgoing direction.
 
-use crate::Error;
+use crate::error::Error;
 
 /// What [`Material::prepare_leaving_out`](crate::Material::prepare_leaving_out) may leave out of a mixture.
 ///

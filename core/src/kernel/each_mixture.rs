@@ -1,18 +1,20 @@
-//! Pairs: every outgoing direction has its own mixture, as a wavefront renderer needs it.
+//! Each pair of directions its own mixture, as a wavefront renderer needs it.
 //!
-//! With vectors the pairs are taken in blocks, see [`block`](crate::block), whose mixtures never leave the cache; without, and where
+//! With vectors the pairs are taken in blocks, see [`block`], whose mixtures never leave the cache; without, and where
 //! there are only a few, one after the other. With its block, a call takes up to 30 kB of stack, 44 or 74 where a material has more than 16
 //! or 32 lobes.
 
-use crate::batch::{SamplesMut, same_length};
 #[cfg(feature = "simd")]
-use crate::block::{self, DrawBlock, SumBlock};
+use super::block::{self, DrawBlock, SumBlock};
 #[cfg(feature = "simd")]
-use crate::factors::multiply_block;
-use crate::luminance;
-use crate::prepare::PrepareInto;
-use crate::simd::Level;
-use crate::{Error, Material, Mixture};
+use super::multiply_factors::multiply_block;
+use super::prepare::PrepareInto;
+use super::slices::{SamplesMut, same_length};
+use crate::color::luminance;
+use crate::error::Error;
+use crate::material::borrowed::Material;
+use crate::mixture::rows::Mixture;
+use crate::simd::detect::Level;
 use glam::Vec3;
 
 impl<'m> Material<'m> {

@@ -1,7 +1,7 @@
 //! A kernel folded at the horizon, and squeezed: what a reflecting surface needs of a kernel that lives on the sphere.
 
-use crate::Error;
-use crate::kernel::Kernel;
+use super::kernel::Kernel;
+use crate::error::Error;
 use crate::squeeze::{Seen, Squeeze};
 use glam::Vec3;
 

@@ -1,8 +1,9 @@
 //! Any zonal kernel as a table: sampled by inversion, with the density that its samples really have.
 
-use crate::kernel::Kernel;
-use crate::lobe::unit;
-use crate::{Error, float};
+use super::around::unit;
+use super::kernel::Kernel;
+use crate::error::Error;
+use crate::float;
 use core::f32::consts::PI;
 use glam::Vec3;
 

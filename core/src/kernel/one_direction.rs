@@ -1,18 +1,133 @@
-//! One direction: lanes are lobes, for renderers that shade a point at a time.
-#![allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
+//! One direction of one mixture, for renderers that shade a point at a time: lanes are lobes.
+#![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
-use crate::batch::draw_one;
-use crate::lanes::{Lanes, falloff, falloff_soon, scale};
-use crate::mixture::lowest_bits;
-use crate::simd::{Draw, One};
+use super::draw::draw_one;
+use crate::color::luminance;
+use crate::mixture::rows::{Domain, Mixture, Sample, lowest_bits};
+use crate::simd::elementary::{falloff, falloff_soon};
+use crate::simd::lane_pair::LanePair;
+use crate::simd::lanes::{Lanes, scale};
+use crate::simd::routine::{Draw, One};
 use crate::squeeze::{NUMBERS, Seen, Sight};
-use crate::two::Two;
-use crate::{Domain, Mixture};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
+impl<const N: usize> Mixture<'_, N> {
+    /// Evaluates `f cos` towards an incident direction, linear sRGB; 1/sr. 0 below the horizon of a hemisphere.
+    ///
+    /// A lobe is exactly 0 where it is below 2^-100 (8e-31) of its amplitude; above, its relative error is at most 3e-7 times
+    /// 2 plus its exponent.
+    #[inline]
+    pub fn evaluate(&self, direction: Vec3) -> Vec3 {
+        if self.has_factors() {
+            return self.factored(direction).0;
+        }
+        self.lobes_value(direction)
+    }
+
+    /// The value, and the luminance of what the lobes have, of a mixture with factors.
+    #[inline(never)]
+    fn factored(&self, direction: Vec3) -> (Vec3, f32) {
+        self.level.run_one::<_, FactoredOne>(self, direction.to_array())
+    }
+
+    /// What the lobes and the diffuse term have, without factors.
+    #[inline(always)]
+    fn lobes_value(&self, direction: Vec3) -> Vec3 {
+        if self.is_plain() {
+            self.level.run_one::<_, EvaluateOne<false>>(self, direction.to_array())
+        } else {
+            self.level.run_one::<_, EvaluateOne<true>>(self, direction.to_array())
+        }
+    }
+
+    /// Evaluates the density of [`sample`](Self::sample) at a direction; 1/sr.
+    #[inline]
+    pub fn pdf(&self, direction: Vec3) -> f32 {
+        if self.is_plain() {
+            self.level.run_one::<_, PdfOne<false>>(self, direction.to_array())
+        } else {
+            self.level.run_one::<_, PdfOne<true>>(self, direction.to_array())
+        }
+    }
+
+    /// Value and density in one pass over the lobes.
+    #[inline]
+    pub fn evaluate_and_pdf(&self, direction: Vec3) -> (Vec3, f32) {
+        let (value, luminance) = if self.has_factors() {
+            self.factored(direction)
+        } else {
+            let value = self.lobes_value(direction);
+            (value, luminance(value))
+        };
+        (value, luminance * self.inverse_power)
+    }
+
+    /// Draws an incident direction from the density: lobe by `u[0]`, direction in it by `u[1]` and `u[2]`.
+    ///
+    /// `None` where the integral is 0: such a mixture reflects nothing; and where the density underflows, far out in a tail. No sample is
+    /// wasted below the horizon.
+    /// The three numbers are uniform in [0, 1).
+    /// Source: Weng and Shih 2006, section 4.2.2, eq. 14; differs: what falls below the horizon is mirrored up.
+    #[inline]
+    pub fn sample(&self, u: [f32; 3]) -> Option<Sample> {
+        if self.has_factors() {
+            return self.sample_factored(u);
+        }
+        if self.is_plain() { self.sample_as::<false>(u) } else { self.sample_as::<true>(u) }
+    }
+
+    #[inline(always)]
+    fn sample_as<const SEEN: bool>(&self, u: [f32; 3]) -> Option<Sample> {
+        if self.power <= 0.0 {
+            return None;
+        }
+        let (direction, value) = self.level.draw_one::<_, Drawn<SEEN>, EvaluateOne<SEEN>>(self, u);
+        self.sampled(direction, value, luminance(value))
+    }
+
+    #[inline(never)]
+    fn sample_factored(&self, u: [f32; 3]) -> Option<Sample> {
+        if self.power <= 0.0 {
+            return None;
+        }
+        let (direction, (value, luminance)) = self.level.draw_one::<_, Drawn<true>, FactoredOne>(self, u);
+        self.sampled(direction, value, luminance)
+    }
+
+    /// A sample of a direction that has been drawn, with the value there and the luminance of what the lobes have.
+    #[inline(always)]
+    fn sampled(&self, direction: [f32; 3], value: Vec3, luminance: f32) -> Option<Sample> {
+        let pdf = luminance * self.inverse_power;
+        // A density that f32 rounds to 0 cannot be divided by: far out in a tail, where the value is 0 too.
+        (pdf > 0.0).then_some(Sample { direction: Vec3::from_array(direction), pdf, value })
+    }
+
+    /// Draws only direction and density of [`sample`](Self::sample), for callers that take the value elsewhere: one colour channel in
+    /// place of three.
+    #[inline]
+    pub fn sample_pdf(&self, u: [f32; 3]) -> Option<(Vec3, f32)> {
+        if self.is_plain() { self.sample_pdf_as::<false>(u) } else { self.sample_pdf_as::<true>(u) }
+    }
+
+    #[inline(always)]
+    fn sample_pdf_as<const SEEN: bool>(&self, u: [f32; 3]) -> Option<(Vec3, f32)> {
+        if self.power <= 0.0 {
+            return None;
+        }
+        let (direction, pdf) = self.level.draw_one::<_, Drawn<SEEN>, PdfOne<SEEN>>(self, u);
+        (pdf > 0.0).then_some((Vec3::from_array(direction), pdf))
+    }
+
+    /// Draws only the direction of [`sample`](Self::sample), for callers that take value and density elsewhere.
+    #[inline]
+    pub fn sample_direction(&self, u: [f32; 3]) -> Option<Vec3> {
+        (self.power > 0.0).then(|| self.level.run_one::<_, DirectionOne>(self, u))
+    }
+}
+
 /// Value towards a direction. `SEEN`: for a mixture that turns or squeezes it.
-pub(crate) struct EvaluateOne<const SEEN: bool>;
+struct EvaluateOne<const SEEN: bool>;
 
 impl<const N: usize, const SEEN: bool> One<Mixture<'_, N>> for EvaluateOne<SEEN> {
     type Output = Vec3;
@@ -24,7 +139,7 @@ impl<const N: usize, const SEEN: bool> One<Mixture<'_, N>> for EvaluateOne<SEEN>
 }
 
 /// Density at a direction. `SEEN`: for a mixture that turns or squeezes it.
-pub(crate) struct PdfOne<const SEEN: bool>;
+struct PdfOne<const SEEN: bool>;
 
 impl<const N: usize, const SEEN: bool> One<Mixture<'_, N>> for PdfOne<SEEN> {
     type Output = f32;
@@ -36,7 +151,7 @@ impl<const N: usize, const SEEN: bool> One<Mixture<'_, N>> for PdfOne<SEEN> {
 }
 
 /// A direction from three uniform numbers, and what follows. `SEEN`: for a mixture that turns or squeezes it.
-pub(crate) struct Drawn<const SEEN: bool>;
+struct Drawn<const SEEN: bool>;
 
 impl<const N: usize, const SEEN: bool> Draw<Mixture<'_, N>> for Drawn<SEEN> {
     #[inline(always)]
@@ -48,7 +163,7 @@ impl<const N: usize, const SEEN: bool> Draw<Mixture<'_, N>> for Drawn<SEEN> {
 }
 
 /// A direction from three uniform numbers.
-pub(crate) struct DirectionOne;
+struct DirectionOne;
 
 impl<const N: usize> One<Mixture<'_, N>> for DirectionOne {
     type Output = Vec3;
@@ -60,17 +175,29 @@ impl<const N: usize> One<Mixture<'_, N>> for DirectionOne {
     }
 }
 
+/// Value towards one direction, and the luminance of what the lobes have there, for a mixture with factors.
+struct FactoredOne;
+
+impl<const N: usize> One<Mixture<'_, N>> for FactoredOne {
+    type Output = (Vec3, f32);
+    const IS_WIDE: bool = true;
+    #[inline(always)]
+    fn run<L: Lanes>(m: &Mixture<'_, N>, direction: [f32; 3]) -> (Vec3, f32) {
+        // First, as it is the longer chain of dependent operations: the lobes are summed beside it.
+        let factor = m.factors.towards::<L::One>(direction);
+        let value = value_one::<L, N, true>(m, direction);
+        (value * factor, luminance(value))
+    }
+}
+
 /// Value towards one direction.
 #[inline(always)]
-pub(crate) fn value_one<L: Lanes, const N: usize, const SEEN: bool>(
-    m: &Mixture<'_, N>,
-    direction: [f32; 3],
-) -> Vec3 {
+fn value_one<L: Lanes, const N: usize, const SEEN: bool>(m: &Mixture<'_, N>, direction: [f32; 3]) -> Vec3 {
     let amplitudes = [&m.red, &m.green, &m.blue];
     let diffuse = m.diffuse.to_array();
     // A pair of vectors of eight lanes: most mixtures need two, and constants are then loaded once.
     Vec3::from_array(if L::LOBES_PAIRED {
-        sums_one::<Two<L>, N, 3, SEEN>(m, amplitudes, diffuse, direction)
+        sums_one::<LanePair<L>, N, 3, SEEN>(m, amplitudes, diffuse, direction)
     } else {
         sums_one::<L, N, 3, SEEN>(m, amplitudes, diffuse, direction)
     })
@@ -78,13 +205,10 @@ pub(crate) fn value_one<L: Lanes, const N: usize, const SEEN: bool>(
 
 /// Luminance of the value towards one direction.
 #[inline(always)]
-pub(crate) fn luminance_one<L: Lanes, const N: usize, const SEEN: bool>(
-    m: &Mixture<'_, N>,
-    direction: [f32; 3],
-) -> f32 {
+fn luminance_one<L: Lanes, const N: usize, const SEEN: bool>(m: &Mixture<'_, N>, direction: [f32; 3]) -> f32 {
     let diffuse = [m.diffuse_power];
     let [sum] = if L::LOBES_PAIRED {
-        sums_one::<Two<L>, N, 1, SEEN>(m, [&m.luminance], diffuse, direction)
+        sums_one::<LanePair<L>, N, 1, SEEN>(m, [&m.luminance], diffuse, direction)
     } else {
         sums_one::<L, N, 1, SEEN>(m, [&m.luminance], diffuse, direction)
     };
@@ -93,7 +217,7 @@ pub(crate) fn luminance_one<L: Lanes, const N: usize, const SEEN: bool>(
 
 /// Sums the lobes towards one direction, once for each of `C` sets of amplitudes. `SEEN`: it is turned or squeezed.
 #[inline(always)]
-pub(crate) fn sums_one<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
+fn sums_one<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     m: &Mixture<'_, N>,
     amplitudes: [&[f32; N]; C],
     diffuse: [f32; C],

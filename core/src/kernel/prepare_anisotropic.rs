@@ -24,12 +24,15 @@
 //! frame of the surface it differs from the normal's by at most `t` times a constant, whatever a is: so it tends
 //! to the normal's view from every side, and at the normal itself, where a is any number, it is that view.
 
-use crate::factors::{Among, Factors};
-use crate::format::f32_at;
-use crate::format::grid::{HEAD, ROWS, Shape};
-use crate::lanes::{Lanes, atan2_positive, exp2, sin_cos};
+use crate::color;
+use crate::material::borrowed::Material;
+use crate::material::layout::{GRID_HEAD, GRID_ROWS, Shape, f32_at};
+use crate::mixture::factors::{Among, Factors};
+use crate::mixture::leave_out::LeaveOut;
+use crate::mixture::rows::Mixture;
+use crate::simd::elementary::{atan2_positive, exp2, sin_cos};
+use crate::simd::lanes::Lanes;
 use crate::squeeze::Squeeze;
-use crate::{LeaveOut, Material, Mixture, color};
 use core::f32::consts::PI;
 use glam::Vec3;
 
@@ -59,7 +62,7 @@ impl Place {
         let (from, to) = (f32_at(bytes, thetas + 4 * within), f32_at(bytes, thetas + 4 * beyond));
         let outward = if to > from { ((theta - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
 
-        // At the normal any azimuth serves, as in `crate::prepare`.
+        // At the normal any azimuth serves, as in `kernel/prepare.rs`.
         let mut azimuth = [1.0, 0.0];
         let mut phi = PI;
         if across_squared >= f32::MIN_POSITIVE {
@@ -94,7 +97,7 @@ fn between(bytes: &[u8], shape: Shape, [a, b]: [usize; 2], onward: f32, i: usize
 }
 
 #[inline(always)]
-#[allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
+#[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 pub(crate) fn prepare<'m, L: Lanes, const N: usize>(
     material: &Material<'m>,
     shape: Shape,
@@ -115,8 +118,8 @@ pub(crate) fn prepare<'m, L: Lanes, const N: usize>(
     let turned = place.rings[0] == 0;
 
     // The head: squeeze matrix and diffuse albedo.
-    let mut head = [0.0; HEAD];
-    for i in 0..HEAD {
+    let mut head = [0.0; GRID_HEAD];
+    for i in 0..GRID_HEAD {
         head[i] = between(bytes, shape, views[0], place.onward, i);
     }
     if turned {
@@ -125,7 +128,7 @@ pub(crate) fn prepare<'m, L: Lanes, const N: usize>(
         head[1] = (c * s) * (yy - xx) + (c * c - s * s) * xy;
         head[2] = s * s * xx + c * c * yy - 2.0 * (c * s) * xy;
     }
-    for i in 0..HEAD {
+    for i in 0..GRID_HEAD {
         let ring = between(bytes, shape, views[1], place.onward, i);
         head[i] += place.outward * (ring - head[i]);
     }
@@ -154,8 +157,8 @@ pub(crate) fn prepare<'m, L: Lanes, const N: usize>(
     let mut k = 0;
     while k < count && k + L::COUNT <= N {
         let valid = L::iota().lt(L::splat((count - k) as f32));
-        let mut rows = [zero; ROWS];
-        for row in 0..ROWS {
+        let mut rows = [zero; GRID_ROWS];
+        for row in 0..GRID_ROWS {
             let a = load_bytes::<L>(bytes, shape.row(header, views[0][0], row) + 4 * k);
             let b = load_bytes::<L>(bytes, shape.row(header, views[0][1], row) + 4 * k);
             rows[row] = (b - a).mul_add(onward, a);
@@ -165,7 +168,7 @@ pub(crate) fn prepare<'m, L: Lanes, const N: usize>(
             rows[0] = x.mul_add(L::splat(c), y * L::splat(s));
             rows[1] = y.mul_add(L::splat(c), zero - x * L::splat(s));
         }
-        for row in 0..ROWS {
+        for row in 0..GRID_ROWS {
             let a = load_bytes::<L>(bytes, shape.row(header, views[1][0], row) + 4 * k);
             let b = load_bytes::<L>(bytes, shape.row(header, views[1][1], row) + 4 * k);
             let ring = (b - a).mul_add(onward, a);

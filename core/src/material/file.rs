@@ -2,8 +2,9 @@
 
 extern crate std;
 
-use crate::FormatError;
-use crate::format::{SMALLEST, announced_len};
+use super::format_error::FormatError;
+use super::layout::SMALLEST;
+use super::validate::announced_len;
 use core::fmt;
 use std::fs::File;
 use std::io::{self, Read};

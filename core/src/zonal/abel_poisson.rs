@@ -1,8 +1,9 @@
 //! The Abel-Poisson kernel: a lobe with a tail that falls only as the inverse cube of the distance.
 
-use crate::kernel::Kernel;
-use crate::lobe::unit;
-use crate::{Error, float};
+use super::around::unit;
+use super::kernel::Kernel;
+use crate::error::Error;
+use crate::float;
 use core::f32::consts::PI;
 use glam::Vec3;
 

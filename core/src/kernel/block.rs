@@ -3,15 +3,15 @@
 //! What a mixture needs once, the draw from the chosen lobe and the turn and squeeze of the direction, is done for the whole block
 //! with lanes as mixtures; what every lobe needs, with lanes as lobes. So nothing waits for the long chain of dependent operations
 //! that one direction is alone.
-#![allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
+#![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
-use crate::Mixture;
-use crate::batch::{Choice, Frame, chosen_lobe, chosen_power, draw};
-use crate::lanes::Lanes;
-use crate::simd::Routine;
-use crate::single::{all_lobes, with_diffuse};
+use super::draw::{Choice, Frame, chosen_lobe, chosen_power, draw};
+use super::one_direction::{all_lobes, with_diffuse};
+use crate::mixture::rows::Mixture;
+use crate::simd::lane_pair::LanePair;
+use crate::simd::lanes::Lanes;
+use crate::simd::routine::Routine;
 use crate::squeeze::{NUMBERS, Precise, Sight};
-use crate::two::Two;
 
 /// Most mixtures of a block: the lanes of the widest vector.
 pub(crate) const MOST: usize = 16;
@@ -145,7 +145,7 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
                 }
             }
             let sums = if L::LOBES_PAIRED {
-                all_lobes::<Two<L>, N, C, true>(m, amplitudes, &turned, &squeezed)
+                all_lobes::<LanePair<L>, N, C, true>(m, amplitudes, &turned, &squeezed)
             } else {
                 all_lobes::<L, N, C, true>(m, amplitudes, &turned, &squeezed)
             };
