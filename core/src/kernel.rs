@@ -1,8 +1,11 @@
-//! The kernels: what turns a material into a mixture, and a mixture into values, densities and samples, with the methods of both.
+//! The kernels: what turns a material into a mixture, and a mixture into values, densities and samples, with
+//! the methods of both.
 //!
-//! [`prepare`] makes mixtures ([`between_views`], or [`prepare_anisotropic`]). [`one_direction`], [`one_mixture`] (many directions) and
-//! [`each_mixture`] (pairs of directions, a [`block`] at a time) evaluate and draw, all by [`draw`]; in batches by [`lobe_sums`].
-//! May import: `mixture`, `material`, `squeeze`, `color`, `simd`, `error`; nothing but `estimator` imports from here.
+//! [`prepare`] makes mixtures ([`between_views`], or [`prepare_anisotropic`]). [`one_direction`],
+//! [`one_mixture`] (many directions) and [`each_mixture`] (pairs of directions, a [`block`] at a time)
+//! evaluate and draw, all by [`draw`]; in batches by [`lobe_sums`].
+//! May import: `mixture`, `material`, `squeeze`, `color`, `simd`, `error`; nothing but `estimator` imports
+//! from here.
 
 pub(crate) mod between_views;
 #[cfg(feature = "simd")]

@@ -1,14 +1,17 @@
-//! Mixtures of spherical Gaussian lobes for rendering with measured BRDFs: evaluate, integrate, importance-sample.
+//! Mixtures of spherical Gaussian lobes for rendering with measured BRDFs: evaluate, integrate,
+//! importance-sample.
 //!
-//! A [`Material`] is read in place from `.srbf` bytes, offline work of `srbf-fit`. [`Material::prepare`] makes the
-//! [`Mixture`] of lobes for one outgoing direction; the mixture gives the value `f cos`, the albedo, the density and
-//! the samples, all of the same lobes, so that `value / pdf` has constant luminance.
+//! A [`Material`] is read in place from `.srbf` bytes, offline work of `srbf-fit`. [`Material::prepare`]
+//! makes the [`Mixture`] of lobes for one outgoing direction; the mixture gives the value `f cos`, the
+//! albedo, the density and the samples, all of the same lobes, so that `value / pdf` has constant luminance.
 //!
-//! Directions are unit vectors in the caller's shading frame, +z the surface normal. Outgoing `wo` points towards the
-//! viewer and is fixed, incident `wi` points towards the light and is sampled. Values are linear sRGB.
+//! Directions are unit vectors in the caller's shading frame, +z the surface normal. Outgoing `wo` points
+//! towards the viewer and is fixed, incident `wi` points towards the light and is sampled. Values are linear
+//! sRGB.
 //!
-//! Not-a-number policy: constructors refuse what has no meaning; evaluation and sampling of what was constructed never
-//! make a NaN from unit directions. Any other vector gives an unspecified value, never a panic.
+//! Not-a-number policy: constructors refuse what has no meaning; evaluation and sampling of what was
+//! constructed never make a NaN from unit directions. Any other vector gives an unspecified value, never a
+//! panic.
 //!
 //! ```
 //! use glam::vec3;

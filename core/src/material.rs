@@ -1,5 +1,5 @@
-//! A material as bytes: where everything stands in a `.srbf` file ([`layout`]), what is given to its writer ([`views`],
-//! [`factor_table`]), writing, checking, and reading in place ([`borrowed`]).
+//! A material as bytes: where everything stands in a `.srbf` file ([`layout`]), what is given to its writer
+//! ([`views`], [`factor_table`]), writing, checking, and reading in place ([`borrowed`]).
 //!
 //! Nothing here computes a mixture; `kernel/prepare.rs` does.
 //! May import: `color`, `float`.

@@ -1,7 +1,9 @@
-//! The processor: vectors of numbers, what is computed in each lane, the back ends, and the choice among them.
+//! The processor: vectors of numbers, what is computed in each lane, the back ends, and the choice among
+//! them.
 //!
-//! Nothing here knows of lobes. A kernel is a text over [`lanes::Lanes`], wrapped as a [`routine::Routine`]; a [`detect::Level`] runs
-//! it ([`dispatch`]) in the instruction set of one back end: `scalar`, `portable`, `avx2` (with `fused` for a number alone), `avx512`.
+//! Nothing here knows of lobes. A kernel is a text over [`lanes::Lanes`], wrapped as a [`routine::Routine`];
+//! a [`detect::Level`] runs it ([`dispatch`]) in the instruction set of one back end: `scalar`, `portable`,
+//! `avx2` (with `fused` for a number alone), `avx512`.
 //! May import: `error`.
 
 #[cfg(all(feature = "simd", target_arch = "x86_64"))]

@@ -1,7 +1,9 @@
-//! Zonal kernels: functions on the sphere that depend on the angle to an axis alone, and what is folded of them.
+//! Zonal kernels: functions on the sphere that depend on the angle to an axis alone, and what is folded of
+//! them.
 //!
-//! [`kernel::Kernel`] is what they share; the Gaussian, which all else of this crate is made of, lives in `lobe`. Abel-Poisson kernels,
-//! Legendre series, tables and the Metropolis walk come with the feature `kernels`.
+//! [`kernel::Kernel`] is what they share; the Gaussian, which all else of this crate is made of, lives in
+//! `lobe`. Abel-Poisson kernels, Legendre series, tables and the Metropolis walk come with the feature
+//! `kernels`.
 //! May import: `squeeze`, `special`, `float`, `quadrature`, `error`.
 
 #[cfg(feature = "kernels")]

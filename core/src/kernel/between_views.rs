@@ -14,8 +14,8 @@ use glam::Vec3;
 /// Widest vector of any back end, a pair included.
 pub(crate) const WIDEST: usize = 32;
 
-/// The bytes from `ahead` before an offset on, at least `need` of them: near either end of the file those of `copy`, `len` bytes, which
-/// is then made.
+/// The bytes from `ahead` before an offset on, at least `need` of them: near either end of the file those of
+/// `copy`, `len` bytes, which is then made.
 macro_rules! from_offset {
     ($bytes:expr, $offset:expr, $ahead:expr, $need:expr, $copy:ident, $len:expr) => {{
         let (bytes, offset, ahead): (&[u8], usize, usize) = ($bytes, $offset, $ahead);
@@ -89,7 +89,8 @@ pub(crate) fn at_place<L: Lanes, const N: usize>(
     let (mut head, mut logarithms) = ([0.0; WIDEST], [0.0; WIDEST]);
     let mut i = 0;
     while i < HEAD {
-        // What comes behind the head is none of its numbers, and its power of two may be a subnormal, which costs 150 cycles.
+        // What comes behind the head is none of its numbers, and its power of two may be a subnormal, which
+        // costs 150 cycles.
         let numbers = place.between::<L>(a, b, i).keep(L::first_lanes(HEAD - i));
         exp2(numbers).store(&mut head[i..]);
         if material.header.has_luminance {
@@ -124,8 +125,8 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
     let header = &material.header;
     let (count, mirrored) = (header.lobes, if MIRRORED { header.mirrored } else { 0 });
     let total = count + mirrored;
-    // From as many numbers before the view as there are images, which lie so much before their own places. The last vector
-    // reaches past the view, and at the last view past the file.
+    // From as many numbers before the view as there are images, which lie so much before their own places.
+    // The last vector reaches past the view, and at the last view past the file.
     let reach = 4 * (4 * count + 2 * mirrored + total.next_multiple_of(L::COUNT));
     let (copy_a, copy_b);
     let a = from_offset!(material.bytes, header.row(place.before, 0), 4 * mirrored, reach, copy_a, PADDED);
@@ -136,8 +137,8 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
     let mut k = 0;
     while k < total && k + L::COUNT <= N {
         let valid = L::iota().lt(L::splat((total - k) as f32));
-        // Lanes without a lobe hold bytes of the next view or of the text, whose powers of two may be subnormals: 150 cycles each on Intel.
-        // A power of -126 is exactly 0.
+        // Lanes without a lobe hold bytes of the next view or of the text, whose powers of two may be
+        // subnormals: 150 cycles each on Intel. A power of -126 is exactly 0.
         let angle = rows.row::<L>(0, k).keep(valid);
         let log_sharpness = rows.row::<L>(1, k).keep(valid);
         let none = L::splat(-126.0);
@@ -192,7 +193,8 @@ impl Rows<'_> {
         L::select(self.before::<L>(self.count, k), stored, image)
     }
 
-    /// Angles out of the plane of incidence: 0, then those of the mirrored lobes, then their opposites, then 0.
+    /// Angles out of the plane of incidence: 0, then those of the mirrored lobes, then their opposites, then
+    /// 0.
     #[inline(always)]
     fn off_plane<L: Lanes>(&self, k: usize) -> L {
         let zero = L::splat(0.0);

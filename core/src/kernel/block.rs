@@ -1,8 +1,8 @@
 //! A block of mixtures of one material, each with a direction of its own.
 //!
-//! What a mixture needs once, the draw from the chosen lobe and the turn and squeeze of the direction, is done for the whole block
-//! with lanes as mixtures; what every lobe needs, with lanes as lobes. So nothing waits for the long chain of dependent operations
-//! that one direction is alone.
+//! What a mixture needs once, the draw from the chosen lobe and the turn and squeeze of the direction, is
+//! done for the whole block with lanes as mixtures; what every lobe needs, with lanes as lobes. So nothing
+//! waits for the long chain of dependent operations that one direction is alone.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
 use super::draw::{Choice, Frame, chosen_lobe, chosen_power, draw};
@@ -88,7 +88,8 @@ impl<const N: usize> Routine for DrawBlock<'_, N> {
     }
 }
 
-/// Evaluates each of at most [`MOST`] mixtures towards its direction: red, green and blue, or the luminance (`C` = 1).
+/// Evaluates each of at most [`MOST`] mixtures towards its direction: red, green and blue, or the luminance
+/// (`C` = 1).
 pub(crate) struct SumBlock<'a, const N: usize, const C: usize> {
     pub mixtures: &'a [Mixture<'a, N>],
     pub directions: &'a [Numbers; 3],

@@ -1,4 +1,5 @@
-//! Draws directions: a lobe by its power, then a direction in it; of one mixture, in vectors of directions or alone.
+//! Draws directions: a lobe by its power, then a direction in it; of one mixture, in vectors of directions or
+//! alone.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
 use crate::mixture::rows::{Domain, Mixture};
@@ -75,8 +76,8 @@ pub(crate) fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<'_, N>, u: 
     draw(&frame, choice, u[1], u[2])
 }
 
-/// Draws one direction, and what it is to be multiplied by to be of length 1: lanes are lobes while the lobe is searched. Without `SEEN`,
-/// for a mixture that neither turns nor squeezes it, that is 1 but for rounding.
+/// Draws one direction, and what it is to be multiplied by to be of length 1: lanes are lobes while the lobe
+/// is searched. Without `SEEN`, for a mixture that neither turns nor squeezes it, that is 1 but for rounding.
 #[inline(always)]
 pub(crate) fn draw_one<L: Lanes, const N: usize, const SEEN: bool>(
     m: &Mixture<'_, N>,
@@ -90,8 +91,8 @@ pub(crate) fn draw_one<L: Lanes, const N: usize, const SEEN: bool>(
 /// The lobe at a place on the running sum of powers.
 #[inline(always)]
 pub(crate) fn chosen_lobe<L: Lanes, const N: usize>(m: &Mixture<'_, N>, target: f32) -> usize {
-    // The running sum never falls: the lobes that are passed come first, and what is stored behind the last does not matter. The last
-    // ends the search whatever its sum is rounded to.
+    // The running sum never falls: the lobes that are passed come first, and what is stored behind the last
+    // does not matter. The last ends the search whatever its sum is rounded to.
     let (mut above, mut from) = (1u64.wrapping_shl((m.count as u32).wrapping_sub(1)), 0);
     while from < m.count && from + L::COUNT <= N {
         above |= L::bits(L::splat(target).lt(L::load(&m.cumulative[from..]))) << from;
@@ -144,8 +145,9 @@ fn draw_unscaled<L: Lanes, const SEEN: bool>(
     turns: L,
 ) -> ([L; 3], L) {
     let one = L::splat(1.0);
-    // One direction is a chain of dependent operations: what does not wait for the lobe, and then what does not wait for the
-    // logarithm, is done beside that.
+    // One direction is a chain of dependent operations: what does not wait for the lobe, and then what does
+    // not wait for the logarithm, is done beside that.
+
     // Angle from the axis, as cos - 1: see special::one_minus_cos.
     let [mut fall, mut above] = cos_minus_one(u, choice.inside, choice.gone, choice.inverse_sharpness);
     let [mut x, mut y, mut z] = choice.axis;
@@ -198,8 +200,8 @@ fn draw_unscaled<L: Lanes, const SEEN: bool>(
 }
 
 /// The unit vector across an axis at an azimuth, in the frame of Duff et al. 2017: tangent and bitangent are
-/// (1 + sign x a x, sign x a y, -sign x) and (y a x, sign + y a y, -y). Its last component comes with the other sign. `signed` is
-/// cosine and sine times the sign.
+/// (1 + sign x a x, sign x a y, -sign x) and (y a x, sign + y a y, -y). Its last component comes with the
+/// other sign. `signed` is cosine and sine times the sign.
 #[inline(always)]
 fn across<L: Lanes>(
     in_plane: bool,
@@ -219,8 +221,8 @@ fn across<L: Lanes>(
     [x.mul_add(aq, cos), y.mul_add(aq, along), q]
 }
 
-/// `ln(1 - u inside) / s` with `inside = 1 - exp(-2 s)` and `gone = exp(-2 s)`, both to full precision; rounding may
-/// leave it a little below -2. And that plus 2.
+/// `ln(1 - u inside) / s` with `inside = 1 - exp(-2 s)` and `gone = exp(-2 s)`, both to full precision;
+/// rounding may leave it a little below -2. And that plus 2.
 #[inline(always)]
 fn cos_minus_one<L: Lanes>(u: L, inside: L, gone: L, inverse_sharpness: L) -> [L; 2] {
     let one = L::splat(1.0);
@@ -228,7 +230,8 @@ fn cos_minus_one<L: Lanes>(u: L, inside: L, gone: L, inverse_sharpness: L) -> [L
     let left = (one - u).max(L::splat(1e-30));
     // 1 - u inside, rounded once; for a large u, for which 1 - u is exact, without cancellation.
     let y = L::select(u.lt(L::splat(0.5)), inside.neg_mul_add(u, one), gone.mul_add(u, left));
-    // ln(1 - drop) = ln(y) + c / y, c what rounding lost of y. 1 / y = 1 + drop + ...: what is left out is below a rounding.
+    // ln(1 - drop) = ln(y) + c / y, c what rounding lost of y. 1 / y = 1 + drop + ...: what is left out is
+    // below a rounding.
     let drop = u * inside;
     let lost = (one - y) - drop;
     let lost = lost.mul_add(drop, lost).keep(y.ge(L::splat(0.5)));

@@ -1,8 +1,8 @@
 //! Each pair of directions its own mixture, as a wavefront renderer needs it.
 //!
-//! With vectors the pairs are taken in blocks, see [`block`], whose mixtures never leave the cache; without, and where
-//! there are only a few, one after the other. With its block, a call takes up to 30 kB of stack, 44 or 74 where a material has more than 16
-//! or 32 lobes.
+//! With vectors the pairs are taken in blocks, see [`block`], whose mixtures never leave the cache; without,
+//! and where there are only a few, one after the other. With its block, a call takes up to 30 kB of stack, 44
+//! or 74 where a material has more than 16 or 32 lobes.
 
 #[cfg(feature = "simd")]
 use super::block::{self, DrawBlock, SumBlock};
@@ -20,13 +20,14 @@ use glam::Vec3;
 impl<'m> Material<'m> {
     /// Evaluates `f cos` and the density for n pairs of an outgoing and an incident direction.
     ///
-    /// The same values as [`prepare`](Self::prepare) and [`Mixture::evaluate`], pair by pair. An outgoing direction
-    /// below the horizon, or none at all (not finite, not of unit length), gives 0.
+    /// The same values as [`prepare`](Self::prepare) and [`Mixture::evaluate`], pair by pair. An outgoing
+    /// direction below the horizon, or none at all (not finite, not of unit length), gives 0.
     ///
-    /// This and the other calls for pairs use up to 30 kB of stack, 44 or 74 kB for materials of more than 16 or 32 lobes; 17 kB without
-    /// the feature `simd`.
+    /// This and the other calls for pairs use up to 30 kB of stack, 44 or 74 kB for materials of more than 16
+    /// or 32 lobes; 17 kB without the feature `simd`.
     ///
-    /// Shapes: `wo` and `wi` x, y, z, each [n]; `value` red, green, blue, each [n], and `pdf` [n], overwritten; 1/sr.
+    /// Shapes: `wo` and `wi` x, y, z, each [n]; `value` red, green, blue, each [n], and `pdf` [n],
+    /// overwritten; 1/sr.
     ///
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
@@ -49,10 +50,12 @@ impl<'m> Material<'m> {
 
     /// Draws an incident direction for each of n outgoing ones, with density and weight `f cos / pdf`.
     ///
-    /// The same samples as [`prepare`](Self::prepare) and [`Mixture::sample`], one by one. Where nothing is reflected
-    /// (and for an outgoing direction that is none) the sample is the normal with density 0 and weight 0.
+    /// The same samples as [`prepare`](Self::prepare) and [`Mixture::sample`], one by one. Where nothing is
+    /// reflected (and for an outgoing direction that is none) the sample is the normal with density 0 and
+    /// weight 0.
     ///
-    /// Shapes: `wo` x, y, z and `u` three uniform numbers in [0, 1), each [n]; `samples`, every slice [n], overwritten.
+    /// Shapes: `wo` x, y, z and `u` three uniform numbers in [0, 1), each [n]; `samples`, every slice [n],
+    /// overwritten.
     ///
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
@@ -74,8 +77,8 @@ impl<'m> Material<'m> {
 
     /// Evaluates the density alone for n pairs of an outgoing and an incident direction; 1/sr.
     ///
-    /// One sum over the lobes in place of the three of [`evaluate_pairs_into`](Self::evaluate_pairs_into), which has the
-    /// same densities within rounding, and the same say on outgoing directions that are none.
+    /// One sum over the lobes in place of the three of [`evaluate_pairs_into`](Self::evaluate_pairs_into),
+    /// which has the same densities within rounding, and the same say on outgoing directions that are none.
     ///
     /// Shapes: `wo` and `wi` x, y, z, each [n]; `pdf` [n], overwritten.
     ///
@@ -120,11 +123,12 @@ impl<'m> Material<'m> {
 
     /// Draws an incident direction for each of n outgoing ones, with density, without a weight.
     ///
-    /// One colour channel in place of three: the samples of [`sample_pairs_into`](Self::sample_pairs_into), for callers
-    /// that take the value elsewhere. Where nothing is reflected the sample is the normal with density 0.
+    /// One colour channel in place of three: the samples of [`sample_pairs_into`](Self::sample_pairs_into),
+    /// for callers that take the value elsewhere. Where nothing is reflected the sample is the normal with
+    /// density 0.
     ///
-    /// Shapes: `wo` x, y, z and `u` three uniform numbers in [0, 1), each [n]; `direction` x, y, z, and `pdf`, each [n],
-    /// overwritten; 1/sr.
+    /// Shapes: `wo` x, y, z and `u` three uniform numbers in [0, 1), each [n]; `direction` x, y, z, and
+    /// `pdf`, each [n], overwritten; 1/sr.
     ///
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
@@ -147,11 +151,12 @@ impl<'m> Material<'m> {
 
     /// Makes the mixtures for n outgoing directions; see [`prepare`](Self::prepare).
     ///
-    /// Shapes: `wo` x, y, z, each [n]; `mixtures` [n], overwritten. A direction that is none gives an empty mixture.
+    /// Shapes: `wo` x, y, z, each [n]; `mixtures` [n], overwritten. A direction that is none gives an empty
+    /// mixture.
     ///
     /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; [`Error::Capacity`] if a mixture has room for fewer
-    /// lobes than the material has. Nothing is written then.
+    /// [`Error::Length`] if the slices are not all of one length; [`Error::Capacity`] if a mixture has room
+    /// for fewer lobes than the material has. Nothing is written then.
     pub fn prepare_into<const N: usize>(
         &self,
         wo: [&[f32]; 3],

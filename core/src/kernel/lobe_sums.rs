@@ -1,4 +1,5 @@
-//! Sums the lobes of one mixture towards vectors of directions: lanes are directions, the lobes are taken one after the other.
+//! Sums the lobes of one mixture towards vectors of directions: lanes are directions, the lobes are taken one
+//! after the other.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
 use crate::mixture::rows::{Domain, Mixture};
@@ -13,7 +14,8 @@ pub(crate) type Stage<L> = [L; STAGE];
 
 pub(crate) const STAGE: usize = 16;
 
-/// Sums the lobes and the diffuse term towards a vector of directions, once for each of `C` sets of amplitudes.
+/// Sums the lobes and the diffuse term towards a vector of directions, once for each of `C` sets of
+/// amplitudes.
 #[inline(always)]
 pub(crate) fn sums<L: Lanes, const N: usize, const C: usize>(
     m: &Mixture<'_, N>,
@@ -54,8 +56,8 @@ pub(crate) fn sums<L: Lanes, const N: usize, const C: usize>(
     acc
 }
 
-/// Adds a run of lobes that see the same direction. `PLANE`: every axis has y = 0. `LOW`: the direction has a low part.
-/// `LONG`: it has a length.
+/// Adds a run of lobes that see the same direction. `PLANE`: every axis has y = 0. `LOW`: the direction has a
+/// low part. `LONG`: it has a length.
 #[inline(always)]
 fn run<L: Lanes, const N: usize, const C: usize, const PLANE: bool, const LOW: bool, const LONG: bool>(
     m: &Mixture<'_, N>,
@@ -116,8 +118,8 @@ fn stretch<
         }
         return;
     }
-    // One lobe is a long chain of dependent operations, and a processor sees no further than a few of them ahead. In stages, each a loop
-    // of its own with a short chain, it sees many lobes.
+    // One lobe is a long chain of dependent operations, and a processor sees no further than a few of them
+    // ahead. In stages, each a loop of its own with a short chain, it sees many lobes.
     while k < to {
         let n = (to - k).min(if FOLD { STAGE / 2 } else { STAGE });
         let (x, y, z) = (&m.axis_x[k..k + n], &m.axis_y[k..k + n], &m.axis_z[k..k + n]);
@@ -136,8 +138,8 @@ fn stretch<
                 stage[j] = stage[j] + stage[n + j];
             }
         }
-        // Two channels at a time, and the last by itself: so many sums stay in registers. Both loops as one function of one or two channels are
-        // compiled to 1.07 of the time.
+        // Two channels at a time, and the last by itself: so many sums stay in registers. Both loops as one
+        // function of one or two channels are compiled to 1.07 of the time.
         for i in (0..C).step_by(2) {
             let amplitude = &amplitudes[i][k..k + n];
             if i + 1 < C {
@@ -193,14 +195,15 @@ fn exponent<L: Lanes, const PLANE: bool, const LOW: bool, const LONG: bool>(
     rate * chord_squared
 }
 
-/// The exponent of the fold of a lobe: `|d - mirrored axis|^2 = |d - axis|^2 + 4 d.z axis.z`, both terms of one sign.
+/// The exponent of the fold of a lobe: `|d - mirrored axis|^2 = |d - axis|^2 + 4 d.z axis.z`, both terms of
+/// one sign.
 #[inline(always)]
 fn fold_exponent<L: Lanes>(fold_rate: f32, seen: &Seen<L>, exponent: L) -> L {
     L::splat(fold_rate).mul_add(seen.height, exponent)
 }
 
-/// A component of the axis minus one of the direction, or of the direction minus the axis that is as long (`LONG`): what is the same
-/// for all lobes stands where it may stay in memory.
+/// A component of the axis minus one of the direction, or of the direction minus the axis that is as long
+/// (`LONG`): what is the same for all lobes stands where it may stay in memory.
 #[inline(always)]
 fn apart<L: Lanes, const LONG: bool>(axis: f32, direction: L, length: L) -> L {
     let axis = L::splat(axis);

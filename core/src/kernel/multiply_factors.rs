@@ -28,8 +28,9 @@ struct Multiply<'a, 'm> {
 /// Widest vector: what fewer directions than that are padded to.
 const WIDEST: usize = 16;
 
-/// Vectors that are taken through a stage of the lookup before the next: the roots are a long chain of operations, each of which waits for
-/// the one before, and a processor sees no further than one vector's ahead. In stages it takes 0.7 of the time.
+/// Vectors that are taken through a stage of the lookup before the next: the roots are a long chain of
+/// operations, each of which waits for the one before, and a processor sees no further than one vector's
+/// ahead. In stages it takes 0.7 of the time.
 const STAGED: usize = 4;
 
 impl Routine for Multiply<'_, '_> {

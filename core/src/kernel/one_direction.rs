@@ -13,10 +13,11 @@ use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
 impl<const N: usize> Mixture<'_, N> {
-    /// Evaluates `f cos` towards an incident direction, linear sRGB; 1/sr. 0 below the horizon of a hemisphere.
+    /// Evaluates `f cos` towards an incident direction, linear sRGB; 1/sr. 0 below the horizon of a
+    /// hemisphere.
     ///
-    /// A lobe is exactly 0 where it is below 2^-100 (8e-31) of its amplitude; above, its relative error is at most 3e-7 times
-    /// 2 plus its exponent.
+    /// A lobe is exactly 0 where it is below 2^-100 (8e-31) of its amplitude; above, its relative error is at
+    /// most 3e-7 times 2 plus its exponent.
     #[inline]
     pub fn evaluate(&self, direction: Vec3) -> Vec3 {
         if self.has_factors() {
@@ -65,10 +66,10 @@ impl<const N: usize> Mixture<'_, N> {
 
     /// Draws an incident direction from the density: lobe by `u[0]`, direction in it by `u[1]` and `u[2]`.
     ///
-    /// `None` where the integral is 0: such a mixture reflects nothing; and where the density underflows, far out in a tail. No sample is
-    /// wasted below the horizon.
-    /// The three numbers are uniform in [0, 1).
-    /// Source: Weng and Shih 2006, section 4.2.2, eq. 14; differs: what falls below the horizon is mirrored up.
+    /// `None` where the integral is 0: such a mixture reflects nothing; and where the density underflows, far
+    /// out in a tail. No sample is wasted below the horizon. The three numbers are uniform in [0, 1).
+    /// Source: Weng and Shih 2006, section 4.2.2, eq. 14; differs: what falls below the horizon is mirrored
+    /// up.
     #[inline]
     pub fn sample(&self, u: [f32; 3]) -> Option<Sample> {
         if self.has_factors() {
@@ -95,7 +96,8 @@ impl<const N: usize> Mixture<'_, N> {
         self.sampled(direction, value, luminance)
     }
 
-    /// A sample of a direction that has been drawn, with the value there and the luminance of what the lobes have.
+    /// A sample of a direction that has been drawn, with the value there and the luminance of what the lobes
+    /// have.
     #[inline(always)]
     fn sampled(&self, direction: [f32; 3], value: Vec3, luminance: f32) -> Option<Sample> {
         let pdf = luminance * self.inverse_power;
@@ -103,8 +105,8 @@ impl<const N: usize> Mixture<'_, N> {
         (pdf > 0.0).then_some(Sample { direction: Vec3::from_array(direction), pdf, value })
     }
 
-    /// Draws only direction and density of [`sample`](Self::sample), for callers that take the value elsewhere: one colour channel in
-    /// place of three.
+    /// Draws only direction and density of [`sample`](Self::sample), for callers that take the value
+    /// elsewhere: one colour channel in place of three.
     #[inline]
     pub fn sample_pdf(&self, u: [f32; 3]) -> Option<(Vec3, f32)> {
         if self.is_plain() { self.sample_pdf_as::<false>(u) } else { self.sample_pdf_as::<true>(u) }
@@ -119,7 +121,8 @@ impl<const N: usize> Mixture<'_, N> {
         (pdf > 0.0).then_some((Vec3::from_array(direction), pdf))
     }
 
-    /// Draws only the direction of [`sample`](Self::sample), for callers that take value and density elsewhere.
+    /// Draws only the direction of [`sample`](Self::sample), for callers that take value and density
+    /// elsewhere.
     #[inline]
     pub fn sample_direction(&self, u: [f32; 3]) -> Option<Vec3> {
         (self.power > 0.0).then(|| self.level.run_one::<_, DirectionOne>(self, u))
@@ -215,7 +218,8 @@ fn luminance_one<L: Lanes, const N: usize, const SEEN: bool>(m: &Mixture<'_, N>,
     sum
 }
 
-/// Sums the lobes towards one direction, once for each of `C` sets of amplitudes. `SEEN`: it is turned or squeezed.
+/// Sums the lobes towards one direction, once for each of `C` sets of amplitudes. `SEEN`: it is turned or
+/// squeezed.
 #[inline(always)]
 fn sums_one<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     m: &Mixture<'_, N>,
@@ -295,7 +299,8 @@ pub(crate) fn all_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bo
     sums
 }
 
-/// Adds the lobes from `k` on, one a lane. `SEEN`: the direction was turned or squeezed, and has a low part and a scale.
+/// Adds the lobes from `k` on, one a lane. `SEEN`: the direction was turned or squeezed, and has a low part
+/// and a scale.
 #[inline(always)]
 fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     m: &Mixture<'_, N>,

@@ -16,8 +16,8 @@ use glam::Vec3;
 /// Widest vector: what fewer directions than that are padded to.
 const WIDEST: usize = 16;
 
-/// Directions of a batch that are evaluated, and then multiplied while they are near: more of them where the caller has room for their
-/// values.
+/// Directions of a batch that are evaluated, and then multiplied while they are near: more of them where the
+/// caller has room for their values.
 const CHUNK: usize = 512;
 const OWN_CHUNK: usize = 128;
 
@@ -38,7 +38,8 @@ impl<const N: usize> Mixture<'_, N> {
         Ok(())
     }
 
-    /// What the lobes and the diffuse term have towards n directions, without factors; all slices of one length.
+    /// What the lobes and the diffuse term have towards n directions, without factors; all slices of one
+    /// length.
     #[inline(always)]
     pub(crate) fn lobes_into(&self, directions: [&[f32]; 3], value: [&mut [f32]; 3]) {
         self.level.run(ForEach { block: Value(self), inputs: directions, outputs: value });
@@ -60,8 +61,8 @@ impl<const N: usize> Mixture<'_, N> {
         Ok(())
     }
 
-    /// Evaluates the luminance of `f cos` towards n incident directions; 1/sr: one colour channel in place of three, but for a mixture
-    /// with factors, which has them for each channel.
+    /// Evaluates the luminance of `f cos` towards n incident directions; 1/sr: one colour channel in place of
+    /// three, but for a mixture with factors, which has them for each channel.
     ///
     /// Shapes: `directions` x, y, z, each [n], unit vectors; `luminance` [n], overwritten.
     ///
@@ -79,8 +80,8 @@ impl<const N: usize> Mixture<'_, N> {
 
     /// Draws n directions, with density and weight `f cos / pdf`, in one pass.
     ///
-    /// Shapes: `u` three uniform numbers in [0, 1) a sample, each [n]; `samples`, every slice [n], overwritten. A
-    /// mixture that reflects nothing gives the normal with density 0 and weight 0.
+    /// Shapes: `u` three uniform numbers in [0, 1) a sample, each [n]; `samples`, every slice [n],
+    /// overwritten. A mixture that reflects nothing gives the normal with density 0 and weight 0.
     ///
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
@@ -109,8 +110,8 @@ impl<const N: usize> Mixture<'_, N> {
 
     /// Draws n directions with density, without a weight: one colour channel in place of three.
     ///
-    /// Shapes: `u` as for [`sample_into`](Self::sample_into), each [n]; `direction` x, y, z, and `pdf`, each [n],
-    /// overwritten. A mixture that reflects nothing gives the normal with density 0.
+    /// Shapes: `u` as for [`sample_into`](Self::sample_into), each [n]; `direction` x, y, z, and `pdf`, each
+    /// [n], overwritten. A mixture that reflects nothing gives the normal with density 0.
     ///
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
@@ -206,8 +207,8 @@ impl<K: Block<I, O>, const I: usize, const O: usize> Routine for ForEach<'_, K, 
 }
 
 impl<K: Block<I, O>, const I: usize, const O: usize> ForEach<'_, K, I, O> {
-    /// Takes all inputs from `at` on, `COUNT` at a time; then half of that; at last one vector, with inputs that have been taken before,
-    /// or padded.
+    /// Takes all inputs from `at` on, `COUNT` at a time; then half of that; at last one vector, with inputs
+    /// that have been taken before, or padded.
     #[inline(always)]
     fn steps<L: Lanes>(&mut self, mut at: usize) {
         let n = self.inputs[0].len();
@@ -294,8 +295,8 @@ impl<const N: usize> Block<3, 7> for Draw<'_, N> {
         let m = self.0;
         let [x, y, z] = sample_direction(m, u);
         let value = sums(m, [&m.red, &m.green, &m.blue], m.diffuse.to_array(), [x, y, z], stage);
-        // The density is the luminance of the value over its integral, and power / luminance is 1 / pdf; where f32
-        // rounds the density to 0, the weight is 0 as well.
+        // The density is the luminance of the value over its integral, and power / luminance is 1 / pdf;
+        // where f32 rounds the density to 0, the weight is 0 as well.
         let luminance = dot3(value, splat3(LUMINANCE));
         let zero = L::splat(0.0);
         let inverse = L::select(zero.lt(luminance), L::splat(m.power) / luminance, zero);

@@ -19,9 +19,9 @@ use glam::Vec3;
 impl<'a> Material<'a> {
     /// Makes the mixture for an outgoing direction, in the caller's storage, which it overwrites.
     ///
-    /// `wo` is a unit vector in the shading frame, +z the normal. Below the horizon (z < 0) nothing is reflected and
-    /// the mixture is empty. The mixture takes and gives directions in the same shading frame. It borrows the table of factors from
-    /// the bytes of the material, if there is one.
+    /// `wo` is a unit vector in the shading frame, +z the normal. Below the horizon (z < 0) nothing is
+    /// reflected and the mixture is empty. The mixture takes and gives directions in the same shading frame.
+    /// It borrows the table of factors from the bytes of the material, if there is one.
     ///
     /// # Errors
     /// [`Error::Capacity`] if the storage has room for fewer lobes than
@@ -49,8 +49,8 @@ impl<'a> Material<'a> {
         level.run(Prepare { material: self, wo, leave_out, level, mixture })
     }
 
-    /// [`prepare_leaving_out`](Self::prepare_leaving_out) for the kernels of one level, whatever [`Level::set`] chose: for values
-    /// that must not depend on the processor, [`Level::Scalar`].
+    /// [`prepare_leaving_out`](Self::prepare_leaving_out) for the kernels of one level, whatever
+    /// [`Level::set`] chose: for values that must not depend on the processor, [`Level::Scalar`].
     ///
     /// # Errors
     /// [`Error::Level`] if this processor or this build lacks it; and those of [`prepare`](Self::prepare).
@@ -116,7 +116,8 @@ fn prepare<'m, L: Lanes, const N: usize>(
         }
         return Ok(());
     }
-    // Where one number has no fused operations but a vector has, in a vector: the same bits as in `PrepareInto`.
+    // Where one number has no fused operations but a vector has, in a vector: the same bits as in
+    // `PrepareInto`.
     let (azimuth, theta) = if L::FUSED && !L::One::FUSED {
         Facing::<L>::of(wo, across_squared)
     } else {
@@ -143,7 +144,8 @@ fn take_factors<'m, const N: usize>(
     }
 }
 
-/// Mixtures for many outgoing directions: lanes are directions for their angles and azimuths, lobes for the rest.
+/// Mixtures for many outgoing directions: lanes are directions for their angles and azimuths, lobes for the
+/// rest.
 pub(crate) struct PrepareInto<'a, 'b, const N: usize> {
     pub material: &'a Material<'b>,
     pub wo: [&'a [f32]; 3],
@@ -238,8 +240,8 @@ impl<L: Lanes> Facing<L> {
     fn new([x, y, z]: [L; 3], across_squared: L) -> Self {
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let across = across_squared.sqrt();
-        // +x of the view points away from wo, towards the mirror direction; at the normal any azimuth serves, and the square of
-        // what is nearer to it than 1e-19 has lost its digits.
+        // +x of the view points away from wo, towards the mirror direction; at the normal any azimuth serves,
+        // and the square of what is nearer to it than 1e-19 has lost its digits.
         let inverse = one / across;
         let is_tilted = across_squared.ge(L::splat(f32::MIN_POSITIVE));
         let azimuth = [

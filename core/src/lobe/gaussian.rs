@@ -7,24 +7,26 @@ use crate::{color, float, special};
 use core::f32::consts::LOG2_E;
 use glam::Vec3;
 
-/// Largest sharpness that lobes may have: beyond it the lobe is narrower than the spacing of f32 unit vectors.
+/// Largest sharpness that lobes may have: beyond it the lobe is narrower than the spacing of f32 unit
+/// vectors.
 pub const MAX_SHARPNESS: f32 = 1e8;
 
 /// A spherical Gaussian of unit amplitude, `G(d) = exp(s (d . axis - 1))`, over the whole sphere.
 ///
-/// Every function is evaluated in a form that keeps its digits at every sharpness, and takes the extremes as follows:
+/// Every function is evaluated in a form that keeps its digits at every sharpness, and takes the extremes as
+/// follows:
 ///
 /// | input | result |
 /// |---|---|
 /// | sharpness 0, 1e-30 | the constant 1; samples are uniform over the sphere |
-/// | sharpness 1e8 | full accuracy; a sampled direction is rounded to the grid of f32 unit vectors, 1/2000 of the lobe's width |
+/// | sharpness 1e8 | full accuracy; a sample is rounded to the grid of f32 unit vectors, 1/2000 of the lobe's width |
 /// | sharpness negative, NaN, infinite, above 1e8 | [`Gaussian::new`] refuses |
 /// | axis off unit length by up to 1e-3 | [`Gaussian::new`] normalises it; beyond, or not finite, it refuses |
 /// | axis exactly -z, or on the horizon | as any other |
 /// | u = 0 | the axis itself; u = 1 - 2^-24 is `w = 16.6 / s` from it; u = 1 the antipode |
 ///
-/// The fields are public and unchecked: of what does not pass [`Gaussian::new`] the results are unspecified numbers.
-/// A [`product`](Gaussian::product) may have a sharpness up to 2e8, which every function here takes.
+/// The fields are public and unchecked: of what does not pass [`Gaussian::new`] the results are unspecified
+/// numbers. A [`product`](Gaussian::product) may have a sharpness up to 2e8, which every function here takes.
 #[doc(alias = "SRBF")]
 #[doc(alias = "von Mises-Fisher")]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +82,8 @@ impl Gaussian {
         self.value(direction) / self.integral()
     }
 
-    /// Evaluates the natural logarithm of the density, which stays finite where the density itself underflows.
+    /// Evaluates the natural logarithm of the density, which stays finite where the density itself
+    /// underflows.
     ///
     /// `-(s/2) |d - axis|^2 - ln I(s)`. Accuracy: absolute `3e-7 (2 + |t| + |ln I|)`, `t` the exponent.
     #[inline]
@@ -141,8 +144,8 @@ pub struct Lobe {
 impl Lobe {
     /// Makes a lobe of a unit axis, a sharpness and an amplitude.
     ///
-    /// A channel may be negative, as it is in colours outside the gamut of sRGB: no channel may be farther from 0 than 32 times the
-    /// luminance. Densities and draws see the luminance alone.
+    /// A channel may be negative, as it is in colours outside the gamut of sRGB: no channel may be farther
+    /// from 0 than 32 times the luminance. Densities and draws see the luminance alone.
     ///
     /// # Errors
     /// [`Error::Axis`], [`Error::Sharpness`], [`Error::Amplitude`].

@@ -6,8 +6,8 @@
 //! G1(d) G2(d) = exp(-e) exp(|r| (d . r/|r| - 1)),   e = s1 + s2 - |r| = s1 s2 |axis1 - axis2|^2 / (s1 + s2 + |r|)
 //! ```
 //!
-//! The right form of `e` does not cancel (multiply by `s1 + s2 + |r|` and expand). `r` does, where the axes are nearly
-//! opposite and the sharpness equal; it is summed to twice the digits of f32.
+//! The right form of `e` does not cancel (multiply by `s1 + s2 + |r|` and expand). `r` does, where the axes
+//! are nearly opposite and the sharpness equal; it is summed to twice the digits of f32.
 
 use super::gaussian::{Gaussian, Lobe};
 use crate::simd::error_free::{length_squared_minus_one, sum_of_products, two_product, two_sum};
@@ -17,11 +17,12 @@ use glam::Vec3;
 
 /// The product of two Gaussians: a Gaussian times `exp(-exponent)`.
 ///
-/// The axis is held to twice the digits of f32: rounded to f32 it would turn a product of sharpness 1e8 by 1/2000 of
-/// its width, and the value on its flank with it.
+/// The axis is held to twice the digits of f32: rounded to f32 it would turn a product of sharpness 1e8 by
+/// 1/2000 of its width, and the value on its flank with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GaussianProduct {
-    /// The Gaussian factor, its axis rounded to f32. Sharpness up to 2e8; axes opposite and of equal sharpness give 0.
+    /// The Gaussian factor, its axis rounded to f32. Sharpness up to 2e8; axes opposite and of equal
+    /// sharpness give 0.
     pub gaussian: Gaussian,
     /// What rounding took from the axis.
     pub axis_low: Vec3,
@@ -41,8 +42,8 @@ impl GaussianProduct {
 
     /// Integrates the product over the sphere, `exp(-e) I(|r|)`; sr.
     ///
-    /// The spherical singular integral of the two Gaussians, which is also their convolution at the angle between
-    /// their axes. Accuracy: relative `3e-7 (2 + e)`.
+    /// The spherical singular integral of the two Gaussians, which is also their convolution at the angle
+    /// between their axes. Accuracy: relative `3e-7 (2 + e)`.
     /// Source: Weng and Shih 2006, eq. 6 with m = 2 (Tsai and Shih 2006).
     #[doc(alias = "spherical singular integral")]
     #[doc(alias = "convolution")]
@@ -59,11 +60,12 @@ impl Gaussian {
     pub fn product(&self, other: &Self) -> GaussianProduct {
         let (s1, s2) = (self.sharpness, other.sharpness);
 
-        // r to twice the digits of f32, so that nearly opposite axes may cancel. The scale, a power of two near the
-        // reciprocal of the sharpness, is exact and keeps tiny sharpness from underflowing.
+        // r to twice the digits of f32, so that nearly opposite axes may cancel. The scale, a power of two
+        // near the reciprocal of the sharpness, is exact and keeps tiny sharpness from underflowing.
         let exponent_bits = s1.max(s2).to_bits() >> 23;
         let scale = f32::from_bits((254 - exponent_bits.clamp(1, 253)) << 23);
-        // What rounding adds to the length of either axis is taken off again: of opposite ones it would be all of r.
+        // What rounding adds to the length of either axis is taken off again: of opposite ones it would be
+        // all of r.
         let (p1, p2) = (s1 * scale, s2 * scale);
         let excess1 = 0.5 * p1 * length_squared_minus_one(self.axis.to_array());
         let excess2 = 0.5 * p2 * length_squared_minus_one(other.axis.to_array());
@@ -78,8 +80,8 @@ impl Gaussian {
             return GaussianProduct { gaussian, axis_low: Vec3::ZERO, exponent: s1 + s2 };
         }
 
-        // r / |r|: what `high / length` leaves over is exact but for its own rounding, and so is the excess of the
-        // length of the quotient over 1.
+        // r / |r|: what `high / length` leaves over is exact but for its own rounding, and so is the excess
+        // of the length of the quotient over 1.
         let inverse = 1.0 / length;
         let axis = high * inverse;
         let mut remainder = low;
@@ -106,7 +108,8 @@ fn attenuate(a: Vec3, b: Vec3, exponent: f32) -> Vec3 {
 }
 
 impl Lobe {
-    /// Multiplies two lobes, amplitudes channel by channel; the axis is rounded to f32, see [`GaussianProduct`].
+    /// Multiplies two lobes, amplitudes channel by channel; the axis is rounded to f32, see
+    /// [`GaussianProduct`].
     pub fn product(&self, other: &Self) -> Self {
         let product = self.gaussian.product(&other.gaussian);
         let amplitude = attenuate(self.amplitude, other.amplitude, product.exponent);

@@ -10,9 +10,11 @@ use core::f32::consts::PI;
 
 /// A material in borrowed `.srbf` bytes of any alignment: nothing is copied, nothing allocated.
 ///
-/// Lobe `k` of one view corresponds to lobe `k` of the next; between views the angle of the axis and the logarithms of
-/// sharpness, luminance and squeeze, and the colour differences, are interpolated linearly in the angle of the outgoing direction (in files
-/// of version 1 the logarithms of red, green and blue). Beyond the last view the last one holds. The views of an anisotropic material lie over the hemisphere, see [`Grid`](crate::Grid).
+/// Lobe `k` of one view corresponds to lobe `k` of the next; between views the angle of the axis and the
+/// logarithms of sharpness, luminance and squeeze, and the colour differences, are interpolated linearly in
+/// the angle of the outgoing direction (in files of version 1 the logarithms of red, green and blue). Beyond
+/// the last view the last one holds. The views of an anisotropic material lie over the hemisphere, see
+/// [`Grid`](crate::Grid).
 #[derive(Clone, Copy, Debug)]
 pub struct Material<'a> {
     pub(crate) bytes: &'a [u8],
@@ -43,7 +45,8 @@ impl<'a> Material<'a> {
         self.header.lobes + self.header.mirrored
     }
 
-    /// Number of lobes that are stored at every view: fewer than [`lobe_count`](Self::lobe_count) if some stand for two.
+    /// Number of lobes that are stored at every view: fewer than [`lobe_count`](Self::lobe_count) if some
+    /// stand for two.
     pub fn view_lobe_count(&self) -> usize {
         self.header.lobes
     }
@@ -53,8 +56,8 @@ impl<'a> Material<'a> {
         self.header.squeezed
     }
 
-    /// Number of lobes that stand for two, one on either side of the plane of incidence; they come last. 0 in an anisotropic
-    /// material.
+    /// Number of lobes that stand for two, one on either side of the plane of incidence; they come last. 0 in
+    /// an anisotropic material.
     pub fn mirrored_count(&self) -> usize {
         self.header.mirrored
     }
@@ -65,7 +68,8 @@ impl<'a> Material<'a> {
         core::str::from_utf8(&self.bytes[end - self.header.provenance..end]).unwrap_or_default()
     }
 
-    /// Whether the mixture depends only on the angle of the outgoing direction from the normal, but for a turn.
+    /// Whether the mixture depends only on the angle of the outgoing direction from the normal, but for a
+    /// turn.
     pub fn is_isotropic(&self) -> bool {
         self.header.kind == Kind::Line
     }
@@ -97,18 +101,21 @@ impl<'a> Material<'a> {
         is_there.then(|| f32_at(self.bytes, self.header.head(view)))
     }
 
-    /// Base-2 logarithm of the squeeze matrix of a view, xx, xy, yy; `None` past the end, and in an isotropic material.
+    /// Base-2 logarithm of the squeeze matrix of a view, xx, xy, yy; `None` past the end, and in an isotropic
+    /// material.
     pub fn view_log2_squeeze_matrix(&self, view: usize) -> Option<[f32; 3]> {
         let Kind::Grid(shape) = self.header.kind else { return None };
         (view < self.header.views).then(|| [0, 1, 2].map(|i| f32_at(self.bytes, shape.head(view) + 4 * i)))
     }
 
-    /// Base-2 logarithm of the luminance of the albedo of the diffuse term of a view, -126 for none; `None` past the end.
+    /// Base-2 logarithm of the luminance of the albedo of the diffuse term of a view, -126 for none; `None`
+    /// past the end.
     pub fn view_log2_diffuse(&self, view: usize) -> Option<f32> {
         self.view_diffuse(view).map(|(log2, _)| log2)
     }
 
-    /// Relative colour differences of the albedo of the diffuse term of a view, `(R - Y) / Y` and `(B - Y) / Y`; `None` past the end.
+    /// Relative colour differences of the albedo of the diffuse term of a view, `(R - Y) / Y` and `(B - Y) /
+    /// Y`; `None` past the end.
     pub fn view_diffuse_color_differences(&self, view: usize) -> Option<[f32; 2]> {
         self.view_diffuse(view).map(|(_, differences)| differences)
     }
@@ -131,8 +138,8 @@ impl<'a> Material<'a> {
         }
     }
 
-    /// A lobe as it is stored at a view, its colour as luminance and differences whatever the version of the bytes; `None` past either
-    /// end, and in an anisotropic material.
+    /// A lobe as it is stored at a view, its colour as luminance and differences whatever the version of the
+    /// bytes; `None` past either end, and in an anisotropic material.
     pub fn view_lobe(&self, view: usize, lobe: usize) -> Option<PlaneLobe> {
         if !self.is_isotropic() || view >= self.header.views || lobe >= self.header.lobes {
             return None;
@@ -149,7 +156,8 @@ impl<'a> Material<'a> {
         })
     }
 
-    /// A lobe as it is stored at a view, as [`view_lobe`](Self::view_lobe); `None` past either end, and in an isotropic material.
+    /// A lobe as it is stored at a view, as [`view_lobe`](Self::view_lobe); `None` past either end, and in an
+    /// isotropic material.
     pub fn view_tilted_lobe(&self, view: usize, lobe: usize) -> Option<TiltedLobe> {
         let Kind::Grid(shape) = self.header.kind else { return None };
         if view >= self.header.views || lobe >= self.header.lobes {
@@ -171,7 +179,8 @@ impl Material<'_> {
 
     /// Largest factor of any node and channel, which no factor exceeds but for rounding; 1 without a table.
     ///
-    /// The luminance of a sample's weight is at most the power of its mixture times this, where no channel of a lobe is negative.
+    /// The luminance of a sample's weight is at most the power of its mixture times this, where no channel of
+    /// a lobe is negative.
     pub fn largest_factor(&self) -> f32 {
         if self.factor_nodes().is_none() { 1.0 } else { f32_at(self.bytes, self.header.nodes() - 4) }
     }
@@ -184,7 +193,8 @@ impl Material<'_> {
             .then(|| [0, 1, 2].map(|place| decoded(u32_at(self.bytes, offset), place)))
     }
 
-    /// Albedo of a view with its factors, linear sRGB, as it is stored; `None` past the end, and without a table.
+    /// Albedo of a view with its factors, linear sRGB, as it is stored; `None` past the end, and without a
+    /// table.
     pub fn view_albedo(&self, view: usize) -> Option<[f32; 3]> {
         let number = |i: usize| f32_at(self.bytes, self.header.albedo(view) + 4 * i);
         (self.factor_nodes().is_some() && view < self.header.views).then(|| [0, 1, 2].map(number))

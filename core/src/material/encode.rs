@@ -7,8 +7,8 @@ use super::layout::{Header, Kind, MAGIC, MIRRORED, Shape};
 use super::validate::validate;
 use super::views::{Grid, Line};
 
-/// Bytes that [`Line::encode`] writes without factors, for so many views of so many lobes, the last `mirrored` of which stand for two; of
-/// 1024 views and 64 lobes at most.
+/// Bytes that [`Line::encode`] writes without factors, for so many views of so many lobes, the last
+/// `mirrored` of which stand for two; of 1024 views and 64 lobes at most.
 pub const fn encoded_len(views: usize, lobes: usize, mirrored: usize, provenance: &str) -> usize {
     let provenance = provenance.len();
     let (kind, has_luminance, factors) = (Kind::Line, true, [0; 2]);
@@ -36,12 +36,13 @@ impl Line<'_> {
 
     /// Writes a material as `.srbf` bytes and checks them as a reader would.
     ///
-    /// Of the lobes of every view the first `squeezed` see the squeezed direction, and each of the last `mirrored` stands for two, one
-    /// on either side of the plane of incidence; none is both. Shapes: `out` [[`encoded_len`](Self::encoded_len)], overwritten. Returns:
-    /// the bytes written.
+    /// Of the lobes of every view the first `squeezed` see the squeezed direction, and each of the last
+    /// `mirrored` stands for two, one on either side of the plane of incidence; none is both. Shapes: `out`
+    /// [[`encoded_len`](Self::encoded_len)], overwritten. Returns: the bytes written.
     ///
     /// # Errors
-    /// [`FormatError::Buffer`] if `out` is too small; [`FormatError::Field`] for a value that has no place in a material.
+    /// [`FormatError::Buffer`] if `out` is too small; [`FormatError::Field`] for a value that has no place in
+    /// a material.
     pub fn encode(&self, provenance: &str, out: &mut [u8]) -> Result<usize, FormatError> {
         let Self { views, squeezed, mirrored, factors } = *self;
         let header = self.header(provenance);
@@ -91,7 +92,8 @@ struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    /// Begins with the header: kind, length of the whole, the fields that follow it, and the sizes of the table of factors.
+    /// Begins with the header: kind, length of the whole, the fields that follow it, and the sizes of the
+    /// table of factors.
     fn new(
         out: &'a mut [u8],
         kind: usize,
@@ -158,7 +160,8 @@ impl Grid<'_> {
     /// Shapes: `out` [[`encoded_len`](Self::encoded_len)], overwritten. Returns: the bytes written.
     ///
     /// # Errors
-    /// [`FormatError::Buffer`] if `out` is too small; [`FormatError::Field`] for a value that has no place in a material.
+    /// [`FormatError::Buffer`] if `out` is too small; [`FormatError::Field`] for a value that has no place in
+    /// a material.
     pub fn encode(&self, provenance: &str, out: &mut [u8]) -> Result<usize, FormatError> {
         let header = self.header(provenance);
         let needed = header.len();

@@ -28,7 +28,8 @@ pub struct FactorTable<'a> {
     pub half: usize,
     /// Nodes along the difference angle, in `(1 - h.wo)^(1/2)`; 2 to 32.
     pub difference: usize,
-    /// Factors, linear sRGB, [half * difference], those of one half angle together; [0, 8.07]. Their roots are rounded to 1/360.
+    /// Factors, linear sRGB, [half * difference], those of one half angle together; [0, 8.07]. Their roots
+    /// are rounded to 1/360.
     pub factors: &'a [[f32; 3]],
     /// Albedos of the views with the factors, linear sRGB, one a view, in the order of the views; [-4, 4].
     pub albedos: &'a [[f32; 3]],

@@ -1,4 +1,5 @@
-//! Reading a `.srbf` file, no further than it says itself that it goes. The one place of this crate that allocates.
+//! Reading a `.srbf` file, no further than it says itself that it goes. The one place of this crate that
+//! allocates.
 
 extern crate std;
 
@@ -44,13 +45,16 @@ impl From<FormatError> for FileError {
     }
 }
 
-/// Reads the bytes of a `.srbf` file, for [`Material::from_bytes`](crate::Material::from_bytes), which checks them.
+/// Reads the bytes of a `.srbf` file, for [`Material::from_bytes`](crate::Material::from_bytes), which checks
+/// them.
 ///
-/// The head is looked at first, so that of a large file that is no material, or of a device without an end, 52 bytes are read. Of a
-/// file that is longer than its head announces, one byte more than that is read: it is refused by its length.
+/// The head is looked at first, so that of a large file that is no material, or of a device without an end,
+/// 52 bytes are read. Of a file that is longer than its head announces, one byte more than that is read: it
+/// is refused by its length.
 ///
 /// # Errors
-/// [`FileError::Io`], also where memory does not suffice; [`FileError::Format`] for what does not start like a material.
+/// [`FileError::Io`], also where memory does not suffice; [`FileError::Format`] for what does not start like
+/// a material.
 pub fn read_file(path: &Path) -> Result<Vec<u8>, FileError> {
     read(File::open(path)?)
 }

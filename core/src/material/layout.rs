@@ -1,5 +1,6 @@
-//! The `.srbf` bytes: little endian, fixed header, views, table of factors, provenance, checksum. Two kinds: views along one angle, for
-//! isotropic materials, described here; and views over the hemisphere, for anisotropic ones, described below.
+//! The `.srbf` bytes: little endian, fixed header, views, table of factors, provenance, checksum. Two kinds:
+//! views along one angle, for isotropic materials, described here; and views over the hemisphere, for
+//! anisotropic ones, described below.
 //!
 //! ```text
 //!  0  8 bytes   magic 89 53 52 42 46 0D 0A 1A
@@ -12,8 +13,8 @@
 //! 32  u32       bytes of the provenance text
 //! 36  u32       mirrored lobes M, the last of the K, each of which stands for two; K + M is at most 64
 //! 40  u32       0
-//! 44  u32       nodes of the table of factors along the half angle H, and 2^16 times those along the difference angle D, each 2 to 32;
-//!               0 for no table
+//! 44  u32       nodes of the table of factors along the half angle H, and 2^16 times those along the difference
+//!               angle D, each 2 to 32; 0 for no table
 //! 48  V f32     angles of the outgoing directions from the normal, radians, the first 0, rising, at most pi / 2
 //!     V heads, each 4 f32:
 //!       log2 of the squeeze c, 0 in the first
@@ -26,22 +27,25 @@
 //!     with a table of factors:
 //!       V albedos with the factors, each 3 f32: red, green, blue
 //!       f32     largest factor of any node and channel
-//!       H D u32 nodes, node (i, j) at i D + j: red, green, blue in bits 0-9, 10-19, 20-29, each (q / 360)^2; the upper two bits 0
+//!       H D u32 nodes, node (i, j) at i D + j: red, green, blue in bits 0-9, 10-19, 20-29, each (q / 360)^2;
+//!               the upper two bits 0
 //!     provenance, UTF-8
 //!     u32       CRC-32 of everything before
 //! ```
 //!
-//! Version 1, which is read but not written, has the log2 of red, green and blue in place of luminance and colour differences, in heads and
-//! views, and no table: 0 at 44.
+//! Version 1, which is read but not written, has the log2 of red, green and blue in place of luminance and
+//! colour differences, in heads and views, and no table: 0 at 44.
 //!
 //! # Anisotropic materials
 //! Views over the hemisphere, on rings round the normal.
 //!
 //! ```text
 //! 12  u32       kind, 1
-//! 20  u32       angles from the normal T, 1 to 1024; the first view is the normal itself, each further angle a ring of views
+//! 20  u32       angles from the normal T, 1 to 1024; the first view is the normal itself, each further angle a
+//!               ring of views
 //! 36  u32       views of a ring P, 1 to 64, at the azimuths 2 pi j / (turns P) of the outgoing direction
-//! 40  u32       turns, 1 or 2: how often a ring is repeated over the full turn; 2 says that half a turn changes nothing
+//! 40  u32       turns, 1 or 2: how often a ring is repeated over the full turn; 2 says that half a turn changes
+//!               nothing
 //! 44  u32       nodes of the table of factors, as in isotropic materials
 //! 48  T f32     angles of the outgoing directions from the normal, radians, the first 0, rising, at most pi / 2
 //!     V heads, V = 1 + (T - 1) P at most 4096, the normal first, then ring by ring; each 6 f32:
@@ -53,7 +57,8 @@
 //!       K log2 of the luminance of the amplitude, K of the one colour difference, K of the other
 //! ```
 //!
-//! The rest is as in isotropic materials. `kernel/prepare_anisotropic.rs` says what the numbers mean between the views.
+//! The rest is as in isotropic materials. `kernel/prepare_anisotropic.rs` says what the numbers mean between
+//! the views.
 
 /// Most lobes that a mixture can hold, and that a material can make.
 pub const MAX_LOBES: usize = 64;
@@ -118,7 +123,8 @@ impl Header {
     pub const fn head(&self, view: usize) -> usize {
         HEADER + 4 * (self.views + HEAD * view)
     }
-    /// Byte offset of a row of K numbers of a view: axes, sharpness, red, green, blue; and of the M angles out of the plane.
+    /// Byte offset of a row of K numbers of a view: axes, sharpness, red, green, blue; and of the M angles
+    /// out of the plane.
     #[inline(always)]
     pub const fn row(&self, view: usize, row: usize) -> usize {
         HEADER + 4 * ((1 + HEAD) * self.views + (5 * view + row) * self.lobes + view * self.mirrored)

@@ -1,16 +1,19 @@
-//! What a material stores at its views, as it is given to a writer: along one angle ([`Line`]), or over the hemisphere ([`Grid`]).
+//! What a material stores at its views, as it is given to a writer: along one angle ([`Line`]), or over the
+//! hemisphere ([`Grid`]).
 
 use super::factor_table::FactorTable;
 
-/// One lobe of an isotropic material at one view, as it is stored: its axis in the plane of incidence, or, if it is a mirrored one,
-/// off it and standing for a second one on the other side.
+/// One lobe of an isotropic material at one view, as it is stored: its axis in the plane of incidence, or, if
+/// it is a mirrored one, off it and standing for a second one on the other side.
 ///
 /// The axis is `(sin angle cos off_plane, sin off_plane, cos angle cos off_plane)` in the frame of the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneLobe {
-    /// Angle of the axis from the normal, within the plane of incidence, radians, positive towards the mirror direction; [-pi, pi].
+    /// Angle of the axis from the normal, within the plane of incidence, radians, positive towards the mirror
+    /// direction; [-pi, pi].
     pub angle: f32,
-    /// Angle of the axis out of the plane of incidence, radians; [-pi/2, pi/2] for a mirrored lobe, 0 for any other.
+    /// Angle of the axis out of the plane of incidence, radians; [-pi/2, pi/2] for a mirrored lobe, 0 for any
+    /// other.
     pub off_plane: f32,
     /// Base-2 logarithm of the sharpness; [-100, 26.5].
     pub log2_sharpness: f32,
@@ -51,8 +54,9 @@ pub struct Line<'a> {
 /// One lobe at one view of an anisotropic material, as it is stored: its axis anywhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TiltedLobe {
-    /// The axis: its angle from the normal, radians, as a vector: first along the plane of incidence, positive towards the
-    /// mirror direction, then across it. At the normal, along x and y of the surface. Of length at most pi.
+    /// The axis: its angle from the normal, radians, as a vector: first along the plane of incidence,
+    /// positive towards the mirror direction, then across it. At the normal, along x and y of the surface. Of
+    /// length at most pi.
     pub tilt: [f32; 2],
     /// Base-2 logarithm of the sharpness; [-100, 26.5].
     pub log2_sharpness: f32,
@@ -65,8 +69,9 @@ pub struct TiltedLobe {
 /// One view of an anisotropic material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridView<'a> {
-    /// Base-2 logarithm of the squeeze matrix, a symmetric 2 x 2 one: xx, xy, yy; x along the plane of incidence, at the
-    /// normal along x of the surface. Eigenvalues in [-5, 6.64]. `(0, 0, -log2 c)` is the squeeze c of an isotropic material.
+    /// Base-2 logarithm of the squeeze matrix, a symmetric 2 x 2 one: xx, xy, yy; x along the plane of
+    /// incidence, at the normal along x of the surface. Eigenvalues in [-5, 6.64]. `(0, 0, -log2 c)` is the
+    /// squeeze c of an isotropic material.
     pub log2_squeeze: [f32; 3],
     /// Base-2 logarithm of the luminance Y of the albedo of the diffuse term; [-126, 2], -126 for none.
     pub log2_diffuse: f32,

@@ -1,4 +1,5 @@
-//! Completes a mixture from axes, sharpness and amplitudes: everything that evaluating and drawing want to have at hand.
+//! Completes a mixture from axes, sharpness and amplitudes: everything that evaluating and drawing want to
+//! have at hand.
 
 use super::leave_out::LeaveOut;
 use super::rows::{Domain, Mixture, lowest_bits};
@@ -9,9 +10,9 @@ use core::f32::consts::{LOG2_E, PI};
 use glam::Vec3;
 
 impl<const N: usize> Mixture<'_, N> {
-    /// Completes the mixture from axes, sharpness and amplitudes, which the caller has stored and checked; those of
-    /// the places up to the next multiple of the lanes must be valid, of amplitude 0. On AVX2 `L` is a pair of vectors, as
-    /// it is where one direction is evaluated.
+    /// Completes the mixture from axes, sharpness and amplitudes, which the caller has stored and checked;
+    /// those of the places up to the next multiple of the lanes must be valid, of amplitude 0. On AVX2 `L` is
+    /// a pair of vectors, as it is where one direction is evaluated.
     #[inline(always)]
     pub(crate) fn finish<L: Lanes>(&mut self, count: usize, squeezed: usize, leave_out: LeaveOut) {
         self.finish_lobes::<L>(count, squeezed, leave_out);
@@ -96,8 +97,8 @@ impl<const N: usize> Mixture<'_, N> {
         self.add_diffuse();
     }
 
-    /// Drops the lobes whose power, which `cumulative` still holds one by one, is below a bound; those that stay keep their
-    /// order. Gives their albedo, or `None` if all stay.
+    /// Drops the lobes whose power, which `cumulative` still holds one by one, is below a bound; those that
+    /// stay keep their order. Gives their albedo, or `None` if all stay.
     #[inline(always)]
     #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
     fn drop_lobes<L: Lanes>(&mut self, least: f32) -> Option<Vec3> {

@@ -18,7 +18,8 @@ impl<const N: usize> Mixture<'_, N> {
     /// Makes a mixture of folded, round lobes on the upper hemisphere.
     ///
     /// # Errors
-    /// [`Error::Capacity`]; [`Error::Amplitude`] if integral or value could be infinite; and what [`Lobe::new`] refuses.
+    /// [`Error::Capacity`]; [`Error::Amplitude`] if integral or value could be infinite; and what
+    /// [`Lobe::new`] refuses.
     pub fn hemisphere(lobes: &[Lobe]) -> Result<Self, Error> {
         Self::new(Domain::Hemisphere, 1.0, &[], lobes)
     }
@@ -26,7 +27,8 @@ impl<const N: usize> Mixture<'_, N> {
     /// Makes a mixture of round lobes on the whole sphere.
     ///
     /// # Errors
-    /// [`Error::Capacity`]; [`Error::Amplitude`] if integral or value could be infinite; and what [`Lobe::new`] refuses.
+    /// [`Error::Capacity`]; [`Error::Amplitude`] if integral or value could be infinite; and what
+    /// [`Lobe::new`] refuses.
     pub fn sphere(lobes: &[Lobe]) -> Result<Self, Error> {
         Self::new(Domain::Sphere, 1.0, &[], lobes)
     }
@@ -34,8 +36,8 @@ impl<const N: usize> Mixture<'_, N> {
     /// Makes a mixture of squeezed and round lobes; the squeeze c narrows (c < 1) or widens along y.
     ///
     /// # Errors
-    /// [`Error::Capacity`]; [`Error::Squeeze`] outside [0.01, 2]; [`Error::Amplitude`] if integral or value could be infinite;
-    /// and what [`Lobe::new`] refuses.
+    /// [`Error::Capacity`]; [`Error::Squeeze`] outside [0.01, 2]; [`Error::Amplitude`] if integral or value
+    /// could be infinite; and what [`Lobe::new`] refuses.
     pub fn new(domain: Domain, squeeze: f32, squeezed: &[Lobe], round: &[Lobe]) -> Result<Self, Error> {
         let needed = squeezed.len() + round.len();
         if needed > N {
@@ -63,10 +65,12 @@ impl<const N: usize> Mixture<'_, N> {
         if is_finite { Ok(mixture) } else { Err(Error::Amplitude) }
     }
 
-    /// The same lobes beside a diffuse term of an albedo, linear sRGB: `albedo cos / pi` is added to the value.
+    /// The same lobes beside a diffuse term of an albedo, linear sRGB: `albedo cos / pi` is added to the
+    /// value.
     ///
     /// # Errors
-    /// [`Error::Amplitude`] for a colour that no [`Lobe`] may have, and for a mixture that lives on the whole sphere or has factors.
+    /// [`Error::Amplitude`] for a colour that no [`Lobe`] may have, and for a mixture that lives on the whole
+    /// sphere or has factors.
     pub fn with_diffuse(mut self, albedo: Vec3) -> Result<Self, Error> {
         if !color::is_admissible(albedo) || self.domain == Domain::Sphere || self.has_factors() {
             return Err(Error::Amplitude);
@@ -79,8 +83,8 @@ impl<const N: usize> Mixture<'_, N> {
         if self.albedo().is_finite() { Ok(self) } else { Err(Error::Amplitude) }
     }
 
-    /// The same, with the kernels of a level, whatever [`Level::set`] chose. [`with_diffuse`](Self::with_diffuse) on a mixture without
-    /// lobes chooses anew: call it before.
+    /// The same, with the kernels of a level, whatever [`Level::set`] chose.
+    /// [`with_diffuse`](Self::with_diffuse) on a mixture without lobes chooses anew: call it before.
     ///
     /// # Errors
     /// [`Error::Level`] if this processor or this build lacks it.

@@ -1,7 +1,8 @@
-//! Factors: what a sum of lobes misses of a material, as a table over the half angle and the difference angle (Rusinkiewicz 1998).
+//! Factors: what a sum of lobes misses of a material, as a table over the half angle and the difference angle
+//! (Rusinkiewicz 1998).
 //!
-//! One table of RGB factors serves all views. The value is that of the lobes times the factor; density and draws are the lobes' alone,
-//! so that a sample's weight is that of the lobes times the factor too.
+//! One table of RGB factors serves all views. The value is that of the lobes times the factor; density and
+//! draws are the lobes' alone, so that a sample's weight is that of the lobes times the factor too.
 //!
 //! # Variables
 //! With `s = wi + wo` and `h = s / |s|`, the nodes are evenly spaced in
@@ -11,9 +12,9 @@
 //! b = (1 - h.wo)^(1/2)     nearly the difference angle
 //! ```
 //!
-//! both in [0, 1] for directions of one hemisphere, and neither has a singular direction: at the normal and at `wi = wo` they are 0. In
-//! forms that do not cancel: `1 - h.z = (s.x^2 + s.y^2) / (|s|^2 + s.z |s|)`, and `1 - h.wo = |wi - wo|^2 / (4 + 2 |s|)`, as
-//! `h.wo = |s| / 2` for unit vectors.
+//! both in [0, 1] for directions of one hemisphere, and neither has a singular direction: at the normal and
+//! at `wi = wo` they are 0. In forms that do not cancel: `1 - h.z = (s.x^2 + s.y^2) / (|s|^2 + s.z |s|)`, and
+//! `1 - h.wo = |wi - wo|^2 / (4 + 2 |s|)`, as `h.wo = |s| / 2` for unit vectors.
 //!
 //! Nodes are interpolated bilinearly, after their codes have been squared.
 
@@ -37,7 +38,8 @@ pub(crate) struct Factors<'m> {
     place: Among,
 }
 
-/// Where an outgoing direction lies among four views: what is linear in either share. Two of the views may be the same.
+/// Where an outgoing direction lies among four views: what is linear in either share. Two of the views may be
+/// the same.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Among {
     /// Within, before and after; beyond, before and after.
@@ -126,7 +128,8 @@ impl<'m> Factors<'m> {
     }
 }
 
-/// `1 - h.z` and `1 - h.wo` of pairs of an outgoing and an incident direction; anything for what is no unit vector.
+/// `1 - h.z` and `1 - h.wo` of pairs of an outgoing and an incident direction; anything for what is no unit
+/// vector.
 #[inline(always)]
 pub(crate) fn squares<L: Lanes>(wo: [L; 3], wi: [L; 3]) -> [L; 2] {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
@@ -135,15 +138,16 @@ pub(crate) fn squares<L: Lanes>(wo: [L; 3], wi: [L; 3]) -> [L; 2] {
     let across = sum[0].mul_add(sum[0], sum[1] * sum[1]);
     let squared = sum[2].mul_add(sum[2], across);
     let length = squared.sqrt();
-    // One division for both. Opposite directions at the horizon, to 1e-15, have no half direction: they get that of the normal.
+    // One division for both. Opposite directions at the horizon, to 1e-15, have no half direction: they get
+    // that of the normal.
     let a_divisor = sum[2].max(zero).mul_add(length, squared).max(L::splat(1e-30));
     let b_divisor = length.mul_add(L::splat(2.0), L::splat(4.0));
     let inverse = one / (a_divisor * b_divisor);
     [across * (b_divisor * inverse), dot3(apart, apart) * (a_divisor * inverse)]
 }
 
-/// The node before a place, which is not the last of `nodes`, and how far beyond it the place lies. At a node that may be the one
-/// before, and 1.
+/// The node before a place, which is not the last of `nodes`, and how far beyond it the place lies. At a node
+/// that may be the one before, and 1.
 #[inline(always)]
 fn cell<L: Lanes>(place: L, nodes: f32) -> (L, L) {
     let before = (place - L::splat(0.5)).max(L::splat(0.0)).min(L::splat(nodes - 2.0));
@@ -152,11 +156,12 @@ fn cell<L: Lanes>(place: L, nodes: f32) -> (L, L) {
 }
 
 impl Material<'_> {
-    /// What the value of the lobes is multiplied by for an outgoing and an incident direction, unit vectors above the horizon; linear
-    /// sRGB, 1 without a table.
+    /// What the value of the lobes is multiplied by for an outgoing and an incident direction, unit vectors
+    /// above the horizon; linear sRGB, 1 without a table.
     ///
-    /// The two may be exchanged. Interpolated bilinearly between the nodes, in `(1 - h.z)^(1/4)` and `(1 - h.wo)^(1/2)` with the half
-    /// direction `h = (wi + wo) / |wi + wo|`, from 0 at the first node to 1 at the last. Accuracy: 6e-6 of the largest factor.
+    /// The two may be exchanged. Interpolated bilinearly between the nodes, in `(1 - h.z)^(1/4)` and `(1 -
+    /// h.wo)^(1/2)` with the half direction `h = (wi + wo) / |wi + wo|`, from 0 at the first node to 1 at the
+    /// last. Accuracy: 6e-6 of the largest factor.
     pub fn factor(&self, wo: Vec3, wi: Vec3) -> Vec3 {
         if self.factor_nodes().is_none() {
             return Vec3::ONE;

@@ -8,16 +8,17 @@ use glam::Vec3;
 impl<const N: usize> Mixture<'_, N> {
     /// Multiplies two mixtures of round lobes, lobe by lobe, into the caller's storage.
     ///
-    /// A folded lobe counts as two, itself and its mirror image. The products are not folded: they are lobes of the
-    /// caller's shading frame that stand for the product on the domain that both mixtures share, the upper hemisphere
-    /// unless both live on the sphere. Integrate them there, for example by
+    /// A folded lobe counts as two, itself and its mirror image. The products are not folded: they are lobes
+    /// of the caller's shading frame that stand for the product on the domain that both mixtures share, the
+    /// upper hemisphere unless both live on the sphere. Integrate them there, for example by
     /// [`Gaussian::hemisphere_integral`](crate::Gaussian::hemisphere_integral).
     ///
-    /// Returns: how many lobes were written. Shapes: `out` [(lobes + folded lobes) of the one times those of the
-    /// other]; [`product_len`](Self::product_len) says.
+    /// Returns: how many lobes were written. Shapes: `out` [(lobes + folded lobes) of the one times those of
+    /// the other]; [`product_len`](Self::product_len) says.
     ///
     /// # Errors
-    /// [`Error::Capacity`]; [`Error::Squeezed`], since a squeezed lobe, a diffuse term or a factor times a lobe is not a lobe.
+    /// [`Error::Capacity`]; [`Error::Squeezed`], since a squeezed lobe, a diffuse term or a factor times a
+    /// lobe is not a lobe.
     pub fn product_into<const M: usize>(
         &self,
         other: &Mixture<'_, M>,
@@ -51,11 +52,12 @@ impl<const N: usize> Mixture<'_, N> {
         self.product_into(&Mixture::<16>::sphere(&[*lobe])?, out)
     }
 
-    /// Integrates the product of two mixtures of round lobes over the domain that they share; channel by channel.
+    /// Integrates the product of two mixtures of round lobes over the domain that they share; channel by
+    /// channel.
     ///
-    /// On the sphere, and between two folded mixtures, in closed form: folded mixtures are even in z, so the integral
-    /// over the upper hemisphere is half of that over the sphere, `sum of (G_j + G_j mirrored) G_k` over the sphere.
-    /// Between a folded mixture and one on the sphere by [`Gaussian::hemisphere_integral`].
+    /// On the sphere, and between two folded mixtures, in closed form: folded mixtures are even in z, so the
+    /// integral over the upper hemisphere is half of that over the sphere, `sum of (G_j + G_j mirrored) G_k`
+    /// over the sphere. Between a folded mixture and one on the sphere by [`Gaussian::hemisphere_integral`].
     ///
     /// # Errors
     /// [`Error::Squeezed`], for squeezed lobes, diffuse terms and factors.

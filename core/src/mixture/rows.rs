@@ -29,8 +29,8 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// `f cos / pdf`, linear sRGB: its luminance is that of the mixture's albedo at every sample, times that of a factor if the
-    /// material has factors.
+    /// `f cos / pdf`, linear sRGB: its luminance is that of the mixture's albedo at every sample, times that
+    /// of a factor if the material has factors.
     #[inline]
     pub fn weight(&self) -> Vec3 {
         self.value / self.pdf
@@ -39,18 +39,18 @@ impl Sample {
 
 /// A sum of lobes, and a diffuse term, for one outgoing direction; storage for `N` lobes, without allocation.
 ///
-/// One that a material with factors has made reads them from the bytes of the material, which live for `'m`; any other lives for as
-/// long as it may. `N` is 16, 32, 48 or 64. The first lobes see the squeezed direction, the others the direction itself. The diffuse term
-/// is `albedo cos / pi` on the hemisphere: lobes cannot make the cosine of a diffuse surface, and it keeps `f cos / pdf`
-/// bounded where the lobes end.
+/// One that a material with factors has made reads them from the bytes of the material, which live for `'m`;
+/// any other lives for as long as it may. `N` is 16, 32, 48 or 64. The first lobes see the squeezed
+/// direction, the others the direction itself. The diffuse term is `albedo cos / pi` on the hemisphere: lobes
+/// cannot make the cosine of a diffuse surface, and it keeps `f cos / pdf` bounded where the lobes end.
 ///
 /// # Which lobes are folded
-/// A folded lobe is `a (G(d) + G(d mirrored in z = 0))`, whose integral over the hemisphere is that of the lobe over
-/// the sphere. A folded lobe does not change if its axis is mirrored, so axes are kept above the horizon. The second
-/// term is left out, once per lobe, where the share of the lobe below the horizon is at most 1e-7: below the horizon
-/// `cos <= t = sqrt(1 - axis.z^2)`, and a Gaussian has the share
-/// `(exp(-s (1 - t)) - exp(-2 s)) / (1 - exp(-2 s)) <= exp(-s (1 - t))` of its integral at `cos <= t`. What is left out
-/// is at most `1e-7 a` at any direction.
+/// A folded lobe is `a (G(d) + G(d mirrored in z = 0))`, whose integral over the hemisphere is that of the
+/// lobe over the sphere. A folded lobe does not change if its axis is mirrored, so axes are kept above the
+/// horizon. The second term is left out, once per lobe, where the share of the lobe below the horizon is at
+/// most 1e-7: below the horizon `cos <= t = sqrt(1 - axis.z^2)`, and a Gaussian has the share `(exp(-s (1 -
+/// t)) - exp(-2 s)) / (1 - exp(-2 s)) <= exp(-s (1 - t))` of its integral at `cos <= t`. What is left out is
+/// at most `1e-7 a` at any direction.
 #[derive(Clone, Debug)]
 pub struct Mixture<'m, const N: usize> {
     pub(crate) count: usize,
@@ -90,8 +90,9 @@ pub struct Mixture<'m, const N: usize> {
     pub(crate) luminance: [f32; N],
     /// `-s / 2` in base 2: times the squared chord it is the exponent.
     pub(crate) rate: [f32; N],
-    /// `-2 s axis.z` in base 2: times d.z it is what the fold adds to the exponent. Minus infinity, or a NaN times 0, which both
-    /// leave nothing of it, for a lobe that does not need its fold but shares a vector with one that does.
+    /// `-2 s axis.z` in base 2: times d.z it is what the fold adds to the exponent. Minus infinity, or a NaN
+    /// times 0, which both leave nothing of it, for a lobe that does not need its fold but shares a vector
+    /// with one that does.
     pub(crate) fold_rate: [f32; N],
     /// `1 / s`, of at least 1e-7: below, the lobe is constant to f32.
     pub(crate) inverse_sharpness: [f32; N],
@@ -214,8 +215,8 @@ impl<const N: usize> Mixture<'_, N> {
 
     /// Azimuth of +x of the frame of the view in the caller's frame, its cosine and sine.
     ///
-    /// Away from the outgoing direction for an isotropic material; for an anisotropic one turned by up to 45 degrees from
-    /// there, so that it and +y are what the squeeze acts along.
+    /// Away from the outgoing direction for an isotropic material; for an anisotropic one turned by up to 45
+    /// degrees from there, so that it and +y are what the squeeze acts along.
     #[inline]
     pub fn azimuth(&self) -> [f32; 2] {
         self.squeeze.azimuth
@@ -252,15 +253,15 @@ impl<const N: usize> Mixture<'_, N> {
 
     /// Integral of the value over the domain, in closed form: `diffuse + sum a I(s)`; linear sRGB.
     ///
-    /// For a material, the directional albedo towards the outgoing direction. One with factors stores it for its views, and it is
-    /// interpolated linearly between them.
+    /// For a material, the directional albedo towards the outgoing direction. One with factors stores it for
+    /// its views, and it is interpolated linearly between them.
     #[inline]
     pub fn albedo(&self) -> Vec3 {
         if self.has_factors() { self.factors.albedo() } else { self.lobes_albedo + self.diffuse }
     }
 
-    /// Luminance of the closed form of the albedo, without factors: what the density is normalised by, and without factors the luminance of
-    /// every sample's weight.
+    /// Luminance of the closed form of the albedo, without factors: what the density is normalised by, and
+    /// without factors the luminance of every sample's weight.
     #[inline]
     pub fn power(&self) -> f32 {
         self.power
@@ -274,7 +275,8 @@ impl<const N: usize> Mixture<'_, N> {
 }
 
 impl<'m, const N: usize> Mixture<'m, N> {
-    /// Bytes of the material that the mixture reads when it is evaluated: its table of factors, empty for none.
+    /// Bytes of the material that the mixture reads when it is evaluated: its table of factors, empty for
+    /// none.
     #[inline]
     pub fn factor_bytes(&self) -> &'m [u8] {
         self.factors.nodes

@@ -1,7 +1,8 @@
 //! AVX-512 (F, VL, DQ, BW): sixteen lanes in one `__m512`.
 //!
-//! Every method is inlined into a function that enables `avx512f,avx512vl,avx512dq,avx512bw,fma`, which only runs once
-//! [`super::detect`] has seen them all on this processor: that is what makes each `unsafe` block here sound.
+//! Every method is inlined into a function that enables `avx512f,avx512vl,avx512dq,avx512bw,fma`, which only
+//! runs once [`super::detect`] has seen them all on this processor: that is what makes each `unsafe` block
+//! here sound.
 #![allow(unsafe_code)]
 
 use super::avx2;
@@ -219,7 +220,8 @@ impl Lanes for Avx512 {
     fn lookup(table: &[f32], len: usize, index: __m512i) -> Self {
         // SAFETY: the processor has AVX-512, see the head of this file.
         unsafe {
-            // The permutation uses the low four bits of the index; the chunk that they belong to is blended in.
+            // The permutation uses the low four bits of the index; the chunk that they belong to is blended
+            // in.
             let mut value = _mm512_permutexvar_ps(index, Self::chunk(table, 0));
             let mut at = 16;
             while at < len {
@@ -234,8 +236,9 @@ impl Lanes for Avx512 {
     fn node_pairs(nodes: &[u8], index: Self) -> [[Self; 3]; 2] {
         assert!(nodes.len() >= 8, "a table of at least two nodes");
         let last = nodes.len() / 4 - 2;
-        // SAFETY: the processor has AVX-512, see the head of this file. An index is at most `last`, whatever it was made of: the cast makes a
-        // large number of a NaN and of what is negative. Eight bytes from there on are within the slice, which has eight and more; a gather has no alignment.
+        // SAFETY: the processor has AVX-512, see the head of this file. An index is at most `last`, whatever
+        // it was made of: the cast makes a large number of a NaN and of what is negative. Eight bytes from
+        // there on are within the slice, which has eight and more; a gather has no alignment.
         unsafe {
             let at = _mm512_min_epu32(_mm512_cvttps_epi32(index.0), _mm512_set1_epi32(last as i32));
             let base = nodes.as_ptr().cast();
@@ -275,8 +278,8 @@ super::routine::entries!(
     #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,fma,avx2,popcnt,bmi1,bmi2")] without draw
 );
 
-/// Draws a direction, without vectors of 512 bits, as [`One::IS_WIDE`] says why, and runs a routine for it, which is a call of its
-/// own: in one function, both have too few registers.
+/// Draws a direction, without vectors of 512 bits, as [`One::IS_WIDE`] says why, and runs a routine for it,
+/// which is a call of its own: in one function, both have too few registers.
 #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]
 pub(super) fn draw<S, D: Draw<S>, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> ([f32; 3], R::Output) {
     let (d, inverse) = D::run::<avx2::Avx2>(state, [a, b, c]);

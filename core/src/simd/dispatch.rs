@@ -1,7 +1,7 @@
 //! Runs a text in the instruction set of a level.
 //!
-//! The functions that do so stand with their back end: the compiler makes the machine code of several modules side by side, that of
-//! one module on one core.
+//! The functions that do so stand with their back end: the compiler makes the machine code of several modules
+//! side by side, that of one module on one core.
 
 use super::detect::Level;
 #[cfg(feature = "simd")]
@@ -18,7 +18,8 @@ impl Level {
     pub(crate) fn run<R: Routine>(self, routine: R) -> R::Output {
         match self {
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
-            // SAFETY: a mixture's level, and what is passed here, is what `Level::current` gave or `is_available` allowed.
+            // SAFETY: a mixture's level, and what is passed here, is what `Level::current` gave or
+            // `is_available` allowed.
             Self::Avx512 => unsafe { avx512::run(routine) },
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             // SAFETY: as above.
@@ -35,7 +36,8 @@ impl Level {
     pub(crate) fn run_one<S, R: One<S>>(self, state: &S, [a, b, c]: [f32; 3]) -> R::Output {
         match self {
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
-            // SAFETY: a mixture's level, and what is passed here, is what `Level::current` gave or `is_available` allowed.
+            // SAFETY: a mixture's level, and what is passed here, is what `Level::current` gave or
+            // `is_available` allowed.
             Self::Avx512 if R::IS_WIDE => unsafe { avx512::one::<S, R>(state, a, b, c) },
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             // SAFETY: as above; who has AVX-512 has AVX2.
@@ -46,8 +48,8 @@ impl Level {
         }
     }
 
-    /// Draws a direction, and runs a routine for it, in the instruction set of this level. The routine does not wait for the last step
-    /// to the direction's length of 1.
+    /// Draws a direction, and runs a routine for it, in the instruction set of this level. The routine does
+    /// not wait for the last step to the direction's length of 1.
     #[inline]
     #[allow(unsafe_code)]
     pub(crate) fn draw_one<S, D: Draw<S>, R: One<S>>(
@@ -57,7 +59,8 @@ impl Level {
     ) -> ([f32; 3], R::Output) {
         match self {
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
-            // SAFETY: a mixture's level, and what is passed here, is what `Level::current` gave or `is_available` allowed.
+            // SAFETY: a mixture's level, and what is passed here, is what `Level::current` gave or
+            // `is_available` allowed.
             Self::Avx512 => unsafe { avx512::draw::<S, D, R>(state, a, b, c) },
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             // SAFETY: as above.

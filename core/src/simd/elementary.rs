@@ -13,8 +13,9 @@ pub fn exp2<L: Lanes>(t: L) -> L {
 
 /// `2^t`, exactly 0 below 2^-100: what a lobe falls to. Relative error below 2.5e-7; `t` at most 127.
 ///
-/// Neither the result nor its product with an amplitude above 2^-25 is a subnormal: one subnormal in a vector makes an Intel
-/// processor take 150 cycles for that instruction, and among sixteen directions there is often one whose exponent is near -127.
+/// Neither the result nor its product with an amplitude above 2^-25 is a subnormal: one subnormal in a vector
+/// makes an Intel processor take 150 cycles for that instruction, and among sixteen directions there is often
+/// one whose exponent is near -127.
 #[inline(always)]
 pub fn falloff<L: Lanes>(t: L) -> L {
     exp2_above::<L, false>(t, -100.0)
@@ -26,8 +27,8 @@ pub fn falloff_soon<L: Lanes>(t: L) -> L {
     exp2_above::<L, true>(t, -100.0)
 }
 
-/// `2^t`, exactly 0 where `t` is less than `least`, to a half, or a NaN. `least` is -125 or more: no subnormal. `SOON`: the polynomial
-/// by pairs of terms (Estrin 1960).
+/// `2^t`, exactly 0 where `t` is less than `least`, to a half, or a NaN. `least` is -125 or more: no
+/// subnormal. `SOON`: the polynomial by pairs of terms (Estrin 1960).
 #[inline(always)]
 fn exp2_above<L: Lanes, const SOON: bool>(t: L, least: f32) -> L {
     let (f, whole) = t.split_whole();
@@ -38,8 +39,9 @@ fn exp2_above<L: Lanes, const SOON: bool>(t: L, least: f32) -> L {
         let high = ff.mul_add(f.mul_add(L::splat(a), L::splat(b)), f.mul_add(L::splat(c), L::splat(d)));
         return ff.mul_add(high, f.mul_add(L::splat(e), L::splat(1.0))).times_exp2(whole, least);
     }
-    // Without fused operations 1 + f c (f^2 + a f + b) (f^2 + d f + e) is as many operations as Horner's form in half the latency; relative
-    // error 2.0e-7 with all roundings. One lane keeps the digits that fits have seen.
+    // Without fused operations 1 + f c (f^2 + a f + b) (f^2 + d f + e) is as many operations as Horner's form
+    // in half the latency; relative error 2.0e-7 with all roundings. One lane keeps the digits that fits have
+    // seen.
     if !L::FUSED && L::COUNT > 1 {
         let factor = |a, b| (f + L::splat(a)) * f + L::splat(b);
         let product = factor(7.802_083_5, 21.231_173) * factor(-0.514_329_14, 24.590_559);
@@ -53,14 +55,14 @@ fn exp2_above<L: Lanes, const SOON: bool>(t: L, least: f32) -> L {
     p.mul_add(f, L::splat(1.0)).times_exp2(whole, least)
 }
 
-/// `(ln x + rest) factor` of a positive normal number and a small one; relative error of the logarithm below 2e-7 away from 1, absolute
-/// 1e-7 times `|x - 1|` near it. And that plus 2.
+/// `(ln x + rest) factor` of a positive normal number and a small one; relative error of the logarithm below
+/// 2e-7 away from 1, absolute 1e-7 times `|x - 1|` near it. And that plus 2.
 #[inline(always)]
 pub fn ln_plus_times<L: Lanes>(x: L, rest: L, factor: L) -> [L; 2] {
     let (m, e) = x.split_exponent();
     let f = m - L::splat(1.0);
-    // ln(1 + f) = f - f^2 / 2 + f^3 p(f); Cephes logf, Moshier 1992.
-    // Pairs, fours and eights of terms (Estrin 1960): half the latency of Horner's form, for one multiplication.
+    // ln(1 + f) = f - f^2 / 2 + f^3 p(f); Cephes logf, Moshier 1992. Pairs, fours and eights of terms (Estrin
+    // 1960): half the latency of Horner's form, for one multiplication.
     let ff = f * f;
     let ffff = ff * ff;
     let p0 = f.mul_add(L::splat(-2.499_999_4e-1), L::splat(0.333_333_3));
@@ -69,8 +71,9 @@ pub fn ln_plus_times<L: Lanes>(x: L, rest: L, factor: L) -> [L; 2] {
     let p6 = f.mul_add(L::splat(-1.151_461e-1), L::splat(1.167_699_84e-1));
     let p4 = ffff.mul_add(L::splat(7.037_683_6e-2), ff.mul_add(p6, p4));
     let p = ffff.mul_add(p4, ff.mul_add(p2, p0));
-    // All that does not wait for the polynomial is done beside it: two operations are left, also of the sum with 2 where one number is
-    // waited for. Without fused operations its digits would be others than those that fits have seen.
+    // All that does not wait for the polynomial is done beside it: two operations are left, also of the sum
+    // with 2 where one number is waited for. Without fused operations its digits would be others than those
+    // that fits have seen.
     const PLACE: f32 = 1.0 / 8_388_608.0;
     let low = ff.neg_mul_add(L::splat(0.5), e.mul_add(L::splat(-2.121_944_4e-4 * PLACE), rest));
     let (small, large) = (p.mul_add(f * ff, low), e.mul_add(L::splat(0.693_359_4 * PLACE), f) * factor);

@@ -1,4 +1,5 @@
-//! Sums and products with what rounding takes from them (Dekker 1971, Knuth 1969): numbers of twice the digits of f32.
+//! Sums and products with what rounding takes from them (Dekker 1971, Knuth 1969): numbers of twice the
+//! digits of f32.
 
 use super::lanes::Lanes;
 
@@ -10,7 +11,8 @@ pub fn two_sum<L: Lanes>(a: L, b: L) -> (L, L) {
     (sum, (a - (sum - b_part)) + (b - b_part))
 }
 
-/// `a b` and its rounding error: one fused operation, or Dekker's 17 (1971), exact while nothing under- or overflows.
+/// `a b` and its rounding error: one fused operation, or Dekker's 17 (1971), exact while nothing under- or
+/// overflows.
 #[inline(always)]
 pub fn two_product<L: Lanes>(a: L, b: L) -> (L, L) {
     let product = a * b;

@@ -1,4 +1,5 @@
-//! A pair of vectors as one: twice the lanes, for kernels whose loop broadcasts numbers that all lanes share. Or a pair of pairs.
+//! A pair of vectors as one: twice the lanes, for kernels whose loop broadcasts numbers that all lanes share.
+//! Or a pair of pairs.
 //!
 //! A broadcast then serves both halves, and the two chains of dependent operations run side by side.
 

@@ -1,8 +1,9 @@
-//! The text of every kernel is generic over [`Lanes`]: one f32 for the scalar path, SIMD vectors for the back ends.
+//! The text of every kernel is generic over [`Lanes`]: one f32 for the scalar path, SIMD vectors for the back
+//! ends.
 //!
-//! Everything here is `#[inline(always)]`: a vector method must be compiled inside the `#[target_feature]` function that
-//! uses it, or it becomes a call that passes vectors through memory. Closures and `array::map` cannot be marked so:
-//! kernels use neither, but small functions and loops over array indices.
+//! Everything here is `#[inline(always)]`: a vector method must be compiled inside the `#[target_feature]`
+//! function that uses it, or it becomes a call that passes vectors through memory. Closures and `array::map`
+//! cannot be marked so: kernels use neither, but small functions and loops over array indices.
 #![allow(clippy::needless_range_loop)]
 
 use core::ops::{Add, Div, Mul, Sub};
@@ -17,8 +18,9 @@ pub trait Lanes:
     const COUNT: usize;
     /// Whether [`mul_add`](Self::mul_add) rounds once.
     const FUSED: bool;
-    /// What batches of directions take at a time: a broadcast of a lobe's number then serves several vectors. The lobes are taken in stages
-    /// if those are more than [`TOGETHER`], see `stretch` in `kernel/lobe_sums.rs`.
+    /// What batches of directions take at a time: a broadcast of a lobe's number then serves several vectors.
+    /// The lobes are taken in stages if those are more than [`TOGETHER`], see `stretch` in
+    /// `kernel/lobe_sums.rs`.
     type Batch: Lanes;
     /// How many vectors it is.
     const VECTORS: usize = 1;
@@ -28,7 +30,8 @@ pub trait Lanes:
     fn halves(self) -> [Self::Half; 2];
     /// Of both halves.
     fn of_halves(halves: [Self::Half; 2]) -> Self;
-    /// Whether lobes are taken two vectors at a time where lanes are lobes: most mixtures need two, and constants are then loaded once.
+    /// Whether lobes are taken two vectors at a time where lanes are lobes: most mixtures need two, and
+    /// constants are then loaded once.
     const LOBES_PAIRED: bool;
     /// Result of a comparison.
     type Mask: Copy;
@@ -69,10 +72,11 @@ pub trait Lanes:
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     /// `self` where the mask is set, else 0.
     fn keep(self, mask: Self::Mask) -> Self;
-    /// Adds a whole number to the exponent of `self`: `n` is the float `n + 1.5 2^23`, whose low bits hold it.
+    /// Adds a whole number to the exponent of `self`: `n` is the float `n + 1.5 2^23`, whose low bits hold
+    /// it.
     fn add_exponent(self, n: Self) -> Self;
-    /// Coefficients of a polynomial that is `2^f` for what [`split_whole`](Self::split_whole) leaves, the highest first, without the
-    /// last, which is 1.
+    /// Coefficients of a polynomial that is `2^f` for what [`split_whole`](Self::split_whole) leaves, the
+    /// highest first, without the last, which is 1.
     const EXP2: [f32; 5] = [0.001_327_647_1, 0.009_675_541, 0.055_507_133, 0.240_221_2, 0.693_146_97];
     /// What is left of a number when the nearest whole one, or the one below, is taken off; and what
     /// [`times_exp2`](Self::times_exp2) wants to know of that. Anything of a NaN or what is infinite.
@@ -81,12 +85,14 @@ pub trait Lanes:
         let whole = self + Self::splat(ROUND);
         (self - (whole - Self::splat(ROUND)), whole)
     }
-    /// `self` times 2 to the power of a whole number; exactly 0 where that is less than `least`, to a half, or of a NaN.
+    /// `self` times 2 to the power of a whole number; exactly 0 where that is less than `least`, to a half,
+    /// or of a NaN.
     #[inline(always)]
     fn times_exp2(self, whole: Self, least: f32) -> Self {
         self.add_exponent(whole).keep(whole.ge(Self::splat(ROUND + least)))
     }
-    /// Sine and cosine of `2 pi self`, `self` in `[0, 1]`; absolute error below 1.2e-7. The turn is reduced exactly.
+    /// Sine and cosine of `2 pi self`, `self` in `[0, 1]`; absolute error below 1.2e-7. The turn is reduced
+    /// exactly.
     #[inline(always)]
     fn sin_cos_turns(self) -> (Self, Self) {
         let quarters = self * Self::splat(4.0);
@@ -94,9 +100,11 @@ pub trait Lanes:
         let q = n - Self::splat(ROUND);
         quadrant((quarters - q) * Self::splat(core::f32::consts::FRAC_PI_2), n)
     }
-    /// Sine and cosine after `q` quarter turns, from those before; `n` is the float `q + 1.5 2^23`, whose low bits hold q.
+    /// Sine and cosine after `q` quarter turns, from those before; `n` is the float `q + 1.5 2^23`, whose low
+    /// bits hold q.
     fn quarter_turns(n: Self, sin: Self, cos: Self) -> (Self, Self);
-    /// Splits a positive normal number into a mantissa in [sqrt(1/2), sqrt(2)), and 2^23 times a whole exponent: that is where it stands.
+    /// Splits a positive normal number into a mantissa in [sqrt(1/2), sqrt(2)), and 2^23 times a whole
+    /// exponent: that is where it stands.
     fn split_exponent(self) -> (Self, Self);
     /// Number of thresholds that are `<= self`.
     fn search(self, thresholds: &[f32]) -> Self::Index;
@@ -106,8 +114,9 @@ pub trait Lanes:
     fn index_below(index: Self::Index, limit: usize) -> Self::Mask;
     /// `table[index]`; every index is within the first `len` entries. `table` has a multiple of 16 entries.
     fn lookup(table: &[f32], len: usize, index: Self::Index) -> Self;
-    /// Red, green and blue, the latter two times 2^10 and 2^20, of the codes of two nodes that lie one behind the other, from whole numbers
-    /// `index` on: `nodes` holds four bytes a node. Whatever `index` is, nothing outside is read.
+    /// Red, green and blue, the latter two times 2^10 and 2^20, of the codes of two nodes that lie one behind
+    /// the other, from whole numbers `index` on: `nodes` holds four bytes a node. Whatever `index` is,
+    /// nothing outside is read.
     #[inline(always)]
     fn node_pairs(nodes: &[u8], index: Self) -> [[Self; 3]; 2] {
         let last = (nodes.len() / 4).saturating_sub(2);

@@ -1,4 +1,5 @@
-//! The portable back end: `wide`, four lanes, whatever the target offers (SSE2, NEON, wasm simd128, or plain code).
+//! The portable back end: `wide`, four lanes, whatever the target offers (SSE2, NEON, wasm simd128, or plain
+//! code).
 
 use super::lane_pair::LanePair;
 use super::lanes::{Lanes, one_vector};

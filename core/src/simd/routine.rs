@@ -1,4 +1,5 @@
-//! Texts that run at any level, as types: what a back end is given to run, and the functions by which it does so.
+//! Texts that run at any level, as types: what a back end is given to run, and the functions by which it does
+//! so.
 
 use super::lanes::Lanes;
 
@@ -10,11 +11,13 @@ pub(crate) trait Routine {
     fn run<L: Lanes>(self) -> Self::Output;
 }
 
-/// Text for one direction (or three numbers): its numbers travel in registers, where a struct would go through memory.
+/// Text for one direction (or three numbers): its numbers travel in registers, where a struct would go
+/// through memory.
 pub(crate) trait One<State> {
     /// What it gives.
     type Output;
-    /// Whether it gains by vectors of 512 bits: while those are at work, an Intel core has one port less for numbers alone.
+    /// Whether it gains by vectors of 512 bits: while those are at work, an Intel core has one port less for
+    /// numbers alone.
     #[cfg_attr(not(all(feature = "simd", target_arch = "x86_64")), allow(dead_code))]
     const IS_WIDE: bool;
     /// The text; as in [`Routine`].
@@ -23,18 +26,19 @@ pub(crate) trait One<State> {
 
 /// Text that draws a direction from three uniform numbers.
 pub(crate) trait Draw<State> {
-    /// The direction, and what it is to be multiplied by to be of length 1, which it is but for rounding. The text; as in
-    /// [`Routine`].
+    /// The direction, and what it is to be multiplied by to be of length 1, which it is but for rounding. The
+    /// text; as in [`Routine`].
     fn run<L: Lanes>(state: &State, numbers: [f32; 3]) -> ([f32; 3], f32);
 }
 
-/// The functions of a back end that run a text in its instruction set, which is `$attribute`. A back end that draws in another way
-/// leaves out `draw`.
+/// The functions of a back end that run a text in its instruction set, which is `$attribute`. A back end that
+/// draws in another way leaves out `draw`.
 macro_rules! entries {
     ($lanes:ty, #[$($attribute:tt)*]) => {
         $crate::simd::routine::entries!($lanes, #[$($attribute)*] without draw);
 
-        /// Draws a direction and runs a routine for it, which is a call of its own: in one function, both have too few registers.
+        /// Draws a direction and runs a routine for it, which is a call of its own: in one function, both
+        /// have too few registers.
         #[$($attribute)*]
         pub(super) fn draw<S, D: $crate::simd::routine::Draw<S>, R: $crate::simd::routine::One<S>>(
             state: &S,

@@ -9,8 +9,8 @@ use glam::Vec3;
 
 /// The Abel-Poisson kernel `A(d) = (1 - h^2) / (1 - 2 h cos theta + h^2)^(3/2)`, held as `epsilon = 1 - h`.
 ///
-/// `A(d) = eps (2 - eps) / (eps^2 + h |d - axis|^2)^(3/2)`: near h = 1 the plain form has lost the digits of `1 - h`.
-/// At the axis it is `(2 - eps) / eps^2`; its integral over the sphere is 4 pi for every h.
+/// `A(d) = eps (2 - eps) / (eps^2 + h |d - axis|^2)^(3/2)`: near h = 1 the plain form has lost the digits of
+/// `1 - h`. At the axis it is `(2 - eps) / eps^2`; its integral over the sphere is 4 pi for every h.
 ///
 /// | input | result |
 /// |---|---|
@@ -89,7 +89,8 @@ impl Kernel for AbelPoisson {
         4.0 * PI
     }
 
-    /// `w = eps u (q + eps) / D`, `q = eps (2 - eps) / D`, `D = eps + 2 h (1 - u)`: neither cancels nor divides by h.
+    /// `w = eps u (q + eps) / D`, `q = eps (2 - eps) / D`, `D = eps + 2 h (1 - u)`: neither cancels nor
+    /// divides by h.
     ///
     /// Accuracy: relative 1e-6 for every `u`.
     #[inline]

@@ -7,8 +7,9 @@ use glam::Vec3;
 /// The vector normalised, if it is finite and of length 1 within 1e-3.
 pub(crate) fn unit(v: Vec3) -> Option<Vec3> {
     let squared = v.length_squared();
-    // False for NaN and infinity. What f32 could normalise is left as it is, to the last bit: a turn by one rounding
-    // would cost a lobe of sharpness 1e8 three digits on its flank, a length off by 2e-7 costs nothing.
+    // False for NaN and infinity. What f32 could normalise is left as it is, to the last bit: a turn by one
+    // rounding would cost a lobe of sharpness 1e8 three digits on its flank, a length off by 2e-7 costs
+    // nothing.
     if (squared - 1.0).abs() <= 6e-7 {
         Some(v)
     } else {
@@ -22,7 +23,8 @@ pub(crate) fn around(axis: Vec3, w: f32, turns: f32) -> Vec3 {
     let sin_theta = float::sqrt(w * (2.0 - w));
     let (sin_phi, cos_phi) = float::sin_cos_turns(turns);
     let (tangent, bitangent) = frame(axis);
-    // The axis is added last and whole: `axis (1 - w)` would round the narrow lobe to the grid round the axis.
+    // The axis is added last and whole: `axis (1 - w)` would round the narrow lobe to the grid round the
+    // axis.
     let across = tangent * (sin_theta * cos_phi) + bitangent * (sin_theta * sin_phi);
     axis + (across - axis * w)
 }

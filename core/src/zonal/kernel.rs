@@ -1,4 +1,5 @@
-//! What all zonal kernels share: they depend on the angle to an axis alone, and that angle can be drawn by inversion.
+//! What all zonal kernels share: they depend on the angle to an axis alone, and that angle can be drawn by
+//! inversion.
 
 use super::around::{around, where_around};
 use glam::Vec3;

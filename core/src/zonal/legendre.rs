@@ -11,12 +11,13 @@ const BLOCK: usize = 16;
 
 /// Integrates for the Legendre coefficients of a kernel given as a function of `w = 1 - cos theta`.
 ///
-/// `K_l = (2 l + 1) / 2 integral of K P_l sin theta d theta`, by 12-point Gauss-Legendre on panels that halve towards
-/// the axis, down to 1e-7 radians, and are short enough elsewhere for the highest `P_l` asked for.
+/// `K_l = (2 l + 1) / 2 integral of K P_l sin theta d theta`, by 12-point Gauss-Legendre on panels that halve
+/// towards the axis, down to 1e-7 radians, and are short enough elsewhere for the highest `P_l` asked for.
 ///
-/// Shapes: `coefficients` any length, overwritten with l = 0, 1, ... Cost: about `(336 + 3 n) ceil(n / 16)` evaluations of
-/// the kernel for n coefficients; meant for offline work.
-/// Range: kernels that are smooth off the axis. Accuracy: `4e-7 (2 l + 1)` of the mean of |K| over the sphere.
+/// Shapes: `coefficients` any length, overwritten with l = 0, 1, ... Cost: about `(336 + 3 n) ceil(n / 16)`
+/// evaluations of the kernel for n coefficients; meant for offline work.
+/// Range: kernels that are smooth off the axis. Accuracy: `4e-7 (2 l + 1)` of the mean of |K| over the
+/// sphere.
 /// Source: Weng and Shih 2006, eq. 2.
 pub fn legendre_coefficients_into(kernel: impl Fn(f32) -> f32, coefficients: &mut [f32]) {
     let count = coefficients.len();
@@ -68,8 +69,8 @@ fn for_each_node(count: usize, mut each: impl FnMut(f32, f32)) {
 
 /// Calls with `P_0 .. P_(count - 1)` at `cos theta = 1 - w`.
 ///
-/// The recurrence runs over the differences `D = P_(l+1) - P_l`: `(l + 1) D' = l D - (2 l + 1) w P_l`, which keeps
-/// the digits of w next to the axis.
+/// The recurrence runs over the differences `D = P_(l+1) - P_l`: `(l + 1) D' = l D - (2 l + 1) w P_l`, which
+/// keeps the digits of w next to the axis.
 fn legendre_polynomials(w: f32, count: usize, mut each: impl FnMut(usize, f32)) {
     let (mut p, mut difference) = (1.0, 0.0);
     for l in 0..count {
@@ -98,7 +99,8 @@ pub fn legendre_singular_integral(g: &[f32], h: &[f32], one_minus_cos: f32) -> f
     clenshaw(g.len().min(h.len()), one_minus_cos, |l| g[l] * h[l] * (4.0 * PI / (2 * l + 1) as f32))
 }
 
-/// `sum of c(l) P_l`, from the last term to the first: `b = c + (2 l + 1)/(l + 1) x b' - (l + 1)/(l + 2) b''`.
+/// `sum of c(l) P_l`, from the last term to the first: `b = c + (2 l + 1)/(l + 1) x b' - (l + 1)/(l + 2)
+/// b''`.
 fn clenshaw(count: usize, w: f32, coefficient: impl Fn(usize) -> f32) -> f32 {
     let x = 1.0 - w;
     let (mut b1, mut b2) = (0.0, 0.0);
@@ -112,16 +114,16 @@ fn clenshaw(count: usize, w: f32, coefficient: impl Fn(usize) -> f32) -> f32 {
 
 /// Writes the Legendre coefficients of a Gaussian of unit amplitude in closed form.
 ///
-/// `(2 l + 1) exp(-s) i_l(s)`, `i_l` the modified spherical Bessel function. The ratios `i_(l+1) / i_l` come from
-/// their continued fraction, downwards, which is stable and positive; the recurrence upwards is not.
+/// `(2 l + 1) exp(-s) i_l(s)`, `i_l` the modified spherical Bessel function. The ratios `i_(l+1) / i_l` come
+/// from their continued fraction, downwards, which is stable and positive; the recurrence upwards is not.
 ///
 /// Range: sharpness in [0, 1e8]; 0 gives 1, 0, 0, ... Accuracy: relative `1e-7 (l + 5)`.
 pub fn gaussian_coefficients_into(sharpness: f32, coefficients: &mut [f32]) {
     let s = sharpness;
     let count = coefficients.len();
     coefficients.fill(0.0);
-    // Begin above the last ratio with a bound of Amos 1974, whose relative error is about n / (4 s^2); n steps down
-    // shrink it by exp(-n^2 / s).
+    // Begin above the last ratio with a bound of Amos 1974, whose relative error is about n / (4 s^2); n
+    // steps down shrink it by exp(-n^2 / s).
     let above = 20 + (4.0 * float::sqrt(s)).min(400.0) as usize;
     let start = (count + above + 1) as f32;
     let mut ratio = s / (start + float::sqrt((start + 1.0) * (start + 1.0) + s * s));

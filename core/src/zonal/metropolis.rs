@@ -1,4 +1,5 @@
-//! The Metropolis random walk of Weng and Shih 2006, sections 4.2.2 and 5.2: samples of a kernel that has no inverse.
+//! The Metropolis random walk of Weng and Shih 2006, sections 4.2.2 and 5.2: samples of a kernel that has no
+//! inverse.
 
 use super::around::around;
 use super::kernel::Kernel;
@@ -6,20 +7,20 @@ use crate::float;
 use glam::Vec3;
 use rand_core::Rng;
 
-/// Half the widest proposal, as a share of the range of the walk: wide enough to cross the range in the default five
-/// steps, narrow enough that most proposals for a bell are accepted.
+/// Half the widest proposal, as a share of the range of the walk: wide enough to cross the range in the
+/// default five steps, narrow enough that most proposals for a bell are accepted.
 const REACH: f32 = 0.5;
 
 /// A random walk over the angle to the axis, whose density tends to that of the kernel.
 ///
-/// The density in theta is `K(theta) sin theta`: the kernel times the circumference of its circle. Every sample starts
-/// at a uniform angle of the range and takes `steps` steps, each to a uniform angle within half the range, mirrored at
-/// the ends, and accepted with probability `min(1, target' / target)`. Samples are independent of each other; what
-/// is left of the start falls geometrically with the steps.
+/// The density in theta is `K(theta) sin theta`: the kernel times the circumference of its circle. Every
+/// sample starts at a uniform angle of the range and takes `steps` steps, each to a uniform angle within half
+/// the range, mirrored at the ends, and accepted with probability `min(1, target' / target)`. Samples are
+/// independent of each other; what is left of the start falls geometrically with the steps.
 ///
-/// The walk is confined to where the kernel exceeds `floor` times its value at the axis: what lies beyond is never
-/// drawn (of a Gaussian a share `floor`), whatever the number of steps. So the samples have no exactly known density;
-/// dividing by the kernel's own leaves a bias that `srbf samples` shows.
+/// The walk is confined to where the kernel exceeds `floor` times its value at the axis: what lies beyond is
+/// never drawn (of a Gaussian a share `floor`), whatever the number of steps. So the samples have no exactly
+/// known density; dividing by the kernel's own leaves a bias that `srbf samples` shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Metropolis {
     /// Steps a sample.
@@ -36,10 +37,11 @@ impl Default for Metropolis {
 }
 
 impl Metropolis {
-    /// Finds the range of the walk: the angle, radians, at which a kernel that falls from its axis meets the floor.
+    /// Finds the range of the walk: the angle, radians, at which a kernel that falls from its axis meets the
+    /// floor.
     ///
-    /// `kernel` is a function of `w = 1 - cos theta`. Returns: pi for a kernel that stays above the floor. Not to be
-    /// repeated per sample.
+    /// `kernel` is a function of `w = 1 - cos theta`. Returns: pi for a kernel that stays above the floor.
+    /// Not to be repeated per sample.
     pub fn range(&self, kernel: impl Fn(f32) -> f32) -> f32 {
         let least = self.floor * kernel(0.0);
         let above = |theta: f32| kernel(one_minus_cos(theta)) > least;

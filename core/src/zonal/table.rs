@@ -9,9 +9,10 @@ use glam::Vec3;
 
 /// A kernel given as a function, tabulated at `N` angles: linear in `w = 1 - cos theta` between them.
 ///
-/// The knots are `w = 0` and then a geometric row from 2^-36 to 2, so that a kernel of any sharpness up to 1e8 is met
-/// in its own scale; with N = 256 they are 10 % apart and a Gaussian is followed within 0.2 % of its peak. Value, density, integral
-/// and samples are all those of the tabulated kernel: an estimator that divides by [`Kernel::pdf`] has no bias.
+/// The knots are `w = 0` and then a geometric row from 2^-36 to 2, so that a kernel of any sharpness up to
+/// 1e8 is met in its own scale; with N = 256 they are 10 % apart and a Gaussian is followed within 0.2 % of
+/// its peak. Value, density, integral and samples are all those of the tabulated kernel: an estimator that
+/// divides by [`Kernel::pdf`] has no bias.
 #[derive(Clone, Copy, Debug)]
 pub struct KernelTable<const N: usize> {
     axis: Vec3,
@@ -27,7 +28,8 @@ impl<const N: usize> KernelTable<N> {
     /// Tabulates a kernel, given as a function of `w = 1 - cos theta` in [0, 2], round an axis.
     ///
     /// # Errors
-    /// [`Error::Axis`]; [`Error::Kernel`] if a value is negative or not finite, or a slope, or the integral is 0 or infinite.
+    /// [`Error::Axis`]; [`Error::Kernel`] if a value is negative or not finite, or a slope, or the integral
+    /// is 0 or infinite.
     pub fn new(axis: Vec3, kernel: impl Fn(f32) -> f32) -> Result<Self, Error> {
         const { assert!(N >= 3) };
         let axis = unit(axis).ok_or(Error::Axis)?;
