@@ -16,6 +16,7 @@ pub(crate) mod lobe_sums;
 pub(crate) mod multiply_factors;
 pub(crate) mod one_direction;
 mod one_mixture;
+pub(crate) mod outgoing;
 pub(crate) mod prepare;
 pub(crate) mod prepare_anisotropic;
 pub(crate) mod slices;

@@ -3,10 +3,10 @@
 use crate::color;
 use crate::material::borrowed::Material;
 use crate::material::layout::{HEAD, MAX_LOBES, f32_at};
+use crate::mixture::factors::Among;
 use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::rows::Mixture;
 use crate::simd::elementary::{exp2, sin_cos};
-use crate::simd::lane_pair::LanePair;
 use crate::simd::lanes::Lanes;
 use crate::squeeze::Squeeze;
 use glam::Vec3;
@@ -31,13 +31,13 @@ macro_rules! from_offset {
 /// The two views round an outgoing direction, and how far between them it lies.
 #[derive(Clone, Copy)]
 pub(crate) struct Place {
-    pub before: usize,
-    pub after: usize,
-    pub blend: f32,
+    before: usize,
+    after: usize,
+    blend: f32,
 }
 
 impl Place {
-    /// `passed`: how many views but the last have an angle of at most `theta`.
+    /// Of an angle from the normal; `passed` views have one of at most that.
     #[inline(always)]
     pub fn after(material: &Material<'_>, passed: usize, theta: f32) -> Self {
         let (bytes, header) = (material.bytes, &material.header);
@@ -48,6 +48,13 @@ impl Place {
         Self { before, after, blend }
     }
 
+    /// The same for what is linear among four views.
+    #[inline(always)]
+    pub fn among(self) -> Among {
+        let views = [[self.before as u16, self.after as u16]; 2];
+        Among { views, onward: self.blend, outward: 0.0 }
+    }
+
     /// Interpolates numbers from the `i`-th on; `a` and `b` are the bytes of the same rows of the two views.
     #[inline(always)]
     fn between<L: Lanes>(self, a: &[u8], b: &[u8], i: usize) -> L {
@@ -56,7 +63,7 @@ impl Place {
     }
 }
 
-/// How many views but the last have an angle of at most `theta`; the first always has.
+/// How many views but the last have an angle of at most `theta`; the first always has. Lanes are views.
 #[inline(always)]
 pub(crate) fn views_passed<L: Lanes>(material: &Material<'_>, theta: f32) -> usize {
     let last = material.header.views - 1;
@@ -68,6 +75,17 @@ pub(crate) fn views_passed<L: Lanes>(material: &Material<'_>, theta: f32) -> usi
         let inner = u64::MAX >> (64 - (last - view).min(L::COUNT));
         passed += (L::bits(L::splat(theta).ge(L::load_bytes(thetas))) & inner).count_ones() as usize;
         view += L::COUNT;
+    }
+    passed
+}
+
+/// The same for many angles: lanes are angles.
+#[inline(always)]
+pub(crate) fn views_passed_by_each<L: Lanes>(material: &Material<'_>, theta: L) -> L {
+    let mut passed = L::splat(0.0);
+    for view in 0..material.header.views - 1 {
+        let at_view = L::splat(f32_at(material.bytes, material.header.theta(view)));
+        passed = passed + L::select(theta.ge(at_view), L::splat(1.0), L::splat(0.0));
     }
     passed
 }
@@ -105,12 +123,10 @@ pub(crate) fn at_place<L: Lanes, const N: usize>(
         Vec3::new(head[1], head[2], head[3])
     };
 
-    // Twelve lobes are one and a half vectors of eight lanes: a pair of them, with constants loaded once.
-    match (L::LOBES_PAIRED, material.header.mirrored > 0) {
-        (true, true) => lobes::<LanePair<L>, N, true>(material, place, leave_out, mixture),
-        (true, false) => lobes::<LanePair<L>, N, false>(material, place, leave_out, mixture),
-        (false, true) => lobes::<L, N, true>(material, place, leave_out, mixture),
-        (false, false) => lobes::<L, N, false>(material, place, leave_out, mixture),
+    if material.header.mirrored > 0 {
+        lobes::<L::Lobes, N, true>(material, place, leave_out, mixture);
+    } else {
+        lobes::<L::Lobes, N, false>(material, place, leave_out, mixture);
     }
 }
 

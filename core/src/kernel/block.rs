@@ -8,7 +8,6 @@
 use super::draw::{Choice, Frame, chosen_lobe, chosen_power, draw};
 use super::one_direction::{all_lobes, with_diffuse};
 use crate::mixture::rows::Mixture;
-use crate::simd::lane_pair::LanePair;
 use crate::simd::lanes::Lanes;
 use crate::simd::routine::Routine;
 use crate::squeeze::{NUMBERS, Precise, Sight};
@@ -145,11 +144,7 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
                     diffuse[channel] = m.diffuse[channel];
                 }
             }
-            let sums = if L::LOBES_PAIRED {
-                all_lobes::<LanePair<L>, N, C, true>(m, amplitudes, &turned, &squeezed)
-            } else {
-                all_lobes::<L, N, C, true>(m, amplitudes, &turned, &squeezed)
-            };
+            let sums = all_lobes::<L::Lobes, N, C, true>(m, amplitudes, &turned, &squeezed);
             let sums = with_diffuse(sums, diffuse, z[i]);
             for channel in 0..C {
                 out[channel][i] = sums[channel];

@@ -28,22 +28,18 @@ pub(crate) fn sums<L: Lanes, const N: usize, const C: usize>(
     let turned = m.squeeze.turn(d);
     if m.squeezed > 0 {
         let (seen, lobes) = (m.squeeze.squeeze(&turned), 0..m.squeezed);
-        match (m.in_plane, L::FUSED) {
-            (true, true) => run::<L, N, C, true, true, true>(m, amplitudes, &seen, lobes, &mut acc, stage),
-            (true, false) => run::<L, N, C, true, true, false>(m, amplitudes, &seen, lobes, &mut acc, stage),
-            (false, true) => run::<L, N, C, false, true, true>(m, amplitudes, &seen, lobes, &mut acc, stage),
-            (false, false) => {
-                run::<L, N, C, false, true, false>(m, amplitudes, &seen, lobes, &mut acc, stage)
-            }
+        if L::FUSED {
+            run::<L, N, C, Long>(m, amplitudes, &seen, lobes, &mut acc, stage);
+        } else {
+            run::<L, N, C, Split>(m, amplitudes, &seen, lobes, &mut acc, stage);
         }
         acc = scale(acc, seen.scale);
     }
     let lobes = m.squeezed..m.count;
-    match (m.in_plane, m.squeeze.is_turned) {
-        (true, true) => run::<L, N, C, true, true, false>(m, amplitudes, &turned, lobes, &mut acc, stage),
-        (true, false) => run::<L, N, C, true, false, false>(m, amplitudes, &turned, lobes, &mut acc, stage),
-        (false, true) => run::<L, N, C, false, true, false>(m, amplitudes, &turned, lobes, &mut acc, stage),
-        (false, false) => run::<L, N, C, false, false, false>(m, amplitudes, &turned, lobes, &mut acc, stage),
+    if m.squeeze.is_turned {
+        run::<L, N, C, Split>(m, amplitudes, &turned, lobes, &mut acc, stage);
+    } else {
+        run::<L, N, C, Plain>(m, amplitudes, &turned, lobes, &mut acc, stage);
     }
     if m.domain == Domain::Hemisphere {
         let zero = L::splat(0.0);
@@ -56,10 +52,87 @@ pub(crate) fn sums<L: Lanes, const N: usize, const C: usize>(
     acc
 }
 
-/// Adds a run of lobes that see the same direction. `PLANE`: every axis has y = 0. `LOW`: the direction has a
-/// low part. `LONG`: it has a length.
+/// How a direction is held that lobes see, and how far from an axis it is.
+trait Sight {
+    /// A component of the axis minus one of the direction, or the other way round: what is the same for all
+    /// lobes stands where it may stay in memory.
+    fn apart<L: Lanes>(axis: f32, seen: &Seen<L>, i: usize) -> L;
+    /// What the squared distance is multiplied by for an exponent, in every lane.
+    fn rate<L: Lanes>(rate: f32, seen: &Seen<L>) -> L;
+}
+
+/// One f32 a component, of length 1.
+struct Plain;
+
+/// Two f32 a component, of length 1: what was turned, or squeezed and made a unit vector.
+struct Split;
+
+/// Two f32 a component, with a length: what was squeezed, where operations are fused. The axis is made as
+/// long.
+struct Long;
+
+/// Whether a component has a low part: what is only turned or not made a unit vector has its height in one
+/// f32.
 #[inline(always)]
-fn run<L: Lanes, const N: usize, const C: usize, const PLANE: bool, const LOW: bool, const LONG: bool>(
+fn has_low<L: Lanes>(i: usize) -> bool {
+    i < 2 || !L::FUSED
+}
+
+impl Sight for Plain {
+    #[inline(always)]
+    fn apart<L: Lanes>(axis: f32, seen: &Seen<L>, i: usize) -> L {
+        L::splat(axis) - seen.high[i]
+    }
+    #[inline(always)]
+    fn rate<L: Lanes>(rate: f32, _seen: &Seen<L>) -> L {
+        L::splat(rate)
+    }
+}
+
+impl Sight for Split {
+    #[inline(always)]
+    fn apart<L: Lanes>(axis: f32, seen: &Seen<L>, i: usize) -> L {
+        let apart = Plain::apart(axis, seen, i);
+        if has_low::<L>(i) { apart - seen.low[i] } else { apart }
+    }
+    #[inline(always)]
+    fn rate<L: Lanes>(rate: f32, _seen: &Seen<L>) -> L {
+        L::splat(rate)
+    }
+}
+
+impl Sight for Long {
+    #[inline(always)]
+    fn apart<L: Lanes>(axis: f32, seen: &Seen<L>, i: usize) -> L {
+        let apart = L::splat(axis).neg_mul_add(seen.length, seen.high[i]);
+        if has_low::<L>(i) { apart + seen.low[i] } else { apart }
+    }
+    #[inline(always)]
+    fn rate<L: Lanes>(rate: f32, seen: &Seen<L>) -> L {
+        L::splat(rate) * seen.inverse_square
+    }
+}
+
+/// Adds a run of lobes that see the same direction, which is held as `S` says.
+#[inline(always)]
+fn run<L: Lanes, const N: usize, const C: usize, S: Sight>(
+    m: &Mixture<'_, N>,
+    amplitudes: [&[f32; N]; C],
+    seen: &Seen<L>,
+    lobes: Range<usize>,
+    acc: &mut [L; C],
+    stage: &mut Stage<L>,
+) {
+    if m.in_plane {
+        stretches::<L, N, C, S, true>(m, amplitudes, seen, lobes, acc, stage);
+    } else {
+        stretches::<L, N, C, S, false>(m, amplitudes, seen, lobes, acc, stage);
+    }
+}
+
+/// Adds a run of lobes. `PLANE`: every axis has y = 0.
+#[inline(always)]
+fn stretches<L: Lanes, const N: usize, const C: usize, S: Sight, const PLANE: bool>(
     m: &Mixture<'_, N>,
     amplitudes: [&[f32; N]; C],
     seen: &Seen<L>,
@@ -73,11 +146,11 @@ fn run<L: Lanes, const N: usize, const C: usize, const PLANE: bool, const LOW: b
         let ahead = m.folded >> k;
         if ahead & 1 == 1 {
             let end = to.min(k + ahead.trailing_ones() as usize);
-            stretch::<L, N, C, PLANE, LOW, LONG, true>(m, amplitudes, seen, k..end, acc, stage);
+            stretch::<L, N, C, S, PLANE, true>(m, amplitudes, seen, k..end, acc, stage);
             k = end;
         } else {
             let end = to.min(k + ahead.trailing_zeros() as usize);
-            stretch::<L, N, C, PLANE, LOW, LONG, false>(m, amplitudes, seen, k..end, acc, stage);
+            stretch::<L, N, C, S, PLANE, false>(m, amplitudes, seen, k..end, acc, stage);
             k = end;
         }
     }
@@ -85,15 +158,7 @@ fn run<L: Lanes, const N: usize, const C: usize, const PLANE: bool, const LOW: b
 
 /// Adds lobes that all need their fold (`FOLD`), or none.
 #[inline(always)]
-fn stretch<
-    L: Lanes,
-    const N: usize,
-    const C: usize,
-    const PLANE: bool,
-    const LOW: bool,
-    const LONG: bool,
-    const FOLD: bool,
->(
+fn stretch<L: Lanes, const N: usize, const C: usize, S: Sight, const PLANE: bool, const FOLD: bool>(
     m: &Mixture<'_, N>,
     amplitudes: [&[f32; N]; C],
     seen: &Seen<L>,
@@ -101,31 +166,57 @@ fn stretch<
     acc: &mut [L; C],
     stage: &mut Stage<L>,
 ) {
-    let (mut k, to) = (lobes.start, lobes.end.min(N));
     // Axes in the plane share the part across it; its low part would only count relative to itself.
     let yy = seen.high[1] * seen.high[1];
     if L::VECTORS <= TOGETHER {
-        for k in k..to {
-            let axis = [m.axis_x[k], m.axis_y[k], m.axis_z[k]];
-            let t = exponent::<L, PLANE, LOW, LONG>(axis, m.rate[k], seen, yy);
-            let mut g = falloff(t);
-            if FOLD {
-                g = g + falloff(fold_exponent(m.fold_rate[k], seen, t));
-            }
-            for i in 0..C {
-                acc[i] = g.mul_add(L::splat(amplitudes[i][k]), acc[i]);
-            }
-        }
-        return;
+        one_by_one::<L, N, C, S, PLANE, FOLD>(m, amplitudes, seen, yy, lobes, acc);
+    } else {
+        in_stages::<L, N, C, S, PLANE, FOLD>(m, amplitudes, seen, yy, lobes, acc, stage);
     }
-    // One lobe is a long chain of dependent operations, and a processor sees no further than a few of them
-    // ahead. In stages, each a loop of its own with a short chain, it sees many lobes.
+}
+
+/// Adds lobes one after the other.
+#[inline(always)]
+fn one_by_one<L: Lanes, const N: usize, const C: usize, S: Sight, const PLANE: bool, const FOLD: bool>(
+    m: &Mixture<'_, N>,
+    amplitudes: [&[f32; N]; C],
+    seen: &Seen<L>,
+    yy: L,
+    lobes: Range<usize>,
+    acc: &mut [L; C],
+) {
+    for k in lobes.start..lobes.end.min(N) {
+        let axis = [m.axis_x[k], m.axis_y[k], m.axis_z[k]];
+        let t = exponent::<L, S, PLANE>(axis, m.rate[k], seen, yy);
+        let mut g = falloff(t);
+        if FOLD {
+            g = g + falloff(fold_exponent(m.fold_rate[k], seen, t));
+        }
+        for i in 0..C {
+            acc[i] = g.mul_add(L::splat(amplitudes[i][k]), acc[i]);
+        }
+    }
+}
+
+/// Adds lobes in stages, each a loop of its own with a short chain of operations. One lobe is a long chain,
+/// and a processor sees no further than a few of them ahead; of short ones it sees many.
+#[inline(always)]
+fn in_stages<L: Lanes, const N: usize, const C: usize, S: Sight, const PLANE: bool, const FOLD: bool>(
+    m: &Mixture<'_, N>,
+    amplitudes: [&[f32; N]; C],
+    seen: &Seen<L>,
+    yy: L,
+    lobes: Range<usize>,
+    acc: &mut [L; C],
+    stage: &mut Stage<L>,
+) {
+    let (mut k, to) = (lobes.start, lobes.end.min(N));
     while k < to {
         let n = (to - k).min(if FOLD { STAGE / 2 } else { STAGE });
         let (x, y, z) = (&m.axis_x[k..k + n], &m.axis_y[k..k + n], &m.axis_z[k..k + n]);
         let (rate, fold_rate) = (&m.rate[k..k + n], &m.fold_rate[k..k + n]);
         for j in 0..n {
-            stage[j] = exponent::<L, PLANE, LOW, LONG>([x[j], y[j], z[j]], rate[j], seen, yy);
+            stage[j] = exponent::<L, S, PLANE>([x[j], y[j], z[j]], rate[j], seen, yy);
             if FOLD {
                 stage[n + j] = fold_exponent(fold_rate[j], seen, stage[j]);
             }
@@ -163,36 +254,15 @@ fn stretch<
 
 /// The exponent of a lobe, to base 2; `yy` is the square of what is seen of y.
 #[inline(always)]
-fn exponent<L: Lanes, const PLANE: bool, const LOW: bool, const LONG: bool>(
-    axis: [f32; 3],
-    rate: f32,
-    seen: &Seen<L>,
-    yy: L,
-) -> L {
-    let ([x, y, z], [x_low, y_low, z_low]) = (seen.high, seen.low);
-    let mut dx = apart::<L, LONG>(axis[0], x, seen.length);
-    let mut dz = apart::<L, LONG>(axis[2], z, seen.length);
-    if LOW {
-        dx = lower::<L, LONG>(dx, x_low);
-        // What is only turned or not made a unit vector has its height in one f32.
-        if !L::FUSED {
-            dz = lower::<L, LONG>(dz, z_low);
-        }
-    }
-    let chord_squared = if PLANE {
-        dx.mul_add(dx, dz.mul_add(dz, yy))
+fn exponent<L: Lanes, S: Sight, const PLANE: bool>(axis: [f32; 3], rate: f32, seen: &Seen<L>, yy: L) -> L {
+    let (dx, dz) = (S::apart(axis[0], seen, 0), S::apart(axis[2], seen, 2));
+    let yy = if PLANE {
+        yy
     } else {
-        let mut dy = apart::<L, LONG>(axis[1], y, seen.length);
-        if LOW {
-            dy = lower::<L, LONG>(dy, y_low);
-        }
-        dx.mul_add(dx, dz.mul_add(dz, dy * dy))
+        let dy = S::apart(axis[1], seen, 1);
+        dy * dy
     };
-    let mut rate = L::splat(rate);
-    if LONG {
-        rate = rate * seen.inverse_square;
-    }
-    rate * chord_squared
+    S::rate(rate, seen) * dx.mul_add(dx, dz.mul_add(dz, yy))
 }
 
 /// The exponent of the fold of a lobe: `|d - mirrored axis|^2 = |d - axis|^2 + 4 d.z axis.z`, both terms of
@@ -200,18 +270,4 @@ fn exponent<L: Lanes, const PLANE: bool, const LOW: bool, const LONG: bool>(
 #[inline(always)]
 fn fold_exponent<L: Lanes>(fold_rate: f32, seen: &Seen<L>, exponent: L) -> L {
     L::splat(fold_rate).mul_add(seen.height, exponent)
-}
-
-/// A component of the axis minus one of the direction, or of the direction minus the axis that is as long
-/// (`LONG`): what is the same for all lobes stands where it may stay in memory.
-#[inline(always)]
-fn apart<L: Lanes, const LONG: bool>(axis: f32, direction: L, length: L) -> L {
-    let axis = L::splat(axis);
-    if LONG { axis.neg_mul_add(length, direction) } else { axis - direction }
-}
-
-/// Adds the low part of the direction to that.
-#[inline(always)]
-fn lower<L: Lanes, const LONG: bool>(apart: L, low: L) -> L {
-    if LONG { apart + low } else { apart - low }
 }

@@ -5,7 +5,6 @@ use super::draw::draw_one;
 use crate::color::luminance;
 use crate::mixture::rows::{Domain, Mixture, Sample, lowest_bits};
 use crate::simd::elementary::{falloff, falloff_soon};
-use crate::simd::lane_pair::LanePair;
 use crate::simd::lanes::{Lanes, scale};
 use crate::simd::routine::{Draw, One};
 use crate::squeeze::{NUMBERS, Seen, Sight};
@@ -198,23 +197,13 @@ impl<const N: usize> One<Mixture<'_, N>> for FactoredOne {
 fn value_one<L: Lanes, const N: usize, const SEEN: bool>(m: &Mixture<'_, N>, direction: [f32; 3]) -> Vec3 {
     let amplitudes = [&m.red, &m.green, &m.blue];
     let diffuse = m.diffuse.to_array();
-    // A pair of vectors of eight lanes: most mixtures need two, and constants are then loaded once.
-    Vec3::from_array(if L::LOBES_PAIRED {
-        sums_one::<LanePair<L>, N, 3, SEEN>(m, amplitudes, diffuse, direction)
-    } else {
-        sums_one::<L, N, 3, SEEN>(m, amplitudes, diffuse, direction)
-    })
+    Vec3::from_array(sums_one::<L::Lobes, N, 3, SEEN>(m, amplitudes, diffuse, direction))
 }
 
 /// Luminance of the value towards one direction.
 #[inline(always)]
 fn luminance_one<L: Lanes, const N: usize, const SEEN: bool>(m: &Mixture<'_, N>, direction: [f32; 3]) -> f32 {
-    let diffuse = [m.diffuse_power];
-    let [sum] = if L::LOBES_PAIRED {
-        sums_one::<LanePair<L>, N, 1, SEEN>(m, [&m.luminance], diffuse, direction)
-    } else {
-        sums_one::<L, N, 1, SEEN>(m, [&m.luminance], diffuse, direction)
-    };
+    let [sum] = sums_one::<L::Lobes, N, 1, SEEN>(m, [&m.luminance], [m.diffuse_power], direction);
     sum
 }
 

@@ -29,10 +29,11 @@
 //! from the normal's by at most `t` times a constant, whatever a is: so it tends to the normal's view from
 //! every side, and at the normal itself, where a is any number, it is that view.
 
+use super::outgoing::Outgoing;
 use crate::color;
 use crate::material::borrowed::Material;
 use crate::material::layout::{GRID_HEAD, GRID_ROWS, Shape, f32_at};
-use crate::mixture::factors::{Among, Factors};
+use crate::mixture::factors::Among;
 use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::rows::Mixture;
 use crate::simd::elementary::{atan2_positive, exp2, sin_cos};
@@ -43,8 +44,6 @@ use glam::Vec3;
 
 /// Where an outgoing direction lies among the views.
 struct Place {
-    /// Azimuth of the view's +x: cosine, sine.
-    azimuth: [f32; 2],
     /// The ring within, the ring beyond, and the share of the one beyond; ring 0 is the normal.
     rings: [usize; 2],
     outward: f32,
@@ -55,10 +54,7 @@ struct Place {
 
 impl Place {
     #[inline(always)]
-    fn new(bytes: &[u8], shape: Shape, thetas: usize, wo: Vec3) -> Self {
-        let across_squared = wo.x * wo.x + wo.y * wo.y;
-        let across = Lanes::sqrt(across_squared);
-        let theta = atan2_positive(across, wo.z);
+    fn new(bytes: &[u8], shape: Shape, thetas: usize, &Outgoing { wo, theta, .. }: &Outgoing) -> Self {
         let (mut within, last) = (0, shape.thetas - 1);
         while within + 1 < last && f32_at(bytes, thetas + 4 * (within + 1)) <= theta {
             within += 1;
@@ -67,12 +63,9 @@ impl Place {
         let (from, to) = (f32_at(bytes, thetas + 4 * within), f32_at(bytes, thetas + 4 * beyond));
         let outward = if to > from { ((theta - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
 
-        // At the normal any azimuth serves, as in `kernel/prepare.rs`.
-        let mut azimuth = [1.0, 0.0];
+        // At the normal any azimuth serves; that of `Outgoing` is then this one too.
         let mut phi = PI;
-        if across_squared >= f32::MIN_POSITIVE {
-            let inverse = 1.0 / across;
-            azimuth = [-wo.x * inverse, -wo.y * inverse];
+        if wo.x * wo.x + wo.y * wo.y >= f32::MIN_POSITIVE {
             let quarter = atan2_positive(wo.y.abs(), wo.x.abs());
             let upper = if wo.x < 0.0 { PI - quarter } else { quarter };
             phi = if wo.y < 0.0 { 2.0 * PI - upper } else { upper };
@@ -80,7 +73,7 @@ impl Place {
         let scaled = phi * (shape.turns * shape.azimuths) as f32 * (0.5 / PI);
         let whole = scaled as usize;
         let along = [whole % shape.azimuths, (whole + 1) % shape.azimuths];
-        Self { azimuth, rings: [within, beyond], outward, along, onward: scaled - whole as f32 }
+        Self { rings: [within, beyond], outward, along, onward: scaled - whole as f32 }
     }
 
     /// Number of a view: a place along a ring.
@@ -101,21 +94,23 @@ fn between(bytes: &[u8], shape: Shape, [a, b]: [usize; 2], onward: f32, i: usize
     a + onward * (b - a)
 }
 
+/// Interpolates the lobes round an outgoing direction. The mixture has begun, and is to be summed up.
+/// Returns: where the direction lies among the views.
 #[inline(always)]
 #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
-pub(crate) fn prepare<'m, L: Lanes, const N: usize>(
-    material: &Material<'m>,
+pub(crate) fn prepare<L: Lanes, const N: usize>(
+    material: &Material<'_>,
     shape: Shape,
-    wo: Vec3,
+    outgoing: &Outgoing,
     leave_out: LeaveOut,
-    mixture: &mut Mixture<'m, N>,
-) {
+    mixture: &mut Mixture<'_, N>,
+) -> Among {
     let (bytes, header) = (material.bytes, &material.header);
     let count = header.lobes;
     mixture.in_plane = false;
 
-    let place = Place::new(bytes, shape, header.theta(0), wo);
-    let [c, s] = place.azimuth;
+    let place = Place::new(bytes, shape, header.theta(0), outgoing);
+    let [c, s] = outgoing.azimuth;
     let views = [
         [place.view(shape, 0, 0), place.view(shape, 0, 1)],
         [place.view(shape, 1, 0), place.view(shape, 1, 1)],
@@ -205,12 +200,9 @@ pub(crate) fn prepare<'m, L: Lanes, const N: usize>(
         amplitude[2].store(&mut mixture.blue[k..]);
         k += L::COUNT;
     }
-    mixture.finish::<L>(count, header.squeezed, leave_out);
-    if header.factors[0] > 0 {
-        let views = views.map(|ring| ring.map(|view| view as u16));
-        let place = Among { views, onward: place.onward, outward: place.outward };
-        mixture.factors = Factors::new(material, wo, place);
-    }
+    mixture.finish_lobes::<L>(count, header.squeezed, leave_out);
+    let views = views.map(|ring| ring.map(|view| view as u16));
+    Among { views, onward: place.onward, outward: place.outward }
 }
 
 /// Loads little-endian f32 from bytes of any alignment; what lies past the end reads as 0.

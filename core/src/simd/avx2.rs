@@ -56,7 +56,7 @@ impl Lanes for Avx2 {
     const FUSED: bool = true;
     type Batch = LanePair<LanePair<Self>>;
     one_vector!();
-    const LOBES_PAIRED: bool = true;
+    type Lobes = LanePair<Self>;
     type Mask = __m256;
     type Index = __m256i;
     type One = super::fused::Fused;

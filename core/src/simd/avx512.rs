@@ -59,7 +59,7 @@ impl Lanes for Avx512 {
     const FUSED: bool = true;
     type Batch = LanePair<Self>;
     one_vector!();
-    const LOBES_PAIRED: bool = false;
+    type Lobes = Self;
     type Mask = __mmask16;
     type Index = __m512i;
     type One = super::fused::Fused;

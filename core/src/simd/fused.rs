@@ -63,7 +63,7 @@ impl Lanes for Fused {
     const FUSED: bool = true;
     type Batch = Self;
     one_vector!();
-    const LOBES_PAIRED: bool = false;
+    type Lobes = Self;
     type Mask = __m128;
     type Index = usize;
     type One = Self;

@@ -37,7 +37,7 @@ impl<L: Lanes> Lanes for LanePair<L> {
     fn of_halves([low, high]: [L; 2]) -> Self {
         Self(low, high)
     }
-    const LOBES_PAIRED: bool = false;
+    type Lobes = Self;
     type Mask = [L::Mask; 2];
     type Index = [L::Index; 2];
     type One = L::One;

@@ -30,9 +30,9 @@ pub trait Lanes:
     fn halves(self) -> [Self::Half; 2];
     /// Of both halves.
     fn of_halves(halves: [Self::Half; 2]) -> Self;
-    /// Whether lobes are taken two vectors at a time where lanes are lobes: most mixtures need two, and
-    /// constants are then loaded once.
-    const LOBES_PAIRED: bool;
+    /// What lobes are taken by where lanes are lobes: where most mixtures need two vectors, two, so that
+    /// constants are loaded once.
+    type Lobes: Lanes;
     /// Result of a comparison.
     type Mask: Copy;
     /// One small whole number a lane.

@@ -39,7 +39,7 @@ impl Lanes for Wide {
     const FUSED: bool = cfg!(target_feature = "fma") || cfg!(target_arch = "aarch64");
     type Batch = LanePair<LanePair<Self>>;
     one_vector!();
-    const LOBES_PAIRED: bool = false;
+    type Lobes = Self;
     type Mask = f32x4;
     type Index = [u32; 4];
     type One = f32;

@@ -16,7 +16,7 @@ impl Lanes for f32 {
     const FUSED: bool = false;
     type Batch = f32;
     one_vector!();
-    const LOBES_PAIRED: bool = false;
+    type Lobes = Self;
     type Mask = bool;
     type Index = usize;
     type One = f32;
