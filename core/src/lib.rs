@@ -13,14 +13,71 @@
 //! constructed never make a NaN from unit directions. Any other vector gives an unspecified value, never a
 //! panic.
 //!
-//! ```
-//! use glam::vec3;
-//! use srbf_core::{Lobe, Mixture};
+//! # Features
 //!
-//! let lobe = Lobe::new(vec3(0.6, 0.0, 0.8), 40.0, vec3(1.0, 0.5, 0.2))?;
+//! Every feature only adds, and all are on by default. Without any the crate is scalar f32 on `libm`,
+//! `no_std`, without allocation, in which form it runs on microcontrollers.
+//!
+//! | feature | adds | brings |
+//! |---|---|---|
+//! | `simd` | SIMD levels: portable vectors, and on x86-64 AVX2 and AVX-512, chosen at run time ([`Level`]) | `wide` |
+//! | `std` | [`read_file`]; the one thing here that allocates | |
+//! | `kernels` | zonal kernels that are no Gaussian: [`AbelPoisson`], [`legendre_series`], [`KernelTable`], [`Metropolis`] | `rand_core` |
+//!
+//! # A material
+//!
+//! ```
+//! use srbf_core::{Line, Material, Mixture, PlaneLobe, Vec3, View, power_heuristic};
+//!
+//! // Bytes of a `.srbf` file; here one view of one lobe above a diffuse term, written on the spot.
+//! let grey = [0.0; 2];
+//! let lobe = PlaneLobe {
+//!     angle: 0.0,
+//!     off_plane: 0.0,
+//!     log2_sharpness: 5.0,
+//!     log2_luminance: -1.0,
+//!     color_differences: grey,
+//! };
+//! let view = View {
+//!     theta: 0.0,
+//!     log2_squeeze: 0.0,
+//!     log2_diffuse: -3.0,
+//!     diffuse_color_differences: grey,
+//!     lobes: &[lobe],
+//! };
+//! let line = Line { views: &[view], squeezed: 0, mirrored: 0, factors: None };
+//! let mut bytes = [0; 256];
+//! let length = line.encode("an example", &mut bytes)?;
+//!
+//! // Once: the bytes are checked, and borrowed.
+//! let material = Material::from_bytes(&bytes[..length])?;
+//! // At every hit: the mixture for its outgoing direction, in storage that is used again.
+//! let mut mixture = Mixture::<16>::empty();
+//! material.prepare(Vec3::new(0.6, 0.0, 0.8), &mut mixture)?;
+//!
+//! // Where the path goes on, and what it is multiplied by.
+//! let sample = mixture.sample([0.3, 0.6, 0.1]).expect("the material reflects");
+//! let throughput = sample.weight();
+//! assert!(throughput.max_element() < 1.0);
+//!
+//! // Light from a direction that was drawn otherwise, with density 2: value, and the weight of that sample.
+//! let (value, pdf) = mixture.evaluate_and_pdf(Vec3::new(0.0, 0.28, 0.96));
+//! let light = value / 2.0 * power_heuristic(1.0, 2.0, 1.0, pdf);
+//! assert!(light.min_element() > 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Lobes of one's own
+//!
+//! ```
+//! use srbf_core::{Lobe, Mixture, Vec3};
+//!
+//! let lobe = Lobe::new(Vec3::new(0.6, 0.0, 0.8), 40.0, Vec3::new(1.0, 0.5, 0.2))?;
 //! let mixture = Mixture::<16>::hemisphere(&[lobe])?;
 //! let sample = mixture.sample([0.5, 0.25, 0.75]).expect("the mixture is not black");
 //! assert!((sample.pdf - mixture.pdf(sample.direction)).abs() <= 1e-6 * sample.pdf);
+//! // Folded at the horizon, a lobe has over the hemisphere what it has over the sphere.
+//! assert!((mixture.albedo() - lobe.integral()).abs().max_element() < 1e-6);
 //! # Ok::<(), srbf_core::Error>(())
 //! ```
 #![no_std]

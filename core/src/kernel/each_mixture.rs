@@ -26,7 +26,7 @@ impl<'m> Material<'m> {
     /// This and the other calls for pairs use up to 30 kB of stack, 44 or 74 kB for materials of more than 16
     /// or 32 lobes; 17 kB without the feature `simd`.
     ///
-    /// Shapes: `wo` and `wi` x, y, z, each [n]; `value` red, green, blue, each [n], and `pdf` [n],
+    /// Shapes: `wo` and `wi` x, y, z, each `[n]`; `value` red, green, blue, each `[n]`, and `pdf` `[n]`,
     /// overwritten; 1/sr.
     ///
     /// # Errors
@@ -54,8 +54,8 @@ impl<'m> Material<'m> {
     /// reflected (and for an outgoing direction that is none) the sample is the normal with density 0 and
     /// weight 0.
     ///
-    /// Shapes: `wo` x, y, z and `u` three uniform numbers in [0, 1), each [n]; `samples`, every slice [n],
-    /// overwritten.
+    /// Shapes: `wo` x, y, z and `u` three uniform numbers in [0, 1), each `[n]`; `samples`, every slice
+    /// `[n]`, overwritten.
     ///
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
@@ -80,7 +80,7 @@ impl<'m> Material<'m> {
     /// One sum over the lobes in place of the three of [`evaluate_pairs_into`](Self::evaluate_pairs_into),
     /// which has the same densities within rounding, and the same say on outgoing directions that are none.
     ///
-    /// Shapes: `wo` and `wi` x, y, z, each [n]; `pdf` [n], overwritten.
+    /// Shapes: `wo` and `wi` x, y, z, each `[n]`; `pdf` `[n]`, overwritten.
     ///
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
@@ -92,7 +92,7 @@ impl<'m> Material<'m> {
     ///
     /// One colour channel in place of three; else as [`pdf_pairs_into`](Self::pdf_pairs_into).
     ///
-    /// Shapes: `wo` and `wi` x, y, z, each [n]; `luminance` [n], overwritten.
+    /// Shapes: `wo` and `wi` x, y, z, each `[n]`; `luminance` `[n]`, overwritten.
     ///
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
@@ -127,8 +127,8 @@ impl<'m> Material<'m> {
     /// for callers that take the value elsewhere. Where nothing is reflected the sample is the normal with
     /// density 0.
     ///
-    /// Shapes: `wo` x, y, z and `u` three uniform numbers in [0, 1), each [n]; `direction` x, y, z, and
-    /// `pdf`, each [n], overwritten; 1/sr.
+    /// Shapes: `wo` x, y, z and `u` three uniform numbers in [0, 1), each `[n]`; `direction` x, y, z, and
+    /// `pdf`, each `[n]`, overwritten; 1/sr.
     ///
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
@@ -151,8 +151,8 @@ impl<'m> Material<'m> {
 
     /// Makes the mixtures for n outgoing directions; see [`prepare`](Self::prepare).
     ///
-    /// Shapes: `wo` x, y, z, each [n]; `mixtures` [n], overwritten. A direction that is none gives an empty
-    /// mixture.
+    /// Shapes: `wo` x, y, z, each `[n]`; `mixtures` `[n]`, overwritten. A direction that is none gives an
+    /// empty mixture.
     ///
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; [`Error::Capacity`] if a mixture has room

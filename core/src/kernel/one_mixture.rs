@@ -24,7 +24,8 @@ const OWN_CHUNK: usize = 128;
 impl<const N: usize> Mixture<'_, N> {
     /// Evaluates `f cos` towards n incident directions; 1/sr. Same values as [`evaluate`](Self::evaluate).
     ///
-    /// Shapes: `directions` x, y, z, each [n], unit vectors; `value` red, green, blue, each [n], overwritten.
+    /// Shapes: `directions` x, y, z, each `[n]`, unit vectors; `value` red, green, blue, each `[n]`,
+    /// overwritten.
     ///
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
@@ -47,7 +48,7 @@ impl<const N: usize> Mixture<'_, N> {
 
     /// Evaluates the density of [`sample`](Self::sample) at n directions; 1/sr.
     ///
-    /// Shapes: `directions` x, y, z, each [n], unit vectors; `pdf` [n], overwritten.
+    /// Shapes: `directions` x, y, z, each `[n]`, unit vectors; `pdf` `[n]`, overwritten.
     ///
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
@@ -64,7 +65,7 @@ impl<const N: usize> Mixture<'_, N> {
     /// Evaluates the luminance of `f cos` towards n incident directions; 1/sr: one colour channel in place of
     /// three, but for a mixture with factors, which has them for each channel.
     ///
-    /// Shapes: `directions` x, y, z, each [n], unit vectors; `luminance` [n], overwritten.
+    /// Shapes: `directions` x, y, z, each `[n]`, unit vectors; `luminance` `[n]`, overwritten.
     ///
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
@@ -80,7 +81,7 @@ impl<const N: usize> Mixture<'_, N> {
 
     /// Draws n directions, with density and weight `f cos / pdf`, in one pass.
     ///
-    /// Shapes: `u` three uniform numbers in [0, 1) a sample, each [n]; `samples`, every slice [n],
+    /// Shapes: `u` three uniform numbers in [0, 1) a sample, each `[n]`; `samples`, every slice `[n]`,
     /// overwritten. A mixture that reflects nothing gives the normal with density 0 and weight 0.
     ///
     /// # Errors
@@ -110,8 +111,8 @@ impl<const N: usize> Mixture<'_, N> {
 
     /// Draws n directions with density, without a weight: one colour channel in place of three.
     ///
-    /// Shapes: `u` as for [`sample_into`](Self::sample_into), each [n]; `direction` x, y, z, and `pdf`, each
-    /// [n], overwritten. A mixture that reflects nothing gives the normal with density 0.
+    /// Shapes: `u` as for [`sample_into`](Self::sample_into), each `[n]`; `direction` x, y, z, and `pdf`,
+    /// each `[n]`, overwritten. A mixture that reflects nothing gives the normal with density 0.
     ///
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.

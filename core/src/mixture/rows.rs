@@ -282,7 +282,7 @@ impl<'m, const N: usize> Mixture<'m, N> {
         self.factors.nodes
     }
 
-    /// Whether values are multiplied by factors; see [`Material::factor`].
+    /// Whether values are multiplied by factors; see [`Material::factor`](crate::Material::factor).
     #[inline]
     pub fn has_factors(&self) -> bool {
         !self.factors.is_none()
