@@ -2,7 +2,7 @@
 //! ([`views`], [`factor_table`]), writing, checking, and reading in place ([`borrowed`]).
 //!
 //! Nothing here computes a mixture; `kernel/prepare.rs` does.
-//! May import: `color`, `float`.
+//! May import: `color`, `simd`.
 
 pub(crate) mod borrowed;
 mod checksum;

@@ -4,7 +4,7 @@
 //! [`kernel::Kernel`] is what they share; the Gaussian, which all else of this crate is made of, lives in
 //! `lobe`. Abel-Poisson kernels, Legendre series, tables and the Metropolis walk come with the feature
 //! `kernels`.
-//! May import: `squeeze`, `special`, `float`, `quadrature`, `error`.
+//! May import: `squeeze`, `special`, `float`, `quadrature`, `simd`, `error`.
 
 #[cfg(feature = "kernels")]
 pub(crate) mod abel_poisson;

@@ -240,6 +240,14 @@ fn rooms(graph: &Graph) -> Graph {
     rooms
 }
 
+/// The rooms that the head of a file names behind `May import:`, to the end of the sentence.
+fn may_import(text: &str) -> Option<BTreeSet<String>> {
+    let head: String = text.lines().map_while(|line| line.strip_prefix("//!")).collect::<Vec<_>>().join(" ");
+    let (_, list) = head.split_once("May import:")?;
+    let list = list.split(['.', ';']).next()?;
+    Some(list.split('`').skip(1).step_by(2).map(str::to_owned).collect())
+}
+
 /// Without what a file takes from the one whose folder it is in: those two are one text in two files.
 fn without_parents(graph: &Graph) -> Graph {
     let is_parent = |child: &str, of: &str| child.starts_with(&format!("{}/", of.trim_end_matches(".rs")));
@@ -322,8 +330,9 @@ fn a_planted_circle_is_found() {
 }
 
 #[test]
-fn imports_of_core_go_in_no_circle() {
-    let graph = graph(&sources("core"));
+fn imports_of_core_go_in_no_circle_and_where_the_rooms_say() {
+    let sources = sources("core");
+    let graph = graph(&sources);
     // What must be there, if the text was understood.
     for (from, to) in [
         ("kernel/prepare.rs", "kernel/between_views.rs"),
@@ -336,9 +345,20 @@ fn imports_of_core_go_in_no_circle() {
     }
     assert_eq!(circle(&graph), None);
     assert_eq!(circle(&rooms(&graph)), None);
-    for (from, targets) in graph.iter().filter(|(from, _)| from.starts_with("simd")) {
-        let foreign = targets.iter().find(|to| !to.starts_with("simd") && *to != "error.rs");
-        assert_eq!(foreign, None, "{from} is to know of numbers alone");
+    // Every room says at its door where its imports may go.
+    for (room, targets) in rooms(&graph) {
+        let Some((_, door)) = sources.iter().find(|(place, _)| *place == format!("{room}.rs")) else {
+            continue;
+        };
+        let Some(may) = may_import(door) else { continue };
+        let strays: Vec<_> = targets.iter().filter(|target| !may.contains(*target)).collect();
+        assert!(strays.is_empty(), "{room} may not import {strays:?}");
+        let idle: Vec<_> = may.iter().filter(|room| !targets.contains(*room)).collect();
+        assert!(idle.is_empty(), "{room} imports nothing of {idle:?}, which it names");
+    }
+    for room in ["simd", "zonal", "lobe", "material", "mixture", "kernel"] {
+        let (_, door) = sources.iter().find(|(place, _)| *place == format!("{room}.rs")).expect("a room");
+        assert!(may_import(door).is_some(), "{room}.rs does not say what may be imported");
     }
 }
 

@@ -9,7 +9,6 @@ use crate::mixture::rows::Mixture;
 use crate::simd::elementary::{exp2, sin_cos};
 use crate::simd::lanes::Lanes;
 use crate::squeeze::Squeeze;
-use glam::Vec3;
 
 /// Widest vector of any back end, a pair included.
 pub(crate) const WIDEST: usize = 32;
@@ -117,11 +116,11 @@ pub(crate) fn at_place<L: Lanes, const N: usize>(
         i += L::COUNT;
     }
     mixture.squeeze = Squeeze::new(azimuth, 1.0, 1.0 / head[0]);
-    mixture.diffuse = if material.header.has_luminance {
-        Vec3::from_array(color::rgb(head[1], [logarithms[2], logarithms[3]]))
+    mixture.set_diffuse(if material.header.has_luminance {
+        color::rgb(head[1], [logarithms[2], logarithms[3]])
     } else {
-        Vec3::new(head[1], head[2], head[3])
-    };
+        [head[1], head[2], head[3]]
+    });
 
     if material.header.mirrored > 0 {
         lobes::<L::Lobes, N, true>(material, place, leave_out, mixture);

@@ -131,7 +131,7 @@ impl<const N: usize> Mixture<'_, N> {
 /// Value towards a direction. `SEEN`: for a mixture that turns or squeezes it.
 struct EvaluateOne<const SEEN: bool>;
 
-impl<const N: usize, const SEEN: bool> One<Mixture<'_, N>> for EvaluateOne<SEEN> {
+impl<const N: usize, const SEEN: bool> One<&Mixture<'_, N>> for EvaluateOne<SEEN> {
     type Output = Vec3;
     const IS_WIDE: bool = true;
     #[inline(always)]
@@ -143,7 +143,7 @@ impl<const N: usize, const SEEN: bool> One<Mixture<'_, N>> for EvaluateOne<SEEN>
 /// Density at a direction. `SEEN`: for a mixture that turns or squeezes it.
 struct PdfOne<const SEEN: bool>;
 
-impl<const N: usize, const SEEN: bool> One<Mixture<'_, N>> for PdfOne<SEEN> {
+impl<const N: usize, const SEEN: bool> One<&Mixture<'_, N>> for PdfOne<SEEN> {
     type Output = f32;
     const IS_WIDE: bool = true;
     #[inline(always)]
@@ -155,7 +155,7 @@ impl<const N: usize, const SEEN: bool> One<Mixture<'_, N>> for PdfOne<SEEN> {
 /// A direction from three uniform numbers, and what follows. `SEEN`: for a mixture that turns or squeezes it.
 struct Drawn<const SEEN: bool>;
 
-impl<const N: usize, const SEEN: bool> Draw<Mixture<'_, N>> for Drawn<SEEN> {
+impl<const N: usize, const SEEN: bool> Draw<&Mixture<'_, N>> for Drawn<SEEN> {
     #[inline(always)]
     fn run<L: Lanes>(m: &Mixture<'_, N>, u: [f32; 3]) -> ([f32; 3], f32) {
         let (d, inverse) = draw_one::<L, N, SEEN>(m, u);
@@ -167,7 +167,7 @@ impl<const N: usize, const SEEN: bool> Draw<Mixture<'_, N>> for Drawn<SEEN> {
 /// A direction from three uniform numbers.
 struct DirectionOne;
 
-impl<const N: usize> One<Mixture<'_, N>> for DirectionOne {
+impl<const N: usize> One<&Mixture<'_, N>> for DirectionOne {
     type Output = Vec3;
     const IS_WIDE: bool = false;
     #[inline(always)]
@@ -180,7 +180,7 @@ impl<const N: usize> One<Mixture<'_, N>> for DirectionOne {
 /// Value towards one direction, and the luminance of what the lobes have there, for a mixture with factors.
 struct FactoredOne;
 
-impl<const N: usize> One<Mixture<'_, N>> for FactoredOne {
+impl<const N: usize> One<&Mixture<'_, N>> for FactoredOne {
     type Output = (Vec3, f32);
     const IS_WIDE: bool = true;
     #[inline(always)]

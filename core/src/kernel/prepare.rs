@@ -11,7 +11,7 @@ use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::rows::{Domain, Mixture};
 use crate::simd::detect::Level;
 use crate::simd::lanes::{Lanes, splat3};
-use crate::simd::routine::Routine;
+use crate::simd::routine::{One, Routine};
 use crate::squeeze::Squeeze;
 use glam::Vec3;
 
@@ -45,7 +45,7 @@ impl<'a> Material<'a> {
         mixture: &mut Mixture<'a, N>,
     ) -> Result<(), Error> {
         let level = Level::current();
-        level.run(Prepare { material: self, wo, leave_out, level, mixture })
+        level.run_one::<_, Towards>(Prepare { material: self, leave_out, level, mixture }, wo.to_array())
     }
 
     /// [`prepare_leaving_out`](Self::prepare_leaving_out) for the kernels of one level, whatever
@@ -64,25 +64,29 @@ impl<'a> Material<'a> {
             mixture.begin(Level::Scalar, Domain::Hemisphere, Squeeze::NONE);
             return Err(Error::Level);
         }
-        level.run(Prepare { material: self, wo, leave_out, level, mixture })
+        level.run_one::<_, Towards>(Prepare { material: self, leave_out, level, mixture }, wo.to_array())
     }
 }
 
-/// The mixture for one outgoing direction.
+/// What [`Towards`] is given beside the outgoing direction.
 struct Prepare<'a, 'b, const N: usize> {
     material: &'a Material<'b>,
-    wo: Vec3,
     leave_out: LeaveOut,
     /// What it runs on.
     level: Level,
     mixture: &'a mut Mixture<'b, N>,
 }
 
-impl<const N: usize> Routine for Prepare<'_, '_, N> {
+/// The mixture for one outgoing direction.
+struct Towards;
+
+impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
     type Output = Result<(), Error>;
+    const IS_WIDE: bool = true;
     #[inline(always)]
-    fn run<L: Lanes>(self) -> Result<(), Error> {
-        let Self { material, wo, leave_out, level, mixture } = self;
+    fn run<L: Lanes>(to: Prepare<'_, '_, N>, numbers: [f32; 3]) -> Result<(), Error> {
+        let Prepare { material, leave_out, level, mixture } = to;
+        let wo = Vec3::from_array(numbers);
         mixture.begin(level, Domain::Hemisphere, Squeeze::NONE);
         let needed = material.lobe_count();
         if needed > N {
@@ -91,9 +95,9 @@ impl<const N: usize> Routine for Prepare<'_, '_, N> {
         // In one number, but in a vector where only that has fused operations: the same bits as of many
         // directions.
         let outgoing = if L::FUSED && !L::One::FUSED {
-            Facing::<L>::new(splat3(wo.to_array())).first(wo)
+            Facing::<L>::new(splat3(numbers)).first(wo)
         } else {
-            Facing::<L::One>::new(splat3(wo.to_array())).first(wo)
+            Facing::<L::One>::new(splat3(numbers)).first(wo)
         };
         let Some(outgoing) = outgoing else { return Err(Error::Direction) };
         if wo.z < 0.0 {
@@ -132,9 +136,10 @@ impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
         let Self { material, wo: [x, y, z], level, mixtures } = self;
         if !material.is_isotropic() {
             for i in 0..mixtures.len() {
-                let (wo, leave_out) = (Vec3::new(x[i], y[i], z[i]), LeaveOut::default());
+                let leave_out = LeaveOut::default();
+                let one = Prepare { material, leave_out, level, mixture: &mut mixtures[i] };
                 // One that is none leaves the mixture empty.
-                let _ = Prepare { material, wo, leave_out, level, mixture: &mut mixtures[i] }.run::<L>();
+                let _ = Towards::run::<L>(one, [x[i], y[i], z[i]]);
             }
             return;
         }

@@ -40,7 +40,6 @@ use crate::simd::elementary::{atan2_positive, exp2, sin_cos};
 use crate::simd::lanes::Lanes;
 use crate::squeeze::Squeeze;
 use core::f32::consts::PI;
-use glam::Vec3;
 
 /// Where an outgoing direction lies among the views.
 struct Place {
@@ -132,11 +131,11 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
         let ring = between(bytes, shape, views[1], place.onward, i);
         head[i] += place.outward * (ring - head[i]);
     }
-    mixture.diffuse = if header.has_luminance {
-        Vec3::from_array(color::rgb(exp2(head[3]), [head[4], head[5]]))
+    mixture.set_diffuse(if header.has_luminance {
+        color::rgb(exp2(head[3]), [head[4], head[5]])
     } else {
-        Vec3::new(exp2(head[3]), exp2(head[4]), exp2(head[5]))
-    };
+        [exp2(head[3]), exp2(head[4]), exp2(head[5])]
+    });
 
     // Eigenvectors: the one closer to the plane of incidence is the new x, at an angle of at most 45 degrees.
     let (middle, half, xy) = (0.5 * (head[0] + head[2]), 0.5 * (head[0] - head[2]), head[1]);

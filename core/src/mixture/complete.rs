@@ -79,8 +79,12 @@ impl<const N: usize> Mixture<'_, N> {
         let mut lobes_albedo = Vec3::new(albedo[0].sum(), albedo[1].sum(), albedo[2].sum());
         if leave_out.lobes > 0.0 {
             // Less what rounding may have taken from the power of a lobe: one that is all there is stays.
-            let least = leave_out.lobes * (1.0 - 1e-6) * luminance(lobes_albedo + self.diffuse);
-            lobes_albedo = self.drop_lobes::<L>(least).unwrap_or(lobes_albedo);
+            let power = luminance(lobes_albedo) + self.diffuse_power;
+            let (stays, albedo) = self.of_at_least::<L>(leave_out.lobes * (1.0 - 1e-6) * power);
+            if stays != lowest_bits(count) {
+                lobes_albedo = albedo;
+                self.keep_lobes(stays);
+            }
         }
         self.lobes_albedo = lobes_albedo;
     }
@@ -97,17 +101,16 @@ impl<const N: usize> Mixture<'_, N> {
         self.add_diffuse();
     }
 
-    /// Drops the lobes whose power, which `cumulative` still holds one by one, is below a bound; those that
-    /// stay keep their order. Gives their albedo, or `None` if all stay.
+    /// Which lobes have a power, which `cumulative` still holds one by one, of at least a bound, one bit
+    /// each; and the albedo of these.
     #[inline(always)]
     #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
-    fn drop_lobes<L: Lanes>(&mut self, least: f32) -> Option<Vec3> {
-        let count = self.count.min(N);
+    fn of_at_least<L: Lanes>(&self, least: f32) -> (u64, Vec3) {
         let zero = L::splat(0.0);
         let mut albedo = [zero; 3];
         let mut stays = 0;
         let mut k = 0;
-        while k < count && k + L::COUNT <= N {
+        while k < self.count && k + L::COUNT <= N {
             let stay = L::load(&self.cumulative[k..]).ge(L::splat(least));
             stays |= L::bits(stay) << k;
             let integral = L::load(&self.inside[k..]) * L::load(&self.inverse_sharpness[k..]);
@@ -118,11 +121,16 @@ impl<const N: usize> Mixture<'_, N> {
             }
             k += L::COUNT;
         }
+        let [red, green, blue] = albedo;
+        let albedo = Vec3::new(red.sum(), green.sum(), blue.sum()) * (2.0 * PI);
+        (stays & lowest_bits(self.count), albedo)
+    }
+
+    /// Drops all lobes but some, one bit each, which keep their order.
+    #[inline(always)]
+    fn keep_lobes(&mut self, stays: u64) {
+        let count = self.count.min(N);
         let all = lowest_bits(count);
-        stays &= all;
-        if stays == all {
-            return None;
-        }
         // The lobes before the first that goes are in their places.
         let mut to = stays.trailing_ones() as usize;
         let mut left = stays & !lowest_bits(to);
@@ -153,14 +161,20 @@ impl<const N: usize> Mixture<'_, N> {
             self.folded = self.folded & below | self.folded >> 1 & !below;
             goes &= below;
         }
+    }
+
+    /// Sets the albedo of the diffuse term, and its power: three numbers that have just been stored would
+    /// have to be read at once for that, and would not be there yet.
+    #[inline(always)]
+    pub(crate) fn set_diffuse(&mut self, albedo: [f32; 3]) {
         let [red, green, blue] = albedo;
-        Some(Vec3::new(red.sum(), green.sum(), blue.sum()) * (2.0 * PI))
+        self.diffuse_power = luminance(Vec3::new(red, green, blue));
+        self.diffuse = Vec3::new(red, green, blue);
     }
 
     /// Adds the power of the diffuse term to that of the lobes.
     #[inline(always)]
     pub(crate) fn add_diffuse(&mut self) {
-        self.diffuse_power = luminance(self.diffuse);
         let power = self.lobes_power + self.diffuse_power;
         // A sum so small that its inverse is infinite reflects nothing.
         (self.power, self.inverse_power) =

@@ -78,7 +78,7 @@ impl<const N: usize> Mixture<'_, N> {
         if self.count == 0 {
             self.level = Level::current();
         }
-        self.diffuse = albedo;
+        self.set_diffuse(albedo.to_array());
         self.add_diffuse();
         if self.albedo().is_finite() { Ok(self) } else { Err(Error::Amplitude) }
     }

@@ -281,7 +281,12 @@ super::routine::entries!(
 /// Draws a direction, without vectors of 512 bits, as [`One::IS_WIDE`] says why, and runs a routine for it,
 /// which is a call of its own: in one function, both have too few registers.
 #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]
-pub(super) fn draw<S, D: Draw<S>, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> ([f32; 3], R::Output) {
+pub(super) fn draw<S: Copy, D: Draw<S>, R: One<S>>(
+    state: S,
+    a: f32,
+    b: f32,
+    c: f32,
+) -> ([f32; 3], R::Output) {
     let (d, inverse) = D::run::<avx2::Avx2>(state, [a, b, c]);
     // SAFETY: `Level::draw_one` comes here for a level that has it.
     let then = unsafe { one::<S, R>(state, d[0], d[1], d[2]) };

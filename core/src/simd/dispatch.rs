@@ -33,7 +33,7 @@ impl Level {
     /// Runs a routine for one direction in the instruction set of this level.
     #[inline]
     #[allow(unsafe_code)]
-    pub(crate) fn run_one<S, R: One<S>>(self, state: &S, [a, b, c]: [f32; 3]) -> R::Output {
+    pub(crate) fn run_one<S, R: One<S>>(self, state: S, [a, b, c]: [f32; 3]) -> R::Output {
         match self {
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             // SAFETY: a mixture's level, and what is passed here, is what `Level::current` gave or
@@ -52,9 +52,9 @@ impl Level {
     /// not wait for the last step to the direction's length of 1.
     #[inline]
     #[allow(unsafe_code)]
-    pub(crate) fn draw_one<S, D: Draw<S>, R: One<S>>(
+    pub(crate) fn draw_one<S: Copy, D: Draw<S>, R: One<S>>(
         self,
-        state: &S,
+        state: S,
         [a, b, c]: [f32; 3],
     ) -> ([f32; 3], R::Output) {
         match self {

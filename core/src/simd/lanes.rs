@@ -19,7 +19,7 @@ pub trait Lanes:
     /// Whether [`mul_add`](Self::mul_add) rounds once.
     const FUSED: bool;
     /// What batches of directions take at a time: a broadcast of a lobe's number then serves several vectors.
-    /// The lobes are taken in stages if those are more than [`TOGETHER`], see `stretch` in
+    /// The lobes are taken in stages if those are more than [`TOGETHER`], see `in_stages` in
     /// `kernel/lobe_sums.rs`.
     type Batch: Lanes;
     /// How many vectors it is.

@@ -21,14 +21,14 @@ pub(crate) trait One<State> {
     #[cfg_attr(not(all(feature = "simd", target_arch = "x86_64")), allow(dead_code))]
     const IS_WIDE: bool;
     /// The text; as in [`Routine`].
-    fn run<L: Lanes>(state: &State, numbers: [f32; 3]) -> Self::Output;
+    fn run<L: Lanes>(state: State, numbers: [f32; 3]) -> Self::Output;
 }
 
 /// Text that draws a direction from three uniform numbers.
 pub(crate) trait Draw<State> {
     /// The direction, and what it is to be multiplied by to be of length 1, which it is but for rounding. The
     /// text; as in [`Routine`].
-    fn run<L: Lanes>(state: &State, numbers: [f32; 3]) -> ([f32; 3], f32);
+    fn run<L: Lanes>(state: State, numbers: [f32; 3]) -> ([f32; 3], f32);
 }
 
 /// The functions of a back end that run a text in its instruction set, which is `$attribute`. A back end that
@@ -40,8 +40,8 @@ macro_rules! entries {
         /// Draws a direction and runs a routine for it, which is a call of its own: in one function, both
         /// have too few registers.
         #[$($attribute)*]
-        pub(super) fn draw<S, D: $crate::simd::routine::Draw<S>, R: $crate::simd::routine::One<S>>(
-            state: &S,
+        pub(super) fn draw<S: Copy, D: $crate::simd::routine::Draw<S>, R: $crate::simd::routine::One<S>>(
+            state: S,
             a: f32,
             b: f32,
             c: f32,
@@ -60,7 +60,7 @@ macro_rules! entries {
 
         /// Runs a routine for one direction.
         #[$($attribute)*]
-        pub(super) fn one<S, R: $crate::simd::routine::One<S>>(state: &S, a: f32, b: f32, c: f32) -> R::Output {
+        pub(super) fn one<S, R: $crate::simd::routine::One<S>>(state: S, a: f32, b: f32, c: f32) -> R::Output {
             R::run::<$lanes>(state, [a, b, c])
         }
     };
