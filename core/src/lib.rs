@@ -22,7 +22,7 @@
 //! |---|---|---|
 //! | `simd` | SIMD levels: portable vectors, and on x86-64 AVX2 and AVX-512, chosen at run time ([`Level`]) | `wide` |
 //! | `std` | [`read_file`]; the one thing here that allocates | |
-//! | `kernels` | zonal kernels that are no Gaussian: [`AbelPoisson`], [`legendre_series`], [`KernelTable`], [`Metropolis`] | `rand_core` |
+//! | `kernels` | zonal kernels: [`AbelPoisson`], [`KernelTable`], [`legendre_series`], [`Metropolis`] | `rand_core` |
 //!
 //! # A material
 //!
