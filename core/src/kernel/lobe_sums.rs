@@ -52,8 +52,8 @@ pub(crate) fn sums<L: Lanes, const N: usize, const C: usize>(
     acc
 }
 
-/// How a direction is held that lobes see, and how far from an axis it is.
-trait Sight {
+/// The form in which a direction is held that lobes see, and how far from an axis it is in that.
+trait Form {
     /// A component of the axis minus one of the direction, or the other way round: what is the same for all
     /// lobes stands where it may stay in memory.
     fn apart<L: Lanes>(axis: f32, seen: &Seen<L>, i: usize) -> L;
@@ -78,7 +78,7 @@ fn has_low<L: Lanes>(i: usize) -> bool {
     i < 2 || !L::FUSED
 }
 
-impl Sight for Plain {
+impl Form for Plain {
     #[inline(always)]
     fn apart<L: Lanes>(axis: f32, seen: &Seen<L>, i: usize) -> L {
         L::splat(axis) - seen.high[i]
@@ -89,7 +89,7 @@ impl Sight for Plain {
     }
 }
 
-impl Sight for Split {
+impl Form for Split {
     #[inline(always)]
     fn apart<L: Lanes>(axis: f32, seen: &Seen<L>, i: usize) -> L {
         let apart = Plain::apart(axis, seen, i);
@@ -101,7 +101,7 @@ impl Sight for Split {
     }
 }
 
-impl Sight for Long {
+impl Form for Long {
     #[inline(always)]
     fn apart<L: Lanes>(axis: f32, seen: &Seen<L>, i: usize) -> L {
         let apart = L::splat(axis).neg_mul_add(seen.length, seen.high[i]);
@@ -113,9 +113,9 @@ impl Sight for Long {
     }
 }
 
-/// Adds a run of lobes that see the same direction, which is held as `S` says.
+/// Adds a run of lobes that see the same direction, which is held as `F` says.
 #[inline(always)]
-fn run<L: Lanes, const N: usize, const C: usize, S: Sight>(
+fn run<L: Lanes, const N: usize, const C: usize, F: Form>(
     m: &Mixture<'_, N>,
     amplitudes: [&[f32; N]; C],
     seen: &Seen<L>,
@@ -124,15 +124,15 @@ fn run<L: Lanes, const N: usize, const C: usize, S: Sight>(
     stage: &mut Stage<L>,
 ) {
     if m.in_plane {
-        stretches::<L, N, C, S, true>(m, amplitudes, seen, lobes, acc, stage);
+        stretches::<L, N, C, F, true>(m, amplitudes, seen, lobes, acc, stage);
     } else {
-        stretches::<L, N, C, S, false>(m, amplitudes, seen, lobes, acc, stage);
+        stretches::<L, N, C, F, false>(m, amplitudes, seen, lobes, acc, stage);
     }
 }
 
 /// Adds a run of lobes. `PLANE`: every axis has y = 0.
 #[inline(always)]
-fn stretches<L: Lanes, const N: usize, const C: usize, S: Sight, const PLANE: bool>(
+fn stretches<L: Lanes, const N: usize, const C: usize, F: Form, const PLANE: bool>(
     m: &Mixture<'_, N>,
     amplitudes: [&[f32; N]; C],
     seen: &Seen<L>,
@@ -146,11 +146,11 @@ fn stretches<L: Lanes, const N: usize, const C: usize, S: Sight, const PLANE: bo
         let ahead = m.folded >> k;
         if ahead & 1 == 1 {
             let end = to.min(k + ahead.trailing_ones() as usize);
-            stretch::<L, N, C, S, PLANE, true>(m, amplitudes, seen, k..end, acc, stage);
+            stretch::<L, N, C, F, PLANE, true>(m, amplitudes, seen, k..end, acc, stage);
             k = end;
         } else {
             let end = to.min(k + ahead.trailing_zeros() as usize);
-            stretch::<L, N, C, S, PLANE, false>(m, amplitudes, seen, k..end, acc, stage);
+            stretch::<L, N, C, F, PLANE, false>(m, amplitudes, seen, k..end, acc, stage);
             k = end;
         }
     }
@@ -158,7 +158,7 @@ fn stretches<L: Lanes, const N: usize, const C: usize, S: Sight, const PLANE: bo
 
 /// Adds lobes that all need their fold (`FOLD`), or none.
 #[inline(always)]
-fn stretch<L: Lanes, const N: usize, const C: usize, S: Sight, const PLANE: bool, const FOLD: bool>(
+fn stretch<L: Lanes, const N: usize, const C: usize, F: Form, const PLANE: bool, const FOLD: bool>(
     m: &Mixture<'_, N>,
     amplitudes: [&[f32; N]; C],
     seen: &Seen<L>,
@@ -169,15 +169,15 @@ fn stretch<L: Lanes, const N: usize, const C: usize, S: Sight, const PLANE: bool
     // Axes in the plane share the part across it; its low part would only count relative to itself.
     let yy = seen.high[1] * seen.high[1];
     if L::VECTORS <= TOGETHER {
-        one_by_one::<L, N, C, S, PLANE, FOLD>(m, amplitudes, seen, yy, lobes, acc);
+        one_by_one::<L, N, C, F, PLANE, FOLD>(m, amplitudes, seen, yy, lobes, acc);
     } else {
-        in_stages::<L, N, C, S, PLANE, FOLD>(m, amplitudes, seen, yy, lobes, acc, stage);
+        in_stages::<L, N, C, F, PLANE, FOLD>(m, amplitudes, seen, yy, lobes, acc, stage);
     }
 }
 
 /// Adds lobes one after the other.
 #[inline(always)]
-fn one_by_one<L: Lanes, const N: usize, const C: usize, S: Sight, const PLANE: bool, const FOLD: bool>(
+fn one_by_one<L: Lanes, const N: usize, const C: usize, F: Form, const PLANE: bool, const FOLD: bool>(
     m: &Mixture<'_, N>,
     amplitudes: [&[f32; N]; C],
     seen: &Seen<L>,
@@ -187,7 +187,7 @@ fn one_by_one<L: Lanes, const N: usize, const C: usize, S: Sight, const PLANE: b
 ) {
     for k in lobes.start..lobes.end.min(N) {
         let axis = [m.axis_x[k], m.axis_y[k], m.axis_z[k]];
-        let t = exponent::<L, S, PLANE>(axis, m.rate[k], seen, yy);
+        let t = exponent::<L, F, PLANE>(axis, m.rate[k], seen, yy);
         let mut g = falloff(t);
         if FOLD {
             g = g + falloff(fold_exponent(m.fold_rate[k], seen, t));
@@ -201,7 +201,7 @@ fn one_by_one<L: Lanes, const N: usize, const C: usize, S: Sight, const PLANE: b
 /// Adds lobes in stages, each a loop of its own with a short chain of operations. One lobe is a long chain,
 /// and a processor sees no further than a few of them ahead; of short ones it sees many.
 #[inline(always)]
-fn in_stages<L: Lanes, const N: usize, const C: usize, S: Sight, const PLANE: bool, const FOLD: bool>(
+fn in_stages<L: Lanes, const N: usize, const C: usize, F: Form, const PLANE: bool, const FOLD: bool>(
     m: &Mixture<'_, N>,
     amplitudes: [&[f32; N]; C],
     seen: &Seen<L>,
@@ -216,7 +216,7 @@ fn in_stages<L: Lanes, const N: usize, const C: usize, S: Sight, const PLANE: bo
         let (x, y, z) = (&m.axis_x[k..k + n], &m.axis_y[k..k + n], &m.axis_z[k..k + n]);
         let (rate, fold_rate) = (&m.rate[k..k + n], &m.fold_rate[k..k + n]);
         for j in 0..n {
-            stage[j] = exponent::<L, S, PLANE>([x[j], y[j], z[j]], rate[j], seen, yy);
+            stage[j] = exponent::<L, F, PLANE>([x[j], y[j], z[j]], rate[j], seen, yy);
             if FOLD {
                 stage[n + j] = fold_exponent(fold_rate[j], seen, stage[j]);
             }
@@ -254,15 +254,15 @@ fn in_stages<L: Lanes, const N: usize, const C: usize, S: Sight, const PLANE: bo
 
 /// The exponent of a lobe, to base 2; `yy` is the square of what is seen of y.
 #[inline(always)]
-fn exponent<L: Lanes, S: Sight, const PLANE: bool>(axis: [f32; 3], rate: f32, seen: &Seen<L>, yy: L) -> L {
-    let (dx, dz) = (S::apart(axis[0], seen, 0), S::apart(axis[2], seen, 2));
+fn exponent<L: Lanes, F: Form, const PLANE: bool>(axis: [f32; 3], rate: f32, seen: &Seen<L>, yy: L) -> L {
+    let (dx, dz) = (F::apart(axis[0], seen, 0), F::apart(axis[2], seen, 2));
     let yy = if PLANE {
         yy
     } else {
-        let dy = S::apart(axis[1], seen, 1);
+        let dy = F::apart(axis[1], seen, 1);
         dy * dy
     };
-    S::rate(rate, seen) * dx.mul_add(dx, dz.mul_add(dz, yy))
+    F::rate(rate, seen) * dx.mul_add(dx, dz.mul_add(dz, yy))
 }
 
 /// The exponent of the fold of a lobe: `|d - mirrored axis|^2 = |d - axis|^2 + 4 d.z axis.z`, both terms of
