@@ -16,7 +16,8 @@ pub(crate) mod elementary;
 pub(crate) mod error_free;
 #[cfg(all(feature = "simd", target_arch = "x86_64"))]
 mod fused;
-pub(crate) mod lane_pair;
+#[cfg(feature = "simd")]
+mod lane_pair;
 pub(crate) mod lanes;
 #[cfg(feature = "simd")]
 mod portable;
