@@ -24,7 +24,8 @@
 //!       K log2 of the luminance of the amplitude, K of the one colour difference, K of the other
 //!       M angles of the axes out of the plane of incidence, radians, 0 in the first view
 //!     with a table of factors:
-//!       V albedos with the factors, each 3 f32: red, green, blue
+//!       V differences of the albedo with factors from the lobes' own A, in red, green and blue, over the luminance of A, each 3 f32;
+//!       between views interpolated like the lobes
 //!       f32     largest factor of any node and channel
 //!       H D u32 nodes, node (i, j) at i D + j: red, green, blue in bits 0-9, 10-19, 20-29, each (q / 360)^2; the upper two bits 0
 //!     provenance, UTF-8
@@ -53,8 +54,8 @@ pub(crate) const SMALLEST: usize = HEADER + CHECKSUM;
 const MIRRORED: usize = 36;
 /// Byte offset of the numbers of nodes of the table of factors.
 const NODES: usize = 44;
-/// Largest magnitude of a stored albedo.
-const MOST_ALBEDO: f32 = 4.0;
+/// Largest magnitude of a stored difference of albedos, relative to the luminance.
+const MOST_ALBEDO_DIFFERENCE: f32 = 16.0;
 /// Numbers in the head of a view: squeeze, diffuse albedo in three numbers.
 pub(crate) const HEAD: usize = 4;
 const MAX_VIEWS: usize = 1024;
@@ -115,8 +116,9 @@ pub struct FactorTable<'a> {
     pub difference: usize,
     /// Factors, linear sRGB, [half * difference], those of one half angle together; [0, 8.07]. Their roots are rounded to 1/360.
     pub factors: &'a [[f32; 3]],
-    /// Albedos of the views with the factors, linear sRGB, one a view, in the order of the views; [-4, 4].
-    pub albedos: &'a [[f32; 3]],
+    /// What the factors change of the albedo, `(B - A) / Y`: B is the albedo with factors, A that of lobes and diffuse term without, Y the
+    /// luminance of A; linear sRGB, one a view, in the order of the views; [-16, 16].
+    pub albedo_differences: &'a [[f32; 3]],
 }
 
 impl FactorTable<'_> {
@@ -135,8 +137,8 @@ impl FactorTable<'_> {
         if self.factors.len() != self.half * self.difference {
             return field("number of factors");
         }
-        if self.albedos.len() != views {
-            return field("number of albedos with factors");
+        if self.albedo_differences.len() != views {
+            return field("number of albedo differences");
         }
         let most = (factors::MOST_CODE as f32 + 0.5) / factors::UNIT;
         // False for NaN too.
@@ -195,9 +197,9 @@ impl Header {
     pub const fn row(&self, view: usize, row: usize) -> usize {
         HEADER + 4 * ((1 + HEAD) * self.views + (5 * view + row) * self.lobes + view * self.mirrored)
     }
-    /// Byte offset of the albedo with factors of a view, of a material that has them.
+    /// Byte offset of the albedo difference of a view, of a material that has factors.
     #[inline(always)]
-    pub const fn albedo(&self, view: usize) -> usize {
+    pub const fn albedo_difference(&self, view: usize) -> usize {
         let end = match self.kind {
             Kind::Line => self.row(self.views, 0),
             Kind::Grid(shape) => shape.row(self, self.views, 0),
@@ -207,11 +209,11 @@ impl Header {
     /// Byte offset of the nodes of the table of factors; the largest factor stands before.
     #[inline(always)]
     pub const fn nodes(&self) -> usize {
-        self.albedo(self.views) + 4
+        self.albedo_difference(self.views) + 4
     }
     const fn len(&self) -> usize {
         let nodes = self.factors[0] as usize * self.factors[1] as usize;
-        let end = if nodes > 0 { self.nodes() + 4 * nodes } else { self.albedo(0) };
+        let end = if nodes > 0 { self.nodes() + 4 * nodes } else { self.albedo_difference(0) };
         end + self.provenance + CHECKSUM
     }
 }
@@ -339,7 +341,7 @@ impl<'a> Writer<'a> {
     /// Ends with the factors, provenance and checksum, and checks the whole; returns its length.
     fn finish(mut self, factors: Option<FactorTable<'_>>, provenance: &str) -> Result<usize, FormatError> {
         if let Some(table) = factors {
-            table.albedos.iter().flatten().for_each(|n| self.number(*n));
+            table.albedo_differences.iter().flatten().for_each(|n| self.number(*n));
             let nodes = || table.factors.iter().map(FactorTable::node);
             self.number(nodes().fold(0.0, |most, node| most.max(largest(node))));
             nodes().for_each(|node| self.put(&node.to_le_bytes()));
@@ -458,8 +460,8 @@ fn read_table_shape(both: usize) -> Result<[u8; 2], FormatError> {
 
 /// Checks the table of factors, and what stands with it.
 fn validate_table(bytes: &[u8], header: &Header) -> Result<(), FormatError> {
-    for offset in (header.albedo(0)..header.albedo(header.views)).step_by(4) {
-        check(bytes, "albedo with factors", offset, -MOST_ALBEDO, MOST_ALBEDO)?;
+    for offset in (header.albedo_difference(0)..header.albedo_difference(header.views)).step_by(4) {
+        check(bytes, "albedo difference", offset, -MOST_ALBEDO_DIFFERENCE, MOST_ALBEDO_DIFFERENCE)?;
     }
     let start = header.nodes();
     let mut most = 0f32;
