@@ -193,10 +193,10 @@ impl Material<'_> {
             .then(|| [0, 1, 2].map(|place| decoded(u32_at(self.bytes, offset), place)))
     }
 
-    /// Albedo of a view with its factors, linear sRGB, as it is stored; `None` past the end, and without a
-    /// table.
-    pub fn view_albedo(&self, view: usize) -> Option<[f32; 3]> {
-        let number = |i: usize| f32_at(self.bytes, self.header.albedo(view) + 4 * i);
+    /// What the factors change of the albedo of a view, relative to the luminance of the lobes' own, linear sRGB, as
+    /// it is stored; `None` past the end, and without a table. [`Mixture::albedo`](crate::Mixture::albedo) has it in it.
+    pub fn view_albedo_difference(&self, view: usize) -> Option<[f32; 3]> {
+        let number = |i: usize| f32_at(self.bytes, self.header.albedo_difference(view) + 4 * i);
         (self.factor_nodes().is_some() && view < self.header.views).then(|| [0, 1, 2].map(number))
     }
 }

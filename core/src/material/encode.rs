@@ -122,7 +122,7 @@ impl<'a> Writer<'a> {
     /// Ends with the factors, provenance and checksum, and checks the whole; returns its length.
     fn finish(mut self, factors: Option<FactorTable<'_>>, provenance: &str) -> Result<usize, FormatError> {
         if let Some(table) = factors {
-            table.albedos.iter().flatten().for_each(|n| self.number(*n));
+            table.albedo_differences.iter().flatten().for_each(|n| self.number(*n));
             let nodes = || table.factors.iter().map(FactorTable::node);
             self.number(nodes().fold(0.0, |most, node| most.max(largest(node))));
             nodes().for_each(|node| self.put(&node.to_le_bytes()));

@@ -31,8 +31,9 @@ pub struct FactorTable<'a> {
     /// Factors, linear sRGB, [half * difference], those of one half angle together; [0, 8.07]. Their roots
     /// are rounded to 1/360.
     pub factors: &'a [[f32; 3]],
-    /// Albedos of the views with the factors, linear sRGB, one a view, in the order of the views; [-4, 4].
-    pub albedos: &'a [[f32; 3]],
+    /// What the factors change of the albedo, `(B - A) / Y`: B is the albedo with factors, A that of lobes and
+    /// diffuse term without, Y the luminance of A; linear sRGB, one a view, in the order of the views; [-16, 16].
+    pub albedo_differences: &'a [[f32; 3]],
 }
 
 impl FactorTable<'_> {
@@ -51,8 +52,8 @@ impl FactorTable<'_> {
         if self.factors.len() != self.half * self.difference {
             return field("number of factors");
         }
-        if self.albedos.len() != views {
-            return field("number of albedos with factors");
+        if self.albedo_differences.len() != views {
+            return field("number of albedo differences");
         }
         let most = (MOST_CODE as f32 + 0.5) / UNIT;
         // False for NaN too.

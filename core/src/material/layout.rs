@@ -25,7 +25,8 @@
 //!       K log2 of the luminance of the amplitude, K of the one colour difference, K of the other
 //!       M angles of the axes out of the plane of incidence, radians, 0 in the first view
 //!     with a table of factors:
-//!       V albedos with the factors, each 3 f32: red, green, blue
+//!       V differences of the albedo with factors from the lobes' own A, in red, green and blue, over the luminance
+//!       of A, each 3 f32; between views interpolated like the lobes
 //!       f32     largest factor of any node and channel
 //!       H D u32 nodes, node (i, j) at i D + j: red, green, blue in bits 0-9, 10-19, 20-29, each (q / 360)^2;
 //!               the upper two bits 0
@@ -131,7 +132,7 @@ impl Header {
     }
     /// Byte offset of the albedo with factors of a view, of a material that has them.
     #[inline(always)]
-    pub const fn albedo(&self, view: usize) -> usize {
+    pub const fn albedo_difference(&self, view: usize) -> usize {
         let end = match self.kind {
             Kind::Line => self.row(self.views, 0),
             Kind::Grid(shape) => shape.row(self, self.views, 0),
@@ -141,12 +142,12 @@ impl Header {
     /// Byte offset of the nodes of the table of factors; the largest factor stands before.
     #[inline(always)]
     pub const fn nodes(&self) -> usize {
-        self.albedo(self.views) + 4
+        self.albedo_difference(self.views) + 4
     }
     /// Bytes of the whole.
     pub const fn len(&self) -> usize {
         let nodes = self.factors[0] as usize * self.factors[1] as usize;
-        let end = if nodes > 0 { self.nodes() + 4 * nodes } else { self.albedo(0) };
+        let end = if nodes > 0 { self.nodes() + 4 * nodes } else { self.albedo_difference(0) };
         end + self.provenance + CHECKSUM
     }
 }

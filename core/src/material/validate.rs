@@ -11,7 +11,7 @@ use crate::float;
 use core::f32::consts::{FRAC_PI_2, PI};
 
 /// Largest magnitude of a stored albedo.
-const MOST_ALBEDO: f32 = 4.0;
+const MOST_ALBEDO_DIFFERENCE: f32 = 16.0;
 
 const MAX_VIEWS: usize = 1024;
 
@@ -125,8 +125,8 @@ fn read_table_shape(both: usize) -> Result<[u8; 2], FormatError> {
 
 /// Checks the table of factors, and what stands with it.
 fn validate_table(bytes: &[u8], header: &Header) -> Result<(), FormatError> {
-    for offset in (header.albedo(0)..header.albedo(header.views)).step_by(4) {
-        check(bytes, "albedo with factors", offset, -MOST_ALBEDO, MOST_ALBEDO)?;
+    for offset in (header.albedo_difference(0)..header.albedo_difference(header.views)).step_by(4) {
+        check(bytes, "albedo difference", offset, -MOST_ALBEDO_DIFFERENCE, MOST_ALBEDO_DIFFERENCE)?;
     }
     let start = header.nodes();
     let mut most = 0f32;

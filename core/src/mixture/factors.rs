@@ -29,8 +29,8 @@ use glam::Vec3;
 pub(crate) struct Factors<'m> {
     /// The nodes, four bytes each, in the bytes of the material; empty for none.
     pub nodes: &'m [u8],
-    /// The albedos of the views, three numbers each, before them.
-    albedos: &'m [u8],
+    /// The albedo differences of the views, three numbers each, before them.
+    albedo_differences: &'m [u8],
     /// Nodes along a and b.
     shape: [u32; 2],
     /// The outgoing direction.
@@ -56,23 +56,23 @@ impl Among {
 impl<'m> Factors<'m> {
     /// None: every factor is 1.
     pub const NONE: Self =
-        Self { nodes: &[], albedos: &[], shape: [0; 2], wo: [0.0; 3], place: Among::NOWHERE };
+        Self { nodes: &[], albedo_differences: &[], shape: [0; 2], wo: [0.0; 3], place: Among::NOWHERE };
 
     /// Those of a material, if it has some.
     #[inline(always)]
     pub fn new(material: &Material<'m>, wo: Vec3, place: Among) -> Self {
         let header = &material.header;
         let [half, difference] = header.factors.map(u32::from);
-        let table = &material.bytes[header.albedo(0)..];
-        let (albedos, rest) = table.split_at(12 * header.views);
+        let table = &material.bytes[header.albedo_difference(0)..];
+        let (albedo_differences, rest) = table.split_at(12 * header.views);
         let nodes = &rest[4..4 + 4 * (half * difference) as usize];
-        Self { nodes, albedos, shape: [half, difference], wo: wo.to_array(), place }
+        Self { nodes, albedo_differences, shape: [half, difference], wo: wo.to_array(), place }
     }
 
-    /// Albedo of the mixture times the factors: interpolated between those of the views.
-    pub fn albedo(&self) -> Vec3 {
+    /// What the factors change of the mixture's albedo, over its power: interpolated between the views.
+    pub fn albedo_difference(&self) -> Vec3 {
         let Among { views, onward, outward } = self.place;
-        let stored = |view: u16, i: usize| f32_at(self.albedos, 12 * usize::from(view) + 4 * i);
+        let stored = |view: u16, i: usize| f32_at(self.albedo_differences, 12 * usize::from(view) + 4 * i);
         let ring = |[a, b]: [u16; 2], i| stored(a, i) + onward * (stored(b, i) - stored(a, i));
         let between = |i| ring(views[0], i) + outward * (ring(views[1], i) - ring(views[0], i));
         Vec3::new(between(0), between(1), between(2))

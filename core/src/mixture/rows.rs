@@ -253,11 +253,14 @@ impl<const N: usize> Mixture<'_, N> {
 
     /// Integral of the value over the domain, in closed form: `diffuse + sum a I(s)`; linear sRGB.
     ///
-    /// For a material, the directional albedo towards the outgoing direction. One with factors stores it for
-    /// its views, and it is interpolated linearly between them.
+    /// For a material, the directional albedo towards the outgoing direction. With factors there is no closed
+    /// form: a material stores for its views what they change of it, relative to [`power`](Self::power), and
+    /// that is interpolated linearly between them. A fit's is 0.04 to 0.5 % of the luminance off in the mean
+    /// over outgoing directions, and at most 1.5 %.
     #[inline]
     pub fn albedo(&self) -> Vec3 {
-        if self.has_factors() { self.factors.albedo() } else { self.lobes_albedo + self.diffuse }
+        let lobes = self.lobes_albedo + self.diffuse;
+        if self.has_factors() { lobes + self.power * self.factors.albedo_difference() } else { lobes }
     }
 
     /// Luminance of the closed form of the albedo, without factors: what the density is normalised by, and

@@ -139,7 +139,8 @@ impl<'a> Problem<'a> {
         let stages = self.stages(emphasis);
         work.total = schedule::work(&stages);
         if let Data::Source(_) = data {
-            work.total += schedule::work(&self.stages_again(emphasis, 1, settings.exchanges));
+            work.total +=
+                schedule::work(&self.stages_again(emphasis, 1, schedule::exchanges_again(settings)));
         }
         let (scouting, refining) = stages.split_at(stages.partition_point(|stage| !stage.full));
         let shapes = settings.shapes(matches!(data, Data::Source(_)));
@@ -190,7 +191,7 @@ impl<'a> Problem<'a> {
             // Then it is the only one.
             let meets_all = !finalists[0].misses();
             emphasis = emphasized(&mut finalists, emphasis);
-            let exchanges = if meets_all { self.settings.exchanges } else { 0 };
+            let exchanges = if meets_all { schedule::exchanges_again(self.settings) } else { 0 };
             self.again(source, &mut finalists, (emphasis, exchanges), work)?;
             for finalist in &finalists {
                 if finalist.rank() < best.rank() {

@@ -241,9 +241,9 @@ impl Report {
     }
 }
 
-/// Bytes that a material has for its table of factors, the albedos of the views with them included; 0 if it has none.
+/// Bytes that a material has for its table of factors, the albedo differences of the views included; 0 if it has none.
 pub fn factor_bytes(material: &Material<'_>) -> usize {
-    // The albedos, the largest factor, and the nodes.
+    // The albedo differences, the largest factor, and the nodes.
     material
         .factor_nodes()
         .map_or(0, |[half, difference]| 12 * material.view_count() + 4 + 4 * half * difference)

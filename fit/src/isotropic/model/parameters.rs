@@ -36,7 +36,7 @@ const LN_AMPLITUDE: (f64, f64) = (-40.0, 30.0);
 /// Relative colour differences, red and blue. Those of colours in the gamut of sRGB are from -1 to 3.7 and to 12.9; colours of
 /// overlapping lobes may lie far outside of it and make one within. With bounds of -2, or pulled to the mean colour, malachite's
 /// colours are worse.
-const COLORS: [(f64, f64); 2] = [(-15.0, 15.0); 2];
+pub(crate) const COLORS: [(f64, f64); 2] = [(-15.0, 15.0); 2];
 
 /// Bounds of the defensive lobe: nowhere on the hemisphere is it below a fiftieth of its peak. A sharpness of at most 1 would
 /// bound it better, but fits garnet red to 1.7 % in place of 1.6 %.
