@@ -130,7 +130,7 @@ impl Header {
     pub const fn row(&self, view: usize, row: usize) -> usize {
         HEADER + 4 * ((1 + HEAD) * self.views + (5 * view + row) * self.lobes + view * self.mirrored)
     }
-    /// Byte offset of the albedo with factors of a view, of a material that has them.
+    /// Byte offset of the albedo difference of a view, of a material that has factors.
     #[inline(always)]
     pub const fn albedo_difference(&self, view: usize) -> usize {
         let end = match self.kind {

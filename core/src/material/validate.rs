@@ -10,7 +10,7 @@ use crate::color::MOST_DIFFERENCE;
 use crate::float;
 use core::f32::consts::{FRAC_PI_2, PI};
 
-/// Largest magnitude of a stored albedo.
+/// Largest magnitude of a stored difference of albedos, relative to the luminance.
 const MOST_ALBEDO_DIFFERENCE: f32 = 16.0;
 
 const MAX_VIEWS: usize = 1024;
