@@ -208,8 +208,8 @@ typedef struct srbf_mixture_info {
      */
     float diffuse[3];
     /**
-     * Integral of `f cos` over the domain, linear sRGB: for a material's mixture, the albedo. One of a material with factors is
-     * interpolated between those that it stores.
+     * Integral of `f cos` over the domain, linear sRGB: for a material's mixture, the albedo. With factors, which
+     * leave it no closed form, a material stores for its views by how much they change it, and that is interpolated.
      */
     float albedo[3];
     /**
@@ -874,13 +874,15 @@ srbf_status srbf_material_factor(const struct srbf_material *material,
                                  float *factor);
 
 /**
- * Gives the albedo of a view with its factors, as it is stored. Status: `SRBF_STATUS_INDEX` past the end, and without a table.
+ * Gives what the factors change of the albedo of a view, relative to the luminance of the lobes' own, as it is stored. Status:
+ * `SRBF_STATUS_INDEX` past the end, and without a table.
  *
- * Shapes: `albedo` [3], linear sRGB, overwritten.
+ * `srbf_material_albedo` and the `albedo` of `srbf_mixture_info` have it in them.
+ * Shapes: `difference` [3], linear sRGB, overwritten.
  */
-srbf_status srbf_material_view_albedo(const struct srbf_material *material,
-                                      size_t view,
-                                      float *albedo);
+srbf_status srbf_material_view_albedo_difference(const struct srbf_material *material,
+                                                 size_t view,
+                                                 float *difference);
 
 #if defined(SRBF_HOSTED)
 /**

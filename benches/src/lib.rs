@@ -161,8 +161,13 @@ fn factored_bytes() -> Vec<u8> {
             [0.7, 1.0, 1.3].map(|f| f + 0.5 * ((n / NODES) as f32 * 0.3 + (n % NODES) as f32 * 0.2).sin())
         })
         .collect();
-    let albedos = vec![[0.5; 3]; views.len()];
-    let factors = FactorTable { half: NODES, difference: NODES, factors: &factors, albedos: &albedos };
+    let albedo_differences = vec![[-0.1; 3]; views.len()];
+    let factors = FactorTable {
+        half: NODES,
+        difference: NODES,
+        factors: &factors,
+        albedo_differences: &albedo_differences,
+    };
     let line = Line {
         views: &views,
         squeezed: material.squeezed_count(),

@@ -14,6 +14,8 @@ pub enum Operation {
     Sample,
     /// Density, one direction a call.
     OnePdf,
+    /// Value and density at a direction whose numbers have just been stored one by one.
+    FreshEvaluate,
     /// Direction, one a call.
     OneDraw,
     /// Direction and density, one a call.
@@ -22,8 +24,12 @@ pub enum Operation {
     OneSample,
     /// The mixture for an outgoing direction, one a call.
     Prepare,
-    /// The same without lobes and folds that hardly matter.
+    /// The same for one whose numbers have just been stored one by one.
+    FreshPrepare,
+    /// The mixture without lobes and folds that hardly matter.
     PrepareDropping,
+    /// The same, where none is left out.
+    PrepareKeeping,
     /// Direction, density and weight, every pair with a mixture of its own.
     Pairs,
     /// Direction and density, every pair with a mixture of its own.
@@ -38,16 +44,19 @@ pub enum Operation {
 
 impl Operation {
     /// Every operation with its name.
-    pub const ALL: [(&'static str, Self); 14] = [
+    pub const ALL: [(&'static str, Self); 17] = [
         ("evaluate", Self::Evaluate),
         ("pdf", Self::Pdf),
         ("sample", Self::Sample),
         ("one-pdf", Self::OnePdf),
+        ("fresh-evaluate", Self::FreshEvaluate),
         ("one-draw", Self::OneDraw),
         ("one-sample-pdf", Self::OneSamplePdf),
         ("one-sample", Self::OneSample),
         ("prepare", Self::Prepare),
+        ("fresh-prepare", Self::FreshPrepare),
         ("prepare-dropping", Self::PrepareDropping),
+        ("prepare-keeping", Self::PrepareKeeping),
         ("pairs", Self::Pairs),
         ("sample-pdf-pairs", Self::SamplePdfPairs),
         ("evaluate-pairs", Self::EvaluatePairs),
@@ -58,7 +67,7 @@ impl Operation {
     /// Whether it is of a mixture that is there already.
     pub fn has_mixture(self) -> bool {
         use Operation::*;
-        matches!(self, Evaluate | Pdf | Sample | OnePdf | OneDraw | OneSamplePdf | OneSample)
+        matches!(self, Evaluate | Pdf | Sample | OnePdf | FreshEvaluate | OneDraw | OneSamplePdf | OneSample)
     }
 }
 
@@ -132,6 +141,14 @@ impl Work {
                 mixture.sample_into(uniforms.slices(), samples).expect("equal lengths");
             }
             Operation::OnePdf => (0..n).for_each(|i| pdf[i] = mixture.pdf(directions.at(i))),
+            Operation::FreshEvaluate => {
+                let mut fresh = Vec3::ZERO;
+                (0..n).for_each(|i| {
+                    let Vec3 { x, y, z } = directions.at(i);
+                    store(&mut fresh, x, y, z);
+                    pdf[i] = mixture.evaluate_and_pdf(fresh).1;
+                });
+            }
             Operation::OneDraw => (0..n).for_each(|i| {
                 pdf[i] =
                     mixture.sample_direction(uniforms.at(i).to_array()).map_or(0.0, |direction| direction.z);
@@ -143,7 +160,17 @@ impl Work {
                 pdf[i] = mixture.sample(uniforms.at(i).to_array()).map_or(0.0, |sample| sample.pdf);
             }),
             Operation::Prepare => prepare(material, directions, 0.0, prepared, pdf),
+            Operation::FreshPrepare => {
+                let mut fresh = Vec3::ZERO;
+                for (i, power) in pdf.iter_mut().enumerate() {
+                    let Vec3 { x, y, z } = directions.at(i);
+                    store(&mut fresh, x, y, z);
+                    material.prepare(fresh, prepared).expect("a valid direction");
+                    *power = prepared.power();
+                }
+            }
             Operation::PrepareDropping => prepare(material, directions, 0.01, prepared, pdf),
+            Operation::PrepareKeeping => prepare(material, directions, 1e-12, prepared, pdf),
             Operation::Pairs => {
                 let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
                 material
@@ -169,6 +196,13 @@ impl Work {
     pub fn sum(&self) -> f32 {
         self.out.iter().flatten().sum()
     }
+}
+
+/// Stores a direction number by number, as a renderer's own vectors do: where it is then read by larger parts, the read
+/// waits until it has gone through the cache.
+#[inline(never)]
+fn store(to: &mut Vec3, x: f32, y: f32, z: f32) {
+    (to.x, to.y, to.z) = (x, y, z);
 }
 
 /// Prepares a mixture for each direction, without lobes of less than a share of the albedo; writes its power.

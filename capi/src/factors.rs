@@ -85,19 +85,21 @@ pub unsafe extern "C" fn srbf_material_factor(
     })
 }
 
-/// Gives the albedo of a view with its factors, as it is stored. Status: `SRBF_STATUS_INDEX` past the end, and without a table.
+/// Gives what the factors change of the albedo of a view, relative to the luminance of the lobes' own, as it is stored. Status:
+/// `SRBF_STATUS_INDEX` past the end, and without a table.
 ///
-/// Shapes: `albedo` [3], linear sRGB, overwritten.
+/// `srbf_material_albedo` and the `albedo` of `srbf_mixture_info` have it in them.
+/// Shapes: `difference` [3], linear sRGB, overwritten.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn srbf_material_view_albedo(
+pub unsafe extern "C" fn srbf_material_view_albedo_difference(
     material: *const srbf_material,
     view: usize,
-    albedo: *mut f32,
+    difference: *mut f32,
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (material, out) = unsafe { (self::material(material)?, Out::<[f32; 3]>::array(albedo)?) };
-        out.set(material.material.view_albedo(view).ok_or(SRBF_STATUS_INDEX)?);
+        let (material, out) = unsafe { (self::material(material)?, Out::<[f32; 3]>::array(difference)?) };
+        out.set(material.material.view_albedo_difference(view).ok_or(SRBF_STATUS_INDEX)?);
         Ok(())
     })
 }

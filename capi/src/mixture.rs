@@ -32,8 +32,8 @@ pub struct srbf_mixture_info {
     pub squeeze: f32,
     /// Albedo of the diffuse term, `diffuse cos / pi` beside the lobes, linear sRGB.
     pub diffuse: [f32; 3],
-    /// Integral of `f cos` over the domain, linear sRGB: for a material's mixture, the albedo. One of a material with factors is
-    /// interpolated between those that it stores.
+    /// Integral of `f cos` over the domain, linear sRGB: for a material's mixture, the albedo. With factors, which
+    /// leave it no closed form, a material stores for its views by how much they change it, and that is interpolated.
     pub albedo: [f32; 3],
     /// Luminance of the integral of lobes and diffuse term: what densities are normalised by, and the luminance of the weight of every
     /// sample. In a material with factors the latter is multiplied by its factor.

@@ -39,8 +39,11 @@ pub(crate) unsafe fn read<T: Copy>(pointer: *const T) -> Result<T, Failure> {
 /// As [`read`], for an array of `K`.
 #[inline(always)]
 pub(crate) unsafe fn read_array<const K: usize>(pointer: *const f32) -> Result<[f32; K], Failure> {
-    // SAFETY: an array is aligned as its elements are; the caller's word is ours.
-    unsafe { read(pointer.cast::<[f32; K]>()) }
+    check(pointer)?;
+    // One by one, which the compiler may not change: where a caller has just stored them one by one, a read of two at a
+    // time waits until they have gone through the cache.
+    // SAFETY: not NULL and aligned, checked above; `K` are readable and initialised by the header's contract.
+    Ok(core::array::from_fn(|i| unsafe { pointer.add(i).read_volatile() }))
 }
 
 /// Borrows bytes or objects that the caller owns; NULL is allowed where the count is 0.

@@ -10,8 +10,8 @@ pub enum Error {
     Axis,
     /// The sharpness is NaN, negative, or above [`MAX_SHARPNESS`](crate::MAX_SHARPNESS).
     Sharpness,
-    /// An amplitude is NaN or infinite, its luminance negative or a channel more than 32 times that; or the integral of a mixture is
-    /// infinite; or the mixture has no room for a diffuse term.
+    /// An amplitude is NaN or infinite, its luminance negative or a channel more than 32 times that; or the
+    /// integral of a mixture is infinite; or the mixture has no room for a diffuse term.
     Amplitude,
     /// The squeeze is NaN or outside [0.01, 2].
     Squeeze,
@@ -41,7 +41,10 @@ impl fmt::Display for Error {
         match self {
             Self::Axis => f.write_str("the axis of a lobe must be a finite unit vector"),
             Self::Sharpness => f.write_str("the sharpness of a lobe must be within [0, 1e8]"),
-            Self::Amplitude => f.write_str("an amplitude must be finite, of a luminance that is not negative, and no channel beyond 32 times that"),
+            Self::Amplitude => f.write_str(
+                "an amplitude must be finite, of a luminance that is not negative, \
+                 and no channel beyond 32 times that",
+            ),
             Self::Squeeze => f.write_str("a squeeze must be within [0.01, 2]"),
             Self::Squeezed => {
                 f.write_str("squeezed lobes, diffuse terms and factors have no product in closed form")
@@ -59,55 +62,3 @@ impl fmt::Display for Error {
 }
 
 impl core::error::Error for Error {}
-
-/// Why bytes are not a `.srbf` material, with the place.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum FormatError {
-    /// The first 8 bytes are not the `.srbf` magic.
-    Magic,
-    /// The version is one that this library does not read.
-    Version(u32),
-    /// The bytes end early, or more bytes follow than the header announces.
-    Length {
-        /// Bytes that the header announces (or its own size, if not even that is there).
-        expected: usize,
-        /// Bytes given.
-        actual: usize,
-    },
-    /// The checksum does not fit the bytes.
-    Checksum,
-    /// A field holds a value outside its range; the byte offset tells which.
-    Field {
-        /// What the field is.
-        name: &'static str,
-        /// Where it stands, in bytes from the start.
-        offset: usize,
-    },
-    /// The buffer to encode into is too small.
-    Buffer {
-        /// Bytes that are needed.
-        needed: usize,
-        /// Bytes given.
-        available: usize,
-    },
-}
-
-impl fmt::Display for FormatError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Magic => f.write_str("not a .srbf file: the first 8 bytes must be its magic"),
-            Self::Version(v) => {
-                write!(f, "version {v} at byte 8, this library reads versions 1 to {}", crate::FORMAT_VERSION)
-            }
-            Self::Length { expected, actual } => write!(f, "{expected} bytes expected, {actual} found"),
-            Self::Checksum => f.write_str("the checksum does not fit: the .srbf bytes are damaged"),
-            Self::Field { name, offset } => write!(f, "{name} at byte {offset} is out of range"),
-            Self::Buffer { needed, available } => {
-                write!(f, "the buffer has {available} bytes, {needed} are needed")
-            }
-        }
-    }
-}
-
-impl core::error::Error for FormatError {}

@@ -1,10 +1,14 @@
-//! Estimators: several samples of one mixture, stratified over its lobes; the weights that combine techniques; and a
-//! mixture with a defensive component, whose weights are bounded.
+//! Estimators: several samples of one mixture, stratified over its lobes; the weights that combine
+//! techniques; and a mixture with a defensive component, whose weights are bounded.
 
-use crate::batch::{chosen_power, draw_one};
-use crate::lanes::scale;
-use crate::lobe::where_around;
-use crate::{Domain, Error, Kernel, MAX_LOBES, Mixture, Sample, float, special};
+use crate::error::Error;
+use crate::kernel::draw::{chosen_power, draw_one};
+use crate::material::layout::MAX_LOBES;
+use crate::mixture::rows::{Domain, Mixture, Sample};
+use crate::simd::lanes::scale;
+use crate::zonal::around::where_around;
+use crate::zonal::kernel::Kernel;
+use crate::{float, special};
 use core::f32::consts::{FRAC_1_PI, PI};
 use glam::Vec3;
 
@@ -21,8 +25,8 @@ pub fn balance_heuristic(count_a: f32, pdf_a: f32, count_b: f32, pdf_b: f32) -> 
 
 /// As [`balance_heuristic`], with the squares: `(n_a p_a)^2 / ((n_a p_a)^2 + (n_b p_b)^2)`.
 ///
-/// Lower variance where one technique is much the better one. The square is of the ratio, so that a density of 1e30
-/// does not overflow.
+/// Lower variance where one technique is much the better one. The square is of the ratio, so that a density
+/// of 1e30 does not overflow.
 /// Source: Veach and Guibas 1995, beta = 2.
 #[inline]
 pub fn power_heuristic(count_a: f32, pdf_a: f32, count_b: f32, pdf_b: f32) -> f32 {
@@ -43,13 +47,15 @@ fn weight_ratio(count_a: f32, pdf_a: f32, count_b: f32, pdf_b: f32) -> Option<f3
 impl<const N: usize> Mixture<'_, N> {
     /// Allocates `samples` to the lobes in proportion to their integrals, by systematic resampling.
     ///
-    /// Sample `i` goes to the lobe at share `(i + offset) / samples` of the running integral, so that lobe k gets
-    /// `samples I_k / sum I` rounded down or up, and exactly that many on average over `offset` uniform in [0, 1).
-    /// Hence `sum of value / (samples pdf)` over all of them, with the density of the whole mixture, is unbiased; it
-    /// is the balance heuristic of eq. 13 for these allocations on average.
+    /// Sample `i` goes to the lobe at share `(i + offset) / samples` of the running integral, so that lobe k
+    /// gets `samples I_k / sum I` rounded down or up, and exactly that many on average over `offset` uniform
+    /// in [0, 1). Hence `sum of value / (samples pdf)` over all of them, with the density of the whole
+    /// mixture, is unbiased; it is the balance heuristic of eq. 13 for these allocations on average.
     ///
-    /// Shapes: `counts` [`component_len`](Self::component_len), overwritten; longer is cleared. All 0 for a black mixture.
-    /// Source: Weng and Shih 2006, sections 4.2.1 and 4.2.2, eq. 14; differs: one random number, not one a sample.
+    /// Shapes: `counts` [`component_len`](Self::component_len), overwritten; longer is cleared. All 0 for a
+    /// black mixture.
+    /// Source: Weng and Shih 2006, sections 4.2.1 and 4.2.2, eq. 14; differs: one random number, not one a
+    /// sample.
     ///
     /// # Errors
     /// [`Error::Capacity`] if `counts` is shorter than [`component_len`](Self::component_len).
@@ -59,7 +65,8 @@ impl<const N: usize> Mixture<'_, N> {
         if self.power == 0.0 {
             return Ok(());
         }
-        // The number of strata that begin before a share c of the integral: the least i with i + offset >= c n.
+        // The number of strata that begin before a share c of the integral: the least i with i + offset >= c
+        // n.
         let mut taken = 0;
         for (k, count) in counts[..self.component_len()].iter_mut().enumerate() {
             // The last component that adds anything ends at the whole.
@@ -75,10 +82,11 @@ impl<const N: usize> Mixture<'_, N> {
         Ok(())
     }
 
-    /// Draws a direction from lobe `k`, as one of the samples that [`allocate_into`](Self::allocate_into) gave it.
+    /// Draws a direction from lobe `k`, as one of the samples that [`allocate_into`](Self::allocate_into)
+    /// gave it.
     ///
-    /// The density and value in the sample are those of the whole mixture. `None` past the last lobe, for a black
-    /// mixture, and where the density underflows.
+    /// The density and value in the sample are those of the whole mixture. `None` past the last lobe, for a
+    /// black mixture, and where the density underflows.
     pub fn sample_lobe(&self, k: usize, u: [f32; 2]) -> Option<Sample> {
         if k >= self.component_len() || self.power == 0.0 {
             return None;
@@ -95,10 +103,12 @@ impl<const N: usize> Mixture<'_, N> {
         (pdf > 0.0).then_some(Sample { direction, pdf, value })
     }
 
-    /// Evaluates `sum over lobes of count_k p_k(d)`, the divisor of eq. 13: the estimate is the sum over all samples,
-    /// of all lobes, of `value / divisor`, unbiased for any counts that are positive where the value is.
+    /// Evaluates `sum over lobes of count_k p_k(d)`, the divisor of eq. 13: the estimate is the sum over all
+    /// samples, of all lobes, of `value / divisor`, unbiased for any counts that are positive where the value
+    /// is.
     ///
-    /// Shapes: `counts` [`component_len`](Self::component_len). Source: Weng and Shih 2006, eq. 13 (balance heuristic).
+    /// Shapes: `counts` [`component_len`](Self::component_len). Source: Weng and Shih 2006, eq. 13 (balance
+    /// heuristic).
     ///
     /// # Errors
     /// [`Error::Capacity`] if `counts` is shorter than [`component_len`](Self::component_len).
@@ -114,9 +124,9 @@ impl<const N: usize> Mixture<'_, N> {
 
     /// Inverts [`sample`](Self::sample): three numbers that lead to a direction, drawn among all that do.
     ///
-    /// Every lobe can make the direction, a folded one in two ways. `choice`, uniform in [0, 1), takes one of the ways
-    /// by its part of the density and is used up for the first number, so that directions drawn from the mixture give
-    /// numbers that are uniform in the cube. `None` where the density is 0.
+    /// Every lobe can make the direction, a folded one in two ways. `choice`, uniform in [0, 1), takes one of
+    /// the ways by its part of the density and is used up for the first number, so that directions drawn from
+    /// the mixture give numbers that are uniform in the cube. `None` where the density is 0.
     pub fn invert_sample(&self, direction: Vec3, choice: f32) -> Option<[f32; 3]> {
         // The lobe: the first whose running part of the density exceeds the choice.
         let mut whole = 0.0;
@@ -186,7 +196,8 @@ impl<const N: usize> Mixture<'_, N> {
         Vec3::from_array(self.squeeze.turn(direction.to_array()).high)
     }
 
-    /// The number nearest to `u`, but for a few roundings, that chooses the component from `low` to `high` of the running power.
+    /// The number nearest to `u`, but for a few roundings, that chooses the component from `low` to `high` of
+    /// the running power.
     fn choosing(&self, low: f32, high: f32, mut u: f32) -> f32 {
         for _ in 0..4 {
             let target = chosen_power(self, u);
@@ -201,8 +212,8 @@ impl<const N: usize> Mixture<'_, N> {
         u
     }
 
-    /// Calls with every lobe and its unit value at the direction, fold and change of solid angle included; last with the
-    /// diffuse term, if there is one, and `cos / pi`.
+    /// Calls with every lobe and its unit value at the direction, fold and change of solid angle included;
+    /// last with the diffuse term, if there is one, and `cos / pi`.
     fn for_each_component(&self, direction: Vec3, mut each: impl FnMut(usize, f32)) {
         // The comparison is false for a NaN too.
         let above = direction.z >= 0.0;
@@ -235,11 +246,12 @@ fn cosine_weighted(u: [f32; 2]) -> Vec3 {
     Vec3::new(across * cos_phi, across * sin_phi, float::sqrt(1.0 - u[0]))
 }
 
-/// A mixture with a defensive component: with probability `share` a cosine-weighted direction of the hemisphere (a
-/// uniform one of the sphere for a mixture there), else one of the mixture.
+/// A mixture with a defensive component: with probability `share` a cosine-weighted direction of the
+/// hemisphere (a uniform one of the sphere for a mixture there), else one of the mixture.
 ///
-/// For a renderer that keeps another function as the truth, the measured table for example, and uses the mixture to
-/// sample it: where the mixture misses the table, the weight stays bounded. See [`max_weight`](Self::max_weight).
+/// For a renderer that keeps another function as the truth, the measured table for example, and uses the
+/// mixture to sample it: where the mixture misses the table, the weight stays bounded. See
+/// [`max_weight`](Self::max_weight).
 #[derive(Clone, Copy, Debug)]
 pub struct Defensive<'a, const N: usize> {
     mixture: &'a Mixture<'a, N>,
@@ -247,7 +259,8 @@ pub struct Defensive<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Defensive<'a, N> {
-    /// Adds a defensive component of a share in [0, 1]; 0.02 to 0.05 serves well. A black mixture gives it all.
+    /// Adds a defensive component of a share in [0, 1]; 0.02 to 0.05 serves well. A black mixture gives it
+    /// all.
     ///
     /// # Errors
     /// [`Error::Share`] for a share outside the range.
@@ -260,7 +273,8 @@ impl<'a, const N: usize> Defensive<'a, N> {
 
     /// Largest weight `f cos / pdf` that a BRDF of at most `max_brdf`, 1/sr, can have: `pi max_brdf / share`.
     ///
-    /// Since `pdf >= share cos / pi`. On the sphere, of a function of at most `max_brdf`: `4 pi max_brdf / share`.
+    /// Since `pdf >= share cos / pi`. On the sphere, of a function of at most `max_brdf`: `4 pi max_brdf /
+    /// share`.
     pub fn max_weight(&self, max_brdf: f32) -> f32 {
         let solid_angle = if self.mixture.domain == Domain::Hemisphere { PI } else { 4.0 * PI };
         solid_angle * max_brdf / self.share

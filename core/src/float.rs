@@ -1,15 +1,16 @@
-//! The one place that chooses the elementary functions, with or without `std`, so that results do not depend on the
-//! platform's C library: `libm` where it computes in f32 alone, and our own exp2, sine and cosine, because `libm`'s
-//! pass through f64, which small processors lack.
+//! The one place that chooses the elementary functions, with or without `std`, so that results do not depend
+//! on the platform's C library: `libm` where it computes in f32 alone, and our own exp2, sine and cosine,
+//! because `libm`'s pass through f64, which small processors lack.
 
 #[cfg(any(feature = "kernels", test))]
-pub(crate) use crate::lanes::sin_cos;
-pub(crate) use crate::lanes::sin_cos_turns;
+pub(crate) use crate::simd::elementary::sin_cos;
+pub(crate) use crate::simd::elementary::sin_cos_turns;
+pub(crate) use crate::simd::scalar::sqrt;
 
 /// `2^x`: 0 below -160, infinite from 130 on.
 ///
-/// `x = n + f` with `n` whole and `f` in [-1/2, 1/2], both exact; a polynomial of degree 6 for `2^f` (relative error
-/// 2e-9 before rounding). Relative error at most 1.3e-7 where the result is a normal number.
+/// `x = n + f` with `n` whole and `f` in [-1/2, 1/2], both exact; a polynomial of degree 6 for `2^f`
+/// (relative error 2e-9 before rounding). Relative error at most 1.3e-7 where the result is a normal number.
 #[inline]
 pub(crate) fn exp2(x: f32) -> f32 {
     // Adding 1.5 * 2^23 leaves the nearest whole number in the low bits.
@@ -45,14 +46,6 @@ pub(crate) fn ln(x: f32) -> f32 {
 #[inline]
 pub(crate) fn ln_1p(x: f32) -> f32 {
     libm::log1pf(x)
-}
-/// Square root, correctly rounded.
-#[inline(always)]
-pub(crate) fn sqrt(x: f32) -> f32 {
-    #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
-    return crate::simd::sse2::sqrt(x);
-    #[cfg(not(all(target_arch = "x86_64", target_feature = "sse2")))]
-    libm::sqrtf(x)
 }
 #[inline]
 pub(crate) fn atan2(y: f32, x: f32) -> f32 {

@@ -1,59 +1,22 @@
-//! What all kernels share: they depend on the angle to an axis alone, and that angle can be drawn by inversion.
+//! The kernels: what turns a material into a mixture, and a mixture into values, densities and samples, with
+//! the methods of both.
+//!
+//! [`prepare`] makes mixtures ([`between_views`], or [`prepare_anisotropic`]). [`one_direction`],
+//! [`one_mixture`] (many directions) and [`each_mixture`] (pairs of directions, a [`block`] at a time)
+//! evaluate and draw, all by [`draw`]; in batches by [`lobe_sums`].
+//! May import: `mixture`, `material`, `squeeze`, `color`, `simd`, `error`; nothing but `estimator` imports
+//! from here.
 
-#[cfg(feature = "kernels")]
-pub(crate) mod abel_poisson;
-#[cfg(feature = "kernels")]
-pub(crate) mod legendre;
-#[cfg(feature = "kernels")]
-pub(crate) mod metropolis;
-#[cfg(feature = "kernels")]
-pub(crate) mod table;
-
-use crate::lobe::{around, where_around};
-use glam::Vec3;
-
-/// A kernel on the sphere, not negative, that depends on the angle to its axis alone.
-///
-/// An implementation gives five functions of one number; value, density and sampling follow, and with
-/// [`Folded`](crate::Folded) the folded and squeezed forms.
-pub trait Kernel {
-    /// Where the kernel is centred; unit vector.
-    fn axis(&self) -> Vec3;
-
-    /// Evaluates the kernel where `|d - axis|^2 = 2 (1 - cos theta)` is `chord_squared`, in [0, 4].
-    fn value_at(&self, chord_squared: f32) -> f32;
-
-    /// Integrates over the whole sphere; sr.
-    fn integral(&self) -> f32;
-
-    /// Inverts the distribution: `1 - cos theta` of the cap round the axis that holds a share `u`, in [0, 1].
-    fn one_minus_cos(&self, u: f32) -> f32;
-
-    /// Share of the integral within `1 - cos theta` of the axis, in [0, 1].
-    fn share_within(&self, one_minus_cos: f32) -> f32;
-
-    /// Evaluates the kernel towards a direction.
-    #[inline]
-    fn value(&self, direction: Vec3) -> f32 {
-        self.value_at((direction - self.axis()).length_squared())
-    }
-
-    /// Evaluates the density of [`sample`](Self::sample); 1/sr.
-    #[inline]
-    fn pdf(&self, direction: Vec3) -> f32 {
-        self.value(direction) / self.integral()
-    }
-
-    /// Draws a direction from the density, two uniform numbers in [0, 1) to a unit vector.
-    #[inline]
-    fn sample(&self, u: [f32; 2]) -> Vec3 {
-        around(self.axis(), self.one_minus_cos(u[0]), u[1])
-    }
-
-    /// Inverts [`sample`](Self::sample): the two numbers that lead to a direction.
-    #[inline]
-    fn invert_sample(&self, direction: Vec3) -> [f32; 2] {
-        let [w, turns] = where_around(self.axis(), direction);
-        [self.share_within(w).min(1.0 - f32::EPSILON / 2.0), turns]
-    }
-}
+pub(crate) mod between_views;
+#[cfg(feature = "simd")]
+pub(crate) mod block;
+pub(crate) mod draw;
+mod each_mixture;
+pub(crate) mod lobe_sums;
+pub(crate) mod multiply_factors;
+pub(crate) mod one_direction;
+mod one_mixture;
+pub(crate) mod outgoing;
+pub(crate) mod prepare;
+pub(crate) mod prepare_anisotropic;
+pub(crate) mod slices;

@@ -1,82 +1,129 @@
-//! Mixtures of spherical Gaussian lobes for rendering with measured BRDFs: evaluate, integrate, importance-sample.
+//! Mixtures of spherical Gaussian lobes for rendering with measured BRDFs: evaluate, integrate,
+//! importance-sample.
 //!
-//! A [`Material`] is read in place from `.srbf` bytes, offline work of `srbf-fit`. [`Material::prepare`] makes the
-//! [`Mixture`] of lobes for one outgoing direction; the mixture gives the value `f cos`, the albedo, the density and
-//! the samples, all of the same lobes, so that `value / pdf` has constant luminance.
+//! A [`Material`] is read in place from `.srbf` bytes, offline work of `srbf-fit`. [`Material::prepare`]
+//! makes the [`Mixture`] of lobes for one outgoing direction; the mixture gives the value `f cos`, the
+//! albedo, the density and the samples, all of the same lobes, so that `value / pdf` has constant luminance.
 //!
-//! Directions are unit vectors in the caller's shading frame, +z the surface normal. Outgoing `wo` points towards the
-//! viewer and is fixed, incident `wi` points towards the light and is sampled. Values are linear sRGB.
+//! Directions are unit vectors in the caller's shading frame, +z the surface normal. Outgoing `wo` points
+//! towards the viewer and is fixed, incident `wi` points towards the light and is sampled. Values are linear
+//! sRGB.
 //!
-//! Not-a-number policy: constructors refuse what has no meaning; evaluation and sampling of what was constructed never
-//! make a NaN from unit directions. Any other vector gives an unspecified value, never a panic.
+//! Not-a-number policy: constructors refuse what has no meaning; evaluation and sampling of what was
+//! constructed never make a NaN from unit directions. Any other vector gives an unspecified value, never a
+//! panic.
+//!
+//! # Features
+//!
+//! Every feature only adds, and all are on by default. Without any the crate is scalar f32 on `libm`,
+//! `no_std`, without allocation, in which form it runs on microcontrollers.
+//!
+//! | feature | adds | brings |
+//! |---|---|---|
+//! | `simd` | SIMD levels: portable vectors, and on x86-64 AVX2 and AVX-512, chosen at run time ([`Level`]) | `wide` |
+//! | `std` | [`read_file`]; the one thing here that allocates | |
+//! | `kernels` | zonal kernels: [`AbelPoisson`], [`KernelTable`], [`legendre_series`], [`Metropolis`] | `rand_core` |
+//!
+//! # A material
 //!
 //! ```
-//! use glam::vec3;
-//! use srbf_core::{Lobe, Mixture};
+//! use srbf_core::{Line, Material, Mixture, PlaneLobe, Vec3, View, power_heuristic};
 //!
-//! let lobe = Lobe::new(vec3(0.6, 0.0, 0.8), 40.0, vec3(1.0, 0.5, 0.2))?;
+//! // Bytes of a `.srbf` file; here one view of one lobe above a diffuse term, written on the spot.
+//! let grey = [0.0; 2];
+//! let lobe = PlaneLobe {
+//!     angle: 0.0,
+//!     off_plane: 0.0,
+//!     log2_sharpness: 5.0,
+//!     log2_luminance: -1.0,
+//!     color_differences: grey,
+//! };
+//! let view = View {
+//!     theta: 0.0,
+//!     log2_squeeze: 0.0,
+//!     log2_diffuse: -3.0,
+//!     diffuse_color_differences: grey,
+//!     lobes: &[lobe],
+//! };
+//! let line = Line { views: &[view], squeezed: 0, mirrored: 0, factors: None };
+//! let mut bytes = [0; 256];
+//! let length = line.encode("an example", &mut bytes)?;
+//!
+//! // Once: the bytes are checked, and borrowed.
+//! let material = Material::from_bytes(&bytes[..length])?;
+//! // At every hit: the mixture for its outgoing direction, in storage that is used again.
+//! let mut mixture = Mixture::<16>::empty();
+//! material.prepare(Vec3::new(0.6, 0.0, 0.8), &mut mixture)?;
+//!
+//! // Where the path goes on, and what it is multiplied by.
+//! let sample = mixture.sample([0.3, 0.6, 0.1]).expect("the material reflects");
+//! let throughput = sample.weight();
+//! assert!(throughput.max_element() < 1.0);
+//!
+//! // Light from a direction that was drawn otherwise, with density 2: value, and the weight of that sample.
+//! let (value, pdf) = mixture.evaluate_and_pdf(Vec3::new(0.0, 0.28, 0.96));
+//! let light = value / 2.0 * power_heuristic(1.0, 2.0, 1.0, pdf);
+//! assert!(light.min_element() > 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Lobes of one's own
+//!
+//! ```
+//! use srbf_core::{Lobe, Mixture, Vec3};
+//!
+//! let lobe = Lobe::new(Vec3::new(0.6, 0.0, 0.8), 40.0, Vec3::new(1.0, 0.5, 0.2))?;
 //! let mixture = Mixture::<16>::hemisphere(&[lobe])?;
 //! let sample = mixture.sample([0.5, 0.25, 0.75]).expect("the mixture is not black");
 //! assert!((sample.pdf - mixture.pdf(sample.direction)).abs() <= 1e-6 * sample.pdf);
+//! // Folded at the horizon, a lobe has over the hemisphere what it has over the sphere.
+//! assert!((mixture.albedo() - lobe.integral()).abs().max_element() < 1e-6);
 //! # Ok::<(), srbf_core::Error>(())
 //! ```
 #![no_std]
 
-mod anisotropic;
-mod batch;
-#[cfg(feature = "simd")]
-mod block;
-mod checksum;
 mod color;
 mod error;
 mod estimator;
-mod factors;
-#[cfg(feature = "std")]
-mod file;
 mod float;
-mod folded;
-mod format;
-mod horizon;
 mod kernel;
-mod lanes;
-mod leave_out;
 mod lobe;
 mod material;
 mod mixture;
-mod pairs;
-mod prepare;
-mod product;
 mod quadrature;
 mod simd;
-mod single;
 pub mod special;
 mod squeeze;
-mod two;
+mod zonal;
 
-pub use batch::SamplesMut;
-pub use color::color_differences;
-pub use error::{Error, FormatError};
+pub use color::{LUMINANCE, color_differences, luminance};
+pub use error::Error;
 pub use estimator::{Defensive, balance_heuristic, power_heuristic};
-#[cfg(feature = "std")]
-pub use file::{FileError, read_file};
-pub use folded::Folded;
-pub use format::grid::{Grid, GridView, TiltedLobe};
-pub use format::{FORMAT_VERSION, FactorTable, Line, PlaneLobe, View, encoded_len};
 pub use glam::Vec3;
-pub use kernel::Kernel;
+pub use kernel::slices::SamplesMut;
+pub use lobe::gaussian::{Gaussian, Lobe, MAX_SHARPNESS};
+pub use lobe::product::GaussianProduct;
+pub use material::borrowed::Material;
+pub use material::encode::encoded_len;
+pub use material::factor_table::FactorTable;
+#[cfg(feature = "std")]
+pub use material::file::{FileError, read_file};
+pub use material::format_error::{FORMAT_VERSION, FormatError};
+pub use material::layout::MAX_LOBES;
+pub use material::views::{Grid, GridView, Line, PlaneLobe, TiltedLobe, View};
+pub use mixture::leave_out::LeaveOut;
+pub use mixture::rows::{Domain, Mixture, Sample};
+pub use simd::detect::Level;
 #[cfg(feature = "kernels")]
-pub use kernel::{
-    abel_poisson::AbelPoisson,
-    legendre::{
-        abel_poisson_coefficients_into, gaussian_coefficients_into, legendre_coefficients_into,
-        legendre_series, legendre_singular_integral,
-    },
-    metropolis::Metropolis,
-    table::KernelTable,
+pub use zonal::abel_poisson::AbelPoisson;
+pub use zonal::folded::Folded;
+pub use zonal::kernel::Kernel;
+#[cfg(feature = "kernels")]
+pub use zonal::legendre::{
+    abel_poisson_coefficients_into, gaussian_coefficients_into, legendre_coefficients_into, legendre_series,
+    legendre_singular_integral,
 };
-pub use leave_out::LeaveOut;
-pub use lobe::{Gaussian, Lobe, MAX_SHARPNESS};
-pub use material::Material;
-pub use mixture::{Domain, LUMINANCE, MAX_LOBES, Mixture, Sample, luminance};
-pub use product::GaussianProduct;
-pub use simd::Level;
+#[cfg(feature = "kernels")]
+pub use zonal::metropolis::Metropolis;
+#[cfg(feature = "kernels")]
+pub use zonal::table::KernelTable;

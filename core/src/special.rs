@@ -1,8 +1,8 @@
-//! Every form that would cancel, once: the normaliser of a Gaussian lobe, its distribution and the inverse of that,
-//! the scaled Bessel function and the Langevin function.
+//! Every form that would cancel, once: the normaliser of a Gaussian lobe, its distribution and the inverse of
+//! that, the scaled Bessel function and the Langevin function.
 //!
-//! The polar angle is carried as `w = 1 - cos theta` in [0, 2]: near the axis of a sharp lobe the cosine itself has no
-//! digits left.
+//! The polar angle is carried as `w = 1 - cos theta` in [0, 2]: near the axis of a sharp lobe the cosine
+//! itself has no digits left.
 
 use crate::float;
 use core::f32::consts::PI;
@@ -14,7 +14,8 @@ const FLAT: f32 = 1e-8;
 ///
 /// `I(s) = 2 pi (1 - exp(-2 s)) / s`, written `-2 pi expm1(-2 s) / s` so that a small `s` does not cancel.
 ///
-/// Returns: sr. Range: sharpness in [0, 4e8]; 0 gives `4 pi`. Accuracy: relative 5e-7 (`INTEGRAL` of the tests).
+/// Returns: sr. Range: sharpness in [0, 4e8]; 0 gives `4 pi`. Accuracy: relative 5e-7 (`INTEGRAL` of the
+/// tests).
 /// Source: Weng and Shih 2006, eq. 5, integrated.
 #[inline]
 pub fn sphere_integral(sharpness: f32) -> f32 {
@@ -37,7 +38,8 @@ pub fn cap_integral(sharpness: f32, one_minus_cos: f32) -> f32 {
     }
 }
 
-/// Share of a Gaussian lobe that lies within `w = 1 - cos angle` of its axis: the distribution function of `w`.
+/// Share of a Gaussian lobe that lies within `w = 1 - cos angle` of its axis: the distribution function of
+/// `w`.
 ///
 /// `(1 - exp(-s w)) / (1 - exp(-2 s))`; `w / 2` at s = 0. The inverse of [`one_minus_cos`].
 ///
@@ -57,12 +59,14 @@ pub fn share_within(sharpness: f32, one_minus_cos: f32) -> f32 {
     share.min(1.0)
 }
 
-/// Inverts the distribution of a Gaussian lobe: `w = 1 - cos angle` of the cap that holds a share `u` of the lobe.
+/// Inverts the distribution of a Gaussian lobe: `w = 1 - cos angle` of the cap that holds a share `u` of the
+/// lobe.
 ///
 /// `w = -ln(1 + u expm1(-2 s)) / s`. Where the argument of the logarithm is small it is summed as
 /// `(1 - u) + u exp(-2 s)`: `1 - u` is exact there, `u expm1(-2 s)` is not.
 ///
-/// Returns: `1 - cos theta` in [0, 2]. Range: `u` in [0, 1]; sharpness in [0, 4e8]; 0 gives `2 u`, u = 1 gives 2.
+/// Returns: `1 - cos theta` in [0, 2]. Range: `u` in [0, 1]; sharpness in [0, 4e8]; 0 gives `2 u`, u = 1
+/// gives 2.
 /// Accuracy: relative 2e-6 (`ONE_MINUS_COS` of the tests) for every `u`.
 #[inline]
 pub fn one_minus_cos(u: f32, sharpness: f32) -> f32 {
@@ -88,8 +92,8 @@ pub fn one_minus_cos(u: f32, sharpness: f32) -> f32 {
 
 /// Bounds the share of a Gaussian lobe that lies below the horizon z = 0, for an axis above it.
 ///
-/// `exp(-s (1 - t))`, `t = sqrt(1 - axis.z^2)` the largest cosine that a direction below the horizon can have. The
-/// proof stands in [`Folded`](crate::Folded). 1 for an axis on the horizon or below.
+/// `exp(-s (1 - t))`, `t = sqrt(1 - axis.z^2)` the largest cosine that a direction below the horizon can
+/// have. The proof stands in [`Folded`](crate::Folded). 1 for an axis on the horizon or below.
 #[inline]
 pub fn share_below_horizon_bound(axis_z: f32, sharpness: f32) -> f32 {
     if axis_z <= 0.0 {
@@ -102,8 +106,8 @@ pub fn share_below_horizon_bound(axis_z: f32, sharpness: f32) -> f32 {
 
 /// Modified Bessel function of order 0, scaled: `exp(-x) I0(x)`.
 ///
-/// Up to 8 the power series, whose terms are all positive; beyond, `sqrt(x) exp(-x) I0(x)` as a polynomial in `1 / x`
-/// (minimax, relative error 4e-9 before rounding).
+/// Up to 8 the power series, whose terms are all positive; beyond, `sqrt(x) exp(-x) I0(x)` as a polynomial in
+/// `1 / x` (minimax, relative error 4e-9 before rounding).
 ///
 /// Range: `x` in [0, 1e38]. Accuracy: relative 4e-7 (`BESSEL` of the tests).
 #[inline]
@@ -140,8 +144,8 @@ const SQUARE_INVERSE: [f32; 17] = {
 
 /// Langevin function `coth s - 1 / s`: the mean cosine to the axis of a Gaussian lobe.
 ///
-/// Up to 3 the continued fraction `s / (3 + s^2 / (5 + s^2 / (7 + ...)))`, whose parts are all positive; beyond, the
-/// difference, which no longer cancels.
+/// Up to 3 the continued fraction `s / (3 + s^2 / (5 + s^2 / (7 + ...)))`, whose parts are all positive;
+/// beyond, the difference, which no longer cancels.
 ///
 /// Range: sharpness in [0, 4e8]; 0 gives 0. Accuracy: relative 5e-7.
 #[inline]

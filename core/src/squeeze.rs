@@ -1,5 +1,5 @@
-//! The squeeze: the sphere made narrower across the plane of incidence, so that round lobes make the streak of a
-//! highlight towards grazing.
+//! The squeeze: the sphere made narrower across the plane of incidence, so that round lobes make the streak
+//! of a highlight towards grazing.
 //!
 //! In the frame of a view, +x in the plane of incidence and +y across it, a direction `d` is seen as
 //!
@@ -7,27 +7,29 @@
 //! u = (d.x, d.y / c, d.z) / r,    r = |(d.x, d.y / c, d.z)|
 //! ```
 //!
-//! and `dw(u) = dw(d) / (c r^3)`: of the linear map M = diag(1, 1/c, 1) with determinant 1/c, a unit direction's solid
-//! angle changes by `det M / |M d|^3`. A squeezed lobe is `G(u) / (c r^3)`, so its integral is that of the round one.
-//! The map commutes with the mirror z -> -z, so it commutes with the fold. It is the transform of linearly transformed
-//! cosines (Heitz, Dupuy, Hill and Neubelt 2016), kept to the one diagonal entry that commutes with the fold.
+//! and `dw(u) = dw(d) / (c r^3)`: of the linear map M = diag(1, 1/c, 1) with determinant 1/c, a unit
+//! direction's solid angle changes by `det M / |M d|^3`. A squeezed lobe is `G(u) / (c r^3)`, so its integral
+//! is that of the round one. The map commutes with the mirror z -> -z, so it commutes with the fold. It is
+//! the transform of linearly transformed cosines (Heitz, Dupuy, Hill and Neubelt 2016), kept to the one
+//! diagonal entry that commutes with the fold.
 //!
-//! Rounding. `G` at sharpness `s` turns an error `e` across the direction into one of `sqrt(2 s |t|) e` in the value,
-//! `t` its exponent: 1e-4 at s = 1e6 if `u` is rounded to f32. So the turned and squeezed direction is carried as an
-//! unevaluated sum of two f32, by error-free transformations (Dekker 1971, Knuth 1969). The error along the direction
-//! that remains in `1 / r` counts only squared.
+//! Rounding. `G` at sharpness `s` turns an error `e` across the direction into one of `sqrt(2 s |t|) e` in
+//! the value, `t` its exponent: 1e-4 at s = 1e6 if `u` is rounded to f32. So the turned and squeezed
+//! direction is carried as an unevaluated sum of two f32, by error-free transformations (Dekker 1971, Knuth
+//! 1969). The error along the direction that remains in `1 / r` counts only squared.
 //!
-//! With fused operations `u` is not even made: `|u - a|^2 = |r u - r a|^2 / r^2`, in which `r u` needs no division and
-//! `x - r a` rounds once. An error `e` of r is one along the direction again: of `e` relative to the exponent, and of `s e^2`.
+//! With fused operations `u` is not even made: `|u - a|^2 = |r u - r a|^2 / r^2`, in which `r u` needs no
+//! division and `x - r a` rounds once. An error `e` of r is one along the direction again: of `e` relative to
+//! the exponent, and of `s e^2`.
 //!
-//! Anisotropic materials squeeze by any symmetric matrix in (x, y), see `anisotropic.rs`: in the frame of its eigenvectors it is
-//! diag(`along`, `inverse`), of determinant `along inverse`, and everything above holds with that in place of `1 / c`.
+//! Anisotropic materials squeeze by any symmetric matrix in (x, y), see `kernel/prepare_anisotropic.rs`: in
+//! the frame of its eigenvectors it is diag(`along`, `inverse`), of determinant `along inverse`, and
+//! everything above holds with that in place of `1 / c`.
 
-#![allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
+#![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
-use crate::lanes::{
-    Lanes, TOGETHER, halves, length_squared_minus_one, of_halves, splat3, sum_of_products, two_product,
-};
+use crate::simd::error_free::{length_squared_minus_one, sum_of_products, two_product};
+use crate::simd::lanes::{Lanes, TOGETHER, halves, of_halves, splat3};
 
 /// The turn into the frame of a view, and the squeeze in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,7 +59,8 @@ pub(crate) struct Precise {
     pub determinant: f32,
 }
 
-/// A direction as the lobes see it: `(high + low) / length`, `low` the part that f32 rounds away; of z none with fused operations.
+/// A direction as the lobes see it: `(high + low) / length`, `low` the part that f32 rounds away; of z none
+/// with fused operations.
 #[derive(Clone, Copy)]
 pub(crate) struct Seen<L> {
     pub high: [L; 3],
@@ -198,7 +201,8 @@ impl Precise {
         }
     }
 
-    /// One direction as round and as squeezed lobes see it. `is_fused`: whether what sums the lobes has fused operations.
+    /// One direction as round and as squeezed lobes see it. `is_fused`: whether what sums the lobes has fused
+    /// operations.
     #[inline(always)]
     pub fn see(&self, [x, y, z]: [f32; 3], is_fused: bool) -> [Sight; 2] {
         let ([c, s], [along, inverse]) = (self.azimuth, self.stretch);

@@ -219,6 +219,32 @@ mod tests {
         assert!(report::judge(&one.bytes, &views).unwrap()[0].error > 0.2);
     }
 
+    /// A brushed metal with a colour outside the gamut: what one channel has, another has less than nothing of.
+    struct OutOfGamut(Ward);
+    impl Brdf for OutOfGamut {
+        fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
+            let [red, green, blue] = self.0.evaluate(wi, wo);
+            [red - 0.1 * green, green, blue]
+        }
+        fn symmetry(&self) -> Symmetry {
+            self.0.symmetry()
+        }
+    }
+
+    #[test]
+    fn a_channel_below_0_is_met_as_well_as_one_above() {
+        let ward = Ward { diffuse: [0.0, 0.2, 0.1], specular: [0.0, 0.3, 0.2], alpha: [0.2, 0.5] };
+        let fit = fit_brdf(&OutOfGamut(ward), &small(), |_| {}).unwrap();
+        let error = mean_error(&fit.report.held_out);
+        println!("{error}");
+        assert!(error < 0.1, "{error}");
+        for view in &fit.report.held_out {
+            let ([red, ..], [data_red, data_green, _]) = (view.albedo, view.data_albedo);
+            assert!((data_red + 0.1 * data_green).abs() < 1e-9 && red < 0.0, "{view:?}");
+            assert!((red / data_red - 1.0).abs() < 0.1, "{view:?}");
+        }
+    }
+
     /// From the bytes of a file to a material that is good at what the file was made from.
     #[test]
     fn an_anisotropic_rgl_file_becomes_a_material() {

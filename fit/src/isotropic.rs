@@ -5,7 +5,7 @@ mod encode;
 mod factors;
 mod knots;
 pub(crate) mod model;
-mod objective;
+pub(crate) mod objective;
 pub(crate) mod search;
 mod seen_by;
 mod source;

@@ -9,5 +9,6 @@ pub mod mirror_asymmetry;
 pub mod norm;
 pub mod reciprocity;
 pub mod report;
+mod report_json;
 pub mod seen;
 pub mod verdict;

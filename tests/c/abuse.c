@@ -139,9 +139,9 @@ static void test_materials(const char *path) {
     CHECK_OBJECT(srbf_material, material, srbf_material_factor_node(p, 0, 0, rgb));
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_factor_node(material, 0, 0, NULL));
     CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_factor_node(material, 0, 0, rgb));
-    CHECK_OBJECT(srbf_material, material, srbf_material_view_albedo(p, 0, rgb));
-    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_view_albedo(material, 0, NULL));
-    CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_view_albedo(material, 0, rgb));
+    CHECK_OBJECT(srbf_material, material, srbf_material_view_albedo_difference(p, 0, rgb));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_view_albedo_difference(material, 0, NULL));
+    CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_view_albedo_difference(material, 0, rgb));
     CHECK_OBJECT(srbf_material, material, srbf_material_albedo(p, UP, rgb));
     CHECK_POINTER(float, rgb, srbf_material_albedo(material, p, rgb));
     CHECK_POINTER(float, rgb, srbf_material_albedo(material, UP, p));

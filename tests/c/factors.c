@@ -27,10 +27,10 @@ static void test_queries(const srbf_material *material) {
     CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_factor_node(material, HALVES, 0, factor));
     CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_factor_node(material, 0, SIZE_MAX, factor));
     for (size_t v = 0; v < 2; v++) {
-        CHECK_OK(srbf_material_view_albedo(material, v, factor));
-        CHECK(factor[0] == 0.25f && factor[1] == 0.5f && factor[2] == 0.125f * (float)(1 + v));
+        CHECK_OK(srbf_material_view_albedo_difference(material, v, factor));
+        CHECK(factor[0] == -0.25f && factor[1] == 0.5f && factor[2] == (v == 0 ? -0.125f : 0.25f));
     }
-    CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_view_albedo(material, 2, factor));
+    CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_view_albedo_difference(material, 2, factor));
     /* At the normal both angles are 0; between opposite directions at the horizon the difference is the largest. */
     const float up[3] = {0, 0, 1}, along[3] = {1, 0, 0}, back[3] = {-1, 0, 0}, none[3] = {0, 0, 0};
     CHECK_OK(srbf_material_factor(material, up, up, factor));
@@ -62,8 +62,8 @@ static void test_values(const srbf_material *material) {
         CHECK_OK(srbf_mixture_query(mixture, &info));
         CHECK_OK(srbf_mixture_evaluate_and_pdf(mixture, wi[i], one, one + 3));
         CHECK_OK(srbf_material_factor(material, wo[i], wi[i], factor));
-        CHECK(info.albedo[0] == 0.25f && info.albedo[1] == 0.5f);
-        /* The lobes are grey, and have the density times their power. */
+        /* The lobes are grey, and have the density times their power; what the factors change of the albedo is relative to that. */
+        CHECK(is_near(info.albedo[0], 0.75f * info.power) && is_near(info.albedo[1], 1.5f * info.power));
         for (int c = 0; c < 3; c++) {
             CHECK(is_near(one[c], one[3] * info.power * factor[c]) && is_near(one[c], value[3 * i + c]));
         }

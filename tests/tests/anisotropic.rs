@@ -2,7 +2,7 @@
 //! the outgoing direction, the same at every level, and sampled by their density.
 
 use glam::{DMat2, DVec2, DVec3, Vec3};
-use srbf_core::{FactorTable, Grid, GridView, Level, Material, Mixture, SamplesMut, TiltedLobe};
+use srbf_core::{FactorTable, Grid, GridView, LUMINANCE, Level, Material, Mixture, SamplesMut, TiltedLobe};
 use srbf_tests::inputs::Random;
 use srbf_tests::oracle;
 use srbf_tests::partition::Partition;
@@ -195,17 +195,17 @@ fn what_was_written_is_read() {
 }
 
 #[test]
-fn factors_of_a_grid_multiply_values_and_albedos_are_interpolated_along_and_across_rings() {
+fn factors_of_a_grid_multiply_values_and_albedo_differences_are_interpolated_along_and_across_rings() {
     let made = Made::new(3, 3, 2, 8.0);
     let factors: Vec<[f32; 3]> = (0..20).map(|n| [0.3 * n as f32, 1.0, 2.0 / (1 + n) as f32]).collect();
     let mut random = Random(31);
-    let albedos: Vec<[f32; 3]> = made.views.iter().map(|_| random.three()).collect();
-    let table = FactorTable { half: 5, difference: 4, factors: &factors, albedos: &albedos };
+    let differences: Vec<[f32; 3]> = made.views.iter().map(|_| random.three()).collect();
+    let table = FactorTable { half: 5, difference: 4, factors: &factors, albedo_differences: &differences };
     let (bytes, bare) = (made.encode_with(Some(table)), made.encode());
     let (material, bare) = (Material::from_bytes(&bytes).unwrap(), Material::from_bytes(&bare).unwrap());
     assert_eq!((material.factor_nodes(), bare.factor_nodes()), (Some([5, 4]), None));
     for v in 0..=made.views.len() {
-        assert_eq!(material.view_albedo(v), albedos.get(v).copied());
+        assert_eq!(material.view_albedo_difference(v), differences.get(v).copied());
     }
     for _ in 0..500 {
         let (theta, phi) = (random.between(0.0, 1.57), random.between(0.0, 6.0));
@@ -219,7 +219,7 @@ fn factors_of_a_grid_multiply_values_and_albedos_are_interpolated_along_and_acro
         assert!((got.as_dvec3() - want).abs().max_element() <= 6e-6 * scale, "{wo} {wi}: {got}, {want}");
         assert_eq!(m.pdf(wi), lobes.pdf(wi));
 
-        // The albedo in f64, from the angles of the documentation.
+        // The albedo difference in f64, from the angles of the documentation, beside the albedo of the lobes.
         let theta = f64::from(wo.x).hypot(f64::from(wo.y)).atan2(f64::from(wo.z));
         let within = (1..3).rev().find(|&r| f64::from(THETAS[r]) <= theta).unwrap_or(0);
         let (from, to) = (f64::from(THETAS[within]), f64::from(THETAS[within + 1]));
@@ -227,11 +227,14 @@ fn factors_of_a_grid_multiply_values_and_albedos_are_interpolated_along_and_acro
         let along = f64::from(wo.y).atan2(f64::from(wo.x)).rem_euclid(TAU) / TAU * 6.0;
         let stored = |ring: usize, place: usize| {
             let view = if ring == 0 { 0 } else { 1 + (ring - 1) * 3 + place % 3 };
-            Vec3::from_array(albedos[view]).as_dvec3()
+            Vec3::from_array(differences[view]).as_dvec3()
         };
         let ring = |ring| stored(ring, along as usize).lerp(stored(ring, along as usize + 1), along.fract());
-        let want = ring(within).lerp(ring(within + 1), outward);
-        assert!((m.albedo().as_dvec3() - want).abs().max_element() < 2e-5, "{wo}: {}, {want}", m.albedo());
+        let albedo = made.truth(wo.as_dvec3(), wi.as_dvec3()).1;
+        let power = albedo.dot(DVec3::from_array(LUMINANCE.map(f64::from)));
+        let want = albedo + power * ring(within).lerp(ring(within + 1), outward);
+        let off = (m.albedo().as_dvec3() - want).abs().max_element();
+        assert!(off < 1e-4 * (albedo.abs().max_element() + power), "{wo}: {}, {want}", m.albedo());
     }
 }
 

@@ -20,7 +20,7 @@ struct Made {
     lobes: Vec<Vec<PlaneLobe>>,
     nodes: [usize; 2],
     factors: Vec<[f32; 3]>,
-    albedos: Vec<[f32; 3]>,
+    albedo_differences: Vec<[f32; 3]>,
 }
 
 impl Made {
@@ -35,13 +35,13 @@ impl Made {
         };
         let lobes = THETAS.map(|theta| (0..LOBES).map(|k| lobe(&mut random, theta, k)).collect()).into();
         let factors = (0..nodes[0] * nodes[1]).map(|_| random.three().map(|x| 8.0 * x)).collect();
-        let albedos = THETAS.map(|_| random.three()).into();
-        Self { lobes, nodes, factors, albedos }
+        let albedo_differences = THETAS.map(|_| [0, 1, 2].map(|_| random.between(-1.0, 2.0))).into();
+        Self { lobes, nodes, factors, albedo_differences }
     }
 
     fn table(&self) -> FactorTable<'_> {
-        let Self { nodes: [half, difference], factors, albedos, .. } = self;
-        FactorTable { half: *half, difference: *difference, factors, albedos }
+        let Self { nodes: [half, difference], factors, albedo_differences, .. } = self;
+        FactorTable { half: *half, difference: *difference, factors, albedo_differences }
     }
 
     fn try_encode(&self, factors: Option<FactorTable<'_>>) -> Result<Vec<u8>, FormatError> {
@@ -127,10 +127,10 @@ fn what_was_written_is_read() {
         for past in [[nodes[0], 0], [0, nodes[1]], [usize::MAX, 0]] {
             assert_eq!(material.factor_node(past[0], past[1]), None);
         }
-        assert_eq!((plain.factor_node(0, 0), plain.view_albedo(0)), (None, None));
+        assert_eq!((plain.factor_node(0, 0), plain.view_albedo_difference(0)), (None, None));
         assert_eq!(plain.factor(Vec3::Z, Vec3::Z), Vec3::ONE);
         for view in 0..4 {
-            assert_eq!(material.view_albedo(view), made.albedos.get(view).copied());
+            assert_eq!(material.view_albedo_difference(view), made.albedo_differences.get(view).copied());
         }
     }
 }
@@ -277,20 +277,49 @@ fn check_samples(m: &Mixture<16>, bare: &Mixture<16>, random: &mut Random) {
 }
 
 #[test]
-fn the_albedo_is_the_stored_one_and_between_the_views_that_between_them() {
+fn the_albedo_is_that_of_the_lobes_and_its_difference_between_the_views() {
     let made = Made::new(9, [4, 4]);
-    let [bytes, _] = made.encode();
-    let material = Material::from_bytes(&bytes).unwrap();
-    let albedo = |theta: f32| {
-        let mut m = Mixture::<16>::empty();
-        material.prepare(at(theta, 2.0), &mut m).unwrap();
-        m.albedo()
+    let [bytes, plain] = made.encode();
+    let (material, plain) = (Material::from_bytes(&bytes).unwrap(), Material::from_bytes(&plain).unwrap());
+    let stored = |view: usize| Vec3::from_array(made.albedo_differences[view]).as_dvec3();
+    let between = |theta: f32| match theta {
+        0.0..0.6 => stored(0).lerp(stored(1), f64::from(theta) / f64::from(THETAS[1])),
+        0.6..1.5 => {
+            stored(1).lerp(stored(2), f64::from(theta - THETAS[1]) / f64::from(THETAS[2] - THETAS[1]))
+        }
+        _ => stored(2),
     };
-    let stored = |view: usize| Vec3::from_array(made.albedos[view]);
-    for (theta, want) in
-        [(0.0, stored(0)), (0.3, 0.5 * (stored(0) + stored(1))), (0.6, stored(1)), (1.55, stored(2))]
-    {
-        assert!((albedo(theta) - want).abs().max_element() < 1e-6, "{theta}: {}, {want}", albedo(theta));
+    let check = |theta: f32, m: &Mixture<16>, bare: &Mixture<16>| {
+        let lobes = bare.albedo().as_dvec3();
+        let want = lobes + f64::from(luminance(bare.albedo())) * between(theta);
+        let off = (m.albedo().as_dvec3() - want).abs().max_element();
+        let most = 2e-6 * (lobes.abs().max_element() + want.abs().max_element());
+        assert!(off < most, "{:?}, {theta}: {}, {want}", m.level(), m.albedo());
+        assert!((lobes - want).abs().max_element() > 0.01, "{theta}: the factors change nothing");
+    };
+    let thetas: Vec<f32> = (0..41).map(|i| 0.0375 * i as f32).chain([0.6, 1.5, 1.57]).collect();
+    let wo: Vec<Vec3> = thetas.iter().map(|&theta| at(theta, 2.0)).collect();
+    for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
+        for (&theta, &wo) in thetas.iter().zip(&wo) {
+            // Of lobes that are left out neither has the albedo.
+            for share in [0.0, 0.02] {
+                let leave_out = LeaveOut::new(share, 1e-7).unwrap();
+                let (mut m, mut bare) = (Mixture::empty(), Mixture::empty());
+                material.prepare_at(level, wo, leave_out, &mut m).unwrap();
+                plain.prepare_at(level, wo, leave_out, &mut bare).unwrap();
+                check(theta, &m, &bare);
+            }
+        }
+    }
+    let [x, y, z] = [0, 1, 2].map(|i| wo.iter().map(|wo| wo[i]).collect::<Vec<f32>>());
+    let mut mixtures = vec![Mixture::<16>::empty(); wo.len()];
+    material.prepare_into([&x, &y, &z], &mut mixtures).unwrap();
+    for (m, &wo) in mixtures.iter().zip(&wo) {
+        let mut one = Mixture::<16>::empty();
+        material.prepare(wo, &mut one).unwrap();
+        let off = (m.albedo() - one.albedo()).abs().max_element();
+        let scale = m.power() + m.albedo().abs().max_element();
+        assert!(off <= 4e-6 * scale, "{wo}: {}, {}", m.albedo(), one.albedo());
     }
     let mut m = Mixture::<16>::empty();
     material.prepare(Vec3::new(0.6, 0.0, -0.8), &mut m).unwrap();
@@ -318,16 +347,20 @@ fn what_has_no_place_in_a_table_is_refused_with_its_name() {
         assert!(message.contains("size of the table"), "{half}, {difference}: {message}");
     }
     assert!(refused(FactorTable { half: 6, ..table }).contains("number of factors"));
-    assert!(refused(FactorTable { albedos: &made.albedos[1..], ..table }).contains("number of albedos"));
+    assert!(
+        refused(FactorTable { albedo_differences: &made.albedo_differences[1..], ..table })
+            .contains("number of albedo differences")
+    );
     for bad in [-0.1, 8.1, f32::NAN, f32::INFINITY] {
         let mut factors = made.factors.clone();
         factors[17][1] = bad;
         assert!(refused(FactorTable { factors: &factors, ..table }).contains("factor at"), "{bad}");
     }
-    for bad in [4.1, -4.1, f32::NAN] {
-        let mut albedos = made.albedos.clone();
-        albedos[1][2] = bad;
-        assert!(refused(FactorTable { albedos: &albedos, ..table }).contains("albedo with factors"), "{bad}");
+    for bad in [16.1, -16.1, f32::NAN] {
+        let mut albedo_differences = made.albedo_differences.clone();
+        albedo_differences[1][2] = bad;
+        let table = FactorTable { albedo_differences: &albedo_differences, ..table };
+        assert!(refused(table).contains("albedo difference"), "{bad}");
     }
 }
 
@@ -373,7 +406,7 @@ fn hostile_bytes_are_refused_with_the_place() {
     for largest in [0.0, 7.0, 9.0, f32::NAN, f32::INFINITY] {
         assert_eq!(refused(nodes - 4, f32::to_le_bytes(largest)), field("largest factor", nodes - 4));
     }
-    assert_eq!(refused(table + 8, f32::NAN.to_le_bytes()), field("albedo with factors", table + 8));
+    assert_eq!(refused(table + 8, f32::NAN.to_le_bytes()), field("albedo difference", table + 8));
     // Colour differences: of the diffuse term of the second view, and of its third lobe.
     let head = 48 + 4 * (3 + 4);
     let lobe = 48 + 4 * (3 + 12) + 4 * (5 * LOBES + 1) + 4 * (3 * LOBES + 2);

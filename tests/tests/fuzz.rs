@@ -99,8 +99,13 @@ fn factored() -> Vec<u8> {
         lobes: &lobes[v],
     };
     let factors: Vec<[f32; 3]> = (0..12).map(|n| [0.6 * n as f32, 1.0, 0.0]).collect();
-    let albedos = [[0.5, -0.2, 1.0]; 2];
-    let factors = Some(FactorTable { half: 4, difference: 3, factors: &factors, albedos: &albedos });
+    let albedo_differences = [[0.5, -0.2, 1.0]; 2];
+    let factors = Some(FactorTable {
+        half: 4,
+        difference: 3,
+        factors: &factors,
+        albedo_differences: &albedo_differences,
+    });
     let line = Line { views: &[view(0), view(1)], squeezed: 1, mirrored: 0, factors };
     let mut bytes = vec![0; line.encoded_len("made by tests/fuzz.rs")];
     line.encode("made by tests/fuzz.rs", &mut bytes).expect("the seed is valid");

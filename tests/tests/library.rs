@@ -4,6 +4,7 @@ mod chi_square;
 mod estimators;
 mod extremes;
 mod factors;
+mod imports;
 mod leave_out;
 mod material;
 mod oracle_coverage;

@@ -139,7 +139,7 @@ const ORACLES: &[(&str, &str)] = &[
     ("Material::factor_node", "tests/factors.rs"),
     ("Material::factor_nodes", "tests/factors.rs"),
     ("Material::largest_factor", "tests/factors.rs"),
-    ("Material::view_albedo", "tests/factors.rs"),
+    ("Material::view_albedo_difference", "tests/factors.rs"),
     ("Mixture::factor_bytes", "tests/factors.rs"),
     ("Mixture::has_factors", "tests/factors.rs"),
     ("Material::prepare", "tests/presets.rs"),

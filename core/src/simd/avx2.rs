@@ -1,11 +1,11 @@
 //! AVX2 and FMA: eight lanes in one `__m256`.
 //!
-//! Every method is inlined into a function that enables `avx2,fma`, which only runs once [`super::detect`] has seen
-//! both on this processor: that is what makes each `unsafe` block here sound.
+//! Every method is inlined into a function that enables `avx2,fma`, which only runs once [`super::detect`]
+//! has seen both on this processor: that is what makes each `unsafe` block here sound.
 #![allow(unsafe_code)]
 
-use crate::lanes::{Lanes, one_vector};
-use crate::two::Two;
+use super::lane_pair::LanePair;
+use super::lanes::{Lanes, one_vector};
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
 
@@ -38,7 +38,7 @@ impl Avx2 {
 
 /// The three channels of nodes, as [`Lanes::node_pairs`] says.
 #[inline(always)]
-#[allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
+#[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 fn channels(nodes: __m256i) -> [Avx2; 3] {
     // SAFETY: the processor has AVX2, see the head of this file.
     unsafe {
@@ -54,9 +54,9 @@ fn channels(nodes: __m256i) -> [Avx2; 3] {
 impl Lanes for Avx2 {
     const COUNT: usize = 8;
     const FUSED: bool = true;
-    type Batch = Two<Two<Self>>;
+    type Batch = LanePair<LanePair<Self>>;
     one_vector!();
-    const LOBES_PAIRED: bool = true;
+    type Lobes = LanePair<Self>;
     type Mask = __m256;
     type Index = __m256i;
     type One = super::fused::Fused;
@@ -205,7 +205,8 @@ impl Lanes for Avx2 {
     fn lookup(table: &[f32], len: usize, index: __m256i) -> Self {
         // SAFETY: the processor has AVX2, see the head of this file.
         unsafe {
-            // The permutation uses the low three bits of the index; the chunk that they belong to is blended in.
+            // The permutation uses the low three bits of the index; the chunk that they belong to is blended
+            // in.
             let mut value = _mm256_permutevar8x32_ps(Self::chunk(table, 0), index);
             let mut at = 8;
             while at < len {
@@ -221,8 +222,9 @@ impl Lanes for Avx2 {
     fn node_pairs(nodes: &[u8], index: Self) -> [[Self; 3]; 2] {
         assert!(nodes.len() >= 8, "a table of at least two nodes");
         let last = nodes.len() / 4 - 2;
-        // SAFETY: the processor has AVX2, see the head of this file. An index is at most `last`, whatever it was made of: the cast makes a
-        // large number of a NaN and of what is negative. Eight bytes from there on are within the slice, which has eight and more; a gather has no alignment.
+        // SAFETY: the processor has AVX2, see the head of this file. An index is at most `last`, whatever it
+        // was made of: the cast makes a large number of a NaN and of what is negative. Eight bytes from there
+        // on are within the slice, which has eight and more; a gather has no alignment.
         unsafe {
             let at = _mm256_min_epu32(_mm256_cvttps_epi32(index.0), _mm256_set1_epi32(last as i32));
             let base = nodes.as_ptr().cast();
@@ -260,4 +262,4 @@ impl Lanes for Avx2 {
     }
 }
 
-super::entries!(Avx2, #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]);
+super::routine::entries!(Avx2, #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]);

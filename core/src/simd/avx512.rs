@@ -1,12 +1,14 @@
 //! AVX-512 (F, VL, DQ, BW): sixteen lanes in one `__m512`.
 //!
-//! Every method is inlined into a function that enables `avx512f,avx512vl,avx512dq,avx512bw,fma`, which only runs once
-//! [`super::detect`] has seen them all on this processor: that is what makes each `unsafe` block here sound.
+//! Every method is inlined into a function that enables `avx512f,avx512vl,avx512dq,avx512bw,fma`, which only
+//! runs once [`super::detect`] has seen them all on this processor: that is what makes each `unsafe` block
+//! here sound.
 #![allow(unsafe_code)]
 
-use super::{Draw, One, avx2};
-use crate::lanes::{Lanes, one_vector, scale};
-use crate::two::Two;
+use super::avx2;
+use super::lane_pair::LanePair;
+use super::lanes::{Lanes, one_vector, scale};
+use super::routine::{Draw, One};
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
 
@@ -39,7 +41,7 @@ impl Avx512 {
 
 /// The three channels of nodes, as [`Lanes::node_pairs`] says.
 #[inline(always)]
-#[allow(clippy::needless_range_loop)] // see lanes: kernels loop over array indices
+#[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 fn channels(nodes: __m512i) -> [Avx512; 3] {
     // SAFETY: the processor has AVX-512, see the head of this file.
     unsafe {
@@ -55,9 +57,9 @@ fn channels(nodes: __m512i) -> [Avx512; 3] {
 impl Lanes for Avx512 {
     const COUNT: usize = 16;
     const FUSED: bool = true;
-    type Batch = Two<Self>;
+    type Batch = LanePair<Self>;
     one_vector!();
-    const LOBES_PAIRED: bool = false;
+    type Lobes = Self;
     type Mask = __mmask16;
     type Index = __m512i;
     type One = super::fused::Fused;
@@ -218,7 +220,8 @@ impl Lanes for Avx512 {
     fn lookup(table: &[f32], len: usize, index: __m512i) -> Self {
         // SAFETY: the processor has AVX-512, see the head of this file.
         unsafe {
-            // The permutation uses the low four bits of the index; the chunk that they belong to is blended in.
+            // The permutation uses the low four bits of the index; the chunk that they belong to is blended
+            // in.
             let mut value = _mm512_permutexvar_ps(index, Self::chunk(table, 0));
             let mut at = 16;
             while at < len {
@@ -233,8 +236,9 @@ impl Lanes for Avx512 {
     fn node_pairs(nodes: &[u8], index: Self) -> [[Self; 3]; 2] {
         assert!(nodes.len() >= 8, "a table of at least two nodes");
         let last = nodes.len() / 4 - 2;
-        // SAFETY: the processor has AVX-512, see the head of this file. An index is at most `last`, whatever it was made of: the cast makes a
-        // large number of a NaN and of what is negative. Eight bytes from there on are within the slice, which has eight and more; a gather has no alignment.
+        // SAFETY: the processor has AVX-512, see the head of this file. An index is at most `last`, whatever
+        // it was made of: the cast makes a large number of a NaN and of what is negative. Eight bytes from
+        // there on are within the slice, which has eight and more; a gather has no alignment.
         unsafe {
             let at = _mm512_min_epu32(_mm512_cvttps_epi32(index.0), _mm512_set1_epi32(last as i32));
             let base = nodes.as_ptr().cast();
@@ -269,15 +273,20 @@ impl Lanes for Avx512 {
     }
 }
 
-super::entries!(
+super::routine::entries!(
     Avx512,
     #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,fma,avx2,popcnt,bmi1,bmi2")] without draw
 );
 
-/// Draws a direction, without vectors of 512 bits, as [`One::IS_WIDE`] says why, and runs a routine for it, which is a call of its
-/// own: in one function, both have too few registers.
+/// Draws a direction, without vectors of 512 bits, as [`One::IS_WIDE`] says why, and runs a routine for it,
+/// which is a call of its own: in one function, both have too few registers.
 #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]
-pub(super) fn draw<S, D: Draw<S>, R: One<S>>(state: &S, a: f32, b: f32, c: f32) -> ([f32; 3], R::Output) {
+pub(super) fn draw<S: Copy, D: Draw<S>, R: One<S>>(
+    state: S,
+    a: f32,
+    b: f32,
+    c: f32,
+) -> ([f32; 3], R::Output) {
     let (d, inverse) = D::run::<avx2::Avx2>(state, [a, b, c]);
     // SAFETY: `Level::draw_one` comes here for a level that has it.
     let then = unsafe { one::<S, R>(state, d[0], d[1], d[2]) };

@@ -48,7 +48,8 @@ impl Level {
         }
     }
 
-    /// The level that mixtures prepared from now on use: the best available one, unless [`set`](Self::set) chose.
+    /// The level that mixtures prepared from now on use: the best available one, unless [`set`](Self::set)
+    /// chose.
     #[inline]
     pub fn current() -> Self {
         match CURRENT.load(Ordering::Relaxed) {
@@ -76,8 +77,8 @@ impl Level {
 #[cold]
 fn detect_and_cache() -> Level {
     let level = best();
-    // Two threads that both detect store the same; one that has chosen meanwhile keeps its choice. Small processors without this
-    // instruction have one level to detect.
+    // Two threads that both detect store the same; one that has chosen meanwhile keeps its choice. Small
+    // processors without this instruction have one level to detect.
     #[cfg(target_has_atomic = "8")]
     let _ = CURRENT.compare_exchange(0, level as u8, Ordering::Relaxed, Ordering::Relaxed);
     level

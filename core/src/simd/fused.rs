@@ -1,10 +1,12 @@
-//! One f32 with the fused operations of AVX2 and AVX-512: for what such a level computes once and not in every lane.
+//! One f32 with the fused operations of AVX2 and AVX-512: for what such a level computes once and not in
+//! every lane.
 //!
-//! Every method is inlined into a function that enables `avx2,fma`, as those of [`super::avx2`] are, which is what makes
-//! each `unsafe` block here sound. Choices are blends and never branches: they depend on random numbers.
+//! Every method is inlined into a function that enables `avx2,fma`, as those of [`super::avx2`] are, which is
+//! what makes each `unsafe` block here sound. Choices are blends and never branches: they depend on random
+//! numbers.
 #![allow(unsafe_code)]
 
-use crate::lanes::{Lanes, ROUND, one_vector};
+use super::lanes::{Lanes, ROUND, one_vector};
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
 
@@ -61,7 +63,7 @@ impl Lanes for Fused {
     const FUSED: bool = true;
     type Batch = Self;
     one_vector!();
-    const LOBES_PAIRED: bool = false;
+    type Lobes = Self;
     type Mask = __m128;
     type Index = usize;
     type One = Self;
@@ -147,7 +149,8 @@ impl Lanes for Fused {
         // SAFETY: the processor has SSE2.
         Self::of_bits(unsafe { _mm_add_epi32(self.bits(), _mm_slli_epi32::<23>(n.bits())) })
     }
-    /// The turn is reduced to halves, where the cosine is the sine of what is left to the quarter: two lanes take one polynomial.
+    /// The turn is reduced to halves, where the cosine is the sine of what is left to the quarter: two lanes
+    /// take one polynomial.
     #[inline(always)]
     fn sin_cos_turns(self) -> (Self, Self) {
         let halves = self + self;
@@ -155,7 +158,8 @@ impl Lanes for Fused {
         let r = halves - (n - Self(ROUND));
         // SAFETY: the processor has SSE3 and FMA, see the head of this file.
         unsafe {
-            // The second lane holds twice its angle, so that no constant is the same in both: they are loaded whole by the operation.
+            // The second lane holds twice its angle, so that no constant is the same in both: they are loaded
+            // whole by the operation.
             let x = _mm_unpacklo_ps(r.wide(), (Self(1.0) - (r + r).abs()).wide());
             let x = _mm_mul_ps(x, _mm_set1_ps(core::f32::consts::PI));
             // Minimax of (sin x - x) / x^3 in x^2 on [0, pi / 2], relative to the sine 6e-9.

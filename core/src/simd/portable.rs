@@ -1,7 +1,8 @@
-//! The portable back end: `wide`, four lanes, whatever the target offers (SSE2, NEON, wasm simd128, or plain code).
+//! The portable back end: `wide`, four lanes, whatever the target offers (SSE2, NEON, wasm simd128, or plain
+//! code).
 
-use crate::lanes::{Lanes, one_vector};
-use crate::two::Two;
+use super::lane_pair::LanePair;
+use super::lanes::{Lanes, one_vector};
 use core::ops::{Add, Div, Mul, Sub};
 use wide::{f32x4, i32x4};
 
@@ -36,9 +37,9 @@ operators!(Add add Sub sub Mul mul Div div);
 impl Lanes for Wide {
     const COUNT: usize = 4;
     const FUSED: bool = cfg!(target_feature = "fma") || cfg!(target_arch = "aarch64");
-    type Batch = Two<Two<Self>>;
+    type Batch = LanePair<LanePair<Self>>;
     one_vector!();
-    const LOBES_PAIRED: bool = false;
+    type Lobes = Self;
     type Mask = f32x4;
     type Index = [u32; 4];
     type One = f32;
@@ -166,4 +167,4 @@ impl Lanes for Wide {
     }
 }
 
-super::entries!(Wide, #[inline(never)]);
+super::routine::entries!(Wide, #[inline(never)]);

@@ -2,7 +2,7 @@
 
 use super::layout::Layout;
 use crate::FitError;
-use srbf_core::{Grid, GridView, TiltedLobe, color_differences};
+use srbf_core::{Grid, GridView, TiltedLobe};
 use std::f64::consts::{LOG2_E, TAU};
 
 /// Largest albedo of a material, at any view.
@@ -24,9 +24,13 @@ pub(super) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec
     let stored: Vec<([f32; 3], Color, Vec<TiltedLobe>)> = x
         .chunks_exact(p)
         .map(|q| {
-            let color = |of: [usize; 3]| color_differences(of.map(|i| log2(q[i])));
+            let color = |k: usize| {
+                let [luminance, red, blue] = layout.tint(k).map(|i| q[i]);
+                // What has been darkened to nothing is none.
+                (log2(luminance).max(-126.0), [red as f32, blue as f32])
+            };
             let lobes = (0..layout.lobes).map(|k| {
-                let (log2_luminance, color_differences) = color([0, 1, 2].map(|c| layout.amplitude(c, k)));
+                let (log2_luminance, color_differences) = color(k);
                 TiltedLobe {
                     tilt: [q[layout.along(k)] as f32, q[layout.across(k)] as f32],
                     log2_sharpness: log2(q[layout.sharpness(k)]),
@@ -34,7 +38,7 @@ pub(super) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec
                     color_differences,
                 }
             });
-            ([0, 1, 2].map(|i| log2(q[i])), color([0, 1, 2].map(|c| layout.diffuse(c))), lobes.collect())
+            ([0, 1, 2].map(|i| log2(q[i])), color(layout.lobes), lobes.collect())
         })
         .collect();
     let views: Vec<GridView<'_>> = stored
@@ -84,9 +88,7 @@ fn keep_energy(layout: &Layout, x: &mut [f64]) {
                 knots.sort_unstable();
                 knots.dedup();
                 for k in knots {
-                    let q = &mut x[k * p..(k + 1) * p];
-                    q[3..6].iter_mut().for_each(|v| *v -= less);
-                    q[layout.amplitude(0, 0)..].iter_mut().for_each(|v| *v -= less);
+                    layout.darken(&mut x[k * p..(k + 1) * p], less);
                 }
             }
         }

@@ -1,11 +1,14 @@
 //! The unknowns of an anisotropic fit: lobes at knots over the hemisphere, and what lies between.
 //!
 //! Knot 0 is the normal; then ring by ring, each with the same number of azimuths. A knot has `6 + 6 K` unknowns: the logarithm
-//! of the squeeze matrix (xx, xy, yy), per channel the logarithm of the diffuse albedo, K tilts of the axes along the plane of
-//! incidence, K across it, K `ln sharpness`, and K `ln amplitude` per channel. Between knots `srbf_core` interpolates them as is
-//! done here; see `core/src/anisotropic.rs`, which also says why that is continuous at the normal.
+//! of the squeeze matrix (xx, xy, yy), logarithm of the luminance and two relative colour differences of the diffuse albedo, K tilts of
+//! the axes along the plane of incidence, K across it, K `ln sharpness`, and of the amplitudes K logarithms of the luminance, K red and K
+//! blue differences. Between knots `srbf_core` interpolates them as is
+//! done here; see `core/src/kernel/prepare_anisotropic.rs`, which also says why that is continuous at the normal.
 
+use crate::isotropic::model::parameters::{COLORS, rgb};
 use crate::numeric::special::sphere_integral;
+use crate::table::luminance;
 use std::f64::consts::{PI, TAU};
 
 /// How many lobes there are, and where the knots lie.
@@ -50,9 +53,6 @@ impl Layout {
     pub fn len(&self) -> usize {
         self.stride() * self.knots()
     }
-    pub fn diffuse(&self, channel: usize) -> usize {
-        3 + channel
-    }
     pub fn along(&self, k: usize) -> usize {
         6 + k
     }
@@ -62,8 +62,33 @@ impl Layout {
     pub fn sharpness(&self, k: usize) -> usize {
         6 + 2 * self.lobes + k
     }
-    pub fn amplitude(&self, channel: usize, k: usize) -> usize {
-        6 + (3 + channel) * self.lobes + k
+    /// The logarithm of the luminance of a lobe's amplitude.
+    pub fn luminance(&self, k: usize) -> usize {
+        6 + 3 * self.lobes + k
+    }
+    /// Logarithm of the luminance and both colour differences of lobe k, or of the diffuse term as lobe K.
+    pub fn tint(&self, k: usize) -> [usize; 3] {
+        if k == self.lobes {
+            return [3, 4, 5];
+        }
+        [0, 1, 2].map(|number| self.luminance(k) + number * self.lobes)
+    }
+    /// The colour differences of lobes and diffuse term.
+    pub fn is_color(&self, index: usize) -> bool {
+        index >= self.luminance(self.lobes) || (4..6).contains(&index)
+    }
+    /// Sets luminance and colour of lobe k, or of the diffuse term, to a colour; to `least` if its luminance is less.
+    pub fn set_tint(&self, q: &mut [f64], k: usize, color: [f64; 3], least: f64) {
+        let ([y, red, blue], bright) = (self.tint(k), luminance(color));
+        q[y] = libm::log(bright.max(least));
+        if bright > 0.0 {
+            q[red] = (color[0] / bright - 1.0).clamp(COLORS[0].0, COLORS[0].1);
+            q[blue] = (color[2] / bright - 1.0).clamp(COLORS[1].0, COLORS[1].1);
+        }
+    }
+    /// Multiplies lobes and diffuse term by `exp(-less)`.
+    pub fn darken(&self, q: &mut [f64], less: f64) {
+        (0..=self.lobes).for_each(|k| q[self.tint(k)[0]] -= less);
     }
 
     /// The knot at a place of a ring; any integer is an azimuth.
@@ -91,9 +116,10 @@ impl Layout {
         match index {
             1 => SHEAR,
             0..3 => SQUEEZE,
-            3..6 => LN_AMPLITUDE,
+            3 => LN_AMPLITUDE,
+            _ if self.is_color(index) => COLORS[0],
             _ if index < self.sharpness(0) => TILT,
-            _ if index < self.amplitude(0, 0) => LN_SHARPNESS,
+            _ if index < self.luminance(0) => LN_SHARPNESS,
             _ => LN_AMPLITUDE,
         }
     }
@@ -103,6 +129,7 @@ impl Layout {
         match index {
             0..3 => 0.3,
             _ if (6..self.sharpness(0)).contains(&index) => 0.15,
+            _ if self.is_color(index) => 0.5,
             _ => 0.7,
         }
     }
@@ -169,12 +196,11 @@ impl Layout {
 
     /// Albedo of interpolated unknowns, the closed form `diffuse + sum a I(s)`.
     pub fn albedo(&self, q: &[f64]) -> [f64; 3] {
-        let mut sum = [0, 1, 2].map(|c| libm::exp(q[self.diffuse(c)]));
-        for k in 0..self.lobes {
-            let (integral, _) = sphere_integral(q[self.sharpness(k)]);
-            for (c, s) in sum.iter_mut().enumerate() {
-                *s += libm::exp(q[self.amplitude(c, k)]) * integral;
-            }
+        let mut sum = [0.0; 3];
+        for k in 0..=self.lobes {
+            let integral = if k < self.lobes { sphere_integral(q[self.sharpness(k)]).0 } else { 1.0 };
+            let color = rgb(self.tint(k).map(|i| q[i]));
+            (0..3).for_each(|c| sum[c] += color[c] * integral);
         }
         sum
     }

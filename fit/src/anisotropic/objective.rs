@@ -1,17 +1,21 @@
 //! What an anisotropic fit makes small, with gradient and Gauss-Newton matrix.
 //!
 //! A sum of squares over all views at once, of the same parts as an isotropic fit's (`objective.rs`, which has the reasons):
-//! *data*, relative to the view, with a share for the relative variance; *energy*, the logarithm of the albedo; and *roughness*,
+//! *data*, relative to the view, with a share for the relative variance; *energy*, the relative error of the albedo; and *roughness*,
 //! second differences outward from the normal and, times the sine of the angle, along each ring.
 
 use super::layout::{Layout, Place};
 use super::model::{Lobes, Slopes};
 use super::table::View;
 use crate::FitError;
+use crate::isotropic::model::parameters::{COLOR_SLOPES, rgb};
+use crate::isotropic::objective::solver::COLOR_STEP;
+use crate::isotropic::search::schedule::FAINT_COLOR;
+use crate::judge::energy::EnergyError;
+use crate::judge::seen::brightness;
 use crate::numeric::blocks::Blocks;
 use crate::numeric::levenberg::{LeastSquares, Linear};
 use crate::numeric::special::sphere_integral;
-use crate::table::albedo_log::Ratio;
 use crate::table::{Sample, check_bright, check_storable};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
@@ -80,6 +84,12 @@ impl LeastSquares for Objective {
         let (knot, index) = (unknown / self.layout.stride(), unknown % self.layout.stride());
         if self.layout.fixed(knot, index) { (0.0, 0.0) } else { self.layout.bounds(index) }
     }
+    fn unit(&self, unknown: usize) -> f64 {
+        if self.layout.is_color(unknown % self.layout.stride()) { COLOR_STEP } else { 1.0 }
+    }
+    fn faint(&self, unknown: usize) -> f64 {
+        if self.layout.is_color(unknown % self.layout.stride()) { FAINT_COLOR } else { 1e-10 }
+    }
     fn cost(&self, x: &[f64]) -> f64 {
         Self::cost(self, x)
     }
@@ -93,7 +103,7 @@ pub(super) struct Objective {
     pub layout: Layout,
     smoothness: f64,
     views: Vec<Data>,
-    ratio: Ratio,
+    energy: EnergyError,
 }
 
 /// Squared norm of `f cos` over a view.
@@ -112,7 +122,7 @@ impl Objective {
         let count = views.len() as f64;
         let data = |view: &View| {
             let norm = norm_squared(view).max(1e-9 * strongest);
-            let bright = |s: &Sample| s.rgb.iter().sum::<f64>() / 3.0 * s.direction[2];
+            let bright = |s: &Sample| brightness(s.rgb) * s.direction[2];
             let energy: f64 = view.samples.iter().map(|s| s.weight * bright(s)).sum();
             let solid: f64 = view.samples.iter().map(|s| s.weight).sum();
             let mean = (energy / solid).max(1e-9 * brightest);
@@ -126,9 +136,9 @@ impl Objective {
             });
             Data { place: layout.place(view.theta, view.phi), points: points.collect(), albedo: view.albedo }
         };
-        let ratio = Ratio::new(views.iter().map(|v| v.albedo));
+        let energy = EnergyError::new(views.iter().map(|v| v.albedo));
         let views = views.iter().map(data).collect();
-        Ok(Self { layout, smoothness, views, ratio })
+        Ok(Self { layout, smoothness, views, energy })
     }
 
     /// The cost at a point.
@@ -151,8 +161,8 @@ impl Objective {
                         cost += p.weight * (value - target) * (value - target);
                     }
                 }
-                let albedo = layout.albedo(&q);
-                (0..3).for_each(|c| cost += self.energy_residual(albedo[c], view.albedo[c]).powi(2));
+                let residuals = self.energy_residuals(layout.albedo(&q), view.albedo);
+                cost += residuals.iter().map(|r| r.0 * r.0).sum::<f64>();
                 cost
             })
             .collect();
@@ -234,29 +244,26 @@ impl Objective {
         // From columns to unknowns, channel by channel.
         let mut local = Local { cost, gradient: vec![0.0; p], matrix: vec![0.0; p * p] };
         for c in 0..3 {
-            let column = |i: usize| {
-                let n = i % k;
-                match i / k {
-                    _ if i >= shared => (i - shared - 3 * c, 1.0),
-                    _ if i == 4 * k => (layout.diffuse(c), amplitude[c][k]),
-                    0 => (layout.along(n), amplitude[c][n]),
-                    1 => (layout.across(n), amplitude[c][n]),
-                    2 => (layout.sharpness(n), amplitude[c][n]),
-                    _ => (layout.amplitude(c, n), amplitude[c][n]),
-                }
-            };
-            let own = shared + 3 * c..shared + 3 * c + 3;
-            let columns: Vec<(usize, usize, f64)> = (0..shared)
-                .chain(own)
-                .map(|i| {
-                    let (unknown, factor) = column(i);
-                    (i, unknown, factor)
-                })
-                .collect();
-            for &(i, a, factor_a) in &columns {
+            // A column, an unknown that it is of, and by what it is multiplied.
+            let mut columns: Vec<(usize, usize, f64)> = Vec::with_capacity(6 * k + 6);
+            for (n, &own) in amplitude[c].iter().enumerate().take(k) {
+                columns.push((n, layout.along(n), own));
+                columns.push((k + n, layout.across(n), own));
+                columns.push((2 * k + n, layout.sharpness(n), own));
+            }
+            for (n, &own) in amplitude[c].iter().enumerate() {
+                let [luminance, red, blue] = layout.tint(n);
+                let y = libm::exp(q[luminance]);
+                columns.push((3 * k + n, luminance, own));
+                columns.push((3 * k + n, red, y * COLOR_SLOPES[0][c]));
+                columns.push((3 * k + n, blue, y * COLOR_SLOPES[1][c]));
+            }
+            columns.extend((0..3).map(|i| (shared + 3 * c + i, i, 1.0)));
+            columns.retain(|column| column.2 != 0.0);
+            for (n, &(i, a, factor_a)) in columns.iter().enumerate() {
                 local.gradient[a] += factor_a * moment[i][c];
-                for &(j, b, factor_b) in columns.iter().take_while(|e| e.0 <= i) {
-                    let value = factor_a * factor_b * gram[i * width + j];
+                for &(j, b, factor_b) in &columns[..=n] {
+                    let value = factor_a * factor_b * gram[i.max(j) * width + i.min(j)];
                     local.matrix[a * p + b] += value;
                     if a != b {
                         local.matrix[b * p + a] += value;
@@ -265,24 +272,36 @@ impl Objective {
             }
         }
         let albedo = layout.albedo(&q);
-        for (c, (&fitted, &data)) in albedo.iter().zip(&view.albedo).enumerate() {
-            let residual = self.energy_residual(fitted, data);
-            let slope = self.energy_weight() / self.ratio.shifted(fitted);
-            self.add_albedo_row(&mut local, &q, c, residual, slope);
+        for (c, row) in self.energy_residuals(albedo, view.albedo).into_iter().enumerate() {
+            self.add_albedo_row(&mut local, &q, c, row);
         }
         local
     }
 
     /// Adds the square of a residual of one channel's albedo to a view.
-    fn add_albedo_row(&self, local: &mut Local, q: &[f64], channel: usize, residual: f64, by_albedo: f64) {
+    fn add_albedo_row(
+        &self,
+        local: &mut Local,
+        q: &[f64],
+        channel: usize,
+        (residual, by_albedo): (f64, f64),
+    ) {
         let layout = &self.layout;
         let p = layout.stride();
-        let mut row = vec![(layout.diffuse(channel), by_albedo * libm::exp(q[layout.diffuse(channel)]))];
-        for k in 0..layout.lobes {
-            let (integral, slope) = sphere_integral(q[layout.sharpness(k)]);
-            let amplitude = by_albedo * libm::exp(q[layout.amplitude(channel, k)]);
-            row.push((layout.sharpness(k), amplitude * slope));
-            row.push((layout.amplitude(channel, k), amplitude * integral));
+        let mut row = Vec::with_capacity(4 * layout.lobes + 3);
+        for k in 0..=layout.lobes {
+            let [luminance, red, blue] = layout.tint(k);
+            let color = by_albedo * rgb([luminance, red, blue].map(|i| q[i]))[channel];
+            let mut integral = 1.0;
+            if k < layout.lobes {
+                let slope;
+                (integral, slope) = sphere_integral(q[layout.sharpness(k)]);
+                row.push((layout.sharpness(k), color * slope));
+            }
+            let y = by_albedo * libm::exp(q[luminance]) * integral;
+            row.push((luminance, color * integral));
+            row.push((red, y * COLOR_SLOPES[0][channel]));
+            row.push((blue, y * COLOR_SLOPES[1][channel]));
         }
         local.cost += residual * residual;
         for &(i, a) in &row {
@@ -291,12 +310,11 @@ impl Objective {
         }
     }
 
-    fn energy_weight(&self) -> f64 {
-        libm::sqrt(ENERGY / (3.0 * self.views.len() as f64))
-    }
-
-    fn energy_residual(&self, fitted: f64, data: f64) -> f64 {
-        self.energy_weight() * self.ratio.ln(fitted, data)
+    /// Residuals of the channels of an albedo, and their derivatives by it.
+    fn energy_residuals(&self, fitted: [f64; 3], data: [f64; 3]) -> [(f64, f64); 3] {
+        let weight = libm::sqrt(ENERGY / (3.0 * self.views.len() as f64));
+        let (errors, slopes) = (self.energy.errors(fitted, data), self.energy.slopes(data));
+        [0, 1, 2].map(|c| (weight * errors[c], weight * slopes[c]))
     }
 
     /// Calls with the terms (unknown, factor) of each residual of the roughness.
@@ -412,8 +430,8 @@ fn add_view(layout: &Layout, place: &Place, local: &Local, sum: &mut Linearized)
 
 /// Amplitudes of the lobes and of the diffuse term, per channel.
 pub(super) fn amplitudes(layout: &Layout, q: &[f64]) -> [Vec<f64>; 3] {
-    let channel = |c| (0..layout.lobes).map(move |k| layout.amplitude(c, k)).chain([layout.diffuse(c)]);
-    [0, 1, 2].map(|c| channel(c).map(|i| libm::exp(q[i])).collect())
+    let colors: Vec<[f64; 3]> = (0..=layout.lobes).map(|k| rgb(layout.tint(k).map(|i| q[i]))).collect();
+    [0, 1, 2].map(|c| colors.iter().map(|color| color[c]).collect())
 }
 
 #[cfg(test)]

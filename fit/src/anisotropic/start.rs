@@ -9,6 +9,7 @@ use super::layout::Layout;
 use super::model::{Lobes, exponential};
 use super::table::View;
 use crate::numeric::random::Random;
+use crate::table::luminance;
 
 /// Share of a knot's largest amplitude over sharpness that a lobe gets which the best amplitudes leave out: enough for the solver
 /// to feel it.
@@ -78,20 +79,18 @@ pub(super) fn start(knots: &[View], layout: &Layout, n: usize) -> Vec<f64> {
             }
         }
         let lobes = Lobes::new(layout, q);
-        for (channel, found) in best_amplitudes(view, &lobes).iter().enumerate() {
-            let largest = found.iter().copied().fold(1e-9, f64::max);
-            let diffuse = found[layout.lobes];
-            q[layout.diffuse(channel)] = libm::log(diffuse.max(1e-3 * view.albedo[channel] + 1e-9));
-            for k in 0..layout.lobes {
-                let faint = FAINT * largest / libm::exp(q[layout.sharpness(k)]).max(1.0);
-                q[layout.amplitude(channel, k)] = libm::log(found[k].max(faint));
-            }
+        let found = best_amplitudes(view, &lobes);
+        let color = |k: usize| [0, 1, 2].map(|c| found[c][k]);
+        let largest = (0..=layout.lobes).map(|k| luminance(color(k))).fold(1e-9, f64::max);
+        for k in 0..layout.lobes {
+            let faint = FAINT * largest / libm::exp(q[layout.sharpness(k)]).max(1.0);
+            layout.set_tint(q, k, color(k), faint);
         }
+        layout.set_tint(q, layout.lobes, color(layout.lobes), 1e-3 * luminance(view.albedo).max(0.0) + 1e-9);
         let most = layout.albedo(q).into_iter().fold(0.0, f64::max);
         if most > BRIGHTEST {
             let less = libm::log(most / BRIGHTEST);
-            q[3..6].iter_mut().for_each(|a| *a -= less);
-            q[layout.amplitude(0, 0)..].iter_mut().for_each(|a| *a -= less);
+            layout.darken(q, less);
         }
     }
     x

@@ -3,14 +3,19 @@
 use crate::FitError;
 use crate::isotropic::factors::Factors;
 use crate::isotropic::model::parameters::Layout;
+use crate::table::luminance;
 use srbf_core::{FactorTable, Line, PlaneLobe, View, encoded_len};
 use std::f64::consts::{FRAC_PI_2, LOG2_E};
 
 /// Largest albedo of a material, at any view.
 const MOST: f64 = 0.999;
 
-/// Views between two knots at which the albedo is looked at.
+/// Views between two knots at which the albedo is looked at, and with factors, whose means take long.
 const LOOKS: usize = 64;
+const FACTORED_LOOKS: usize = 16;
+
+/// Largest difference of albedos that is stored.
+const MOST_DIFFERENCE: f64 = 16.0;
 
 /// As many views as take no more bytes than those of a layout would with so many lobes, none of which stands for two; at most twice as
 /// many.
@@ -42,33 +47,34 @@ pub(crate) fn encode(
 ) -> Result<Vec<u8>, FitError> {
     let p = layout.stride();
     let mut x = x.to_vec();
-    let mut q = vec![0.0; p];
     let last = layout.knots.len() - 1;
-    let looks = if factors.is_some() { LOOKS / 4 } else { LOOKS };
+    let mut albedos = Vec::new();
+    let mut is_lowered = false;
     for knot in 0..last.max(1) {
-        let most = (0..=if last == 0 { 0 } else { looks }).fold(0.0, |most: f64, look| {
-            layout.interpolate(&x, (knot, look as f64 / looks as f64), &mut q);
-            let means =
-                factors.map(|f| f.means(layout, &q, layout.theta((knot, look as f64 / looks as f64))));
-            layout.albedo(&q, means.as_deref()).into_iter().fold(most, f64::max)
-        });
+        albedos.push(Albedo::around(layout, &x, factors, knot));
+        let channels = albedos[knot].iter().flat_map(|albedo| albedo.factored);
+        let most = channels.fold(0.0, f64::max);
         if most > MOST {
+            is_lowered = true;
             for k in knot..=(knot + 1).min(last) {
                 layout.luminances().for_each(|i| x[k * p + i] -= libm::log(most / MOST));
             }
         }
     }
+    if is_lowered && factors.is_some() {
+        albedos = (0..last.max(1)).map(|knot| Albedo::around(layout, &x, factors, knot)).collect();
+    }
 
     let log2 = |v: f64| (v * LOG2_E) as f32;
     let stored_lobes = |q: &[f64]| -> Vec<PlaneLobe> {
         let lobes = (0..layout.lobes).map(|k| {
-            let [luminance, red, blue] = layout.tint(k).map(|i| q[i]);
+            let [log_luminance, red, blue] = layout.tint(k).map(|i| q[i]);
             let mirrored = k.checked_sub(layout.first_mirrored());
             PlaneLobe {
                 angle: q[layout.angle(k)] as f32,
                 off_plane: mirrored.map_or(0.0, |m| off_plane(q[layout.off_plane(m)])),
                 log2_sharpness: log2(q[layout.sharpness(k)]),
-                log2_luminance: log2(luminance),
+                log2_luminance: log2(log_luminance),
                 color_differences: [red as f32, blue as f32],
             }
         });
@@ -77,31 +83,92 @@ pub(crate) fn encode(
     let lobes: Vec<Vec<PlaneLobe>> = x.chunks_exact(p).map(stored_lobes).collect();
     let mut views: Vec<View<'_>> = Vec::with_capacity(lobes.len());
     for ((theta, q), lobes) in layout.knots.iter().zip(x.chunks_exact(p)).zip(&lobes) {
-        let [luminance, red, blue] = layout.tint(layout.lobes).map(|i| q[i]);
+        let [log_luminance, red, blue] = layout.tint(layout.lobes).map(|i| q[i]);
         views.push(View {
             theta: if *theta >= FRAC_PI_2 { std::f32::consts::FRAC_PI_2 } else { *theta as f32 },
             log2_squeeze: log2(q[0]),
-            log2_diffuse: log2(luminance),
+            log2_diffuse: log2(log_luminance),
             diffuse_color_differences: [red as f32, blue as f32],
             lobes,
         });
     }
-    let albedo = |(knot, q): (usize, &[f64])| {
-        let means = factors.map(|f| f.means(layout, q, layout.knots[knot]));
-        layout.albedo(q, means.as_deref()).map(|v| v as f32)
-    };
-    let albedos: Vec<[f32; 3]> = x.chunks_exact(p).enumerate().map(albedo).collect();
+    let albedo_differences = factors.map(|_| albedo_differences(&albedos)).unwrap_or_default();
     let nodes = factors.map(Factors::nodes).unwrap_or_default();
     let table = factors.map(|f| FactorTable {
         half: f.size()[0],
         difference: f.size()[1],
         factors: &nodes,
-        albedos: &albedos,
+        albedo_differences: &albedo_differences,
     });
     let line = Line { views: &views, squeezed: layout.squeezed, mirrored: layout.mirrored, factors: table };
     let mut bytes = vec![0; line.encoded_len(provenance)];
     line.encode(provenance, &mut bytes)?;
     Ok(bytes)
+}
+
+/// Albedo at a place between two knots.
+struct Albedo {
+    /// Of the lobes and the diffuse term alone.
+    lobes: [f64; 3],
+    factored: [f64; 3],
+}
+
+impl Albedo {
+    /// Albedos at evenly spaced places from a knot to the next, both included; at the knot alone if there is no next.
+    fn around(layout: &Layout, x: &[f64], factors: Option<&Factors>, knot: usize) -> Vec<Self> {
+        let looks = if factors.is_some() { FACTORED_LOOKS } else { LOOKS };
+        let mut q = vec![0.0; layout.stride()];
+        let mut at = |look| {
+            let place = (knot, look as f64 / looks as f64);
+            layout.interpolate(x, place, &mut q);
+            let lobes = layout.albedo(&q, None);
+            let means = factors.map(|f| f.means(layout, &q, layout.theta(place)));
+            Self { lobes, factored: means.map_or(lobes, |means| layout.albedo(&q, Some(&means))) }
+        };
+        (0..=if layout.knots.len() == 1 { 0 } else { looks }).map(&mut at).collect()
+    }
+
+    /// What the factors change, relative to the luminance of the lobes.
+    fn difference(&self) -> [f64; 3] {
+        let luminance = luminance(self.lobes);
+        let over = |d: f64| if luminance > 0.0 { d / luminance } else { 0.0 };
+        [0, 1, 2].map(|c| over(self.factored[c] - self.lobes[c]))
+    }
+}
+
+/// The albedo differences of the knots, between which the straight lines are nearest to those of the albedos, in the least squares.
+///
+/// Those at the knots themselves would leave larger errors half way, all to one side where the factors have an edge.
+fn albedo_differences(albedos: &[Vec<Albedo>]) -> Vec<[f32; 3]> {
+    let knots = albedos.len() + usize::from(albedos[0].len() > 1);
+    // Normal equations: diagonal, what is beside it, right side; a knot knows its neighbours alone.
+    let (mut diagonal, mut beside) = (vec![0.0; knots], vec![0.0; knots]);
+    let mut sums = vec![[0.0; 3]; knots];
+    for (knot, albedos) in albedos.iter().enumerate() {
+        let looks = (albedos.len() - 1).max(1) as f64;
+        for (look, albedo) in albedos.iter().enumerate() {
+            let (onward, difference) = (look as f64 / looks, albedo.difference());
+            for (k, share) in [(knot, 1.0 - onward), (knot + 1, onward)] {
+                if share > 0.0 {
+                    diagonal[k] += share * share;
+                    (0..3).for_each(|c| sums[k][c] += share * difference[c]);
+                }
+            }
+            beside[knot] += onward * (1.0 - onward);
+        }
+    }
+    for k in 1..knots {
+        let share = beside[k - 1] / diagonal[k - 1];
+        diagonal[k] -= share * beside[k - 1];
+        let before = sums[k - 1];
+        (0..3).for_each(|c| sums[k][c] -= share * before[c]);
+    }
+    let mut after = [0.0; 3];
+    for k in (0..knots).rev() {
+        (0..3).for_each(|c| sums[k][c] = (sums[k][c] - beside[k] * after[c]) / diagonal[k]);
+        after = sums[k];
+    }
+    sums.iter().map(|s| s.map(|d| d.clamp(-MOST_DIFFERENCE, MOST_DIFFERENCE) as f32)).collect()
 }
 
 /// An angle out of the plane of incidence as it is stored: one that is nearly 0 is 0, as its square would be a subnormal, which

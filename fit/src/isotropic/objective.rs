@@ -14,7 +14,7 @@
 
 pub(crate) mod data_term;
 mod linearize;
-mod solver;
+pub(crate) mod solver;
 
 use crate::FitError;
 use crate::isotropic::factors::{Demand, Factors};

@@ -104,8 +104,8 @@ impl<'a> Problem<'a> {
     fn solve(&self, emphasis: Emphasis, work: &mut Work<'_>) -> Result<Vec<Finalist<'a>>, FitError> {
         let Self { source, settings, table, knots } = *self;
         let stages = self.stages(emphasis);
-        work.total =
-            schedule::work(&stages) + schedule::work(&self.stages_again(emphasis, 1, settings.exchanges));
+        work.total = schedule::work(&stages)
+            + schedule::work(&self.stages_again(emphasis, 1, schedule::exchanges_again(settings)));
         let (scouting, refining) = stages.split_at(stages.partition_point(|stage| !stage.full));
         let shapes = settings.shapes();
         let layouts = shapes.into_iter().map(|(squeezed, mirrored)| {
@@ -152,7 +152,7 @@ impl<'a> Problem<'a> {
             // Then it is the only one.
             let meets_all = !finalists[0].misses();
             emphasis = emphasized(&mut finalists, emphasis);
-            let exchanges = if meets_all { self.settings.exchanges } else { 0 };
+            let exchanges = if meets_all { schedule::exchanges_again(self.settings) } else { 0 };
             self.again(&mut finalists, (emphasis, exchanges), work)?;
             for finalist in &finalists {
                 if finalist.rank() < best.rank() {

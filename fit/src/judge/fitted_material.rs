@@ -67,7 +67,8 @@ impl<'m> TrackedView<'m> {
         Ok(view)
     }
 
-    /// The albedo as the mean of `f cos / pdf` over directions that the lobes draw, evenly spread.
+    /// The albedo as the mean of `f cos / pdf` over directions that the lobes draw, evenly spread. What the material stores is
+    /// interpolated between its views, and up to 1.4 % off there (malachite), where a fit's energy is within 1 %.
     fn drawn_albedo(&self) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for i in 0..DRAWN {

@@ -83,7 +83,8 @@ pub struct Seen {
     pub peak: f64,
     /// The same beyond.
     pub off_peak: f64,
-    /// Median of the relative error of the luminance beyond 15 degrees, by the cosine; NaN as above.
+    /// Median of the error of the luminance beyond 15 degrees, by the cosine, relative to that of the data and the floor of the measure,
+    /// a hundredth of the mean radiance; NaN as above.
     pub luminance: f64,
     /// Median of the distance of colours from 15 to 60 degrees: the sum over the channels of the differences of their shares.
     pub chroma: f64,
@@ -95,6 +96,7 @@ pub(crate) fn seen(fitted: &dyn FittedView, view: &View) -> Seen {
     let (peak, far) = (libm::cos(PEAK.to_radians()), libm::cos(RING.to_radians()));
     let mut squares = [(0.0, 0.0); 2];
     let (mut luminances, mut chromas) = (Vec::new(), Vec::new());
+    let floor = floor(level(view.uncut_albedo).max(0.0));
     for s in &view.samples {
         let from_mirror = s.direction[0] * sin + s.direction[2] * cos;
         let is_off = from_mirror < peak;
@@ -107,7 +109,7 @@ pub(crate) fn seen(fitted: &dyn FittedView, view: &View) -> Seen {
         }
         if is_off && s.direction[2] > LEAST_COSINE {
             let weight = s.weight * s.direction[2];
-            luminances.push((relative(luminance(value), luminance(data)), weight));
+            luminances.push((relative(luminance(value), luminance(data), floor * s.direction[2]), weight));
             if from_mirror > far {
                 chromas.push((chroma(value, data), weight));
             }
@@ -133,8 +135,9 @@ pub(crate) fn negatives(samples: &[Sample]) -> (f64, f64) {
     (share(count, all), libm::sqrt(share(below, square)))
 }
 
-fn relative(value: f64, data: f64) -> f64 {
-    (value - data).abs() / data.abs().max(1e-9)
+/// Error relative to the data, which may be 0, and a floor.
+fn relative(value: f64, data: f64, floor: f64) -> f64 {
+    (value - data).abs() / (data.abs() + floor).max(1e-9)
 }
 
 /// Sum of the differences of the shares that the channels have of the sum of their magnitudes.
@@ -188,8 +191,32 @@ mod tests {
         let found = seen(&Off, &view);
         assert!((found.peak - 2.0).abs() < 0.02, "{found:?}");
         assert!((found.off_peak - 1.0).abs() < 0.02, "{found:?}");
-        assert!((found.luminance - (2.0 * (1.0 - 0.0722) - 1.0)).abs() < 1e-3, "{found:?}");
+        assert!(
+            (found.luminance - (2.0 * (1.0 - 0.0722) - 1.0) / (1.0 + 0.01 / PI)).abs() < 1e-6,
+            "{found:?}"
+        );
         assert!((found.chroma - 2.0 / 3.0).abs() < 1e-9, "{found:?}");
+    }
+
+    /// A thousandth everywhere.
+    struct Faint;
+
+    impl FittedView for Faint {
+        fn f_cos(&self, d: [f64; 3]) -> [f64; 3] {
+            [0.001 * d[2]; 3]
+        }
+    }
+
+    #[test]
+    fn what_is_black_in_the_data_counts_by_the_floor() {
+        for data in [0.0, 1e-12, -1e-12] {
+            let sample =
+                |i| Sample { direction: direction(0.015 * f64::from(i), 1.0), rgb: [data; 3], weight: 1.0 };
+            let samples = (0..100).map(sample).collect();
+            let view = View { theta: 0.5, samples, albedo: [0.3; 3], uncut_albedo: [0.3; 3], floor: 0.0 };
+            let found = seen(&Faint, &view).luminance;
+            assert!((found - 0.001 / (0.01 * 0.3 / PI)).abs() < 1e-6, "{data}: {found}");
+        }
     }
 
     #[test]

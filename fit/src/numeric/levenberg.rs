@@ -119,6 +119,8 @@ pub(crate) fn minimize<P: LeastSquares>(
             damping = (damping * (1.0 - cube * cube * cube).max(1.0 / 3.0)).max(1e-9);
             growth = 2.0;
             *x = moved;
+            // One matrix at a time.
+            drop(at);
             at = problem.linearize(x);
             history.push(at.cost());
             let n = history.len();

@@ -74,7 +74,7 @@ pub fn factored(random: &mut Random) -> [Vec<u8>; 2] {
     let (half, difference) = (32, 19);
     let factors: Vec<[f32; 3]> =
         (0..half * difference).map(|_| [0.0; 3].map(|_: f32| 8.0 * random.next())).collect();
-    let table = FactorTable { half, difference, factors: &factors, albedos: &[[0.5; 3]; 9] };
+    let table = FactorTable { half, difference, factors: &factors, albedo_differences: &[[-0.5; 3]; 9] };
     let mut both = made(random, 1, &[Some(table), None]);
     let bare = both.pop().expect("two of them");
     [both.pop().expect("two of them"), bare]

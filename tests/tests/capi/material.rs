@@ -51,8 +51,9 @@ fn factored_bytes() -> Vec<u8> {
     let (half, difference) = (5, 4);
     let factor = |n: usize| [0.25 * (1 + n / difference) as f32, 1.0, 0.25 * (1 + n % difference) as f32];
     let factors: Vec<[f32; 3]> = (0..half * difference).map(factor).collect();
-    let albedos = [[0.25, 0.5, 0.125], [0.25, 0.5, 0.25]];
-    let factors = FactorTable { half, difference, factors: &factors, albedos: &albedos };
+    let albedo_differences = [[-0.25, 0.5, -0.125], [-0.25, 0.5, 0.25]];
+    let factors =
+        FactorTable { half, difference, factors: &factors, albedo_differences: &albedo_differences };
     let line = Line { views: &views, squeezed: 1, mirrored: 0, factors: Some(factors) };
     // Eight letters leave the numbers where a program may read them as such.
     let mut bytes = vec![0; line.encoded_len("by tests")];

@@ -31,7 +31,7 @@ pub fn read(path: &Path, material: &str) -> Result<Source, FitError> {
 /// The names of the materials of a file, separated by commas.
 ///
 /// # Errors
-/// As [`read`].
+/// As [`read()`].
 pub fn names(path: &Path) -> Result<String, FitError> {
     Ok(list(&read_all(path)?.1))
 }

@@ -10,7 +10,6 @@
 
 use crate::numeric::special::sphere_integral;
 use crate::table::luminance;
-use std::f64::consts::FRAC_PI_2;
 
 /// How many lobes there are, and where the knots lie.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +35,7 @@ const LN_AMPLITUDE: (f64, f64) = (-40.0, 30.0);
 /// Relative colour differences, red and blue. Those of colours in the gamut of sRGB are from -1 to 3.7 and to 12.9; colours of
 /// overlapping lobes may lie far outside of it and make one within. With bounds of -2, or pulled to the mean colour, malachite's
 /// colours are worse.
-const COLORS: [(f64, f64); 2] = [(-15.0, 15.0); 2];
+pub(crate) const COLORS: [(f64, f64); 2] = [(-15.0, 15.0); 2];
 
 /// Bounds of the defensive lobe: nowhere on the hemisphere is it below a fiftieth of its peak. A sharpness of at most 1 would
 /// bound it better, but fits garnet red to 1.7 % in place of 1.6 %.
@@ -269,6 +268,7 @@ pub(crate) fn rgb([ln_luminance, red, blue]: [f64; 3]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::FRAC_PI_2;
 
     #[test]
     fn places_are_between_their_knots() {

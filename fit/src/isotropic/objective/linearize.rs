@@ -33,6 +33,9 @@ impl Block {
     }
 }
 
+/// Views of which the matrices are there at a time: with 64 lobes each has 0.8 MB.
+const TOGETHER: usize = 16;
+
 /// The whole problem linearised at a point.
 pub(crate) struct Linearized {
     pub cost: f64,
@@ -43,13 +46,47 @@ pub(crate) struct Linearized {
     pub scale: Vec<f64>,
 }
 
+impl Linearized {
+    /// Adds a view to the knots round it.
+    fn add(&mut self, mut block: Block) {
+        block.mirror();
+        let p = block.gradient.len();
+        self.cost += block.cost;
+        let (knot, blend) = block.place;
+        let ends = [(knot, 1.0 - blend), (knot + 1, blend)];
+        for (a, (knot_a, share_a)) in ends.into_iter().enumerate().filter(|e| e.1.1 > 0.0) {
+            for i in 0..p {
+                self.gradient[knot_a * p + i] += share_a * block.gradient[i];
+                self.scale[knot_a * p + i] += share_a * share_a * block.scale[i];
+            }
+            for (knot_b, share_b) in ends.into_iter().take(a + 1).filter(|e| e.1 > 0.0) {
+                let share = share_a * share_b;
+                for j in 0..p {
+                    let start = if knot_a == knot_b { j } else { 0 };
+                    let row = &block.matrix[j * p + start..(j + 1) * p];
+                    self.matrix.add_run(knot_a * p + start, knot_b * p + j, share, row);
+                }
+            }
+        }
+    }
+}
+
 impl Objective {
     /// The problem linearised at a point. The cost is that of [`cost`](Self::cost).
     pub fn linearize(&self, x: &[f64], weights: Weights) -> Linearized {
         let layout = &self.layout;
         let p = layout.stride();
-        let mut blocks: Vec<Block> =
-            self.views.par_iter().map(|view| self.linearize_view(view, x, weights.energy)).collect();
+        let mut sum = Linearized {
+            cost: 0.0,
+            gradient: vec![0.0; layout.len()],
+            scale: vec![0.0; layout.len()],
+            matrix: Banded::zeros(layout.len(), (2 * p).min(layout.len() - 1)),
+        };
+        for views in self.views.chunks(TOGETHER) {
+            let view = |view| self.linearize_view(view, x, weights.energy);
+            let blocks: Vec<Block> = views.par_iter().map(view).collect();
+            blocks.into_iter().for_each(|block| sum.add(block));
+        }
         for &place in &self.watched {
             let mut q = vec![0.0; p];
             layout.interpolate(x, place, &mut q);
@@ -71,34 +108,7 @@ impl Objective {
                     self.add_albedo_row(&mut block, &q, (channel, None), (excess, slope));
                 }
             }
-            blocks.push(block);
-        }
-
-        let mut sum = Linearized {
-            cost: 0.0,
-            gradient: vec![0.0; layout.len()],
-            scale: vec![0.0; layout.len()],
-            matrix: Banded::zeros(layout.len(), (2 * p).min(layout.len() - 1)),
-        };
-        for block in &mut blocks {
-            block.mirror();
-            sum.cost += block.cost;
-            let (knot, blend) = block.place;
-            let ends = [(knot, 1.0 - blend), (knot + 1, blend)];
-            for (a, (knot_a, share_a)) in ends.into_iter().enumerate().filter(|e| e.1.1 > 0.0) {
-                for i in 0..p {
-                    sum.gradient[knot_a * p + i] += share_a * block.gradient[i];
-                    sum.scale[knot_a * p + i] += share_a * share_a * block.scale[i];
-                }
-                for (knot_b, share_b) in ends.into_iter().take(a + 1).filter(|e| e.1 > 0.0) {
-                    let share = share_a * share_b;
-                    for j in 0..p {
-                        let start = if knot_a == knot_b { j } else { 0 };
-                        let row = &block.matrix[j * p + start..(j + 1) * p];
-                        sum.matrix.add_run(knot_a * p + start, knot_b * p + j, share, row);
-                    }
-                }
-            }
+            sum.add(block);
         }
         self.for_each_difference(weights.smoothness, |terms| {
             let r: f64 = terms.iter().map(|&(index, factor)| factor * x[index]).sum();

@@ -11,7 +11,7 @@ pub(crate) struct Weighted<'a> {
 }
 
 /// A change of a colour difference that is as long as one of 1 of the logarithms.
-const COLOR_STEP: f64 = 4.0;
+pub(crate) const COLOR_STEP: f64 = 4.0;
 
 impl Weighted<'_> {
     fn is_color(&self, unknown: usize) -> bool {

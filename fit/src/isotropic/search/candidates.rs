@@ -4,7 +4,7 @@ use crate::FitError;
 use crate::isotropic::model::parameters::Layout;
 use crate::isotropic::objective::{Emphasis, Objective, Weighted};
 use crate::isotropic::search::exchange::exchange;
-use crate::isotropic::search::schedule::Stage;
+use crate::isotropic::search::schedule::{Stage, side_by_side};
 use crate::isotropic::search::start;
 use crate::judge::report::Ending;
 use crate::numeric::levenberg::minimize;
@@ -103,18 +103,25 @@ pub(crate) struct Task<'a> {
 }
 
 /// Takes candidates through a stage, side by side; what becomes of each does not depend on the others, nor on threads.
-pub(crate) fn advance(stage: &Stage, tasks: Vec<Task<'_>>, work: &mut Work<'_>) {
+pub(crate) fn advance(stage: &Stage, mut tasks: Vec<Task<'_>>, work: &mut Work<'_>) {
     let Work { done, total, progress, evaluations } = work;
     let (send, receive) = std::sync::mpsc::channel();
     std::thread::scope(|scope| {
         let worker = scope.spawn(|| {
-            tasks.into_par_iter().for_each_with(send, |send, task| {
-                // Nobody listens any more if the fit is being abandoned.
-                advance_one(stage, task, || {
-                    evaluations.fetch_add(1, Ordering::Relaxed);
-                    let _ = send.send(());
-                });
-            });
+            let lobes = tasks.first().map_or(0, |task| task.objective.layout.lobes);
+            while !tasks.is_empty() {
+                let others = tasks.split_off(tasks.len().min(side_by_side(lobes)));
+                std::mem::replace(&mut tasks, others).into_par_iter().for_each_with(
+                    send.clone(),
+                    |send, task| {
+                        // Nobody listens any more if the fit is being abandoned.
+                        advance_one(stage, task, || {
+                            evaluations.fetch_add(1, Ordering::Relaxed);
+                            let _ = send.send(());
+                        });
+                    },
+                );
+            }
         });
         let mut ticks = 0;
         while !worker.is_finished() {

@@ -1,0 +1,252 @@
+//! The lobes of an isotropic material between two views: lanes are lobes.
+
+use crate::color;
+use crate::material::borrowed::Material;
+use crate::material::layout::{HEAD, MAX_LOBES, f32_at};
+use crate::mixture::factors::Among;
+use crate::mixture::leave_out::LeaveOut;
+use crate::mixture::rows::Mixture;
+use crate::simd::elementary::{exp2, sin_cos};
+use crate::simd::lanes::Lanes;
+use crate::squeeze::Squeeze;
+
+/// Widest vector of any back end, a pair included.
+pub(crate) const WIDEST: usize = 32;
+
+/// The bytes from `ahead` before an offset on, at least `need` of them: near either end of the file those of
+/// `copy`, `len` bytes, which is then made.
+macro_rules! from_offset {
+    ($bytes:expr, $offset:expr, $ahead:expr, $need:expr, $copy:ident, $len:expr) => {{
+        let (bytes, offset, ahead): (&[u8], usize, usize) = ($bytes, $offset, $ahead);
+        if offset >= ahead && bytes.len() - (offset - ahead) >= $need {
+            &bytes[offset - ahead..]
+        } else {
+            $copy = padded::<$len>(bytes, offset, ahead, $need);
+            &$copy[..]
+        }
+    }};
+}
+
+/// The two views round an outgoing direction, and how far between them it lies.
+#[derive(Clone, Copy)]
+pub(crate) struct Place {
+    before: usize,
+    after: usize,
+    blend: f32,
+}
+
+impl Place {
+    /// Of an angle from the normal; `passed` views have one of at most that.
+    #[inline(always)]
+    pub fn after(material: &Material<'_>, passed: usize, theta: f32) -> Self {
+        let (bytes, header) = (material.bytes, &material.header);
+        let after = passed.min(header.views - 1);
+        let before = after.saturating_sub(1);
+        let (from, to) = (f32_at(bytes, header.theta(before)), f32_at(bytes, header.theta(after)));
+        let blend = if to > from { ((theta - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+        Self { before, after, blend }
+    }
+
+    /// The same for what is linear among four views.
+    #[inline(always)]
+    pub fn among(self) -> Among {
+        let views = [[self.before as u16, self.after as u16]; 2];
+        Among { views, onward: self.blend, outward: 0.0 }
+    }
+
+    /// Interpolates numbers from the `i`-th on; `a` and `b` are the bytes of the same rows of the two views.
+    #[inline(always)]
+    fn between<L: Lanes>(self, a: &[u8], b: &[u8], i: usize) -> L {
+        let (a, b) = (L::load_bytes(&a[4 * i..]), L::load_bytes(&b[4 * i..]));
+        (b - a).mul_add(L::splat(self.blend), a)
+    }
+}
+
+/// How many views but the last have an angle of at most `theta`; the first always has. Lanes are views.
+#[inline(always)]
+pub(crate) fn views_passed<L: Lanes>(material: &Material<'_>, theta: f32) -> usize {
+    let last = material.header.views - 1;
+    let mut passed = 0;
+    let mut view = 0;
+    while view < last {
+        let copy;
+        let thetas = from_offset!(material.bytes, material.header.theta(view), 0, HEADS, copy, HEADS);
+        let inner = u64::MAX >> (64 - (last - view).min(L::COUNT));
+        passed += (L::bits(L::splat(theta).ge(L::load_bytes(thetas))) & inner).count_ones() as usize;
+        view += L::COUNT;
+    }
+    passed
+}
+
+/// The same for many angles: lanes are angles.
+#[inline(always)]
+pub(crate) fn views_passed_by_each<L: Lanes>(material: &Material<'_>, theta: L) -> L {
+    let mut passed = L::splat(0.0);
+    for view in 0..material.header.views - 1 {
+        let at_view = L::splat(f32_at(material.bytes, material.header.theta(view)));
+        passed = passed + L::select(theta.ge(at_view), L::splat(1.0), L::splat(0.0));
+    }
+    passed
+}
+
+/// Interpolates the views round a place. The mixture has begun, and is to be summed up.
+#[inline(always)]
+pub(crate) fn at_place<L: Lanes, const N: usize>(
+    material: &Material<'_>,
+    azimuth: [f32; 2],
+    place: Place,
+    leave_out: LeaveOut,
+    mixture: &mut Mixture<'_, N>,
+) {
+    // The heads: squeeze and diffuse albedo.
+    let (copy_a, copy_b);
+    let (a, b) = (material.header.head(place.before), material.header.head(place.after));
+    let a = from_offset!(material.bytes, a, 0, HEADS, copy_a, HEADS);
+    let b = from_offset!(material.bytes, b, 0, HEADS, copy_b, HEADS);
+    let (mut head, mut logarithms) = ([0.0; WIDEST], [0.0; WIDEST]);
+    let mut i = 0;
+    while i < HEAD {
+        // What comes behind the head is none of its numbers, and its power of two may be a subnormal, which
+        // costs 150 cycles.
+        let numbers = place.between::<L>(a, b, i).keep(L::first_lanes(HEAD - i));
+        exp2(numbers).store(&mut head[i..]);
+        if material.header.has_luminance {
+            numbers.store(&mut logarithms[i..]);
+        }
+        i += L::COUNT;
+    }
+    mixture.squeeze = Squeeze::new(azimuth, 1.0, 1.0 / head[0]);
+    mixture.set_diffuse(if material.header.has_luminance {
+        color::rgb(head[1], [logarithms[2], logarithms[3]])
+    } else {
+        [head[1], head[2], head[3]]
+    });
+
+    if material.header.mirrored > 0 {
+        lobes::<L::Lobes, N, true>(material, place, leave_out, mixture);
+    } else {
+        lobes::<L::Lobes, N, false>(material, place, leave_out, mixture);
+    }
+}
+
+/// Interpolates the lobes and completes the mixture but for its sums. `MIRRORED`: some of them are.
+#[inline(always)]
+fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
+    material: &Material<'_>,
+    place: Place,
+    leave_out: LeaveOut,
+    mixture: &mut Mixture<'_, N>,
+) {
+    let header = &material.header;
+    let (count, mirrored) = (header.lobes, if MIRRORED { header.mirrored } else { 0 });
+    let total = count + mirrored;
+    // From as many numbers before the view as there are images, which lie so much before their own places.
+    // The last vector reaches past the view, and at the last view past the file.
+    let reach = 4 * (4 * count + 2 * mirrored + total.next_multiple_of(L::COUNT));
+    let (copy_a, copy_b);
+    let a = from_offset!(material.bytes, header.row(place.before, 0), 4 * mirrored, reach, copy_a, PADDED);
+    let b = from_offset!(material.bytes, header.row(place.after, 0), 4 * mirrored, reach, copy_b, PADDED);
+    let rows = Rows { a: &a[..reach], b: &b[..reach], place, count, mirrored };
+    let zero = L::splat(0.0);
+    mixture.in_plane = mirrored == 0;
+    let mut k = 0;
+    while k < total && k + L::COUNT <= N {
+        let valid = L::iota().lt(L::splat((total - k) as f32));
+        // Lanes without a lobe hold bytes of the next view or of the text, whose powers of two may be
+        // subnormals: 150 cycles each on Intel. A power of -126 is exactly 0.
+        let angle = rows.row::<L>(0, k).keep(valid);
+        let log_sharpness = rows.row::<L>(1, k).keep(valid);
+        let none = L::splat(-126.0);
+        let first = exp2(L::select(valid, rows.row(2, k), none));
+        let nothing = if header.has_luminance { zero } else { none };
+        let second = L::select(valid, rows.row(3, k), nothing);
+        let third = L::select(valid, rows.row(4, k), nothing);
+        if header.has_luminance {
+            let [red, green, blue] = color::rgb(first, [second, third]);
+            red.store(&mut mixture.red[k..]);
+            green.store(&mut mixture.green[k..]);
+            blue.store(&mut mixture.blue[k..]);
+        } else {
+            first.store(&mut mixture.red[k..]);
+            exp2(second).store(&mut mixture.green[k..]);
+            exp2(third).store(&mut mixture.blue[k..]);
+        }
+        let (mut x, mut z) = sin_cos(angle);
+        let mut y = zero;
+        if mirrored > 0 && k + L::COUNT > count - mirrored {
+            let (sin, cos) = sin_cos(rows.off_plane(k));
+            (x, y, z) = (x * cos, sin, z * cos);
+        }
+        x.store(&mut mixture.axis_x[k..]);
+        y.store(&mut mixture.axis_y[k..]);
+        z.store(&mut mixture.axis_z[k..]);
+        exp2(log_sharpness).store(&mut mixture.sharpness[k..]);
+        k += L::COUNT;
+    }
+    mixture.finish_lobes::<L>(total, header.squeezed, leave_out);
+}
+
+/// The bytes of two views, from as many numbers before each as it has mirrored lobes.
+struct Rows<'a> {
+    a: &'a [u8],
+    b: &'a [u8],
+    place: Place,
+    count: usize,
+    mirrored: usize,
+}
+
+impl Rows<'_> {
+    /// Numbers of a row of a vector of lobes, images being what they mirror; behind the last lobe anything.
+    #[inline(always)]
+    fn row<L: Lanes>(&self, row: usize, k: usize) -> L {
+        let at = self.mirrored + row * self.count + k;
+        let stored = self.place.between(self.a, self.b, at);
+        if self.mirrored == 0 || k + L::COUNT <= self.count {
+            return stored;
+        }
+        let image = self.place.between(self.a, self.b, at - self.mirrored);
+        L::select(self.before::<L>(self.count, k), stored, image)
+    }
+
+    /// Angles out of the plane of incidence: 0, then those of the mirrored lobes, then their opposites, then
+    /// 0.
+    #[inline(always)]
+    fn off_plane<L: Lanes>(&self, k: usize) -> L {
+        let zero = L::splat(0.0);
+        let at = 4 * self.count + self.mirrored + k;
+        let stored = self.place.between(self.a, self.b, at + self.mirrored);
+        let image = zero - self.place.between::<L>(self.a, self.b, at);
+        let image = L::select(self.before::<L>(self.count + self.mirrored, k), image, zero);
+        let mirrored = L::select(self.before::<L>(self.count, k), stored, image);
+        let off_plane = L::select(self.before::<L>(self.count - self.mirrored, k), zero, mirrored);
+        // The square of what is next to nothing is a subnormal.
+        off_plane.keep(off_plane.abs().ge(L::splat(LEAST_OFF_PLANE)))
+    }
+
+    /// Which lobes of a vector come before one.
+    #[inline(always)]
+    fn before<L: Lanes>(&self, lobe: usize, k: usize) -> L::Mask {
+        L::iota().lt(L::splat(lobe as f32 - k as f32))
+    }
+}
+
+/// Least angle out of the plane of incidence that is not taken for 0, radians.
+const LEAST_OFF_PLANE: f32 = 1e-9;
+
+/// Bytes of one vector: the angles of views, or the head of one.
+const HEADS: usize = 4 * WIDEST;
+
+/// Room for a view of the most lobes, and a vector more.
+const PADDED: usize = 4 * (5 * MAX_LOBES + WIDEST);
+
+/// At least `need` bytes from `ahead` before an offset on, with zeros before the file and after it.
+#[cold]
+#[inline(never)]
+fn padded<const LEN: usize>(bytes: &[u8], offset: usize, ahead: usize, need: usize) -> [u8; LEN] {
+    let mut copy = [0; LEN];
+    let missing = ahead.saturating_sub(offset).min(LEN);
+    let rest = &bytes[offset.saturating_sub(ahead)..];
+    let len = rest.len().min(need.min(LEN).saturating_sub(missing));
+    copy[missing..missing + len].copy_from_slice(&rest[..len]);
+    copy
+}

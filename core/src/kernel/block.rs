@@ -1,0 +1,155 @@
+//! A block of mixtures of one material, each with a direction of its own.
+//!
+//! What a mixture needs once, the draw from the chosen lobe and the turn and squeeze of the direction, is
+//! done for the whole block with lanes as mixtures; what every lobe needs, with lanes as lobes. So nothing
+//! waits for the long chain of dependent operations that one direction is alone.
+#![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
+
+use super::draw::{Choice, Frame, chosen_lobe, chosen_power, draw};
+use super::one_direction::{all_lobes, with_diffuse};
+use crate::mixture::rows::Mixture;
+use crate::simd::lanes::Lanes;
+use crate::simd::routine::Routine;
+use crate::squeeze::{NUMBERS, Precise, Sight};
+
+/// Most mixtures of a block: the lanes of the widest vector.
+pub(crate) const MOST: usize = 16;
+
+/// One number for each mixture of a block.
+pub(crate) type Numbers = [f32; MOST];
+
+/// Draws a direction from each of at most [`MOST`] mixtures. One that reflects nothing gives the normal.
+pub(crate) struct DrawBlock<'a, const N: usize> {
+    pub mixtures: &'a [Mixture<'a, N>],
+    pub u: &'a [Numbers; 3],
+}
+
+impl<const N: usize> Routine for DrawBlock<'_, N> {
+    type Output = [Numbers; 3];
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> [Numbers; 3] {
+        let Self { mixtures, u } = self;
+        let zeros = [0.0; MOST];
+        // Of lobes with axes in the plane of incidence y is 0, which a general frame handles as well.
+        let (mut in_plane, mut any_squeezed, mut any_diffuse) = (true, false, false);
+        let (mut axis, mut azimuth, mut narrow) = ([zeros; 3], [zeros; 2], [zeros; 2]);
+        let (mut inside, mut gone, mut inverse_sharpness) = (zeros, zeros, zeros);
+        let (mut squeezed, mut lobe, mut dark) = (zeros, zeros, zeros);
+        for (i, m) in mixtures.iter().take(MOST).enumerate() {
+            let target = chosen_power(m, u[0][i]);
+            let k = chosen_lobe::<L, N>(m, target);
+            axis[0][i] = m.axis_x[k];
+            axis[1][i] = m.axis_y[k];
+            axis[2][i] = m.axis_z[k];
+            inside[i] = m.inside[k];
+            gone[i] = m.tail[k];
+            inverse_sharpness[i] = m.inverse_sharpness[k];
+            azimuth[0][i] = m.squeeze.azimuth[0];
+            azimuth[1][i] = m.squeeze.azimuth[1];
+            narrow[0][i] = m.squeeze.along;
+            narrow[1][i] = m.squeeze.inverse;
+            squeezed[i] = if k < m.squeezed { 1.0 } else { 0.0 };
+            lobe[i] = if target < m.lobes_power { 1.0 } else { 0.0 };
+            dark[i] = if m.power == 0.0 { 1.0 } else { 0.0 };
+            in_plane &= m.in_plane;
+            any_squeezed |= m.squeezed > 0;
+            any_diffuse |= m.lobes_power < m.power;
+        }
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        let half = L::splat(0.5);
+        let mut out = [zeros; 3];
+        let mut at = 0;
+        while at < mixtures.len() && at + L::COUNT <= MOST {
+            let frame = Frame {
+                in_plane,
+                any_squeezed,
+                any_diffuse,
+                is_folded: true,
+                azimuth: [L::load(&azimuth[0][at..]), L::load(&azimuth[1][at..])],
+                widen: [one / L::load(&narrow[0][at..]), one / L::load(&narrow[1][at..])],
+            };
+            let choice = Choice {
+                axis: [L::load(&axis[0][at..]), L::load(&axis[1][at..]), L::load(&axis[2][at..])],
+                inside: L::load(&inside[at..]),
+                gone: L::load(&gone[at..]),
+                inverse_sharpness: L::load(&inverse_sharpness[at..]),
+                is_squeezed: L::load(&squeezed[at..]).ge(half),
+                is_lobe: L::load(&lobe[at..]).ge(half),
+            };
+            let [x, y, z] = draw(&frame, choice, L::load(&u[1][at..]), L::load(&u[2][at..]));
+            let is_dark = L::load(&dark[at..]).ge(half);
+            L::select(is_dark, zero, x).store(&mut out[0][at..]);
+            L::select(is_dark, zero, y).store(&mut out[1][at..]);
+            L::select(is_dark, one, z).store(&mut out[2][at..]);
+            at += L::COUNT;
+        }
+        out
+    }
+}
+
+/// Evaluates each of at most [`MOST`] mixtures towards its direction: red, green and blue, or the luminance
+/// (`C` = 1).
+pub(crate) struct SumBlock<'a, const N: usize, const C: usize> {
+    pub mixtures: &'a [Mixture<'a, N>],
+    pub directions: &'a [Numbers; 3],
+}
+
+impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
+    type Output = [Numbers; C];
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> [Numbers; C] {
+        let Self { mixtures, directions: [x, y, z] } = self;
+        let zeros = [0.0; MOST];
+        let (mut azimuth, mut excess) = ([zeros; 2], zeros);
+        let (mut along, mut inverse) = ([1.0; MOST], [1.0; MOST]);
+        for (i, m) in mixtures.iter().take(MOST).enumerate() {
+            azimuth[0][i] = m.squeeze.azimuth[0];
+            azimuth[1][i] = m.squeeze.azimuth[1];
+            excess[i] = m.squeeze.excess;
+            along[i] = m.squeeze.along;
+            inverse[i] = m.squeeze.inverse;
+        }
+        // Round and squeezed, as structures of arrays: the compiler makes vectors of this loop.
+        let mut sights = [[zeros; NUMBERS]; 2];
+        for i in 0..MOST {
+            let precise = Precise::new([azimuth[0][i], azimuth[1][i]], excess[i], along[i], inverse[i]);
+            let pair = precise.see([x[i], y[i], z[i]], L::FUSED);
+            for kind in 0..2 {
+                let numbers = pair[kind].to_numbers();
+                for n in 0..NUMBERS {
+                    sights[kind][n][i] = numbers[n];
+                }
+            }
+        }
+        let mut out = [zeros; C];
+        for (i, m) in mixtures.iter().take(MOST).enumerate() {
+            // False for a NaN too.
+            let above = z[i] >= 0.0;
+            if !above {
+                continue;
+            }
+            let mut pair = [[0.0; NUMBERS]; 2];
+            for kind in 0..2 {
+                for n in 0..NUMBERS {
+                    pair[kind][n] = sights[kind][n][i];
+                }
+            }
+            let [turned, squeezed] = [Sight::from_numbers(pair[0]), Sight::from_numbers(pair[1])];
+            let rows: [&[f32; N]; 4] = [&m.red, &m.green, &m.blue, &m.luminance];
+            let mut amplitudes = [rows[3]; C];
+            let mut diffuse = [m.diffuse_power; C];
+            if C == 3 {
+                for channel in 0..C {
+                    amplitudes[channel] = rows[channel];
+                    diffuse[channel] = m.diffuse[channel];
+                }
+            }
+            let sums = all_lobes::<L::Lobes, N, C, true>(m, amplitudes, &turned, &squeezed);
+            let sums = with_diffuse(sums, diffuse, z[i]);
+            for channel in 0..C {
+                out[channel][i] = sums[channel];
+            }
+        }
+        out
+    }
+}

@@ -1,0 +1,273 @@
+//! Sums the lobes of one mixture towards vectors of directions: lanes are directions, the lobes are taken one
+//! after the other.
+#![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
+
+use crate::mixture::rows::{Domain, Mixture};
+use crate::simd::elementary::falloff;
+use crate::simd::lanes::{Lanes, TOGETHER, scale};
+use crate::squeeze::Seen;
+use core::f32::consts::FRAC_1_PI;
+use core::ops::Range;
+
+/// What one stage leaves for the next: a number for each lobe, and one for its fold.
+pub(crate) type Stage<L> = [L; STAGE];
+
+pub(crate) const STAGE: usize = 16;
+
+/// Sums the lobes and the diffuse term towards a vector of directions, once for each of `C` sets of
+/// amplitudes.
+#[inline(always)]
+pub(crate) fn sums<L: Lanes, const N: usize, const C: usize>(
+    m: &Mixture<'_, N>,
+    amplitudes: [&[f32; N]; C],
+    diffuse: [f32; C],
+    d: [L; 3],
+    stage: &mut Stage<L>,
+) -> [L; C] {
+    let mut acc = [L::splat(0.0); C];
+    let turned = m.squeeze.turn(d);
+    if m.squeezed > 0 {
+        let (seen, lobes) = (m.squeeze.squeeze(&turned), 0..m.squeezed);
+        if L::FUSED {
+            run::<L, N, C, Long>(m, amplitudes, &seen, lobes, &mut acc, stage);
+        } else {
+            run::<L, N, C, Split>(m, amplitudes, &seen, lobes, &mut acc, stage);
+        }
+        acc = scale(acc, seen.scale);
+    }
+    let lobes = m.squeezed..m.count;
+    if m.squeeze.is_turned {
+        run::<L, N, C, Split>(m, amplitudes, &turned, lobes, &mut acc, stage);
+    } else {
+        run::<L, N, C, Plain>(m, amplitudes, &turned, lobes, &mut acc, stage);
+    }
+    if m.domain == Domain::Hemisphere {
+        let zero = L::splat(0.0);
+        let above = d[2].ge(zero);
+        for i in 0..C {
+            let sum = L::splat(diffuse[i] * FRAC_1_PI).mul_add(d[2], acc[i]);
+            acc[i] = L::select(above, sum, zero);
+        }
+    }
+    acc
+}
+
+/// The form in which a direction is held that lobes see, and how far from an axis it is in that.
+trait Form {
+    /// A component of the axis minus one of the direction, or the other way round: what is the same for all
+    /// lobes stands where it may stay in memory.
+    fn apart<L: Lanes>(axis: f32, seen: &Seen<L>, i: usize) -> L;
+    /// What the squared distance is multiplied by for an exponent, in every lane.
+    fn rate<L: Lanes>(rate: f32, seen: &Seen<L>) -> L;
+}
+
+/// One f32 a component, of length 1.
+struct Plain;
+
+/// Two f32 a component, of length 1: what was turned, or squeezed and made a unit vector.
+struct Split;
+
+/// Two f32 a component, with a length: what was squeezed, where operations are fused. The axis is made as
+/// long.
+struct Long;
+
+/// Whether a component has a low part: what is only turned or not made a unit vector has its height in one
+/// f32.
+#[inline(always)]
+fn has_low<L: Lanes>(i: usize) -> bool {
+    i < 2 || !L::FUSED
+}
+
+impl Form for Plain {
+    #[inline(always)]
+    fn apart<L: Lanes>(axis: f32, seen: &Seen<L>, i: usize) -> L {
+        L::splat(axis) - seen.high[i]
+    }
+    #[inline(always)]
+    fn rate<L: Lanes>(rate: f32, _seen: &Seen<L>) -> L {
+        L::splat(rate)
+    }
+}
+
+impl Form for Split {
+    #[inline(always)]
+    fn apart<L: Lanes>(axis: f32, seen: &Seen<L>, i: usize) -> L {
+        let apart = Plain::apart(axis, seen, i);
+        if has_low::<L>(i) { apart - seen.low[i] } else { apart }
+    }
+    #[inline(always)]
+    fn rate<L: Lanes>(rate: f32, _seen: &Seen<L>) -> L {
+        L::splat(rate)
+    }
+}
+
+impl Form for Long {
+    #[inline(always)]
+    fn apart<L: Lanes>(axis: f32, seen: &Seen<L>, i: usize) -> L {
+        let apart = L::splat(axis).neg_mul_add(seen.length, seen.high[i]);
+        if has_low::<L>(i) { apart + seen.low[i] } else { apart }
+    }
+    #[inline(always)]
+    fn rate<L: Lanes>(rate: f32, seen: &Seen<L>) -> L {
+        L::splat(rate) * seen.inverse_square
+    }
+}
+
+/// Adds a run of lobes that see the same direction, which is held as `F` says.
+#[inline(always)]
+fn run<L: Lanes, const N: usize, const C: usize, F: Form>(
+    m: &Mixture<'_, N>,
+    amplitudes: [&[f32; N]; C],
+    seen: &Seen<L>,
+    lobes: Range<usize>,
+    acc: &mut [L; C],
+    stage: &mut Stage<L>,
+) {
+    if m.in_plane {
+        stretches::<L, N, C, F, true>(m, amplitudes, seen, lobes, acc, stage);
+    } else {
+        stretches::<L, N, C, F, false>(m, amplitudes, seen, lobes, acc, stage);
+    }
+}
+
+/// Adds a run of lobes. `PLANE`: every axis has y = 0.
+#[inline(always)]
+fn stretches<L: Lanes, const N: usize, const C: usize, F: Form, const PLANE: bool>(
+    m: &Mixture<'_, N>,
+    amplitudes: [&[f32; N]; C],
+    seen: &Seen<L>,
+    lobes: Range<usize>,
+    acc: &mut [L; C],
+    stage: &mut Stage<L>,
+) {
+    // Stretches of lobes that need their fold, and of lobes that do not: no branch in the loop over either.
+    let (mut k, to) = (lobes.start, lobes.end.min(N));
+    while k < to {
+        let ahead = m.folded >> k;
+        if ahead & 1 == 1 {
+            let end = to.min(k + ahead.trailing_ones() as usize);
+            stretch::<L, N, C, F, PLANE, true>(m, amplitudes, seen, k..end, acc, stage);
+            k = end;
+        } else {
+            let end = to.min(k + ahead.trailing_zeros() as usize);
+            stretch::<L, N, C, F, PLANE, false>(m, amplitudes, seen, k..end, acc, stage);
+            k = end;
+        }
+    }
+}
+
+/// Adds lobes that all need their fold (`FOLD`), or none.
+#[inline(always)]
+fn stretch<L: Lanes, const N: usize, const C: usize, F: Form, const PLANE: bool, const FOLD: bool>(
+    m: &Mixture<'_, N>,
+    amplitudes: [&[f32; N]; C],
+    seen: &Seen<L>,
+    lobes: Range<usize>,
+    acc: &mut [L; C],
+    stage: &mut Stage<L>,
+) {
+    // Axes in the plane share the part across it; its low part would only count relative to itself.
+    let yy = seen.high[1] * seen.high[1];
+    if L::VECTORS <= TOGETHER {
+        one_by_one::<L, N, C, F, PLANE, FOLD>(m, amplitudes, seen, yy, lobes, acc);
+    } else {
+        in_stages::<L, N, C, F, PLANE, FOLD>(m, amplitudes, seen, yy, lobes, acc, stage);
+    }
+}
+
+/// Adds lobes one after the other.
+#[inline(always)]
+fn one_by_one<L: Lanes, const N: usize, const C: usize, F: Form, const PLANE: bool, const FOLD: bool>(
+    m: &Mixture<'_, N>,
+    amplitudes: [&[f32; N]; C],
+    seen: &Seen<L>,
+    yy: L,
+    lobes: Range<usize>,
+    acc: &mut [L; C],
+) {
+    for k in lobes.start..lobes.end.min(N) {
+        let axis = [m.axis_x[k], m.axis_y[k], m.axis_z[k]];
+        let t = exponent::<L, F, PLANE>(axis, m.rate[k], seen, yy);
+        let mut g = falloff(t);
+        if FOLD {
+            g = g + falloff(fold_exponent(m.fold_rate[k], seen, t));
+        }
+        for i in 0..C {
+            acc[i] = g.mul_add(L::splat(amplitudes[i][k]), acc[i]);
+        }
+    }
+}
+
+/// Adds lobes in stages, each a loop of its own with a short chain of operations. One lobe is a long chain,
+/// and a processor sees no further than a few of them ahead; of short ones it sees many.
+#[inline(always)]
+fn in_stages<L: Lanes, const N: usize, const C: usize, F: Form, const PLANE: bool, const FOLD: bool>(
+    m: &Mixture<'_, N>,
+    amplitudes: [&[f32; N]; C],
+    seen: &Seen<L>,
+    yy: L,
+    lobes: Range<usize>,
+    acc: &mut [L; C],
+    stage: &mut Stage<L>,
+) {
+    let (mut k, to) = (lobes.start, lobes.end.min(N));
+    while k < to {
+        let n = (to - k).min(if FOLD { STAGE / 2 } else { STAGE });
+        let (x, y, z) = (&m.axis_x[k..k + n], &m.axis_y[k..k + n], &m.axis_z[k..k + n]);
+        let (rate, fold_rate) = (&m.rate[k..k + n], &m.fold_rate[k..k + n]);
+        for j in 0..n {
+            stage[j] = exponent::<L, F, PLANE>([x[j], y[j], z[j]], rate[j], seen, yy);
+            if FOLD {
+                stage[n + j] = fold_exponent(fold_rate[j], seen, stage[j]);
+            }
+        }
+        for j in 0..if FOLD { 2 * n } else { n } {
+            stage[j] = falloff(stage[j]);
+        }
+        if FOLD {
+            for j in 0..n {
+                stage[j] = stage[j] + stage[n + j];
+            }
+        }
+        // Two channels at a time, and the last by itself: so many sums stay in registers. Both loops as one
+        // function of one or two channels are compiled to 1.07 of the time.
+        for i in (0..C).step_by(2) {
+            let amplitude = &amplitudes[i][k..k + n];
+            if i + 1 < C {
+                let (other, mut sum) = (&amplitudes[i + 1][k..k + n], [acc[i], acc[i + 1]]);
+                for j in 0..n {
+                    sum[0] = stage[j].mul_add(L::splat(amplitude[j]), sum[0]);
+                    sum[1] = stage[j].mul_add(L::splat(other[j]), sum[1]);
+                }
+                [acc[i], acc[i + 1]] = sum;
+            } else {
+                let mut sum = acc[i];
+                for j in 0..n {
+                    sum = stage[j].mul_add(L::splat(amplitude[j]), sum);
+                }
+                acc[i] = sum;
+            }
+        }
+        k += n;
+    }
+}
+
+/// The exponent of a lobe, to base 2; `yy` is the square of what is seen of y.
+#[inline(always)]
+fn exponent<L: Lanes, F: Form, const PLANE: bool>(axis: [f32; 3], rate: f32, seen: &Seen<L>, yy: L) -> L {
+    let (dx, dz) = (F::apart(axis[0], seen, 0), F::apart(axis[2], seen, 2));
+    let yy = if PLANE {
+        yy
+    } else {
+        let dy = F::apart(axis[1], seen, 1);
+        dy * dy
+    };
+    F::rate(rate, seen) * dx.mul_add(dx, dz.mul_add(dz, yy))
+}
+
+/// The exponent of the fold of a lobe: `|d - mirrored axis|^2 = |d - axis|^2 + 4 d.z axis.z`, both terms of
+/// one sign.
+#[inline(always)]
+fn fold_exponent<L: Lanes>(fold_rate: f32, seen: &Seen<L>, exponent: L) -> L {
+    L::splat(fold_rate).mul_add(seen.height, exponent)
+}

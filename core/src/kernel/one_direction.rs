@@ -1,0 +1,346 @@
+//! One direction of one mixture, for renderers that shade a point at a time: lanes are lobes.
+#![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
+
+use super::draw::draw_one;
+use crate::color::luminance;
+use crate::mixture::rows::{Domain, Mixture, Sample, lowest_bits};
+use crate::simd::elementary::{falloff, falloff_soon};
+use crate::simd::lanes::{Lanes, scale};
+use crate::simd::routine::{Draw, One};
+use crate::squeeze::{NUMBERS, Seen, Sight};
+use core::f32::consts::FRAC_1_PI;
+use glam::Vec3;
+
+impl<const N: usize> Mixture<'_, N> {
+    /// Evaluates `f cos` towards an incident direction, linear sRGB; 1/sr. 0 below the horizon of a
+    /// hemisphere.
+    ///
+    /// A lobe is exactly 0 where it is below 2^-100 (8e-31) of its amplitude; above, its relative error is at
+    /// most 3e-7 times 2 plus its exponent.
+    #[inline]
+    pub fn evaluate(&self, direction: Vec3) -> Vec3 {
+        if self.has_factors() {
+            return self.factored(direction).0;
+        }
+        self.lobes_value(direction)
+    }
+
+    /// The value, and the luminance of what the lobes have, of a mixture with factors.
+    #[inline(never)]
+    fn factored(&self, direction: Vec3) -> (Vec3, f32) {
+        self.level.run_one::<_, FactoredOne>(self, direction.to_array())
+    }
+
+    /// What the lobes and the diffuse term have, without factors.
+    #[inline(always)]
+    fn lobes_value(&self, direction: Vec3) -> Vec3 {
+        if self.is_plain() {
+            self.level.run_one::<_, EvaluateOne<false>>(self, direction.to_array())
+        } else {
+            self.level.run_one::<_, EvaluateOne<true>>(self, direction.to_array())
+        }
+    }
+
+    /// Evaluates the density of [`sample`](Self::sample) at a direction; 1/sr.
+    #[inline]
+    pub fn pdf(&self, direction: Vec3) -> f32 {
+        if self.is_plain() {
+            self.level.run_one::<_, PdfOne<false>>(self, direction.to_array())
+        } else {
+            self.level.run_one::<_, PdfOne<true>>(self, direction.to_array())
+        }
+    }
+
+    /// Value and density in one pass over the lobes.
+    #[inline]
+    pub fn evaluate_and_pdf(&self, direction: Vec3) -> (Vec3, f32) {
+        let (value, luminance) = if self.has_factors() {
+            self.factored(direction)
+        } else {
+            let value = self.lobes_value(direction);
+            (value, luminance(value))
+        };
+        (value, luminance * self.inverse_power)
+    }
+
+    /// Draws an incident direction from the density: lobe by `u[0]`, direction in it by `u[1]` and `u[2]`.
+    ///
+    /// `None` where the integral is 0: such a mixture reflects nothing; and where the density underflows, far
+    /// out in a tail. No sample is wasted below the horizon. The three numbers are uniform in [0, 1).
+    /// Source: Weng and Shih 2006, section 4.2.2, eq. 14; differs: what falls below the horizon is mirrored
+    /// up.
+    #[inline]
+    pub fn sample(&self, u: [f32; 3]) -> Option<Sample> {
+        if self.has_factors() {
+            return self.sample_factored(u);
+        }
+        if self.is_plain() { self.sample_as::<false>(u) } else { self.sample_as::<true>(u) }
+    }
+
+    #[inline(always)]
+    fn sample_as<const SEEN: bool>(&self, u: [f32; 3]) -> Option<Sample> {
+        if self.power <= 0.0 {
+            return None;
+        }
+        let (direction, value) = self.level.draw_one::<_, Drawn<SEEN>, EvaluateOne<SEEN>>(self, u);
+        self.sampled(direction, value, luminance(value))
+    }
+
+    #[inline(never)]
+    fn sample_factored(&self, u: [f32; 3]) -> Option<Sample> {
+        if self.power <= 0.0 {
+            return None;
+        }
+        let (direction, (value, luminance)) = self.level.draw_one::<_, Drawn<true>, FactoredOne>(self, u);
+        self.sampled(direction, value, luminance)
+    }
+
+    /// A sample of a direction that has been drawn, with the value there and the luminance of what the lobes
+    /// have.
+    #[inline(always)]
+    fn sampled(&self, direction: [f32; 3], value: Vec3, luminance: f32) -> Option<Sample> {
+        let pdf = luminance * self.inverse_power;
+        // A density that f32 rounds to 0 cannot be divided by: far out in a tail, where the value is 0 too.
+        (pdf > 0.0).then_some(Sample { direction: Vec3::from_array(direction), pdf, value })
+    }
+
+    /// Draws only direction and density of [`sample`](Self::sample), for callers that take the value
+    /// elsewhere: one colour channel in place of three.
+    #[inline]
+    pub fn sample_pdf(&self, u: [f32; 3]) -> Option<(Vec3, f32)> {
+        if self.is_plain() { self.sample_pdf_as::<false>(u) } else { self.sample_pdf_as::<true>(u) }
+    }
+
+    #[inline(always)]
+    fn sample_pdf_as<const SEEN: bool>(&self, u: [f32; 3]) -> Option<(Vec3, f32)> {
+        if self.power <= 0.0 {
+            return None;
+        }
+        let (direction, pdf) = self.level.draw_one::<_, Drawn<SEEN>, PdfOne<SEEN>>(self, u);
+        (pdf > 0.0).then_some((Vec3::from_array(direction), pdf))
+    }
+
+    /// Draws only the direction of [`sample`](Self::sample), for callers that take value and density
+    /// elsewhere.
+    #[inline]
+    pub fn sample_direction(&self, u: [f32; 3]) -> Option<Vec3> {
+        (self.power > 0.0).then(|| self.level.run_one::<_, DirectionOne>(self, u))
+    }
+}
+
+/// Value towards a direction. `SEEN`: for a mixture that turns or squeezes it.
+struct EvaluateOne<const SEEN: bool>;
+
+impl<const N: usize, const SEEN: bool> One<&Mixture<'_, N>> for EvaluateOne<SEEN> {
+    type Output = Vec3;
+    const IS_WIDE: bool = true;
+    #[inline(always)]
+    fn run<L: Lanes>(m: &Mixture<'_, N>, direction: [f32; 3]) -> Vec3 {
+        value_one::<L, N, SEEN>(m, direction)
+    }
+}
+
+/// Density at a direction. `SEEN`: for a mixture that turns or squeezes it.
+struct PdfOne<const SEEN: bool>;
+
+impl<const N: usize, const SEEN: bool> One<&Mixture<'_, N>> for PdfOne<SEEN> {
+    type Output = f32;
+    const IS_WIDE: bool = true;
+    #[inline(always)]
+    fn run<L: Lanes>(m: &Mixture<'_, N>, direction: [f32; 3]) -> f32 {
+        luminance_one::<L, N, SEEN>(m, direction) * m.inverse_power
+    }
+}
+
+/// A direction from three uniform numbers, and what follows. `SEEN`: for a mixture that turns or squeezes it.
+struct Drawn<const SEEN: bool>;
+
+impl<const N: usize, const SEEN: bool> Draw<&Mixture<'_, N>> for Drawn<SEEN> {
+    #[inline(always)]
+    fn run<L: Lanes>(m: &Mixture<'_, N>, u: [f32; 3]) -> ([f32; 3], f32) {
+        let (d, inverse) = draw_one::<L, N, SEEN>(m, u);
+        // What was squeezed has another length.
+        if SEEN { (scale(d, inverse), 1.0) } else { (d, inverse) }
+    }
+}
+
+/// A direction from three uniform numbers.
+struct DirectionOne;
+
+impl<const N: usize> One<&Mixture<'_, N>> for DirectionOne {
+    type Output = Vec3;
+    const IS_WIDE: bool = false;
+    #[inline(always)]
+    fn run<L: Lanes>(m: &Mixture<'_, N>, u: [f32; 3]) -> Vec3 {
+        let (d, inverse) = draw_one::<L, N, true>(m, u);
+        Vec3::from_array(scale(d, inverse))
+    }
+}
+
+/// Value towards one direction, and the luminance of what the lobes have there, for a mixture with factors.
+struct FactoredOne;
+
+impl<const N: usize> One<&Mixture<'_, N>> for FactoredOne {
+    type Output = (Vec3, f32);
+    const IS_WIDE: bool = true;
+    #[inline(always)]
+    fn run<L: Lanes>(m: &Mixture<'_, N>, direction: [f32; 3]) -> (Vec3, f32) {
+        // First, as it is the longer chain of dependent operations: the lobes are summed beside it.
+        let factor = m.factors.towards::<L::One>(direction);
+        let value = value_one::<L, N, true>(m, direction);
+        (value * factor, luminance(value))
+    }
+}
+
+/// Value towards one direction.
+#[inline(always)]
+fn value_one<L: Lanes, const N: usize, const SEEN: bool>(m: &Mixture<'_, N>, direction: [f32; 3]) -> Vec3 {
+    let amplitudes = [&m.red, &m.green, &m.blue];
+    let diffuse = m.diffuse.to_array();
+    Vec3::from_array(sums_one::<L::Lobes, N, 3, SEEN>(m, amplitudes, diffuse, direction))
+}
+
+/// Luminance of the value towards one direction.
+#[inline(always)]
+fn luminance_one<L: Lanes, const N: usize, const SEEN: bool>(m: &Mixture<'_, N>, direction: [f32; 3]) -> f32 {
+    let [sum] = sums_one::<L::Lobes, N, 1, SEEN>(m, [&m.luminance], [m.diffuse_power], direction);
+    sum
+}
+
+/// Sums the lobes towards one direction, once for each of `C` sets of amplitudes. `SEEN`: it is turned or
+/// squeezed.
+#[inline(always)]
+fn sums_one<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
+    m: &Mixture<'_, N>,
+    amplitudes: [&[f32; N]; C],
+    diffuse: [f32; C],
+    direction: [f32; 3],
+) -> [f32; C] {
+    // False for a NaN too.
+    let above = direction[2] >= 0.0;
+    if !above && m.domain == Domain::Hemisphere {
+        return [0.0; C];
+    }
+    let sums = if !SEEN {
+        let seen = m.squeeze.turn(direction);
+        all_lobes::<L, N, C, false>(m, amplitudes, &seen, &seen)
+    } else if L::COUNT > 1 {
+        let [turned, squeezed] = m.squeeze.precise.see(direction, L::FUSED);
+        all_lobes::<L, N, C, true>(m, amplitudes, &turned, &squeezed)
+    } else {
+        let turned = m.squeeze.turn(direction);
+        all_lobes::<L, N, C, true>(m, amplitudes, &turned, &m.squeeze.squeeze(&turned))
+    };
+    if m.domain == Domain::Sphere {
+        return sums;
+    }
+    with_diffuse(sums, diffuse, direction[2])
+}
+
+/// Adds the diffuse term, of albedos `diffuse`, to sums over the lobes.
+#[inline(always)]
+pub(crate) fn with_diffuse<const C: usize>(mut sums: [f32; C], diffuse: [f32; C], z: f32) -> [f32; C] {
+    for i in 0..C {
+        sums[i] += diffuse[i] * FRAC_1_PI * z;
+    }
+    sums
+}
+
+/// Sums all lobes towards a direction. `SEEN`: it was turned or squeezed, and has a low part and a scale.
+#[inline(always)]
+pub(crate) fn all_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
+    m: &Mixture<'_, N>,
+    amplitudes: [&[f32; N]; C],
+    turned: &Sight,
+    squeezed: &Sight,
+) -> [f32; C] {
+    let mut acc = [L::splat(0.0); C];
+    // The usual number of lobes without a loop: a loop keeps more constants in registers than there are.
+    if L::COUNT > 1 && 1 <= m.count && m.count <= L::COUNT {
+        let seen = if !SEEN {
+            turned.splat()
+        } else if L::FUSED {
+            Sight::splat_either::<L>(L::first_lanes(m.squeezed), squeezed, turned)
+        } else {
+            // No broadcasts under a mask; and the loop below is what is run.
+            mix::<L>(&squeezed.splat(), &turned.splat(), m.squeezed)
+        };
+        add_lobes::<L, N, C, SEEN>(m, amplitudes, &seen, 0, &mut acc);
+    } else {
+        let (turned, squeezed) = (turned.splat(), squeezed.splat());
+        let mut k = 0;
+        while k < m.count && k + L::COUNT <= N {
+            if k >= m.squeezed {
+                add_lobes::<L, N, C, SEEN>(m, amplitudes, &turned, k, &mut acc);
+            } else if k + L::COUNT <= m.squeezed {
+                add_lobes::<L, N, C, SEEN>(m, amplitudes, &squeezed, k, &mut acc);
+            } else {
+                let mixed = mix::<L>(&squeezed, &turned, m.squeezed - k);
+                add_lobes::<L, N, C, SEEN>(m, amplitudes, &mixed, k, &mut acc);
+            }
+            k += L::COUNT;
+        }
+    }
+    let mut sums = [0.0; C];
+    for i in 0..C {
+        sums[i] = acc[i].sum();
+    }
+    sums
+}
+
+/// Adds the lobes from `k` on, one a lane. `SEEN`: the direction was turned or squeezed, and has a low part
+/// and a scale.
+#[inline(always)]
+fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
+    m: &Mixture<'_, N>,
+    amplitudes: [&[f32; N]; C],
+    seen: &Seen<L>,
+    k: usize,
+    acc: &mut [L; C],
+) {
+    let (axis, [x, y, z]) =
+        ([L::load(&m.axis_x[k..]), L::load(&m.axis_y[k..]), L::load(&m.axis_z[k..])], seen.high);
+    let mut rate = L::load(&m.rate[k..]);
+    let [mut dx, mut dy, mut dz];
+    if SEEN && L::FUSED {
+        dx = axis[0].neg_mul_add(seen.length, x);
+        dy = axis[1].neg_mul_add(seen.length, y);
+        dz = axis[2].neg_mul_add(seen.length, z);
+        rate = rate * seen.inverse_square;
+    } else {
+        dx = x - axis[0];
+        dy = y - axis[1];
+        dz = z - axis[2];
+    }
+    if SEEN {
+        dx = dx + seen.low[0];
+        dy = dy + seen.low[1];
+        if !L::FUSED {
+            dz = dz + seen.low[2];
+        }
+    }
+    let t = rate * dx.mul_add(dx, dy.mul_add(dy, dz * dz));
+    let mut g = if SEEN { falloff(t) } else { falloff_soon(t) };
+    if m.folded >> k & lowest_bits(L::COUNT) != 0 {
+        // A lobe of them that does not need its fold has a rate that leaves nothing of it.
+        let t = L::load(&m.fold_rate[k..]).mul_add(seen.height, t);
+        g = g + if SEEN { falloff(t) } else { falloff_soon(t) };
+    }
+    if SEEN {
+        g = g * seen.scale;
+    }
+    for i in 0..C {
+        acc[i] = g.mul_add(L::load(&amplitudes[i][k..]), acc[i]);
+    }
+}
+
+/// What is seen, `first` by the first `count` lanes, `then` by the others.
+#[inline(always)]
+fn mix<L: Lanes>(first: &Seen<L>, then: &Seen<L>, count: usize) -> Seen<L> {
+    let is_first = L::first_lanes(count);
+    let (first, mut mixed) = (first.to_numbers(), then.to_numbers());
+    for n in 0..NUMBERS {
+        mixed[n] = L::select(is_first, first[n], mixed[n]);
+    }
+    Seen::from_numbers(mixed)
+}

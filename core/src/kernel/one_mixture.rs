@@ -1,0 +1,307 @@
+//! Many directions of one mixture: values, densities, samples.
+//!
+//! Structure of arrays in and out, any count, any alignment, no allocation.
+#![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
+
+use super::draw::sample_direction;
+use super::lobe_sums::{STAGE, Stage, sums};
+use super::slices::{SamplesMut, same_length};
+use crate::color::{LUMINANCE, luminance};
+use crate::error::Error;
+use crate::mixture::rows::Mixture;
+use crate::simd::lanes::{Lanes, dot3, scale, splat3};
+use crate::simd::routine::Routine;
+use glam::Vec3;
+
+/// Widest vector: what fewer directions than that are padded to.
+const WIDEST: usize = 16;
+
+/// Directions of a batch that are evaluated, and then multiplied while they are near: more of them where the
+/// caller has room for their values.
+const CHUNK: usize = 512;
+const OWN_CHUNK: usize = 128;
+
+impl<const N: usize> Mixture<'_, N> {
+    /// Evaluates `f cos` towards n incident directions; 1/sr. Same values as [`evaluate`](Self::evaluate).
+    ///
+    /// Shapes: `directions` x, y, z, each `[n]`, unit vectors; `value` red, green, blue, each `[n]`,
+    /// overwritten.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    pub fn evaluate_into(&self, directions: [&[f32]; 3], value: [&mut [f32]; 3]) -> Result<(), Error> {
+        same_length(directions.iter().map(|s| s.len()).chain(value.iter().map(|s| s.len())))?;
+        if self.has_factors() {
+            self.factored_into(directions, value);
+        } else {
+            self.lobes_into(directions, value);
+        }
+        Ok(())
+    }
+
+    /// What the lobes and the diffuse term have towards n directions, without factors; all slices of one
+    /// length.
+    #[inline(always)]
+    pub(crate) fn lobes_into(&self, directions: [&[f32]; 3], value: [&mut [f32]; 3]) {
+        self.level.run(ForEach { block: Value(self), inputs: directions, outputs: value });
+    }
+
+    /// Evaluates the density of [`sample`](Self::sample) at n directions; 1/sr.
+    ///
+    /// Shapes: `directions` x, y, z, each `[n]`, unit vectors; `pdf` `[n]`, overwritten.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    pub fn pdf_into(&self, directions: [&[f32]; 3], pdf: &mut [f32]) -> Result<(), Error> {
+        same_length(directions.iter().map(|s| s.len()).chain([pdf.len()]))?;
+        self.level.run(ForEach {
+            block: Luminance(self, self.inverse_power),
+            inputs: directions,
+            outputs: [pdf],
+        });
+        Ok(())
+    }
+
+    /// Evaluates the luminance of `f cos` towards n incident directions; 1/sr: one colour channel in place of
+    /// three, but for a mixture with factors, which has them for each channel.
+    ///
+    /// Shapes: `directions` x, y, z, each `[n]`, unit vectors; `luminance` `[n]`, overwritten.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    pub fn luminance_into(&self, directions: [&[f32]; 3], luminance: &mut [f32]) -> Result<(), Error> {
+        same_length(directions.iter().map(|s| s.len()).chain([luminance.len()]))?;
+        if self.has_factors() {
+            self.factored_luminance(directions, luminance);
+            return Ok(());
+        }
+        self.level.run(ForEach { block: Luminance(self, 1.0), inputs: directions, outputs: [luminance] });
+        Ok(())
+    }
+
+    /// Draws n directions, with density and weight `f cos / pdf`, in one pass.
+    ///
+    /// Shapes: `u` three uniform numbers in [0, 1) a sample, each `[n]`; `samples`, every slice `[n]`,
+    /// overwritten. A mixture that reflects nothing gives the normal with density 0 and weight 0.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    pub fn sample_into(&self, u: [&[f32]; 3], samples: SamplesMut<'_>) -> Result<(), Error> {
+        let outputs = samples.direction.iter().chain(&samples.weight).map(|s| s.len());
+        same_length(u.iter().map(|s| s.len()).chain(outputs).chain([samples.pdf.len()]))?;
+        let SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] } = samples;
+        if self.power == 0.0 {
+            z.fill(1.0);
+            [x, y, pdf, red, green, blue].into_iter().for_each(|slice| slice.fill(0.0));
+            return Ok(());
+        }
+        if self.has_factors() {
+            self.factored_draws(u, [x, y, z], pdf, [red, green, blue]);
+            return Ok(());
+        }
+        self.draws_into(u, [x, y, z, pdf, red, green, blue]);
+        Ok(())
+    }
+
+    /// Directions, densities, and weights without factors; all slices of one length.
+    #[inline(always)]
+    pub(crate) fn draws_into(&self, u: [&[f32]; 3], outputs: [&mut [f32]; 7]) {
+        self.level.run(ForEach { block: Draw(self), inputs: u, outputs });
+    }
+
+    /// Draws n directions with density, without a weight: one colour channel in place of three.
+    ///
+    /// Shapes: `u` as for [`sample_into`](Self::sample_into), each `[n]`; `direction` x, y, z, and `pdf`,
+    /// each `[n]`, overwritten. A mixture that reflects nothing gives the normal with density 0.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    pub fn sample_pdf_into(
+        &self,
+        u: [&[f32]; 3],
+        direction: [&mut [f32]; 3],
+        pdf: &mut [f32],
+    ) -> Result<(), Error> {
+        same_length(u.iter().map(|s| s.len()).chain(direction.iter().map(|s| s.len())).chain([pdf.len()]))?;
+        let [x, y, z] = direction;
+        if self.power == 0.0 {
+            z.fill(1.0);
+            [x, y, pdf].into_iter().for_each(|slice| slice.fill(0.0));
+            return Ok(());
+        }
+        self.level.run(ForEach { block: DrawPdf(self), inputs: u, outputs: [x, y, z, pdf] });
+        Ok(())
+    }
+}
+
+impl<const N: usize> Mixture<'_, N> {
+    /// Luminances of values times factors, all slices of one length.
+    pub(crate) fn factored_luminance(&self, wi: [&[f32]; 3], luminances: &mut [f32]) {
+        let mut value = [[0.0; OWN_CHUNK]; 3];
+        for (chunk, out) in luminances.chunks_mut(OWN_CHUNK).enumerate() {
+            let (from, count) = (chunk * OWN_CHUNK, out.len());
+            let wi = wi.map(|s| &s[from..from + count]);
+            let [red, green, blue] = value.each_mut().map(|s| &mut s[..count]);
+            self.lobes_into(wi, [red, green, blue]);
+            let [red, green, blue] = value.each_mut().map(|s| &mut s[..count]);
+            self.multiply(wi, [red, green, blue]);
+            for (i, out) in out.iter_mut().enumerate() {
+                *out = luminance(Vec3::new(value[0][i], value[1][i], value[2][i]));
+            }
+        }
+    }
+
+    /// Values times factors, all slices of one length.
+    pub(crate) fn factored_into(&self, wi: [&[f32]; 3], value: [&mut [f32]; 3]) {
+        let n = value[0].len();
+        let [red, green, blue] = value;
+        for from in (0..n).step_by(CHUNK) {
+            let range = from..n.min(from + CHUNK);
+            let wi = wi.map(|s| &s[range.clone()]);
+            let value = [&mut *red, &mut *green, &mut *blue];
+            self.lobes_into(wi, value.map(|s| &mut s[range.clone()]));
+            let value = [&mut *red, &mut *green, &mut *blue];
+            self.multiply(wi, value.map(|s| &mut s[range.clone()]));
+        }
+    }
+
+    /// Directions, densities, and weights with factors; all slices of one length.
+    pub(crate) fn factored_draws(
+        &self,
+        u: [&[f32]; 3],
+        direction: [&mut [f32]; 3],
+        pdf: &mut [f32],
+        weight: [&mut [f32]; 3],
+    ) {
+        let n = pdf.len();
+        let ([x, y, z], [red, green, blue]) = (direction, weight);
+        for from in (0..n).step_by(CHUNK) {
+            let range = from..n.min(from + CHUNK);
+            let outputs = [&mut *x, &mut *y, &mut *z, &mut *pdf, &mut *red, &mut *green, &mut *blue];
+            self.draws_into(u.map(|s| &s[range.clone()]), outputs.map(|s| &mut s[range.clone()]));
+            let weight = [&mut *red, &mut *green, &mut *blue];
+            let drawn = [&x[range.clone()], &y[range.clone()], &z[range.clone()]];
+            self.multiply(drawn, weight.map(|s| &mut s[range.clone()]));
+        }
+    }
+}
+
+/// A kernel that takes `I` numbers and gives `O` for each direction.
+trait Block<const I: usize, const O: usize> {
+    /// The text, `#[inline(always)]`.
+    fn block<L: Lanes>(&self, inputs: [L; I], stage: &mut Stage<L>) -> [L; O];
+}
+
+/// Runs a block over whole slices.
+struct ForEach<'a, K, const I: usize, const O: usize> {
+    block: K,
+    inputs: [&'a [f32]; I],
+    outputs: [&'a mut [f32]; O],
+}
+
+impl<K: Block<I, O>, const I: usize, const O: usize> Routine for ForEach<'_, K, I, O> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(mut self) {
+        self.steps::<L::Batch>(0);
+    }
+}
+
+impl<K: Block<I, O>, const I: usize, const O: usize> ForEach<'_, K, I, O> {
+    /// Takes all inputs from `at` on, `COUNT` at a time; then half of that; at last one vector, with inputs
+    /// that have been taken before, or padded.
+    #[inline(always)]
+    fn steps<L: Lanes>(&mut self, mut at: usize) {
+        let n = self.inputs[0].len();
+        // Where no step begins any more; one vector goes on to the end.
+        let end = if L::VECTORS == 1 { n } else { (n + 1).saturating_sub(L::COUNT) };
+        if at < end {
+            let mut stage = [L::splat(0.0); STAGE];
+            while at < end {
+                self.step(at.min(n.saturating_sub(L::COUNT)), &mut stage);
+                at += L::COUNT;
+            }
+        }
+        if L::VECTORS > 1 {
+            self.steps::<L::Half>(at);
+        }
+    }
+
+    /// Takes `COUNT` inputs from `at` on, or all, if there are fewer, by a padded copy.
+    #[inline(always)]
+    fn step<L: Lanes>(&mut self, at: usize, stage: &mut Stage<L>) {
+        let left = self.inputs[0].len() - at;
+        let mut vectors = [L::splat(0.0); I];
+        for i in 0..I {
+            vectors[i] = if left >= L::COUNT {
+                L::load(&self.inputs[i][at..])
+            } else {
+                // 0.5 is a valid uniform number and a harmless direction.
+                let mut padded = [0.5; WIDEST];
+                padded[..left].copy_from_slice(&self.inputs[i][at..]);
+                L::load(&padded)
+            };
+        }
+        let results = self.block.block(vectors, stage);
+        for o in 0..O {
+            if left >= L::COUNT {
+                results[o].store(&mut self.outputs[o][at..]);
+            } else {
+                let mut padded = [0.0; WIDEST];
+                results[o].store(&mut padded);
+                self.outputs[o][at..].copy_from_slice(&padded[..left]);
+            }
+        }
+    }
+}
+
+struct Value<'a, const N: usize>(&'a Mixture<'a, N>);
+
+impl<const N: usize> Block<3, 3> for Value<'_, N> {
+    #[inline(always)]
+    fn block<L: Lanes>(&self, d: [L; 3], stage: &mut Stage<L>) -> [L; 3] {
+        let m = self.0;
+        sums(m, [&m.red, &m.green, &m.blue], m.diffuse.to_array(), d, stage)
+    }
+}
+
+/// The luminance times a number.
+struct Luminance<'a, const N: usize>(&'a Mixture<'a, N>, f32);
+
+impl<const N: usize> Block<3, 1> for Luminance<'_, N> {
+    #[inline(always)]
+    fn block<L: Lanes>(&self, d: [L; 3], stage: &mut Stage<L>) -> [L; 1] {
+        let m = self.0;
+        let [sum] = sums(m, [&m.luminance], [m.diffuse_power], d, stage);
+        [sum * L::splat(self.1)]
+    }
+}
+
+struct DrawPdf<'a, const N: usize>(&'a Mixture<'a, N>);
+
+impl<const N: usize> Block<3, 4> for DrawPdf<'_, N> {
+    #[inline(always)]
+    fn block<L: Lanes>(&self, u: [L; 3], stage: &mut Stage<L>) -> [L; 4] {
+        let [x, y, z] = sample_direction(self.0, u);
+        let [pdf] = Luminance(self.0, self.0.inverse_power).block([x, y, z], stage);
+        [x, y, z, pdf]
+    }
+}
+
+struct Draw<'a, const N: usize>(&'a Mixture<'a, N>);
+
+impl<const N: usize> Block<3, 7> for Draw<'_, N> {
+    #[inline(always)]
+    fn block<L: Lanes>(&self, u: [L; 3], stage: &mut Stage<L>) -> [L; 7] {
+        let m = self.0;
+        let [x, y, z] = sample_direction(m, u);
+        let value = sums(m, [&m.red, &m.green, &m.blue], m.diffuse.to_array(), [x, y, z], stage);
+        // The density is the luminance of the value over its integral, and power / luminance is 1 / pdf;
+        // where f32 rounds the density to 0, the weight is 0 as well.
+        let luminance = dot3(value, splat3(LUMINANCE));
+        let zero = L::splat(0.0);
+        let inverse = L::select(zero.lt(luminance), L::splat(m.power) / luminance, zero);
+        let [red, green, blue] = scale(value, inverse);
+        [x, y, z, luminance * L::splat(m.inverse_power), red, green, blue]
+    }
+}

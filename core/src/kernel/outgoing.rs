@@ -1,0 +1,56 @@
+//! Outgoing directions as the views lie: by their angle from the normal and their azimuth.
+
+use crate::simd::elementary::atan2_positive;
+use crate::simd::lanes::Lanes;
+use glam::Vec3;
+
+/// One outgoing direction.
+pub(crate) struct Outgoing {
+    pub wo: Vec3,
+    /// Angle from the normal, radians.
+    pub theta: f32,
+    /// Cosine and sine, in the caller's frame, of the azimuth of +x of the view.
+    pub azimuth: [f32; 2],
+}
+
+/// Outgoing directions as angle from the normal and azimuth; anything for what is no unit vector above the
+/// horizon.
+pub(crate) struct Facing<L> {
+    pub theta: L,
+    /// Cosine and sine, in the caller's frame, of the azimuth of +x of the view.
+    pub azimuth: [L; 2],
+    /// One bit a lane: a unit vector; above the horizon.
+    pub is_unit: u64,
+    pub is_above: u64,
+}
+
+impl<L: Lanes> Facing<L> {
+    #[inline(always)]
+    pub fn new([x, y, z]: [L; 3]) -> Self {
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        let across_squared = x * x + y * y;
+        let off = (across_squared + z * z - one).abs();
+        let across = across_squared.sqrt();
+        // +x of the view points away from wo, towards the mirror direction; at the normal any azimuth serves,
+        // and the square of what is nearer to it than 1e-19 has lost its digits.
+        let inverse = one / across;
+        let is_tilted = across_squared.ge(L::splat(f32::MIN_POSITIVE));
+        Self {
+            theta: atan2_positive(across, z),
+            azimuth: [
+                L::select(is_tilted, (zero - x) * inverse, one),
+                L::select(is_tilted, (zero - y) * inverse, zero),
+            ],
+            // Not set for a NaN.
+            is_unit: L::bits(L::splat(2e-3).ge(off)),
+            is_above: L::bits(z.ge(zero)),
+        }
+    }
+
+    /// The first lane, which is of `wo`; `None` if that is no unit vector.
+    #[inline(always)]
+    pub fn first(&self, wo: Vec3) -> Option<Outgoing> {
+        let azimuth = [self.azimuth[0].first(), self.azimuth[1].first()];
+        (self.is_unit & 1 == 1).then(|| Outgoing { wo, theta: self.theta.first(), azimuth })
+    }
+}

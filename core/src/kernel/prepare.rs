@@ -1,0 +1,219 @@
+//! From a material and outgoing directions to mixtures.
+
+use super::between_views::{Place, WIDEST, at_place, views_passed, views_passed_by_each};
+use super::outgoing::{Facing, Outgoing};
+use super::prepare_anisotropic;
+use crate::error::Error;
+use crate::material::borrowed::Material;
+use crate::material::layout::{Kind, Shape};
+use crate::mixture::factors::Factors;
+use crate::mixture::leave_out::LeaveOut;
+use crate::mixture::rows::{Domain, Mixture};
+use crate::simd::detect::Level;
+use crate::simd::lanes::{Lanes, splat3};
+use crate::simd::routine::{One, Routine};
+use crate::squeeze::Squeeze;
+use glam::Vec3;
+
+impl<'a> Material<'a> {
+    /// Makes the mixture for an outgoing direction, in the caller's storage, which it overwrites.
+    ///
+    /// `wo` is a unit vector in the shading frame, +z the normal. Below the horizon (z < 0) nothing is
+    /// reflected and the mixture is empty. The mixture takes and gives directions in the same shading frame.
+    /// It borrows the table of factors from the bytes of the material, if there is one.
+    ///
+    /// # Errors
+    /// [`Error::Capacity`] if the storage has room for fewer lobes than
+    /// [`lobe_count`](Self::lobe_count); [`Error::Direction`] if `wo`
+    /// is not a finite unit vector. The mixture is empty then.
+    #[inline]
+    pub fn prepare<const N: usize>(&self, wo: Vec3, mixture: &mut Mixture<'a, N>) -> Result<(), Error> {
+        self.prepare_leaving_out(wo, LeaveOut::default(), mixture)
+    }
+
+    /// [`prepare`](Self::prepare), leaving out lobes and folds that matter less than a bound.
+    ///
+    /// `srbf leave-out` prints the error and the time of bounds, for each preset.
+    ///
+    /// # Errors
+    /// Those of [`prepare`](Self::prepare).
+    #[inline]
+    pub fn prepare_leaving_out<const N: usize>(
+        &self,
+        wo: Vec3,
+        leave_out: LeaveOut,
+        mixture: &mut Mixture<'a, N>,
+    ) -> Result<(), Error> {
+        let level = Level::current();
+        level.run_one::<_, Towards>(Prepare { material: self, leave_out, level, mixture }, wo.to_array())
+    }
+
+    /// [`prepare_leaving_out`](Self::prepare_leaving_out) for the kernels of one level, whatever
+    /// [`Level::set`] chose: for values that must not depend on the processor, [`Level::Scalar`].
+    ///
+    /// # Errors
+    /// [`Error::Level`] if this processor or this build lacks it; and those of [`prepare`](Self::prepare).
+    pub fn prepare_at<const N: usize>(
+        &self,
+        level: Level,
+        wo: Vec3,
+        leave_out: LeaveOut,
+        mixture: &mut Mixture<'a, N>,
+    ) -> Result<(), Error> {
+        if !level.is_available() {
+            mixture.begin(Level::Scalar, Domain::Hemisphere, Squeeze::NONE);
+            return Err(Error::Level);
+        }
+        level.run_one::<_, Towards>(Prepare { material: self, leave_out, level, mixture }, wo.to_array())
+    }
+}
+
+/// What [`Towards`] is given beside the outgoing direction.
+struct Prepare<'a, 'b, const N: usize> {
+    material: &'a Material<'b>,
+    leave_out: LeaveOut,
+    /// What it runs on.
+    level: Level,
+    mixture: &'a mut Mixture<'b, N>,
+}
+
+/// The mixture for one outgoing direction.
+struct Towards;
+
+impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
+    type Output = Result<(), Error>;
+    const IS_WIDE: bool = true;
+    #[inline(always)]
+    fn run<L: Lanes>(to: Prepare<'_, '_, N>, numbers: [f32; 3]) -> Result<(), Error> {
+        let Prepare { material, leave_out, level, mixture } = to;
+        let wo = Vec3::from_array(numbers);
+        mixture.begin(level, Domain::Hemisphere, Squeeze::NONE);
+        let needed = material.lobe_count();
+        if needed > N {
+            return Err(Error::Capacity { needed, available: N });
+        }
+        // In one number, but in a vector where only that has fused operations: the same bits as of many
+        // directions.
+        let outgoing = if L::FUSED && !L::One::FUSED {
+            Facing::<L>::new(splat3(numbers)).first(wo)
+        } else {
+            Facing::<L::One>::new(splat3(numbers)).first(wo)
+        };
+        let Some(outgoing) = outgoing else { return Err(Error::Direction) };
+        if wo.z < 0.0 {
+            return Ok(());
+        }
+        match material.header.kind {
+            Kind::Line => {
+                let passed = views_passed::<L>(material, outgoing.theta);
+                between_views::<L, N>(material, outgoing, passed, leave_out, mixture);
+            }
+            Kind::Grid(shape) => {
+                among_rings::<L, N>(material, shape, outgoing, leave_out, mixture);
+            }
+        }
+        mixture.sum_up();
+        Ok(())
+    }
+}
+
+/// Mixtures for many outgoing directions: lanes are directions for their angles and azimuths, lobes for the
+/// rest.
+pub(crate) struct PrepareInto<'a, 'b, const N: usize> {
+    pub material: &'a Material<'b>,
+    pub wo: [&'a [f32]; 3],
+    /// What it runs on.
+    pub level: Level,
+    /// As many as directions; a direction that is none leaves an empty one. They have room for all lobes.
+    pub mixtures: &'a mut [Mixture<'b, N>],
+}
+
+impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
+    type Output = ();
+    #[inline(always)]
+    #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
+    fn run<L: Lanes>(self) {
+        let Self { material, wo: [x, y, z], level, mixtures } = self;
+        if !material.is_isotropic() {
+            for i in 0..mixtures.len() {
+                let leave_out = LeaveOut::default();
+                let one = Prepare { material, leave_out, level, mixture: &mut mixtures[i] };
+                // One that is none leaves the mixture empty.
+                let _ = Towards::run::<L>(one, [x[i], y[i], z[i]]);
+            }
+            return;
+        }
+        let mut at = 0;
+        while at < mixtures.len() {
+            let count = L::COUNT.min(mixtures.len() - at);
+            let facing = Facing::<L>::new([
+                load_some(&x[at..], count),
+                load_some(&y[at..], count),
+                load_some(&z[at..], count),
+            ]);
+            let (mut theta, mut azimuth, mut passed) = ([0.0; WIDEST], [[0.0; WIDEST]; 2], [0.0; WIDEST]);
+            views_passed_by_each(material, facing.theta).store(&mut passed);
+            facing.theta.store(&mut theta);
+            facing.azimuth[0].store(&mut azimuth[0]);
+            facing.azimuth[1].store(&mut azimuth[1]);
+            for i in 0..count {
+                let mixture = &mut mixtures[at + i];
+                mixture.begin(level, Domain::Hemisphere, Squeeze::NONE);
+                if (facing.is_unit & facing.is_above) >> i & 1 == 1 {
+                    let wo = Vec3::new(x[at + i], y[at + i], z[at + i]);
+                    let outgoing = Outgoing { wo, theta: theta[i], azimuth: [azimuth[0][i], azimuth[1][i]] };
+                    let passed = passed[i] as usize;
+                    between_views::<L, N>(material, outgoing, passed, LeaveOut::default(), mixture);
+                }
+            }
+            // Apart, so that the chains of additions of many mixtures run side by side.
+            for mixture in &mut mixtures[at..at + count] {
+                mixture.sum_up();
+            }
+            at += L::COUNT;
+        }
+    }
+}
+
+/// Makes a mixture, which has begun, for an outgoing direction above the horizon that has `passed` so many
+/// views of an isotropic material; it is to be summed up.
+#[inline(always)]
+fn between_views<'m, L: Lanes, const N: usize>(
+    material: &Material<'m>,
+    outgoing: Outgoing,
+    passed: usize,
+    leave_out: LeaveOut,
+    mixture: &mut Mixture<'m, N>,
+) {
+    let place = Place::after(material, passed, outgoing.theta);
+    at_place::<L, N>(material, outgoing.azimuth, place, leave_out, mixture);
+    if material.header.factors[0] > 0 {
+        mixture.factors = Factors::new(material, outgoing.wo, place.among());
+    }
+}
+
+/// The same for an anisotropic material.
+#[inline(always)]
+fn among_rings<'m, L: Lanes, const N: usize>(
+    material: &Material<'m>,
+    shape: Shape,
+    outgoing: Outgoing,
+    leave_out: LeaveOut,
+    mixture: &mut Mixture<'m, N>,
+) {
+    let among = prepare_anisotropic::prepare::<L::Lobes, N>(material, shape, &outgoing, leave_out, mixture);
+    if material.header.factors[0] > 0 {
+        mixture.factors = Factors::new(material, outgoing.wo, among);
+    }
+}
+
+/// The first `count` numbers of a slice, and zeros.
+#[inline(always)]
+fn load_some<L: Lanes>(from: &[f32], count: usize) -> L {
+    if count == L::COUNT {
+        return L::load(from);
+    }
+    let mut padded = [0.0; WIDEST];
+    padded[..count].copy_from_slice(&from[..count]);
+    L::load(&padded)
+}

@@ -1,0 +1,202 @@
+//! A material in borrowed bytes: lobes at view knots, read in place.
+
+use super::factor_table::decoded;
+use super::format_error::FormatError;
+use super::layout::{Header, Kind, f32_at, u32_at};
+use super::validate::validate;
+use super::views::{PlaneLobe, TiltedLobe};
+use crate::color::color_differences;
+use core::f32::consts::PI;
+
+/// A material in borrowed `.srbf` bytes of any alignment: nothing is copied, nothing allocated.
+///
+/// Lobe `k` of one view corresponds to lobe `k` of the next; between views the angle of the axis and the
+/// logarithms of sharpness, luminance and squeeze, and the colour differences, are interpolated linearly in
+/// the angle of the outgoing direction (in files of version 1 the logarithms of red, green and blue). Beyond
+/// the last view the last one holds. The views of an anisotropic material lie over the hemisphere, see
+/// [`Grid`](crate::Grid).
+#[derive(Clone, Copy, Debug)]
+pub struct Material<'a> {
+    pub(crate) bytes: &'a [u8],
+    pub(crate) header: Header,
+}
+
+impl<'a> Material<'a> {
+    /// Borrows a material from `.srbf` bytes, after checking every field once.
+    ///
+    /// # Errors
+    /// [`FormatError`], with the place.
+    pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, FormatError> {
+        Ok(Self { bytes, header: validate(bytes)? })
+    }
+
+    /// The bytes it was made from.
+    pub fn bytes(&self) -> &'a [u8] {
+        self.bytes
+    }
+
+    /// Number of views.
+    pub fn view_count(&self) -> usize {
+        self.header.views
+    }
+
+    /// Number of lobes of a mixture that it makes: what the storage must have room for.
+    pub fn lobe_count(&self) -> usize {
+        self.header.lobes + self.header.mirrored
+    }
+
+    /// Number of lobes that are stored at every view: fewer than [`lobe_count`](Self::lobe_count) if some
+    /// stand for two.
+    pub fn view_lobe_count(&self) -> usize {
+        self.header.lobes
+    }
+
+    /// Number of lobes that see the squeezed direction; they come first.
+    pub fn squeezed_count(&self) -> usize {
+        self.header.squeezed
+    }
+
+    /// Number of lobes that stand for two, one on either side of the plane of incidence; they come last. 0 in
+    /// an anisotropic material.
+    pub fn mirrored_count(&self) -> usize {
+        self.header.mirrored
+    }
+
+    /// Where the material comes from, as its maker wrote it.
+    pub fn provenance(&self) -> &'a str {
+        let end = self.bytes.len() - 4;
+        core::str::from_utf8(&self.bytes[end - self.header.provenance..end]).unwrap_or_default()
+    }
+
+    /// Whether the mixture depends only on the angle of the outgoing direction from the normal, but for a
+    /// turn.
+    pub fn is_isotropic(&self) -> bool {
+        self.header.kind == Kind::Line
+    }
+
+    /// Angle of the outgoing direction of a view from the normal, radians; `None` past the end.
+    pub fn view_theta(&self, view: usize) -> Option<f32> {
+        let index = match self.header.kind {
+            Kind::Grid(shape) if view > 0 => 1 + (view - 1) / shape.azimuths,
+            _ => view,
+        };
+        (view < self.header.views).then(|| f32_at(self.bytes, self.header.theta(index)))
+    }
+
+    /// Azimuth of the outgoing direction of a view, radians; 0 in an isotropic material; `None` past the end.
+    pub fn view_azimuth(&self, view: usize) -> Option<f32> {
+        let azimuth = match self.header.kind {
+            Kind::Grid(shape) if view > 0 => {
+                let step = 2.0 * PI / (shape.turns * shape.azimuths) as f32;
+                ((view - 1) % shape.azimuths) as f32 * step
+            }
+            _ => 0.0,
+        };
+        (view < self.header.views).then_some(azimuth)
+    }
+
+    /// Base-2 logarithm of the squeeze of a view; `None` past the end, and in an anisotropic material.
+    pub fn view_log2_squeeze(&self, view: usize) -> Option<f32> {
+        let is_there = self.is_isotropic() && view < self.header.views;
+        is_there.then(|| f32_at(self.bytes, self.header.head(view)))
+    }
+
+    /// Base-2 logarithm of the squeeze matrix of a view, xx, xy, yy; `None` past the end, and in an isotropic
+    /// material.
+    pub fn view_log2_squeeze_matrix(&self, view: usize) -> Option<[f32; 3]> {
+        let Kind::Grid(shape) = self.header.kind else { return None };
+        (view < self.header.views).then(|| [0, 1, 2].map(|i| f32_at(self.bytes, shape.head(view) + 4 * i)))
+    }
+
+    /// Base-2 logarithm of the luminance of the albedo of the diffuse term of a view, -126 for none; `None`
+    /// past the end.
+    pub fn view_log2_diffuse(&self, view: usize) -> Option<f32> {
+        self.view_diffuse(view).map(|(log2, _)| log2)
+    }
+
+    /// Relative colour differences of the albedo of the diffuse term of a view, `(R - Y) / Y` and `(B - Y) /
+    /// Y`; `None` past the end.
+    pub fn view_diffuse_color_differences(&self, view: usize) -> Option<[f32; 2]> {
+        self.view_diffuse(view).map(|(_, differences)| differences)
+    }
+
+    fn view_diffuse(&self, view: usize) -> Option<(f32, [f32; 2])> {
+        let first = || match self.header.kind {
+            Kind::Line => self.header.head(view) + 4,
+            Kind::Grid(shape) => shape.head(view) + 12,
+        };
+        let number = |i: usize| f32_at(self.bytes, first() + 4 * i);
+        (view < self.header.views).then(|| self.color([0, 1, 2].map(number)))
+    }
+
+    /// Logarithm of the luminance and colour differences, of the three numbers that are stored.
+    fn color(&self, stored: [f32; 3]) -> (f32, [f32; 2]) {
+        if self.header.has_luminance {
+            (stored[0], [stored[1], stored[2]])
+        } else {
+            color_differences(stored)
+        }
+    }
+
+    /// A lobe as it is stored at a view, its colour as luminance and differences whatever the version of the
+    /// bytes; `None` past either end, and in an anisotropic material.
+    pub fn view_lobe(&self, view: usize, lobe: usize) -> Option<PlaneLobe> {
+        if !self.is_isotropic() || view >= self.header.views || lobe >= self.header.lobes {
+            return None;
+        }
+        let number = |row| f32_at(self.bytes, self.header.row(view, row) + 4 * lobe);
+        let (log2_luminance, color_differences) = self.color([2, 3, 4].map(number));
+        let off_plane = lobe.checked_sub(self.header.lobes - self.header.mirrored);
+        Some(PlaneLobe {
+            angle: number(0),
+            off_plane: off_plane.map_or(0.0, |m| f32_at(self.bytes, self.header.row(view, 5) + 4 * m)),
+            log2_sharpness: number(1),
+            log2_luminance,
+            color_differences,
+        })
+    }
+
+    /// A lobe as it is stored at a view, as [`view_lobe`](Self::view_lobe); `None` past either end, and in an
+    /// isotropic material.
+    pub fn view_tilted_lobe(&self, view: usize, lobe: usize) -> Option<TiltedLobe> {
+        let Kind::Grid(shape) = self.header.kind else { return None };
+        if view >= self.header.views || lobe >= self.header.lobes {
+            return None;
+        }
+        let number = |row| f32_at(self.bytes, shape.row(&self.header, view, row) + 4 * lobe);
+        let (log2_luminance, color_differences) = self.color([3, 4, 5].map(number));
+        let tilt = [number(0), number(1)];
+        Some(TiltedLobe { tilt, log2_sharpness: number(2), log2_luminance, color_differences })
+    }
+}
+
+impl Material<'_> {
+    /// Nodes of the table of factors along the half angle and along the difference angle; `None` without one.
+    pub fn factor_nodes(&self) -> Option<[usize; 2]> {
+        let nodes = self.header.factors.map(usize::from);
+        (nodes[0] > 0).then_some(nodes)
+    }
+
+    /// Largest factor of any node and channel, which no factor exceeds but for rounding; 1 without a table.
+    ///
+    /// The luminance of a sample's weight is at most the power of its mixture times this, where no channel of
+    /// a lobe is negative.
+    pub fn largest_factor(&self) -> f32 {
+        if self.factor_nodes().is_none() { 1.0 } else { f32_at(self.bytes, self.header.nodes() - 4) }
+    }
+
+    /// The factor of a node, linear sRGB; `None` past either end, and without a table.
+    pub fn factor_node(&self, half: usize, difference: usize) -> Option<[f32; 3]> {
+        let [halves, differences] = self.factor_nodes()?;
+        let offset = self.header.nodes() + 4 * (half * differences + difference);
+        (half < halves && difference < differences)
+            .then(|| [0, 1, 2].map(|place| decoded(u32_at(self.bytes, offset), place)))
+    }
+
+    /// What the factors change of the albedo of a view, relative to the luminance of the lobes' own, linear sRGB, as
+    /// it is stored; `None` past the end, and without a table. [`Mixture::albedo`](crate::Mixture::albedo) has it in it.
+    pub fn view_albedo_difference(&self, view: usize) -> Option<[f32; 3]> {
+        let number = |i: usize| f32_at(self.bytes, self.header.albedo_difference(view) + 4 * i);
+        (self.factor_nodes().is_some() && view < self.header.views).then(|| [0, 1, 2].map(number))
+    }
+}

@@ -1,0 +1,200 @@
+//! Writes the bytes of a material.
+
+use super::checksum::crc32;
+use super::factor_table::{FactorTable, largest};
+use super::format_error::{FORMAT_VERSION, FormatError};
+use super::layout::{Header, Kind, MAGIC, MIRRORED, Shape};
+use super::validate::validate;
+use super::views::{Grid, Line};
+
+/// Bytes that [`Line::encode`] writes without factors, for so many views of so many lobes, the last
+/// `mirrored` of which stand for two; of 1024 views and 64 lobes at most.
+pub const fn encoded_len(views: usize, lobes: usize, mirrored: usize, provenance: &str) -> usize {
+    let provenance = provenance.len();
+    let (kind, has_luminance, factors) = (Kind::Line, true, [0; 2]);
+    Header { kind, views, lobes, squeezed: 0, mirrored, provenance, has_luminance, factors }.len()
+}
+
+impl Line<'_> {
+    fn header(&self, provenance: &str) -> Header {
+        Header {
+            kind: Kind::Line,
+            views: self.views.len(),
+            lobes: self.views.first().map_or(0, |v| v.lobes.len()),
+            squeezed: self.squeezed,
+            mirrored: self.mirrored,
+            provenance: provenance.len(),
+            has_luminance: true,
+            factors: FactorTable::shape(self.factors.as_ref()),
+        }
+    }
+
+    /// Bytes that [`encode`](Self::encode) writes.
+    pub fn encoded_len(&self, provenance: &str) -> usize {
+        self.header(provenance).len()
+    }
+
+    /// Writes a material as `.srbf` bytes and checks them as a reader would.
+    ///
+    /// Of the lobes of every view the first `squeezed` see the squeezed direction, and each of the last
+    /// `mirrored` stands for two, one on either side of the plane of incidence; none is both. Shapes: `out`
+    /// [[`encoded_len`](Self::encoded_len)], overwritten. Returns: the bytes written.
+    ///
+    /// # Errors
+    /// [`FormatError::Buffer`] if `out` is too small; [`FormatError::Field`] for a value that has no place in
+    /// a material.
+    pub fn encode(&self, provenance: &str, out: &mut [u8]) -> Result<usize, FormatError> {
+        let Self { views, squeezed, mirrored, factors } = *self;
+        let header = self.header(provenance);
+        let lobes = header.lobes;
+        if mirrored > lobes {
+            return Err(FormatError::Field { name: "number of mirrored lobes", offset: MIRRORED });
+        }
+        factors.map_or(Ok(()), |table| table.check(views.len()))?;
+        let needed = header.len();
+        if out.len() < needed {
+            return Err(FormatError::Buffer { needed, available: out.len() });
+        }
+        for (v, view) in views.iter().enumerate() {
+            let field = |name, row| Err(FormatError::Field { name, offset: header.row(v, row) });
+            if view.lobes.len() != lobes {
+                return field("number of lobes of a view", 0);
+            }
+            if view.lobes[..lobes - mirrored].iter().any(|l| l.off_plane != 0.0) {
+                return field("angle out of the plane of incidence", 5);
+            }
+        }
+        let counts = [views.len(), lobes, squeezed, provenance.len(), mirrored, 0];
+        let mut writer = Writer::new(out, 0, counts, header.factors, needed);
+        views.iter().for_each(|view| writer.number(view.theta));
+        for view in views {
+            writer.number(view.log2_squeeze);
+            writer.number(view.log2_diffuse);
+            view.diffuse_color_differences.iter().for_each(|n| writer.number(*n));
+        }
+        for view in views {
+            view.lobes.iter().for_each(|l| writer.number(l.angle));
+            view.lobes.iter().for_each(|l| writer.number(l.log2_sharpness));
+            view.lobes.iter().for_each(|l| writer.number(l.log2_luminance));
+            for i in 0..2 {
+                view.lobes.iter().for_each(|l| writer.number(l.color_differences[i]));
+            }
+            view.lobes[lobes - mirrored..].iter().for_each(|l| writer.number(l.off_plane));
+        }
+        writer.finish(factors, provenance)
+    }
+}
+
+/// Puts bytes one behind the other into a buffer that is long enough.
+struct Writer<'a> {
+    out: &'a mut [u8],
+    at: usize,
+}
+
+impl<'a> Writer<'a> {
+    /// Begins with the header: kind, length of the whole, the fields that follow it, and the sizes of the
+    /// table of factors.
+    fn new(
+        out: &'a mut [u8],
+        kind: usize,
+        fields: [usize; 6],
+        [half, difference]: [u8; 2],
+        length: usize,
+    ) -> Self {
+        let mut writer = Self { out: &mut out[..length], at: 0 };
+        writer.put(&MAGIC);
+        let nodes = usize::from(half) | usize::from(difference) << 16;
+        for n in [FORMAT_VERSION as usize, kind, length].into_iter().chain(fields).chain([nodes]) {
+            writer.put(&u32::try_from(n).unwrap_or(u32::MAX).to_le_bytes());
+        }
+        writer
+    }
+
+    fn put(&mut self, bytes: &[u8]) {
+        self.out[self.at..self.at + bytes.len()].copy_from_slice(bytes);
+        self.at += bytes.len();
+    }
+
+    fn number(&mut self, n: f32) {
+        self.put(&n.to_le_bytes());
+    }
+
+    /// Ends with the factors, provenance and checksum, and checks the whole; returns its length.
+    fn finish(mut self, factors: Option<FactorTable<'_>>, provenance: &str) -> Result<usize, FormatError> {
+        if let Some(table) = factors {
+            table.albedo_differences.iter().flatten().for_each(|n| self.number(*n));
+            let nodes = || table.factors.iter().map(FactorTable::node);
+            self.number(nodes().fold(0.0, |most, node| most.max(largest(node))));
+            nodes().for_each(|node| self.put(&node.to_le_bytes()));
+        }
+        self.put(provenance.as_bytes());
+        let checksum = crc32(&self.out[..self.at]);
+        self.put(&checksum.to_le_bytes());
+        validate(self.out)?;
+        Ok(self.at)
+    }
+}
+
+impl Grid<'_> {
+    fn header(&self, provenance: &str) -> Header {
+        let shape = Shape { thetas: self.thetas.len(), azimuths: self.azimuths, turns: self.turns };
+        Header {
+            kind: Kind::Grid(shape),
+            views: self.views.len(),
+            lobes: self.views.first().map_or(0, |v| v.lobes.len()),
+            squeezed: self.squeezed,
+            mirrored: 0,
+            provenance: provenance.len(),
+            has_luminance: true,
+            factors: FactorTable::shape(self.factors.as_ref()),
+        }
+    }
+
+    /// Bytes that [`encode`](Self::encode) writes.
+    pub fn encoded_len(&self, provenance: &str) -> usize {
+        self.header(provenance).len()
+    }
+
+    /// Writes an anisotropic material as `.srbf` bytes and checks them as a reader would.
+    ///
+    /// Shapes: `out` [[`encoded_len`](Self::encoded_len)], overwritten. Returns: the bytes written.
+    ///
+    /// # Errors
+    /// [`FormatError::Buffer`] if `out` is too small; [`FormatError::Field`] for a value that has no place in
+    /// a material.
+    pub fn encode(&self, provenance: &str, out: &mut [u8]) -> Result<usize, FormatError> {
+        let header = self.header(provenance);
+        let needed = header.len();
+        self.factors.map_or(Ok(()), |table| table.check(self.views.len()))?;
+        if out.len() < needed {
+            return Err(FormatError::Buffer { needed, available: out.len() });
+        }
+        let field = |name, offset| Err(FormatError::Field { name, offset });
+        let (thetas, lobes) = (self.thetas.len(), header.lobes);
+        let expected = self.azimuths.checked_mul(thetas.saturating_sub(1)).and_then(|n| n.checked_add(1));
+        if thetas == 0 || expected != Some(self.views.len()) {
+            return field("number of views", 20);
+        }
+        if self.views.iter().any(|view| view.lobes.len() != lobes) {
+            return field("number of lobes of a view", 24);
+        }
+        let fields = [thetas, lobes, self.squeezed, provenance.len(), self.azimuths, self.turns];
+        let mut writer = Writer::new(out, 1, fields, header.factors, needed);
+        self.thetas.iter().for_each(|theta| writer.number(*theta));
+        for view in self.views {
+            let diffuse = [view.log2_diffuse].into_iter().chain(view.diffuse_color_differences);
+            view.log2_squeeze.into_iter().chain(diffuse).for_each(|n| writer.number(n));
+        }
+        for view in self.views {
+            for i in 0..2 {
+                view.lobes.iter().for_each(|l| writer.number(l.tilt[i]));
+            }
+            view.lobes.iter().for_each(|l| writer.number(l.log2_sharpness));
+            view.lobes.iter().for_each(|l| writer.number(l.log2_luminance));
+            for i in 0..2 {
+                view.lobes.iter().for_each(|l| writer.number(l.color_differences[i]));
+            }
+        }
+        writer.finish(self.factors, provenance)
+    }
+}

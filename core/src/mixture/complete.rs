@@ -1,0 +1,183 @@
+//! Completes a mixture from axes, sharpness and amplitudes: everything that evaluating and drawing want to
+//! have at hand.
+
+use super::leave_out::LeaveOut;
+use super::rows::{Domain, Mixture, lowest_bits};
+use crate::color::{LUMINANCE, luminance};
+use crate::simd::elementary::exp2;
+use crate::simd::lanes::{Lanes, dot3, splat3};
+use core::f32::consts::{LOG2_E, PI};
+use glam::Vec3;
+
+impl<const N: usize> Mixture<'_, N> {
+    /// Completes the mixture from axes, sharpness and amplitudes, which the caller has stored and checked;
+    /// those of the places up to the next multiple of the lanes must be valid, of amplitude 0. On AVX2 `L` is
+    /// a pair of vectors, as it is where one direction is evaluated.
+    #[inline(always)]
+    pub(crate) fn finish<L: Lanes>(&mut self, count: usize, squeezed: usize, leave_out: LeaveOut) {
+        self.finish_lobes::<L>(count, squeezed, leave_out);
+        self.sum_up();
+    }
+
+    /// The part of [`finish`](Self::finish) that every lobe needs; [`sum_up`](Self::sum_up) is to follow.
+    #[inline(always)]
+    #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
+    pub(crate) fn finish_lobes<L: Lanes>(&mut self, count: usize, squeezed: usize, leave_out: LeaveOut) {
+        (self.count, self.squeezed) = (count, squeezed);
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        let mut albedo = [zero; 3];
+        let mut folded = 0;
+        let mut k = 0;
+        while k < count && k + L::COUNT <= N {
+            let s = L::load(&self.sharpness[k..]);
+            let rate = s * L::splat(-0.5 * LOG2_E);
+            rate.store(&mut self.rate[k..]);
+
+            // Normaliser: (1 - exp(-x)) / x at x = 2 s, by its series where the difference would cancel.
+            let s = s.max(L::splat(1e-7));
+            let x = s + s;
+            let inverse = one / s;
+            let tail = exp2(s * L::splat(-2.0 * LOG2_E));
+            let mut inside = one - tail;
+            let small = x.lt(L::splat(0.5));
+            if L::bits(small) != 0 {
+                let mut series = L::splat(-1.0 / 40_320.0);
+                const SERIES: [f32; 7] = [1. / 5040., -1. / 720., 1. / 120., -1. / 24., 1. / 6., -0.5, 1.];
+                for i in 0..SERIES.len() {
+                    series = series.mul_add(x, L::splat(SERIES[i]));
+                }
+                inside = L::select(small, series * x, inside);
+            }
+            let integral = inside * inverse * L::splat(2.0 * PI);
+            inverse.store(&mut self.inverse_sharpness[k..]);
+            tail.store(&mut self.tail[k..]);
+            inside.store(&mut self.inside[k..]);
+
+            if self.domain == Domain::Hemisphere {
+                let axis_z = L::load(&self.axis_z[k..]).abs();
+                axis_z.store(&mut self.axis_z[k..]);
+                // s (1 - t) = s z^2 / (1 + t), without cancellation.
+                let zz = axis_z * axis_z;
+                let t = (one - zz).max(zero).sqrt();
+                let folds = (s * zz).lt((one + t) * L::splat(leave_out.fold_exponent));
+                folded |= L::bits(folds) << k;
+                let fold_rate = rate * axis_z * L::splat(4.0);
+                L::select(folds, fold_rate, L::splat(f32::NEG_INFINITY)).store(&mut self.fold_rate[k..]);
+            }
+
+            let rgb = [L::load(&self.red[k..]), L::load(&self.green[k..]), L::load(&self.blue[k..])];
+            let luminance = dot3(rgb, splat3(LUMINANCE));
+            luminance.store(&mut self.luminance[k..]);
+            // The powers first, their running sum below.
+            (luminance * integral).store(&mut self.cumulative[k..]);
+            for i in 0..3 {
+                albedo[i] = rgb[i].mul_add(integral, albedo[i]);
+            }
+            k += L::COUNT;
+        }
+        self.folded = folded & lowest_bits(count);
+        let mut lobes_albedo = Vec3::new(albedo[0].sum(), albedo[1].sum(), albedo[2].sum());
+        if leave_out.lobes > 0.0 {
+            // Less what rounding may have taken from the power of a lobe: one that is all there is stays.
+            let power = luminance(lobes_albedo) + self.diffuse_power;
+            let (stays, albedo) = self.of_at_least::<L>(leave_out.lobes * (1.0 - 1e-6) * power);
+            if stays != lowest_bits(count) {
+                lobes_albedo = albedo;
+                self.keep_lobes(stays);
+            }
+        }
+        self.lobes_albedo = lobes_albedo;
+    }
+
+    /// Sums up the powers of the lobes, a chain of as many dependent additions, and of the diffuse term.
+    #[inline(always)]
+    pub(crate) fn sum_up(&mut self) {
+        let mut power = 0.0;
+        for running in &mut self.cumulative[..self.count.min(N)] {
+            power += *running;
+            *running = power;
+        }
+        self.lobes_power = power;
+        self.add_diffuse();
+    }
+
+    /// Which lobes have a power, which `cumulative` still holds one by one, of at least a bound, one bit
+    /// each; and the albedo of these.
+    #[inline(always)]
+    #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
+    fn of_at_least<L: Lanes>(&self, least: f32) -> (u64, Vec3) {
+        let zero = L::splat(0.0);
+        let mut albedo = [zero; 3];
+        let mut stays = 0;
+        let mut k = 0;
+        while k < self.count && k + L::COUNT <= N {
+            let stay = L::load(&self.cumulative[k..]).ge(L::splat(least));
+            stays |= L::bits(stay) << k;
+            let integral = L::load(&self.inside[k..]) * L::load(&self.inverse_sharpness[k..]);
+            let integral = L::select(stay, integral, zero);
+            let rgb = [L::load(&self.red[k..]), L::load(&self.green[k..]), L::load(&self.blue[k..])];
+            for i in 0..3 {
+                albedo[i] = rgb[i].mul_add(integral, albedo[i]);
+            }
+            k += L::COUNT;
+        }
+        let [red, green, blue] = albedo;
+        let albedo = Vec3::new(red.sum(), green.sum(), blue.sum()) * (2.0 * PI);
+        (stays & lowest_bits(self.count), albedo)
+    }
+
+    /// Drops all lobes but some, one bit each, which keep their order.
+    #[inline(always)]
+    fn keep_lobes(&mut self, stays: u64) {
+        let count = self.count.min(N);
+        let all = lowest_bits(count);
+        // The lobes before the first that goes are in their places.
+        let mut to = stays.trailing_ones() as usize;
+        let mut left = stays & !lowest_bits(to);
+        while left != 0 {
+            let k = left.trailing_zeros() as usize;
+            left &= left - 1;
+            // Never so: the compiler sees that no place below lies outside.
+            if k >= N || to >= N {
+                break;
+            }
+            macro_rules! move_rows {
+                ($($row:ident)*) => { $(self.$row[to] = self.$row[k];)* };
+            }
+            move_rows!(axis_x axis_y axis_z sharpness red green blue luminance rate fold_rate);
+            move_rows!(inverse_sharpness inside tail cumulative);
+            to += 1;
+        }
+        for k in to..count {
+            (self.red[k], self.green[k], self.blue[k], self.luminance[k]) = (0.0, 0.0, 0.0, 0.0);
+        }
+        self.squeezed = (stays & lowest_bits(self.squeezed)).count_ones() as usize;
+        self.count = to;
+        // The bits of the folds move down over every one that goes, the highest first.
+        let mut goes = all & !stays;
+        while goes != 0 {
+            let place = 63 - goes.leading_zeros();
+            let below = (1 << place) - 1;
+            self.folded = self.folded & below | self.folded >> 1 & !below;
+            goes &= below;
+        }
+    }
+
+    /// Sets the albedo of the diffuse term, and its power: three numbers that have just been stored would
+    /// have to be read at once for that, and would not be there yet.
+    #[inline(always)]
+    pub(crate) fn set_diffuse(&mut self, albedo: [f32; 3]) {
+        let [red, green, blue] = albedo;
+        self.diffuse_power = luminance(Vec3::new(red, green, blue));
+        self.diffuse = Vec3::new(red, green, blue);
+    }
+
+    /// Adds the power of the diffuse term to that of the lobes.
+    #[inline(always)]
+    pub(crate) fn add_diffuse(&mut self) {
+        let power = self.lobes_power + self.diffuse_power;
+        // A sum so small that its inverse is infinite reflects nothing.
+        (self.power, self.inverse_power) =
+            if power >= f32::MIN_POSITIVE { (power, 1.0 / power) } else { (0.0, 0.0) };
+    }
+}

@@ -1,0 +1,123 @@
+//! Products of mixtures of round lobes, and their integrals.
+
+use super::rows::{Domain, Mixture};
+use crate::error::Error;
+use crate::lobe::gaussian::{Gaussian, Lobe};
+use glam::Vec3;
+
+impl<const N: usize> Mixture<'_, N> {
+    /// Multiplies two mixtures of round lobes, lobe by lobe, into the caller's storage.
+    ///
+    /// A folded lobe counts as two, itself and its mirror image. The products are not folded: they are lobes
+    /// of the caller's shading frame that stand for the product on the domain that both mixtures share, the
+    /// upper hemisphere unless both live on the sphere. Integrate them there, for example by
+    /// [`Gaussian::hemisphere_integral`](crate::Gaussian::hemisphere_integral).
+    ///
+    /// Returns: how many lobes were written. Shapes: `out` [(lobes + folded lobes) of the one times those of
+    /// the other]; [`product_len`](Self::product_len) says.
+    ///
+    /// # Errors
+    /// [`Error::Capacity`]; [`Error::Squeezed`], since a squeezed lobe, a diffuse term or a factor times a
+    /// lobe is not a lobe.
+    pub fn product_into<const M: usize>(
+        &self,
+        other: &Mixture<'_, M>,
+        out: &mut [Lobe],
+    ) -> Result<usize, Error> {
+        self.check_round()?;
+        other.check_round()?;
+        let needed = self.product_len(other);
+        if out.len() < needed {
+            return Err(Error::Capacity { needed, available: out.len() });
+        }
+        let pairs = self.unfolded().flat_map(|a| other.unfolded().map(move |b| (a, b)));
+        for (slot, (a, b)) in out.iter_mut().zip(pairs) {
+            *slot = a.product(&b);
+        }
+        Ok(needed)
+    }
+
+    /// Number of lobes that [`product_into`](Self::product_into) writes.
+    pub fn product_len<const M: usize>(&self, other: &Mixture<'_, M>) -> usize {
+        let count = |lobes: usize, folded: u64| lobes + folded.count_ones() as usize;
+        count(self.count, self.folded) * count(other.count, other.folded)
+    }
+
+    /// Multiplies a lobe, of light for example, with a mixture of round lobes, as
+    /// [`product_into`](Self::product_into) does.
+    ///
+    /// # Errors
+    /// As [`product_into`](Self::product_into); and what [`Lobe::new`] refuses.
+    pub fn product_with_lobe_into(&self, lobe: &Lobe, out: &mut [Lobe]) -> Result<usize, Error> {
+        self.product_into(&Mixture::<16>::sphere(&[*lobe])?, out)
+    }
+
+    /// Integrates the product of two mixtures of round lobes over the domain that they share; channel by
+    /// channel.
+    ///
+    /// On the sphere, and between two folded mixtures, in closed form: folded mixtures are even in z, so the
+    /// integral over the upper hemisphere is half of that over the sphere, `sum of (G_j + G_j mirrored) G_k`
+    /// over the sphere. Between a folded mixture and one on the sphere by [`Gaussian::hemisphere_integral`].
+    ///
+    /// # Errors
+    /// [`Error::Squeezed`], for squeezed lobes, diffuse terms and factors.
+    #[doc(alias = "spherical singular integral")]
+    pub fn inner_product<const M: usize>(&self, other: &Mixture<'_, M>) -> Result<Vec3, Error> {
+        self.check_round()?;
+        other.check_round()?;
+        let mut sum = Vec3::ZERO;
+        if self.domain == other.domain {
+            for a in (0..self.count).map(|k| self.lobe_in_shading_frame(k)) {
+                for b in (0..other.count).map(|k| other.lobe_in_shading_frame(k)) {
+                    sum += a.inner_product(&b);
+                    if self.domain == Domain::Hemisphere {
+                        sum += a.inner_product(&b.mirrored());
+                    }
+                }
+            }
+        } else {
+            for a in self.unfolded() {
+                for b in other.unfolded() {
+                    let product = a.product(&b);
+                    sum += product.amplitude * product.gaussian.hemisphere_integral();
+                }
+            }
+        }
+        Ok(sum)
+    }
+
+    /// Integrates the product of a lobe and a mixture of round lobes over the mixture's domain.
+    ///
+    /// For a mixture that reflects and a lobe of light: the radiance that is reflected.
+    ///
+    /// # Errors
+    /// [`Error::Squeezed`]; and what [`Lobe::new`] refuses.
+    pub fn inner_product_with_lobe(&self, lobe: &Lobe) -> Result<Vec3, Error> {
+        self.inner_product(&Mixture::<16>::sphere(&[*lobe])?)
+    }
+
+    fn check_round(&self) -> Result<(), Error> {
+        let squeezed = self.squeezed > 0 && !self.squeeze.is_round();
+        if squeezed || self.diffuse != Vec3::ZERO || self.has_factors() {
+            Err(Error::Squeezed)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Lobe `k < len` with its axis turned to the caller's shading frame.
+    fn lobe_in_shading_frame(&self, k: usize) -> Lobe {
+        let axis = Vec3::from_array(self.squeeze.turn_back([self.axis_x[k], self.axis_y[k], self.axis_z[k]]));
+        let amplitude = Vec3::new(self.red[k], self.green[k], self.blue[k]);
+        Lobe { gaussian: Gaussian { axis, ..self.gaussian(k) }, amplitude }
+    }
+
+    /// All lobes in the caller's shading frame, each followed by its mirror image if it is folded.
+    fn unfolded(&self) -> impl Iterator<Item = Lobe> {
+        (0..self.count).flat_map(|k| {
+            let lobe = self.lobe_in_shading_frame(k);
+            let mirrored = (self.folded >> k & 1 == 1).then(|| lobe.mirrored());
+            core::iter::once(lobe).chain(mirrored)
+        })
+    }
+}

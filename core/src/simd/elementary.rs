@@ -1,0 +1,118 @@
+//! Powers of two, logarithms, sines and arc tangents of every lane.
+//!
+//! Each is one text for all levels; what a level does in instructions of its own is a method of [`Lanes`].
+#![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
+
+use super::lanes::{Lanes, ROUND, quadrant};
+
+/// `2^t`, exactly 0 below 2^-125. Relative error below 2.5e-7; `t` at most 127.
+#[inline(always)]
+pub fn exp2<L: Lanes>(t: L) -> L {
+    exp2_above::<L, false>(t, -125.0)
+}
+
+/// `2^t`, exactly 0 below 2^-100: what a lobe falls to. Relative error below 2.5e-7; `t` at most 127.
+///
+/// Neither the result nor its product with an amplitude above 2^-25 is a subnormal: one subnormal in a vector
+/// makes an Intel processor take 150 cycles for that instruction, and among sixteen directions there is often
+/// one whose exponent is near -127.
+#[inline(always)]
+pub fn falloff<L: Lanes>(t: L) -> L {
+    exp2_above::<L, false>(t, -100.0)
+}
+
+/// [`falloff`] by a shorter chain of more operations, for one direction, which waits for it; other digits.
+#[inline(always)]
+pub fn falloff_soon<L: Lanes>(t: L) -> L {
+    exp2_above::<L, true>(t, -100.0)
+}
+
+/// `2^t`, exactly 0 where `t` is less than `least`, to a half, or a NaN. `least` is -125 or more: no
+/// subnormal. `SOON`: the polynomial by pairs of terms (Estrin 1960).
+#[inline(always)]
+fn exp2_above<L: Lanes, const SOON: bool>(t: L, least: f32) -> L {
+    let (f, whole) = t.split_whole();
+    // Minimax on [-1/2, 1/2], relative error 2.4e-7 with all roundings, or as the level says.
+    if SOON {
+        let [a, b, c, d, e] = L::EXP2;
+        let ff = f * f;
+        let high = ff.mul_add(f.mul_add(L::splat(a), L::splat(b)), f.mul_add(L::splat(c), L::splat(d)));
+        return ff.mul_add(high, f.mul_add(L::splat(e), L::splat(1.0))).times_exp2(whole, least);
+    }
+    // Without fused operations 1 + f c (f^2 + a f + b) (f^2 + d f + e) is as many operations as Horner's form
+    // in half the latency; relative error 2.0e-7 with all roundings. One lane keeps the digits that fits have
+    // seen.
+    if !L::FUSED && L::COUNT > 1 {
+        let factor = |a, b| (f + L::splat(a)) * f + L::splat(b);
+        let product = factor(7.802_083_5, 21.231_173) * factor(-0.514_329_14, 24.590_559);
+        let small = product * (f * L::splat(0.001_327_648));
+        return (small + L::splat(1.0)).times_exp2(whole, least);
+    }
+    let mut p = L::splat(L::EXP2[0]);
+    for i in 1..5 {
+        p = p.mul_add(f, L::splat(L::EXP2[i]));
+    }
+    p.mul_add(f, L::splat(1.0)).times_exp2(whole, least)
+}
+
+/// `(ln x + rest) factor` of a positive normal number and a small one; relative error of the logarithm below
+/// 2e-7 away from 1, absolute 1e-7 times `|x - 1|` near it. And that plus 2.
+#[inline(always)]
+pub fn ln_plus_times<L: Lanes>(x: L, rest: L, factor: L) -> [L; 2] {
+    let (m, e) = x.split_exponent();
+    let f = m - L::splat(1.0);
+    // ln(1 + f) = f - f^2 / 2 + f^3 p(f); Cephes logf, Moshier 1992. Pairs, fours and eights of terms (Estrin
+    // 1960): half the latency of Horner's form, for one multiplication.
+    let ff = f * f;
+    let ffff = ff * ff;
+    let p0 = f.mul_add(L::splat(-2.499_999_4e-1), L::splat(0.333_333_3));
+    let p2 = f.mul_add(L::splat(-1.666_805_7e-1), L::splat(2.000_071_5e-1));
+    let p4 = f.mul_add(L::splat(-1.242_014_1e-1), L::splat(1.424_932_3e-1));
+    let p6 = f.mul_add(L::splat(-1.151_461e-1), L::splat(1.167_699_84e-1));
+    let p4 = ffff.mul_add(L::splat(7.037_683_6e-2), ff.mul_add(p6, p4));
+    let p = ffff.mul_add(p4, ff.mul_add(p2, p0));
+    // All that does not wait for the polynomial is done beside it: two operations are left, also of the sum
+    // with 2 where one number is waited for. Without fused operations its digits would be others than those
+    // that fits have seen.
+    const PLACE: f32 = 1.0 / 8_388_608.0;
+    let low = ff.neg_mul_add(L::splat(0.5), e.mul_add(L::splat(-2.121_944_4e-4 * PLACE), rest));
+    let (small, large) = (p.mul_add(f * ff, low), e.mul_add(L::splat(0.693_359_4 * PLACE), f) * factor);
+    let (product, two) = (small.mul_add(factor, large), L::splat(2.0));
+    [product, if L::FUSED && L::COUNT == 1 { small.mul_add(factor, large + two) } else { product + two }]
+}
+
+/// Sine and cosine of an angle in `[-8, 8]`; absolute error below 1.2e-7.
+#[inline(always)]
+pub fn sin_cos<L: Lanes>(angle: L) -> (L, L) {
+    let n = angle.mul_add(L::splat(core::f32::consts::FRAC_2_PI), L::splat(ROUND));
+    let q = n - L::splat(ROUND);
+    // pi/2 in three parts, the first with few enough bits that the product with q is exact.
+    let r = q.neg_mul_add(L::splat(1.570_312_5), angle);
+    let r = q.neg_mul_add(L::splat(4.837_513e-4), r);
+    let r = q.neg_mul_add(L::splat(7.549_79e-8), r);
+    quadrant(r, n)
+}
+
+/// Sine and cosine of `2 pi u`, `u` in `[0, 1]`; absolute error below 1.2e-7.
+#[inline(always)]
+pub fn sin_cos_turns<L: Lanes>(u: L) -> (L, L) {
+    u.sin_cos_turns()
+}
+
+/// Angle of the vector (x, y), both not negative and not both 0, from the x axis; relative error below 3e-7.
+#[inline(always)]
+pub fn atan2_positive<L: Lanes>(y: L, x: L) -> L {
+    let a = y.min(x) / y.max(x);
+    let aa = a * a;
+    // Minimax of atan(a) / a in a^2 on [0, 1], relative error 1.6e-8.
+    let mut p = L::splat(0.002_849_886_4);
+    p = p.mul_add(aa, L::splat(-0.016_068_615));
+    p = p.mul_add(aa, L::splat(0.042_691_5));
+    p = p.mul_add(aa, L::splat(-0.075_042_926));
+    p = p.mul_add(aa, L::splat(0.106_409_33));
+    p = p.mul_add(aa, L::splat(-0.142_036_44));
+    p = p.mul_add(aa, L::splat(0.199_926_2));
+    p = p.mul_add(aa, L::splat(-0.333_330_72));
+    let angle = (p * aa).mul_add(a, a);
+    L::select(x.lt(y), L::splat(core::f32::consts::FRAC_PI_2) - angle, angle)
+}

@@ -1,0 +1,115 @@
+//! A report in words and as JSON, with the verdict on it.
+
+use crate::judge::cross::CrossValidation;
+use crate::judge::fitted_material::TrackedLobes;
+use crate::judge::method::Fitted;
+use crate::judge::reciprocity::{Reciprocity, reciprocity};
+use crate::judge::report::{Ending, Input, LARGE_ERROR, Report, ViewReport, factor_bytes, mean_error};
+use crate::judge::verdict::{Made, Summary, Verdict, steps_matter};
+use crate::{FitError, Settings};
+use serde_json::{Value, json};
+use srbf_core::Material;
+
+impl Report {
+    /// What has to be known to judge the fit, a sentence each.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        let mut note = |of: fn(&ViewReport) -> bool, text: &str| {
+            let views: Vec<&ViewReport> = self.views.iter().filter(|v| of(v)).collect();
+            let mut places: Vec<String> =
+                views.iter().map(|v| format!("{:.1}", v.theta.to_degrees())).collect();
+            places.dedup();
+            if !places.is_empty() {
+                notes.push(format!("view at {} degrees: {text}", places.join(", ")));
+            }
+        };
+        note(|v| v.is_black, "black; no relative error, and in no mean");
+        note(|v| v.is_albedo_cut, "the data's albedo is above 0.95, which lobes were held to");
+        note(|v| v.is_too_dark(), "darker than a material can store");
+        let is_off = |v: &ViewReport| !v.is_black && !v.is_too_dark() && v.error > LARGE_ERROR;
+        note(is_off, "relative L2 error above 50 %");
+        if steps_matter(self) {
+            notes.push(
+                "the fit ended with its steps, not because it gained too little: more of them may help"
+                    .into(),
+            );
+        }
+        notes
+    }
+
+    /// The report as JSON, with the settings, the provenance of the material and its reciprocity error.
+    ///
+    /// # Errors
+    /// As [`Fitted::view`].
+    pub fn to_json(
+        &self,
+        material: &Material<'_>,
+        input: &Input,
+        settings: &Settings,
+    ) -> Result<String, FitError> {
+        let lobes = TrackedLobes { bytes: material.bytes().to_vec() };
+        let mut json = self.json_of(&lobes, "tracked", input, Some(Made::new(material)))?;
+        let more = json!({
+            "provenance": material.provenance(),
+            "settings": settings.to_json(),
+            "bytes": material.bytes().len(),
+            "lobes": material.lobe_count(),
+            "squeezed": material.squeezed_count(),
+            "mirrored": material.mirrored_count(),
+            "knots": material.view_count(),
+            "factors": factors_json(material),
+        });
+        if let (Some(json), Value::Object(more)) = (json.as_object_mut(), more) {
+            json.extend(more);
+        }
+        Ok(format!("{json:#}\n"))
+    }
+
+    /// What the reports of all methods say.
+    ///
+    /// # Errors
+    /// As [`Fitted::view`].
+    pub fn to_json_of(&self, fitted: &dyn Fitted, method: &str, input: &Input) -> Result<Value, FitError> {
+        self.json_of(fitted, method, input, None)
+    }
+
+    fn json_of(
+        &self,
+        fitted: &dyn Fitted,
+        method: &str,
+        input: &Input,
+        made: Option<Made>,
+    ) -> Result<Value, FitError> {
+        let views = |views: &[ViewReport]| views.iter().map(ViewReport::to_json).collect::<Vec<_>>();
+        let held_out = (!self.held_out.is_empty()).then(|| mean_error(&self.held_out));
+        let found = reciprocity(fitted)?;
+        let Reciprocity { median, worst, pairs } = found;
+        Ok(json!({
+            "method": method,
+            "version": env!("CARGO_PKG_VERSION"),
+            "input": {"name": input.name, "sha256": input.sha256},
+            "seconds": self.seconds,
+            "evaluations": self.evaluations,
+            "stopped": self.ending.map(|ending| match ending {
+                Ending::Converged => "improvement",
+                Ending::Steps => "steps",
+            }),
+            "notes": self.notes(),
+            "summary": Summary::new(self).to_json(),
+            "verdict": Verdict::new(self, &found, made).to_json(),
+            "mean_relative_l2": self.mean_error(),
+            "mean_relative_l2_held_out": held_out,
+            "cross_validation": self.cross_validation.as_ref().map(CrossValidation::to_json),
+            "reciprocity": {"median_abs_log_ratio": median, "worst_abs_log_ratio": worst, "pairs": pairs},
+            "views": views(&self.views),
+            "held_out": views(&self.held_out),
+        }))
+    }
+}
+
+/// The table of factors of a material; null if it has none.
+fn factors_json(material: &Material<'_>) -> Value {
+    material.factor_nodes().map_or(Value::Null, |nodes| {
+        json!({"nodes": nodes, "largest": material.largest_factor(), "bytes": factor_bytes(material)})
+    })
+}
