@@ -1,5 +1,6 @@
-//! Other ways of fitting, to compare with: the thesis's, Lafortune's lobes, and the thesis's blend of views.
+//! Other ways of fitting, to compare with: the thesis's, Lafortune's lobes, the thesis's blend of views, and samples without lobes.
 
 pub mod blend;
+pub mod evaluated;
 pub mod lafortune;
 pub mod thesis;

@@ -21,6 +21,7 @@ mod microfacet;
 mod pair;
 mod points;
 mod process;
+mod report;
 mod scale;
 
 use crate::FitError;
@@ -36,6 +37,7 @@ use pair::Pair;
 use points::{MOST, Point, points};
 use process::{Kernel, Process, factor};
 use rayon::prelude::*;
+pub use report::CompletionReport;
 use scale::Scale;
 
 /// Farthest that a value is from the model, on the scale, and above the brightest sample.
@@ -88,33 +90,6 @@ pub struct Completion {
     energy: Option<Energy>,
     /// What is known of how good it is.
     pub report: CompletionReport,
-}
-
-/// What is known of a completion.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct CompletionReport {
-    /// Samples.
-    pub samples: usize,
-    /// How many points it is made of: fewer than samples, if close ones were taken together.
-    pub points: usize,
-    /// Samples that count less, as all others speak against them.
-    pub outliers: usize,
-    /// Width of the model's lobe: tangent of the angle of facets at which they have become few.
-    pub width: f64,
-    /// Exponent with which they become fewer; 2 is GGX.
-    pub exponent: f64,
-    /// Lengths over which what the model leaves is alike, in the coordinates of the process.
-    pub lengths: [f64; 4],
-    /// Variance of the noise of the logarithm of a sample.
-    pub noise: f64,
-    /// Errors of samples that are left out one by one.
-    pub samples_left_out: HeldOut,
-    /// Errors of views that are left out; neighbours are taken together where there are many. `None` with fewer than three.
-    pub views_left_out: Option<HeldOut>,
-    /// Errors of the model alone, at the samples.
-    pub model_alone: HeldOut,
-    /// Where there are no samples.
-    pub gaps: Gaps,
 }
 
 /// A way to complete samples, and how it fares.

@@ -1,5 +1,6 @@
 //! A report in words and as JSON, with the verdict on it.
 
+use crate::complete::CompletionReport;
 use crate::judge::cross::CrossValidation;
 use crate::judge::fitted_material::TrackedLobes;
 use crate::judge::method::Fitted;
@@ -100,6 +101,7 @@ impl Report {
             "mean_relative_l2": self.mean_error(),
             "mean_relative_l2_held_out": held_out,
             "cross_validation": self.cross_validation.as_ref().map(CrossValidation::to_json),
+            "completion": self.completion.as_ref().map(CompletionReport::to_json),
             "reciprocity": {"median_abs_log_ratio": median, "worst_abs_log_ratio": worst, "pairs": pairs},
             "views": views(&self.views),
             "held_out": views(&self.held_out),

@@ -86,12 +86,12 @@ pub struct SettingArgs {
     /// Most times that a lobe is exchanged, in each of the stages that do so.
     #[arg(long)]
     exchanges: Option<usize>,
-    /// Views of the material, placed where it changes; for files that have a value for every pair of directions. By default 15, with
+    /// Views of the material, placed where it changes. By default 15, with
     /// 6 to 11 lobes as many more as take the bytes of 12. With lobes in mirrored pairs, as many more as take the same bytes.
     #[arg(long)]
     views: Option<usize>,
     /// The table of factors over half angle and difference angle that the lobes are multiplied by, `24x10` for example: `none`, or
-    /// by default what it gains decides; for files that have a value for every pair of directions.
+    /// by default what it gains decides.
     #[arg(long, value_name = "NODES", value_parser = factor_nodes)]
     factors: Option<FactorNodes>,
 }
@@ -180,15 +180,6 @@ pub fn run(args: Args) -> anyhow::Result<()> {
 /// Refuses options that the fit of such a content would ignore.
 fn check_options(file: &Path, content: &Content, settings: &SettingArgs) -> anyhow::Result<()> {
     match content {
-        Content::Samples(_) => {
-            let given = [("--views", settings.views.is_some()), ("--factors", settings.factors.is_some())];
-            if let Some((option, _)) = given.iter().find(|option| option.1) {
-                bail!(
-                    "{}: {option} is for what can be evaluated anywhere; these samples have views of their own",
-                    file.display()
-                );
-            }
-        }
         Content::Evaluable(brdf) if brdf.symmetry() != Symmetry::Isotropic => {
             let given = [
                 ("--views", settings.views.is_some()),
@@ -200,7 +191,7 @@ fn check_options(file: &Path, content: &Content, settings: &SettingArgs) -> anyh
                 bail!("{}: {option} is for isotropic surfaces; this one is anisotropic", file.display());
             }
         }
-        Content::Evaluable(_) => {}
+        Content::Samples(_) | Content::Evaluable(_) => {}
     }
     Ok(())
 }
@@ -249,9 +240,13 @@ fn print_report(report: &Report, fitted: &dyn Fitted, material: Option<&Material
     view_table::print_views(&report.views, isotropic);
     println!("mean relative L2 {:.2} %", 100.0 * report.mean_error());
     if !report.held_out.is_empty() {
-        println!("held out, between the knots:");
+        let of = if report.completion.is_some() { ", against what the samples were completed to" } else { "" };
+        println!("held out, between the knots{of}:");
         view_table::print_views(&report.held_out, isotropic);
         println!("mean relative L2 held out {:.2} %", 100.0 * mean_error(&report.held_out));
+    }
+    if let Some(completion) = &report.completion {
+        view_table::print_completion(completion);
     }
     if let Some(found) = &report.cross_validation {
         print_left_out(found);

@@ -1,6 +1,8 @@
 //! How good a fit is, as text: a line a view, the numbers of all views, and the verdict.
 
 use srbf_core::Material;
+use srbf_fit::complete::CompletionReport;
+use srbf_fit::complete::held_out::HeldOut;
 use srbf_fit::judge::reciprocity::Reciprocity;
 use srbf_fit::judge::report::{Report, ViewReport, factor_bytes};
 use srbf_fit::judge::verdict::{Made, Spread, Summary, Verdict};
@@ -22,6 +24,31 @@ const LEAST_SHARE: f64 = 5e-5;
 pub const LEGEND: &str = "L2 %: relative L2 error of f cos; peak, off: the same within 15 degrees of the mirror direction, and beyond;\n\
     lumin., chroma: median error beyond, of the luminance in % and of the colour; var., weight: relative variance and\n\
     largest over mean of f cos / pdf; albedo: of the fit, and in brackets of the data";
+
+/// Prints what is known of what samples were completed to.
+pub fn print_completion(completion: &CompletionReport) {
+    let error = |held_out: &HeldOut| {
+        let logarithm = 100.0 * held_out.logarithm.exp_m1();
+        format!("relative L2 {:.1} %, by logarithms {logarithm:.0} %", 100.0 * held_out.error)
+    };
+    let CompletionReport { samples, points, outliers, .. } = completion;
+    let thinned = if points < samples { format!(", close ones taken together to {points}") } else { String::new() };
+    println!("between the samples, {samples}{thinned}; {outliers} count less, as all others speak against them:");
+    println!("  samples left out: {}", error(&completion.samples_left_out));
+    match &completion.views_left_out {
+        Some(views) => println!("  views left out:   {}", error(views)),
+        None => println!("  views left out:   none can be, with fewer than three"),
+    }
+    let (width, exponent) = (completion.width, completion.exponent);
+    println!(
+        "  the model alone:  {} (facets of width {width:.3}, exponent {exponent:.1})",
+        error(&completion.model_alone)
+    );
+    let gaps = &completion.gaps;
+    let empty = gaps.empty().iter().map(|(from, to)| format!("{from:.0} to {to:.0}")).collect::<Vec<_>>();
+    let views = if empty.is_empty() { String::new() } else { format!("; most of it at views of {} degrees", empty.join(", ")) };
+    println!("  no sample within 20 degrees: {:.0} % of all pairs of directions{views}", 100.0 * gaps.mean());
+}
 
 /// Prints the views of a report under a heading, with their azimuths if any has one.
 pub fn print_views(views: &[ViewReport], isotropic: bool) {

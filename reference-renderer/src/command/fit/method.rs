@@ -2,6 +2,7 @@
 
 use super::SettingArgs;
 use anyhow::{anyhow, bail};
+use srbf_fit::baselines::evaluated::{Completed, Microfacet, Nearest};
 use srbf_fit::baselines::lafortune::{self, Lafortune};
 use srbf_fit::baselines::thesis;
 use srbf_fit::judge::cross::CrossValidation;
@@ -25,6 +26,12 @@ pub enum MethodName {
     Thesis,
     /// Lafortune's generalised cosine lobes, best of 100 starts: coefficients, as JSON.
     Lafortune,
+    /// Of samples: what they are completed to, which our lobes are fitted to; a report as JSON.
+    Completion,
+    /// Of samples: a microfacet lobe and a diffuse term; a report as JSON.
+    Microfacet,
+    /// Of samples: joined by triangles, linear between them and between views; a report as JSON.
+    Nearest,
 }
 
 /// Views at which a BRDF that can be evaluated is fitted.
@@ -40,11 +47,35 @@ impl MethodName {
             Self::Tracked => call(&Tracked(&args.settings())),
             Self::Thesis => call(&args.thesis()?),
             Self::Lafortune => call(&args.lafortune()?),
+            Self::Completion | Self::Microfacet | Self::Nearest => {
+                args.only("no options", "without lobes", &args.of_lobes())?;
+                call(self.without_lobes())
+            }
         })
     }
 }
 
+impl MethodName {
+    /// The method, of those that have no lobes.
+    fn without_lobes(self) -> &'static dyn Method {
+        match self {
+            Self::Microfacet => &Microfacet,
+            Self::Nearest => &Nearest,
+            _ => &Completed,
+        }
+    }
+}
+
 impl SettingArgs {
+    /// Options of every fit of lobes.
+    fn of_lobes(&self) -> [(&'static str, bool); 3] {
+        [
+            ("--lobes", self.lobes.is_some()),
+            ("--starts", self.starts.is_some()),
+            ("--steps", self.steps.is_some()),
+        ]
+    }
+
     /// Settings of the thesis's algorithm.
     pub fn thesis(&self) -> anyhow::Result<thesis::Settings> {
         self.only(
@@ -131,6 +162,14 @@ pub fn fit(
             };
             let (json, evaluations) = (fit.to_json(), fit.evaluations);
             (Box::new(fit), "lafortune", format!("{settings:?}"), ("channels", json), evaluations, None)
+        }
+        MethodName::Completion | MethodName::Microfacet | MethodName::Nearest => {
+            args.only("no options", "without lobes", &args.of_lobes())?;
+            let Content::Samples(table) = &source.content else {
+                bail!("this method is for samples: what can be evaluated anywhere needs no completion")
+            };
+            let fitted = name.without_lobes().fit(table)?;
+            (fitted, "without_lobes", String::new(), ("of", format!("{name:?}").into()), 0, None)
         }
     };
     let judge = |table: &Table| -> Result<Vec<ViewReport>, FitError> {

@@ -1,0 +1,52 @@
+//! What is known of how good a completion is.
+
+use super::gaps::Gaps;
+use super::held_out::HeldOut;
+use serde_json::{Value, json};
+
+/// What is known of a completion.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CompletionReport {
+    /// Samples.
+    pub samples: usize,
+    /// How many points it is made of: fewer than samples, if close ones were taken together.
+    pub points: usize,
+    /// Samples that count less, as all others speak against them.
+    pub outliers: usize,
+    /// Width of the model's lobe: tangent of the angle of facets at which they have become few.
+    pub width: f64,
+    /// Exponent with which they become fewer; 2 is GGX.
+    pub exponent: f64,
+    /// Lengths over which what the model leaves is alike, in the coordinates of the process.
+    pub lengths: [f64; 4],
+    /// Variance of the noise of the logarithm of a sample.
+    pub noise: f64,
+    /// Errors of samples that are left out one by one.
+    pub samples_left_out: HeldOut,
+    /// Errors of views that are left out; neighbours are taken together where there are many. `None` with fewer than three.
+    pub views_left_out: Option<HeldOut>,
+    /// Errors of the model alone, at the samples.
+    pub model_alone: HeldOut,
+    /// Where there are no samples.
+    pub gaps: Gaps,
+}
+
+impl CompletionReport {
+    pub(crate) fn to_json(&self) -> Value {
+        let held_out =
+            |h: &HeldOut| json!({"mean_relative_l2": h.error, "root_mean_square_of_logarithms": h.logarithm});
+        json!({
+            "samples": self.samples,
+            "points": self.points,
+            "outliers": self.outliers,
+            "model": {"width": self.width, "exponent": self.exponent},
+            "lengths": self.lengths,
+            "noise": self.noise,
+            "samples_left_out": held_out(&self.samples_left_out),
+            "views_left_out": self.views_left_out.as_ref().map(held_out),
+            "model_alone": held_out(&self.model_alone),
+            "share_without_samples_within_20_degrees": self.gaps.mean(),
+            "empty_views_degrees": self.gaps.empty().iter().map(|run| [run.0, run.1]).collect::<Vec<_>>(),
+        })
+    }
+}
