@@ -75,7 +75,10 @@ impl Fitted for Joined {
         let before = if self.views[after].0 > theta { after.saturating_sub(1) } else { after };
         let apart = self.views[after].0 - self.views[before].0;
         let share = if apart > 0.0 { (theta - self.views[before].0) / apart } else { 0.0 };
-        Ok(Box::new(JoinedView { theta, parts: [(&self.views[before], 1.0 - share), (&self.views[after], share)] }))
+        Ok(Box::new(JoinedView {
+            theta,
+            parts: [(&self.views[before], 1.0 - share), (&self.views[after], share)],
+        }))
     }
 }
 

@@ -31,6 +31,13 @@ const HORIZON: f64 = 1e-3;
 /// Weight of squared differences of logarithms beside that of the relative squared ones.
 const BY_LOGARITHM: f64 = 0.09;
 
+/// What is likely of reflectances: that at grazing angles over that along the normal is this, give or take the logarithm's deviation
+/// (dielectrics have 25, metals 1 to 2), and the channels have about the same. Weight of both beside the squares of the first fit.
+const RISE: f64 = 12.0;
+const DEVIATION: f64 = 0.5;
+const OF_CHANNELS: f64 = 0.4;
+const LIKELY: f64 = 1e-3;
+
 /// Steps of the fit, and change of an unknown that derivatives are taken over.
 const LIMITS: Limits = Limits { steps: 60, improvement: 1e-4 };
 const REFINED: Limits = Limits { steps: 25, improvement: 1e-4 };
@@ -154,7 +161,7 @@ impl<'a> Fit<'a> {
                 let left = said.iter().zip(&self.logarithms).map(|(v, l)| self.scale.to(v[c]) - l[c]);
                 factor.solve_lower(&left.collect::<Vec<f64>>())
             };
-            return (0..3).flat_map(channel).collect();
+            return (0..3).flat_map(channel).chain(unlikely(x, 1.0)).collect();
         }
         let mut out = Vec::with_capacity(6 * self.logarithms.len());
         for (s, logarithms) in self.measurement.samples.iter().zip(&self.logarithms) {
@@ -165,8 +172,18 @@ impl<'a> Fit<'a> {
                 out.push(even * (self.scale.to(value[c]) - logarithms[c]));
             }
         }
+        out.extend(unlikely(x, LIKELY));
         out
     }
+}
+
+/// How far unknowns are from what is likely, in deviations, times the root of a weight.
+fn unlikely(x: &[f64], weight: f64) -> impl Iterator<Item = f64> {
+    let root = libm::sqrt(weight);
+    let rise = |c: usize| (x[GRAZING + c] - x[NORMAL + c] - libm::log(RISE)) / DEVIATION;
+    let apart = |at: usize, c: usize| (x[at + c] - (x[at] + x[at + 1] + x[at + 2]) / 3.0) / OF_CHANNELS;
+    let all = [0, 1, 2].map(|c| [rise(c), apart(NORMAL, c), apart(GRAZING, c)]);
+    all.into_iter().flatten().map(move |off| root * off)
 }
 
 struct At {

@@ -240,7 +240,8 @@ fn print_report(report: &Report, fitted: &dyn Fitted, material: Option<&Material
     view_table::print_views(&report.views, isotropic);
     println!("mean relative L2 {:.2} %", 100.0 * report.mean_error());
     if !report.held_out.is_empty() {
-        let of = if report.completion.is_some() { ", against what the samples were completed to" } else { "" };
+        let of =
+            if report.completion.is_some() { ", against what the samples were completed to" } else { "" };
         println!("held out, between the knots{of}:");
         view_table::print_views(&report.held_out, isotropic);
         println!("mean relative L2 held out {:.2} %", 100.0 * mean_error(&report.held_out));

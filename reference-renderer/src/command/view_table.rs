@@ -32,8 +32,11 @@ pub fn print_completion(completion: &CompletionReport) {
         format!("relative L2 {:.1} %, by logarithms {logarithm:.0} %", 100.0 * held_out.error)
     };
     let CompletionReport { samples, points, outliers, .. } = completion;
-    let thinned = if points < samples { format!(", close ones taken together to {points}") } else { String::new() };
-    println!("between the samples, {samples}{thinned}; {outliers} count less, as all others speak against them:");
+    let thinned =
+        if points < samples { format!(", close ones taken together to {points}") } else { String::new() };
+    println!(
+        "between the samples, {samples}{thinned}; {outliers} count less, as all others speak against them:"
+    );
     println!("  samples left out: {}", error(&completion.samples_left_out));
     match &completion.views_left_out {
         Some(views) => println!("  views left out:   {}", error(views)),
@@ -46,7 +49,11 @@ pub fn print_completion(completion: &CompletionReport) {
     );
     let gaps = &completion.gaps;
     let empty = gaps.empty().iter().map(|(from, to)| format!("{from:.0} to {to:.0}")).collect::<Vec<_>>();
-    let views = if empty.is_empty() { String::new() } else { format!("; most of it at views of {} degrees", empty.join(", ")) };
+    let views = if empty.is_empty() {
+        String::new()
+    } else {
+        format!("; most of it at views of {} degrees", empty.join(", "))
+    };
     println!("  no sample within 20 degrees: {:.0} % of all pairs of directions{views}", 100.0 * gaps.mean());
 }
 
