@@ -1,6 +1,7 @@
 //! The one entry: fits to what a file holds, samples as they are, or a table made of what can be evaluated anywhere.
 
 use crate::anisotropic;
+use crate::complete::complete;
 use crate::fewest_lobes::fewest_lobes;
 use crate::isotropic;
 use crate::judge::fitted_material::TrackedLobes;
@@ -37,7 +38,11 @@ pub fn fit_content(
 /// # Errors
 /// As [`fit_content`].
 pub fn fit(table: &Table, settings: &Settings, progress: impl FnMut(f64)) -> Result<Fit, FitError> {
-    with_lobes(settings, progress, |settings, progress| isotropic::fit_samples(table, settings, progress))
+    settings.check()?;
+    let completion = complete(table)?;
+    with_lobes(settings, progress, |settings, progress| {
+        isotropic::fit_samples(table, &completion, settings, progress)
+    })
 }
 
 /// Checks the settings, and fits with the lobes that they say, or as few as reach the error that they ask for.

@@ -7,7 +7,7 @@ use srbf_fit::baselines::thesis;
 use srbf_fit::judge::method::Fitted;
 use srbf_fit::judge::report::ViewReport;
 use srbf_fit::table::{Scattered, Table};
-use srbf_fit::{Settings, fit};
+use srbf_fit::{FactorNodes, Settings, fit};
 
 const FLAT: f64 = 0.2;
 
@@ -34,7 +34,15 @@ fn table(f: impl Fn(f64, [f64; 3]) -> f64) -> Vec<(f64, Scattered)> {
 /// Fits with few steps, and checks that the material is sound at every view; returns the mean error.
 fn sound(views: Vec<(f64, Scattered)>) -> Result<f64, srbf_fit::FitError> {
     let table = Table::from_scattered(views)?;
-    let settings = Settings { lobes: 6, starts: 3, steps: 20, exchanges: 2, ..Settings::default() };
+    let settings = Settings {
+        lobes: 6,
+        starts: 3,
+        steps: 20,
+        exchanges: 2,
+        views: Some(6),
+        factors: FactorNodes::None,
+        ..Settings::default()
+    };
     let start = std::time::Instant::now();
     let fit = fit(&table, &settings, |share| assert!((0.0..=1.0).contains(&share)))?;
     assert!(start.elapsed().as_secs() < MOST_SECONDS, "{:?}", start.elapsed());
@@ -209,7 +217,16 @@ fn a_highlight_that_was_not_measured_gives_a_sound_material() {
 fn any_number_of_lobes_and_of_views_gives_a_sound_material() {
     let table = Table::from_scattered(table(|t, d| if near_mirror(t, d) { 5.0 } else { FLAT })).unwrap();
     for (lobes, squeezed) in [(1, None), (1, Some(1)), (2, None), (3, Some(0)), (3, Some(3)), (20, None)] {
-        let settings = Settings { lobes, squeezed, starts: 2, steps: 8, exchanges: 1, ..Settings::default() };
+        let settings = Settings {
+            lobes,
+            squeezed,
+            starts: 2,
+            steps: 8,
+            exchanges: 1,
+            views: Some(6),
+            factors: FactorNodes::None,
+            ..Settings::default()
+        };
         let fit = fit(&table, &settings, |_| {}).unwrap();
         assert!(fit.report.views.iter().all(|v| v.error < 1.0), "{lobes} {squeezed:?}: {:?}", fit.report);
     }
@@ -224,7 +241,15 @@ fn an_error_that_is_asked_for_is_reached_or_refused() {
         FLAT + 3.0 * (-25.0 * chord).exp() + 1.0 * (-3.0 * chord).exp()
     };
     let table = Table::from_scattered(table(highlights)).unwrap();
-    let settings = Settings { lobes: 6, starts: 2, steps: 30, exchanges: 1, ..Settings::default() };
+    let settings = Settings {
+        lobes: 6,
+        starts: 2,
+        steps: 30,
+        exchanges: 1,
+        views: Some(6),
+        factors: FactorNodes::None,
+        ..Settings::default()
+    };
     let with = |error| fit(&table, &Settings { error: Some(error), ..settings.clone() }, |_| {});
     let lobes = |bytes: &[u8]| Material::from_bytes(bytes).unwrap().lobe_count();
     let easy = with(0.9).unwrap();

@@ -266,13 +266,13 @@ mod tests {
     use crate::table::{Scattered, Table, direction};
 
     #[test]
-    fn a_model_is_found_again_from_its_samples() {
+    fn a_model_that_is_likely_is_found_again_from_its_samples() {
         let truth = Values {
             diffuse: [0.1, 0.05, 0.02],
             width: 0.12,
             exponent: 2.2,
-            normal: [0.04, 0.05, 0.06],
-            grazing: [1.0, 0.8, 0.6],
+            normal: [0.05; 3],
+            grazing: [0.05 * RISE; 3],
         };
         let view = |theta: f64| -> (f64, Scattered) {
             let wo = [-libm::sin(theta), 0.0, libm::cos(theta)];

@@ -1,6 +1,6 @@
 //! Fits to what a file holds: samples as they are, or a table made of what can be evaluated anywhere.
 
-use crate::complete::complete;
+use crate::complete::Completion;
 use crate::isotropic::knots::Probes;
 use crate::isotropic::search::schedule::LOOKS;
 use crate::isotropic::search::{self, Source};
@@ -52,16 +52,16 @@ pub(crate) fn fit_evaluable(
 /// The report has the samples' own views, and as held out the completion between the knots.
 pub(crate) fn fit_samples(
     table: &Table,
+    completion: &Completion,
     settings: &Settings,
     progress: impl FnMut(f64),
 ) -> Result<Fit, FitError> {
-    let completion = complete(table)?;
     let [starts, exchanges] = [settings.starts, settings.exchanges].map(|n| n.div_ceil(LESS));
     let settings = Settings { starts, exchanges, ..settings.clone() };
-    let mut fit = fit_both(&completion, Some(table), &settings, progress)?;
+    let mut fit = fit_both(completion, Some(table), &settings, progress)?;
     let reports = table.views.iter().map(|view| ViewReport::new(&fit.bytes, view));
     fit.report.views = reports.collect::<Result<_, _>>()?;
-    fit.report.completion = Some(completion.report);
+    fit.report.completion = Some(completion.report.clone());
     Ok(fit)
 }
 

@@ -259,6 +259,10 @@ impl Made {
     }
 }
 
+/// Errors of views of samples that are left out, up to which what lies between is good, and is not off.
+const GOOD_BETWEEN: f64 = 0.08;
+const MOST_BETWEEN: f64 = 0.2;
+
 /// A fit in words, a sentence each.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verdict {
@@ -281,8 +285,9 @@ impl Verdict {
         }
         verdict.say_reciprocity(reciprocity);
         verdict.say_floor(report);
+        verdict.say_completion(report);
         if let Some(made) = made {
-            verdict.advice = advice(report, made);
+            verdict.advice.extend(advice(report, made));
         }
         verdict
     }
@@ -337,6 +342,27 @@ impl Verdict {
                 100.0 * view.floor
             ));
         }
+    }
+
+    /// What lies between samples is known as well as views left out are.
+    fn say_completion(&mut self, report: &Report) {
+        let Some(completion) = &report.completion else { return };
+        let Some(views) = &completion.views_left_out else {
+            self.off
+                .push("between the samples: with fewer than three views nothing shows how good it is".into());
+            return;
+        };
+        let text = format!("between the samples: views left out are {:.0} % of L2 off", 100.0 * views.error);
+        let place = if views.error <= GOOD_BETWEEN {
+            &mut self.good
+        } else if views.error <= MOST_BETWEEN {
+            &mut self.fair
+        } else {
+            self.advice
+                .push("more samples near the mirror directions, where a sharp highlight changes most".into());
+            &mut self.off
+        };
+        place.push(text);
     }
 
     /// The lines to print, with what they are: good, fair, off, try.

@@ -5,6 +5,7 @@
 
 mod goals;
 mod row;
+mod through;
 
 use super::{SettingArgs, names};
 use crate::command::argument;
@@ -45,6 +46,10 @@ pub struct Args {
     /// Of the survey: a folder into which every fitted material is written, as NAME.srbf.
     #[arg(long, value_name = "DIR", requires = "survey", conflicts_with = "file")]
     materials: Option<PathBuf>,
+    /// Of the survey: fits every material from its values at the pairs of directions that this file of samples has, alone, and
+    /// judges it everywhere.
+    #[arg(long, value_name = "FILE", requires = "survey", conflicts_with_all = ["file", "materials"])]
+    through: Option<PathBuf>,
 }
 
 impl Args {
@@ -72,16 +77,15 @@ pub fn run(args: &SettingArgs, survey: &Args) -> anyhow::Result<()> {
     if let Some(folder) = &survey.materials {
         output::check_place(&material_path(folder, "material"))?;
     }
+    if let Some(file) = &survey.through {
+        let path = survey.csv.clone().unwrap_or_else(|| "out/survey-through.csv".into());
+        let chosen = chosen(&data, survey)?.into_iter().step_by(survey.survey.unwrap_or(1) as usize);
+        return through::run(file, chosen, &settings, &path);
+    }
     let thetas = evaluation_views::even_views(settings.view_count());
     let thesis = thesis::Settings { lobes: settings.lobes, ..thesis::Settings::default() };
     let thesis = (!survey.no_thesis).then_some(thesis);
-    let named = |name: &String| survey.only.as_ref().is_none_or(|only| name.contains(only));
-    let chosen: Vec<Named> = materials(&data)?.into_iter().filter(|m| named(&m.0)).collect();
-    ensure!(
-        !chosen.is_empty(),
-        "no material whose name contains `{}`",
-        survey.only.clone().unwrap_or_default()
-    );
+    let chosen = chosen(&data, survey)?;
 
     let mut csv = Row::csv_header() + "\n";
     println!("{} lobes, {} views; {}", settings.lobes, settings.view_count(), row::LEGEND);
@@ -105,6 +109,15 @@ pub fn run(args: &SettingArgs, survey: &Args) -> anyhow::Result<()> {
     println!("{} materials; {}", rows.len(), path.display());
     goals::print(&rows, thesis.is_some());
     Ok(())
+}
+
+/// The materials whose names hold what the options say.
+fn chosen(data: &Path, survey: &Args) -> anyhow::Result<Vec<Named>> {
+    let named = |name: &String| survey.only.as_ref().is_none_or(|only| name.contains(only));
+    let chosen: Vec<Named> = materials(data)?.into_iter().filter(|m| named(&m.0)).collect();
+    let only = survey.only.clone().unwrap_or_default();
+    ensure!(!chosen.is_empty(), "no material whose name contains `{only}`");
+    Ok(chosen)
 }
 
 /// Fits one material, and judges the fit. Returns the bytes of the material too.
