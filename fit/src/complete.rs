@@ -108,7 +108,9 @@ pub fn complete(table: &Table) -> Result<Completion, FitError> {
     check_storable(table.views.iter().flat_map(|view| &view.samples))?;
     let measurement = Measurement::new(table);
     let scale = Scale::of(&measurement);
-    let pairs: Vec<(Microfacet, Kernel, f64)> = models(&measurement, scale)
+    let models = models(&measurement, scale);
+    let alone = models[0];
+    let pairs: Vec<(Microfacet, Kernel, f64)> = models
         .into_iter()
         .flat_map(|model| {
             KERNELS.into_iter().flat_map(move |k| NOISES.into_iter().map(move |n| (model, k, n)))
@@ -123,7 +125,7 @@ pub fn complete(table: &Table) -> Result<Completion, FitError> {
     });
     let ranked: Vec<Candidate> = ranked.collect();
     let best = ranked.into_iter().filter(|c| c.rank.is_finite()).min_by(|a, b| a.rank.total_cmp(&b.rank));
-    let made = best.and_then(|best| made(&measurement, scale, table, &best));
+    let made = best.and_then(|best| made(&measurement, scale, table, (&best, &alone)));
     let Some(mut completion) = made else {
         let text = "its samples are too far apart in size to say what lies between them";
         return Err(FitError::Table(text.into()));
@@ -134,12 +136,8 @@ pub fn complete(table: &Table) -> Result<Completion, FitError> {
 
 /// The model at its best from several widths, each also beside the process.
 fn models(measurement: &Measurement, scale: Scale) -> Vec<Microfacet> {
-    let few = measurement.thinned(OF_MODEL);
-    let mut fitted: Vec<(f64, Microfacet)> =
-        WIDTHS.par_iter().map(|&width| Microfacet::fit(&few, scale, width)).collect();
-    fitted.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut models: Vec<Microfacet> = Vec::new();
-    for (_, model) in fitted {
+    for model in fitted(&measurement.thinned(OF_MODEL), scale) {
         let close = |a: f64, b: f64| (a / b - 1.0).abs() < SAME;
         let is_new = |other: &Microfacet| {
             !(close(model.width(), other.width()) && close(model.exponent(), other.exponent()))
@@ -152,6 +150,14 @@ fn models(measurement: &Measurement, scale: Scale) -> Vec<Microfacet> {
     let beside: Vec<Microfacet> = models.par_iter().filter_map(|model| beside(&few, scale, *model)).collect();
     models.extend(beside);
     models
+}
+
+/// Fits of the model from all widths, the best first.
+fn fitted(few: &Measurement, scale: Scale) -> Vec<Microfacet> {
+    let mut fitted: Vec<(f64, Microfacet)> =
+        WIDTHS.par_iter().map(|&width| Microfacet::fit(few, scale, width)).collect();
+    fitted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    fitted.into_iter().map(|fit| fit.1).collect()
 }
 
 /// A model fitted to what the process leaves over.
@@ -175,7 +181,12 @@ fn noises(points: &[Point], noise: f64) -> Vec<f64> {
 }
 
 /// The completion by what turned out best, in which samples that all others speak against count less.
-fn made(measurement: &Measurement, scale: Scale, table: &Table, best: &Candidate) -> Option<Completion> {
+fn made(
+    measurement: &Measurement,
+    scale: Scale,
+    table: &Table,
+    (best, alone): (&Candidate, &Microfacet),
+) -> Option<Completion> {
     let &Candidate { model, kernel, noise, .. } = best;
     let points = points(measurement, &model, scale, width(&model));
     let mut noises = noises(&points, noise);
@@ -194,7 +205,8 @@ fn made(measurement: &Measurement, scale: Scale, table: &Table, best: &Candidate
     if outliers > 0 {
         process = Process::new(&points, kernel, &noises)?;
     }
-    let alone: Vec<[f64; 3]> = points.iter().map(|p| p.above).collect();
+    let of_model = self::points(measurement, alone, scale, width(alone));
+    let above: Vec<[f64; 3]> = of_model.iter().map(|p| p.above).collect();
     let report = CompletionReport {
         samples: measurement.samples.len(),
         points: points.len(),
@@ -205,7 +217,7 @@ fn made(measurement: &Measurement, scale: Scale, table: &Table, best: &Candidate
         noise,
         samples_left_out: HeldOut::alone(&process, &points, scale),
         views_left_out: HeldOut::bands(&process, &points, scale),
-        model_alone: HeldOut::new(&points, &alone, scale),
+        model_alone: HeldOut::new(&of_model, &above, scale),
         gaps: gaps(table),
     };
     let above = Grid::new(width(&model), |at| process.at(at));
@@ -213,16 +225,22 @@ fn made(measurement: &Measurement, scale: Scale, table: &Table, best: &Candidate
     Some(Completion { model, scale, above, most: scale.to(brightest) + BRIGHTER, energy: None, report })
 }
 
-impl Completion {
-    /// The model without what the process adds to it: what microfacets alone say of the samples.
-    pub fn model(&self) -> impl Brdf + '_ {
-        Alone(&self.model)
+/// A diffuse term and a microfacet lobe fitted to samples: the first step of a completion alone, as a baseline.
+pub struct Model(Microfacet);
+
+impl Model {
+    /// Fits it to the samples of a table.
+    ///
+    /// # Errors
+    /// As [`complete`].
+    pub fn fit(table: &Table) -> Result<Self, FitError> {
+        check_storable(table.views.iter().flat_map(|view| &view.samples))?;
+        let measurement = Measurement::new(table);
+        Ok(Self(fitted(&measurement.thinned(OF_MODEL), Scale::of(&measurement)).swap_remove(0)))
     }
 }
 
-struct Alone<'a>(&'a Microfacet);
-
-impl Brdf for Alone<'_> {
+impl Brdf for Model {
     fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
         self.0.value(&Pair::new(wi, wo))
     }

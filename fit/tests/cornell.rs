@@ -1,7 +1,10 @@
 //! The materials of the thesis's Table 5.1, from the measurements: `cargo test -p srbf-fit -- --ignored`.
 
 use srbf_core::{MAX_LOBES, Material, Mixture, Vec3};
-use srbf_fit::{Fit, Settings, fit};
+use srbf_fit::complete::complete;
+use srbf_fit::table::Brdf;
+use srbf_fit::{FactorNodes, Fit, Settings, fit};
+use std::f64::consts::PI;
 use std::path::PathBuf;
 
 fn data(file: &str) -> PathBuf {
@@ -10,9 +13,13 @@ fn data(file: &str) -> PathBuf {
 }
 
 fn fitted(name: &str) -> Fit {
+    fitted_with(name, Settings::default())
+}
+
+fn fitted_with(name: &str, settings: Settings) -> Fit {
     let source = srbf_fit::read::read(&data(&format!("cornell/{name}.brdf"))).unwrap();
     let srbf_fit::read::Content::Samples(table) = source.content else { panic!("{name} is scattered") };
-    fit(&table, &Settings::default(), |_| {}).unwrap()
+    fit(&table, &settings, |_| {}).unwrap()
 }
 
 fn prepared(bytes: &[u8], degrees: f32, azimuth: f32) -> Mixture<'_, MAX_LOBES> {
@@ -80,7 +87,8 @@ fn presets_are_fits_of_the_measurements() {
         let path =
             PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../presets").join(name).with_extension("srbf");
         let preset = std::fs::read(&path).unwrap();
-        let (preset, again) = (Material::from_bytes(&preset).unwrap(), fitted(name).bytes);
+        let settings = Settings { factors: FactorNodes::None, ..Settings::default() };
+        let (preset, again) = (Material::from_bytes(&preset).unwrap(), fitted_with(name, settings).bytes);
         let again = Material::from_bytes(&again).unwrap();
         assert_eq!((preset.view_count(), preset.lobe_count()), (again.view_count(), again.lobe_count()));
         for view in 0..preset.view_count() {
@@ -89,4 +97,46 @@ fn presets_are_fits_of_the_measurements() {
             }
         }
     }
+}
+
+/// Between the views of the samples the value at a fixed half angle has no wiggles that the completion lacks: the logarithm of their
+/// ratio, over 6 degrees on each side, stays at its mean. In the plane of incidence, the half angle towards the normal.
+#[test]
+#[ignore = "needs SRBF_DATA_DIR"]
+fn there_are_no_rings_between_the_views() {
+    for (name, most) in [("garnet_red", 0.2), ("krylon_blue", 0.2), ("cayman", 0.2), ("acryl_blue", 0.2)] {
+        let source = srbf_fit::read::read(&data(&format!("cornell/{name}.brdf"))).unwrap();
+        let srbf_fit::read::Content::Samples(table) = source.content else { panic!("{name} is scattered") };
+        let completion = complete(&table).unwrap();
+        let bytes = fitted(name).bytes;
+        let level: f64 = table.views.iter().map(|v| luminance(v.uncut_albedo)).sum::<f64>() / 8.0 / PI;
+        let mut wiggles = Vec::new();
+        for half in [0.0f64, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0] {
+            let ratio = |degrees: f64| {
+                let theta = degrees.to_radians();
+                let angle = theta - 2.0 * half.to_radians();
+                let wi = [angle.sin(), 0.0, angle.cos()];
+                let wo = [-theta.sin(), 0.0, theta.cos()];
+                let mixture = prepared(&bytes, degrees as f32, 0.0);
+                let value = mixture.evaluate(Vec3::from(wi.map(|v| v as f32))).to_array().map(f64::from);
+                let fitted = luminance(value) / wi[2];
+                ((fitted.max(0.0) + 0.02 * level)
+                    / (luminance(completion.evaluate(wi, wo)).max(0.0) + 0.02 * level))
+                    .ln()
+            };
+            let ratios: Vec<f64> = (10..=80).map(|d| ratio(f64::from(d))).collect();
+            let wiggle = |at: usize| {
+                let around = &ratios[at - 6..=at + 6];
+                (ratios[at] - around.iter().sum::<f64>() / around.len() as f64).abs()
+            };
+            wiggles.push((6..ratios.len() - 6).map(wiggle).fold(0.0, f64::max));
+        }
+        let worst = wiggles.iter().copied().fold(0.0, f64::max);
+        println!("{name}: {worst:.3}, by half angle {wiggles:.3?}");
+        assert!(worst <= most, "{name}: {wiggles:?}");
+    }
+}
+
+fn luminance(rgb: [f64; 3]) -> f64 {
+    0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
 }

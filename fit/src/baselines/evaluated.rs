@@ -1,7 +1,7 @@
 //! What samples say without lobes: completed, by the model of a completion alone, and joined by straight lines.
 
 use crate::FitError;
-use crate::complete::{Completion, complete};
+use crate::complete::{Model, complete};
 use crate::judge::method::{Fitted, FittedView, Method};
 use crate::table::interpolate::Interpolant;
 use crate::table::{Brdf, Table};
@@ -18,13 +18,13 @@ pub struct Nearest;
 
 impl Method for Completed {
     fn fit(&self, table: &Table) -> Result<Box<dyn Fitted>, FitError> {
-        Ok(Box::new(Evaluated { completion: complete(table)?, is_model_alone: false }))
+        Ok(Box::new(Evaluated(complete(table)?)))
     }
 }
 
 impl Method for Microfacet {
     fn fit(&self, table: &Table) -> Result<Box<dyn Fitted>, FitError> {
-        Ok(Box::new(Evaluated { completion: complete(table)?, is_model_alone: true }))
+        Ok(Box::new(Evaluated(Model::fit(table)?)))
     }
 }
 
@@ -35,32 +35,23 @@ impl Method for Nearest {
     }
 }
 
-struct Evaluated {
-    completion: Completion,
-    is_model_alone: bool,
-}
+struct Evaluated<B>(B);
 
-impl Fitted for Evaluated {
+impl<B: Brdf> Fitted for Evaluated<B> {
     fn view(&self, theta: f64) -> Result<Box<dyn FittedView + '_>, FitError> {
         let (sin, cos) = libm::sincos(theta);
-        Ok(Box::new(EvaluatedView { of: self, wo: [-sin, 0.0, cos] }))
+        Ok(Box::new(EvaluatedView { brdf: &self.0, wo: [-sin, 0.0, cos] }))
     }
 }
 
 struct EvaluatedView<'a> {
-    of: &'a Evaluated,
+    brdf: &'a dyn Brdf,
     wo: [f64; 3],
 }
 
 impl FittedView for EvaluatedView<'_> {
     fn f_cos(&self, direction: [f64; 3]) -> [f64; 3] {
-        let completion = &self.of.completion;
-        let f = if self.of.is_model_alone {
-            completion.model().evaluate(direction, self.wo)
-        } else {
-            completion.evaluate(direction, self.wo)
-        };
-        f.map(|f| f * direction[2])
+        self.brdf.evaluate(direction, self.wo).map(|f| f * direction[2])
     }
 }
 

@@ -8,7 +8,7 @@ use crate::isotropic::seen_by::seen_by;
 use crate::judge::fitted_material::knots as knots_of;
 use crate::judge::report::ViewReport;
 use crate::table::evaluation_views;
-use crate::table::{Brdf, Density, Sample, Table};
+use crate::table::{Brdf, Density, Sample, Table, View};
 use crate::{Fit, FitError, Settings};
 use std::time::Instant;
 
@@ -26,7 +26,7 @@ const DENSE: f64 = 0.4;
 const LESS: usize = 2;
 
 /// Share of the samples themselves in the weight of their views, and most of those views.
-const SHARE: f64 = 0.5;
+const SHARE: f64 = 0.8;
 const SAMPLED: usize = 16;
 
 /// Golden section: its multiples are spread evenly, and never at the same places.
@@ -59,7 +59,13 @@ pub(crate) fn fit_samples(
     let [starts, exchanges] = [settings.starts, settings.exchanges].map(|n| n.div_ceil(LESS));
     let settings = Settings { starts, exchanges, ..settings.clone() };
     let mut fit = fit_both(completion, Some(table), &settings, progress)?;
-    let reports = table.views.iter().map(|view| ViewReport::new(&fit.bytes, view));
+    // Albedos are those of the completion: samples that miss a peak, or meet it once, have none that can be believed.
+    let thetas: Vec<f64> = table.views.iter().map(|view| view.theta).collect();
+    let whole = Table::from_brdf(completion, &thetas, Density::default())?;
+    let reports = table.views.iter().zip(&whole.views).map(|(view, whole)| {
+        let (albedo, uncut_albedo) = (whole.albedo, whole.uncut_albedo);
+        ViewReport::new(&fit.bytes, &View { albedo, uncut_albedo, ..view.clone() })
+    });
     fit.report.views = reports.collect::<Result<_, _>>()?;
     fit.report.completion = Some(completion.report.clone());
     Ok(fit)

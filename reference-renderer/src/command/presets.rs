@@ -2,7 +2,7 @@
 
 use super::fit::fit_file;
 use anyhow::{Context, bail, ensure};
-use srbf_fit::Settings;
+use srbf_fit::{FactorNodes, Settings};
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -41,7 +41,9 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let mut made = Vec::new();
     let mut rows = String::new();
     for (name, file, what) in PRESETS {
-        let fit = fit_file(&data.join(file), Settings::default(), SOURCE)?;
+        // Lobes alone: what the figures of kernels in the documentation are measured with.
+        let settings = Settings { factors: FactorNodes::None, ..Settings::default() };
+        let fit = fit_file(&data.join(file), settings, SOURCE)?;
         let errors: Vec<String> =
             fit.report.views.iter().map(|v| format!("{:.1}", 100.0 * v.error)).collect();
         println!(
@@ -82,7 +84,8 @@ The measurements themselves are not in this repository.
 |---|---|---|---|---|
 {rows}
 Error: of `f cos` over the samples of a view, all three channels, weighted by solid angle. Settings, source file and its
-SHA-256 are in the provenance text of each file (`srbf inspect`). Views beyond 80 degrees and below 10 are extrapolated.
+SHA-256 are in the provenance text of each file (`srbf inspect`). What lies between the samples, below 10 degrees and
+beyond 80 is what `srbf fit` completes them to.
 
 This folder is made by `SRBF_DATA_DIR=... srbf presets`; `srbf presets --check` compares. The fit uses no function of the
 platform's C library and no order that depends on threads, so the bytes are the same on every machine with IEEE arithmetic.

@@ -42,11 +42,7 @@ pub fn print_completion(completion: &CompletionReport) {
         Some(views) => println!("  views left out:   {}", error(views)),
         None => println!("  views left out:   none can be, with fewer than three"),
     }
-    let (width, exponent) = (completion.width, completion.exponent);
-    println!(
-        "  the model alone:  {} (facets of width {width:.3}, exponent {exponent:.1})",
-        error(&completion.model_alone)
-    );
+    println!("  a microfacet model alone: {}", error(&completion.model_alone));
     let gaps = &completion.gaps;
     let empty = gaps.empty().iter().map(|(from, to)| format!("{from:.0} to {to:.0}")).collect::<Vec<_>>();
     let views = if empty.is_empty() {
