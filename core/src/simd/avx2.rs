@@ -256,6 +256,19 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
+    fn running_sum(self) -> Self {
+        // SAFETY: the processor has AVX2, see the head of this file.
+        unsafe {
+            // Within each half, then the last of the lower half to all of the upper.
+            let one = _mm256_castsi256_ps(_mm256_slli_si256::<4>(_mm256_castps_si256(self.0)));
+            let two = _mm256_add_ps(self.0, one);
+            let shifted = _mm256_castsi256_ps(_mm256_slli_si256::<8>(_mm256_castps_si256(two)));
+            let four = _mm256_add_ps(two, shifted);
+            let lower = _mm256_permute_ps::<0xff>(_mm256_permute2f128_ps::<0x08>(four, four));
+            Self(_mm256_add_ps(four, lower))
+        }
+    }
+    #[inline(always)]
     fn iota() -> Self {
         // SAFETY: the processor has AVX, see the head of this file.
         Self(unsafe { _mm256_setr_ps(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0) })

@@ -54,6 +54,13 @@ fn channels(nodes: __m512i) -> [Avx512; 3] {
     }
 }
 
+/// Lanes moved up by `16 - KEPT`, zeros below.
+#[inline(always)]
+fn moved_up<const KEPT: i32>(lanes: __m512, zero: __m512i) -> __m512 {
+    // SAFETY: the processor has AVX-512, see the head of this file.
+    unsafe { _mm512_castsi512_ps(_mm512_alignr_epi32::<KEPT>(_mm512_castps_si512(lanes), zero)) }
+}
+
 impl Lanes for Avx512 {
     const COUNT: usize = 16;
     const FUSED: bool = true;
@@ -265,6 +272,19 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn first_lanes(count: usize) -> __mmask16 {
         ((1u32 << count.min(16)) - 1) as u16
+    }
+    #[inline(always)]
+    fn running_sum(self) -> Self {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        unsafe {
+            let zero = _mm512_setzero_si512();
+            let mut sum = self.0;
+            // Moved up by 1, 2, 4 and 8 lanes.
+            sum = _mm512_add_ps(sum, moved_up::<15>(sum, zero));
+            sum = _mm512_add_ps(sum, moved_up::<14>(sum, zero));
+            sum = _mm512_add_ps(sum, moved_up::<12>(sum, zero));
+            Self(_mm512_add_ps(sum, moved_up::<8>(sum, zero)))
+        }
     }
     #[inline(always)]
     fn iota() -> Self {

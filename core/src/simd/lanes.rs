@@ -146,6 +146,16 @@ pub trait Lanes:
     fn first(self) -> f32;
     /// Sum over the lanes.
     fn sum(self) -> f32;
+    /// Each lane plus all before it; which are added first is the level's.
+    #[inline(always)]
+    fn running_sum(self) -> Self {
+        let mut numbers = [0.0; 32];
+        self.store(&mut numbers);
+        for lane in 1..Self::COUNT {
+            numbers[lane] += numbers[lane - 1];
+        }
+        Self::load(&numbers)
+    }
     /// 0, 1, 2, ...
     fn iota() -> Self;
     /// The first `count` lanes.

@@ -1,0 +1,178 @@
+//! The lobes of an expanded material between two rows: lanes are lobes.
+#![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
+
+use super::super::between_views::{Place, views_passed};
+use super::super::outgoing::Facing;
+use super::table::{CHUNK, Chunk, DIFFUSE, Expanded, HEAD, IN_PLANE, INVERSE_SQUEEZE, MIRRORED};
+use crate::error::Error;
+use crate::mixture::complete::{LEAST_SHARPNESS, tail_and_inside};
+use crate::mixture::factors::Factors;
+use crate::mixture::leave_out::LeaveOut;
+use crate::mixture::rows::{Domain, Mixture};
+use crate::simd::detect::Level;
+use crate::simd::lanes::{Lanes, dot3, splat3};
+use crate::simd::routine::One;
+use crate::squeeze::Squeeze;
+use core::f32::consts::FRAC_1_PI;
+use glam::Vec3;
+
+/// Lobes as they are interpolated.
+#[derive(Clone, Copy)]
+pub(super) struct Lobes<L> {
+    /// Unit vectors above the horizon.
+    pub axis: [L; 3],
+    pub sharpness: L,
+    /// Integrals in red, green and blue.
+    pub power: [L; 3],
+}
+
+impl<L: Lanes> Lobes<L> {
+    /// Those from the `j`-th on of the same group of two rows. `W`: [`IN_PLANE`] or [`MIRRORED`].
+    #[inline(always)]
+    pub fn between<const W: usize>(
+        a: &[Chunk; W],
+        b: &[Chunk; W],
+        share: L,
+        j: usize,
+        is_fine: bool,
+    ) -> Self {
+        let mut numbers = [L::splat(0.0); MIRRORED];
+        for i in 0..W {
+            let (a, b) = (L::load(&a[i][j..]), L::load(&b[i][j..]));
+            numbers[i] = (b - a).mul_add(share, a);
+        }
+        let [x, z, sharpness, red, green, blue, y] = numbers;
+        let mut axis = [x, y, z.abs()];
+        let mut squared = x.mul_add(x, z * z);
+        if W == MIRRORED {
+            squared = y.mul_add(y, squared);
+        }
+        let inverse = if is_fine {
+            // One step of Newton's from 1.
+            squared.neg_mul_add(L::splat(0.5), L::splat(1.5))
+        } else {
+            // Axes that are opposite have none between them.
+            let squared = squared.max(L::splat(1e-12));
+            squared.sqrt() / squared
+        };
+        for i in 0..3 {
+            axis[i] = axis[i] * inverse;
+        }
+        Self { axis, sharpness, power: [red, green, blue] }
+    }
+
+    /// What powers are multiplied by for amplitudes: 1 over the integral of a Gaussian.
+    #[inline(always)]
+    pub fn normaliser(&self) -> L {
+        let s = self.sharpness.max(L::splat(LEAST_SHARPNESS));
+        let [_, inside] = tail_and_inside(s);
+        s * L::splat(0.5 * FRAC_1_PI) / inside
+    }
+}
+
+/// The same group of lobes of two rows, as arrays of [`Chunk`]s.
+#[inline(always)]
+pub(super) fn group<'m, const W: usize>([a, b]: [&'m [Chunk]; 2], g: usize) -> [&'m [Chunk; W]; 2] {
+    let part = |row: &'m [Chunk]| row[1 + g * W..].first_chunk().expect("a row has all groups");
+    [part(a), part(b)]
+}
+
+impl<'m> Expanded<'m> {
+    /// Makes the mixture for an outgoing direction, in the caller's storage, which it overwrites: as
+    /// [`Material::prepare`](crate::Material::prepare), in less time, with an error that falls with the
+    /// square of the number of rows.
+    ///
+    /// # Errors
+    /// [`Error::Capacity`] if the storage has room for fewer lobes than the material has;
+    /// [`Error::Direction`] if `wo` is not a finite unit vector. The mixture is empty then.
+    #[inline]
+    pub fn prepare<const N: usize>(&self, wo: Vec3, mixture: &mut Mixture<'m, N>) -> Result<(), Error> {
+        let level = Level::current();
+        level.run_one::<_, Towards>(Prepare { expanded: self, level, mixture }, wo.to_array())
+    }
+}
+
+/// What [`Towards`] is given beside the outgoing direction.
+struct Prepare<'a, 'm, const N: usize> {
+    expanded: &'a Expanded<'m>,
+    /// What it runs on.
+    level: Level,
+    mixture: &'a mut Mixture<'m, N>,
+}
+
+/// The mixture for one outgoing direction.
+struct Towards;
+
+impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
+    type Output = Result<(), Error>;
+    const IS_WIDE: bool = true;
+    #[inline(always)]
+    fn run<L: Lanes>(to: Prepare<'_, '_, N>, numbers: [f32; 3]) -> Result<(), Error> {
+        let Prepare { expanded, level, mixture } = to;
+        let material = &expanded.material;
+        mixture.begin(level, Domain::Hemisphere, Squeeze::NONE);
+        let needed = material.lobe_count();
+        if needed > N {
+            return Err(Error::Capacity { needed, available: N });
+        }
+        let wo = Vec3::from_array(numbers);
+        let Some(outgoing) = Facing::<L::One>::new(splat3(numbers)).first(wo) else {
+            return Err(Error::Direction);
+        };
+        if wo.z < 0.0 {
+            return Ok(());
+        }
+        let [row, share] = expanded.places::<L::One>(L::One::splat(outgoing.theta));
+        let (rows, share) = (expanded.two_rows(row.first() as usize), share.first());
+        let mut head = [0.0; HEAD];
+        for i in 0..HEAD {
+            head[i] = (rows[1][0][i] - rows[0][0][i]) * share + rows[0][0][i];
+        }
+        mixture.squeeze = Squeeze::new(outgoing.azimuth, 1.0, head[INVERSE_SQUEEZE]);
+        mixture.set_diffuse([head[DIFFUSE], head[DIFFUSE + 1], head[DIFFUSE + 2]]);
+        mixture.in_plane = material.mirrored_count() == 0;
+        if mixture.in_plane {
+            store_lobes::<L::Lobes, N, IN_PLANE>(rows, share, expanded.is_fine, mixture, needed);
+        } else {
+            store_lobes::<L::Lobes, N, MIRRORED>(rows, share, expanded.is_fine, mixture, needed);
+        }
+        mixture.finish::<L::Lobes>(needed, material.squeezed_count(), LeaveOut::default());
+        if material.factor_nodes().is_some() {
+            let passed = views_passed::<L>(material, outgoing.theta);
+            let place = Place::after(material, passed, outgoing.theta);
+            mixture.factors = Factors::new(material, wo, place.among());
+        }
+        Ok(())
+    }
+}
+
+/// Interpolates lobes into a mixture.
+#[inline(always)]
+fn store_lobes<L: Lanes, const N: usize, const W: usize>(
+    rows: [&[Chunk]; 2],
+    share: f32,
+    is_fine: bool,
+    mixture: &mut Mixture<'_, N>,
+    count: usize,
+) {
+    let mut k = 0;
+    while k < count && k + L::COUNT <= N {
+        let [a, b] = group::<W>(rows, k / CHUNK);
+        let lobes = Lobes::<L>::between(a, b, L::splat(share), k % CHUNK, is_fine);
+        let normaliser = lobes.normaliser();
+        lobes.axis[0].store(&mut mixture.axis_x[k..]);
+        lobes.axis[1].store(&mut mixture.axis_y[k..]);
+        lobes.axis[2].store(&mut mixture.axis_z[k..]);
+        lobes.sharpness.store(&mut mixture.sharpness[k..]);
+        (lobes.power[0] * normaliser).store(&mut mixture.red[k..]);
+        (lobes.power[1] * normaliser).store(&mut mixture.green[k..]);
+        (lobes.power[2] * normaliser).store(&mut mixture.blue[k..]);
+        k += L::COUNT;
+    }
+}
+
+/// The luminance of three numbers.
+#[inline(always)]
+pub(super) fn luminance_of<L: Lanes>(rgb: [L; 3]) -> L {
+    dot3(rgb, splat3(crate::color::LUMINANCE))
+}

@@ -1,0 +1,434 @@
+//! A block of pairs of an expanded material.
+//!
+//! As in `kernel/block.rs` lanes are pairs for what a pair needs once, lobes for the rest. No mixture is made:
+//! lobes are interpolated when they are summed; where a direction is drawn first, their numbers are kept for
+//! that.
+#![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
+
+use super::super::draw::{Choice, Frame, draw};
+use super::super::outgoing::Facing;
+use super::super::sights::{MOST, Numbers, sight, sights};
+use super::between_rows::{Lobes, group, luminance_of};
+use super::table::{
+    CHUNK, Chunk, DIFFUSE, DIFFUSE_POWER, Expanded, HEAD, INVERSE_SQUEEZE, LOBES_POWER, MIRRORED,
+};
+use crate::mixture::complete::{LEAST_SHARPNESS, tail_and_inside};
+use crate::simd::elementary::falloff;
+use crate::simd::lanes::Lanes;
+use crate::simd::routine::Routine;
+use crate::squeeze::{Seen, Sight};
+use core::f32::consts::{FRAC_1_PI, LOG2_E};
+
+/// Sums of a block, the diffuse term included: red, green and blue, or the luminance alone.
+pub(super) struct Sums<const C: usize> {
+    pub value: [Numbers; C],
+    /// What the luminance is multiplied by for a density; 0 where nothing is reflected.
+    pub inverse_power: Numbers,
+}
+
+/// Evaluates at most [`MOST`] pairs. `W`: the chunks of a group.
+pub(super) struct Evaluate<'a, const W: usize, const C: usize> {
+    pub expanded: &'a Expanded<'a>,
+    pub count: usize,
+    pub wo: &'a [Numbers; 3],
+    pub wi: &'a [Numbers; 3],
+}
+
+impl<const W: usize, const C: usize> Routine for Evaluate<'_, W, C> {
+    type Output = Sums<C>;
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Sums<C> {
+        let Self { expanded, count, wo, wi } = self;
+        let heads = Heads::new::<L>(expanded, wo, count);
+        let sights = heads.sights::<L>(wi);
+        let mut value = [[0.0; MOST]; C];
+        for i in 0..count.min(MOST) {
+            let sums = sum_rows::<L::Lobes, W, C>(expanded, &heads, i, &sight(&sights, i));
+            for channel in 0..C {
+                value[channel][i] = sums[channel];
+            }
+        }
+        heads.finish::<L, C>(value, &wi[2])
+    }
+}
+
+/// Draws a direction for each of at most [`MOST`] pairs, evaluates towards it, and perhaps towards another
+/// one. `W`: the chunks of a group; `G`: groups, at least as many as there are.
+pub(super) struct Sample<'a, const W: usize, const G: usize, const C: usize> {
+    pub expanded: &'a Expanded<'a>,
+    pub count: usize,
+    pub wo: &'a [Numbers; 3],
+    pub u: &'a [Numbers; 3],
+    pub towards: Option<&'a [Numbers; 3]>,
+}
+
+/// What it draws, the normal where nothing is reflected, and the sums.
+pub(super) struct Sampled<const C: usize> {
+    pub direction: [Numbers; 3],
+    pub sums: Sums<C>,
+    pub towards: Option<Sums<C>>,
+}
+
+/// Numbers of the lobes of a pair that are kept: axis, rate, amplitudes; sharpness.
+const KEPT: usize = 8;
+
+/// Of all lobes.
+type Kept<const G: usize> = [[Chunk; KEPT]; G];
+
+impl<const W: usize, const G: usize, const C: usize> Routine for Sample<'_, W, G, C> {
+    type Output = Sampled<C>;
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Sampled<C> {
+        let Self { expanded, count, wo, u, towards } = self;
+        let heads = Heads::new::<L>(expanded, wo, count);
+        let mut kept = [[[[0.0; CHUNK]; KEPT]; G]; MOST];
+        let mut chosen = Chosen::NONE;
+        for i in 0..count.min(MOST) {
+            let k = keep::<L::Lobes, W, G, C>(expanded, &heads, i, u[0][i], &mut kept[i]);
+            let lobe = &kept[i][k / CHUNK];
+            for n in 0..3 {
+                chosen.axis[n][i] = lobe[n][k % CHUNK];
+            }
+            chosen.sharpness[i] = lobe[KEPT - 1][k % CHUNK];
+            chosen.squeezed[i] = if k < expanded.material.squeezed_count() { 1.0 } else { 0.0 };
+        }
+        let direction = heads.draw::<L>(expanded, &chosen, u, W != MIRRORED);
+        let squeezed = expanded.material.squeezed_count();
+        let lobes = expanded.material.lobe_count();
+        let mut value = [[0.0; MOST]; C];
+        let sights = heads.sights::<L>(&direction);
+        for i in 0..count.min(MOST) {
+            let sums = sum_kept::<L::Lobes, G, C>(&kept[i], lobes, squeezed, &sight(&sights, i));
+            for channel in 0..C {
+                value[channel][i] = sums[channel];
+            }
+        }
+        let sums = heads.finish::<L, C>(value, &direction[2]);
+        let Some(wi) = towards else { return Sampled { direction, sums, towards: None } };
+        let sights = heads.sights::<L>(wi);
+        for i in 0..count.min(MOST) {
+            let sums = sum_kept::<L::Lobes, G, C>(&kept[i], lobes, squeezed, &sight(&sights, i));
+            for channel in 0..C {
+                value[channel][i] = sums[channel];
+            }
+        }
+        let towards = Some(heads.finish::<L, C>(value, &wi[2]));
+        Sampled { direction, sums, towards }
+    }
+}
+
+/// What a block needs once a pair.
+struct Heads {
+    /// The row before the outgoing direction, and how far beyond it.
+    row: Numbers,
+    share: Numbers,
+    /// Cosine and sine, in the caller's frame, of the azimuth of +x of the view.
+    azimuth: [Numbers; 2],
+    /// The heads of the rows, interpolated.
+    numbers: [Numbers; HEAD],
+    /// 1 for a unit vector above the horizon.
+    is_there: Numbers,
+}
+
+/// The chosen lobes of a block.
+struct Chosen {
+    axis: [Numbers; 3],
+    sharpness: Numbers,
+    squeezed: Numbers,
+}
+
+impl Chosen {
+    const NONE: Self =
+        Self { axis: [[0.0; MOST], [0.0; MOST], [1.0; MOST]], sharpness: [1.0; MOST], squeezed: [0.0; MOST] };
+}
+
+impl Heads {
+    #[inline(always)]
+    fn new<L: Lanes>(expanded: &Expanded<'_>, wo: &[Numbers; 3], count: usize) -> Self {
+        let zeros = [0.0; MOST];
+        let (mut row, mut share, mut azimuth, mut is_there) = (zeros, zeros, [zeros; 2], zeros);
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        let mut at = 0;
+        while at + L::COUNT <= MOST {
+            let wo = [L::load(&wo[0][at..]), L::load(&wo[1][at..]), L::load(&wo[2][at..])];
+            let facing = Facing::<L>::new(wo);
+            let [before, beyond] = expanded.places(facing.theta);
+            before.store(&mut row[at..]);
+            beyond.store(&mut share[at..]);
+            facing.azimuth[0].store(&mut azimuth[0][at..]);
+            facing.azimuth[1].store(&mut azimuth[1][at..]);
+            L::select(facing.is_there(), one, zero).store(&mut is_there[at..]);
+            at += L::COUNT;
+        }
+        let mut numbers = [zeros; HEAD];
+        numbers[INVERSE_SQUEEZE] = [1.0; MOST];
+        for i in 0..count.min(MOST) {
+            let [a, b] = expanded.two_rows(row[i] as usize);
+            for n in 0..HEAD {
+                numbers[n][i] = (b[0][n] - a[0][n]) * share[i] + a[0][n];
+            }
+        }
+        Self { row, share, azimuth, numbers, is_there }
+    }
+
+    /// What lobes see of incident directions.
+    #[inline(always)]
+    fn sights<L: Lanes>(&self, wi: &[Numbers; 3]) -> super::super::sights::Sights {
+        let mut excess = [0.0; MOST];
+        for i in 0..MOST {
+            let (c, s) = (f64::from(self.azimuth[0][i]), f64::from(self.azimuth[1][i]));
+            excess[i] = (0.5 * (c * c + s * s - 1.0)) as f32;
+        }
+        sights::<L>(self.azimuth, excess, [[1.0; MOST], self.numbers[INVERSE_SQUEEZE]], wi)
+    }
+
+    /// Draws from the chosen lobes, or the diffuse term.
+    #[inline(always)]
+    fn draw<L: Lanes>(
+        &self,
+        expanded: &Expanded<'_>,
+        chosen: &Chosen,
+        u: &[Numbers; 3],
+        in_plane: bool,
+    ) -> [Numbers; 3] {
+        let (zero, one, half) = (L::splat(0.0), L::splat(1.0), L::splat(0.5));
+        let mut out = [[0.0; MOST]; 3];
+        let mut at = 0;
+        while at + L::COUNT <= MOST {
+            let frame = Frame {
+                in_plane,
+                any_squeezed: expanded.material.squeezed_count() > 0,
+                any_diffuse: expanded.any_diffuse,
+                is_folded: true,
+                azimuth: [L::load(&self.azimuth[0][at..]), L::load(&self.azimuth[1][at..])],
+                widen: [one, one / L::load(&self.numbers[INVERSE_SQUEEZE][at..])],
+            };
+            let sharpness = L::load(&chosen.sharpness[at..]).max(L::splat(LEAST_SHARPNESS));
+            let [gone, inside] = tail_and_inside(sharpness);
+            let [power, lobes_power] = self.powers::<L>(at);
+            let choice = Choice {
+                axis: [
+                    L::load(&chosen.axis[0][at..]),
+                    L::load(&chosen.axis[1][at..]),
+                    L::load(&chosen.axis[2][at..]),
+                ],
+                inside,
+                gone,
+                inverse_sharpness: one / sharpness,
+                is_squeezed: L::load(&chosen.squeezed[at..]).ge(half),
+                is_lobe: target(L::load(&u[0][at..]), power).lt(lobes_power),
+            };
+            let [x, y, z] = draw(&frame, choice, L::load(&u[1][at..]), L::load(&u[2][at..]));
+            let shines = L::splat(f32::MIN_POSITIVE).lt(power);
+            L::select(shines, x, zero).store(&mut out[0][at..]);
+            L::select(shines, y, zero).store(&mut out[1][at..]);
+            L::select(shines, z, one).store(&mut out[2][at..]);
+            at += L::COUNT;
+        }
+        out
+    }
+
+    /// The power, 0 where nothing is reflected, and the part that lobes have.
+    #[inline(always)]
+    fn powers<L: Lanes>(&self, at: usize) -> [L; 2] {
+        let lobes = L::load(&self.numbers[LOBES_POWER][at..]);
+        let power = lobes + L::load(&self.numbers[DIFFUSE_POWER][at..]);
+        let there = L::load(&self.is_there[at..]).ge(L::splat(0.5));
+        let shines = L::both(there, power.ge(L::splat(f32::MIN_POSITIVE)));
+        [power.keep(shines), lobes]
+    }
+
+    /// Adds the diffuse term to the sums over the lobes; 0 for directions below the horizon.
+    #[inline(always)]
+    fn finish<L: Lanes, const C: usize>(&self, mut value: [Numbers; C], height: &Numbers) -> Sums<C> {
+        let mut inverse_power = [0.0; MOST];
+        let (zero, half, one) = (L::splat(0.0), L::splat(0.5), L::splat(1.0));
+        let mut at = 0;
+        while at + L::COUNT <= MOST {
+            let z = L::load(&height[at..]);
+            // Not set for a NaN.
+            let above = L::both(z.ge(zero), L::load(&self.is_there[at..]).ge(half));
+            for channel in 0..C {
+                let from = if C == 3 { DIFFUSE + channel } else { DIFFUSE_POWER };
+                let diffuse = L::load(&self.numbers[from][at..]) * L::splat(FRAC_1_PI);
+                let sum = diffuse.mul_add(z, L::load(&value[channel][at..]));
+                sum.keep(above).store(&mut value[channel][at..]);
+            }
+            let [power, _] = self.powers::<L>(at);
+            let shines = L::splat(0.0).lt(power);
+            (one / L::select(shines, power, one)).keep(shines).store(&mut inverse_power[at..]);
+            at += L::COUNT;
+        }
+        Sums { value, inverse_power }
+    }
+}
+
+/// The place on the running sum of powers that a uniform number stands for: below the whole.
+#[inline(always)]
+fn target<L: Lanes>(u: L, power: L) -> L {
+    (u * power).min(power * L::splat(1.0 - f32::EPSILON))
+}
+
+/// Interpolates the lobes of a pair, keeps what summing and drawing need, and chooses one.
+#[inline(always)]
+fn keep<L: Lanes, const W: usize, const G: usize, const C: usize>(
+    expanded: &Expanded<'_>,
+    heads: &Heads,
+    i: usize,
+    u: f32,
+    kept: &mut Kept<G>,
+) -> usize {
+    let rows = expanded.two_rows(heads.row[i] as usize);
+    let share = L::splat(heads.share[i]);
+    let target = target(u, heads.numbers[LOBES_POWER][i] + heads.numbers[DIFFUSE_POWER][i]);
+    let lobes = expanded.material.lobe_count();
+    // The last lobe ends the search whatever the sum is rounded to.
+    let last = 1u64.wrapping_shl((lobes as u32).wrapping_sub(1));
+    let (mut above, mut passed) = (last, L::splat(0.0));
+    for g in 0..lobes.div_ceil(CHUNK).min(G) {
+        let [a, b] = group::<W>(rows, g);
+        let mut j = 0;
+        while j < CHUNK && CHUNK * g + j < lobes {
+            let of = Lobes::<L>::between(a, b, share, j, expanded.is_fine);
+            let luminance = luminance_of(of.power);
+            let running = luminance.running_sum() + passed;
+            above |= L::bits(L::splat(target).lt(running)) << (CHUNK * g + j);
+            let sum = Summand::<L, C>::new(&of);
+            for n in 0..3 {
+                of.axis[n].store(&mut kept[g][n][j..]);
+            }
+            sum.rate.store(&mut kept[g][3][j..]);
+            for channel in 0..C {
+                sum.amplitude[channel].store(&mut kept[g][4 + channel][j..]);
+            }
+            of.sharpness.store(&mut kept[g][KEPT - 1][j..]);
+            j += L::COUNT;
+            if CHUNK * g + j < lobes {
+                passed = passed + L::splat(luminance.sum());
+            }
+        }
+    }
+    (above.trailing_zeros() as usize).min(CHUNK * G - 1)
+}
+
+/// What summing needs to know of lobes.
+struct Summand<L, const C: usize> {
+    axis: [L; 3],
+    /// `-s / 2` in base 2.
+    rate: L,
+    amplitude: [L; C],
+}
+
+impl<L: Lanes, const C: usize> Summand<L, C> {
+    /// `C` = 1: of the luminance.
+    #[inline(always)]
+    fn new(lobes: &Lobes<L>) -> Self {
+        let normaliser = lobes.normaliser();
+        let mut amplitude = [normaliser; C];
+        for channel in 0..C {
+            let power = if C == 3 { lobes.power[channel] } else { luminance_of(lobes.power) };
+            amplitude[channel] = power * normaliser;
+        }
+        Self { axis: lobes.axis, rate: lobes.sharpness * L::splat(-0.5 * LOG2_E), amplitude }
+    }
+
+    /// Adds these lobes.
+    #[inline(always)]
+    fn add(&self, seen: &Seen<L>, acc: &mut [L; C]) {
+        let [x, y, z] = self.axis;
+        let (mut rate, [mut dx, mut dy, mut dz]) = (self.rate, seen.high);
+        if L::FUSED {
+            dx = x.neg_mul_add(seen.length, dx) + seen.low[0];
+            dy = y.neg_mul_add(seen.length, dy) + seen.low[1];
+            dz = z.neg_mul_add(seen.length, dz);
+            rate = rate * seen.inverse_square;
+        } else {
+            dx = (dx - x) + seen.low[0];
+            dy = (dy - y) + seen.low[1];
+            dz = (dz - z) + seen.low[2];
+        }
+        let t = rate * dx.mul_add(dx, dy.mul_add(dy, dz * dz));
+        // |d - mirrored axis|^2 = |d - axis|^2 + 4 d.z axis.z
+        let fold_rate = self.rate * L::splat(4.0) * z;
+        let g = (falloff(t) + falloff(fold_rate.mul_add(seen.height, t))) * seen.scale;
+        for channel in 0..C {
+            acc[channel] = g.mul_add(self.amplitude[channel], acc[channel]);
+        }
+    }
+}
+
+/// What a vector of lobes sees, of which the first `squeezed` are.
+#[inline(always)]
+fn seen_by<L: Lanes>([turned, squeezed]: &[Sight; 2], count: usize) -> Seen<L> {
+    if count == 0 {
+        turned.splat()
+    } else if count >= L::COUNT {
+        squeezed.splat()
+    } else {
+        Sight::splat_either::<L>(L::first_lanes(count), squeezed, turned)
+    }
+}
+
+/// Sums the lobes of a pair, interpolated on the way.
+#[inline(always)]
+fn sum_rows<L: Lanes, const W: usize, const C: usize>(
+    expanded: &Expanded<'_>,
+    heads: &Heads,
+    i: usize,
+    sights: &[Sight; 2],
+) -> [f32; C] {
+    let rows = expanded.two_rows(heads.row[i] as usize);
+    let share = L::splat(heads.share[i]);
+    let (lobes, squeezed) = (expanded.material.lobe_count(), expanded.material.squeezed_count());
+    let mut acc = [L::splat(0.0); C];
+    for g in 0..lobes.div_ceil(CHUNK) {
+        let [a, b] = group::<W>(rows, g);
+        let mut j = 0;
+        while j < CHUNK && CHUNK * g + j < lobes {
+            let of = Lobes::<L>::between(a, b, share, j, expanded.is_fine);
+            let seen = seen_by(sights, squeezed.saturating_sub(CHUNK * g + j));
+            Summand::<L, C>::new(&of).add(&seen, &mut acc);
+            j += L::COUNT;
+        }
+    }
+    across_lanes(acc)
+}
+
+/// Sums the lobes of a pair that were kept.
+#[inline(always)]
+fn sum_kept<L: Lanes, const G: usize, const C: usize>(
+    kept: &Kept<G>,
+    lobes: usize,
+    squeezed: usize,
+    sights: &[Sight; 2],
+) -> [f32; C] {
+    let mut acc = [L::splat(0.0); C];
+    for g in 0..lobes.div_ceil(CHUNK).min(G) {
+        let mut j = 0;
+        while j < CHUNK && CHUNK * g + j < lobes {
+            let numbers = &kept[g];
+            let mut amplitude = [L::splat(0.0); C];
+            for channel in 0..C {
+                amplitude[channel] = L::load(&numbers[4 + channel][j..]);
+            }
+            let summand = Summand {
+                axis: [L::load(&numbers[0][j..]), L::load(&numbers[1][j..]), L::load(&numbers[2][j..])],
+                rate: L::load(&numbers[3][j..]),
+                amplitude,
+            };
+            let seen = seen_by(sights, squeezed.saturating_sub(CHUNK * g + j));
+            summand.add(&seen, &mut acc);
+            j += L::COUNT;
+        }
+    }
+    across_lanes(acc)
+}
+
+#[inline(always)]
+fn across_lanes<L: Lanes, const C: usize>(acc: [L; C]) -> [f32; C] {
+    let mut sums = [0.0; C];
+    for channel in 0..C {
+        sums[channel] = acc[channel].sum();
+    }
+    sums
+}

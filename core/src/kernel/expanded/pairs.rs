@@ -1,0 +1,277 @@
+//! The verbs of an expanded material, for n pairs, each with an outgoing direction of its own.
+
+use super::super::multiply_factors::multiply_pairs;
+use super::super::sights::{MOST, Numbers};
+use super::super::slices::{SamplesMut, same_length};
+use super::block::{Evaluate, Sample, Sampled, Sums};
+use super::table::{CHUNK, Expanded, IN_PLANE, MIRRORED};
+use crate::color::luminance;
+use crate::error::Error;
+use crate::material::layout::MAX_LOBES;
+use crate::mixture::factors::{Among, Factors};
+use crate::simd::detect::Level;
+use glam::Vec3;
+
+/// Most groups of lobes.
+const GROUPS: usize = MAX_LOBES / CHUNK;
+
+impl Expanded<'_> {
+    /// Evaluates `f cos` for n pairs of an outgoing and an incident direction.
+    ///
+    /// The values of [`prepare`](Self::prepare) and [`Mixture::evaluate`](crate::Mixture::evaluate) but for
+    /// rounding. An outgoing direction below the horizon, or none at all (not finite, not of unit length),
+    /// gives 0.
+    ///
+    /// Shapes: `wo` and `wi` x, y, z, each `[n]`; `value` red, green, blue, each `[n]`, overwritten; 1/sr.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    pub fn evaluate_pairs_into(
+        &self,
+        wo: [&[f32]; 3],
+        wi: [&[f32]; 3],
+        mut value: [&mut [f32]; 3],
+    ) -> Result<(), Error> {
+        same_length(wo.iter().chain(&wi).map(|s| s.len()).chain(value.iter().map(|s| s.len())))?;
+        let level = Level::current();
+        for block in Block::all(wo[0].len()) {
+            let (outgoing, incident) = (block.padded(&wo), block.padded(&wi));
+            let mut sums = self.evaluate::<3>(level, block.count, &outgoing, &incident);
+            self.multiply(level, &outgoing, &incident, &mut sums);
+            block.copy_out(&sums.value, &mut value);
+        }
+        Ok(())
+    }
+
+    /// Evaluates `f cos` and the density for n pairs of an outgoing and an incident direction.
+    ///
+    /// Shapes: `wo` and `wi` x, y, z, each `[n]`; `value` red, green, blue, each `[n]`, and `pdf` `[n]`,
+    /// overwritten; 1/sr.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    pub fn evaluate_and_pdf_pairs_into(
+        &self,
+        wo: [&[f32]; 3],
+        wi: [&[f32]; 3],
+        mut value: [&mut [f32]; 3],
+        pdf: &mut [f32],
+    ) -> Result<(), Error> {
+        let outputs = value.iter().map(|s| s.len()).chain([pdf.len()]);
+        same_length(wo.iter().chain(&wi).map(|s| s.len()).chain(outputs))?;
+        let level = Level::current();
+        for block in Block::all(wo[0].len()) {
+            let (outgoing, incident) = (block.padded(&wo), block.padded(&wi));
+            let mut sums = self.evaluate::<3>(level, block.count, &outgoing, &incident);
+            block.copy_out(&[densities(&sums)], &mut [&mut *pdf]);
+            self.multiply(level, &outgoing, &incident, &mut sums);
+            block.copy_out(&sums.value, &mut value);
+        }
+        Ok(())
+    }
+
+    /// Evaluates the density alone for n pairs of an outgoing and an incident direction; 1/sr.
+    ///
+    /// Shapes: `wo` and `wi` x, y, z, each `[n]`; `pdf` `[n]`, overwritten.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    pub fn pdf_pairs_into(&self, wo: [&[f32]; 3], wi: [&[f32]; 3], pdf: &mut [f32]) -> Result<(), Error> {
+        same_length(wo.iter().chain(&wi).map(|s| s.len()).chain([pdf.len()]))?;
+        let level = Level::current();
+        for block in Block::all(wo[0].len()) {
+            let (outgoing, incident) = (block.padded(&wo), block.padded(&wi));
+            let sums = self.evaluate::<1>(level, block.count, &outgoing, &incident);
+            let mut densities = sums.value;
+            for (density, inverse_power) in densities[0].iter_mut().zip(&sums.inverse_power) {
+                *density *= inverse_power;
+            }
+            block.copy_out(&densities, &mut [&mut *pdf]);
+        }
+        Ok(())
+    }
+
+    /// Draws an incident direction for each of n outgoing ones, with density and weight `f cos / pdf`.
+    ///
+    /// The samples of [`prepare`](Self::prepare) and [`Mixture::sample`](crate::Mixture::sample) but for
+    /// rounding. Where nothing is reflected (and for an outgoing direction that is none) the sample is the
+    /// normal with density 0 and weight 0.
+    ///
+    /// Shapes: `wo` x, y, z and `u` three uniform numbers in [0, 1), each `[n]`; `samples`, every slice
+    /// `[n]`, overwritten.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    pub fn sample_pairs_into(
+        &self,
+        wo: [&[f32]; 3],
+        u: [&[f32]; 3],
+        mut samples: SamplesMut<'_>,
+    ) -> Result<(), Error> {
+        same_length(wo.iter().chain(&u).map(|s| s.len()).chain(lengths(&samples)))?;
+        let level = Level::current();
+        for block in Block::all(wo[0].len()) {
+            let outgoing = block.padded(&wo);
+            let sampled = self.sample(level, block.count, &outgoing, &block.padded(&u), None);
+            self.write_samples(level, block, &outgoing, sampled.direction, sampled.sums, &mut samples);
+        }
+        Ok(())
+    }
+
+    /// Draws an incident direction for each of n outgoing ones, and evaluates value and density towards
+    /// another one, with one preparation: what next-event estimation needs at every hit.
+    ///
+    /// Shapes: as in [`sample_pairs_into`](Self::sample_pairs_into) and, of the other directions `wi`, in
+    /// [`evaluate_and_pdf_pairs_into`](Self::evaluate_and_pdf_pairs_into).
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    pub fn sample_and_evaluate_pairs_into(
+        &self,
+        wo: [&[f32]; 3],
+        u: [&[f32]; 3],
+        mut samples: SamplesMut<'_>,
+        wi: [&[f32]; 3],
+        mut value: [&mut [f32]; 3],
+        pdf: &mut [f32],
+    ) -> Result<(), Error> {
+        let outputs = value.iter().map(|s| s.len()).chain([pdf.len()]).chain(lengths(&samples));
+        same_length(wo.iter().chain(&u).chain(&wi).map(|s| s.len()).chain(outputs))?;
+        let level = Level::current();
+        for block in Block::all(wo[0].len()) {
+            let (outgoing, incident) = (block.padded(&wo), block.padded(&wi));
+            let sampled = self.sample(level, block.count, &outgoing, &block.padded(&u), Some(&incident));
+            self.write_samples(level, block, &outgoing, sampled.direction, sampled.sums, &mut samples);
+            if let Some(mut sums) = sampled.towards {
+                block.copy_out(&[densities(&sums)], &mut [&mut *pdf]);
+                self.multiply(level, &outgoing, &incident, &mut sums);
+                block.copy_out(&sums.value, &mut value);
+            }
+        }
+        Ok(())
+    }
+
+    fn evaluate<const C: usize>(
+        &self,
+        level: Level,
+        count: usize,
+        wo: &[Numbers; 3],
+        wi: &[Numbers; 3],
+    ) -> Sums<C> {
+        let expanded = self;
+        if self.material.mirrored_count() > 0 {
+            level.run(Evaluate::<MIRRORED, C> { expanded, count, wo, wi })
+        } else {
+            level.run(Evaluate::<IN_PLANE, C> { expanded, count, wo, wi })
+        }
+    }
+
+    fn sample(
+        &self,
+        level: Level,
+        count: usize,
+        wo: &[Numbers; 3],
+        u: &[Numbers; 3],
+        towards: Option<&[Numbers; 3]>,
+    ) -> Sampled<3> {
+        let expanded = self;
+        let (is_mirrored, is_one) = (self.material.mirrored_count() > 0, self.material.lobe_count() <= CHUNK);
+        match (is_mirrored, is_one) {
+            (false, true) => level.run(Sample::<IN_PLANE, 1, 3> { expanded, count, wo, u, towards }),
+            (false, false) => level.run(Sample::<IN_PLANE, GROUPS, 3> { expanded, count, wo, u, towards }),
+            (true, true) => level.run(Sample::<MIRRORED, 1, 3> { expanded, count, wo, u, towards }),
+            (true, false) => level.run(Sample::<MIRRORED, GROUPS, 3> { expanded, count, wo, u, towards }),
+        }
+    }
+
+    /// Multiplies values by their factors, if there are some.
+    fn multiply(&self, level: Level, wo: &[Numbers; 3], wi: &[Numbers; 3], sums: &mut Sums<3>) {
+        if self.material.factor_nodes().is_none() {
+            return;
+        }
+        let factors = Factors::new(&self.material, Vec3::Z, Among::NOWHERE);
+        // What is no direction has no factor, and 0 times that may be none either.
+        let mut outgoing = *wo;
+        for i in 0..MOST {
+            if sums.inverse_power[i] == 0.0 {
+                outgoing.iter_mut().for_each(|component| component[i] = 0.5);
+            }
+        }
+        multiply_pairs(level, &factors, &outgoing, wi, &mut sums.value);
+    }
+
+    fn write_samples(
+        &self,
+        level: Level,
+        block: Block,
+        wo: &[Numbers; 3],
+        direction: [Numbers; 3],
+        mut sums: Sums<3>,
+        samples: &mut SamplesMut<'_>,
+    ) {
+        let pdf = densities(&sums);
+        self.multiply(level, wo, &direction, &mut sums);
+        let mut weight = sums.value;
+        for i in 0..MOST {
+            let inverse = if pdf[i] > 0.0 { 1.0 / pdf[i] } else { 0.0 };
+            weight.iter_mut().for_each(|channel| channel[i] *= inverse);
+        }
+        block.copy_out(&direction, &mut samples.direction);
+        block.copy_out(&[pdf], &mut [&mut *samples.pdf]);
+        block.copy_out(&weight, &mut samples.weight);
+    }
+}
+
+/// The densities of a block.
+fn densities(sums: &Sums<3>) -> Numbers {
+    let mut pdf = [0.0; MOST];
+    let [red, green, blue] = &sums.value;
+    for i in 0..MOST {
+        pdf[i] = luminance(Vec3::new(red[i], green[i], blue[i])) * sums.inverse_power[i];
+    }
+    pdf
+}
+
+fn lengths(samples: &SamplesMut<'_>) -> impl Iterator<Item = usize> {
+    let lengths = |slices: &[&mut [f32]; 3]| slices.each_ref().map(|s| s.len());
+    let (direction, weight) = (lengths(&samples.direction), lengths(&samples.weight));
+    direction.into_iter().chain(weight).chain([samples.pdf.len()])
+}
+
+/// Pairs that are taken together.
+#[derive(Clone, Copy)]
+struct Block {
+    from: usize,
+    count: usize,
+}
+
+impl Block {
+    /// The blocks of n pairs.
+    fn all(n: usize) -> impl Iterator<Item = Self> {
+        (0..n).step_by(MOST).map(move |from| Self { from, count: MOST.min(n - from) })
+    }
+
+    /// The numbers of a block, padded with harmless ones.
+    fn padded(self, vectors: &[&[f32]; 3]) -> [Numbers; 3] {
+        let mut block = [[0.5; MOST]; 3];
+        for (block, from_here) in block.iter_mut().zip(vectors) {
+            let from_here = &from_here[self.from..self.from + self.count];
+            match from_here.first_chunk() {
+                Some(all) => *block = *all,
+                None => block[..self.count].copy_from_slice(from_here),
+            }
+        }
+        block
+    }
+
+    /// Copies the numbers of a block out.
+    fn copy_out<const C: usize>(self, block: &[Numbers; C], to: &mut [&mut [f32]; C]) {
+        for (block, to) in block.iter().zip(to) {
+            let to = &mut to[self.from..self.from + self.count];
+            match to.first_chunk_mut() {
+                Some(all) => *all = *block,
+                None => to.copy_from_slice(&block[..self.count]),
+            }
+        }
+    }
+}
