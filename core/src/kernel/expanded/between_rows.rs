@@ -3,9 +3,9 @@
 
 use super::super::between_views::{Place, views_passed};
 use super::super::outgoing::Facing;
-use super::table::{CHUNK, Chunk, DIFFUSE, Expanded, HEAD, IN_PLANE, INVERSE_SQUEEZE, MIRRORED};
+use super::table::{CHUNK, Chunk, DIFFUSE, Expanded, HEAD, IN_PLANE, INVERSE_SQUEEZE, MIRRORED, whole};
 use crate::error::Error;
-use crate::mixture::complete::{LEAST_SHARPNESS, tail_and_inside};
+use crate::mixture::complete::{LEAST_SHARPNESS, tail_and_inside, tail_and_inside_of_sharp};
 use crate::mixture::factors::Factors;
 use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::rows::{Domain, Mixture};
@@ -27,15 +27,10 @@ pub(super) struct Lobes<L> {
 }
 
 impl<L: Lanes> Lobes<L> {
-    /// Those from the `j`-th on of the same group of two rows. `W`: [`IN_PLANE`] or [`MIRRORED`].
+    /// Those from the `j`-th on of the same group of two rows. `W`: [`IN_PLANE`] or [`MIRRORED`]; `P`: of a
+    /// material that is plain.
     #[inline(always)]
-    pub fn between<const W: usize>(
-        a: &[Chunk; W],
-        b: &[Chunk; W],
-        share: L,
-        j: usize,
-        is_fine: bool,
-    ) -> Self {
+    pub fn between<const W: usize, const P: bool>([a, b]: [&[Chunk; W]; 2], share: L, j: usize) -> Self {
         let mut numbers = [L::splat(0.0); MIRRORED];
         for i in 0..W {
             let (a, b) = (L::load(&a[i][j..]), L::load(&b[i][j..]));
@@ -47,7 +42,7 @@ impl<L: Lanes> Lobes<L> {
         if W == MIRRORED {
             squared = y.mul_add(y, squared);
         }
-        let inverse = if is_fine {
+        let inverse = if P {
             // One step of Newton's from 1.
             squared.neg_mul_add(L::splat(0.5), L::splat(1.5))
         } else {
@@ -63,9 +58,14 @@ impl<L: Lanes> Lobes<L> {
 
     /// What powers are multiplied by for amplitudes: 1 over the integral of a Gaussian.
     #[inline(always)]
-    pub fn normaliser(&self) -> L {
-        let s = self.sharpness.max(L::splat(LEAST_SHARPNESS));
-        let [_, inside] = tail_and_inside(s);
+    pub fn normaliser<const P: bool>(&self) -> L {
+        let mut s = self.sharpness;
+        let [_, inside] = if P {
+            tail_and_inside_of_sharp(s)
+        } else {
+            s = s.max(L::splat(LEAST_SHARPNESS));
+            tail_and_inside(s)
+        };
         s * L::splat(0.5 * FRAC_1_PI) / inside
     }
 }
@@ -123,7 +123,7 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
             return Ok(());
         }
         let [row, share] = expanded.places::<L::One>(L::One::splat(outgoing.theta));
-        let (rows, share) = (expanded.two_rows(row.first() as usize), share.first());
+        let (rows, share) = (expanded.two_rows(whole(row.first())), share.first());
         let mut head = [0.0; HEAD];
         for i in 0..HEAD {
             head[i] = (rows[1][0][i] - rows[0][0][i]) * share + rows[0][0][i];
@@ -131,10 +131,11 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
         mixture.squeeze = Squeeze::new(outgoing.azimuth, 1.0, head[INVERSE_SQUEEZE]);
         mixture.set_diffuse([head[DIFFUSE], head[DIFFUSE + 1], head[DIFFUSE + 2]]);
         mixture.in_plane = material.mirrored_count() == 0;
-        if mixture.in_plane {
-            store_lobes::<L::Lobes, N, IN_PLANE>(rows, share, expanded.is_fine, mixture, needed);
-        } else {
-            store_lobes::<L::Lobes, N, MIRRORED>(rows, share, expanded.is_fine, mixture, needed);
+        match (mixture.in_plane, expanded.is_plain) {
+            (true, true) => store_lobes::<L::Lobes, N, IN_PLANE, true>(rows, share, mixture, needed),
+            (true, false) => store_lobes::<L::Lobes, N, IN_PLANE, false>(rows, share, mixture, needed),
+            (false, true) => store_lobes::<L::Lobes, N, MIRRORED, true>(rows, share, mixture, needed),
+            (false, false) => store_lobes::<L::Lobes, N, MIRRORED, false>(rows, share, mixture, needed),
         }
         mixture.finish::<L::Lobes>(needed, material.squeezed_count(), LeaveOut::default());
         if material.factor_nodes().is_some() {
@@ -148,18 +149,16 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
 
 /// Interpolates lobes into a mixture.
 #[inline(always)]
-fn store_lobes<L: Lanes, const N: usize, const W: usize>(
+fn store_lobes<L: Lanes, const N: usize, const W: usize, const P: bool>(
     rows: [&[Chunk]; 2],
     share: f32,
-    is_fine: bool,
     mixture: &mut Mixture<'_, N>,
     count: usize,
 ) {
     let mut k = 0;
     while k < count && k + L::COUNT <= N {
-        let [a, b] = group::<W>(rows, k / CHUNK);
-        let lobes = Lobes::<L>::between(a, b, L::splat(share), k % CHUNK, is_fine);
-        let normaliser = lobes.normaliser();
+        let lobes = Lobes::<L>::between::<W, P>(group(rows, k / CHUNK), L::splat(share), k % CHUNK);
+        let normaliser = lobes.normaliser::<P>();
         lobes.axis[0].store(&mut mixture.axis_x[k..]);
         lobes.axis[1].store(&mut mixture.axis_y[k..]);
         lobes.axis[2].store(&mut mixture.axis_z[k..]);

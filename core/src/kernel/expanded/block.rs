@@ -10,7 +10,7 @@ use super::super::outgoing::Facing;
 use super::super::sights::{MOST, Numbers, sight, sights};
 use super::between_rows::{Lobes, group, luminance_of};
 use super::table::{
-    CHUNK, Chunk, DIFFUSE, DIFFUSE_POWER, Expanded, HEAD, INVERSE_SQUEEZE, LOBES_POWER, MIRRORED,
+    CHUNK, Chunk, DIFFUSE, DIFFUSE_POWER, Expanded, HEAD, INVERSE_SQUEEZE, LOBES_POWER, MIRRORED, whole,
 };
 use crate::mixture::complete::{LEAST_SHARPNESS, tail_and_inside};
 use crate::simd::elementary::falloff;
@@ -42,8 +42,15 @@ impl<const W: usize, const C: usize> Routine for Evaluate<'_, W, C> {
         let heads = Heads::new::<L>(expanded, wo, count);
         let sights = heads.sights::<L>(wi);
         let mut value = [[0.0; MOST]; C];
+        // The usual material apart, its lobes in one vector: what is decided once is decided out here.
+        let is_usual = expanded.is_plain && expanded.material.lobe_count() <= L::Lobes::COUNT;
         for i in 0..count.min(MOST) {
-            let sums = sum_rows::<L::Lobes, W, C>(expanded, &heads, i, &sight(&sights, i));
+            let sights = sight(&sights, i);
+            let sums = if is_usual {
+                sum_rows::<L::Lobes, W, C, true>(expanded, &heads, i, &sights)
+            } else {
+                sum_rows::<L::Lobes, W, C, false>(expanded, &heads, i, &sights)
+            };
             for channel in 0..C {
                 value[channel][i] = sums[channel];
             }
@@ -60,6 +67,8 @@ pub(super) struct Sample<'a, const W: usize, const G: usize, const C: usize> {
     pub wo: &'a [Numbers; 3],
     pub u: &'a [Numbers; 3],
     pub towards: Option<&'a [Numbers; 3]>,
+    /// For the lobes, of any numbers.
+    pub kept: &'a mut [Kept<G>; MOST],
 }
 
 /// What it draws, the normal where nothing is reflected, and the sums.
@@ -70,21 +79,25 @@ pub(super) struct Sampled<const C: usize> {
 }
 
 /// Numbers of the lobes of a pair that are kept: axis, rate, amplitudes; sharpness.
-const KEPT: usize = 8;
+pub(super) const KEPT: usize = 8;
 
 /// Of all lobes.
-type Kept<const G: usize> = [[Chunk; KEPT]; G];
+pub(super) type Kept<const G: usize> = [[Chunk; KEPT]; G];
 
 impl<const W: usize, const G: usize, const C: usize> Routine for Sample<'_, W, G, C> {
     type Output = Sampled<C>;
     #[inline(always)]
     fn run<L: Lanes>(self) -> Sampled<C> {
-        let Self { expanded, count, wo, u, towards } = self;
+        let Self { expanded, count, wo, u, towards, kept } = self;
         let heads = Heads::new::<L>(expanded, wo, count);
-        let mut kept = [[[[0.0; CHUNK]; KEPT]; G]; MOST];
+        let is_usual = expanded.is_plain && expanded.material.lobe_count() <= L::Lobes::COUNT;
         let mut chosen = Chosen::NONE;
         for i in 0..count.min(MOST) {
-            let k = keep::<L::Lobes, W, G, C>(expanded, &heads, i, u[0][i], &mut kept[i]);
+            let k = if is_usual {
+                keep::<L::Lobes, W, G, C, true>(expanded, &heads, i, u[0][i], &mut kept[i])
+            } else {
+                keep::<L::Lobes, W, G, C, false>(expanded, &heads, i, u[0][i], &mut kept[i])
+            };
             let lobe = &kept[i][k / CHUNK];
             for n in 0..3 {
                 chosen.axis[n][i] = lobe[n][k % CHUNK];
@@ -120,7 +133,7 @@ impl<const W: usize, const G: usize, const C: usize> Routine for Sample<'_, W, G
 /// What a block needs once a pair.
 struct Heads {
     /// The row before the outgoing direction, and how far beyond it.
-    row: Numbers,
+    row: [usize; MOST],
     share: Numbers,
     /// Cosine and sine, in the caller's frame, of the azimuth of +x of the view.
     azimuth: [Numbers; 2],
@@ -146,26 +159,29 @@ impl Heads {
     #[inline(always)]
     fn new<L: Lanes>(expanded: &Expanded<'_>, wo: &[Numbers; 3], count: usize) -> Self {
         let zeros = [0.0; MOST];
-        let (mut row, mut share, mut azimuth, mut is_there) = (zeros, zeros, [zeros; 2], zeros);
+        let (mut place, mut share, mut azimuth, mut is_there) = (zeros, zeros, [zeros; 2], zeros);
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let mut at = 0;
         while at + L::COUNT <= MOST {
             let wo = [L::load(&wo[0][at..]), L::load(&wo[1][at..]), L::load(&wo[2][at..])];
             let facing = Facing::<L>::new(wo);
             let [before, beyond] = expanded.places(facing.theta);
-            before.store(&mut row[at..]);
+            before.store(&mut place[at..]);
             beyond.store(&mut share[at..]);
             facing.azimuth[0].store(&mut azimuth[0][at..]);
             facing.azimuth[1].store(&mut azimuth[1][at..]);
             L::select(facing.is_there(), one, zero).store(&mut is_there[at..]);
             at += L::COUNT;
         }
-        let mut numbers = [zeros; HEAD];
+        let (mut row, mut numbers) = ([0; MOST], [zeros; HEAD]);
         numbers[INVERSE_SQUEEZE] = [1.0; MOST];
         for i in 0..count.min(MOST) {
-            let [a, b] = expanded.two_rows(row[i] as usize);
+            row[i] = whole(place[i]);
+            let ([a, b], share) = (expanded.two_rows(row[i]), L::One::splat(share[i]));
+            let (a, b) = (&a[0], &b[0]);
             for n in 0..HEAD {
-                numbers[n][i] = (b[0][n] - a[0][n]) * share[i] + a[0][n];
+                let (a, b) = (L::One::splat(a[n]), L::One::splat(b[n]));
+                numbers[n][i] = (b - a).mul_add(share, a).first();
             }
         }
         Self { row, share, azimuth, numbers, is_there }
@@ -271,41 +287,37 @@ fn target<L: Lanes>(u: L, power: L) -> L {
 
 /// Interpolates the lobes of a pair, keeps what summing and drawing need, and chooses one.
 #[inline(always)]
-fn keep<L: Lanes, const W: usize, const G: usize, const C: usize>(
+fn keep<L: Lanes, const W: usize, const G: usize, const C: usize, const USUAL: bool>(
     expanded: &Expanded<'_>,
     heads: &Heads,
     i: usize,
     u: f32,
     kept: &mut Kept<G>,
 ) -> usize {
-    let rows = expanded.two_rows(heads.row[i] as usize);
+    let rows = expanded.two_rows(heads.row[i]);
     let share = L::splat(heads.share[i]);
     let target = target(u, heads.numbers[LOBES_POWER][i] + heads.numbers[DIFFUSE_POWER][i]);
     let lobes = expanded.material.lobe_count();
     // The last lobe ends the search whatever the sum is rounded to.
     let last = 1u64.wrapping_shl((lobes as u32).wrapping_sub(1));
+    if USUAL {
+        let of = Lobes::<L>::between::<W, true>(group(rows, 0), share, 0);
+        let running = luminance_of(of.power).running_sum();
+        Summand::<L, C>::new::<true>(&of).keep(&of, &mut kept[0], 0);
+        let above = last | L::bits(L::splat(target).lt(running));
+        return above.trailing_zeros() as usize % CHUNK;
+    }
     let (mut above, mut passed) = (last, L::splat(0.0));
     for g in 0..lobes.div_ceil(CHUNK).min(G) {
-        let [a, b] = group::<W>(rows, g);
         let mut j = 0;
         while j < CHUNK && CHUNK * g + j < lobes {
-            let of = Lobes::<L>::between(a, b, share, j, expanded.is_fine);
+            let of = Lobes::<L>::between::<W, false>(group(rows, g), share, j);
             let luminance = luminance_of(of.power);
             let running = luminance.running_sum() + passed;
             above |= L::bits(L::splat(target).lt(running)) << (CHUNK * g + j);
-            let sum = Summand::<L, C>::new(&of);
-            for n in 0..3 {
-                of.axis[n].store(&mut kept[g][n][j..]);
-            }
-            sum.rate.store(&mut kept[g][3][j..]);
-            for channel in 0..C {
-                sum.amplitude[channel].store(&mut kept[g][4 + channel][j..]);
-            }
-            of.sharpness.store(&mut kept[g][KEPT - 1][j..]);
+            Summand::<L, C>::new::<false>(&of).keep(&of, &mut kept[g], j);
+            passed = passed + L::splat(luminance.sum());
             j += L::COUNT;
-            if CHUNK * g + j < lobes {
-                passed = passed + L::splat(luminance.sum());
-            }
         }
     }
     (above.trailing_zeros() as usize).min(CHUNK * G - 1)
@@ -322,14 +334,38 @@ struct Summand<L, const C: usize> {
 impl<L: Lanes, const C: usize> Summand<L, C> {
     /// `C` = 1: of the luminance.
     #[inline(always)]
-    fn new(lobes: &Lobes<L>) -> Self {
-        let normaliser = lobes.normaliser();
+    fn new<const P: bool>(lobes: &Lobes<L>) -> Self {
+        let normaliser = lobes.normaliser::<P>();
         let mut amplitude = [normaliser; C];
         for channel in 0..C {
             let power = if C == 3 { lobes.power[channel] } else { luminance_of(lobes.power) };
             amplitude[channel] = power * normaliser;
         }
         Self { axis: lobes.axis, rate: lobes.sharpness * L::splat(-0.5 * LOG2_E), amplitude }
+    }
+
+    /// Keeps these lobes, from the `j`-th on of a group.
+    #[inline(always)]
+    fn keep(&self, of: &Lobes<L>, kept: &mut [Chunk; KEPT], j: usize) {
+        for n in 0..3 {
+            of.axis[n].store(&mut kept[n][j..]);
+        }
+        self.rate.store(&mut kept[3][j..]);
+        for channel in 0..C {
+            self.amplitude[channel].store(&mut kept[4 + channel][j..]);
+        }
+        of.sharpness.store(&mut kept[KEPT - 1][j..]);
+    }
+
+    /// The lobes that were kept.
+    #[inline(always)]
+    fn kept(kept: &[Chunk; KEPT], j: usize) -> Self {
+        let mut amplitude = [L::splat(0.0); C];
+        for channel in 0..C {
+            amplitude[channel] = L::load(&kept[4 + channel][j..]);
+        }
+        let axis = [L::load(&kept[0][j..]), L::load(&kept[1][j..]), L::load(&kept[2][j..])];
+        Self { axis, rate: L::load(&kept[3][j..]), amplitude }
     }
 
     /// Adds these lobes.
@@ -360,34 +396,32 @@ impl<L: Lanes, const C: usize> Summand<L, C> {
 /// What a vector of lobes sees, of which the first `squeezed` are.
 #[inline(always)]
 fn seen_by<L: Lanes>([turned, squeezed]: &[Sight; 2], count: usize) -> Seen<L> {
-    if count == 0 {
-        turned.splat()
-    } else if count >= L::COUNT {
-        squeezed.splat()
-    } else {
-        Sight::splat_either::<L>(L::first_lanes(count), squeezed, turned)
-    }
+    Sight::splat_either::<L>(L::first_lanes(count.min(L::COUNT)), squeezed, turned)
 }
 
-/// Sums the lobes of a pair, interpolated on the way.
+/// Sums the lobes of a pair, interpolated on the way. `USUAL`: of a plain material, in one vector.
 #[inline(always)]
-fn sum_rows<L: Lanes, const W: usize, const C: usize>(
+fn sum_rows<L: Lanes, const W: usize, const C: usize, const USUAL: bool>(
     expanded: &Expanded<'_>,
     heads: &Heads,
     i: usize,
     sights: &[Sight; 2],
 ) -> [f32; C] {
-    let rows = expanded.two_rows(heads.row[i] as usize);
+    let rows = expanded.two_rows(heads.row[i]);
     let share = L::splat(heads.share[i]);
     let (lobes, squeezed) = (expanded.material.lobe_count(), expanded.material.squeezed_count());
     let mut acc = [L::splat(0.0); C];
+    if USUAL {
+        let of = Lobes::<L>::between::<W, true>(group(rows, 0), share, 0);
+        Summand::<L, C>::new::<true>(&of).add(&seen_by(sights, squeezed), &mut acc);
+        return across_lanes(acc);
+    }
     for g in 0..lobes.div_ceil(CHUNK) {
-        let [a, b] = group::<W>(rows, g);
         let mut j = 0;
         while j < CHUNK && CHUNK * g + j < lobes {
-            let of = Lobes::<L>::between(a, b, share, j, expanded.is_fine);
+            let of = Lobes::<L>::between::<W, false>(group(rows, g), share, j);
             let seen = seen_by(sights, squeezed.saturating_sub(CHUNK * g + j));
-            Summand::<L, C>::new(&of).add(&seen, &mut acc);
+            Summand::<L, C>::new::<false>(&of).add(&seen, &mut acc);
             j += L::COUNT;
         }
     }
@@ -403,21 +437,15 @@ fn sum_kept<L: Lanes, const G: usize, const C: usize>(
     sights: &[Sight; 2],
 ) -> [f32; C] {
     let mut acc = [L::splat(0.0); C];
+    if lobes <= L::COUNT {
+        Summand::<L, C>::kept(&kept[0], 0).add(&seen_by(sights, squeezed), &mut acc);
+        return across_lanes(acc);
+    }
     for g in 0..lobes.div_ceil(CHUNK).min(G) {
         let mut j = 0;
         while j < CHUNK && CHUNK * g + j < lobes {
-            let numbers = &kept[g];
-            let mut amplitude = [L::splat(0.0); C];
-            for channel in 0..C {
-                amplitude[channel] = L::load(&numbers[4 + channel][j..]);
-            }
-            let summand = Summand {
-                axis: [L::load(&numbers[0][j..]), L::load(&numbers[1][j..]), L::load(&numbers[2][j..])],
-                rate: L::load(&numbers[3][j..]),
-                amplitude,
-            };
             let seen = seen_by(sights, squeezed.saturating_sub(CHUNK * g + j));
-            summand.add(&seen, &mut acc);
+            Summand::<L, C>::kept(&kept[g], j).add(&seen, &mut acc);
             j += L::COUNT;
         }
     }

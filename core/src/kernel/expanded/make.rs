@@ -6,6 +6,7 @@ use crate::color::luminance;
 use crate::error::Error;
 use crate::material::borrowed::Material;
 use crate::material::layout::{MAX_LOBES, f32_at};
+use crate::mixture::complete::LEAST_WITHOUT_SERIES;
 use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::rows::{Domain, Mixture};
 use crate::simd::detect::Level;
@@ -65,8 +66,9 @@ impl<'m> Expanded<'m> {
             first = next;
         }
         let any_diffuse = chunks.chunks_exact(shape.stride).any(|row| row[0][DIFFUSE_POWER] > 0.0);
-        let is_fine = is_fine(shape, chunks);
-        Ok(Self { material: *material, knots, chunks, rows, is_fine, any_diffuse })
+        let is_plain = is_plain(shape, chunks);
+        let stride = shape.stride;
+        Ok(Self { material: *material, knots, chunks, rows, stride, is_plain, any_diffuse })
     }
 }
 
@@ -130,8 +132,8 @@ fn fill_row(material: &Material<'_>, shape: Shape, theta: f32, chunks: &mut [Chu
     }
 }
 
-/// Whether no axis of a lobe with a power turns far from one row to the next.
-fn is_fine(shape: Shape, chunks: &[Chunk]) -> bool {
+/// Whether no axis of a lobe with a power turns far from one row to the next, and no lobe is wide.
+fn is_plain(shape: Shape, chunks: &[Chunk]) -> bool {
     let axis = |group: &[Chunk], j: usize| {
         let y = if group.len() > super::table::IN_PLANE { group[6][j] } else { 0.0 };
         Vec3::new(group[0][j], y, group[1][j])
@@ -142,7 +144,8 @@ fn is_fine(shape: Shape, chunks: &[Chunk]) -> bool {
         groups.into_iter().all(|(a, b)| {
             (0..CHUNK).all(|j| {
                 let moves = power(a, j) || power(b, j);
-                !moves || axis(a, j).distance_squared(axis(b, j)) <= FINE
+                let is_fine = !moves || axis(a, j).distance_squared(axis(b, j)) <= FINE;
+                is_fine && a[2][j].min(b[2][j]) >= LEAST_WITHOUT_SERIES
             })
         })
     })

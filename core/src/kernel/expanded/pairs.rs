@@ -3,7 +3,7 @@
 use super::super::multiply_factors::multiply_pairs;
 use super::super::sights::{MOST, Numbers};
 use super::super::slices::{SamplesMut, same_length};
-use super::block::{Evaluate, Sample, Sampled, Sums};
+use super::block::{Evaluate, KEPT, Sample, Sampled, Sums};
 use super::table::{CHUNK, Expanded, IN_PLANE, MIRRORED};
 use crate::color::luminance;
 use crate::error::Error;
@@ -110,11 +110,9 @@ impl Expanded<'_> {
     ) -> Result<(), Error> {
         same_length(wo.iter().chain(&u).map(|s| s.len()).chain(lengths(&samples)))?;
         let level = Level::current();
-        for block in Block::all(wo[0].len()) {
-            let outgoing = block.padded(&wo);
-            let sampled = self.sample(level, block.count, &outgoing, &block.padded(&u), None);
-            self.write_samples(level, block, &outgoing, sampled.direction, sampled.sums, &mut samples);
-        }
+        self.sample_each(level, wo, u, None, |block, outgoing, sampled| {
+            self.write_samples(level, block, outgoing, sampled.direction, sampled.sums, &mut samples);
+        });
         Ok(())
     }
 
@@ -138,16 +136,14 @@ impl Expanded<'_> {
         let outputs = value.iter().map(|s| s.len()).chain([pdf.len()]).chain(lengths(&samples));
         same_length(wo.iter().chain(&u).chain(&wi).map(|s| s.len()).chain(outputs))?;
         let level = Level::current();
-        for block in Block::all(wo[0].len()) {
-            let (outgoing, incident) = (block.padded(&wo), block.padded(&wi));
-            let sampled = self.sample(level, block.count, &outgoing, &block.padded(&u), Some(&incident));
-            self.write_samples(level, block, &outgoing, sampled.direction, sampled.sums, &mut samples);
+        self.sample_each(level, wo, u, Some(wi), |block, outgoing, sampled| {
+            self.write_samples(level, block, outgoing, sampled.direction, sampled.sums, &mut samples);
             if let Some(mut sums) = sampled.towards {
                 block.copy_out(&[densities(&sums)], &mut [&mut *pdf]);
-                self.multiply(level, &outgoing, &incident, &mut sums);
+                self.multiply(level, outgoing, &block.padded(&wi), &mut sums);
                 block.copy_out(&sums.value, &mut value);
             }
-        }
+        });
         Ok(())
     }
 
@@ -166,21 +162,37 @@ impl Expanded<'_> {
         }
     }
 
-    fn sample(
+    /// Samples every block, and hands on what it drew; `towards` other directions too.
+    fn sample_each(
         &self,
         level: Level,
-        count: usize,
-        wo: &[Numbers; 3],
-        u: &[Numbers; 3],
-        towards: Option<&[Numbers; 3]>,
-    ) -> Sampled<3> {
-        let expanded = self;
-        let (is_mirrored, is_one) = (self.material.mirrored_count() > 0, self.material.lobe_count() <= CHUNK);
-        match (is_mirrored, is_one) {
-            (false, true) => level.run(Sample::<IN_PLANE, 1, 3> { expanded, count, wo, u, towards }),
-            (false, false) => level.run(Sample::<IN_PLANE, GROUPS, 3> { expanded, count, wo, u, towards }),
-            (true, true) => level.run(Sample::<MIRRORED, 1, 3> { expanded, count, wo, u, towards }),
-            (true, false) => level.run(Sample::<MIRRORED, GROUPS, 3> { expanded, count, wo, u, towards }),
+        wo: [&[f32]; 3],
+        u: [&[f32]; 3],
+        towards: Option<[&[f32]; 3]>,
+        out: impl FnMut(Block, &[Numbers; 3], Sampled<3>),
+    ) {
+        let is_mirrored = self.material.mirrored_count() > 0;
+        let to = Towards { level, wo, u, towards };
+        match (is_mirrored, self.material.lobe_count() <= CHUNK) {
+            (false, true) => self.sample_as::<IN_PLANE, 1>(to, out),
+            (false, false) => self.sample_as::<IN_PLANE, GROUPS>(to, out),
+            (true, true) => self.sample_as::<MIRRORED, 1>(to, out),
+            (true, false) => self.sample_as::<MIRRORED, GROUPS>(to, out),
+        }
+    }
+
+    fn sample_as<const W: usize, const G: usize>(
+        &self,
+        Towards { level, wo, u, towards }: Towards<'_>,
+        mut out: impl FnMut(Block, &[Numbers; 3], Sampled<3>),
+    ) {
+        let mut kept = [[[[0.0; CHUNK]; KEPT]; G]; MOST];
+        for block in Block::all(wo[0].len()) {
+            let (wo, u) = (block.padded(&wo), block.padded(&u));
+            let towards = towards.map(|wi| block.padded(&wi));
+            let (expanded, count, towards) = (self, block.count, towards.as_ref());
+            let sample = Sample::<W, G, 3> { expanded, count, wo: &wo, u: &u, towards, kept: &mut kept };
+            out(block, &wo, level.run(sample));
         }
     }
 
@@ -220,6 +232,14 @@ impl Expanded<'_> {
         block.copy_out(&[pdf], &mut [&mut *samples.pdf]);
         block.copy_out(&weight, &mut samples.weight);
     }
+}
+
+/// What is to be sampled, and towards what else to be evaluated.
+struct Towards<'a> {
+    level: Level,
+    wo: [&'a [f32]; 3],
+    u: [&'a [f32]; 3],
+    towards: Option<[&'a [f32]; 3]>,
 }
 
 /// The densities of a block.

@@ -100,10 +100,19 @@ pub struct Expanded<'m> {
     pub(super) knots: &'m [f32],
     pub(super) chunks: &'m [Chunk],
     pub(super) rows: usize,
-    /// No axis turns so far from a row to the next that its length between them needs a root.
-    pub(super) is_fine: bool,
+    /// Chunks of a row.
+    pub(super) stride: usize,
+    /// No axis turns so far from a row to the next that its length between them needs a root, and no lobe is
+    /// so wide that its normaliser needs a series.
+    pub(super) is_plain: bool,
     /// Some row has a diffuse term.
     pub(super) any_diffuse: bool,
+}
+
+/// The whole number, up to 32767, that was added to [`ROUND`]: in its low bits, without a conversion.
+#[inline(always)]
+pub(super) fn whole(number: f32) -> usize {
+    (number.to_bits() & 0x7fff) as usize
 }
 
 /// Where everything lies, in chunks.
@@ -160,8 +169,8 @@ impl<'m> Expanded<'m> {
         self.rows
     }
 
-    /// The places of outgoing directions among the rows, by their angle from the normal: the row before, and
-    /// how far beyond it, in [0, 1]. Anything for a NaN.
+    /// The places of outgoing directions among the rows, by their angle from the normal: the row before, which
+    /// [`whole`] reads, and how far beyond it, in [0, 1]. Anything for a NaN.
     #[inline(always)]
     pub(super) fn places<L: Lanes>(&self, theta: L) -> [L; 2] {
         let mut place = L::splat(0.0);
@@ -172,16 +181,16 @@ impl<'m> Expanded<'m> {
         }
         // The row below, or at a row perhaps the one before that, and 1.
         let before = (place - L::splat(0.5)).max(L::splat(0.0)).min(L::splat((self.rows - 2) as f32));
-        let before = (before + L::splat(ROUND)) - L::splat(ROUND);
-        [before, (place - before).max(L::splat(0.0)).min(L::splat(1.0))]
+        let whole = before + L::splat(ROUND);
+        let before = whole - L::splat(ROUND);
+        [whole, (place - before).max(L::splat(0.0)).min(L::splat(1.0))]
     }
 
     /// The chunks of a row and of the next, which there is whatever the number.
     #[inline(always)]
     pub(super) fn two_rows(&self, row: usize) -> [&'m [Chunk]; 2] {
-        let shape = Shape::new(&self.material, self.rows);
-        let both = &self.chunks[row.min(self.rows - 2) * shape.stride..][..2 * shape.stride];
-        both.split_at(shape.stride).into()
+        let both = &self.chunks[row.min(self.rows - 2) * self.stride..][..2 * self.stride];
+        both.split_at(self.stride).into()
     }
 
     /// Angle of the first and of the last view.
