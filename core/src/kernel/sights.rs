@@ -2,7 +2,7 @@
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
 use crate::simd::lanes::Lanes;
-use crate::squeeze::{NUMBERS, Precise, Sight};
+use crate::squeeze::{NUMBERS, Precise, Seen, Sight};
 
 /// Most pairs of a block: the lanes of the widest vector.
 pub(crate) const MOST: usize = 16;
@@ -48,3 +48,22 @@ pub(crate) fn sight(sights: &Sights, i: usize) -> [Sight; 2] {
     }
     [Sight::from_numbers(pair[0]), Sight::from_numbers(pair[1])]
 }
+
+/// One direction of a block as lobes see it, squeezed in the lanes of a mask. It goes from memory to all lanes
+/// at once: as numbers in registers it would take the port of the additions.
+#[inline(always)]
+pub(crate) fn seen<L: Lanes>(sights: &Sights, i: usize, squeezed: L::Mask) -> Seen<L> {
+    let mut numbers = [L::splat(0.0); NUMBERS];
+    for n in 0..NUMBERS {
+        // What is only turned keeps its length.
+        let is_one = n == LENGTH || n == INVERSE_SQUARE || n == SCALE;
+        let turned = L::splat(if is_one { 1.0 } else { sights[0][n][i] });
+        numbers[n] = L::select(squeezed, L::splat(sights[1][n][i]), turned);
+    }
+    Seen::from_numbers(numbers)
+}
+
+/// Places of some of the numbers.
+const LENGTH: usize = 6;
+const INVERSE_SQUARE: usize = 7;
+const SCALE: usize = 9;

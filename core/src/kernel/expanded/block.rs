@@ -7,7 +7,7 @@
 
 use super::super::draw::{Choice, Frame, draw};
 use super::super::outgoing::Facing;
-use super::super::sights::{MOST, Numbers, sight, sights};
+use super::super::sights::{MOST, Numbers, Sights, seen, sights};
 use super::between_rows::{Lobes, group, luminance_of};
 use super::table::{
     CHUNK, Chunk, DIFFUSE, DIFFUSE_POWER, Expanded, HEAD, INVERSE_SQUEEZE, LOBES_POWER, MIRRORED, whole,
@@ -16,7 +16,7 @@ use crate::mixture::complete::{LEAST_SHARPNESS, tail_and_inside};
 use crate::simd::elementary::falloff;
 use crate::simd::lanes::Lanes;
 use crate::simd::routine::Routine;
-use crate::squeeze::{Seen, Sight};
+use crate::squeeze::Seen;
 use core::f32::consts::{FRAC_1_PI, LOG2_E};
 
 /// Sums of a block, the diffuse term included: red, green and blue, or the luminance alone.
@@ -41,20 +41,18 @@ impl<const W: usize, const C: usize> Routine for Evaluate<'_, W, C> {
         let Self { expanded, count, wo, wi } = self;
         let heads = Heads::new::<L>(expanded, wo, count);
         let sights = heads.sights::<L>(wi);
-        let mut value = [[0.0; MOST]; C];
+        let mut sums = LaneSums::NONE;
         // The usual material apart, its lobes in one vector: what is decided once is decided out here.
-        let is_usual = expanded.is_plain && expanded.material.lobe_count() <= L::Lobes::COUNT;
-        for i in 0..count.min(MOST) {
-            let sights = sight(&sights, i);
-            let sums = if is_usual {
-                sum_rows::<L::Lobes, W, C, true>(expanded, &heads, i, &sights)
-            } else {
-                sum_rows::<L::Lobes, W, C, false>(expanded, &heads, i, &sights)
-            };
-            for channel in 0..C {
-                value[channel][i] = sums[channel];
+        if expanded.is_plain && expanded.material.lobe_count() <= L::Lobes::COUNT {
+            for i in 0..count.min(MOST) {
+                sums.set(i, sum_rows::<L::Lobes, W, C, true>(expanded, &heads, i, &sights));
+            }
+        } else {
+            for i in 0..count.min(MOST) {
+                sums.set(i, sum_rows::<L::Lobes, W, C, false>(expanded, &heads, i, &sights));
             }
         }
+        let value = sums.value::<L>();
         heads.finish::<L, C>(value, &wi[2])
     }
 }
@@ -106,27 +104,45 @@ impl<const W: usize, const G: usize, const C: usize> Routine for Sample<'_, W, G
             chosen.squeezed[i] = if k < expanded.material.squeezed_count() { 1.0 } else { 0.0 };
         }
         let direction = heads.draw::<L>(expanded, &chosen, u, W != MIRRORED);
-        let squeezed = expanded.material.squeezed_count();
-        let lobes = expanded.material.lobe_count();
-        let mut value = [[0.0; MOST]; C];
-        let sights = heads.sights::<L>(&direction);
-        for i in 0..count.min(MOST) {
-            let sums = sum_kept::<L::Lobes, G, C>(&kept[i], lobes, squeezed, &sight(&sights, i));
-            for channel in 0..C {
-                value[channel][i] = sums[channel];
-            }
-        }
-        let sums = heads.finish::<L, C>(value, &direction[2]);
+        let sums = heads.sum_kept::<L, G, C>(expanded, count, kept, &direction);
         let Some(wi) = towards else { return Sampled { direction, sums, towards: None } };
-        let sights = heads.sights::<L>(wi);
-        for i in 0..count.min(MOST) {
-            let sums = sum_kept::<L::Lobes, G, C>(&kept[i], lobes, squeezed, &sight(&sights, i));
-            for channel in 0..C {
-                value[channel][i] = sums[channel];
+        let towards = Some(heads.sum_kept::<L, G, C>(expanded, count, kept, wi));
+        Sampled { direction, sums, towards }
+    }
+}
+
+/// Sums of a block by lane: rows are pairs.
+struct LaneSums<const C: usize>([[Chunk; MOST]; C]);
+
+impl<const C: usize> LaneSums<C> {
+    const NONE: Self = Self([[[0.0; CHUNK]; MOST]; C]);
+
+    #[inline(always)]
+    fn set<L: Lanes>(&mut self, i: usize, acc: [L; C]) {
+        for channel in 0..C {
+            let row = &mut self.0[channel][i];
+            if L::COUNT == CHUNK {
+                acc[channel].store(row);
+            } else {
+                row[0] = acc[channel].sum();
             }
         }
-        let towards = Some(heads.finish::<L, C>(value, &wi[2]));
-        Sampled { direction, sums, towards }
+    }
+
+    /// The sums across the lanes.
+    #[inline(always)]
+    fn value<L: Lanes>(&self) -> [Numbers; C] {
+        let mut value = [[0.0; MOST]; C];
+        for channel in 0..C {
+            if L::Lobes::COUNT == CHUNK {
+                value[channel] = L::sums_of_rows(&self.0[channel]);
+            } else {
+                for i in 0..MOST {
+                    value[channel][i] = self.0[channel][i][0];
+                }
+            }
+        }
+        value
     }
 }
 
@@ -189,13 +205,40 @@ impl Heads {
 
     /// What lobes see of incident directions.
     #[inline(always)]
-    fn sights<L: Lanes>(&self, wi: &[Numbers; 3]) -> super::super::sights::Sights {
+    fn sights<L: Lanes>(&self, wi: &[Numbers; 3]) -> Sights {
         let mut excess = [0.0; MOST];
         for i in 0..MOST {
             let (c, s) = (f64::from(self.azimuth[0][i]), f64::from(self.azimuth[1][i]));
             excess[i] = (0.5 * (c * c + s * s - 1.0)) as f32;
         }
         sights::<L>(self.azimuth, excess, [[1.0; MOST], self.numbers[INVERSE_SQUEEZE]], wi)
+    }
+
+    /// Sums the lobes that were kept towards a direction for each pair.
+    #[inline(always)]
+    fn sum_kept<L: Lanes, const G: usize, const C: usize>(
+        &self,
+        expanded: &Expanded<'_>,
+        count: usize,
+        kept: &[Kept<G>; MOST],
+        wi: &[Numbers; 3],
+    ) -> Sums<C> {
+        let sights = self.sights::<L>(wi);
+        let (lobes, squeezed) = (expanded.material.lobe_count(), expanded.material.squeezed_count());
+        let mut sums = LaneSums::NONE;
+        if lobes <= L::Lobes::COUNT {
+            let mask = L::Lobes::first_lanes(squeezed.min(CHUNK));
+            for i in 0..count.min(MOST) {
+                let mut acc = [L::Lobes::splat(0.0); C];
+                Summand::<L::Lobes, C>::kept(&kept[i][0], 0).add(&seen(&sights, i, mask), &mut acc);
+                sums.set(i, acc);
+            }
+        } else {
+            for i in 0..count.min(MOST) {
+                sums.set(i, sum_groups::<L::Lobes, G, C>(&kept[i], lobes, squeezed, &sights, i));
+            }
+        }
+        self.finish::<L, C>(sums.value::<L>(), &wi[2])
     }
 
     /// Draws from the chosen lobes, or the diffuse term.
@@ -393,70 +436,53 @@ impl<L: Lanes, const C: usize> Summand<L, C> {
     }
 }
 
-/// What a vector of lobes sees, of which the first `squeezed` are.
-#[inline(always)]
-fn seen_by<L: Lanes>([turned, squeezed]: &[Sight; 2], count: usize) -> Seen<L> {
-    Sight::splat_either::<L>(L::first_lanes(count.min(L::COUNT)), squeezed, turned)
-}
-
 /// Sums the lobes of a pair, interpolated on the way. `USUAL`: of a plain material, in one vector.
 #[inline(always)]
 fn sum_rows<L: Lanes, const W: usize, const C: usize, const USUAL: bool>(
     expanded: &Expanded<'_>,
     heads: &Heads,
     i: usize,
-    sights: &[Sight; 2],
-) -> [f32; C] {
+    sights: &Sights,
+) -> [L; C] {
     let rows = expanded.two_rows(heads.row[i]);
     let share = L::splat(heads.share[i]);
     let (lobes, squeezed) = (expanded.material.lobe_count(), expanded.material.squeezed_count());
     let mut acc = [L::splat(0.0); C];
     if USUAL {
         let of = Lobes::<L>::between::<W, true>(group(rows, 0), share, 0);
-        Summand::<L, C>::new::<true>(&of).add(&seen_by(sights, squeezed), &mut acc);
-        return across_lanes(acc);
+        let seen = seen(sights, i, L::first_lanes(squeezed.min(CHUNK)));
+        Summand::<L, C>::new::<true>(&of).add(&seen, &mut acc);
+        return acc;
     }
     for g in 0..lobes.div_ceil(CHUNK) {
         let mut j = 0;
         while j < CHUNK && CHUNK * g + j < lobes {
             let of = Lobes::<L>::between::<W, false>(group(rows, g), share, j);
-            let seen = seen_by(sights, squeezed.saturating_sub(CHUNK * g + j));
-            Summand::<L, C>::new::<false>(&of).add(&seen, &mut acc);
+            let mask = L::first_lanes(squeezed.saturating_sub(CHUNK * g + j));
+            Summand::<L, C>::new::<false>(&of).add(&seen(sights, i, mask), &mut acc);
             j += L::COUNT;
         }
     }
-    across_lanes(acc)
+    acc
 }
 
-/// Sums the lobes of a pair that were kept.
+/// Sums the lobes of a pair that were kept, in more than one vector.
 #[inline(always)]
-fn sum_kept<L: Lanes, const G: usize, const C: usize>(
+fn sum_groups<L: Lanes, const G: usize, const C: usize>(
     kept: &Kept<G>,
     lobes: usize,
     squeezed: usize,
-    sights: &[Sight; 2],
-) -> [f32; C] {
+    sights: &Sights,
+    i: usize,
+) -> [L; C] {
     let mut acc = [L::splat(0.0); C];
-    if lobes <= L::COUNT {
-        Summand::<L, C>::kept(&kept[0], 0).add(&seen_by(sights, squeezed), &mut acc);
-        return across_lanes(acc);
-    }
     for g in 0..lobes.div_ceil(CHUNK).min(G) {
         let mut j = 0;
         while j < CHUNK && CHUNK * g + j < lobes {
-            let seen = seen_by(sights, squeezed.saturating_sub(CHUNK * g + j));
-            Summand::<L, C>::kept(&kept[g], j).add(&seen, &mut acc);
+            let mask = L::first_lanes(squeezed.saturating_sub(CHUNK * g + j));
+            Summand::<L, C>::kept(&kept[g], j).add(&seen(sights, i, mask), &mut acc);
             j += L::COUNT;
         }
     }
-    across_lanes(acc)
-}
-
-#[inline(always)]
-fn across_lanes<L: Lanes, const C: usize>(acc: [L; C]) -> [f32; C] {
-    let mut sums = [0.0; C];
-    for channel in 0..C {
-        sums[channel] = acc[channel].sum();
-    }
-    sums
+    acc
 }
