@@ -122,8 +122,8 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
         if wo.z < 0.0 {
             return Ok(());
         }
-        let [row, share] = expanded.places::<L::One>(L::One::splat(outgoing.theta));
-        let (rows, share) = (expanded.two_rows(whole(row.first())), share.first());
+        let [row, share] = expanded.place::<L>(outgoing.theta);
+        let rows = expanded.two_rows(whole(row));
         let mut head = [0.0; HEAD];
         for i in 0..HEAD {
             head[i] = (rows[1][0][i] - rows[0][0][i]) * share + rows[0][0][i];

@@ -32,27 +32,27 @@ pub(super) struct Evaluate<'a, const W: usize, const C: usize> {
     pub count: usize,
     pub wo: &'a [Numbers; 3],
     pub wi: &'a [Numbers; 3],
+    pub lanes: &'a mut LaneSums<C>,
 }
 
 impl<const W: usize, const C: usize> Routine for Evaluate<'_, W, C> {
     type Output = Sums<C>;
     #[inline(always)]
     fn run<L: Lanes>(self) -> Sums<C> {
-        let Self { expanded, count, wo, wi } = self;
+        let Self { expanded, count, wo, wi, lanes } = self;
         let heads = Heads::new::<L>(expanded, wo, count);
         let sights = heads.sights::<L>(wi);
-        let mut sums = LaneSums::NONE;
         // The usual material apart, its lobes in one vector: what is decided once is decided out here.
         if expanded.is_plain && expanded.material.lobe_count() <= L::Lobes::COUNT {
             for i in 0..count.min(MOST) {
-                sums.set(i, sum_rows::<L::Lobes, W, C, true>(expanded, &heads, i, &sights));
+                lanes.set(i, sum_rows::<L::Lobes, W, C, true>(expanded, &heads, i, &sights));
             }
         } else {
             for i in 0..count.min(MOST) {
-                sums.set(i, sum_rows::<L::Lobes, W, C, false>(expanded, &heads, i, &sights));
+                lanes.set(i, sum_rows::<L::Lobes, W, C, false>(expanded, &heads, i, &sights));
             }
         }
-        let value = sums.value::<L>();
+        let value = lanes.value::<L>();
         heads.finish::<L, C>(value, &wi[2])
     }
 }
@@ -65,8 +65,8 @@ pub(super) struct Sample<'a, const W: usize, const G: usize, const C: usize> {
     pub wo: &'a [Numbers; 3],
     pub u: &'a [Numbers; 3],
     pub towards: Option<&'a [Numbers; 3]>,
-    /// For the lobes, of any numbers.
     pub kept: &'a mut [Kept<G>; MOST],
+    pub lanes: &'a mut LaneSums<C>,
 }
 
 /// What it draws, the normal where nothing is reflected, and the sums.
@@ -86,7 +86,7 @@ impl<const W: usize, const G: usize, const C: usize> Routine for Sample<'_, W, G
     type Output = Sampled<C>;
     #[inline(always)]
     fn run<L: Lanes>(self) -> Sampled<C> {
-        let Self { expanded, count, wo, u, towards, kept } = self;
+        let Self { expanded, count, wo, u, towards, kept, lanes } = self;
         let heads = Heads::new::<L>(expanded, wo, count);
         let is_usual = expanded.is_plain && expanded.material.lobe_count() <= L::Lobes::COUNT;
         let mut chosen = Chosen::NONE;
@@ -104,18 +104,18 @@ impl<const W: usize, const G: usize, const C: usize> Routine for Sample<'_, W, G
             chosen.squeezed[i] = if k < expanded.material.squeezed_count() { 1.0 } else { 0.0 };
         }
         let direction = heads.draw::<L>(expanded, &chosen, u, W != MIRRORED);
-        let sums = heads.sum_kept::<L, G, C>(expanded, count, kept, &direction);
+        let sums = heads.sum_kept::<L, G, C>(expanded, count, kept, &direction, lanes);
         let Some(wi) = towards else { return Sampled { direction, sums, towards: None } };
-        let towards = Some(heads.sum_kept::<L, G, C>(expanded, count, kept, wi));
+        let towards = Some(heads.sum_kept::<L, G, C>(expanded, count, kept, wi, lanes));
         Sampled { direction, sums, towards }
     }
 }
 
-/// Sums of a block by lane: rows are pairs.
-struct LaneSums<const C: usize>([[Chunk; MOST]; C]);
+/// Sums of a block by lane: rows are pairs. Rows of pairs that there are not are left as they were.
+pub(super) struct LaneSums<const C: usize>([[Chunk; MOST]; C]);
 
 impl<const C: usize> LaneSums<C> {
-    const NONE: Self = Self([[[0.0; CHUNK]; MOST]; C]);
+    pub const NONE: Self = Self([[[0.0; CHUNK]; MOST]; C]);
 
     #[inline(always)]
     fn set<L: Lanes>(&mut self, i: usize, acc: [L; C]) {
@@ -222,23 +222,23 @@ impl Heads {
         count: usize,
         kept: &[Kept<G>; MOST],
         wi: &[Numbers; 3],
+        lanes: &mut LaneSums<C>,
     ) -> Sums<C> {
         let sights = self.sights::<L>(wi);
         let (lobes, squeezed) = (expanded.material.lobe_count(), expanded.material.squeezed_count());
-        let mut sums = LaneSums::NONE;
         if lobes <= L::Lobes::COUNT {
             let mask = L::Lobes::first_lanes(squeezed.min(CHUNK));
             for i in 0..count.min(MOST) {
                 let mut acc = [L::Lobes::splat(0.0); C];
                 Summand::<L::Lobes, C>::kept(&kept[i][0], 0).add(&seen(&sights, i, mask), &mut acc);
-                sums.set(i, acc);
+                lanes.set(i, acc);
             }
         } else {
             for i in 0..count.min(MOST) {
-                sums.set(i, sum_groups::<L::Lobes, G, C>(&kept[i], lobes, squeezed, &sights, i));
+                lanes.set(i, sum_groups::<L::Lobes, G, C>(&kept[i], lobes, squeezed, &sights, i));
             }
         }
-        self.finish::<L, C>(sums.value::<L>(), &wi[2])
+        self.finish::<L, C>(lanes.value::<L>(), &wi[2])
     }
 
     /// Draws from the chosen lobes, or the diffuse term.

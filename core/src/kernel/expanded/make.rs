@@ -42,14 +42,16 @@ impl<'m> Expanded<'m> {
         let shape = Shape::new(material, rows);
         let skip = memory.as_ptr().align_offset(4 * CHUNK).min(CHUNK - 1);
         let (chunks, _) = memory[skip..].as_chunks_mut::<CHUNK>();
-        let (knots, chunks) = chunks.split_at_mut(shape.knot_chunks);
+        let (knots, chunks) = chunks.split_at_mut(3 * shape.knot_chunks);
         let chunks = &mut chunks[..rows * shape.stride];
-        let knots = &mut knots.as_flattened_mut()[..2 * shape.knots];
+        let knots = knots.as_flattened_mut();
+        knots.fill(0.0);
+        let (from_knots, rest) = knots.split_at_mut(CHUNK * shape.knot_chunks);
+        let (to_knots, per_radian) = rest.split_at_mut(CHUNK * shape.knot_chunks);
 
         let mut first = 0;
         for k in 0..shape.knots {
             let from = knot(material, shape, k);
-            knots[2 * k..2 * k + 2].copy_from_slice(&[from, 0.0]);
             // The material stays as it is beyond its last view.
             let (next, to) = if k + 1 < shape.knots {
                 let to = knot(material, shape, k + 1);
@@ -57,7 +59,10 @@ impl<'m> Expanded<'m> {
             } else {
                 (rows, from)
             };
-            knots[2 * k + 1] = if to > from { (next - first) as f32 / (to - from) } else { 0.0 };
+            if to > from {
+                let rows_per_radian = (next - first) as f32 / (to - from);
+                (from_knots[k], to_knots[k], per_radian[k]) = (from, to, rows_per_radian);
+            }
             for row in first..next {
                 let beyond = (row - first) as f32 / (next - first) as f32;
                 let chunks = &mut chunks[row * shape.stride..][..shape.stride];
@@ -68,7 +73,8 @@ impl<'m> Expanded<'m> {
         let any_diffuse = chunks.chunks_exact(shape.stride).any(|row| row[0][DIFFUSE_POWER] > 0.0);
         let is_plain = is_plain(shape, chunks);
         let stride = shape.stride;
-        Ok(Self { material: *material, knots, chunks, rows, stride, is_plain, any_diffuse })
+        let (knots, knot_count) = ([&*from_knots, to_knots, per_radian], shape.knots - 1);
+        Ok(Self { material: *material, knots, knot_count, chunks, rows, stride, is_plain, any_diffuse })
     }
 }
 

@@ -3,7 +3,7 @@
 use super::super::multiply_factors::multiply_pairs;
 use super::super::sights::{MOST, Numbers};
 use super::super::slices::{SamplesMut, same_length};
-use super::block::{Evaluate, KEPT, Sample, Sampled, Sums};
+use super::block::{Evaluate, KEPT, LaneSums, Sample, Sampled, Sums};
 use super::table::{CHUNK, Expanded, IN_PLANE, MIRRORED};
 use crate::color::luminance;
 use crate::error::Error;
@@ -33,10 +33,10 @@ impl Expanded<'_> {
         mut value: [&mut [f32]; 3],
     ) -> Result<(), Error> {
         same_length(wo.iter().chain(&wi).map(|s| s.len()).chain(value.iter().map(|s| s.len())))?;
-        let level = Level::current();
+        let (level, mut lanes) = (Level::current(), LaneSums::NONE);
         for block in Block::all(wo[0].len()) {
             let (outgoing, incident) = (block.padded(&wo), block.padded(&wi));
-            let mut sums = self.evaluate::<3>(level, block.count, &outgoing, &incident);
+            let mut sums = self.evaluate::<3>(level, block.count, &outgoing, &incident, &mut lanes);
             self.multiply(level, &outgoing, &incident, &mut sums);
             block.copy_out(&sums.value, &mut value);
         }
@@ -59,10 +59,10 @@ impl Expanded<'_> {
     ) -> Result<(), Error> {
         let outputs = value.iter().map(|s| s.len()).chain([pdf.len()]);
         same_length(wo.iter().chain(&wi).map(|s| s.len()).chain(outputs))?;
-        let level = Level::current();
+        let (level, mut lanes) = (Level::current(), LaneSums::NONE);
         for block in Block::all(wo[0].len()) {
             let (outgoing, incident) = (block.padded(&wo), block.padded(&wi));
-            let mut sums = self.evaluate::<3>(level, block.count, &outgoing, &incident);
+            let mut sums = self.evaluate::<3>(level, block.count, &outgoing, &incident, &mut lanes);
             block.copy_out(&[densities(&sums)], &mut [&mut *pdf]);
             self.multiply(level, &outgoing, &incident, &mut sums);
             block.copy_out(&sums.value, &mut value);
@@ -78,10 +78,10 @@ impl Expanded<'_> {
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
     pub fn pdf_pairs_into(&self, wo: [&[f32]; 3], wi: [&[f32]; 3], pdf: &mut [f32]) -> Result<(), Error> {
         same_length(wo.iter().chain(&wi).map(|s| s.len()).chain([pdf.len()]))?;
-        let level = Level::current();
+        let (level, mut lanes) = (Level::current(), LaneSums::NONE);
         for block in Block::all(wo[0].len()) {
             let (outgoing, incident) = (block.padded(&wo), block.padded(&wi));
-            let sums = self.evaluate::<1>(level, block.count, &outgoing, &incident);
+            let sums = self.evaluate::<1>(level, block.count, &outgoing, &incident, &mut lanes);
             let mut densities = sums.value;
             for (density, inverse_power) in densities[0].iter_mut().zip(&sums.inverse_power) {
                 *density *= inverse_power;
@@ -111,7 +111,7 @@ impl Expanded<'_> {
         same_length(wo.iter().chain(&u).map(|s| s.len()).chain(lengths(&samples)))?;
         let level = Level::current();
         self.sample_each(level, wo, u, None, |block, outgoing, sampled| {
-            self.write_samples(level, block, outgoing, sampled.direction, sampled.sums, &mut samples);
+            self.write_samples(level, block, outgoing, sampled, &mut samples);
         });
         Ok(())
     }
@@ -137,10 +137,10 @@ impl Expanded<'_> {
         same_length(wo.iter().chain(&u).chain(&wi).map(|s| s.len()).chain(outputs))?;
         let level = Level::current();
         self.sample_each(level, wo, u, Some(wi), |block, outgoing, sampled| {
-            self.write_samples(level, block, outgoing, sampled.direction, sampled.sums, &mut samples);
-            if let Some(mut sums) = sampled.towards {
-                block.copy_out(&[densities(&sums)], &mut [&mut *pdf]);
-                self.multiply(level, outgoing, &block.padded(&wi), &mut sums);
+            self.write_samples(level, block, outgoing, sampled, &mut samples);
+            if let Some(sums) = &mut sampled.towards {
+                block.copy_out(&[densities(sums)], &mut [&mut *pdf]);
+                self.multiply(level, outgoing, &block.padded(&wi), sums);
                 block.copy_out(&sums.value, &mut value);
             }
         });
@@ -153,12 +153,13 @@ impl Expanded<'_> {
         count: usize,
         wo: &[Numbers; 3],
         wi: &[Numbers; 3],
+        lanes: &mut LaneSums<C>,
     ) -> Sums<C> {
         let expanded = self;
         if self.material.mirrored_count() > 0 {
-            level.run(Evaluate::<MIRRORED, C> { expanded, count, wo, wi })
+            level.run(Evaluate::<MIRRORED, C> { expanded, count, wo, wi, lanes })
         } else {
-            level.run(Evaluate::<IN_PLANE, C> { expanded, count, wo, wi })
+            level.run(Evaluate::<IN_PLANE, C> { expanded, count, wo, wi, lanes })
         }
     }
 
@@ -169,7 +170,7 @@ impl Expanded<'_> {
         wo: [&[f32]; 3],
         u: [&[f32]; 3],
         towards: Option<[&[f32]; 3]>,
-        out: impl FnMut(Block, &[Numbers; 3], Sampled<3>),
+        out: impl FnMut(Block, &[Numbers; 3], &mut Sampled<3>),
     ) {
         let is_mirrored = self.material.mirrored_count() > 0;
         let to = Towards { level, wo, u, towards };
@@ -184,15 +185,16 @@ impl Expanded<'_> {
     fn sample_as<const W: usize, const G: usize>(
         &self,
         Towards { level, wo, u, towards }: Towards<'_>,
-        mut out: impl FnMut(Block, &[Numbers; 3], Sampled<3>),
+        mut out: impl FnMut(Block, &[Numbers; 3], &mut Sampled<3>),
     ) {
-        let mut kept = [[[[0.0; CHUNK]; KEPT]; G]; MOST];
+        let (mut kept, mut lanes) = ([[[[0.0; CHUNK]; KEPT]; G]; MOST], LaneSums::NONE);
         for block in Block::all(wo[0].len()) {
             let (wo, u) = (block.padded(&wo), block.padded(&u));
             let towards = towards.map(|wi| block.padded(&wi));
             let (expanded, count, towards) = (self, block.count, towards.as_ref());
-            let sample = Sample::<W, G, 3> { expanded, count, wo: &wo, u: &u, towards, kept: &mut kept };
-            out(block, &wo, level.run(sample));
+            let (kept, lanes) = (&mut kept, &mut lanes);
+            let sample = Sample::<W, G, 3> { expanded, count, wo: &wo, u: &u, towards, kept, lanes };
+            out(block, &wo, &mut level.run(sample));
         }
     }
 
@@ -217,20 +219,19 @@ impl Expanded<'_> {
         level: Level,
         block: Block,
         wo: &[Numbers; 3],
-        direction: [Numbers; 3],
-        mut sums: Sums<3>,
+        Sampled { direction, sums, .. }: &mut Sampled<3>,
         samples: &mut SamplesMut<'_>,
     ) {
-        let pdf = densities(&sums);
-        self.multiply(level, wo, &direction, &mut sums);
-        let mut weight = sums.value;
+        let pdf = densities(sums);
+        self.multiply(level, wo, direction, sums);
+        let weight = &mut sums.value;
         for i in 0..MOST {
             let inverse = if pdf[i] > 0.0 { 1.0 / pdf[i] } else { 0.0 };
             weight.iter_mut().for_each(|channel| channel[i] *= inverse);
         }
-        block.copy_out(&direction, &mut samples.direction);
+        block.copy_out(direction, &mut samples.direction);
         block.copy_out(&[pdf], &mut [&mut *samples.pdf]);
-        block.copy_out(&weight, &mut samples.weight);
+        block.copy_out(weight, &mut samples.weight);
     }
 }
 

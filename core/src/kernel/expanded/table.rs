@@ -3,7 +3,7 @@
 //! Chunks of sixteen numbers, the first at a multiple of 64 bytes:
 //!
 //! ```text
-//! knots    per view: angle, rows per radian up to the next view
+//! knots    angles of the views, angles of those after them, rows per radian between the two
 //! rows     per row: a head, then for each sixteen lobes x, z, sharpness, red, green, blue,
 //!          and y if lobes are mirrored
 //! head     1 / squeeze, albedo of the diffuse term in red, green, blue and its luminance,
@@ -96,8 +96,10 @@ pub(crate) const MIRRORED: usize = 7;
 #[derive(Clone, Copy, Debug)]
 pub struct Expanded<'m> {
     pub(super) material: Material<'m>,
-    /// For each view its angle, and how many rows a radian has up to the next.
-    pub(super) knots: &'m [f32],
+    /// For each view but the last its angle, that of the next, and how many rows a radian has between them;
+    /// then zeros.
+    pub(super) knots: [&'m [f32]; 3],
+    pub(super) knot_count: usize,
     pub(super) chunks: &'m [Chunk],
     pub(super) rows: usize,
     /// Chunks of a row.
@@ -120,7 +122,7 @@ pub(super) fn whole(number: f32) -> usize {
 pub(super) struct Shape {
     /// Knots: one for each view, or, where there are more views than rows, the first and the last.
     pub knots: usize,
-    /// Chunks of all knots.
+    /// Chunks of one number of all knots.
     pub knot_chunks: usize,
     /// Chunks of a group.
     pub width: usize,
@@ -136,7 +138,7 @@ impl Shape {
         let groups = material.lobe_count().div_ceil(CHUNK); // of up to sixteen lobes
         let width = if material.mirrored_count() > 0 { MIRRORED } else { IN_PLANE };
         let stride = 1 + groups * width;
-        Self { knots, knot_chunks: (2 * knots).div_ceil(CHUNK), width, stride }
+        Self { knots, knot_chunks: knots.div_ceil(CHUNK), width, stride }
     }
 }
 
@@ -146,7 +148,7 @@ impl Material<'_> {
     pub fn expanded_len(&self, rows: usize) -> usize {
         let shape = Shape::new(self, rows);
         rows.saturating_mul(shape.stride)
-            .saturating_add(shape.knot_chunks)
+            .saturating_add(3 * shape.knot_chunks)
             .saturating_mul(CHUNK)
             .saturating_add(CHUNK - 1)
     }
@@ -174,11 +176,33 @@ impl<'m> Expanded<'m> {
     #[inline(always)]
     pub(super) fn places<L: Lanes>(&self, theta: L) -> [L; 2] {
         let mut place = L::splat(0.0);
-        for k in 0..(self.knots.len() / 2).saturating_sub(1) {
-            let [from, per_radian, to] = [self.knots[2 * k], self.knots[2 * k + 1], self.knots[2 * k + 2]];
-            let within = theta.max(L::splat(from)).min(L::splat(to)) - L::splat(from);
-            place = within.mul_add(L::splat(per_radian), place);
+        let [from, to, per_radian] = self.knots;
+        for k in 0..from.len().min(to.len()).min(per_radian.len()).min(self.knot_count) {
+            let within = theta.max(L::splat(from[k])).min(L::splat(to[k])) - L::splat(from[k]);
+            place = within.mul_add(L::splat(per_radian[k]), place);
         }
+        self.split(place)
+    }
+
+    /// The place of one outgoing direction: lanes are views.
+    #[inline(always)]
+    pub(super) fn place<L: Lanes>(&self, theta: f32) -> [f32; 2] {
+        let (theta, mut places) = (L::splat(theta), L::splat(0.0));
+        let [from, to, per_radian] = self.knots;
+        let mut k = 0;
+        while k < self.knot_count && k + L::COUNT <= from.len() {
+            let from = L::load(&from[k..]);
+            let within = theta.max(from).min(L::load(&to[k..])) - from;
+            places = within.mul_add(L::load(&per_radian[k..]), places);
+            k += L::COUNT;
+        }
+        let [whole, beyond] = self.split(L::One::splat(places.sum()));
+        [whole.first(), beyond.first()]
+    }
+
+    /// A place as the row before and what is beyond that.
+    #[inline(always)]
+    fn split<L: Lanes>(&self, place: L) -> [L; 2] {
         // The row below, or at a row perhaps the one before that, and 1.
         let before = (place - L::splat(0.5)).max(L::splat(0.0)).min(L::splat((self.rows - 2) as f32));
         let whole = before + L::splat(ROUND);
