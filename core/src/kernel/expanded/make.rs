@@ -22,6 +22,20 @@ const FINE: f32 = 1e-3;
 const LEAST_POWER: f32 = 1e-30;
 
 impl<'m> Expanded<'m> {
+    /// Whether a material can be expanded, and into so many rows.
+    ///
+    /// # Errors
+    /// [`Error::Anisotropic`] and [`Error::Rows`], as [`new`](Self::new).
+    pub fn check(material: &Material<'_>, rows: usize) -> Result<(), Error> {
+        if !material.is_isotropic() {
+            return Err(Error::Anisotropic);
+        }
+        if !(2..=Self::MAX_ROWS).contains(&rows) {
+            return Err(Error::Rows);
+        }
+        Ok(())
+    }
+
     /// Expands a material into `memory`, of at least [`Material::expanded_len`] numbers of any value, which
     /// is borrowed from then on. It takes a few microseconds a row, and is the same for every [`Level`].
     ///
@@ -29,12 +43,7 @@ impl<'m> Expanded<'m> {
     /// [`Error::Anisotropic`] for an anisotropic material, [`Error::Rows`] for less than 2 or more than
     /// [`MAX_ROWS`](Self::MAX_ROWS) rows, [`Error::Memory`] for too little memory.
     pub fn new(material: &Material<'m>, rows: usize, memory: &'m mut [f32]) -> Result<Self, Error> {
-        if !material.is_isotropic() {
-            return Err(Error::Anisotropic);
-        }
-        if !(2..=Self::MAX_ROWS).contains(&rows) {
-            return Err(Error::Rows);
-        }
+        Self::check(material, rows)?;
         let (needed, available) = (material.expanded_len(rows), memory.len());
         if available < needed {
             return Err(Error::Memory { needed, available });
