@@ -3,17 +3,19 @@
 
 use super::super::between_views::{Place, views_passed};
 use super::super::outgoing::Facing;
-use super::table::{CHUNK, Chunk, DIFFUSE, Expanded, HEAD, IN_PLANE, INVERSE_SQUEEZE, MIRRORED, whole};
+use super::table::{
+    CHUNK, Chunk, DIFFUSE, Expanded, HEAD, IN_PLANE, INVERSE_SQUEEZE, LOBES_ALBEDO, LOBES_POWER, MIRRORED,
+    whole,
+};
 use crate::error::Error;
 use crate::mixture::complete::{LEAST_SHARPNESS, tail_and_inside, tail_and_inside_of_sharp};
 use crate::mixture::factors::Factors;
-use crate::mixture::leave_out::LeaveOut;
-use crate::mixture::rows::{Domain, Mixture};
+use crate::mixture::rows::{Domain, Mixture, lowest_bits};
 use crate::simd::detect::Level;
 use crate::simd::lanes::{Lanes, dot3, splat3};
 use crate::simd::routine::One;
 use crate::squeeze::Squeeze;
-use core::f32::consts::FRAC_1_PI;
+use core::f32::consts::{FRAC_1_PI, LOG2_E};
 use glam::Vec3;
 
 /// Lobes as they are interpolated.
@@ -59,14 +61,23 @@ impl<L: Lanes> Lobes<L> {
     /// What powers are multiplied by for amplitudes: 1 over the integral of a Gaussian.
     #[inline(always)]
     pub fn normaliser<const P: bool>(&self) -> L {
-        let mut s = self.sharpness;
-        let [_, inside] = if P {
-            tail_and_inside_of_sharp(s)
-        } else {
-            s = s.max(L::splat(LEAST_SHARPNESS));
-            tail_and_inside(s)
-        };
+        let s = self.least_sharpness::<P>();
+        let [_, inside] = if P { tail_and_inside_of_sharp(s) } else { tail_and_inside(s) };
         s * L::splat(0.5 * FRAC_1_PI) / inside
+    }
+
+    /// `1 / s`, `exp(-2 s)` and `1 - exp(-2 s)`.
+    #[inline(always)]
+    fn integral<const P: bool>(&self) -> [L; 3] {
+        let s = self.least_sharpness::<P>();
+        let [tail, inside] = if P { tail_and_inside_of_sharp(s) } else { tail_and_inside(s) };
+        [L::splat(1.0) / s, tail, inside]
+    }
+
+    /// The sharpness, of at least what is constant to f32.
+    #[inline(always)]
+    fn least_sharpness<const P: bool>(&self) -> L {
+        if P { self.sharpness } else { self.sharpness.max(L::splat(LEAST_SHARPNESS)) }
     }
 }
 
@@ -137,7 +148,12 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
             (false, true) => store_lobes::<L::Lobes, N, MIRRORED, true>(rows, share, mixture, needed),
             (false, false) => store_lobes::<L::Lobes, N, MIRRORED, false>(rows, share, mixture, needed),
         }
-        mixture.finish::<L::Lobes>(needed, material.squeezed_count(), LeaveOut::default());
+        // Every lobe has its fold, and what the sums over the lobes would be is interpolated.
+        (mixture.count, mixture.squeezed) = (needed, material.squeezed_count());
+        mixture.folded = lowest_bits(needed);
+        mixture.lobes_albedo = Vec3::new(head[LOBES_ALBEDO], head[LOBES_ALBEDO + 1], head[LOBES_ALBEDO + 2]);
+        mixture.lobes_power = head[LOBES_POWER];
+        mixture.add_diffuse();
         if material.factor_nodes().is_some() {
             let passed = views_passed::<L>(material, outgoing.theta);
             let place = Place::after(material, passed, outgoing.theta);
@@ -147,7 +163,7 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
     }
 }
 
-/// Interpolates lobes into a mixture.
+/// Interpolates lobes into a mixture, complete but for its sums.
 #[inline(always)]
 fn store_lobes<L: Lanes, const N: usize, const W: usize, const P: bool>(
     rows: [&[Chunk]; 2],
@@ -155,18 +171,32 @@ fn store_lobes<L: Lanes, const N: usize, const W: usize, const P: bool>(
     mixture: &mut Mixture<'_, N>,
     count: usize,
 ) {
-    let mut k = 0;
+    let (mut k, mut passed) = (0, L::splat(0.0));
     while k < count && k + L::COUNT <= N {
         let lobes = Lobes::<L>::between::<W, P>(group(rows, k / CHUNK), L::splat(share), k % CHUNK);
-        let normaliser = lobes.normaliser::<P>();
-        lobes.axis[0].store(&mut mixture.axis_x[k..]);
-        lobes.axis[1].store(&mut mixture.axis_y[k..]);
-        lobes.axis[2].store(&mut mixture.axis_z[k..]);
+        let [inverse, tail, inside] = lobes.integral::<P>();
+        let normaliser = lobes.sharpness.max(L::splat(LEAST_SHARPNESS)) * L::splat(0.5 * FRAC_1_PI) / inside;
+        let [x, y, z] = lobes.axis;
+        let rate = lobes.sharpness * L::splat(-0.5 * LOG2_E);
+        let luminance = luminance_of(lobes.power);
+        x.store(&mut mixture.axis_x[k..]);
+        y.store(&mut mixture.axis_y[k..]);
+        z.store(&mut mixture.axis_z[k..]);
         lobes.sharpness.store(&mut mixture.sharpness[k..]);
         (lobes.power[0] * normaliser).store(&mut mixture.red[k..]);
         (lobes.power[1] * normaliser).store(&mut mixture.green[k..]);
         (lobes.power[2] * normaliser).store(&mut mixture.blue[k..]);
+        (luminance * normaliser).store(&mut mixture.luminance[k..]);
+        rate.store(&mut mixture.rate[k..]);
+        (rate * z * L::splat(4.0)).store(&mut mixture.fold_rate[k..]);
+        inverse.store(&mut mixture.inverse_sharpness[k..]);
+        inside.store(&mut mixture.inside[k..]);
+        tail.store(&mut mixture.tail[k..]);
+        (luminance.running_sum() + passed).store(&mut mixture.cumulative[k..]);
         k += L::COUNT;
+        if k < count {
+            passed = passed + L::splat(luminance.sum());
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use super::super::outgoing::Facing;
 use super::super::sights::{MOST, Numbers, Sights, seen, sights};
 use super::between_rows::{Lobes, group, luminance_of};
 use super::table::{
-    CHUNK, Chunk, DIFFUSE, DIFFUSE_POWER, Expanded, HEAD, INVERSE_SQUEEZE, LOBES_POWER, MIRRORED, whole,
+    CHUNK, Chunk, DIFFUSE, DIFFUSE_POWER, Expanded, INVERSE_SQUEEZE, LOBES_POWER, MIRRORED, PAIR_HEAD, whole,
 };
 use crate::mixture::complete::{LEAST_SHARPNESS, tail_and_inside};
 use crate::simd::elementary::falloff;
@@ -154,7 +154,7 @@ struct Heads {
     /// Cosine and sine, in the caller's frame, of the azimuth of +x of the view.
     azimuth: [Numbers; 2],
     /// The heads of the rows, interpolated.
-    numbers: [Numbers; HEAD],
+    numbers: [Numbers; PAIR_HEAD],
     /// 1 for a unit vector above the horizon.
     is_there: Numbers,
 }
@@ -189,13 +189,13 @@ impl Heads {
             L::select(facing.is_there(), one, zero).store(&mut is_there[at..]);
             at += L::COUNT;
         }
-        let (mut row, mut numbers) = ([0; MOST], [zeros; HEAD]);
+        let (mut row, mut numbers) = ([0; MOST], [zeros; PAIR_HEAD]);
         numbers[INVERSE_SQUEEZE] = [1.0; MOST];
         for i in 0..count.min(MOST) {
             row[i] = whole(place[i]);
             let ([a, b], share) = (expanded.two_rows(row[i]), L::One::splat(share[i]));
             let (a, b) = (&a[0], &b[0]);
-            for n in 0..HEAD {
+            for n in 0..PAIR_HEAD {
                 let (a, b) = (L::One::splat(a[n]), L::One::splat(b[n]));
                 numbers[n][i] = (b - a).mul_add(share, a).first();
             }

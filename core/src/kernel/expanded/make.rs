@@ -1,7 +1,9 @@
 //! Expands a material: prepares it exactly at the angle of each row.
 
 use super::super::between_views::{Place, at_place, views_passed};
-use super::table::{CHUNK, Chunk, DIFFUSE, DIFFUSE_POWER, Expanded, INVERSE_SQUEEZE, LOBES_POWER, Shape};
+use super::table::{
+    CHUNK, Chunk, DIFFUSE, DIFFUSE_POWER, Expanded, INVERSE_SQUEEZE, LOBES_ALBEDO, LOBES_POWER, Shape,
+};
 use crate::color::luminance;
 use crate::error::Error;
 use crate::material::borrowed::Material;
@@ -138,6 +140,9 @@ fn fill_row(material: &Material<'_>, shape: Shape, theta: f32, chunks: &mut [Chu
                 let of_each = [m.red[k] * integral, m.green[k] * integral, m.blue[k] * integral];
                 power = of_each.map(|power| if power.abs() < LEAST_POWER { 0.0 } else { power });
                 head[LOBES_POWER] += luminance(Vec3::from_array(power));
+                for i in 0..3 {
+                    head[LOBES_ALBEDO + i] += power[i];
+                }
             }
             let numbers = [axis.x, axis.z, sharpness, power[0], power[1], power[2], axis.y];
             for (chunk, number) in group.iter_mut().zip(numbers) {

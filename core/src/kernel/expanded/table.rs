@@ -7,7 +7,7 @@
 //! rows     per row: a head, then for each sixteen lobes x, z, sharpness, red, green, blue,
 //!          and y if lobes are mirrored
 //! head     1 / squeeze, albedo of the diffuse term in red, green, blue and its luminance,
-//!          power of the lobes
+//!          power of the lobes, their albedo
 //! ```
 //!
 //! Every view has a row, and between two views rows are evenly spaced in the angle of the outgoing direction:
@@ -30,8 +30,11 @@ pub(crate) const INVERSE_SQUEEZE: usize = 0;
 pub(crate) const DIFFUSE: usize = 1;
 pub(crate) const DIFFUSE_POWER: usize = 4;
 pub(crate) const LOBES_POWER: usize = 5;
+/// How many of them pairs need.
+pub(crate) const PAIR_HEAD: usize = 6;
+pub(crate) const LOBES_ALBEDO: usize = 6;
 /// How many there are.
-pub(crate) const HEAD: usize = 6;
+pub(crate) const HEAD: usize = 9;
 
 /// Chunks of sixteen lobes: x, z, sharpness and three powers; and y if lobes are mirrored.
 pub(crate) const IN_PLANE: usize = 6;
