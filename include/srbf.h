@@ -125,9 +125,27 @@
 #define SRBF_MATERIAL_ALIGNMENT 16
 
 /**
+ * Alignment of the storage for an expanded material, which is also what `malloc` gives on 64-bit platforms.
+ */
+#define SRBF_EXPANDED_ALIGNMENT 16
+
+/**
+ * Rows at which the error of an expanded material is below 1e-3 of the largest value on every material that was tried.
+ */
+#define SRBF_EXPANDED_DEFAULT_ROWS 512
+
+/**
  * The number of squeezed lobes is chosen by what turns out best.
  */
 #define SRBF_FIT_AUTOMATIC 65
+
+/**
+ * A material made ready for speed: lobes for many angles of the outgoing direction, in the caller's storage.
+ *
+ * It never changes, so any number of threads may use one at once. It needs no release. Its bytes may not be moved, and the bytes of
+ * the material that it was made from must live, and stay as they are, for as long as it is used.
+ */
+typedef struct srbf_expanded srbf_expanded;
 
 /**
  * A material: the lobes of every view, read in place from `.srbf` bytes.
@@ -1124,6 +1142,106 @@ srbf_status srbf_mixture_sample_pairs_into(const struct srbf_mixture *mixtures,
                                            size_t n,
                                            const struct srbf_vectors *u,
                                            const struct srbf_samples_out *samples);
+
+/**
+ * Says how many bytes of storage an expanded material of so many rows needs: 448 a row, or 512 if lobes are mirrored, for up to
+ * sixteen lobes, and as much for each sixteen lobes more.
+ *
+ * Range: `rows` at least 2, at most 16384; `SRBF_EXPANDED_DEFAULT_ROWS` is a good number.
+ * Status: `SRBF_STATUS_SIZE` if the bytes are more than the address space has.
+ */
+srbf_status srbf_expanded_size(const struct srbf_material *material,
+                               size_t rows,
+                               size_t *size);
+
+/**
+ * Expands a material in the caller's storage: prepares it exactly at so many angles of the outgoing direction.
+ *
+ * Its values differ from those of `srbf_material_prepare` by an error that falls with the square of the number of rows.
+ * Shapes: `storage` [storage_size], at least what `srbf_expanded_size` says, aligned to `SRBF_EXPANDED_ALIGNMENT`; `expanded` one
+ * pointer, which is set to the storage. Neither may overlap the other, nor the material.
+ * Status: `SRBF_STATUS_ARGUMENT` for an anisotropic material and for a number of rows out of range.
+ */
+srbf_status srbf_expanded_make(const struct srbf_material *material,
+                               size_t rows,
+                               void *storage,
+                               size_t storage_size,
+                               struct srbf_expanded **expanded);
+
+/**
+ * Makes the mixture of lobes for an outgoing direction, in a mixture that the caller has initialised; overwrites it.
+ *
+ * As `srbf_material_prepare`, from the rows of an expanded material. Status as there.
+ * Shapes: `wo` [3], unit vector towards the viewer, +z the surface normal.
+ */
+srbf_status srbf_expanded_prepare(const struct srbf_expanded *expanded,
+                                  const float *wo,
+                                  struct srbf_mixture *mixture);
+
+/**
+ * Evaluates `f cos` for n pairs of an outgoing and an incident direction; 1/sr.
+ *
+ * Shapes: `wo` and `wi` n unit vectors; `value` n colours in linear sRGB, overwritten. n = 0 looks at no pointer but the expanded
+ * material. A `wo` that is no unit vector gives 0.
+ */
+srbf_status srbf_expanded_evaluate_pairs_into(const struct srbf_expanded *expanded,
+                                              size_t n,
+                                              const struct srbf_vectors *wo,
+                                              const struct srbf_vectors *wi,
+                                              const struct srbf_vectors_out *value);
+
+/**
+ * Evaluates `f cos` and the density for n pairs of an outgoing and an incident direction; 1/sr.
+ *
+ * Shapes: `wo` and `wi` n unit vectors; `value` n colours in linear sRGB and `pdf` n numbers, overwritten. n = 0 and what is no
+ * unit vector as in `srbf_expanded_evaluate_pairs_into`.
+ */
+srbf_status srbf_expanded_evaluate_and_pdf_pairs_into(const struct srbf_expanded *expanded,
+                                                      size_t n,
+                                                      const struct srbf_vectors *wo,
+                                                      const struct srbf_vectors *wi,
+                                                      const struct srbf_vectors_out *value,
+                                                      const struct srbf_numbers_out *pdf);
+
+/**
+ * Evaluates the density of sampling alone for n pairs of an outgoing and an incident direction; 1/sr.
+ *
+ * Shapes: `wo` and `wi` n unit vectors; `pdf` n numbers, overwritten. n = 0 and what is no unit vector as in
+ * `srbf_expanded_evaluate_pairs_into`.
+ */
+srbf_status srbf_expanded_pdf_pairs_into(const struct srbf_expanded *expanded,
+                                         size_t n,
+                                         const struct srbf_vectors *wo,
+                                         const struct srbf_vectors *wi,
+                                         const struct srbf_numbers_out *pdf);
+
+/**
+ * Draws an incident direction for each of n outgoing ones, with density and weight.
+ *
+ * Shapes: `wo` n unit vectors; `u` n times three uniform numbers in [0, 1); `samples` n of each, overwritten. n = 0 and what is no
+ * unit vector as in `srbf_expanded_evaluate_pairs_into`.
+ */
+srbf_status srbf_expanded_sample_pairs_into(const struct srbf_expanded *expanded,
+                                            size_t n,
+                                            const struct srbf_vectors *wo,
+                                            const struct srbf_vectors *u,
+                                            const struct srbf_samples_out *samples);
+
+/**
+ * Draws an incident direction for each of n outgoing ones, and evaluates value and density towards another one: what next-event
+ * estimation needs at every hit, with one preparation.
+ *
+ * Shapes: `wo`, `u` and `samples` as in `srbf_expanded_sample_pairs_into`; `wi`, `value` and `pdf` as in
+ * `srbf_expanded_evaluate_and_pdf_pairs_into`.
+ */
+srbf_status srbf_expanded_sample_and_evaluate_pairs_into(const struct srbf_expanded *expanded,
+                                                         size_t n,
+                                                         const struct srbf_vectors *wo,
+                                                         const struct srbf_vectors *u,
+                                                         const struct srbf_samples_out *samples,
+                                                         const struct srbf_vectors *wi,
+                                                         const struct srbf_vectors_out *value,
+                                                         const struct srbf_numbers_out *pdf);
 
 #if defined(SRBF_HOSTED)
 /**

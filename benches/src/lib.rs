@@ -5,7 +5,7 @@ pub mod baseline;
 pub mod clock;
 pub mod work;
 
-use srbf_core::{Domain, FactorTable, Level, Line, Lobe, Material, Mixture, Vec3, View};
+use srbf_core::{Domain, FactorTable, Level, Line, Lobe, Material, Mixture, PlaneLobe, Vec3, View};
 
 /// Lobe counts that every batch operation is measured at.
 pub const LOBES: [usize; 7] = [1, 4, 8, 12, 16, 32, 64];
@@ -174,6 +174,46 @@ fn factored_bytes() -> Vec<u8> {
         mirrored: material.mirrored_count(),
         factors: Some(factors),
     };
+    let mut bytes = vec![0; line.encoded_len("")];
+    line.encode("", &mut bytes).expect("a valid material");
+    bytes
+}
+
+/// Bytes of a material like a mirror: ten lobes of sharpness 8 to 6e5 and a mirrored pair of 1e5 at fifteen views, along the mirror
+/// direction but for less than the width of each.
+pub fn mirror_like() -> Vec<u8> {
+    const VIEWS: usize = 15;
+    const LOBES: usize = 11;
+    let mut random = Random(6);
+    let views: Vec<(f32, Vec<PlaneLobe>)> = (0..VIEWS)
+        .map(|v| {
+            let theta = 1.5 * (v as f32 / (VIEWS - 1) as f32).powf(0.7);
+            let lobes = (0..LOBES).map(|k| {
+                let log2_sharpness = if k + 1 == LOBES { 16.6 } else { 3.0 + 1.8 * k as f32 };
+                let width = (-0.5 * log2_sharpness).exp2();
+                let color_differences = [random.uniform() - 0.5, random.uniform() - 0.5];
+                PlaneLobe {
+                    angle: if v == 0 { 0.0 } else { theta + (random.uniform() - 0.5) * width },
+                    off_plane: if v > 0 && k + 1 == LOBES { width } else { 0.0 },
+                    log2_sharpness: log2_sharpness + 0.5 * random.uniform(),
+                    log2_luminance: log2_sharpness - 6.5 + random.uniform(),
+                    color_differences,
+                }
+            });
+            (theta, lobes.collect())
+        })
+        .collect();
+    let views: Vec<View<'_>> = views
+        .iter()
+        .map(|(theta, lobes)| View {
+            theta: *theta,
+            log2_squeeze: -theta,
+            log2_diffuse: -6.0,
+            diffuse_color_differences: [0.0; 2],
+            lobes,
+        })
+        .collect();
+    let line = Line { views: &views, squeezed: 5, mirrored: 1, factors: None };
     let mut bytes = vec![0; line.encoded_len("")];
     line.encode("", &mut bytes).expect("a valid material");
     bytes

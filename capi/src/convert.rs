@@ -21,7 +21,8 @@ impl From<Error> for Failure {
             Error::Squeezed => SRBF_STATUS_SQUEEZED,
             Error::Direction => SRBF_STATUS_DIRECTION,
             Error::Level => SRBF_STATUS_SIMD_LEVEL,
-            Error::Share => SRBF_STATUS_ARGUMENT,
+            Error::Share | Error::Rows | Error::Anisotropic => SRBF_STATUS_ARGUMENT,
+            Error::Memory { .. } => SRBF_STATUS_SIZE,
             _ => SRBF_STATUS_OTHER,
         };
         Self::new(status, error)

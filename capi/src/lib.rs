@@ -14,6 +14,7 @@ extern crate std;
 
 mod batch;
 mod convert;
+mod expanded;
 mod factors;
 #[cfg(feature = "fit")]
 mod fit;
@@ -37,6 +38,7 @@ mod streams;
 mod version;
 
 pub use batch::*;
+pub use expanded::*;
 pub use factors::*;
 #[cfg(feature = "fit")]
 pub use fit::*;

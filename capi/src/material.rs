@@ -316,7 +316,7 @@ fn prepare(
     Ok(())
 }
 
-fn room<const N: usize>(_: &Mixture<'_, N>) -> usize {
+pub(crate) fn room<const N: usize>(_: &Mixture<'_, N>) -> usize {
     N
 }
 

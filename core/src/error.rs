@@ -28,6 +28,18 @@ pub enum Error {
         /// Lobes that the storage holds.
         available: usize,
     },
+    /// An expanded material has at least 2 rows and at most
+    /// [`MAX_ROWS`](crate::Expanded::MAX_ROWS).
+    Rows,
+    /// There is less memory than an expanded material takes, counted in f32.
+    Memory {
+        /// What is needed.
+        needed: usize,
+        /// What there is.
+        available: usize,
+    },
+    /// The operation is for isotropic materials alone.
+    Anisotropic,
     /// The direction is not a finite vector of length 1 within 1e-3.
     Direction,
     /// The slices of a batch are not all of one length.
@@ -54,6 +66,11 @@ impl fmt::Display for Error {
             Self::Capacity { needed, available } => {
                 write!(f, "the mixture has room for {available} lobes, {needed} are needed")
             }
+            Self::Rows => f.write_str("an expanded material must have 2 to 16384 rows"),
+            Self::Memory { needed, available } => {
+                write!(f, "the expanded material takes {needed} numbers, there is memory for {available}")
+            }
+            Self::Anisotropic => f.write_str("the material must be isotropic"),
             Self::Length => f.write_str("the slices of a batch must all have one length"),
             Self::Level => f.write_str("this processor or this build lacks the instruction set"),
             Self::Direction => f.write_str("a direction must be a finite unit vector"),

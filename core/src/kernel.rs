@@ -3,7 +3,8 @@
 //!
 //! [`prepare`] makes mixtures ([`between_views`], or [`prepare_anisotropic`]). [`one_direction`],
 //! [`one_mixture`] (many directions) and [`each_mixture`] (pairs of directions, a [`block`] at a time)
-//! evaluate and draw, all by [`draw`]; in batches by [`lobe_sums`].
+//! evaluate and draw, all by [`draw`]; in batches by [`lobe_sums`]. An [`expanded`] material does so without
+//! mixtures.
 //! May import: `mixture`, `material`, `squeeze`, `color`, `simd`, `error`; nothing but `estimator` imports
 //! from here.
 
@@ -12,6 +13,7 @@ pub(crate) mod between_views;
 pub(crate) mod block;
 pub(crate) mod draw;
 mod each_mixture;
+pub(crate) mod expanded;
 pub(crate) mod lobe_sums;
 pub(crate) mod multiply_factors;
 pub(crate) mod one_direction;
@@ -19,4 +21,5 @@ mod one_mixture;
 pub(crate) mod outgoing;
 pub(crate) mod prepare;
 pub(crate) mod prepare_anisotropic;
+pub(crate) mod sights;
 pub(crate) mod slices;

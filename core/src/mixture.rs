@@ -5,7 +5,7 @@
 //! Evaluating and drawing are the kernels' part: `kernel` has these methods.
 //! May import: `material`, `lobe`, `squeeze`, `color`, `simd`, `error`, `float`.
 
-mod complete;
+pub(crate) mod complete;
 mod construct;
 pub(crate) mod factors;
 pub(crate) mod leave_out;

@@ -71,6 +71,12 @@ pub const LEVELS: &[Entry] = &[
     entry("one luminance", "relative / (2 + |t|)", 3e-7),
     entry("sampled pdf", "relative / (2 + |t|)", 3e-7),
     entry("sampled weight", "relative", 3e-7),
+    entry(
+        "expanded value",
+        "absolute / (largest amplitude x (4 + root of the largest sharpness) / squeeze)",
+        1e-7,
+    ),
+    entry("expanded pdf", "absolute / (as the value)", 1e-7),
     entry("factored value", "absolute / (value of the lobes x largest factor)", 6e-6),
 ];
 

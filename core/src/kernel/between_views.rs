@@ -54,6 +54,13 @@ impl Place {
         Among { views, onward: self.blend, outward: 0.0 }
     }
 
+    /// The angle of a stored lobe's axis from the normal, within the plane of incidence.
+    pub fn lobe_angle(self, material: &Material<'_>, lobe: usize) -> f32 {
+        let (bytes, header) = (material.bytes, &material.header);
+        let [a, b] = [self.before, self.after].map(|view| f32_at(bytes, header.row(view, 0) + 4 * lobe));
+        (b - a).mul_add(self.blend, a)
+    }
+
     /// Interpolates numbers from the `i`-th on; `a` and `b` are the bytes of the same rows of the two views.
     #[inline(always)]
     fn between<L: Lanes>(self, a: &[u8], b: &[u8], i: usize) -> L {

@@ -7,16 +7,10 @@
 
 use super::draw::{Choice, Frame, chosen_lobe, chosen_power, draw};
 use super::one_direction::{all_lobes, with_diffuse};
+use super::sights::{MOST, Numbers, sight, sights};
 use crate::mixture::rows::Mixture;
 use crate::simd::lanes::Lanes;
 use crate::simd::routine::Routine;
-use crate::squeeze::{NUMBERS, Precise, Sight};
-
-/// Most mixtures of a block: the lanes of the widest vector.
-pub(crate) const MOST: usize = 16;
-
-/// One number for each mixture of a block.
-pub(crate) type Numbers = [f32; MOST];
 
 /// Draws a direction from each of at most [`MOST`] mixtures. One that reflects nothing gives the normal.
 pub(crate) struct DrawBlock<'a, const N: usize> {
@@ -98,7 +92,7 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
     type Output = [Numbers; C];
     #[inline(always)]
     fn run<L: Lanes>(self) -> [Numbers; C] {
-        let Self { mixtures, directions: [x, y, z] } = self;
+        let Self { mixtures, directions: [_, _, z] } = self;
         let zeros = [0.0; MOST];
         let (mut azimuth, mut excess) = ([zeros; 2], zeros);
         let (mut along, mut inverse) = ([1.0; MOST], [1.0; MOST]);
@@ -109,18 +103,7 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
             along[i] = m.squeeze.along;
             inverse[i] = m.squeeze.inverse;
         }
-        // Round and squeezed, as structures of arrays: the compiler makes vectors of this loop.
-        let mut sights = [[zeros; NUMBERS]; 2];
-        for i in 0..MOST {
-            let precise = Precise::new([azimuth[0][i], azimuth[1][i]], excess[i], along[i], inverse[i]);
-            let pair = precise.see([x[i], y[i], z[i]], L::FUSED);
-            for kind in 0..2 {
-                let numbers = pair[kind].to_numbers();
-                for n in 0..NUMBERS {
-                    sights[kind][n][i] = numbers[n];
-                }
-            }
-        }
+        let sights = sights::<L>(azimuth, excess, [along, inverse], self.directions);
         let mut out = [zeros; C];
         for (i, m) in mixtures.iter().take(MOST).enumerate() {
             // False for a NaN too.
@@ -128,13 +111,7 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
             if !above {
                 continue;
             }
-            let mut pair = [[0.0; NUMBERS]; 2];
-            for kind in 0..2 {
-                for n in 0..NUMBERS {
-                    pair[kind][n] = sights[kind][n][i];
-                }
-            }
-            let [turned, squeezed] = [Sight::from_numbers(pair[0]), Sight::from_numbers(pair[1])];
+            let [turned, squeezed] = sight(&sights, i);
             let rows: [&[f32; N]; 4] = [&m.red, &m.green, &m.blue, &m.luminance];
             let mut amplitudes = [rows[3]; C];
             let mut diffuse = [m.diffuse_power; C];

@@ -1,14 +1,16 @@
 //! Each pair of directions its own mixture, as a wavefront renderer needs it.
 //!
-//! With vectors the pairs are taken in blocks, see [`block`], whose mixtures never leave the cache; without,
+//! With vectors the pairs are taken in blocks, see `block.rs`, whose mixtures never leave the cache; without,
 //! and where there are only a few, one after the other. With its block, a call takes up to 30 kB of stack, 44
 //! or 74 where a material has more than 16 or 32 lobes.
 
 #[cfg(feature = "simd")]
-use super::block::{self, DrawBlock, SumBlock};
+use super::block::{DrawBlock, SumBlock};
 #[cfg(feature = "simd")]
 use super::multiply_factors::multiply_block;
 use super::prepare::PrepareInto;
+#[cfg(feature = "simd")]
+use super::sights::{MOST, Numbers};
 use super::slices::{SamplesMut, same_length};
 use crate::color::luminance;
 use crate::error::Error;
@@ -181,7 +183,7 @@ fn at(vectors: &[&[f32]; 3], i: usize) -> Vec3 {
 trait Each<const N: usize> {
     /// For mixture `m`, an empty one if the outgoing direction of pair `i` was none.
     fn one(&mut self, m: &Mixture<'_, N>, i: usize);
-    /// For the pairs from `from` on, as many as mixtures, at most [`block::MOST`].
+    /// For the pairs from `from` on, as many as mixtures, at most [`MOST`].
     #[cfg(feature = "simd")]
     fn block(&mut self, level: Level, mixtures: &[Mixture<'_, N>], from: usize);
 }
@@ -196,10 +198,10 @@ fn for_each<const N: usize>(material: &Material<'_>, wo: [&[f32]; 3], each: &mut
     let level = Level::current();
     #[cfg(feature = "simd")]
     if n >= FEW && level != Level::Scalar {
-        let mut mixtures = [const { Mixture::<N>::empty() }; block::MOST];
+        let mut mixtures = [const { Mixture::<N>::empty() }; MOST];
         let mut from = 0;
         while from < n {
-            let count = block::MOST.min(n - from);
+            let count = MOST.min(n - from);
             let [x, y, z] = wo.map(|s| &s[from..from + count]);
             let mixtures = &mut mixtures[..count];
             level.run(PrepareInto { material, wo: [x, y, z], level, mixtures });
@@ -218,8 +220,8 @@ fn for_each<const N: usize>(material: &Material<'_>, wo: [&[f32]; 3], each: &mut
 
 /// The numbers of a block, padded with harmless ones: a direction, or uniform numbers.
 #[cfg(feature = "simd")]
-fn padded(vectors: &[&[f32]; 3], from: usize, count: usize) -> [block::Numbers; 3] {
-    let mut block = [[0.5; block::MOST]; 3];
+fn padded(vectors: &[&[f32]; 3], from: usize, count: usize) -> [Numbers; 3] {
+    let mut block = [[0.5; MOST]; 3];
     for (block, from_here) in block.iter_mut().zip(vectors.map(|s| &s[from..from + count])) {
         block[..count].copy_from_slice(from_here);
     }
@@ -228,7 +230,7 @@ fn padded(vectors: &[&[f32]; 3], from: usize, count: usize) -> [block::Numbers; 
 
 /// Copies a block of directions out.
 #[cfg(feature = "simd")]
-fn copy_out(block: &[block::Numbers; 3], to: [&mut [f32]; 3], from: usize, count: usize) {
+fn copy_out(block: &[Numbers; 3], to: [&mut [f32]; 3], from: usize, count: usize) {
     for (block, to) in block.iter().zip(to) {
         to[from..from + count].copy_from_slice(&block[..count]);
     }

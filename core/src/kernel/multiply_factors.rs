@@ -2,7 +2,6 @@
 
 use crate::mixture::factors::{Factors, squares};
 use crate::mixture::rows::Mixture;
-#[cfg(feature = "simd")]
 use crate::simd::detect::Level;
 use crate::simd::lanes::{Lanes, splat3};
 use crate::simd::routine::Routine;
@@ -12,8 +11,7 @@ use crate::simd::routine::Routine;
 enum Outgoing<'a> {
     /// The same for all.
     One([f32; 3]),
-    /// One for each incident direction: in blocks of pairs, which there are with vectors.
-    #[cfg_attr(not(feature = "simd"), allow(dead_code))]
+    /// One for each incident direction: in blocks of pairs.
     Each([&'a [f32]; 3]),
 }
 
@@ -114,9 +112,17 @@ pub(crate) fn multiply_block<const N: usize, const B: usize>(
     for (i, m) in mixtures.iter().take(B).enumerate() {
         [wo[0][i], wo[1][i], wo[2][i]] = m.factors.wo;
     }
-    let [wi_x, wi_y, wi_z] = directions;
-    let [wo_x, wo_y, wo_z] = &wo;
-    let [red, green, blue] = value;
+    multiply_pairs(level, factors, &wo, directions, value);
+}
+
+/// Multiplies the values of a block of pairs of an outgoing and an incident direction.
+pub(crate) fn multiply_pairs<const B: usize>(
+    level: Level,
+    factors: &Factors<'_>,
+    [wo_x, wo_y, wo_z]: &[[f32; B]; 3],
+    [wi_x, wi_y, wi_z]: &[[f32; B]; 3],
+    [red, green, blue]: &mut [[f32; B]; 3],
+) {
     let wo = Outgoing::Each([wo_x, wo_y, wo_z]);
     level.run(Multiply { factors, wo, wi: [wi_x, wi_y, wi_z], value: [red, green, blue] });
 }

@@ -15,13 +15,13 @@ pub(crate) struct Outgoing {
 
 /// Outgoing directions as angle from the normal and azimuth; anything for what is no unit vector above the
 /// horizon.
-pub(crate) struct Facing<L> {
+pub(crate) struct Facing<L: Lanes> {
     pub theta: L,
     /// Cosine and sine, in the caller's frame, of the azimuth of +x of the view.
     pub azimuth: [L; 2],
-    /// One bit a lane: a unit vector; above the horizon.
-    pub is_unit: u64,
-    pub is_above: u64,
+    /// A unit vector, and one above the horizon.
+    unit: L::Mask,
+    there: L::Mask,
 }
 
 impl<L: Lanes> Facing<L> {
@@ -30,6 +30,8 @@ impl<L: Lanes> Facing<L> {
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let across_squared = x * x + y * y;
         let off = (across_squared + z * z - one).abs();
+        // Not set for a NaN.
+        let unit = L::splat(2e-3).ge(off);
         let across = across_squared.sqrt();
         // +x of the view points away from wo, towards the mirror direction; at the normal any azimuth serves,
         // and the square of what is nearer to it than 1e-19 has lost its digits.
@@ -41,16 +43,21 @@ impl<L: Lanes> Facing<L> {
                 L::select(is_tilted, (zero - x) * inverse, one),
                 L::select(is_tilted, (zero - y) * inverse, zero),
             ],
-            // Not set for a NaN.
-            is_unit: L::bits(L::splat(2e-3).ge(off)),
-            is_above: L::bits(z.ge(zero)),
+            unit,
+            there: L::both(unit, z.ge(zero)),
         }
+    }
+
+    /// The unit vectors above the horizon.
+    #[inline(always)]
+    pub fn is_there(&self) -> L::Mask {
+        self.there
     }
 
     /// The first lane, which is of `wo`; `None` if that is no unit vector.
     #[inline(always)]
     pub fn first(&self, wo: Vec3) -> Option<Outgoing> {
         let azimuth = [self.azimuth[0].first(), self.azimuth[1].first()];
-        (self.is_unit & 1 == 1).then(|| Outgoing { wo, theta: self.theta.first(), azimuth })
+        (L::bits(self.unit) & 1 == 1).then(|| Outgoing { wo, theta: self.theta.first(), azimuth })
     }
 }

@@ -159,7 +159,7 @@ impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
             for i in 0..count {
                 let mixture = &mut mixtures[at + i];
                 mixture.begin(level, Domain::Hemisphere, Squeeze::NONE);
-                if (facing.is_unit & facing.is_above) >> i & 1 == 1 {
+                if L::bits(facing.is_there()) >> i & 1 == 1 {
                     let wo = Vec3::new(x[at + i], y[at + i], z[at + i]);
                     let outgoing = Outgoing { wo, theta: theta[i], azimuth: [azimuth[0][i], azimuth[1][i]] };
                     let passed = passed[i] as usize;

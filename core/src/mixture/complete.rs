@@ -9,6 +9,38 @@ use crate::simd::lanes::{Lanes, dot3, splat3};
 use core::f32::consts::{LOG2_E, PI};
 use glam::Vec3;
 
+/// A lobe that is less sharp is constant to f32.
+pub(crate) const LEAST_SHARPNESS: f32 = 1e-7;
+
+/// From this sharpness on, `1 - exp(-2 s)` is as exact as its series.
+pub(crate) const LEAST_WITHOUT_SERIES: f32 = 0.25;
+
+/// `exp(-2 s)` and `1 - exp(-2 s)`, which times `2 pi / s` is the integral of a Gaussian of that sharpness.
+#[inline(always)]
+#[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
+pub(crate) fn tail_and_inside<L: Lanes>(s: L) -> [L; 2] {
+    let [tail, mut inside] = tail_and_inside_of_sharp(s);
+    // By its series where the difference would cancel.
+    let small = s.lt(L::splat(LEAST_WITHOUT_SERIES));
+    if L::bits(small) != 0 {
+        let x = s + s;
+        let mut series = L::splat(-1.0 / 40_320.0);
+        const SERIES: [f32; 7] = [1. / 5040., -1. / 720., 1. / 120., -1. / 24., 1. / 6., -0.5, 1.];
+        for i in 0..SERIES.len() {
+            series = series.mul_add(x, L::splat(SERIES[i]));
+        }
+        inside = L::select(small, series * x, inside);
+    }
+    [tail, inside]
+}
+
+/// [`tail_and_inside`] of a sharpness of at least [`LEAST_WITHOUT_SERIES`].
+#[inline(always)]
+pub(crate) fn tail_and_inside_of_sharp<L: Lanes>(s: L) -> [L; 2] {
+    let tail = exp2(s * L::splat(-2.0 * LOG2_E));
+    [tail, L::splat(1.0) - tail]
+}
+
 impl<const N: usize> Mixture<'_, N> {
     /// Completes the mixture from axes, sharpness and amplitudes, which the caller has stored and checked;
     /// those of the places up to the next multiple of the lanes must be valid, of amplitude 0. On AVX2 `L` is
@@ -33,21 +65,9 @@ impl<const N: usize> Mixture<'_, N> {
             let rate = s * L::splat(-0.5 * LOG2_E);
             rate.store(&mut self.rate[k..]);
 
-            // Normaliser: (1 - exp(-x)) / x at x = 2 s, by its series where the difference would cancel.
-            let s = s.max(L::splat(1e-7));
-            let x = s + s;
+            let s = s.max(L::splat(LEAST_SHARPNESS));
             let inverse = one / s;
-            let tail = exp2(s * L::splat(-2.0 * LOG2_E));
-            let mut inside = one - tail;
-            let small = x.lt(L::splat(0.5));
-            if L::bits(small) != 0 {
-                let mut series = L::splat(-1.0 / 40_320.0);
-                const SERIES: [f32; 7] = [1. / 5040., -1. / 720., 1. / 120., -1. / 24., 1. / 6., -0.5, 1.];
-                for i in 0..SERIES.len() {
-                    series = series.mul_add(x, L::splat(SERIES[i]));
-                }
-                inside = L::select(small, series * x, inside);
-            }
+            let [tail, inside] = tail_and_inside(s);
             let integral = inside * inverse * L::splat(2.0 * PI);
             inverse.store(&mut self.inverse_sharpness[k..]);
             tail.store(&mut self.tail[k..]);

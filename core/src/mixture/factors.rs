@@ -50,7 +50,7 @@ pub(crate) struct Among {
 }
 
 impl Among {
-    const NOWHERE: Self = Self { views: [[0; 2]; 2], onward: 0.0, outward: 0.0 };
+    pub const NOWHERE: Self = Self { views: [[0; 2]; 2], onward: 0.0, outward: 0.0 };
 }
 
 impl<'m> Factors<'m> {

@@ -256,6 +256,41 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
+    fn sums_of_rows(rows: &[[f32; 16]; 16]) -> [f32; 16] {
+        let mut sums = [0.0; 16];
+        for half in 0..2 {
+            let mut row = [Self::splat(0.0); 8];
+            for i in 0..8 {
+                let numbers = &rows[8 * half + i];
+                row[i] = Self::load(numbers) + Self::load(&numbers[8..]);
+            }
+            // Neighbours are added, of two rows at a time, and at last the halves.
+            // SAFETY: the processor has AVX, see the head of this file.
+            let sum = unsafe {
+                let [a, b] = [_mm256_hadd_ps(row[0].0, row[1].0), _mm256_hadd_ps(row[2].0, row[3].0)];
+                let [c, d] = [_mm256_hadd_ps(row[4].0, row[5].0), _mm256_hadd_ps(row[6].0, row[7].0)];
+                let (low, high) = (_mm256_hadd_ps(a, b), _mm256_hadd_ps(c, d));
+                let crossed = _mm256_permute2f128_ps::<0x21>(low, high);
+                _mm256_add_ps(_mm256_blend_ps::<0xf0>(low, high), crossed)
+            };
+            Self(sum).store(&mut sums[8 * half..]);
+        }
+        sums
+    }
+    #[inline(always)]
+    fn running_sum(self) -> Self {
+        // SAFETY: the processor has AVX2, see the head of this file.
+        unsafe {
+            // Within each half, then the last of the lower half to all of the upper.
+            let one = _mm256_castsi256_ps(_mm256_slli_si256::<4>(_mm256_castps_si256(self.0)));
+            let two = _mm256_add_ps(self.0, one);
+            let shifted = _mm256_castsi256_ps(_mm256_slli_si256::<8>(_mm256_castps_si256(two)));
+            let four = _mm256_add_ps(two, shifted);
+            let lower = _mm256_permute_ps::<0xff>(_mm256_permute2f128_ps::<0x08>(four, four));
+            Self(_mm256_add_ps(four, lower))
+        }
+    }
+    #[inline(always)]
     fn iota() -> Self {
         // SAFETY: the processor has AVX, see the head of this file.
         Self(unsafe { _mm256_setr_ps(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0) })

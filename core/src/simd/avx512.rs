@@ -54,6 +54,20 @@ fn channels(nodes: __m512i) -> [Avx512; 3] {
     }
 }
 
+/// Lanes moved up by `16 - KEPT`, zeros below.
+#[inline(always)]
+fn moved_up<const KEPT: i32>(lanes: __m512, zero: __m512i) -> __m512 {
+    // SAFETY: the processor has AVX-512, see the head of this file.
+    unsafe { _mm512_castsi512_ps(_mm512_alignr_epi32::<KEPT>(_mm512_castps_si512(lanes), zero)) }
+}
+
+/// The even quarters of two vectors plus the odd ones.
+#[inline(always)]
+fn evens_and_odds(a: __m512, b: __m512) -> __m512 {
+    // SAFETY: the processor has AVX-512, see the head of this file.
+    unsafe { _mm512_add_ps(_mm512_shuffle_f32x4::<0x88>(a, b), _mm512_shuffle_f32x4::<0xdd>(a, b)) }
+}
+
 impl Lanes for Avx512 {
     const COUNT: usize = 16;
     const FUSED: bool = true;
@@ -265,6 +279,42 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn first_lanes(count: usize) -> __mmask16 {
         ((1u32 << count.min(16)) - 1) as u16
+    }
+    #[inline(always)]
+    #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
+    fn sums_of_rows(rows: &[[f32; 16]; 16]) -> [f32; 16] {
+        let mut sums = [0.0; 16];
+        let mut fours = [Self::splat(0.0).0; 4];
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        unsafe {
+            // Four rows at a time, within quarters of a vector.
+            for i in 0..4 {
+                let [a, b] = [Self::load(&rows[4 * i]).0, Self::load(&rows[4 * i + 1]).0];
+                let [c, d] = [Self::load(&rows[4 * i + 2]).0, Self::load(&rows[4 * i + 3]).0];
+                let ab = _mm512_add_ps(_mm512_unpacklo_ps(a, b), _mm512_unpackhi_ps(a, b));
+                let cd = _mm512_add_ps(_mm512_unpacklo_ps(c, d), _mm512_unpackhi_ps(c, d));
+                let (ab, cd) = (_mm512_castps_pd(ab), _mm512_castps_pd(cd));
+                let (low, high) = (_mm512_unpacklo_pd(ab, cd), _mm512_unpackhi_pd(ab, cd));
+                fours[i] = _mm512_add_ps(_mm512_castpd_ps(low), _mm512_castpd_ps(high));
+            }
+            // Then even quarters and odd ones, twice.
+            let [a, b] = [evens_and_odds(fours[0], fours[1]), evens_and_odds(fours[2], fours[3])];
+            Self(evens_and_odds(a, b)).store(&mut sums);
+        }
+        sums
+    }
+    #[inline(always)]
+    fn running_sum(self) -> Self {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        unsafe {
+            let zero = _mm512_setzero_si512();
+            let mut sum = self.0;
+            // Moved up by 1, 2, 4 and 8 lanes.
+            sum = _mm512_add_ps(sum, moved_up::<15>(sum, zero));
+            sum = _mm512_add_ps(sum, moved_up::<14>(sum, zero));
+            sum = _mm512_add_ps(sum, moved_up::<12>(sum, zero));
+            Self(_mm512_add_ps(sum, moved_up::<8>(sum, zero)))
+        }
     }
     #[inline(always)]
     fn iota() -> Self {

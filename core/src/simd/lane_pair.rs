@@ -169,6 +169,10 @@ impl<L: Lanes> Lanes for LanePair<L> {
         (self.0 + self.1).sum()
     }
     #[inline(always)]
+    fn running_sum(self) -> Self {
+        Self(self.0.running_sum(), self.1.running_sum() + L::splat(self.0.sum()))
+    }
+    #[inline(always)]
     fn iota() -> Self {
         Self(L::iota(), L::iota() + L::splat(L::COUNT as f32))
     }

@@ -146,6 +146,31 @@ pub trait Lanes:
     fn first(self) -> f32;
     /// Sum over the lanes.
     fn sum(self) -> f32;
+    /// The sum of each of sixteen rows.
+    #[inline(always)]
+    fn sums_of_rows(rows: &[[f32; 16]; 16]) -> [f32; 16] {
+        let mut sums = [0.0; 16];
+        for i in 0..16 {
+            let mut sum = Self::load(&rows[i]);
+            let mut j = Self::COUNT;
+            while j + Self::COUNT <= 16 {
+                sum = sum + Self::load(&rows[i][j..]);
+                j += Self::COUNT;
+            }
+            sums[i] = sum.sum();
+        }
+        sums
+    }
+    /// Each lane plus all before it; which are added first is the level's.
+    #[inline(always)]
+    fn running_sum(self) -> Self {
+        let mut numbers = [0.0; 32];
+        self.store(&mut numbers);
+        for lane in 1..Self::COUNT {
+            numbers[lane] += numbers[lane - 1];
+        }
+        Self::load(&numbers)
+    }
     /// 0, 1, 2, ...
     fn iota() -> Self;
     /// The first `count` lanes.

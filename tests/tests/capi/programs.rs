@@ -45,6 +45,11 @@ fn material_with_factors() {
 }
 
 #[test]
+fn expanded_material() {
+    run_everywhere("expanded.c", "expanded: passed");
+}
+
+#[test]
 fn threads_share_a_material() {
     run_everywhere("threads.c", "threads: passed");
 }

@@ -1,0 +1,343 @@
+//! Expanded materials in the caller's storage, and their pairs.
+#![allow(unsafe_code)]
+
+use crate::convert::direction;
+use crate::guard::{Failure, guard};
+use crate::material::{material, room};
+use crate::pointers::{Out, check, check_apart, check_extent, read, read_array};
+use crate::storage::{AnyMixtureMut, check_room, mixture_mut, with_mixture};
+use crate::streams::{Batch, srbf_numbers_out, srbf_vectors, srbf_vectors_out};
+use crate::{
+    SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE, srbf_material, srbf_mixture,
+    srbf_samples_out, srbf_status,
+};
+use core::ops::Range;
+use srbf_core::{Expanded, SamplesMut};
+
+/// Alignment of the storage for an expanded material, which is also what `malloc` gives on 64-bit platforms.
+pub const SRBF_EXPANDED_ALIGNMENT: usize = 16;
+/// Rows at which the error of an expanded material is below 1e-3 of the largest value on every material that was tried.
+pub const SRBF_EXPANDED_DEFAULT_ROWS: usize = 512;
+
+/// A material made ready for speed: lobes for many angles of the outgoing direction, in the caller's storage.
+///
+/// It never changes, so any number of threads may use one at once. It needs no release. Its bytes may not be moved, and the bytes of
+/// the material that it was made from must live, and stay as they are, for as long as it is used.
+pub struct srbf_expanded {
+    tag: u32,
+    expanded: Expanded<'static>,
+    /// Bytes of the storage.
+    size: usize,
+}
+
+/// What stands at the start of every expanded material that this library made.
+const TAG: u32 = 0x71e5_02a9;
+
+/// Bytes before the rows.
+const HEAD: usize = size_of::<srbf_expanded>().next_multiple_of(SRBF_EXPANDED_ALIGNMENT);
+
+const _: () = assert!(
+    align_of::<srbf_expanded>() <= SRBF_EXPANDED_ALIGNMENT
+        && SRBF_EXPANDED_DEFAULT_ROWS == Expanded::DEFAULT_ROWS
+);
+
+impl srbf_expanded {
+    /// The bytes that it lies in, and the `.srbf` bytes that it reads.
+    fn extents(&self) -> [Range<usize>; 2] {
+        let start = core::ptr::from_ref(self).addr();
+        let bytes = self.expanded.material().bytes().as_ptr_range();
+        [start..start + self.size, bytes.start.addr()..bytes.end.addr()]
+    }
+}
+
+/// Borrows an expanded material of the caller.
+///
+/// # Safety
+/// The header's contract: what is not NULL points to an expanded material.
+#[inline(always)]
+unsafe fn object<'a>(expanded: *const srbf_expanded) -> Result<&'a srbf_expanded, Failure> {
+    check(expanded)?;
+    // SAFETY: not NULL and aligned; readable by the contract. The tag is looked at through the pointer, before there is a
+    // reference to a whole that may not be one.
+    if unsafe { (&raw const (*expanded).tag).read() } != TAG {
+        return Err(SRBF_STATUS_OBJECT.into());
+    }
+    // SAFETY: the tag says that this library wrote one here; it never changes.
+    Ok(unsafe { &*expanded })
+}
+
+/// The bytes of an expanded material of so many rows; `None` if there are more than an object may have.
+fn size_of_rows(material: &srbf_material, rows: usize) -> Option<usize> {
+    let bytes = material.material.expanded_len(rows).checked_mul(size_of::<f32>())?.checked_add(HEAD)?;
+    isize::try_from(bytes).is_ok().then_some(bytes)
+}
+
+/// Says how many bytes of storage an expanded material of so many rows needs: 448 a row, or 512 if lobes are mirrored, for up to
+/// sixteen lobes, and as much for each sixteen lobes more.
+///
+/// Range: `rows` at least 2, at most 16384; `SRBF_EXPANDED_DEFAULT_ROWS` is a good number.
+/// Status: `SRBF_STATUS_SIZE` if the bytes are more than the address space has.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_expanded_size(
+    material: *const srbf_material,
+    rows: usize,
+    size: *mut usize,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (material, out) = unsafe { (self::material(material)?, Out::new(size)?) };
+        out.set(size_of_rows(material, rows).ok_or(SRBF_STATUS_SIZE)?);
+        Ok(())
+    })
+}
+
+/// Expands a material in the caller's storage: prepares it exactly at so many angles of the outgoing direction.
+///
+/// Its values differ from those of `srbf_material_prepare` by an error that falls with the square of the number of rows.
+/// Shapes: `storage` [storage_size], at least what `srbf_expanded_size` says, aligned to `SRBF_EXPANDED_ALIGNMENT`; `expanded` one
+/// pointer, which is set to the storage. Neither may overlap the other, nor the material.
+/// Status: `SRBF_STATUS_ARGUMENT` for an anisotropic material and for a number of rows out of range.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_expanded_make(
+    material: *const srbf_material,
+    rows: usize,
+    storage: *mut core::ffi::c_void,
+    storage_size: usize,
+    expanded: *mut *mut srbf_expanded,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (material, out) = unsafe { (self::material(material)?, Out::new(expanded)?) };
+        let place = storage.cast::<srbf_expanded>();
+        check(place)?;
+        if !place.addr().is_multiple_of(SRBF_EXPANDED_ALIGNMENT) {
+            return Err(SRBF_STATUS_MISALIGNED.into());
+        }
+        check_extent(place.addr(), storage_size, 1)?;
+        let size = size_of_rows(material, rows).ok_or(SRBF_STATUS_SIZE)?;
+        // A number of rows that has no meaning is named before a size that follows from it.
+        Expanded::check(&material.material, rows)?;
+        if storage_size < size {
+            return Err(SRBF_STATUS_SIZE.into());
+        }
+        let written = place.addr()..place.addr() + size;
+        for other in material.extents().into_iter().chain([out.extent()]) {
+            check_apart(&written, &other)?;
+        }
+        for other in material.extents() {
+            check_apart(&out.extent(), &other)?;
+        }
+        let numbers = place.wrapping_byte_add(HEAD).cast::<f32>();
+        let count = material.material.expanded_len(rows);
+        // SAFETY: within the storage, aligned as it is; writable by the header's contract, and nobody else's. Whatever its bits, it
+        // holds numbers.
+        let memory = unsafe {
+            numbers.write_bytes(0, count);
+            core::slice::from_raw_parts_mut(numbers, count)
+        };
+        let expanded = Expanded::new(&material.material, rows, memory)?;
+        // SAFETY: not NULL, aligned and large enough; writable by the header's contract.
+        unsafe { place.write(srbf_expanded { tag: TAG, expanded, size }) };
+        out.set(place);
+        Ok(())
+    })
+}
+
+/// Makes the mixture of lobes for an outgoing direction, in a mixture that the caller has initialised; overwrites it.
+///
+/// As `srbf_material_prepare`, from the rows of an expanded material. Status as there.
+/// Shapes: `wo` [3], unit vector towards the viewer, +z the surface normal.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_expanded_prepare(
+    expanded: *const srbf_expanded,
+    wo: *const f32,
+    mixture: *mut srbf_mixture,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (object, wo, mut mixture) =
+            unsafe { (object(expanded)?, direction(read_array(wo)?)?, mixture_mut(mixture)?) };
+        with_mixture!(AnyMixtureMut: &mut mixture, mixture => {
+            check_room(object.expanded.material().lobe_count(), room(mixture))?;
+            object.expanded.prepare(wo, mixture)?;
+        });
+        Ok(())
+    })
+}
+
+/// Evaluates `f cos` for n pairs of an outgoing and an incident direction; 1/sr.
+///
+/// Shapes: `wo` and `wi` n unit vectors; `value` n colours in linear sRGB, overwritten. n = 0 looks at no pointer but the expanded
+/// material. A `wo` that is no unit vector gives 0.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_expanded_evaluate_pairs_into(
+    expanded: *const srbf_expanded,
+    n: usize,
+    wo: *const srbf_vectors,
+    wi: *const srbf_vectors,
+    value: *const srbf_vectors_out,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let object = unsafe { object(expanded)? };
+        if n == 0 {
+            return Ok(());
+        }
+        // SAFETY: the header's contract.
+        let (wo, wi, value) = unsafe { (read(wo)?, read(wi)?, read(value)?) };
+        let ([ox, oy, oz], [ix, iy, iz]) = (wo.streams(), wi.streams());
+        let inputs = [ox, oy, oz, ix, iy, iz];
+        // SAFETY: the header's contract.
+        let batch = unsafe { Batch::new(n, inputs, value.streams(), object.extents())? };
+        batch.run(|[ox, oy, oz, ix, iy, iz], value| {
+            object.expanded.evaluate_pairs_into([ox, oy, oz], [ix, iy, iz], value)
+        })?;
+        Ok(())
+    })
+}
+
+/// Evaluates `f cos` and the density for n pairs of an outgoing and an incident direction; 1/sr.
+///
+/// Shapes: `wo` and `wi` n unit vectors; `value` n colours in linear sRGB and `pdf` n numbers, overwritten. n = 0 and what is no
+/// unit vector as in `srbf_expanded_evaluate_pairs_into`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_expanded_evaluate_and_pdf_pairs_into(
+    expanded: *const srbf_expanded,
+    n: usize,
+    wo: *const srbf_vectors,
+    wi: *const srbf_vectors,
+    value: *const srbf_vectors_out,
+    pdf: *const srbf_numbers_out,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let object = unsafe { object(expanded)? };
+        if n == 0 {
+            return Ok(());
+        }
+        // SAFETY: the header's contract.
+        let (wo, wi, value, pdf) = unsafe { (read(wo)?, read(wi)?, read(value)?, read(pdf)?) };
+        let ([ox, oy, oz], [ix, iy, iz]) = (wo.streams(), wi.streams());
+        let [red, green, blue] = value.streams();
+        let (inputs, outputs) = ([ox, oy, oz, ix, iy, iz], [red, green, blue, pdf.stream()]);
+        // SAFETY: the header's contract.
+        let batch = unsafe { Batch::new(n, inputs, outputs, object.extents())? };
+        batch.run(|[ox, oy, oz, ix, iy, iz], [red, green, blue, pdf]| {
+            let value = [red, green, blue];
+            object.expanded.evaluate_and_pdf_pairs_into([ox, oy, oz], [ix, iy, iz], value, pdf)
+        })?;
+        Ok(())
+    })
+}
+
+/// Evaluates the density of sampling alone for n pairs of an outgoing and an incident direction; 1/sr.
+///
+/// Shapes: `wo` and `wi` n unit vectors; `pdf` n numbers, overwritten. n = 0 and what is no unit vector as in
+/// `srbf_expanded_evaluate_pairs_into`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_expanded_pdf_pairs_into(
+    expanded: *const srbf_expanded,
+    n: usize,
+    wo: *const srbf_vectors,
+    wi: *const srbf_vectors,
+    pdf: *const srbf_numbers_out,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let object = unsafe { object(expanded)? };
+        if n == 0 {
+            return Ok(());
+        }
+        // SAFETY: the header's contract.
+        let (wo, wi, pdf) = unsafe { (read(wo)?, read(wi)?, read(pdf)?) };
+        let ([ox, oy, oz], [ix, iy, iz]) = (wo.streams(), wi.streams());
+        // SAFETY: the header's contract.
+        let batch = unsafe { Batch::new(n, [ox, oy, oz, ix, iy, iz], [pdf.stream()], object.extents())? };
+        batch.run(|[ox, oy, oz, ix, iy, iz], [pdf]| {
+            object.expanded.pdf_pairs_into([ox, oy, oz], [ix, iy, iz], pdf)
+        })?;
+        Ok(())
+    })
+}
+
+/// Draws an incident direction for each of n outgoing ones, with density and weight.
+///
+/// Shapes: `wo` n unit vectors; `u` n times three uniform numbers in [0, 1); `samples` n of each, overwritten. n = 0 and what is no
+/// unit vector as in `srbf_expanded_evaluate_pairs_into`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_expanded_sample_pairs_into(
+    expanded: *const srbf_expanded,
+    n: usize,
+    wo: *const srbf_vectors,
+    u: *const srbf_vectors,
+    samples: *const srbf_samples_out,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let object = unsafe { object(expanded)? };
+        if n == 0 {
+            return Ok(());
+        }
+        // SAFETY: the header's contract.
+        let (wo, u, samples) = unsafe { (read(wo)?, read(u)?, read(samples)?) };
+        let ([ox, oy, oz], [ux, uy, uz]) = (wo.streams(), u.streams());
+        let inputs = [ox, oy, oz, ux, uy, uz];
+        // SAFETY: the header's contract.
+        let batch = unsafe { Batch::new(n, inputs, samples.streams(), object.extents())? };
+        batch.run(|[ox, oy, oz, ux, uy, uz], [x, y, z, pdf, red, green, blue]| {
+            let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
+            object.expanded.sample_pairs_into([ox, oy, oz], [ux, uy, uz], samples)
+        })?;
+        Ok(())
+    })
+}
+
+/// Draws an incident direction for each of n outgoing ones, and evaluates value and density towards another one: what next-event
+/// estimation needs at every hit, with one preparation.
+///
+/// Shapes: `wo`, `u` and `samples` as in `srbf_expanded_sample_pairs_into`; `wi`, `value` and `pdf` as in
+/// `srbf_expanded_evaluate_and_pdf_pairs_into`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_expanded_sample_and_evaluate_pairs_into(
+    expanded: *const srbf_expanded,
+    n: usize,
+    wo: *const srbf_vectors,
+    u: *const srbf_vectors,
+    samples: *const srbf_samples_out,
+    wi: *const srbf_vectors,
+    value: *const srbf_vectors_out,
+    pdf: *const srbf_numbers_out,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let object = unsafe { object(expanded)? };
+        if n == 0 {
+            return Ok(());
+        }
+        // SAFETY: the header's contract.
+        let (wo, u, samples) = unsafe { (read(wo)?, read(u)?, read(samples)?) };
+        // SAFETY: the header's contract.
+        let (wi, value, pdf) = unsafe { (read(wi)?, read(value)?, read(pdf)?) };
+        let ([ox, oy, oz], [ux, uy, uz], [ix, iy, iz]) = (wo.streams(), u.streams(), wi.streams());
+        let ([x, y, z, density, w0, w1, w2], [red, green, blue]) = (samples.streams(), value.streams());
+        let inputs = [ox, oy, oz, ux, uy, uz, ix, iy, iz];
+        let outputs = [x, y, z, density, w0, w1, w2, red, green, blue, pdf.stream()];
+        // SAFETY: the header's contract.
+        let batch = unsafe { Batch::new(n, inputs, outputs, object.extents())? };
+        batch.run(
+            |[ox, oy, oz, ux, uy, uz, ix, iy, iz], [x, y, z, density, w0, w1, w2, red, green, blue, pdf]| {
+                let samples = SamplesMut { direction: [x, y, z], pdf: density, weight: [w0, w1, w2] };
+                let (wi, value) = ([ix, iy, iz], [red, green, blue]);
+                object.expanded.sample_and_evaluate_pairs_into(
+                    [ox, oy, oz],
+                    [ux, uy, uz],
+                    samples,
+                    wi,
+                    value,
+                    pdf,
+                )
+            },
+        )?;
+        Ok(())
+    })
+}

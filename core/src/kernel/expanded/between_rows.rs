@@ -1,0 +1,207 @@
+//! The lobes of an expanded material between two rows: lanes are lobes.
+#![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
+
+use super::super::between_views::{Place, views_passed};
+use super::super::outgoing::Facing;
+use super::table::{
+    CHUNK, Chunk, DIFFUSE, Expanded, HEAD, IN_PLANE, INVERSE_SQUEEZE, LOBES_ALBEDO, LOBES_POWER, MIRRORED,
+    whole,
+};
+use crate::error::Error;
+use crate::mixture::complete::{LEAST_SHARPNESS, tail_and_inside, tail_and_inside_of_sharp};
+use crate::mixture::factors::Factors;
+use crate::mixture::rows::{Domain, Mixture, lowest_bits};
+use crate::simd::detect::Level;
+use crate::simd::lanes::{Lanes, dot3, splat3};
+use crate::simd::routine::One;
+use crate::squeeze::Squeeze;
+use core::f32::consts::{FRAC_1_PI, LOG2_E};
+use glam::Vec3;
+
+/// Lobes as they are interpolated.
+#[derive(Clone, Copy)]
+pub(super) struct Lobes<L> {
+    /// Unit vectors above the horizon.
+    pub axis: [L; 3],
+    pub sharpness: L,
+    /// Integrals in red, green and blue.
+    pub power: [L; 3],
+}
+
+impl<L: Lanes> Lobes<L> {
+    /// Those from the `j`-th on of the same group of two rows. `W`: [`IN_PLANE`] or [`MIRRORED`]; `P`: of a
+    /// material that is plain.
+    #[inline(always)]
+    pub fn between<const W: usize, const P: bool>([a, b]: [&[Chunk; W]; 2], share: L, j: usize) -> Self {
+        let mut numbers = [L::splat(0.0); MIRRORED];
+        for i in 0..W {
+            let (a, b) = (L::load(&a[i][j..]), L::load(&b[i][j..]));
+            numbers[i] = (b - a).mul_add(share, a);
+        }
+        let [x, z, sharpness, red, green, blue, y] = numbers;
+        let mut axis = [x, y, z.abs()];
+        let mut squared = x.mul_add(x, z * z);
+        if W == MIRRORED {
+            squared = y.mul_add(y, squared);
+        }
+        let inverse = if P {
+            // One step of Newton's from 1.
+            squared.neg_mul_add(L::splat(0.5), L::splat(1.5))
+        } else {
+            // Axes that are opposite have none between them.
+            let squared = squared.max(L::splat(1e-12));
+            squared.sqrt() / squared
+        };
+        for i in 0..3 {
+            axis[i] = axis[i] * inverse;
+        }
+        Self { axis, sharpness, power: [red, green, blue] }
+    }
+
+    /// What powers are multiplied by for amplitudes: 1 over the integral of a Gaussian.
+    #[inline(always)]
+    pub fn normaliser<const P: bool>(&self) -> L {
+        let s = self.least_sharpness::<P>();
+        let [_, inside] = if P { tail_and_inside_of_sharp(s) } else { tail_and_inside(s) };
+        s * L::splat(0.5 * FRAC_1_PI) / inside
+    }
+
+    /// `1 / s`, `exp(-2 s)` and `1 - exp(-2 s)`.
+    #[inline(always)]
+    fn integral<const P: bool>(&self) -> [L; 3] {
+        let s = self.least_sharpness::<P>();
+        let [tail, inside] = if P { tail_and_inside_of_sharp(s) } else { tail_and_inside(s) };
+        [L::splat(1.0) / s, tail, inside]
+    }
+
+    /// The sharpness, of at least what is constant to f32.
+    #[inline(always)]
+    fn least_sharpness<const P: bool>(&self) -> L {
+        if P { self.sharpness } else { self.sharpness.max(L::splat(LEAST_SHARPNESS)) }
+    }
+}
+
+/// The same group of lobes of two rows, as arrays of [`Chunk`]s.
+#[inline(always)]
+pub(super) fn group<'m, const W: usize>([a, b]: [&'m [Chunk]; 2], g: usize) -> [&'m [Chunk; W]; 2] {
+    let part = |row: &'m [Chunk]| row[1 + g * W..].first_chunk().expect("a row has all groups");
+    [part(a), part(b)]
+}
+
+impl<'m> Expanded<'m> {
+    /// Makes the mixture for an outgoing direction, in the caller's storage, which it overwrites: as
+    /// [`Material::prepare`](crate::Material::prepare), in less time, with an error that falls with the
+    /// square of the number of rows.
+    ///
+    /// # Errors
+    /// [`Error::Capacity`] if the storage has room for fewer lobes than the material has;
+    /// [`Error::Direction`] if `wo` is not a finite unit vector. The mixture is empty then.
+    #[inline]
+    pub fn prepare<const N: usize>(&self, wo: Vec3, mixture: &mut Mixture<'m, N>) -> Result<(), Error> {
+        let level = Level::current();
+        level.run_one::<_, Towards>(Prepare { expanded: self, level, mixture }, wo.to_array())
+    }
+}
+
+/// What [`Towards`] is given beside the outgoing direction.
+struct Prepare<'a, 'm, const N: usize> {
+    expanded: &'a Expanded<'m>,
+    /// What it runs on.
+    level: Level,
+    mixture: &'a mut Mixture<'m, N>,
+}
+
+/// The mixture for one outgoing direction.
+struct Towards;
+
+impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
+    type Output = Result<(), Error>;
+    const IS_WIDE: bool = true;
+    #[inline(always)]
+    fn run<L: Lanes>(to: Prepare<'_, '_, N>, numbers: [f32; 3]) -> Result<(), Error> {
+        let Prepare { expanded, level, mixture } = to;
+        let material = &expanded.material;
+        mixture.begin(level, Domain::Hemisphere, Squeeze::NONE);
+        let needed = material.lobe_count();
+        if needed > N {
+            return Err(Error::Capacity { needed, available: N });
+        }
+        let wo = Vec3::from_array(numbers);
+        let Some(outgoing) = Facing::<L::One>::new(splat3(numbers)).first(wo) else {
+            return Err(Error::Direction);
+        };
+        if wo.z < 0.0 {
+            return Ok(());
+        }
+        let [row, share] = expanded.place::<L>(outgoing.theta);
+        let rows = expanded.two_rows(whole(row));
+        let mut head = [0.0; HEAD];
+        for i in 0..HEAD {
+            head[i] = (rows[1][0][i] - rows[0][0][i]) * share + rows[0][0][i];
+        }
+        mixture.squeeze = Squeeze::new(outgoing.azimuth, 1.0, head[INVERSE_SQUEEZE]);
+        mixture.set_diffuse([head[DIFFUSE], head[DIFFUSE + 1], head[DIFFUSE + 2]]);
+        mixture.in_plane = material.mirrored_count() == 0;
+        match (mixture.in_plane, expanded.is_plain) {
+            (true, true) => store_lobes::<L::Lobes, N, IN_PLANE, true>(rows, share, mixture, needed),
+            (true, false) => store_lobes::<L::Lobes, N, IN_PLANE, false>(rows, share, mixture, needed),
+            (false, true) => store_lobes::<L::Lobes, N, MIRRORED, true>(rows, share, mixture, needed),
+            (false, false) => store_lobes::<L::Lobes, N, MIRRORED, false>(rows, share, mixture, needed),
+        }
+        // Every lobe has its fold, and what the sums over the lobes would be is interpolated.
+        (mixture.count, mixture.squeezed) = (needed, material.squeezed_count());
+        mixture.folded = lowest_bits(needed);
+        mixture.lobes_albedo = Vec3::new(head[LOBES_ALBEDO], head[LOBES_ALBEDO + 1], head[LOBES_ALBEDO + 2]);
+        mixture.lobes_power = head[LOBES_POWER];
+        mixture.add_diffuse();
+        if material.factor_nodes().is_some() {
+            let passed = views_passed::<L>(material, outgoing.theta);
+            let place = Place::after(material, passed, outgoing.theta);
+            mixture.factors = Factors::new(material, wo, place.among());
+        }
+        Ok(())
+    }
+}
+
+/// Interpolates lobes into a mixture, complete but for its sums.
+#[inline(always)]
+fn store_lobes<L: Lanes, const N: usize, const W: usize, const P: bool>(
+    rows: [&[Chunk]; 2],
+    share: f32,
+    mixture: &mut Mixture<'_, N>,
+    count: usize,
+) {
+    let (mut k, mut passed) = (0, L::splat(0.0));
+    while k < count && k + L::COUNT <= N {
+        let lobes = Lobes::<L>::between::<W, P>(group(rows, k / CHUNK), L::splat(share), k % CHUNK);
+        let [inverse, tail, inside] = lobes.integral::<P>();
+        let normaliser = lobes.sharpness.max(L::splat(LEAST_SHARPNESS)) * L::splat(0.5 * FRAC_1_PI) / inside;
+        let [x, y, z] = lobes.axis;
+        let rate = lobes.sharpness * L::splat(-0.5 * LOG2_E);
+        let luminance = luminance_of(lobes.power);
+        x.store(&mut mixture.axis_x[k..]);
+        y.store(&mut mixture.axis_y[k..]);
+        z.store(&mut mixture.axis_z[k..]);
+        lobes.sharpness.store(&mut mixture.sharpness[k..]);
+        (lobes.power[0] * normaliser).store(&mut mixture.red[k..]);
+        (lobes.power[1] * normaliser).store(&mut mixture.green[k..]);
+        (lobes.power[2] * normaliser).store(&mut mixture.blue[k..]);
+        (luminance * normaliser).store(&mut mixture.luminance[k..]);
+        rate.store(&mut mixture.rate[k..]);
+        (rate * z * L::splat(4.0)).store(&mut mixture.fold_rate[k..]);
+        inverse.store(&mut mixture.inverse_sharpness[k..]);
+        inside.store(&mut mixture.inside[k..]);
+        tail.store(&mut mixture.tail[k..]);
+        (luminance.running_sum() + passed).store(&mut mixture.cumulative[k..]);
+        k += L::COUNT;
+        if k < count {
+            passed = passed + L::splat(luminance.sum());
+        }
+    }
+}
+
+/// The luminance of three numbers.
+#[inline(always)]
+pub(super) fn luminance_of<L: Lanes>(rgb: [L; 3]) -> L {
+    dot3(rgb, splat3(crate::color::LUMINANCE))
+}

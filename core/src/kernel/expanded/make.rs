@@ -1,0 +1,172 @@
+//! Expands a material: prepares it exactly at the angle of each row.
+
+use super::super::between_views::{Place, at_place, views_passed};
+use super::table::{
+    CHUNK, Chunk, DIFFUSE, DIFFUSE_POWER, Expanded, INVERSE_SQUEEZE, LOBES_ALBEDO, LOBES_POWER, Shape,
+};
+use crate::color::luminance;
+use crate::error::Error;
+use crate::material::borrowed::Material;
+use crate::material::layout::{MAX_LOBES, f32_at};
+use crate::mixture::complete::LEAST_WITHOUT_SERIES;
+use crate::mixture::leave_out::LeaveOut;
+use crate::mixture::rows::{Domain, Mixture};
+use crate::simd::detect::Level;
+use crate::squeeze::Squeeze;
+use core::f32::consts::{FRAC_PI_2, PI};
+use glam::Vec3;
+
+/// Largest square of the distance of an axis at two neighbouring rows at which one step of Newton's makes
+/// what lies between them a unit vector: it leaves 3/8 (1e-3 / 4)^2.
+const FINE: f32 = 1e-3;
+
+/// A power below this is none: its products would be subnormals, 150 cycles each on Intel.
+const LEAST_POWER: f32 = 1e-30;
+
+impl<'m> Expanded<'m> {
+    /// Whether a material can be expanded, and into so many rows.
+    ///
+    /// # Errors
+    /// [`Error::Anisotropic`] and [`Error::Rows`], as [`new`](Self::new).
+    pub fn check(material: &Material<'_>, rows: usize) -> Result<(), Error> {
+        if !material.is_isotropic() {
+            return Err(Error::Anisotropic);
+        }
+        if !(2..=Self::MAX_ROWS).contains(&rows) {
+            return Err(Error::Rows);
+        }
+        Ok(())
+    }
+
+    /// Expands a material into `memory`, of at least [`Material::expanded_len`] numbers of any value, which
+    /// is borrowed from then on. It takes a few microseconds a row, and is the same for every [`Level`].
+    ///
+    /// # Errors
+    /// [`Error::Anisotropic`] for an anisotropic material, [`Error::Rows`] for less than 2 or more than
+    /// [`MAX_ROWS`](Self::MAX_ROWS) rows, [`Error::Memory`] for too little memory.
+    pub fn new(material: &Material<'m>, rows: usize, memory: &'m mut [f32]) -> Result<Self, Error> {
+        Self::check(material, rows)?;
+        let (needed, available) = (material.expanded_len(rows), memory.len());
+        if available < needed {
+            return Err(Error::Memory { needed, available });
+        }
+        let shape = Shape::new(material, rows);
+        let skip = memory.as_ptr().align_offset(4 * CHUNK).min(CHUNK - 1);
+        let (chunks, _) = memory[skip..].as_chunks_mut::<CHUNK>();
+        let (knots, chunks) = chunks.split_at_mut(3 * shape.knot_chunks);
+        let chunks = &mut chunks[..rows * shape.stride];
+        let knots = knots.as_flattened_mut();
+        knots.fill(0.0);
+        let (from_knots, rest) = knots.split_at_mut(CHUNK * shape.knot_chunks);
+        let (to_knots, per_radian) = rest.split_at_mut(CHUNK * shape.knot_chunks);
+
+        let mut first = 0;
+        for k in 0..shape.knots {
+            let from = knot(material, shape, k);
+            // The material stays as it is beyond its last view.
+            let (next, to) = if k + 1 < shape.knots {
+                let to = knot(material, shape, k + 1);
+                (row_of_knot(material, shape, rows, k + 1, first), to)
+            } else {
+                (rows, from)
+            };
+            if to > from {
+                let rows_per_radian = (next - first) as f32 / (to - from);
+                (from_knots[k], to_knots[k], per_radian[k]) = (from, to, rows_per_radian);
+            }
+            for row in first..next {
+                let beyond = (row - first) as f32 / (next - first) as f32;
+                let chunks = &mut chunks[row * shape.stride..][..shape.stride];
+                fill_row(material, shape, beyond * (to - from) + from, chunks);
+            }
+            first = next;
+        }
+        let any_diffuse = chunks.chunks_exact(shape.stride).any(|row| row[0][DIFFUSE_POWER] > 0.0);
+        let is_plain = is_plain(shape, chunks);
+        let stride = shape.stride;
+        let (knots, knot_count) = ([&*from_knots, to_knots, per_radian], shape.knots - 1);
+        Ok(Self { material: *material, knots, knot_count, chunks, rows, stride, is_plain, any_diffuse })
+    }
+}
+
+/// Angle of a knot, radians.
+fn knot(material: &Material<'_>, shape: Shape, k: usize) -> f32 {
+    if shape.knots == material.view_count() {
+        f32_at(material.bytes, material.header.theta(k))
+    } else {
+        Expanded::angles(material)[k.min(1)]
+    }
+}
+
+/// The row of a knot but the first: as many lie before it as it has of the whole angle, but one more than
+/// before the last knot, whose row is `before`, and few enough that every knot to come has one.
+fn row_of_knot(material: &Material<'_>, shape: Shape, rows: usize, k: usize, before: usize) -> usize {
+    let share = knot(material, shape, k) / Expanded::angles(material)[1];
+    let most = rows - shape.knots + k;
+    ((share * (rows - 1) as f32 + 0.5) as usize).clamp((before + 1).min(most), most)
+}
+
+/// Prepares a material at an angle of the outgoing direction, and stores what is interpolated.
+fn fill_row(material: &Material<'_>, shape: Shape, theta: f32, chunks: &mut [Chunk]) {
+    let mut m = Mixture::<MAX_LOBES>::empty();
+    m.begin(Level::Scalar, Domain::Hemisphere, Squeeze::NONE);
+    let place = Place::after(material, views_passed::<f32>(material, theta), theta);
+    at_place::<f32, MAX_LOBES>(material, [1.0, 0.0], place, LeaveOut::default(), &mut m);
+    m.sum_up();
+
+    let (head, groups) = chunks.split_at_mut(1);
+    let head = &mut head[0];
+    *head = [0.0; CHUNK];
+    head[INVERSE_SQUEEZE] = m.squeeze.inverse;
+    head[DIFFUSE..DIFFUSE + 3].copy_from_slice(&m.diffuse.to_array());
+    head[DIFFUSE_POWER] = m.diffuse_power;
+
+    let (stored, mirrored) = (material.view_lobe_count(), material.mirrored_count());
+    for (g, group) in groups.chunks_exact_mut(shape.width).enumerate() {
+        for j in 0..CHUNK {
+            let k = CHUNK * g + j;
+            // A place without a lobe: along the normal, of no power.
+            let (mut axis, mut sharpness, mut power) = (Vec3::Z, 1.0, [0.0; 3]);
+            if k < m.count {
+                axis = Vec3::new(m.axis_x[k], m.axis_y[k], m.axis_z[k]);
+                // An axis below the horizon, which the mixture has mirrored up, goes back: there is no
+                // straight line between axes on either side of a fold.
+                let of = if k < stored { k } else { k - mirrored };
+                if place.lobe_angle(material, of).abs() > FRAC_PI_2 {
+                    axis.z = -axis.z;
+                }
+                sharpness = m.sharpness[k];
+                let integral = 2.0 * PI * m.inside[k] * m.inverse_sharpness[k];
+                let of_each = [m.red[k] * integral, m.green[k] * integral, m.blue[k] * integral];
+                power = of_each.map(|power| if power.abs() < LEAST_POWER { 0.0 } else { power });
+                head[LOBES_POWER] += luminance(Vec3::from_array(power));
+                for i in 0..3 {
+                    head[LOBES_ALBEDO + i] += power[i];
+                }
+            }
+            let numbers = [axis.x, axis.z, sharpness, power[0], power[1], power[2], axis.y];
+            for (chunk, number) in group.iter_mut().zip(numbers) {
+                chunk[j] = number;
+            }
+        }
+    }
+}
+
+/// Whether no axis of a lobe with a power turns far from one row to the next, and no lobe is wide.
+fn is_plain(shape: Shape, chunks: &[Chunk]) -> bool {
+    let axis = |group: &[Chunk], j: usize| {
+        let y = if group.len() > super::table::IN_PLANE { group[6][j] } else { 0.0 };
+        Vec3::new(group[0][j], y, group[1][j])
+    };
+    let power = |group: &[Chunk], j: usize| (3..6).any(|i| group[i][j] != 0.0);
+    chunks.chunks_exact(shape.stride).zip(chunks.chunks_exact(shape.stride).skip(1)).all(|(a, b)| {
+        let groups = a[1..].chunks_exact(shape.width).zip(b[1..].chunks_exact(shape.width));
+        groups.into_iter().all(|(a, b)| {
+            (0..CHUNK).all(|j| {
+                let moves = power(a, j) || power(b, j);
+                let is_fine = !moves || axis(a, j).distance_squared(axis(b, j)) <= FINE;
+                is_fine && a[2][j].min(b[2][j]) >= LEAST_WITHOUT_SERIES
+            })
+        })
+    })
+}

@@ -1,0 +1,227 @@
+//! How an expanded material lies in memory, and where in it an outgoing direction is.
+//!
+//! Chunks of sixteen numbers, the first at a multiple of 64 bytes:
+//!
+//! ```text
+//! knots    angles of the views, angles of those after them, rows per radian between the two
+//! rows     per row: a head, then for each sixteen lobes x, z, sharpness, red, green, blue,
+//!          and y if lobes are mirrored
+//! head     1 / squeeze, albedo of the diffuse term in red, green, blue and its luminance,
+//!          power of the lobes, their albedo
+//! ```
+//!
+//! Every view has a row, and between two views rows are evenly spaced in the angle of the outgoing direction:
+//! at a view the stored numbers have a kink, and a row on either side of one would cut it off. So the error
+//! falls with the square of the number of rows.
+#![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
+
+use crate::material::borrowed::Material;
+use crate::material::layout::f32_at;
+use crate::simd::lanes::{Lanes, ROUND};
+
+/// Numbers of a chunk: 64 bytes, and the lanes of the widest vector.
+pub(crate) const CHUNK: usize = 16;
+
+/// Sixteen numbers.
+pub(crate) type Chunk = [f32; CHUNK];
+
+/// Places in the head of a row.
+pub(crate) const INVERSE_SQUEEZE: usize = 0;
+pub(crate) const DIFFUSE: usize = 1;
+pub(crate) const DIFFUSE_POWER: usize = 4;
+pub(crate) const LOBES_POWER: usize = 5;
+/// How many of them pairs need.
+pub(crate) const PAIR_HEAD: usize = 6;
+pub(crate) const LOBES_ALBEDO: usize = 6;
+/// How many there are.
+pub(crate) const HEAD: usize = 9;
+
+/// Chunks of sixteen lobes: x, z, sharpness and three powers; and y if lobes are mirrored.
+pub(crate) const IN_PLANE: usize = 6;
+pub(crate) const MIRRORED: usize = 7;
+
+/// An isotropic material made ready for speed: the lobes for many angles of the outgoing direction, in linear
+/// numbers that are interpolated linearly, in memory of the caller.
+///
+/// [`Material::prepare`] works out powers of two, sines and normalisers at each hit; an expanded material has
+/// done so once, for each of its rows. Between rows it interpolates axes (made unit vectors again),
+/// sharpness, and the power of each lobe: its integral, in each colour. Value and density are both computed
+/// from these, so that the density integrates to 1 as exactly as that of a [`Mixture`](crate::Mixture), and
+/// everything is continuous in both directions.
+///
+/// It costs memory: 448 bytes a row for up to sixteen lobes, 512 if some are mirrored. Its values differ from
+/// those of [`Material::prepare`] by an error that falls with the square of the number of rows; at
+/// [`DEFAULT_ROWS`](Self::DEFAULT_ROWS) it is below 1e-3 of the largest value, see `docs/kernels.md`.
+/// Factors stay in the bytes of the material, which it borrows.
+///
+/// Anisotropic materials are not expanded: their rows would lie over two angles, and take the square of the
+/// memory.
+///
+/// ```
+/// # use srbf_core::{Expanded, Line, Material, Mixture, PlaneLobe, SamplesMut, Vec3, View};
+/// # let color_differences = [0.0; 2];
+/// # let lobe = |angle| PlaneLobe {
+/// #     angle, off_plane: 0.0, log2_sharpness: 5.0, log2_luminance: -1.0, color_differences,
+/// # };
+/// # let view = |theta, lobes| View {
+/// #     theta, log2_squeeze: 0.0, log2_diffuse: -3.0, diffuse_color_differences: color_differences, lobes,
+/// # };
+/// # let (normal, tilted) = ([lobe(0.0)], [lobe(1.2)]);
+/// # let views = [view(0.0, &normal[..]), view(1.3, &tilted[..])];
+/// # let line = Line { views: &views, squeezed: 0, mirrored: 0, factors: None };
+/// # let mut bytes = [0; 256];
+/// # let length = line.encode("an example", &mut bytes)?;
+/// # let material = Material::from_bytes(&bytes[..length])?;
+/// // Once, when a scene is loaded.
+/// let mut memory = vec![0.0; material.expanded_len(Expanded::DEFAULT_ROWS)];
+/// let expanded = Expanded::new(&material, Expanded::DEFAULT_ROWS, &mut memory)?;
+///
+/// // At many hits, each with an outgoing direction of its own: where the paths go on.
+/// let (wo, u) = ([[0.6, 0.0], [0.0, 0.28], [0.8, 0.96]], [[0.3, 0.7], [0.6, 0.2], [0.1, 0.9]]);
+/// let (mut direction, mut pdf, mut weight) = ([[0.0; 2]; 3], [0.0; 2], [[0.0; 2]; 3]);
+/// expanded.sample_pairs_into(
+///     wo.each_ref().map(|s| &s[..]),
+///     u.each_ref().map(|s| &s[..]),
+///     SamplesMut {
+///         direction: direction.each_mut().map(|s| &mut s[..]),
+///         pdf: &mut pdf,
+///         weight: weight.each_mut().map(|s| &mut s[..]),
+///     },
+/// )?;
+/// assert!(pdf[0] > 0.0 && weight[0][0] < 1.0);
+///
+/// // At one hit: a mixture, which has all other methods.
+/// let mut mixture = Mixture::<16>::empty();
+/// expanded.prepare(Vec3::new(0.6, 0.0, 0.8), &mut mixture)?;
+/// assert!((mixture.pdf(Vec3::new(direction[0][0], direction[1][0], direction[2][0])) / pdf[0] - 1.0).abs() < 1e-4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Expanded<'m> {
+    pub(super) material: Material<'m>,
+    /// For each view but the last its angle, that of the next, and how many rows a radian has between them;
+    /// then zeros.
+    pub(super) knots: [&'m [f32]; 3],
+    pub(super) knot_count: usize,
+    pub(super) chunks: &'m [Chunk],
+    pub(super) rows: usize,
+    /// Chunks of a row.
+    pub(super) stride: usize,
+    /// No axis turns so far from a row to the next that its length between them needs a root, and no lobe is
+    /// so wide that its normaliser needs a series.
+    pub(super) is_plain: bool,
+    /// Some row has a diffuse term.
+    pub(super) any_diffuse: bool,
+}
+
+/// The whole number, up to 32767, that was added to [`ROUND`]: in its low bits, without a conversion.
+#[inline(always)]
+pub(super) fn whole(number: f32) -> usize {
+    (number.to_bits() & 0x7fff) as usize
+}
+
+/// Where everything lies, in chunks.
+#[derive(Clone, Copy)]
+pub(super) struct Shape {
+    /// Knots: one for each view, or, where there are more views than rows, the first and the last.
+    pub knots: usize,
+    /// Chunks of one number of all knots.
+    pub knot_chunks: usize,
+    /// Chunks of a group.
+    pub width: usize,
+    /// Chunks of a row.
+    pub stride: usize,
+}
+
+impl Shape {
+    #[inline(always)]
+    pub fn new(material: &Material<'_>, rows: usize) -> Self {
+        let views = material.view_count();
+        let knots = if views <= rows { views } else { 2 };
+        let groups = material.lobe_count().div_ceil(CHUNK); // of up to sixteen lobes
+        let width = if material.mirrored_count() > 0 { MIRRORED } else { IN_PLANE };
+        let stride = 1 + groups * width;
+        Self { knots, knot_chunks: knots.div_ceil(CHUNK), width, stride }
+    }
+}
+
+impl Material<'_> {
+    /// How many f32 [`Expanded::new`] takes for so many rows: up to 15 more than are used, for rows to begin
+    /// at multiples of 64 bytes wherever the memory begins.
+    pub fn expanded_len(&self, rows: usize) -> usize {
+        let shape = Shape::new(self, rows);
+        rows.saturating_mul(shape.stride)
+            .saturating_add(3 * shape.knot_chunks)
+            .saturating_mul(CHUNK)
+            .saturating_add(CHUNK - 1)
+    }
+}
+
+impl<'m> Expanded<'m> {
+    /// Rows at which the error is below 1e-3 of the largest value on every material that was tried.
+    pub const DEFAULT_ROWS: usize = 512;
+
+    /// Most rows.
+    pub const MAX_ROWS: usize = 16_384;
+
+    /// The material that was expanded.
+    pub fn material(&self) -> &Material<'m> {
+        &self.material
+    }
+
+    /// Number of rows.
+    pub fn row_count(&self) -> usize {
+        self.rows
+    }
+
+    /// The places of outgoing directions among the rows, by their angle from the normal: the row before, which
+    /// [`whole`] reads, and how far beyond it, in [0, 1]. Anything for a NaN.
+    #[inline(always)]
+    pub(super) fn places<L: Lanes>(&self, theta: L) -> [L; 2] {
+        let mut place = L::splat(0.0);
+        let [from, to, per_radian] = self.knots;
+        for k in 0..from.len().min(to.len()).min(per_radian.len()).min(self.knot_count) {
+            let within = theta.max(L::splat(from[k])).min(L::splat(to[k])) - L::splat(from[k]);
+            place = within.mul_add(L::splat(per_radian[k]), place);
+        }
+        self.split(place)
+    }
+
+    /// The place of one outgoing direction: lanes are views.
+    #[inline(always)]
+    pub(super) fn place<L: Lanes>(&self, theta: f32) -> [f32; 2] {
+        let (theta, mut places) = (L::splat(theta), L::splat(0.0));
+        let [from, to, per_radian] = self.knots;
+        let mut k = 0;
+        while k < self.knot_count && k + L::COUNT <= from.len() {
+            let from = L::load(&from[k..]);
+            let within = theta.max(from).min(L::load(&to[k..])) - from;
+            places = within.mul_add(L::load(&per_radian[k..]), places);
+            k += L::COUNT;
+        }
+        let [whole, beyond] = self.split(L::One::splat(places.sum()));
+        [whole.first(), beyond.first()]
+    }
+
+    /// A place as the row before and what is beyond that.
+    #[inline(always)]
+    fn split<L: Lanes>(&self, place: L) -> [L; 2] {
+        // The row below, or at a row perhaps the one before that, and 1.
+        let before = (place - L::splat(0.5)).max(L::splat(0.0)).min(L::splat((self.rows - 2) as f32));
+        let whole = before + L::splat(ROUND);
+        let before = whole - L::splat(ROUND);
+        [whole, (place - before).max(L::splat(0.0)).min(L::splat(1.0))]
+    }
+
+    /// The chunks of a row and of the next, which there is whatever the number.
+    #[inline(always)]
+    pub(super) fn two_rows(&self, row: usize) -> [&'m [Chunk]; 2] {
+        let both = &self.chunks[row.min(self.rows - 2) * self.stride..][..2 * self.stride];
+        both.split_at(self.stride).into()
+    }
+
+    /// Angle of the first and of the last view.
+    pub(super) fn angles(material: &Material<'_>) -> [f32; 2] {
+        [0, material.view_count() - 1].map(|view| f32_at(material.bytes, material.header.theta(view)))
+    }
+}
