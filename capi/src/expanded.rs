@@ -5,7 +5,7 @@ use crate::convert::direction;
 use crate::guard::{Failure, guard};
 use crate::material::{material, room};
 use crate::pointers::{Out, check, check_apart, check_extent, read, read_array};
-use crate::storage::{AnyMixtureMut, check_room, mixture_mut, with_mixture};
+use crate::storage::{check_room, mixture_mut, with_mixture};
 use crate::streams::{Batch, srbf_numbers_out, srbf_vectors, srbf_vectors_out};
 use crate::{
     SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE, srbf_material, srbf_mixture,
