@@ -129,8 +129,13 @@ impl Kind {
         let factors: Vec<[f32; 3]> = (0..NODES * NODES)
             .map(|n| [0.8, 1.0, 1.2].map(|f| f + 0.3 * ((n / NODES) as f32 * 0.7 + (n % NODES) as f32).sin()))
             .collect();
-        let albedos = vec![[0.4; 3]; views.len()];
-        let table = FactorTable { half: NODES, difference: NODES, factors: &factors, albedos: &albedos };
+        let albedo_differences = vec![[0.1; 3]; views.len()];
+        let table = FactorTable {
+            half: NODES,
+            difference: NODES,
+            factors: &factors,
+            albedo_differences: &albedo_differences,
+        };
         let factors = self.factors.then_some(table);
         let line = Line { views: &views, squeezed: self.squeezed, mirrored: self.mirrored, factors };
         let mut bytes = vec![0; line.encoded_len("")];

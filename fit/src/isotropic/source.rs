@@ -63,7 +63,9 @@ pub(crate) fn fit_samples(
     let thetas: Vec<f64> = table.views.iter().map(|view| view.theta).collect();
     let whole = Table::from_brdf(completion, &thetas, Density::default())?;
     let reports = table.views.iter().zip(&whole.views).map(|(view, whole)| {
-        let (albedo, uncut_albedo) = (whole.albedo, whole.uncut_albedo);
+        // But for samples that say more than any surface reflects: the report tells.
+        let is_cut = view.albedo != view.uncut_albedo;
+        let (albedo, uncut_albedo) = (whole.albedo, if is_cut { view.uncut_albedo } else { whole.albedo });
         ViewReport::new(&fit.bytes, &View { albedo, uncut_albedo, ..view.clone() })
     });
     fit.report.views = reports.collect::<Result<_, _>>()?;
