@@ -195,7 +195,8 @@ fn judged(views: &[ViewReport]) -> impl Iterator<Item = &ViewReport> {
 impl Summary {
     /// Sums a report up.
     pub fn new(report: &Report) -> Self {
-        let is_of_held_out = !report.held_out.is_empty();
+        // Samples are the data; what they were completed to is not.
+        let is_of_held_out = !report.held_out.is_empty() && report.completion.is_none();
         let views = if is_of_held_out { &report.held_out } else { &report.views };
         let spread = |measure: &Measure| Spread::of(judged(views), measure.number);
         Self {
@@ -294,7 +295,8 @@ impl Verdict {
 
     fn say(&mut self, measure: &Measure, report: &Report) {
         let all = || judged(&report.views).chain(judged(&report.held_out));
-        let spread = if report.held_out.is_empty() { &report.views } else { &report.held_out };
+        let is_of_views = report.held_out.is_empty() || report.completion.is_some();
+        let spread = if is_of_views { &report.views } else { &report.held_out };
         let (Some(spread), Some(most)) =
             (Spread::of(judged(spread), measure.number), Spread::of(all(), measure.number))
         else {
@@ -395,7 +397,7 @@ pub(crate) fn steps_matter(report: &Report) -> bool {
 fn advice(report: &Report, made: Made) -> Vec<String> {
     let summary = Summary::new(report);
     let median = |spread: Option<Spread>| spread.map_or(0.0, |s| s.median);
-    let can_evaluate = summary.is_of_held_out;
+    let can_evaluate = !report.held_out.is_empty();
     let mut advice = Vec::new();
     let is_seen = [&OFF_PEAK, &LUMINANCE, &CHROMA].iter().any(|measure| is_off(measure, report));
     let is_for_factors = is_seen && can_evaluate && made.is_isotropic && !made.has_factors;
