@@ -132,7 +132,7 @@
 /**
  * Rows at which the error of an expanded material is below 1e-3 of the largest value on every material that was tried.
  */
-#define SRBF_EXPANDED_DEFAULT_ROWS 512
+#define SRBF_EXPANDED_DEFAULT_ROWS 1024
 
 /**
  * The number of squeezed lobes is chosen by what turns out best.

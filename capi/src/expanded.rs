@@ -17,7 +17,7 @@ use srbf_core::{Expanded, SamplesMut};
 /// Alignment of the storage for an expanded material, which is also what `malloc` gives on 64-bit platforms.
 pub const SRBF_EXPANDED_ALIGNMENT: usize = 16;
 /// Rows at which the error of an expanded material is below 1e-3 of the largest value on every material that was tried.
-pub const SRBF_EXPANDED_DEFAULT_ROWS: usize = 512;
+pub const SRBF_EXPANDED_DEFAULT_ROWS: usize = 1024;
 
 /// A material made ready for speed: lobes for many angles of the outgoing direction, in the caller's storage.
 ///

@@ -157,7 +157,11 @@ fn materials() -> Vec<(&'static str, Vec<u8>)> {
 fn expanded(bytes: &[u8], rows: usize) -> (Material<'static>, Expanded<'static>) {
     let material = Material::from_bytes(bytes.to_vec().leak()).expect("a valid material");
     let memory = vec![f32::NAN; material.expanded_len(rows)].leak();
-    (material, Expanded::new(&material, rows, memory).expect("an isotropic material"))
+    Expanded::check(&material, rows).expect("an isotropic material");
+    let expanded = Expanded::new(&material, rows, memory).expect("what was checked");
+    assert!(expanded.row_count() >= rows.min(material.view_count()), "{}", expanded.row_count());
+    assert_eq!(expanded.material().bytes(), material.bytes());
+    (material, expanded)
 }
 
 fn upper(random: &mut Random) -> Vec3 {

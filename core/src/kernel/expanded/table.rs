@@ -159,7 +159,7 @@ impl Material<'_> {
 
 impl<'m> Expanded<'m> {
     /// Rows at which the error is below 1e-3 of the largest value on every material that was tried.
-    pub const DEFAULT_ROWS: usize = 512;
+    pub const DEFAULT_ROWS: usize = 1024;
 
     /// Most rows.
     pub const MAX_ROWS: usize = 16_384;
