@@ -137,7 +137,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let file = args.file.context("a file is needed")?;
     let source = method::read(&file, args.material.as_deref())?;
     check_options(&file, &source.content, &args.settings)?;
-    let picture = args.picture.check(&file, &source, args.method)?;
+    let picture = args.picture.check(&source, args.method)?;
     let name = names::stem(&file, args.material.as_deref())?;
     if args.lobes_table {
         return lobes_table::run(&source, &name.to_string_lossy(), &args.settings.settings());
