@@ -1,6 +1,6 @@
 //! Operations by name, each on the same directions: `fixed-work` counts their instructions, `cycles` their time.
 
-use crate::{GARNET_RED, Triples, factored_material, garnet_mixture, general_mixture, mixture_at_50_degrees};
+use crate::{Triples, factored_material, garnet_mixture, garnet_red, general_mixture, mixture_at_50_degrees};
 use srbf_core::{LeaveOut, Material, Mixture, SamplesMut, Vec3};
 
 /// What is done for every direction.
@@ -95,11 +95,11 @@ pub struct Work {
     uniforms: Triples,
     incident: Triples,
     out: [Vec<f32>; 7],
-    material: Material<'static>,
+    material: &'static Material,
     round: Mixture<'static, 64>,
     garnet: Mixture<'static, 64>,
     prepared: Mixture<'static, 16>,
-    factored_material: Material<'static>,
+    factored_material: &'static Material,
     factored: Mixture<'static, 64>,
 }
 
@@ -111,12 +111,12 @@ impl Work {
             uniforms: Triples::uniforms(n, 2),
             incident: Triples::directions(n, 3),
             out: [(); 7].map(|()| vec![0.0; n]),
-            material: Material::from_bytes(GARNET_RED).expect("the preset is valid"),
+            material: garnet_red(),
             round: general_mixture(12),
             garnet: garnet_mixture(),
             prepared: Mixture::empty(),
             factored_material: factored_material(),
-            factored: mixture_at_50_degrees(&factored_material()),
+            factored: mixture_at_50_degrees(factored_material()),
         }
     }
 
@@ -124,9 +124,9 @@ impl Work {
     pub fn run(&mut self, operation: Operation, subject: Subject) {
         let Self { directions, uniforms, incident, out, .. } = self;
         let (mixture, material) = match subject {
-            Subject::Preset => (&self.garnet, &self.material),
-            Subject::Round => (&self.round, &self.material),
-            Subject::Factored => (&self.factored, &self.factored_material),
+            Subject::Preset => (&self.garnet, self.material),
+            Subject::Round => (&self.round, self.material),
+            Subject::Factored => (&self.factored, self.factored_material),
         };
         let prepared = &mut self.prepared;
         let n = out[0].len();
@@ -207,7 +207,7 @@ fn store(to: &mut Vec3, x: f32, y: f32, z: f32) {
 
 /// Prepares a mixture for each direction, without lobes of less than a share of the albedo; writes its power.
 fn prepare(
-    material: &Material<'static>,
+    material: &'static Material,
     directions: &Triples,
     share: f32,
     mixture: &mut Mixture<'static, 16>,

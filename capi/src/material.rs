@@ -25,10 +25,30 @@ pub const SRBF_MATERIAL_ALIGNMENT: usize = 16;
 /// storage, or on the heap by `srbf_material_from_bytes` and `srbf_material_load`, which `srbf_material_free` releases.
 pub struct srbf_material {
     tag: u32,
-    pub(crate) material: Material<'static>,
-    /// The bytes, where this library owns them and the object; both are on the heap then.
+    pub(crate) material: Material<Bytes>,
+    /// This library put it on the heap, with its bytes.
     #[cfg(feature = "std")]
-    pub(crate) owned: Option<core::ptr::NonNull<[u8]>>,
+    pub(crate) is_owned: bool,
+}
+
+/// The bytes of a material.
+pub(crate) enum Bytes {
+    /// The caller's.
+    Borrowed(&'static [u8]),
+    /// This library's.
+    #[cfg(feature = "std")]
+    Owned(std::boxed::Box<[u8]>),
+}
+
+impl AsRef<[u8]> for Bytes {
+    #[inline(always)]
+    fn as_ref(&self) -> &[u8] {
+        match self {
+            Self::Borrowed(bytes) => bytes,
+            #[cfg(feature = "std")]
+            Self::Owned(bytes) => bytes,
+        }
+    }
 }
 
 /// What stands at the start of every material that this library made, and nothing that it has released.
@@ -40,13 +60,14 @@ const _: () = assert!(
 );
 
 impl srbf_material {
-    pub(crate) fn borrowed(material: Material<'static>) -> Self {
-        Self {
+    /// Checks the bytes.
+    pub(crate) fn new(bytes: Bytes) -> Result<Self, Failure> {
+        Ok(Self {
             tag: TAG,
-            material,
             #[cfg(feature = "std")]
-            owned: None,
-        }
+            is_owned: matches!(bytes, Bytes::Owned(_)),
+            material: Material::from_bytes(bytes)?,
+        })
     }
 
     /// The bytes that it lies in, and the `.srbf` bytes that it reads.
@@ -162,7 +183,7 @@ pub unsafe extern "C" fn srbf_material_borrow(
             return Err(SRBF_STATUS_SIZE.into());
         }
         check_extent(place.addr(), SRBF_MATERIAL_SIZE, 1)?;
-        let made = srbf_material::borrowed(Material::from_bytes(bytes)?);
+        let made = srbf_material::new(Bytes::Borrowed(bytes))?;
         let written = place.addr()..place.addr() + SRBF_MATERIAL_SIZE;
         check_apart(&written, &bytes_of(bytes))?;
         check_apart(&out.extent(), &written)?;
@@ -304,7 +325,7 @@ pub unsafe extern "C" fn srbf_material_prepare_leaving_out(
 /// Checks the room first, so that a failure leaves the mixture as it was.
 #[inline(always)]
 fn prepare(
-    material: &Material<'static>,
+    material: &'static Material<Bytes>,
     wo: Vec3,
     leave_out: LeaveOut,
     mixture: &mut AnyMixtureMut<'_>,

@@ -2,7 +2,7 @@
 #![allow(unsafe_code)]
 
 use crate::guard::{Failure, guard};
-use crate::material::material;
+use crate::material::{Bytes, material};
 use crate::pointers::{check_extent, read};
 use crate::single::draw;
 use crate::storage::{AnyMixture, check_storage, extent, mixture, with_mixture};
@@ -80,7 +80,7 @@ pub unsafe extern "C" fn srbf_material_luminance_pairs_into(
     unsafe { one_channel(material, n, wo, wi, luminance, Material::luminance_pairs_into) }
 }
 
-type OneChannel = fn(&Material<'static>, [&[f32]; 3], [&[f32]; 3], &mut [f32]) -> Result<(), Error>;
+type OneChannel = fn(&Material<Bytes>, [&[f32]; 3], [&[f32]; 3], &mut [f32]) -> Result<(), Error>;
 
 /// # Safety
 /// The header's contract.

@@ -49,7 +49,7 @@
 //! let mut bytes = [0; 256];
 //! let length = line.encode("an example", &mut bytes)?;
 //!
-//! // Once: the bytes are checked, and borrowed.
+//! // Once: the bytes are checked, and borrowed; without `&` the material owns them.
 //! let material = Material::from_bytes(&bytes[..length])?;
 //! // At every hit: the mixture for its outgoing direction, in storage that is used again.
 //! let mut mixture = Mixture::<16>::empty();

@@ -66,7 +66,7 @@ impl Made {
 }
 
 /// A factor from the nodes that a material gives, in f64.
-fn truth(material: &Material, wo: Vec3, wi: Vec3) -> DVec3 {
+fn truth(material: &Material<impl AsRef<[u8]>>, wo: Vec3, wi: Vec3) -> DVec3 {
     let node = |i, j| Vec3::from_array(material.factor_node(i, j).unwrap()).as_dvec3();
     oracle::factor(material.factor_nodes().unwrap(), node, wo.as_dvec3(), wi.as_dvec3())
 }
@@ -329,8 +329,9 @@ fn the_albedo_is_that_of_the_lobes_and_its_difference_between_the_views() {
 #[test]
 fn what_needs_lobes_alone_refuses_factors() {
     let [bytes, _] = Made::new(10, [3, 3]).encode();
+    let material = Material::from_bytes(&bytes).unwrap();
     let mut m = Mixture::<16>::empty();
-    Material::from_bytes(&bytes).unwrap().prepare(Vec3::Z, &mut m).unwrap();
+    material.prepare(Vec3::Z, &mut m).unwrap();
     let light = Mixture::<16>::sphere(&[]).unwrap();
     assert_eq!(m.inner_product(&light), Err(Error::Squeezed));
     assert_eq!(m.product_into(&light, &mut []), Err(Error::Squeezed));

@@ -8,18 +8,19 @@
 use super::block::{DrawBlock, SumBlock};
 #[cfg(feature = "simd")]
 use super::multiply_factors::multiply_block;
-use super::prepare::PrepareInto;
+use super::prepare::{PrepareInto, prepare};
 #[cfg(feature = "simd")]
 use super::sights::{MOST, Numbers};
 use super::slices::{SamplesMut, same_length};
 use crate::color::luminance;
 use crate::error::Error;
-use crate::material::borrowed::Material;
+use crate::material::borrowed::{Material, MaterialRef};
+use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::rows::Mixture;
 use crate::simd::detect::Level;
 use glam::Vec3;
 
-impl<'m> Material<'m> {
+impl<B: AsRef<[u8]>> Material<B> {
     /// Evaluates `f cos` and the density for n pairs of an outgoing and an incident direction.
     ///
     /// The same values as [`prepare`](Self::prepare) and [`Mixture::evaluate`], pair by pair. An outgoing
@@ -42,11 +43,7 @@ impl<'m> Material<'m> {
     ) -> Result<(), Error> {
         let outputs = value.iter().map(|s| s.len()).chain([pdf.len()]);
         same_length(wo.iter().chain(&wi).map(|s| s.len()).chain(outputs))?;
-        match self.lobe_count() {
-            0..=16 => for_each::<16>(self, wo, &mut EvaluatePairs { wi, value, pdf }),
-            17..=32 => for_each::<32>(self, wo, &mut EvaluatePairs { wi, value, pdf }),
-            _ => for_each::<64>(self, wo, &mut EvaluatePairs { wi, value, pdf }),
-        }
+        for_each_pair(self.borrowed(), wo, &mut Verb::Evaluate(EvaluatePairs { wi, value, pdf }));
         Ok(())
     }
 
@@ -69,11 +66,7 @@ impl<'m> Material<'m> {
     ) -> Result<(), Error> {
         let outputs = samples.direction.iter().chain(&samples.weight).map(|s| s.len());
         same_length(wo.iter().chain(&u).map(|s| s.len()).chain(outputs).chain([samples.pdf.len()]))?;
-        match self.lobe_count() {
-            0..=16 => for_each::<16>(self, wo, &mut SamplePairs { u, samples }),
-            17..=32 => for_each::<32>(self, wo, &mut SamplePairs { u, samples }),
-            _ => for_each::<64>(self, wo, &mut SamplePairs { u, samples }),
-        }
+        for_each_pair(self.borrowed(), wo, &mut Verb::Sample(SamplePairs { u, samples }));
         Ok(())
     }
 
@@ -115,11 +108,7 @@ impl<'m> Material<'m> {
         is_pdf: bool,
     ) -> Result<(), Error> {
         same_length(wo.iter().chain(&wi).map(|s| s.len()).chain([out.len()]))?;
-        match self.lobe_count() {
-            0..=16 => for_each::<16>(self, wo, &mut OneChannelPairs { wi, out, is_pdf }),
-            17..=32 => for_each::<32>(self, wo, &mut OneChannelPairs { wi, out, is_pdf }),
-            _ => for_each::<64>(self, wo, &mut OneChannelPairs { wi, out, is_pdf }),
-        }
+        for_each_pair(self.borrowed(), wo, &mut Verb::OneChannel(OneChannelPairs { wi, out, is_pdf }));
         Ok(())
     }
 
@@ -143,11 +132,7 @@ impl<'m> Material<'m> {
     ) -> Result<(), Error> {
         let outputs = direction.iter().map(|s| s.len()).chain([pdf.len()]);
         same_length(wo.iter().chain(&u).map(|s| s.len()).chain(outputs))?;
-        match self.lobe_count() {
-            0..=16 => for_each::<16>(self, wo, &mut SamplePdfPairs { u, direction, pdf }),
-            17..=32 => for_each::<32>(self, wo, &mut SamplePdfPairs { u, direction, pdf }),
-            _ => for_each::<64>(self, wo, &mut SamplePdfPairs { u, direction, pdf }),
-        }
+        for_each_pair(self.borrowed(), wo, &mut Verb::SamplePdf(SamplePdfPairs { u, direction, pdf }));
         Ok(())
     }
 
@@ -159,17 +144,17 @@ impl<'m> Material<'m> {
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; [`Error::Capacity`] if a mixture has room
     /// for fewer lobes than the material has. Nothing is written then.
-    pub fn prepare_into<const N: usize>(
-        &self,
+    pub fn prepare_into<'a, const N: usize>(
+        &'a self,
         wo: [&[f32]; 3],
-        mixtures: &mut [Mixture<'m, N>],
+        mixtures: &mut [Mixture<'a, N>],
     ) -> Result<(), Error> {
         same_length(wo.iter().map(|s| s.len()).chain([mixtures.len()]))?;
         if self.lobe_count() > N {
             return Err(Error::Capacity { needed: self.lobe_count(), available: N });
         }
         let level = Level::current();
-        level.run(PrepareInto { material: self, wo, level, mixtures });
+        level.run(PrepareInto { material: self.borrowed(), wo, level, mixtures });
         Ok(())
     }
 }
@@ -188,13 +173,38 @@ trait Each<const N: usize> {
     fn block(&mut self, level: Level, mixtures: &[Mixture<'_, N>], from: usize);
 }
 
+/// What is done with pairs.
+enum Verb<'a> {
+    Evaluate(EvaluatePairs<'a>),
+    Sample(SamplePairs<'a>),
+    OneChannel(OneChannelPairs<'a>),
+    SamplePdf(SamplePdfPairs<'a>),
+}
+
+/// Not generic over who owns the bytes of the material: the kernels are compiled here, once.
+fn for_each_pair(material: MaterialRef<'_>, wo: [&[f32]; 3], verb: &mut Verb<'_>) {
+    match material.header.lobe_count() {
+        0..=16 => with_room::<16>(material, wo, verb),
+        17..=32 => with_room::<32>(material, wo, verb),
+        _ => with_room::<64>(material, wo, verb),
+    }
+}
+
+fn with_room<const N: usize>(material: MaterialRef<'_>, wo: [&[f32]; 3], verb: &mut Verb<'_>) {
+    match verb {
+        Verb::Evaluate(each) => for_each::<N>(material, wo, each),
+        Verb::Sample(each) => for_each::<N>(material, wo, each),
+        Verb::OneChannel(each) => for_each::<N>(material, wo, each),
+        Verb::SamplePdf(each) => for_each::<N>(material, wo, each),
+    }
+}
+
 /// Fewer pairs than this are taken one by one.
 #[cfg(feature = "simd")]
 const FEW: usize = 4;
 
-fn for_each<const N: usize>(material: &Material<'_>, wo: [&[f32]; 3], each: &mut impl Each<N>) {
+fn for_each<const N: usize>(material: MaterialRef<'_>, wo: [&[f32]; 3], each: &mut impl Each<N>) {
     let n = wo[0].len();
-    #[cfg(feature = "simd")]
     let level = Level::current();
     #[cfg(feature = "simd")]
     if n >= FEW && level != Level::Scalar {
@@ -213,7 +223,7 @@ fn for_each<const N: usize>(material: &Material<'_>, wo: [&[f32]; 3], each: &mut
     let mut mixture = Mixture::<N>::empty();
     for i in 0..n {
         // A direction that is none leaves the mixture empty; it has room for all lobes.
-        let _ = material.prepare(at(&wo, i), &mut mixture);
+        let _ = prepare(material, at(&wo, i), LeaveOut::default(), level, &mut mixture);
         each.one(&mixture, i);
     }
 }

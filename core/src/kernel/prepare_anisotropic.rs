@@ -31,7 +31,7 @@
 
 use super::outgoing::Outgoing;
 use crate::color;
-use crate::material::borrowed::Material;
+use crate::material::borrowed::MaterialRef;
 use crate::material::layout::{GRID_HEAD, GRID_ROWS, Shape, f32_at};
 use crate::mixture::factors::Among;
 use crate::mixture::leave_out::LeaveOut;
@@ -98,13 +98,13 @@ fn between(bytes: &[u8], shape: Shape, [a, b]: [usize; 2], onward: f32, i: usize
 #[inline(always)]
 #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 pub(crate) fn prepare<L: Lanes, const N: usize>(
-    material: &Material<'_>,
+    material: MaterialRef<'_>,
     shape: Shape,
     outgoing: &Outgoing,
     leave_out: LeaveOut,
     mixture: &mut Mixture<'_, N>,
 ) -> Among {
-    let (bytes, header) = (material.bytes, &material.header);
+    let (bytes, header) = (material.bytes, material.header);
     let count = header.lobes;
     mixture.in_plane = false;
 

@@ -9,7 +9,7 @@ use srbf_core::{Material, Mixture, SamplesMut, Vec3, luminance};
 const NAME: &str = "factored value";
 
 /// The factor of a pair of directions above the horizon, from the nodes.
-fn truth(material: &Material<'_>, wo: Vec3, wi: Vec3) -> [f64; 3] {
+fn truth(material: &Material<impl AsRef<[u8]>>, wo: Vec3, wi: Vec3) -> [f64; 3] {
     let [half, difference] = material.factor_nodes().expect("a table");
     let ([ox, oy, oz], [ix, iy, iz]) = (wo.to_array().map(f64::from), wi.to_array().map(f64::from));
     let (x, y, z) = (ix + ox, iy + oy, iz + oz);
@@ -27,7 +27,13 @@ fn truth(material: &Material<'_>, wo: Vec3, wi: Vec3) -> [f64; 3] {
 }
 
 /// Checks one value, given that of the lobes alone.
-fn see(found: &mut Findings, material: &Material<'_>, [wo, wi]: [Vec3; 2], got: Vec3, lobes: Vec3) {
+fn see(
+    found: &mut Findings,
+    material: &Material<impl AsRef<[u8]>>,
+    [wo, wi]: [Vec3; 2],
+    got: Vec3,
+    lobes: Vec3,
+) {
     if wi.z < 0.0 || wo.z < 0.0 {
         if got != Vec3::ZERO {
             found.fault(format!("wo {wo}, wi {wi}: below the horizon {got}"));
@@ -102,7 +108,7 @@ pub fn check(random: &mut Random, found: &mut Findings) {
 
 /// Samples are those of the lobes, their weights times the factor.
 fn check_samples(
-    material: &Material<'_>,
+    material: &Material<impl AsRef<[u8]>>,
     wo: Vec3,
     [m, lobes]: [&Mixture<'_, 64>; 2],
     random: &mut Random,

@@ -228,7 +228,7 @@ fn check_azimuth(m: &Mixture<64>, wo: Vec3, found: &mut Findings) {
 }
 
 /// Values, densities and samples of pairs at every count are those of the mixtures one by one, and those are the truth's.
-fn check_pairs(material: &Material<'_>, random: &mut Random, found: &mut Findings) {
+fn check_pairs(material: &Material<impl AsRef<[u8]>>, random: &mut Random, found: &mut Findings) {
     let wo: Vec<Vec3> = (0..COUNTS).map(|_| random.direction()).collect();
     let wi: Vec<Vec3> = wo.iter().map(|d| Vec3::new(d.y, d.z, d.x)).collect();
     let u: Vec<Vec3> = (0..COUNTS).map(|_| Vec3::new(random.next(), random.next(), random.next())).collect();

@@ -88,7 +88,7 @@ pub(super) fn group<'m, const W: usize>([a, b]: [&'m [Chunk]; 2], g: usize) -> [
     [part(a), part(b)]
 }
 
-impl<'m> Expanded<'m> {
+impl Expanded<'_> {
     /// Makes the mixture for an outgoing direction, in the caller's storage, which it overwrites: as
     /// [`Material::prepare`](crate::Material::prepare), in less time, with an error that falls with the
     /// square of the number of rows.
@@ -97,7 +97,11 @@ impl<'m> Expanded<'m> {
     /// [`Error::Capacity`] if the storage has room for fewer lobes than the material has;
     /// [`Error::Direction`] if `wo` is not a finite unit vector. The mixture is empty then.
     #[inline]
-    pub fn prepare<const N: usize>(&self, wo: Vec3, mixture: &mut Mixture<'m, N>) -> Result<(), Error> {
+    pub fn prepare<'a, const N: usize>(
+        &'a self,
+        wo: Vec3,
+        mixture: &mut Mixture<'a, N>,
+    ) -> Result<(), Error> {
         let level = Level::current();
         level.run_one::<_, Towards>(Prepare { expanded: self, level, mixture }, wo.to_array())
     }
@@ -105,7 +109,7 @@ impl<'m> Expanded<'m> {
 
 /// What [`Towards`] is given beside the outgoing direction.
 struct Prepare<'a, 'm, const N: usize> {
-    expanded: &'a Expanded<'m>,
+    expanded: &'m Expanded<'m>,
     /// What it runs on.
     level: Level,
     mixture: &'a mut Mixture<'m, N>,
@@ -120,9 +124,9 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
     #[inline(always)]
     fn run<L: Lanes>(to: Prepare<'_, '_, N>, numbers: [f32; 3]) -> Result<(), Error> {
         let Prepare { expanded, level, mixture } = to;
-        let material = &expanded.material;
+        let material = expanded.material.borrowed();
         mixture.begin(level, Domain::Hemisphere, Squeeze::NONE);
-        let needed = material.lobe_count();
+        let needed = material.header.lobe_count();
         if needed > N {
             return Err(Error::Capacity { needed, available: N });
         }
@@ -141,7 +145,7 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
         }
         mixture.squeeze = Squeeze::new(outgoing.azimuth, 1.0, head[INVERSE_SQUEEZE]);
         mixture.set_diffuse([head[DIFFUSE], head[DIFFUSE + 1], head[DIFFUSE + 2]]);
-        mixture.in_plane = material.mirrored_count() == 0;
+        mixture.in_plane = material.header.mirrored == 0;
         match (mixture.in_plane, expanded.is_plain) {
             (true, true) => store_lobes::<L::Lobes, N, IN_PLANE, true>(rows, share, mixture, needed),
             (true, false) => store_lobes::<L::Lobes, N, IN_PLANE, false>(rows, share, mixture, needed),
@@ -149,12 +153,12 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
             (false, false) => store_lobes::<L::Lobes, N, MIRRORED, false>(rows, share, mixture, needed),
         }
         // Every lobe has its fold, and what the sums over the lobes would be is interpolated.
-        (mixture.count, mixture.squeezed) = (needed, material.squeezed_count());
+        (mixture.count, mixture.squeezed) = (needed, material.header.squeezed);
         mixture.folded = lowest_bits(needed);
         mixture.lobes_albedo = Vec3::new(head[LOBES_ALBEDO], head[LOBES_ALBEDO + 1], head[LOBES_ALBEDO + 2]);
         mixture.lobes_power = head[LOBES_POWER];
         mixture.add_diffuse();
-        if material.factor_nodes().is_some() {
+        if material.header.has_factors() {
             let passed = views_passed::<L>(material, outgoing.theta);
             let place = Place::after(material, passed, outgoing.theta);
             mixture.factors = Factors::new(material, wo, place.among());

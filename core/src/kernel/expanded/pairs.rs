@@ -203,7 +203,7 @@ impl Expanded<'_> {
         if self.material.factor_nodes().is_none() {
             return;
         }
-        let factors = Factors::new(&self.material, Vec3::Z, Among::NOWHERE);
+        let factors = Factors::new(self.material.borrowed(), Vec3::Z, Among::NOWHERE);
         // What is no direction has no factor, and 0 times that may be none either.
         let mut outgoing = *wo;
         for i in 0..MOST {
