@@ -216,7 +216,7 @@ fn prepare(
     let leave_out = LeaveOut::new(share, 1e-7).expect("shares");
     for (i, power) in power.iter_mut().enumerate() {
         let wo: Vec3 = directions.at(i);
-        material.prepare_leaving_out(wo, leave_out, mixture).expect("a valid direction");
+        material.prepare_with(wo, leave_out.into(), mixture).expect("a valid direction");
         *power = mixture.power();
     }
 }

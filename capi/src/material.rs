@@ -12,7 +12,7 @@ use crate::{
 };
 use core::ffi::c_char;
 use core::ops::Range;
-use srbf_core::{Error, LeaveOut, Material, Mixture, PlaneLobe, Vec3};
+use srbf_core::{Error, LeaveOut, Material, Mixture, PlaneLobe, PrepareOptions, Vec3};
 
 /// Bytes of storage for a material that `srbf_material_borrow` makes.
 pub const SRBF_MATERIAL_SIZE: usize = 128;
@@ -295,7 +295,7 @@ pub unsafe extern "C" fn srbf_material_prepare(
         // SAFETY: the header's contract.
         let (material, wo, mut mixture) =
             unsafe { (self::material(material)?, read_array(wo)?, mixture_mut(mixture)?) };
-        prepare(&material.material, direction(wo)?, LeaveOut::default(), &mut mixture)
+        prepare(&material.material, direction(wo)?, PrepareOptions::default(), &mut mixture)
     })
 }
 
@@ -318,7 +318,8 @@ pub unsafe extern "C" fn srbf_material_prepare_leaving_out(
         // SAFETY: the header's contract.
         let (material, wo, mut mixture) =
             unsafe { (self::material(material)?, read_array(wo)?, mixture_mut(mixture)?) };
-        prepare(&material.material, direction(wo)?, LeaveOut::new(lobes, folds)?, &mut mixture)
+        let leave_out = LeaveOut::new(lobes, folds)?;
+        prepare(&material.material, direction(wo)?, leave_out.into(), &mut mixture)
     })
 }
 
@@ -327,12 +328,12 @@ pub unsafe extern "C" fn srbf_material_prepare_leaving_out(
 fn prepare(
     material: &'static Material<Bytes>,
     wo: Vec3,
-    leave_out: LeaveOut,
+    options: PrepareOptions,
     mixture: &mut AnyMixtureMut<'_>,
 ) -> Outcome {
     with_mixture!(AnyMixtureMut: mixture, mixture => {
         check_room(material.lobe_count(), room(mixture))?;
-        material.prepare_leaving_out(wo, leave_out, mixture)?;
+        material.prepare_with(wo, options, mixture)?;
     });
     Ok(())
 }

@@ -101,6 +101,7 @@ pub use error::Error;
 pub use estimator::{Defensive, balance_heuristic, power_heuristic};
 pub use glam::Vec3;
 pub use kernel::expanded::table::Expanded;
+pub use kernel::prepare::PrepareOptions;
 pub use kernel::slices::SamplesMut;
 pub use lobe::gaussian::{Gaussian, Lobe, MAX_SHARPNESS};
 pub use lobe::product::GaussianProduct;

@@ -58,7 +58,7 @@ fn one_direction_and_a_batch_fold_the_same_lobes() {
         for folds in [1e-7, 0.05, 0.35] {
             let mut m = Mixture::<16>::empty();
             let wo = Vec3::new(-1.2f32.sin(), 0.0, 1.2f32.cos());
-            material.prepare_leaving_out(wo, LeaveOut::new(0.0, folds).unwrap(), &mut m).unwrap();
+            material.prepare_with(wo, LeaveOut::new(0.0, folds).unwrap().into(), &mut m).unwrap();
             for d in [Vec3::X, -Vec3::X, Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.8, 0.6, 0.0)] {
                 let (one, batch) = (m.evaluate(d), in_a_batch(&m, d));
                 let off = (one - batch).abs().max_element();
@@ -237,7 +237,7 @@ fn a_lobe_that_is_all_there_is_is_never_left_out() {
         let material = Material::from_bytes(&bytes).unwrap();
         let mut m = Mixture::<16>::empty();
         let all = LeaveOut::new(1.0, 1e-7).unwrap();
-        material.prepare_leaving_out(Vec3::Z, all, &mut m).unwrap();
+        material.prepare_with(Vec3::Z, all.into(), &mut m).unwrap();
         assert_eq!(m.len(), 1, "{:?}", m.lobe(0));
     }
 }
@@ -253,14 +253,14 @@ fn a_level_that_was_asked_for_is_what_it_is_when_set() {
     let mut wanted = Vec::new();
     for_each_level(|level| {
         let (mut m, leave_out) = (Mixture::<16>::empty(), LeaveOut::default());
-        material.prepare_leaving_out(wo, leave_out, &mut m).unwrap();
+        material.prepare_with(wo, leave_out.into(), &mut m).unwrap();
         wanted.push((level, values(&m), values(&Mixture::hemisphere(&lobes).unwrap())));
     });
     // Whatever is set now and whatever a mixture was made on.
     for_each_level(|_| {
         for (level, prepared, made) in &wanted {
             let mut m = Mixture::<16>::empty();
-            material.prepare_at(*level, wo, LeaveOut::default(), &mut m).unwrap();
+            material.prepare_with(wo, (*level).into(), &mut m).unwrap();
             assert_eq!((m.level(), values(&m)), (*level, *prepared));
             let m = Mixture::hemisphere(&lobes).unwrap().with_level(*level).unwrap();
             assert_eq!((m.level(), values(&m)), (*level, *made));
@@ -269,7 +269,7 @@ fn a_level_that_was_asked_for_is_what_it_is_when_set() {
     for level in Level::ALL.into_iter().filter(|level| !level.is_available()) {
         let mut m = Mixture::<16>::hemisphere(&lobes).unwrap();
         assert!(matches!(m.clone().with_level(level), Err(Error::Level)));
-        assert_eq!(material.prepare_at(level, wo, LeaveOut::default(), &mut m), Err(Error::Level));
+        assert_eq!(material.prepare_with(wo, level.into(), &mut m), Err(Error::Level));
         assert!(m.is_empty());
     }
 }

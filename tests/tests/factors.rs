@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec3};
 use srbf_core::{
-    Defensive, Error, FactorTable, FormatError, LeaveOut, Level, Line, Material, Mixture, PlaneLobe, Sample,
-    SamplesMut, View, luminance,
+    Defensive, Error, FactorTable, FormatError, LeaveOut, Level, Line, Material, Mixture, PlaneLobe,
+    PrepareOptions, Sample, SamplesMut, View, luminance,
 };
 use srbf_tests::inputs::Random;
 use srbf_tests::oracle;
@@ -203,8 +203,9 @@ fn values_are_those_of_the_lobes_times_the_factor_and_densities_those_of_the_lob
         for [wo, _] in pairs(&mut random).into_iter().step_by(41) {
             let (mut m, mut bare) = (Mixture::<16>::empty(), Mixture::<16>::empty());
             let leave_out = LeaveOut::new(if random.uniform() < 0.5 { 0.0 } else { 0.02 }, 1e-7).unwrap();
-            material.prepare_at(level, wo, leave_out, &mut m).unwrap();
-            plain.prepare_at(level, wo, leave_out, &mut bare).unwrap();
+            let options = PrepareOptions { leave_out, level: Some(level) };
+            material.prepare_with(wo, options, &mut m).unwrap();
+            plain.prepare_with(wo, options, &mut bare).unwrap();
             assert!(m.has_factors() && !bare.has_factors());
             assert_eq!((m.factor_bytes().len(), bare.factor_bytes().len()), (4 * 32 * 20, 0));
             assert_eq!((m.power(), m.diffuse(), m.len()), (bare.power(), bare.diffuse(), bare.len()));
@@ -305,8 +306,9 @@ fn the_albedo_is_that_of_the_lobes_and_its_difference_between_the_views() {
             for share in [0.0, 0.02] {
                 let leave_out = LeaveOut::new(share, 1e-7).unwrap();
                 let (mut m, mut bare) = (Mixture::empty(), Mixture::empty());
-                material.prepare_at(level, wo, leave_out, &mut m).unwrap();
-                plain.prepare_at(level, wo, leave_out, &mut bare).unwrap();
+                let options = PrepareOptions { leave_out, level: Some(level) };
+                material.prepare_with(wo, options, &mut m).unwrap();
+                plain.prepare_with(wo, options, &mut bare).unwrap();
                 check(theta, &m, &bare);
             }
         }

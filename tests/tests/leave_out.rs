@@ -14,7 +14,7 @@ fn garnet_red() -> &'static Material {
 fn prepare(theta: f32, leave_out: LeaveOut) -> Mixture<'static, 16> {
     let mut mixture = Mixture::empty();
     let wo = Vec3::new(-theta.sin(), 0.0, theta.cos());
-    garnet_red().prepare_leaving_out(wo, leave_out, &mut mixture).unwrap();
+    garnet_red().prepare_with(wo, leave_out.into(), &mut mixture).unwrap();
     mixture
 }
 

@@ -32,42 +32,55 @@ impl<B: AsRef<[u8]>> Material<B> {
         wo: Vec3,
         mixture: &mut Mixture<'a, N>,
     ) -> Result<(), Error> {
-        self.prepare_leaving_out(wo, LeaveOut::default(), mixture)
+        prepare(self.borrowed(), wo, LeaveOut::default(), Level::current(), mixture)
     }
 
-    /// [`prepare`](Self::prepare), leaving out lobes and folds that matter less than a bound.
+    /// [`prepare`](Self::prepare) with options: what may be left out, and the level.
     ///
     /// `srbf leave-out` prints the error and the time of bounds, for each preset.
     ///
     /// # Errors
-    /// Those of [`prepare`](Self::prepare).
+    /// [`Error::Level`] if this processor or this build lacks the level; and those of
+    /// [`prepare`](Self::prepare). The mixture is empty then.
     #[inline]
-    pub fn prepare_leaving_out<'a, const N: usize>(
+    pub fn prepare_with<'a, const N: usize>(
         &'a self,
         wo: Vec3,
-        leave_out: LeaveOut,
+        options: PrepareOptions,
         mixture: &mut Mixture<'a, N>,
     ) -> Result<(), Error> {
-        prepare(self.borrowed(), wo, leave_out, Level::current(), mixture)
+        let level = match options.level {
+            None => Level::current(),
+            Some(level) if level.is_available() => level,
+            Some(_) => {
+                mixture.begin(Level::Scalar, Domain::Hemisphere, Squeeze::NONE);
+                return Err(Error::Level);
+            }
+        };
+        prepare(self.borrowed(), wo, options.leave_out, level, mixture)
     }
+}
 
-    /// [`prepare_leaving_out`](Self::prepare_leaving_out) for the kernels of one level, whatever
-    /// [`Level::set`] chose: for values that must not depend on the processor, [`Level::Scalar`].
+/// How [`Material::prepare_with`] makes a mixture; the default is what [`Material::prepare`] does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PrepareOptions {
+    /// Lobes and folds that matter less than a bound.
+    pub leave_out: LeaveOut,
+    /// The kernels that prepare, evaluate and draw; `None` for those of [`Level::current`].
     ///
-    /// # Errors
-    /// [`Error::Level`] if this processor or this build lacks it; and those of [`prepare`](Self::prepare).
-    pub fn prepare_at<'a, const N: usize>(
-        &'a self,
-        level: Level,
-        wo: Vec3,
-        leave_out: LeaveOut,
-        mixture: &mut Mixture<'a, N>,
-    ) -> Result<(), Error> {
-        if !level.is_available() {
-            mixture.begin(Level::Scalar, Domain::Hemisphere, Squeeze::NONE);
-            return Err(Error::Level);
-        }
-        prepare(self.borrowed(), wo, leave_out, level, mixture)
+    /// [`Level::Scalar`] is for values that must not depend on the processor.
+    pub level: Option<Level>,
+}
+
+impl From<LeaveOut> for PrepareOptions {
+    fn from(leave_out: LeaveOut) -> Self {
+        Self { leave_out, level: None }
+    }
+}
+
+impl From<Level> for PrepareOptions {
+    fn from(level: Level) -> Self {
+        Self { leave_out: LeaveOut::default(), level: Some(level) }
     }
 }
 

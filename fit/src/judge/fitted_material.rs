@@ -2,7 +2,7 @@
 
 use crate::FitError;
 use crate::judge::method::{Fitted, FittedView};
-use srbf_core::{LeaveOut, Level, MAX_LOBES, Material, Mixture, Vec3};
+use srbf_core::{Level, MAX_LOBES, Material, Mixture, Vec3};
 
 /// Angles of the views that a material stores, radians.
 pub fn knots(material: &Material<impl AsRef<[u8]>>) -> Vec<f64> {
@@ -44,7 +44,7 @@ impl<'m> TrackedView<'m> {
         // The f32 nearest to pi / 2 is beyond it.
         let wo = view.to_surface([-sin, 0.0, cos.max(0.0)]);
         // Whatever the processor: what a look sees decides where the fit goes.
-        material.prepare_at(Level::Scalar, wo, LeaveOut::default(), &mut view.mixture)?;
+        material.prepare_with(wo, Level::Scalar.into(), &mut view.mixture)?;
         Ok(view)
     }
 

@@ -136,13 +136,13 @@ impl Batch {
         for view in 0..VIEWS {
             let (sin, cos) = (view as f32 * 85.0 / (VIEWS - 1) as f32).to_radians().sin_cos();
             let wo = Vec3::new(-sin, 0.0, cos);
-            material.prepare_leaving_out(wo, LeaveOut::new(0.0, 0.0)?, &mut reference)?;
+            material.prepare_with(wo, LeaveOut::new(0.0, 0.0)?.into(), &mut reference)?;
             let [r, g, b] = &mut whole;
             reference.evaluate_into([x, y, z], [r, g, b])?;
 
             sums.time[0] += fastest(64, || {
                 for _ in 0..64 {
-                    let _ = material.prepare_leaving_out(black_box(wo), leave_out, &mut mixture);
+                    let _ = material.prepare_with(black_box(wo), leave_out.into(), &mut mixture);
                 }
             });
             sums.lobes += mixture.len();
