@@ -5,6 +5,7 @@ use crate::material::borrowed::MaterialRef;
 use crate::material::layout::{HEAD, MAX_LOBES, f32_at};
 use crate::mixture::factors::Among;
 use crate::mixture::leave_out::LeaveOut;
+use crate::mixture::row;
 use crate::mixture::rows::Mixture;
 use crate::simd::elementary::{exp2, sin_cos};
 use crate::simd::lanes::Lanes;
@@ -157,7 +158,7 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
     let zero = L::splat(0.0);
     mixture.in_plane = mirrored == 0;
     let mut k = 0;
-    while k < total && k + L::COUNT <= N {
+    while row::is_within::<L, N>(k, total) {
         let valid = L::iota().lt(L::splat((total - k) as f32));
         // Lanes without a lobe hold bytes of the next view or of the text, whose powers of two may be
         // subnormals: 150 cycles each on Intel. A power of -126 is exactly 0.
@@ -170,13 +171,13 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
         let third = L::select(valid, rows.row(4, k), nothing);
         if header.has_luminance {
             let [red, green, blue] = color::rgb(first, [second, third]);
-            red.store(&mut mixture.red[k..]);
-            green.store(&mut mixture.green[k..]);
-            blue.store(&mut mixture.blue[k..]);
+            row::store(red, &mut mixture.red, k);
+            row::store(green, &mut mixture.green, k);
+            row::store(blue, &mut mixture.blue, k);
         } else {
-            first.store(&mut mixture.red[k..]);
-            exp2(second).store(&mut mixture.green[k..]);
-            exp2(third).store(&mut mixture.blue[k..]);
+            row::store(first, &mut mixture.red, k);
+            row::store(exp2(second), &mut mixture.green, k);
+            row::store(exp2(third), &mut mixture.blue, k);
         }
         let (mut x, mut z) = sin_cos(angle);
         let mut y = zero;
@@ -184,10 +185,10 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
             let (sin, cos) = sin_cos(rows.off_plane(k));
             (x, y, z) = (x * cos, sin, z * cos);
         }
-        x.store(&mut mixture.axis_x[k..]);
-        y.store(&mut mixture.axis_y[k..]);
-        z.store(&mut mixture.axis_z[k..]);
-        exp2(log_sharpness).store(&mut mixture.sharpness[k..]);
+        row::store(x, &mut mixture.axis_x, k);
+        row::store(y, &mut mixture.axis_y, k);
+        row::store(z, &mut mixture.axis_z, k);
+        row::store(exp2(log_sharpness), &mut mixture.sharpness, k);
         k += L::COUNT;
     }
     mixture.finish_lobes::<L>(total, header.squeezed, leave_out);

@@ -3,6 +3,7 @@
 
 use super::draw::draw_one;
 use crate::color::luminance;
+use crate::mixture::row;
 use crate::mixture::rows::{Domain, Mixture, Sample, lowest_bits};
 use crate::simd::elementary::{falloff, falloff_soon};
 use crate::simd::lanes::{Lanes, scale};
@@ -269,7 +270,7 @@ pub(crate) fn all_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bo
     } else {
         let (turned, squeezed) = (turned.splat(), squeezed.splat());
         let mut k = 0;
-        while k < m.count && k + L::COUNT <= N {
+        while row::is_within::<L, N>(k, m.count) {
             if k >= m.squeezed {
                 add_lobes::<L, N, C, SEEN>(m, amplitudes, &turned, k, &mut acc);
             } else if k + L::COUNT <= m.squeezed {
@@ -299,8 +300,8 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     acc: &mut [L; C],
 ) {
     let (axis, [x, y, z]) =
-        ([L::load(&m.axis_x[k..]), L::load(&m.axis_y[k..]), L::load(&m.axis_z[k..])], seen.high);
-    let mut rate = L::load(&m.rate[k..]);
+        ([row::load::<L, N>(&m.axis_x, k), row::load(&m.axis_y, k), row::load(&m.axis_z, k)], seen.high);
+    let mut rate = row::load::<L, N>(&m.rate, k);
     let [mut dx, mut dy, mut dz];
     if SEEN && L::FUSED {
         dx = axis[0].neg_mul_add(seen.length, x);
@@ -323,14 +324,14 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     let mut g = if SEEN { falloff(t) } else { falloff_soon(t) };
     if m.folded >> k & lowest_bits(L::COUNT) != 0 {
         // A lobe of them that does not need its fold has a rate that leaves nothing of it.
-        let t = L::load(&m.fold_rate[k..]).mul_add(seen.height, t);
+        let t = row::load::<L, N>(&m.fold_rate, k).mul_add(seen.height, t);
         g = g + if SEEN { falloff(t) } else { falloff_soon(t) };
     }
     if SEEN {
         g = g * seen.scale;
     }
     for i in 0..C {
-        acc[i] = g.mul_add(L::load(&amplitudes[i][k..]), acc[i]);
+        acc[i] = g.mul_add(row::load(amplitudes[i], k), acc[i]);
     }
 }
 

@@ -40,7 +40,8 @@ impl Sample {
 /// A sum of lobes, and a diffuse term, for one outgoing direction; storage for `N` lobes, without allocation.
 ///
 /// One that a material with factors has made reads them from the bytes of the material, which live for `'m`;
-/// any other lives for as long as it may. `N` is 16, 32, 48 or 64. The first lobes see the squeezed
+/// any other lives for as long as it may. `N` is any number from 1 to 64; multiples of 16
+/// are the fastest. The first lobes see the squeezed
 /// direction, the others the direction itself. The diffuse term is `albedo cos / pi` on the hemisphere: lobes
 /// cannot make the cosine of a diffuse surface, and it keeps `f cos / pdf` bounded where the lobes end.
 ///
@@ -118,13 +119,14 @@ impl<const N: usize> Default for Mixture<'_, N> {
 
 impl<const N: usize> Mixture<'_, N> {
     /// The mixture without lobes: value, albedo and density are 0, and no sample can be drawn.
+    ///
+    /// Every mixture begins as one, so that room for more than 64 lobes does not compile:
+    ///
+    /// ```compile_fail,E0080
+    /// let mixture = srbf_core::Mixture::<65>::empty();
+    /// ```
     pub const fn empty() -> Self {
-        const {
-            assert!(
-                N > 0 && N.is_multiple_of(16) && N <= MAX_LOBES,
-                "a mixture has room for 16, 32, 48 or 64 lobes"
-            )
-        };
+        const { assert!(1 <= N && N <= MAX_LOBES, "the N of a Mixture<N>, its room for lobes, is 1 to 64") };
         let zeros = [0.0; N];
         Self {
             count: 0,

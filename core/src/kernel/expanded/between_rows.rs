@@ -10,6 +10,7 @@ use super::table::{
 use crate::error::Error;
 use crate::mixture::complete::{LEAST_SHARPNESS, tail_and_inside, tail_and_inside_of_sharp};
 use crate::mixture::factors::Factors;
+use crate::mixture::row;
 use crate::mixture::rows::{Domain, Mixture, lowest_bits};
 use crate::simd::detect::Level;
 use crate::simd::lanes::{Lanes, dot3, splat3};
@@ -176,27 +177,27 @@ fn store_lobes<L: Lanes, const N: usize, const W: usize, const P: bool>(
     count: usize,
 ) {
     let (mut k, mut passed) = (0, L::splat(0.0));
-    while k < count && k + L::COUNT <= N {
+    while row::is_within::<L, N>(k, count) {
         let lobes = Lobes::<L>::between::<W, P>(group(rows, k / CHUNK), L::splat(share), k % CHUNK);
         let [inverse, tail, inside] = lobes.integral::<P>();
         let normaliser = lobes.sharpness.max(L::splat(LEAST_SHARPNESS)) * L::splat(0.5 * FRAC_1_PI) / inside;
         let [x, y, z] = lobes.axis;
         let rate = lobes.sharpness * L::splat(-0.5 * LOG2_E);
         let luminance = luminance_of(lobes.power);
-        x.store(&mut mixture.axis_x[k..]);
-        y.store(&mut mixture.axis_y[k..]);
-        z.store(&mut mixture.axis_z[k..]);
-        lobes.sharpness.store(&mut mixture.sharpness[k..]);
-        (lobes.power[0] * normaliser).store(&mut mixture.red[k..]);
-        (lobes.power[1] * normaliser).store(&mut mixture.green[k..]);
-        (lobes.power[2] * normaliser).store(&mut mixture.blue[k..]);
-        (luminance * normaliser).store(&mut mixture.luminance[k..]);
-        rate.store(&mut mixture.rate[k..]);
-        (rate * z * L::splat(4.0)).store(&mut mixture.fold_rate[k..]);
-        inverse.store(&mut mixture.inverse_sharpness[k..]);
-        inside.store(&mut mixture.inside[k..]);
-        tail.store(&mut mixture.tail[k..]);
-        (luminance.running_sum() + passed).store(&mut mixture.cumulative[k..]);
+        row::store(x, &mut mixture.axis_x, k);
+        row::store(y, &mut mixture.axis_y, k);
+        row::store(z, &mut mixture.axis_z, k);
+        row::store(lobes.sharpness, &mut mixture.sharpness, k);
+        row::store(lobes.power[0] * normaliser, &mut mixture.red, k);
+        row::store(lobes.power[1] * normaliser, &mut mixture.green, k);
+        row::store(lobes.power[2] * normaliser, &mut mixture.blue, k);
+        row::store(luminance * normaliser, &mut mixture.luminance, k);
+        row::store(rate, &mut mixture.rate, k);
+        row::store(rate * z * L::splat(4.0), &mut mixture.fold_rate, k);
+        row::store(inverse, &mut mixture.inverse_sharpness, k);
+        row::store(inside, &mut mixture.inside, k);
+        row::store(tail, &mut mixture.tail, k);
+        row::store(luminance.running_sum() + passed, &mut mixture.cumulative, k);
         k += L::COUNT;
         if k < count {
             passed = passed + L::splat(luminance.sum());
