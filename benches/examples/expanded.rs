@@ -87,15 +87,15 @@ impl Work {
             (Verb::Sample, Some(e)) => e.sample_pairs_into(wo, u, samples),
             (Verb::Sample, None) => material.sample_pairs_into(wo, u, samples),
             (Verb::Evaluate, Some(e)) => e.evaluate_and_pdf_pairs_into(wo, wi, [r, g, b], p),
-            (Verb::Evaluate, None) => material.evaluate_pairs_into(wo, wi, [r, g, b], p),
+            (Verb::Evaluate, None) => material.evaluate_and_pdf_pairs_into(wo, wi, [r, g, b], p),
             (Verb::Pdf, Some(e)) => e.pdf_pairs_into(wo, wi, p),
             (Verb::Pdf, None) => material.pdf_pairs_into(wo, wi, p),
             (Verb::SampleAndEvaluate, Some(e)) => {
                 e.sample_and_evaluate_pairs_into(wo, u, samples, wi, [r, g, b], p)
             }
-            (Verb::SampleAndEvaluate, None) => material
-                .sample_pairs_into(wo, u, samples)
-                .and_then(|()| material.evaluate_pairs_into(wo, wi, [r, g, b], p)),
+            (Verb::SampleAndEvaluate, None) => {
+                material.sample_and_evaluate_pairs_into(wo, u, samples, wi, [r, g, b], p)
+            }
             (Verb::Prepare, _) => {
                 let mut mixture = Mixture::<16>::empty();
                 (0..PAIRS).try_for_each(|i| {

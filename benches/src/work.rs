@@ -38,13 +38,11 @@ pub enum Operation {
     EvaluatePairs,
     /// Density, every pair with a mixture of its own.
     PdfPairs,
-    /// Luminance, every pair with a mixture of its own.
-    LuminancePairs,
 }
 
 impl Operation {
     /// Every operation with its name.
-    pub const ALL: [(&'static str, Self); 17] = [
+    pub const ALL: [(&'static str, Self); 16] = [
         ("evaluate", Self::Evaluate),
         ("pdf", Self::Pdf),
         ("sample", Self::Sample),
@@ -61,7 +59,6 @@ impl Operation {
         ("sample-pdf-pairs", Self::SamplePdfPairs),
         ("evaluate-pairs", Self::EvaluatePairs),
         ("pdf-pairs", Self::PdfPairs),
-        ("luminance-pairs", Self::LuminancePairs),
     ];
 
     /// Whether it is of a mixture that is there already.
@@ -181,14 +178,11 @@ impl Work {
                 .sample_pdf_pairs_into(directions.slices(), uniforms.slices(), [x, y, z], pdf)
                 .expect("equal lengths"),
             Operation::EvaluatePairs => material
-                .evaluate_pairs_into(directions.slices(), incident.slices(), [red, green, blue], pdf)
+                .evaluate_and_pdf_pairs_into(directions.slices(), incident.slices(), [red, green, blue], pdf)
                 .expect("equal lengths"),
             Operation::PdfPairs => {
                 material.pdf_pairs_into(directions.slices(), incident.slices(), pdf).expect("equal lengths");
             }
-            Operation::LuminancePairs => material
-                .luminance_pairs_into(directions.slices(), incident.slices(), pdf)
-                .expect("equal lengths"),
         }
     }
 

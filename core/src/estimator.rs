@@ -85,7 +85,7 @@ impl<const N: usize> Mixture<'_, N> {
     /// Draws a direction from lobe `k`, as one of the samples that [`allocate_into`](Self::allocate_into)
     /// gave it.
     ///
-    /// The density and value in the sample are those of the whole mixture. `None` past the last lobe, for a
+    /// The density and weight in the sample are those of the whole mixture. `None` past the last lobe, for a
     /// black mixture, and where the density underflows.
     pub fn sample_lobe(&self, k: usize, u: [f32; 2]) -> Option<Sample> {
         if k >= self.component_len() || self.power == 0.0 {
@@ -100,7 +100,7 @@ impl<const N: usize> Mixture<'_, N> {
         }
         let direction = Vec3::from_array(self.squeeze.turn_back(d)).normalize();
         let (value, pdf) = self.evaluate_and_pdf(direction);
-        (pdf > 0.0).then_some(Sample { direction, pdf, value })
+        (pdf > 0.0).then_some(Sample { direction, pdf, weight: value / pdf })
     }
 
     /// Evaluates `sum over lobes of count_k p_k(d)`, the divisor of eq. 13: the estimate is the sum over all
@@ -295,7 +295,7 @@ impl<'a, const N: usize> Defensive<'a, N> {
         (1.0 - self.share) * pdf + self.share * defensive
     }
 
-    /// Draws a direction, three uniform numbers in [0, 1); `value` is the mixture's, `pdf` the whole density.
+    /// Draws a direction, three uniform numbers in [0, 1); `pdf` is the whole density, `weight` the mixture's value over it.
     ///
     /// `None` only where the density is 0: never, for a share above 0.
     #[inline]
@@ -317,6 +317,6 @@ impl<'a, const N: usize> Defensive<'a, N> {
         };
         let (value, pdf) = self.mixture.evaluate_and_pdf(direction);
         let pdf = self.mix(direction, pdf);
-        (pdf > 0.0).then_some(Sample { direction, pdf, value })
+        (pdf > 0.0).then_some(Sample { direction, pdf, weight: value / pdf })
     }
 }

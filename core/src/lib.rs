@@ -57,7 +57,7 @@
 //!
 //! // Where the path goes on, and what it is multiplied by.
 //! let sample = mixture.sample([0.3, 0.6, 0.1]).expect("the material reflects");
-//! let throughput = sample.weight();
+//! let throughput = sample.weight;
 //! assert!(throughput.max_element() < 1.0);
 //!
 //! // Light from a direction that was drawn otherwise, with density 2: value, and the weight of that sample.

@@ -18,7 +18,7 @@ fn drawn(mixture: &Mixture<MAX_LOBES>) -> Vec3 {
         let n = f64::from(i);
         // The R2 sequence (Roberts 2018) beside even steps.
         let u = [(n + 0.5) / f64::from(DRAWN), 0.754_877_666_246_693 * n, 0.569_840_290_998_053 * n];
-        mixture.sample(u.map(|u| u.fract() as f32)).map_or(Vec3::ZERO, |s| s.weight())
+        mixture.sample(u.map(|u| u.fract() as f32)).map_or(Vec3::ZERO, |s| s.weight)
     };
     let mut sum = [0.0; 3];
     for weight in (0..DRAWN).map(sample) {

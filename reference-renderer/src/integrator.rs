@@ -56,7 +56,7 @@ impl Sampler {
             }
             Self::Uniform => (sphere_sampling::uniform_hemisphere([random.unit(), random.unit()]), 1.0 / TAU),
         };
-        Some(Sample { direction, pdf, value: scattering.evaluate(direction) })
+        Some(Sample { direction, pdf, weight: scattering.evaluate(direction) / pdf })
     }
 }
 
@@ -121,7 +121,7 @@ pub fn radiance<'a>(
         if !frame.leaves(direction) {
             break;
         }
-        throughput *= sample.value / sample.pdf;
+        throughput *= sample.weight;
         if bounce >= ROULETTE_FROM {
             // By its size: of a colour outside the gamut, channels are negative.
             let survival = throughput.abs().max_element().min(0.95);

@@ -64,11 +64,9 @@ pub const TABLE: &[Entry] = &[
 /// Every allowed error of the levels against f64, at every count: tests/levels.
 pub const LEVELS: &[Entry] = &[
     entry("batch value", "relative / (2 + |t|)", 3e-7),
-    entry("batch luminance", "relative / (2 + |t|)", 3e-7),
     entry("batch pdf", "relative / (2 + |t|)", 3e-7),
     entry("one value", "relative / (2 + |t|)", 3e-7),
     entry("one pdf", "relative / (2 + |t|)", 3e-7),
-    entry("one luminance", "relative / (2 + |t|)", 3e-7),
     entry("sampled pdf", "relative / (2 + |t|)", 3e-7),
     entry("sampled weight", "relative", 3e-7),
     entry(

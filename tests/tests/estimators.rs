@@ -67,7 +67,7 @@ fn one_sample_and_multi_sample_estimates_agree_with_quadrature() {
         let mut one = 0.0;
         for _ in 0..N {
             let s = m.sample(random.three()).unwrap();
-            one += luminance(s.value) / f64::from(s.pdf) * f64::from(light(s.direction));
+            one += luminance(s.weight) * f64::from(light(s.direction));
         }
         one /= N as f64;
 
@@ -82,7 +82,7 @@ fn one_sample_and_multi_sample_estimates_agree_with_quadrature() {
             for (k, &count) in counts.iter().enumerate() {
                 for _ in 0..count {
                     let s = m.sample_lobe(k, random.two()).unwrap();
-                    round += luminance(s.value) / (16.0 * f64::from(s.pdf)) * f64::from(light(s.direction));
+                    round += luminance(s.weight) / 16.0 * f64::from(light(s.direction));
                 }
             }
             stratified += round;
@@ -91,7 +91,8 @@ fn one_sample_and_multi_sample_estimates_agree_with_quadrature() {
                 for _ in 0..count {
                     let s = m.sample_lobe(k, random.two()).unwrap();
                     let divisor = f64::from(m.balance_divisor(&fixed, s.direction).unwrap());
-                    balanced += luminance(s.value) / divisor * f64::from(light(s.direction));
+                    balanced +=
+                        luminance(s.weight) * f64::from(s.pdf) / divisor * f64::from(light(s.direction));
                 }
             }
         }

@@ -65,12 +65,10 @@ fn same<const N: usize, const M: usize>(a: &Mixture<N>, b: &Mixture<M>, random: 
 fn batches<const N: usize>(m: &Mixture<N>, wi: &[Vec<f32>; 3], u: &[Vec<f32>; 3]) -> Vec<Vec<f32>> {
     let (wi, u) = (wi.each_ref().map(Vec::as_slice), u.each_ref().map(Vec::as_slice));
     let mut out = vec![vec![0.0; BATCH]; 12];
-    let [red, green, blue, pdf, luminance, x, y, z, density, r, g, b] = out.as_mut_slice() else {
-        unreachable!()
-    };
-    m.evaluate_into(wi, [red, green, blue]).unwrap();
+    let [red, green, blue, pdf, both, x, y, z, density, r, g, b] = out.as_mut_slice() else { unreachable!() };
+    m.evaluate_into(wi, [&mut *red, &mut *green, &mut *blue]).unwrap();
     m.pdf_into(wi, pdf).unwrap();
-    m.luminance_into(wi, luminance).unwrap();
+    m.evaluate_and_pdf_into(wi, [&mut *red, &mut *green, &mut *blue], both).unwrap();
     m.sample_into(u, SamplesMut { direction: [x, y, z], pdf: density, weight: [r, g, b] }).unwrap();
     out
 }

@@ -141,7 +141,7 @@ fn the_ends_of_u_give_unit_vectors_in_the_right_place() {
                         let d = sample.direction;
                         assert!((d.length() - 1.0).abs() < 4e-7 && d.z >= 0.0, "{place}: mixture {d}");
                         assert!(
-                            sample.pdf > 0.0 && sample.pdf.is_finite() && sample.value.is_finite(),
+                            sample.pdf > 0.0 && sample.pdf.is_finite() && sample.weight.is_finite(),
                             "{place}"
                         );
                     } else {

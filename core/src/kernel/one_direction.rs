@@ -102,7 +102,17 @@ impl<const N: usize> Mixture<'_, N> {
     fn sampled(&self, direction: [f32; 3], value: Vec3, luminance: f32) -> Option<Sample> {
         let pdf = luminance * self.inverse_power;
         // A density that f32 rounds to 0 cannot be divided by: far out in a tail, where the value is 0 too.
-        (pdf > 0.0).then_some(Sample { direction: Vec3::from_array(direction), pdf, value })
+        (pdf > 0.0).then_some(Sample { direction: Vec3::from_array(direction), pdf, weight: value / pdf })
+    }
+
+    /// Draws a direction, and evaluates value and density towards another one: what next-event estimation needs
+    /// at every hit.
+    ///
+    /// The first is what [`sample`](Self::sample) gives, the second what
+    /// [`evaluate_and_pdf`](Self::evaluate_and_pdf) does.
+    #[inline]
+    pub fn sample_and_evaluate(&self, u: [f32; 3], direction: Vec3) -> (Option<Sample>, (Vec3, f32)) {
+        (self.sample(u), self.evaluate_and_pdf(direction))
     }
 
     /// Draws only direction and density of [`sample`](Self::sample), for callers that take the value

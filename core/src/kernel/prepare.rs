@@ -152,8 +152,9 @@ pub(crate) struct PrepareInto<'a, 'b, const N: usize> {
     pub wo: [&'a [f32]; 3],
     /// What it runs on.
     pub level: Level,
-    /// As many as directions; a direction that is none leaves an empty one. They have room for all lobes.
-    pub mixtures: &'a mut [Mixture<'b, N>],
+    /// As many as directions, all there; a direction that is none leaves an empty one. They have room for all
+    /// lobes.
+    pub mixtures: &'a mut [Option<&'a mut Mixture<'b, N>>],
 }
 
 impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
@@ -165,9 +166,11 @@ impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
         if !material.header.is_isotropic() {
             for i in 0..mixtures.len() {
                 let leave_out = LeaveOut::default();
-                let one = Prepare { material, leave_out, level, mixture: &mut mixtures[i] };
-                // One that is none leaves the mixture empty.
-                let _ = Towards::run::<L>(one, [x[i], y[i], z[i]]);
+                if let Some(mixture) = mixtures[i].as_deref_mut() {
+                    let one = Prepare { material, leave_out, level, mixture };
+                    // One that is none leaves the mixture empty.
+                    let _ = Towards::run::<L>(one, [x[i], y[i], z[i]]);
+                }
             }
             return;
         }
@@ -185,7 +188,7 @@ impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
             facing.azimuth[0].store(&mut azimuth[0]);
             facing.azimuth[1].store(&mut azimuth[1]);
             for i in 0..count {
-                let mixture = &mut mixtures[at + i];
+                let Some(mixture) = mixtures[at + i].as_deref_mut() else { continue };
                 mixture.begin(level, Domain::Hemisphere, Squeeze::NONE);
                 if L::bits(facing.is_there()) >> i & 1 == 1 {
                     let wo = Vec3::new(x[at + i], y[at + i], z[at + i]);
@@ -195,7 +198,7 @@ impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
                 }
             }
             // Apart, so that the chains of additions of many mixtures run side by side.
-            for mixture in &mut mixtures[at..at + count] {
+            for mixture in mixtures[at..at + count].iter_mut().flatten() {
                 mixture.sum_up();
             }
             at += L::COUNT;

@@ -24,17 +24,9 @@ pub struct Sample {
     pub direction: Vec3,
     /// Density of the whole mixture at the direction; 1/sr.
     pub pdf: f32,
-    /// `f cos` at the direction, linear sRGB; 1/sr.
-    pub value: Vec3,
-}
-
-impl Sample {
     /// `f cos / pdf`, linear sRGB: its luminance is that of the mixture's albedo at every sample, times that
     /// of a factor if the material has factors.
-    #[inline]
-    pub fn weight(&self) -> Vec3 {
-        self.value / self.pdf
-    }
+    pub weight: Vec3,
 }
 
 /// A sum of lobes, and a diffuse term, for one outgoing direction; storage for `N` lobes, without allocation.

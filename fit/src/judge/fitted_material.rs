@@ -57,7 +57,7 @@ impl<'m> TrackedView<'m> {
             let n = f64::from(i);
             let u = [(n + 0.5) / f64::from(DRAWN), 0.754_877_666_246_693 * n, 0.569_840_290_998_053 * n];
             if let Some(sample) = self.mixture.sample(u.map(|u| u.fract() as f32)) {
-                let weight = sample.weight().to_array();
+                let weight = sample.weight.to_array();
                 (0..3).for_each(|c| sum[c] += f64::from(weight[c]) / f64::from(DRAWN));
             }
         }
