@@ -689,7 +689,7 @@ srbf_status srbf_lobe_product(const struct srbf_lobe *a,
 srbf_status srbf_lobe_inner_product(const struct srbf_lobe *a, const struct srbf_lobe *b, float *integral);
 
 /**
- * Integrates the product of a mixture of round lobes and a lobe, of light for example, over the mixture's domain.
+ * Integrates the product of a mixture of plain lobes and a lobe, of light for example, over the mixture's domain.
  *
  * For a material's mixture and a lobe of radiance: the radiance that is reflected towards the viewer.
  * Shapes: `integral` [3], overwritten. Status: `SRBF_STATUS_SQUEEZED`.

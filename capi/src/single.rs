@@ -177,7 +177,7 @@ pub unsafe extern "C" fn srbf_mixture_sample_and_evaluate(
 
 /// A sample, or what a black mixture gives: the header says it.
 #[inline(always)]
-fn drawn(sample: Option<Sample>) -> srbf_sample {
+pub(crate) fn drawn(sample: Option<Sample>) -> srbf_sample {
     match sample {
         Some(Sample { direction, pdf, weight }) => {
             srbf_sample { direction: direction.to_array(), pdf, weight: weight.to_array() }

@@ -15,14 +15,14 @@
 //!
 //! # Features
 //!
-//! Every feature only adds, and all are on by default. Without any the crate is scalar f32 on `libm`,
-//! `no_std`, without allocation, in which form it runs on microcontrollers.
+//! Every feature only adds. Without any the crate is scalar f32 on `libm`, `no_std`, without allocation, in
+//! which form it runs on microcontrollers.
 //!
-//! | feature | adds | brings |
-//! |---|---|---|
-//! | `simd` | SIMD levels: portable vectors, and on x86-64 AVX2 and AVX-512, chosen at run time ([`Level`]) | `wide` |
-//! | `std` | [`read_file`]; the one thing here that allocates | |
-//! | `kernels` | zonal kernels: [`AbelPoisson`], [`KernelTable`], [`legendre_series`], [`Metropolis`] | `rand_core` |
+//! | feature | by default | adds | brings |
+//! |---|---|---|---|
+//! | `simd` | yes | SIMD levels: portable vectors, and on x86-64 AVX2 and AVX-512, chosen at run time ([`Level`]) | `wide` |
+//! | `std` | yes | [`read_file`]; the one thing here that allocates | |
+//! | `zonal` | no | zonal kernels beside the Gaussian: Abel-Poisson, tables, Legendre series, the Metropolis walk | `rand_core` |
 //!
 //! # A material
 //!
@@ -116,16 +116,16 @@ pub use material::views::{Grid, GridView, Line, PlaneLobe, TiltedLobe, View};
 pub use mixture::leave_out::LeaveOut;
 pub use mixture::rows::{Domain, Mixture, Sample};
 pub use simd::detect::Level;
-#[cfg(feature = "kernels")]
+#[cfg(feature = "zonal")]
 pub use zonal::abel_poisson::AbelPoisson;
 pub use zonal::folded::Folded;
 pub use zonal::kernel::Kernel;
-#[cfg(feature = "kernels")]
+#[cfg(feature = "zonal")]
 pub use zonal::legendre::{
     abel_poisson_coefficients_into, gaussian_coefficients_into, legendre_coefficients_into, legendre_series,
     legendre_singular_integral,
 };
-#[cfg(feature = "kernels")]
+#[cfg(feature = "zonal")]
 pub use zonal::metropolis::Metropolis;
-#[cfg(feature = "kernels")]
+#[cfg(feature = "zonal")]
 pub use zonal::table::KernelTable;

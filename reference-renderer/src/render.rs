@@ -119,7 +119,9 @@ mod tests {
                 (sum / n, variance / (n * n))
             };
             let (expected, own) = mean(Sampler::Mis);
-            for sampler in [Sampler::Lobes, Sampler::Light, Sampler::Cosine, Sampler::Uniform] {
+            for sampler in
+                [Sampler::Lobes, Sampler::Defensive, Sampler::Light, Sampler::Cosine, Sampler::Uniform]
+            {
                 let (rendered, variance) = mean(sampler);
                 let error = (own + variance).map(f64::sqrt);
                 let deviation = (rendered - expected).abs();

@@ -3,7 +3,7 @@
 use crate::material::{Bytes, StoredMaterial};
 use crate::measured::{MeasuredMaterial, View};
 use glam::Vec3;
-use srbf_core::{Error, MAX_LOBES, Material, Mixture, Sample};
+use srbf_core::{Defensive, Error, MAX_LOBES, Material, Mixture, Sample};
 
 /// Storage for the mixture of any material.
 pub type AnyMixture<'m> = Mixture<'m, MAX_LOBES>;
@@ -132,6 +132,14 @@ impl<'a> Scattering<'a> {
     pub fn sample(&self, u: [f32; 3]) -> Option<Sample> {
         match &self.table {
             None => self.lobes.sample(u),
+            Some(table) => table.sample(u),
+        }
+    }
+
+    /// The same, one direction in twenty from the cosine; of a table as [`sample`](Self::sample), which has that part.
+    pub fn sample_defensive(&self, u: [f32; 3]) -> Option<Sample> {
+        match &self.table {
+            None => Defensive::new(&self.lobes, 0.05).ok()?.sample(u),
             Some(table) => table.sample(u),
         }
     }

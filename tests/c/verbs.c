@@ -96,6 +96,31 @@ static void test_refused(const srbf_material *material, const srbf_mixture *mixt
     clear();
 }
 
+/* One direction in `share` is of the cosine, and the density says so. */
+static void test_defensive(const srbf_mixture *mixture) {
+    const float share = 0.25f, shares[] = {-0.1f, 1.1f, NAN};
+    float pdf, whole;
+    double mean = 0;
+    srbf_sample sample;
+    for (int i = 0; i < N; i++) {
+        const float cosine = fmaxf(hits[i].wi[2], 0);
+        CHECK_OK(srbf_mixture_pdf(mixture, hits[i].wi, &pdf));
+        CHECK_OK(srbf_mixture_pdf_defensive(mixture, share, hits[i].wi, &whole));
+        CHECK(fabsf(whole - ((1 - share) * pdf + share * cosine / 3.14159265f)) <= 1e-5f * whole);
+        CHECK_OK(srbf_mixture_sample_defensive(mixture, share, hits[i].u, &sample));
+        CHECK_OK(srbf_mixture_pdf_defensive(mixture, share, sample.direction, &whole));
+        CHECK(fabsf(sample.pdf - whole) <= 1e-4f * whole && sample.pdf >= share * sample.direction[2] / 3.1416f);
+        mean += (double)sample.weight[1] / N;
+    }
+    CHECK(mean > 0 && mean < 2);
+    for (int i = 0; i < 3; i++) {
+        CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_mixture_sample_defensive(mixture, shares[i], hits->u, &sample));
+        CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_mixture_pdf_defensive(mixture, shares[i], hits->wi, &pdf));
+    }
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_mixture_sample_defensive(mixture, share, hits->u, NULL));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_mixture_pdf_defensive(NULL, share, hits->wi, &pdf));
+}
+
 int main(int argc, char **argv) {
     CHECK(argc == 2);
     srbf_material *material;
@@ -123,6 +148,7 @@ int main(int argc, char **argv) {
     }
     const srbf_mixture *mixtures = (const srbf_mixture *)(const void *)storage;
     test_refused(material, mixtures);
+    test_defensive(mixtures);
     const float exact = 2e-5f;
     CHECK_OK(srbf_mixture_evaluate_pairs_into(mixtures, stride, N, &wi, &value));
     compare(storage, stride, VALUE, exact);

@@ -212,7 +212,7 @@ impl<const N: usize> Mixture<'_, N> {
     /// Away from the outgoing direction for an isotropic material; for an anisotropic one turned by up to 45
     /// degrees from there, so that it and +y are what the squeeze acts along.
     #[inline]
-    pub fn azimuth(&self) -> [f32; 2] {
+    pub fn azimuth_cos_sin(&self) -> [f32; 2] {
         self.squeeze.azimuth
     }
 

@@ -222,7 +222,7 @@ fn check_prepared(mirrored: usize, random: &mut Random, found: &mut Findings) {
 /// +x of a prepared mixture is away from the outgoing direction, but for the rounding of its cosine and sine, which narrow lobes see:
 /// the truth has it as it is.
 fn check_azimuth(m: &Mixture<64>, wo: Vec3, found: &mut Findings) {
-    let ([c, s], x, y) = (m.azimuth().map(f64::from), f64::from(-wo.x), f64::from(-wo.y));
+    let ([c, s], x, y) = (m.azimuth_cos_sin().map(f64::from), f64::from(-wo.x), f64::from(-wo.y));
     let off = (s * x - c * y).abs() / libm::hypot(x, y);
     if m.power() > 0.0 && !(off < 1.2e-7 && c * x + s * y > 0.0) {
         found.fault(format!("wo {wo}: azimuth off by {off:e}"));
