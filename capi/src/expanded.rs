@@ -1,6 +1,7 @@
 //! Expanded materials in the caller's storage, and their pairs.
 #![allow(unsafe_code)]
 
+use crate::batch::sampled_and_evaluated;
 use crate::convert::direction;
 use crate::guard::{Failure, guard};
 use crate::material::{material, room};
@@ -292,6 +293,40 @@ pub unsafe extern "C" fn srbf_expanded_sample_pairs_into(
     })
 }
 
+/// Draws an incident direction for each of n outgoing ones with its density, without a weight.
+///
+/// The samples of `srbf_expanded_sample_pairs_into`, for callers that take the value elsewhere.
+/// Shapes: `wo` n unit vectors; `u` n times three uniform numbers in [0, 1); `direction` n unit vectors and `pdf` n
+/// numbers, overwritten. n = 0 and what is no unit vector as in `srbf_expanded_evaluate_pairs_into`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_expanded_sample_pdf_pairs_into(
+    expanded: *const srbf_expanded,
+    n: usize,
+    wo: *const srbf_vectors,
+    u: *const srbf_vectors,
+    direction: *const srbf_vectors_out,
+    pdf: *const srbf_numbers_out,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let object = unsafe { object(expanded)? };
+        if n == 0 {
+            return Ok(());
+        }
+        // SAFETY: the header's contract.
+        let (wo, u, direction, pdf) = unsafe { (read(wo)?, read(u)?, read(direction)?, read(pdf)?) };
+        let ([ox, oy, oz], [ux, uy, uz]) = (wo.streams(), u.streams());
+        let [x, y, z] = direction.streams();
+        let (inputs, outputs) = ([ox, oy, oz, ux, uy, uz], [x, y, z, pdf.stream()]);
+        // SAFETY: the header's contract.
+        let batch = unsafe { Batch::new(n, inputs, outputs, object.extents())? };
+        batch.run(|[ox, oy, oz, ux, uy, uz], [x, y, z, pdf]| {
+            object.expanded.sample_pdf_pairs_into([ox, oy, oz], [ux, uy, uz], [x, y, z], pdf)
+        })?;
+        Ok(())
+    })
+}
+
 /// Draws an incident direction for each of n outgoing ones, and evaluates value and density towards another one: what next-event
 /// estimation needs at every hit, with one preparation.
 ///
@@ -319,25 +354,14 @@ pub unsafe extern "C" fn srbf_expanded_sample_and_evaluate_pairs_into(
         // SAFETY: the header's contract.
         let (wi, value, pdf) = unsafe { (read(wi)?, read(value)?, read(pdf)?) };
         let ([ox, oy, oz], [ux, uy, uz], [ix, iy, iz]) = (wo.streams(), u.streams(), wi.streams());
-        let ([x, y, z, density, w0, w1, w2], [red, green, blue]) = (samples.streams(), value.streams());
         let inputs = [ox, oy, oz, ux, uy, uz, ix, iy, iz];
-        let outputs = [x, y, z, density, w0, w1, w2, red, green, blue, pdf.stream()];
         // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, inputs, outputs, object.extents())? };
-        batch.run(
-            |[ox, oy, oz, ux, uy, uz, ix, iy, iz], [x, y, z, density, w0, w1, w2, red, green, blue, pdf]| {
-                let samples = SamplesMut { direction: [x, y, z], pdf: density, weight: [w0, w1, w2] };
-                let (wi, value) = ([ix, iy, iz], [red, green, blue]);
-                object.expanded.sample_and_evaluate_pairs_into(
-                    [ox, oy, oz],
-                    [ux, uy, uz],
-                    samples,
-                    wi,
-                    value,
-                    pdf,
-                )
-            },
-        )?;
+        let batch = unsafe { Batch::new(n, inputs, samples.streams_beside(value, pdf), object.extents())? };
+        batch.run(|[ox, oy, oz, ux, uy, uz, ix, iy, iz], outputs| {
+            let (samples, value, pdf) = sampled_and_evaluated(outputs);
+            let (wo, u, wi) = ([ox, oy, oz], [ux, uy, uz], [ix, iy, iz]);
+            object.expanded.sample_and_evaluate_pairs_into(wo, u, samples, wi, value, pdf)
+        })?;
         Ok(())
     })
 }

@@ -14,6 +14,7 @@ extern crate std;
 
 mod batch;
 mod convert;
+mod defensive;
 mod expanded;
 mod factors;
 #[cfg(feature = "fit")]
@@ -38,6 +39,7 @@ mod streams;
 mod version;
 
 pub use batch::*;
+pub use defensive::*;
 pub use expanded::*;
 pub use factors::*;
 #[cfg(feature = "fit")]

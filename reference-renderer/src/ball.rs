@@ -144,7 +144,7 @@ mod tests {
     fn both_balls_have_the_radiance_that_path_tracing_finds() {
         let (side, environment, hidden) = (24, sky::haze(), Progress::hidden());
         let (lacquer, vivid) = (lacquer(), vivid());
-        let shaders = [Shader::from(lacquer.get()), Shader::Table(&vivid)];
+        let shaders = [Shader::from(&lacquer.material), Shader::Table(&vivid)];
         let pixels = render(shaders, &environment, side, 256, &hidden).unwrap();
         // The outline is left out: there the film's pixels have background in them.
         let inside = |i: &usize| pixels[*i].coverage == 1.0;

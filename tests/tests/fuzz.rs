@@ -152,11 +152,13 @@ fn srbf_bytes() {
             let [red, green, blue] = value.each_mut().map(|channel| &mut channel[..]);
             let [o, i] = [wo, wi].map(|d| d.to_array().map(|x| [x]));
             let pair = [&o, &i].map(|d| [&d[0][..], &d[1][..], &d[2][..]]);
-            material.evaluate_pairs_into(pair[0], pair[1], [red, green, blue], &mut pdf).expect("one pair");
+            material
+                .evaluate_and_pdf_pairs_into(pair[0], pair[1], [red, green, blue], &mut pdf)
+                .expect("one pair");
             assert!(value.as_flattened().iter().all(|v| v.is_finite()), "execution {execution}: {value:?}");
             if let Some(sample) = mixture.sample(u) {
                 let sound =
-                    sample.direction.is_finite() && sample.pdf.is_finite() && sample.weight().is_finite();
+                    sample.direction.is_finite() && sample.pdf.is_finite() && sample.weight.is_finite();
                 assert!(sound, "execution {execution}, {wo}, {u:?}: {sample:?}");
             }
         }

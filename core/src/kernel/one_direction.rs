@@ -3,6 +3,7 @@
 
 use super::draw::draw_one;
 use crate::color::luminance;
+use crate::mixture::row;
 use crate::mixture::rows::{Domain, Mixture, Sample, lowest_bits};
 use crate::simd::elementary::{falloff, falloff_soon};
 use crate::simd::lanes::{Lanes, scale};
@@ -101,7 +102,17 @@ impl<const N: usize> Mixture<'_, N> {
     fn sampled(&self, direction: [f32; 3], value: Vec3, luminance: f32) -> Option<Sample> {
         let pdf = luminance * self.inverse_power;
         // A density that f32 rounds to 0 cannot be divided by: far out in a tail, where the value is 0 too.
-        (pdf > 0.0).then_some(Sample { direction: Vec3::from_array(direction), pdf, value })
+        (pdf > 0.0).then_some(Sample { direction: Vec3::from_array(direction), pdf, weight: value / pdf })
+    }
+
+    /// Draws a direction, and evaluates value and density towards another one: what next-event estimation needs
+    /// at every hit.
+    ///
+    /// The first is what [`sample`](Self::sample) gives, the second what
+    /// [`evaluate_and_pdf`](Self::evaluate_and_pdf) does.
+    #[inline]
+    pub fn sample_and_evaluate(&self, u: [f32; 3], direction: Vec3) -> (Option<Sample>, (Vec3, f32)) {
+        (self.sample(u), self.evaluate_and_pdf(direction))
     }
 
     /// Draws only direction and density of [`sample`](Self::sample), for callers that take the value
@@ -269,7 +280,7 @@ pub(crate) fn all_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bo
     } else {
         let (turned, squeezed) = (turned.splat(), squeezed.splat());
         let mut k = 0;
-        while k < m.count && k + L::COUNT <= N {
+        while row::is_within::<L, N>(k, m.count) {
             if k >= m.squeezed {
                 add_lobes::<L, N, C, SEEN>(m, amplitudes, &turned, k, &mut acc);
             } else if k + L::COUNT <= m.squeezed {
@@ -299,8 +310,8 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     acc: &mut [L; C],
 ) {
     let (axis, [x, y, z]) =
-        ([L::load(&m.axis_x[k..]), L::load(&m.axis_y[k..]), L::load(&m.axis_z[k..])], seen.high);
-    let mut rate = L::load(&m.rate[k..]);
+        ([row::load::<L, N>(&m.axis_x, k), row::load(&m.axis_y, k), row::load(&m.axis_z, k)], seen.high);
+    let mut rate = row::load::<L, N>(&m.rate, k);
     let [mut dx, mut dy, mut dz];
     if SEEN && L::FUSED {
         dx = axis[0].neg_mul_add(seen.length, x);
@@ -323,14 +334,14 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     let mut g = if SEEN { falloff(t) } else { falloff_soon(t) };
     if m.folded >> k & lowest_bits(L::COUNT) != 0 {
         // A lobe of them that does not need its fold has a rate that leaves nothing of it.
-        let t = L::load(&m.fold_rate[k..]).mul_add(seen.height, t);
+        let t = row::load::<L, N>(&m.fold_rate, k).mul_add(seen.height, t);
         g = g + if SEEN { falloff(t) } else { falloff_soon(t) };
     }
     if SEEN {
         g = g * seen.scale;
     }
     for i in 0..C {
-        acc[i] = g.mul_add(L::load(&amplitudes[i][k..]), acc[i]);
+        acc[i] = g.mul_add(row::load(amplitudes[i], k), acc[i]);
     }
 }
 

@@ -17,7 +17,7 @@ use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Input, Report, mean_error};
 use srbf_fit::read::{Content, Source};
 use srbf_fit::table::Symmetry;
-use srbf_fit::{FactorNodes, Fit, Settings, TrackedLobes};
+use srbf_fit::{FactorNodes, Fit, Settings};
 use std::path::{Path, PathBuf};
 
 /// Fits a measured BRDF file and writes a .srbf material, with a report in JSON beside it.
@@ -163,7 +163,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let mut fit = fit_source(&source, settings.clone(), "")?;
     fit.report.cross_validation = left_out;
     srbf_fit::write_atomically(&output, &fit.bytes)?;
-    let material = Material::from_bytes(&fit.bytes)?;
+    let material = Material::from_bytes(fit.bytes.as_slice())?;
     let json = fit.report.to_json(&material, &input, &settings)?;
     srbf_fit::write_atomically(&names::report(&output), json.as_bytes())?;
     println!(
@@ -173,7 +173,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         fit.report.seconds,
         fit.report.evaluations
     );
-    print_report(&fit.report, &TrackedLobes { bytes: fit.bytes.clone() }, Some(&material))?;
+    print_report(&fit.report, &material, Some(&material))?;
     picture.map_or(Ok(()), |picture| picture.write(&output, fit.bytes, source))
 }
 
@@ -234,7 +234,11 @@ fn fit_source(read: &Source, mut settings: Settings, source: &str) -> anyhow::Re
 }
 
 /// Prints a report, a line a view, with the verdict last; `material`: the material, if the method makes one.
-fn print_report(report: &Report, fitted: &dyn Fitted, material: Option<&Material<'_>>) -> anyhow::Result<()> {
+fn print_report(
+    report: &Report,
+    fitted: &dyn Fitted,
+    material: Option<&Material<&[u8]>>,
+) -> anyhow::Result<()> {
     let isotropic = view_table::is_isotropic(report);
     println!("{}", view_table::LEGEND);
     view_table::print_views(&report.views, isotropic);

@@ -11,7 +11,7 @@ use crate::material::StoredMaterial;
 use crate::measured::MeasuredMaterial;
 use crate::shader::LoadedMaterial;
 use anyhow::ensure;
-use srbf_fit::TrackedLobes;
+use srbf_core::Material;
 use srbf_fit::complete::complete;
 use srbf_fit::read::{Content, Source};
 use std::path::{Path, PathBuf};
@@ -89,7 +89,7 @@ impl Picture {
 
     fn write_curves(&self, bytes: Vec<u8>, source: &Source) -> anyhow::Result<()> {
         let Content::Samples(table) = &source.content else { return Ok(()) };
-        curves::write(&self.path, &source.name, table, &complete(table)?, &TrackedLobes { bytes })?;
+        curves::write(&self.path, &source.name, table, &complete(table)?, &Material::from_bytes(bytes)?)?;
         println!("{}", self.path.display());
         Ok(())
     }
