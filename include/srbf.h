@@ -1008,6 +1008,32 @@ srbf_status srbf_mixture_sample_and_evaluate(const struct srbf_mixture *mixture,
                                              float *pdf);
 
 /**
+ * Draws an incident direction: with probability `share` one of the cosine, else one of the mixture.
+ *
+ * For a renderer that keeps another function as the truth, a measured table for example, and samples it by the mixture: where the
+ * mixture misses the table, the weight is at most `pi / share` times the BRDF. A `share` of 0.02 to 0.05 serves well. A mixture on
+ * the whole sphere has a uniform direction in place of one of the cosine.
+ * To combine techniques A and B, of `n` samples each with density `p`, A's sample weighs `n_a p_a / (n_a p_a + n_b p_b)` (the
+ * balance heuristic), or the same of the squares (the power heuristic, for techniques of which one is much the better).
+ * Shapes: `u` and `sample` as in `srbf_mixture_sample`; the density is the whole one, the weight the mixture's value over it.
+ * Status: `SRBF_STATUS_ARGUMENT` for a share outside [0, 1].
+ */
+srbf_status srbf_mixture_sample_defensive(const struct srbf_mixture *mixture,
+                                          float share,
+                                          const float *u,
+                                          struct srbf_sample *sample);
+
+/**
+ * Evaluates the density of `srbf_mixture_sample_defensive` at a direction; 1/sr.
+ *
+ * Shapes: `wi` [3], unit vector; `pdf` one number, overwritten. Status as there.
+ */
+srbf_status srbf_mixture_pdf_defensive(const struct srbf_mixture *mixture,
+                                       float share,
+                                       const float *wi,
+                                       float *pdf);
+
+/**
  * Evaluates `f cos` towards n directions; 1/sr. The values of `srbf_mixture_evaluate` within rounding.
  *
  * Shapes: `wi` n unit vectors; `value` n colours in linear sRGB, overwritten. n = 0 looks at no pointer but the
