@@ -60,7 +60,7 @@ static void test_refused(const srbf_material *material, const srbf_mixture *mixt
     srbf_vectors_out value = out(hits->value);
     srbf_numbers_out pdf = {&hits->pdf, sizeof(hit)};
     srbf_samples_out samples = {out(hits->sample.direction), {&hits->sample.pdf, sizeof(hit)}, out(hits->sample.weight)};
-    const size_t stride = SRBF_MIXTURE_SIZE_16;
+    const size_t stride = SRBF_MIXTURE_SIZE_64;
     float one[3] = {2, 0, 0};
     srbf_sample sample;
 
@@ -75,7 +75,7 @@ static void test_refused(const srbf_material *material, const srbf_mixture *mixt
     CHECK_STATUS(SRBF_STATUS_NULL,
                  srbf_mixture_sample_and_evaluate_pairs_into(mixture, stride, N, &u, NULL, &wi, &value, &pdf));
     CHECK_STATUS(SRBF_STATUS_STRIDE,
-                 srbf_mixture_sample_and_evaluate_pairs_into(mixture, stride / 2, N, &u, &samples, &wi, &value, &pdf));
+                 srbf_mixture_sample_and_evaluate_pairs_into(mixture, SRBF_MIXTURE_SIZE_16 / 2, N, &u, &samples, &wi, &value, &pdf));
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_evaluate_pairs_into(material, N, NULL, &wi, &value));
     CHECK_STATUS(SRBF_STATUS_NULL,
                  srbf_material_sample_and_evaluate_pairs_into(material, N, &wo, &u, &samples, &wi, NULL, &pdf));
