@@ -28,6 +28,7 @@ mod material;
 #[cfg(feature = "std")]
 mod message;
 mod mixture;
+mod pair_batch;
 mod pairs;
 mod pointers;
 mod product;

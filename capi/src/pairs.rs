@@ -4,6 +4,7 @@
 use crate::batch::sampled_and_evaluated;
 use crate::guard::{Failure, Outcome, guard};
 use crate::material::material;
+use crate::pair_batch;
 use crate::pointers::{check_extent, read};
 use crate::storage::{AnyMixture, AnyMixtures, check_storage, extent, mixture, with_mixture};
 use crate::streams::{Batch, srbf_numbers_out, srbf_vectors, srbf_vectors_out};
@@ -30,19 +31,12 @@ pub unsafe extern "C" fn srbf_material_evaluate_pairs_into(
     guard(|| {
         // SAFETY: the header's contract.
         let object = unsafe { self::material(material)? };
-        if n == 0 {
-            return Ok(());
+        // SAFETY: the header's contract.
+        unsafe {
+            pair_batch::evaluate(n, [wo, wi], value, object.extents(), |wo, wi, value| {
+                object.material.evaluate_pairs_into(wo, wi, value)
+            })
         }
-        // SAFETY: the header's contract.
-        let (wo, wi, value) = unsafe { (read(wo)?, read(wi)?, read(value)?) };
-        let ([ox, oy, oz], [ix, iy, iz]) = (wo.streams(), wi.streams());
-        let inputs = [ox, oy, oz, ix, iy, iz];
-        // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, inputs, value.streams(), object.extents())? };
-        batch.run(|[ox, oy, oz, ix, iy, iz], value| {
-            object.material.evaluate_pairs_into([ox, oy, oz], [ix, iy, iz], value)
-        })?;
-        Ok(())
     })
 }
 
@@ -61,20 +55,12 @@ pub unsafe extern "C" fn srbf_material_evaluate_and_pdf_pairs_into(
     guard(|| {
         // SAFETY: the header's contract.
         let object = unsafe { self::material(material)? };
-        if n == 0 {
-            return Ok(());
+        // SAFETY: the header's contract.
+        unsafe {
+            pair_batch::evaluate_and_pdf(n, [wo, wi], value, pdf, object.extents(), |wo, wi, value, pdf| {
+                object.material.evaluate_and_pdf_pairs_into(wo, wi, value, pdf)
+            })
         }
-        // SAFETY: the header's contract.
-        let (wo, wi, value, pdf) = unsafe { (read(wo)?, read(wi)?, read(value)?, read(pdf)?) };
-        let ([ox, oy, oz], [ix, iy, iz]) = (wo.streams(), wi.streams());
-        let [red, green, blue] = value.streams();
-        let (inputs, outputs) = ([ox, oy, oz, ix, iy, iz], [red, green, blue, pdf.stream()]);
-        // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, inputs, outputs, object.extents())? };
-        batch.run(|[ox, oy, oz, ix, iy, iz], [red, green, blue, pdf]| {
-            object.material.evaluate_and_pdf_pairs_into([ox, oy, oz], [ix, iy, iz], [red, green, blue], pdf)
-        })?;
-        Ok(())
     })
 }
 
@@ -94,18 +80,12 @@ pub unsafe extern "C" fn srbf_material_pdf_pairs_into(
     guard(|| {
         // SAFETY: the header's contract.
         let object = unsafe { self::material(material)? };
-        if n == 0 {
-            return Ok(());
+        // SAFETY: the header's contract.
+        unsafe {
+            pair_batch::pdf(n, [wo, wi], pdf, object.extents(), |wo, wi, pdf| {
+                object.material.pdf_pairs_into(wo, wi, pdf)
+            })
         }
-        // SAFETY: the header's contract.
-        let (wo, wi, pdf) = unsafe { (read(wo)?, read(wi)?, read(pdf)?) };
-        let ([ox, oy, oz], [ix, iy, iz]) = (wo.streams(), wi.streams());
-        // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, [ox, oy, oz, ix, iy, iz], [pdf.stream()], object.extents())? };
-        batch.run(|[ox, oy, oz, ix, iy, iz], [pdf]| {
-            object.material.pdf_pairs_into([ox, oy, oz], [ix, iy, iz], pdf)
-        })?;
-        Ok(())
     })
 }
 
@@ -126,20 +106,12 @@ pub unsafe extern "C" fn srbf_material_sample_pdf_pairs_into(
     guard(|| {
         // SAFETY: the header's contract.
         let object = unsafe { self::material(material)? };
-        if n == 0 {
-            return Ok(());
+        // SAFETY: the header's contract.
+        unsafe {
+            pair_batch::sample_pdf(n, [wo, u], direction, pdf, object.extents(), |wo, u, direction, pdf| {
+                object.material.sample_pdf_pairs_into(wo, u, direction, pdf)
+            })
         }
-        // SAFETY: the header's contract.
-        let (wo, u, direction, pdf) = unsafe { (read(wo)?, read(u)?, read(direction)?, read(pdf)?) };
-        let ([ox, oy, oz], [ux, uy, uz]) = (wo.streams(), u.streams());
-        let [x, y, z] = direction.streams();
-        let (inputs, outputs) = ([ox, oy, oz, ux, uy, uz], [x, y, z, pdf.stream()]);
-        // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, inputs, outputs, object.extents())? };
-        batch.run(|[ox, oy, oz, ux, uy, uz], [x, y, z, pdf]| {
-            object.material.sample_pdf_pairs_into([ox, oy, oz], [ux, uy, uz], [x, y, z], pdf)
-        })?;
-        Ok(())
     })
 }
 
@@ -159,20 +131,12 @@ pub unsafe extern "C" fn srbf_material_sample_pairs_into(
     guard(|| {
         // SAFETY: the header's contract.
         let object = unsafe { self::material(material)? };
-        if n == 0 {
-            return Ok(());
+        // SAFETY: the header's contract.
+        unsafe {
+            pair_batch::sample(n, [wo, u], samples, object.extents(), |wo, u, samples| {
+                object.material.sample_pairs_into(wo, u, samples)
+            })
         }
-        // SAFETY: the header's contract.
-        let (wo, u, samples) = unsafe { (read(wo)?, read(u)?, read(samples)?) };
-        let ([ox, oy, oz], [ux, uy, uz]) = (wo.streams(), u.streams());
-        let inputs = [ox, oy, oz, ux, uy, uz];
-        // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, inputs, samples.streams(), object.extents())? };
-        batch.run(|[ox, oy, oz, ux, uy, uz], [x, y, z, pdf, red, green, blue]| {
-            let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
-            object.material.sample_pairs_into([ox, oy, oz], [ux, uy, uz], samples)
-        })?;
-        Ok(())
     })
 }
 
@@ -195,23 +159,20 @@ pub unsafe extern "C" fn srbf_material_sample_and_evaluate_pairs_into(
     guard(|| {
         // SAFETY: the header's contract.
         let object = unsafe { self::material(material)? };
-        if n == 0 {
-            return Ok(());
+        // SAFETY: the header's contract.
+        unsafe {
+            pair_batch::sample_and_evaluate(
+                n,
+                [wo, u, wi],
+                samples,
+                value,
+                pdf,
+                object.extents(),
+                |wo, u, samples, wi, value, pdf| {
+                    object.material.sample_and_evaluate_pairs_into(wo, u, samples, wi, value, pdf)
+                },
+            )
         }
-        // SAFETY: the header's contract.
-        let (wo, u, samples) = unsafe { (read(wo)?, read(u)?, read(samples)?) };
-        // SAFETY: the header's contract.
-        let (wi, value, pdf) = unsafe { (read(wi)?, read(value)?, read(pdf)?) };
-        let ([ox, oy, oz], [ux, uy, uz], [ix, iy, iz]) = (wo.streams(), u.streams(), wi.streams());
-        let inputs = [ox, oy, oz, ux, uy, uz, ix, iy, iz];
-        // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, inputs, samples.streams_beside(value, pdf), object.extents())? };
-        batch.run(|[ox, oy, oz, ux, uy, uz, ix, iy, iz], outputs| {
-            let (samples, value, pdf) = sampled_and_evaluated(outputs);
-            let (wo, u, wi) = ([ox, oy, oz], [ux, uy, uz], [ix, iy, iz]);
-            object.material.sample_and_evaluate_pairs_into(wo, u, samples, wi, value, pdf)
-        })?;
-        Ok(())
     })
 }
 

@@ -2,7 +2,7 @@
 //! the plane of incidence, the samples near that plane as points.
 
 use crate::picture_file;
-use crate::plot::{COLOURS, FONT, Failure, RIGHT_MARGIN, range, register_font, tick};
+use crate::plot::{COLOURS, FONT, Failure, RIGHT_MARGIN, draw_legend, range, register_font, tick};
 use anyhow::anyhow;
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -147,13 +147,7 @@ fn draw_panel(
         .label("samples")
         .legend(move |(x, y)| Circle::new((x + 9, y), 3, colour.filled()));
     if has_legend {
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperLeft)
-            .label_font((FONT, 12))
-            .background_style(WHITE)
-            .border_style(BLACK)
-            .draw()?;
+        draw_legend(&mut chart, SeriesLabelPosition::UpperLeft, 12)?;
     }
     Ok(())
 }
