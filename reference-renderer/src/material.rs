@@ -7,9 +7,9 @@ use std::path::Path;
 
 /// The presets: name and `.srbf` bytes.
 pub const PRESETS: &[(&str, &[u8])] = &[
-    ("garnet_red", include_bytes!("../../presets/garnet_red.srbf")),
-    ("krylon_blue", include_bytes!("../../presets/krylon_blue.srbf")),
-    ("cayman", include_bytes!("../../presets/cayman.srbf")),
+    ("garnet_red", include_bytes!("../presets/garnet_red.srbf")),
+    ("krylon_blue", include_bytes!("../presets/krylon_blue.srbf")),
+    ("cayman", include_bytes!("../presets/cayman.srbf")),
 ];
 
 /// What is rendered where no material is named.

@@ -1,6 +1,7 @@
 //! The tests of `core` that can share a process.
 
 mod chi_square;
+mod dependencies;
 mod estimators;
 mod extremes;
 mod factors;

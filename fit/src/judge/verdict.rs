@@ -3,6 +3,8 @@
 //! The numbers are of the held-out views, if there are any: what a fit says where it was not made. The words are of all views: a
 //! weight that is large at a view that was fitted is as bright a dot in a picture.
 
+mod units;
+
 use crate::judge::reciprocity::Reciprocity;
 use crate::judge::report::{Ending, Report, ViewReport};
 use serde_json::{Value, json};
@@ -287,6 +289,7 @@ impl Verdict {
         verdict.say_reciprocity(reciprocity);
         verdict.say_floor(report);
         verdict.say_completion(report);
+        verdict.off.extend(units::fault(&report.views));
         if let Some(made) = made {
             verdict.advice.extend(advice(report, made));
         }

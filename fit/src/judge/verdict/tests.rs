@@ -169,3 +169,16 @@ try  `Defensive` sampling where the table stays the truth: it bounds the weight,
     assert_eq!(found.lines().join("\n"), text);
     assert!(found.lines().iter().all(|line| line.len() <= 110));
 }
+
+#[test]
+fn values_in_other_units_are_said() {
+    for (albedo, word) in
+        [(1.0, None), (0.002, None), (2.0, Some("by pi")), (40.0, Some("10^2")), (1e-5, Some("10^4"))]
+    {
+        let mut report = report();
+        report.views.iter_mut().for_each(|view| view.data_albedo = [albedo; 3]);
+        let found = verdict(&report).off.into_iter().find(|text| text.starts_with("units"));
+        assert_eq!(found.is_some(), word.is_some(), "{albedo}: {found:?}");
+        assert!(word.is_none_or(|word| found.unwrap().contains(word)), "{albedo}");
+    }
+}
