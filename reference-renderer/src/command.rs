@@ -9,6 +9,7 @@ pub mod fit;
 pub mod inspect;
 pub mod judge;
 pub mod leave_out;
+pub mod plot;
 pub mod presets;
 pub mod render;
 pub mod samples;
@@ -25,7 +26,7 @@ use std::path::PathBuf;
 ///
 /// Without a command: renders a preset on two scenes, compares samplers, and writes pictures and a report to `out/`.
 #[derive(Debug, Parser)]
-#[command(version, args_conflicts_with_subcommands = true)]
+#[command(name = "srbf", version, args_conflicts_with_subcommands = true)]
 pub struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
@@ -42,6 +43,7 @@ enum Command {
     Judge(judge::Args),
     LeaveOut(leave_out::Args),
     Render(render::Args),
+    Plot(plot::Args),
     Ball(ball::Args),
     Compare(compare::Args),
     Samples(samples::Args),
@@ -61,6 +63,7 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
         Some(Command::Judge(args)) => judge::run(args),
         Some(Command::LeaveOut(args)) => leave_out::run(args),
         Some(Command::Render(args)) => render::run(args),
+        Some(Command::Plot(args)) => plot::run(args),
         Some(Command::Ball(args)) => ball::run(args),
         Some(Command::Compare(args)) => compare::run(args),
         Some(Command::Samples(args)) => samples::run(args),

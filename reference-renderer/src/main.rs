@@ -12,6 +12,7 @@ mod comparison;
 mod discrete;
 mod environment;
 mod film;
+mod fit_sheet;
 mod furnace;
 mod integrator;
 mod intersect;

@@ -77,6 +77,11 @@ impl MeasuredMaterial {
         self.is_isotropic
     }
 
+    /// What was measured.
+    pub fn brdf(&self) -> &dyn Brdf {
+        self.brdf.as_ref()
+    }
+
     /// Gets ready for an outgoing direction, a unit vector in the shading frame.
     pub fn view(&self, wo: Vec3) -> View<'_> {
         let wo = wo.as_dvec3().normalize();

@@ -36,6 +36,14 @@ impl LoadedMaterial {
         }
     }
 
+    /// The table, if it is one.
+    pub fn table(&self) -> Option<&MeasuredMaterial> {
+        match self {
+            Self::Lobes(_) => None,
+            Self::Table(measured) => Some(measured),
+        }
+    }
+
     /// What it is called, and what kind of material it is.
     pub fn title(&self) -> String {
         match self {

@@ -16,6 +16,10 @@ const SAME_VIEW: f64 = 1e-3;
 const MANY_VIEWS: usize = 64;
 const FEW_SAMPLES: usize = 24;
 
+/// More views than [`MANY_VIEWS`] that are closer than this in the mean, radians, are taken together however many samples each has: no
+/// instrument steps so finely, and 100 000 samples anywhere come as close.
+const DENSE: f64 = 4.0 * SAME_VIEW;
+
 /// Width of a view into which they are, radians: 2 degrees.
 const WIDTH: f64 = 2.0 * PI / 180.0;
 
@@ -78,7 +82,9 @@ impl Scatter {
         }
         self.rows.sort_by(|a, b| a.theta.total_cmp(&b.theta));
         let views = self.views(SAME_VIEW);
-        if views.len() > MANY_VIEWS && self.rows.len() < FEW_SAMPLES * views.len() {
+        let few = self.rows.len() < FEW_SAMPLES * views.len();
+        let dense = views[views.len() - 1].0 - views[0].0 < DENSE * views.len() as f64;
+        if views.len() > MANY_VIEWS && (few || dense) {
             return Ok(self.views(WIDTH));
         }
         Ok(views)
@@ -159,11 +165,13 @@ mod tests {
     #[test]
     fn outgoing_directions_without_a_pattern_are_taken_together_beside_the_mirror_direction() {
         let from_mirror = |theta: f64, wi: [f64; 3]| libm::sin(theta) * wi[0] + libm::cos(theta) * wi[2];
-        let views = scatter(3000, |theta, _, wi| from_mirror(theta, wi)).finish().unwrap();
-        assert!(views.len() < 50, "{}", views.len());
-        for (theta, samples) in &views {
-            for (wi, rgb) in samples.iter().filter(|s| s.0[2] > 0.1) {
-                assert!((from_mirror(*theta, *wi) - rgb[0]).abs() < 1e-9, "{theta} {wi:?} {rgb:?}");
+        for count in [3000, 100_000] {
+            let views = scatter(count, |theta, _, wi| from_mirror(theta, wi)).finish().unwrap();
+            assert!(views.len() < 50, "{}", views.len());
+            for (theta, samples) in &views {
+                for (wi, rgb) in samples.iter().filter(|s| s.0[2] > 0.1) {
+                    assert!((from_mirror(*theta, *wi) - rgb[0]).abs() < 1e-9, "{theta} {wi:?} {rgb:?}");
+                }
             }
         }
     }

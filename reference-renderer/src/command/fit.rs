@@ -137,7 +137,6 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let file = args.file.context("a file is needed")?;
     let source = method::read(&file, args.material.as_deref())?;
     check_options(&file, &source.content, &args.settings)?;
-    let picture = args.picture.check(&source, args.method)?;
     let name = names::stem(&file, args.material.as_deref())?;
     if args.lobes_table {
         return lobes_table::run(&source, &name.to_string_lossy(), &args.settings.settings());
@@ -146,6 +145,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let named = if is_model { file.display().to_string() } else { source.name.clone() };
     let input = Input { name: named, sha256: source.sha256.clone() };
     if args.method != MethodName::Tracked {
+        args.picture.check(&file, args.method)?;
         let path = names::baseline(args.output, &name, args.method);
         let left_out = left_out(args.cross_validate, &file, &source.content, args.method, &args.settings)?;
         let fit = method::fit(&source, &input, args.method, &args.settings, left_out)?;
@@ -155,11 +155,9 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         return Ok(());
     }
     let output = names::material(args.output, &name)?;
+    let picture = args.picture.check(&output, args.method)?;
     let settings = args.settings.settings();
     let left_out = left_out(args.cross_validate, &file, &source.content, args.method, &args.settings)?;
-    if let Some(picture) = &picture {
-        picture.check_beside(&output)?;
-    }
     let mut fit = fit_source(&source, settings.clone(), "")?;
     fit.report.cross_validation = left_out;
     srbf_fit::write_atomically(&output, &fit.bytes)?;
@@ -173,8 +171,8 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         fit.report.seconds,
         fit.report.evaluations
     );
-    print_report(&fit.report, &material, Some(&material))?;
-    picture.map_or(Ok(()), |picture| picture.write(&output, fit.bytes, source))
+    let verdict = print_report(&fit.report, &material, Some(&material))?;
+    picture.map_or(Ok(()), |picture| picture.write(&output, fit.bytes, source, &verdict))
 }
 
 /// Refuses options that the fit of such a content would ignore.
@@ -233,12 +231,12 @@ fn fit_source(read: &Source, mut settings: Settings, source: &str) -> anyhow::Re
     Ok(fit?)
 }
 
-/// Prints a report, a line a view, with the verdict last; `material`: the material, if the method makes one.
+/// Prints a report, a line a view, with the verdict last, and gives the lines of that; `material`: the material, if the method makes one.
 fn print_report(
     report: &Report,
     fitted: &dyn Fitted,
     material: Option<&Material<&[u8]>>,
-) -> anyhow::Result<()> {
+) -> anyhow::Result<Vec<String>> {
     let isotropic = view_table::is_isotropic(report);
     println!("{}", view_table::LEGEND);
     view_table::print_views(&report.views, isotropic);
@@ -256,8 +254,7 @@ fn print_report(
     if let Some(found) = &report.cross_validation {
         print_left_out(found);
     }
-    view_table::print_verdict(report, &reciprocity(fitted)?, material);
-    Ok(())
+    Ok(view_table::print_verdict(report, &reciprocity(fitted)?, material))
 }
 
 fn print_left_out(found: &CrossValidation) {

@@ -3,7 +3,7 @@
 use srbf_core::Material;
 use srbf_fit::complete::CompletionReport;
 use srbf_fit::complete::held_out::HeldOut;
-use srbf_fit::judge::reciprocity::Reciprocity;
+use srbf_fit::judge::reciprocity::{Reciprocity, reciprocity};
 use srbf_fit::judge::report::{Report, ViewReport, factor_bytes};
 use srbf_fit::judge::verdict::{Made, Spread, Summary, Verdict};
 
@@ -106,8 +106,12 @@ fn print_summary(summary: &Summary, isotropic: bool) {
 
 /// Prints what is known of the whole: the table behind it, the material, energy and reciprocity; the verdict last.
 ///
-/// `material`: the material, if the fit is one.
-pub fn print_verdict(report: &Report, reciprocity: &Reciprocity, material: Option<&Material<&[u8]>>) {
+/// `material`: the material, if the fit is one. Gives the lines of the verdict.
+pub fn print_verdict(
+    report: &Report,
+    reciprocity: &Reciprocity,
+    material: Option<&Material<&[u8]>>,
+) -> Vec<String> {
     let isotropic = is_isotropic(report);
     let summary = Summary::new(report);
     println!("{} {} views:", summary.views, if summary.is_of_held_out { "held-out" } else { "fitted" });
@@ -130,7 +134,17 @@ pub fn print_verdict(report: &Report, reciprocity: &Reciprocity, material: Optio
     }
     report.notes().iter().for_each(|note| println!("note {note}"));
     let made = material.map(Made::new);
-    Verdict::new(report, reciprocity, made).lines().iter().for_each(|line| println!("{line}"));
+    let lines = Verdict::new(report, reciprocity, made).lines();
+    lines.iter().for_each(|line| println!("{line}"));
+    lines
+}
+
+/// The lines of the verdict on a material.
+///
+/// # Errors
+/// As the material says them.
+pub fn verdict(report: &Report, material: &Material<impl AsRef<[u8]> + Sync>) -> anyhow::Result<Vec<String>> {
+    Ok(Verdict::new(report, &reciprocity(material)?, Some(Made::new(material))).lines())
 }
 
 /// Whether no view of a report is turned.

@@ -42,6 +42,11 @@ pub fn report(material: &Path) -> PathBuf {
     if ends_in(material, "srbf") { material.with_extension("json") } else { with(material, ".json").into() }
 }
 
+/// The picture beside a material.
+pub fn picture(material: &Path) -> PathBuf {
+    if ends_in(material, "srbf") { material.with_extension("png") } else { with(material, ".png").into() }
+}
+
 /// The report of another method: `-o` if it ends in .json; otherwise the name of the method is added, so that the report of our own
 /// fit stays.
 pub fn baseline(output: Option<PathBuf>, stem: &OsString, method: MethodName) -> PathBuf {

@@ -1,96 +1,73 @@
-//! `srbf fit --picture`: of a table, the fit and the table as balls side by side, with their difference; of samples, curves of the fit
-//! with the samples as points.
-
-mod curves;
+//! The picture of a fit, `srbf fit`: beside the material, a PNG of the fit and what it was fitted to.
 
 use super::method::MethodName;
-use crate::ball_sheet::{self, Light};
+use crate::ball_sheet::Light;
+use crate::command::plot::{self, Beside};
 use crate::command::{argument, ball};
 use crate::environment::Environment;
 use crate::material::StoredMaterial;
-use crate::measured::MeasuredMaterial;
-use crate::shader::LoadedMaterial;
 use anyhow::ensure;
-use srbf_core::Material;
-use srbf_fit::complete::complete;
-use srbf_fit::read::{Content, Source};
+use srbf_fit::read::Source;
 use std::path::{Path, PathBuf};
 
 /// The picture of a fit.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Also draws the fit into this PNG. Of a table with a value for every pair of directions: a ball of the fit, one of the table,
-    /// and their difference, as `srbf ball` does of a fit that is there already. Of samples: curves of the lobes and of the completed
-    /// samples in the plane of incidence of every view, with the samples near it as points.
+    /// The picture to write; by default the name of the material with .png. It shows the fit beside what it was fitted to: curves in the
+    /// plane of incidence, discs, balls and the verdict, as `srbf plot` does of a fit that is there already.
     #[arg(long, value_name = "OUT.png", conflicts_with_all = ["survey", "lobes_table"])]
     picture: Option<PathBuf>,
-    /// The light of balls: sky (the default), haze, constant:VALUE, or a latitude-longitude map in a .hdr or .exr file
-    #[arg(long, requires = "picture")]
-    env: Option<String>,
+    /// Draws no picture.
+    #[arg(long, conflicts_with = "picture")]
+    no_picture: bool,
+    /// The light of the balls: sky, haze, constant:VALUE, or a latitude-longitude map in a .hdr or .exr file
+    #[arg(long, conflicts_with_all = ["survey", "lobes_table", "no_picture"], default_value = plot::LIGHT)]
+    env: String,
 }
-
-/// The light of balls where none is named.
-const LIGHT: &str = "sky";
 
 /// A picture that can be drawn once there is a fit.
 pub struct Picture {
     path: PathBuf,
-    /// Name of the light of balls, and the light; curves have none.
-    light: Option<(String, Environment)>,
+    /// Name of the light, and the light.
+    light: (String, Environment),
 }
 
 impl Args {
-    /// Finds out, before the fit, whether the picture that is asked for can be drawn and written.
+    /// Finds out, before the fit, whether the picture of a fit that is written to `output` can be drawn and written.
     ///
     /// # Errors
     /// Names what stands against it.
-    pub fn check(&self, source: &Source, method: MethodName) -> anyhow::Result<Option<Picture>> {
-        let Some(path) = &self.picture else { return Ok(None) };
-        ensure!(method == MethodName::Tracked, "--picture: only fits of our own method can be drawn");
-        ball::check_output(path)?;
-        let light = match source.content {
-            Content::Samples(_) => {
-                ensure!(self.env.is_none(), "--env: the picture of samples has curves, which need no light");
-                None
-            }
-            Content::Evaluable(_) => {
-                let name = self.env.as_deref().unwrap_or(LIGHT);
-                Some((name.to_owned(), argument::environment(name)?))
-            }
-        };
-        Ok(Some(Picture { path: path.clone(), light }))
+    pub fn check(&self, output: &Path, method: MethodName) -> anyhow::Result<Option<Picture>> {
+        if method != MethodName::Tracked {
+            ensure!(self.picture.is_none(), "--picture: only fits of our own method can be drawn");
+            return Ok(None);
+        }
+        if self.no_picture {
+            return Ok(None);
+        }
+        let path = self.picture.clone().unwrap_or_else(|| super::names::picture(output));
+        ball::check_output(&path)?;
+        ensure!(path != output, "--picture {}: -o names the same file", output.display());
+        Ok(Some(Picture { path, light: (self.env.clone(), argument::environment(&self.env)?) }))
     }
 }
 
 impl Picture {
-    /// Refuses a picture that would take the place of the material.
-    ///
-    /// # Errors
-    /// Names the file.
-    pub fn check_beside(&self, output: &Path) -> anyhow::Result<()> {
-        ensure!(self.path != output, "--picture {}: -o names the same file", output.display());
-        Ok(())
-    }
-
     /// Draws and writes the picture of a fit that is written to `output`.
     ///
     /// # Errors
     /// Names the file that cannot be written.
-    pub fn write(&self, output: &Path, bytes: Vec<u8>, source: Source) -> anyhow::Result<()> {
-        let Some((name, environment)) = &self.light else {
-            return self.write_curves(bytes, &source);
-        };
-        let stem = output.file_stem().unwrap_or_default().to_string_lossy();
-        let fit = LoadedMaterial::Lobes(StoredMaterial::new(&stem, bytes.into())?);
-        let table = LoadedMaterial::Table(Box::new(MeasuredMaterial::new(source)?));
-        let light = Light { name, environment, samples: ball_sheet::SAMPLES, stops: 0.0 };
-        ball::write(&self.path, &fit, Some(&table), &light)
-    }
-
-    fn write_curves(&self, bytes: Vec<u8>, source: &Source) -> anyhow::Result<()> {
-        let Content::Samples(table) = &source.content else { return Ok(()) };
-        curves::write(&self.path, &source.name, table, &complete(table)?, &Material::from_bytes(bytes)?)?;
-        println!("{}", self.path.display());
-        Ok(())
+    pub fn write(
+        &self,
+        output: &Path,
+        bytes: Vec<u8>,
+        source: Source,
+        verdict: &[String],
+    ) -> anyhow::Result<()> {
+        let name = output.file_stem().unwrap_or_default().to_string_lossy();
+        let (light, environment) = &self.light;
+        let light = Light { name: light, environment, samples: plot::SAMPLES, stops: 0.0 };
+        let stored = StoredMaterial::new(&name, bytes.into())?;
+        plot::write(&self.path, stored, Some(Beside::new(source)?), light, verdict)
     }
 }

@@ -1,0 +1,139 @@
+//! `srbf plot`.
+
+use super::{argument, ball, view_table};
+use crate::ball_sheet::Light;
+use crate::fit_sheet::{self, Against, Subject};
+use crate::material::StoredMaterial;
+use crate::measured::MeasuredMaterial;
+use crate::shader::LoadedMaterial;
+use srbf_fit::complete::{Completion, complete};
+use srbf_fit::judge::report::{Report, ViewReport};
+use srbf_fit::read::{Content, Source};
+use srbf_fit::table::{Brdf, Symmetry, Table, evaluation_views};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// The light of balls where none is named.
+pub const LIGHT: &str = "sky";
+
+/// Samples a pixel of the balls: they take 3 s on two cores.
+pub const SAMPLES: u32 = 48;
+
+/// Outgoing directions that the verdict is of, degrees from the normal.
+const JUDGED: [f64; 5] = [0.0, 5.0, 30.0, 60.0, 75.0];
+
+/// Draws a fitted material, beside what it was fitted to if that is named.
+///
+/// One PNG: `f cos` in the plane of incidence for six outgoing directions or for those of the samples, discs of the hemisphere for three, a
+/// ball under the light, and the verdict. Of a table with a value for every pair of directions there is a ball too, and the
+/// difference of both.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The fitted material: a .srbf file or the name of a preset
+    #[arg(value_name = "FILE|PRESET")]
+    material: String,
+    /// What it was fitted to: whatever `srbf fit` reads
+    #[arg(long, value_name = "TABLE")]
+    against: Option<PathBuf>,
+    /// The light of the balls: sky, haze, constant:VALUE, or a latitude-longitude map in a .hdr or .exr file
+    #[arg(long, default_value = LIGHT)]
+    env: String,
+    /// The picture to write, .png [default: out/NAME.png]
+    #[arg(short, long, value_name = "OUT.png")]
+    output: Option<PathBuf>,
+}
+
+/// What a fit is held against.
+pub enum Beside {
+    /// What has a value for every pair of directions.
+    Table(Box<MeasuredMaterial>),
+    /// Samples, and what they are completed to.
+    Samples(Table, Box<Completion>),
+}
+
+impl Beside {
+    /// Takes what was read.
+    ///
+    /// # Errors
+    /// As the completion says them.
+    pub fn new(source: Source) -> anyhow::Result<Self> {
+        Ok(match source.content {
+            Content::Samples(table) => {
+                let completion = Box::new(complete(&table)?);
+                Self::Samples(table, completion)
+            }
+            Content::Evaluable(_) => Self::Table(Box::new(MeasuredMaterial::new(source)?)),
+        })
+    }
+
+    /// What has a value everywhere.
+    fn brdf(&self) -> &dyn Brdf {
+        match self {
+            Self::Table(table) => table.brdf(),
+            Self::Samples(_, completion) => completion.as_ref(),
+        }
+    }
+}
+
+/// Runs the command.
+pub fn run(args: Args) -> anyhow::Result<()> {
+    let stored = StoredMaterial::load(&args.material)?;
+    let output = args.output.unwrap_or_else(|| PathBuf::from(format!("out/{}.png", stored.name)));
+    ball::check_output(&output)?;
+    let environment = argument::environment(&args.env)?;
+    let light = Light { name: &args.env, environment: &environment, samples: SAMPLES, stops: 0.0 };
+    let source = args.against.as_deref().map(srbf_fit::read::read).transpose()?;
+    let beside = source.map(Beside::new).transpose()?;
+    let verdict = match &beside {
+        Some(beside) => verdict(&stored, beside)?,
+        None => Vec::new(),
+    };
+    verdict.iter().for_each(|line| println!("{line}"));
+    write(&output, stored, beside, light, &verdict)
+}
+
+/// The verdict on a material beside what is known everywhere; none on an anisotropic one.
+fn verdict(stored: &StoredMaterial, beside: &Beside) -> anyhow::Result<Vec<String>> {
+    let material = &stored.material;
+    if !material.is_isotropic() || beside.brdf().symmetry() != Symmetry::Isotropic {
+        return Ok(Vec::new());
+    }
+    let table = evaluation_views::judging_table(beside.brdf(), &JUDGED.map(f64::to_radians))?;
+    let judged = table.views.iter().map(|view| ViewReport::judge(material, view));
+    let report = Report { held_out: judged.collect::<Result<_, _>>()?, ..Report::default() };
+    view_table::verdict(&report, material)
+}
+
+/// Draws and writes the picture of a material, and says where it is.
+///
+/// # Errors
+/// As the material says them; names the file that cannot be written.
+pub fn write(
+    path: &Path,
+    stored: StoredMaterial,
+    beside: Option<Beside>,
+    light: Light<'_>,
+    verdict: &[String],
+) -> anyhow::Result<()> {
+    let start = Instant::now();
+    let (name, fit) = (stored.name.clone(), stored.material.clone());
+    let ball = LoadedMaterial::Lobes(stored);
+    let alone =
+        Subject { name: &name, fit: &fit, against: None, ball: &ball, ball_beside: None, light, verdict };
+    match beside {
+        None => fit_sheet::write(path, &alone)?,
+        Some(Beside::Samples(table, completion)) => {
+            let brdf = completion.as_ref();
+            let against = Some(Against { brdf, name: "completed samples", samples: Some(&table) });
+            fit_sheet::write(path, &Subject { against, ..alone })?;
+        }
+        Some(Beside::Table(table)) => {
+            let beside = LoadedMaterial::Table(table);
+            let against =
+                beside.table().map(|table| Against { brdf: table.brdf(), name: "data", samples: None });
+            fit_sheet::write(path, &Subject { against, ball_beside: Some(&beside), ..alone })?;
+        }
+    }
+    println!("{} in {:.2} s", path.display(), start.elapsed().as_secs_f64());
+    Ok(())
+}
