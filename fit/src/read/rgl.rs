@@ -19,7 +19,7 @@ mod tensor;
 mod warp;
 
 use crate::ReadError;
-use crate::table::{Brdf, Symmetry};
+use crate::table::{Brdf, Draws, Symmetry, direction};
 use arrays::Arrays;
 use std::f64::consts::{FRAC_PI_2, PI};
 use warp::{Grid, Warp};
@@ -37,6 +37,8 @@ pub struct Rgl {
     sigma: Grid,
     /// Visible normals, one warp for each outgoing direction, theta fastest.
     visible: Vec<Warp>,
+    /// Brightness of the colour, one warp for each outgoing direction.
+    luminance: Vec<Warp>,
     /// Colour, for each outgoing direction and channel.
     rgb: Vec<[Grid; 3]>,
     /// Whether the colour is without `D / (4 sigma)`.
@@ -49,13 +51,16 @@ pub struct Rgl {
 /// [`ReadError::Content`], with the field.
 pub fn parse(bytes: &[u8]) -> Result<Rgl, ReadError> {
     let file = tensor::parse(bytes)?;
-    let Arrays { phis, thetas, ndf, sigma, visible, rgb, jacobian } = arrays::read(&file)?;
+    let Arrays { phis, thetas, ndf, sigma, visible, luminance, rgb, jacobian } = arrays::read(&file)?;
     let symmetry = if phis.len() == 1 { Symmetry::Isotropic } else { symmetry(&phis)? };
-    Ok(Rgl { symmetry, phis, thetas, ndf, sigma, visible, rgb, jacobian })
+    Ok(Rgl { symmetry, phis, thetas, ndf, sigma, visible, luminance, rgb, jacobian })
 }
 
 /// How far a range of azimuths may be from a whole, half or quarter turn, radians: f32 rounding, and little more.
 const RANGE: f64 = 1e-3;
+
+/// Least solid angle of half vectors over the area of the square: at the normal it is 0.
+const SMALLEST_AREA: f64 = 1e-6;
 
 /// What the range of measured azimuths leaves to symmetry.
 fn symmetry(phis: &[f64]) -> Result<Symmetry, ReadError> {
@@ -71,32 +76,69 @@ fn symmetry(phis: &[f64]) -> Result<Symmetry, ReadError> {
     }
 }
 
+/// An outgoing direction as the file knows it.
+struct Sight {
+    /// What x and y are multiplied by to come to where it was measured.
+    flips: [f64; 2],
+    theta: f64,
+    phi: f64,
+    /// The up to four measured directions round it, with their shares.
+    corners: [(usize, f64); 4],
+}
+
+impl Sight {
+    fn flip(&self, d: [f64; 3]) -> [f64; 3] {
+        [self.flips[0] * d[0], self.flips[1] * d[1], d[2]]
+    }
+}
+
+fn angles(d: [f64; 3]) -> (f64, f64) {
+    (libm::atan2(libm::hypot(d[0], d[1]), d[2]), libm::atan2(d[1], d[0]))
+}
+
+/// Turns of an azimuth, from -pi on; in [0, 1).
+fn turns(phi: f64) -> f64 {
+    let u = (phi + PI) / (2.0 * PI);
+    u - libm::floor(u)
+}
+
+/// An angle from the normal, as it is along the side of the square.
+fn along_square(theta: f64) -> f64 {
+    libm::sqrt(theta / FRAC_PI_2)
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
 impl Rgl {
     /// `f cos` of the incident direction, and not clamped: what the file holds.
     pub fn f_cos(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
+        let sight = self.sight(wo);
+        let (normal, _) = self.normal(&sight, wi, wo);
+        let corners = &sight.corners;
+        let sample = Warp::invert(&corners.map(|(n, share)| (&self.visible[n], share)), normal);
+        let scale = if self.jacobian {
+            self.ndf.value(normal) / (4.0 * self.sigma.value([along_square(sight.theta), turns(sight.phi)]))
+        } else {
+            1.0
+        };
+        [0, 1, 2].map(|c| {
+            let inside = corners.iter().filter(|(_, share)| *share > 0.0);
+            scale * inside.map(|&(n, share)| share * self.rgb[n][c].value(sample)).sum::<f64>()
+        })
+    }
+
+    /// Where an outgoing direction lies among the measured ones.
+    fn sight(&self, wo: [f64; 3]) -> Sight {
         // Where the outgoing direction was not measured, both directions are turned or mirrored to where it was.
         let sign = |v: f64| if v > 0.0 { -1.0 } else { 1.0 };
-        let (flip_x, flip_y) = match self.symmetry {
-            Symmetry::Quadrant => (sign(wo[0]), sign(wo[1])),
-            Symmetry::HalfTurn => (sign(wo[1]), sign(wo[1])),
-            Symmetry::Isotropic | Symmetry::None => (1.0, 1.0),
+        let flips = match self.symmetry {
+            Symmetry::Quadrant => [sign(wo[0]), sign(wo[1])],
+            Symmetry::HalfTurn => [sign(wo[1]), sign(wo[1])],
+            Symmetry::Isotropic | Symmetry::None => [1.0, 1.0],
         };
-        let [wi, wo] = [wi, wo].map(|d| [flip_x * d[0], flip_y * d[1], d[2]]);
-
-        let mut h = [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]];
-        let length = libm::sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
-        h.iter_mut().for_each(|v| *v /= length);
-        let angles = |d: [f64; 3]| (libm::atan2(libm::hypot(d[0], d[1]), d[2]), libm::atan2(d[1], d[0]));
-        let ((theta_o, phi_o), (theta_m, phi_m)) = (angles(wo), angles(h));
-        let turn = |phi: f64| {
-            let u = (phi + PI) / (2.0 * PI);
-            u - libm::floor(u)
-        };
-        let square = |theta: f64| libm::sqrt(theta / FRAC_PI_2);
-        let isotropic = self.symmetry == Symmetry::Isotropic;
-        let normal = [square(theta_m), turn(if isotropic { phi_m - phi_o } else { phi_m })];
-
-        // The up to four measured directions round the outgoing one.
+        let (theta_o, phi_o) = angles([flips[0] * wo[0], flips[1] * wo[1], wo[2]]);
         let (theta, along_theta) = place(&self.thetas, theta_o);
         // atan2 gives pi where -pi was measured: y = 0 on the side of -x.
         let (phi, along_phi) = place(
@@ -113,17 +155,44 @@ impl Rgl {
                 share(i, along_phi) * share(j, along_theta),
             );
         }
+        Sight { flips, theta: theta_o, phi: phi_o, corners }
+    }
 
-        let sample = Warp::invert(&corners.map(|(n, share)| (&self.visible[n], share)), normal);
-        let scale = if self.jacobian {
-            self.ndf.value(normal) / (4.0 * self.sigma.value([square(theta_o), turn(phi_o)]))
-        } else {
-            1.0
-        };
-        [0, 1, 2].map(|c| {
-            let inside = corners.iter().filter(|(_, share)| *share > 0.0);
-            scale * inside.map(|&(n, share)| share * self.rgb[n][c].value(sample)).sum::<f64>()
-        })
+    /// The half vector: in the square, and as a unit vector in the frame of the surface.
+    fn normal(&self, sight: &Sight, wi: [f64; 3], wo: [f64; 3]) -> ([f64; 2], [f64; 3]) {
+        let mut h = [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]];
+        let length = libm::sqrt(dot(h, h));
+        h.iter_mut().for_each(|v| *v /= length);
+        let (theta, phi) = angles(sight.flip(h));
+        let isotropic = self.symmetry == Symmetry::Isotropic;
+        ([along_square(theta), turns(if isotropic { phi - sight.phi } else { phi })], h)
+    }
+}
+
+/// The warps by brightness and by visible normals, one after the other (section 5 of the paper).
+impl Draws for Rgl {
+    fn draw(&self, u: [f64; 2], wo: [f64; 3]) -> [f64; 3] {
+        let sight = self.sight(wo);
+        let bright = Warp::sample(&sight.corners.map(|(n, share)| (&self.luminance[n], share)), u);
+        let normal = Warp::sample(&sight.corners.map(|(n, share)| (&self.visible[n], share)), bright);
+        let isotropic = self.symmetry == Symmetry::Isotropic;
+        let phi = (2.0 * normal[1] - 1.0) * PI + if isotropic { sight.phi } else { 0.0 };
+        let h = sight.flip(direction(normal[0] * normal[0] * FRAC_PI_2, phi));
+        let twice = 2.0 * dot(h, wo);
+        [0, 1, 2].map(|k| twice * h[k] - wo[k])
+    }
+
+    fn density(&self, wi: [f64; 3], wo: [f64; 3]) -> f64 {
+        let sight = self.sight(wo);
+        let (normal, h) = self.normal(&sight, wi, wo);
+        let visible = sight.corners.map(|(n, share)| (&self.visible[n], share));
+        let bright = sight.corners.map(|(n, share)| (&self.luminance[n], share));
+        let in_square =
+            Warp::density(&bright, Warp::invert(&visible, normal)) * Warp::density(&visible, normal);
+        // Solid angle of half vectors over the area of the square, and of incident directions over that of half vectors.
+        let sin = libm::hypot(h[0], h[1]);
+        let area = (2.0 * PI * PI * normal[0] * sin).max(SMALLEST_AREA);
+        in_square / (area * 4.0 * dot(h, wo))
     }
 }
 
@@ -146,6 +215,10 @@ impl Brdf for Rgl {
     fn symmetry(&self) -> Symmetry {
         self.symmetry
     }
+
+    fn draws(&self) -> Option<&dyn Draws> {
+        Some(self)
+    }
 }
 
 #[cfg(test)]
@@ -153,7 +226,6 @@ mod tests {
     use super::synthetic::{self, Settings};
     use super::*;
     use crate::analytic::ggx::{Facets, Ggx};
-    use crate::table::direction;
 
     fn model(alpha: [f64; 2]) -> Ggx {
         Ggx { diffuse: [0.1; 3], alpha, facets: Facets::Schlick([0.9, 0.6, 0.3]) }
