@@ -107,7 +107,9 @@ mod tests {
         let light = Environment::new(32, pixels).unwrap();
         let (object, ground) = (lacquer(), StoredMaterial::load("matte").unwrap());
         let truths = [Truth::Lobes(&object.material), Truth::Lobes(&ground.material)];
-        let is_tried = |name: &SamplerName| !matches!(name, SamplerName::Rgl | SamplerName::ThesisWalk);
+        let is_tried = |name: &SamplerName| {
+            !matches!(name, SamplerName::Rgl | SamplerName::Thesis | SamplerName::ThesisWalk)
+        };
         let names: Vec<SamplerName> = SamplerName::all().filter(is_tried).collect();
         let fitted = names.iter().map(|&name| truths.map(|truth| Sampler::fit(name, &truth, None).unwrap()));
         let fitted: Vec<[Sampler<'_>; 2]> = fitted.collect();

@@ -173,14 +173,12 @@ pub struct Scattering<'a> {
     /// The table and the outgoing direction, where the lobes are not what is rendered.
     table: Option<(&'a MeasuredMaterial, DVec3)>,
     proposal: Proposal<'a>,
-    /// Directions that were drawn together.
-    drawn: Vec<Drawn>,
 }
 
 impl<'a> Scattering<'a> {
     /// Storage for any material.
     pub fn empty() -> Self {
-        Self { mixtures: Mixtures::empty(), table: None, proposal: Proposal::cosine(), drawn: Vec::new() }
+        Self { mixtures: Mixtures::empty(), table: None, proposal: Proposal::cosine() }
     }
 
     /// `f cos`; linear sRGB, 1/sr.
@@ -215,17 +213,20 @@ impl<'a> Scattering<'a> {
 
     /// Draws `n` incident directions, together if the sampler does; fewer where some count as black. The sum of what their weights bring
     /// over `n` is the estimate.
-    pub fn sample_together(&mut self, n: u32, random: &mut Random, samples: &mut Vec<Sample>) {
+    pub fn sample_together(&self, n: u32, random: &mut Random, samples: &mut Vec<Sample>) {
         samples.clear();
-        if n == 1 {
-            samples.extend(self.sample([random.unit(), random.unit(), random.unit()]));
+        if let Some(drawn) = self.proposal.sample_as_thesis(&self.mixtures, n, random) {
+            let is_possible = |d: &Drawn| d.divisor > 0.0 && d.divisor.is_finite();
+            samples.extend(drawn.into_iter().filter(is_possible).map(|Drawn { direction, divisor, pdf }| {
+                Sample { direction, pdf, weight: self.evaluate(direction) / divisor }
+            }));
             return;
         }
-        self.proposal.sample_together(&self.mixtures, n, random, &mut self.drawn);
-        for &Drawn { direction, divisor, pdf } in &self.drawn {
-            if divisor > 0.0 && divisor.is_finite() {
-                samples.push(Sample { direction, pdf, weight: self.evaluate(direction) / divisor });
-            }
+        let is_multi = self.proposal.is_multi;
+        let offset = if is_multi { random.unit() } else { 0.0 };
+        for i in 0..n {
+            let choice = if is_multi { self.proposal.choice(i, n, offset) } else { random.unit() };
+            samples.extend(self.sample([choice, random.unit(), random.unit()]));
         }
     }
 

@@ -297,6 +297,91 @@ mod tests {
         }
     }
 
+    /// Directions by the warps have their density: the mean of what they are counted by is the sum over the hemisphere.
+    #[test]
+    fn directions_by_the_warps_have_their_density() {
+        for (phis, range, alpha) in
+            [(1, 0.0, [0.3, 0.3]), (7, FRAC_PI_2, [0.25, 0.5]), (9, 2.0 * PI, [0.25, 0.5])]
+        {
+            let model = model(alpha);
+            let rgl =
+                parse(&synthetic::write(&model, &Settings { phis, range, ..Settings::default() })).unwrap();
+            for wo in [direction(0.2, 0.7), direction(0.9, -2.5)] {
+                let counted = |wi: [f64; 3]| {
+                    let near = (0..3).map(|k| (wi[k] - [-wo[0], -wo[1], wo[2]][k]).powi(2)).sum::<f64>();
+                    [1.0, libm::exp(-8.0 * near), wi[0], wi[1]]
+                };
+                let (n, m) = (600, 400);
+                let at = |i: usize, of: usize| (i as f64 + 0.5) / of as f64;
+                let (mut drawn, mut summed, mut estimate, mut albedo) = ([0.0; 4], [0.0; 4], 0.0, 0.0);
+                for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+                    let wi = rgl.draw([at(i, n), at(j, n)], wo);
+                    if wi[2] > 0.0 {
+                        let share = 1.0 / (n * n) as f64;
+                        counted(wi).iter().zip(&mut drawn).for_each(|(c, sum)| *sum += share * c);
+                        estimate += share * rgl.f_cos(wi, wo)[0] / rgl.density(wi, wo);
+                    }
+                }
+                // Over the square of the half vectors: at the normal the density rises without bound.
+                for (i, j) in (0..m).flat_map(|i| (0..m).map(move |j| (i, j))) {
+                    let (theta, turn) = (FRAC_PI_2 * at(i, m) * at(i, m), at(j, m));
+                    let h = direction(theta, 2.0 * PI * turn);
+                    let cosine = dot(h, wo);
+                    let wi = [0, 1, 2].map(|k| 2.0 * cosine * h[k] - wo[k]);
+                    if cosine > 0.0 && wi[2] > 0.0 {
+                        let area = 2.0 * PI * PI * at(i, m) * libm::sin(theta) / (m * m) as f64;
+                        let share = 4.0 * cosine * area;
+                        let density = rgl.density(wi, wo);
+                        counted(wi).iter().zip(&mut summed).for_each(|(c, sum)| *sum += share * density * c);
+                        albedo += share * rgl.f_cos(wi, wo)[0];
+                    }
+                }
+                for (a, b) in drawn.iter().zip(&summed) {
+                    assert!((a - b).abs() < 5e-3, "{phis} {wo:?}: {drawn:?} {summed:?}");
+                }
+                assert!(summed[0] < 1.001, "{summed:?}");
+                assert!((estimate / albedo - 1.0).abs() < 5e-3, "{phis} {wo:?}: {estimate} {albedo}");
+            }
+        }
+    }
+
+    /// The density of another reader of the same files (mitsuba 3.9.1), in `reference_evals.csv`.
+    #[test]
+    #[ignore = "needs SRBF_DATA_DIR"]
+    fn the_density_is_that_of_another_renderer() {
+        let folder = std::path::PathBuf::from(
+            std::env::var("SRBF_DATA_DIR").expect("SRBF_DATA_DIR names the folder of the data"),
+        );
+        let text = std::fs::read_to_string(folder.join("rgl/reference_evals.csv")).unwrap();
+        let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+        let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+        let column =
+            |name: &str| header.iter().position(|h| *h == name).unwrap_or_else(|| panic!("{header:?}"));
+        let of = |d: &str| ["x", "y", "z"].map(|k| column(&format!("{d}_{k}")));
+        let (material, wi, wo, pdf) = (column("material"), of("wi"), of("wo"), column("pdf"));
+        let mut files = std::collections::BTreeMap::new();
+        let mut off = Vec::new();
+        for line in lines {
+            let fields: Vec<&str> = line.split(',').collect();
+            let name = fields[material];
+            let rgl = files.entry(name.to_owned()).or_insert_with(|| {
+                let stem = name.trim_end_matches(".bsdf").trim_end_matches("_rgb");
+                parse(&std::fs::read(folder.join(format!("rgl/{stem}_rgb.bsdf"))).unwrap()).unwrap()
+            });
+            let number = |i: usize| fields[i].parse::<f64>().unwrap();
+            // Theirs has the names the other way round: `wi` is towards the viewer.
+            let found = rgl.density(wo.map(number), wi.map(number));
+            let expected = number(pdf);
+            if expected > 1e-3 {
+                off.push((found / expected - 1.0).abs());
+            }
+        }
+        off.sort_by(f64::total_cmp);
+        let at = |share: f64| off[(share * (off.len() - 1) as f64) as usize];
+        println!("{} pairs: median {:.1e}, 95 % {:.1e}, worst {:.1e}", off.len(), at(0.5), at(0.95), at(1.0));
+        assert!(off.len() > 500 && at(0.5) < 1e-5 && at(1.0) < 1e-3, "{} {} {}", at(0.5), at(0.95), at(1.0));
+    }
+
     #[test]
     fn spectral_files_have_the_colour_of_their_spectrum() {
         let model = model([0.3, 0.3]);

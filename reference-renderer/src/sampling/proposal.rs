@@ -93,50 +93,35 @@ impl Proposal<'_> {
         }
     }
 
-    /// Draws `n` directions into `drawn`, which is cleared; fewer where some count as black.
-    pub fn sample_together(
-        &self,
-        mixtures: &Mixtures<'_>,
-        n: u32,
-        random: &mut Random,
-        drawn: &mut Vec<Drawn>,
-    ) {
-        drawn.clear();
-        if let (Part::Thesis(lobes), true) = (&self.part, self.is_multi && n > 1) {
-            return self.of_thesis(lobes, mixtures, n, random, drawn);
-        }
-        // Systematic resampling: each lobe has as many directions as its integral is worth, rounded up or down, and then the
-        // balance heuristic of equation 13 divides by the density of the whole mixture.
-        let offset = if self.is_multi { random.unit() } else { 0.0 };
-        for i in 0..n {
-            let choice = if self.is_multi { (i as f32 + offset) / n as f32 } else { random.unit() };
-            let u = [choice.min(LARGEST), random.unit(), random.unit()];
-            if let Some(direction) = self.sample(mixtures, u) {
-                let pdf = self.pdf(mixtures, direction);
-                drawn.push(Drawn { direction, divisor: pdf, pdf });
-            }
-        }
+    /// The number that chooses the lobe of direction `i` of `n`: of several drawn together by systematic resampling, such that each lobe has as
+    /// many as its integral is worth, rounded up or down. The balance heuristic of equation 13 then divides by the density of the
+    /// whole mixture.
+    pub fn choice(&self, i: u32, n: u32, offset: f32) -> f32 {
+        ((i as f32 + offset) / n as f32).min(LARGEST)
     }
 
-    /// As the thesis says: each direction of a lobe by equation 14, divided by what equation 13 makes of how many each lobe has. One direction
-    /// is of the cosine: lobes that have none by chance leave no hole.
-    fn of_thesis(
+    /// Draws `n` directions as the thesis says: each of a lobe by equation 14, divided by what equation 13 makes of how many each lobe has. One
+    /// is of the cosine: lobes that have none by chance leave no hole. `None` if another sampler draws, or a single direction is asked for.
+    pub fn sample_as_thesis(
         &self,
-        lobes: &thesis::Proposal,
         mixtures: &Mixtures<'_>,
         n: u32,
         random: &mut Random,
-        drawn: &mut Vec<Drawn>,
-    ) {
+    ) -> Option<Vec<Drawn>> {
+        let Part::Thesis(lobes) = &self.part else { return None };
+        if !self.is_multi || n == 1 {
+            return None;
+        }
         let mut directions = vec![cosine(random.unit().into(), random.unit().into()).as_vec3()];
         let densities = lobes.sample_together(n - 1, random, &mut directions);
         let share = 1.0 / n as f32;
-        for direction in directions.into_iter().filter(|direction| direction.z > 0.0) {
+        let drawn = |direction: Vec3| {
             let of_lobes = densities.as_ref().map_or(0.0, |mixture| mixture.evaluate(direction).x);
             let of_cosine = cosine_density(direction.as_dvec3()) as f32;
             let divisor = share * of_cosine + (1.0 - share) * of_lobes;
-            drawn.push(Drawn { direction, divisor, pdf: self.pdf(mixtures, direction) });
-        }
+            Drawn { direction, divisor, pdf: self.pdf(mixtures, direction) }
+        };
+        Some(directions.into_iter().filter(|direction| direction.z > 0.0).map(drawn).collect())
     }
 
     fn sample_part(&self, mixtures: &Mixtures<'_>, u: [f32; 3]) -> Option<Vec3> {
