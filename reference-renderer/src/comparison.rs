@@ -112,17 +112,25 @@ pub fn measure(
         let mut film = Film::new([plan.side; 2]);
         add_samples(scene, &camera, &settings(curve.strategy, 1, plan.seed), &mut film, 1, progress)?;
     }
-    for (step, &samples) in plan.samples.iter().enumerate() {
-        let more = samples - if step == 0 { 0 } else { plan.samples[step - 1] };
+    for &samples in &plan.samples {
         for ((curve, film), scene) in curves.iter_mut().zip(&mut films).zip(&scenes) {
+            // Directions that are drawn together are worth more the more there are: such a film does not go on from a smaller one.
+            let is_multi = curve.strategy.sampler.is_multi();
+            if is_multi {
+                *film = Film::new([plan.side; 2]);
+            }
             // The directions of a ray count, not the rays.
-            let split = if curve.strategy.sampler.is_multi() { more.min(SPLIT) } else { 1 };
+            let split = if is_multi { samples.min(SPLIT) } else { 1 };
+            let more = samples.div_ceil(split) - film.samples;
             let start = Instant::now();
-            let settings = settings(curve.strategy, split, plan.seed);
-            add_samples(scene, &camera, &settings, film, more.div_ceil(split), progress)?;
-            let before = curve.points.last().map_or(0.0, |point| point.seconds);
+            add_samples(scene, &camera, &settings(curve.strategy, split, plan.seed), film, more, progress)?;
+            let before = curve.points.last().filter(|_| !is_multi).map_or(0.0, |point| point.seconds);
             let seconds = before + start.elapsed().as_secs_f64();
-            curve.points.push(Point { samples, seconds, error: reference.error_of(film) });
+            curve.points.push(Point {
+                samples: film.samples * split,
+                seconds,
+                error: reference.error_of(film),
+            });
         }
     }
     Ok(Comparison {

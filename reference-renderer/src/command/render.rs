@@ -319,7 +319,7 @@ impl Cast {
 /// What is rendered, in words.
 fn rendered(material: &LoadedMaterial) -> String {
     match (material.truth(), material.name()) {
-        (Truth::Lobes(lobes), name) => format!("{name}, its {} lobes", lobes.lobe_count()),
+        (Truth::Lobes(lobes), name) => format!("{name}, lobes: {}", lobes.lobe_count()),
         (Truth::Table(table), name) => match table.completed {
             Some(samples) => format!("{name}, {samples} samples completed"),
             None => format!("{name}, the table"),

@@ -1,9 +1,10 @@
-//! The table of [`tabulated`](super::tabulated) as a sum of few products: of a function of the outgoing direction, one of the angle and one of the
-//! azimuth of the half vector, none of them negative. A term is drawn, then the angle, then the azimuth.
+//! The table of [`tabulated`](super::tabulated) as a sum of few products: of a function of the outgoing direction, one of the angle
+//! and one of the azimuth of the half vector, none of them negative. A term is drawn, then the angle, then the azimuth.
 //!
-//! Source: Lawrence, Rusinkiewicz and Ramamoorthi 2004, "Efficient BRDF Importance Sampling Using a Factored Representation"; the factors by the
-//! multiplicative updates of Lee and Seung 2000 for the Kullback-Leibler divergence, which keep the sums of rows: shares stay shares.
-//! The best product of a function of the angle and one of the azimuth for that divergence is that of the marginals.
+//! Source: Lawrence, Rusinkiewicz and Ramamoorthi 2004, "Efficient BRDF Importance Sampling Using a Factored Representation"; the
+//! factors by the multiplicative updates of Lee and Seung 2000 for the Kullback-Leibler divergence, which keep the sums of rows:
+//! shares stay shares. The best product of a function of the angle and one of the azimuth for that divergence is that of the
+//! marginals.
 
 use super::half_angles::{ANGLES, Layout, Sight, choose, running};
 use crate::random::Random;

@@ -74,7 +74,8 @@ impl Proposal<'_> {
         (direction.z > 0.0).then_some(direction)
     }
 
-    /// Density of [`sample`](Self::sample); 1/sr. Its integral over the hemisphere is at most 1: of most parts, some directions lie below it.
+    /// Density of [`sample`](Self::sample); 1/sr. Its integral over the hemisphere is at most 1: of most parts, some directions lie
+    /// below it.
     #[inline]
     pub fn pdf(&self, mixtures: &Mixtures<'_>, wi: Vec3) -> f32 {
         if wi.z <= 0.0 {
@@ -93,15 +94,16 @@ impl Proposal<'_> {
         }
     }
 
-    /// The number that chooses the lobe of direction `i` of `n`: of several drawn together by systematic resampling, such that each lobe has as
-    /// many as its integral is worth, rounded up or down. The balance heuristic of equation 13 then divides by the density of the
-    /// whole mixture.
+    /// The number that chooses the lobe of direction `i` of `n`: of several drawn together by systematic resampling, such that each
+    /// lobe has as many as its integral is worth, rounded up or down. The balance heuristic of equation 13 then divides by the
+    /// density of the whole mixture.
     pub fn choice(&self, i: u32, n: u32, offset: f32) -> f32 {
         ((i as f32 + offset) / n as f32).min(LARGEST)
     }
 
-    /// Draws `n` directions as the thesis says: each of a lobe by equation 14, divided by what equation 13 makes of how many each lobe has. One
-    /// is of the cosine: lobes that have none by chance leave no hole. `None` if another sampler draws, or a single direction is asked for.
+    /// Draws `n` directions as the thesis says: each of a lobe by equation 14, divided by what equation 13 makes of how many each
+    /// lobe has. One is of the cosine: lobes that have none by chance leave no hole. `None` if another sampler draws, or a single
+    /// direction is asked for.
     pub fn sample_as_thesis(
         &self,
         mixtures: &Mixtures<'_>,

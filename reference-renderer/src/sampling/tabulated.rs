@@ -1,8 +1,8 @@
-//! The inverse of the cumulative distribution of a table, tabulated for every outgoing direction: exact but for the size of its cells, and as large as
-//! the table.
+//! The inverse of the cumulative distribution of a table, tabulated for every outgoing direction: exact but for the size of its
+//! cells, and as large as the table.
 //!
-//! Source: Matusik, Pfister, Brand and McMillan 2003, "Efficient Isotropic BRDF Measurement"; differs: over half vectors, so that highlights of
-//! any outgoing direction have fine cells.
+//! Source: Matusik, Pfister, Brand and McMillan 2003, "Efficient Isotropic BRDF Measurement"; differs: over half vectors, so that
+//! highlights of any outgoing direction have fine cells.
 
 use super::half_angles::{ANGLES, Layout, Sight, choose, running};
 use crate::shader::Truth;

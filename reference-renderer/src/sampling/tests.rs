@@ -1,5 +1,5 @@
-//! Every sampler proves itself on materials that need no data: its directions have its density, the density does not integrate to more than 1,
-//! and what it estimates is the albedo.
+//! Every sampler proves itself on materials that need no data: its directions have its density, the density does not integrate to
+//! more than 1, and what it estimates is the albedo.
 
 use super::guided::{PARTS, Proposal};
 use super::{Light, Sampler, SamplerName, Strategy};
@@ -137,7 +137,8 @@ fn check_direction<'a>(what: &str, name: SamplerName, shader: &Shader<'a>, wo: D
     }
 }
 
-/// An estimate of the albedo is the quadrature within four standard errors: of the hundreds that are compared, three would let one fail by chance.
+/// An estimate of the albedo is the quadrature within four standard errors: of the hundreds that are compared, three would let one
+/// fail by chance.
 fn agrees(what: &str, albedo: &Mean, estimate: &Mean, is_biased: bool) {
     let error = (albedo.variance() + estimate.variance()).sqrt();
     let deviation = (albedo.mean() - estimate.mean()).abs();

@@ -1,5 +1,5 @@
-//! The sampling of Weng and Shih 2006: round lobes on the sphere, fitted to f view by view and blended by equation 9. What falls below the horizon
-//! is lost.
+//! The sampling of Weng and Shih 2006: round lobes on the sphere, fitted to f view by view and blended by equation 9. What falls
+//! below the horizon is lost.
 
 use crate::random::Random;
 use crate::shader::{AnyMixture, Truth};
@@ -20,7 +20,8 @@ const _: () = assert!(4 * LOBES <= MAX_LOBES);
 pub enum How {
     /// By inversion, a lobe for each direction by equation 14.
     Inversion,
-    /// By the random walk, five steps, as figure 5.1. The estimate is biased: the walk's density is not known, and that of the lobes is taken.
+    /// By the random walk, five steps, as figure 5.1. The estimate is biased: the walk's density is not known, and that of the
+    /// lobes is taken.
     Walk,
     /// Several directions of one outgoing direction together, each of a lobe by equation 14, weighted by equation 13.
     Together,
@@ -112,7 +113,8 @@ impl Proposal {
         })
     }
 
-    /// Draws `n` directions, each of a lobe by equation 14, and makes the mixture of densities `sum n_k p_k / n`, by which equation 13 divides.
+    /// Draws `n` directions, each of a lobe by equation 14, and makes the mixture of densities `sum n_k p_k / n`, by which equation
+    /// 13 divides.
     pub fn sample_together(
         &self,
         n: u32,
