@@ -14,6 +14,7 @@ use crate::sampling::Strategy;
 use crate::sampling::sampler::{OWN, Sampler};
 use crate::scene::{Scene, SceneName};
 use crate::shader::{LoadedMaterial, Shader};
+use anyhow::Context;
 use glam::DVec3;
 use std::time::Instant;
 
@@ -84,7 +85,12 @@ pub fn measure(
     let truth = material.truth();
     let fit =
         |strategy: &Strategy| Sampler::fit(strategy.sampler, &truth, lobes.map(|lobes| &lobes.material));
-    let samplers: Vec<Sampler<'_>> = plan.strategies.iter().map(fit).collect::<anyhow::Result<_>>()?;
+    let samplers: Vec<Sampler<'_>> = plan
+        .strategies
+        .iter()
+        .map(fit)
+        .collect::<anyhow::Result<_>>()
+        .with_context(|| format!("material {}", material.name()))?;
     let scene_of = |sampler| {
         let shader = Shader { truth, sampler };
         Scene::new(SceneName::Sphere, shader, shader, environment)

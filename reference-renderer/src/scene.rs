@@ -106,6 +106,11 @@ impl SceneName {
         self.standpoint().camera(size)
     }
 
+    /// Whether it is the sphere alone, which is met in closed form, and of which the mean radiance under a constant light is known.
+    pub fn is_sphere(self) -> bool {
+        matches!(self, Self::Sphere | Self::Furnace)
+    }
+
     /// The parts that it has.
     pub fn roles(self) -> &'static [Role] {
         match self {

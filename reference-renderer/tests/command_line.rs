@@ -180,6 +180,17 @@ fn options_that_do_not_fit_are_refused_by_name() {
     refused(&place, &["render", "--env", "constant:NaN", "-o", "out.exr"], &["NaN"]);
     refused(&place, &["render", "--size", "0x9", "-o", "out.exr"], &["0x9"]);
     refused(&place, &["compare", "--spp", "4,2"], &["--spp"]);
+    refused(
+        &place,
+        &["compare", "--samplers", "lobes,rgl", "--materials", "matte"],
+        &["material matte", "rgl"],
+    );
+    refused(&place, &["compare", "--samplers", "ggx+light"], &["ggx+light", "+mis"]);
+    refused(
+        &place,
+        &["compare", "--materials", "matte,cayman", "--lobes", "matte"],
+        &["--lobes", "one each"],
+    );
 }
 
 #[test]

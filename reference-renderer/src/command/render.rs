@@ -2,7 +2,6 @@
 
 use super::argument;
 use crate::comparison::SPLIT;
-use crate::environment::Environment;
 use crate::environment::file::Projection;
 use crate::film::Film;
 use crate::furnace::{self, Furnace};
@@ -149,7 +148,7 @@ fn check(args: &Args) -> anyhow::Result<()> {
     );
     match (args.scene, &args.mesh) {
         (SceneName::Statue, None) => bail!("--scene statue: --mesh FILE is expected, which is the statue"),
-        (SceneName::Sphere | SceneName::Furnace, Some(_)) => {
+        (scene, Some(_)) if scene.is_sphere() => {
             bail!("--mesh: it takes the place of the teapot, --scene teapot, statue or room is expected")
         }
         _ => {}
@@ -187,7 +186,8 @@ fn split(args: &Args) -> u32 {
 fn render(args: &Args) -> anyhow::Result<()> {
     let strategy = Strategy { light: args.light.unwrap_or(args.sampler.light), ..args.sampler };
     let cast = Cast::load(args)?;
-    let environment = environment(args)?.turned(radians(args.env_turn));
+    let environment =
+        argument::projected_environment(env(args), args.env_map)?.turned(radians(args.env_turn));
     let mesh = args.mesh.as_deref().map(mesh::file::read).transpose()?.map(|mut mesh| {
         if args.mesh_up == Up::Y {
             mesh.turn_y_up();
@@ -225,8 +225,7 @@ fn render(args: &Args) -> anyhow::Result<()> {
         png.display(),
         args.spp
     );
-    let is_sphere = matches!(args.scene, SceneName::Sphere | SceneName::Furnace);
-    match environment.constant_radiance().filter(|_| is_sphere) {
+    match environment.constant_radiance().filter(|_| args.scene.is_sphere()) {
         Some(_) if film.samples < 2 => {
             println!("white furnace: no standard error, at least two samples a pixel are needed");
         }
@@ -240,13 +239,10 @@ fn render(args: &Args) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// The light, as it is named.
 fn env(args: &Args) -> &str {
     let own = if args.scene == SceneName::Furnace { "constant:1" } else { "sky" };
     args.env.as_deref().unwrap_or(own)
-}
-
-fn environment(args: &Args) -> anyhow::Result<Environment> {
-    argument::projected_environment(env(args), args.env_map)
 }
 
 impl Cast {
@@ -336,13 +332,10 @@ fn explain(args: &Args, cast: &Cast, strategy: Strategy) {
             println!("  material of the {}: the scene {scene} has none", role.text());
         }
     }
-    if matches!(args.scene, SceneName::Sphere | SceneName::Furnace) {
+    if args.scene.is_sphere() {
         println!("  triangles and their tree: a sphere is met in closed form");
-    } else if args.mesh.is_some() {
-        println!(
-            "  teapot: {} takes its place",
-            args.mesh.as_deref().unwrap_or(std::path::Path::new("")).display()
-        );
+    } else if let Some(mesh) = &args.mesh {
+        println!("  teapot: {} takes its place", mesh.display());
     }
     let others: Vec<&str> =
         SamplerName::all().filter(|name| *name != strategy.sampler).map(SamplerName::text).collect();
@@ -355,8 +348,7 @@ fn explain(args: &Args, cast: &Cast, strategy: Strategy) {
     if strategy.light == Light::Off {
         println!("  samples of the light: --light off; the map is looked up alone");
     }
-    let is_sphere = matches!(args.scene, SceneName::Sphere | SceneName::Furnace);
-    if !(is_sphere && env(args).starts_with("constant:")) {
+    if !(args.scene.is_sphere() && env(args).starts_with("constant:")) {
         println!("  albedo of the object: no furnace compares with it");
     }
 }
