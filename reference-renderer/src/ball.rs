@@ -130,10 +130,10 @@ mod tests {
     use super::*;
     use crate::environment::sky;
     use crate::film::Film;
-    use crate::integrator::Sampler;
     use crate::material::tests::lacquer;
     use crate::measured::tests::{model, vivid};
     use crate::render::{Settings, add_samples};
+    use crate::sampling::Light;
 
     /// Mean radiance over the picture, black where there is no ball.
     fn mean<const N: usize>(pixels: &[BallPixel<N>], k: usize) -> Vec3 {
@@ -144,13 +144,13 @@ mod tests {
     fn both_balls_have_the_radiance_that_path_tracing_finds() {
         let (side, environment, hidden) = (24, sky::haze(), Progress::hidden());
         let (lacquer, vivid) = (lacquer(), vivid());
-        let shaders = [Shader::from(&lacquer.material), Shader::Table(&vivid)];
+        let shaders = [Shader::from(&lacquer.material), Shader::from(&vivid)];
         let pixels = render(shaders, &environment, side, 256, &hidden).unwrap();
         // The outline is left out: there the film's pixels have background in them.
         let inside = |i: &usize| pixels[*i].coverage == 1.0;
         for (k, shader) in shaders.into_iter().enumerate() {
             let scene = Scene::new(SceneName::Sphere, shader, shader, &environment);
-            let settings = Settings { sampler: Sampler::Mis, max_bounces: 1, seed: 5 };
+            let settings = Settings { light: Light::Mis, split: 1, max_bounces: 1, seed: 5 };
             let mut film = Film::new([side; 2]);
             let camera = SceneName::Sphere.camera([side; 2]);
             add_samples(&scene, &camera, &settings, &mut film, 256, &hidden).unwrap();
@@ -169,7 +169,7 @@ mod tests {
     fn one_material_twice_has_no_difference() {
         let environment = sky::sky();
         let gloss = model("model:ggx:alpha_x=0.05,alpha_y=0.2,f0=0.9/0.5/0.1");
-        let shaders = [Shader::Table(&gloss); 2];
+        let shaders = [Shader::from(&gloss); 2];
         let pixels = render(shaders, &environment, 20, 4, &Progress::hidden()).unwrap();
         assert!(pixels.iter().all(|pixel| pixel.radiance[0] == pixel.radiance[1]));
         assert!(mean(&pixels, 0).min_element() > 0.0);

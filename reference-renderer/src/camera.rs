@@ -21,10 +21,11 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// Makes a camera for a picture of `size` pixels; `view_angle` is the angle that the shorter side sees, radians.
+    /// Makes a camera for a picture of `size` pixels; `view_angle` is the angle that the shorter side sees, radians. Of one that looks
+    /// straight up or down, +y is up in the picture.
     pub fn new(origin: Vec3, target: Vec3, view_angle: f32, size: [u32; 2]) -> Self {
         let forward = (target - origin).normalize();
-        let right = forward.cross(Vec3::Z).normalize();
+        let right = forward.cross(Vec3::Z).try_normalize().unwrap_or(Vec3::X);
         let [width, height] = size.map(|n| n as f32);
         let pixel = 2.0 * (0.5 * view_angle).tan() / width.min(height);
         Self {
@@ -58,5 +59,12 @@ mod tests {
         assert!((top.dot(Vec3::Y).acos() - 0.5).abs() < 1e-5 && top.z > 0.0 && top.x.abs() < 1e-6);
         // Facing +y with +z up, right is +x.
         assert!(camera.ray(200.0, 50.0).direction.x > 0.0);
+    }
+
+    #[test]
+    fn one_may_look_straight_down() {
+        let camera = Camera::new(vec3(0.0, 0.0, 5.0), Vec3::ZERO, 1.0, [100, 100]);
+        let [up, right] = [(50.0, 0.0), (100.0, 50.0)].map(|(x, y)| camera.ray(x, y).direction);
+        assert!(up.y > 0.1 && up.x.abs() < 1e-6 && right.x > 0.1 && right.y.abs() < 1e-6, "{up} {right}");
     }
 }

@@ -7,18 +7,21 @@
 use crate::camera::Camera;
 use crate::environment::Environment;
 use crate::film::Film;
-use crate::integrator::Sampler;
 use crate::material::StoredMaterial;
 use crate::progress::Progress;
 use crate::render::{Settings, add_samples};
+use crate::sampling::Strategy;
+use crate::sampling::sampler::{OWN, Sampler};
 use crate::scene::{Scene, SceneName};
+use crate::shader::{LoadedMaterial, Shader};
+use anyhow::Context;
 use glam::DVec3;
 use std::time::Instant;
 
 /// What is compared.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    pub samplers: Vec<Sampler>,
+    pub strategies: Vec<Strategy>,
     /// Sides of the square picture, pixels.
     pub side: u32,
     /// Samples a pixel at which the error is taken, rising.
@@ -31,7 +34,7 @@ pub struct Plan {
 impl Plan {
     /// Rows that are rendered in all: the steps of the progress.
     pub fn steps(&self) -> u64 {
-        u64::from(self.side) * (2 + (self.samplers.len() * (self.samples.len() + 1)) as u64)
+        u64::from(self.side) * (2 + (self.strategies.len() * (self.samples.len() + 1)) as u64)
     }
 }
 
@@ -50,7 +53,7 @@ pub struct Point {
 /// The measurements of one sampler.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    pub sampler: Sampler,
+    pub strategy: Strategy,
     pub points: Vec<Point>,
 }
 
@@ -64,50 +67,80 @@ pub struct Comparison {
     pub reference_error: f64,
 }
 
-/// Measures the curves.
+/// Directions that samplers which draw several together draw at a surface, unless fewer are asked for.
+pub const SPLIT: u32 = 16;
+
+/// Measures the curves. `lobes` sample a table.
 ///
 /// # Errors
-/// Only faults of the renderer.
+/// A sampler that cannot be fitted to the material; else only faults of the renderer.
 pub fn measure(
     plan: &Plan,
-    material: &StoredMaterial,
+    material: &LoadedMaterial,
+    lobes: Option<&StoredMaterial>,
     environment_name: &str,
     environment: &Environment,
     progress: &Progress,
 ) -> anyhow::Result<Comparison> {
-    let scene = Scene::new(SceneName::Sphere, &material.material, &material.material, environment);
+    let truth = material.truth();
+    let fit =
+        |strategy: &Strategy| Sampler::fit(strategy.sampler, &truth, lobes.map(|lobes| &lobes.material));
+    let samplers: Vec<Sampler<'_>> = plan
+        .strategies
+        .iter()
+        .map(fit)
+        .collect::<anyhow::Result<_>>()
+        .with_context(|| format!("material {}", material.name()))?;
+    let scene_of = |sampler| {
+        let shader = Shader { truth, sampler };
+        Scene::new(SceneName::Sphere, shader, shader, environment)
+    };
+    let scenes: Vec<Scene<'_>> = samplers.iter().map(scene_of).collect();
     let camera = SceneName::Sphere.camera([plan.side; 2]);
-    let settings = |sampler, seed| Settings { sampler, max_bounces: 1, seed };
+    let settings =
+        |strategy: Strategy, split, seed| Settings { light: strategy.light, split, max_bounces: 1, seed };
 
     // Two halves with their own seeds: their difference tells how far the mean of both is from the truth.
+    let own = scene_of(&OWN);
     let mut halves = [Film::new([plan.side; 2]), Film::new([plan.side; 2])];
     for (i, half) in halves.iter_mut().enumerate() {
         let seed = plan.seed.wrapping_add(1 + i as u64);
         let samples = plan.reference_samples.div_ceil(2);
-        add_samples(&scene, &camera, &settings(Sampler::Mis, seed), half, samples, progress)?;
+        add_samples(&own, &camera, &settings(Strategy::MIS, 1, seed), half, samples, progress)?;
     }
-    let reference = Reference::new(&scene, &camera, &halves);
+    let reference = Reference::new(&own, &camera, &halves);
 
     let mut curves: Vec<Curve> =
-        plan.samplers.iter().map(|&sampler| Curve { sampler, points: Vec::new() }).collect();
+        plan.strategies.iter().map(|&strategy| Curve { strategy, points: Vec::new() }).collect();
     let mut films = vec![Film::new([plan.side; 2]); curves.len()];
-    for curve in &curves {
+    for (curve, scene) in curves.iter().zip(&scenes) {
         // Into a film that is thrown away: caches and clock speed settle.
         let mut film = Film::new([plan.side; 2]);
-        add_samples(&scene, &camera, &settings(curve.sampler, plan.seed), &mut film, 1, progress)?;
+        add_samples(scene, &camera, &settings(curve.strategy, 1, plan.seed), &mut film, 1, progress)?;
     }
     for &samples in &plan.samples {
-        for (curve, film) in curves.iter_mut().zip(&mut films) {
-            let more = samples - film.samples;
+        for ((curve, film), scene) in curves.iter_mut().zip(&mut films).zip(&scenes) {
+            // Directions that are drawn together are worth more the more there are: such a film does not go on from a smaller one.
+            let is_multi = curve.strategy.sampler.is_multi();
+            if is_multi {
+                *film = Film::new([plan.side; 2]);
+            }
+            // The directions of a ray count, not the rays.
+            let split = if is_multi { samples.min(SPLIT) } else { 1 };
+            let more = samples.div_ceil(split) - film.samples;
             let start = Instant::now();
-            add_samples(&scene, &camera, &settings(curve.sampler, plan.seed), film, more, progress)?;
-            let before = curve.points.last().map_or(0.0, |point| point.seconds);
+            add_samples(scene, &camera, &settings(curve.strategy, split, plan.seed), film, more, progress)?;
+            let before = curve.points.last().filter(|_| !is_multi).map_or(0.0, |point| point.seconds);
             let seconds = before + start.elapsed().as_secs_f64();
-            curve.points.push(Point { samples, seconds, error: reference.error_of(film) });
+            curve.points.push(Point {
+                samples: film.samples * split,
+                seconds,
+                error: reference.error_of(film),
+            });
         }
     }
     Ok(Comparison {
-        material: material.name.clone(),
+        material: material.name().to_owned(),
         environment: environment_name.to_owned(),
         curves,
         reference_error: reference.error,
@@ -223,10 +256,15 @@ impl Comparison {
 mod tests {
     use super::*;
     use crate::material::tests::lacquer;
+    use crate::sampling::SamplerName;
+
+    const LOBES: Strategy = Strategy::alone(SamplerName::Lobes);
 
     fn plan(side: u32) -> Plan {
         Plan {
-            samplers: vec![Sampler::Lobes, Sampler::Uniform, Sampler::Cosine],
+            strategies: [SamplerName::Lobes, SamplerName::Uniform, SamplerName::Cosine]
+                .map(Strategy::alone)
+                .to_vec(),
             side,
             samples: vec![4, 8, 16, 32, 64, 128],
             reference_samples: 1024,
@@ -236,21 +274,29 @@ mod tests {
 
     #[test]
     fn error_falls_with_the_square_root_of_the_samples() {
-        // A light without a sharp sun and a material without a sharp highlight: 24 x 24 pixels are then enough to
-        // estimate an error.
+        // A light without a sharp sun and a material without a sharp highlight: 48 x 48 pixels are then enough to
+        // estimate a slope.
         let pixels = (0..32 * 16).map(|i| glam::Vec3::splat(0.2 + ((i * 37) % 11) as f32)).collect();
         let environment = Environment::new(32, pixels).unwrap();
-        let matte = StoredMaterial::load("matte").unwrap();
-        let result = measure(&plan(24), &matte, "test", &environment, &Progress::hidden()).unwrap();
+        let matte = LoadedMaterial::load("matte").unwrap();
+        let result = measure(&plan(48), &matte, None, "test", &environment, &Progress::hidden()).unwrap();
         for curve in &result.curves {
             let slope = curve.slope().unwrap();
-            assert!((slope + 0.5).abs() < 0.03, "{}: {slope}", curve.sampler.name());
+            assert!((slope + 0.5).abs() < 0.03, "{}: {slope}", curve.strategy);
         }
         // A sharp highlight is where lobes gain.
-        let result = measure(&plan(24), &lacquer(), "test", &environment, &Progress::hidden()).unwrap();
+        let result = measure(
+            &plan(24),
+            &LoadedMaterial::Lobes(lacquer()),
+            None,
+            "test",
+            &environment,
+            &Progress::hidden(),
+        )
+        .unwrap();
         for curve in &result.curves[1..] {
             let [_, by_samples] = result.error_ratios(curve);
-            assert!(by_samples > Some(1.2), "lobes must beat {}: {by_samples:?}", curve.sampler.name());
+            assert!(by_samples > Some(1.2), "lobes must beat {}: {by_samples:?}", curve.strategy);
         }
     }
 
@@ -261,7 +307,7 @@ mod tests {
             seconds: 0.5 * f64::from(samples),
             error: 3.0 / f64::from(samples).sqrt(),
         };
-        let curve = Curve { sampler: Sampler::Lobes, points: [1, 4, 16].map(point).to_vec() };
+        let curve = Curve { strategy: LOBES, points: [1, 4, 16].map(point).to_vec() };
         assert!((curve.slope().unwrap() + 0.5).abs() < 1e-12);
         for seconds in [0.1, 0.5, 1.3, 8.0, 40.0] {
             let error = curve.error_at(seconds).unwrap();
@@ -273,7 +319,7 @@ mod tests {
     fn errors_below_that_of_the_reference_are_left_out() {
         let point = |(samples, error)| Point { samples, seconds: f64::from(samples), error };
         let curve = |points: &[(u32, f64)]| Curve {
-            sampler: Sampler::Lobes,
+            strategy: LOBES,
             points: points.iter().copied().map(point).collect(),
         };
         let some = curve(&[(1, 1.0), (4, 0.5), (16, 0.0), (64, f64::NAN)]);

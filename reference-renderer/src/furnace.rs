@@ -6,7 +6,7 @@ use crate::film::Film;
 use crate::integrator::Frame;
 use crate::measured::albedo::AlbedoTable;
 use crate::scene::Scene;
-use crate::shader::{Scattering, Shader};
+use crate::shader::{Scattering, Truth};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -37,9 +37,9 @@ impl Furnace {
 
 /// Compares a film of the scene with the sphere, under constant radiance, with the albedo.
 pub fn compare(scene: &Scene<'_>, camera: &Camera, radiance: Vec3, film: &Film) -> Furnace {
-    let table = match scene.object() {
-        Shader::Lobes(_) => None,
-        Shader::Table(measured) => Some(AlbedoTable::new(measured)),
+    let table = match scene.object().truth {
+        Truth::Lobes(_) => None,
+        Truth::Table(measured) => Some(AlbedoTable::new(measured)),
     };
     let rows: Vec<Furnace> = (0..film.size()[1])
         .into_par_iter()
@@ -117,12 +117,13 @@ fn albedo<'a>(
 mod tests {
     use super::*;
     use crate::environment::Environment;
-    use crate::integrator::Sampler;
     use crate::material::tests::{brushed, lacquer};
     use crate::measured::tests::{model, vivid};
     use crate::progress::Progress;
     use crate::render::{Settings, add_samples};
+    use crate::sampling::Light;
     use crate::scene::SceneName;
+    use crate::shader::Shader;
 
     #[test]
     fn no_deviation_is_told_where_there_is_only_rounding() {
@@ -149,13 +150,13 @@ mod tests {
     #[test]
     fn rendered_mean_is_the_quadrature_of_a_table() {
         let lobe = "model:ggx:alpha=0.3,f0=0.9/0.5/0.1,diffuse=0.05";
-        check(Shader::Table(&model(lobe)));
-        check(Shader::Table(&vivid()));
+        check(&model(lobe));
+        check(&vivid());
     }
 
     #[test]
     fn rendered_mean_is_the_quadrature_of_an_anisotropic_table() {
-        check(Shader::Table(&model("model:ward:alpha_x=0.15,alpha_y=0.4,specular=0.5/0.3/0.1")));
+        check(&model("model:ward:alpha_x=0.15,alpha_y=0.4,specular=0.5/0.3/0.1"));
     }
 
     fn check<'a>(material: impl Into<Shader<'a>>) {
@@ -164,8 +165,8 @@ mod tests {
         let scene = Scene::new(SceneName::Sphere, material, material, &environment);
         let size = [32, 32];
         let camera = SceneName::Sphere.camera(size);
-        for sampler in [Sampler::Lobes, Sampler::Mis, Sampler::Light] {
-            let settings = Settings { sampler, max_bounces: 4, seed: 3 };
+        for light in [Light::Off, Light::Mis, Light::Only] {
+            let settings = Settings { light, split: 1, max_bounces: 4, seed: 3 };
             let mut film = Film::new(size);
             add_samples(&scene, &camera, &settings, &mut film, 128, &Progress::hidden()).unwrap();
             let furnace = compare(&scene, &camera, Vec3::splat(1.7), &film);
@@ -173,7 +174,7 @@ mod tests {
             // Within four standard errors and the error of evaluating the closed form on a grid in each pixel.
             let deviation = (furnace.rendered - furnace.expected).abs();
             let allowed = 4.0 * furnace.standard_error + 2e-4 * furnace.expected.abs();
-            assert!(deviation.cmple(allowed).all(), "{}: {furnace:?}", sampler.name());
+            assert!(deviation.cmple(allowed).all(), "{light:?}: {furnace:?}");
             assert!(furnace.standard_error.max_element() < 0.02 * furnace.expected.max_element());
         }
     }

@@ -1,70 +1,16 @@
-//! Path tracing: the radiance along one ray, by the strategy asked for.
+//! Path tracing: the radiance along one ray.
 //!
-//! Where lobes are the material, a sample of them has the weight `value / pdf` of constant luminance. Of a measured table the
-//! samples are those of a mixture that is like it.
+//! What is rendered and what samples it come with the material of a surface; whether the light is sampled too is a setting. At the first
+//! surface several directions may be drawn together; from there on each goes its way alone.
 
 use crate::camera::Ray;
 use crate::random::Random;
+use crate::render::Settings;
+use crate::sampling::Light;
 use crate::scene::{Scene, Surface};
 use crate::shader::Scattering;
-use crate::sphere_sampling;
 use glam::Vec3;
 use srbf_core::{Sample, power_heuristic};
-use std::f32::consts::{FRAC_1_PI, TAU};
-
-/// How directions are chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Sampler {
-    /// From the material and from the environment, weighted by the power heuristic.
-    Mis,
-    /// From the material only: its lobes, or what samples a table.
-    Lobes,
-    /// From the lobes, and one in twenty from the cosine: weights are bounded.
-    Defensive,
-    /// From the cosine only.
-    Cosine,
-    /// Uniform on the hemisphere.
-    Uniform,
-    /// From the environment only.
-    Light,
-}
-
-impl Sampler {
-    /// The name on the command line, in tables and plots.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Mis => "mis",
-            Self::Lobes => "lobes",
-            Self::Defensive => "defensive",
-            Self::Cosine => "cosine",
-            Self::Uniform => "uniform",
-            Self::Light => "light",
-        }
-    }
-
-    fn samples_environment(self) -> bool {
-        matches!(self, Self::Mis | Self::Light)
-    }
-
-    /// Draws an incident direction in the shading frame.
-    #[inline]
-    fn sample(self, scattering: &Scattering<'_>, random: &mut Random) -> Option<Sample> {
-        let (direction, pdf) = match self {
-            Self::Mis | Self::Lobes | Self::Light => {
-                return scattering.sample([random.unit(), random.unit(), random.unit()]);
-            }
-            Self::Defensive => {
-                return scattering.sample_defensive([random.unit(), random.unit(), random.unit()]);
-            }
-            Self::Cosine => {
-                let direction = sphere_sampling::cosine([random.unit(), random.unit()]);
-                (direction, direction.z * FRAC_1_PI)
-            }
-            Self::Uniform => (sphere_sampling::uniform_hemisphere([random.unit(), random.unit()]), 1.0 / TAU),
-        };
-        Some(Sample { direction, pdf, weight: scattering.evaluate(direction) / pdf })
-    }
-}
 
 /// Paths end at random from this bounce on, more likely the less they carry.
 const ROULETTE_FROM: u32 = 3;
@@ -75,72 +21,127 @@ const LEAST_COSINE: f32 = 1e-3;
 /// Distance by which rays start above a surface, relative to the size of the coordinates.
 const RAY_OFFSET: f32 = 1e-4;
 
-/// Estimates the radiance that comes in along a ray with one path of at most `max_bounces` scatterings.
+/// What a path needs that lasts longer than it: storage.
+pub struct Workspace<'a> {
+    scattering: Scattering<'a>,
+    drawn: Vec<Sample>,
+}
+
+impl Workspace<'_> {
+    /// Storage for paths through any material.
+    pub fn new() -> Self {
+        Self { scattering: Scattering::empty(), drawn: Vec::new() }
+    }
+}
+
+/// Estimates the radiance that comes in along a ray, with paths of at most `max_bounces` scatterings.
 pub fn radiance<'a>(
     scene: &Scene<'a>,
-    mut ray: Ray,
-    sampler: Sampler,
-    max_bounces: u32,
+    ray: &Ray,
+    settings: &Settings,
     random: &mut Random,
-    scattering: &mut Scattering<'a>,
+    workspace: &mut Workspace<'a>,
 ) -> Vec3 {
+    let Some(surface) = scene.hit(ray) else { return scene.environment.radiance(ray.direction) };
+    let mut path = Path { scene, settings, random };
+    let scattering = &mut workspace.scattering;
+    let Some(frame) = look(&surface, ray, scattering) else { return Vec3::NAN };
     let mut light = Vec3::ZERO;
-    let mut throughput = Vec3::ONE;
-    // Density of the direction of `ray` if it competes with samples of the environment.
-    let mut competing: Option<f32> = None;
+    for _ in 0..settings.split {
+        light += path.light_at(&frame, scattering);
+    }
+    let mut drawn = std::mem::take(&mut workspace.drawn);
+    scattering.sample_together(settings.split, path.random, &mut drawn);
+    for sample in &drawn {
+        light += path.follow(&frame, sample, scattering);
+    }
+    workspace.drawn = drawn;
+    light / settings.split as f32
+}
 
-    for bounce in 0.. {
-        let Some(surface) = scene.hit(&ray) else {
-            let weight = match competing {
-                None => 1.0,
-                Some(_) if sampler == Sampler::Light => 0.0,
-                Some(pdf) => power_heuristic(1.0, pdf, 1.0, scene.environment.pdf(ray.direction)),
-            };
-            light += throughput * scene.environment.radiance(ray.direction) * weight;
-            break;
+/// Makes the frame of a surface and gets its material ready; `None` is impossible, as the storage holds every material, and the outgoing
+/// direction is a unit vector. A NaN is found in the picture.
+fn look<'a>(surface: &Surface<'_, 'a>, ray: &Ray, scattering: &mut Scattering<'a>) -> Option<Frame> {
+    let wo = -ray.direction;
+    let frame = Frame::new(surface, wo);
+    surface.material.prepare(frame.to_local(wo), scattering).ok().map(|()| frame)
+}
+
+/// A path on its way.
+struct Path<'p, 'a> {
+    scene: &'p Scene<'a>,
+    settings: &'p Settings,
+    random: &'p mut Random,
+}
+
+impl<'a> Path<'_, 'a> {
+    /// Light that a sample of the environment brings to a surface.
+    fn light_at(&mut self, frame: &Frame, scattering: &Scattering<'a>) -> Vec3 {
+        if self.settings.light == Light::Off {
+            return Vec3::ZERO;
+        }
+        let sample = self.scene.environment.sample(self.random);
+        if !frame.leaves(sample.direction) {
+            return Vec3::ZERO;
+        }
+        let (value, pdf) = scattering.evaluate_and_pdf(frame.to_local(sample.direction));
+        let weight = match self.settings.light {
+            Light::Mis => power_heuristic(1.0, sample.pdf, 1.0, pdf),
+            Light::Only | Light::Off => 1.0,
         };
-        if bounce == max_bounces {
-            break;
-        }
+        let contribution = value * sample.radiance * (weight / sample.pdf);
+        let is_seen = contribution != Vec3::ZERO && self.scene.is_clear(&frame.ray(sample.direction));
+        if is_seen { contribution } else { Vec3::ZERO }
+    }
 
-        let wo = -ray.direction;
-        let frame = Frame::new(&surface, wo);
-        if surface.material.prepare(frame.to_local(wo), scattering).is_err() {
-            // Impossible: the storage holds every material, and wo is a unit vector. A NaN is found in the picture.
-            return Vec3::NAN;
+    /// Weight of the environment where a direction drawn from a material finds it.
+    fn weight_of_environment(&self, direction: Vec3, pdf: f32) -> f32 {
+        match self.settings.light {
+            Light::Off => 1.0,
+            Light::Only => 0.0,
+            Light::Mis => power_heuristic(1.0, pdf, 1.0, self.scene.environment.pdf(direction)),
         }
+    }
 
-        if sampler.samples_environment() {
-            let sample = scene.environment.sample(random);
-            if frame.leaves(sample.direction) {
-                let (value, pdf) = scattering.evaluate_and_pdf(frame.to_local(sample.direction));
-                let weight =
-                    if sampler == Sampler::Light { 1.0 } else { power_heuristic(1.0, sample.pdf, 1.0, pdf) };
-                let contribution = throughput * value * sample.radiance * (weight / sample.pdf);
-                if contribution != Vec3::ZERO && scene.is_clear(&frame.ray(sample.direction)) {
-                    light += contribution;
-                }
-            }
+    /// What comes in along a direction drawn at the first surface, times its weight.
+    fn follow(&mut self, first: &Frame, sample: &Sample, scattering: &mut Scattering<'a>) -> Vec3 {
+        let direction = first.to_world(sample.direction);
+        if !first.leaves(direction) {
+            return Vec3::ZERO;
         }
-
-        let Some(sample) = sampler.sample(scattering, random) else { break };
-        let direction = frame.to_world(sample.direction);
-        if !frame.leaves(direction) {
-            break;
-        }
-        throughput *= sample.weight;
-        if bounce >= ROULETTE_FROM {
-            // By its size: of a colour outside the gamut, channels are negative.
-            let survival = throughput.abs().max_element().min(0.95);
-            if random.unit() >= survival {
+        let (mut light, mut throughput, mut pdf) = (Vec3::ZERO, sample.weight, sample.pdf);
+        let mut ray = first.ray(direction);
+        for bounce in 1.. {
+            let Some(surface) = self.scene.hit(&ray) else {
+                let weight = self.weight_of_environment(ray.direction, pdf);
+                light += throughput * self.scene.environment.radiance(ray.direction) * weight;
+                break;
+            };
+            if bounce == self.settings.max_bounces {
                 break;
             }
-            throughput /= survival;
+            let Some(frame) = look(&surface, &ray, scattering) else { return Vec3::NAN };
+            light += throughput * self.light_at(&frame, scattering);
+            let u = [self.random.unit(), self.random.unit(), self.random.unit()];
+            let Some(sample) = scattering.sample(u) else { break };
+            let direction = frame.to_world(sample.direction);
+            if !frame.leaves(direction) {
+                break;
+            }
+            throughput *= sample.weight;
+            if bounce >= ROULETTE_FROM {
+                // By its size: of a colour outside the gamut, channels are negative.
+                let survival = throughput.abs().max_element().min(0.95);
+                if self.random.unit() >= survival {
+                    break;
+                }
+                throughput /= survival;
+            }
+            pdf = sample.pdf;
+            ray = frame.ray(direction);
         }
-        competing = sampler.samples_environment().then_some(sample.pdf);
-        ray = frame.ray(direction);
+        light
     }
-    light
 }
 
 /// The shading frame at a point, on the side from where it is seen.

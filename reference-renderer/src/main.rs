@@ -26,8 +26,10 @@ mod progress;
 mod random;
 mod render;
 mod report;
+mod sampling;
 mod scene;
 mod shader;
+#[cfg(test)]
 mod sphere_sampling;
 mod stability;
 mod teapot;

@@ -1,7 +1,7 @@
 //! Materials by name: the embedded presets, a matte grey, and `.srbf` files.
 
 use anyhow::{Context, bail};
-use srbf_core::{Line, Material, PlaneLobe, View, read_file};
+use srbf_core::{Line, Material, PlaneLobe, View, color_differences, read_file};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -40,7 +40,7 @@ impl StoredMaterial {
             return Self::new(name, Cow::Borrowed(bytes));
         }
         if name == MATTE {
-            return Self::new(name, Cow::Owned(matte()));
+            return Self::matte(name, [0.5; 3]);
         }
         let path = Path::new(name);
         if !path.exists() && path.extension().is_none() {
@@ -57,6 +57,14 @@ impl StoredMaterial {
         read().with_context(|| format!("material {name}"))
     }
 
+    /// Makes what scatters by Lambert's law with an albedo, linear sRGB above 0.
+    ///
+    /// # Errors
+    /// An albedo that cannot be stored.
+    pub fn matte(name: &str, albedo: [f32; 3]) -> anyhow::Result<Self> {
+        Self::new(name, Cow::Owned(matte(albedo)))
+    }
+
     /// Takes the bytes of a material.
     ///
     /// # Errors
@@ -66,9 +74,10 @@ impl StoredMaterial {
     }
 }
 
-/// Makes a grey that scatters by Lambert's law with albedo 1/2: a diffuse term, and the one lobe that a material must
+/// Makes what scatters by Lambert's law: a diffuse term, and the one lobe that a material must
 /// have so dark that no f32 shows it; still darker, its products would be subnormal and slow.
-fn matte() -> Vec<u8> {
+fn matte(albedo: [f32; 3]) -> Vec<u8> {
+    let (log2_diffuse, diffuse_color_differences) = color_differences(albedo.map(f32::log2));
     let lobe = PlaneLobe {
         angle: 0.0,
         off_plane: 0.0,
@@ -76,24 +85,20 @@ fn matte() -> Vec<u8> {
         log2_luminance: -60.0,
         color_differences: [0.0; 2],
     };
-    let view = View {
-        theta: 0.0,
-        log2_squeeze: 0.0,
-        log2_diffuse: -1.0,
-        diffuse_color_differences: [0.0; 2],
-        lobes: &[lobe],
-    };
+    let view =
+        View { theta: 0.0, log2_squeeze: 0.0, log2_diffuse, diffuse_color_differences, lobes: &[lobe] };
     let line = Line { views: &[view], squeezed: 0, mirrored: 0, factors: None };
-    let provenance = "built in: Lambert's law, albedo 1/2";
-    let mut bytes = vec![0; line.encoded_len(provenance)];
-    line.encode(provenance, &mut bytes).expect("the numbers are in range");
+    let [red, green, blue] = albedo;
+    let provenance = format!("built in: Lambert's law, albedo {red}/{green}/{blue}");
+    let mut bytes = vec![0; line.encoded_len(&provenance)];
+    line.encode(&provenance, &mut bytes).expect("the numbers are in range");
     bytes
 }
 
 #[cfg(test)]
 pub mod tests {
     use super::*;
-    use srbf_core::{Grid, GridView, TiltedLobe, color_differences};
+    use srbf_core::{Grid, GridView, TiltedLobe};
 
     /// A red lacquer for tests: a diffuse term, a wide lobe, and a highlight that grows and narrows towards grazing.
     pub fn lacquer() -> StoredMaterial {

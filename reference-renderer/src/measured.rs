@@ -3,28 +3,31 @@
 //! Its values are not touched: channels that are negative, of colours outside the gamut of sRGB, stay so.
 
 pub mod albedo;
-mod guide;
 
-use anyhow::{Context, bail};
-use glam::{DVec3, Vec3};
-use guide::{Guide, Proposal};
-use srbf_core::Sample;
+use crate::sampling::guided::Guide;
+use anyhow::Context;
+use glam::DVec3;
 use srbf_fit::analytic;
 use srbf_fit::baselines::lafortune;
+use srbf_fit::complete::complete;
 use srbf_fit::read::{Content, Source};
-use srbf_fit::table::{Brdf, Symmetry};
+use srbf_fit::table::{Brdf, Draws, Symmetry};
 use std::path::Path;
+use std::sync::OnceLock;
 
 /// Ends of the names of tables.
 const ENDINGS: [&str; 5] = ["brdf", "astm", "csv", "binary", "bsdf"];
 
-/// What can be evaluated at any pair of directions, and what samples it.
+/// What can be evaluated at any pair of directions.
 pub struct MeasuredMaterial {
     /// Name of the file without folder and extension, or of the model.
     pub name: String,
     brdf: Box<dyn Brdf + Send>,
     is_isotropic: bool,
-    guide: Guide,
+    /// Samples that were completed, if it was not measured at every pair of directions.
+    pub completed: Option<usize>,
+    /// Made when it is asked for.
+    guide: OnceLock<Guide>,
 }
 
 impl MeasuredMaterial {
@@ -38,7 +41,7 @@ impl MeasuredMaterial {
     /// Reads what `srbf fit` reads: a table, `model:...`, or `FILE.csv:NAME`, one of the published Lafortune fits of a file.
     ///
     /// # Errors
-    /// As the reader says them; scattered samples, which say nothing between their directions.
+    /// As the reader says them.
     pub fn load(name: &str) -> anyhow::Result<Self> {
         let source = match split_published(name) {
             Some((file, material)) => lafortune::read(Path::new(file), material)?,
@@ -54,22 +57,26 @@ impl MeasuredMaterial {
         Self::new(source).with_context(|| format!("material {name}"))
     }
 
-    /// Takes what was read, and finds out how to sample it.
+    /// Takes what was read. Scattered samples are completed, which takes some seconds.
     ///
     /// # Errors
-    /// Scattered samples.
+    /// Samples that cannot be completed: black ones.
     pub fn new(source: Source) -> anyhow::Result<Self> {
-        check_evaluable(&source.content)?;
-        let Content::Evaluable(brdf) = source.content else { bail!("no values everywhere") };
+        let (brdf, completed): (Box<dyn Brdf + Send>, _) = match source.content {
+            Content::Evaluable(brdf) => (brdf, None),
+            Content::Samples(table) => {
+                let samples = table.views.iter().map(|view| view.samples.len()).sum();
+                (Box::new(complete(&table)?), Some(samples))
+            }
+        };
         let is_isotropic = brdf.symmetry() == Symmetry::Isotropic;
-        let value = |wi: DVec3, wo: DVec3| f_cos(brdf.as_ref(), wi, wo);
-        let guide = Guide::new(&value, is_isotropic);
         let name = source.name;
         let plain = ENDINGS.iter().find_map(|ending| {
             let (stem, end) = name.rsplit_once('.')?;
             end.eq_ignore_ascii_case(ending).then_some(stem)
         });
-        Ok(Self { name: plain.unwrap_or(&name).to_owned(), brdf, is_isotropic, guide })
+        let name = plain.unwrap_or(&name).to_owned();
+        Ok(Self { name, brdf, is_isotropic, completed, guide: OnceLock::new() })
     }
 
     /// Whether the values do not change when both directions turn round the normal.
@@ -82,28 +89,28 @@ impl MeasuredMaterial {
         self.brdf.as_ref()
     }
 
-    /// Gets ready for an outgoing direction, a unit vector in the shading frame.
-    pub fn view(&self, wo: Vec3) -> View<'_> {
-        let wo = wo.as_dvec3().normalize();
-        View { material: self, wo, proposal: self.guide.proposal(wo) }
+    /// `f cos` as it was measured, 0 where it was not; linear sRGB, 1/sr.
+    pub fn f_cos(&self, wi: DVec3, wo: DVec3) -> DVec3 {
+        if wi.z <= 0.0 || wo.z <= 0.0 {
+            return DVec3::ZERO;
+        }
+        let value = DVec3::from(self.brdf.evaluate(wi.to_array(), wo.to_array())) * wi.z;
+        DVec3::from(value.to_array().map(|v| if v.is_finite() { v } else { 0.0 }))
     }
 
-    fn f_cos(&self, wi: DVec3, wo: DVec3) -> DVec3 {
-        f_cos(self.brdf.as_ref(), wi, wo)
+    /// What samples it where nothing else does: GGX lobes and a cosine.
+    pub fn guide(&self) -> &Guide {
+        self.guide.get_or_init(|| Guide::new(&|wi, wo| self.f_cos(wi, wo), self.is_isotropic))
     }
-}
 
-/// Refuses scattered samples.
-///
-/// # Errors
-/// Says what can be done with them.
-pub fn check_evaluable(content: &Content) -> anyhow::Result<()> {
-    match content {
-        Content::Evaluable(_) => Ok(()),
-        Content::Samples(_) => bail!(
-            "it holds scattered samples, and no values between them; a table with a value for every pair of directions \
-             (.bsdf, .binary) or a model:... is expected. `srbf fit` makes a material of samples that can be rendered"
-        ),
+    /// Whether the guide was made.
+    pub fn has_guide(&self) -> bool {
+        self.guide.get().is_some()
+    }
+
+    /// What its file brings along to be sampled by.
+    pub fn draws(&self) -> Option<&dyn Draws> {
+        self.brdf.draws()
     }
 }
 
@@ -112,43 +119,6 @@ fn split_published(name: &str) -> Option<(&str, &str)> {
     let (file, material) = name.rsplit_once(':')?;
     let is_csv = Path::new(file).extension().is_some_and(|end| end.eq_ignore_ascii_case("csv"));
     (is_csv && !name.starts_with(analytic::PREFIX)).then_some((file, material))
-}
-
-/// `f cos` as it was measured, 0 where it was not; linear sRGB, 1/sr.
-fn f_cos(brdf: &dyn Brdf, wi: DVec3, wo: DVec3) -> DVec3 {
-    if wi.z <= 0.0 || wo.z <= 0.0 {
-        return DVec3::ZERO;
-    }
-    let value = DVec3::from(brdf.evaluate(wi.to_array(), wo.to_array())) * wi.z;
-    DVec3::from(value.to_array().map(|v| if v.is_finite() { v } else { 0.0 }))
-}
-
-/// A material seen from one outgoing direction. All directions are unit vectors in the shading frame.
-pub struct View<'a> {
-    material: &'a MeasuredMaterial,
-    wo: DVec3,
-    proposal: Proposal,
-}
-
-impl View<'_> {
-    /// `f cos`; linear sRGB, 1/sr.
-    pub fn evaluate(&self, wi: Vec3) -> Vec3 {
-        self.material.f_cos(wi.as_dvec3().normalize(), self.wo).as_vec3()
-    }
-
-    /// Density of [`sample`](Self::sample); 1/sr.
-    pub fn pdf(&self, wi: Vec3) -> f32 {
-        self.proposal.density(wi.as_dvec3().normalize()) as f32
-    }
-
-    /// Draws an incident direction; `None` where it would lie below the horizon.
-    pub fn sample(&self, u: [f32; 3]) -> Option<Sample> {
-        // Rounded first: value and density are those of the direction that is handed out.
-        let direction = self.proposal.sample(u.map(f64::from)).as_vec3();
-        let pdf = self.pdf(direction);
-        let is_drawn = direction.z > 0.0 && pdf > 0.0 && pdf.is_finite();
-        is_drawn.then(|| Sample { direction, pdf, weight: self.evaluate(direction) / pdf })
-    }
 }
 
 #[cfg(test)]
@@ -187,9 +157,9 @@ pub mod tests {
     #[test]
     fn negative_channels_stay() {
         let material = vivid();
-        let view = material.view(Vec3::new(-0.6, 0.0, 0.8));
-        let value = view.evaluate(Vec3::new(0.6, 0.0, 0.8));
+        let wo = DVec3::new(-0.6, 0.0, 0.8);
+        let value = material.f_cos(DVec3::new(0.6, 0.0, 0.8), wo);
         assert!((value.x + 0.55 * 0.8).abs() < 1e-6, "{value}");
-        assert_eq!(view.evaluate(Vec3::new(0.6, 0.0, -0.8)), Vec3::ZERO);
+        assert_eq!(material.f_cos(DVec3::new(0.6, 0.0, -0.8), wo), DVec3::ZERO);
     }
 }

@@ -77,11 +77,13 @@ impl Mesh {
     /// A square in the plane z = `height`, of two triangles, seen from above.
     pub fn square(half_side: f32, height: f32) -> Self {
         let corner = |x: f32, y: f32| Vec3::new(x * half_side, y * half_side, height);
-        Self {
-            positions: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
-            normals: vec![Vec3::Z; 4],
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
-        }
+        Self::quadrilateral([corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)])
+    }
+
+    /// A flat quadrilateral, of two triangles; its corners turn left for one who looks at its front.
+    pub fn quadrilateral(corners: [Vec3; 4]) -> Self {
+        let normal = (corners[1] - corners[0]).cross(corners[3] - corners[0]).normalize();
+        Self { positions: corners.to_vec(), normals: vec![normal; 4], triangles: vec![[0, 1, 2], [0, 2, 3]] }
     }
 }
 

@@ -93,7 +93,7 @@ fn panel(
     for (curve, &colour) in comparison.curves.iter().zip(COLOURS.iter().cycle()) {
         let places: Vec<(f64, f64)> = curve.known().map(|p| (abscissa(p), p.error)).collect();
         let slope = curve.slope().map_or_else(|| "-".to_owned(), |slope| format!("{slope:.2}"));
-        add_curve(&mut chart, format!("{}, slope {slope}", curve.sampler.name()), colour, &places)?;
+        add_curve(&mut chart, format!("{}, slope {slope}", curve.strategy), colour, &places)?;
     }
     draw_legend(&mut chart, SeriesLabelPosition::UpperRight, 15)
 }
@@ -160,7 +160,7 @@ pub fn tick(value: &f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrator::Sampler;
+    use crate::sampling::{SamplerName, Strategy};
 
     #[test]
     fn the_ticks_at_both_ends_lie_within_the_range() {
@@ -179,7 +179,7 @@ mod tests {
             let comparison = Comparison {
                 material: "test".into(),
                 environment: "sky".into(),
-                curves: vec![Curve { sampler: Sampler::Lobes, points }],
+                curves: vec![Curve { strategy: Strategy::alone(SamplerName::Lobes), points }],
                 reference_error: 0.0,
             };
             let mut pixels = vec![255; 3 * (WIDTH * HEIGHT) as usize];

@@ -1,6 +1,9 @@
 //! Random numbers that depend only on the seed, the pixel and the number of the sample: the same picture whatever the
 //! number of threads.
 
+use rand_core::TryRng;
+use std::convert::Infallible;
+
 /// A counter-based generator: number `n` of the stream `key` is a hash of `key + n gamma`.
 ///
 /// Source: Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators" (SplitMix64); differs: the
@@ -45,6 +48,20 @@ impl Random {
     #[inline]
     pub fn below(&mut self, n: u32) -> u32 {
         ((u64::from(self.bits()) * u64::from(n)) >> 32) as u32
+    }
+}
+
+impl TryRng for Random {
+    type Error = Infallible;
+    fn try_next_u32(&mut self) -> Result<u32, Infallible> {
+        Ok(self.bits())
+    }
+    fn try_next_u64(&mut self) -> Result<u64, Infallible> {
+        Ok(u64::from(self.bits()) << 32 | u64::from(self.bits()))
+    }
+    fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
+        bytes.iter_mut().for_each(|byte| *byte = (self.bits() >> 24) as u8);
+        Ok(())
     }
 }
 

@@ -2,22 +2,25 @@
 
 use crate::camera::Camera;
 use crate::film::Film;
-use crate::integrator::{Sampler, radiance};
+use crate::integrator::{Workspace, radiance};
 use crate::progress::Progress;
 use crate::random::Random;
+use crate::sampling::Light;
 use crate::scene::Scene;
-use crate::shader::Scattering;
 use rayon::prelude::*;
 
 /// How to render.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
-    pub sampler: Sampler,
+    /// Whether the light is sampled; what samples a material comes with it.
+    pub light: Light,
+    /// Directions drawn at the first surface that a ray of the camera meets, at least 1.
+    pub split: u32,
     pub max_bounces: u32,
     pub seed: u64,
 }
 
-/// Adds `samples` samples to every pixel of a film; advances the progress by the number of rows.
+/// Adds `samples` samples, rays of the camera, to every pixel of a film; advances the progress by the number of rows.
 ///
 /// What a pixel gets depends only on the seed, the pixel and the samples it holds already: not on the threads.
 ///
@@ -33,14 +36,13 @@ pub fn add_samples(
 ) -> anyhow::Result<()> {
     let width = film.size()[0] as usize;
     let held = film.samples;
-    film.pixels.par_chunks_mut(width).enumerate().for_each_init(Scattering::empty, |scattering, (y, row)| {
+    film.pixels.par_chunks_mut(width).enumerate().for_each_init(Workspace::new, |workspace, (y, row)| {
         for (x, pixel) in row.iter_mut().enumerate() {
             let index = (y * width + x) as u64;
             for sample in held..held + samples {
                 let mut random = Random::new(settings.seed, index, sample.into());
                 let ray = camera.ray(x as f32 + random.unit(), y as f32 + random.unit());
-                let Settings { sampler, max_bounces, .. } = *settings;
-                pixel.add(radiance(scene, ray, sampler, max_bounces, &mut random, scattering));
+                pixel.add(radiance(scene, &ray, settings, &mut random, workspace));
             }
         }
         progress.advance(1);
@@ -64,15 +66,17 @@ mod tests {
     use crate::environment::{Environment, sky};
     use crate::material::StoredMaterial;
     use crate::material::tests::lacquer;
+    use crate::sampling::{Sampler, SamplerName, Strategy};
     use crate::scene::SceneName;
+    use crate::shader::{Shader, Truth};
     use glam::DVec3;
 
     const SIZE: [u32; 2] = [24, 16];
+    const MIS: Settings = Settings { light: Light::Mis, split: 1, max_bounces: 3, seed: 11 };
 
-    fn film(scene: &Scene<'_>, name: SceneName, sampler: Sampler, samples: u32) -> Film {
+    fn film(scene: &Scene<'_>, name: SceneName, settings: &Settings, samples: u32) -> Film {
         let mut film = Film::new(SIZE);
-        let settings = Settings { sampler, max_bounces: 3, seed: 11 };
-        add_samples(scene, &name.camera(SIZE), &settings, &mut film, samples, &Progress::hidden()).unwrap();
+        add_samples(scene, &name.camera(SIZE), settings, &mut film, samples, &Progress::hidden()).unwrap();
         film
     }
 
@@ -82,25 +86,18 @@ mod tests {
         let scene = Scene::new(SceneName::Teapot, &object.material, &ground.material, &sky);
         let on = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| film(&scene, SceneName::Teapot, Sampler::Mis, 4))
+            pool.install(|| film(&scene, SceneName::Teapot, &MIS, 4))
         };
         let one = on(1);
         assert_eq!(one, on(2));
         assert_eq!(one, on(3));
         let mut steps = Film::new(SIZE);
         for samples in [1, 3] {
-            let settings = Settings { sampler: Sampler::Mis, max_bounces: 3, seed: 11 };
             let camera = SceneName::Teapot.camera(SIZE);
-            add_samples(&scene, &camera, &settings, &mut steps, samples, &Progress::hidden()).unwrap();
+            add_samples(&scene, &camera, &MIS, &mut steps, samples, &Progress::hidden()).unwrap();
         }
         assert_eq!(one, steps);
-        assert_ne!(one, {
-            let mut other = Film::new(SIZE);
-            let settings = Settings { sampler: Sampler::Mis, max_bounces: 3, seed: 12 };
-            let camera = SceneName::Teapot.camera(SIZE);
-            add_samples(&scene, &camera, &settings, &mut other, 4, &Progress::hidden()).unwrap();
-            other
-        });
+        assert_ne!(one, film(&scene, SceneName::Teapot, &Settings { seed: 12, ..MIS }, 4));
     }
 
     #[test]
@@ -109,28 +106,37 @@ mod tests {
         let pixels = (0..32 * 16).map(|i| glam::Vec3::splat(0.1 + ((i * 37) % 11) as f32)).collect();
         let light = Environment::new(32, pixels).unwrap();
         let (object, ground) = (lacquer(), StoredMaterial::load("matte").unwrap());
+        let truths = [Truth::Lobes(&object.material), Truth::Lobes(&ground.material)];
+        let is_tried = |name: &SamplerName| {
+            !matches!(name, SamplerName::Rgl | SamplerName::Thesis | SamplerName::ThesisWalk)
+        };
+        let names: Vec<SamplerName> = SamplerName::all().filter(is_tried).collect();
+        let fitted = names.iter().map(|&name| truths.map(|truth| Sampler::fit(name, &truth, None).unwrap()));
+        let fitted: Vec<[Sampler<'_>; 2]> = fitted.collect();
+        let means = |scene_name: SceneName, strategy: Strategy| {
+            let samplers = &fitted[names.iter().position(|&name| name == strategy.sampler).unwrap()];
+            let [object, ground] = [0, 1].map(|n| Shader { truth: truths[n], sampler: &samplers[n] });
+            let scene = Scene::new(scene_name, object, ground, &light);
+            let split = if strategy.sampler.is_multi() { 4 } else { 1 };
+            let settings = Settings { light: strategy.light, split, ..MIS };
+            let film = film(&scene, scene_name, &settings, 256 / split);
+            let n = film.pixels.len() as f64;
+            let sum: DVec3 = (0..film.pixels.len()).map(|i| film.mean(i)).sum();
+            let variance: DVec3 = (0..film.pixels.len()).map(|i| film.variance_of_mean(i)).sum();
+            (sum / n, variance / (n * n))
+        };
         for name in [SceneName::Sphere, SceneName::Teapot] {
-            let scene = Scene::new(name, &object.material, &ground.material, &light);
-            let mean = |sampler| {
-                let film = film(&scene, name, sampler, 256);
-                let n = film.pixels.len() as f64;
-                let sum: DVec3 = (0..film.pixels.len()).map(|i| film.mean(i)).sum();
-                let variance: DVec3 = (0..film.pixels.len()).map(|i| film.variance_of_mean(i)).sum();
-                (sum / n, variance / (n * n))
-            };
-            let (expected, own) = mean(Sampler::Mis);
-            for sampler in
-                [Sampler::Lobes, Sampler::Defensive, Sampler::Light, Sampler::Cosine, Sampler::Uniform]
-            {
-                let (rendered, variance) = mean(sampler);
+            let (expected, own) = means(name, Strategy::MIS);
+            let alone = names.iter().map(|&sampler| Strategy::alone(sampler));
+            let beside = names.iter().map(|&sampler| Strategy { sampler, light: Light::Mis });
+            // Where paths go on, the strategies that differ in what they do there are enough.
+            let beside = beside.filter(|_| name == SceneName::Sphere);
+            for strategy in alone.chain(beside).chain(["light".parse().unwrap()]) {
+                let (rendered, variance) = means(name, strategy);
                 let error = (own + variance).map(f64::sqrt);
                 let deviation = (rendered - expected).abs();
-                assert!(
-                    deviation.cmple(4.5 * error).all(),
-                    "{}: {rendered} {expected} +- {error}",
-                    sampler.name()
-                );
-                assert!(error.max_element() < 0.05 * expected.max_element(), "{}: {error}", sampler.name());
+                assert!(deviation.cmple(4.5 * error).all(), "{strategy}: {rendered} {expected} +- {error}");
+                assert!(error.max_element() < 0.05 * expected.max_element(), "{strategy}: {error}");
             }
         }
     }

@@ -16,7 +16,7 @@ pub fn write_csv(path: &Path, comparisons: &[Comparison]) -> anyhow::Result<()> 
         for curve in &comparison.curves {
             for point in &curve.points {
                 let fields = [quote(&comparison.material), quote(&comparison.environment)].join(",");
-                let (name, samples) = (curve.sampler.name(), point.samples);
+                let (name, samples) = (curve.strategy, point.samples);
                 let error = point.known_error().map_or_else(String::new, |error| format!("{error:.6e}"));
                 let _ = writeln!(text, "{fields},{name},{samples},{:.6},{error}", point.seconds);
             }
@@ -37,7 +37,7 @@ fn quote(field: &str) -> String {
 /// Prints the measurements of one comparison, and a summary line for each sampler.
 pub fn print(comparison: &Comparison) {
     println!("{} on the sphere under {}", comparison.material, comparison.environment);
-    let names = comparison.curves.iter().map(|c| format!("  {:>10} s   error", c.sampler.name()));
+    let names = comparison.curves.iter().map(|c| format!("  {:>10} s   error", c.strategy));
     println!("  samples/pixel{}", names.collect::<String>());
     let rows = comparison.curves.iter().map(|c| c.points.len()).max().unwrap_or(0);
     for row in 0..rows {
@@ -54,17 +54,19 @@ pub fn print(comparison: &Comparison) {
 /// A line for each sampler: slope, time of a sample, and its error as a multiple of the first sampler's.
 pub fn summary(comparison: &Comparison) -> String {
     let seconds = comparison.common_seconds();
-    let mut text =
-        format!("  sampler   slope   relative time of a sample   error at {seconds:.2} s   at equal samples");
+    let mut text = format!(
+        "  sampler          slope   relative time of a sample   error at {seconds:.2} s   at equal samples"
+    );
     let per_sample = |curve: &crate::comparison::Curve| {
         curve.points.last().map_or(f64::NAN, |p| p.seconds / f64::from(p.samples))
     };
     for curve in &comparison.curves {
         let [by_time, by_samples] = comparison.error_ratios(curve);
         let cost = per_sample(curve) / per_sample(&comparison.curves[0]);
-        let (name, slope) = (curve.sampler.name(), or_dash(curve.slope(), 3));
+        let (name, slope) = (curve.strategy, or_dash(curve.slope(), 3));
         let [by_time, by_samples] = [by_time, by_samples].map(|ratio| or_dash(ratio, 2));
-        let _ = write!(text, "\n  {name:8} {slope:>6}   {cost:>25.2}   {by_time:>13} x   {by_samples:>14} x");
+        let _ =
+            write!(text, "\n  {name:15} {slope:>6}   {cost:>25.2}   {by_time:>13} x   {by_samples:>14} x");
     }
     text
 }

@@ -1,9 +1,14 @@
-//! What a scene shades with: lobes, or a measured table.
+//! What a scene shades with: lobes, or a measured table, and what samples it.
 
 use crate::material::{Bytes, StoredMaterial};
-use crate::measured::{MeasuredMaterial, View};
-use glam::Vec3;
-use srbf_core::{Defensive, Error, MAX_LOBES, Material, Mixture, Sample};
+use crate::measured::MeasuredMaterial;
+use crate::random::Random;
+use crate::sampling::guided::Guide;
+use crate::sampling::proposal::{Drawn, Mixtures, Part, Proposal};
+use crate::sampling::sampler::{OWN, Sampler};
+use glam::{DVec3, Vec3};
+use srbf_core::{Error, MAX_LOBES, Material, Mixture, Sample};
+use srbf_fit::table::{Brdf, Draws, Symmetry};
 
 /// Storage for the mixture of any material.
 pub type AnyMixture<'m> = Mixture<'m, MAX_LOBES>;
@@ -52,27 +57,97 @@ impl LoadedMaterial {
         }
     }
 
-    /// What a scene shades with.
-    pub fn shader(&self) -> Shader<'_> {
+    /// What is rendered.
+    pub fn truth(&self) -> Truth<'_> {
         match self {
-            Self::Lobes(stored) => Shader::Lobes(&stored.material),
-            Self::Table(measured) => Shader::Table(measured),
+            Self::Lobes(stored) => Truth::Lobes(&stored.material),
+            Self::Table(measured) => Truth::Table(measured),
         }
+    }
+
+    /// What a scene shades with, sampled by what is at hand.
+    pub fn shader(&self) -> Shader<'_> {
+        self.truth().into()
     }
 }
 
-/// A material in a scene.
+/// What is rendered, whatever samples it.
 #[derive(Clone, Copy)]
-pub enum Shader<'a> {
+pub enum Truth<'a> {
     /// Lobes.
     Lobes(&'a Material<Bytes>),
     /// A table or model.
     Table(&'a MeasuredMaterial),
 }
 
+impl<'a> Truth<'a> {
+    /// Whether the azimuth of the outgoing direction does not matter.
+    pub fn is_isotropic(&self) -> bool {
+        match self {
+            Self::Lobes(material) => material.is_isotropic(),
+            Self::Table(measured) => measured.is_isotropic(),
+        }
+    }
+
+    /// `f cos` of one pair of directions above the horizon; linear sRGB, 1/sr. For fits: scenes shade with [`Scattering`].
+    pub fn f_cos(&self, wi: DVec3, wo: DVec3) -> DVec3 {
+        match self {
+            Self::Lobes(material) => {
+                let mut mixture = AnyMixture::empty();
+                let prepared = material.prepare(wo.as_vec3(), &mut mixture);
+                if prepared.is_ok() { mixture.evaluate(wi.as_vec3()).as_dvec3() } else { DVec3::ZERO }
+            }
+            Self::Table(measured) => measured.f_cos(wi, wo),
+        }
+    }
+
+    /// What its file brings along to be sampled by.
+    pub fn draws(&self) -> Option<&'a dyn Draws> {
+        match self {
+            Self::Lobes(_) => None,
+            Self::Table(measured) => measured.draws(),
+        }
+    }
+
+    /// GGX lobes and a cosine, weighted by it.
+    pub fn guide(&self) -> Guide {
+        Guide::new(&|wi, wo| self.f_cos(wi, wo), self.is_isotropic())
+    }
+}
+
+/// What samplers are fitted to.
+impl Brdf for Truth<'_> {
+    fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
+        (self.f_cos(wi.into(), wo.into()) / wi[2]).to_array()
+    }
+
+    fn symmetry(&self) -> Symmetry {
+        if self.is_isotropic() { Symmetry::Isotropic } else { Symmetry::None }
+    }
+}
+
+/// A material in a scene: what is rendered, and what samples it.
+#[derive(Clone, Copy)]
+pub struct Shader<'a> {
+    pub truth: Truth<'a>,
+    pub sampler: &'a Sampler<'a>,
+}
+
+impl<'a> From<Truth<'a>> for Shader<'a> {
+    fn from(truth: Truth<'a>) -> Self {
+        Self { truth, sampler: &OWN }
+    }
+}
+
 impl<'a> From<&'a Material<Bytes>> for Shader<'a> {
     fn from(material: &'a Material<Bytes>) -> Self {
-        Self::Lobes(material)
+        Truth::Lobes(material).into()
+    }
+}
+
+impl<'a> From<&'a MeasuredMaterial> for Shader<'a> {
+    fn from(measured: &'a MeasuredMaterial) -> Self {
+        Truth::Table(measured).into()
     }
 }
 
@@ -83,77 +158,94 @@ impl<'a> Shader<'a> {
     /// As [`Material::prepare`].
     #[inline]
     pub fn prepare(&self, wo: Vec3, scattering: &mut Scattering<'a>) -> Result<(), Error> {
-        match self {
-            Self::Lobes(material) => {
-                scattering.table = None;
-                material.prepare(wo, &mut scattering.lobes)
+        scattering.table = match self.truth {
+            Truth::Lobes(material) => {
+                material.prepare(wo, &mut scattering.mixtures.lobes)?;
+                None
             }
-            Self::Table(measured) => {
-                scattering.table = Some(measured.view(wo));
-                Ok(())
-            }
-        }
+            Truth::Table(measured) => Some((measured, wo.as_dvec3().normalize())),
+        };
+        scattering.proposal = self.sampler.prepare(wo, &self.truth, &mut scattering.mixtures)?;
+        Ok(())
     }
 
     /// Whether the azimuth of the outgoing direction does not matter.
     pub fn is_isotropic(&self) -> bool {
-        match self {
-            Self::Lobes(material) => material.is_isotropic(),
-            Self::Table(measured) => measured.is_isotropic(),
-        }
+        self.truth.is_isotropic()
     }
 }
 
 /// How a surface scatters towards one outgoing direction. All directions are unit vectors in the shading frame.
 pub struct Scattering<'a> {
-    /// Unused where a table is.
-    lobes: AnyMixture<'a>,
-    table: Option<View<'a>>,
+    mixtures: Mixtures<'a>,
+    /// The table and the outgoing direction, where the lobes are not what is rendered.
+    table: Option<(&'a MeasuredMaterial, DVec3)>,
+    proposal: Proposal<'a>,
 }
 
 impl<'a> Scattering<'a> {
     /// Storage for any material.
     pub fn empty() -> Self {
-        Self { lobes: AnyMixture::empty(), table: None }
+        Self { mixtures: Mixtures::empty(), table: None, proposal: Proposal::cosine() }
     }
 
     /// `f cos`; linear sRGB, 1/sr.
     #[inline]
     pub fn evaluate(&self, wi: Vec3) -> Vec3 {
         match &self.table {
-            None => self.lobes.evaluate(wi),
-            Some(table) => table.evaluate(wi),
+            None => self.mixtures.lobes.evaluate(wi),
+            Some((table, wo)) => table.f_cos(wi.as_dvec3().normalize(), *wo).as_vec3(),
         }
     }
 
     /// `f cos`, and the density of [`sample`](Self::sample); 1/sr.
     #[inline]
     pub fn evaluate_and_pdf(&self, wi: Vec3) -> (Vec3, f32) {
-        match &self.table {
-            None => self.lobes.evaluate_and_pdf(wi),
-            Some(table) => (table.evaluate(wi), table.pdf(wi)),
+        if self.samples_its_lobes() {
+            let (value, pdf) = self.mixtures.lobes.evaluate_and_pdf(wi);
+            return (value, self.proposal.mix(pdf, wi));
         }
+        (self.evaluate(wi), self.proposal.pdf(&self.mixtures, wi))
     }
 
     /// Draws an incident direction; `None` where there is none to draw, which counts as black.
     #[inline]
     pub fn sample(&self, u: [f32; 3]) -> Option<Sample> {
-        match &self.table {
-            None => self.lobes.sample(u),
-            Some(table) => table.sample(u),
+        if self.samples_its_lobes() && self.proposal.cosine == 0.0 {
+            return self.mixtures.lobes.sample(u);
+        }
+        let direction = self.proposal.sample(&self.mixtures, u)?;
+        let (value, pdf) = self.evaluate_and_pdf(direction);
+        (pdf > 0.0 && pdf.is_finite()).then(|| Sample { direction, pdf, weight: value / pdf })
+    }
+
+    /// Draws `n` incident directions, together if the sampler does; fewer where some count as black. The sum of what their weights bring
+    /// over `n` is the estimate.
+    pub fn sample_together(&self, n: u32, random: &mut Random, samples: &mut Vec<Sample>) {
+        samples.clear();
+        if let Some(drawn) = self.proposal.sample_as_thesis(&self.mixtures, n, random) {
+            let is_possible = |d: &Drawn| d.divisor > 0.0 && d.divisor.is_finite();
+            samples.extend(drawn.into_iter().filter(is_possible).map(|Drawn { direction, divisor, pdf }| {
+                Sample { direction, pdf, weight: self.evaluate(direction) / divisor }
+            }));
+            return;
+        }
+        let is_multi = self.proposal.is_multi;
+        let offset = if is_multi { random.unit() } else { 0.0 };
+        for i in 0..n {
+            let choice = if is_multi { self.proposal.choice(i, n, offset) } else { random.unit() };
+            samples.extend(self.sample([choice, random.unit(), random.unit()]));
         }
     }
 
-    /// The same, one direction in twenty from the cosine; of a table as [`sample`](Self::sample), which has that part.
-    pub fn sample_defensive(&self, u: [f32; 3]) -> Option<Sample> {
-        match &self.table {
-            None => Defensive::new(&self.lobes, 0.05).ok()?.sample(u),
-            Some(table) => table.sample(u),
-        }
+    /// Whether what is rendered are lobes, and they are drawn from.
+    #[inline]
+    fn samples_its_lobes(&self) -> bool {
+        self.table.is_none() && matches!(self.proposal.part, Part::Lobes)
     }
 
     /// The lobes that were prepared last.
     pub fn lobes(&self) -> &AnyMixture<'a> {
-        &self.lobes
+        &self.mixtures.lobes
     }
 }

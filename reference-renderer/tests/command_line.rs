@@ -180,6 +180,17 @@ fn options_that_do_not_fit_are_refused_by_name() {
     refused(&place, &["render", "--env", "constant:NaN", "-o", "out.exr"], &["NaN"]);
     refused(&place, &["render", "--size", "0x9", "-o", "out.exr"], &["0x9"]);
     refused(&place, &["compare", "--spp", "4,2"], &["--spp"]);
+    refused(
+        &place,
+        &["compare", "--samplers", "lobes,rgl", "--materials", "matte"],
+        &["material matte", "rgl"],
+    );
+    refused(&place, &["compare", "--samplers", "ggx+light"], &["ggx+light", "+mis"]);
+    refused(
+        &place,
+        &["compare", "--materials", "matte,cayman", "--lobes", "matte"],
+        &["--lobes", "one each"],
+    );
 }
 
 #[test]
@@ -217,6 +228,120 @@ fn options_without_effect_and_numbers_without_end_are_refused() {
     for option in [&["--no-thesis"][..], &["--only", "a"], &["--csv", "a.csv"]] {
         refused(&place, &[&["fit", "diffuse.csv"][..], option].concat(), &[option[0]]);
     }
+}
+
+/// Every sampler renders a table, says so, and writes a picture; the furnace finds the albedo.
+#[test]
+fn every_sampler_is_called_by_name() {
+    let place = folder("samplers");
+    let gloss = "model:ggx:alpha=0.3,f0=0.6,diffuse=0.2";
+    for (sampler, says) in [
+        ("mis", "weighted by the table"),
+        ("light", "sampled alone"),
+        ("uniform", "the uniform hemisphere"),
+        ("cosine", "the cosine"),
+        ("phong+mis", "a Phong lobe"),
+        ("ward", "Ward's lobe"),
+        ("ggx", "visible normals of GGX"),
+        ("tabulated", "tabulated distributions"),
+        ("factored", "a factored distribution"),
+        ("guided", "weighted by the material"),
+        ("lobes", "weighted by the table"),
+        ("lobes-multi", "together"),
+        ("defensive+mis", "weighted by the table"),
+    ] {
+        let call = ["render", "--scene", "furnace", "--material", gloss, "--sampler", sampler];
+        let output = srbf(&place, &[&call[..], &["--size", "12x12", "--spp", "16", "-o", "a.exr"]].concat());
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success(), "{sampler}: {}", String::from_utf8_lossy(&output.stderr));
+        assert!(text.contains(says) && text.contains(", the table; sampled by"), "{sampler}: {text}");
+        assert!(text.contains("white furnace"), "{sampler}: {text}");
+    }
+    let lobes = ["render", "--material", gloss, "--lobes", "garnet_red", "--sampler", "lobes"];
+    let output = srbf(&place, &[&lobes[..], &["--size", "8x8", "--spp", "1", "-o", "a.exr"]].concat());
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.contains("of garnet_red") && text.contains("5 % of the cosine"), "{text}");
+
+    let refused = |arguments: &[&str], says: &[&str]| {
+        refused(&place, &[&["render", "-o", "b.exr"], arguments].concat(), says);
+    };
+    refused(&["--sampler", "phnog"], &["phnog", "tabulated", "+mis"]);
+    refused(&["--sampler", "rgl", "--material", gloss], &["rgl", ".bsdf"]);
+    refused(
+        &["--sampler", "thesis", "--material", "model:ward:alpha_x=0.1,alpha_y=0.4"],
+        &["thesis", "anisotropic"],
+    );
+    refused(&["--sampler", "lobes-multi", "--spp", "10"], &["--spp", "16", "--split"]);
+    refused(&["--split", "0"], &["--split"]);
+    refused(&["--lobes", "garnet_red"], &["--lobes", "table"]);
+    refused(&["--lobes", "absent.srbf", "--material", gloss], &["absent.srbf"]);
+    refused(&["--light", "on"], &["--light", "only"]);
+}
+
+#[test]
+fn scenes_load_what_they_use_and_say_what_they_left_out() {
+    let place = folder("scenes");
+    std::fs::write(place.join("step.obj"), "v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 3\nf 1 2 3\nf 1 3 4\nf 2 4 3\n")
+        .unwrap();
+    let render = |arguments: &[&str]| {
+        let call =
+            [&["render", "--size", "16x12", "--spp", "1", "--explain", "-o", "a.exr"], arguments].concat();
+        let output = srbf(&place, &call);
+        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let text = render(&["--scene", "sphere"]);
+    assert!(text.contains("material of the ground: the scene sphere has none"), "{text}");
+    assert!(text.contains("triangles") && !text.contains("ground: rendered"), "{text}");
+    let text = render(&["--scene", "room", "--ball-material", "cayman", "--eye", "0,-9,3", "--fov", "50"]);
+    for part in [
+        "object: rendered is garnet_red",
+        "ball: rendered is cayman",
+        "left wall: ",
+        "right wall: ",
+        "ground: ",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let text = render(&["--scene", "statue", "--mesh", "step.obj", "--look-at", "0,0,0", "--sampler", "ggx"]);
+    assert!(
+        text.contains("teapot: step.obj takes its place") && text.contains("samples of the light"),
+        "{text}"
+    );
+    // Straight down, and from a place under the ground.
+    render(&["--scene", "teapot", "--eye", "0,0,9", "--look-at", "0,0,0"]);
+    render(&["--scene", "teapot", "--eye", "0,0,-9", "--look-at", "0,0,0"]);
+
+    let refused = |arguments: &[&str], says: &[&str]| {
+        refused(&place, &[&["render", "-o", "b.exr"], arguments].concat(), says);
+    };
+    refused(&["--scene", "statue"], &["statue", "--mesh"]);
+    refused(&["--scene", "sphere", "--mesh", "step.obj"], &["--mesh", "teapot"]);
+    refused(&["--scene", "statue", "--mesh", "absent.ply"], &["absent.ply"]);
+    refused(&["--scene", "furnace", "--env", "sky"], &["furnace", "constant:VALUE"]);
+    refused(&["--ball-material", "cayman"], &["--ball-material", "room"]);
+    refused(&["--eye", "1,2"], &["--eye", "X,Y,Z"]);
+    refused(&["--eye", "1,2,3", "--look-at", "1,2,3"], &["--eye", "--look-at"]);
+    for angle in ["0", "180", "nan", "-5"] {
+        refused(&[&format!("--fov={angle}")], &["--fov"]);
+    }
+    for (name, text) in [
+        ("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"),
+        ("empty.ply", ""),
+        ("far.obj", "v 0 0 1e30\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+        ("what.stl", "solid"),
+        ("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"),
+    ] {
+        std::fs::write(place.join(name), text).unwrap();
+        refused(&["--scene", "statue", "--mesh", name], &["mesh", name]);
+    }
+    for (name, text) in [("cut.hdr", "#?RADIANCE\n"), ("what.exr", "no"), ("a.jpg", "")] {
+        std::fs::write(place.join(name), text).unwrap();
+        for map in ["lat-long", "angular"] {
+            refused(&["--env", name, "--env-map", map], &["environment", name]);
+        }
+    }
+    refused(&["--env-map", "cube"], &["--env-map", "angular"]);
 }
 
 #[test]

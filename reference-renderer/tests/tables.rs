@@ -87,7 +87,9 @@ fn published_fits_are_rendered_by_name() {
 #[test]
 fn what_cannot_be_rendered_is_refused_by_name() {
     let place = folder("refused");
-    write_samples(&place);
+    write_samples(&place, [0.2, 0.1, 0.05]);
+    std::fs::rename(place.join("samples.csv"), place.join("bright.csv")).unwrap();
+    write_samples(&place, [0.0; 3]);
     std::fs::write(place.join("cut.bsdf"), "tensor_file").unwrap();
     std::fs::write(place.join("cut.BINARY"), "abc").unwrap();
     let render = |material: &str, says: &[&str]| {
@@ -96,7 +98,7 @@ fn what_cannot_be_rendered_is_refused_by_name() {
         let ground = ["render", "--scene", "teapot", "--ground-material", material, "-o", "a.exr"];
         refused(&place, &ground, says);
     };
-    render("samples.csv", &["samples.csv", "scattered samples"]);
+    render("samples.csv", &["samples.csv", "brightness"]);
     render("cut.bsdf", &["cut.bsdf"]);
     render("cut.BINARY", &["cut.BINARY", "3 bytes"]);
     render("absent.bsdf", &["absent.bsdf"]);
@@ -104,13 +106,22 @@ fn what_cannot_be_rendered_is_refused_by_name() {
     render("model:blinn", &["blinn"]);
 }
 
-/// Writes samples of one view, `samples.csv`.
-fn write_samples(place: &Path) {
+#[test]
+fn samples_are_rendered_completed() {
+    let place = folder("completed");
+    write_samples(&place, [0.2, 0.1, 0.05]);
+    let [red, ..] = check_furnace(&place, "samples.csv");
+    // 0.2 everywhere is an albedo of 0.2 pi.
+    assert!((red[2] - 0.2 * std::f64::consts::PI).abs() < 0.05, "{red:?}");
+}
+
+/// Writes samples of one view, the same f in all directions, `samples.csv`.
+fn write_samples(place: &Path, [red, green, blue]: [f64; 3]) {
     let mut rows = String::from("wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,r,g,b\n");
     for i in 0..40 {
         let (z, phi) = ((f64::from(i) + 0.5) / 40.0, 2.4 * f64::from(i));
         let r = (1.0 - z * z).sqrt();
-        rows += &format!("{},{},{z},0,0,1,0.2,0.1,0.05\n", r * phi.cos(), r * phi.sin());
+        rows += &format!("{},{},{z},0,0,1,{red},{green},{blue}\n", r * phi.cos(), r * phi.sin());
     }
     std::fs::write(place.join("samples.csv"), rows).unwrap();
 }
@@ -118,7 +129,7 @@ fn write_samples(place: &Path) {
 #[test]
 fn the_picture_of_samples_has_curves() {
     let place = folder("curves");
-    write_samples(&place);
+    write_samples(&place, [0.2, 0.1, 0.05]);
     let few = ["--lobes", "2", "--views", "3", "--starts", "1", "--steps", "2", "--exchanges", "0"];
     // Beside the material, unless it is not wanted.
     let fit = ["fit", "samples.csv", "-o", "a.srbf"];

@@ -167,14 +167,23 @@ impl Method for Settings {
     }
 }
 
-impl Fitted for ThesisFit {
-    fn view(&self, theta: f64) -> Result<Box<dyn FittedView + '_>, FitError> {
+impl ThesisFit {
+    /// The lobes at an angle of the outgoing direction, radians: those of the views that equation 9 blends, each with the amplitude
+    /// that its view's weight leaves it.
+    pub fn lobes_at(&self, theta: f64) -> Vec<RoundLobe> {
         let thetas: Vec<f64> = self.views.iter().map(|v| v.theta).collect();
         let mut lobes = Vec::new();
         for (n, weight) in blend::weights(&thetas, theta, self.neighbours) {
             let blended = |l: &RoundLobe| RoundLobe { amplitude: l.amplitude.map(|a| weight * a), ..*l };
             lobes.extend(self.views[n].lobes.iter().map(blended));
         }
+        lobes
+    }
+}
+
+impl Fitted for ThesisFit {
+    fn view(&self, theta: f64) -> Result<Box<dyn FittedView + '_>, FitError> {
+        let lobes = self.lobes_at(theta);
         // Equation 14: a lobe is chosen by its integral.
         let power: Vec<f64> = lobes
             .iter()

@@ -19,7 +19,7 @@ mod tensor;
 mod warp;
 
 use crate::ReadError;
-use crate::table::{Brdf, Symmetry};
+use crate::table::{Brdf, Draws, Symmetry, direction};
 use arrays::Arrays;
 use std::f64::consts::{FRAC_PI_2, PI};
 use warp::{Grid, Warp};
@@ -37,6 +37,8 @@ pub struct Rgl {
     sigma: Grid,
     /// Visible normals, one warp for each outgoing direction, theta fastest.
     visible: Vec<Warp>,
+    /// Brightness of the colour, one warp for each outgoing direction.
+    luminance: Vec<Warp>,
     /// Colour, for each outgoing direction and channel.
     rgb: Vec<[Grid; 3]>,
     /// Whether the colour is without `D / (4 sigma)`.
@@ -49,13 +51,16 @@ pub struct Rgl {
 /// [`ReadError::Content`], with the field.
 pub fn parse(bytes: &[u8]) -> Result<Rgl, ReadError> {
     let file = tensor::parse(bytes)?;
-    let Arrays { phis, thetas, ndf, sigma, visible, rgb, jacobian } = arrays::read(&file)?;
+    let Arrays { phis, thetas, ndf, sigma, visible, luminance, rgb, jacobian } = arrays::read(&file)?;
     let symmetry = if phis.len() == 1 { Symmetry::Isotropic } else { symmetry(&phis)? };
-    Ok(Rgl { symmetry, phis, thetas, ndf, sigma, visible, rgb, jacobian })
+    Ok(Rgl { symmetry, phis, thetas, ndf, sigma, visible, luminance, rgb, jacobian })
 }
 
 /// How far a range of azimuths may be from a whole, half or quarter turn, radians: f32 rounding, and little more.
 const RANGE: f64 = 1e-3;
+
+/// Least solid angle of half vectors over the area of the square: at the normal it is 0.
+const SMALLEST_AREA: f64 = 1e-6;
 
 /// What the range of measured azimuths leaves to symmetry.
 fn symmetry(phis: &[f64]) -> Result<Symmetry, ReadError> {
@@ -71,32 +76,69 @@ fn symmetry(phis: &[f64]) -> Result<Symmetry, ReadError> {
     }
 }
 
+/// An outgoing direction as the file knows it.
+struct Sight {
+    /// What x and y are multiplied by to come to where it was measured.
+    flips: [f64; 2],
+    theta: f64,
+    phi: f64,
+    /// The up to four measured directions round it, with their shares.
+    corners: [(usize, f64); 4],
+}
+
+impl Sight {
+    fn flip(&self, d: [f64; 3]) -> [f64; 3] {
+        [self.flips[0] * d[0], self.flips[1] * d[1], d[2]]
+    }
+}
+
+fn angles(d: [f64; 3]) -> (f64, f64) {
+    (libm::atan2(libm::hypot(d[0], d[1]), d[2]), libm::atan2(d[1], d[0]))
+}
+
+/// Turns of an azimuth, from -pi on; in [0, 1).
+fn turns(phi: f64) -> f64 {
+    let u = (phi + PI) / (2.0 * PI);
+    u - libm::floor(u)
+}
+
+/// An angle from the normal, as it is along the side of the square.
+fn along_square(theta: f64) -> f64 {
+    libm::sqrt(theta / FRAC_PI_2)
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
 impl Rgl {
     /// `f cos` of the incident direction, and not clamped: what the file holds.
     pub fn f_cos(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
+        let sight = self.sight(wo);
+        let (normal, _) = self.normal(&sight, wi, wo);
+        let corners = &sight.corners;
+        let sample = Warp::invert(&corners.map(|(n, share)| (&self.visible[n], share)), normal);
+        let scale = if self.jacobian {
+            self.ndf.value(normal) / (4.0 * self.sigma.value([along_square(sight.theta), turns(sight.phi)]))
+        } else {
+            1.0
+        };
+        [0, 1, 2].map(|c| {
+            let inside = corners.iter().filter(|(_, share)| *share > 0.0);
+            scale * inside.map(|&(n, share)| share * self.rgb[n][c].value(sample)).sum::<f64>()
+        })
+    }
+
+    /// Where an outgoing direction lies among the measured ones.
+    fn sight(&self, wo: [f64; 3]) -> Sight {
         // Where the outgoing direction was not measured, both directions are turned or mirrored to where it was.
         let sign = |v: f64| if v > 0.0 { -1.0 } else { 1.0 };
-        let (flip_x, flip_y) = match self.symmetry {
-            Symmetry::Quadrant => (sign(wo[0]), sign(wo[1])),
-            Symmetry::HalfTurn => (sign(wo[1]), sign(wo[1])),
-            Symmetry::Isotropic | Symmetry::None => (1.0, 1.0),
+        let flips = match self.symmetry {
+            Symmetry::Quadrant => [sign(wo[0]), sign(wo[1])],
+            Symmetry::HalfTurn => [sign(wo[1]), sign(wo[1])],
+            Symmetry::Isotropic | Symmetry::None => [1.0, 1.0],
         };
-        let [wi, wo] = [wi, wo].map(|d| [flip_x * d[0], flip_y * d[1], d[2]]);
-
-        let mut h = [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]];
-        let length = libm::sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
-        h.iter_mut().for_each(|v| *v /= length);
-        let angles = |d: [f64; 3]| (libm::atan2(libm::hypot(d[0], d[1]), d[2]), libm::atan2(d[1], d[0]));
-        let ((theta_o, phi_o), (theta_m, phi_m)) = (angles(wo), angles(h));
-        let turn = |phi: f64| {
-            let u = (phi + PI) / (2.0 * PI);
-            u - libm::floor(u)
-        };
-        let square = |theta: f64| libm::sqrt(theta / FRAC_PI_2);
-        let isotropic = self.symmetry == Symmetry::Isotropic;
-        let normal = [square(theta_m), turn(if isotropic { phi_m - phi_o } else { phi_m })];
-
-        // The up to four measured directions round the outgoing one.
+        let (theta_o, phi_o) = angles([flips[0] * wo[0], flips[1] * wo[1], wo[2]]);
         let (theta, along_theta) = place(&self.thetas, theta_o);
         // atan2 gives pi where -pi was measured: y = 0 on the side of -x.
         let (phi, along_phi) = place(
@@ -113,17 +155,44 @@ impl Rgl {
                 share(i, along_phi) * share(j, along_theta),
             );
         }
+        Sight { flips, theta: theta_o, phi: phi_o, corners }
+    }
 
-        let sample = Warp::invert(&corners.map(|(n, share)| (&self.visible[n], share)), normal);
-        let scale = if self.jacobian {
-            self.ndf.value(normal) / (4.0 * self.sigma.value([square(theta_o), turn(phi_o)]))
-        } else {
-            1.0
-        };
-        [0, 1, 2].map(|c| {
-            let inside = corners.iter().filter(|(_, share)| *share > 0.0);
-            scale * inside.map(|&(n, share)| share * self.rgb[n][c].value(sample)).sum::<f64>()
-        })
+    /// The half vector: in the square, and as a unit vector in the frame of the surface.
+    fn normal(&self, sight: &Sight, wi: [f64; 3], wo: [f64; 3]) -> ([f64; 2], [f64; 3]) {
+        let mut h = [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]];
+        let length = libm::sqrt(dot(h, h));
+        h.iter_mut().for_each(|v| *v /= length);
+        let (theta, phi) = angles(sight.flip(h));
+        let isotropic = self.symmetry == Symmetry::Isotropic;
+        ([along_square(theta), turns(if isotropic { phi - sight.phi } else { phi })], h)
+    }
+}
+
+/// The warps by brightness and by visible normals, one after the other (section 5 of the paper).
+impl Draws for Rgl {
+    fn draw(&self, u: [f64; 2], wo: [f64; 3]) -> [f64; 3] {
+        let sight = self.sight(wo);
+        let bright = Warp::sample(&sight.corners.map(|(n, share)| (&self.luminance[n], share)), u);
+        let normal = Warp::sample(&sight.corners.map(|(n, share)| (&self.visible[n], share)), bright);
+        let isotropic = self.symmetry == Symmetry::Isotropic;
+        let phi = (2.0 * normal[1] - 1.0) * PI + if isotropic { sight.phi } else { 0.0 };
+        let h = sight.flip(direction(normal[0] * normal[0] * FRAC_PI_2, phi));
+        let twice = 2.0 * dot(h, wo);
+        [0, 1, 2].map(|k| twice * h[k] - wo[k])
+    }
+
+    fn density(&self, wi: [f64; 3], wo: [f64; 3]) -> f64 {
+        let sight = self.sight(wo);
+        let (normal, h) = self.normal(&sight, wi, wo);
+        let visible = sight.corners.map(|(n, share)| (&self.visible[n], share));
+        let bright = sight.corners.map(|(n, share)| (&self.luminance[n], share));
+        let in_square =
+            Warp::density(&bright, Warp::invert(&visible, normal)) * Warp::density(&visible, normal);
+        // Solid angle of half vectors over the area of the square, and of incident directions over that of half vectors.
+        let sin = libm::hypot(h[0], h[1]);
+        let area = (2.0 * PI * PI * normal[0] * sin).max(SMALLEST_AREA);
+        in_square / (area * 4.0 * dot(h, wo))
     }
 }
 
@@ -146,6 +215,10 @@ impl Brdf for Rgl {
     fn symmetry(&self) -> Symmetry {
         self.symmetry
     }
+
+    fn draws(&self) -> Option<&dyn Draws> {
+        Some(self)
+    }
 }
 
 #[cfg(test)]
@@ -153,7 +226,6 @@ mod tests {
     use super::synthetic::{self, Settings};
     use super::*;
     use crate::analytic::ggx::{Facets, Ggx};
-    use crate::table::direction;
 
     fn model(alpha: [f64; 2]) -> Ggx {
         Ggx { diffuse: [0.1; 3], alpha, facets: Facets::Schlick([0.9, 0.6, 0.3]) }
@@ -223,6 +295,91 @@ mod tests {
             let (mean, worst) = deviation(&rgl, &model);
             assert!(mean < 0.005 && worst < 0.03, "mean {mean}, worst {worst}");
         }
+    }
+
+    /// Directions by the warps have their density: the mean of what they are counted by is the sum over the hemisphere.
+    #[test]
+    fn directions_by_the_warps_have_their_density() {
+        for (phis, range, alpha) in
+            [(1, 0.0, [0.3, 0.3]), (7, FRAC_PI_2, [0.25, 0.5]), (9, 2.0 * PI, [0.25, 0.5])]
+        {
+            let model = model(alpha);
+            let rgl =
+                parse(&synthetic::write(&model, &Settings { phis, range, ..Settings::default() })).unwrap();
+            for wo in [direction(0.2, 0.7), direction(0.9, -2.5)] {
+                let counted = |wi: [f64; 3]| {
+                    let near = (0..3).map(|k| (wi[k] - [-wo[0], -wo[1], wo[2]][k]).powi(2)).sum::<f64>();
+                    [1.0, libm::exp(-8.0 * near), wi[0], wi[1]]
+                };
+                let (n, m) = (600, 400);
+                let at = |i: usize, of: usize| (i as f64 + 0.5) / of as f64;
+                let (mut drawn, mut summed, mut estimate, mut albedo) = ([0.0; 4], [0.0; 4], 0.0, 0.0);
+                for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+                    let wi = rgl.draw([at(i, n), at(j, n)], wo);
+                    if wi[2] > 0.0 {
+                        let share = 1.0 / (n * n) as f64;
+                        counted(wi).iter().zip(&mut drawn).for_each(|(c, sum)| *sum += share * c);
+                        estimate += share * rgl.f_cos(wi, wo)[0] / rgl.density(wi, wo);
+                    }
+                }
+                // Over the square of the half vectors: at the normal the density rises without bound.
+                for (i, j) in (0..m).flat_map(|i| (0..m).map(move |j| (i, j))) {
+                    let (theta, turn) = (FRAC_PI_2 * at(i, m) * at(i, m), at(j, m));
+                    let h = direction(theta, 2.0 * PI * turn);
+                    let cosine = dot(h, wo);
+                    let wi = [0, 1, 2].map(|k| 2.0 * cosine * h[k] - wo[k]);
+                    if cosine > 0.0 && wi[2] > 0.0 {
+                        let area = 2.0 * PI * PI * at(i, m) * libm::sin(theta) / (m * m) as f64;
+                        let share = 4.0 * cosine * area;
+                        let density = rgl.density(wi, wo);
+                        counted(wi).iter().zip(&mut summed).for_each(|(c, sum)| *sum += share * density * c);
+                        albedo += share * rgl.f_cos(wi, wo)[0];
+                    }
+                }
+                for (a, b) in drawn.iter().zip(&summed) {
+                    assert!((a - b).abs() < 5e-3, "{phis} {wo:?}: {drawn:?} {summed:?}");
+                }
+                assert!(summed[0] < 1.001, "{summed:?}");
+                assert!((estimate / albedo - 1.0).abs() < 5e-3, "{phis} {wo:?}: {estimate} {albedo}");
+            }
+        }
+    }
+
+    /// The density of another reader of the same files (mitsuba 3.9.1), in `reference_evals.csv`.
+    #[test]
+    #[ignore = "needs SRBF_DATA_DIR"]
+    fn the_density_is_that_of_another_renderer() {
+        let folder = std::path::PathBuf::from(
+            std::env::var("SRBF_DATA_DIR").expect("SRBF_DATA_DIR names the folder of the data"),
+        );
+        let text = std::fs::read_to_string(folder.join("rgl/reference_evals.csv")).unwrap();
+        let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+        let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+        let column =
+            |name: &str| header.iter().position(|h| *h == name).unwrap_or_else(|| panic!("{header:?}"));
+        let of = |d: &str| ["x", "y", "z"].map(|k| column(&format!("{d}_{k}")));
+        let (material, wi, wo, pdf) = (column("material"), of("wi"), of("wo"), column("pdf"));
+        let mut files = std::collections::BTreeMap::new();
+        let mut off = Vec::new();
+        for line in lines {
+            let fields: Vec<&str> = line.split(',').collect();
+            let name = fields[material];
+            let rgl = files.entry(name.to_owned()).or_insert_with(|| {
+                let stem = name.trim_end_matches(".bsdf").trim_end_matches("_rgb");
+                parse(&std::fs::read(folder.join(format!("rgl/{stem}_rgb.bsdf"))).unwrap()).unwrap()
+            });
+            let number = |i: usize| fields[i].parse::<f64>().unwrap();
+            // Theirs has the names the other way round: `wi` is towards the viewer.
+            let found = rgl.density(wo.map(number), wi.map(number));
+            let expected = number(pdf);
+            if expected > 1e-3 {
+                off.push((found / expected - 1.0).abs());
+            }
+        }
+        off.sort_by(f64::total_cmp);
+        let at = |share: f64| off[(share * (off.len() - 1) as f64) as usize];
+        println!("{} pairs: median {:.1e}, 95 % {:.1e}, worst {:.1e}", off.len(), at(0.5), at(0.95), at(1.0));
+        assert!(off.len() > 500 && at(0.5) < 1e-5 && at(1.0) < 1e-3, "{} {} {}", at(0.5), at(0.95), at(1.0));
     }
 
     #[test]

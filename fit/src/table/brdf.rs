@@ -11,6 +11,20 @@ pub trait Brdf: Sync {
     fn symmetry(&self) -> Symmetry {
         Symmetry::Isotropic
     }
+
+    /// What its file brings along to draw incident directions by; `None` if it brings nothing.
+    fn draws(&self) -> Option<&dyn Draws> {
+        None
+    }
+}
+
+/// Draws incident directions with a density that is about proportional to `f cos`. Directions are those of [`Brdf::evaluate`].
+pub trait Draws: Sync {
+    /// Takes two uniform numbers in [0, 1) to an incident direction, a unit vector, which may lie below the horizon.
+    fn draw(&self, u: [f64; 2], wo: [f64; 3]) -> [f64; 3];
+
+    /// The density of [`draw`](Self::draw) at an incident direction above the horizon; 1/sr.
+    fn density(&self, wi: [f64; 3], wo: [f64; 3]) -> f64;
 }
 
 /// What turning or mirroring both directions of a BRDF leaves as it is.

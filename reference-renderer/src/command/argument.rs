@@ -1,8 +1,10 @@
 //! Values of options that several commands take.
 
+use crate::environment::file::Projection;
 use crate::environment::{self, Environment};
 use crate::film;
 use anyhow::{Context, bail};
+use glam::Vec3;
 use std::path::{Path, PathBuf};
 
 /// Largest radiance of a constant environment: squares of it stay far from the largest f32.
@@ -18,8 +20,26 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
     if (1..=film::MAX_PIXELS).contains(&pixels) { Ok([width, height]) } else { Err(expected()) }
 }
 
-/// Makes the environment of `sky`, `haze`, `constant:VALUE`, or the name of a `.hdr` or `.exr` file.
+/// Parses `X,Y,Z`, finite numbers of at most a million.
+pub fn point(text: &str) -> Result<Vec3, String> {
+    let numbers: Vec<f32> = text.split(',').filter_map(|n| n.trim().parse().ok()).collect();
+    let all = numbers.len() == text.split(',').count() && numbers.iter().all(|v| v.abs() <= MAX_COORDINATE);
+    match numbers[..] {
+        [x, y, z] if all => Ok(Vec3::new(x, y, z)),
+        _ => Err(format!("expected X,Y,Z, three numbers within -{MAX_COORDINATE} to {MAX_COORDINATE}")),
+    }
+}
+
+/// Largest coordinate of a camera.
+const MAX_COORDINATE: f32 = 1e6;
+
+/// Makes the environment of `sky`, `haze`, `constant:VALUE`, or the name of a `.hdr` or `.exr` file of a latitude-longitude map.
 pub fn environment(text: &str) -> anyhow::Result<Environment> {
+    projected_environment(text, Projection::LatLong)
+}
+
+/// The same, with what kind of map a file holds.
+pub fn projected_environment(text: &str, projection: Projection) -> anyhow::Result<Environment> {
     match text {
         "sky" => return Ok(environment::sky::sky()),
         "haze" => return Ok(environment::sky::haze()),
@@ -38,7 +58,7 @@ pub fn environment(text: &str) -> anyhow::Result<Environment> {
     if path.extension().is_none() && !path.exists() {
         bail!("environment {text}: expected sky, haze, constant:VALUE, or a .hdr or .exr file");
     }
-    environment::file::read(path)
+    environment::file::read(path, projection)
 }
 
 /// The folder of the measurements.
@@ -69,6 +89,14 @@ mod tests {
         for text in ["", "640", "x", "0x10", "10x0", "-1x5", "99999x99999", "4294967295x4294967295", "1x1x1"]
         {
             assert!(size(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn points() {
+        assert_eq!(point("1,-2.5, 3"), Ok(Vec3::new(1.0, -2.5, 3.0)));
+        for text in ["", "1", "1,2", "1,2,3,4", "1,x,3", "1,2,3,x", "nan,0,0", "inf,0,0", "1e9,0,0", "1,2,"] {
+            assert!(point(text).is_err(), "{text}");
         }
     }
 

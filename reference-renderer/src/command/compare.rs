@@ -3,9 +3,10 @@
 use super::argument;
 use crate::comparison::{self, Plan};
 use crate::environment::Environment;
-use crate::integrator::Sampler;
 use crate::material::StoredMaterial;
 use crate::progress::Progress;
+use crate::sampling::Strategy;
+use crate::shader::LoadedMaterial;
 use crate::{material, output, plot, report};
 use anyhow::ensure;
 use std::path::{Path, PathBuf};
@@ -16,15 +17,18 @@ use std::path::{Path, PathBuf};
 /// converged reference. Prints a table for each material and environment, and writes OUT.csv and OUT.png.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Materials, separated by commas: .srbf files or names of presets [default: all presets]
-    #[arg(long, value_delimiter = ',', value_name = "FILE|PRESET")]
+    /// Materials, separated by commas: .srbf files, names of presets, tables or models, as `render` takes them [default: all presets]
+    #[arg(long, value_delimiter = ',', value_name = "FILE|PRESET|MODEL")]
     materials: Vec<String>,
+    /// Lobes that sample tables: a .srbf file for each of the materials, separated by commas
+    #[arg(long, value_delimiter = ',', value_name = "FILE|PRESET", requires = "materials")]
+    lobes: Vec<String>,
     /// Environments, separated by commas: haze (the sun spread wide), sky, constant:VALUE, or .hdr or .exr files
     #[arg(long, value_delimiter = ',', default_value = "haze", value_name = "ENV")]
     env: Vec<String>,
-    /// Samplers, separated by commas; errors are given as multiples of the first one's
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "lobes,cosine")]
-    samplers: Vec<Sampler>,
+    /// Samplers, separated by commas, as `render --sampler` takes them; errors are given as multiples of the first one's
+    #[arg(long, value_delimiter = ',', default_value = "lobes,cosine")]
+    samplers: Vec<Strategy>,
     /// Samples a pixel at which the error is taken, rising, separated by commas
     #[arg(long, value_delimiter = ',', default_value = "1,2,4,8,16,32,64,128,256",
         value_parser = clap::value_parser!(u32).range(1..=1 << 24), value_name = "N")]
@@ -57,15 +61,23 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     if names.is_empty() {
         names = material::PRESETS.iter().map(|preset| preset.0.to_owned()).collect();
     }
-    let materials: Vec<StoredMaterial> =
-        names.iter().map(|name| StoredMaterial::load(name)).collect::<anyhow::Result<_>>()?;
+    let materials: Vec<LoadedMaterial> =
+        names.iter().map(|name| LoadedMaterial::load(name)).collect::<anyhow::Result<_>>()?;
+    ensure!(
+        args.lobes.is_empty() || args.lobes.len() == materials.len(),
+        "--lobes: {} names for {} materials, one each is expected",
+        args.lobes.len(),
+        materials.len()
+    );
+    let lobes: Vec<StoredMaterial> =
+        args.lobes.iter().map(|name| StoredMaterial::load(name)).collect::<anyhow::Result<_>>()?;
     let environments: Vec<(String, Environment)> = args
         .env
         .iter()
         .map(|text| Ok((environment_name(text), argument::environment(text)?)))
         .collect::<anyhow::Result<_>>()?;
     let plan = Plan {
-        samplers: args.samplers,
+        strategies: args.samplers,
         side: args.side,
         samples: args.spp,
         reference_samples: args.reference_spp,
@@ -74,10 +86,10 @@ pub fn run(args: Args) -> anyhow::Result<()> {
 
     let mut comparisons = Vec::new();
     for (environment_name, environment) in &environments {
-        for material in &materials {
-            let progress = Progress::new(&material.name, plan.steps());
+        for (i, material) in materials.iter().enumerate() {
+            let progress = Progress::new(material.name(), plan.steps());
             let result = argument::on_threads(args.threads.into(), || {
-                comparison::measure(&plan, material, environment_name, environment, &progress)
+                comparison::measure(&plan, material, lobes.get(i), environment_name, environment, &progress)
             })?;
             drop(progress);
             report::print(&result);

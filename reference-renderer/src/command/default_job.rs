@@ -3,11 +3,12 @@
 use crate::comparison::{self, Plan};
 use crate::environment::sky;
 use crate::film::Film;
-use crate::integrator::Sampler;
 use crate::material::{self, StoredMaterial};
 use crate::progress::Progress;
 use crate::render::{Settings, add_samples};
+use crate::sampling::{Light, SamplerName, Strategy};
 use crate::scene::{Scene, SceneName};
+use crate::shader::LoadedMaterial;
 use crate::{picture_file, plot, report};
 use std::path::Path;
 use std::time::Instant;
@@ -34,7 +35,7 @@ pub fn run(out: &Path) -> anyhow::Result<()> {
     let ground = StoredMaterial::load(material::MATTE)?;
     for Picture { scene: name, file, size, samples } in PICTURES {
         let scene = Scene::new(name, &object.material, &ground.material, &sky);
-        let settings = Settings { sampler: Sampler::Mis, max_bounces: 6, seed: 0 };
+        let settings = Settings { light: Light::Mis, split: 1, max_bounces: 6, seed: 0 };
         let (mut film, path) = (Film::new(size), out.join(file));
         let progress = Progress::new(file, size[1].into());
         add_samples(&scene, &name.camera(size), &settings, &mut film, samples, &progress)?;
@@ -51,14 +52,15 @@ pub fn run(out: &Path) -> anyhow::Result<()> {
     }
 
     let plan = Plan {
-        samplers: vec![Sampler::Lobes, Sampler::Cosine],
+        strategies: [SamplerName::Lobes, SamplerName::Cosine].map(Strategy::alone).to_vec(),
         side: 96,
         samples: (0..=8).map(|i| 1 << i).collect(),
         reference_samples: 1024,
         seed: 0,
     };
     let progress = Progress::new("comparing samplers", plan.steps());
-    let comparison = comparison::measure(&plan, &object, "haze", &sky::haze(), &progress)?;
+    let object = LoadedMaterial::Lobes(object);
+    let comparison = comparison::measure(&plan, &object, None, "haze", &sky::haze(), &progress)?;
     drop(progress);
     println!();
     report::print(&comparison);

@@ -1,58 +1,94 @@
 //! `srbf render`.
 
 use super::argument;
+use crate::comparison::SPLIT;
+use crate::environment::file::Projection;
 use crate::film::Film;
 use crate::furnace::{self, Furnace};
-use crate::integrator::Sampler;
-use crate::material;
+use crate::material::{self, StoredMaterial};
 use crate::mesh;
 use crate::output;
 use crate::picture_file;
 use crate::progress::Progress;
 use crate::render::{Settings, add_samples};
-use crate::scene::{Scene, SceneName};
-use crate::shader::LoadedMaterial;
-use anyhow::{Context, ensure};
+use crate::sampling::{Light, Sampler, SamplerName, Strategy};
+use crate::scene::{Role, Scene, SceneName, Standpoint};
+use crate::shader::{LoadedMaterial, Shader, Truth};
+use anyhow::{Context, bail, ensure};
+use clap::ValueEnum;
+use glam::Vec3;
 use std::path::PathBuf;
 use std::time::Instant;
 
 /// Renders a scene with a material to EXR and PNG.
 ///
-/// Writes linear radiance to OUT, and a tone-mapped PNG beside it. The sphere under `--env constant:VALUE` is a white
-/// furnace: the mean that was rendered is printed beside the closed form, or the quadrature of a table.
+/// Writes linear radiance to OUT, and a tone-mapped PNG beside it. The furnace, and the sphere under `--env constant:VALUE`, print the
+/// mean that was rendered beside the closed form, or the quadrature of a table. The last lines say what was rendered, and what sampled it.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// The scene
     #[arg(long, value_enum, default_value = "sphere")]
     scene: SceneName,
-    /// A .obj or .ply file that takes the place of the teapot
+    /// A .obj or .ply file: the statue, or what takes the place of the teapot. It is scaled and set on the ground
     #[arg(long, value_name = "FILE")]
     mesh: Option<PathBuf>,
     /// The axis that is up in the mesh file
     #[arg(long, value_enum, default_value = "y", requires = "mesh")]
     mesh_up: Up,
-    /// Material of the object: a .srbf file, the name of a preset, or what `fit` reads and has a value for every pair of
-    /// directions (.bsdf, .binary, model:..., FILE.csv:NAME of published Lafortune fits), which is then rendered as it is
+    /// What the object is rendered with: a .srbf file or the name of a preset, of which the lobes are the material; or a table or
+    /// model that `fit` reads (.bsdf, .binary, .brdf, .astm, .csv, model:..., FILE.csv:NAME of published Lafortune fits), which is the
+    /// truth, whatever samples it
     #[arg(long, default_value = material::DEFAULT, value_name = "FILE|PRESET|MODEL")]
     material: String,
-    /// Material of the ground below the teapot [default: matte]
+    /// Material of the ground, and of the room's floor and back wall [default: matte]
     #[arg(long, value_name = "FILE|PRESET|MODEL")]
     ground_material: Option<String>,
-    /// The light: sky, haze (the sun spread wide), constant:VALUE, or a latitude-longitude map in a .hdr or .exr file
-    #[arg(long, default_value = "sky")]
-    env: String,
+    /// Material of the ball in the room [default: krylon_blue]
+    #[arg(long, value_name = "FILE|PRESET|MODEL")]
+    ball_material: Option<String>,
+    /// The light: sky, haze (the sun spread wide), constant:VALUE, or a map in a .hdr or .exr file [default: sky; of the
+    /// furnace constant:1]
+    #[arg(long)]
+    env: Option<String>,
+    /// How the map shows directions: by longitude and latitude, or as an angular map, a disc round the direction of its centre
+    #[arg(long, value_enum, default_value = "lat-long")]
+    env_map: Projection,
     /// Degrees to turn the light by, anticlockwise seen from above
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_name = "DEGREES")]
     env_turn: f64,
+    /// Where the camera stands, in place of the scene's own
+    #[arg(long, value_parser = argument::point, allow_negative_numbers = true, value_name = "X,Y,Z")]
+    eye: Option<Vec3>,
+    /// What it looks at
+    #[arg(long, value_parser = argument::point, allow_negative_numbers = true, value_name = "X,Y,Z")]
+    look_at: Option<Vec3>,
+    /// Degrees that the shorter side of the picture sees
+    #[arg(long, value_name = "DEGREES")]
+    fov: Option<f32>,
     /// Size of the picture in pixels
     #[arg(long, default_value = "512x512", value_parser = argument::size, value_name = "WIDTHxHEIGHT")]
     size: [u32; 2],
     /// Samples a pixel
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
     spp: u32,
-    /// How directions are chosen
-    #[arg(long, value_enum, default_value = "mis")]
-    sampler: Sampler,
+    /// How directions are chosen: SAMPLER, or SAMPLER+mis to sample the light too; mis is lobes+mis, and light the light alone.
+    ///
+    /// uniform, cosine; phong, ward, ggx (one such lobe and a cosine, fitted); lafortune (three lobes a channel, fitted); tabulated (the
+    /// inverse distribution of the table), factored (that table factored); rgl (the warps of a .bsdf file); guided (GGX lobes of fixed
+    /// roughness); thesis, thesis-walk, thesis-multi (round lobes blended by equation 9: by inversion, by a random walk, which is biased,
+    /// several directions together); lobes, lobes-multi (those of the material or of --lobes; of a table without either, guided),
+    /// defensive (and one direction in twenty from the cosine)
+    #[arg(long, default_value = "mis", value_name = "SAMPLER")]
+    sampler: Strategy,
+    /// Whether the light is sampled: with the sampler (mis), not (off), or alone (only) [default: as --sampler says]
+    #[arg(long, value_enum)]
+    light: Option<Light>,
+    /// The .srbf file or preset whose lobes sample the table that --material names
+    #[arg(long, value_name = "FILE|PRESET")]
+    lobes: Option<String>,
+    /// Directions drawn together at the first hit; --spp counts directions [default: 16 for samplers of several, else 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    split: Option<u32>,
     /// Seed of the random numbers
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -62,6 +98,9 @@ pub struct Args {
     /// Threads; 0 is one a processor. The picture does not depend on it
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
+    /// Also prints what was not loaded or built, and why
+    #[arg(long)]
+    explain: bool,
     /// Stops to brighten the PNG by, from an exposure that fits the picture; the EXR stays as it is
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_name = "STOPS")]
     exposure: f32,
@@ -77,49 +116,101 @@ enum Up {
     Z,
 }
 
-/// Largest side of a mesh that takes the place of the teapot: about the teapot's height, so that it fills the picture.
-const MESH_SIZE: f32 = 3.4;
+/// Degrees that the camera may see.
+const VIEW_ANGLES: std::ops::RangeInclusive<f32> = 0.01..=170.0;
+
+/// What is rendered with, loaded: for each role that the scene has, its material and what samples it.
+struct Cast {
+    roles: Vec<(Role, LoadedMaterial)>,
+    lobes: Option<StoredMaterial>,
+}
 
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
+    check(&args)?;
+    argument::on_threads(args.threads.into(), || render(&args))
+}
+
+/// Refuses what does not fit together, before the work.
+fn check(args: &Args) -> anyhow::Result<()> {
     output::check_extension(&args.output, "exr")?;
     output::check_place(&args.output)?;
     ensure!(args.exposure.abs() <= 64.0, "--exposure {}: within -64 to 64 is expected", args.exposure);
     ensure!(args.env_turn.is_finite(), "--env-turn {}: a number of degrees is expected", args.env_turn);
-
-    let load = |name: &str| argument::on_threads(args.threads.into(), || LoadedMaterial::load(name));
-    let object = load(&args.material)?;
+    let has = |role| args.scene.roles().contains(&role);
     ensure!(
-        args.ground_material.is_none() || args.scene == SceneName::Teapot,
-        "--ground-material: only the teapot stands on a ground, add --scene teapot"
+        args.ground_material.is_none() || has(Role::Ground),
+        "--ground-material: the scene has no ground, --scene teapot, statue or room is expected"
     );
-    let ground = load(args.ground_material.as_deref().unwrap_or(material::MATTE))?;
-    let environment = argument::environment(&args.env)?.turned(radians(args.env_turn));
-    let scene = match &args.mesh {
-        None => Scene::new(args.scene, object.shader(), ground.shader(), &environment),
-        Some(path) => {
-            ensure!(
-                args.scene == SceneName::Teapot,
-                "--mesh: it takes the place of the teapot, add --scene teapot"
-            );
-            let mut mesh = mesh::file::read(path)?;
-            if args.mesh_up == Up::Y {
-                mesh.turn_y_up();
-            }
-            mesh.stand(MESH_SIZE);
-            Scene::with_mesh(args.scene, mesh, object.shader(), ground.shader(), &environment)
+    ensure!(
+        args.ball_material.is_none() || has(Role::Ball),
+        "--ball-material: the scene has no ball, --scene room is expected"
+    );
+    match (args.scene, &args.mesh) {
+        (SceneName::Statue, None) => bail!("--scene statue: --mesh FILE is expected, which is the statue"),
+        (scene, Some(_)) if scene.is_sphere() => {
+            bail!("--mesh: it takes the place of the teapot, --scene teapot, statue or room is expected")
         }
+        _ => {}
+    }
+    let is_constant = args.env.as_ref().is_none_or(|env| env.starts_with("constant:"));
+    ensure!(
+        args.scene != SceneName::Furnace || is_constant,
+        "--scene furnace: its light is the same from everywhere, --env constant:VALUE is expected"
+    );
+    let split = split(args);
+    ensure!(
+        args.spp.is_multiple_of(split),
+        "--spp {}: a multiple of {split} is expected, the directions drawn together (--split)",
+        args.spp
+    );
+    standpoint(args).map(|_| ())
+}
+
+/// Where the camera stands.
+fn standpoint(args: &Args) -> anyhow::Result<Standpoint> {
+    let own = args.scene.standpoint();
+    let (eye, target) = (args.eye.unwrap_or(own.eye), args.look_at.unwrap_or(own.target));
+    let view_angle = args.fov.unwrap_or(own.view_angle);
+    ensure!(VIEW_ANGLES.contains(&view_angle), "--fov {view_angle}: 0.01 to 170 degrees are expected");
+    let apart = (target - eye).length();
+    ensure!(apart > 1e-6 * eye.length().max(1e-3), "--eye and --look-at: two different places are expected");
+    Ok(Standpoint { eye, target, view_angle })
+}
+
+/// Directions drawn together at the first hit.
+fn split(args: &Args) -> u32 {
+    args.split.unwrap_or(if args.sampler.sampler.is_multi() { SPLIT } else { 1 })
+}
+
+fn render(args: &Args) -> anyhow::Result<()> {
+    let strategy = Strategy { light: args.light.unwrap_or(args.sampler.light), ..args.sampler };
+    let cast = Cast::load(args)?;
+    let environment =
+        argument::projected_environment(env(args), args.env_map)?.turned(radians(args.env_turn));
+    let mesh = args.mesh.as_deref().map(mesh::file::read).transpose()?.map(|mut mesh| {
+        if args.mesh_up == Up::Y {
+            mesh.turn_y_up();
+        }
+        mesh
+    });
+    let samplers = cast.fit(strategy.sampler)?;
+    let shader = |role: Role| {
+        let n = cast.roles.iter().position(|part| part.0 == role).unwrap_or(0);
+        Shader { truth: cast.roles[n].1.truth(), sampler: &samplers[n] }
     };
-    let camera = args.scene.camera(args.size);
-    let settings = Settings { sampler: args.sampler, max_bounces: args.max_bounces, seed: args.seed };
+    let scene = Scene::build(args.scene.shapes(mesh), shader, &environment);
+    let camera = standpoint(args)?.camera(args.size);
+    let split = split(args);
+    let settings = Settings { light: strategy.light, split, max_bounces: args.max_bounces, seed: args.seed };
 
     let mut film = Film::new(args.size);
     let progress = Progress::new("rendering", args.size[1].into());
     let start = Instant::now();
-    argument::on_threads(args.threads.into(), || {
-        add_samples(&scene, &camera, &settings, &mut film, args.spp, &progress)
-    })
-    .with_context(|| format!("material {}, ground {}, light {}", object.name(), ground.name(), args.env))?;
+    add_samples(&scene, &camera, &settings, &mut film, args.spp / split, &progress).with_context(|| {
+        let names: Vec<&str> = cast.roles.iter().map(|part| part.1.name()).collect();
+        format!("material {}, light {}", names.join(", "), env(args))
+    })?;
     let seconds = start.elapsed().as_secs_f64();
     drop(progress);
 
@@ -134,19 +225,138 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         png.display(),
         args.spp
     );
-
-    if let (SceneName::Sphere, Some(radiance)) = (args.scene, environment.constant_radiance()) {
-        if args.spp < 2 {
+    match environment.constant_radiance().filter(|_| args.scene.is_sphere()) {
+        Some(_) if film.samples < 2 => {
             println!("white furnace: no standard error, at least two samples a pixel are needed");
-            return Ok(());
         }
-        let furnace = argument::on_threads(args.threads.into(), || {
-            Ok(furnace::compare(&scene, &camera, radiance, &film))
-        })?;
-        print_furnace(&furnace);
+        Some(radiance) => print_furnace(&furnace::compare(&scene, &camera, radiance, &film)),
+        None => {}
+    }
+    cast.print(&samplers, strategy);
+    if args.explain {
+        explain(args, &cast, strategy);
     }
     Ok(())
 }
+
+/// The light, as it is named.
+fn env(args: &Args) -> &str {
+    let own = if args.scene == SceneName::Furnace { "constant:1" } else { "sky" };
+    args.env.as_deref().unwrap_or(own)
+}
+
+impl Cast {
+    /// Loads the materials of the roles that the scene has, and no others.
+    fn load(args: &Args) -> anyhow::Result<Self> {
+        let by_name = |name: &Option<String>, own: &str| LoadedMaterial::load(name.as_deref().unwrap_or(own));
+        let coloured = |name, albedo| StoredMaterial::matte(name, albedo).map(LoadedMaterial::Lobes);
+        let load = |&role: &Role| {
+            let material = match role {
+                Role::Object => LoadedMaterial::load(&args.material),
+                Role::Ground => by_name(&args.ground_material, material::MATTE),
+                Role::Ball => by_name(&args.ball_material, BALL),
+                Role::Left => coloured("red wall", RED),
+                Role::Right => coloured("green wall", GREEN),
+            };
+            Ok((role, material?))
+        };
+        let roles: Vec<(Role, LoadedMaterial)> =
+            args.scene.roles().iter().map(load).collect::<anyhow::Result<_>>()?;
+        ensure!(
+            args.lobes.is_none() || matches!(roles[0].1, LoadedMaterial::Table(_)),
+            "--lobes: they sample a table, and --material {} names lobes, which sample themselves",
+            args.material
+        );
+        let lobes = args.lobes.as_deref().map(StoredMaterial::load).transpose()?;
+        Ok(Self { roles, lobes })
+    }
+
+    /// Fits a sampler to each material. What stands beside the object and cannot be sampled so is sampled by what is at hand.
+    fn fit(&self, name: SamplerName) -> anyhow::Result<Vec<Sampler<'_>>> {
+        self.roles.iter().map(|(role, material)| self.fit_one(name, *role, material)).collect()
+    }
+
+    fn fit_one<'a>(
+        &'a self,
+        name: SamplerName,
+        role: Role,
+        material: &'a LoadedMaterial,
+    ) -> anyhow::Result<Sampler<'a>> {
+        if role == Role::Object {
+            let lobes = self.lobes.as_ref().map(|stored| &stored.material);
+            return Sampler::fit(name, &material.truth(), lobes)
+                .with_context(|| format!("material {}", material.name()));
+        }
+        let fitted = Sampler::fit(name, &material.truth(), None);
+        fitted.or_else(|_| Sampler::fit(SamplerName::Lobes, &material.truth(), None))
+    }
+
+    /// Prints for every material what is rendered, and what sampled it.
+    fn print(&self, samplers: &[Sampler<'_>], strategy: Strategy) {
+        for ((role, material), sampler) in self.roles.iter().zip(samplers) {
+            let truth = material.truth();
+            let by = match (role, &self.lobes) {
+                (Role::Object, Some(lobes)) if sampler.is_of_lobes() => {
+                    format!("{} of {}", sampler.title(&truth), lobes.name)
+                }
+                _ => sampler.title(&truth),
+            };
+            println!("{}: rendered is {}; sampled by {by}", role.text(), rendered(material));
+        }
+        let light = match strategy.light {
+            Light::Mis => "sampled too, both weighted by the power heuristic",
+            Light::Off => "not sampled",
+            Light::Only => "sampled alone; the samplers only lead paths on",
+        };
+        println!("light: {light}");
+    }
+}
+
+/// What is rendered, in words.
+fn rendered(material: &LoadedMaterial) -> String {
+    match (material.truth(), material.name()) {
+        (Truth::Lobes(lobes), name) => format!("{name}, lobes: {}", lobes.lobe_count()),
+        (Truth::Table(table), name) => match table.completed {
+            Some(samples) => format!("{name}, {samples} samples completed"),
+            None => format!("{name}, the table"),
+        },
+    }
+}
+
+/// Prints what was not loaded or built.
+fn explain(args: &Args, cast: &Cast, strategy: Strategy) {
+    println!("left out:");
+    let scene = args.scene.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
+    for role in Role::ALL {
+        if !args.scene.roles().contains(&role) {
+            println!("  material of the {}: the scene {scene} has none", role.text());
+        }
+    }
+    if args.scene.is_sphere() {
+        println!("  triangles and their tree: a sphere is met in closed form");
+    } else if let Some(mesh) = &args.mesh {
+        println!("  teapot: {} takes its place", mesh.display());
+    }
+    let others: Vec<&str> =
+        SamplerName::all().filter(|name| *name != strategy.sampler).map(SamplerName::text).collect();
+    println!("  samplers {}: not asked for, not fitted", others.join(", "));
+    for (role, material) in &cast.roles {
+        if matches!(material, LoadedMaterial::Table(table) if !table.has_guide()) {
+            println!("  guide of the {}'s table: another sampler draws", role.text());
+        }
+    }
+    if strategy.light == Light::Off {
+        println!("  samples of the light: --light off; the map is looked up alone");
+    }
+    if !(args.scene.is_sphere() && env(args).starts_with("constant:")) {
+        println!("  albedo of the object: no furnace compares with it");
+    }
+}
+
+/// Materials of the room's ball and coloured walls.
+const BALL: &str = "krylon_blue";
+const RED: [f32; 3] = [0.55, 0.06, 0.05];
+const GREEN: [f32; 3] = [0.10, 0.40, 0.08];
 
 /// The angle within one turn; the remainder is exact, and a large angle in f32 is not.
 fn radians(degrees: f64) -> f32 {

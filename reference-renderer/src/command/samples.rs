@@ -5,9 +5,7 @@ use crate::{output, picture_file, plot};
 use anyhow::{anyhow, ensure};
 use glam::Vec3;
 use plotters::prelude::*;
-use rand_core::TryRng;
 use srbf_core::{Gaussian, Kernel, Metropolis, special};
-use std::convert::Infallible;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -39,20 +37,6 @@ const STEPS: [u32; 5] = [1, 2, 5, 10, 50];
 /// Samples of each of those measurements.
 const MEASURED: usize = 100_000;
 const SIZE: [u32; 2] = [1000, 2540];
-
-impl TryRng for Random {
-    type Error = Infallible;
-    fn try_next_u32(&mut self) -> Result<u32, Infallible> {
-        Ok(self.bits())
-    }
-    fn try_next_u64(&mut self) -> Result<u64, Infallible> {
-        Ok(u64::from(self.bits()) << 32 | u64::from(self.bits()))
-    }
-    fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
-        bytes.iter_mut().for_each(|byte| *byte = (self.bits() >> 24) as u8);
-        Ok(())
-    }
-}
 
 /// A direction, and the share of its lobe that lies nearer to the axis.
 struct Drawn {

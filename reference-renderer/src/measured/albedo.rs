@@ -84,6 +84,7 @@ mod tests {
     use super::*;
     use crate::measured::tests::{model, vivid};
     use crate::random::Random;
+    use crate::shader::{Scattering, Shader};
     use std::f32::consts::TAU as TAU_F32;
 
     #[test]
@@ -102,10 +103,12 @@ mod tests {
             {
                 let (sin, cos) = degrees.to_radians().sin_cos();
                 let wo = Vec3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos);
-                let (view, mut random, n) = (material.view(wo), Random::new(5, 6, 7), 40_000);
+                let (mut random, n) = (Random::new(5, 6, 7), 40_000);
+                let mut scattering = Scattering::empty();
+                Shader::from(&material).prepare(wo, &mut scattering).unwrap();
                 let (mut mean, mut squares) = (DVec3::ZERO, DVec3::ZERO);
                 for _ in 0..n {
-                    let drawn = view.sample([random.unit(), random.unit(), random.unit()]);
+                    let drawn = scattering.sample([random.unit(), random.unit(), random.unit()]);
                     let weight = drawn.map_or(DVec3::ZERO, |s| s.weight.as_dvec3());
                     mean += weight / f64::from(n);
                     squares += weight * weight / f64::from(n);

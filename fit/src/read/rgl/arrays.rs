@@ -4,6 +4,7 @@ use super::super::spectrum::ToRgb;
 use super::tensor::{File, Numbers};
 use super::warp::{Grid, Warp};
 use crate::ReadError;
+use srbf_core::LUMINANCE;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Most outgoing directions and wavelengths: real files have at most 16 x 8, and 195.
@@ -17,6 +18,7 @@ pub(super) struct Arrays {
     pub ndf: Grid,
     pub sigma: Grid,
     pub visible: Vec<Warp>,
+    pub luminance: Vec<Warp>,
     pub rgb: Vec<[Grid; 3]>,
     pub jacobian: bool,
 }
@@ -50,15 +52,9 @@ pub(super) fn read(file: &File<'_>) -> Result<Arrays, ReadError> {
         .map(|n| picture("vndf", &vndf, n).and_then(|g| Warp::new(g).ok_or_else(|| black(n))))
         .collect::<Result<Vec<_>, _>>()?;
 
-    Ok(Arrays {
-        rgb: colours(file, used, slices)?,
-        phis,
-        thetas,
-        ndf,
-        sigma,
-        visible,
-        jacobian: jacobian(file)?,
-    })
+    let rgb = colours(file, used, slices)?;
+    let luminance = luminances(file, &rgb, [&phis, &thetas], slices)?;
+    Ok(Arrays { rgb, luminance, phis, thetas, ndf, sigma, visible, jacobian: jacobian(file)? })
 }
 
 /// Rising angles within a range, at least one.
@@ -153,6 +149,38 @@ fn colours(file: &File<'_>, used: usize, slices: usize) -> Result<Vec<[Grid; 3]>
         Ok(sums)
     };
     (0..used).map(colour).collect()
+}
+
+/// The warps by brightness that directions are drawn with: of `luminance` if there is one, else of the colours. Where all is black
+/// every point is as good.
+fn luminances(
+    file: &File<'_>,
+    rgb: &[[Grid; 3]],
+    directions: [&[f64]; 2],
+    slices: usize,
+) -> Result<Vec<Warp>, ReadError> {
+    let name = "luminance";
+    let field = file.find(name).map(|_| file.numbers(name, 4)).transpose()?;
+    if let Some(field) = &field {
+        check_slices(name, field, directions, slices)?;
+    }
+    let even = || Grid::new(vec![1.0; 4], 2, 2).and_then(Warp::new);
+    let grid = |(n, colour): (usize, &[Grid; 3])| match &field {
+        Some(field) => picture(name, field, n),
+        None => Ok(brightness(colour)),
+    };
+    let grids: Vec<Grid> = rgb.iter().enumerate().map(grid).collect::<Result<_, _>>()?;
+    let warps: Option<Vec<Warp>> = grids.into_iter().map(Warp::new).collect();
+    // Warps of different sizes cannot be blended: if one is black, none is used.
+    let warps = warps.or_else(|| Some(vec![even()?; rgb.len()]));
+    warps.ok_or_else(|| ReadError::Content(format!("field {name}: no warp")))
+}
+
+/// Luminance of a colour.
+fn brightness(rgb: &[Grid; 3]) -> Grid {
+    let mut sum = rgb[0].zeros();
+    rgb.iter().zip(LUMINANCE).for_each(|(channel, share)| sum.add_scaled(f64::from(share), channel));
+    sum
 }
 
 /// Whether the colour is without the factor that the warp brings.

@@ -1,4 +1,4 @@
-//! Bilinear grids over the unit square, and the inverse of the warp that turns uniform points into points distributed as one.
+//! Bilinear grids over the unit square, and the warp that turns uniform points into points distributed as one, both ways.
 
 /// Numbers at the corners of cells, interpolated bilinearly; x along the rows.
 #[derive(Clone, Debug)]
@@ -111,6 +111,54 @@ impl Warp {
         let across = mix(&|w| w.marginal[row]) + y * (low + 0.5 * y * (high - low));
         [if whole > 0.0 { along / whole } else { 0.5 }, across]
     }
+
+    /// The point that a blend of warps of one size takes a uniform point to; [`invert`](Self::invert) takes it back.
+    pub fn sample(warps: &[(&Self, f64)], u: [f64; 2]) -> [f64; 2] {
+        let first = &warps[0].0.grid;
+        let (columns, rows) = (first.columns, first.rows);
+        let mix = |f: &dyn Fn(&Self) -> f64| {
+            let inside = warps.iter().filter(|(_, share)| *share > 0.0);
+            inside.map(|(warp, share)| share * f(warp)).sum::<f64>()
+        };
+        let marginal = |row: usize| mix(&|w| w.marginal[row]);
+        let row = last_before(rows - 1, |row| marginal(row) <= u[1]);
+        let whole = |row: usize| mix(&|w| w.conditional[row * columns + columns - 1]);
+        let (low, high) = (whole(row), whole(row + 1));
+        let y = solve(low, high, u[1] - marginal(row));
+        let lerp = |from: f64, to: f64| from + y * (to - from);
+        let at = row * columns;
+        let running =
+            |i: usize| lerp(mix(&|w| w.conditional[at + i]), mix(&|w| w.conditional[at + columns + i]));
+        let target = u[0] * lerp(low, high);
+        let column = last_before(columns - 1, |i| running(i) <= target);
+        let value =
+            |i: usize| lerp(mix(&|w| w.grid.values[at + i]), mix(&|w| w.grid.values[at + columns + i]));
+        let x = solve(value(column), value(column + 1), target - running(column));
+        let place = |cell: usize, inside: f64, n: usize| (cell as f64 + inside) / (n - 1) as f64;
+        [place(column, x, columns), place(row, y, rows)]
+    }
+
+    /// The density of [`sample`](Self::sample) over the unit square.
+    pub fn density(warps: &[(&Self, f64)], point: [f64; 2]) -> f64 {
+        let cells = (warps[0].0.grid.columns - 1) * (warps[0].0.grid.rows - 1);
+        cells as f64 * warps.iter().map(|(warp, share)| share * warp.grid.value(point)).sum::<f64>()
+    }
+}
+
+/// The last of `count` numbers from 0 on for which something holds that holds for 0 and then ends.
+fn last_before(count: usize, holds: impl Fn(usize) -> bool) -> usize {
+    let (mut low, mut high) = (0, count);
+    while high - low > 1 {
+        let middle = (low + high) / 2;
+        if holds(middle) { low = middle } else { high = middle }
+    }
+    low
+}
+
+/// Where in a cell the integral of what goes linearly from one number to another reaches a value; in [0, 1].
+fn solve(from: f64, to: f64, value: f64) -> f64 {
+    let divisor = from + libm::sqrt((from * from + 2.0 * value * (to - from)).max(0.0));
+    if divisor > 0.0 { (2.0 * value / divisor).clamp(0.0, 1.0) } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -127,6 +175,31 @@ mod tests {
         let slope = Warp::new(Grid::new((0..12).map(f64::from).collect(), 4, 3).unwrap()).unwrap();
         assert!((Warp::invert(&[(&slope, 1.0)], [1.0, 1.0])[1] - 1.0).abs() < 1e-12);
         assert!(Warp::new(Grid::new(vec![0.0; 4], 2, 2).unwrap()).is_none());
+    }
+
+    #[test]
+    fn a_sample_goes_back_to_where_it_came_from() {
+        let grid = |shift: usize| {
+            Grid::new((0..20).map(|i| ((i * 7 + shift) % 5) as f64 + 0.1).collect(), 5, 4).unwrap()
+        };
+        let warps = [Warp::new(grid(0)).unwrap(), Warp::new(grid(3)).unwrap()];
+        let blend = [(&warps[0], 0.3), (&warps[1], 0.7)];
+        let mut mean = 0.0;
+        for i in 0..40_000 {
+            let u = [(0.5 + f64::from(i % 200)) / 200.0, (0.5 + f64::from(i / 200)) / 200.0];
+            let point = Warp::sample(&blend, u);
+            let back = Warp::invert(&blend, point);
+            assert!((back[0] - u[0]).abs() < 1e-9 && (back[1] - u[1]).abs() < 1e-9, "{u:?} {back:?}");
+            mean += 1.0 / Warp::density(&blend, point) / 40_000.0;
+        }
+        // The mean of the inverse of the density is the area.
+        assert!((mean - 1.0).abs() < 1e-3, "{mean}");
+        // Corners, and what has no mass, stay in the square.
+        let hollow = Warp::new(Grid::new(vec![0.0, 0.0, 0.0, 0.0, 0.0, 1.0], 3, 2).unwrap()).unwrap();
+        for u in [[0.0, 0.0], [0.999_999, 0.999_999], [0.0, 0.5]] {
+            let point = Warp::sample(&[(&hollow, 1.0)], u);
+            assert!(point.iter().all(|v| (0.0..=1.0).contains(v)), "{point:?}");
+        }
     }
 
     #[test]

@@ -4,15 +4,17 @@
 //! The weights have the least variance among all mixtures of these parts. They are tabulated over the outgoing direction and
 //! interpolated; whatever they are, the density is exact, and the estimate unbiased.
 
+use super::plain::{cosine, cosine_density};
+use super::{ggx, seen};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Roughness of the lobes. A step of 2.3 costs little: the density between two of them is a mixture of both.
 const ROUGHNESS: [f64; 8] = [1.0, 0.44, 0.19, 0.083, 0.036, 0.016, 0.007, 0.003];
 
 /// The lobes, and the cosine as the last.
-const PARTS: usize = ROUGHNESS.len() + 1;
+pub const PARTS: usize = ROUGHNESS.len() + 1;
 const COSINE: usize = ROUGHNESS.len();
 
 /// Share of the cosine that is always there, whatever the weights: it bounds `f cos / pdf` where the table has a highlight that
@@ -25,12 +27,6 @@ const AZIMUTHS: usize = 32;
 
 /// Directions that each part draws to find the weights, of what is isotropic and of what is not.
 const DRAWN: [usize; 2] = [320, 96];
-
-/// Steps to the least variance; each lowers it.
-const STEPS: usize = 60;
-
-/// Steps of the R2 sequence: powers of the inverse of the root of `x^3 = x + 1`.
-const R2: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
 
 /// Weights of the parts.
 type Weights = [f64; PARTS];
@@ -88,26 +84,23 @@ pub struct Proposal {
 
 impl Proposal {
     fn new(wo: DVec3, weights: Weights) -> Self {
-        let across = wo.x * wo.x + wo.y * wo.y;
-        // Half of Smith's visible share over the cosine, over pi alpha^2.
-        let scale = ROUGHNESS.map(|alpha| {
-            1.0 / (2.0 * (wo.z + (wo.z * wo.z + alpha * alpha * across).sqrt()) * PI * alpha * alpha)
-        });
-        Self { wo, weights, scale }
+        Self { wo, weights, scale: ROUGHNESS.map(|alpha| ggx::scale(wo, alpha)) }
+    }
+
+    /// All parts alike: what sees a highlight of any width.
+    pub fn even(wo: DVec3) -> Self {
+        Self::new(wo, [1.0 / PARTS as f64; PARTS])
     }
 
     /// Density of each part at an incident direction; 1/sr.
     fn densities(&self, wi: DVec3) -> Weights {
         let mut densities = [0.0; PARTS];
         if wi.z > 0.0 {
-            let h = self.wo + wi;
-            let squared = h.length_squared().max(f64::MIN_POSITIVE);
-            let (across, along) = ((h.x * h.x + h.y * h.y) / squared, h.z * h.z / squared);
+            let half = ggx::half_squared(self.wo, wi);
             for k in 0..ROUGHNESS.len() {
-                let q = across / (ROUGHNESS[k] * ROUGHNESS[k]) + along;
-                densities[k] = self.scale[k] / (q * q);
+                densities[k] = ggx::density(half, ROUGHNESS[k], self.scale[k]);
             }
-            densities[COSINE] = wi.z * FRAC_1_PI;
+            densities[COSINE] = cosine_density(wi);
         }
         densities
     }
@@ -122,73 +115,26 @@ impl Proposal {
         let mut left = part;
         for (alpha, weight) in ROUGHNESS.into_iter().zip(self.weights) {
             if left < weight {
-                return self.reflect(alpha, u, v);
+                return ggx::reflect(self.wo, alpha, u, v);
             }
             left -= weight;
         }
         cosine(u, v)
     }
 
-    fn draw(&self, part: usize, u: f64, v: f64) -> DVec3 {
-        if part == COSINE { cosine(u, v) } else { self.reflect(ROUGHNESS[part], u, v) }
+    /// Draws a direction of one part, maybe below the horizon.
+    pub fn draw(&self, part: usize, u: f64, v: f64) -> DVec3 {
+        if part == COSINE { cosine(u, v) } else { ggx::reflect(self.wo, ROUGHNESS[part], u, v) }
     }
-
-    /// The outgoing direction mirrored at a visible normal of the GGX distribution.
-    ///
-    /// Source: Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".
-    fn reflect(&self, alpha: f64, u: f64, v: f64) -> DVec3 {
-        let stretched = DVec3::new(alpha * self.wo.x, alpha * self.wo.y, self.wo.z).normalize();
-        let (sin, cos) = (TAU * u).sin_cos();
-        let z = (1.0 - v) * (1.0 + stretched.z) - stretched.z;
-        let radius = (1.0 - z * z).max(0.0).sqrt();
-        let h = DVec3::new(radius * cos, radius * sin, z) + stretched;
-        let normal = DVec3::new(alpha * h.x, alpha * h.y, h.z.max(0.0)).normalize_or(DVec3::Z);
-        (2.0 * self.wo.dot(normal) * normal - self.wo).normalize()
-    }
-}
-
-fn cosine(u: f64, v: f64) -> DVec3 {
-    let (sin, cos) = (TAU * u).sin_cos();
-    // 1 - v lies in (0, 1]: z, and with it the density, is never 0.
-    let (radius, z) = (v.sqrt(), (1.0 - v).sqrt());
-    DVec3::new(radius * cos, radius * sin, z)
 }
 
 /// The weights for which samples of the mixture have the least variance, the cosine's raised to its least share.
 fn least_variance(f_cos: &dyn Fn(DVec3) -> DVec3, wo: DVec3, drawn: usize) -> Weights {
-    let even = [1.0 / PARTS as f64; PARTS];
-    let proposal = Proposal::new(wo, even);
-    // Directions of all parts alike; the second moment at each, and the densities there.
-    let mut seen: Vec<(f64, Weights)> = Vec::with_capacity(PARTS * drawn);
-    for part in 0..PARTS {
-        for i in 0..drawn {
-            let n = (part * drawn + i) as f64;
-            let wi = proposal.draw(part, (R2[0] * n).fract(), (R2[1] * n).fract());
-            if wi.z > 0.0 {
-                let value = f_cos(wi).abs().element_sum();
-                let density = proposal.density(wi);
-                seen.push((value * value / density, proposal.densities(wi)));
-            }
-        }
-    }
-    let mut weights = even;
-    for _ in 0..STEPS {
-        // The sum over f^2 / (p q) is convex in the weights of q. A bound of it that touches it where the weights are has its
-        // least value at weights times the root of this slope (Hunter and Lange 2004, "A Tutorial on MM Algorithms").
-        let mut slope = [0.0; PARTS];
-        for (moment, densities) in &seen {
-            let q: f64 = densities.iter().zip(&weights).map(|(density, weight)| density * weight).sum();
-            if q > 0.0 {
-                (0..PARTS).for_each(|k| slope[k] += moment * densities[k] / (q * q));
-            }
-        }
-        let next: Weights = std::array::from_fn(|k| weights[k] * slope[k].sqrt());
-        let sum: f64 = next.iter().sum();
-        if !(sum > 0.0 && sum.is_finite()) {
-            break;
-        }
-        weights = next.map(|weight| weight / sum);
-    }
+    let proposal = Proposal::even(wo);
+    let seen = seen::directions(wo, drawn, f_cos);
+    let moments: Vec<(f64, Weights)> =
+        seen.iter().map(|s| (s.value * s.value * s.weight, proposal.densities(s.wi))).collect();
+    let mut weights = seen::least_variance(&moments);
     weights.iter_mut().for_each(|weight| *weight *= 1.0 - DEFENSIVE);
     weights[COSINE] += DEFENSIVE;
     weights

@@ -1,0 +1,79 @@
+//! The inverse of the cumulative distribution of a table, tabulated for every outgoing direction: exact but for the size of its
+//! cells, and as large as the table.
+//!
+//! Source: Matusik, Pfister, Brand and McMillan 2003, "Efficient Isotropic BRDF Measurement"; differs: over half vectors, so that
+//! highlights of any outgoing direction have fine cells.
+
+use super::half_angles::{ANGLES, Layout, Sight, choose, running};
+use crate::shader::Truth;
+use glam::DVec3;
+
+/// The tables of all outgoing directions.
+pub struct Tabulated {
+    layout: Layout,
+    rows: Vec<Row>,
+}
+
+struct Row {
+    /// Share of each cell.
+    shares: Vec<f32>,
+    /// Running share over the angle, and in each angle over the azimuth.
+    angles: Vec<f64>,
+    turns: Vec<Vec<f64>>,
+}
+
+impl Tabulated {
+    /// Tabulates a truth.
+    pub fn new(truth: &Truth<'_>) -> Self {
+        let layout = Layout::new(truth);
+        let row = |shares: Vec<f64>| Row {
+            angles: running(shares.chunks_exact(layout.turns).map(|turns| turns.iter().sum())),
+            turns: shares.chunks_exact(layout.turns).map(|turns| running(turns.iter().copied())).collect(),
+            shares: shares.iter().map(|&share| share as f32).collect(),
+        };
+        Self { layout, rows: layout.tabulate(truth).into_iter().map(row).collect() }
+    }
+
+    /// Bytes of the shares and the running sums as single-precision numbers.
+    pub fn bytes(&self) -> usize {
+        4 * self.rows.len() * (2 * self.layout.cells() + ANGLES)
+    }
+
+    /// Gets ready for an outgoing direction.
+    pub fn proposal(&self, wo: DVec3) -> Proposal<'_> {
+        Proposal { table: self, sight: Sight::new(self.layout, wo) }
+    }
+}
+
+/// The rows round one outgoing direction.
+#[derive(Clone, Copy)]
+pub struct Proposal<'a> {
+    table: &'a Tabulated,
+    sight: Sight,
+}
+
+impl Proposal<'_> {
+    /// Draws a direction, maybe below the horizon.
+    pub fn sample(&self, [mut left, u, v]: [f64; 3]) -> DVec3 {
+        let mut row = self.sight.rows[0].0;
+        for (n, share) in self.sight.rows {
+            row = n;
+            if left < share {
+                break;
+            }
+            left -= share;
+        }
+        let row = &self.table.rows[row];
+        let (angle, along) = choose(&row.angles, u);
+        let (turn, across) = choose(&row.turns[angle], v);
+        self.sight.direction(angle * self.table.layout.turns + turn, [along, across])
+    }
+
+    /// Density of [`sample`](Self::sample); 1/sr.
+    pub fn density(&self, wi: DVec3) -> f64 {
+        let (cell, in_cell) = self.sight.cell(wi);
+        let share =
+            self.sight.rows.iter().map(|&(row, share)| share * f64::from(self.table.rows[row].shares[cell]));
+        in_cell * share.sum::<f64>()
+    }
+}
