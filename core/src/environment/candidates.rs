@@ -1,0 +1,268 @@
+//! The candidates of a product draw: drawn, evaluated and weighed in vectors of directions.
+#![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
+
+use super::draw::direction;
+use super::look_up::{Place, luminances, place};
+use super::product::{MAX_CANDIDATES, ProductSampling};
+use super::table::Table;
+use crate::kernel::draw::sample_direction;
+use crate::kernel::lobe_sums::{STAGE, sums};
+use crate::mixture::rows::Mixture;
+use crate::simd::detect::Level;
+use crate::simd::lanes::{Lanes, dot3, splat3};
+use crate::simd::routine::Routine;
+use glam::Vec3;
+
+/// Widest vector: what is loaded from the last candidate on.
+const WIDEST: usize = 16;
+
+/// Places for candidates, and for what is worked out beside the last of them.
+const ROOM: usize = MAX_CANDIDATES + WIDEST;
+
+/// One number of each candidate.
+type Row = [f32; ROOM];
+
+/// The candidates of one draw: structures of arrays.
+pub(crate) struct Candidates {
+    /// Directions in the caller's shading frame, and in the world.
+    local: [Row; 3],
+    world: [Row; 3],
+    /// Radiance over the power of the environment; 1/sr.
+    light: [Row; 3],
+    /// `f cos`; 1/sr.
+    value: [Row; 3],
+    /// Density of the lobes; 1/sr.
+    pdf: Row,
+    /// The running sum of the weights.
+    cumulative: Row,
+}
+
+impl Candidates {
+    const ZERO: Row = [0.0; ROOM];
+    pub const NONE: Self = Self {
+        local: [Self::ZERO; 3],
+        world: [Self::ZERO; 3],
+        light: [Self::ZERO; 3],
+        value: [Self::ZERO; 3],
+        pdf: Self::ZERO,
+        cumulative: Self::ZERO,
+    };
+
+    /// Draws and evaluates them, without factors.
+    #[inline(always)]
+    pub fn draw<const N: usize>(
+        &mut self,
+        mixture: &Mixture<'_, N>,
+        table: &Table<'_>,
+        frame: &[Vec3; 3],
+        sampling: &ProductSampling,
+        u: [&[f32]; 3],
+    ) {
+        let frame = [frame[0].to_array(), frame[1].to_array(), frame[2].to_array()];
+        let (lobes, count) = (sampling.lobes, sampling.count);
+        mixture.level.run(Draw { mixture, table, frame, lobes, count, u, to: self });
+    }
+
+    /// Multiplies the values by their factors.
+    pub fn multiply<const N: usize>(&mut self, mixture: &Mixture<'_, N>, count: usize) {
+        let [x, y, z] = &self.local;
+        let [red, green, blue] = &mut self.value;
+        mixture.multiply(
+            [&x[..count], &y[..count], &z[..count]],
+            [&mut red[..count], &mut green[..count], &mut blue[..count]],
+        );
+    }
+
+    /// Direction in the world, and light over the power times `f cos`, of one.
+    pub fn at(&self, i: usize) -> (Vec3, Vec3) {
+        let [world, light, value] = [&self.world, &self.light, &self.value]
+            .map(|rows| Vec3::new(rows[0][i], rows[1][i], rows[2][i]));
+        (world, light * value)
+    }
+}
+
+/// Three rows from `at` on.
+#[inline(always)]
+fn load3<L: Lanes>(rows: &[Row; 3], at: usize) -> [L; 3] {
+    [L::load(&rows[0][at..]), L::load(&rows[1][at..]), L::load(&rows[2][at..])]
+}
+
+#[inline(always)]
+fn store3<L: Lanes>(vector: [L; 3], rows: &mut [Row; 3], at: usize) {
+    for i in 0..3 {
+        vector[i].store(&mut rows[i][at..]);
+    }
+}
+
+/// Draws candidates and evaluates them.
+struct Draw<'a, 'm, 't, const N: usize> {
+    mixture: &'a Mixture<'m, N>,
+    table: &'a Table<'t>,
+    frame: [[f32; 3]; 3],
+    lobes: usize,
+    count: usize,
+    u: [&'a [f32]; 3],
+    to: &'a mut Candidates,
+}
+
+impl<const N: usize> Routine for Draw<'_, '_, '_, N> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(mut self) {
+        // What follows the last of the lobes' is written over by the environment's.
+        if self.lobes > 0 {
+            self.from_lobes::<L>();
+        }
+        if self.lobes < self.count {
+            self.from_environment::<L>();
+        }
+        // Fewer than a batch holds are evaluated one vector at a time.
+        if self.count > L::Batch::COUNT - L::COUNT {
+            self.evaluate::<L::Batch>();
+        } else {
+            self.evaluate::<L>();
+        }
+    }
+}
+
+impl<const N: usize> Draw<'_, '_, '_, N> {
+    /// Directions of the lobes, and the light from there.
+    #[inline(always)]
+    fn from_lobes<L: Lanes>(&mut self) {
+        // 0.5 is a valid uniform number.
+        let mut u = [[0.5; ROOM]; 3];
+        for i in 0..3 {
+            u[i][..self.lobes].copy_from_slice(&self.u[i][..self.lobes]);
+        }
+        let [tangent, bitangent, normal] = self.frame;
+        let mut places = [[0.0; ROOM]; 4];
+        let mut at = 0;
+        while at < self.lobes {
+            let local = sample_direction(self.mixture, load3::<L>(&u, at));
+            let mut world = local;
+            for i in 0..3 {
+                world[i] = dot3(local, splat3([tangent[i], bitangent[i], normal[i]]));
+            }
+            let Place { column, across, row, depth } = place(self.table, world);
+            column.store(&mut places[0][at..]);
+            across.store(&mut places[1][at..]);
+            row.store(&mut places[2][at..]);
+            depth.store(&mut places[3][at..]);
+            store3(local, &mut self.to.local, at);
+            store3(world, &mut self.to.world, at);
+            at += L::COUNT;
+        }
+        for i in 0..self.lobes {
+            let place =
+                Place { column: places[0][i], across: places[1][i], row: places[2][i], depth: places[3][i] };
+            let light = self.table.at(place, self.to.world[2][i]);
+            for channel in 0..3 {
+                self.to.light[channel][i] = light[channel];
+            }
+        }
+    }
+
+    /// Directions of the environment.
+    #[inline(always)]
+    fn from_environment<L: Lanes>(&mut self) {
+        let mut drawn = [[0.0; ROOM]; 3];
+        for i in self.lobes..self.count {
+            let one = self.table.draw([self.u[0][i], self.u[1][i], self.u[2][i]]);
+            [drawn[0][i], drawn[1][i], drawn[2][i]] = [one.turns, one.depth, one.side];
+            for channel in 0..3 {
+                self.to.light[channel][i] = one.light[channel];
+            }
+        }
+        let mut at = self.lobes;
+        while at < self.count {
+            let world = direction(load3::<L>(&drawn, at));
+            let mut local = world;
+            for i in 0..3 {
+                local[i] = dot3(world, splat3(self.frame[i]));
+            }
+            store3(local, &mut self.to.local, at);
+            store3(world, &mut self.to.world, at);
+            at += L::COUNT;
+        }
+    }
+
+    /// Values and densities.
+    #[inline(always)]
+    fn evaluate<L: Lanes>(&mut self) {
+        let m = self.mixture;
+        let mut stage = [L::splat(0.0); STAGE];
+        let mut at = 0;
+        while at < self.count {
+            let local = load3::<L>(&self.to.local, at);
+            let value = sums(m, [&m.red, &m.green, &m.blue], m.diffuse.to_array(), local, &mut stage);
+            store3(value, &mut self.to.value, at);
+            (luminances(value) * L::splat(m.inverse_power)).store(&mut self.to.pdf[at..]);
+            at += L::COUNT;
+        }
+    }
+}
+
+/// Chooses one of the candidates: which, and what its light is multiplied by. `None` if none brings light.
+pub(crate) fn choose(
+    level: Level,
+    candidates: &mut Candidates,
+    sampling: &ProductSampling,
+    choice: f32,
+) -> Option<(usize, f32)> {
+    level.run(Weigh { candidates, sampling });
+    let sums = &candidates.cumulative[..sampling.count];
+    let whole = *sums.last()?;
+    if !(whole > 0.0) {
+        return None;
+    }
+    // Below the whole, so that one that adds something is found.
+    let target = (choice * whole).min(whole * (1.0 - f32::EPSILON));
+    let chosen = sums.iter().filter(|&&sum| sum <= target).count();
+    let (_, light) = candidates.at(chosen);
+    let brought = target_of(light.to_array());
+    Some((chosen, whole / brought))
+}
+
+/// Where candidates are thinner, 1/sr, they bring nothing: nothing is drawn there.
+const LEAST_DENSITY: f32 = 1e-30;
+
+/// What candidates are chosen by: the luminance of their light; of channels that lobes may have below 0, their size.
+#[inline(always)]
+fn target_of<L: Lanes>(light: [L; 3]) -> L {
+    luminances([light[0].abs(), light[1].abs(), light[2].abs()])
+}
+
+/// Weighs the candidates, and sums their weights.
+struct Weigh<'a> {
+    candidates: &'a mut Candidates,
+    sampling: &'a ProductSampling,
+}
+
+impl Routine for Weigh<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { candidates, sampling } = self;
+        let (of_lobes, of_environment) =
+            (L::splat(sampling.of_lobes), L::splat(sampling.of_environment));
+        let zero = L::splat(0.0);
+        let (mut before, mut at) = (zero, 0);
+        while at < sampling.count {
+            let light = load3::<L>(&candidates.light, at);
+            let mut reflected = load3::<L>(&candidates.value, at);
+            for i in 0..3 {
+                reflected[i] = reflected[i] * light[i];
+            }
+            let target = target_of(reflected);
+            let pdf = L::load(&candidates.pdf[at..]);
+            let divisor = of_lobes.mul_add(pdf, of_environment * luminances(light));
+            // Where f32 rounds the densities to nothing, there is nothing to be weighed either.
+            let is_drawn = L::both(zero.lt(target), L::splat(LEAST_DENSITY).lt(divisor));
+            let weight = L::select(is_drawn, target / divisor, zero);
+            let sums = weight.running_sum() + before;
+            sums.store(&mut candidates.cumulative[at..]);
+            before = L::splat(candidates.cumulative[at + L::COUNT - 1]);
+            at += L::COUNT;
+        }
+    }
+}
