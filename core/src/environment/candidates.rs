@@ -1,10 +1,10 @@
 //! The candidates of a product draw: drawn, evaluated and weighed in vectors of directions.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
-use super::draw::direction;
-use super::look_up::{Place, luminances, place};
+use super::draw::within;
+use super::look_up::{Place, between, luminances, place};
 use super::product::{MAX_CANDIDATES, ProductSampling};
-use super::table::Table;
+use super::table::{Colors, Table};
 use crate::kernel::draw::sample_direction;
 use crate::kernel::lobe_sums::{STAGE, sums};
 use crate::mixture::rows::Mixture;
@@ -87,6 +87,13 @@ fn load3<L: Lanes>(rows: &[Row; 3], at: usize) -> [L; 3] {
     [L::load(&rows[0][at..]), L::load(&rows[1][at..]), L::load(&rows[2][at..])]
 }
 
+/// Four rows from `at` on.
+#[inline(always)]
+fn load4<L: Lanes>(rows: &[Row; 4], at: usize) -> [L; 4] {
+    let [x, y, z, w] = rows;
+    [L::load(&x[at..]), L::load(&y[at..]), L::load(&z[at..]), L::load(&w[at..])]
+}
+
 #[inline(always)]
 fn store3<L: Lanes>(vector: [L; 3], rows: &mut [Row; 3], at: usize) {
     for i in 0..3 {
@@ -105,16 +112,33 @@ struct Draw<'a, 'm, 't, const N: usize> {
     to: &'a mut Candidates,
 }
 
+/// Where candidates lie among the cells.
+struct Places {
+    cell: [u32; ROOM],
+    /// The light is that of the cell's other.
+    is_other: [bool; ROOM],
+    /// How far to the right, and down, in the cell.
+    within: [Row; 2],
+}
+
 impl<const N: usize> Routine for Draw<'_, '_, '_, N> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(mut self) {
+        let mut places = Places { cell: [0; ROOM], is_other: [false; ROOM], within: [[0.0; ROOM]; 2] };
+        // The cells are asked for as soon as they are known, and read when something else has been done.
+        let mut left = [0.0; ROOM];
+        for i in self.lobes..self.count {
+            let (hit, rest) = self.table.hit([self.u[0][i], self.u[1][i]]);
+            self.table.prefetch(hit);
+            (places.cell[i], left[i]) = (hit as u32, rest);
+        }
         // What follows the last of the lobes' is written over by the environment's.
         if self.lobes > 0 {
-            self.from_lobes::<L>();
+            self.draw_lobes::<L>(&mut places);
         }
         if self.lobes < self.count {
-            self.from_environment::<L>();
+            self.draw_environment::<L>(&mut left, &mut places);
         }
         // Fewer than a batch holds are evaluated one vector at a time.
         if self.count > L::Batch::COUNT - L::COUNT {
@@ -122,20 +146,27 @@ impl<const N: usize> Routine for Draw<'_, '_, '_, N> {
         } else {
             self.evaluate::<L>();
         }
+        for i in 0..self.count {
+            let colors = Colors::new(&self.table.cells[places.cell[i] as usize], places.is_other[i]);
+            let light = between(colors, places.within[0][i], places.within[1][i]);
+            for channel in 0..3 {
+                self.to.light[channel][i] = light[channel];
+            }
+        }
     }
 }
 
 impl<const N: usize> Draw<'_, '_, '_, N> {
-    /// Directions of the lobes, and the light from there.
+    /// Directions of the lobes, and where they lie.
     #[inline(always)]
-    fn from_lobes<L: Lanes>(&mut self) {
+    fn draw_lobes<L: Lanes>(&mut self, places: &mut Places) {
         // 0.5 is a valid uniform number.
         let mut u = [[0.5; ROOM]; 3];
         for i in 0..3 {
             u[i][..self.lobes].copy_from_slice(&self.u[i][..self.lobes]);
         }
         let [tangent, bitangent, normal] = self.frame;
-        let mut places = [[0.0; ROOM]; 4];
+        let mut found = [[0.0; ROOM]; 3];
         let mut at = 0;
         while at < self.lobes {
             let local = sample_direction(self.mixture, load3::<L>(&u, at));
@@ -144,42 +175,44 @@ impl<const N: usize> Draw<'_, '_, '_, N> {
                 world[i] = dot3(local, splat3([tangent[i], bitangent[i], normal[i]]));
             }
             let Place { column, across, row, depth } = place(self.table, world);
-            column.store(&mut places[0][at..]);
-            across.store(&mut places[1][at..]);
-            row.store(&mut places[2][at..]);
-            depth.store(&mut places[3][at..]);
+            store3([column, row, depth], &mut found, at);
             store3(local, &mut self.to.local, at);
             store3(world, &mut self.to.world, at);
+            // What follows the last is written over later.
+            across.store(&mut places.within[0][at..]);
             at += L::COUNT;
         }
         for i in 0..self.lobes {
             let place =
-                Place { column: places[0][i], across: places[1][i], row: places[2][i], depth: places[3][i] };
-            let light = self.table.at(place, self.to.world[2][i]);
-            for channel in 0..3 {
-                self.to.light[channel][i] = light[channel];
-            }
+                Place { column: found[0][i], across: places.within[0][i], row: found[1][i], depth: found[2][i] };
+            let (cell, down) = self.table.cell(place, self.to.world[2][i]);
+            self.table.prefetch(cell);
+            (places.cell[i], places.within[1][i]) = (cell as u32, down);
         }
     }
 
-    /// Directions of the environment.
+    /// Directions of the environment, in cells that were hit, by what is `left` of the uniform numbers.
     #[inline(always)]
-    fn from_environment<L: Lanes>(&mut self) {
-        let mut drawn = [[0.0; ROOM]; 3];
+    fn draw_environment<L: Lanes>(&mut self, left: &mut Row, places: &mut Places) {
+        let (mut bright, mut found, mut u) = ([[0.0; ROOM]; 4], [[0.0; ROOM]; 4], [0.5; ROOM]);
+        u[self.lobes..self.count].copy_from_slice(&self.u[2][self.lobes..self.count]);
         for i in self.lobes..self.count {
-            let one = self.table.draw([self.u[0][i], self.u[1][i], self.u[2][i]]);
-            [drawn[0][i], drawn[1][i], drawn[2][i]] = [one.turns, one.depth, one.side];
-            for channel in 0..3 {
-                self.to.light[channel][i] = one.light[channel];
+            let chosen = self.table.choose(places.cell[i] as usize, left[i]);
+            (places.is_other[i], left[i]) = (chosen.is_other, chosen.left);
+            for corner in 0..4 {
+                (bright[corner][i], found[corner][i]) = (chosen.luminances[corner], chosen.place[corner]);
             }
         }
         let mut at = self.lobes;
         while at < self.count {
-            let world = direction(load3::<L>(&drawn, at));
+            let place = within(load4::<L>(&bright, at), L::load(&left[at..]), L::load(&u[at..]));
+            let world = self.table.direction(place, load4(&found, at));
             let mut local = world;
             for i in 0..3 {
                 local[i] = dot3(world, splat3(self.frame[i]));
             }
+            place[0].store(&mut places.within[0][at..]);
+            place[1].store(&mut places.within[1][at..]);
             store3(local, &mut self.to.local, at);
             store3(world, &mut self.to.world, at);
             at += L::COUNT;
@@ -211,10 +244,7 @@ pub(crate) fn choose(
 ) -> Option<(usize, f32)> {
     level.run(Weigh { candidates, sampling });
     let sums = &candidates.cumulative[..sampling.count];
-    let whole = *sums.last()?;
-    if !(whole > 0.0) {
-        return None;
-    }
+    let whole = sums.last().copied().filter(|&whole| whole > 0.0)?;
     // Below the whole, so that one that adds something is found.
     let target = (choice * whole).min(whole * (1.0 - f32::EPSILON));
     let chosen = sums.iter().filter(|&&sum| sum <= target).count();

@@ -3,7 +3,6 @@
 use super::look_up::{between, corner_luminances};
 use super::table::{Colors, Environment, PLACE, THRESHOLD, Table};
 use crate::color::luminance;
-use crate::float;
 use crate::simd::elementary::sin_cos_turns;
 use crate::simd::lanes::Lanes;
 use glam::Vec3;
@@ -28,45 +27,45 @@ impl<M: AsRef<[u32]>> Environment<M> {
     #[inline]
     pub fn sample(&self, u: [f32; 3]) -> EnvironmentSample {
         let table = self.borrowed();
-        let drawn = table.draw(u);
-        let direction = Vec3::from_array(direction([drawn.turns, drawn.depth, drawn.side]));
-        let relative = Vec3::from_array(drawn.light);
+        let (hit, left) = table.hit([u[0], u[1]]);
+        let chosen = table.choose(hit, left);
+        let [across, down] = within(chosen.luminances, chosen.left, u[2]);
+        let direction = Vec3::from_array(table.direction([across, down], chosen.place));
+        let colors = Colors::new(&table.cells[hit], chosen.is_other);
+        let relative = Vec3::from_array(between(colors, across, down));
         EnvironmentSample { direction, pdf: luminance(relative), radiance: relative * table.power }
     }
 }
 
-/// A direction before its sines are worked out.
+/// A cell that was drawn.
 #[derive(Clone, Copy)]
-pub(super) struct Drawn {
-    /// Azimuth, in turns, in [0, 1].
-    pub turns: f32,
-    /// `1 - |z|`; beyond the equator it is above 1.
-    pub depth: f32,
-    /// 1 above the equator, -1 below.
-    pub side: f32,
-    /// Radiance over the power.
-    pub light: [f32; 3],
-}
-
-/// Directions of azimuth, depth and side.
-#[inline(always)]
-pub(super) fn direction<L: Lanes>([turns, depth, side]: [L; 3]) -> [L; 3] {
-    let (sin, cos) = sin_cos_turns(turns);
-    let radius = (depth * (L::splat(2.0) - depth)).max(L::splat(0.0)).sqrt();
-    [radius * cos, radius * sin, side * (L::splat(1.0) - depth)]
+pub(super) struct Chosen {
+    /// The other of the cell that was hit.
+    pub is_other: bool,
+    /// What is left of the uniform numbers: again one.
+    pub left: f32,
+    /// Of its corners.
+    pub luminances: [f32; 4],
+    /// Its middle, in columns; depth `1 - |z|` of the edge that is nearer to the pole, and how much deeper the other is; 1
+    /// above the equator, -1 below.
+    pub place: [f32; 4],
 }
 
 /// The largest f32 below 1.
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 impl Table<'_> {
-    /// Draws by three uniform numbers.
+    /// The cell that two uniform numbers hit, and what is left of them.
     #[inline(always)]
-    pub(super) fn draw(&self, u: [f32; 3]) -> Drawn {
-        // A cell, and what is left of the numbers, which is uniform again.
+    pub(super) fn hit(&self, u: [f32; 2]) -> (usize, f32) {
         let place = (f64::from(u[0]) + f64::from(u[1]) * (1.0 / 16_777_216.0)) * self.cells.len() as f64;
         let hit = (place as u32 as usize).min(self.cells.len() - 1);
-        let left = (place - hit as f64) as f32;
+        (hit, (place - hit as f64) as f32)
+    }
+
+    /// The cell that was hit, or its other.
+    #[inline(always)]
+    pub(super) fn choose(&self, hit: usize, left: f32) -> Chosen {
         let cell = &self.cells[hit];
         let threshold = f32::from_bits(cell[THRESHOLD]);
         let is_other = left >= threshold;
@@ -77,34 +76,53 @@ impl Table<'_> {
             let row = ((hit as f64 + 0.5) * (1.0 / self.shape.width as f64)) as u32 as usize;
             (row, (hit - row * self.shape.width) as f32)
         };
-        let left =
-            if is_other { (left - threshold) / (1.0 - threshold) } else { left / threshold }.min(BELOW_ONE);
-
-        // A place in it, by the luminance, which is bilinear: first how far down, then how far to the right.
-        let colors = Colors::new(cell, is_other);
-        let [a, b, c, d] = corner_luminances(colors.codes);
-        let down = linear(a + b, c + d, left);
-        let across = linear(a + down * (c - a), b + down * (d - b), u[2]);
-
-        let height = self.shape.height;
-        let is_south = row > height / 2;
-        let (row, from_edge) = if is_south { (height - row, 1.0 - down) } else { (row, down) };
-        let [edge, rise, ..] = self.rows[row.min(self.rows.len() - 1)];
-        let depth = f32::from_bits(edge) + from_edge * f32::from_bits(rise);
-        let right = (column + 0.5 + across) * (1.0 / self.shape.width as f32);
-        let turns = (0.5 + self.turn) - right;
-        let turns = if turns < 0.0 { turns + 1.0 } else { turns };
-        let turns = if turns > 1.0 { turns - 1.0 } else { turns };
+        let [more, of] = if is_other { [left - threshold, 1.0 - threshold] } else { [left, threshold] };
+        let is_south = row > self.shape.height / 2;
+        let from_pole = if is_south { self.shape.height - row } else { row };
+        let [edge, rise, ..] = self.rows[from_pole.min(self.rows.len() - 1)];
         let side = if is_south { -1.0 } else { 1.0 };
-        Drawn { turns, depth, side, light: between(colors, across, down) }
+        Chosen {
+            is_other,
+            left: (more / of).min(BELOW_ONE),
+            luminances: corner_luminances(Colors::new(cell, is_other).codes),
+            place: [column + 0.5, f32::from_bits(edge), f32::from_bits(rise), side],
+        }
     }
+
+    /// Directions of places in cells that were chosen.
+    #[inline(always)]
+    pub(super) fn direction<L: Lanes>(
+        &self,
+        [across, down]: [L; 2],
+        [middle, edge, rise, side]: [L; 4],
+    ) -> [L; 3] {
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        let right = (middle + across) * L::splat(1.0 / self.shape.width as f32);
+        let turns = L::splat(0.5 + self.turn) - right;
+        let turns = L::select(turns.lt(zero), turns + one, turns);
+        let turns = L::select(one.lt(turns), turns - one, turns);
+        let (sin, cos) = sin_cos_turns(turns);
+        let from_edge = L::select(side.lt(zero), one - down, down);
+        // At a pole there would be no azimuth any more, which the light there depends on.
+        let depth = rise.mul_add(from_edge, edge).max(L::splat(1e-30));
+        let radius = (depth * (L::splat(2.0) - depth)).max(zero).sqrt();
+        [radius * cos, radius * sin, side * (one - depth)]
+    }
+}
+
+/// Draws places in cells by the luminance there, which is bilinear: how far to the right, and how far down, with two uniform numbers.
+#[inline(always)]
+pub(super) fn within<L: Lanes>([a, b, c, d]: [L; 4], left: L, u: L) -> [L; 2] {
+    let down = linear(a + b, c + d, left);
+    [linear(down.mul_add(c - a, a), down.mul_add(d - b, b), u), down]
 }
 
 /// Inverts the distribution on [0, 1] whose density goes linearly from `from` to `to`, which are not negative.
 #[inline(always)]
-fn linear(from: f32, to: f32, u: f32) -> f32 {
+fn linear<L: Lanes>(from: L, to: L, u: L) -> L {
     // The root of u = x (2 from + x (to - from)) / (from + to), without cancellation.
-    let root = float::sqrt(from * from + u * (to * to - from * from));
-    let x = u * (from + to) / (from + root).max(1e-30);
-    x.min(1.0)
+    let squared = from * from;
+    let root = u.mul_add(to.mul_add(to, L::splat(0.0) - squared), squared).max(L::splat(0.0)).sqrt();
+    let x = u * (from + to) / (from + root).max(L::splat(1e-30));
+    x.min(L::splat(1.0))
 }

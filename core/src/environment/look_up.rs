@@ -81,20 +81,21 @@ impl Table<'_> {
     /// Radiance over the power from one direction; 1/sr.
     #[inline(always)]
     pub(super) fn towards(&self, direction: [f32; 3]) -> [f32; 3] {
-        self.at(place(self, direction), direction[2])
+        let place = place(self, direction);
+        let (cell, down) = self.cell(place, direction[2]);
+        between(Colors::new(&self.cells[cell], false), place.across, down)
     }
 
-    /// Radiance over the power at a place, of a direction of height z.
+    /// The cell of a place, of a direction of height z, and how far down in it.
     #[inline(always)]
-    pub(super) fn at(&self, place: Place<f32>, z: f32) -> [f32; 3] {
+    pub(super) fn cell(&self, place: Place<f32>, z: f32) -> (usize, f32) {
         let column = whole(place.column, self.shape.width - 1);
         let row = whole(place.row, self.shape.rows() - 1);
         let [edge, _, inverse, _] = self.rows[row];
         let down = (place.depth - f32::from_bits(edge)) * f32::from_bits(inverse);
-        let down = down.max(0.0).min(1.0);
+        let down = down.clamp(0.0, 1.0);
         let (row, down) = if z < 0.0 { (self.shape.height - row, 1.0 - down) } else { (row, down) };
-        let cell = &self.cells[row * self.shape.width + column];
-        between(Colors::new(cell, false), place.across, down)
+        (row * self.shape.width + column, down)
     }
 }
 

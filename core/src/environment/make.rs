@@ -3,7 +3,7 @@
 use super::look_up::corner_luminances;
 use super::table::{
     COLORS, Cell, Colors, Environment, LARGEST_CODE, MAGIC, PLACE, Row, Shape, THRESHOLD, WORDS,
-    environment_len,
+    checksum, environment_len,
 };
 use crate::error::Error;
 use core::f64::consts::{PI, TAU};
@@ -52,8 +52,7 @@ fn fill(width: usize, radiance: &[[f32; 3]], start: usize, words: &mut [u32]) ->
     }
 
     let (chunks, _) = words[start..][..shape.words()].as_chunks_mut::<WORDS>();
-    let (head, chunks) = chunks.split_at_mut(1);
-    let (rows, cells) = chunks.split_at_mut(shape.row_chunks());
+    let (rows, cells) = chunks[1..].split_at_mut(shape.row_chunks());
     rows.as_flattened_mut().fill(0);
     let (rows, _) = rows.as_flattened_mut().as_chunks_mut::<4>();
     for (index, row) in rows.iter_mut().take(shape.rows()).enumerate() {
@@ -79,8 +78,10 @@ fn fill(width: usize, radiance: &[[f32; 3]], start: usize, words: &mut [u32]) ->
     }
     share_out(shape, rows, cells);
     let power = map_power as f32;
-    head[0] = [0; WORDS];
-    head[0][..4].copy_from_slice(&[MAGIC, shape.width as u32, shape.height as u32, power.to_bits()]);
+    let (head, rest) = words[start..][..shape.words()].split_at_mut(WORDS);
+    let [low, high] = checksum(shape, power, rest);
+    head.fill(0);
+    head[..6].copy_from_slice(&[MAGIC, shape.width as u32, shape.height as u32, power.to_bits(), low, high]);
     Ok((shape, power))
 }
 
@@ -191,7 +192,7 @@ fn share_out(shape: Shape, rows: &[Row], cells: &mut [Cell]) {
 
 /// Lets a cell keep a share of its draws, and hand the others on.
 fn hand_on(shape: Shape, cells: &mut [Cell], index: usize, share: f64, other: usize) {
-    cells[index][PLACE] = ((other / shape.width) << 16 | other % shape.width) as u32;
+    cells[index][PLACE] = (((other / shape.width) << 16) | (other % shape.width)) as u32;
     cells[index][THRESHOLD] = (share.min(1.0) as f32).to_bits();
 }
 

@@ -54,7 +54,7 @@ impl ProductSampling {
         if !(lobe_share >= 0.0 && lobe_share <= 1.0) {
             return Err(Error::Share);
         }
-        if !(kappa >= 1e-3) {
+        if kappa.is_nan() || kappa < 1e-3 {
             return Err(Error::Kappa);
         }
         let count = candidates as f32;

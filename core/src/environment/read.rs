@@ -1,7 +1,7 @@
 //! Reads a table that was stored: everything is checked once, and trusted from then on.
 
 use super::make::{other, power, row_of};
-use super::table::{COLORS, Cell, Environment, MAGIC, PLACE, Shape, THRESHOLD};
+use super::table::{COLORS, Cell, Environment, MAGIC, PLACE, Shape, THRESHOLD, WORDS, checksum};
 use crate::error::Error;
 
 /// How far from 1 the density may integrate.
@@ -22,10 +22,13 @@ impl<M: AsRef<[u32]>> Environment<M> {
 
 /// The size and the power of the map of a sound table.
 fn check(words: &[u32]) -> Option<(Shape, f32)> {
-    let &[magic, width, height, power, ..] = words else { return None };
+    let &[magic, width, height, power, low, high, ..] = words else { return None };
     let shape = Shape::new(width as usize, height as usize).ok()?;
     let power = f32::from_bits(power);
     if magic != MAGIC || words.len() != shape.words() || !(power > 0.0 && power.is_finite()) {
+        return None;
+    }
+    if checksum(shape, power, &words[WORDS..]) != [low, high] {
         return None;
     }
     let unchecked = Environment::of_table(words, 0, shape, power);

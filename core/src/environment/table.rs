@@ -11,7 +11,7 @@
 //! Chunks of sixteen u32, 64 bytes: a cache line, if the first is at a multiple of that.
 //!
 //! ```text
-//! head     magic, width, height, bits of the power
+//! head     magic, width, height, bits of the power, checksum in two words
 //! rows     from the pole to the equator, four words each: bits of the depth 1 - |z| at the upper edge, of how
 //!          much deeper the lower one is, and of the inverse of that
 //! cells    from the top row down, each from the left:
@@ -26,6 +26,7 @@
 //! at hand, it reads one cache line.
 
 use crate::error::Error;
+use crate::simd::prefetch;
 use bytemuck::cast_ref;
 
 /// Words of a cell.
@@ -52,6 +53,17 @@ pub(super) const LARGEST_CODE: f32 = 65535.0;
 
 /// Most pixels that a map may have, 8192 x 4096: its table takes 2 GB.
 pub const MAX_ENVIRONMENT_PIXELS: usize = 1 << 25;
+
+/// The checksum of the words behind the head, and of what the head says: FNV-1a (Fowler, Noll and Vo 1991) of whole words. Each
+/// step is one to one, so that a change of one word is always seen.
+pub(super) fn checksum(shape: Shape, power: f32, words: &[u32]) -> [u32; 2] {
+    let head = [shape.width as u32, shape.height as u32, power.to_bits()];
+    let mut sum = 0xcbf2_9ce4_8422_2325_u64;
+    for &word in head.iter().chain(words) {
+        sum = (sum ^ u64::from(word)).wrapping_mul(0x0100_0000_01b3);
+    }
+    [sum as u32, (sum >> 32) as u32]
+}
 
 /// The size of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -197,6 +209,14 @@ pub(crate) struct Table<'a> {
     pub(super) shape: Shape,
     pub(super) power: f32,
     pub(super) turn: f32,
+}
+
+impl Table<'_> {
+    /// Asks for a cell that will be read soon.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, cell: usize) {
+        prefetch(&self.cells[cell]);
+    }
 }
 
 /// What a cell has at its corners, as it is held.
