@@ -84,14 +84,12 @@ fn both_ways(
     let mut sum = Vec3::ZERO;
     if let Some(sample) = mixture.sample(three()) {
         let d = sample.direction;
-        let (radiance, pdf) =
-            environment.radiance_and_pdf(frame[0] * d.x + frame[1] * d.y + frame[2] * d.z);
+        let (radiance, pdf) = environment.radiance_and_pdf(frame[0] * d.x + frame[1] * d.y + frame[2] * d.z);
         sum += sample.weight * radiance * (sample.pdf / (sample.pdf + pdf));
     }
     let sample = environment.sample(three());
     let d = sample.direction;
-    let (value, pdf) =
-        mixture.evaluate_and_pdf(Vec3::new(frame[0].dot(d), frame[1].dot(d), frame[2].dot(d)));
+    let (value, pdf) = mixture.evaluate_and_pdf(Vec3::new(frame[0].dot(d), frame[1].dot(d), frame[2].dot(d)));
     sum + value * sample.radiance / (sample.pdf + pdf)
 }
 
@@ -111,7 +109,13 @@ fn report(level: Level, work: &Work<'_>, environment: &Environment<Vec<u32>>) {
             }));
         }
     }
-    let mut line = format!("{:8} {:4} x {:<4} mis {:6.1}", level.name(), environment.width(), environment.height(), least[0]);
+    let mut line = format!(
+        "{:8} {:4} x {:<4} mis {:6.1}",
+        level.name(),
+        environment.width(),
+        environment.height(),
+        least[0]
+    );
     for (time, candidates) in least[1..].iter().zip(CANDIDATES) {
         line += &format!("   {candidates:2}: {time:6.1} ({:.2})", time / least[0]);
     }

@@ -285,9 +285,8 @@ pub unsafe extern "C" fn srbf_environment_radiance(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (object, d, out) = unsafe {
-            (object(environment)?, read_array(direction)?, Out::<[f32; 3]>::array(radiance)?)
-        };
+        let (object, d, out) =
+            unsafe { (object(environment)?, read_array(direction)?, Out::<[f32; 3]>::array(radiance)?) };
         out.set(object.environment.radiance(self::direction(d)?).to_array());
         Ok(())
     })
@@ -304,8 +303,7 @@ pub unsafe extern "C" fn srbf_environment_pdf(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (object, d, out) =
-            unsafe { (object(environment)?, read_array(direction)?, Out::new(pdf)?) };
+        let (object, d, out) = unsafe { (object(environment)?, read_array(direction)?, Out::new(pdf)?) };
         out.set(object.environment.pdf(self::direction(d)?));
         Ok(())
     })

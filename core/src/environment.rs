@@ -2,8 +2,8 @@
 //!
 //! A [`table`] holds a map of radiance and what draws from it, in memory of the caller; [`make`] makes one,
 //! [`read`] checks one that was stored. [`look_up`] finds the radiance of a direction, [`draw`] draws one. A
-//! [`product`] draws from the light and a mixture together, among [`candidates`].
-//! May import: `kernel`, `mixture`, `color`, `float`, `simd`, `error`.
+//! [`product`] draws from the light and a mixture together, among [`candidates`], as a [`sampling`] says.
+//! May import: `kernel`, `mixture`, `color`, `simd`, `error`; nothing imports from here.
 
 pub(crate) mod candidates;
 pub(crate) mod draw;
@@ -11,4 +11,5 @@ mod look_up;
 mod make;
 pub(crate) mod product;
 mod read;
+pub(crate) mod sampling;
 pub(crate) mod table;

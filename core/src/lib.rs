@@ -103,7 +103,9 @@ pub use color::{LUMINANCE, color_differences, luminance};
 #[cfg(feature = "environment")]
 pub use environment::draw::EnvironmentSample;
 #[cfg(feature = "environment")]
-pub use environment::product::{ProductSample, ProductSampling};
+pub use environment::product::ProductSample;
+#[cfg(feature = "environment")]
+pub use environment::sampling::ProductSampling;
 #[cfg(feature = "environment")]
 pub use environment::table::{Environment, MAX_ENVIRONMENT_PIXELS, environment_len};
 pub use error::Error;

@@ -3,7 +3,7 @@
 
 use super::draw::within;
 use super::look_up::{Place, between, luminances, place};
-use super::product::{MAX_CANDIDATES, ProductSampling};
+use super::sampling::{MAX_CANDIDATES, ProductSampling};
 use super::table::{Colors, Table};
 use crate::kernel::draw::sample_direction;
 use crate::kernel::lobe_sums::{STAGE, sums};
@@ -33,7 +33,8 @@ pub(crate) struct Candidates {
     value: [Row; 3],
     /// Density of the lobes; 1/sr.
     pdf: Row,
-    /// The running sum of the weights.
+    /// Weights, and their running sum.
+    weight: Row,
     cumulative: Row,
 }
 
@@ -45,6 +46,7 @@ impl Candidates {
         light: [Self::ZERO; 3],
         value: [Self::ZERO; 3],
         pdf: Self::ZERO,
+        weight: Self::ZERO,
         cumulative: Self::ZERO,
     };
 
@@ -75,8 +77,8 @@ impl Candidates {
 
     /// Direction in the world, and light over the power times `f cos`, of one.
     pub fn at(&self, i: usize) -> (Vec3, Vec3) {
-        let [world, light, value] = [&self.world, &self.light, &self.value]
-            .map(|rows| Vec3::new(rows[0][i], rows[1][i], rows[2][i]));
+        let [world, light, value] =
+            [&self.world, &self.light, &self.value].map(|rows| Vec3::new(rows[0][i], rows[1][i], rows[2][i]));
         (world, light * value)
     }
 }
@@ -183,8 +185,12 @@ impl<const N: usize> Draw<'_, '_, '_, N> {
             at += L::COUNT;
         }
         for i in 0..self.lobes {
-            let place =
-                Place { column: found[0][i], across: places.within[0][i], row: found[1][i], depth: found[2][i] };
+            let place = Place {
+                column: found[0][i],
+                across: places.within[0][i],
+                row: found[1][i],
+                depth: found[2][i],
+            };
             let (cell, down) = self.table.cell(place, self.to.world[2][i]);
             self.table.prefetch(cell);
             (places.cell[i], places.within[1][i]) = (cell as u32, down);
@@ -245,9 +251,11 @@ pub(crate) fn choose(
     level.run(Weigh { candidates, sampling });
     let sums = &candidates.cumulative[..sampling.count];
     let whole = sums.last().copied().filter(|&whole| whole > 0.0)?;
-    // Below the whole, so that one that adds something is found.
-    let target = (choice * whole).min(whole * (1.0 - f32::EPSILON));
-    let chosen = sums.iter().filter(|&&sum| sum <= target).count();
+    let target = choice * whole;
+    let passed = sums.iter().filter(|&&sum| sum <= target).count();
+    // Sums that rounding has made a little larger than those before may stop at one that adds nothing.
+    let adds = |&i: &usize| candidates.weight[i] > 0.0;
+    let chosen = (passed..sampling.count).find(adds).or_else(|| (0..passed).rev().find(adds))?;
     let (_, light) = candidates.at(chosen);
     let brought = target_of(light.to_array());
     Some((chosen, whole / brought))
@@ -256,11 +264,16 @@ pub(crate) fn choose(
 /// Where candidates are thinner, 1/sr, they bring nothing: nothing is drawn there.
 const LEAST_DENSITY: f32 = 1e-30;
 
-/// What candidates are chosen by: the luminance of their light; of channels that lobes may have below 0, their size.
+/// What candidates are chosen by: the luminance of their light; but a share of what it is without signs, if that is more. Lobes may
+/// have channels below 0, of which coloured light may make a luminance below 0 too.
 #[inline(always)]
 fn target_of<L: Lanes>(light: [L; 3]) -> L {
-    luminances([light[0].abs(), light[1].abs(), light[2].abs()])
+    let unsigned = luminances([light[0].abs(), light[1].abs(), light[2].abs()]);
+    luminances(light).max(unsigned * L::splat(LEAST_SHARE))
 }
+
+/// The smaller, the farther from the mean a draw of light below 0 may be; the larger, the more others than these are off their luminance.
+const LEAST_SHARE: f32 = 1.0 / 8.0;
 
 /// Weighs the candidates, and sums their weights.
 struct Weigh<'a> {
@@ -273,8 +286,7 @@ impl Routine for Weigh<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Self { candidates, sampling } = self;
-        let (of_lobes, of_environment) =
-            (L::splat(sampling.of_lobes), L::splat(sampling.of_environment));
+        let (of_lobes, of_environment) = (L::splat(sampling.of_lobes), L::splat(sampling.of_environment));
         let zero = L::splat(0.0);
         let (mut before, mut at) = (zero, 0);
         while at < sampling.count {
@@ -289,6 +301,7 @@ impl Routine for Weigh<'_> {
             // Where f32 rounds the densities to nothing, there is nothing to be weighed either.
             let is_drawn = L::both(zero.lt(target), L::splat(LEAST_DENSITY).lt(divisor));
             let weight = L::select(is_drawn, target / divisor, zero);
+            weight.store(&mut candidates.weight[at..]);
             let sums = weight.running_sum() + before;
             sums.store(&mut candidates.cumulative[at..]);
             before = L::splat(candidates.cumulative[at + L::COUNT - 1]);

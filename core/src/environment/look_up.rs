@@ -2,8 +2,7 @@
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
 use super::table::{Colors, Environment, Table};
-use crate::color::LUMINANCE;
-use crate::color::luminance;
+use crate::color::{LUMINANCE, luminance};
 use crate::simd::elementary::atan2_positive;
 use crate::simd::lanes::{Lanes, ROUND, dot3, splat3};
 use core::f32::consts::{FRAC_1_PI, PI};
@@ -50,10 +49,10 @@ pub(super) fn whole(number: f32, last: usize) -> usize {
 }
 
 /// Adds a whole number to [`ROUND`]: the one below a number that is not negative; at a whole number that may be
-/// the one before.
+/// the one before; at most `last`.
 #[inline(always)]
-fn below<L: Lanes>(number: L) -> L {
-    (number - L::splat(0.5)).max(L::splat(0.0)) + L::splat(ROUND)
+fn below<L: Lanes>(number: L, last: usize) -> L {
+    (number - L::splat(0.5)).max(L::splat(0.0)).min(L::splat(last as f32)) + L::splat(ROUND)
 }
 
 /// The place of directions. Polynomials: the turn is off by at most 3e-7 relative and what its sum with a half
@@ -72,8 +71,9 @@ pub(super) fn place<L: Lanes>(table: &Table<'_>, [x, y, z]: [L; 3]) -> Place<L> 
     let turns = L::select(turns.ge(one), turns - one, turns);
     let right = turns.mul_add(L::splat(width), L::splat(-0.5));
     let right = L::select(right.lt(zero), right + L::splat(width), right);
-    let column = below(right);
-    let row = below(from_pole.mul_add(L::splat(height * FRAC_1_PI), L::splat(0.5)));
+    let column = below(right, table.shape.width - 1);
+    let row = from_pole.mul_add(L::splat(height * FRAC_1_PI), L::splat(0.5));
+    let row = below(row, table.shape.rows() - 1);
     Place { column, across: right - (column - L::splat(ROUND)), row, depth: squared / (one + up) }
 }
 

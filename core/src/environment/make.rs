@@ -2,8 +2,8 @@
 
 use super::look_up::corner_luminances;
 use super::table::{
-    COLORS, Cell, Colors, Environment, LARGEST_CODE, MAGIC, PLACE, Row, Shape, THRESHOLD, WORDS,
-    checksum, environment_len,
+    COLORS, Cell, Colors, Environment, LARGEST_CODE, MAGIC, PLACE, Row, Shape, THRESHOLD, WORDS, checksum,
+    environment_len,
 };
 use crate::error::Error;
 use core::f64::consts::{PI, TAU};
@@ -154,11 +154,9 @@ fn share_out(shape: Shape, rows: &[Row], cells: &mut [Cell]) {
     }
     let mut light = following(cells, 0, false);
     let mut heavy = following(cells, 0, true);
-    if heavy == count {
-        return;
-    }
-    let mut left = weight(cells, heavy);
-    loop {
+    let mut left = if heavy < count { weight(cells, heavy) } else { 0.0 };
+    // No heavy one: all are alike, and keep what they have.
+    while heavy < count {
         if left > 1.0 {
             if light == count {
                 break;
@@ -178,7 +176,7 @@ fn share_out(shape: Shape, rows: &[Row], cells: &mut [Cell]) {
         }
     }
     // Rounding may leave light ones: they are filled up by the last.
-    while light < count {
+    while heavy < count && light < count {
         let share = weight(cells, light);
         hand_on(shape, cells, light, share, heavy);
         light = following(cells, light + 1, false);

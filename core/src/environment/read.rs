@@ -38,7 +38,8 @@ fn check(words: &[u32]) -> Option<(Shape, f32)> {
     if !are_rows || !are_cells() {
         return None;
     }
-    let total: f64 = table.cells.iter().enumerate().map(|(i, cell)| self::power(shape, table.rows, i, cell)).sum();
+    let total: f64 =
+        table.cells.iter().enumerate().map(|(i, cell)| self::power(shape, table.rows, i, cell)).sum();
     ((total - 1.0).abs() <= ROUNDING).then_some((shape, power))
 }
 

@@ -165,8 +165,8 @@ impl<M: AsRef<[u32]>> Environment<M> {
     /// is not finite turns nothing.
     #[must_use]
     pub fn turned(self, radians: f32) -> Self {
-        let turns = radians * core::f32::consts::FRAC_1_PI * 0.5;
-        let turn = turns - libm::floorf(turns);
+        let turns = f64::from(radians) / core::f64::consts::TAU;
+        let turn = (turns - libm::floor(turns)) as f32;
         // Just below 0 it rounds to 1.
         Self { turn: if turn < 1.0 { turn } else { 0.0 }, ..self }
     }
@@ -197,7 +197,13 @@ impl<M: AsRef<[u32]>> Environment<M> {
         let (chunks, _) = self.table().as_chunks::<WORDS>();
         let (rows, cells) = chunks[1..].split_at(self.shape.row_chunks());
         let (rows, _) = rows.as_flattened().as_chunks::<4>();
-        Table { rows: &rows[..self.shape.rows()], cells, shape: self.shape, power: self.power, turn: self.turn }
+        Table {
+            rows: &rows[..self.shape.rows()],
+            cells,
+            shape: self.shape,
+            power: self.power,
+            turn: self.turn,
+        }
     }
 }
 

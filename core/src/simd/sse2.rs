@@ -1,9 +1,9 @@
 //! SSE2, which every x86-64 processor has: what a scalar inside an AVX function needs.
 #![allow(unsafe_code)]
 
-use core::arch::x86_64::{_mm_cvtss_f32, _mm_set_ss, _mm_sqrt_ss};
 #[cfg(feature = "environment")]
 use core::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+use core::arch::x86_64::{_mm_cvtss_f32, _mm_set_ss, _mm_sqrt_ss};
 
 /// Square root, correctly rounded, in the encoding of the function that it is inlined into.
 ///

