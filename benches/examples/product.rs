@@ -38,8 +38,14 @@ fn environment(width: usize) -> Environment<Vec<u32>> {
     let mut map: Vec<[f32; 3]> = (0..width * width / 2).map(|_| [random.uniform(); 3]).collect();
     let sun = width * width / 10;
     map[sun..sun + width / 100].fill([5e3; 3]);
-    let memory = vec![0; environment_len(width, width / 2).expect("a size of a map")];
-    Environment::new(width, &map, memory).expect("a map with light")
+    let memory = vec![1; environment_len(width, width / 2).expect("a size of a map")];
+    let start = Instant::now();
+    let environment = Environment::new(width, &map, memory).expect("a map with light");
+    println!(
+        "a table of {width} columns is made in {:.0} ns a pixel",
+        start.elapsed().as_secs_f64() * 1e9 / map.len() as f64
+    );
+    environment
 }
 
 struct Work<'m> {

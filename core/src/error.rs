@@ -31,7 +31,8 @@ pub enum Error {
     /// An expanded material has at least 2 rows and at most
     /// [`MAX_ROWS`](crate::Expanded::MAX_ROWS).
     Rows,
-    /// There is less memory than an expanded material or an environment takes, counted in numbers of four bytes.
+    /// There is less memory than an expanded material or an environment takes, counted in numbers of four
+    /// bytes.
     Memory {
         /// What is needed.
         needed: usize,

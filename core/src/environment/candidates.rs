@@ -264,15 +264,16 @@ pub(crate) fn choose(
 /// Where candidates are thinner, 1/sr, they bring nothing: nothing is drawn there.
 const LEAST_DENSITY: f32 = 1e-30;
 
-/// What candidates are chosen by: the luminance of their light; but a share of what it is without signs, if that is more. Lobes may
-/// have channels below 0, of which coloured light may make a luminance below 0 too.
+/// What candidates are chosen by: the luminance of their light; but a share of what it is without signs, if
+/// that is more. Lobes may have channels below 0, of which coloured light may make a luminance below 0 too.
 #[inline(always)]
 fn target_of<L: Lanes>(light: [L; 3]) -> L {
     let unsigned = luminances([light[0].abs(), light[1].abs(), light[2].abs()]);
     luminances(light).max(unsigned * L::splat(LEAST_SHARE))
 }
 
-/// The smaller, the farther from the mean a draw of light below 0 may be; the larger, the more others than these are off their luminance.
+/// The smaller, the farther from the mean a draw of light below 0 may be; the larger, the more others than
+/// these are off their luminance.
 const LEAST_SHARE: f32 = 1.0 / 8.0;
 
 /// Weighs the candidates, and sums their weights.

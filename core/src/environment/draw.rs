@@ -46,8 +46,8 @@ pub(super) struct Chosen {
     pub left: f32,
     /// Of its corners.
     pub luminances: [f32; 4],
-    /// Its middle, in columns; depth `1 - |z|` of the edge that is nearer to the pole, and how much deeper the other is; 1
-    /// above the equator, -1 below.
+    /// Its middle, in columns; depth `1 - |z|` of the edge that is nearer to the pole, and how much deeper
+    /// the other is; 1 above the equator, -1 below.
     pub place: [f32; 4],
 }
 
@@ -110,14 +110,16 @@ impl Table<'_> {
     }
 }
 
-/// Draws places in cells by the luminance there, which is bilinear: how far to the right, and how far down, with two uniform numbers.
+/// Draws places in cells by the luminance there, which is bilinear: how far to the right, and how far down,
+/// with two uniform numbers.
 #[inline(always)]
 pub(super) fn within<L: Lanes>([a, b, c, d]: [L; 4], left: L, u: L) -> [L; 2] {
     let down = linear(a + b, c + d, left);
     [linear(down.mul_add(c - a, a), down.mul_add(d - b, b), u), down]
 }
 
-/// Inverts the distribution on [0, 1] whose density goes linearly from `from` to `to`, which are not negative.
+/// Inverts the distribution on [0, 1] whose density goes linearly from `from` to `to`, which are not
+/// negative.
 #[inline(always)]
 fn linear<L: Lanes>(from: L, to: L, u: L) -> L {
     // The root of u = x (2 from + x (to - from)) / (from + to), without cancellation.

@@ -48,15 +48,16 @@ pub(super) fn whole(number: f32, last: usize) -> usize {
     ((number.to_bits() & 0x3f_ffff) as usize).min(last)
 }
 
-/// Adds a whole number to [`ROUND`]: the one below a number that is not negative; at a whole number that may be
-/// the one before; at most `last`.
+/// Adds a whole number to [`ROUND`]: the one below a number that is not negative; at a whole number that may
+/// be the one before; at most `last`.
 #[inline(always)]
 fn below<L: Lanes>(number: L, last: usize) -> L {
     (number - L::splat(0.5)).max(L::splat(0.0)).min(L::splat(last as f32)) + L::splat(ROUND)
 }
 
-/// The place of directions. Polynomials: the turn is off by at most 3e-7 relative and what its sum with a half
-/// rounds, and so is the row; which of two cells is named at their edge does not matter, as they agree there.
+/// The place of directions. Polynomials: the turn is off by at most 3e-7 relative and what its sum with a
+/// half rounds, and so is the row; which of two cells is named at their edge does not matter, as they agree
+/// there.
 #[inline(always)]
 pub(super) fn place<L: Lanes>(table: &Table<'_>, [x, y, z]: [L; 3]) -> Place<L> {
     let (zero, one, tiny) = (L::splat(0.0), L::splat(1.0), L::splat(1e-30));

@@ -15,15 +15,15 @@ const MAX_RADIANCE: f32 = 1e30;
 const LEAST_POWER: f64 = 1e-30;
 
 impl<M: AsRef<[u32]> + AsMut<[u32]>> Environment<M> {
-    /// Makes the table of a map of radiance in `memory`, of at least [`environment_len`] words of any value. It
-    /// takes about 50 ns a pixel.
+    /// Makes the table of a map of radiance in `memory`, of at least [`environment_len`] words of any value.
+    /// It takes about 50 ns a pixel.
     ///
     /// Shapes: `radiance` linear sRGB, the top row first, `[width height]`. Range: each channel in [0, 1e30].
     ///
     /// # Errors
-    /// [`Error::MapSize`] for a width and a number of pixels that are no map, [`Error::Radiance`] for a value out of
-    /// range, NaN too, [`Error::BlackMap`] for a power below 1e-30, [`Error::Memory`] for too little memory, in
-    /// which nothing is written then.
+    /// [`Error::MapSize`] for a width and a number of pixels that are no map, [`Error::Radiance`] for a value
+    /// out of range, NaN too, [`Error::BlackMap`] for a power below 1e-30, [`Error::Memory`] for too little
+    /// memory, in which nothing is written then.
     pub fn new(width: usize, radiance: &[[f32; 3]], mut memory: M) -> Result<Self, Error> {
         let words = memory.as_mut();
         let start = words.as_ptr().align_offset(4 * WORDS).min(WORDS - 1);
@@ -139,9 +139,9 @@ pub(super) fn power(shape: Shape, rows: &[Row], index: usize, cell: &Cell) -> f6
 /// Shares the draws out: each cell is hit as often as any other, and hands on what it has too many of to one
 /// that has too few.
 ///
-/// Walker's alias table (1977), swept over in one pass without lists of the light and the heavy (Hübschle-Schneider
-/// and Sanders 2019, section 4.1): a cell of less than the mean is filled up by the current heavy one; a heavy one that has
-/// given so much that it is light is filled up by the next.
+/// Walker's alias table (1977), swept over in one pass without lists of the light and the heavy
+/// (Hübschle-Schneider and Sanders 2019, section 4.1): a cell of less than the mean is filled up by the
+/// current heavy one; a heavy one that has given so much that it is light is filled up by the next.
 fn share_out(shape: Shape, rows: &[Row], cells: &mut [Cell]) {
     let count = cells.len();
     // In units of the mean.

@@ -12,8 +12,8 @@
 //!
 //! # With the path's own ray
 //! The path goes on along a direction that the lobes drew, and meets the light where it escapes. That light
-//! gets the weight `p_b / (p_b + kappa p)`, and the candidates the rest: they are weighed by `t / (p_b / kappa
-//! + p)`. The larger kappa, the less the ray's light counts; an infinite one leaves it out.
+//! gets the weight `p_b / (p_b + kappa p)`, and the candidates the rest: they are weighed by `t / (p_b /
+//! kappa + p)`. The larger kappa, the less the ray's light counts; an infinite one leaves it out.
 
 use super::candidates::{Candidates, choose};
 use super::sampling::ProductSampling;
@@ -33,16 +33,16 @@ pub struct ProductSample {
 }
 
 impl<const N: usize> Mixture<'_, N> {
-    /// Draws a direction for the light of an environment and this mixture together: direct light by one shadow
-    /// ray.
+    /// Draws a direction for the light of an environment and this mixture together: direct light by one
+    /// shadow ray.
     ///
     /// The mean of `weight` over all draws is the integral of radiance times `f cos`, times one minus
     /// [`ray_weight`](ProductSampling::ray_weight). The density of a draw has no closed form; see
     /// `core/src/environment/product.rs` for the estimator.
     ///
-    /// Shapes: `frame` tangent, bitangent and normal of the caller's shading frame in the world, unit vectors at right
-    /// angles; `u` three uniform numbers in [0, 1) a candidate, each `[candidates]`, those of the lobes first;
-    /// `choice` one such number. `None` where no candidate brings light.
+    /// Shapes: `frame` tangent, bitangent and normal of the caller's shading frame in the world, unit vectors
+    /// at right angles; `u` three uniform numbers in [0, 1) a candidate, each `[candidates]`, those of the
+    /// lobes first; `choice` one such number. `None` where no candidate brings light.
     ///
     /// # Errors
     /// [`Error::Length`] if the slices are not all of that length.
@@ -58,8 +58,8 @@ impl<const N: usize> Mixture<'_, N> {
     ///
     /// let u = [[0.3, 0.7], [0.6, 0.2], [0.1, 0.9]];
     /// let frame = [Vec3::X, Vec3::Y, Vec3::Z];
-    /// let drawn = mixture.sample_product(&environment, &frame, &sampling, u.each_ref().map(|u| &u[..]), 0.4)?;
-    /// let drawn = drawn.expect("there is light above");
+    /// let drawn = mixture.sample_product(&environment, &frame, &sampling, u.each_ref().map(|u| &u[..]),
+    /// 0.4)?; let drawn = drawn.expect("there is light above");
     /// // Where the way along `drawn.direction` is clear, `drawn.weight` reaches the viewer.
     /// assert!(drawn.weight.min_element() > 0.0);
     /// # Ok::<(), srbf_core::Error>(())

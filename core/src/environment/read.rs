@@ -8,9 +8,9 @@ use crate::error::Error;
 const ROUNDING: f64 = 1e-5;
 
 impl<M: AsRef<[u32]>> Environment<M> {
-    /// Takes a table that [`table`](Self::table) gave, on a processor of the same byte order, after checking it
-    /// once. It is the fastest at a multiple of 64 bytes. Bytes of a file, at a multiple of four, are words by
-    /// `bytemuck::try_cast_slice`.
+    /// Takes a table that [`table`](Self::table) gave, on a processor of the same byte order, after checking
+    /// it once. It is the fastest at a multiple of 64 bytes. Bytes of a file, at a multiple of four, are
+    /// words by `bytemuck::try_cast_slice`.
     ///
     /// # Errors
     /// [`Error::Table`] for what is none, damaged, or of another length.
@@ -43,7 +43,8 @@ fn check(words: &[u32]) -> Option<(Shape, f32)> {
     ((total - 1.0).abs() <= ROUNDING).then_some((shape, power))
 }
 
-/// Whether a cell can be drawn from: its numbers are such, and the other's colours are those of the cell that it names.
+/// Whether a cell can be drawn from: its numbers are such, and the other's colours are those of the cell that
+/// it names.
 fn is_sound(shape: Shape, cell: &Cell, cells: &[Cell]) -> bool {
     let (scale, threshold) = (f32::from_bits(cell[0]), f32::from_bits(cell[THRESHOLD]));
     let is_place = (cell[PLACE] & 0xffff) < shape.width as u32 && (cell[PLACE] >> 16) <= shape.height as u32;

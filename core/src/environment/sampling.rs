@@ -1,4 +1,5 @@
-//! How light and material are sampled together: how many candidates, of which, and the weight of the path's own ray.
+//! How light and material are sampled together: how many candidates, of which, and the weight of the path's
+//! own ray.
 
 use crate::error::Error;
 
@@ -21,11 +22,11 @@ pub struct ProductSampling {
 impl ProductSampling {
     /// Chooses a number of candidates, the share of them that is drawn from the lobes, and kappa.
     ///
-    /// Range: `candidates` in [2, 32]: variance falls with them where nothing is occluded, and time grows: 32 take
-    /// about twice the time of 8. `lobe_share` in [0, 1], rounded to whole candidates: half serves well; under a
-    /// sky of one radiance the lobes alone are the best, and light of a small window needs them least. `kappa` at
-    /// least 1e-3: infinite where the candidates are to give all of the light; 4 serves well where the path's own
-    /// ray counts too, weighed by [`ray_weight`](Self::ray_weight).
+    /// Range: `candidates` in [2, 32]: variance falls with them where nothing is occluded, and time grows: 32
+    /// take about twice the time of 8. `lobe_share` in [0, 1], rounded to whole candidates: half serves well;
+    /// under a sky of one radiance the lobes alone are the best, and light of a small window needs them
+    /// least. `kappa` at least 1e-3: infinite where the candidates are to give all of the light; 4 serves
+    /// well where the path's own ray counts too, weighed by [`ray_weight`](Self::ray_weight).
     ///
     /// # Errors
     /// [`Error::Candidates`], [`Error::Share`], [`Error::Kappa`] for a number out of range, NaN too.
@@ -59,7 +60,8 @@ impl ProductSampling {
     }
 
     /// What the light is multiplied by that a path meets along a direction that it drew by
-    /// [`Mixture::sample`](crate::Mixture::sample), of density `pdf`, where the environment has [`Environment::pdf`](crate::Environment::pdf) `environment_pdf`.
+    /// [`Mixture::sample`](crate::Mixture::sample), of density `pdf`, where the environment has
+    /// [`Environment::pdf`](crate::Environment::pdf) `environment_pdf`.
     ///
     /// `p_b / (p_b + kappa p)`, `p` the density of the candidates; 0 for an infinite kappa. In [0, 1].
     #[inline]

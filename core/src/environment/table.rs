@@ -2,18 +2,19 @@
 //!
 //! # Cells
 //! A map has the radiance at the centres of its pixels. A *cell* lies between four centres, and in it the
-//! radiance is bilinear in the azimuth and in the height z. So it is bilinear over the solid angle, `dz dphi`,
-//! and so is its luminance, which over the [power](Environment::power) is the density: both are continuous,
-//! and a cell's part of the power is the mean of its corners times its solid angle. Above the first row of
-//! centres and below the last, a row of cells reaches to the pole, with the radiance of that row.
+//! radiance is bilinear in the azimuth and in the height z. So it is bilinear over the solid angle, `dz
+//! dphi`, and so is its luminance, which over the [power](Environment::power) is the density: both are
+//! continuous, and a cell's part of the power is the mean of its corners times its solid angle. Above the
+//! first row of centres and below the last, a row of cells reaches to the pole, with the radiance of that
+//! row.
 //!
 //! # Words
 //! Chunks of sixteen u32, 64 bytes: a cache line, if the first is at a multiple of that.
 //!
 //! ```text
 //! head     magic, width, height, bits of the power, checksum in two words
-//! rows     from the pole to the equator, four words each: bits of the depth 1 - |z| at the upper edge, of how
-//!          much deeper the lower one is, and of the inverse of that
+//! rows     from the pole to the equator, four words each: bits of the depth 1 - |z| at the upper edge, of
+//!          how much deeper the lower one is, and of the inverse of that
 //! cells    from the top row down, each from the left:
 //!            own colours    bits of the scale, then red, green, blue of the corners, two in a word
 //!            the other's    the same, of the cell that the alias table names
@@ -22,8 +23,8 @@
 //! ```
 //!
 //! A corner's channel is its scale times a whole number up to 65535: radiance over the power, 1/sr. A draw
-//! hits a cell by a uniform number, and stays there or goes to the other (Walker 1977). As the colours of both are
-//! at hand, it reads one cache line.
+//! hits a cell by a uniform number, and stays there or goes to the other (Walker 1977). As the colours of
+//! both are at hand, it reads one cache line.
 
 use crate::error::Error;
 use crate::simd::prefetch;
@@ -54,8 +55,8 @@ pub(super) const LARGEST_CODE: f32 = 65535.0;
 /// Most pixels that a map may have, 8192 x 4096: its table takes 2 GB.
 pub const MAX_ENVIRONMENT_PIXELS: usize = 1 << 25;
 
-/// The checksum of the words behind the head, and of what the head says: FNV-1a (Fowler, Noll and Vo 1991) of whole words. Each
-/// step is one to one, so that a change of one word is always seen.
+/// The checksum of the words behind the head, and of what the head says: FNV-1a (Fowler, Noll and Vo 1991) of
+/// whole words. Each step is one to one, so that a change of one word is always seen.
 pub(super) fn checksum(shape: Shape, power: f32, words: &[u32]) -> [u32; 2] {
     let head = [shape.width as u32, shape.height as u32, power.to_bits()];
     let mut sum = 0xcbf2_9ce4_8422_2325_u64;
@@ -124,8 +125,9 @@ pub const fn environment_len(width: usize, height: usize) -> Result<usize, Error
 /// The density of [`sample`](Self::sample) is the luminance of that over its integral, the
 /// [`power`](Self::power): a sample's `radiance / pdf` has constant luminance.
 ///
-/// Radiance is held with an error of at most 8e-6 of the largest channel of the four pixels around a direction. A
-/// direction is placed by polynomials; what f32 leaves of its digits moves it by up to 3e-7 of a turn.
+/// Radiance is held with an error of at most 8e-6 of the largest channel of the four pixels around a
+/// direction. A direction is placed by polynomials; what f32 leaves of its digits moves it by up to 3e-7 of a
+/// turn.
 ///
 /// ```
 /// use srbf_core::{Environment, Vec3, environment_len};
@@ -161,8 +163,8 @@ impl<M: AsRef<[u32]>> Environment<M> {
         Self { memory, start, shape, power, turn: 0.0 }
     }
 
-    /// Turns the map round +z, anticlockwise seen from above, from where it lay when it was made; radians. What
-    /// is not finite turns nothing.
+    /// Turns the map round +z, anticlockwise seen from above, from where it lay when it was made; radians.
+    /// What is not finite turns nothing.
     #[must_use]
     pub fn turned(self, radians: f32) -> Self {
         let turns = f64::from(radians) / core::f64::consts::TAU;
@@ -171,7 +173,8 @@ impl<M: AsRef<[u32]>> Environment<M> {
         Self { turn: if turn < 1.0 { turn } else { 0.0 }, ..self }
     }
 
-    /// The table, for the caller to store: what [`from_table`](Self::from_table) reads. It does not hold the turn.
+    /// The table, for the caller to store: what [`from_table`](Self::from_table) reads. It does not hold the
+    /// turn.
     pub fn table(&self) -> &[u32] {
         &self.memory.as_ref()[self.start..][..self.shape.words()]
     }

@@ -12,10 +12,10 @@ use srbf_tests::tolerance::Worst;
 use std::path::{Path, PathBuf};
 
 /// Estimates of a case, each of so many candidates.
-const DRAWS: usize = 24_000;
+const DRAWS: usize = 80_000;
 
 /// Estimates by multiple importance sampling that each case is compared with.
-const PAIRS: usize = 300_000;
+const PAIRS: usize = 800_000;
 
 fn wo(degrees: f32) -> Vec3 {
     let (sin, cos) = degrees.to_radians().sin_cos();
