@@ -10,11 +10,6 @@ static float map[HEIGHT][WIDTH][3];
 
 static float luminance(const float *c) { return 0.2126f * c[0] + 0.7152f * c[1] + 0.0722f * c[2]; }
 
-static float uniform(uint64_t *state) {
-    *state = *state * 6364136223846793005u + 1442695040888963407u;
-    return (float)(*state >> 40) * 0x1p-24f;
-}
-
 /* Storage that begins at a multiple of 64. */
 static void *aligned(size_t size, void **memory) {
     *memory = malloc(size + SRBF_ENVIRONMENT_ALIGNMENT);
