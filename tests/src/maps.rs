@@ -76,7 +76,7 @@ impl Map {
             let is_packed = bytes[at..at + 2] == [2, 2];
             at += if is_packed { 4 } else { 0 };
             let mut row = vec![[0u8; 4]; width];
-            for part in 0..if is_packed { 4 } else { 0 } {
+            for part in (0..4).filter(|_| is_packed) {
                 let mut x = 0;
                 while x < width {
                     let count = usize::from(bytes[at]);
