@@ -22,7 +22,7 @@
 //! |---|---|---|---|
 //! | `simd` | yes | SIMD levels: portable vectors, and on x86-64 AVX2 and AVX-512, chosen at run time ([`Level`]) | `wide` |
 //! | `std` | yes | [`read_file`]; the one thing here that allocates | |
-//! | `environment` | no | light from a map of the surroundings ([`Environment`]); light and material sampled together ([`Mixture::sample_product`]) | |
+//! | `environment` | no | light from a map of the surroundings (`Environment`); light and material sampled together (`Mixture::sample_product`) | |
 //! | `zonal` | no | zonal kernels beside the Gaussian: Abel-Poisson, tables, Legendre series, the Metropolis walk | `rand_core` |
 //!
 //! # A material
