@@ -135,9 +135,34 @@
 #define SRBF_EXPANDED_DEFAULT_ROWS 1024
 
 /**
+ * Alignment of the storage for an environment: that of a cache line.
+ */
+#define SRBF_ENVIRONMENT_ALIGNMENT 64
+
+/**
+ * Bytes of storage for an environment whose table lies elsewhere, see `srbf_environment_read`.
+ */
+#define SRBF_ENVIRONMENT_HEAD_SIZE 64
+
+/**
+ * Most candidates of `srbf_mixture_sample_product`.
+ */
+#define SRBF_PRODUCT_MAX_CANDIDATES 32
+
+/**
  * The number of squeezed lobes is chosen by what turns out best.
  */
 #define SRBF_FIT_AUTOMATIC 65
+
+/**
+ * Light from infinitely far away, a latitude-longitude map, in the caller's storage.
+ *
+ * Row 0 of the map looks up, along +z. The centre of the map looks along +x, and to the right in the map is to the right for one who
+ * stands inside, towards -y. Between the centres of pixels the radiance is interpolated; directions are drawn by its luminance.
+ *
+ * It never changes, so any number of threads may use one at once. It needs no release. Its bytes may not be moved.
+ */
+typedef struct srbf_environment srbf_environment;
 
 /**
  * A material made ready for speed: lobes for many angles of the outgoing direction, in the caller's storage.
@@ -422,6 +447,58 @@ typedef struct srbf_samples_out {
      */
     struct srbf_vectors_out weight;
 } srbf_samples_out;
+
+/**
+ * A direction drawn from an environment.
+ */
+typedef struct srbf_light_sample {
+    /**
+     * Unit vector in the world, towards the light.
+     */
+    float direction[3];
+    /**
+     * Density at the direction; 1/sr.
+     */
+    float pdf;
+    /**
+     * Radiance from there, linear sRGB.
+     */
+    float radiance[3];
+} srbf_light_sample;
+
+/**
+ * How light and material are sampled together.
+ */
+typedef struct srbf_product_sampling {
+    /**
+     * Candidates of a draw, 2 to 32. Variance falls with them where nothing is occluded, and time grows: 32 take about twice the time
+     * of 8.
+     */
+    uint32_t candidates;
+    /**
+     * The share of them that is drawn from the lobes, in [0, 1]; 0.5 serves well.
+     */
+    float lobe_share;
+    /**
+     * At least 1e-3: infinite where the candidates are to give all of the light; 4 serves well where the light along the path's own ray
+     * counts too, weighed by `srbf_product_ray_weight`.
+     */
+    float kappa;
+} srbf_product_sampling;
+
+/**
+ * A direction drawn for light and material together.
+ */
+typedef struct srbf_product_sample {
+    /**
+     * Unit vector in the world, towards the light: where the shadow ray goes.
+     */
+    float direction[3];
+    /**
+     * The light that is reflected to the viewer if nothing is in the way, linear sRGB; all 0: nothing was drawn.
+     */
+    float weight[3];
+} srbf_product_sample;
 
 /**
  * How a material is fitted.
@@ -1374,6 +1451,130 @@ srbf_status srbf_expanded_sample_and_evaluate_pairs_into(const struct srbf_expan
                                                          const struct srbf_vectors *wi,
                                                          const struct srbf_vectors_out *value,
                                                          const struct srbf_numbers_out *pdf);
+
+/**
+ * Says how many bytes of storage the environment of a map needs: 64 a pixel, those of one row more, and a little.
+ *
+ * Status: `SRBF_STATUS_ARGUMENT` for a size that no map may have: width or height 0 or above 65535, or more than 2^25 pixels;
+ * `SRBF_STATUS_SIZE` if the bytes are more than the address space has.
+ */
+srbf_status srbf_environment_size(size_t width,
+                                  size_t height,
+                                  size_t *size);
+
+/**
+ * Makes an environment of a map of radiance in the caller's storage; takes about 0.1 us a pixel.
+ *
+ * Shapes: `radiance` [height][width][3], linear sRGB, the top row first, each number in [0, 1e30]; `turn` the angle that the map is turned
+ * by round +z, anticlockwise seen from above, radians; `storage` [storage_size], at least what `srbf_environment_size` says, aligned to
+ * `SRBF_ENVIRONMENT_ALIGNMENT`; `environment` one pointer, which is set to the storage. None may overlap another.
+ * Status: `SRBF_STATUS_ARGUMENT` for a size that no map may have, a number out of range, NaN too, or a map that is black all over.
+ */
+srbf_status srbf_environment_make(size_t width,
+                                  size_t height,
+                                  const float *radiance,
+                                  float turn,
+                                  void *storage,
+                                  size_t storage_size,
+                                  struct srbf_environment **environment);
+
+/**
+ * Gets the table of an environment, for the caller to store: what `srbf_environment_read` reads.
+ *
+ * Shapes: `table` one pointer, which is set to bytes within the environment's storage, at a multiple of 64; `size` how many there are.
+ */
+srbf_status srbf_environment_table(const struct srbf_environment *environment,
+                                   const void **table,
+                                   size_t *size);
+
+/**
+ * Takes a table that `srbf_environment_table` gave, on a processor of the same byte order, after checking it once. Nothing is copied:
+ * the table must live, and stay as it is, for as long as the environment is used.
+ *
+ * Shapes: `table` [table_size] bytes, aligned to 4; 64 is the fastest; `turn` as in `srbf_environment_make`; `storage` [storage_size], at least
+ * `SRBF_ENVIRONMENT_HEAD_SIZE`, aligned to `SRBF_ENVIRONMENT_ALIGNMENT`; `environment` one pointer, which is set to the storage.
+ * Status: `SRBF_STATUS_OBJECT` for a table that is none, or damaged.
+ */
+srbf_status srbf_environment_read(const void *table,
+                                  size_t table_size,
+                                  float turn,
+                                  void *storage,
+                                  size_t storage_size,
+                                  struct srbf_environment **environment);
+
+/**
+ * Gets the integral of the luminance of an environment over the sphere: that of every sample's radiance over its density.
+ *
+ * Shapes: `power` one number, overwritten.
+ */
+srbf_status srbf_environment_power(const struct srbf_environment *environment,
+                                   float *power);
+
+/**
+ * Looks up the radiance from a direction.
+ *
+ * Shapes: `direction` [3], unit vector in the world; `radiance` [3], linear sRGB, overwritten.
+ */
+srbf_status srbf_environment_radiance(const struct srbf_environment *environment,
+                                      const float *direction,
+                                      float *radiance);
+
+/**
+ * Evaluates the density of `srbf_environment_sample` towards a direction; 1/sr.
+ *
+ * Shapes: `direction` [3], unit vector in the world; `pdf` one number, overwritten.
+ */
+srbf_status srbf_environment_pdf(const struct srbf_environment *environment,
+                                 const float *direction,
+                                 float *pdf);
+
+/**
+ * Looks up radiance and density at once, in half the time of both.
+ *
+ * Shapes: as in `srbf_environment_radiance` and `srbf_environment_pdf`.
+ */
+srbf_status srbf_environment_radiance_and_pdf(const struct srbf_environment *environment,
+                                              const float *direction,
+                                              float *radiance,
+                                              float *pdf);
+
+/**
+ * Draws a direction by the luminance of its radiance.
+ *
+ * Shapes: `u` [3], uniform numbers in [0, 1), of which all digits count; `sample` one, overwritten.
+ */
+srbf_status srbf_environment_sample(const struct srbf_environment *environment,
+                                    const float *u,
+                                    struct srbf_light_sample *sample);
+
+/**
+ * Draws a direction for the light of an environment and a mixture together: direct light by one shadow ray.
+ *
+ * The mean of `weight` over all draws is the integral of radiance times `f cos`, times one minus `srbf_product_ray_weight`. Without
+ * occlusion its variance is that of multiple importance sampling with as many directions as there are candidates.
+ * Shapes: `frame` [9], tangent, bitangent and normal of the shading frame in the world, unit vectors at right angles; `u` [3][candidates],
+ * uniform numbers in [0, 1): the first of all candidates, then the second, then the third; `choice` one more; `sample` one, overwritten, with
+ * the normal and weight 0 where no candidate brings light.
+ * Status: `SRBF_STATUS_ARGUMENT` for a `sampling` out of range.
+ */
+srbf_status srbf_mixture_sample_product(const struct srbf_mixture *mixture,
+                                        const struct srbf_environment *environment,
+                                        const float *frame,
+                                        const struct srbf_product_sampling *sampling,
+                                        const float *u,
+                                        float choice,
+                                        struct srbf_product_sample *sample);
+
+/**
+ * Says what the light is multiplied by that a path meets along a direction that it drew from its mixture, with a density `pdf`, where
+ * the environment has the density `environment_pdf`.
+ *
+ * Shapes: `weight` one number in [0, 1], overwritten; 0 for an infinite kappa. Status: `SRBF_STATUS_ARGUMENT` for a `sampling` out of range.
+ */
+srbf_status srbf_product_ray_weight(const struct srbf_product_sampling *sampling,
+                                    float pdf,
+                                    float environment_pdf,
+                                    float *weight);
 
 #if defined(SRBF_HOSTED)
 /**

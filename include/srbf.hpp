@@ -187,6 +187,57 @@ private:
         storage_;
 };
 
+/// Light from a map, and light and material sampled together, in storage of the caller: `srbf_environment_size` bytes, aligned to
+/// SRBF_ENVIRONMENT_ALIGNMENT, which must outlive it. A view, to be copied; an empty one answers every call with SRBF_STATUS_NULL.
+class Environment {
+public:
+    /// Makes the table of a map in the storage. `radiance` has the top row first.
+    Status make(std::size_t width, std::size_t height, const float *radiance, float turn, void *storage, std::size_t size) {
+        srbf_environment *made = nullptr;
+        const Status status = srbf_environment_make(width, height, radiance, turn, storage, size, &made);
+        if (!status) environment_ = made;
+        return status;
+    }
+    /// Takes a table that was stored; the storage has SRBF_ENVIRONMENT_HEAD_SIZE bytes.
+    Status read(const void *table, std::size_t table_size, float turn, void *storage, std::size_t size) {
+        srbf_environment *made = nullptr;
+        const Status status = srbf_environment_read(table, table_size, turn, storage, size, &made);
+        if (!status) environment_ = made;
+        return status;
+    }
+    /// The bytes of the table.
+    Status table(Span<const unsigned char> &bytes) const {
+        const void *first = nullptr;
+        std::size_t size = 0;
+        const Status status = srbf_environment_table(environment_, &first, &size);
+        if (!status) bytes = {static_cast<const unsigned char *>(first), size};
+        return status;
+    }
+
+    const srbf_environment *get() const { return environment_; }
+    explicit operator bool() const { return environment_ != nullptr; }
+
+    Status power(float &power) const { return srbf_environment_power(environment_, &power); }
+    Status radiance(const Vec3 &direction, Vec3 &radiance) const {
+        return srbf_environment_radiance(environment_, direction.data(), radiance.data());
+    }
+    Status pdf(const Vec3 &direction, float &pdf) const { return srbf_environment_pdf(environment_, direction.data(), &pdf); }
+    Status radiance_and_pdf(const Vec3 &direction, Vec3 &radiance, float &pdf) const {
+        return srbf_environment_radiance_and_pdf(environment_, direction.data(), radiance.data(), &pdf);
+    }
+    Status sample(const Vec3 &u, srbf_light_sample &sample) const { return srbf_environment_sample(environment_, u.data(), &sample); }
+    /// Draws for this light and a mixture together. `u`: the first uniform number of each candidate, then the second, then the third.
+    template <std::size_t Lobes>
+    Status sample_product(const Mixture<Lobes> &mixture, const std::array<Vec3, 3> &frame, const srbf_product_sampling &sampling,
+                          Span<const float> u, float choice, srbf_product_sample &sample) const {
+        if (u.size() != std::size_t{3} * sampling.candidates || u.stride() != sizeof(float)) return SRBF_STATUS_SIZE;
+        return srbf_mixture_sample_product(mixture.get(), environment_, frame[0].data(), &sampling, u.data(), choice, &sample);
+    }
+
+private:
+    srbf_environment *environment_ = nullptr;
+};
+
 #if defined(SRBF_HOSTED)
 /// A material, which it owns. Move-only; an empty one answers every call with SRBF_STATUS_NULL.
 class Material {

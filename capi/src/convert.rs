@@ -4,8 +4,8 @@ use crate::guard::Failure;
 use crate::{
     SRBF_STATUS_AMPLITUDE, SRBF_STATUS_ARGUMENT, SRBF_STATUS_AXIS, SRBF_STATUS_CAPACITY,
     SRBF_STATUS_CHECKSUM, SRBF_STATUS_DIRECTION, SRBF_STATUS_FIELD, SRBF_STATUS_FORMAT_VERSION,
-    SRBF_STATUS_LENGTH, SRBF_STATUS_MAGIC, SRBF_STATUS_OTHER, SRBF_STATUS_SHARPNESS, SRBF_STATUS_SIMD_LEVEL,
-    SRBF_STATUS_SIZE, SRBF_STATUS_SQUEEZE, SRBF_STATUS_SQUEEZED, SRBF_STATUS_UNIFORM,
+    SRBF_STATUS_LENGTH, SRBF_STATUS_MAGIC, SRBF_STATUS_OBJECT, SRBF_STATUS_OTHER, SRBF_STATUS_SHARPNESS,
+    SRBF_STATUS_SIMD_LEVEL, SRBF_STATUS_SIZE, SRBF_STATUS_SQUEEZE, SRBF_STATUS_SQUEEZED, SRBF_STATUS_UNIFORM,
 };
 use srbf_core::{Error, FormatError, Vec3};
 
@@ -21,7 +21,11 @@ impl From<Error> for Failure {
             Error::Squeezed => SRBF_STATUS_SQUEEZED,
             Error::Direction => SRBF_STATUS_DIRECTION,
             Error::Level => SRBF_STATUS_SIMD_LEVEL,
-            Error::Share | Error::Rows | Error::Anisotropic => SRBF_STATUS_ARGUMENT,
+            Error::Share | Error::Rows | Error::Anisotropic | Error::Candidates | Error::Kappa => {
+                SRBF_STATUS_ARGUMENT
+            }
+            Error::MapSize | Error::Radiance { .. } | Error::BlackMap => SRBF_STATUS_ARGUMENT,
+            Error::Table => SRBF_STATUS_OBJECT,
             Error::Memory { .. } => SRBF_STATUS_SIZE,
             _ => SRBF_STATUS_OTHER,
         };

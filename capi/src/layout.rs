@@ -15,6 +15,17 @@ const _: () = {
     assert!(offset_of!(srbf_sample, direction) == 0);
     assert!(offset_of!(srbf_sample, pdf) == 12);
     assert!(offset_of!(srbf_sample, weight) == 16);
+    assert!(size_of::<srbf_light_sample>() == 28);
+    assert!(offset_of!(srbf_light_sample, direction) == 0);
+    assert!(offset_of!(srbf_light_sample, pdf) == 12);
+    assert!(offset_of!(srbf_light_sample, radiance) == 16);
+    assert!(size_of::<srbf_product_sampling>() == 12);
+    assert!(offset_of!(srbf_product_sampling, candidates) == 0);
+    assert!(offset_of!(srbf_product_sampling, lobe_share) == 4);
+    assert!(offset_of!(srbf_product_sampling, kappa) == 8);
+    assert!(size_of::<srbf_product_sample>() == 24);
+    assert!(offset_of!(srbf_product_sample, direction) == 0);
+    assert!(offset_of!(srbf_product_sample, weight) == 12);
     assert!(size_of::<srbf_view>() == 20);
     assert!(offset_of!(srbf_view, theta) == 0);
     assert!(offset_of!(srbf_view, log2_squeeze) == 4);

@@ -15,6 +15,7 @@ extern crate std;
 mod batch;
 mod convert;
 mod defensive;
+mod environment;
 mod expanded;
 mod factors;
 #[cfg(feature = "fit")]
@@ -41,6 +42,7 @@ mod version;
 
 pub use batch::*;
 pub use defensive::*;
+pub use environment::*;
 pub use expanded::*;
 pub use factors::*;
 #[cfg(feature = "fit")]

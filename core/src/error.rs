@@ -31,7 +31,8 @@ pub enum Error {
     /// An expanded material has at least 2 rows and at most
     /// [`MAX_ROWS`](crate::Expanded::MAX_ROWS).
     Rows,
-    /// There is less memory than an expanded material takes, counted in f32.
+    /// There is less memory than an expanded material or an environment takes, counted in numbers of four
+    /// bytes.
     Memory {
         /// What is needed.
         needed: usize,
@@ -46,6 +47,23 @@ pub enum Error {
     Length,
     /// This processor or this build lacks the instruction set.
     Level,
+    /// A map has width and height from 1 to 65535, at most 2^25 pixels, and that many values.
+    MapSize,
+    /// A value of a map is NaN, negative, or above 1e30.
+    Radiance {
+        /// Its pixel, from the left.
+        column: usize,
+        /// From the top.
+        row: usize,
+    },
+    /// A map is black all over: there is nothing to draw.
+    BlackMap,
+    /// The words are no table of an environment, or damaged.
+    Table,
+    /// The number of candidates is outside 2 to 32.
+    Candidates,
+    /// The weight of the path's own ray is NaN or below 1e-3.
+    Kappa,
 }
 
 impl fmt::Display for Error {
@@ -68,11 +86,21 @@ impl fmt::Display for Error {
             }
             Self::Rows => f.write_str("an expanded material must have 2 to 16384 rows"),
             Self::Memory { needed, available } => {
-                write!(f, "the expanded material takes {needed} numbers, there is memory for {available}")
+                write!(f, "{needed} numbers are to be stored, there is memory for {available}")
             }
             Self::Anisotropic => f.write_str("the material must be isotropic"),
             Self::Length => f.write_str("the slices of a batch must all have one length"),
             Self::Level => f.write_str("this processor or this build lacks the instruction set"),
+            Self::MapSize => {
+                f.write_str("a map must have 1 to 65535 columns and rows, all full, and at most 2^25 pixels")
+            }
+            Self::Radiance { column, row } => {
+                write!(f, "the pixel in column {column}, row {row} must have values within [0, 1e30]")
+            }
+            Self::BlackMap => f.write_str("the map is black all over"),
+            Self::Table => f.write_str("this is no sound table of an environment"),
+            Self::Candidates => f.write_str("the number of candidates must be within [2, 32]"),
+            Self::Kappa => f.write_str("kappa must be at least 1e-3, or infinite"),
             Self::Direction => f.write_str("a direction must be a finite unit vector"),
         }
     }

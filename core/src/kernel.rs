@@ -5,8 +5,8 @@
 //! [`one_mixture`] (many directions) and [`each_mixture`] (pairs of directions, a [`block`] at a time)
 //! evaluate and draw, all by [`draw`]; in batches by [`lobe_sums`]. An [`expanded`] material does so without
 //! mixtures.
-//! May import: `mixture`, `material`, `squeeze`, `color`, `simd`, `error`; nothing but `estimator` imports
-//! from here.
+//! May import: `mixture`, `material`, `squeeze`, `color`, `simd`, `error`; nothing but `estimator` and
+//! `environment` imports from here.
 
 pub(crate) mod between_views;
 #[cfg(feature = "simd")]

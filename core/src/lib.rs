@@ -22,6 +22,7 @@
 //! |---|---|---|---|
 //! | `simd` | yes | SIMD levels: portable vectors, and on x86-64 AVX2 and AVX-512, chosen at run time ([`Level`]) | `wide` |
 //! | `std` | yes | [`read_file`]; the one thing here that allocates | |
+//! | `environment` | no | light from a map of the surroundings (`Environment`); light and material sampled together (`Mixture::sample_product`) | |
 //! | `zonal` | no | zonal kernels beside the Gaussian: Abel-Poisson, tables, Legendre series, the Metropolis walk | `rand_core` |
 //!
 //! # A material
@@ -83,6 +84,8 @@
 #![no_std]
 
 mod color;
+#[cfg(feature = "environment")]
+mod environment;
 mod error;
 mod estimator;
 mod float;
@@ -97,6 +100,14 @@ mod squeeze;
 mod zonal;
 
 pub use color::{LUMINANCE, color_differences, luminance};
+#[cfg(feature = "environment")]
+pub use environment::draw::EnvironmentSample;
+#[cfg(feature = "environment")]
+pub use environment::product::ProductSample;
+#[cfg(feature = "environment")]
+pub use environment::sampling::ProductSampling;
+#[cfg(feature = "environment")]
+pub use environment::table::{Environment, MAX_ENVIRONMENT_PIXELS, environment_len};
 pub use error::Error;
 pub use estimator::{Defensive, balance_heuristic, power_heuristic};
 pub use glam::Vec3;

@@ -25,3 +25,13 @@ pub(crate) mod routine;
 pub(crate) mod scalar;
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 mod sse2;
+
+/// Asks for what will be read soon, so that waiting for memory and working go side by side.
+#[cfg(feature = "environment")]
+#[inline(always)]
+pub(crate) fn prefetch<T>(place: &T) {
+    #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
+    sse2::prefetch(place);
+    #[cfg(not(all(target_arch = "x86_64", target_feature = "sse2")))]
+    let _ = place;
+}

@@ -9,7 +9,6 @@ mod ball_sheet;
 mod camera;
 mod command;
 mod comparison;
-mod discrete;
 mod environment;
 mod film;
 mod fit_sheet;

@@ -45,7 +45,7 @@ impl Random {
     }
 
     /// The next number, uniform in 0..n.
-    #[inline]
+    #[cfg(test)]
     pub fn below(&mut self, n: u32) -> u32 {
         ((u64::from(self.bits()) * u64::from(n)) >> 32) as u32
     }

@@ -21,6 +21,20 @@ OFFSET(srbf_sample, direction, 0);
 OFFSET(srbf_sample, pdf, 12);
 OFFSET(srbf_sample, weight, 16);
 
+SIZE(srbf_light_sample, 28);
+OFFSET(srbf_light_sample, direction, 0);
+OFFSET(srbf_light_sample, pdf, 12);
+OFFSET(srbf_light_sample, radiance, 16);
+
+SIZE(srbf_product_sampling, 12);
+OFFSET(srbf_product_sampling, candidates, 0);
+OFFSET(srbf_product_sampling, lobe_share, 4);
+OFFSET(srbf_product_sampling, kappa, 8);
+
+SIZE(srbf_product_sample, 24);
+OFFSET(srbf_product_sample, direction, 0);
+OFFSET(srbf_product_sample, weight, 12);
+
 SIZE(srbf_view, 20);
 OFFSET(srbf_view, theta, 0);
 OFFSET(srbf_view, log2_squeeze, 4);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
 #include <srbf.hpp>
 #include <type_traits>
 #include <vector>
@@ -146,9 +147,44 @@ static void use(const char *path) {
     CHECK(mixture_info.capacity == 64 && mixture_info.lobes == 1 && mixture_info.diffuse[0] == 0.5f);
 }
 
+static void light() {
+    std::size_t size = 0;
+    CHECK(srbf_environment_size(2, 2, &size) == SRBF_STATUS_OK);
+    std::vector<unsigned char> memory(size + SRBF_ENVIRONMENT_ALIGNMENT);
+    void *place = memory.data();
+    std::size_t room = memory.size();
+    CHECK(std::align(SRBF_ENVIRONMENT_ALIGNMENT, size, place, room) != nullptr);
+    const std::array<float, 12> map = {2, 2, 2, 2, 2, 2, 1, 1, 1, 1, 1, 1};
+    srbf::Environment environment;
+    float power = 0;
+    CHECK(!environment && environment.power(power).code() == SRBF_STATUS_NULL);
+    CHECK(!environment.make(2, 2, map.data(), 0, place, size) && environment && !environment.power(power) && power > 0);
+    srbf::Vec3 radiance = {};
+    float pdf = 0, density = 0;
+    CHECK(!environment.radiance_and_pdf({0, 0, 1}, radiance, pdf) && !environment.pdf({0, 0, 1}, density) && pdf == density);
+    CHECK(!environment.radiance({0, 0, 1}, radiance) && std::fabs(radiance[1] - 2) < 1e-4f);
+    srbf_light_sample drawn;
+    CHECK(!environment.sample({0.5f, 0.5f, 0.5f}, drawn) && drawn.pdf > 0);
+    srbf::Span<const unsigned char> table;
+    srbf::Environment again;
+    alignas(SRBF_ENVIRONMENT_ALIGNMENT) std::array<unsigned char, SRBF_ENVIRONMENT_HEAD_SIZE> head;
+    CHECK(!environment.table(table) && !again.read(table.data(), table.size(), 0, head.data(), head.size()) && again);
+
+    srbf::Mixture<16> matte;
+    const srbf::Vec3 half = {0.5f, 0.5f, 0.5f};
+    CHECK(!matte.from_lobes(SRBF_DOMAIN_HEMISPHERE, {}, &half));
+    const std::array<srbf::Vec3, 3> frame = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    const srbf_product_sampling sampling = {2, 0.5f, 4};
+    const std::array<float, 6> u = {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f};
+    srbf_product_sample product;
+    CHECK(!again.sample_product(matte, frame, sampling, u, 0.5f, product) && product.weight[0] > 0);
+    CHECK(again.sample_product(matte, frame, sampling, {u.data(), 5}, 0.5f, product).code() == SRBF_STATUS_SIZE);
+}
+
 int main(int count, char **arguments) {
     CHECK(count == 2);
     use(arguments[1]);
+    light();
     std::printf("wrapper: passed\n");
     return 0;
 }

@@ -3,6 +3,7 @@
 extern crate alloc;
 
 pub mod inputs;
+pub mod maps;
 pub mod native;
 pub mod oracle;
 pub mod partition;

@@ -1,24 +1,21 @@
-/* The light: a map of the sky, read, looked up and sampled. */
+/* The light: a map of the sky, read, and given to srbf.h. */
 #ifndef ENVIRONMENT_HPP
 #define ENVIRONMENT_HPP
 
 #include "common.hpp"
 #include <fstream>
+#include <memory>
 #include <vector>
 
-/* Light from infinitely far away, a latitude-longitude map; the conventions of reference-renderer/src/environment.rs. */
+/* Light from infinitely far away, a latitude-longitude map, as srbf.h holds it; the conventions are those of reference-renderer. */
 struct Environment {
-    int width = 0, height = 0;
-    std::vector<V> pixels;
-    std::vector<float> density;
-    std::vector<double> cumulative;
-
-    double solid_angle(int row) const {
-        return 2 * M_PI / width * (std::cos(M_PI * row / height) - std::cos(M_PI * (row + 1) / height));
-    }
+    std::vector<unsigned char> memory;
+    srbf::Environment light;
 
     /* A Radiance picture, not run-length encoded. */
     explicit Environment(const char *path) {
+        int width = 0, height = 0;
+        std::vector<V> pixels;
         std::ifstream file(path, std::ios::binary);
         std::string line;
         while (std::getline(file, line) && !line.empty()) {}
@@ -31,47 +28,19 @@ struct Environment {
             const float scale = bytes[i + 3] ? std::ldexp(1.0f, bytes[i + 3] - 136) : 0;
             pixels.push_back(V{float(bytes[i]), float(bytes[i + 1]), float(bytes[i + 2])} * scale);
         }
-        double total = 0;
-        for (int y = 0; y < height; y++) {
-            for (int x = 0; x < width; x++) {
-                float sum = 0, count = 0; /* of itself and its neighbours, as far as a lookup blends */
-                for (int r = std::max(y - 1, 0); r <= std::min(y + 1, height - 1); r++)
-                    for (int c = -1; c <= 1; c++, count++) sum += luminance(at(x + c, r));
-                density.push_back(sum / count);
-                cumulative.push_back(total += double(sum / count) * solid_angle(y));
-            }
-        }
-        for (float &d : density) d = float(d / total);
+        size_t size = 0;
+        check(srbf_environment_size(size_t(width), size_t(height), &size));
+        memory.resize(size + SRBF_ENVIRONMENT_ALIGNMENT);
+        void *place = memory.data();
+        size_t room = memory.size();
+        std::align(SRBF_ENVIRONMENT_ALIGNMENT, size, place, room);
+        check(light.make(size_t(width), size_t(height), &pixels[0].x, 0, place, size));
     }
-    V at(int x, int y) const {
-        return pixels[size_t(std::clamp(y, 0, height - 1)) * size_t(width) + size_t((x + width) % width)];
-    }
-    void place(V d, float &x, float &y) const {
-        const float turns = 0.5f - std::atan2(d.y, d.x) / (2 * PI);
-        x = (turns - std::floor(turns)) * float(width);
-        y = std::acos(std::clamp(d.z, -1.0f, 1.0f)) / PI * float(height);
-    }
-    V radiance(V d) const {
-        float x, y;
-        place(d, x, y);
-        const float column = std::floor(x - 0.5f), row = std::floor(y - 0.5f), u = x - 0.5f - column, v = y - 0.5f - row;
-        const int c = int(column), r = int(row);
-        return (at(c, r) * (1 - u) + at(c + 1, r) * u) * (1 - v) + (at(c, r + 1) * (1 - u) + at(c + 1, r + 1) * u) * v;
-    }
-    float pdf(V d) const {
-        float x, y;
-        place(d, x, y);
-        return density[size_t(std::min(int(y), height - 1)) * size_t(width) + size_t(std::min(int(x), width - 1))];
-    }
-    V sample(Random &random, float &pdf) const {
-        const double target = (double(random.unit()) + double(random.unit()) * 0x1p-24) * cumulative.back();
-        const size_t i = std::min(size_t(std::upper_bound(cumulative.begin(), cumulative.end(), target) - cumulative.begin()),
-                                  cumulative.size() - 1);
-        const double row = double(i / size_t(width)), low = std::cos(M_PI * (row + 1) / height), high = std::cos(M_PI * row / height);
-        const float z = float(high + (low - high) * double(random.unit())), r = std::sqrt(std::max(0.0f, 1 - z * z));
-        const float phi = -((float(i % size_t(width)) + random.unit()) / float(width) - 0.5f) * 2 * PI;
-        pdf = density[i];
-        return {r * std::cos(phi), r * std::sin(phi), z};
+    Environment(const Environment &) = delete; /* what `light` sees stays where it is */
+    V radiance(V d, float &pdf) const {
+        V radiance;
+        check(srbf_environment_radiance_and_pdf(light.get(), &d.x, &radiance.x, &pdf));
+        return radiance;
     }
 };
 

@@ -1,8 +1,8 @@
 /* A path tracer on Embree that renders the scene `teapot` of the reference renderer through srbf.h.
  *
  * Paths go in streams, a row of pixels at a time: at every bounce the hits on the teapot get their mixtures in one call, and are
- * evaluated and sampled as pairs; the hits on the ground share one mixture, and are a batch. Next-event estimation towards the
- * environment, power heuristic, Russian roulette: the estimator of reference-renderer/src/integrator.rs.
+ * sampled as pairs; the hits on the ground share one mixture, and are a batch. Direct light by sampling the environment and the
+ * mixture together, one shadow ray a hit; the light along the path's own ray is weighed against it. Russian roulette.
  *
  *     embree --environment MAP.hdr                                 writes the map that both renderers read
  *     embree MATERIAL.srbf CONTROL_POINTS MAP.hdr SIZE SPP OUT     writes OUT.mean.pfm and OUT.variance.pfm
@@ -17,11 +17,13 @@ struct Path {
     float competing; /* density of `direction`, 0 where it does not compete with samples of the environment */
     Random random;
     V point, flat, tangent, bitangent, normal; /* the hit */
-    V wo, to_light_local, u, value;
-    float value_pdf, light_pdf;
-    V to_light;
+    V wo, u;
+    srbf_product_sample direct; /* the shadow ray, and what it brings */
     srbf_sample sample;
 };
+
+/* Eight candidates for a shadow ray, half of them from the lobes; the path's own ray counts too. */
+static const srbf_product_sampling sampling = {8, 0.5f, 4};
 
 template <class Member>
 static srbf_vectors in(const std::vector<Path> &paths, Member member) {
@@ -29,24 +31,28 @@ static srbf_vectors in(const std::vector<Path> &paths, Member member) {
     return {first, first + 1, first + 2, sizeof(Path)};
 }
 
-static float power_heuristic(float pdf, float other) { return 1 / (1 + (other / pdf) * (other / pdf)); }
+/* A direction for light and mixture together. */
+static void draw_direct(Path &p, const srbf_mixture *mixture, const Environment &environment) {
+    const float frame[9] = {p.tangent.x,   p.tangent.y, p.tangent.z, p.bitangent.x, p.bitangent.y,
+                            p.bitangent.z, p.normal.x,  p.normal.y,  p.normal.z};
+    float u[3 * SRBF_PRODUCT_MAX_CANDIDATES];
+    for (uint32_t i = 0; i < 3 * sampling.candidates; i++) u[i] = p.random.unit();
+    check(srbf_mixture_sample_product(mixture, environment.light.get(), frame, &sampling, u, p.random.unit(), &p.direct));
+}
 
-/* Values towards the light and new directions for all paths of a bounce that hit one material. */
-static void shade(std::vector<Path> &paths, const srbf_material *material, const srbf_mixture *ground,
+/* Shadow rays and new directions for all paths of a bounce that hit one material. */
+static void shade(std::vector<Path> &paths, const Environment &environment, const srbf_material *material, const srbf_mixture *ground,
                   std::vector<unsigned char> &storage) {
     const size_t n = paths.size(), stride = srbf_mixture_size(64);
     if (n == 0) return;
-    const srbf_vectors wi = in(paths, &Path::to_light_local), u = in(paths, &Path::u), wo = in(paths, &Path::wo);
+    const srbf_vectors u = in(paths, &Path::u), wo = in(paths, &Path::wo);
     Path &first = paths[0];
-    const srbf_vectors_out value = {&first.value.x, &first.value.y, &first.value.z, sizeof(Path)};
-    const srbf_numbers_out pdf = {&first.value_pdf, sizeof(Path)};
     float *d = first.sample.direction, *w = first.sample.weight;
     const srbf_samples_out samples = {
         {d, d + 1, d + 2, sizeof(Path)}, {&first.sample.pdf, sizeof(Path)}, {w, w + 1, w + 2, sizeof(Path)}};
     if (ground != nullptr) { /* one mixture for all */
-        check(srbf_mixture_evaluate_into(ground, n, &wi, &value));
-        check(srbf_mixture_pdf_into(ground, n, &wi, &pdf));
         check(srbf_mixture_sample_into(ground, n, &u, &samples));
+        for (Path &p : paths) draw_direct(p, ground, environment);
         return;
     }
     storage.resize(n * stride + SRBF_MIXTURE_ALIGNMENT);
@@ -55,9 +61,9 @@ static void shade(std::vector<Path> &paths, const srbf_material *material, const
     unsigned char *place = storage.data() + shift;
     const srbf_mixture *mixtures = reinterpret_cast<const srbf_mixture *>(place);
     check(srbf_material_prepare_into(material, n, &wo, place, stride));
-    check(srbf_mixture_evaluate_pairs_into(mixtures, stride, n, &wi, &value));
-    check(srbf_mixture_pdf_pairs_into(mixtures, stride, n, &wi, &pdf));
     check(srbf_mixture_sample_pairs_into(mixtures, stride, n, &u, &samples));
+    for (size_t i = 0; i < n; i++)
+        draw_direct(paths[i], reinterpret_cast<const srbf_mixture *>(place + i * stride), environment);
 }
 
 /* Follows the paths to their ends; adds up the squares too. */
@@ -75,8 +81,10 @@ static void trace(const Scene &scene, const Environment &environment, const srbf
             r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
             rtcIntersect1(scene.scene, &context, &r);
             if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
-                const float weight = p.competing > 0 ? power_heuristic(p.competing, environment.pdf(p.direction)) : 1;
-                p.light = p.light + p.throughput * environment.radiance(p.direction) * weight;
+                float pdf, weight = 1;
+                const V radiance = environment.radiance(p.direction, pdf);
+                if (p.competing > 0) check(srbf_product_ray_weight(&sampling, p.competing, pdf, &weight));
+                p.light = p.light + p.throughput * radiance * weight;
                 finish(p);
                 continue;
             }
@@ -98,20 +106,18 @@ static void trace(const Scene &scene, const Environment &environment, const srbf
             p.bitangent = cross(p.normal, p.tangent);
             const auto local = [&](V d) { return V{dot(d, p.tangent), dot(d, p.bitangent), dot(d, p.normal)}; };
             p.wo = local(p.wo);
-            p.to_light = environment.sample(p.random, p.light_pdf);
-            p.to_light_local = local(p.to_light);
             p.u = {p.random.unit(), p.random.unit(), p.random.unit()};
             hits[r.hit.primID >= scene.ground_from].push_back(p);
         }
-        shade(hits[0], material, nullptr, storage);
-        shade(hits[1], material, ground, storage);
+        shade(hits[0], environment, material, nullptr, storage);
+        shade(hits[1], environment, material, ground, storage);
         for (auto &group : hits) {
             for (Path &p : group) {
                 const V start = p.point + p.flat * (1e-4f * std::max({1.0f, std::fabs(p.point.x), std::fabs(p.point.y), std::fabs(p.point.z)}));
-                if (dot(p.to_light, p.flat) > 0 && largest(p.value) > 0 && scene.is_clear(start, p.to_light)) {
-                    const float weight = power_heuristic(p.light_pdf, p.value_pdf) / p.light_pdf;
-                    p.light = p.light + p.throughput * p.value * environment.radiance(p.to_light) * weight;
-                }
+                const float *l = p.direct.direction, *r = p.direct.weight;
+                const V to_light = {l[0], l[1], l[2]}, reflected = {r[0], r[1], r[2]};
+                if (dot(to_light, p.flat) > 0 && luminance(reflected) != 0 && scene.is_clear(start, to_light))
+                    p.light = p.light + p.throughput * reflected;
                 const float *d = p.sample.direction;
                 p.direction = normalize(p.tangent * d[0] + p.bitangent * d[1] + p.normal * d[2]);
                 bool ends = p.sample.pdf == 0 || dot(p.direction, p.flat) <= 0;
@@ -164,7 +170,7 @@ int main(int count, char **arguments) {
             std::vector<Path> paths;
             for (int s = 0; s < spp; s++) {
                 Path p = {eye, {}, {1, 1, 1}, {}, 0, Random(uint64_t(s) * 0x100000001b3u + uint64_t(y * size + x) + 1),
-                          {}, {}, {}, {}, {}, {}, {}, {}, {}, 0, 0, {}, {}};
+                          {}, {}, {}, {}, {}, {}, {}, {}, {}};
                 const float px = (float(x) + p.random.unit() - 0.5f * float(size)) * pixel;
                 const float py = (float(y) + p.random.unit() - 0.5f * float(size)) * pixel;
                 p.direction = normalize(forward + right * px + down * py);

@@ -6,7 +6,7 @@ use srbf_tests::native::root;
 use std::process::ExitCode;
 
 /// The files of `capi/src` that export something, in the order in which the header shows them.
-const SOURCES: [&str; 18] = [
+const SOURCES: [&str; 19] = [
     "version",
     "status",
     "message",
@@ -24,6 +24,7 @@ const SOURCES: [&str; 18] = [
     "batch",
     "pairs",
     "expanded",
+    "environment",
     "fit",
 ];
 

@@ -45,6 +45,11 @@ fn material_with_factors() {
 }
 
 #[test]
+fn environments_are_made_and_sampled() {
+    run_everywhere("environment.c", "environment: passed");
+}
+
+#[test]
 fn expanded_material() {
     run_everywhere("expanded.c", "expanded: passed");
 }

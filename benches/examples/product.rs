@@ -1,0 +1,129 @@
+//! What it costs to sample light and material together: one draw of 8, 16 and 32 candidates, relative to one draw by multiple importance
+//! sampling, which is a lobe's and the environment's direction, both evaluated and weighed.
+//!
+//! `cargo run --release -p srbf-benches --example product [LEVEL...]`, five seconds a level. Times are the least of many rounds, all in turn,
+//! over mixtures of garnet red for 64 outgoing directions; random numbers are drawn within, as a renderer would.
+
+use srbf_benches::{GARNET_RED, Random, Triples, levels};
+use srbf_core::{Environment, Level, Material, Mixture, ProductSampling, Vec3, environment_len};
+use std::process::ExitCode;
+use std::time::Instant;
+
+const DRAWS: usize = 512;
+const ROUNDS: usize = 400;
+const CANDIDATES: [usize; 3] = [8, 16, 32];
+
+fn main() -> ExitCode {
+    let names: Vec<String> = std::env::args().skip(1).collect();
+    let is_missing = |name: &&String| Level::from_name(name).is_none_or(|level| !level.is_available());
+    if let Some(name) = names.iter().find(is_missing) {
+        eprintln!("product: no such level here: {name}");
+        return ExitCode::from(2);
+    }
+    let material = Material::from_bytes(GARNET_RED).expect("a valid material");
+    println!("ns a draw, and relative to one by multiple importance sampling");
+    for level in levels().filter(|level| names.is_empty() || names.iter().any(|name| name == level.name())) {
+        level.set().expect("an available level");
+        for width in [256, 1024] {
+            let environment = environment(width);
+            report(level, &Work::new(&material), &environment);
+        }
+    }
+    ExitCode::SUCCESS
+}
+
+/// A map of noise with a small sun.
+fn environment(width: usize) -> Environment<Vec<u32>> {
+    let mut random = Random(5);
+    let mut map: Vec<[f32; 3]> = (0..width * width / 2).map(|_| [random.uniform(); 3]).collect();
+    let sun = width * width / 10;
+    map[sun..sun + width / 100].fill([5e3; 3]);
+    let memory = vec![1; environment_len(width, width / 2).expect("a size of a map")];
+    let start = Instant::now();
+    let environment = Environment::new(width, &map, memory).expect("a map with light");
+    println!(
+        "a table of {width} columns is made in {:.0} ns a pixel",
+        start.elapsed().as_secs_f64() * 1e9 / map.len() as f64
+    );
+    environment
+}
+
+struct Work<'m> {
+    mixtures: Vec<Mixture<'m, 16>>,
+    frames: Vec<[Vec3; 3]>,
+}
+
+impl<'m> Work<'m> {
+    fn new(material: &'m Material<&'static [u8]>) -> Self {
+        let (wo, normals) = (Triples::directions(64, 1), Triples::directions(64, 2));
+        let mixtures = (0..64).map(|i| {
+            let mut mixture = Mixture::empty();
+            material.prepare(wo.at(i), &mut mixture).expect("a direction");
+            mixture
+        });
+        let frame = |normal: Vec3| {
+            let tangent = normal.any_orthonormal_vector();
+            [tangent, normal.cross(tangent), normal]
+        };
+        Self { mixtures: mixtures.collect(), frames: (0..64).map(|i| frame(normals.at(i))).collect() }
+    }
+
+    /// Nanoseconds of a draw by `one`.
+    fn time(&self, mut one: impl FnMut(&Mixture<'_, 16>, &[Vec3; 3]) -> Vec3) -> f64 {
+        let (start, mut sum) = (Instant::now(), Vec3::ZERO);
+        for i in 0..DRAWS {
+            sum += one(&self.mixtures[i % 64], &self.frames[i % 64]);
+        }
+        assert!(std::hint::black_box(sum).is_finite());
+        start.elapsed().as_secs_f64() * 1e9 / DRAWS as f64
+    }
+}
+
+/// One direction of each, weighed by the balance heuristic.
+fn both_ways(
+    mixture: &Mixture<'_, 16>,
+    environment: &Environment<Vec<u32>>,
+    frame: &[Vec3; 3],
+    random: &mut Random,
+) -> Vec3 {
+    let mut three = || [random.uniform(), random.uniform(), random.uniform()];
+    let mut sum = Vec3::ZERO;
+    if let Some(sample) = mixture.sample(three()) {
+        let d = sample.direction;
+        let (radiance, pdf) = environment.radiance_and_pdf(frame[0] * d.x + frame[1] * d.y + frame[2] * d.z);
+        sum += sample.weight * radiance * (sample.pdf / (sample.pdf + pdf));
+    }
+    let sample = environment.sample(three());
+    let d = sample.direction;
+    let (value, pdf) = mixture.evaluate_and_pdf(Vec3::new(frame[0].dot(d), frame[1].dot(d), frame[2].dot(d)));
+    sum + value * sample.radiance / (sample.pdf + pdf)
+}
+
+fn report(level: Level, work: &Work<'_>, environment: &Environment<Vec<u32>>) {
+    let mut random = Random(9);
+    let mut least = [f64::INFINITY; 1 + CANDIDATES.len()];
+    let mut u = [[0.0; 32]; 3];
+    for _ in 0..ROUNDS {
+        least[0] = least[0].min(work.time(|m, frame| both_ways(m, environment, frame, &mut random)));
+        for (least, candidates) in least[1..].iter_mut().zip(CANDIDATES) {
+            let sampling = ProductSampling::new(candidates, 0.5, f32::INFINITY).expect("in range");
+            *least = least.min(work.time(|m, frame| {
+                u.iter_mut().for_each(|u| u[..candidates].fill_with(|| random.uniform()));
+                let u = u.each_ref().map(|u| &u[..candidates]);
+                let drawn = m.sample_product(environment, frame, &sampling, u, random.uniform());
+                drawn.expect("equal lengths").map_or(Vec3::ZERO, |drawn| drawn.weight)
+            }));
+        }
+    }
+    let mut line = format!(
+        "{:8} {:4} x {:<4} mis {:6.1}",
+        level.name(),
+        environment.width(),
+        environment.height(),
+        least[0]
+    );
+    for (time, candidates) in least[1..].iter().zip(CANDIDATES) {
+        line += &format!("   {candidates:2}: {time:6.1} ({:.2})", time / least[0]);
+    }
+    println!("{line}");
+}

@@ -1,0 +1,93 @@
+//! Light and material sampled together: candidates of both, of which one is chosen by what it brings.
+//!
+//! # The estimator
+//! Of `M` candidates, `m_b` are drawn from the lobes with density `p_b` and `m_e` from the environment with
+//! density `p_e`, so that together they have the density `p = (m_b p_b + m_e p_e) / M`. Candidate `i` weighs
+//! `w_i = t_i / p_i`, `t` the luminance of the light that would be reflected, `L f cos`
+//! (made positive where a channel below 0 makes it negative). One is chosen with
+//! probability `w_i / sum w`, and its light is multiplied by `sum w / (M t)`. The mean over all draws is the
+//! integral of `L f cos`, exactly (Talbot, Cline and Egbert 2005). Without occlusion the luminance of the
+//! estimate is the mean of `M` estimates by multiple importance sampling of light and lobes, and its variance
+//! that of one over `M`; it takes one shadow ray.
+//!
+//! # With the path's own ray
+//! The path goes on along a direction that the lobes drew, and meets the light where it escapes. That light
+//! gets the weight `p_b / (p_b + kappa p)`, and the candidates the rest: they are weighed by `t / (p_b /
+//! kappa + p)`. The larger kappa, the less the ray's light counts; an infinite one leaves it out.
+
+use super::candidates::{Candidates, choose};
+use super::sampling::ProductSampling;
+use super::table::Environment;
+use crate::error::Error;
+use crate::mixture::rows::Mixture;
+use glam::Vec3;
+
+/// A direction drawn for light and material together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProductSample {
+    /// Unit vector in the world, towards the light: where the shadow ray goes.
+    pub direction: Vec3,
+    /// The light that is reflected to the viewer if nothing is in the way, radiance times `f cos` over the
+    /// density of such a draw; linear sRGB, in the unit of the map.
+    pub weight: Vec3,
+}
+
+impl<const N: usize> Mixture<'_, N> {
+    /// Draws a direction for the light of an environment and this mixture together: direct light by one
+    /// shadow ray.
+    ///
+    /// The mean of `weight` over all draws is the integral of radiance times `f cos`, times one minus
+    /// [`ray_weight`](ProductSampling::ray_weight). The density of a draw has no closed form; see
+    /// `core/src/environment/product.rs` for the estimator.
+    ///
+    /// Shapes: `frame` tangent, bitangent and normal of the caller's shading frame in the world, unit vectors
+    /// at right angles; `u` three uniform numbers in [0, 1) a candidate, each `[candidates]`, those of the
+    /// lobes first; `choice` one such number. `None` where no candidate brings light.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of that length.
+    ///
+    /// # Examples
+    /// ```
+    /// use srbf_core::{Environment, Lobe, Mixture, ProductSampling, Vec3, environment_len};
+    ///
+    /// let map = [[2.0; 3], [2.0; 3], [0.5; 3], [0.5; 3]];
+    /// let environment = Environment::new(2, &map, vec![0; environment_len(2, 2)?])?;
+    /// let mixture = Mixture::<16>::hemisphere(&[Lobe::new(Vec3::Z, 40.0, Vec3::splat(3.0))?])?;
+    /// let sampling = ProductSampling::new(2, 0.5, f32::INFINITY)?;
+    ///
+    /// let u = [[0.3, 0.7], [0.6, 0.2], [0.1, 0.9]];
+    /// let frame = [Vec3::X, Vec3::Y, Vec3::Z];
+    /// let drawn = mixture.sample_product(&environment, &frame, &sampling, u.each_ref().map(|u| &u[..]),
+    /// 0.4)?; let drawn = drawn.expect("there is light above");
+    /// // Where the way along `drawn.direction` is clear, `drawn.weight` reaches the viewer.
+    /// assert!(drawn.weight.min_element() > 0.0);
+    /// # Ok::<(), srbf_core::Error>(())
+    /// ```
+    pub fn sample_product(
+        &self,
+        environment: &Environment<impl AsRef<[u32]>>,
+        frame: &[Vec3; 3],
+        sampling: &ProductSampling,
+        u: [&[f32]; 3],
+        choice: f32,
+    ) -> Result<Option<ProductSample>, Error> {
+        if u.iter().any(|u| u.len() != sampling.count) {
+            return Err(Error::Length);
+        }
+        if self.power <= 0.0 {
+            return Ok(None);
+        }
+        let table = environment.borrowed();
+        let mut candidates = Candidates::NONE;
+        candidates.draw(self, &table, frame, sampling, u);
+        if self.has_factors() {
+            candidates.multiply(self, sampling.count);
+        }
+        let Some((chosen, scale)) = choose(self.level, &mut candidates, sampling, choice) else {
+            return Ok(None);
+        };
+        let (direction, weight) = candidates.at(chosen);
+        Ok(Some(ProductSample { direction, weight: weight * scale * table.power }))
+    }
+}

@@ -1,0 +1,5 @@
+//! Environments against f64, their samples against their density; light and material sampled together against multiple
+//! importance sampling, and against a scalar text.
+
+mod map;
+mod product;
