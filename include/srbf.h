@@ -1286,9 +1286,12 @@ srbf_status srbf_fit_brdf(const struct srbf_fit_settings *settings,
 /**
  * Writes a material to a `.srbf` file, whole or not at all; folders that are missing are made.
  *
- * `path` is UTF-8 with a zero at the end. Status: `SRBF_STATUS_FILE`, with the reason in `srbf_last_message`.
+ * The bytes are written under another name in the same folder, which is then renamed. A symbolic link stays, and what it points to
+ * is replaced; a file that is there gives its mode to the new one. Where a folder, a device, a pipe or a socket is there, nothing is
+ * written. `path` is UTF-8 with a zero at the end. Status: `SRBF_STATUS_FILE`, with the reason in `srbf_last_message`.
  */
-srbf_status srbf_material_save(const struct srbf_material *material, const char *path);
+srbf_status srbf_material_save(const struct srbf_material *material,
+                               const char *path);
 #endif
 
 #ifdef __cplusplus

@@ -117,7 +117,9 @@ pub unsafe extern "C" fn srbf_fit_brdf(
 
 /// Writes a material to a `.srbf` file, whole or not at all; folders that are missing are made.
 ///
-/// `path` is UTF-8 with a zero at the end. Status: `SRBF_STATUS_FILE`, with the reason in `srbf_last_message`.
+/// The bytes are written under another name in the same folder, which is then renamed. A symbolic link stays, and what it points to
+/// is replaced; a file that is there gives its mode to the new one. Where a folder, a device, a pipe or a socket is there, nothing is
+/// written. `path` is UTF-8 with a zero at the end. Status: `SRBF_STATUS_FILE`, with the reason in `srbf_last_message`.
 #[cfg(feature = "fit")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_material_save(

@@ -21,4 +21,4 @@ pub use judge::fitted_material::TrackedLobes;
 pub use judge::report::Fit;
 pub use read::read_at_most;
 pub use settings::{FactorNodes, Settings};
-pub use write::write_atomically;
+pub use write::{check_output, write_atomically};

@@ -369,6 +369,58 @@ fn only_files_are_read() {
     refused(&place, &mesh, &["a.obj", "regular file"]);
 }
 
+/// Before any work, and what is there stays: a pipe without a reader does not hold the program either.
+#[cfg(unix)]
+#[test]
+fn only_files_are_written() {
+    use std::os::unix::fs::symlink;
+    let place = folder("outputs");
+    for name in ["null.srbf", "null.exr", "null.png", "beside.png", "null.json", "null.csv", "null.md"] {
+        symlink("/dev/null", place.join(name)).unwrap();
+    }
+    for name in ["pipe.srbf", "pipe.exr"] {
+        assert!(Command::new("mkfifo").arg(place.join(name)).status().unwrap().success());
+    }
+    for name in ["folder.srbf", "folder.exr"] {
+        std::fs::create_dir(place.join(name)).unwrap();
+    }
+    let other = "a device, a pipe or a socket";
+    let fit = ["fit", "model:lambert:albedo=0.3", "-o"];
+    let render = ["render", "--material", "garnet_red", "-o"];
+    for (arguments, output, named, reason) in [
+        (&fit[..], "null.srbf", "null.srbf", other),
+        (&fit, "/dev/null", "/dev/null", other),
+        (&fit, "pipe.srbf", "pipe.srbf", other),
+        (&fit, "folder.srbf", "folder.srbf", "a folder"),
+        (&["fit", "model:lambert:albedo=0.3", "--method", "thesis", "-o"], "null.json", "null.json", other),
+        (&render, "null.exr", "null.exr", other),
+        (&render, "pipe.exr", "pipe.exr", other),
+        (&render, "folder.exr", "folder.exr", "a folder"),
+        (&render, "beside.exr", "beside.png", other),
+        (&["leave-out", "-o"], "null.csv", "null.csv", other),
+        (&["samples", "-o"], "null.png", "null.png", other),
+        (&["thesis-table", "-o"], "null.md", "null.md", other),
+    ] {
+        refused(&place, &[arguments, &[output]].concat(), &["cannot write", named, reason]);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_picture_is_written_through_a_link_and_keeps_its_mode() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let place = folder("link");
+    std::fs::write(place.join("real.exr"), "old").unwrap();
+    std::fs::set_permissions(place.join("real.exr"), std::fs::Permissions::from_mode(0o640)).unwrap();
+    symlink("real.exr", place.join("a.exr")).unwrap();
+    let render = ["render", "--material", "garnet_red", "--size", "8x8", "--spp", "1", "-o", "a.exr"];
+    let output = srbf(&place, &render);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(place.join("a.exr").is_symlink() && std::fs::read(place.join("real.exr")).unwrap().len() > 100);
+    let mode = std::fs::metadata(place.join("real.exr")).unwrap().permissions().mode() & 0o777;
+    assert_eq!(mode, 0o640, "{mode:o}");
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn output_that_cannot_be_written_is_an_error() {

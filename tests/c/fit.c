@@ -4,6 +4,7 @@
  */
 #define _POSIX_C_SOURCE 200809L
 #include "check.h"
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -60,6 +61,30 @@ static void check_provenance(const srbf_material *material) {
     CHECK(info.provenance_length < sizeof text);
     memcpy(text, info.provenance, info.provenance_length);
     CHECK(strstr(text, "through its C interface\nsrbf-fit ") != NULL);
+}
+
+/* A file and its mode stay what they were, and so does what is no file. */
+static void test_places(const srbf_material *material, const char *folder) {
+    char file[4096], link[4096], pipe[4096];
+    CHECK(snprintf(file, sizeof file, "%s/made/file.srbf", folder) < (int)sizeof file);
+    CHECK(snprintf(link, sizeof link, "%s/made/link.srbf", folder) < (int)sizeof link);
+    CHECK(snprintf(pipe, sizeof pipe, "%s/made/pipe.srbf", folder) < (int)sizeof pipe);
+    unlink(file), unlink(link), unlink(pipe);
+    struct stat found;
+    CHECK_OK(srbf_material_save(material, file));
+    CHECK(chmod(file, 0640) == 0 && symlink("file.srbf", link) == 0);
+    CHECK_OK(srbf_material_save(material, link));
+    CHECK(lstat(link, &found) == 0 && S_ISLNK(found.st_mode));
+    CHECK(lstat(file, &found) == 0 && S_ISREG(found.st_mode) && (found.st_mode & 07777) == 0640);
+    CHECK(mkfifo(pipe, 0600) == 0);
+    CHECK_STATUS(SRBF_STATUS_FILE, srbf_material_save(material, pipe));
+    CHECK(lstat(pipe, &found) == 0 && S_ISFIFO(found.st_mode));
+    CHECK_STATUS(SRBF_STATUS_FILE, srbf_material_save(material, folder));
+    CHECK(strstr(srbf_last_message(), "this is a folder") != NULL);
+    CHECK_STATUS(SRBF_STATUS_FILE, srbf_material_save(material, "/dev/null"));
+    CHECK(strstr(srbf_last_message(), "/dev/null: a regular file is expected") != NULL);
+    CHECK(stat("/dev/null", &found) == 0 && S_ISCHR(found.st_mode));
+    unlink(file), unlink(link), unlink(pipe);
 }
 
 int main(int count, char **arguments) {
@@ -135,10 +160,11 @@ int main(int count, char **arguments) {
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_save(NULL, path));
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_save(again, NULL));
     CHECK_STATUS(SRBF_STATUS_FILE, srbf_material_save(again, "/dev/null/a.srbf"));
-    CHECK(strstr(srbf_last_message(), "/dev/null: ") != NULL);
+    CHECK(strstr(srbf_last_message(), "/dev/null/a.srbf: ") != NULL);
     CHECK_STATUS(SRBF_STATUS_FILE, srbf_material_save(again, ""));
     CHECK_STATUS(SRBF_STATUS_TEXT, srbf_material_save(again, "\xff"));
     CHECK(material == NULL);
+    test_places(again, arguments[1]);
     CHECK_OK(srbf_material_free(again));
     printf("fit: passed\n");
     return 0;

@@ -83,7 +83,7 @@ const MESH_SIZE: f32 = 3.4;
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
     output::check_extension(&args.output, "exr")?;
-    output::check_place(&args.output)?;
+    output::check_places(&[&args.output, &args.output.with_extension("png")])?;
     ensure!(args.exposure.abs() <= 64.0, "--exposure {}: within -64 to 64 is expected", args.exposure);
     ensure!(args.env_turn.is_finite(), "--env-turn {}: a number of degrees is expected", args.env_turn);
 
