@@ -1261,6 +1261,9 @@ srbf_status srbf_fit_settings_default(struct srbf_fit_settings *settings);
  * sRGB, of which what is negative counts as 0; `settings` one, or NULL; `material` one pointer, overwritten.
  * Status, with the reason in `srbf_last_message`: `SRBF_STATUS_DIRECTION` for what is no unit vector; `SRBF_STATUS_TABLE`;
  * `SRBF_STATUS_ARGUMENT` for a setting; `SRBF_STATUS_OTHER` if the system gives no threads to fit on.
+ *
+ * A child that was forked may fit, whether or not its parent has fitted or is fitting: it starts threads of its own. But a child that
+ * was forked within a `srbf_brdf` gets `SRBF_STATUS_OTHER`.
  */
 srbf_status srbf_fit_table(const struct srbf_fit_settings *settings,
                            size_t n,

@@ -85,8 +85,8 @@ impl<const N: usize> Mixture<'_, N> {
     /// Draws a direction from lobe `k`, as one of the samples that [`allocate_into`](Self::allocate_into)
     /// gave it.
     ///
-    /// The density and value in the sample are those of the whole mixture. `None` past the last lobe, for a
-    /// black mixture, and where the density underflows.
+    /// The density and value in the sample are those of the whole mixture. `None` past the last lobe, and for a
+    /// black mixture.
     pub fn sample_lobe(&self, k: usize, u: [f32; 2]) -> Option<Sample> {
         if k >= self.component_len() || self.power == 0.0 {
             return None;
@@ -100,7 +100,7 @@ impl<const N: usize> Mixture<'_, N> {
         }
         let direction = Vec3::from_array(self.squeeze.turn_back(d)).normalize();
         let (value, pdf) = self.evaluate_and_pdf(direction);
-        (pdf > 0.0).then_some(Sample { direction, pdf, value })
+        Some(Sample { direction, pdf, value })
     }
 
     /// Evaluates `sum over lobes of count_k p_k(d)`, the divisor of eq. 13: the estimate is the sum over all

@@ -121,7 +121,7 @@ pub fn radiance<'a>(
         if !frame.leaves(direction) {
             break;
         }
-        throughput *= sample.value / sample.pdf;
+        throughput *= sample.weight();
         if bounce >= ROULETTE_FROM {
             // By its size: of a colour outside the gamut, channels are negative.
             let survival = throughput.abs().max_element().min(0.95);

@@ -421,6 +421,54 @@ fn a_picture_is_written_through_a_link_and_keeps_its_mode() {
     assert_eq!(mode, 0o640, "{mode:o}");
 }
 
+/// By its size, of which the file has holes alone: nothing is read.
+#[test]
+fn a_file_of_a_size_that_none_of_its_format_has_is_refused() {
+    let place = folder("sizes");
+    for (name, bytes, says) in [
+        ("one-less.binary", 34_992_011u64, "34992011 bytes; a MERL file has 34992012"),
+        ("huge.binary", 900_000_000, "900000000 bytes; a MERL file has 34992012"),
+        ("short.bsdf", 30, "30 bytes: not an RGL .bsdf file"),
+        ("huge.csv", 1 << 40, "a file of at most 1073741824 bytes"),
+        ("huge.xyz", 1 << 30, "the name has to end in"),
+    ] {
+        std::fs::File::create(place.join(name)).unwrap().set_len(bytes).unwrap();
+        refused(&place, &["fit", name, "-o", "out.srbf"], &[name, says]);
+    }
+}
+
+/// Under a limit of the address space, which a shell sets.
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_that_is_not_there_is_an_error() {
+    let place = folder("memory");
+    let mut text = rows();
+    let sample = "0.1,0,0.99498743,0,0,1,0.2,0.1,0.05\n".repeat(1_000_000);
+    text += &sample;
+    std::fs::write(place.join("long.csv"), text).unwrap();
+    for (megabytes, arguments, says) in [
+        (150, "fit long.csv -o out.srbf", &["long.csv", "of memory are needed"][..]),
+        (20, "fit long.csv -o out.srbf", &["long.csv", "36 MB of memory are needed"]),
+        (
+            600,
+            "render --material garnet_red --size 4096x4096 --spp 1 --threads 1 -o out.exr",
+            &["4096x4096", "MB of memory"],
+        ),
+    ] {
+        let limited = format!("ulimit -v {} && exec \"$0\" {arguments}", 1000 * megabytes);
+        let output = Command::new("sh")
+            .args(["-c", &limited, env!("CARGO_BIN_EXE_srbf")])
+            .current_dir(&place)
+            .output()
+            .unwrap();
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments} in {megabytes} MB: {text}");
+        for part in says {
+            assert!(text.contains(part), "{arguments} in {megabytes} MB does not say `{part}`: {text}");
+        }
+    }
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn output_that_cannot_be_written_is_an_error() {

@@ -16,6 +16,8 @@ use crate::color::luminance;
 use crate::error::Error;
 use crate::material::borrowed::Material;
 use crate::mixture::rows::Mixture;
+#[cfg(feature = "simd")]
+use crate::mixture::rows::weight;
 use crate::simd::detect::Level;
 use glam::Vec3;
 
@@ -244,7 +246,8 @@ struct EvaluatePairs<'a> {
 
 impl<const N: usize> Each<N> for EvaluatePairs<'_> {
     fn one(&mut self, m: &Mixture<'_, N>, i: usize) {
-        let (value, pdf) = m.evaluate_and_pdf(at(&self.wi, i));
+        let (value, pdf) =
+            if m.is_nothing() { (Vec3::ZERO, 0.0) } else { m.evaluate_and_pdf(at(&self.wi, i)) };
         self.pdf[i] = pdf;
         let [red, green, blue] = &mut self.value;
         [red[i], green[i], blue[i]] = value.to_array();
@@ -275,7 +278,7 @@ impl<const N: usize> Each<N> for SamplePairs<'_> {
         let u = at(&self.u, i).to_array();
         let (direction, pdf, weight) = match m.sample(u) {
             Some(sample) => (sample.direction, sample.pdf, sample.weight()),
-            None => (m.sample_direction(u).unwrap_or(Vec3::Z), 0.0, Vec3::ZERO),
+            None => (Vec3::Z, 0.0, Vec3::ZERO),
         };
         let SamplesMut { direction: [x, y, z], pdf: pdf_out, weight: [red, green, blue] } = &mut self.samples;
         [x[i], y[i], z[i]] = direction.to_array();
@@ -296,8 +299,7 @@ impl<const N: usize> Each<N> for SamplePairs<'_> {
         multiply_block(level, mixtures, &directions, &mut value);
         for i in 0..count {
             let (value, density) = (Vec3::new(value[0][i], value[1][i], value[2][i]), pdf[from + i]);
-            let weight = if density > 0.0 { value / density } else { Vec3::ZERO };
-            [red[from + i], green[from + i], blue[from + i]] = weight.to_array();
+            [red[from + i], green[from + i], blue[from + i]] = weight(value, density).to_array();
         }
         copy_out(&directions, [x, y, z], from, count);
     }
@@ -313,7 +315,9 @@ struct OneChannelPairs<'a> {
 impl<const N: usize> Each<N> for OneChannelPairs<'_> {
     fn one(&mut self, m: &Mixture<'_, N>, i: usize) {
         let d = at(&self.wi, i);
-        self.out[i] = if self.is_pdf {
+        self.out[i] = if m.is_nothing() {
+            0.0
+        } else if self.is_pdf {
             m.pdf(d)
         } else if m.has_factors() {
             luminance(m.evaluate(d))

@@ -1,7 +1,7 @@
 //! `srbf render`.
 
 use super::argument;
-use crate::film::Film;
+use crate::film::{self, Film};
 use crate::furnace::{self, Furnace};
 use crate::integrator::Sampler;
 use crate::material;
@@ -113,6 +113,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let camera = args.scene.camera(args.size);
     let settings = Settings { sampler: args.sampler, max_bounces: args.max_bounces, seed: args.seed };
 
+    film::check_memory(args.size)?;
     let mut film = Film::new(args.size);
     let progress = Progress::new("rendering", args.size[1].into());
     let start = Instant::now();
