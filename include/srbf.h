@@ -689,7 +689,7 @@ srbf_status srbf_lobe_product(const struct srbf_lobe *a,
 srbf_status srbf_lobe_inner_product(const struct srbf_lobe *a, const struct srbf_lobe *b, float *integral);
 
 /**
- * Integrates the product of a mixture of round lobes and a lobe, of light for example, over the mixture's domain.
+ * Integrates the product of a mixture of plain lobes and a lobe, of light for example, over the mixture's domain.
  *
  * For a material's mixture and a lobe of radiance: the radiance that is reflected towards the viewer.
  * Shapes: `integral` [3], overwritten. Status: `SRBF_STATUS_SQUEEZED`.
@@ -996,6 +996,44 @@ srbf_status srbf_mixture_sample_pdf(const struct srbf_mixture *mixture,
                                     float *pdf);
 
 /**
+ * Draws an incident direction, and evaluates value and density towards another one: what next-event estimation needs at every hit.
+ *
+ * Shapes: `u` and `sample` as in `srbf_mixture_sample`; `wi`, `value` and `pdf` as in `srbf_mixture_evaluate_and_pdf`.
+ */
+srbf_status srbf_mixture_sample_and_evaluate(const struct srbf_mixture *mixture,
+                                             const float *u,
+                                             struct srbf_sample *sample,
+                                             const float *wi,
+                                             float *value,
+                                             float *pdf);
+
+/**
+ * Draws an incident direction: with probability `share` one of the cosine, else one of the mixture.
+ *
+ * For a renderer that keeps another function as the truth, a measured table for example, and samples it by the mixture: where the
+ * mixture misses the table, the weight is at most `pi / share` times the BRDF. A `share` of 0.02 to 0.05 serves well. A mixture on
+ * the whole sphere has a uniform direction in place of one of the cosine.
+ * To combine techniques A and B, of `n` samples each with density `p`, A's sample weighs `n_a p_a / (n_a p_a + n_b p_b)` (the
+ * balance heuristic), or the same of the squares (the power heuristic, for techniques of which one is much the better).
+ * Shapes: `u` and `sample` as in `srbf_mixture_sample`; the density is the whole one, the weight the mixture's value over it.
+ * Status: `SRBF_STATUS_ARGUMENT` for a share outside [0, 1].
+ */
+srbf_status srbf_mixture_sample_defensive(const struct srbf_mixture *mixture,
+                                          float share,
+                                          const float *u,
+                                          struct srbf_sample *sample);
+
+/**
+ * Evaluates the density of `srbf_mixture_sample_defensive` at a direction; 1/sr.
+ *
+ * Shapes: `wi` [3], unit vector; `pdf` one number, overwritten. Status as there.
+ */
+srbf_status srbf_mixture_pdf_defensive(const struct srbf_mixture *mixture,
+                                       float share,
+                                       const float *wi,
+                                       float *pdf);
+
+/**
  * Evaluates `f cos` towards n directions; 1/sr. The values of `srbf_mixture_evaluate` within rounding.
  *
  * Shapes: `wi` n unit vectors; `value` n colours in linear sRGB, overwritten. n = 0 looks at no pointer but the
@@ -1015,6 +1053,18 @@ srbf_status srbf_mixture_pdf_into(const struct srbf_mixture *mixture,
                                   size_t n,
                                   const struct srbf_vectors *wi,
                                   const struct srbf_numbers_out *pdf);
+
+/**
+ * Evaluates `f cos` and the density of sampling at n directions; 1/sr. The values of `srbf_mixture_evaluate_and_pdf` within
+ * rounding.
+ *
+ * Shapes and directions as in `srbf_mixture_evaluate_into`; `value` n colours and `pdf` n numbers, overwritten.
+ */
+srbf_status srbf_mixture_evaluate_and_pdf_into(const struct srbf_mixture *mixture,
+                                               size_t n,
+                                               const struct srbf_vectors *wi,
+                                               const struct srbf_vectors_out *value,
+                                               const struct srbf_numbers_out *pdf);
 
 /**
  * Draws n directions with density and weight, in one pass.
@@ -1042,42 +1092,55 @@ srbf_status srbf_mixture_sample_pdf_into(const struct srbf_mixture *mixture,
                                          const struct srbf_numbers_out *pdf);
 
 /**
- * Evaluates value and density for n pairs of an outgoing and an incident direction, each pair with its own mixture.
+ * Draws n directions with density and weight, and evaluates value and density towards n others: what next-event estimation needs.
  *
- * The values of `srbf_material_prepare` and `srbf_mixture_evaluate_and_pdf`, pair by pair, without storage for mixtures.
- * Shapes: `wo` and `wi` n unit vectors; `value` n colours in linear sRGB, `f cos`, and `pdf` n numbers, overwritten.
- * n = 0 looks at no pointer but the material. A `wo` that is no unit vector gives 0.
+ * Shapes: `u` and `samples` as in `srbf_mixture_sample_into`; `wi`, `value` and `pdf` as in `srbf_mixture_evaluate_and_pdf_into`.
+ */
+srbf_status srbf_mixture_sample_and_evaluate_into(const struct srbf_mixture *mixture,
+                                                  size_t n,
+                                                  const struct srbf_vectors *u,
+                                                  const struct srbf_samples_out *samples,
+                                                  const struct srbf_vectors *wi,
+                                                  const struct srbf_vectors_out *value,
+                                                  const struct srbf_numbers_out *pdf);
+
+/**
+ * Evaluates `f cos` for n pairs of an outgoing and an incident direction, each pair with its own mixture; 1/sr.
+ *
+ * The values of `srbf_material_prepare` and `srbf_mixture_evaluate`, pair by pair, without storage for mixtures.
+ * Shapes: `wo` and `wi` n unit vectors; `value` n colours in linear sRGB, overwritten. n = 0 looks at no pointer but the material.
+ * A `wo` that is no unit vector gives 0.
  */
 srbf_status srbf_material_evaluate_pairs_into(const struct srbf_material *material,
                                               size_t n,
                                               const struct srbf_vectors *wo,
                                               const struct srbf_vectors *wi,
-                                              const struct srbf_vectors_out *value,
-                                              const struct srbf_numbers_out *pdf);
+                                              const struct srbf_vectors_out *value);
+
+/**
+ * Evaluates `f cos` and the density of sampling for n pairs of an outgoing and an incident direction; 1/sr.
+ *
+ * Shapes: as in `srbf_material_evaluate_pairs_into`, and `pdf` n numbers, overwritten.
+ */
+srbf_status srbf_material_evaluate_and_pdf_pairs_into(const struct srbf_material *material,
+                                                      size_t n,
+                                                      const struct srbf_vectors *wo,
+                                                      const struct srbf_vectors *wi,
+                                                      const struct srbf_vectors_out *value,
+                                                      const struct srbf_numbers_out *pdf);
 
 /**
  * Evaluates the density of sampling alone for n pairs of an outgoing and an incident direction; 1/sr.
  *
- * The densities of `srbf_material_evaluate_pairs_into` within rounding, in less time.
- * Shapes: `wo` and `wi` n unit vectors; `pdf` n numbers, overwritten. n = 0 and what is no unit vector as there.
+ * The densities of `srbf_material_evaluate_and_pdf_pairs_into` within rounding, in less time.
+ * Shapes: `wo` and `wi` n unit vectors; `pdf` n numbers, overwritten. n = 0 and what is no unit vector as in
+ * `srbf_material_evaluate_pairs_into`.
  */
 srbf_status srbf_material_pdf_pairs_into(const struct srbf_material *material,
                                          size_t n,
                                          const struct srbf_vectors *wo,
                                          const struct srbf_vectors *wi,
                                          const struct srbf_numbers_out *pdf);
-
-/**
- * Evaluates the luminance of `f cos` (Rec. 709) for n pairs of an outgoing and an incident direction; 1/sr.
- *
- * One colour channel in place of the three of `srbf_material_evaluate_pairs_into`.
- * Shapes: `wo` and `wi` n unit vectors; `luminance` n numbers, overwritten. n = 0 and what is no unit vector as there.
- */
-srbf_status srbf_material_luminance_pairs_into(const struct srbf_material *material,
-                                               size_t n,
-                                               const struct srbf_vectors *wo,
-                                               const struct srbf_vectors *wi,
-                                               const struct srbf_numbers_out *luminance);
 
 /**
  * Draws an incident direction for each of n outgoing ones with its density, without a weight.
@@ -1107,6 +1170,22 @@ srbf_status srbf_material_sample_pairs_into(const struct srbf_material *material
                                             const struct srbf_samples_out *samples);
 
 /**
+ * Draws an incident direction for each of n outgoing ones, and evaluates value and density towards another one, with one
+ * preparation: what next-event estimation needs at every hit.
+ *
+ * Shapes: `wo`, `u` and `samples` as in `srbf_material_sample_pairs_into`; `wi`, `value` and `pdf` as in
+ * `srbf_material_evaluate_and_pdf_pairs_into`.
+ */
+srbf_status srbf_material_sample_and_evaluate_pairs_into(const struct srbf_material *material,
+                                                         size_t n,
+                                                         const struct srbf_vectors *wo,
+                                                         const struct srbf_vectors *u,
+                                                         const struct srbf_samples_out *samples,
+                                                         const struct srbf_vectors *wi,
+                                                         const struct srbf_vectors_out *value,
+                                                         const struct srbf_numbers_out *pdf);
+
+/**
  * Evaluates `f cos` for n pairs of a mixture and a direction; 1/sr.
  *
  * Mixture i is at `(const srbf_mixture *)((const char *)mixtures + i * mixture_stride)`.
@@ -1122,6 +1201,18 @@ srbf_status srbf_mixture_evaluate_pairs_into(const struct srbf_mixture *mixtures
                                              const struct srbf_vectors_out *value);
 
 /**
+ * Evaluates `f cos` and the density of sampling for n pairs of a mixture and a direction; 1/sr.
+ *
+ * Shapes and status as in `srbf_mixture_evaluate_pairs_into`; `pdf` n numbers, overwritten.
+ */
+srbf_status srbf_mixture_evaluate_and_pdf_pairs_into(const struct srbf_mixture *mixtures,
+                                                     size_t mixture_stride,
+                                                     size_t n,
+                                                     const struct srbf_vectors *wi,
+                                                     const struct srbf_vectors_out *value,
+                                                     const struct srbf_numbers_out *pdf);
+
+/**
  * Evaluates the density of sampling for n pairs of a mixture and a direction; 1/sr.
  *
  * Shapes and status as in `srbf_mixture_evaluate_pairs_into`; `pdf` n numbers, overwritten.
@@ -1133,7 +1224,7 @@ srbf_status srbf_mixture_pdf_pairs_into(const struct srbf_mixture *mixtures,
                                         const struct srbf_numbers_out *pdf);
 
 /**
- * Draws one direction from each of n mixtures.
+ * Draws one direction from each of n mixtures, with density and weight.
  *
  * Shapes and status as in `srbf_mixture_evaluate_pairs_into`; `u` and `samples` as in `srbf_mixture_sample_into`.
  */
@@ -1142,6 +1233,33 @@ srbf_status srbf_mixture_sample_pairs_into(const struct srbf_mixture *mixtures,
                                            size_t n,
                                            const struct srbf_vectors *u,
                                            const struct srbf_samples_out *samples);
+
+/**
+ * Draws one direction from each of n mixtures with its density, without a weight.
+ *
+ * Shapes and status as in `srbf_mixture_evaluate_pairs_into`; `u`, `direction` and `pdf` as in `srbf_mixture_sample_pdf_into`.
+ */
+srbf_status srbf_mixture_sample_pdf_pairs_into(const struct srbf_mixture *mixtures,
+                                               size_t mixture_stride,
+                                               size_t n,
+                                               const struct srbf_vectors *u,
+                                               const struct srbf_vectors_out *direction,
+                                               const struct srbf_numbers_out *pdf);
+
+/**
+ * Draws one direction from each of n mixtures, and evaluates value and density towards another one.
+ *
+ * Shapes and status as in `srbf_mixture_sample_pairs_into` and, of the other directions `wi`, in
+ * `srbf_mixture_evaluate_and_pdf_pairs_into`.
+ */
+srbf_status srbf_mixture_sample_and_evaluate_pairs_into(const struct srbf_mixture *mixtures,
+                                                        size_t mixture_stride,
+                                                        size_t n,
+                                                        const struct srbf_vectors *u,
+                                                        const struct srbf_samples_out *samples,
+                                                        const struct srbf_vectors *wi,
+                                                        const struct srbf_vectors_out *value,
+                                                        const struct srbf_numbers_out *pdf);
 
 /**
  * Says how many bytes of storage an expanded material of so many rows needs: 448 a row, or 512 if lobes are mirrored, for up to
@@ -1226,6 +1344,20 @@ srbf_status srbf_expanded_sample_pairs_into(const struct srbf_expanded *expanded
                                             const struct srbf_vectors *wo,
                                             const struct srbf_vectors *u,
                                             const struct srbf_samples_out *samples);
+
+/**
+ * Draws an incident direction for each of n outgoing ones with its density, without a weight.
+ *
+ * The samples of `srbf_expanded_sample_pairs_into`, for callers that take the value elsewhere.
+ * Shapes: `wo` n unit vectors; `u` n times three uniform numbers in [0, 1); `direction` n unit vectors and `pdf` n
+ * numbers, overwritten. n = 0 and what is no unit vector as in `srbf_expanded_evaluate_pairs_into`.
+ */
+srbf_status srbf_expanded_sample_pdf_pairs_into(const struct srbf_expanded *expanded,
+                                                size_t n,
+                                                const struct srbf_vectors *wo,
+                                                const struct srbf_vectors *u,
+                                                const struct srbf_vectors_out *direction,
+                                                const struct srbf_numbers_out *pdf);
 
 /**
  * Draws an incident direction for each of n outgoing ones, and evaluates value and density towards another one: what next-event

@@ -133,6 +133,10 @@ public:
     Status sample_pdf(const Vec3 &u, Vec3 &wi, float &pdf) const {
         return srbf_mixture_sample_pdf(get(), u.data(), wi.data(), &pdf);
     }
+    /// What next-event estimation needs: a sample, and value and density towards another direction.
+    Status sample_and_evaluate(const Vec3 &u, srbf_sample &sample, const Vec3 &wi, Vec3 &value, float &pdf) const {
+        return srbf_mixture_sample_and_evaluate(get(), u.data(), &sample, wi.data(), value.data(), &pdf);
+    }
 
     /// Batches; spans of different length are refused.
     Status evaluate_into(Span<const Vec3> wi, Span<Vec3> value) const {
@@ -146,6 +150,13 @@ public:
         const srbf_vectors in = vectors(wi);
         const srbf_numbers_out out = {pdf.data(), pdf.stride()};
         return srbf_mixture_pdf_into(get(), wi.size(), &in, &out);
+    }
+    Status evaluate_and_pdf_into(Span<const Vec3> wi, Span<Vec3> value, Span<float> pdf) const {
+        if (wi.size() != value.size() || wi.size() != pdf.size()) return SRBF_STATUS_SIZE;
+        const srbf_vectors in = vectors(wi);
+        const srbf_vectors_out out = vectors_out(value);
+        const srbf_numbers_out density = {pdf.data(), pdf.stride()};
+        return srbf_mixture_evaluate_and_pdf_into(get(), wi.size(), &in, &out, &density);
     }
     Status sample_into(Span<const Vec3> u, Span<srbf_sample> samples) const {
         if (u.size() != samples.size()) return SRBF_STATUS_SIZE;

@@ -181,14 +181,12 @@ fn pairs(c: &mut Criterion) {
             });
             measure("evaluate-pairs", &mut || {
                 let SamplesMut { pdf, weight, .. } = out.samples(n);
-                material.evaluate_pairs_into(black_box(wo.slices()), wi.slices(), weight, pdf).unwrap();
+                material
+                    .evaluate_and_pdf_pairs_into(black_box(wo.slices()), wi.slices(), weight, pdf)
+                    .unwrap();
             });
             measure("pdf-pairs", &mut || {
                 material.pdf_pairs_into(black_box(wo.slices()), wi.slices(), out.samples(n).pdf).unwrap();
-            });
-            measure("luminance-pairs", &mut || {
-                let SamplesMut { pdf, .. } = out.samples(n);
-                material.luminance_pairs_into(black_box(wo.slices()), wi.slices(), pdf).unwrap();
             });
             measure("sample-pdf-pairs", &mut || {
                 let SamplesMut { direction, pdf, .. } = out.samples(n);

@@ -85,7 +85,7 @@ fn main() {
         2000,
         || {
             // The weight is part of what the C call gives.
-            black_box(mixture.sample(black_box(u)).map(|sample| (sample, sample.weight())));
+            black_box(mixture.sample(black_box(u)).map(|sample| (sample, sample.weight)));
         },
         || {
             // SAFETY: as above.

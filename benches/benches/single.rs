@@ -39,7 +39,7 @@ fn single(c: &mut Criterion) {
                 mixture.sample_pdf(black_box(uniforms[i])).map_or(0.0, |(direction, pdf)| direction.x + pdf)
             });
             measure("one-sample-value", &mut |i| {
-                mixture.sample(black_box(uniforms[i])).map_or(0.0, |s| s.direction.x + s.pdf + s.value.x)
+                mixture.sample(black_box(uniforms[i])).map_or(0.0, |s| s.direction.x + s.pdf + s.weight.x)
             });
         }
         let mut mixture = Mixture::<16>::empty();

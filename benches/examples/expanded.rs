@@ -68,13 +68,18 @@ impl Work {
     }
 
     /// Nanoseconds a pair.
-    fn time(&mut self, verb: Verb, material: &Material<'_>, expanded: Option<&Expanded<'_>>) -> f64 {
+    fn time(
+        &mut self,
+        verb: Verb,
+        material: &Material<impl AsRef<[u8]>>,
+        expanded: Option<&Expanded<'_>>,
+    ) -> f64 {
         let start = Instant::now();
         self.run(verb, material, expanded);
         start.elapsed().as_secs_f64() * 1e9 / PAIRS as f64
     }
 
-    fn run(&mut self, verb: Verb, material: &Material<'_>, expanded: Option<&Expanded<'_>>) {
+    fn run(&mut self, verb: Verb, material: &Material<impl AsRef<[u8]>>, expanded: Option<&Expanded<'_>>) {
         let (wo, wi, u) = (self.wo.slices(), self.wi.slices(), self.u.slices());
         let [x, y, z, pdf, red, green, blue, r, g, b, p] = &mut self.out;
         let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
@@ -82,15 +87,15 @@ impl Work {
             (Verb::Sample, Some(e)) => e.sample_pairs_into(wo, u, samples),
             (Verb::Sample, None) => material.sample_pairs_into(wo, u, samples),
             (Verb::Evaluate, Some(e)) => e.evaluate_and_pdf_pairs_into(wo, wi, [r, g, b], p),
-            (Verb::Evaluate, None) => material.evaluate_pairs_into(wo, wi, [r, g, b], p),
+            (Verb::Evaluate, None) => material.evaluate_and_pdf_pairs_into(wo, wi, [r, g, b], p),
             (Verb::Pdf, Some(e)) => e.pdf_pairs_into(wo, wi, p),
             (Verb::Pdf, None) => material.pdf_pairs_into(wo, wi, p),
             (Verb::SampleAndEvaluate, Some(e)) => {
                 e.sample_and_evaluate_pairs_into(wo, u, samples, wi, [r, g, b], p)
             }
-            (Verb::SampleAndEvaluate, None) => material
-                .sample_pairs_into(wo, u, samples)
-                .and_then(|()| material.evaluate_pairs_into(wo, wi, [r, g, b], p)),
+            (Verb::SampleAndEvaluate, None) => {
+                material.sample_and_evaluate_pairs_into(wo, u, samples, wi, [r, g, b], p)
+            }
             (Verb::Prepare, _) => {
                 let mut mixture = Mixture::<16>::empty();
                 (0..PAIRS).try_for_each(|i| {
@@ -107,7 +112,7 @@ impl Work {
     }
 }
 
-fn report(level: Level, name: &str, material: &Material<'_>) {
+fn report(level: Level, name: &str, material: &Material<impl AsRef<[u8]>>) {
     let mut memory: Vec<Vec<f32>> = ROWS.map(|rows| vec![0.0; material.expanded_len(rows)]).into();
     let expanded: Vec<Expanded<'_>> = ROWS
         .iter()
@@ -146,7 +151,7 @@ fn report(level: Level, name: &str, material: &Material<'_>) {
 }
 
 /// Largest difference from the exact preparation, relative to the largest value for that outgoing direction.
-fn error(material: &Material<'_>, expanded: &Expanded<'_>) -> f32 {
+fn error(material: &Material<impl AsRef<[u8]>>, expanded: &Expanded<'_>) -> f32 {
     const EACH: usize = 400;
     let (outgoing, uniform) = (Triples::directions(EACH, 7), Triples::uniforms(EACH, 8));
     let (mut exact, mut between) = (Mixture::<64>::empty(), Mixture::<64>::empty());

@@ -6,6 +6,7 @@ pub mod clock;
 pub mod work;
 
 use srbf_core::{Domain, FactorTable, Level, Line, Lobe, Material, Mixture, PlaneLobe, Vec3, View};
+use std::sync::OnceLock;
 
 /// Lobe counts that every batch operation is measured at.
 pub const LOBES: [usize; 7] = [1, 4, 8, 12, 16, 32, 64];
@@ -120,27 +121,33 @@ pub fn named_mixtures() -> Vec<(&'static str, Mixture<'static, 64>)> {
     ]
 }
 
+/// The garnet red preset.
+pub fn garnet_red() -> &'static Material {
+    static MATERIAL: OnceLock<Material> = OnceLock::new();
+    MATERIAL.get_or_init(|| Material::from_bytes(GARNET_RED).expect("the preset is valid"))
+}
+
 /// The garnet red preset at 50 degrees, folded where needed, squeezed, with its diffuse term, at the current level.
 pub fn garnet_mixture() -> Mixture<'static, 64> {
-    mixture_at_50_degrees(&Material::from_bytes(GARNET_RED).expect("the preset is valid"))
+    mixture_at_50_degrees(garnet_red())
 }
 
 /// The mixture of a material for an outgoing direction at 50 degrees, at the current level.
-pub fn mixture_at_50_degrees<const N: usize>(material: &Material<'static>) -> Mixture<'static, N> {
+pub fn mixture_at_50_degrees<const N: usize>(material: &'static Material) -> Mixture<'static, N> {
     let mut mixture = Mixture::empty();
     material.prepare(Vec3::new(-0.6, 0.4, 0.65).normalize(), &mut mixture).expect("a valid direction");
     mixture
 }
 
 /// The garnet red preset with a table of 32 by 32 factors, which is made once.
-pub fn factored_material() -> Material<'static> {
-    static BYTES: std::sync::OnceLock<Vec<u8>> = std::sync::OnceLock::new();
-    Material::from_bytes(BYTES.get_or_init(factored_bytes)).expect("a valid material")
+pub fn factored_material() -> &'static Material {
+    static MATERIAL: OnceLock<Material> = OnceLock::new();
+    MATERIAL.get_or_init(|| Material::from_bytes(&*factored_bytes().leak()).expect("a valid material"))
 }
 
 fn factored_bytes() -> Vec<u8> {
     const NODES: usize = 32;
-    let material = Material::from_bytes(GARNET_RED).expect("the preset is valid");
+    let material = garnet_red();
     let every = 0..material.view_count();
     let lobes: Vec<Vec<_>> = every
         .clone()

@@ -1,6 +1,6 @@
 //! Operations by name, each on the same directions: `fixed-work` counts their instructions, `cycles` their time.
 
-use crate::{GARNET_RED, Triples, factored_material, garnet_mixture, general_mixture, mixture_at_50_degrees};
+use crate::{Triples, factored_material, garnet_mixture, garnet_red, general_mixture, mixture_at_50_degrees};
 use srbf_core::{LeaveOut, Material, Mixture, SamplesMut, Vec3};
 
 /// What is done for every direction.
@@ -38,13 +38,11 @@ pub enum Operation {
     EvaluatePairs,
     /// Density, every pair with a mixture of its own.
     PdfPairs,
-    /// Luminance, every pair with a mixture of its own.
-    LuminancePairs,
 }
 
 impl Operation {
     /// Every operation with its name.
-    pub const ALL: [(&'static str, Self); 17] = [
+    pub const ALL: [(&'static str, Self); 16] = [
         ("evaluate", Self::Evaluate),
         ("pdf", Self::Pdf),
         ("sample", Self::Sample),
@@ -61,7 +59,6 @@ impl Operation {
         ("sample-pdf-pairs", Self::SamplePdfPairs),
         ("evaluate-pairs", Self::EvaluatePairs),
         ("pdf-pairs", Self::PdfPairs),
-        ("luminance-pairs", Self::LuminancePairs),
     ];
 
     /// Whether it is of a mixture that is there already.
@@ -95,11 +92,11 @@ pub struct Work {
     uniforms: Triples,
     incident: Triples,
     out: [Vec<f32>; 7],
-    material: Material<'static>,
+    material: &'static Material,
     round: Mixture<'static, 64>,
     garnet: Mixture<'static, 64>,
     prepared: Mixture<'static, 16>,
-    factored_material: Material<'static>,
+    factored_material: &'static Material,
     factored: Mixture<'static, 64>,
 }
 
@@ -111,12 +108,12 @@ impl Work {
             uniforms: Triples::uniforms(n, 2),
             incident: Triples::directions(n, 3),
             out: [(); 7].map(|()| vec![0.0; n]),
-            material: Material::from_bytes(GARNET_RED).expect("the preset is valid"),
+            material: garnet_red(),
             round: general_mixture(12),
             garnet: garnet_mixture(),
             prepared: Mixture::empty(),
             factored_material: factored_material(),
-            factored: mixture_at_50_degrees(&factored_material()),
+            factored: mixture_at_50_degrees(factored_material()),
         }
     }
 
@@ -124,9 +121,9 @@ impl Work {
     pub fn run(&mut self, operation: Operation, subject: Subject) {
         let Self { directions, uniforms, incident, out, .. } = self;
         let (mixture, material) = match subject {
-            Subject::Preset => (&self.garnet, &self.material),
-            Subject::Round => (&self.round, &self.material),
-            Subject::Factored => (&self.factored, &self.factored_material),
+            Subject::Preset => (&self.garnet, self.material),
+            Subject::Round => (&self.round, self.material),
+            Subject::Factored => (&self.factored, self.factored_material),
         };
         let prepared = &mut self.prepared;
         let n = out[0].len();
@@ -181,14 +178,11 @@ impl Work {
                 .sample_pdf_pairs_into(directions.slices(), uniforms.slices(), [x, y, z], pdf)
                 .expect("equal lengths"),
             Operation::EvaluatePairs => material
-                .evaluate_pairs_into(directions.slices(), incident.slices(), [red, green, blue], pdf)
+                .evaluate_and_pdf_pairs_into(directions.slices(), incident.slices(), [red, green, blue], pdf)
                 .expect("equal lengths"),
             Operation::PdfPairs => {
                 material.pdf_pairs_into(directions.slices(), incident.slices(), pdf).expect("equal lengths");
             }
-            Operation::LuminancePairs => material
-                .luminance_pairs_into(directions.slices(), incident.slices(), pdf)
-                .expect("equal lengths"),
         }
     }
 
@@ -207,7 +201,7 @@ fn store(to: &mut Vec3, x: f32, y: f32, z: f32) {
 
 /// Prepares a mixture for each direction, without lobes of less than a share of the albedo; writes its power.
 fn prepare(
-    material: &Material<'static>,
+    material: &'static Material,
     directions: &Triples,
     share: f32,
     mixture: &mut Mixture<'static, 16>,
@@ -216,7 +210,7 @@ fn prepare(
     let leave_out = LeaveOut::new(share, 1e-7).expect("shares");
     for (i, power) in power.iter_mut().enumerate() {
         let wo: Vec3 = directions.at(i);
-        material.prepare_leaving_out(wo, leave_out, mixture).expect("a valid direction");
+        material.prepare_with(wo, leave_out.into(), mixture).expect("a valid direction");
         *power = mixture.power();
     }
 }

@@ -4,15 +4,16 @@
 use crate::convert::direction;
 use crate::guard::{Failure, guard};
 use crate::material::{material, room};
-use crate::pointers::{Out, check, check_apart, check_extent, read, read_array};
+use crate::pair_batch;
+use crate::pointers::{Out, check, check_apart, check_extent, read_array};
 use crate::storage::{check_room, mixture_mut, with_mixture};
-use crate::streams::{Batch, srbf_numbers_out, srbf_vectors, srbf_vectors_out};
+use crate::streams::{srbf_numbers_out, srbf_vectors, srbf_vectors_out};
 use crate::{
     SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE, srbf_material, srbf_mixture,
     srbf_samples_out, srbf_status,
 };
 use core::ops::Range;
-use srbf_core::{Expanded, SamplesMut};
+use srbf_core::Expanded;
 
 /// Alignment of the storage for an expanded material, which is also what `malloc` gives on 64-bit platforms.
 pub const SRBF_EXPANDED_ALIGNMENT: usize = 16;
@@ -180,19 +181,12 @@ pub unsafe extern "C" fn srbf_expanded_evaluate_pairs_into(
     guard(|| {
         // SAFETY: the header's contract.
         let object = unsafe { object(expanded)? };
-        if n == 0 {
-            return Ok(());
+        // SAFETY: the header's contract.
+        unsafe {
+            pair_batch::evaluate(n, [wo, wi], value, object.extents(), |wo, wi, value| {
+                object.expanded.evaluate_pairs_into(wo, wi, value)
+            })
         }
-        // SAFETY: the header's contract.
-        let (wo, wi, value) = unsafe { (read(wo)?, read(wi)?, read(value)?) };
-        let ([ox, oy, oz], [ix, iy, iz]) = (wo.streams(), wi.streams());
-        let inputs = [ox, oy, oz, ix, iy, iz];
-        // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, inputs, value.streams(), object.extents())? };
-        batch.run(|[ox, oy, oz, ix, iy, iz], value| {
-            object.expanded.evaluate_pairs_into([ox, oy, oz], [ix, iy, iz], value)
-        })?;
-        Ok(())
     })
 }
 
@@ -212,21 +206,12 @@ pub unsafe extern "C" fn srbf_expanded_evaluate_and_pdf_pairs_into(
     guard(|| {
         // SAFETY: the header's contract.
         let object = unsafe { object(expanded)? };
-        if n == 0 {
-            return Ok(());
+        // SAFETY: the header's contract.
+        unsafe {
+            pair_batch::evaluate_and_pdf(n, [wo, wi], value, pdf, object.extents(), |wo, wi, value, pdf| {
+                object.expanded.evaluate_and_pdf_pairs_into(wo, wi, value, pdf)
+            })
         }
-        // SAFETY: the header's contract.
-        let (wo, wi, value, pdf) = unsafe { (read(wo)?, read(wi)?, read(value)?, read(pdf)?) };
-        let ([ox, oy, oz], [ix, iy, iz]) = (wo.streams(), wi.streams());
-        let [red, green, blue] = value.streams();
-        let (inputs, outputs) = ([ox, oy, oz, ix, iy, iz], [red, green, blue, pdf.stream()]);
-        // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, inputs, outputs, object.extents())? };
-        batch.run(|[ox, oy, oz, ix, iy, iz], [red, green, blue, pdf]| {
-            let value = [red, green, blue];
-            object.expanded.evaluate_and_pdf_pairs_into([ox, oy, oz], [ix, iy, iz], value, pdf)
-        })?;
-        Ok(())
     })
 }
 
@@ -245,18 +230,12 @@ pub unsafe extern "C" fn srbf_expanded_pdf_pairs_into(
     guard(|| {
         // SAFETY: the header's contract.
         let object = unsafe { object(expanded)? };
-        if n == 0 {
-            return Ok(());
+        // SAFETY: the header's contract.
+        unsafe {
+            pair_batch::pdf(n, [wo, wi], pdf, object.extents(), |wo, wi, pdf| {
+                object.expanded.pdf_pairs_into(wo, wi, pdf)
+            })
         }
-        // SAFETY: the header's contract.
-        let (wo, wi, pdf) = unsafe { (read(wo)?, read(wi)?, read(pdf)?) };
-        let ([ox, oy, oz], [ix, iy, iz]) = (wo.streams(), wi.streams());
-        // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, [ox, oy, oz, ix, iy, iz], [pdf.stream()], object.extents())? };
-        batch.run(|[ox, oy, oz, ix, iy, iz], [pdf]| {
-            object.expanded.pdf_pairs_into([ox, oy, oz], [ix, iy, iz], pdf)
-        })?;
-        Ok(())
     })
 }
 
@@ -275,20 +254,38 @@ pub unsafe extern "C" fn srbf_expanded_sample_pairs_into(
     guard(|| {
         // SAFETY: the header's contract.
         let object = unsafe { object(expanded)? };
-        if n == 0 {
-            return Ok(());
+        // SAFETY: the header's contract.
+        unsafe {
+            pair_batch::sample(n, [wo, u], samples, object.extents(), |wo, u, samples| {
+                object.expanded.sample_pairs_into(wo, u, samples)
+            })
         }
+    })
+}
+
+/// Draws an incident direction for each of n outgoing ones with its density, without a weight.
+///
+/// The samples of `srbf_expanded_sample_pairs_into`, for callers that take the value elsewhere.
+/// Shapes: `wo` n unit vectors; `u` n times three uniform numbers in [0, 1); `direction` n unit vectors and `pdf` n
+/// numbers, overwritten. n = 0 and what is no unit vector as in `srbf_expanded_evaluate_pairs_into`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_expanded_sample_pdf_pairs_into(
+    expanded: *const srbf_expanded,
+    n: usize,
+    wo: *const srbf_vectors,
+    u: *const srbf_vectors,
+    direction: *const srbf_vectors_out,
+    pdf: *const srbf_numbers_out,
+) -> srbf_status {
+    guard(|| {
         // SAFETY: the header's contract.
-        let (wo, u, samples) = unsafe { (read(wo)?, read(u)?, read(samples)?) };
-        let ([ox, oy, oz], [ux, uy, uz]) = (wo.streams(), u.streams());
-        let inputs = [ox, oy, oz, ux, uy, uz];
+        let object = unsafe { object(expanded)? };
         // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, inputs, samples.streams(), object.extents())? };
-        batch.run(|[ox, oy, oz, ux, uy, uz], [x, y, z, pdf, red, green, blue]| {
-            let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
-            object.expanded.sample_pairs_into([ox, oy, oz], [ux, uy, uz], samples)
-        })?;
-        Ok(())
+        unsafe {
+            pair_batch::sample_pdf(n, [wo, u], direction, pdf, object.extents(), |wo, u, direction, pdf| {
+                object.expanded.sample_pdf_pairs_into(wo, u, direction, pdf)
+            })
+        }
     })
 }
 
@@ -311,33 +308,19 @@ pub unsafe extern "C" fn srbf_expanded_sample_and_evaluate_pairs_into(
     guard(|| {
         // SAFETY: the header's contract.
         let object = unsafe { object(expanded)? };
-        if n == 0 {
-            return Ok(());
+        // SAFETY: the header's contract.
+        unsafe {
+            pair_batch::sample_and_evaluate(
+                n,
+                [wo, u, wi],
+                samples,
+                value,
+                pdf,
+                object.extents(),
+                |wo, u, samples, wi, value, pdf| {
+                    object.expanded.sample_and_evaluate_pairs_into(wo, u, samples, wi, value, pdf)
+                },
+            )
         }
-        // SAFETY: the header's contract.
-        let (wo, u, samples) = unsafe { (read(wo)?, read(u)?, read(samples)?) };
-        // SAFETY: the header's contract.
-        let (wi, value, pdf) = unsafe { (read(wi)?, read(value)?, read(pdf)?) };
-        let ([ox, oy, oz], [ux, uy, uz], [ix, iy, iz]) = (wo.streams(), u.streams(), wi.streams());
-        let ([x, y, z, density, w0, w1, w2], [red, green, blue]) = (samples.streams(), value.streams());
-        let inputs = [ox, oy, oz, ux, uy, uz, ix, iy, iz];
-        let outputs = [x, y, z, density, w0, w1, w2, red, green, blue, pdf.stream()];
-        // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, inputs, outputs, object.extents())? };
-        batch.run(
-            |[ox, oy, oz, ux, uy, uz, ix, iy, iz], [x, y, z, density, w0, w1, w2, red, green, blue, pdf]| {
-                let samples = SamplesMut { direction: [x, y, z], pdf: density, weight: [w0, w1, w2] };
-                let (wi, value) = ([ix, iy, iz], [red, green, blue]);
-                object.expanded.sample_and_evaluate_pairs_into(
-                    [ox, oy, oz],
-                    [ux, uy, uz],
-                    samples,
-                    wi,
-                    value,
-                    pdf,
-                )
-            },
-        )?;
-        Ok(())
     })
 }

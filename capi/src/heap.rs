@@ -2,11 +2,10 @@
 #![allow(unsafe_code)]
 
 use crate::guard::{Failure, Outcome, guard};
-use crate::material::material;
+use crate::material::{Bytes, material};
 use crate::pointers::{Out, check, slice};
 use crate::{SRBF_STATUS_FILE, SRBF_STATUS_OTHER, SRBF_STATUS_TEXT, srbf_material, srbf_status};
 use core::ffi::{CStr, c_char};
-use core::ptr::NonNull;
 use srbf_core::{FileError, Material, read_file};
 use std::boxed::Box;
 use std::path::Path;
@@ -80,21 +79,9 @@ pub(crate) unsafe fn text<'a>(text: *const c_char) -> Result<&'a str, Failure> {
 
 /// Puts a material and its bytes on the heap.
 pub(crate) fn own(bytes: Vec<u8>, out: &Out<*mut srbf_material>) -> Outcome {
-    let bytes = NonNull::from(Box::leak(bytes.into_boxed_slice()));
-    // SAFETY: just leaked, and released only by `srbf_material_free` together with the material that borrows it.
-    match Material::from_bytes(unsafe { bytes.as_ref() }) {
-        Ok(material) => {
-            let mut made = Box::new(srbf_material::borrowed(material));
-            made.owned = Some(bytes);
-            out.set(Box::into_raw(made));
-            Ok(())
-        }
-        Err(error) => {
-            // SAFETY: the box of above, which nothing borrows any more.
-            drop(unsafe { Box::from_raw(bytes.as_ptr()) });
-            Err(error.into())
-        }
-    }
+    let made = srbf_material::new(Bytes::Owned(bytes.into_boxed_slice()))?;
+    out.set(Box::into_raw(Box::new(made)));
+    Ok(())
 }
 
 /// Releases a material; NULL is allowed and does nothing.
@@ -110,15 +97,12 @@ pub unsafe extern "C" fn srbf_material_free(material: *mut srbf_material) -> srb
             return Ok(());
         }
         // SAFETY: the header's contract.
-        let owned = unsafe { self::material(material)? }.owned;
+        let is_owned = unsafe { self::material(material)? }.is_owned;
         // SAFETY: a material, by its tag, that nobody else uses by the contract.
         unsafe { (*material).forget() };
-        if let Some(bytes) = owned {
-            // SAFETY: `own` made both boxes, and the tag was still there: they have not been released yet.
-            unsafe {
-                drop(Box::from_raw(material));
-                drop(Box::from_raw(bytes.as_ptr()));
-            }
+        if is_owned {
+            // SAFETY: `own` made the box, and the tag was still there: it has not been released yet.
+            drop(unsafe { Box::from_raw(material) });
         }
         Ok(())
     })

@@ -14,6 +14,7 @@ extern crate std;
 
 mod batch;
 mod convert;
+mod defensive;
 mod expanded;
 mod factors;
 #[cfg(feature = "fit")]
@@ -27,6 +28,7 @@ mod material;
 #[cfg(feature = "std")]
 mod message;
 mod mixture;
+mod pair_batch;
 mod pairs;
 mod pointers;
 mod product;
@@ -38,6 +40,7 @@ mod streams;
 mod version;
 
 pub use batch::*;
+pub use defensive::*;
 pub use expanded::*;
 pub use factors::*;
 #[cfg(feature = "fit")]

@@ -4,15 +4,16 @@
 use crate::convert::direction;
 use crate::guard::{Failure, Outcome, guard};
 use crate::pointers::{Out, check, check_apart, check_extent, read, read_array, slice};
-use crate::storage::{AnyMixtureMut, check_room, init_at, mixture_mut, size_for, with_mixture};
+use crate::storage::{AnyMixtureMut, check_room, mixture_mut, size_for, with_mixture, write_empty};
 use crate::streams::{Batch, srbf_vectors};
 use crate::{
-    SRBF_MIXTURE_ALIGNMENT, SRBF_STATUS_DIRECTION, SRBF_STATUS_INDEX, SRBF_STATUS_MISALIGNED,
-    SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE, SRBF_STATUS_STRIDE, srbf_mixture, srbf_status,
+    SRBF_MIXTURE_ALIGNMENT, SRBF_MIXTURE_SIZE_16, SRBF_MIXTURE_SIZE_32, SRBF_STATUS_DIRECTION,
+    SRBF_STATUS_INDEX, SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE, SRBF_STATUS_STRIDE,
+    srbf_mixture, srbf_status,
 };
 use core::ffi::c_char;
 use core::ops::Range;
-use srbf_core::{Error, LeaveOut, Material, Mixture, PlaneLobe, Vec3};
+use srbf_core::{LeaveOut, Material, Mixture, PlaneLobe, PrepareOptions, Vec3};
 
 /// Bytes of storage for a material that `srbf_material_borrow` makes.
 pub const SRBF_MATERIAL_SIZE: usize = 128;
@@ -25,10 +26,30 @@ pub const SRBF_MATERIAL_ALIGNMENT: usize = 16;
 /// storage, or on the heap by `srbf_material_from_bytes` and `srbf_material_load`, which `srbf_material_free` releases.
 pub struct srbf_material {
     tag: u32,
-    pub(crate) material: Material<'static>,
-    /// The bytes, where this library owns them and the object; both are on the heap then.
+    pub(crate) material: Material<Bytes>,
+    /// This library put it on the heap, with its bytes.
     #[cfg(feature = "std")]
-    pub(crate) owned: Option<core::ptr::NonNull<[u8]>>,
+    pub(crate) is_owned: bool,
+}
+
+/// The bytes of a material.
+pub(crate) enum Bytes {
+    /// The caller's.
+    Borrowed(&'static [u8]),
+    /// This library's.
+    #[cfg(feature = "std")]
+    Owned(std::boxed::Box<[u8]>),
+}
+
+impl AsRef<[u8]> for Bytes {
+    #[inline(always)]
+    fn as_ref(&self) -> &[u8] {
+        match self {
+            Self::Borrowed(bytes) => bytes,
+            #[cfg(feature = "std")]
+            Self::Owned(bytes) => bytes,
+        }
+    }
 }
 
 /// What stands at the start of every material that this library made, and nothing that it has released.
@@ -40,13 +61,14 @@ const _: () = assert!(
 );
 
 impl srbf_material {
-    pub(crate) fn borrowed(material: Material<'static>) -> Self {
-        Self {
+    /// Checks the bytes.
+    pub(crate) fn new(bytes: Bytes) -> Result<Self, Failure> {
+        Ok(Self {
             tag: TAG,
-            material,
             #[cfg(feature = "std")]
-            owned: None,
-        }
+            is_owned: matches!(bytes, Bytes::Owned(_)),
+            material: Material::from_bytes(bytes)?,
+        })
     }
 
     /// The bytes that it lies in, and the `.srbf` bytes that it reads.
@@ -162,7 +184,7 @@ pub unsafe extern "C" fn srbf_material_borrow(
             return Err(SRBF_STATUS_SIZE.into());
         }
         check_extent(place.addr(), SRBF_MATERIAL_SIZE, 1)?;
-        let made = srbf_material::borrowed(Material::from_bytes(bytes)?);
+        let made = srbf_material::new(Bytes::Borrowed(bytes))?;
         let written = place.addr()..place.addr() + SRBF_MATERIAL_SIZE;
         check_apart(&written, &bytes_of(bytes))?;
         check_apart(&out.extent(), &written)?;
@@ -274,7 +296,7 @@ pub unsafe extern "C" fn srbf_material_prepare(
         // SAFETY: the header's contract.
         let (material, wo, mut mixture) =
             unsafe { (self::material(material)?, read_array(wo)?, mixture_mut(mixture)?) };
-        prepare(&material.material, direction(wo)?, LeaveOut::default(), &mut mixture)
+        prepare(&material.material, direction(wo)?, PrepareOptions::default(), &mut mixture)
     })
 }
 
@@ -297,21 +319,22 @@ pub unsafe extern "C" fn srbf_material_prepare_leaving_out(
         // SAFETY: the header's contract.
         let (material, wo, mut mixture) =
             unsafe { (self::material(material)?, read_array(wo)?, mixture_mut(mixture)?) };
-        prepare(&material.material, direction(wo)?, LeaveOut::new(lobes, folds)?, &mut mixture)
+        let leave_out = LeaveOut::new(lobes, folds)?;
+        prepare(&material.material, direction(wo)?, leave_out.into(), &mut mixture)
     })
 }
 
 /// Checks the room first, so that a failure leaves the mixture as it was.
 #[inline(always)]
 fn prepare(
-    material: &Material<'static>,
+    material: &'static Material<Bytes>,
     wo: Vec3,
-    leave_out: LeaveOut,
+    options: PrepareOptions,
     mixture: &mut AnyMixtureMut<'_>,
 ) -> Outcome {
     with_mixture!(AnyMixtureMut: mixture, mixture => {
         check_room(material.lobe_count(), room(mixture))?;
-        material.prepare_leaving_out(wo, leave_out, mixture)?;
+        material.prepare_with(wo, options, mixture)?;
     });
     Ok(())
 }
@@ -354,26 +377,50 @@ pub unsafe extern "C" fn srbf_material_prepare_into(
         let batch = unsafe { Batch::<3, 0>::new(n, wo.streams(), [], [])? };
         batch.check_inputs_outside(&place)?;
         material.extents().iter().try_for_each(|object| check_apart(&place, object))?;
-        let mut index = 0;
-        let mut refused = false;
-        batch.run(|[x, y, z], []| {
-            for ((&x, &y), &z) in x.iter().zip(y).zip(z) {
-                // SAFETY: index < n, so that the place lies within the storage, which the contract makes writable.
-                let mut mixture = unsafe {
-                    let made = init_at(storage.add(index * stride), needed)?;
-                    mixture_mut(made)?
-                };
-                index += 1;
-                let made = with_mixture!(AnyMixtureMut: &mut mixture, m => {
-                    material.material.prepare(Vec3::new(x, y, z), m)
-                });
-                match made {
-                    Err(Error::Direction) => refused = true,
-                    made => made?,
+        let (mut first, mut refused) = (0, false);
+        batch.run(|wo, []| {
+            let n = wo[0].len();
+            refused |= (0..n).any(|i| direction([wo[0][i], wo[1][i], wo[2][i]]).is_err());
+            let places = storage.wrapping_add(first * stride);
+            first += n;
+            // SAFETY: `needed` is at most the stride, so that n places of it lie within the storage, apart from one
+            // another and from all that is read; the contract makes it writable.
+            unsafe {
+                match needed {
+                    SRBF_MIXTURE_SIZE_16 => prepare_many::<16>(&material.material, wo, places, stride),
+                    SRBF_MIXTURE_SIZE_32 => prepare_many::<32>(&material.material, wo, places, stride),
+                    _ => prepare_many::<64>(&material.material, wo, places, stride),
                 }
             }
-            Ok::<(), Failure>(())
         })?;
         if refused { Err(SRBF_STATUS_DIRECTION.into()) } else { Ok(()) }
     })
+}
+
+/// Mixtures that are prepared in one call.
+const BLOCK: usize = 16;
+
+/// # Safety
+/// `Storage<N>` can be written every `stride` bytes from `places` on, as many as directions, and nobody else uses them.
+unsafe fn prepare_many<const N: usize>(
+    material: &'static Material<Bytes>,
+    wo: [&[f32]; 3],
+    places: *mut u8,
+    stride: usize,
+) -> Outcome {
+    let n = wo[0].len();
+    for from in (0..n).step_by(BLOCK) {
+        let count = BLOCK.min(n - from);
+        let mut mixtures = [core::ptr::null_mut::<Mixture<'static, N>>(); BLOCK];
+        for (i, mixture) in mixtures[..count].iter_mut().enumerate() {
+            // SAFETY: the caller's word.
+            *mixture = unsafe { write_empty(places.wrapping_add((from + i) * stride)) };
+        }
+        // SAFETY: a reference has the layout of a pointer; each of the first `count` points to a mixture that has just been
+        // written, no two to the same, and nobody else uses them.
+        let mixtures: &mut [&mut Mixture<'static, N>] =
+            unsafe { core::slice::from_raw_parts_mut(mixtures.as_mut_ptr().cast(), count) };
+        material.prepare_into::<N>(wo.map(|s| &s[from..from + count]), mixtures)?;
+    }
+    Ok(())
 }

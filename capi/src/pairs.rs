@@ -1,26 +1,50 @@
 //! Pairs: n directions, each with its own mixture, as a renderer has them that sorts its hits into streams.
 #![allow(unsafe_code)]
 
-use crate::guard::{Failure, guard};
+use crate::batch::sampled_and_evaluated;
+use crate::guard::{Failure, Outcome, guard};
 use crate::material::material;
+use crate::pair_batch;
 use crate::pointers::{check_extent, read};
-use crate::single::draw;
-use crate::storage::{AnyMixture, check_storage, extent, mixture, with_mixture};
+use crate::storage::{AnyMixture, AnyMixtures, check_storage, extent, mixture, with_mixture};
 use crate::streams::{Batch, srbf_numbers_out, srbf_vectors, srbf_vectors_out};
 use crate::{
     SRBF_MIXTURE_ALIGNMENT, SRBF_MIXTURE_SIZE_16, SRBF_STATUS_STRIDE, srbf_material, srbf_mixture,
     srbf_samples_out, srbf_status,
 };
 use core::ops::Range;
-use srbf_core::{Error, Material, SamplesMut, Vec3};
+use srbf_core::{Error, Mixture, SamplesMut};
 
-/// Evaluates value and density for n pairs of an outgoing and an incident direction, each pair with its own mixture.
+/// Evaluates `f cos` for n pairs of an outgoing and an incident direction, each pair with its own mixture; 1/sr.
 ///
-/// The values of `srbf_material_prepare` and `srbf_mixture_evaluate_and_pdf`, pair by pair, without storage for mixtures.
-/// Shapes: `wo` and `wi` n unit vectors; `value` n colours in linear sRGB, `f cos`, and `pdf` n numbers, overwritten.
-/// n = 0 looks at no pointer but the material. A `wo` that is no unit vector gives 0.
+/// The values of `srbf_material_prepare` and `srbf_mixture_evaluate`, pair by pair, without storage for mixtures.
+/// Shapes: `wo` and `wi` n unit vectors; `value` n colours in linear sRGB, overwritten. n = 0 looks at no pointer but the material.
+/// A `wo` that is no unit vector gives 0.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_material_evaluate_pairs_into(
+    material: *const srbf_material,
+    n: usize,
+    wo: *const srbf_vectors,
+    wi: *const srbf_vectors,
+    value: *const srbf_vectors_out,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let object = unsafe { self::material(material)? };
+        // SAFETY: the header's contract.
+        unsafe {
+            pair_batch::evaluate(n, [wo, wi], value, object.extents(), |wo, wi, value| {
+                object.material.evaluate_pairs_into(wo, wi, value)
+            })
+        }
+    })
+}
+
+/// Evaluates `f cos` and the density of sampling for n pairs of an outgoing and an incident direction; 1/sr.
+///
+/// Shapes: as in `srbf_material_evaluate_pairs_into`, and `pdf` n numbers, overwritten.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_evaluate_and_pdf_pairs_into(
     material: *const srbf_material,
     n: usize,
     wo: *const srbf_vectors,
@@ -31,27 +55,20 @@ pub unsafe extern "C" fn srbf_material_evaluate_pairs_into(
     guard(|| {
         // SAFETY: the header's contract.
         let object = unsafe { self::material(material)? };
-        if n == 0 {
-            return Ok(());
+        // SAFETY: the header's contract.
+        unsafe {
+            pair_batch::evaluate_and_pdf(n, [wo, wi], value, pdf, object.extents(), |wo, wi, value, pdf| {
+                object.material.evaluate_and_pdf_pairs_into(wo, wi, value, pdf)
+            })
         }
-        // SAFETY: the header's contract.
-        let (wo, wi, value, pdf) = unsafe { (read(wo)?, read(wi)?, read(value)?, read(pdf)?) };
-        let ([ox, oy, oz], [ix, iy, iz]) = (wo.streams(), wi.streams());
-        let [red, green, blue] = value.streams();
-        let (inputs, outputs) = ([ox, oy, oz, ix, iy, iz], [red, green, blue, pdf.stream()]);
-        // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, inputs, outputs, object.extents())? };
-        batch.run(|[ox, oy, oz, ix, iy, iz], [red, green, blue, pdf]| {
-            object.material.evaluate_pairs_into([ox, oy, oz], [ix, iy, iz], [red, green, blue], pdf)
-        })?;
-        Ok(())
     })
 }
 
 /// Evaluates the density of sampling alone for n pairs of an outgoing and an incident direction; 1/sr.
 ///
-/// The densities of `srbf_material_evaluate_pairs_into` within rounding, in less time.
-/// Shapes: `wo` and `wi` n unit vectors; `pdf` n numbers, overwritten. n = 0 and what is no unit vector as there.
+/// The densities of `srbf_material_evaluate_and_pdf_pairs_into` within rounding, in less time.
+/// Shapes: `wo` and `wi` n unit vectors; `pdf` n numbers, overwritten. n = 0 and what is no unit vector as in
+/// `srbf_material_evaluate_pairs_into`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_material_pdf_pairs_into(
     material: *const srbf_material,
@@ -60,53 +77,15 @@ pub unsafe extern "C" fn srbf_material_pdf_pairs_into(
     wi: *const srbf_vectors,
     pdf: *const srbf_numbers_out,
 ) -> srbf_status {
-    // SAFETY: the header's contract.
-    unsafe { one_channel(material, n, wo, wi, pdf, Material::pdf_pairs_into) }
-}
-
-/// Evaluates the luminance of `f cos` (Rec. 709) for n pairs of an outgoing and an incident direction; 1/sr.
-///
-/// One colour channel in place of the three of `srbf_material_evaluate_pairs_into`.
-/// Shapes: `wo` and `wi` n unit vectors; `luminance` n numbers, overwritten. n = 0 and what is no unit vector as there.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn srbf_material_luminance_pairs_into(
-    material: *const srbf_material,
-    n: usize,
-    wo: *const srbf_vectors,
-    wi: *const srbf_vectors,
-    luminance: *const srbf_numbers_out,
-) -> srbf_status {
-    // SAFETY: the header's contract.
-    unsafe { one_channel(material, n, wo, wi, luminance, Material::luminance_pairs_into) }
-}
-
-type OneChannel = fn(&Material<'static>, [&[f32]; 3], [&[f32]; 3], &mut [f32]) -> Result<(), Error>;
-
-/// # Safety
-/// The header's contract.
-unsafe fn one_channel(
-    material: *const srbf_material,
-    n: usize,
-    wo: *const srbf_vectors,
-    wi: *const srbf_vectors,
-    out: *const srbf_numbers_out,
-    run: OneChannel,
-) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
         let object = unsafe { self::material(material)? };
-        if n == 0 {
-            return Ok(());
+        // SAFETY: the header's contract.
+        unsafe {
+            pair_batch::pdf(n, [wo, wi], pdf, object.extents(), |wo, wi, pdf| {
+                object.material.pdf_pairs_into(wo, wi, pdf)
+            })
         }
-        // SAFETY: the header's contract.
-        let (wo, wi, out) = unsafe { (read(wo)?, read(wi)?, read(out)?) };
-        let ([ox, oy, oz], [ix, iy, iz]) = (wo.streams(), wi.streams());
-        let inputs = [ox, oy, oz, ix, iy, iz];
-        // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, inputs, [out.stream()], object.extents())? };
-        batch
-            .run(|[ox, oy, oz, ix, iy, iz], [out]| run(&object.material, [ox, oy, oz], [ix, iy, iz], out))?;
-        Ok(())
     })
 }
 
@@ -127,20 +106,12 @@ pub unsafe extern "C" fn srbf_material_sample_pdf_pairs_into(
     guard(|| {
         // SAFETY: the header's contract.
         let object = unsafe { self::material(material)? };
-        if n == 0 {
-            return Ok(());
+        // SAFETY: the header's contract.
+        unsafe {
+            pair_batch::sample_pdf(n, [wo, u], direction, pdf, object.extents(), |wo, u, direction, pdf| {
+                object.material.sample_pdf_pairs_into(wo, u, direction, pdf)
+            })
         }
-        // SAFETY: the header's contract.
-        let (wo, u, direction, pdf) = unsafe { (read(wo)?, read(u)?, read(direction)?, read(pdf)?) };
-        let ([ox, oy, oz], [ux, uy, uz]) = (wo.streams(), u.streams());
-        let [x, y, z] = direction.streams();
-        let (inputs, outputs) = ([ox, oy, oz, ux, uy, uz], [x, y, z, pdf.stream()]);
-        // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, inputs, outputs, object.extents())? };
-        batch.run(|[ox, oy, oz, ux, uy, uz], [x, y, z, pdf]| {
-            object.material.sample_pdf_pairs_into([ox, oy, oz], [ux, uy, uz], [x, y, z], pdf)
-        })?;
-        Ok(())
     })
 }
 
@@ -160,20 +131,48 @@ pub unsafe extern "C" fn srbf_material_sample_pairs_into(
     guard(|| {
         // SAFETY: the header's contract.
         let object = unsafe { self::material(material)? };
-        if n == 0 {
-            return Ok(());
+        // SAFETY: the header's contract.
+        unsafe {
+            pair_batch::sample(n, [wo, u], samples, object.extents(), |wo, u, samples| {
+                object.material.sample_pairs_into(wo, u, samples)
+            })
         }
+    })
+}
+
+/// Draws an incident direction for each of n outgoing ones, and evaluates value and density towards another one, with one
+/// preparation: what next-event estimation needs at every hit.
+///
+/// Shapes: `wo`, `u` and `samples` as in `srbf_material_sample_pairs_into`; `wi`, `value` and `pdf` as in
+/// `srbf_material_evaluate_and_pdf_pairs_into`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_material_sample_and_evaluate_pairs_into(
+    material: *const srbf_material,
+    n: usize,
+    wo: *const srbf_vectors,
+    u: *const srbf_vectors,
+    samples: *const srbf_samples_out,
+    wi: *const srbf_vectors,
+    value: *const srbf_vectors_out,
+    pdf: *const srbf_numbers_out,
+) -> srbf_status {
+    guard(|| {
         // SAFETY: the header's contract.
-        let (wo, u, samples) = unsafe { (read(wo)?, read(u)?, read(samples)?) };
-        let ([ox, oy, oz], [ux, uy, uz]) = (wo.streams(), u.streams());
-        let inputs = [ox, oy, oz, ux, uy, uz];
+        let object = unsafe { self::material(material)? };
         // SAFETY: the header's contract.
-        let batch = unsafe { Batch::new(n, inputs, samples.streams(), object.extents())? };
-        batch.run(|[ox, oy, oz, ux, uy, uz], [x, y, z, pdf, red, green, blue]| {
-            let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
-            object.material.sample_pairs_into([ox, oy, oz], [ux, uy, uz], samples)
-        })?;
-        Ok(())
+        unsafe {
+            pair_batch::sample_and_evaluate(
+                n,
+                [wo, u, wi],
+                samples,
+                value,
+                pdf,
+                object.extents(),
+                |wo, u, samples, wi, value, pdf| {
+                    object.material.sample_and_evaluate_pairs_into(wo, u, samples, wi, value, pdf)
+                },
+            )
+        }
     })
 }
 
@@ -220,6 +219,57 @@ impl Mixtures {
         // SAFETY: within the extent that `new` has checked; the rest is the caller's word.
         unsafe { mixture(self.at(index)) }
     }
+    /// Calls with the mixtures of a part of the batch, as many of one capacity at a time as come one behind the other, and with their
+    /// places within the part.
+    ///
+    /// # Safety
+    /// As [`Self::new`]; `from + count` is at most the count.
+    unsafe fn each(
+        &self,
+        from: usize,
+        count: usize,
+        mut call: impl FnMut(AnyMixtures<'_>, Range<usize>) -> Result<(), Error>,
+    ) -> Outcome {
+        let mut at = 0;
+        while at < count {
+            // SAFETY: the caller's word, as everywhere below.
+            let first = unsafe { self.get(from + at)? };
+            macro_rules! run {
+                ($capacity:ident, $first:ident) => {{
+                    let (mut run, mut len) = ([$first; RUN], 1);
+                    while len < RUN && at + len < count {
+                        // SAFETY: as above.
+                        let AnyMixture::$capacity(next) = (unsafe { self.get(from + at + len)? }) else {
+                            break;
+                        };
+                        run[len] = next;
+                        len += 1;
+                    }
+                    call(AnyMixtures::$capacity(&run[..len]), at..at + len)?;
+                    at += len;
+                }};
+            }
+            match first {
+                AnyMixture::C16(first) => run!(C16, first),
+                AnyMixture::C32(first) => run!(C32, first),
+                AnyMixture::C64(first) => run!(C64, first),
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Mixtures that are handed on in one call.
+const RUN: usize = 64;
+
+/// A part of every slice.
+fn part<'a, const K: usize>(slices: [&'a [f32]; K], range: &Range<usize>) -> [&'a [f32]; K] {
+    slices.map(|s| &s[range.clone()])
+}
+
+/// A part of every slice, to overwrite.
+fn part_mut<'a, const K: usize>(slices: &'a mut [&mut [f32]; K], range: &Range<usize>) -> [&'a mut [f32]; K] {
+    slices.each_mut().map(|s| &mut s[range.clone()])
 }
 
 /// Evaluates `f cos` for n pairs of a mixture and a direction; 1/sr.
@@ -244,19 +294,60 @@ pub unsafe extern "C" fn srbf_mixture_evaluate_pairs_into(
         // SAFETY: the header's contract.
         let mixtures = unsafe { Mixtures::new(mixtures, n, mixture_stride)? };
         // SAFETY: the header's contract.
-        let batch =
-            unsafe { Batch::new(n, read(wi)?.streams(), read(value)?.streams(), [mixtures.extent()])? };
+        let (wi, value) = unsafe { (read(wi)?, read(value)?) };
+        // SAFETY: the header's contract.
+        let batch = unsafe { Batch::new(n, wi.streams(), value.streams(), [mixtures.extent()])? };
         let mut first = 0;
-        batch.run(|wi, [red, green, blue]| {
-            for i in 0..wi[0].len() {
-                // SAFETY: first + i < n.
-                let mixture = unsafe { mixtures.get(first + i)? };
-                let wi = Vec3::new(wi[0][i], wi[1][i], wi[2][i]);
-                let value = with_mixture!(AnyMixture: &mixture, m => m.evaluate(wi));
-                [red[i], green[i], blue[i]] = value.to_array();
+        batch.run(|wi, mut outputs: [&mut [f32]; 3]| {
+            let (from, count) = (first, outputs[0].len());
+            first += count;
+            // SAFETY: the batch has n in all.
+            unsafe {
+                mixtures.each(from, count, |mixtures, range| {
+                    let (wi, value) = (part(wi, &range), part_mut(&mut outputs, &range));
+                    with_mixture!(AnyMixtures: mixtures, m => Mixture::evaluate_pairs_into(m, wi, value))
+                })
             }
-            first += wi[0].len();
-            Ok(())
+        })
+    })
+}
+
+/// Evaluates `f cos` and the density of sampling for n pairs of a mixture and a direction; 1/sr.
+///
+/// Shapes and status as in `srbf_mixture_evaluate_pairs_into`; `pdf` n numbers, overwritten.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_mixture_evaluate_and_pdf_pairs_into(
+    mixtures: *const srbf_mixture,
+    mixture_stride: usize,
+    n: usize,
+    wi: *const srbf_vectors,
+    value: *const srbf_vectors_out,
+    pdf: *const srbf_numbers_out,
+) -> srbf_status {
+    guard(|| {
+        if n == 0 {
+            return Ok(());
+        }
+        // SAFETY: the header's contract.
+        let mixtures = unsafe { Mixtures::new(mixtures, n, mixture_stride)? };
+        // SAFETY: the header's contract.
+        let (wi, value, pdf) = unsafe { (read(wi)?, read(value)?, read(pdf)?) };
+        let [red, green, blue] = value.streams();
+        // SAFETY: the header's contract.
+        let batch =
+            unsafe { Batch::new(n, wi.streams(), [red, green, blue, pdf.stream()], [mixtures.extent()])? };
+        let mut first = 0;
+        batch.run(|wi, mut outputs: [&mut [f32]; 4]| {
+            let (from, count) = (first, outputs[0].len());
+            first += count;
+            // SAFETY: the batch has n in all.
+            unsafe {
+                mixtures.each(from, count, |mixtures, range| {
+                    let (wi, [red, green, blue, pdf]) = (part(wi, &range), part_mut(&mut outputs, &range));
+                    let value = [red, green, blue];
+                    with_mixture!(AnyMixtures: mixtures, m => Mixture::evaluate_and_pdf_pairs_into(m, wi, value, pdf))
+                })
+            }
         })
     })
 }
@@ -279,23 +370,25 @@ pub unsafe extern "C" fn srbf_mixture_pdf_pairs_into(
         // SAFETY: the header's contract.
         let mixtures = unsafe { Mixtures::new(mixtures, n, mixture_stride)? };
         // SAFETY: the header's contract.
-        let batch =
-            unsafe { Batch::new(n, read(wi)?.streams(), [read(pdf)?.stream()], [mixtures.extent()])? };
+        let (wi, pdf) = unsafe { (read(wi)?, read(pdf)?) };
+        // SAFETY: the header's contract.
+        let batch = unsafe { Batch::new(n, wi.streams(), [pdf.stream()], [mixtures.extent()])? };
         let mut first = 0;
-        batch.run(|wi, [pdf]| {
-            for i in 0..wi[0].len() {
-                // SAFETY: first + i < n.
-                let mixture = unsafe { mixtures.get(first + i)? };
-                let wi = Vec3::new(wi[0][i], wi[1][i], wi[2][i]);
-                pdf[i] = with_mixture!(AnyMixture: &mixture, m => m.pdf(wi));
+        batch.run(|wi, mut outputs: [&mut [f32]; 1]| {
+            let (from, count) = (first, outputs[0].len());
+            first += count;
+            // SAFETY: the batch has n in all.
+            unsafe {
+                mixtures.each(from, count, |mixtures, range| {
+                    let (wi, [pdf]) = (part(wi, &range), part_mut(&mut outputs, &range));
+                    with_mixture!(AnyMixtures: mixtures, m => Mixture::pdf_pairs_into(m, wi, pdf))
+                })
             }
-            first += wi[0].len();
-            Ok(())
         })
     })
 }
 
-/// Draws one direction from each of n mixtures.
+/// Draws one direction from each of n mixtures, with density and weight.
 ///
 /// Shapes and status as in `srbf_mixture_evaluate_pairs_into`; `u` and `samples` as in `srbf_mixture_sample_into`.
 #[unsafe(no_mangle)]
@@ -313,21 +406,106 @@ pub unsafe extern "C" fn srbf_mixture_sample_pairs_into(
         // SAFETY: the header's contract.
         let mixtures = unsafe { Mixtures::new(mixtures, n, mixture_stride)? };
         // SAFETY: the header's contract.
-        let batch =
-            unsafe { Batch::new(n, read(u)?.streams(), read(samples)?.streams(), [mixtures.extent()])? };
+        let (u, samples) = unsafe { (read(u)?, read(samples)?) };
+        // SAFETY: the header's contract.
+        let batch = unsafe { Batch::new(n, u.streams(), samples.streams(), [mixtures.extent()])? };
         let mut first = 0;
-        batch.run(|u, [x, y, z, pdf, red, green, blue]| {
-            for i in 0..u[0].len() {
-                // SAFETY: first + i < n.
-                let mixture = unsafe { mixtures.get(first + i)? };
-                let u = [u[0][i], u[1][i], u[2][i]];
-                let sample = with_mixture!(AnyMixture: &mixture, m => draw(m, u));
-                [x[i], y[i], z[i]] = sample.direction;
-                pdf[i] = sample.pdf;
-                [red[i], green[i], blue[i]] = sample.weight;
+        batch.run(|u, mut outputs: [&mut [f32]; 7]| {
+            let (from, count) = (first, outputs[0].len());
+            first += count;
+            // SAFETY: the batch has n in all.
+            unsafe {
+                mixtures.each(from, count, |mixtures, range| {
+                    let (u, [x, y, z, pdf, w0, w1, w2]) = (part(u, &range), part_mut(&mut outputs, &range));
+                    let samples = SamplesMut { direction: [x, y, z], pdf, weight: [w0, w1, w2] };
+                    with_mixture!(AnyMixtures: mixtures, m => Mixture::sample_pairs_into(m, u, samples))
+                })
             }
-            first += u[0].len();
-            Ok(())
+        })
+    })
+}
+
+/// Draws one direction from each of n mixtures with its density, without a weight.
+///
+/// Shapes and status as in `srbf_mixture_evaluate_pairs_into`; `u`, `direction` and `pdf` as in `srbf_mixture_sample_pdf_into`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_mixture_sample_pdf_pairs_into(
+    mixtures: *const srbf_mixture,
+    mixture_stride: usize,
+    n: usize,
+    u: *const srbf_vectors,
+    direction: *const srbf_vectors_out,
+    pdf: *const srbf_numbers_out,
+) -> srbf_status {
+    guard(|| {
+        if n == 0 {
+            return Ok(());
+        }
+        // SAFETY: the header's contract.
+        let mixtures = unsafe { Mixtures::new(mixtures, n, mixture_stride)? };
+        // SAFETY: the header's contract.
+        let (u, direction, pdf) = unsafe { (read(u)?, read(direction)?, read(pdf)?) };
+        let [x, y, z] = direction.streams();
+        // SAFETY: the header's contract.
+        let batch = unsafe { Batch::new(n, u.streams(), [x, y, z, pdf.stream()], [mixtures.extent()])? };
+        let mut first = 0;
+        batch.run(|u, mut outputs: [&mut [f32]; 4]| {
+            let (from, count) = (first, outputs[0].len());
+            first += count;
+            // SAFETY: the batch has n in all.
+            unsafe {
+                mixtures.each(from, count, |mixtures, range| {
+                    let (u, [x, y, z, pdf]) = (part(u, &range), part_mut(&mut outputs, &range));
+                    with_mixture!(AnyMixtures: mixtures, m => Mixture::sample_pdf_pairs_into(m, u, [x, y, z], pdf))
+                })
+            }
+        })
+    })
+}
+
+/// Draws one direction from each of n mixtures, and evaluates value and density towards another one.
+///
+/// Shapes and status as in `srbf_mixture_sample_pairs_into` and, of the other directions `wi`, in
+/// `srbf_mixture_evaluate_and_pdf_pairs_into`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_mixture_sample_and_evaluate_pairs_into(
+    mixtures: *const srbf_mixture,
+    mixture_stride: usize,
+    n: usize,
+    u: *const srbf_vectors,
+    samples: *const srbf_samples_out,
+    wi: *const srbf_vectors,
+    value: *const srbf_vectors_out,
+    pdf: *const srbf_numbers_out,
+) -> srbf_status {
+    guard(|| {
+        if n == 0 {
+            return Ok(());
+        }
+        // SAFETY: the header's contract.
+        let mixtures = unsafe { Mixtures::new(mixtures, n, mixture_stride)? };
+        // SAFETY: the header's contract.
+        let (u, samples) = unsafe { (read(u)?, read(samples)?) };
+        // SAFETY: the header's contract.
+        let (wi, value, pdf) = unsafe { (read(wi)?, read(value)?, read(pdf)?) };
+        let ([ux, uy, uz], [ix, iy, iz]) = (u.streams(), wi.streams());
+        // SAFETY: the header's contract.
+        let batch = unsafe {
+            Batch::new(n, [ux, uy, uz, ix, iy, iz], samples.streams_beside(value, pdf), [mixtures.extent()])?
+        };
+        let mut first = 0;
+        batch.run(|inputs, mut outputs: [&mut [f32]; 11]| {
+            let (from, count) = (first, outputs[0].len());
+            first += count;
+            // SAFETY: the batch has n in all.
+            unsafe {
+                mixtures.each(from, count, |mixtures, range| {
+                    let [ux, uy, uz, ix, iy, iz] = part(inputs, &range);
+                    let (u, wi) = ([ux, uy, uz], [ix, iy, iz]);
+                    let (samples, value, pdf) = sampled_and_evaluated(part_mut(&mut outputs, &range));
+                    with_mixture!(AnyMixtures: mixtures, m => Mixture::sample_and_evaluate_pairs_into(m, u, samples, wi, value, pdf))
+                })
+            }
         })
     })
 }

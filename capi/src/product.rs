@@ -1,4 +1,4 @@
-//! Products of lobes and mixtures, and their integrals.
+//! Products of lobes and mixtures, and their integrals: of plain lobes only.
 #![allow(unsafe_code)]
 
 use crate::guard::guard;
@@ -44,7 +44,7 @@ pub unsafe extern "C" fn srbf_lobe_inner_product(
     })
 }
 
-/// Integrates the product of a mixture of round lobes and a lobe, of light for example, over the mixture's domain.
+/// Integrates the product of a mixture of plain lobes and a lobe, of light for example, over the mixture's domain.
 ///
 /// For a material's mixture and a lobe of radiance: the radiance that is reflected towards the viewer.
 /// Shapes: `integral` [3], overwritten. Status: `SRBF_STATUS_SQUEEZED`.

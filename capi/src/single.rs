@@ -6,7 +6,7 @@ use crate::guard::guard;
 use crate::pointers::{Out, read_array};
 use crate::storage::{mixture, with_mixture};
 use crate::{srbf_mixture, srbf_status};
-use srbf_core::{Mixture, Vec3};
+use srbf_core::{Sample, Vec3};
 
 /// A direction drawn from a mixture.
 #[derive(Clone, Copy)]
@@ -119,7 +119,7 @@ pub unsafe extern "C" fn srbf_mixture_sample(
         // SAFETY: the header's contract.
         let (mixture, u, out) = unsafe { (self::mixture(mixture)?, read_array(u)?, Out::new(sample)?) };
         let u = uniform(u)?;
-        out.set(with_mixture!(AnyMixture: &mixture, m => draw(m, u)));
+        out.set(with_mixture!(AnyMixture: &mixture, m => drawn(m.sample(u))));
         Ok(())
     })
 }
@@ -148,15 +148,40 @@ pub unsafe extern "C" fn srbf_mixture_sample_pdf(
     })
 }
 
-/// Draws one sample; what a black mixture gives is said in the header.
+/// Draws an incident direction, and evaluates value and density towards another one: what next-event estimation needs at every hit.
+///
+/// Shapes: `u` and `sample` as in `srbf_mixture_sample`; `wi`, `value` and `pdf` as in `srbf_mixture_evaluate_and_pdf`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn srbf_mixture_sample_and_evaluate(
+    mixture: *const srbf_mixture,
+    u: *const f32,
+    sample: *mut srbf_sample,
+    wi: *const f32,
+    value: *mut f32,
+    pdf: *mut f32,
+) -> srbf_status {
+    guard(|| {
+        // SAFETY: the header's contract.
+        let (mixture, u, wi) = unsafe { (self::mixture(mixture)?, read_array(u)?, read_array(wi)?) };
+        // SAFETY: the header's contract.
+        let (sample_out, value_out, pdf_out) =
+            unsafe { (Out::new(sample)?, Out::<[f32; 3]>::array(value)?, Out::new(pdf)?) };
+        let (u, wi) = (uniform(u)?, direction(wi)?);
+        let (sample, (value, pdf)) = with_mixture!(AnyMixture: &mixture, m => m.sample_and_evaluate(u, wi));
+        sample_out.set(drawn(sample));
+        value_out.set(value.to_array());
+        pdf_out.set(pdf);
+        Ok(())
+    })
+}
+
+/// A sample, or what a black mixture gives: the header says it.
 #[inline(always)]
-pub(crate) fn draw<const N: usize>(mixture: &Mixture<'_, N>, u: [f32; 3]) -> srbf_sample {
-    match mixture.sample(u) {
-        Some(sample) => srbf_sample {
-            direction: sample.direction.to_array(),
-            pdf: sample.pdf,
-            weight: sample.weight().to_array(),
-        },
+pub(crate) fn drawn(sample: Option<Sample>) -> srbf_sample {
+    match sample {
+        Some(Sample { direction, pdf, weight }) => {
+            srbf_sample { direction: direction.to_array(), pdf, weight: weight.to_array() }
+        }
         None => srbf_sample { direction: [0.0, 0.0, 1.0], pdf: 0.0, weight: [0.0; 3] },
     }
 }

@@ -74,6 +74,13 @@ pub(crate) enum AnyMixtureMut<'a> {
     C64(&'a mut Mixture<'static, 64>),
 }
 
+/// Mixtures of the caller, all of one capacity.
+pub(crate) enum AnyMixtures<'a> {
+    C16(&'a [&'a Mixture<'static, 16>]),
+    C32(&'a [&'a Mixture<'static, 32>]),
+    C64(&'a [&'a Mixture<'static, 64>]),
+}
+
 /// Runs one text for whatever capacity the mixture has.
 macro_rules! with_mixture {
     ($any:ident: $mixture:expr, $name:ident => $body:expr) => {
@@ -156,13 +163,13 @@ pub(crate) unsafe fn init_at(storage: *mut u8, size: usize) -> Result<*mut srbf_
     // of the storage.
     if size >= SRBF_MIXTURE_SIZE_64 {
         // SAFETY: as above.
-        unsafe { write_empty::<64>(place) }
+        unsafe { write_empty::<64>(storage) };
     } else if size >= SRBF_MIXTURE_SIZE_32 {
         // SAFETY: as above.
-        unsafe { write_empty::<32>(place) }
+        unsafe { write_empty::<32>(storage) };
     } else if size >= SRBF_MIXTURE_SIZE_16 {
         // SAFETY: as above.
-        unsafe { write_empty::<16>(place) }
+        unsafe { write_empty::<16>(storage) };
     } else {
         return Err(SRBF_STATUS_SIZE.into());
     }
@@ -179,12 +186,17 @@ pub(crate) fn check_storage(storage: *mut u8) -> Result<(), Failure> {
     }
 }
 
+/// Writes an empty mixture; returns it within its storage.
+///
 /// # Safety
 /// A `Storage<N>` can be written at `place`.
-unsafe fn write_empty<const N: usize>(place: *mut srbf_mixture) {
-    let head = srbf_mixture { tag: TAG, capacity: N as u32 };
+pub(crate) unsafe fn write_empty<const N: usize>(place: *mut u8) -> *mut Mixture<'static, N> {
+    let (place, head) = (place.cast::<Storage<N>>(), srbf_mixture { tag: TAG, capacity: N as u32 });
     // SAFETY: the caller's word.
-    unsafe { place.cast::<Storage<N>>().write(Storage { head, mixture: Mixture::empty() }) }
+    unsafe {
+        place.write(Storage { head, mixture: Mixture::empty() });
+        &raw mut (*place).mixture
+    }
 }
 
 /// The bytes that a call on a mixture reads: its own, and those of the factors that it borrows.

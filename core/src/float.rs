@@ -2,7 +2,7 @@
 //! on the platform's C library: `libm` where it computes in f32 alone, and our own exp2, sine and cosine,
 //! because `libm`'s pass through f64, which small processors lack.
 
-#[cfg(any(feature = "kernels", test))]
+#[cfg(any(feature = "zonal", test))]
 pub(crate) use crate::simd::elementary::sin_cos;
 pub(crate) use crate::simd::elementary::sin_cos_turns;
 pub(crate) use crate::simd::scalar::sqrt;

@@ -15,14 +15,14 @@
 //!
 //! # Features
 //!
-//! Every feature only adds, and all are on by default. Without any the crate is scalar f32 on `libm`,
-//! `no_std`, without allocation, in which form it runs on microcontrollers.
+//! Every feature only adds. Without any the crate is scalar f32 on `libm`, `no_std`, without allocation, in
+//! which form it runs on microcontrollers.
 //!
-//! | feature | adds | brings |
-//! |---|---|---|
-//! | `simd` | SIMD levels: portable vectors, and on x86-64 AVX2 and AVX-512, chosen at run time ([`Level`]) | `wide` |
-//! | `std` | [`read_file`]; the one thing here that allocates | |
-//! | `kernels` | zonal kernels: [`AbelPoisson`], [`KernelTable`], [`legendre_series`], [`Metropolis`] | `rand_core` |
+//! | feature | by default | adds | brings |
+//! |---|---|---|---|
+//! | `simd` | yes | SIMD levels: portable vectors, and on x86-64 AVX2 and AVX-512, chosen at run time ([`Level`]) | `wide` |
+//! | `std` | yes | [`read_file`]; the one thing here that allocates | |
+//! | `zonal` | no | zonal kernels beside the Gaussian: Abel-Poisson, tables, Legendre series, the Metropolis walk | `rand_core` |
 //!
 //! # A material
 //!
@@ -49,7 +49,7 @@
 //! let mut bytes = [0; 256];
 //! let length = line.encode("an example", &mut bytes)?;
 //!
-//! // Once: the bytes are checked, and borrowed.
+//! // Once: the bytes are checked, and borrowed; without `&` the material owns them.
 //! let material = Material::from_bytes(&bytes[..length])?;
 //! // At every hit: the mixture for its outgoing direction, in storage that is used again.
 //! let mut mixture = Mixture::<16>::empty();
@@ -57,7 +57,7 @@
 //!
 //! // Where the path goes on, and what it is multiplied by.
 //! let sample = mixture.sample([0.3, 0.6, 0.1]).expect("the material reflects");
-//! let throughput = sample.weight();
+//! let throughput = sample.weight;
 //! assert!(throughput.max_element() < 1.0);
 //!
 //! // Light from a direction that was drawn otherwise, with density 2: value, and the weight of that sample.
@@ -101,6 +101,7 @@ pub use error::Error;
 pub use estimator::{Defensive, balance_heuristic, power_heuristic};
 pub use glam::Vec3;
 pub use kernel::expanded::table::Expanded;
+pub use kernel::prepare::PrepareOptions;
 pub use kernel::slices::SamplesMut;
 pub use lobe::gaussian::{Gaussian, Lobe, MAX_SHARPNESS};
 pub use lobe::product::GaussianProduct;
@@ -115,16 +116,16 @@ pub use material::views::{Grid, GridView, Line, PlaneLobe, TiltedLobe, View};
 pub use mixture::leave_out::LeaveOut;
 pub use mixture::rows::{Domain, Mixture, Sample};
 pub use simd::detect::Level;
-#[cfg(feature = "kernels")]
+#[cfg(feature = "zonal")]
 pub use zonal::abel_poisson::AbelPoisson;
 pub use zonal::folded::Folded;
 pub use zonal::kernel::Kernel;
-#[cfg(feature = "kernels")]
+#[cfg(feature = "zonal")]
 pub use zonal::legendre::{
     abel_poisson_coefficients_into, gaussian_coefficients_into, legendre_coefficients_into, legendre_series,
     legendre_singular_integral,
 };
-#[cfg(feature = "kernels")]
+#[cfg(feature = "zonal")]
 pub use zonal::metropolis::Metropolis;
-#[cfg(feature = "kernels")]
+#[cfg(feature = "zonal")]
 pub use zonal::table::KernelTable;

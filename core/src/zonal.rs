@@ -3,17 +3,17 @@
 //!
 //! [`kernel::Kernel`] is what they share; the Gaussian, which all else of this crate is made of, lives in
 //! `lobe`. Abel-Poisson kernels, Legendre series, tables and the Metropolis walk come with the feature
-//! `kernels`.
+//! `zonal`.
 //! May import: `squeeze`, `special`, `float`, `quadrature`, `simd`, `error`.
 
-#[cfg(feature = "kernels")]
+#[cfg(feature = "zonal")]
 pub(crate) mod abel_poisson;
 pub(crate) mod around;
 pub(crate) mod folded;
 pub(crate) mod kernel;
-#[cfg(feature = "kernels")]
+#[cfg(feature = "zonal")]
 pub(crate) mod legendre;
-#[cfg(feature = "kernels")]
+#[cfg(feature = "zonal")]
 pub(crate) mod metropolis;
-#[cfg(feature = "kernels")]
+#[cfg(feature = "zonal")]
 pub(crate) mod table;

@@ -3,14 +3,14 @@
 //! A few hundred samples say little of what lies between them, unless one knows what BRDFs are like. Three things are known:
 //!
 //! 1. they are reciprocal: a sample says as much of (wo, wi) as of (wi, wo), so that one view speaks for all others. The coordinates
-//!    ([`pair`]) are the same both ways;
-//! 2. a microfacet lobe and a diffuse term ([`microfacet`]) are close to most of them. They are fitted to the samples, from several
+//!    (`pair`) are the same both ways;
+//! 2. a microfacet lobe and a diffuse term (`microfacet`) are close to most of them. They are fitted to the samples, from several
 //!    widths on, and once more to what the next step leaves over;
-//! 3. what is left is smooth. A Gaussian process ([`process`]) of the logarithms, over those coordinates, takes it. A scale
-//!    ([`scale`]) that is even around 0 stands for the logarithm, so that samples that were clamped to 0, or are negative, say what they are: dark.
+//! 3. what is left is smooth. A Gaussian process (`process`) of the logarithms, over those coordinates, takes it. A scale
+//!    (`scale`) that is even around 0 stands for the logarithm, so that samples that were clamped to 0, or are negative, say what they are: dark.
 //!
 //! Which model, how smooth, and how much noise there is: what says best of samples left out, one by one and view by view
-//! ([`held_out`]). A sample that all others speak against counts less. Of more samples than [`points`] takes, close ones are taken together.
+//! (`held_out`). A sample that all others speak against counts less. Of more samples than `points` takes, close ones are taken together.
 
 mod energy;
 mod gaps;

@@ -4,12 +4,12 @@ use crate::anisotropic;
 use crate::complete::complete;
 use crate::fewest_lobes::fewest_lobes;
 use crate::isotropic;
-use crate::judge::fitted_material::TrackedLobes;
 use crate::judge::method::{Fitted, Method};
 use crate::judge::report::Fit;
 use crate::read::Content;
 use crate::table::{Brdf, Symmetry, Table};
 use crate::{FitError, Settings};
+use srbf_core::Material;
 
 /// Fits lobes to a measurement: to its samples, or to a table of what can be evaluated.
 ///
@@ -76,6 +76,6 @@ pub struct Tracked<'a>(pub &'a Settings);
 
 impl Method for Tracked<'_> {
     fn fit(&self, table: &Table) -> Result<Box<dyn Fitted>, FitError> {
-        Ok(Box::new(TrackedLobes { bytes: fit(table, self.0, |_| {})?.bytes }))
+        Ok(Box::new(Material::from_bytes(fit(table, self.0, |_| {})?.bytes)?))
     }
 }

@@ -1,6 +1,6 @@
 //! Albedos of materials with factors, which have no closed form: what a mixture gives against the mean over its own samples.
 
-use srbf_core::{LeaveOut, Level, MAX_LOBES, Material, Mixture, Vec3, luminance};
+use srbf_core::{Level, MAX_LOBES, Material, Mixture, Vec3, luminance};
 use srbf_fit::read::Content;
 use srbf_fit::table::Brdf;
 use srbf_fit::{Settings, fit_content};
@@ -18,7 +18,7 @@ fn drawn(mixture: &Mixture<MAX_LOBES>) -> Vec3 {
         let n = f64::from(i);
         // The R2 sequence (Roberts 2018) beside even steps.
         let u = [(n + 0.5) / f64::from(DRAWN), 0.754_877_666_246_693 * n, 0.569_840_290_998_053 * n];
-        mixture.sample(u.map(|u| u.fract() as f32)).map_or(Vec3::ZERO, |s| s.weight())
+        mixture.sample(u.map(|u| u.fract() as f32)).map_or(Vec3::ZERO, |s| s.weight)
     };
     let mut sum = [0.0; 3];
     for weight in (0..DRAWN).map(sample) {
@@ -37,7 +37,7 @@ fn errors(bytes: &[u8]) -> [f32; 2] {
     let error = |theta: f32| {
         let mut mixture = Mixture::empty();
         let wo = Vec3::new(-theta.sin(), 0.0, theta.cos());
-        material.prepare_at(Level::Scalar, wo, LeaveOut::default(), &mut mixture).unwrap();
+        material.prepare_with(wo, Level::Scalar.into(), &mut mixture).unwrap();
         let want = drawn(&mixture);
         100.0 * (mixture.albedo() - want).abs().max_element() / luminance(want)
     };

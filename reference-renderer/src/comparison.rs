@@ -75,7 +75,7 @@ pub fn measure(
     environment: &Environment,
     progress: &Progress,
 ) -> anyhow::Result<Comparison> {
-    let scene = Scene::new(SceneName::Sphere, material.get(), material.get(), environment);
+    let scene = Scene::new(SceneName::Sphere, &material.material, &material.material, environment);
     let camera = SceneName::Sphere.camera([plan.side; 2]);
     let settings = |sampler, seed| Settings { sampler, max_bounces: 1, seed };
 

@@ -138,12 +138,12 @@ mod tests {
 
     #[test]
     fn rendered_mean_is_the_closed_form_albedo() {
-        check(lacquer().get());
+        check(&lacquer().material);
     }
 
     #[test]
     fn rendered_mean_is_the_closed_form_albedo_of_an_anisotropic_material() {
-        check(brushed().get());
+        check(&brushed().material);
     }
 
     #[test]

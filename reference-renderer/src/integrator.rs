@@ -9,7 +9,7 @@ use crate::scene::{Scene, Surface};
 use crate::shader::Scattering;
 use crate::sphere_sampling;
 use glam::Vec3;
-use srbf_core::Sample;
+use srbf_core::{Sample, power_heuristic};
 use std::f32::consts::{FRAC_1_PI, TAU};
 
 /// How directions are chosen.
@@ -19,6 +19,8 @@ pub enum Sampler {
     Mis,
     /// From the material only: its lobes, or what samples a table.
     Lobes,
+    /// From the lobes, and one in twenty from the cosine: weights are bounded.
+    Defensive,
     /// From the cosine only.
     Cosine,
     /// Uniform on the hemisphere.
@@ -33,6 +35,7 @@ impl Sampler {
         match self {
             Self::Mis => "mis",
             Self::Lobes => "lobes",
+            Self::Defensive => "defensive",
             Self::Cosine => "cosine",
             Self::Uniform => "uniform",
             Self::Light => "light",
@@ -50,13 +53,16 @@ impl Sampler {
             Self::Mis | Self::Lobes | Self::Light => {
                 return scattering.sample([random.unit(), random.unit(), random.unit()]);
             }
+            Self::Defensive => {
+                return scattering.sample_defensive([random.unit(), random.unit(), random.unit()]);
+            }
             Self::Cosine => {
                 let direction = sphere_sampling::cosine([random.unit(), random.unit()]);
                 (direction, direction.z * FRAC_1_PI)
             }
             Self::Uniform => (sphere_sampling::uniform_hemisphere([random.unit(), random.unit()]), 1.0 / TAU),
         };
-        Some(Sample { direction, pdf, value: scattering.evaluate(direction) })
+        Some(Sample { direction, pdf, weight: scattering.evaluate(direction) / pdf })
     }
 }
 
@@ -88,7 +94,7 @@ pub fn radiance<'a>(
             let weight = match competing {
                 None => 1.0,
                 Some(_) if sampler == Sampler::Light => 0.0,
-                Some(pdf) => power_heuristic(pdf, scene.environment.pdf(ray.direction)),
+                Some(pdf) => power_heuristic(1.0, pdf, 1.0, scene.environment.pdf(ray.direction)),
             };
             light += throughput * scene.environment.radiance(ray.direction) * weight;
             break;
@@ -108,7 +114,8 @@ pub fn radiance<'a>(
             let sample = scene.environment.sample(random);
             if frame.leaves(sample.direction) {
                 let (value, pdf) = scattering.evaluate_and_pdf(frame.to_local(sample.direction));
-                let weight = if sampler == Sampler::Light { 1.0 } else { power_heuristic(sample.pdf, pdf) };
+                let weight =
+                    if sampler == Sampler::Light { 1.0 } else { power_heuristic(1.0, sample.pdf, 1.0, pdf) };
                 let contribution = throughput * value * sample.radiance * (weight / sample.pdf);
                 if contribution != Vec3::ZERO && scene.is_clear(&frame.ray(sample.direction)) {
                     light += contribution;
@@ -121,7 +128,7 @@ pub fn radiance<'a>(
         if !frame.leaves(direction) {
             break;
         }
-        throughput *= sample.weight();
+        throughput *= sample.weight;
         if bounce >= ROULETTE_FROM {
             // By its size: of a colour outside the gamut, channels are negative.
             let survival = throughput.abs().max_element().min(0.95);
@@ -134,15 +141,6 @@ pub fn radiance<'a>(
         ray = frame.ray(direction);
     }
     light
-}
-
-/// Weight of a sample of density `pdf` where another strategy has the density `other`.
-///
-/// Source: Veach and Guibas 1995, exponent 2.
-fn power_heuristic(pdf: f32, other: f32) -> f32 {
-    // As a ratio, so that the square of a large density stays finite.
-    let ratio = other / pdf;
-    1.0 / (1.0 + ratio * ratio)
 }
 
 /// The shading frame at a point, on the side from where it is seen.

@@ -18,12 +18,16 @@ pub const DEFAULT: &str = "garnet_red";
 /// Name of the built-in material without a highlight.
 pub const MATTE: &str = "matte";
 
-/// The bytes of a material, and what it is called.
+/// The bytes of a preset, or those of a file.
+pub type Bytes = Cow<'static, [u8]>;
+
+/// A material, and what it is called.
 #[derive(Clone, Debug)]
 pub struct StoredMaterial {
     /// Name of the preset, or of the file without folder and extension.
     pub name: String,
-    bytes: Cow<'static, [u8]>,
+    /// The material itself.
+    pub material: Material<Bytes>,
 }
 
 impl StoredMaterial {
@@ -57,14 +61,8 @@ impl StoredMaterial {
     ///
     /// # Errors
     /// Bytes that are no material.
-    pub fn new(name: &str, bytes: Cow<'static, [u8]>) -> anyhow::Result<Self> {
-        Material::from_bytes(&bytes)?;
-        Ok(Self { name: name.to_owned(), bytes })
-    }
-
-    /// The material itself.
-    pub fn get(&self) -> Material<'_> {
-        Material::from_bytes(&self.bytes).expect("checked when it was loaded")
+    pub fn new(name: &str, bytes: Bytes) -> anyhow::Result<Self> {
+        Ok(Self { name: name.to_owned(), material: Material::from_bytes(bytes)? })
     }
 }
 
@@ -186,7 +184,7 @@ pub mod tests {
             let mut mixture = srbf_core::Mixture::<{ srbf_core::MAX_LOBES }>::empty();
             for degrees in 0..90 {
                 let (sin, cos) = (degrees as f32).to_radians().sin_cos();
-                stored.get().prepare(glam::vec3(-sin, 0.0, cos), &mut mixture).unwrap();
+                stored.material.prepare(glam::vec3(-sin, 0.0, cos), &mut mixture).unwrap();
                 let albedo = mixture.albedo();
                 // Cayman's blue is outside the gamut of sRGB: its red was measured as down to -0.04 / sr.
                 let luminance = srbf_core::luminance(albedo);
@@ -201,7 +199,7 @@ pub mod tests {
     #[test]
     fn products_with_the_lobe_of_the_matte_are_no_subnormals() {
         let stored = StoredMaterial::load(MATTE).unwrap();
-        let amplitude = stored.get().view_lobe(0, 0).unwrap().log2_luminance;
+        let amplitude = stored.material.view_lobe(0, 0).unwrap().log2_luminance;
         assert!((-62.0..-40.0).contains(&amplitude), "{amplitude}");
     }
 

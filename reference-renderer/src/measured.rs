@@ -142,7 +142,7 @@ impl View<'_> {
         let direction = self.proposal.sample(u.map(f64::from)).as_vec3();
         let pdf = self.pdf(direction);
         let is_drawn = direction.z > 0.0 && pdf > 0.0 && pdf.is_finite();
-        is_drawn.then(|| Sample { direction, pdf, value: self.evaluate(direction) })
+        is_drawn.then(|| Sample { direction, pdf, weight: self.evaluate(direction) / pdf })
     }
 }
 

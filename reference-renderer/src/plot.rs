@@ -95,10 +95,19 @@ fn panel(
         let slope = curve.slope().map_or_else(|| "-".to_owned(), |slope| format!("{slope:.2}"));
         add_curve(&mut chart, format!("{}, slope {slope}", curve.sampler.name()), colour, &places)?;
     }
+    draw_legend(&mut chart, SeriesLabelPosition::UpperRight, 15)
+}
+
+/// Draws the names of the curves in a frame.
+pub fn draw_legend<'a, 'b: 'a, C: CoordTranslate>(
+    chart: &mut ChartContext<'a, BitMapBackend<'b>, C>,
+    position: SeriesLabelPosition,
+    size: u32,
+) -> Result<(), Failure> {
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
-        .label_font((FONT, 15))
+        .position(position)
+        .label_font((FONT, size))
         .background_style(WHITE)
         .border_style(BLACK)
         .draw()?;

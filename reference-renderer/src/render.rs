@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn picture_does_not_depend_on_the_threads_nor_on_the_steps() {
         let (sky, object, ground) = (sky::sky(), lacquer(), StoredMaterial::load("matte").unwrap());
-        let scene = Scene::new(SceneName::Teapot, object.get(), ground.get(), &sky);
+        let scene = Scene::new(SceneName::Teapot, &object.material, &ground.material, &sky);
         let on = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| film(&scene, SceneName::Teapot, Sampler::Mis, 4))
@@ -110,7 +110,7 @@ mod tests {
         let light = Environment::new(32, pixels).unwrap();
         let (object, ground) = (lacquer(), StoredMaterial::load("matte").unwrap());
         for name in [SceneName::Sphere, SceneName::Teapot] {
-            let scene = Scene::new(name, object.get(), ground.get(), &light);
+            let scene = Scene::new(name, &object.material, &ground.material, &light);
             let mean = |sampler| {
                 let film = film(&scene, name, sampler, 256);
                 let n = film.pixels.len() as f64;
@@ -119,7 +119,9 @@ mod tests {
                 (sum / n, variance / (n * n))
             };
             let (expected, own) = mean(Sampler::Mis);
-            for sampler in [Sampler::Lobes, Sampler::Light, Sampler::Cosine, Sampler::Uniform] {
+            for sampler in
+                [Sampler::Lobes, Sampler::Defensive, Sampler::Light, Sampler::Cosine, Sampler::Uniform]
+            {
                 let (rendered, variance) = mean(sampler);
                 let error = (own + variance).map(f64::sqrt);
                 let deviation = (rendered - expected).abs();

@@ -1,9 +1,9 @@
 //! What a scene shades with: lobes, or a measured table.
 
-use crate::material::StoredMaterial;
+use crate::material::{Bytes, StoredMaterial};
 use crate::measured::{MeasuredMaterial, View};
 use glam::Vec3;
-use srbf_core::{Error, MAX_LOBES, Material, Mixture, Sample};
+use srbf_core::{Defensive, Error, MAX_LOBES, Material, Mixture, Sample};
 
 /// Storage for the mixture of any material.
 pub type AnyMixture<'m> = Mixture<'m, MAX_LOBES>;
@@ -39,7 +39,7 @@ impl LoadedMaterial {
     /// What it is called, and what kind of material it is.
     pub fn title(&self) -> String {
         match self {
-            Self::Lobes(stored) => format!("{}, {} lobes", stored.name, stored.get().lobe_count()),
+            Self::Lobes(stored) => format!("{}, {} lobes", stored.name, stored.material.lobe_count()),
             Self::Table(measured) => format!("{}, table", measured.name),
         }
     }
@@ -47,7 +47,7 @@ impl LoadedMaterial {
     /// What a scene shades with.
     pub fn shader(&self) -> Shader<'_> {
         match self {
-            Self::Lobes(stored) => Shader::Lobes(stored.get()),
+            Self::Lobes(stored) => Shader::Lobes(&stored.material),
             Self::Table(measured) => Shader::Table(measured),
         }
     }
@@ -57,13 +57,13 @@ impl LoadedMaterial {
 #[derive(Clone, Copy)]
 pub enum Shader<'a> {
     /// Lobes.
-    Lobes(Material<'a>),
+    Lobes(&'a Material<Bytes>),
     /// A table or model.
     Table(&'a MeasuredMaterial),
 }
 
-impl<'a> From<Material<'a>> for Shader<'a> {
-    fn from(material: Material<'a>) -> Self {
+impl<'a> From<&'a Material<Bytes>> for Shader<'a> {
+    fn from(material: &'a Material<Bytes>) -> Self {
         Self::Lobes(material)
     }
 }
@@ -132,6 +132,14 @@ impl<'a> Scattering<'a> {
     pub fn sample(&self, u: [f32; 3]) -> Option<Sample> {
         match &self.table {
             None => self.lobes.sample(u),
+            Some(table) => table.sample(u),
+        }
+    }
+
+    /// The same, one direction in twenty from the cosine; of a table as [`sample`](Self::sample), which has that part.
+    pub fn sample_defensive(&self, u: [f32; 3]) -> Option<Sample> {
+        match &self.table {
+            None => Some(Defensive::new(&self.lobes, 0.05).ok()?.sample(u)),
             Some(table) => table.sample(u),
         }
     }

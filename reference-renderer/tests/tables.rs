@@ -87,13 +87,7 @@ fn published_fits_are_rendered_by_name() {
 #[test]
 fn what_cannot_be_rendered_is_refused_by_name() {
     let place = folder("refused");
-    let mut rows = String::from("wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,r,g,b\n");
-    for i in 0..40 {
-        let (z, phi) = ((f64::from(i) + 0.5) / 40.0, 2.4 * f64::from(i));
-        let r = (1.0 - z * z).sqrt();
-        rows += &format!("{},{},{z},0,0,1,0.2,0.1,0.05\n", r * phi.cos(), r * phi.sin());
-    }
-    std::fs::write(place.join("samples.csv"), rows).unwrap();
+    write_samples(&place);
     std::fs::write(place.join("cut.bsdf"), "tensor_file").unwrap();
     std::fs::write(place.join("cut.BINARY"), "abc").unwrap();
     let render = |material: &str, says: &[&str]| {
@@ -108,11 +102,28 @@ fn what_cannot_be_rendered_is_refused_by_name() {
     render("absent.bsdf", &["absent.bsdf"]);
     render("model:phong:shine=3", &["shine"]);
     render("model:blinn", &["blinn"]);
-    refused(
-        &place,
-        &["fit", "samples.csv", "--picture", "a.png"],
-        &["--picture", "samples.csv", "scattered"],
-    );
+    let lit = ["fit", "samples.csv", "--picture", "a.png", "--env", "haze"];
+    refused(&place, &lit, &["--env", "no light"]);
+}
+
+/// Writes samples of one view, `samples.csv`.
+fn write_samples(place: &Path) {
+    let mut rows = String::from("wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,r,g,b\n");
+    for i in 0..40 {
+        let (z, phi) = ((f64::from(i) + 0.5) / 40.0, 2.4 * f64::from(i));
+        let r = (1.0 - z * z).sqrt();
+        rows += &format!("{},{},{z},0,0,1,0.2,0.1,0.05\n", r * phi.cos(), r * phi.sin());
+    }
+    std::fs::write(place.join("samples.csv"), rows).unwrap();
+}
+
+#[test]
+fn the_picture_of_samples_has_curves() {
+    let place = folder("curves");
+    write_samples(&place);
+    let few = ["--lobes", "2", "--views", "3", "--starts", "1", "--steps", "2", "--exchanges", "0"];
+    printed(&place, &[&["fit", "samples.csv", "--picture", "a.png"], few.as_slice()].concat());
+    assert_eq!(png_size(&place.join("a.png")), [1560, 366]);
 }
 
 #[test]

@@ -539,8 +539,7 @@ static void test_upon_material(const srbf_material *original, const srbf_vectors
     srbf_vectors_out values = {value, value + N, value + 2 * N, sizeof(float)};
     srbf_samples_out samples = {values, apart, {value + 3 * N, value + 4 * N, value + 5 * N, sizeof(float)}};
     CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_pdf_pairs_into(material, N, wo, wi, &pdf));
-    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_luminance_pairs_into(material, N, wo, wi, &pdf));
-    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_evaluate_pairs_into(material, N, wo, wi, &values, &apart));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_evaluate_and_pdf_pairs_into(material, N, wo, wi, &values, &apart));
     CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_sample_pairs_into(material, N, wo, wi, &samples));
     CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_sample_pdf_pairs_into(material, N, wo, wi, &values, &apart));
     CHECK_OK(srbf_material_pdf_pairs_into(material, N, wo, wi, &apart));
@@ -638,19 +637,19 @@ static void test_batches(const srbf_material *material) {
 
     /* Pairs without storage. */
     object = (void *)(uintptr_t)material;
-    CHECK_BATCH(srbf_material_evaluate_pairs_into(material, n, in_at, &wo, &out, &pdf));
-    CHECK_BATCH(srbf_material_evaluate_pairs_into(material, n, &wo, in_at, &out, &pdf));
+    CHECK_BATCH(srbf_material_evaluate_and_pdf_pairs_into(material, n, in_at, &wo, &out, &pdf));
+    CHECK_BATCH(srbf_material_evaluate_and_pdf_pairs_into(material, n, &wo, in_at, &out, &pdf));
     CHECK_BATCH((samples.direction = out, samples.pdf = pdf, samples.weight = weight,
                  srbf_material_sample_pairs_into(material, n, in_at, &good_in, &samples)));
     CHECK_BATCH((samples.direction = out, samples.pdf = pdf, samples.weight = weight,
                  srbf_material_sample_pairs_into(material, n, &wo, in_at, &samples)));
     CHECK_OBJECT(const srbf_material, material,
-                 srbf_material_evaluate_pairs_into(p, N, &wo, &good_in, &good_out, &pdf));
+                 srbf_material_evaluate_and_pdf_pairs_into(p, N, &wo, &good_in, &good_out, &pdf));
     CHECK_OBJECT(const srbf_material, material, srbf_material_sample_pairs_into(p, N, &wo, &good_in, &samples));
     CHECK_POINTER(const srbf_vectors_out, &good_out,
-                  srbf_material_evaluate_pairs_into(material, N, &wo, &good_in, p, &pdf));
+                  srbf_material_evaluate_and_pdf_pairs_into(material, N, &wo, &good_in, p, &pdf));
     CHECK_POINTER(const srbf_numbers_out, &pdf,
-                  srbf_material_evaluate_pairs_into(material, N, &wo, &good_in, &good_out, p));
+                  srbf_material_evaluate_and_pdf_pairs_into(material, N, &wo, &good_in, &good_out, p));
     CHECK_POINTER(srbf_samples_out, &samples, srbf_material_sample_pairs_into(material, N, &wo, &good_in, p));
 
     CHECK_BATCH(srbf_material_sample_pdf_pairs_into(material, n, in_at, &good_in, &out, &pdf));
@@ -662,9 +661,7 @@ static void test_batches(const srbf_material *material) {
     CHECK_POINTER(const srbf_numbers_out, &pdf,
                   srbf_material_sample_pdf_pairs_into(material, N, &wo, &good_in, &good_out, p));
     CHECK_OK(srbf_material_pdf_pairs_into(material, 0, NULL, NULL, NULL));
-    CHECK_OK(srbf_material_luminance_pairs_into(material, 0, NULL, NULL, NULL));
     test_one_channel_pairs(material, &wo, &good_in, srbf_material_pdf_pairs_into);
-    test_one_channel_pairs(material, &wo, &good_in, srbf_material_luminance_pairs_into);
 
     /* Preparing n. */
     CHECK_OBJECT(const srbf_material, material, srbf_material_prepare_into(p, N, &wo, storage, stride));

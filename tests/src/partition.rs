@@ -143,7 +143,7 @@ impl<F: Fn(Vec3) -> f32> Builder<'_, F> {
 impl Partition {
     /// Splits the domain of a mixture by its density.
     pub fn new<const N: usize>(m: &Mixture<N>, pdf: impl Fn(Vec3) -> f32) -> Self {
-        let azimuth = m.azimuth().map(f64::from);
+        let azimuth = m.azimuth_cos_sin().map(f64::from);
         let squeeze = [m.squeeze_along(), m.squeeze()].map(f64::from);
         let mut features: Vec<Feature> = (0..m.len())
             .flat_map(|k| {

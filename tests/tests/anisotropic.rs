@@ -157,7 +157,7 @@ fn direction(theta: f32, phi: f32) -> Vec3 {
     Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
 }
 
-fn prepare<'m>(material: &Material<'m>, wo: Vec3) -> Mixture<'m, 16> {
+fn prepare<'m>(material: &'m Material<impl AsRef<[u8]>>, wo: Vec3) -> Mixture<'m, 16> {
     let mut m = Mixture::empty();
     material.prepare(wo, &mut m).unwrap();
     m
@@ -384,7 +384,9 @@ fn every_level_gives_the_f64_values_one_by_one_in_batches_and_in_pairs() {
             }
             let mut pairs = [(); 4].map(|()| vec![0.0; n]);
             let [r, g, b, pdf] = &mut pairs;
-            material.evaluate_pairs_into(slices(&wo_split), slices(&wi_split), [r, g, b], pdf).unwrap();
+            material
+                .evaluate_and_pdf_pairs_into(slices(&wo_split), slices(&wi_split), [r, g, b], pdf)
+                .unwrap();
             for i in 0..n {
                 let m = prepare(&material, wo[i]);
                 let (value, albedo) = made.truth(wo[i].as_dvec3(), wi[i].as_dvec3());
@@ -435,7 +437,7 @@ fn samples_follow_the_density_and_their_weights_the_albedo() {
         let (mut sum, mut square, n) = (DVec3::ZERO, DVec3::ZERO, 100_000);
         let result = partition.test(n, || {
             let sample = m.sample(random.three()).expect("the mixture is not black");
-            let weight = sample.weight().as_dvec3();
+            let weight = sample.weight.as_dvec3();
             sum += weight;
             square += weight * weight;
             sample.direction

@@ -91,8 +91,8 @@ fn samples_of_mixtures_follow_their_density() {
         // Isotropic: axes in the plane of incidence or in pairs beside it, prepared for ten outgoing directions.
         for (squeezed, mirrored) in [(0, 0), (count.div_ceil(2), 0), (count / 3, count / 4)] {
             // The jobs below borrow it.
-            let bytes = material(&mut random, count, squeezed, mirrored).leak();
-            let material = Material::from_bytes(bytes).unwrap();
+            let bytes = material(&mut random, count, squeezed, mirrored);
+            let material: &_ = Box::leak(Box::new(Material::from_bytes(bytes).unwrap()));
             for wo in outgoing() {
                 let mut m = Mixture::<64>::empty();
                 material.prepare(wo, &mut m).unwrap();

@@ -154,11 +154,12 @@ fn materials() -> Vec<(&'static str, Vec<u8>)> {
 }
 
 /// Expands a material for as long as the test runs.
-fn expanded(bytes: &[u8], rows: usize) -> (Material<'static>, Expanded<'static>) {
-    let material = Material::from_bytes(bytes.to_vec().leak()).expect("a valid material");
+fn expanded(bytes: &[u8], rows: usize) -> (&'static Material<Vec<u8>>, Expanded<'static>) {
+    let material = Material::from_bytes(bytes.to_vec()).expect("a valid material");
+    let material: &_ = Box::leak(Box::new(material));
     let memory = vec![f32::NAN; material.expanded_len(rows)].leak();
-    Expanded::check(&material, rows).expect("an isotropic material");
-    let expanded = Expanded::new(&material, rows, memory).expect("what was checked");
+    Expanded::check(material, rows).expect("an isotropic material");
+    let expanded = Expanded::new(material, rows, memory).expect("what was checked");
     assert!(expanded.row_count() >= rows.min(material.view_count()), "{}", expanded.row_count());
     assert_eq!(expanded.material().bytes(), material.bytes());
     (material, expanded)

@@ -24,8 +24,7 @@ fn check(name: &str, m: &Mixture<16>) {
         for u1 in UNIFORM {
             if let Some(s) = m.sample([u0, u1, 0.3]) {
                 assert!((s.direction.length() - 1.0).abs() < 4e-7, "{name}: {}", s.direction);
-                assert!(s.pdf >= 0.0 && s.pdf.is_finite() && s.value.is_finite(), "{name}: {s:?}");
-                assert!(s.weight().is_finite(), "{name}: {s:?}");
+                assert!(s.pdf >= 0.0 && s.pdf.is_finite() && s.weight.is_finite(), "{name}: {s:?}");
             } else {
                 assert!(m.power() == 0.0, "{name}: what reflects draws");
             }
@@ -58,7 +57,6 @@ fn tiny_sharpness_is_constant() {
             assert!((special::one_minus_cos(u, s) / (2.0 * u).max(1e-38) - 1.0).abs() < 3e-7 || u == 0.0);
         }
         assert!((g.hemisphere_integral() / core::f32::consts::TAU - 1.0).abs() < 1e-6);
-        assert!((g.cosine_integral() / core::f32::consts::PI - 1.0).abs() < 1e-6);
         check("tiny sharpness", &Mixture::hemisphere(&[lobe(Vec3::X, s, 1.0)]).unwrap());
     }
 }
@@ -69,7 +67,6 @@ fn the_largest_sharpness_works_on_every_axis() {
         let g = Gaussian::new(axis, 1e8).unwrap();
         assert_eq!(g.value(g.axis), 1.0);
         assert_eq!(g.value(-g.axis), 0.0);
-        assert!(g.log_pdf(-g.axis).is_finite());
         assert!((g.integral() * 1e8 / core::f32::consts::TAU - 1.0).abs() < 3e-7);
         check("1e8", &Mixture::hemisphere(&[lobe(axis, 1e8, 1.0)]).unwrap());
         check("1e8 squeezed", &Mixture::new(Domain::Hemisphere, 0.01, &[lobe(axis, 1e8, 1.0)], &[]).unwrap());
@@ -212,7 +209,7 @@ fn parameters_out_of_range_are_refused() {
 fn directions_that_are_no_number_never_panic() {
     let m: Mixture<16> = Mixture::hemisphere(&[lobe(Vec3::Z, 1e8, 1.0), lobe(Vec3::X, 0.0, 1.0)]).unwrap();
     for d in [Vec3::NAN, Vec3::INFINITY, Vec3::new(0.0, f32::NAN, 1.0), Vec3::ZERO] {
-        let _ = (m.evaluate(d), m.pdf(d), m.invert_sample(d, 0.5));
+        let _ = (m.evaluate(d), m.pdf(d), m.evaluate_and_pdf(d));
         let f = Folded::squeezed(Gaussian::new(Vec3::Z, 10.0).unwrap(), 0.5).unwrap();
         let _ = (f.value(d), f.pdf(d), f.invert_sample(d, 0.5));
     }

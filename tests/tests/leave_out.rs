@@ -2,14 +2,19 @@
 
 use glam::Vec3;
 use srbf_core::{Domain, Error, LeaveOut, Lobe, Material, Mixture};
+use std::sync::OnceLock;
 
 const GARNET_RED: &[u8] = include_bytes!("../../presets/garnet_red.srbf");
 
+fn garnet_red() -> &'static Material {
+    static MATERIAL: OnceLock<Material> = OnceLock::new();
+    MATERIAL.get_or_init(|| Material::from_bytes(GARNET_RED).unwrap())
+}
+
 fn prepare(theta: f32, leave_out: LeaveOut) -> Mixture<'static, 16> {
-    let material = Material::from_bytes(GARNET_RED).unwrap();
     let mut mixture = Mixture::empty();
     let wo = Vec3::new(-theta.sin(), 0.0, theta.cos());
-    material.prepare_leaving_out(wo, leave_out, &mut mixture).unwrap();
+    garnet_red().prepare_with(wo, leave_out.into(), &mut mixture).unwrap();
     mixture
 }
 

@@ -10,4 +10,5 @@ mod material;
 mod oracle_coverage;
 mod presets;
 mod properties;
+mod room;
 mod sampling;

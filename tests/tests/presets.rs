@@ -26,7 +26,7 @@ fn wo(theta: f32, phi: f32) -> Vec3 {
     Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
 }
 
-fn prepare<'m>(material: &Material<'m>, wo: Vec3) -> Mixture<'m, 64> {
+fn prepare<'m>(material: &'m Material<impl AsRef<[u8]>>, wo: Vec3) -> Mixture<'m, 64> {
     let mut m = Mixture::empty();
     material.prepare(wo, &mut m).unwrap();
     m

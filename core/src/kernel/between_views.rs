@@ -1,10 +1,11 @@
 //! The lobes of an isotropic material between two views: lanes are lobes.
 
 use crate::color;
-use crate::material::borrowed::Material;
+use crate::material::borrowed::MaterialRef;
 use crate::material::layout::{HEAD, MAX_LOBES, f32_at};
 use crate::mixture::factors::Among;
 use crate::mixture::leave_out::LeaveOut;
+use crate::mixture::row;
 use crate::mixture::rows::Mixture;
 use crate::simd::elementary::{exp2, sin_cos};
 use crate::simd::lanes::Lanes;
@@ -38,8 +39,8 @@ pub(crate) struct Place {
 impl Place {
     /// Of an angle from the normal; `passed` views have one of at most that.
     #[inline(always)]
-    pub fn after(material: &Material<'_>, passed: usize, theta: f32) -> Self {
-        let (bytes, header) = (material.bytes, &material.header);
+    pub fn after(material: MaterialRef<'_>, passed: usize, theta: f32) -> Self {
+        let (bytes, header) = (material.bytes, material.header);
         let after = passed.min(header.views - 1);
         let before = after.saturating_sub(1);
         let (from, to) = (f32_at(bytes, header.theta(before)), f32_at(bytes, header.theta(after)));
@@ -55,8 +56,8 @@ impl Place {
     }
 
     /// The angle of a stored lobe's axis from the normal, within the plane of incidence.
-    pub fn lobe_angle(self, material: &Material<'_>, lobe: usize) -> f32 {
-        let (bytes, header) = (material.bytes, &material.header);
+    pub fn lobe_angle(self, material: MaterialRef<'_>, lobe: usize) -> f32 {
+        let (bytes, header) = (material.bytes, material.header);
         let [a, b] = [self.before, self.after].map(|view| f32_at(bytes, header.row(view, 0) + 4 * lobe));
         (b - a).mul_add(self.blend, a)
     }
@@ -71,7 +72,7 @@ impl Place {
 
 /// How many views but the last have an angle of at most `theta`; the first always has. Lanes are views.
 #[inline(always)]
-pub(crate) fn views_passed<L: Lanes>(material: &Material<'_>, theta: f32) -> usize {
+pub(crate) fn views_passed<L: Lanes>(material: MaterialRef<'_>, theta: f32) -> usize {
     let last = material.header.views - 1;
     let mut passed = 0;
     let mut view = 0;
@@ -87,7 +88,7 @@ pub(crate) fn views_passed<L: Lanes>(material: &Material<'_>, theta: f32) -> usi
 
 /// The same for many angles: lanes are angles.
 #[inline(always)]
-pub(crate) fn views_passed_by_each<L: Lanes>(material: &Material<'_>, theta: L) -> L {
+pub(crate) fn views_passed_by_each<L: Lanes>(material: MaterialRef<'_>, theta: L) -> L {
     let mut passed = L::splat(0.0);
     for view in 0..material.header.views - 1 {
         let at_view = L::splat(f32_at(material.bytes, material.header.theta(view)));
@@ -99,7 +100,7 @@ pub(crate) fn views_passed_by_each<L: Lanes>(material: &Material<'_>, theta: L) 
 /// Interpolates the views round a place. The mixture has begun, and is to be summed up.
 #[inline(always)]
 pub(crate) fn at_place<L: Lanes, const N: usize>(
-    material: &Material<'_>,
+    material: MaterialRef<'_>,
     azimuth: [f32; 2],
     place: Place,
     leave_out: LeaveOut,
@@ -139,12 +140,12 @@ pub(crate) fn at_place<L: Lanes, const N: usize>(
 /// Interpolates the lobes and completes the mixture but for its sums. `MIRRORED`: some of them are.
 #[inline(always)]
 fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
-    material: &Material<'_>,
+    material: MaterialRef<'_>,
     place: Place,
     leave_out: LeaveOut,
     mixture: &mut Mixture<'_, N>,
 ) {
-    let header = &material.header;
+    let header = material.header;
     let (count, mirrored) = (header.lobes, if MIRRORED { header.mirrored } else { 0 });
     let total = count + mirrored;
     // From as many numbers before the view as there are images, which lie so much before their own places.
@@ -157,7 +158,7 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
     let zero = L::splat(0.0);
     mixture.in_plane = mirrored == 0;
     let mut k = 0;
-    while k < total && k + L::COUNT <= N {
+    while row::is_within::<L, N>(k, total) {
         let valid = L::iota().lt(L::splat((total - k) as f32));
         // Lanes without a lobe hold bytes of the next view or of the text, whose powers of two may be
         // subnormals: 150 cycles each on Intel. A power of -126 is exactly 0.
@@ -170,13 +171,13 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
         let third = L::select(valid, rows.row(4, k), nothing);
         if header.has_luminance {
             let [red, green, blue] = color::rgb(first, [second, third]);
-            red.store(&mut mixture.red[k..]);
-            green.store(&mut mixture.green[k..]);
-            blue.store(&mut mixture.blue[k..]);
+            row::store(red, &mut mixture.red, k);
+            row::store(green, &mut mixture.green, k);
+            row::store(blue, &mut mixture.blue, k);
         } else {
-            first.store(&mut mixture.red[k..]);
-            exp2(second).store(&mut mixture.green[k..]);
-            exp2(third).store(&mut mixture.blue[k..]);
+            row::store(first, &mut mixture.red, k);
+            row::store(exp2(second), &mut mixture.green, k);
+            row::store(exp2(third), &mut mixture.blue, k);
         }
         let (mut x, mut z) = sin_cos(angle);
         let mut y = zero;
@@ -184,10 +185,10 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
             let (sin, cos) = sin_cos(rows.off_plane(k));
             (x, y, z) = (x * cos, sin, z * cos);
         }
-        x.store(&mut mixture.axis_x[k..]);
-        y.store(&mut mixture.axis_y[k..]);
-        z.store(&mut mixture.axis_z[k..]);
-        exp2(log_sharpness).store(&mut mixture.sharpness[k..]);
+        row::store(x, &mut mixture.axis_x, k);
+        row::store(y, &mut mixture.axis_y, k);
+        row::store(z, &mut mixture.axis_z, k);
+        row::store(exp2(log_sharpness), &mut mixture.sharpness, k);
         k += L::COUNT;
     }
     mixture.finish_lobes::<L>(total, header.squeezed, leave_out);

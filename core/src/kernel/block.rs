@@ -1,4 +1,4 @@
-//! A block of mixtures of one material, each with a direction of its own.
+//! A block of mixtures on the hemisphere, each with a direction of its own.
 //!
 //! What a mixture needs once, the draw from the chosen lobe and the turn and squeeze of the direction, is
 //! done for the whole block with lanes as mixtures; what every lobe needs, with lanes as lobes. So nothing
@@ -14,7 +14,7 @@ use crate::simd::routine::Routine;
 
 /// Draws a direction from each of at most [`MOST`] mixtures. One that reflects nothing gives the normal.
 pub(crate) struct DrawBlock<'a, const N: usize> {
-    pub mixtures: &'a [Mixture<'a, N>],
+    pub mixtures: &'a [&'a Mixture<'a, N>],
     pub u: &'a [Numbers; 3],
 }
 
@@ -84,7 +84,7 @@ impl<const N: usize> Routine for DrawBlock<'_, N> {
 /// Evaluates each of at most [`MOST`] mixtures towards its direction: red, green and blue, or the luminance
 /// (`C` = 1).
 pub(crate) struct SumBlock<'a, const N: usize, const C: usize> {
-    pub mixtures: &'a [Mixture<'a, N>],
+    pub mixtures: &'a [&'a Mixture<'a, N>],
     pub directions: &'a [Numbers; 3],
 }
 

@@ -2,6 +2,7 @@
 //! alone.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
+use crate::mixture::row;
 use crate::mixture::rows::{Domain, Mixture};
 use crate::simd::elementary::{ln_plus_times, sin_cos_turns};
 use crate::simd::lanes::{Lanes, TOGETHER, dot3, halves, of_halves, scale};
@@ -63,13 +64,13 @@ pub(crate) fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<'_, N>, u: 
     let frame = Frame::new(m);
     let choice = Choice {
         axis: [
-            L::lookup(&m.axis_x, count, k),
-            if m.in_plane { L::splat(0.0) } else { L::lookup(&m.axis_y, count, k) },
-            L::lookup(&m.axis_z, count, k),
+            row::lookup(&m.axis_x, count, k),
+            if m.in_plane { L::splat(0.0) } else { row::lookup(&m.axis_y, count, k) },
+            row::lookup(&m.axis_z, count, k),
         ],
-        inside: L::lookup(&m.inside, count, k),
-        gone: L::lookup(&m.tail, count, k),
-        inverse_sharpness: L::lookup(&m.inverse_sharpness, count, k),
+        inside: row::lookup(&m.inside, count, k),
+        gone: row::lookup(&m.tail, count, k),
+        inverse_sharpness: row::lookup(&m.inverse_sharpness, count, k),
         is_squeezed: L::index_below(k, m.squeezed),
         is_lobe: target.lt(L::splat(m.lobes_power)),
     };
@@ -94,8 +95,8 @@ pub(crate) fn chosen_lobe<L: Lanes, const N: usize>(m: &Mixture<'_, N>, target: 
     // The running sum never falls: the lobes that are passed come first, and what is stored behind the last
     // does not matter. The last ends the search whatever its sum is rounded to.
     let (mut above, mut from) = (1u64.wrapping_shl((m.count as u32).wrapping_sub(1)), 0);
-    while from < m.count && from + L::COUNT <= N {
-        above |= L::bits(L::splat(target).lt(L::load(&m.cumulative[from..]))) << from;
+    while row::is_within::<L, N>(from, m.count) {
+        above |= L::bits(L::splat(target).lt(row::load(&m.cumulative, from))) << from;
         from += L::COUNT;
     }
     (above.trailing_zeros() as usize).min(N - 1)

@@ -96,11 +96,11 @@ fn times<L: Lanes>(numbers: &mut [f32], by: L, count: usize) {
     }
 }
 
-/// Multiplies the values of a block of mixtures, each towards its own direction.
+/// Multiplies the values of a block of mixtures, which have the same factors, each towards its own direction.
 #[cfg(feature = "simd")]
 pub(crate) fn multiply_block<const N: usize, const B: usize>(
     level: Level,
-    mixtures: &[Mixture<'_, N>],
+    mixtures: &[&Mixture<'_, N>],
     directions: &[[f32; B]; 3],
     value: &mut [[f32; B]; 3],
 ) {

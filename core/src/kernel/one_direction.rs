@@ -3,7 +3,8 @@
 
 use super::draw::draw_one;
 use crate::color::luminance;
-use crate::mixture::rows::{Domain, Mixture, Sample, lowest_bits};
+use crate::mixture::row;
+use crate::mixture::rows::{Domain, Mixture, Sample, lowest_bits, weight_of};
 use crate::simd::elementary::{falloff, falloff_soon};
 use crate::simd::lanes::{Lanes, scale};
 use crate::simd::routine::{Draw, One};
@@ -65,7 +66,8 @@ impl<const N: usize> Mixture<'_, N> {
 
     /// Draws an incident direction from the density: lobe by `u[0]`, direction in it by `u[1]` and `u[2]`.
     ///
-    /// `None` where the integral is 0: such a mixture reflects nothing. No sample is wasted below the horizon. The three numbers are uniform in [0, 1).
+    /// `None` where the integral is 0: such a mixture reflects nothing. No sample is wasted below the horizon.
+    /// The three numbers are uniform in [0, 1).
     /// Source: Weng and Shih 2006, section 4.2.2, eq. 14; differs: what falls below the horizon is mirrored
     /// up.
     #[inline]
@@ -98,7 +100,18 @@ impl<const N: usize> Mixture<'_, N> {
     /// have.
     #[inline(always)]
     fn sampled(&self, direction: [f32; 3], value: Vec3, luminance: f32) -> Sample {
-        Sample { direction: Vec3::from_array(direction), pdf: luminance * self.inverse_power, value }
+        let pdf = luminance * self.inverse_power;
+        Sample { direction: Vec3::from_array(direction), pdf, weight: weight_of(value, pdf) }
+    }
+
+    /// Draws a direction, and evaluates value and density towards another one: what next-event estimation needs
+    /// at every hit.
+    ///
+    /// The first is what [`sample`](Self::sample) gives, the second what
+    /// [`evaluate_and_pdf`](Self::evaluate_and_pdf) does.
+    #[inline]
+    pub fn sample_and_evaluate(&self, u: [f32; 3], direction: Vec3) -> (Option<Sample>, (Vec3, f32)) {
+        (self.sample(u), self.evaluate_and_pdf(direction))
     }
 
     /// Draws only direction and density of [`sample`](Self::sample), for callers that take the value
@@ -266,7 +279,7 @@ pub(crate) fn all_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bo
     } else {
         let (turned, squeezed) = (turned.splat(), squeezed.splat());
         let mut k = 0;
-        while k < m.count && k + L::COUNT <= N {
+        while row::is_within::<L, N>(k, m.count) {
             if k >= m.squeezed {
                 add_lobes::<L, N, C, SEEN>(m, amplitudes, &turned, k, &mut acc);
             } else if k + L::COUNT <= m.squeezed {
@@ -296,8 +309,8 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     acc: &mut [L; C],
 ) {
     let (axis, [x, y, z]) =
-        ([L::load(&m.axis_x[k..]), L::load(&m.axis_y[k..]), L::load(&m.axis_z[k..])], seen.high);
-    let mut rate = L::load(&m.rate[k..]);
+        ([row::load::<L, N>(&m.axis_x, k), row::load(&m.axis_y, k), row::load(&m.axis_z, k)], seen.high);
+    let mut rate = row::load::<L, N>(&m.rate, k);
     let [mut dx, mut dy, mut dz];
     if SEEN && L::FUSED {
         dx = axis[0].neg_mul_add(seen.length, x);
@@ -320,14 +333,14 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     let mut g = if SEEN { falloff(t) } else { falloff_soon(t) };
     if m.folded >> k & lowest_bits(L::COUNT) != 0 {
         // A lobe of them that does not need its fold has a rate that leaves nothing of it.
-        let t = L::load(&m.fold_rate[k..]).mul_add(seen.height, t);
+        let t = row::load::<L, N>(&m.fold_rate, k).mul_add(seen.height, t);
         g = g + if SEEN { falloff(t) } else { falloff_soon(t) };
     }
     if SEEN {
         g = g * seen.scale;
     }
     for i in 0..C {
-        acc[i] = g.mul_add(L::load(&amplitudes[i][k..]), acc[i]);
+        acc[i] = g.mul_add(row::load(amplitudes[i], k), acc[i]);
     }
 }
 

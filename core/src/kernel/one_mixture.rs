@@ -16,10 +16,8 @@ use glam::Vec3;
 /// Widest vector: what fewer directions than that are padded to.
 const WIDEST: usize = 16;
 
-/// Directions of a batch that are evaluated, and then multiplied while they are near: more of them where the
-/// caller has room for their values.
+/// Directions of a batch that are evaluated, and then multiplied while they are near.
 const CHUNK: usize = 512;
-const OWN_CHUNK: usize = 128;
 
 impl<const N: usize> Mixture<'_, N> {
     /// Evaluates `f cos` towards n incident directions; 1/sr. Same values as [`evaluate`](Self::evaluate).
@@ -32,7 +30,7 @@ impl<const N: usize> Mixture<'_, N> {
     pub fn evaluate_into(&self, directions: [&[f32]; 3], value: [&mut [f32]; 3]) -> Result<(), Error> {
         same_length(directions.iter().map(|s| s.len()).chain(value.iter().map(|s| s.len())))?;
         if self.has_factors() {
-            self.factored_into(directions, value);
+            self.chunks_into(directions, value, None);
         } else {
             self.lobes_into(directions, value);
         }
@@ -46,6 +44,25 @@ impl<const N: usize> Mixture<'_, N> {
         self.level.run(ForEach { block: Value(self), inputs: directions, outputs: value });
     }
 
+    /// Evaluates `f cos` and the density of [`sample`](Self::sample) at n directions; 1/sr.
+    ///
+    /// Shapes: `directions` x, y, z, each `[n]`, unit vectors; `value` red, green, blue, each `[n]`, and `pdf`
+    /// `[n]`, overwritten.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    pub fn evaluate_and_pdf_into(
+        &self,
+        directions: [&[f32]; 3],
+        value: [&mut [f32]; 3],
+        pdf: &mut [f32],
+    ) -> Result<(), Error> {
+        let outputs = value.iter().map(|s| s.len()).chain([pdf.len()]);
+        same_length(directions.iter().map(|s| s.len()).chain(outputs))?;
+        self.chunks_into(directions, value, Some(pdf));
+        Ok(())
+    }
+
     /// Evaluates the density of [`sample`](Self::sample) at n directions; 1/sr.
     ///
     /// Shapes: `directions` x, y, z, each `[n]`, unit vectors; `pdf` `[n]`, overwritten.
@@ -54,28 +71,7 @@ impl<const N: usize> Mixture<'_, N> {
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
     pub fn pdf_into(&self, directions: [&[f32]; 3], pdf: &mut [f32]) -> Result<(), Error> {
         same_length(directions.iter().map(|s| s.len()).chain([pdf.len()]))?;
-        self.level.run(ForEach {
-            block: Luminance(self, self.inverse_power),
-            inputs: directions,
-            outputs: [pdf],
-        });
-        Ok(())
-    }
-
-    /// Evaluates the luminance of `f cos` towards n incident directions; 1/sr: one colour channel in place of
-    /// three, but for a mixture with factors, which has them for each channel.
-    ///
-    /// Shapes: `directions` x, y, z, each `[n]`, unit vectors; `luminance` `[n]`, overwritten.
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    pub fn luminance_into(&self, directions: [&[f32]; 3], luminance: &mut [f32]) -> Result<(), Error> {
-        same_length(directions.iter().map(|s| s.len()).chain([luminance.len()]))?;
-        if self.has_factors() {
-            self.factored_luminance(directions, luminance);
-            return Ok(());
-        }
-        self.level.run(ForEach { block: Luminance(self, 1.0), inputs: directions, outputs: [luminance] });
+        self.level.run(ForEach { block: Density(self), inputs: directions, outputs: [pdf] });
         Ok(())
     }
 
@@ -87,8 +83,7 @@ impl<const N: usize> Mixture<'_, N> {
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
     pub fn sample_into(&self, u: [&[f32]; 3], samples: SamplesMut<'_>) -> Result<(), Error> {
-        let outputs = samples.direction.iter().chain(&samples.weight).map(|s| s.len());
-        same_length(u.iter().map(|s| s.len()).chain(outputs).chain([samples.pdf.len()]))?;
+        same_length(u.iter().map(|s| s.len()).chain(samples.lengths()))?;
         let SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] } = samples;
         if self.power == 0.0 {
             z.fill(1.0);
@@ -101,6 +96,27 @@ impl<const N: usize> Mixture<'_, N> {
         }
         self.draws_into(u, [x, y, z, pdf, red, green, blue]);
         Ok(())
+    }
+
+    /// Draws n directions, and evaluates value and density towards n others.
+    ///
+    /// Shapes: as in [`sample_into`](Self::sample_into) and, of the other directions, in
+    /// [`evaluate_and_pdf_into`](Self::evaluate_and_pdf_into).
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    pub fn sample_and_evaluate_into(
+        &self,
+        u: [&[f32]; 3],
+        samples: SamplesMut<'_>,
+        directions: [&[f32]; 3],
+        value: [&mut [f32]; 3],
+        pdf: &mut [f32],
+    ) -> Result<(), Error> {
+        let outputs = value.iter().map(|s| s.len()).chain([pdf.len()]).chain(samples.lengths());
+        same_length(u.iter().chain(&directions).map(|s| s.len()).chain(outputs))?;
+        self.sample_into(u, samples)?;
+        self.evaluate_and_pdf_into(directions, value, pdf)
     }
 
     /// Directions, densities, and weights without factors; all slices of one length.
@@ -135,33 +151,23 @@ impl<const N: usize> Mixture<'_, N> {
 }
 
 impl<const N: usize> Mixture<'_, N> {
-    /// Luminances of values times factors, all slices of one length.
-    pub(crate) fn factored_luminance(&self, wi: [&[f32]; 3], luminances: &mut [f32]) {
-        let mut value = [[0.0; OWN_CHUNK]; 3];
-        for (chunk, out) in luminances.chunks_mut(OWN_CHUNK).enumerate() {
-            let (from, count) = (chunk * OWN_CHUNK, out.len());
-            let wi = wi.map(|s| &s[from..from + count]);
-            let [red, green, blue] = value.each_mut().map(|s| &mut s[..count]);
-            self.lobes_into(wi, [red, green, blue]);
-            let [red, green, blue] = value.each_mut().map(|s| &mut s[..count]);
-            self.multiply(wi, [red, green, blue]);
-            for (i, out) in out.iter_mut().enumerate() {
-                *out = luminance(Vec3::new(value[0][i], value[1][i], value[2][i]));
-            }
-        }
-    }
-
-    /// Values times factors, all slices of one length.
-    pub(crate) fn factored_into(&self, wi: [&[f32]; 3], value: [&mut [f32]; 3]) {
+    /// Values times factors, and perhaps densities, which are of the lobes alone; all slices of one length.
+    fn chunks_into(&self, wi: [&[f32]; 3], value: [&mut [f32]; 3], mut pdf: Option<&mut [f32]>) {
         let n = value[0].len();
         let [red, green, blue] = value;
         for from in (0..n).step_by(CHUNK) {
             let range = from..n.min(from + CHUNK);
             let wi = wi.map(|s| &s[range.clone()]);
-            let value = [&mut *red, &mut *green, &mut *blue];
-            self.lobes_into(wi, value.map(|s| &mut s[range.clone()]));
-            let value = [&mut *red, &mut *green, &mut *blue];
-            self.multiply(wi, value.map(|s| &mut s[range.clone()]));
+            let [red, green, blue] = [&mut *red, &mut *green, &mut *blue].map(|s| &mut s[range.clone()]);
+            self.lobes_into(wi, [&mut *red, &mut *green, &mut *blue]);
+            if let Some(pdf) = &mut pdf {
+                for (i, pdf) in pdf[range].iter_mut().enumerate() {
+                    *pdf = luminance(Vec3::new(red[i], green[i], blue[i])) * self.inverse_power;
+                }
+            }
+            if self.has_factors() {
+                self.multiply(wi, [red, green, blue]);
+            }
         }
     }
 
@@ -265,15 +271,14 @@ impl<const N: usize> Block<3, 3> for Value<'_, N> {
     }
 }
 
-/// The luminance times a number.
-struct Luminance<'a, const N: usize>(&'a Mixture<'a, N>, f32);
+struct Density<'a, const N: usize>(&'a Mixture<'a, N>);
 
-impl<const N: usize> Block<3, 1> for Luminance<'_, N> {
+impl<const N: usize> Block<3, 1> for Density<'_, N> {
     #[inline(always)]
     fn block<L: Lanes>(&self, d: [L; 3], stage: &mut Stage<L>) -> [L; 1] {
         let m = self.0;
         let [sum] = sums(m, [&m.luminance], [m.diffuse_power], d, stage);
-        [sum * L::splat(self.1)]
+        [sum * L::splat(m.inverse_power)]
     }
 }
 
@@ -283,7 +288,7 @@ impl<const N: usize> Block<3, 4> for DrawPdf<'_, N> {
     #[inline(always)]
     fn block<L: Lanes>(&self, u: [L; 3], stage: &mut Stage<L>) -> [L; 4] {
         let [x, y, z] = sample_direction(self.0, u);
-        let [pdf] = Luminance(self.0, self.0.inverse_power).block([x, y, z], stage);
+        let [pdf] = Density(self.0).block([x, y, z], stage);
         [x, y, z, pdf]
     }
 }

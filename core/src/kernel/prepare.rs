@@ -4,7 +4,7 @@ use super::between_views::{Place, WIDEST, at_place, views_passed, views_passed_b
 use super::outgoing::{Facing, Outgoing};
 use super::prepare_anisotropic;
 use crate::error::Error;
-use crate::material::borrowed::Material;
+use crate::material::borrowed::{Material, MaterialRef};
 use crate::material::layout::{Kind, Shape};
 use crate::mixture::factors::Factors;
 use crate::mixture::leave_out::LeaveOut;
@@ -15,7 +15,7 @@ use crate::simd::routine::{One, Routine};
 use crate::squeeze::Squeeze;
 use glam::Vec3;
 
-impl<'a> Material<'a> {
+impl<B: AsRef<[u8]>> Material<B> {
     /// Makes the mixture for an outgoing direction, in the caller's storage, which it overwrites.
     ///
     /// `wo` is a unit vector in the shading frame, +z the normal. Below the horizon (z < 0) nothing is
@@ -27,50 +27,78 @@ impl<'a> Material<'a> {
     /// [`lobe_count`](Self::lobe_count); [`Error::Direction`] if `wo`
     /// is not a finite unit vector. The mixture is empty then.
     #[inline]
-    pub fn prepare<const N: usize>(&self, wo: Vec3, mixture: &mut Mixture<'a, N>) -> Result<(), Error> {
-        self.prepare_leaving_out(wo, LeaveOut::default(), mixture)
+    pub fn prepare<'a, const N: usize>(
+        &'a self,
+        wo: Vec3,
+        mixture: &mut Mixture<'a, N>,
+    ) -> Result<(), Error> {
+        prepare(self.borrowed(), wo, LeaveOut::default(), Level::current(), mixture)
     }
 
-    /// [`prepare`](Self::prepare), leaving out lobes and folds that matter less than a bound.
+    /// [`prepare`](Self::prepare) with options: what may be left out, and the level.
     ///
     /// `srbf leave-out` prints the error and the time of bounds, for each preset.
     ///
     /// # Errors
-    /// Those of [`prepare`](Self::prepare).
+    /// [`Error::Level`] if this processor or this build lacks the level; and those of
+    /// [`prepare`](Self::prepare). The mixture is empty then.
     #[inline]
-    pub fn prepare_leaving_out<const N: usize>(
-        &self,
+    pub fn prepare_with<'a, const N: usize>(
+        &'a self,
         wo: Vec3,
-        leave_out: LeaveOut,
+        options: PrepareOptions,
         mixture: &mut Mixture<'a, N>,
     ) -> Result<(), Error> {
-        let level = Level::current();
-        level.run_one::<_, Towards>(Prepare { material: self, leave_out, level, mixture }, wo.to_array())
+        let level = match options.level {
+            None => Level::current(),
+            Some(level) if level.is_available() => level,
+            Some(_) => {
+                mixture.begin(Level::Scalar, Domain::Hemisphere, Squeeze::NONE);
+                return Err(Error::Level);
+            }
+        };
+        prepare(self.borrowed(), wo, options.leave_out, level, mixture)
     }
+}
 
-    /// [`prepare_leaving_out`](Self::prepare_leaving_out) for the kernels of one level, whatever
-    /// [`Level::set`] chose: for values that must not depend on the processor, [`Level::Scalar`].
+/// How [`Material::prepare_with`] makes a mixture; the default is what [`Material::prepare`] does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PrepareOptions {
+    /// Lobes and folds that matter less than a bound.
+    pub leave_out: LeaveOut,
+    /// The kernels that prepare, evaluate and draw; `None` for those of [`Level::current`].
     ///
-    /// # Errors
-    /// [`Error::Level`] if this processor or this build lacks it; and those of [`prepare`](Self::prepare).
-    pub fn prepare_at<const N: usize>(
-        &self,
-        level: Level,
-        wo: Vec3,
-        leave_out: LeaveOut,
-        mixture: &mut Mixture<'a, N>,
-    ) -> Result<(), Error> {
-        if !level.is_available() {
-            mixture.begin(Level::Scalar, Domain::Hemisphere, Squeeze::NONE);
-            return Err(Error::Level);
-        }
-        level.run_one::<_, Towards>(Prepare { material: self, leave_out, level, mixture }, wo.to_array())
+    /// [`Level::Scalar`] is for values that must not depend on the processor.
+    pub level: Option<Level>,
+}
+
+impl From<LeaveOut> for PrepareOptions {
+    fn from(leave_out: LeaveOut) -> Self {
+        Self { leave_out, level: None }
     }
+}
+
+impl From<Level> for PrepareOptions {
+    fn from(level: Level) -> Self {
+        Self { leave_out: LeaveOut::default(), level: Some(level) }
+    }
+}
+
+/// Makes the mixture for an outgoing direction, with the kernels of a level that is available.
+#[inline(always)]
+pub(crate) fn prepare<'m, const N: usize>(
+    material: MaterialRef<'m>,
+    wo: Vec3,
+    leave_out: LeaveOut,
+    level: Level,
+    mixture: &mut Mixture<'m, N>,
+) -> Result<(), Error> {
+    level.run_one::<_, Towards>(Prepare { material, leave_out, level, mixture }, wo.to_array())
 }
 
 /// What [`Towards`] is given beside the outgoing direction.
 struct Prepare<'a, 'b, const N: usize> {
-    material: &'a Material<'b>,
+    material: MaterialRef<'b>,
     leave_out: LeaveOut,
     /// What it runs on.
     level: Level,
@@ -88,7 +116,7 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
         let Prepare { material, leave_out, level, mixture } = to;
         let wo = Vec3::from_array(numbers);
         mixture.begin(level, Domain::Hemisphere, Squeeze::NONE);
-        let needed = material.lobe_count();
+        let needed = material.header.lobe_count();
         if needed > N {
             return Err(Error::Capacity { needed, available: N });
         }
@@ -120,12 +148,13 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
 /// Mixtures for many outgoing directions: lanes are directions for their angles and azimuths, lobes for the
 /// rest.
 pub(crate) struct PrepareInto<'a, 'b, const N: usize> {
-    pub material: &'a Material<'b>,
+    pub material: MaterialRef<'b>,
     pub wo: [&'a [f32]; 3],
     /// What it runs on.
     pub level: Level,
-    /// As many as directions; a direction that is none leaves an empty one. They have room for all lobes.
-    pub mixtures: &'a mut [Mixture<'b, N>],
+    /// As many as directions, all there; a direction that is none leaves an empty one. They have room for all
+    /// lobes.
+    pub mixtures: &'a mut [Option<&'a mut Mixture<'b, N>>],
 }
 
 impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
@@ -134,12 +163,14 @@ impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
     #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
     fn run<L: Lanes>(self) {
         let Self { material, wo: [x, y, z], level, mixtures } = self;
-        if !material.is_isotropic() {
+        if !material.header.is_isotropic() {
             for i in 0..mixtures.len() {
                 let leave_out = LeaveOut::default();
-                let one = Prepare { material, leave_out, level, mixture: &mut mixtures[i] };
-                // One that is none leaves the mixture empty.
-                let _ = Towards::run::<L>(one, [x[i], y[i], z[i]]);
+                if let Some(mixture) = mixtures[i].as_deref_mut() {
+                    let one = Prepare { material, leave_out, level, mixture };
+                    // One that is none leaves the mixture empty.
+                    let _ = Towards::run::<L>(one, [x[i], y[i], z[i]]);
+                }
             }
             return;
         }
@@ -157,7 +188,7 @@ impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
             facing.azimuth[0].store(&mut azimuth[0]);
             facing.azimuth[1].store(&mut azimuth[1]);
             for i in 0..count {
-                let mixture = &mut mixtures[at + i];
+                let Some(mixture) = mixtures[at + i].as_deref_mut() else { continue };
                 mixture.begin(level, Domain::Hemisphere, Squeeze::NONE);
                 if L::bits(facing.is_there()) >> i & 1 == 1 {
                     let wo = Vec3::new(x[at + i], y[at + i], z[at + i]);
@@ -167,7 +198,7 @@ impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
                 }
             }
             // Apart, so that the chains of additions of many mixtures run side by side.
-            for mixture in &mut mixtures[at..at + count] {
+            for mixture in mixtures[at..at + count].iter_mut().flatten() {
                 mixture.sum_up();
             }
             at += L::COUNT;
@@ -179,7 +210,7 @@ impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
 /// views of an isotropic material; it is to be summed up.
 #[inline(always)]
 fn between_views<'m, L: Lanes, const N: usize>(
-    material: &Material<'m>,
+    material: MaterialRef<'m>,
     outgoing: Outgoing,
     passed: usize,
     leave_out: LeaveOut,
@@ -187,7 +218,7 @@ fn between_views<'m, L: Lanes, const N: usize>(
 ) {
     let place = Place::after(material, passed, outgoing.theta);
     at_place::<L, N>(material, outgoing.azimuth, place, leave_out, mixture);
-    if material.header.factors[0] > 0 {
+    if material.header.has_factors() {
         mixture.factors = Factors::new(material, outgoing.wo, place.among());
     }
 }
@@ -195,14 +226,14 @@ fn between_views<'m, L: Lanes, const N: usize>(
 /// The same for an anisotropic material.
 #[inline(always)]
 fn among_rings<'m, L: Lanes, const N: usize>(
-    material: &Material<'m>,
+    material: MaterialRef<'m>,
     shape: Shape,
     outgoing: Outgoing,
     leave_out: LeaveOut,
     mixture: &mut Mixture<'m, N>,
 ) {
     let among = prepare_anisotropic::prepare::<L::Lobes, N>(material, shape, &outgoing, leave_out, mixture);
-    if material.header.factors[0] > 0 {
+    if material.header.has_factors() {
         mixture.factors = Factors::new(material, outgoing.wo, among);
     }
 }

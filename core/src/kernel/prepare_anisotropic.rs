@@ -31,10 +31,11 @@
 
 use super::outgoing::Outgoing;
 use crate::color;
-use crate::material::borrowed::Material;
+use crate::material::borrowed::MaterialRef;
 use crate::material::layout::{GRID_HEAD, GRID_ROWS, Shape, f32_at};
 use crate::mixture::factors::Among;
 use crate::mixture::leave_out::LeaveOut;
+use crate::mixture::row;
 use crate::mixture::rows::Mixture;
 use crate::simd::elementary::{atan2_positive, exp2, sin_cos};
 use crate::simd::lanes::Lanes;
@@ -98,13 +99,13 @@ fn between(bytes: &[u8], shape: Shape, [a, b]: [usize; 2], onward: f32, i: usize
 #[inline(always)]
 #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 pub(crate) fn prepare<L: Lanes, const N: usize>(
-    material: &Material<'_>,
+    material: MaterialRef<'_>,
     shape: Shape,
     outgoing: &Outgoing,
     leave_out: LeaveOut,
     mixture: &mut Mixture<'_, N>,
 ) -> Among {
-    let (bytes, header) = (material.bytes, &material.header);
+    let (bytes, header) = (material.bytes, material.header);
     let count = header.lobes;
     mixture.in_plane = false;
 
@@ -154,7 +155,7 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let (onward, outward) = (L::splat(place.onward), L::splat(place.outward));
     let mut k = 0;
-    while k < count && k + L::COUNT <= N {
+    while row::is_within::<L, N>(k, count) {
         let valid = L::iota().lt(L::splat((count - k) as f32));
         let mut rows = [zero; GRID_ROWS];
         for row in 0..GRID_ROWS {
@@ -184,19 +185,19 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
         let (wide_x, wide_y) = (x * L::splat(along), y * L::splat(inverse));
         let shrink = one / wide_x.mul_add(wide_x, wide_y.mul_add(wide_y, cos * cos)).sqrt();
         let squeezed = L::iota().lt(L::splat(header.squeezed as f32 - k as f32));
-        L::select(squeezed, wide_x * shrink, x).store(&mut mixture.axis_x[k..]);
-        L::select(squeezed, wide_y * shrink, y).store(&mut mixture.axis_y[k..]);
-        L::select(squeezed, cos * shrink, cos).store(&mut mixture.axis_z[k..]);
-        exp2(rows[2]).store(&mut mixture.sharpness[k..]);
+        row::store(L::select(squeezed, wide_x * shrink, x), &mut mixture.axis_x, k);
+        row::store(L::select(squeezed, wide_y * shrink, y), &mut mixture.axis_y, k);
+        row::store(L::select(squeezed, cos * shrink, cos), &mut mixture.axis_z, k);
+        row::store(exp2(rows[2]), &mut mixture.sharpness, k);
         let first = exp2(rows[3]).keep(valid);
         let amplitude = if header.has_luminance {
             color::rgb(first, [rows[4], rows[5]])
         } else {
             [first, exp2(rows[4]).keep(valid), exp2(rows[5]).keep(valid)]
         };
-        amplitude[0].store(&mut mixture.red[k..]);
-        amplitude[1].store(&mut mixture.green[k..]);
-        amplitude[2].store(&mut mixture.blue[k..]);
+        row::store(amplitude[0], &mut mixture.red, k);
+        row::store(amplitude[1], &mut mixture.green, k);
+        row::store(amplitude[2], &mut mixture.blue, k);
         k += L::COUNT;
     }
     mixture.finish_lobes::<L>(count, header.squeezed, leave_out);

@@ -2,7 +2,9 @@
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
 use crate::simd::lanes::Lanes;
-use crate::squeeze::{NUMBERS, Precise, Seen, Sight};
+#[cfg(feature = "simd")]
+use crate::squeeze::Sight;
+use crate::squeeze::{NUMBERS, Precise, Seen};
 
 /// Most pairs of a block: the lanes of the widest vector.
 pub(crate) const MOST: usize = 16;
@@ -38,6 +40,7 @@ pub(crate) fn sights<L: Lanes>(
 }
 
 /// One direction of a block, as round and as squeezed lobes see it.
+#[cfg(feature = "simd")]
 #[inline(always)]
 pub(crate) fn sight(sights: &Sights, i: usize) -> [Sight; 2] {
     let mut pair = [[0.0; NUMBERS]; 2];

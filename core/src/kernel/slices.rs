@@ -13,8 +13,17 @@ pub struct SamplesMut<'a> {
     pub weight: [&'a mut [f32]; 3],
 }
 
-pub(crate) fn same_length(lengths: impl IntoIterator<Item = usize>) -> Result<(), Error> {
+impl SamplesMut<'_> {
+    /// The lengths of all slices.
+    pub(crate) fn lengths(&self) -> impl Iterator<Item = usize> {
+        let Self { direction, pdf, weight } = self;
+        direction.iter().chain(weight).map(|s| s.len()).chain([pdf.len()])
+    }
+}
+
+/// The one length of all slices.
+pub(crate) fn same_length(lengths: impl IntoIterator<Item = usize>) -> Result<usize, Error> {
     let mut lengths = lengths.into_iter();
     let first = lengths.next().unwrap_or(0);
-    if lengths.all(|n| n == first) { Ok(()) } else { Err(Error::Length) }
+    if lengths.all(|n| n == first) { Ok(first) } else { Err(Error::Length) }
 }

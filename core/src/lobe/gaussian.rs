@@ -82,15 +82,6 @@ impl Gaussian {
         self.value(direction) / self.integral()
     }
 
-    /// Evaluates the natural logarithm of the density, which stays finite where the density itself
-    /// underflows.
-    ///
-    /// `-(s/2) |d - axis|^2 - ln I(s)`. Accuracy: absolute `3e-7 (2 + |t| + |ln I|)`, `t` the exponent.
-    #[inline]
-    pub fn log_pdf(&self, direction: Vec3) -> f32 {
-        -0.5 * self.sharpness * (direction - self.axis).length_squared() - float::ln(self.integral())
-    }
-
     /// Draws a direction from the density, two uniform numbers in [0, 1) to a unit vector.
     #[inline]
     pub fn sample(&self, u: [f32; 2]) -> Vec3 {

@@ -1,27 +1,19 @@
-//! Integrals of an unfolded Gaussian lobe over the upper hemisphere, plain and weighted by the cosine to the
-//! normal +z.
+//! The integral of an unfolded Gaussian lobe over the upper hemisphere.
 //!
-//! Neither has a closed form. Both reduce to the part on the far side of the horizon from the axis. With the
-//! axis at `|axis.z| = sin a` from the horizon, that part is a sum over rings of equal height z, on each of
-//! which the integral over the azimuth is a Bessel function:
+//! It has no closed form. It reduces to the part on the far side of the horizon from the axis. With the axis at
+//! `|axis.z| = sin a` from the horizon, that part is a sum over rings of equal height z, on each of which the
+//! integral over the azimuth is a Bessel function:
 //!
 //! ```text
-//! far_p(a) = 2 pi exp(-s (1 - cos a)) integral over z in [0, 1] of
-//!            z^p exp(-s (cos a (1 - r) + sin a z)) [exp(-x) I0(x)],   r = sqrt(1 - z^2),  x = s r cos a
+//! far(a) = 2 pi exp(-s (1 - cos a)) integral over z in [0, 1] of
+//!          exp(-s (cos a (1 - r) + sin a z)) [exp(-x) I0(x)],   r = sqrt(1 - z^2),  x = s r cos a
 //! ```
 //!
 //! The integrand is positive and entire in z, so nothing cancels and Gauss-Legendre converges geometrically.
 //! It is cut where its exponent has fallen to -20, which leaves out at most 5e-8 of it; 12 nodes add less
-//! than that for every sharpness and axis (`tests/data/horizon.csv`). Then, with I the integral over the
-//! sphere and L the mean cosine:
-//!
-//! ```text
-//! hemisphere:  I - far_0 above the horizon,  far_0 below
-//! cosine:      axis.z L I + far_1 above the horizon,  far_1 below
-//! ```
-//!
-//! the last because the integral of `d.z G` over the whole sphere is `axis.z L I`. No subtraction loses
-//! digits: `far_0 <= I / 2`.
+//! than that for every sharpness and axis (`tests/data/horizon.csv`). With I the integral over the
+//! sphere it is `I - far` for an axis above the horizon, and `far` for one below. The subtraction loses no
+//! digits: `far <= I / 2`.
 
 use super::gaussian::Gaussian;
 use crate::quadrature::GAUSS_LEGENDRE;
@@ -37,27 +29,12 @@ impl Gaussian {
     /// Range: sharpness in [0, 4e8]; 0 gives `2 pi`. Accuracy: relative `3e-7 (2 + t)`, `t = 0` for an axis
     /// above the horizon and `s (1 - cos a)`, the exponent at the horizon, for one at an angle `a` below.
     pub fn hemisphere_integral(&self) -> f32 {
-        let far = self.beyond_horizon(|_| 1.0);
+        let far = self.beyond_horizon();
         if self.axis.z < 0.0 { far } else { self.integral() - far }
     }
 
-    /// Integrates the unfolded lobe times the clamped cosine `max(d.z, 0)`; sr.
-    ///
-    /// What a Lambertian surface of normal +z receives from a lobe of light.
-    ///
-    /// Range: sharpness in [0, 4e8]; 0 gives `pi`. Accuracy: as
-    /// [`hemisphere_integral`](Self::hemisphere_integral).
-    #[doc(alias = "irradiance")]
-    pub fn cosine_integral(&self) -> f32 {
-        let far = self.beyond_horizon(|z| z);
-        if self.axis.z < 0.0 {
-            return far;
-        }
-        self.axis.z * special::mean_cosine(self.sharpness) * self.integral() + far
-    }
-
-    /// Integrates `weight(|z|) G` over the side of the horizon where the axis is not.
-    fn beyond_horizon(&self, weight: impl Fn(f32) -> f32) -> f32 {
+    /// Integrates over the side of the horizon where the axis is not.
+    fn beyond_horizon(&self) -> f32 {
         let s = self.sharpness;
         // Sine and cosine of the axis's angle to the horizon, and 1 - cos: each from the component that is
         // exact.
@@ -77,7 +54,7 @@ impl Gaussian {
             let z = node * reach;
             let r = float::sqrt((1.0 - z) * (1.0 + z));
             let exponent = s * (cos * (z * z / (1.0 + r)) + sin * z);
-            sum += share * weight(z) * float::exp(-exponent) * special::bessel_i0_scaled(s * r * cos);
+            sum += share * float::exp(-exponent) * special::bessel_i0_scaled(s * r * cos);
         }
         2.0 * PI * near * reach * sum
     }

@@ -1,4 +1,4 @@
-//! A material in borrowed bytes: lobes at view knots, read in place.
+//! A material in its bytes, owned or borrowed: lobes at view knots, read in place.
 
 use super::factor_table::decoded;
 use super::format_error::FormatError;
@@ -8,7 +8,9 @@ use super::views::{PlaneLobe, TiltedLobe};
 use crate::color::color_differences;
 use core::f32::consts::PI;
 
-/// A material in borrowed `.srbf` bytes of any alignment: nothing is copied, nothing allocated.
+/// A material in `.srbf` bytes of any alignment, which are checked once: nothing is copied, nothing allocated.
+///
+/// It borrows the bytes (`B` = `&[u8]`) or owns them: a `Vec<u8>`, an `Arc<[u8]>`, an array, a mapped file.
 ///
 /// Lobe `k` of one view corresponds to lobe `k` of the next; between views the angle of the axis and the
 /// logarithms of sharpness, luminance and squeeze, and the colour differences, are interpolated linearly in
@@ -16,23 +18,38 @@ use core::f32::consts::PI;
 /// the last view the last one holds. The views of an anisotropic material lie over the hemisphere, see
 /// [`Grid`](crate::Grid).
 #[derive(Clone, Copy, Debug)]
-pub struct Material<'a> {
-    pub(crate) bytes: &'a [u8],
-    pub(crate) header: Header,
+pub struct Material<B = &'static [u8]> {
+    bytes: B,
+    header: Header,
 }
 
-impl<'a> Material<'a> {
-    /// Borrows a material from `.srbf` bytes, after checking every field once.
+/// What kernels read of a material, whoever owns its bytes.
+#[derive(Clone, Copy)]
+pub(crate) struct MaterialRef<'a> {
+    pub bytes: &'a [u8],
+    pub header: &'a Header,
+}
+
+impl<B: AsRef<[u8]>> Material<B> {
+    /// Makes a material of `.srbf` bytes, after checking every field once.
     ///
     /// # Errors
     /// [`FormatError`], with the place.
-    pub fn from_bytes(bytes: &'a [u8]) -> Result<Self, FormatError> {
-        Ok(Self { bytes, header: validate(bytes)? })
+    pub fn from_bytes(bytes: B) -> Result<Self, FormatError> {
+        let header = validate(bytes.as_ref())?;
+        Ok(Self { bytes, header })
     }
 
     /// The bytes it was made from.
-    pub fn bytes(&self) -> &'a [u8] {
-        self.bytes
+    #[inline]
+    pub fn bytes(&self) -> &[u8] {
+        self.bytes.as_ref()
+    }
+
+    /// What kernels read.
+    #[inline(always)]
+    pub(crate) fn borrowed(&self) -> MaterialRef<'_> {
+        MaterialRef { bytes: self.bytes.as_ref(), header: &self.header }
     }
 
     /// Number of views.
@@ -42,7 +59,7 @@ impl<'a> Material<'a> {
 
     /// Number of lobes of a mixture that it makes: what the storage must have room for.
     pub fn lobe_count(&self) -> usize {
-        self.header.lobes + self.header.mirrored
+        self.header.lobe_count()
     }
 
     /// Number of lobes that are stored at every view: fewer than [`lobe_count`](Self::lobe_count) if some
@@ -63,15 +80,15 @@ impl<'a> Material<'a> {
     }
 
     /// Where the material comes from, as its maker wrote it.
-    pub fn provenance(&self) -> &'a str {
-        let end = self.bytes.len() - 4;
-        core::str::from_utf8(&self.bytes[end - self.header.provenance..end]).unwrap_or_default()
+    pub fn provenance(&self) -> &str {
+        let end = self.bytes().len() - 4;
+        core::str::from_utf8(&self.bytes()[end - self.header.provenance..end]).unwrap_or_default()
     }
 
     /// Whether the mixture depends only on the angle of the outgoing direction from the normal, but for a
     /// turn.
     pub fn is_isotropic(&self) -> bool {
-        self.header.kind == Kind::Line
+        self.header.is_isotropic()
     }
 
     /// Angle of the outgoing direction of a view from the normal, radians; `None` past the end.
@@ -80,7 +97,7 @@ impl<'a> Material<'a> {
             Kind::Grid(shape) if view > 0 => 1 + (view - 1) / shape.azimuths,
             _ => view,
         };
-        (view < self.header.views).then(|| f32_at(self.bytes, self.header.theta(index)))
+        (view < self.header.views).then(|| f32_at(self.bytes(), self.header.theta(index)))
     }
 
     /// Azimuth of the outgoing direction of a view, radians; 0 in an isotropic material; `None` past the end.
@@ -98,14 +115,14 @@ impl<'a> Material<'a> {
     /// Base-2 logarithm of the squeeze of a view; `None` past the end, and in an anisotropic material.
     pub fn view_log2_squeeze(&self, view: usize) -> Option<f32> {
         let is_there = self.is_isotropic() && view < self.header.views;
-        is_there.then(|| f32_at(self.bytes, self.header.head(view)))
+        is_there.then(|| f32_at(self.bytes(), self.header.head(view)))
     }
 
     /// Base-2 logarithm of the squeeze matrix of a view, xx, xy, yy; `None` past the end, and in an isotropic
     /// material.
     pub fn view_log2_squeeze_matrix(&self, view: usize) -> Option<[f32; 3]> {
         let Kind::Grid(shape) = self.header.kind else { return None };
-        (view < self.header.views).then(|| [0, 1, 2].map(|i| f32_at(self.bytes, shape.head(view) + 4 * i)))
+        (view < self.header.views).then(|| [0, 1, 2].map(|i| f32_at(self.bytes(), shape.head(view) + 4 * i)))
     }
 
     /// Base-2 logarithm of the luminance of the albedo of the diffuse term of a view, -126 for none; `None`
@@ -125,7 +142,7 @@ impl<'a> Material<'a> {
             Kind::Line => self.header.head(view) + 4,
             Kind::Grid(shape) => shape.head(view) + 12,
         };
-        let number = |i: usize| f32_at(self.bytes, first() + 4 * i);
+        let number = |i: usize| f32_at(self.bytes(), first() + 4 * i);
         (view < self.header.views).then(|| self.color([0, 1, 2].map(number)))
     }
 
@@ -144,12 +161,12 @@ impl<'a> Material<'a> {
         if !self.is_isotropic() || view >= self.header.views || lobe >= self.header.lobes {
             return None;
         }
-        let number = |row| f32_at(self.bytes, self.header.row(view, row) + 4 * lobe);
+        let number = |row| f32_at(self.bytes(), self.header.row(view, row) + 4 * lobe);
         let (log2_luminance, color_differences) = self.color([2, 3, 4].map(number));
         let off_plane = lobe.checked_sub(self.header.lobes - self.header.mirrored);
         Some(PlaneLobe {
             angle: number(0),
-            off_plane: off_plane.map_or(0.0, |m| f32_at(self.bytes, self.header.row(view, 5) + 4 * m)),
+            off_plane: off_plane.map_or(0.0, |m| f32_at(self.bytes(), self.header.row(view, 5) + 4 * m)),
             log2_sharpness: number(1),
             log2_luminance,
             color_differences,
@@ -163,18 +180,17 @@ impl<'a> Material<'a> {
         if view >= self.header.views || lobe >= self.header.lobes {
             return None;
         }
-        let number = |row| f32_at(self.bytes, shape.row(&self.header, view, row) + 4 * lobe);
+        let number = |row| f32_at(self.bytes(), shape.row(&self.header, view, row) + 4 * lobe);
         let (log2_luminance, color_differences) = self.color([3, 4, 5].map(number));
         let tilt = [number(0), number(1)];
         Some(TiltedLobe { tilt, log2_sharpness: number(2), log2_luminance, color_differences })
     }
 }
 
-impl Material<'_> {
+impl<B: AsRef<[u8]>> Material<B> {
     /// Nodes of the table of factors along the half angle and along the difference angle; `None` without one.
     pub fn factor_nodes(&self) -> Option<[usize; 2]> {
-        let nodes = self.header.factors.map(usize::from);
-        (nodes[0] > 0).then_some(nodes)
+        self.header.has_factors().then(|| self.header.factors.map(usize::from))
     }
 
     /// Largest factor of any node and channel, which no factor exceeds but for rounding; 1 without a table.
@@ -182,7 +198,7 @@ impl Material<'_> {
     /// The luminance of a sample's weight is at most the power of its mixture times this, where no channel of
     /// a lobe is negative.
     pub fn largest_factor(&self) -> f32 {
-        if self.factor_nodes().is_none() { 1.0 } else { f32_at(self.bytes, self.header.nodes() - 4) }
+        if self.factor_nodes().is_none() { 1.0 } else { f32_at(self.bytes(), self.header.nodes() - 4) }
     }
 
     /// The factor of a node, linear sRGB; `None` past either end, and without a table.
@@ -190,13 +206,20 @@ impl Material<'_> {
         let [halves, differences] = self.factor_nodes()?;
         let offset = self.header.nodes() + 4 * (half * differences + difference);
         (half < halves && difference < differences)
-            .then(|| [0, 1, 2].map(|place| decoded(u32_at(self.bytes, offset), place)))
+            .then(|| [0, 1, 2].map(|place| decoded(u32_at(self.bytes(), offset), place)))
     }
 
     /// What the factors change of the albedo of a view, relative to the luminance of the lobes' own, linear sRGB, as
     /// it is stored; `None` past the end, and without a table. [`Mixture::albedo`](crate::Mixture::albedo) has it in it.
     pub fn view_albedo_difference(&self, view: usize) -> Option<[f32; 3]> {
-        let number = |i: usize| f32_at(self.bytes, self.header.albedo_difference(view) + 4 * i);
+        let number = |i: usize| f32_at(self.bytes(), self.header.albedo_difference(view) + 4 * i);
         (self.factor_nodes().is_some() && view < self.header.views).then(|| [0, 1, 2].map(number))
+    }
+}
+
+impl<'a> MaterialRef<'a> {
+    /// Itself as a material.
+    pub fn to_material(self) -> Material<&'a [u8]> {
+        Material { bytes: self.bytes, header: *self.header }
     }
 }

@@ -114,6 +114,19 @@ pub(crate) enum Kind {
 }
 
 impl Header {
+    /// Lobes of a mixture: the stored ones, and the images of the mirrored ones.
+    #[inline(always)]
+    pub const fn lobe_count(&self) -> usize {
+        self.lobes + self.mirrored
+    }
+    #[inline(always)]
+    pub fn is_isotropic(&self) -> bool {
+        self.kind == Kind::Line
+    }
+    #[inline(always)]
+    pub const fn has_factors(&self) -> bool {
+        self.factors[0] > 0
+    }
     /// Byte offset of the angle of a view.
     #[inline(always)]
     pub const fn theta(&self, view: usize) -> usize {

@@ -2,6 +2,7 @@
 //! have at hand.
 
 use super::leave_out::LeaveOut;
+use super::row;
 use super::rows::{Domain, Mixture, lowest_bits};
 use crate::color::{LUMINANCE, luminance};
 use crate::simd::elementary::exp2;
@@ -60,36 +61,36 @@ impl<const N: usize> Mixture<'_, N> {
         let mut albedo = [zero; 3];
         let mut folded = 0;
         let mut k = 0;
-        while k < count && k + L::COUNT <= N {
-            let s = L::load(&self.sharpness[k..]);
+        while row::is_within::<L, N>(k, count) {
+            let s = row::load::<L, N>(&self.sharpness, k);
             let rate = s * L::splat(-0.5 * LOG2_E);
-            rate.store(&mut self.rate[k..]);
+            row::store(rate, &mut self.rate, k);
 
             let s = s.max(L::splat(LEAST_SHARPNESS));
             let inverse = one / s;
             let [tail, inside] = tail_and_inside(s);
             let integral = inside * inverse * L::splat(2.0 * PI);
-            inverse.store(&mut self.inverse_sharpness[k..]);
-            tail.store(&mut self.tail[k..]);
-            inside.store(&mut self.inside[k..]);
+            row::store(inverse, &mut self.inverse_sharpness, k);
+            row::store(tail, &mut self.tail, k);
+            row::store(inside, &mut self.inside, k);
 
             if self.domain == Domain::Hemisphere {
-                let axis_z = L::load(&self.axis_z[k..]).abs();
-                axis_z.store(&mut self.axis_z[k..]);
+                let axis_z = row::load::<L, N>(&self.axis_z, k).abs();
+                row::store(axis_z, &mut self.axis_z, k);
                 // s (1 - t) = s z^2 / (1 + t), without cancellation.
                 let zz = axis_z * axis_z;
                 let t = (one - zz).max(zero).sqrt();
                 let folds = (s * zz).lt((one + t) * L::splat(leave_out.fold_exponent));
                 folded |= L::bits(folds) << k;
                 let fold_rate = rate * axis_z * L::splat(4.0);
-                L::select(folds, fold_rate, L::splat(f32::NEG_INFINITY)).store(&mut self.fold_rate[k..]);
+                row::store(L::select(folds, fold_rate, L::splat(f32::NEG_INFINITY)), &mut self.fold_rate, k);
             }
 
-            let rgb = [L::load(&self.red[k..]), L::load(&self.green[k..]), L::load(&self.blue[k..])];
+            let rgb = [row::load::<L, N>(&self.red, k), row::load(&self.green, k), row::load(&self.blue, k)];
             let luminance = dot3(rgb, splat3(LUMINANCE));
-            luminance.store(&mut self.luminance[k..]);
+            row::store(luminance, &mut self.luminance, k);
             // The powers first, their running sum below.
-            (luminance * integral).store(&mut self.cumulative[k..]);
+            row::store(luminance * integral, &mut self.cumulative, k);
             for i in 0..3 {
                 albedo[i] = rgb[i].mul_add(integral, albedo[i]);
             }
@@ -130,12 +131,12 @@ impl<const N: usize> Mixture<'_, N> {
         let mut albedo = [zero; 3];
         let mut stays = 0;
         let mut k = 0;
-        while k < self.count && k + L::COUNT <= N {
-            let stay = L::load(&self.cumulative[k..]).ge(L::splat(least));
+        while row::is_within::<L, N>(k, self.count) {
+            let stay = row::load::<L, N>(&self.cumulative, k).ge(L::splat(least));
             stays |= L::bits(stay) << k;
-            let integral = L::load(&self.inside[k..]) * L::load(&self.inverse_sharpness[k..]);
+            let integral = row::load::<L, N>(&self.inside, k) * row::load(&self.inverse_sharpness, k);
             let integral = L::select(stay, integral, zero);
-            let rgb = [L::load(&self.red[k..]), L::load(&self.green[k..]), L::load(&self.blue[k..])];
+            let rgb = [row::load::<L, N>(&self.red, k), row::load(&self.green, k), row::load(&self.blue, k)];
             for i in 0..3 {
                 albedo[i] = rgb[i].mul_add(integral, albedo[i]);
             }

@@ -18,7 +18,7 @@
 //!
 //! Nodes are interpolated bilinearly, after their codes have been squared.
 
-use crate::material::borrowed::Material;
+use crate::material::borrowed::{Material, MaterialRef};
 use crate::material::factor_table::UNIT;
 use crate::material::layout::f32_at;
 use crate::simd::lanes::{Lanes, ROUND, dot3, splat3};
@@ -60,8 +60,8 @@ impl<'m> Factors<'m> {
 
     /// Those of a material, if it has some.
     #[inline(always)]
-    pub fn new(material: &Material<'m>, wo: Vec3, place: Among) -> Self {
-        let header = &material.header;
+    pub fn new(material: MaterialRef<'m>, wo: Vec3, place: Among) -> Self {
+        let header = material.header;
         let [half, difference] = header.factors.map(u32::from);
         let table = &material.bytes[header.albedo_difference(0)..];
         let (albedo_differences, rest) = table.split_at(12 * header.views);
@@ -155,7 +155,7 @@ fn cell<L: Lanes>(place: L, nodes: f32) -> (L, L) {
     (before, place - before)
 }
 
-impl Material<'_> {
+impl<B: AsRef<[u8]>> Material<B> {
     /// What the value of the lobes is multiplied by for an outgoing and an incident direction, unit vectors
     /// above the horizon; linear sRGB, 1 without a table.
     ///
@@ -166,6 +166,6 @@ impl Material<'_> {
         if self.factor_nodes().is_none() {
             return Vec3::ONE;
         }
-        Factors::new(self, wo, Among::NOWHERE).towards::<f32>(wi.to_array())
+        Factors::new(self.borrowed(), wo, Among::NOWHERE).towards::<f32>(wi.to_array())
     }
 }

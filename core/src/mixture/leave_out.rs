@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 
-/// What [`Material::prepare_leaving_out`](crate::Material::prepare_leaving_out) may leave out of a mixture.
+/// What [`Material::prepare_with`](crate::Material::prepare_with) may leave out of a mixture.
 ///
 /// The default is what [`Material::prepare`](crate::Material::prepare) does: every lobe stays, and a fold is
 /// left out where it is below f32 rounding.

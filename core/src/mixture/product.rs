@@ -1,4 +1,7 @@
-//! Products of mixtures of round lobes, and their integrals.
+//! Products of mixtures, and their integrals: of plain lobes only.
+//!
+//! What is squeezed, a diffuse term and factors are no Gaussians, nor are their products: a mixture that has one is
+//! refused. A fitted material has them; mixtures of lobes of one's own need not.
 
 use super::rows::{Domain, Mixture};
 use crate::error::Error;
@@ -6,7 +9,7 @@ use crate::lobe::gaussian::{Gaussian, Lobe};
 use glam::Vec3;
 
 impl<const N: usize> Mixture<'_, N> {
-    /// Multiplies two mixtures of round lobes, lobe by lobe, into the caller's storage.
+    /// Multiplies two mixtures of plain lobes, lobe by lobe, into the caller's storage.
     ///
     /// A folded lobe counts as two, itself and its mirror image. The products are not folded: they are lobes
     /// of the caller's shading frame that stand for the product on the domain that both mixtures share, the
@@ -43,16 +46,7 @@ impl<const N: usize> Mixture<'_, N> {
         count(self.count, self.folded) * count(other.count, other.folded)
     }
 
-    /// Multiplies a lobe, of light for example, with a mixture of round lobes, as
-    /// [`product_into`](Self::product_into) does.
-    ///
-    /// # Errors
-    /// As [`product_into`](Self::product_into); and what [`Lobe::new`] refuses.
-    pub fn product_with_lobe_into(&self, lobe: &Lobe, out: &mut [Lobe]) -> Result<usize, Error> {
-        self.product_into(&Mixture::<16>::sphere(&[*lobe])?, out)
-    }
-
-    /// Integrates the product of two mixtures of round lobes over the domain that they share; channel by
+    /// Integrates the product of two mixtures of plain lobes over the domain that they share; channel by
     /// channel.
     ///
     /// On the sphere, and between two folded mixtures, in closed form: folded mixtures are even in z, so the
@@ -86,7 +80,7 @@ impl<const N: usize> Mixture<'_, N> {
         Ok(sum)
     }
 
-    /// Integrates the product of a lobe and a mixture of round lobes over the mixture's domain.
+    /// Integrates the product of a lobe and a mixture of plain lobes over the mixture's domain.
     ///
     /// For a mixture that reflects and a lobe of light: the radiance that is reflected.
     ///

@@ -24,17 +24,9 @@ pub struct Sample {
     pub direction: Vec3,
     /// Density of the whole mixture at the direction; 1/sr. Far out in a tail f32 may round it to 0.
     pub pdf: f32,
-    /// `f cos` at the direction, linear sRGB; 1/sr.
-    pub value: Vec3,
-}
-
-impl Sample {
     /// `f cos / pdf`, linear sRGB: its luminance is that of the mixture's albedo at every sample, times that
     /// of a factor if the material has factors. 0 where the density is below the least normal number.
-    #[inline]
-    pub fn weight(&self) -> Vec3 {
-        weight(self.value, self.pdf)
-    }
+    pub weight: Vec3,
 }
 
 /// Least density that is divided by, the least normal number: below, values have lost their digits, and an
@@ -43,14 +35,15 @@ pub(crate) const LEAST_DENSITY: f32 = f32::MIN_POSITIVE;
 
 /// A value over its density; 0 where that cannot be divided by.
 #[inline(always)]
-pub(crate) fn weight(value: Vec3, pdf: f32) -> Vec3 {
+pub(crate) fn weight_of(value: Vec3, pdf: f32) -> Vec3 {
     if pdf >= LEAST_DENSITY { value / pdf } else { Vec3::ZERO }
 }
 
 /// A sum of lobes, and a diffuse term, for one outgoing direction; storage for `N` lobes, without allocation.
 ///
 /// One that a material with factors has made reads them from the bytes of the material, which live for `'m`;
-/// any other lives for as long as it may. `N` is 16, 32, 48 or 64. The first lobes see the squeezed
+/// any other lives for as long as it may. `N` is any number from 1 to 64; multiples of 16
+/// are the fastest. The first lobes see the squeezed
 /// direction, the others the direction itself. The diffuse term is `albedo cos / pi` on the hemisphere: lobes
 /// cannot make the cosine of a diffuse surface, and it keeps `f cos / pdf` bounded where the lobes end.
 ///
@@ -128,13 +121,14 @@ impl<const N: usize> Default for Mixture<'_, N> {
 
 impl<const N: usize> Mixture<'_, N> {
     /// The mixture without lobes: value, albedo and density are 0, and no sample can be drawn.
+    ///
+    /// Every mixture begins as one, so that room for more than 64 lobes does not compile:
+    ///
+    /// ```compile_fail,E0080
+    /// let mixture = srbf_core::Mixture::<65>::empty();
+    /// ```
     pub const fn empty() -> Self {
-        const {
-            assert!(
-                N > 0 && N.is_multiple_of(16) && N <= MAX_LOBES,
-                "a mixture has room for 16, 32, 48 or 64 lobes"
-            )
-        };
+        const { assert!(1 <= N && N <= MAX_LOBES, "the N of a Mixture<N>, its room for lobes, is 1 to 64") };
         let zeros = [0.0; N];
         Self {
             count: 0,
@@ -228,7 +222,7 @@ impl<const N: usize> Mixture<'_, N> {
     /// Away from the outgoing direction for an isotropic material; for an anisotropic one turned by up to 45
     /// degrees from there, so that it and +y are what the squeeze acts along.
     #[inline]
-    pub fn azimuth(&self) -> [f32; 2] {
+    pub fn azimuth_cos_sin(&self) -> [f32; 2] {
         self.squeeze.azimuth
     }
 
@@ -289,7 +283,7 @@ impl<const N: usize> Mixture<'_, N> {
     /// Whether there is neither a lobe nor a diffuse term: what is prepared for no direction.
     #[inline(always)]
     pub(crate) fn is_nothing(&self) -> bool {
-        self.count == 0 && self.diffuse_power == 0.0
+        self.count == 0 && self.diffuse == Vec3::ZERO
     }
 }
 

@@ -14,7 +14,7 @@ pub(super) fn judge(bytes: &[u8], views: &[View]) -> Result<Vec<ViewReport>, Fit
     views.iter().map(|view| judge_view(&material, view)).collect()
 }
 
-fn judge_view(material: &Material<'_>, view: &View) -> Result<ViewReport, FitError> {
+fn judge_view(material: &Material<impl AsRef<[u8]>>, view: &View) -> Result<ViewReport, FitError> {
     let fitted = TrackedView::new(material, view.theta, view.phi + PI)?;
     let View { theta, phi, samples, albedo } = view.clone();
     let view = table::View { theta, samples, albedo, uncut_albedo: albedo, floor: 0.0 };

@@ -5,8 +5,10 @@
 //! thesis takes "3 or 4": here the three nearest, and the fourth where it is as near as the third, so that the result does
 //! not depend on the order of the views. At a view its own mixture is all there is.
 
+use crate::FitError;
+use crate::judge::fitted_material::knots;
 use crate::judge::method::{Fitted, FittedView};
-use crate::{FitError, TrackedLobes};
+use srbf_core::Material;
 
 /// Distances closer than this are the same, radians.
 const SAME: f64 = 1e-6;
@@ -44,18 +46,15 @@ pub(crate) fn weights(thetas: &[f64], theta: f64, neighbours: Neighbours) -> Vec
 
 /// Our lobes, blended between the knots as the thesis does instead of followed: what the tracking is worth.
 pub struct BlendedKnots<'a> {
-    lobes: &'a TrackedLobes,
+    lobes: &'a dyn Fitted,
     thetas: Vec<f64>,
     neighbours: Neighbours,
 }
 
 impl<'a> BlendedKnots<'a> {
     /// Takes the mixtures at the knots of a fit.
-    ///
-    /// # Errors
-    /// [`FitError::Format`] for bytes that are no material.
-    pub fn new(lobes: &'a TrackedLobes, neighbours: Neighbours) -> Result<Self, FitError> {
-        Ok(Self { lobes, thetas: lobes.knots()?, neighbours })
+    pub fn new(lobes: &'a Material<impl AsRef<[u8]> + Sync>, neighbours: Neighbours) -> Self {
+        Self { lobes, thetas: knots(lobes), neighbours }
     }
 }
 

@@ -44,9 +44,16 @@ const REFINED: Limits = Limits { steps: 25, improvement: 1e-4 };
 const CHANGE: f64 = 1e-5;
 
 /// A diffuse term and a microfacet lobe.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Microfacet {
     unknowns: [f64; UNKNOWNS],
+    values: Values,
+}
+
+impl From<[f64; UNKNOWNS]> for Microfacet {
+    fn from(unknowns: [f64; UNKNOWNS]) -> Self {
+        Self { unknowns, values: Values::new(&unknowns) }
+    }
 }
 
 impl Microfacet {
@@ -55,7 +62,7 @@ impl Microfacet {
         let mut unknowns = [LEAST; UNKNOWNS];
         (0..3).for_each(|c| unknowns[c] = libm::log(radiance[c].max(1e-10)).clamp(LEAST, MOST.1));
         unknowns[WIDTH] = libm::log(0.1);
-        Self { unknowns }
+        unknowns.into()
     }
 
     /// Fitted to samples from a width on; with what is left of the squares.
@@ -68,7 +75,7 @@ impl Microfacet {
         let mut x = unknowns.to_vec();
         let (cost, _) = minimize(&Fit::new(measurement, scale), &mut x, LIMITS, || {});
         unknowns.copy_from_slice(&x);
-        (cost, Self { unknowns })
+        (cost, unknowns.into())
     }
 
     /// Moved to where what is left of the logarithms is likeliest, if it is a process whose matrix has that factor: the model says what
@@ -79,26 +86,27 @@ impl Microfacet {
         minimize(&fit, &mut x, REFINED, || {});
         let mut unknowns = self.unknowns;
         unknowns.copy_from_slice(&x);
-        Self { unknowns }
+        unknowns.into()
     }
 
     /// Width of the lobe: the tangent of the angle of facets at which they have become few.
     pub fn width(&self) -> f64 {
-        libm::exp(self.unknowns[WIDTH])
+        self.values.width
     }
 
     /// Exponent with which facets become fewer; 2 is GGX.
     pub fn exponent(&self) -> f64 {
-        1.0 + libm::exp(self.unknowns[EXPONENT])
+        self.values.exponent
     }
 
     /// f; 1/sr.
     pub fn value(&self, pair: &Pair) -> [f64; 3] {
-        Values::new(&self.unknowns).at(pair)
+        self.values.at(pair)
     }
 }
 
 /// The unknowns as the formula has them.
+#[derive(Clone, Copy, Debug)]
 struct Values {
     diffuse: [f64; 3],
     width: f64,

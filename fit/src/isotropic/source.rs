@@ -10,6 +10,7 @@ use crate::judge::report::ViewReport;
 use crate::table::evaluation_views;
 use crate::table::{Brdf, Density, Sample, Table, View};
 use crate::{Fit, FitError, Settings};
+use srbf_core::Material;
 use std::time::Instant;
 
 /// Angle of the last view of a BRDF that can be evaluated, degrees.
@@ -84,7 +85,7 @@ fn fit_both(
     let source = Evaluable { brdf, samples, probes };
     let settings = Settings { smoothness: DENSE * settings.smoothness, ..settings.clone() };
     let mut fit = search::run(&source, &settings, progress)?;
-    let mut middles = evaluation_views::halfway(&knots_of(&fit.bytes)?);
+    let mut middles = evaluation_views::halfway(&knots_of(&Material::from_bytes(&fit.bytes)?));
     middles.retain(|theta| *theta < LAST_KNOT.to_radians());
     if !middles.is_empty() {
         let held_out = Table::from_brdf(brdf, &middles, HELD_OUT)?;

@@ -1,41 +1,22 @@
-//! Our fit, as the judge of methods sees it: `.srbf` bytes, evaluated by the run-time library.
+//! Our fit, as the judge of methods sees it: a material, evaluated by the run-time library.
 
 use crate::FitError;
 use crate::judge::method::{Fitted, FittedView};
-use srbf_core::{LeaveOut, Level, MAX_LOBES, Material, Mixture, Vec3};
+use srbf_core::{Level, MAX_LOBES, Material, Mixture, Vec3};
 
-/// A material as `.srbf` bytes.
-#[derive(Clone, Debug)]
-pub struct TrackedLobes {
-    /// The bytes.
-    pub bytes: Vec<u8>,
+/// Angles of the views that a material stores, radians.
+pub fn knots(material: &Material<impl AsRef<[u8]>>) -> Vec<f64> {
+    (0..material.view_count()).filter_map(|n| material.view_theta(n)).map(f64::from).collect()
 }
 
-impl TrackedLobes {
-    /// Angles of the views that are stored, radians.
-    ///
-    /// # Errors
-    /// [`FitError::Format`] for bytes that are no material.
-    pub fn knots(&self) -> Result<Vec<f64>, FitError> {
-        knots(&self.bytes)
-    }
-}
-
-/// Angles of the views of a material, radians.
-pub(crate) fn knots(bytes: &[u8]) -> Result<Vec<f64>, FitError> {
-    let material = Material::from_bytes(bytes)?;
-    Ok((0..material.view_count()).filter_map(|n| material.view_theta(n)).map(f64::from).collect())
-}
-
-impl Fitted for TrackedLobes {
+impl<B: AsRef<[u8]> + Sync> Fitted for Material<B> {
     fn view(&self, theta: f64) -> Result<Box<dyn FittedView + '_>, FitError> {
         self.view_at(theta, 0.0)
     }
 
     fn view_at(&self, theta: f64, azimuth: f64) -> Result<Box<dyn FittedView + '_>, FitError> {
-        let material = Material::from_bytes(&self.bytes)?;
-        let azimuth = if material.is_isotropic() { 0.0 } else { azimuth };
-        Ok(Box::new(TrackedView::new(&material, theta, azimuth)?))
+        let azimuth = if self.is_isotropic() { 0.0 } else { azimuth };
+        Ok(Box::new(TrackedView::new(self, theta, azimuth)?))
     }
 }
 
@@ -53,7 +34,7 @@ pub(crate) struct TrackedView<'m> {
 
 impl<'m> TrackedView<'m> {
     /// `azimuth`: by how much the outgoing direction is turned from -x.
-    pub fn new(material: &Material<'m>, theta: f64, azimuth: f64) -> Result<Self, FitError> {
+    pub fn new(material: &'m Material<impl AsRef<[u8]>>, theta: f64, azimuth: f64) -> Result<Self, FitError> {
         let mut view = Self {
             mixture: Mixture::empty(),
             has_factors: material.factor_nodes().is_some(),
@@ -63,7 +44,7 @@ impl<'m> TrackedView<'m> {
         // The f32 nearest to pi / 2 is beyond it.
         let wo = view.to_surface([-sin, 0.0, cos.max(0.0)]);
         // Whatever the processor: what a look sees decides where the fit goes.
-        material.prepare_at(Level::Scalar, wo, LeaveOut::default(), &mut view.mixture)?;
+        material.prepare_with(wo, Level::Scalar.into(), &mut view.mixture)?;
         Ok(view)
     }
 
@@ -76,7 +57,7 @@ impl<'m> TrackedView<'m> {
             let n = f64::from(i);
             let u = [(n + 0.5) / f64::from(DRAWN), 0.754_877_666_246_693 * n, 0.569_840_290_998_053 * n];
             if let Some(sample) = self.mixture.sample(u.map(|u| u.fract() as f32)) {
-                let weight = sample.weight().to_array();
+                let weight = sample.weight.to_array();
                 (0..3).for_each(|c| sum[c] += f64::from(weight[c]) / f64::from(DRAWN));
             }
         }

@@ -245,7 +245,7 @@ impl Report {
 }
 
 /// Bytes that a material has for its table of factors, the albedo differences of the views included; 0 if it has none.
-pub fn factor_bytes(material: &Material<'_>) -> usize {
+pub fn factor_bytes(material: &Material<impl AsRef<[u8]>>) -> usize {
     // The albedo differences, the largest factor, and the nodes.
     material
         .factor_nodes()

@@ -2,7 +2,6 @@
 
 use crate::complete::CompletionReport;
 use crate::judge::cross::CrossValidation;
-use crate::judge::fitted_material::TrackedLobes;
 use crate::judge::method::Fitted;
 use crate::judge::reciprocity::{Reciprocity, reciprocity};
 use crate::judge::report::{Ending, Input, LARGE_ERROR, Report, ViewReport, factor_bytes, mean_error};
@@ -44,12 +43,11 @@ impl Report {
     /// As [`Fitted::view`].
     pub fn to_json(
         &self,
-        material: &Material<'_>,
+        material: &Material<impl AsRef<[u8]> + Sync>,
         input: &Input,
         settings: &Settings,
     ) -> Result<String, FitError> {
-        let lobes = TrackedLobes { bytes: material.bytes().to_vec() };
-        let mut json = self.json_of(&lobes, "tracked", input, Some(Made::new(material)))?;
+        let mut json = self.json_of(material, "tracked", input, Some(Made::new(material)))?;
         let more = json!({
             "provenance": material.provenance(),
             "settings": settings.to_json(),
@@ -110,7 +108,7 @@ impl Report {
 }
 
 /// The table of factors of a material; null if it has none.
-fn factors_json(material: &Material<'_>) -> Value {
+fn factors_json(material: &Material<impl AsRef<[u8]>>) -> Value {
     material.factor_nodes().map_or(Value::Null, |nodes| {
         json!({"nodes": nodes, "largest": material.largest_factor(), "bytes": factor_bytes(material)})
     })

@@ -250,7 +250,7 @@ pub struct Made {
 
 impl Made {
     /// Of a material.
-    pub fn new(material: &Material<'_>) -> Self {
+    pub fn new(material: &Material<impl AsRef<[u8]>>) -> Self {
         Self {
             lobes: material.lobe_count(),
             views: material.view_count(),

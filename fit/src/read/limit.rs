@@ -63,14 +63,10 @@ pub(crate) fn read_bytes(
     most: u64,
     fits: impl FnOnce(u64) -> Result<(), ReadError>,
 ) -> Result<Vec<u8>, FitError> {
-    let mut fault = None;
-    let read = read_if(path, most, |bytes| {
-        fits(bytes).inspect_err(|found| fault = Some(ReadError::Content(found.to_string())))
-    });
-    match (read, fault) {
-        (Err(_), Some(source)) => Err(FitError::Read { path: path.to_path_buf(), source }),
-        (read, _) => read.map_err(FitError::io(path)),
-    }
+    read_if(path, most, fits).map_err(|error| match error.downcast() {
+        Ok(source) => FitError::Read { path: path.to_path_buf(), source },
+        Err(error) => FitError::io(path)(error),
+    })
 }
 
 #[cfg(test)]

@@ -228,13 +228,7 @@ fn draw_panels(
                 .label(level)
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 22, y)], colour.stroke_width(2)));
         }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::LowerRight)
-            .label_font((plot::FONT, 14))
-            .background_style(WHITE)
-            .border_style(BLACK)
-            .draw()?;
+        plot::draw_legend(&mut chart, SeriesLabelPosition::LowerRight, 14)?;
     }
     root.present()?;
     Ok(())

@@ -33,7 +33,7 @@ pub fn run(out: &Path) -> anyhow::Result<()> {
     let object = StoredMaterial::load(material::DEFAULT)?;
     let ground = StoredMaterial::load(material::MATTE)?;
     for Picture { scene: name, file, size, samples } in PICTURES {
-        let scene = Scene::new(name, object.get(), ground.get(), &sky);
+        let scene = Scene::new(name, &object.material, &ground.material, &sky);
         let settings = Settings { sampler: Sampler::Mis, max_bounces: 6, seed: 0 };
         let (mut film, path) = (Film::new(size), out.join(file));
         let progress = Progress::new(file, size[1].into());

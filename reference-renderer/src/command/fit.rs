@@ -18,7 +18,7 @@ use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Input, Report, mean_error};
 use srbf_fit::read::{Content, Source};
 use srbf_fit::table::Symmetry;
-use srbf_fit::{FactorNodes, Fit, Settings, TrackedLobes};
+use srbf_fit::{FactorNodes, Fit, Settings};
 use std::path::{Path, PathBuf};
 
 /// Fits a measured BRDF file and writes a .srbf material, with a report in JSON beside it.
@@ -138,7 +138,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let file = args.file.context("a file is needed")?;
     let source = method::read(&file, args.material.as_deref())?;
     check_options(&file, &source.content, &args.settings)?;
-    let picture = args.picture.check(&file, &source, args.method)?;
+    let picture = args.picture.check(&source, args.method)?;
     let name = names::stem(&file, args.material.as_deref())?;
     if args.lobes_table {
         return lobes_table::run(&source, &name.to_string_lossy(), &args.settings.settings());
@@ -166,7 +166,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let mut fit = fit_source(&source, settings.clone(), "")?;
     fit.report.cross_validation = left_out;
     srbf_fit::write_atomically(&output, &fit.bytes)?;
-    let material = Material::from_bytes(&fit.bytes)?;
+    let material = Material::from_bytes(fit.bytes.as_slice())?;
     let json = fit.report.to_json(&material, &input, &settings)?;
     srbf_fit::write_atomically(&names::report(&output), json.as_bytes())?;
     println!(
@@ -176,7 +176,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         fit.report.seconds,
         fit.report.evaluations
     );
-    print_report(&fit.report, &TrackedLobes { bytes: fit.bytes.clone() }, Some(&material))?;
+    print_report(&fit.report, &material, Some(&material))?;
     picture.map_or(Ok(()), |picture| picture.write(&output, fit.bytes, source))
 }
 
@@ -237,7 +237,11 @@ fn fit_source(read: &Source, mut settings: Settings, source: &str) -> anyhow::Re
 }
 
 /// Prints a report, a line a view, with the verdict last; `material`: the material, if the method makes one.
-fn print_report(report: &Report, fitted: &dyn Fitted, material: Option<&Material<'_>>) -> anyhow::Result<()> {
+fn print_report(
+    report: &Report,
+    fitted: &dyn Fitted,
+    material: Option<&Material<&[u8]>>,
+) -> anyhow::Result<()> {
     let isotropic = view_table::is_isotropic(report);
     println!("{}", view_table::LEGEND);
     view_table::print_views(&report.views, isotropic);

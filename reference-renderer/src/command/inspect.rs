@@ -24,7 +24,7 @@ pub struct Args {
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
     let stored = StoredMaterial::load(&args.material)?;
-    let material = stored.get();
+    let material = &stored.material;
     println!("name        {}", stored.name);
     println!("bytes       {}", material.bytes().len());
     println!("views       {}", material.view_count());
@@ -38,7 +38,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         println!(
             "factors     {half} x {difference} nodes over half and difference angle, largest {:.3}, {} bytes",
             material.largest_factor(),
-            factor_bytes(&material)
+            factor_bytes(material)
         );
     }
     println!("provenance  {}", material.provenance());
@@ -83,13 +83,13 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         );
     }
     if args.lobes {
-        print_lobes(&material);
+        print_lobes(material);
     }
     Ok(())
 }
 
 /// Prints every lobe of every view, its colour as it is stored: luminance, and red and blue less that, relative to it.
-fn print_lobes(material: &Material<'_>) {
+fn print_lobes(material: &Material<impl AsRef<[u8]>>) {
     println!();
     println!("  view  lobe   along  across    sharpness    luminance  (R-Y)/Y  (B-Y)/Y  kind");
     for view in 0..material.view_count() {

@@ -3,7 +3,6 @@
 use super::view_table;
 use anyhow::{Context, bail};
 use srbf_core::Material;
-use srbf_fit::TrackedLobes;
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Report, ViewReport};
 use srbf_fit::read::{Content, read};
@@ -30,23 +29,20 @@ pub struct Args {
 pub fn run(args: Args) -> anyhow::Result<()> {
     let bytes =
         srbf_fit::read_at_most(&args.file, MAX_FILE).with_context(|| args.file.display().to_string())?;
-    let is_isotropic =
-        Material::from_bytes(&bytes).with_context(|| args.file.display().to_string())?.is_isotropic();
+    let material = Material::from_bytes(bytes.as_slice()).with_context(|| args.file.display().to_string())?;
     let Content::Evaluable(brdf) = read(&args.against)?.content else {
         bail!("{}: scattered samples have no value in between", args.against.display())
     };
-    if !is_isotropic {
+    if !material.is_isotropic() {
         bail!("{}: anisotropic; only isotropic materials are judged so", args.file.display());
     }
     let thetas: Vec<f64> = args.angles.iter().map(|a| a.to_radians()).collect();
     let table = evaluation_views::judging_table(brdf.as_ref(), &thetas)?;
-    let lobes = TrackedLobes { bytes };
-    let judged = table.views.iter().map(|view| ViewReport::judge(&lobes, view));
+    let judged = table.views.iter().map(|view| ViewReport::judge(&material, view));
     // None of them need be a view of the material.
     let report = Report { held_out: judged.collect::<Result<_, _>>()?, ..Report::default() };
     println!("{}", view_table::LEGEND);
     view_table::print_views(&report.held_out, true);
-    let material = Material::from_bytes(&lobes.bytes)?;
-    view_table::print_verdict(&report, &reciprocity(&lobes)?, Some(&material));
+    view_table::print_verdict(&report, &reciprocity(&material)?, Some(&material));
     Ok(())
 }

@@ -66,14 +66,14 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     );
     for name in &args.materials {
         let stored = StoredMaterial::load(name)?;
-        let material = stored.get();
+        let material = &stored.material;
         println!("\n{name}: {} lobes; ns per direction, (ratio to no bound)", material.lobe_count());
         println!(
             "   lobes    folds | lobes  folds | relative L2 % | albedo lost % | prepare        evaluate       sample"
         );
         let mut whole = [0.0; 3];
         for (n, (lobes, folds)) in BOUNDS.into_iter().enumerate() {
-            let sums = batch.measure(&material, LeaveOut::new(lobes, folds)?)?;
+            let sums = batch.measure(material, LeaveOut::new(lobes, folds)?)?;
             if n == 0 {
                 whole = sums.time;
             }
@@ -126,7 +126,7 @@ impl Batch {
         Self { directions: [0, 1, 2].map(|c| (0..BATCH).map(|i| direction(i)[c]).collect()), uniforms }
     }
 
-    fn measure(&self, material: &Material<'_>, leave_out: LeaveOut) -> anyhow::Result<Sums> {
+    fn measure(&self, material: &Material<impl AsRef<[u8]>>, leave_out: LeaveOut) -> anyhow::Result<Sums> {
         let [x, y, z] = self.directions.each_ref().map(Vec::as_slice);
         let [u, v, w] = self.uniforms.each_ref().map(Vec::as_slice);
         let mut out = [(); 7].map(|()| vec![0.0f32; BATCH]);
@@ -136,13 +136,13 @@ impl Batch {
         for view in 0..VIEWS {
             let (sin, cos) = (view as f32 * 85.0 / (VIEWS - 1) as f32).to_radians().sin_cos();
             let wo = Vec3::new(-sin, 0.0, cos);
-            material.prepare_leaving_out(wo, LeaveOut::new(0.0, 0.0)?, &mut reference)?;
+            material.prepare_with(wo, LeaveOut::new(0.0, 0.0)?.into(), &mut reference)?;
             let [r, g, b] = &mut whole;
             reference.evaluate_into([x, y, z], [r, g, b])?;
 
             sums.time[0] += fastest(64, || {
                 for _ in 0..64 {
-                    let _ = material.prepare_leaving_out(black_box(wo), leave_out, &mut mixture);
+                    let _ = material.prepare_with(black_box(wo), leave_out.into(), &mut mixture);
                 }
             });
             sums.lobes += mixture.len();

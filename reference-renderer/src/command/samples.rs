@@ -221,13 +221,7 @@ fn figure(
         .draw_series(LineSeries::new(line(exact), blue.stroke_width(2)))?
         .label("inversion")
         .legend(legend(blue));
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
-        .label_font((plot::FONT, 15))
-        .background_style(WHITE)
-        .border_style(BLACK)
-        .draw()?;
+    plot::draw_legend(&mut chart, SeriesLabelPosition::UpperRight, 15)?;
     root.present()?;
     Ok(())
 }

@@ -110,13 +110,7 @@ fn figure(
                 .label(name)
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], colour.stroke_width(2)));
         }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperMiddle)
-            .label_font((plot::FONT, 13))
-            .background_style(WHITE)
-            .border_style(RGBColor(200, 200, 200))
-            .draw()?;
+        plot::draw_legend(&mut chart, SeriesLabelPosition::UpperMiddle, 13)?;
     }
     root.present()?;
     Ok(())

@@ -107,7 +107,7 @@ fn print_summary(summary: &Summary, isotropic: bool) {
 /// Prints what is known of the whole: the table behind it, the material, energy and reciprocity; the verdict last.
 ///
 /// `material`: the material, if the fit is one.
-pub fn print_verdict(report: &Report, reciprocity: &Reciprocity, material: Option<&Material<'_>>) {
+pub fn print_verdict(report: &Report, reciprocity: &Reciprocity, material: Option<&Material<&[u8]>>) {
     let isotropic = is_isotropic(report);
     let summary = Summary::new(report);
     println!("{} {} views:", summary.views, if summary.is_of_held_out { "held-out" } else { "fitted" });
@@ -161,7 +161,7 @@ fn print_data(report: &Report) {
 }
 
 /// Prints the table of factors, if there is one.
-pub fn print_factors(material: &Material<'_>) {
+pub fn print_factors(material: &Material<impl AsRef<[u8]>>) {
     if let Some([half, difference]) = material.factor_nodes() {
         println!(
             "factors: {half} x {difference} nodes, largest {:.2}, {} of {} bytes",

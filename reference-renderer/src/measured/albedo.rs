@@ -106,7 +106,7 @@ mod tests {
                 let (mut mean, mut squares) = (DVec3::ZERO, DVec3::ZERO);
                 for _ in 0..n {
                     let drawn = view.sample([random.unit(), random.unit(), random.unit()]);
-                    let weight = drawn.map_or(DVec3::ZERO, |s| (s.value / s.pdf).as_dvec3());
+                    let weight = drawn.map_or(DVec3::ZERO, |s| s.weight.as_dvec3());
                     mean += weight / f64::from(n);
                     squares += weight * weight / f64::from(n);
                 }

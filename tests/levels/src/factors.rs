@@ -4,12 +4,12 @@ use crate::inputs::{self, Random};
 use crate::{COUNTS, Findings, Guarded, slices, structure_of_arrays};
 use alloc::format;
 use alloc::vec::Vec;
-use srbf_core::{Material, Mixture, SamplesMut, Vec3, luminance};
+use srbf_core::{Material, Mixture, SamplesMut, Vec3};
 
 const NAME: &str = "factored value";
 
 /// The factor of a pair of directions above the horizon, from the nodes.
-fn truth(material: &Material<'_>, wo: Vec3, wi: Vec3) -> [f64; 3] {
+fn truth(material: &Material<impl AsRef<[u8]>>, wo: Vec3, wi: Vec3) -> [f64; 3] {
     let [half, difference] = material.factor_nodes().expect("a table");
     let ([ox, oy, oz], [ix, iy, iz]) = (wo.to_array().map(f64::from), wi.to_array().map(f64::from));
     let (x, y, z) = (ix + ox, iy + oy, iz + oz);
@@ -27,7 +27,13 @@ fn truth(material: &Material<'_>, wo: Vec3, wi: Vec3) -> [f64; 3] {
 }
 
 /// Checks one value, given that of the lobes alone.
-fn see(found: &mut Findings, material: &Material<'_>, [wo, wi]: [Vec3; 2], got: Vec3, lobes: Vec3) {
+fn see(
+    found: &mut Findings,
+    material: &Material<impl AsRef<[u8]>>,
+    [wo, wi]: [Vec3; 2],
+    got: Vec3,
+    lobes: Vec3,
+) {
     if wi.z < 0.0 || wo.z < 0.0 {
         if got != Vec3::ZERO {
             found.fault(format!("wo {wo}, wi {wi}: below the horizon {got}"));
@@ -52,49 +58,49 @@ pub fn check(random: &mut Random, found: &mut Findings) {
     for (n, wo) in wo.iter().enumerate() {
         let (mut m, mut lobes) = (Mixture::<64>::empty(), Mixture::<64>::empty());
         material.prepare(*wo, &mut m).and(bare.prepare(*wo, &mut lobes)).expect("a unit vector");
-        let (mut out, mut plain, mut one) =
-            (Guarded::<3>::new(n), Guarded::<3>::new(n), Guarded::<1>::new(n));
-        let [luminances] = one.slices();
+        let (mut out, mut plain) = (Guarded::<3>::new(n), Guarded::<3>::new(n));
+        let (mut both, mut plain_both) = (Guarded::<4>::new(n), Guarded::<4>::new(n));
         let inputs = slices(&wi_arrays, n);
-        let written = m.evaluate_into(inputs, out.slices()).and(lobes.evaluate_into(inputs, plain.slices()));
-        let written = written.and(m.luminance_into(inputs, luminances));
-        if written.is_err() || !out.is_intact() || !one.is_intact() {
+        let mut written =
+            m.evaluate_into(inputs, out.slices()).and(lobes.evaluate_into(inputs, plain.slices()));
+        for (m, both) in [(&m, &mut both), (&lobes, &mut plain_both)] {
+            let [r, g, b, pdf] = both.slices();
+            written = written.and(m.evaluate_and_pdf_into(inputs, [r, g, b], pdf));
+        }
+        if written.is_err() || !out.is_intact() || !both.is_intact() {
             found.fault(format!("{n} values with factors: {written:?}, or a guard zone was written"));
         }
         for (i, wi) in wi[..n].iter().enumerate() {
             let vector = |from: &Guarded<3>| Vec3::new(from.at(0, i), from.at(1, i), from.at(2, i));
             see(found, &material, [*wo, *wi], vector(&out), vector(&plain));
             see(found, &material, [*wo, *wi], m.evaluate(*wi), lobes.evaluate(*wi));
-            let (batch, both) = (vector(&out), m.evaluate_and_pdf(*wi));
-            let off = (one.at(0, i) - luminance(batch)).abs();
-            if off > 1e-6 * batch.abs().max_element()
-                || both != (m.evaluate(*wi), lobes.evaluate_and_pdf(*wi).1)
-            {
-                found.fault(format!("wo {wo}, wi {wi}: luminance off by {off:e}, or {both:?}"));
+            let together = m.evaluate_and_pdf(*wi);
+            let same_value = (0..3).all(|c| both.at(c, i) == out.at(c, i));
+            let same_density = both.at(3, i) == plain_both.at(3, i);
+            if !same_value || !same_density || together != (m.evaluate(*wi), lobes.evaluate_and_pdf(*wi).1) {
+                found.fault(format!("wo {wo}, wi {wi}: another value beside the density, or {together:?}"));
             }
         }
         check_samples(&material, *wo, [&m, &lobes], random, found);
     }
     for n in 0..COUNTS {
-        let (mut out, mut plain, mut one) =
-            (Guarded::<4>::new(n), Guarded::<4>::new(n), Guarded::<1>::new(n));
+        let (mut out, mut plain, mut alone) =
+            (Guarded::<4>::new(n), Guarded::<4>::new(n), Guarded::<3>::new(n));
         let (wo_in, wi_in) = (slices(&wo_arrays, n), slices(&wi_arrays, n));
         let mut written = Ok(());
         for (material, out) in [(&material, &mut out), (&bare, &mut plain)] {
             let [r, g, b, pdf] = out.slices();
-            written = written.and(material.evaluate_pairs_into(wo_in, wi_in, [r, g, b], pdf));
+            written = written.and(material.evaluate_and_pdf_pairs_into(wo_in, wi_in, [r, g, b], pdf));
         }
-        let [luminances] = one.slices();
-        written = written.and(material.luminance_pairs_into(wo_in, wi_in, luminances));
-        if written.is_err() || !out.is_intact() || !one.is_intact() {
+        written = written.and(material.evaluate_pairs_into(wo_in, wi_in, alone.slices()));
+        if written.is_err() || !out.is_intact() || !alone.is_intact() {
             found.fault(format!("{n} pairs with factors: {written:?}, or a guard zone was written"));
         }
         for i in 0..n {
             let vector = |from: &Guarded<4>| Vec3::new(from.at(0, i), from.at(1, i), from.at(2, i));
             see(found, &material, [wo[i], wi[i]], vector(&out), vector(&plain));
-            let off = (one.at(0, i) - luminance(vector(&out))).abs();
-            if off > 1e-5 * vector(&out).abs().max_element() || out.at(3, i) != plain.at(3, i) {
-                found.fault(format!("pair {i} of {n}: luminance off by {off:e}, or another density"));
+            if (0..3).any(|c| alone.at(c, i) != out.at(c, i)) || out.at(3, i) != plain.at(3, i) {
+                found.fault(format!("pair {i} of {n}: another value beside the density, or another density"));
             }
         }
     }
@@ -102,7 +108,7 @@ pub fn check(random: &mut Random, found: &mut Findings) {
 
 /// Samples are those of the lobes, their weights times the factor.
 fn check_samples(
-    material: &Material<'_>,
+    material: &Material<impl AsRef<[u8]>>,
     wo: Vec3,
     [m, lobes]: [&Mixture<'_, 64>; 2],
     random: &mut Random,
@@ -129,7 +135,7 @@ fn check_samples(
         see(found, material, [wo, d], vector(&out, 4), vector(&plain, 4));
         match (m.sample(u.to_array()), lobes.sample(u.to_array())) {
             (Some(got), Some(want)) if (got.direction, got.pdf) == (want.direction, want.pdf) => {
-                see(found, material, [wo, got.direction], got.value, want.value);
+                see(found, material, [wo, got.direction], got.weight * got.pdf, want.weight * want.pdf);
             }
             (None, None) => {}
             (got, want) => found.fault(format!("wo {wo}, sample {i}: {got:?}, of the lobes {want:?}")),

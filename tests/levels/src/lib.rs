@@ -57,11 +57,9 @@ pub fn check(level: Level) -> Result<Findings, srbf_core::Error> {
     level.set()?;
     let names = [
         "batch value",
-        "batch luminance",
         "batch pdf",
         "one value",
         "one pdf",
-        "one luminance",
         "sampled pdf",
         "sampled weight",
         "factored value",
@@ -133,13 +131,14 @@ fn check_values(case: &Case, random: &mut Random, found: &mut Findings) {
     let arrays = structure_of_arrays(&directions);
     let power = f64::from(m.power());
     for n in 0..COUNTS {
-        let (mut out, mut scalar) = (Guarded::<3>::new(n), Guarded::<2>::new(n));
-        let [luminance, pdf] = scalar.slices();
+        let (mut out, mut both, mut alone) =
+            (Guarded::<3>::new(n), Guarded::<4>::new(n), Guarded::<1>::new(n));
+        let ([red, green, blue, with_value], [pdf]) = (both.slices(), alone.slices());
         let written = m
             .evaluate_into(slices(&arrays, n), out.slices())
-            .and(m.luminance_into(slices(&arrays, n), luminance))
+            .and(m.evaluate_and_pdf_into(slices(&arrays, n), [red, green, blue], with_value))
             .and(m.pdf_into(slices(&arrays, n), pdf));
-        if written.is_err() || !out.is_intact() || !scalar.is_intact() {
+        if written.is_err() || !out.is_intact() || !both.is_intact() || !alone.is_intact() {
             found.fault(format!("{}, {n} directions: {written:?}, or a guard zone was written", case.name));
         }
         for (i, want) in wanted[..n].iter().enumerate() {
@@ -148,8 +147,11 @@ fn check_values(case: &Case, random: &mut Random, found: &mut Findings) {
                 found.see("batch value", out.at(c, i), want.value[c], want.scale[c], &place());
             }
             let (value, scale) = (want.luminance(), want.luminance_scale());
-            found.see("batch luminance", scalar.at(0, i), value, scale, &place());
-            found.see("batch pdf", scalar.at(1, i), value / power, scale / power, &place());
+            found.see("batch pdf", both.at(3, i), value / power, scale / power, &place());
+            found.see("batch pdf", alone.at(0, i), value / power, scale / power, &place());
+            if (0..3).any(|c| both.at(c, i) != out.at(c, i)) {
+                found.fault(format!("{}: another value beside the density", place()));
+            }
         }
     }
     for (d, want) in directions.iter().zip(&wanted) {
@@ -220,7 +222,7 @@ fn check_prepared(mirrored: usize, random: &mut Random, found: &mut Findings) {
 /// +x of a prepared mixture is away from the outgoing direction, but for the rounding of its cosine and sine, which narrow lobes see:
 /// the truth has it as it is.
 fn check_azimuth(m: &Mixture<64>, wo: Vec3, found: &mut Findings) {
-    let ([c, s], x, y) = (m.azimuth().map(f64::from), f64::from(-wo.x), f64::from(-wo.y));
+    let ([c, s], x, y) = (m.azimuth_cos_sin().map(f64::from), f64::from(-wo.x), f64::from(-wo.y));
     let off = (s * x - c * y).abs() / libm::hypot(x, y);
     if m.power() > 0.0 && !(off < 1.2e-7 && c * x + s * y > 0.0) {
         found.fault(format!("wo {wo}: azimuth off by {off:e}"));
@@ -228,7 +230,7 @@ fn check_azimuth(m: &Mixture<64>, wo: Vec3, found: &mut Findings) {
 }
 
 /// Values, densities and samples of pairs at every count are those of the mixtures one by one, and those are the truth's.
-fn check_pairs(material: &Material<'_>, random: &mut Random, found: &mut Findings) {
+fn check_pairs(material: &Material<impl AsRef<[u8]>>, random: &mut Random, found: &mut Findings) {
     let wo: Vec<Vec3> = (0..COUNTS).map(|_| random.direction()).collect();
     let wi: Vec<Vec3> = wo.iter().map(|d| Vec3::new(d.y, d.z, d.x)).collect();
     let u: Vec<Vec3> = (0..COUNTS).map(|_| Vec3::new(random.next(), random.next(), random.next())).collect();
@@ -243,11 +245,13 @@ fn check_pairs(material: &Material<'_>, random: &mut Random, found: &mut Finding
         let (mut out, mut one_channel) = (Guarded::<4>::new(n), Guarded::<2>::new(n));
         let (mut drawn, mut bare) = (Guarded::<7>::new(n), Guarded::<4>::new(n));
         let [r, g, b, pdf] = out.slices();
-        let mut written = material.evaluate_pairs_into(wo_in, wi_in, [r, g, b], pdf);
-        let [pdf, luminance] = one_channel.slices();
-        written = written
-            .and(material.pdf_pairs_into(wo_in, wi_in, pdf))
-            .and(material.luminance_pairs_into(wo_in, wi_in, luminance));
+        let mut written = material.evaluate_and_pdf_pairs_into(wo_in, wi_in, [r, g, b], pdf);
+        let [pdf, of_mixtures] = one_channel.slices();
+        written = written.and(material.pdf_pairs_into(wo_in, wi_in, pdf)).and(Mixture::pdf_pairs_into(
+            &mixtures[..n],
+            wi_in,
+            of_mixtures,
+        ));
         let [x, y, z, pdf, r, g, b] = drawn.slices();
         let samples = SamplesMut { direction: [x, y, z], pdf, weight: [r, g, b] };
         written = written.and(material.sample_pairs_into(wo_in, u_in, samples));
@@ -270,7 +274,7 @@ fn check_pairs(material: &Material<'_>, random: &mut Random, found: &mut Finding
                 let want = truth(m, wi[i]);
                 let (value, scale) = (want.luminance(), want.luminance_scale());
                 found.see("one pdf", one_channel.at(0, i), value / power, scale / power, &place);
-                found.see("one luminance", one_channel.at(1, i), value, scale, &place);
+                found.see("one pdf", one_channel.at(1, i), value / power, scale / power, &place);
             } else if [one_channel.at(0, i), one_channel.at(1, i)] != [0.0; 2] {
                 found.fault(format!("{place}: below the horizon, and not 0"));
             }

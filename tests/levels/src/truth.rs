@@ -34,7 +34,7 @@ pub fn truth(m: &Mixture<64>, d: Vec3) -> Truth {
         return sum;
     }
     // A unit vector but for rounding.
-    let [cos, sin] = m.azimuth().map(f64::from);
+    let [cos, sin] = m.azimuth_cos_sin().map(f64::from);
     let length = libm::hypot(cos, sin);
     let (cos, sin) = (cos / length, sin / length);
     let [x, y, z] = d.to_array().map(f64::from);

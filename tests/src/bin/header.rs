@@ -6,9 +6,25 @@ use srbf_tests::native::root;
 use std::process::ExitCode;
 
 /// The files of `capi/src` that export something, in the order in which the header shows them.
-const SOURCES: [&str; 17] = [
-    "version", "status", "message", "simd", "lobe", "product", "storage", "mixture", "material", "factors",
-    "heap", "streams", "single", "batch", "pairs", "expanded", "fit",
+const SOURCES: [&str; 18] = [
+    "version",
+    "status",
+    "message",
+    "simd",
+    "lobe",
+    "product",
+    "storage",
+    "mixture",
+    "material",
+    "factors",
+    "heap",
+    "streams",
+    "single",
+    "defensive",
+    "batch",
+    "pairs",
+    "expanded",
+    "fit",
 ];
 
 fn main() -> ExitCode {

@@ -50,6 +50,11 @@ fn expanded_material() {
 }
 
 #[test]
+fn every_verb_in_every_shape() {
+    run_everywhere("verbs.c", "verbs: passed");
+}
+
+#[test]
 fn threads_share_a_material() {
     run_everywhere("threads.c", "threads: passed");
 }

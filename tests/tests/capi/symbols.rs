@@ -43,9 +43,10 @@ fn are_declared_documented_and_tested() {
     let undocumented: Vec<_> = declared.iter().filter(|(_, documented)| !documented).collect();
     assert!(undocumented.is_empty(), "no comment right before: {undocumented:?}");
 
-    for (program, others) in
-        [("normal.c", &["fit.c", "factors.c", "expanded.c"][..]), ("abuse.c", &["fit.c", "expanded.c"])]
-    {
+    for (program, others) in [
+        ("normal.c", &["fit.c", "factors.c", "expanded.c", "verbs.c"][..]),
+        ("abuse.c", &["fit.c", "expanded.c", "verbs.c"]),
+    ] {
         // Fitting and expanded materials have programs of their own for both, normal use of factors one as well.
         let read = |name: &str| {
             std::fs::read_to_string(root().join("tests/c").join(name)).expect("the program is there")

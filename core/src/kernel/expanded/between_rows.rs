@@ -10,6 +10,7 @@ use super::table::{
 use crate::error::Error;
 use crate::mixture::complete::{LEAST_SHARPNESS, tail_and_inside, tail_and_inside_of_sharp};
 use crate::mixture::factors::Factors;
+use crate::mixture::row;
 use crate::mixture::rows::{Domain, Mixture, lowest_bits};
 use crate::simd::detect::Level;
 use crate::simd::lanes::{Lanes, dot3, splat3};
@@ -88,7 +89,7 @@ pub(super) fn group<'m, const W: usize>([a, b]: [&'m [Chunk]; 2], g: usize) -> [
     [part(a), part(b)]
 }
 
-impl<'m> Expanded<'m> {
+impl Expanded<'_> {
     /// Makes the mixture for an outgoing direction, in the caller's storage, which it overwrites: as
     /// [`Material::prepare`](crate::Material::prepare), in less time, with an error that falls with the
     /// square of the number of rows.
@@ -97,7 +98,11 @@ impl<'m> Expanded<'m> {
     /// [`Error::Capacity`] if the storage has room for fewer lobes than the material has;
     /// [`Error::Direction`] if `wo` is not a finite unit vector. The mixture is empty then.
     #[inline]
-    pub fn prepare<const N: usize>(&self, wo: Vec3, mixture: &mut Mixture<'m, N>) -> Result<(), Error> {
+    pub fn prepare<'a, const N: usize>(
+        &'a self,
+        wo: Vec3,
+        mixture: &mut Mixture<'a, N>,
+    ) -> Result<(), Error> {
         let level = Level::current();
         level.run_one::<_, Towards>(Prepare { expanded: self, level, mixture }, wo.to_array())
     }
@@ -105,7 +110,7 @@ impl<'m> Expanded<'m> {
 
 /// What [`Towards`] is given beside the outgoing direction.
 struct Prepare<'a, 'm, const N: usize> {
-    expanded: &'a Expanded<'m>,
+    expanded: &'m Expanded<'m>,
     /// What it runs on.
     level: Level,
     mixture: &'a mut Mixture<'m, N>,
@@ -120,9 +125,9 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
     #[inline(always)]
     fn run<L: Lanes>(to: Prepare<'_, '_, N>, numbers: [f32; 3]) -> Result<(), Error> {
         let Prepare { expanded, level, mixture } = to;
-        let material = &expanded.material;
+        let material = expanded.material.borrowed();
         mixture.begin(level, Domain::Hemisphere, Squeeze::NONE);
-        let needed = material.lobe_count();
+        let needed = material.header.lobe_count();
         if needed > N {
             return Err(Error::Capacity { needed, available: N });
         }
@@ -141,7 +146,7 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
         }
         mixture.squeeze = Squeeze::new(outgoing.azimuth, 1.0, head[INVERSE_SQUEEZE]);
         mixture.set_diffuse([head[DIFFUSE], head[DIFFUSE + 1], head[DIFFUSE + 2]]);
-        mixture.in_plane = material.mirrored_count() == 0;
+        mixture.in_plane = material.header.mirrored == 0;
         match (mixture.in_plane, expanded.is_plain) {
             (true, true) => store_lobes::<L::Lobes, N, IN_PLANE, true>(rows, share, mixture, needed),
             (true, false) => store_lobes::<L::Lobes, N, IN_PLANE, false>(rows, share, mixture, needed),
@@ -149,12 +154,12 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
             (false, false) => store_lobes::<L::Lobes, N, MIRRORED, false>(rows, share, mixture, needed),
         }
         // Every lobe has its fold, and what the sums over the lobes would be is interpolated.
-        (mixture.count, mixture.squeezed) = (needed, material.squeezed_count());
+        (mixture.count, mixture.squeezed) = (needed, material.header.squeezed);
         mixture.folded = lowest_bits(needed);
         mixture.lobes_albedo = Vec3::new(head[LOBES_ALBEDO], head[LOBES_ALBEDO + 1], head[LOBES_ALBEDO + 2]);
         mixture.lobes_power = head[LOBES_POWER];
         mixture.add_diffuse();
-        if material.factor_nodes().is_some() {
+        if material.header.has_factors() {
             let passed = views_passed::<L>(material, outgoing.theta);
             let place = Place::after(material, passed, outgoing.theta);
             mixture.factors = Factors::new(material, wo, place.among());
@@ -172,27 +177,27 @@ fn store_lobes<L: Lanes, const N: usize, const W: usize, const P: bool>(
     count: usize,
 ) {
     let (mut k, mut passed) = (0, L::splat(0.0));
-    while k < count && k + L::COUNT <= N {
+    while row::is_within::<L, N>(k, count) {
         let lobes = Lobes::<L>::between::<W, P>(group(rows, k / CHUNK), L::splat(share), k % CHUNK);
         let [inverse, tail, inside] = lobes.integral::<P>();
         let normaliser = lobes.sharpness.max(L::splat(LEAST_SHARPNESS)) * L::splat(0.5 * FRAC_1_PI) / inside;
         let [x, y, z] = lobes.axis;
         let rate = lobes.sharpness * L::splat(-0.5 * LOG2_E);
         let luminance = luminance_of(lobes.power);
-        x.store(&mut mixture.axis_x[k..]);
-        y.store(&mut mixture.axis_y[k..]);
-        z.store(&mut mixture.axis_z[k..]);
-        lobes.sharpness.store(&mut mixture.sharpness[k..]);
-        (lobes.power[0] * normaliser).store(&mut mixture.red[k..]);
-        (lobes.power[1] * normaliser).store(&mut mixture.green[k..]);
-        (lobes.power[2] * normaliser).store(&mut mixture.blue[k..]);
-        (luminance * normaliser).store(&mut mixture.luminance[k..]);
-        rate.store(&mut mixture.rate[k..]);
-        (rate * z * L::splat(4.0)).store(&mut mixture.fold_rate[k..]);
-        inverse.store(&mut mixture.inverse_sharpness[k..]);
-        inside.store(&mut mixture.inside[k..]);
-        tail.store(&mut mixture.tail[k..]);
-        (luminance.running_sum() + passed).store(&mut mixture.cumulative[k..]);
+        row::store(x, &mut mixture.axis_x, k);
+        row::store(y, &mut mixture.axis_y, k);
+        row::store(z, &mut mixture.axis_z, k);
+        row::store(lobes.sharpness, &mut mixture.sharpness, k);
+        row::store(lobes.power[0] * normaliser, &mut mixture.red, k);
+        row::store(lobes.power[1] * normaliser, &mut mixture.green, k);
+        row::store(lobes.power[2] * normaliser, &mut mixture.blue, k);
+        row::store(luminance * normaliser, &mut mixture.luminance, k);
+        row::store(rate, &mut mixture.rate, k);
+        row::store(rate * z * L::splat(4.0), &mut mixture.fold_rate, k);
+        row::store(inverse, &mut mixture.inverse_sharpness, k);
+        row::store(inside, &mut mixture.inside, k);
+        row::store(tail, &mut mixture.tail, k);
+        row::store(luminance.running_sum() + passed, &mut mixture.cumulative, k);
         k += L::COUNT;
         if k < count {
             passed = passed + L::splat(luminance.sum());

@@ -3,10 +3,11 @@
 use super::super::between_views::{Place, at_place, views_passed};
 use super::table::{
     CHUNK, Chunk, DIFFUSE, DIFFUSE_POWER, Expanded, INVERSE_SQUEEZE, LOBES_ALBEDO, LOBES_POWER, Shape,
+    angles, expanded_len,
 };
 use crate::color::luminance;
 use crate::error::Error;
-use crate::material::borrowed::Material;
+use crate::material::borrowed::{Material, MaterialRef};
 use crate::material::layout::{MAX_LOBES, f32_at};
 use crate::mixture::complete::LEAST_WITHOUT_SERIES;
 use crate::mixture::leave_out::LeaveOut;
@@ -28,14 +29,8 @@ impl<'m> Expanded<'m> {
     ///
     /// # Errors
     /// [`Error::Anisotropic`] and [`Error::Rows`], as [`new`](Self::new).
-    pub fn check(material: &Material<'_>, rows: usize) -> Result<(), Error> {
-        if !material.is_isotropic() {
-            return Err(Error::Anisotropic);
-        }
-        if !(2..=Self::MAX_ROWS).contains(&rows) {
-            return Err(Error::Rows);
-        }
-        Ok(())
+    pub fn check(material: &Material<impl AsRef<[u8]>>, rows: usize) -> Result<(), Error> {
+        check(material.borrowed(), rows)
     }
 
     /// Expands a material into `memory`, of at least [`Material::expanded_len`] numbers of any value, which
@@ -44,13 +39,22 @@ impl<'m> Expanded<'m> {
     /// # Errors
     /// [`Error::Anisotropic`] for an anisotropic material, [`Error::Rows`] for less than 2 or more than
     /// [`MAX_ROWS`](Self::MAX_ROWS) rows, [`Error::Memory`] for too little memory.
-    pub fn new(material: &Material<'m>, rows: usize, memory: &'m mut [f32]) -> Result<Self, Error> {
-        Self::check(material, rows)?;
-        let (needed, available) = (material.expanded_len(rows), memory.len());
+    pub fn new(
+        material: &'m Material<impl AsRef<[u8]>>,
+        rows: usize,
+        memory: &'m mut [f32],
+    ) -> Result<Self, Error> {
+        Self::make(material.borrowed(), rows, memory)
+    }
+
+    /// The same, compiled here, whoever owns the bytes of the material.
+    fn make(material: MaterialRef<'m>, rows: usize, memory: &'m mut [f32]) -> Result<Self, Error> {
+        check(material, rows)?;
+        let (needed, available) = (expanded_len(material.header, rows), memory.len());
         if available < needed {
             return Err(Error::Memory { needed, available });
         }
-        let shape = Shape::new(material, rows);
+        let shape = Shape::new(material.header, rows);
         let skip = memory.as_ptr().align_offset(4 * CHUNK).min(CHUNK - 1);
         let (chunks, _) = memory[skip..].as_chunks_mut::<CHUNK>();
         let (knots, chunks) = chunks.split_at_mut(3 * shape.knot_chunks);
@@ -85,29 +89,40 @@ impl<'m> Expanded<'m> {
         let is_plain = is_plain(shape, chunks);
         let stride = shape.stride;
         let (knots, knot_count) = ([&*from_knots, to_knots, per_radian], shape.knots - 1);
-        Ok(Self { material: *material, knots, knot_count, chunks, rows, stride, is_plain, any_diffuse })
+        let material = material.to_material();
+        Ok(Self { material, knots, knot_count, chunks, rows, stride, is_plain, any_diffuse })
     }
 }
 
+fn check(material: MaterialRef<'_>, rows: usize) -> Result<(), Error> {
+    if !material.header.is_isotropic() {
+        return Err(Error::Anisotropic);
+    }
+    if !(2..=Expanded::MAX_ROWS).contains(&rows) {
+        return Err(Error::Rows);
+    }
+    Ok(())
+}
+
 /// Angle of a knot, radians.
-fn knot(material: &Material<'_>, shape: Shape, k: usize) -> f32 {
-    if shape.knots == material.view_count() {
+fn knot(material: MaterialRef<'_>, shape: Shape, k: usize) -> f32 {
+    if shape.knots == material.header.views {
         f32_at(material.bytes, material.header.theta(k))
     } else {
-        Expanded::angles(material)[k.min(1)]
+        angles(material)[k.min(1)]
     }
 }
 
 /// The row of a knot but the first: as many lie before it as it has of the whole angle, but one more than
 /// before the last knot, whose row is `before`, and few enough that every knot to come has one.
-fn row_of_knot(material: &Material<'_>, shape: Shape, rows: usize, k: usize, before: usize) -> usize {
-    let share = knot(material, shape, k) / Expanded::angles(material)[1];
+fn row_of_knot(material: MaterialRef<'_>, shape: Shape, rows: usize, k: usize, before: usize) -> usize {
+    let share = knot(material, shape, k) / angles(material)[1];
     let most = rows - shape.knots + k;
     ((share * (rows - 1) as f32 + 0.5) as usize).clamp((before + 1).min(most), most)
 }
 
 /// Prepares a material at an angle of the outgoing direction, and stores what is interpolated.
-fn fill_row(material: &Material<'_>, shape: Shape, theta: f32, chunks: &mut [Chunk]) {
+fn fill_row(material: MaterialRef<'_>, shape: Shape, theta: f32, chunks: &mut [Chunk]) {
     let mut m = Mixture::<MAX_LOBES>::empty();
     m.begin(Level::Scalar, Domain::Hemisphere, Squeeze::NONE);
     let place = Place::after(material, views_passed::<f32>(material, theta), theta);
@@ -121,7 +136,7 @@ fn fill_row(material: &Material<'_>, shape: Shape, theta: f32, chunks: &mut [Chu
     head[DIFFUSE..DIFFUSE + 3].copy_from_slice(&m.diffuse.to_array());
     head[DIFFUSE_POWER] = m.diffuse_power;
 
-    let (stored, mirrored) = (material.view_lobe_count(), material.mirrored_count());
+    let (stored, mirrored) = (material.header.lobes, material.header.mirrored);
     for (g, group) in groups.chunks_exact_mut(shape.width).enumerate() {
         for j in 0..CHUNK {
             let k = CHUNK * g + j;

@@ -109,10 +109,34 @@ impl Expanded<'_> {
         u: [&[f32]; 3],
         mut samples: SamplesMut<'_>,
     ) -> Result<(), Error> {
-        same_length(wo.iter().chain(&u).map(|s| s.len()).chain(lengths(&samples)))?;
+        same_length(wo.iter().chain(&u).map(|s| s.len()).chain(samples.lengths()))?;
         let level = Level::current();
         self.sample_each(level, wo, u, None, |block, outgoing, sampled| {
             self.write_samples(level, block, outgoing, sampled, &mut samples);
+        });
+        Ok(())
+    }
+
+    /// Draws an incident direction for each of n outgoing ones, with density, without a weight: the samples of
+    /// [`sample_pairs_into`](Self::sample_pairs_into), in nearly the same time.
+    ///
+    /// Shapes: `wo` x, y, z and `u` three uniform numbers in [0, 1), each `[n]`; `direction` x, y, z, and
+    /// `pdf`, each `[n]`, overwritten; 1/sr.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    pub fn sample_pdf_pairs_into(
+        &self,
+        wo: [&[f32]; 3],
+        u: [&[f32]; 3],
+        mut direction: [&mut [f32]; 3],
+        pdf: &mut [f32],
+    ) -> Result<(), Error> {
+        let outputs = direction.iter().map(|s| s.len()).chain([pdf.len()]);
+        same_length(wo.iter().chain(&u).map(|s| s.len()).chain(outputs))?;
+        self.sample_each(Level::current(), wo, u, None, |block, _, sampled| {
+            block.copy_out(&sampled.direction, &mut direction);
+            block.copy_out(&[densities(&sampled.sums)], &mut [&mut *pdf]);
         });
         Ok(())
     }
@@ -134,7 +158,7 @@ impl Expanded<'_> {
         mut value: [&mut [f32]; 3],
         pdf: &mut [f32],
     ) -> Result<(), Error> {
-        let outputs = value.iter().map(|s| s.len()).chain([pdf.len()]).chain(lengths(&samples));
+        let outputs = value.iter().map(|s| s.len()).chain([pdf.len()]).chain(samples.lengths());
         same_length(wo.iter().chain(&u).chain(&wi).map(|s| s.len()).chain(outputs))?;
         let level = Level::current();
         self.sample_each(level, wo, u, Some(wi), |block, outgoing, sampled| {
@@ -204,7 +228,7 @@ impl Expanded<'_> {
         if self.material.factor_nodes().is_none() {
             return;
         }
-        let factors = Factors::new(&self.material, Vec3::Z, Among::NOWHERE);
+        let factors = Factors::new(self.material.borrowed(), Vec3::Z, Among::NOWHERE);
         // What is no direction has no factor, and 0 times that may be none either.
         let (mut outgoing, mut incident) = (*wo, *wi);
         for i in 0..MOST {
@@ -252,12 +276,6 @@ fn densities(sums: &Sums<3>) -> Numbers {
         pdf[i] = luminance(Vec3::new(red[i], green[i], blue[i])) * sums.inverse_power[i];
     }
     pdf
-}
-
-fn lengths(samples: &SamplesMut<'_>) -> impl Iterator<Item = usize> {
-    let lengths = |slices: &[&mut [f32]; 3]| slices.each_ref().map(|s| s.len());
-    let (direction, weight) = (lengths(&samples.direction), lengths(&samples.weight));
-    direction.into_iter().chain(weight).chain([samples.pdf.len()])
 }
 
 /// Pairs that are taken together.

@@ -15,8 +15,8 @@
 //! falls with the square of the number of rows.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
-use crate::material::borrowed::Material;
-use crate::material::layout::f32_at;
+use crate::material::borrowed::{Material, MaterialRef};
+use crate::material::layout::{Header, f32_at};
 use crate::simd::lanes::{Lanes, ROUND};
 
 /// Numbers of a chunk: 64 bytes, and the lanes of the widest vector.
@@ -98,7 +98,7 @@ pub(crate) const MIRRORED: usize = 7;
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Expanded<'m> {
-    pub(super) material: Material<'m>,
+    pub(super) material: Material<&'m [u8]>,
     /// For each view but the last its angle, that of the next, and how many rows a radian has between them;
     /// then zeros.
     pub(super) knots: [&'m [f32]; 3],
@@ -135,26 +135,30 @@ pub(super) struct Shape {
 
 impl Shape {
     #[inline(always)]
-    pub fn new(material: &Material<'_>, rows: usize) -> Self {
-        let views = material.view_count();
+    pub fn new(header: &Header, rows: usize) -> Self {
+        let views = header.views;
         let knots = if views <= rows { views } else { 2 };
-        let groups = material.lobe_count().div_ceil(CHUNK); // of up to sixteen lobes
-        let width = if material.mirrored_count() > 0 { MIRRORED } else { IN_PLANE };
+        let groups = header.lobe_count().div_ceil(CHUNK); // of up to sixteen lobes
+        let width = if header.mirrored > 0 { MIRRORED } else { IN_PLANE };
         let stride = 1 + groups * width;
         Self { knots, knot_chunks: knots.div_ceil(CHUNK), width, stride }
     }
 }
 
-impl Material<'_> {
+impl<B: AsRef<[u8]>> Material<B> {
     /// How many f32 [`Expanded::new`] takes for so many rows: up to 15 more than are used, for rows to begin
     /// at multiples of 64 bytes wherever the memory begins.
     pub fn expanded_len(&self, rows: usize) -> usize {
-        let shape = Shape::new(self, rows);
-        rows.saturating_mul(shape.stride)
-            .saturating_add(3 * shape.knot_chunks)
-            .saturating_mul(CHUNK)
-            .saturating_add(CHUNK - 1)
+        expanded_len(self.borrowed().header, rows)
     }
+}
+
+pub(super) fn expanded_len(header: &Header, rows: usize) -> usize {
+    let shape = Shape::new(header, rows);
+    rows.saturating_mul(shape.stride)
+        .saturating_add(3 * shape.knot_chunks)
+        .saturating_mul(CHUNK)
+        .saturating_add(CHUNK - 1)
 }
 
 impl<'m> Expanded<'m> {
@@ -165,7 +169,7 @@ impl<'m> Expanded<'m> {
     pub const MAX_ROWS: usize = 16_384;
 
     /// The material that was expanded.
-    pub fn material(&self) -> &Material<'m> {
+    pub fn material(&self) -> &Material<&'m [u8]> {
         &self.material
     }
 
@@ -219,9 +223,9 @@ impl<'m> Expanded<'m> {
         let both = &self.chunks[row.min(self.rows - 2) * self.stride..][..2 * self.stride];
         both.split_at(self.stride).into()
     }
+}
 
-    /// Angle of the first and of the last view.
-    pub(super) fn angles(material: &Material<'_>) -> [f32; 2] {
-        [0, material.view_count() - 1].map(|view| f32_at(material.bytes, material.header.theta(view)))
-    }
+/// Angle of the first and of the last view.
+pub(super) fn angles(material: MaterialRef<'_>) -> [f32; 2] {
+    [0, material.header.views - 1].map(|view| f32_at(material.bytes, material.header.theta(view)))
 }

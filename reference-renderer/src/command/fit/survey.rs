@@ -23,7 +23,7 @@ use srbf_fit::read::{Content, neural, read};
 use srbf_fit::table::Brdf;
 use srbf_fit::table::Table;
 use srbf_fit::table::evaluation_views;
-use srbf_fit::{Settings, TrackedLobes, fit_content};
+use srbf_fit::{Settings, fit_content, knots};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -136,8 +136,8 @@ fn examine(
         |fit: &dyn Fitted, table: &Table| Ok::<_, anyhow::Error>(100.0 * mean_error(&judge(fit, table)?));
 
     let fit = fit_content(content, settings, |_| {})?;
-    let lobes = TrackedLobes { bytes: fit.bytes };
-    let placed = lobes.knots()?;
+    let lobes = Material::from_bytes(fit.bytes.as_slice())?;
+    let placed = knots(&lobes);
     let at_views = evaluation_views::judging_table(brdf, &placed)?;
     let halfway = evaluation_views::judging_table(brdf, &evaluation_views::halfway(&placed))?;
     let between = judge(&lobes, &halfway)?;
@@ -146,7 +146,6 @@ fn examine(
     let fold = |list: Vec<f64>| list.into_iter().fold(0.0, f64::max);
     let seen = judge(&lobes, &evaluation_views::judging_table(brdf, &evaluation_views::seen_views())?)?;
     let mean = |f: fn(&ViewReport) -> f64| seen.iter().map(f).sum::<f64>() / seen.len() as f64;
-    let material = Material::from_bytes(&lobes.bytes)?;
     let anywhere = between.iter().chain(&fit.report.views).map(|v| v.largest_weight);
     let mut row = Row {
         name: name.to_owned(),
@@ -156,8 +155,8 @@ fn examine(
         chroma: mean(|v| v.seen.chroma),
         fit: error(&lobes, &at_views)?,
         halfway: 100.0 * mean_error(&between),
-        blended: error(&BlendedKnots::new(&lobes, Neighbours::ThreeOrFour)?, &halfway)?,
-        blended_two: error(&BlendedKnots::new(&lobes, Neighbours::Two)?, &halfway)?,
+        blended: error(&BlendedKnots::new(&lobes, Neighbours::ThreeOrFour), &halfway)?,
+        blended_two: error(&BlendedKnots::new(&lobes, Neighbours::Two), &halfway)?,
         variance_median: row::quantile(list(|v| v.variance), 0.5),
         variance_worst: fold(list(|v| v.variance)),
         weight: fold(list(|v| v.largest_weight)),
@@ -165,9 +164,9 @@ fn examine(
         reciprocity: reciprocity(&lobes)?.median,
         handedness: 100.0 * handedness(brdf, &halfway),
         weight_anywhere: anywhere.fold(0.0, f64::max),
-        bytes: lobes.bytes.len() as f64,
-        factor_bytes: factor_bytes(&material) as f64,
-        largest_factor: material.largest_factor().into(),
+        bytes: lobes.bytes().len() as f64,
+        factor_bytes: factor_bytes(&lobes) as f64,
+        largest_factor: lobes.largest_factor().into(),
         seconds: fit.report.seconds,
         ..Row::default()
     };
@@ -185,7 +184,7 @@ fn examine(
         let low = between.iter().filter(|v| v.theta.to_degrees() <= JUDGED);
         row.thesis_variance = row::quantile(low.map(|v| v.variance).collect(), 0.5);
     }
-    Ok((row, lobes.bytes))
+    Ok((row, fit.bytes))
 }
 
 fn judge(fit: &dyn Fitted, table: &Table) -> anyhow::Result<Vec<ViewReport>> {

@@ -2,7 +2,7 @@
 
 use super::Row;
 use crate::picture_file;
-use crate::plot::{COLOURS, FONT, Failure, RIGHT_MARGIN, add_curve, range, register_font, tick};
+use crate::plot::{COLOURS, FONT, Failure, RIGHT_MARGIN, add_curve, draw_legend, range, register_font, tick};
 use anyhow::anyhow;
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -69,14 +69,7 @@ fn panel(
         let places: Vec<(f64, f64)> = rows.iter().map(|r| (abscissa(r), error(r))).collect();
         add_curve(&mut chart, (*name).to_owned(), colour, &places)?;
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperRight)
-        .label_font((FONT, 15))
-        .background_style(WHITE)
-        .border_style(BLACK)
-        .draw()?;
-    Ok(())
+    draw_legend(&mut chart, SeriesLabelPosition::UpperRight, 15)
 }
 
 #[cfg(test)]

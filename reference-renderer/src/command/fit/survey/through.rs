@@ -5,12 +5,13 @@
 
 use crate::output;
 use anyhow::{Context, bail};
+use srbf_core::Material;
 use srbf_fit::baselines::evaluated::Completed;
 use srbf_fit::judge::method::{Fitted, Method};
 use srbf_fit::judge::report::ViewReport;
 use srbf_fit::read::{Content, read};
 use srbf_fit::table::{Brdf, Scattered, Table, evaluation_views};
-use srbf_fit::{Settings, TrackedLobes, fit};
+use srbf_fit::{Settings, fit};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -46,7 +47,7 @@ pub fn run(
         let table = seen_through(brdf.as_ref(), &pattern)?;
         let made = fit(&table, settings, |_| {}).with_context(|| format!("material {name}"))?;
         let truth = evaluation_views::judging_table(brdf.as_ref(), &JUDGED.map(f64::to_radians))?;
-        let lobes = judge(&TrackedLobes { bytes: made.bytes }, &truth)?;
+        let lobes = judge(&Material::from_bytes(made.bytes)?, &truth)?;
         let completed = judge(Completed.fit(&table)?.as_ref(), &truth)?;
         let list = |reports: &[ViewReport], of: fn(&ViewReport) -> f64| -> Vec<f64> {
             reports.iter().map(|v| 100.0 * of(v)).collect()

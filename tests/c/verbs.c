@@ -1,0 +1,199 @@
+/* The grid of verbs: whatever the shape of a call, it gives what the call for one direction gives. */
+#include "check.h"
+
+enum { N = 67, ROWS = 1024 };
+
+typedef struct {
+    float wo[3], wi[3], u[3], value[3], pdf;
+    srbf_sample sample;
+} hit;
+
+static hit hits[N];
+
+static srbf_vectors in(const float *first) {
+    srbf_vectors vectors = {first, first + 1, first + 2, sizeof(hit)};
+    return vectors;
+}
+
+static srbf_vectors_out out(float *first) {
+    srbf_vectors_out vectors = {first, first + 1, first + 2, sizeof(hit)};
+    return vectors;
+}
+
+/* Forgets every output. */
+static void clear(void) {
+    for (int i = 0; i < N; i++) {
+        memset(hits[i].value, 0xff, sizeof hits[i].value);
+        memset(&hits[i].sample, 0xff, sizeof hits[i].sample);
+        hits[i].pdf = NAN;
+    }
+}
+
+enum { VALUE = 1, PDF = 2, SAMPLE = 4, WEIGHT = 8 };
+
+/* Compares what was written with calls for one direction, of mixtures `stride` bytes apart, or of one. */
+static void compare(const unsigned char *mixtures, size_t stride, int what, float tolerance) {
+    for (size_t i = 0; i < N; i++) {
+        const srbf_mixture *mixture = (const srbf_mixture *)(const void *)(mixtures + i * stride);
+        hit *h = &hits[i];
+        float value[3], pdf, largest;
+        srbf_sample sample;
+        CHECK_OK(srbf_mixture_sample_and_evaluate(mixture, h->u, &sample, h->wi, value, &pdf));
+        largest = fmaxf(fmaxf(value[0], value[1]), value[2]);
+        for (int c = 0; c < 3; c++) {
+            CHECK(!(what & VALUE) || fabsf(h->value[c] - value[c]) <= tolerance * largest);
+            CHECK(!(what & SAMPLE) || fabsf(h->sample.direction[c] - sample.direction[c]) <= 3e-3f);
+            CHECK(!(what & WEIGHT) || fabsf(h->sample.weight[c] - sample.weight[c]) <= 20 * tolerance * (1 + sample.weight[c]));
+        }
+        CHECK(!(what & PDF) || fabsf(h->pdf - pdf) <= tolerance * pdf);
+        if (what & SAMPLE) {
+            /* At the direction itself. */
+            CHECK_OK(srbf_mixture_pdf(mixture, h->sample.direction, &pdf));
+            CHECK(fabsf(h->sample.pdf - pdf) <= 20 * tolerance * pdf);
+        }
+    }
+    clear();
+}
+
+static void test_refused(const srbf_material *material, const srbf_mixture *mixture) {
+    srbf_vectors wo = in(hits->wo), wi = in(hits->wi), u = in(hits->u);
+    srbf_vectors_out value = out(hits->value);
+    srbf_numbers_out pdf = {&hits->pdf, sizeof(hit)};
+    srbf_samples_out samples = {out(hits->sample.direction), {&hits->sample.pdf, sizeof(hit)}, out(hits->sample.weight)};
+    const size_t stride = SRBF_MIXTURE_SIZE_64;
+    float one[3] = {2, 0, 0};
+    srbf_sample sample;
+
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_mixture_sample_and_evaluate(mixture, hits->u, NULL, hits->wi, one, one));
+    CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_mixture_sample_and_evaluate(mixture, hits->u, &sample, one, hits->value, one));
+    CHECK_STATUS(SRBF_STATUS_UNIFORM, srbf_mixture_sample_and_evaluate(mixture, one, &sample, hits->wi, hits->value, one));
+
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_mixture_evaluate_and_pdf_into(mixture, N, &wi, &value, NULL));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_mixture_sample_and_evaluate_into(mixture, N, &u, &samples, NULL, &value, &pdf));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_mixture_evaluate_and_pdf_pairs_into(mixture, stride, N, &wi, NULL, &pdf));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_mixture_sample_pdf_pairs_into(mixture, stride, N, &u, NULL, &pdf));
+    CHECK_STATUS(SRBF_STATUS_NULL,
+                 srbf_mixture_sample_and_evaluate_pairs_into(mixture, stride, N, &u, NULL, &wi, &value, &pdf));
+    CHECK_STATUS(SRBF_STATUS_STRIDE,
+                 srbf_mixture_sample_and_evaluate_pairs_into(mixture, SRBF_MIXTURE_SIZE_16 / 2, N, &u, &samples, &wi, &value, &pdf));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_evaluate_pairs_into(material, N, NULL, &wi, &value));
+    CHECK_STATUS(SRBF_STATUS_NULL,
+                 srbf_material_sample_and_evaluate_pairs_into(material, N, &wo, &u, &samples, &wi, NULL, &pdf));
+    /* Two outputs in one place. */
+    srbf_numbers_out upon = {&hits->value[1], sizeof(hit)};
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_mixture_evaluate_and_pdf_into(mixture, N, &wi, &value, &upon));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP,
+                 srbf_material_sample_and_evaluate_pairs_into(material, N, &wo, &u, &samples, &wi, &value, &upon));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP,
+                 srbf_mixture_sample_and_evaluate_pairs_into(mixture, stride, N, &u, &samples, &wi, &value, &upon));
+    /* None looks at no pointer but its object. */
+    CHECK_OK(srbf_mixture_evaluate_and_pdf_into(mixture, 0, NULL, NULL, NULL));
+    CHECK_OK(srbf_mixture_sample_and_evaluate_into(mixture, 0, NULL, NULL, NULL, NULL, NULL));
+    CHECK_OK(srbf_mixture_evaluate_and_pdf_pairs_into(NULL, 0, 0, NULL, NULL, NULL));
+    CHECK_OK(srbf_mixture_sample_pdf_pairs_into(NULL, 0, 0, NULL, NULL, NULL));
+    CHECK_OK(srbf_mixture_sample_and_evaluate_pairs_into(NULL, 0, 0, NULL, NULL, NULL, NULL, NULL));
+    CHECK_OK(srbf_material_sample_and_evaluate_pairs_into(material, 0, NULL, NULL, NULL, NULL, NULL, NULL));
+    clear();
+}
+
+/* One direction in `share` is of the cosine, and the density says so. */
+static void test_defensive(const srbf_mixture *mixture) {
+    const float share = 0.25f, shares[] = {-0.1f, 1.1f, NAN};
+    float pdf, whole;
+    double mean = 0;
+    srbf_sample sample;
+    for (int i = 0; i < N; i++) {
+        const float cosine = fmaxf(hits[i].wi[2], 0);
+        CHECK_OK(srbf_mixture_pdf(mixture, hits[i].wi, &pdf));
+        CHECK_OK(srbf_mixture_pdf_defensive(mixture, share, hits[i].wi, &whole));
+        CHECK(fabsf(whole - ((1 - share) * pdf + share * cosine / 3.14159265f)) <= 1e-5f * whole);
+        CHECK_OK(srbf_mixture_sample_defensive(mixture, share, hits[i].u, &sample));
+        CHECK_OK(srbf_mixture_pdf_defensive(mixture, share, sample.direction, &whole));
+        CHECK(fabsf(sample.pdf - whole) <= 1e-4f * whole && sample.pdf >= share * sample.direction[2] / 3.1416f);
+        mean += (double)sample.weight[1] / N;
+    }
+    CHECK(mean > 0 && mean < 2);
+    for (int i = 0; i < 3; i++) {
+        CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_mixture_sample_defensive(mixture, shares[i], hits->u, &sample));
+        CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_mixture_pdf_defensive(mixture, shares[i], hits->wi, &pdf));
+    }
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_mixture_sample_defensive(mixture, share, hits->u, NULL));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_mixture_pdf_defensive(NULL, share, hits->wi, &pdf));
+}
+
+int main(int argc, char **argv) {
+    CHECK(argc == 2);
+    srbf_material *material;
+    CHECK_OK(srbf_material_load(argv[1], &material));
+    uint64_t state = 17;
+    for (int i = 0; i < N; i++) {
+        direction(&state, hits[i].wo), direction(&state, hits[i].wi);
+        hits[i].wo[2] = fabsf(hits[i].wo[2]);
+        for (int c = 0; c < 3; c++) hits[i].u[c] = uniform(&state);
+    }
+    const srbf_vectors wo = in(hits->wo), wi = in(hits->wi), u = in(hits->u);
+    const srbf_vectors_out value = out(hits->value);
+    const srbf_numbers_out pdf = {&hits->pdf, sizeof(hit)}, density = {&hits->sample.pdf, sizeof(hit)};
+    const srbf_samples_out samples = {out(hits->sample.direction), density, out(hits->sample.weight)};
+
+    /* n mixtures, some with more room than others. */
+    const size_t stride = SRBF_MIXTURE_SIZE_64;
+    unsigned char *storage = (unsigned char *)aligned_alloc(64, (N * stride + 63) / 64 * 64);
+    CHECK(storage != NULL);
+    for (size_t i = 0; i < N; i++) {
+        const size_t sizes[3] = {SRBF_MIXTURE_SIZE_16, SRBF_MIXTURE_SIZE_32, SRBF_MIXTURE_SIZE_64};
+        srbf_mixture *mixture;
+        CHECK_OK(srbf_mixture_init(storage + i * stride, i < 20 ? sizes[0] : sizes[i % 7 % 3], &mixture));
+        CHECK_OK(srbf_material_prepare(material, hits[i].wo, mixture));
+    }
+    const srbf_mixture *mixtures = (const srbf_mixture *)(const void *)storage;
+    test_refused(material, mixtures);
+    test_defensive(mixtures);
+    const float exact = 2e-5f;
+    CHECK_OK(srbf_mixture_evaluate_pairs_into(mixtures, stride, N, &wi, &value));
+    compare(storage, stride, VALUE, exact);
+    CHECK_OK(srbf_mixture_evaluate_and_pdf_pairs_into(mixtures, stride, N, &wi, &value, &pdf));
+    compare(storage, stride, VALUE | PDF, exact);
+    CHECK_OK(srbf_mixture_pdf_pairs_into(mixtures, stride, N, &wi, &pdf));
+    compare(storage, stride, PDF, exact);
+    CHECK_OK(srbf_mixture_sample_pairs_into(mixtures, stride, N, &u, &samples));
+    compare(storage, stride, SAMPLE | WEIGHT, exact);
+    CHECK_OK(srbf_mixture_sample_pdf_pairs_into(mixtures, stride, N, &u, &samples.direction, &density));
+    compare(storage, stride, SAMPLE, exact);
+    CHECK_OK(srbf_mixture_sample_and_evaluate_pairs_into(mixtures, stride, N, &u, &samples, &wi, &value, &pdf));
+    compare(storage, stride, VALUE | PDF | SAMPLE | WEIGHT, exact);
+
+    /* n directions of one. */
+    CHECK_OK(srbf_mixture_evaluate_and_pdf_into(mixtures, N, &wi, &value, &pdf));
+    compare(storage, 0, VALUE | PDF, exact);
+    CHECK_OK(srbf_mixture_sample_and_evaluate_into(mixtures, N, &u, &samples, &wi, &value, &pdf));
+    compare(storage, 0, VALUE | PDF | SAMPLE | WEIGHT, exact);
+
+    /* n outgoing directions of a material. */
+    CHECK_OK(srbf_material_evaluate_pairs_into(material, N, &wo, &wi, &value));
+    compare(storage, stride, VALUE, exact);
+    CHECK_OK(srbf_material_evaluate_and_pdf_pairs_into(material, N, &wo, &wi, &value, &pdf));
+    compare(storage, stride, VALUE | PDF, exact);
+    CHECK_OK(srbf_material_sample_and_evaluate_pairs_into(material, N, &wo, &u, &samples, &wi, &value, &pdf));
+    compare(storage, stride, VALUE | PDF | SAMPLE | WEIGHT, exact);
+
+    /* And of an expanded one, whose mixtures are near those of the material. */
+    size_t size;
+    srbf_expanded *expanded;
+    CHECK_OK(srbf_expanded_size(material, ROWS, &size));
+    void *rows = malloc(size);
+    CHECK(rows != NULL);
+    CHECK_OK(srbf_expanded_make(material, ROWS, rows, size, &expanded));
+    for (size_t i = 0; i < N; i++) {
+        CHECK_OK(srbf_expanded_prepare(expanded, hits[i].wo, (srbf_mixture *)(void *)(storage + i * stride)));
+    }
+    CHECK_OK(srbf_expanded_sample_pdf_pairs_into(expanded, N, &wo, &u, &samples.direction, &density));
+    compare(storage, stride, SAMPLE, exact);
+    CHECK_OK(srbf_expanded_sample_and_evaluate_pairs_into(expanded, N, &wo, &u, &samples, &wi, &value, &pdf));
+    compare(storage, stride, VALUE | PDF | SAMPLE | WEIGHT, exact);
+
+    free(rows), free(storage);
+    CHECK_OK(srbf_material_free(material));
+    puts("verbs: passed");
+    return 0;
+}
