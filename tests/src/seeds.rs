@@ -97,11 +97,11 @@ fn extreme_grid(random: &mut Random) -> Vec<u8> {
         .collect();
     let views: Vec<GridView> = (lobes.iter())
         .map(|lobes| GridView {
-            // The last has both ends for its eigenvalues, turned by an eighth.
+            // Next to the ends, as eigenvalues are rounded; of the last they are turned by an eighth.
             log2_squeeze: match random.below(3) {
                 0 => [0.0; 3],
-                1 => [random.end(-5.0, 6.64), 0.0, random.end(-5.0, 6.64)],
-                _ => [0.82, random.end(-5.81, 5.81), 0.82],
+                1 => [random.end(-4.999, 6.639), 0.0, random.end(-4.999, 6.639)],
+                _ => [0.82, random.end(-5.819, 5.819), 0.82],
             },
             log2_diffuse: random.end(-126.0, 2.0),
             diffuse_color_differences: [random.end(-16.0, 16.0), random.end(-16.0, 16.0)],

@@ -59,6 +59,9 @@ pub const TABLE: &[Entry] = &[
     entry("abel_poisson_coefficients_into", "relative / (l + 2)", 5e-8),
 ];
 
+/// As of any lobe; see [`squeezed_unit`].
+const SQUEEZED: f64 = 3e-7;
+
 /// Every allowed error of the levels against f64, at every count: tests/levels.
 pub const LEVELS: &[Entry] = &[
     entry("batch value", "relative / (2 + |t|)", 3e-7),
@@ -67,7 +70,7 @@ pub const LEVELS: &[Entry] = &[
     entry("one pdf", "relative / (2 + |t|)", 3e-7),
     entry("sampled pdf", "relative / (2 + |t|)", 3e-7),
     entry("sampled weight", "relative", 3e-7),
-    entry("squeezed pdf", "relative / (2 + |t| + s / 1.4e7)", 3e-7),
+    entry("squeezed pdf", "relative / squeezed_unit", SQUEEZED),
     entry(
         "expanded value",
         "absolute / (largest amplitude x (4 + root of the largest sharpness) / squeeze)",
@@ -77,17 +80,20 @@ pub const LEVELS: &[Entry] = &[
     entry("factored value", "absolute / (value of the lobes x largest factor)", 6e-6),
 ];
 
-/// What the error of a squeezed lobe of sharpness `s` is divided by, at the exponent `t`.
+/// Largest relative error of the length r of a squeezed direction, which f32 holds. It is the root of `x x + (y y + z z)` in fused
+/// operations, of x and y without what f32 rounds away of them: three roundings of at most 2^-24, and two for the parts left out of
+/// the squares. Half of them count in the root, which is rounded itself.
+const LENGTH: f64 = 3.5 / 16_777_216.0;
+
+/// What the relative error of a squeezed lobe is divided by, of sharpness `s` and an axis of such a squared length, at the exponent
+/// `t`.
 ///
-/// A squeezed lobe of axis a sees M d, of length r, as `|M d - r a|^2 / r^2`. With r rounded to `r (1 + e)`, that is
-/// `|u - a|^2 (1 + e) + e^2` for the unit vector `u = M d / r`, as `2 (u - a) a = -|u - a|^2` where a is a unit vector. So the
-/// exponent `s / 2` times it is off by e relatively, which the `|t|` stands for, and by `s e^2 / 2` wherever the lobe is seen.
-///
-/// r is the root of `x x + (y y + z z)` in fused operations, of x and y in two parts that are summed without the lower one: three
-/// roundings, and two for the lower parts in a square, each of at most `2^-24`; half of them count in the root, and its own
-/// rounding. With `e = 3.5 2^-24` it is `s e^2 / 2 = 2.2e-14 s`, 3e-7 of `s / 1.4e7`: 2.2e-6 at the largest sharpness, 1e8.
-pub fn squeezed_unit(s: f64, t: f64) -> f64 {
-    2.0 + t.abs() + s / 1.4e7
+/// A lobe of axis a sees a direction d, squeezed to M d of length r, as `|M d - r a|^2 / r^2`. With r rounded to `r (1 + e)` and
+/// `u = M d / r` that is `|u - a - e a|^2 = |u - a|^2 (1 + e) + e (|a|^2 - 1) + e^2`, as `2 a (u - a) = 1 - |a|^2 - |u - a|^2`. The
+/// exponent is `s / 2` times it. So what is relative counts in `|t|`, as every rounding of the exponent does; the rest is there
+/// even where the exponent is 0: for an axis of length 1 2.2e-6 of the value at the largest sharpness, 1e8.
+pub fn squeezed_unit(s: f64, axis_squared: f64, t: f64) -> f64 {
+    2.0 + t.abs() + 0.5 * s * LENGTH * (LENGTH + (axis_squared - 1.0).abs()) / SQUEEZED
 }
 
 /// Worst error seen of one entry, and where.

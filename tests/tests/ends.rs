@@ -112,12 +112,13 @@ fn the_narrowest_lobes_have_one_density_under_the_strongest_squeeze() {
             for sharpness in [1e6f32, 1e7, 1e8] {
                 let lobes = [lobe(axis, sharpness, 1.0)];
                 let m: Mixture<16> = Mixture::new(Domain::Hemisphere, squeeze, &lobes, &[]).unwrap();
+                let axis_squared = m.lobe(0).unwrap().gaussian.axis.as_dvec3().length_squared();
                 let directions: Vec<Vec3> = u.iter().map(|u| m.sample_direction(*u).unwrap()).collect();
                 for level in levels() {
                     let m = m.clone().with_level(level).unwrap();
                     for (d, batch) in directions.iter().zip(densities(&m, &directions)) {
                         let (density, t) = density(&m, *d);
-                        let (one, unit) = (m.pdf(*d), squeezed_unit(sharpness.into(), t));
+                        let (one, unit) = (m.pdf(*d), squeezed_unit(sharpness.into(), axis_squared, t));
                         let place = |got| {
                             format!("{level:?}, {squeeze}, {axis:?}, {sharpness:e}, {d}: {got} for {density}")
                         };
