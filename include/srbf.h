@@ -383,11 +383,11 @@ typedef struct srbf_sample {
      */
     float direction[3];
     /**
-     * Density of the whole mixture at the direction; 1/sr. 0: nothing was drawn, do not divide by it.
+     * Density of the whole mixture at the direction; 1/sr. 0 where nothing was drawn, or f32 rounds it to that.
      */
     float pdf;
     /**
-     * `f cos / pdf`, linear sRGB: what the throughput of a path is multiplied by.
+     * `f cos / pdf`, linear sRGB: what the throughput of a path is multiplied by. 0 where the density is below 1.2e-38.
      */
     float weight[3];
 } srbf_sample;
@@ -439,7 +439,7 @@ typedef struct srbf_samples_out {
      */
     struct srbf_vectors_out direction;
     /**
-     * Density of the whole mixture at the direction; 1/sr. 0: nothing was drawn, do not divide by it.
+     * Density of the whole mixture at the direction; 1/sr. 0 where nothing was drawn, or f32 rounds it to that.
      */
     struct srbf_numbers_out pdf;
     /**
@@ -1593,7 +1593,11 @@ srbf_status srbf_fit_settings_default(struct srbf_fit_settings *settings);
  * Shapes: `wo` and `wi` n unit vectors, `wo` above the horizon; samples whose `wi` is not are left out; `f` n colours, linear
  * sRGB, of which what is negative counts as 0; `settings` one, or NULL; `material` one pointer, overwritten.
  * Status, with the reason in `srbf_last_message`: `SRBF_STATUS_DIRECTION` for what is no unit vector; `SRBF_STATUS_TABLE`;
- * `SRBF_STATUS_ARGUMENT` for a setting; `SRBF_STATUS_OTHER` if the system gives no threads to fit on.
+ * `SRBF_STATUS_ARGUMENT` for a setting; `SRBF_STATUS_OTHER` if the system gives no threads to fit on, or there is no memory
+ * for the samples.
+ *
+ * A child that was forked may fit, whether or not its parent has fitted or is fitting: it starts threads of its own. But a child that
+ * was forked within a `srbf_brdf` gets `SRBF_STATUS_OTHER`.
  */
 srbf_status srbf_fit_table(const struct srbf_fit_settings *settings,
                            size_t n,
@@ -1619,9 +1623,12 @@ srbf_status srbf_fit_brdf(const struct srbf_fit_settings *settings,
 /**
  * Writes a material to a `.srbf` file, whole or not at all; folders that are missing are made.
  *
- * `path` is UTF-8 with a zero at the end. Status: `SRBF_STATUS_FILE`, with the reason in `srbf_last_message`.
+ * The bytes are written under another name in the same folder, which is then renamed. A symbolic link stays, and what it points to
+ * is replaced; a file that is there gives its mode to the new one. Where a folder, a device, a pipe or a socket is there, nothing is
+ * written. `path` is UTF-8 with a zero at the end. Status: `SRBF_STATUS_FILE`, with the reason in `srbf_last_message`.
  */
-srbf_status srbf_material_save(const struct srbf_material *material, const char *path);
+srbf_status srbf_material_save(const struct srbf_material *material,
+                               const char *path);
 #endif
 
 #ifdef __cplusplus

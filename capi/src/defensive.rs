@@ -29,7 +29,8 @@ pub unsafe extern "C" fn srbf_mixture_sample_defensive(
         // SAFETY: the header's contract.
         let (mixture, u, out) = unsafe { (self::mixture(mixture)?, read_array(u)?, Out::new(sample)?) };
         let u = uniform(u)?;
-        out.set(drawn(with_mixture!(AnyMixture: &mixture, m => Defensive::new(m, share)?.sample(u))));
+        let sample = with_mixture!(AnyMixture: &mixture, m => Defensive::new(m, share)?.sample(u));
+        out.set(drawn(Some(sample)));
         Ok(())
     })
 }

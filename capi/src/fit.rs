@@ -14,6 +14,7 @@ use crate::{
 use core::error::Error;
 use core::ffi::{c_char, c_void};
 use core::fmt::Write;
+use core::sync::atomic::{AtomicPtr, Ordering};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use srbf_fit::read::Content;
 use srbf_fit::table::Brdf;
@@ -22,7 +23,6 @@ use srbf_fit::{FitError, Settings, fit_content, write_atomically};
 use std::boxed::Box;
 use std::path::Path;
 use std::string::{String, ToString};
-use std::sync::OnceLock;
 use std::vec::Vec;
 
 /// The number of squeezed lobes is chosen by what turns out best.
@@ -69,7 +69,11 @@ pub unsafe extern "C" fn srbf_fit_settings_default(settings: *mut srbf_fit_setti
 /// Shapes: `wo` and `wi` n unit vectors, `wo` above the horizon; samples whose `wi` is not are left out; `f` n colours, linear
 /// sRGB, of which what is negative counts as 0; `settings` one, or NULL; `material` one pointer, overwritten.
 /// Status, with the reason in `srbf_last_message`: `SRBF_STATUS_DIRECTION` for what is no unit vector; `SRBF_STATUS_TABLE`;
-/// `SRBF_STATUS_ARGUMENT` for a setting; `SRBF_STATUS_OTHER` if the system gives no threads to fit on.
+/// `SRBF_STATUS_ARGUMENT` for a setting; `SRBF_STATUS_OTHER` if the system gives no threads to fit on, or there is no memory
+/// for the samples.
+///
+/// A child that was forked may fit, whether or not its parent has fitted or is fitting: it starts threads of its own. But a child that
+/// was forked within a `srbf_brdf` gets `SRBF_STATUS_OTHER`.
 #[cfg(feature = "fit")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_fit_table(
@@ -91,6 +95,8 @@ pub unsafe extern "C" fn srbf_fit_table(
         let [[a, b, c], [d, e, g], [h, i, j]] = [wo, wi, f];
         // SAFETY: the header's contract.
         let batch = unsafe { Batch::<9, 0>::new(n, [a, b, c, d, e, g, h, i, j], [], [])? };
+        srbf_fit::check_memory((n as u64).saturating_mul(SAMPLE_BYTES))
+            .map_err(|error| Failure::new(SRBF_STATUS_OTHER, error))?;
         let table = Table::from_scattered(scattered(batch)?)?;
         fit(&Content::Samples(table), &settings, &out)
     })
@@ -117,7 +123,9 @@ pub unsafe extern "C" fn srbf_fit_brdf(
 
 /// Writes a material to a `.srbf` file, whole or not at all; folders that are missing are made.
 ///
-/// `path` is UTF-8 with a zero at the end. Status: `SRBF_STATUS_FILE`, with the reason in `srbf_last_message`.
+/// The bytes are written under another name in the same folder, which is then renamed. A symbolic link stays, and what it points to
+/// is replaced; a file that is there gives its mode to the new one. Where a folder, a device, a pipe or a socket is there, nothing is
+/// written. `path` is UTF-8 with a zero at the end. Status: `SRBF_STATUS_FILE`, with the reason in `srbf_last_message`.
 #[cfg(feature = "fit")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_material_save(
@@ -166,6 +174,9 @@ fn add(views: &mut Vec<(f64, Scattered)>, sample: [f32; 9]) -> Outcome {
     Ok(())
 }
 
+/// Memory that a sample takes as it is given and in its table.
+const SAMPLE_BYTES: u64 = 128;
+
 struct Callback {
     function: unsafe extern "C" fn(*mut c_void, *const f32, *const f32, *mut f32),
     user: *mut c_void,
@@ -206,17 +217,45 @@ fn fit(content: &Content, settings: &Settings, out: &Out<*mut srbf_material>) ->
     own(fit.bytes, out)
 }
 
-/// The threads that fits run on, which the first fit starts. Where the system refuses them, the next fit asks again: threads that
+/// Threads that fits run on, and the process whose they are: a child that was forked has none of them.
+struct Threads {
+    process: u32,
+    pool: ThreadPool,
+}
+
+/// The threads of this process, which its first fit starts. Where the system refuses them, the next fit asks again: threads that
 /// start by themselves would panic then, and for ever.
+///
+/// Without a lock: one that a thread of the parent holds at a fork stays locked in the child.
 fn pool() -> Result<&'static ThreadPool, Failure> {
-    static POOL: OnceLock<ThreadPool> = OnceLock::new();
-    if let Some(pool) = POOL.get() {
-        return Ok(pool);
+    static THREADS: AtomicPtr<Threads> = AtomicPtr::new(core::ptr::null_mut());
+    let process = std::process::id();
+    let old = THREADS.load(Ordering::Acquire);
+    // SAFETY: NULL, or what was leaked below.
+    match unsafe { old.as_ref() } {
+        Some(threads) if threads.process == process => return Ok(&threads.pool),
+        // Forked by a function that a fit has called: this thread still waits for those of its parent.
+        Some(_) if rayon::current_thread_index().is_some() => {
+            return Err(Failure::new(SRBF_STATUS_OTHER, "no fit in a process that was forked within a fit"));
+        }
+        _ => {}
     }
-    let made = ThreadPoolBuilder::new()
+    let pool = ThreadPoolBuilder::new()
         .build()
         .map_err(|error| Failure::new(SRBF_STATUS_OTHER, format_args!("no threads to fit on: {error}")))?;
-    Ok(POOL.get_or_init(|| made))
+    let made = Box::into_raw(Box::new(Threads { process, pool }));
+    // The parent's are left alone: to end them would wait for threads that are not there.
+    match THREADS.compare_exchange(old, made, Ordering::AcqRel, Ordering::Acquire) {
+        // SAFETY: it was leaked above, and stays for ever.
+        Ok(_) => Ok(unsafe { &(*made).pool }),
+        Err(other) => {
+            // SAFETY: nobody else has seen what was leaked above, and what another thread has stored stays for ever.
+            unsafe {
+                drop(Box::from_raw(made));
+                Ok(&(*other).pool)
+            }
+        }
+    }
 }
 
 impl From<FitError> for Failure {

@@ -4,7 +4,7 @@
 use crate::error::Error;
 use crate::float;
 use crate::kernel::draw::draw_one;
-use crate::mixture::rows::{Domain, Mixture, Sample};
+use crate::mixture::rows::{Domain, Mixture, Sample, weight_of};
 use crate::simd::lanes::scale;
 use core::f32::consts::{FRAC_1_PI, PI};
 use glam::Vec3;
@@ -99,9 +99,8 @@ impl<'a, const N: usize> Defensive<'a, N> {
 
     /// Draws a direction, three uniform numbers in [0, 1); `pdf` is the whole density, `weight` the mixture's value over it.
     ///
-    /// `None` only where the density is 0: never, for a share above 0.
     #[inline]
-    pub fn sample(&self, u: [f32; 3]) -> Option<Sample> {
+    pub fn sample(&self, u: [f32; 3]) -> Sample {
         let direction = if u[0] < self.share {
             match self.mixture.domain {
                 Domain::Hemisphere => cosine_weighted([u[1], u[2]]),
@@ -119,6 +118,6 @@ impl<'a, const N: usize> Defensive<'a, N> {
         };
         let (value, pdf) = self.mixture.evaluate_and_pdf(direction);
         let pdf = self.mix(direction, pdf);
-        (pdf > 0.0).then_some(Sample { direction, pdf, weight: value / pdf })
+        Sample { direction, pdf, weight: weight_of(value, pdf) }
     }
 }

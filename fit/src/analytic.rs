@@ -59,7 +59,7 @@ pub(super) fn parse(text: &str) -> Result<Named, FitError> {
                 Some(file) => PathBuf::from(file),
                 None => default_file(&format!("{model}_fit_params.csv")).map_err(fault)?,
             };
-            let bytes = read_bytes(&path, MAX_FILE)?;
+            let bytes = read_bytes(&path, MAX_FILE, |_| Ok(()))?;
             let found = material
                 .ok_or_else(|| ReadError::Content("`name=MATERIAL` is needed".into()))
                 .and_then(|material| {

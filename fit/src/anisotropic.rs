@@ -59,7 +59,7 @@ const IMPROVEMENT: f64 = 1e-2;
 pub(crate) fn fit_brdf(
     brdf: &dyn Brdf,
     settings: &Settings,
-    mut progress: impl FnMut(f64),
+    mut progress: impl FnMut(f64) + Send,
 ) -> Result<Fit, FitError> {
     let clock = Instant::now();
     if settings.knots.as_ref().is_some_and(|k| k.len() > MAX_RINGS) {

@@ -15,7 +15,7 @@ use std::time::Instant;
 pub(crate) fn fewest_lobes(
     settings: &Settings,
     error: f64,
-    mut progress: impl FnMut(f64),
+    mut progress: impl FnMut(f64) + Send,
     mut fit: impl FnMut(&Settings) -> Result<Fit, FitError>,
 ) -> Result<Fit, FitError> {
     let most = settings.lobes;

@@ -16,14 +16,15 @@ use srbf_core::Material;
 /// In the second case the material's views are placed where it changes, up to 87 degrees (unless the settings name
 /// them), the views of the table lie between them, and the report has held-out views in the middle of every interval.
 /// As many lobes as the settings say, or as few as reach the error that they ask for. `progress` is called with
-/// the share of the work that is done, 0 to 1; it falls where a goal is missed by what should have been the end.
+/// the share of the work that is done, 0 to 1, by one thread of the fit at a time; it falls where a goal is missed by what should
+/// have been the end.
 ///
 /// # Errors
 /// [`FitError::Setting`], [`FitError::Table`]; [`FitError::Format`] never for a table with finite numbers.
 pub fn fit_content(
     content: &Content,
     settings: &Settings,
-    progress: impl FnMut(f64),
+    progress: impl FnMut(f64) + Send,
 ) -> Result<Fit, FitError> {
     match content {
         Content::Samples(table) => fit(table, settings, progress),
@@ -37,7 +38,7 @@ pub fn fit_content(
 ///
 /// # Errors
 /// As [`fit_content`].
-pub fn fit(table: &Table, settings: &Settings, progress: impl FnMut(f64)) -> Result<Fit, FitError> {
+pub fn fit(table: &Table, settings: &Settings, progress: impl FnMut(f64) + Send) -> Result<Fit, FitError> {
     settings.check()?;
     let completion = complete(table)?;
     with_lobes(settings, progress, |settings, progress| {
@@ -48,8 +49,8 @@ pub fn fit(table: &Table, settings: &Settings, progress: impl FnMut(f64)) -> Res
 /// Checks the settings, and fits with the lobes that they say, or as few as reach the error that they ask for.
 fn with_lobes(
     settings: &Settings,
-    mut progress: impl FnMut(f64),
-    fit: impl Fn(&Settings, &mut dyn FnMut(f64)) -> Result<Fit, FitError>,
+    mut progress: impl FnMut(f64) + Send,
+    fit: impl Fn(&Settings, &mut (dyn FnMut(f64) + Send)) -> Result<Fit, FitError>,
 ) -> Result<Fit, FitError> {
     settings.check()?;
     match settings.error {
@@ -58,7 +59,11 @@ fn with_lobes(
     }
 }
 
-fn fit_brdf(brdf: &dyn Brdf, settings: &Settings, progress: &mut dyn FnMut(f64)) -> Result<Fit, FitError> {
+fn fit_brdf(
+    brdf: &dyn Brdf,
+    settings: &Settings,
+    progress: &mut (dyn FnMut(f64) + Send),
+) -> Result<Fit, FitError> {
     if brdf.symmetry() == Symmetry::Isotropic {
         isotropic::fit_evaluable(brdf, settings, progress)
     } else {

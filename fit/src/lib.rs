@@ -19,6 +19,6 @@ pub use error::{FitError, ReadError};
 pub use fit::{Tracked, fit, fit_content};
 pub use judge::fitted_material::knots;
 pub use judge::report::Fit;
-pub use read::read_at_most;
+pub use read::{check_memory, read_at_most, read_if};
 pub use settings::{FactorNodes, Settings};
-pub use write::write_atomically;
+pub use write::{check_output, write_atomically};

@@ -20,8 +20,11 @@ pub(crate) use scatter::Scatter;
 use sha2::{Digest, Sha256};
 use std::path::Path;
 
-pub use limit::read_at_most;
 use limit::{MAX_FILE, read_bytes};
+pub use limit::{check_memory, read_at_most, read_if};
+
+/// Memory that the samples of a text take, over its own: nine numbers of two bytes or more become two samples of 50.
+const TEXT: u64 = 6;
 
 /// What a file holds.
 pub enum Content {
@@ -52,20 +55,26 @@ pub fn read(path: &Path) -> Result<Source, FitError> {
         let analytic::Named { brdf, name, identity } = analytic::parse(text)?;
         return Ok(Source { content: Content::Evaluable(brdf), name, sha256: sha256(&identity) });
     }
-    let bytes = read_bytes(path, MAX_FILE)?;
     let fault = |source| FitError::Read { path: path.to_path_buf(), source };
     let scattered = |views| Table::from_scattered(views).map(Content::Samples);
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let (fits, parsed): (fn(u64) -> Result<(), ReadError>, u64) = match ending.as_str() {
+        "brdf" | "astm" | "csv" => (|_| Ok(()), TEXT),
+        "binary" => (merl::check_size, 1),
+        "bsdf" => (rgl::check_size, 1),
+        _ => {
+            let text = "the name has to end in .brdf, .astm, .csv, .binary or .bsdf".to_owned();
+            return Err(fault(ReadError::Content(text)));
+        }
+    };
+    let bytes = read_bytes(path, MAX_FILE, fits)?;
+    check_memory(parsed * bytes.len() as u64).map_err(FitError::io(path))?;
     let content = match ending.as_str() {
         "brdf" => scattered(cornell::parse(&bytes).map_err(fault)?)?,
         "astm" => scattered(astm::parse(&bytes).map_err(fault)?)?,
         "csv" => scattered(csv::parse(&bytes).map_err(fault)?)?,
         "binary" => Content::Evaluable(Box::new(merl::parse(&bytes).map_err(fault)?)),
-        "bsdf" => Content::Evaluable(Box::new(rgl::parse(&bytes).map_err(fault)?)),
-        _ => {
-            let text = "the name has to end in .brdf, .astm, .csv, .binary or .bsdf".to_owned();
-            return Err(fault(ReadError::Content(text)));
-        }
+        _ => Content::Evaluable(Box::new(rgl::parse(&bytes).map_err(fault)?)),
     };
     Ok(Source {
         content,

@@ -17,10 +17,13 @@ pub use tabulate::Density;
 pub(crate) use tabulate::{Drawn, tabulate};
 
 /// Largest albedo that is believed: no surface reflects more than it receives.
-const ALBEDO_LIMIT: f64 = 0.95;
+pub(crate) const ALBEDO_LIMIT: f64 = 0.95;
 
 /// Brightest f of a table that lobes can be fitted to, 1/sr: the least amplitude that is stored is a thousandth of it in all lobes.
 pub(crate) const DARKEST: f64 = 1e-15;
+
+/// Largest f of a table that can be fitted, 1/sr, and least of negative ones: far beyond any surface, and its square is a number.
+const LARGEST: f64 = 1e30;
 
 /// Most views that a table may have.
 pub const MAX_VIEWS: usize = 1024;
@@ -64,14 +67,20 @@ pub(crate) fn check_bright(is_bright: bool) -> Result<(), FitError> {
     if is_bright { Ok(()) } else { Err(FitError::Table("no sample has any brightness".into())) }
 }
 
-/// Refuses samples that are black, or darker than lobes can be.
+/// Refuses samples that are black, or beyond what lobes can be.
 pub(crate) fn check_storable<'a>(samples: impl Iterator<Item = &'a Sample>) -> Result<(), FitError> {
-    let brightest = samples.flat_map(|s| s.rgb).fold(0.0, f64::max);
+    let ends = |(least, most): (f64, f64), v: f64| (least.min(v), most.max(v));
+    let (least, brightest) = samples.flat_map(|s| s.rgb).fold((0.0, 0.0), ends);
     check_bright(brightest > 0.0)?;
+    let fail = |text: String| Err(FitError::Table(text));
     if brightest < DARKEST {
-        return Err(FitError::Table(format!(
+        return fail(format!(
             "the largest f is {brightest:e} / sr; lobes can be stored from {DARKEST:e} / sr on"
-        )));
+        ));
+    }
+    if brightest.max(-least) > LARGEST {
+        let found = if brightest > LARGEST { brightest } else { least };
+        return fail(format!("an f is {found:e} / sr; at most {LARGEST:e} / sr can be fitted"));
     }
     Ok(())
 }

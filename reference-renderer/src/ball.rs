@@ -114,7 +114,10 @@ fn direct<'a, const N: usize>(
             density += pdf;
             value
         });
-        (0..N).for_each(|k| light[k] += values[k] * radiance / density);
+        // Far out in a tail f32 rounds the density and the values to 0.
+        if density >= f32::MIN_POSITIVE {
+            (0..N).for_each(|k| light[k] += values[k] * radiance / density);
+        }
     };
     add(frame.to_local(drawn.direction), drawn.direction, drawn.radiance, drawn.pdf);
     let own: [_; N] = std::array::from_fn(|k| scattering[k].sample(units[k]).map(|sample| sample.direction));

@@ -1,9 +1,22 @@
 //! The picture while it is rendered: sums of samples, and sums of their squares for the standard error.
 
+use anyhow::Context;
 use glam::{DVec3, Vec3};
 
 /// Most pixels that a picture may have, 4096 x 4096: the sums then take 800 MB.
 pub const MAX_PIXELS: u64 = 1 << 24;
+
+/// Bytes that a pixel takes while a picture is rendered and written: sums, radiance, and what is encoded.
+const PIXEL_BYTES: u64 = 100;
+
+/// Finds out whether there is memory for a picture.
+///
+/// # Errors
+/// Says how much is needed.
+pub fn check_memory([width, height]: [u32; 2]) -> anyhow::Result<()> {
+    let bytes = PIXEL_BYTES * u64::from(width) * u64::from(height);
+    srbf_fit::check_memory(bytes).with_context(|| format!("a picture of {width}x{height}"))
+}
 
 /// One pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

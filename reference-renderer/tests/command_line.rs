@@ -494,6 +494,106 @@ fn only_files_are_read() {
     refused(&place, &mesh, &["a.obj", "regular file"]);
 }
 
+/// Before any work, and what is there stays: a pipe without a reader does not hold the program either.
+#[cfg(unix)]
+#[test]
+fn only_files_are_written() {
+    use std::os::unix::fs::symlink;
+    let place = folder("outputs");
+    for name in ["null.srbf", "null.exr", "null.png", "beside.png", "null.json", "null.csv", "null.md"] {
+        symlink("/dev/null", place.join(name)).unwrap();
+    }
+    for name in ["pipe.srbf", "pipe.exr"] {
+        assert!(Command::new("mkfifo").arg(place.join(name)).status().unwrap().success());
+    }
+    for name in ["folder.srbf", "folder.exr"] {
+        std::fs::create_dir(place.join(name)).unwrap();
+    }
+    let other = "a device, a pipe or a socket";
+    let fit = ["fit", "model:lambert:albedo=0.3", "-o"];
+    let render = ["render", "--material", "garnet_red", "-o"];
+    for (arguments, output, named, reason) in [
+        (&fit[..], "null.srbf", "null.srbf", other),
+        (&fit, "/dev/null", "/dev/null", other),
+        (&fit, "pipe.srbf", "pipe.srbf", other),
+        (&fit, "folder.srbf", "folder.srbf", "a folder"),
+        (&["fit", "model:lambert:albedo=0.3", "--method", "thesis", "-o"], "null.json", "null.json", other),
+        (&render, "null.exr", "null.exr", other),
+        (&render, "pipe.exr", "pipe.exr", other),
+        (&render, "folder.exr", "folder.exr", "a folder"),
+        (&render, "beside.exr", "beside.png", other),
+        (&["leave-out", "-o"], "null.csv", "null.csv", other),
+        (&["samples", "-o"], "null.png", "null.png", other),
+        (&["thesis-table", "-o"], "null.md", "null.md", other),
+    ] {
+        refused(&place, &[arguments, &[output]].concat(), &["cannot write", named, reason]);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_picture_is_written_through_a_link_and_keeps_its_mode() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let place = folder("link");
+    std::fs::write(place.join("real.exr"), "old").unwrap();
+    std::fs::set_permissions(place.join("real.exr"), std::fs::Permissions::from_mode(0o640)).unwrap();
+    symlink("real.exr", place.join("a.exr")).unwrap();
+    let render = ["render", "--material", "garnet_red", "--size", "8x8", "--spp", "1", "-o", "a.exr"];
+    let output = srbf(&place, &render);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(place.join("a.exr").is_symlink() && std::fs::read(place.join("real.exr")).unwrap().len() > 100);
+    let mode = std::fs::metadata(place.join("real.exr")).unwrap().permissions().mode() & 0o777;
+    assert_eq!(mode, 0o640, "{mode:o}");
+}
+
+/// By its size, of which the file has holes alone: nothing is read.
+#[test]
+fn a_file_of_a_size_that_none_of_its_format_has_is_refused() {
+    let place = folder("sizes");
+    for (name, bytes, says) in [
+        ("one-less.binary", 34_992_011u64, "34992011 bytes; a MERL file has 34992012"),
+        ("huge.binary", 900_000_000, "900000000 bytes; a MERL file has 34992012"),
+        ("short.bsdf", 30, "30 bytes: not an RGL .bsdf file"),
+        ("huge.csv", 1 << 40, "a file of at most 1073741824 bytes"),
+        ("huge.xyz", 1 << 30, "the name has to end in"),
+    ] {
+        std::fs::File::create(place.join(name)).unwrap().set_len(bytes).unwrap();
+        refused(&place, &["fit", name, "-o", "out.srbf"], &[name, says]);
+    }
+}
+
+/// Under a limit of the address space, which a shell sets.
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_that_is_not_there_is_an_error() {
+    let place = folder("memory");
+    let mut text = rows();
+    let sample = "0.1,0,0.99498743,0,0,1,0.2,0.1,0.05\n".repeat(1_000_000);
+    text += &sample;
+    std::fs::write(place.join("long.csv"), text).unwrap();
+    for (megabytes, arguments, says) in [
+        (150, "fit long.csv -o out.srbf", &["long.csv", "of memory are needed"][..]),
+        (20, "fit long.csv -o out.srbf", &["long.csv", "36 MB of memory are needed"]),
+        (
+            600,
+            "render --material garnet_red --size 4096x4096 --spp 1 --threads 1 -o out.exr",
+            &["4096x4096", "MB of memory"],
+        ),
+    ] {
+        let limited = format!("ulimit -v {} && exec \"$0\" {arguments}", 1000 * megabytes);
+        let output = Command::new("sh")
+            .args(["-c", &limited, env!("CARGO_BIN_EXE_srbf")])
+            .current_dir(&place)
+            .output()
+            .unwrap();
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments} in {megabytes} MB: {text}");
+        for part in says {
+            assert!(text.contains(part), "{arguments} in {megabytes} MB does not say `{part}`: {text}");
+        }
+    }
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn output_that_cannot_be_written_is_an_error() {

@@ -4,7 +4,10 @@
  */
 #define _POSIX_C_SOURCE 200809L
 #include "check.h"
+#include <pthread.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 /* A diffuse surface with a gloss: f by the half vector, isotropic and reciprocal. */
@@ -52,6 +55,74 @@ static void test_without_threads(void) {
     CHECK(waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
+/* Seconds after which a child has hung; a fit with one lobe takes one. */
+#define HUNG 300
+
+/* The child fits with one lobe, and ends; a hang ends it by a signal. */
+static void fit_in_child(void) {
+    pid_t child = fork();
+    CHECK(child >= 0);
+    if (child == 0) {
+        alarm(HUNG);
+        float height = 0.5f;
+        srbf_fit_settings settings;
+        CHECK_OK(srbf_fit_settings_default(&settings));
+        settings.lobes = 1;
+        for (int i = 0; i < 2; i++) {
+            srbf_material *material = NULL;
+            CHECK_OK(srbf_fit_brdf(&settings, gloss, &height, &material));
+            CHECK_OK(srbf_material_free(material));
+        }
+        _exit(0);
+    }
+    int status;
+    CHECK(waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0);
+}
+
+static void *fit_in_thread(void *settings) {
+    float height = 0.5f;
+    srbf_material *material = NULL;
+    CHECK_OK(srbf_fit_brdf((const srbf_fit_settings *)settings, gloss, &height, &material));
+    CHECK_OK(srbf_material_free(material));
+    return NULL;
+}
+
+/* At any of its calls, a child that fits at once: its parent's threads are not there, and the one that it has is one of them. */
+static void forking(void *user, const float *wi, const float *wo, float *f) {
+    float height = 0.5f;
+    gloss(&height, wi, wo, f);
+    if (__atomic_exchange_n((int *)user, 1, __ATOMIC_SEQ_CST) == 0) {
+        pid_t child = fork();
+        CHECK(child >= 0);
+        if (child == 0) {
+            alarm(HUNG);
+            srbf_material *material = NULL;
+            CHECK_STATUS(SRBF_STATUS_OTHER, srbf_fit_brdf(NULL, gloss, &height, &material));
+            CHECK(strstr(srbf_last_message(), "forked within a fit") != NULL);
+            _exit(0);
+        }
+        int status;
+        CHECK(waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    }
+}
+
+/* Of a process that has fitted, that is fitting, and whose fit forks. */
+static void test_children(srbf_fit_settings settings) {
+    fit_in_child();
+    pthread_t thread;
+    CHECK(pthread_create(&thread, NULL, fit_in_thread, &settings) == 0);
+    const struct timespec tenth = {0, 100000000};
+    nanosleep(&tenth, NULL);
+    fit_in_child();
+    CHECK(pthread_join(thread, NULL) == 0);
+    int has_forked = 0;
+    srbf_material *material = NULL;
+    settings.lobes = 1, settings.squeezed_lobes = SRBF_FIT_AUTOMATIC;
+    CHECK_OK(srbf_fit_brdf(&settings, forking, &has_forked, &material));
+    CHECK(has_forked);
+    CHECK_OK(srbf_material_free(material));
+}
+
 /* Material and samples say where they come from, line by line. */
 static void check_provenance(const srbf_material *material) {
     srbf_material_info info;
@@ -60,6 +131,30 @@ static void check_provenance(const srbf_material *material) {
     CHECK(info.provenance_length < sizeof text);
     memcpy(text, info.provenance, info.provenance_length);
     CHECK(strstr(text, "through its C interface\nsrbf-fit ") != NULL);
+}
+
+/* A file and its mode stay what they were, and so does what is no file. */
+static void test_places(const srbf_material *material, const char *folder) {
+    char file[4096], link[4096], pipe[4096];
+    CHECK(snprintf(file, sizeof file, "%s/made/file.srbf", folder) < (int)sizeof file);
+    CHECK(snprintf(link, sizeof link, "%s/made/link.srbf", folder) < (int)sizeof link);
+    CHECK(snprintf(pipe, sizeof pipe, "%s/made/pipe.srbf", folder) < (int)sizeof pipe);
+    unlink(file), unlink(link), unlink(pipe);
+    struct stat found;
+    CHECK_OK(srbf_material_save(material, file));
+    CHECK(chmod(file, 0640) == 0 && symlink("file.srbf", link) == 0);
+    CHECK_OK(srbf_material_save(material, link));
+    CHECK(lstat(link, &found) == 0 && S_ISLNK(found.st_mode));
+    CHECK(lstat(file, &found) == 0 && S_ISREG(found.st_mode) && (found.st_mode & 07777) == 0640);
+    CHECK(mkfifo(pipe, 0600) == 0);
+    CHECK_STATUS(SRBF_STATUS_FILE, srbf_material_save(material, pipe));
+    CHECK(lstat(pipe, &found) == 0 && S_ISFIFO(found.st_mode));
+    CHECK_STATUS(SRBF_STATUS_FILE, srbf_material_save(material, folder));
+    CHECK(strstr(srbf_last_message(), "this is a folder") != NULL);
+    CHECK_STATUS(SRBF_STATUS_FILE, srbf_material_save(material, "/dev/null"));
+    CHECK(strstr(srbf_last_message(), "/dev/null: a regular file is expected") != NULL);
+    CHECK(stat("/dev/null", &found) == 0 && S_ISCHR(found.st_mode));
+    unlink(file), unlink(link), unlink(pipe);
 }
 
 int main(int count, char **arguments) {
@@ -99,6 +194,7 @@ int main(int count, char **arguments) {
     CHECK_OK(srbf_fit_brdf(&settings, gloss, &height, &material));
     check_fit(material, height, 0.1f);
     CHECK_OK(srbf_material_free(material));
+    test_children(settings);
 
     /* What is refused. */
     material = NULL;
@@ -135,10 +231,11 @@ int main(int count, char **arguments) {
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_save(NULL, path));
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_save(again, NULL));
     CHECK_STATUS(SRBF_STATUS_FILE, srbf_material_save(again, "/dev/null/a.srbf"));
-    CHECK(strstr(srbf_last_message(), "/dev/null: ") != NULL);
+    CHECK(strstr(srbf_last_message(), "/dev/null/a.srbf: ") != NULL);
     CHECK_STATUS(SRBF_STATUS_FILE, srbf_material_save(again, ""));
     CHECK_STATUS(SRBF_STATUS_TEXT, srbf_material_save(again, "\xff"));
     CHECK(material == NULL);
+    test_places(again, arguments[1]);
     CHECK_OK(srbf_material_free(again));
     printf("fit: passed\n");
     return 0;

@@ -39,6 +39,25 @@ impl Random {
     pub fn between(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * self.uniform()
     }
+    /// Uniform among `limit` numbers from 0 on.
+    pub fn below(&mut self, limit: usize) -> usize {
+        ((f64::from(self.uniform()) * limit as f64) as usize).min(limit.saturating_sub(1))
+    }
+
+    /// A number from `low` to `high`: mostly an end, what lies next to it, 0, or what is as good as 0.
+    pub fn end(&mut self, low: f32, high: f32) -> f32 {
+        let choice = match self.below(8) {
+            0 => low,
+            1 => high,
+            2 => low.next_up(),
+            3 => high.next_down(),
+            4 => 0.0,
+            5 => f32::from_bits(1),
+            6 => -1e-30,
+            _ => self.between(low, high),
+        };
+        choice.clamp(low, high)
+    }
     /// Two uniform numbers.
     pub fn two(&mut self) -> [f32; 2] {
         [self.uniform(), self.uniform()]

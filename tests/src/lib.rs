@@ -8,5 +8,6 @@ pub mod native;
 pub mod oracle;
 pub mod partition;
 pub mod reference;
+pub mod seeds;
 pub mod statistics;
 pub mod tolerance;

@@ -59,6 +59,9 @@ pub const TABLE: &[Entry] = &[
     entry("abel_poisson_coefficients_into", "relative / (l + 2)", 5e-8),
 ];
 
+/// As of any lobe; see [`squeezed_unit`].
+const SQUEEZED: f64 = 3e-7;
+
 /// Every allowed error of the levels against f64, at every count: tests/levels.
 pub const LEVELS: &[Entry] = &[
     entry("batch value", "relative / (2 + |t|)", 3e-7),
@@ -67,6 +70,7 @@ pub const LEVELS: &[Entry] = &[
     entry("one pdf", "relative / (2 + |t|)", 3e-7),
     entry("sampled pdf", "relative / (2 + |t|)", 3e-7),
     entry("sampled weight", "relative", 3e-7),
+    entry("squeezed pdf", "relative / squeezed_unit", SQUEEZED),
     entry(
         "expanded value",
         "absolute / (largest amplitude x (4 + root of the largest sharpness) / squeeze)",
@@ -86,6 +90,22 @@ pub const ENVIRONMENT: &[Entry] = &[
     entry("Mixture::sample_product direction", "absolute", 1e-6),
     entry("Mixture::sample_product weight", "relative", 8e-5),
 ];
+
+/// Largest relative error of the length r of a squeezed direction, which f32 holds. It is the root of `x x + (y y + z z)` in fused
+/// operations, of x and y without what f32 rounds away of them: three roundings of at most 2^-24, and two for the parts left out of
+/// the squares. Half of them count in the root, which is rounded itself.
+const LENGTH: f64 = 3.5 / 16_777_216.0;
+
+/// What the relative error of a squeezed lobe is divided by, of sharpness `s` and an axis of such a squared length, at the exponent
+/// `t`.
+///
+/// A lobe of axis a sees a direction d, squeezed to M d of length r, as `|M d - r a|^2 / r^2`. With r rounded to `r (1 + e)` and
+/// `u = M d / r` that is `|u - a - e a|^2 = |u - a|^2 (1 + e) + e (|a|^2 - 1) + e^2`, as `2 a (u - a) = 1 - |a|^2 - |u - a|^2`. The
+/// exponent is `s / 2` times it. So what is relative counts in `|t|`, as every rounding of the exponent does; the rest is there
+/// even where the exponent is 0: for an axis of length 1 2.2e-6 of the value at the largest sharpness, 1e8.
+pub fn squeezed_unit(s: f64, axis_squared: f64, t: f64) -> f64 {
+    2.0 + t.abs() + 0.5 * s * LENGTH * (LENGTH + (axis_squared - 1.0).abs()) / SQUEEZED
+}
 
 /// Worst error seen of one entry, and where.
 #[derive(Clone, Debug)]

@@ -1,13 +1,15 @@
 //! Fuzzing with a seeded generator: damaged `.srbf` bytes and tables give an error or something sound, never a panic, a
 //! hang or a NaN.
 //!
-//! `SRBF_FUZZ=N` runs N executions of each target in place of the few of every test run; `tests/corpus/` holds the seeds,
-//! small files of our own. What a run finds is added there.
+//! `SRBF_FUZZ=N` runs N executions of each target in place of the few of every test run; `tests/corpus/` holds seeds,
+//! small files of our own, and `tests/src/seeds.rs` makes others: with factors, anisotropic, and of the ends of what the format
+//! allows. What a run finds is added there.
 
 use glam::Vec3;
-use srbf_core::{FactorTable, Line, Material, Mixture, PlaneLobe, View};
+use srbf_core::{Expanded, Material, Mixture, SamplesMut};
 use srbf_fit::table;
 use srbf_tests::inputs::Random;
+use srbf_tests::seeds;
 
 /// Executions of a target in an ordinary run: about a second each.
 const EXECUTIONS: u64 = 20_000;
@@ -17,10 +19,6 @@ fn executions() -> u64 {
         Ok(text) => text.parse().expect("SRBF_FUZZ is a number of executions"),
         Err(_) => EXECUTIONS,
     }
-}
-
-fn below(random: &mut Random, limit: usize) -> usize {
-    ((random.uniform() as f64 * limit as f64) as usize).min(limit.saturating_sub(1))
 }
 
 /// Damages a seed in one to eight places.
@@ -41,28 +39,28 @@ fn mutate(random: &mut Random, seed: &[u8]) -> Vec<u8> {
         b",",
     ];
     let mut bytes = seed.to_vec();
-    for _ in 0..=below(random, 8) {
-        let at = below(random, bytes.len().max(1));
-        match below(random, 7) {
+    for _ in 0..=random.below(8) {
+        let at = random.below(bytes.len().max(1));
+        match random.below(7) {
             0 => bytes.truncate(at),
-            1 if at < bytes.len() => bytes[at] ^= 1 << below(random, 8),
-            2 if at < bytes.len() => bytes[at] = below(random, 256) as u8,
+            1 if at < bytes.len() => bytes[at] ^= 1 << random.below(8),
+            2 if at < bytes.len() => bytes[at] = random.below(256) as u8,
             3 => {
-                let word = WORDS[below(random, WORDS.len())];
+                let word = WORDS[random.below(WORDS.len())];
                 let end = (at + word.len()).min(bytes.len());
                 bytes[at.min(end)..end].copy_from_slice(&word[..end - at.min(end)]);
             }
             4 => {
-                let word = WORDS[below(random, WORDS.len())];
+                let word = WORDS[random.below(WORDS.len())];
                 bytes.splice(at..at, word.iter().copied());
             }
             5 => {
-                let end = (at + below(random, 64)).min(bytes.len());
+                let end = (at + random.below(64)).min(bytes.len());
                 let part = bytes[at.min(end)..end].to_vec();
                 bytes.splice(at..at, part);
             }
             _ => {
-                let end = (at + below(random, 64)).min(bytes.len());
+                let end = (at + random.below(64)).min(bytes.len());
                 bytes.drain(at.min(end)..end);
             }
         }
@@ -81,40 +79,64 @@ fn crc32(bytes: &[u8]) -> u32 {
     })
 }
 
-/// A material with colours outside the gamut and a table of factors.
-fn factored() -> Vec<u8> {
-    let lobe = |k: usize, angle| PlaneLobe {
-        angle,
-        off_plane: 0.0,
-        log2_sharpness: 2.0 + 3.0 * k as f32,
-        log2_luminance: 2.0 * k as f32 - 5.0,
-        color_differences: [4.0 * k as f32 - 1.5, 12.0 - 8.0 * k as f32],
-    };
-    let lobes = [[lobe(0, 0.0), lobe(1, 0.0)], [lobe(0, 0.9), lobe(1, 1.1)]];
-    let view = |v: usize| View {
-        theta: 1.2 * v as f32,
-        log2_squeeze: -(v as f32),
-        log2_diffuse: -3.0,
-        diffuse_color_differences: [-1.2, 3.0],
-        lobes: &lobes[v],
-    };
-    let factors: Vec<[f32; 3]> = (0..12).map(|n| [0.6 * n as f32, 1.0, 0.0]).collect();
-    let albedo_differences = [[0.5, -0.2, 1.0]; 2];
-    let factors = Some(FactorTable {
-        half: 4,
-        difference: 3,
-        factors: &factors,
-        albedo_differences: &albedo_differences,
-    });
-    let line = Line { views: &[view(0), view(1)], squeezed: 1, mirrored: 0, factors };
-    let mut bytes = vec![0; line.encoded_len("made by tests/fuzz.rs")];
-    line.encode("made by tests/fuzz.rs", &mut bytes).expect("the seed is valid");
-    bytes
+/// Prepares, evaluates and samples: everything is a number, and what reflects draws.
+fn use_material(bytes: &[u8], random: &mut Random, place: &str) {
+    let material = Material::from_bytes(bytes).expect("found to be sound");
+    let mut memory = vec![0.0; if material.is_isotropic() { material.expanded_len(8) } else { 0 }];
+    let expanded = Expanded::new(&material, 8, &mut memory);
+    assert_eq!(expanded.is_ok(), material.is_isotropic(), "{place}: {:?}", expanded.err());
+    let mut mixture = Mixture::<64>::empty();
+    for wo in [Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.0, -0.99, 0.141).normalize(), Vec3::X] {
+        material.prepare(wo, &mut mixture).expect("a unit vector and room for every lobe");
+        let place = format!("{place}, {wo}");
+        assert!(mixture.albedo().is_finite() && mixture.power().is_finite(), "{place}: albedo");
+        let (u, wi) = (random.three(), random.direction());
+        let factor = material.factor(wo, wi);
+        // Below the horizon it is any number.
+        let within = factor.min_element() >= 0.0 && factor.max_element() <= 1.001 * material.largest_factor();
+        assert!(within || wi.z < 0.0, "{place}, {wi}: factor {factor}");
+        let (mut value, mut pdf) = ([[0.0; 1]; 3], [0.0; 1]);
+        let [red, green, blue] = value.each_mut().map(|channel| &mut channel[..]);
+        let [o, i] = [wo, wi].map(|d| d.to_array().map(|x| [x]));
+        let pair = [&o, &i].map(|d| [&d[0][..], &d[1][..], &d[2][..]]);
+        material
+            .evaluate_and_pdf_pairs_into(pair[0], pair[1], [red, green, blue], &mut pdf)
+            .expect("one pair");
+        assert!(
+            value.as_flattened().iter().all(|v| v.is_finite()) && pdf[0].is_finite(),
+            "{place}: {value:?}"
+        );
+        let sample = mixture.sample(u);
+        assert_eq!(sample.is_some(), mixture.power() > 0.0, "{place}, {u:?}: what reflects draws");
+        if let Some(sample) = sample {
+            is_sound(sample.direction, sample.pdf, sample.weight, || format!("{place}, {u:?}"));
+        }
+        let Ok(expanded) = &expanded else { continue };
+        let mut out = [[0.0; 1]; 7];
+        let [x, y, z, pdf, red, green, blue] = out.each_mut().map(|number| &mut number[..]);
+        let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
+        let u = u.map(|u| [u]);
+        expanded.sample_pairs_into(pair[0], [&u[0], &u[1], &u[2]], samples).expect("one sample");
+        let [x, y, z, pdf, red, green, blue] = *out.as_flattened() else { unreachable!() };
+        let (direction, weight) = (Vec3::new(x, y, z), Vec3::new(red, green, blue));
+        is_sound(direction, pdf, weight, || format!("{place}, {u:?}, expanded"));
+    }
+}
+
+/// A direction of the hemisphere, a density, and a weight that is 0 where there is nothing to divide by.
+fn is_sound(direction: Vec3, pdf: f32, weight: Vec3, place: impl Fn() -> String) {
+    let is_drawn = (direction.length() - 1.0).abs() < 1e-6 && direction.z >= 0.0;
+    let is_weighed = weight.is_finite() && (weight == Vec3::ZERO || pdf >= f32::MIN_POSITIVE);
+    assert!(
+        is_drawn && pdf >= 0.0 && pdf.is_finite() && is_weighed,
+        "{}: {direction} {pdf:e} {weight}",
+        place()
+    );
 }
 
 #[test]
 fn srbf_bytes() {
-    let factored = factored();
+    let factored = seeds::factored();
     let seeds: [&[u8]; 5] = [
         include_bytes!("../corpus/version1.srbf"),
         &factored,
@@ -123,11 +145,18 @@ fn srbf_bytes() {
         include_bytes!("../../presets/cayman.srbf"),
     ];
     let mut random = Random(1);
-    let mut accepted = 0;
+    let (mut accepted, mut anisotropic) = (0, 0);
     for execution in 0..executions() {
-        let seed = seeds[below(&mut random, 5)];
-        let mut bytes = mutate(&mut random, seed);
-        if bytes.len() >= 48 && below(&mut random, 4) > 0 {
+        let extreme;
+        let seed = match random.below(10) {
+            n if n < seeds.len() => seeds[n],
+            _ => {
+                extreme = seeds::extreme(&mut random);
+                &extreme
+            }
+        };
+        let mut bytes = if random.below(8) == 0 { seed.to_vec() } else { mutate(&mut random, seed) };
+        if bytes.len() >= 48 && random.below(4) > 0 {
             // The length and the checksum put right, so that the fields behind them are reached.
             let length = bytes.len() as u32;
             bytes[16..20].copy_from_slice(&length.to_le_bytes());
@@ -137,34 +166,24 @@ fn srbf_bytes() {
         }
         let Ok(material) = Material::from_bytes(&bytes) else { continue };
         accepted += 1;
-        let mut mixture = Mixture::<64>::empty();
-        for wo in [Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.0, -0.99, 0.141).normalize(), Vec3::X] {
-            material.prepare(wo, &mut mixture).expect("a unit vector and room for every lobe");
-            let u = [random.uniform(), random.uniform(), random.uniform()];
-            assert!(mixture.albedo().is_finite(), "execution {execution}: albedo");
-            let wi = random.direction();
-            let factor = material.factor(wo, wi);
-            // Below the horizon it is any number.
-            let within =
-                factor.min_element() >= 0.0 && factor.max_element() <= 1.001 * material.largest_factor();
-            assert!(within || wi.z < 0.0, "execution {execution}, {wo}, {wi}: factor {factor}");
-            let (mut value, mut pdf) = ([[0.0; 1]; 3], [0.0; 1]);
-            let [red, green, blue] = value.each_mut().map(|channel| &mut channel[..]);
-            let [o, i] = [wo, wi].map(|d| d.to_array().map(|x| [x]));
-            let pair = [&o, &i].map(|d| [&d[0][..], &d[1][..], &d[2][..]]);
-            material
-                .evaluate_and_pdf_pairs_into(pair[0], pair[1], [red, green, blue], &mut pdf)
-                .expect("one pair");
-            assert!(value.as_flattened().iter().all(|v| v.is_finite()), "execution {execution}: {value:?}");
-            if let Some(sample) = mixture.sample(u) {
-                let sound =
-                    sample.direction.is_finite() && sample.pdf.is_finite() && sample.weight.is_finite();
-                assert!(sound, "execution {execution}, {wo}, {u:?}: {sample:?}");
-            }
-        }
+        anisotropic += u64::from(!material.is_isotropic());
+        use_material(&bytes, &mut random, &format!("execution {execution}"));
     }
-    println!("{} executions, {accepted} materials accepted", executions());
-    assert!(accepted > 0, "no damaged material is sound: the fields are never reached");
+    println!("{} executions, {accepted} materials accepted, {anisotropic} anisotropic ones", executions());
+    assert!(
+        anisotropic > 0 && accepted > anisotropic,
+        "no damaged material is sound: the fields are never reached"
+    );
+}
+
+/// Every number at an end of what the format allows, in both kinds of material.
+#[test]
+fn materials_of_extremes() {
+    let mut random = Random(3);
+    for execution in 0..executions() / 4 {
+        let bytes = seeds::extreme(&mut random);
+        use_material(&bytes, &mut random, &format!("execution {execution}"));
+    }
 }
 
 /// Runs a reader over damaged seeds; `parse` says whether it accepted.

@@ -108,7 +108,7 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
         for (i, m) in mixtures.iter().take(MOST).enumerate() {
             // False for a NaN too.
             let above = z[i] >= 0.0;
-            if !above {
+            if !above || m.is_nothing() {
                 continue;
             }
             let [turned, squeezed] = sight(&sights, i);

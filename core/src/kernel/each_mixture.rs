@@ -22,6 +22,8 @@ use crate::mixture::leave_out::LeaveOut;
 #[cfg(feature = "simd")]
 use crate::mixture::rows::Domain;
 use crate::mixture::rows::Mixture;
+#[cfg(feature = "simd")]
+use crate::mixture::rows::weight_of;
 use crate::simd::detect::Level;
 use core::borrow::{Borrow, BorrowMut};
 use glam::Vec3;
@@ -306,7 +308,7 @@ impl Verb<'_> {
     fn one<const N: usize>(&mut self, m: &Mixture<'_, N>, i: usize) {
         match self {
             Self::Evaluate(evaluate) => evaluate.one(m, i),
-            Self::Pdf(Pdf { wi, pdf }) => pdf[i] = m.pdf(at(wi, i)),
+            Self::Pdf(Pdf { wi, pdf }) => pdf[i] = if m.is_nothing() { 0.0 } else { m.pdf(at(wi, i)) },
             Self::Sample(sample) => sample.one(m, i),
             Self::SamplePdf(sample) => sample.one(m, i),
             Self::SampleAndEvaluate(sample, evaluate) => {
@@ -403,9 +405,9 @@ fn level_of_block<const N: usize>(mixtures: &[&Mixture<'_, N>]) -> Option<Level>
     let fits = |m: &&Mixture<'_, N>| {
         let nodes = m.factors.nodes;
         // What has neither lobes nor factors may be multiplied by any.
-        let is_nothing = nodes.is_empty() && m.count == 0 && m.diffuse == Vec3::ZERO;
-        let same_factors =
-            is_nothing || nodes.as_ptr() == factors.as_ptr() || nodes.len() + factors.len() == 0;
+        let same_factors = (nodes.is_empty() && m.is_nothing())
+            || nodes.as_ptr() == factors.as_ptr()
+            || nodes.len() + factors.len() == 0;
         m.level == level && m.domain == Domain::Hemisphere && same_factors
     };
     mixtures.iter().all(fits).then_some(level)
@@ -455,7 +457,8 @@ impl Evaluate<'_> {
     }
 
     fn one<const N: usize>(&mut self, m: &Mixture<'_, N>, i: usize) {
-        let (value, density) = m.evaluate_and_pdf(at(&self.wi, i));
+        let (value, density) =
+            if m.is_nothing() { (Vec3::ZERO, 0.0) } else { m.evaluate_and_pdf(at(&self.wi, i)) };
         let [red, green, blue] = &mut self.value;
         [red[i], green[i], blue[i]] = value.to_array();
         if let Some(pdf) = &mut self.pdf {
@@ -508,7 +511,7 @@ impl Sample<'_> {
         let u = at(&self.u, i).to_array();
         let (direction, pdf, weight) = match m.sample(u) {
             Some(sample) => (sample.direction, sample.pdf, sample.weight),
-            None => (m.sample_direction(u).unwrap_or(Vec3::Z), 0.0, Vec3::ZERO),
+            None => (Vec3::Z, 0.0, Vec3::ZERO),
         };
         let SamplesMut { direction: [x, y, z], pdf: pdf_out, weight: [red, green, blue] } = &mut self.samples;
         [x[i], y[i], z[i]] = direction.to_array();
@@ -527,8 +530,8 @@ impl Sample<'_> {
         multiply_block(level, mixtures, &directions, &mut value);
         for (i, &density) in pdf.iter().enumerate() {
             let value = Vec3::new(value[0][i], value[1][i], value[2][i]);
-            let of_one = if density > 0.0 { value / density } else { Vec3::ZERO };
-            [weight[0][from + i], weight[1][from + i], weight[2][from + i]] = of_one.to_array();
+            [weight[0][from + i], weight[1][from + i], weight[2][from + i]] =
+                weight_of(value, density).to_array();
         }
         copy_out(&directions, direction, from, count);
     }

@@ -113,6 +113,10 @@ pub(crate) fn multiply_block<const N: usize, const B: usize>(
         [wo[0][i], wo[1][i], wo[2][i]] = m.factors.wo;
     }
     multiply_pairs(level, factors, &wo, directions, value);
+    // The factor towards what is no direction may be none.
+    for (i, _) in mixtures.iter().take(B).enumerate().filter(|(_, m)| m.is_nothing()) {
+        value.iter_mut().for_each(|channel| channel[i] = 0.0);
+    }
 }
 
 /// Multiplies the values of a block of pairs of an outgoing and an incident direction.

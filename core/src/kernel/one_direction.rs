@@ -4,7 +4,7 @@
 use super::draw::draw_one;
 use crate::color::luminance;
 use crate::mixture::row;
-use crate::mixture::rows::{Domain, Mixture, Sample, lowest_bits};
+use crate::mixture::rows::{Domain, Mixture, Sample, lowest_bits, weight_of};
 use crate::simd::elementary::{falloff, falloff_soon};
 use crate::simd::lanes::{Lanes, scale};
 use crate::simd::routine::{Draw, One};
@@ -66,8 +66,8 @@ impl<const N: usize> Mixture<'_, N> {
 
     /// Draws an incident direction from the density: lobe by `u[0]`, direction in it by `u[1]` and `u[2]`.
     ///
-    /// `None` where the integral is 0: such a mixture reflects nothing; and where the density underflows, far
-    /// out in a tail. No sample is wasted below the horizon. The three numbers are uniform in [0, 1).
+    /// `None` where the integral is 0: such a mixture reflects nothing. No sample is wasted below the horizon.
+    /// The three numbers are uniform in [0, 1).
     /// Source: Weng and Shih 2006, section 4.2.2, eq. 14; differs: what falls below the horizon is mirrored
     /// up.
     #[inline]
@@ -84,7 +84,7 @@ impl<const N: usize> Mixture<'_, N> {
             return None;
         }
         let (direction, value) = self.level.draw_one::<_, Drawn<SEEN>, EvaluateOne<SEEN>>(self, u);
-        self.sampled(direction, value, luminance(value))
+        Some(self.sampled(direction, value, luminance(value)))
     }
 
     #[inline(never)]
@@ -93,16 +93,15 @@ impl<const N: usize> Mixture<'_, N> {
             return None;
         }
         let (direction, (value, luminance)) = self.level.draw_one::<_, Drawn<true>, FactoredOne>(self, u);
-        self.sampled(direction, value, luminance)
+        Some(self.sampled(direction, value, luminance))
     }
 
     /// A sample of a direction that has been drawn, with the value there and the luminance of what the lobes
     /// have.
     #[inline(always)]
-    fn sampled(&self, direction: [f32; 3], value: Vec3, luminance: f32) -> Option<Sample> {
+    fn sampled(&self, direction: [f32; 3], value: Vec3, luminance: f32) -> Sample {
         let pdf = luminance * self.inverse_power;
-        // A density that f32 rounds to 0 cannot be divided by: far out in a tail, where the value is 0 too.
-        (pdf > 0.0).then_some(Sample { direction: Vec3::from_array(direction), pdf, weight: value / pdf })
+        Sample { direction: Vec3::from_array(direction), pdf, weight: weight_of(value, pdf) }
     }
 
     /// Draws a direction, and evaluates value and density towards another one: what next-event estimation needs
@@ -128,7 +127,7 @@ impl<const N: usize> Mixture<'_, N> {
             return None;
         }
         let (direction, pdf) = self.level.draw_one::<_, Drawn<SEEN>, PdfOne<SEEN>>(self, u);
-        (pdf > 0.0).then_some((Vec3::from_array(direction), pdf))
+        Some((Vec3::from_array(direction), pdf))
     }
 
     /// Draws only the direction of [`sample`](Self::sample), for callers that take value and density

@@ -8,7 +8,7 @@ use super::lobe_sums::{STAGE, Stage, sums};
 use super::slices::{SamplesMut, same_length};
 use crate::color::{LUMINANCE, luminance};
 use crate::error::Error;
-use crate::mixture::rows::Mixture;
+use crate::mixture::rows::{LEAST_DENSITY, Mixture};
 use crate::simd::lanes::{Lanes, dot3, scale, splat3};
 use crate::simd::routine::Routine;
 use glam::Vec3;
@@ -301,12 +301,11 @@ impl<const N: usize> Block<3, 7> for Draw<'_, N> {
         let m = self.0;
         let [x, y, z] = sample_direction(m, u);
         let value = sums(m, [&m.red, &m.green, &m.blue], m.diffuse.to_array(), [x, y, z], stage);
-        // The density is the luminance of the value over its integral, and power / luminance is 1 / pdf;
-        // where f32 rounds the density to 0, the weight is 0 as well.
+        // The density is the luminance of the value over its integral, and power / luminance is 1 / pdf.
         let luminance = dot3(value, splat3(LUMINANCE));
-        let zero = L::splat(0.0);
-        let inverse = L::select(zero.lt(luminance), L::splat(m.power) / luminance, zero);
+        let pdf = luminance * L::splat(m.inverse_power);
+        let inverse = (L::splat(m.power) / luminance).keep(pdf.ge(L::splat(LEAST_DENSITY)));
         let [red, green, blue] = scale(value, inverse);
-        [x, y, z, luminance * L::splat(m.inverse_power), red, green, blue]
+        [x, y, z, pdf, red, green, blue]
     }
 }

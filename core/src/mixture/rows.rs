@@ -22,11 +22,21 @@ pub enum Domain {
 pub struct Sample {
     /// Incident direction, unit vector in the caller's shading frame.
     pub direction: Vec3,
-    /// Density of the whole mixture at the direction; 1/sr.
+    /// Density of the whole mixture at the direction; 1/sr. Far out in a tail f32 may round it to 0.
     pub pdf: f32,
     /// `f cos / pdf`, linear sRGB: its luminance is that of the mixture's albedo at every sample, times that
-    /// of a factor if the material has factors.
+    /// of a factor if the material has factors. 0 where the density is below the least normal number.
     pub weight: Vec3,
+}
+
+/// Least density that is divided by, the least normal number: below, values have lost their digits, and an
+/// inverse may be infinite. Only a tail far out is so faint.
+pub(crate) const LEAST_DENSITY: f32 = f32::MIN_POSITIVE;
+
+/// A value over its density; 0 where that cannot be divided by.
+#[inline(always)]
+pub(crate) fn weight_of(value: Vec3, pdf: f32) -> Vec3 {
+    if pdf >= LEAST_DENSITY { value / pdf } else { Vec3::ZERO }
 }
 
 /// A sum of lobes, and a diffuse term, for one outgoing direction; storage for `N` lobes, without allocation.
@@ -268,6 +278,12 @@ impl<const N: usize> Mixture<'_, N> {
     #[inline(always)]
     pub(crate) fn is_plain(&self) -> bool {
         self.squeezed == 0 && !self.squeeze.is_turned
+    }
+
+    /// Whether there is neither a lobe nor a diffuse term: what is prepared for no direction.
+    #[inline(always)]
+    pub(crate) fn is_nothing(&self) -> bool {
+        self.count == 0 && self.diffuse == Vec3::ZERO
     }
 }
 

@@ -9,11 +9,14 @@ use super::layout::Layout;
 use super::model::{Lobes, exponential};
 use super::table::View;
 use crate::numeric::random::Random;
-use crate::table::luminance;
+use crate::table::{DARKEST, luminance};
 
 /// Share of a knot's largest amplitude over sharpness that a lobe gets which the best amplitudes leave out: enough for the solver
 /// to feel it.
 const FAINT: f64 = 2e-3;
+
+/// The least luminance that anything starts with, for albedos of about 1.
+const LEAST: f64 = 1e-9;
 
 /// Largest albedo of a start.
 const BRIGHTEST: f64 = 0.9;
@@ -57,6 +60,9 @@ pub(super) fn start(knots: &[View], layout: &Layout, n: usize) -> Vec<f64> {
 
     let p = layout.stride();
     let mut x = vec![0.0; layout.len()];
+    // Relative to a table that is dark: a start that is brighter by decades takes many steps to fade.
+    let brightest = knots.iter().map(|view| luminance(view.albedo)).fold(DARKEST, f64::max);
+    let least = LEAST * brightest.min(1.0);
     for (knot, view) in knots.iter().enumerate() {
         let highlight = Highlight::new(view);
         let q = &mut x[knot * p..(knot + 1) * p];
@@ -81,12 +87,12 @@ pub(super) fn start(knots: &[View], layout: &Layout, n: usize) -> Vec<f64> {
         let lobes = Lobes::new(layout, q);
         let found = best_amplitudes(view, &lobes);
         let color = |k: usize| [0, 1, 2].map(|c| found[c][k]);
-        let largest = (0..=layout.lobes).map(|k| luminance(color(k))).fold(1e-9, f64::max);
+        let largest = (0..=layout.lobes).map(|k| luminance(color(k))).fold(least, f64::max);
         for k in 0..layout.lobes {
             let faint = FAINT * largest / libm::exp(q[layout.sharpness(k)]).max(1.0);
             layout.set_tint(q, k, color(k), faint);
         }
-        layout.set_tint(q, layout.lobes, color(layout.lobes), 1e-3 * luminance(view.albedo).max(0.0) + 1e-9);
+        layout.set_tint(q, layout.lobes, color(layout.lobes), 1e-3 * luminance(view.albedo).max(0.0) + least);
         let most = layout.albedo(q).into_iter().fold(0.0, f64::max);
         if most > BRIGHTEST {
             let less = libm::log(most / BRIGHTEST);

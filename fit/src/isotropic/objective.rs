@@ -23,7 +23,7 @@ use crate::isotropic::model::parameters::{LN_SHARPNESS_DEFENSIVE, Layout};
 use crate::judge::energy::EnergyError;
 use crate::judge::seen::{self, brightness};
 use crate::numeric::special::sphere_integral;
-use crate::table::{Table, View, check_bright, check_storable, luminance};
+use crate::table::{ALBEDO_LIMIT, Table, View, check_bright, check_storable, luminance};
 use data_term::Point;
 use rayon::prelude::*;
 
@@ -157,7 +157,8 @@ impl Objective {
         };
         let ln_defensive = layout.knots.iter().map(|&theta| {
             let albedo = albedo(theta);
-            let share = DEFENSIVE * luminance(albedo).max(1e-9 * brightest);
+            // Of what a fit may have: the table's own albedo may be any number.
+            let share = DEFENSIVE * luminance(albedo).max(1e-9 * brightest).min(ALBEDO_LIMIT);
             libm::log(share / sphere_integral(LN_SHARPNESS_DEFENSIVE.1).0)
         });
         let ln_defensive = ln_defensive.collect();

@@ -58,7 +58,7 @@ pub(crate) trait Source: Sync {
 pub(crate) fn run(
     source: &dyn Source,
     settings: &Settings,
-    mut progress: impl FnMut(f64),
+    mut progress: impl FnMut(f64) + Send,
 ) -> Result<Fit, FitError> {
     let start = Instant::now();
     let knots = settings.knots.clone().unwrap_or_else(|| source.knots(settings.view_count()));

@@ -43,7 +43,7 @@ const HELD_OUT: Density = Density { hemisphere: 1000, cap: 300 };
 pub(crate) fn fit_evaluable(
     brdf: &dyn Brdf,
     settings: &Settings,
-    progress: impl FnMut(f64),
+    progress: impl FnMut(f64) + Send,
 ) -> Result<Fit, FitError> {
     fit_both(brdf, None, settings, progress)
 }
@@ -55,7 +55,7 @@ pub(crate) fn fit_samples(
     table: &Table,
     completion: &Completion,
     settings: &Settings,
-    progress: impl FnMut(f64),
+    progress: impl FnMut(f64) + Send,
 ) -> Result<Fit, FitError> {
     let [starts, exchanges] = [settings.starts, settings.exchanges].map(|n| n.div_ceil(LESS));
     let settings = Settings { starts, exchanges, ..settings.clone() };
@@ -78,7 +78,7 @@ fn fit_both(
     brdf: &dyn Brdf,
     samples: Option<&Table>,
     settings: &Settings,
-    progress: impl FnMut(f64),
+    progress: impl FnMut(f64) + Send,
 ) -> Result<Fit, FitError> {
     let start = Instant::now();
     let probes = Probes::new(brdf, LAST_KNOT.to_radians(), settings.view_count())?;

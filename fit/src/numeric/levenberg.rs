@@ -23,7 +23,7 @@ pub(crate) trait LeastSquares {
     /// The sum linearised at a point.
     type Linear: Linear;
 
-    /// Least and greatest value of an unknown, the same for one that is given.
+    /// Least and greatest value of an unknown, the same for one that is given; the least is never above the greatest.
     fn bounds(&self, unknown: usize) -> (f64, f64);
     /// A change of an unknown that is as long as one of 1 of most.
     fn unit(&self, _unknown: usize) -> f64 {
@@ -77,7 +77,8 @@ pub(crate) fn minimize<P: LeastSquares>(
     let clamp = |x: &mut [f64]| {
         for (i, v) in x.iter_mut().enumerate() {
             let (low, high) = problem.bounds(i);
-            // Bounds that are asked too much of may cross.
+            debug_assert!(low <= high, "{i}: {low} {high}");
+            // Not `clamp`: what is no number becomes the least.
             *v = v.max(low).min(high);
         }
     };

@@ -20,15 +20,21 @@ pub struct Merl {
     cells: Vec<[f32; 3]>,
 }
 
+/// Refuses a file of another size than a MERL file has.
+pub(crate) fn check_size(bytes: u64) -> Result<(), ReadError> {
+    let expected = 12 + 3 * 8 * CELLS as u64;
+    if bytes == expected {
+        return Ok(());
+    }
+    Err(ReadError::Content(format!("{bytes} bytes; a MERL file has {expected}")))
+}
+
 /// Parses the bytes of a `.binary` file.
 ///
 /// # Errors
 /// [`ReadError::Content`] for another size, other counts, numbers that are not finite, and a file without a measured cell.
 pub fn parse(bytes: &[u8]) -> Result<Merl, ReadError> {
-    let expected = 12 + 3 * 8 * CELLS;
-    if bytes.len() != expected {
-        return Err(ReadError::Content(format!("{} bytes; a MERL file has {expected}", bytes.len())));
-    }
+    check_size(bytes.len() as u64)?;
     for (i, size) in SIZE.iter().enumerate() {
         let b = &bytes[4 * i..4 * i + 4];
         let count = i32::from_le_bytes([b[0], b[1], b[2], b[3]]);

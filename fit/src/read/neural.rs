@@ -17,18 +17,24 @@ pub struct Neural {
     weights: Vec<f64>,
 }
 
+/// Refuses a file that holds no whole number of materials.
+///
+/// # Errors
+/// [`ReadError::Content`] with the size.
+pub fn check_size(bytes: u64) -> Result<(), ReadError> {
+    let expected = 4 * NUMBERS as u64;
+    if bytes > 0 && bytes.is_multiple_of(expected) {
+        return Ok(());
+    }
+    Err(ReadError::Content(format!("{bytes} bytes; a multiple of {expected} was expected")))
+}
+
 /// Parses the weights of any number of materials.
 ///
 /// # Errors
 /// [`ReadError::Content`] if the length is not a multiple of a material's, or a number is not finite.
 pub fn parse(bytes: &[u8]) -> Result<Vec<Neural>, ReadError> {
-    if bytes.is_empty() || !bytes.len().is_multiple_of(4 * NUMBERS) {
-        let expected = 4 * NUMBERS;
-        return Err(ReadError::Content(format!(
-            "{} bytes; a multiple of {expected} was expected",
-            bytes.len()
-        )));
-    }
+    check_size(bytes.len() as u64)?;
     let number = |b: &[u8]| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     let numbers: Vec<f64> = bytes.chunks_exact(4).map(number).collect();
     if let Some(n) = numbers.iter().position(|v| !v.is_finite()) {

@@ -22,6 +22,7 @@ use crate::ReadError;
 use crate::table::{Brdf, Draws, Symmetry, direction};
 use arrays::Arrays;
 use std::f64::consts::{FRAC_PI_2, PI};
+pub(crate) use tensor::check_size;
 use warp::{Grid, Warp};
 
 /// One RGL material.

@@ -55,8 +55,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     ensure!(args.spp.is_sorted_by(|a, b| a < b), "--spp: numbers that rise are expected");
     ensure!(!args.samplers.is_empty() && !args.spp.is_empty(), "--samplers and --spp: at least one each");
     let [csv, png] = outputs(&args.output);
-    output::check_place(&csv)?;
-    output::check_place(&png)?;
+    output::check_places(&[&csv, &png])?;
     let mut names = args.materials;
     if names.is_empty() {
         names = material::PRESETS.iter().map(|preset| preset.0.to_owned()).collect();

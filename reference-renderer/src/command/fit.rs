@@ -7,6 +7,7 @@ mod picture;
 mod survey;
 
 use super::view_table;
+use crate::output;
 use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use method::MethodName;
@@ -147,6 +148,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     if args.method != MethodName::Tracked {
         args.picture.check(&file, args.method)?;
         let path = names::baseline(args.output, &name, args.method);
+        output::check_place(&path)?;
         let left_out = left_out(args.cross_validate, &file, &source.content, args.method, &args.settings)?;
         let fit = method::fit(&source, &input, args.method, &args.settings, left_out)?;
         srbf_fit::write_atomically(&path, fit.json.as_bytes())?;
@@ -156,6 +158,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     }
     let output = names::material(args.output, &name)?;
     let picture = args.picture.check(&output, args.method)?;
+    output::check_places(&[&output, &names::report(&output)])?;
     let settings = args.settings.settings();
     let left_out = left_out(args.cross_validate, &file, &source.content, args.method, &args.settings)?;
     let mut fit = fit_source(&source, settings.clone(), "")?;

@@ -3,7 +3,7 @@
 use super::argument;
 use crate::comparison::SPLIT;
 use crate::environment::file::Projection;
-use crate::film::Film;
+use crate::film::{self, Film};
 use crate::furnace::{self, Furnace};
 use crate::material::{self, StoredMaterial};
 use crate::mesh;
@@ -134,7 +134,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
 /// Refuses what does not fit together, before the work.
 fn check(args: &Args) -> anyhow::Result<()> {
     output::check_extension(&args.output, "exr")?;
-    output::check_place(&args.output)?;
+    output::check_places(&[&args.output, &args.output.with_extension("png")])?;
     ensure!(args.exposure.abs() <= 64.0, "--exposure {}: within -64 to 64 is expected", args.exposure);
     ensure!(args.env_turn.is_finite(), "--env-turn {}: a number of degrees is expected", args.env_turn);
     let has = |role| args.scene.roles().contains(&role);
@@ -204,6 +204,7 @@ fn render(args: &Args) -> anyhow::Result<()> {
     let split = split(args);
     let settings = Settings { light: strategy.light, split, max_bounces: args.max_bounces, seed: args.seed };
 
+    film::check_memory(args.size)?;
     let mut film = Film::new(args.size);
     let progress = Progress::new("rendering", args.size[1].into());
     let start = Instant::now();

@@ -93,7 +93,7 @@ fn distance(drawn: &[Drawn]) -> f64 {
 pub fn run(args: Args) -> anyhow::Result<()> {
     ensure!((0.0..1.0).contains(&args.floor), "--floor: a number in [0, 1) is expected");
     output::check_extension(&args.output, "png")?;
-    output::check_place(&args.output)?;
+    output::check_places(&[&args.output, &args.output.with_extension("csv")])?;
     let walk = Metropolis { steps: args.steps, floor: args.floor };
     let mut csv = String::from("method,samples,steps,distance\n");
     let mut rows = Vec::new();

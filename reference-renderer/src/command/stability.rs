@@ -35,7 +35,7 @@ const LARGEST: f64 = 10.0;
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
     output::check_extension(&args.output, "png")?;
-    output::check_place(&args.output)?;
+    output::check_places(&[&args.output, &args.output.with_extension("csv")])?;
     let operations = stability::measure(args.inputs, args.seed);
     println!(
         "Worst relative error, ours / plain formula, by sharpness. Exponents up to 10; f32 rounds to 6e-8.\n"

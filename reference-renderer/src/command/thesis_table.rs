@@ -52,7 +52,7 @@ const BLUE_PAINT_VIEWS: [f64; 7] = [0.0, 20.0, 35.0, 55.0, 65.0, 75.0, 85.0];
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
     output::check_extension(&args.output, "md")?;
-    output::check_place(&args.output)?;
+    output::check_places(&[&args.output, &args.output.with_extension("csv")])?;
     let data = super::argument::data_folder()?;
     let lobes = args.lobes as usize;
     let ours = Settings { lobes, ..Settings::default() };

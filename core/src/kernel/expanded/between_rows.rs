@@ -37,7 +37,9 @@ impl<L: Lanes> Lobes<L> {
         let mut numbers = [L::splat(0.0); MIRRORED];
         for i in 0..W {
             let (a, b) = (L::load(&a[i][j..]), L::load(&b[i][j..]));
-            numbers[i] = (b - a).mul_add(share, a);
+            // Axes by the difference, which rounds once: their digits count by the root of the sharpness.
+            let is_axis = i < 2 || i == MIRRORED - 1;
+            numbers[i] = if is_axis { (b - a).mul_add(share, a) } else { blend(a, b, share) };
         }
         let [x, z, sharpness, red, green, blue, y] = numbers;
         let mut axis = [x, y, z.abs()];
@@ -80,6 +82,13 @@ impl<L: Lanes> Lobes<L> {
     fn least_sharpness<const P: bool>(&self) -> L {
         if P { self.sharpness } else { self.sharpness.max(L::splat(LEAST_SHARPNESS)) }
     }
+}
+
+/// Between two numbers: either at its end, and no less than 0 where they are not. By their difference, what is small
+/// beside the other would be the rounding of that.
+#[inline(always)]
+pub(super) fn blend<L: Lanes>(a: L, b: L, share: L) -> L {
+    b.mul_add(share, a * (L::splat(1.0) - share))
 }
 
 /// The same group of lobes of two rows, as arrays of [`Chunk`]s.
@@ -142,7 +151,7 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
         let rows = expanded.two_rows(whole(row));
         let mut head = [0.0; HEAD];
         for i in 0..HEAD {
-            head[i] = (rows[1][0][i] - rows[0][0][i]) * share + rows[0][0][i];
+            head[i] = blend(rows[0][0][i], rows[1][0][i], share);
         }
         mixture.squeeze = Squeeze::new(outgoing.azimuth, 1.0, head[INVERSE_SQUEEZE]);
         mixture.set_diffuse([head[DIFFUSE], head[DIFFUSE + 1], head[DIFFUSE + 2]]);

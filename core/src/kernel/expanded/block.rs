@@ -8,7 +8,7 @@
 use super::super::draw::{Choice, Frame, draw};
 use super::super::outgoing::Facing;
 use super::super::sights::{MOST, Numbers, Sights, seen, sights};
-use super::between_rows::{Lobes, group, luminance_of};
+use super::between_rows::{Lobes, blend, group, luminance_of};
 use super::table::{
     CHUNK, Chunk, DIFFUSE, DIFFUSE_POWER, Expanded, INVERSE_SQUEEZE, LOBES_POWER, MIRRORED, PAIR_HEAD, whole,
 };
@@ -197,7 +197,7 @@ impl Heads {
             let (a, b) = (&a[0], &b[0]);
             for n in 0..PAIR_HEAD {
                 let (a, b) = (L::One::splat(a[n]), L::One::splat(b[n]));
-                numbers[n][i] = (b - a).mul_add(share, a).first();
+                numbers[n][i] = blend(a, b, share).first();
             }
         }
         Self { row, share, azimuth, numbers, is_there }

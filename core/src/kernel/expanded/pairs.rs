@@ -9,6 +9,7 @@ use crate::color::luminance;
 use crate::error::Error;
 use crate::material::layout::MAX_LOBES;
 use crate::mixture::factors::{Among, Factors};
+use crate::mixture::rows::LEAST_DENSITY;
 use crate::simd::detect::Level;
 use glam::Vec3;
 
@@ -229,13 +230,13 @@ impl Expanded<'_> {
         }
         let factors = Factors::new(self.material.borrowed(), Vec3::Z, Among::NOWHERE);
         // What is no direction has no factor, and 0 times that may be none either.
-        let mut outgoing = *wo;
+        let (mut outgoing, mut incident) = (*wo, *wi);
         for i in 0..MOST {
             if sums.inverse_power[i] == 0.0 {
-                outgoing.iter_mut().for_each(|component| component[i] = 0.5);
+                outgoing.iter_mut().chain(&mut incident).for_each(|component| component[i] = 0.5);
             }
         }
-        multiply_pairs(level, &factors, &outgoing, wi, &mut sums.value);
+        multiply_pairs(level, &factors, &outgoing, &incident, &mut sums.value);
     }
 
     fn write_samples(
@@ -250,7 +251,7 @@ impl Expanded<'_> {
         self.multiply(level, wo, direction, sums);
         let weight = &mut sums.value;
         for i in 0..MOST {
-            let inverse = if pdf[i] > 0.0 { 1.0 / pdf[i] } else { 0.0 };
+            let inverse = if pdf[i] >= LEAST_DENSITY { 1.0 / pdf[i] } else { 0.0 };
             weight.iter_mut().for_each(|channel| channel[i] *= inverse);
         }
         block.copy_out(direction, &mut samples.direction);

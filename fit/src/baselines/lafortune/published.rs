@@ -49,7 +49,7 @@ type Models = Vec<(String, Lafortune)>;
 
 /// The bytes of a file, and its materials.
 fn read_all(path: &Path) -> Result<(Vec<u8>, Models), FitError> {
-    let bytes = read_bytes(path, MAX_FILE)?;
+    let bytes = read_bytes(path, MAX_FILE, |_| Ok(()))?;
     let all = parse(&bytes).map_err(|source| FitError::Read { path: path.to_path_buf(), source })?;
     Ok((bytes, all))
 }

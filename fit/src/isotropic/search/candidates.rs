@@ -10,8 +10,8 @@ use crate::judge::report::Ending;
 use crate::numeric::levenberg::minimize;
 use crate::table::Table;
 use rayon::prelude::*;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Duration;
 
 /// Samples of the table on which the first stages run, if it has more.
 const SCOUTED_SAMPLES: usize = 5000;
@@ -41,7 +41,7 @@ pub(crate) struct Candidate {
 pub(crate) struct Work<'a> {
     pub done: usize,
     pub total: usize,
-    pub progress: &'a mut dyn FnMut(f64),
+    pub progress: &'a mut (dyn FnMut(f64) + Send),
     /// Evaluations of what is made small.
     pub evaluations: AtomicUsize,
 }
@@ -105,32 +105,23 @@ pub(crate) struct Task<'a> {
 /// Takes candidates through a stage, side by side; what becomes of each does not depend on the others, nor on threads.
 pub(crate) fn advance(stage: &Stage, mut tasks: Vec<Task<'_>>, work: &mut Work<'_>) {
     let Work { done, total, progress, evaluations } = work;
-    let (send, receive) = std::sync::mpsc::channel();
-    std::thread::scope(|scope| {
-        let worker = scope.spawn(|| {
-            let lobes = tasks.first().map_or(0, |task| task.objective.layout.lobes);
-            while !tasks.is_empty() {
-                let others = tasks.split_off(tasks.len().min(side_by_side(lobes)));
-                std::mem::replace(&mut tasks, others).into_par_iter().for_each_with(
-                    send.clone(),
-                    |send, task| {
-                        // Nobody listens any more if the fit is being abandoned.
-                        advance_one(stage, task, || {
-                            evaluations.fetch_add(1, Ordering::Relaxed);
-                            let _ = send.send(());
-                        });
-                    },
-                );
-            }
-        });
-        let mut ticks = 0;
-        while !worker.is_finished() {
-            if receive.recv_timeout(Duration::from_millis(20)).is_ok() {
-                ticks += 1;
-                progress((*done + ticks).min(*total) as f64 / *total as f64);
-            }
+    let lobes = tasks.first().map_or(0, |task| task.objective.layout.lobes);
+    // Told by whoever makes a step, on the threads that the caller's are among: others would be those of the process, which a
+    // caller may have good reason not to use.
+    let told = Mutex::new((*done, progress));
+    let tick = || {
+        evaluations.fetch_add(1, Ordering::Relaxed);
+        // Where a caller's function has panicked, the fit is being abandoned.
+        if let Ok(mut told) = told.lock() {
+            let (ticks, progress) = &mut *told;
+            *ticks += 1;
+            progress((*ticks).min(*total) as f64 / *total as f64);
         }
-    });
+    };
+    while !tasks.is_empty() {
+        let others = tasks.split_off(tasks.len().min(side_by_side(lobes)));
+        std::mem::replace(&mut tasks, others).into_par_iter().for_each(|task| advance_one(stage, task, tick));
+    }
 }
 
 fn advance_one(stage: &Stage, task: Task<'_>, mut tick: impl FnMut()) {

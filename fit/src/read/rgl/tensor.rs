@@ -61,6 +61,15 @@ fn integer(rest: &mut &[u8], bytes: usize) -> Result<u64, ReadError> {
     Ok(take(rest, bytes)?.iter().rev().fold(0, |n, b| n << 8 | u64::from(*b)))
 }
 
+/// Refuses a file that has no room for the head and a field.
+pub fn check_size(bytes: u64) -> Result<(), ReadError> {
+    // The head is 18 bytes, a field of no name and no number 13.
+    if bytes >= 31 {
+        return Ok(());
+    }
+    Err(ReadError::Content(format!("{bytes} bytes: not an RGL .bsdf file, which has at least 31")))
+}
+
 /// Parses the list of fields.
 pub fn parse(bytes: &[u8]) -> Result<File<'_>, ReadError> {
     let fail = |text: String| Err(ReadError::Content(text));

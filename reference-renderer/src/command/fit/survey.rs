@@ -211,7 +211,7 @@ fn materials(data: &Path) -> anyhow::Result<Vec<Named>> {
 fn networks(folder: &Path) -> anyhow::Result<Vec<Named>> {
     let path = folder.join("nbrdf_merl80.f32le");
     let parse = |bytes: Vec<u8>| Ok(neural::parse(&bytes)?);
-    let networks = srbf_fit::read_at_most(&path, MAX_FILE)
+    let networks = srbf_fit::read_if(&path, MAX_FILE, neural::check_size)
         .map_err(anyhow::Error::new)
         .and_then(parse)
         .with_context(|| path.display().to_string())?;

@@ -1,0 +1,257 @@
+//! Where numbers end: densities next to 0, the narrowest lobes under the strongest squeeze, and directions that are none.
+
+use glam::{DVec3, Vec3};
+use srbf_core::{
+    Domain, Expanded, FactorTable, Gaussian, Level, Line, Lobe, Material, Mixture, PlaneLobe, SamplesMut,
+    View, color_differences,
+};
+use srbf_tests::inputs::Random;
+use srbf_tests::oracle::sphere_integral;
+use srbf_tests::tolerance::{Worst, squeezed_unit};
+
+fn levels() -> impl Iterator<Item = Level> {
+    Level::ALL.into_iter().filter(|level| Mixture::<16>::empty().with_level(*level).is_ok())
+}
+
+fn lobe(axis: [f32; 3], sharpness: f32, amplitude: f32) -> Lobe {
+    Lobe::new(Vec3::from(axis).normalize(), sharpness, Vec3::splat(amplitude)).unwrap()
+}
+
+/// Samples by a batch: direction, density and weight of each.
+fn drawn(m: &Mixture<16>, u: &[[f32; 3]]) -> Vec<(Vec3, f32, Vec3)> {
+    let u = [0, 1, 2].map(|c| u.iter().map(|u| u[c]).collect::<Vec<f32>>());
+    let mut out = [(); 7].map(|()| vec![f32::NAN; u[0].len()]);
+    let [x, y, z, pdf, red, green, blue] = &mut out;
+    let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
+    m.sample_into([&u[0], &u[1], &u[2]], samples).unwrap();
+    let at = |i: usize, c: usize| Vec3::new(out[c][i], out[c + 1][i], out[c + 2][i]);
+    (0..u[0].len()).map(|i| (at(i, 0), out[3][i], at(i, 4))).collect()
+}
+
+/// The densities of a batch.
+fn densities(m: &Mixture<16>, directions: &[Vec3]) -> Vec<f32> {
+    let d = [0, 1, 2].map(|c| directions.iter().map(|d| d[c]).collect::<Vec<f32>>());
+    let mut pdf = vec![f32::NAN; directions.len()];
+    m.pdf_into([&d[0], &d[1], &d[2]], &mut pdf).unwrap();
+    pdf
+}
+
+/// Numbers whose lobes and tails are as faint as they can be.
+fn uniforms() -> Vec<[f32; 3]> {
+    let last = 1.0 - f32::EPSILON / 2.0;
+    let ends = [0.0, f32::from_bits(1), 1e-38, 1e-30, 1e-7, 0.3, 0.999, last];
+    let pairs = ends.into_iter().flat_map(|a| ends.map(|b| [a, b]));
+    pairs.flat_map(|[a, b]| [0.0, 0.4, last].map(|c| [a, b, c])).collect()
+}
+
+#[test]
+fn what_reflects_draws_and_its_weights_are_numbers_one_by_one_and_in_batches() {
+    // Lobes that are drawn only for u = 0, faint mixtures and bright ones.
+    let beside = |faint: f32| vec![lobe([1.0, 0.0, 0.1], 100.0, faint), lobe([0.0, 0.0, 1.0], 1e4, 1.0)];
+    let mut mixtures: Vec<(String, Mixture<16>)> = Vec::new();
+    for faint in [1e-20, 1e-30, 1e-33, 1e-35, 1e-36, 1e-37, 1e-38, 1e-42] {
+        mixtures.push((format!("beside {faint:e}"), Mixture::hemisphere(&beside(faint)).unwrap()));
+        let squeezed = Mixture::new(Domain::Hemisphere, 0.01, &beside(faint), &[]).unwrap();
+        mixtures.push((format!("squeezed {faint:e}"), squeezed));
+    }
+    for amplitude in [3e-38, 1e-37, 1e-36, 1e-34, 1e34, 1e38] {
+        let m = Mixture::hemisphere(&[lobe([0.3, 0.0, 1.0], 30.0, amplitude)]).unwrap();
+        mixtures.push((format!("alone {amplitude:e}"), m));
+    }
+    let u = uniforms();
+    let (mut zero, mut subnormal) = (0, 0);
+    for (name, m) in mixtures.iter().filter(|(_, m)| m.power() > 0.0) {
+        for level in levels() {
+            let m = m.clone().with_level(level).unwrap();
+            for (u, (direction, pdf, weight)) in u.iter().zip(drawn(&m, &u)) {
+                let place = || format!("{level:?}, {name}, {u:?}: {direction} {pdf:e} {weight}");
+                let one = m.sample(*u).unwrap_or_else(|| panic!("nothing drawn: {}", place()));
+                assert!((one.direction - direction).length() < 2e-6, "{} {}", place(), one.direction);
+                for (pdf, weight) in [(pdf, weight), (one.pdf, one.weight)] {
+                    assert!(pdf.is_finite() && pdf >= 0.0 && weight.is_finite(), "{}", place());
+                    assert!(weight == Vec3::ZERO || pdf >= f32::MIN_POSITIVE, "{}", place());
+                }
+                // Where both are divided by, and far enough from the end to have digits.
+                if pdf.min(one.pdf) > 1e-30 && pdf * m.power() > 1e-35 {
+                    let apart = (weight - one.weight).abs().max_element();
+                    assert!(apart <= 1e-5 * weight.abs().max_element(), "{} {}", place(), one.weight);
+                }
+                zero += usize::from(pdf == 0.0);
+                subnormal += usize::from(pdf > 0.0 && pdf < f32::MIN_POSITIVE);
+                let (alone, density) = m.sample_pdf(*u).unwrap();
+                assert!(alone == one.direction && density.is_finite(), "{}", place());
+            }
+        }
+    }
+    assert!(zero > 10 && subnormal > 10, "{zero} densities are 0, {subnormal} subnormal");
+    // What reflects nothing draws nothing, one by one, and the normal in batches.
+    let black = Mixture::<16>::hemisphere(&[lobe([1.0, 0.0, 1.0], 1e8, 1e-38)]).unwrap();
+    assert_eq!((black.sample([0.5; 3]), black.sample_pdf([0.5; 3])), (None, None));
+    assert!(drawn(&black, &u).iter().all(|drawn| *drawn == (Vec3::Z, 0.0, Vec3::ZERO)));
+}
+
+/// Density of the one squeezed lobe of a mixture by its equation, and the exponent in it. The fold adds nothing here.
+fn density(m: &Mixture<16>, d: Vec3) -> (f64, f64) {
+    let Gaussian { axis, sharpness } = m.lobe(0).unwrap().gaussian;
+    // As it is kept.
+    let inverse = f64::from(1.0 / m.squeeze());
+    let wide = DVec3::new(1.0, inverse, 1.0) * d.as_dvec3();
+    let (r, s) = (wide.length(), f64::from(sharpness));
+    let t = 0.5 * s * (wide / r - axis.as_dvec3()).length_squared();
+    ((-t).exp() * inverse / (r * r * r) / sphere_integral(s), t)
+}
+
+/// The density where a lobe draws, by the texts for one direction and for many: of the equation, and of each other.
+#[test]
+fn the_narrowest_lobes_have_one_density_under_the_strongest_squeeze() {
+    let [mut error, mut apart] = [(); 2].map(|()| Worst::new("squeezed pdf"));
+    let mut random = Random(83);
+    let u: Vec<[f32; 3]> = (0..500).map(|_| random.three()).collect();
+    for squeeze in [0.01, 0.1, 1.0, 2.0] {
+        for axis in [[0.6, 0.0, 0.8], [0.9, 0.0, 0.4], [0.3, 0.5, 0.8], [0.0, 0.9, 0.4], [0.0, 0.0, 1.0]] {
+            for sharpness in [1e6f32, 1e7, 1e8] {
+                let lobes = [lobe(axis, sharpness, 1.0)];
+                let m: Mixture<16> = Mixture::new(Domain::Hemisphere, squeeze, &lobes, &[]).unwrap();
+                let axis_squared = m.lobe(0).unwrap().gaussian.axis.as_dvec3().length_squared();
+                let directions: Vec<Vec3> = u.iter().map(|u| m.sample_direction(*u).unwrap()).collect();
+                for level in levels() {
+                    let m = m.clone().with_level(level).unwrap();
+                    for (d, batch) in directions.iter().zip(densities(&m, &directions)) {
+                        let (density, t) = density(&m, *d);
+                        let (one, unit) = (m.pdf(*d), squeezed_unit(sharpness.into(), axis_squared, t));
+                        let place = |got| {
+                            format!("{level:?}, {squeeze}, {axis:?}, {sharpness:e}, {d}: {got} for {density}")
+                        };
+                        for got in [one, batch] {
+                            error.see((f64::from(got) / density - 1.0).abs() / unit, || place(got));
+                        }
+                        // Half of it is either's.
+                        apart.see(0.5 * (f64::from(batch) / f64::from(one) - 1.0).abs() / unit, || {
+                            place(batch)
+                        });
+                    }
+                }
+            }
+        }
+    }
+    println!("{error:?}\n{apart:?}");
+    let failures: Vec<String> = [error.failure(), apart.excess()].into_iter().flatten().collect();
+    assert!(failures.is_empty(), "{failures:#?}");
+}
+
+/// A material of two views with a diffuse term, with factors or without.
+fn material(factors: Option<FactorTable>) -> Vec<u8> {
+    let (log2_luminance, color_differences) = color_differences([0.0, -1.0, -2.0]);
+    let lobe =
+        |angle| PlaneLobe { angle, off_plane: 0.0, log2_sharpness: 5.0, log2_luminance, color_differences };
+    let lobes = [[lobe(0.0), lobe(0.0)], [lobe(0.7), lobe(0.2)]];
+    let view = |theta: f32, lobes| View {
+        theta,
+        log2_squeeze: 0.0,
+        log2_diffuse: -3.0,
+        diffuse_color_differences: [0.0; 2],
+        lobes,
+    };
+    let views = [view(0.0, &lobes[0][..]), view(0.8, &lobes[1])];
+    let line = Line { views: &views, squeezed: 1, mirrored: 0, factors };
+    let mut bytes = vec![0; line.encoded_len("")];
+    line.encode("", &mut bytes).unwrap();
+    bytes
+}
+
+/// What a call writes for n pairs.
+type Columns<const C: usize> = [Vec<f32>; C];
+
+/// Calls, and finds 0 wherever it has written; it has to write everywhere.
+fn writes_zeros<const C: usize>(place: &str, pairs: &[[[f32; 3]; 2]], fill: impl FnOnce(&mut Columns<C>)) {
+    let mut out = [const { Vec::new() }; C];
+    out.iter_mut().for_each(|column| column.resize(pairs.len(), f32::NAN));
+    fill(&mut out);
+    for (i, pair) in pairs.iter().enumerate() {
+        let got = out.each_ref().map(|column| column[i]);
+        assert_eq!(got, [0.0; C], "{place}, {} pairs: {pair:?}", pairs.len());
+    }
+}
+
+/// The normal with density and weight 0, as seven numbers of which the height has been taken from 1.
+fn is_no_sample([x, y, z, pdf, red, green, blue]: &mut Columns<7>, sample: impl FnOnce(SamplesMut)) {
+    sample(SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] });
+    z.iter_mut().for_each(|z| *z -= 1.0);
+}
+
+#[test]
+fn an_outgoing_direction_that_is_none_gives_0_whatever_the_incident_one_is() {
+    let (inf, nan) = (f32::INFINITY, f32::NAN);
+    let none =
+        [[0.0; 3], [nan, 0.0, 1.0], [0.0, 0.0, inf], [0.0, 0.0, 0.5], [3.0, 0.0, 4.0], [0.6, 0.0, -0.8]];
+    let incident = [
+        [0.0, 0.0, 1.0],
+        [0.6, 0.0, 0.8],
+        [0.0; 3],
+        [nan; 3],
+        [inf; 3],
+        [0.0, 0.0, inf],
+        [inf, 0.0, 1.0],
+        [0.0, nan, 1.0],
+        [f32::MAX; 3],
+        [0.0, 0.0, -1.0],
+        [1e20, 0.0, 1e30],
+    ];
+    let all: Vec<[[f32; 3]; 2]> = none.iter().flat_map(|&wo| incident.map(|wi| [wo, wi])).collect();
+    let factors: Vec<[f32; 3]> = (0..12).map(|n| [0.3 * n as f32, 1.0, 2.0]).collect();
+    let albedo_differences = [[0.1; 3]; 2];
+    let table =
+        FactorTable { half: 4, difference: 3, factors: &factors, albedo_differences: &albedo_differences };
+    for factors in [None, Some(table)] {
+        let bytes = material(factors);
+        let material = Material::from_bytes(&bytes[..]).unwrap();
+        let mut memory = vec![0.0; material.expanded_len(64)];
+        let expanded = Expanded::new(&material, 64, &mut memory).unwrap();
+        for level in levels() {
+            level.set().unwrap();
+            // A few, which are taken one by one, and many, in blocks.
+            for n in [1, 3, all.len()] {
+                let pairs = &all[..n];
+                let column = |d: usize, c: usize| pairs.iter().map(|pair| pair[d][c]).collect::<Vec<f32>>();
+                let [wo, wi] = [0, 1].map(|d| [0, 1, 2].map(|c| column(d, c)));
+                let [wo, wi] = [&wo, &wi].map(|d| d.each_ref().map(Vec::as_slice));
+                let u = [&[0.4; 99][..n]; 3];
+                let mut mixtures = vec![Mixture::<16>::empty(); n];
+                material.prepare_into(wo, &mut mixtures).unwrap();
+                let place = |name| format!("{name}, {level:?}, factors {}", factors.is_some());
+
+                // One text for the three: the calls differ by their names alone.
+                macro_rules! verbs {
+                    ($name:literal, $object:path $(, $first:expr)*) => {
+                        writes_zeros(&place(concat!($name, " value")), pairs, |[red, green, blue]| {
+                            <$object>::evaluate_pairs_into($($first,)* wi, [red, green, blue]).unwrap();
+                        });
+                        writes_zeros(&place(concat!($name, " both")), pairs, |[red, green, blue, pdf]| {
+                            <$object>::evaluate_and_pdf_pairs_into($($first,)* wi, [red, green, blue], pdf).unwrap();
+                        });
+                        writes_zeros(&place(concat!($name, " density")), pairs, |[pdf]| {
+                            <$object>::pdf_pairs_into($($first,)* wi, pdf).unwrap();
+                        });
+                        writes_zeros(&place(concat!($name, " sample")), pairs, |out| {
+                            is_no_sample(out, |samples| {
+                                <$object>::sample_pairs_into($($first,)* u, samples).unwrap();
+                            });
+                        });
+                        writes_zeros(&place(concat!($name, " towards another")), pairs, |[red, green, blue, pdf]| {
+                            writes_zeros(&place(concat!($name, " sample with it")), pairs, |out| {
+                                is_no_sample(out, |samples| {
+                                    let value = [&mut red[..], green, blue];
+                                    <$object>::sample_and_evaluate_pairs_into($($first,)* u, samples, wi, value, pdf)
+                                        .unwrap();
+                                });
+                            });
+                        });
+                    };
+                }
+                verbs!("material", Material<&[u8]>, &material, wo);
+                verbs!("mixtures", Mixture<16>, &mixtures);
+                verbs!("expanded", Expanded, &expanded, wo);
+            }
+        }
+    }
+}
