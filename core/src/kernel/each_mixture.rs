@@ -9,7 +9,7 @@
 use super::block::{DrawBlock, SumBlock};
 #[cfg(feature = "simd")]
 use super::multiply_factors::multiply_block;
-use super::prepare::{PrepareInto, prepare};
+use super::prepare::{prepare, prepare_each};
 use super::sights::MOST;
 #[cfg(feature = "simd")]
 use super::sights::Numbers;
@@ -168,7 +168,7 @@ impl<B: AsRef<[u8]>> Material<B> {
             let wo = wo.map(|s| &s[from..from + count]);
             let mut left = mixtures.iter_mut();
             let mut mixtures: [_; MOST] = core::array::from_fn(|_| left.next().map(BorrowMut::borrow_mut));
-            level.run(PrepareInto { material, wo, level, mixtures: &mut mixtures[..count] });
+            prepare_each(material, wo, level, &mut mixtures[..count]);
         }
         Ok(())
     }
@@ -356,7 +356,7 @@ fn with_room<const N: usize>(material: MaterialRef<'_>, wo: [&[f32]; 3], verb: &
             let count = MOST.min(n - from);
             let wo = wo.map(|s| &s[from..from + count]);
             let mut made = mixtures.each_mut().map(Some);
-            level.run(PrepareInto { material, wo, level, mixtures: &mut made[..count] });
+            prepare_each(material, wo, level, &mut made[..count]);
             verb.block(level, &mixtures.each_ref()[..count], from);
             from += count;
         }

@@ -330,6 +330,7 @@ super::routine::entries!(
 
 /// Draws a direction, without vectors of 512 bits, as [`One::IS_WIDE`] says why, and runs a routine for it,
 /// which is a call of its own: in one function, both have too few registers.
+#[inline(never)]
 #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]
 pub(super) fn draw<S: Copy, D: Draw<S>, R: One<S>>(
     state: S,

@@ -167,4 +167,4 @@ impl Lanes for Wide {
     }
 }
 
-super::routine::entries!(Wide, #[inline(never)]);
+super::routine::entries!(Wide);

@@ -147,4 +147,4 @@ impl Lanes for f32 {
     }
 }
 
-super::routine::entries!(f32, #[inline(never)]);
+super::routine::entries!(f32);
