@@ -395,18 +395,19 @@ fn for_each_mixture<'m, const N: usize>(
 /// same factors if any. `None` for others.
 #[cfg(feature = "simd")]
 fn level_of_block<const N: usize>(mixtures: &[&Mixture<'_, N>]) -> Option<Level> {
-    let level = mixtures[0].level;
+    let level = mixtures[0].head.level;
     if mixtures.len() < FEW || level == Level::Scalar {
         return None;
     }
-    let factors = mixtures.iter().map(|m| m.factors.nodes).find(|nodes| !nodes.is_empty()).unwrap_or(&[]);
+    let factors =
+        mixtures.iter().map(|m| m.head.factors.nodes).find(|nodes| !nodes.is_empty()).unwrap_or(&[]);
     let fits = |m: &&Mixture<'_, N>| {
-        let nodes = m.factors.nodes;
+        let nodes = m.head.factors.nodes;
         // What has neither lobes nor factors may be multiplied by any.
-        let is_nothing = nodes.is_empty() && m.count == 0 && m.diffuse == Vec3::ZERO;
+        let is_nothing = nodes.is_empty() && m.head.count == 0 && m.head.diffuse == Vec3::ZERO;
         let same_factors =
             is_nothing || nodes.as_ptr() == factors.as_ptr() || nodes.len() + factors.len() == 0;
-        m.level == level && m.domain == Domain::Hemisphere && same_factors
+        m.head.level == level && m.head.domain == Domain::Hemisphere && same_factors
     };
     mixtures.iter().all(fits).then_some(level)
 }
@@ -433,7 +434,7 @@ fn copy_out(block: &[Numbers; 3], to: &mut [&mut [f32]; 3], from: usize, count: 
 #[cfg(feature = "simd")]
 fn densities<const N: usize>(value: &[Numbers; 3], mixtures: &[&Mixture<'_, N>], pdf: &mut [f32]) {
     for (i, (m, pdf)) in mixtures.iter().zip(pdf).enumerate() {
-        *pdf = luminance(Vec3::new(value[0][i], value[1][i], value[2][i])) * m.inverse_power;
+        *pdf = luminance(Vec3::new(value[0][i], value[1][i], value[2][i])) * m.head.inverse_power;
     }
 }
 
@@ -488,7 +489,7 @@ impl Pdf<'_> {
         let directions = &padded(&self.wi, from, mixtures.len());
         let [sums] = level.run(SumBlock::<N, 1> { mixtures, directions });
         for (i, m) in mixtures.iter().enumerate() {
-            self.pdf[from + i] = sums[i] * m.inverse_power;
+            self.pdf[from + i] = sums[i] * m.head.inverse_power;
         }
     }
 }
@@ -555,7 +556,7 @@ impl SamplePdf<'_> {
         let directions = level.run(DrawBlock { mixtures, u: &padded(&self.u, from, count) });
         let [sums] = level.run(SumBlock::<N, 1> { mixtures, directions: &directions });
         for (i, m) in mixtures.iter().enumerate() {
-            self.pdf[from + i] = sums[i] * m.inverse_power;
+            self.pdf[from + i] = sums[i] * m.head.inverse_power;
         }
         copy_out(&directions, &mut self.direction, from, count);
     }

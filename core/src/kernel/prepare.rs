@@ -29,10 +29,10 @@ impl<B: AsRef<[u8]>> Material<B> {
     #[inline]
     pub fn prepare<'a, const N: usize>(
         &'a self,
-        wo: Vec3,
+        wo: impl Into<Vec3>,
         mixture: &mut Mixture<'a, N>,
     ) -> Result<(), Error> {
-        prepare(self.borrowed(), wo, LeaveOut::default(), Level::current(), mixture)
+        prepare(self.borrowed(), wo.into(), LeaveOut::default(), Level::current(), mixture)
     }
 
     /// [`prepare`](Self::prepare) with options: what may be left out, and the level.
@@ -45,7 +45,7 @@ impl<B: AsRef<[u8]>> Material<B> {
     #[inline]
     pub fn prepare_with<'a, const N: usize>(
         &'a self,
-        wo: Vec3,
+        wo: impl Into<Vec3>,
         options: PrepareOptions,
         mixture: &mut Mixture<'a, N>,
     ) -> Result<(), Error> {
@@ -57,7 +57,7 @@ impl<B: AsRef<[u8]>> Material<B> {
                 return Err(Error::Level);
             }
         };
-        prepare(self.borrowed(), wo, options.leave_out, level, mixture)
+        prepare(self.borrowed(), wo.into(), options.leave_out, level, mixture)
     }
 }
 
@@ -225,7 +225,7 @@ fn between_views<'m, L: Lanes, const N: usize>(
     let place = Place::after(material, passed, outgoing.theta);
     at_place::<L, N>(material, outgoing.azimuth, place, leave_out, mixture);
     if material.header.has_factors() {
-        mixture.factors = Factors::new(material, outgoing.wo, place.among());
+        mixture.head.factors = Factors::new(material, outgoing.wo, place.among());
     }
 }
 
@@ -240,7 +240,7 @@ fn among_rings<'m, L: Lanes, const N: usize>(
 ) {
     let among = prepare_anisotropic::prepare::<L::Lobes, N>(material, shape, &outgoing, leave_out, mixture);
     if material.header.has_factors() {
-        mixture.factors = Factors::new(material, outgoing.wo, among);
+        mixture.head.factors = Factors::new(material, outgoing.wo, among);
     }
 }
 
