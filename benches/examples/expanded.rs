@@ -1,11 +1,12 @@
 //! What expanded materials cost and gain: bytes, error and time by the number of rows.
 //!
-//! `cargo run --release -p srbf-benches --example expanded [LEVEL...]`, ten seconds a level. Errors are the largest difference from the
+//! `cargo run --release -p srbf-benches --example expanded [LEVEL...] [FILE.srbf...]`, half a minute a level, and ten seconds for each
+//! file. Errors are the largest difference from the
 //! exact preparation, relative to the largest value for that outgoing direction, over 400 outgoing directions with 400 incident ones
 //! each. Times are the least of many rounds of 4096 pairs, each with its own outgoing direction; ratios are to the exact path for
 //! pairs (`Material::sample_pairs_into` and so on), round by round in turn with it.
 
-use srbf_benches::{GARNET_RED, Triples, levels, mirror_like};
+use srbf_benches::{Triples, factored_material, garnet_red, levels, mirror_like};
 use srbf_core::{Expanded, Level, Material, Mixture, SamplesMut, Vec3};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -15,18 +16,37 @@ const ROUNDS: usize = 60;
 const ROWS: [usize; 5] = [64, 128, 256, 512, 1024];
 
 fn main() -> ExitCode {
-    let names: Vec<String> = std::env::args().skip(1).collect();
+    let (files, names): (Vec<String>, Vec<String>) =
+        std::env::args().skip(1).partition(|argument| argument.ends_with(".srbf"));
     let is_missing = |name: &&String| Level::from_name(name).is_none_or(|level| !level.is_available());
     if let Some(name) = names.iter().find(is_missing) {
         eprintln!("expanded: no such level here: {name}");
         return ExitCode::from(2);
     }
-    let mirror = mirror_like();
+    let mut materials = vec![
+        ("garnet red".to_string(), garnet_red().bytes().to_vec()),
+        ("garnet red with factors".to_string(), factored_material().bytes().to_vec()),
+        ("mirror-like".to_string(), mirror_like()),
+    ];
+    for file in files {
+        match std::fs::read(&file) {
+            Ok(bytes) => materials.push((file, bytes)),
+            Err(error) => {
+                eprintln!("expanded: {file}: {error}");
+                return ExitCode::from(2);
+            }
+        }
+    }
     for level in levels().filter(|level| names.is_empty() || names.iter().any(|name| name == level.name())) {
         level.set().expect("an available level");
-        for (name, bytes) in [("garnet red", GARNET_RED), ("mirror-like", &mirror)] {
-            let material = Material::from_bytes(bytes).expect("a valid material");
-            report(level, name, &material);
+        for (name, bytes) in &materials {
+            match Material::from_bytes(bytes) {
+                Ok(material) => report(level, name, &material),
+                Err(error) => {
+                    eprintln!("expanded: {name}: {error}");
+                    return ExitCode::from(2);
+                }
+            }
         }
     }
     ExitCode::SUCCESS

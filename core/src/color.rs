@@ -13,8 +13,8 @@ pub const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 /// Luminance of a linear sRGB colour (Rec. 709): what lobes are chosen by and densities are weighted with.
 #[inline]
-pub fn luminance(rgb: Vec3) -> f32 {
-    rgb.dot(Vec3::from_array(LUMINANCE))
+pub fn luminance(rgb: impl Into<Vec3>) -> f32 {
+    rgb.into().dot(Vec3::from_array(LUMINANCE))
 }
 
 /// Largest magnitude of a relative colour difference.

@@ -70,7 +70,7 @@ impl<'a, const N: usize> Defensive<'a, N> {
         if !(0.0..=1.0).contains(&share) {
             return Err(Error::Share);
         }
-        Ok(Self { mixture, share: if mixture.power == 0.0 { 1.0 } else { share } })
+        Ok(Self { mixture, share: if mixture.head.power == 0.0 { 1.0 } else { share } })
     }
 
     /// Largest weight `f cos / pdf` that a BRDF of at most `max_brdf`, 1/sr, can have: `pi max_brdf / share`.
@@ -78,19 +78,20 @@ impl<'a, const N: usize> Defensive<'a, N> {
     /// Since `pdf >= share cos / pi`. On the sphere, of a function of at most `max_brdf`: `4 pi max_brdf /
     /// share`.
     pub fn max_weight(&self, max_brdf: f32) -> f32 {
-        let solid_angle = if self.mixture.domain == Domain::Hemisphere { PI } else { 4.0 * PI };
+        let solid_angle = if self.mixture.head.domain == Domain::Hemisphere { PI } else { 4.0 * PI };
         solid_angle * max_brdf / self.share
     }
 
     /// Evaluates the density; 1/sr.
     #[inline]
-    pub fn pdf(&self, direction: Vec3) -> f32 {
+    pub fn pdf(&self, direction: impl Into<Vec3>) -> f32 {
+        let direction = direction.into();
         self.mix(direction, self.mixture.pdf(direction))
     }
 
     #[inline]
     fn mix(&self, direction: Vec3, pdf: f32) -> f32 {
-        let defensive = match self.mixture.domain {
+        let defensive = match self.mixture.head.domain {
             Domain::Hemisphere => direction.z.max(0.0) * FRAC_1_PI,
             Domain::Sphere => 0.25 * FRAC_1_PI,
         };
@@ -102,7 +103,7 @@ impl<'a, const N: usize> Defensive<'a, N> {
     #[inline]
     pub fn sample(&self, u: [f32; 3]) -> Sample {
         let direction = if u[0] < self.share {
-            match self.mixture.domain {
+            match self.mixture.head.domain {
                 Domain::Hemisphere => cosine_weighted([u[1], u[2]]),
                 Domain::Sphere => {
                     // Heights z = 1 - 2 u are uniform.

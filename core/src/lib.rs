@@ -7,7 +7,8 @@
 //!
 //! Directions are unit vectors in the caller's shading frame, +z the surface normal. Outgoing `wo` points
 //! towards the viewer and is fixed, incident `wi` points towards the light and is sampled. Values are linear
-//! sRGB.
+//! sRGB. Where one direction or colour goes in, it may be `[f32; 3]` or a [`Vec3`]; what comes out is a `Vec3`,
+//! which is `Into<[f32; 3]>`: no client needs `glam`.
 //!
 //! Not-a-number policy: constructors refuse what has no meaning; evaluation and sampling of what was
 //! constructed never make a NaN from unit directions. Any other vector gives an unspecified value, never a
@@ -28,7 +29,7 @@
 //! # A material
 //!
 //! ```
-//! use srbf_core::{Line, Material, Mixture, PlaneLobe, Vec3, View, power_heuristic};
+//! use srbf_core::{Line, Material, Mixture, PlaneLobe, View, power_heuristic};
 //!
 //! // Bytes of a `.srbf` file; here one view of one lobe above a diffuse term, written on the spot.
 //! let grey = [0.0; 2];
@@ -54,7 +55,7 @@
 //! let material = Material::from_bytes(&bytes[..length])?;
 //! // At every hit: the mixture for its outgoing direction, in storage that is used again.
 //! let mut mixture = Mixture::<16>::empty();
-//! material.prepare(Vec3::new(0.6, 0.0, 0.8), &mut mixture)?;
+//! material.prepare([0.6, 0.0, 0.8], &mut mixture)?;
 //!
 //! // Where the path goes on, and what it is multiplied by.
 //! let sample = mixture.sample([0.3, 0.6, 0.1]).expect("the material reflects");
@@ -62,7 +63,7 @@
 //! assert!(throughput.max_element() < 1.0);
 //!
 //! // Light from a direction that was drawn otherwise, with density 2: value, and the weight of that sample.
-//! let (value, pdf) = mixture.evaluate_and_pdf(Vec3::new(0.0, 0.28, 0.96));
+//! let (value, pdf) = mixture.evaluate_and_pdf([0.0, 0.28, 0.96]);
 //! let light = value / 2.0 * power_heuristic(1.0, 2.0, 1.0, pdf);
 //! assert!(light.min_element() > 0.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -71,9 +72,9 @@
 //! # Lobes of one's own
 //!
 //! ```
-//! use srbf_core::{Lobe, Mixture, Vec3};
+//! use srbf_core::{Lobe, Mixture};
 //!
-//! let lobe = Lobe::new(Vec3::new(0.6, 0.0, 0.8), 40.0, Vec3::new(1.0, 0.5, 0.2))?;
+//! let lobe = Lobe::new([0.6, 0.0, 0.8], 40.0, [1.0, 0.5, 0.2])?;
 //! let mixture = Mixture::<16>::hemisphere(&[lobe])?;
 //! let sample = mixture.sample([0.5, 0.25, 0.75]).expect("the mixture is not black");
 //! assert!((sample.pdf - mixture.pdf(sample.direction)).abs() <= 1e-6 * sample.pdf);

@@ -46,7 +46,8 @@ fn licences_are_allowed() {
 
 #[test]
 fn no_dependency_asks_for_a_newer_compiler() {
-    let number = |text: &str| text.split('.').map(|n| n.parse().unwrap()).chain([0, 0]).take(3).collect::<Vec<u32>>();
+    let number =
+        |text: &str| text.split('.').map(|n| n.parse().unwrap()).chain([0, 0]).take(3).collect::<Vec<u32>>();
     let ours = number(env!("CARGO_PKG_RUST_VERSION"));
     for package in packages() {
         let Some(asked) = package["rust_version"].as_str() else { continue };

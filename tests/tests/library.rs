@@ -1,5 +1,6 @@
 //! The tests of `core` that can share a process.
 
+mod arrays;
 mod chi_square;
 mod dependencies;
 mod estimators;

@@ -7,7 +7,7 @@ use super::sampling::{MAX_CANDIDATES, ProductSampling};
 use super::table::{Colors, Table};
 use crate::kernel::draw::sample_direction;
 use crate::kernel::lobe_sums::{STAGE, sums};
-use crate::mixture::rows::Mixture;
+use crate::mixture::rows::{Head, MixtureRef};
 use crate::simd::detect::Level;
 use crate::simd::lanes::{Lanes, dot3, splat3};
 use crate::simd::routine::Routine;
@@ -52,9 +52,9 @@ impl Candidates {
 
     /// Draws and evaluates them, without factors.
     #[inline(always)]
-    pub fn draw<const N: usize>(
+    pub fn draw(
         &mut self,
-        mixture: &Mixture<'_, N>,
+        mixture: &MixtureRef<'_>,
         table: &Table<'_>,
         frame: &[Vec3; 3],
         sampling: &ProductSampling,
@@ -62,11 +62,11 @@ impl Candidates {
     ) {
         let frame = [frame[0].to_array(), frame[1].to_array(), frame[2].to_array()];
         let (lobes, count) = (sampling.lobes, sampling.count);
-        mixture.level.run(Draw { mixture, table, frame, lobes, count, u, to: self });
+        mixture.head.level.run(Draw { mixture, table, frame, lobes, count, u, to: self });
     }
 
     /// Multiplies the values by their factors.
-    pub fn multiply<const N: usize>(&mut self, mixture: &Mixture<'_, N>, count: usize) {
+    pub fn multiply(&mut self, mixture: &Head<'_>, count: usize) {
         let [x, y, z] = &self.local;
         let [red, green, blue] = &mut self.value;
         mixture.multiply(
@@ -104,8 +104,8 @@ fn store3<L: Lanes>(vector: [L; 3], rows: &mut [Row; 3], at: usize) {
 }
 
 /// Draws candidates and evaluates them.
-struct Draw<'a, 'm, 't, const N: usize> {
-    mixture: &'a Mixture<'m, N>,
+struct Draw<'a, 't> {
+    mixture: &'a MixtureRef<'a>,
     table: &'a Table<'t>,
     frame: [[f32; 3]; 3],
     lobes: usize,
@@ -123,7 +123,7 @@ struct Places {
     within: [Row; 2],
 }
 
-impl<const N: usize> Routine for Draw<'_, '_, '_, N> {
+impl Routine for Draw<'_, '_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(mut self) {
@@ -158,7 +158,7 @@ impl<const N: usize> Routine for Draw<'_, '_, '_, N> {
     }
 }
 
-impl<const N: usize> Draw<'_, '_, '_, N> {
+impl Draw<'_, '_> {
     /// Directions of the lobes, and where they lie.
     #[inline(always)]
     fn draw_lobes<L: Lanes>(&mut self, places: &mut Places) {
@@ -233,9 +233,9 @@ impl<const N: usize> Draw<'_, '_, '_, N> {
         let mut at = 0;
         while at < self.count {
             let local = load3::<L>(&self.to.local, at);
-            let value = sums(m, [&m.red, &m.green, &m.blue], m.diffuse.to_array(), local, &mut stage);
+            let value = sums(m, m.head.diffuse.to_array(), local, &mut stage);
             store3(value, &mut self.to.value, at);
-            (luminances(value) * L::splat(m.inverse_power)).store(&mut self.to.pdf[at..]);
+            (luminances(value) * L::splat(m.head.inverse_power)).store(&mut self.to.pdf[at..]);
             at += L::COUNT;
         }
     }

@@ -19,7 +19,8 @@ use super::candidates::{Candidates, choose};
 use super::sampling::ProductSampling;
 use super::table::Environment;
 use crate::error::Error;
-use crate::mixture::rows::Mixture;
+use crate::mixture::rows::{Mixture, Rows};
+use crate::simd::lanes::PARTS;
 use glam::Vec3;
 
 /// A direction drawn for light and material together.
@@ -75,16 +76,17 @@ impl<const N: usize> Mixture<'_, N> {
         if u.iter().any(|u| u.len() != sampling.count) {
             return Err(Error::Length);
         }
-        if self.power <= 0.0 {
+        if self.head.power <= 0.0 {
             return Ok(None);
         }
         let table = environment.borrowed();
         let mut candidates = Candidates::NONE;
-        candidates.draw(self, &table, frame, sampling, u);
+        let mut blocks = [Rows::zeros(); PARTS];
+        candidates.draw(&self.borrowed(&mut blocks), &table, frame, sampling, u);
         if self.has_factors() {
-            candidates.multiply(self, sampling.count);
+            candidates.multiply(&self.head, sampling.count);
         }
-        let Some((chosen, scale)) = choose(self.level, &mut candidates, sampling, choice) else {
+        let Some((chosen, scale)) = choose(self.head.level, &mut candidates, sampling, choice) else {
             return Ok(None);
         };
         let (direction, weight) = candidates.at(chosen);

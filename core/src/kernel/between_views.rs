@@ -123,7 +123,7 @@ pub(crate) fn at_place<L: Lanes, const N: usize>(
         }
         i += L::COUNT;
     }
-    mixture.squeeze = Squeeze::new(azimuth, 1.0, 1.0 / head[0]);
+    mixture.head.squeeze = Squeeze::new(azimuth, 1.0, 1.0 / head[0]);
     mixture.set_diffuse(if material.header.has_luminance {
         color::rgb(head[1], [logarithms[2], logarithms[3]])
     } else {
@@ -156,7 +156,7 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
     let b = from_offset!(material.bytes, header.row(place.after, 0), 4 * mirrored, reach, copy_b, PADDED);
     let rows = Rows { a: &a[..reach], b: &b[..reach], place, count, mirrored };
     let zero = L::splat(0.0);
-    mixture.in_plane = mirrored == 0;
+    mixture.head.in_plane = mirrored == 0;
     let mut k = 0;
     while row::is_within::<L, N>(k, total) {
         let valid = L::iota().lt(L::splat((total - k) as f32));
@@ -171,13 +171,13 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
         let third = L::select(valid, rows.row(4, k), nothing);
         if header.has_luminance {
             let [red, green, blue] = color::rgb(first, [second, third]);
-            row::store(red, &mut mixture.red, k);
-            row::store(green, &mut mixture.green, k);
-            row::store(blue, &mut mixture.blue, k);
+            row::store(red, &mut mixture.rows.red, k);
+            row::store(green, &mut mixture.rows.green, k);
+            row::store(blue, &mut mixture.rows.blue, k);
         } else {
-            row::store(first, &mut mixture.red, k);
-            row::store(exp2(second), &mut mixture.green, k);
-            row::store(exp2(third), &mut mixture.blue, k);
+            row::store(first, &mut mixture.rows.red, k);
+            row::store(exp2(second), &mut mixture.rows.green, k);
+            row::store(exp2(third), &mut mixture.rows.blue, k);
         }
         let (mut x, mut z) = sin_cos(angle);
         let mut y = zero;
@@ -185,10 +185,10 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
             let (sin, cos) = sin_cos(rows.off_plane(k));
             (x, y, z) = (x * cos, sin, z * cos);
         }
-        row::store(x, &mut mixture.axis_x, k);
-        row::store(y, &mut mixture.axis_y, k);
-        row::store(z, &mut mixture.axis_z, k);
-        row::store(exp2(log_sharpness), &mut mixture.sharpness, k);
+        row::store(x, &mut mixture.rows.axis_x, k);
+        row::store(y, &mut mixture.rows.axis_y, k);
+        row::store(z, &mut mixture.rows.axis_z, k);
+        row::store(exp2(log_sharpness), &mut mixture.rows.sharpness, k);
         k += L::COUNT;
     }
     mixture.finish_lobes::<L>(total, header.squeezed, leave_out);

@@ -30,24 +30,24 @@ impl<const N: usize> Routine for DrawBlock<'_, N> {
         let (mut inside, mut gone, mut inverse_sharpness) = (zeros, zeros, zeros);
         let (mut squeezed, mut lobe, mut dark) = (zeros, zeros, zeros);
         for (i, m) in mixtures.iter().take(MOST).enumerate() {
-            let target = chosen_power(m, u[0][i]);
+            let target = chosen_power(m.head.power, u[0][i]);
             let k = chosen_lobe::<L, N>(m, target);
-            axis[0][i] = m.axis_x[k];
-            axis[1][i] = m.axis_y[k];
-            axis[2][i] = m.axis_z[k];
-            inside[i] = m.inside[k];
-            gone[i] = m.tail[k];
-            inverse_sharpness[i] = m.inverse_sharpness[k];
-            azimuth[0][i] = m.squeeze.azimuth[0];
-            azimuth[1][i] = m.squeeze.azimuth[1];
-            narrow[0][i] = m.squeeze.along;
-            narrow[1][i] = m.squeeze.inverse;
-            squeezed[i] = if k < m.squeezed { 1.0 } else { 0.0 };
-            lobe[i] = if target < m.lobes_power { 1.0 } else { 0.0 };
-            dark[i] = if m.power == 0.0 { 1.0 } else { 0.0 };
-            in_plane &= m.in_plane;
-            any_squeezed |= m.squeezed > 0;
-            any_diffuse |= m.lobes_power < m.power;
+            axis[0][i] = m.rows.axis_x[k];
+            axis[1][i] = m.rows.axis_y[k];
+            axis[2][i] = m.rows.axis_z[k];
+            inside[i] = m.rows.inside[k];
+            gone[i] = m.rows.tail[k];
+            inverse_sharpness[i] = m.rows.inverse_sharpness[k];
+            azimuth[0][i] = m.head.squeeze.azimuth[0];
+            azimuth[1][i] = m.head.squeeze.azimuth[1];
+            narrow[0][i] = m.head.squeeze.along;
+            narrow[1][i] = m.head.squeeze.inverse;
+            squeezed[i] = if k < m.head.squeezed { 1.0 } else { 0.0 };
+            lobe[i] = if target < m.head.lobes_power { 1.0 } else { 0.0 };
+            dark[i] = if m.head.power == 0.0 { 1.0 } else { 0.0 };
+            in_plane &= m.head.in_plane;
+            any_squeezed |= m.head.squeezed > 0;
+            any_diffuse |= m.head.lobes_power < m.head.power;
         }
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let half = L::splat(0.5);
@@ -97,11 +97,11 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
         let (mut azimuth, mut excess) = ([zeros; 2], zeros);
         let (mut along, mut inverse) = ([1.0; MOST], [1.0; MOST]);
         for (i, m) in mixtures.iter().take(MOST).enumerate() {
-            azimuth[0][i] = m.squeeze.azimuth[0];
-            azimuth[1][i] = m.squeeze.azimuth[1];
-            excess[i] = m.squeeze.excess;
-            along[i] = m.squeeze.along;
-            inverse[i] = m.squeeze.inverse;
+            azimuth[0][i] = m.head.squeeze.azimuth[0];
+            azimuth[1][i] = m.head.squeeze.azimuth[1];
+            excess[i] = m.head.squeeze.excess;
+            along[i] = m.head.squeeze.along;
+            inverse[i] = m.head.squeeze.inverse;
         }
         let sights = sights::<L>(azimuth, excess, [along, inverse], self.directions);
         let mut out = [zeros; C];
@@ -112,13 +112,13 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
                 continue;
             }
             let [turned, squeezed] = sight(&sights, i);
-            let rows: [&[f32; N]; 4] = [&m.red, &m.green, &m.blue, &m.luminance];
+            let rows: [&[f32; N]; 4] = [&m.rows.red, &m.rows.green, &m.rows.blue, &m.rows.luminance];
             let mut amplitudes = [rows[3]; C];
-            let mut diffuse = [m.diffuse_power; C];
+            let mut diffuse = [m.head.diffuse_power; C];
             if C == 3 {
                 for channel in 0..C {
                     amplitudes[channel] = rows[channel];
-                    diffuse[channel] = m.diffuse[channel];
+                    diffuse[channel] = m.head.diffuse[channel];
                 }
             }
             let sums = all_lobes::<L::Lobes, N, C, true>(m, amplitudes, &turned, &squeezed);

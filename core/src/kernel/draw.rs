@@ -3,7 +3,7 @@
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
 use crate::mixture::row;
-use crate::mixture::rows::{Domain, Mixture};
+use crate::mixture::rows::{Domain, Head, Mixture, MixtureRef, row_of};
 use crate::simd::elementary::{ln_plus_times, sin_cos_turns};
 use crate::simd::lanes::{Lanes, TOGETHER, dot3, halves, of_halves, scale};
 use crate::squeeze::turn_back;
@@ -36,21 +36,21 @@ pub(crate) struct Frame<L: Lanes> {
 
 impl<L: Lanes> Frame<L> {
     #[inline(always)]
-    fn new<const N: usize>(m: &Mixture<'_, N>) -> Self {
+    fn new(head: &Head<'_>) -> Self {
         Self {
-            in_plane: m.in_plane,
-            any_squeezed: m.squeezed > 0,
-            any_diffuse: m.lobes_power < m.power,
-            is_folded: m.domain == Domain::Hemisphere,
-            azimuth: [L::splat(m.squeeze.azimuth[0]), L::splat(m.squeeze.azimuth[1])],
-            widen: [L::splat(1.0 / m.squeeze.along), L::splat(1.0 / m.squeeze.inverse)],
+            in_plane: head.in_plane,
+            any_squeezed: head.squeezed > 0,
+            any_diffuse: head.lobes_power < head.power,
+            is_folded: head.domain == Domain::Hemisphere,
+            azimuth: [L::splat(head.squeeze.azimuth[0]), L::splat(head.squeeze.azimuth[1])],
+            widen: [L::splat(1.0 / head.squeeze.along), L::splat(1.0 / head.squeeze.inverse)],
         }
     }
 }
 
 /// Draws directions: lobe by `u[0]`, direction in it by `u[1]` and `u[2]`.
 #[inline(always)]
-pub(crate) fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<'_, N>, u: [L; 3]) -> [L; 3] {
+pub(crate) fn sample_direction<L: Lanes>(m: &MixtureRef<'_>, u: [L; 3]) -> [L; 3] {
     if L::VECTORS > TOGETHER {
         let mut parts = halves(u);
         for i in 0..2 {
@@ -58,23 +58,23 @@ pub(crate) fn sample_direction<L: Lanes, const N: usize>(m: &Mixture<'_, N>, u: 
         }
         return of_halves(parts);
     }
-    let target = chosen_power(m, u[0]);
-    let count = m.count.min(N);
-    let k = target.search(&m.cumulative[..count.saturating_sub(1)]);
-    let frame = Frame::new(m);
+    let head = m.head;
+    let target = chosen_power(head.power, u[0]);
+    let count = head.count;
+    let k = target.search(&row_of!(m, cumulative), count.saturating_sub(1));
     let choice = Choice {
         axis: [
-            row::lookup(&m.axis_x, count, k),
-            if m.in_plane { L::splat(0.0) } else { row::lookup(&m.axis_y, count, k) },
-            row::lookup(&m.axis_z, count, k),
+            L::lookup(&row_of!(m, axis_x), count, k),
+            if head.in_plane { L::splat(0.0) } else { L::lookup(&row_of!(m, axis_y), count, k) },
+            L::lookup(&row_of!(m, axis_z), count, k),
         ],
-        inside: row::lookup(&m.inside, count, k),
-        gone: row::lookup(&m.tail, count, k),
-        inverse_sharpness: row::lookup(&m.inverse_sharpness, count, k),
-        is_squeezed: L::index_below(k, m.squeezed),
-        is_lobe: target.lt(L::splat(m.lobes_power)),
+        inside: L::lookup(&row_of!(m, inside), count, k),
+        gone: L::lookup(&row_of!(m, tail), count, k),
+        inverse_sharpness: L::lookup(&row_of!(m, inverse_sharpness), count, k),
+        is_squeezed: L::index_below(k, head.squeezed),
+        is_lobe: target.lt(L::splat(head.lobes_power)),
     };
-    draw(&frame, choice, u[1], u[2])
+    draw(&Frame::new(head), choice, u[1], u[2])
 }
 
 /// Draws one direction, and what it is to be multiplied by to be of length 1: lanes are lobes while the lobe
@@ -84,7 +84,7 @@ pub(crate) fn draw_one<L: Lanes, const N: usize, const SEEN: bool>(
     m: &Mixture<'_, N>,
     u: [f32; 3],
 ) -> ([f32; 3], f32) {
-    let target = u[0] * m.power;
+    let target = u[0] * m.head.power;
     let k = chosen_lobe::<L, N>(m, target);
     draw_from::<L::One, N, SEEN>(m, k, target, u)
 }
@@ -94,9 +94,9 @@ pub(crate) fn draw_one<L: Lanes, const N: usize, const SEEN: bool>(
 pub(crate) fn chosen_lobe<L: Lanes, const N: usize>(m: &Mixture<'_, N>, target: f32) -> usize {
     // The running sum never falls: the lobes that are passed come first, and what is stored behind the last
     // does not matter. The last ends the search whatever its sum is rounded to.
-    let (mut above, mut from) = (1u64.wrapping_shl((m.count as u32).wrapping_sub(1)), 0);
-    while row::is_within::<L, N>(from, m.count) {
-        above |= L::bits(L::splat(target).lt(row::load(&m.cumulative, from))) << from;
+    let (mut above, mut from) = (1u64.wrapping_shl((m.head.count as u32).wrapping_sub(1)), 0);
+    while row::is_within::<L, N>(from, m.head.count) {
+        above |= L::bits(L::splat(target).lt(row::load(&m.rows.cumulative, from))) << from;
         from += L::COUNT;
     }
     (above.trailing_zeros() as usize).min(N - 1)
@@ -111,23 +111,23 @@ fn draw_from<L: Lanes<Index = usize>, const N: usize, const SEEN: bool>(
     u: [f32; 3],
 ) -> ([f32; 3], f32) {
     let choice = Choice {
-        axis: [L::splat(m.axis_x[k]), L::splat(m.axis_y[k]), L::splat(m.axis_z[k])],
-        inside: L::splat(m.inside[k]),
-        gone: L::splat(m.tail[k]),
-        inverse_sharpness: L::splat(m.inverse_sharpness[k]),
-        is_squeezed: L::index_below(k, m.squeezed),
-        is_lobe: L::splat(target).lt(L::splat(m.lobes_power)),
+        axis: [L::splat(m.rows.axis_x[k]), L::splat(m.rows.axis_y[k]), L::splat(m.rows.axis_z[k])],
+        inside: L::splat(m.rows.inside[k]),
+        gone: L::splat(m.rows.tail[k]),
+        inverse_sharpness: L::splat(m.rows.inverse_sharpness[k]),
+        is_squeezed: L::index_below(k, m.head.squeezed),
+        is_lobe: L::splat(target).lt(L::splat(m.head.lobes_power)),
     };
-    let frame = Frame { any_squeezed: SEEN && m.squeezed > 0, ..Frame::new(m) };
+    let frame = Frame { any_squeezed: SEEN && m.head.squeezed > 0, ..Frame::new(&m.head) };
     let ([x, y, z], inverse) = draw_unscaled::<L, SEEN>(&frame, choice, L::splat(u[1]), L::splat(u[2]));
     ([x.first(), y.first(), z.first()], inverse.first())
 }
 
 /// The place on the running sum of powers that a uniform number stands for.
 #[inline(always)]
-pub(crate) fn chosen_power<L: Lanes, const N: usize>(m: &Mixture<'_, N>, u: L) -> L {
+pub(crate) fn chosen_power<L: Lanes>(power: f32, u: L) -> L {
     // Below the whole, so that a lobe that adds something is found whatever the product rounds to.
-    (u * L::splat(m.power)).min(L::splat(m.power * (1.0 - f32::EPSILON)))
+    (u * L::splat(power)).min(L::splat(power * (1.0 - f32::EPSILON)))
 }
 
 /// Draws directions from chosen lobes.

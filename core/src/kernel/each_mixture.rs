@@ -9,7 +9,7 @@
 use super::block::{DrawBlock, SumBlock};
 #[cfg(feature = "simd")]
 use super::multiply_factors::multiply_block;
-use super::prepare::{PrepareInto, prepare};
+use super::prepare::{prepare, prepare_each};
 use super::sights::MOST;
 #[cfg(feature = "simd")]
 use super::sights::Numbers;
@@ -170,7 +170,7 @@ impl<B: AsRef<[u8]>> Material<B> {
             let wo = wo.map(|s| &s[from..from + count]);
             let mut left = mixtures.iter_mut();
             let mut mixtures: [_; MOST] = core::array::from_fn(|_| left.next().map(BorrowMut::borrow_mut));
-            level.run(PrepareInto { material, wo, level, mixtures: &mut mixtures[..count] });
+            prepare_each(material, wo, level, &mut mixtures[..count]);
         }
         Ok(())
     }
@@ -358,7 +358,7 @@ fn with_room<const N: usize>(material: MaterialRef<'_>, wo: [&[f32]; 3], verb: &
             let count = MOST.min(n - from);
             let wo = wo.map(|s| &s[from..from + count]);
             let mut made = mixtures.each_mut().map(Some);
-            level.run(PrepareInto { material, wo, level, mixtures: &mut made[..count] });
+            prepare_each(material, wo, level, &mut made[..count]);
             verb.block(level, &mixtures.each_ref()[..count], from);
             from += count;
         }
@@ -397,18 +397,19 @@ fn for_each_mixture<'m, const N: usize>(
 /// same factors if any. `None` for others.
 #[cfg(feature = "simd")]
 fn level_of_block<const N: usize>(mixtures: &[&Mixture<'_, N>]) -> Option<Level> {
-    let level = mixtures[0].level;
+    let level = mixtures[0].head.level;
     if mixtures.len() < FEW || level == Level::Scalar {
         return None;
     }
-    let factors = mixtures.iter().map(|m| m.factors.nodes).find(|nodes| !nodes.is_empty()).unwrap_or(&[]);
+    let factors =
+        mixtures.iter().map(|m| m.head.factors.nodes).find(|nodes| !nodes.is_empty()).unwrap_or(&[]);
     let fits = |m: &&Mixture<'_, N>| {
-        let nodes = m.factors.nodes;
+        let nodes = m.head.factors.nodes;
         // What has neither lobes nor factors may be multiplied by any.
         let same_factors = (nodes.is_empty() && m.is_nothing())
             || nodes.as_ptr() == factors.as_ptr()
             || nodes.len() + factors.len() == 0;
-        m.level == level && m.domain == Domain::Hemisphere && same_factors
+        m.head.level == level && m.head.domain == Domain::Hemisphere && same_factors
     };
     mixtures.iter().all(fits).then_some(level)
 }
@@ -435,7 +436,7 @@ fn copy_out(block: &[Numbers; 3], to: &mut [&mut [f32]; 3], from: usize, count: 
 #[cfg(feature = "simd")]
 fn densities<const N: usize>(value: &[Numbers; 3], mixtures: &[&Mixture<'_, N>], pdf: &mut [f32]) {
     for (i, (m, pdf)) in mixtures.iter().zip(pdf).enumerate() {
-        *pdf = luminance(Vec3::new(value[0][i], value[1][i], value[2][i])) * m.inverse_power;
+        *pdf = luminance(Vec3::new(value[0][i], value[1][i], value[2][i])) * m.head.inverse_power;
     }
 }
 
@@ -491,7 +492,7 @@ impl Pdf<'_> {
         let directions = &padded(&self.wi, from, mixtures.len());
         let [sums] = level.run(SumBlock::<N, 1> { mixtures, directions });
         for (i, m) in mixtures.iter().enumerate() {
-            self.pdf[from + i] = sums[i] * m.inverse_power;
+            self.pdf[from + i] = sums[i] * m.head.inverse_power;
         }
     }
 }
@@ -558,7 +559,7 @@ impl SamplePdf<'_> {
         let directions = level.run(DrawBlock { mixtures, u: &padded(&self.u, from, count) });
         let [sums] = level.run(SumBlock::<N, 1> { mixtures, directions: &directions });
         for (i, m) in mixtures.iter().enumerate() {
-            self.pdf[from + i] = sums[i] * m.inverse_power;
+            self.pdf[from + i] = sums[i] * m.head.inverse_power;
         }
         copy_out(&directions, &mut self.direction, from, count);
     }

@@ -2,9 +2,9 @@
 //! after the other.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
-use crate::mixture::rows::{Domain, Mixture};
+use crate::mixture::rows::{Block, Domain, MixtureRef};
 use crate::simd::elementary::falloff;
-use crate::simd::lanes::{Lanes, TOGETHER, scale};
+use crate::simd::lanes::{Lanes, PART, PARTS, Part, TOGETHER, scale};
 use crate::squeeze::Seen;
 use core::f32::consts::FRAC_1_PI;
 use core::ops::Range;
@@ -17,31 +17,30 @@ pub(crate) const STAGE: usize = 16;
 /// Sums the lobes and the diffuse term towards a vector of directions, once for each of `C` sets of
 /// amplitudes.
 #[inline(always)]
-pub(crate) fn sums<L: Lanes, const N: usize, const C: usize>(
-    m: &Mixture<'_, N>,
-    amplitudes: [&[f32; N]; C],
+pub(crate) fn sums<L: Lanes, const C: usize>(
+    m: &MixtureRef<'_>,
     diffuse: [f32; C],
     d: [L; 3],
     stage: &mut Stage<L>,
 ) -> [L; C] {
     let mut acc = [L::splat(0.0); C];
-    let turned = m.squeeze.turn(d);
-    if m.squeezed > 0 {
-        let (seen, lobes) = (m.squeeze.squeeze(&turned), 0..m.squeezed);
+    let turned = m.head.squeeze.turn(d);
+    if m.head.squeezed > 0 {
+        let (seen, lobes) = (m.head.squeeze.squeeze(&turned), 0..m.head.squeezed);
         if L::FUSED {
-            run::<L, N, C, Long>(m, amplitudes, &seen, lobes, &mut acc, stage);
+            run::<L, C, Long>(m, &seen, lobes, &mut acc, stage);
         } else {
-            run::<L, N, C, Split>(m, amplitudes, &seen, lobes, &mut acc, stage);
+            run::<L, C, Split>(m, &seen, lobes, &mut acc, stage);
         }
         acc = scale(acc, seen.scale);
     }
-    let lobes = m.squeezed..m.count;
-    if m.squeeze.is_turned {
-        run::<L, N, C, Split>(m, amplitudes, &turned, lobes, &mut acc, stage);
+    let lobes = m.head.squeezed..m.head.count;
+    if m.head.squeeze.is_turned {
+        run::<L, C, Split>(m, &turned, lobes, &mut acc, stage);
     } else {
-        run::<L, N, C, Plain>(m, amplitudes, &turned, lobes, &mut acc, stage);
+        run::<L, C, Plain>(m, &turned, lobes, &mut acc, stage);
     }
-    if m.domain == Domain::Hemisphere {
+    if m.head.domain == Domain::Hemisphere {
         let zero = L::splat(0.0);
         let above = d[2].ge(zero);
         for i in 0..C {
@@ -115,85 +114,100 @@ impl Form for Long {
 
 /// Adds a run of lobes that see the same direction, which is held as `F` says.
 #[inline(always)]
-fn run<L: Lanes, const N: usize, const C: usize, F: Form>(
-    m: &Mixture<'_, N>,
-    amplitudes: [&[f32; N]; C],
+fn run<L: Lanes, const C: usize, F: Form>(
+    m: &MixtureRef<'_>,
     seen: &Seen<L>,
     lobes: Range<usize>,
     acc: &mut [L; C],
     stage: &mut Stage<L>,
 ) {
-    if m.in_plane {
-        stretches::<L, N, C, F, true>(m, amplitudes, seen, lobes, acc, stage);
+    if m.head.in_plane {
+        stretches::<L, C, F, true>(m, seen, lobes, acc, stage);
     } else {
-        stretches::<L, N, C, F, false>(m, amplitudes, seen, lobes, acc, stage);
+        stretches::<L, C, F, false>(m, seen, lobes, acc, stage);
     }
 }
 
 /// Adds a run of lobes. `PLANE`: every axis has y = 0.
 #[inline(always)]
-fn stretches<L: Lanes, const N: usize, const C: usize, F: Form, const PLANE: bool>(
-    m: &Mixture<'_, N>,
-    amplitudes: [&[f32; N]; C],
+fn stretches<L: Lanes, const C: usize, F: Form, const PLANE: bool>(
+    m: &MixtureRef<'_>,
     seen: &Seen<L>,
     lobes: Range<usize>,
     acc: &mut [L; C],
     stage: &mut Stage<L>,
 ) {
-    // Stretches of lobes that need their fold, and of lobes that do not: no branch in the loop over either.
-    let (mut k, to) = (lobes.start, lobes.end.min(N));
+    // Stretches of lobes of one block that need their fold, and of lobes that do not: no branch in the loop over
+    // either.
+    let (mut k, to) = (lobes.start, lobes.end.min(PART * PARTS));
     while k < to {
-        let ahead = m.folded >> k;
+        let lobes = Lobes::of_block(m.blocks[k / PART]);
+        let (ahead, from, left) = (m.head.folded >> k, k % PART, to - k);
         if ahead & 1 == 1 {
-            let end = to.min(k + ahead.trailing_ones() as usize);
-            stretch::<L, N, C, F, PLANE, true>(m, amplitudes, seen, k..end, acc, stage);
-            k = end;
+            let n = left.min(ahead.trailing_ones() as usize).min(PART - from);
+            stretch::<L, C, F, PLANE, true>(&lobes, seen, from..from + n, acc, stage);
+            k += n;
         } else {
-            let end = to.min(k + ahead.trailing_zeros() as usize);
-            stretch::<L, N, C, F, PLANE, false>(m, amplitudes, seen, k..end, acc, stage);
-            k = end;
+            let n = left.min(ahead.trailing_zeros() as usize).min(PART - from);
+            stretch::<L, C, F, PLANE, false>(&lobes, seen, from..from + n, acc, stage);
+            k += n;
         }
+    }
+}
+
+/// A block of lobes with `C` sets of amplitudes: red, green and blue, or the luminance.
+struct Lobes<'a, const C: usize> {
+    block: &'a Block,
+    amplitudes: [&'a Part; C],
+}
+
+impl<'a, const C: usize> Lobes<'a, C> {
+    #[inline(always)]
+    fn of_block(block: &'a Block) -> Self {
+        let mut amplitudes = [&block.luminance; C];
+        if C == 3 {
+            amplitudes.copy_from_slice(&[&block.red, &block.green, &block.blue]);
+        }
+        Self { block, amplitudes }
     }
 }
 
 /// Adds lobes that all need their fold (`FOLD`), or none.
 #[inline(always)]
-fn stretch<L: Lanes, const N: usize, const C: usize, F: Form, const PLANE: bool, const FOLD: bool>(
-    m: &Mixture<'_, N>,
-    amplitudes: [&[f32; N]; C],
+fn stretch<L: Lanes, const C: usize, F: Form, const PLANE: bool, const FOLD: bool>(
+    lobes: &Lobes<'_, C>,
     seen: &Seen<L>,
-    lobes: Range<usize>,
+    range: Range<usize>,
     acc: &mut [L; C],
     stage: &mut Stage<L>,
 ) {
     // Axes in the plane share the part across it; its low part would only count relative to itself.
     let yy = seen.high[1] * seen.high[1];
     if L::VECTORS <= TOGETHER {
-        one_by_one::<L, N, C, F, PLANE, FOLD>(m, amplitudes, seen, yy, lobes, acc);
+        one_by_one::<L, C, F, PLANE, FOLD>(lobes, seen, yy, range, acc);
     } else {
-        in_stages::<L, N, C, F, PLANE, FOLD>(m, amplitudes, seen, yy, lobes, acc, stage);
+        in_stages::<L, C, F, PLANE, FOLD>(lobes, seen, yy, range, acc, stage);
     }
 }
 
 /// Adds lobes one after the other.
 #[inline(always)]
-fn one_by_one<L: Lanes, const N: usize, const C: usize, F: Form, const PLANE: bool, const FOLD: bool>(
-    m: &Mixture<'_, N>,
-    amplitudes: [&[f32; N]; C],
+fn one_by_one<L: Lanes, const C: usize, F: Form, const PLANE: bool, const FOLD: bool>(
+    lobes: &Lobes<'_, C>,
     seen: &Seen<L>,
     yy: L,
-    lobes: Range<usize>,
+    range: Range<usize>,
     acc: &mut [L; C],
 ) {
-    for k in lobes.start..lobes.end.min(N) {
-        let axis = [m.axis_x[k], m.axis_y[k], m.axis_z[k]];
-        let t = exponent::<L, F, PLANE>(axis, m.rate[k], seen, yy);
+    let Block { axis_x: x, axis_y: y, axis_z: z, rate, fold_rate, .. } = lobes.block;
+    for k in range.start..range.end.min(PART) {
+        let t = exponent::<L, F, PLANE>([x[k], y[k], z[k]], rate[k], seen, yy);
         let mut g = falloff(t);
         if FOLD {
-            g = g + falloff(fold_exponent(m.fold_rate[k], seen, t));
+            g = g + falloff(fold_exponent(fold_rate[k], seen, t));
         }
         for i in 0..C {
-            acc[i] = g.mul_add(L::splat(amplitudes[i][k]), acc[i]);
+            acc[i] = g.mul_add(L::splat(lobes.amplitudes[i][k]), acc[i]);
         }
     }
 }
@@ -201,20 +215,20 @@ fn one_by_one<L: Lanes, const N: usize, const C: usize, F: Form, const PLANE: bo
 /// Adds lobes in stages, each a loop of its own with a short chain of operations. One lobe is a long chain,
 /// and a processor sees no further than a few of them ahead; of short ones it sees many.
 #[inline(always)]
-fn in_stages<L: Lanes, const N: usize, const C: usize, F: Form, const PLANE: bool, const FOLD: bool>(
-    m: &Mixture<'_, N>,
-    amplitudes: [&[f32; N]; C],
+fn in_stages<L: Lanes, const C: usize, F: Form, const PLANE: bool, const FOLD: bool>(
+    lobes: &Lobes<'_, C>,
     seen: &Seen<L>,
     yy: L,
-    lobes: Range<usize>,
+    range: Range<usize>,
     acc: &mut [L; C],
     stage: &mut Stage<L>,
 ) {
-    let (mut k, to) = (lobes.start, lobes.end.min(N));
+    let (mut k, to) = (range.start, range.end.min(PART));
     while k < to {
         let n = (to - k).min(if FOLD { STAGE / 2 } else { STAGE });
-        let (x, y, z) = (&m.axis_x[k..k + n], &m.axis_y[k..k + n], &m.axis_z[k..k + n]);
-        let (rate, fold_rate) = (&m.rate[k..k + n], &m.fold_rate[k..k + n]);
+        let block = lobes.block;
+        let (x, y, z) = (&block.axis_x[k..k + n], &block.axis_y[k..k + n], &block.axis_z[k..k + n]);
+        let (rate, fold_rate) = (&block.rate[k..k + n], &block.fold_rate[k..k + n]);
         for j in 0..n {
             stage[j] = exponent::<L, F, PLANE>([x[j], y[j], z[j]], rate[j], seen, yy);
             if FOLD {
@@ -232,9 +246,9 @@ fn in_stages<L: Lanes, const N: usize, const C: usize, F: Form, const PLANE: boo
         // Two channels at a time, and the last by itself: so many sums stay in registers. Both loops as one
         // function of one or two channels are compiled to 1.07 of the time.
         for i in (0..C).step_by(2) {
-            let amplitude = &amplitudes[i][k..k + n];
+            let amplitude = &lobes.amplitudes[i][k..k + n];
             if i + 1 < C {
-                let (other, mut sum) = (&amplitudes[i + 1][k..k + n], [acc[i], acc[i + 1]]);
+                let (other, mut sum) = (&lobes.amplitudes[i + 1][k..k + n], [acc[i], acc[i + 1]]);
                 for j in 0..n {
                     sum[0] = stage[j].mul_add(L::splat(amplitude[j]), sum[0]);
                     sum[1] = stage[j].mul_add(L::splat(other[j]), sum[1]);

@@ -1,6 +1,8 @@
 //! Multiplies values by their factors, in vectors of directions.
 
 use crate::mixture::factors::{Factors, squares};
+use crate::mixture::rows::Head;
+#[cfg(feature = "simd")]
 use crate::mixture::rows::Mixture;
 use crate::simd::detect::Level;
 use crate::simd::lanes::{Lanes, splat3};
@@ -105,12 +107,12 @@ pub(crate) fn multiply_block<const N: usize, const B: usize>(
     value: &mut [[f32; B]; 3],
 ) {
     // A mixture that reflects nothing has none.
-    let Some(factors) = mixtures.iter().map(|m| &m.factors).find(|factors| !factors.is_none()) else {
+    let Some(factors) = mixtures.iter().map(|m| &m.head.factors).find(|factors| !factors.is_none()) else {
         return;
     };
     let mut wo = [[0.5; B]; 3];
     for (i, m) in mixtures.iter().take(B).enumerate() {
-        [wo[0][i], wo[1][i], wo[2][i]] = m.factors.wo;
+        [wo[0][i], wo[1][i], wo[2][i]] = m.head.factors.wo;
     }
     multiply_pairs(level, factors, &wo, directions, value);
     // The factor towards what is no direction may be none.
@@ -131,7 +133,7 @@ pub(crate) fn multiply_pairs<const B: usize>(
     level.run(Multiply { factors, wo, wi: [wi_x, wi_y, wi_z], value: [red, green, blue] });
 }
 
-impl<const N: usize> Mixture<'_, N> {
+impl Head<'_> {
     /// Multiplies values towards n directions by their factors.
     pub(crate) fn multiply(&self, wi: [&[f32]; 3], value: [&mut [f32]; 3]) {
         let wo = Outgoing::One(self.factors.wo);

@@ -19,7 +19,8 @@ impl<const N: usize> Mixture<'_, N> {
     /// A lobe is exactly 0 where it is below 2^-100 (8e-31) of its amplitude; above, its relative error is at
     /// most 3e-7 times 2 plus its exponent.
     #[inline]
-    pub fn evaluate(&self, direction: Vec3) -> Vec3 {
+    pub fn evaluate(&self, direction: impl Into<Vec3>) -> Vec3 {
+        let direction = direction.into();
         if self.has_factors() {
             return self.factored(direction).0;
         }
@@ -29,39 +30,41 @@ impl<const N: usize> Mixture<'_, N> {
     /// The value, and the luminance of what the lobes have, of a mixture with factors.
     #[inline(never)]
     fn factored(&self, direction: Vec3) -> (Vec3, f32) {
-        self.level.run_one::<_, FactoredOne>(self, direction.to_array())
+        self.head.level.run_one::<_, FactoredOne>(self, direction.to_array())
     }
 
     /// What the lobes and the diffuse term have, without factors.
     #[inline(always)]
     fn lobes_value(&self, direction: Vec3) -> Vec3 {
         if self.is_plain() {
-            self.level.run_one::<_, EvaluateOne<false>>(self, direction.to_array())
+            self.head.level.run_one::<_, EvaluateOne<false>>(self, direction.to_array())
         } else {
-            self.level.run_one::<_, EvaluateOne<true>>(self, direction.to_array())
+            self.head.level.run_one::<_, EvaluateOne<true>>(self, direction.to_array())
         }
     }
 
     /// Evaluates the density of [`sample`](Self::sample) at a direction; 1/sr.
     #[inline]
-    pub fn pdf(&self, direction: Vec3) -> f32 {
+    pub fn pdf(&self, direction: impl Into<Vec3>) -> f32 {
+        let direction = direction.into();
         if self.is_plain() {
-            self.level.run_one::<_, PdfOne<false>>(self, direction.to_array())
+            self.head.level.run_one::<_, PdfOne<false>>(self, direction.to_array())
         } else {
-            self.level.run_one::<_, PdfOne<true>>(self, direction.to_array())
+            self.head.level.run_one::<_, PdfOne<true>>(self, direction.to_array())
         }
     }
 
     /// Value and density in one pass over the lobes.
     #[inline]
-    pub fn evaluate_and_pdf(&self, direction: Vec3) -> (Vec3, f32) {
+    pub fn evaluate_and_pdf(&self, direction: impl Into<Vec3>) -> (Vec3, f32) {
+        let direction = direction.into();
         let (value, luminance) = if self.has_factors() {
             self.factored(direction)
         } else {
             let value = self.lobes_value(direction);
             (value, luminance(value))
         };
-        (value, luminance * self.inverse_power)
+        (value, luminance * self.head.inverse_power)
     }
 
     /// Draws an incident direction from the density: lobe by `u[0]`, direction in it by `u[1]` and `u[2]`.
@@ -80,19 +83,20 @@ impl<const N: usize> Mixture<'_, N> {
 
     #[inline(always)]
     fn sample_as<const SEEN: bool>(&self, u: [f32; 3]) -> Option<Sample> {
-        if self.power <= 0.0 {
+        if self.head.power <= 0.0 {
             return None;
         }
-        let (direction, value) = self.level.draw_one::<_, Drawn<SEEN>, EvaluateOne<SEEN>>(self, u);
+        let (direction, value) = self.head.level.draw_one::<_, Drawn<SEEN>, EvaluateOne<SEEN>>(self, u);
         Some(self.sampled(direction, value, luminance(value)))
     }
 
     #[inline(never)]
     fn sample_factored(&self, u: [f32; 3]) -> Option<Sample> {
-        if self.power <= 0.0 {
+        if self.head.power <= 0.0 {
             return None;
         }
-        let (direction, (value, luminance)) = self.level.draw_one::<_, Drawn<true>, FactoredOne>(self, u);
+        let (direction, (value, luminance)) =
+            self.head.level.draw_one::<_, Drawn<true>, FactoredOne>(self, u);
         Some(self.sampled(direction, value, luminance))
     }
 
@@ -100,7 +104,7 @@ impl<const N: usize> Mixture<'_, N> {
     /// have.
     #[inline(always)]
     fn sampled(&self, direction: [f32; 3], value: Vec3, luminance: f32) -> Sample {
-        let pdf = luminance * self.inverse_power;
+        let pdf = luminance * self.head.inverse_power;
         Sample { direction: Vec3::from_array(direction), pdf, weight: weight_of(value, pdf) }
     }
 
@@ -110,7 +114,11 @@ impl<const N: usize> Mixture<'_, N> {
     /// The first is what [`sample`](Self::sample) gives, the second what
     /// [`evaluate_and_pdf`](Self::evaluate_and_pdf) does.
     #[inline]
-    pub fn sample_and_evaluate(&self, u: [f32; 3], direction: Vec3) -> (Option<Sample>, (Vec3, f32)) {
+    pub fn sample_and_evaluate(
+        &self,
+        u: [f32; 3],
+        direction: impl Into<Vec3>,
+    ) -> (Option<Sample>, (Vec3, f32)) {
         (self.sample(u), self.evaluate_and_pdf(direction))
     }
 
@@ -123,10 +131,10 @@ impl<const N: usize> Mixture<'_, N> {
 
     #[inline(always)]
     fn sample_pdf_as<const SEEN: bool>(&self, u: [f32; 3]) -> Option<(Vec3, f32)> {
-        if self.power <= 0.0 {
+        if self.head.power <= 0.0 {
             return None;
         }
-        let (direction, pdf) = self.level.draw_one::<_, Drawn<SEEN>, PdfOne<SEEN>>(self, u);
+        let (direction, pdf) = self.head.level.draw_one::<_, Drawn<SEEN>, PdfOne<SEEN>>(self, u);
         Some((Vec3::from_array(direction), pdf))
     }
 
@@ -134,7 +142,7 @@ impl<const N: usize> Mixture<'_, N> {
     /// elsewhere.
     #[inline]
     pub fn sample_direction(&self, u: [f32; 3]) -> Option<Vec3> {
-        (self.power > 0.0).then(|| self.level.run_one::<_, DirectionOne>(self, u))
+        (self.head.power > 0.0).then(|| self.head.level.run_one::<_, DirectionOne>(self, u))
     }
 }
 
@@ -158,7 +166,7 @@ impl<const N: usize, const SEEN: bool> One<&Mixture<'_, N>> for PdfOne<SEEN> {
     const IS_WIDE: bool = true;
     #[inline(always)]
     fn run<L: Lanes>(m: &Mixture<'_, N>, direction: [f32; 3]) -> f32 {
-        luminance_one::<L, N, SEEN>(m, direction) * m.inverse_power
+        luminance_one::<L, N, SEEN>(m, direction) * m.head.inverse_power
     }
 }
 
@@ -196,7 +204,7 @@ impl<const N: usize> One<&Mixture<'_, N>> for FactoredOne {
     #[inline(always)]
     fn run<L: Lanes>(m: &Mixture<'_, N>, direction: [f32; 3]) -> (Vec3, f32) {
         // First, as it is the longer chain of dependent operations: the lobes are summed beside it.
-        let factor = m.factors.towards::<L::One>(direction);
+        let factor = m.head.factors.towards::<L::One>(direction);
         let value = value_one::<L, N, true>(m, direction);
         (value * factor, luminance(value))
     }
@@ -205,15 +213,15 @@ impl<const N: usize> One<&Mixture<'_, N>> for FactoredOne {
 /// Value towards one direction.
 #[inline(always)]
 fn value_one<L: Lanes, const N: usize, const SEEN: bool>(m: &Mixture<'_, N>, direction: [f32; 3]) -> Vec3 {
-    let amplitudes = [&m.red, &m.green, &m.blue];
-    let diffuse = m.diffuse.to_array();
+    let amplitudes = [&m.rows.red, &m.rows.green, &m.rows.blue];
+    let diffuse = m.head.diffuse.to_array();
     Vec3::from_array(sums_one::<L::Lobes, N, 3, SEEN>(m, amplitudes, diffuse, direction))
 }
 
 /// Luminance of the value towards one direction.
 #[inline(always)]
 fn luminance_one<L: Lanes, const N: usize, const SEEN: bool>(m: &Mixture<'_, N>, direction: [f32; 3]) -> f32 {
-    let [sum] = sums_one::<L::Lobes, N, 1, SEEN>(m, [&m.luminance], [m.diffuse_power], direction);
+    let [sum] = sums_one::<L::Lobes, N, 1, SEEN>(m, [&m.rows.luminance], [m.head.diffuse_power], direction);
     sum
 }
 
@@ -228,20 +236,20 @@ fn sums_one<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
 ) -> [f32; C] {
     // False for a NaN too.
     let above = direction[2] >= 0.0;
-    if !above && m.domain == Domain::Hemisphere {
+    if !above && m.head.domain == Domain::Hemisphere {
         return [0.0; C];
     }
     let sums = if !SEEN {
-        let seen = m.squeeze.turn(direction);
+        let seen = m.head.squeeze.turn(direction);
         all_lobes::<L, N, C, false>(m, amplitudes, &seen, &seen)
     } else if L::COUNT > 1 {
-        let [turned, squeezed] = m.squeeze.precise.see(direction, L::FUSED);
+        let [turned, squeezed] = m.head.squeeze.precise.see(direction, L::FUSED);
         all_lobes::<L, N, C, true>(m, amplitudes, &turned, &squeezed)
     } else {
-        let turned = m.squeeze.turn(direction);
-        all_lobes::<L, N, C, true>(m, amplitudes, &turned, &m.squeeze.squeeze(&turned))
+        let turned = m.head.squeeze.turn(direction);
+        all_lobes::<L, N, C, true>(m, amplitudes, &turned, &m.head.squeeze.squeeze(&turned))
     };
-    if m.domain == Domain::Sphere {
+    if m.head.domain == Domain::Sphere {
         return sums;
     }
     with_diffuse(sums, diffuse, direction[2])
@@ -266,26 +274,26 @@ pub(crate) fn all_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bo
 ) -> [f32; C] {
     let mut acc = [L::splat(0.0); C];
     // The usual number of lobes without a loop: a loop keeps more constants in registers than there are.
-    if L::COUNT > 1 && 1 <= m.count && m.count <= L::COUNT {
+    if L::COUNT > 1 && 1 <= m.head.count && m.head.count <= L::COUNT {
         let seen = if !SEEN {
             turned.splat()
         } else if L::FUSED {
-            Sight::splat_either::<L>(L::first_lanes(m.squeezed), squeezed, turned)
+            Sight::splat_either::<L>(L::first_lanes(m.head.squeezed), squeezed, turned)
         } else {
             // No broadcasts under a mask; and the loop below is what is run.
-            mix::<L>(&squeezed.splat(), &turned.splat(), m.squeezed)
+            mix::<L>(&squeezed.splat(), &turned.splat(), m.head.squeezed)
         };
         add_lobes::<L, N, C, SEEN>(m, amplitudes, &seen, 0, &mut acc);
     } else {
         let (turned, squeezed) = (turned.splat(), squeezed.splat());
         let mut k = 0;
-        while row::is_within::<L, N>(k, m.count) {
-            if k >= m.squeezed {
+        while row::is_within::<L, N>(k, m.head.count) {
+            if k >= m.head.squeezed {
                 add_lobes::<L, N, C, SEEN>(m, amplitudes, &turned, k, &mut acc);
-            } else if k + L::COUNT <= m.squeezed {
+            } else if k + L::COUNT <= m.head.squeezed {
                 add_lobes::<L, N, C, SEEN>(m, amplitudes, &squeezed, k, &mut acc);
             } else {
-                let mixed = mix::<L>(&squeezed, &turned, m.squeezed - k);
+                let mixed = mix::<L>(&squeezed, &turned, m.head.squeezed - k);
                 add_lobes::<L, N, C, SEEN>(m, amplitudes, &mixed, k, &mut acc);
             }
             k += L::COUNT;
@@ -308,9 +316,11 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     k: usize,
     acc: &mut [L; C],
 ) {
-    let (axis, [x, y, z]) =
-        ([row::load::<L, N>(&m.axis_x, k), row::load(&m.axis_y, k), row::load(&m.axis_z, k)], seen.high);
-    let mut rate = row::load::<L, N>(&m.rate, k);
+    let (axis, [x, y, z]) = (
+        [row::load::<L, N>(&m.rows.axis_x, k), row::load(&m.rows.axis_y, k), row::load(&m.rows.axis_z, k)],
+        seen.high,
+    );
+    let mut rate = row::load::<L, N>(&m.rows.rate, k);
     let [mut dx, mut dy, mut dz];
     if SEEN && L::FUSED {
         dx = axis[0].neg_mul_add(seen.length, x);
@@ -331,9 +341,9 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     }
     let t = rate * dx.mul_add(dx, dy.mul_add(dy, dz * dz));
     let mut g = if SEEN { falloff(t) } else { falloff_soon(t) };
-    if m.folded >> k & lowest_bits(L::COUNT) != 0 {
+    if m.head.folded >> k & lowest_bits(L::COUNT) != 0 {
         // A lobe of them that does not need its fold has a rate that leaves nothing of it.
-        let t = row::load::<L, N>(&m.fold_rate, k).mul_add(seen.height, t);
+        let t = row::load::<L, N>(&m.rows.fold_rate, k).mul_add(seen.height, t);
         g = g + if SEEN { falloff(t) } else { falloff_soon(t) };
     }
     if SEEN {

@@ -8,8 +8,8 @@ use super::lobe_sums::{STAGE, Stage, sums};
 use super::slices::{SamplesMut, same_length};
 use crate::color::{LUMINANCE, luminance};
 use crate::error::Error;
-use crate::mixture::rows::{LEAST_DENSITY, Mixture};
-use crate::simd::lanes::{Lanes, dot3, scale, splat3};
+use crate::mixture::rows::{LEAST_DENSITY, Mixture, MixtureRef, Rows};
+use crate::simd::lanes::{Lanes, PARTS, dot3, scale, splat3};
 use crate::simd::routine::Routine;
 use glam::Vec3;
 
@@ -27,21 +27,9 @@ impl<const N: usize> Mixture<'_, N> {
     ///
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    #[inline]
     pub fn evaluate_into(&self, directions: [&[f32]; 3], value: [&mut [f32]; 3]) -> Result<(), Error> {
-        same_length(directions.iter().map(|s| s.len()).chain(value.iter().map(|s| s.len())))?;
-        if self.has_factors() {
-            self.chunks_into(directions, value, None);
-        } else {
-            self.lobes_into(directions, value);
-        }
-        Ok(())
-    }
-
-    /// What the lobes and the diffuse term have towards n directions, without factors; all slices of one
-    /// length.
-    #[inline(always)]
-    pub(crate) fn lobes_into(&self, directions: [&[f32]; 3], value: [&mut [f32]; 3]) {
-        self.level.run(ForEach { block: Value(self), inputs: directions, outputs: value });
+        self.borrowed(&mut [Rows::zeros(); PARTS]).evaluate_into(directions, value)
     }
 
     /// Evaluates `f cos` and the density of [`sample`](Self::sample) at n directions; 1/sr.
@@ -51,7 +39,90 @@ impl<const N: usize> Mixture<'_, N> {
     ///
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    #[inline]
     pub fn evaluate_and_pdf_into(
+        &self,
+        directions: [&[f32]; 3],
+        value: [&mut [f32]; 3],
+        pdf: &mut [f32],
+    ) -> Result<(), Error> {
+        self.borrowed(&mut [Rows::zeros(); PARTS]).evaluate_and_pdf_into(directions, value, pdf)
+    }
+
+    /// Evaluates the density of [`sample`](Self::sample) at n directions; 1/sr.
+    ///
+    /// Shapes: `directions` x, y, z, each `[n]`, unit vectors; `pdf` `[n]`, overwritten.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    #[inline]
+    pub fn pdf_into(&self, directions: [&[f32]; 3], pdf: &mut [f32]) -> Result<(), Error> {
+        self.borrowed(&mut [Rows::zeros(); PARTS]).pdf_into(directions, pdf)
+    }
+
+    /// Draws n directions, with density and weight `f cos / pdf`, in one pass.
+    ///
+    /// Shapes: `u` three uniform numbers in [0, 1) a sample, each `[n]`; `samples`, every slice `[n]`,
+    /// overwritten. A mixture that reflects nothing gives the normal with density 0 and weight 0.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    #[inline]
+    pub fn sample_into(&self, u: [&[f32]; 3], samples: SamplesMut<'_>) -> Result<(), Error> {
+        self.borrowed(&mut [Rows::zeros(); PARTS]).sample_into(u, samples)
+    }
+
+    /// Draws n directions with density, without a weight: one colour channel in place of three.
+    ///
+    /// Shapes: `u` as for [`sample_into`](Self::sample_into), each `[n]`; `direction` x, y, z, and `pdf`,
+    /// each `[n]`, overwritten. A mixture that reflects nothing gives the normal with density 0.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    #[inline]
+    pub fn sample_pdf_into(
+        &self,
+        u: [&[f32]; 3],
+        direction: [&mut [f32]; 3],
+        pdf: &mut [f32],
+    ) -> Result<(), Error> {
+        self.borrowed(&mut [Rows::zeros(); PARTS]).sample_pdf_into(u, direction, pdf)
+    }
+
+    /// Draws n directions, and evaluates value and density towards n others.
+    ///
+    /// Shapes: as in [`sample_into`](Self::sample_into) and, of the other directions, in
+    /// [`evaluate_and_pdf_into`](Self::evaluate_and_pdf_into).
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    #[inline]
+    pub fn sample_and_evaluate_into(
+        &self,
+        u: [&[f32]; 3],
+        samples: SamplesMut<'_>,
+        directions: [&[f32]; 3],
+        value: [&mut [f32]; 3],
+        pdf: &mut [f32],
+    ) -> Result<(), Error> {
+        self.borrowed(&mut [Rows::zeros(); PARTS])
+            .sample_and_evaluate_into(u, samples, directions, value, pdf)
+    }
+}
+
+/// What [`Mixture`] has under the same names.
+impl MixtureRef<'_> {
+    fn evaluate_into(&self, directions: [&[f32]; 3], value: [&mut [f32]; 3]) -> Result<(), Error> {
+        same_length(directions.iter().map(|s| s.len()).chain(value.iter().map(|s| s.len())))?;
+        if self.head.has_factors() {
+            self.chunks_into(directions, value, None);
+        } else {
+            self.lobes_into(directions, value);
+        }
+        Ok(())
+    }
+
+    fn evaluate_and_pdf_into(
         &self,
         directions: [&[f32]; 3],
         value: [&mut [f32]; 3],
@@ -63,34 +134,21 @@ impl<const N: usize> Mixture<'_, N> {
         Ok(())
     }
 
-    /// Evaluates the density of [`sample`](Self::sample) at n directions; 1/sr.
-    ///
-    /// Shapes: `directions` x, y, z, each `[n]`, unit vectors; `pdf` `[n]`, overwritten.
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    pub fn pdf_into(&self, directions: [&[f32]; 3], pdf: &mut [f32]) -> Result<(), Error> {
+    fn pdf_into(&self, directions: [&[f32]; 3], pdf: &mut [f32]) -> Result<(), Error> {
         same_length(directions.iter().map(|s| s.len()).chain([pdf.len()]))?;
-        self.level.run(ForEach { block: Density(self), inputs: directions, outputs: [pdf] });
+        self.head.level.run(ForEach { block: Density(self), inputs: directions, outputs: [pdf] });
         Ok(())
     }
 
-    /// Draws n directions, with density and weight `f cos / pdf`, in one pass.
-    ///
-    /// Shapes: `u` three uniform numbers in [0, 1) a sample, each `[n]`; `samples`, every slice `[n]`,
-    /// overwritten. A mixture that reflects nothing gives the normal with density 0 and weight 0.
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    pub fn sample_into(&self, u: [&[f32]; 3], samples: SamplesMut<'_>) -> Result<(), Error> {
+    fn sample_into(&self, u: [&[f32]; 3], samples: SamplesMut<'_>) -> Result<(), Error> {
         same_length(u.iter().map(|s| s.len()).chain(samples.lengths()))?;
         let SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] } = samples;
-        if self.power == 0.0 {
+        if self.head.power == 0.0 {
             z.fill(1.0);
             [x, y, pdf, red, green, blue].into_iter().for_each(|slice| slice.fill(0.0));
             return Ok(());
         }
-        if self.has_factors() {
+        if self.head.has_factors() {
             self.factored_draws(u, [x, y, z], pdf, [red, green, blue]);
             return Ok(());
         }
@@ -98,14 +156,24 @@ impl<const N: usize> Mixture<'_, N> {
         Ok(())
     }
 
-    /// Draws n directions, and evaluates value and density towards n others.
-    ///
-    /// Shapes: as in [`sample_into`](Self::sample_into) and, of the other directions, in
-    /// [`evaluate_and_pdf_into`](Self::evaluate_and_pdf_into).
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    pub fn sample_and_evaluate_into(
+    fn sample_pdf_into(
+        &self,
+        u: [&[f32]; 3],
+        direction: [&mut [f32]; 3],
+        pdf: &mut [f32],
+    ) -> Result<(), Error> {
+        same_length(u.iter().map(|s| s.len()).chain(direction.iter().map(|s| s.len())).chain([pdf.len()]))?;
+        let [x, y, z] = direction;
+        if self.head.power == 0.0 {
+            z.fill(1.0);
+            [x, y, pdf].into_iter().for_each(|slice| slice.fill(0.0));
+            return Ok(());
+        }
+        self.head.level.run(ForEach { block: DrawPdf(self), inputs: u, outputs: [x, y, z, pdf] });
+        Ok(())
+    }
+
+    fn sample_and_evaluate_into(
         &self,
         u: [&[f32]; 3],
         samples: SamplesMut<'_>,
@@ -119,38 +187,17 @@ impl<const N: usize> Mixture<'_, N> {
         self.evaluate_and_pdf_into(directions, value, pdf)
     }
 
+    /// What the lobes and the diffuse term have towards n directions, without factors; all slices of one
+    /// length.
+    fn lobes_into(&self, directions: [&[f32]; 3], value: [&mut [f32]; 3]) {
+        self.head.level.run(ForEach { block: Value(self), inputs: directions, outputs: value });
+    }
+
     /// Directions, densities, and weights without factors; all slices of one length.
-    #[inline(always)]
-    pub(crate) fn draws_into(&self, u: [&[f32]; 3], outputs: [&mut [f32]; 7]) {
-        self.level.run(ForEach { block: Draw(self), inputs: u, outputs });
+    fn draws_into(&self, u: [&[f32]; 3], outputs: [&mut [f32]; 7]) {
+        self.head.level.run(ForEach { block: Draw(self), inputs: u, outputs });
     }
 
-    /// Draws n directions with density, without a weight: one colour channel in place of three.
-    ///
-    /// Shapes: `u` as for [`sample_into`](Self::sample_into), each `[n]`; `direction` x, y, z, and `pdf`,
-    /// each `[n]`, overwritten. A mixture that reflects nothing gives the normal with density 0.
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    pub fn sample_pdf_into(
-        &self,
-        u: [&[f32]; 3],
-        direction: [&mut [f32]; 3],
-        pdf: &mut [f32],
-    ) -> Result<(), Error> {
-        same_length(u.iter().map(|s| s.len()).chain(direction.iter().map(|s| s.len())).chain([pdf.len()]))?;
-        let [x, y, z] = direction;
-        if self.power == 0.0 {
-            z.fill(1.0);
-            [x, y, pdf].into_iter().for_each(|slice| slice.fill(0.0));
-            return Ok(());
-        }
-        self.level.run(ForEach { block: DrawPdf(self), inputs: u, outputs: [x, y, z, pdf] });
-        Ok(())
-    }
-}
-
-impl<const N: usize> Mixture<'_, N> {
     /// Values times factors, and perhaps densities, which are of the lobes alone; all slices of one length.
     fn chunks_into(&self, wi: [&[f32]; 3], value: [&mut [f32]; 3], mut pdf: Option<&mut [f32]>) {
         let n = value[0].len();
@@ -162,17 +209,17 @@ impl<const N: usize> Mixture<'_, N> {
             self.lobes_into(wi, [&mut *red, &mut *green, &mut *blue]);
             if let Some(pdf) = &mut pdf {
                 for (i, pdf) in pdf[range].iter_mut().enumerate() {
-                    *pdf = luminance(Vec3::new(red[i], green[i], blue[i])) * self.inverse_power;
+                    *pdf = luminance(Vec3::new(red[i], green[i], blue[i])) * self.head.inverse_power;
                 }
             }
-            if self.has_factors() {
-                self.multiply(wi, [red, green, blue]);
+            if self.head.has_factors() {
+                self.head.multiply(wi, [red, green, blue]);
             }
         }
     }
 
     /// Directions, densities, and weights with factors; all slices of one length.
-    pub(crate) fn factored_draws(
+    fn factored_draws(
         &self,
         u: [&[f32]; 3],
         direction: [&mut [f32]; 3],
@@ -187,7 +234,7 @@ impl<const N: usize> Mixture<'_, N> {
             self.draws_into(u.map(|s| &s[range.clone()]), outputs.map(|s| &mut s[range.clone()]));
             let weight = [&mut *red, &mut *green, &mut *blue];
             let drawn = [&x[range.clone()], &y[range.clone()], &z[range.clone()]];
-            self.multiply(drawn, weight.map(|s| &mut s[range.clone()]));
+            self.head.multiply(drawn, weight.map(|s| &mut s[range.clone()]));
         }
     }
 }
@@ -261,30 +308,30 @@ impl<K: Block<I, O>, const I: usize, const O: usize> ForEach<'_, K, I, O> {
     }
 }
 
-struct Value<'a, const N: usize>(&'a Mixture<'a, N>);
+struct Value<'a>(&'a MixtureRef<'a>);
 
-impl<const N: usize> Block<3, 3> for Value<'_, N> {
+impl Block<3, 3> for Value<'_> {
     #[inline(always)]
     fn block<L: Lanes>(&self, d: [L; 3], stage: &mut Stage<L>) -> [L; 3] {
         let m = self.0;
-        sums(m, [&m.red, &m.green, &m.blue], m.diffuse.to_array(), d, stage)
+        sums(m, m.head.diffuse.to_array(), d, stage)
     }
 }
 
-struct Density<'a, const N: usize>(&'a Mixture<'a, N>);
+struct Density<'a>(&'a MixtureRef<'a>);
 
-impl<const N: usize> Block<3, 1> for Density<'_, N> {
+impl Block<3, 1> for Density<'_> {
     #[inline(always)]
     fn block<L: Lanes>(&self, d: [L; 3], stage: &mut Stage<L>) -> [L; 1] {
         let m = self.0;
-        let [sum] = sums(m, [&m.luminance], [m.diffuse_power], d, stage);
-        [sum * L::splat(m.inverse_power)]
+        let [sum] = sums(m, [m.head.diffuse_power], d, stage);
+        [sum * L::splat(m.head.inverse_power)]
     }
 }
 
-struct DrawPdf<'a, const N: usize>(&'a Mixture<'a, N>);
+struct DrawPdf<'a>(&'a MixtureRef<'a>);
 
-impl<const N: usize> Block<3, 4> for DrawPdf<'_, N> {
+impl Block<3, 4> for DrawPdf<'_> {
     #[inline(always)]
     fn block<L: Lanes>(&self, u: [L; 3], stage: &mut Stage<L>) -> [L; 4] {
         let [x, y, z] = sample_direction(self.0, u);
@@ -293,18 +340,18 @@ impl<const N: usize> Block<3, 4> for DrawPdf<'_, N> {
     }
 }
 
-struct Draw<'a, const N: usize>(&'a Mixture<'a, N>);
+struct Draw<'a>(&'a MixtureRef<'a>);
 
-impl<const N: usize> Block<3, 7> for Draw<'_, N> {
+impl Block<3, 7> for Draw<'_> {
     #[inline(always)]
     fn block<L: Lanes>(&self, u: [L; 3], stage: &mut Stage<L>) -> [L; 7] {
         let m = self.0;
         let [x, y, z] = sample_direction(m, u);
-        let value = sums(m, [&m.red, &m.green, &m.blue], m.diffuse.to_array(), [x, y, z], stage);
+        let value = sums(m, m.head.diffuse.to_array(), [x, y, z], stage);
         // The density is the luminance of the value over its integral, and power / luminance is 1 / pdf.
         let luminance = dot3(value, splat3(LUMINANCE));
-        let pdf = luminance * L::splat(m.inverse_power);
-        let inverse = (L::splat(m.power) / luminance).keep(pdf.ge(L::splat(LEAST_DENSITY)));
+        let pdf = luminance * L::splat(m.head.inverse_power);
+        let inverse = (L::splat(m.head.power) / luminance).keep(pdf.ge(L::splat(LEAST_DENSITY)));
         let [red, green, blue] = scale(value, inverse);
         [x, y, z, pdf, red, green, blue]
     }

@@ -29,10 +29,10 @@ impl<B: AsRef<[u8]>> Material<B> {
     #[inline]
     pub fn prepare<'a, const N: usize>(
         &'a self,
-        wo: Vec3,
+        wo: impl Into<Vec3>,
         mixture: &mut Mixture<'a, N>,
     ) -> Result<(), Error> {
-        prepare(self.borrowed(), wo, LeaveOut::default(), Level::current(), mixture)
+        prepare(self.borrowed(), wo.into(), LeaveOut::default(), Level::current(), mixture)
     }
 
     /// [`prepare`](Self::prepare) with options: what may be left out, and the level.
@@ -45,7 +45,7 @@ impl<B: AsRef<[u8]>> Material<B> {
     #[inline]
     pub fn prepare_with<'a, const N: usize>(
         &'a self,
-        wo: Vec3,
+        wo: impl Into<Vec3>,
         options: PrepareOptions,
         mixture: &mut Mixture<'a, N>,
     ) -> Result<(), Error> {
@@ -57,7 +57,7 @@ impl<B: AsRef<[u8]>> Material<B> {
                 return Err(Error::Level);
             }
         };
-        prepare(self.borrowed(), wo, options.leave_out, level, mixture)
+        prepare(self.borrowed(), wo.into(), options.leave_out, level, mixture)
     }
 }
 
@@ -145,16 +145,33 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
     }
 }
 
-/// Mixtures for many outgoing directions: lanes are directions for their angles and azimuths, lobes for the
-/// rest.
-pub(crate) struct PrepareInto<'a, 'b, const N: usize> {
-    pub material: MaterialRef<'b>,
-    pub wo: [&'a [f32]; 3],
+/// Makes the mixtures for many outgoing directions, with the kernels of a level that is available: as many as
+/// directions, all there; a direction that is none leaves an empty one. They have room for all lobes.
+pub(crate) fn prepare_each<'a, 'm, const N: usize>(
+    material: MaterialRef<'m>,
+    wo: [&'a [f32]; 3],
+    level: Level,
+    mixtures: &'a mut [Option<&'a mut Mixture<'m, N>>],
+) {
+    if material.header.is_isotropic() {
+        level.run(PrepareInto { material, wo, level, mixtures });
+        return;
+    }
+    for (i, mixture) in mixtures.iter_mut().flatten().enumerate() {
+        let wo = Vec3::new(wo[0][i], wo[1][i], wo[2][i]);
+        // One that is none leaves the mixture empty.
+        let _ = prepare(material, wo, LeaveOut::default(), level, mixture);
+    }
+}
+
+/// Mixtures for many outgoing directions, of an isotropic material: lanes are directions for their angles and
+/// azimuths, lobes for the rest.
+struct PrepareInto<'a, 'b, const N: usize> {
+    material: MaterialRef<'b>,
+    wo: [&'a [f32]; 3],
     /// What it runs on.
-    pub level: Level,
-    /// As many as directions, all there; a direction that is none leaves an empty one. They have room for all
-    /// lobes.
-    pub mixtures: &'a mut [Option<&'a mut Mixture<'b, N>>],
+    level: Level,
+    mixtures: &'a mut [Option<&'a mut Mixture<'b, N>>],
 }
 
 impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
@@ -163,17 +180,6 @@ impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
     #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
     fn run<L: Lanes>(self) {
         let Self { material, wo: [x, y, z], level, mixtures } = self;
-        if !material.header.is_isotropic() {
-            for i in 0..mixtures.len() {
-                let leave_out = LeaveOut::default();
-                if let Some(mixture) = mixtures[i].as_deref_mut() {
-                    let one = Prepare { material, leave_out, level, mixture };
-                    // One that is none leaves the mixture empty.
-                    let _ = Towards::run::<L>(one, [x[i], y[i], z[i]]);
-                }
-            }
-            return;
-        }
         let mut at = 0;
         while at < mixtures.len() {
             let count = L::COUNT.min(mixtures.len() - at);
@@ -219,7 +225,7 @@ fn between_views<'m, L: Lanes, const N: usize>(
     let place = Place::after(material, passed, outgoing.theta);
     at_place::<L, N>(material, outgoing.azimuth, place, leave_out, mixture);
     if material.header.has_factors() {
-        mixture.factors = Factors::new(material, outgoing.wo, place.among());
+        mixture.head.factors = Factors::new(material, outgoing.wo, place.among());
     }
 }
 
@@ -234,7 +240,7 @@ fn among_rings<'m, L: Lanes, const N: usize>(
 ) {
     let among = prepare_anisotropic::prepare::<L::Lobes, N>(material, shape, &outgoing, leave_out, mixture);
     if material.header.has_factors() {
-        mixture.factors = Factors::new(material, outgoing.wo, among);
+        mixture.head.factors = Factors::new(material, outgoing.wo, among);
     }
 }
 

@@ -107,7 +107,7 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
 ) -> Among {
     let (bytes, header) = (material.bytes, material.header);
     let count = header.lobes;
-    mixture.in_plane = false;
+    mixture.head.in_plane = false;
 
     let place = Place::new(bytes, shape, header.theta(0), outgoing);
     let [c, s] = outgoing.azimuth;
@@ -150,7 +150,7 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     let (along, inverse) = (exp2(middle + reach), exp2(middle - reach));
     let (x, y) = (c * tilt_cos - s * tilt_sin, s * tilt_cos + c * tilt_sin);
     let shrink = 1.0 / Lanes::sqrt(x * x + y * y);
-    mixture.squeeze = Squeeze::new([x * shrink, y * shrink], along, inverse);
+    mixture.head.squeeze = Squeeze::new([x * shrink, y * shrink], along, inverse);
 
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let (onward, outward) = (L::splat(place.onward), L::splat(place.outward));
@@ -185,19 +185,19 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
         let (wide_x, wide_y) = (x * L::splat(along), y * L::splat(inverse));
         let shrink = one / wide_x.mul_add(wide_x, wide_y.mul_add(wide_y, cos * cos)).sqrt();
         let squeezed = L::iota().lt(L::splat(header.squeezed as f32 - k as f32));
-        row::store(L::select(squeezed, wide_x * shrink, x), &mut mixture.axis_x, k);
-        row::store(L::select(squeezed, wide_y * shrink, y), &mut mixture.axis_y, k);
-        row::store(L::select(squeezed, cos * shrink, cos), &mut mixture.axis_z, k);
-        row::store(exp2(rows[2]), &mut mixture.sharpness, k);
+        row::store(L::select(squeezed, wide_x * shrink, x), &mut mixture.rows.axis_x, k);
+        row::store(L::select(squeezed, wide_y * shrink, y), &mut mixture.rows.axis_y, k);
+        row::store(L::select(squeezed, cos * shrink, cos), &mut mixture.rows.axis_z, k);
+        row::store(exp2(rows[2]), &mut mixture.rows.sharpness, k);
         let first = exp2(rows[3]).keep(valid);
         let amplitude = if header.has_luminance {
             color::rgb(first, [rows[4], rows[5]])
         } else {
             [first, exp2(rows[4]).keep(valid), exp2(rows[5]).keep(valid)]
         };
-        row::store(amplitude[0], &mut mixture.red, k);
-        row::store(amplitude[1], &mut mixture.green, k);
-        row::store(amplitude[2], &mut mixture.blue, k);
+        row::store(amplitude[0], &mut mixture.rows.red, k);
+        row::store(amplitude[1], &mut mixture.rows.green, k);
+        row::store(amplitude[2], &mut mixture.rows.blue, k);
         k += L::COUNT;
     }
     mixture.finish_lobes::<L>(count, header.squeezed, leave_out);

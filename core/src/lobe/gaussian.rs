@@ -47,8 +47,8 @@ impl Gaussian {
     ///
     /// # Errors
     /// [`Error::Axis`] unless the axis is finite and of length 1 within 1e-3; [`Error::Sharpness`].
-    pub fn new(axis: Vec3, sharpness: f32) -> Result<Self, Error> {
-        let axis = unit(axis).ok_or(Error::Axis)?;
+    pub fn new(axis: impl Into<Vec3>, sharpness: f32) -> Result<Self, Error> {
+        let axis = unit(axis.into()).ok_or(Error::Axis)?;
         if !(0.0..=MAX_SHARPNESS).contains(&sharpness) {
             return Err(Error::Sharpness);
         }
@@ -60,8 +60,8 @@ impl Gaussian {
     /// The chordal form: `s (d . axis - 1)` loses a digit per decade of sharpness. Accuracy: relative
     /// `3e-7 (2 + |t|)`, `t` the exponent, where the result is a normal number.
     #[inline]
-    pub fn value(&self, direction: Vec3) -> f32 {
-        self.value_at((direction - self.axis).length_squared())
+    pub fn value(&self, direction: impl Into<Vec3>) -> f32 {
+        self.value_at((direction.into() - self.axis).length_squared())
     }
 
     /// Integrates over the whole sphere; sr. See [`special::sphere_integral`].
@@ -78,7 +78,7 @@ impl Gaussian {
 
     /// Evaluates the density `G / I` on the whole sphere; 1/sr.
     #[inline]
-    pub fn pdf(&self, direction: Vec3) -> f32 {
+    pub fn pdf(&self, direction: impl Into<Vec3>) -> f32 {
         self.value(direction) / self.integral()
     }
 
@@ -93,8 +93,8 @@ impl Gaussian {
     /// The rounding of the direction limits it: `u[0]` returns within `3e-7 (2 + sqrt(s))`, `u[1]` within
     /// `1e-6 / sin theta`; at the axis `u[1]` is any number.
     #[inline]
-    pub fn invert_sample(&self, direction: Vec3) -> [f32; 2] {
-        Kernel::invert_sample(self, direction)
+    pub fn invert_sample(&self, direction: impl Into<Vec3>) -> [f32; 2] {
+        Kernel::invert_sample(self, direction.into())
     }
 }
 
@@ -140,7 +140,8 @@ impl Lobe {
     ///
     /// # Errors
     /// [`Error::Axis`], [`Error::Sharpness`], [`Error::Amplitude`].
-    pub fn new(axis: Vec3, sharpness: f32, amplitude: Vec3) -> Result<Self, Error> {
+    pub fn new(axis: impl Into<Vec3>, sharpness: f32, amplitude: impl Into<Vec3>) -> Result<Self, Error> {
+        let amplitude = amplitude.into();
         if !color::is_admissible(amplitude) {
             return Err(Error::Amplitude);
         }
@@ -149,7 +150,7 @@ impl Lobe {
 
     /// Evaluates `amplitude G(d)`, linear sRGB.
     #[inline]
-    pub fn value(&self, direction: Vec3) -> Vec3 {
+    pub fn value(&self, direction: impl Into<Vec3>) -> Vec3 {
         self.amplitude * self.gaussian.value(direction)
     }
 

@@ -35,8 +35,8 @@ impl GaussianProduct {
     ///
     /// Accuracy: relative `3e-7 (2 + |t|)`, `t` the whole exponent.
     #[inline]
-    pub fn value(&self, direction: Vec3) -> f32 {
-        let chord = (direction - self.gaussian.axis) - self.axis_low;
+    pub fn value(&self, direction: impl Into<Vec3>) -> f32 {
+        let chord = (direction.into() - self.gaussian.axis) - self.axis_low;
         float::exp2(-LOG2_E * (self.exponent + 0.5 * self.gaussian.sharpness * chord.length_squared()))
     }
 

@@ -56,69 +56,77 @@ impl<const N: usize> Mixture<'_, N> {
     #[inline(always)]
     #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
     pub(crate) fn finish_lobes<L: Lanes>(&mut self, count: usize, squeezed: usize, leave_out: LeaveOut) {
-        (self.count, self.squeezed) = (count, squeezed);
+        (self.head.count, self.head.squeezed) = (count, squeezed);
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let mut albedo = [zero; 3];
         let mut folded = 0;
         let mut k = 0;
         while row::is_within::<L, N>(k, count) {
-            let s = row::load::<L, N>(&self.sharpness, k);
+            let s = row::load::<L, N>(&self.rows.sharpness, k);
             let rate = s * L::splat(-0.5 * LOG2_E);
-            row::store(rate, &mut self.rate, k);
+            row::store(rate, &mut self.rows.rate, k);
 
             let s = s.max(L::splat(LEAST_SHARPNESS));
             let inverse = one / s;
             let [tail, inside] = tail_and_inside(s);
             let integral = inside * inverse * L::splat(2.0 * PI);
-            row::store(inverse, &mut self.inverse_sharpness, k);
-            row::store(tail, &mut self.tail, k);
-            row::store(inside, &mut self.inside, k);
+            row::store(inverse, &mut self.rows.inverse_sharpness, k);
+            row::store(tail, &mut self.rows.tail, k);
+            row::store(inside, &mut self.rows.inside, k);
 
-            if self.domain == Domain::Hemisphere {
-                let axis_z = row::load::<L, N>(&self.axis_z, k).abs();
-                row::store(axis_z, &mut self.axis_z, k);
+            if self.head.domain == Domain::Hemisphere {
+                let axis_z = row::load::<L, N>(&self.rows.axis_z, k).abs();
+                row::store(axis_z, &mut self.rows.axis_z, k);
                 // s (1 - t) = s z^2 / (1 + t), without cancellation.
                 let zz = axis_z * axis_z;
                 let t = (one - zz).max(zero).sqrt();
                 let folds = (s * zz).lt((one + t) * L::splat(leave_out.fold_exponent));
                 folded |= L::bits(folds) << k;
                 let fold_rate = rate * axis_z * L::splat(4.0);
-                row::store(L::select(folds, fold_rate, L::splat(f32::NEG_INFINITY)), &mut self.fold_rate, k);
+                row::store(
+                    L::select(folds, fold_rate, L::splat(f32::NEG_INFINITY)),
+                    &mut self.rows.fold_rate,
+                    k,
+                );
             }
 
-            let rgb = [row::load::<L, N>(&self.red, k), row::load(&self.green, k), row::load(&self.blue, k)];
+            let rgb = [
+                row::load::<L, N>(&self.rows.red, k),
+                row::load(&self.rows.green, k),
+                row::load(&self.rows.blue, k),
+            ];
             let luminance = dot3(rgb, splat3(LUMINANCE));
-            row::store(luminance, &mut self.luminance, k);
+            row::store(luminance, &mut self.rows.luminance, k);
             // The powers first, their running sum below.
-            row::store(luminance * integral, &mut self.cumulative, k);
+            row::store(luminance * integral, &mut self.rows.cumulative, k);
             for i in 0..3 {
                 albedo[i] = rgb[i].mul_add(integral, albedo[i]);
             }
             k += L::COUNT;
         }
-        self.folded = folded & lowest_bits(count);
+        self.head.folded = folded & lowest_bits(count);
         let mut lobes_albedo = Vec3::new(albedo[0].sum(), albedo[1].sum(), albedo[2].sum());
         if leave_out.lobes > 0.0 {
             // Less what rounding may have taken from the power of a lobe: one that is all there is stays.
-            let power = luminance(lobes_albedo) + self.diffuse_power;
+            let power = luminance(lobes_albedo) + self.head.diffuse_power;
             let (stays, albedo) = self.of_at_least::<L>(leave_out.lobes * (1.0 - 1e-6) * power);
             if stays != lowest_bits(count) {
                 lobes_albedo = albedo;
                 self.keep_lobes(stays);
             }
         }
-        self.lobes_albedo = lobes_albedo;
+        self.head.lobes_albedo = lobes_albedo;
     }
 
     /// Sums up the powers of the lobes, a chain of as many dependent additions, and of the diffuse term.
     #[inline(always)]
     pub(crate) fn sum_up(&mut self) {
         let mut power = 0.0;
-        for running in &mut self.cumulative[..self.count.min(N)] {
+        for running in &mut self.rows.cumulative[..self.head.count.min(N)] {
             power += *running;
             *running = power;
         }
-        self.lobes_power = power;
+        self.head.lobes_power = power;
         self.add_diffuse();
     }
 
@@ -131,12 +139,17 @@ impl<const N: usize> Mixture<'_, N> {
         let mut albedo = [zero; 3];
         let mut stays = 0;
         let mut k = 0;
-        while row::is_within::<L, N>(k, self.count) {
-            let stay = row::load::<L, N>(&self.cumulative, k).ge(L::splat(least));
+        while row::is_within::<L, N>(k, self.head.count) {
+            let stay = row::load::<L, N>(&self.rows.cumulative, k).ge(L::splat(least));
             stays |= L::bits(stay) << k;
-            let integral = row::load::<L, N>(&self.inside, k) * row::load(&self.inverse_sharpness, k);
+            let integral =
+                row::load::<L, N>(&self.rows.inside, k) * row::load(&self.rows.inverse_sharpness, k);
             let integral = L::select(stay, integral, zero);
-            let rgb = [row::load::<L, N>(&self.red, k), row::load(&self.green, k), row::load(&self.blue, k)];
+            let rgb = [
+                row::load::<L, N>(&self.rows.red, k),
+                row::load(&self.rows.green, k),
+                row::load(&self.rows.blue, k),
+            ];
             for i in 0..3 {
                 albedo[i] = rgb[i].mul_add(integral, albedo[i]);
             }
@@ -144,13 +157,13 @@ impl<const N: usize> Mixture<'_, N> {
         }
         let [red, green, blue] = albedo;
         let albedo = Vec3::new(red.sum(), green.sum(), blue.sum()) * (2.0 * PI);
-        (stays & lowest_bits(self.count), albedo)
+        (stays & lowest_bits(self.head.count), albedo)
     }
 
     /// Drops all lobes but some, one bit each, which keep their order.
     #[inline(always)]
     fn keep_lobes(&mut self, stays: u64) {
-        let count = self.count.min(N);
+        let count = self.head.count.min(N);
         let all = lowest_bits(count);
         // The lobes before the first that goes are in their places.
         let mut to = stays.trailing_ones() as usize;
@@ -162,24 +175,21 @@ impl<const N: usize> Mixture<'_, N> {
             if k >= N || to >= N {
                 break;
             }
-            macro_rules! move_rows {
-                ($($row:ident)*) => { $(self.$row[to] = self.$row[k];)* };
-            }
-            move_rows!(axis_x axis_y axis_z sharpness red green blue luminance rate fold_rate);
-            move_rows!(inverse_sharpness inside tail cumulative);
+            self.rows.move_lobe(k, to);
             to += 1;
         }
         for k in to..count {
-            (self.red[k], self.green[k], self.blue[k], self.luminance[k]) = (0.0, 0.0, 0.0, 0.0);
+            (self.rows.red[k], self.rows.green[k], self.rows.blue[k], self.rows.luminance[k]) =
+                (0.0, 0.0, 0.0, 0.0);
         }
-        self.squeezed = (stays & lowest_bits(self.squeezed)).count_ones() as usize;
-        self.count = to;
+        self.head.squeezed = (stays & lowest_bits(self.head.squeezed)).count_ones() as usize;
+        self.head.count = to;
         // The bits of the folds move down over every one that goes, the highest first.
         let mut goes = all & !stays;
         while goes != 0 {
             let place = 63 - goes.leading_zeros();
             let below = (1 << place) - 1;
-            self.folded = self.folded & below | self.folded >> 1 & !below;
+            self.head.folded = self.head.folded & below | self.head.folded >> 1 & !below;
             goes &= below;
         }
     }
@@ -189,16 +199,16 @@ impl<const N: usize> Mixture<'_, N> {
     #[inline(always)]
     pub(crate) fn set_diffuse(&mut self, albedo: [f32; 3]) {
         let [red, green, blue] = albedo;
-        self.diffuse_power = luminance(Vec3::new(red, green, blue));
-        self.diffuse = Vec3::new(red, green, blue);
+        self.head.diffuse_power = luminance(Vec3::new(red, green, blue));
+        self.head.diffuse = Vec3::new(red, green, blue);
     }
 
     /// Adds the power of the diffuse term to that of the lobes.
     #[inline(always)]
     pub(crate) fn add_diffuse(&mut self) {
-        let power = self.lobes_power + self.diffuse_power;
+        let power = self.head.lobes_power + self.head.diffuse_power;
         // A sum so small that its inverse is infinite reflects nothing.
-        (self.power, self.inverse_power) =
+        (self.head.power, self.head.inverse_power) =
             if power >= f32::MIN_POSITIVE { (power, 1.0 / power) } else { (0.0, 0.0) };
     }
 }

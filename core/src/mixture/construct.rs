@@ -51,12 +51,12 @@ impl<const N: usize> Mixture<'_, N> {
         for (k, lobe) in squeezed.iter().chain(round).enumerate() {
             let Lobe { gaussian, amplitude } =
                 Lobe::new(lobe.gaussian.axis, lobe.gaussian.sharpness, lobe.amplitude)?;
-            mixture.in_plane &= gaussian.axis.y == 0.0;
-            mixture.axis_x[k] = gaussian.axis.x;
-            mixture.axis_y[k] = gaussian.axis.y;
-            mixture.axis_z[k] = gaussian.axis.z;
-            mixture.sharpness[k] = gaussian.sharpness;
-            [mixture.red[k], mixture.green[k], mixture.blue[k]] = amplitude.to_array();
+            mixture.head.in_plane &= gaussian.axis.y == 0.0;
+            mixture.rows.axis_x[k] = gaussian.axis.x;
+            mixture.rows.axis_y[k] = gaussian.axis.y;
+            mixture.rows.axis_z[k] = gaussian.axis.z;
+            mixture.rows.sharpness[k] = gaussian.sharpness;
+            [mixture.rows.red[k], mixture.rows.green[k], mixture.rows.blue[k]] = amplitude.to_array();
         }
         mixture.finish::<f32>(needed, squeezed.len(), LeaveOut::default());
         // The most that a value can be: the fold doubles a lobe, the squeeze changes solid angles.
@@ -71,12 +71,13 @@ impl<const N: usize> Mixture<'_, N> {
     /// # Errors
     /// [`Error::Amplitude`] for a colour that no [`Lobe`] may have, and for a mixture that lives on the whole
     /// sphere or has factors.
-    pub fn with_diffuse(mut self, albedo: Vec3) -> Result<Self, Error> {
-        if !color::is_admissible(albedo) || self.domain == Domain::Sphere || self.has_factors() {
+    pub fn with_diffuse(mut self, albedo: impl Into<Vec3>) -> Result<Self, Error> {
+        let albedo = albedo.into();
+        if !color::is_admissible(albedo) || self.head.domain == Domain::Sphere || self.has_factors() {
             return Err(Error::Amplitude);
         }
-        if self.count == 0 {
-            self.level = Level::current();
+        if self.head.count == 0 {
+            self.head.level = Level::current();
         }
         self.set_diffuse(albedo.to_array());
         self.add_diffuse();
@@ -92,7 +93,7 @@ impl<const N: usize> Mixture<'_, N> {
         if !level.is_available() {
             return Err(Error::Level);
         }
-        self.level = level;
+        self.head.level = level;
         Ok(self)
     }
 }

@@ -162,7 +162,8 @@ impl<B: AsRef<[u8]>> Material<B> {
     /// The two may be exchanged. Interpolated bilinearly between the nodes, in `(1 - h.z)^(1/4)` and `(1 -
     /// h.wo)^(1/2)` with the half direction `h = (wi + wo) / |wi + wo|`, from 0 at the first node to 1 at the
     /// last. Accuracy: 6e-6 of the largest factor.
-    pub fn factor(&self, wo: Vec3, wi: Vec3) -> Vec3 {
+    pub fn factor(&self, wo: impl Into<Vec3>, wi: impl Into<Vec3>) -> Vec3 {
+        let (wo, wi): (Vec3, Vec3) = (wo.into(), wi.into());
         if self.factor_nodes().is_none() {
             return Vec3::ONE;
         }

@@ -1,7 +1,8 @@
 //! Products of mixtures, and their integrals: of plain lobes only.
 //!
 //! What is squeezed, a diffuse term and factors are no Gaussians, nor are their products: a mixture that has one is
-//! refused. A fitted material has them; mixtures of lobes of one's own need not.
+//! refused. A fitted material has them; mixtures of lobes of one's own need not. They stand here, not beside `zonal`:
+//! they read the rows of a mixture, which that room may not import.
 
 use super::rows::{Domain, Mixture};
 use crate::error::Error;
@@ -43,7 +44,7 @@ impl<const N: usize> Mixture<'_, N> {
     /// Number of lobes that [`product_into`](Self::product_into) writes.
     pub fn product_len<const M: usize>(&self, other: &Mixture<'_, M>) -> usize {
         let count = |lobes: usize, folded: u64| lobes + folded.count_ones() as usize;
-        count(self.count, self.folded) * count(other.count, other.folded)
+        count(self.head.count, self.head.folded) * count(other.head.count, other.head.folded)
     }
 
     /// Integrates the product of two mixtures of plain lobes over the domain that they share; channel by
@@ -60,11 +61,11 @@ impl<const N: usize> Mixture<'_, N> {
         self.check_round()?;
         other.check_round()?;
         let mut sum = Vec3::ZERO;
-        if self.domain == other.domain {
-            for a in (0..self.count).map(|k| self.lobe_in_shading_frame(k)) {
-                for b in (0..other.count).map(|k| other.lobe_in_shading_frame(k)) {
+        if self.head.domain == other.head.domain {
+            for a in (0..self.head.count).map(|k| self.lobe_in_shading_frame(k)) {
+                for b in (0..other.head.count).map(|k| other.lobe_in_shading_frame(k)) {
                     sum += a.inner_product(&b);
-                    if self.domain == Domain::Hemisphere {
+                    if self.head.domain == Domain::Hemisphere {
                         sum += a.inner_product(&b.mirrored());
                     }
                 }
@@ -91,8 +92,8 @@ impl<const N: usize> Mixture<'_, N> {
     }
 
     fn check_round(&self) -> Result<(), Error> {
-        let squeezed = self.squeezed > 0 && !self.squeeze.is_round();
-        if squeezed || self.diffuse != Vec3::ZERO || self.has_factors() {
+        let squeezed = self.head.squeezed > 0 && !self.head.squeeze.is_round();
+        if squeezed || self.head.diffuse != Vec3::ZERO || self.has_factors() {
             Err(Error::Squeezed)
         } else {
             Ok(())
@@ -101,16 +102,20 @@ impl<const N: usize> Mixture<'_, N> {
 
     /// Lobe `k < len` with its axis turned to the caller's shading frame.
     fn lobe_in_shading_frame(&self, k: usize) -> Lobe {
-        let axis = Vec3::from_array(self.squeeze.turn_back([self.axis_x[k], self.axis_y[k], self.axis_z[k]]));
-        let amplitude = Vec3::new(self.red[k], self.green[k], self.blue[k]);
+        let axis = Vec3::from_array(self.head.squeeze.turn_back([
+            self.rows.axis_x[k],
+            self.rows.axis_y[k],
+            self.rows.axis_z[k],
+        ]));
+        let amplitude = Vec3::new(self.rows.red[k], self.rows.green[k], self.rows.blue[k]);
         Lobe { gaussian: Gaussian { axis, ..self.gaussian(k) }, amplitude }
     }
 
     /// All lobes in the caller's shading frame, each followed by its mirror image if it is folded.
     fn unfolded(&self) -> impl Iterator<Item = Lobe> {
-        (0..self.count).flat_map(|k| {
+        (0..self.head.count).flat_map(|k| {
             let lobe = self.lobe_in_shading_frame(k);
-            let mirrored = (self.folded >> k & 1 == 1).then(|| lobe.mirrored());
+            let mirrored = (self.head.folded >> k & 1 == 1).then(|| lobe.mirrored());
             core::iter::once(lobe).chain(mirrored)
         })
     }

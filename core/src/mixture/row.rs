@@ -1,14 +1,10 @@
 //! Vectors of lobes in the rows of a mixture, which need not be a multiple of the lanes: then the last vector is
 //! of fewer numbers, and goes through a padded copy. Which it is, the compiler knows.
 
-use crate::material::layout::MAX_LOBES;
 use crate::simd::lanes::Lanes;
 
 /// Widest vector of any back end, a pair included.
 const WIDEST: usize = 32;
-
-/// Numbers of a row that a lookup takes at a time.
-const LOOKUP: usize = 16;
 
 /// Whether the `k`-th lobe is one of `count`, and within a row.
 #[inline(always)]
@@ -36,15 +32,4 @@ pub(crate) fn store<L: Lanes, const N: usize>(numbers: L, row: &mut [f32; N], k:
     let (mut padded, count) = ([0.0; WIDEST], L::COUNT.min(N - k));
     numbers.store(&mut padded);
     row[k..k + count].copy_from_slice(&padded[..count]);
-}
-
-/// `row[index]`; every index is below `count`.
-#[inline(always)]
-pub(crate) fn lookup<L: Lanes, const N: usize>(row: &[f32; N], count: usize, index: L::Index) -> L {
-    if N.is_multiple_of(LOOKUP) {
-        return L::lookup(row, count, index);
-    }
-    let mut padded = [0.0; MAX_LOBES];
-    padded[..N].copy_from_slice(row);
-    L::lookup(&padded, count, index)
 }

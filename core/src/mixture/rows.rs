@@ -4,7 +4,9 @@ use super::factors::Factors;
 use crate::lobe::gaussian::{Gaussian, Lobe};
 use crate::material::layout::MAX_LOBES;
 use crate::simd::detect::Level;
+use crate::simd::lanes::{PART, PARTS, Part};
 use crate::squeeze::Squeeze;
+use core::any::Any;
 use glam::Vec3;
 
 /// Where a mixture lives.
@@ -56,55 +58,143 @@ pub(crate) fn weight_of(value: Vec3, pdf: f32) -> Vec3 {
 /// at most `1e-7 a` at any direction.
 #[derive(Clone, Debug)]
 pub struct Mixture<'m, const N: usize> {
-    pub(crate) count: usize,
-    pub(crate) squeezed: usize,
-    pub(crate) domain: Domain,
+    pub(crate) head: Head<'m>,
+    pub(crate) rows: Rows<[f32; N]>,
+}
+
+/// A mixture, whatever room it has: a text over it is compiled once.
+pub(crate) struct MixtureRef<'a> {
+    pub head: &'a Head<'a>,
+    /// Sixteen lobes each, as many as the count says; the others are anything.
+    pub blocks: [&'a Block; PARTS],
+}
+
+/// The rows of sixteen lobes. A text finds all of them from one address.
+pub(crate) type Block = Rows<Part>;
+
+/// A row of a [`MixtureRef`].
+macro_rules! row_of {
+    ($m:expr, $row:ident) => {{
+        let [a, b, c, d] = &$m.blocks;
+        [&a.$row, &b.$row, &c.$row, &d.$row]
+    }};
+}
+pub(crate) use row_of;
+
+/// What a mixture has once.
+#[derive(Clone, Debug)]
+pub(crate) struct Head<'m> {
+    pub count: usize,
+    pub squeezed: usize,
+    pub domain: Domain,
     /// Every axis has y = 0 in the frame of the view.
-    pub(crate) in_plane: bool,
+    pub in_plane: bool,
     /// What this mixture's kernels run on, chosen when it was made.
-    pub(crate) level: Level,
-    pub(crate) squeeze: Squeeze,
+    pub level: Level,
+    pub squeeze: Squeeze,
     /// Bit k: lobe k needs its fold.
-    pub(crate) folded: u64,
+    pub folded: u64,
     /// Albedo of the diffuse term; 0 on the sphere.
-    pub(crate) diffuse: Vec3,
+    pub diffuse: Vec3,
     /// Albedo of the lobes.
-    pub(crate) lobes_albedo: Vec3,
+    pub lobes_albedo: Vec3,
     /// Luminance of the albedo, the normaliser of the density; 0 if nothing can be sampled.
-    pub(crate) power: f32,
+    pub power: f32,
     /// `1 / power`, or 0.
-    pub(crate) inverse_power: f32,
+    pub inverse_power: f32,
     /// The part of `power` that lobes have.
-    pub(crate) lobes_power: f32,
+    pub lobes_power: f32,
     /// The part that the diffuse term has: the difference of the two above would have lost its digits.
-    pub(crate) diffuse_power: f32,
+    pub diffuse_power: f32,
     /// What values are multiplied by.
-    pub(crate) factors: Factors<'m>,
-    // Structure of arrays; places from `count` up to the next multiple of what one direction
-    // takes at a time (two vectors on AVX2, one elsewhere) hold lobes of amplitude 0.
-    pub(crate) axis_x: [f32; N],
-    pub(crate) axis_y: [f32; N],
-    pub(crate) axis_z: [f32; N],
-    pub(crate) sharpness: [f32; N],
-    pub(crate) red: [f32; N],
-    pub(crate) green: [f32; N],
-    pub(crate) blue: [f32; N],
+    pub factors: Factors<'m>,
+}
+
+/// Declares the rows of a mixture.
+macro_rules! rows {
+    ($($(#[$doc:meta])* $row:ident)*) => {
+        /// What a mixture has for each lobe, a row `R` of numbers each: structure of arrays. Places from the
+        /// count of lobes up to the next multiple of what one direction takes at a time (two vectors on AVX2,
+        /// one elsewhere) hold lobes of amplitude 0.
+        #[derive(Clone, Copy, Debug)]
+        pub(crate) struct Rows<R> {
+            $($(#[$doc])* pub $row: R,)*
+        }
+
+        impl<const N: usize> Rows<[f32; N]> {
+            #[inline(always)]
+            pub const fn zeros() -> Self {
+                Self { $($row: [0.0; N],)* }
+            }
+
+            /// Copies the rows of the first lobes into blocks of sixteen; returns these.
+            #[inline(always)]
+            fn copy_into<'a>(&self, count: usize, blocks: &'a mut [Block; PARTS]) -> [&'a Block; PARTS] {
+                for (p, block) in blocks.iter_mut().enumerate().take(count.min(N).div_ceil(PART)) {
+                    let (from, count) = (p * PART, PART.min(N - p * PART));
+                    $(block.$row[..count].copy_from_slice(&self.$row[from..from + count]);)*
+                }
+                blocks.each_ref()
+            }
+
+            /// Lobe `from` takes the place of lobe `to`.
+            #[inline(always)]
+            pub fn move_lobe(&mut self, from: usize, to: usize) {
+                $(self.$row[to] = self.$row[from];)*
+            }
+        }
+    };
+}
+
+rows! {
+    axis_x
+    axis_y
+    axis_z
+    sharpness
+    red
+    green
+    blue
     /// Luminance of the amplitude.
-    pub(crate) luminance: [f32; N],
+    luminance
     /// `-s / 2` in base 2: times the squared chord it is the exponent.
-    pub(crate) rate: [f32; N],
+    rate
     /// `-2 s axis.z` in base 2: times d.z it is what the fold adds to the exponent. Minus infinity, or a NaN
     /// times 0, which both leave nothing of it, for a lobe that does not need its fold but shares a vector
     /// with one that does.
-    pub(crate) fold_rate: [f32; N],
+    fold_rate
     /// `1 / s`, of at least 1e-7: below, the lobe is constant to f32.
-    pub(crate) inverse_sharpness: [f32; N],
+    inverse_sharpness
     /// `1 - exp(-2 s)`.
-    pub(crate) inside: [f32; N],
+    inside
     /// `exp(-2 s)`.
-    pub(crate) tail: [f32; N],
+    tail
     /// Running sum of the luminance of the integrals.
-    pub(crate) cumulative: [f32; N],
+    cumulative
+}
+
+impl Head<'_> {
+    const EMPTY: Self = Self {
+        count: 0,
+        squeezed: 0,
+        domain: Domain::Hemisphere,
+        in_plane: true,
+        level: Level::Scalar,
+        squeeze: Squeeze::NONE,
+        folded: 0,
+        diffuse: Vec3::ZERO,
+        lobes_albedo: Vec3::ZERO,
+        power: 0.0,
+        inverse_power: 0.0,
+        lobes_power: 0.0,
+        diffuse_power: 0.0,
+        factors: Factors::NONE,
+    };
+
+    /// Whether values are multiplied by factors.
+    #[inline(always)]
+    pub fn has_factors(&self) -> bool {
+        !self.factors.is_none()
+    }
 }
 
 /// A number whose lowest `count` bits are set, up to 64.
@@ -129,92 +219,73 @@ impl<const N: usize> Mixture<'_, N> {
     /// ```
     pub const fn empty() -> Self {
         const { assert!(1 <= N && N <= MAX_LOBES, "the N of a Mixture<N>, its room for lobes, is 1 to 64") };
-        let zeros = [0.0; N];
-        Self {
-            count: 0,
-            squeezed: 0,
-            domain: Domain::Hemisphere,
-            in_plane: true,
-            level: Level::Scalar,
-            squeeze: Squeeze::NONE,
-            folded: 0,
-            diffuse: Vec3::ZERO,
-            lobes_albedo: Vec3::ZERO,
-            power: 0.0,
-            inverse_power: 0.0,
-            lobes_power: 0.0,
-            diffuse_power: 0.0,
-            factors: Factors::NONE,
-            axis_x: zeros,
-            axis_y: zeros,
-            axis_z: zeros,
-            sharpness: zeros,
-            red: zeros,
-            green: zeros,
-            blue: zeros,
-            luminance: zeros,
-            rate: zeros,
-            fold_rate: zeros,
-            inverse_sharpness: zeros,
-            inside: zeros,
-            tail: zeros,
-            cumulative: zeros,
-        }
+        Self { head: Head::EMPTY, rows: Rows::zeros() }
+    }
+
+    /// The mixture, whatever room it has. One with room for sixteen lobes is a block as it stands; the rows of any
+    /// other are copied to `blocks`.
+    #[inline(always)]
+    pub(crate) fn borrowed<'a>(&'a self, blocks: &'a mut [Block; PARTS]) -> MixtureRef<'a> {
+        let blocks = match (&self.rows as &dyn Any).downcast_ref::<Block>() {
+            Some(block) => [block; PARTS],
+            None => self.rows.copy_into(self.head.count, blocks),
+        };
+        MixtureRef { head: &self.head, blocks }
     }
 
     /// Starts over as an empty mixture, keeping the storage.
     #[inline(always)]
     pub(crate) fn begin(&mut self, level: Level, domain: Domain, squeeze: Squeeze) {
-        self.count = 0;
-        self.squeezed = 0;
-        self.domain = domain;
-        self.in_plane = true;
-        self.level = level;
-        self.squeeze = squeeze;
-        self.folded = 0;
-        self.diffuse = Vec3::ZERO;
-        self.lobes_albedo = Vec3::ZERO;
-        self.power = 0.0;
-        self.inverse_power = 0.0;
-        self.lobes_power = 0.0;
-        self.diffuse_power = 0.0;
-        self.factors.nodes = &[];
+        self.head.count = 0;
+        self.head.squeezed = 0;
+        self.head.domain = domain;
+        self.head.in_plane = true;
+        self.head.level = level;
+        self.head.squeeze = squeeze;
+        self.head.folded = 0;
+        self.head.diffuse = Vec3::ZERO;
+        self.head.lobes_albedo = Vec3::ZERO;
+        self.head.power = 0.0;
+        self.head.inverse_power = 0.0;
+        self.head.lobes_power = 0.0;
+        self.head.diffuse_power = 0.0;
+        self.head.factors.nodes = &[];
     }
 
     /// Albedo of the diffuse term, linear sRGB.
     #[inline]
     pub fn diffuse(&self) -> Vec3 {
-        self.diffuse
+        self.head.diffuse
     }
 
     /// Number of lobes.
     #[inline]
     pub fn len(&self) -> usize {
-        self.count
+        self.head.count
     }
 
     /// Whether there is no lobe.
     #[inline]
     pub fn is_empty(&self) -> bool {
-        self.count == 0
+        self.head.count == 0
     }
 
     /// Number of lobes that see the squeezed direction; they come first.
     #[inline]
     pub fn squeezed_len(&self) -> usize {
-        self.squeezed
+        self.head.squeezed
     }
 
     /// The squeeze c, across +x of the frame of the view; 1 for none.
     #[inline]
     pub fn squeeze(&self) -> f32 {
-        1.0 / self.squeeze.inverse
+        1.0 / self.head.squeeze.inverse
     }
 
     /// The squeeze along +x of the frame of the view; 1 but for anisotropic materials.
     #[inline]
     pub fn squeeze_along(&self) -> f32 {
-        1.0 / self.squeeze.along
+        1.0 / self.head.squeeze.along
     }
 
     /// Azimuth of +x of the frame of the view in the caller's frame, its cosine and sine.
@@ -223,36 +294,36 @@ impl<const N: usize> Mixture<'_, N> {
     /// degrees from there, so that it and +y are what the squeeze acts along.
     #[inline]
     pub fn azimuth_cos_sin(&self) -> [f32; 2] {
-        self.squeeze.azimuth
+        self.head.squeeze.azimuth
     }
 
     /// Where the mixture lives.
     #[inline]
     pub fn domain(&self) -> Domain {
-        self.domain
+        self.head.domain
     }
 
     /// The instruction set that this mixture's kernels run on, chosen when it was made; see [`Level::set`].
     #[inline]
     pub fn level(&self) -> Level {
-        self.level
+        self.head.level
     }
 
     /// Whether lobe `k` is evaluated with its fold.
     #[inline]
     pub fn is_folded(&self, k: usize) -> bool {
-        k < self.count && self.folded >> k & 1 == 1
+        k < self.head.count && self.head.folded >> k & 1 == 1
     }
 
     /// Lobe `k` in the frame of the view, or `None` past the end.
     pub fn lobe(&self, k: usize) -> Option<Lobe> {
-        let amplitude = || Vec3::new(self.red[k], self.green[k], self.blue[k]);
-        (k < self.count).then(|| Lobe { gaussian: self.gaussian(k), amplitude: amplitude() })
+        let amplitude = || Vec3::new(self.rows.red[k], self.rows.green[k], self.rows.blue[k]);
+        (k < self.head.count).then(|| Lobe { gaussian: self.gaussian(k), amplitude: amplitude() })
     }
 
     pub(crate) fn gaussian(&self, k: usize) -> Gaussian {
-        let axis = Vec3::new(self.axis_x[k], self.axis_y[k], self.axis_z[k]);
-        Gaussian { axis, sharpness: self.sharpness[k] }
+        let axis = Vec3::new(self.rows.axis_x[k], self.rows.axis_y[k], self.rows.axis_z[k]);
+        Gaussian { axis, sharpness: self.rows.sharpness[k] }
     }
 
     /// Integral of the value over the domain, in closed form: `diffuse + sum a I(s)`; linear sRGB.
@@ -263,27 +334,31 @@ impl<const N: usize> Mixture<'_, N> {
     /// over outgoing directions, and at most 1.5 %.
     #[inline]
     pub fn albedo(&self) -> Vec3 {
-        let lobes = self.lobes_albedo + self.diffuse;
-        if self.has_factors() { lobes + self.power * self.factors.albedo_difference() } else { lobes }
+        let lobes = self.head.lobes_albedo + self.head.diffuse;
+        if self.has_factors() {
+            lobes + self.head.power * self.head.factors.albedo_difference()
+        } else {
+            lobes
+        }
     }
 
     /// Luminance of the closed form of the albedo, without factors: what the density is normalised by, and
     /// without factors the luminance of every sample's weight.
     #[inline]
     pub fn power(&self) -> f32 {
-        self.power
+        self.head.power
     }
 
     /// Whether lobes see directions as they are, neither turned nor squeezed.
     #[inline(always)]
     pub(crate) fn is_plain(&self) -> bool {
-        self.squeezed == 0 && !self.squeeze.is_turned
+        self.head.squeezed == 0 && !self.head.squeeze.is_turned
     }
 
     /// Whether there is neither a lobe nor a diffuse term: what is prepared for no direction.
     #[inline(always)]
     pub(crate) fn is_nothing(&self) -> bool {
-        self.count == 0 && self.diffuse == Vec3::ZERO
+        self.head.count == 0 && self.head.diffuse == Vec3::ZERO
     }
 }
 
@@ -292,12 +367,12 @@ impl<'m, const N: usize> Mixture<'m, N> {
     /// none.
     #[inline]
     pub fn factor_bytes(&self) -> &'m [u8] {
-        self.factors.nodes
+        self.head.factors.nodes
     }
 
     /// Whether values are multiplied by factors; see [`Material::factor`](crate::Material::factor).
     #[inline]
     pub fn has_factors(&self) -> bool {
-        !self.factors.is_none()
+        self.head.has_factors()
     }
 }

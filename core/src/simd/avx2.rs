@@ -5,7 +5,7 @@
 #![allow(unsafe_code)]
 
 use super::lane_pair::LanePair;
-use super::lanes::{Lanes, one_vector};
+use super::lanes::{Lanes, PART, PARTS, Parts, one_vector, part_of};
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
 
@@ -26,15 +26,6 @@ macro_rules! operators {
     )* };
 }
 operators!(Add add _mm256_add_ps Sub sub _mm256_sub_ps Mul mul _mm256_mul_ps Div div _mm256_div_ps);
-
-impl Avx2 {
-    #[inline(always)]
-    fn chunk(table: &[f32], at: usize) -> __m256 {
-        let part: &[f32; 8] = table[at..].first_chunk().expect("a table of a multiple of 16");
-        // SAFETY: 8 f32 are readable; the load has no alignment; AVX as above.
-        unsafe { _mm256_loadu_ps(part.as_ptr()) }
-    }
-}
 
 /// The three channels of nodes, as [`Lanes::node_pairs`] says.
 #[inline(always)]
@@ -179,14 +170,18 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
-    fn search(self, thresholds: &[f32]) -> __m256i {
+    fn search(self, row: &Parts<'_>, len: usize) -> __m256i {
         // SAFETY: the processor has AVX2, see the head of this file.
         unsafe {
             let mut count = _mm256_setzero_si256();
-            for &t in thresholds {
-                // A set mask is -1.
-                let mask = _mm256_cmp_ps::<_CMP_GE_OQ>(self.0, _mm256_set1_ps(t));
-                count = _mm256_sub_epi32(count, _mm256_castps_si256(mask));
+            let mut p = 0;
+            while p < PARTS && PART * p < len {
+                for &t in part_of(row, p, len) {
+                    // A set mask is -1.
+                    let mask = _mm256_cmp_ps::<_CMP_GE_OQ>(self.0, _mm256_set1_ps(t));
+                    count = _mm256_sub_epi32(count, _mm256_castps_si256(mask));
+                }
+                p += 1;
             }
             count
         }
@@ -202,16 +197,17 @@ impl Lanes for Avx2 {
         unsafe { _mm256_castsi256_ps(_mm256_cmpgt_epi32(_mm256_set1_epi32(limit as i32), index)) }
     }
     #[inline(always)]
-    fn lookup(table: &[f32], len: usize, index: __m256i) -> Self {
+    fn lookup(row: &Parts<'_>, len: usize, index: __m256i) -> Self {
         // SAFETY: the processor has AVX2, see the head of this file.
         unsafe {
-            // The permutation uses the low three bits of the index; the chunk that they belong to is blended
-            // in.
-            let mut value = _mm256_permutevar8x32_ps(Self::chunk(table, 0), index);
+            // The permutation uses the low three bits of the index; the half of a part that they belong to is
+            // blended in.
+            let mut value = _mm256_permutevar8x32_ps(Self::load(row[0]).0, index);
             let mut at = 8;
-            while at < len {
+            while at < len.min(PARTS * PART) {
                 let inside = _mm256_cmpgt_epi32(index, _mm256_set1_epi32(at as i32 - 1));
-                let candidate = _mm256_permutevar8x32_ps(Self::chunk(table, at), index);
+                let half = Self::load(&row[at / PART][at % PART / 8 * 8..]).0;
+                let candidate = _mm256_permutevar8x32_ps(half, index);
                 value = _mm256_blendv_ps(value, candidate, _mm256_castsi256_ps(inside));
                 at += 8;
             }

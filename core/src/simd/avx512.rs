@@ -7,7 +7,7 @@
 
 use super::avx2;
 use super::lane_pair::LanePair;
-use super::lanes::{Lanes, one_vector, scale};
+use super::lanes::{Lanes, PART, PARTS, Parts, one_vector, part_of, scale};
 use super::routine::{Draw, One};
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
@@ -29,15 +29,6 @@ macro_rules! operators {
     )* };
 }
 operators!(Add add _mm512_add_ps Sub sub _mm512_sub_ps Mul mul _mm512_mul_ps Div div _mm512_div_ps);
-
-impl Avx512 {
-    #[inline(always)]
-    fn chunk(table: &[f32], at: usize) -> __m512 {
-        let part: &[f32; 16] = table[at..].first_chunk().expect("a table of a multiple of 16");
-        // SAFETY: 16 f32 are readable; the load has no alignment; AVX-512 as above.
-        unsafe { _mm512_loadu_ps(part.as_ptr()) }
-    }
-}
 
 /// The three channels of nodes, as [`Lanes::node_pairs`] says.
 #[inline(always)]
@@ -85,7 +76,9 @@ impl Lanes for Avx512 {
     }
     #[inline(always)]
     fn load(from: &[f32]) -> Self {
-        Self(Self::chunk(from, 0))
+        let from: &[f32; 16] = from.first_chunk().expect("a vector of numbers");
+        // SAFETY: 16 f32 are readable; the load has no alignment; the processor as above.
+        Self(unsafe { _mm512_loadu_ps(from.as_ptr()) })
     }
     #[inline(always)]
     fn load_bytes(from: &[u8]) -> Self {
@@ -209,14 +202,18 @@ impl Lanes for Avx512 {
         }
     }
     #[inline(always)]
-    fn search(self, thresholds: &[f32]) -> __m512i {
+    fn search(self, row: &Parts<'_>, len: usize) -> __m512i {
         // SAFETY: the processor has AVX-512, see the head of this file.
         unsafe {
             let one = _mm512_set1_epi32(1);
             let mut count = _mm512_setzero_si512();
-            for &t in thresholds {
-                let mask = _mm512_cmp_ps_mask::<_CMP_GE_OQ>(self.0, _mm512_set1_ps(t));
-                count = _mm512_mask_add_epi32(count, mask, count, one);
+            let mut p = 0;
+            while p < PARTS && PART * p < len {
+                for &t in part_of(row, p, len) {
+                    let mask = _mm512_cmp_ps_mask::<_CMP_GE_OQ>(self.0, _mm512_set1_ps(t));
+                    count = _mm512_mask_add_epi32(count, mask, count, one);
+                }
+                p += 1;
             }
             count
         }
@@ -231,17 +228,16 @@ impl Lanes for Avx512 {
         unsafe { _mm512_cmplt_epi32_mask(index, _mm512_set1_epi32(limit as i32)) }
     }
     #[inline(always)]
-    fn lookup(table: &[f32], len: usize, index: __m512i) -> Self {
+    fn lookup(row: &Parts<'_>, len: usize, index: __m512i) -> Self {
         // SAFETY: the processor has AVX-512, see the head of this file.
         unsafe {
-            // The permutation uses the low four bits of the index; the chunk that they belong to is blended
-            // in.
-            let mut value = _mm512_permutexvar_ps(index, Self::chunk(table, 0));
-            let mut at = 16;
-            while at < len {
-                let inside = _mm512_cmpge_epi32_mask(index, _mm512_set1_epi32(at as i32));
-                value = _mm512_mask_permutexvar_ps(value, inside, index, Self::chunk(table, at));
-                at += 16;
+            // The permutation uses the low four bits of the index; the part that they belong to is blended in.
+            let mut value = _mm512_permutexvar_ps(index, Self::load(row[0]).0);
+            let mut p = 1;
+            while p < PARTS && PART * p < len {
+                let inside = _mm512_cmpge_epi32_mask(index, _mm512_set1_epi32((PART * p) as i32));
+                value = _mm512_mask_permutexvar_ps(value, inside, index, Self::load(row[p]).0);
+                p += 1;
             }
             Self(value)
         }
@@ -330,6 +326,7 @@ super::routine::entries!(
 
 /// Draws a direction, without vectors of 512 bits, as [`One::IS_WIDE`] says why, and runs a routine for it,
 /// which is a call of its own: in one function, both have too few registers.
+#[inline(never)]
 #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2")]
 pub(super) fn draw<S: Copy, D: Draw<S>, R: One<S>>(
     state: S,

@@ -6,7 +6,7 @@
 //! numbers.
 #![allow(unsafe_code)]
 
-use super::lanes::{Lanes, ROUND, one_vector};
+use super::lanes::{Lanes, Parts, ROUND, one_vector};
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
 
@@ -200,8 +200,8 @@ impl Lanes for Fused {
         }
     }
     #[inline(always)]
-    fn search(self, thresholds: &[f32]) -> usize {
-        self.0.search(thresholds)
+    fn search(self, row: &Parts<'_>, len: usize) -> usize {
+        self.0.search(row, len)
     }
     #[inline(always)]
     fn bits(mask: __m128) -> u64 {
@@ -214,8 +214,8 @@ impl Lanes for Fused {
         unsafe { _mm_castsi128_ps(_mm_cvtsi32_si128(-i32::from(index < limit))) }
     }
     #[inline(always)]
-    fn lookup(table: &[f32], _len: usize, index: usize) -> Self {
-        Self(table[index])
+    fn lookup(row: &Parts<'_>, len: usize, index: usize) -> Self {
+        Self(f32::lookup(row, len, index))
     }
     #[inline(always)]
     fn node_pairs(nodes: &[u8], index: Self) -> [[Self; 3]; 2] {

@@ -3,7 +3,7 @@
 //!
 //! A broadcast then serves both halves, and the two chains of dependent operations run side by side.
 
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Parts};
 use core::ops::{Add, Div, Mul, Sub};
 
 /// Two vectors; the first holds the lower lanes.
@@ -134,8 +134,8 @@ impl<L: Lanes> Lanes for LanePair<L> {
         (Self(m0, m1), Self(e0, e1))
     }
     #[inline(always)]
-    fn search(self, thresholds: &[f32]) -> [L::Index; 2] {
-        [self.0.search(thresholds), self.1.search(thresholds)]
+    fn search(self, row: &Parts<'_>, len: usize) -> [L::Index; 2] {
+        [self.0.search(row, len), self.1.search(row, len)]
     }
     #[inline(always)]
     fn bits(mask: [L::Mask; 2]) -> u64 {
@@ -146,8 +146,8 @@ impl<L: Lanes> Lanes for LanePair<L> {
         [L::index_below(index[0], limit), L::index_below(index[1], limit)]
     }
     #[inline(always)]
-    fn lookup(table: &[f32], len: usize, index: [L::Index; 2]) -> Self {
-        Self(L::lookup(table, len, index[0]), L::lookup(table, len, index[1]))
+    fn lookup(row: &Parts<'_>, len: usize, index: [L::Index; 2]) -> Self {
+        Self(L::lookup(row, len, index[0]), L::lookup(row, len, index[1]))
     }
     #[inline(always)]
     fn node_pairs(nodes: &[u8], index: Self) -> [[Self; 3]; 2] {

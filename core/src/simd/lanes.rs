@@ -8,6 +8,24 @@
 
 use core::ops::{Add, Div, Mul, Sub};
 
+/// Numbers of a part of a row: the lanes of the widest vector.
+pub const PART: usize = 16;
+
+/// Most parts of a row.
+pub const PARTS: usize = 4;
+
+/// Part of a row.
+pub type Part = [f32; PART];
+
+/// A row of numbers in parts, so that what reads it need not know how long it is.
+pub type Parts<'a> = [&'a Part; PARTS];
+
+/// The numbers of part `p` among the first `len` of a row.
+#[inline(always)]
+pub fn part_of<'a>(row: &Parts<'a>, p: usize, len: usize) -> &'a [f32] {
+    &row[p][..len.saturating_sub(PART * p).min(PART)]
+}
+
 /// A vector of f32, or one f32.
 ///
 /// Comparisons with NaN are false. `min` and `max` give any of the two operands if one is NaN.
@@ -106,14 +124,14 @@ pub trait Lanes:
     /// Splits a positive normal number into a mantissa in [sqrt(1/2), sqrt(2)), and 2^23 times a whole
     /// exponent: that is where it stands.
     fn split_exponent(self) -> (Self, Self);
-    /// Number of thresholds that are `<= self`.
-    fn search(self, thresholds: &[f32]) -> Self::Index;
+    /// How many of the first `len` numbers of a row are `<= self`.
+    fn search(self, row: &Parts<'_>, len: usize) -> Self::Index;
     /// One bit a lane, the first lane lowest.
     fn bits(mask: Self::Mask) -> u64;
     /// `index < limit`.
     fn index_below(index: Self::Index, limit: usize) -> Self::Mask;
-    /// `table[index]`; every index is within the first `len` entries. `table` has a multiple of 16 entries.
-    fn lookup(table: &[f32], len: usize, index: Self::Index) -> Self;
+    /// `row[index]`; every index is within the first `len` numbers.
+    fn lookup(row: &Parts<'_>, len: usize, index: Self::Index) -> Self;
     /// Red, green and blue, the latter two times 2^10 and 2^20, of the codes of two nodes that lie one behind
     /// the other, from whole numbers `index` on: `nodes` holds four bytes a node. Whatever `index` is,
     /// nothing outside is read.

@@ -2,7 +2,7 @@
 //! code).
 
 use super::lane_pair::LanePair;
-use super::lanes::{Lanes, one_vector};
+use super::lanes::{Lanes, PART, PARTS, Parts, one_vector, part_of};
 use core::ops::{Add, Div, Mul, Sub};
 use wide::{f32x4, i32x4};
 
@@ -130,12 +130,16 @@ impl Lanes for Wide {
         (Self::of_bits(self.bits() - e), Self(f32x4::from_i32x4(e)))
     }
     #[inline(always)]
-    fn search(self, thresholds: &[f32]) -> [u32; 4] {
+    fn search(self, row: &Parts<'_>, len: usize) -> [u32; 4] {
         let mut count = i32x4::splat(0);
-        for &t in thresholds {
-            // A set mask is -1.
-            let mask: i32x4 = bytemuck::cast(self.0.simd_ge(f32x4::splat(t)));
-            count -= mask;
+        let mut p = 0;
+        while p < PARTS && PART * p < len {
+            for &t in part_of(row, p, len) {
+                // A set mask is -1.
+                let mask: i32x4 = bytemuck::cast(self.0.simd_ge(f32x4::splat(t)));
+                count -= mask;
+            }
+            p += 1;
         }
         bytemuck::cast(count)
     }
@@ -150,8 +154,8 @@ impl Lanes for Wide {
         f32x4::from_i32x4(index).simd_lt(limit)
     }
     #[inline(always)]
-    fn lookup(table: &[f32], _len: usize, index: [u32; 4]) -> Self {
-        Self(f32x4::new(index.map(|i| table[i as usize])))
+    fn lookup(row: &Parts<'_>, len: usize, index: [u32; 4]) -> Self {
+        Self(f32x4::new(index.map(|i| f32::lookup(row, len, i as usize))))
     }
     #[inline(always)]
     fn first(self) -> f32 {
@@ -167,4 +171,4 @@ impl Lanes for Wide {
     }
 }
 
-super::routine::entries!(Wide, #[inline(never)]);
+super::routine::entries!(Wide);

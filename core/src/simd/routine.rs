@@ -32,14 +32,16 @@ pub(crate) trait Draw<State> {
 }
 
 /// The functions of a back end that run a text in its instruction set, which is `$attribute`. A back end that
-/// draws in another way leaves out `draw`.
+/// draws in another way leaves out `draw`. None is inlined, so that a program has each text once, whatever
+/// crates it is called from.
 macro_rules! entries {
-    ($lanes:ty, #[$($attribute:tt)*]) => {
-        $crate::simd::routine::entries!($lanes, #[$($attribute)*] without draw);
+    ($lanes:ident $(, #[$attribute:meta])?) => {
+        $crate::simd::routine::entries!($lanes $(, #[$attribute])? without draw);
 
         /// Draws a direction and runs a routine for it, which is a call of its own: in one function, both
         /// have too few registers.
-        #[$($attribute)*]
+        #[inline(never)]
+        $(#[$attribute])?
         pub(super) fn draw<S: Copy, D: $crate::simd::routine::Draw<S>, R: $crate::simd::routine::One<S>>(
             state: S,
             a: f32,
@@ -51,15 +53,17 @@ macro_rules! entries {
             ($crate::simd::lanes::scale(d, inverse), then)
         }
     };
-    ($lanes:ty, #[$($attribute:tt)*] without draw) => {
+    ($lanes:ident $(, #[$attribute:meta])? without draw) => {
         /// Runs a routine.
-        #[$($attribute)*]
+        #[inline(never)]
+        $(#[$attribute])?
         pub(super) fn run<R: $crate::simd::routine::Routine>(routine: R) -> R::Output {
             routine.run::<$lanes>()
         }
 
         /// Runs a routine for one direction.
-        #[$($attribute)*]
+        #[inline(never)]
+        $(#[$attribute])?
         pub(super) fn one<S, R: $crate::simd::routine::One<S>>(state: S, a: f32, b: f32, c: f32) -> R::Output {
             R::run::<$lanes>(state, [a, b, c])
         }

@@ -1,6 +1,6 @@
 //! The scalar back end: one f32 at a time, as `libm` and the language have it.
 
-use super::lanes::{Lanes, one_vector};
+use super::lanes::{Lanes, PART, PARTS, Parts, one_vector, part_of};
 
 /// Square root, correctly rounded.
 #[inline(always)]
@@ -104,8 +104,15 @@ impl Lanes for f32 {
         (f32::from_bits(self.to_bits().wrapping_sub(e)), e as i32 as f32)
     }
     #[inline(always)]
-    fn search(self, thresholds: &[f32]) -> usize {
-        thresholds.iter().filter(|&&t| t <= self).count()
+    fn search(self, row: &Parts<'_>, len: usize) -> usize {
+        let (mut count, mut p) = (0, 0);
+        while p < PARTS && PART * p < len {
+            for &t in part_of(row, p, len) {
+                count += usize::from(t <= self);
+            }
+            p += 1;
+        }
+        count
     }
     #[inline(always)]
     fn bits(mask: bool) -> u64 {
@@ -116,8 +123,9 @@ impl Lanes for f32 {
         index < limit
     }
     #[inline(always)]
-    fn lookup(table: &[f32], _len: usize, index: usize) -> Self {
-        table[index]
+    fn lookup(row: &Parts<'_>, len: usize, index: usize) -> Self {
+        let part = if len <= PART { row[0] } else { row[index / PART] };
+        part[index % PART]
     }
     #[inline(always)]
     fn node_pairs(nodes: &[u8], index: Self) -> [[Self; 3]; 2] {
@@ -147,4 +155,4 @@ impl Lanes for f32 {
     }
 }
 
-super::routine::entries!(f32, #[inline(never)]);
+super::routine::entries!(f32);

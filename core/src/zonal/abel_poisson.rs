@@ -33,7 +33,7 @@ impl AbelPoisson {
     ///
     /// # Errors
     /// [`Error::Axis`]; [`Error::Kernel`] for h outside the range.
-    pub fn new(axis: Vec3, h: f32) -> Result<Self, Error> {
+    pub fn new(axis: impl Into<Vec3>, h: f32) -> Result<Self, Error> {
         // A tiny negative h would round to an epsilon of 1.
         if h < 0.0 {
             return Err(Error::Kernel);
@@ -45,8 +45,8 @@ impl AbelPoisson {
     ///
     /// # Errors
     /// [`Error::Axis`]; [`Error::Kernel`] for epsilon outside the range.
-    pub fn from_epsilon(axis: Vec3, epsilon: f32) -> Result<Self, Error> {
-        let axis = unit(axis).ok_or(Error::Axis)?;
+    pub fn from_epsilon(axis: impl Into<Vec3>, epsilon: f32) -> Result<Self, Error> {
+        let axis = unit(axis.into()).ok_or(Error::Axis)?;
         if !(Self::MIN_EPSILON..=1.0).contains(&epsilon) {
             return Err(Error::Kernel);
         }

@@ -102,8 +102,8 @@ impl<K: Kernel> Folded<K> {
 
     /// Evaluates `(K(u) + K(u mirrored)) / (c r^3)` towards a direction; 0 below the horizon.
     #[inline]
-    pub fn value(&self, direction: Vec3) -> f32 {
-        let [direct, mirrored] = self.parts(direction);
+    pub fn value(&self, direction: impl Into<Vec3>) -> f32 {
+        let [direct, mirrored] = self.parts(direction.into());
         direct + mirrored
     }
 
@@ -115,7 +115,7 @@ impl<K: Kernel> Folded<K> {
 
     /// Evaluates the density of [`sample`](Self::sample); 1/sr.
     #[inline]
-    pub fn pdf(&self, direction: Vec3) -> f32 {
+    pub fn pdf(&self, direction: impl Into<Vec3>) -> f32 {
         self.value(direction) / self.integral()
     }
 
@@ -135,7 +135,8 @@ impl<K: Kernel> Folded<K> {
     /// `choice` in [0, 1) takes the preimage above the horizon if it is below that one's part of the density,
     /// else the mirrored one. Range: d.z >= 0.
     #[inline]
-    pub fn invert_sample(&self, direction: Vec3, choice: f32) -> [f32; 2] {
+    pub fn invert_sample(&self, direction: impl Into<Vec3>, choice: f32) -> [f32; 2] {
+        let direction = direction.into();
         let [direct, mirrored] = self.parts(direction);
         let seen = self.seen(direction);
         let mut u = Vec3::from_array(seen.high) + Vec3::from_array(seen.low);

@@ -30,9 +30,9 @@ impl<const N: usize> KernelTable<N> {
     /// # Errors
     /// [`Error::Axis`]; [`Error::Kernel`] if a value is negative or not finite, or a slope, or the integral
     /// is 0 or infinite.
-    pub fn new(axis: Vec3, kernel: impl Fn(f32) -> f32) -> Result<Self, Error> {
+    pub fn new(axis: impl Into<Vec3>, kernel: impl Fn(f32) -> f32) -> Result<Self, Error> {
         const { assert!(N >= 3) };
-        let axis = unit(axis).ok_or(Error::Axis)?;
+        let axis = unit(axis.into()).ok_or(Error::Axis)?;
         let mut table = Self { axis, knot: [0.0; N], value: [0.0; N], cumulative: [0.0; N], integral: 0.0 };
         let octaves = 37.0 / (N - 2) as f32;
         for i in 0..N {

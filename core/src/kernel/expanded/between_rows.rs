@@ -109,11 +109,11 @@ impl Expanded<'_> {
     #[inline]
     pub fn prepare<'a, const N: usize>(
         &'a self,
-        wo: Vec3,
+        wo: impl Into<Vec3>,
         mixture: &mut Mixture<'a, N>,
     ) -> Result<(), Error> {
         let level = Level::current();
-        level.run_one::<_, Towards>(Prepare { expanded: self, level, mixture }, wo.to_array())
+        level.run_one::<_, Towards>(Prepare { expanded: self, level, mixture }, wo.into().to_array())
     }
 }
 
@@ -153,25 +153,26 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
         for i in 0..HEAD {
             head[i] = blend(rows[0][0][i], rows[1][0][i], share);
         }
-        mixture.squeeze = Squeeze::new(outgoing.azimuth, 1.0, head[INVERSE_SQUEEZE]);
+        mixture.head.squeeze = Squeeze::new(outgoing.azimuth, 1.0, head[INVERSE_SQUEEZE]);
         mixture.set_diffuse([head[DIFFUSE], head[DIFFUSE + 1], head[DIFFUSE + 2]]);
-        mixture.in_plane = material.header.mirrored == 0;
-        match (mixture.in_plane, expanded.is_plain) {
+        mixture.head.in_plane = material.header.mirrored == 0;
+        match (mixture.head.in_plane, expanded.is_plain) {
             (true, true) => store_lobes::<L::Lobes, N, IN_PLANE, true>(rows, share, mixture, needed),
             (true, false) => store_lobes::<L::Lobes, N, IN_PLANE, false>(rows, share, mixture, needed),
             (false, true) => store_lobes::<L::Lobes, N, MIRRORED, true>(rows, share, mixture, needed),
             (false, false) => store_lobes::<L::Lobes, N, MIRRORED, false>(rows, share, mixture, needed),
         }
         // Every lobe has its fold, and what the sums over the lobes would be is interpolated.
-        (mixture.count, mixture.squeezed) = (needed, material.header.squeezed);
-        mixture.folded = lowest_bits(needed);
-        mixture.lobes_albedo = Vec3::new(head[LOBES_ALBEDO], head[LOBES_ALBEDO + 1], head[LOBES_ALBEDO + 2]);
-        mixture.lobes_power = head[LOBES_POWER];
+        (mixture.head.count, mixture.head.squeezed) = (needed, material.header.squeezed);
+        mixture.head.folded = lowest_bits(needed);
+        mixture.head.lobes_albedo =
+            Vec3::new(head[LOBES_ALBEDO], head[LOBES_ALBEDO + 1], head[LOBES_ALBEDO + 2]);
+        mixture.head.lobes_power = head[LOBES_POWER];
         mixture.add_diffuse();
         if material.header.has_factors() {
             let passed = views_passed::<L>(material, outgoing.theta);
             let place = Place::after(material, passed, outgoing.theta);
-            mixture.factors = Factors::new(material, wo, place.among());
+            mixture.head.factors = Factors::new(material, wo, place.among());
         }
         Ok(())
     }
@@ -193,20 +194,20 @@ fn store_lobes<L: Lanes, const N: usize, const W: usize, const P: bool>(
         let [x, y, z] = lobes.axis;
         let rate = lobes.sharpness * L::splat(-0.5 * LOG2_E);
         let luminance = luminance_of(lobes.power);
-        row::store(x, &mut mixture.axis_x, k);
-        row::store(y, &mut mixture.axis_y, k);
-        row::store(z, &mut mixture.axis_z, k);
-        row::store(lobes.sharpness, &mut mixture.sharpness, k);
-        row::store(lobes.power[0] * normaliser, &mut mixture.red, k);
-        row::store(lobes.power[1] * normaliser, &mut mixture.green, k);
-        row::store(lobes.power[2] * normaliser, &mut mixture.blue, k);
-        row::store(luminance * normaliser, &mut mixture.luminance, k);
-        row::store(rate, &mut mixture.rate, k);
-        row::store(rate * z * L::splat(4.0), &mut mixture.fold_rate, k);
-        row::store(inverse, &mut mixture.inverse_sharpness, k);
-        row::store(inside, &mut mixture.inside, k);
-        row::store(tail, &mut mixture.tail, k);
-        row::store(luminance.running_sum() + passed, &mut mixture.cumulative, k);
+        row::store(x, &mut mixture.rows.axis_x, k);
+        row::store(y, &mut mixture.rows.axis_y, k);
+        row::store(z, &mut mixture.rows.axis_z, k);
+        row::store(lobes.sharpness, &mut mixture.rows.sharpness, k);
+        row::store(lobes.power[0] * normaliser, &mut mixture.rows.red, k);
+        row::store(lobes.power[1] * normaliser, &mut mixture.rows.green, k);
+        row::store(lobes.power[2] * normaliser, &mut mixture.rows.blue, k);
+        row::store(luminance * normaliser, &mut mixture.rows.luminance, k);
+        row::store(rate, &mut mixture.rows.rate, k);
+        row::store(rate * z * L::splat(4.0), &mut mixture.rows.fold_rate, k);
+        row::store(inverse, &mut mixture.rows.inverse_sharpness, k);
+        row::store(inside, &mut mixture.rows.inside, k);
+        row::store(tail, &mut mixture.rows.tail, k);
+        row::store(luminance.running_sum() + passed, &mut mixture.rows.cumulative, k);
         k += L::COUNT;
         if k < count {
             passed = passed + L::splat(luminance.sum());

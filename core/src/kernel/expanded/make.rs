@@ -132,9 +132,9 @@ fn fill_row(material: MaterialRef<'_>, shape: Shape, theta: f32, chunks: &mut [C
     let (head, groups) = chunks.split_at_mut(1);
     let head = &mut head[0];
     *head = [0.0; CHUNK];
-    head[INVERSE_SQUEEZE] = m.squeeze.inverse;
-    head[DIFFUSE..DIFFUSE + 3].copy_from_slice(&m.diffuse.to_array());
-    head[DIFFUSE_POWER] = m.diffuse_power;
+    head[INVERSE_SQUEEZE] = m.head.squeeze.inverse;
+    head[DIFFUSE..DIFFUSE + 3].copy_from_slice(&m.head.diffuse.to_array());
+    head[DIFFUSE_POWER] = m.head.diffuse_power;
 
     let (stored, mirrored) = (material.header.lobes, material.header.mirrored);
     for (g, group) in groups.chunks_exact_mut(shape.width).enumerate() {
@@ -142,17 +142,18 @@ fn fill_row(material: MaterialRef<'_>, shape: Shape, theta: f32, chunks: &mut [C
             let k = CHUNK * g + j;
             // A place without a lobe: along the normal, of no power.
             let (mut axis, mut sharpness, mut power) = (Vec3::Z, 1.0, [0.0; 3]);
-            if k < m.count {
-                axis = Vec3::new(m.axis_x[k], m.axis_y[k], m.axis_z[k]);
+            if k < m.head.count {
+                axis = Vec3::new(m.rows.axis_x[k], m.rows.axis_y[k], m.rows.axis_z[k]);
                 // An axis below the horizon, which the mixture has mirrored up, goes back: there is no
                 // straight line between axes on either side of a fold.
                 let of = if k < stored { k } else { k - mirrored };
                 if place.lobe_angle(material, of).abs() > FRAC_PI_2 {
                     axis.z = -axis.z;
                 }
-                sharpness = m.sharpness[k];
-                let integral = 2.0 * PI * m.inside[k] * m.inverse_sharpness[k];
-                let of_each = [m.red[k] * integral, m.green[k] * integral, m.blue[k] * integral];
+                sharpness = m.rows.sharpness[k];
+                let integral = 2.0 * PI * m.rows.inside[k] * m.rows.inverse_sharpness[k];
+                let of_each =
+                    [m.rows.red[k] * integral, m.rows.green[k] * integral, m.rows.blue[k] * integral];
                 power = of_each.map(|power| if power.abs() < LEAST_POWER { 0.0 } else { power });
                 head[LOBES_POWER] += luminance(Vec3::from_array(power));
                 for i in 0..3 {

@@ -58,7 +58,7 @@ pub(crate) const MIRRORED: usize = 7;
 /// memory.
 ///
 /// ```
-/// # use srbf_core::{Expanded, Line, Material, Mixture, PlaneLobe, SamplesMut, Vec3, View};
+/// # use srbf_core::{Expanded, Line, Material, Mixture, PlaneLobe, SamplesMut, View};
 /// # let color_differences = [0.0; 2];
 /// # let lobe = |angle| PlaneLobe {
 /// #     angle, off_plane: 0.0, log2_sharpness: 5.0, log2_luminance: -1.0, color_differences,
@@ -92,8 +92,8 @@ pub(crate) const MIRRORED: usize = 7;
 ///
 /// // At one hit: a mixture, which has all other methods.
 /// let mut mixture = Mixture::<16>::empty();
-/// expanded.prepare(Vec3::new(0.6, 0.0, 0.8), &mut mixture)?;
-/// assert!((mixture.pdf(Vec3::new(direction[0][0], direction[1][0], direction[2][0])) / pdf[0] - 1.0).abs() < 1e-4);
+/// expanded.prepare([0.6, 0.0, 0.8], &mut mixture)?;
+/// assert!((mixture.pdf(direction.map(|d| d[0])) / pdf[0] - 1.0).abs() < 1e-4);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
