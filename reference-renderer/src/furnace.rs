@@ -165,7 +165,7 @@ mod tests {
         let scene = Scene::new(SceneName::Sphere, material, material, &environment);
         let size = [32, 32];
         let camera = SceneName::Sphere.camera(size);
-        for light in [Light::Off, Light::Mis, Light::Only] {
+        for light in [Light::Off, Light::Mis, Light::Only, Light::Product] {
             let settings = Settings { light, split: 1, max_bounces: 4, seed: 3 };
             let mut film = Film::new(size);
             add_samples(&scene, &camera, &settings, &mut film, 128, &Progress::hidden()).unwrap();

@@ -8,15 +8,23 @@ use crate::random::Random;
 use crate::render::Settings;
 use crate::sampling::Light;
 use crate::scene::{Scene, Surface};
-use crate::shader::Scattering;
+use crate::shader::{AnyMixture, Scattering};
 use glam::Vec3;
-use srbf_core::{Sample, power_heuristic};
+use srbf_core::{ProductSampling, Sample, luminance, power_heuristic};
+use std::array::from_fn;
 
 /// Paths end at random from this bounce on, more likely the less they carry.
 const ROULETTE_FROM: u32 = 3;
 
 /// Smallest cosine that an outgoing direction has with the shading normal: the normal is bent until it has it.
 const LEAST_COSINE: f32 = 1e-3;
+
+/// How light and lobes are sampled together: sixteen candidates, half of them of the lobes, and the path's own ray beside them.
+const PRODUCT: ProductSampling = match ProductSampling::new(CANDIDATES, 0.5, 4.0) {
+    Ok(sampling) => sampling,
+    Err(_) => panic!("the numbers are in range"),
+};
+const CANDIDATES: usize = 16;
 
 /// Distance by which rays start above a surface, relative to the size of the coordinates.
 const RAY_OFFSET: f32 = 1e-4;
@@ -80,13 +88,19 @@ impl<'a> Path<'_, 'a> {
         if self.settings.light == Light::Off {
             return Vec3::ZERO;
         }
+        if self.settings.light == Light::Product {
+            let candidates = scattering.lobes_for_product().filter(|_| !self.is_evenly_lit());
+            if let Some(lobes) = candidates {
+                return self.product_at(frame, scattering, lobes);
+            }
+        }
         let sample = self.scene.environment.sample(self.random);
         if !frame.leaves(sample.direction) {
             return Vec3::ZERO;
         }
         let (value, pdf) = scattering.evaluate_and_pdf(frame.to_local(sample.direction));
         let weight = match self.settings.light {
-            Light::Mis => power_heuristic(1.0, sample.pdf, 1.0, pdf),
+            Light::Mis | Light::Product => power_heuristic(1.0, sample.pdf, 1.0, pdf),
             Light::Only | Light::Off => 1.0,
         };
         let contribution = value * sample.radiance * (weight / sample.pdf);
@@ -94,12 +108,55 @@ impl<'a> Path<'_, 'a> {
         if is_seen { contribution } else { Vec3::ZERO }
     }
 
+    /// Whether the light is the same from everywhere: then samples of it tell nothing that the lobes do not know.
+    fn is_evenly_lit(&self) -> bool {
+        self.scene.environment.constant_radiance().is_some()
+    }
+
+    /// Light that one direction brings to a surface, chosen among candidates of lobes and light by what they would bring.
+    fn product_at(&mut self, frame: &Frame, scattering: &Scattering<'a>, lobes: &AnyMixture<'a>) -> Vec3 {
+        let u: [[f32; CANDIDATES]; 3] = from_fn(|_| from_fn(|_| self.random.unit()));
+        let choice = self.random.unit();
+        let map = &self.scene.environment.map;
+        let axes = [frame.tangent, frame.bitangent, frame.normal];
+        // The slices are as long as the candidates are many.
+        let Ok(drawn) = lobes.sample_product(map, &axes, &PRODUCT, u.each_ref().map(|u| &u[..]), choice)
+        else {
+            return Vec3::NAN;
+        };
+        let Some(sample) = drawn.filter(|sample| frame.leaves(sample.direction)) else { return Vec3::ZERO };
+        if !self.scene.is_clear(&frame.ray(sample.direction)) {
+            return Vec3::ZERO;
+        }
+        let Some(truth) = scattering.other_truth(frame.to_local(sample.direction)) else {
+            return sample.weight;
+        };
+        // The weight is light times the value of the lobes times a number, which is wanted.
+        let radiance = map.radiance(sample.direction);
+        let brought = luminance(lobes.evaluate(frame.to_local(sample.direction)) * radiance);
+        if brought == 0.0 { Vec3::ZERO } else { truth * radiance * (luminance(sample.weight) / brought) }
+    }
+
+    /// How a direction drawn from a material competes with samples of the light.
+    fn rival(&self, sample: &Sample, scattering: &Scattering<'a>) -> Rival {
+        match (self.settings.light, scattering.lobes_for_product()) {
+            (Light::Product, Some(lobes)) if !self.is_evenly_lit() => {
+                // What is drawn from may have a part of the cosine, which is no candidate.
+                let pdf =
+                    if scattering.draws_lobes_alone() { sample.pdf } else { lobes.pdf(sample.direction) };
+                Rival::Candidates(pdf)
+            }
+            _ => Rival::Sample(sample.pdf),
+        }
+    }
+
     /// Weight of the environment where a direction drawn from a material finds it.
-    fn weight_of_environment(&self, direction: Vec3, pdf: f32) -> f32 {
-        match self.settings.light {
-            Light::Off => 1.0,
-            Light::Only => 0.0,
-            Light::Mis => power_heuristic(1.0, pdf, 1.0, self.scene.environment.pdf(direction)),
+    fn weight_of_environment(&self, direction: Vec3, rival: Rival) -> f32 {
+        match (self.settings.light, rival) {
+            (Light::Off, _) => 1.0,
+            (Light::Only, _) => 0.0,
+            (_, Rival::Candidates(pdf)) => PRODUCT.ray_weight(pdf, self.scene.environment.pdf(direction)),
+            (_, Rival::Sample(pdf)) => power_heuristic(1.0, pdf, 1.0, self.scene.environment.pdf(direction)),
         }
     }
 
@@ -109,11 +166,12 @@ impl<'a> Path<'_, 'a> {
         if !first.leaves(direction) {
             return Vec3::ZERO;
         }
-        let (mut light, mut throughput, mut pdf) = (Vec3::ZERO, sample.weight, sample.pdf);
+        let (mut light, mut throughput) = (Vec3::ZERO, sample.weight);
+        let mut rival = self.rival(sample, scattering);
         let mut ray = first.ray(direction);
         for bounce in 1.. {
             let Some(surface) = self.scene.hit(&ray) else {
-                let weight = self.weight_of_environment(ray.direction, pdf);
+                let weight = self.weight_of_environment(ray.direction, rival);
                 light += throughput * self.scene.environment.radiance(ray.direction) * weight;
                 break;
             };
@@ -137,11 +195,20 @@ impl<'a> Path<'_, 'a> {
                 }
                 throughput /= survival;
             }
-            pdf = sample.pdf;
+            rival = self.rival(&sample, scattering);
             ray = frame.ray(direction);
         }
         light
     }
+}
+
+/// What samples the light beside a direction drawn from a material; the density of that direction.
+#[derive(Clone, Copy)]
+enum Rival {
+    /// One sample of the light.
+    Sample(f32),
+    /// Candidates of lobes and light; the density of the lobes.
+    Candidates(f32),
 }
 
 /// The shading frame at a point, on the side from where it is seen.

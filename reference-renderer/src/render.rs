@@ -66,6 +66,7 @@ mod tests {
     use crate::environment::{Environment, sky};
     use crate::material::StoredMaterial;
     use crate::material::tests::lacquer;
+    use crate::measured::tests::vivid;
     use crate::sampling::{Sampler, SamplerName, Strategy};
     use crate::scene::SceneName;
     use crate::shader::{Shader, Truth};
@@ -131,7 +132,7 @@ mod tests {
             let beside = names.iter().map(|&sampler| Strategy { sampler, light: Light::Mis });
             // Where paths go on, the strategies that differ in what they do there are enough.
             let beside = beside.filter(|_| name == SceneName::Sphere);
-            for strategy in alone.chain(beside).chain(["light".parse().unwrap()]) {
+            for strategy in alone.chain(beside).chain([Strategy::PRODUCT, "light".parse().unwrap()]) {
                 let (rendered, variance) = means(name, strategy);
                 let error = (own + variance).map(f64::sqrt);
                 let deviation = (rendered - expected).abs();
@@ -139,5 +140,26 @@ mod tests {
                 assert!(error.max_element() < 0.05 * expected.max_element(), "{strategy}: {error}");
             }
         }
+    }
+
+    #[test]
+    fn a_table_that_lobes_sample_together_with_the_light_has_its_own_mean() {
+        let (table, lobes) = (vivid(), lacquer());
+        let truth = Truth::Table(&table);
+        let sampler = Sampler::fit(SamplerName::Lobes, &truth, Some(&lobes.material)).unwrap();
+        let light = sky::haze();
+        let shader = Shader { truth, sampler: &sampler };
+        let scene = Scene::new(SceneName::Sphere, shader, shader, &light);
+        let mean = |light: Light| {
+            let film = film(&scene, SceneName::Sphere, &Settings { light, ..MIS }, 512);
+            let n = film.pixels.len() as f64;
+            let sum: DVec3 = (0..film.pixels.len()).map(|i| film.mean(i)).sum();
+            let variance: DVec3 = (0..film.pixels.len()).map(|i| film.variance_of_mean(i)).sum();
+            (sum / n, variance / (n * n))
+        };
+        let ((expected, own), (found, variance)) = (mean(Light::Mis), mean(Light::Product));
+        let error = (own + variance).map(f64::sqrt);
+        assert!((found - expected).abs().cmple(4.5 * error).all(), "{found} {expected} +- {error}");
+        assert!(error.max_element() < 0.02 * expected.abs().max_element(), "{error} of {expected}");
     }
 }

@@ -7,7 +7,7 @@ use crate::sampling::guided::Guide;
 use crate::sampling::proposal::{Drawn, Mixtures, Part, Proposal};
 use crate::sampling::sampler::{OWN, Sampler};
 use glam::{DVec3, Vec3};
-use srbf_core::{Error, MAX_LOBES, Material, Mixture, Sample};
+use srbf_core::{Error, MAX_LOBES, Material, Mixture, Sample, luminance};
 use srbf_fit::table::{Brdf, Draws, Symmetry};
 
 /// Storage for the mixture of any material.
@@ -238,10 +238,31 @@ impl<'a> Scattering<'a> {
         }
     }
 
+    /// What is rendered towards a direction, where that are not the lobes.
+    #[inline]
+    pub fn other_truth(&self, wi: Vec3) -> Option<Vec3> {
+        self.table.is_some().then(|| self.evaluate(wi))
+    }
+
+    /// Whether directions are drawn from the lobes and nothing else.
+    #[inline]
+    pub fn draws_lobes_alone(&self) -> bool {
+        matches!(self.proposal.part, Part::Lobes) && self.proposal.cosine == 0.0
+    }
+
     /// Whether what is rendered are lobes, and they are drawn from.
     #[inline]
     fn samples_its_lobes(&self) -> bool {
         self.table.is_none() && matches!(self.proposal.part, Part::Lobes)
+    }
+
+    /// The lobes that directions are drawn from together with the light: where our lobes sample what is rendered, and bring some light
+    /// from everywhere, so that no candidate that matters is passed over.
+    #[inline]
+    pub fn lobes_for_product(&self) -> Option<&AnyMixture<'a>> {
+        let lobes = &self.mixtures.lobes;
+        let is_everywhere = self.table.is_none() || luminance(lobes.diffuse()) > 0.0;
+        (matches!(self.proposal.part, Part::Lobes) && is_everywhere).then_some(lobes)
     }
 
     /// The lobes that were prepared last.

@@ -308,6 +308,7 @@ impl Cast {
             Light::Mis => "sampled too, both weighted by the power heuristic",
             Light::Off => "not sampled",
             Light::Only => "sampled alone; the samplers only lead paths on",
+            Light::Product => "sampled together with the lobes, by resampling candidates of both",
         };
         println!("light: {light}");
     }

@@ -187,7 +187,10 @@ mod tests {
             let mut block = Block::white([WIDTH, HEAD + 2 * PANEL]);
             let names = Names { title: "test".into(), against: "data" };
             draw_panels(&mut block, &names, &panels).unwrap();
-            assert!(block.rgb.iter().filter(|&&p| p < 128).count() > 1000, "no letters");
+            assert!(
+                block.rgb.iter().filter(|&&p| p < 128).count() > if panels.is_empty() { 50 } else { 1000 },
+                "no letters"
+            );
         }
     }
 }
