@@ -26,6 +26,9 @@ pub use limit::{check_memory, read_at_most, read_if};
 /// Memory that the samples of a text take, over its own: nine numbers of two bytes or more become two samples of 50.
 const TEXT: u64 = 6;
 
+/// Refuses a file by its size.
+type CheckSize = fn(u64) -> Result<(), ReadError>;
+
 /// What a file holds.
 pub enum Content {
     /// Scattered samples.
@@ -58,7 +61,7 @@ pub fn read(path: &Path) -> Result<Source, FitError> {
     let fault = |source| FitError::Read { path: path.to_path_buf(), source };
     let scattered = |views| Table::from_scattered(views).map(Content::Samples);
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let (fits, parsed): (fn(u64) -> Result<(), ReadError>, u64) = match ending.as_str() {
+    let (fits, parsed): (CheckSize, u64) = match ending.as_str() {
         "brdf" | "astm" | "csv" => (|_| Ok(()), TEXT),
         "binary" => (merl::check_size, 1),
         "bsdf" => (rgl::check_size, 1),

@@ -573,7 +573,7 @@ fn memory_that_is_not_there_is_an_error() {
     std::fs::write(place.join("long.csv"), text).unwrap();
     for (megabytes, arguments, says) in [
         (150, "fit long.csv -o out.srbf", &["long.csv", "of memory are needed"][..]),
-        (20, "fit long.csv -o out.srbf", &["long.csv", "36 MB of memory are needed"]),
+        (20, "fit long.csv -o out.srbf", &["long.csv", "37 MB of memory are needed"]),
         (
             600,
             "render --material garnet_red --size 4096x4096 --spp 1 --threads 1 -o out.exr",
