@@ -93,9 +93,10 @@ fn a_table_is_fitted_and_the_material_inspected_and_a_cut_one_refused() {
     for key in ["mean_relative_l2", "\"summary\"", "\"verdict\"", "\"fitted views\"", "\"try\""] {
         assert!(json.contains(key), "{key}: {json}");
     }
-    // The verdict is what is read last.
+    // The verdict is what is read last, but for the name of the picture.
     let text = String::from_utf8(output.stdout).unwrap();
-    let last = text.lines().last().unwrap();
+    let (last, picture) = (text.lines().rev().nth(1).unwrap(), text.lines().last().unwrap());
+    assert!(picture.starts_with("diffuse.png") && place.join("diffuse.png").exists(), "{text}");
     assert!(["good", "fair", "off ", "try "].iter().any(|label| last.starts_with(label)), "{text}");
     assert!(text.contains("good relative L2: median") && text.contains("fitted views:"), "{text}");
     let inspected = srbf(&place, &["inspect", "diffuse.srbf", "--lobes"]);

@@ -157,8 +157,8 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         return Ok(());
     }
     let output = names::material(args.output, &name)?;
-    let picture = args.picture.check(&output, args.method)?;
     output::check_places(&[&output, &names::report(&output)])?;
+    let picture = args.picture.check(&output, args.method)?;
     let settings = args.settings.settings();
     let left_out = left_out(args.cross_validate, &file, &source.content, args.method, &args.settings)?;
     let mut fit = fit_source(&source, settings.clone(), "")?;
