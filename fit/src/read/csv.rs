@@ -27,7 +27,7 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<(f64, Scattered)>, ReadError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut lines = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty() && !l.starts_with('#'));
     let (_, names) = lines.next().ok_or_else(|| {
-        ReadError::Content("the first line has to name the columns, and there is none".into())
+        ReadError::Content("the first line, which names the columns, is missing".into())
     })?;
     let columns = Columns::parse(names)?;
     let mut scatter = Scatter::default();
