@@ -26,9 +26,9 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<(f64, Scattered)>, ReadError> {
     let text = text(bytes)?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut lines = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty() && !l.starts_with('#'));
-    let (_, names) = lines.next().ok_or_else(|| {
-        ReadError::Content("the first line, which names the columns, is missing".into())
-    })?;
+    let (_, names) = lines
+        .next()
+        .ok_or_else(|| ReadError::Content("the first line, which names the columns, is missing".into()))?;
     let columns = Columns::parse(names)?;
     let mut scatter = Scatter::default();
     let mut v = vec![0.0; columns.count];
