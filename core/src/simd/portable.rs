@@ -155,7 +155,18 @@ impl Lanes for Wide {
     }
     #[inline(always)]
     fn lookup(row: &Parts<'_>, len: usize, index: [u32; 4]) -> Self {
-        Self(f32x4::new(index.map(|i| f32::lookup(row, len, i as usize))))
+        let [a, b, c, d] = [index[0] as usize, index[1] as usize, index[2] as usize, index[3] as usize];
+        if len <= PART {
+            let part = row[0];
+            return Self(f32x4::new([part[a % PART], part[b % PART], part[c % PART], part[d % PART]]));
+        }
+        let [a, b, c, d] = [
+            f32::lookup(row, len, a),
+            f32::lookup(row, len, b),
+            f32::lookup(row, len, c),
+            f32::lookup(row, len, d),
+        ];
+        Self(f32x4::new([a, b, c, d]))
     }
     #[inline(always)]
     fn first(self) -> f32 {

@@ -123,9 +123,8 @@ impl Lanes for f32 {
         index < limit
     }
     #[inline(always)]
-    fn lookup(row: &Parts<'_>, len: usize, index: usize) -> Self {
-        let part = if len <= PART { row[0] } else { row[index / PART] };
-        part[index % PART]
+    fn lookup(row: &Parts<'_>, _len: usize, index: usize) -> Self {
+        row[index / PART][index % PART]
     }
     #[inline(always)]
     fn node_pairs(nodes: &[u8], index: Self) -> [[Self; 3]; 2] {
