@@ -33,12 +33,13 @@ const RAY_OFFSET: f32 = 1e-4;
 pub struct Workspace<'a> {
     scattering: Scattering<'a>,
     drawn: Vec<Sample>,
+    rivals: Vec<Rival>,
 }
 
 impl Workspace<'_> {
     /// Storage for paths through any material.
     pub fn new() -> Self {
-        Self { scattering: Scattering::empty(), drawn: Vec::new() }
+        Self { scattering: Scattering::empty(), drawn: Vec::new(), rivals: Vec::new() }
     }
 }
 
@@ -60,10 +61,14 @@ pub fn radiance<'a>(
     }
     let mut drawn = std::mem::take(&mut workspace.drawn);
     scattering.sample_together(settings.split, path.random, &mut drawn);
-    for sample in &drawn {
-        light += path.follow(&frame, sample, scattering);
+    // All of them before the first is followed: the next surface takes the storage of this one.
+    let mut rivals = std::mem::take(&mut workspace.rivals);
+    rivals.clear();
+    rivals.extend(drawn.iter().map(|sample| path.rival(sample, scattering)));
+    for (sample, &rival) in drawn.iter().zip(&rivals) {
+        light += path.follow(&frame, sample, rival, scattering);
     }
-    workspace.drawn = drawn;
+    (workspace.drawn, workspace.rivals) = (drawn, rivals);
     light / settings.split as f32
 }
 
@@ -161,13 +166,18 @@ impl<'a> Path<'_, 'a> {
     }
 
     /// What comes in along a direction drawn at the first surface, times its weight.
-    fn follow(&mut self, first: &Frame, sample: &Sample, scattering: &mut Scattering<'a>) -> Vec3 {
+    fn follow(
+        &mut self,
+        first: &Frame,
+        sample: &Sample,
+        mut rival: Rival,
+        scattering: &mut Scattering<'a>,
+    ) -> Vec3 {
         let direction = first.to_world(sample.direction);
         if !first.leaves(direction) {
             return Vec3::ZERO;
         }
         let (mut light, mut throughput) = (Vec3::ZERO, sample.weight);
-        let mut rival = self.rival(sample, scattering);
         let mut ray = first.ray(direction);
         for bounce in 1.. {
             let Some(surface) = self.scene.hit(&ray) else {
