@@ -22,8 +22,9 @@ struct Path {
     srbf_sample sample;
 };
 
-/* Eight candidates for a shadow ray, half of them from the lobes; the path's own ray counts too. */
-static const srbf_product_sampling sampling = {8, 0.5f, 4};
+/* Sixteen candidates for a shadow ray, half of them from the lobes; the path's own ray counts too. The reference renderer's
+ * `--sampler product` has the same numbers, so that its samples vary as these do. */
+static const srbf_product_sampling sampling = {16, 0.5f, 4};
 
 template <class Member>
 static srbf_vectors in(const std::vector<Path> &paths, Member member) {
