@@ -7,6 +7,7 @@ mod print;
 mod ball;
 mod ball_sheet;
 mod camera;
+mod cast;
 mod command;
 mod comparison;
 mod environment;
@@ -19,7 +20,6 @@ mod material;
 mod measured;
 mod mesh;
 mod output;
-#[allow(dead_code)] // Until the reports are pages.
 mod page;
 mod picture_file;
 mod plot;
