@@ -25,7 +25,7 @@ use crate::film::Film;
 use crate::mesh::Mesh;
 use crate::progress::Progress;
 use crate::render::{Settings, add_samples};
-use crate::sampling::{Sampler, SamplerName, Strategy};
+use crate::sampling::{Light, Sampler, SamplerName, Strategy};
 use crate::scene::{Scene, SceneName};
 use crate::shader::Truth;
 pub use curve::{Curve, Point, Shown};
@@ -310,7 +310,12 @@ impl<'a> Run<'a> {
         let size = stage.plan.size;
         Ok(Self {
             method,
-            title: samplers[0].title(&truth),
+            title: match method.strategy.light {
+                Light::Off => samplers[0].title(&truth),
+                Light::Mis => format!("{}; and the light", samplers[0].title(&truth)),
+                Light::Product => format!("{}, together with the light", samplers[0].title(&truth)),
+                Light::Only => "the light".to_owned(),
+            },
             scene: stage.scene(truth, samplers),
             film: Film::new(size),
             split: if method.strategy.sampler.is_multi() { SPLIT } else { 1 },

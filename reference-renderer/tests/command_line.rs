@@ -199,6 +199,9 @@ fn options_that_do_not_fit_are_refused_by_name() {
     refused(&place, &["compare", "--scenes", "nowhere"], &["nowhere", "teapot"]);
     refused(&place, &["compare", "--scenes", "teapot", "--mesh", "a.obj"], &["a.obj"]);
     refused(&place, &["compare", "--materials", "a.f32le:chrome"], &["a.f32le"]);
+    refused(&place, &["equal-time", "-o", "a.txt"], &["a.txt", ".md"]);
+    refused(&place, &["equal-time", "--repeats", "1"], &["--repeats"]);
+    refused_with_data(&place, None, &["equal-time"], &["SRBF_DATA_DIR"]);
     refused(
         &place,
         &["compare", "--samplers", "lobes,rgl", "--materials", "matte"],
@@ -397,6 +400,57 @@ fn a_comparison_with_a_poor_reference_says_so() {
     let head: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
     let column = head.iter().position(|name| *name == "below_reference").unwrap();
     assert!(csv.lines().skip(1).all(|line| line.split(',').nth(column) == Some("1")), "{csv}");
+}
+
+/// The page is complete by itself, and a reference is kept until it is harmed.
+#[test]
+fn a_comparison_writes_numbers_plots_and_a_page() {
+    let place = folder("compare");
+    let gloss = "model:ggx:alpha=0.3,f0=0.6,diffuse=0.2";
+    let arguments = [
+        "compare",
+        "--scenes",
+        "sphere,room",
+        "--materials",
+        gloss,
+        "--lobes",
+        "garnet_red",
+        "--env",
+        "haze",
+    ];
+    let how = [
+        "--samplers",
+        "mis,product,fit:mis",
+        "--spp",
+        "1,4,16",
+        "--reference-spp",
+        "16",
+        "--side",
+        "12",
+        "-o",
+        "a",
+    ];
+    let run = || String::from_utf8(srbf(&place, &[&arguments[..], &how].concat()).stdout).unwrap();
+    let text = run();
+    assert!(text.contains("room under haze") && !text.contains("kept from before"), "{text}");
+    let csv = std::fs::read_to_string(place.join("a.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 1 + 2 * 3 * 3, "{csv}");
+    let html = std::fs::read_to_string(place.join("a.html")).unwrap();
+    for outside in ["http://", "https://", "<link", "<script", "url("] {
+        assert!(!html.contains(outside), "{outside}");
+    }
+    let pictures = html.matches("src=\"data:image/png;base64,").count();
+    assert_eq!((pictures, html.matches("src=").count()), (2 * (1 + 2 * 4), pictures));
+    assert!(std::fs::read(place.join("a.png")).unwrap().starts_with(b"\x89PNG"));
+
+    assert_eq!(run().matches("kept from before").count(), 2);
+    for file in std::fs::read_dir(place.join("out/references")).unwrap() {
+        let path = file.unwrap().path();
+        let mut bytes = std::fs::read(&path).unwrap();
+        bytes[100] ^= 1;
+        std::fs::write(&path, bytes).unwrap();
+    }
+    assert!(!run().contains("kept from before"));
 }
 
 #[test]

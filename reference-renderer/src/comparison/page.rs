@@ -32,7 +32,7 @@ pub fn add(page: &mut Page, comparisons: &[Comparison]) -> anyhow::Result<()> {
 /// What is measured, in words, for the head of a page.
 pub const WORDS: &str = "Relative MSE: the mean over the pixels of the squared difference from the reference over the square of the pixel's brightness \
     (and of a tenth of the picture's), without the 0.1 % of the pixels that are worst. Seconds are those of the processors that worked on the \
-    picture; fitting samplers and building scenes is not counted. After +- stands the standard error over the repeats.";
+    picture; fitting samplers and building scenes is not counted. After ± stands the standard error over the repeats.";
 
 /// Relative MSE after the same time, as multiples of the first method's, of all comparisons.
 fn overview(comparisons: &[Comparison]) -> Table {
@@ -157,7 +157,7 @@ fn add_pictures(page: &mut Page, comparison: &Comparison) -> anyhow::Result<()> 
     let mut row = vec![figure(reference, size, caption).above(colour_bar(size[0])?)];
     for Curve { method, shown: last, .. } in &comparison.curves {
         let errors: Vec<u8> = last.errors.iter().flat_map(|&error| false_colour(error)).collect();
-        let caption = format!("{method}: {} samples, {:.2} s", last.samples, last.seconds);
+        let caption = format!("{method}: {} samples, {:.2}\u{a0}s", last.samples, last.seconds);
         let errors = picture_file::encode_png(size, &errors)?;
         row.push(figure(shown(&last.picture)?, size, caption).above(errors));
     }
