@@ -8,6 +8,7 @@ use crate::camera::Camera;
 use crate::environment::Environment;
 use crate::film::Film;
 use crate::material::StoredMaterial;
+use crate::points::PointsName;
 use crate::progress::Progress;
 use crate::render::{Settings, add_samples};
 use crate::sampling::Strategy;
@@ -97,8 +98,13 @@ pub fn measure(
     };
     let scenes: Vec<Scene<'_>> = samplers.iter().map(scene_of).collect();
     let camera = SceneName::Sphere.camera([plan.side; 2]);
-    let settings =
-        |strategy: Strategy, split, seed| Settings { light: strategy.light, split, max_bounces: 1, seed };
+    let settings = |strategy: Strategy, split, seed| Settings {
+        light: strategy.light,
+        split,
+        max_bounces: 1,
+        points: PointsName::Random,
+        seed,
+    };
 
     // Two halves with their own seeds: their difference tells how far the mean of both is from the truth.
     let own = scene_of(&OWN);

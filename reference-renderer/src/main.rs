@@ -21,6 +21,7 @@ mod mesh;
 mod output;
 mod picture_file;
 mod plot;
+mod points;
 mod progress;
 mod random;
 mod render;

@@ -4,6 +4,7 @@ use crate::comparison::{self, Plan};
 use crate::environment::sky;
 use crate::film::Film;
 use crate::material::{self, StoredMaterial};
+use crate::points::PointsName;
 use crate::progress::Progress;
 use crate::render::{Settings, add_samples};
 use crate::sampling::{Light, SamplerName, Strategy};
@@ -35,7 +36,8 @@ pub fn run(out: &Path) -> anyhow::Result<()> {
     let ground = StoredMaterial::load(material::MATTE)?;
     for Picture { scene: name, file, size, samples } in PICTURES {
         let scene = Scene::new(name, &object.material, &ground.material, &sky);
-        let settings = Settings { light: Light::Mis, split: 1, max_bounces: 6, seed: 0 };
+        let settings =
+            Settings { light: Light::Mis, split: 1, max_bounces: 6, points: PointsName::Sobol, seed: 0 };
         let (mut film, path) = (Film::new(size), out.join(file));
         let progress = Progress::new(file, size[1].into());
         add_samples(&scene, &name.camera(size), &settings, &mut film, samples, &progress)?;
