@@ -7,7 +7,9 @@ use crate::points::{Decision, Points, PointsName};
 use crate::progress::Progress;
 use crate::sampling::Light;
 use crate::scene::Scene;
+use cpu_time::ThreadTime;
 use rayon::prelude::*;
+use std::time::Duration;
 
 /// How to render.
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +24,8 @@ pub struct Settings {
     pub seed: u64,
 }
 
-/// Adds `samples` samples, rays of the camera, to every pixel of a film; advances the progress by the number of rows.
+/// Adds `samples` samples, rays of the camera, to every pixel of a film; advances the progress by the number of rows. Gives the time that
+/// processors worked on it, summed over the threads: what else runs on the machine is not counted.
 ///
 /// What a pixel gets depends only on the seed, the pixel and the samples it holds already: not on the threads.
 ///
@@ -35,10 +38,12 @@ pub fn add_samples(
     film: &mut Film,
     samples: u32,
     progress: &Progress,
-) -> anyhow::Result<()> {
+) -> anyhow::Result<Duration> {
     let width = film.size()[0] as usize;
     let held = film.samples;
-    film.pixels.par_chunks_mut(width).enumerate().for_each_init(Workspace::new, |workspace, (y, row)| {
+    let rows = film.pixels.par_chunks_mut(width).enumerate();
+    let times = rows.map_init(Workspace::new, |workspace, (y, row)| {
+        let start = ThreadTime::now();
         for (x, pixel) in row.iter_mut().enumerate() {
             let index = (y * width + x) as u64;
             for sample in held..held + samples {
@@ -49,7 +54,9 @@ pub fn add_samples(
             }
         }
         progress.advance(1);
+        start.elapsed()
     });
+    let time = times.sum();
     film.samples += samples;
     match (0..film.pixels.len()).find(|&i| !film.mean(i).is_finite()) {
         Some(i) => anyhow::bail!(
@@ -59,7 +66,7 @@ pub fn add_samples(
             i / width,
             film.mean(i)
         ),
-        None => Ok(()),
+        None => Ok(time),
     }
 }
 
