@@ -49,21 +49,34 @@ pub fn write_tone_mapped_png(
     pixels: &[Vec3],
     exposure: f32,
 ) -> anyhow::Result<()> {
-    let bytes: Vec<u8> = pixels.iter().flat_map(|&p| to_bytes(displayed(p * exposure))).collect();
-    write_png(path, size, &bytes)
+    write_png(path, size, &tone_mapped(pixels, exposure))
+}
+
+/// Bytes of tone-mapped sRGB; `exposure` scales the radiance first.
+pub fn tone_mapped(pixels: &[Vec3], exposure: f32) -> Vec<u8> {
+    pixels.iter().flat_map(|&p| to_bytes(displayed(p * exposure))).collect()
 }
 
 /// Writes a PNG of 8-bit sRGB pixels.
 ///
 /// # Errors
 /// Names the file.
-pub fn write_png(path: &Path, [width, height]: [u32; 2], rgb: &[u8]) -> anyhow::Result<()> {
+pub fn write_png(path: &Path, size: [u32; 2], rgb: &[u8]) -> anyhow::Result<()> {
+    let bytes = encode_png(size, rgb).with_context(|| path.display().to_string())?;
+    output::write(path, &bytes)
+}
+
+/// The bytes of a PNG file of 8-bit sRGB pixels.
+///
+/// # Errors
+/// A size that is not that of the pixels.
+pub fn encode_png([width, height]: [u32; 2], rgb: &[u8]) -> anyhow::Result<Vec<u8>> {
     use image::ImageEncoder;
     let mut bytes = Vec::new();
     image::codecs::png::PngEncoder::new(&mut bytes)
         .write_image(rgb, width, height, image::ExtendedColorType::Rgb8)
-        .with_context(|| format!("cannot encode {}", path.display()))?;
-    output::write(path, &bytes)
+        .context("cannot encode a picture")?;
+    Ok(bytes)
 }
 
 /// Maps radiance into [0, 1]: colours up to 0.8 keep their hue and nearly their value, brighter ones are compressed

@@ -21,7 +21,6 @@ impl Progress {
     }
 
     /// A bar that shows nothing.
-    #[cfg(test)]
     pub fn hidden() -> Self {
         Self { bar: ProgressBar::hidden() }
     }

@@ -3,11 +3,13 @@
 use crate::camera::Camera;
 use crate::film::Film;
 use crate::integrator::{Workspace, radiance};
+use crate::points::{Decision, Points, PointsName};
 use crate::progress::Progress;
-use crate::random::Random;
 use crate::sampling::Light;
 use crate::scene::Scene;
+use cpu_time::ThreadTime;
 use rayon::prelude::*;
+use std::time::Duration;
 
 /// How to render.
 #[derive(Clone, Copy, Debug)]
@@ -17,10 +19,13 @@ pub struct Settings {
     /// Directions drawn at the first surface that a ray of the camera meets, at least 1.
     pub split: u32,
     pub max_bounces: u32,
+    /// Where the numbers come from.
+    pub points: PointsName,
     pub seed: u64,
 }
 
-/// Adds `samples` samples, rays of the camera, to every pixel of a film; advances the progress by the number of rows.
+/// Adds `samples` samples, rays of the camera, to every pixel of a film; advances the progress by the number of rows. Gives the time that
+/// processors worked on it, summed over the threads: what else runs on the machine is not counted.
 ///
 /// What a pixel gets depends only on the seed, the pixel and the samples it holds already: not on the threads.
 ///
@@ -33,20 +38,25 @@ pub fn add_samples(
     film: &mut Film,
     samples: u32,
     progress: &Progress,
-) -> anyhow::Result<()> {
+) -> anyhow::Result<Duration> {
     let width = film.size()[0] as usize;
     let held = film.samples;
-    film.pixels.par_chunks_mut(width).enumerate().for_each_init(Workspace::new, |workspace, (y, row)| {
+    let rows = film.pixels.par_chunks_mut(width).enumerate();
+    let times = rows.map_init(Workspace::new, |workspace, (y, row)| {
+        let start = ThreadTime::now();
         for (x, pixel) in row.iter_mut().enumerate() {
             let index = (y * width + x) as u64;
             for sample in held..held + samples {
-                let mut random = Random::new(settings.seed, index, sample.into());
-                let ray = camera.ray(x as f32 + random.unit(), y as f32 + random.unit());
-                pixel.add(radiance(scene, &ray, settings, &mut random, workspace));
+                let points = Points::new(settings.points, settings.seed, index, sample.into());
+                let [across, down, ..] = points.draw(Decision::Pixel, 0);
+                let ray = camera.ray(x as f32 + across, y as f32 + down);
+                pixel.add(radiance(scene, &ray, settings, &points, workspace));
             }
         }
         progress.advance(1);
+        start.elapsed()
     });
+    let time = times.sum();
     film.samples += samples;
     match (0..film.pixels.len()).find(|&i| !film.mean(i).is_finite()) {
         Some(i) => anyhow::bail!(
@@ -56,7 +66,7 @@ pub fn add_samples(
             i / width,
             film.mean(i)
         ),
-        None => Ok(()),
+        None => Ok(time),
     }
 }
 
@@ -73,7 +83,8 @@ mod tests {
     use glam::DVec3;
 
     const SIZE: [u32; 2] = [24, 16];
-    const MIS: Settings = Settings { light: Light::Mis, split: 1, max_bounces: 3, seed: 11 };
+    const MIS: Settings =
+        Settings { light: Light::Mis, split: 1, max_bounces: 3, points: PointsName::Random, seed: 11 };
 
     fn film(scene: &Scene<'_>, name: SceneName, settings: &Settings, samples: u32) -> Film {
         let mut film = Film::new(SIZE);

@@ -1,24 +1,39 @@
 //! Comparisons as a table for people and as CSV for programs.
 
-use crate::comparison::Comparison;
+use crate::comparison::error::Bias;
+use crate::comparison::{Comparison, Curve, Estimate};
 use crate::output;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Writes every measurement as a line of CSV; an error that the reference is too poor to tell is empty.
+/// Head of the CSV. `relative_mse` leaves out the 0.1 % of the pixels that are worst, `whole_mse` none; after each, its standard error over
+/// repeats. `below_reference` is 1 where the error is no more than the reference's own, and then not known.
+const HEAD: &str = "scene,material,environment,method,samples_per_pixel,seconds,relative_mse,standard_error,whole_mse,\
+    whole_standard_error,below_reference,reference_mse";
+
+/// Writes every measurement as a line of CSV.
 ///
 /// # Errors
 /// Names the file.
 pub fn write_csv(path: &Path, comparisons: &[Comparison]) -> anyhow::Result<()> {
-    let mut text =
-        String::from("material,environment,sampler,samples_per_pixel,seconds,relative_rms_error\n");
+    let mut text = format!("{HEAD}\n");
     for comparison in comparisons {
+        let case =
+            [comparison.scene, &quote(&comparison.material), &quote(&comparison.environment)].join(",");
         for curve in &comparison.curves {
-            for point in &curve.points {
-                let fields = [quote(&comparison.material), quote(&comparison.environment)].join(",");
-                let (name, samples) = (curve.strategy, point.samples);
-                let error = point.known_error().map_or_else(String::new, |error| format!("{error:.6e}"));
-                let _ = writeln!(text, "{fields},{name},{samples},{:.6},{error}", point.seconds);
+            for p in &curve.points {
+                let of = |e: Estimate| format!("{:.6e},{:.6e}", e.mean, e.error);
+                let _ = writeln!(
+                    text,
+                    "{case},{},{},{:.6},{},{},{},{:.6e}",
+                    curve.method,
+                    p.samples,
+                    p.seconds,
+                    of(p.mse),
+                    of(p.whole_mse),
+                    u8::from(p.known().is_none()),
+                    comparison.reference.own.trimmed
+                );
             }
         }
     }
@@ -34,45 +49,88 @@ fn quote(field: &str) -> String {
     }
 }
 
-/// Prints the measurements of one comparison, and a summary line for each sampler.
+/// Prints the measurements of one comparison, and a summary line for each method.
 pub fn print(comparison: &Comparison) {
-    println!("{} on the sphere under {}", comparison.material, comparison.environment);
-    let names = comparison.curves.iter().map(|c| format!("  {:>10} s   error", c.strategy));
-    println!("  samples/pixel{}", names.collect::<String>());
-    let rows = comparison.curves.iter().map(|c| c.points.len()).max().unwrap_or(0);
-    for row in 0..rows {
-        let points: Vec<_> = comparison.curves.iter().filter_map(|c| c.points.get(row)).collect();
-        let cells =
-            points.iter().map(|p| format!("  {:>12.3}  {:6}", p.seconds, or_dash(p.known_error(), 4)));
-        println!("  {:>13}{}", points[0].samples, cells.collect::<String>());
+    println!("{}", comparison.title());
+    println!(
+        "{:>16} {:>9} {:>10} {:>22} {:>22}",
+        "method", "samples", "seconds", "relative MSE", "with the worst pixels"
+    );
+    for curve in &comparison.curves {
+        for point in &curve.points {
+            let mark = if point.known().is_none() { " *" } else { "" };
+            let (samples, seconds) = (point.samples, point.seconds);
+            let [mse, whole] =
+                [point.mse, point.whole_mse].map(|e| format!("{:.3e} +- {:.0e}", e.mean, e.error));
+            println!("{:>16} {samples:>9} {seconds:>10.4} {mse:>22} {whole:>22}{mark}", curve.method);
+        }
     }
-    let own = comparison.reference_error;
-    println!("  error: root mean square over the mean; the reference's own, {own:.4}, is taken off");
+    println!("{}", reference(comparison));
     println!("{}", summary(comparison));
 }
 
-/// A line for each sampler: slope, time of a sample, and its error as a multiple of the first sampler's.
+/// How good the reference is, in words.
+pub fn reference(comparison: &Comparison) -> String {
+    let reference = &comparison.reference;
+    let kept = if reference.was_kept { ", kept from before" } else { "" };
+    format!(
+        "reference: {} samples a pixel{kept}; its own relative MSE, {:.1e} ({:.1e} with the worst pixels), is taken off; * marks errors below it",
+        reference.samples, reference.own.trimmed, reference.own.whole
+    )
+}
+
+/// A line for each method: slope, time of a sample, error as a multiple of the first method's, bias.
 pub fn summary(comparison: &Comparison) -> String {
-    let seconds = comparison.common_seconds();
     let mut text = format!(
-        "  sampler          slope   relative time of a sample   error at {seconds:.2} s   at equal samples"
+        "{:>16} {:>7} {:>15} {:>20} {:>20} {:>12}",
+        "method",
+        "slope",
+        "time of sample",
+        format!("MSE at {:.3} s", comparison.common_seconds()),
+        "at equal samples",
+        "bias"
     );
-    let per_sample = |curve: &crate::comparison::Curve| {
-        curve.points.last().map_or(f64::NAN, |p| p.seconds / f64::from(p.samples))
-    };
     for curve in &comparison.curves {
-        let [by_time, by_samples] = comparison.error_ratios(curve);
-        let cost = per_sample(curve) / per_sample(&comparison.curves[0]);
-        let (name, slope) = (curve.strategy, or_dash(curve.slope(), 3));
-        let [by_time, by_samples] = [by_time, by_samples].map(|ratio| or_dash(ratio, 2));
-        let _ =
-            write!(text, "\n  {name:15} {slope:>6}   {cost:>25.2}   {by_time:>13} x   {by_samples:>14} x");
+        let ratios = comparison.ratios(curve);
+        let of = |ratio: Option<Estimate>| {
+            ratio.map_or_else(|| "-".to_owned(), |r| format!("{} x +- {}", short(r.mean), short(r.error)))
+        };
+        let _ = write!(
+            text,
+            "\n{:>16} {:>7} {:>15} {:>20} {:>20} {:>12}",
+            curve.method,
+            or_dash(curve.slope(), 3),
+            or_dash(ratios.time_of_sample, 2),
+            of(ratios.equal_time),
+            of(ratios.equal_samples),
+            bias(curve)
+        );
     }
     text
 }
 
+/// The bias of a method, relative to the brightness: its size if it is certain, else what it is at most.
+pub fn bias(curve: &Curve) -> String {
+    let percent = |value: f64| format!("{} %", short(100.0 * value));
+    match &curve.bias {
+        None => "-".to_owned(),
+        Some(bias) => bias.certain().map_or_else(|| format!("< {}", percent(Bias::bound(bias))), percent),
+    }
+}
+
+/// A number of about three digits.
+pub fn short(number: f64) -> String {
+    let digits = match number.abs() {
+        v if v >= 100.0 => 0,
+        v if v >= 10.0 => 1,
+        v if v >= 0.1 => 2,
+        _ => 3,
+    };
+    format!("{number:.digits$}")
+}
+
 /// A number with so many digits after the point, or a dash for one that is not known.
-fn or_dash(number: Option<f64>, digits: usize) -> String {
+pub fn or_dash(number: Option<f64>, digits: usize) -> String {
     number.map_or_else(|| "-".to_owned(), |number| format!("{number:.digits$}"))
 }
 
@@ -84,5 +142,11 @@ mod tests {
     fn fields_with_commas_are_quoted() {
         assert_eq!(quote("sky"), "sky");
         assert_eq!(quote("a,\"b\""), "\"a,\"\"b\"\"\"");
+    }
+
+    #[test]
+    fn numbers_have_about_three_digits() {
+        let texts = [0.01234, 0.1234, 1.234, 12.34, 123.4].map(short);
+        assert_eq!(texts, ["0.012", "0.12", "1.23", "12.3", "123"]);
     }
 }

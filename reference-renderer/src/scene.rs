@@ -90,6 +90,17 @@ impl Standpoint {
 }
 
 impl SceneName {
+    /// As it is written.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Sphere => "sphere",
+            Self::Teapot => "teapot",
+            Self::Statue => "statue",
+            Self::Furnace => "furnace",
+            Self::Room => "room",
+        }
+    }
+
     /// Where the camera stands.
     pub fn standpoint(self) -> Standpoint {
         let at = |eye, target, view_angle| Standpoint { eye, target, view_angle };

@@ -1,9 +1,11 @@
 //! `srbf` without a command: pictures of a preset, and a comparison of samplers, from what is embedded.
 
-use crate::comparison::{self, Plan};
+use crate::cast::Cast;
+use crate::comparison::{self, Budgets, Case, Method, Plan};
 use crate::environment::sky;
 use crate::film::Film;
 use crate::material::{self, StoredMaterial};
+use crate::points::PointsName;
 use crate::progress::Progress;
 use crate::render::{Settings, add_samples};
 use crate::sampling::{Light, SamplerName, Strategy};
@@ -27,6 +29,10 @@ const PICTURES: [Picture; 2] = [
     Picture { scene: SceneName::Teapot, file: "teapot.exr", size: [720, 450], samples: 128 },
 ];
 
+/// What is compared.
+const METHODS: [Strategy; 3] =
+    [Strategy::PRODUCT, Strategy::alone(SamplerName::Lobes), Strategy::alone(SamplerName::Cosine)];
+
 /// Runs the job; writes into the folder.
 pub fn run(out: &Path) -> anyhow::Result<()> {
     let start = Instant::now();
@@ -35,7 +41,8 @@ pub fn run(out: &Path) -> anyhow::Result<()> {
     let ground = StoredMaterial::load(material::MATTE)?;
     for Picture { scene: name, file, size, samples } in PICTURES {
         let scene = Scene::new(name, &object.material, &ground.material, &sky);
-        let settings = Settings { light: Light::Mis, split: 1, max_bounces: 6, seed: 0 };
+        let settings =
+            Settings { light: Light::Mis, split: 1, max_bounces: 6, points: PointsName::Sobol, seed: 0 };
         let (mut film, path) = (Film::new(size), out.join(file));
         let progress = Progress::new(file, size[1].into());
         add_samples(&scene, &name.camera(size), &settings, &mut film, samples, &progress)?;
@@ -52,15 +59,27 @@ pub fn run(out: &Path) -> anyhow::Result<()> {
     }
 
     let plan = Plan {
-        strategies: [SamplerName::Lobes, SamplerName::Cosine].map(Strategy::alone).to_vec(),
-        side: 96,
-        samples: (0..=8).map(|i| 1 << i).collect(),
+        methods: METHODS.map(Method::of).to_vec(),
+        size: [96; 2],
+        budgets: Budgets::Samples((0..=4).map(|i| 1 << (2 * i)).collect()),
+        repeats: 3,
         reference_samples: 1024,
+        max_bounces: 1,
         seed: 0,
+        cache: None,
+    };
+    let (cast, haze) =
+        (Cast::of(SceneName::Sphere, LoadedMaterial::Lobes(object), None, None, None)?, sky::haze());
+    let case = Case {
+        scene: SceneName::Sphere,
+        mesh: None,
+        cast: &cast,
+        light: "haze",
+        environment: &haze,
+        sources: &[],
     };
     let progress = Progress::new("comparing samplers", plan.steps());
-    let object = LoadedMaterial::Lobes(object);
-    let comparison = comparison::measure(&plan, &object, None, "haze", &sky::haze(), &progress)?;
+    let comparison = comparison::measure(&case, &plan, &progress)?;
     drop(progress);
     println!();
     report::print(&comparison);

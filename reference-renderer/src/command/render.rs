@@ -1,21 +1,22 @@
 //! `srbf render`.
 
 use super::argument;
+use crate::cast::{self, Cast};
 use crate::comparison::SPLIT;
 use crate::environment::file::Projection;
 use crate::film::{self, Film};
 use crate::furnace::{self, Furnace};
-use crate::material::{self, StoredMaterial};
+use crate::material;
 use crate::mesh;
 use crate::output;
 use crate::picture_file;
+use crate::points::PointsName;
 use crate::progress::Progress;
 use crate::render::{Settings, add_samples};
 use crate::sampling::{Light, Sampler, SamplerName, Strategy};
 use crate::scene::{Role, Scene, SceneName, Standpoint};
-use crate::shader::{LoadedMaterial, Shader, Truth};
+use crate::shader::{LoadedMaterial, Truth};
 use anyhow::{Context, bail, ensure};
-use clap::ValueEnum;
 use glam::Vec3;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -89,7 +90,11 @@ pub struct Args {
     /// Directions drawn together at the first hit; --spp counts directions [default: 16 for samplers of several, else 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     split: Option<u32>,
-    /// Seed of the random numbers
+    /// What the numbers of a path are: Owen-scrambled Sobol points, each decision along it with four dimensions of its own, or random
+    /// numbers; thesis-walk takes random ones beyond three [default: sobol; random where a standard error is printed, of the furnace]
+    #[arg(long, value_enum)]
+    points: Option<PointsName>,
+    /// Seed of the points or random numbers
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Scatterings along a path; 1 is direct light only
@@ -118,12 +123,6 @@ enum Up {
 
 /// Degrees that the camera may see.
 const VIEW_ANGLES: std::ops::RangeInclusive<f32> = 0.01..=170.0;
-
-/// What is rendered with, loaded: for each role that the scene has, its material and what samples it.
-struct Cast {
-    roles: Vec<(Role, LoadedMaterial)>,
-    lobes: Option<StoredMaterial>,
-}
 
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
@@ -185,7 +184,13 @@ fn split(args: &Args) -> u32 {
 
 fn render(args: &Args) -> anyhow::Result<()> {
     let strategy = Strategy { light: args.light.unwrap_or(args.sampler.light), ..args.sampler };
-    let cast = Cast::load(args)?;
+    let names = cast::Names {
+        object: &args.material,
+        ground: args.ground_material.as_deref(),
+        ball: args.ball_material.as_deref(),
+        lobes: args.lobes.as_deref(),
+    };
+    let cast = Cast::load(args.scene, names)?;
     let environment =
         argument::projected_environment(env(args), args.env_map)?.turned(radians(args.env_turn));
     let mesh = args.mesh.as_deref().map(mesh::file::read).transpose()?.map(|mut mesh| {
@@ -195,14 +200,20 @@ fn render(args: &Args) -> anyhow::Result<()> {
         mesh
     });
     let samplers = cast.fit(strategy.sampler)?;
-    let shader = |role: Role| {
-        let n = cast.roles.iter().position(|part| part.0 == role).unwrap_or(0);
-        Shader { truth: cast.roles[n].1.truth(), sampler: &samplers[n] }
-    };
+    let shader = |role: Role| cast.shader(role, cast.object().truth(), &samplers);
     let scene = Scene::build(args.scene.shapes(mesh), shader, &environment);
     let camera = standpoint(args)?.camera(args.size);
     let split = split(args);
-    let settings = Settings { light: strategy.light, split, max_bounces: args.max_bounces, seed: args.seed };
+    let is_furnace = args.scene.is_sphere() && environment.constant_radiance().is_some();
+    // A standard error is told there, which independent samples have.
+    let own = if is_furnace { PointsName::Random } else { PointsName::Sobol };
+    let settings = Settings {
+        light: strategy.light,
+        split,
+        max_bounces: args.max_bounces,
+        points: args.points.unwrap_or(own),
+        seed: args.seed,
+    };
 
     film::check_memory(args.size)?;
     let mut film = Film::new(args.size);
@@ -226,14 +237,17 @@ fn render(args: &Args) -> anyhow::Result<()> {
         png.display(),
         args.spp
     );
-    match environment.constant_radiance().filter(|_| args.scene.is_sphere()) {
+    match environment.constant_radiance().filter(|_| is_furnace) {
+        Some(_) if settings.points == PointsName::Sobol => {
+            println!("white furnace: Sobol points have no standard error, --points random is expected");
+        }
         Some(_) if film.samples < 2 => {
             println!("white furnace: no standard error, at least two samples a pixel are needed");
         }
         Some(radiance) => print_furnace(&furnace::compare(&scene, &camera, radiance, &film)),
         None => {}
     }
-    cast.print(&samplers, strategy);
+    print_cast(&cast, &samplers, strategy);
     if args.explain {
         explain(args, &cast, strategy);
     }
@@ -246,72 +260,25 @@ fn env(args: &Args) -> &str {
     args.env.as_deref().unwrap_or(own)
 }
 
-impl Cast {
-    /// Loads the materials of the roles that the scene has, and no others.
-    fn load(args: &Args) -> anyhow::Result<Self> {
-        let by_name = |name: &Option<String>, own: &str| LoadedMaterial::load(name.as_deref().unwrap_or(own));
-        let coloured = |name, albedo| StoredMaterial::matte(name, albedo).map(LoadedMaterial::Lobes);
-        let load = |&role: &Role| {
-            let material = match role {
-                Role::Object => LoadedMaterial::load(&args.material),
-                Role::Ground => by_name(&args.ground_material, material::MATTE),
-                Role::Ball => by_name(&args.ball_material, BALL),
-                Role::Left => coloured("red wall", RED),
-                Role::Right => coloured("green wall", GREEN),
-            };
-            Ok((role, material?))
+/// Prints for every material what is rendered, and what sampled it.
+fn print_cast(cast: &Cast, samplers: &[Sampler<'_>], strategy: Strategy) {
+    for ((role, material), sampler) in cast.roles.iter().zip(samplers) {
+        let truth = material.truth();
+        let by = match (role, &cast.lobes) {
+            (Role::Object, Some(lobes)) if sampler.is_of_lobes() => {
+                format!("{} of {}", sampler.title(&truth), lobes.name)
+            }
+            _ => sampler.title(&truth),
         };
-        let roles: Vec<(Role, LoadedMaterial)> =
-            args.scene.roles().iter().map(load).collect::<anyhow::Result<_>>()?;
-        ensure!(
-            args.lobes.is_none() || matches!(roles[0].1, LoadedMaterial::Table(_)),
-            "--lobes: they sample a table, and --material {} names lobes, which sample themselves",
-            args.material
-        );
-        let lobes = args.lobes.as_deref().map(StoredMaterial::load).transpose()?;
-        Ok(Self { roles, lobes })
+        println!("{}: rendered is {}; sampled by {by}", role.text(), rendered(material));
     }
-
-    /// Fits a sampler to each material. What stands beside the object and cannot be sampled so is sampled by what is at hand.
-    fn fit(&self, name: SamplerName) -> anyhow::Result<Vec<Sampler<'_>>> {
-        self.roles.iter().map(|(role, material)| self.fit_one(name, *role, material)).collect()
-    }
-
-    fn fit_one<'a>(
-        &'a self,
-        name: SamplerName,
-        role: Role,
-        material: &'a LoadedMaterial,
-    ) -> anyhow::Result<Sampler<'a>> {
-        if role == Role::Object {
-            let lobes = self.lobes.as_ref().map(|stored| &stored.material);
-            return Sampler::fit(name, &material.truth(), lobes)
-                .with_context(|| format!("material {}", material.name()));
-        }
-        let fitted = Sampler::fit(name, &material.truth(), None);
-        fitted.or_else(|_| Sampler::fit(SamplerName::Lobes, &material.truth(), None))
-    }
-
-    /// Prints for every material what is rendered, and what sampled it.
-    fn print(&self, samplers: &[Sampler<'_>], strategy: Strategy) {
-        for ((role, material), sampler) in self.roles.iter().zip(samplers) {
-            let truth = material.truth();
-            let by = match (role, &self.lobes) {
-                (Role::Object, Some(lobes)) if sampler.is_of_lobes() => {
-                    format!("{} of {}", sampler.title(&truth), lobes.name)
-                }
-                _ => sampler.title(&truth),
-            };
-            println!("{}: rendered is {}; sampled by {by}", role.text(), rendered(material));
-        }
-        let light = match strategy.light {
-            Light::Mis => "sampled too, both weighted by the power heuristic",
-            Light::Off => "not sampled",
-            Light::Only => "sampled alone; the samplers only lead paths on",
-            Light::Product => "sampled together with the lobes, by resampling candidates of both",
-        };
-        println!("light: {light}");
-    }
+    let light = match strategy.light {
+        Light::Mis => "sampled too, both weighted by the power heuristic",
+        Light::Off => "not sampled",
+        Light::Only => "sampled alone; the samplers only lead paths on",
+        Light::Product => "sampled together with the lobes, by resampling candidates of both",
+    };
+    println!("light: {light}");
 }
 
 /// What is rendered, in words.
@@ -328,7 +295,7 @@ fn rendered(material: &LoadedMaterial) -> String {
 /// Prints what was not loaded or built.
 fn explain(args: &Args, cast: &Cast, strategy: Strategy) {
     println!("left out:");
-    let scene = args.scene.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
+    let scene = args.scene.text();
     for role in Role::ALL {
         if !args.scene.roles().contains(&role) {
             println!("  material of the {}: the scene {scene} has none", role.text());
@@ -354,11 +321,6 @@ fn explain(args: &Args, cast: &Cast, strategy: Strategy) {
         println!("  albedo of the object: no furnace compares with it");
     }
 }
-
-/// Materials of the room's ball and coloured walls.
-const BALL: &str = "krylon_blue";
-const RED: [f32; 3] = [0.55, 0.06, 0.05];
-const GREEN: [f32; 3] = [0.10, 0.40, 0.08];
 
 /// The angle within one turn; the remainder is exact, and a large angle in f32 is not.
 fn radians(degrees: f64) -> f32 {
