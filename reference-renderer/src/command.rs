@@ -5,6 +5,7 @@ pub mod ball;
 pub mod bench_report;
 pub mod compare;
 mod default_job;
+pub mod equal_time;
 pub mod fit;
 pub mod inspect;
 pub mod judge;
@@ -46,6 +47,7 @@ enum Command {
     Plot(plot::Args),
     Ball(ball::Args),
     Compare(Box<compare::Args>),
+    EqualTime(equal_time::Args),
     Samples(samples::Args),
     Stability(stability::Args),
     ThesisTable(thesis_table::Args),
@@ -66,6 +68,7 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
         Some(Command::Plot(args)) => plot::run(args),
         Some(Command::Ball(args)) => ball::run(args),
         Some(Command::Compare(args)) => compare::run(&args),
+        Some(Command::EqualTime(args)) => equal_time::run(&args),
         Some(Command::Samples(args)) => samples::run(args),
         Some(Command::Stability(args)) => stability::run(args),
         Some(Command::ThesisTable(args)) => thesis_table::run(args),

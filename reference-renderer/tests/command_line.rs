@@ -181,6 +181,24 @@ fn options_that_do_not_fit_are_refused_by_name() {
     refused(&place, &["render", "--env", "constant:NaN", "-o", "out.exr"], &["NaN"]);
     refused(&place, &["render", "--size", "0x9", "-o", "out.exr"], &["0x9"]);
     refused(&place, &["compare", "--spp", "4,2"], &["--spp"]);
+    refused(&place, &["compare", "--seconds", "0.5,0.2"], &["--seconds", "rise"]);
+    for wrong in ["0", "-1", "nan", "inf", "1e9", "x"] {
+        refused(&place, &["compare", &format!("--seconds={wrong}")], &["--seconds", "above 0"]);
+    }
+    refused(&place, &["compare", "--seconds", "1", "--spp", "4"], &["--seconds", "--spp"]);
+    refused(&place, &["compare", "--repeats", "0"], &["--repeats"]);
+    refused(&place, &["compare", "--samplers", "lobes,lobes"], &["--samplers", "lobes", "twice"]);
+    refused(
+        &place,
+        &["compare", "--samplers", "fit:lobes", "--materials", "matte"],
+        &["material matte", "--lobes"],
+    );
+    refused(&place, &["compare", "--scenes", "statue"], &["--mesh"]);
+    refused(&place, &["compare", "--mesh", "a.obj"], &["--mesh", "teapot"]);
+    refused(&place, &["compare", "--scenes", "furnace"], &["constant:VALUE"]);
+    refused(&place, &["compare", "--scenes", "nowhere"], &["nowhere", "teapot"]);
+    refused(&place, &["compare", "--scenes", "teapot", "--mesh", "a.obj"], &["a.obj"]);
+    refused(&place, &["compare", "--materials", "a.f32le:chrome"], &["a.f32le"]);
     refused(
         &place,
         &["compare", "--samplers", "lobes,rgl", "--materials", "matte"],
@@ -374,9 +392,11 @@ fn a_comparison_with_a_poor_reference_says_so() {
     let poor = ["compare", "--materials", "garnet_red", "--spp", "512,1024", "--reference-spp", "2"];
     let output = srbf(&place, &[&poor[..], &["--side", "12", "-o", "a"]].concat());
     let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.contains("- x") && !text.contains("NaN"), "{text}");
+    assert!(text.contains(" *\n") && !text.contains("NaN") && !text.contains(" x +- "), "{text}");
     let csv = std::fs::read_to_string(place.join("a.csv")).unwrap();
-    assert!(csv.lines().nth(1).unwrap().ends_with(','), "{csv}");
+    let head: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    let column = head.iter().position(|name| *name == "below_reference").unwrap();
+    assert!(csv.lines().skip(1).all(|line| line.split(',').nth(column) == Some("1")), "{csv}");
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod through;
 
 use super::{SettingArgs, names};
 use crate::command::argument;
+use crate::networks::Networks;
 use crate::output;
 use anyhow::{Context, ensure};
 use row::Row;
@@ -61,9 +62,6 @@ impl Args {
 
 /// Views up to this angle count for variance and weight, degrees: beyond, little light is reflected in a picture.
 const JUDGED: f64 = 80.0;
-
-/// Largest file of networks and of their names that is read, bytes.
-const MAX_FILE: u64 = 1 << 24;
 
 /// Fits the materials, and judges the fits.
 pub fn run(args: &SettingArgs, survey: &Args) -> anyhow::Result<()> {
@@ -203,33 +201,8 @@ fn materials(data: &Path) -> anyhow::Result<Vec<Named>> {
     let mut all: Vec<Named> =
         files.iter().map(|f| (name(f), read(f).map(|s| s.content).map_err(Into::into))).collect();
 
-    all.extend(networks(&data.join("merl"))?);
-    Ok(all)
-}
-
-/// The networks that stand for MERL materials, with their names.
-fn networks(folder: &Path) -> anyhow::Result<Vec<Named>> {
-    let path = folder.join("nbrdf_merl80.f32le");
-    let parse = |bytes: Vec<u8>| Ok(neural::parse(&bytes)?);
-    let networks = srbf_fit::read_if(&path, MAX_FILE, neural::check_size)
-        .map_err(anyhow::Error::new)
-        .and_then(parse)
-        .with_context(|| path.display().to_string())?;
-    let list = folder.join("nbrdf_merl80_names.txt");
-    let text = |bytes: Vec<u8>| Ok(String::from_utf8(bytes)?);
-    let names = srbf_fit::read_at_most(&list, MAX_FILE)
-        .map_err(anyhow::Error::new)
-        .and_then(text)
-        .with_context(|| list.display().to_string())?;
-    let names: Vec<&str> = names.split_whitespace().collect();
-    ensure!(
-        names.len() == networks.len(),
-        "{}: {} networks, and {} names in {}",
-        path.display(),
-        networks.len(),
-        names.len(),
-        list.display()
-    );
+    let networks = Networks::read(&data.join("merl/nbrdf_merl80.f32le"))?;
     let evaluable = |n: neural::Neural| Ok(Content::Evaluable(Box::new(n)));
-    Ok(names.into_iter().map(str::to_owned).zip(networks.into_iter().map(evaluable)).collect())
+    all.extend(networks.all.into_iter().map(|(name, network)| (name, evaluable(network))));
+    Ok(all)
 }
