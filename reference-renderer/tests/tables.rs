@@ -158,9 +158,7 @@ fn pictures_that_cannot_be_drawn_are_refused_before_the_fit() {
     fit(&["--picture", "a.png", "-o", "a.png"], &["a.png", "the same file"]);
     fit(&["--picture", "a.png", "--env", "nowhere"], &["nowhere"]);
     fit(&["--picture", "a.png", "--method", "thesis"], &["--picture", "our own method"]);
-    fit(&["--picture", "a.png", "--lobes-table"], &["--picture", "--lobes-table"]);
     fit(&["--env", "haze", "--no-picture"], &["--env", "--no-picture"]);
-    refused(&place, &["fit", "--survey", "1", "--picture", "a.png"], &["--picture", "--survey"]);
     refused(&place, &["ball", "matte", "-o", "a.exr"], &["a.exr", ".png"]);
     refused(&place, &["ball", "matte", "--exposure", "NaN"], &["--exposure"]);
 }
