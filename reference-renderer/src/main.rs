@@ -19,6 +19,8 @@ mod material;
 mod measured;
 mod mesh;
 mod output;
+#[allow(dead_code)] // Until the reports are pages.
+mod page;
 mod picture_file;
 mod plot;
 mod progress;
