@@ -3,6 +3,7 @@
 mod argument;
 pub mod ball;
 pub mod compare;
+mod convert;
 mod default_job;
 pub mod fit;
 pub mod inspect;
@@ -37,6 +38,7 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Fit(Box<fit::Args>),
+    Convert(convert::Args),
     Inspect(inspect::Args),
     Judge(judge::Args),
     Render(render::Args),
@@ -58,6 +60,7 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
     match cli.command {
         None => default_job::run(&cli.out.unwrap_or_else(|| PathBuf::from("out"))),
         Some(Command::Fit(args)) => fit::run(*args),
+        Some(Command::Convert(args)) => convert::run(args),
         Some(Command::Inspect(args)) => inspect::run(args),
         Some(Command::Judge(args)) => judge::run(args),
         Some(Command::Render(args)) => render::run(args),
