@@ -1,11 +1,13 @@
 //! Light from infinitely far away, and light and material sampled together.
 //!
 //! A [`table`] holds a map of radiance and what draws from it, in memory of the caller; [`make`] makes one,
-//! [`read`] checks one that was stored. [`look_up`] finds the radiance of a direction, [`draw`] draws one. A
-//! [`product`] draws from the light and a mixture together, among [`candidates`], as a [`sampling`] says.
+//! [`read`] checks one that was stored. [`look_up`] finds the radiance of a direction, [`draw`] draws one;
+//! [`cell`] says how draws are shared out. A [`product`] draws from the light and a mixture together, among
+//! [`candidates`], as a [`sampling`] says.
 //! May import: `kernel`, `mixture`, `color`, `simd`, `error`; nothing imports from here.
 
 pub(crate) mod candidates;
+pub(crate) mod cell;
 pub(crate) mod draw;
 mod look_up;
 mod make;

@@ -102,6 +102,8 @@ mod zonal;
 
 pub use color::{LUMINANCE, color_differences, luminance};
 #[cfg(feature = "environment")]
+pub use environment::cell::EnvironmentCell;
+#[cfg(feature = "environment")]
 pub use environment::draw::EnvironmentSample;
 #[cfg(feature = "environment")]
 pub use environment::product::ProductSample;

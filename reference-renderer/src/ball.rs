@@ -67,7 +67,7 @@ pub fn render<const N: usize>(
                 let wo = -ray.direction;
                 let frame = Frame::new(&surface, wo);
                 hits += 1;
-                let drawn = environment.sample(&mut random);
+                let drawn = environment.sample([random.unit(), random.unit(), random.unit()]);
                 let units = shifts.map(|shift| spread(shift, R3, sample));
                 let found = direct(&shaders, environment, &frame, wo, drawn, units, scattering);
                 (0..N).for_each(|k| pixel.radiance[k] += found[k]);
@@ -135,6 +135,7 @@ mod tests {
     use crate::film::Film;
     use crate::material::tests::lacquer;
     use crate::measured::tests::{model, vivid};
+    use crate::points::PointsName;
     use crate::render::{Settings, add_samples};
     use crate::sampling::Light;
 
@@ -153,7 +154,8 @@ mod tests {
         let inside = |i: &usize| pixels[*i].coverage == 1.0;
         for (k, shader) in shaders.into_iter().enumerate() {
             let scene = Scene::new(SceneName::Sphere, shader, shader, &environment);
-            let settings = Settings { light: Light::Mis, split: 1, max_bounces: 1, seed: 5 };
+            let settings =
+                Settings { light: Light::Mis, split: 1, max_bounces: 1, points: PointsName::Random, seed: 5 };
             let mut film = Film::new([side; 2]);
             let camera = SceneName::Sphere.camera([side; 2]);
             add_samples(&scene, &camera, &settings, &mut film, 256, &hidden).unwrap();

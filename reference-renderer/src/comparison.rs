@@ -23,6 +23,7 @@ use crate::cast::Cast;
 use crate::environment::Environment;
 use crate::film::Film;
 use crate::mesh::Mesh;
+use crate::points::PointsName;
 use crate::progress::Progress;
 use crate::render::{Settings, add_samples};
 use crate::sampling::{Light, Sampler, SamplerName, Strategy};
@@ -239,9 +240,15 @@ impl<'s> Stage<'s> {
         Scene::build(scene.shapes(mesh.cloned()), |role| cast.shader(role, object, samplers), environment)
     }
 
+    /// Random numbers: samples that are independent, so that an error is that of a method and not of its points.
     fn settings(&self, strategy: Strategy, split: u32, seed: u64) -> Settings {
-        let seed = self.plan.seed.wrapping_add(seed);
-        Settings { light: strategy.light, split, max_bounces: self.plan.max_bounces, seed }
+        Settings {
+            light: strategy.light,
+            split,
+            max_bounces: self.plan.max_bounces,
+            points: PointsName::Random,
+            seed: self.plan.seed.wrapping_add(seed),
+        }
     }
 
     /// The two halves of the reference, and whether they were there already. Their difference tells how far their mean is from the truth.
@@ -258,7 +265,7 @@ impl<'s> Stage<'s> {
         let half = |seed| -> anyhow::Result<Vec<DVec3>> {
             let mut film = Film::new(self.plan.size);
             let samples = self.plan.reference_samples.div_ceil(2);
-            let settings = self.settings(OWN.strategy, 1, seed);
+            let settings = Settings { points: PointsName::Sobol, ..self.settings(OWN.strategy, 1, seed) };
             add_samples(own, self.camera, &settings, &mut film, samples, self.progress)?;
             Ok((0..pixels).map(|i| film.mean(i)).collect())
         };

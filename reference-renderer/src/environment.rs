@@ -4,11 +4,13 @@
 //! for one who stands inside (towards -y).
 
 pub mod file;
+mod order;
 pub mod sky;
 
-use crate::random::Random;
 use glam::Vec3;
+use order::Order;
 use srbf_core::environment_len;
+use std::sync::OnceLock;
 
 /// Most pixels that a map may have, 8192 x 4096: such a map needs 2 GB of memory.
 pub const MAX_PIXELS: usize = srbf_core::MAX_ENVIRONMENT_PIXELS;
@@ -18,6 +20,8 @@ pub struct Environment {
     /// The table of `core`: what looks up, samples, and samples together with a mixture.
     pub map: srbf_core::Environment<Vec<u32>>,
     constant: Option<Vec3>,
+    /// Made when it is first asked for: random numbers do not need it.
+    order: OnceLock<Order>,
 }
 
 /// A direction drawn from an environment.
@@ -42,7 +46,7 @@ impl Environment {
         let pixels: Vec<[f32; 3]> = radiance.iter().map(|c| c.to_array()).collect();
         let map = srbf_core::Environment::new(width, &pixels, memory)?;
         let constant = radiance.iter().all(|&c| c == radiance[0]).then(|| radiance[0]);
-        Ok(Self { map, constant })
+        Ok(Self { map, constant, order: OnceLock::new() })
     }
 
     /// The same radiance from everywhere.
@@ -73,9 +77,16 @@ impl Environment {
         self.map.pdf(direction)
     }
 
-    /// Draws a direction by the luminance of the radiance.
-    pub fn sample(&self, random: &mut Random) -> LightSample {
-        let drawn = self.map.sample([random.unit(), random.unit(), random.unit()]);
+    /// The numbers of [`sample`](Self::sample) for two uniform ones in [0, 1), such that those that lie evenly become directions that do.
+    #[inline]
+    pub fn ordered(&self, u: [f32; 2]) -> [f32; 3] {
+        self.order.get_or_init(|| Order::new(&self.map)).numbers(u)
+    }
+
+    /// Draws a direction by the luminance of the radiance, three uniform numbers in [0, 1).
+    #[inline]
+    pub fn sample(&self, u: [f32; 3]) -> LightSample {
+        let drawn = self.map.sample(u);
         let radiance = self.constant.unwrap_or(drawn.radiance);
         LightSample { direction: drawn.direction, pdf: drawn.pdf, radiance }
     }
@@ -84,6 +95,7 @@ impl Environment {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
     use crate::sphere_sampling;
     use std::f64::consts::{PI, TAU};
 
@@ -133,7 +145,7 @@ mod tests {
         let (mut counts, mut expected) = (vec![0.0; 512], vec![0.0; 512]);
         let mut random = Random::new(9, 0, 0);
         for _ in 0..n {
-            let sample = environment.sample(&mut random);
+            let sample = environment.sample([random.unit(), random.unit(), random.unit()]);
             assert!((sample.direction.length() - 1.0).abs() < 1e-5);
             counts[bin(sample.direction)] += 1.0;
         }
@@ -165,7 +177,7 @@ mod tests {
         let mut random = Random::new(10, 0, 0);
         let brightest = parts().map(|(d, _)| environment.pdf(d)).fold(0.0, f32::max);
         for _ in 0..10_000 {
-            let sample = environment.sample(&mut random);
+            let sample = environment.sample([random.unit(), random.unit(), random.unit()]);
             let apart = (sample.pdf - environment.pdf(sample.direction)).abs();
             assert!(apart < 1e-4 * brightest, "{sample:?}");
         }
@@ -178,7 +190,7 @@ mod tests {
         let (n, mut random) = (400_000, Random::new(11, 0, 0));
         let (mut by_light, mut uniform, mut squares) = (0.0, 0.0, 0.0);
         for _ in 0..n {
-            let sample = environment.sample(&mut random);
+            let sample = environment.sample([random.unit(), random.unit(), random.unit()]);
             by_light += f64::from(sample.radiance.x / sample.pdf) / f64::from(n);
             let direction = sphere_sampling::uniform([random.unit(), random.unit()]);
             let value = f64::from(environment.radiance(direction).x) * 4.0 * PI;

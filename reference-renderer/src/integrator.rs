@@ -4,7 +4,7 @@
 //! surface several directions may be drawn together; from there on each goes its way alone.
 
 use crate::camera::Ray;
-use crate::random::Random;
+use crate::points::{Decision, Points, PointsName};
 use crate::render::Settings;
 use crate::sampling::Light;
 use crate::scene::{Scene, Surface};
@@ -48,25 +48,26 @@ pub fn radiance<'a>(
     scene: &Scene<'a>,
     ray: &Ray,
     settings: &Settings,
-    random: &mut Random,
+    points: &Points,
     workspace: &mut Workspace<'a>,
 ) -> Vec3 {
     let Some(surface) = scene.hit(ray) else { return scene.environment.radiance(ray.direction) };
-    let mut path = Path { scene, settings, random };
+    let path = Path { scene, settings, points: *points };
+    let split = settings.split as usize;
     let scattering = &mut workspace.scattering;
     let Some(frame) = look(&surface, ray, scattering) else { return Vec3::NAN };
     let mut light = Vec3::ZERO;
-    for _ in 0..settings.split {
-        light += path.light_at(&frame, scattering);
+    for part in 0..split {
+        light += path.branch(part, split).light_at(&frame, scattering, 0);
     }
     let mut drawn = std::mem::take(&mut workspace.drawn);
-    scattering.sample_together(settings.split, path.random, &mut drawn);
+    scattering.sample_together(settings.split, points, &mut drawn);
     // All of them before the first is followed: the next surface takes the storage of this one.
     let mut rivals = std::mem::take(&mut workspace.rivals);
     rivals.clear();
     rivals.extend(drawn.iter().map(|sample| path.rival(sample, scattering)));
-    for (sample, &rival) in drawn.iter().zip(&rivals) {
-        light += path.follow(&frame, sample, rival, scattering);
+    for (part, (sample, &rival)) in drawn.iter().zip(&rivals).enumerate() {
+        light += path.branch(part, split).follow(&frame, sample, rival, scattering);
     }
     (workspace.drawn, workspace.rivals) = (drawn, rivals);
     light / settings.split as f32
@@ -84,22 +85,28 @@ fn look<'a>(surface: &Surface<'_, 'a>, ray: &Ray, scattering: &mut Scattering<'a
 struct Path<'p, 'a> {
     scene: &'p Scene<'a>,
     settings: &'p Settings,
-    random: &'p mut Random,
+    points: Points,
 }
 
 impl<'a> Path<'_, 'a> {
-    /// Light that a sample of the environment brings to a surface.
-    fn light_at(&mut self, frame: &Frame, scattering: &Scattering<'a>) -> Vec3 {
+    /// Part `i` of `n` that the path branches into at the first surface.
+    fn branch(&self, i: usize, n: usize) -> Self {
+        Self { points: self.points.branch(i, n), ..*self }
+    }
+
+    /// Light that a sample of the environment brings to a surface, the first, or one that comes later.
+    fn light_at(&self, frame: &Frame, scattering: &Scattering<'a>, surface: u32) -> Vec3 {
         if self.settings.light == Light::Off {
             return Vec3::ZERO;
         }
         if self.settings.light == Light::Product {
             let candidates = scattering.lobes_for_product().filter(|_| !self.is_evenly_lit());
             if let Some(lobes) = candidates {
-                return self.product_at(frame, scattering, lobes);
+                return self.product_at(frame, scattering, lobes, surface);
             }
         }
-        let sample = self.scene.environment.sample(self.random);
+        let sample =
+            self.scene.environment.sample(self.towards_light(self.points.draw(Decision::Light, surface)));
         if !frame.leaves(sample.direction) {
             return Vec3::ZERO;
         }
@@ -113,15 +120,46 @@ impl<'a> Path<'_, 'a> {
         if is_seen { contribution } else { Vec3::ZERO }
     }
 
+    /// The numbers that draw a direction from the light: those that lie evenly keep to the order of the map.
+    #[inline]
+    fn towards_light(&self, [u, v, w, _]: [f32; 4]) -> [f32; 3] {
+        match self.points.name {
+            PointsName::Sobol => self.scene.environment.ordered([u, v]),
+            PointsName::Random => [u, v, w],
+        }
+    }
+
+    /// The numbers of the candidates at a surface: those of the lobes, then those of the light.
+    ///
+    /// Sobol points come in the order of the first number, which chooses a lobe, or the height of the light. What is chosen is chosen along
+    /// that order, so that evenly spread choices are evenly spread directions.
+    fn candidates(&self, surface: u32) -> [[f32; CANDIDATES]; 3] {
+        let mut drawn = [[0.0; 4]; CANDIDATES];
+        let (of_lobes, of_light) = drawn.split_at_mut(PRODUCT.lobe_candidates());
+        self.points.draw_together(Decision::LobeCandidate, surface, of_lobes);
+        self.points.draw_together(Decision::LightCandidate, surface, of_light);
+        for u in of_light {
+            let [u0, u1, u2] = self.towards_light(*u);
+            *u = [u0, u1, u2, 0.0];
+        }
+        from_fn(|k| drawn.map(|u| u[k]))
+    }
+
     /// Whether the light is the same from everywhere: then samples of it tell nothing that the lobes do not know.
     fn is_evenly_lit(&self) -> bool {
         self.scene.environment.constant_radiance().is_some()
     }
 
     /// Light that one direction brings to a surface, chosen among candidates of lobes and light by what they would bring.
-    fn product_at(&mut self, frame: &Frame, scattering: &Scattering<'a>, lobes: &AnyMixture<'a>) -> Vec3 {
-        let u: [[f32; CANDIDATES]; 3] = from_fn(|_| from_fn(|_| self.random.unit()));
-        let choice = self.random.unit();
+    fn product_at(
+        &self,
+        frame: &Frame,
+        scattering: &Scattering<'a>,
+        lobes: &AnyMixture<'a>,
+        surface: u32,
+    ) -> Vec3 {
+        let u = self.candidates(surface);
+        let choice = self.points.draw(Decision::Choice, surface)[0];
         let map = &self.scene.environment.map;
         let axes = [frame.tangent, frame.bitangent, frame.normal];
         // The slices are as long as the candidates are many.
@@ -167,7 +205,7 @@ impl<'a> Path<'_, 'a> {
 
     /// What comes in along a direction drawn at the first surface, times its weight.
     fn follow(
-        &mut self,
+        &self,
         first: &Frame,
         sample: &Sample,
         mut rival: Rival,
@@ -189,9 +227,9 @@ impl<'a> Path<'_, 'a> {
                 break;
             }
             let Some(frame) = look(&surface, &ray, scattering) else { return Vec3::NAN };
-            light += throughput * self.light_at(&frame, scattering);
-            let u = [self.random.unit(), self.random.unit(), self.random.unit()];
-            let Some(sample) = scattering.sample(u) else { break };
+            light += throughput * self.light_at(&frame, scattering, bounce);
+            let [u, v, w, _] = self.points.draw(Decision::Material, bounce);
+            let Some(sample) = scattering.sample([u, v, w]) else { break };
             let direction = frame.to_world(sample.direction);
             if !frame.leaves(direction) {
                 break;
@@ -200,7 +238,7 @@ impl<'a> Path<'_, 'a> {
             if bounce >= ROULETTE_FROM {
                 // By its size: of a colour outside the gamut, channels are negative.
                 let survival = throughput.abs().max_element().min(0.95);
-                if self.random.unit() >= survival {
+                if self.points.draw(Decision::Roulette, bounce)[0] >= survival {
                     break;
                 }
                 throughput /= survival;

@@ -24,6 +24,7 @@ mod output;
 mod page;
 mod picture_file;
 mod plot;
+mod points;
 mod progress;
 mod random;
 mod render;

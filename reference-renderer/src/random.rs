@@ -24,11 +24,18 @@ fn mix(mut z: u64) -> u64 {
 
 impl Random {
     /// The stream of one sample of one pixel.
+    #[inline]
     pub fn new(seed: u64, pixel: u64, sample: u64) -> Self {
         let mut state = mix(seed.wrapping_add(GAMMA));
         state = mix(state ^ pixel.wrapping_mul(GAMMA));
         state = mix(state.wrapping_add(GAMMA) ^ sample.wrapping_mul(0xd1b5_4a32_d192_ed03));
         Self { state }
+    }
+
+    /// What the stream begins with: as random as its numbers.
+    #[inline]
+    pub fn key(&self) -> u64 {
+        self.state
     }
 
     /// The next 32 random bits.

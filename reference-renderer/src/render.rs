@@ -3,8 +3,8 @@
 use crate::camera::Camera;
 use crate::film::Film;
 use crate::integrator::{Workspace, radiance};
+use crate::points::{Decision, Points, PointsName};
 use crate::progress::Progress;
-use crate::random::Random;
 use crate::sampling::Light;
 use crate::scene::Scene;
 use cpu_time::ThreadTime;
@@ -19,6 +19,8 @@ pub struct Settings {
     /// Directions drawn at the first surface that a ray of the camera meets, at least 1.
     pub split: u32,
     pub max_bounces: u32,
+    /// Where the numbers come from.
+    pub points: PointsName,
     pub seed: u64,
 }
 
@@ -45,9 +47,10 @@ pub fn add_samples(
         for (x, pixel) in row.iter_mut().enumerate() {
             let index = (y * width + x) as u64;
             for sample in held..held + samples {
-                let mut random = Random::new(settings.seed, index, sample.into());
-                let ray = camera.ray(x as f32 + random.unit(), y as f32 + random.unit());
-                pixel.add(radiance(scene, &ray, settings, &mut random, workspace));
+                let points = Points::new(settings.points, settings.seed, index, sample.into());
+                let [across, down, ..] = points.draw(Decision::Pixel, 0);
+                let ray = camera.ray(x as f32 + across, y as f32 + down);
+                pixel.add(radiance(scene, &ray, settings, &points, workspace));
             }
         }
         progress.advance(1);
@@ -80,7 +83,8 @@ mod tests {
     use glam::DVec3;
 
     const SIZE: [u32; 2] = [24, 16];
-    const MIS: Settings = Settings { light: Light::Mis, split: 1, max_bounces: 3, seed: 11 };
+    const MIS: Settings =
+        Settings { light: Light::Mis, split: 1, max_bounces: 3, points: PointsName::Random, seed: 11 };
 
     fn film(scene: &Scene<'_>, name: SceneName, settings: &Settings, samples: u32) -> Film {
         let mut film = Film::new(SIZE);

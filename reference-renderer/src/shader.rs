@@ -2,7 +2,7 @@
 
 use crate::material::{Bytes, StoredMaterial};
 use crate::measured::MeasuredMaterial;
-use crate::random::Random;
+use crate::points::{Decision, Points};
 use crate::sampling::guided::Guide;
 use crate::sampling::proposal::{Drawn, Mixtures, Part, Proposal};
 use crate::sampling::sampler::{OWN, Sampler};
@@ -219,11 +219,11 @@ impl<'a> Scattering<'a> {
         (pdf > 0.0 && pdf.is_finite()).then(|| Sample { direction, pdf, weight: value / pdf })
     }
 
-    /// Draws `n` incident directions, together if the sampler does; fewer where some count as black. The sum of what their weights bring
+    /// Draws `n` incident directions at the first surface, together if the sampler does; fewer where some count as black. The sum of what their weights bring
     /// over `n` is the estimate.
-    pub fn sample_together(&self, n: u32, random: &mut Random, samples: &mut Vec<Sample>) {
+    pub fn sample_together(&self, n: u32, points: &Points, samples: &mut Vec<Sample>) {
         samples.clear();
-        if let Some(drawn) = self.proposal.sample_as_thesis(&self.mixtures, n, random) {
+        if let Some(drawn) = self.proposal.sample_as_thesis(&self.mixtures, n, points) {
             let is_possible = |d: &Drawn| d.divisor > 0.0 && d.divisor.is_finite();
             samples.extend(drawn.into_iter().filter(is_possible).map(|Drawn { direction, divisor, pdf }| {
                 Sample { direction, pdf, weight: self.evaluate(direction) / divisor }
@@ -231,10 +231,11 @@ impl<'a> Scattering<'a> {
             return;
         }
         let is_multi = self.proposal.is_multi;
-        let offset = if is_multi { random.unit() } else { 0.0 };
+        let offset = if is_multi { points.draw(Decision::Choice, 0)[0] } else { 0.0 };
         for i in 0..n {
-            let choice = if is_multi { self.proposal.choice(i, n, offset) } else { random.unit() };
-            samples.extend(self.sample([choice, random.unit(), random.unit()]));
+            let [own, u, v, _] = points.branch(i as usize, n as usize).draw(Decision::Material, 0);
+            let choice = if is_multi { self.proposal.choice(i, n, offset) } else { own };
+            samples.extend(self.sample([choice, u, v]));
         }
     }
 

@@ -158,11 +158,44 @@ fn pictures_that_cannot_be_drawn_are_refused_before_the_fit() {
     fit(&["--picture", "a.png", "-o", "a.png"], &["a.png", "the same file"]);
     fit(&["--picture", "a.png", "--env", "nowhere"], &["nowhere"]);
     fit(&["--picture", "a.png", "--method", "thesis"], &["--picture", "our own method"]);
-    fit(&["--picture", "a.png", "--lobes-table"], &["--picture", "--lobes-table"]);
     fit(&["--env", "haze", "--no-picture"], &["--env", "--no-picture"]);
-    refused(&place, &["fit", "--survey", "1", "--picture", "a.png"], &["--picture", "--survey"]);
     refused(&place, &["ball", "matte", "-o", "a.exr"], &["a.exr", ".png"]);
     refused(&place, &["ball", "matte", "--exposure", "NaN"], &["--exposure"]);
+}
+
+#[test]
+fn tables_are_converted_and_read_again() {
+    let place = folder("convert");
+    let model = "model:ggx:alpha=0.3,f0=0.6,diffuse=0.2";
+    for (name, says) in [
+        ("a.binary", "34992012 bytes; read again"),
+        ("a.bsdf", "read again"),
+        ("a.csv", "16 outgoing directions, chosen here"),
+        ("a.astm", "16 outgoing directions, chosen here"),
+    ] {
+        let text = printed(&place, &["convert", model, name]);
+        assert!(text.contains(says), "{text}");
+    }
+    for name in ["a.binary", "a.bsdf"] {
+        check_furnace(&place, name);
+    }
+    let text = printed(&place, &["convert", "a.csv", "b.astm"]);
+    assert!(text.contains("as they were read"), "{text}");
+    write_samples(&place, [0.2, 0.1, 0.05]);
+    assert!(printed(&place, &["convert", "samples.csv", "c.binary"]).contains("completed first"));
+
+    let place = folder("convert-refused");
+    for (output, says) in [
+        ("a.srbf", "srbf fit"),
+        ("a.brdf", "spectra"),
+        ("a.xyz", ".binary, .bsdf, .csv or .astm"),
+        ("/dev/null.csv", "cannot write"),
+    ] {
+        refused(&place, &["convert", model, output], &[output, says]);
+    }
+    let brushed = "model:ward:alpha_x=0.1,alpha_y=0.4";
+    refused(&place, &["convert", brushed, "a.bsdf"], &[brushed, "anisotropic"]);
+    refused(&place, &["convert", "absent.csv", "a.bsdf"], &["absent.csv"]);
 }
 
 /// Width and height in the head of a PNG.

@@ -44,6 +44,8 @@ const ORACLES: &[(&str, &str)] = &[
     ("Environment::pdf", "tests/environment/map.rs"),
     ("Environment::radiance_and_pdf", "tests/environment/map.rs"),
     ("Environment::sample", "tests/environment/map.rs"),
+    ("Environment::cell", "tests/environment/map.rs"),
+    ("Environment::cell_count", "tests/environment/map.rs"),
     ("ProductSampling::new", "tests/environment/product.rs"),
     ("ProductSampling::candidates", "tests/environment/product.rs"),
     ("ProductSampling::lobe_candidates", "tests/environment/product.rs"),

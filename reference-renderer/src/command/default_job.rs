@@ -6,6 +6,7 @@ use crate::environment::{Environment, sky};
 use crate::film::Film;
 use crate::material::{self, StoredMaterial};
 use crate::page::{Figure, Page};
+use crate::points::PointsName;
 use crate::progress::Progress;
 use crate::render::{Settings, add_samples};
 use crate::sampling::{SamplerName, Strategy};
@@ -68,7 +69,13 @@ fn render(out: &Path, page: &mut Page) -> anyhow::Result<()> {
     let mut figures = Vec::new();
     for Picture { scene: name, file, size, samples } in PICTURES {
         let scene = Scene::new(name, &object.material, &ground.material, &sky);
-        let settings = Settings { light: Strategy::PRODUCT.light, split: 1, max_bounces: 6, seed: 0 };
+        let settings = Settings {
+            light: Strategy::PRODUCT.light,
+            split: 1,
+            max_bounces: 6,
+            points: PointsName::Sobol,
+            seed: 0,
+        };
         let (mut film, path) = (Film::new(size), out.join(file));
         let progress = Progress::new(file, size[1].into());
         add_samples(&scene, &name.camera(size), &settings, &mut film, samples, &progress)?;

@@ -7,6 +7,7 @@ use crate::material::StoredMaterial;
 use crate::measured::MeasuredMaterial;
 use crate::shader::LoadedMaterial;
 use srbf_fit::complete::{Completion, complete};
+use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Report, ViewReport};
 use srbf_fit::read::{Content, Source};
 use srbf_fit::table::{Brdf, Symmetry, Table, evaluation_views};
@@ -89,7 +90,9 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         None => Vec::new(),
     };
     verdict.iter().for_each(|line| println!("{line}"));
-    write(&output, stored, beside, light, &verdict)
+    let seconds = write(&output, stored, beside, light, &verdict)?;
+    println!("{} in {seconds:.2} s", output.display());
+    Ok(())
 }
 
 /// The verdict on a material beside what is known everywhere; none on an anisotropic one.
@@ -101,10 +104,10 @@ fn verdict(stored: &StoredMaterial, beside: &Beside) -> anyhow::Result<Vec<Strin
     let table = evaluation_views::judging_table(beside.brdf(), &JUDGED.map(f64::to_radians))?;
     let judged = table.views.iter().map(|view| ViewReport::judge(material, view));
     let report = Report { held_out: judged.collect::<Result<_, _>>()?, ..Report::default() };
-    view_table::verdict(&report, material)
+    Ok(view_table::words(&report, &reciprocity(material)?, Some(material)))
 }
 
-/// Draws and writes the picture of a material, and says where it is.
+/// Draws and writes the picture of a material; gives the seconds that it took.
 ///
 /// # Errors
 /// As the material says them; names the file that cannot be written.
@@ -114,7 +117,7 @@ pub fn write(
     beside: Option<Beside>,
     light: Light<'_>,
     verdict: &[String],
-) -> anyhow::Result<()> {
+) -> anyhow::Result<f64> {
     let start = Instant::now();
     let (name, fit) = (stored.name.clone(), stored.material.clone());
     let ball = LoadedMaterial::Lobes(stored);
@@ -134,6 +137,5 @@ pub fn write(
             fit_sheet::write(path, &Subject { against, ball_beside: Some(&beside), ..alone })?;
         }
     }
-    println!("{} in {:.2} s", path.display(), start.elapsed().as_secs_f64());
-    Ok(())
+    Ok(start.elapsed().as_secs_f64())
 }

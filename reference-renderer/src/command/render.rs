@@ -10,6 +10,7 @@ use crate::material;
 use crate::mesh;
 use crate::output;
 use crate::picture_file;
+use crate::points::PointsName;
 use crate::progress::Progress;
 use crate::render::{Settings, add_samples};
 use crate::sampling::{Light, Sampler, SamplerName, Strategy};
@@ -89,7 +90,11 @@ pub struct Args {
     /// Directions drawn together at the first hit; --spp counts directions [default: 16 for samplers of several, else 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     split: Option<u32>,
-    /// Seed of the random numbers
+    /// What the numbers of a path are: Owen-scrambled Sobol points, each decision along it with four dimensions of its own, or random
+    /// numbers; thesis-walk takes random ones beyond three [default: sobol; random where a standard error is printed, of the furnace]
+    #[arg(long, value_enum)]
+    points: Option<PointsName>,
+    /// Seed of the points or random numbers
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Scatterings along a path; 1 is direct light only
@@ -199,7 +204,16 @@ fn render(args: &Args) -> anyhow::Result<()> {
     let scene = Scene::build(args.scene.shapes(mesh), shader, &environment);
     let camera = standpoint(args)?.camera(args.size);
     let split = split(args);
-    let settings = Settings { light: strategy.light, split, max_bounces: args.max_bounces, seed: args.seed };
+    let is_furnace = args.scene.is_sphere() && environment.constant_radiance().is_some();
+    // A standard error is told there, which independent samples have.
+    let own = if is_furnace { PointsName::Random } else { PointsName::Sobol };
+    let settings = Settings {
+        light: strategy.light,
+        split,
+        max_bounces: args.max_bounces,
+        points: args.points.unwrap_or(own),
+        seed: args.seed,
+    };
 
     film::check_memory(args.size)?;
     let mut film = Film::new(args.size);
@@ -223,7 +237,10 @@ fn render(args: &Args) -> anyhow::Result<()> {
         png.display(),
         args.spp
     );
-    match environment.constant_radiance().filter(|_| args.scene.is_sphere()) {
+    match environment.constant_radiance().filter(|_| is_furnace) {
+        Some(_) if settings.points == PointsName::Sobol => {
+            println!("white furnace: Sobol points have no standard error, --points random is expected");
+        }
         Some(_) if film.samples < 2 => {
             println!("white furnace: no standard error, at least two samples a pixel are needed");
         }

@@ -3,7 +3,7 @@
 use srbf_core::Material;
 use srbf_fit::complete::CompletionReport;
 use srbf_fit::complete::held_out::HeldOut;
-use srbf_fit::judge::reciprocity::{Reciprocity, reciprocity};
+use srbf_fit::judge::reciprocity::Reciprocity;
 use srbf_fit::judge::report::{Report, ViewReport, factor_bytes};
 use srbf_fit::judge::verdict::{Made, Spread, Summary, Verdict};
 
@@ -104,14 +104,10 @@ fn print_summary(summary: &Summary, isotropic: bool) {
     println!("at deg{gap} |{}", angles.map(angle).collect::<Vec<_>>().join(" "));
 }
 
-/// Prints what is known of the whole: the table behind it, the material, energy and reciprocity; the verdict last.
+/// Prints what is known of the whole: the table behind it, the material, energy and reciprocity.
 ///
-/// `material`: the material, if the fit is one. Gives the lines of the verdict.
-pub fn print_verdict(
-    report: &Report,
-    reciprocity: &Reciprocity,
-    material: Option<&Material<&[u8]>>,
-) -> Vec<String> {
+/// `material`: the material, if the fit is one.
+pub fn print_whole(report: &Report, reciprocity: &Reciprocity, material: Option<&Material<&[u8]>>) {
     let isotropic = is_isotropic(report);
     let summary = Summary::new(report);
     println!("{} {} views:", summary.views, if summary.is_of_held_out { "held-out" } else { "fitted" });
@@ -132,19 +128,16 @@ pub fn print_verdict(
     if let Some(material) = material {
         print_factors(material);
     }
-    report.notes().iter().for_each(|note| println!("note {note}"));
-    let made = material.map(Made::new);
-    let lines = Verdict::new(report, reciprocity, made).lines();
-    lines.iter().for_each(|line| println!("{line}"));
-    lines
 }
 
-/// The lines of the verdict on a material.
-///
-/// # Errors
-/// As the material says them.
-pub fn verdict(report: &Report, material: &Material<impl AsRef<[u8]> + Sync>) -> anyhow::Result<Vec<String>> {
-    Ok(Verdict::new(report, &reciprocity(material)?, Some(Made::new(material))).lines())
+/// What is said of a fit in words: notes, then the verdict.
+pub fn words(
+    report: &Report,
+    reciprocity: &Reciprocity,
+    material: Option<&Material<impl AsRef<[u8]>>>,
+) -> Vec<String> {
+    let notes = report.notes().into_iter().map(|note| format!("note {note}"));
+    notes.chain(Verdict::new(report, reciprocity, material.map(Made::new)).lines()).collect()
 }
 
 /// Whether no view of a report is turned.

@@ -2,7 +2,7 @@
 
 use super::plain::{UNIFORM_DENSITY, cosine, cosine_density, uniform};
 use super::{analytic, factored, guided, lafortune, rgl, tabulated, thesis};
-use crate::random::Random;
+use crate::points::{Decision, Points};
 use crate::shader::AnyMixture;
 use glam::{DVec3, Vec3};
 
@@ -104,18 +104,15 @@ impl Proposal<'_> {
     /// Draws `n` directions as the thesis says: each of a lobe by equation 14, divided by what equation 13 makes of how many each
     /// lobe has. One is of the cosine: lobes that have none by chance leave no hole. `None` if another sampler draws, or a single
     /// direction is asked for.
-    pub fn sample_as_thesis(
-        &self,
-        mixtures: &Mixtures<'_>,
-        n: u32,
-        random: &mut Random,
-    ) -> Option<Vec<Drawn>> {
+    pub fn sample_as_thesis(&self, mixtures: &Mixtures<'_>, n: u32, points: &Points) -> Option<Vec<Drawn>> {
         let Part::Thesis(lobes) = &self.part else { return None };
         if !self.is_multi || n == 1 {
             return None;
         }
-        let mut directions = vec![cosine(random.unit().into(), random.unit().into()).as_vec3()];
-        let densities = lobes.sample_together(n - 1, random, &mut directions);
+        let numbers = |i: u32| points.branch(i as usize, n as usize).draw(Decision::Material, 0);
+        let [_, u, v, _] = numbers(0);
+        let mut directions = vec![cosine(u.into(), v.into()).as_vec3()];
+        let densities = lobes.sample_together((1..n).map(numbers), &mut directions);
         let share = 1.0 / n as f32;
         let drawn = |direction: Vec3| {
             let of_lobes = densities.as_ref().map_or(0.0, |mixture| mixture.evaluate(direction).x);

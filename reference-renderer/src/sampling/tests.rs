@@ -6,6 +6,7 @@ use super::{Light, Sampler, SamplerName, Strategy};
 use crate::material::tests::{brushed, lacquer};
 use crate::measured::MeasuredMaterial;
 use crate::measured::tests::{model, vivid};
+use crate::points::{Points, PointsName};
 use crate::random::Random;
 use crate::shader::{Scattering, Shader, Truth};
 use glam::{DVec3, Vec3};
@@ -129,8 +130,9 @@ fn check_direction<'a>(what: &str, name: SamplerName, shader: &Shader<'a>, wo: D
     // Several directions together.
     if name.is_multi() {
         let (mut together, mut samples) = (Mean::default(), Vec::new());
-        for _ in 0..DRAWN / 8 {
-            scattering.sample_together(8, &mut random, &mut samples);
+        for i in 0..DRAWN / 8 {
+            let points = Points::new(PointsName::Random, 5, 6, i as u64);
+            scattering.sample_together(8, &points, &mut samples);
             together.add(samples.iter().map(|s| f64::from(s.weight.x)).sum::<f64>() / 8.0);
         }
         agrees(&format!("{what}, together"), &albedo, &together, false);

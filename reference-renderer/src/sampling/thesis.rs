@@ -113,19 +113,18 @@ impl Proposal {
         })
     }
 
-    /// Draws `n` directions, each of a lobe by equation 14, and makes the mixture of densities `sum n_k p_k / n`, by which equation
-    /// 13 divides.
+    /// Draws a direction for each of `n` uniform numbers, of a lobe by equation 14, and makes the mixture of densities
+    /// `sum n_k p_k / n`, by which equation 13 divides.
     pub fn sample_together(
         &self,
-        n: u32,
-        random: &mut Random,
+        numbers: impl ExactSizeIterator<Item = [f32; 4]>,
         directions: &mut Vec<Vec3>,
     ) -> Option<AnyMixture<'static>> {
-        let mut counts = [0u32; MAX_LOBES];
-        for _ in 0..n {
-            let lobe = self.choose(random.unit())?;
+        let (n, mut counts) = (numbers.len(), [0u32; MAX_LOBES]);
+        for [choice, u, v, _] in numbers {
+            let lobe = self.choose(choice)?;
             counts[lobe] += 1;
-            directions.push(self.lobes[lobe].0.sample([random.unit(), random.unit()]));
+            directions.push(self.lobes[lobe].0.sample([u, v]));
         }
         let mut drawn = Vec::with_capacity(self.lobes.len());
         for ((gaussian, _), count) in self.lobes.iter().zip(counts) {

@@ -298,3 +298,42 @@ fn checksum(table: &[u32]) -> [u32; 2] {
         .fold(0xcbf2_9ce4_8422_2325_u64, |sum, &word| (sum ^ u64::from(word)).wrapping_mul(0x0100_0000_01b3));
     [sum as u32, (sum >> 32) as u32]
 }
+
+#[test]
+fn cells_say_how_draws_are_shared_out() {
+    for map in maps() {
+        let environment = map.environment();
+        let count = environment.cell_count();
+        assert_eq!(count, map.width * (map.height() + 1));
+        assert_eq!(environment.cell(count), None);
+        // What is kept, and what comes from others, is a cell's share of all draws.
+        let cells: Vec<_> = (0..count).map(|i| environment.cell(i).unwrap()).collect();
+        let mut draws: Vec<f64> = cells.iter().map(|cell| f64::from(cell.kept)).collect();
+        cells.iter().for_each(|cell| draws[cell.other] += 1.0 - f64::from(cell.kept));
+        for (index, cell) in cells.iter().enumerate() {
+            let apart = (draws[index] / count as f64 - cell.share).abs();
+            assert!(apart < 1e-6 / count as f64 + 1e-6 * cell.share, "{}, cell {index}: {cell:?}", map.name);
+        }
+        let sum: f64 = cells.iter().map(|cell| cell.share).sum();
+        assert!((sum - 1.0).abs() < 1e-6, "{}: {sum}", map.name);
+        // A draw whose first number hits a cell is in it, or in the other.
+        for index in [0, count / 3, count / 2, count - 1] {
+            let cell = cells[index];
+            for place in [0.25, 0.75] {
+                let u = ((index as f64 + place) / count as f64) as f32;
+                let sample = environment.sample([u, 0.0, 0.5]);
+                let own = if place < f64::from(cell.kept) { index } else { cell.other };
+                // Rows of cells end at the centres of pixels.
+                let down =
+                    f64::from(sample.direction.z).clamp(-1.0, 1.0).acos() / PI * map.height() as f64 + 0.5;
+                let row = (own / map.width) as f64;
+                let is_near_edge = (f64::from(u) * count as f64 - (index as f64 + place)).abs() > 0.1;
+                assert!(
+                    is_near_edge || (down > row - 1e-2 && down < row + 1.01),
+                    "{}: {down} {row}",
+                    map.name
+                );
+            }
+        }
+    }
+}

@@ -1,9 +1,9 @@
-//! `srbf equal-time`.
+//! `srbf project equal-time`.
 
 mod text;
 
-use super::argument;
 use crate::cast::Cast;
+use crate::command::{argument, compare};
 use crate::comparison::{self, Budgets, Case, Comparison, Method, Plan};
 use crate::material::{PRESETS, StoredMaterial};
 use crate::measured::{MeasuredMaterial, read_source};
@@ -27,7 +27,7 @@ pub struct Args {
     #[arg(long, default_value = "out/fits", value_name = "DIR")]
     fits: PathBuf,
     /// Seconds of processors of each picture
-    #[arg(long, default_value_t = 0.25, value_parser = super::compare::seconds)]
+    #[arg(long, default_value_t = 0.25, value_parser = compare::seconds)]
     seconds: f64,
     /// Pictures of each method
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(2..=1000), value_name = "N")]

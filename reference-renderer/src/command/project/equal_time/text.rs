@@ -1,4 +1,4 @@
-//! The page of `srbf equal-time`, as Markdown.
+//! The page of `srbf project equal-time`, as Markdown.
 
 use super::{ALONE, FIT, WITH_LIGHT};
 use crate::comparison::{Comparison, Curve, Estimate};
