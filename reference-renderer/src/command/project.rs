@@ -7,6 +7,7 @@ mod lobes_table;
 mod pages;
 mod presets;
 mod samples;
+mod slice;
 mod stability;
 mod survey;
 mod thesis_table;
@@ -24,6 +25,7 @@ pub enum Command {
     Stability(stability::Args),
     LeaveOut(leave_out::Args),
     Samples(samples::Args),
+    Slice(slice::Args),
     BenchReport(bench_report::Args),
     Completions(pages::Completions),
     Man(pages::Man),
@@ -39,6 +41,7 @@ pub fn run(command: Command) -> anyhow::Result<()> {
         Command::Presets(args) => presets::run(args),
         Command::Stability(args) => stability::run(args),
         Command::LeaveOut(args) => leave_out::run(args),
+        Command::Slice(args) => slice::run(args),
         Command::Samples(args) => samples::run(args),
         Command::BenchReport(args) => bench_report::run(args),
         Command::Completions(args) => pages::completions(args),
