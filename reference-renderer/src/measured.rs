@@ -35,8 +35,8 @@ impl MeasuredMaterial {
     /// Whether a name is that of a table or model, and not that of a `.srbf` file or preset.
     pub fn is_named(name: &str) -> bool {
         let (file, is_part) = split_part(name).map_or((name, false), |parts| (parts.0, true));
-        let is_table = |ending: &&str| has_ending(Path::new(file), ending);
-        name.starts_with(analytic::PREFIX) || is_part || ENDINGS.iter().any(|ending| is_table(&ending))
+        let is_table = |ending: &str| has_ending(Path::new(file), ending);
+        name.starts_with(analytic::PREFIX) || is_part || ENDINGS.iter().any(|ending| is_table(ending))
     }
 
     /// Reads what `srbf fit` reads: a table, `model:...`; `FILE.csv:NAME`, one of the published Lafortune fits of a file; or

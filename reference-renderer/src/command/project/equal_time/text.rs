@@ -100,7 +100,6 @@ fn is_win(ratio: Estimate) -> bool {
 
 /// A row for each material, a column for each method but the first, by which they are judged.
 fn table(comparisons: &[Comparison], names: &[&str]) -> String {
-    let names = &names[..];
     let (base, others) = (names[0], &names[1..]);
     let columns: Vec<String> = others.iter().map(|name| format!("`{name}`")).collect();
     let mut text = format!("| material | {} |\n|---|{}\n", columns.join(" | "), "---|".repeat(others.len()));
