@@ -5,6 +5,7 @@ pub mod ball;
 pub mod bench_report;
 pub mod compare;
 mod default_job;
+pub mod figures;
 pub mod fit;
 pub mod inspect;
 pub mod judge;
@@ -47,6 +48,7 @@ enum Command {
     Ball(ball::Args),
     Compare(Box<compare::Args>),
     Samples(samples::Args),
+    Figures(figures::Args),
     Stability(stability::Args),
     ThesisTable(thesis_table::Args),
     BenchReport(bench_report::Args),
@@ -67,6 +69,7 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
         Some(Command::Ball(args)) => ball::run(args),
         Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Samples(args)) => samples::run(args),
+        Some(Command::Figures(args)) => figures::run(&args),
         Some(Command::Stability(args)) => stability::run(args),
         Some(Command::ThesisTable(args)) => thesis_table::run(args),
         Some(Command::BenchReport(args)) => bench_report::run(args),
