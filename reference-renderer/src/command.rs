@@ -5,6 +5,7 @@ pub mod ball;
 pub mod compare;
 mod convert;
 mod default_job;
+pub mod figures;
 pub mod fit;
 pub mod inspect;
 pub mod judge;
@@ -45,6 +46,7 @@ enum Command {
     Plot(plot::Args),
     Ball(ball::Args),
     Compare(Box<compare::Args>),
+    Figures(figures::Args),
     /// Tables, figures and presets of the project itself; completions and manual pages
     #[command(subcommand)]
     Project(project::Command),
@@ -67,6 +69,7 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
         Some(Command::Plot(args)) => plot::run(args),
         Some(Command::Ball(args)) => ball::run(args),
         Some(Command::Compare(args)) => compare::run(&args),
+        Some(Command::Figures(args)) => figures::run(&args),
         Some(Command::Project(command)) => project::run(command),
     }
 }

@@ -122,7 +122,7 @@ mod tests {
     use crate::points::PointsName;
     use crate::progress::Progress;
     use crate::render::{Settings, add_samples};
-    use crate::sampling::Light;
+    use crate::sampling::{Light, Sampler, SamplerName};
     use crate::scene::SceneName;
     use crate::shader::Shader;
 
@@ -158,6 +158,35 @@ mod tests {
     #[test]
     fn rendered_mean_is_the_quadrature_of_an_anisotropic_table() {
         check(&model("model:ward:alpha_x=0.15,alpha_y=0.4,specular=0.5/0.3/0.1"));
+    }
+
+    #[test]
+    fn every_sampler_renders_the_albedo() {
+        let (lobes, table) = (lacquer(), model("model:ggx:alpha=0.3,f0=0.9/0.5/0.1,diffuse=0.05"));
+        let environment = Environment::constant(1.7).unwrap();
+        let (size, camera) = ([24, 24], SceneName::Sphere.camera([24, 24]));
+        for truth in [Truth::Lobes(&lobes.material), Truth::Table(&table)] {
+            // Warps come with files, and the random walk is biased.
+            let is_tried = |name: &SamplerName| !matches!(name, SamplerName::Rgl | SamplerName::ThesisWalk);
+            for name in SamplerName::all().filter(is_tried) {
+                // The thesis's algorithm fits no lobes to lobes that are this sharp.
+                let Ok(sampler) = Sampler::fit(name, &truth, None) else { continue };
+                let shader = Shader { truth, sampler: &sampler };
+                let scene = Scene::new(SceneName::Sphere, shader, shader, &environment);
+                let split = if name.is_multi() { 4 } else { 1 };
+                for light in [Light::Off, Light::Mis] {
+                    let settings =
+                        Settings { light, split, max_bounces: 1, points: PointsName::Random, seed: 4 };
+                    let mut film = Film::new(size);
+                    add_samples(&scene, &camera, &settings, &mut film, 256 / split, &Progress::hidden())
+                        .unwrap();
+                    let furnace = compare(&scene, &camera, Vec3::splat(1.7), &film);
+                    let deviation = (furnace.rendered - furnace.expected).abs();
+                    let allowed = 4.0 * furnace.standard_error + 2e-4 * furnace.expected.abs();
+                    assert!(deviation.cmple(allowed).all(), "{}, {light:?}: {furnace:?}", name.text());
+                }
+            }
+        }
     }
 
     fn check<'a>(material: impl Into<Shader<'a>>) {

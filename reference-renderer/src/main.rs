@@ -4,6 +4,8 @@
 #[macro_use]
 mod print;
 
+#[cfg(test)]
+mod agreement;
 mod ball;
 mod ball_sheet;
 mod camera;
@@ -11,6 +13,7 @@ mod cast;
 mod command;
 mod comparison;
 mod environment;
+mod figures;
 mod film;
 mod fit_sheet;
 mod furnace;

@@ -30,6 +30,13 @@ pub struct Args {
     output: PathBuf,
 }
 
+impl Args {
+    /// The thesis's own figure.
+    pub fn new(output: PathBuf) -> Self {
+        Self { steps: 5, floor: 0.01, seed: 0, output }
+    }
+}
+
 /// Numbers of samples in the thesis's figure.
 const COUNTS: [usize; 4] = [50, 100, 300, 600];
 /// Steps at which the walk is measured.

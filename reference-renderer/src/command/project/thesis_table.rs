@@ -39,6 +39,13 @@ pub struct Args {
     output: PathBuf,
 }
 
+impl Args {
+    /// All materials or one, without the errors over what was left out.
+    pub fn new(only: Option<String>, output: PathBuf) -> Self {
+        Self { lobes: 12, only, no_held_out: true, output }
+    }
+}
+
 /// Name, and the thesis's own figures in percent: Lafortune, its method.
 const MATERIALS: [(&str, [f64; 2]); 4] = [
     ("garnet_red", [7.6, 4.0]),
