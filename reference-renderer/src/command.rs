@@ -6,6 +6,7 @@ pub mod compare;
 mod convert;
 mod default_job;
 pub mod fit;
+mod fit_page;
 pub mod inspect;
 pub mod judge;
 pub mod plot;

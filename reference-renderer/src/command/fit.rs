@@ -6,6 +6,7 @@ mod picture;
 mod settings;
 mod words;
 
+use super::fit_page;
 use crate::output;
 use crate::progress::Progress;
 use anyhow::{bail, ensure};
@@ -106,7 +107,14 @@ fn fit_one(args: &Args, place: &Place, picture: Option<&Path>) -> anyhow::Result
     if let Some((path, light)) = picture.zip(light) {
         args.picture.write(path, &place.output, &light, (bytes, source), &words)?;
     }
-    args.words.say_written(place, picture);
+    let page = picture.and_then(|picture| args.picture.page(picture));
+    let next = words::next(&place.output);
+    if let Some((path, picture)) = page.as_deref().zip(picture) {
+        let name = place.output.file_stem().unwrap_or_default().to_string_lossy();
+        let (report, next) = (Some(&fit.report), Some(next.as_str()));
+        fit_page::write(path, &fit_page::Subject { name: &name, words: &words, report, picture, next })?;
+    }
+    args.words.say_written(place, [picture, page.as_deref()], &next);
     Ok(())
 }
 
