@@ -64,7 +64,10 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let places = names::places(&args.files, args.output.as_deref(), args.material.as_deref(), args.method)?;
     let pictures = args.picture.paths(&places, args.method)?;
     let mut failed = 0;
-    for (place, picture) in places.iter().zip(&pictures) {
+    for (n, (place, picture)) in places.iter().zip(&pictures).enumerate() {
+        if n > 0 {
+            args.words.say_next_file();
+        }
         let done = fit_one(&args, place, picture.as_deref());
         match done {
             Err(error) if places.len() > 1 => {

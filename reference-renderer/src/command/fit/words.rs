@@ -22,6 +22,13 @@ pub struct Args {
 }
 
 impl Args {
+    /// Sets what is said of a file apart from what is said of the one before.
+    pub fn say_next_file(&self) {
+        if !self.json {
+            println!();
+        }
+    }
+
     /// Says how good a fit of ours is; gives the words.
     pub fn say_fit(
         &self,
