@@ -7,6 +7,7 @@ mod convert;
 mod default_job;
 pub mod figures;
 pub mod fit;
+mod fit_page;
 pub mod inspect;
 pub mod judge;
 pub mod plot;

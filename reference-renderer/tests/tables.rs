@@ -185,13 +185,15 @@ fn tables_are_converted_and_read_again() {
     assert!(printed(&place, &["convert", "samples.csv", "c.binary"]).contains("completed first"));
 
     let place = folder("convert-refused");
-    for (output, says) in [
-        ("a.srbf", "srbf fit"),
-        ("a.brdf", "spectra"),
-        ("a.xyz", ".binary, .bsdf, .csv or .astm"),
-        ("/dev/null.csv", "cannot write"),
-    ] {
+    for (output, says) in
+        [("a.srbf", "srbf fit"), ("a.brdf", "spectra"), ("a.xyz", ".binary, .bsdf, .csv or .astm")]
+    {
         refused(&place, &["convert", model, output], &[output, says]);
+    }
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("/dev/null", place.join("device.csv")).unwrap();
+        refused(&place, &["convert", model, "device.csv"], &["cannot write", "device.csv"]);
     }
     let brushed = "model:ward:alpha_x=0.1,alpha_y=0.4";
     refused(&place, &["convert", brushed, "a.bsdf"], &[brushed, "anisotropic"]);
@@ -235,6 +237,41 @@ fn a_fit_is_pictured_beside_its_model() {
     printed(&place, &[&fit[..], &quick].concat());
     assert_eq!(png_size(&place.join("a.png"))[0], 1280);
     assert!(place.join("a.srbf").exists() && place.join("a.json").exists());
+}
+
+#[test]
+fn a_page_holds_picture_verdict_and_tables() {
+    let place = folder("page");
+    let quick = [
+        "--lobes",
+        "2",
+        "--starts",
+        "1",
+        "--exchanges",
+        "0",
+        "--steps",
+        "2",
+        "--views",
+        "3",
+        "--env",
+        "constant:1",
+    ];
+    let text = printed(
+        &place,
+        &[&["fit", "model:lambert:albedo=0.6/0.2/0.1", "-o", "a.srbf", "--html"][..], &quick].concat(),
+    );
+    assert!(text.contains("wrote a.srbf, a.json, a.png, a.html"), "{text}");
+    let page = std::fs::read_to_string(place.join("a.html")).unwrap();
+    let picture = std::fs::metadata(place.join("a.png")).unwrap().len();
+    assert!(page.len() as u64 > 4 * picture / 3, "the picture is not in the page");
+    for part in ["<h1>a", "relative L2: median", "Fitted views", "Views in between", "srbf render"] {
+        assert!(page.contains(part), "{part}");
+    }
+    let plot = ["plot", "a.srbf", "--against", "model:lambert:albedo=0.6/0.2/0.1", "--env", "constant:1"];
+    printed(&place, &[&plot[..], &["-o", "b.png", "--html"]].concat());
+    assert!(std::fs::read_to_string(place.join("b.html")).unwrap().contains("relative L2: median"));
+    refused(&place, &["fit", "model:lambert", "--html", "--no-picture"], &["--html", "--no-picture"]);
+    refused(&place, &["fit", "model:lambert", "--html", "--method", "thesis"], &["--html", "our own method"]);
 }
 
 #[test]

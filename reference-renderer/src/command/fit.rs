@@ -6,6 +6,7 @@ mod picture;
 mod settings;
 mod words;
 
+use super::fit_page;
 use crate::output;
 use crate::progress::Progress;
 use anyhow::{bail, ensure};
@@ -63,7 +64,10 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let places = names::places(&args.files, args.output.as_deref(), args.material.as_deref(), args.method)?;
     let pictures = args.picture.paths(&places, args.method)?;
     let mut failed = 0;
-    for (place, picture) in places.iter().zip(&pictures) {
+    for (n, (place, picture)) in places.iter().zip(&pictures).enumerate() {
+        if n > 0 {
+            args.words.say_next_file();
+        }
         let done = fit_one(&args, place, picture.as_deref());
         match done {
             Err(error) if places.len() > 1 => {
@@ -106,7 +110,14 @@ fn fit_one(args: &Args, place: &Place, picture: Option<&Path>) -> anyhow::Result
     if let Some((path, light)) = picture.zip(light) {
         args.picture.write(path, &place.output, &light, (bytes, source), &words)?;
     }
-    args.words.say_written(place, picture);
+    let page = picture.and_then(|picture| args.picture.page(picture));
+    let next = words::next(&place.output);
+    if let Some((path, picture)) = page.as_deref().zip(picture) {
+        let name = place.output.file_stem().unwrap_or_default().to_string_lossy();
+        let (report, next) = (Some(&fit.report), Some(next.as_str()));
+        fit_page::write(path, &fit_page::Subject { name: &name, words: &words, report, picture, next })?;
+    }
+    args.words.say_written(place, [picture, page.as_deref()], &next);
     Ok(())
 }
 

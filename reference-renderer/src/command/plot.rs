@@ -1,6 +1,6 @@
 //! `srbf plot`.
 
-use super::{argument, ball, view_table};
+use super::{argument, ball, fit_page, view_table};
 use crate::ball_sheet::Light;
 use crate::fit_sheet::{self, Against, Subject};
 use crate::material::StoredMaterial;
@@ -39,6 +39,9 @@ pub struct Args {
     /// The light of the balls: sky, haze, constant:VALUE, or a latitude-longitude map in a .hdr or .exr file
     #[arg(long, default_value = LIGHT)]
     env: String,
+    /// Also writes a page of HTML beside the picture, with the verdict and the tables; it needs no other file and no network
+    #[arg(long)]
+    html: bool,
     /// The picture to write, .png [default: out/NAME.png]
     #[arg(short, long, value_name = "OUT.png")]
     output: Option<PathBuf>,
@@ -85,26 +88,38 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let light = Light { name: &args.env, environment: &environment, samples: SAMPLES, stops: 0.0 };
     let source = args.against.as_deref().map(srbf_fit::read::read).transpose()?;
     let beside = source.map(Beside::new).transpose()?;
-    let verdict = match &beside {
-        Some(beside) => verdict(&stored, beside)?,
+    let report = beside.as_ref().map(|beside| judge(&stored, beside)).transpose()?.flatten();
+    let verdict = match &report {
+        Some(report) => view_table::words(report, &reciprocity(&stored.material)?, Some(&stored.material)),
         None => Vec::new(),
     };
+    let (name, page) = (stored.name.clone(), args.html.then(|| output.with_extension("html")));
+    if let Some(page) = &page {
+        crate::output::check_place(page)?;
+    }
     verdict.iter().for_each(|line| println!("{line}"));
     let seconds = write(&output, stored, beside, light, &verdict)?;
     println!("{} in {seconds:.2} s", output.display());
+    if let Some(path) = page {
+        let (words, report) = (&verdict, report.as_ref());
+        fit_page::write(
+            &path,
+            &fit_page::Subject { name: &name, words, report, picture: &output, next: None },
+        )?;
+        println!("{}", path.display());
+    }
     Ok(())
 }
 
-/// The verdict on a material beside what is known everywhere; none on an anisotropic one.
-fn verdict(stored: &StoredMaterial, beside: &Beside) -> anyhow::Result<Vec<String>> {
+/// The errors of a material beside what is known everywhere; none of an anisotropic one.
+fn judge(stored: &StoredMaterial, beside: &Beside) -> anyhow::Result<Option<Report>> {
     let material = &stored.material;
     if !material.is_isotropic() || beside.brdf().symmetry() != Symmetry::Isotropic {
-        return Ok(Vec::new());
+        return Ok(None);
     }
     let table = evaluation_views::judging_table(beside.brdf(), &JUDGED.map(f64::to_radians))?;
     let judged = table.views.iter().map(|view| ViewReport::judge(material, view));
-    let report = Report { held_out: judged.collect::<Result<_, _>>()?, ..Report::default() };
-    Ok(view_table::words(&report, &reciprocity(material)?, Some(material)))
+    Ok(Some(Report { held_out: judged.collect::<Result<_, _>>()?, ..Report::default() }))
 }
 
 /// Draws and writes the picture of a material; gives the seconds that it took.

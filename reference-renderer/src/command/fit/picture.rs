@@ -7,6 +7,7 @@ use crate::command::plot::{self, Beside};
 use crate::command::{argument, ball};
 use crate::environment::Environment;
 use crate::material::StoredMaterial;
+use crate::output;
 use anyhow::ensure;
 use srbf_fit::read::Source;
 use std::path::{Path, PathBuf};
@@ -21,6 +22,9 @@ pub struct Args {
     /// Draws no picture.
     #[arg(long, conflicts_with = "picture")]
     no_picture: bool,
+    /// Also writes a page of HTML beside the picture, with the verdict and the tables; it needs no other file and no network.
+    #[arg(long, conflicts_with = "no_picture")]
+    html: bool,
     /// The light of the balls: sky, haze, constant:VALUE, or a latitude-longitude map in a .hdr or .exr file
     #[arg(long, conflicts_with = "no_picture", default_value = plot::LIGHT)]
     env: String,
@@ -32,6 +36,10 @@ impl Args {
     /// # Errors
     /// Names what stands against it.
     pub fn paths(&self, places: &[Place], method: MethodName) -> anyhow::Result<Vec<Option<PathBuf>>> {
+        ensure!(
+            !self.html || method == MethodName::Tracked,
+            "--html: only fits of our own method can be drawn"
+        );
         if let Some(path) = &self.picture {
             ensure!(method == MethodName::Tracked, "--picture: only fits of our own method can be drawn");
             ensure!(places.len() == 1, "--picture {}: it is of one file", path.display());
@@ -45,8 +53,16 @@ impl Args {
         }
         let path = self.picture.clone().unwrap_or_else(|| names::picture(&place.output));
         ball::check_output(&path)?;
+        if let Some(page) = self.page(&path) {
+            output::check_place(&page)?;
+        }
         ensure!(path != place.output, "--picture {}: -o names the same file", path.display());
         Ok(Some(path))
+    }
+
+    /// The page beside a picture, if there is to be one.
+    pub fn page(&self, picture: &Path) -> Option<PathBuf> {
+        self.html.then(|| picture.with_extension("html"))
     }
 
     /// The light of the balls.

@@ -22,6 +22,13 @@ pub struct Args {
 }
 
 impl Args {
+    /// Sets what is said of a file apart from what is said of the one before.
+    pub fn say_next_file(&self) {
+        if !self.json {
+            println!();
+        }
+    }
+
     /// Says how good a fit of ours is; gives the words.
     pub fn say_fit(
         &self,
@@ -74,17 +81,22 @@ impl Args {
     }
 
     /// Says what was written, and what to do next.
-    pub fn say_written(&self, place: &Place, picture: Option<&Path>) {
+    pub fn say_written(&self, place: &Place, pictures: [Option<&Path>; 2], next: &str) {
         if self.json {
             return;
         }
         let (output, report) = (&place.output, names::report(&place.output));
-        let paths = [Some(output.as_path()), Some(&report), picture];
-        let paths: Vec<String> = paths.into_iter().flatten().map(|path| path.display().to_string()).collect();
+        let paths = [Some(output.as_path()), Some(&report)].into_iter().chain(pictures);
+        let paths: Vec<String> = paths.flatten().map(|path| path.display().to_string()).collect();
         println!("wrote {}", paths.join(", "));
-        let picture = output.with_extension("exr");
-        println!("next  srbf render --scene teapot --material {} -o {}", quoted(output), quoted(&picture));
+        println!("next  {next}");
     }
+}
+
+/// What to do with a material next.
+pub fn next(material: &Path) -> String {
+    let picture = material.with_extension("exr");
+    format!("srbf render --scene teapot --material {} -o {}", quoted(material), quoted(&picture))
 }
 
 /// A path as a shell takes it for one word.
