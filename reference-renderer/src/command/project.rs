@@ -6,11 +6,11 @@ mod leave_out;
 mod lobes_table;
 mod pages;
 mod presets;
-mod samples;
+pub mod samples;
 mod slice;
 mod stability;
 mod survey;
-mod thesis_table;
+pub mod thesis_table;
 
 use clap::Subcommand;
 
