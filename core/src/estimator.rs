@@ -54,6 +54,19 @@ fn cosine_weighted(u: [f32; 2]) -> Vec3 {
 /// For a renderer that keeps another function as the truth, the measured table for example, and uses the
 /// mixture to sample it: where the mixture misses the table, the weight stays bounded. See
 /// [`max_weight`](Self::max_weight).
+///
+/// # Examples
+/// ```
+/// use srbf_core::{Defensive, Lobe, Mixture};
+///
+/// let mixture = Mixture::<16>::hemisphere(&[Lobe::new([0.6, 0.0, 0.8], 500.0, [1.0; 3])?])?;
+/// let defensive = Defensive::new(&mixture, 0.1)?;
+/// // Far from the lobe the mixture has no density, and a tenth of the cosine's is left.
+/// let away = [-0.6, 0.0, 0.8];
+/// assert_eq!(mixture.pdf(away), 0.0);
+/// assert!((defensive.pdf(away) - 0.1 * 0.8 / std::f32::consts::PI).abs() < 1e-5);
+/// # Ok::<(), srbf_core::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Defensive<'a, const N: usize> {
     mixture: &'a Mixture<'a, N>,

@@ -38,6 +38,16 @@ pub enum Content {
 }
 
 /// A measurement and the file that it came from.
+///
+/// # Examples
+/// ```
+/// use srbf_fit::read::{Content, read};
+///
+/// let source = read("model:ggx:alpha=0.2,f0=0.9".as_ref())?;
+/// let Content::Evaluable(brdf) = source.content else { unreachable!("a model is known everywhere") };
+/// assert!(brdf.evaluate([-0.6, 0.0, 0.8], [0.6, 0.0, 0.8])[0] > 1.0);
+/// # Ok::<(), srbf_fit::FitError>(())
+/// ```
 pub struct Source {
     /// The measurement.
     pub content: Content,

@@ -6,6 +6,16 @@ use std::f64::consts::FRAC_PI_2;
 use std::ops::RangeInclusive;
 
 /// How a material is fitted.
+///
+/// # Examples
+/// ```
+/// use srbf_fit::Settings;
+///
+/// let few = Settings { lobes: 6, ..Settings::default() };
+/// few.check()?;
+/// assert!(Settings { lobes: 65, ..few }.check().is_err());
+/// # Ok::<(), srbf_fit::FitError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// Lobes of every view, 1 to 64. More fit better and cost more at run time.

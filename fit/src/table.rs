@@ -56,6 +56,18 @@ pub struct View {
 }
 
 /// Samples of an isotropic BRDF for a number of outgoing directions.
+///
+/// # Examples
+/// ```
+/// use srbf_fit::table::Table;
+///
+/// // Samples towards one outgoing direction, 30 degrees from the normal: incident direction, and f.
+/// let grey = [0.2; 3];
+/// let samples = vec![([0.0, 0.0, 1.0], grey), ([0.6, 0.0, 0.8], grey), ([0.0, 0.6, 0.8], grey)];
+/// let table = Table::from_scattered(vec![(30f64.to_radians(), samples)])?;
+/// assert_eq!(table.views[0].samples.len(), 3);
+/// # Ok::<(), srbf_fit::FitError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// The views, theta rising.

@@ -3,6 +3,23 @@
 use crate::error::Error;
 
 /// Where a batch of samples goes.
+///
+/// # Examples
+/// ```
+/// use srbf_core::{Lobe, Mixture, SamplesMut};
+///
+/// let mixture = Mixture::<16>::hemisphere(&[Lobe::new([0.0, 0.0, 1.0], 40.0, [0.2; 3])?])?;
+/// let u = [[0.1, 0.5, 0.9], [0.2, 0.4, 0.6], [0.3, 0.3, 0.3]];
+/// let (mut direction, mut pdf, mut weight) = ([[0.0; 3]; 3], [0.0; 3], [[0.0; 3]; 3]);
+/// let samples = SamplesMut {
+///     direction: direction.each_mut().map(|component| &mut component[..]),
+///     pdf: &mut pdf,
+///     weight: weight.each_mut().map(|channel| &mut channel[..]),
+/// };
+/// mixture.sample_into(u.each_ref().map(|numbers| &numbers[..]), samples)?;
+/// assert!(pdf.iter().all(|&p| p > 0.0));
+/// # Ok::<(), srbf_core::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct SamplesMut<'a> {
     /// Incident directions, x, y, z, in the caller's shading frame.

@@ -27,6 +27,18 @@ pub const MAX_SHARPNESS: f32 = 1e8;
 ///
 /// The fields are public and unchecked: of what does not pass [`Gaussian::new`] the results are unspecified
 /// numbers. A [`product`](Gaussian::product) may have a sharpness up to 2e8, which every function here takes.
+///
+/// # Examples
+/// ```
+/// use srbf_core::Gaussian;
+///
+/// let lobe = Gaussian::new([0.0, 0.0, 1.0], 100.0)?;
+/// assert_eq!(lobe.value([0.0, 0.0, 1.0]), 1.0);
+/// let direction = lobe.sample([0.3, 0.7]);
+/// let density = lobe.value(direction) / lobe.integral();
+/// assert!((lobe.pdf(direction) / density - 1.0).abs() < 1e-5);
+/// # Ok::<(), srbf_core::Error>(())
+/// ```
 #[doc(alias = "SRBF")]
 #[doc(alias = "von Mises-Fisher")]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,6 +134,16 @@ impl Kernel for Gaussian {
 }
 
 /// A Gaussian with an amplitude per colour channel.
+///
+/// # Examples
+/// ```
+/// use srbf_core::Lobe;
+///
+/// let red = Lobe::new([0.0, 0.0, 1.0], 100.0, [0.8, 0.2, 0.1])?;
+/// assert_eq!(red.value([0.0, 0.0, 1.0]).x, 0.8);
+/// assert!(red.integral().x > red.integral().y);
+/// # Ok::<(), srbf_core::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Lobe {

@@ -19,6 +19,19 @@ use glam::Vec3;
 ///
 /// The axis is held to twice the digits of f32: rounded to f32 it would turn a product of sharpness 1e8 by
 /// 1/2000 of its width, and the value on its flank with it.
+///
+/// # Examples
+/// ```
+/// use srbf_core::Gaussian;
+///
+/// let a = Gaussian::new([0.0, 0.0, 1.0], 20.0)?;
+/// let b = Gaussian::new([0.6, 0.0, 0.8], 50.0)?;
+/// let both = a.product(&b);
+/// let direction = [0.36, 0.0, 0.932_952_3];
+/// let expected = a.value(direction) * b.value(direction);
+/// assert!((both.value(direction) / expected - 1.0).abs() < 1e-4);
+/// # Ok::<(), srbf_core::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GaussianProduct {
     /// The Gaussian factor, its axis rounded to f32. Sharpness up to 2e8; axes opposite and of equal

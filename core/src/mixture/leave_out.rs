@@ -6,6 +6,17 @@ use crate::error::Error;
 ///
 /// The default is what [`Material::prepare`](crate::Material::prepare) does: every lobe stays, and a fold is
 /// left out where it is below f32 rounding.
+///
+/// # Examples
+/// ```
+/// use srbf_core::LeaveOut;
+///
+/// // Lobes with up to a thousandth of the albedo; of the folds what rounding does not show.
+/// let leave_out = LeaveOut::new(1e-3, 1e-7)?;
+/// assert_ne!(leave_out, LeaveOut::default());
+/// assert!(LeaveOut::new(2.0, 0.0).is_err());
+/// # Ok::<(), srbf_core::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeaveOut {
     pub(crate) lobes: f32,

@@ -56,6 +56,19 @@ pub(crate) fn weight_of(value: Vec3, pdf: f32) -> Vec3 {
 /// most 1e-7: below the horizon `cos <= t = sqrt(1 - axis.z^2)`, and a Gaussian has the share `(exp(-s (1 -
 /// t)) - exp(-2 s)) / (1 - exp(-2 s)) <= exp(-s (1 - t))` of its integral at `cos <= t`. What is left out is
 /// at most `1e-7 a` at any direction.
+///
+/// # Examples
+/// ```
+/// use srbf_core::{Lobe, Mixture};
+///
+/// let lobe = Lobe::new([0.0, 0.0, 1.0], 40.0, [0.5, 0.3, 0.1])?;
+/// let mixture = Mixture::<16>::hemisphere(&[lobe])?.with_diffuse([0.2; 3])?;
+/// let sample = mixture.sample([0.3, 0.6, 0.9]).expect("it reflects");
+/// let value = mixture.evaluate(sample.direction);
+/// assert!((sample.weight * sample.pdf - value).abs().max_element() < 1e-4);
+/// assert!(mixture.albedo().max_element() < 1.0);
+/// # Ok::<(), srbf_core::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Mixture<'m, const N: usize> {
     pub(crate) head: Head<'m>,

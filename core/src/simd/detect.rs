@@ -4,6 +4,14 @@ use crate::Error;
 use core::sync::atomic::{AtomicU8, Ordering};
 
 /// An instruction set that the kernels are compiled for.
+///
+/// # Examples
+/// ```
+/// use srbf_core::Level;
+///
+/// assert!(Level::current().is_available());
+/// assert_eq!(Level::from_name("scalar"), Some(Level::Scalar));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(u8)]
 pub enum Level {

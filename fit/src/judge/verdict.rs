@@ -267,6 +267,21 @@ const GOOD_BETWEEN: f64 = 0.08;
 const MOST_BETWEEN: f64 = 0.2;
 
 /// A fit in words, a sentence each.
+///
+/// # Examples
+/// ```
+/// use srbf_core::Material;
+/// use srbf_fit::judge::reciprocity::reciprocity;
+/// use srbf_fit::judge::verdict::{Made, Verdict};
+/// use srbf_fit::{Settings, fit_content, read};
+///
+/// let settings = Settings { lobes: 1, starts: 1, steps: 2, exchanges: 0, views: Some(2), ..Settings::default() };
+/// let fit = fit_content(&read::read("model:lambert:albedo=0.5".as_ref())?.content, &settings, |_| {})?;
+/// let material = Material::from_bytes(fit.bytes.as_slice())?;
+/// let verdict = Verdict::new(&fit.report, &reciprocity(&material)?, Some(Made::new(&material)));
+/// assert!(verdict.lines().iter().any(|line| line.starts_with("good relative L2")));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verdict {
     /// What is as good as a fit should be.

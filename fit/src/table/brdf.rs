@@ -1,6 +1,23 @@
 //! What can be evaluated at any pair of directions.
 
 /// A BRDF that can be evaluated.
+///
+/// # Examples
+/// ```
+/// use srbf_fit::table::{Brdf, evaluation_views};
+///
+/// struct Lambert;
+///
+/// impl Brdf for Lambert {
+///     fn evaluate(&self, _wi: [f64; 3], _wo: [f64; 3]) -> [f64; 3] {
+///         [0.5 / std::f64::consts::PI; 3]
+///     }
+/// }
+///
+/// let table = evaluation_views::judging_table(&Lambert, &[0.0, 0.5])?;
+/// assert!((table.views[1].albedo[0] - 0.5).abs() < 1e-3);
+/// # Ok::<(), srbf_fit::FitError>(())
+/// ```
 pub trait Brdf: Sync {
     /// The BRDF f, linear sRGB; 1/sr. Both directions are unit vectors with z > 0, in the frame of the surface.
     ///
