@@ -470,7 +470,7 @@ fn a_comparison_with_a_poor_reference_says_so() {
 #[test]
 fn a_comparison_writes_numbers_plots_and_a_page() {
     let place = folder("compare");
-    let gloss = "model:ggx:alpha=0.3,f0=0.6,diffuse=0.2";
+    let gloss = "model:ggx:alpha=0.3";
     let arguments = [
         "compare",
         "--scenes",

@@ -27,7 +27,7 @@ struct Picture {
 /// Sizes and samples are such that the job takes about a minute on two cores, most of it the teapot.
 const PICTURES: [Picture; 2] = [
     Picture { scene: SceneName::Sphere, file: "sphere.exr", size: [400, 400], samples: 64 },
-    Picture { scene: SceneName::Teapot, file: "teapot.exr", size: [720, 450], samples: 96 },
+    Picture { scene: SceneName::Teapot, file: "teapot.exr", size: [720, 450], samples: 64 },
 ];
 
 /// What is compared, on what: a lacquer with a wide highlight, and a metallic paint with a sharp one.

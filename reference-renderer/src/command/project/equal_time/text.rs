@@ -163,15 +163,15 @@ fn reason(name: &str) -> &'static str {
             "Sixteen directions share a ray of the camera and one look at the material: a sample costs less."
         }
         "guided" => {
-            "Its parts have the long tails of GGX, which a Gaussian lobe lacks, and are weighted for the least variance."
+            "Its parts have the long tails of GGX, which a Gaussian lobe lacks: they meet bright parts of the light more often."
         }
         "ggx" | "ward" | "phong" => {
-            "The material has one highlight of nearly that shape; its width and share are fitted for the least variance, and a draw is cheaper than of 12 lobes."
+            "A draw is cheaper than of 12 lobes. Lobes follow the material, and what is left is the variance of the light, whose bright parts wider tails meet more often."
         }
         "lafortune" => "Nine lobes and a cosine are wide, which is what counts where the light decides.",
         "defensive" => "One direction in twenty of the cosine meets light that the lobes seldom look at.",
         "cosine" | "uniform" => {
-            "The material is nearly matte: there is no highlight to look for, and the draw is the cheapest there is."
+            "The draw is the cheapest there is, and the diffuse term, or at krylon_blue light beside the highlight, makes most of the variance."
         }
         "light" => "The material is nearly matte, and the light is not.",
         _ => "The same lobes by another way to share samples.",
