@@ -79,6 +79,18 @@ srbf_vectors_out vectors_out(Span<T> span) {
     return {first, first + 1, first + 2, span.stride()};
 }
 
+/// The parts of n samples to write, to an array of structures.
+inline srbf_samples_out samples_out(Span<srbf_sample> span) {
+    srbf_sample *first = span.data();
+    const std::size_t stride = span.stride();
+    if (first == nullptr) return {{nullptr, nullptr, nullptr, stride}, {nullptr, stride}, {nullptr, nullptr, nullptr, stride}};
+    float *d = first->direction, *w = first->weight;
+    return {{d, d + 1, d + 2, stride}, {&first->pdf, stride}, {w, w + 1, w + 2, stride}};
+}
+
+/// n numbers to write.
+inline srbf_numbers_out numbers_out(Span<float> span) { return {span.data(), span.stride()}; }
+
 /// The status of a call; true is failure, as with std::error_code. Some are made here, by SRBF_STATUS_SIZE for example, without a
 /// call: `text` says what a status means wherever it comes from.
 class [[nodiscard]] Status {
@@ -148,33 +160,27 @@ public:
     Status pdf_into(Span<const Vec3> wi, Span<float> pdf) const {
         if (wi.size() != pdf.size()) return SRBF_STATUS_SIZE;
         const srbf_vectors in = vectors(wi);
-        const srbf_numbers_out out = {pdf.data(), pdf.stride()};
+        const srbf_numbers_out out = numbers_out(pdf);
         return srbf_mixture_pdf_into(get(), wi.size(), &in, &out);
     }
     Status evaluate_and_pdf_into(Span<const Vec3> wi, Span<Vec3> value, Span<float> pdf) const {
         if (wi.size() != value.size() || wi.size() != pdf.size()) return SRBF_STATUS_SIZE;
         const srbf_vectors in = vectors(wi);
         const srbf_vectors_out out = vectors_out(value);
-        const srbf_numbers_out density = {pdf.data(), pdf.stride()};
+        const srbf_numbers_out density = numbers_out(pdf);
         return srbf_mixture_evaluate_and_pdf_into(get(), wi.size(), &in, &out, &density);
     }
     Status sample_into(Span<const Vec3> u, Span<srbf_sample> samples) const {
         if (u.size() != samples.size()) return SRBF_STATUS_SIZE;
-        if (samples.size() == 0) return SRBF_STATUS_OK;
         const srbf_vectors in = vectors(u);
-        srbf_sample *first = samples.data();
-        if (first == nullptr) return SRBF_STATUS_NULL;
-        const std::size_t stride = samples.stride();
-        float *d = first->direction, *w = first->weight;
-        const srbf_samples_out out = {
-            {d, d + 1, d + 2, stride}, {&first->pdf, stride}, {w, w + 1, w + 2, stride}};
+        const srbf_samples_out out = samples_out(samples);
         return srbf_mixture_sample_into(get(), u.size(), &in, &out);
     }
     Status sample_pdf_into(Span<const Vec3> u, Span<Vec3> wi, Span<float> pdf) const {
         if (u.size() != wi.size() || u.size() != pdf.size()) return SRBF_STATUS_SIZE;
         const srbf_vectors in = vectors(u);
         const srbf_vectors_out out = vectors_out(wi);
-        const srbf_numbers_out density = {pdf.data(), pdf.stride()};
+        const srbf_numbers_out density = numbers_out(pdf);
         return srbf_mixture_sample_pdf_into(get(), u.size(), &in, &out, &density);
     }
 
@@ -185,6 +191,87 @@ private:
                                                : Lobes == 32 ? SRBF_MIXTURE_SIZE_32
                                                              : SRBF_MIXTURE_SIZE_64>
         storage_;
+};
+
+namespace detail {
+/// What is done with n pairs of directions, of whatever `Object::get` has calls for. Spans of different length are refused.
+template <class Object, auto Evaluate, auto EvaluateAndPdf, auto Pdf, auto Sample, auto SamplePdf, auto SampleAndEvaluate>
+class Pairs {
+public:
+    Status evaluate_pairs_into(Span<const Vec3> wo, Span<const Vec3> wi, Span<Vec3> value) const {
+        if (wi.size() != wo.size() || value.size() != wo.size()) return SRBF_STATUS_SIZE;
+        const srbf_vectors o = vectors(wo), i = vectors(wi);
+        const srbf_vectors_out out = vectors_out(value);
+        return Evaluate(object(), wo.size(), &o, &i, &out);
+    }
+    Status evaluate_and_pdf_pairs_into(Span<const Vec3> wo, Span<const Vec3> wi, Span<Vec3> value, Span<float> pdf) const {
+        if (wi.size() != wo.size() || value.size() != wo.size() || pdf.size() != wo.size()) return SRBF_STATUS_SIZE;
+        const srbf_vectors o = vectors(wo), i = vectors(wi);
+        const srbf_vectors_out out = vectors_out(value);
+        const srbf_numbers_out density = numbers_out(pdf);
+        return EvaluateAndPdf(object(), wo.size(), &o, &i, &out, &density);
+    }
+    Status pdf_pairs_into(Span<const Vec3> wo, Span<const Vec3> wi, Span<float> pdf) const {
+        if (wi.size() != wo.size() || pdf.size() != wo.size()) return SRBF_STATUS_SIZE;
+        const srbf_vectors o = vectors(wo), i = vectors(wi);
+        const srbf_numbers_out density = numbers_out(pdf);
+        return Pdf(object(), wo.size(), &o, &i, &density);
+    }
+    Status sample_pairs_into(Span<const Vec3> wo, Span<const Vec3> u, Span<srbf_sample> samples) const {
+        if (u.size() != wo.size() || samples.size() != wo.size()) return SRBF_STATUS_SIZE;
+        const srbf_vectors o = vectors(wo), numbers = vectors(u);
+        const srbf_samples_out out = samples_out(samples);
+        return Sample(object(), wo.size(), &o, &numbers, &out);
+    }
+    Status sample_pdf_pairs_into(Span<const Vec3> wo, Span<const Vec3> u, Span<Vec3> wi, Span<float> pdf) const {
+        if (u.size() != wo.size() || wi.size() != wo.size() || pdf.size() != wo.size()) return SRBF_STATUS_SIZE;
+        const srbf_vectors o = vectors(wo), numbers = vectors(u);
+        const srbf_vectors_out out = vectors_out(wi);
+        const srbf_numbers_out density = numbers_out(pdf);
+        return SamplePdf(object(), wo.size(), &o, &numbers, &out, &density);
+    }
+    /// What next-event estimation needs at every hit: a sample, and value and density towards another direction.
+    Status sample_and_evaluate_pairs_into(Span<const Vec3> wo, Span<const Vec3> u, Span<srbf_sample> samples,
+                                          Span<const Vec3> wi, Span<Vec3> value, Span<float> pdf) const {
+        if (u.size() != wo.size() || samples.size() != wo.size() || wi.size() != wo.size() ||
+            value.size() != wo.size() || pdf.size() != wo.size()) return SRBF_STATUS_SIZE;
+        const srbf_vectors o = vectors(wo), numbers = vectors(u), i = vectors(wi);
+        const srbf_samples_out out = samples_out(samples);
+        const srbf_vectors_out towards = vectors_out(value);
+        const srbf_numbers_out density = numbers_out(pdf);
+        return SampleAndEvaluate(object(), wo.size(), &o, &numbers, &out, &i, &towards, &density);
+    }
+
+private:
+    auto object() const { return static_cast<const Object *>(this)->get(); }
+};
+} // namespace detail
+
+/// A material made ready for speed, in storage of the caller: `srbf_expanded_size` bytes, aligned to SRBF_EXPANDED_ALIGNMENT, which
+/// must outlive it, as must the material. A view, to be copied; an empty one answers every call with SRBF_STATUS_NULL.
+class Expanded
+    : public detail::Pairs<Expanded, srbf_expanded_evaluate_pairs_into, srbf_expanded_evaluate_and_pdf_pairs_into,
+                           srbf_expanded_pdf_pairs_into, srbf_expanded_sample_pairs_into,
+                           srbf_expanded_sample_pdf_pairs_into, srbf_expanded_sample_and_evaluate_pairs_into> {
+public:
+    /// Prepares a material at so many angles; SRBF_EXPANDED_DEFAULT_ROWS is a good number.
+    Status make(const srbf_material *material, std::size_t rows, void *storage, std::size_t size) {
+        srbf_expanded *made = nullptr;
+        const Status status = srbf_expanded_make(material, rows, storage, size, &made);
+        if (!status) expanded_ = made;
+        return status;
+    }
+
+    const srbf_expanded *get() const { return expanded_; }
+    explicit operator bool() const { return expanded_ != nullptr; }
+
+    template <std::size_t Lobes>
+    Status prepare(const Vec3 &wo, Mixture<Lobes> &mixture) const {
+        return srbf_expanded_prepare(expanded_, wo.data(), mixture.get());
+    }
+
+private:
+    srbf_expanded *expanded_ = nullptr;
 };
 
 /// Light from a map, and light and material sampled together, in storage of the caller: `srbf_environment_size` bytes, aligned to
@@ -240,7 +327,10 @@ private:
 
 #if defined(SRBF_HOSTED)
 /// A material, which it owns. Move-only; an empty one answers every call with SRBF_STATUS_NULL.
-class Material {
+class Material
+    : public detail::Pairs<Material, srbf_material_evaluate_pairs_into, srbf_material_evaluate_and_pdf_pairs_into,
+                           srbf_material_pdf_pairs_into, srbf_material_sample_pairs_into,
+                           srbf_material_sample_pdf_pairs_into, srbf_material_sample_and_evaluate_pairs_into> {
 public:
     Material() = default;
     ~Material() { (void)srbf_material_free(material_); }

@@ -35,7 +35,7 @@ pub unsafe extern "C" fn srbf_material_from_bytes(
 /// Reads a material from a `.srbf` file. Release it with `srbf_material_free`.
 ///
 /// No more is read than the head of the file announces, and nothing behind a head that is no material's.
-/// `path` is UTF-8 with a zero at the end. Status: `SRBF_STATUS_FILE` if it cannot be read, with the reason in
+/// `path` is UTF-8 with a zero at the end, of a regular file. Status: `SRBF_STATUS_FILE` if it cannot be read, with the reason in
 /// `srbf_last_message`; `SRBF_STATUS_MAGIC` to `SRBF_STATUS_FIELD` if it holds no material. Every message names the file.
 #[cfg(feature = "std")]
 #[unsafe(no_mangle)]

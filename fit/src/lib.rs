@@ -5,6 +5,7 @@ mod anisotropic;
 pub mod baselines;
 pub mod complete;
 mod error;
+pub mod export;
 mod fewest_lobes;
 mod fit;
 mod isotropic;

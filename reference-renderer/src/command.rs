@@ -2,23 +2,21 @@
 
 mod argument;
 pub mod ball;
-pub mod bench_report;
 pub mod compare;
+mod convert;
 mod default_job;
 pub mod figures;
 pub mod fit;
+mod fit_page;
 pub mod inspect;
 pub mod judge;
-pub mod leave_out;
 pub mod plot;
-pub mod presets;
+mod project;
 pub mod render;
-pub mod samples;
-pub mod stability;
-pub mod thesis_table;
 mod view_table;
 
-use anyhow::Context;
+use crate::print;
+use anyhow::{Context, ensure};
 use clap::{Parser, Subcommand};
 use srbf_core::Level;
 use std::path::PathBuf;
@@ -27,52 +25,53 @@ use std::path::PathBuf;
 ///
 /// Without a command: renders a preset on two scenes, compares samplers, and writes pictures and a report to `out/`.
 #[derive(Debug, Parser)]
-#[command(name = "srbf", version, args_conflicts_with_subcommands = true)]
+#[command(name = "srbf", version)]
 pub struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
-    /// Folder that is written to when no command is given
-    #[arg(long, default_value = "out", value_name = "DIR")]
-    out: PathBuf,
+    /// Folder that is written to when no command is given [default: out]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Prints nothing but errors
+    #[arg(long, short, global = true)]
+    quiet: bool,
 }
 
 #[derive(Debug, Subcommand)]
 enum Command {
     Fit(Box<fit::Args>),
-    Presets(presets::Args),
+    Convert(convert::Args),
     Inspect(inspect::Args),
     Judge(judge::Args),
-    LeaveOut(leave_out::Args),
     Render(render::Args),
     Plot(plot::Args),
     Ball(ball::Args),
     Compare(Box<compare::Args>),
-    Samples(samples::Args),
     Figures(figures::Args),
-    Stability(stability::Args),
-    ThesisTable(thesis_table::Args),
-    BenchReport(bench_report::Args),
+    /// Tables, figures and presets of the project itself; completions and manual pages
+    #[command(subcommand)]
+    Project(project::Command),
 }
 
 /// Runs what the command line asks for.
 pub fn run(cli: Cli) -> anyhow::Result<()> {
     choose_level()?;
+    if cli.quiet {
+        print::be_quiet();
+    }
+    ensure!(cli.command.is_none() || cli.out.is_none(), "--out: only where no command is given");
     match cli.command {
-        None => default_job::run(&cli.out),
+        None => default_job::run(&cli.out.unwrap_or_else(|| PathBuf::from("out"))),
         Some(Command::Fit(args)) => fit::run(*args),
-        Some(Command::Presets(args)) => presets::run(args),
+        Some(Command::Convert(args)) => convert::run(args),
         Some(Command::Inspect(args)) => inspect::run(args),
         Some(Command::Judge(args)) => judge::run(args),
-        Some(Command::LeaveOut(args)) => leave_out::run(args),
         Some(Command::Render(args)) => render::run(args),
         Some(Command::Plot(args)) => plot::run(args),
         Some(Command::Ball(args)) => ball::run(args),
         Some(Command::Compare(args)) => compare::run(&args),
-        Some(Command::Samples(args)) => samples::run(args),
         Some(Command::Figures(args)) => figures::run(&args),
-        Some(Command::Stability(args)) => stability::run(args),
-        Some(Command::ThesisTable(args)) => thesis_table::run(args),
-        Some(Command::BenchReport(args)) => bench_report::run(args),
+        Some(Command::Project(command)) => project::run(command),
     }
 }
 

@@ -26,7 +26,7 @@ use crate::mesh::Mesh;
 use crate::points::PointsName;
 use crate::progress::Progress;
 use crate::render::{Settings, add_samples};
-use crate::sampling::{Sampler, SamplerName, Strategy};
+use crate::sampling::{Light, Sampler, SamplerName, Strategy};
 use crate::scene::{Scene, SceneName};
 use crate::shader::Truth;
 pub use curve::{Curve, Point, Shown};
@@ -317,7 +317,12 @@ impl<'a> Run<'a> {
         let size = stage.plan.size;
         Ok(Self {
             method,
-            title: samplers[0].title(&truth),
+            title: match method.strategy.light {
+                Light::Off => samplers[0].title(&truth),
+                Light::Mis => format!("{}; and the light", samplers[0].title(&truth)),
+                Light::Product => format!("{}, together with the light", samplers[0].title(&truth)),
+                Light::Only => "the light".to_owned(),
+            },
             scene: stage.scene(truth, samplers),
             film: Film::new(size),
             split: if method.strategy.sampler.is_multi() { SPLIT } else { 1 },
@@ -456,13 +461,17 @@ impl Comparison {
 
     /// Relative mean squared errors and times of a curve over those of the first.
     pub fn ratios(&self, curve: &Curve) -> Ratios {
-        let first = &self.curves[0];
+        self.ratios_to(curve, &self.curves[0])
+    }
+
+    /// The same over those of any other curve.
+    pub fn ratios_to(&self, curve: &Curve, first: &Curve) -> Ratios {
         let seconds = self.common_seconds();
         let samples = self.common_samples();
         // After so many samples a method has taken so long.
         let at_samples = |curve: &Curve| curve.mse_at(curve.seconds_per_sample()? * f64::from(samples));
         let ratio = |mine: Option<Estimate>, first: Option<Estimate>| Some(mine?.over(first?));
-        let same = std::ptr::eq(curve, first) || curve.method == first.method;
+        let same = curve.method == first.method;
         let exact = |ratio: Option<Estimate>| {
             if same { ratio.map(|_| Estimate { mean: 1.0, error: 0.0 }) } else { ratio }
         };
@@ -474,6 +483,11 @@ impl Comparison {
                 .zip(first.seconds_per_sample())
                 .map(|(mine, first)| mine / first),
         }
+    }
+
+    /// The curve of a method.
+    pub fn curve(&self, method: Method) -> Option<&Curve> {
+        self.curves.iter().find(|curve| curve.method == method)
     }
 
     /// What was rendered, in words.

@@ -83,6 +83,19 @@ impl Environment {
         self.order.get_or_init(|| Order::new(&self.map)).numbers(u)
     }
 
+    /// Radiance and density in one look.
+    #[inline]
+    pub fn radiance_and_pdf(&self, direction: Vec3) -> (Vec3, f32) {
+        let (radiance, pdf) = self.map.radiance_and_pdf(direction);
+        (self.constant.unwrap_or(radiance), pdf)
+    }
+
+    /// Asks for what [`sample`](Self::sample) will read with these numbers.
+    #[inline]
+    pub fn prefetch(&self, u: [f32; 3]) {
+        self.map.prefetch(u);
+    }
+
     /// Draws a direction by the luminance of the radiance, three uniform numbers in [0, 1).
     #[inline]
     pub fn sample(&self, u: [f32; 3]) -> LightSample {

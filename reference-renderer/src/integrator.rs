@@ -55,10 +55,12 @@ pub fn radiance<'a>(
     let path = Path { scene, settings, points: *points };
     let split = settings.split as usize;
     let scattering = &mut workspace.scattering;
+    let first = path.branch(0, split).ask_for_light(0);
     let Some(frame) = look(&surface, ray, scattering) else { return Vec3::NAN };
-    let mut light = Vec3::ZERO;
-    for part in 0..split {
-        light += path.branch(part, split).light_at(&frame, scattering, 0);
+    let mut light = path.branch(0, split).light_at(&frame, scattering, 0, first);
+    for part in 1..split {
+        let branch = path.branch(part, split);
+        light += branch.light_at(&frame, scattering, 0, branch.ask_for_light(0));
     }
     let mut drawn = std::mem::take(&mut workspace.drawn);
     scattering.sample_together(settings.split, points, &mut drawn);
@@ -94,8 +96,24 @@ impl<'a> Path<'_, 'a> {
         Self { points: self.points.branch(i, n), ..*self }
     }
 
-    /// Light that a sample of the environment brings to a surface, the first, or one that comes later.
-    fn light_at(&self, frame: &Frame, scattering: &Scattering<'a>, surface: u32) -> Vec3 {
+    /// The numbers of the sample of the light at a surface. A large map is in no cache: it is asked for what they will read there, while the
+    /// material is made ready. None where light and lobes are sampled together, or no light is.
+    fn ask_for_light(&self, surface: u32) -> Option<[f32; 3]> {
+        matches!(self.settings.light, Light::Mis | Light::Only).then(|| {
+            let u = self.light_numbers(surface);
+            self.scene.environment.prefetch(u);
+            u
+        })
+    }
+
+    /// Light that a sample of the environment brings to a surface, the first, or one that comes later, with the numbers that were asked for.
+    fn light_at(
+        &self,
+        frame: &Frame,
+        scattering: &Scattering<'a>,
+        surface: u32,
+        asked: Option<[f32; 3]>,
+    ) -> Vec3 {
         if self.settings.light == Light::Off {
             return Vec3::ZERO;
         }
@@ -105,8 +123,7 @@ impl<'a> Path<'_, 'a> {
                 return self.product_at(frame, scattering, lobes, surface);
             }
         }
-        let sample =
-            self.scene.environment.sample(self.towards_light(self.points.draw(Decision::Light, surface)));
+        let sample = self.scene.environment.sample(asked.unwrap_or_else(|| self.light_numbers(surface)));
         if !frame.leaves(sample.direction) {
             return Vec3::ZERO;
         }
@@ -118,6 +135,10 @@ impl<'a> Path<'_, 'a> {
         let contribution = value * sample.radiance * (weight / sample.pdf);
         let is_seen = contribution != Vec3::ZERO && self.scene.is_clear(&frame.ray(sample.direction));
         if is_seen { contribution } else { Vec3::ZERO }
+    }
+
+    fn light_numbers(&self, surface: u32) -> [f32; 3] {
+        self.towards_light(self.points.draw(Decision::Light, surface))
     }
 
     /// The numbers that draw a direction from the light: those that lie evenly keep to the order of the map.
@@ -193,14 +214,16 @@ impl<'a> Path<'_, 'a> {
         }
     }
 
-    /// Weight of the environment where a direction drawn from a material finds it.
-    fn weight_of_environment(&self, direction: Vec3, rival: Rival) -> f32 {
-        match (self.settings.light, rival) {
+    /// The environment where a direction drawn from a material finds it, times its weight.
+    fn found(&self, direction: Vec3, rival: Rival) -> Vec3 {
+        let (radiance, pdf) = self.scene.environment.radiance_and_pdf(direction);
+        let weight = match (self.settings.light, rival) {
             (Light::Off, _) => 1.0,
             (Light::Only, _) => 0.0,
-            (_, Rival::Candidates(pdf)) => PRODUCT.ray_weight(pdf, self.scene.environment.pdf(direction)),
-            (_, Rival::Sample(pdf)) => power_heuristic(1.0, pdf, 1.0, self.scene.environment.pdf(direction)),
-        }
+            (_, Rival::Candidates(of_lobes)) => PRODUCT.ray_weight(of_lobes, pdf),
+            (_, Rival::Sample(of_material)) => power_heuristic(1.0, of_material, 1.0, pdf),
+        };
+        radiance * weight
     }
 
     /// What comes in along a direction drawn at the first surface, times its weight.
@@ -219,15 +242,15 @@ impl<'a> Path<'_, 'a> {
         let mut ray = first.ray(direction);
         for bounce in 1.. {
             let Some(surface) = self.scene.hit(&ray) else {
-                let weight = self.weight_of_environment(ray.direction, rival);
-                light += throughput * self.scene.environment.radiance(ray.direction) * weight;
+                light += throughput * self.found(ray.direction, rival);
                 break;
             };
             if bounce == self.settings.max_bounces {
                 break;
             }
+            let asked = self.ask_for_light(bounce);
             let Some(frame) = look(&surface, &ray, scattering) else { return Vec3::NAN };
-            light += throughput * self.light_at(&frame, scattering, bounce);
+            light += throughput * self.light_at(&frame, scattering, bounce, asked);
             let [u, v, w, _] = self.points.draw(Decision::Material, bounce);
             let Some(sample) = scattering.sample([u, v, w]) else { break };
             let direction = frame.to_world(sample.direction);

@@ -22,6 +22,7 @@ mod intersect;
 mod material;
 mod measured;
 mod mesh;
+mod networks;
 mod output;
 mod page;
 mod picture_file;

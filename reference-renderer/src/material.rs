@@ -221,7 +221,7 @@ pub mod tests {
         #[cfg(unix)]
         {
             let error = format!("{:#}", StoredMaterial::load("/dev/zero").unwrap_err());
-            assert!(error.contains("/dev/zero") && error.contains("not a .srbf file"), "{error}");
+            assert!(error.contains("/dev/zero") && error.contains("not a regular file"), "{error}");
         }
     }
 }

@@ -4,6 +4,7 @@
 
 pub mod albedo;
 
+use crate::networks::Networks;
 use crate::sampling::guided::Guide;
 use anyhow::Context;
 use glam::DVec3;
@@ -33,27 +34,18 @@ pub struct MeasuredMaterial {
 impl MeasuredMaterial {
     /// Whether a name is that of a table or model, and not that of a `.srbf` file or preset.
     pub fn is_named(name: &str) -> bool {
-        let file = split_published(name).map_or(name, |parts| parts.0);
-        let ending = Path::new(file).extension().unwrap_or_default();
-        name.starts_with(analytic::PREFIX) || ENDINGS.iter().any(|known| ending.eq_ignore_ascii_case(known))
+        let (file, is_part) = split_part(name).map_or((name, false), |parts| (parts.0, true));
+        let is_table = |ending: &str| has_ending(Path::new(file), ending);
+        name.starts_with(analytic::PREFIX) || is_part || ENDINGS.iter().any(|ending| is_table(ending))
     }
 
-    /// Reads what `srbf fit` reads: a table, `model:...`, or `FILE.csv:NAME`, one of the published Lafortune fits of a file.
+    /// Reads what `srbf fit` reads: a table, `model:...`; `FILE.csv:NAME`, one of the published Lafortune fits of a file; or
+    /// `FILE.f32le:NAME`, one of the networks of a file.
     ///
     /// # Errors
     /// As the reader says them.
     pub fn load(name: &str) -> anyhow::Result<Self> {
-        let source = match split_published(name) {
-            Some((file, material)) => lafortune::read(Path::new(file), material)?,
-            None => srbf_fit::read::read(Path::new(name)).map_err(|error| {
-                match lafortune::names(Path::new(name)) {
-                    Ok(names) => anyhow::anyhow!(
-                        "{name}: published fits; {name}:NAME is expected, with one of {names}"
-                    ),
-                    Err(_) => error.into(),
-                }
-            })?,
-        };
+        let source = read_source(name)?;
         Self::new(source).with_context(|| format!("material {name}"))
     }
 
@@ -114,11 +106,40 @@ impl MeasuredMaterial {
     }
 }
 
-/// File and name of `FILE.csv:NAME`.
-fn split_published(name: &str) -> Option<(&str, &str)> {
-    let (file, material) = name.rsplit_once(':')?;
-    let is_csv = Path::new(file).extension().is_some_and(|end| end.eq_ignore_ascii_case("csv"));
-    (is_csv && !name.starts_with(analytic::PREFIX)).then_some((file, material))
+/// Reads what [`MeasuredMaterial::load`] names.
+///
+/// # Errors
+/// As the reader says them; which parts there are of a file that has several.
+pub fn read_source(name: &str) -> anyhow::Result<Source> {
+    let Some((file, part)) = split_part(name) else {
+        return srbf_fit::read::read(Path::new(name)).map_err(|error| {
+            match lafortune::names(Path::new(name)) {
+                Ok(names) => {
+                    anyhow::anyhow!("{name}: published fits; {name}:NAME is expected, with one of {names}")
+                }
+                Err(_) => error.into(),
+            }
+        });
+    };
+    let file = Path::new(file);
+    if has_ending(file, NETWORKS) {
+        return Networks::read(file)?.source(part).with_context(|| format!("material {name}"));
+    }
+    Ok(lafortune::read(file, part)?)
+}
+
+/// End of the name of a file of networks.
+const NETWORKS: &str = "f32le";
+
+fn has_ending(file: &Path, ending: &str) -> bool {
+    file.extension().is_some_and(|end| end.eq_ignore_ascii_case(ending))
+}
+
+/// File and name of `FILE.csv:NAME` and `FILE.f32le:NAME`.
+fn split_part(name: &str) -> Option<(&str, &str)> {
+    let (file, part) = name.rsplit_once(':')?;
+    let has_parts = ["csv", NETWORKS].iter().any(|ending| has_ending(Path::new(file), ending));
+    (has_parts && !name.starts_with(analytic::PREFIX)).then_some((file, part))
 }
 
 #[cfg(test)]
@@ -146,7 +167,16 @@ pub mod tests {
 
     #[test]
     fn tables_are_told_from_materials_by_name() {
-        for name in ["a.bsdf", "b/c.BINARY", "x.brdf", "x.astm", "x.csv", "x.csv:felt", "model:lambert"] {
+        for name in [
+            "a.bsdf",
+            "b/c.BINARY",
+            "x.brdf",
+            "x.astm",
+            "x.csv",
+            "x.csv:felt",
+            "x.f32le:felt",
+            "model:lambert",
+        ] {
             assert!(MeasuredMaterial::is_named(name), "{name}");
         }
         for name in ["a.srbf", "matte", "bsdf", "csv:felt"] {

@@ -29,15 +29,19 @@ pre { background: #f4f4f4; padding: 8px 12px; overflow-x: auto; font-size: 14px;
 .wide { overflow-x: auto; margin: 12px 0; }
 table { border-collapse: collapse; font-size: 14px; font-variant-numeric: tabular-nums; }
 caption { caption-side: top; text-align: left; padding: 4px 0; color: #444; }
-th, td { padding: 3px 10px; border-bottom: 1px solid #e2e2e2; text-align: left; white-space: nowrap; }
-thead th { border-bottom: 2px solid #888; vertical-align: bottom; white-space: normal; }
+th, td { padding: 3px 10px; border-bottom: 1px solid #e2e2e2; text-align: left; }
+td { max-width: 300px; }
+thead th { border-bottom: 2px solid #888; vertical-align: bottom; }
 th.number, td.number { text-align: right; }
+td.number { white-space: nowrap; }
 tbody tr:hover { background: #f3f7fb; }
-.row { display: flex; flex-wrap: wrap; gap: 12px; margin: 12px 0; }
+.row { display: flex; flex-wrap: wrap; gap: 8px; margin: 12px 0; align-items: flex-start; }
 figure { margin: 0; min-width: 0; max-width: 100%; }
-figure img { display: block; max-width: 100%; height: auto; }
+figure img { display: block; margin-bottom: 4px; max-width: 100%; height: auto; }
 figure img.pixels { image-rendering: pixelated; }
-figcaption { font-size: 14px; color: #333; padding: 4px 0; }
+figcaption { font-size: 14px; line-height: 1.3; color: #333; }
+details { margin: 12px 0; }
+summary { cursor: pointer; font-weight: 600; }
 ";
 
 /// A page that is made from top to bottom.
@@ -48,8 +52,8 @@ pub struct Page {
 
 /// A picture with what is said of it.
 pub struct Figure {
-    /// The bytes of a PNG file.
-    png: Vec<u8>,
+    /// The bytes of PNG files, one above the other.
+    pngs: Vec<Vec<u8>>,
     caption: String,
     /// How wide it is shown, in pixels; by itself as wide as it is.
     width: Option<u32>,
@@ -95,7 +99,7 @@ impl Cell {
 impl Figure {
     /// A picture as large as it is, of the bytes of a PNG file.
     pub fn new(png: Vec<u8>, caption: impl Into<String>) -> Self {
-        Self { png, caption: caption.into(), width: None }
+        Self { pngs: vec![png], caption: caption.into(), width: None }
     }
 
     /// The same so many pixels wide; its own pixels then are squares.
@@ -103,14 +107,37 @@ impl Figure {
         Self { width: Some(width), ..self }
     }
 
+    /// The same with another picture below it.
+    pub fn above(mut self, png: Vec<u8>) -> Self {
+        self.pngs.push(png);
+        self
+    }
+
     fn markup(&self) -> Markup {
-        let source = format!("data:image/png;base64,{}", STANDARD.encode(&self.png));
         let class = self.width.map(|_| "pixels");
+        let style = self.width.map(|width| format!("width: {width}px"));
         html! {
-            figure {
-                img src=(source) alt=(self.caption) class=[class] width=[self.width];
+            figure style=[style] {
+                @for png in &self.pngs {
+                    @let source = format!("data:image/png;base64,{}", STANDARD.encode(png));
+                    img src=(source) alt=(self.caption) class=[class] width=[self.width];
+                }
                 @if !self.caption.is_empty() { figcaption { (self.caption) } }
             }
+        }
+    }
+}
+
+impl Table {
+    fn markup(&self) -> Markup {
+        html! {
+            div.wide { table {
+                @if !self.caption.is_empty() { caption { (self.caption) } }
+                thead { tr { @for cell in &self.head { th class=[cell.class()] { (cell.text) } } } }
+                tbody { @for row in &self.rows { tr { @for cell in row {
+                    td class=[cell.class()] { @if cell.is_bold { strong { (cell.text) } } @else { (cell.text) } }
+                } } } }
+            } }
         }
     }
 }
@@ -144,15 +171,12 @@ impl Page {
 
     /// A table.
     pub fn table(&mut self, table: &Table) {
-        self.body.push(html! {
-            div.wide { table {
-                @if !table.caption.is_empty() { caption { (table.caption) } }
-                thead { tr { @for cell in &table.head { th class=[cell.class()] { (cell.text) } } } }
-                tbody { @for row in &table.rows { tr { @for cell in row {
-                    td class=[cell.class()] { @if cell.is_bold { strong { (cell.text) } } @else { (cell.text) } }
-                } } } }
-            } }
-        });
+        self.body.push(table.markup());
+    }
+
+    /// A table that is shown when its title is clicked.
+    pub fn folded(&mut self, title: &str, table: &Table) {
+        self.body.push(html! { details { summary { (title) } (table.markup()) } });
     }
 
     /// Pictures side by side; what does not fit goes on below.
@@ -214,7 +238,11 @@ mod tests {
             head: vec![Cell::text("sampler"), Cell::number("error")],
             rows: vec![vec![Cell::text("<i>"), Cell::number("1.5").bold_if(true)]],
         });
-        page.row(&[Figure::new(vec![1, 2, 3], "\"><script>"), Figure::new(vec![0; 4], "").wide(320)]);
+        page.folded("more <", &Table { caption: String::new(), head: vec![], rows: vec![] });
+        page.row(&[
+            Figure::new(vec![1, 2, 3], "\"><script>"),
+            Figure::new(vec![0; 4], "").above(vec![5]).wide(320),
+        ]);
         page
     }
 
@@ -232,7 +260,9 @@ mod tests {
             "<th class=\"number\">error</th>",
             "<td>&lt;i&gt;</td><td class=\"number\"><strong>1.5</strong></td>",
             "src=\"data:image/png;base64,AQID\" alt=\"&quot;&gt;&lt;script&gt;\"",
-            "src=\"data:image/png;base64,AAAAAA==\" alt=\"\" class=\"pixels\" width=\"320\"",
+            "<figure style=\"width: 320px\"><img src=\"data:image/png;base64,AAAAAA==\" alt=\"\" class=\"pixels\" width=\"320\">",
+            "src=\"data:image/png;base64,BQ==\"",
+            "<details><summary>more &lt;</summary>",
         ] {
             assert!(html.contains(expected), "{expected}: {html}");
         }

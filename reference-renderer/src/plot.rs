@@ -145,7 +145,8 @@ fn bar(point: &Point) -> Option<(f64, f64)> {
 fn name_curves(area: &DrawingArea<BitMapBackend<'_>, Shift>, comparison: &Comparison) -> Result<(), Failure> {
     let step = ((HEIGHT - 90) / (comparison.curves.len() as u32 + 2).max(1)).min(24) as i32;
     let style = (FONT, (step - 4).clamp(9, 15)).into_font().color(&BLACK);
-    let line = |row: usize| 20 + step * row as i32;
+    let line = |row: usize| 20 + step * (row as i32 + 1);
+    area.draw(&Text::new("method, slope", (0, 20 - step / 3), style.clone()))?;
     for (n, curve) in comparison.curves.iter().enumerate() {
         let y = line(n);
         area.draw(&PathElement::new([(0, y), (24, y)], colour(n).stroke_width(2)))?;
@@ -157,8 +158,7 @@ fn name_curves(area: &DrawingArea<BitMapBackend<'_>, Shift>, comparison: &Compar
     for dash in 0..3 {
         area.draw(&PathElement::new([(9 * dash, y), (9 * dash + 5, y)], GREY))?;
     }
-    area.draw(&Text::new("slope -1/2", (32, y - step / 3), style.clone()))?;
-    area.draw(&Text::new("name, slope", (32, line(comparison.curves.len() + 1) - step / 3), style))?;
+    area.draw(&Text::new("slope -1/2", (32, y - step / 3), style))?;
     Ok(())
 }
 

@@ -1,11 +1,14 @@
 //! Standard output and standard error, through `print!`, `println!` and `eprintln!` of our own: those of the standard library
 //! panic where nothing can be written.
 //!
-//! A reader that has gone (`srbf stability | head -1`) ends the program without a word, with the status 141 that shells give for
+//! A reader that has gone (`srbf inspect FILE | head -1`) ends the program without a word, with the status 141 that shells give for
 //! that signal: 0 would say that the files were written. Any other failure is an error like all others, with status 2.
+//!
+//! `--quiet` leaves standard output empty: [`be_quiet`].
 
 use std::fmt::Arguments;
 use std::io::{Error, ErrorKind, Write};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 /// Status of a program that wrote to a pipe that nobody reads: 128 and the number of SIGPIPE.
 const BROKEN_PIPE: i32 = 141;
@@ -23,9 +26,24 @@ macro_rules! eprintln {
     ($($text:tt)*) => { $crate::print::to_error(format_args!($($text)*)) };
 }
 
+/// Whether nothing but errors is written.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// From here on, nothing but errors is written.
+pub fn be_quiet() {
+    QUIET.store(true, Relaxed);
+}
+
+/// Whether nothing but errors is written.
+pub fn is_quiet() -> bool {
+    QUIET.load(Relaxed)
+}
+
 /// Writes to standard output; ends the program where that fails.
 pub fn to_output(text: Arguments<'_>) {
-    or_end(std::io::stdout().write_fmt(text));
+    if !is_quiet() {
+        or_end(std::io::stdout().write_fmt(text));
+    }
 }
 
 /// Writes a line to standard error; there is nobody to tell if that fails.

@@ -74,7 +74,7 @@ pub fn reference(comparison: &Comparison) -> String {
     let reference = &comparison.reference;
     let kept = if reference.was_kept { ", kept from before" } else { "" };
     format!(
-        "reference: {} samples a pixel{kept}; its own relative MSE, {:.1e} ({:.1e} with the worst pixels), is taken off; * marks errors below it",
+        "Reference: {} samples a pixel{kept}; its own relative MSE, {:.1e} ({:.1e} with the worst pixels), is taken off; * marks errors below it",
         reference.samples, reference.own.trimmed, reference.own.whole
     )
 }

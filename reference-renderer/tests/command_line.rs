@@ -93,12 +93,20 @@ fn a_table_is_fitted_and_the_material_inspected_and_a_cut_one_refused() {
     for key in ["mean_relative_l2", "\"summary\"", "\"verdict\"", "\"fitted views\"", "\"try\""] {
         assert!(json.contains(key), "{key}: {json}");
     }
-    // The verdict is what is read last, but for the name of the picture.
+    // A heading, the verdict, what was written, and what to do next, which works.
     let text = String::from_utf8(output.stdout).unwrap();
-    let (last, picture) = (text.lines().rev().nth(1).unwrap(), text.lines().last().unwrap());
-    assert!(picture.starts_with("diffuse.png") && place.join("diffuse.png").exists(), "{text}");
-    assert!(["good", "fair", "off ", "try "].iter().any(|label| last.starts_with(label)), "{text}");
-    assert!(text.contains("good relative L2: median") && text.contains("fitted views:"), "{text}");
+    let lines: Vec<&str> = text.lines().collect();
+    let [heading, verdict @ .., written, next] = &lines[..] else { panic!("{text}") };
+    assert!(heading.starts_with("diffuse.srbf: ") && lines.len() < 16, "{text}");
+    let labels = ["good", "fair", "off ", "try ", "note"];
+    assert!(verdict.iter().all(|line| labels.contains(&&line[..4])), "{text}");
+    assert!(text.contains("good relative L2: median"), "{text}");
+    assert_eq!(*written, "wrote diffuse.srbf, diffuse.json, diffuse.png");
+    assert!(place.join("diffuse.png").exists());
+    let next: Vec<&str> = next.strip_prefix("next  srbf ").unwrap().split(' ').collect();
+    let output = srbf(&place, &[&next[..], &["--size", "16x16", "--spp", "1"]].concat());
+    assert!(output.status.success() && place.join("diffuse.exr").exists());
+
     let inspected = srbf(&place, &["inspect", "diffuse.srbf", "--lobes"]);
     let text = String::from_utf8(inspected.stdout).unwrap();
     assert!(inspected.status.success() && text.contains("luminance  (R-Y)/Y  (B-Y)/Y"), "{text}");
@@ -129,6 +137,73 @@ fn models_and_methods_have_files_of_their_own() {
     assert!(json.contains("model:lambert:albedo=0.3"), "{json}");
 }
 
+/// A fit of a moment.
+const QUICK: [&str; 10] =
+    ["--lobes", "1", "--starts", "1", "--steps", "2", "--exchanges", "0", "--no-picture", "--views=2"];
+
+#[test]
+fn as_much_is_printed_as_is_asked_for() {
+    let place = folder("words");
+    let fit = |options: &[&str]| {
+        let call = [&["fit", "model:lambert:albedo=0.3", "-o", "a.srbf"], &QUICK[..], options].concat();
+        let output = srbf(&place, &call);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap())
+    };
+    let tables = "albedo r g b, fit (data)";
+    assert!(!fit(&[]).0.contains(tables) && fit(&["--verbose"]).0.contains(tables));
+    assert_eq!(fit(&["--quiet"]), Default::default());
+    assert_eq!(fit(&["--json"]).0, std::fs::read_to_string(place.join("a.json")).unwrap());
+    assert_eq!(String::from_utf8(srbf(&place, &["-q", "inspect", "matte"]).stdout).unwrap(), "");
+    for both in [["--quiet", "--json"], ["--quiet", "--verbose"], ["--json", "--verbose"]] {
+        refused(&place, &["fit", "model:lambert", both[0], both[1]], &both);
+    }
+    let version = String::from_utf8(srbf(&place, &["--version"]).stdout).unwrap();
+    assert_eq!(version, format!("srbf {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn several_files_are_fitted_and_a_bad_one_is_named() {
+    let place = folder("several");
+    std::fs::write(place.join("bad.csv"), "theta_i\n").unwrap();
+    let files = ["fit", "model:lambert:albedo=0.3", "bad.csv", "model:lambert:albedo=0.5", "-o", "fits"];
+    let output = srbf(&place, &[&files[..], &QUICK].concat());
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(text.contains("bad.csv") && text.contains("1 of 3 files were not fitted"), "{text}");
+    for name in ["lambert-albedo=0.3", "lambert-albedo=0.5"] {
+        assert!(
+            place.join(format!("fits/{name}.srbf")).exists()
+                && place.join(format!("fits/{name}.json")).exists()
+        );
+    }
+    assert!(!place.join("fits/bad.srbf").exists());
+    let place = folder("several-refused");
+    let two = ["fit", "model:lambert", "model:phong"];
+    for (options, says) in [
+        (["-o", "a.srbf"], ["a.srbf", "a folder"]),
+        (["--picture", "a.png"], ["--picture", "one file"]),
+        (["--material", "blue"], ["--material", "one file"]),
+    ] {
+        refused(&place, &[&two[..], &options].concat(), &says);
+    }
+    refused(&place, &["fit", "model:lambert", "model:lambert"], &["both", "out/lambert.srbf"]);
+}
+
+#[test]
+fn the_command_line_describes_itself() {
+    let place = folder("pages");
+    for (shell, says) in [("bash", "_srbf"), ("zsh", "#compdef srbf"), ("fish", "complete -c srbf")] {
+        let output = srbf(&place, &["project", "completions", shell]);
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(text.contains(says) && text.contains("cross-validate"), "{shell}: {text}");
+    }
+    assert!(srbf(&place, &["project", "man", "man1"]).status.success());
+    let page = |name: &str| std::fs::read_to_string(place.join("man1").join(name)).unwrap();
+    assert!(page("srbf.1").contains("srbf\\-fit") && page("srbf-fit.1").contains("cross\\-validate"));
+    assert!(page("srbf-project-survey.1").contains("SRBF_DATA_DIR"));
+}
+
 #[test]
 fn what_is_left_out_is_printed_and_in_the_report() {
     let place = folder("left-out");
@@ -157,17 +232,9 @@ fn options_that_do_not_fit_are_refused_by_name() {
         refused(&place, &["fit", "diffuse.csv", option, value], &[option.trim_start_matches('-')]);
     }
     refused(&place, &["fit", "model:phong:shine=3"], &["shine"]);
-    refused(&place, &["fit", "--survey", "6"], &["SRBF_DATA_DIR"]);
-    for other in [["--method", "thesis"], ["-o", "a.srbf"], ["--material", "blue"]] {
-        refused(&place, &["fit", "--survey", "6", other[0], other[1]], &[other[0], "--survey"]);
-    }
-    for other in [["--method", "thesis"], ["-o", "a.srbf"]] {
-        refused(
-            &place,
-            &["fit", "diffuse.csv", "--lobes-table", other[0], other[1]],
-            &[other[0], "--lobes-table"],
-        );
-    }
+    refused(&place, &["project", "survey"], &["SRBF_DATA_DIR"]);
+    refused(&place, &["project", "lobes-table", "diffuse.csv", "--lobes", "3"], &["--lobes", "of its own"]);
+    refused(&place, &["--out", "a", "inspect", "matte"], &["--out"]);
     let brushed = "model:ward:alpha_x=0.1,alpha_y=0.4";
     let isotropic = [("--views", "9"), ("--exchanges", "3"), ("--mirrored", "1"), ("--factors", "4x3")];
     for (option, value) in isotropic {
@@ -181,6 +248,27 @@ fn options_that_do_not_fit_are_refused_by_name() {
     refused(&place, &["render", "--env", "constant:NaN", "-o", "out.exr"], &["NaN"]);
     refused(&place, &["render", "--size", "0x9", "-o", "out.exr"], &["0x9"]);
     refused(&place, &["compare", "--spp", "4,2"], &["--spp"]);
+    refused(&place, &["compare", "--seconds", "0.5,0.2"], &["--seconds", "rise"]);
+    for wrong in ["0", "-1", "nan", "inf", "1e9", "x"] {
+        refused(&place, &["compare", &format!("--seconds={wrong}")], &["--seconds", "above 0"]);
+    }
+    refused(&place, &["compare", "--seconds", "1", "--spp", "4"], &["--seconds", "--spp"]);
+    refused(&place, &["compare", "--repeats", "0"], &["--repeats"]);
+    refused(&place, &["compare", "--samplers", "lobes,lobes"], &["--samplers", "lobes", "twice"]);
+    refused(
+        &place,
+        &["compare", "--samplers", "fit:lobes", "--materials", "matte"],
+        &["material matte", "--lobes"],
+    );
+    refused(&place, &["compare", "--scenes", "statue"], &["--mesh"]);
+    refused(&place, &["compare", "--mesh", "a.obj"], &["--mesh", "teapot"]);
+    refused(&place, &["compare", "--scenes", "furnace"], &["constant:VALUE"]);
+    refused(&place, &["compare", "--scenes", "nowhere"], &["nowhere", "teapot"]);
+    refused(&place, &["compare", "--scenes", "teapot", "--mesh", "a.obj"], &["a.obj"]);
+    refused(&place, &["compare", "--materials", "a.f32le:chrome"], &["a.f32le"]);
+    refused(&place, &["project", "equal-time", "-o", "a.txt"], &["a.txt", ".md"]);
+    refused(&place, &["project", "equal-time", "--repeats", "1"], &["--repeats"]);
+    refused_with_data(&place, None, &["project", "equal-time"], &["SRBF_DATA_DIR"]);
     refused(
         &place,
         &["compare", "--samplers", "lobes,rgl", "--materials", "matte"],
@@ -197,12 +285,12 @@ fn options_that_do_not_fit_are_refused_by_name() {
 #[test]
 fn an_output_that_would_lie_over_another_is_refused() {
     let place = folder("outputs");
-    refused(&place, &["samples", "-o", "s.csv"], &["s.csv", ".png"]);
-    refused(&place, &["stability", "-o", "t.csv"], &["t.csv", ".png"]);
-    refused(&place, &["thesis-table", "-o", "x.csv"], &["x.csv", ".md"]);
+    refused(&place, &["project", "samples", "-o", "s.csv"], &["s.csv", ".png"]);
+    refused(&place, &["project", "stability", "-o", "t.csv"], &["t.csv", ".png"]);
+    refused(&place, &["project", "thesis-table", "-o", "x.csv"], &["x.csv", ".md"]);
     refused(&place, &["render", "-o", "r.png"], &["r.png", ".exr"]);
     std::fs::write(place.join("README.md"), "# Another project\n").unwrap();
-    refused_with_data(&place, Some("."), &["presets", "--out", "."], &["README.md"]);
+    refused_with_data(&place, Some("."), &["project", "presets", "--out", "."], &["README.md"]);
 }
 
 #[test]
@@ -212,8 +300,8 @@ fn a_place_that_cannot_be_written_is_found_before_the_work() {
     for arguments in [
         &["render", "--size", "4096x4096", "--spp", "16777216", "-o", "file/a.exr"][..],
         &["compare", "--side", "4096", "--reference-spp", "16777216", "-o", "file/a"],
-        &["stability", "--inputs", "100000000", "-o", "file/a.png"],
-        &["leave-out", "-o", "file/a.csv"],
+        &["project", "stability", "--inputs", "100000000", "-o", "file/a.png"],
+        &["project", "leave-out", "-o", "file/a.csv"],
     ] {
         refused(&place, arguments, &["file/a"]);
     }
@@ -225,10 +313,7 @@ fn options_without_effect_and_numbers_without_end_are_refused() {
     std::fs::write(place.join("diffuse.csv"), rows()).unwrap();
     refused(&place, &["render", "--scene", "teapot", "--mesh-up", "z"], &["--mesh"]);
     refused(&place, &["render", "--ground-material", "cayman"], &["--ground-material", "teapot"]);
-    refused(&place, &["samples", "--steps", "4294967295"], &["--steps"]);
-    for option in [&["--no-thesis"][..], &["--only", "a"], &["--csv", "a.csv"]] {
-        refused(&place, &[&["fit", "diffuse.csv"][..], option].concat(), &[option[0]]);
-    }
+    refused(&place, &["project", "samples", "--steps", "4294967295"], &["--steps"]);
 }
 
 /// Every sampler renders a table, says so, and writes a picture; the furnace finds the albedo.
@@ -374,9 +459,62 @@ fn a_comparison_with_a_poor_reference_says_so() {
     let poor = ["compare", "--materials", "garnet_red", "--spp", "512,1024", "--reference-spp", "2"];
     let output = srbf(&place, &[&poor[..], &["--side", "12", "-o", "a"]].concat());
     let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.contains("- x") && !text.contains("NaN"), "{text}");
+    assert!(text.contains(" *\n") && !text.contains("NaN") && !text.contains(" x +- "), "{text}");
     let csv = std::fs::read_to_string(place.join("a.csv")).unwrap();
-    assert!(csv.lines().nth(1).unwrap().ends_with(','), "{csv}");
+    let head: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    let column = head.iter().position(|name| *name == "below_reference").unwrap();
+    assert!(csv.lines().skip(1).all(|line| line.split(',').nth(column) == Some("1")), "{csv}");
+}
+
+/// The page is complete by itself, and a reference is kept until it is harmed.
+#[test]
+fn a_comparison_writes_numbers_plots_and_a_page() {
+    let place = folder("compare");
+    let gloss = "model:ggx:alpha=0.3,f0=0.6,diffuse=0.2";
+    let arguments = [
+        "compare",
+        "--scenes",
+        "sphere,room",
+        "--materials",
+        gloss,
+        "--lobes",
+        "garnet_red",
+        "--env",
+        "haze",
+    ];
+    let how = [
+        "--samplers",
+        "mis,product,fit:mis",
+        "--spp",
+        "1,4,16",
+        "--reference-spp",
+        "16",
+        "--side",
+        "12",
+        "-o",
+        "a",
+    ];
+    let run = || String::from_utf8(srbf(&place, &[&arguments[..], &how].concat()).stdout).unwrap();
+    let text = run();
+    assert!(text.contains("room under haze") && !text.contains("kept from before"), "{text}");
+    let csv = std::fs::read_to_string(place.join("a.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 1 + 2 * 3 * 3, "{csv}");
+    let html = std::fs::read_to_string(place.join("a.html")).unwrap();
+    for outside in ["http://", "https://", "<link", "<script", "url("] {
+        assert!(!html.contains(outside), "{outside}");
+    }
+    let pictures = html.matches("src=\"data:image/png;base64,").count();
+    assert_eq!((pictures, html.matches("src=").count()), (2 * (1 + 2 * 4), pictures));
+    assert!(std::fs::read(place.join("a.png")).unwrap().starts_with(b"\x89PNG"));
+
+    assert_eq!(run().matches("kept from before").count(), 2);
+    for file in std::fs::read_dir(place.join("out/references")).unwrap() {
+        let path = file.unwrap().path();
+        let mut bytes = std::fs::read(&path).unwrap();
+        bytes[100] ^= 1;
+        std::fs::write(&path, bytes).unwrap();
+    }
+    assert!(!run().contains("kept from before"));
 }
 
 #[test]
@@ -401,7 +539,7 @@ fn a_fit_is_judged_against_what_it_was_made_from() {
     let place = folder("judge");
     let model = "model:phong:diffuse=0.3,specular=0.3,exponent=50";
     let few = ["--lobes", "2", "--starts", "1", "--steps", "20", "--exchanges", "0", "--views", "4"];
-    let fit = [&["fit", model, "--factors", "4x3", "-o", "phong.srbf"], &few[..]].concat();
+    let fit = [&["fit", model, "--verbose", "--factors", "4x3", "-o", "phong.srbf"], &few[..]].concat();
     let output = srbf(&place, &fit);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let fitted = String::from_utf8(output.stdout).unwrap();
@@ -430,11 +568,11 @@ fn a_damaged_survey_is_named_and_the_table_before_it_is_kept() {
     }
     std::fs::write(place.join("old.csv"), "old").unwrap();
     let survey = |lobes, says: &[&str]| {
-        let arguments = ["fit", "--survey", "1", "--csv", "old.csv", "--lobes", lobes];
+        let arguments = ["project", "survey", "--csv", "old.csv", "--lobes", lobes];
         refused_with_data(&place, Some("data"), &arguments, says);
         assert_eq!(std::fs::read(place.join("old.csv")).unwrap(), b"old");
     };
-    refused_with_data(&place, Some(""), &["fit", "--survey", "1"], &["SRBF_DATA_DIR"]);
+    refused_with_data(&place, Some(""), &["project", "survey"], &["SRBF_DATA_DIR"]);
     survey("0", &["lobes"]);
     survey("2", &["nbrdf_merl80.f32le"]);
     let (weights, names) = ("data/merl/nbrdf_merl80.f32le", "data/merl/nbrdf_merl80_names.txt");
@@ -465,10 +603,14 @@ fn times_without_meaning_are_refused_with_their_file() {
     let place = folder("times");
     for nanoseconds in ["0", "-1", "1e300", "1e-300", "null"] {
         measured(&place, nanoseconds);
-        refused(&place, &["bench-report", "--measured", "criterion"], &["evaluate.scalar", "a median of"]);
+        refused(
+            &place,
+            &["project", "bench-report", "--measured", "criterion"],
+            &["evaluate.scalar", "a median of"],
+        );
     }
     measured(&place, "2.5");
-    let output = srbf(&place, &["bench-report", "--measured", "criterion"]);
+    let output = srbf(&place, &["project", "bench-report", "--measured", "criterion"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
@@ -478,7 +620,7 @@ fn links_that_make_a_ring_are_not_followed() {
     let place = folder("ring");
     measured(&place, "2.5");
     std::os::unix::fs::symlink("..", place.join("criterion/ring")).unwrap();
-    let output = srbf(&place, &["bench-report", "--measured", "criterion"]);
+    let output = srbf(&place, &["project", "bench-report", "--measured", "criterion"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(String::from_utf8(output.stdout).unwrap().matches("scalar").count(), 1);
 }
@@ -523,9 +665,9 @@ fn only_files_are_written() {
         (&render, "pipe.exr", "pipe.exr", other),
         (&render, "folder.exr", "folder.exr", "a folder"),
         (&render, "beside.exr", "beside.png", other),
-        (&["leave-out", "-o"], "null.csv", "null.csv", other),
-        (&["samples", "-o"], "null.png", "null.png", other),
-        (&["thesis-table", "-o"], "null.md", "null.md", other),
+        (&["project", "leave-out", "-o"], "null.csv", "null.csv", other),
+        (&["project", "samples", "-o"], "null.png", "null.png", other),
+        (&["project", "thesis-table", "-o"], "null.md", "null.md", other),
     ] {
         refused(&place, &[arguments, &[output]].concat(), &["cannot write", named, reason]);
     }

@@ -158,11 +158,46 @@ fn pictures_that_cannot_be_drawn_are_refused_before_the_fit() {
     fit(&["--picture", "a.png", "-o", "a.png"], &["a.png", "the same file"]);
     fit(&["--picture", "a.png", "--env", "nowhere"], &["nowhere"]);
     fit(&["--picture", "a.png", "--method", "thesis"], &["--picture", "our own method"]);
-    fit(&["--picture", "a.png", "--lobes-table"], &["--picture", "--lobes-table"]);
     fit(&["--env", "haze", "--no-picture"], &["--env", "--no-picture"]);
-    refused(&place, &["fit", "--survey", "1", "--picture", "a.png"], &["--picture", "--survey"]);
     refused(&place, &["ball", "matte", "-o", "a.exr"], &["a.exr", ".png"]);
     refused(&place, &["ball", "matte", "--exposure", "NaN"], &["--exposure"]);
+}
+
+#[test]
+fn tables_are_converted_and_read_again() {
+    let place = folder("convert");
+    let model = "model:ggx:alpha=0.3,f0=0.6,diffuse=0.2";
+    for (name, says) in [
+        ("a.binary", "34992012 bytes; read again"),
+        ("a.bsdf", "read again"),
+        ("a.csv", "16 outgoing directions, chosen here"),
+        ("a.astm", "16 outgoing directions, chosen here"),
+    ] {
+        let text = printed(&place, &["convert", model, name]);
+        assert!(text.contains(says), "{text}");
+    }
+    for name in ["a.binary", "a.bsdf"] {
+        check_furnace(&place, name);
+    }
+    let text = printed(&place, &["convert", "a.csv", "b.astm"]);
+    assert!(text.contains("as they were read"), "{text}");
+    write_samples(&place, [0.2, 0.1, 0.05]);
+    assert!(printed(&place, &["convert", "samples.csv", "c.binary"]).contains("completed first"));
+
+    let place = folder("convert-refused");
+    for (output, says) in
+        [("a.srbf", "srbf fit"), ("a.brdf", "spectra"), ("a.xyz", ".binary, .bsdf, .csv or .astm")]
+    {
+        refused(&place, &["convert", model, output], &[output, says]);
+    }
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("/dev/null", place.join("device.csv")).unwrap();
+        refused(&place, &["convert", model, "device.csv"], &["cannot write", "device.csv"]);
+    }
+    let brushed = "model:ward:alpha_x=0.1,alpha_y=0.4";
+    refused(&place, &["convert", brushed, "a.bsdf"], &[brushed, "anisotropic"]);
+    refused(&place, &["convert", "absent.csv", "a.bsdf"], &["absent.csv"]);
 }
 
 /// Width and height in the head of a PNG.
@@ -202,6 +237,41 @@ fn a_fit_is_pictured_beside_its_model() {
     printed(&place, &[&fit[..], &quick].concat());
     assert_eq!(png_size(&place.join("a.png"))[0], 1280);
     assert!(place.join("a.srbf").exists() && place.join("a.json").exists());
+}
+
+#[test]
+fn a_page_holds_picture_verdict_and_tables() {
+    let place = folder("page");
+    let quick = [
+        "--lobes",
+        "2",
+        "--starts",
+        "1",
+        "--exchanges",
+        "0",
+        "--steps",
+        "2",
+        "--views",
+        "3",
+        "--env",
+        "constant:1",
+    ];
+    let text = printed(
+        &place,
+        &[&["fit", "model:lambert:albedo=0.6/0.2/0.1", "-o", "a.srbf", "--html"][..], &quick].concat(),
+    );
+    assert!(text.contains("wrote a.srbf, a.json, a.png, a.html"), "{text}");
+    let page = std::fs::read_to_string(place.join("a.html")).unwrap();
+    let picture = std::fs::metadata(place.join("a.png")).unwrap().len();
+    assert!(page.len() as u64 > 4 * picture / 3, "the picture is not in the page");
+    for part in ["<h1>a", "relative L2: median", "Fitted views", "Views in between", "srbf render"] {
+        assert!(page.contains(part), "{part}");
+    }
+    let plot = ["plot", "a.srbf", "--against", "model:lambert:albedo=0.6/0.2/0.1", "--env", "constant:1"];
+    printed(&place, &[&plot[..], &["-o", "b.png", "--html"]].concat());
+    assert!(std::fs::read_to_string(place.join("b.html")).unwrap().contains("relative L2: median"));
+    refused(&place, &["fit", "model:lambert", "--html", "--no-picture"], &["--html", "--no-picture"]);
+    refused(&place, &["fit", "model:lambert", "--html", "--method", "thesis"], &["--html", "our own method"]);
 }
 
 #[test]

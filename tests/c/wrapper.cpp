@@ -181,9 +181,61 @@ static void light() {
     CHECK(again.sample_product(matte, frame, sampling, {u.data(), 5}, 0.5f, product).code() == SRBF_STATUS_SIZE);
 }
 
+/// Pairs of directions, of the material and of what it is expanded to: the same within the error of the rows.
+static void pairs(const char *path) {
+    constexpr std::size_t n = 21;
+    srbf::Material material;
+    CHECK(!material.load(path));
+    std::size_t size = 0;
+    CHECK(srbf_expanded_size(material.get(), SRBF_EXPANDED_DEFAULT_ROWS, &size) == SRBF_STATUS_OK);
+    std::vector<unsigned char> memory(size + SRBF_EXPANDED_ALIGNMENT);
+    void *place = memory.data();
+    std::size_t room = memory.size();
+    CHECK(std::align(SRBF_EXPANDED_ALIGNMENT, size, place, room) != nullptr);
+    srbf::Expanded expanded;
+    srbf::Mixture<16> mixture;
+    CHECK(!expanded && expanded.prepare({0, 0, 1}, mixture).code() == SRBF_STATUS_NULL);
+    CHECK(expanded.make(material.get(), 1, place, size).code() == SRBF_STATUS_ARGUMENT && !expanded);
+    CHECK(!expanded.make(material.get(), SRBF_EXPANDED_DEFAULT_ROWS, place, size) && expanded);
+
+    std::vector<srbf::Vec3> wo(n), u(n), wi(n, srbf::Vec3{0.36f, 0.48f, 0.8f}), exact(n), near(n), towards(n), drawn(n);
+    std::vector<float> exact_pdf(n), near_pdf(n), pdf(n);
+    std::vector<srbf_sample> samples(n), again(n);
+    for (std::size_t k = 0; k < n; k++) {
+        const float angle = 1.5f * static_cast<float>(k) / n;
+        wo[k] = {-std::sin(angle), 0, std::cos(angle)};
+        u[k] = {0.3f, 0.6f, 0.9f};
+    }
+    CHECK(!material.evaluate_and_pdf_pairs_into(wo, wi, exact, exact_pdf));
+    CHECK(!expanded.evaluate_and_pdf_pairs_into(wo, wi, near, near_pdf));
+    for (std::size_t k = 0; k < n; k++) {
+        CHECK(exact[k][0] > 0 && std::fabs(near[k][0] - exact[k][0]) <= 2e-3f * exact[k][0]);
+        CHECK(exact_pdf[k] > 0 && std::fabs(near_pdf[k] - exact_pdf[k]) <= 2e-3f * exact_pdf[k]);
+    }
+    CHECK(!expanded.evaluate_pairs_into(wo, wi, towards) && towards == near);
+    CHECK(!expanded.pdf_pairs_into(wo, wi, pdf) && std::fabs(pdf[n - 1] - near_pdf[n - 1]) <= 1e-5f * pdf[n - 1]);
+    CHECK(!expanded.sample_pairs_into(wo, u, samples) && samples[n - 1].pdf > 0);
+    CHECK(!expanded.sample_pdf_pairs_into(wo, u, drawn, pdf) && drawn[n - 1][2] == samples[n - 1].direction[2]);
+    CHECK(!expanded.sample_and_evaluate_pairs_into(wo, u, again, wi, towards, pdf));
+    CHECK(again[3].direction[0] == samples[3].direction[0] && std::fabs(pdf[3] - near_pdf[3]) <= 1e-5f * pdf[3]);
+    CHECK(!material.evaluate_pairs_into(wo, wi, towards) && towards == exact);
+    CHECK(!material.sample_pairs_into(wo, u, again) && !material.sample_pdf_pairs_into(wo, u, drawn, pdf));
+    CHECK(drawn[5][0] == again[5].direction[0] && !material.pdf_pairs_into(wo, drawn, near_pdf) && near_pdf[5] > 0);
+    CHECK(!material.sample_and_evaluate_pairs_into(wo, u, samples, wi, towards, pdf) && samples[5].pdf > 0);
+    CHECK(!expanded.prepare(wo[7], mixture) && !mixture.pdf(wi[7], pdf[0]));
+    CHECK(std::fabs(pdf[0] - exact_pdf[7]) <= 2e-3f * pdf[0]);
+
+    const srbf::Span<srbf::Vec3> short_of_one(exact.data(), n - 1);
+    CHECK(expanded.evaluate_pairs_into(wo, wi, short_of_one).code() == SRBF_STATUS_SIZE);
+    CHECK(material.sample_pairs_into(wo, u, {samples.data(), n - 1}).code() == SRBF_STATUS_SIZE);
+    CHECK(material.pdf_pairs_into(wo, wi, {nullptr, n}).code() == SRBF_STATUS_NULL);
+    CHECK(material.sample_pairs_into(wo, u, {nullptr, n}).code() == SRBF_STATUS_NULL);
+}
+
 int main(int count, char **arguments) {
     CHECK(count == 2);
     use(arguments[1]);
+    pairs(arguments[1]);
     light();
     std::printf("wrapper: passed\n");
     return 0;

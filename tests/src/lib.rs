@@ -2,6 +2,8 @@
 
 extern crate alloc;
 
+/// The examples of the documentation: blocks of code in Markdown.
+pub mod documents;
 pub mod inputs;
 pub mod maps;
 pub mod native;

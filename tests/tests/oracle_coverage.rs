@@ -42,6 +42,7 @@ const ORACLES: &[(&str, &str)] = &[
     ("Environment::power", "tests/environment/map.rs"),
     ("Environment::radiance", "tests/environment/map.rs"),
     ("Environment::pdf", "tests/environment/map.rs"),
+    ("Environment::prefetch", "tests/environment/map.rs"),
     ("Environment::radiance_and_pdf", "tests/environment/map.rs"),
     ("Environment::sample", "tests/environment/map.rs"),
     ("Environment::cell", "tests/environment/map.rs"),

@@ -37,6 +37,19 @@ impl<M: AsRef<[u32]>> Environment<M> {
     }
 }
 
+/// Hints.
+impl<M: AsRef<[u32]>> Environment<M> {
+    /// Asks the processor for what [`sample`](Self::sample) will read of the map for these numbers, which is in
+    /// no cache if the map is large: ask before other work of some ten nanoseconds, such as
+    /// [`prepare`](crate::Material::prepare). Changes no result.
+    #[inline]
+    pub fn prefetch(&self, u: [f32; 3]) {
+        let table = self.borrowed();
+        let (hit, _) = table.hit([u[0], u[1]]);
+        table.prefetch(hit);
+    }
+}
+
 /// A cell that was drawn.
 #[derive(Clone, Copy)]
 pub(super) struct Chosen {

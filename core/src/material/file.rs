@@ -48,14 +48,17 @@ impl From<FormatError> for FileError {
 /// Reads the bytes of a `.srbf` file, for [`Material::from_bytes`](crate::Material::from_bytes), which checks
 /// them.
 ///
-/// The head is looked at first, so that of a large file that is no material, or of a device without an end,
-/// 52 bytes are read. Of a file that is longer than its head announces, one byte more than that is read: it
+/// The head is looked at first, so that of a large file that is no material 52 bytes are read. Of a file that is longer than its head announces, one byte more than that is read: it
 /// is refused by its length.
 ///
 /// # Errors
-/// [`FileError::Io`], also where memory does not suffice; [`FileError::Format`] for what does not start like
-/// a material.
+/// [`FileError::Io`], also where memory does not suffice, and for a folder or a pipe, which might never end;
+/// [`FileError::Format`] for what does not start like a material.
 pub fn read_file(path: &Path) -> Result<Vec<u8>, FileError> {
+    // Before it is opened: to open a pipe waits for one who writes.
+    if !std::fs::metadata(path)?.is_file() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file").into());
+    }
     read(File::open(path)?)
 }
 
@@ -142,5 +145,22 @@ mod tests {
     fn a_file_that_is_not_there_gives_the_reason_of_the_system() {
         let error = read_file(Path::new("/no/such/file.srbf")).unwrap_err();
         assert!(matches!(error, FileError::Io(ref e) if e.kind() == io::ErrorKind::NotFound));
+    }
+
+    /// A pipe that nobody writes to would hold whoever opens it.
+    #[cfg(unix)]
+    #[test]
+    fn only_regular_files_are_opened() {
+        let pipe = std::env::temp_dir().join(std::format!("srbf-pipe-{}", std::process::id()));
+        let _ = std::fs::remove_file(&pipe);
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        for path in [pipe.as_path(), Path::new("/dev/zero"), Path::new("/")] {
+            let error = read_file(path).unwrap_err();
+            assert!(
+                matches!(error, FileError::Io(ref e) if e.kind() == io::ErrorKind::InvalidInput),
+                "{error}"
+            );
+        }
+        std::fs::remove_file(&pipe).unwrap();
     }
 }

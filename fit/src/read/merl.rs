@@ -9,9 +9,11 @@ use crate::ReadError;
 use crate::table::Brdf;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-const SIZE: [usize; 3] = [90, 90, 180];
-const CELLS: usize = SIZE[0] * SIZE[1] * SIZE[2];
-const SCALE: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
+/// Cells along the half angle, the difference angle, and its azimuth.
+pub(crate) const SIZE: [usize; 3] = [90, 90, 180];
+pub(crate) const CELLS: usize = SIZE[0] * SIZE[1] * SIZE[2];
+/// What the numbers of each channel are multiplied by.
+pub(crate) const SCALE: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 
 /// One MERL material.
 #[derive(Clone, Debug, PartialEq)]

@@ -11,6 +11,7 @@
 //! over a quarter (from -pi to -pi / 2; the rest follows by mirrors in x and y).
 
 mod arrays;
+pub(crate) mod container;
 #[cfg(test)]
 mod damage;
 #[cfg(test)]

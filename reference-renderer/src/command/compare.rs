@@ -83,7 +83,7 @@ pub struct Args {
 const MAX_SECONDS: f64 = 86_400.0;
 
 /// Parses a time budget.
-fn seconds(text: &str) -> Result<f64, String> {
+pub fn seconds(text: &str) -> Result<f64, String> {
     let value = text.parse().ok().filter(|v| *v > 0.0 && *v <= MAX_SECONDS);
     value.ok_or_else(|| format!("expected seconds, above 0 and at most {MAX_SECONDS}"))
 }

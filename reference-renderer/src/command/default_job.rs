@@ -1,14 +1,15 @@
-//! `srbf` without a command: pictures of a preset, and a comparison of samplers, from what is embedded.
+//! `srbf` without a command: pictures of a preset, error against run time, and a page of both, from what is embedded.
 
 use crate::cast::Cast;
-use crate::comparison::{self, Budgets, Case, Method, Plan};
-use crate::environment::sky;
+use crate::comparison::{self, Budgets, Case, Comparison, Method, Plan};
+use crate::environment::{Environment, sky};
 use crate::film::Film;
 use crate::material::{self, StoredMaterial};
+use crate::page::{Figure, Page};
 use crate::points::PointsName;
 use crate::progress::Progress;
 use crate::render::{Settings, add_samples};
-use crate::sampling::{Light, SamplerName, Strategy};
+use crate::sampling::{SamplerName, Strategy};
 use crate::scene::{Scene, SceneName};
 use crate::shader::LoadedMaterial;
 use crate::{picture_file, plot, report};
@@ -26,66 +27,102 @@ struct Picture {
 /// Sizes and samples are such that the job takes about a minute on two cores, most of it the teapot.
 const PICTURES: [Picture; 2] = [
     Picture { scene: SceneName::Sphere, file: "sphere.exr", size: [400, 400], samples: 64 },
-    Picture { scene: SceneName::Teapot, file: "teapot.exr", size: [720, 450], samples: 128 },
+    Picture { scene: SceneName::Teapot, file: "teapot.exr", size: [720, 450], samples: 96 },
 ];
 
-/// What is compared.
-const METHODS: [Strategy; 3] =
-    [Strategy::PRODUCT, Strategy::alone(SamplerName::Lobes), Strategy::alone(SamplerName::Cosine)];
+/// What is compared, on what: a lacquer with a wide highlight, and a metallic paint with a sharp one.
+const METHODS: [Strategy; 6] = [
+    Strategy::PRODUCT,
+    Strategy::MIS,
+    Strategy::alone(SamplerName::Lobes),
+    Strategy::alone(SamplerName::Ggx),
+    Strategy::alone(SamplerName::Lafortune),
+    Strategy::alone(SamplerName::Cosine),
+];
+const MATERIALS: [&str; 2] = ["garnet_red", "cayman"];
 
 /// Runs the job; writes into the folder.
 pub fn run(out: &Path) -> anyhow::Result<()> {
     let start = Instant::now();
+    let mut page = Page::new("Measured materials as lobes");
+    render(out, &mut page)?;
+    let comparisons = compare()?;
+
+    let csv = out.join("error-vs-time.csv");
+    report::write_csv(&csv, &comparisons)?;
+    plot::write_png(&csv.with_extension("png"), &comparisons)?;
+    page.heading("Error against run time");
+    page.paragraph(comparison::page::WORDS);
+    comparison::page::add(&mut page, &comparisons)?;
+    let report = out.join("report.html");
+    page.write(&report)?;
+    println!("{}, plot beside it; all of it: {}", csv.display(), report.display());
+    println!("{:.0} s in all", start.elapsed().as_secs_f64());
+    Ok(())
+}
+
+/// Renders the pictures, light and material sampled together.
+fn render(out: &Path, page: &mut Page) -> anyhow::Result<()> {
     let sky = sky::sky();
     let object = StoredMaterial::load(material::DEFAULT)?;
     let ground = StoredMaterial::load(material::MATTE)?;
+    let mut figures = Vec::new();
     for Picture { scene: name, file, size, samples } in PICTURES {
         let scene = Scene::new(name, &object.material, &ground.material, &sky);
-        let settings =
-            Settings { light: Light::Mis, split: 1, max_bounces: 6, points: PointsName::Sobol, seed: 0 };
+        let settings = Settings {
+            light: Strategy::PRODUCT.light,
+            split: 1,
+            max_bounces: 6,
+            points: PointsName::Sobol,
+            seed: 0,
+        };
         let (mut film, path) = (Film::new(size), out.join(file));
         let progress = Progress::new(file, size[1].into());
         add_samples(&scene, &name.camera(size), &settings, &mut film, samples, &progress)?;
         drop(progress);
         let picture = film.to_picture();
         picture_file::write_exr(&path, size, &picture)?;
-        let exposure = picture_file::automatic_exposure(&picture);
-        picture_file::write_tone_mapped_png(&path.with_extension("png"), size, &picture, exposure)?;
-        println!(
-            "{}: {} under the sky, {samples} samples a pixel, PNG beside it",
-            path.display(),
-            object.name
-        );
+        let bytes = picture_file::tone_mapped(&picture, picture_file::automatic_exposure(&picture));
+        picture_file::write_png(&path.with_extension("png"), size, &bytes)?;
+        let title = format!("{} under the sky, {samples} samples a pixel", object.name);
+        println!("{}: {title}, PNG beside it", path.display());
+        figures.push(Figure::new(picture_file::encode_png(size, &bytes)?, title));
     }
+    page.heading("Pictures");
+    page.paragraph("Twelve lobes a view and a diffuse term; light and lobes are sampled together, one shadow ray a surface.");
+    page.row(&figures);
+    Ok(())
+}
 
+/// Compares on the sphere.
+fn compare() -> anyhow::Result<Vec<Comparison>> {
     let plan = Plan {
         methods: METHODS.map(Method::of).to_vec(),
         size: [96; 2],
-        budgets: Budgets::Samples((0..=4).map(|i| 1 << (2 * i)).collect()),
+        budgets: Budgets::Samples(vec![1, 4, 16, 64]),
         repeats: 3,
         reference_samples: 1024,
         max_bounces: 1,
         seed: 0,
         cache: None,
     };
-    let (cast, haze) =
-        (Cast::of(SceneName::Sphere, LoadedMaterial::Lobes(object), None, None, None)?, sky::haze());
+    let haze = sky::haze();
+    MATERIALS.iter().map(|name| compare_one(&plan, name, &haze)).collect()
+}
+
+fn compare_one(plan: &Plan, name: &str, haze: &Environment) -> anyhow::Result<Comparison> {
+    let cast = Cast::of(SceneName::Sphere, LoadedMaterial::load(name)?, None, None, None)?;
     let case = Case {
         scene: SceneName::Sphere,
         mesh: None,
         cast: &cast,
         light: "haze",
-        environment: &haze,
+        environment: haze,
         sources: &[],
     };
-    let progress = Progress::new("comparing samplers", plan.steps());
-    let comparison = comparison::measure(&case, &plan, &progress)?;
+    let progress = Progress::new(&format!("comparing on {name}"), plan.steps());
+    let comparison = comparison::measure(&case, plan, &progress)?;
     drop(progress);
-    println!();
-    report::print(&comparison);
-    let csv = out.join("error-vs-time.csv");
-    report::write_csv(&csv, std::slice::from_ref(&comparison))?;
-    plot::write_png(&csv.with_extension("png"), &[comparison])?;
-    println!("\n{}, plot beside it; {:.0} s in all", csv.display(), start.elapsed().as_secs_f64());
-    Ok(())
+    println!("\n{}\n{}", comparison.title(), report::summary(&comparison));
+    Ok(comparison)
 }

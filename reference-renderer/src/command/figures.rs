@@ -1,6 +1,7 @@
 //! `srbf figures`: table 5.1 and figures 5.1 to 5.7 of the thesis, and its claim as a table.
 
-use super::{argument, samples, thesis_table};
+use super::argument;
+use super::project::{samples, thesis_table};
 use crate::comparison::{Estimate, Method, Reading};
 use crate::environment::Environment;
 use crate::environment::file::{self, Projection};

@@ -1,181 +1,130 @@
 //! `srbf fit`.
 
-mod lobes_table;
 mod method;
-mod names;
+pub mod names;
 mod picture;
-mod survey;
+mod settings;
+mod words;
 
-use super::view_table;
+use super::fit_page;
 use crate::output;
-use anyhow::{Context, bail};
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::progress::Progress;
+use anyhow::{bail, ensure};
 use method::MethodName;
+use names::Place;
+pub use settings::SettingArgs;
 use srbf_core::Material;
 use srbf_fit::judge::cross::CrossValidation;
-use srbf_fit::judge::method::Fitted;
-use srbf_fit::judge::reciprocity::reciprocity;
-use srbf_fit::judge::report::{Input, Report, mean_error};
+use srbf_fit::judge::report::Input;
 use srbf_fit::read::{Content, Source};
 use srbf_fit::table::Symmetry;
-use srbf_fit::{FactorNodes, Fit, Settings};
+use srbf_fit::{Fit, Settings};
 use std::path::{Path, PathBuf};
 
-/// Fits a measured BRDF file and writes a .srbf material, with a report in JSON beside it.
+/// Fits measured BRDFs: writes .srbf materials, with a picture and a report in JSON beside each.
+///
+/// Prints what is good, what is off, what to try, and what was written. The exit status is 2 if a file could not be fitted;
+/// of several files the others are fitted all the same.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The measured BRDF: .brdf or .astm (Cornell), .binary (MERL), .bsdf (RGL), or our own .csv; or an analytic model.
+    /// Measured BRDFs: .brdf or .astm (Cornell), .binary (MERL), .bsdf (RGL), or our own .csv; or analytic models.
     ///
     /// Models are named model:NAME:KEY=VALUE,KEY=VALUE: model:lambert:albedo=0.6/0.2/0.1,
     /// model:phong:diffuse=0.3,specular=0.3,exponent=50, model:ward:diffuse=0.2,specular=0.3,alpha_x=0.1,alpha_y=0.4,
     /// model:ggx:alpha=0.2,ior=1.5 (or f0=0.9; alpha_x and alpha_y; diffuse), and the fits of MERL materials
     /// model:sgd:name=gold-metallic-paint and model:abc:name=..., from file=PATH or the folder that SRBF_DATA_DIR names.
-    #[arg(required_unless_present = "survey", value_name = "FILE|MODEL", verbatim_doc_comment)]
-    file: Option<PathBuf>,
-    /// The file to write; by default the name of the input, a model's with its parameters, with .srbf, in out/. Methods other
-    /// than ours write JSON only, NAME-METHOD.json if -o does not end in .json: a .srbf file holds tracked lobes.
-    #[arg(short, long, conflicts_with = "survey")]
+    #[arg(required = true, value_name = "FILE|MODEL", verbatim_doc_comment)]
+    files: Vec<PathBuf>,
+    /// The file to write, or the folder: a name that ends in `/`, and any name if there are several inputs
+    /// [default: out/NAME.srbf, NAME being that of the input, of a model with its parameters].
+    ///
+    /// Methods other than ours write JSON only, NAME-METHOD.json if -o does not end in .json: a .srbf file holds tracked lobes.
+    #[arg(short, long)]
     output: Option<PathBuf>,
     /// The way of fitting.
-    #[arg(long, value_enum, default_value_t, conflicts_with = "survey")]
+    #[arg(long, value_enum, default_value_t)]
     method: MethodName,
     /// The file holds published Lafortune fits (lafortune_fits.csv); this is the one that is taken as the measurement.
-    #[arg(long, value_name = "NAME", conflicts_with = "survey")]
+    #[arg(long, value_name = "NAME")]
     material: Option<String>,
     /// Also fits without parts of the samples and without whole views, prints the error over what was left out, and puts it
     /// into the report.
-    #[arg(long, conflicts_with = "survey")]
+    #[arg(long)]
     cross_validate: bool,
-    /// Instead of a material, writes a table and a plot: error, bytes and run time against the number of lobes.
-    #[arg(long, conflicts_with_all = ["survey", "cross_validate", "error", "lobes", "method", "output"])]
-    lobes_table: bool,
     #[command(flatten)]
     picture: picture::Args,
     #[command(flatten)]
     settings: SettingArgs,
     #[command(flatten)]
-    survey: survey::Args,
-}
-
-/// Lobes that `--error` may use.
-const MOST_LOBES: usize = 32;
-
-/// Settings of a fit on the command line.
-#[derive(Debug, clap::Args)]
-pub struct SettingArgs {
-    /// Lobes of every view, 1 to 64.
-    #[arg(long)]
-    lobes: Option<usize>,
-    /// Mean relative L2 error in per cent that is asked for: the fewest lobes that reach it are used, at most --lobes or 32.
-    #[arg(long, value_name = "PER_CENT")]
-    error: Option<f64>,
-    /// How many of the lobes are squeezed across the plane of incidence.
-    #[arg(long)]
-    squeezed: Option<usize>,
-    /// How many pairs of the lobes are mirrored in the plane of incidence.
-    #[arg(long, value_name = "PAIRS")]
-    mirrored: Option<usize>,
-    /// Weight of the smoothness from view to view.
-    #[arg(long)]
-    smoothness: Option<f64>,
-    /// Starting points that are tried.
-    #[arg(long)]
-    starts: Option<usize>,
-    /// Most steps of the solver in the refinement.
-    #[arg(long)]
-    steps: Option<usize>,
-    /// Most times that a lobe is exchanged, in each of the stages that do so.
-    #[arg(long)]
-    exchanges: Option<usize>,
-    /// Views of the material, placed where it changes. By default 15, with
-    /// 6 to 11 lobes as many more as take the bytes of 12. With lobes in mirrored pairs, as many more as take the same bytes.
-    #[arg(long)]
-    views: Option<usize>,
-    /// The table of factors over half angle and difference angle that the lobes are multiplied by, `24x10` for example: `none`, or
-    /// by default what it gains decides.
-    #[arg(long, value_name = "NODES", value_parser = factor_nodes)]
-    factors: Option<FactorNodes>,
-}
-
-/// Reads `none`, `chosen` or two numbers of nodes.
-fn factor_nodes(text: &str) -> Result<FactorNodes, String> {
-    let given = || {
-        let (half, difference) = text.split_once('x')?;
-        Some(FactorNodes::Given([half.parse().ok()?, difference.parse().ok()?]))
-    };
-    match text {
-        "none" => Ok(FactorNodes::None),
-        "chosen" => Ok(FactorNodes::Chosen),
-        _ => given().ok_or_else(|| "expected `none`, `chosen`, or numbers of nodes as in 24x10".into()),
-    }
-}
-
-impl SettingArgs {
-    fn settings(&self) -> Settings {
-        let default = Settings::default();
-        let lobes = self.lobes.unwrap_or(if self.error.is_some() { MOST_LOBES } else { default.lobes });
-        Settings {
-            lobes,
-            error: self.error.map(|per_cent| per_cent / 100.0),
-            squeezed: self.squeezed,
-            mirrored: self.mirrored,
-            smoothness: self.smoothness.unwrap_or(default.smoothness),
-            starts: self.starts.unwrap_or(default.starts),
-            steps: self.steps.unwrap_or(default.steps),
-            exchanges: self.exchanges.unwrap_or(default.exchanges),
-            views: self.views,
-            factors: self.factors.unwrap_or(default.factors),
-            ..default
-        }
-    }
+    words: words::Args,
 }
 
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
-    if args.survey.is_asked_for() {
-        return survey::run(&args.settings, &args.survey);
+    let places = names::places(&args.files, args.output.as_deref(), args.material.as_deref(), args.method)?;
+    let pictures = args.picture.paths(&places, args.method)?;
+    let mut failed = 0;
+    for (n, (place, picture)) in places.iter().zip(&pictures).enumerate() {
+        if n > 0 {
+            args.words.say_next_file();
+        }
+        let done = fit_one(&args, place, picture.as_deref());
+        match done {
+            Err(error) if places.len() > 1 => {
+                eprintln!("srbf: {}", naming(&place.file, &error));
+                failed += 1;
+            }
+            done => done?,
+        }
     }
-    let file = args.file.context("a file is needed")?;
-    let source = method::read(&file, args.material.as_deref())?;
-    check_options(&file, &source.content, &args.settings)?;
-    let name = names::stem(&file, args.material.as_deref())?;
-    if args.lobes_table {
-        return lobes_table::run(&source, &name.to_string_lossy(), &args.settings.settings());
-    }
+    ensure!(failed == 0, "{failed} of {} files were not fitted", places.len());
+    Ok(())
+}
+
+/// Fits a file, and draws and says what is asked for.
+fn fit_one(args: &Args, place: &Place, picture: Option<&Path>) -> anyhow::Result<()> {
+    let file = &place.file;
+    let source = method::read(file, args.material.as_deref())?;
+    check_options(file, &source.content, &args.settings)?;
+    // After the file, which is named first where memory is short.
+    let light = picture.map(|_| args.picture.light()).transpose()?;
     let is_model = file.to_string_lossy().starts_with(srbf_fit::analytic::PREFIX);
     let named = if is_model { file.display().to_string() } else { source.name.clone() };
     let input = Input { name: named, sha256: source.sha256.clone() };
+    let left_out = left_out(args.cross_validate, file, &source.content, args.method, &args.settings)?;
     if args.method != MethodName::Tracked {
-        args.picture.check(&file, args.method)?;
-        let path = names::baseline(args.output, &name, args.method);
-        output::check_place(&path)?;
-        let left_out = left_out(args.cross_validate, &file, &source.content, args.method, &args.settings)?;
         let fit = method::fit(&source, &input, args.method, &args.settings, left_out)?;
-        srbf_fit::write_atomically(&path, fit.json.as_bytes())?;
-        println!("{} in {:.2} s", path.display(), fit.report.seconds);
-        print_report(&fit.report, fit.fitted.as_ref(), None)?;
-        return Ok(());
+        output::write(&place.output, fit.json.as_bytes())?;
+        return args.words.say_baseline(place, &fit);
     }
-    let output = names::material(args.output, &name)?;
-    output::check_places(&[&output, &names::report(&output)])?;
-    let picture = args.picture.check(&output, args.method)?;
     let settings = args.settings.settings();
-    let left_out = left_out(args.cross_validate, &file, &source.content, args.method, &args.settings)?;
     let mut fit = fit_source(&source, settings.clone(), "")?;
     fit.report.cross_validation = left_out;
-    srbf_fit::write_atomically(&output, &fit.bytes)?;
+    output::write(&place.output, &fit.bytes)?;
     let material = Material::from_bytes(fit.bytes.as_slice())?;
     let json = fit.report.to_json(&material, &input, &settings)?;
-    srbf_fit::write_atomically(&names::report(&output), json.as_bytes())?;
-    println!(
-        "{}: {} bytes in {:.2} s, {} evaluations",
-        output.display(),
-        fit.bytes.len(),
-        fit.report.seconds,
-        fit.report.evaluations
-    );
-    let verdict = print_report(&fit.report, &material, Some(&material))?;
-    picture.map_or(Ok(()), |picture| picture.write(&output, fit.bytes, source, &verdict))
+    output::write(&names::report(&place.output), json.as_bytes())?;
+
+    let words = args.words.say_fit(place, &fit.report, &material, &json)?;
+    let bytes = fit.bytes.clone();
+    if let Some((path, light)) = picture.zip(light) {
+        args.picture.write(path, &place.output, &light, (bytes, source), &words)?;
+    }
+    let page = picture.and_then(|picture| args.picture.page(picture));
+    let next = words::next(&place.output);
+    if let Some((path, picture)) = page.as_deref().zip(picture) {
+        let name = place.output.file_stem().unwrap_or_default().to_string_lossy();
+        let (report, next) = (Some(&fit.report), Some(next.as_str()));
+        fit_page::write(path, &fit_page::Subject { name: &name, words: &words, report, picture, next })?;
+    }
+    args.words.say_written(place, [picture, page.as_deref()], &next);
+    Ok(())
+}
+
+/// An error with the file that it is of; most name it themselves.
+fn naming(file: &Path, error: &anyhow::Error) -> String {
+    let (file, text) = (file.display().to_string(), format!("{error:#}"));
+    if text.contains(&file) { text } else { format!("{file}: {text}") }
 }
 
 /// Refuses options that the fit of such a content would ignore.
@@ -224,58 +173,6 @@ pub fn fit_file(file: &Path, settings: Settings, source: &str) -> anyhow::Result
 
 fn fit_source(read: &Source, mut settings: Settings, source: &str) -> anyhow::Result<Fit> {
     settings.provenance = format!("{source}{}, SHA-256 {}\n", read.name, read.sha256);
-
-    // indicatif draws nothing where standard error is not a terminal.
-    let bar = ProgressBar::new(1000).with_message(read.name.clone());
-    bar.set_style(ProgressStyle::with_template("{msg} [{bar:40}] {percent} %")?);
-    let fit =
-        srbf_fit::fit_content(&read.content, &settings, |share| bar.set_position((1000.0 * share) as u64));
-    bar.finish_and_clear();
-    Ok(fit?)
-}
-
-/// Prints a report, a line a view, with the verdict last, and gives the lines of that; `material`: the material, if the method makes one.
-fn print_report(
-    report: &Report,
-    fitted: &dyn Fitted,
-    material: Option<&Material<&[u8]>>,
-) -> anyhow::Result<Vec<String>> {
-    let isotropic = view_table::is_isotropic(report);
-    println!("{}", view_table::LEGEND);
-    view_table::print_views(&report.views, isotropic);
-    println!("mean relative L2 {:.2} %", 100.0 * report.mean_error());
-    if !report.held_out.is_empty() {
-        let of =
-            if report.completion.is_some() { ", against what the samples were completed to" } else { "" };
-        println!("held out, between the knots{of}:");
-        view_table::print_views(&report.held_out, isotropic);
-        println!("mean relative L2 held out {:.2} %", 100.0 * mean_error(&report.held_out));
-    }
-    if let Some(completion) = &report.completion {
-        view_table::print_completion(completion);
-    }
-    if let Some(found) = &report.cross_validation {
-        print_left_out(found);
-    }
-    Ok(view_table::print_verdict(report, &reciprocity(fitted)?, material))
-}
-
-fn print_left_out(found: &CrossValidation) {
-    let percent = |digits: usize, error: Option<f64>| {
-        error.filter(|e| !e.is_nan()).map_or_else(|| "-".into(), |e| format!("{:.digits$}", 100.0 * e))
-    };
-    let list = |errors: &mut dyn Iterator<Item = f64>| -> String {
-        errors.map(|e| percent(1, Some(e))).collect::<Vec<_>>().join(" ")
-    };
-    let [samples, views] = found.means();
-    println!(
-        "relative L2 over samples left out, 5 folds: mean {} %; views: {}",
-        percent(2, samples),
-        list(&mut found.folds.iter().copied())
-    );
-    println!(
-        "relative L2 of views left out: mean {} %; inner views: {}",
-        percent(2, views),
-        list(&mut found.left_out.iter().map(|view| view.1))
-    );
+    let progress = Progress::of_shares(&read.name);
+    Ok(srbf_fit::fit_content(&read.content, &settings, |share| progress.set_share(share))?)
 }

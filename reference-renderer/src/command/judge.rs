@@ -43,6 +43,8 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let report = Report { held_out: judged.collect::<Result<_, _>>()?, ..Report::default() };
     println!("{}", view_table::LEGEND);
     view_table::print_views(&report.held_out, true);
-    view_table::print_verdict(&report, &reciprocity(&material)?, Some(&material));
+    let reciprocity = reciprocity(&material)?;
+    view_table::print_whole(&report, &reciprocity, Some(&material));
+    view_table::words(&report, &reciprocity, Some(&material)).iter().for_each(|line| println!("{line}"));
     Ok(())
 }

@@ -1,12 +1,13 @@
 //! `srbf plot`.
 
-use super::{argument, ball, view_table};
+use super::{argument, ball, fit_page, view_table};
 use crate::ball_sheet::Light;
 use crate::fit_sheet::{self, Against, Subject};
 use crate::material::StoredMaterial;
 use crate::measured::MeasuredMaterial;
 use crate::shader::LoadedMaterial;
 use srbf_fit::complete::{Completion, complete};
+use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Report, ViewReport};
 use srbf_fit::read::{Content, Source};
 use srbf_fit::table::{Brdf, Symmetry, Table, evaluation_views};
@@ -38,6 +39,9 @@ pub struct Args {
     /// The light of the balls: sky, haze, constant:VALUE, or a latitude-longitude map in a .hdr or .exr file
     #[arg(long, default_value = LIGHT)]
     env: String,
+    /// Also writes a page of HTML beside the picture, with the verdict and the tables; it needs no other file and no network
+    #[arg(long)]
+    html: bool,
     /// The picture to write, .png [default: out/NAME.png]
     #[arg(short, long, value_name = "OUT.png")]
     output: Option<PathBuf>,
@@ -84,27 +88,41 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let light = Light { name: &args.env, environment: &environment, samples: SAMPLES, stops: 0.0 };
     let source = args.against.as_deref().map(srbf_fit::read::read).transpose()?;
     let beside = source.map(Beside::new).transpose()?;
-    let verdict = match &beside {
-        Some(beside) => verdict(&stored, beside)?,
+    let report = beside.as_ref().map(|beside| judge(&stored, beside)).transpose()?.flatten();
+    let verdict = match &report {
+        Some(report) => view_table::words(report, &reciprocity(&stored.material)?, Some(&stored.material)),
         None => Vec::new(),
     };
+    let (name, page) = (stored.name.clone(), args.html.then(|| output.with_extension("html")));
+    if let Some(page) = &page {
+        crate::output::check_place(page)?;
+    }
     verdict.iter().for_each(|line| println!("{line}"));
-    write(&output, stored, beside, light, &verdict)
+    let seconds = write(&output, stored, beside, light, &verdict)?;
+    println!("{} in {seconds:.2} s", output.display());
+    if let Some(path) = page {
+        let (words, report) = (&verdict, report.as_ref());
+        fit_page::write(
+            &path,
+            &fit_page::Subject { name: &name, words, report, picture: &output, next: None },
+        )?;
+        println!("{}", path.display());
+    }
+    Ok(())
 }
 
-/// The verdict on a material beside what is known everywhere; none on an anisotropic one.
-fn verdict(stored: &StoredMaterial, beside: &Beside) -> anyhow::Result<Vec<String>> {
+/// The errors of a material beside what is known everywhere; none of an anisotropic one.
+fn judge(stored: &StoredMaterial, beside: &Beside) -> anyhow::Result<Option<Report>> {
     let material = &stored.material;
     if !material.is_isotropic() || beside.brdf().symmetry() != Symmetry::Isotropic {
-        return Ok(Vec::new());
+        return Ok(None);
     }
     let table = evaluation_views::judging_table(beside.brdf(), &JUDGED.map(f64::to_radians))?;
     let judged = table.views.iter().map(|view| ViewReport::judge(material, view));
-    let report = Report { held_out: judged.collect::<Result<_, _>>()?, ..Report::default() };
-    view_table::verdict(&report, material)
+    Ok(Some(Report { held_out: judged.collect::<Result<_, _>>()?, ..Report::default() }))
 }
 
-/// Draws and writes the picture of a material, and says where it is.
+/// Draws and writes the picture of a material; gives the seconds that it took.
 ///
 /// # Errors
 /// As the material says them; names the file that cannot be written.
@@ -114,7 +132,7 @@ pub fn write(
     beside: Option<Beside>,
     light: Light<'_>,
     verdict: &[String],
-) -> anyhow::Result<()> {
+) -> anyhow::Result<f64> {
     let start = Instant::now();
     let (name, fit) = (stored.name.clone(), stored.material.clone());
     let ball = LoadedMaterial::Lobes(stored);
@@ -134,6 +152,5 @@ pub fn write(
             fit_sheet::write(path, &Subject { against, ball_beside: Some(&beside), ..alone })?;
         }
     }
-    println!("{} in {:.2} s", path.display(), start.elapsed().as_secs_f64());
-    Ok(())
+    Ok(start.elapsed().as_secs_f64())
 }

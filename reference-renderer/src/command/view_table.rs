@@ -3,7 +3,7 @@
 use srbf_core::Material;
 use srbf_fit::complete::CompletionReport;
 use srbf_fit::complete::held_out::HeldOut;
-use srbf_fit::judge::reciprocity::{Reciprocity, reciprocity};
+use srbf_fit::judge::reciprocity::Reciprocity;
 use srbf_fit::judge::report::{Report, ViewReport, factor_bytes};
 use srbf_fit::judge::verdict::{Made, Spread, Summary, Verdict};
 
@@ -63,23 +63,49 @@ pub fn print_views(views: &[ViewReport], isotropic: bool) {
 
 fn line(v: &ViewReport, isotropic: bool) -> String {
     let azimuth = if isotropic { String::new() } else { format!(" {:5.1}", v.azimuth.to_degrees()) };
-    // What is black has no relative error.
+    let numbers = numbers(errors(v));
+    let [fit, data] = [v.albedo, v.data_albedo].map(albedo);
+    format!("{:6.1}{azimuth} |{numbers} | {fit} ({data})", v.theta.to_degrees())
+}
+
+/// Names of the columns of a table of views.
+pub fn names() -> Vec<String> {
+    let ends = ["albedo of the fit", "of the data"];
+    let names = ["view", "azimuth"].into_iter().chain(COLUMNS.map(|column| column.0)).chain(ends);
+    names.map(str::to_owned).collect()
+}
+
+/// A view in those columns.
+pub fn cells(v: &ViewReport) -> Vec<String> {
+    let degrees = [v.theta, v.azimuth].map(|angle| format!("{:.1}", angle.to_degrees()));
+    let albedos = [v.albedo, v.data_albedo].map(albedo);
+    let numbers = fields(errors(v)).map(|field| field.trim().to_owned());
+    degrees.into_iter().chain(numbers).chain(albedos).collect()
+}
+
+fn albedo(rgb: [f64; 3]) -> String {
+    rgb.map(|a| format!("{a:.3}")).join(" ")
+}
+
+/// The numbers of a view; what is black has no relative error.
+fn errors(v: &ViewReport) -> [f64; 7] {
     let error = if v.is_black { f64::NAN } else { v.error };
     let seen = v.seen;
-    let numbers =
-        numbers([error, seen.peak, seen.off_peak, seen.luminance, seen.chroma, v.variance, v.largest_weight]);
-    let rgb = |albedo: [f64; 3]| albedo.map(|a| format!("{a:.3}")).join(" ");
-    format!("{:6.1}{azimuth} |{numbers} | {} ({})", v.theta.to_degrees(), rgb(v.albedo), rgb(v.data_albedo))
+    [error, seen.peak, seen.off_peak, seen.luminance, seen.chroma, v.variance, v.largest_weight]
 }
 
 /// The numbers of the columns, the first four in per cent; `-` for what a method has none of, as the variance if it does not sample.
 fn numbers(values: [f64; 7]) -> String {
+    fields(values).join(" ")
+}
+
+fn fields(values: [f64; 7]) -> [String; 7] {
     let field = |(n, value): (usize, f64)| {
         let (_, width, digits) = COLUMNS[n];
         let value = if n < 4 { 100.0 * value } else { value };
         if value.is_nan() { format!("{:>width$}", "-") } else { format!("{value:width$.digits$}") }
     };
-    values.into_iter().enumerate().map(field).collect::<Vec<_>>().join(" ")
+    std::array::from_fn(|n| field((n, values[n])))
 }
 
 /// Prints the median and the worst of each column, and where the worst is.
@@ -104,14 +130,10 @@ fn print_summary(summary: &Summary, isotropic: bool) {
     println!("at deg{gap} |{}", angles.map(angle).collect::<Vec<_>>().join(" "));
 }
 
-/// Prints what is known of the whole: the table behind it, the material, energy and reciprocity; the verdict last.
+/// Prints what is known of the whole: the table behind it, the material, energy and reciprocity.
 ///
-/// `material`: the material, if the fit is one. Gives the lines of the verdict.
-pub fn print_verdict(
-    report: &Report,
-    reciprocity: &Reciprocity,
-    material: Option<&Material<&[u8]>>,
-) -> Vec<String> {
+/// `material`: the material, if the fit is one.
+pub fn print_whole(report: &Report, reciprocity: &Reciprocity, material: Option<&Material<&[u8]>>) {
     let isotropic = is_isotropic(report);
     let summary = Summary::new(report);
     println!("{} {} views:", summary.views, if summary.is_of_held_out { "held-out" } else { "fitted" });
@@ -132,19 +154,16 @@ pub fn print_verdict(
     if let Some(material) = material {
         print_factors(material);
     }
-    report.notes().iter().for_each(|note| println!("note {note}"));
-    let made = material.map(Made::new);
-    let lines = Verdict::new(report, reciprocity, made).lines();
-    lines.iter().for_each(|line| println!("{line}"));
-    lines
 }
 
-/// The lines of the verdict on a material.
-///
-/// # Errors
-/// As the material says them.
-pub fn verdict(report: &Report, material: &Material<impl AsRef<[u8]> + Sync>) -> anyhow::Result<Vec<String>> {
-    Ok(Verdict::new(report, &reciprocity(material)?, Some(Made::new(material))).lines())
+/// What is said of a fit in words: notes, then the verdict.
+pub fn words(
+    report: &Report,
+    reciprocity: &Reciprocity,
+    material: Option<&Material<impl AsRef<[u8]>>>,
+) -> Vec<String> {
+    let notes = report.notes().into_iter().map(|note| format!("note {note}"));
+    notes.chain(Verdict::new(report, reciprocity, material.map(Made::new)).lines()).collect()
 }
 
 /// Whether no view of a report is turned.

@@ -32,7 +32,7 @@ pub fn add(page: &mut Page, comparisons: &[Comparison]) -> anyhow::Result<()> {
 /// What is measured, in words, for the head of a page.
 pub const WORDS: &str = "Relative MSE: the mean over the pixels of the squared difference from the reference over the square of the pixel's brightness \
     (and of a tenth of the picture's), without the 0.1 % of the pixels that are worst. Seconds are those of the processors that worked on the \
-    picture; fitting samplers and building scenes is not counted. After +- stands the standard error over the repeats.";
+    picture; fitting samplers and building scenes is not counted. After ± stands the standard error over the repeats.";
 
 /// Relative MSE after the same time, as multiples of the first method's, of all comparisons.
 fn overview(comparisons: &[Comparison]) -> Table {
@@ -64,7 +64,8 @@ fn overview(comparisons: &[Comparison]) -> Table {
 /// A ratio, bold where it is certainly below 1.
 fn ratio(ratio: Option<Estimate>, with_error: bool) -> Cell {
     let Some(Estimate { mean, error }) = ratio else { return Cell::number("-") };
-    let text = if with_error { format!("{} ± {}", short(mean), short(error)) } else { short(mean) };
+    let text =
+        if with_error && error > 0.0 { format!("{} ± {}", short(mean), short(error)) } else { short(mean) };
     Cell::number(text).bold_if(mean + 2.0 * error < 1.0)
 }
 
@@ -75,8 +76,7 @@ fn add_one(page: &mut Page, comparison: &Comparison) -> anyhow::Result<()> {
     page.table(&summary(comparison));
     page.subheading("Pictures at the last measurement, and their relative errors");
     add_pictures(page, comparison)?;
-    page.subheading("All measurements");
-    page.table(&measurements(comparison));
+    page.folded("All measurements", &measurements(comparison));
     Ok(())
 }
 
@@ -144,28 +144,22 @@ fn plus_minus(e: Estimate) -> String {
     format!("{:.3e} ± {:.0e}", e.mean, e.error)
 }
 
-/// The reference and the picture of each method, then the errors of each.
+/// The reference, and of each method its picture above its errors.
 fn add_pictures(page: &mut Page, comparison: &Comparison) -> anyhow::Result<()> {
     let size = comparison.size;
     let exposure = picture_file::automatic_exposure(&comparison.reference.picture);
-    let shown = |pixels: &[Vec3], caption: String| -> anyhow::Result<Figure> {
-        let png = picture_file::encode_png(size, &picture_file::tone_mapped(pixels, exposure))?;
-        Ok(figure(png, size, caption))
-    };
-    let mut row = vec![shown(&comparison.reference.picture, "reference".into())?];
-    for curve in &comparison.curves {
-        let (samples, seconds) = (curve.shown.samples, curve.shown.seconds);
-        row.push(shown(
-            &curve.shown.picture,
-            format!("{}: {samples} samples, {seconds:.2} s", curve.method),
-        )?);
-    }
-    page.row(&row);
-    let mut row = vec![colour_bar()?];
-    for curve in &comparison.curves {
-        let bytes: Vec<u8> = curve.shown.errors.iter().flat_map(|&error| false_colour(error)).collect();
-        let png = picture_file::encode_png(size, &bytes)?;
-        row.push(figure(png, size, format!("{}: error", curve.method)));
+    let shown =
+        |pixels: &[Vec3]| picture_file::encode_png(size, &picture_file::tone_mapped(pixels, exposure));
+    let reference = shown(&comparison.reference.picture)?;
+    let [low, high] = SHOWN_ERRORS.map(|error| 100.0 * error);
+    let caption =
+        format!("reference; colours of errors: {low} % of the brightness (left) to {high} % (right)");
+    let mut row = vec![figure(reference, size, caption).above(colour_bar(size[0])?)];
+    for Curve { method, shown: last, .. } in &comparison.curves {
+        let errors: Vec<u8> = last.errors.iter().flat_map(|&error| false_colour(error)).collect();
+        let caption = format!("{method}: {} samples, {:.2}\u{a0}s", last.samples, last.seconds);
+        let errors = picture_file::encode_png(size, &errors)?;
+        row.push(figure(shown(&last.picture)?, size, caption).above(errors));
     }
     page.row(&row);
     Ok(())
@@ -191,16 +185,13 @@ fn false_colour(error: f32) -> [u8; 3] {
     [r, g, b]
 }
 
-/// What the colours mean.
-fn colour_bar() -> anyhow::Result<Figure> {
-    let size = [SHOWN_WIDTH, 24];
+/// What the colours mean, as wide as a picture.
+fn colour_bar(width: u32) -> anyhow::Result<Vec<u8>> {
+    let size = [width, width.div_ceil(8)];
     let [low, high] = SHOWN_ERRORS;
-    let error = |x: u32| low * (high / low).powf((x as f32 + 0.5) / size[0] as f32);
-    let bytes: Vec<u8> =
-        (0..size[1]).flat_map(|_| (0..size[0]).flat_map(|x| false_colour(error(x)))).collect();
-    let caption =
-        format!("relative error of a pixel: {} % (left) to {} % (right)", 100.0 * low, 100.0 * high);
-    Ok(Figure::new(picture_file::encode_png(size, &bytes)?, caption).wide(size[0]))
+    let error = |x: u32| low * (high / low).powf((x as f32 + 0.5) / width as f32);
+    let bytes: Vec<u8> = (0..size[1]).flat_map(|_| (0..width).flat_map(|x| false_colour(error(x)))).collect();
+    picture_file::encode_png(size, &bytes)
 }
 
 #[cfg(test)]
@@ -231,7 +222,7 @@ mod tests {
         let mut page = Page::new("comparison");
         add(&mut page, &[comparison("<one>"), comparison("two")]).unwrap();
         let html = page.to_html();
-        assert_eq!(html.matches("<img").count(), 2 * (1 + 3 + 3));
+        assert_eq!(html.matches("<img").count(), 2 * (1 + 2 * 3));
         assert!(html.contains("&lt;one&gt;, sphere under"));
         // The name of the light is text and no address that is followed.
         assert_eq!(asked_of_a_network(&html), ["http://"]);

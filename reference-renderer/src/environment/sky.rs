@@ -5,8 +5,8 @@ use super::Environment;
 use glam::{Vec3, vec3};
 use std::f32::consts::{PI, TAU};
 
-const WIDTH: usize = 1024;
-const HEIGHT: usize = 512;
+const WIDTH: usize = 512;
+const HEIGHT: usize = 256;
 
 /// Height and azimuth of the sun, degrees: to the left behind the camera of the scenes.
 const SUN_HEIGHT: f32 = 38.0;

@@ -165,6 +165,24 @@ fn samples_follow_the_density() {
     assert!(chi(&Map::noise(16, 8), 0.95, 3) < level);
 }
 
+/// A hint changes nothing, and reads nothing outside, whatever the numbers are.
+#[test]
+fn asking_for_cells_changes_no_draw() {
+    let mut random = Random(31);
+    for map in maps() {
+        let environment = map.environment();
+        for _ in 0..1000 {
+            let u = random.three();
+            let drawn = environment.sample(u);
+            environment.prefetch(u);
+            assert_eq!(environment.sample(u), drawn);
+        }
+        for outside in [-1.0, 1.0, 1e30, f32::NAN, f32::INFINITY] {
+            environment.prefetch([outside; 3]);
+        }
+    }
+}
+
 /// Both estimate the integral of each channel.
 #[test]
 fn light_is_the_same_by_its_own_draws_and_by_uniform_ones() {

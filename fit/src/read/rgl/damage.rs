@@ -1,7 +1,8 @@
 //! Every kind of damage to a `.bsdf` file is an error that names the field.
 
+use super::container::{Field, Fields};
 use super::parse;
-use super::synthetic::{Field, Fields, Settings, fields};
+use super::synthetic::{Settings, fields};
 use crate::analytic::ggx::{Facets, Ggx};
 
 fn small(settings: Settings) -> Fields {

@@ -4,6 +4,7 @@
 //! holds what evaluates to the model. It is made from the same definitions as the reader's, in the other direction: a point of
 //! the picture goes through the warp to a half vector, found by bisection.
 
+use super::container::Fields;
 use super::warp::{Grid, Warp};
 use crate::analytic::ggx::Ggx;
 use crate::table::Brdf;
@@ -26,44 +27,6 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self { phis: 1, range: 0.0, thetas: 9, warp: 32, picture: 32, jacobian: true, spectrum: None }
-    }
-}
-
-/// A named array of numbers.
-pub struct Field {
-    pub name: String,
-    pub shape: Vec<usize>,
-    pub kind: u8,
-    pub bytes: Vec<u8>,
-}
-
-/// A container.
-pub struct Fields(pub Vec<Field>);
-
-impl Fields {
-    pub fn push(&mut self, name: &str, shape: &[usize], values: &[f64]) {
-        assert_eq!(shape.iter().product::<usize>(), values.len(), "{name}");
-        let bytes = values.iter().flat_map(|v| (*v as f32).to_le_bytes()).collect();
-        self.0.push(Field { name: name.to_owned(), shape: shape.to_vec(), kind: 10, bytes });
-    }
-
-    /// The bytes of the file.
-    pub fn encode(&self) -> Vec<u8> {
-        let mut head = b"tensor_file\0\x01\0".to_vec();
-        head.extend((self.0.len() as u32).to_le_bytes());
-        let length: usize = self.0.iter().map(|f| 2 + f.name.len() + 2 + 1 + 8 + 8 * f.shape.len()).sum();
-        let mut data: Vec<u8> = Vec::new();
-        for Field { name, shape, kind, bytes } in &self.0 {
-            head.extend((name.len() as u16).to_le_bytes());
-            head.extend(name.as_bytes());
-            head.extend((shape.len() as u16).to_le_bytes());
-            head.push(*kind);
-            head.extend(((18 + length + data.len()) as u64).to_le_bytes());
-            shape.iter().for_each(|n| head.extend((*n as u64).to_le_bytes()));
-            data.extend(bytes);
-        }
-        head.extend(data);
-        head
     }
 }
 
@@ -138,8 +101,8 @@ pub fn fields(model: &Ggx, s: &Settings) -> Fields {
             }
         }
     }
-    let mut fields = Fields(vec![]);
-    fields.0.push(Field { name: "description".into(), shape: vec![4], kind: 1, bytes: b"test".to_vec() });
+    let mut fields = Fields::default();
+    fields.push_bytes("description", b"test");
     fields.push("phi_i", &[phis.len()], &phis);
     fields.push("theta_i", &[thetas.len()], &thetas);
     fields.push("ndf", &[64, 64], &ndf);
@@ -153,8 +116,7 @@ pub fn fields(model: &Ggx, s: &Settings) -> Fields {
             fields.push("spectra", &shape(wavelengths.len()), &pictures);
         }
     }
-    let bytes = vec![u8::from(s.jacobian)];
-    fields.0.push(Field { name: "jacobian".into(), shape: vec![1], kind: 1, bytes });
+    fields.push_bytes("jacobian", &[u8::from(s.jacobian)]);
     fields
 }
 

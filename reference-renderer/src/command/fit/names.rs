@@ -1,7 +1,8 @@
 //! `srbf fit`: the names of what it writes. Endings are added to names, never put in place of a part of them.
 
 use super::method::MethodName;
-use anyhow::{Context, bail};
+use crate::output;
+use anyhow::{Context, bail, ensure};
 use clap::ValueEnum;
 use srbf_fit::analytic::PREFIX;
 use std::ffi::OsString;
@@ -26,8 +27,72 @@ pub fn as_file_name(text: &str) -> String {
     text.chars().map(plain).collect()
 }
 
+/// An input, and where its fit goes.
+#[derive(Debug, PartialEq)]
+pub struct Place {
+    /// The file or the model that is fitted.
+    pub file: PathBuf,
+    /// The material, or the report of another method.
+    pub output: PathBuf,
+}
+
+/// The place of every input, after it has been found that it can be written and that no two are the same.
+///
+/// # Errors
+/// Names the input or the output.
+pub fn places(
+    files: &[PathBuf],
+    output: Option<&Path>,
+    material: Option<&str>,
+    method: MethodName,
+) -> anyhow::Result<Vec<Place>> {
+    ensure!(files.len() == 1 || material.is_none(), "--material: it is of one file");
+    let mut places: Vec<Place> = Vec::new();
+    for file in files {
+        let output = place(file, output, files.len() > 1, material, method)?;
+        if let Some(other) = places.iter().find(|place| place.output == output) {
+            let [other, file] = [&other.file, file].map(|file| file.display());
+            bail!("{other} and {file} would both be written to {}", output.display());
+        }
+        places.push(Place { file: file.clone(), output });
+    }
+    for place in &places {
+        output::check_place(&place.output)?;
+        if method == MethodName::Tracked {
+            output::check_place(&report(&place.output))?;
+        }
+    }
+    Ok(places)
+}
+
+/// Where the fit of a file goes: `-o`, or a name in the folder that it names.
+fn place(
+    file: &Path,
+    output: Option<&Path>,
+    is_one_of_many: bool,
+    material: Option<&str>,
+    method: MethodName,
+) -> anyhow::Result<PathBuf> {
+    let stem = stem(file, material)?;
+    let is_folder = |path: &Path| path.as_os_str().to_string_lossy().ends_with(std::path::is_separator);
+    let output = match output {
+        None => None,
+        Some(path) if is_one_of_many || is_folder(path) => {
+            let is_file = ["srbf", "json"].iter().any(|ending| ends_in(path, ending));
+            ensure!(!is_file, "-o {}: of several files it names a folder", path.display());
+            Some(path.join(with(&stem, ".srbf")))
+        }
+        Some(path) => Some(path.to_owned()),
+    };
+    if method == MethodName::Tracked {
+        self::material(output, &stem)
+    } else {
+        Ok(baseline(output, &stem, method))
+    }
+}
+
 /// The material to write.
-pub fn material(output: Option<PathBuf>, stem: &OsString) -> anyhow::Result<PathBuf> {
+fn material(output: Option<PathBuf>, stem: &OsString) -> anyhow::Result<PathBuf> {
     match output {
         Some(path) if ends_in(&path, "json") => {
             bail!("{}: -o names the material, and the report beside it ends in .json", path.display())
@@ -49,7 +114,7 @@ pub fn picture(material: &Path) -> PathBuf {
 
 /// The report of another method: `-o` if it ends in .json; otherwise the name of the method is added, so that the report of our own
 /// fit stays.
-pub fn baseline(output: Option<PathBuf>, stem: &OsString, method: MethodName) -> PathBuf {
+fn baseline(output: Option<PathBuf>, stem: &OsString, method: MethodName) -> PathBuf {
     let path = match output {
         Some(path) if ends_in(&path, "json") => return path,
         Some(path) if ends_in(&path, "srbf") => path.with_extension(""),
@@ -91,5 +156,23 @@ mod tests {
         assert_eq!(other(Some("x.v1"), MethodName::Thesis), Path::new("x.v1-thesis.json"));
         assert_eq!(other(Some("x.json"), MethodName::Thesis), Path::new("x.json"));
         assert!(material(Some("x.JSON".into()), &"x".into()).is_err());
+    }
+
+    #[test]
+    fn several_files_go_into_a_folder_and_none_over_another() {
+        let of = |files: &[&str], output: Option<&str>| {
+            let files: Vec<PathBuf> = files.iter().map(PathBuf::from).collect();
+            let place = |file| place(file, output.map(Path::new), files.len() > 1, None, MethodName::Tracked);
+            files.iter().map(|file| place(file).map(|path| path.display().to_string())).collect::<Vec<_>>()
+        };
+        let good = |files, output| of(files, output).into_iter().map(Result::unwrap).collect::<Vec<_>>();
+        assert_eq!(good(&["a/x.csv", "b/y.binary"], Some("fits")), ["fits/x.srbf", "fits/y.srbf"]);
+        assert_eq!(good(&["a/x.csv", "b/y.binary"], None), ["out/x.srbf", "out/y.srbf"]);
+        assert_eq!(good(&["a/x.csv"], Some("fits/")), ["fits/x.srbf"]);
+        assert_eq!(good(&["a/x.csv"], Some("fits")), ["fits"]);
+        assert!(of(&["a/x.csv", "b/y.csv"], Some("one.srbf"))[0].is_err());
+        let twins = ["a/x.csv".into(), "b/x.csv".into()];
+        let error = places(&twins, None, None, MethodName::Tracked).unwrap_err().to_string();
+        assert!(error.contains("a/x.csv and b/x.csv") && error.contains("out/x.srbf"), "{error}");
     }
 }

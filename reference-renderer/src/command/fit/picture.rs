@@ -1,11 +1,13 @@
 //! The picture of a fit, `srbf fit`: beside the material, a PNG of the fit and what it was fitted to.
 
 use super::method::MethodName;
+use super::names::{self, Place};
 use crate::ball_sheet::Light;
 use crate::command::plot::{self, Beside};
 use crate::command::{argument, ball};
 use crate::environment::Environment;
 use crate::material::StoredMaterial;
+use crate::output;
 use anyhow::ensure;
 use srbf_fit::read::Source;
 use std::path::{Path, PathBuf};
@@ -15,59 +17,78 @@ use std::path::{Path, PathBuf};
 pub struct Args {
     /// The picture to write; by default the name of the material with .png. It shows the fit beside what it was fitted to: curves in the
     /// plane of incidence, discs, balls and the verdict, as `srbf plot` does of a fit that is there already.
-    #[arg(long, value_name = "OUT.png", conflicts_with_all = ["survey", "lobes_table"])]
+    #[arg(long, value_name = "OUT.png")]
     picture: Option<PathBuf>,
     /// Draws no picture.
     #[arg(long, conflicts_with = "picture")]
     no_picture: bool,
+    /// Also writes a page of HTML beside the picture, with the verdict and the tables; it needs no other file and no network.
+    #[arg(long, conflicts_with = "no_picture")]
+    html: bool,
     /// The light of the balls: sky, haze, constant:VALUE, or a latitude-longitude map in a .hdr or .exr file
-    #[arg(long, conflicts_with_all = ["survey", "lobes_table", "no_picture"], default_value = plot::LIGHT)]
+    #[arg(long, conflicts_with = "no_picture", default_value = plot::LIGHT)]
     env: String,
 }
 
-/// A picture that can be drawn once there is a fit.
-pub struct Picture {
-    path: PathBuf,
-    /// Name of the light, and the light.
-    light: (String, Environment),
-}
-
 impl Args {
-    /// Finds out, before the fit, whether the picture of a fit that is written to `output` can be drawn and written.
+    /// The pictures of fits that are written to these places, after it has been found that they can be drawn and written.
     ///
     /// # Errors
     /// Names what stands against it.
-    pub fn check(&self, output: &Path, method: MethodName) -> anyhow::Result<Option<Picture>> {
-        if method != MethodName::Tracked {
-            ensure!(self.picture.is_none(), "--picture: only fits of our own method can be drawn");
-            return Ok(None);
+    pub fn paths(&self, places: &[Place], method: MethodName) -> anyhow::Result<Vec<Option<PathBuf>>> {
+        ensure!(
+            !self.html || method == MethodName::Tracked,
+            "--html: only fits of our own method can be drawn"
+        );
+        if let Some(path) = &self.picture {
+            ensure!(method == MethodName::Tracked, "--picture: only fits of our own method can be drawn");
+            ensure!(places.len() == 1, "--picture {}: it is of one file", path.display());
         }
-        if self.no_picture {
-            return Ok(None);
-        }
-        let path = self.picture.clone().unwrap_or_else(|| super::names::picture(output));
-        ball::check_output(&path)?;
-        ensure!(path != output, "--picture {}: -o names the same file", output.display());
-        Ok(Some(Picture { path, light: (self.env.clone(), argument::environment(&self.env)?) }))
+        places.iter().map(|place| self.path(place, method)).collect()
     }
-}
 
-impl Picture {
-    /// Draws and writes the picture of a fit that is written to `output`.
+    fn path(&self, place: &Place, method: MethodName) -> anyhow::Result<Option<PathBuf>> {
+        if self.no_picture || method != MethodName::Tracked {
+            return Ok(None);
+        }
+        let path = self.picture.clone().unwrap_or_else(|| names::picture(&place.output));
+        ball::check_output(&path)?;
+        if let Some(page) = self.page(&path) {
+            output::check_place(&page)?;
+        }
+        ensure!(path != place.output, "--picture {}: -o names the same file", path.display());
+        Ok(Some(path))
+    }
+
+    /// The page beside a picture, if there is to be one.
+    pub fn page(&self, picture: &Path) -> Option<PathBuf> {
+        self.html.then(|| picture.with_extension("html"))
+    }
+
+    /// The light of the balls.
+    ///
+    /// # Errors
+    /// Names the light.
+    pub fn light(&self) -> anyhow::Result<Environment> {
+        argument::environment(&self.env)
+    }
+
+    /// Draws and writes the picture of a fit that was written to `output`: of its bytes and of what it was fitted to.
     ///
     /// # Errors
     /// Names the file that cannot be written.
     pub fn write(
         &self,
+        path: &Path,
         output: &Path,
-        bytes: Vec<u8>,
-        source: Source,
-        verdict: &[String],
+        light: &Environment,
+        (bytes, source): (Vec<u8>, Source),
+        words: &[String],
     ) -> anyhow::Result<()> {
         let name = output.file_stem().unwrap_or_default().to_string_lossy();
-        let (light, environment) = &self.light;
-        let light = Light { name: light, environment, samples: plot::SAMPLES, stops: 0.0 };
+        let light = Light { name: &self.env, environment: light, samples: plot::SAMPLES, stops: 0.0 };
         let stored = StoredMaterial::new(&name, bytes.into())?;
-        plot::write(&self.path, stored, Some(Beside::new(source)?), light, verdict)
+        plot::write(path, stored, Some(Beside::new(source)?), light, words)?;
+        Ok(())
     }
 }

@@ -1,4 +1,4 @@
-//! `srbf leave-out`.
+//! `srbf project leave-out`.
 
 use crate::material::StoredMaterial;
 use crate::output;

@@ -1,4 +1,4 @@
-//! `srbf bench-report`: what criterion measured, as ratios.
+//! `srbf project bench-report`: what criterion measured, as ratios.
 
 use crate::{output, picture_file, plot};
 use anyhow::{Context, bail, ensure};

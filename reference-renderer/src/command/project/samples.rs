@@ -1,4 +1,4 @@
-//! `srbf samples`.
+//! `srbf project samples`.
 
 use crate::random::Random;
 use crate::{output, picture_file, plot};

@@ -1,5 +1,6 @@
-//! `srbf thesis-table`: Table 5.1 of the thesis, with our fit beside its two, and what each says of data that it has not seen.
+//! `srbf project thesis-table`: Table 5.1 of the thesis, with our fit beside its two, and what each says of data that it has not seen.
 
+use crate::command::argument;
 use crate::output;
 use crate::progress::Progress;
 use anyhow::{Context, bail};
@@ -60,7 +61,7 @@ const BLUE_PAINT_VIEWS: [f64; 7] = [0.0, 20.0, 35.0, 55.0, 65.0, 75.0, 85.0];
 pub fn run(args: Args) -> anyhow::Result<()> {
     output::check_extension(&args.output, "md")?;
     output::check_places(&[&args.output, &args.output.with_extension("csv")])?;
-    let data = super::argument::data_folder()?;
+    let data = argument::data_folder()?;
     let lobes = args.lobes as usize;
     let ours = Settings { lobes, ..Settings::default() };
     let thesis = thesis::Settings { lobes, ..thesis::Settings::default() };

@@ -1,4 +1,4 @@
-//! `srbf stability`.
+//! `srbf project stability`.
 
 use crate::stability::{self, Operation};
 use crate::{output, picture_file, plot};

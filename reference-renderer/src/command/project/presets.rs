@@ -1,6 +1,7 @@
-//! `srbf presets`.
+//! `srbf project presets`.
 
-use super::fit::fit_file;
+use crate::command::argument;
+use crate::command::fit::fit_file;
 use anyhow::{Context, bail, ensure};
 use srbf_fit::{FactorNodes, Settings};
 use std::fmt::Write;
@@ -34,7 +35,7 @@ pub struct Args {
 
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
-    let data = super::argument::data_folder()?;
+    let data = argument::data_folder()?;
     let about = args.out.join("README.md");
     let is_ours = std::fs::read_to_string(&about).map_or(true, |text| text.starts_with(HEADING));
     ensure!(args.check || is_ours, "{}: it is not about presets, name another folder", about.display());
@@ -66,7 +67,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         if !args.check {
             srbf_fit::write_atomically(path, bytes)?;
         } else if std::fs::read(path).with_context(|| path.display().to_string())? != *bytes {
-            bail!("{} is not what `srbf presets` makes", path.display());
+            bail!("{} is not what `srbf project presets` makes", path.display());
         }
     }
     Ok(())
@@ -87,7 +88,7 @@ Error: of `f cos` over the samples of a view, all three channels, weighted by so
 SHA-256 are in the provenance text of each file (`srbf inspect`). What lies between the samples, below 10 degrees and
 beyond 80 is what `srbf fit` completes them to.
 
-This folder is made by `SRBF_DATA_DIR=... srbf presets`; `srbf presets --check` compares. The fit uses no function of the
+This folder is made by `SRBF_DATA_DIR=... srbf project presets`; `srbf project presets --check` compares. The fit uses no function of the
 platform's C library and no order that depends on threads, so the bytes are the same on every machine with IEEE arithmetic.
 "
     )

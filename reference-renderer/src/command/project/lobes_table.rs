@@ -1,17 +1,19 @@
-//! `srbf fit FILE --lobes-table`: what more lobes cost, and what they bring.
+//! `srbf project lobes-table`: what more lobes cost, and what they bring.
 //!
 //! The costs of one call are measured for all numbers of lobes in turn, many times over, and the least of each is
 //! kept: what disturbs the machine disturbs all of them, and only ever adds.
 
 mod plot;
 
+use crate::command::fit::{SettingArgs, names};
+use anyhow::ensure;
 use srbf_core::{MAX_LOBES, Material, Mixture, Vec3};
 use srbf_fit::judge::report::mean_error;
-use srbf_fit::read::Source;
-use srbf_fit::{Settings, fit_content, write_atomically};
+use srbf_fit::read::read;
+use srbf_fit::{fit_content, write_atomically};
 use std::fmt::Write;
 use std::hint::black_box;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Numbers of lobes in the table.
@@ -38,8 +40,24 @@ pub struct Row {
     pub nanoseconds: [f64; 3],
 }
 
-/// Fits a measurement with each number of lobes, prints the table, and writes it as CSV and as a plot into out/.
-pub fn run(source: &Source, name: &str, settings: &Settings) -> anyhow::Result<()> {
+/// Error, bytes and run time against the number of lobes: a table and a plot.
+///
+/// Writes out/NAME-lobes.csv and .png.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The measured BRDF or the model, as `srbf fit` reads it
+    #[arg(value_name = "FILE|MODEL")]
+    file: PathBuf,
+    #[command(flatten)]
+    settings: SettingArgs,
+}
+
+/// Fits a measurement with each number of lobes, prints the table, and writes it.
+pub fn run(args: Args) -> anyhow::Result<()> {
+    let settings = args.settings.settings();
+    ensure!(args.settings.has_free_lobes(), "--lobes, --error: this table has numbers of lobes of its own");
+    let source = read(&args.file)?;
+    let name = names::stem(&args.file, None)?.to_string_lossy().into_owned();
     let mut rows = Vec::new();
     let mut fitted = Vec::new();
     for lobes in COUNTS {

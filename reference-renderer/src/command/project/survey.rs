@@ -1,4 +1,4 @@
-//! `srbf fit --survey`: how good fits are over all materials that can be evaluated between the views, beside the thesis's.
+//! `srbf project survey`: how good fits are over all materials that can be evaluated between the views, beside the thesis's.
 //!
 //! Both methods have the same number of views: ours where it places them, the thesis's even to 87 degrees; but six to eleven lobes, or
 //! lobes in pairs, ours spends on more. Each is judged at its views and halfway between them. A row is written as soon as it is known.
@@ -7,8 +7,9 @@ mod goals;
 mod row;
 mod through;
 
-use super::{SettingArgs, names};
 use crate::command::argument;
+use crate::command::fit::{SettingArgs, names};
+use crate::networks::Networks;
 use crate::output;
 use anyhow::{Context, ensure};
 use row::Row;
@@ -27,48 +28,41 @@ use srbf_fit::{Settings, fit_content, knots};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Options of the survey.
+/// Fits many materials, and prints how good the fits are beside the thesis's, and which goals are met.
+///
+/// They are those of rgl/ and of the neural MERL set in the folder that SRBF_DATA_DIR names.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Instead of one file, fits every N-th material of rgl/ and of the neural MERL set in the folder that SRBF_DATA_DIR
-    /// names, prints how good the fits are beside the thesis's, and which goals are met.
-    #[arg(long, value_name = "N", conflicts_with = "file", value_parser = clap::value_parser!(u32).range(1..=1000))]
-    survey: Option<u32>,
-    /// Of the survey: only the materials whose names contain this.
-    #[arg(long, value_name = "NAME", requires = "survey", conflicts_with = "file")]
+    /// Only every N-th of them
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    every: u32,
+    /// Only those whose names contain this
+    #[arg(long, value_name = "NAME")]
     only: Option<String>,
-    /// Of the survey: leaves the thesis's method out, which takes about half of the time.
-    #[arg(long, requires = "survey", conflicts_with = "file")]
+    /// Leaves the thesis's method out, which takes about half of the time
+    #[arg(long)]
     no_thesis: bool,
-    /// Of the survey: the table to write; by default out/survey-LOBES-lobes-VIEWS-views.csv.
-    #[arg(long, value_name = "FILE", requires = "survey", conflicts_with = "file")]
+    /// The table to write [default: out/survey-LOBES-lobes-VIEWS-views.csv]
+    #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Of the survey: a folder into which every fitted material is written, as NAME.srbf.
-    #[arg(long, value_name = "DIR", requires = "survey", conflicts_with = "file")]
+    /// A folder into which every fitted material is written, as NAME.srbf
+    #[arg(long, value_name = "DIR")]
     materials: Option<PathBuf>,
-    /// Of the survey: fits every material from its values at the pairs of directions that this file of samples has, alone, and
-    /// judges it everywhere.
-    #[arg(long, value_name = "FILE", requires = "survey", conflicts_with_all = ["file", "materials"])]
+    /// Fits every material from its values at the pairs of directions that this file of samples has, alone, and judges it
+    /// everywhere [default of --csv: out/survey-through.csv]
+    #[arg(long, value_name = "FILE", conflicts_with = "materials")]
     through: Option<PathBuf>,
-}
-
-impl Args {
-    /// Whether there is to be a survey.
-    pub fn is_asked_for(&self) -> bool {
-        self.survey.is_some()
-    }
+    #[command(flatten)]
+    settings: SettingArgs,
 }
 
 /// Views up to this angle count for variance and weight, degrees: beyond, little light is reflected in a picture.
 const JUDGED: f64 = 80.0;
 
-/// Largest file of networks and of their names that is read, bytes.
-const MAX_FILE: u64 = 1 << 24;
-
 /// Fits the materials, and judges the fits.
-pub fn run(args: &SettingArgs, survey: &Args) -> anyhow::Result<()> {
+pub fn run(survey: Args) -> anyhow::Result<()> {
     let data = argument::data_folder()?;
-    let settings = args.settings();
+    let settings = survey.settings.settings();
     settings.check()?;
     let default = || format!("out/survey-{}-lobes-{}-views.csv", settings.lobes, settings.view_count());
     let path = survey.csv.clone().unwrap_or_else(|| default().into());
@@ -79,19 +73,19 @@ pub fn run(args: &SettingArgs, survey: &Args) -> anyhow::Result<()> {
     }
     if let Some(file) = &survey.through {
         let path = survey.csv.clone().unwrap_or_else(|| "out/survey-through.csv".into());
-        let chosen = chosen(&data, survey)?.into_iter().step_by(survey.survey.unwrap_or(1) as usize);
+        let chosen = chosen(&data, &survey)?.into_iter().step_by(survey.every as usize);
         return through::run(file, chosen, &settings, &path);
     }
     let thetas = evaluation_views::even_views(settings.view_count());
     let thesis = thesis::Settings { lobes: settings.lobes, ..thesis::Settings::default() };
     let thesis = (!survey.no_thesis).then_some(thesis);
-    let chosen = chosen(&data, survey)?;
+    let chosen = chosen(&data, &survey)?;
 
     let mut csv = Row::csv_header() + "\n";
     println!("{} lobes, {} views; {}", settings.lobes, settings.view_count(), row::LEGEND);
     println!("{}", Row::header());
     let mut rows: Vec<Row> = Vec::new();
-    for (name, content) in chosen.into_iter().step_by(survey.survey.unwrap_or(1) as usize) {
+    for (name, content) in chosen.into_iter().step_by(survey.every as usize) {
         let (row, bytes) = examine(&name, &content?, &thetas, &settings, thesis.as_ref())
             .with_context(|| format!("material {name}"))?;
         if let Some(folder) = &survey.materials {
@@ -203,33 +197,8 @@ fn materials(data: &Path) -> anyhow::Result<Vec<Named>> {
     let mut all: Vec<Named> =
         files.iter().map(|f| (name(f), read(f).map(|s| s.content).map_err(Into::into))).collect();
 
-    all.extend(networks(&data.join("merl"))?);
-    Ok(all)
-}
-
-/// The networks that stand for MERL materials, with their names.
-fn networks(folder: &Path) -> anyhow::Result<Vec<Named>> {
-    let path = folder.join("nbrdf_merl80.f32le");
-    let parse = |bytes: Vec<u8>| Ok(neural::parse(&bytes)?);
-    let networks = srbf_fit::read_if(&path, MAX_FILE, neural::check_size)
-        .map_err(anyhow::Error::new)
-        .and_then(parse)
-        .with_context(|| path.display().to_string())?;
-    let list = folder.join("nbrdf_merl80_names.txt");
-    let text = |bytes: Vec<u8>| Ok(String::from_utf8(bytes)?);
-    let names = srbf_fit::read_at_most(&list, MAX_FILE)
-        .map_err(anyhow::Error::new)
-        .and_then(text)
-        .with_context(|| list.display().to_string())?;
-    let names: Vec<&str> = names.split_whitespace().collect();
-    ensure!(
-        names.len() == networks.len(),
-        "{}: {} networks, and {} names in {}",
-        path.display(),
-        networks.len(),
-        names.len(),
-        list.display()
-    );
+    let networks = Networks::read(&data.join("merl/nbrdf_merl80.f32le"))?;
     let evaluable = |n: neural::Neural| Ok(Content::Evaluable(Box::new(n)));
-    Ok(names.into_iter().map(str::to_owned).zip(networks.into_iter().map(evaluable)).collect())
+    all.extend(networks.all.into_iter().map(|(name, network)| (name, evaluable(network))));
+    Ok(all)
 }

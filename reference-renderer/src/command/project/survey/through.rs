@@ -1,4 +1,4 @@
-//! `srbf fit --survey N --through FILE`: what fits are like of materials of which only samples are known.
+//! `srbf project survey --through FILE`: what fits are like of materials of which only samples are known.
 //!
 //! Every material is evaluated at the pairs of directions that a file of samples has, fitted from those values alone, and judged against
 //! what it is everywhere.

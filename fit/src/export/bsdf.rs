@@ -1,0 +1,76 @@
+//! Writer of RGL `.bsdf` files, isotropic ones in RGB.
+//!
+//! A measured file has a warp that spreads visible normals over its pictures. Here the warp is the identity, so that a picture is `f cos`
+//! over the half vectors themselves: the square root of their angle from the normal, which is dense where highlights are, and
+//! their azimuth. A reader that draws directions by the file's warps still has those by brightness.
+
+use super::{check_isotropic, finite};
+use crate::FitError;
+use crate::read::rgl::container::Fields;
+use crate::table::{Brdf, direction, luminance};
+use rayon::prelude::*;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Outgoing directions, from the normal to 87 degrees.
+const VIEWS: usize = 30;
+const LAST: f64 = 87.0;
+
+/// Half vectors of a picture along the angle from the normal, and along the azimuth, of which the last is the first again.
+const COLUMNS: usize = 128;
+const ROWS: usize = 97;
+
+/// Least height of an incident direction: what lies below the horizon is interpolated with, and goes on smoothly.
+const LEAST_HEIGHT: f64 = 1e-3;
+
+/// Writes an isotropic BRDF as a `.bsdf` file: `f cos` at 30 outgoing directions by 128 x 97 half vectors. The caller's threads of rayon are
+/// used.
+///
+/// # Errors
+/// [`FitError::Table`] for an anisotropic BRDF.
+pub fn rgl(brdf: &dyn Brdf) -> Result<Vec<u8>, FitError> {
+    check_isotropic(brdf)?;
+    let thetas: Vec<f64> = (0..VIEWS).map(|n| LAST.to_radians() * n as f64 / (VIEWS - 1) as f64).collect();
+    let pictures: Vec<Vec<[f64; 3]>> = thetas.par_iter().map(|&theta| picture(brdf, theta)).collect();
+    let channels = |picture: &Vec<[f64; 3]>| -> Vec<f64> {
+        (0..3).flat_map(|c| picture.iter().map(move |rgb| rgb[c])).collect()
+    };
+    let bright = |picture: &Vec<[f64; 3]>| -> Vec<f64> {
+        picture.iter().map(|&rgb| luminance(rgb).max(0.0)).collect()
+    };
+    let mut fields = Fields::default();
+    fields.push_bytes("description", b"written by srbf convert");
+    fields.push("phi_i", &[1], &[0.0]);
+    fields.push("theta_i", &[VIEWS], &thetas);
+    fields.push("ndf", &[2, 2], &[1.0; 4]);
+    fields.push("sigma", &[2, 2], &[1.0; 4]);
+    fields.push("vndf", &[1, VIEWS, 2, 2], &[1.0; 4 * VIEWS]);
+    fields.push(
+        "luminance",
+        &[1, VIEWS, ROWS, COLUMNS],
+        &pictures.iter().flat_map(bright).collect::<Vec<_>>(),
+    );
+    fields.push(
+        "rgb",
+        &[1, VIEWS, 3, ROWS, COLUMNS],
+        &pictures.iter().flat_map(channels).collect::<Vec<_>>(),
+    );
+    // The picture is not to be multiplied by a density of normals.
+    fields.push_bytes("jacobian", &[0]);
+    Ok(fields.encode())
+}
+
+/// `f cos` over the half vectors, towards one outgoing direction.
+fn picture(brdf: &dyn Brdf, theta: f64) -> Vec<[f64; 3]> {
+    let wo = direction(theta, 0.0);
+    let pixel = |n: usize| {
+        let along = (n % COLUMNS) as f64 / (COLUMNS - 1) as f64;
+        let turn = (n / COLUMNS) as f64 / (ROWS - 1) as f64;
+        let h = direction(along * along * FRAC_PI_2, (2.0 * turn - 1.0) * PI);
+        let twice = 2.0 * (h[0] * wo[0] + h[2] * wo[2]);
+        let mut wi = [twice * h[0] - wo[0], twice * h[1] - wo[1], (twice * h[2] - wo[2]).max(LEAST_HEIGHT)];
+        let length = libm::sqrt(wi[0] * wi[0] + wi[1] * wi[1] + wi[2] * wi[2]);
+        wi.iter_mut().for_each(|v| *v /= length);
+        finite(brdf.evaluate(wi, wo)).map(|f| f * wi[2])
+    };
+    (0..COLUMNS * ROWS).map(pixel).collect()
+}

@@ -1,0 +1,120 @@
+//! `srbf convert`.
+
+use crate::measured::MeasuredMaterial;
+use crate::output;
+use anyhow::{Context, bail};
+use srbf_fit::export;
+use srbf_fit::read::{Content, Source, merl, read, rgl};
+use srbf_fit::table::{Brdf, Table};
+use std::path::{Path, PathBuf};
+
+/// Writes a measured BRDF, or a model, in the format of another program.
+///
+/// From whatever `srbf fit` reads, to what the name of OUTPUT ends in:
+///
+/// .binary (MERL): 90 x 90 x 180 cells, each the value at its centre. Readers interpolate between them: f cos of a smooth model comes back
+/// within 0.5 % of relative L2 (GGX, roughness 0.1), of a diffuse one exactly. A cell is one value for a pair of directions and the
+/// same exchanged; the mean of both is stored, which takes measured tables 3 to 13 % away, as they are not quite reciprocal. Negative channels, of colours outside the gamut, become 0.
+///
+/// .bsdf (RGL): f cos at 30 outgoing directions by 128 x 97 half vectors, in RGB; comes back within 0.5 % for the same model.
+/// Directions can be drawn by its brightness; a warp of visible normals it has not.
+///
+/// .csv (ours, see docs/csv.md) and .astm (Cornell, three channels): samples. Those of a file of samples stay as they are; of all else,
+/// 16 outgoing directions by some 1300 incident ones. At the samples nothing is lost; between them nothing is said.
+///
+/// Not possible: .brdf (Cornell) holds spectra, which a colour does not tell; .srbf is a fit, by `srbf fit`; anisotropic surfaces.
+/// Samples become .binary or .bsdf by what `srbf fit` completes them to. After .binary and .bsdf the file is read again, and how far it is off
+/// is printed.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The measured BRDF or the model, as `srbf fit` reads it
+    #[arg(value_name = "FILE|MODEL")]
+    input: PathBuf,
+    /// The file to write: .binary, .bsdf, .csv or .astm
+    #[arg(value_name = "OUTPUT")]
+    output: PathBuf,
+}
+
+/// What can be written.
+#[derive(Clone, Copy)]
+enum Format {
+    Merl,
+    Rgl,
+    Csv,
+    Astm,
+}
+
+impl Format {
+    /// The one that a name ends in.
+    fn of(path: &Path) -> anyhow::Result<Self> {
+        let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        let name = path.display();
+        Ok(match ending.as_str() {
+            "binary" => Self::Merl,
+            "bsdf" => Self::Rgl,
+            "csv" => Self::Csv,
+            "astm" => Self::Astm,
+            "srbf" => bail!("output {name}: lobes are fitted, by `srbf fit FILE -o {name}`"),
+            "brdf" => bail!(
+                "output {name}: .brdf holds spectra, which three channels do not tell; .astm holds those"
+            ),
+            _ => bail!("output {name}: a name that ends in .binary, .bsdf, .csv or .astm is expected"),
+        })
+    }
+}
+
+/// Runs the command.
+pub fn run(args: Args) -> anyhow::Result<()> {
+    let format = Format::of(&args.output)?;
+    output::check_place(&args.output)?;
+    let source = read(&args.input)?;
+    let named = || args.input.display().to_string();
+    match format {
+        Format::Merl | Format::Rgl => write_grid(&args.output, format, source),
+        Format::Csv => write_samples(&args.output, source, export::csv),
+        Format::Astm => write_samples(&args.output, source, export::astm),
+    }
+    .with_context(named)
+}
+
+/// Writes samples: those that were read, or such as are made of what has a value everywhere.
+fn write_samples(output: &Path, source: Source, text: fn(&Table) -> String) -> anyhow::Result<()> {
+    let (table, are) = match source.content {
+        Content::Samples(table) => (table, "as they were read"),
+        Content::Evaluable(brdf) => (export::sampled(brdf.as_ref())?, "chosen here"),
+    };
+    output::write(output, text(&table).as_bytes())?;
+    let count: usize = table.views.iter().map(|view| view.samples.len()).sum();
+    println!("{}: {count} samples at {} outgoing directions, {are}", output.display(), table.views.len());
+    Ok(())
+}
+
+/// Writes a grid of values, reads it again, and says how far it is off.
+fn write_grid(output: &Path, format: Format, source: Source) -> anyhow::Result<()> {
+    if let Content::Samples(_) = source.content {
+        println!("samples: completed first, to have a value for every pair of directions");
+    }
+    let material = MeasuredMaterial::new(source)?;
+    let (bytes, back): (Vec<u8>, Box<dyn Brdf>) = if let Format::Rgl = format {
+        let bytes = export::rgl(material.brdf())?;
+        let back = rgl::parse(&bytes)?;
+        (bytes, Box::new(back))
+    } else {
+        let file = export::merl(material.brdf())?;
+        if file.negatives > 0.0 {
+            println!("note {:.2} % of the numbers were negative, and are 0", 100.0 * file.negatives);
+        }
+        let back = merl::parse(&file.bytes)?;
+        (file.bytes, Box::new(back))
+    };
+    output::write(output, &bytes)?;
+    let errors = export::difference(back.as_ref(), material.brdf())?
+        .map(|(degrees, error)| format!("{:.2} % at {degrees:.0}", 100.0 * error));
+    println!(
+        "{}: {} bytes; read again, f cos is off by {} degrees (relative L2)",
+        output.display(),
+        bytes.len(),
+        errors.join(", ")
+    );
+    Ok(())
+}
