@@ -137,7 +137,9 @@ fn a_bias_of_one_percent_of_one_method_is_found() {
         if is_it { 1.01 } else { 1.0 }
     };
     let found = discoveries(tested("ggx", Truth::Table(&table), is_quick, planted));
-    assert!(found.len() > 5 && found.iter().all(|test| test.1.contains("mis, Sobol")), "{found:#?}");
+    let of_others = found.iter().filter(|test| !test.1.contains("mis, Sobol")).count();
+    // One in a hundred may be found by chance.
+    assert!(found.len() > 10 && of_others <= 1, "{of_others} of others: {found:#?}");
 }
 
 #[test]

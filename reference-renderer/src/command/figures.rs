@@ -278,7 +278,7 @@ fn sphere_figure(
             tiles.extend(of(method, title));
         }
         let last = |method: usize| measured.pictures[method].last().map(Vec::as_slice).unwrap_or_default();
-        tiles.push(Tile { label: "fit: Laf. 1200".into(), picture: last(4) });
+        tiles.push(Tile { label: format!("fit: Laf. {SAMPLES}"), picture: last(4) });
         let png = sheet::png(&tiles, subject.size, 4)?;
         output::write(&out.join(format!("figure-5-{}-{under}.png", n + 2)), &png)?;
         let plot = plot::png(&[&measured.comparison])?;

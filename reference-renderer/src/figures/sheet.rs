@@ -20,7 +20,7 @@ pub struct Tile<'a> {
 const LEAST_WIDTH: u32 = 200;
 
 /// The bytes of a PNG file with all pictures in rows of `columns`, their pixels as many times larger as the letters need; all by one
-/// exposure, the first's.
+/// exposure, which fits the middle of the first: there is what the picture is of, whatever lies behind it.
 ///
 /// # Errors
 /// What plotters reports.
@@ -30,7 +30,8 @@ pub fn png(tiles: &[Tile<'_>], size: [u32; 2], columns: u32) -> anyhow::Result<V
     let rows = (tiles.len() as u32).div_ceil(columns);
     let sheet = [columns * (width + GAP) + GAP, rows * (height + GAP + LETTERS) + GAP];
     let mut pixels = vec![255; 3 * sheet[0] as usize * sheet[1] as usize];
-    let exposure = tiles.first().map_or(1.0, |tile| picture_file::automatic_exposure(tile.picture));
+    let exposure =
+        tiles.first().map_or(1.0, |tile| picture_file::automatic_exposure(&middle(tile.picture, size)));
     let place = |n: usize| {
         let (column, row) = (n as u32 % columns, n as u32 / columns);
         [GAP + column * (width + GAP), GAP + row * (height + GAP + LETTERS)]
@@ -52,6 +53,13 @@ pub fn png(tiles: &[Tile<'_>], size: [u32; 2], columns: u32) -> anyhow::Result<V
     picture_file::encode_png(sheet, &pixels)
 }
 
+/// The middle half of a picture, across and down.
+fn middle(picture: &[Vec3], [width, height]: [u32; 2]) -> Vec<Vec3> {
+    let inside = |n: u32| n / 4..(3 * n).div_ceil(4);
+    let row = |y: u32| inside(width).filter_map(move |x| picture.get((y * width + x) as usize));
+    inside(height).flat_map(row).copied().collect()
+}
+
 fn write(pixels: &mut [u8], sheet: [u32; 2], labels: &[(String, [u32; 2])]) -> Result<(), plot::Failure> {
     plot::register_font()?;
     let root = BitMapBackend::with_buffer(pixels, sheet.into()).into_drawing_area();
@@ -61,4 +69,23 @@ fn write(pixels: &mut [u8], sheet: [u32; 2], labels: &[(String, [u32; 2])]) -> R
     }
     root.present()?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exposure_is_that_of_the_middle() {
+        // Dark in the middle of a bright picture.
+        let size = [16, 8];
+        let is_inside = |i: usize| (4..12).contains(&(i % 16)) && (2..6).contains(&(i / 16));
+        let picture: Vec<Vec3> =
+            (0..128).map(|i| Vec3::splat(if is_inside(i) { 0.01 } else { 5.0 })).collect();
+        let found = middle(&picture, size);
+        assert_eq!(found.len(), 32);
+        assert!(found.iter().all(|&p| p == Vec3::splat(0.01)), "{found:?}");
+        let sheet = png(&[Tile { label: "one".into(), picture: &picture }], size, 4).unwrap();
+        assert!(sheet.starts_with(b"\x89PNG"));
+    }
 }
