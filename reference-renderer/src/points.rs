@@ -99,7 +99,10 @@ impl Points {
                 let part = 1.0 / n as f32;
                 for (i, u) in choices.iter_mut().enumerate() {
                     let at = i as f32;
-                    let [v, w, x] = from_fn(|k| (rest[k] + at * LATTICE[k] * part).fract());
+                    let [v, w, x] = from_fn(|k| {
+                        let shifted = rest[k] + at * LATTICE[k] * part;
+                        shifted - shifted as u32 as f32
+                    });
                     *u = [((at + first) * part).min(LARGEST), v, w, x];
                 }
             }

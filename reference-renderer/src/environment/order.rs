@@ -16,9 +16,9 @@ const STEPS: f64 = 16_777_216.0;
 /// What finds a cell.
 pub struct Order {
     width: usize,
-    /// Cumulative shares, each beginning with 0 and ending with 1: of the rows, then of the columns of each row that is not black.
-    rows: Vec<f32>,
-    columns: Vec<f32>,
+    rows: Cumulative,
+    /// Of each row.
+    columns: Cumulative,
     /// How much of its draws a cell keeps.
     kept: Vec<f32>,
     /// Cells that keep next to nothing, and through which others they are reached.
@@ -30,12 +30,9 @@ impl Order {
     pub fn new(map: &Environment<Vec<u32>>) -> Self {
         let width = map.width();
         let cells: Vec<_> = (0..map.cell_count()).filter_map(|index| map.cell(index)).collect();
-        let row_shares = cells.chunks(width).map(|row| row.iter().map(|cell| cell.share).sum());
-        let rows = cumulative(row_shares.collect());
-        let columns = cells
-            .chunks(width)
-            .flat_map(|row| cumulative(row.iter().map(|cell| cell.share).collect()))
-            .collect();
+        let shares: Vec<f64> = cells.iter().map(|cell| cell.share).collect();
+        let of_rows: Vec<f64> = shares.chunks(width).map(|row| row.iter().sum()).collect();
+        let (rows, columns) = (Cumulative::new(&of_rows, of_rows.len()), Cumulative::new(&shares, width));
         let mut hosts: HashMap<usize, usize> = HashMap::new();
         for (index, cell) in cells.iter().enumerate() {
             let rest = 1.0 - cell.kept;
@@ -53,47 +50,75 @@ impl Order {
     /// second its azimuth.
     #[inline]
     pub fn numbers(&self, [u, v]: [f32; 2]) -> [f32; 3] {
-        let (row, down) = find(&self.rows, u);
-        let of_row = row * (self.width + 1);
-        let (column, across) = find(&self.columns[of_row..of_row + self.width + 1], v);
+        let (row, down) = self.rows.find(0, u);
+        let (column, across) = self.columns.find(row, v);
         let cell = row * self.width + column;
         let kept = self.kept[cell];
-        let (hit, left) = match self.hosts.get(&cell) {
-            Some(&host) if kept < LEAST_KEPT => (host, self.kept[host] + down * (1.0 - self.kept[host])),
-            _ => (cell, down * kept),
+        let host = if kept < LEAST_KEPT { self.hosts.get(&cell) } else { None };
+        let (hit, left) = match host {
+            Some(&host) => (host, self.kept[host] + down * (1.0 - self.kept[host])),
+            None => (cell, down * kept),
         };
-        // Up to the next step, so that rounding does not lead into the cell before.
+        // Whole steps below 2^24. Up to the next step, so that rounding does not lead into the cell before.
         let place = (hit as f64 + f64::from(left)) / self.kept.len() as f64 * STEPS;
-        let first = place.floor();
-        let second = ((place - first) * STEPS).floor() + 1.0;
+        let first = f64::from(place as u32);
+        let second = f64::from(((place - first) * STEPS) as u32) + 1.0;
         [(first / STEPS) as f32, (second / STEPS) as f32, across]
     }
 }
 
-/// Shares from left to right, as cumulative parts of their sum; evenly where all are 0, as nothing is drawn from there.
-fn cumulative(shares: Vec<f64>) -> Vec<f32> {
-    let sum: f64 = shares.iter().sum();
-    let n = shares.len();
-    let mut below = 0.0;
-    let mut parts: Vec<f32> = Vec::with_capacity(n + 1);
-    for (i, share) in shares.into_iter().enumerate() {
-        parts.push(if sum > 0.0 { (below / sum) as f32 } else { i as f32 / n as f32 });
-        below += share;
-    }
-    parts.push(1.0);
-    parts
+/// Cumulative distributions of equally many shares each, and where to begin to look in them.
+struct Cumulative {
+    /// Shares of a distribution.
+    n: usize,
+    /// Sums of what is to the left, `n + 1` of each distribution: from 0 to 1.
+    parts: Vec<f32>,
+    /// The part that `k / n` falls into, `n` of each distribution: from there it is a step or two (Chen and Asau 1974).
+    first: Vec<u32>,
 }
 
-/// The part that a number falls into, and where in it, in [0, 1).
-#[inline]
-fn find(parts: &[f32], u: f32) -> (usize, f32) {
-    let index = parts.partition_point(|&part| part <= u).clamp(1, parts.len() - 1) - 1;
-    let (from, to) = (parts[index], parts[index + 1]);
-    (index, ((u - from) / (to - from)).clamp(0.0, 1.0 - 0.5 * f32::EPSILON))
+impl Cumulative {
+    /// Of each `n` shares one; evenly where all are 0, as nothing is drawn from there.
+    fn new(shares: &[f64], n: usize) -> Self {
+        let (mut parts, mut first) = (Vec::new(), Vec::new());
+        for shares in shares.chunks(n) {
+            let sum: f64 = shares.iter().sum();
+            let begin = parts.len();
+            let mut below = 0.0;
+            for (i, share) in shares.iter().enumerate() {
+                parts.push(if sum > 0.0 { (below / sum) as f32 } else { i as f32 / n as f32 });
+                below += share;
+            }
+            parts.push(1.0);
+            let own = &parts[begin..];
+            let falls_into = |u: f32| own.partition_point(|&part| part <= u).clamp(1, n) - 1;
+            first.extend((0..n).map(|k| falls_into(k as f32 / n as f32) as u32));
+        }
+        Self { n, parts, first }
+    }
+
+    /// The part of a distribution that a number in [0, 1) falls into, and where in it, in [0, 1).
+    #[inline]
+    fn find(&self, distribution: usize, u: f32) -> (usize, f32) {
+        let n = self.n;
+        let parts = &self.parts[distribution * (n + 1)..][..n + 1];
+        let near = ((u * n as f32) as usize).min(n - 1);
+        let mut index = self.first[distribution * n + near] as usize;
+        // What rounds up to a whole number began below.
+        while index > 0 && parts[index] > u {
+            index -= 1;
+        }
+        while index + 1 < n && parts[index + 1] <= u {
+            index += 1;
+        }
+        let (from, to) = (parts[index], parts[index + 1]);
+        (index, ((u - from) / (to - from)).clamp(0.0, 1.0 - 0.5 * f32::EPSILON))
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::Cumulative;
     use crate::environment::{Environment, sky};
     use crate::random::Random;
     use glam::Vec3;
@@ -138,6 +163,26 @@ mod tests {
                 freedom += 1.0;
             }
             assert!(chi < freedom + 5.0 * f64::sqrt(2.0 * freedom), "map {k}: {chi} for {freedom} bins");
+        }
+    }
+
+    /// Shares that are 0, tiny and large, at numbers on the edges of parts and beside them.
+    #[test]
+    fn a_number_falls_into_the_part_that_a_search_of_all_finds() {
+        let shares = [0.0, 1.0, 0.0, 0.0, 1e-9, 5.0, 1e-3, 0.0, 0.25, 0.0, 0.0, 0.0, 3.0, 3.0, 3.0, 0.0];
+        let cumulative = Cumulative::new(&shares, 8);
+        let mut random = Random::new(12, 0, 0);
+        for distribution in 0..2 {
+            let parts = &cumulative.parts[distribution * 9..][..9];
+            let edges = parts.iter().flat_map(|&part| [part.next_down(), part, part.next_up()]);
+            let grid = (0..8).flat_map(|k| [k as f32 / 8.0, (k as f32 / 8.0).next_down()]);
+            let numbers: Vec<f32> = edges.chain(grid).filter(|u| (0.0..1.0).contains(u)).collect();
+            for u in numbers.into_iter().chain((0..10_000).map(|_| random.unit())) {
+                let want = parts.iter().rposition(|&part| part <= u).unwrap();
+                let (index, within) = cumulative.find(distribution, u);
+                assert_eq!(index, want, "{u} of {parts:?}");
+                assert!((0.0..1.0).contains(&within));
+            }
         }
     }
 
