@@ -2,5 +2,6 @@
 
 pub mod blend;
 pub mod evaluated;
+mod interpolant;
 pub mod lafortune;
 pub mod thesis;

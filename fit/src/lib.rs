@@ -2,6 +2,7 @@
 
 pub mod analytic;
 mod anisotropic;
+#[cfg(feature = "baselines")]
 pub mod baselines;
 pub mod complete;
 mod error;

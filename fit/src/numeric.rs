@@ -3,6 +3,7 @@
 pub(crate) mod banded;
 pub(crate) mod blocks;
 pub(crate) mod cholesky;
+#[cfg(feature = "baselines")]
 pub(crate) mod lbfgsb;
 pub(crate) mod levenberg;
 pub(crate) mod random;
