@@ -115,7 +115,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let fitted = fit(&painted, Kind::Measurement)?;
     let of_lobes = fit(&painted, Kind::Lobes)?;
 
-    let mut page = Page::new("The figures of Weng and Shih 2006, made again");
+    let mut page = Page::new("The figures of the thesis, made again");
     page.paragraph(WORDS);
     page.heading("The claim");
     let mut claims = String::from("truth,material,light,method,samples_of_lafortune,standard_error,holds\n");
@@ -238,8 +238,23 @@ fn table_5_1(out: &Path, args: &Args, page: &mut Page) -> anyhow::Result<()> {
     thesis_table::run(thesis_table::Args::new(args.quick.then(|| "cayman".to_owned()), file.clone()))?;
     page.heading("Table 5.1");
     page.paragraph("Relative L2 errors of fits in percent, and what the thesis says of its own.");
-    page.lines(&std::fs::read_to_string(&file).with_context(|| file.display().to_string())?);
+    page.table(&table_of(&std::fs::read_to_string(&file).with_context(|| file.display().to_string())?));
     Ok(())
+}
+
+/// A table of Markdown as one of a page: the first row is its head, the second a line.
+fn table_of(markdown: &str) -> Table {
+    let cells = |line: &str| -> Vec<Cell> {
+        let inner = line.trim().trim_matches('|');
+        let cell = |(column, text): (usize, &str)| match column {
+            0 | 1 => Cell::text(text.trim()),
+            _ => Cell::number(text.trim()),
+        };
+        inner.split('|').enumerate().map(cell).collect()
+    };
+    let mut rows = markdown.lines().filter(|line| line.starts_with('|'));
+    let head = rows.next().map(cells).unwrap_or_default();
+    Table { caption: String::new(), head, rows: rows.skip(1).map(cells).collect() }
 }
 
 fn figure_5_1(out: &Path, page: &mut Page) -> anyhow::Result<()> {
