@@ -7,6 +7,16 @@ use crate::error::Error;
 pub(super) const MAX_CANDIDATES: usize = 32;
 
 /// How light and material are sampled together.
+///
+/// ```
+/// use srbf_core::ProductSampling;
+///
+/// let sampling = ProductSampling::new(16, 0.5, 4.0)?;
+/// assert_eq!((sampling.candidates(), sampling.lobe_candidates()), (16, 8));
+/// // The path's own ray counts most where the lobes are dense and the light is even.
+/// assert!(sampling.ray_weight(10.0, 0.1) > sampling.ray_weight(0.1, 10.0));
+/// # Ok::<(), srbf_core::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProductSampling {
     pub(super) count: usize,

@@ -62,6 +62,26 @@ impl<B: AsRef<[u8]>> Material<B> {
 }
 
 /// How [`Material::prepare_with`] makes a mixture; the default is what [`Material::prepare`] does.
+///
+/// ```
+/// # #[cfg(feature = "std")] {
+/// use srbf_core::{LeaveOut, Level, Material, Mixture, PrepareOptions};
+///
+/// # let bytes = std::fs::read("presets/garnet_red.srbf").or_else(|_| std::fs::read("../presets/garnet_red.srbf")).unwrap();
+/// let material = Material::from_bytes(bytes).unwrap();
+/// let wo = [-0.6, 0.0, 0.8];
+/// let mut mixture = Mixture::<16>::empty();
+/// material.prepare(wo, &mut mixture).unwrap();
+/// let (exact, lobes) = (mixture.evaluate([0.6, 0.0, 0.8]), mixture.len());
+///
+/// // Without lobes that carry less than a hundredth, by scalar kernels.
+/// let leave_out = LeaveOut::new(0.01, 1e-7).unwrap();
+/// let options = PrepareOptions { leave_out, level: Some(Level::Scalar) };
+/// material.prepare_with(wo, options, &mut mixture).unwrap();
+/// assert!(mixture.len() <= lobes);
+/// assert!((mixture.evaluate([0.6, 0.0, 0.8]).x / exact.x - 1.0).abs() < 0.05);
+/// # }
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PrepareOptions {
     /// Lobes and folds that matter less than a bound.

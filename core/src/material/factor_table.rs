@@ -22,6 +22,29 @@ pub(crate) fn decoded(node: u32, place: usize) -> f32 {
 
 /// Factors over the half angle and the difference angle, for all views of a material; see
 /// [`Material::factor`](crate::Material::factor).
+///
+/// ```
+/// use srbf_core::{FactorTable, Line, Material, PlaneLobe, View};
+///
+/// let lobes = [PlaneLobe {
+///     angle: 0.0,
+///     off_plane: 0.0,
+///     log2_sharpness: 3.0,
+///     log2_luminance: -2.0,
+///     color_differences: [0.0; 2],
+/// }];
+/// let none = [0.0; 2];
+/// let view = View { theta: 0.0, log2_squeeze: 0.0, log2_diffuse: -126.0, diffuse_color_differences: none, lobes: &lobes };
+/// // Twice as bright everywhere: the albedo differs by as much as there was.
+/// let factors = FactorTable { half: 2, difference: 2, factors: &[[2.0; 3]; 4], albedo_differences: &[[1.0; 3]] };
+/// let line = Line { views: &[view], squeezed: 0, mirrored: 0, factors: Some(factors) };
+/// let mut bytes = vec![0; line.encoded_len("")];
+/// line.encode("", &mut bytes)?;
+/// let material = Material::from_bytes(bytes)?;
+/// let factor = material.factor([0.0, 0.0, 1.0], [0.6, 0.0, 0.8]);
+/// assert!((factor.x - 2.0).abs() < 0.01, "{factor}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct FactorTable<'a> {
     /// Nodes along the half angle, in `(1 - h.z)^(1/4)`; 2 to 32.

@@ -39,6 +39,34 @@ pub struct View<'a> {
 }
 
 /// The views of an isotropic material.
+///
+/// A material of one's own, without a fit: a highlight that follows the mirror direction over a dark red.
+///
+/// ```
+/// use srbf_core::{Line, Material, Mixture, PlaneLobe, View, color_differences};
+///
+/// let thetas = [0.0f32, 0.5, 1.0, 1.5];
+/// let lobes = thetas.map(|angle| {
+///     let (log2_luminance, color_differences) = color_differences([1.0f32; 3].map(f32::log2));
+///     [PlaneLobe { angle, off_plane: 0.0, log2_sharpness: 5.0, log2_luminance, color_differences }]
+/// });
+/// let (log2_diffuse, diffuse_color_differences) = color_differences([0.2f32, 0.05, 0.05].map(f32::log2));
+/// let views: Vec<View> = thetas
+///     .iter()
+///     .zip(&lobes)
+///     .map(|(&theta, lobes)| View { theta, log2_squeeze: 0.0, log2_diffuse, diffuse_color_differences, lobes })
+///     .collect();
+/// let line = Line { views: &views, squeezed: 0, mirrored: 0, factors: None };
+/// let mut bytes = vec![0; line.encoded_len("made by hand")];
+/// line.encode("made by hand", &mut bytes)?;
+///
+/// let material = Material::from_bytes(bytes)?;
+/// let mut mixture = Mixture::<16>::empty();
+/// material.prepare([-0.6, 0.0, 0.8], &mut mixture)?;
+/// let value = mixture.evaluate([0.6, 0.0, 0.8]);
+/// assert!((value.x - (1.0 + 0.2 / std::f32::consts::PI * 0.8)).abs() < 0.01, "{value}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Line<'a> {
     /// By their angle, the normal first.
@@ -82,6 +110,36 @@ pub struct GridView<'a> {
 }
 
 /// The views of an anisotropic material.
+///
+/// A brushed surface: the normal and one ring of four views, each with a highlight that is twice as wide one way.
+///
+/// ```
+/// use srbf_core::{Grid, GridView, Material, Mixture, TiltedLobe};
+///
+/// let lobes = |angle: f32| {
+///     [TiltedLobe { tilt: [angle, 0.0], log2_sharpness: 6.0, log2_luminance: 0.0, color_differences: [0.0; 2] }]
+/// };
+/// let [up, aside] = [lobes(0.0), lobes(1.0)];
+/// // Along x of the surface, which for a view at an azimuth of 90 degrees lies across its plane of incidence.
+/// let view = |lobes, log2_squeeze| GridView {
+///     log2_squeeze,
+///     log2_diffuse: -3.0,
+///     diffuse_color_differences: [0.0; 2],
+///     lobes,
+/// };
+/// let (along, across) = ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
+/// let views = [view(&up, along), view(&aside, along), view(&aside, across), view(&aside, along), view(&aside, across)];
+/// let grid = Grid { thetas: &[0.0, 1.0], azimuths: 4, turns: 1, views: &views, squeezed: 1, factors: None };
+/// let mut bytes = vec![0; grid.encoded_len("brushed")];
+/// grid.encode("brushed", &mut bytes)?;
+///
+/// let material = Material::from_bytes(bytes)?;
+/// let mut mixture = Mixture::<16>::empty();
+/// material.prepare([0.0, 0.0, 1.0], &mut mixture)?;
+/// let [along, across] = [[0.3f32, 0.0, 0.954], [0.0, 0.3, 0.954]].map(|wi| mixture.evaluate(wi).x);
+/// assert!(!material.is_isotropic() && along != across);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Grid<'a> {
     /// Angles of the rings from the normal, radians; the first is 0, the normal itself.

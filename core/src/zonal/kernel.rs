@@ -8,6 +8,18 @@ use glam::Vec3;
 ///
 /// An implementation gives five functions of one number; value, density and sampling follow, and with
 /// [`Folded`](crate::Folded) the folded and squeezed forms.
+///
+/// ```
+/// use srbf_core::{AbelPoisson, Kernel, Vec3};
+///
+/// let kernel = AbelPoisson::new(Vec3::Z, 0.9)?;
+/// let direction = kernel.sample([0.3, 0.7]);
+/// assert!((direction.length() - 1.0).abs() < 1e-6);
+/// assert!((kernel.pdf(direction) * kernel.integral() / kernel.value(direction) - 1.0).abs() < 1e-6);
+/// let [u, _] = kernel.invert_sample(direction);
+/// assert!((u - 0.3).abs() < 1e-4);
+/// # Ok::<(), srbf_core::Error>(())
+/// ```
 pub trait Kernel {
     /// Where the kernel is centred; unit vector.
     fn axis(&self) -> Vec3;

@@ -13,6 +13,16 @@ use glam::Vec3;
 /// 1e8 is met in its own scale; with N = 256 they are 10 % apart and a Gaussian is followed within 0.2 % of
 /// its peak. Value, density, integral and samples are all those of the tabulated kernel: an estimator that
 /// divides by [`Kernel::pdf`] has no bias.
+///
+/// ```
+/// use srbf_core::{Kernel, KernelTable, Vec3};
+///
+/// // A cosine lobe to the tenth power.
+/// let table = KernelTable::<256>::new(Vec3::Z, |w| (1.0 - w).max(0.0).powi(10))?;
+/// assert!((table.integral() / (2.0 * std::f32::consts::PI / 11.0) - 1.0).abs() < 0.01);
+/// assert!(table.sample([0.5, 0.2]).z > 0.5);
+/// # Ok::<(), srbf_core::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct KernelTable<const N: usize> {
     axis: Vec3,
