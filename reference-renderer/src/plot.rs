@@ -88,22 +88,7 @@ fn panel(
 ) -> Result<(), Failure> {
     let points = || comparison.curves.iter().flat_map(Curve::known);
     let [x_range, y_range] = [range(points().map(abscissa)), range(points().map(Point::rmse))];
-    let mut chart = ChartBuilder::on(area)
-        .margin(12)
-        .margin_right(RIGHT_MARGIN)
-        .x_label_area_size(46)
-        .y_label_area_size(78)
-        .build_cartesian_2d((x_range[0]..x_range[1]).log_scale(), (y_range[0]..y_range[1]).log_scale())?;
-    chart
-        .configure_mesh()
-        .x_desc(label)
-        .y_desc("relative RMS error")
-        .label_style((FONT, 14))
-        .axis_desc_style((FONT, 16))
-        .x_label_formatter(&tick)
-        .y_label_formatter(&tick)
-        .light_line_style(RGBColor(235, 235, 235))
-        .draw()?;
+    let mut chart = axes(area, [label, "relative RMS error"], x_range, y_range)?;
     if let Some(first) = points().next() {
         chart.draw_series(half_line([abscissa(first), first.rmse()], x_range, y_range))?;
     }
@@ -195,6 +180,32 @@ pub fn draw_legend<'a, 'b: 'a, C: CoordTranslate>(
 
 /// A chart with two logarithmic axes.
 pub type Chart<'a, 'b> = ChartContext<'a, BitMapBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
+
+/// Makes a panel with logarithmic axes, which have what is said of them.
+pub fn axes<'a, 'b>(
+    area: &'a DrawingArea<BitMapBackend<'b>, Shift>,
+    [x_label, y_label]: [&str; 2],
+    x: [f64; 2],
+    y: [f64; 2],
+) -> Result<Chart<'a, 'b>, Failure> {
+    let mut chart = ChartBuilder::on(area)
+        .margin(12)
+        .margin_right(RIGHT_MARGIN)
+        .x_label_area_size(46)
+        .y_label_area_size(78)
+        .build_cartesian_2d((x[0]..x[1]).log_scale(), (y[0]..y[1]).log_scale())?;
+    chart
+        .configure_mesh()
+        .x_desc(x_label)
+        .y_desc(y_label)
+        .label_style((FONT, 14))
+        .axis_desc_style((FONT, 16))
+        .x_label_formatter(&tick)
+        .y_label_formatter(&tick)
+        .light_line_style(RGBColor(235, 235, 235))
+        .draw()?;
+    Ok(chart)
+}
 
 /// Draws the points of a curve and what joins them, and puts its name into the legend.
 pub fn add_curve(

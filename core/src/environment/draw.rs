@@ -35,10 +35,7 @@ impl<M: AsRef<[u32]>> Environment<M> {
         let relative = Vec3::from_array(between(colors, across, down));
         EnvironmentSample { direction, pdf: luminance(relative), radiance: relative * table.power }
     }
-}
 
-/// Hints.
-impl<M: AsRef<[u32]>> Environment<M> {
     /// Asks the processor for what [`sample`](Self::sample) will read of the map for these numbers, which is in
     /// no cache if the map is large: ask before other work of some ten nanoseconds, such as
     /// [`prepare`](crate::Material::prepare). Changes no result.

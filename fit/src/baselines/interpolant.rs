@@ -114,17 +114,7 @@ impl Triangle {
 mod tests {
     use super::*;
     use crate::table::direction;
-
-    fn grid(f: impl Fn([f64; 3]) -> f64) -> Vec<Sample> {
-        let mut samples = vec![];
-        for theta in (0..80).step_by(8) {
-            for phi in 0..=18 {
-                let d = direction(f64::from(theta).to_radians(), f64::from(10 * phi).to_radians());
-                samples.push(Sample { direction: d, rgb: [f(d); 3], weight: 0.0 });
-            }
-        }
-        samples
-    }
+    use crate::table::interpolate::tests::grid;
 
     #[test]
     fn values_in_between_are_those_of_the_samples_and_linear() {

@@ -212,11 +212,12 @@ fn for_each_cut(corners: &[&Node; 3], mut each: impl FnMut([f64; 3], f64, f64)) 
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::table::direction;
 
-    fn grid(f: impl Fn([f64; 3]) -> f64) -> Vec<Sample> {
+    /// Samples of one view, of a value of the direction.
+    pub(crate) fn grid(f: impl Fn([f64; 3]) -> f64) -> Vec<Sample> {
         let mut samples = vec![];
         for theta in (0..80).step_by(8) {
             for phi in 0..=18 {

@@ -2,7 +2,7 @@
 
 use super::Row;
 use crate::picture_file;
-use crate::plot::{COLOURS, FONT, Failure, RIGHT_MARGIN, add_curve, draw_legend, range, register_font, tick};
+use crate::plot::{COLOURS, FONT, Failure, add_curve, axes, draw_legend, range, register_font};
 use anyhow::anyhow;
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -49,22 +49,7 @@ fn panel(
     let error = |r: &Row| 100.0 * r.held_out.unwrap_or(r.error);
     let x = range(curves.iter().flat_map(|(_, abscissa)| rows.iter().map(abscissa)));
     let y = range(rows.iter().map(error));
-    let mut chart = ChartBuilder::on(area)
-        .margin(12)
-        .margin_right(RIGHT_MARGIN)
-        .x_label_area_size(46)
-        .y_label_area_size(78)
-        .build_cartesian_2d((x[0]..x[1]).log_scale(), (y[0]..y[1]).log_scale())?;
-    chart
-        .configure_mesh()
-        .x_desc(label)
-        .y_desc("relative L2 error, %")
-        .label_style((FONT, 14))
-        .axis_desc_style((FONT, 16))
-        .x_label_formatter(&tick)
-        .y_label_formatter(&tick)
-        .light_line_style(RGBColor(235, 235, 235))
-        .draw()?;
+    let mut chart = axes(area, [label, "relative L2 error, %"], x, y)?;
     for ((name, abscissa), &colour) in curves.iter().zip(&COLOURS) {
         let places: Vec<(f64, f64)> = rows.iter().map(|r| (abscissa(r), error(r))).collect();
         add_curve(&mut chart, (*name).to_owned(), colour, &places)?;

@@ -1,0 +1,222 @@
+//! Fits and what is said of them.
+
+use crate::{folder, refused, refused_with_data, rows, srbf};
+use srbf_core::{Line, PlaneLobe, View};
+
+#[test]
+fn damaged_tables_are_refused_with_file_and_line() {
+    let place = folder("tables");
+    let good = rows();
+    let lines: Vec<&str> = good.lines().collect();
+    let with_line_5 = |line: &str| {
+        let mut lines = lines.clone();
+        lines[4] = line;
+        lines.join("\n")
+    };
+    for (name, text, says) in [
+        ("empty.csv", String::new(), "the first line"),
+        ("header.csv", good.replace("wi_x", "x"), "the first line"),
+        ("short.csv", with_line_5("0,0,1,0,0,1,0.2,0.1"), "line 5"),
+        ("word.csv", with_line_5("0,0,1,0,0,1,0.2,0.1,red"), "line 5"),
+        ("nan.csv", with_line_5("NaN,0,1,0,0,1,0.2,0.1,0.1"), "line 5"),
+        ("long.csv", with_line_5("0,0,9,0,0,1,0.2,0.1,0.1"), "line 5"),
+        ("cut.binary", "abc".into(), "cut.binary"),
+        ("cut.bsdf", "tensor_file".into(), "cut.bsdf"),
+        ("what.xyz", "?".into(), "what.xyz"),
+    ] {
+        std::fs::write(place.join(name), text).unwrap();
+        refused(&place, &["fit", name, "-o", "out.srbf"], &[name, says]);
+    }
+    refused(&place, &["fit", "absent.csv", "-o", "out.srbf"], &["absent.csv"]);
+}
+
+#[test]
+fn a_table_is_fitted_and_the_material_inspected_and_a_cut_one_refused() {
+    let place = folder("fit");
+    std::fs::write(place.join("diffuse.csv"), rows()).unwrap();
+    let fit =
+        ["fit", "diffuse.csv", "--lobes", "2", "--starts", "2", "--exchanges", "0", "-o", "diffuse.srbf"];
+    let output = srbf(&place, &fit);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let json = std::fs::read_to_string(place.join("diffuse.json")).unwrap();
+    for key in ["mean_relative_l2", "\"summary\"", "\"verdict\"", "\"fitted views\"", "\"try\""] {
+        assert!(json.contains(key), "{key}: {json}");
+    }
+    // A heading, the verdict, what was written, and what to do next, which works.
+    let text = String::from_utf8(output.stdout).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    let [heading, verdict @ .., written, next] = &lines[..] else { panic!("{text}") };
+    assert!(heading.starts_with("diffuse.srbf: ") && lines.len() < 16, "{text}");
+    let labels = ["good", "fair", "off ", "try ", "note"];
+    assert!(verdict.iter().all(|line| labels.contains(&&line[..4])), "{text}");
+    assert!(text.contains("good relative L2: median"), "{text}");
+    assert_eq!(*written, "wrote diffuse.srbf, diffuse.json, diffuse.png");
+    assert!(place.join("diffuse.png").exists());
+    let next: Vec<&str> = next.strip_prefix("next  srbf ").unwrap().split(' ').collect();
+    let output = srbf(&place, &[&next[..], &["--size", "16x16", "--spp", "1"]].concat());
+    assert!(output.status.success() && place.join("diffuse.exr").exists());
+
+    let inspected = srbf(&place, &["inspect", "diffuse.srbf", "--lobes"]);
+    let text = String::from_utf8(inspected.stdout).unwrap();
+    assert!(inspected.status.success() && text.contains("luminance  (R-Y)/Y  (B-Y)/Y"), "{text}");
+
+    let bytes = std::fs::read(place.join("diffuse.srbf")).unwrap();
+    std::fs::write(place.join("cut.srbf"), &bytes[..bytes.len() / 2]).unwrap();
+    refused(&place, &["inspect", "cut.srbf"], &["cut.srbf"]);
+    refused(&place, &["render", "--material", "cut.srbf", "-o", "out.exr"], &["cut.srbf"]);
+    refused(&place, &["inspect", "absent.srbf"], &["absent.srbf"]);
+}
+
+/// The folder that is written to without -o has a name for each.
+#[test]
+fn models_and_methods_have_files_of_their_own() {
+    let place = folder("names");
+    for arguments in [
+        &["model:lambert:albedo=0.3", "--lobes", "1", "--method", "thesis"][..],
+        &["model:lambert:albedo=1e-155", "--lobes", "2", "--method", "thesis"],
+    ] {
+        let output = srbf(&place, &[&["fit"], arguments].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    let mut names: Vec<_> =
+        std::fs::read_dir(place.join("out")).unwrap().map(|f| f.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, ["lambert-albedo=0.3-thesis.json", "lambert-albedo=1e-155-thesis.json"]);
+    let json = std::fs::read_to_string(place.join("out/lambert-albedo=0.3-thesis.json")).unwrap();
+    assert!(json.contains("model:lambert:albedo=0.3"), "{json}");
+}
+
+/// A fit of a moment.
+const QUICK: [&str; 10] =
+    ["--lobes", "1", "--starts", "1", "--steps", "2", "--exchanges", "0", "--no-picture", "--views=2"];
+
+#[test]
+fn as_much_is_printed_as_is_asked_for() {
+    let place = folder("words");
+    let fit = |options: &[&str]| {
+        let call = [&["fit", "model:lambert:albedo=0.3", "-o", "a.srbf"], &QUICK[..], options].concat();
+        let output = srbf(&place, &call);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap())
+    };
+    let tables = "albedo r g b, fit (data)";
+    assert!(!fit(&[]).0.contains(tables) && fit(&["--verbose"]).0.contains(tables));
+    assert_eq!(fit(&["--quiet"]), Default::default());
+    assert_eq!(fit(&["--json"]).0, std::fs::read_to_string(place.join("a.json")).unwrap());
+    assert_eq!(String::from_utf8(srbf(&place, &["-q", "inspect", "matte"]).stdout).unwrap(), "");
+    for both in [["--quiet", "--json"], ["--quiet", "--verbose"], ["--json", "--verbose"]] {
+        refused(&place, &["fit", "model:lambert", both[0], both[1]], &both);
+    }
+    let version = String::from_utf8(srbf(&place, &["--version"]).stdout).unwrap();
+    assert_eq!(version, format!("srbf {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn several_files_are_fitted_and_a_bad_one_is_named() {
+    let place = folder("several");
+    std::fs::write(place.join("bad.csv"), "theta_i\n").unwrap();
+    let files = ["fit", "model:lambert:albedo=0.3", "bad.csv", "model:lambert:albedo=0.5", "-o", "fits"];
+    let output = srbf(&place, &[&files[..], &QUICK].concat());
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(text.contains("bad.csv") && text.contains("1 of 3 files were not fitted"), "{text}");
+    for name in ["lambert-albedo=0.3", "lambert-albedo=0.5"] {
+        assert!(
+            place.join(format!("fits/{name}.srbf")).exists()
+                && place.join(format!("fits/{name}.json")).exists()
+        );
+    }
+    assert!(!place.join("fits/bad.srbf").exists());
+    let place = folder("several-refused");
+    let two = ["fit", "model:lambert", "model:phong"];
+    for (options, says) in [
+        (["-o", "a.srbf"], ["a.srbf", "a folder"]),
+        (["--picture", "a.png"], ["--picture", "one file"]),
+        (["--material", "blue"], ["--material", "one file"]),
+    ] {
+        refused(&place, &[&two[..], &options].concat(), &says);
+    }
+    refused(&place, &["fit", "model:lambert", "model:lambert"], &["both", "out/lambert.srbf"]);
+}
+
+#[test]
+fn what_is_left_out_is_printed_and_in_the_report() {
+    let place = folder("left-out");
+    std::fs::write(place.join("diffuse.csv"), rows()).unwrap();
+    let fit = ["fit", "diffuse.csv", "--lobes", "1", "--starts", "1", "--exchanges", "0", "--cross-validate"];
+    let output = srbf(&place, &fit);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && text.contains("views left out: mean - %"), "{text}");
+    let json = std::fs::read_to_string(place.join("out/diffuse.json")).unwrap();
+    assert!(json.contains("mean_relative_l2_of_samples"), "{json}");
+}
+
+#[test]
+fn an_extreme_material_is_named() {
+    let place = folder("extreme");
+    let color_differences = [0.0; 2];
+    let (angle, off_plane, log2_sharpness, log2_luminance) = (0.0, 0.0, 0.0, 60.0);
+    let lobe = PlaneLobe { angle, off_plane, log2_sharpness, log2_luminance, color_differences };
+    let (theta, log2_squeeze, log2_diffuse) = (0.0, 0.0, -1.0);
+    let diffuse_color_differences = color_differences;
+    let view = View { theta, log2_squeeze, log2_diffuse, diffuse_color_differences, lobes: &[lobe] };
+    let line = Line { views: &[view], squeezed: 0, mirrored: 0, factors: None };
+    let mut bytes = vec![0; line.encoded_len("test")];
+    line.encode("test", &mut bytes).unwrap();
+    std::fs::write(place.join("hot.srbf"), bytes).unwrap();
+    let render = ["render", "--scene", "teapot", "--size", "16x16", "--spp", "4", "--material", "hot.srbf"];
+    refused(&place, &[&render[..], &["-o", "a.exr"]].concat(), &["material hot", "matte", "finite radiance"]);
+}
+
+#[test]
+fn a_fit_is_judged_against_what_it_was_made_from() {
+    let place = folder("judge");
+    let model = "model:phong:diffuse=0.3,specular=0.3,exponent=50";
+    let few = ["--lobes", "2", "--starts", "1", "--steps", "20", "--exchanges", "0", "--views", "4"];
+    let fit = [&["fit", model, "--verbose", "--factors", "4x3", "-o", "phong.srbf"], &few[..]].concat();
+    let output = srbf(&place, &fit);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let fitted = String::from_utf8(output.stdout).unwrap();
+    assert!(fitted.contains("factors: 4 x 3 nodes, largest "), "{fitted}");
+    assert!(std::fs::read_to_string(place.join("phong.json")).unwrap().contains("\"factors\""));
+
+    let judge = ["judge", "phong.srbf", "--against", model, "--angles", "10,50"];
+    let output = srbf(&place, &judge);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success() && text.contains("2 held-out views:"), "{text}");
+    assert!(
+        text.lines().filter(|line| line.starts_with("  10.0 |") || line.starts_with("  50.0 |")).count() == 2
+    );
+    for line in text.lines().chain(fitted.lines()) {
+        assert!(line.chars().count() <= 115, "{line}");
+    }
+    let text = String::from_utf8(srbf(&place, &["inspect", "phong.srbf"]).stdout).unwrap();
+    assert!(text.contains("factors     4 x 3 nodes"), "{text}");
+}
+
+#[test]
+fn a_damaged_survey_is_named_and_the_table_before_it_is_kept() {
+    let place = folder("survey");
+    for folder in ["data/rgl", "data/merl"] {
+        std::fs::create_dir_all(place.join(folder)).unwrap();
+    }
+    std::fs::write(place.join("old.csv"), "old").unwrap();
+    let survey = |lobes, says: &[&str]| {
+        let arguments = ["project", "survey", "--csv", "old.csv", "--lobes", lobes];
+        refused_with_data(&place, Some("data"), &arguments, says);
+        assert_eq!(std::fs::read(place.join("old.csv")).unwrap(), b"old");
+    };
+    refused_with_data(&place, Some(""), &["project", "survey"], &["SRBF_DATA_DIR"]);
+    survey("0", &["lobes"]);
+    survey("2", &["nbrdf_merl80.f32le"]);
+    let (weights, names) = ("data/merl/nbrdf_merl80.f32le", "data/merl/nbrdf_merl80_names.txt");
+    std::fs::write(place.join(weights), [0; 7]).unwrap();
+    survey("2", &["nbrdf_merl80.f32le", "7 bytes"]);
+    std::fs::write(place.join(weights), [0; 2 * 4 * NETWORK]).unwrap();
+    survey("2", &["nbrdf_merl80_names.txt"]);
+    std::fs::write(place.join(names), "one two three").unwrap();
+    survey("2", &["2 networks", "3 names"]);
+}
+
+/// Numbers of a network: 6 inputs, two layers of 21, 3 outputs, and a constant for each.
+const NETWORK: usize = 7 * 21 + 22 * 21 + 22 * 3;

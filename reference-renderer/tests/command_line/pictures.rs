@@ -1,0 +1,263 @@
+//! Pictures, comparisons, figures.
+
+use crate::{command, folder, refused, refused_with_data, srbf};
+
+/// Every sampler renders a table, says so, and writes a picture; the furnace finds the albedo.
+#[test]
+fn every_sampler_is_called_by_name() {
+    let place = folder("samplers");
+    let gloss = "model:ggx:alpha=0.3,f0=0.6,diffuse=0.2";
+    for (sampler, says) in [
+        ("mis", "weighted by the table"),
+        ("light", "sampled alone"),
+        ("uniform", "the uniform hemisphere"),
+        ("cosine", "the cosine"),
+        ("phong+mis", "a Phong lobe"),
+        ("ward", "Ward's lobe"),
+        ("ggx", "visible normals of GGX"),
+        ("tabulated", "tabulated distributions"),
+        ("factored", "a factored distribution"),
+        ("guided", "weighted by the material"),
+        ("lobes", "weighted by the table"),
+        ("lobes-multi", "together"),
+        ("defensive+mis", "weighted by the table"),
+    ] {
+        let call = ["render", "--scene", "furnace", "--material", gloss, "--sampler", sampler];
+        let output = srbf(&place, &[&call[..], &["--size", "12x12", "--spp", "16", "-o", "a.exr"]].concat());
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success(), "{sampler}: {}", String::from_utf8_lossy(&output.stderr));
+        assert!(text.contains(says) && text.contains(", the table; sampled by"), "{sampler}: {text}");
+        assert!(text.contains("white furnace"), "{sampler}: {text}");
+    }
+    let lobes = ["render", "--material", gloss, "--lobes", "garnet_red", "--sampler", "lobes"];
+    let output = srbf(&place, &[&lobes[..], &["--size", "8x8", "--spp", "1", "-o", "a.exr"]].concat());
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.contains("of garnet_red") && text.contains("5 % of the cosine"), "{text}");
+
+    let refused = |arguments: &[&str], says: &[&str]| {
+        refused(&place, &[&["render", "-o", "b.exr"], arguments].concat(), says);
+    };
+    refused(&["--sampler", "phnog"], &["phnog", "tabulated", "+mis"]);
+    refused(&["--sampler", "rgl", "--material", gloss], &["rgl", ".bsdf"]);
+    refused(
+        &["--sampler", "thesis", "--material", "model:ward:alpha_x=0.1,alpha_y=0.4"],
+        &["thesis", "anisotropic"],
+    );
+    refused(&["--sampler", "lobes-multi", "--spp", "10"], &["--spp", "16", "--split"]);
+    refused(&["--split", "0"], &["--split"]);
+    refused(&["--lobes", "garnet_red"], &["--lobes", "table"]);
+    refused(&["--lobes", "absent.srbf", "--material", gloss], &["absent.srbf"]);
+    refused(&["--light", "on"], &["--light", "only"]);
+}
+
+#[test]
+fn scenes_load_what_they_use_and_say_what_they_left_out() {
+    let place = folder("scenes");
+    std::fs::write(place.join("step.obj"), "v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 3\nf 1 2 3\nf 1 3 4\nf 2 4 3\n")
+        .unwrap();
+    let render = |arguments: &[&str]| {
+        let call =
+            [&["render", "--size", "16x12", "--spp", "1", "--explain", "-o", "a.exr"], arguments].concat();
+        let output = srbf(&place, &call);
+        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let text = render(&["--scene", "sphere"]);
+    assert!(text.contains("material of the ground: the scene sphere has none"), "{text}");
+    assert!(text.contains("triangles") && !text.contains("ground: rendered"), "{text}");
+    let text = render(&["--scene", "room", "--ball-material", "cayman", "--eye", "0,-9,3", "--fov", "50"]);
+    for part in [
+        "object: rendered is garnet_red",
+        "ball: rendered is cayman",
+        "left wall: ",
+        "right wall: ",
+        "ground: ",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let text = render(&["--scene", "statue", "--mesh", "step.obj", "--look-at", "0,0,0", "--sampler", "ggx"]);
+    assert!(
+        text.contains("teapot: step.obj takes its place") && text.contains("samples of the light"),
+        "{text}"
+    );
+    // Straight down, and from a place under the ground.
+    render(&["--scene", "teapot", "--eye", "0,0,9", "--look-at", "0,0,0"]);
+    render(&["--scene", "teapot", "--eye", "0,0,-9", "--look-at", "0,0,0"]);
+
+    let refused = |arguments: &[&str], says: &[&str]| {
+        refused(&place, &[&["render", "-o", "b.exr"], arguments].concat(), says);
+    };
+    refused(&["--scene", "statue"], &["statue", "--mesh"]);
+    refused(&["--scene", "sphere", "--mesh", "step.obj"], &["--mesh", "teapot"]);
+    refused(&["--scene", "statue", "--mesh", "absent.ply"], &["absent.ply"]);
+    refused(&["--scene", "furnace", "--env", "sky"], &["furnace", "constant:VALUE"]);
+    refused(&["--ball-material", "cayman"], &["--ball-material", "room"]);
+    refused(&["--eye", "1,2"], &["--eye", "X,Y,Z"]);
+    refused(&["--eye", "1,2,3", "--look-at", "1,2,3"], &["--eye", "--look-at"]);
+    for angle in ["0", "180", "nan", "-5"] {
+        refused(&[&format!("--fov={angle}")], &["--fov"]);
+    }
+    for (name, text) in [
+        ("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"),
+        ("empty.ply", ""),
+        ("far.obj", "v 0 0 1e30\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+        ("what.stl", "solid"),
+        ("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"),
+    ] {
+        std::fs::write(place.join(name), text).unwrap();
+        refused(&["--scene", "statue", "--mesh", name], &["mesh", name]);
+    }
+    for (name, text) in [("cut.hdr", "#?RADIANCE\n"), ("what.exr", "no"), ("a.jpg", "")] {
+        std::fs::write(place.join(name), text).unwrap();
+        for map in ["lat-long", "angular"] {
+            refused(&["--env", name, "--env-map", map], &["environment", name]);
+        }
+    }
+    refused(&["--env-map", "cube"], &["--env-map", "angular"]);
+}
+
+#[test]
+fn many_turns_of_the_light_are_drawn_as_one() {
+    let place = folder("turns");
+    let picture = |turn: &str| {
+        let turned = ["render", "--size", "16x16", "--spp", "1", "--env-turn", turn, "-o", "a.exr"];
+        assert!(srbf(&place, &turned).status.success());
+        std::fs::read(place.join("a.exr")).unwrap()
+    };
+    assert_eq!(picture("1e9"), picture("280"));
+}
+
+#[test]
+fn a_furnace_of_one_sample_has_no_error() {
+    let place = folder("furnace");
+    let one = ["render", "--env", "constant:1", "--size", "8x8", "--spp", "1", "-o", "a.exr"];
+    let text = String::from_utf8(srbf(&place, &one).stdout).unwrap();
+    assert!(text.contains("at least two samples"), "{text}");
+    let matte = ["render", "--material", "matte", "--env", "constant:1", "--sampler", "cosine"];
+    let size = ["--size", "16x16", "--spp", "4", "-o", "a.exr"];
+    let text = String::from_utf8(srbf(&place, &[&matte[..], &size].concat()).stdout).unwrap();
+    assert!(text.contains("red        0.500000") && text.contains(" -\n") && !text.contains("NaN"), "{text}");
+}
+
+#[test]
+fn a_comparison_with_a_poor_reference_says_so() {
+    let place = folder("poor");
+    let poor = ["compare", "--materials", "garnet_red", "--spp", "512,1024", "--reference-spp", "2"];
+    let output = srbf(&place, &[&poor[..], &["--side", "12", "-o", "a"]].concat());
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains(" *\n") && !text.contains("NaN") && !text.contains(" x +- "), "{text}");
+    let csv = std::fs::read_to_string(place.join("a.csv")).unwrap();
+    let head: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    let column = head.iter().position(|name| *name == "below_reference").unwrap();
+    assert!(csv.lines().skip(1).all(|line| line.split(',').nth(column) == Some("1")), "{csv}");
+}
+
+/// The page is complete by itself, and a reference is kept until it is harmed.
+#[test]
+fn a_comparison_writes_numbers_plots_and_a_page() {
+    let place = folder("compare");
+    let gloss = "model:ggx:alpha=0.3";
+    let arguments = [
+        "compare",
+        "--scenes",
+        "sphere,room",
+        "--materials",
+        gloss,
+        "--lobes",
+        "garnet_red",
+        "--env",
+        "haze",
+    ];
+    let how = [
+        "--samplers",
+        "mis,product,fit:mis",
+        "--spp",
+        "1,4,16",
+        "--reference-spp",
+        "16",
+        "--side",
+        "12",
+        "-o",
+        "a",
+    ];
+    let run = || String::from_utf8(srbf(&place, &[&arguments[..], &how].concat()).stdout).unwrap();
+    let text = run();
+    assert!(text.contains("room under haze") && !text.contains("kept from before"), "{text}");
+    let csv = std::fs::read_to_string(place.join("a.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 1 + 2 * 3 * 3, "{csv}");
+    let html = std::fs::read_to_string(place.join("a.html")).unwrap();
+    for outside in ["http://", "https://", "<link", "<script", "url("] {
+        assert!(!html.contains(outside), "{outside}");
+    }
+    let pictures = html.matches("src=\"data:image/png;base64,").count();
+    assert_eq!((pictures, html.matches("src=").count()), (2 * (1 + 2 * 4), pictures));
+    assert!(std::fs::read(place.join("a.png")).unwrap().starts_with(b"\x89PNG"));
+
+    assert_eq!(run().matches("kept from before").count(), 2);
+    for file in std::fs::read_dir(place.join("out/references")).unwrap() {
+        let path = file.unwrap().path();
+        let mut bytes = std::fs::read(&path).unwrap();
+        bytes[100] ^= 1;
+        std::fs::write(&path, bytes).unwrap();
+    }
+    assert!(!run().contains("kept from before"));
+}
+
+#[test]
+fn figures_say_what_they_miss() {
+    let place = folder("figures");
+    refused(&place, &["figures"], &["SRBF_DATA_DIR"]);
+    refused(&place, &["figures", "--side", "7"], &["--side", "8..=1024"]);
+    std::fs::write(place.join("file"), []).unwrap();
+    std::fs::create_dir_all(place.join("data/envmaps")).unwrap();
+    let refused = |arguments: &[&str], says: &[&str]| {
+        refused_with_data(&place, Some("data"), &[&["figures"], arguments].concat(), says);
+    };
+    refused(&["-o", "file"], &["file", "a folder is expected"]);
+    refused(&["-o", "figures"], &["data/envmaps/funston_beach_latlong.hdr"]);
+    std::fs::write(place.join("data/envmaps/funston_beach_latlong.hdr"), b"#?RADIANCE\n").unwrap();
+    refused(&["-o", "figures"], &["data/envmaps/funston_beach_latlong.hdr"]);
+}
+
+#[test]
+fn points_are_named() {
+    let place = folder("points");
+    refused(&place, &["render", "--points", "halton"], &["halton", "sobol", "random"]);
+    let furnace = [
+        "render",
+        "--scene",
+        "furnace",
+        "--material",
+        "matte",
+        "--size",
+        "16x16",
+        "--spp",
+        "4",
+        "-o",
+        "a.exr",
+    ];
+    let text =
+        |points: &[&str]| String::from_utf8(srbf(&place, &[&furnace[..], points].concat()).stdout).unwrap();
+    assert!(text(&["--points", "sobol"]).contains("no standard error, --points random is expected"));
+    assert_eq!(
+        text(&[]).replace(char::is_numeric, ""),
+        text(&["--points", "random"]).replace(char::is_numeric, "")
+    );
+}
+
+#[test]
+#[ignore = "needs SRBF_DATA_DIR"]
+fn the_figures_of_the_thesis_are_made() {
+    let place = folder("thesis-figures");
+    let data = std::env::var("SRBF_DATA_DIR").expect("SRBF_DATA_DIR names the folder of the data");
+    let output =
+        command(&place, &["figures", "--quick", "-o", "f"]).env("SRBF_DATA_DIR", data).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let claims = std::fs::read_to_string(place.join("f/claim.csv")).unwrap();
+    // Two readings, four materials, two probes, three methods.
+    assert_eq!(claims.lines().count(), 1 + 2 * 4 * 2 * 3, "{claims}");
+    let page = std::fs::read_to_string(place.join("f/index.html")).unwrap();
+    for figure in ["The claim", "Table 5.1", "Figure 5.1", "Figure 5.5: cayman", "Figure 5.6", "Figure 5.7"] {
+        assert!(page.contains(figure), "{figure}");
+    }
+}
