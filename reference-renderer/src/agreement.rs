@@ -6,10 +6,12 @@ use crate::material::StoredMaterial;
 use crate::measured::tests::model;
 use crate::points::PointsName;
 use crate::progress::Progress;
-use crate::render::{Settings, add_samples};
+use crate::render::add_samples;
 use crate::sampling::{Light, Sampler, SamplerName, Strategy};
 use crate::scene::{Scene, SceneName};
-use crate::shader::{Shader, Truth};
+use crate::settings::Settings;
+use crate::shader::Shader;
+use crate::truth::Truth;
 use std::f64::consts::SQRT_2;
 
 const SIZE: [u32; 2] = [9, 9];

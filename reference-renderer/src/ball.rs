@@ -136,8 +136,9 @@ mod tests {
     use crate::material::tests::lacquer;
     use crate::measured::tests::{model, vivid};
     use crate::points::PointsName;
-    use crate::render::{Settings, add_samples};
+    use crate::render::add_samples;
     use crate::sampling::Light;
+    use crate::settings::Settings;
 
     /// Mean radiance over the picture, black where there is no ball.
     fn mean<const N: usize>(pixels: &[BallPixel<N>], k: usize) -> Vec3 {

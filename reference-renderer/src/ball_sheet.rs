@@ -2,8 +2,8 @@
 
 use crate::ball::{self, BallPixel};
 use crate::environment::Environment;
+use crate::panel::{FONT, Failure, register_font};
 use crate::picture_file::{automatic_exposure, displayed, to_bytes};
-use crate::plot::{FONT, Failure, register_font};
 use crate::progress::Progress;
 use crate::shader::LoadedMaterial;
 use anyhow::{Context, anyhow};

@@ -1,13 +1,7 @@
 //! A pinhole camera.
 
+use crate::ray::Ray;
 use glam::Vec3;
-
-/// A half line; the direction is a unit vector.
-#[derive(Clone, Copy, Debug)]
-pub struct Ray {
-    pub origin: Vec3,
-    pub direction: Vec3,
-}
 
 /// A pinhole camera that looks from a place to a target, +z of the world up in the picture.
 #[derive(Clone, Debug)]

@@ -3,7 +3,8 @@
 use crate::material::{self, StoredMaterial};
 use crate::sampling::{Sampler, SamplerName};
 use crate::scene::{Role, SceneName};
-use crate::shader::{LoadedMaterial, Shader, Truth};
+use crate::shader::{LoadedMaterial, Shader};
+use crate::truth::Truth;
 use anyhow::{Context, ensure};
 
 /// Materials of the room's ball and coloured walls.

@@ -1,12 +1,14 @@
 //! The white furnace: under a constant environment the radiance of a convex object is its directional albedo, which
 //! the lobes give in closed form, and a quadrature of a table.
 
-use crate::camera::{Camera, Ray};
+use crate::camera::Camera;
 use crate::film::Film;
 use crate::integrator::Frame;
 use crate::measured::albedo::AlbedoTable;
+use crate::ray::Ray;
 use crate::scene::Scene;
-use crate::shader::{Scattering, Truth};
+use crate::shader::Scattering;
+use crate::truth::Truth;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -121,9 +123,10 @@ mod tests {
     use crate::measured::tests::{model, vivid};
     use crate::points::PointsName;
     use crate::progress::Progress;
-    use crate::render::{Settings, add_samples};
+    use crate::render::add_samples;
     use crate::sampling::{Light, Sampler, SamplerName};
     use crate::scene::SceneName;
+    use crate::settings::Settings;
     use crate::shader::Shader;
 
     #[test]

@@ -3,12 +3,13 @@
 //! What is rendered and what samples it come with the material of a surface; whether the light is sampled too is a setting. At the first
 //! surface several directions may be drawn together; from there on each goes its way alone.
 
-use crate::camera::Ray;
 use crate::points::{Decision, Points, PointsName};
-use crate::render::Settings;
+use crate::ray::Ray;
 use crate::sampling::Light;
 use crate::scene::{Scene, Surface};
-use crate::shader::{AnyMixture, Scattering};
+use crate::settings::Settings;
+use crate::shader::Scattering;
+use crate::truth::AnyMixture;
 use glam::Vec3;
 use srbf_core::{ProductSampling, Sample, luminance, power_heuristic};
 use std::array::from_fn;

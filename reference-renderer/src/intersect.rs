@@ -1,7 +1,7 @@
 //! Where a ray meets triangles: a bounding volume hierarchy by `obvhs`, whose types stay in this file.
 
-use crate::camera::Ray;
 use crate::mesh::Mesh;
+use crate::ray::Ray;
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris};
 use obvhs::triangle::Triangle;

@@ -25,20 +25,24 @@ mod mesh;
 mod networks;
 mod output;
 mod page;
+mod panel;
 mod picture_file;
 mod plot;
 mod points;
 mod progress;
 mod random;
+mod ray;
 mod render;
 mod report;
 mod sampling;
 mod scene;
+mod settings;
 mod shader;
 #[cfg(test)]
 mod sphere_sampling;
 mod stability;
 mod teapot;
+mod truth;
 
 use clap::Parser;
 use std::process::ExitCode;

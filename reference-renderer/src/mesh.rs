@@ -1,5 +1,6 @@
 //! Triangles with interpolated normals.
 
+mod build;
 pub mod file;
 mod ply;
 

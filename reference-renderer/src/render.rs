@@ -3,26 +3,13 @@
 use crate::camera::Camera;
 use crate::film::Film;
 use crate::integrator::{Workspace, radiance};
-use crate::points::{Decision, Points, PointsName};
+use crate::points::{Decision, Points};
 use crate::progress::Progress;
-use crate::sampling::Light;
 use crate::scene::Scene;
+use crate::settings::Settings;
 use cpu_time::ThreadTime;
 use rayon::prelude::*;
 use std::time::Duration;
-
-/// How to render.
-#[derive(Clone, Copy, Debug)]
-pub struct Settings {
-    /// Whether the light is sampled; what samples a material comes with it.
-    pub light: Light,
-    /// Directions drawn at the first surface that a ray of the camera meets, at least 1.
-    pub split: u32,
-    pub max_bounces: u32,
-    /// Where the numbers come from.
-    pub points: PointsName,
-    pub seed: u64,
-}
 
 /// Adds `samples` samples, rays of the camera, to every pixel of a film; advances the progress by the number of rows. Gives the time that
 /// processors worked on it, summed over the threads: what else runs on the machine is not counted.
@@ -77,9 +64,12 @@ mod tests {
     use crate::material::StoredMaterial;
     use crate::material::tests::lacquer;
     use crate::measured::tests::vivid;
+    use crate::points::PointsName;
+    use crate::sampling::Light;
     use crate::sampling::{Sampler, SamplerName, Strategy};
     use crate::scene::SceneName;
-    use crate::shader::{Shader, Truth};
+    use crate::shader::Shader;
+    use crate::truth::Truth;
     use glam::DVec3;
 
     const SIZE: [u32; 2] = [24, 16];

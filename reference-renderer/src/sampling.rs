@@ -18,6 +18,7 @@
 pub mod analytic;
 pub mod factored;
 pub mod ggx;
+pub mod ggx_parts;
 pub mod guided;
 pub mod half_angles;
 pub mod lafortune;
@@ -31,6 +32,7 @@ pub mod tabulated;
 #[cfg(test)]
 mod tests;
 pub mod thesis;
+pub mod views;
 
 pub use sampler::Sampler;
 pub use strategy::{Light, SamplerName, Strategy};

@@ -2,10 +2,11 @@
 //!
 //! A scene is made of parts, each with a [`Role`]; it builds those alone that it has, and asks for the materials of those alone.
 
-use crate::camera::{Camera, Ray};
+use crate::camera::Camera;
 use crate::environment::Environment;
 use crate::intersect::TriangleTree;
 use crate::mesh::Mesh;
+use crate::ray::Ray;
 use crate::shader::Shader;
 use crate::teapot;
 use glam::{Vec3, vec3};
@@ -339,7 +340,7 @@ mod tests {
         let mut seen = [0; 4];
         for i in 0..64 * 64 {
             let Some(surface) = scene.hit(&camera.ray((i % 64) as f32, (i / 64) as f32)) else { continue };
-            let crate::shader::Truth::Lobes(material) = surface.material.truth else { panic!("no table") };
+            let crate::truth::Truth::Lobes(material) = surface.material.truth else { panic!("no table") };
             seen[(0..4).find(|&n| std::ptr::eq(material, &stored[n].material)).unwrap()] += 1;
         }
         assert!(seen.iter().all(|&pixels| pixels > 100), "{seen:?}");

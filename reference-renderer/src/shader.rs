@@ -3,15 +3,11 @@
 use crate::material::{Bytes, StoredMaterial};
 use crate::measured::MeasuredMaterial;
 use crate::points::{Decision, Points};
-use crate::sampling::guided::Guide;
 use crate::sampling::proposal::{Drawn, Mixtures, Part, Proposal};
 use crate::sampling::sampler::{OWN, Sampler};
+use crate::truth::{AnyMixture, Truth};
 use glam::{DVec3, Vec3};
-use srbf_core::{Error, MAX_LOBES, Material, Mixture, Sample, luminance};
-use srbf_fit::table::{Brdf, Draws, Symmetry};
-
-/// Storage for the mixture of any material.
-pub type AnyMixture<'m> = Mixture<'m, MAX_LOBES>;
+use srbf_core::{Error, Material, Sample, luminance};
 
 /// A material that was loaded.
 pub enum LoadedMaterial {
@@ -68,61 +64,6 @@ impl LoadedMaterial {
     /// What a scene shades with, sampled by what is at hand.
     pub fn shader(&self) -> Shader<'_> {
         self.truth().into()
-    }
-}
-
-/// What is rendered, whatever samples it.
-#[derive(Clone, Copy)]
-pub enum Truth<'a> {
-    /// Lobes.
-    Lobes(&'a Material<Bytes>),
-    /// A table or model.
-    Table(&'a MeasuredMaterial),
-}
-
-impl<'a> Truth<'a> {
-    /// Whether the azimuth of the outgoing direction does not matter.
-    pub fn is_isotropic(&self) -> bool {
-        match self {
-            Self::Lobes(material) => material.is_isotropic(),
-            Self::Table(measured) => measured.is_isotropic(),
-        }
-    }
-
-    /// `f cos` of one pair of directions above the horizon; linear sRGB, 1/sr. For fits: scenes shade with [`Scattering`].
-    pub fn f_cos(&self, wi: DVec3, wo: DVec3) -> DVec3 {
-        match self {
-            Self::Lobes(material) => {
-                let mut mixture = AnyMixture::empty();
-                let prepared = material.prepare(wo.as_vec3(), &mut mixture);
-                if prepared.is_ok() { mixture.evaluate(wi.as_vec3()).as_dvec3() } else { DVec3::ZERO }
-            }
-            Self::Table(measured) => measured.f_cos(wi, wo),
-        }
-    }
-
-    /// What its file brings along to be sampled by.
-    pub fn draws(&self) -> Option<&'a dyn Draws> {
-        match self {
-            Self::Lobes(_) => None,
-            Self::Table(measured) => measured.draws(),
-        }
-    }
-
-    /// GGX lobes and a cosine, weighted by it.
-    pub fn guide(&self) -> Guide {
-        Guide::new(&|wi, wo| self.f_cos(wi, wo), self.is_isotropic())
-    }
-}
-
-/// What samplers are fitted to.
-impl Brdf for Truth<'_> {
-    fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
-        (self.f_cos(wi.into(), wo.into()) / wi[2]).to_array()
-    }
-
-    fn symmetry(&self) -> Symmetry {
-        if self.is_isotropic() { Symmetry::Isotropic } else { Symmetry::None }
     }
 }
 

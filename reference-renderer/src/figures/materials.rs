@@ -3,7 +3,8 @@
 use crate::material::StoredMaterial;
 use crate::measured::MeasuredMaterial;
 use crate::sampling::{Sampler, SamplerName};
-use crate::shader::{Shader, Truth};
+use crate::shader::Shader;
+use crate::truth::Truth;
 use anyhow::{Context, bail};
 use rayon::prelude::*;
 use srbf_fit::baselines::lafortune;

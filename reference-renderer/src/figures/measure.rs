@@ -8,9 +8,10 @@ use crate::film::Film;
 use crate::mesh::Mesh;
 use crate::points::PointsName;
 use crate::progress::Progress;
-use crate::render::{Settings, add_samples};
+use crate::render::add_samples;
 use crate::sampling::Strategy;
 use crate::scene::{Role, Scene, SceneName};
+use crate::settings::Settings;
 use crate::shader::Shader;
 use glam::{DVec3, Vec3};
 

@@ -1,6 +1,6 @@
 //! Labelled pictures of one size side by side.
 
-use crate::{picture_file, plot};
+use crate::{panel, picture_file};
 use anyhow::anyhow;
 use glam::Vec3;
 use plotters::prelude::*;
@@ -60,12 +60,12 @@ fn middle(picture: &[Vec3], [width, height]: [u32; 2]) -> Vec<Vec3> {
     inside(height).flat_map(row).copied().collect()
 }
 
-fn write(pixels: &mut [u8], sheet: [u32; 2], labels: &[(String, [u32; 2])]) -> Result<(), plot::Failure> {
-    plot::register_font()?;
+fn write(pixels: &mut [u8], sheet: [u32; 2], labels: &[(String, [u32; 2])]) -> Result<(), panel::Failure> {
+    panel::register_font()?;
     let root = BitMapBackend::with_buffer(pixels, sheet.into()).into_drawing_area();
     for (label, [left, top]) in labels {
         let place = (*left as i32, *top as i32 + 2);
-        root.draw(&Text::new(label.as_str(), place, (plot::FONT, FONT_SIZE).into_font()))?;
+        root.draw(&Text::new(label.as_str(), place, (panel::FONT, FONT_SIZE).into_font()))?;
     }
     root.present()?;
     Ok(())

@@ -2,7 +2,7 @@
 //! curves, samples near that plane as points.
 
 use super::{Against, Block, Subject, WIDTH, y};
-use crate::plot::{COLOURS, FONT, Failure, RIGHT_MARGIN, draw_legend, range, register_font, tick};
+use crate::panel::{COLOURS, FONT, Failure, RIGHT_MARGIN, draw_legend, range, register_font, tick};
 use anyhow::anyhow;
 use plotters::coord::Shift;
 use plotters::prelude::*;

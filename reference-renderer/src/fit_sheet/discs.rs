@@ -2,7 +2,7 @@
 //! outgoing directions.
 
 use super::{Block, Subject, WIDTH, y};
-use crate::plot::{FONT, Failure, register_font};
+use crate::panel::{FONT, Failure, register_font};
 use anyhow::anyhow;
 use plotters::prelude::*;
 

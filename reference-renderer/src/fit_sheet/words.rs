@@ -1,7 +1,7 @@
 //! Lines of text as a block.
 
 use super::{Block, WIDTH};
-use crate::plot::{FONT, Failure, register_font};
+use crate::panel::{FONT, Failure, register_font};
 use anyhow::anyhow;
 use plotters::prelude::*;
 

@@ -1,16 +1,12 @@
 //! Reads meshes: Wavefront `.obj` and `.ply`. Only positions and faces are used; the normals are made smooth.
 
 use super::Mesh;
+use super::build::{add_fan, build, vertex};
 use anyhow::{Context, bail, ensure};
-use glam::Vec3;
-use std::collections::HashSet;
 use std::path::Path;
 
 /// Largest file that is read, bytes.
 const MAX_FILE: u64 = 1 << 30;
-
-/// Largest coordinate: with larger ones areas overflow.
-const MAX_COORDINATE: f32 = 1e9;
 
 /// Reads a mesh, its format told by the name's extension.
 ///
@@ -26,54 +22,6 @@ pub fn read(path: &Path) -> anyhow::Result<Mesh> {
         }
     };
     open().with_context(|| format!("mesh {}", path.display()))
-}
-
-/// Makes a mesh of positions and polygons, which are split into fans.
-pub(super) fn build(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> anyhow::Result<Mesh> {
-    ensure!(!triangles.is_empty(), "the mesh has no faces");
-    let mut mesh = Mesh { positions, triangles, ..Mesh::default() };
-    // A triangle without area cannot be seen, and has no normal.
-    let visible: Vec<bool> = (0..mesh.triangles.len())
-        .map(|i| {
-            let [a, b, c] = mesh.corners(i);
-            (b - a).cross(c - a).length_squared() > 0.0
-        })
-        .collect();
-    let mut keep = visible.iter();
-    mesh.triangles.retain(|_| keep.next().copied().unwrap_or(false));
-    ensure!(!mesh.triangles.is_empty(), "every face of the mesh has zero area");
-    mesh.smooth_normals();
-    drop_repeated(&mut mesh);
-    Ok(mesh)
-}
-
-/// Leaves of triangles with the same corners, in any order, the first only: a ray could not tell them apart.
-fn drop_repeated(mesh: &mut Mesh) {
-    // Adding 0 makes one zero of two.
-    let bits = |corner: Vec3| corner.to_array().map(|v| (v + 0.0).to_bits());
-    let mut seen = HashSet::with_capacity(mesh.triangles.len());
-    let is_new: Vec<bool> = (0..mesh.triangles.len())
-        .map(|i| {
-            let mut corners = mesh.corners(i).map(bits);
-            corners.sort_unstable();
-            seen.insert(corners)
-        })
-        .collect();
-    let mut keep = is_new.iter();
-    mesh.triangles.retain(|_| keep.next().copied().unwrap_or(false));
-}
-
-/// Checks a vertex.
-pub(super) fn vertex(position: [f32; 3]) -> anyhow::Result<Vec3> {
-    // False for a NaN too.
-    let fits = position.iter().all(|v| v.abs() <= MAX_COORDINATE);
-    ensure!(fits, "a vertex of three coordinates within 1e9 of 0 is expected, found {position:?}");
-    Ok(position.into())
-}
-
-/// Splits a polygon into a fan of triangles.
-pub(super) fn add_fan(polygon: &[u32], triangles: &mut Vec<[u32; 3]>) {
-    triangles.extend(polygon.windows(2).skip(1).map(|pair| [polygon[0], pair[0], pair[1]]));
 }
 
 fn from_obj(bytes: &[u8]) -> anyhow::Result<Mesh> {
@@ -125,6 +73,7 @@ fn obj_index(word: &str, count: usize) -> anyhow::Result<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
 
     const CUBE_CORNER: &str =
         "# comment \u{e9}\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1 2/5 3//1 -1\n";

@@ -1,7 +1,7 @@
 //! Reads `.ply`, text and little-endian binary.
 
 use super::Mesh;
-use super::file::{add_fan, build, vertex};
+use super::build::{add_fan, build, vertex};
 use anyhow::{Context, bail, ensure};
 use glam::Vec3;
 

@@ -5,9 +5,10 @@
 //! relative second moment over the angles: fitted is the density, not the value.
 
 use super::plain::{around, cosine, cosine_density, mirrored};
-use super::seen::{self, THETAS, View};
+use super::seen::{self, THETAS};
+use super::views::{View, look};
 use super::{ggx, strategy::SamplerName};
-use crate::shader::Truth;
+use crate::truth::Truth;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
@@ -91,7 +92,7 @@ pub struct Analytic {
 impl Analytic {
     /// Fits Phong's, Ward's or the GGX lobe.
     pub fn fit(name: SamplerName, truth: &Truth<'_>) -> Self {
-        let views = seen::look(truth);
+        let views = look(truth);
         let width =
             |n: usize| ROUGHNESS[0] * (ROUGHNESS[1] / ROUGHNESS[0]).powf(n as f64 / (WIDTHS - 1) as f64);
         let tried = (0..WIDTHS).into_par_iter().map(|n| at_width(Lobe::new(name, width(n)), &views));

@@ -8,7 +8,7 @@
 
 use super::half_angles::{ANGLES, Layout, Sight, choose, running};
 use crate::random::Random;
-use crate::shader::Truth;
+use crate::truth::Truth;
 use glam::DVec3;
 use rayon::prelude::*;
 

@@ -4,18 +4,11 @@
 //! The weights have the least variance among all mixtures of these parts. They are tabulated over the outgoing direction and
 //! interpolated; whatever they are, the density is exact, and the estimate unbiased.
 
-use super::plain::{cosine, cosine_density};
-use super::{ggx, seen};
+use super::ggx_parts::{COSINE, PARTS, Proposal, Weights};
+use super::seen;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-
-/// Roughness of the lobes. A step of 2.3 costs little: the density between two of them is a mixture of both.
-const ROUGHNESS: [f64; 8] = [1.0, 0.44, 0.19, 0.083, 0.036, 0.016, 0.007, 0.003];
-
-/// The lobes, and the cosine as the last.
-pub const PARTS: usize = ROUGHNESS.len() + 1;
-const COSINE: usize = ROUGHNESS.len();
 
 /// Share of the cosine that is always there, whatever the weights: it bounds `f cos / pdf` where the table has a highlight that
 /// its tabulation did not see.
@@ -27,9 +20,6 @@ const AZIMUTHS: usize = 32;
 
 /// Directions that each part draws to find the weights, of what is isotropic and of what is not.
 const DRAWN: [usize; 2] = [320, 96];
-
-/// Weights of the parts.
-type Weights = [f64; PARTS];
 
 /// The weights over the outgoing direction.
 #[derive(Clone, Debug)]
@@ -73,61 +63,6 @@ impl Guide {
     }
 }
 
-/// The mixture for one outgoing direction.
-#[derive(Clone, Debug)]
-pub struct Proposal {
-    wo: DVec3,
-    weights: Weights,
-    /// What is constant in the density of each lobe.
-    scale: [f64; ROUGHNESS.len()],
-}
-
-impl Proposal {
-    fn new(wo: DVec3, weights: Weights) -> Self {
-        Self { wo, weights, scale: ROUGHNESS.map(|alpha| ggx::scale(wo, alpha)) }
-    }
-
-    /// All parts alike: what sees a highlight of any width.
-    pub fn even(wo: DVec3) -> Self {
-        Self::new(wo, [1.0 / PARTS as f64; PARTS])
-    }
-
-    /// Density of each part at an incident direction; 1/sr.
-    fn densities(&self, wi: DVec3) -> Weights {
-        let mut densities = [0.0; PARTS];
-        if wi.z > 0.0 {
-            let half = ggx::half_squared(self.wo, wi);
-            for k in 0..ROUGHNESS.len() {
-                densities[k] = ggx::density(half, ROUGHNESS[k], self.scale[k]);
-            }
-            densities[COSINE] = cosine_density(wi);
-        }
-        densities
-    }
-
-    /// Density of the mixture; 1/sr. Its integral is less than 1: of a lobe, some directions lie below the horizon.
-    pub fn density(&self, wi: DVec3) -> f64 {
-        self.densities(wi).iter().zip(&self.weights).map(|(density, weight)| density * weight).sum()
-    }
-
-    /// Draws a direction, maybe below the horizon.
-    pub fn sample(&self, [part, u, v]: [f64; 3]) -> DVec3 {
-        let mut left = part;
-        for (alpha, weight) in ROUGHNESS.into_iter().zip(self.weights) {
-            if left < weight {
-                return ggx::reflect(self.wo, alpha, u, v);
-            }
-            left -= weight;
-        }
-        cosine(u, v)
-    }
-
-    /// Draws a direction of one part, maybe below the horizon.
-    pub fn draw(&self, part: usize, u: f64, v: f64) -> DVec3 {
-        if part == COSINE { cosine(u, v) } else { ggx::reflect(self.wo, ROUGHNESS[part], u, v) }
-    }
-}
-
 /// The weights for which samples of the mixture have the least variance, the cosine's raised to its least share.
 fn least_variance(f_cos: &dyn Fn(DVec3) -> DVec3, wo: DVec3, drawn: usize) -> Weights {
     let proposal = Proposal::even(wo);
@@ -144,6 +79,7 @@ fn least_variance(f_cos: &dyn Fn(DVec3) -> DVec3, wo: DVec3, drawn: usize) -> We
 mod tests {
     use super::*;
     use crate::random::Random;
+    use crate::sampling::ggx_parts::ROUGHNESS;
 
     fn direction(degrees: f64, azimuth: f64) -> DVec3 {
         let (sin, cos) = degrees.to_radians().sin_cos();

@@ -5,7 +5,7 @@
 
 use super::plain::mirrored;
 use super::seen;
-use crate::shader::Truth;
+use crate::truth::Truth;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

@@ -1,9 +1,9 @@
 //! A sampler got ready for one outgoing direction.
 
 use super::plain::{UNIFORM_DENSITY, cosine, cosine_density, uniform};
-use super::{analytic, factored, guided, lafortune, rgl, tabulated, thesis};
+use super::{analytic, factored, ggx_parts, lafortune, rgl, tabulated, thesis};
 use crate::points::{Decision, Points};
-use crate::shader::AnyMixture;
+use crate::truth::AnyMixture;
 use glam::{DVec3, Vec3};
 
 /// Storage for what a proposal may need: our lobes, and those of the thesis.
@@ -25,7 +25,7 @@ pub enum Part<'a> {
     Cosine,
     /// The mixture `lobes`.
     Lobes,
-    Guided(guided::Proposal),
+    Guided(ggx_parts::Proposal),
     Analytic(analytic::Proposal),
     Lafortune(lafortune::Proposal),
     Tabulated(tabulated::Proposal<'a>),

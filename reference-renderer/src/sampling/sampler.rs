@@ -9,7 +9,7 @@ use super::tabulated::Tabulated;
 use super::thesis::{How, Thesis};
 use super::{lafortune, rgl};
 use crate::material::Bytes;
-use crate::shader::Truth;
+use crate::truth::Truth;
 use anyhow::{Context, bail};
 use glam::Vec3;
 use srbf_core::{Error, Material};

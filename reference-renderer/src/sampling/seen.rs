@@ -1,10 +1,7 @@
 //! What is seen of a truth where samplers are fitted to it.
 
-use super::guided::{PARTS, Proposal};
-use crate::shader::Truth;
+use super::ggx_parts::{PARTS, Proposal};
 use glam::DVec3;
-use rayon::prelude::*;
-use std::f64::consts::{PI, TAU};
 
 /// Steps of the R2 sequence: powers of the inverse of the root of `x^3 = x + 1`.
 const R2: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
@@ -16,23 +13,11 @@ const STEPS: usize = 60;
 pub const THETAS: usize = 16;
 const LAST: f64 = 88.5;
 
-/// Azimuths of what is anisotropic.
-const AZIMUTHS: usize = 4;
-
-/// Incident directions of each roughness.
-const DRAWN: usize = 160;
-
 /// An incident direction, the size of `f cos` there, and its weight in a sum over the hemisphere, sr.
 pub struct Direction {
     pub wi: DVec3,
     pub value: f64,
     pub weight: f64,
-}
-
-/// What is seen of a truth from one angle.
-pub struct View {
-    /// The incident directions for each azimuth of the outgoing one.
-    pub azimuths: Vec<(DVec3, Vec<Direction>)>,
 }
 
 /// Angle of view number `n` of `count` even ones, radians.
@@ -50,21 +35,6 @@ pub fn place(cos: f64, count: usize) -> (usize, f64) {
 /// An outgoing direction; an azimuth of pi is that of the frame of a view.
 pub fn outgoing(theta: f64, azimuth: f64) -> DVec3 {
     DVec3::new(theta.sin() * azimuth.cos(), theta.sin() * azimuth.sin(), theta.cos())
-}
-
-/// Looks at a truth from all angles.
-pub fn look(truth: &Truth<'_>) -> Vec<View> {
-    let azimuths = if truth.is_isotropic() { 1 } else { AZIMUTHS };
-    (0..THETAS)
-        .into_par_iter()
-        .map(|n| {
-            let at = |azimuth: usize| {
-                let wo = outgoing(theta(n, THETAS), PI + TAU * azimuth as f64 / azimuths as f64);
-                (wo, directions(wo, DRAWN, &|wi| truth.f_cos(wi, wo)))
-            };
-            View { azimuths: (0..azimuths).map(at).collect() }
-        })
-        .collect()
 }
 
 /// Directions of all roughness alike.

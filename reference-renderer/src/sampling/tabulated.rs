@@ -5,7 +5,7 @@
 //! highlights of any outgoing direction have fine cells.
 
 use super::half_angles::{ANGLES, Layout, Sight, choose, running};
-use crate::shader::Truth;
+use crate::truth::Truth;
 use glam::DVec3;
 
 /// The tables of all outgoing directions.

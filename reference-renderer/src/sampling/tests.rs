@@ -1,14 +1,15 @@
 //! Every sampler proves itself on materials that need no data: its directions have its density, the density does not integrate to
 //! more than 1, and what it estimates is the albedo.
 
-use super::guided::{PARTS, Proposal};
+use super::ggx_parts::{PARTS, Proposal};
 use super::{Light, Sampler, SamplerName, Strategy};
 use crate::material::tests::{brushed, lacquer};
 use crate::measured::MeasuredMaterial;
 use crate::measured::tests::{model, vivid};
 use crate::points::{Points, PointsName};
 use crate::random::Random;
-use crate::shader::{Scattering, Shader, Truth};
+use crate::shader::{Scattering, Shader};
+use crate::truth::Truth;
 use glam::{DVec3, Vec3};
 
 /// Directions that each sampler draws, and directions of the reference.

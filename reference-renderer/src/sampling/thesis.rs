@@ -2,7 +2,7 @@
 //! below the horizon is lost.
 
 use crate::random::Random;
-use crate::shader::{AnyMixture, Truth};
+use crate::truth::{AnyMixture, Truth};
 use glam::{DVec3, Vec3};
 use srbf_core::{Error, Gaussian, LUMINANCE, Lobe, MAX_LOBES, Metropolis, Mixture, Sample};
 use srbf_fit::baselines::thesis::{RoundLobe, Settings, ThesisFit, fit_brdf};

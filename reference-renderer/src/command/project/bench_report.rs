@@ -1,6 +1,6 @@
 //! `srbf project bench-report`: what criterion measured, as ratios.
 
-use crate::{output, picture_file, plot};
+use crate::{output, panel, picture_file};
 use anyhow::{Context, bail, ensure};
 use plotters::prelude::*;
 use std::collections::BTreeMap;
@@ -184,7 +184,7 @@ fn draw_panels(
     size: [u32; 2],
     measurements: &[Measurement],
 ) -> Result<(), Box<dyn std::error::Error>> {
-    plot::register_font()?;
+    panel::register_font()?;
     let root = BitMapBackend::with_buffer(pixels, size.into()).into_drawing_area();
     root.fill(&WHITE)?;
     let panels = root.split_evenly((1, 2));
@@ -216,19 +216,19 @@ fn draw_panels(
             .x_desc(label)
             .x_labels(5)
             .y_desc("lobes evaluated, 1e9 / s")
-            .label_style((plot::FONT, 14))
-            .axis_desc_style((plot::FONT, 16))
+            .label_style((panel::FONT, 14))
+            .axis_desc_style((panel::FONT, 16))
             .light_line_style(RGBColor(235, 235, 235))
             .draw()?;
         for (index, (level, mut curve)) in curves.into_iter().enumerate() {
             curve.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let colour = plot::COLOURS[index % plot::COLOURS.len()];
+            let colour = panel::COLOURS[index % panel::COLOURS.len()];
             chart
                 .draw_series(LineSeries::new(curve, colour.stroke_width(2)).point_size(3))?
                 .label(level)
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 22, y)], colour.stroke_width(2)));
         }
-        plot::draw_legend(&mut chart, SeriesLabelPosition::LowerRight, 14)?;
+        panel::draw_legend(&mut chart, SeriesLabelPosition::LowerRight, 14)?;
     }
     root.present()?;
     Ok(())

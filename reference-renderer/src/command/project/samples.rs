@@ -1,7 +1,7 @@
 //! `srbf project samples`.
 
 use crate::random::Random;
-use crate::{output, picture_file, plot};
+use crate::{output, panel, picture_file};
 use anyhow::{anyhow, ensure};
 use glam::Vec3;
 use plotters::prelude::*;
@@ -143,7 +143,7 @@ fn figure(
     exact: f64,
     walk: Metropolis,
 ) -> Result<(), Box<dyn std::error::Error>> {
-    plot::register_font()?;
+    panel::register_font()?;
     let root = BitMapBackend::with_buffer(pixels, SIZE.into()).into_drawing_area();
     root.fill(&WHITE)?;
     let (figures, below) = root.margin(10, 10, 0, 0).split_vertically(SIZE[1] - 500);
@@ -151,7 +151,7 @@ fn figure(
         for (i, half) in cell.split_evenly((1, 2)).iter().enumerate() {
             let method = ["inversion".to_owned(), format!("Metropolis, {} steps", walk.steps)][i].clone();
             let title = format!("{method}, {count} samples: distance {:.3}", distance(&pair[i]));
-            let half = half.titled(&title, (plot::FONT, 18))?;
+            let half = half.titled(&title, (panel::FONT, 18))?;
             let mut chart = ChartBuilder::on(&half).margin(14).build_cartesian_2d(-1.06..1.06, -1.0..1.0)?;
             // The horizon, and what the lobes have within half their integral.
             let circle = |radius: f64, axis: Vec3| {
@@ -178,7 +178,7 @@ fn figure(
     let least = falls.iter().map(|f| f.1).chain([exact]).fold(f64::INFINITY, f64::min);
     let mut chart = ChartBuilder::on(&below)
         .margin(14)
-        .caption("distance of 100 000 samples from the exact distribution", (plot::FONT, 20))
+        .caption("distance of 100 000 samples from the exact distribution", (panel::FONT, 20))
         .x_label_area_size(46)
         .y_label_area_size(78)
         .build_cartesian_2d((0.9..60.0).log_scale(), (least / 2.0..1.0).log_scale())?;
@@ -188,8 +188,8 @@ fn figure(
         .x_label_formatter(&|x| format!("{x:.0}"))
         .x_desc("steps of the walk")
         .y_desc("Kolmogorov-Smirnov distance")
-        .label_style((plot::FONT, 14))
-        .axis_desc_style((plot::FONT, 16))
+        .label_style((panel::FONT, 14))
+        .axis_desc_style((panel::FONT, 16))
         .light_line_style(RGBColor(235, 235, 235))
         .draw()?;
     let line = |height: f64| [(0.9, height), (60.0, height)];
@@ -212,7 +212,7 @@ fn figure(
         .draw_series(LineSeries::new(line(exact), blue.stroke_width(2)))?
         .label("inversion")
         .legend(legend(blue));
-    plot::draw_legend(&mut chart, SeriesLabelPosition::UpperRight, 15)?;
+    panel::draw_legend(&mut chart, SeriesLabelPosition::UpperRight, 15)?;
     root.present()?;
     Ok(())
 }

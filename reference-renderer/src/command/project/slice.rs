@@ -1,7 +1,7 @@
 //! `srbf project slice`: the lobes of a material over a slice of its BRDF, as the README shows them.
 
 use crate::material::StoredMaterial;
-use crate::{output, picture_file, plot};
+use crate::{output, panel, picture_file};
 use anyhow::{anyhow, ensure};
 use plotters::prelude::*;
 use srbf_core::{Domain, Lobe, MAX_LOBES, Mixture, Vec3, luminance};
@@ -81,16 +81,16 @@ fn curve(value: impl Fn(Vec3) -> Vec3) -> Curve {
     (0..=POINTS).map(at).collect()
 }
 
-fn draw(pixels: &mut [u8], slice: &Slice, title: &str) -> Result<(), plot::Failure> {
-    plot::register_font()?;
+fn draw(pixels: &mut [u8], slice: &Slice, title: &str) -> Result<(), panel::Failure> {
+    panel::register_font()?;
     let root = BitMapBackend::with_buffer(pixels, (SIZE[0], SIZE[1])).into_drawing_area();
     let most = slice.sum.iter().map(|p| p.1).fold(0.0, f32::max);
     let mut chart = ChartBuilder::on(&root)
         .margin(10)
-        .margin_right(plot::RIGHT_MARGIN)
+        .margin_right(panel::RIGHT_MARGIN)
         .x_label_area_size(40)
         .y_label_area_size(60)
-        .caption(title, (plot::FONT, 18))
+        .caption(title, (panel::FONT, 18))
         .build_cartesian_2d(-90.0f32..90.0, 0.0..1.05 * most)?;
     chart
         .configure_mesh()
@@ -99,11 +99,11 @@ fn draw(pixels: &mut [u8], slice: &Slice, title: &str) -> Result<(), plot::Failu
         .x_labels(13)
         .x_label_formatter(&|degrees| format!("{degrees:.0}"))
         .y_labels(6)
-        .label_style((plot::FONT, 14))
-        .axis_desc_style((plot::FONT, 15))
+        .label_style((panel::FONT, 14))
+        .axis_desc_style((panel::FONT, 15))
         .light_line_style(WHITE)
         .draw()?;
-    let colours = plot::COLOURS;
+    let colours = panel::COLOURS;
     let named = [
         ("a lobe", slice.lobes.as_slice(), colours[5].stroke_width(2)),
         ("the diffuse term", std::slice::from_ref(&slice.diffuse), colours[2].stroke_width(2)),
@@ -117,7 +117,7 @@ fn draw(pixels: &mut [u8], slice: &Slice, title: &str) -> Result<(), plot::Failu
             }
         }
     }
-    plot::draw_legend(&mut chart, SeriesLabelPosition::UpperLeft, 15)?;
+    panel::draw_legend(&mut chart, SeriesLabelPosition::UpperLeft, 15)?;
     root.present()?;
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! `srbf project stability`.
 
 use crate::stability::{self, Operation};
-use crate::{output, picture_file, plot};
+use crate::{output, panel, picture_file};
 use anyhow::anyhow;
 use plotters::prelude::*;
 use std::fmt::Write;
@@ -73,7 +73,7 @@ fn figure(
     size: [u32; 2],
     operations: &[Operation],
 ) -> Result<(), Box<dyn std::error::Error>> {
-    plot::register_font()?;
+    panel::register_font()?;
     let root = BitMapBackend::with_buffer(pixels, size.into()).into_drawing_area();
     root.fill(&WHITE)?;
     let lines = operations.len().div_ceil(COLUMNS);
@@ -82,7 +82,7 @@ fn figure(
         let (first, last) = (rows[0].sharpness, rows[rows.len() - 1].sharpness);
         let mut chart = ChartBuilder::on(cell)
             .margin(10)
-            .caption(operation.name, (plot::FONT, 18))
+            .caption(operation.name, (panel::FONT, 18))
             .x_label_area_size(40)
             .y_label_area_size(64)
             .build_cartesian_2d((first..last).log_scale(), (SMALLEST..1e3 * LARGEST).log_scale())?;
@@ -90,8 +90,8 @@ fn figure(
             .configure_mesh()
             .x_desc("sharpness")
             .y_desc("worst relative error")
-            .label_style((plot::FONT, 12))
-            .axis_desc_style((plot::FONT, 14))
+            .label_style((panel::FONT, 12))
+            .axis_desc_style((panel::FONT, 14))
             .x_labels(5)
             .y_labels(12)
             .x_label_formatter(&|x| format!("{x:.0e}"))
@@ -110,7 +110,7 @@ fn figure(
                 .label(name)
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 20, y)], colour.stroke_width(2)));
         }
-        plot::draw_legend(&mut chart, SeriesLabelPosition::UpperMiddle, 13)?;
+        panel::draw_legend(&mut chart, SeriesLabelPosition::UpperMiddle, 13)?;
     }
     root.present()?;
     Ok(())
