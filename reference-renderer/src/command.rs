@@ -15,7 +15,7 @@ mod project;
 pub mod render;
 mod view_table;
 
-use crate::print;
+use crate::out::print;
 use anyhow::{Context, ensure};
 use clap::{Parser, Subcommand};
 use srbf_core::Level;

@@ -1,8 +1,21 @@
 //! What is rendered, whatever samples it: lobes, or a measured table.
+//!
+//! GGX lobes that follow a table (`guided`) stand here too: a table of albedo is integrated by them.
+//!
+//! May import: `numbers`.
 
-use crate::material::Bytes;
-use crate::measured::MeasuredMaterial;
-use crate::sampling::guided::Guide;
+pub mod ggx;
+pub mod ggx_parts;
+pub mod guided;
+pub mod measured;
+pub mod networks;
+pub mod plain;
+pub mod seen;
+pub mod stored;
+
+use crate::truth::guided::Guide;
+use crate::truth::measured::MeasuredMaterial;
+use crate::truth::stored::Bytes;
 use glam::DVec3;
 use srbf_core::{MAX_LOBES, Material, Mixture};
 use srbf_fit::table::{Brdf, Draws, Symmetry};

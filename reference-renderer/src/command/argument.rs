@@ -1,8 +1,8 @@
 //! Values of options that several commands take.
 
-use crate::environment::file::Projection;
-use crate::environment::{self, Environment};
-use crate::film;
+use crate::trace::film;
+use crate::world::environment::file::Projection;
+use crate::world::environment::{self, Environment};
 use anyhow::{Context, bail};
 use glam::Vec3;
 use std::path::{Path, PathBuf};

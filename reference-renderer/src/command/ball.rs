@@ -1,9 +1,10 @@
 //! `srbf ball`.
 
 use super::argument;
-use crate::ball_sheet::{self, Light};
-use crate::shader::LoadedMaterial;
-use crate::{output, picture_file};
+use crate::out::output;
+use crate::out::picture_file;
+use crate::shade::shader::LoadedMaterial;
+use crate::show::ball_sheet::{self, Light};
 use anyhow::ensure;
 use std::path::{Path, PathBuf};
 use std::time::Instant;

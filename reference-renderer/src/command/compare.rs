@@ -1,14 +1,17 @@
 //! `srbf compare`.
 
 use super::argument;
-use crate::cast::{Cast, Names};
-use crate::comparison::{self, Budgets, Case, Comparison, Method, Plan};
-use crate::environment::Environment;
-use crate::mesh::{self, Mesh};
-use crate::page::Page;
-use crate::progress::Progress;
-use crate::scene::SceneName;
-use crate::{material, output, plot, report};
+use crate::out::output;
+use crate::out::page::Page;
+use crate::out::progress::Progress;
+use crate::study::comparison::plot;
+use crate::study::comparison::report;
+use crate::study::comparison::{self, Budgets, Case, Comparison, Method, Plan};
+use crate::trace::cast::{Cast, Names};
+use crate::trace::scene::SceneName;
+use crate::truth::stored;
+use crate::world::environment::Environment;
+use crate::world::mesh::{self, Mesh};
 use anyhow::{Context, ensure};
 use std::path::{Path, PathBuf};
 
@@ -142,7 +145,7 @@ fn check(args: &Args) -> anyhow::Result<()> {
 /// Names of the materials.
 fn materials(args: &Args) -> Vec<String> {
     if args.materials.is_empty() {
-        return material::PRESETS.iter().map(|preset| preset.0.to_owned()).collect();
+        return stored::PRESETS.iter().map(|preset| preset.0.to_owned()).collect();
     }
     args.materials.clone()
 }

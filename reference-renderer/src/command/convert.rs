@@ -1,7 +1,7 @@
 //! `srbf convert`.
 
-use crate::measured::MeasuredMaterial;
-use crate::output;
+use crate::out::output;
+use crate::truth::measured::MeasuredMaterial;
 use anyhow::{Context, bail};
 use srbf_fit::export;
 use srbf_fit::read::{Content, Source, merl, read, rgl};

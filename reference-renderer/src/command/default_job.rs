@@ -1,19 +1,21 @@
 //! `srbf` without a command: pictures of a preset, error against run time, and a page of both, from what is embedded.
 
-use crate::cast::Cast;
-use crate::comparison::{self, Budgets, Case, Comparison, Method, Plan};
-use crate::environment::{Environment, sky};
-use crate::film::Film;
-use crate::material::{self, StoredMaterial};
-use crate::page::{Figure, Page};
-use crate::points::PointsName;
-use crate::progress::Progress;
-use crate::render::add_samples;
-use crate::sampling::{SamplerName, Strategy};
-use crate::scene::{Scene, SceneName};
-use crate::settings::Settings;
-use crate::shader::LoadedMaterial;
-use crate::{picture_file, plot, report};
+use crate::numbers::points::PointsName;
+use crate::out::page::{Figure, Page};
+use crate::out::picture_file;
+use crate::out::progress::Progress;
+use crate::shade::shader::LoadedMaterial;
+use crate::shade::{SamplerName, Strategy};
+use crate::study::comparison::plot;
+use crate::study::comparison::report;
+use crate::study::comparison::{self, Budgets, Case, Comparison, Method, Plan};
+use crate::trace::cast::Cast;
+use crate::trace::film::Film;
+use crate::trace::render::add_samples;
+use crate::trace::scene::{Scene, SceneName};
+use crate::trace::settings::Settings;
+use crate::truth::stored::{self, StoredMaterial};
+use crate::world::environment::{Environment, sky};
 use std::path::Path;
 use std::time::Instant;
 
@@ -65,8 +67,8 @@ pub fn run(out: &Path) -> anyhow::Result<()> {
 /// Renders the pictures, light and material sampled together.
 fn render(out: &Path, page: &mut Page) -> anyhow::Result<()> {
     let sky = sky::sky();
-    let object = StoredMaterial::load(material::DEFAULT)?;
-    let ground = StoredMaterial::load(material::MATTE)?;
+    let object = StoredMaterial::load(stored::DEFAULT)?;
+    let ground = StoredMaterial::load(stored::MATTE)?;
     let mut figures = Vec::new();
     for Picture { scene: name, file, size, samples } in PICTURES {
         let scene = Scene::new(name, &object.material, &ground.material, &sky);

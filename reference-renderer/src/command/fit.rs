@@ -7,8 +7,8 @@ mod settings;
 mod words;
 
 use super::fit_page;
-use crate::output;
-use crate::progress::Progress;
+use crate::out::output;
+use crate::out::progress::Progress;
 use anyhow::{bail, ensure};
 use method::MethodName;
 use names::Place;

@@ -1,7 +1,7 @@
 //! A fit as one page of HTML: the verdict, the picture, and the tables.
 
 use crate::command::view_table;
-use crate::page::{Cell, Figure, Page, Table};
+use crate::out::page::{Cell, Figure, Page, Table};
 use anyhow::Context;
 use srbf_fit::judge::report::{Report, ViewReport};
 use std::path::Path;

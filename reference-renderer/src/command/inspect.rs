@@ -1,7 +1,7 @@
 //! `srbf inspect`.
 
-use crate::material::StoredMaterial;
 use crate::truth::AnyMixture;
+use crate::truth::stored::StoredMaterial;
 use glam::Vec3;
 use srbf_core::{MAX_LOBES, Material};
 use srbf_fit::judge::report::factor_bytes;

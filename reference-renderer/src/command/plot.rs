@@ -1,11 +1,11 @@
 //! `srbf plot`.
 
 use super::{argument, ball, fit_page, view_table};
-use crate::ball_sheet::Light;
-use crate::fit_sheet::{self, Against, Subject};
-use crate::material::StoredMaterial;
-use crate::measured::MeasuredMaterial;
-use crate::shader::LoadedMaterial;
+use crate::shade::shader::LoadedMaterial;
+use crate::show::ball_sheet::Light;
+use crate::show::fit_sheet::{self, Against, Subject};
+use crate::truth::measured::MeasuredMaterial;
+use crate::truth::stored::StoredMaterial;
 use srbf_fit::complete::{Completion, complete};
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Report, ViewReport};
@@ -95,7 +95,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     };
     let (name, page) = (stored.name.clone(), args.html.then(|| output.with_extension("html")));
     if let Some(page) = &page {
-        crate::output::check_place(page)?;
+        crate::out::output::check_place(page)?;
     }
     verdict.iter().for_each(|line| println!("{line}"));
     let seconds = write(&output, stored, beside, light, &verdict)?;

@@ -1,23 +1,23 @@
 //! `srbf render`.
 
 use super::argument;
-use crate::cast::{self, Cast};
-use crate::comparison::SPLIT;
-use crate::environment::file::Projection;
-use crate::film::{self, Film};
-use crate::furnace::{self, Furnace};
-use crate::material;
-use crate::mesh;
-use crate::output;
-use crate::picture_file;
-use crate::points::PointsName;
-use crate::progress::Progress;
-use crate::render::add_samples;
-use crate::sampling::{Light, Sampler, SamplerName, Strategy};
-use crate::scene::{Role, Scene, SceneName, Standpoint};
-use crate::settings::Settings;
-use crate::shader::LoadedMaterial;
+use crate::numbers::points::PointsName;
+use crate::out::output;
+use crate::out::picture_file;
+use crate::out::progress::Progress;
+use crate::shade::shader::LoadedMaterial;
+use crate::shade::{Light, Sampler, SamplerName, Strategy};
+use crate::study::comparison::SPLIT;
+use crate::study::furnace::{self, Furnace};
+use crate::trace::cast::{self, Cast};
+use crate::trace::film::{self, Film};
+use crate::trace::render::add_samples;
+use crate::trace::scene::{Role, Scene, SceneName, Standpoint};
+use crate::trace::settings::Settings;
 use crate::truth::Truth;
+use crate::truth::stored;
+use crate::world::environment::file::Projection;
+use crate::world::mesh;
 use anyhow::{Context, bail, ensure};
 use glam::Vec3;
 use std::path::PathBuf;
@@ -41,7 +41,7 @@ pub struct Args {
     /// What the object is rendered with: a .srbf file or the name of a preset, of which the lobes are the material; or a table or
     /// model that `fit` reads (.bsdf, .binary, .brdf, .astm, .csv, model:..., FILE.csv:NAME of published Lafortune fits), which is the
     /// truth, whatever samples it
-    #[arg(long, default_value = material::DEFAULT, value_name = "FILE|PRESET|MODEL")]
+    #[arg(long, default_value = stored::DEFAULT, value_name = "FILE|PRESET|MODEL")]
     material: String,
     /// Material of the ground, and of the room's floor and back wall [default: matte]
     #[arg(long, value_name = "FILE|PRESET|MODEL")]

@@ -1,7 +1,7 @@
 //! `srbf fit`: the names of what it writes. Endings are added to names, never put in place of a part of them.
 
 use super::method::MethodName;
-use crate::output;
+use crate::out::output;
 use anyhow::{Context, bail, ensure};
 use clap::ValueEnum;
 use srbf_fit::analytic::PREFIX;

@@ -2,12 +2,12 @@
 
 use super::method::MethodName;
 use super::names::{self, Place};
-use crate::ball_sheet::Light;
 use crate::command::plot::{self, Beside};
 use crate::command::{argument, ball};
-use crate::environment::Environment;
-use crate::material::StoredMaterial;
-use crate::output;
+use crate::out::output;
+use crate::show::ball_sheet::Light;
+use crate::truth::stored::StoredMaterial;
+use crate::world::environment::Environment;
 use anyhow::ensure;
 use srbf_fit::read::Source;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,8 @@
 //! `srbf project bench-report`: what criterion measured, as ratios.
 
-use crate::{output, panel, picture_file};
+use crate::out::output;
+use crate::out::panel;
+use crate::out::picture_file;
 use anyhow::{Context, bail, ensure};
 use plotters::prelude::*;
 use std::collections::BTreeMap;

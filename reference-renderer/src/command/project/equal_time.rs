@@ -2,16 +2,16 @@
 
 mod text;
 
-use crate::cast::Cast;
 use crate::command::{argument, compare};
-use crate::comparison::{self, Budgets, Case, Comparison, Method, Plan};
-use crate::material::{PRESETS, StoredMaterial};
-use crate::measured::{MeasuredMaterial, read_source};
-use crate::output;
-use crate::progress::Progress;
-use crate::report;
-use crate::scene::SceneName;
-use crate::shader::LoadedMaterial;
+use crate::out::output;
+use crate::out::progress::Progress;
+use crate::shade::shader::LoadedMaterial;
+use crate::study::comparison::report;
+use crate::study::comparison::{self, Budgets, Case, Comparison, Method, Plan};
+use crate::trace::cast::Cast;
+use crate::trace::scene::SceneName;
+use crate::truth::measured::{MeasuredMaterial, read_source};
+use crate::truth::stored::{PRESETS, StoredMaterial};
 use anyhow::Context;
 use srbf_fit::Settings;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! `srbf project leave-out`.
 
-use crate::material::StoredMaterial;
-use crate::output;
+use crate::out::output;
+use crate::truth::stored::StoredMaterial;
 use srbf_core::{LeaveOut, Material, Mixture, Vec3};
 use std::fmt::Write;
 use std::hint::black_box;

@@ -1,7 +1,7 @@
 //! `srbf project completions` and `srbf project man`: made of the command line itself, so that they say what it does.
 
 use crate::command::Cli;
-use crate::output;
+use crate::out::output;
 use clap::CommandFactory;
 use clap_complete::Shell;
 use std::path::PathBuf;

@@ -1,7 +1,9 @@
 //! `srbf project samples`.
 
-use crate::random::Random;
-use crate::{output, panel, picture_file};
+use crate::numbers::random::Random;
+use crate::out::output;
+use crate::out::panel;
+use crate::out::picture_file;
 use anyhow::{anyhow, ensure};
 use glam::Vec3;
 use plotters::prelude::*;

@@ -1,7 +1,9 @@
 //! `srbf project slice`: the lobes of a material over a slice of its BRDF, as the README shows them.
 
-use crate::material::StoredMaterial;
-use crate::{output, panel, picture_file};
+use crate::out::output;
+use crate::out::panel;
+use crate::out::picture_file;
+use crate::truth::stored::StoredMaterial;
 use anyhow::{anyhow, ensure};
 use plotters::prelude::*;
 use srbf_core::{Domain, Lobe, MAX_LOBES, Mixture, Vec3, luminance};

@@ -1,7 +1,9 @@
 //! `srbf project stability`.
 
-use crate::stability::{self, Operation};
-use crate::{output, panel, picture_file};
+use crate::out::output;
+use crate::out::panel;
+use crate::out::picture_file;
+use crate::study::stability::{self, Operation};
 use anyhow::anyhow;
 use plotters::prelude::*;
 use std::fmt::Write;

@@ -9,8 +9,8 @@ mod through;
 
 use crate::command::argument;
 use crate::command::fit::{SettingArgs, names};
-use crate::networks::Networks;
-use crate::output;
+use crate::out::output;
+use crate::truth::networks::Networks;
 use anyhow::{Context, ensure};
 use row::Row;
 use srbf_core::Material;

@@ -1,8 +1,8 @@
 //! `srbf project thesis-table`: Table 5.1 of the thesis, with our fit beside its two, and what each says of data that it has not seen.
 
 use crate::command::argument;
-use crate::output;
-use crate::progress::Progress;
+use crate::out::output;
+use crate::out::progress::Progress;
 use anyhow::{Context, bail};
 use srbf_fit::baselines::lafortune;
 use srbf_fit::baselines::thesis;

@@ -1,8 +1,8 @@
 //! The page of `srbf project equal-time`, as Markdown.
 
 use super::{ALONE, FIT, WITH_LIGHT};
-use crate::comparison::{Comparison, Curve, Estimate};
-use crate::report::{bias, short};
+use crate::study::comparison::report::{bias, short};
+use crate::study::comparison::{Comparison, Curve, Estimate};
 use std::fmt::Write;
 use std::process::Command;
 
@@ -238,8 +238,8 @@ fn teapot(comparisons: &[Comparison]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::comparison::ReferenceReport;
-    use crate::comparison::curve::tests::{curve as curve_of, point};
+    use crate::study::comparison::ReferenceReport;
+    use crate::study::comparison::curve::tests::{curve as curve_of, point};
 
     /// Methods with their errors after the same time and samples.
     fn comparison(errors: &[(&str, f64)]) -> Comparison {

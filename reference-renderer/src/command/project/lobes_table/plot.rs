@@ -1,8 +1,8 @@
 //! The table as a picture: error against bytes, and against what a call costs.
 
 use super::Row;
-use crate::panel::{COLOURS, FONT, Failure, add_curve, axes, draw_legend, range, register_font};
-use crate::picture_file;
+use crate::out::panel::{COLOURS, FONT, Failure, add_curve, axes, draw_legend, range, register_font};
+use crate::out::picture_file;
 use anyhow::anyhow;
 use plotters::coord::Shift;
 use plotters::prelude::*;

@@ -3,7 +3,7 @@
 //! Every material is evaluated at the pairs of directions that a file of samples has, fitted from those values alone, and judged against
 //! what it is everywhere.
 
-use crate::output;
+use crate::out::output;
 use anyhow::{Context, bail};
 use srbf_core::Material;
 use srbf_fit::baselines::evaluated::Completed;

@@ -1,0 +1,11 @@
+//! What leaves the program: text, pictures, pages, progress. Imports nothing of the crate.
+
+// First, so that its macros take the place of the standard library's in all that follows.
+#[macro_use]
+pub mod print;
+
+pub mod output;
+pub mod page;
+pub mod panel;
+pub mod picture_file;
+pub mod progress;

@@ -1,0 +1,67 @@
+//! Standard output and standard error, through `print!`, `println!` and `eprintln!` of our own: those of the standard library
+//! panic where nothing can be written.
+//!
+//! A reader that has gone (`srbf inspect FILE | head -1`) ends the program without a word, with the status 141 that shells give for
+//! that signal: 0 would say that the files were written. Any other failure is an error like all others, with status 2.
+//!
+//! `--quiet` leaves standard output empty: [`be_quiet`].
+
+use std::fmt::Arguments;
+use std::io::{Error, ErrorKind, Write};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+/// Status of a program that wrote to a pipe that nobody reads: 128 and the number of SIGPIPE.
+const BROKEN_PIPE: i32 = 141;
+
+macro_rules! print {
+    ($($text:tt)*) => { $crate::out::print::to_output(format_args!($($text)*)) };
+}
+
+macro_rules! println {
+    () => { print!("\n") };
+    ($($text:tt)*) => { print!("{}\n", format_args!($($text)*)) };
+}
+
+macro_rules! eprintln {
+    ($($text:tt)*) => { $crate::out::print::to_error(format_args!($($text)*)) };
+}
+
+/// Whether nothing but errors is written.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// From here on, nothing but errors is written.
+pub fn be_quiet() {
+    QUIET.store(true, Relaxed);
+}
+
+/// Whether nothing but errors is written.
+pub fn is_quiet() -> bool {
+    QUIET.load(Relaxed)
+}
+
+/// Writes to standard output; ends the program where that fails.
+pub fn to_output(text: Arguments<'_>) {
+    if !is_quiet() {
+        or_end(std::io::stdout().write_fmt(text));
+    }
+}
+
+/// Writes a line to standard error; there is nobody to tell if that fails.
+pub fn to_error(line: Arguments<'_>) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// Writes what standard output still holds back.
+pub fn flush() {
+    or_end(std::io::stdout().flush());
+}
+
+/// Ends the program if standard output could not be written.
+pub fn or_end(written: Result<(), Error>) {
+    let Err(error) = written else { return };
+    if error.kind() == ErrorKind::BrokenPipe {
+        std::process::exit(BROKEN_PIPE);
+    }
+    eprintln!("srbf: cannot write to standard output: {error}");
+    std::process::exit(2);
+}

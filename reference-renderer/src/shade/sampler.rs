@@ -1,0 +1,167 @@
+//! A sampler of a material: by name, fitted to what is rendered.
+
+use super::analytic::{Analytic, Lobe};
+use super::factored::Factored;
+use super::proposal::{Mixtures, Part, Proposal};
+use super::strategy::SamplerName;
+use super::tabulated::Tabulated;
+use super::thesis::{How, Thesis};
+use super::{lafortune, rgl};
+use crate::truth::Truth;
+use crate::truth::guided::Guide;
+use crate::truth::stored::Bytes;
+use anyhow::{Context, bail};
+use glam::Vec3;
+use srbf_core::{Error, Material};
+use srbf_fit::baselines::lafortune::Lafortune;
+use srbf_fit::table::Draws;
+
+/// Share of the cosine in a sampler that may be 0, or far too small, where the truth is not.
+const COSINE: f32 = 0.05;
+
+/// What draws for one material.
+pub struct Sampler<'a> {
+    kind: Kind<'a>,
+    cosine: f32,
+    is_multi: bool,
+}
+
+enum Kind<'a> {
+    /// What is at hand: the lobes that are rendered, or the guide of a table.
+    Own,
+    /// Lobes that sample a table.
+    Lobes(&'a Material<Bytes>),
+    Uniform,
+    Cosine,
+    Guided(Guide),
+    Analytic(Analytic),
+    Lafortune(Lafortune),
+    Tabulated(Tabulated),
+    Factored(Factored),
+    Rgl(&'a dyn Draws),
+    Thesis(Thesis),
+}
+
+/// What is at hand, where nothing else was asked for.
+pub static OWN: Sampler<'static> = Sampler { kind: Kind::Own, cosine: 0.0, is_multi: false };
+
+impl<'a> Sampler<'a> {
+    /// Fits a sampler to what is rendered. `lobes` sample a table; without any, a table's own lobes are its guide.
+    ///
+    /// # Errors
+    /// Says what the sampler cannot sample: what is anisotropic by isotropic methods, what is no `.bsdf` file by its warps.
+    pub fn fit(
+        name: SamplerName,
+        truth: &Truth<'a>,
+        lobes: Option<&'a Material<Bytes>>,
+    ) -> anyhow::Result<Self> {
+        let of_lobes = || match (truth, lobes) {
+            (Truth::Table(_), Some(lobes)) => (Kind::Lobes(lobes), COSINE),
+            _ => (Kind::Own, 0.0),
+        };
+        let thesis = |how| Thesis::fit(truth, how).map(Kind::Thesis);
+        let (kind, cosine) = match name {
+            SamplerName::Uniform => (Kind::Uniform, 0.0),
+            SamplerName::Cosine => (Kind::Cosine, 0.0),
+            SamplerName::Phong | SamplerName::Ward | SamplerName::Ggx => {
+                (Kind::Analytic(Analytic::fit(name, truth)), COSINE)
+            }
+            SamplerName::Lafortune => (Kind::Lafortune(lafortune::fit(truth).context("lafortune")?), COSINE),
+            SamplerName::Tabulated => (Kind::Tabulated(Tabulated::new(truth)), COSINE),
+            SamplerName::Factored => (Kind::Factored(Factored::new(truth)), COSINE),
+            SamplerName::Rgl => match truth.draws() {
+                Some(draws) => (Kind::Rgl(draws), COSINE),
+                None => bail!("rgl: the warps of a .bsdf file are expected, and the material has none"),
+            },
+            SamplerName::Guided => (Kind::Guided(truth.guide()), 0.0),
+            SamplerName::Thesis => (thesis(How::Inversion).context("thesis")?, COSINE),
+            SamplerName::ThesisWalk => (thesis(How::Walk).context("thesis-walk")?, COSINE),
+            SamplerName::ThesisMulti => (thesis(How::Together).context("thesis-multi")?, COSINE),
+            SamplerName::Lobes | SamplerName::LobesMulti => of_lobes(),
+            SamplerName::Defensive => match of_lobes() {
+                // The guide of a table has its part of the cosine.
+                (Kind::Own, _) if matches!(truth, Truth::Table(_)) => (Kind::Own, 0.0),
+                (kind, _) => (kind, COSINE),
+            },
+        };
+        Ok(Self { kind, cosine, is_multi: name.is_multi() })
+    }
+
+    /// Gets ready for an outgoing direction, a unit vector in the shading frame. The mixture of lobes that are rendered is ready.
+    ///
+    /// # Errors
+    /// As [`Material::prepare`].
+    #[inline]
+    pub fn prepare<'m>(
+        &'m self,
+        wo: Vec3,
+        truth: &Truth<'m>,
+        mixtures: &mut Mixtures<'m>,
+    ) -> Result<Proposal<'m>, Error> {
+        let wide = || wo.as_dvec3().normalize();
+        let part = match &self.kind {
+            Kind::Own => match truth {
+                Truth::Lobes(_) => Part::Lobes,
+                Truth::Table(measured) => Part::Guided(measured.guide().proposal(wide())),
+            },
+            Kind::Lobes(material) => {
+                material.prepare(wo, &mut mixtures.lobes)?;
+                Part::Lobes
+            }
+            Kind::Uniform => Part::Uniform,
+            Kind::Cosine => Part::Cosine,
+            Kind::Guided(guide) => Part::Guided(guide.proposal(wide())),
+            Kind::Analytic(analytic) => Part::Analytic(analytic.proposal(wide())),
+            Kind::Lafortune(model) => Part::Lafortune(lafortune::Proposal::new(model, wide())),
+            Kind::Tabulated(table) => Part::Tabulated(table.proposal(wide())),
+            Kind::Factored(factors) => Part::Factored(factors.proposal(wide())),
+            Kind::Rgl(draws) => Part::Rgl(rgl::Proposal::new(*draws, wide())),
+            Kind::Thesis(thesis) => Part::Thesis(thesis.prepare(wide(), &mut mixtures.round)?),
+        };
+        Ok(Proposal { part, cosine: self.cosine, is_multi: self.is_multi })
+    }
+
+    /// Whether lobes of another material draw.
+    pub fn is_of_lobes(&self) -> bool {
+        matches!(self.kind, Kind::Lobes(_))
+    }
+
+    /// What draws, in words.
+    pub fn title(&self, truth: &Truth<'_>) -> String {
+        let of_lobes = |material: &Material<Bytes>| format!("{} lobes", material.lobe_count());
+        let what = match &self.kind {
+            Kind::Own => match truth {
+                Truth::Lobes(_) => "its lobes".to_owned(),
+                Truth::Table(_) => {
+                    "GGX lobes of fixed roughness and a cosine, weighted by the table".to_owned()
+                }
+            },
+            Kind::Lobes(material) => of_lobes(material),
+            Kind::Uniform => "the uniform hemisphere".to_owned(),
+            Kind::Cosine => "the cosine".to_owned(),
+            Kind::Guided(_) => {
+                "GGX lobes of fixed roughness and a cosine, weighted by the material".to_owned()
+            }
+            Kind::Analytic(analytic) => match analytic.lobe {
+                Lobe::Phong { exponent } => format!("a Phong lobe of exponent {exponent:.1} and a cosine"),
+                Lobe::Ward { alpha } => format!("Ward's lobe of roughness {alpha:.4} and a cosine"),
+                Lobe::Ggx { alpha } => format!("visible normals of GGX of roughness {alpha:.4} and a cosine"),
+            },
+            Kind::Lafortune(model) => {
+                let lobes: usize = model.channels.iter().map(|channel| channel.lobes.len()).sum();
+                format!("{lobes} lobes of Lafortune's and a cosine")
+            }
+            Kind::Tabulated(table) => format!("tabulated distributions, {} kB", table.bytes() / 1000),
+            Kind::Factored(factors) => format!("a factored distribution, {} kB", factors.bytes() / 1000),
+            Kind::Rgl(_) => "the warps of its file".to_owned(),
+            Kind::Thesis(thesis) => thesis.title(),
+        };
+        let together = if self.is_multi { ", several directions of a hit together" } else { "" };
+        let cosine = if self.cosine > 0.0 {
+            format!(", and {} % of the cosine", 100.0 * self.cosine)
+        } else {
+            String::new()
+        };
+        format!("{what}{together}{cosine}")
+    }
+}

@@ -1,0 +1,214 @@
+//! What a scene shades with: lobes, or a measured table, and what samples it.
+
+use crate::numbers::points::{Decision, Points};
+use crate::shade::proposal::{Drawn, Mixtures, Part, Proposal};
+use crate::shade::sampler::{OWN, Sampler};
+use crate::truth::measured::MeasuredMaterial;
+use crate::truth::stored::{Bytes, StoredMaterial};
+use crate::truth::{AnyMixture, Truth};
+use glam::{DVec3, Vec3};
+use srbf_core::{Error, Material, Sample, luminance};
+
+/// A material that was loaded.
+pub enum LoadedMaterial {
+    /// Lobes.
+    Lobes(StoredMaterial),
+    /// A table or model, as it is.
+    Table(Box<MeasuredMaterial>),
+}
+
+impl LoadedMaterial {
+    /// Loads a preset, a `.srbf` file, or what `srbf fit` reads.
+    ///
+    /// # Errors
+    /// As [`StoredMaterial::load`] and [`MeasuredMaterial::load`].
+    pub fn load(name: &str) -> anyhow::Result<Self> {
+        if MeasuredMaterial::is_named(name) {
+            return Ok(Self::Table(Box::new(MeasuredMaterial::load(name)?)));
+        }
+        Ok(Self::Lobes(StoredMaterial::load(name)?))
+    }
+
+    /// What it is called.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Lobes(stored) => &stored.name,
+            Self::Table(measured) => &measured.name,
+        }
+    }
+
+    /// The table, if it is one.
+    pub fn table(&self) -> Option<&MeasuredMaterial> {
+        match self {
+            Self::Lobes(_) => None,
+            Self::Table(measured) => Some(measured),
+        }
+    }
+
+    /// What it is called, and what kind of material it is.
+    pub fn title(&self) -> String {
+        match self {
+            Self::Lobes(stored) => format!("{}, {} lobes", stored.name, stored.material.lobe_count()),
+            Self::Table(measured) => format!("{}, table", measured.name),
+        }
+    }
+
+    /// What is rendered.
+    pub fn truth(&self) -> Truth<'_> {
+        match self {
+            Self::Lobes(stored) => Truth::Lobes(&stored.material),
+            Self::Table(measured) => Truth::Table(measured),
+        }
+    }
+
+    /// What a scene shades with, sampled by what is at hand.
+    pub fn shader(&self) -> Shader<'_> {
+        self.truth().into()
+    }
+}
+
+/// A material in a scene: what is rendered, and what samples it.
+#[derive(Clone, Copy)]
+pub struct Shader<'a> {
+    pub truth: Truth<'a>,
+    pub sampler: &'a Sampler<'a>,
+}
+
+impl<'a> From<Truth<'a>> for Shader<'a> {
+    fn from(truth: Truth<'a>) -> Self {
+        Self { truth, sampler: &OWN }
+    }
+}
+
+impl<'a> From<&'a Material<Bytes>> for Shader<'a> {
+    fn from(material: &'a Material<Bytes>) -> Self {
+        Truth::Lobes(material).into()
+    }
+}
+
+impl<'a> From<&'a MeasuredMaterial> for Shader<'a> {
+    fn from(measured: &'a MeasuredMaterial) -> Self {
+        Truth::Table(measured).into()
+    }
+}
+
+impl<'a> Shader<'a> {
+    /// Gets ready for an outgoing direction, a unit vector in the shading frame.
+    ///
+    /// # Errors
+    /// As [`Material::prepare`].
+    #[inline]
+    pub fn prepare(&self, wo: Vec3, scattering: &mut Scattering<'a>) -> Result<(), Error> {
+        scattering.table = match self.truth {
+            Truth::Lobes(material) => {
+                material.prepare(wo, &mut scattering.mixtures.lobes)?;
+                None
+            }
+            Truth::Table(measured) => Some((measured, wo.as_dvec3().normalize())),
+        };
+        scattering.proposal = self.sampler.prepare(wo, &self.truth, &mut scattering.mixtures)?;
+        Ok(())
+    }
+
+    /// Whether the azimuth of the outgoing direction does not matter.
+    pub fn is_isotropic(&self) -> bool {
+        self.truth.is_isotropic()
+    }
+}
+
+/// How a surface scatters towards one outgoing direction. All directions are unit vectors in the shading frame.
+pub struct Scattering<'a> {
+    mixtures: Mixtures<'a>,
+    /// The table and the outgoing direction, where the lobes are not what is rendered.
+    table: Option<(&'a MeasuredMaterial, DVec3)>,
+    proposal: Proposal<'a>,
+}
+
+impl<'a> Scattering<'a> {
+    /// Storage for any material.
+    pub fn empty() -> Self {
+        Self { mixtures: Mixtures::empty(), table: None, proposal: Proposal::cosine() }
+    }
+
+    /// `f cos`; linear sRGB, 1/sr.
+    #[inline]
+    pub fn evaluate(&self, wi: Vec3) -> Vec3 {
+        match &self.table {
+            None => self.mixtures.lobes.evaluate(wi),
+            Some((table, wo)) => table.f_cos(wi.as_dvec3().normalize(), *wo).as_vec3(),
+        }
+    }
+
+    /// `f cos`, and the density of [`sample`](Self::sample); 1/sr.
+    #[inline]
+    pub fn evaluate_and_pdf(&self, wi: Vec3) -> (Vec3, f32) {
+        if self.samples_its_lobes() {
+            let (value, pdf) = self.mixtures.lobes.evaluate_and_pdf(wi);
+            return (value, self.proposal.mix(pdf, wi));
+        }
+        (self.evaluate(wi), self.proposal.pdf(&self.mixtures, wi))
+    }
+
+    /// Draws an incident direction; `None` where there is none to draw, which counts as black.
+    #[inline]
+    pub fn sample(&self, u: [f32; 3]) -> Option<Sample> {
+        if self.samples_its_lobes() && self.proposal.cosine == 0.0 {
+            return self.mixtures.lobes.sample(u);
+        }
+        let direction = self.proposal.sample(&self.mixtures, u)?;
+        let (value, pdf) = self.evaluate_and_pdf(direction);
+        (pdf > 0.0 && pdf.is_finite()).then(|| Sample { direction, pdf, weight: value / pdf })
+    }
+
+    /// Draws `n` incident directions at the first surface, together if the sampler does; fewer where some count as black. The sum of what their weights bring
+    /// over `n` is the estimate.
+    pub fn sample_together(&self, n: u32, points: &Points, samples: &mut Vec<Sample>) {
+        samples.clear();
+        if let Some(drawn) = self.proposal.sample_as_thesis(&self.mixtures, n, points) {
+            let is_possible = |d: &Drawn| d.divisor > 0.0 && d.divisor.is_finite();
+            samples.extend(drawn.into_iter().filter(is_possible).map(|Drawn { direction, divisor, pdf }| {
+                Sample { direction, pdf, weight: self.evaluate(direction) / divisor }
+            }));
+            return;
+        }
+        let is_multi = self.proposal.is_multi;
+        let offset = if is_multi { points.draw(Decision::Choice, 0)[0] } else { 0.0 };
+        for i in 0..n {
+            let [own, u, v, _] = points.branch(i as usize, n as usize).draw(Decision::Material, 0);
+            let choice = if is_multi { self.proposal.choice(i, n, offset) } else { own };
+            samples.extend(self.sample([choice, u, v]));
+        }
+    }
+
+    /// What is rendered towards a direction, where that are not the lobes.
+    #[inline]
+    pub fn other_truth(&self, wi: Vec3) -> Option<Vec3> {
+        self.table.is_some().then(|| self.evaluate(wi))
+    }
+
+    /// Whether directions are drawn from the lobes and nothing else.
+    #[inline]
+    pub fn draws_lobes_alone(&self) -> bool {
+        matches!(self.proposal.part, Part::Lobes) && self.proposal.cosine == 0.0
+    }
+
+    /// Whether what is rendered are lobes, and they are drawn from.
+    #[inline]
+    fn samples_its_lobes(&self) -> bool {
+        self.table.is_none() && matches!(self.proposal.part, Part::Lobes)
+    }
+
+    /// The lobes that directions are drawn from together with the light: where our lobes sample what is rendered, and bring some light
+    /// from everywhere, so that no candidate that matters is passed over.
+    #[inline]
+    pub fn lobes_for_product(&self) -> Option<&AnyMixture<'a>> {
+        let lobes = &self.mixtures.lobes;
+        let is_everywhere = self.table.is_none() || luminance(lobes.diffuse()) > 0.0;
+        (matches!(self.proposal.part, Part::Lobes) && is_everywhere).then_some(lobes)
+    }
+
+    /// The lobes that were prepared last.
+    pub fn lobes(&self) -> &AnyMixture<'a> {
+        &self.mixtures.lobes
+    }
+}

@@ -1,0 +1,34 @@
+//! What is seen of a truth where samplers are fitted to it.
+
+use crate::truth::Truth;
+use crate::truth::seen::{Direction, THETAS, directions, outgoing, theta};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::f64::consts::{PI, TAU};
+
+/// Azimuths of what is anisotropic.
+const AZIMUTHS: usize = 4;
+
+/// Incident directions of each roughness.
+const DRAWN: usize = 160;
+
+/// What is seen of a truth from one angle.
+pub struct View {
+    /// The incident directions for each azimuth of the outgoing one.
+    pub azimuths: Vec<(DVec3, Vec<Direction>)>,
+}
+
+/// Looks at a truth from all angles.
+pub fn look(truth: &Truth<'_>) -> Vec<View> {
+    let azimuths = if truth.is_isotropic() { 1 } else { AZIMUTHS };
+    (0..THETAS)
+        .into_par_iter()
+        .map(|n| {
+            let at = |azimuth: usize| {
+                let wo = outgoing(theta(n, THETAS), PI + TAU * azimuth as f64 / azimuths as f64);
+                (wo, directions(wo, DRAWN, &|wi| truth.f_cos(wi, wo)))
+            };
+            View { azimuths: (0..azimuths).map(at).collect() }
+        })
+        .collect()
+}

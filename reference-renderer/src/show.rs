@@ -1,0 +1,6 @@
+//! Pictures of materials: what a fit gives beside the table, and balls under a map of light.
+//!
+//! May import: `shade`, `trace`, `world`, `out`.
+
+pub mod ball_sheet;
+pub mod fit_sheet;

@@ -1,0 +1,12 @@
+//! The path tracer: scenes, cameras, the integrator, the film.
+//!
+//! May import: `shade`, `world`, `truth`, `numbers`, `out`.
+
+pub mod ball;
+pub mod camera;
+pub mod cast;
+pub mod film;
+pub mod integrator;
+pub mod render;
+pub mod scene;
+pub mod settings;

@@ -1,0 +1,339 @@
+//! Path tracing: the radiance along one ray.
+//!
+//! What is rendered and what samples it come with the material of a surface; whether the light is sampled too is a setting. At the first
+//! surface several directions may be drawn together; from there on each goes its way alone.
+
+use crate::numbers::points::{Decision, Points, PointsName};
+use crate::shade::Light;
+use crate::shade::shader::Scattering;
+use crate::trace::scene::{Scene, Surface};
+use crate::trace::settings::Settings;
+use crate::truth::AnyMixture;
+use crate::world::ray::Ray;
+use glam::Vec3;
+use srbf_core::{ProductSampling, Sample, luminance, power_heuristic};
+use std::array::from_fn;
+
+/// Paths end at random from this bounce on, more likely the less they carry.
+const ROULETTE_FROM: u32 = 3;
+
+/// Smallest cosine that an outgoing direction has with the shading normal: the normal is bent until it has it.
+const LEAST_COSINE: f32 = 1e-3;
+
+/// How light and lobes are sampled together: sixteen candidates, half of them of the lobes, and the path's own ray beside them.
+const PRODUCT: ProductSampling = match ProductSampling::new(CANDIDATES, 0.5, 4.0) {
+    Ok(sampling) => sampling,
+    Err(_) => panic!("the numbers are in range"),
+};
+const CANDIDATES: usize = 16;
+
+/// Distance by which rays start above a surface, relative to the size of the coordinates.
+const RAY_OFFSET: f32 = 1e-4;
+
+/// What a path needs that lasts longer than it: storage.
+pub struct Workspace<'a> {
+    scattering: Scattering<'a>,
+    drawn: Vec<Sample>,
+    rivals: Vec<Rival>,
+}
+
+impl Workspace<'_> {
+    /// Storage for paths through any material.
+    pub fn new() -> Self {
+        Self { scattering: Scattering::empty(), drawn: Vec::new(), rivals: Vec::new() }
+    }
+}
+
+/// Estimates the radiance that comes in along a ray, with paths of at most `max_bounces` scatterings.
+pub fn radiance<'a>(
+    scene: &Scene<'a>,
+    ray: &Ray,
+    settings: &Settings,
+    points: &Points,
+    workspace: &mut Workspace<'a>,
+) -> Vec3 {
+    let Some(surface) = scene.hit(ray) else { return scene.environment.radiance(ray.direction) };
+    let path = Path { scene, settings, points: *points };
+    let split = settings.split as usize;
+    let scattering = &mut workspace.scattering;
+    let first = path.branch(0, split).ask_for_light(0);
+    let Some(frame) = look(&surface, ray, scattering) else { return Vec3::NAN };
+    let mut light = path.branch(0, split).light_at(&frame, scattering, 0, first);
+    for part in 1..split {
+        let branch = path.branch(part, split);
+        light += branch.light_at(&frame, scattering, 0, branch.ask_for_light(0));
+    }
+    let mut drawn = std::mem::take(&mut workspace.drawn);
+    scattering.sample_together(settings.split, points, &mut drawn);
+    // All of them before the first is followed: the next surface takes the storage of this one.
+    let mut rivals = std::mem::take(&mut workspace.rivals);
+    rivals.clear();
+    rivals.extend(drawn.iter().map(|sample| path.rival(sample, scattering)));
+    for (part, (sample, &rival)) in drawn.iter().zip(&rivals).enumerate() {
+        light += path.branch(part, split).follow(&frame, sample, rival, scattering);
+    }
+    (workspace.drawn, workspace.rivals) = (drawn, rivals);
+    light / settings.split as f32
+}
+
+/// Makes the frame of a surface and gets its material ready; `None` is impossible, as the storage holds every material, and the outgoing
+/// direction is a unit vector. A NaN is found in the picture.
+fn look<'a>(surface: &Surface<'_, 'a>, ray: &Ray, scattering: &mut Scattering<'a>) -> Option<Frame> {
+    let wo = -ray.direction;
+    let frame = Frame::new(surface, wo);
+    surface.material.prepare(frame.to_local(wo), scattering).ok().map(|()| frame)
+}
+
+/// A path on its way.
+struct Path<'p, 'a> {
+    scene: &'p Scene<'a>,
+    settings: &'p Settings,
+    points: Points,
+}
+
+impl<'a> Path<'_, 'a> {
+    /// Part `i` of `n` that the path branches into at the first surface.
+    fn branch(&self, i: usize, n: usize) -> Self {
+        Self { points: self.points.branch(i, n), ..*self }
+    }
+
+    /// The numbers of the sample of the light at a surface. A large map is in no cache: it is asked for what they will read there, while the
+    /// material is made ready. None where light and lobes are sampled together, or no light is.
+    fn ask_for_light(&self, surface: u32) -> Option<[f32; 3]> {
+        matches!(self.settings.light, Light::Mis | Light::Only).then(|| {
+            let u = self.light_numbers(surface);
+            self.scene.environment.prefetch(u);
+            u
+        })
+    }
+
+    /// Light that a sample of the environment brings to a surface, the first, or one that comes later, with the numbers that were asked for.
+    fn light_at(
+        &self,
+        frame: &Frame,
+        scattering: &Scattering<'a>,
+        surface: u32,
+        asked: Option<[f32; 3]>,
+    ) -> Vec3 {
+        if self.settings.light == Light::Off {
+            return Vec3::ZERO;
+        }
+        if self.settings.light == Light::Product {
+            let candidates = scattering.lobes_for_product().filter(|_| !self.is_evenly_lit());
+            if let Some(lobes) = candidates {
+                return self.product_at(frame, scattering, lobes, surface);
+            }
+        }
+        let sample = self.scene.environment.sample(asked.unwrap_or_else(|| self.light_numbers(surface)));
+        if !frame.leaves(sample.direction) {
+            return Vec3::ZERO;
+        }
+        let (value, pdf) = scattering.evaluate_and_pdf(frame.to_local(sample.direction));
+        let weight = match self.settings.light {
+            Light::Mis | Light::Product => power_heuristic(1.0, sample.pdf, 1.0, pdf),
+            Light::Only | Light::Off => 1.0,
+        };
+        let contribution = value * sample.radiance * (weight / sample.pdf);
+        let is_seen = contribution != Vec3::ZERO && self.scene.is_clear(&frame.ray(sample.direction));
+        if is_seen { contribution } else { Vec3::ZERO }
+    }
+
+    fn light_numbers(&self, surface: u32) -> [f32; 3] {
+        self.towards_light(self.points.draw(Decision::Light, surface))
+    }
+
+    /// The numbers that draw a direction from the light: those that lie evenly keep to the order of the map.
+    #[inline]
+    fn towards_light(&self, [u, v, w, _]: [f32; 4]) -> [f32; 3] {
+        match self.points.name {
+            PointsName::Sobol => self.scene.environment.ordered([u, v]),
+            PointsName::Random => [u, v, w],
+        }
+    }
+
+    /// The numbers of the candidates at a surface: those of the lobes, then those of the light.
+    ///
+    /// Sobol points come in the order of the first number, which chooses a lobe, or the height of the light. What is chosen is chosen along
+    /// that order, so that evenly spread choices are evenly spread directions.
+    fn candidates(&self, surface: u32) -> [[f32; CANDIDATES]; 3] {
+        let mut drawn = [[0.0; 4]; CANDIDATES];
+        let (of_lobes, of_light) = drawn.split_at_mut(PRODUCT.lobe_candidates());
+        self.points.draw_together(Decision::LobeCandidate, surface, of_lobes);
+        self.points.draw_together(Decision::LightCandidate, surface, of_light);
+        for u in of_light {
+            let [u0, u1, u2] = self.towards_light(*u);
+            *u = [u0, u1, u2, 0.0];
+        }
+        from_fn(|k| drawn.map(|u| u[k]))
+    }
+
+    /// Whether the light is the same from everywhere: then samples of it tell nothing that the lobes do not know.
+    fn is_evenly_lit(&self) -> bool {
+        self.scene.environment.constant_radiance().is_some()
+    }
+
+    /// Light that one direction brings to a surface, chosen among candidates of lobes and light by what they would bring.
+    fn product_at(
+        &self,
+        frame: &Frame,
+        scattering: &Scattering<'a>,
+        lobes: &AnyMixture<'a>,
+        surface: u32,
+    ) -> Vec3 {
+        let u = self.candidates(surface);
+        let choice = self.points.draw(Decision::Choice, surface)[0];
+        let map = &self.scene.environment.map;
+        let axes = [frame.tangent, frame.bitangent, frame.normal];
+        // The slices are as long as the candidates are many.
+        let Ok(drawn) = lobes.sample_product(map, &axes, &PRODUCT, u.each_ref().map(|u| &u[..]), choice)
+        else {
+            return Vec3::NAN;
+        };
+        let Some(sample) = drawn.filter(|sample| frame.leaves(sample.direction)) else { return Vec3::ZERO };
+        if !self.scene.is_clear(&frame.ray(sample.direction)) {
+            return Vec3::ZERO;
+        }
+        let Some(truth) = scattering.other_truth(frame.to_local(sample.direction)) else {
+            return sample.weight;
+        };
+        // The weight is light times the value of the lobes times a number, which is wanted.
+        let radiance = map.radiance(sample.direction);
+        let brought = luminance(lobes.evaluate(frame.to_local(sample.direction)) * radiance);
+        if brought == 0.0 { Vec3::ZERO } else { truth * radiance * (luminance(sample.weight) / brought) }
+    }
+
+    /// How a direction drawn from a material competes with samples of the light.
+    fn rival(&self, sample: &Sample, scattering: &Scattering<'a>) -> Rival {
+        match (self.settings.light, scattering.lobes_for_product()) {
+            (Light::Product, Some(lobes)) if !self.is_evenly_lit() => {
+                // What is drawn from may have a part of the cosine, which is no candidate.
+                let pdf =
+                    if scattering.draws_lobes_alone() { sample.pdf } else { lobes.pdf(sample.direction) };
+                Rival::Candidates(pdf)
+            }
+            _ => Rival::Sample(sample.pdf),
+        }
+    }
+
+    /// The environment where a direction drawn from a material finds it, times its weight.
+    fn found(&self, direction: Vec3, rival: Rival) -> Vec3 {
+        let (radiance, pdf) = self.scene.environment.radiance_and_pdf(direction);
+        let weight = match (self.settings.light, rival) {
+            (Light::Off, _) => 1.0,
+            (Light::Only, _) => 0.0,
+            (_, Rival::Candidates(of_lobes)) => PRODUCT.ray_weight(of_lobes, pdf),
+            (_, Rival::Sample(of_material)) => power_heuristic(1.0, of_material, 1.0, pdf),
+        };
+        radiance * weight
+    }
+
+    /// What comes in along a direction drawn at the first surface, times its weight.
+    fn follow(
+        &self,
+        first: &Frame,
+        sample: &Sample,
+        mut rival: Rival,
+        scattering: &mut Scattering<'a>,
+    ) -> Vec3 {
+        let direction = first.to_world(sample.direction);
+        if !first.leaves(direction) {
+            return Vec3::ZERO;
+        }
+        let (mut light, mut throughput) = (Vec3::ZERO, sample.weight);
+        let mut ray = first.ray(direction);
+        for bounce in 1.. {
+            let Some(surface) = self.scene.hit(&ray) else {
+                light += throughput * self.found(ray.direction, rival);
+                break;
+            };
+            if bounce == self.settings.max_bounces {
+                break;
+            }
+            let asked = self.ask_for_light(bounce);
+            let Some(frame) = look(&surface, &ray, scattering) else { return Vec3::NAN };
+            light += throughput * self.light_at(&frame, scattering, bounce, asked);
+            let [u, v, w, _] = self.points.draw(Decision::Material, bounce);
+            let Some(sample) = scattering.sample([u, v, w]) else { break };
+            let direction = frame.to_world(sample.direction);
+            if !frame.leaves(direction) {
+                break;
+            }
+            throughput *= sample.weight;
+            if bounce >= ROULETTE_FROM {
+                // By its size: of a colour outside the gamut, channels are negative.
+                let survival = throughput.abs().max_element().min(0.95);
+                if self.points.draw(Decision::Roulette, bounce)[0] >= survival {
+                    break;
+                }
+                throughput /= survival;
+            }
+            rival = self.rival(&sample, scattering);
+            ray = frame.ray(direction);
+        }
+        light
+    }
+}
+
+/// What samples the light beside a direction drawn from a material; the density of that direction.
+#[derive(Clone, Copy)]
+enum Rival {
+    /// One sample of the light.
+    Sample(f32),
+    /// Candidates of lobes and light; the density of the lobes.
+    Candidates(f32),
+}
+
+/// The shading frame at a point, on the side from where it is seen.
+pub struct Frame {
+    point: Vec3,
+    flat: Vec3,
+    tangent: Vec3,
+    bitangent: Vec3,
+    normal: Vec3,
+}
+
+impl Frame {
+    /// Makes the frame at a surface seen from a direction.
+    ///
+    /// The tangent is horizontal, as the grooves are of what was turned on a lathe about the vertical: along the parallels of
+    /// the sphere and round the teapot's body. It matters to anisotropic materials only.
+    pub fn new(surface: &Surface<'_, '_>, wo: Vec3) -> Self {
+        let flat = if surface.flat.dot(wo) < 0.0 { -surface.flat } else { surface.flat };
+        let mut normal = if surface.smooth.dot(flat) < 0.0 { -surface.smooth } else { surface.smooth };
+        // Near the outline an interpolated normal may look away from the viewer, who would see black.
+        let cosine = normal.dot(wo);
+        if cosine < LEAST_COSINE {
+            normal = (normal + wo * (LEAST_COSINE - cosine)).normalize();
+        }
+        let (tangent, bitangent) = match Vec3::Z.cross(normal).try_normalize() {
+            Some(tangent) if !surface.material.is_isotropic() => (tangent, normal.cross(tangent)),
+            _ => normal.any_orthonormal_pair(),
+        };
+        Self { point: surface.point, flat, tangent, bitangent, normal }
+    }
+
+    /// Into the shading frame.
+    #[inline]
+    pub fn to_local(&self, d: Vec3) -> Vec3 {
+        Vec3::new(d.dot(self.tangent), d.dot(self.bitangent), d.dot(self.normal))
+    }
+
+    /// Out of the shading frame.
+    #[inline]
+    pub fn to_world(&self, d: Vec3) -> Vec3 {
+        (self.tangent * d.x + self.bitangent * d.y + self.normal * d.z).normalize()
+    }
+
+    /// Whether a direction leaves the surface itself: one that does not would leak light through it.
+    #[inline]
+    pub fn leaves(&self, direction: Vec3) -> bool {
+        direction.dot(self.flat) > 0.0
+    }
+
+    /// A ray from just above the surface.
+    #[inline]
+    fn ray(&self, direction: Vec3) -> Ray {
+        let offset = RAY_OFFSET * self.point.abs().max_element().max(1.0);
+        Ray { origin: self.point + self.flat * offset, direction }
+    }
+}

@@ -1,0 +1,174 @@
+//! Adds samples to a picture, in parallel over its rows.
+
+use crate::numbers::points::{Decision, Points};
+use crate::out::progress::Progress;
+use crate::trace::camera::Camera;
+use crate::trace::film::Film;
+use crate::trace::integrator::{Workspace, radiance};
+use crate::trace::scene::Scene;
+use crate::trace::settings::Settings;
+use cpu_time::ThreadTime;
+use rayon::prelude::*;
+use std::time::Duration;
+
+/// Adds `samples` samples, rays of the camera, to every pixel of a film; advances the progress by the number of rows. Gives the time that
+/// processors worked on it, summed over the threads: what else runs on the machine is not counted.
+///
+/// What a pixel gets depends only on the seed, the pixel and the samples it holds already: not on the threads.
+///
+/// # Errors
+/// A sample that is not finite, of a material or light whose values are too extreme for f32: never passed over.
+pub fn add_samples(
+    scene: &Scene<'_>,
+    camera: &Camera,
+    settings: &Settings,
+    film: &mut Film,
+    samples: u32,
+    progress: &Progress,
+) -> anyhow::Result<Duration> {
+    let width = film.size()[0] as usize;
+    let held = film.samples;
+    let rows = film.pixels.par_chunks_mut(width).enumerate();
+    let times = rows.map_init(Workspace::new, |workspace, (y, row)| {
+        let start = ThreadTime::now();
+        for (x, pixel) in row.iter_mut().enumerate() {
+            let index = (y * width + x) as u64;
+            for sample in held..held + samples {
+                let points = Points::new(settings.points, settings.seed, index, sample.into());
+                let [across, down, ..] = points.draw(Decision::Pixel, 0);
+                let ray = camera.ray(x as f32 + across, y as f32 + down);
+                pixel.add(radiance(scene, &ray, settings, &points, workspace));
+            }
+        }
+        progress.advance(1);
+        start.elapsed()
+    });
+    let time = times.sum();
+    film.samples += samples;
+    match (0..film.pixels.len()).find(|&i| !film.mean(i).is_finite()) {
+        Some(i) => anyhow::bail!(
+            "the pixel in column {}, row {} is {}: finite radiance is expected, and the values of a material or of the light \
+             leave the range of f32",
+            i % width,
+            i / width,
+            film.mean(i)
+        ),
+        None => Ok(time),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::points::PointsName;
+    use crate::shade::Light;
+    use crate::shade::shader::Shader;
+    use crate::shade::{Sampler, SamplerName, Strategy};
+    use crate::trace::scene::SceneName;
+    use crate::truth::Truth;
+    use crate::truth::measured::tests::vivid;
+    use crate::truth::stored::StoredMaterial;
+    use crate::truth::stored::tests::lacquer;
+    use crate::world::environment::{Environment, sky};
+    use glam::DVec3;
+
+    const SIZE: [u32; 2] = [24, 16];
+    const MIS: Settings =
+        Settings { light: Light::Mis, split: 1, max_bounces: 3, points: PointsName::Random, seed: 11 };
+
+    fn film(scene: &Scene<'_>, name: SceneName, settings: &Settings, samples: u32) -> Film {
+        let mut film = Film::new(SIZE);
+        add_samples(scene, &name.camera(SIZE), settings, &mut film, samples, &Progress::hidden()).unwrap();
+        film
+    }
+
+    #[test]
+    fn picture_does_not_depend_on_the_threads_nor_on_the_steps() {
+        let (sky, object, ground) = (sky::sky(), lacquer(), StoredMaterial::load("matte").unwrap());
+        let scene = Scene::new(SceneName::Teapot, &object.material, &ground.material, &sky);
+        let on = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| film(&scene, SceneName::Teapot, &MIS, 4))
+        };
+        let one = on(1);
+        assert_eq!(one, on(2));
+        assert_eq!(one, on(3));
+        let mut steps = Film::new(SIZE);
+        for samples in [1, 3] {
+            let camera = SceneName::Teapot.camera(SIZE);
+            add_samples(&scene, &camera, &MIS, &mut steps, samples, &Progress::hidden()).unwrap();
+        }
+        assert_eq!(one, steps);
+        assert_ne!(one, film(&scene, SceneName::Teapot, &Settings { seed: 12, ..MIS }, 4));
+    }
+
+    #[test]
+    fn every_sampler_has_the_same_mean() {
+        // A light without a sharp sun, so that samplers of the material alone converge too.
+        let pixels = (0..32 * 16).map(|i| glam::Vec3::splat(0.1 + ((i * 37) % 11) as f32)).collect();
+        let light = Environment::new(32, pixels).unwrap();
+        let (object, ground) = (lacquer(), StoredMaterial::load("matte").unwrap());
+        let truths = [Truth::Lobes(&object.material), Truth::Lobes(&ground.material)];
+        let is_tried = |name: &SamplerName| {
+            !matches!(name, SamplerName::Rgl | SamplerName::Thesis | SamplerName::ThesisWalk)
+        };
+        let names: Vec<SamplerName> = SamplerName::all().filter(is_tried).collect();
+        let fitted = names.iter().map(|&name| truths.map(|truth| Sampler::fit(name, &truth, None).unwrap()));
+        let fitted: Vec<[Sampler<'_>; 2]> = fitted.collect();
+        let means = |scene_name: SceneName, strategy: Strategy| {
+            let samplers = &fitted[names.iter().position(|&name| name == strategy.sampler).unwrap()];
+            let [object, ground] = [0, 1].map(|n| Shader { truth: truths[n], sampler: &samplers[n] });
+            let scene = Scene::new(scene_name, object, ground, &light);
+            let split = if strategy.sampler.is_multi() { 4 } else { 1 };
+            let settings = Settings { light: strategy.light, split, ..MIS };
+            let film = film(&scene, scene_name, &settings, 256 / split);
+            let n = film.pixels.len() as f64;
+            let sum: DVec3 = (0..film.pixels.len()).map(|i| film.mean(i)).sum();
+            let variance: DVec3 = (0..film.pixels.len()).map(|i| film.variance_of_mean(i)).sum();
+            (sum / n, variance / (n * n))
+        };
+        for name in [SceneName::Sphere, SceneName::Teapot] {
+            let (expected, own) = means(name, Strategy::MIS);
+            let alone = names.iter().map(|&sampler| Strategy::alone(sampler));
+            let beside = names.iter().map(|&sampler| Strategy { sampler, light: Light::Mis });
+            // Where paths go on, the strategies that differ in what they do there are enough.
+            let beside = beside.filter(|_| name == SceneName::Sphere);
+            for strategy in alone.chain(beside).chain([Strategy::PRODUCT, "light".parse().unwrap()]) {
+                let (rendered, variance) = means(name, strategy);
+                let error = (own + variance).map(f64::sqrt);
+                let deviation = (rendered - expected).abs();
+                assert!(deviation.cmple(4.5 * error).all(), "{strategy}: {rendered} {expected} +- {error}");
+                assert!(error.max_element() < 0.05 * expected.max_element(), "{strategy}: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_table_that_lobes_sample_together_with_the_light_has_its_own_mean() {
+        let (table, lobes) = (vivid(), lacquer());
+        let truth = Truth::Table(&table);
+        let sampler = Sampler::fit(SamplerName::Lobes, &truth, Some(&lobes.material)).unwrap();
+        let light = sky::haze();
+        let shader = Shader { truth, sampler: &sampler };
+        // The ground is sampled by a table's own guide, without the lobes: where paths go on, what they compete with changes.
+        let scene = Scene::new(SceneName::Teapot, shader, &table, &light);
+        let mean = |light: Light, split: u32| {
+            let settings = Settings { light, split, ..MIS };
+            let film = film(&scene, SceneName::Teapot, &settings, 1024 / split);
+            let n = film.pixels.len() as f64;
+            let sum: DVec3 = (0..film.pixels.len()).map(|i| film.mean(i)).sum();
+            let variance: DVec3 = (0..film.pixels.len()).map(|i| film.variance_of_mean(i)).sum();
+            (sum / n, variance / (n * n))
+        };
+        let (expected, own) = mean(Light::Mis, 1);
+        for split in [1, 4] {
+            let (found, variance) = mean(Light::Product, split);
+            let error = (own + variance).map(f64::sqrt);
+            assert!(
+                (found - expected).abs().cmple(4.5 * error).all(),
+                "{split}: {found} {expected} +- {error}"
+            );
+            assert!(error.max_element() < 0.02 * expected.abs().max_element(), "{error} of {expected}");
+        }
+    }
+}

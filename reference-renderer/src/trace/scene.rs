@@ -1,0 +1,348 @@
+//! What is rendered: shapes and their materials under an environment. +z is up.
+//!
+//! A scene is made of parts, each with a [`Role`]; it builds those alone that it has, and asks for the materials of those alone.
+
+use crate::shade::shader::Shader;
+use crate::trace::camera::Camera;
+use crate::world::environment::Environment;
+use crate::world::intersect::TriangleTree;
+use crate::world::mesh::Mesh;
+use crate::world::ray::Ray;
+use crate::world::teapot;
+use glam::{Vec3, vec3};
+
+/// Quadrilaterals along each side of a patch of the teapot: at 24 the outline shows no corners in 4096 pixels.
+const TEAPOT_STEPS: u32 = 24;
+
+/// Height of the ground below what stands on z = 0: so that no two surfaces coincide.
+const GROUND_HEIGHT: f32 = -1e-3;
+
+/// Half the side of the ground.
+const GROUND_HALF_SIDE: f32 = 60.0;
+
+/// Largest side of a mesh that stands on the ground: about the teapot's height, so that it fills the picture.
+const MESH_SIZE: f32 = 3.4;
+
+/// The room: half its width and depth, its height, and what stands in it: size and place of the teapot, and the ball.
+const ROOM: Vec3 = vec3(5.0, 4.0, 6.0);
+const ROOM_OBJECT: (f32, Vec3) = (0.85, vec3(-1.4, 0.6, 0.0));
+const ROOM_BALL: Ball = Ball { centre: vec3(2.9, -1.2, 1.25), radius: 1.25 };
+
+/// Which scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum SceneName {
+    /// A sphere of radius 1 that floats in the environment.
+    Sphere,
+    /// The Utah teapot on a plane.
+    Teapot,
+    /// The mesh that --mesh names, on a plane.
+    Statue,
+    /// The sphere under the same light from everywhere: what is rendered beside what is expected.
+    Furnace,
+    /// Teapot and ball in a room of a floor and three walls, open to the light above and in front.
+    Room,
+}
+
+/// What a part of a scene is in it: it says which material it has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// What the picture is of.
+    Object,
+    /// What it stands on, and the wall behind it.
+    Ground,
+    /// The ball beside it.
+    Ball,
+    /// The wall on the left.
+    Left,
+    /// The wall on the right.
+    Right,
+}
+
+impl Role {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Object, Self::Ground, Self::Ball, Self::Left, Self::Right];
+
+    /// What it is called.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Object => "object",
+            Self::Ground => "ground",
+            Self::Ball => "ball",
+            Self::Left => "left wall",
+            Self::Right => "right wall",
+        }
+    }
+}
+
+/// Where a camera stands by itself.
+#[derive(Clone, Copy, Debug)]
+pub struct Standpoint {
+    pub eye: Vec3,
+    pub target: Vec3,
+    /// Degrees that the shorter side of the picture sees.
+    pub view_angle: f32,
+}
+
+impl Standpoint {
+    /// The camera that stands there.
+    pub fn camera(&self, size: [u32; 2]) -> Camera {
+        Camera::new(self.eye, self.target, self.view_angle.to_radians(), size)
+    }
+}
+
+impl SceneName {
+    /// As it is written.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Sphere => "sphere",
+            Self::Teapot => "teapot",
+            Self::Statue => "statue",
+            Self::Furnace => "furnace",
+            Self::Room => "room",
+        }
+    }
+
+    /// Where the camera stands.
+    pub fn standpoint(self) -> Standpoint {
+        let at = |eye, target, view_angle| Standpoint { eye, target, view_angle };
+        match self {
+            Self::Sphere | Self::Furnace => at(vec3(0.0, -6.0, 0.6), Vec3::ZERO, 24.0),
+            Self::Teapot => at(vec3(3.6, -9.6, 5.2), vec3(0.15, 0.0, 1.25), 27.0),
+            Self::Statue => at(vec3(2.4, -9.6, 3.6), vec3(0.0, 0.0, 1.6), 25.0),
+            Self::Room => at(vec3(0.5, -13.5, 4.2), vec3(0.1, 0.0, 2.4), 36.0),
+        }
+    }
+
+    /// The camera that shows the scene.
+    pub fn camera(self, size: [u32; 2]) -> Camera {
+        self.standpoint().camera(size)
+    }
+
+    /// Whether it is the sphere alone, which is met in closed form, and of which the mean radiance under a constant light is known.
+    pub fn is_sphere(self) -> bool {
+        matches!(self, Self::Sphere | Self::Furnace)
+    }
+
+    /// The parts that it has.
+    pub fn roles(self) -> &'static [Role] {
+        match self {
+            Self::Sphere | Self::Furnace => &[Role::Object],
+            Self::Teapot | Self::Statue => &[Role::Object, Role::Ground],
+            Self::Room => &[Role::Object, Role::Ground, Role::Ball, Role::Left, Role::Right],
+        }
+    }
+
+    /// Builds its shapes; `mesh` takes the place of the teapot, and is the statue.
+    pub fn shapes(self, mesh: Option<Mesh>) -> Shapes {
+        let mut shapes = Shapes::default();
+        let object = || match mesh {
+            None => teapot::tessellate(TEAPOT_STEPS),
+            Some(mut mesh) => {
+                mesh.stand(MESH_SIZE);
+                mesh
+            }
+        };
+        match self {
+            Self::Sphere | Self::Furnace => {
+                shapes.ball = Some((Ball { centre: Vec3::ZERO, radius: 1.0 }, Role::Object));
+            }
+            Self::Teapot | Self::Statue => {
+                shapes.add(object(), Role::Object);
+                shapes.add(Mesh::square(GROUND_HALF_SIDE, GROUND_HEIGHT), Role::Ground);
+            }
+            Self::Room => {
+                let mut object = object();
+                let (size, place) = ROOM_OBJECT;
+                object.positions.iter_mut().for_each(|p| *p = *p * size + place);
+                shapes.add(object, Role::Object);
+                shapes.ball = Some((ROOM_BALL, Role::Ball));
+                let Vec3 { x, y, z: high } = ROOM;
+                let low = GROUND_HEIGHT;
+                let corner = |x: f32, y: f32, z: f32| vec3(x, y, z);
+                let (front, back) = (-y, y);
+                shapes.add(
+                    Mesh::quadrilateral(
+                        [(-x, front), (x, front), (x, back), (-x, back)].map(|(x, y)| corner(x, y, low)),
+                    ),
+                    Role::Ground,
+                );
+                let wall = |from: (f32, f32), to: (f32, f32)| {
+                    let [(ax, ay), (bx, by)] = [from, to];
+                    Mesh::quadrilateral([
+                        corner(ax, ay, low),
+                        corner(bx, by, low),
+                        corner(bx, by, high),
+                        corner(ax, ay, high),
+                    ])
+                };
+                shapes.add(wall((-x, back), (x, back)), Role::Ground);
+                shapes.add(wall((-x, front), (-x, back)), Role::Left);
+                shapes.add(wall((x, back), (x, front)), Role::Right);
+            }
+        }
+        shapes
+    }
+}
+
+/// A ball.
+#[derive(Clone, Copy, Debug)]
+pub struct Ball {
+    pub centre: Vec3,
+    pub radius: f32,
+}
+
+/// The shapes of a scene, each with its role.
+#[derive(Default)]
+pub struct Shapes {
+    pub ball: Option<(Ball, Role)>,
+    pub mesh: Mesh,
+    /// The triangle that a part begins with, and its role.
+    parts: Vec<(usize, Role)>,
+}
+
+impl Shapes {
+    fn add(&mut self, mesh: Mesh, role: Role) {
+        self.parts.push((self.mesh.triangles.len(), role));
+        self.mesh.append(&mesh);
+    }
+}
+
+/// Surfaces, materials and light.
+pub struct Scene<'a> {
+    ball: Option<(Ball, Shader<'a>)>,
+    mesh: Mesh,
+    tree: TriangleTree,
+    /// The triangle that a part begins with, and its material.
+    parts: Vec<(usize, Shader<'a>)>,
+    object: Shader<'a>,
+    /// The light.
+    pub environment: &'a Environment,
+}
+
+/// A point of a surface that a ray meets.
+pub struct Surface<'s, 'a> {
+    pub point: Vec3,
+    /// Unit normal of the surface as it is, on either side.
+    pub flat: Vec3,
+    /// Unit normal of the smooth surface that the triangles stand for.
+    pub smooth: Vec3,
+    pub material: &'s Shader<'a>,
+}
+
+impl<'a> Scene<'a> {
+    /// Builds a scene of the object's material and that of all the rest.
+    pub fn new(
+        name: SceneName,
+        object: impl Into<Shader<'a>>,
+        rest: impl Into<Shader<'a>>,
+        environment: &'a Environment,
+    ) -> Self {
+        let (object, rest) = (object.into(), rest.into());
+        let material = |role| if role == Role::Object { object } else { rest };
+        Self::build(name.shapes(None), material, environment)
+    }
+
+    /// Builds a scene of shapes, and a material for each role.
+    pub fn build(
+        shapes: Shapes,
+        material: impl Fn(Role) -> Shader<'a>,
+        environment: &'a Environment,
+    ) -> Self {
+        let Shapes { ball, mesh, parts } = shapes;
+        Self {
+            ball: ball.map(|(ball, role)| (ball, material(role))),
+            tree: TriangleTree::new(&mesh),
+            mesh,
+            parts: parts.into_iter().map(|(first, role)| (first, material(role))).collect(),
+            object: material(Role::Object),
+            environment,
+        }
+    }
+
+    /// The nearest surface along a ray.
+    pub fn hit(&self, ray: &Ray) -> Option<Surface<'_, 'a>> {
+        let at = |distance: f32| ray.origin + ray.direction * distance;
+        let ball = self.ball.as_ref().and_then(|(ball, shader)| Some((ball.hit(ray)?, ball, shader)));
+        if let Some(hit) = self.tree.nearest(ray, ball.map_or(f32::INFINITY, |found| found.0)) {
+            let point = at(hit.distance);
+            let (flat, smooth) = self.mesh.normals_at(hit.triangle, point);
+            let part = self.parts.iter().rfind(|part| part.0 <= hit.triangle)?;
+            return Some(Surface { point, flat, smooth, material: &part.1 });
+        }
+        ball.map(|(distance, ball, material)| {
+            let normal = (at(distance) - ball.centre).normalize();
+            let point = ball.centre + normal * ball.radius;
+            Surface { point, flat: normal, smooth: normal, material }
+        })
+    }
+
+    /// Whether a ray meets nothing.
+    pub fn is_clear(&self, ray: &Ray) -> bool {
+        self.ball.as_ref().is_none_or(|(ball, _)| ball.hit(ray).is_none()) && self.tree.is_clear(ray)
+    }
+
+    /// The object's material.
+    pub fn object(&self) -> &Shader<'a> {
+        &self.object
+    }
+}
+
+impl Ball {
+    /// Distance at which a ray from outside enters it.
+    fn hit(&self, ray: &Ray) -> Option<f32> {
+        let origin = (ray.origin - self.centre) / self.radius;
+        unit_sphere(&Ray { origin, direction: ray.direction }).map(|distance| distance * self.radius)
+    }
+}
+
+/// Distance at which a ray from outside enters the unit sphere.
+fn unit_sphere(ray: &Ray) -> Option<f32> {
+    let along = ray.origin.dot(ray.direction);
+    // The discriminant by the point nearest to the centre: `along^2 - |o|^2 + 1` would cancel far away.
+    let nearest = ray.origin - ray.direction * along;
+    let half_chord_squared = 1.0 - nearest.length_squared();
+    if half_chord_squared < 0.0 {
+        return None;
+    }
+    let distance = -along - half_chord_squared.sqrt();
+    (distance > 0.0).then_some(distance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sphere_is_met_from_outside_only() {
+        let ray = |origin, direction| Ray { origin, direction };
+        assert_eq!(unit_sphere(&ray(vec3(0.0, 0.0, 3.0), Vec3::NEG_Z)), Some(2.0));
+        assert_eq!(unit_sphere(&ray(vec3(0.0, 0.0, 3.0), Vec3::Z)), None);
+        assert_eq!(unit_sphere(&ray(vec3(1.1, 0.0, 3.0), Vec3::NEG_Z)), None);
+        let ball = Ball { centre: vec3(5.0, 0.0, 1.0), radius: 2.0 };
+        assert_eq!(ball.hit(&ray(vec3(5.0, 0.0, 7.0), Vec3::NEG_Z)), Some(4.0));
+    }
+
+    #[test]
+    fn every_part_of_a_scene_is_seen_with_its_own_material() {
+        let light = Environment::constant(1.0).unwrap();
+        let names = ["matte", "garnet_red", "krylon_blue", "cayman"];
+        let stored = names.map(|name| crate::truth::stored::StoredMaterial::load(name).unwrap());
+        let of = |role| match role {
+            Role::Object => 1,
+            Role::Ball => 2,
+            Role::Left | Role::Right => 3,
+            Role::Ground => 0,
+        };
+        let scene =
+            Scene::build(SceneName::Room.shapes(None), |role| (&stored[of(role)].material).into(), &light);
+        let size = [64, 64];
+        let camera = SceneName::Room.camera(size);
+        let mut seen = [0; 4];
+        for i in 0..64 * 64 {
+            let Some(surface) = scene.hit(&camera.ray((i % 64) as f32, (i / 64) as f32)) else { continue };
+            let crate::truth::Truth::Lobes(material) = surface.material.truth else { panic!("no table") };
+            seen[(0..4).find(|&n| std::ptr::eq(material, &stored[n].material)).unwrap()] += 1;
+        }
+        assert!(seen.iter().all(|&pixels| pixels > 100), "{seen:?}");
+    }
+}
