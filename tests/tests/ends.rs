@@ -59,7 +59,7 @@ fn what_reflects_draws_and_its_weights_are_numbers_one_by_one_and_in_batches() {
         mixtures.push((format!("alone {amplitude:e}"), m));
     }
     let u = uniforms();
-    let (mut zero, mut subnormal) = (0, 0);
+    let mut faintest = 0;
     for (name, m) in mixtures.iter().filter(|(_, m)| m.power() > 0.0) {
         for level in levels() {
             let m = m.clone().with_level(level).unwrap();
@@ -68,22 +68,20 @@ fn what_reflects_draws_and_its_weights_are_numbers_one_by_one_and_in_batches() {
                 let one = m.sample(*u).unwrap_or_else(|| panic!("nothing drawn: {}", place()));
                 assert!((one.direction - direction).length() < 2e-6, "{} {}", place(), one.direction);
                 for (pdf, weight) in [(pdf, weight), (one.pdf, one.weight)] {
-                    assert!(pdf.is_finite() && pdf >= 0.0 && weight.is_finite(), "{}", place());
-                    assert!(weight == Vec3::ZERO || pdf >= f32::MIN_POSITIVE, "{}", place());
+                    assert!(pdf.is_finite() && pdf >= f32::MIN_POSITIVE && weight.is_finite(), "{}", place());
                 }
                 // Where both are divided by, and far enough from the end to have digits.
                 if pdf.min(one.pdf) > 1e-30 && pdf * m.power() > 1e-35 {
                     let apart = (weight - one.weight).abs().max_element();
                     assert!(apart <= 1e-5 * weight.abs().max_element(), "{} {}", place(), one.weight);
                 }
-                zero += usize::from(pdf == 0.0);
-                subnormal += usize::from(pdf > 0.0 && pdf < f32::MIN_POSITIVE);
+                faintest += usize::from(pdf == f32::MIN_POSITIVE);
                 let (alone, density) = m.sample_pdf(*u).unwrap();
-                assert!(alone == one.direction && density.is_finite(), "{}", place());
+                assert!(alone == one.direction && density.is_finite() && density > 0.0, "{}", place());
             }
         }
     }
-    assert!(zero > 10 && subnormal > 10, "{zero} densities are 0, {subnormal} subnormal");
+    assert!(faintest > 10, "{faintest} densities are the least");
     // What reflects nothing draws nothing, one by one, and the normal in batches.
     let black = Mixture::<16>::hemisphere(&[lobe([1.0, 0.0, 1.0], 1e8, 1e-38)]).unwrap();
     assert_eq!((black.sample([0.5; 3]), black.sample_pdf([0.5; 3])), (None, None));

@@ -241,13 +241,14 @@ impl Draw<'_, '_> {
     }
 }
 
-/// Chooses one of the candidates: which, and what its light is multiplied by. `None` if none brings light.
+/// Chooses one of the candidates: which, what it is chosen by, and the sum of all weights. `None` if none brings
+/// light.
 pub(crate) fn choose(
     level: Level,
     candidates: &mut Candidates,
     sampling: &ProductSampling,
     choice: f32,
-) -> Option<(usize, f32)> {
+) -> Option<(usize, f32, f32)> {
     level.run(Weigh { candidates, sampling });
     let sums = &candidates.cumulative[..sampling.count];
     let whole = sums.last().copied().filter(|&whole| whole > 0.0)?;
@@ -257,8 +258,7 @@ pub(crate) fn choose(
     let adds = |&i: &usize| candidates.weight[i] > 0.0;
     let chosen = (passed..sampling.count).find(adds).or_else(|| (0..passed).rev().find(adds))?;
     let (_, light) = candidates.at(chosen);
-    let brought = target_of(light.to_array());
-    Some((chosen, whole / brought))
+    Some((chosen, target_of(light.to_array()), whole))
 }
 
 /// Where candidates are thinner, 1/sr, they bring nothing: nothing is drawn there.

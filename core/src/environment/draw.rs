@@ -12,7 +12,7 @@ use glam::Vec3;
 pub struct EnvironmentSample {
     /// Unit vector in the world, towards the light.
     pub direction: Vec3,
-    /// Density at the direction; 1/sr.
+    /// Density at the direction, above 0 whatever the numbers were; 1/sr.
     pub pdf: f32,
     /// Radiance from there, linear sRGB: over the density, its luminance is the
     /// [`power`](Environment::power).
@@ -128,10 +128,18 @@ pub(super) fn within<L: Lanes>([a, b, c, d]: [L; 4], left: L, u: L) -> [L; 2] {
     [linear(down.mul_add(c - a, a), down.mul_add(d - b, b), u), down]
 }
 
+/// What stands for a uniform number below: such a number is one of all those that round to it, and 0 itself
+/// would be drawn at an edge without light, where the density is 0.
+const LEAST_UNIFORM: f32 = 1.0 / (1 << 26) as f32;
+
 /// Inverts the distribution on [0, 1] whose density goes linearly from `from` to `to`, which are not
 /// negative.
+///
+/// The density is above 0 at what it gives, if it is anywhere: from a `from` of 0 it is at least the root of
+/// [`LEAST_UNIFORM`] away, and from a `to` of 0 that of the distance of `u` from 1, at least 2^-24.
 #[inline(always)]
 fn linear<L: Lanes>(from: L, to: L, u: L) -> L {
+    let u = u.max(L::splat(LEAST_UNIFORM));
     // The root of u = x (2 from + x (to - from)) / (from + to), without cancellation.
     let squared = from * from;
     let root = u.mul_add(to.mul_add(to, L::splat(0.0) - squared), squared).max(L::splat(0.0)).sqrt();

@@ -11,6 +11,10 @@ use core::f64::consts::{PI, TAU};
 /// Largest radiance that a map may have: no sum of it overflows.
 const MAX_RADIANCE: f32 = 1e30;
 
+/// A cell whose brightest channel is less than this of the brightest of the map is black. Products with what
+/// is less would be subnormals, or 0: where draws end, a cell has at least 2^-26 of its smallest code.
+const LEAST_RELATIVE: f64 = 1e-22;
+
 /// Smallest power that is not black: its inverse is a finite number.
 const LEAST_POWER: f64 = 1e-30;
 
@@ -110,8 +114,7 @@ fn colored(corners: [[f32; 3]; 4], largest: f32) -> Cell {
     let mut cell = [0; WORDS];
     cell[THRESHOLD] = 1f32.to_bits();
     let relative = f64::from(brightest) / f64::from(largest);
-    // Products with what is less would be subnormals.
-    if relative < 1e-30 {
+    if relative < LEAST_RELATIVE {
         return cell;
     }
     let code = |value: f32| {

@@ -86,10 +86,12 @@ impl<const N: usize> Mixture<'_, N> {
         if self.has_factors() {
             candidates.multiply(&self.head, sampling.count);
         }
-        let Some((chosen, scale)) = choose(self.head.level, &mut candidates, sampling, choice) else {
+        let Some((chosen, brought, whole)) = choose(self.head.level, &mut candidates, sampling, choice)
+        else {
             return Ok(None);
         };
         let (direction, weight) = candidates.at(chosen);
-        Ok(Some(ProductSample { direction, weight: weight * scale * table.power }))
+        // Over what it was chosen by first: the sum over that alone may be more than a float holds.
+        Ok(Some(ProductSample { direction, weight: weight / brought * (whole * table.power) }))
     }
 }

@@ -1,7 +1,8 @@
 //! Reads a table that was stored: everything is checked once, and trusted from then on.
 
+use super::look_up::corner_luminances;
 use super::make::{other, power, row_of};
-use super::table::{COLORS, Cell, Environment, MAGIC, PLACE, Shape, THRESHOLD, WORDS, checksum};
+use super::table::{COLORS, Cell, Colors, Environment, MAGIC, PLACE, Shape, THRESHOLD, WORDS, checksum};
 use crate::error::Error;
 
 /// How far from 1 the density may integrate.
@@ -48,9 +49,20 @@ fn check(words: &[u32]) -> Option<(Shape, f32)> {
 fn is_sound(shape: Shape, cell: &Cell, cells: &[Cell]) -> bool {
     let (scale, threshold) = (f32::from_bits(cell[0]), f32::from_bits(cell[THRESHOLD]));
     let is_place = (cell[PLACE] & 0xffff) < shape.width as u32 && (cell[PLACE] >> 16) <= shape.height as u32;
+    // What is drawn from has light: the cell if it keeps anything, and its other, which rounding may lead to.
     scale.is_finite()
         && scale >= 0.0
         && (0.0..=1.0).contains(&threshold)
         && is_place
         && cells[other(shape, cell)][..COLORS] == cell[COLORS..2 * COLORS]
+        && (threshold == 0.0 || has_light(Colors::new(cell, false)))
+        && has_light(Colors::new(cell, true))
 }
+
+/// Whether the density is above 0 within a cell, and is in f32 at every place that is drawn.
+fn has_light(colors: Colors<'_>) -> bool {
+    colors.scale >= LEAST_SCALE && corner_luminances(colors.codes).into_iter().any(|corner| corner > 0.0)
+}
+
+/// The scale of the darkest cell that is made is above: 1e-22, over the largest code and 4 pi.
+const LEAST_SCALE: f32 = 1e-28;

@@ -23,7 +23,7 @@ use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::rows::Domain;
 use crate::mixture::rows::Mixture;
 #[cfg(feature = "simd")]
-use crate::mixture::rows::weight_of;
+use crate::mixture::rows::{drawn_density, weight_of};
 use crate::simd::detect::Level;
 use core::borrow::{Borrow, BorrowMut};
 use glam::Vec3;
@@ -529,10 +529,13 @@ impl Sample<'_> {
         let pdf = &mut pdf[from..from + count];
         densities(&value, mixtures, pdf);
         multiply_block(level, mixtures, &directions, &mut value);
-        for (i, &density) in pdf.iter().enumerate() {
+        for (i, density) in pdf.iter_mut().enumerate() {
             let value = Vec3::new(value[0][i], value[1][i], value[2][i]);
             [weight[0][from + i], weight[1][from + i], weight[2][from + i]] =
-                weight_of(value, density).to_array();
+                weight_of(value, *density).to_array();
+            if mixtures[i].head.power > 0.0 {
+                *density = drawn_density(*density);
+            }
         }
         copy_out(&directions, direction, from, count);
     }
@@ -547,8 +550,9 @@ struct SamplePdf<'a> {
 
 impl SamplePdf<'_> {
     fn one<const N: usize>(&mut self, m: &Mixture<'_, N>, i: usize) {
-        let direction = m.sample_direction(at(&self.u, i).to_array()).unwrap_or(Vec3::Z);
-        self.pdf[i] = m.pdf(direction);
+        let drawn = m.sample_direction(at(&self.u, i).to_array());
+        let direction = drawn.unwrap_or(Vec3::Z);
+        self.pdf[i] = drawn.map_or(0.0, |direction| drawn_density(m.pdf(direction)));
         let [x, y, z] = &mut self.direction;
         [x[i], y[i], z[i]] = direction.to_array();
     }
@@ -559,7 +563,8 @@ impl SamplePdf<'_> {
         let directions = level.run(DrawBlock { mixtures, u: &padded(&self.u, from, count) });
         let [sums] = level.run(SumBlock::<N, 1> { mixtures, directions: &directions });
         for (i, m) in mixtures.iter().enumerate() {
-            self.pdf[from + i] = sums[i] * m.head.inverse_power;
+            let density = sums[i] * m.head.inverse_power;
+            self.pdf[from + i] = if m.head.power > 0.0 { drawn_density(density) } else { density };
         }
         copy_out(&directions, &mut self.direction, from, count);
     }

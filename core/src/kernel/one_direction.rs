@@ -4,7 +4,7 @@
 use super::draw::draw_one;
 use crate::color::luminance;
 use crate::mixture::row;
-use crate::mixture::rows::{Domain, Mixture, Sample, lowest_bits, weight_of};
+use crate::mixture::rows::{Domain, Mixture, Sample, drawn_density, lowest_bits, weight_of};
 use crate::simd::elementary::{falloff, falloff_soon};
 use crate::simd::lanes::{Lanes, scale};
 use crate::simd::routine::{Draw, One};
@@ -105,7 +105,8 @@ impl<const N: usize> Mixture<'_, N> {
     #[inline(always)]
     fn sampled(&self, direction: [f32; 3], value: Vec3, luminance: f32) -> Sample {
         let pdf = luminance * self.head.inverse_power;
-        Sample { direction: Vec3::from_array(direction), pdf, weight: weight_of(value, pdf) }
+        let weight = weight_of(value, pdf);
+        Sample { direction: Vec3::from_array(direction), pdf: drawn_density(pdf), weight }
     }
 
     /// Draws a direction, and evaluates value and density towards another one: what next-event estimation needs
@@ -135,7 +136,7 @@ impl<const N: usize> Mixture<'_, N> {
             return None;
         }
         let (direction, pdf) = self.head.level.draw_one::<_, Drawn<SEEN>, PdfOne<SEEN>>(self, u);
-        Some((Vec3::from_array(direction), pdf))
+        Some((Vec3::from_array(direction), drawn_density(pdf)))
     }
 
     /// Draws only the direction of [`sample`](Self::sample), for callers that take value and density

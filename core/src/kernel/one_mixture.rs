@@ -336,7 +336,7 @@ impl Block<3, 4> for DrawPdf<'_> {
     fn block<L: Lanes>(&self, u: [L; 3], stage: &mut Stage<L>) -> [L; 4] {
         let [x, y, z] = sample_direction(self.0, u);
         let [pdf] = Density(self.0).block([x, y, z], stage);
-        [x, y, z, pdf]
+        [x, y, z, pdf.max(L::splat(LEAST_DENSITY))]
     }
 }
 
@@ -353,6 +353,6 @@ impl Block<3, 7> for Draw<'_> {
         let pdf = luminance * L::splat(m.head.inverse_power);
         let inverse = (L::splat(m.head.power) / luminance).keep(pdf.ge(L::splat(LEAST_DENSITY)));
         let [red, green, blue] = scale(value, inverse);
-        [x, y, z, pdf, red, green, blue]
+        [x, y, z, pdf.max(L::splat(LEAST_DENSITY)), red, green, blue]
     }
 }

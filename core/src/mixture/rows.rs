@@ -24,7 +24,8 @@ pub enum Domain {
 pub struct Sample {
     /// Incident direction, unit vector in the caller's shading frame.
     pub direction: Vec3,
-    /// Density of the whole mixture at the direction; 1/sr. Far out in a tail f32 may round it to 0.
+    /// Density of the whole mixture at the direction; 1/sr. Above 0: what f32 rounds to less, far out in a
+    /// tail, is told as the least normal number.
     pub pdf: f32,
     /// `f cos / pdf`, linear sRGB: its luminance is that of the mixture's albedo at every sample, times that
     /// of a factor if the material has factors. 0 where the density is below the least normal number.
@@ -34,6 +35,13 @@ pub struct Sample {
 /// Least density that is divided by, the least normal number: below, values have lost their digits, and an
 /// inverse may be infinite. Only a tail far out is so faint.
 pub(crate) const LEAST_DENSITY: f32 = f32::MIN_POSITIVE;
+
+/// The density that is told of a direction that was drawn, of the one that was worked out: at least
+/// [`LEAST_DENSITY`], so that it can be divided by.
+#[inline(always)]
+pub(crate) fn drawn_density(pdf: f32) -> f32 {
+    pdf.max(LEAST_DENSITY)
+}
 
 /// A value over its density; 0 where that cannot be divided by.
 #[inline(always)]

@@ -1,5 +1,6 @@
 //! Environments against f64, their samples against their density; light and material sampled together against multiple
 //! importance sampling, and against a scalar text.
 
+mod edges;
 mod map;
 mod product;

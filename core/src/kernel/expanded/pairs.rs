@@ -9,7 +9,7 @@ use crate::color::luminance;
 use crate::error::Error;
 use crate::material::layout::MAX_LOBES;
 use crate::mixture::factors::{Among, Factors};
-use crate::mixture::rows::LEAST_DENSITY;
+use crate::mixture::rows::{LEAST_DENSITY, drawn_density};
 use crate::simd::detect::Level;
 use glam::Vec3;
 
@@ -136,7 +136,7 @@ impl Expanded<'_> {
         same_length(wo.iter().chain(&u).map(|s| s.len()).chain(outputs))?;
         self.sample_each(Level::current(), wo, u, None, |block, _, sampled| {
             block.copy_out(&sampled.direction, &mut direction);
-            block.copy_out(&[densities(&sampled.sums)], &mut [&mut *pdf]);
+            block.copy_out(&[drawn_densities(&sampled.sums)], &mut [&mut *pdf]);
         });
         Ok(())
     }
@@ -247,7 +247,7 @@ impl Expanded<'_> {
         Sampled { direction, sums, .. }: &mut Sampled<3>,
         samples: &mut SamplesMut<'_>,
     ) {
-        let pdf = densities(sums);
+        let (pdf, drawn) = (densities(sums), drawn_densities(sums));
         self.multiply(level, wo, direction, sums);
         let weight = &mut sums.value;
         for i in 0..MOST {
@@ -255,7 +255,7 @@ impl Expanded<'_> {
             weight.iter_mut().for_each(|channel| channel[i] *= inverse);
         }
         block.copy_out(direction, &mut samples.direction);
-        block.copy_out(&[pdf], &mut [&mut *samples.pdf]);
+        block.copy_out(&[drawn], &mut [&mut *samples.pdf]);
         block.copy_out(weight, &mut samples.weight);
     }
 }
@@ -274,6 +274,17 @@ fn densities(sums: &Sums<3>) -> Numbers {
     let [red, green, blue] = &sums.value;
     for i in 0..MOST {
         pdf[i] = luminance(Vec3::new(red[i], green[i], blue[i])) * sums.inverse_power[i];
+    }
+    pdf
+}
+
+/// The densities of a block of what was drawn; 0 where nothing is reflected.
+fn drawn_densities(sums: &Sums<3>) -> Numbers {
+    let mut pdf = densities(sums);
+    for i in 0..MOST {
+        if sums.inverse_power[i] > 0.0 {
+            pdf[i] = drawn_density(pdf[i]);
+        }
     }
     pdf
 }
