@@ -3,9 +3,10 @@
 
 use crate::guard::guard;
 use crate::pointers::read;
+use crate::status::srbf_status;
+use crate::storage::srbf_mixture;
 use crate::storage::{extents, mixture, with_mixture};
 use crate::streams::{Batch, srbf_numbers_out, srbf_vectors, srbf_vectors_out};
-use crate::{srbf_mixture, srbf_status};
 use srbf_core::SamplesMut;
 
 /// Where n samples go; see `srbf_sample`.

@@ -5,8 +5,10 @@ use crate::convert::{direction, uniform};
 use crate::guard::guard;
 use crate::pointers::{Out, read_array};
 use crate::single::drawn;
+use crate::single::srbf_sample;
+use crate::status::srbf_status;
+use crate::storage::srbf_mixture;
 use crate::storage::{mixture, with_mixture};
-use crate::{srbf_mixture, srbf_sample, srbf_status};
 use srbf_core::Defensive;
 
 /// Draws an incident direction: with probability `share` one of the cosine, else one of the mixture.

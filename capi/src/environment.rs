@@ -4,11 +4,12 @@
 use crate::convert::{direction, uniform};
 use crate::guard::{Failure, guard};
 use crate::pointers::{Out, check, check_apart, check_extent, read, read_array, slice};
-use crate::storage::{mixture, with_mixture};
-use crate::{
+use crate::status::{
     SRBF_STATUS_ARGUMENT, SRBF_STATUS_DIRECTION, SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT,
-    SRBF_STATUS_SIZE, SRBF_STATUS_UNIFORM, srbf_mixture, srbf_status,
+    SRBF_STATUS_SIZE, SRBF_STATUS_UNIFORM, srbf_status,
 };
+use crate::storage::srbf_mixture;
+use crate::storage::{mixture, with_mixture};
 use core::ops::Range;
 use core::ptr::NonNull;
 use srbf_core::{Environment, ProductSampling, Vec3, environment_len};

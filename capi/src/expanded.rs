@@ -1,17 +1,17 @@
 //! Expanded materials in the caller's storage, and their pairs.
 #![allow(unsafe_code)]
 
+use crate::batch::srbf_samples_out;
 use crate::convert::direction;
 use crate::guard::{Failure, guard};
+use crate::material::srbf_material;
 use crate::material::{material, room};
 use crate::pair_batch;
 use crate::pointers::{Out, check, check_apart, check_extent, read_array};
+use crate::status::{SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE, srbf_status};
+use crate::storage::srbf_mixture;
 use crate::storage::{check_room, mixture_mut, with_mixture};
 use crate::streams::{srbf_numbers_out, srbf_vectors, srbf_vectors_out};
-use crate::{
-    SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE, srbf_material, srbf_mixture,
-    srbf_samples_out, srbf_status,
-};
 use core::ops::Range;
 use srbf_core::Expanded;
 

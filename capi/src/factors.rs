@@ -4,8 +4,9 @@
 use crate::convert::direction;
 use crate::guard::guard;
 use crate::material::material;
+use crate::material::srbf_material;
 use crate::pointers::{Out, read_array};
-use crate::{SRBF_STATUS_INDEX, srbf_material, srbf_status};
+use crate::status::{SRBF_STATUS_INDEX, srbf_status};
 
 /// Says how many nodes a material's table of factors has along the half angle and along the difference angle; 0 and 0 without one.
 ///

@@ -5,12 +5,13 @@ use crate::convert::direction;
 use crate::guard::{Failure, Outcome, guard};
 use crate::heap::{own, text};
 use crate::material::material;
+use crate::material::srbf_material;
 use crate::pointers::{Out, read};
-use crate::streams::{Batch, srbf_vectors};
-use crate::{
+use crate::status::{
     SRBF_STATUS_ARGUMENT, SRBF_STATUS_FILE, SRBF_STATUS_NULL, SRBF_STATUS_OTHER, SRBF_STATUS_TABLE,
-    srbf_material, srbf_status,
+    srbf_status,
 };
+use crate::streams::{Batch, srbf_vectors};
 use core::error::Error;
 use core::ffi::{c_char, c_void};
 use core::fmt::Write;

@@ -1,6 +1,6 @@
 //! The panic mechanics: a panic becomes a status and never crosses into C.
 
-use crate::{SRBF_STATUS_OK, srbf_status};
+use crate::status::{SRBF_STATUS_OK, srbf_status};
 
 /// What went wrong, before it becomes a number.
 pub(crate) type Outcome = Result<(), Failure>;
@@ -67,7 +67,7 @@ fn report(failure: Failure) -> srbf_status {
 #[cfg(feature = "std")]
 #[cold]
 fn report_panic(payload: std::boxed::Box<dyn core::any::Any + Send>) -> srbf_status {
-    use crate::SRBF_STATUS_PANIC;
+    use crate::status::SRBF_STATUS_PANIC;
     use std::panic::{AssertUnwindSafe, catch_unwind};
     let text = payload
         .downcast_ref::<&str>()
@@ -97,10 +97,18 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     }
 }
 
+/// Panics inside, and returns `SRBF_STATUS_PANIC`. Only in a build for tests.
+#[cfg(feature = "planted-panic")]
+#[allow(unsafe_code, reason = "a name that is exported")]
+#[unsafe(no_mangle)]
+pub extern "C" fn srbf_status_panic() -> srbf_status {
+    guard(|| panic!("planted"))
+}
+
 #[cfg(all(test, feature = "std"))]
 mod tests {
     use super::*;
-    use crate::SRBF_STATUS_PANIC;
+    use crate::status::SRBF_STATUS_PANIC;
 
     #[test]
     fn a_panic_becomes_a_status() {

@@ -2,9 +2,10 @@
 #![allow(unsafe_code)]
 
 use crate::guard::{Failure, Outcome, guard};
+use crate::material::srbf_material;
 use crate::material::{Bytes, material};
 use crate::pointers::{Out, check, slice};
-use crate::{SRBF_STATUS_FILE, SRBF_STATUS_OTHER, SRBF_STATUS_TEXT, srbf_material, srbf_status};
+use crate::status::{SRBF_STATUS_FILE, SRBF_STATUS_OTHER, SRBF_STATUS_TEXT, srbf_status};
 use core::ffi::{CStr, c_char};
 use srbf_core::{FileError, Material, read_file};
 use std::boxed::Box;

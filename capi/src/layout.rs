@@ -1,6 +1,13 @@
 //! Sizes and offsets of the structures, as tests/c/layout.c asserts them in C: keep the two lists alike.
 
-use crate::*;
+use crate::batch::srbf_samples_out;
+use crate::environment::{srbf_light_sample, srbf_product_sample, srbf_product_sampling};
+use crate::lobe::srbf_lobe;
+use crate::material::{srbf_material_info, srbf_plane_lobe, srbf_view};
+use crate::mixture::srbf_mixture_info;
+use crate::single::srbf_sample;
+use crate::status::srbf_status;
+use crate::streams::{srbf_numbers_out, srbf_vectors, srbf_vectors_out};
 use core::mem::offset_of;
 
 const P: usize = size_of::<usize>();

@@ -47,6 +47,8 @@ pub use expanded::*;
 pub use factors::*;
 #[cfg(feature = "fit")]
 pub use fit::*;
+#[cfg(feature = "planted-panic")]
+pub use guard::srbf_status_panic;
 #[cfg(feature = "std")]
 pub use heap::{srbf_material_free, srbf_material_from_bytes, srbf_material_load};
 pub use lobe::*;

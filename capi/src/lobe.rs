@@ -4,7 +4,7 @@
 use crate::convert::{direction, uniform};
 use crate::guard::{Failure, guard};
 use crate::pointers::{Out, read, read_array};
-use crate::srbf_status;
+use crate::status::srbf_status;
 use srbf_core::{Lobe, Vec3};
 
 /// One spherical Gaussian lobe, `amplitude exp(sharpness (d . axis - 1))` over the whole sphere.

@@ -4,13 +4,13 @@
 use crate::convert::direction;
 use crate::guard::{Failure, Outcome, guard};
 use crate::pointers::{Out, check, check_apart, check_extent, read, read_array, slice};
-use crate::storage::{AnyMixtureMut, check_room, mixture_mut, size_for, with_mixture, write_empty};
-use crate::streams::{Batch, srbf_vectors};
-use crate::{
-    SRBF_MIXTURE_ALIGNMENT, SRBF_MIXTURE_SIZE_16, SRBF_MIXTURE_SIZE_32, SRBF_STATUS_DIRECTION,
-    SRBF_STATUS_INDEX, SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE, SRBF_STATUS_STRIDE,
-    srbf_mixture, srbf_status,
+use crate::status::{
+    SRBF_STATUS_DIRECTION, SRBF_STATUS_INDEX, SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE,
+    SRBF_STATUS_STRIDE, srbf_status,
 };
+use crate::storage::{AnyMixtureMut, check_room, mixture_mut, size_for, with_mixture, write_empty};
+use crate::storage::{SRBF_MIXTURE_ALIGNMENT, SRBF_MIXTURE_SIZE_16, SRBF_MIXTURE_SIZE_32, srbf_mixture};
+use crate::streams::{Batch, srbf_vectors};
 use core::ffi::c_char;
 use core::ops::Range;
 use srbf_core::{LeaveOut, Material, Mixture, PlaneLobe, PrepareOptions, Vec3};

@@ -1,7 +1,7 @@
 //! The last message of each thread.
 #![allow(unsafe_code)]
 
-use crate::{srbf_status, srbf_status_text};
+use crate::status::{srbf_status, srbf_status_text};
 use core::ffi::{CStr, c_char};
 use std::cell::RefCell;
 use std::ffi::CString;

@@ -2,11 +2,11 @@
 #![allow(unsafe_code)]
 
 use crate::guard::guard;
+use crate::lobe::srbf_lobe;
 use crate::pointers::{Out, check_apart, read_array, slice};
+use crate::status::{SRBF_STATUS_ARGUMENT, SRBF_STATUS_INDEX, srbf_status};
+use crate::storage::{SRBF_MIXTURE_SIZE_64, srbf_mixture};
 use crate::storage::{check_room, check_storage, init_at, mixture, mixture_mut, size_for, with_mixture};
-use crate::{
-    SRBF_MIXTURE_SIZE_64, SRBF_STATUS_ARGUMENT, SRBF_STATUS_INDEX, srbf_lobe, srbf_mixture, srbf_status,
-};
 use srbf_core::{Domain, Error, Lobe, MAX_LOBES, Mixture, Vec3};
 
 /// The whole sphere: no fold.

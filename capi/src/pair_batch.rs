@@ -3,9 +3,9 @@
 #![allow(unsafe_code)]
 
 use crate::batch::sampled_and_evaluated;
+use crate::batch::srbf_samples_out;
 use crate::guard::Outcome;
 use crate::pointers::read;
-use crate::srbf_samples_out;
 use crate::streams::{Batch, srbf_numbers_out, srbf_vectors, srbf_vectors_out};
 use core::ops::Range;
 use srbf_core::{Error, SamplesMut};

@@ -2,16 +2,16 @@
 #![allow(unsafe_code)]
 
 use crate::batch::sampled_and_evaluated;
+use crate::batch::srbf_samples_out;
 use crate::guard::{Failure, Outcome, guard};
 use crate::material::material;
+use crate::material::srbf_material;
 use crate::pair_batch;
 use crate::pointers::{check_extent, read};
+use crate::status::{SRBF_STATUS_STRIDE, srbf_status};
 use crate::storage::{AnyMixture, AnyMixtures, check_storage, extent, mixture, with_mixture};
+use crate::storage::{SRBF_MIXTURE_ALIGNMENT, SRBF_MIXTURE_SIZE_16, srbf_mixture};
 use crate::streams::{Batch, srbf_numbers_out, srbf_vectors, srbf_vectors_out};
-use crate::{
-    SRBF_MIXTURE_ALIGNMENT, SRBF_MIXTURE_SIZE_16, SRBF_STATUS_STRIDE, srbf_material, srbf_mixture,
-    srbf_samples_out, srbf_status,
-};
 use core::ops::Range;
 use srbf_core::{Error, Mixture, SamplesMut};
 

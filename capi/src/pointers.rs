@@ -6,7 +6,7 @@
 #![allow(unsafe_code)]
 
 use crate::guard::Failure;
-use crate::{SRBF_STATUS_MISALIGNED, SRBF_STATUS_NULL, SRBF_STATUS_OVERLAP};
+use crate::status::{SRBF_STATUS_MISALIGNED, SRBF_STATUS_NULL, SRBF_STATUS_OVERLAP};
 use core::ops::Range;
 use core::ptr::NonNull;
 

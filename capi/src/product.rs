@@ -2,9 +2,11 @@
 #![allow(unsafe_code)]
 
 use crate::guard::guard;
+use crate::lobe::srbf_lobe;
 use crate::pointers::{Out, check, check_apart, check_extent, read};
+use crate::status::{SRBF_STATUS_SIZE, srbf_status};
+use crate::storage::srbf_mixture;
 use crate::storage::{extent, mixture, with_mixture};
-use crate::{SRBF_STATUS_SIZE, srbf_lobe, srbf_mixture, srbf_status};
 use core::mem::offset_of;
 use srbf_core::{Error, Gaussian, Lobe, Mixture, Vec3};
 

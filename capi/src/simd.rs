@@ -2,7 +2,7 @@
 #![allow(unsafe_code)]
 
 use crate::guard::guard;
-use crate::{SRBF_STATUS_SIMD_LEVEL, srbf_status};
+use crate::status::{SRBF_STATUS_SIMD_LEVEL, srbf_status};
 use srbf_core::Level;
 
 /// The best level of this processor and build.

@@ -4,8 +4,9 @@
 use crate::convert::{direction, uniform};
 use crate::guard::guard;
 use crate::pointers::{Out, read_array};
+use crate::status::srbf_status;
+use crate::storage::srbf_mixture;
 use crate::storage::{mixture, with_mixture};
-use crate::{srbf_mixture, srbf_status};
 use srbf_core::{Sample, Vec3};
 
 /// A direction drawn from a mixture.

@@ -104,10 +104,3 @@ fn text(status: srbf_status) -> &'static CStr {
         _ => c"not a status of srbf",
     }
 }
-
-/// Panics inside, and returns `SRBF_STATUS_PANIC`. Only in a build for tests.
-#[cfg(feature = "planted-panic")]
-#[unsafe(no_mangle)]
-pub extern "C" fn srbf_status_panic() -> srbf_status {
-    crate::guard::guard(|| panic!("planted"))
-}

@@ -3,7 +3,7 @@
 
 use crate::guard::Failure;
 use crate::pointers::check;
-use crate::{SRBF_STATUS_CAPACITY, SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE};
+use crate::status::{SRBF_STATUS_CAPACITY, SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE};
 use core::ops::Range;
 use srbf_core::{Lobe, MAX_LOBES, Mixture};
 

@@ -6,7 +6,7 @@
 
 use crate::guard::Failure;
 use crate::pointers::{apart, check, check_apart, check_extent};
-use crate::{SRBF_STATUS_OVERLAP, SRBF_STATUS_STRIDE};
+use crate::status::{SRBF_STATUS_OVERLAP, SRBF_STATUS_STRIDE};
 use core::ops::Range;
 
 /// n vectors to read.

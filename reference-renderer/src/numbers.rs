@@ -1,6 +1,6 @@
 //! Numbers that samples are made of: generators and sequences of points.
 //!
-//! Imports nothing of the crate.
+//! May import: nothing.
 
 pub mod points;
 pub mod random;

@@ -1,4 +1,6 @@
-//! What leaves the program: text, pictures, pages, progress. Imports nothing of the crate.
+//! What leaves the program: text, pictures, pages, progress.
+//!
+//! May import: nothing.
 
 // First, so that its macros take the place of the standard library's in all that follows.
 #[macro_use]

@@ -1,6 +1,6 @@
 //! What light travels through: triangles, rays that meet them, maps of light.
 //!
-//! May import: `numbers`, `out`.
+//! May import: `numbers`.
 
 pub mod environment;
 pub mod intersect;

@@ -6,7 +6,6 @@ mod dependencies;
 mod estimators;
 mod extremes;
 mod factors;
-mod imports;
 mod leave_out;
 mod material;
 mod oracle_coverage;

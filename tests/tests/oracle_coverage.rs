@@ -3,6 +3,7 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use syn::{Attribute, ImplItem, Item, TraitItem, Type, UseTree, Visibility};
 
 /// Function, and the file that holds its oracle. `Type::name` for methods, the bare name for functions.
 const ORACLES: &[(&str, &str)] = &[
@@ -199,70 +200,94 @@ fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The name that begins a text.
-fn name(text: &str) -> String {
-    text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
+/// Whether an attribute hides an item from users: from their documentation, or from what is compiled for them.
+fn is_hidden(attributes: &[Attribute]) -> bool {
+    let says = |attribute: &Attribute, name: &str, word: &str| {
+        attribute.path().is_ident(name)
+            && attribute.meta.require_list().is_ok_and(|list| list.tokens.to_string() == word)
+    };
+    attributes.iter().any(|attribute| says(attribute, "doc", "hidden") || says(attribute, "cfg", "test"))
+}
+
+/// The names that a `use` hands on.
+fn handed_on(tree: &UseTree, names: &mut BTreeSet<String>) {
+    match tree {
+        UseTree::Path(path) => handed_on(&path.tree, names),
+        UseTree::Name(name) => drop(names.insert(name.ident.to_string())),
+        UseTree::Rename(name) => drop(names.insert(name.rename.to_string())),
+        UseTree::Group(group) => group.items.iter().for_each(|tree| handed_on(tree, names)),
+        UseTree::Glob(_) => panic!("lib.rs hands on all of a module, of which the names are not known here"),
+    }
+}
+
+/// The public functions of the items of a file.
+fn functions_of(
+    items: &[Item],
+    exported: &BTreeSet<String>,
+    public_module: bool,
+    found: &mut BTreeSet<String>,
+) {
+    let is_public = |visibility: &Visibility| matches!(visibility, Visibility::Public(_));
+    for item in items {
+        match item {
+            Item::Fn(function) if is_public(&function.vis) && !is_hidden(&function.attrs) => {
+                let name = function.sig.ident.to_string();
+                found.extend((public_module || exported.contains(&name)).then_some(name));
+            }
+            Item::Impl(block) if block.trait_.is_none() && !is_hidden(&block.attrs) => {
+                let Type::Path(owner) = &*block.self_ty else { continue };
+                let owner = owner.path.segments.last().expect("a name").ident.to_string();
+                for item in &block.items {
+                    let ImplItem::Fn(method) = item else { continue };
+                    if is_public(&method.vis) && !is_hidden(&method.attrs) && exported.contains(&owner) {
+                        found.insert(format!("{owner}::{}", method.sig.ident));
+                    }
+                }
+            }
+            Item::Trait(of) if is_public(&of.vis) && exported.contains(&of.ident.to_string()) => {
+                for item in &of.items {
+                    let TraitItem::Fn(method) = item else { continue };
+                    if !is_hidden(&method.attrs) {
+                        found.insert(format!("{}::{}", of.ident, method.sig.ident));
+                    }
+                }
+            }
+            Item::Mod(inner) if !is_hidden(&inner.attrs) => {
+                let inside = inner.content.as_ref().map_or(&[][..], |(_, items)| items);
+                functions_of(inside, exported, public_module && is_public(&inner.vis), found);
+            }
+            _ => {}
+        }
+    }
 }
 
 /// Every function that a user of `core` can call.
 fn public_functions() -> BTreeSet<String> {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../core/src");
-    let lib = std::fs::read_to_string(source.join("lib.rs")).expect("lib.rs");
-    // The names that lib.rs exports: all words of its `pub use`.
-    let exported: BTreeSet<String> = lib
-        .split("pub use ")
-        .skip(1)
-        .flat_map(|rest| {
-            rest.split(';').next().unwrap_or("").split(|c: char| !(c.is_alphanumeric() || c == '_'))
-        })
-        .map(str::to_owned)
-        .collect();
+    let parsed = |file: &Path| {
+        let text = std::fs::read_to_string(file).expect("a source file");
+        syn::parse_file(&text).unwrap_or_else(|error| panic!("{}: {error}", file.display())).items
+    };
+    let (mut exported, mut public_modules) = (BTreeSet::new(), BTreeSet::new());
+    for item in parsed(&source.join("lib.rs")) {
+        match item {
+            Item::Use(line) if matches!(line.vis, Visibility::Public(_)) => {
+                handed_on(&line.tree, &mut exported)
+            }
+            Item::Mod(module) if matches!(module.vis, Visibility::Public(_)) => {
+                public_modules.insert(module.ident.to_string());
+            }
+            _ => {}
+        }
+    }
+    assert!(public_modules.contains("special"), "{public_modules:?}");
     let mut files = Vec::new();
     rust_files(&source, &mut files);
     let mut functions = BTreeSet::new();
     for file in files {
-        let text = std::fs::read_to_string(&file).expect("a source file");
-        let public_module = file.file_stem().is_some_and(|stem| stem == "special");
-        let mut of_type: Option<String> = None;
-        let (mut is_trait, mut hidden) = (false, false);
-        for line in text.lines() {
-            if line.starts_with("mod tests") || line.starts_with("#[cfg(test)]") {
-                break;
-            }
-            if line.starts_with('}') {
-                of_type = None;
-            }
-            if let Some(rest) = line.strip_prefix("pub trait ") {
-                (of_type, is_trait) = (Some(name(rest)), true);
-            } else if line.starts_with("impl") && !line.contains(" for ") {
-                // After the generics of `impl<...>`.
-                let mut depth = 0;
-                let rest = line["impl".len()..].trim_start_matches(|c| {
-                    depth += i32::from(c == '<') - i32::from(c == '>');
-                    depth > 0 || c == '>' || c == ' '
-                });
-                (of_type, is_trait) = (Some(name(rest)), false);
-            }
-            let code = line.trim_start();
-            hidden |= code.starts_with("#[doc(hidden)]");
-            let declared = code.strip_prefix("pub ").or(is_trait.then_some(code)).and_then(|rest| {
-                ["const fn ", "fn ", "unsafe fn ", "const unsafe fn "]
-                    .iter()
-                    .find_map(|k| rest.strip_prefix(k))
-            });
-            let Some(function) = declared.map(name) else { continue };
-            let indented = line.starts_with(' ');
-            match &of_type {
-                Some(owner) if indented && exported.contains(owner) && !hidden => {
-                    functions.insert(format!("{owner}::{function}"));
-                }
-                None if !indented && (public_module || exported.contains(&function)) => {
-                    functions.insert(function);
-                }
-                _ => {}
-            }
-            hidden = false;
-        }
+        let place = file.strip_prefix(&source).expect("within").with_extension("");
+        let public_module = place.to_str().is_some_and(|place| public_modules.contains(place));
+        functions_of(&parsed(&file), &exported, public_module, &mut functions);
     }
     functions
 }

@@ -1,7 +1,8 @@
 //! A material with factors: every way to a value gives that of the lobes times the factor of the definition, in f64.
 
+use crate::findings::Findings;
 use crate::inputs::{self, Random};
-use crate::{COUNTS, Findings, Guarded, slices, structure_of_arrays};
+use crate::outputs::{COUNTS, Guarded, slices, structure_of_arrays};
 use alloc::format;
 use alloc::vec::Vec;
 use srbf_core::{Material, Mixture, SamplesMut, Vec3};

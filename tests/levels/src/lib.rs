@@ -7,47 +7,25 @@
 extern crate alloc;
 
 mod factors;
+mod findings;
 mod inputs;
+mod outputs;
 #[path = "../../src/tolerance.rs"]
 pub mod tolerance;
 mod truth;
 
-use alloc::borrow::ToOwned;
 use alloc::format;
-use alloc::string::String;
 use alloc::vec;
 use alloc::vec::Vec;
+pub use findings::Findings;
 use inputs::{Case, Random};
+use outputs::{COUNTS, Guarded, slices, structure_of_arrays};
 use srbf_core::{Level, Material, Mixture, SamplesMut, Vec3};
 use tolerance::Worst;
 use truth::{Truth, truth};
 
-/// Counts that are tried: none, and up to twice what any level takes at a time, and one.
-const COUNTS: usize = 2 * 2 * 16 + 2;
-
 /// Mixtures that are tried.
 const MIXTURES: usize = 60;
-
-/// What a guard zone holds.
-const GUARD: f32 = -7.25e33;
-/// Its width, on either side of an output.
-const ZONE: usize = 4;
-
-/// What was found at one level.
-#[derive(Debug)]
-pub struct Findings {
-    /// The worst error of each quantity.
-    pub worst: Vec<Worst>,
-    /// What is wrong beside errors too large: a guard zone that was written, a length, a sample that is none.
-    pub faults: Vec<String>,
-}
-
-impl Findings {
-    /// Everything that is wrong; nothing if the level passes.
-    pub fn failures(&self) -> Vec<String> {
-        self.faults.iter().cloned().chain(self.worst.iter().filter_map(Worst::excess)).collect()
-    }
-}
 
 /// Checks a level, which the machine must have; it is then the current one.
 ///
@@ -79,48 +57,6 @@ pub fn check(level: Level) -> Result<Findings, srbf_core::Error> {
     }
     factors::check(&mut random, &mut found);
     Ok(found)
-}
-
-impl Findings {
-    fn see(&mut self, name: &str, got: f32, want: f64, scale: f64, place: &str) {
-        let worst = self.worst.iter_mut().find(|w| w.name == name).expect("a name of the list above");
-        // What f32 rounds to 0 is no error.
-        worst.see((f64::from(got) - want).abs() / (scale + 1e-30), || place.to_owned());
-    }
-
-    fn fault(&mut self, text: String) {
-        if self.faults.len() < 20 {
-            self.faults.push(text);
-        }
-    }
-}
-
-/// A number of outputs with guard zones.
-struct Guarded<const K: usize>([Vec<f32>; K], usize);
-
-impl<const K: usize> Guarded<K> {
-    fn new(n: usize) -> Self {
-        Self([(); K].map(|()| vec![GUARD; n + 2 * ZONE]), n)
-    }
-    fn slices(&mut self) -> [&mut [f32]; K] {
-        let n = self.1;
-        self.0.each_mut().map(|v| &mut v[ZONE..ZONE + n])
-    }
-    fn at(&self, which: usize, i: usize) -> f32 {
-        self.0[which][ZONE + i]
-    }
-    fn is_intact(&self) -> bool {
-        let zones = |v: &Vec<f32>| v[..ZONE].iter().chain(&v[ZONE + self.1..]).all(|&x| x == GUARD);
-        self.0.iter().all(zones)
-    }
-}
-
-fn structure_of_arrays(vectors: &[Vec3]) -> [Vec<f32>; 3] {
-    [0, 1, 2].map(|i| vectors.iter().map(|v| v[i]).collect())
-}
-
-fn slices(arrays: &[Vec<f32>; 3], n: usize) -> [&[f32]; 3] {
-    [&arrays[0][..n], &arrays[1][..n], &arrays[2][..n]]
 }
 
 /// Values and densities at every count, and one by one.
