@@ -1,6 +1,6 @@
 //! Batches, named `operation.level/lobes/directions`; baselines in the same run.
 //!
-//! `cargo bench --bench batch`; `cargo run --release -- project bench-report` then prints the ratios.
+//! `cargo bench --bench batch`; `cargo lab bench-report` then prints the ratios.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use srbf_benches::baseline::{C, PackedLobes, evaluate_libm, sample_libm};

@@ -97,14 +97,6 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     }
 }
 
-/// Panics inside, and returns `SRBF_STATUS_PANIC`. Only in a build for tests.
-#[cfg(feature = "planted-panic")]
-#[allow(unsafe_code, reason = "a name that is exported")]
-#[unsafe(no_mangle)]
-pub extern "C" fn srbf_status_panic() -> srbf_status {
-    guard(|| panic!("planted"))
-}
-
 #[cfg(all(test, feature = "std"))]
 mod tests {
     use super::*;

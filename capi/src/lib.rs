@@ -31,6 +31,8 @@ mod message;
 mod mixture;
 mod pair_batch;
 mod pairs;
+#[cfg(feature = "planted-panic")]
+mod planted;
 mod pointers;
 mod product;
 mod simd;
@@ -47,8 +49,6 @@ pub use expanded::*;
 pub use factors::*;
 #[cfg(feature = "fit")]
 pub use fit::*;
-#[cfg(feature = "planted-panic")]
-pub use guard::srbf_status_panic;
 #[cfg(feature = "std")]
 pub use heap::{srbf_material_free, srbf_material_from_bytes, srbf_material_load};
 pub use lobe::*;
@@ -57,6 +57,8 @@ pub use material::*;
 pub use message::srbf_last_message;
 pub use mixture::*;
 pub use pairs::*;
+#[cfg(feature = "planted-panic")]
+pub use planted::srbf_status_panic;
 pub use product::*;
 pub use simd::*;
 pub use single::*;

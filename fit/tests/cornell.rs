@@ -81,7 +81,7 @@ fn fits_repeat() {
     assert_eq!(fitted("cayman").bytes, fitted("cayman").bytes);
 }
 
-/// The committed presets are what the measurements give; `srbf project presets` makes them.
+/// The committed presets are what the measurements give; `cargo lab presets` makes them.
 #[test]
 #[ignore = "needs SRBF_DATA_DIR"]
 fn presets_are_fits_of_the_measurements() {

@@ -1,17 +1,16 @@
 //! The command line: one file a command.
 
-mod argument;
+pub mod argument;
 pub mod ball;
 pub mod compare;
 mod convert;
 mod default_job;
-pub mod figures;
 pub mod fit;
 mod fit_page;
 pub mod inspect;
 pub mod judge;
+mod pages;
 pub mod plot;
-mod project;
 pub mod render;
 mod view_table;
 
@@ -20,12 +19,17 @@ use anyhow::{Context, ensure};
 use clap::{Parser, Subcommand};
 use srbf_core::Level;
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 /// Fits measured BRDFs with spherical Gaussian lobes, renders and compares them.
 ///
 /// Without a command: renders a preset on two scenes, compares samplers, and writes pictures and a report to `out/`.
 #[derive(Debug, Parser)]
-#[command(name = "srbf", version)]
+#[command(
+    name = "srbf",
+    version,
+    after_help = "Completions for a shell: srbf completions SHELL. Manual pages: srbf man DIR."
+)]
 pub struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
@@ -47,15 +51,36 @@ enum Command {
     Plot(plot::Args),
     Ball(ball::Args),
     Compare(Box<compare::Args>),
-    Figures(figures::Args),
-    /// Tables, figures and presets of the project itself; completions and manual pages
-    #[command(subcommand)]
-    Project(project::Command),
+    #[command(hide = true)]
+    Completions(pages::Completions),
+    #[command(hide = true)]
+    Man(pages::Man),
+}
+
+/// Reads the command line and runs what it asks for. The exit status is 0, or 2 after an error, which is written behind `name`.
+pub fn program<C: Parser>(name: &str, run: impl FnOnce(C) -> anyhow::Result<()>) -> ExitCode {
+    let cli = C::try_parse().unwrap_or_else(|error| {
+        // Help and version go to standard output; clap's own way passes over a failure there.
+        let written = error.print();
+        if !error.use_stderr() {
+            print::or_end(written);
+        }
+        std::process::exit(error.exit_code())
+    });
+    match choose_level().and_then(|()| run(cli)) {
+        Ok(()) => {
+            print::flush();
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("{name}: {error:#}");
+            ExitCode::from(2)
+        }
+    }
 }
 
 /// Runs what the command line asks for.
 pub fn run(cli: Cli) -> anyhow::Result<()> {
-    choose_level()?;
     if cli.quiet {
         print::be_quiet();
     }
@@ -70,8 +95,8 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
         Some(Command::Plot(args)) => plot::run(args),
         Some(Command::Ball(args)) => ball::run(args),
         Some(Command::Compare(args)) => compare::run(&args),
-        Some(Command::Figures(args)) => figures::run(&args),
-        Some(Command::Project(command)) => project::run(command),
+        Some(Command::Completions(args)) => pages::completions(args),
+        Some(Command::Man(args)) => pages::man(args),
     }
 }
 

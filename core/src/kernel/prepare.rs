@@ -37,7 +37,7 @@ impl<B: AsRef<[u8]>> Material<B> {
 
     /// [`prepare`](Self::prepare) with options: what may be left out, and the level.
     ///
-    /// `srbf project leave-out` prints the error and the time of bounds, for each preset.
+    /// `cargo lab leave-out` prints the error and the time of bounds, for each preset.
     ///
     /// # Errors
     /// [`Error::Level`] if this processor or this build lacks the level; and those of

@@ -20,7 +20,7 @@ const REACH: f32 = 0.5;
 ///
 /// The walk is confined to where the kernel exceeds `floor` times its value at the axis: what lies beyond is
 /// never drawn (of a Gaussian a share `floor`), whatever the number of steps. So the samples have no exactly
-/// known density; dividing by the kernel's own leaves a bias that `srbf project samples` shows.
+/// known density; dividing by the kernel's own leaves a bias that `cargo lab samples` shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Metropolis {
     /// Steps a sample.

@@ -13,15 +13,18 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 /// Status of a program that wrote to a pipe that nobody reads: 128 and the number of SIGPIPE.
 const BROKEN_PIPE: i32 = 141;
 
+#[macro_export]
 macro_rules! print {
     ($($text:tt)*) => { $crate::out::print::to_output(format_args!($($text)*)) };
 }
 
+#[macro_export]
 macro_rules! println {
-    () => { print!("\n") };
-    ($($text:tt)*) => { print!("{}\n", format_args!($($text)*)) };
+    () => { $crate::print!("\n") };
+    ($($text:tt)*) => { $crate::print!("{}\n", format_args!($($text)*)) };
 }
 
+#[macro_export]
 macro_rules! eprintln {
     ($($text:tt)*) => { $crate::out::print::to_error(format_args!($($text)*)) };
 }

@@ -1,6 +1,6 @@
 //! A sampler got ready for one outgoing direction.
 
-use super::{analytic, factored, lafortune, rgl, tabulated, thesis};
+use super::rivals::{analytic, factored, lafortune, rgl, tabulated, thesis};
 use crate::numbers::points::{Decision, Points};
 use crate::truth::AnyMixture;
 use crate::truth::ggx_parts;

@@ -1,12 +1,12 @@
 //! A sampler of a material: by name, fitted to what is rendered.
 
-use super::analytic::{Analytic, Lobe};
-use super::factored::Factored;
 use super::proposal::{Mixtures, Part, Proposal};
+use super::rivals::analytic::{Analytic, Lobe};
+use super::rivals::factored::Factored;
+use super::rivals::tabulated::Tabulated;
+use super::rivals::thesis::{How, Thesis};
+use super::rivals::{lafortune, rgl};
 use super::strategy::SamplerName;
-use super::tabulated::Tabulated;
-use super::thesis::{How, Thesis};
-use super::{lafortune, rgl};
 use crate::truth::Truth;
 use crate::truth::guided::Guide;
 use crate::truth::stored::Bytes;

@@ -1,18 +1,12 @@
 //! Which files are read and written, and what happens where that fails.
 
-use crate::options::measured;
-use crate::{command, folder, refused, refused_with_data, rows, srbf};
+use crate::{command, folder, refused, rows, srbf};
 use std::process::Command;
 
 #[test]
 fn an_output_that_would_lie_over_another_is_refused() {
     let place = folder("outputs");
-    refused(&place, &["project", "samples", "-o", "s.csv"], &["s.csv", ".png"]);
-    refused(&place, &["project", "stability", "-o", "t.csv"], &["t.csv", ".png"]);
-    refused(&place, &["project", "thesis-table", "-o", "x.csv"], &["x.csv", ".md"]);
     refused(&place, &["render", "-o", "r.png"], &["r.png", ".exr"]);
-    std::fs::write(place.join("README.md"), "# Another project\n").unwrap();
-    refused_with_data(&place, Some("."), &["project", "presets", "--out", "."], &["README.md"]);
 }
 
 #[test]
@@ -22,22 +16,9 @@ fn a_place_that_cannot_be_written_is_found_before_the_work() {
     for arguments in [
         &["render", "--size", "4096x4096", "--spp", "16777216", "-o", "file/a.exr"][..],
         &["compare", "--side", "4096", "--reference-spp", "16777216", "-o", "file/a"],
-        &["project", "stability", "--inputs", "100000000", "-o", "file/a.png"],
-        &["project", "leave-out", "-o", "file/a.csv"],
     ] {
         refused(&place, arguments, &["file/a"]);
     }
-}
-
-#[cfg(unix)]
-#[test]
-fn links_that_make_a_ring_are_not_followed() {
-    let place = folder("ring");
-    measured(&place, "2.5");
-    std::os::unix::fs::symlink("..", place.join("criterion/ring")).unwrap();
-    let output = srbf(&place, &["project", "bench-report", "--measured", "criterion"]);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    assert_eq!(String::from_utf8(output.stdout).unwrap().matches("scalar").count(), 1);
 }
 
 #[cfg(unix)]
@@ -80,9 +61,6 @@ fn only_files_are_written() {
         (&render, "pipe.exr", "pipe.exr", other),
         (&render, "folder.exr", "folder.exr", "a folder"),
         (&render, "beside.exr", "beside.png", other),
-        (&["project", "leave-out", "-o"], "null.csv", "null.csv", other),
-        (&["project", "samples", "-o"], "null.png", "null.png", other),
-        (&["project", "thesis-table", "-o"], "null.md", "null.md", other),
     ] {
         refused(&place, &[arguments, &[output]].concat(), &["cannot write", named, reason]);
     }

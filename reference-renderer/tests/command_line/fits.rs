@@ -1,6 +1,6 @@
 //! Fits and what is said of them.
 
-use crate::{folder, refused, refused_with_data, rows, srbf};
+use crate::{folder, refused, rows, srbf};
 use srbf_core::{Line, PlaneLobe, View};
 
 #[test]
@@ -193,30 +193,3 @@ fn a_fit_is_judged_against_what_it_was_made_from() {
     let text = String::from_utf8(srbf(&place, &["inspect", "phong.srbf"]).stdout).unwrap();
     assert!(text.contains("factors     4 x 3 nodes"), "{text}");
 }
-
-#[test]
-fn a_damaged_survey_is_named_and_the_table_before_it_is_kept() {
-    let place = folder("survey");
-    for folder in ["data/rgl", "data/merl"] {
-        std::fs::create_dir_all(place.join(folder)).unwrap();
-    }
-    std::fs::write(place.join("old.csv"), "old").unwrap();
-    let survey = |lobes, says: &[&str]| {
-        let arguments = ["project", "survey", "--csv", "old.csv", "--lobes", lobes];
-        refused_with_data(&place, Some("data"), &arguments, says);
-        assert_eq!(std::fs::read(place.join("old.csv")).unwrap(), b"old");
-    };
-    refused_with_data(&place, Some(""), &["project", "survey"], &["SRBF_DATA_DIR"]);
-    survey("0", &["lobes"]);
-    survey("2", &["nbrdf_merl80.f32le"]);
-    let (weights, names) = ("data/merl/nbrdf_merl80.f32le", "data/merl/nbrdf_merl80_names.txt");
-    std::fs::write(place.join(weights), [0; 7]).unwrap();
-    survey("2", &["nbrdf_merl80.f32le", "7 bytes"]);
-    std::fs::write(place.join(weights), [0; 2 * 4 * NETWORK]).unwrap();
-    survey("2", &["nbrdf_merl80_names.txt"]);
-    std::fs::write(place.join(names), "one two three").unwrap();
-    survey("2", &["2 networks", "3 names"]);
-}
-
-/// Numbers of a network: 6 inputs, two layers of 21, 3 outputs, and a constant for each.
-const NETWORK: usize = 7 * 21 + 22 * 21 + 22 * 3;

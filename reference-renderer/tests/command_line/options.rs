@@ -1,20 +1,18 @@
 //! What the command line says of itself, and options that are refused.
 
-use crate::{folder, refused, refused_with_data, rows, srbf};
-use std::path::Path;
+use crate::{folder, refused, rows, srbf};
 
 #[test]
 fn the_command_line_describes_itself() {
     let place = folder("pages");
     for (shell, says) in [("bash", "_srbf"), ("zsh", "#compdef srbf"), ("fish", "complete -c srbf")] {
-        let output = srbf(&place, &["project", "completions", shell]);
+        let output = srbf(&place, &["completions", shell]);
         let text = String::from_utf8(output.stdout).unwrap();
         assert!(text.contains(says) && text.contains("cross-validate"), "{shell}: {text}");
     }
-    assert!(srbf(&place, &["project", "man", "man1"]).status.success());
+    assert!(srbf(&place, &["man", "man1"]).status.success());
     let page = |name: &str| std::fs::read_to_string(place.join("man1").join(name)).unwrap();
     assert!(page("srbf.1").contains("srbf\\-fit") && page("srbf-fit.1").contains("cross\\-validate"));
-    assert!(page("srbf-project-survey.1").contains("SRBF_DATA_DIR"));
 }
 
 #[test]
@@ -33,8 +31,6 @@ fn options_that_do_not_fit_are_refused_by_name() {
         refused(&place, &["fit", "diffuse.csv", option, value], &[option.trim_start_matches('-')]);
     }
     refused(&place, &["fit", "model:phong:shine=3"], &["shine"]);
-    refused(&place, &["project", "survey"], &["SRBF_DATA_DIR"]);
-    refused(&place, &["project", "lobes-table", "diffuse.csv", "--lobes", "3"], &["--lobes", "of its own"]);
     refused(&place, &["--out", "a", "inspect", "matte"], &["--out"]);
     let brushed = "model:ward:alpha_x=0.1,alpha_y=0.4";
     let isotropic = [("--views", "9"), ("--exchanges", "3"), ("--mirrored", "1"), ("--factors", "4x3")];
@@ -67,9 +63,6 @@ fn options_that_do_not_fit_are_refused_by_name() {
     refused(&place, &["compare", "--scenes", "nowhere"], &["nowhere", "teapot"]);
     refused(&place, &["compare", "--scenes", "teapot", "--mesh", "a.obj"], &["a.obj"]);
     refused(&place, &["compare", "--materials", "a.f32le:chrome"], &["a.f32le"]);
-    refused(&place, &["project", "equal-time", "-o", "a.txt"], &["a.txt", ".md"]);
-    refused(&place, &["project", "equal-time", "--repeats", "1"], &["--repeats"]);
-    refused_with_data(&place, None, &["project", "equal-time"], &["SRBF_DATA_DIR"]);
     refused(
         &place,
         &["compare", "--samplers", "lobes,rgl", "--materials", "matte"],
@@ -89,32 +82,4 @@ fn options_without_effect_and_numbers_without_end_are_refused() {
     std::fs::write(place.join("diffuse.csv"), rows()).unwrap();
     refused(&place, &["render", "--scene", "teapot", "--mesh-up", "z"], &["--mesh"]);
     refused(&place, &["render", "--ground-material", "cayman"], &["--ground-material", "teapot"]);
-    refused(&place, &["project", "samples", "--steps", "4294967295"], &["--steps"]);
-}
-
-/// What criterion leaves of a bench.
-pub fn measured(place: &Path, nanoseconds: &str) {
-    let new = place.join("criterion/evaluate.scalar/12/1024/new");
-    std::fs::create_dir_all(&new).unwrap();
-    let id =
-        r#"{"group_id":"evaluate.scalar","function_id":"12","value_str":"1024","throughput":{"Elements":1}}"#;
-    std::fs::write(new.join("benchmark.json"), id).unwrap();
-    let estimates = format!(r#"{{"median":{{"point_estimate":{nanoseconds}}}}}"#);
-    std::fs::write(new.join("estimates.json"), estimates).unwrap();
-}
-
-#[test]
-fn times_without_meaning_are_refused_with_their_file() {
-    let place = folder("times");
-    for nanoseconds in ["0", "-1", "1e300", "1e-300", "null"] {
-        measured(&place, nanoseconds);
-        refused(
-            &place,
-            &["project", "bench-report", "--measured", "criterion"],
-            &["evaluate.scalar", "a median of"],
-        );
-    }
-    measured(&place, "2.5");
-    let output = srbf(&place, &["project", "bench-report", "--measured", "criterion"]);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }

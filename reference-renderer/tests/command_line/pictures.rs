@@ -1,6 +1,6 @@
 //! Pictures, comparisons, figures.
 
-use crate::{command, folder, refused, refused_with_data, srbf};
+use crate::{folder, refused, srbf};
 
 /// Every sampler renders a table, says so, and writes a picture; the furnace finds the albedo.
 #[test]
@@ -204,22 +204,6 @@ fn a_comparison_writes_numbers_plots_and_a_page() {
 }
 
 #[test]
-fn figures_say_what_they_miss() {
-    let place = folder("figures");
-    refused(&place, &["figures"], &["SRBF_DATA_DIR"]);
-    refused(&place, &["figures", "--side", "7"], &["--side", "8..=1024"]);
-    std::fs::write(place.join("file"), []).unwrap();
-    std::fs::create_dir_all(place.join("data/envmaps")).unwrap();
-    let refused = |arguments: &[&str], says: &[&str]| {
-        refused_with_data(&place, Some("data"), &[&["figures"], arguments].concat(), says);
-    };
-    refused(&["-o", "file"], &["file", "a folder is expected"]);
-    refused(&["-o", "figures"], &["data/envmaps/funston_beach_latlong.hdr"]);
-    std::fs::write(place.join("data/envmaps/funston_beach_latlong.hdr"), b"#?RADIANCE\n").unwrap();
-    refused(&["-o", "figures"], &["data/envmaps/funston_beach_latlong.hdr"]);
-}
-
-#[test]
 fn points_are_named() {
     let place = folder("points");
     refused(&place, &["render", "--points", "halton"], &["halton", "sobol", "random"]);
@@ -243,21 +227,4 @@ fn points_are_named() {
         text(&[]).replace(char::is_numeric, ""),
         text(&["--points", "random"]).replace(char::is_numeric, "")
     );
-}
-
-#[test]
-#[ignore = "needs SRBF_DATA_DIR"]
-fn the_figures_of_the_thesis_are_made() {
-    let place = folder("thesis-figures");
-    let data = std::env::var("SRBF_DATA_DIR").expect("SRBF_DATA_DIR names the folder of the data");
-    let output =
-        command(&place, &["figures", "--quick", "-o", "f"]).env("SRBF_DATA_DIR", data).output().unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    let claims = std::fs::read_to_string(place.join("f/claim.csv")).unwrap();
-    // Two readings, four materials, two probes, three methods.
-    assert_eq!(claims.lines().count(), 1 + 2 * 4 * 2 * 3, "{claims}");
-    let page = std::fs::read_to_string(place.join("f/index.html")).unwrap();
-    for figure in ["The claim", "Table 5.1", "Figure 5.1", "Figure 5.5: cayman", "Figure 5.6", "Figure 5.7"] {
-        assert!(page.contains(figure), "{figure}");
-    }
 }

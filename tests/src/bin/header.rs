@@ -9,6 +9,7 @@ use std::process::ExitCode;
 const SOURCES: [&str; 19] = [
     "version",
     "status",
+    "planted",
     "message",
     "simd",
     "lobe",

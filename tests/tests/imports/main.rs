@@ -43,6 +43,7 @@ const PACKAGES: &[Package] = &[
         may_take_from_parent: true,
         known: &[["trace/render.rs", "trace/settings.rs"], ["truth.rs", "truth/measured.rs"]],
     },
+    Package { folder: "lab", may_take_from_parent: true, known: &[["figures.rs", "samples.rs"]] },
     Package { folder: "tests", may_take_from_parent: false, known: &[["reference.rs", "tolerance.rs"]] },
     Package { folder: "tests/levels", may_take_from_parent: false, known: &[] },
     Package { folder: "benches", may_take_from_parent: false, known: &[] },

@@ -26,6 +26,8 @@ pub struct File {
 struct Names {
     /// What it defines.
     items: BTreeSet<String>,
+    /// Macros that it defines at the root of the package.
+    macros: BTreeSet<String>,
     /// Local names, and the paths that they stand for; a glob is `*`.
     imports: Vec<(String, Module)>,
     /// Names that it hands on.
@@ -236,6 +238,9 @@ impl File {
                     flatten(&line.tree, &[], found);
                 }
                 item => {
+                    if attributes(item).iter().any(|attribute| attribute.path().is_ident("macro_export")) {
+                        names.macros.extend(defined(item));
+                    }
                     names.items.extend(defined(item));
                     Paths(&mut names.paths).visit_item(item);
                 }
@@ -282,6 +287,12 @@ fn defining<'a>(path: &[String], modules: &Modules<'a>, depth: usize) -> Option<
     }
     if depth == 8 {
         return None;
+    }
+    if module.is_empty() {
+        let exported = modules.values().find(|(_, names)| names.macros.contains(item));
+        if let Some((place, _)) = exported {
+            return Some(place);
+        }
     }
     let handed_on = names.exports.iter().chain(&names.imports);
     handed_on.filter(|(name, _)| name == item || name == "*").find_map(|(name, target)| {

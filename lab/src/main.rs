@@ -1,0 +1,73 @@
+//! `srbf-lab`: what this project alone needs. It makes the presets, and measures what the documents say.
+//!
+//! Run it by `cargo lab COMMAND`. It is never installed or published.
+
+// These take the place of the standard library's, which panic where nothing can be written.
+#[macro_use(print, println)]
+extern crate srbf_reference_renderer;
+
+mod bench_report;
+mod equal_time;
+mod figures;
+#[cfg(test)]
+mod imagined;
+mod leave_out;
+mod lobes_table;
+mod presets;
+mod samples;
+mod slice;
+mod stability;
+mod survey;
+mod thesis_table;
+
+use clap::{Parser, Subcommand};
+use srbf_reference_renderer::command::program;
+use srbf_reference_renderer::out::print;
+use std::process::ExitCode;
+
+/// Makes the presets of srbf, and measures what its documents say.
+#[derive(Debug, Parser)]
+#[command(name = "srbf-lab", version)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    /// Prints nothing but errors
+    #[arg(long, short, global = true)]
+    quiet: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Presets(presets::Args),
+    Survey(Box<survey::Args>),
+    Figures(figures::Args),
+    ThesisTable(thesis_table::Args),
+    LobesTable(lobes_table::Args),
+    EqualTime(equal_time::Args),
+    Stability(stability::Args),
+    LeaveOut(leave_out::Args),
+    Samples(samples::Args),
+    Slice(slice::Args),
+    BenchReport(bench_report::Args),
+}
+
+fn main() -> ExitCode {
+    program("srbf-lab", |cli: Cli| {
+        if cli.quiet {
+            print::be_quiet();
+        }
+        match cli.command {
+            Command::Presets(args) => presets::run(args),
+            Command::Survey(args) => survey::run(*args),
+            Command::Figures(args) => figures::run(&args),
+            Command::ThesisTable(args) => thesis_table::run(args),
+            Command::LobesTable(args) => lobes_table::run(args),
+            Command::EqualTime(args) => equal_time::run(&args),
+            Command::Stability(args) => stability::run(args),
+            Command::LeaveOut(args) => leave_out::run(args),
+            Command::Samples(args) => samples::run(args),
+            Command::Slice(args) => slice::run(args),
+            Command::BenchReport(args) => bench_report::run(args),
+        }
+    })
+}

@@ -1,0 +1,95 @@
+//! `cargo lab presets`.
+
+use anyhow::{Context, bail, ensure};
+use srbf_fit::{FactorNodes, Settings};
+use srbf_reference_renderer::command::argument;
+use srbf_reference_renderer::command::fit::fit_file;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Where the measurements of all presets come from.
+const SOURCE: &str = "Cornell University Program of Computer Graphics, gonioreflectometer measurements (Lafortune and others)\n";
+
+/// First line of the README.md beside the presets.
+const HEADING: &str = "# Presets";
+
+/// Name, file under the data folder, what it is.
+const PRESETS: [(&str, &str, &str); 3] = [
+    ("garnet_red", "cornell/garnet_red.brdf", "Dupli-Color T-345 spray lacquer, frosted: medium gloss"),
+    ("krylon_blue", "cornell/krylon_blue.brdf", "Krylon enamel 7205 True Blue, frosted: medium gloss"),
+    ("cayman", "cornell/cayman.brdf", "Ford Cayman metallic lacquer: high gloss"),
+];
+
+/// Makes the materials in presets/ again from the measurements.
+///
+/// SRBF_DATA_DIR names the folder that holds them.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Folder to write to.
+    #[arg(long, default_value = "presets")]
+    out: PathBuf,
+    /// Writes nothing, and fails if a file there is not what would be written.
+    #[arg(long)]
+    check: bool,
+}
+
+/// Runs the command.
+pub fn run(args: Args) -> anyhow::Result<()> {
+    let data = argument::data_folder()?;
+    let about = args.out.join("README.md");
+    let is_ours = std::fs::read_to_string(&about).map_or(true, |text| text.starts_with(HEADING));
+    ensure!(args.check || is_ours, "{}: it is not about presets, name another folder", about.display());
+    let mut made = Vec::new();
+    let mut rows = String::new();
+    for (name, file, what) in PRESETS {
+        // Lobes alone: what the figures of kernels in the documentation are measured with.
+        let settings = Settings { factors: FactorNodes::None, ..Settings::default() };
+        let fit = fit_file(&data.join(file), settings, SOURCE)?;
+        let errors: Vec<String> =
+            fit.report.views.iter().map(|v| format!("{:.1}", 100.0 * v.error)).collect();
+        println!(
+            "{name}: {} bytes, mean relative L2 {:.2} %, {:.2} s",
+            fit.bytes.len(),
+            100.0 * fit.report.mean_error(),
+            fit.report.seconds
+        );
+        writeln!(
+            rows,
+            "| {name} | {what} | {} | {:.2} | {} |",
+            fit.bytes.len(),
+            100.0 * fit.report.mean_error(),
+            errors.join(" ")
+        )?;
+        made.push((args.out.join(name).with_extension("srbf"), fit.bytes));
+    }
+    made.push((about, readme(&rows).into_bytes()));
+    for (path, bytes) in &made {
+        if !args.check {
+            srbf_fit::write_atomically(path, bytes)?;
+        } else if std::fs::read(path).with_context(|| path.display().to_string())? != *bytes {
+            bail!("{} is not what `cargo lab presets` makes", path.display());
+        }
+    }
+    Ok(())
+}
+
+fn readme(rows: &str) -> String {
+    format!(
+        "{HEADING}
+
+Materials that are compiled into the `srbf` program. Each is fitted by our own tool from a measurement of the Cornell University
+Program of Computer Graphics (E. Lafortune and others; 8 outgoing directions, 10 to 80 degrees, about 180 incident ones each).
+The measurements themselves are not in this repository.
+
+| preset | material | bytes | mean relative L2 error, % | at 10, 20 ... 80 degrees, % |
+|---|---|---|---|---|
+{rows}
+Error: of `f cos` over the samples of a view, all three channels, weighted by solid angle. Settings, source file and its
+SHA-256 are in the provenance text of each file (`srbf inspect`). What lies between the samples, below 10 degrees and
+beyond 80 is what `srbf fit` completes them to.
+
+This folder is made by `SRBF_DATA_DIR=... cargo lab presets`; `cargo lab presets --check` compares. The fit uses no function of the
+platform's C library and no order that depends on threads, so the bytes are the same on every machine with IEEE arithmetic.
+"
+    )
+}

@@ -1,0 +1,204 @@
+//! `srbf-lab survey`: how good fits are over all materials that can be evaluated between the views, beside the thesis's.
+//!
+//! Both methods have the same number of views: ours where it places them, the thesis's even to 87 degrees; but six to eleven lobes, or
+//! lobes in pairs, ours spends on more. Each is judged at its views and halfway between them. A row is written as soon as it is known.
+
+mod goals;
+mod row;
+mod through;
+
+use anyhow::{Context, ensure};
+use row::Row;
+use srbf_core::Material;
+use srbf_fit::baselines::blend::{BlendedKnots, Neighbours};
+use srbf_fit::baselines::thesis;
+use srbf_fit::judge::method::Fitted;
+use srbf_fit::judge::mirror_asymmetry::handedness;
+use srbf_fit::judge::reciprocity::reciprocity;
+use srbf_fit::judge::report::{ViewReport, factor_bytes, mean_error};
+use srbf_fit::read::{Content, neural, read};
+use srbf_fit::table::Brdf;
+use srbf_fit::table::Table;
+use srbf_fit::table::evaluation_views;
+use srbf_fit::{Settings, fit_content, knots};
+use srbf_reference_renderer::command::argument;
+use srbf_reference_renderer::command::fit::{SettingArgs, names};
+use srbf_reference_renderer::out::output;
+use srbf_reference_renderer::truth::networks::Networks;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Fits many materials, and prints how good the fits are beside the thesis's, and which goals are met.
+///
+/// They are those of rgl/ and of the neural MERL set in the folder that SRBF_DATA_DIR names.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Only every N-th of them
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    every: u32,
+    /// Only those whose names contain this
+    #[arg(long, value_name = "NAME")]
+    only: Option<String>,
+    /// Leaves the thesis's method out, which takes about half of the time
+    #[arg(long)]
+    no_thesis: bool,
+    /// The table to write [default: out/survey-LOBES-lobes-VIEWS-views.csv]
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// A folder into which every fitted material is written, as NAME.srbf
+    #[arg(long, value_name = "DIR")]
+    materials: Option<PathBuf>,
+    /// Fits every material from its values at the pairs of directions that this file of samples has, alone, and judges it
+    /// everywhere [default of --csv: out/survey-through.csv]
+    #[arg(long, value_name = "FILE", conflicts_with = "materials")]
+    through: Option<PathBuf>,
+    #[command(flatten)]
+    settings: SettingArgs,
+}
+
+/// Views up to this angle count for variance and weight, degrees: beyond, little light is reflected in a picture.
+const JUDGED: f64 = 80.0;
+
+/// Fits the materials, and judges the fits.
+pub fn run(survey: Args) -> anyhow::Result<()> {
+    let data = argument::data_folder()?;
+    let settings = survey.settings.settings();
+    settings.check()?;
+    let default = || format!("out/survey-{}-lobes-{}-views.csv", settings.lobes, settings.view_count());
+    let path = survey.csv.clone().unwrap_or_else(|| default().into());
+    output::check_place(&path)?;
+    let material_path = |folder: &PathBuf, name: &str| folder.join(names::as_file_name(name) + ".srbf");
+    if let Some(folder) = &survey.materials {
+        output::check_place(&material_path(folder, "material"))?;
+    }
+    if let Some(file) = &survey.through {
+        let path = survey.csv.clone().unwrap_or_else(|| "out/survey-through.csv".into());
+        let chosen = chosen(&data, &survey)?.into_iter().step_by(survey.every as usize);
+        return through::run(file, chosen, &settings, &path);
+    }
+    let thetas = evaluation_views::even_views(settings.view_count());
+    let thesis = thesis::Settings { lobes: settings.lobes, ..thesis::Settings::default() };
+    let thesis = (!survey.no_thesis).then_some(thesis);
+    let chosen = chosen(&data, &survey)?;
+
+    let mut csv = Row::csv_header() + "\n";
+    println!("{} lobes, {} views; {}", settings.lobes, settings.view_count(), row::LEGEND);
+    println!("{}", Row::header());
+    let mut rows: Vec<Row> = Vec::new();
+    for (name, content) in chosen.into_iter().step_by(survey.every as usize) {
+        let (row, bytes) = examine(&name, &content?, &thetas, &settings, thesis.as_ref())
+            .with_context(|| format!("material {name}"))?;
+        if let Some(folder) = &survey.materials {
+            output::write(&material_path(folder, &name), &bytes)?;
+        }
+        println!("{}", row.line());
+        csv += &(row.csv() + "\n");
+        // After every row, so that a run that is stopped has said what it knows.
+        output::write(&path, csv.as_bytes())?;
+        rows.push(row);
+    }
+    for (name, share) in [("median", 0.5), ("90 %", 0.9), ("worst", 1.0)] {
+        println!("{}", Row::quantile_line(name, &rows, share));
+    }
+    println!("{} materials; {}", rows.len(), path.display());
+    goals::print(&rows, thesis.is_some());
+    Ok(())
+}
+
+/// The materials whose names hold what the options say.
+fn chosen(data: &Path, survey: &Args) -> anyhow::Result<Vec<Named>> {
+    let named = |name: &String| survey.only.as_ref().is_none_or(|only| name.contains(only));
+    let chosen: Vec<Named> = materials(data)?.into_iter().filter(|m| named(&m.0)).collect();
+    let only = survey.only.clone().unwrap_or_default();
+    ensure!(!chosen.is_empty(), "no material whose name contains `{only}`");
+    Ok(chosen)
+}
+
+/// Fits one material, and judges the fit. Returns the bytes of the material too.
+fn examine(
+    name: &str,
+    content: &Content,
+    thetas: &[f64],
+    settings: &Settings,
+    thesis: Option<&thesis::Settings>,
+) -> anyhow::Result<(Row, Vec<u8>)> {
+    let Content::Evaluable(brdf) = content else {
+        anyhow::bail!("scattered samples have no views in between")
+    };
+    let brdf: &(dyn Brdf + Send) = brdf.as_ref();
+    let error =
+        |fit: &dyn Fitted, table: &Table| Ok::<_, anyhow::Error>(100.0 * mean_error(&judge(fit, table)?));
+
+    let fit = fit_content(content, settings, |_| {})?;
+    let lobes = Material::from_bytes(fit.bytes.as_slice())?;
+    let placed = knots(&lobes);
+    let at_views = evaluation_views::judging_table(brdf, &placed)?;
+    let halfway = evaluation_views::judging_table(brdf, &evaluation_views::halfway(&placed))?;
+    let between = judge(&lobes, &halfway)?;
+    let low: Vec<&ViewReport> = between.iter().filter(|v| v.theta.to_degrees() <= JUDGED).collect();
+    let list = |f: fn(&ViewReport) -> f64| low.iter().map(|v| f(v)).collect::<Vec<f64>>();
+    let fold = |list: Vec<f64>| list.into_iter().fold(0.0, f64::max);
+    let seen = judge(&lobes, &evaluation_views::judging_table(brdf, &evaluation_views::seen_views())?)?;
+    let mean = |f: fn(&ViewReport) -> f64| seen.iter().map(f).sum::<f64>() / seen.len() as f64;
+    let anywhere = between.iter().chain(&fit.report.views).map(|v| v.largest_weight);
+    let mut row = Row {
+        name: name.to_owned(),
+        peak: 100.0 * mean(|v| v.seen.peak),
+        off_peak: 100.0 * mean(|v| v.seen.off_peak),
+        luminance: 100.0 * mean(|v| v.seen.luminance),
+        chroma: mean(|v| v.seen.chroma),
+        fit: error(&lobes, &at_views)?,
+        halfway: 100.0 * mean_error(&between),
+        blended: error(&BlendedKnots::new(&lobes, Neighbours::ThreeOrFour), &halfway)?,
+        blended_two: error(&BlendedKnots::new(&lobes, Neighbours::Two), &halfway)?,
+        variance_median: row::quantile(list(|v| v.variance), 0.5),
+        variance_worst: fold(list(|v| v.variance)),
+        weight: fold(list(|v| v.largest_weight)),
+        energy: 100.0 * fold(list(ViewReport::energy_error)),
+        reciprocity: reciprocity(&lobes)?.median,
+        handedness: 100.0 * handedness(brdf, &halfway),
+        weight_anywhere: anywhere.fold(0.0, f64::max),
+        bytes: lobes.bytes().len() as f64,
+        factor_bytes: factor_bytes(&lobes) as f64,
+        largest_factor: lobes.largest_factor().into(),
+        seconds: fit.report.seconds,
+        ..Row::default()
+    };
+    let halfway = evaluation_views::judging_table(brdf, &evaluation_views::halfway(thetas))?;
+    row.same_views = error(&lobes, &halfway)?;
+    if let Some(settings) = thesis {
+        let at_views = evaluation_views::judging_table(brdf, thetas)?;
+        let start = Instant::now();
+        let fit = thesis::fit_brdf(brdf, thetas, settings)?;
+        row.thesis_seconds = start.elapsed().as_secs_f64();
+        row.thesis_fit = error(&fit, &at_views)?;
+        let between = judge(&fit, &halfway)?;
+        row.eq9 = 100.0 * mean_error(&between);
+        row.eq9_two = error(&fit.blended_over(Neighbours::Two), &halfway)?;
+        let low = between.iter().filter(|v| v.theta.to_degrees() <= JUDGED);
+        row.thesis_variance = row::quantile(low.map(|v| v.variance).collect(), 0.5);
+    }
+    Ok((row, fit.bytes))
+}
+
+fn judge(fit: &dyn Fitted, table: &Table) -> anyhow::Result<Vec<ViewReport>> {
+    table.views.iter().map(|view| Ok(ViewReport::judge(fit, view)?)).collect()
+}
+
+type Named = (String, anyhow::Result<Content>);
+
+fn materials(data: &Path) -> anyhow::Result<Vec<Named>> {
+    let folder = data.join("rgl");
+    let entries = std::fs::read_dir(&folder).with_context(|| folder.display().to_string())?;
+    let mut files: Vec<PathBuf> = entries.map(|e| Ok(e?.path())).collect::<std::io::Result<_>>()?;
+    files.retain(|f| f.extension().is_some_and(|e| e == "bsdf"));
+    files.sort();
+    let name = |f: &PathBuf| f.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let mut all: Vec<Named> =
+        files.iter().map(|f| (name(f), read(f).map(|s| s.content).map_err(Into::into))).collect();
+
+    let networks = Networks::read(&data.join("merl/nbrdf_merl80.f32le"))?;
+    let evaluable = |n: neural::Neural| Ok(Content::Evaluable(Box::new(n)));
+    all.extend(networks.all.into_iter().map(|(name, network)| (name, evaluable(network))));
+    Ok(all)
+}
