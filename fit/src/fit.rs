@@ -1,4 +1,4 @@
-//! The one entry: fits to what a file holds, samples as they are, or a table made of what can be evaluated anywhere.
+//! The entry of every fit: samples are completed to a BRDF that can be evaluated anywhere, then lobes are fitted to that.
 
 use crate::anisotropic;
 use crate::complete::complete;
@@ -11,16 +11,20 @@ use crate::table::{Brdf, Symmetry, Table};
 use crate::{FitError, Settings};
 use srbf_core::Material;
 
-/// Fits lobes to a measurement: to its samples, or to a table of what can be evaluated.
+/// Fits lobes to a measurement: to a BRDF that can be evaluated anywhere, or to samples.
 ///
-/// In the second case the material's views are placed where it changes, up to 87 degrees (unless the settings name
-/// them), the views of the table lie between them, and the report has held-out views in the middle of every interval.
-/// As many lobes as the settings say, or as few as reach the error that they ask for. `progress` is called with
-/// the share of the work that is done, 0 to 1, by one thread of the fit at a time; it falls where a goal is missed by what should
-/// have been the end.
+/// Samples are first completed: a microfacet model and a smooth residual make them a BRDF that can be evaluated anywhere
+/// ([`complete`](crate::complete)). The fit sees both, the samples with four fifths of the weight of their views.
+///
+/// The material's views are placed where it changes, up to 87 degrees, unless the settings name them. The views of the table lie
+/// between them. The report has the samples' own views, or those of the table, and held-out views in the middle of every interval.
+///
+/// The number of lobes is that of the settings, or the fewest that reach the error that they ask for. `progress` is called with the
+/// share of the work that is done, 0 to 1, by one thread of the fit at a time. The share falls where a fit misses a goal and goes on.
 ///
 /// # Errors
-/// [`FitError::Setting`], [`FitError::Table`]; [`FitError::Format`] never for a table with finite numbers.
+/// [`FitError::Setting`] for a setting out of its range, and for one that the fit of an anisotropic surface would ignore;
+/// [`FitError::Table`] for a table that is black or has too few samples. [`FitError::Format`] never for a table with finite numbers.
 pub fn fit_content(
     content: &Content,
     settings: &Settings,
@@ -39,6 +43,7 @@ pub fn fit_content(
 /// # Errors
 /// As [`fit_content`].
 pub fn fit(table: &Table, settings: &Settings, progress: impl FnMut(f64) + Send) -> Result<Fit, FitError> {
+    // Before the completion, which takes seconds.
     settings.check()?;
     let completion = complete(table)?;
     with_lobes(settings, progress, |settings, progress| {
@@ -67,6 +72,7 @@ fn fit_brdf(
     if brdf.symmetry() == Symmetry::Isotropic {
         isotropic::fit_evaluable(brdf, settings, progress)
     } else {
+        settings.check_anisotropic()?;
         anisotropic::fit_brdf(brdf, settings, progress)
     }
 }

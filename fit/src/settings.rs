@@ -18,35 +18,42 @@ use std::ops::RangeInclusive;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// Lobes of every view, 1 to 64. More fit better and cost more at run time.
+    /// Lobes of every view, 1 to 64. More fit better and cost more at run time. Default: 12.
     pub lobes: usize,
-    /// Mean relative L2 error that is asked for: as few lobes as reach it are used, at most [`lobes`](Self::lobes).
+    /// Mean relative L2 error that is asked for, above 0: the fewest lobes that reach it are used, at most [`lobes`](Self::lobes).
+    /// Default: `None`, all of them are used.
     pub error: Option<f64>,
-    /// How many lobes see the squeezed direction: those of the highlight. `None`: what turns out best.
+    /// Number of lobes that see the squeezed direction: those of the highlight. Default: `None`, the number that fits best.
     pub squeezed: Option<usize>,
-    /// How many pairs of the lobes are mirrored in the plane of incidence: those of what lies beside it. `None`: what turns out best.
+    /// Number of pairs of lobes that are mirrored in the plane of incidence: those of light that is scattered out of that plane.
+    /// Isotropic surfaces only. Default: `None`, the number that fits best.
     pub mirrored: Option<usize>,
-    /// Weight of the roughness from view to view. Smaller fits the samples better, larger what lies between them. What can be
-    /// evaluated anywhere is fitted with two fifths of it, and with an eighth once the best has had lobes exchanged.
+    /// Weight of the roughness from view to view, 1e-12 to 1000. Smaller fits the table better, larger what lies between its views.
+    /// Default: 5e-5. Isotropic fits use 0.4 of it, and 0.12 of it in the last stages after lobes were exchanged; anisotropic fits
+    /// use 6 times as much.
     pub smoothness: f64,
-    /// Starting points tried; the best are refined. Of samples, two thirds as many, as fewer shapes are tried; of what can be
-    /// evaluated anywhere, twice as many for 5 to 8 lobes, three times for 4, four times for fewer.
+    /// Starting points that are tried, 1 to 1000; the best are refined. Default: 12.
+    ///
+    /// Fits of samples try half as many. With 5 to 8 lobes twice as many are tried, with 4 three times, with fewer four times;
+    /// with more than 20 lobes fewer, in inverse proportion. Anisotropic fits try at most 4.
     pub starts: usize,
-    /// Most steps of the refinement.
+    /// Most steps of the solver in the refinement, 1 to 100000. Default: 120.
     pub steps: usize,
-    /// Most times that the lobe that is missed least is put where it is missed most; it ends after six in a row that lower the
-    /// cost by less than a thousandth. Of samples, from each of the three best starting points; of what can be evaluated anywhere,
-    /// two thirds of it from four, one of each shape, then all of it from three (more for fewer lobes, as of the starts), and again all
-    /// of it from the best, if that misses no goal.
+    /// Most exchanges of lobes in a stage, 0 to 1000: the lobe that is missed least is moved to where the residual is largest. A stage
+    /// ends early after six exchanges in a row that lower the cost by less than a thousandth. Isotropic surfaces only. Default: 15.
+    ///
+    /// Exchanges take place in two stages of the search, and before the last stages if the fit meets all its goals. Fits of samples
+    /// exchange half as often, fits of more than 20 lobes less often, in inverse proportion.
     pub exchanges: usize,
-    /// Views of the material, placed where it changes; only for what can be evaluated anywhere. `None`: 15, 4.1 kB with 12 lobes, and
-    /// with 6 to 11 lobes as many more as take those bytes. Lobes in mirrored pairs are fewer bytes: an isotropic material that has some
-    /// gets as many more views as those take. At most twice as many in all.
+    /// Views of the material, 2 to 256, placed where it changes. Isotropic surfaces only. Default: `None`, which stands for 15.
+    ///
+    /// With the default, materials of 6 to 11 lobes, and those with mirrored pairs, get more views: as many as take the bytes of
+    /// 15 views of 12 lobes, at most twice as many.
     pub views: Option<usize>,
-    /// Angles of the views in radians, from 0 rising. `None`: for what can be evaluated anywhere, as many as
-    /// [`views`](Self::views) says; for samples, their own views, the normal and the horizon.
+    /// Angles of the views in radians, rising from 0 to at most pi / 2; at most 1024, of an anisotropic surface 64. Default: `None`,
+    /// they are placed; those of anisotropic surfaces are fixed.
     pub knots: Option<Vec<f64>>,
-    /// The table of factors that the lobes are multiplied by; only for what can be evaluated anywhere, and isotropic.
+    /// The table of factors that the lobes are multiplied by. Isotropic surfaces only. Default: [`FactorNodes::Chosen`].
     pub factors: FactorNodes,
     /// Name of the source, hash and the like: the first lines of the material's provenance.
     pub provenance: String,
@@ -63,18 +70,19 @@ pub enum FactorNodes {
     Given([usize; 2]),
 }
 
-/// Views of a material that can be evaluated anywhere.
+/// Views of an isotropic material.
 const USUAL_VIEWS: usize = 15;
 
-/// So many lobes may take the bytes of the last of these, with more views, and are better halfway between them and keep the energy. Four
-/// with 30 views are 6.0 % off there in place of 6.5, but weights are above 20 on five of 22 materials in place of two.
+/// Numbers of lobes that may take the bytes of the largest of them, with more views: errors halfway between the views are smaller, and
+/// the energy is kept better. Four lobes with 30 views have an error of 6.0 % there, against 6.5 % with 15; but weights above 20 occur
+/// on five of 22 materials, against two.
 const PAID_IN_VIEWS: RangeInclusive<usize> = 6..=12;
 
 /// Of twelve lobes, the shapes that are tried: how many are squeezed, and how many pairs mirrored. Each of the four is by far the best of some materials; of six or more, each would get too few starts. Of few lobes
 /// several come to the same, and shapes with half of the lobes squeezed, or one less and a pair, fill up.
 const SHAPES: [(usize, usize); 4] = [(7, 2), (8, 0), (5, 3), (4, 4)];
 
-/// So few lobes, of what can be evaluated anywhere, are tried in two more shapes: all squeezed, and all but one. They are often the
+/// Up to this number of lobes, two more shapes are tried: all squeezed, and all but one. They are often the
 /// best (steel with four: 6.0 % halfway between the views, and 8.4 % without them); with twelve, one more with ten squeezed takes
 /// starts from the others and is worse by 4 %.
 const FEW_LOBES: usize = 8;
@@ -131,7 +139,19 @@ impl Settings {
         range("views", self.views.is_none_or(|n| (2..=256).contains(&n)), "from 2 to 256")
     }
 
-    /// Views of a material that can be evaluated anywhere, of which few lobes, or pairs of them, get more.
+    /// Refuses settings that the fit of an anisotropic surface would ignore.
+    ///
+    /// # Errors
+    /// [`FitError::Setting`], with the name.
+    pub(crate) fn check_anisotropic(&self) -> Result<(), FitError> {
+        let reason = "for isotropic surfaces only, and this one is anisotropic";
+        range("views", self.views.is_none(), reason)?;
+        range("mirrored", self.mirrored.is_none(), reason)?;
+        range("exchanges", self.exchanges == Self::default().exchanges, reason)?;
+        range("factors", !matches!(self.factors, FactorNodes::Given(_)), reason)
+    }
+
+    /// Views of an isotropic material before few lobes, or mirrored pairs of them, get more.
     pub fn view_count(&self) -> usize {
         self.views.unwrap_or(USUAL_VIEWS)
     }
@@ -214,6 +234,51 @@ impl Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The documentation of a field, on one line.
+    fn documented(field: &str) -> String {
+        let text = include_str!("settings.rs");
+        let (before, _) = text.split_once(&format!("    pub {field}: ")).expect("a field");
+        let (_, last) = before.rsplit_once(",\n").unwrap_or(("", before));
+        last.lines().map(|line| line.trim().trim_start_matches("///").trim()).collect::<Vec<_>>().join(" ")
+    }
+
+    #[test]
+    fn the_documentation_states_the_defaults() {
+        let settings = Settings::default();
+        let none = [settings.error.is_none(), settings.squeezed.is_none(), settings.mirrored.is_none()];
+        assert!(none == [true; 3] && settings.views.is_none() && settings.knots.is_none());
+        for (field, says) in [
+            ("lobes", format!("Default: {}.", settings.lobes)),
+            ("error", "Default: `None`".into()),
+            ("squeezed", "Default: `None`".into()),
+            ("mirrored", "Default: `None`".into()),
+            ("smoothness", format!("Default: {:e}.", settings.smoothness)),
+            ("starts", format!("Default: {}.", settings.starts)),
+            ("steps", format!("Default: {}.", settings.steps)),
+            ("exchanges", format!("Default: {}.", settings.exchanges)),
+            ("views", format!("Default: `None`, which stands for {}.", settings.view_count())),
+            ("knots", "Default: `None`".into()),
+            ("factors", format!("Default: [`FactorNodes::{:?}`].", settings.factors)),
+        ] {
+            assert!(documented(field).contains(&says), "{field}: {says} is not in: {}", documented(field));
+        }
+    }
+
+    #[test]
+    fn what_an_anisotropic_fit_would_ignore_is_refused() {
+        let default = Settings::default;
+        assert!(default().check_anisotropic().is_ok());
+        for (name, settings) in [
+            ("views", Settings { views: Some(9), ..default() }),
+            ("mirrored", Settings { mirrored: Some(0), ..default() }),
+            ("exchanges", Settings { exchanges: 3, ..default() }),
+            ("factors", Settings { factors: FactorNodes::Given([4, 3]), ..default() }),
+        ] {
+            let error = settings.check_anisotropic().unwrap_err().to_string();
+            assert!(error.contains(name) && error.contains("anisotropic"), "{error}");
+        }
+    }
 
     #[test]
     fn from_six_lobes_on_the_bytes_of_twelve_are_for_views() {

@@ -30,13 +30,16 @@ fn prepared(material: &Material<Vec<u8>>, degrees: f32, azimuth: f32) -> Mixture
     mixture
 }
 
-/// Mean relative L2 error over the views, the thesis's own figures; albedo at most 1 everywhere; energy near the data's.
+/// Mean relative L2 error over the views, within a tenth of what is stated in docs/figures.md: worse fails, and so does better, as
+/// then the statement is stale. Albedo at most 1 everywhere; energy near the data's.
 #[test]
 #[ignore = "needs SRBF_DATA_DIR"]
 fn materials_of_table_5_1() {
-    for (name, limit) in [("garnet_red", 0.04), ("krylon_blue", 0.059), ("cayman", 0.059)] {
+    for (name, stated) in [("garnet_red", 0.0174), ("krylon_blue", 0.0215), ("cayman", 0.0393)] {
         let Fit { bytes, report } = fitted(name);
-        assert!(report.mean_error() <= limit, "{name}: {} > {limit}", report.mean_error());
+        let error = report.mean_error();
+        println!("{name}: {:.2} %", 100.0 * error);
+        assert!((error / stated - 1.0).abs() < 0.1, "{name}: {error}, stated {stated}");
         assert!(bytes.len() <= 6000, "{name}: {} bytes", bytes.len());
         for view in &report.views {
             for c in 0..3 {

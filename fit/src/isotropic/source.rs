@@ -1,4 +1,4 @@
-//! Fits to what a file holds: samples as they are, or a table made of what can be evaluated anywhere.
+//! Fits of isotropic surfaces: to a BRDF that can be evaluated anywhere, or to what samples are completed to, beside the samples.
 
 use crate::complete::Completion;
 use crate::isotropic::knots::Probes;

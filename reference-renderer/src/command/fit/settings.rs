@@ -85,9 +85,32 @@ impl SettingArgs {
 #[cfg(test)]
 mod tests {
     use crate::command::Cli;
-    use clap::CommandFactory;
+    use crate::command::fit::method::MethodName;
+    use clap::{CommandFactory, ValueEnum};
     use srbf_fit::baselines::lafortune;
     use srbf_fit::{FactorNodes, Settings};
+
+    #[test]
+    fn the_document_states_the_defaults_and_all_methods() {
+        let document = include_str!("../../../../docs/command-line.md");
+        let ours = Settings::default();
+        for (option, default) in [
+            ("`--lobes N`", ours.lobes.to_string()),
+            ("`--smoothness W`", format!("{:e}", ours.smoothness)),
+            ("`--starts N`", ours.starts.to_string()),
+            ("`--steps N`", ours.steps.to_string()),
+            ("`--exchanges N`", ours.exchanges.to_string()),
+            ("`--views N`", ours.view_count().to_string()),
+        ] {
+            let row = format!("| {option} | {default} |");
+            assert!(document.contains(&row), "docs/command-line.md has no {row}");
+        }
+        assert!(document.contains(&format!("may be used ({})", super::MOST_LOBES)));
+        for method in MethodName::value_variants() {
+            let name = method.to_possible_value().unwrap();
+            assert!(document.contains(&format!("| `{}` | ", name.get_name())), "{name:?}");
+        }
+    }
 
     #[test]
     fn the_help_states_the_defaults_of_the_library() {
