@@ -8,7 +8,7 @@ use super::table::{CHUNK, Expanded, IN_PLANE, MIRRORED};
 use crate::color::luminance;
 use crate::error::Error;
 use crate::material::layout::MAX_LOBES;
-use crate::mixture::factors::{Among, Factors};
+use crate::mixture::factors::Nodes;
 use crate::mixture::rows::LEAST_DENSITY;
 use crate::simd::detect::Level;
 use glam::Vec3;
@@ -225,10 +225,10 @@ impl Expanded<'_> {
 
     /// Multiplies values by their factors, if there are some.
     fn multiply(&self, level: Level, wo: &[Numbers; 3], wi: &[Numbers; 3], sums: &mut Sums<3>) {
-        if self.material.factor_nodes().is_none() {
+        let nodes = Nodes::new(self.material.borrowed());
+        if nodes.is_none() {
             return;
         }
-        let factors = Factors::new(self.material.borrowed(), Vec3::Z, Among::NOWHERE);
         // What is no direction has no factor, and 0 times that may be none either.
         let (mut outgoing, mut incident) = (*wo, *wi);
         for i in 0..MOST {
@@ -236,7 +236,7 @@ impl Expanded<'_> {
                 outgoing.iter_mut().chain(&mut incident).for_each(|component| component[i] = 0.5);
             }
         }
-        multiply_pairs(level, &factors, &outgoing, &incident, &mut sums.value);
+        multiply_pairs(level, &nodes, &outgoing, &incident, &mut sums.value);
     }
 
     fn write_samples(
