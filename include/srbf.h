@@ -57,7 +57,7 @@
 /**
  * Version of the `.srbf` bytes that are written; this one and version 1 are read.
  */
-#define SRBF_FORMAT_VERSION 2
+#define SRBF_FORMAT_VERSION 3
 
 /**
  * The best level of this processor and build.
@@ -928,17 +928,18 @@ srbf_status srbf_material_prepare_into(const struct srbf_material *material,
                                        size_t stride);
 
 /**
- * Says how many nodes a material's table of factors has along the half angle and along the difference angle; 0 and 0 without one.
+ * Says how many nodes a material's table of factors has along half angle, difference angle and azimuth; 0, 0 and 0 without one.
  *
  * A mixture of a material with factors reads them from the material: see `srbf_mixture`.
- * Shapes: `half` and `difference` one number each, overwritten.
+ * Shapes: `half`, `difference` and `azimuth` one number each, overwritten.
  */
 srbf_status srbf_material_factor_nodes(const struct srbf_material *material,
                                        size_t *half,
-                                       size_t *difference);
+                                       size_t *difference,
+                                       size_t *azimuth);
 
 /**
- * Gives the largest factor of any node and channel, which no factor exceeds but for rounding; 1 without a table.
+ * Gives what no factor exceeds but for rounding, the largest of any node and channel; 1 without a table.
  *
  * The luminance of a sample's weight is at most the power of its mixture times this, where no channel of a lobe is negative.
  * Shapes: `factor` one number, overwritten.
@@ -947,14 +948,16 @@ srbf_status srbf_material_largest_factor(const struct srbf_material *material,
                                          float *factor);
 
 /**
- * Gives the factor of a node. Status: `SRBF_STATUS_INDEX` past either end, and without a table.
+ * Gives the factor of a node. Status: `SRBF_STATUS_INDEX` past any end, and without a table.
  *
- * Nodes are evenly spaced from 0 to 1 in `(1 - h.z)^(1/4)` and in `(1 - h.wo)^(1/2)`, `h = (wi + wo) / |wi + wo|`.
+ * Nodes are evenly spaced from 0 to 1 in `(1 - h.z)^(1/4)`, in `(1 - h.wo)^(1/2)`, and in the squared cosine of the azimuth of `wo`
+ * round `h = (wi + wo) / |wi + wo|`, which is 1 in the plane of incidence.
  * Shapes: `factor` [3], linear sRGB, overwritten.
  */
 srbf_status srbf_material_factor_node(const struct srbf_material *material,
                                       size_t half,
                                       size_t difference,
+                                      size_t azimuth,
                                       float *factor);
 
 /**

@@ -172,6 +172,7 @@ fn factored_bytes() -> Vec<u8> {
     let factors = FactorTable {
         half: NODES,
         difference: NODES,
+        azimuth: 1,
         factors: &factors,
         albedo_differences: &albedo_differences,
     };

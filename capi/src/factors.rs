@@ -8,28 +8,31 @@ use crate::material::srbf_material;
 use crate::pointers::{Out, read_array};
 use crate::status::{SRBF_STATUS_INDEX, srbf_status};
 
-/// Says how many nodes a material's table of factors has along the half angle and along the difference angle; 0 and 0 without one.
+/// Says how many nodes a material's table of factors has along half angle, difference angle and azimuth; 0, 0 and 0 without one.
 ///
 /// A mixture of a material with factors reads them from the material: see `srbf_mixture`.
-/// Shapes: `half` and `difference` one number each, overwritten.
+/// Shapes: `half`, `difference` and `azimuth` one number each, overwritten.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_material_factor_nodes(
     material: *const srbf_material,
     half: *mut usize,
     difference: *mut usize,
+    azimuth: *mut usize,
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (material, half, difference) =
-            unsafe { (self::material(material)?, Out::new(half)?, Out::new(difference)?) };
-        let [halves, differences] = material.material.factor_nodes().unwrap_or([0; 2]);
+        let (material, half, difference, azimuth) = unsafe {
+            (self::material(material)?, Out::new(half)?, Out::new(difference)?, Out::new(azimuth)?)
+        };
+        let [halves, differences, azimuths] = material.material.factor_nodes().unwrap_or([0; 3]);
         half.set(halves);
         difference.set(differences);
+        azimuth.set(azimuths);
         Ok(())
     })
 }
 
-/// Gives the largest factor of any node and channel, which no factor exceeds but for rounding; 1 without a table.
+/// Gives what no factor exceeds but for rounding, the largest of any node and channel; 1 without a table.
 ///
 /// The luminance of a sample's weight is at most the power of its mixture times this, where no channel of a lobe is negative.
 /// Shapes: `factor` one number, overwritten.
@@ -46,21 +49,23 @@ pub unsafe extern "C" fn srbf_material_largest_factor(
     })
 }
 
-/// Gives the factor of a node. Status: `SRBF_STATUS_INDEX` past either end, and without a table.
+/// Gives the factor of a node. Status: `SRBF_STATUS_INDEX` past any end, and without a table.
 ///
-/// Nodes are evenly spaced from 0 to 1 in `(1 - h.z)^(1/4)` and in `(1 - h.wo)^(1/2)`, `h = (wi + wo) / |wi + wo|`.
+/// Nodes are evenly spaced from 0 to 1 in `(1 - h.z)^(1/4)`, in `(1 - h.wo)^(1/2)`, and in the squared cosine of the azimuth of `wo`
+/// round `h = (wi + wo) / |wi + wo|`, which is 1 in the plane of incidence.
 /// Shapes: `factor` [3], linear sRGB, overwritten.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_material_factor_node(
     material: *const srbf_material,
     half: usize,
     difference: usize,
+    azimuth: usize,
     factor: *mut f32,
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
         let (material, out) = unsafe { (self::material(material)?, Out::<[f32; 3]>::array(factor)?) };
-        out.set(material.material.factor_node(half, difference).ok_or(SRBF_STATUS_INDEX)?);
+        out.set(material.material.factor_node(half, difference, azimuth).ok_or(SRBF_STATUS_INDEX)?);
         Ok(())
     })
 }

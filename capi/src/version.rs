@@ -9,7 +9,7 @@ use core::ffi::c_char;
 pub const SRBF_VERSION: u32 = 100;
 
 /// Version of the `.srbf` bytes that are written; this one and version 1 are read.
-pub const SRBF_FORMAT_VERSION: u32 = 2;
+pub const SRBF_FORMAT_VERSION: u32 = 3;
 
 const TEXT: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
 

@@ -111,8 +111,7 @@ pub(crate) fn fit_brdf(
         seconds: clock.elapsed().as_secs_f64(),
         evaluations: evaluations.into_inner() + done - SCOUTING,
         ending: Some(ending),
-        cross_validation: None,
-        completion: None,
+        ..Report::default()
     };
     progress(1.0);
     Ok(Fit { bytes, report })

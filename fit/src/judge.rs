@@ -1,5 +1,6 @@
 //! How good a fit is, whoever made it.
 
+pub mod appearance;
 pub mod compare;
 pub mod cross;
 pub(crate) mod energy;

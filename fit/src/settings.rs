@@ -59,15 +59,15 @@ pub struct Settings {
     pub provenance: String,
 }
 
-/// Whether lobes are multiplied by factors over half angle and difference angle.
+/// Whether lobes are multiplied by factors over half angle, difference angle and azimuth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FactorNodes {
     /// They are not.
     None,
     /// By the smallest table that is worth its bytes, if any is.
     Chosen,
-    /// By a table of so many nodes over the half angle and over the difference angle.
-    Given([usize; 2]),
+    /// By a table of so many nodes over half angle, difference angle and azimuth.
+    Given([usize; 3]),
 }
 
 /// Views of an isotropic material.
@@ -134,7 +134,9 @@ impl Settings {
         range("steps", (1..=100_000).contains(&self.steps), "from 1 to 100000")?;
         range("exchanges", self.exchanges <= 1000, "at most 1000")?;
         if let FactorNodes::Given(nodes) = self.factors {
-            range("factors", nodes.iter().all(|n| (2..=32).contains(n)), "from 2 to 32 nodes each way")?;
+            let [half, difference, azimuth] = nodes;
+            let is_there = [half, difference].iter().all(|n| (2..=32).contains(n)) && (1..=8).contains(&azimuth);
+            range("factors", is_there, "from 2 to 32 nodes along either angle, and 1 to 8 along the azimuth")?;
         }
         range("views", self.views.is_none_or(|n| (2..=256).contains(&n)), "from 2 to 256")
     }

@@ -122,10 +122,11 @@ static void test_materials(const char *path) {
     CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_view_lobe(material, 8, 0, &lobe));
     CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_view_lobe(material, SIZE_MAX, SIZE_MAX, &lobe));
     CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_view_lobe(material, 0, 12, &lobe));
-    size_t nodes[2];
-    CHECK_OBJECT(srbf_material, material, srbf_material_factor_nodes(p, nodes, nodes + 1));
-    CHECK_POINTER(size_t, nodes, srbf_material_factor_nodes(material, p, nodes + 1));
-    CHECK_POINTER(size_t, nodes, srbf_material_factor_nodes(material, nodes, p));
+    size_t nodes[3];
+    CHECK_OBJECT(srbf_material, material, srbf_material_factor_nodes(p, nodes, nodes + 1, nodes + 2));
+    CHECK_POINTER(size_t, nodes, srbf_material_factor_nodes(material, p, nodes + 1, nodes + 2));
+    CHECK_POINTER(size_t, nodes, srbf_material_factor_nodes(material, nodes, p, nodes + 2));
+    CHECK_POINTER(size_t, nodes, srbf_material_factor_nodes(material, nodes, nodes + 1, p));
     CHECK_OBJECT(srbf_material, material, srbf_material_largest_factor(p, rgb));
     CHECK_POINTER(float, rgb, srbf_material_largest_factor(material, p));
     CHECK_OBJECT(srbf_material, material, srbf_material_factor(p, UP, UP, rgb));
@@ -133,12 +134,12 @@ static void test_materials(const char *path) {
     CHECK_POINTER(float, rgb, srbf_material_factor(material, UP, p, rgb));
     CHECK_POINTER(float, rgb, srbf_material_factor(material, UP, UP, p));
     /* This one has none. */
-    CHECK_OK(srbf_material_factor_nodes(material, nodes, nodes + 1));
+    CHECK_OK(srbf_material_factor_nodes(material, nodes, nodes + 1, nodes + 2));
     CHECK_OK(srbf_material_largest_factor(material, rgb));
-    CHECK(nodes[0] == 0 && nodes[1] == 0 && rgb[0] == 1);
-    CHECK_OBJECT(srbf_material, material, srbf_material_factor_node(p, 0, 0, rgb));
-    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_factor_node(material, 0, 0, NULL));
-    CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_factor_node(material, 0, 0, rgb));
+    CHECK(nodes[0] == 0 && nodes[1] == 0 && nodes[2] == 0 && rgb[0] == 1);
+    CHECK_OBJECT(srbf_material, material, srbf_material_factor_node(p, 0, 0, 0, rgb));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_factor_node(material, 0, 0, 0, NULL));
+    CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_factor_node(material, 0, 0, 0, rgb));
     CHECK_OBJECT(srbf_material, material, srbf_material_view_albedo_difference(p, 0, rgb));
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_view_albedo_difference(material, 0, NULL));
     CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_view_albedo_difference(material, 0, rgb));

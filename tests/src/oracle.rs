@@ -64,10 +64,11 @@ pub fn color(luminance: f64, [rho, beta]: [f64; 2]) -> DVec3 {
 }
 
 /// Factor for a pair of directions above the horizon, of `nodes` evenly spaced nodes from 0 to 1 along the roots of the half angle and of
-/// the difference angle. The directions are taken as they are, rounded to f32.
+/// the difference angle, and along the squared cosine of the azimuth of wo round the half direction from the normal. The directions are
+/// taken as they are, rounded to f32.
 pub fn factor(
-    [half, difference]: [usize; 2],
-    node: impl Fn(usize, usize) -> DVec3,
+    [half, difference, azimuth]: [usize; 3],
+    node: impl Fn(usize, usize, usize) -> DVec3,
     wo: DVec3,
     wi: DVec3,
 ) -> DVec3 {
@@ -81,8 +82,18 @@ pub fn factor(
         (before, x - before as f64)
     };
     let ((i, a), (j, b)) = (place(to_normal.powf(0.25), half), place(to_outgoing.sqrt(), difference));
-    (node(i, j) * (1.0 - a) + node(i + 1, j) * a) * (1.0 - b)
-        + (node(i, j + 1) * (1.0 - a) + node(i + 1, j + 1) * a) * b
+    let plane = |k| {
+        (node(i, j, k) * (1.0 - a) + node(i + 1, j, k) * a) * (1.0 - b)
+            + (node(i, j + 1, k) * (1.0 - a) + node(i + 1, j + 1, k) * a) * b
+    };
+    if azimuth == 1 {
+        return plane(0);
+    }
+    // Both wo and the normal without what they have along the half direction; where one is nothing, all azimuths have the same nodes.
+    let (h, apart) = (sum.normalize(), wi - wo);
+    let cosine = apart.normalize_or_zero().z / h.x.hypot(h.y).max(1e-300);
+    let (k, c) = place((cosine * cosine).min(1.0), azimuth);
+    plane(k) * (1.0 - c) + plane(k + 1) * c
 }
 
 /// Density of a mixture that is in the caller's frame.

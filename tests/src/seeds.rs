@@ -24,9 +24,12 @@ pub fn factored() -> Vec<u8> {
         diffuse_color_differences: [-1.2, 3.0],
         lobes: &lobes[v],
     };
-    let factors: Vec<[f32; 3]> = (0..12).map(|n| [0.6 * n as f32, 1.0, 0.0]).collect();
+    let plane = (0..12).map(|n| [0.6 * n as f32, 1.0, 0.0]);
+    let factors: Vec<[f32; 3]> = plane.clone().chain(plane).collect();
+    let albedo_differences = [[0.5, -0.2, 1.0]; 2];
+    let (half, difference, azimuth) = (4, 3, 2);
     let table =
-        FactorTable { half: 4, difference: 3, factors: &factors, albedo_differences: &[[0.5, -0.2, 1.0]; 2] };
+        FactorTable { half, difference, azimuth, factors: &factors, albedo_differences: &albedo_differences };
     let line = Line { views: &[view(0), view(1)], squeezed: 1, mirrored: 0, factors: Some(table) };
     encoded(line.encoded_len(SEED), |out| line.encode(SEED, out))
 }
@@ -141,6 +144,7 @@ fn lobe_count(random: &mut Random) -> usize {
 struct Table {
     half: usize,
     difference: usize,
+    azimuth: usize,
     factors: Vec<[f32; 3]>,
     albedo_differences: Vec<[f32; 3]>,
 }
@@ -152,15 +156,27 @@ impl Table {
             return None;
         }
         let [half, difference] = [(); 2].map(|()| [2, 3, 32][random.below(3)]);
+        let azimuth = [1, 2, 8][random.below(3)];
         let mut three = |low, high| [(); 3].map(|()| random.end(low, high));
-        let factors = (0..half * difference).map(|_| three(0.0, 8.07)).collect();
+        let mut factors: Vec<[f32; 3]> = (0..azimuth * half * difference).map(|_| three(0.0, 8.07)).collect();
+        same_without_azimuth(&mut factors, half, difference);
         let albedo_differences = (0..views).map(|_| three(-16.0, 16.0)).collect();
-        Some(Self { half, difference, factors, albedo_differences })
+        Some(Self { half, difference, azimuth, factors, albedo_differences })
     }
 
     fn borrow(&self) -> FactorTable<'_> {
-        let Self { half, difference, ref factors, ref albedo_differences } = *self;
-        FactorTable { half, difference, factors, albedo_differences }
+        let Self { half, difference, azimuth, ref factors, ref albedo_differences } = *self;
+        FactorTable { half, difference, azimuth, factors, albedo_differences }
+    }
+}
+
+/// Where half angle or difference angle are 0 there is no azimuth: the nodes of all are those of the first.
+pub fn same_without_azimuth(factors: &mut [[f32; 3]], half: usize, difference: usize) {
+    for n in 0..factors.len() {
+        let (i, j) = (n / difference % half, n % difference);
+        if i == 0 || j == 0 {
+            factors[n] = factors[i * difference + j];
+        }
     }
 }
 

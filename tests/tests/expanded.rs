@@ -7,6 +7,7 @@ use srbf_core::{
 };
 use srbf_tests::inputs::Random;
 use srbf_tests::partition::Partition;
+use srbf_tests::seeds::same_without_azimuth;
 use srbf_tests::statistics::sidak;
 use srbf_tests::tolerance::Worst;
 
@@ -126,13 +127,15 @@ impl Kind {
             })
             .collect();
         const NODES: usize = 8;
-        let factors: Vec<[f32; 3]> = (0..NODES * NODES)
+        let mut factors: Vec<[f32; 3]> = (0..3 * NODES * NODES)
             .map(|n| [0.8, 1.0, 1.2].map(|f| f + 0.3 * ((n / NODES) as f32 * 0.7 + (n % NODES) as f32).sin()))
             .collect();
+        same_without_azimuth(&mut factors, NODES, NODES);
         let albedo_differences = vec![[0.1; 3]; views.len()];
         let table = FactorTable {
             half: NODES,
             difference: NODES,
+            azimuth: 3,
             factors: &factors,
             albedo_differences: &albedo_differences,
         };

@@ -137,8 +137,9 @@ fn is_sound(direction: Vec3, pdf: f32, weight: Vec3, place: impl Fn() -> String)
 #[test]
 fn srbf_bytes() {
     let factored = seeds::factored();
-    let seeds: [&[u8]; 5] = [
+    let seeds: [&[u8]; 6] = [
         include_bytes!("../corpus/version1.srbf"),
+        include_bytes!("../corpus/version2.srbf"),
         &factored,
         include_bytes!("../../presets/garnet_red.srbf"),
         include_bytes!("../../presets/krylon_blue.srbf"),

@@ -6,6 +6,7 @@ use srbf_core::{
     SamplesMut, TiltedLobe, View,
 };
 use srbf_tests::inputs::Random;
+use srbf_tests::seeds::same_without_azimuth;
 
 type Inputs<'a> = [&'a [f32]; 3];
 type Done = Result<(), Error>;
@@ -182,9 +183,11 @@ fn check(shape: &dyn Verbs, of_each: &[&Mixture<64>], wi: &[Vec3], u: &[Vec3], p
 
 /// A table of factors for so many views.
 fn with_factors(random: &mut Random, views: usize, run: impl FnOnce(FactorTable) -> Vec<u8>) -> Vec<u8> {
-    let factors: Vec<[f32; 3]> = (0..35).map(|_| [(); 3].map(|()| random.between(0.3, 2.0))).collect();
+    let (half, difference, azimuth) = (7, 5, 3);
+    let mut factors: Vec<[f32; 3]> = (0..105).map(|_| [(); 3].map(|()| random.between(0.3, 2.0))).collect();
+    same_without_azimuth(&mut factors, half, difference);
     let albedo_differences = vec![[0.0; 3]; views];
-    run(FactorTable { half: 7, difference: 5, factors: &factors, albedo_differences: &albedo_differences })
+    run(FactorTable { half, difference, azimuth, factors: &factors, albedo_differences: &albedo_differences })
 }
 
 /// An isotropic material of three views.

@@ -9,6 +9,8 @@
 use super::block::{DrawBlock, SumBlock};
 #[cfg(feature = "simd")]
 use super::multiply_factors::multiply_block;
+#[cfg(feature = "simd")]
+use crate::mixture::factors::Nodes;
 use super::prepare::{prepare, prepare_each};
 use super::sights::MOST;
 #[cfg(feature = "simd")]
@@ -401,14 +403,12 @@ fn level_of_block<const N: usize>(mixtures: &[&Mixture<'_, N>]) -> Option<Level>
     if mixtures.len() < FEW || level == Level::Scalar {
         return None;
     }
-    let factors =
-        mixtures.iter().map(|m| m.head.factors.nodes).find(|nodes| !nodes.is_empty()).unwrap_or(&[]);
+    let factors = mixtures.iter().map(|m| m.head.factors.nodes).find(|nodes| !nodes.is_none());
+    let factors = factors.unwrap_or(Nodes::NONE);
     let fits = |m: &&Mixture<'_, N>| {
         let nodes = m.head.factors.nodes;
         // What has neither lobes nor factors may be multiplied by any.
-        let same_factors = (nodes.is_empty() && m.is_nothing())
-            || nodes.as_ptr() == factors.as_ptr()
-            || nodes.len() + factors.len() == 0;
+        let same_factors = (nodes.is_none() && m.is_nothing()) || nodes.is(&factors);
         m.head.level == level && m.head.domain == Domain::Hemisphere && same_factors
     };
     mixtures.iter().all(fits).then_some(level)

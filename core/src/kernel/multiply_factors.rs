@@ -1,6 +1,6 @@
 //! Multiplies values by their factors, in vectors of directions.
 
-use crate::mixture::factors::{Factors, squares};
+use crate::mixture::factors::{Nodes, variables};
 use crate::mixture::rows::Head;
 #[cfg(feature = "simd")]
 use crate::mixture::rows::Mixture;
@@ -19,7 +19,7 @@ enum Outgoing<'a> {
 
 /// Multiplies values by their factors.
 struct Multiply<'a, 'm> {
-    factors: &'a Factors<'m>,
+    nodes: &'a Nodes<'m>,
     wo: Outgoing<'a>,
     wi: [&'a [f32]; 3],
     value: [&'a mut [f32]; 3],
@@ -38,9 +38,9 @@ impl Routine for Multiply<'_, '_> {
     #[inline(always)]
     #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
     fn run<L: Lanes>(self) {
-        let Self { factors, wo, wi, value: [red, green, blue] } = self;
+        let Self { nodes, wo, wi, value: [red, green, blue] } = self;
         let n = red.len();
-        let mut staged = [[L::splat(0.0); 2]; STAGED];
+        let mut staged = [[L::splat(0.0); 3]; STAGED];
         let mut from = 0;
         while from < n {
             let vectors = STAGED.min((n - from).div_ceil(L::COUNT));
@@ -55,15 +55,15 @@ impl Routine for Multiply<'_, '_> {
                         [some(&wo[0][at..], count), some(&wo[1][at..], count), some(&wo[2][at..], count)]
                     }
                 };
-                staged[i] = squares(outgoing, incident);
+                staged[i] = variables(outgoing, incident, nodes.has_azimuth());
             }
             for i in 0..vectors {
-                staged[i] = factors.places(staged[i]);
+                staged[i] = nodes.places(staged[i]);
             }
             for i in 0..vectors {
                 let at = from + i * L::COUNT;
                 let count = L::COUNT.min(n - at);
-                let factor = factors.between(staged[i]);
+                let factor = nodes.between(staged[i]);
                 times(&mut red[at..], factor[0], count);
                 times(&mut green[at..], factor[1], count);
                 times(&mut blue[at..], factor[2], count);
@@ -107,36 +107,36 @@ pub(crate) fn multiply_block<const N: usize, const B: usize>(
     value: &mut [[f32; B]; 3],
 ) {
     // A mixture that reflects nothing has none.
-    let Some(factors) = mixtures.iter().map(|m| &m.head.factors).find(|factors| !factors.is_none()) else {
+    let Some(nodes) = mixtures.iter().map(|m| &m.head.factors.nodes).find(|nodes| !nodes.is_none()) else {
         return;
     };
     let mut wo = [[0.5; B]; 3];
     for (i, m) in mixtures.iter().take(B).enumerate() {
         [wo[0][i], wo[1][i], wo[2][i]] = m.head.factors.wo;
     }
-    multiply_pairs(level, factors, &wo, directions, value);
+    multiply_pairs(level, nodes, &wo, directions, value);
     // The factor towards what is no direction may be none.
     for (i, _) in mixtures.iter().take(B).enumerate().filter(|(_, m)| m.is_nothing()) {
         value.iter_mut().for_each(|channel| channel[i] = 0.0);
     }
 }
 
-/// Multiplies the values of a block of pairs of an outgoing and an incident direction.
+/// Multiplies the values of a block of pairs of an outgoing and an incident direction; there has to be a table.
 pub(crate) fn multiply_pairs<const B: usize>(
     level: Level,
-    factors: &Factors<'_>,
+    nodes: &Nodes<'_>,
     [wo_x, wo_y, wo_z]: &[[f32; B]; 3],
     [wi_x, wi_y, wi_z]: &[[f32; B]; 3],
     [red, green, blue]: &mut [[f32; B]; 3],
 ) {
     let wo = Outgoing::Each([wo_x, wo_y, wo_z]);
-    level.run(Multiply { factors, wo, wi: [wi_x, wi_y, wi_z], value: [red, green, blue] });
+    level.run(Multiply { nodes, wo, wi: [wi_x, wi_y, wi_z], value: [red, green, blue] });
 }
 
 impl Head<'_> {
     /// Multiplies values towards n directions by their factors.
     pub(crate) fn multiply(&self, wi: [&[f32]; 3], value: [&mut [f32]; 3]) {
         let wo = Outgoing::One(self.factors.wo);
-        self.level.run(Multiply { factors: &self.factors, wo, wi, value });
+        self.level.run(Multiply { nodes: &self.factors.nodes, wo, wi, value });
     }
 }

@@ -205,7 +205,7 @@ impl<const N: usize> One<&Mixture<'_, N>> for FactoredOne {
     #[inline(always)]
     fn run<L: Lanes>(m: &Mixture<'_, N>, direction: [f32; 3]) -> (Vec3, f32) {
         // First, as it is the longer chain of dependent operations: the lobes are summed beside it.
-        let factor = m.head.factors.towards::<L::One>(direction);
+        let factor = m.head.factors.nodes.towards::<L::One>(m.head.factors.wo, direction);
         let value = value_one::<L, N, true>(m, direction);
         (value * factor, luminance(value))
     }

@@ -1,8 +1,8 @@
 //! A material in its bytes, owned or borrowed: lobes at view knots, read in place.
 
-use super::factor_table::decoded;
+use super::factor_table::{decoded, node_at};
 use super::format_error::FormatError;
-use super::layout::{Header, Kind, f32_at, u32_at};
+use super::layout::{Header, Kind, f32_at};
 use super::validate::validate;
 use super::views::{PlaneLobe, TiltedLobe};
 use crate::color::color_differences;
@@ -81,8 +81,8 @@ impl<B: AsRef<[u8]>> Material<B> {
 
     /// Where the material comes from, as its maker wrote it.
     pub fn provenance(&self) -> &str {
-        let end = self.bytes().len() - 4;
-        core::str::from_utf8(&self.bytes()[end - self.header.provenance..end]).unwrap_or_default()
+        let start = self.header.text;
+        core::str::from_utf8(&self.bytes()[start..start + self.header.provenance]).unwrap_or_default()
     }
 
     /// Whether the mixture depends only on the angle of the outgoing direction from the normal, but for a
@@ -188,12 +188,12 @@ impl<B: AsRef<[u8]>> Material<B> {
 }
 
 impl<B: AsRef<[u8]>> Material<B> {
-    /// Nodes of the table of factors along the half angle and along the difference angle; `None` without one.
-    pub fn factor_nodes(&self) -> Option<[usize; 2]> {
+    /// Nodes of the table of factors along half angle, difference angle and azimuth; `None` without one.
+    pub fn factor_nodes(&self) -> Option<[usize; 3]> {
         self.header.has_factors().then(|| self.header.factors.map(usize::from))
     }
 
-    /// Largest factor of any node and channel, which no factor exceeds but for rounding; 1 without a table.
+    /// What no factor exceeds but for rounding: the largest of any node and channel; 1 without a table.
     ///
     /// The luminance of a sample's weight is at most the power of its mixture times this, where no channel of
     /// a lobe is negative.
@@ -201,12 +201,21 @@ impl<B: AsRef<[u8]>> Material<B> {
         if self.factor_nodes().is_none() { 1.0 } else { f32_at(self.bytes(), self.header.nodes() - 4) }
     }
 
-    /// The factor of a node, linear sRGB; `None` past either end, and without a table.
-    pub fn factor_node(&self, half: usize, difference: usize) -> Option<[f32; 3]> {
-        let [halves, differences] = self.factor_nodes()?;
-        let offset = self.header.nodes() + 4 * (half * differences + difference);
-        (half < halves && difference < differences)
-            .then(|| [0, 1, 2].map(|place| decoded(u32_at(self.bytes(), offset), place)))
+    /// Bytes of the table of factors with what stands beside it; 0 without one.
+    pub fn factor_len(&self) -> usize {
+        if self.factor_nodes().is_none() { 0 } else { self.header.nodes_end() - self.header.table }
+    }
+
+    /// The factor of a node, linear sRGB; `None` past any end, and without a table.
+    pub fn factor_node(&self, half: usize, difference: usize, azimuth: usize) -> Option<[f32; 3]> {
+        let [halves, differences, azimuths] = self.factor_nodes()?;
+        if half >= halves || difference >= differences || azimuth >= azimuths {
+            return None;
+        }
+        let place = (azimuth * halves + half) * differences + difference;
+        let header = &self.header;
+        let node = node_at(self.bytes(), header, header.nodes() + header.node_len() * place);
+        Some([0, 1, 2].map(|channel| decoded(node, channel, header.bits, self.largest_factor())))
     }
 
     /// What the factors change of the albedo of a view, relative to the luminance of the lobes' own, linear sRGB, as

@@ -1,37 +1,35 @@
 //! Writes the bytes of a material.
 
 use super::checksum::crc32;
-use super::factor_table::{FactorTable, largest};
+use super::factor_table::FactorTable;
 use super::format_error::{FORMAT_VERSION, FormatError};
-use super::layout::{Header, Kind, MAGIC, MIRRORED, Shape};
+use super::layout::{BLOCK_HEAD, FACT, HEADER, Header, Kind, LOBE, MAGIC, MIRRORED, Shape, TABLE_HEAD, TEXT};
 use super::validate::validate;
 use super::views::{Grid, Line};
 
 /// Bytes that [`Line::encode`] writes without factors, for so many views of so many lobes, the last
 /// `mirrored` of which stand for two; of 1024 views and 64 lobes at most.
 pub const fn encoded_len(views: usize, lobes: usize, mirrored: usize, provenance: &str) -> usize {
-    let provenance = provenance.len();
-    let (kind, has_luminance, factors) = (Kind::Line, true, [0; 2]);
-    Header { kind, views, lobes, squeezed: 0, mirrored, provenance, has_luminance, factors }.len()
+    Header { views, lobes, mirrored, provenance: provenance.len(), ..Header::EMPTY }.placed().1
 }
 
 impl Line<'_> {
-    fn header(&self, provenance: &str) -> Header {
-        Header {
-            kind: Kind::Line,
+    fn header(&self, provenance: &str) -> (Header, usize) {
+        let header = Header {
             views: self.views.len(),
             lobes: self.views.first().map_or(0, |v| v.lobes.len()),
             squeezed: self.squeezed,
             mirrored: self.mirrored,
             provenance: provenance.len(),
-            has_luminance: true,
             factors: FactorTable::shape(self.factors.as_ref()),
-        }
+            ..Header::EMPTY
+        };
+        header.placed()
     }
 
     /// Bytes that [`encode`](Self::encode) writes.
     pub fn encoded_len(&self, provenance: &str) -> usize {
-        self.header(provenance).len()
+        self.header(provenance).1
     }
 
     /// Writes a material as `.srbf` bytes and checks them as a reader would.
@@ -45,13 +43,12 @@ impl Line<'_> {
     /// a material.
     pub fn encode(&self, provenance: &str, out: &mut [u8]) -> Result<usize, FormatError> {
         let Self { views, squeezed, mirrored, factors } = *self;
-        let header = self.header(provenance);
+        let (header, needed) = self.header(provenance);
         let lobes = header.lobes;
         if mirrored > lobes {
             return Err(FormatError::Field { name: "number of mirrored lobes", offset: MIRRORED });
         }
-        factors.map_or(Ok(()), |table| table.check(views.len()))?;
-        let needed = header.len();
+        factors.map_or(Ok(()), |table| table.check(views.len(), header.table))?;
         if out.len() < needed {
             return Err(FormatError::Buffer { needed, available: out.len() });
         }
@@ -64,8 +61,7 @@ impl Line<'_> {
                 return field("angle out of the plane of incidence", 5);
             }
         }
-        let counts = [views.len(), lobes, squeezed, provenance.len(), mirrored, 0];
-        let mut writer = Writer::new(out, 0, counts, header.factors, needed);
+        let mut writer = Writer::new(out, 0, [views.len(), lobes, squeezed, mirrored, 0], needed);
         views.iter().for_each(|view| writer.number(view.theta));
         for view in views {
             writer.number(view.log2_squeeze);
@@ -92,21 +88,15 @@ struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    /// Begins with the header: kind, length of the whole, the fields that follow it, and the sizes of the
-    /// table of factors.
-    fn new(
-        out: &'a mut [u8],
-        kind: usize,
-        fields: [usize; 6],
-        [half, difference]: [u8; 2],
-        length: usize,
-    ) -> Self {
+    /// Begins with the header: kind, length of the whole, and the fields that follow it; and with the block of lobes.
+    fn new(out: &'a mut [u8], kind: usize, fields: [usize; 5], length: usize) -> Self {
         let mut writer = Self { out: &mut out[..length], at: 0 };
         writer.put(&MAGIC);
-        let nodes = usize::from(half) | usize::from(difference) << 16;
-        for n in [FORMAT_VERSION as usize, kind, length].into_iter().chain(fields).chain([nodes]) {
+        for n in [FORMAT_VERSION as usize, kind, length].into_iter().chain(fields) {
             writer.put(&u32::try_from(n).unwrap_or(u32::MAX).to_le_bytes());
         }
+        let start = writer.begin(LOBE);
+        debug_assert!(start == HEADER);
         writer
     }
 
@@ -119,15 +109,40 @@ impl<'a> Writer<'a> {
         self.put(&n.to_le_bytes());
     }
 
+    /// Begins a block; returns where its content starts.
+    fn begin(&mut self, tag: [u8; 4]) -> usize {
+        self.put(&tag);
+        self.put(&[0; BLOCK_HEAD - 4]);
+        self.at
+    }
+
+    /// Ends a block whose content starts at an offset: its length is known, and zeros follow.
+    fn end(&mut self, start: usize) {
+        let length = u32::try_from(self.at - start).unwrap_or(u32::MAX);
+        self.out[start - 4..start].copy_from_slice(&length.to_le_bytes());
+        while !self.at.is_multiple_of(4) {
+            self.put(&[0]);
+        }
+    }
+
     /// Ends with the factors, provenance and checksum, and checks the whole; returns its length.
     fn finish(mut self, factors: Option<FactorTable<'_>>, provenance: &str) -> Result<usize, FormatError> {
+        self.end(HEADER);
         if let Some(table) = factors {
+            let start = self.begin(FACT);
+            self.put(&FactorTable::shape(Some(&table)));
+            self.put(&[0; TABLE_HEAD - 3]);
             table.albedo_differences.iter().flatten().for_each(|n| self.number(*n));
-            let nodes = || table.factors.iter().map(FactorTable::node);
-            self.number(nodes().fold(0.0, |most, node| most.max(largest(node))));
-            nodes().for_each(|node| self.put(&node.to_le_bytes()));
+            let largest = table.largest();
+            self.number(largest);
+            table.factors.iter().for_each(|f| self.put(&FactorTable::node(f, largest)));
+            self.end(start);
         }
-        self.put(provenance.as_bytes());
+        if !provenance.is_empty() {
+            let start = self.begin(TEXT);
+            self.put(provenance.as_bytes());
+            self.end(start);
+        }
         let checksum = crc32(&self.out[..self.at]);
         self.put(&checksum.to_le_bytes());
         validate(self.out)?;
@@ -136,23 +151,23 @@ impl<'a> Writer<'a> {
 }
 
 impl Grid<'_> {
-    fn header(&self, provenance: &str) -> Header {
+    fn header(&self, provenance: &str) -> (Header, usize) {
         let shape = Shape { thetas: self.thetas.len(), azimuths: self.azimuths, turns: self.turns };
-        Header {
+        let header = Header {
             kind: Kind::Grid(shape),
             views: self.views.len(),
             lobes: self.views.first().map_or(0, |v| v.lobes.len()),
             squeezed: self.squeezed,
-            mirrored: 0,
             provenance: provenance.len(),
-            has_luminance: true,
             factors: FactorTable::shape(self.factors.as_ref()),
-        }
+            ..Header::EMPTY
+        };
+        header.placed()
     }
 
     /// Bytes that [`encode`](Self::encode) writes.
     pub fn encoded_len(&self, provenance: &str) -> usize {
-        self.header(provenance).len()
+        self.header(provenance).1
     }
 
     /// Writes an anisotropic material as `.srbf` bytes and checks them as a reader would.
@@ -163,9 +178,8 @@ impl Grid<'_> {
     /// [`FormatError::Buffer`] if `out` is too small; [`FormatError::Field`] for a value that has no place in
     /// a material.
     pub fn encode(&self, provenance: &str, out: &mut [u8]) -> Result<usize, FormatError> {
-        let header = self.header(provenance);
-        let needed = header.len();
-        self.factors.map_or(Ok(()), |table| table.check(self.views.len()))?;
+        let (header, needed) = self.header(provenance);
+        self.factors.map_or(Ok(()), |table| table.check(self.views.len(), header.table))?;
         if out.len() < needed {
             return Err(FormatError::Buffer { needed, available: out.len() });
         }
@@ -178,8 +192,8 @@ impl Grid<'_> {
         if self.views.iter().any(|view| view.lobes.len() != lobes) {
             return field("number of lobes of a view", 24);
         }
-        let fields = [thetas, lobes, self.squeezed, provenance.len(), self.azimuths, self.turns];
-        let mut writer = Writer::new(out, 1, fields, header.factors, needed);
+        let fields = [thetas, lobes, self.squeezed, self.azimuths, self.turns];
+        let mut writer = Writer::new(out, 1, fields, needed);
         self.thetas.iter().for_each(|theta| writer.number(*theta));
         for view in self.views {
             let diffuse = [view.log2_diffuse].into_iter().chain(view.diffuse_color_differences);

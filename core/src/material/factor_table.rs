@@ -1,26 +1,48 @@
 //! The table of factors as it is given to a writer, and the codes by which it is stored.
-//!
-//! A factor is stored as `q` in 0..=1023, as `(q / 360)^2`.
 
 use super::format_error::FormatError;
-use super::layout::NODES;
+use super::layout::{Header, u32_at};
 
-/// A code over this, squared, is the factor.
-pub(crate) const UNIT: f32 = 360.0;
+/// Code of the largest factor: a code over this, squared, times the largest, is a factor.
+pub(crate) const MOST_CODE: f32 = 255.0;
 
-/// Largest code of a channel.
-pub(crate) const MOST_CODE: u32 = 1023;
+/// In version 2 a code over this, squared, is the factor.
+pub(crate) const UNIT_2: f32 = 360.0;
 
-/// Table sizes that there are, along either variable.
+/// Largest factor that there is: that of the largest code of version 2, and what rounds to it.
+pub(crate) const MOST_FACTOR: f32 = (1023.5 / 360.0) * (1023.5 / 360.0);
+
+/// Table sizes that there are, along half angle and difference angle, and along the azimuth.
 pub(crate) const SIZES: core::ops::RangeInclusive<usize> = 2..=32;
+pub(crate) const AZIMUTHS: core::ops::RangeInclusive<usize> = 1..=8;
 
-/// The factor of a channel of a node; `place` counts the channels.
-pub(crate) fn decoded(node: u32, place: usize) -> f32 {
-    let root = f64::from(node >> (10 * place) & MOST_CODE) / f64::from(UNIT);
-    (root * root) as f32
+/// What a code is multiplied by, before it is squared, for a table of so many bits a channel and a largest factor.
+#[inline(always)]
+pub(crate) fn unit(bits: u8, largest: f32) -> f32 {
+    if bits == 8 { crate::float::sqrt(largest) / MOST_CODE } else { 1.0 / UNIT_2 }
 }
 
-/// Factors over the half angle and the difference angle, for all views of a material; see
+/// A node's three codes, one behind the other as the lowest bits; `offset` is the node's, behind which the checksum
+/// stands at least.
+pub(crate) fn node_at(bytes: &[u8], header: &Header, offset: usize) -> u32 {
+    let four = u32_at(bytes, offset);
+    if header.node_len() == 3 { four & 0xff_ffff } else { four }
+}
+
+/// The factor of a channel of a node; `place` counts the channels.
+pub(crate) fn decoded(node: u32, place: usize, bits: u8, largest: f32) -> f32 {
+    let code = node >> (usize::from(bits) * place) & ((1 << bits) - 1);
+    let (unit, scale) = if bits == 8 { (MOST_CODE, largest) } else { (UNIT_2, 1.0) };
+    let root = f64::from(code) / f64::from(unit);
+    (root * root * f64::from(scale)) as f32
+}
+
+/// The largest factor of a node of version 2.
+pub(crate) fn largest_2(node: u32) -> f32 {
+    (0..3).map(|place| decoded(node, place, 10, 0.0)).fold(0.0, f32::max)
+}
+
+/// Factors over half angle, difference angle and azimuth, for all views of a material; see
 /// [`Material::factor`](crate::Material::factor).
 ///
 /// ```
@@ -36,7 +58,7 @@ pub(crate) fn decoded(node: u32, place: usize) -> f32 {
 /// let none = [0.0; 2];
 /// let view = View { theta: 0.0, log2_squeeze: 0.0, log2_diffuse: -126.0, diffuse_color_differences: none, lobes: &lobes };
 /// // Twice as bright everywhere: the albedo differs by as much as there was.
-/// let factors = FactorTable { half: 2, difference: 2, factors: &[[2.0; 3]; 4], albedo_differences: &[[1.0; 3]] };
+/// let factors = FactorTable { half: 2, difference: 2, azimuth: 1, factors: &[[2.0; 3]; 4], albedo_differences: &[[1.0; 3]] };
 /// let line = Line { views: &[view], squeezed: 0, mirrored: 0, factors: Some(factors) };
 /// let mut bytes = vec![0; line.encoded_len("")];
 /// line.encode("", &mut bytes)?;
@@ -51,8 +73,11 @@ pub struct FactorTable<'a> {
     pub half: usize,
     /// Nodes along the difference angle, in `(1 - h.wo)^(1/2)`; 2 to 32.
     pub difference: usize,
-    /// Factors, linear sRGB, [half * difference], those of one half angle together; [0, 8.07]. Their roots
-    /// are rounded to 1/360.
+    /// Nodes along the azimuth, in `cos^2 phi`; 1 to 8, 1 where the factors do not depend on it.
+    pub azimuth: usize,
+    /// Factors, linear sRGB, [azimuth * half * difference], those of one azimuth together, and in them those of one
+    /// half angle; [0, 8.08]. Their roots are rounded to 1/255 of the largest one. Where a half angle or a difference
+    /// angle is 0 there is no azimuth: there the factors of all have to be the same.
     pub factors: &'a [[f32; 3]],
     /// What the factors change of the albedo, `(B - A) / Y`: B is the albedo with factors, A that of lobes and
     /// diffuse term without, Y the luminance of A; linear sRGB, one a view, in the order of the views; [-16, 16].
@@ -60,41 +85,45 @@ pub struct FactorTable<'a> {
 }
 
 impl FactorTable<'_> {
-    /// Its sizes as the header has them.
-    pub(crate) fn shape(table: Option<&Self>) -> [u8; 2] {
+    /// Its sizes as a file has them.
+    pub(crate) fn shape(table: Option<&Self>) -> [u8; 3] {
         // What is too large stays too large.
-        table.map_or([0; 2], |t| [t.half, t.difference].map(|n| n.min(255) as u8))
+        table.map_or([0; 3], |t| [t.half, t.difference, t.azimuth].map(|n| n.min(255) as u8))
     }
 
-    /// Refuses what has no place in a file.
-    pub(crate) fn check(&self, views: usize) -> Result<(), FormatError> {
-        let field = |name| Err(FormatError::Field { name, offset: NODES });
-        if ![self.half, self.difference].iter().all(|n| SIZES.contains(n)) {
+    /// Refuses what has no place in a file; `offset` is that of the block.
+    pub(crate) fn check(&self, views: usize, offset: usize) -> Result<(), FormatError> {
+        let Self { half, difference, azimuth, factors, albedo_differences } = *self;
+        let field = |name| Err(FormatError::Field { name, offset });
+        if ![half, difference].iter().all(|n| SIZES.contains(n)) || !AZIMUTHS.contains(&azimuth) {
             return field("size of the table of factors");
         }
-        if self.factors.len() != self.half * self.difference {
+        if factors.len() != azimuth * half * difference {
             return field("number of factors");
         }
-        if self.albedo_differences.len() != views {
+        if albedo_differences.len() != views {
             return field("number of albedo differences");
         }
-        let most = (MOST_CODE as f32 + 0.5) / UNIT;
         // False for NaN too.
-        if !self.factors.iter().flatten().all(|f| (0.0..most * most).contains(f)) {
+        if !factors.iter().flatten().all(|f| (0.0..=MOST_FACTOR).contains(f)) {
             return field("factor");
+        }
+        let plane = half * difference;
+        let has_no_azimuth = |n: usize| n < difference || n.is_multiple_of(difference);
+        if (plane..factors.len()).any(|n| has_no_azimuth(n % plane) && factors[n] != factors[n % plane]) {
+            return field("factor where there is no azimuth");
         }
         Ok(())
     }
 
-    /// A node's three codes.
-    pub(crate) fn node(factor: &[f32; 3]) -> u32 {
-        let code = |f: &f32| (f64::from(UNIT) * libm::sqrt(f64::from(*f)) + 0.5) as u32;
-        let [red, green, blue] = [code(&factor[0]), code(&factor[1]), code(&factor[2])];
-        red.min(MOST_CODE) | green.min(MOST_CODE) << 10 | blue.min(MOST_CODE) << 20
+    /// The largest factor.
+    pub(crate) fn largest(&self) -> f32 {
+        self.factors.iter().flatten().fold(0.0, |most, f| most.max(*f))
     }
-}
 
-/// The largest factor of a node.
-pub(crate) fn largest(node: u32) -> f32 {
-    (0..3).map(|place| decoded(node, place)).fold(0.0, f32::max)
+    /// A node's three codes, given the largest factor of all.
+    pub(crate) fn node(factor: &[f32; 3], largest: f32) -> [u8; 3] {
+        let scale = if largest > 0.0 { 1.0 / f64::from(largest) } else { 0.0 };
+        factor.map(|f| (f64::from(MOST_CODE) * libm::sqrt(f64::from(f) * scale) + 0.5) as u8)
+    }
 }

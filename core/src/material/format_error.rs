@@ -2,8 +2,8 @@
 
 use core::fmt;
 
-/// Version of the `.srbf` bytes that this library writes; it reads this one and version 1.
-pub const FORMAT_VERSION: u32 = 2;
+/// Version of the `.srbf` bytes that this library writes; it reads all from version 1 on.
+pub const FORMAT_VERSION: u32 = 3;
 
 /// Why bytes are not a `.srbf` material, with the place.
 #[derive(Clone, Copy, Debug, PartialEq)]

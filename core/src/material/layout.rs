@@ -1,21 +1,31 @@
-//! The `.srbf` bytes: little endian, fixed header, views, table of factors, provenance, checksum. Two kinds:
-//! views along one angle, for isotropic materials, described here; and views over the hemisphere, for
-//! anisotropic ones, described below.
+//! The `.srbf` bytes: little endian, a fixed head, blocks, checksum. Two kinds: views along one angle, for isotropic
+//! materials; and views over the hemisphere, for anisotropic ones.
 //!
 //! ```text
 //!  0  8 bytes   magic 89 53 52 42 46 0D 0A 1A
-//!  8  u32       version, 2
+//!  8  u32       version, 3
 //! 12  u32       kind, 0 = isotropic, symmetric about the plane of incidence; 1 = anisotropic
 //! 16  u32       length of the whole file in bytes
-//! 20  u32       views V, 1 to 1024
+//! 20  u32       views V, 1 to 1024; of an anisotropic material angles from the normal T, 1 to 1024
 //! 24  u32       lobes K of every view, 1 to 64
 //! 28  u32       squeezed lobes, the first of the K
-//! 32  u32       bytes of the provenance text
-//! 36  u32       mirrored lobes M, the last of the K, each of which stands for two; K + M is at most 64
-//! 40  u32       0
-//! 44  u32       nodes of the table of factors along the half angle H, and 2^16 times those along the difference
-//!               angle D, each 2 to 32; 0 for no table
-//! 48  V f32     angles of the outgoing directions from the normal, radians, the first 0, rising, at most pi / 2
+//! 32  u32       mirrored lobes M, the last of the K, each of which stands for two; K + M is at most 64. Of an
+//!               anisotropic material views of a ring P, 1 to 64
+//! 36  u32       0; of an anisotropic material turns, 1 or 2
+//! 40  blocks, the first of which is LOBE; each:
+//!       4 bytes tag, letters
+//!       u32     length of the content in bytes
+//!       content, then zeros up to a multiple of 4
+//!     u32       CRC-32 of everything before
+//! ```
+//!
+//! A reader skips a block whose tag it does not know and begins with a small letter: the material is the same without.
+//! It refuses one that begins with a capital letter. Of the blocks below there is one each at most.
+//!
+//! # `LOBE`, isotropic
+//!
+//! ```text
+//!     V f32     angles of the outgoing directions from the normal, radians, the first 0, rising, at most pi / 2
 //!     V heads, each 4 f32:
 //!       log2 of the squeeze c, 0 in the first
 //!       log2 of the luminance Y of the diffuse albedo; its relative colour differences (R - Y) / Y and (B - Y) / Y
@@ -24,31 +34,15 @@
 //!       K log2 of the sharpness
 //!       K log2 of the luminance of the amplitude, K of the one colour difference, K of the other
 //!       M angles of the axes out of the plane of incidence, radians, 0 in the first view
-//!     with a table of factors:
-//!       V differences of the albedo with factors from the lobes' own A, in red, green and blue, over the luminance
-//!       of A, each 3 f32; between views interpolated like the lobes
-//!       f32     largest factor of any node and channel
-//!       H D u32 nodes, node (i, j) at i D + j: red, green, blue in bits 0-9, 10-19, 20-29, each (q / 360)^2;
-//!               the upper two bits 0
-//!     provenance, UTF-8
-//!     u32       CRC-32 of everything before
 //! ```
 //!
-//! Version 1, which is read but not written, has the log2 of red, green and blue in place of luminance and
-//! colour differences, in heads and views, and no table: 0 at 44.
-//!
-//! # Anisotropic materials
-//! Views over the hemisphere, on rings round the normal.
+//! # `LOBE`, anisotropic
+//! Views over the hemisphere, on rings round the normal: the first view is the normal itself, each further angle a ring
+//! of P views, at the azimuths 2 pi j / (turns P) of the outgoing direction. Turns say how often a ring is repeated
+//! over the full turn: 2 says that half a turn changes nothing.
 //!
 //! ```text
-//! 12  u32       kind, 1
-//! 20  u32       angles from the normal T, 1 to 1024; the first view is the normal itself, each further angle a
-//!               ring of views
-//! 36  u32       views of a ring P, 1 to 64, at the azimuths 2 pi j / (turns P) of the outgoing direction
-//! 40  u32       turns, 1 or 2: how often a ring is repeated over the full turn; 2 says that half a turn changes
-//!               nothing
-//! 44  u32       nodes of the table of factors, as in isotropic materials
-//! 48  T f32     angles of the outgoing directions from the normal, radians, the first 0, rising, at most pi / 2
+//!     T f32     angles of the outgoing directions from the normal, radians, the first 0, rising, at most pi / 2
 //!     V heads, V = 1 + (T - 1) P at most 4096, the normal first, then ring by ring; each 6 f32:
 //!       log2 of the squeeze matrix, xx, xy, yy; its eigenvalues in [-5, 6.64]
 //!       log2 of the luminance of the diffuse albedo, and its two colour differences
@@ -58,26 +52,63 @@
 //!       K log2 of the luminance of the amplitude, K of the one colour difference, K of the other
 //! ```
 //!
-//! The rest is as in isotropic materials. `kernel/prepare_anisotropic.rs` says what the numbers mean between
-//! the views.
+//! `kernel/prepare_anisotropic.rs` says what the numbers mean between the views.
+//!
+//! # `FACT`: a table of factors
+//!
+//! ```text
+//!     u8        nodes along the half angle H, 2 to 32
+//!     u8        nodes along the difference angle D, 2 to 32
+//!     u8        nodes along the azimuth P, 1 to 8
+//!     u8        0
+//!     V differences of the albedo with factors from the lobes' own A, in red, green and blue, over the luminance
+//!       of A, each 3 f32; between views interpolated like the lobes
+//!     f32       factor of the code 255, which no factor exceeds
+//!     P H D nodes of 3 bytes, node (i, j, k) at (k H + i) D + j: red, green, blue, each a code q, of the factor
+//!               (q / 255)^2 times that number
+//! ```
+//!
+//! # `text`
+//! Provenance, UTF-8.
+//!
+//! # Older versions, which are read but not written
+//! Version 2 has no blocks: the content of `LOBE` stands at 48, in the same place; behind it that of `FACT` from the
+//! albedo differences on, the provenance, and the checksum. At 32 it has the length of the provenance, at 36 M or P,
+//! at 40 0 or the turns, at 44 H and 2^16 times D, or 0 for no table. Of its table there is one azimuth; the number
+//! before the nodes is the largest of their factors; and nodes are u32: red, green, blue in bits 0-9, 10-19, 20-29, each
+//! (q / 360)^2, the upper two bits 0.
+//!
+//! Version 1 has the log2 of red, green and blue in place of luminance and colour differences, and no table: 0 at 44.
 
 /// Most lobes that a mixture can hold, and that a material can make.
 pub const MAX_LOBES: usize = 64;
 
 pub(crate) const MAGIC: [u8; 8] = [0x89, b'S', b'R', b'B', b'F', b'\r', b'\n', 0x1a];
 
+/// Byte offset of the content of the first block; in older versions the length of the header.
 pub(crate) const HEADER: usize = 48;
+
+/// Byte offset of the first block.
+pub(crate) const BLOCKS: usize = 40;
+
+/// Bytes of a block before its content.
+pub(crate) const BLOCK_HEAD: usize = 8;
+
+/// Byte offset of the number of mirrored lobes, or of the views of a ring.
+pub(crate) const MIRRORED: usize = 32;
 
 pub(crate) const CHECKSUM: usize = 4;
 
 /// Bytes that every file has.
 pub(crate) const SMALLEST: usize = HEADER + CHECKSUM;
 
-/// Byte offset of the number of mirrored lobes.
-pub(crate) const MIRRORED: usize = 36;
+/// Tags of blocks: lobes, factors, provenance.
+pub(crate) const LOBE: [u8; 4] = *b"LOBE";
+pub(crate) const FACT: [u8; 4] = *b"FACT";
+pub(crate) const TEXT: [u8; 4] = *b"text";
 
-/// Byte offset of the numbers of nodes of the table of factors.
-pub(crate) const NODES: usize = 44;
+/// Bytes of the content of the block of factors before the albedo differences.
+pub(crate) const TABLE_HEAD: usize = 4;
 
 /// Numbers in the head of a view: squeeze, diffuse albedo in three numbers.
 pub(crate) const HEAD: usize = 4;
@@ -97,11 +128,17 @@ pub(crate) struct Header {
     pub squeezed: usize,
     /// Lobes that stand for two, the last ones; 0 in an anisotropic material.
     pub mirrored: usize,
+    /// Byte offset of the provenance, and its length.
+    pub text: usize,
     pub provenance: usize,
-    /// Luminance and colour differences in place of red, green and blue: version 2.
+    /// Luminance and colour differences in place of red, green and blue: not version 1.
     pub has_luminance: bool,
-    /// Nodes of the table of factors along the half angle and the difference angle; both 0 without one.
-    pub factors: [u8; 2],
+    /// Nodes of the table of factors along half angle, difference angle and azimuth; all 0 without one.
+    pub factors: [u8; 3],
+    /// Bits of a channel of a node: 8, in version 2 10.
+    pub bits: u8,
+    /// Byte offset of the albedo differences, behind which the table stands.
+    pub table: usize,
 }
 
 /// Where the views of a material lie, and with it what is stored at each.
@@ -114,6 +151,20 @@ pub(crate) enum Kind {
 }
 
 impl Header {
+    /// Of a material that is to be written, without anything in it.
+    pub const EMPTY: Self = Self {
+        kind: Kind::Line,
+        views: 0,
+        lobes: 0,
+        squeezed: 0,
+        mirrored: 0,
+        text: 0,
+        provenance: 0,
+        has_luminance: true,
+        factors: [0; 3],
+        bits: 8,
+        table: 0,
+    };
     /// Lobes of a mixture: the stored ones, and the images of the mirrored ones.
     #[inline(always)]
     pub const fn lobe_count(&self) -> usize {
@@ -143,26 +194,51 @@ impl Header {
     pub const fn row(&self, view: usize, row: usize) -> usize {
         HEADER + 4 * ((1 + HEAD) * self.views + (5 * view + row) * self.lobes + view * self.mirrored)
     }
+    /// Byte offset of what follows the lobes of all views.
+    pub const fn lobes_end(&self) -> usize {
+        match self.kind {
+            Kind::Line => self.row(self.views, 0),
+            Kind::Grid(shape) => shape.row(self, self.views, 0),
+        }
+    }
     /// Byte offset of the albedo difference of a view, of a material that has factors.
     #[inline(always)]
     pub const fn albedo_difference(&self, view: usize) -> usize {
-        let end = match self.kind {
-            Kind::Line => self.row(self.views, 0),
-            Kind::Grid(shape) => shape.row(self, self.views, 0),
-        };
-        end + 12 * view
+        self.table + 12 * view
     }
     /// Byte offset of the nodes of the table of factors; the largest factor stands before.
     #[inline(always)]
     pub const fn nodes(&self) -> usize {
         self.albedo_difference(self.views) + 4
     }
-    /// Bytes of the whole.
-    pub const fn len(&self) -> usize {
-        let nodes = self.factors[0] as usize * self.factors[1] as usize;
-        let end = if nodes > 0 { self.nodes() + 4 * nodes } else { self.albedo_difference(0) };
-        end + self.provenance + CHECKSUM
+    /// Byte offset behind the nodes.
+    pub const fn nodes_end(&self) -> usize {
+        let [half, difference, azimuth] = self.factors;
+        self.nodes() + self.node_len() * half as usize * difference as usize * azimuth as usize
     }
+    /// Bytes of a node.
+    #[inline(always)]
+    pub const fn node_len(&self) -> usize {
+        (3 * self.bits as usize).div_ceil(8)
+    }
+    /// Finds places for what follows the lobes, as it is written, and the bytes of the whole.
+    pub const fn placed(mut self) -> (Self, usize) {
+        let mut end = padded(self.lobes_end());
+        if self.has_factors() {
+            self.table = end + BLOCK_HEAD + TABLE_HEAD;
+            end = padded(self.nodes_end());
+        }
+        self.text = end + BLOCK_HEAD;
+        if self.provenance > 0 {
+            end = padded(self.text + self.provenance);
+        }
+        (self, end + CHECKSUM)
+    }
+}
+
+/// The next multiple of 4.
+pub(crate) const fn padded(offset: usize) -> usize {
+    offset.next_multiple_of(4)
 }
 
 /// How the views lie.

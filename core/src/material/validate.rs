@@ -1,10 +1,11 @@
 //! Checks every field of a material's bytes once: what passes is read without a further check.
 
 use super::checksum::crc32;
-use super::factor_table::{SIZES, largest};
+use super::factor_table::{AZIMUTHS, MOST_FACTOR, SIZES, largest_2};
 use super::format_error::{FORMAT_VERSION, FormatError};
 use super::layout::{
-    CHECKSUM, HEADER, Header, Kind, MAGIC, MAX_LOBES, MIRRORED, NODES, SMALLEST, Shape, f32_at, u32_at,
+    BLOCK_HEAD, BLOCKS, CHECKSUM, FACT, Header, Kind, LOBE, MAGIC, MAX_LOBES, MIRRORED, SMALLEST, Shape,
+    TABLE_HEAD, TEXT, f32_at, padded, u32_at,
 };
 use crate::color::MOST_DIFFERENCE;
 use crate::float;
@@ -48,55 +49,15 @@ pub(crate) fn validate(bytes: &[u8]) -> Result<Header, FormatError> {
     if announced != bytes.len() {
         return Err(FormatError::Length { expected: announced, actual: bytes.len() });
     }
-    let field = |name, offset| Err(FormatError::Field { name, offset });
-    let count = |offset| u32_at(bytes, offset) as usize;
-    let mut header = Header {
-        kind: Kind::Line,
-        views: count(20),
-        lobes: count(24),
-        squeezed: count(28),
-        mirrored: 0,
-        provenance: count(32),
-        has_luminance: count(8) > 1,
-        factors: [0; 2],
-    };
-    if !(1..=MAX_VIEWS).contains(&header.views) {
-        return field("number of views", 20);
-    }
-    let mut reserved = 40;
-    if count(12) == 1 {
-        (header.kind, header.views) = read_shape(bytes)?;
-        reserved = 44;
-    } else {
-        header.mirrored = count(MIRRORED);
-    }
-    let mut free = HEADER;
-    if header.has_luminance {
-        header.factors = read_table_shape(count(NODES))?;
-        free = NODES;
-    }
-    if !(1..=MAX_LOBES).contains(&header.lobes) {
-        return field("number of lobes", 24);
-    }
-    if header.squeezed > header.lobes {
-        return field("number of squeezed lobes", 28);
-    }
-    if header.mirrored > header.lobes - header.squeezed || header.lobes + header.mirrored > MAX_LOBES {
-        return field("number of mirrored lobes", MIRRORED);
-    }
-    // The counts are small by now, and the text is no longer than the file: the sum cannot overflow.
-    if header.provenance > bytes.len() || header.len() != bytes.len() {
-        return field("length of the provenance", 32);
-    }
-    if (reserved..free).step_by(4).any(|offset| count(offset) != 0) {
-        return field("reserved field", reserved);
-    }
+    let version = u32_at(bytes, 8);
+    let header = read_counts(bytes, version)?;
+    let header = if version < 3 { read_places(bytes, header, version)? } else { read_blocks(bytes, header)? };
     if crc32(&bytes[..bytes.len() - CHECKSUM]) != u32_at(bytes, bytes.len() - CHECKSUM) {
         return Err(FormatError::Checksum);
     }
-    let text = bytes.len() - CHECKSUM - header.provenance;
+    let text = header.text;
     if core::str::from_utf8(&bytes[text..text + header.provenance]).is_err() {
-        return field("provenance (not UTF-8)", text);
+        return Err(FormatError::Field { name: "provenance (not UTF-8)", offset: text });
     }
     match header.kind {
         Kind::Line => {
@@ -108,17 +69,121 @@ pub(crate) fn validate(bytes: &[u8]) -> Result<Header, FormatError> {
             validate_grid(bytes, &header, shape)?;
         }
     }
-    if header.factors[0] > 0 {
+    if header.has_factors() {
         validate_table(bytes, &header)?;
     }
     Ok(header)
 }
 
-/// Reads the numbers of nodes of a table of factors; two of 0 for none.
-fn read_table_shape(both: usize) -> Result<[u8; 2], FormatError> {
-    let nodes = [both & 0xffff, both >> 16];
-    if both != 0 && !nodes.iter().all(|n| SIZES.contains(n)) {
-        return Err(FormatError::Field { name: "size of the table of factors", offset: NODES });
+/// Reads the kind and the counts of views and lobes.
+fn read_counts(bytes: &[u8], version: u32) -> Result<Header, FormatError> {
+    let field = |name, offset| Err(FormatError::Field { name, offset });
+    let count = |offset| u32_at(bytes, offset) as usize;
+    // Older versions have the length of the provenance before mirrored lobes, or the views of a ring.
+    let mirrored = if version < 3 { MIRRORED + 4 } else { MIRRORED };
+    let mut header = Header {
+        views: count(20),
+        lobes: count(24),
+        squeezed: count(28),
+        has_luminance: version > 1,
+        bits: if version < 3 { 10 } else { 8 },
+        ..Header::EMPTY
+    };
+    if !(1..=MAX_VIEWS).contains(&header.views) {
+        return field("number of views", 20);
+    }
+    if count(12) == 1 {
+        (header.kind, header.views) = read_shape(bytes, mirrored)?;
+    } else {
+        header.mirrored = count(mirrored);
+        if count(mirrored + 4) != 0 {
+            return field("reserved field", mirrored + 4);
+        }
+    }
+    if !(1..=MAX_LOBES).contains(&header.lobes) {
+        return field("number of lobes", 24);
+    }
+    if header.squeezed > header.lobes {
+        return field("number of squeezed lobes", 28);
+    }
+    if header.mirrored > header.lobes - header.squeezed || header.lobes + header.mirrored > MAX_LOBES {
+        return field("number of mirrored lobes", mirrored);
+    }
+    Ok(header)
+}
+
+/// Places of what stands in a file of version 1 or 2; the counts have been checked.
+fn read_places(bytes: &[u8], mut header: Header, version: u32) -> Result<Header, FormatError> {
+    const PROVENANCE: usize = 32;
+    const NODES: usize = 44;
+    let count = |offset| u32_at(bytes, offset) as usize;
+    let both = count(NODES);
+    if version == 1 && both != 0 {
+        return Err(FormatError::Field { name: "reserved field", offset: NODES });
+    }
+    if both != 0 {
+        header.factors = table_shape([both & 0xffff, both >> 16, 1], NODES)?;
+    }
+    header.table = header.lobes_end();
+    header.text = if header.has_factors() { header.nodes_end() } else { header.table };
+    header.provenance = count(PROVENANCE);
+    // The counts are small by now, and the text is no longer than the file: the sum cannot overflow.
+    if header.provenance > bytes.len() || header.text + header.provenance + CHECKSUM != bytes.len() {
+        return Err(FormatError::Field { name: "length of the provenance", offset: PROVENANCE });
+    }
+    Ok(header)
+}
+
+/// Walks through the blocks, and finds the places of those that are known; the counts have been checked.
+fn read_blocks(bytes: &[u8], mut header: Header) -> Result<Header, FormatError> {
+    let field = |name, offset| Err(FormatError::Field { name, offset });
+    let end = bytes.len() - CHECKSUM;
+    let mut at = BLOCKS;
+    while at < end {
+        if end - at < BLOCK_HEAD {
+            return field("block (cut off)", at);
+        }
+        let tag: [u8; 4] = [bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]];
+        let (start, length) = (at + BLOCK_HEAD, u32_at(bytes, at + 4) as usize);
+        if length > end - start {
+            return field("length of a block", at + 4);
+        }
+        let next = padded(start + length);
+        if next > end || bytes[start + length..next].iter().any(|b| *b != 0) {
+            return field("bytes between blocks (must be 0)", start + length);
+        }
+        if (tag == LOBE) != (at == BLOCKS) {
+            return field("tag of a block (lobes come first, once)", at);
+        }
+        match tag {
+            LOBE if start + length != header.lobes_end() => return field("length of the block of lobes", at + 4),
+            LOBE => {}
+            FACT if header.has_factors() => return field("tag of a block (a second table of factors)", at),
+            FACT => {
+                if length < TABLE_HEAD || bytes[start + 3] != 0 {
+                    return field("head of the table of factors", start);
+                }
+                let shape = [0, 1, 2].map(|i| usize::from(bytes[start + i]));
+                (header.factors, header.table) = (table_shape(shape, start)?, start + TABLE_HEAD);
+                if start + length != header.nodes_end() {
+                    return field("length of the block of factors", at + 4);
+                }
+            }
+            TEXT if header.text > 0 => return field("tag of a block (a second provenance)", at),
+            TEXT => (header.text, header.provenance) = (start, length),
+            // What begins with a small letter may be skipped.
+            [b'a'..=b'z', ..] => {}
+            _ => return field("tag of a block (unknown, and not to be skipped)", at),
+        }
+        at = next;
+    }
+    Ok(header)
+}
+
+/// The numbers of nodes of a table of factors, which stand at an offset.
+fn table_shape(nodes: [usize; 3], offset: usize) -> Result<[u8; 3], FormatError> {
+    if !nodes[..2].iter().all(|n| SIZES.contains(n)) || !AZIMUTHS.contains(&nodes[2]) {
+        return Err(FormatError::Field { name: "size of the table of factors", offset });
     }
     Ok(nodes.map(|n| n as u8))
 }
@@ -129,13 +194,16 @@ fn validate_table(bytes: &[u8], header: &Header) -> Result<(), FormatError> {
         check(bytes, "albedo difference", offset, -MOST_ALBEDO_DIFFERENCE, MOST_ALBEDO_DIFFERENCE)?;
     }
     let start = header.nodes();
+    if header.bits == 8 {
+        return check(bytes, "largest factor", start - 4, 0.0, MOST_FACTOR);
+    }
     let mut most = 0f32;
-    for offset in (start..bytes.len() - CHECKSUM - header.provenance).step_by(4) {
+    for offset in (start..header.nodes_end()).step_by(4) {
         let node = u32_at(bytes, offset);
         if node >> 30 != 0 {
             return Err(FormatError::Field { name: "node of the table of factors", offset });
         }
-        most = most.max(largest(node));
+        most = most.max(largest_2(node));
     }
     // Another writer may round it otherwise.
     check(bytes, "largest factor", start - 4, most * (1.0 - 1e-6), most * (1.0 + 1e-6))
@@ -193,22 +261,22 @@ fn validate_views(bytes: &[u8], header: &Header) -> Result<(), FormatError> {
     Ok(())
 }
 
-/// Reads how the views lie, and how many there are; the number of angles has been checked.
-fn read_shape(bytes: &[u8]) -> Result<(Kind, usize), FormatError> {
+/// Reads how the views lie, from the numbers at an offset on, and how many there are; the number of angles has been
+/// checked.
+fn read_shape(bytes: &[u8], ring: usize) -> Result<(Kind, usize), FormatError> {
     let count = |offset| u32_at(bytes, offset) as usize;
-    let shape = Shape { thetas: count(20), azimuths: count(36), turns: count(40) };
+    let shape = Shape { thetas: count(20), azimuths: count(ring), turns: count(ring + 4) };
     if !(1..=MAX_AZIMUTHS).contains(&shape.azimuths) || shape.views() > MAX_GRID_VIEWS {
-        return Err(FormatError::Field { name: "number of views of a ring", offset: 36 });
+        return Err(FormatError::Field { name: "number of views of a ring", offset: ring });
     }
     if !(1..=2).contains(&shape.turns) {
-        return Err(FormatError::Field { name: "turns", offset: 40 });
+        return Err(FormatError::Field { name: "turns", offset: ring + 4 });
     }
     Ok((Kind::Grid(shape), shape.views()))
 }
 
 /// Checks heads and lobes of every view.
 fn validate_grid(bytes: &[u8], header: &Header, shape: Shape) -> Result<(), FormatError> {
-    debug_assert!(header.len() == bytes.len());
     for view in 0..header.views {
         let head = shape.head(view);
         let [xx, xy, yy] = [0, 1, 2].map(|i| f32_at(bytes, head + 4 * i));

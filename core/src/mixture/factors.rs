@@ -1,38 +1,54 @@
-//! Factors: what a sum of lobes misses of a material, as a table over the half angle and the difference angle
+//! Factors: what a sum of lobes misses of a material, as a table over half angle, difference angle and azimuth
 //! (Rusinkiewicz 1998).
 //!
 //! One table of RGB factors serves all views. The value is that of the lobes times the factor; density and
 //! draws are the lobes' alone, so that a sample's weight is that of the lobes times the factor too.
 //!
 //! # Variables
-//! With `s = wi + wo` and `h = s / |s|`, the nodes are evenly spaced in
+//! With `s = wi + wo`, `d = wi - wo` and `h = s / |s|`, the nodes are evenly spaced in
 //!
 //! ```text
 //! a = (1 - h.z)^(1/4)      nearly the root of the half angle: dense where highlights are
 //! b = (1 - h.wo)^(1/2)     nearly the difference angle
+//! c = cos^2 phi            of the azimuth of wo round h, from the normal: 1 in the plane of incidence
 //! ```
 //!
-//! both in [0, 1] for directions of one hemisphere, and neither has a singular direction: at the normal and
-//! at `wi = wo` they are 0. In forms that do not cancel: `1 - h.z = (s.x^2 + s.y^2) / (|s|^2 + s.z |s|)`, and
-//! `1 - h.wo = |wi - wo|^2 / (4 + 2 |s|)`, as `h.wo = |s| / 2` for unit vectors.
+//! all in [0, 1] for directions of one hemisphere, and the same where the two are exchanged. In forms that do not cancel:
+//! `1 - h.z = (s.x^2 + s.y^2) / (|s|^2 + s.z |s|)`, and `1 - h.wo = |d|^2 / (4 + 2 |s|)`, as `h.wo = |s| / 2` for
+//! unit vectors. As d is perpendicular to h, the azimuth is that of d, and with the normal's part perpendicular to
+//! h, of length `(s.x^2 + s.y^2)^(1/2) / |s|`, it is `c = d.z^2 |s|^2 / (|d|^2 (s.x^2 + s.y^2))`.
 //!
-//! Nodes are interpolated bilinearly, after their codes have been squared.
+//! At `h = z` and at `wi = wo` there is no azimuth: there a is 0, or b, and the nodes are the same for all azimuths.
+//!
+//! Nodes are interpolated linearly along each variable, after their codes have been squared.
+
+#![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
 use crate::material::borrowed::{Material, MaterialRef};
-use crate::material::factor_table::UNIT;
+use crate::material::factor_table::unit;
 use crate::material::layout::f32_at;
-use crate::simd::lanes::{Lanes, ROUND, dot3, splat3};
+use crate::simd::lanes::{Lanes, NodeCodes, ROUND, dot3, splat3};
 use glam::Vec3;
+
+/// A table of factors in the bytes of a material.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Nodes<'m> {
+    /// Their codes; empty for none.
+    codes: &'m [u8],
+    /// Nodes along a, b and c.
+    shape: [u8; 3],
+    /// Bits of a channel.
+    bits: u8,
+    /// What a code is multiplied by before it is squared.
+    unit: f32,
+}
 
 /// The factors of a mixture.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Factors<'m> {
-    /// The nodes, four bytes each, in the bytes of the material; empty for none.
-    pub nodes: &'m [u8],
-    /// The albedo differences of the views, three numbers each, before them.
+    pub nodes: Nodes<'m>,
+    /// The albedo differences of the views, three numbers each.
     albedo_differences: &'m [u8],
-    /// Nodes along a and b.
-    shape: [u32; 2],
     /// The outgoing direction.
     pub wo: [f32; 3],
     place: Among,
@@ -53,20 +69,132 @@ impl Among {
     pub const NOWHERE: Self = Self { views: [[0; 2]; 2], onward: 0.0, outward: 0.0 };
 }
 
+impl<'m> Nodes<'m> {
+    /// None: every factor is 1.
+    pub const NONE: Self = Self { codes: &[], shape: [0; 3], bits: 8, unit: 0.0 };
+
+    /// Those of a material, or none.
+    #[inline(always)]
+    pub fn new(material: MaterialRef<'m>) -> Self {
+        let header = material.header;
+        if !header.has_factors() {
+            return Self::NONE;
+        }
+        let start = header.nodes();
+        // Two nodes are read as eight bytes, of which the last may lie behind them: there is a checksum at least.
+        let end = header.nodes_end() + 8 - 2 * header.node_len();
+        let unit = unit(header.bits, f32_at(material.bytes, start - 4));
+        Self { codes: &material.bytes[start..end], shape: header.factors, bits: header.bits, unit }
+    }
+
+    #[inline(always)]
+    pub fn is_none(&self) -> bool {
+        self.codes.is_empty()
+    }
+
+    /// Whether they are the same bytes.
+    #[cfg(feature = "simd")]
+    pub fn is(&self, other: &Self) -> bool {
+        self.codes.as_ptr() == other.codes.as_ptr() || self.codes.len() + other.codes.len() == 0
+    }
+
+    /// The bytes that are read.
+    #[inline(always)]
+    pub fn bytes(&self) -> &'m [u8] {
+        self.codes
+    }
+
+    /// The factor of one pair of unit vectors above the horizon, which may be exchanged; linear sRGB. In scalars: it has
+    /// what one lane of a vector has, but for rounding. There has to be a table.
+    #[inline(always)]
+    pub fn towards<L: Lanes>(&self, wo: [f32; 3], wi: [f32; 3]) -> Vec3 {
+        let [red, green, blue] = self.of_pairs(splat3::<L>(wo), splat3(wi));
+        Vec3::new(red.first(), green.first(), blue.first())
+    }
+
+    /// The factors of pairs of unit vectors above the horizon, one a lane; linear sRGB. There has to be a table.
+    #[inline(always)]
+    pub fn of_pairs<L: Lanes>(&self, wo: [L; 3], wi: [L; 3]) -> [L; 3] {
+        self.between(self.places(variables(wo, wi, self.has_azimuth())))
+    }
+
+    /// Whether factors depend on the azimuth.
+    #[inline(always)]
+    pub fn has_azimuth(&self) -> bool {
+        self.shape[2] > 1
+    }
+
+    /// Places among the nodes, from 0 to the last, of what [`variables`] gives.
+    #[inline(always)]
+    pub fn places<L: Lanes>(&self, [a, b, c]: [L; 3]) -> [L; 3] {
+        let [half, difference, azimuth] = self.last();
+        let [a, b, c] = [a.sqrt().sqrt() * half, b.sqrt() * difference, c * azimuth];
+        [a.min(half), b.min(difference), c.min(azimuth)]
+    }
+
+    /// The last node along each variable.
+    #[inline(always)]
+    fn last<L: Lanes>(&self) -> [L; 3] {
+        let mut last = [L::splat(0.0); 3];
+        for i in 0..3 {
+            last[i] = L::splat(f32::from(self.shape[i]) - 1.0);
+        }
+        last
+    }
+
+    /// Factors at places among the nodes.
+    #[inline(always)]
+    pub fn between<L: Lanes>(&self, [a, b, c]: [L; 3]) -> [L; 3] {
+        let [half, difference] = [f32::from(self.shape[0]), f32::from(self.shape[1])];
+        let (i, toward_half) = cell(a, half);
+        let (j, toward_difference) = cell(b, difference);
+        let mut start = i.mul_add(L::splat(difference), j);
+        let mut planes = [L::splat(1.0); 2];
+        if self.has_azimuth() {
+            let (k, toward_azimuth) = cell(c, f32::from(self.shape[2]));
+            start = k.mul_add(L::splat(half * difference), start);
+            planes = [L::splat(1.0) - toward_azimuth, toward_azimuth];
+        }
+        let codes = NodeCodes { bytes: self.codes, bits: u32::from(self.bits) };
+        let rows = [L::splat(1.0) - toward_half, toward_half];
+        let columns = [L::splat(1.0) - toward_difference, toward_difference];
+        let mut factor = [L::splat(0.0); 3];
+        let mut plane = 0;
+        while plane < 1 + usize::from(self.has_azimuth()) {
+            for row in 0..2 {
+                let before = plane as f32 * half + row as f32;
+                let pair = L::node_pairs(codes, start + L::splat(before * difference));
+                let weight = planes[plane] * rows[row];
+                for column in 0..2 {
+                    let weight = weight * columns[column];
+                    for channel in 0..3 {
+                        let root = pair[column][channel];
+                        factor[channel] = (weight * root).mul_add(root, factor[channel]);
+                    }
+                }
+            }
+            plane += 1;
+        }
+        for channel in 0..3 {
+            let unit = self.unit / (1u32 << (usize::from(self.bits) * channel)) as f32;
+            factor[channel] = factor[channel] * L::splat(unit * unit);
+        }
+        factor
+    }
+}
+
 impl<'m> Factors<'m> {
     /// None: every factor is 1.
     pub const NONE: Self =
-        Self { nodes: &[], albedo_differences: &[], shape: [0; 2], wo: [0.0; 3], place: Among::NOWHERE };
+        Self { nodes: Nodes::NONE, albedo_differences: &[], wo: [0.0; 3], place: Among::NOWHERE };
 
-    /// Those of a material, if it has some.
+    /// Those of a material that has some.
     #[inline(always)]
     pub fn new(material: MaterialRef<'m>, wo: Vec3, place: Among) -> Self {
         let header = material.header;
-        let [half, difference] = header.factors.map(u32::from);
-        let table = &material.bytes[header.albedo_difference(0)..];
-        let (albedo_differences, rest) = table.split_at(12 * header.views);
-        let nodes = &rest[4..4 + 4 * (half * difference) as usize];
-        Self { nodes, albedo_differences, shape: [half, difference], wo: wo.to_array(), place }
+        let albedo_differences =
+            &material.bytes[header.albedo_difference(0)..header.albedo_difference(header.views)];
+        Self { nodes: Nodes::new(material), albedo_differences, wo: wo.to_array(), place }
     }
 
     /// What the factors change of the mixture's albedo, over its power: interpolated between the views.
@@ -80,70 +208,32 @@ impl<'m> Factors<'m> {
 
     #[inline(always)]
     pub fn is_none(&self) -> bool {
-        self.nodes.is_empty()
-    }
-
-    /// The factor towards one direction, in scalars; it has what one lane of a vector has, but for rounding.
-    #[inline(always)]
-    pub fn towards<L: Lanes>(&self, [x, y, z]: [f32; 3]) -> Vec3 {
-        let squares = squares::<L>(splat3(self.wo), splat3([x, y, z]));
-        let [red, green, blue] = self.between(self.places(squares));
-        Vec3::new(red.first(), green.first(), blue.first())
-    }
-
-    /// Places among the nodes, from 0 to the last, of what [`squares`] gives.
-    #[inline(always)]
-    pub fn places<L: Lanes>(&self, [a, b]: [L; 2]) -> [L; 2] {
-        let [half, difference] = self.shape.map(|last| L::splat(last as f32 - 1.0));
-        let [a, b] = [a.sqrt().sqrt() * half, b.sqrt() * difference];
-        [a.min(half), b.min(difference)]
-    }
-
-    /// Factors at places among the nodes.
-    #[inline(always)]
-    #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
-    pub fn between<L: Lanes>(&self, [a, b]: [L; 2]) -> [L; 3] {
-        let [half, difference] = [self.shape[0] as f32, self.shape[1] as f32];
-        let (i, toward_half) = cell(a, half);
-        let (j, toward_difference) = cell(b, difference);
-        let start = i.mul_add(L::splat(difference), j);
-        let rows = [L::splat(1.0) - toward_half, toward_half];
-        let columns = [L::splat(1.0) - toward_difference, toward_difference];
-        let mut factor = [L::splat(0.0); 3];
-        for row in 0..2 {
-            let pair = L::node_pairs(self.nodes, start + L::splat(row as f32 * difference));
-            for column in 0..2 {
-                let weight = rows[row] * columns[column];
-                for channel in 0..3 {
-                    let root = pair[column][channel];
-                    factor[channel] = (weight * root).mul_add(root, factor[channel]);
-                }
-            }
-        }
-        for channel in 0..3 {
-            let unit = 1.0 / (UNIT * (1u32 << (10 * channel)) as f32);
-            factor[channel] = factor[channel] * L::splat(unit * unit);
-        }
-        factor
+        self.nodes.is_none()
     }
 }
 
-/// `1 - h.z` and `1 - h.wo` of pairs of an outgoing and an incident direction; anything for what is no unit
-/// vector.
+/// `1 - h.z`, `1 - h.wo` and the squared cosine of the azimuth of pairs of an outgoing and an incident direction, the
+/// last if it is asked for; anything for what is no unit vector.
 #[inline(always)]
-pub(crate) fn squares<L: Lanes>(wo: [L; 3], wi: [L; 3]) -> [L; 2] {
+pub(crate) fn variables<L: Lanes>(wo: [L; 3], wi: [L; 3], has_azimuth: bool) -> [L; 3] {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let sum = [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]];
     let apart = [wi[0] - wo[0], wi[1] - wo[1], wi[2] - wo[2]];
     let across = sum[0].mul_add(sum[0], sum[1] * sum[1]);
     let squared = sum[2].mul_add(sum[2], across);
     let length = squared.sqrt();
+    let distance = dot3(apart, apart);
     // One division for both. Opposite directions at the horizon, to 1e-15, have no half direction: they get
     // that of the normal.
     let a_divisor = sum[2].max(zero).mul_add(length, squared).max(L::splat(1e-30));
     let b_divisor = length.mul_add(L::splat(2.0), L::splat(4.0));
     let inverse = one / (a_divisor * b_divisor);
-    [across * (b_divisor * inverse), dot3(apart, apart) * (a_divisor * inverse)]
+    let mut azimuth = zero;
+    if has_azimuth {
+        // Where the divisor is as small there is no azimuth.
+        azimuth = apart[2] * apart[2] * squared / (distance * across).max(L::splat(1e-30));
+    }
+    [across * (b_divisor * inverse), distance * (a_divisor * inverse), azimuth]
 }
 
 /// The node before a place, which is not the last of `nodes`, and how far beyond it the place lies. At a node
@@ -159,14 +249,12 @@ impl<B: AsRef<[u8]>> Material<B> {
     /// What the value of the lobes is multiplied by for an outgoing and an incident direction, unit vectors
     /// above the horizon; linear sRGB, 1 without a table.
     ///
-    /// The two may be exchanged. Interpolated bilinearly between the nodes, in `(1 - h.z)^(1/4)` and `(1 -
-    /// h.wo)^(1/2)` with the half direction `h = (wi + wo) / |wi + wo|`, from 0 at the first node to 1 at the
-    /// last. Accuracy: 6e-6 of the largest factor.
+    /// The two may be exchanged. Interpolated linearly between the nodes, from 0 at the first to 1 at the last, in
+    /// `(1 - h.z)^(1/4)`, `(1 - h.wo)^(1/2)` and the squared cosine of the azimuth of wo round h from the normal, with the
+    /// half direction `h = (wi + wo) / |wi + wo|`. Accuracy: 6e-6 of the largest factor.
     pub fn factor(&self, wo: impl Into<Vec3>, wi: impl Into<Vec3>) -> Vec3 {
         let (wo, wi): (Vec3, Vec3) = (wo.into(), wi.into());
-        if self.factor_nodes().is_none() {
-            return Vec3::ONE;
-        }
-        Factors::new(self.borrowed(), wo, Among::NOWHERE).towards::<f32>(wi.to_array())
+        let nodes = Nodes::new(self.borrowed());
+        if nodes.is_none() { Vec3::ONE } else { nodes.towards::<f32>(wo.to_array(), wi.to_array()) }
     }
 }

@@ -1,6 +1,6 @@
 //! The numbers of a mixture, and what can be read off them.
 
-use super::factors::Factors;
+use super::factors::{Factors, Nodes};
 use crate::lobe::gaussian::{Gaussian, Lobe};
 use crate::material::layout::MAX_LOBES;
 use crate::simd::detect::Level;
@@ -270,7 +270,7 @@ impl<const N: usize> Mixture<'_, N> {
         self.head.inverse_power = 0.0;
         self.head.lobes_power = 0.0;
         self.head.diffuse_power = 0.0;
-        self.head.factors.nodes = &[];
+        self.head.factors.nodes = Nodes::NONE;
     }
 
     /// Albedo of the diffuse term, linear sRGB.
@@ -388,7 +388,7 @@ impl<'m, const N: usize> Mixture<'m, N> {
     /// none.
     #[inline]
     pub fn factor_bytes(&self) -> &'m [u8] {
-        self.head.factors.nodes
+        self.head.factors.nodes.bytes()
     }
 
     /// Whether values are multiplied by factors; see [`Material::factor`](crate::Material::factor).

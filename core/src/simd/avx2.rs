@@ -5,7 +5,7 @@
 #![allow(unsafe_code)]
 
 use super::lane_pair::LanePair;
-use super::lanes::{Lanes, PART, PARTS, Parts, one_vector, part_of};
+use super::lanes::{Lanes, NodeCodes, PART, PARTS, Parts, one_vector, part_of};
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
 
@@ -30,15 +30,27 @@ operators!(Add add _mm256_add_ps Sub sub _mm256_sub_ps Mul mul _mm256_mul_ps Div
 /// The three channels of nodes, as [`Lanes::node_pairs`] says.
 #[inline(always)]
 #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
-fn channels(nodes: __m256i) -> [Avx2; 3] {
+fn channels(nodes: NodeCodes<'_>, pair: __m256i) -> [Avx2; 3] {
     // SAFETY: the processor has AVX2, see the head of this file.
     unsafe {
         let mut channels = [Avx2(_mm256_setzero_ps()); 3];
         for i in 0..3 {
-            let channel = _mm256_and_si256(nodes, _mm256_set1_epi32(0x3ff << (10 * i)));
+            let channel = _mm256_and_si256(pair, _mm256_set1_epi32(nodes.mask(i) as i32));
             channels[i] = Avx2(_mm256_cvtepi32_ps(channel));
         }
         channels
+    }
+}
+
+/// The lower halves of eight numbers of 64 bits.
+#[inline(always)]
+fn low_halves(low: __m256i, high: __m256i) -> __m256i {
+    // SAFETY: the processor has AVX2, see the head of this file.
+    unsafe {
+        // In each half of a register two of `low`, then two of `high`: to be put in order.
+        let (low, high) = (_mm256_castsi256_ps(low), _mm256_castsi256_ps(high));
+        let halves = _mm256_castps_pd(_mm256_shuffle_ps::<0b10_00_10_00>(low, high));
+        _mm256_castpd_si256(_mm256_permute4x64_pd::<0b11_01_10_00>(halves))
     }
 }
 
@@ -215,26 +227,21 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
-    fn node_pairs(nodes: &[u8], index: Self) -> [[Self; 3]; 2] {
-        assert!(nodes.len() >= 8, "a table of at least two nodes");
-        let last = nodes.len() / 4 - 2;
-        // SAFETY: the processor has AVX2, see the head of this file. An index is at most `last`, whatever it
+    fn node_pairs(nodes: NodeCodes<'_>, index: Self) -> [[Self; 3]; 2] {
+        assert!(nodes.bytes.len() >= 8, "a table of at least two nodes");
+        // SAFETY: the processor has AVX2, see the head of this file. An offset is at most `last`, whatever it
         // was made of: the cast makes a large number of a NaN and of what is negative. Eight bytes from there
         // on are within the slice, which has eight and more; a gather has no alignment.
         unsafe {
-            let at = _mm256_min_epu32(_mm256_cvttps_epi32(index.0), _mm256_set1_epi32(last as i32));
-            let base = nodes.as_ptr().cast();
-            let low = _mm256_i32gather_epi64::<4>(base, _mm256_castsi256_si128(at));
-            let high = _mm256_i32gather_epi64::<4>(base, _mm256_extracti128_si256::<1>(at));
-            // In each half of a register two of `low`, then two of `high`: to be put in order.
-            let (low, high) = (_mm256_castsi256_ps(low), _mm256_castsi256_ps(high));
-            let (evens, odds) = (
-                _mm256_shuffle_ps::<0b10_00_10_00>(low, high),
-                _mm256_shuffle_ps::<0b11_01_11_01>(low, high),
-            );
-            let evens = _mm256_permute4x64_epi64::<0b11_01_10_00>(_mm256_castps_si256(evens));
-            let odds = _mm256_permute4x64_epi64::<0b11_01_10_00>(_mm256_castps_si256(odds));
-            [channels(evens), channels(odds)]
+            let offset = (index * Self::splat(nodes.stride() as f32)).0;
+            let at = _mm256_min_epu32(_mm256_cvttps_epi32(offset), _mm256_set1_epi32(nodes.last() as i32));
+            let base = nodes.bytes.as_ptr().cast();
+            let low = _mm256_i32gather_epi64::<1>(base, _mm256_castsi256_si128(at));
+            let high = _mm256_i32gather_epi64::<1>(base, _mm256_extracti128_si256::<1>(at));
+            let to_second = _mm_cvtsi32_si128(8 * nodes.stride() as i32);
+            let (low_second, high_second) =
+                (_mm256_srl_epi64(low, to_second), _mm256_srl_epi64(high, to_second));
+            [channels(nodes, low_halves(low, high)), channels(nodes, low_halves(low_second, high_second))]
         }
     }
     #[inline(always)]

@@ -7,7 +7,7 @@
 
 use super::avx2;
 use super::lane_pair::LanePair;
-use super::lanes::{Lanes, PART, PARTS, Parts, one_vector, part_of, scale};
+use super::lanes::{Lanes, NodeCodes, PART, PARTS, Parts, one_vector, part_of, scale};
 use super::routine::{Draw, One};
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
@@ -33,12 +33,12 @@ operators!(Add add _mm512_add_ps Sub sub _mm512_sub_ps Mul mul _mm512_mul_ps Div
 /// The three channels of nodes, as [`Lanes::node_pairs`] says.
 #[inline(always)]
 #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
-fn channels(nodes: __m512i) -> [Avx512; 3] {
+fn channels(nodes: NodeCodes<'_>, pair: __m512i) -> [Avx512; 3] {
     // SAFETY: the processor has AVX-512, see the head of this file.
     unsafe {
         let mut channels = [Avx512(_mm512_setzero_ps()); 3];
         for i in 0..3 {
-            let channel = _mm512_and_si512(nodes, _mm512_set1_epi32(0x3ff << (10 * i)));
+            let channel = _mm512_and_si512(pair, _mm512_set1_epi32(nodes.mask(i) as i32));
             channels[i] = Avx512(_mm512_cvtepi32_ps(channel));
         }
         channels
@@ -243,22 +243,24 @@ impl Lanes for Avx512 {
         }
     }
     #[inline(always)]
-    fn node_pairs(nodes: &[u8], index: Self) -> [[Self; 3]; 2] {
-        assert!(nodes.len() >= 8, "a table of at least two nodes");
-        let last = nodes.len() / 4 - 2;
-        // SAFETY: the processor has AVX-512, see the head of this file. An index is at most `last`, whatever
+    fn node_pairs(nodes: NodeCodes<'_>, index: Self) -> [[Self; 3]; 2] {
+        assert!(nodes.bytes.len() >= 8, "a table of at least two nodes");
+        // SAFETY: the processor has AVX-512, see the head of this file. An offset is at most `last`, whatever
         // it was made of: the cast makes a large number of a NaN and of what is negative. Eight bytes from
         // there on are within the slice, which has eight and more; a gather has no alignment.
         unsafe {
-            let at = _mm512_min_epu32(_mm512_cvttps_epi32(index.0), _mm512_set1_epi32(last as i32));
-            let base = nodes.as_ptr().cast();
-            let low = _mm512_i32gather_epi64::<4>(_mm512_castsi512_si256(at), base);
-            let high = _mm512_i32gather_epi64::<4>(_mm512_extracti64x4_epi64::<1>(at), base);
+            let offset = (index * Self::splat(nodes.stride() as f32)).0;
+            let at = _mm512_min_epu32(_mm512_cvttps_epi32(offset), _mm512_set1_epi32(nodes.last() as i32));
+            let base = nodes.bytes.as_ptr().cast();
+            let low = _mm512_i32gather_epi64::<1>(_mm512_castsi512_si256(at), base);
+            let high = _mm512_i32gather_epi64::<1>(_mm512_extracti64x4_epi64::<1>(at), base);
             let evens = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
-            let odds = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+            let to_second = _mm_cvtsi32_si128(8 * nodes.stride() as i32);
+            let (low_second, high_second) =
+                (_mm512_srl_epi64(low, to_second), _mm512_srl_epi64(high, to_second));
             [
-                channels(_mm512_permutex2var_epi32(low, evens, high)),
-                channels(_mm512_permutex2var_epi32(low, odds, high)),
+                channels(nodes, _mm512_permutex2var_epi32(low, evens, high)),
+                channels(nodes, _mm512_permutex2var_epi32(low_second, evens, high_second)),
             ]
         }
     }

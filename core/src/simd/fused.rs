@@ -6,7 +6,7 @@
 //! numbers.
 #![allow(unsafe_code)]
 
-use super::lanes::{Lanes, Parts, ROUND, one_vector};
+use super::lanes::{Lanes, NodeCodes, Parts, ROUND, one_vector};
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
 
@@ -218,7 +218,7 @@ impl Lanes for Fused {
         Self(f32::lookup(row, len, index))
     }
     #[inline(always)]
-    fn node_pairs(nodes: &[u8], index: Self) -> [[Self; 3]; 2] {
+    fn node_pairs(nodes: NodeCodes<'_>, index: Self) -> [[Self; 3]; 2] {
         let [[a, b, c], [d, e, f]] = f32::node_pairs(nodes, index.0);
         [[Self(a), Self(b), Self(c)], [Self(d), Self(e), Self(f)]]
     }

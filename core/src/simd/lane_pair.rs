@@ -3,7 +3,7 @@
 //!
 //! A broadcast then serves both halves, and the two chains of dependent operations run side by side.
 
-use super::lanes::{Lanes, Parts};
+use super::lanes::{Lanes, NodeCodes, Parts};
 use core::ops::{Add, Div, Mul, Sub};
 
 /// Two vectors; the first holds the lower lanes.
@@ -150,7 +150,7 @@ impl<L: Lanes> Lanes for LanePair<L> {
         Self(L::lookup(row, len, index[0]), L::lookup(row, len, index[1]))
     }
     #[inline(always)]
-    fn node_pairs(nodes: &[u8], index: Self) -> [[Self; 3]; 2] {
+    fn node_pairs(nodes: NodeCodes<'_>, index: Self) -> [[Self; 3]; 2] {
         let (low, high) = (L::node_pairs(nodes, index.0), L::node_pairs(nodes, index.1));
         let mut pairs = [[index; 3]; 2];
         for node in 0..2 {

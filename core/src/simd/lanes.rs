@@ -26,6 +26,45 @@ pub fn part_of<'a>(row: &Parts<'a>, p: usize, len: usize) -> &'a [f32] {
     &row[p][..len.saturating_sub(PART * p).min(PART)]
 }
 
+/// The codes of nodes of three channels, in bytes of any alignment.
+#[derive(Clone, Copy)]
+pub struct NodeCodes<'a> {
+    /// All that may be read, of which two nodes are eight bytes: at least as many.
+    pub bytes: &'a [u8],
+    /// Bits of a channel, 8 or 10; a node takes three bytes, or four.
+    pub bits: u32,
+}
+
+impl NodeCodes<'_> {
+    /// Bytes from one node to the next.
+    #[inline(always)]
+    pub fn stride(&self) -> usize {
+        if self.bits == 8 { 3 } else { 4 }
+    }
+
+    /// The bits of a channel.
+    #[inline(always)]
+    pub fn mask(&self, channel: usize) -> u32 {
+        ((1 << self.bits) - 1) << (self.bits * channel as u32)
+    }
+
+    /// Byte offset of the last two nodes.
+    #[inline(always)]
+    pub fn last(&self) -> usize {
+        self.bytes.len().saturating_sub(8)
+    }
+
+    /// Two nodes one behind the other; the upper bits of the first may be of the second.
+    #[inline(always)]
+    pub fn pair(&self, index: f32) -> [u32; 2] {
+        // The cast makes 0 of a NaN and of what is negative.
+        let from = (index as u32 as usize * self.stride()).min(self.last());
+        let pair: &[u8; 8] = self.bytes[from..].first_chunk().expect("a table of at least two nodes");
+        let pair = u64::from_le_bytes(*pair);
+        [pair as u32, (pair >> (8 * self.stride())) as u32]
+    }
+}
+
 /// A vector of f32, or one f32.
 ///
 /// Comparisons with NaN are false. `min` and `max` give any of the two operands if one is NaN.
@@ -132,23 +171,18 @@ pub trait Lanes:
     fn index_below(index: Self::Index, limit: usize) -> Self::Mask;
     /// `row[index]`; every index is within the first `len` numbers.
     fn lookup(row: &Parts<'_>, len: usize, index: Self::Index) -> Self;
-    /// Red, green and blue, the latter two times 2^10 and 2^20, of the codes of two nodes that lie one behind
-    /// the other, from whole numbers `index` on: `nodes` holds four bytes a node. Whatever `index` is,
-    /// nothing outside is read.
+    /// Red, green and blue, the latter two times 2 to the power of the bits and of twice as many, of the codes of two
+    /// nodes that lie one behind the other, from whole numbers `index` on. Whatever `index` is, nothing outside is
+    /// read.
     #[inline(always)]
-    fn node_pairs(nodes: &[u8], index: Self) -> [[Self; 3]; 2] {
-        let last = (nodes.len() / 4).saturating_sub(2);
+    fn node_pairs(nodes: NodeCodes<'_>, index: Self) -> [[Self; 3]; 2] {
         let (mut at, mut codes) = ([0.0; 16], [[[0.0; 16]; 3]; 2]);
         index.store(&mut at);
         for lane in 0..Self::COUNT {
-            // The cast makes 0 of a NaN and of what is negative.
-            let from = 4 * (at[lane] as usize).min(last);
-            let pair = &nodes[from..from + 8];
+            let pair = nodes.pair(at[lane]);
             for node in 0..2 {
-                let bytes = &pair[4 * node..4 * node + 4];
-                let code = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
                 for channel in 0..3 {
-                    codes[node][channel][lane] = (code & 1023 << (10 * channel)) as f32;
+                    codes[node][channel][lane] = (pair[node] & nodes.mask(channel)) as i32 as f32;
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! The scalar back end: one f32 at a time, as `libm` and the language have it.
 
-use super::lanes::{Lanes, PART, PARTS, Parts, one_vector, part_of};
+use super::lanes::{Lanes, NodeCodes, PART, PARTS, Parts, one_vector, part_of};
 
 /// Square root, correctly rounded.
 #[inline(always)]
@@ -127,18 +127,16 @@ impl Lanes for f32 {
         row[index / PART][index % PART]
     }
     #[inline(always)]
-    fn node_pairs(nodes: &[u8], index: Self) -> [[Self; 3]; 2] {
-        // The cast makes 0 of a NaN and of what is negative.
-        let from = 4 * (index as usize).min((nodes.len() / 4).saturating_sub(2));
-        let pair: &[u8; 8] = nodes[from..].first_chunk().expect("a table of at least two nodes");
-        let pair = u64::from_le_bytes(*pair);
-        [pair as u32, (pair >> 32) as u32].map(|node| {
-            [
-                (node & 1023) as i32 as f32,
-                (node & 1023 << 10) as i32 as f32,
-                (node & 1023 << 20) as i32 as f32,
-            ]
-        })
+    #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
+    fn node_pairs(nodes: NodeCodes<'_>, index: Self) -> [[Self; 3]; 2] {
+        let pair = nodes.pair(index);
+        let mut codes = [[0.0; 3]; 2];
+        for node in 0..2 {
+            for channel in 0..3 {
+                codes[node][channel] = (pair[node] & nodes.mask(channel)) as i32 as f32;
+            }
+        }
+        codes
     }
     #[inline(always)]
     fn first(self) -> f32 {

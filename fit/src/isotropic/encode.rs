@@ -29,8 +29,11 @@ pub(crate) fn views_of_equal_size(layout: &Layout, lobes: usize) -> usize {
 }
 
 /// Bytes of a layout with a table of factors, without provenance.
-pub(crate) fn len(layout: &Layout, factors: Option<[usize; 2]>) -> usize {
-    let table = factors.map_or(0, |[half, difference]| 4 * (half * difference + 1 + 3 * layout.knots.len()));
+pub(crate) fn len(layout: &Layout, factors: Option<[usize; 3]>) -> usize {
+    // The head of the block, that of the table, the largest factor and the albedo differences; then the nodes.
+    let table = factors.map_or(0, |size| {
+        (8 + 4 + 4 + 12 * layout.knots.len() + 3 * size.iter().product::<usize>()).next_multiple_of(4)
+    });
     encoded_len(layout.knots.len(), layout.lobes, layout.mirrored, "") + table
 }
 
@@ -97,6 +100,7 @@ pub(crate) fn encode(
     let table = factors.map(|f| FactorTable {
         half: f.size()[0],
         difference: f.size()[1],
+        azimuth: f.size()[2],
         factors: &nodes,
         albedo_differences: &albedo_differences,
     });

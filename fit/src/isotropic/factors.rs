@@ -1,4 +1,4 @@
-//! Factors that the lobes are multiplied by: a small table over half angle and difference angle, one for all views.
+//! Factors that the lobes are multiplied by: a small table over half angle, difference angle and azimuth, one for all views.
 //!
 //! What is not monotone in the half angle, a ring of an iridescent paint for example, no sum of lobes makes. A table does that is the
 //! same for (wi, wo) and (wo, wi), and that costs no exponential. The lobes keep the peak and the density; the table has what is
@@ -8,12 +8,12 @@ use crate::isotropic::model::parameters::Layout;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// Numbers of nodes that are tried: over the half angle, and over the difference angle.
-pub(crate) const SIZES: [[usize; 2]; 3] = [[16, 6], [24, 10], [32, 16]];
+/// Numbers of nodes that are tried, fewest first: over half angle, difference angle and azimuth.
+pub(crate) const SIZES: [[usize; 3]; 5] = [[16, 6, 1], [24, 10, 1], [16, 6, 3], [24, 6, 3], [24, 8, 4]];
 
-/// Code of the factor 1, of which the factor is the square, and the largest code.
-const ONE: f64 = 360.0;
-const LARGEST: f64 = 1023.0;
+/// Largest factor, and the code of the largest of a table: factors are stored as the squares of codes.
+const LARGEST: f64 = 8.0;
+const MOST_CODE: f64 = 255.0;
 
 /// Weight of the squared second differences of factors, and of their squared distance from 1, beside the squared errors: without data a
 /// factor goes on as its neighbours, and ends at 1.
@@ -35,13 +35,13 @@ const GOLDEN: f64 = 2.399_963_229_728_653;
 /// The table.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Factors {
-    size: [usize; 2],
-    /// Linear sRGB, the difference angle fastest.
+    size: [usize; 3],
+    /// Linear sRGB, the difference angle fastest, then the half angle.
     nodes: Vec<[f64; 3]>,
 }
 
-/// Four nodes and their shares.
-type Place = [(usize, f64); 4];
+/// Eight nodes and their shares.
+type Place = [(usize, f64); 8];
 
 /// What a table is to account for at one direction.
 #[derive(Clone, Copy, Debug)]
@@ -55,37 +55,47 @@ pub(crate) struct Demand {
     pub weight: f64,
 }
 
-/// Place of two directions among the nodes, which are even in the fourth root of `1 - cos` of the half angle and in the root of that of
-/// the difference angle; as `srbf_core` has it.
-fn place([half, difference]: [usize; 2], wi: [f64; 3], wo: [f64; 3]) -> Place {
+/// The node of the same factor that has the least number: where half angle or difference angle are 0 there is no azimuth.
+fn node([half, difference, _]: [usize; 3], [i, j, k]: [usize; 3]) -> usize {
+    let plane = if i == 0 || j == 0 { 0 } else { k };
+    (plane * half + i) * difference + j
+}
+
+/// Place of two directions among the nodes, which are even in the fourth root of `1 - cos` of the half angle, in the root of that of
+/// the difference angle, and in the squared cosine of the azimuth; as `srbf_core` has it.
+fn place(size: [usize; 3], wi: [f64; 3], wo: [f64; 3]) -> Place {
     let s = [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]];
-    let square = (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]).max(1e-30);
+    let d = [wi[0] - wo[0], wi[1] - wo[1], wi[2] - wo[2]];
+    let across = s[0] * s[0] + s[1] * s[1];
+    let square = (across + s[2] * s[2]).max(1e-30);
     let length = libm::sqrt(square);
-    let a = (s[0] * s[0] + s[1] * s[1]) / square / (1.0 + s[2] / length);
+    let a = across / square / (1.0 + s[2] / length);
     let b = 1.0 - (0.5 * length).min(1.0);
+    let distance = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    let c = d[2] * d[2] * square / (distance * across).max(1e-30);
     let at = |v: f64, count: usize| {
         let x = v.clamp(0.0, 1.0) * (count - 1) as f64;
-        let i = (x as usize).min(count - 2);
+        let i = (x as usize).min(count.saturating_sub(2));
         (i, x - i as f64)
     };
-    let (i, x) = at(libm::sqrt(libm::sqrt(a)), half);
-    let (j, y) = at(libm::sqrt(b), difference);
-    let node = i * difference + j;
-    [
-        (node, (1.0 - x) * (1.0 - y)),
-        (node + 1, (1.0 - x) * y),
-        (node + difference, x * (1.0 - y)),
-        (node + difference + 1, x * y),
-    ]
+    let (i, x) = at(libm::sqrt(libm::sqrt(a)), size[0]);
+    let (j, y) = at(libm::sqrt(b), size[1]);
+    let (k, z) = at(c, size[2]);
+    std::array::from_fn(|n| {
+        let [x_on, y_on, z_on] = [n & 1, n >> 1 & 1, n >> 2];
+        let share = |on: usize, share: f64| if on == 1 { share } else { 1.0 - share };
+        let k = (k + z_on).min(size[2] - 1);
+        (node(size, [i + x_on, j + y_on, k]), share(x_on, x) * share(y_on, y) * share(z_on, z))
+    })
 }
 
 impl Factors {
-    /// Nodes over the half angle, and over the difference angle.
-    pub fn size(&self) -> [usize; 2] {
+    /// Nodes over half angle, difference angle and azimuth.
+    pub fn size(&self) -> [usize; 3] {
         self.size
     }
 
-    /// The nodes, the difference angle fastest.
+    /// The nodes, the difference angle fastest, then the half angle.
     pub fn nodes(&self) -> Vec<[f32; 3]> {
         self.nodes.iter().map(|n| n.map(|v| v as f32)).collect()
     }
@@ -140,20 +150,29 @@ impl Factors {
     }
 
     /// The best factors for what is demanded; as they are stored.
-    pub fn fit(size: [usize; 2], demands: &[Demand]) -> Self {
-        let count = size[0] * size[1];
-        let mut nodes = vec![[1.0; 3]; count];
-        for channel in 0..3 {
+    pub fn fit(size: [usize; 3], demands: &[Demand]) -> Self {
+        let count = size.iter().product();
+        let places: Vec<Place> = demands.iter().map(|d| place(size, d.wi, d.wo)).collect();
+        let channel = |channel: usize| {
             let mut problem = Problem::new(size);
-            for d in demands {
-                let place = place(size, d.wi, d.wo);
-                problem.add(&place, d.weight, d.lobes[channel], d.target[channel]);
+            for (d, place) in demands.iter().zip(&places) {
+                problem.add(place, d.weight, d.lobes[channel], d.target[channel]);
             }
-            for (node, factor) in nodes.iter_mut().zip(problem.solve()) {
-                node[channel] = factor;
-            }
-        }
-        Self { size, nodes }
+            problem.solve()
+        };
+        let channels: Vec<Vec<f64>> = (0..3).into_par_iter().map(channel).collect();
+        let own = |n: usize| node(size, [n / size[1] % size[0], n % size[1], n / (size[0] * size[1])]);
+        let nodes = (0..count).map(|n| [0, 1, 2].map(|c| channels[c][own(n)])).collect();
+        let mut factors = Self { size, nodes };
+        factors.round();
+        factors
+    }
+
+    /// Rounds to what is stored.
+    fn round(&mut self) {
+        let most = self.nodes.iter().flatten().fold(0.0, |most: f64, f| most.max(*f)).max(1e-6);
+        let rounded = |f: f64| (libm::round(MOST_CODE * libm::sqrt(f / most)) / MOST_CODE).powi(2) * most;
+        self.nodes.iter_mut().for_each(|n| *n = n.map(rounded));
     }
 
     /// What is left of the squared error, of all that is demanded.
@@ -167,8 +186,8 @@ impl Factors {
 
     /// The smallest table that is worth its bytes, for what is demanded: one with more nodes has to leave less than this share of the
     /// error of one with fewer.
-    pub fn worthwhile(sizes: &[[usize; 2]], demands: &[Demand]) -> Option<Self> {
-        let fit = |size: &[usize; 2]| {
+    pub fn worthwhile(sizes: &[[usize; 3]], demands: &[Demand]) -> Option<Self> {
+        let fit = |size: &[usize; 3]| {
             let factors = Self::fit(*size, demands);
             (factors.cost(demands), factors)
         };
@@ -191,27 +210,28 @@ struct Problem {
 }
 
 impl Problem {
-    fn new([half, difference]: [usize; 2]) -> Self {
-        let count = half * difference;
+    fn new(size: [usize; 3]) -> Self {
+        let count = size.iter().product();
         let mut problem = Self { count, matrix: vec![0.0; count * count], moment: vec![0.0; count] };
-        let at = |i: usize, j: usize| i * difference + j;
-        for i in 0..half {
-            for j in 0..difference {
-                problem.add_row(&[(at(i, j), 1.0)], PULL, 1.0);
-                if i > 0 && i + 1 < half {
-                    problem.add_row(
-                        &[(at(i - 1, j), 1.0), (at(i, j), -2.0), (at(i + 1, j), 1.0)],
-                        SMOOTH,
-                        0.0,
-                    );
+        let [half, difference, azimuth] = size;
+        for n in 0..count {
+            let at = [n / difference % half, n % difference, n / (half * difference)];
+            problem.add_row(&[(node(size, at), 1.0)], PULL / azimuth as f64, 1.0);
+            for along in 0..3 {
+                if at[along] > 0 && at[along] + 1 < size[along] {
+                    let beside = |by: usize| {
+                        let mut beside = at;
+                        beside[along] = at[along] + by - 1;
+                        node(size, beside)
+                    };
+                    let bend = [(beside(0), 1.0), (beside(1), -2.0), (beside(2), 1.0)];
+                    problem.add_row(&bend, SMOOTH / azimuth as f64, 0.0);
                 }
-                if j > 0 && j + 1 < difference {
-                    problem.add_row(
-                        &[(at(i, j - 1), 1.0), (at(i, j), -2.0), (at(i, j + 1), 1.0)],
-                        SMOOTH,
-                        0.0,
-                    );
-                }
+            }
+            // Along the azimuth a first difference too, which is all that there is of two.
+            if at[2] > 0 {
+                let before = node(size, [at[0], at[1], at[2] - 1]);
+                problem.add_row(&[(node(size, at), 1.0), (before, -1.0)], PULL, 0.0);
             }
         }
         problem
@@ -232,9 +252,8 @@ impl Problem {
         self.add_row(&terms, weight, target);
     }
 
-    /// Coordinate descent from 1 within the bounds, rounded to what is stored.
+    /// Coordinate descent from 1 within the bounds.
     fn solve(&self) -> Vec<f64> {
-        let most = (LARGEST / ONE) * (LARGEST / ONE);
         let mut x = vec![1.0; self.count];
         let rows: Vec<Vec<(usize, f64)>> = (0..self.count)
             .map(|i| {
@@ -245,11 +264,11 @@ impl Problem {
         for _ in 0..SWEEPS {
             for i in 0..self.count {
                 let product: f64 = rows[i].iter().map(|&(j, m)| m * x[j]).sum();
-                let step = (self.moment[i] - product) / self.matrix[i * self.count + i];
-                x[i] = (x[i] + step).clamp(0.0, most);
+                let step = (self.moment[i] - product) / self.matrix[i * self.count + i].max(1e-300);
+                x[i] = (x[i] + step).clamp(0.0, LARGEST);
             }
         }
-        x.into_iter().map(|f| (libm::round(ONE * libm::sqrt(f)) / ONE).powi(2)).collect()
+        x
     }
 }
 
@@ -258,8 +277,8 @@ mod tests {
     use super::*;
     use crate::table::direction;
 
-    /// Directions of some views with the factors of a function of half angle and difference angle.
-    fn demands(factor: impl Fn(f64, f64) -> [f64; 3]) -> Vec<Demand> {
+    /// Directions of some views with the factors of a function of half angle, difference angle and the squared cosine of the azimuth.
+    fn demands(factor: impl Fn(f64, f64, f64) -> [f64; 3]) -> Vec<Demand> {
         let mut demands = Vec::new();
         for theta in [0.05, 0.3, 0.6, 0.9, 1.2, 1.4] {
             let wo = direction(theta, std::f64::consts::PI);
@@ -268,7 +287,14 @@ mod tests {
                 let wi = direction(libm::acos(z), GOLDEN * f64::from(i));
                 let h = [0, 1, 2].map(|k| wi[k] + wo[k]);
                 let length = libm::sqrt(h.iter().map(|v| v * v).sum());
-                let factor = factor(libm::acos(h[2] / length), libm::acos((0.5 * length).min(1.0)));
+                let h = h.map(|v| v / length);
+                // Of wo and of the normal what is perpendicular to h, and the angle between.
+                let cos = libm::fmin(0.5 * length, 1.0);
+                let aside = [0, 1, 2].map(|k| wo[k] - h[k] * cos);
+                let normal = [-h[0] * h[2], -h[1] * h[2], 1.0 - h[2] * h[2]];
+                let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+                let azimuth = dot(aside, normal).powi(2) / (dot(aside, aside) * dot(normal, normal));
+                let factor = factor(libm::acos(h[2]), libm::acos(cos), azimuth);
                 let lobes = [0.3, 0.2, 0.1];
                 let target = [0, 1, 2].map(|c| lobes[c] * factor[c]);
                 demands.push(Demand { wi, wo, lobes, target, weight: 1.0 });
@@ -279,29 +305,34 @@ mod tests {
 
     #[test]
     fn smooth_factors_are_found_again() {
-        let truth =
-            |half: f64, difference: f64| [1.0 + 0.5 * libm::sin(4.0 * half), 1.0 + 0.3 * difference, 0.5];
-        let demands = demands(truth);
-        let factors = Factors::fit([24, 10], &demands);
-        for d in &demands {
-            let found = factors.at(d.wi, d.wo);
-            for c in 0..3 {
-                assert!((found[c] * d.lobes[c] - d.target[c]).abs() < 0.02 * d.lobes[c], "{found:?} {d:?}");
+        for size in [[24, 10, 1], [24, 10, 3]] {
+            let has_azimuth = size[2] > 1;
+            let truth = |half: f64, difference: f64, azimuth: f64| {
+                let share = if has_azimuth { azimuth * half * difference } else { 0.0 };
+                [1.0 + 0.5 * libm::sin(4.0 * half), 1.0 + 0.3 * difference + 0.3 * share, 0.5 + 0.5 * share]
+            };
+            let demands = demands(truth);
+            let factors = Factors::fit(size, &demands);
+            for d in &demands {
+                let found = factors.at(d.wi, d.wo);
+                for c in 0..3 {
+                    assert!((found[c] * d.lobes[c] - d.target[c]).abs() < 0.03 * d.lobes[c], "{found:?} {d:?}");
+                }
+                assert_eq!(found, factors.at(d.wo, d.wi));
             }
-            assert_eq!(found, factors.at(d.wo, d.wi));
         }
     }
 
     #[test]
     fn where_there_are_no_data_the_factor_is_one() {
-        let factors = Factors::fit([16, 6], &[]);
+        let factors = Factors::fit([16, 6, 3], &[]);
         assert!(factors.nodes.iter().flatten().all(|f| *f == 1.0));
     }
 
     #[test]
     fn the_mean_of_a_diffuse_term_is_by_the_cosine() {
         let layout = Layout::new(1, 0, 0, vec![0.0]);
-        let mut factors = Factors::fit([16, 6], &[]);
+        let mut factors = Factors::fit([16, 6, 3], &[]);
         let q = vec![0.0; layout.stride()];
         assert!(factors.means(&layout, &q, 0.5).iter().flatten().all(|m| (m - 1.0).abs() < 1e-9));
         factors.nodes.iter_mut().for_each(|n| n[1] = 3.0);

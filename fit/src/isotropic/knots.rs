@@ -15,6 +15,7 @@
 use crate::FitError;
 use crate::table::Table;
 use crate::table::albedo_log::Ratio;
+use crate::table::luminance;
 use crate::table::{Brdf, Density};
 
 /// Intervals between views at which the material is looked at, or a multiple: half a degree up to 87 degrees.
@@ -37,8 +38,13 @@ const SMOOTHED: usize = 6;
 /// Least number of probes from knot to knot.
 const APART: usize = 2;
 
+/// Angle that no two knots are farther apart by, degrees, or by as many times their mean distance: what lies between them is not known
+/// from noise.
+const WIDEST: f64 = 8.0;
+const WIDEST_MEAN: f64 = 1.5;
+
 /// Distance of an albedo from straight that weighs as much as an interval's equal share of the density; less of it hardly counts.
-const CROOKED: f64 = 0.012;
+const CROOKED: f64 = 0.007;
 
 /// What it counts where the albedo is above the line, over below.
 const BULGE: f64 = 1.5;
@@ -47,7 +53,7 @@ const BULGE: f64 = 1.5;
 pub(crate) struct Probes {
     /// Angles, radians, and the albedo there.
     pub albedo: Vec<(f64, [f64; 3])>,
-    /// Logarithm of the albedo of each channel.
+    /// Logarithm of the albedo of each channel with the luminance added: what a dark channel of a bright colour does is not seen.
     ln_albedo: Vec<[f64; 3]>,
     /// Integral of the density of knots up to each.
     integral: Vec<f64>,
@@ -67,7 +73,11 @@ impl Probes {
         let table = Table::from_brdf(brdf, &thetas, PROBED)?;
         let ratio = Ratio::new(table.views.iter().map(|view| view.albedo));
         let ln_albedo =
-            table.views.iter().map(|view| view.albedo.map(|a| libm::log(ratio.shifted(a)))).collect();
+            table.views.iter().map(|view| {
+                let bright = luminance(view.albedo).max(0.0);
+                view.albedo.map(|a| libm::log(ratio.shifted(a) + bright))
+            });
+        let ln_albedo = ln_albedo.collect();
         let integral = integral(&table, step, multiple);
         let albedo = table.views.iter().map(|view| (view.theta, view.albedo)).collect();
         Ok(Self { albedo, ln_albedo, integral })
@@ -78,7 +88,12 @@ impl Probes {
         let probes = self.albedo.len();
         let intervals = (count.max(2) - 1).min((probes - 1) / APART);
         let equal = self.integral[probes - 1] / intervals as f64;
+        let last = self.albedo[probes - 1].0;
+        let widest = WIDEST.to_radians().max(WIDEST_MEAN * last / intervals as f64);
         let cost = |from: usize, to: usize| {
+            if self.albedo[to].0 - self.albedo[from].0 > widest {
+                return f64::INFINITY;
+            }
             let share = (self.integral[to] - self.integral[from]) / equal;
             share * share + (self.crooked(from, to) / CROOKED).powi(4)
         };

@@ -32,7 +32,7 @@ use std::time::Instant;
 const ROUNDS: usize = 3;
 const WORTHWHILE: f64 = 0.97;
 /// Bytes that a material with factors may have, but for what is said of where it comes from.
-const MOST_BYTES: usize = 5900;
+const MOST_BYTES: usize = 6900;
 /// Times that factors and lobes are fitted in turn.
 const FACTOR_ROUNDS: usize = 2;
 /// What the weights of missed goals are multiplied by before, and the most that energy gets: with more, nothing else counts.
@@ -173,7 +173,7 @@ impl<'a> Problem<'a> {
     /// Moves the best once more, by the measure of what is seen: as it is, and with factors, of which lobes and table take turns. What
     /// has factors has to be that much better.
     fn finish(&self, best: Finalist<'a>, work: &mut Work<'_>) -> Result<Finalist<'a>, FitError> {
-        let (sizes, is_given): (&[[usize; 2]], bool) = match &self.settings.factors {
+        let (sizes, is_given): (&[[usize; 3]], bool) = match &self.settings.factors {
             FactorNodes::None => (&[], false),
             FactorNodes::Chosen => (SIZES[..].get(..best.sizes_within(MOST_BYTES)).unwrap_or(&[]), false),
             FactorNodes::Given(size) => (std::slice::from_ref(size), true),

@@ -5,6 +5,7 @@ use crate::isotropic::knots::Probes;
 use crate::isotropic::search::schedule::LOOKS;
 use crate::isotropic::search::{self, Source};
 use crate::isotropic::seen_by::seen_by;
+use crate::judge::appearance::Appearance;
 use crate::judge::fitted_material::knots as knots_of;
 use crate::judge::report::ViewReport;
 use crate::table::evaluation_views;
@@ -85,6 +86,7 @@ fn fit_both(
     let source = Evaluable { brdf, samples, probes };
     let settings = Settings { smoothness: DENSE * settings.smoothness, ..settings.clone() };
     let mut fit = search::run(&source, &settings, progress)?;
+    fit.report.appearance = Some(Appearance::new(brdf, &Material::from_bytes(fit.bytes.as_slice())?)?);
     let mut middles = evaluation_views::halfway(&knots_of(&Material::from_bytes(&fit.bytes)?));
     middles.retain(|theta| *theta < LAST_KNOT.to_radians());
     if !middles.is_empty() {

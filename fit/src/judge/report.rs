@@ -5,6 +5,7 @@
 
 use crate::FitError;
 use crate::complete::CompletionReport;
+use crate::judge::appearance::Appearance;
 use crate::judge::cross::CrossValidation;
 use crate::judge::energy::EnergyError;
 use crate::judge::fitted_material::TrackedView;
@@ -81,6 +82,8 @@ pub struct Report {
     pub cross_validation: Option<CrossValidation>,
     /// What is known of what samples were completed to.
     pub completion: Option<CompletionReport>,
+    /// How it looks beside the table, where that can be evaluated anywhere.
+    pub appearance: Option<Appearance>,
 }
 
 /// Added to an albedo of which errors are a share: of what is nearly black it does not matter.
@@ -246,10 +249,7 @@ impl Report {
 
 /// Bytes that a material has for its table of factors, the albedo differences of the views included; 0 if it has none.
 pub fn factor_bytes(material: &Material<impl AsRef<[u8]>>) -> usize {
-    // The albedo differences, the largest factor, and the nodes.
-    material
-        .factor_nodes()
-        .map_or(0, |[half, difference]| 12 * material.view_count() + 4 + 4 * half * difference)
+    material.factor_len()
 }
 
 /// What a fit was made from.

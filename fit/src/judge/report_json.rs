@@ -4,6 +4,7 @@ use crate::complete::CompletionReport;
 use crate::judge::cross::CrossValidation;
 use crate::judge::method::Fitted;
 use crate::judge::reciprocity::{Reciprocity, reciprocity};
+use crate::judge::appearance::Appearance;
 use crate::judge::report::{Ending, Input, LARGE_ERROR, Report, ViewReport, factor_bytes, mean_error};
 use crate::judge::verdict::{Made, Summary, Verdict, steps_matter};
 use crate::{FitError, Settings};
@@ -95,6 +96,7 @@ impl Report {
             }),
             "notes": self.notes(),
             "summary": Summary::new(self).to_json(),
+            "appearance": self.appearance.as_ref().map(Appearance::to_json),
             "verdict": Verdict::new(self, &found, made).to_json(),
             "mean_relative_l2": self.mean_error(),
             "mean_relative_l2_held_out": held_out,

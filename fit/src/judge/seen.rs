@@ -141,7 +141,7 @@ fn relative(value: f64, data: f64, floor: f64) -> f64 {
 }
 
 /// Sum of the differences of the shares that the channels have of the sum of their magnitudes.
-fn chroma(value: [f64; 3], data: [f64; 3]) -> f64 {
+pub(crate) fn chroma(value: [f64; 3], data: [f64; 3]) -> f64 {
     let shares = |rgb: [f64; 3]| {
         let sum = rgb.iter().map(|v| v.abs()).sum::<f64>().max(1e-9);
         rgb.map(|v| v / sum)
@@ -151,7 +151,7 @@ fn chroma(value: [f64; 3], data: [f64; 3]) -> f64 {
 }
 
 /// Weighted median; NaN of nothing.
-fn median(mut values: Vec<(f64, f64)>) -> f64 {
+pub(crate) fn median(mut values: Vec<(f64, f64)>) -> f64 {
     values.retain(|v| v.1 > 0.0);
     values.sort_by(|a, b| a.0.total_cmp(&b.0));
     let half = 0.5 * values.iter().map(|v| v.1).sum::<f64>();

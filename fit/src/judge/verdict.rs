@@ -1,14 +1,15 @@
-//! A fit in a few numbers, and in words: what is good, what is off, and what to try.
+//! A fit in a few numbers, and in words: whether to use it, what is good, what is off, and what to try.
 //!
 //! The numbers are of the held-out views, if there are any: what a fit says where it was not made. The words are of all views: a
 //! weight that is large at a view that was fitted is as bright a dot in a picture.
 
 mod units;
 
+use crate::judge::appearance::Appearance;
 use crate::judge::reciprocity::Reciprocity;
 use crate::judge::report::{Ending, Report, ViewReport};
 use serde_json::{Value, json};
-use srbf_core::{MAX_LOBES, Material};
+use srbf_core::Material;
 
 /// A number over several views.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,6 +70,26 @@ struct Measure {
     good: f64,
     /// Most that any view of a good fit has.
     most: f64,
+    /// Whether it is of what is seen, and so of views up to [`STEEPEST`] alone.
+    is_seen: bool,
+    /// What the table's own noise adds to both.
+    noise: fn(&Report) -> f64,
+}
+
+/// Angle from which views are too steep to be seen on most things: 80 degrees.
+const STEEPEST: f64 = 80.0 * std::f64::consts::PI / 180.0;
+
+/// What the table's own noise makes of errors of the luminance, and of those of the colour.
+fn noise_of_luminance(report: &Report) -> f64 {
+    report.appearance.as_ref().map_or(0.0, |found| found.noise.luminance)
+}
+
+fn noise_of_chroma(report: &Report) -> f64 {
+    report.appearance.as_ref().map_or(0.0, |found| found.noise.chroma)
+}
+
+fn no_noise(_: &Report) -> f64 {
+    0.0
 }
 
 /// Largest variance and largest weight over the mean that are no trouble in a picture, and largest error of the albedo: what a fit is
@@ -84,6 +105,8 @@ const L2: Measure = Measure {
     number: |v| v.error,
     good: 0.052,
     most: 0.2,
+    is_seen: true,
+    noise: no_noise,
 };
 const OFF_PEAK: Measure = Measure {
     name: "L2 off the peak",
@@ -92,6 +115,8 @@ const OFF_PEAK: Measure = Measure {
     number: |v| v.seen.off_peak,
     good: 0.1,
     most: 0.2,
+    is_seen: true,
+    noise: noise_of_luminance,
 };
 const LUMINANCE: Measure = Measure {
     name: "luminance off the peak",
@@ -100,6 +125,8 @@ const LUMINANCE: Measure = Measure {
     number: |v| v.seen.luminance,
     good: 0.06,
     most: 0.15,
+    is_seen: true,
+    noise: noise_of_luminance,
 };
 const CHROMA: Measure = Measure {
     name: "colour off the peak",
@@ -108,6 +135,8 @@ const CHROMA: Measure = Measure {
     number: |v| v.seen.chroma,
     good: 0.03,
     most: 0.1,
+    is_seen: true,
+    noise: noise_of_chroma,
 };
 const VARIANCE: Measure = Measure {
     name: "variance of f cos / pdf",
@@ -116,6 +145,8 @@ const VARIANCE: Measure = Measure {
     number: |v| v.variance,
     good: MOST_VARIANCE,
     most: MOST_VARIANCE,
+    is_seen: false,
+    noise: no_noise,
 };
 const WEIGHT: Measure = Measure {
     name: "largest weight over the mean",
@@ -124,6 +155,8 @@ const WEIGHT: Measure = Measure {
     number: |v| v.largest_weight,
     good: MOST_WEIGHT,
     most: MOST_WEIGHT,
+    is_seen: false,
+    noise: no_noise,
 };
 const ENERGY: Measure = Measure {
     name: "energy",
@@ -133,6 +166,8 @@ const ENERGY: Measure = Measure {
     number: |v| if v.is_albedo_cut { f64::NAN } else { v.energy_error() },
     good: MOST_ENERGY_ERROR,
     most: MOST_ENERGY_ERROR,
+    is_seen: false,
+    noise: no_noise,
 };
 
 /// What words are about.
@@ -155,14 +190,8 @@ const MOST_MEASURE: f64 = 0.05;
 const GOOD_RECIPROCITY: f64 = 0.1;
 const MOST_RECIPROCITY: f64 = 0.3;
 
-/// How much larger the error of held-out views is where more views help.
-const BETWEEN: f64 = 1.3;
-
 /// Asymmetry of the data at the normal that is worth a word: no isotropic fit has it.
 const LEAST_FLOOR: f64 = 0.02;
-
-/// A size of the table of factors that most materials are well served with.
-const USUAL_FACTORS: &str = "24x10";
 
 /// A fit in a few numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -262,6 +291,48 @@ impl Made {
     }
 }
 
+/// Visible difference of the pictures up to which nothing is seen side by side, and up to which a fit is of use.
+const UNSEEN: f64 = 0.05;
+const OF_USE: f64 = 0.12;
+/// What colour may ripple more than in the table, and what is not seen.
+const MORE_RIPPLE: f64 = 1.3;
+const UNSEEN_RIPPLE: f64 = 0.012;
+/// Colour round the highlight, share of false negative channels there, and ghost that are seen.
+const MOST_SKIRT: f64 = 0.06;
+const MOST_NEGATIVE: f64 = 0.05;
+const MOST_GHOST: f64 = 0.1;
+/// Noise of the luminance that is worth a word.
+const LEAST_NOISE: f64 = 0.04;
+
+fn has_rings(found: &Appearance) -> bool {
+    let [fit, table] = found.ripple;
+    fit.chroma > (MORE_RIPPLE * table.chroma).max(UNSEEN_RIPPLE)
+}
+
+/// Whether to use a fit, and what one sees of it.
+fn sentence(found: &Appearance) -> String {
+    let visible = found.visible();
+    let (light, most) =
+        found.pictures.iter().fold(("", 0.0), |most, p| if p.1 > most.1 { *p } else { most });
+    let mut seen = Vec::new();
+    if has_rings(found) {
+        seen.push("rings of colour that move with the camera".to_owned());
+    }
+    if found.ghost.0 > MOST_GHOST {
+        seen.push(format!("a false highlight, viewed at {:.0} degrees", found.ghost.1.to_degrees()));
+    }
+    if found.skirt.chroma > MOST_SKIRT || found.skirt.negative > MOST_NEGATIVE {
+        seen.push("a coloured fringe round the highlight".to_owned());
+    }
+    let balls = format!("balls differ by {visible:.3} from the table's, by {most:.3} under a {light}");
+    match (visible, seen.is_empty()) {
+        (v, true) if v <= UNSEEN => format!("use it: {balls}; side by side no difference is seen"),
+        (v, false) if v <= OF_USE => format!("use it with care: {balls}; one sees {}", seen.join(", ")),
+        (v, _) if v <= OF_USE => format!("use it with care: {balls}; side by side a difference is seen"),
+        _ => format!("do not use it: {balls}; it is another material"),
+    }
+}
+
 /// Errors of views of samples that are left out, up to which what lies between is good, and is not off.
 const GOOD_BETWEEN: f64 = 0.08;
 const MOST_BETWEEN: f64 = 0.2;
@@ -284,6 +355,8 @@ const MOST_BETWEEN: f64 = 0.2;
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verdict {
+    /// Whether to use it, in one sentence, where it could be looked at beside what it was made from.
+    pub sentence: Option<String>,
     /// What is as good as a fit should be.
     pub good: Vec<String>,
     /// What is neither good nor off.
@@ -297,34 +370,38 @@ pub struct Verdict {
 impl Verdict {
     /// Judges a fit; `made`: what it was made of, for advice, where there is a choice.
     pub fn new(report: &Report, reciprocity: &Reciprocity, made: Option<Made>) -> Self {
-        let mut verdict = Self::default();
+        let sentence = report.appearance.as_ref().map(sentence);
+        let mut verdict = Self { sentence, ..Self::default() };
         for measure in MEASURES {
             verdict.say(measure, report);
         }
         verdict.say_reciprocity(reciprocity);
         verdict.say_floor(report);
+        verdict.say_appearance(report);
         verdict.say_completion(report);
         verdict.off.extend(units::fault(&report.views));
-        if let Some(made) = made {
-            verdict.advice.extend(advice(report, made));
+        if made.is_some() {
+            verdict.advice.extend(advice(report));
         }
         verdict
     }
 
     fn say(&mut self, measure: &Measure, report: &Report) {
-        let all = || judged(&report.views).chain(judged(&report.held_out));
+        let end = if measure.is_seen { STEEPEST } else { f64::INFINITY };
+        let all = || judged(&report.views).chain(judged(&report.held_out)).filter(|v| v.theta <= end);
         let is_of_views = report.held_out.is_empty() || report.completion.is_some();
         let spread = if is_of_views { &report.views } else { &report.held_out };
         let (Some(spread), Some(most)) =
-            (Spread::of(judged(spread), measure.number), Spread::of(all(), measure.number))
+            (Spread::of(judged(spread).filter(|v| v.theta <= end), measure.number), Spread::of(all(), measure.number))
         else {
             return;
         };
         let Measure { name, unit, number, .. } = measure;
+        let most_allowed = measure.most + (measure.noise)(report);
         let (median, worst, limit) =
-            (unit.text(spread.median), unit.text(most.worst), unit.text(measure.most));
+            (unit.text(spread.median), unit.text(most.worst), unit.text(most_allowed));
         let angle = most.worst_at.to_degrees();
-        let over = all().filter(|v| number(v) > measure.most).count();
+        let over = all().filter(|v| number(v) > most_allowed).count();
         if over > 0 {
             self.off.push(format!(
                 "{name}: {worst} at {angle:.1} degrees, above {limit} at {over} of {} views; median {median}",
@@ -333,7 +410,8 @@ impl Verdict {
             return;
         }
         let text = format!("{name}: median {median}, at most {worst}, at {angle:.1} degrees");
-        if spread.median <= measure.good { &mut self.good } else { &mut self.fair }.push(text);
+        let good = measure.good + (measure.noise)(report);
+        if spread.median <= good { &mut self.good } else { &mut self.fair }.push(text);
     }
 
     fn say_reciprocity(&mut self, found: &Reciprocity) {
@@ -364,6 +442,33 @@ impl Verdict {
         }
     }
 
+    /// What stands still with the camera, what lies round the highlight, and the table's own noise.
+    fn say_appearance(&mut self, report: &Report) {
+        let Some(found) = &report.appearance else { return };
+        let [fit, table] = found.ripple;
+        let text = format!(
+            "rings: along the view angle colour is {:.3} from its mean over 8 degrees, {:.3} of the table",
+            fit.chroma, table.chroma
+        );
+        if has_rings(found) { &mut self.off } else { &mut self.good }.push(text);
+        let skirt = found.skirt;
+        let text = format!(
+            "1.5 to 15 degrees from the mirror: luminance {:.1} %, colour {:.3}, falsely negative {:.0} %",
+            100.0 * skirt.luminance,
+            skirt.chroma,
+            100.0 * skirt.negative
+        );
+        let is_off = skirt.chroma > MOST_SKIRT || skirt.negative > MOST_NEGATIVE;
+        if is_off { &mut self.off } else { &mut self.good }.push(text);
+        if found.noise.luminance >= LEAST_NOISE {
+            self.fair.push(format!(
+                "noisy data: off the peak {:.1} % in luminance, {:.3} in colour from their mean over 3 degrees",
+                100.0 * found.noise.luminance,
+                found.noise.chroma
+            ));
+        }
+    }
+
     /// What lies between samples is known as well as views left out are.
     fn say_completion(&mut self, report: &Report) {
         let Some(completion) = &report.completion else { return };
@@ -387,21 +492,23 @@ impl Verdict {
 
     /// The lines to print, with what they are: good, fair, off, try.
     pub fn lines(&self) -> Vec<String> {
+        let sentence = self.sentence.iter().cloned();
         let parts = [("good", &self.good), ("fair", &self.fair), ("off", &self.off), ("try", &self.advice)];
         let labelled = |(label, sentences): (&str, &Vec<String>)| {
             sentences.iter().map(|s| format!("{label:4} {s}")).collect::<Vec<_>>()
         };
-        parts.into_iter().flat_map(labelled).collect()
+        sentence.chain(parts.into_iter().flat_map(labelled)).collect()
     }
 
     pub(crate) fn to_json(&self) -> Value {
-        json!({"good": self.good, "fair": self.fair, "off": self.off, "try": self.advice})
+        json!({"sentence": self.sentence, "good": self.good, "fair": self.fair, "off": self.off, "try": self.advice})
     }
 }
 
 /// Whether any view has more than it should have.
 fn is_off(measure: &Measure, report: &Report) -> bool {
-    judged(&report.views).chain(judged(&report.held_out)).any(|v| (measure.number)(v) > measure.most)
+    let most = measure.most + (measure.noise)(report);
+    judged(&report.views).chain(judged(&report.held_out)).any(|v| (measure.number)(v) > most)
 }
 
 /// Whether it matters that the last stage of a fit ended with its steps: there is something to gain.
@@ -411,32 +518,9 @@ pub(crate) fn steps_matter(report: &Report) -> bool {
         && (measure.is_some_and(|m| m.median > MOST_MEASURE) || MEASURES.iter().any(|m| is_off(m, report)))
 }
 
-/// What may make a fit better, the most likely first.
-fn advice(report: &Report, made: Made) -> Vec<String> {
-    let summary = Summary::new(report);
-    let median = |spread: Option<Spread>| spread.map_or(0.0, |s| s.median);
-    let can_evaluate = !report.held_out.is_empty();
+/// What makes a fit better whatever it is.
+fn advice(report: &Report) -> Vec<String> {
     let mut advice = Vec::new();
-    let is_seen = [&OFF_PEAK, &LUMINANCE, &CHROMA].iter().any(|measure| is_off(measure, report));
-    let is_for_factors = is_seen && can_evaluate && made.is_isotropic && !made.has_factors;
-    if is_for_factors {
-        advice.push(format!(
-            "--factors {USUAL_FACTORS}: a table of factors is for what is off the peak, {} of L2 in the median here",
-            OFF_PEAK.unit.text(median(summary.off_peak))
-        ));
-    }
-    let is_poor = median(summary.error) > L2.good || is_off(&L2, report) || median(summary.peak) > PEAK.good;
-    if (is_poor || (is_seen && !is_for_factors)) && made.lobes < MAX_LOBES {
-        let more = (made.lobes + made.lobes.div_ceil(2)).min(MAX_LOBES);
-        advice.push(format!(
-            "--lobes {more} rather than {}: L2 is {} in the median, {} at the peak and {} off it",
-            made.lobes,
-            L2.unit.text(median(summary.error)),
-            PEAK.unit.text(median(summary.peak)),
-            OFF_PEAK.unit.text(median(summary.off_peak))
-        ));
-    }
-    advice.extend(more_views(report, &summary, made));
     if is_off(&WEIGHT, report) || is_off(&VARIANCE, report) {
         let all = || judged(&report.views).chain(judged(&report.held_out));
         let worst = Spread::of(all(), WEIGHT.number).map_or(0.0, |s| s.worst);
@@ -445,23 +529,6 @@ fn advice(report: &Report, made: Made) -> Vec<String> {
         ));
     }
     advice
-}
-
-/// The advice of more views, if what lies between them is worse than they are.
-fn more_views(report: &Report, summary: &Summary, made: Made) -> Option<String> {
-    const MOST: usize = 256;
-    let at_views = Spread::of(judged(&report.views), L2.number)?.median;
-    let between = summary.error.filter(|_| summary.is_of_held_out)?.median;
-    let more = (made.views + made.views.div_ceil(2)).min(MOST);
-    let is_worse = between > BETWEEN * at_views && between > L2.good;
-    (is_worse && made.is_isotropic && more > made.views).then(|| {
-        format!(
-            "--views {more} rather than {}: L2 between the views is {}, and {} at them",
-            made.views,
-            L2.unit.text(between),
-            L2.unit.text(at_views)
-        )
-    })
 }
 
 #[cfg(test)]

@@ -34,9 +34,9 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         material.squeezed_count(),
         2 * material.mirrored_count()
     );
-    if let Some([half, difference]) = material.factor_nodes() {
+    if let Some([half, difference, azimuth]) = material.factor_nodes() {
         println!(
-            "factors     {half} x {difference} nodes over half and difference angle, largest {:.3}, {} bytes",
+            "factors     {half} x {difference} x {azimuth} nodes over half angle, difference angle and azimuth, largest {:.3}, {} bytes",
             material.largest_factor(),
             factor_bytes(material)
         );

@@ -195,9 +195,9 @@ fn print_data(report: &Report) {
 
 /// Prints the table of factors, if there is one.
 pub fn print_factors(material: &Material<impl AsRef<[u8]>>) {
-    if let Some([half, difference]) = material.factor_nodes() {
+    if let Some([half, difference, azimuth]) = material.factor_nodes() {
         println!(
-            "factors: {half} x {difference} nodes, largest {:.2}, {} of {} bytes",
+            "factors: {half} x {difference} x {azimuth} nodes, largest {:.2}, {} of {} bytes",
             material.largest_factor(),
             factor_bytes(material),
             material.bytes().len()

@@ -177,7 +177,7 @@ fn a_fit_is_judged_against_what_it_was_made_from() {
     let output = srbf(&place, &fit);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let fitted = String::from_utf8(output.stdout).unwrap();
-    assert!(fitted.contains("factors: 4 x 3 nodes, largest "), "{fitted}");
+    assert!(fitted.contains("factors: 4 x 3 x 1 nodes, largest "), "{fitted}");
     assert!(std::fs::read_to_string(place.join("phong.json")).unwrap().contains("\"factors\""));
 
     let judge = ["judge", "phong.srbf", "--against", model, "--angles", "10,50"];

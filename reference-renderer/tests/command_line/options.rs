@@ -21,7 +21,7 @@ fn options_that_do_not_fit_are_refused_by_name() {
     std::fs::write(place.join("diffuse.csv"), rows()).unwrap();
     let fits = "material,term,lobe,r,g,b\nblue,diffuse,,0.3,0.3,0.3\ngrey,diffuse,,0.1,0.1,0.1\n";
     std::fs::write(place.join("published.csv"), fits).unwrap();
-    refused(&place, &["fit", "diffuse.csv", "--factors", "4"], &["--factors", "24x10"]);
+    refused(&place, &["fit", "diffuse.csv", "--factors", "4"], &["--factors", "24x6x3"]);
     refused(&place, &["fit", "published.csv"], &["published.csv", "--material", "blue, grey"]);
     refused(&place, &["fit", "published.csv", "--material", "red"], &["red", "blue, grey"]);
     refused(&place, &["fit", "diffuse.csv", "--method", "thesis", "--exchanges", "3"], &["--exchanges"]);

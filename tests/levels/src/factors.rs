@@ -11,19 +11,25 @@ const NAME: &str = "factored value";
 
 /// The factor of a pair of directions above the horizon, from the nodes.
 fn truth(material: &Material<impl AsRef<[u8]>>, wo: Vec3, wi: Vec3) -> [f64; 3] {
-    let [half, difference] = material.factor_nodes().expect("a table");
+    let [half, difference, azimuth] = material.factor_nodes().expect("a table");
     let ([ox, oy, oz], [ix, iy, iz]) = (wo.to_array().map(f64::from), wi.to_array().map(f64::from));
     let (x, y, z) = (ix + ox, iy + oy, iz + oz);
     let length = libm::sqrt(x * x + y * y + z * z);
+    let across = (x * x + y * y) / (length * length);
     let a = libm::pow((x * x + y * y) / (length * (length + z)), 0.25) * (half - 1) as f64;
     let (x, y, z) = (ix - ox, iy - oy, iz - oz);
     let b = libm::sqrt((x * x + y * y + z * z) / (4.0 + 2.0 * length)) * (difference - 1) as f64;
+    let c = (z * z / ((x * x + y * y + z * z) * across).max(1e-300)).min(1.0) * (azimuth - 1) as f64;
     let (i, j) = ((a as usize).min(half - 2), (b as usize).min(difference - 2));
-    let (a, b) = (a - i as f64, b - j as f64);
-    [0, 1, 2].map(|c| {
-        let node = |i, j| f64::from(material.factor_node(i, j).expect("a node")[c]);
-        (node(i, j) * (1.0 - a) + node(i + 1, j) * a) * (1.0 - b)
-            + (node(i, j + 1) * (1.0 - a) + node(i + 1, j + 1) * a) * b
+    let k = (c as usize).min(azimuth.saturating_sub(2));
+    let (a, b, c) = (a - i as f64, b - j as f64, c - k as f64);
+    [0, 1, 2].map(|channel| {
+        let node = |i, j, k| f64::from(material.factor_node(i, j, k).expect("a node")[channel]);
+        let plane = |k| {
+            (node(i, j, k) * (1.0 - a) + node(i + 1, j, k) * a) * (1.0 - b)
+                + (node(i, j + 1, k) * (1.0 - a) + node(i + 1, j + 1, k) * a) * b
+        };
+        if azimuth == 1 { plane(0) } else { plane(k) * (1.0 - c) + plane(k + 1) * c }
     })
 }
 
@@ -48,11 +54,17 @@ fn see(
     }
 }
 
-/// Batches, samples and single calls of mixtures, and pairs.
+/// Batches, samples and single calls of mixtures, and pairs; of a table over three variables, and over two.
 pub fn check(random: &mut Random, found: &mut Findings) {
-    let [bytes, bare] = inputs::factored(random);
+    let [bytes, flat, bare] = inputs::factored(random);
+    for bytes in [&bytes, &flat] {
+        check_material(bytes, &bare, random, found);
+    }
+}
+
+fn check_material(bytes: &[u8], bare: &[u8], random: &mut Random, found: &mut Findings) {
     let [material, bare] =
-        [&bytes, &bare].map(|bytes| Material::from_bytes(bytes).expect("a valid material"));
+        [bytes, bare].map(|bytes| Material::from_bytes(bytes).expect("a valid material"));
     let wo: Vec<Vec3> = (0..COUNTS).map(|_| random.direction()).collect();
     let wi: Vec<Vec3> = (0..COUNTS).map(|_| random.direction()).collect();
     let (wo_arrays, wi_arrays) = (structure_of_arrays(&wo), structure_of_arrays(&wi));

@@ -69,15 +69,22 @@ pub fn material(random: &mut Random, mirrored: usize) -> Vec<u8> {
     made(random, mirrored, &[None]).remove(0)
 }
 
-/// Such a material with a table of factors, and the same without.
-pub fn factored(random: &mut Random) -> [Vec<u8>; 2] {
-    let (half, difference) = (32, 19);
-    let factors: Vec<[f32; 3]> =
-        (0..half * difference).map(|_| [0.0; 3].map(|_: f32| 8.0 * random.next())).collect();
-    let table = FactorTable { half, difference, factors: &factors, albedo_differences: &[[-0.5; 3]; 9] };
-    let mut both = made(random, 1, &[Some(table), None]);
-    let bare = both.pop().expect("two of them");
-    [both.pop().expect("two of them"), bare]
+/// Such a material with a table of factors, with one over half and difference angle alone, and without.
+pub fn factored(random: &mut Random) -> [Vec<u8>; 3] {
+    let (half, difference, azimuth) = (32, 19, 5);
+    let mut factors: Vec<[f32; 3]> =
+        (0..azimuth * half * difference).map(|_| [0.0; 3].map(|_: f32| 8.0 * random.next())).collect();
+    for n in 0..factors.len() {
+        let (i, j) = (n / difference % half, n % difference);
+        if i == 0 || j == 0 {
+            factors[n] = factors[i * difference + j];
+        }
+    }
+    let albedo_differences = &[[-0.5; 3]; 9];
+    let table = FactorTable { half, difference, azimuth, factors: &factors, albedo_differences };
+    let flat = FactorTable { azimuth: 1, factors: &factors[..half * difference], ..table };
+    let all = made(random, 1, &[Some(table), Some(flat), None]);
+    all.try_into().expect("three of them")
 }
 
 /// Materials that are the same but for their factors.

@@ -23,7 +23,7 @@ pub fn anisotropic_file() -> PathBuf {
     FILE.get_or_init(|| write("anisotropic.srbf", &anisotropic_bytes())).clone()
 }
 
-/// A `.srbf` file of two views of three grey lobes, with a table of 5 by 4 factors: see `tests/c/factors.c`.
+/// A `.srbf` file of two views of three grey lobes, with a table of 5 by 4 by 2 factors: see `tests/c/factors.c`.
 pub fn factored_file() -> PathBuf {
     static FILE: OnceLock<PathBuf> = OnceLock::new();
     FILE.get_or_init(|| write("factored.srbf", &factored_bytes())).clone()
@@ -48,12 +48,16 @@ fn factored_bytes() -> Vec<u8> {
         diffuse_color_differences: [0.0; 2],
         lobes: &stored[v].1,
     });
-    let (half, difference) = (5, 4);
-    let factor = |n: usize| [0.25 * (1 + n / difference) as f32, 1.0, 0.25 * (1 + n % difference) as f32];
-    let factors: Vec<[f32; 3]> = (0..half * difference).map(factor).collect();
+    let (half, difference, azimuth) = (5, 4, 2);
+    let factor = |n: usize| {
+        let (i, j) = (n / difference % half, n % difference);
+        let is_twice = n / difference >= half && i > 0 && j > 0;
+        [0.25 * (1 + i) as f32, 1.0, if is_twice { 0.5 } else { 0.25 } * (1 + j) as f32]
+    };
+    let factors: Vec<[f32; 3]> = (0..azimuth * half * difference).map(factor).collect();
     let albedo_differences = [[-0.25, 0.5, -0.125], [-0.25, 0.5, 0.25]];
     let factors =
-        FactorTable { half, difference, factors: &factors, albedo_differences: &albedo_differences };
+        FactorTable { half, difference, azimuth, factors: &factors, albedo_differences: &albedo_differences };
     let line = Line { views: &views, squeezed: 1, mirrored: 0, factors: Some(factors) };
     // Eight letters leave the numbers where a program may read them as such.
     let mut bytes = vec![0; line.encoded_len("by tests")];

@@ -8,7 +8,7 @@ use super::table::{CHUNK, Expanded, IN_PLANE, MIRRORED};
 use crate::color::luminance;
 use crate::error::Error;
 use crate::material::layout::MAX_LOBES;
-use crate::mixture::factors::{Among, Factors};
+use crate::mixture::factors::Nodes;
 use crate::mixture::rows::{LEAST_DENSITY, drawn_density};
 use crate::simd::detect::Level;
 use glam::Vec3;
@@ -225,10 +225,10 @@ impl Expanded<'_> {
 
     /// Multiplies values by their factors, if there are some.
     fn multiply(&self, level: Level, wo: &[Numbers; 3], wi: &[Numbers; 3], sums: &mut Sums<3>) {
-        if self.material.factor_nodes().is_none() {
+        let nodes = Nodes::new(self.material.borrowed());
+        if nodes.is_none() {
             return;
         }
-        let factors = Factors::new(self.material.borrowed(), Vec3::Z, Among::NOWHERE);
         // What is no direction has no factor, and 0 times that may be none either.
         let (mut outgoing, mut incident) = (*wo, *wi);
         for i in 0..MOST {
@@ -236,7 +236,7 @@ impl Expanded<'_> {
                 outgoing.iter_mut().chain(&mut incident).for_each(|component| component[i] = 0.5);
             }
         }
-        multiply_pairs(level, &factors, &outgoing, &incident, &mut sums.value);
+        multiply_pairs(level, &nodes, &outgoing, &incident, &mut sums.value);
     }
 
     fn write_samples(
@@ -281,9 +281,9 @@ fn densities(sums: &Sums<3>) -> Numbers {
 /// The densities of a block of what was drawn; 0 where nothing is reflected.
 fn drawn_densities(sums: &Sums<3>) -> Numbers {
     let mut pdf = densities(sums);
-    for i in 0..MOST {
-        if sums.inverse_power[i] > 0.0 {
-            pdf[i] = drawn_density(pdf[i]);
+    for (pdf, &inverse_power) in pdf.iter_mut().zip(&sums.inverse_power) {
+        if inverse_power > 0.0 {
+            *pdf = drawn_density(*pdf);
         }
     }
     pdf

@@ -152,7 +152,7 @@ impl<'a> Finalist<'a> {
     }
 
     /// Fits factors to what the lobes leave, with a table of one of these sizes.
-    pub fn fit_factors(&mut self, sizes: &[[usize; 2]], emphasis: Emphasis) -> Result<(), FitError> {
+    pub fn fit_factors(&mut self, sizes: &[[usize; 3]], emphasis: Emphasis) -> Result<(), FitError> {
         let table = self.seen.as_ref().unwrap_or(&self.table);
         let objective = Objective::new(table, self.layout.clone(), emphasis, self.factors.as_ref())?;
         let demands = objective.reweighed(&self.candidate.x).demands(&self.candidate.x);

@@ -183,6 +183,7 @@ pub fn fit(
         ending,
         cross_validation: left_out,
         completion: None,
+        appearance: None,
     };
     let mut json = report.to_json_of(fitted.as_ref(), key, input)?;
     json["settings"] = settings.into();

@@ -37,22 +37,26 @@ pub struct SettingArgs {
     /// many more as take the bytes of 12].
     #[arg(long)]
     pub(super) views: Option<usize>,
-    /// The table of factors over half angle and difference angle that the lobes are multiplied by, `24x10` for example; `none`;
-    /// `chosen`: what it gains decides [default: chosen].
+    /// The table of factors over half angle, difference angle and azimuth that the lobes are multiplied by, `24x6x3` for example, or
+    /// `24x10` for the two angles alone; `none`; `chosen`: what it gains decides [default: chosen].
     #[arg(long, value_name = "NODES", value_parser = factor_nodes)]
     pub(super) factors: Option<FactorNodes>,
 }
 
-/// Reads `none`, `chosen` or two numbers of nodes.
+/// Reads `none`, `chosen`, or two or three numbers of nodes.
 fn factor_nodes(text: &str) -> Result<FactorNodes, String> {
     let given = || {
-        let (half, difference) = text.split_once('x')?;
-        Some(FactorNodes::Given([half.parse().ok()?, difference.parse().ok()?]))
+        let numbers = text.split('x').map(|n| n.parse().ok()).collect::<Option<Vec<usize>>>()?;
+        match numbers[..] {
+            [half, difference] => Some(FactorNodes::Given([half, difference, 1])),
+            [half, difference, azimuth] => Some(FactorNodes::Given([half, difference, azimuth])),
+            _ => None,
+        }
     };
     match text {
         "none" => Ok(FactorNodes::None),
         "chosen" => Ok(FactorNodes::Chosen),
-        _ => given().ok_or_else(|| "expected `none`, `chosen`, or numbers of nodes as in 24x10".into()),
+        _ => given().ok_or_else(|| "expected `none`, `chosen`, or numbers of nodes as in 24x6x3".into()),
     }
 }
 
