@@ -135,8 +135,13 @@ impl Settings {
         range("exchanges", self.exchanges <= 1000, "at most 1000")?;
         if let FactorNodes::Given(nodes) = self.factors {
             let [half, difference, azimuth] = nodes;
-            let is_there = [half, difference].iter().all(|n| (2..=32).contains(n)) && (1..=8).contains(&azimuth);
-            range("factors", is_there, "from 2 to 32 nodes along either angle, and 1 to 8 along the azimuth")?;
+            let is_there =
+                [half, difference].iter().all(|n| (2..=32).contains(n)) && (1..=8).contains(&azimuth);
+            range(
+                "factors",
+                is_there,
+                "from 2 to 32 nodes along either angle, and 1 to 8 along the azimuth",
+            )?;
         }
         range("views", self.views.is_none_or(|n| (2..=256).contains(&n)), "from 2 to 256")
     }
@@ -275,7 +280,7 @@ mod tests {
             ("views", Settings { views: Some(9), ..default() }),
             ("mirrored", Settings { mirrored: Some(0), ..default() }),
             ("exchanges", Settings { exchanges: 3, ..default() }),
-            ("factors", Settings { factors: FactorNodes::Given([4, 3]), ..default() }),
+            ("factors", Settings { factors: FactorNodes::Given([4, 3, 1]), ..default() }),
         ] {
             let error = settings.check_anisotropic().unwrap_err().to_string();
             assert!(error.contains(name) && error.contains("anisotropic"), "{error}");

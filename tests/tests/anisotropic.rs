@@ -200,7 +200,13 @@ fn factors_of_a_grid_multiply_values_and_albedo_differences_are_interpolated_alo
     let factors: Vec<[f32; 3]> = (0..20).map(|n| [0.3 * n as f32, 1.0, 2.0 / (1 + n) as f32]).collect();
     let mut random = Random(31);
     let differences: Vec<[f32; 3]> = made.views.iter().map(|_| random.three()).collect();
-    let table = FactorTable { half: 5, difference: 4, azimuth: 1, factors: &factors, albedo_differences: &differences };
+    let table = FactorTable {
+        half: 5,
+        difference: 4,
+        azimuth: 1,
+        factors: &factors,
+        albedo_differences: &differences,
+    };
     let (bytes, bare) = (made.encode_with(Some(table)), made.encode());
     let (material, bare) = (Material::from_bytes(&bytes).unwrap(), Material::from_bytes(&bare).unwrap());
     assert_eq!((material.factor_nodes(), bare.factor_nodes()), (Some([5, 4, 1]), None));
@@ -214,7 +220,8 @@ fn factors_of_a_grid_multiply_values_and_albedo_differences_are_interpolated_alo
         let wi = wi.with_z(wi.z.abs());
         let (m, lobes) = (prepare(&material, wo), prepare(&bare, wo));
         let node = |i, j, k| Vec3::from_array(material.factor_node(i, j, k).unwrap()).as_dvec3();
-        let want = oracle::factor([5, 4, 1], node, wo.as_dvec3(), wi.as_dvec3()) * lobes.evaluate(wi).as_dvec3();
+        let want =
+            oracle::factor([5, 4, 1], node, wo.as_dvec3(), wi.as_dvec3()) * lobes.evaluate(wi).as_dvec3();
         let (got, scale) = (m.evaluate(wi), f64::from(6.0 * lobes.evaluate(wi).abs().max_element()));
         assert!((got.as_dvec3() - want).abs().max_element() <= 6e-6 * scale, "{wo} {wi}: {got}, {want}");
         assert_eq!(m.pdf(wi), lobes.pdf(wi));

@@ -198,8 +198,13 @@ fn an_outgoing_direction_that_is_none_gives_0_whatever_the_incident_one_is() {
     let all: Vec<[[f32; 3]; 2]> = none.iter().flat_map(|&wo| incident.map(|wi| [wo, wi])).collect();
     let factors: Vec<[f32; 3]> = (0..12).map(|n| [0.3 * n as f32, 1.0, 2.0]).collect();
     let albedo_differences = [[0.1; 3]; 2];
-    let table =
-        FactorTable { half: 4, difference: 3, azimuth: 1, factors: &factors, albedo_differences: &albedo_differences };
+    let table = FactorTable {
+        half: 4,
+        difference: 3,
+        azimuth: 1,
+        factors: &factors,
+        albedo_differences: &albedo_differences,
+    };
     for factors in [None, Some(table)] {
         let bytes = material(factors);
         let material = Material::from_bytes(&bytes[..]).unwrap();

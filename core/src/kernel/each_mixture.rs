@@ -9,8 +9,6 @@
 use super::block::{DrawBlock, SumBlock};
 #[cfg(feature = "simd")]
 use super::multiply_factors::multiply_block;
-#[cfg(feature = "simd")]
-use crate::mixture::factors::Nodes;
 use super::prepare::{prepare, prepare_each};
 use super::sights::MOST;
 #[cfg(feature = "simd")]
@@ -20,6 +18,8 @@ use super::slices::{SamplesMut, same_length};
 use crate::color::luminance;
 use crate::error::Error;
 use crate::material::borrowed::{Material, MaterialRef};
+#[cfg(feature = "simd")]
+use crate::mixture::factors::Nodes;
 use crate::mixture::leave_out::LeaveOut;
 #[cfg(feature = "simd")]
 use crate::mixture::rows::Domain;

@@ -156,7 +156,9 @@ fn read_blocks(bytes: &[u8], mut header: Header) -> Result<Header, FormatError> 
             return field("tag of a block (lobes come first, once)", at);
         }
         match tag {
-            LOBE if start + length != header.lobes_end() => return field("length of the block of lobes", at + 4),
+            LOBE if start + length != header.lobes_end() => {
+                return field("length of the block of lobes", at + 4);
+            }
             LOBE => {}
             FACT if header.has_factors() => return field("tag of a block (a second table of factors)", at),
             FACT => {

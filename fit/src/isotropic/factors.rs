@@ -316,7 +316,10 @@ mod tests {
             for d in &demands {
                 let found = factors.at(d.wi, d.wo);
                 for c in 0..3 {
-                    assert!((found[c] * d.lobes[c] - d.target[c]).abs() < 0.03 * d.lobes[c], "{found:?} {d:?}");
+                    assert!(
+                        (found[c] * d.lobes[c] - d.target[c]).abs() < 0.03 * d.lobes[c],
+                        "{found:?} {d:?}"
+                    );
                 }
                 assert_eq!(found, factors.at(d.wo, d.wi));
             }

@@ -72,11 +72,10 @@ impl Probes {
         thetas[intervals] = last;
         let table = Table::from_brdf(brdf, &thetas, PROBED)?;
         let ratio = Ratio::new(table.views.iter().map(|view| view.albedo));
-        let ln_albedo =
-            table.views.iter().map(|view| {
-                let bright = luminance(view.albedo).max(0.0);
-                view.albedo.map(|a| libm::log(ratio.shifted(a) + bright))
-            });
+        let ln_albedo = table.views.iter().map(|view| {
+            let bright = luminance(view.albedo).max(0.0);
+            view.albedo.map(|a| libm::log(ratio.shifted(a) + bright))
+        });
         let ln_albedo = ln_albedo.collect();
         let integral = integral(&table, step, multiple);
         let albedo = table.views.iter().map(|view| (view.theta, view.albedo)).collect();

@@ -155,7 +155,8 @@ impl Appearance {
                 ghost = (found, theta);
             }
         }
-        let mean = |value: &dyn Fn(usize) -> f64| (0..VIEWS.len()).map(value).sum::<f64>() / VIEWS.len() as f64;
+        let mean =
+            |value: &dyn Fn(usize) -> f64| (0..VIEWS.len()).map(value).sum::<f64>() / VIEWS.len() as f64;
         let skirt = Skirt {
             luminance: mean(&|i| skirts[i].luminance),
             chroma: mean(&|i| skirts[i].chroma),
@@ -266,7 +267,9 @@ fn largest_ghost(brdf: &dyn Brdf, fitted: &TrackedView<'_>, theta: f64) -> f64 {
 fn ripples(brdf: &dyn Brdf, material: &Material<impl AsRef<[u8]> + Sync>) -> Result<[Ripple; 2], FitError> {
     let lights: Vec<[f64; 3]> = [0.0f64, 20.0, 40.0, 60.0]
         .iter()
-        .flat_map(|theta| [0.0f64, 45.0, 90.0, 135.0, 180.0].map(|phi| direction(theta.to_radians(), phi.to_radians())))
+        .flat_map(|theta| {
+            [0.0f64, 45.0, 90.0, 135.0, 180.0].map(|phi| direction(theta.to_radians(), phi.to_radians()))
+        })
         .collect();
     let thetas: Vec<f64> = (0..=STEPS).map(|n| (STEP * n as f64).to_radians()).collect();
     type Column = Vec<[[f64; 3]; 2]>;
@@ -330,7 +333,9 @@ impl Lights {
     /// A lamp of some degrees across.
     fn spot() -> Self {
         let Self { all, .. } = Self::sun("", 50.0);
-        let part = |i: usize| (aside(all[0].0, 0.09 * libm::sqrt((i as f64 + 0.5) / 12.0), GOLDEN * i as f64), [1.0; 3]);
+        let part = |i: usize| {
+            (aside(all[0].0, 0.09 * libm::sqrt((i as f64 + 0.5) / 12.0), GOLDEN * i as f64), [1.0; 3])
+        };
         Self { name: "spot", all: (0..12).map(part).collect() }
     }
 
@@ -377,7 +382,8 @@ fn pictures(
         let of_light = |(n, lights): (usize, &Lights)| -> Vec<Point> {
             let point = |i: usize| {
                 // Azimuths of the rings differ, so that no two look the same.
-                let (sp, cp) = libm::sincos(std::f64::consts::TAU * (i as f64 / POINTS as f64 + SECTION * ring as f64));
+                let (sp, cp) =
+                    libm::sincos(std::f64::consts::TAU * (i as f64 / POINTS as f64 + SECTION * ring as f64));
                 let normal = [sin * cp, sin * sp, cos];
                 // The viewer is at +z, and at -x of the frame of the point.
                 let x = [cos * cp, cos * sp, -sin];
@@ -466,7 +472,12 @@ mod tests {
         assert!(visible([0.0; 3], [1.0; 3]) > 0.9);
         // A step of the display, and one that is seen.
         let grey = |v: f64| visible([v; 3], [0.3; 3]);
-        assert!(grey(0.303) < 0.03 && grey(0.36) > 0.05 && grey(0.36) < 0.2, "{} {}", grey(0.303), grey(0.36));
+        assert!(
+            grey(0.303) < 0.03 && grey(0.36) > 0.05 && grey(0.36) < 0.2,
+            "{} {}",
+            grey(0.303),
+            grey(0.36)
+        );
     }
 
     #[test]

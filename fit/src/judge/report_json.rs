@@ -1,10 +1,10 @@
 //! A report in words and as JSON, with the verdict on it.
 
 use crate::complete::CompletionReport;
+use crate::judge::appearance::Appearance;
 use crate::judge::cross::CrossValidation;
 use crate::judge::method::Fitted;
 use crate::judge::reciprocity::{Reciprocity, reciprocity};
-use crate::judge::appearance::Appearance;
 use crate::judge::report::{Ending, Input, LARGE_ERROR, Report, ViewReport, factor_bytes, mean_error};
 use crate::judge::verdict::{Made, Summary, Verdict, steps_matter};
 use crate::{FitError, Settings};

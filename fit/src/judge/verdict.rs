@@ -312,8 +312,7 @@ fn has_rings(found: &Appearance) -> bool {
 /// Whether to use a fit, and what one sees of it.
 fn sentence(found: &Appearance) -> String {
     let visible = found.visible();
-    let (light, most) =
-        found.pictures.iter().fold(("", 0.0), |most, p| if p.1 > most.1 { *p } else { most });
+    let (light, most) = found.pictures.iter().fold(("", 0.0), |most, p| if p.1 > most.1 { *p } else { most });
     let mut seen = Vec::new();
     if has_rings(found) {
         seen.push("rings of colour that move with the camera".to_owned());
@@ -391,9 +390,10 @@ impl Verdict {
         let all = || judged(&report.views).chain(judged(&report.held_out)).filter(|v| v.theta <= end);
         let is_of_views = report.held_out.is_empty() || report.completion.is_some();
         let spread = if is_of_views { &report.views } else { &report.held_out };
-        let (Some(spread), Some(most)) =
-            (Spread::of(judged(spread).filter(|v| v.theta <= end), measure.number), Spread::of(all(), measure.number))
-        else {
+        let (Some(spread), Some(most)) = (
+            Spread::of(judged(spread).filter(|v| v.theta <= end), measure.number),
+            Spread::of(all(), measure.number),
+        ) else {
             return;
         };
         let Measure { name, unit, number, .. } = measure;

@@ -73,7 +73,7 @@ pub enum Budgets {
 
 impl Budgets {
     /// How many there are.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         match self {
             Self::Samples(samples) => samples.len(),
             Self::Seconds(seconds) => seconds.len(),
@@ -102,7 +102,7 @@ pub struct Plan {
 impl Plan {
     /// Rows that are rendered in all: the steps of the progress.
     pub fn steps(&self) -> u64 {
-        let pictures = 2 + self.methods.len() * (1 + self.repeats as usize * self.budgets.len());
+        let pictures = 2 + self.methods.len() * (1 + self.repeats as usize * self.budgets.count());
         u64::from(self.size[1]) * pictures as u64
     }
 
@@ -162,7 +162,7 @@ pub fn measure(case: &Case<'_>, plan: &Plan, progress: &Progress) -> anyhow::Res
         for run in &mut runs {
             run.start_over(&stage, repeat);
         }
-        for step in 0..plan.budgets.len() {
+        for step in 0..plan.budgets.count() {
             for run in &mut runs {
                 run.go_on(&stage, step, &judge)?;
             }
@@ -333,7 +333,7 @@ impl<'a> Run<'a> {
             seed: FIRST_SEED,
             rays: Vec::new(),
             seconds_per_ray: 0.0,
-            measured: vec![(0, Vec::new()); stage.plan.budgets.len()],
+            measured: vec![(0, Vec::new()); stage.plan.budgets.count()],
             repeats: Repeats::new(size[0] as usize * size[1] as usize),
             shown: Shown::default(),
         })

@@ -37,9 +37,9 @@ pub struct Workspace<'a> {
     rivals: Vec<Rival>,
 }
 
-impl Workspace<'_> {
+impl Default for Workspace<'_> {
     /// Storage for paths through any material.
-    pub fn new() -> Self {
+    fn default() -> Self {
         Self { scattering: Scattering::empty(), drawn: Vec::new(), rivals: Vec::new() }
     }
 }

@@ -29,7 +29,7 @@ pub fn add_samples(
     let width = film.size()[0] as usize;
     let held = film.samples;
     let rows = film.pixels.par_chunks_mut(width).enumerate();
-    let times = rows.map_init(Workspace::new, |workspace, (y, row)| {
+    let times = rows.map_init(Workspace::default, |workspace, (y, row)| {
         let start = ThreadTime::now();
         for (x, pixel) in row.iter_mut().enumerate() {
             let index = (y * width + x) as u64;

@@ -63,8 +63,7 @@ pub fn check(random: &mut Random, found: &mut Findings) {
 }
 
 fn check_material(bytes: &[u8], bare: &[u8], random: &mut Random, found: &mut Findings) {
-    let [material, bare] =
-        [bytes, bare].map(|bytes| Material::from_bytes(bytes).expect("a valid material"));
+    let [material, bare] = [bytes, bare].map(|bytes| Material::from_bytes(bytes).expect("a valid material"));
     let wo: Vec<Vec3> = (0..COUNTS).map(|_| random.direction()).collect();
     let wi: Vec<Vec3> = (0..COUNTS).map(|_| random.direction()).collect();
     let (wo_arrays, wi_arrays) = (structure_of_arrays(&wo), structure_of_arrays(&wi));

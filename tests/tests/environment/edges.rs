@@ -106,6 +106,7 @@ fn no_draw_of_light_and_material_is_no_number() {
                     let sampling = ProductSampling::new(count, 0.5, [4.0, f32::INFINITY][round % 2]).unwrap();
                     let any = |n: usize, random: &mut Random| (random.uniform() * n as f32) as usize % n;
                     let mut u = [[0.0f32; 32]; 3];
+                    #[allow(clippy::needless_range_loop)] // three rows are written at a time
                     for i in 0..count {
                         let hit = hits[any(hits.len(), &mut random)];
                         let ends = [

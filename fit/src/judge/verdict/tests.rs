@@ -108,8 +108,11 @@ fn steps_matter_where_there_is_something_to_gain() {
 fn advice_is_what_helps_whatever_the_fit() {
     let mut spiky = report();
     spiky.views[1].largest_weight = 164.0;
-    let tried = |made: Option<Made>, report: &Report| Verdict::new(report, &RECIPROCAL, made).advice.join("\n");
-    assert!(tried(Some(MADE), &spiky).starts_with("`Defensive`") && tried(Some(MADE), &spiky).contains("164"));
+    let tried =
+        |made: Option<Made>, report: &Report| Verdict::new(report, &RECIPROCAL, made).advice.join("\n");
+    assert!(
+        tried(Some(MADE), &spiky).starts_with("`Defensive`") && tried(Some(MADE), &spiky).contains("164")
+    );
     // Another method has other choices, or none.
     assert!(tried(None, &spiky).is_empty());
     // More lobes, views or factors are not known to help.
@@ -138,7 +141,9 @@ fn the_sentence_says_whether_to_use_it_and_what_is_seen() {
         let report = Report { appearance: Some(appearance), ..report() };
         verdict(&report).lines().remove(0)
     };
-    assert!(said(looks(0.03)).starts_with("use it: balls differ by 0.030 from the table's, by 0.045 under a sky"));
+    assert!(
+        said(looks(0.03)).starts_with("use it: balls differ by 0.030 from the table's, by 0.045 under a sky")
+    );
     assert!(said(looks(0.08)).starts_with("use it with care"));
     assert!(said(looks(0.2)).starts_with("do not use it"));
     let mut ringed = looks(0.03);
@@ -166,7 +171,10 @@ fn noise_of_the_table_is_no_error_of_the_fit_and_is_said() {
         found
     });
     let found = verdict(&noisy);
-    assert!(found.off.is_empty() && found.fair.iter().any(|line| line.starts_with("noisy data")), "{found:?}");
+    assert!(
+        found.off.is_empty() && found.fair.iter().any(|line| line.starts_with("noisy data")),
+        "{found:?}"
+    );
 }
 
 #[test]
