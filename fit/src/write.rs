@@ -17,7 +17,7 @@ const MOST_LINKS: usize = 40;
 /// # Errors
 /// [`FitError::Io`] with the path: also where a folder, a device, a pipe or a socket is there. The temporary file is removed then.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), FitError> {
-    let place = Place::of(path)?;
+    let place = Destination::of(path)?;
     place.make_folder()?;
     let (file, temporary) = create_beside(&place.file).map_err(FitError::io(path))?;
     let written = place.fill(file, bytes).and_then(|()| std::fs::rename(&temporary, &place.file));
@@ -33,7 +33,7 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), FitError> {
 /// # Errors
 /// As `write_atomically`.
 pub fn check_output(path: &Path) -> Result<(), FitError> {
-    let file = Place::of(path)?.file;
+    let file = Destination::of(path)?.file;
     // Folders that are missing will be made; what counts is where the first of them would lie.
     let is_there = |folder: &&Path| folder.as_os_str().is_empty() || folder.exists();
     let above = file.ancestors().skip(1).find(is_there).unwrap_or(Path::new(""));
@@ -42,14 +42,14 @@ pub fn check_output(path: &Path) -> Result<(), FitError> {
 }
 
 /// Where a file is written to.
-struct Place {
+struct Destination {
     /// The file itself: no link, and there a regular file or nothing.
     file: PathBuf,
     /// Those of the file that is there.
     permissions: Option<Permissions>,
 }
 
-impl Place {
+impl Destination {
     fn of(path: &Path) -> Result<Self, FitError> {
         Self::follow(path).map_err(FitError::io(path))
     }

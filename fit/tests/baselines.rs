@@ -45,15 +45,16 @@ fn scattered(view: &table::View) -> table::Scattered {
     view.samples.iter().map(|s| (s.direction, s.rgb)).collect()
 }
 
-fn quick_thesis() -> thesis::Settings {
-    thesis::Settings { lobes: 4, edge: 16, ..thesis::Settings::default() }
+fn quick_thesis() -> thesis::ThesisSettings {
+    thesis::ThesisSettings { lobes: 4, edge: 16, ..thesis::ThesisSettings::default() }
 }
 
 /// The model that made the table has no error, fitted or held out; the others have some, and a fold is worse than the fit.
 #[test]
 fn every_method_is_judged_by_what_it_has_seen_and_what_not() {
     let table = small_table();
-    let lafortune = lafortune::Settings { lobes: 1, starts: 10, ..lafortune::Settings::default() };
+    let lafortune =
+        lafortune::LafortuneSettings { lobes: 1, starts: 10, ..lafortune::LafortuneSettings::default() };
     let found = score(&table, &lafortune, true).unwrap();
     let held_out = found.held_out.unwrap();
     assert!(
@@ -126,7 +127,7 @@ fn threads_do_not_matter() {
     let table = small_table();
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let lafortune = lafortune::Settings { starts: 6, ..lafortune::Settings::default() };
+        let lafortune = lafortune::LafortuneSettings { starts: 6, ..lafortune::LafortuneSettings::default() };
         pool.install(|| {
             let thesis = thesis::fit_table(&table, &quick_thesis()).unwrap();
             (thesis, Lafortune::fit(&table, &lafortune).unwrap())
@@ -142,7 +143,7 @@ fn black_and_bad_settings_are_survived() {
         Table::from_scattered(vec![(0.3, vec![([0.0, 0.0, 1.0], [0.0; 3]), ([0.6, 0.0, 0.8], [0.0; 3])])])
             .unwrap();
     let methods: [&dyn Method; 3] =
-        [&quick_thesis(), &lafortune::Settings::default(), &Tracked(&Settings::default())];
+        [&quick_thesis(), &lafortune::LafortuneSettings::default(), &Tracked(&Settings::default())];
     for method in methods {
         let error = method.fit(&black).err().map(|e| e.to_string()).unwrap();
         assert!(error.contains("no sample has any brightness"), "{error}");
@@ -155,13 +156,13 @@ fn black_and_bad_settings_are_survived() {
     assert!(found.views[0].lobes.is_empty());
     assert_eq!(found.view(0.1).unwrap().f_cos([0.0, 0.0, 1.0]), [0.0; 3]);
     assert_eq!(found.view(0.1).unwrap().pdf([0.0, 0.0, 1.0]), Some(0.0));
-    let bad = |s: thesis::Settings| thesis::fit_table(&black, &s).unwrap_err().to_string();
-    assert!(bad(thesis::Settings { lobes: 0, ..quick_thesis() }).contains("lobes"));
-    assert!(bad(thesis::Settings { edge: 7, ..quick_thesis() }).contains("edge"));
-    assert!(bad(thesis::Settings { edge: 1 << 20, ..quick_thesis() }).contains("edge"));
-    assert!(bad(thesis::Settings { coverage: f64::NAN, ..quick_thesis() }).contains("coverage"));
+    let bad = |s: thesis::ThesisSettings| thesis::fit_table(&black, &s).unwrap_err().to_string();
+    assert!(bad(thesis::ThesisSettings { lobes: 0, ..quick_thesis() }).contains("lobes"));
+    assert!(bad(thesis::ThesisSettings { edge: 7, ..quick_thesis() }).contains("edge"));
+    assert!(bad(thesis::ThesisSettings { edge: 1 << 20, ..quick_thesis() }).contains("edge"));
+    assert!(bad(thesis::ThesisSettings { coverage: f64::NAN, ..quick_thesis() }).contains("coverage"));
     let bright = small_table();
-    let starts = lafortune::Settings { starts: 0, ..lafortune::Settings::default() };
+    let starts = lafortune::LafortuneSettings { starts: 0, ..lafortune::LafortuneSettings::default() };
     assert!(Lafortune::fit(&bright, &starts).is_err());
     assert!(thesis::fit_brdf(&planted(), &[], &quick_thesis()).is_err());
     assert!(thesis::fit_brdf(&planted(), &[2.0], &quick_thesis()).is_err());
@@ -312,8 +313,8 @@ fn garnet_red_as_in_table_5_1() {
     let folder = std::env::var_os("SRBF_DATA_DIR").expect("SRBF_DATA_DIR names the data folder");
     let path = PathBuf::from(folder).join("cornell/garnet_red.brdf");
     let Content::Samples(table) = srbf_fit::read::read(&path).unwrap().content else { panic!("scattered") };
-    let thesis = score(&table, &thesis::Settings::default(), false).unwrap();
-    let lafortune = score(&table, &lafortune::Settings::default(), false).unwrap();
+    let thesis = score(&table, &thesis::ThesisSettings::default(), false).unwrap();
+    let lafortune = score(&table, &lafortune::LafortuneSettings::default(), false).unwrap();
     let ours = score(&table, &Tracked(&Settings::default()), false).unwrap();
     assert!(thesis.mean < 0.06, "{thesis:?}");
     assert!(lafortune.mean < 0.22, "{lafortune:?}");

@@ -84,9 +84,10 @@ fn sound(views: Vec<(f64, Scattered)>) -> Result<f64, srbf_fit::FitError> {
 
 /// The baselines have lobes of finite numbers too, whatever becomes of ours.
 fn sound_baselines(table: &Table) {
-    let settings = thesis::Settings { lobes: 3, edge: 8, iterations: 3, ..thesis::Settings::default() };
+    let settings =
+        thesis::ThesisSettings { lobes: 3, edge: 8, iterations: 3, ..thesis::ThesisSettings::default() };
     let thesis = thesis::fit_table(table, &settings).unwrap();
-    let settings = lafortune::Settings { lobes: 1, starts: 3, steps: 5 };
+    let settings = lafortune::LafortuneSettings { lobes: 1, starts: 3, steps: 5 };
     let lafortune = Lafortune::fit(table, &settings).unwrap();
     for view in &table.views {
         for fitted in [&thesis as &dyn Fitted, &lafortune] {
@@ -103,7 +104,7 @@ fn sound_baselines(table: &Table) {
 #[test]
 fn the_thesis_method_survives_values_of_any_size() {
     for albedo in [f64::from_bits(100), 1e-310, 1e-300, 1e-155, 1e-30, 1e30, 1e155, 1e300] {
-        let settings = thesis::Settings { lobes: 2, edge: 8, ..thesis::Settings::default() };
+        let settings = thesis::ThesisSettings { lobes: 2, edge: 8, ..thesis::ThesisSettings::default() };
         let found = thesis::fit_brdf(&Lambert { albedo: [albedo; 3] }, &[0.0, 0.7], &settings).unwrap();
         for view in &found.views {
             assert!(view.error < 0.5, "{albedo:e}: {view:?}");

@@ -20,7 +20,7 @@ mod sheet;
 use crate::{samples, thesis_table};
 use anyhow::{Context, ensure};
 use claim::SAMPLES;
-use materials::{Fitted, Kind, Painted};
+use materials::{FittedPaint, Kind, Painted};
 use measure::{Effort, Measured, Subject, Task};
 use rayon::prelude::*;
 use sheet::Tile;
@@ -175,13 +175,13 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 /// The samplers of all materials.
-fn fit(painted: &[Painted], kind: Kind) -> anyhow::Result<Vec<Fitted<'_>>> {
-    painted.par_iter().map(|one| Fitted::new(one, kind)).collect()
+fn fit(painted: &[Painted], kind: Kind) -> anyhow::Result<Vec<FittedPaint<'_>>> {
+    painted.par_iter().map(|one| FittedPaint::new(one, kind)).collect()
 }
 
 /// The sphere with each material under each probe.
-fn spheres<'a>(fitted: &'a [Fitted<'a>], probes: &'a [Environment], size: &Size) -> Vec<Subject<'a>> {
-    let subject = |object: &'a Fitted<'a>, n: usize| Subject {
+fn spheres<'a>(fitted: &'a [FittedPaint<'a>], probes: &'a [Environment], size: &Size) -> Vec<Subject<'a>> {
+    let subject = |object: &'a FittedPaint<'a>, n: usize| Subject {
         scene: SceneName::Sphere,
         mesh: None,
         object,
@@ -333,7 +333,7 @@ fn sphere_figure(
 /// Figures 5.6 and 5.7.
 fn scene_figures(
     out: &Path,
-    fitted: &[Fitted<'_>],
+    fitted: &[FittedPaint<'_>],
     probes: &[Environment],
     statue: mesh::Mesh,
     size: &Size,

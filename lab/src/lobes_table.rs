@@ -28,7 +28,7 @@ const CALLS: usize = 400;
 
 /// One row: a number of lobes.
 #[derive(Clone, Debug, Default)]
-pub struct Row {
+pub struct LobesRow {
     pub lobes: usize,
     /// Mean relative L2 error over the views of the table.
     pub error: f64,
@@ -63,7 +63,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     for lobes in COUNTS {
         let fit = fit_content(&source.content, &settings.with_lobes(lobes), |_| {})?;
         let report = &fit.report;
-        rows.push(Row {
+        rows.push(LobesRow {
             lobes,
             error: report.mean_error(),
             held_out: (!report.held_out.is_empty()).then(|| mean_error(&report.held_out)),
@@ -123,12 +123,12 @@ fn time(material: &Material<impl AsRef<[u8]>>) -> anyhow::Result<[f64; 3]> {
 }
 
 /// Costs over those of the usual number of lobes.
-fn ratios(rows: &[Row], row: &Row) -> [f64; 3] {
+fn ratios(rows: &[LobesRow], row: &LobesRow) -> [f64; 3] {
     let usual = rows.iter().find(|r| r.lobes == USUAL).unwrap_or(row);
     [0, 1, 2].map(|i| row.nanoseconds[i] / usual.nanoseconds[i])
 }
 
-fn print(rows: &[Row]) {
+fn print(rows: &[LobesRow]) {
     println!(
         "lobes | relative L2 % | held out % | bytes | prepare ns | evaluate ns | sample ns | over {USUAL} lobes"
     );
@@ -145,7 +145,7 @@ fn print(rows: &[Row]) {
     }
 }
 
-fn csv(rows: &[Row]) -> String {
+fn csv(rows: &[LobesRow]) -> String {
     let mut text =
         "lobes,relative_l2,relative_l2_held_out,bytes,fit_seconds,prepare_ns,evaluate_ns,sample_ns,\
                     prepare_ratio,evaluate_ratio,sample_ratio\n"
@@ -174,9 +174,14 @@ mod tests {
 
     #[test]
     fn the_csv_has_a_number_or_nothing_in_every_column() {
-        let row =
-            Row { lobes: 12, error: 0.01, bytes: 3000, nanoseconds: [10.0, 20.0, 30.0], ..Row::default() };
-        let double = Row { lobes: 24, nanoseconds: [20.0; 3], held_out: Some(0.02), ..row.clone() };
+        let row = LobesRow {
+            lobes: 12,
+            error: 0.01,
+            bytes: 3000,
+            nanoseconds: [10.0, 20.0, 30.0],
+            ..LobesRow::default()
+        };
+        let double = LobesRow { lobes: 24, nanoseconds: [20.0; 3], held_out: Some(0.02), ..row.clone() };
         let text = csv(&[row, double]);
         let columns: Vec<usize> = text.lines().map(|l| l.split(',').count()).collect();
         assert_eq!(columns, [11, 11, 11]);

@@ -3,7 +3,7 @@
 mod measure;
 
 use anyhow::anyhow;
-use measure::{Operation, Row};
+use measure::{Decade, Operation};
 use plotters::prelude::*;
 use srbf_reference_renderer::out::output;
 use srbf_reference_renderer::out::panel;
@@ -105,7 +105,7 @@ fn figure(
         let [blue, orange] = [RGBColor(0, 114, 178), RGBColor(213, 94, 0)];
         let shown = |error: f64| if error.is_nan() { LARGEST } else { error.clamp(SMALLEST, LARGEST) };
         for (name, colour, error) in [
-            ("plain formula", orange, (|row: &Row| row.plain) as fn(&Row) -> f64),
+            ("plain formula", orange, (|row: &Decade| row.plain) as fn(&Decade) -> f64),
             ("srbf", blue, |row| row.ours),
         ] {
             let points = rows.iter().map(|row| (row.sharpness, shown(error(row))));

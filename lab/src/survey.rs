@@ -8,7 +8,7 @@ mod row;
 mod through;
 
 use anyhow::{Context, ensure};
-use row::Row;
+use row::SurveyRow;
 use srbf_core::Material;
 use srbf_fit::baselines::blend::{BlendedKnots, Neighbours};
 use srbf_fit::baselines::thesis;
@@ -77,14 +77,14 @@ pub fn run(survey: Args) -> anyhow::Result<()> {
         return through::run(file, chosen, &settings, &path);
     }
     let thetas = evaluation_views::even_views(settings.view_count());
-    let thesis = thesis::Settings { lobes: settings.lobes, ..thesis::Settings::default() };
+    let thesis = thesis::ThesisSettings { lobes: settings.lobes, ..thesis::ThesisSettings::default() };
     let thesis = (!survey.no_thesis).then_some(thesis);
     let chosen = chosen(&data, &survey)?;
 
-    let mut csv = Row::csv_header() + "\n";
+    let mut csv = SurveyRow::csv_header() + "\n";
     println!("{} lobes, {} views; {}", settings.lobes, settings.view_count(), row::LEGEND);
-    println!("{}", Row::header());
-    let mut rows: Vec<Row> = Vec::new();
+    println!("{}", SurveyRow::header());
+    let mut rows: Vec<SurveyRow> = Vec::new();
     for (name, content) in chosen.into_iter().step_by(survey.every as usize) {
         let (row, bytes) = examine(&name, &content?, &thetas, &settings, thesis.as_ref())
             .with_context(|| format!("material {name}"))?;
@@ -98,7 +98,7 @@ pub fn run(survey: Args) -> anyhow::Result<()> {
         rows.push(row);
     }
     for (name, share) in [("median", 0.5), ("90 %", 0.9), ("worst", 1.0)] {
-        println!("{}", Row::quantile_line(name, &rows, share));
+        println!("{}", SurveyRow::quantile_line(name, &rows, share));
     }
     println!("{} materials; {}", rows.len(), path.display());
     goals::print(&rows, thesis.is_some());
@@ -120,8 +120,8 @@ fn examine(
     content: &Content,
     thetas: &[f64],
     settings: &Settings,
-    thesis: Option<&thesis::Settings>,
-) -> anyhow::Result<(Row, Vec<u8>)> {
+    thesis: Option<&thesis::ThesisSettings>,
+) -> anyhow::Result<(SurveyRow, Vec<u8>)> {
     let Content::Evaluable(brdf) = content else {
         anyhow::bail!("scattered samples have no views in between")
     };
@@ -141,7 +141,7 @@ fn examine(
     let seen = judge(&lobes, &evaluation_views::judging_table(brdf, &evaluation_views::seen_views())?)?;
     let mean = |f: fn(&ViewReport) -> f64| seen.iter().map(f).sum::<f64>() / seen.len() as f64;
     let anywhere = between.iter().chain(&fit.report.views).map(|v| v.largest_weight);
-    let mut row = Row {
+    let mut row = SurveyRow {
         name: name.to_owned(),
         peak: 100.0 * mean(|v| v.seen.peak),
         off_peak: 100.0 * mean(|v| v.seen.off_peak),
@@ -162,7 +162,7 @@ fn examine(
         factor_bytes: factor_bytes(&lobes) as f64,
         largest_factor: lobes.largest_factor().into(),
         seconds: fit.report.seconds,
-        ..Row::default()
+        ..SurveyRow::default()
     };
     let halfway = evaluation_views::judging_table(brdf, &evaluation_views::halfway(thetas))?;
     row.same_views = error(&lobes, &halfway)?;

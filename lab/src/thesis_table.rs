@@ -64,8 +64,8 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let data = argument::data_folder()?;
     let lobes = args.lobes as usize;
     let ours = Settings { lobes, ..Settings::default() };
-    let thesis = thesis::Settings { lobes, ..thesis::Settings::default() };
-    let lafortune = lafortune::Settings::default();
+    let thesis = thesis::ThesisSettings { lobes, ..thesis::ThesisSettings::default() };
+    let lafortune = lafortune::LafortuneSettings::default();
     let tracked = Tracked(&ours);
     let methods: [(&str, usize, &dyn Method); 3] =
         [("Lafortune", lafortune.lobes, &lafortune), ("thesis", lobes, &thesis), ("ours", lobes, &tracked)];

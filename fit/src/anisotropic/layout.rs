@@ -35,7 +35,7 @@ const LN_AMPLITUDE: (f64, f64) = (-40.0, 30.0);
 
 /// Where an outgoing direction lies: up to four knots with their shares.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct CellPlace {
     pub corners: [(usize, f64); 4],
     /// Azimuth of the view's +x, cosine and sine: by it the normal's knot is turned into the frame of the view.
     pub azimuth: [f64; 2],
@@ -135,7 +135,7 @@ impl Layout {
     }
 
     /// Where an outgoing direction lies.
-    pub fn place(&self, theta: f64, phi: f64) -> Place {
+    pub fn place(&self, theta: f64, phi: f64) -> CellPlace {
         let last = self.thetas.len() - 1;
         let after = self.thetas.partition_point(|&t| t <= theta).clamp(last.min(1), last);
         let before = after.saturating_sub(1);
@@ -151,11 +151,11 @@ impl Layout {
             corner(after, 1, outward * onward),
         ];
         let (sin, cos) = libm::sincos(phi + PI);
-        Place { corners, azimuth: [cos, sin] }
+        CellPlace { corners, azimuth: [cos, sin] }
     }
 
     /// Interpolates the unknowns at a place, in the frame of its view.
-    pub fn interpolate(&self, x: &[f64], place: &Place, out: &mut [f64]) {
+    pub fn interpolate(&self, x: &[f64], place: &CellPlace, out: &mut [f64]) {
         let p = self.stride();
         out.fill(0.0);
         let mut turned = vec![0.0; p];

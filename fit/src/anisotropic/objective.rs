@@ -4,7 +4,7 @@
 //! *data*, relative to the view, with a share for the relative variance; *energy*, the relative error of the albedo; and *roughness*,
 //! second differences outward from the normal and, times the sine of the angle, along each ring.
 
-use super::layout::{Layout, Place};
+use super::layout::{CellPlace, Layout};
 use super::model::{Lobes, Slopes};
 use super::table::View;
 use crate::FitError;
@@ -34,7 +34,7 @@ struct Point {
 }
 
 struct Data {
-    place: Place,
+    place: CellPlace,
     points: Vec<Point>,
     albedo: [f64; 3],
 }
@@ -383,7 +383,7 @@ fn fill(layout: &Layout, amplitude: &[Vec<f64>; 3], slopes: &[Slopes], root: f64
 }
 
 /// Adds the linearisation in a view to that of the whole, by the chain rule of the interpolation.
-fn add_view(layout: &Layout, place: &Place, local: &Local, sum: &mut Linearized) {
+fn add_view(layout: &Layout, place: &CellPlace, local: &Local, sum: &mut Linearized) {
     let p = layout.stride();
     // By the unknowns of the normal, where it is one of the corners: turned gradient, H R, R^T H R.
     let is_turned = place.corners.iter().any(|c| c.0 == 0 && c.1 > 0.0);

@@ -8,7 +8,7 @@ mod published;
 mod search;
 
 pub use published::{names, parse, read};
-pub use search::Settings;
+pub use search::LafortuneSettings;
 
 use crate::FitError;
 use crate::judge::method::{Fitted, FittedView};
@@ -88,7 +88,7 @@ impl Lafortune {
     ///
     /// # Errors
     /// [`FitError::Setting`]; [`FitError::Table`] for a table without brightness.
-    pub fn fit(table: &Table, settings: &Settings) -> Result<Self, FitError> {
+    pub fn fit(table: &Table, settings: &LafortuneSettings) -> Result<Self, FitError> {
         search::fit(table, settings)
     }
 

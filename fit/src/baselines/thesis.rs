@@ -34,7 +34,7 @@ use srbf_core::LUMINANCE;
 
 /// How the thesis's algorithm is run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
+pub struct ThesisSettings {
     /// Lobes of every view.
     pub lobes: usize,
     /// Texels along the edge of a face of the cube map, even.
@@ -50,7 +50,7 @@ pub struct Settings {
     pub steps: u64,
 }
 
-impl Default for Settings {
+impl Default for ThesisSettings {
     fn default() -> Self {
         Self { lobes: 12, edge: 64, coverage: 0.25, iterations: 60, threshold: 5e-3, steps: 10 }
     }
@@ -84,7 +84,7 @@ pub struct ThesisFit {
 ///
 /// # Errors
 /// [`FitError::Setting`]; [`FitError::Table`] for a table without views or brightness.
-pub fn fit_table(table: &Table, settings: &Settings) -> Result<ThesisFit, FitError> {
+pub fn fit_table(table: &Table, settings: &ThesisSettings) -> Result<ThesisFit, FitError> {
     check(settings)?;
     let cube = Cube::new(settings.edge);
     fit(resample::from_table(table, &cube), &cube, settings)
@@ -94,7 +94,7 @@ pub fn fit_table(table: &Table, settings: &Settings) -> Result<ThesisFit, FitErr
 ///
 /// # Errors
 /// [`FitError::Setting`]; [`FitError::Table`] for no angle, one outside [0, pi / 2), no brightness, and an anisotropic BRDF.
-pub fn fit_brdf(brdf: &dyn Brdf, thetas: &[f64], settings: &Settings) -> Result<ThesisFit, FitError> {
+pub fn fit_brdf(brdf: &dyn Brdf, thetas: &[f64], settings: &ThesisSettings) -> Result<ThesisFit, FitError> {
     check(settings)?;
     if brdf.symmetry() != Symmetry::Isotropic {
         return Err(FitError::Table("it is anisotropic: this method fits isotropic surfaces".into()));
@@ -103,7 +103,7 @@ pub fn fit_brdf(brdf: &dyn Brdf, thetas: &[f64], settings: &Settings) -> Result<
     fit(resample::from_brdf(brdf, thetas, &cube)?, &cube, settings)
 }
 
-fn fit(vectors: Vec<Vector>, cube: &Cube, settings: &Settings) -> Result<ThesisFit, FitError> {
+fn fit(vectors: Vec<Vector>, cube: &Cube, settings: &ThesisSettings) -> Result<ThesisFit, FitError> {
     if vectors.is_empty() {
         return Err(FitError::Table("no view".into()));
     }
@@ -121,7 +121,7 @@ fn fit(vectors: Vec<Vector>, cube: &Cube, settings: &Settings) -> Result<ThesisF
     Ok(ThesisFit { views, neighbours: Neighbours::ThreeOrFour, evaluations })
 }
 
-fn check(settings: &Settings) -> Result<(), FitError> {
+fn check(settings: &ThesisSettings) -> Result<(), FitError> {
     range("lobes", (1..=srbf_core::MAX_LOBES).contains(&settings.lobes), "from 1 to 64")?;
     range(
         "edge",
@@ -161,7 +161,7 @@ impl ThesisFit {
     }
 }
 
-impl Method for Settings {
+impl Method for ThesisSettings {
     fn fit(&self, table: &Table) -> Result<Box<dyn Fitted>, FitError> {
         Ok(Box::new(fit_table(table, self)?))
     }

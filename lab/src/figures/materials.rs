@@ -98,14 +98,14 @@ fn fit_published(file: &Path, name: &str) -> anyhow::Result<StoredMaterial> {
 }
 
 /// The samplers of a material, each fitted once.
-pub struct Fitted<'a> {
+pub struct FittedPaint<'a> {
     pub painted: &'a Painted,
     truth: Truth<'a>,
     samplers: Vec<Sampler<'a>>,
     lafortune_itself: Sampler<'a>,
 }
 
-impl<'a> Fitted<'a> {
+impl<'a> FittedPaint<'a> {
     /// Fits them.
     ///
     /// # Errors

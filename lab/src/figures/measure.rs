@@ -1,6 +1,6 @@
 //! Pictures and errors of methods, the more samples the smaller.
 
-use super::materials::Fitted;
+use super::materials::FittedPaint;
 use glam::{DVec3, Vec3};
 use srbf_reference_renderer::numbers::points::PointsName;
 use srbf_reference_renderer::out::progress::Progress;
@@ -13,7 +13,7 @@ use srbf_reference_renderer::study::comparison::{
 use srbf_reference_renderer::trace::film::Film;
 use srbf_reference_renderer::trace::render::add_samples;
 use srbf_reference_renderer::trace::scene::{Role, Scene, SceneName};
-use srbf_reference_renderer::trace::settings::Settings;
+use srbf_reference_renderer::trace::settings::RenderSettings;
 use srbf_reference_renderer::world::environment::Environment;
 use srbf_reference_renderer::world::mesh::Mesh;
 
@@ -21,8 +21,8 @@ use srbf_reference_renderer::world::mesh::Mesh;
 pub struct Subject<'a> {
     pub scene: SceneName,
     pub mesh: Option<Mesh>,
-    pub object: &'a Fitted<'a>,
-    pub ground: &'a Fitted<'a>,
+    pub object: &'a FittedPaint<'a>,
+    pub ground: &'a FittedPaint<'a>,
     pub light: &'static str,
     pub environment: &'a Environment,
     pub size: [u32; 2],
@@ -65,8 +65,8 @@ impl Subject<'_> {
         Scene::build(self.scene.shapes(self.mesh.clone()), shader, self.environment)
     }
 
-    fn settings(&self, strategy: Strategy, points: PointsName, seed: u64) -> Settings {
-        Settings { light: strategy.light, split: 1, max_bounces: self.max_bounces, points, seed }
+    fn settings(&self, strategy: Strategy, points: PointsName, seed: u64) -> RenderSettings {
+        RenderSettings { light: strategy.light, split: 1, max_bounces: self.max_bounces, points, seed }
     }
 
     /// Renders the reference, then every method at every count.

@@ -1,6 +1,6 @@
 //! The table as a picture: error against bytes, and against what a call costs.
 
-use super::Row;
+use super::LobesRow;
 use anyhow::anyhow;
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -13,19 +13,19 @@ use std::path::Path;
 const SIZE: [u32; 2] = [1200, 520];
 
 /// What a panel's abscissa is of a row.
-type Abscissa = fn(&Row) -> f64;
+type Abscissa = fn(&LobesRow) -> f64;
 
 /// Writes the picture.
 ///
 /// # Errors
 /// Names the file.
-pub fn write(path: &Path, name: &str, rows: &[Row]) -> anyhow::Result<()> {
+pub fn write(path: &Path, name: &str, rows: &[LobesRow]) -> anyhow::Result<()> {
     let mut pixels = vec![255; 3 * (SIZE[0] * SIZE[1]) as usize];
     draw(&mut pixels, name, rows).map_err(|error| anyhow!("cannot plot {}: {error}", path.display()))?;
     picture_file::write_png(path, SIZE, &pixels)
 }
 
-fn draw(pixels: &mut [u8], name: &str, rows: &[Row]) -> Result<(), Failure> {
+fn draw(pixels: &mut [u8], name: &str, rows: &[LobesRow]) -> Result<(), Failure> {
     register_font()?;
     let root = BitMapBackend::with_buffer(pixels, SIZE.into()).into_drawing_area();
     root.fill(&WHITE)?;
@@ -44,11 +44,11 @@ fn draw(pixels: &mut [u8], name: &str, rows: &[Row]) -> Result<(), Failure> {
 
 fn panel(
     area: &DrawingArea<BitMapBackend<'_>, Shift>,
-    rows: &[Row],
+    rows: &[LobesRow],
     label: &str,
     curves: &[(&str, Abscissa)],
 ) -> Result<(), Failure> {
-    let error = |r: &Row| 100.0 * r.held_out.unwrap_or(r.error);
+    let error = |r: &LobesRow| 100.0 * r.held_out.unwrap_or(r.error);
     let x = range(curves.iter().flat_map(|(_, abscissa)| rows.iter().map(abscissa)));
     let y = range(rows.iter().map(error));
     let mut chart = axes(area, [label, "relative L2 error, %"], x, y)?;
@@ -65,7 +65,13 @@ mod tests {
 
     #[test]
     fn a_table_of_one_row_and_of_none_is_drawn() {
-        let row = Row { lobes: 2, error: 0.1, bytes: 900, nanoseconds: [5.0, 6.0, 7.0], ..Row::default() };
+        let row = LobesRow {
+            lobes: 2,
+            error: 0.1,
+            bytes: 900,
+            nanoseconds: [5.0, 6.0, 7.0],
+            ..LobesRow::default()
+        };
         for rows in [vec![], vec![row]] {
             let mut pixels = vec![255; 3 * (SIZE[0] * SIZE[1]) as usize];
             draw(&mut pixels, "test", &rows).unwrap();

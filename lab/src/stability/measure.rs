@@ -14,11 +14,11 @@ pub struct Operation {
     /// The plain formula, evaluated in f32.
     pub plain: &'static str,
     /// A row for each decade, rising.
-    pub rows: Vec<Row>,
+    pub rows: Vec<Decade>,
 }
 
 /// Worst relative errors of one operation within a decade round a sharpness.
-pub struct Row {
+pub struct Decade {
     /// Middle of the decade.
     pub sharpness: f64,
     /// The library's.
@@ -79,7 +79,7 @@ pub fn measure(inputs: u32, seed: u64) -> Vec<Operation> {
             let rows = (-8..=8)
                 .map(|decade| {
                     let mut random = Random::new(seed, k as u64, (decade + 8) as u64);
-                    let mut row = Row { sharpness: 10f64.powi(decade), ours: 0.0, plain: 0.0 };
+                    let mut row = Decade { sharpness: 10f64.powi(decade), ours: 0.0, plain: 0.0 };
                     for _ in 0..inputs {
                         let s = 10f32.powf(decade as f32 + random.unit() - 0.5).min(1e8);
                         let (want, ours, plain) = operation(s, &mut random);

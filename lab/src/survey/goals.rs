@@ -1,9 +1,9 @@
 //! Which goals the fits of a survey meet, and which materials miss them.
 
-use super::row::{Row, quantile};
+use super::row::{SurveyRow, quantile};
 
 /// A goal for every material: what it says, and whether one meets it.
-type Goal = (&'static str, fn(&Row) -> bool);
+type Goal = (&'static str, fn(&SurveyRow) -> bool);
 
 const EACH: [Goal; 4] = [
     ("worst relative variance <= 0.3 over views to 80 degrees", |r| r.variance_worst <= 0.3),
@@ -20,12 +20,12 @@ const EACH_BESIDE_THESIS: [Goal; 2] = [
 ];
 
 /// A goal for a quantile: what it says, what is measured, the quantile, and the most that meets it.
-type QuantileGoal = (&'static str, fn(&Row) -> f64, f64, f64);
+type QuantileGoal = (&'static str, fn(&SurveyRow) -> f64, f64, f64);
 
 const QUANTILES: [QuantileGoal; 6] = [
     ("median error halfway, %", |r| r.halfway, 0.5, 3.7),
     ("error halfway of 90 % of the materials, %", |r| r.halfway, 0.9, 5.2),
-    ("median of error halfway over error at the views", Row::ratio, 0.5, 1.2),
+    ("median of error halfway over error at the views", SurveyRow::ratio, 0.5, 1.2),
     ("median error of luminance off the peak, %", |r| r.luminance, 0.5, 6.0),
     ("median error of colour off the peak", |r| r.chroma, 0.5, 0.03),
     ("median relative variance", |r| r.variance_median, 0.5, 0.02),
@@ -35,7 +35,7 @@ const QUANTILES: [QuantileGoal; 6] = [
 const LISTED: usize = 12;
 
 /// Prints a line for every goal.
-pub fn print(rows: &[Row], beside_thesis: bool) {
+pub fn print(rows: &[SurveyRow], beside_thesis: bool) {
     QUANTILES.iter().for_each(|goal| println!("{}", quantile_verdict(goal, rows)));
     EACH.iter().for_each(|goal| println!("{}", verdict(goal, rows)));
     if beside_thesis {
@@ -43,13 +43,13 @@ pub fn print(rows: &[Row], beside_thesis: bool) {
     }
 }
 
-fn quantile_verdict(&(text, number, share, most): &QuantileGoal, rows: &[Row]) -> String {
+fn quantile_verdict(&(text, number, share, most): &QuantileGoal, rows: &[SurveyRow]) -> String {
     let found = quantile(rows.iter().map(number).collect(), share);
     let verdict = if found <= most { "met   " } else { "missed" };
     format!("{verdict} {text}: {found:.4}, goal {most}")
 }
 
-fn verdict((text, meets): &Goal, rows: &[Row]) -> String {
+fn verdict((text, meets): &Goal, rows: &[SurveyRow]) -> String {
     let missing: Vec<&str> = rows.iter().filter(|r| !meets(r)).map(|r| r.name.as_str()).collect();
     if missing.is_empty() {
         return format!("met    {text}: all {}", rows.len());
@@ -66,7 +66,7 @@ mod tests {
 
     #[test]
     fn a_material_that_misses_a_goal_is_named() {
-        let row = |name: &str, energy| Row { name: name.into(), energy, ..Row::default() };
+        let row = |name: &str, energy| SurveyRow { name: name.into(), energy, ..SurveyRow::default() };
         let rows = [row("good", 0.5), row("bad", 2.0), row("unknown", f64::NAN)];
         let text = verdict(&EACH[2], &rows);
         assert!(text.starts_with("missed") && text.contains("by 2 of 3: bad, unknown"), "{text}");
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn a_quantile_meets_its_goal_or_misses_it() {
-        let rows = [3.0, 3.6, 9.0].map(|halfway| Row { halfway, ..Row::default() });
+        let rows = [3.0, 3.6, 9.0].map(|halfway| SurveyRow { halfway, ..SurveyRow::default() });
         assert!(quantile_verdict(&QUANTILES[0], &rows).starts_with("met    median error halfway, %: 3.6000"));
         assert!(quantile_verdict(&QUANTILES[1], &rows).starts_with("missed"));
         // What was not measured meets no goal.
@@ -84,7 +84,7 @@ mod tests {
 
     #[test]
     fn a_table_of_factors_has_bytes_of_its_own() {
-        let row = |bytes, factor_bytes| Row { bytes, factor_bytes, ..Row::default() };
+        let row = |bytes, factor_bytes| SurveyRow { bytes, factor_bytes, ..SurveyRow::default() };
         let meets = |row| EACH[3].1(&row);
         assert!(meets(row(4096.0, 0.0)) && meets(row(5900.0, 1144.0)));
         assert!(!meets(row(4100.0, 0.0)) && !meets(row(6100.0, 1144.0)));

@@ -2,7 +2,7 @@
 
 /// One material. Errors are relative L2 of `f cos`, percent, mean over the views; NaN where the thesis was left out.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct SurveyRow {
     pub name: String,
     /// Ours within 15 degrees of the mirror direction, and beyond; there the median error of the luminance, percent, and that of the
     /// colour. Means over the outgoing directions at 5, 30, 60 and 75 degrees.
@@ -54,7 +54,7 @@ pub const LEGEND: &str = "fit, halfway: relative L2 of f cos in %, mean over the
     handed: how far the data, halfway, differ from their mirror image, %: fits and errors are of one side; with 6 to 11 lobes, or lobes in pairs, ours has more views in the same bytes";
 
 /// Name in CSV, heading, digits after the point, and number.
-type Column = (&'static str, &'static str, usize, fn(&Row) -> f64);
+type Column = (&'static str, &'static str, usize, fn(&SurveyRow) -> f64);
 
 const COLUMNS: [Column; 26] = [
     ("fit_percent", "fit", 2, |r| r.fit),
@@ -63,7 +63,7 @@ const COLUMNS: [Column; 26] = [
     ("off_peak_percent", "off peak", 2, |r| r.off_peak),
     ("off_peak_luminance_percent", "lumin.", 2, |r| r.luminance),
     ("off_peak_chroma", "chroma", 3, |r| r.chroma),
-    ("halfway_over_fit", "ratio", 2, Row::ratio),
+    ("halfway_over_fit", "ratio", 2, SurveyRow::ratio),
     ("blended_eq9_percent", "blend", 2, |r| r.blended),
     ("blended_two_percent", "blend 2", 2, |r| r.blended_two),
     ("thesis_fit_percent", "thesis", 2, |r| r.thesis_fit),
@@ -85,7 +85,7 @@ const COLUMNS: [Column; 26] = [
     ("thesis_seconds", "its s", 1, |r| r.thesis_seconds),
 ];
 
-impl Default for Row {
+impl Default for SurveyRow {
     fn default() -> Self {
         let nan = f64::NAN;
         Self {
@@ -119,7 +119,7 @@ impl Default for Row {
     }
 }
 
-impl Row {
+impl SurveyRow {
     /// Error halfway over error at the views.
     pub fn ratio(&self) -> f64 {
         self.halfway / self.fit
@@ -174,10 +174,10 @@ mod tests {
 
     #[test]
     fn rows_have_as_many_fields_as_headings_and_no_number_is_dropped() {
-        let row = Row { name: "a".into(), fit: 2.0, halfway: 3.0, ..Row::default() };
-        assert_eq!(row.csv().split(',').count(), Row::csv_header().split(',').count());
+        let row = SurveyRow { name: "a".into(), fit: 2.0, halfway: 3.0, ..SurveyRow::default() };
+        assert_eq!(row.csv().split(',').count(), SurveyRow::csv_header().split(',').count());
         assert!(row.csv().starts_with("a,2.000000,3.000000,,,,,1.500000,,"), "{}", row.csv());
-        assert_eq!(row.line().chars().count(), Row::header().chars().count());
+        assert_eq!(row.line().chars().count(), SurveyRow::header().chars().count());
     }
 
     #[test]

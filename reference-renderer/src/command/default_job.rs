@@ -13,7 +13,7 @@ use crate::trace::cast::Cast;
 use crate::trace::film::Film;
 use crate::trace::render::add_samples;
 use crate::trace::scene::{Scene, SceneName};
-use crate::trace::settings::Settings;
+use crate::trace::settings::RenderSettings;
 use crate::truth::stored::{self, StoredMaterial};
 use crate::world::environment::{Environment, sky};
 use std::path::Path;
@@ -72,7 +72,7 @@ fn render(out: &Path, page: &mut Page) -> anyhow::Result<()> {
     let mut figures = Vec::new();
     for Picture { scene: name, file, size, samples } in PICTURES {
         let scene = Scene::new(name, &object.material, &ground.material, &sky);
-        let settings = Settings {
+        let settings = RenderSettings {
             light: Strategy::PRODUCT.light,
             split: 1,
             max_bounces: 6,

@@ -11,7 +11,7 @@ use crate::out::output;
 use crate::out::progress::Progress;
 use anyhow::{bail, ensure};
 use method::MethodName;
-use names::Place;
+use names::Job;
 pub use settings::SettingArgs;
 use srbf_core::Material;
 use srbf_fit::judge::cross::CrossValidation;
@@ -82,7 +82,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
 }
 
 /// Fits a file, and draws and says what is asked for.
-fn fit_one(args: &Args, place: &Place, picture: Option<&Path>) -> anyhow::Result<()> {
+fn fit_one(args: &Args, place: &Job, picture: Option<&Path>) -> anyhow::Result<()> {
     let file = &place.file;
     let source = method::read(file, args.material.as_deref())?;
     check_options(file, &source.content, &args.settings)?;

@@ -13,7 +13,7 @@ use crate::trace::cast::{self, Cast};
 use crate::trace::film::{self, Film};
 use crate::trace::render::add_samples;
 use crate::trace::scene::{Role, Scene, SceneName, Standpoint};
-use crate::trace::settings::Settings;
+use crate::trace::settings::RenderSettings;
 use crate::truth::Truth;
 use crate::truth::stored;
 use crate::world::environment::file::Projection;
@@ -209,7 +209,7 @@ fn render(args: &Args) -> anyhow::Result<()> {
     let is_furnace = args.scene.is_sphere() && environment.constant_radiance().is_some();
     // A standard error is told there, which independent samples have.
     let own = if is_furnace { PointsName::Random } else { PointsName::Sobol };
-    let settings = Settings {
+    let settings = RenderSettings {
         light: strategy.light,
         split,
         max_bounces: args.max_bounces,

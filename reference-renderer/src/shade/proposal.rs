@@ -26,14 +26,14 @@ pub enum Part<'a> {
     Cosine,
     /// The mixture `lobes`.
     Lobes,
-    Guided(ggx_parts::Proposal),
-    Analytic(analytic::Proposal),
-    Lafortune(lafortune::Proposal),
-    Tabulated(tabulated::Proposal<'a>),
-    Factored(factored::Proposal<'a>),
-    Rgl(rgl::Proposal<'a>),
+    Guided(ggx_parts::GgxProposal),
+    Analytic(analytic::AnalyticProposal),
+    Lafortune(lafortune::LafortuneProposal),
+    Tabulated(tabulated::TabulatedProposal<'a>),
+    Factored(factored::FactoredProposal<'a>),
+    Rgl(rgl::RglProposal<'a>),
     /// The mixture `round`.
-    Thesis(thesis::Proposal),
+    Thesis(thesis::ThesisProposal),
 }
 
 /// A sampler for one outgoing direction: a part that is like the material, and a share of the cosine. All directions are unit vectors

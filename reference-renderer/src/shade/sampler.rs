@@ -112,10 +112,10 @@ impl<'a> Sampler<'a> {
             Kind::Cosine => Part::Cosine,
             Kind::Guided(guide) => Part::Guided(guide.proposal(wide())),
             Kind::Analytic(analytic) => Part::Analytic(analytic.proposal(wide())),
-            Kind::Lafortune(model) => Part::Lafortune(lafortune::Proposal::new(model, wide())),
+            Kind::Lafortune(model) => Part::Lafortune(lafortune::LafortuneProposal::new(model, wide())),
             Kind::Tabulated(table) => Part::Tabulated(table.proposal(wide())),
             Kind::Factored(factors) => Part::Factored(factors.proposal(wide())),
-            Kind::Rgl(draws) => Part::Rgl(rgl::Proposal::new(*draws, wide())),
+            Kind::Rgl(draws) => Part::Rgl(rgl::RglProposal::new(*draws, wide())),
             Kind::Thesis(thesis) => Part::Thesis(thesis.prepare(wide(), &mut mixtures.round)?),
         };
         Ok(Proposal { part, cosine: self.cosine, is_multi: self.is_multi })

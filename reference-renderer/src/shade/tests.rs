@@ -6,7 +6,7 @@ use crate::numbers::points::{Points, PointsName};
 use crate::numbers::random::Random;
 use crate::shade::shader::{Scattering, Shader};
 use crate::truth::Truth;
-use crate::truth::ggx_parts::{PARTS, Proposal};
+use crate::truth::ggx_parts::{GgxProposal, PARTS};
 use crate::truth::measured::MeasuredMaterial;
 use crate::truth::measured::tests::{model, vivid};
 use crate::truth::stored::tests::{brushed, lacquer};
@@ -49,7 +49,7 @@ fn counted(wi: DVec3, wo: DVec3) -> [f64; 6] {
 
 /// Directions with the weights that make sums over them integrals over the hemisphere: of GGX lobes of any width, and of the cosine.
 fn reference(wo: DVec3, mut each: impl FnMut(DVec3, f64)) {
-    let proposal = Proposal::even(wo);
+    let proposal = GgxProposal::even(wo);
     let mut random = Random::new(77, 1, 1);
     for i in 0..SEEN {
         let [u, v] = [(); 2].map(|()| f64::from(random.unit()));

@@ -18,14 +18,14 @@ use std::path::Path;
 const WIDTH: u32 = 1280;
 
 /// 8-bit sRGB, rows from the top.
-pub struct Block {
+pub struct Strip {
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Three bytes a pixel.
     pub rgb: Vec<u8>,
 }
 
-impl Block {
+impl Strip {
     /// A white one.
     fn white(size: [u32; 2]) -> Self {
         Self { size, rgb: vec![255; 3 * (size[0] * size[1]) as usize] }
@@ -66,10 +66,10 @@ fn y(rgb: [f64; 3]) -> f64 {
 ///
 /// # Errors
 /// As the fit and the balls say them; faults of the font.
-pub fn draw(subject: &Subject<'_>) -> anyhow::Result<Block> {
+pub fn draw(subject: &Subject<'_>) -> anyhow::Result<Strip> {
     let mut blocks = vec![curves::draw(subject)?, discs::draw(subject)?];
     let sheet = ball_sheet::draw(subject.ball, subject.ball_beside, &subject.light)?;
-    blocks.push(Block { size: sheet.size, rgb: sheet.rgb });
+    blocks.push(Strip { size: sheet.size, rgb: sheet.rgb });
     if !subject.verdict.is_empty() {
         blocks.push(words::draw(subject.verdict)?);
     }
@@ -86,8 +86,8 @@ pub fn write(path: &Path, subject: &Subject<'_>) -> anyhow::Result<()> {
 }
 
 /// Blocks one below the other, on white; narrow ones begin at the left.
-fn stacked(blocks: &[Block]) -> Block {
-    let mut all = Block::white([WIDTH, blocks.iter().map(|block| block.size[1]).sum()]);
+fn stacked(blocks: &[Strip]) -> Strip {
+    let mut all = Strip::white([WIDTH, blocks.iter().map(|block| block.size[1]).sum()]);
     let mut rows = all.rgb.chunks_exact_mut(3 * WIDTH as usize);
     for block in blocks {
         for (row, from) in rows.by_ref().zip(block.rgb.chunks_exact(3 * block.size[0] as usize)) {

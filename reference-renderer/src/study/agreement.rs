@@ -7,7 +7,7 @@ use crate::shade::{Light, Sampler, SamplerName, Strategy};
 use crate::trace::film::Film;
 use crate::trace::render::add_samples;
 use crate::trace::scene::{Scene, SceneName};
-use crate::trace::settings::Settings;
+use crate::trace::settings::RenderSettings;
 use crate::truth::Truth;
 use crate::truth::measured::tests::model;
 use crate::truth::stored::StoredMaterial;
@@ -32,8 +32,13 @@ fn pixels(scene: &Scene<'_>, strategy: Strategy, points: PointsName, first_seed:
     let mut sums = vec![(0.0, 0.0); (SIZE[0] * SIZE[1]) as usize];
     for repeat in 0..REPEATS {
         let mut film = Film::new(SIZE);
-        let settings =
-            Settings { light: strategy.light, split, max_bounces: 1, points, seed: first_seed + repeat };
+        let settings = RenderSettings {
+            light: strategy.light,
+            split,
+            max_bounces: 1,
+            points,
+            seed: first_seed + repeat,
+        };
         add_samples(scene, &camera, &settings, &mut film, SAMPLES / split, &Progress::hidden()).unwrap();
         for (i, sum) in sums.iter_mut().enumerate() {
             let value = film.mean(i).element_sum();

@@ -28,7 +28,7 @@ use crate::trace::cast::Cast;
 use crate::trace::film::Film;
 use crate::trace::render::add_samples;
 use crate::trace::scene::{Scene, SceneName};
-use crate::trace::settings::Settings;
+use crate::trace::settings::RenderSettings;
 use crate::truth::Truth;
 use crate::world::environment::Environment;
 use crate::world::mesh::Mesh;
@@ -244,8 +244,8 @@ impl<'s> Stage<'s> {
     }
 
     /// Random numbers: samples that are independent, so that an error is that of a method and not of its points.
-    fn settings(&self, strategy: Strategy, split: u32, seed: u64) -> Settings {
-        Settings {
+    fn settings(&self, strategy: Strategy, split: u32, seed: u64) -> RenderSettings {
+        RenderSettings {
             light: strategy.light,
             split,
             max_bounces: self.plan.max_bounces,
@@ -268,7 +268,8 @@ impl<'s> Stage<'s> {
         let half = |seed| -> anyhow::Result<Vec<DVec3>> {
             let mut film = Film::new(self.plan.size);
             let samples = self.plan.reference_samples.div_ceil(2);
-            let settings = Settings { points: PointsName::Sobol, ..self.settings(OWN.strategy, 1, seed) };
+            let settings =
+                RenderSettings { points: PointsName::Sobol, ..self.settings(OWN.strategy, 1, seed) };
             add_samples(own, self.camera, &settings, &mut film, samples, self.progress)?;
             Ok((0..pixels).map(|i| film.mean(i)).collect())
         };

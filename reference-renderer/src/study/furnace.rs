@@ -124,7 +124,7 @@ mod tests {
     use crate::shade::{Light, Sampler, SamplerName};
     use crate::trace::render::add_samples;
     use crate::trace::scene::SceneName;
-    use crate::trace::settings::Settings;
+    use crate::trace::settings::RenderSettings;
     use crate::truth::measured::tests::{model, vivid};
     use crate::truth::stored::tests::{brushed, lacquer};
     use crate::world::environment::Environment;
@@ -179,7 +179,7 @@ mod tests {
                 let split = if name.is_multi() { 4 } else { 1 };
                 for light in [Light::Off, Light::Mis] {
                     let settings =
-                        Settings { light, split, max_bounces: 1, points: PointsName::Random, seed: 4 };
+                        RenderSettings { light, split, max_bounces: 1, points: PointsName::Random, seed: 4 };
                     let mut film = Film::new(size);
                     add_samples(&scene, &camera, &settings, &mut film, 256 / split, &Progress::hidden())
                         .unwrap();
@@ -199,7 +199,8 @@ mod tests {
         let size = [32, 32];
         let camera = SceneName::Sphere.camera(size);
         for light in [Light::Off, Light::Mis, Light::Only, Light::Product] {
-            let settings = Settings { light, split: 1, max_bounces: 4, points: PointsName::Random, seed: 3 };
+            let settings =
+                RenderSettings { light, split: 1, max_bounces: 4, points: PointsName::Random, seed: 3 };
             let mut film = Film::new(size);
             add_samples(&scene, &camera, &settings, &mut film, 256, &Progress::hidden()).unwrap();
             let furnace = compare(&scene, &camera, Vec3::splat(1.7), &film);

@@ -135,7 +135,7 @@ mod tests {
     use crate::shade::Light;
     use crate::trace::film::Film;
     use crate::trace::render::add_samples;
-    use crate::trace::settings::Settings;
+    use crate::trace::settings::RenderSettings;
     use crate::truth::measured::tests::{model, vivid};
     use crate::truth::stored::tests::lacquer;
     use crate::world::environment::sky;
@@ -155,8 +155,13 @@ mod tests {
         let inside = |i: &usize| pixels[*i].coverage == 1.0;
         for (k, shader) in shaders.into_iter().enumerate() {
             let scene = Scene::new(SceneName::Sphere, shader, shader, &environment);
-            let settings =
-                Settings { light: Light::Mis, split: 1, max_bounces: 1, points: PointsName::Random, seed: 5 };
+            let settings = RenderSettings {
+                light: Light::Mis,
+                split: 1,
+                max_bounces: 1,
+                points: PointsName::Random,
+                seed: 5,
+            };
             let mut film = Film::new([side; 2]);
             let camera = SceneName::Sphere.camera([side; 2]);
             add_samples(&scene, &camera, &settings, &mut film, 256, &hidden).unwrap();

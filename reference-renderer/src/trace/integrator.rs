@@ -7,7 +7,7 @@ use crate::numbers::points::{Decision, Points, PointsName};
 use crate::shade::Light;
 use crate::shade::shader::Scattering;
 use crate::trace::scene::{Scene, Surface};
-use crate::trace::settings::Settings;
+use crate::trace::settings::RenderSettings;
 use crate::truth::AnyMixture;
 use crate::world::ray::Ray;
 use glam::Vec3;
@@ -48,7 +48,7 @@ impl Default for Workspace<'_> {
 pub fn radiance<'a>(
     scene: &Scene<'a>,
     ray: &Ray,
-    settings: &Settings,
+    settings: &RenderSettings,
     points: &Points,
     workspace: &mut Workspace<'a>,
 ) -> Vec3 {
@@ -87,7 +87,7 @@ fn look<'a>(surface: &Surface<'_, 'a>, ray: &Ray, scattering: &mut Scattering<'a
 /// A path on its way.
 struct Path<'p, 'a> {
     scene: &'p Scene<'a>,
-    settings: &'p Settings,
+    settings: &'p RenderSettings,
     points: Points,
 }
 

@@ -6,7 +6,7 @@ use crate::trace::camera::Camera;
 use crate::trace::film::Film;
 use crate::trace::integrator::{Workspace, radiance};
 use crate::trace::scene::Scene;
-use crate::trace::settings::Settings;
+use crate::trace::settings::RenderSettings;
 use cpu_time::ThreadTime;
 use rayon::prelude::*;
 use std::time::Duration;
@@ -21,7 +21,7 @@ use std::time::Duration;
 pub fn add_samples(
     scene: &Scene<'_>,
     camera: &Camera,
-    settings: &Settings,
+    settings: &RenderSettings,
     film: &mut Film,
     samples: u32,
     progress: &Progress,
@@ -73,10 +73,10 @@ mod tests {
     use glam::DVec3;
 
     const SIZE: [u32; 2] = [24, 16];
-    const MIS: Settings =
-        Settings { light: Light::Mis, split: 1, max_bounces: 3, points: PointsName::Random, seed: 11 };
+    const MIS: RenderSettings =
+        RenderSettings { light: Light::Mis, split: 1, max_bounces: 3, points: PointsName::Random, seed: 11 };
 
-    fn film(scene: &Scene<'_>, name: SceneName, settings: &Settings, samples: u32) -> Film {
+    fn film(scene: &Scene<'_>, name: SceneName, settings: &RenderSettings, samples: u32) -> Film {
         let mut film = Film::new(SIZE);
         add_samples(scene, &name.camera(SIZE), settings, &mut film, samples, &Progress::hidden()).unwrap();
         film
@@ -99,7 +99,7 @@ mod tests {
             add_samples(&scene, &camera, &MIS, &mut steps, samples, &Progress::hidden()).unwrap();
         }
         assert_eq!(one, steps);
-        assert_ne!(one, film(&scene, SceneName::Teapot, &Settings { seed: 12, ..MIS }, 4));
+        assert_ne!(one, film(&scene, SceneName::Teapot, &RenderSettings { seed: 12, ..MIS }, 4));
     }
 
     #[test]
@@ -120,7 +120,7 @@ mod tests {
             let [object, ground] = [0, 1].map(|n| Shader { truth: truths[n], sampler: &samplers[n] });
             let scene = Scene::new(scene_name, object, ground, &light);
             let split = if strategy.sampler.is_multi() { 4 } else { 1 };
-            let settings = Settings { light: strategy.light, split, ..MIS };
+            let settings = RenderSettings { light: strategy.light, split, ..MIS };
             let film = film(&scene, scene_name, &settings, 256 / split);
             let n = film.pixels.len() as f64;
             let sum: DVec3 = (0..film.pixels.len()).map(|i| film.mean(i)).sum();
@@ -153,7 +153,7 @@ mod tests {
         // The ground is sampled by a table's own guide, without the lobes: where paths go on, what they compete with changes.
         let scene = Scene::new(SceneName::Teapot, shader, &table, &light);
         let mean = |light: Light, split: u32| {
-            let settings = Settings { light, split, ..MIS };
+            let settings = RenderSettings { light, split, ..MIS };
             let film = film(&scene, SceneName::Teapot, &settings, 1024 / split);
             let n = film.pixels.len() as f64;
             let sum: DVec3 = (0..film.pixels.len()).map(|i| film.mean(i)).sum();

@@ -5,7 +5,7 @@ use crate::shade::Light;
 
 /// How to render.
 #[derive(Clone, Copy, Debug)]
-pub struct Settings {
+pub struct RenderSettings {
     /// Whether the light is sampled; what samples a material comes with it.
     pub light: Light,
     /// Directions drawn at the first surface that a ray of the camera meets, at least 1.

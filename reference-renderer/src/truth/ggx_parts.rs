@@ -16,14 +16,14 @@ pub type Weights = [f64; PARTS];
 
 /// The mixture for one outgoing direction.
 #[derive(Clone, Debug)]
-pub struct Proposal {
+pub struct GgxProposal {
     wo: DVec3,
     pub(super) weights: Weights,
     /// What is constant in the density of each lobe.
     scale: [f64; ROUGHNESS.len()],
 }
 
-impl Proposal {
+impl GgxProposal {
     pub fn new(wo: DVec3, weights: Weights) -> Self {
         Self { wo, weights, scale: ROUGHNESS.map(|alpha| ggx::scale(wo, alpha)) }
     }

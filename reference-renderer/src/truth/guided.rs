@@ -4,7 +4,7 @@
 //! The weights have the least variance among all mixtures of these parts. They are tabulated over the outgoing direction and
 //! interpolated; whatever they are, the density is exact, and the estimate unbiased.
 
-use super::ggx_parts::{COSINE, PARTS, Proposal, Weights};
+use super::ggx_parts::{COSINE, GgxProposal, PARTS, Weights};
 use super::seen;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -43,7 +43,7 @@ impl Guide {
     }
 
     /// The mixture for an outgoing direction.
-    pub fn proposal(&self, wo: DVec3) -> Proposal {
+    pub fn proposal(&self, wo: DVec3) -> GgxProposal {
         let place = wo.z.clamp(0.0, 1.0).acos() / FRAC_PI_2 * (THETAS - 1) as f64;
         let theta = (place as usize).min(THETAS - 2);
         let along = place - theta as f64;
@@ -59,13 +59,13 @@ impl Guide {
                 *weight += share * (low[k] + along * (high[k] - low[k]));
             }
         }
-        Proposal::new(wo, weights)
+        GgxProposal::new(wo, weights)
     }
 }
 
 /// The weights for which samples of the mixture have the least variance, the cosine's raised to its least share.
 fn least_variance(f_cos: &dyn Fn(DVec3) -> DVec3, wo: DVec3, drawn: usize) -> Weights {
-    let proposal = Proposal::even(wo);
+    let proposal = GgxProposal::even(wo);
     let seen = seen::directions(wo, drawn, f_cos);
     let moments: Vec<(f64, Weights)> =
         seen.iter().map(|s| (s.value * s.value * s.weight, proposal.densities(s.wi))).collect();
@@ -94,7 +94,7 @@ mod tests {
             for part in 0..PARTS {
                 let wide = if part == COSINE { 0 } else { part.checked_sub(1).unwrap_or(COSINE) };
                 let (n, mut random) = (200_000, Random::new(part as u64, 1, 2));
-                let proposal = Proposal::new(wo, [1.0 / PARTS as f64; PARTS]);
+                let proposal = GgxProposal::new(wo, [1.0 / PARTS as f64; PARTS]);
                 let mirror = DVec3::new(-wo.x, -wo.y, wo.z);
                 let of = |wi: DVec3| {
                     let near = (wi - mirror).length_squared() / ROUGHNESS.get(part).map_or(1.0, |a| a * a);
@@ -129,7 +129,7 @@ mod tests {
         let guide = Guide::new(
             &|wi, wo| {
                 DVec3::splat(
-                    Proposal::new(wo, {
+                    GgxProposal::new(wo, {
                         let mut weights = [0.0; PARTS];
                         weights[6] = 1.0;
                         weights

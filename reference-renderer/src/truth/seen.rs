@@ -1,6 +1,6 @@
 //! What is seen of a truth where samplers are fitted to it.
 
-use super::ggx_parts::{PARTS, Proposal};
+use super::ggx_parts::{GgxProposal, PARTS};
 use glam::DVec3;
 
 /// Steps of the R2 sequence: powers of the inverse of the root of `x^3 = x + 1`.
@@ -39,7 +39,7 @@ pub fn outgoing(theta: f64, azimuth: f64) -> DVec3 {
 
 /// Directions of all roughness alike.
 pub fn directions(wo: DVec3, drawn: usize, f_cos: &dyn Fn(DVec3) -> DVec3) -> Vec<Direction> {
-    let proposal = Proposal::even(wo);
+    let proposal = GgxProposal::even(wo);
     let total = (PARTS * drawn) as f64;
     let mut seen = Vec::with_capacity(PARTS * drawn);
     for part in 0..PARTS {

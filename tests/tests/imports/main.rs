@@ -5,6 +5,7 @@
 //! through re-exports to the file that defines it, so that a file that only re-exports imports nothing. Unit tests are left out.
 //! Two things show in no path, and are not seen: calls of methods, and macros by their bare name.
 
+mod glossary;
 mod source;
 
 use source::{File, read};

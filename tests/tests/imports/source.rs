@@ -26,6 +26,8 @@ pub struct File {
 struct Names {
     /// What it defines.
     items: BTreeSet<String>,
+    /// Types and traits among them.
+    types: BTreeSet<String>,
     /// Macros that it defines at the root of the package.
     macros: BTreeSet<String>,
     /// Local names, and the paths that they stand for; a glob is `*`.
@@ -203,6 +205,11 @@ impl File {
         file
     }
 
+    /// The names of the types and traits that it defines.
+    pub fn types(&self) -> impl Iterator<Item = &String> {
+        self.modules.values().flat_map(|names| &names.types)
+    }
+
     /// The place of the file of a module that is declared here.
     fn place_of(&self, module: &syn::ItemMod) -> String {
         let stem = self.place.trim_end_matches(".rs");
@@ -241,6 +248,11 @@ impl File {
                     if attributes(item).iter().any(|attribute| attribute.path().is_ident("macro_export")) {
                         names.macros.extend(defined(item));
                     }
+                    let is_type = matches!(
+                        item,
+                        Item::Enum(_) | Item::Struct(_) | Item::Trait(_) | Item::Type(_) | Item::Union(_)
+                    );
+                    names.types.extend(defined(item).filter(|_| is_type));
                     names.items.extend(defined(item));
                     Paths(&mut names.paths).visit_item(item);
                 }

@@ -26,7 +26,7 @@ use std::f64::consts::{FRAC_1_PI, PI, SQRT_2};
 
 /// How the model is fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
+pub struct LafortuneSettings {
     /// Lobes beside the diffuse term.
     pub lobes: usize,
     /// Random starts of each channel.
@@ -35,7 +35,7 @@ pub struct Settings {
     pub steps: u64,
 }
 
-impl Default for Settings {
+impl Default for LafortuneSettings {
     fn default() -> Self {
         Self { lobes: 3, starts: 100, steps: 300 }
     }
@@ -62,7 +62,7 @@ const LOBE: [(f64, f64); 3] = [(-25.0, 15.0), (-0.5 * PI, 1.5 * PI), (0.0, 11.0)
 ///
 /// # Errors
 /// [`FitError::Setting`]; [`FitError::Table`] for a table without brightness.
-pub(super) fn fit(table: &Table, settings: &Settings) -> Result<Lafortune, FitError> {
+pub(super) fn fit(table: &Table, settings: &LafortuneSettings) -> Result<Lafortune, FitError> {
     range("lobes", (1..=16).contains(&settings.lobes), "from 1 to 16 of Lafortune's")?;
     range("starts", (1..=100_000).contains(&settings.starts), "from 1 to 100000")?;
     range("steps", (1..=10_000).contains(&settings.steps), "from 1 to 10000")?;
@@ -86,7 +86,7 @@ pub(super) fn fit(table: &Table, settings: &Settings) -> Result<Lafortune, FitEr
     Ok(model)
 }
 
-impl Method for Settings {
+impl Method for LafortuneSettings {
     fn fit(&self, table: &Table) -> Result<Box<dyn Fitted>, FitError> {
         Ok(Box::new(fit(table, self)?))
     }
@@ -285,7 +285,7 @@ mod tests {
     #[test]
     fn planted_coefficients_are_found_again() {
         let planted = planted();
-        let found = fit(&table(&planted), &Settings { lobes: 2, starts: 20, steps: 200 }).unwrap();
+        let found = fit(&table(&planted), &LafortuneSettings { lobes: 2, starts: 20, steps: 200 }).unwrap();
         assert!(found.evaluations > 100);
         for (found, planted) in found.channels.iter().zip(&planted.channels) {
             assert!((found.diffuse - planted.diffuse).abs() < 2e-3, "{found:?}");
@@ -331,7 +331,7 @@ mod tests {
     fn black_is_an_error_and_a_black_channel_is_black() {
         let mut planted = planted();
         planted.channels[2] = Channel::default();
-        let settings = Settings { lobes: 1, starts: 3, steps: 20 };
+        let settings = LafortuneSettings { lobes: 1, starts: 3, steps: 20 };
         let found = fit(&table(&planted), &settings).unwrap();
         assert_eq!(found.channels[2], Channel::default());
         assert!(fit(&table(&Lafortune::default()), &settings).is_err());

@@ -10,10 +10,10 @@ use wide::f64x4;
 
 /// Texels of a vector, four by four; what is missing at the end has no weight.
 pub(crate) struct Texels {
-    blocks: Vec<Block>,
+    blocks: Vec<Panel>,
 }
 
-struct Block {
+struct Panel {
     direction: [f64x4; 3],
     value: [f64x4; 3],
     /// Solid angle over the sum of squares of the data.
@@ -35,7 +35,7 @@ impl Texels {
         let lanes = |f: &dyn Fn(usize) -> f64, from: usize| {
             f64x4::from([0, 1, 2, 3].map(|i| if from + i < values.len() { f(from + i) } else { 0.0 }))
         };
-        let block = |from: usize| Block {
+        let block = |from: usize| Panel {
             direction: [0, 1, 2].map(|k| lanes(&|n| cube.directions[n][k], from)),
             value: [0, 1, 2].map(|c| lanes(&|n| values[n][c], from)),
             weight: lanes(&|n| cube.solid_angles[n] / norm, from),

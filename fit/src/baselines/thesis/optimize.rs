@@ -5,7 +5,7 @@
 //! of 1, which is kind to the solver and changes no minimum. Axes have three components within [-1, 1] and are
 //! normalised in the function. The three channels share axes and sharpness.
 
-use super::Settings;
+use super::ThesisSettings;
 use super::cube::Cube;
 use super::guess;
 use super::kernel::{Slope, Texels};
@@ -34,7 +34,7 @@ pub(crate) struct Optimized {
 ///
 /// Values are fitted as multiples of a power of two next to the largest, so that the square of none is lost at either end of the
 /// range of f64, and no digit changes.
-pub(crate) fn fit(cube: &Cube, values: &[[f64; 3]], settings: &Settings) -> Optimized {
+pub(crate) fn fit(cube: &Cube, values: &[[f64; 3]], settings: &ThesisSettings) -> Optimized {
     let exponent = libm::frexp(values.iter().flatten().copied().fold(0.0, f64::max)).1;
     let scaled = |rgb: [f64; 3], exponent| rgb.map(|v| libm::ldexp(v, exponent));
     let values: Vec<[f64; 3]> = values.iter().map(|rgb| scaled(*rgb, -exponent)).collect();
@@ -43,7 +43,7 @@ pub(crate) fn fit(cube: &Cube, values: &[[f64; 3]], settings: &Settings) -> Opti
     found
 }
 
-fn fit_scaled(cube: &Cube, values: &[[f64; 3]], settings: &Settings) -> Optimized {
+fn fit_scaled(cube: &Cube, values: &[[f64; 3]], settings: &ThesisSettings) -> Optimized {
     let mut lobes = guess::guess(cube, values, settings.lobes, settings.coverage);
     if lobes.is_empty() {
         return Optimized { lobes, evaluations: 0, cost: 0.0, ending: Ending::Converged };
@@ -170,7 +170,8 @@ mod tests {
     fn a_planted_mixture_is_found_again_to_less_than_a_percent() {
         let cube = Cube::new(32);
         let values: Vec<[f64; 3]> = cube.directions.iter().map(|d| evaluate(&planted(), d)).collect();
-        let settings = Settings { lobes: 3, iterations: 300, threshold: 1e-6, ..Settings::default() };
+        let settings =
+            ThesisSettings { lobes: 3, iterations: 300, threshold: 1e-6, ..ThesisSettings::default() };
         let found = fit(&cube, &values, &settings);
         let error = libm::sqrt(found.cost);
         assert!(error < 0.01, "{error}: {found:?}");
@@ -181,7 +182,7 @@ mod tests {
     #[test]
     fn the_unit_of_the_values_does_not_matter() {
         let cube = Cube::new(16);
-        let settings = Settings { lobes: 3, ..Settings::default() };
+        let settings = ThesisSettings { lobes: 3, ..ThesisSettings::default() };
         let in_unit = |exponent: i32| {
             let value = |d: &[f64; 3]| evaluate(&planted(), d).map(|v| libm::ldexp(v, exponent));
             fit(&cube, &cube.directions.iter().map(value).collect::<Vec<_>>(), &settings)
@@ -203,7 +204,7 @@ mod tests {
         let cube = Cube::new(8);
         let values: Vec<[f64; 3]> =
             (0..cube.directions.len()).map(|n| if n % 7 == 3 { [1.0, 0.5, 0.0] } else { [0.0; 3] }).collect();
-        let found = fit(&cube, &values, &Settings { lobes: 6, ..Settings::default() });
+        let found = fit(&cube, &values, &ThesisSettings { lobes: 6, ..ThesisSettings::default() });
         assert!(found.cost.is_finite() && found.cost < 1.0, "{found:?}");
         for lobe in &found.lobes {
             assert!(lobe.amplitude.iter().all(|a| *a >= 0.0 && a.is_finite()), "{lobe:?}");

@@ -77,21 +77,21 @@ impl SettingArgs {
     }
 
     /// Settings of the thesis's algorithm.
-    pub fn thesis(&self) -> anyhow::Result<thesis::Settings> {
+    pub fn thesis(&self) -> anyhow::Result<thesis::ThesisSettings> {
         self.only(
             "--lobes",
             "thesis",
             &[("--starts", self.starts.is_some()), ("--steps", self.steps.is_some())],
         )?;
-        let default = thesis::Settings::default();
-        Ok(thesis::Settings { lobes: self.lobes.unwrap_or(default.lobes), ..default })
+        let default = thesis::ThesisSettings::default();
+        Ok(thesis::ThesisSettings { lobes: self.lobes.unwrap_or(default.lobes), ..default })
     }
 
     /// Settings of Lafortune's model.
-    pub fn lafortune(&self) -> anyhow::Result<lafortune::Settings> {
+    pub fn lafortune(&self) -> anyhow::Result<lafortune::LafortuneSettings> {
         self.only("--lobes and --starts", "lafortune", &[("--steps", self.steps.is_some())])?;
-        let default = lafortune::Settings::default();
-        Ok(lafortune::Settings {
+        let default = lafortune::LafortuneSettings::default();
+        Ok(lafortune::LafortuneSettings {
             lobes: self.lobes.unwrap_or(default.lobes),
             starts: self.starts.unwrap_or(default.starts),
             ..default

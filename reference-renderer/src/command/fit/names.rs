@@ -29,7 +29,7 @@ pub fn as_file_name(text: &str) -> String {
 
 /// An input, and where its fit goes.
 #[derive(Debug, PartialEq)]
-pub struct Place {
+pub struct Job {
     /// The file or the model that is fitted.
     pub file: PathBuf,
     /// The material, or the report of another method.
@@ -45,16 +45,16 @@ pub fn places(
     output: Option<&Path>,
     material: Option<&str>,
     method: MethodName,
-) -> anyhow::Result<Vec<Place>> {
+) -> anyhow::Result<Vec<Job>> {
     ensure!(files.len() == 1 || material.is_none(), "--material: it is of one file");
-    let mut places: Vec<Place> = Vec::new();
+    let mut places: Vec<Job> = Vec::new();
     for file in files {
         let output = place(file, output, files.len() > 1, material, method)?;
         if let Some(other) = places.iter().find(|place| place.output == output) {
             let [other, file] = [&other.file, file].map(|file| file.display());
             bail!("{other} and {file} would both be written to {}", output.display());
         }
-        places.push(Place { file: file.clone(), output });
+        places.push(Job { file: file.clone(), output });
     }
     for place in &places {
         output::check_place(&place.output)?;

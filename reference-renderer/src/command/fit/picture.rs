@@ -1,7 +1,7 @@
 //! The picture of a fit, `srbf fit`: beside the material, a PNG of the fit and what it was fitted to.
 
 use super::method::MethodName;
-use super::names::{self, Place};
+use super::names::{self, Job};
 use crate::command::plot::{self, Beside};
 use crate::command::{argument, ball};
 use crate::out::output;
@@ -35,7 +35,7 @@ impl Args {
     ///
     /// # Errors
     /// Names what stands against it.
-    pub fn paths(&self, places: &[Place], method: MethodName) -> anyhow::Result<Vec<Option<PathBuf>>> {
+    pub fn paths(&self, places: &[Job], method: MethodName) -> anyhow::Result<Vec<Option<PathBuf>>> {
         ensure!(
             !self.html || method == MethodName::Tracked,
             "--html: only fits of our own method can be drawn"
@@ -47,7 +47,7 @@ impl Args {
         places.iter().map(|place| self.path(place, method)).collect()
     }
 
-    fn path(&self, place: &Place, method: MethodName) -> anyhow::Result<Option<PathBuf>> {
+    fn path(&self, place: &Job, method: MethodName) -> anyhow::Result<Option<PathBuf>> {
         if self.no_picture || method != MethodName::Tracked {
             return Ok(None);
         }

@@ -121,7 +121,7 @@ mod tests {
         let mut program = Cli::command();
         let text = program.find_subcommand_mut("fit").unwrap().render_long_help().to_string();
         let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
-        let (ours, lafortune) = (Settings::default(), lafortune::Settings::default());
+        let (ours, lafortune) = (Settings::default(), lafortune::LafortuneSettings::default());
         assert_eq!(ours.factors, FactorNodes::Chosen);
         for default in [
             format!("[default: {}; lafortune: {}]", ours.lobes, lafortune.lobes),

@@ -1,7 +1,7 @@
 //! `srbf fit`: what is printed. By default a heading, the verdict, what was written, and what to do next.
 
 use super::method::Baseline;
-use super::names::{self, Place};
+use super::names::{self, Job};
 use crate::command::view_table;
 use srbf_core::Material;
 use srbf_fit::judge::cross::CrossValidation;
@@ -32,7 +32,7 @@ impl Args {
     /// Says how good a fit of ours is; gives the words.
     pub fn say_fit(
         &self,
-        place: &Place,
+        place: &Job,
         report: &Report,
         material: &Material<&[u8]>,
         json: &str,
@@ -48,7 +48,7 @@ impl Args {
     }
 
     /// Says how good a fit by another method is.
-    pub fn say_baseline(&self, place: &Place, fit: &Baseline) -> anyhow::Result<()> {
+    pub fn say_baseline(&self, place: &Job, fit: &Baseline) -> anyhow::Result<()> {
         let heading = format!("{}: fitted in {:.1} s", place.output.display(), fit.report.seconds);
         self.say(&heading, &fit.report, fit.fitted.as_ref(), None, &fit.json)?;
         Ok(())
@@ -81,7 +81,7 @@ impl Args {
     }
 
     /// Says what was written, and what to do next.
-    pub fn say_written(&self, place: &Place, pictures: [Option<&Path>; 2], next: &str) {
+    pub fn say_written(&self, place: &Job, pictures: [Option<&Path>; 2], next: &str) {
         if self.json {
             return;
         }

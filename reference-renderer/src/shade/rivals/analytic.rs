@@ -4,7 +4,7 @@
 //! Fresnel term would have it, and is the one with the least variance. The width is the one with the least mean logarithm of the
 //! relative second moment over the angles: fitted is the density, not the value.
 
-use super::views::{View, look};
+use super::views::{Look, look};
 use crate::shade::strategy::SamplerName;
 use crate::truth::Truth;
 use crate::truth::ggx;
@@ -102,15 +102,15 @@ impl Analytic {
     }
 
     /// Gets ready for an outgoing direction.
-    pub fn proposal(&self, wo: DVec3) -> Proposal {
+    pub fn proposal(&self, wo: DVec3) -> AnalyticProposal {
         let (before, along) = seen::place(wo.z, THETAS);
         let share = self.shares[before] + along * (self.shares[before + 1] - self.shares[before]);
-        Proposal { lobe: self.lobe, wo, share }
+        AnalyticProposal { lobe: self.lobe, wo, share }
     }
 }
 
 /// The shares of a lobe, and how well it then does.
-fn at_width(lobe: Lobe, views: &[View]) -> (f64, Analytic) {
+fn at_width(lobe: Lobe, views: &[Look]) -> (f64, Analytic) {
     let (mut cost, mut shares) = (0.0, [0.0; THETAS]);
     for (share, view) in shares.iter_mut().zip(views) {
         let all = || view.azimuths.iter().flat_map(|(wo, seen)| seen.iter().map(move |s| (*wo, s)));
@@ -131,13 +131,13 @@ fn at_width(lobe: Lobe, views: &[View]) -> (f64, Analytic) {
 
 /// The two parts for one outgoing direction.
 #[derive(Clone, Copy, Debug)]
-pub struct Proposal {
+pub struct AnalyticProposal {
     lobe: Lobe,
     wo: DVec3,
     share: f64,
 }
 
-impl Proposal {
+impl AnalyticProposal {
     /// Draws a direction, maybe below the horizon.
     pub fn sample(&self, [part, u, v]: [f64; 3]) -> DVec3 {
         if part < self.share { self.lobe.sample(self.wo, u, v) } else { cosine(u, v) }

@@ -58,13 +58,13 @@ impl Factored {
     }
 
     /// Gets ready for an outgoing direction.
-    pub fn proposal(&self, wo: DVec3) -> Proposal<'_> {
+    pub fn proposal(&self, wo: DVec3) -> FactoredProposal<'_> {
         let sight = Sight::new(self.layout, wo);
         let mut shares = [0.0; TERMS];
         for (row, share) in sight.rows {
             shares.iter_mut().zip(&self.of_outgoing[row]).for_each(|(sum, term)| *sum += share * term);
         }
-        Proposal { factored: self, sight, shares }
+        FactoredProposal { factored: self, sight, shares }
     }
 }
 
@@ -130,13 +130,13 @@ fn normalize(shares: &mut [f64]) {
 
 /// The terms for one outgoing direction.
 #[derive(Clone, Copy)]
-pub struct Proposal<'a> {
+pub struct FactoredProposal<'a> {
     factored: &'a Factored,
     sight: Sight,
     shares: [f64; TERMS],
 }
 
-impl Proposal<'_> {
+impl FactoredProposal<'_> {
     /// Draws a direction, maybe below the horizon.
     pub fn sample(&self, [mut left, u, v]: [f64; 3]) -> DVec3 {
         let mut chosen = TERMS - 1;

@@ -4,14 +4,14 @@
 use crate::truth::plain::{around, cosine, cosine_density};
 use glam::DVec3;
 use srbf_core::LUMINANCE;
-use srbf_fit::baselines::lafortune::{Lafortune, Settings};
+use srbf_fit::baselines::lafortune::{Lafortune, LafortuneSettings};
 use srbf_fit::table::Brdf;
 use srbf_fit::table::evaluation_views::even_views;
 use srbf_fit::table::{Density, Table};
 use std::f64::consts::TAU;
 
 /// Lobes, as in the thesis; its hundred starts take most of a minute and end where these do.
-const SETTINGS: Settings = Settings { lobes: 3, starts: 30, steps: 120 };
+const SETTINGS: LafortuneSettings = LafortuneSettings { lobes: 3, starts: 30, steps: 120 };
 
 /// Outgoing directions of the table that is fitted, and its incident ones.
 const VIEWS: usize = 8;
@@ -37,14 +37,14 @@ pub fn fit(truth: &dyn Brdf) -> anyhow::Result<Lafortune> {
 
 /// The lobes for one outgoing direction.
 #[derive(Clone, Debug)]
-pub struct Proposal {
+pub struct LafortuneProposal {
     count: usize,
     /// Share of a lobe, its axis and exponent.
     lobes: [(f64, DVec3, f64); MOST],
     cosine: f64,
 }
 
-impl Proposal {
+impl LafortuneProposal {
     /// Gets ready. Coefficients of which powers overflow, or are no numbers, do no harm: shares are made of logarithms.
     pub fn new(model: &Lafortune, wo: DVec3) -> Self {
         let mut lobes = [(0.0, DVec3::Z, 1.0); MOST];
@@ -121,7 +121,7 @@ mod tests {
             let channel = Channel { diffuse: 0.1, lobes: vec![CosineLobe { cxy, cz, n }; 3] };
             let model = Lafortune { channels: [channel.clone(), channel.clone(), channel], evaluations: 0 };
             let wo = DVec3::new(-0.6, 0.0, 0.8);
-            let proposal = Proposal::new(&model, wo);
+            let proposal = LafortuneProposal::new(&model, wo);
             for part in [0.0, 0.4, 0.999] {
                 let wi = proposal.sample([part, 0.3, 0.7]);
                 assert!(wi.is_normalized(), "{cxy} {cz} {n}: {wi}");
@@ -129,7 +129,7 @@ mod tests {
                 assert!(density >= 0.0 && density.is_finite(), "{cxy} {cz} {n}: {density}");
             }
         }
-        let black = Proposal::new(&Lafortune::default(), DVec3::Z);
+        let black = LafortuneProposal::new(&Lafortune::default(), DVec3::Z);
         assert_eq!(black.cosine, 1.0);
     }
 }

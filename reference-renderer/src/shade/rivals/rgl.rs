@@ -5,12 +5,12 @@ use srbf_fit::table::Draws;
 
 /// The warps for one outgoing direction.
 #[derive(Clone, Copy)]
-pub struct Proposal<'a> {
+pub struct RglProposal<'a> {
     draws: &'a dyn Draws,
     wo: DVec3,
 }
 
-impl<'a> Proposal<'a> {
+impl<'a> RglProposal<'a> {
     /// Gets ready for an outgoing direction.
     pub fn new(draws: &'a dyn Draws, wo: DVec3) -> Self {
         Self { draws, wo }

@@ -11,10 +11,10 @@ use glam::DVec3;
 /// The tables of all outgoing directions.
 pub struct Tabulated {
     layout: Layout,
-    rows: Vec<Row>,
+    rows: Vec<SightRow>,
 }
 
-struct Row {
+struct SightRow {
     /// Share of each cell.
     shares: Vec<f32>,
     /// Running share over the angle, and in each angle over the azimuth.
@@ -26,7 +26,7 @@ impl Tabulated {
     /// Tabulates a truth.
     pub fn new(truth: &Truth<'_>) -> Self {
         let layout = Layout::new(truth);
-        let row = |shares: Vec<f64>| Row {
+        let row = |shares: Vec<f64>| SightRow {
             angles: running(shares.chunks_exact(layout.turns).map(|turns| turns.iter().sum())),
             turns: shares.chunks_exact(layout.turns).map(|turns| running(turns.iter().copied())).collect(),
             shares: shares.iter().map(|&share| share as f32).collect(),
@@ -40,19 +40,19 @@ impl Tabulated {
     }
 
     /// Gets ready for an outgoing direction.
-    pub fn proposal(&self, wo: DVec3) -> Proposal<'_> {
-        Proposal { table: self, sight: Sight::new(self.layout, wo) }
+    pub fn proposal(&self, wo: DVec3) -> TabulatedProposal<'_> {
+        TabulatedProposal { table: self, sight: Sight::new(self.layout, wo) }
     }
 }
 
 /// The rows round one outgoing direction.
 #[derive(Clone, Copy)]
-pub struct Proposal<'a> {
+pub struct TabulatedProposal<'a> {
     table: &'a Tabulated,
     sight: Sight,
 }
 
-impl Proposal<'_> {
+impl TabulatedProposal<'_> {
     /// Draws a direction, maybe below the horizon.
     pub fn sample(&self, [mut left, u, v]: [f64; 3]) -> DVec3 {
         let mut row = self.sight.rows[0].0;

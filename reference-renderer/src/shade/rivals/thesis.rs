@@ -5,7 +5,7 @@ use crate::numbers::random::Random;
 use crate::truth::{AnyMixture, Truth};
 use glam::{DVec3, Vec3};
 use srbf_core::{Error, Gaussian, LUMINANCE, Lobe, MAX_LOBES, Metropolis, Mixture, Sample};
-use srbf_fit::baselines::thesis::{RoundLobe, Settings, ThesisFit, fit_brdf};
+use srbf_fit::baselines::thesis::{RoundLobe, ThesisFit, ThesisSettings, fit_brdf};
 use srbf_fit::table::evaluation_views::even_views;
 
 /// Outgoing directions that are fitted. Eight or ten is what Cornell measured.
@@ -39,7 +39,7 @@ impl Thesis {
     /// # Errors
     /// An anisotropic truth, and a black one.
     pub fn fit(truth: &Truth<'_>, how: How) -> anyhow::Result<Self> {
-        let settings = Settings { lobes: LOBES, ..Settings::default() };
+        let settings = ThesisSettings { lobes: LOBES, ..ThesisSettings::default() };
         Ok(Self { fit: fit_brdf(truth, &even_views(VIEWS), &settings)?, how })
     }
 
@@ -57,7 +57,7 @@ impl Thesis {
     ///
     /// # Errors
     /// None but those of numbers that are no lobe.
-    pub fn prepare<'a>(&self, wo: DVec3, mixture: &mut AnyMixture<'a>) -> Result<Proposal, Error> {
+    pub fn prepare<'a>(&self, wo: DVec3, mixture: &mut AnyMixture<'a>) -> Result<ThesisProposal, Error> {
         let across = wo.x.hypot(wo.y);
         let [cos, sin] = if across > 0.0 { [-wo.x / across, -wo.y / across] } else { [1.0, 0.0] };
         let turned = |l: &RoundLobe| -> Result<Lobe, Error> {
@@ -80,18 +80,18 @@ impl Thesis {
         } else {
             lobes.into_iter().map(with_running).collect()
         };
-        Ok(Proposal { how: self.how, lobes })
+        Ok(ThesisProposal { how: self.how, lobes })
     }
 }
 
 /// The lobes for one outgoing direction, each with the running sum of integrals; none where the mixture alone draws.
 #[derive(Clone, Debug)]
-pub struct Proposal {
+pub struct ThesisProposal {
     how: How,
     lobes: Vec<(Gaussian, f32)>,
 }
 
-impl Proposal {
+impl ThesisProposal {
     /// Draws a direction, maybe below the horizon; `None` if there is no lobe.
     pub fn sample(&self, mixture: &AnyMixture<'_>, u: [f32; 3]) -> Option<Vec3> {
         if self.how != How::Walk {

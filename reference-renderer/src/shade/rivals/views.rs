@@ -13,13 +13,13 @@ const AZIMUTHS: usize = 4;
 const DRAWN: usize = 160;
 
 /// What is seen of a truth from one angle.
-pub struct View {
+pub struct Look {
     /// The incident directions for each azimuth of the outgoing one.
     pub azimuths: Vec<(DVec3, Vec<Direction>)>,
 }
 
 /// Looks at a truth from all angles.
-pub fn look(truth: &Truth<'_>) -> Vec<View> {
+pub fn look(truth: &Truth<'_>) -> Vec<Look> {
     let azimuths = if truth.is_isotropic() { 1 } else { AZIMUTHS };
     (0..THETAS)
         .into_par_iter()
@@ -28,7 +28,7 @@ pub fn look(truth: &Truth<'_>) -> Vec<View> {
                 let wo = outgoing(theta(n, THETAS), PI + TAU * azimuth as f64 / azimuths as f64);
                 (wo, directions(wo, DRAWN, &|wi| truth.f_cos(wi, wo)))
             };
-            View { azimuths: (0..azimuths).map(at).collect() }
+            Look { azimuths: (0..azimuths).map(at).collect() }
         })
         .collect()
 }

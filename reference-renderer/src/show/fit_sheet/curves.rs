@@ -1,7 +1,7 @@
 //! Values in the plane of incidence over the angle of the incident direction, a panel a view: the fit and what it is held against as
 //! curves, samples near that plane as points.
 
-use super::{Against, Block, Subject, WIDTH, y};
+use super::{Against, Strip, Subject, WIDTH, y};
 use crate::out::panel::{COLOURS, FONT, Failure, RIGHT_MARGIN, draw_legend, range, register_font, tick};
 use anyhow::anyhow;
 use plotters::coord::Shift;
@@ -40,7 +40,7 @@ struct Panel {
 ///
 /// # Errors
 /// As the fit says them; faults of the font.
-pub fn draw(subject: &Subject<'_>) -> anyhow::Result<Block> {
+pub fn draw(subject: &Subject<'_>) -> anyhow::Result<Strip> {
     let against = subject.against.as_ref();
     let panel = |theta: f64, view: Option<&View>| Panel::new(theta, subject.fit, against, view);
     let panels: Vec<Panel> = match against.and_then(|against| against.samples) {
@@ -59,7 +59,7 @@ pub fn draw(subject: &Subject<'_>) -> anyhow::Result<Block> {
     };
     let names = Names { title: title(subject), against: against.map_or("", |against| against.name) };
     let rows = panels.len().div_ceil(COLUMNS).max(1) as u32;
-    let mut block = Block::white([WIDTH, HEAD + PANEL * rows]);
+    let mut block = Strip::white([WIDTH, HEAD + PANEL * rows]);
     draw_panels(&mut block, &names, &panels)
         .map_err(|error| anyhow!("cannot plot {}: {error}", subject.name))?;
     Ok(block)
@@ -111,7 +111,7 @@ impl Panel {
     }
 }
 
-fn draw_panels(block: &mut Block, names: &Names<'_>, panels: &[Panel]) -> Result<(), Failure> {
+fn draw_panels(block: &mut Strip, names: &Names<'_>, panels: &[Panel]) -> Result<(), Failure> {
     register_font()?;
     let root = BitMapBackend::with_buffer(&mut block.rgb, block.size.into()).into_drawing_area();
     let root = root.titled(&names.title, (FONT, 20))?;
@@ -184,7 +184,7 @@ mod tests {
             |value| Panel { degrees: 30.0, samples: curve(value), against: curve(value), fit: curve(value) };
         let alone = || Panel { samples: vec![], against: vec![], ..panel(1.0) };
         for panels in [vec![], vec![panel(0.0)], vec![panel(0.1), panel(-1.0), panel(0.2), alone()]] {
-            let mut block = Block::white([WIDTH, HEAD + 2 * PANEL]);
+            let mut block = Strip::white([WIDTH, HEAD + 2 * PANEL]);
             let names = Names { title: "test".into(), against: "data" };
             draw_panels(&mut block, &names, &panels).unwrap();
             assert!(

@@ -1,7 +1,7 @@
 //! The hemisphere of incident directions as discs, seen from above: the fit, what it is held against, and the ratio of both, for three
 //! outgoing directions.
 
-use super::{Block, Subject, WIDTH, y};
+use super::{Strip, Subject, WIDTH, y};
 use crate::out::panel::{FONT, Failure, register_font};
 use anyhow::anyhow;
 use plotters::prelude::*;
@@ -27,8 +27,8 @@ const RATIOS: [RGBColor; 3] = [RGBColor(33, 102, 172), WHITE, RGBColor(178, 24, 
 ///
 /// # Errors
 /// As the fit says them; faults of the font.
-pub fn draw(subject: &Subject<'_>) -> anyhow::Result<Block> {
-    let mut block = Block::white([WIDTH, HEAD + SIDE]);
+pub fn draw(subject: &Subject<'_>) -> anyhow::Result<Strip> {
+    let mut block = Strip::white([WIDTH, HEAD + SIDE]);
     let mut texts = Vec::new();
     let ratios = DerivedColorMap::new(&RATIOS);
     let mut left = 0;
@@ -85,7 +85,7 @@ fn values(value: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<Option<f64>> {
 }
 
 /// Colours the pixels of a square below the texts; what has no colour stays white.
-fn paint(block: &mut Block, left: u32, colours: impl Iterator<Item = Option<RGBColor>>) {
+fn paint(block: &mut Strip, left: u32, colours: impl Iterator<Item = Option<RGBColor>>) {
     for (n, colour) in colours.enumerate() {
         let (row, column) = (n as u32 / SIDE, n as u32 % SIDE);
         if let Some(RGBColor(r, g, b)) = colour {
@@ -95,7 +95,7 @@ fn paint(block: &mut Block, left: u32, colours: impl Iterator<Item = Option<RGBC
     }
 }
 
-fn write(block: &mut Block, texts: &[(String, u32)]) -> Result<(), Failure> {
+fn write(block: &mut Strip, texts: &[(String, u32)]) -> Result<(), Failure> {
     register_font()?;
     let root = BitMapBackend::with_buffer(&mut block.rgb, block.size.into()).into_drawing_area();
     let style = TextStyle::from((FONT, LETTERS).into_font()).color(&BLACK);

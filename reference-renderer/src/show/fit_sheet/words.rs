@@ -1,6 +1,6 @@
 //! Lines of text as a block.
 
-use super::{Block, WIDTH};
+use super::{Strip, WIDTH};
 use crate::out::panel::{FONT, Failure, register_font};
 use anyhow::anyhow;
 use plotters::prelude::*;
@@ -15,14 +15,14 @@ const COLUMNS: usize = 145;
 ///
 /// # Errors
 /// Faults of the font.
-pub fn draw(lines: &[String]) -> anyhow::Result<Block> {
+pub fn draw(lines: &[String]) -> anyhow::Result<Strip> {
     let lines: Vec<String> = lines.iter().flat_map(|line| wrapped(line)).collect();
-    let mut block = Block::white([WIDTH, 2 * MARGIN + LINE * lines.len() as u32]);
+    let mut block = Strip::white([WIDTH, 2 * MARGIN + LINE * lines.len() as u32]);
     write(&mut block, &lines).map_err(|error| anyhow!("cannot write the verdict: {error}"))?;
     Ok(block)
 }
 
-fn write(block: &mut Block, lines: &[String]) -> Result<(), Failure> {
+fn write(block: &mut Strip, lines: &[String]) -> Result<(), Failure> {
     register_font()?;
     let root = BitMapBackend::with_buffer(&mut block.rgb, block.size.into()).into_drawing_area();
     let style = TextStyle::from((FONT, LETTERS).into_font()).color(&BLACK);
