@@ -5,7 +5,7 @@ pub const DOCUMENTS: [&str; 4] =
     ["README.md", "docs/integrate.md", "docs/use-from-c.md", "docs/use-from-cpp.md"];
 
 /// A block of code.
-pub struct Example {
+pub struct CodeBlock {
     /// Line of the document at which the code begins, from 1.
     pub line: usize,
     /// What stands in it.
@@ -13,14 +13,14 @@ pub struct Example {
 }
 
 /// The blocks of a language, as the line that opens them names it.
-pub fn blocks(text: &str, language: &str) -> Vec<Example> {
+pub fn blocks(text: &str, language: &str) -> Vec<CodeBlock> {
     let mut found = Vec::new();
     let mut lines = text.lines().enumerate();
     while let Some((n, line)) = lines.next() {
         let Some(name) = line.strip_prefix("```") else { continue };
         let code: Vec<&str> = lines.by_ref().map(|l| l.1).take_while(|l| !l.starts_with("```")).collect();
         if name == language {
-            found.push(Example { line: n + 2, code: code.join("\n") });
+            found.push(CodeBlock { line: n + 2, code: code.join("\n") });
         }
     }
     found

@@ -3,7 +3,7 @@
 //! A block of Rust is the body of a function that returns a `Result`. A block of C or C++ that has a `main` is a program; any other is
 //! the body of one, after the lines that `docs/integrate.md` states.
 
-use srbf_tests::documents::{DOCUMENTS, Example, blocks};
+use srbf_tests::documents::{CodeBlock, DOCUMENTS, blocks};
 use srbf_tests::native::{Language, Link, compilers, library, root, run_program};
 
 include!(concat!(env!("OUT_DIR"), "/documents.rs"));
@@ -24,8 +24,8 @@ fn blocks_of_rust_run() {
 }
 
 /// The whole program that a block stands for.
-fn program(block: &Example, language: Language) -> String {
-    let Example { line, code } = block;
+fn program(block: &CodeBlock, language: Language) -> String {
+    let CodeBlock { line, code } = block;
     if code.contains("int main(") {
         return code.clone();
     }

@@ -5,7 +5,7 @@
 #![allow(unsafe_code)]
 
 use super::lane_pair::LanePair;
-use super::lanes::{Lanes, NodeCodes, PART, PARTS, Parts, one_vector, part_of};
+use super::lanes::{Lanes, NodeCodes, PART, PARTS, Part, Parts, one_vector, part_of};
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
 
@@ -259,8 +259,8 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
-    fn sums_of_rows(rows: &[[f32; 16]; 16]) -> [f32; 16] {
-        let mut sums = [0.0; 16];
+    fn sums_of_rows(rows: &[Part; PART]) -> Part {
+        let mut sums = [0.0; PART];
         for half in 0..2 {
             let mut row = [Self::splat(0.0); 8];
             for i in 0..8 {

@@ -7,7 +7,7 @@
 
 use super::avx2;
 use super::lane_pair::LanePair;
-use super::lanes::{Lanes, NodeCodes, PART, PARTS, Parts, one_vector, part_of, scale};
+use super::lanes::{Lanes, NodeCodes, PART, PARTS, Part, Parts, one_vector, part_of, scale};
 use super::routine::{Draw, One};
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
@@ -280,8 +280,8 @@ impl Lanes for Avx512 {
     }
     #[inline(always)]
     #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
-    fn sums_of_rows(rows: &[[f32; 16]; 16]) -> [f32; 16] {
-        let mut sums = [0.0; 16];
+    fn sums_of_rows(rows: &[Part; PART]) -> Part {
+        let mut sums = [0.0; PART];
         let mut fours = [Self::splat(0.0).0; 4];
         // SAFETY: the processor has AVX-512, see the head of this file.
         unsafe {

@@ -176,7 +176,7 @@ pub trait Lanes:
     /// read.
     #[inline(always)]
     fn node_pairs(nodes: NodeCodes<'_>, index: Self) -> [[Self; 3]; 2] {
-        let (mut at, mut codes) = ([0.0; 16], [[[0.0; 16]; 3]; 2]);
+        let (mut at, mut codes) = ([0.0; PART], [[[0.0; PART]; 3]; 2]);
         index.store(&mut at);
         for lane in 0..Self::COUNT {
             let pair = nodes.pair(at[lane]);
@@ -198,14 +198,14 @@ pub trait Lanes:
     fn first(self) -> f32;
     /// Sum over the lanes.
     fn sum(self) -> f32;
-    /// The sum of each of sixteen rows.
+    /// The sum of each of as many rows as a part has numbers.
     #[inline(always)]
-    fn sums_of_rows(rows: &[[f32; 16]; 16]) -> [f32; 16] {
-        let mut sums = [0.0; 16];
-        for i in 0..16 {
+    fn sums_of_rows(rows: &[Part; PART]) -> Part {
+        let mut sums = [0.0; PART];
+        for i in 0..PART {
             let mut sum = Self::load(&rows[i]);
             let mut j = Self::COUNT;
-            while j + Self::COUNT <= 16 {
+            while j + Self::COUNT <= PART {
                 sum = sum + Self::load(&rows[i][j..]);
                 j += Self::COUNT;
             }
