@@ -246,8 +246,10 @@ mod tests {
     fn documented(field: &str) -> String {
         let text = include_str!("settings.rs");
         let (before, _) = text.split_once(&format!("    pub {field}: ")).expect("a field");
-        let (_, last) = before.rsplit_once(",\n").unwrap_or(("", before));
-        last.lines().map(|line| line.trim().trim_start_matches("///").trim()).collect::<Vec<_>>().join(" ")
+        let lines = before.lines().rev().map(str::trim).map_while(|line| line.strip_prefix("///"));
+        let mut lines: Vec<&str> = lines.map(str::trim).collect();
+        lines.reverse();
+        lines.join(" ")
     }
 
     #[test]

@@ -96,7 +96,7 @@ impl<'a> Problem<'a> {
     /// The stages for so many that have been through them: all that follow the scouting. The first of them moves a fit to minima that
     /// the last ones, which are short, do not reach.
     fn stages_again(&self, emphasis: Emphasis, keep: usize, exchanges: usize) -> Vec<Stage> {
-        let stages = self.stages(emphasis).into_iter().filter(|stage| stage.full);
+        let stages = self.stages(emphasis).into_iter().filter(|stage| stage.sees.whole_table());
         stages.map(|stage| stage.again(keep, exchanges)).collect()
     }
 
@@ -106,7 +106,7 @@ impl<'a> Problem<'a> {
         let stages = self.stages(emphasis);
         work.total = schedule::work(&stages)
             + schedule::work(&self.stages_again(emphasis, 1, schedule::exchanges_again(settings)));
-        let (scouting, refining) = stages.split_at(stages.partition_point(|stage| !stage.full));
+        let (scouting, refining) = stages.split_at(stages.partition_point(|stage| !stage.sees.whole_table()));
         let shapes = settings.shapes();
         let layouts = shapes.into_iter().map(|(squeezed, mirrored)| {
             Layout::new(settings.lobes - mirrored, squeezed, mirrored, knots.to_vec())

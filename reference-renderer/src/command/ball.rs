@@ -9,7 +9,7 @@ use anyhow::ensure;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Draws a ball of a material, or beside it a ball of what it was fitted to, and their difference.
+/// Draws a ball of a material; with a table, also a ball of the table and their difference.
 ///
 /// Direct light, one PNG: on the left the material, in the middle what it is held against, under the same light and with the
 /// same exposure, on the right four times the difference of what the display shows, where grey is none. Both balls are shaded along the same

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 /// Most bytes of a material that is read.
 const MAX_FILE: u64 = 1 << 26;
 
-/// Prints how far a fitted material is from a table, at the peak and away from it, at fixed outgoing directions, and a verdict.
+/// Prints the errors of a fitted material against a table, at the peak and away from it, and a verdict.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// The fitted material, `.srbf`

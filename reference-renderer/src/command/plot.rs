@@ -23,7 +23,7 @@ pub const SAMPLES: u32 = 48;
 /// Outgoing directions that the verdict is of, degrees from the normal.
 const JUDGED: [f64; 5] = [0.0, 5.0, 30.0, 60.0, 75.0];
 
-/// Draws a fitted material, beside what it was fitted to if that is named.
+/// Draws a fitted material, and the table that it was fitted to if one is named.
 ///
 /// One PNG: `f cos` in the plane of incidence for six outgoing directions or for those of the samples, discs of the hemisphere for three, a
 /// ball under the light, and the verdict. Of a table with a value for every pair of directions there is a ball too, and the

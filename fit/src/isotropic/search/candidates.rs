@@ -131,12 +131,12 @@ fn advance_one(stage: &Stage, task: Task<'_>, mut tick: impl FnMut()) {
         *x = start::start(table, &objective.layout, *start);
     }
     let mut weights = stage.weights;
-    let reweighed = stage.full.then(|| objective.reweighed(x));
-    if stage.full {
+    let reweighed = stage.sees.whole_table().then(|| objective.reweighed(x));
+    if stage.sees.whole_table() {
         // Beside a large error that cannot be helped, smoothness and albedo have to weigh more to count as much.
         let scale = (*cost / USUAL_COST).clamp(1.0, MOST_SCALE);
         weights.smoothness *= scale;
-        weights.energy *= if stage.last { scale } else { 1.0 };
+        weights.energy *= if stage.sees.albedo() { scale } else { 1.0 };
     }
     let objective = reweighed.as_ref().unwrap_or(objective);
     (*cost, *ending) = minimize(&Weighted { objective, weights }, x, stage.limits, &mut tick);

@@ -42,8 +42,10 @@ pub(crate) const FAINT_COLOR: f64 = 1e-3;
 enum Keep {
     /// A share of the starts of the settings, as a fraction.
     Starts(usize, usize),
-    /// So many.
+    /// As many as this for the usual number of lobes; more of fewer lobes, fewer of many.
     Best(usize),
+    /// One, of any number of lobes.
+    One,
 }
 
 /// Steps of the solver.
@@ -74,13 +76,25 @@ struct Line {
 
 /// What a stage sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Sees {
+pub(crate) enum Sees {
     /// A thinned table.
     Some,
     /// The whole table, with weights that follow the candidate as it is.
     All,
     /// That, and the albedo is held closely.
     AllAndAlbedo,
+}
+
+impl Sees {
+    /// Whether the whole table is seen, with weights that follow the candidate as it is.
+    pub fn whole_table(self) -> bool {
+        self != Self::Some
+    }
+
+    /// Whether the albedo is held closely.
+    pub fn albedo(self) -> bool {
+        self == Self::AllAndAlbedo
+    }
 }
 
 /// A line of a recipe from its numbers in order.
@@ -110,7 +124,7 @@ const RECIPE: [Line; 8] = {
         line(Best(3), Over(1), (0, 1), 1.0, 5e-4, Sees::All, Some(0)),
         line(Best(3), Over(4), (0, 1), 1.0, 1e-3, Sees::AllAndAlbedo, Some(1)),
         line(Best(1), Over(4), (0, 1), 1.0, 1e-3, Sees::AllAndAlbedo, Some(2)),
-        line(Keep::Best(0), Over(4), (0, 1), 1.0, 1e-3, Sees::AllAndAlbedo, None),
+        line(Keep::One, Over(4), (0, 1), 1.0, 1e-3, Sees::AllAndAlbedo, None),
     ]
 };
 
@@ -119,14 +133,12 @@ const RECIPE: [Line; 8] = {
 pub(crate) struct Stage {
     /// Candidates that take part, the best of the stage before.
     pub keep: usize,
-    /// Whether it sees the whole table, with weights that follow the candidate as it is.
-    pub full: bool,
+    /// What it sees of the table.
+    pub sees: Sees,
     /// Times that a candidate is moved downhill: after the first, a lobe is exchanged before each.
     pub runs: usize,
     pub limits: Limits,
     pub weights: Weights,
-    /// Whether the albedo is held closely.
-    pub last: bool,
     /// The number with which the table is made again after it, if it can be.
     pub look: Option<usize>,
 }
@@ -141,7 +153,7 @@ impl Stage {
     /// are less stiff then.
     pub fn again(&self, keep: usize, exchanges: usize) -> Self {
         let mut new = Self { keep, ..*self };
-        if !new.last {
+        if !new.sees.albedo() {
             new.limits.steps = new.limits.steps.div_ceil(3);
             new.runs = 1 + exchanges;
         } else if exchanges > 0 {
@@ -180,11 +192,10 @@ pub(crate) fn stages(settings: &Settings, energy: f64) -> Vec<Stage> {
     let stage = |line: &Line| Stage {
         keep: match line.keep {
             Keep::Starts(part, whole) => times * (part * starts).div_ceil(whole),
-            // The last of all is alone.
-            Keep::Best(0) => 1,
+            Keep::One => 1,
             Keep::Best(count) => times * fewer(count, settings.lobes),
         },
-        full: line.sees != Sees::Some,
+        sees: line.sees,
         runs: 1 + line.exchanges.0 * exchanges / line.exchanges.1,
         limits: Limits {
             steps: match line.steps {
@@ -196,9 +207,8 @@ pub(crate) fn stages(settings: &Settings, energy: f64) -> Vec<Stage> {
         weights: Weights {
             smoothness: line.stiffness * settings.smoothness,
             faint_color: FAINT_COLOR,
-            energy: if line.sees == Sees::AllAndAlbedo { energy } else { 1.0 },
+            energy: if line.sees.albedo() { energy } else { 1.0 },
         },
-        last: line.sees == Sees::AllAndAlbedo,
         look: line.look,
     };
     RECIPE.iter().map(stage).collect()
