@@ -51,8 +51,9 @@ pub(crate) struct Demand {
     /// Of the lobes alone.
     pub lobes: [f64; 3],
     pub target: [f64; 3],
-    /// Of the squared difference of every channel.
+    /// Of the squared difference of every channel, and that of what is seen alone.
     pub weight: f64,
+    pub seen: f64,
 }
 
 /// The node of the same factor that has the least number: where half angle or difference angle are 0 there is no azimuth.
@@ -175,11 +176,11 @@ impl Factors {
         self.nodes.iter_mut().for_each(|n| *n = n.map(rounded));
     }
 
-    /// What is left of the squared error, of all that is demanded.
+    /// What is left of the squared error of what is seen, of all that is demanded.
     pub fn cost(&self, demands: &[Demand]) -> f64 {
         let square = |d: &Demand| {
             let factor = self.at(d.wi, d.wo);
-            d.weight * (0..3).map(|c| (factor[c] * d.lobes[c] - d.target[c]).powi(2)).sum::<f64>()
+            d.seen * (0..3).map(|c| (factor[c] * d.lobes[c] - d.target[c]).powi(2)).sum::<f64>()
         };
         demands.iter().map(square).sum()
     }
@@ -297,7 +298,7 @@ mod tests {
                 let factor = factor(libm::acos(h[2]), libm::acos(cos), azimuth);
                 let lobes = [0.3, 0.2, 0.1];
                 let target = [0, 1, 2].map(|c| lobes[c] * factor[c]);
-                demands.push(Demand { wi, wo, lobes, target, weight: 1.0 });
+                demands.push(Demand { wi, wo, lobes, target, weight: 1.0, seen: 1.0 });
             }
         }
         demands
