@@ -185,7 +185,8 @@ fn examine(
         row.skirt = found.skirt.chroma;
         row.noise = 100.0 * found.noise.luminance;
     }
-    let even = evaluation_views::judging_table(brdf, &evaluation_views::even_views(GGX_VIEWS)[..GGX_VIEWS - 1])?;
+    let even =
+        evaluation_views::judging_table(brdf, &evaluation_views::even_views(GGX_VIEWS)[..GGX_VIEWS - 1])?;
     let ggx = judge(&Microfacets::fit(&even)?, &seen_table)?;
     let mean = |f: fn(&ViewReport) -> f64| ggx.iter().map(f).sum::<f64>() / ggx.len() as f64;
     row.ggx_peak = 100.0 * mean(|v| v.seen.peak);

@@ -63,7 +63,11 @@ impl Microfacets {
         let mut samples = Vec::new();
         for view in &thinned.views {
             let (sin, cos) = libm::sincos(view.theta);
-            let norm: f64 = view.samples.iter().map(|s| s.weight * (0..3).map(|c| (s.rgb[c] * s.direction[2]).powi(2)).sum::<f64>()).sum();
+            let norm: f64 = view
+                .samples
+                .iter()
+                .map(|s| s.weight * (0..3).map(|c| (s.rgb[c] * s.direction[2]).powi(2)).sum::<f64>())
+                .sum();
             let level = level(view.albedo);
             for s in view.samples.iter().filter(|s| s.direction[2] > 0.02) {
                 let z = s.direction[2];
@@ -158,7 +162,8 @@ mod tests {
 
     #[test]
     fn a_model_of_its_own_kind_is_found_again() {
-        let coefficients = [[0.3, 0.05, 0.8, 0.02, 0.5], [0.1, 0.05, 0.8, 0.02, 0.5], [0.05, 0.05, 0.8, 0.02, 0.5]];
+        let coefficients =
+            [[0.3, 0.05, 0.8, 0.02, 0.5], [0.1, 0.05, 0.8, 0.02, 0.5], [0.05, 0.05, 0.8, 0.02, 0.5]];
         let truth = Microfacets { roughness: [0.08, 0.35], coefficients };
         let views = [0.1, 0.5, 0.9, 1.2];
         let table = Table::from_brdf(&truth, &views, Density::default()).unwrap();
