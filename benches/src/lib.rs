@@ -139,14 +139,14 @@ pub fn mixture_at_50_degrees<const N: usize>(material: &'static Material) -> Mix
     mixture
 }
 
-/// The garnet red preset with a table of 32 by 32 factors, which is made once.
+/// The garnet red preset with a table of 24 by 6 by 3 factors, which is made once.
 pub fn factored_material() -> &'static Material {
     static MATERIAL: OnceLock<Material> = OnceLock::new();
     MATERIAL.get_or_init(|| Material::from_bytes(&*factored_bytes().leak()).expect("a valid material"))
 }
 
 fn factored_bytes() -> Vec<u8> {
-    const NODES: usize = 32;
+    const NODES: [usize; 3] = [24, 6, 3];
     let material = garnet_red();
     let every = 0..material.view_count();
     let lobes: Vec<Vec<_>> = every
@@ -163,19 +163,17 @@ fn factored_bytes() -> Vec<u8> {
         })
     };
     let views: Vec<View<'_>> = every.map(|v| view(v).expect("a view of an isotropic material")).collect();
-    let factors: Vec<[f32; 3]> = (0..NODES * NODES)
-        .map(|n| {
-            [0.7, 1.0, 1.3].map(|f| f + 0.5 * ((n / NODES) as f32 * 0.3 + (n % NODES) as f32 * 0.2).sin())
-        })
-        .collect();
-    let albedo_differences = vec![[-0.1; 3]; views.len()];
-    let factors = FactorTable {
-        half: NODES,
-        difference: NODES,
-        azimuth: 1,
-        factors: &factors,
-        albedo_differences: &albedo_differences,
+    let [half, difference, azimuth] = NODES;
+    let factor = |n: usize| {
+        let (i, j, k) = (n / difference % half, n % difference, n / (half * difference));
+        // Where either angle is 0 there is no azimuth.
+        let turned = if i > 0 && j > 0 { 0.1 * k as f32 } else { 0.0 };
+        [0.7, 1.0, 1.3].map(|f| f + turned + 0.5 * (i as f32 * 0.4 + j as f32).sin())
     };
+    let factors: Vec<[f32; 3]> = (0..half * difference * azimuth).map(factor).collect();
+    let albedo_differences = vec![[-0.1; 3]; views.len()];
+    let factors =
+        FactorTable { half, difference, azimuth, factors: &factors, albedo_differences: &albedo_differences };
     let line = Line {
         views: &views,
         squeezed: material.squeezed_count(),

@@ -11,6 +11,7 @@ use anyhow::{Context, ensure};
 use row::SurveyRow;
 use srbf_core::Material;
 use srbf_fit::baselines::blend::{BlendedKnots, Neighbours};
+use srbf_fit::baselines::microfacets::Microfacets;
 use srbf_fit::baselines::thesis;
 use srbf_fit::judge::method::Fitted;
 use srbf_fit::judge::mirror_asymmetry::handedness;
@@ -59,6 +60,12 @@ pub struct Args {
 /// Views up to this angle count for variance and weight, degrees: beyond, little light is reflected in a picture.
 const JUDGED: f64 = 80.0;
 
+/// Views to which two GGX lobes are fitted, the last of which is left out.
+const GGX_VIEWS: usize = 12;
+
+/// How names of measured tables end; the others are networks.
+const MEASURED: &str = "_rgb";
+
 /// Fits the materials, and judges the fits.
 pub fn run(survey: Args) -> anyhow::Result<()> {
     let data = argument::data_folder()?;
@@ -86,8 +93,9 @@ pub fn run(survey: Args) -> anyhow::Result<()> {
     println!("{}", SurveyRow::header());
     let mut rows: Vec<SurveyRow> = Vec::new();
     for (name, content) in chosen.into_iter().step_by(survey.every as usize) {
-        let (row, bytes) = examine(&name, &content?, &thetas, &settings, thesis.as_ref())
+        let (mut row, bytes) = examine(&name, &content?, &thetas, &settings, thesis.as_ref())
             .with_context(|| format!("material {name}"))?;
+        row.is_measured = name.ends_with(MEASURED);
         if let Some(folder) = &survey.materials {
             output::write(&material_path(folder, &name), &bytes)?;
         }
@@ -97,8 +105,14 @@ pub fn run(survey: Args) -> anyhow::Result<()> {
         output::write(&path, csv.as_bytes())?;
         rows.push(row);
     }
-    for (name, share) in [("median", 0.5), ("90 %", 0.9), ("worst", 1.0)] {
-        println!("{}", SurveyRow::quantile_line(name, &rows, share));
+    for (of, is_measured) in [("measured tables", true), ("networks", false)] {
+        let some = || rows.iter().filter(|row| row.is_measured == is_measured);
+        if some().count() > 0 {
+            println!("{of}, {}:", some().count());
+            for (name, share) in [("median", 0.5), ("90 %", 0.9), ("worst", 1.0)] {
+                println!("{}", SurveyRow::quantile_line(name, some(), share));
+            }
+        }
     }
     println!("{} materials; {}", rows.len(), path.display());
     goals::print(&rows, thesis.is_some());
@@ -138,7 +152,8 @@ fn examine(
     let low: Vec<&ViewReport> = between.iter().filter(|v| v.theta.to_degrees() <= JUDGED).collect();
     let list = |f: fn(&ViewReport) -> f64| low.iter().map(|v| f(v)).collect::<Vec<f64>>();
     let fold = |list: Vec<f64>| list.into_iter().fold(0.0, f64::max);
-    let seen = judge(&lobes, &evaluation_views::judging_table(brdf, &evaluation_views::seen_views())?)?;
+    let seen_table = evaluation_views::judging_table(brdf, &evaluation_views::seen_views())?;
+    let seen = judge(&lobes, &seen_table)?;
     let mean = |f: fn(&ViewReport) -> f64| seen.iter().map(f).sum::<f64>() / seen.len() as f64;
     let anywhere = between.iter().chain(&fit.report.views).map(|v| v.largest_weight);
     let mut row = SurveyRow {
@@ -164,6 +179,19 @@ fn examine(
         seconds: fit.report.seconds,
         ..SurveyRow::default()
     };
+    if let Some(found) = &fit.report.appearance {
+        row.visible = found.visible();
+        row.ripple = found.ripple[0].chroma / found.ripple[1].chroma.max(1e-4);
+        row.skirt = found.skirt.chroma;
+        row.noise = 100.0 * found.noise.luminance;
+    }
+    let even =
+        evaluation_views::judging_table(brdf, &evaluation_views::even_views(GGX_VIEWS)[..GGX_VIEWS - 1])?;
+    let ggx = judge(&Microfacets::fit(&even)?, &seen_table)?;
+    let mean = |f: fn(&ViewReport) -> f64| ggx.iter().map(f).sum::<f64>() / ggx.len() as f64;
+    row.ggx_peak = 100.0 * mean(|v| v.seen.peak);
+    row.ggx_luminance = 100.0 * mean(|v| v.seen.luminance);
+    row.ggx_chroma = mean(|v| v.seen.chroma);
     let halfway = evaluation_views::judging_table(brdf, &evaluation_views::halfway(thetas))?;
     row.same_views = error(&lobes, &halfway)?;
     if let Some(settings) = thesis {

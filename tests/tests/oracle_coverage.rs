@@ -158,6 +158,7 @@ const ORACLES: &[(&str, &str)] = &[
     ("Material::view_diffuse_color_differences", "tests/material.rs"),
     ("Material::view_lobe", "tests/material.rs"),
     ("Material::factor", "tests/factors.rs"),
+    ("Material::factor_len", "tests/factors.rs"),
     ("Material::factor_node", "tests/factors.rs"),
     ("Material::factor_nodes", "tests/factors.rs"),
     ("Material::largest_factor", "tests/factors.rs"),

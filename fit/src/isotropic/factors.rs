@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Numbers of nodes that are tried, fewest first: over half angle, difference angle and azimuth.
-pub(crate) const SIZES: [[usize; 3]; 5] = [[16, 6, 1], [24, 10, 1], [16, 6, 3], [24, 6, 3], [24, 8, 4]];
+pub(crate) const SIZES: [[usize; 3]; 4] = [[16, 6, 1], [16, 6, 3], [24, 6, 3], [24, 8, 4]];
 
 /// Largest factor, and the code of the largest of a table: factors are stored as the squares of codes.
 const LARGEST: f64 = 8.0;
@@ -20,8 +20,9 @@ const MOST_CODE: f64 = 255.0;
 const SMOOTH: f64 = 3e-7;
 const PULL: f64 = 1e-7;
 
-/// Share of the error that a larger table may leave at most.
-const MORE_NODES: f64 = 0.93;
+/// Share of the error that a table may leave at most for every so many nodes that it has more.
+const MORE_NODES: f64 = 0.975;
+const NODES: f64 = 130.0;
 
 /// Sweeps of the coordinate descent.
 const SWEEPS: usize = 400;
@@ -51,8 +52,9 @@ pub(crate) struct Demand {
     /// Of the lobes alone.
     pub lobes: [f64; 3],
     pub target: [f64; 3],
-    /// Of the squared difference of every channel.
+    /// Of the squared difference of every channel, and that of what is seen alone.
     pub weight: f64,
+    pub seen: f64,
 }
 
 /// The node of the same factor that has the least number: where half angle or difference angle are 0 there is no azimuth.
@@ -175,17 +177,17 @@ impl Factors {
         self.nodes.iter_mut().for_each(|n| *n = n.map(rounded));
     }
 
-    /// What is left of the squared error, of all that is demanded.
+    /// What is left of the squared error of what is seen, of all that is demanded.
     pub fn cost(&self, demands: &[Demand]) -> f64 {
         let square = |d: &Demand| {
             let factor = self.at(d.wi, d.wo);
-            d.weight * (0..3).map(|c| (factor[c] * d.lobes[c] - d.target[c]).powi(2)).sum::<f64>()
+            d.seen * (0..3).map(|c| (factor[c] * d.lobes[c] - d.target[c]).powi(2)).sum::<f64>()
         };
         demands.iter().map(square).sum()
     }
 
-    /// The smallest table that is worth its bytes, for what is demanded: one with more nodes has to leave less than this share of the
-    /// error of one with fewer.
+    /// The smallest table that is worth its bytes, for what is demanded: one with more nodes has to leave less of the error, the more
+    /// nodes it has.
     pub fn worthwhile(sizes: &[[usize; 3]], demands: &[Demand]) -> Option<Self> {
         let fit = |size: &[usize; 3]| {
             let factors = Self::fit(*size, demands);
@@ -194,7 +196,11 @@ impl Factors {
         let tables: Vec<(f64, Self)> = sizes.par_iter().map(fit).collect();
         let mut best: Option<(f64, Self)> = None;
         for (cost, table) in tables {
-            if best.as_ref().is_none_or(|(least, _)| cost < MORE_NODES * MORE_NODES * least) {
+            let is_better = |(least, before): &(f64, Self)| {
+                let more = (table.nodes.len() - before.nodes.len()) as f64 / NODES;
+                cost < libm::pow(MORE_NODES, 2.0 * more) * least
+            };
+            if best.as_ref().is_none_or(is_better) {
                 best = Some((cost, table));
             }
         }
@@ -297,7 +303,7 @@ mod tests {
                 let factor = factor(libm::acos(h[2]), libm::acos(cos), azimuth);
                 let lobes = [0.3, 0.2, 0.1];
                 let target = [0, 1, 2].map(|c| lobes[c] * factor[c]);
-                demands.push(Demand { wi, wo, lobes, target, weight: 1.0 });
+                demands.push(Demand { wi, wo, lobes, target, weight: 1.0, seen: 1.0 });
             }
         }
         demands

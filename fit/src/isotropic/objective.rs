@@ -134,7 +134,8 @@ impl Objective {
                     value: 0.0,
                     base: s.weight / norm / count,
                     seen: emphasis.seen * s.weight / count
-                        * seen::weight(brightness(s.rgb), level, s.direction[2]),
+                        * seen::weight(brightness(s.rgb), level, s.direction[2])
+                        * seen::beside_highlight(s.direction, view.theta),
                     seen_floor: seen::floor(level) * s.direction[2],
                     tail: emphasis.tail * s.weight / (mean * solid) / 3.0 / count,
                     floor: TAIL_FLOOR * mean * 2.0 * s.direction[2],
@@ -250,6 +251,7 @@ impl Objective {
                 lobes,
                 target: point.target,
                 weight: point.value,
+                seen: point.seen,
             };
             view.points.iter().zip(values).map(demand).collect::<Vec<_>>()
         });

@@ -3,7 +3,7 @@
 //!
 //! * *Pictures*: a ball seen from afar, under suns, a spot and a sky. The difference of two colours is that of FLIP (Andersson et al. 2020):
 //!   of display colours, the HyAB distance of Lab with Hunt's adjustment, mapped to 0..1; here point by point, without its filters of
-//!   contrast and edges. A picture's is the mean over the ball up to 80 degrees; from about 0.05 on it is seen side by side.
+//!   contrast and edges. A picture's is the mean over the ball up to 80 degrees; the least difference that is seen is 0.06, twice that 0.09.
 //! * *Ripple*: a light stands still, and the view is turned. Errors that change their sign from view to view are seen as
 //!   rings that move with the camera. So what is measured is how far colour and logarithm of luminance are from their own means over 8
 //!   degrees of the view to either side, of the fit and of the table.

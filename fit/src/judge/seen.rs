@@ -7,7 +7,7 @@
 //! The measure of a view is the root of `e^2 + w a^2`. e is the relative L2 error of `f cos`. `a^2` is the mean, by the projected solid
 //! angle, of the squared difference of `ln(f + floor)`, f the mean of the channels: as a difference of values it is
 //! `cos / pi |df|^2 / 3 / (f + floor)^2` where it is small, for every channel. The floor is a hundredth of the mean radiance, so that
-//! what is black beside everything else stays unseen.
+//! what is black beside everything else stays unseen. From 1.5 to 15 degrees from the mirror direction it counts four times.
 
 use crate::judge::method::FittedView;
 use crate::table::{Sample, View, luminance};
@@ -20,6 +20,11 @@ pub(crate) const SEEN: f64 = 0.01;
 const FLOOR: f64 = 0.01;
 /// Least and largest factor by which logarithms differ from their tangents.
 const SECANT: (f64, f64) = (0.02, 20.0);
+
+/// Angles from the mirror direction, degrees, between which errors count more, and how much more: it is a small part of the hemisphere, and
+/// what lies beside a highlight is looked at.
+const SKIRT: (f64, f64) = (1.5, 15.0);
+const MORE: f64 = 4.0;
 
 /// Angle from the mirror direction, degrees, from which a direction is away from the peak.
 const PEAK: f64 = 15.0;
@@ -49,6 +54,14 @@ pub(crate) fn weight(mean: f64, level: f64, cos: f64) -> f64 {
     SEEN / (3.0 * PI * cos.max(1e-3) * (mean + floor(level)).powi(2))
 }
 
+/// What errors at a direction count more for its angle from the mirror direction of a view.
+pub(crate) fn beside_highlight(direction: [f64; 3], theta: f64) -> f64 {
+    let (sin, cos) = libm::sincos(theta);
+    let from_mirror = sin * direction[0] + cos * direction[2];
+    let ends = (libm::cos(SKIRT.1.to_radians()), libm::cos(SKIRT.0.to_radians()));
+    if (ends.0..ends.1).contains(&from_mirror) { MORE } else { 1.0 }
+}
+
 /// Factor by which a squared difference of values counts so that it is that of the logarithms; both not negative.
 pub(crate) fn secant(value: f64, data: f64, floor: f64) -> f64 {
     let ratio = (value + floor) / (data + floor);
@@ -71,7 +84,8 @@ pub(crate) fn away(fitted: &dyn FittedView, view: &View) -> f64 {
         let value = fitted.f_cos(s.direction);
         let secant = secant(brightness(value) / cos, brightness(s.rgb), floor(level));
         let distance: f64 = (0..3).map(|c| (value[c] - s.rgb[c] * cos).powi(2)).sum();
-        s.weight * secant * weight(brightness(s.rgb), level, cos) * distance
+        let more = beside_highlight(s.direction, view.theta);
+        s.weight * more * secant * weight(brightness(s.rgb), level, cos) * distance
     };
     view.samples.iter().map(square).sum()
 }

@@ -291,9 +291,10 @@ impl Made {
     }
 }
 
-/// Visible difference of the pictures up to which nothing is seen side by side, and up to which a fit is of use.
-const UNSEEN: f64 = 0.05;
-const OF_USE: f64 = 0.12;
+/// Visible difference of the pictures up to which hardly anything is seen side by side, and up to which a fit is of use. The least
+/// difference of colours that is seen is 0.06, twice that is 0.09, eight times that is 0.25.
+const UNSEEN: f64 = 0.09;
+const OF_USE: f64 = 0.25;
 /// What colour may ripple more than in the table, and what is not seen.
 const MORE_RIPPLE: f64 = 1.3;
 const UNSEEN_RIPPLE: f64 = 0.012;
@@ -325,7 +326,7 @@ fn sentence(found: &Appearance) -> String {
     }
     let balls = format!("balls differ by {visible:.3} from the table's, by {most:.3} under a {light}");
     match (visible, seen.is_empty()) {
-        (v, true) if v <= UNSEEN => format!("use it: {balls}; side by side no difference is seen"),
+        (v, true) if v <= UNSEEN => format!("use it: {balls}; side by side hardly any difference is seen"),
         (v, false) if v <= OF_USE => format!("use it with care: {balls}; one sees {}", seen.join(", ")),
         (v, _) if v <= OF_USE => format!("use it with care: {balls}; side by side a difference is seen"),
         _ => format!("do not use it: {balls}; it is another material"),

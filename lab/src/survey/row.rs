@@ -43,6 +43,18 @@ pub struct SurveyRow {
     pub largest_factor: f64,
     pub seconds: f64,
     pub thesis_seconds: f64,
+    /// Whether it is a measured table; else a network that was fitted to one.
+    pub is_measured: bool,
+    /// Visible difference of pictures of a ball; colour that ripples along the view angle, over that of the table; colour from 1.5 to 15
+    /// degrees from the mirror direction; and the noise of the table's luminance, percent. See `srbf_fit::judge::appearance`.
+    pub visible: f64,
+    pub ripple: f64,
+    pub skirt: f64,
+    pub noise: f64,
+    /// Two GGX lobes with a diffuse term, where ours are judged by what is seen: at the peak, and the luminance beyond, percent; the colour.
+    pub ggx_peak: f64,
+    pub ggx_luminance: f64,
+    pub ggx_chroma: f64,
 }
 
 /// What the columns are.
@@ -51,12 +63,14 @@ pub const LEGEND: &str = "fit, halfway: relative L2 of f cos in %, mean over the
     blend: halfway, our lobes at the views blended by eq. 9 over the 3 or 4 nearest views, and over 2; thesis: the same of \
     its own lobes, halfway between even views; ours there: our fit at those; var: relative variance of f cos / pdf, \
     and weight: largest over mean, views to 80 degrees; anywhere: at any view; factors: bytes of their table, largest: of them; \
-    handed: how far the data, halfway, differ from their mirror image, %: fits and errors are of one side; with 6 to 11 lobes, or lobes in pairs, ours has more views in the same bytes";
+    handed: how far the data, halfway, differ from their mirror image, %: fits and errors are of one side; visible: difference of pictures of a ball; ripple: of colour along the view angle, over \
+    the table's; skirt: colour from 1.5 to 15 degrees from the mirror; noise: of the table's luminance, %; GGX: two lobes and a \
+    diffuse term; with 6 to 11 lobes, or lobes in pairs, ours has more views in the same bytes";
 
 /// Name in CSV, heading, digits after the point, and number.
 type Column = (&'static str, &'static str, usize, fn(&SurveyRow) -> f64);
 
-const COLUMNS: [Column; 26] = [
+const COLUMNS: [Column; 33] = [
     ("fit_percent", "fit", 2, |r| r.fit),
     ("halfway_percent", "halfway", 2, |r| r.halfway),
     ("peak_percent", "peak", 2, |r| r.peak),
@@ -83,6 +97,13 @@ const COLUMNS: [Column; 26] = [
     ("largest_factor", "largest", 2, |r| r.largest_factor),
     ("seconds", "s", 1, |r| r.seconds),
     ("thesis_seconds", "its s", 1, |r| r.thesis_seconds),
+    ("visible_difference", "visible", 3, |r| r.visible),
+    ("ripple_over_table", "ripple", 2, |r| r.ripple),
+    ("skirt_chroma", "skirt", 3, |r| r.skirt),
+    ("noise_percent", "noise", 2, |r| r.noise),
+    ("ggx_peak_percent", "GGX peak", 2, |r| r.ggx_peak),
+    ("ggx_luminance_percent", "GGX lum.", 2, |r| r.ggx_luminance),
+    ("ggx_chroma", "GGX chr.", 3, |r| r.ggx_chroma),
 ];
 
 impl Default for SurveyRow {
@@ -115,6 +136,14 @@ impl Default for SurveyRow {
             largest_factor: nan,
             seconds: nan,
             thesis_seconds: nan,
+            is_measured: false,
+            visible: nan,
+            ripple: nan,
+            skirt: nan,
+            noise: nan,
+            ggx_peak: nan,
+            ggx_luminance: nan,
+            ggx_chroma: nan,
         }
     }
 }
@@ -148,8 +177,8 @@ impl SurveyRow {
     }
 
     /// The printed line of a quantile of each column.
-    pub fn quantile_line(name: &str, rows: &[Self], share: f64) -> String {
-        line(name, &COLUMNS.map(|c| quantile(rows.iter().map(c.3).collect(), share)))
+    pub fn quantile_line<'a>(name: &str, rows: impl Iterator<Item = &'a Self> + Clone, share: f64) -> String {
+        line(name, &COLUMNS.map(|c| quantile(rows.clone().map(c.3).collect(), share)))
     }
 }
 

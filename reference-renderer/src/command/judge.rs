@@ -3,6 +3,7 @@
 use super::view_table;
 use anyhow::{Context, bail};
 use srbf_core::Material;
+use srbf_fit::judge::appearance::Appearance;
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Report, ViewReport};
 use srbf_fit::read::{Content, read};
@@ -40,7 +41,8 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let table = evaluation_views::judging_table(brdf.as_ref(), &thetas)?;
     let judged = table.views.iter().map(|view| ViewReport::judge(&material, view));
     // None of them need be a view of the material.
-    let report = Report { held_out: judged.collect::<Result<_, _>>()?, ..Report::default() };
+    let appearance = Some(Appearance::new(brdf.as_ref(), &material)?);
+    let report = Report { held_out: judged.collect::<Result<_, _>>()?, appearance, ..Report::default() };
     println!("{}", view_table::LEGEND);
     view_table::print_views(&report.held_out, true);
     let reciprocity = reciprocity(&material)?;

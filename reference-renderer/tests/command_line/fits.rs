@@ -47,7 +47,7 @@ fn a_table_is_fitted_and_the_material_inspected_and_a_cut_one_refused() {
     let lines: Vec<&str> = text.lines().collect();
     let [heading, verdict @ .., written, next] = &lines[..] else { panic!("{text}") };
     assert!(heading.starts_with("diffuse.srbf: ") && lines.len() < 16, "{text}");
-    let labels = ["good", "fair", "off ", "try ", "note"];
+    let labels = ["use ", "good", "fair", "off ", "try ", "note"];
     assert!(verdict.iter().all(|line| labels.contains(&&line[..4])), "{text}");
     assert!(text.contains("good relative L2: median"), "{text}");
     assert_eq!(*written, "wrote diffuse.srbf, diffuse.json, diffuse.png");

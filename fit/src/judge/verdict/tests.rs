@@ -144,8 +144,8 @@ fn the_sentence_says_whether_to_use_it_and_what_is_seen() {
     assert!(
         said(looks(0.03)).starts_with("use it: balls differ by 0.030 from the table's, by 0.045 under a sky")
     );
-    assert!(said(looks(0.08)).starts_with("use it with care"));
-    assert!(said(looks(0.2)).starts_with("do not use it"));
+    assert!(said(looks(0.15)).starts_with("use it with care"));
+    assert!(said(looks(0.3)).starts_with("do not use it"));
     let mut ringed = looks(0.03);
     ringed.ripple[0].chroma = 0.03;
     assert!(said(ringed.clone()).contains("rings of colour"));
