@@ -383,7 +383,7 @@ typedef struct srbf_sample {
      */
     float direction[3];
     /**
-     * Density of the whole mixture at the direction; 1/sr. 0 where nothing was drawn, or f32 rounds it to that.
+     * Density of the whole mixture at the direction; 1/sr. 0 where nothing was drawn, else above 0.
      */
     float pdf;
     /**
@@ -439,7 +439,7 @@ typedef struct srbf_samples_out {
      */
     struct srbf_vectors_out direction;
     /**
-     * Density of the whole mixture at the direction; 1/sr. 0 where nothing was drawn, or f32 rounds it to that.
+     * Density of the whole mixture at the direction; 1/sr. 0 where nothing was drawn, else above 0.
      */
     struct srbf_numbers_out pdf;
     /**
