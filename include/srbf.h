@@ -150,6 +150,16 @@
 #define SRBF_PRODUCT_MAX_CANDIDATES 32
 
 /**
+ * Samples of the light in a block.
+ */
+#define SRBF_LIGHT_BLOCK 16
+
+/**
+ * Most directions of the lobes of `srbf_mixture_reflect`.
+ */
+#define SRBF_MAX_REFLECT_RAYS 16
+
+/**
  * The number of squeezed lobes is chosen by what turns out best.
  */
 #define SRBF_FIT_AUTOMATIC 65
@@ -383,7 +393,7 @@ typedef struct srbf_sample {
      */
     float direction[3];
     /**
-     * Density of the whole mixture at the direction; 1/sr. 0 where nothing was drawn, or f32 rounds it to that.
+     * Density of the whole mixture at the direction; 1/sr. 0 where nothing was drawn, else above 0.
      */
     float pdf;
     /**
@@ -439,7 +449,7 @@ typedef struct srbf_samples_out {
      */
     struct srbf_vectors_out direction;
     /**
-     * Density of the whole mixture at the direction; 1/sr. 0 where nothing was drawn, or f32 rounds it to that.
+     * Density of the whole mixture at the direction; 1/sr. 0 where nothing was drawn, else above 0.
      */
     struct srbf_numbers_out pdf;
     /**
@@ -499,6 +509,66 @@ typedef struct srbf_product_sample {
      */
     float weight[3];
 } srbf_product_sample;
+
+/**
+ * Sixteen samples of an environment as rows: what `srbf_mixture_reflect` reads. A block at a multiple of 64 is the fastest.
+ *
+ * Blocks are made before rendering, as many as the caller has memory for: a *tile* of some thousand, of the points of one evenly spread
+ * sequence, serves all pixels. Where sample i of a pixel takes block i, or i with some bits flipped, the pixel's blocks are evenly
+ * spread too.
+ */
+typedef struct srbf_light_block {
+    /**
+     * Unit vectors in the world, towards the light: x, y, z.
+     */
+    float direction[3][16];
+    /**
+     * Radiance from there over the density: red, green, blue; linear sRGB.
+     */
+    float light[3][16];
+    /**
+     * Densities; 1/sr.
+     */
+    float pdf[16];
+} srbf_light_block;
+
+/**
+ * What light a surface reflects, but for two rays: see `srbf_mixture_reflect`.
+ */
+typedef struct srbf_reflection {
+    /**
+     * The path's own ray, drawn from the mixture; density 0 where that reflects nothing.
+     */
+    struct srbf_sample ray;
+    /**
+     * Unit vector in the world, towards the light: where the shadow ray goes; all 0 where none is needed.
+     */
+    float shadow[3];
+    /**
+     * What `f cos` towards the ray is multiplied by to be the light from there; linear sRGB.
+     */
+    float ray_light[3];
+    /**
+     * Likewise towards the shadow ray.
+     */
+    float shadow_light[3];
+    /**
+     * `f cos` of the mixture towards the ray; 1/sr.
+     */
+    float ray_value[3];
+    /**
+     * Likewise towards the shadow ray.
+     */
+    float shadow_value[3];
+    /**
+     * The mean of all directions of the block, without shadows; linear sRGB, in the unit of the map.
+     */
+    float block_sum[3];
+    /**
+     * Likewise of the lobes.
+     */
+    float ray_sum[3];
+} srbf_reflection;
 
 /**
  * How a material is fitted.
@@ -1578,6 +1648,52 @@ srbf_status srbf_product_ray_weight(const struct srbf_product_sampling *sampling
                                     float pdf,
                                     float environment_pdf,
                                     float *weight);
+
+/**
+ * Draws a block of samples of the light.
+ *
+ * Shapes: `u` [3][16], uniform numbers in [0, 1): the first of all samples, then the second, then the third; `block` one, overwritten.
+ */
+srbf_status srbf_light_block_draw(const struct srbf_environment *environment,
+                                  const float *u,
+                                  struct srbf_light_block *block);
+
+/**
+ * Draws the ray that a path goes on along, and a shadow ray, for the light of an environment: where nothing is in the way the reflected
+ * light is a sum over all directions of the block and all of `u`; with evenly spread numbers it is nearly exact.
+ *
+ * `srbf_reflection_light` gives the light when both rays have been followed. Its mean is the integral of radiance times `f cos` of what is
+ * not hidden; block, `u` and `choice` have to be independent of each other. Most of the light has to be in sight for it to be faster
+ * than one sample of lobes and light each.
+ * Shapes: `block` from `srbf_light_block_draw`; `frame` [9], tangent, bitangent and normal of the shading frame in the world, unit vectors at
+ * right angles; `flat` [3], the unit normal of the surface itself, below which light counts nothing; `u` [3][count], `count` from 1 to 16,
+ * 8 serve well, uniform numbers in [0, 1): the first of all directions of the lobes, then the second, then the third; the first direction is
+ * the path's own ray, the others may be its shifts along a lattice; `choice` one more; `reflection` one, overwritten.
+ * Status: `SRBF_STATUS_ARGUMENT` for a count out of range.
+ */
+srbf_status srbf_mixture_reflect(const struct srbf_mixture *mixture,
+                                 const struct srbf_environment *environment,
+                                 const struct srbf_light_block *block,
+                                 const float *frame,
+                                 const float *flat,
+                                 size_t count,
+                                 const float *u,
+                                 float choice,
+                                 struct srbf_reflection *reflection);
+
+/**
+ * The light that is reflected to the viewer, direct light by both rays: whether the path's own ray escapes to the environment, and
+ * whether the shadow ray does, 0 or 1. What the path meets further on is added to it; of the environment, nothing is.
+ *
+ * Shapes: `reflection` from `srbf_mixture_reflect`; `values` [2][3], `f cos` of what is rendered towards the ray and towards the shadow ray,
+ * for a caller who renders another function than the mixture, NULL for that; `light` [3], linear sRGB, overwritten. Single estimates
+ * may be below 0.
+ */
+srbf_status srbf_reflection_light(const struct srbf_reflection *reflection,
+                                  int32_t ray_escapes,
+                                  int32_t shadow_is_clear,
+                                  const float *values,
+                                  float *light);
 
 #if defined(SRBF_HOSTED)
 /**

@@ -321,6 +321,21 @@ public:
         return srbf_mixture_sample_product(mixture.get(), environment_, frame[0].data(), &sampling, u.data(), choice, &sample);
     }
 
+    /// Draws sixteen samples of the light. `u`: the first uniform number of each sample, then the second, then the third.
+    Status draw_block(Span<const float> u, srbf_light_block &block) const {
+        if (u.size() != std::size_t{3} * SRBF_LIGHT_BLOCK || u.stride() != sizeof(float)) return SRBF_STATUS_SIZE;
+        return srbf_light_block_draw(environment_, u.data(), &block);
+    }
+    /// Draws the path's ray and a shadow ray for this light and a mixture, by even sums. `u`: the first uniform number of each direction of the
+    /// lobes, then the second, then the third.
+    template <std::size_t Lobes>
+    Status reflect(const Mixture<Lobes> &mixture, const srbf_light_block &block, const std::array<Vec3, 3> &frame, const Vec3 &flat,
+                   Span<const float> u, float choice, srbf_reflection &reflection) const {
+        if (u.size() % 3 != 0 || u.stride() != sizeof(float)) return SRBF_STATUS_SIZE;
+        return srbf_mixture_reflect(mixture.get(), environment_, &block, frame[0].data(), flat.data(), u.size() / 3, u.data(), choice,
+                                    &reflection);
+    }
+
 private:
     srbf_environment *environment_ = nullptr;
 };

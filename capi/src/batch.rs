@@ -15,7 +15,7 @@ use srbf_core::SamplesMut;
 pub struct srbf_samples_out {
     /// Incident directions, unit vectors in the caller's shading frame.
     pub direction: srbf_vectors_out,
-    /// Density of the whole mixture at the direction; 1/sr. 0 where nothing was drawn, or f32 rounds it to that.
+    /// Density of the whole mixture at the direction; 1/sr. 0 where nothing was drawn, else above 0.
     pub pdf: srbf_numbers_out,
     /// `f cos / pdf`, linear sRGB.
     pub weight: srbf_vectors_out,

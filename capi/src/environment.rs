@@ -29,11 +29,11 @@ pub const SRBF_PRODUCT_MAX_CANDIDATES: usize = 32;
 /// It never changes, so any number of threads may use one at once. It needs no release. Its bytes may not be moved.
 pub struct srbf_environment {
     tag: u32,
-    environment: Environment<Words>,
+    pub(crate) environment: Environment<Words>,
 }
 
 /// Where the table of an environment lies: memory of the caller, which lives as long as the header says.
-struct Words {
+pub(crate) struct Words {
     first: NonNull<u32>,
     count: usize,
 }
@@ -106,7 +106,9 @@ impl srbf_product_sampling {
 /// # Safety
 /// The header's contract: what is not NULL points to an environment.
 #[inline(always)]
-unsafe fn object<'a>(environment: *const srbf_environment) -> Result<&'a srbf_environment, Failure> {
+pub(crate) unsafe fn object<'a>(
+    environment: *const srbf_environment,
+) -> Result<&'a srbf_environment, Failure> {
     check(environment)?;
     // SAFETY: not NULL and aligned; readable by the contract. The tag is looked at through the pointer, before there is a reference to
     // a whole that may not be one.
@@ -402,7 +404,7 @@ pub unsafe extern "C" fn srbf_mixture_sample_product(
 }
 
 /// Refuses what are not three unit vectors at right angles, to 1e-3.
-fn axes([a, b, c, d, e, f, g, h, i]: [f32; 9]) -> Result<[Vec3; 3], Failure> {
+pub(crate) fn axes([a, b, c, d, e, f, g, h, i]: [f32; 9]) -> Result<[Vec3; 3], Failure> {
     let [x, y, z] = [direction([a, b, c])?, direction([d, e, f])?, direction([g, h, i])?];
     if [x.dot(y), y.dot(z), z.dot(x)].into_iter().all(|cosine| cosine.abs() <= 1e-3) {
         Ok([x, y, z])

@@ -35,6 +35,7 @@ mod pairs;
 mod planted;
 mod pointers;
 mod product;
+mod reflect;
 mod simd;
 mod single;
 mod status;
@@ -60,6 +61,7 @@ pub use pairs::*;
 #[cfg(feature = "planted-panic")]
 pub use planted::srbf_status_panic;
 pub use product::*;
+pub use reflect::*;
 pub use simd::*;
 pub use single::*;
 pub use status::*;

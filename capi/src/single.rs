@@ -15,7 +15,7 @@ use srbf_core::{Sample, Vec3};
 pub struct srbf_sample {
     /// Incident direction, unit vector in the caller's shading frame.
     pub direction: [f32; 3],
-    /// Density of the whole mixture at the direction; 1/sr. 0 where nothing was drawn, or f32 rounds it to that.
+    /// Density of the whole mixture at the direction; 1/sr. 0 where nothing was drawn, else above 0.
     pub pdf: f32,
     /// `f cos / pdf`, linear sRGB: what the throughput of a path is multiplied by. 0 where the density is below 1.2e-38.
     pub weight: [f32; 3],

@@ -3,15 +3,19 @@
 //! A [`table`] holds a map of radiance and what draws from it, in memory of the caller; [`make`] makes one,
 //! [`read`] checks one that was stored. [`look_up`] finds the radiance of a direction, [`draw`] draws one;
 //! [`cell`] says how draws are shared out. A [`product`] draws from the light and a mixture together, among
-//! [`candidates`], as a [`sampling`] says.
+//! [`candidates`], as a [`sampling`] says. [`reflect`] sums what both would bring [`together`], over a
+//! [`light_block`] that serves many surfaces, and corrects the sums by two rays.
 //! May import: `kernel`, `mixture`, `color`, `simd`, `error`; nothing imports from here.
 
 pub(crate) mod candidates;
 pub(crate) mod cell;
 pub(crate) mod draw;
+pub(crate) mod light_block;
 mod look_up;
 mod make;
 pub(crate) mod product;
 mod read;
+pub(crate) mod reflect;
 pub(crate) mod sampling;
 pub(crate) mod table;
+pub(crate) mod together;

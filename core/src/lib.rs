@@ -106,11 +106,17 @@ pub use environment::cell::EnvironmentCell;
 #[cfg(feature = "environment")]
 pub use environment::draw::EnvironmentSample;
 #[cfg(feature = "environment")]
+pub use environment::light_block::{LIGHT_BLOCK, LightBlock};
+#[cfg(feature = "environment")]
 pub use environment::product::ProductSample;
+#[cfg(feature = "environment")]
+pub use environment::reflect::Reflection;
 #[cfg(feature = "environment")]
 pub use environment::sampling::ProductSampling;
 #[cfg(feature = "environment")]
 pub use environment::table::{Environment, MAX_ENVIRONMENT_PIXELS, environment_len};
+#[cfg(feature = "environment")]
+pub use environment::together::MAX_REFLECT_RAYS;
 pub use error::Error;
 pub use estimator::{Defensive, balance_heuristic, power_heuristic};
 pub use glam::Vec3;

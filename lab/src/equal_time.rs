@@ -5,6 +5,7 @@ mod text;
 use anyhow::Context;
 use srbf_fit::Settings;
 use srbf_reference_renderer::command::{argument, compare};
+use srbf_reference_renderer::numbers::points::PointsName;
 use srbf_reference_renderer::out::output;
 use srbf_reference_renderer::out::progress::Progress;
 use srbf_reference_renderer::shade::shader::LoadedMaterial;
@@ -38,6 +39,9 @@ pub struct Args {
     /// Sides of the square pictures in pixels
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=4096), value_name = "PIXELS")]
     side: u32,
+    /// What the numbers of paths are: random ones, of which each sample is independent, or Owen-scrambled Sobol points
+    #[arg(long, value_enum, default_value = "random")]
+    points: PointsName,
     /// Only the materials whose names contain this
     #[arg(long, value_name = "NAME")]
     only: Option<String>,
@@ -75,8 +79,9 @@ const MATERIALS: [(&str, &str); 21] = [
 const LIGHT: &str = "envmaps/cc0_forest_512.hdr";
 
 /// Methods that sample the light too; the first is what the others are judged by.
-const WITH_LIGHT: [&str; 9] = [
+const WITH_LIGHT: [&str; 10] = [
     "product",
+    "even",
     "mis",
     "ggx+mis",
     "guided+mis",
@@ -112,7 +117,7 @@ const FIT: &str = "fit:product";
 /// Lights and materials of the teapot, and what is compared there.
 const TEAPOT_LIGHTS: [&str; 2] = ["envmaps/cc0_forest_512.hdr", "envmaps/grace_latlong.hdr"];
 const TEAPOT_MATERIALS: [&str; 2] = ["garnet_red", "cayman"];
-const TEAPOT_METHODS: [&str; 4] = ["product", "mis", "ggx+mis", "lafortune+mis"];
+const TEAPOT_METHODS: [&str; 5] = ["product", "even", "mis", "ggx+mis", "lafortune+mis"];
 
 /// Runs the command.
 pub fn run(args: &Args) -> anyhow::Result<()> {
@@ -190,6 +195,7 @@ fn measure(
         budgets: Budgets::Seconds(vec![args.seconds]),
         repeats: args.repeats,
         reference_samples: args.reference_spp,
+        points: args.points,
         max_bounces: if scene.is_sphere() { 1 } else { 6 },
         seed: 0,
         cache: None,
@@ -226,6 +232,6 @@ mod tests {
     #[test]
     fn all_methods_are_known() {
         let names = WITH_LIGHT.iter().chain(&ALONE).chain(&TEAPOT_METHODS).copied();
-        assert_eq!(methods(names.chain([FIT])).unwrap().len(), 29);
+        assert_eq!(methods(names.chain([FIT])).unwrap().len(), 31);
     }
 }

@@ -101,6 +101,97 @@ static void test_product(const char *path, const srbf_environment *environment) 
     CHECK_OK(srbf_material_free(material));
 }
 
+/* No number of the range draws a density of 0, on a map of 2 x 2 pixels of which one column is black, and beside a sun of 1e6. */
+static void test_edges(void) {
+    static float pixels[8][16][3];
+    const float ends[] = {0, 1e-38f, 5.9604645e-8f, 0.25f, 0.49999997f, 0.5f, 0.75f, 0.99999994f};
+    enum { ENDS = sizeof ends / sizeof *ends };
+    for (int sun = 0; sun < 2; sun++) {
+        const size_t width = sun ? 16 : 2, height = sun ? 8 : 2;
+        const float small[12] = {0, 0, 0, 1, 1, 1, 0, 0, 0, 1, 1, 1};
+        for (int i = 0; i < 8 * 16; i++) {
+            pixels[i / 16][i % 16][0] = pixels[i / 16][i % 16][1] = pixels[i / 16][i % 16][2] = i == 35 ? 1e6f : 1;
+        }
+        size_t size;
+        void *memory;
+        CHECK_OK(srbf_environment_size(width, height, &size));
+        void *storage = aligned(size, &memory);
+        srbf_environment *environment;
+        CHECK_OK(srbf_environment_make(width, height, sun ? &pixels[0][0][0] : small, 0, storage, size, &environment));
+        for (int i = 0; i < ENDS * ENDS * ENDS * 144; i++) {
+            const int n = i / (ENDS * ENDS * ENDS);
+            float u[3] = {ends[i % ENDS], ends[i / ENDS % ENDS], ends[i / (ENDS * ENDS) % ENDS]};
+            u[0] = ((float)n + u[0]) / 144; /* the edges of the cells of both maps are among them */
+            srbf_light_sample sample;
+            CHECK_OK(srbf_environment_sample(environment, u, &sample));
+            CHECK(sample.pdf > 0 && isfinite(sample.pdf) && isfinite(sample.radiance[1] / sample.pdf));
+        }
+        free(memory);
+    }
+}
+
+/* The same light by even sums as by rays alone; and what is refused. */
+static void test_reflect(const char *path, const srbf_environment *environment) {
+    _Alignas(SRBF_MIXTURE_ALIGNMENT) unsigned char storage[SRBF_MIXTURE_SIZE_64];
+    const float wo[3] = {0.6f, 0, 0.8f}, frame[9] = {1, 0, 0, 0, 0.6f, 0.8f, 0, -0.8f, 0.6f}, *flat = frame + 6;
+    srbf_material *material;
+    srbf_mixture *mixture;
+    CHECK_OK(srbf_material_load(path, &material));
+    CHECK_OK(srbf_mixture_init(storage, sizeof storage, &mixture));
+    CHECK_OK(srbf_material_prepare(material, wo, mixture));
+    srbf_light_block block;
+    srbf_reflection drawn;
+    float u[3 * SRBF_LIGHT_BLOCK], light[3], radiance[3];
+    double sums[2] = {0, 0};
+    uint64_t state = 9;
+    for (int i = 0; i < DRAWS; i++) {
+        for (int k = 0; k < 3 * SRBF_LIGHT_BLOCK; k++) {
+            u[k] = uniform(&state);
+        }
+        CHECK_OK(srbf_light_block_draw(environment, u, &block));
+        for (int k = 0; k < 3 * CANDIDATES; k++) {
+            u[k] = uniform(&state);
+        }
+        CHECK_OK(srbf_mixture_reflect(mixture, environment, &block, frame, flat, CANDIDATES, u, uniform(&state), &drawn));
+        float world[3];
+        for (int k = 0; k < 3; k++) {
+            const float *d = drawn.ray.direction;
+            world[k] = d[0] * frame[k] + d[1] * frame[3 + k] + d[2] * frame[6 + k];
+        }
+        /* What is on one side is hidden. */
+        const int escapes = world[0] > -0.2f, lit = drawn.shadow[0] > -0.2f;
+        CHECK_OK(srbf_reflection_light(&drawn, escapes, lit, NULL, light));
+        sums[0] += (double)luminance(light) / DRAWS;
+        float values[6], same[3];
+        memcpy(values, drawn.ray_value, sizeof drawn.ray_value);
+        memcpy(values + 3, drawn.shadow_value, sizeof drawn.shadow_value);
+        CHECK_OK(srbf_reflection_light(&drawn, escapes, lit, values, same));
+        CHECK(memcmp(light, same, sizeof light) == 0);
+        CHECK_OK(srbf_environment_radiance(environment, world, radiance));
+        for (int k = 0; k < 3; k++) {
+            radiance[k] *= drawn.ray.weight[k] * (float)escapes;
+        }
+        sums[1] += (double)luminance(radiance) / DRAWS;
+    }
+    printf("reflected: %g by even sums, %g by rays alone\n", sums[0], sums[1]);
+    CHECK(fabs(sums[1] / sums[0] - 1) < 0.1);
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_mixture_reflect(mixture, environment, &block, frame, flat, 0, u, 0, &drawn));
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_mixture_reflect(mixture, environment, &block, frame, flat, 17, u, 0, &drawn));
+    CHECK_STATUS(SRBF_STATUS_UNIFORM, srbf_mixture_reflect(mixture, environment, &block, frame, flat, 8, u, 1, &drawn));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_mixture_reflect(mixture, environment, NULL, frame, flat, 8, u, 0, &drawn));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_reflection_light(NULL, 1, 1, NULL, light));
+    const float none[3] = {0, 0, 0};
+    CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_mixture_reflect(mixture, environment, &block, frame, none, 8, u, 0, &drawn));
+    u[4] = 1;
+    CHECK_STATUS(SRBF_STATUS_UNIFORM, srbf_light_block_draw(environment, u, &block));
+    CHECK_STATUS(SRBF_STATUS_UNIFORM, srbf_mixture_reflect(mixture, environment, &block, frame, flat, 8, u, 0, &drawn));
+    CHECK_OK(srbf_mixture_init(storage, sizeof storage, &mixture));
+    u[4] = 0;
+    CHECK_OK(srbf_mixture_reflect(mixture, environment, &block, frame, flat, 8, u, 0, &drawn));
+    CHECK(drawn.ray.pdf == 0 && drawn.shadow[0] == 0 && drawn.shadow[2] == 0);
+    CHECK_OK(srbf_material_free(material));
+}
+
 int main(int count, char **arguments) {
     CHECK(count == 2);
     for (int y = 0; y < HEIGHT; y++) {
@@ -138,6 +229,8 @@ int main(int count, char **arguments) {
     CHECK((unsigned char *)environment == storage);
     test_light(environment);
     test_product(arguments[1], environment);
+    test_reflect(arguments[1], environment);
+    test_edges();
 
     const void *table;
     size_t table_size;

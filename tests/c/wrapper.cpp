@@ -174,10 +174,17 @@ static void light() {
     const srbf::Vec3 half = {0.5f, 0.5f, 0.5f};
     CHECK(!matte.from_lobes(SRBF_DOMAIN_HEMISPHERE, {}, &half));
     const std::array<srbf::Vec3, 3> frame = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    srbf_light_block block;
+    srbf_reflection reflection;
+    std::array<float, 48> sixteen = {};
+    CHECK(!again.draw_block(sixteen, block) && block.pdf[0] > 0);
+    CHECK(again.draw_block({sixteen.data(), 47}, block).code() == SRBF_STATUS_SIZE);
     const srbf_product_sampling sampling = {2, 0.5f, 4};
     const std::array<float, 6> u = {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f};
     srbf_product_sample product;
     CHECK(!again.sample_product(matte, frame, sampling, u, 0.5f, product) && product.weight[0] > 0);
+    CHECK(!again.reflect(matte, block, frame, frame[2], u, 0.5f, reflection) && reflection.ray.pdf > 0);
+    CHECK(again.reflect(matte, block, frame, frame[2], {u.data(), 5}, 0.5f, reflection).code() == SRBF_STATUS_SIZE);
     CHECK(again.sample_product(matte, frame, sampling, {u.data(), 5}, 0.5f, product).code() == SRBF_STATUS_SIZE);
 }
 

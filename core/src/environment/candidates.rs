@@ -267,7 +267,7 @@ const LEAST_DENSITY: f32 = 1e-30;
 /// What candidates are chosen by: the luminance of their light; but a share of what it is without signs, if
 /// that is more. Lobes may have channels below 0, of which coloured light may make a luminance below 0 too.
 #[inline(always)]
-fn target_of<L: Lanes>(light: [L; 3]) -> L {
+pub(super) fn target_of<L: Lanes>(light: [L; 3]) -> L {
     let unsigned = luminances([light[0].abs(), light[1].abs(), light[2].abs()]);
     luminances(light).max(unsigned * L::splat(LEAST_SHARE))
 }

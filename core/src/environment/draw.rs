@@ -36,6 +36,34 @@ impl<M: AsRef<[u32]>> Environment<M> {
         EnvironmentSample { direction, pdf: luminance(relative), radiance: relative * table.power }
     }
 
+    /// Draws a direction of one cell by the luminance there, with two uniform numbers in [0, 1): the first is the
+    /// height, the second the azimuth. For who finds cells in an order of his own, each as often as its
+    /// [`share`](crate::EnvironmentCell::share): then it has the density of [`sample`](Self::sample), which it
+    /// gives.
+    ///
+    /// `None` for a cell without light, and from [`cell_count`](Self::cell_count) on.
+    #[inline]
+    pub fn sample_cell(&self, cell: usize, u: [f32; 2]) -> Option<EnvironmentSample> {
+        let table = self.borrowed();
+        let colors = Colors::new(table.cells.get(cell)?, false);
+        let luminances = corner_luminances(colors.codes);
+        let has_light = luminances[0] + luminances[1] + luminances[2] + luminances[3] > 0.0;
+        let place = table.place_of(cell);
+        let [across, down] = within(luminances, u[0].min(BELOW_ONE), u[1]);
+        let direction = Vec3::from_array(table.direction([across, down], place));
+        let relative = Vec3::from_array(between(colors, across, down));
+        let sample =
+            EnvironmentSample { direction, pdf: luminance(relative), radiance: relative * table.power };
+        has_light.then_some(sample)
+    }
+
+    /// Asks the processor for what [`sample_cell`](Self::sample_cell) will read. Changes no result.
+    #[inline]
+    pub fn prefetch_cell(&self, cell: usize) {
+        let table = self.borrowed();
+        table.prefetch(cell.min(table.cells.len() - 1));
+    }
+
     /// Asks the processor for what [`sample`](Self::sample) will read of the map for these numbers, which is in
     /// no cache if the map is large: ask before other work of some ten nanoseconds, such as
     /// [`prepare`](crate::Material::prepare). Changes no result.
@@ -80,23 +108,42 @@ impl Table<'_> {
         let threshold = f32::from_bits(cell[THRESHOLD]);
         let is_other = left >= threshold;
         let (row, column) = if is_other {
-            ((cell[PLACE] >> 16) as usize, (cell[PLACE] & 0xffff) as f32)
+            ((cell[PLACE] >> 16) as usize, (cell[PLACE] & 0xffff) as usize)
         } else {
-            // Below 2^26, so that the quotient is right but for whole ones, which a half takes care of.
-            let row = ((hit as f64 + 0.5) * (1.0 / self.shape.width as f64)) as u32 as usize;
-            (row, (hit - row * self.shape.width) as f32)
+            self.row_and_column(hit)
         };
         let [more, of] = if is_other { [left - threshold, 1.0 - threshold] } else { [left, threshold] };
-        let is_south = row > self.shape.height / 2;
-        let from_pole = if is_south { self.shape.height - row } else { row };
-        let [edge, rise, ..] = self.rows[from_pole.min(self.rows.len() - 1)];
-        let side = if is_south { -1.0 } else { 1.0 };
         Chosen {
             is_other,
             left: (more / of).min(BELOW_ONE),
             luminances: corner_luminances(Colors::new(cell, is_other).codes),
-            place: [column + 0.5, f32::from_bits(edge), f32::from_bits(rise), side],
+            place: self.place(row, column),
         }
+    }
+
+    /// The row and the column of a cell.
+    #[inline(always)]
+    fn row_and_column(&self, cell: usize) -> (usize, usize) {
+        // Below 2^26, so that the quotient is right but for whole ones, which a half takes care of.
+        let row = ((cell as f64 + 0.5) * (1.0 / self.shape.width as f64)) as u32 as usize;
+        (row, cell - row * self.shape.width)
+    }
+
+    /// Where a cell lies, as [`Chosen`] has it.
+    #[inline(always)]
+    fn place_of(&self, cell: usize) -> [f32; 4] {
+        let (row, column) = self.row_and_column(cell);
+        self.place(row, column)
+    }
+
+    /// Where the cell of a row and a column lies.
+    #[inline(always)]
+    fn place(&self, row: usize, column: usize) -> [f32; 4] {
+        let is_south = row > self.shape.height / 2;
+        let from_pole = if is_south { self.shape.height - row } else { row };
+        let [edge, rise, ..] = self.rows[from_pole.min(self.rows.len() - 1)];
+        let side = if is_south { -1.0 } else { 1.0 };
+        [column as f32 + 0.5, f32::from_bits(edge), f32::from_bits(rise), side]
     }
 
     /// Directions of places in cells that were chosen.
@@ -130,7 +177,7 @@ pub(super) fn within<L: Lanes>([a, b, c, d]: [L; 4], left: L, u: L) -> [L; 2] {
 
 /// What stands for a uniform number below: such a number is one of all those that round to it, and 0 itself
 /// would be drawn at an edge without light, where the density is 0.
-const LEAST_UNIFORM: f32 = 1.0 / (1 << 26) as f32;
+pub(super) const LEAST_UNIFORM: f32 = 1.0 / (1 << 26) as f32;
 
 /// Inverts the distribution on [0, 1] whose density goes linearly from `from` to `to`, which are not
 /// negative.

@@ -1,6 +1,7 @@
 //! `srbf compare`.
 
 use super::argument;
+use crate::numbers::points::PointsName;
 use crate::out::output;
 use crate::out::page::Page;
 use crate::out::progress::Progress;
@@ -37,15 +38,18 @@ pub struct Args {
     /// Lights, separated by commas: haze (the sun spread wide), sky, constant:VALUE, or .hdr or .exr files
     #[arg(long, value_delimiter = ',', default_value = "haze", value_name = "ENV")]
     env: Vec<String>,
-    /// Methods, separated by commas; errors are given as multiples of the first one's. SAMPLER, SAMPLER+mis, mis, product or light, as
+    /// Methods, separated by commas; errors are given as multiples of the first one's. SAMPLER, SAMPLER+mis, mis, even, product or light, as
     /// `render --sampler` takes them; fit:METHOD renders the lobes that --lobes names in place of their table, which judges them
     #[arg(
         long,
         value_delimiter = ',',
-        default_value = "product,mis,lobes,ggx+mis,ggx,lafortune,cosine",
+        default_value = "even,mis,product,lobes,ggx+mis,ggx,lafortune,cosine",
         value_name = "METHOD"
     )]
     samplers: Vec<Method>,
+    /// What the numbers of paths are: Owen-scrambled Sobol points, as in `render`, or random numbers
+    #[arg(long, value_enum, default_value = "sobol")]
+    points: PointsName,
     /// Samples a pixel at which the error is taken, rising, separated by commas
     #[arg(long, value_delimiter = ',', default_value = "1,4,16,64,256", conflicts_with = "seconds",
         value_parser = clap::value_parser!(u32).range(1..=1 << 24), value_name = "N")]
@@ -217,6 +221,7 @@ fn plan(args: &Args, scene: SceneName) -> Plan {
         repeats: args.repeats,
         reference_samples: args.reference_spp,
         max_bounces: args.max_bounces.unwrap_or(if scene.is_sphere() { 1 } else { 6 }),
+        points: args.points,
         seed: args.seed,
         cache: (!args.no_references).then(|| args.references.clone()),
     }

@@ -34,9 +34,10 @@ const PICTURES: [Picture; 2] = [
 ];
 
 /// What is compared, on what: a lacquer with a wide highlight, and a metallic paint with a sharp one.
-const METHODS: [Strategy; 6] = [
-    Strategy::PRODUCT,
+const METHODS: [Strategy; 7] = [
+    Strategy::EVEN,
     Strategy::MIS,
+    Strategy::PRODUCT,
     Strategy::alone(SamplerName::Lobes),
     Strategy::alone(SamplerName::Ggx),
     Strategy::alone(SamplerName::Lafortune),
@@ -73,7 +74,7 @@ fn render(out: &Path, page: &mut Page) -> anyhow::Result<()> {
     for Picture { scene: name, file, size, samples } in PICTURES {
         let scene = Scene::new(name, &object.material, &ground.material, &sky);
         let settings = RenderSettings {
-            light: Strategy::PRODUCT.light,
+            light: Strategy::EVEN.light,
             split: 1,
             max_bounces: 6,
             points: PointsName::Sobol,
@@ -92,7 +93,7 @@ fn render(out: &Path, page: &mut Page) -> anyhow::Result<()> {
         figures.push(Figure::new(picture_file::encode_png(size, &bytes)?, title));
     }
     page.heading("Pictures");
-    page.paragraph("Twelve lobes a view and a diffuse term; light and lobes are sampled together, one shadow ray a surface.");
+    page.paragraph("Twelve lobes a view and a diffuse term; light and lobes are sampled together by even sums, one shadow ray a surface.");
     page.row(&figures);
     Ok(())
 }
@@ -106,6 +107,7 @@ fn compare() -> anyhow::Result<Vec<Comparison>> {
         repeats: 3,
         reference_samples: 1024,
         max_bounces: 1,
+        points: PointsName::Sobol,
         seed: 0,
         cache: None,
     };

@@ -9,8 +9,10 @@ use crate::shade::shader::LoadedMaterial;
 use crate::shade::{Light, Sampler, SamplerName, Strategy};
 use crate::study::comparison::SPLIT;
 use crate::study::furnace::{self, Furnace};
+use crate::trace::camera::Camera;
 use crate::trace::cast::{self, Cast};
 use crate::trace::film::{self, Film};
+use crate::trace::integrator::skeleton::skeleton;
 use crate::trace::render::add_samples;
 use crate::trace::scene::{Role, Scene, SceneName, Standpoint};
 use crate::trace::settings::RenderSettings;
@@ -19,6 +21,7 @@ use crate::truth::stored;
 use crate::world::environment::file::Projection;
 use crate::world::mesh;
 use anyhow::{Context, bail, ensure};
+use cpu_time::ThreadTime;
 use glam::Vec3;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -74,14 +77,15 @@ pub struct Args {
     /// Samples a pixel
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
     spp: u32,
-    /// How directions are chosen: SAMPLER, or SAMPLER+mis to sample the light too; mis is lobes+mis, and light the light alone.
+    /// How directions are chosen: SAMPLER, or SAMPLER+mis to sample the light too; mis is lobes+mis, and light the light alone; even and
+    /// product sample lobes and light together.
     ///
     /// uniform, cosine; phong, ward, ggx (one such lobe and a cosine, fitted); lafortune (three lobes a channel, fitted); tabulated (the
     /// inverse distribution of the table), factored (that table factored); rgl (the warps of a .bsdf file); guided (GGX lobes of fixed
     /// roughness); thesis, thesis-walk, thesis-multi (round lobes blended by equation 9: by inversion, by a random walk, which is biased,
     /// several directions together); lobes, lobes-multi (those of the material or of --lobes; of a table without either, guided),
     /// defensive (and one direction in twenty from the cosine)
-    #[arg(long, default_value = "mis", value_name = "SAMPLER")]
+    #[arg(long, default_value = "even", value_name = "SAMPLER")]
     sampler: Strategy,
     /// Whether the light is sampled: with the sampler (mis), not (off), or alone (only) [default: as --sampler says]
     #[arg(long, value_enum)]
@@ -221,12 +225,16 @@ fn render(args: &Args) -> anyhow::Result<()> {
     let mut film = Film::new(args.size);
     let progress = Progress::new("rendering", args.size[1].into());
     let start = Instant::now();
-    add_samples(&scene, &camera, &settings, &mut film, args.spp / split, &progress).with_context(|| {
-        let names: Vec<&str> = cast.roles.iter().map(|part| part.1.name()).collect();
-        format!("material {}, light {}", names.join(", "), env(args))
-    })?;
+    let spent = add_samples(&scene, &camera, &settings, &mut film, args.spp / split, &progress)
+        .with_context(|| {
+            let names: Vec<&str> = cast.roles.iter().map(|part| part.1.name()).collect();
+            format!("material {}, light {}", names.join(", "), env(args))
+        })?;
     let seconds = start.elapsed().as_secs_f64();
     drop(progress);
+    if let Some(warning) = film.warning() {
+        eprintln!("{warning}");
+    }
 
     let picture = film.to_picture();
     picture_file::write_exr(&args.output, args.size, &picture)?;
@@ -251,6 +259,13 @@ fn render(args: &Args) -> anyhow::Result<()> {
     }
     print_cast(&cast, &samplers, strategy);
     if args.explain {
+        let [paths, seconds] = around_lobes(&scene, &camera, args.size, &settings);
+        println!(
+            "around the lobes: rays, normals and the order of the light take {:.0} ns a path, {:.0} % of the picture's time",
+            1e9 * seconds / paths,
+            100.0 * seconds / paths * f64::from(film.samples) * film.pixels.len() as f64
+                / spent.as_secs_f64()
+        );
         explain(args, &cast, strategy);
     }
     Ok(())
@@ -278,6 +293,7 @@ fn print_cast(cast: &Cast, samplers: &[Sampler<'_>], strategy: Strategy) {
         Light::Mis => "sampled too, both weighted by the power heuristic",
         Light::Off => "not sampled",
         Light::Only => "sampled alone; the samplers only lead paths on",
+        Light::Even => "sampled together with the lobes, by even sums where they are seen to help",
         Light::Product => "sampled together with the lobes, by resampling candidates of both",
     };
     println!("light: {light}");
@@ -292,6 +308,17 @@ fn rendered(material: &LoadedMaterial) -> String {
             None => format!("{name}, the table"),
         },
     }
+}
+
+/// Follows paths of the picture that evaluate and sample no lobes: how many, and the seconds that a processor took. What their surfaces
+/// reflect is a cosine.
+fn around_lobes(scene: &Scene<'_>, camera: &Camera, size: [u32; 2], settings: &RenderSettings) -> [f64; 2] {
+    let start = ThreadTime::now();
+    let paths = 20_000;
+    for i in 0..paths {
+        skeleton(scene, camera, size, settings, i);
+    }
+    [paths as f64, start.elapsed().as_secs_f64()]
 }
 
 /// Prints what was not loaded or built.

@@ -37,6 +37,8 @@ pub enum Decision {
     LobeCandidate,
     /// A candidate of the light.
     LightCandidate,
+    /// A block of samples of the light.
+    Block,
     /// Which candidate, or where systematic resampling begins.
     Choice,
     /// Whether the path ends.
@@ -81,6 +83,19 @@ impl Points {
         }
     }
 
+    /// Which of 2^k blocks of samples of the light a surface takes, of which another pixel takes others.
+    ///
+    /// Sobol: the samples of a pixel take each block once before one comes again, in an order in which those of 2^j are evenly spread.
+    #[inline]
+    pub fn block(&self, surface: u32, count: usize) -> usize {
+        let of = u64::from(surface) << 8 | Decision::Block as u64;
+        let number = match self.name {
+            PointsName::Random => Random::new(self.key, of, self.index).key(),
+            PointsName::Sobol => Random::new(self.key, of, 0).key() ^ self.index,
+        };
+        number as usize & (count - 1)
+    }
+
     /// Four numbers for each of several choices of a kind that are made together. Each number by itself is uniform.
     ///
     /// Sobol: one point and its shifts along a lattice, so that the choices lie evenly too, in the order of their first number.
@@ -108,6 +123,21 @@ impl Points {
             }
         }
     }
+}
+
+/// A point and its shifts along a lattice, `n` in all, each uniform by itself: three rows of numbers.
+#[inline]
+pub fn shifts<const N: usize>([u, v, w, _]: [f32; 4]) -> [[f32; N]; 3] {
+    let part = 1.0 / N as f32;
+    let shift = |x: f32, i: usize, by: f32| {
+        let x = x + i as f32 * by * part;
+        (x - x as u32 as f32).min(LARGEST)
+    };
+    [
+        from_fn(|i| shift(u, i, 1.0)),
+        from_fn(|i| shift(v, i, LATTICE[0])),
+        from_fn(|i| shift(w, i, LATTICE[1])),
+    ]
 }
 
 /// How far a lattice goes on in each dimension while it takes one step in the first: odd, so that it meets each of 2^k parts once.

@@ -86,6 +86,9 @@ pub enum Light {
     Off,
     /// In place of the material; the material only leads the path on.
     Only,
+    /// Together with our lobes, by sums of both without shadows, which two rays correct. Where a surface is sampled by something else,
+    /// is matte, or sees little of the light, as `Mis`.
+    Even,
     /// Together with our lobes, by resampling candidates of both. Where a surface is sampled by something else, as `Mis`.
     Product,
 }
@@ -104,6 +107,9 @@ impl Strategy {
     /// Lobes and the light together.
     pub const PRODUCT: Self = Self { sampler: SamplerName::Lobes, light: Light::Product };
 
+    /// Lobes and the light together, by even sums.
+    pub const EVEN: Self = Self { sampler: SamplerName::Lobes, light: Light::Even };
+
     /// A sampler without the light.
     pub const fn alone(sampler: SamplerName) -> Self {
         Self { sampler, light: Light::Off }
@@ -113,13 +119,16 @@ impl Strategy {
 impl FromStr for Strategy {
     type Err = String;
 
-    /// `SAMPLER`, `SAMPLER+mis`, `mis` for `lobes+mis`, `product`, or `light`.
+    /// `SAMPLER`, `SAMPLER+mis`, `mis` for `lobes+mis`, `even`, `product`, or `light`.
     fn from_str(text: &str) -> Result<Self, String> {
         if text == "light" {
             return Ok(Self { light: Light::Only, ..Self::MIS });
         }
         if text == "mis" {
             return Ok(Self::MIS);
+        }
+        if text == "even" {
+            return Ok(Self::EVEN);
         }
         if text == "product" {
             return Ok(Self::PRODUCT);
@@ -131,7 +140,10 @@ impl FromStr for Strategy {
         let found = NAMES.iter().find(|entry| entry.1 == name);
         found.map(|entry| Self { sampler: entry.0, light }).ok_or_else(|| {
             let names: Vec<&str> = NAMES.iter().map(|entry| entry.1).collect();
-            format!("expected mis, product, light, or one of {}, each with +mis or without", names.join(", "))
+            format!(
+                "expected even, mis, product, light, or one of {}, each with +mis or without",
+                names.join(", ")
+            )
         })
     }
 }
@@ -140,6 +152,7 @@ impl fmt::Display for Strategy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let text = match (self.sampler, self.light) {
             (_, Light::Only) => "light".to_owned(),
+            (_, Light::Even) => "even".to_owned(),
             (_, Light::Product) => "product".to_owned(),
             (SamplerName::Lobes, Light::Mis) => "mis".to_owned(),
             (sampler, Light::Mis) => format!("{}+mis", sampler.text()),
@@ -161,7 +174,7 @@ mod tests {
                 assert_eq!(strategy.to_string().parse(), Ok(strategy));
             }
         }
-        for text in ["mis", "product", "light", "lobes", "defensive", "cosine", "uniform"] {
+        for text in ["mis", "even", "product", "light", "lobes", "defensive", "cosine", "uniform"] {
             assert_eq!(text.parse::<Strategy>().unwrap().to_string(), text);
         }
         for text in ["", "+mis", "ggx+", "GGX", "light+mis", "mis+mis"] {

@@ -94,6 +94,8 @@ pub struct Plan {
     /// Samples a pixel of the reference.
     pub reference_samples: u32,
     pub max_bounces: u32,
+    /// Where the numbers come from.
+    pub points: PointsName,
     pub seed: u64,
     /// The folder where references are kept; nowhere, if there is none.
     pub cache: Option<PathBuf>,
@@ -243,13 +245,12 @@ impl<'s> Stage<'s> {
         Scene::build(scene.shapes(mesh.cloned()), |role| cast.shader(role, object, samplers), environment)
     }
 
-    /// Random numbers: samples that are independent, so that an error is that of a method and not of its points.
     fn settings(&self, strategy: Strategy, split: u32, seed: u64) -> RenderSettings {
         RenderSettings {
             light: strategy.light,
             split,
             max_bounces: self.plan.max_bounces,
-            points: PointsName::Random,
+            points: self.plan.points,
             seed: self.plan.seed.wrapping_add(seed),
         }
     }
@@ -324,6 +325,7 @@ impl<'a> Run<'a> {
             title: match method.strategy.light {
                 Light::Off => samplers[0].title(&truth),
                 Light::Mis => format!("{}; and the light", samplers[0].title(&truth)),
+                Light::Even => format!("{}, with the light by even sums", samplers[0].title(&truth)),
                 Light::Product => format!("{}, together with the light", samplers[0].title(&truth)),
                 Light::Only => "the light".to_owned(),
             },
@@ -522,6 +524,7 @@ pub mod tests {
             repeats: 2,
             reference_samples: 512,
             max_bounces: 1,
+            points: PointsName::Random,
             seed: 7,
             cache: None,
         }

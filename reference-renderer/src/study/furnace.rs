@@ -4,7 +4,7 @@
 use crate::shade::shader::Scattering;
 use crate::trace::camera::Camera;
 use crate::trace::film::Film;
-use crate::trace::integrator::Frame;
+use crate::trace::frame::Frame;
 use crate::trace::scene::Scene;
 use crate::truth::Truth;
 use crate::truth::measured::albedo::AlbedoTable;

@@ -6,7 +6,7 @@
 use crate::numbers::random::Random;
 use crate::out::progress::Progress;
 use crate::shade::shader::{Scattering, Shader};
-use crate::trace::integrator::Frame;
+use crate::trace::frame::Frame;
 use crate::trace::scene::{Scene, SceneName};
 use crate::world::environment::{Environment, LightSample};
 use glam::Vec3;

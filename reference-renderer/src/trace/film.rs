@@ -1,7 +1,9 @@
 //! The picture while it is rendered: sums of samples, and sums of their squares for the standard error.
 
+use crate::trace::integrator::even::Lighting;
 use anyhow::Context;
 use glam::{DVec3, Vec3};
+use std::sync::Arc;
 
 /// Most pixels that a picture may have, 4096 x 4096: the sums then take 800 MB.
 pub const MAX_PIXELS: u64 = 1 << 24;
@@ -36,26 +38,49 @@ impl Pixel {
 }
 
 /// A picture of pixels with the same number of samples each.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone)]
 pub struct Film {
     width: u32,
     height: u32,
     /// Samples that every pixel holds.
     pub samples: u32,
+    /// Samples of any pixel that were not finite, and count as black.
+    pub lost: u64,
     /// Rows from the top.
     pub pixels: Vec<Pixel>,
+    /// What the last samples shared, with its seed and its number: the next ones may need it too.
+    pub lighting: Option<([u64; 2], Arc<Lighting>)>,
+}
+
+impl PartialEq for Film {
+    fn eq(&self, other: &Self) -> bool {
+        (self.width, self.samples, &self.pixels) == (other.width, other.samples, &other.pixels)
+    }
+}
+
+impl std::fmt::Debug for Film {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} x {} pixels of {} samples", self.width, self.height, self.samples)
+    }
 }
 
 impl Film {
     /// A black picture without samples.
     pub fn new([width, height]: [u32; 2]) -> Self {
         let pixels = vec![Pixel::default(); width as usize * height as usize];
-        Self { width, height, samples: 0, pixels }
+        Self { width, height, samples: 0, lost: 0, lighting: None, pixels }
     }
 
     /// Width and height in pixels.
     pub fn size(&self) -> [u32; 2] {
         [self.width, self.height]
+    }
+
+    /// What is said of lost samples, if there are some.
+    pub fn warning(&self) -> Option<String> {
+        let of = u64::from(self.samples) * self.pixels.len() as u64;
+        (self.lost > 0)
+            .then(|| format!("warning: {} of {of} samples are not finite, and count as black", self.lost))
     }
 
     /// Mean of the samples of a pixel.

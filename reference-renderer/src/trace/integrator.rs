@@ -3,12 +3,19 @@
 //! What is rendered and what samples it come with the material of a surface; whether the light is sampled too is a setting. At the first
 //! surface several directions may be drawn together; from there on each goes its way alone.
 
+pub mod even;
+pub mod skeleton;
+
 use crate::numbers::points::{Decision, Points, PointsName};
 use crate::shade::Light;
 use crate::shade::shader::Scattering;
+use crate::trace::frame::{Frame, look};
+use crate::trace::integrator::even::{Drawn, Lighting};
+use crate::trace::path::Path;
 use crate::trace::scene::{Scene, Surface};
 use crate::trace::settings::RenderSettings;
 use crate::truth::AnyMixture;
+use crate::world::environment::LightPlace;
 use crate::world::ray::Ray;
 use glam::Vec3;
 use srbf_core::{ProductSampling, Sample, luminance, power_heuristic};
@@ -17,9 +24,6 @@ use std::array::from_fn;
 /// Paths end at random from this bounce on, more likely the less they carry.
 const ROULETTE_FROM: u32 = 3;
 
-/// Smallest cosine that an outgoing direction has with the shading normal: the normal is bent until it has it.
-const LEAST_COSINE: f32 = 1e-3;
-
 /// How light and lobes are sampled together: sixteen candidates, half of them of the lobes, and the path's own ray beside them.
 const PRODUCT: ProductSampling = match ProductSampling::new(CANDIDATES, 0.5, 4.0) {
     Ok(sampling) => sampling,
@@ -27,37 +31,47 @@ const PRODUCT: ProductSampling = match ProductSampling::new(CANDIDATES, 0.5, 4.0
 };
 const CANDIDATES: usize = 16;
 
-/// Distance by which rays start above a surface, relative to the size of the coordinates.
-const RAY_OFFSET: f32 = 1e-4;
-
 /// What a path needs that lasts longer than it: storage.
 pub struct Workspace<'a> {
     scattering: Scattering<'a>,
     drawn: Vec<Sample>,
     rivals: Vec<Rival>,
+    together: Vec<Drawn>,
 }
 
 impl Default for Workspace<'_> {
     /// Storage for paths through any material.
     fn default() -> Self {
-        Self { scattering: Scattering::empty(), drawn: Vec::new(), rivals: Vec::new() }
+        Self { scattering: Scattering::empty(), drawn: Vec::new(), rivals: Vec::new(), together: Vec::new() }
     }
 }
 
-/// Estimates the radiance that comes in along a ray, with paths of at most `max_bounces` scatterings.
+/// Estimates the radiance that comes in along a ray, with paths of at most `max_bounces` scatterings; what all paths share is there where
+/// the settings ask for it.
 pub fn radiance<'a>(
     scene: &Scene<'a>,
     ray: &Ray,
     settings: &RenderSettings,
+    lighting: Option<&Lighting>,
     points: &Points,
     workspace: &mut Workspace<'a>,
 ) -> Vec3 {
     let Some(surface) = scene.hit(ray) else { return scene.environment.radiance(ray.direction) };
     let path = Path { scene, settings, points: *points };
     let split = settings.split as usize;
+    let lighting = lighting.filter(|lighting| lighting.helps_at(surface.point));
+    let first = match lighting {
+        None => path.branch(0, split).ask_for_light(0),
+        Some(lighting) => {
+            path.branch(0, split).block(lighting).prefetch();
+            None
+        }
+    };
     let scattering = &mut workspace.scattering;
-    let first = path.branch(0, split).ask_for_light(0);
     let Some(frame) = look(&surface, ray, scattering) else { return Vec3::NAN };
+    if let Some(lighting) = lighting.filter(|_| even::is_for(scattering)) {
+        return path.even(lighting, &frame, scattering, &mut workspace.together);
+    }
     let mut light = path.branch(0, split).light_at(&frame, scattering, 0, first);
     for part in 1..split {
         let branch = path.branch(part, split);
@@ -76,34 +90,19 @@ pub fn radiance<'a>(
     light / settings.split as f32
 }
 
-/// Makes the frame of a surface and gets its material ready; `None` is impossible, as the storage holds every material, and the outgoing
-/// direction is a unit vector. A NaN is found in the picture.
-fn look<'a>(surface: &Surface<'_, 'a>, ray: &Ray, scattering: &mut Scattering<'a>) -> Option<Frame> {
-    let wo = -ray.direction;
-    let frame = Frame::new(surface, wo);
-    surface.material.prepare(frame.to_local(wo), scattering).ok().map(|()| frame)
-}
-
-/// A path on its way.
-struct Path<'p, 'a> {
-    scene: &'p Scene<'a>,
-    settings: &'p RenderSettings,
-    points: Points,
-}
-
 impl<'a> Path<'_, 'a> {
     /// Part `i` of `n` that the path branches into at the first surface.
-    fn branch(&self, i: usize, n: usize) -> Self {
+    pub(in crate::trace) fn branch(&self, i: usize, n: usize) -> Self {
         Self { points: self.points.branch(i, n), ..*self }
     }
 
     /// The numbers of the sample of the light at a surface. A large map is in no cache: it is asked for what they will read there, while the
     /// material is made ready. None where light and lobes are sampled together, or no light is.
-    fn ask_for_light(&self, surface: u32) -> Option<[f32; 3]> {
-        matches!(self.settings.light, Light::Mis | Light::Only).then(|| {
-            let u = self.light_numbers(surface);
-            self.scene.environment.prefetch(u);
-            u
+    fn ask_for_light(&self, surface: u32) -> Option<LightPlace> {
+        matches!(self.settings.light, Light::Mis | Light::Even | Light::Only).then(|| {
+            let place = self.light_place(surface);
+            self.scene.environment.prefetch_place(place);
+            place
         })
     }
 
@@ -113,7 +112,7 @@ impl<'a> Path<'_, 'a> {
         frame: &Frame,
         scattering: &Scattering<'a>,
         surface: u32,
-        asked: Option<[f32; 3]>,
+        asked: Option<LightPlace>,
     ) -> Vec3 {
         if self.settings.light == Light::Off {
             return Vec3::ZERO;
@@ -124,13 +123,14 @@ impl<'a> Path<'_, 'a> {
                 return self.product_at(frame, scattering, lobes, surface);
             }
         }
-        let sample = self.scene.environment.sample(asked.unwrap_or_else(|| self.light_numbers(surface)));
+        let place = asked.unwrap_or_else(|| self.light_place(surface));
+        let sample = self.scene.environment.sample_place(place);
         if !frame.leaves(sample.direction) {
             return Vec3::ZERO;
         }
         let (value, pdf) = scattering.evaluate_and_pdf(frame.to_local(sample.direction));
         let weight = match self.settings.light {
-            Light::Mis | Light::Product => power_heuristic(1.0, sample.pdf, 1.0, pdf),
+            Light::Mis | Light::Even | Light::Product => power_heuristic(1.0, sample.pdf, 1.0, pdf),
             Light::Only | Light::Off => 1.0,
         };
         let contribution = value * sample.radiance * (weight / sample.pdf);
@@ -138,8 +138,13 @@ impl<'a> Path<'_, 'a> {
         if is_seen { contribution } else { Vec3::ZERO }
     }
 
-    fn light_numbers(&self, surface: u32) -> [f32; 3] {
-        self.towards_light(self.points.draw(Decision::Light, surface))
+    /// The place on the map of the sample of the light at a surface.
+    pub(in crate::trace) fn light_place(&self, surface: u32) -> LightPlace {
+        let [u, v, w, _] = self.points.draw(Decision::Light, surface);
+        match self.points.name {
+            PointsName::Sobol => self.scene.environment.ordered_place([u, v]),
+            PointsName::Random => LightPlace::Numbers([u, v, w]),
+        }
     }
 
     /// The numbers that draw a direction from the light: those that lie evenly keep to the order of the map.
@@ -228,27 +233,29 @@ impl<'a> Path<'_, 'a> {
     }
 
     /// What comes in along a direction drawn at the first surface, times its weight.
-    fn follow(
-        &self,
-        first: &Frame,
-        sample: &Sample,
-        mut rival: Rival,
-        scattering: &mut Scattering<'a>,
-    ) -> Vec3 {
+    fn follow(&self, first: &Frame, sample: &Sample, rival: Rival, scattering: &mut Scattering<'a>) -> Vec3 {
         let direction = first.to_world(sample.direction);
         if !first.leaves(direction) {
             return Vec3::ZERO;
         }
-        let (mut light, mut throughput) = (Vec3::ZERO, sample.weight);
-        let mut ray = first.ray(direction);
-        for bounce in 1.. {
-            let Some(surface) = self.scene.hit(&ray) else {
-                light += throughput * self.found(ray.direction, rival);
-                break;
-            };
-            if bounce == self.settings.max_bounces {
-                break;
-            }
+        let ray = first.ray(direction);
+        match self.scene.hit(&ray) {
+            None => sample.weight * self.found(ray.direction, rival),
+            Some(surface) => self.onward(surface, ray, sample.weight, scattering),
+        }
+    }
+
+    /// The light of the second surface of a path, and of all that come after it.
+    pub(in crate::trace) fn onward(
+        &self,
+        surface: Surface<'_, 'a>,
+        ray: Ray,
+        throughput: Vec3,
+        scattering: &mut Scattering<'a>,
+    ) -> Vec3 {
+        let (mut light, mut throughput) = (Vec3::ZERO, throughput);
+        let (mut surface, mut ray) = (surface, ray);
+        for bounce in 1..self.settings.max_bounces {
             let asked = self.ask_for_light(bounce);
             let Some(frame) = look(&surface, &ray, scattering) else { return Vec3::NAN };
             light += throughput * self.light_at(&frame, scattering, bounce, asked);
@@ -267,8 +274,15 @@ impl<'a> Path<'_, 'a> {
                 }
                 throughput /= survival;
             }
-            rival = self.rival(&sample, scattering);
+            let rival = self.rival(&sample, scattering);
             ray = frame.ray(direction);
+            match self.scene.hit(&ray) {
+                None => {
+                    light += throughput * self.found(ray.direction, rival);
+                    break;
+                }
+                Some(next) => surface = next,
+            }
         }
         light
     }
@@ -281,59 +295,4 @@ enum Rival {
     Sample(f32),
     /// Candidates of lobes and light; the density of the lobes.
     Candidates(f32),
-}
-
-/// The shading frame at a point, on the side from where it is seen.
-pub struct Frame {
-    point: Vec3,
-    flat: Vec3,
-    tangent: Vec3,
-    bitangent: Vec3,
-    normal: Vec3,
-}
-
-impl Frame {
-    /// Makes the frame at a surface seen from a direction.
-    ///
-    /// The tangent is horizontal, as the grooves are of what was turned on a lathe about the vertical: along the parallels of
-    /// the sphere and round the teapot's body. It matters to anisotropic materials only.
-    pub fn new(surface: &Surface<'_, '_>, wo: Vec3) -> Self {
-        let flat = if surface.flat.dot(wo) < 0.0 { -surface.flat } else { surface.flat };
-        let mut normal = if surface.smooth.dot(flat) < 0.0 { -surface.smooth } else { surface.smooth };
-        // Near the outline an interpolated normal may look away from the viewer, who would see black.
-        let cosine = normal.dot(wo);
-        if cosine < LEAST_COSINE {
-            normal = (normal + wo * (LEAST_COSINE - cosine)).normalize();
-        }
-        let (tangent, bitangent) = match Vec3::Z.cross(normal).try_normalize() {
-            Some(tangent) if !surface.material.is_isotropic() => (tangent, normal.cross(tangent)),
-            _ => normal.any_orthonormal_pair(),
-        };
-        Self { point: surface.point, flat, tangent, bitangent, normal }
-    }
-
-    /// Into the shading frame.
-    #[inline]
-    pub fn to_local(&self, d: Vec3) -> Vec3 {
-        Vec3::new(d.dot(self.tangent), d.dot(self.bitangent), d.dot(self.normal))
-    }
-
-    /// Out of the shading frame.
-    #[inline]
-    pub fn to_world(&self, d: Vec3) -> Vec3 {
-        (self.tangent * d.x + self.bitangent * d.y + self.normal * d.z).normalize()
-    }
-
-    /// Whether a direction leaves the surface itself: one that does not would leak light through it.
-    #[inline]
-    pub fn leaves(&self, direction: Vec3) -> bool {
-        direction.dot(self.flat) > 0.0
-    }
-
-    /// A ray from just above the surface.
-    #[inline]
-    fn ray(&self, direction: Vec3) -> Ray {
-        let offset = RAY_OFFSET * self.point.abs().max_element().max(1.0);
-        Ray { origin: self.point + self.flat * offset, direction }
-    }
 }

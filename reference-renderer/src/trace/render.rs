@@ -2,22 +2,31 @@
 
 use crate::numbers::points::{Decision, Points};
 use crate::out::progress::Progress;
+use crate::shade::Light;
 use crate::trace::camera::Camera;
 use crate::trace::film::Film;
+use crate::trace::integrator::even::Lighting;
 use crate::trace::integrator::{Workspace, radiance};
 use crate::trace::scene::Scene;
 use crate::trace::settings::RenderSettings;
 use cpu_time::ThreadTime;
+use glam::Vec3;
 use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::Arc;
 use std::time::Duration;
+
+/// Samples of a million that may be lost: more are no accident.
+const MAY_BE_LOST: u64 = 100;
 
 /// Adds `samples` samples, rays of the camera, to every pixel of a film; advances the progress by the number of rows. Gives the time that
 /// processors worked on it, summed over the threads: what else runs on the machine is not counted.
 ///
-/// What a pixel gets depends only on the seed, the pixel and the samples it holds already: not on the threads.
+/// What a pixel gets depends only on the seed, the pixel and the samples it holds already: not on the threads. A sample that is not finite
+/// is lost: it counts as black, and the film counts it.
 ///
 /// # Errors
-/// A sample that is not finite, of a material or light whose values are too extreme for f32: never passed over.
+/// More than one lost sample in ten thousand: the values of a material or light are too extreme for f32.
 pub fn add_samples(
     scene: &Scene<'_>,
     camera: &Camera,
@@ -26,42 +35,104 @@ pub fn add_samples(
     samples: u32,
     progress: &Progress,
 ) -> anyhow::Result<Duration> {
-    let width = film.size()[0] as usize;
-    let held = film.samples;
-    let rows = film.pixels.par_chunks_mut(width).enumerate();
-    let times = rows.map_init(Workspace::default, |workspace, (y, row)| {
+    let mut time = Duration::ZERO;
+    let (from, to) = (film.samples, film.samples + samples);
+    let is_together = settings.light == Light::Even && scene.environment.constant_radiance().is_none();
+    let at_once = if is_together { Lighting::samples(settings) } else { u32::MAX };
+    let mut lost = Lost::default();
+    let mut held = from;
+    while held < to {
+        let number = held / at_once;
+        let next = (number + 1).saturating_mul(at_once).min(to);
         let start = ThreadTime::now();
-        for (x, pixel) in row.iter_mut().enumerate() {
-            let index = (y * width + x) as u64;
-            for sample in held..held + samples {
-                let points = Points::new(settings.points, settings.seed, index, sample.into());
-                let [across, down, ..] = points.draw(Decision::Pixel, 0);
-                let ray = camera.ray(x as f32 + across, y as f32 + down);
-                pixel.add(radiance(scene, &ray, settings, &points, workspace));
+        let lighting = is_together.then(|| {
+            let key = [settings.seed, number.into()];
+            let kept = film.lighting.take().filter(|kept| kept.0 == key).map(|kept| kept.1);
+            let lighting =
+                kept.unwrap_or_else(|| Arc::new(Lighting::new(scene, camera, film.size(), settings, key[1])));
+            film.lighting = Some((key, lighting.clone()));
+            lighting
+        });
+        time += start.elapsed();
+        let (part, found) = add_range(scene, camera, settings, lighting.as_deref(), film, held..next, || {
+            if next == to {
+                progress.advance(1);
             }
-        }
-        progress.advance(1);
-        start.elapsed()
-    });
-    let time = times.sum();
-    film.samples += samples;
-    match (0..film.pixels.len()).find(|&i| !film.mean(i).is_finite()) {
-        Some(i) => anyhow::bail!(
-            "the pixel in column {}, row {} is {}: finite radiance is expected, and the values of a material or of the light \
-             leave the range of f32",
+        });
+        (time, lost, held) = (time + part, lost.and(found), next);
+    }
+    film.samples = to;
+    film.lost += lost.count;
+    let (width, of) = (film.size()[0] as usize, u64::from(samples) * film.pixels.len() as u64);
+    match lost.first {
+        Some((i, radiance)) if lost.count * 1_000_000 > of * MAY_BE_LOST => anyhow::bail!(
+            "{} of {of} samples are not finite, the first, in column {}, row {}, is {radiance}: finite radiance is expected, and the \
+             values of a material or of the light leave the range of f32",
+            lost.count,
             i % width,
             i / width,
-            film.mean(i)
         ),
-        None => Ok(time),
+        _ => Ok(time),
     }
+}
+
+/// Samples that are not finite: how many, and the first pixel that has one, with its value.
+#[derive(Clone, Copy, Default)]
+struct Lost {
+    count: u64,
+    first: Option<(usize, Vec3)>,
+}
+
+impl Lost {
+    /// Together with those of another part of the picture.
+    fn and(self, other: Self) -> Self {
+        let first = match (self.first, other.first) {
+            (Some(a), Some(b)) => Some(if b.0 < a.0 { b } else { a }),
+            (a, b) => a.or(b),
+        };
+        Self { count: self.count + other.count, first }
+    }
+}
+
+/// Adds a range of the samples of every pixel.
+fn add_range(
+    scene: &Scene<'_>,
+    camera: &Camera,
+    settings: &RenderSettings,
+    lighting: Option<&Lighting>,
+    film: &mut Film,
+    samples: Range<u32>,
+    advance: impl Fn() + Sync,
+) -> (Duration, Lost) {
+    let width = film.size()[0] as usize;
+    let rows = film.pixels.par_chunks_mut(width).enumerate();
+    let parts = rows.map_init(Workspace::default, |workspace, (y, row)| {
+        let start = ThreadTime::now();
+        let mut lost = Lost::default();
+        for (x, pixel) in row.iter_mut().enumerate() {
+            let index = y * width + x;
+            for sample in samples.clone() {
+                let points = Points::new(settings.points, settings.seed, index as u64, sample.into());
+                let [across, down, ..] = points.draw(Decision::Pixel, 0);
+                let ray = camera.ray(x as f32 + across, y as f32 + down);
+                let found = radiance(scene, &ray, settings, lighting, &points, workspace);
+                if found.is_finite() {
+                    pixel.add(found);
+                } else {
+                    lost = lost.and(Lost { count: 1, first: Some((index, found)) });
+                }
+            }
+        }
+        advance();
+        (start.elapsed(), lost)
+    });
+    parts.reduce(Default::default, |a, b| (a.0 + b.0, a.1.and(b.1)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::numbers::points::PointsName;
-    use crate::shade::Light;
     use crate::shade::shader::Shader;
     use crate::shade::{Sampler, SamplerName, Strategy};
     use crate::trace::scene::SceneName;
@@ -133,7 +204,9 @@ mod tests {
             let beside = names.iter().map(|&sampler| Strategy { sampler, light: Light::Mis });
             // Where paths go on, the strategies that differ in what they do there are enough.
             let beside = beside.filter(|_| name == SceneName::Sphere);
-            for strategy in alone.chain(beside).chain([Strategy::PRODUCT, "light".parse().unwrap()]) {
+            for strategy in
+                alone.chain(beside).chain([Strategy::PRODUCT, Strategy::EVEN, "light".parse().unwrap()])
+            {
                 let (rendered, variance) = means(name, strategy);
                 let error = (own + variance).map(f64::sqrt);
                 let deviation = (rendered - expected).abs();
@@ -162,13 +235,15 @@ mod tests {
         };
         let (expected, own) = mean(Light::Mis, 1);
         for split in [1, 4] {
-            let (found, variance) = mean(Light::Product, split);
-            let error = (own + variance).map(f64::sqrt);
-            assert!(
-                (found - expected).abs().cmple(4.5 * error).all(),
-                "{split}: {found} {expected} +- {error}"
-            );
-            assert!(error.max_element() < 0.02 * expected.abs().max_element(), "{error} of {expected}");
+            for light in [Light::Product, Light::Even] {
+                let (found, variance) = mean(light, split);
+                let error = (own + variance).map(f64::sqrt);
+                assert!(
+                    (found - expected).abs().cmple(4.5 * error).all(),
+                    "{split}: {found} {expected} +- {error}"
+                );
+                assert!(error.max_element() < 0.02 * expected.abs().max_element(), "{error} of {expected}");
+            }
         }
     }
 }

@@ -6,6 +6,7 @@
 pub mod file;
 mod order;
 pub mod sky;
+pub mod tile;
 
 use glam::Vec3;
 use order::Order;
@@ -22,6 +23,15 @@ pub struct Environment {
     constant: Option<Vec3>,
     /// Made when it is first asked for: random numbers do not need it.
     order: OnceLock<Order>,
+}
+
+/// Where on the map a sample of the light is, before the map is read.
+#[derive(Clone, Copy, Debug)]
+pub enum LightPlace {
+    /// A cell, and where in it: height and azimuth.
+    Cell(usize, [f32; 2]),
+    /// The numbers of [`Environment::sample`].
+    Numbers([f32; 3]),
 }
 
 /// A direction drawn from an environment.
@@ -83,17 +93,42 @@ impl Environment {
         self.order.get_or_init(|| Order::new(&self.map)).numbers(u)
     }
 
+    /// The place on the map that numbers stand for: of two that lie evenly the directions do, of three by the alias table.
+    #[inline]
+    pub fn ordered_place(&self, u: [f32; 2]) -> LightPlace {
+        let (cell, within) = self.order.get_or_init(|| Order::new(&self.map)).place(u);
+        LightPlace::Cell(cell, within)
+    }
+
+    /// Asks for what is read at a place.
+    #[inline]
+    pub fn prefetch_place(&self, place: LightPlace) {
+        match place {
+            LightPlace::Cell(cell, _) => self.map.prefetch_cell(cell),
+            LightPlace::Numbers(u) => self.map.prefetch(u),
+        }
+    }
+
+    /// The direction of a place.
+    #[inline]
+    pub fn sample_place(&self, place: LightPlace) -> LightSample {
+        let drawn = match place {
+            // A cell that is found has light.
+            LightPlace::Cell(cell, within) => self
+                .map
+                .sample_cell(cell, within)
+                .unwrap_or_else(|| self.map.sample([within[0], 0.0, within[1]])),
+            LightPlace::Numbers(u) => self.map.sample(u),
+        };
+        let radiance = self.constant.unwrap_or(drawn.radiance);
+        LightSample { direction: drawn.direction, pdf: drawn.pdf, radiance }
+    }
+
     /// Radiance and density in one look.
     #[inline]
     pub fn radiance_and_pdf(&self, direction: Vec3) -> (Vec3, f32) {
         let (radiance, pdf) = self.map.radiance_and_pdf(direction);
         (self.constant.unwrap_or(radiance), pdf)
-    }
-
-    /// Asks for what [`sample`](Self::sample) will read with these numbers.
-    #[inline]
-    pub fn prefetch(&self, u: [f32; 3]) {
-        self.map.prefetch(u);
     }
 
     /// Draws a direction by the luminance of the radiance, three uniform numbers in [0, 1).

@@ -26,6 +26,7 @@ const SOURCES: &[&str] = &[
     "pairs",
     "expanded",
     "environment",
+    "reflect",
     "fit",
 ];
 

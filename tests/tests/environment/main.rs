@@ -4,3 +4,4 @@
 mod edges;
 mod map;
 mod product;
+mod reflect;

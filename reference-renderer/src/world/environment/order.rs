@@ -46,13 +46,19 @@ impl Order {
         Self { width, rows, columns, kept: cells.iter().map(|cell| cell.kept).collect(), hosts }
     }
 
+    /// The cell that two uniform numbers in [0, 1) stand for, and where in it: height and azimuth.
+    #[inline]
+    pub fn place(&self, [u, v]: [f32; 2]) -> (usize, [f32; 2]) {
+        let (row, down) = self.rows.find(0, u);
+        let (column, across) = self.columns.find(row, v);
+        (row * self.width + column, [down, across])
+    }
+
     /// The three numbers with which the map draws the direction that two uniform numbers in [0, 1) stand for: the first its height, the
     /// second its azimuth.
     #[inline]
-    pub fn numbers(&self, [u, v]: [f32; 2]) -> [f32; 3] {
-        let (row, down) = self.rows.find(0, u);
-        let (column, across) = self.columns.find(row, v);
-        let cell = row * self.width + column;
+    pub fn numbers(&self, u: [f32; 2]) -> [f32; 3] {
+        let (cell, [down, across]) = self.place(u);
         let kept = self.kept[cell];
         let host = if kept < LEAST_KEPT { self.hosts.get(&cell) } else { None };
         let (hit, left) = match host {
@@ -67,19 +73,27 @@ impl Order {
     }
 }
 
+/// Parts of the guide of a distribution: so few that those of all rows of a map stay in a cache.
+const GUIDE: usize = 64;
+
+/// Sums that are compared at a time: a cache line.
+const AT_ONCE: usize = 16;
+
 /// Cumulative distributions of equally many shares each, and where to begin to look in them.
 struct Cumulative {
-    /// Shares of a distribution.
+    /// Shares of a distribution, and numbers from one distribution to the next.
     n: usize,
-    /// Sums of what is to the left, `n + 1` of each distribution: from 0 to 1.
+    stride: usize,
+    /// Sums of what is to the left, `n + 1` of each distribution: from 0 to 1. Then what is above all numbers.
     parts: Vec<f32>,
-    /// The part that `k / n` falls into, `n` of each distribution: from there it is a step or two (Chen and Asau 1974).
-    first: Vec<u32>,
+    /// The part that `k / GUIDE` falls into, `GUIDE` of each distribution: from there on sums are compared, a cache line at a time.
+    first: Vec<u16>,
 }
 
 impl Cumulative {
     /// Of each `n` shares one; evenly where all are 0, as nothing is drawn from there.
     fn new(shares: &[f64], n: usize) -> Self {
+        let stride = n + 1 + AT_ONCE;
         let (mut parts, mut first) = (Vec::new(), Vec::new());
         for shares in shares.chunks(n) {
             let sum: f64 = shares.iter().sum();
@@ -92,25 +106,28 @@ impl Cumulative {
             parts.push(1.0);
             let own = &parts[begin..];
             let falls_into = |u: f32| own.partition_point(|&part| part <= u).clamp(1, n) - 1;
-            first.extend((0..n).map(|k| falls_into(k as f32 / n as f32) as u32));
+            // A map has at most 65535 columns, and as many rows and one.
+            first.extend((0..GUIDE).map(|k| falls_into(k as f32 / GUIDE as f32) as u16));
+            parts.extend([2.0; AT_ONCE]);
         }
-        Self { n, parts, first }
+        Self { n, stride, parts, first }
     }
 
     /// The part of a distribution that a number in [0, 1) falls into, and where in it, in [0, 1).
     #[inline]
     fn find(&self, distribution: usize, u: f32) -> (usize, f32) {
-        let n = self.n;
-        let parts = &self.parts[distribution * (n + 1)..][..n + 1];
-        let near = ((u * n as f32) as usize).min(n - 1);
-        let mut index = self.first[distribution * n + near] as usize;
-        // What rounds up to a whole number began below.
-        while index > 0 && parts[index] > u {
-            index -= 1;
+        let parts = &self.parts[distribution * self.stride..][..self.stride];
+        let near = ((u * GUIDE as f32) as usize).min(GUIDE - 1);
+        let mut index = self.first[distribution * GUIDE + near] as usize;
+        // The last sums are above all numbers, so that it ends before them.
+        while let Some(block) = parts.get(index + 1..index + 1 + AT_ONCE) {
+            let passed: u32 = block.iter().map(|part| u32::from(*part <= u)).sum();
+            index += passed as usize;
+            if passed < AT_ONCE as u32 {
+                break;
+            }
         }
-        while index + 1 < n && parts[index + 1] <= u {
-            index += 1;
-        }
+        let index = index.min(self.n - 1);
         let (from, to) = (parts[index], parts[index + 1]);
         (index, ((u - from) / (to - from)).clamp(0.0, 1.0 - 0.5 * f32::EPSILON))
     }
@@ -173,7 +190,7 @@ mod tests {
         let cumulative = Cumulative::new(&shares, 8);
         let mut random = Random::new(12, 0, 0);
         for distribution in 0..2 {
-            let parts = &cumulative.parts[distribution * 9..][..9];
+            let parts = &cumulative.parts[distribution * cumulative.stride..][..9];
             let edges = parts.iter().flat_map(|&part| [part.next_down(), part, part.next_up()]);
             let grid = (0..8).flat_map(|k| [k as f32 / 8.0, (k as f32 / 8.0).next_down()]);
             let numbers: Vec<f32> = edges.chain(grid).filter(|u| (0.0..1.0).contains(u)).collect();

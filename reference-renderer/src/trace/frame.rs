@@ -1,0 +1,75 @@
+//! The shading frame of a surface, on the side from where it is seen.
+
+use crate::shade::shader::Scattering;
+use crate::trace::scene::Surface;
+use crate::world::ray::Ray;
+use glam::Vec3;
+
+/// Smallest cosine that an outgoing direction has with the shading normal: the normal is bent until it has it.
+const LEAST_COSINE: f32 = 1e-3;
+
+/// Distance by which rays start above a surface, relative to the size of the coordinates.
+const RAY_OFFSET: f32 = 1e-4;
+
+/// Makes the frame of a surface and gets its material ready; `None` is impossible, as the storage holds every material, and the outgoing
+/// direction is a unit vector. A NaN is found in the picture.
+pub fn look<'a>(surface: &Surface<'_, 'a>, ray: &Ray, scattering: &mut Scattering<'a>) -> Option<Frame> {
+    let wo = -ray.direction;
+    let frame = Frame::new(surface, wo);
+    surface.material.prepare(frame.to_local(wo), scattering).ok().map(|()| frame)
+}
+
+/// The shading frame at a point, on the side from where it is seen.
+pub struct Frame {
+    pub point: Vec3,
+    pub flat: Vec3,
+    pub tangent: Vec3,
+    pub bitangent: Vec3,
+    pub normal: Vec3,
+}
+
+impl Frame {
+    /// Makes the frame at a surface seen from a direction.
+    ///
+    /// The tangent is horizontal, as the grooves are of what was turned on a lathe about the vertical: along the parallels of
+    /// the sphere and round the teapot's body. It matters to anisotropic materials only.
+    pub fn new(surface: &Surface<'_, '_>, wo: Vec3) -> Self {
+        let flat = if surface.flat.dot(wo) < 0.0 { -surface.flat } else { surface.flat };
+        let mut normal = if surface.smooth.dot(flat) < 0.0 { -surface.smooth } else { surface.smooth };
+        // Near the outline an interpolated normal may look away from the viewer, who would see black.
+        let cosine = normal.dot(wo);
+        if cosine < LEAST_COSINE {
+            normal = (normal + wo * (LEAST_COSINE - cosine)).normalize();
+        }
+        let (tangent, bitangent) = match Vec3::Z.cross(normal).try_normalize() {
+            Some(tangent) if !surface.material.is_isotropic() => (tangent, normal.cross(tangent)),
+            _ => normal.any_orthonormal_pair(),
+        };
+        Self { point: surface.point, flat, tangent, bitangent, normal }
+    }
+
+    /// Into the shading frame.
+    #[inline]
+    pub fn to_local(&self, d: Vec3) -> Vec3 {
+        Vec3::new(d.dot(self.tangent), d.dot(self.bitangent), d.dot(self.normal))
+    }
+
+    /// Out of the shading frame.
+    #[inline]
+    pub fn to_world(&self, d: Vec3) -> Vec3 {
+        (self.tangent * d.x + self.bitangent * d.y + self.normal * d.z).normalize()
+    }
+
+    /// Whether a direction leaves the surface itself: one that does not would leak light through it.
+    #[inline]
+    pub fn leaves(&self, direction: Vec3) -> bool {
+        direction.dot(self.flat) > 0.0
+    }
+
+    /// A ray from just above the surface.
+    #[inline]
+    pub fn ray(&self, direction: Vec3) -> Ray {
+        let offset = RAY_OFFSET * self.point.abs().max_element().max(1.0);
+        Ray { origin: self.point + self.flat * offset, direction }
+    }
+}

@@ -1,0 +1,112 @@
+//! Where surfaces see the light: a coarse grid over the scene, filled by a survey.
+
+use glam::Vec3;
+
+/// Cells along each side of the finest grid; coarser ones have half as many, down to one.
+const SIDE: usize = 16;
+
+/// Paths that a cell needs to be judged by itself; with fewer, it is as the coarser cell that it lies in.
+const ENOUGH: f32 = 12.0;
+
+/// Share of the light, of what one of two rays finds, that both find: from there on sums are worth their time.
+const LEAST_SHARE: f32 = 0.5;
+
+/// What one path of the survey found.
+pub struct Seen {
+    pub point: Vec3,
+    /// Luminance of the light that would be reflected without shadows.
+    pub light: f32,
+    /// The path's ray escapes, and the shadow ray does.
+    pub clear: [bool; 2],
+}
+
+/// Where both rays escape.
+pub struct Openness {
+    corner: Vec3,
+    /// Cells over the length.
+    scale: Vec3,
+    cells: Vec<bool>,
+}
+
+/// Sums over the paths of a cell.
+#[derive(Clone, Copy, Default)]
+struct Cell {
+    paths: f32,
+    any: f32,
+    both: f32,
+}
+
+impl Openness {
+    /// The whole scene is open.
+    pub fn everywhere() -> Self {
+        Self { corner: Vec3::ZERO, scale: Vec3::ZERO, cells: vec![true; SIDE * SIDE * SIDE] }
+    }
+
+    /// Judges the cells.
+    pub fn of(seen: &[Seen]) -> Self {
+        let mut open = Self::everywhere();
+        let Some(first) = seen.first() else { return open };
+        let (low, high) =
+            seen.iter().fold((first.point, first.point), |(a, b), s| (a.min(s.point), b.max(s.point)));
+        let extent = (high - low).max(Vec3::splat(1e-6));
+        (open.corner, open.scale) = (low, SIDE as f32 / extent);
+        // From coarse to fine: the verdict of a cell with too few paths stays that of the coarser one.
+        let mut side = 1;
+        while side <= SIDE {
+            let mut cells = vec![Cell::default(); side * side * side];
+            let coarse = |index: usize| {
+                let [x, y, z] = [index % SIDE, index / SIDE % SIDE, index / (SIDE * SIDE)];
+                let step = SIDE / side;
+                (z / step * side + y / step) * side + x / step
+            };
+            for s in seen {
+                let cell = &mut cells[coarse(open.index(s.point))];
+                cell.paths += 1.0;
+                cell.any += if s.clear[0] || s.clear[1] { s.light } else { 0.0 };
+                cell.both += if s.clear[0] && s.clear[1] { s.light } else { 0.0 };
+            }
+            for index in 0..open.cells.len() {
+                let cell = cells[coarse(index)];
+                if cell.paths >= ENOUGH || side == 1 {
+                    open.cells[index] = cell.both > LEAST_SHARE * cell.any;
+                }
+            }
+            side *= 2;
+        }
+        open
+    }
+
+    /// The cell of a point; one outside is in the nearest.
+    #[inline]
+    fn index(&self, point: Vec3) -> usize {
+        let [x, y, z] = ((point - self.corner) * self.scale).to_array().map(|v| (v as usize).min(SIDE - 1));
+        (z * SIDE + y) * SIDE + x
+    }
+
+    /// Whether most of the light is seen from a point.
+    #[inline]
+    pub fn is_at(&self, point: Vec3) -> bool {
+        self.cells[self.index(point)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_judged_by_their_own_paths_and_by_coarser_ones_where_they_have_few() {
+        let seen =
+            |x: f32, clear: bool| Seen { point: Vec3::new(x, 0.0, 0.0), light: 1.0, clear: [clear, true] };
+        // Open on the right, and in the mean; one path alone says nothing.
+        let mut paths: Vec<Seen> = (0..30).map(|i| seen(i as f32 / 30.0, false)).collect();
+        paths.extend((0..100).map(|i| seen(9.0 + i as f32 / 100.0, true)));
+        paths.push(seen(7.0, false));
+        let open = Openness::of(&paths);
+        let at = |x: f32| open.is_at(Vec3::new(x, 0.0, 0.0));
+        assert!(!at(0.3) && !at(-100.0) && at(9.5) && at(7.0) && at(1e9));
+        assert!(Openness::of(&[]).is_at(Vec3::ZERO));
+        // Light that neither ray finds does not speak for the sums.
+        assert!(!Openness::of(&[Seen { clear: [false, false], ..seen(0.0, false) }]).is_at(Vec3::ZERO));
+    }
+}
