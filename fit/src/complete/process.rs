@@ -9,6 +9,22 @@ use crate::numeric::cholesky::Square;
 use crate::numeric::vector;
 use pulp::NullaryFnOnce;
 
+/// Deviation of a normal distribution over the median of sizes.
+const NORMAL_DEVIATION: f64 = 1.4826;
+
+/// Least number on the diagonal of an inverse, below which arithmetic has nothing left.
+const LEAST_DIAGONAL: f64 = 1e-12;
+
+/// What all others say of a point.
+pub(super) struct LeftOut {
+    /// How far it is above that.
+    pub above: [f64; 3],
+    /// The variance that this is expected to have.
+    pub variance: f64,
+    /// Usual size of a difference over its deviation, of all points.
+    pub usual: f64,
+}
+
 /// How alike points are at a distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Kernel {
@@ -115,6 +131,51 @@ impl Process {
             ([0, 1, 2].map(|c| self.solution[c][i] / squared), 1.0 / squared)
         };
         (0..self.columns.size()).map(of).collect()
+    }
+
+    /// Points that all others speak against, one after the other, each with what all others that are left say of it.
+    ///
+    /// `score` says how strongly, or `None`; the strongest is taken, and the rest is looked at without it, so that one wrong point does
+    /// not speak against its neighbours. At most `most` are taken.
+    pub fn spoken_against(&self, most: usize, score: impl Fn(usize, &LeftOut) -> Option<f64>) -> Vec<(usize, [f64; 3])> {
+        let n = self.columns.size();
+        let mut solution = self.solution.clone();
+        let mut diagonal: Vec<f64> = (0..n).map(|i| self.columns.squared(i)).collect();
+        let mut is_out = vec![false; n];
+        let (mut gone, mut rows): (Vec<(usize, [f64; 3])>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
+        while gone.len() < most {
+            let above = |i: usize| [0, 1, 2].map(|c| solution[c][i] / diagonal[i]);
+            let mean = |i: usize| above(i).iter().sum::<f64>() / 3.0;
+            let left = || (0..n).filter(|&i| !is_out[i]);
+            let mut sizes: Vec<f64> = left().map(|i| mean(i).abs() * libm::sqrt(diagonal[i])).collect();
+            if sizes.is_empty() {
+                break;
+            }
+            sizes.sort_by(f64::total_cmp);
+            let usual = NORMAL_DEVIATION * sizes[sizes.len() / 2];
+            let scored = left().filter_map(|i| {
+                let out = LeftOut { above: above(i), variance: 1.0 / diagonal[i], usual };
+                Some((score(i, &out)?, i))
+            });
+            let Some((_, i)) = scored.max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+            gone.push((i, above(i)));
+            is_out[i] = true;
+            // The row of the inverse of what is left, and what it takes from all others.
+            let mut row = self.columns.row_of_gram(i);
+            for other in &rows {
+                let share = other[i];
+                row.iter_mut().zip(other).for_each(|(v, o)| *v -= share * o);
+            }
+            let root = libm::sqrt(row[i].max(f64::MIN_POSITIVE));
+            row.iter_mut().for_each(|v| *v /= root);
+            for channel in &mut solution {
+                let share = channel[i] / row[i];
+                channel.iter_mut().zip(&row).for_each(|(s, r)| *s -= share * r);
+            }
+            diagonal.iter_mut().zip(&row).for_each(|(d, r)| *d = (*d - r * r).max(LEAST_DIAGONAL));
+            rows.push(row);
+        }
+        gone
     }
 
     /// How far the points of a group are above what all others say of them; `None` as of [`new`](Self::new).
