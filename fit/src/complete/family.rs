@@ -3,8 +3,8 @@
 use super::held_out::HeldOut;
 use super::measurement::{Measured, Measurement};
 use super::microfacet::{Family, Microfacet};
-use super::points::{Point, each, grouped, points};
-use super::process::{Kernel, Process, factor};
+use super::points::{Point, each, points};
+use super::process::{Kernel, Of, Process, factor};
 use super::scale::Scale;
 use super::{KERNELS, OF_MODEL, noises, width};
 use rayon::prelude::*;
@@ -21,8 +21,17 @@ const COMPARED: usize = 1500;
 /// Samples are left out in so many parts.
 const FOLDS: usize = 5;
 
-/// Share of the error of the simplest family that one with a second lobe has to be below.
+/// Families whose error is at most so many times that of the best are compared with this process over each.
+const CLOSE: f64 = 1.4;
+const COMPARED_BESIDE: (Kernel, f64) = (KERNELS[1], 1e-2);
+
+/// Samples that families are compared by with a process over each: time goes with the cube.
+const COMPARED_WITH_PROCESS: usize = 750;
+
+/// Share of the error of the simplest family that one with a second lobe has to be below: a coat is common, a lobe about the back direction
+/// is where samples leave no doubt.
 const WORTHWHILE: f64 = 0.97;
+const WITHOUT_DOUBT: f64 = 0.8;
 
 /// What the model is fitted beside, and samples.
 const BESIDE: (Kernel, f64) = (KERNELS[3], 3e-3);
@@ -41,16 +50,31 @@ pub(super) struct Models {
 pub(super) fn models(measurement: &Measurement, scale: Scale) -> Models {
     let few = measurement.thinned(OF_MODEL);
     let compared = measurement.thinned(COMPARED);
+    let with_process = measurement.thinned(COMPARED_WITH_PROCESS);
+    let error = |model: &Microfacet, process: Option<(Kernel, f64)>| {
+        let demanded = match model.family() {
+            Family::OneLobe => 1.0,
+            Family::Coat => 1.0 / WORTHWHILE,
+            Family::Retro => 1.0 / WITHOUT_DOUBT,
+        };
+        let samples = if process.is_some() { &with_process } else { &compared };
+        unseen(samples, scale, model, process).map_or(f64::INFINITY, |u| demanded * samples_and_views(&u))
+    };
     let mut families: Vec<(f64, Vec<(f64, Microfacet)>)> = Family::ALL
         .iter()
         .map(|&family| {
             let fits = Microfacet::fits(&few, scale, family);
-            let error = unseen(&compared, scale, &fits[0].1);
-            let error = samples_and_views(&error);
-            (if family == Family::OneLobe { WORTHWHILE * error } else { error }, fits)
+            (error(&fits[0].1, None), fits)
         })
         .collect();
     families.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Those that come near to the best are compared with a process over each.
+    let near = CLOSE * families[0].0;
+    families.retain(|family| family.0 <= near);
+    if families.len() > 1 {
+        families.iter_mut().for_each(|family| family.0 = error(&family.1[0].1, Some(COMPARED_BESIDE)));
+        families.sort_by(|a, b| a.0.total_cmp(&b.0));
+    }
     let fits = families.swap_remove(0).1;
     let alone = fits[0].1;
     let mut all: Vec<Microfacet> = Vec::new();
@@ -75,7 +99,7 @@ pub(super) fn models(measurement: &Measurement, scale: Scale) -> Models {
 fn beside(few: &Measurement, scale: Scale, mut model: Microfacet) -> Option<Microfacet> {
     for _ in 0..REFINEMENTS {
         let points = points(few, &model, scale, width(&model));
-        let factor = factor(&points, BESIDE.0, &noises(&points, BESIDE.1))?;
+        let factor = factor(&points, BESIDE.0, &noises(&points, BESIDE.1), Of::Values)?;
         model = model.refined(few, scale, &factor);
     }
     Some(model)
@@ -85,60 +109,39 @@ fn samples_and_views(unseen: &[HeldOut; 2]) -> f64 {
     unseen.iter().map(HeldOut::rank).sum()
 }
 
-/// Errors of a family of models at samples, and at views, that fits did not see.
-pub(super) fn unseen(measurement: &Measurement, scale: Scale, start: &Microfacet) -> [HeldOut; 2] {
-    let wide = measurement.views;
-    let by_samples = (0..FOLDS).map(|part| (part, false));
-    let by_views = (1..wide.saturating_sub(1)).map(|view| (view, true));
-    let parts: Vec<(usize, bool)> = by_samples.chain(by_views).collect();
-    let found: Vec<(bool, Vec<Point>)> = parts
-        .into_par_iter()
-        .map(|(part, is_view)| {
-            let is_out = |s: &Measured| if is_view { s.view == part } else { s.number % FOLDS == part };
-            let model = start.fitted_to(&measurement.only(|s| !is_out(s)), scale);
-            let gone = Measurement {
-                samples: measurement.samples.iter().filter(|s| is_out(s)).copied().collect(),
-                ..*measurement
-            };
-            (is_view, each(&gone, &model, scale, width(&model)))
-        })
-        .collect();
-    [false, true].map(|is_view| {
-        let of = found.iter().filter(|f| f.0 == is_view);
-        let gone: Vec<Point> = of.flat_map(|f| &f.1).cloned().collect();
-        let above: Vec<[f64; 3]> = gone.iter().map(|p| p.above).collect();
-        HeldOut::new(&gone, &above, scale)
-    })
-}
-
-/// Errors of a completion at views that neither its model nor its process saw; `None` where there are fewer than three views, or the
-/// arithmetic ends.
-pub(super) fn unseen_views(
+/// Errors at samples, and at views, of which fits of a model did not know, nor a process over them if there is one; `None` where the
+/// arithmetic of that ends. The views are all but the first and the last.
+pub(super) fn unseen(
     measurement: &Measurement,
     scale: Scale,
     start: &Microfacet,
-    (kernel, noise): (Kernel, f64),
-) -> Option<HeldOut> {
-    let parts: Vec<usize> = (1..measurement.views.saturating_sub(1)).collect();
-    let found: Option<Vec<Vec<(Point, [f64; 3])>>> = parts
-        .into_par_iter()
-        .map(|view| {
-            let rest = measurement.only(|s| s.view != view);
-            let model = start.fitted_to(&rest, scale);
-            let (points, _) = grouped(each(&rest, &model, scale, width(&model)));
-            let process = Process::new(&points, kernel, &noises(&points, noise))?;
-            let gone = Measurement {
-                samples: measurement.samples.iter().filter(|s| s.view == view).copied().collect(),
-                ..*measurement
-            };
-            let gone = each(&gone, &model, scale, width(&model)).into_iter().map(|p| {
-                let said = process.at(&p.at);
-                let left = [0, 1, 2].map(|c| p.above[c] - said[c]);
-                (p, left)
-            });
-            Some(gone.collect())
-        })
-        .collect();
-    let (gone, above): (Vec<Point>, Vec<[f64; 3]>) = found?.into_iter().flatten().unzip();
-    (!gone.is_empty()).then(|| HeldOut::new(&gone, &above, scale))
+    process: Option<(Kernel, f64)>,
+) -> Option<[HeldOut; 2]> {
+    let by_samples = (0..FOLDS).map(|part| (part, false));
+    let by_views = (1..measurement.views.saturating_sub(1)).map(|view| (view, true));
+    let parts: Vec<(usize, bool)> = by_samples.chain(by_views).collect();
+    let left_out = |(part, is_view): (usize, bool)| {
+        let is_out = |s: &Measured| if is_view { s.view == part } else { s.number % FOLDS == part };
+        let rest = measurement.only(|s| !is_out(s));
+        let model = start.fitted_to(&rest, scale);
+        let gone = measurement.samples.iter().filter(|s| is_out(s)).copied().collect();
+        let gone = each(&Measurement { samples: gone, ..*measurement }, &model, scale, width(&model));
+        let Some((kernel, noise)) = process else {
+            return Some((is_view, gone.into_iter().map(|p| (p.above, p)).collect()));
+        };
+        let points = points(&rest, &model, scale, width(&model));
+        let process = Process::of_all(&points, kernel, &noises(&points, noise), Of::Values)?;
+        let above = |p: &Point| {
+            let said = process.at(&p.at);
+            [0, 1, 2].map(|c| p.above[c] - said[c])
+        };
+        Some((is_view, gone.into_iter().map(|p| (above(&p), p)).collect()))
+    };
+    let found: Option<Vec<(bool, Vec<([f64; 3], Point)>)>> = parts.into_par_iter().map(left_out).collect();
+    let found = found?;
+    Some([false, true].map(|is_view| {
+        let of = found.iter().filter(|f| f.0 == is_view);
+        let (above, gone): (Vec<[f64; 3]>, Vec<Point>) = of.flat_map(|f| f.1.iter().cloned()).unzip();
+        HeldOut::new(&gone, &above, scale)
+    }))
 }

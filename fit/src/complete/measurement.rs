@@ -3,13 +3,16 @@
 use super::color::xyz;
 use super::pair::Pair;
 use crate::table::Table;
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Share of the samples that are darker than what a diffuse term starts from.
 const DARK: f64 = 0.2;
 
 /// Least mean radiance over the brightest sample: where most is noise around 0, the mean may be anything.
 const LEAST_LEVEL: f64 = 1e-4;
+
+/// Views that pairs of directions are taken to be of, by the angle of the outgoing one.
+const VIEWS_OF_PAIRS: usize = 12;
 
 /// One sample.
 #[derive(Clone, Copy, Debug)]
@@ -60,6 +63,22 @@ impl Measurement {
         let albedos =
             table.views.iter().flat_map(|v| v.uncut_albedo).sum::<f64>() / 3.0 / table.views.len() as f64;
         Self::of_samples(samples, table.views.len(), albedos / PI)
+    }
+
+    /// Of pairs of directions: incident and outgoing one, in any frame with +z the normal, and f in linear sRGB.
+    pub fn of_pairs(pairs: &[([f64; 3], [f64; 3], [f64; 3])]) -> Self {
+        let mut numbers = [0; VIEWS_OF_PAIRS];
+        let sample = |(wi, wo, rgb): &([f64; 3], [f64; 3], [f64; 3])| {
+            let place = libm::acos(wo[2].clamp(0.0, 1.0)) / FRAC_PI_2 * VIEWS_OF_PAIRS as f64;
+            let view = (place as usize).min(VIEWS_OF_PAIRS - 1);
+            numbers[view] += 1;
+            let (value, number) = (xyz(*rgb), numbers[view] - 1);
+            let (relative, even) = (wi[2] * wi[2], 1.0 / pairs.len() as f64);
+            Measured { pair: Pair::new(*wi, *wo), value, view, number, relative, even }
+        };
+        let samples: Vec<Measured> = pairs.iter().map(sample).collect();
+        let level = samples.iter().map(|s| s.even * s.value.iter().sum::<f64>() / 3.0).sum();
+        Self::of_samples(samples, VIEWS_OF_PAIRS, level)
     }
 
     /// With what is made of all samples, of which `relative` need not be over the norms of the views yet.

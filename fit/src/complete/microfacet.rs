@@ -34,6 +34,9 @@ const HORIZON: f64 = 1e-3;
 /// Rise of a dielectric coat's reflectance from the normal to grazing angles.
 const COAT_RISE: f64 = 25.0;
 
+/// How freely the channels of a coat may be apart.
+const LEAST_HUE: f64 = 0.05;
+
 /// Largest logarithm that a second lobe starts from, and the least value.
 const SECOND_START: (f64, f64) = (1e-3, 2.0);
 
@@ -56,6 +59,15 @@ pub enum Family {
 impl Family {
     /// All of them, the simplest first.
     pub(super) const ALL: [Self; 3] = [Self::OneLobe, Self::Coat, Self::Retro];
+
+    /// What the model is made of, in words.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::OneLobe => "a diffuse term and a microfacet lobe",
+            Self::Coat => "a diffuse term, a microfacet lobe and a clear coat",
+            Self::Retro => "a diffuse term, a microfacet lobe and one about the back direction",
+        }
+    }
 
     /// One word.
     pub fn name(self) -> &'static str {
@@ -152,6 +164,11 @@ impl Microfacet {
         self.values.exponent
     }
 
+    /// How freely the channels may be apart from what it says, 0 to 1: as much as is not of the coat.
+    pub fn hue(&self, pair: &Pair) -> f64 {
+        self.values.hue(pair)
+    }
+
     /// f, XYZ over white; 1/sr.
     pub fn value(&self, pair: &Pair) -> [f64; 3] {
         self.values.at(pair)
@@ -223,6 +240,16 @@ impl Values {
 
     fn at(&self, pair: &Pair) -> [f64; 3] {
         self.with_slopes(pair).0
+    }
+
+    fn hue(&self, pair: &Pair) -> f64 {
+        if self.family != Family::Coat {
+            return 1.0;
+        }
+        let (values, slopes) = self.with_slopes(pair);
+        // What is multiplied by an unknown that is a logarithm is the derivative by that.
+        let of_coat = 3.0 * (slopes[0][OF_A_CHANNEL - 2] + slopes[0][OF_A_CHANNEL - 1]);
+        1.0 - (1.0 - LEAST_HUE) * of_coat / values.iter().sum::<f64>().max(f64::MIN_POSITIVE)
     }
 
     /// The value, and of each channel the derivatives by its unknowns, in the order of [`of_a_channel`].

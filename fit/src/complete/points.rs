@@ -26,6 +26,8 @@ pub(super) struct Point {
     pub above: [f64; 3],
     /// Samples that it is the mean of.
     pub count: f64,
+    /// How freely the channels may be apart there, 0 to 1: a coat has no hue.
+    pub hue: f64,
     /// As of a sample.
     pub relative: f64,
     pub even: f64,
@@ -44,7 +46,7 @@ pub(super) fn each(measurement: &Measurement, model: &Microfacet, scale: Scale, 
         let base = model.value(&s.pair).map(|v| scale.to(v));
         let above = [0, 1, 2].map(|c| scale.to(s.value[c]) - base[c]);
         let (at, band) = (s.pair.coordinates(width), s.view / wide);
-        Point { at, base, above, count: 1.0, relative: s.relative, even: s.even, band }
+        Point { at, base, above, count: 1.0, hue: model.hue(&s.pair), relative: s.relative, even: s.even, band }
     };
     measurement.samples.iter().map(point).collect()
 }
@@ -83,6 +85,7 @@ fn merged(all: &[Point], cell: f64) -> (Vec<Point>, Vec<usize>) {
         (0..3).for_each(|c| sum.base[c] += p.base[c]);
         (0..3).for_each(|c| sum.above[c] += p.above[c]);
         sum.count += p.count;
+        sum.hue += p.hue;
         sum.relative += p.relative;
         sum.even += p.even;
         of.push(number);
@@ -90,6 +93,7 @@ fn merged(all: &[Point], cell: f64) -> (Vec<Point>, Vec<usize>) {
     for sum in &mut sums {
         let count = sum.count;
         sum.at = sum.at.map(|v| v / count);
+        sum.hue /= count;
         sum.base = sum.base.map(|v| v / count);
         sum.above = sum.above.map(|v| v / count);
     }

@@ -80,13 +80,35 @@ impl NullaryFnOnce for Row<'_> {
     }
 }
 
+/// What of its points a process is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Of {
+    /// How far they are above the model.
+    Values,
+    /// How far their channels are apart in that; it varies as much as [`Point::hue`] says.
+    Hues,
+}
+
+impl Of {
+    fn weight(self, point: &Point) -> f64 {
+        if self == Self::Hues { point.hue } else { 1.0 }
+    }
+
+    fn value(self, point: &Point, channel: usize) -> f64 {
+        let mean = if self == Self::Hues { point.above.iter().sum::<f64>() / 3.0 } else { 0.0 };
+        point.above[channel] - mean
+    }
+}
+
 /// Factor of the matrix of points with the variance of noise of each; `None` where that is too little for the arithmetic.
-pub(super) fn factor(points: &[Point], kernel: Kernel, noise: &[f64]) -> Option<Square> {
+pub(super) fn factor(points: &[Point], kernel: Kernel, noise: &[f64], of: Of) -> Option<Square> {
     let at = columns(points);
+    let weights: Vec<f64> = points.iter().map(|p| of.weight(p)).collect();
     let mut matrix = Square::zeros(points.len());
     for (i, point) in points.iter().enumerate() {
         let row = &mut matrix.row_mut(i)[..=i];
         kernel.row(&at, &point.at, row);
+        row.iter_mut().zip(&weights).for_each(|(v, weight)| *v *= weight * weights[i]);
         row[i] += noise[i];
     }
     matrix.cholesky()
@@ -104,24 +126,43 @@ pub(super) struct Process {
     at: [Vec<f64>; COORDINATES],
     /// Of every channel, the solution of the points' values.
     solution: [Vec<f64>; 3],
-    /// The inverse of the factor by columns.
+    /// The same times how much each point varies.
+    weighed: [Vec<f64>; 3],
+    /// The inverse of the factor by columns; empty where nothing is to be left out.
     columns: Square,
 }
 
 impl Process {
     /// As [`factor`].
-    pub fn new(points: &[Point], kernel: Kernel, noise: &[f64]) -> Option<Self> {
-        let factor = factor(points, kernel, noise)?;
-        let solution =
-            [0, 1, 2].map(|c| factor.solve(&points.iter().map(|p| p.above[c]).collect::<Vec<f64>>()));
-        Some(Self { kernel, at: columns(points), solution, columns: factor.inverse_of_lower() })
+    pub fn new(points: &[Point], kernel: Kernel, noise: &[f64], of: Of) -> Option<Self> {
+        Self::with(points, kernel, noise, of, Square::inverse_of_lower)
     }
 
-    /// What it says at coordinates.
+    /// The same, which says nothing of points that are left out.
+    pub fn of_all(points: &[Point], kernel: Kernel, noise: &[f64], of: Of) -> Option<Self> {
+        Self::with(points, kernel, noise, of, |_| Square::zeros(0))
+    }
+
+    fn with(
+        points: &[Point],
+        kernel: Kernel,
+        noise: &[f64],
+        of: Of,
+        columns: impl Fn(&Square) -> Square,
+    ) -> Option<Self> {
+        let factor = factor(points, kernel, noise, of)?;
+        let values = |c: usize| points.iter().map(|p| of.value(p, c)).collect::<Vec<f64>>();
+        let solution = [0, 1, 2].map(|c| factor.solve(&values(c)));
+        let weigh = |c: &Vec<f64>| c.iter().zip(points).map(|(v, p)| v * of.weight(p)).collect();
+        let weighed = solution.each_ref().map(weigh);
+        Some(Self { kernel, at: self::columns(points), solution, weighed, columns: columns(&factor) })
+    }
+
+    /// What it says at coordinates, where it varies fully.
     pub fn at(&self, to: &[f64; COORDINATES]) -> [f64; 3] {
         let mut row = vec![0.0; self.at[0].len()];
         self.kernel.row(&self.at, to, &mut row);
-        [0, 1, 2].map(|c| vector::dot(&row, &self.solution[c]))
+        [0, 1, 2].map(|c| vector::dot(&row, &self.weighed[c]))
     }
 
     /// How far every point is above what the others say of it, and the variance of that.

@@ -6,7 +6,7 @@
 use super::measurement::{Measured, Measurement};
 use super::microfacet::{Family, Microfacet};
 use super::points::{Point, each, grouped};
-use super::process::{Kernel, LeftOut, Process};
+use super::process::{Kernel, LeftOut, Of, Process};
 use super::scale::Scale;
 use super::{KERNELS, OF_MODEL, noises, width};
 use std::collections::{BTreeMap, BTreeSet};
@@ -30,6 +30,10 @@ const KNOWN: f64 = 0.3;
 
 /// Least difference over the mean radiance: what is off by less is the noise of dark values, of which many were clamped to 0.
 const LEAST: f64 = 0.1;
+
+/// Nearest samples of the same view, of which most are not off likewise: many that are off together are what the surface or the
+/// instrument does there.
+const NEIGHBOURS: usize = 6;
 
 /// Samples of one point from which on they are compared with one another.
 const OF_A_GROUP: usize = 5;
@@ -69,7 +73,7 @@ fn look(measurement: &Measurement) -> Vec<Outlier> {
     };
     let all = each(measurement, &model, scale, width(&model));
     let (points, of) = grouped(all.clone());
-    let Some(process) = Process::new(&points, KERNEL, &noises(&points, NOISE)) else { return Vec::new() };
+    let Some(process) = Process::new(&points, KERNEL, &noises(&points, NOISE), Of::Values) else { return Vec::new() };
     let mean = |above: [f64; 3]| above.iter().sum::<f64>() / 3.0;
     let is_apart = |p: &Point, off: f64| {
         let said = |c: usize| scale.back(p.base[c] + p.above[c] - off) - scale.back(p.base[c] + p.above[c]);
@@ -93,10 +97,31 @@ fn look(measurement: &Measurement) -> Vec<Outlier> {
     for (s, point) in measurement.samples.iter().zip(&of) {
         found.extend(gone.get(point).map(|&above| outlier(s, mean(above))));
     }
-    found.extend(in_groups(&all, &of, points.len(), is_apart).into_iter().map(|(i, off)| {
-        outlier(&measurement.samples[i], off)
-    }));
-    found
+    found.extend(
+        in_groups(&all, &of, points.len(), is_apart)
+            .into_iter()
+            .map(|(i, off)| outlier(&measurement.samples[i], off)),
+    );
+    alone(measurement, &all, found)
+}
+
+/// Those of which most neighbours of the same view are not off as well.
+fn alone(measurement: &Measurement, all: &[Point], found: Vec<Outlier>) -> Vec<Outlier> {
+    let off: BTreeSet<(usize, usize)> = found.iter().map(|o| (o.view, o.sample)).collect();
+    let is_alone = |o: &Outlier| {
+        let of_view = || measurement.samples.iter().zip(all).filter(|(s, _)| s.view == o.view);
+        let Some((_, own)) = of_view().find(|(s, _)| s.number == o.sample) else { return true };
+        let mut near: Vec<(f64, bool)> = of_view()
+            .filter(|(s, _)| s.number != o.sample)
+            .map(|(s, p)| {
+                let apart: f64 = p.at.iter().zip(own.at).map(|(a, b)| (a - b) * (a - b)).sum();
+                (apart, off.contains(&(s.view, s.number)))
+            })
+            .collect();
+        near.sort_by(|a, b| a.0.total_cmp(&b.0));
+        2 * near.iter().take(NEIGHBOURS).filter(|n| n.1).count() < NEIGHBOURS
+    };
+    found.into_iter().filter(is_alone).collect()
 }
 
 /// Samples that are off the median of those that they are taken together with.

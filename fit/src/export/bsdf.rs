@@ -2,7 +2,8 @@
 //!
 //! A measured file has a warp that spreads visible normals over its pictures. Here the warp is the identity, so that a picture is `f cos`
 //! over the half vectors themselves: the square root of their angle from the normal, which is dense where highlights are, and
-//! their azimuth. A reader that draws directions by the file's warps still has those by brightness.
+//! their azimuth. Pictures are square, as most readers ask for. What a reader draws by is `f cos` times the solid angle of a pixel's incident
+//! directions, so that what it draws has a weight that is nearly the same for all.
 
 use super::{check_isotropic, finite};
 use crate::FitError;
@@ -22,7 +23,7 @@ const ROWS: usize = 128;
 /// Least height of an incident direction: what lies below the horizon is interpolated with, and goes on smoothly.
 const LEAST_HEIGHT: f64 = 1e-3;
 
-/// Writes an isotropic BRDF as a `.bsdf` file: `f cos` at 30 outgoing directions by 128 x 97 half vectors. The caller's threads of rayon are
+/// Writes an isotropic BRDF as a `.bsdf` file: `f cos` at 30 outgoing directions by 128 x 128 half vectors. The caller's threads of rayon are
 /// used.
 ///
 /// # Errors

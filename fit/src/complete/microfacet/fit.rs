@@ -17,9 +17,13 @@ const EXPONENTS: (f64, f64) = (0.05, 6.0);
 const SECOND_WIDTHS: (f64, f64) = (0.001, 0.6);
 const RETRO_EXPONENTS: (f64, f64) = (0.05, 40.0);
 
-/// Greatest logarithm of a reflectance, and of what a second lobe is multiplied by.
+/// Greatest logarithm of a reflectance, and of what a coat is multiplied by.
 const MOST: f64 = 3.0;
-const MOST_SECOND: f64 = 14.0;
+const MOST_COAT: f64 = 14.0;
+
+/// A lobe about the back direction is at most so many times as high as the brightest sample: one that is narrower than the samples' distance
+/// could be of any height.
+const OVER_BRIGHTEST: f64 = 1.5;
 
 /// Weight of squared differences of logarithms beside that of the relative squared ones.
 const BY_LOGARITHM: f64 = 0.09;
@@ -43,6 +47,8 @@ pub(super) struct Fit<'a> {
     factor: Option<&'a Square>,
     /// What is likely.
     likely: Vec<Likely>,
+    /// Greatest logarithm of what a second lobe is multiplied by.
+    most_second: f64,
 }
 
 /// A sum of unknowns and what it is likely to be, both over the deviation.
@@ -90,7 +96,14 @@ impl<'a> Fit<'a> {
         factor: Option<&'a Square>,
     ) -> Self {
         let logarithms = measurement.samples.iter().map(|s| s.value.map(|v| scale.to(v))).collect();
-        Self { measurement, scale, family, logarithms, factor, likely: Likely::all(family) }
+        let most_second = match family {
+            Family::OneLobe | Family::Coat => MOST_COAT,
+            Family::Retro => {
+                let brightest = measurement.samples.iter().flat_map(|s| s.value).fold(0.0, f64::max);
+                libm::log(OVER_BRIGHTEST * brightest).clamp(LEAST, MOST_COAT)
+            }
+        };
+        Self { measurement, scale, family, logarithms, factor, likely: Likely::all(family), most_second }
     }
 
     fn of_likely(&self) -> f64 {
@@ -244,7 +257,7 @@ impl LeastSquares for Fit<'_> {
             SECOND_EXPONENT => second(log(EXPONENTS), 0.0),
             // A coat has two.
             _ if unknown == SECOND + 2 && self.family == Family::Coat => (LEAST, LEAST),
-            _ if unknown >= SECOND => second((LEAST, MOST_SECOND), LEAST),
+            _ if unknown >= SECOND => second((LEAST, self.most_second), LEAST),
             _ if unknown < WIDTH => (LEAST, MOST_DIFFUSE),
             _ => (LEAST, MOST),
         }
