@@ -16,7 +16,6 @@
 mod color;
 mod energy;
 mod family;
-mod filled;
 mod gaps;
 mod grid;
 mod heights;
@@ -34,7 +33,6 @@ use crate::FitError;
 use crate::table::{Brdf, Table, check_storable};
 use energy::Energy;
 use family::{Models, models, unseen};
-pub use filled::Filled;
 pub use gaps::Gaps;
 use gaps::gaps;
 use grid::Grid;
@@ -112,6 +110,11 @@ pub fn complete(table: &Table) -> Result<Completion, FitError> {
     let mut completion = completed(Measurement::new(table))?;
     completion.report.gaps = gaps(table);
     Ok(completion)
+}
+
+/// Completes pairs of directions, incident and outgoing, and f in linear sRGB.
+pub(crate) fn complete_pairs(pairs: &[([f64; 3], [f64; 3], [f64; 3])]) -> Result<Completion, FitError> {
+    completed(Measurement::of_pairs(pairs))
 }
 
 fn completed(measurement: Measurement) -> Result<Completion, FitError> {

@@ -3,6 +3,7 @@
 pub mod astm;
 pub mod cornell;
 pub mod csv;
+mod filled;
 pub(crate) mod limit;
 pub mod merl;
 pub mod neural;
@@ -14,9 +15,9 @@ mod scatter;
 mod spectrum;
 
 use crate::analytic;
-use crate::complete::Filled;
 use crate::table::{Brdf, Table};
 use crate::{FitError, ReadError};
+pub use filled::Filled;
 pub(crate) use scatter::Scatter;
 use sha2::{Digest, Sha256};
 use std::path::Path;

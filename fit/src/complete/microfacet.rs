@@ -360,7 +360,10 @@ mod tests {
                         moved[unknown] += 1e-6;
                         let slope = (Values::new(&moved, family).at(&pair)[c] - value[c]) / 1e-6;
                         let apart = (slope - slopes[c][k]).abs();
-                        assert!(apart < 1e-4 * (value[c] + slope.abs()), "{family:?} {c} {k}: {slope} {slopes:?}");
+                        assert!(
+                            apart < 1e-4 * (value[c] + slope.abs()),
+                            "{family:?} {c} {k}: {slope} {slopes:?}"
+                        );
                     }
                 }
             }

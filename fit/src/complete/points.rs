@@ -46,7 +46,16 @@ pub(super) fn each(measurement: &Measurement, model: &Microfacet, scale: Scale, 
         let base = model.value(&s.pair).map(|v| scale.to(v));
         let above = [0, 1, 2].map(|c| scale.to(s.value[c]) - base[c]);
         let (at, band) = (s.pair.coordinates(width), s.view / wide);
-        Point { at, base, above, count: 1.0, hue: model.hue(&s.pair), relative: s.relative, even: s.even, band }
+        Point {
+            at,
+            base,
+            above,
+            count: 1.0,
+            hue: model.hue(&s.pair),
+            relative: s.relative,
+            even: s.even,
+            band,
+        }
     };
     measurement.samples.iter().map(point).collect()
 }

@@ -178,7 +178,11 @@ impl Process {
     ///
     /// `score` says how strongly, or `None`; the strongest is taken, and the rest is looked at without it, so that one wrong point does
     /// not speak against its neighbours. At most `most` are taken.
-    pub fn spoken_against(&self, most: usize, score: impl Fn(usize, &LeftOut) -> Option<f64>) -> Vec<(usize, [f64; 3])> {
+    pub fn spoken_against(
+        &self,
+        most: usize,
+        score: impl Fn(usize, &LeftOut) -> Option<f64>,
+    ) -> Vec<(usize, [f64; 3])> {
         let n = self.columns.size();
         let mut solution = self.solution.clone();
         let mut diagonal: Vec<f64> = (0..n).map(|i| self.columns.squared(i)).collect();

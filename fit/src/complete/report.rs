@@ -41,7 +41,8 @@ impl CompletionReport {
     pub(crate) fn to_json(&self) -> Value {
         let held_out =
             |h: &HeldOut| json!({"mean_relative_l2": h.error, "root_mean_square_of_logarithms": h.logarithm});
-        let outlier = |o: &Outlier| json!({"view": o.view, "sample": o.sample, "over_what_others_say": o.ratio});
+        let outlier =
+            |o: &Outlier| json!({"view": o.view, "sample": o.sample, "over_what_others_say": o.ratio});
         let albedo = |a: &(f64, [f64; 3])| json!({"theta_degrees": a.0.to_degrees(), "albedo": a.1});
         json!({
             "samples": self.samples,

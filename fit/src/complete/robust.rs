@@ -73,7 +73,9 @@ fn look(measurement: &Measurement) -> Vec<Outlier> {
     };
     let all = each(measurement, &model, scale, width(&model));
     let (points, of) = grouped(all.clone());
-    let Some(process) = Process::new(&points, KERNEL, &noises(&points, NOISE), Of::Values) else { return Vec::new() };
+    let Some(process) = Process::new(&points, KERNEL, &noises(&points, NOISE), Of::Values) else {
+        return Vec::new();
+    };
     let mean = |above: [f64; 3]| above.iter().sum::<f64>() / 3.0;
     let is_apart = |p: &Point, off: f64| {
         let said = |c: usize| scale.back(p.base[c] + p.above[c] - off) - scale.back(p.base[c] + p.above[c]);
@@ -148,8 +150,6 @@ fn in_groups(
         return off;
     }
     let usual = 1.4826 * median(off.iter().map(|o| o.1.abs()).collect());
-    off.retain(|&(i, off)| {
-        off.abs() > DEVIATIONS * usual.max(libm::sqrt(NOISE)) && is_apart(&all[i], off)
-    });
+    off.retain(|&(i, off)| off.abs() > DEVIATIONS * usual.max(libm::sqrt(NOISE)) && is_apart(&all[i], off));
     off
 }

@@ -3,7 +3,7 @@
 //! Three little-endian i32 (90, 90, 180), then three planes (red, green, blue) of f64, azimuth fastest. The half angle is cut
 //! finer near 0, by the square root. Cells with a negative channel were not measured, nor were those that are 0 in all three: no surface
 //! is black. Between the centres of the cells the value is interpolated linearly, among the cells that were measured; where there is none,
-//! the value is no number. [`complete::Filled`](crate::complete::Filled) says what is there.
+//! the value is no number. [`Filled`](super::Filled) says what is there.
 
 use super::rusinkiewicz::{HalfAndDifference, half_and_difference};
 use crate::ReadError;

@@ -1,8 +1,8 @@
 //! How good a fit is, as text: a line a view, the numbers of all views, and the verdict.
 
 use srbf_core::Material;
-use srbf_fit::complete::{CompletionReport, Outlier};
 use srbf_fit::complete::held_out::HeldOut;
+use srbf_fit::complete::{CompletionReport, Outlier};
 use srbf_fit::judge::reciprocity::Reciprocity;
 use srbf_fit::judge::report::{Report, ViewReport, factor_bytes};
 use srbf_fit::judge::verdict::{Made, Spread, Summary, Verdict};
@@ -45,10 +45,15 @@ pub fn print_completion(completion: &CompletionReport) {
     }
     println!("  a microfacet model alone: {}", error(&completion.model_alone));
     if !outliers.is_empty() {
-        let times = |o: &Outlier| format!("sample {} of view {}, {:.2} times", o.sample + 1, o.view + 1, o.ratio);
+        let times =
+            |o: &Outlier| format!("sample {} of view {}, {:.2} times", o.sample + 1, o.view + 1, o.ratio);
         let shown: Vec<String> = outliers.iter().take(OUTLIERS).map(times).collect();
         let more = if outliers.len() > OUTLIERS { ", ..." } else { "" };
-        println!("  left out, as all others speak against them: {}: {}{more}", outliers.len(), shown.join("; "));
+        println!(
+            "  left out, as all others speak against them: {}: {}{more}",
+            outliers.len(),
+            shown.join("; ")
+        );
     }
     let gaps = &completion.gaps;
     let empty = gaps.empty().iter().map(|(from, to)| format!("{from:.0} to {to:.0}")).collect::<Vec<_>>();

@@ -114,7 +114,12 @@ impl<'a> Fit<'a> {
     fn at(&self, x: &[f64], with_slopes: bool) -> At {
         let mut at = At { cost: 0.0, gradient: vec![0.0; UNKNOWNS], gram: vec![[0.0; UNKNOWNS]; UNKNOWNS] };
         match self.factor {
-            None => vector::run(Apart { fit: self, values: Values::new(x, self.family), with_slopes, at: &mut at }),
+            None => vector::run(Apart {
+                fit: self,
+                values: Values::new(x, self.family),
+                with_slopes,
+                at: &mut at,
+            }),
             Some(factor) => self.together(&Values::new(x, self.family), factor, with_slopes, &mut at),
         }
         for likely in &self.likely {
