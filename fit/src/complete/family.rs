@@ -109,6 +109,9 @@ fn samples_and_views(unseen: &[HeldOut; 2]) -> f64 {
     unseen.iter().map(HeldOut::rank).sum()
 }
 
+/// Whether it is a view that was left out, and how far its points, or those of some samples, are above what is said of them.
+type Gone = (bool, Vec<([f64; 3], Point)>);
+
 /// Errors at samples, and at views, of which fits of a model did not know, nor a process over them if there is one; `None` where the
 /// arithmetic of that ends. The views are all but the first and the last.
 pub(super) fn unseen(
@@ -137,8 +140,7 @@ pub(super) fn unseen(
         };
         Some((is_view, gone.into_iter().map(|p| (above(&p), p)).collect()))
     };
-    let found: Option<Vec<(bool, Vec<([f64; 3], Point)>)>> = parts.into_par_iter().map(left_out).collect();
-    let found = found?;
+    let found: Vec<Gone> = parts.into_par_iter().map(left_out).collect::<Option<_>>()?;
     Some([false, true].map(|is_view| {
         let of = found.iter().filter(|f| f.0 == is_view);
         let (above, gone): (Vec<[f64; 3]>, Vec<Point>) = of.flat_map(|f| f.1.iter().cloned()).unzip();

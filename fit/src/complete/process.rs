@@ -187,7 +187,8 @@ impl Process {
         let mut solution = self.solution.clone();
         let mut diagonal: Vec<f64> = (0..n).map(|i| self.columns.squared(i)).collect();
         let mut is_out = vec![false; n];
-        let (mut gone, mut rows): (Vec<(usize, [f64; 3])>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
+        let mut gone = Vec::new();
+        let mut rows: Vec<Vec<f64>> = Vec::new();
         while gone.len() < most {
             let above = |i: usize| [0, 1, 2].map(|c| solution[c][i] / diagonal[i]);
             let mean = |i: usize| above(i).iter().sum::<f64>() / 3.0;

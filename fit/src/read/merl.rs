@@ -54,7 +54,7 @@ impl Merl {
         let measured = || (0..CELLS).filter(|&n| !self.cells[n][0].is_nan());
         let every = (measured().count() / count.max(1)).max(1);
         // Not a divisor of the cells in a row, so that all azimuths are met.
-        let every = every + usize::from(every % 2 == 0);
+        let every = every + usize::from(every.is_multiple_of(2));
         let sample = |n: usize| {
             let (wi, wo) = directions(n)?;
             Some((wi, wo, self.cells[n].map(f64::from)))
