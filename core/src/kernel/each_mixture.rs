@@ -23,9 +23,9 @@ use crate::mixture::factors::Nodes;
 use crate::mixture::leave_out::LeaveOut;
 #[cfg(feature = "simd")]
 use crate::mixture::rows::Domain;
-use crate::mixture::rows::Mixture;
 #[cfg(feature = "simd")]
-use crate::mixture::rows::{drawn_density, weight_of};
+use crate::mixture::rows::weight_of;
+use crate::mixture::rows::{Mixture, drawn_density};
 use crate::simd::detect::Level;
 use core::borrow::{Borrow, BorrowMut};
 use glam::Vec3;
