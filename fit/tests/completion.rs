@@ -1,6 +1,5 @@
 //! What samples are completed to: outliers, marks of what was not measured, peaks about the back direction.
 
-use srbf_fit::analytic;
 use srbf_fit::complete::{Completion, Family, complete};
 use srbf_fit::export;
 use srbf_fit::read::{Content, Filled, merl, read};
@@ -28,8 +27,13 @@ fn grid(value: &dyn Fn(f64, [f64; 3], usize) -> f64) -> Table {
     Table::from_scattered((0..9).map(|n| view(10.0 * f64::from(n))).collect()).unwrap()
 }
 
+fn model(text: &str) -> Box<dyn Brdf + Send> {
+    let Content::Evaluable(brdf) = read(text.as_ref()).unwrap().content else { panic!("{text}") };
+    brdf
+}
+
 fn paint() -> Box<dyn Brdf + Send> {
-    analytic::parse("ggx:alpha=0.3,f0=0.05,diffuse=0.3").unwrap().brdf
+    model("model:ggx:alpha=0.3,f0=0.05,diffuse=0.3")
 }
 
 fn measured(paint: &dyn Brdf, theta: f64, wi: [f64; 3]) -> f64 {
@@ -116,7 +120,7 @@ fn a_peak_about_the_back_direction_is_there_between_the_views() {
 /// Half angles beyond 40 degrees were not measured; the truth is a model.
 #[test]
 fn holes_of_a_merl_file_are_filled_by_what_surrounds_them_and_stay_marked() {
-    let model = analytic::parse("ggx:alpha=0.2,f0=0.9").unwrap().brdf;
+    let model = model("model:ggx:alpha=0.2,f0=0.9");
     let mut bytes = export::merl(model.as_ref()).unwrap().bytes;
     let (row, cells) = (90 * 180, 90 * 90 * 180);
     for cell in (0..3).flat_map(|channel| channel * cells + 60 * row..(channel + 1) * cells) {
