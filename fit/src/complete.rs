@@ -1,20 +1,24 @@
 //! Scattered samples made a BRDF that can be evaluated everywhere.
 //!
-//! A few hundred samples say little of what lies between them, unless one knows what BRDFs are like. Three things are known:
+//! A few hundred samples say little of what lies between them, unless one knows what BRDFs are like. Four things are known:
 //!
 //! 1. they are reciprocal: a sample says as much of (wo, wi) as of (wi, wo), so that one view speaks for all others. The coordinates
 //!    (`pair`) are the same both ways;
-//! 2. a microfacet lobe and a diffuse term (`microfacet`) are close to most of them. They are fitted to the samples, from several
-//!    widths on, and once more to what the next step leaves over;
+//! 2. a microfacet lobe and a diffuse term (`microfacet`) are close to most of them, with a clear coat or a lobe about the back direction to the
+//!    rest. Which of these families it is, `family` chooses by samples and views that fits of them did not see;
 //! 3. what is left is smooth. A Gaussian process (`process`) of the logarithms, over those coordinates, takes it. A scale
-//!    (`scale`) that is even around 0 stands for the logarithm, so that samples that were clamped to 0, or are negative, say what they are: dark.
+//!    (`scale`) that is even around 0 stands for the logarithm, so that samples that were clamped to 0, or are negative, say what they are: dark;
+//! 4. their colours are in XYZ, where none is negative (`color`).
 //!
-//! Which model, how smooth, and how much noise there is: what says best of samples left out, one by one and view by view
-//! (`held_out`). A sample that all others speak against counts less. Of more samples than `points` takes, close ones are taken together.
+//! How smooth what is left is, and how much noise there is: what says best of samples left out, one by one and view by view
+//! (`held_out`). Samples that all others speak against are left out (`robust`). Of more samples than `points` takes, close ones are taken together.
 
+mod color;
 mod energy;
+mod family;
 mod gaps;
 mod grid;
+mod heights;
 pub mod held_out;
 mod measurement;
 mod microfacet;
@@ -22,34 +26,34 @@ mod pair;
 mod points;
 mod process;
 mod report;
+mod robust;
 mod scale;
 
 use crate::FitError;
 use crate::table::{Brdf, Table, check_storable};
 use energy::Energy;
+use family::{Models, models, unseen};
 pub use gaps::Gaps;
 use gaps::gaps;
 use grid::Grid;
+use heights::Heights;
 use held_out::HeldOut;
 use measurement::Measurement;
+pub use microfacet::Family;
 use microfacet::Microfacet;
 use pair::Pair;
-use points::{MOST, Point, points};
-use process::{Kernel, Process, factor};
+use points::{Point, points};
+use process::{Kernel, Of, Process};
 use rayon::prelude::*;
 pub use report::CompletionReport;
+pub use robust::Outlier;
+use robust::without_outliers;
 use scale::Scale;
+use std::collections::BTreeSet;
 
 /// Farthest that a value is from the model, on the scale, and above the brightest sample.
 const FARTHEST: f64 = 12.0;
-const BRIGHTER: f64 = 1.4;
-
-/// Widths that fits of the model start from; models whose widths and exponents are this close are one.
-const WIDTHS: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
-const SAME: f64 = 0.1;
-
-/// Most models that go on, each as it is and fitted to what the process leaves over.
-const MODELS: usize = 2;
+const BRIGHTER: f64 = 3.0;
 
 /// Least width of the coordinates.
 const LEAST_WIDTH: f64 = 0.01;
@@ -69,22 +73,17 @@ const KERNELS: [Kernel; 4] = [
 ];
 
 /// Variance of the noise of a sample, on the scale.
-const NOISES: [f64; 2] = [1e-3, 1e-2];
+const NOISES: [f64; 2] = [1e-2, 1e-3];
 
-/// What the model is fitted beside.
-const BESIDE: (Kernel, f64) = (KERNELS[3], 3e-3);
-const REFINEMENTS: usize = 2;
-
-/// Standard deviations from what all others say at which a sample begins to count less, and the spread angle of the half vector up
-/// to which it may: nearer, it is the peak, of which others know nothing.
-const OUTLIER: f64 = 4.0;
-const PEAK: f64 = 1.5;
+/// Share of the error at views that were left out below which the model goes without a process.
+const ALONE: f64 = 0.9;
 
 /// Samples made a BRDF.
 pub struct Completion {
     model: Microfacet,
     scale: Scale,
-    above: Grid,
+    /// What lies above the model on the scale, where a process says it.
+    above: Option<Grid>,
     /// Greatest size of a value, on the scale.
     most: f64,
     energy: Option<Energy>,
@@ -97,6 +96,8 @@ struct Candidate {
     model: Microfacet,
     kernel: Kernel,
     noise: f64,
+    /// Errors at samples that are left out, and at those and views together.
+    samples: HeldOut,
     rank: f64,
 }
 
@@ -106,68 +107,67 @@ struct Candidate {
 /// [`FitError::Table`] for samples that are black, or darker than lobes can be.
 pub fn complete(table: &Table) -> Result<Completion, FitError> {
     check_storable(table.views.iter().flat_map(|view| &view.samples))?;
-    let measurement = Measurement::new(table);
+    let mut completion = completed(Measurement::new(table))?;
+    completion.report.gaps = gaps(table);
+    Ok(completion)
+}
+
+/// Completes pairs of directions, incident and outgoing, and f in linear sRGB.
+pub(crate) fn complete_pairs(pairs: &[([f64; 3], [f64; 3], [f64; 3])]) -> Result<Completion, FitError> {
+    completed(Measurement::of_pairs(pairs))
+}
+
+fn completed(measurement: Measurement) -> Result<Completion, FitError> {
+    let (measurement, outliers) = without_outliers(measurement);
     let scale = Scale::of(&measurement);
     let models = models(&measurement, scale);
-    let alone = models[0];
-    let pairs: Vec<(Microfacet, Kernel, f64)> = models
-        .into_iter()
-        .flat_map(|model| {
-            KERNELS.into_iter().flat_map(move |k| NOISES.into_iter().map(move |n| (model, k, n)))
-        })
-        .collect();
-    let ranked = pairs.into_par_iter().filter_map(|(model, kernel, noise)| {
-        let points = points(&measurement, &model, scale, width(&model));
-        let process = Process::new(&points, kernel, &noises(&points, noise))?;
-        let views = HeldOut::bands(&process, &points, scale).map_or(0.0, |left_out| left_out.rank());
-        let rank = HeldOut::alone(&process, &points, scale).rank() + views;
-        Some(Candidate { model, kernel, noise, rank })
+    let best = best(&measurement, scale, &models);
+    let is_alone = best.as_ref().is_some_and(|b| is_better_alone(&measurement, scale, b, &models.alone));
+    let made = best.and_then(|best| match is_alone {
+        true => Some(made_alone(&measurement, scale, &models.alone)),
+        false => made(&measurement, scale, (&best, &models.alone)),
     });
-    let ranked: Vec<Candidate> = ranked.collect();
-    let best = ranked.into_iter().filter(|c| c.rank.is_finite()).min_by(|a, b| a.rank.total_cmp(&b.rank));
-    let made = best.and_then(|best| made(&measurement, scale, table, (&best, &alone)));
     let Some(mut completion) = made else {
         let text = "its samples are too far apart in size to say what lies between them";
         return Err(FitError::Table(text.into()));
     };
-    completion.energy = Energy::new(&completion)?;
+    completion.report.outliers = outliers;
+    let (energy, albedo) = Energy::new(&completion)?;
+    (completion.energy, completion.report.albedo) = (energy, albedo);
     Ok(completion)
 }
 
-/// The model at its best from several widths, each also beside the process.
-fn models(measurement: &Measurement, scale: Scale) -> Vec<Microfacet> {
-    let mut models: Vec<Microfacet> = Vec::new();
-    for model in fitted(&measurement.thinned(OF_MODEL), scale) {
-        let close = |a: f64, b: f64| (a / b - 1.0).abs() < SAME;
-        let is_new = |other: &Microfacet| {
-            !(close(model.width(), other.width()) && close(model.exponent(), other.exponent()))
+/// What fares best at samples and views that are left out.
+fn best(measurement: &Measurement, scale: Scale, models: &Models) -> Option<Candidate> {
+    let ranked = |tried: Vec<(Microfacet, Kernel, f64)>| {
+        let candidate = |(model, kernel, noise): (Microfacet, Kernel, f64)| {
+            let points = points(measurement, &model, scale, width(&model));
+            let process = Process::new(&points, kernel, &noises(&points, noise), Of::Values)?;
+            let views = HeldOut::bands(&process, &points, scale).map_or(0.0, |left_out| left_out.rank());
+            let samples = HeldOut::alone(&process, &points, scale);
+            let rank = samples.rank() + views;
+            rank.is_finite().then_some(Candidate { model, kernel, noise, samples, rank })
         };
-        if models.len() < MODELS && models.iter().all(is_new) {
-            models.push(model);
-        }
-    }
-    let few = measurement.thinned(MOST);
-    let beside: Vec<Microfacet> = models.par_iter().filter_map(|model| beside(&few, scale, *model)).collect();
-    models.extend(beside);
-    models
+        let mut ranked: Vec<Candidate> = tried.into_par_iter().filter_map(candidate).collect();
+        ranked.sort_by(|a, b| a.rank.total_cmp(&b.rank));
+        ranked
+    };
+    let of_model = |model: &Microfacet| {
+        let model = *model;
+        KERNELS.into_iter().flat_map(move |kernel| NOISES.map(|noise| (model, kernel, noise)))
+    };
+    ranked(models.all.iter().flat_map(of_model).collect()).into_iter().next()
 }
 
-/// Fits of the model from all widths, the best first.
-fn fitted(few: &Measurement, scale: Scale) -> Vec<Microfacet> {
-    let mut fitted: Vec<(f64, Microfacet)> =
-        WIDTHS.par_iter().map(|&width| Microfacet::fit(few, scale, width)).collect();
-    fitted.sort_by(|a, b| a.0.total_cmp(&b.0));
-    fitted.into_iter().map(|fit| fit.1).collect()
-}
-
-/// A model fitted to what the process leaves over.
-fn beside(few: &Measurement, scale: Scale, mut model: Microfacet) -> Option<Microfacet> {
-    for _ in 0..REFINEMENTS {
-        let points = points(few, &model, scale, width(&model));
-        let factor = factor(&points, BESIDE.0, &noises(&points, BESIDE.1))?;
-        model = model.refined(few, scale, &factor);
+/// Whether the model without a process says better what it did not see, of samples and of whole views.
+fn is_better_alone(measurement: &Measurement, scale: Scale, best: &Candidate, alone: &Microfacet) -> bool {
+    let Some([samples, views]) = unseen(measurement, scale, alone, None) else { return false };
+    // What was not refitted is never worse.
+    if samples.rank() > best.samples.rank() {
+        return false;
     }
-    Some(model)
+    let both = unseen(measurement, scale, &best.model, Some((best.kernel, best.noise)));
+    both.is_some_and(|[_, both]| views.error < ALONE * both.error && views.rank() < both.rank())
 }
 
 /// Width of the coordinates for a model.
@@ -180,49 +180,91 @@ fn noises(points: &[Point], noise: f64) -> Vec<f64> {
     points.iter().map(|p| noise / p.count).collect()
 }
 
-/// The completion by what turned out best, in which samples that all others speak against count less.
+/// The completion by what turned out best.
 fn made(
     measurement: &Measurement,
     scale: Scale,
-    table: &Table,
     (best, alone): (&Candidate, &Microfacet),
 ) -> Option<Completion> {
     let &Candidate { model, kernel, noise, .. } = best;
     let points = points(measurement, &model, scale, width(&model));
-    let mut noises = noises(&points, noise);
-    let mut process = Process::new(&points, kernel, &noises)?;
-    let mut outliers = 0;
-    for ((left, variance), (noise, point)) in
-        process.left_out_alone().into_iter().zip(noises.iter_mut().zip(&points))
-    {
-        let mean = left.iter().sum::<f64>() / 3.0;
-        let deviations = mean.abs() / libm::sqrt(variance);
-        if deviations > OUTLIER && point.at[0] > PEAK {
-            *noise += mean * mean;
-            outliers += 1;
-        }
-    }
-    if outliers > 0 {
-        process = Process::new(&points, kernel, &noises)?;
-    }
-    let of_model = self::points(measurement, alone, scale, width(alone));
-    let above: Vec<[f64; 3]> = of_model.iter().map(|p| p.above).collect();
+    let process = Process::new(&points, kernel, &noises(&points, noise), Of::Values)?;
+    let hues = match model.family() {
+        Family::Coat => Some(Process::new(&points, kernel, &noises(&points, noise), Of::Hues)?),
+        Family::OneLobe | Family::Retro => None,
+    };
     let report = CompletionReport {
         samples: measurement.samples.len(),
         points: points.len(),
-        outliers,
+        family: model.family(),
         width: model.width(),
         exponent: model.exponent(),
         lengths: kernel.lengths,
         noise,
         samples_left_out: HeldOut::alone(&process, &points, scale),
         views_left_out: HeldOut::bands(&process, &points, scale),
-        model_alone: HeldOut::new(&of_model, &above, scale),
-        gaps: gaps(table),
+        model_alone: of_model_alone(measurement, scale, alone),
+        ..CompletionReport::default()
     };
-    let above = Grid::new(width(&model), |at| process.at(at));
-    let brightest = measurement.samples.iter().flat_map(|s| s.rgb).fold(0.0, f64::max);
-    Some(Completion { model, scale, above, most: scale.to(brightest) + BRIGHTER, energy: None, report })
+    let heights = Heights::new(&points);
+    let above = Grid::new(width(&model), |pair, at| {
+        let values = process.at(at);
+        let mean = values.iter().sum::<f64>() / 3.0;
+        let corrected = heights.correction(at[0], mean);
+        let Some(hues) = &hues else { return values.map(|v| v + corrected) };
+        let (free, hue) = (model.hue(pair), hues.at(at));
+        hue.map(|v| mean + corrected + free * v)
+    });
+    let most = most(measurement, scale);
+    Some(Completion { model, scale, above: Some(above), most, energy: None, report })
+}
+
+/// The completion by the model without a process.
+fn made_alone(measurement: &Measurement, scale: Scale, model: &Microfacet) -> Completion {
+    let [samples_left_out, views_left_out] = unseen(measurement, scale, model, None).unwrap_or_default();
+    let report = CompletionReport {
+        samples: measurement.samples.len(),
+        points: measurement.samples.len(),
+        family: model.family(),
+        width: model.width(),
+        exponent: model.exponent(),
+        samples_left_out,
+        views_left_out: Some(views_left_out),
+        model_alone: of_model_alone(measurement, scale, model),
+        ..CompletionReport::default()
+    };
+    let most = most(measurement, scale);
+    Completion { model: *model, scale, above: None, most, energy: None, report }
+}
+
+fn of_model_alone(measurement: &Measurement, scale: Scale, model: &Microfacet) -> HeldOut {
+    let points = points(measurement, model, scale, width(model));
+    let above: Vec<[f64; 3]> = points.iter().map(|p| p.above).collect();
+    HeldOut::new(&points, &above, scale)
+}
+
+/// Greatest size of a value, on the scale.
+fn most(measurement: &Measurement, scale: Scale) -> f64 {
+    scale.to(measurement.samples.iter().flat_map(|s| s.value).fold(0.0, f64::max)) + BRIGHTER
+}
+
+impl Completion {
+    /// The table that it is of without the samples that all others speak against.
+    ///
+    /// # Errors
+    /// As [`Table::from_scattered`].
+    pub fn without_outliers(&self, table: &Table) -> Result<Table, FitError> {
+        let outliers: BTreeSet<(usize, usize)> =
+            self.report.outliers.iter().map(|o| (o.view, o.sample)).collect();
+        if outliers.is_empty() {
+            return Ok(table.clone());
+        }
+        let kept = table.views.iter().enumerate().map(|(n, view)| {
+            let kept = view.samples.iter().enumerate().filter(|(i, _)| !outliers.contains(&(n, *i)));
+            (view.theta, kept.map(|(_, s)| (s.direction, s.rgb)).collect::<Vec<_>>())
+        });
+        Table::from_scattered(kept.filter(|view| !view.1.is_empty()).collect())
+    }
 }
 
 /// A diffuse term and a microfacet lobe fitted to samples: the first step of a completion alone, as a baseline.
@@ -236,22 +278,25 @@ impl Model {
     pub fn fit(table: &Table) -> Result<Self, FitError> {
         check_storable(table.views.iter().flat_map(|view| &view.samples))?;
         let measurement = Measurement::new(table);
-        Ok(Self(fitted(&measurement.thinned(OF_MODEL), Scale::of(&measurement)).swap_remove(0)))
+        let few = measurement.thinned(OF_MODEL);
+        let fits = Microfacet::fits(&few, Scale::of(&measurement), Family::OneLobe);
+        Ok(Self(fits[0].1))
     }
 }
 
 impl Brdf for Model {
     fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
-        self.0.value(&Pair::new(wi, wo))
+        color::rgb(self.0.value(&Pair::new(wi, wo)))
     }
 }
 
 impl Brdf for Completion {
     fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
         let pair = Pair::new(wi, wo);
-        let (model, above) = (self.model.value(&pair), self.above.at(&pair));
+        let model = self.model.value(&pair);
+        let above = self.above.as_ref().map_or([0.0; 3], |above| above.at(&pair));
         let value = |c: usize| self.scale.to(model[c]) + above[c].clamp(-FARTHEST, FARTHEST);
         let share = self.energy.as_ref().map_or(1.0, |energy| energy.factor(wi[2]) * energy.factor(wo[2]));
-        [0, 1, 2].map(|c| share * self.scale.back(value(c).clamp(-self.most, self.most)))
+        color::rgb([0, 1, 2].map(|c| share * self.scale.back(value(c).clamp(-self.most, self.most))))
     }
 }

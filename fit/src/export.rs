@@ -4,6 +4,7 @@
 //! model is off after a round trip.
 
 mod bsdf;
+mod lobes;
 mod merl;
 mod samples;
 
@@ -11,6 +12,7 @@ use crate::FitError;
 use crate::table::{Brdf, Density, Symmetry, Table, evaluation_views};
 
 pub use bsdf::rgl;
+pub use lobes::Lobes;
 pub use merl::merl;
 pub use samples::{astm, csv};
 

@@ -46,8 +46,9 @@ pub fn fit(table: &Table, settings: &Settings, progress: impl FnMut(f64) + Send)
     // Before the completion, which takes seconds.
     settings.check()?;
     let completion = complete(table)?;
+    let table = completion.without_outliers(table)?;
     with_lobes(settings, progress, |settings, progress| {
-        isotropic::fit_samples(table, &completion, settings, progress)
+        isotropic::fit_samples(&table, &completion, settings, progress)
     })
 }
 

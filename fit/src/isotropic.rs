@@ -1,6 +1,7 @@
 //! The fit of isotropic materials: one family of lobes, followed along the angle of the outgoing direction.
 
 mod balance;
+mod effort;
 mod encode;
 mod factors;
 mod knots;

@@ -3,6 +3,7 @@
 pub mod astm;
 pub mod cornell;
 pub mod csv;
+mod filled;
 pub(crate) mod limit;
 pub mod merl;
 pub mod neural;
@@ -16,6 +17,7 @@ mod spectrum;
 use crate::analytic;
 use crate::table::{Brdf, Table};
 use crate::{FitError, ReadError};
+pub use filled::Filled;
 pub(crate) use scatter::Scatter;
 use sha2::{Digest, Sha256};
 use std::path::Path;
@@ -86,7 +88,7 @@ pub fn read(path: &Path) -> Result<Source, FitError> {
         "brdf" => scattered(cornell::parse(&bytes).map_err(fault)?)?,
         "astm" => scattered(astm::parse(&bytes).map_err(fault)?)?,
         "csv" => scattered(csv::parse(&bytes).map_err(fault)?)?,
-        "binary" => Content::Evaluable(Box::new(merl::parse(&bytes).map_err(fault)?)),
+        "binary" => Content::Evaluable(filled(merl::parse(&bytes).map_err(fault)?)?),
         _ => Content::Evaluable(Box::new(rgl::parse(&bytes).map_err(fault)?)),
     };
     Ok(Source {
@@ -94,6 +96,11 @@ pub fn read(path: &Path) -> Result<Source, FitError> {
         name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         sha256: sha256(&bytes),
     })
+}
+
+/// A MERL material with what its holes are filled by, if it has some above the horizon.
+fn filled(grid: merl::Merl) -> Result<Box<dyn Brdf + Send>, FitError> {
+    if grid.missing() > 0.0 { Ok(Box::new(Filled::new(grid)?)) } else { Ok(Box::new(grid)) }
 }
 
 /// The SHA-256 of bytes, hexadecimal.

@@ -34,16 +34,16 @@ pub struct Settings {
     pub smoothness: f64,
     /// Starting points that are tried, 1 to 1000; the best are refined. Default: 12.
     ///
-    /// Fits of samples try half as many. With 5 to 8 lobes twice as many are tried, with 4 three times, with fewer four times;
+    /// Fits of samples try a quarter as many. With 5 to 8 lobes twice as many are tried, with 4 three times, with fewer four times;
     /// with more than 20 lobes fewer, in inverse proportion. Anisotropic fits try at most 4.
     pub starts: usize,
-    /// Most steps of the solver in the refinement, 1 to 100000. Default: 120.
+    /// Most steps of the solver in the refinement, 1 to 100000. Default: 120. Fits of samples take half of it.
     pub steps: usize,
     /// Most exchanges of lobes in a stage, 0 to 1000: the lobe that is missed least is moved to where the residual is largest. A stage
     /// ends early after six exchanges in a row that lower the cost by less than a thousandth. Isotropic surfaces only. Default: 15.
     ///
     /// Exchanges take place in two stages of the search, and before the last stages if the fit meets all its goals. Fits of samples
-    /// exchange half as often, fits of more than 20 lobes less often, in inverse proportion.
+    /// exchange a quarter as often, fits of more than 20 lobes less often, in inverse proportion.
     pub exchanges: usize,
     /// Views of the material, 2 to 256, placed where it changes. Isotropic surfaces only. Default: `None`, which stands for 15.
     ///

@@ -11,21 +11,25 @@ const MOST: f64 = 0.98;
 const INTERVALS: usize = 24;
 const DENSITY: Density = Density { hemisphere: 150, cap: 60 };
 
+/// Angles, radians, and the albedos there in linear sRGB.
+type Albedos = Vec<(f64, [f64; 3])>;
+
 /// What values are multiplied by, once for each of the two directions, so that they stay reciprocal.
 pub(super) struct Energy {
     factors: Vec<f64>,
 }
 
 impl Energy {
-    /// Factors that hold the albedos of a BRDF; `None` where they hold by themselves.
-    pub fn new(brdf: &dyn Brdf) -> Result<Option<Self>, FitError> {
+    /// Factors that hold the albedos of a BRDF, `None` where they hold by themselves; and the albedos before, with their angles, radians.
+    pub fn new(brdf: &dyn Brdf) -> Result<(Option<Self>, Albedos), FitError> {
         let last = 0.999 * FRAC_PI_2;
         let theta = |n: usize| libm::acos(1.0 - (n as f64 / INTERVALS as f64).powi(2)).min(last);
         let thetas: Vec<f64> = (0..=INTERVALS).map(theta).collect();
         let table = Table::from_brdf(brdf, &thetas, DENSITY)?;
         let factor = |albedo: [f64; 3]| libm::sqrt((MOST / albedo.into_iter().fold(MOST, f64::max)).min(1.0));
         let factors: Vec<f64> = table.views.iter().map(|view| factor(view.albedo)).collect();
-        Ok(factors.iter().any(|f| *f < 1.0).then_some(Self { factors }))
+        let albedos = table.views.iter().map(|view| (view.theta, view.albedo)).collect();
+        Ok((factors.iter().any(|f| *f < 1.0).then_some(Self { factors }), albedos))
     }
 
     /// The factor of one direction, by its cosine.

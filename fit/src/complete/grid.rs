@@ -16,8 +16,8 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// Of what is a function of the coordinates.
-    pub fn new(width: f64, value: impl Fn(&[f64; COORDINATES]) -> [f64; 3] + Sync) -> Self {
+    /// Of what is a function of a pair, smooth in its coordinates.
+    pub fn new(width: f64, value: impl Fn(&Pair, &[f64; COORDINATES]) -> [f64; 3] + Sync) -> Self {
         let most = libm::asinh(1.0 / width);
         let [halves, differences, shares] = NODES;
         let part = |n: usize, of: usize| n as f64 / (of - 1) as f64;
@@ -25,7 +25,8 @@ impl Grid {
             let spread = most * part(n / (differences * shares), halves);
             let half = libm::asin((width * libm::sinh(spread)).min(1.0));
             let difference = FRAC_PI_2 * part(n / shares % differences, differences);
-            value(&Pair::from_angles(half, difference, part(n % shares, shares)).coordinates(width))
+            let pair = Pair::from_angles(half, difference, part(n % shares, shares));
+            value(&pair, &pair.coordinates(width))
         };
         let values = (0..halves * differences * shares).into_par_iter().map(node).collect();
         Self { width, most, values }

@@ -1,5 +1,6 @@
 //! How far samples are from what a completion says of them without them.
 
+use super::color::rgb;
 use super::points::Point;
 use super::process::Process;
 use super::scale::Scale;
@@ -25,13 +26,11 @@ impl HeldOut {
         let mut squares = vec![(0.0, 0.0); bands];
         let (mut logarithms, mut even) = (0.0, 0.0);
         for (p, above) in points.iter().zip(above) {
-            let apart = |c: usize| {
-                let data = p.base[c] + p.above[c];
-                let said = data - above[c].clamp(-super::FARTHEST, super::FARTHEST);
-                (scale.back(said) - scale.back(data), scale.back(data))
-            };
-            for (off, data) in [apart(0), apart(1), apart(2)] {
-                squares[p.band].0 += p.relative * off * off;
+            let data = [0, 1, 2].map(|c| p.base[c] + p.above[c]);
+            let said = [0, 1, 2].map(|c| data[c] - above[c].clamp(-super::FARTHEST, super::FARTHEST));
+            let [data, said] = [data, said].map(|values| rgb(values.map(|v| scale.back(v))));
+            for (data, said) in data.into_iter().zip(said) {
+                squares[p.band].0 += p.relative * (said - data) * (said - data);
                 squares[p.band].1 += p.relative * data * data;
             }
             logarithms += p.even * above.iter().map(|a| a * a).sum::<f64>() / 3.0;

@@ -1,8 +1,9 @@
 //! Scattered samples as a completion sees them.
 
+use super::color::xyz;
 use super::pair::Pair;
-use crate::table::{Sample, Table};
-use std::f64::consts::PI;
+use crate::table::Table;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Share of the samples that are darker than what a diffuse term starts from.
 const DARK: f64 = 0.2;
@@ -10,15 +11,19 @@ const DARK: f64 = 0.2;
 /// Least mean radiance over the brightest sample: where most is noise around 0, the mean may be anything.
 const LEAST_LEVEL: f64 = 1e-4;
 
+/// Views that pairs of directions are taken to be of, by the angle of the outgoing one.
+const VIEWS_OF_PAIRS: usize = 12;
+
 /// One sample.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Measured {
     /// Its directions.
     pub pair: Pair,
-    /// f; 1/sr.
-    pub rgb: [f64; 3],
-    /// The view that it is of.
+    /// f, XYZ over white; 1/sr.
+    pub value: [f64; 3],
+    /// The view that it is of, and which of its samples it is.
     pub view: usize,
+    pub number: usize,
     /// Weight of the squared difference of f that makes the squared relative L2 error of `f cos` of a view.
     pub relative: f64,
     /// Share of the projected solid angle of all views.
@@ -33,7 +38,7 @@ pub(super) struct Measurement {
     pub views: usize,
     /// Mean radiance under a white sky, mean of the channels and views; 1/sr.
     pub level: f64,
-    /// f that a fifth of the samples are below, per channel.
+    /// The value that a fifth of the samples are below, per channel.
     pub dark: [f64; 3],
 }
 
@@ -46,27 +51,59 @@ impl Measurement {
         for (view, from) in table.views.iter().enumerate() {
             let (sin, cos) = libm::sincos(from.theta);
             let wo = [-sin, 0.0, cos];
-            let square =
-                |s: &Sample| s.rgb.iter().map(|v| v * v).sum::<f64>() * s.direction[2] * s.direction[2];
-            let norm: f64 = from.samples.iter().map(|s| s.weight * square(s)).sum::<f64>().max(1e-300);
-            samples.extend(from.samples.iter().map(|s| Measured {
+            samples.extend(from.samples.iter().enumerate().map(|(number, s)| Measured {
                 pair: Pair::new(s.direction, wo),
-                rgb: s.rgb,
+                value: xyz(s.rgb),
                 view,
-                relative: s.weight * s.direction[2] * s.direction[2] / norm,
+                number,
+                relative: s.weight * s.direction[2] * s.direction[2],
                 even: s.weight * s.direction[2] / projected,
             }));
         }
-        let brightest = samples.iter().flat_map(|s| s.rgb).fold(0.0, f64::max);
         let albedos =
             table.views.iter().flat_map(|v| v.uncut_albedo).sum::<f64>() / 3.0 / table.views.len() as f64;
-        let level = (albedos / PI).max(LEAST_LEVEL * brightest);
+        Self::of_samples(samples, table.views.len(), albedos / PI)
+    }
+
+    /// Of pairs of directions: incident and outgoing one, in any frame with +z the normal, and f in linear sRGB.
+    pub fn of_pairs(pairs: &[([f64; 3], [f64; 3], [f64; 3])]) -> Self {
+        let mut numbers = [0; VIEWS_OF_PAIRS];
+        let sample = |(wi, wo, rgb): &([f64; 3], [f64; 3], [f64; 3])| {
+            let place = libm::acos(wo[2].clamp(0.0, 1.0)) / FRAC_PI_2 * VIEWS_OF_PAIRS as f64;
+            let view = (place as usize).min(VIEWS_OF_PAIRS - 1);
+            numbers[view] += 1;
+            let (value, number) = (xyz(*rgb), numbers[view] - 1);
+            let (relative, even) = (wi[2] * wi[2], 1.0 / pairs.len() as f64);
+            Measured { pair: Pair::new(*wi, *wo), value, view, number, relative, even }
+        };
+        let samples: Vec<Measured> = pairs.iter().map(sample).collect();
+        let level = samples.iter().map(|s| s.even * s.value.iter().sum::<f64>() / 3.0).sum();
+        Self::of_samples(samples, VIEWS_OF_PAIRS, level)
+    }
+
+    /// With what is made of all samples, of which `relative` need not be over the norms of the views yet.
+    fn of_samples(mut samples: Vec<Measured>, views: usize, level: f64) -> Self {
+        let mut norms = vec![0.0; views];
+        for s in &samples {
+            norms[s.view] += s.relative * s.value.iter().map(|v| v * v).sum::<f64>();
+        }
+        samples.iter_mut().for_each(|s| s.relative /= norms[s.view].max(1e-300));
+        let brightest = samples.iter().flat_map(|s| s.value).fold(0.0, f64::max);
         let dark = [0, 1, 2].map(|c| {
-            let mut values: Vec<f64> = samples.iter().map(|s| s.rgb[c]).collect();
+            let mut values: Vec<f64> = samples.iter().map(|s| s.value[c]).collect();
             values.sort_by(f64::total_cmp);
-            values[(DARK * values.len() as f64) as usize]
+            values.get((DARK * values.len() as f64) as usize).copied().unwrap_or(0.0)
         });
-        Self { samples, views: table.views.len(), level, dark }
+        Self { samples, views, level: level.max(LEAST_LEVEL * brightest), dark }
+    }
+
+    /// Those samples alone.
+    pub fn only(&self, is_kept: impl Fn(&Measured) -> bool) -> Self {
+        let samples: Vec<Measured> = self.samples.iter().filter(|s| is_kept(s)).copied().collect();
+        let (sum, all) = samples
+            .iter()
+            .fold((0.0, 0.0), |(a, b), s| (a + s.even * s.value.iter().sum::<f64>() / 3.0, b + s.even));
+        Self::of_samples(samples, self.views, sum / all.max(1e-300))
     }
 
     /// Every n-th sample, such that at most so many are left.

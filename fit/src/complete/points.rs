@@ -1,6 +1,6 @@
 //! What a Gaussian process is given: how far the samples are from a model, thinned where there are too many.
 
-use super::measurement::Measurement;
+use super::measurement::{Measured, Measurement};
 use super::microfacet::Microfacet;
 use super::pair::COORDINATES;
 use super::scale::Scale;
@@ -26,6 +26,8 @@ pub(super) struct Point {
     pub above: [f64; 3],
     /// Samples that it is the mean of.
     pub count: f64,
+    /// How freely the channels may be apart there, 0 to 1: a coat has no hue.
+    pub hue: f64,
     /// As of a sample.
     pub relative: f64,
     pub even: f64,
@@ -34,49 +36,75 @@ pub(super) struct Point {
 
 /// The points of samples over a model; `width`: of the coordinates.
 pub(super) fn points(measurement: &Measurement, model: &Microfacet, scale: Scale, width: f64) -> Vec<Point> {
-    let wide = measurement.views.div_ceil(BANDS);
-    let all: Vec<Point> = measurement
-        .samples
-        .iter()
-        .map(|s| {
-            let base = model.value(&s.pair).map(|v| scale.to(v));
-            let above = [0, 1, 2].map(|c| scale.to(s.rgb[c]) - base[c]);
-            let (at, band) = (s.pair.coordinates(width), s.view / wide);
-            Point { at, base, above, count: 1.0, relative: s.relative, even: s.even, band }
-        })
-        .collect();
-    if all.len() <= MOST {
-        return all;
-    }
-    let mut cell = FINEST;
-    for _ in 0..STEPS {
-        let merged = merged(&all, cell);
-        if merged.len() <= MOST {
-            return merged;
-        }
-        cell *= 1.19;
-    }
-    merged(&all, cell)
+    grouped(each(measurement, model, scale, width)).0
 }
 
-/// Points of one band whose coordinates are in one cell, as their mean.
-fn merged(all: &[Point], cell: f64) -> Vec<Point> {
-    let mut cells: BTreeMap<(usize, [i64; COORDINATES]), Point> = BTreeMap::new();
+/// A point for each sample.
+pub(super) fn each(measurement: &Measurement, model: &Microfacet, scale: Scale, width: f64) -> Vec<Point> {
+    let wide = measurement.views.div_ceil(BANDS);
+    let point = |s: &Measured| {
+        let base = model.value(&s.pair).map(|v| scale.to(v));
+        let above = [0, 1, 2].map(|c| scale.to(s.value[c]) - base[c]);
+        let (at, band) = (s.pair.coordinates(width), s.view / wide);
+        Point {
+            at,
+            base,
+            above,
+            count: 1.0,
+            hue: model.hue(&s.pair),
+            relative: s.relative,
+            even: s.even,
+            band,
+        }
+    };
+    measurement.samples.iter().map(point).collect()
+}
+
+/// At most [`MOST`] points, and for each that there was the one that it is part of.
+pub(super) fn grouped(all: Vec<Point>) -> (Vec<Point>, Vec<usize>) {
+    if all.len() <= MOST {
+        let own = (0..all.len()).collect();
+        return (all, own);
+    }
+    let mut cell = FINEST;
+    let mut found = merged(&all, cell);
+    for _ in 0..STEPS {
+        if found.0.len() <= MOST {
+            break;
+        }
+        cell *= 1.19;
+        found = merged(&all, cell);
+    }
+    found
+}
+
+/// Points of one band whose coordinates are in one cell, as their mean; and for each the number of its cell.
+fn merged(all: &[Point], cell: f64) -> (Vec<Point>, Vec<usize>) {
+    let mut cells: BTreeMap<(usize, [i64; COORDINATES]), usize> = BTreeMap::new();
+    let mut sums: Vec<Point> = Vec::new();
+    let mut of = Vec::with_capacity(all.len());
     for p in all {
         let key = (p.band, p.at.map(|v| (v / cell) as i64));
-        let sum = cells.entry(key).or_insert_with(|| Point { band: p.band, ..Point::default() });
+        let number = *cells.entry(key).or_insert_with(|| {
+            sums.push(Point { band: p.band, ..Point::default() });
+            sums.len() - 1
+        });
+        let sum = &mut sums[number];
         (0..COORDINATES).for_each(|k| sum.at[k] += p.at[k]);
         (0..3).for_each(|c| sum.base[c] += p.base[c]);
         (0..3).for_each(|c| sum.above[c] += p.above[c]);
         sum.count += p.count;
+        sum.hue += p.hue;
         sum.relative += p.relative;
         sum.even += p.even;
+        of.push(number);
     }
-    let mean = |sum: Point| Point {
-        at: sum.at.map(|v| v / sum.count),
-        base: sum.base.map(|v| v / sum.count),
-        above: sum.above.map(|v| v / sum.count),
-        ..sum
-    };
-    cells.into_values().map(mean).collect()
+    for sum in &mut sums {
+        let count = sum.count;
+        sum.at = sum.at.map(|v| v / count);
+        sum.hue /= count;
+        sum.base = sum.base.map(|v| v / count);
+        sum.above = sum.above.map(|v| v / count);
+    }
+    (sums, of)
 }

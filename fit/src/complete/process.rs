@@ -9,6 +9,22 @@ use crate::numeric::cholesky::Square;
 use crate::numeric::vector;
 use pulp::NullaryFnOnce;
 
+/// Deviation of a normal distribution over the median of sizes.
+const NORMAL_DEVIATION: f64 = 1.4826;
+
+/// Least number on the diagonal of an inverse, below which arithmetic has nothing left.
+const LEAST_DIAGONAL: f64 = 1e-12;
+
+/// What all others say of a point.
+pub(super) struct LeftOut {
+    /// How far it is above that.
+    pub above: [f64; 3],
+    /// The variance that this is expected to have.
+    pub variance: f64,
+    /// Usual size of a difference over its deviation, of all points.
+    pub usual: f64,
+}
+
 /// How alike points are at a distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Kernel {
@@ -64,13 +80,35 @@ impl NullaryFnOnce for Row<'_> {
     }
 }
 
+/// What of its points a process is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Of {
+    /// How far they are above the model.
+    Values,
+    /// How far their channels are apart in that; it varies as much as [`Point::hue`] says.
+    Hues,
+}
+
+impl Of {
+    fn weight(self, point: &Point) -> f64 {
+        if self == Self::Hues { point.hue } else { 1.0 }
+    }
+
+    fn value(self, point: &Point, channel: usize) -> f64 {
+        let mean = if self == Self::Hues { point.above.iter().sum::<f64>() / 3.0 } else { 0.0 };
+        point.above[channel] - mean
+    }
+}
+
 /// Factor of the matrix of points with the variance of noise of each; `None` where that is too little for the arithmetic.
-pub(super) fn factor(points: &[Point], kernel: Kernel, noise: &[f64]) -> Option<Square> {
+pub(super) fn factor(points: &[Point], kernel: Kernel, noise: &[f64], of: Of) -> Option<Square> {
     let at = columns(points);
+    let weights: Vec<f64> = points.iter().map(|p| of.weight(p)).collect();
     let mut matrix = Square::zeros(points.len());
     for (i, point) in points.iter().enumerate() {
         let row = &mut matrix.row_mut(i)[..=i];
         kernel.row(&at, &point.at, row);
+        row.iter_mut().zip(&weights).for_each(|(v, weight)| *v *= weight * weights[i]);
         row[i] += noise[i];
     }
     matrix.cholesky()
@@ -88,24 +126,43 @@ pub(super) struct Process {
     at: [Vec<f64>; COORDINATES],
     /// Of every channel, the solution of the points' values.
     solution: [Vec<f64>; 3],
-    /// The inverse of the factor by columns.
+    /// The same times how much each point varies.
+    weighed: [Vec<f64>; 3],
+    /// The inverse of the factor by columns; empty where nothing is to be left out.
     columns: Square,
 }
 
 impl Process {
     /// As [`factor`].
-    pub fn new(points: &[Point], kernel: Kernel, noise: &[f64]) -> Option<Self> {
-        let factor = factor(points, kernel, noise)?;
-        let solution =
-            [0, 1, 2].map(|c| factor.solve(&points.iter().map(|p| p.above[c]).collect::<Vec<f64>>()));
-        Some(Self { kernel, at: columns(points), solution, columns: factor.inverse_of_lower() })
+    pub fn new(points: &[Point], kernel: Kernel, noise: &[f64], of: Of) -> Option<Self> {
+        Self::with(points, kernel, noise, of, Square::inverse_of_lower)
     }
 
-    /// What it says at coordinates.
+    /// The same, which says nothing of points that are left out.
+    pub fn of_all(points: &[Point], kernel: Kernel, noise: &[f64], of: Of) -> Option<Self> {
+        Self::with(points, kernel, noise, of, |_| Square::zeros(0))
+    }
+
+    fn with(
+        points: &[Point],
+        kernel: Kernel,
+        noise: &[f64],
+        of: Of,
+        columns: impl Fn(&Square) -> Square,
+    ) -> Option<Self> {
+        let factor = factor(points, kernel, noise, of)?;
+        let values = |c: usize| points.iter().map(|p| of.value(p, c)).collect::<Vec<f64>>();
+        let solution = [0, 1, 2].map(|c| factor.solve(&values(c)));
+        let weigh = |c: &Vec<f64>| c.iter().zip(points).map(|(v, p)| v * of.weight(p)).collect();
+        let weighed = solution.each_ref().map(weigh);
+        Some(Self { kernel, at: self::columns(points), solution, weighed, columns: columns(&factor) })
+    }
+
+    /// What it says at coordinates, where it varies fully.
     pub fn at(&self, to: &[f64; COORDINATES]) -> [f64; 3] {
         let mut row = vec![0.0; self.at[0].len()];
         self.kernel.row(&self.at, to, &mut row);
-        [0, 1, 2].map(|c| vector::dot(&row, &self.solution[c]))
+        [0, 1, 2].map(|c| vector::dot(&row, &self.weighed[c]))
     }
 
     /// How far every point is above what the others say of it, and the variance of that.
@@ -115,6 +172,56 @@ impl Process {
             ([0, 1, 2].map(|c| self.solution[c][i] / squared), 1.0 / squared)
         };
         (0..self.columns.size()).map(of).collect()
+    }
+
+    /// Points that all others speak against, one after the other, each with what all others that are left say of it.
+    ///
+    /// `score` says how strongly, or `None`; the strongest is taken, and the rest is looked at without it, so that one wrong point does
+    /// not speak against its neighbours. At most `most` are taken.
+    pub fn spoken_against(
+        &self,
+        most: usize,
+        score: impl Fn(usize, &LeftOut) -> Option<f64>,
+    ) -> Vec<(usize, [f64; 3])> {
+        let n = self.columns.size();
+        let mut solution = self.solution.clone();
+        let mut diagonal: Vec<f64> = (0..n).map(|i| self.columns.squared(i)).collect();
+        let mut is_out = vec![false; n];
+        let mut gone = Vec::new();
+        let mut rows: Vec<Vec<f64>> = Vec::new();
+        while gone.len() < most {
+            let above = |i: usize| [0, 1, 2].map(|c| solution[c][i] / diagonal[i]);
+            let mean = |i: usize| above(i).iter().sum::<f64>() / 3.0;
+            let left = || (0..n).filter(|&i| !is_out[i]);
+            let mut sizes: Vec<f64> = left().map(|i| mean(i).abs() * libm::sqrt(diagonal[i])).collect();
+            if sizes.is_empty() {
+                break;
+            }
+            sizes.sort_by(f64::total_cmp);
+            let usual = NORMAL_DEVIATION * sizes[sizes.len() / 2];
+            let scored = left().filter_map(|i| {
+                let out = LeftOut { above: above(i), variance: 1.0 / diagonal[i], usual };
+                Some((score(i, &out)?, i))
+            });
+            let Some((_, i)) = scored.max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+            gone.push((i, above(i)));
+            is_out[i] = true;
+            // The row of the inverse of what is left, and what it takes from all others.
+            let mut row = self.columns.row_of_gram(i);
+            for other in &rows {
+                let share = other[i];
+                row.iter_mut().zip(other).for_each(|(v, o)| *v -= share * o);
+            }
+            let root = libm::sqrt(row[i].max(f64::MIN_POSITIVE));
+            row.iter_mut().for_each(|v| *v /= root);
+            for channel in &mut solution {
+                let share = channel[i] / row[i];
+                channel.iter_mut().zip(&row).for_each(|(s, r)| *s -= share * r);
+            }
+            diagonal.iter_mut().zip(&row).for_each(|(d, r)| *d = (*d - r * r).max(LEAST_DIAGONAL));
+            rows.push(row);
+        }
+        gone
     }
 
     /// How far the points of a group are above what all others say of them; `None` as of [`new`](Self::new).

@@ -2,6 +2,8 @@
 
 use super::gaps::Gaps;
 use super::held_out::HeldOut;
+use super::microfacet::Family;
+use super::robust::Outlier;
 use serde_json::{Value, json};
 
 /// What is known of a completion.
@@ -11,8 +13,12 @@ pub struct CompletionReport {
     pub samples: usize,
     /// How many points it is made of: fewer than samples, if close ones were taken together.
     pub points: usize,
-    /// Samples that count less, as all others speak against them.
-    pub outliers: usize,
+    /// Samples that are left out, as all others speak against them; they are not among `samples`.
+    pub outliers: Vec<Outlier>,
+    /// What the model has beside a diffuse term and a lobe.
+    pub family: Family,
+    /// Angles of the outgoing direction, radians, and the albedo before it is held to at most 0.98, linear sRGB.
+    pub albedo: Vec<(f64, [f64; 3])>,
     /// Width of the model's lobe: tangent of the angle of facets at which they have become few.
     pub width: f64,
     /// Exponent with which they become fewer; 2 is GGX.
@@ -35,11 +41,15 @@ impl CompletionReport {
     pub(crate) fn to_json(&self) -> Value {
         let held_out =
             |h: &HeldOut| json!({"mean_relative_l2": h.error, "root_mean_square_of_logarithms": h.logarithm});
+        let outlier =
+            |o: &Outlier| json!({"view": o.view, "sample": o.sample, "over_what_others_say": o.ratio});
+        let albedo = |a: &(f64, [f64; 3])| json!({"theta_degrees": a.0.to_degrees(), "albedo": a.1});
         json!({
             "samples": self.samples,
             "points": self.points,
-            "outliers": self.outliers,
-            "model": {"width": self.width, "exponent": self.exponent},
+            "outliers": self.outliers.iter().map(outlier).collect::<Vec<_>>(),
+            "albedo_before_cap": self.albedo.iter().map(albedo).collect::<Vec<_>>(),
+            "model": {"family": self.family.name(), "width": self.width, "exponent": self.exponent},
             "lengths": self.lengths,
             "noise": self.noise,
             "samples_left_out": held_out(&self.samples_left_out),

@@ -22,6 +22,11 @@ impl Scale {
         libm::asinh(f / self.twice)
     }
 
+    /// Derivative of the place on the scale by the value.
+    pub fn slope(self, f: f64) -> f64 {
+        1.0 / libm::sqrt(f.mul_add(f, self.twice * self.twice))
+    }
+
     /// Back.
     pub fn back(self, scaled: f64) -> f64 {
         self.twice * libm::sinh(scaled)

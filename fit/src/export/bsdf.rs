@@ -2,7 +2,8 @@
 //!
 //! A measured file has a warp that spreads visible normals over its pictures. Here the warp is the identity, so that a picture is `f cos`
 //! over the half vectors themselves: the square root of their angle from the normal, which is dense where highlights are, and
-//! their azimuth. A reader that draws directions by the file's warps still has those by brightness.
+//! their azimuth. Pictures are square, as most readers ask for. What a reader draws by is `f cos` times the solid angle of a pixel's incident
+//! directions, so that what it draws has a weight that is nearly the same for all.
 
 use super::{check_isotropic, finite};
 use crate::FitError;
@@ -17,12 +18,12 @@ const LAST: f64 = 87.0;
 
 /// Half vectors of a picture along the angle from the normal, and along the azimuth, of which the last is the first again.
 const COLUMNS: usize = 128;
-const ROWS: usize = 97;
+const ROWS: usize = 128;
 
 /// Least height of an incident direction: what lies below the horizon is interpolated with, and goes on smoothly.
 const LEAST_HEIGHT: f64 = 1e-3;
 
-/// Writes an isotropic BRDF as a `.bsdf` file: `f cos` at 30 outgoing directions by 128 x 97 half vectors. The caller's threads of rayon are
+/// Writes an isotropic BRDF as a `.bsdf` file: `f cos` at 30 outgoing directions by 128 x 128 half vectors. The caller's threads of rayon are
 /// used.
 ///
 /// # Errors
@@ -34,8 +35,17 @@ pub fn rgl(brdf: &dyn Brdf) -> Result<Vec<u8>, FitError> {
     let channels = |picture: &Vec<[f64; 3]>| -> Vec<f64> {
         (0..3).flat_map(|c| picture.iter().map(move |rgb| rgb[c])).collect()
     };
-    let bright = |picture: &Vec<[f64; 3]>| -> Vec<f64> {
-        picture.iter().map(|&rgb| luminance(rgb).max(0.0)).collect()
+    // Density over the picture: times solid angle of incident directions per pixel, `8 pi^2 u sin(h) (h . wo)`.
+    let bright = |(picture, &theta): (&Vec<[f64; 3]>, &f64)| -> Vec<f64> {
+        let wo = direction(theta, 0.0);
+        let weighed = picture.iter().enumerate().map(|(n, &rgb)| {
+            let (along, h) = half(n);
+            let towards = (h[0] * wo[0] + h[2] * wo[2]).max(0.0);
+            let below = 2.0 * towards * h[2] - wo[2] <= 0.0;
+            let jacobian = along * libm::hypot(h[0], h[1]) * towards;
+            if below { 0.0 } else { luminance(rgb).max(0.0) * jacobian }
+        });
+        weighed.collect()
     };
     let mut fields = Fields::default();
     fields.push_bytes("description", b"written by srbf convert");
@@ -47,7 +57,7 @@ pub fn rgl(brdf: &dyn Brdf) -> Result<Vec<u8>, FitError> {
     fields.push(
         "luminance",
         &[1, VIEWS, ROWS, COLUMNS],
-        &pictures.iter().flat_map(bright).collect::<Vec<_>>(),
+        &pictures.iter().zip(&thetas).flat_map(bright).collect::<Vec<_>>(),
     );
     fields.push(
         "rgb",
@@ -59,13 +69,18 @@ pub fn rgl(brdf: &dyn Brdf) -> Result<Vec<u8>, FitError> {
     Ok(fields.encode())
 }
 
+/// A half vector of a picture: place along the angle from the normal, and direction.
+fn half(n: usize) -> (f64, [f64; 3]) {
+    let along = (n % COLUMNS) as f64 / (COLUMNS - 1) as f64;
+    let turn = (n / COLUMNS) as f64 / (ROWS - 1) as f64;
+    (along, direction(along * along * FRAC_PI_2, (2.0 * turn - 1.0) * PI))
+}
+
 /// `f cos` over the half vectors, towards one outgoing direction.
 fn picture(brdf: &dyn Brdf, theta: f64) -> Vec<[f64; 3]> {
     let wo = direction(theta, 0.0);
     let pixel = |n: usize| {
-        let along = (n % COLUMNS) as f64 / (COLUMNS - 1) as f64;
-        let turn = (n / COLUMNS) as f64 / (ROWS - 1) as f64;
-        let h = direction(along * along * FRAC_PI_2, (2.0 * turn - 1.0) * PI);
+        let (_, h) = half(n);
         let twice = 2.0 * (h[0] * wo[0] + h[2] * wo[2]);
         let mut wi = [twice * h[0] - wo[0], twice * h[1] - wo[1], (twice * h[2] - wo[2]).max(LEAST_HEIGHT)];
         let length = libm::sqrt(wi[0] * wi[0] + wi[1] * wi[1] + wi[2] * wi[2]);

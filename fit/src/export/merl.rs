@@ -2,10 +2,12 @@
 
 use super::{check_isotropic, finite};
 use crate::FitError;
-use crate::read::merl::{CELLS, SCALE, SIZE};
-use crate::table::{Brdf, direction};
+use crate::read::merl::{CELLS, SCALE, SIZE, directions};
+use crate::table::Brdf;
 use rayon::prelude::*;
-use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Least f that is written; 1/sr.
+const LEAST: f64 = 1e-30;
 
 /// A MERL file.
 #[derive(Clone, Debug)]
@@ -18,8 +20,8 @@ pub struct MerlFile {
 
 /// Writes an isotropic BRDF as a MERL `.binary` file: its values at the centres of 90 x 90 x 180 cells.
 ///
-/// A cell has one value for a pair of directions and the same exchanged: the mean of both is stored. Where a direction is below the horizon,
-/// -1 stands, as in the measured files. The caller's threads of rayon are used.
+/// A cell has one value for a pair of directions and the same exchanged: the mean of both is stored. Where a direction is below the horizon, or
+/// where nothing was measured, -1 stands, as in the measured files. The caller's threads of rayon are used.
 ///
 /// # Errors
 /// [`FitError::Table`] for an anisotropic BRDF.
@@ -28,34 +30,28 @@ pub fn merl(brdf: &dyn Brdf) -> Result<MerlFile, FitError> {
     let cells: Vec<Option<[f64; 3]>> = (0..CELLS).into_par_iter().map(|cell| value(brdf, cell)).collect();
     let mut bytes = Vec::with_capacity(12 + 24 * CELLS);
     SIZE.iter().for_each(|&size| bytes.extend((size as i32).to_le_bytes()));
-    let (mut all, mut negatives) = (0, 0);
+    let (mut all, mut negatives) = (0usize, 0usize);
     for (channel, scale) in SCALE.iter().enumerate() {
         for cell in &cells {
             let stored = match cell {
                 Some(rgb) => {
                     all += 1;
                     negatives += usize::from(rgb[channel] < 0.0);
-                    rgb[channel].max(0.0) / scale
+                    // All three 0 would say that nothing was measured.
+                    rgb[channel].max(LEAST) / scale
                 }
                 None => -1.0,
             };
             bytes.extend(stored.to_le_bytes());
         }
     }
-    Ok(MerlFile { bytes, negatives: negatives as f64 / f64::from(all.max(1)) })
+    Ok(MerlFile { bytes, negatives: negatives as f64 / all.max(1) as f64 })
 }
 
-/// The value at the centre of a cell, if both directions are above the horizon.
+/// The value at the centre of a cell, if both directions are above the horizon and most of it was measured.
 fn value(brdf: &dyn Brdf, cell: usize) -> Option<[f64; 3]> {
-    let centre = |index: usize, size: usize| (index as f64 + 0.5) / size as f64;
-    let half = centre(cell / (SIZE[1] * SIZE[2]), SIZE[0]);
-    let difference = centre(cell / SIZE[2] % SIZE[1], SIZE[1]) * FRAC_PI_2;
-    let d = direction(difference, centre(cell % SIZE[2], SIZE[2]) * PI);
-    let (across, along) = libm::sincos(half * half * FRAC_PI_2);
-    // The difference vector, and its mirror image, seen from the normal in place of the half vector.
-    let turned = |d: [f64; 3]| [along * d[0] + across * d[2], d[1], along * d[2] - across * d[0]];
-    let (wi, wo) = (turned(d), turned([-d[0], -d[1], d[2]]));
-    if wi[2] <= 0.0 || wo[2] <= 0.0 {
+    let (wi, wo) = directions(cell)?;
+    if brdf.measured(wi, wo) + brdf.measured(wo, wi) < 1.0 {
         return None;
     }
     let (a, b) = (finite(brdf.evaluate(wi, wo)), finite(brdf.evaluate(wo, wi)));

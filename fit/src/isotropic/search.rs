@@ -12,6 +12,7 @@ pub(crate) mod schedule;
 mod start;
 
 use crate::isotropic::balance;
+use crate::isotropic::effort::Effort;
 use crate::isotropic::encode;
 use crate::isotropic::factors::SIZES;
 use crate::isotropic::model::parameters::Layout;
@@ -27,14 +28,10 @@ use schedule::{HEAVY_TAIL, LAST, LIGHT, LOOKS, Stage};
 use std::sync::atomic::AtomicUsize;
 use std::time::Instant;
 
-/// Times that fits are moved again, at most; and the share of the best one's rank that the error of one which misses a goal must be
-/// below for that to be worth the time.
-const ROUNDS: usize = 3;
+/// Share of the best one's rank that the error of one which misses a goal must be below for it to be worth the time to be moved again.
 const WORTHWHILE: f64 = 0.97;
 /// Bytes that a material with factors may have, but for what is said of where it comes from.
 const MOST_BYTES: usize = 6900;
-/// Times that factors and lobes are fitted in turn.
-const FACTOR_ROUNDS: usize = 2;
 /// What the weights of missed goals are multiplied by before, and the most that energy gets: with more, nothing else counts.
 const MORE_ENERGY: f64 = 10.0;
 const MOST_ENERGY: f64 = 1000.0;
@@ -42,6 +39,9 @@ const MORE_TAIL: f64 = 3.0;
 
 /// What can be tabulated wherever the fit asks for it.
 pub(crate) trait Source: Sync {
+    /// How much work its fit is.
+    fn effort(&self) -> &Effort;
+
     /// As many knots, where the material changes.
     fn knots(&self, count: usize) -> Vec<f64>;
 
@@ -148,7 +148,7 @@ impl<'a> Problem<'a> {
         if !best.misses() {
             finalists.truncate(1);
         }
-        for round in 0..ROUNDS {
+        for round in 0..self.source.effort().rounds {
             // Then it is the only one.
             let meets_all = !finalists[0].misses();
             emphasis = emphasized(&mut finalists, emphasis);
@@ -178,12 +178,13 @@ impl<'a> Problem<'a> {
             FactorNodes::Chosen => (SIZES[..].get(..best.sizes_within(MOST_BYTES)).unwrap_or(&[]), false),
             FactorNodes::Given(size) => (std::slice::from_ref(size), true),
         };
+        let rounds = self.source.effort().factor_rounds;
         let Some(stage) = self.stages(LAST).pop() else { return Ok(best) };
         let stage = Stage { keep: 1, look: None, ..stage };
-        work.total = work.total.max(work.done + FACTOR_ROUNDS * stage.work());
+        work.total = work.total.max(work.done + rounds * stage.work());
         let mut with: Option<Finalist<'a>> = None;
         let mut moved = best.clone();
-        for _ in 0..if sizes.is_empty() { 0 } else { FACTOR_ROUNDS } {
+        for _ in 0..if sizes.is_empty() { 0 } else { rounds } {
             moved.look_again(self.source)?;
             moved.fit_factors(sizes, LAST)?;
             self.move_by_what_is_seen(&mut moved, &stage, work)?;

@@ -18,7 +18,10 @@ pub(super) fn seen_by(
     round: usize,
 ) -> Result<Table, FitError> {
     let material = Material::from_bytes(bytes)?;
-    let drawn = |theta| Drawn::new(&TrackedView::new(&material, theta, 0.0)?.mixture, round).map(Some);
+    let drawn = |theta| {
+        let view = TrackedView::new(&material, theta, 0.0)?;
+        Drawn::new(&view.mixture, density, round).map(Some)
+    };
     tabulate(brdf, thetas, density, &drawn)
 }
 

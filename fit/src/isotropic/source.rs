@@ -1,6 +1,7 @@
 //! Fits of isotropic surfaces: to a BRDF that can be evaluated anywhere, or to what samples are completed to, beside the samples.
 
 use crate::complete::Completion;
+use crate::isotropic::effort::{COMPLETED, Effort, MEASURED};
 use crate::isotropic::knots::Probes;
 use crate::isotropic::search::schedule::LOOKS;
 use crate::isotropic::search::{self, Source};
@@ -17,15 +18,9 @@ use std::time::Instant;
 /// Angle of the last view of a BRDF that can be evaluated, degrees.
 const LAST_KNOT: f64 = 87.0;
 
-/// Views of the table between two of the material's.
-const BETWEEN: usize = 3;
-
 /// Smoothness over that of the settings: with views between all knots less of it is needed (alum-bronze 3.9 % at unseen
 /// views in place of 4.4 %).
 const DENSE: f64 = 0.4;
-
-/// What starts and exchanges are divided by for samples: what they are completed to is smoother than measured tables are.
-const LESS: usize = 2;
 
 /// Share of the samples themselves in the weight of their views, and most of those views.
 const SHARE: f64 = 0.8;
@@ -58,9 +53,7 @@ pub(crate) fn fit_samples(
     settings: &Settings,
     progress: impl FnMut(f64) + Send,
 ) -> Result<Fit, FitError> {
-    let [starts, exchanges] = [settings.starts, settings.exchanges].map(|n| n.div_ceil(LESS));
-    let settings = Settings { starts, exchanges, ..settings.clone() };
-    let mut fit = fit_both(completion, Some(table), &settings, progress)?;
+    let mut fit = fit_both(completion, Some(table), settings, progress)?;
     // Albedos are those of the completion: samples that miss a peak, or meet it once, have none that can be believed.
     let thetas: Vec<f64> = table.views.iter().map(|view| view.theta).collect();
     let whole = Table::from_brdf(completion, &thetas, Density::default())?;
@@ -83,8 +76,15 @@ fn fit_both(
 ) -> Result<Fit, FitError> {
     let start = Instant::now();
     let probes = Probes::new(brdf, LAST_KNOT.to_radians(), settings.view_count())?;
-    let source = Evaluable { brdf, samples, probes };
-    let settings = Settings { smoothness: DENSE * settings.smoothness, ..settings.clone() };
+    let effort = if samples.is_some() { &COMPLETED } else { &MEASURED };
+    let source = Evaluable { brdf, samples, probes, effort };
+    let settings = Settings {
+        smoothness: DENSE * settings.smoothness,
+        starts: settings.starts.div_ceil(effort.starts),
+        exchanges: settings.exchanges.div_ceil(effort.exchanges),
+        steps: settings.steps.div_ceil(effort.steps),
+        ..settings.clone()
+    };
     let mut fit = search::run(&source, &settings, progress)?;
     fit.report.appearance = Some(Appearance::new(brdf, &Material::from_bytes(fit.bytes.as_slice())?)?);
     let mut middles = evaluation_views::halfway(&knots_of(&Material::from_bytes(&fit.bytes)?));
@@ -104,6 +104,7 @@ struct Evaluable<'a> {
     /// What it was made of, if it was.
     samples: Option<&'a Table>,
     probes: Probes,
+    effort: &'static Effort,
 }
 
 impl Evaluable<'_> {
@@ -126,6 +127,10 @@ impl Evaluable<'_> {
 }
 
 impl Source for Evaluable<'_> {
+    fn effort(&self) -> &Effort {
+        self.effort
+    }
+
     fn knots(&self, count: usize) -> Vec<f64> {
         self.probes.place(count)
     }
@@ -136,11 +141,13 @@ impl Source for Evaluable<'_> {
 
     fn table(&self, knots: &[f64], seen: Option<(&[u8], usize)>) -> Result<Table, FitError> {
         let end = knots[knots.len() - 1].min(LAST_KNOT.to_radians());
-        let thetas =
-            |round| tabulated(knots, end, round).into_iter().chain(self.sampled(end)).collect::<Vec<_>>();
+        let (density, between) = (self.effort.density, self.effort.views_between);
+        let thetas = |round| {
+            tabulated(knots, end, round, between).into_iter().chain(self.sampled(end)).collect::<Vec<_>>()
+        };
         let mut table = match seen {
-            None => Table::from_brdf(self.brdf, &thetas(0), Density::default())?,
-            Some((bytes, round)) => seen_by(self.brdf, &thetas(1 + round), Density::default(), bytes, round)?,
+            None => Table::from_brdf(self.brdf, &thetas(0), density)?,
+            Some((bytes, round)) => seen_by(self.brdf, &thetas(1 + round), density, bytes, round)?,
         };
         self.with_samples(&mut table);
         Ok(table)
@@ -150,13 +157,13 @@ impl Source for Evaluable<'_> {
 /// Angles of the table's views: at irregular places in every interval, so that what a lobe does between knots is seen
 /// wherever it happens, other ones in every round, and at the end. In the last round also at the knots: a lobe that is there at a
 /// single knot is highest there.
-fn tabulated(knots: &[f64], end: f64, round: usize) -> Vec<f64> {
+fn tabulated(knots: &[f64], end: f64, round: usize, between: usize) -> Vec<f64> {
     let mut thetas = vec![end];
     for (n, w) in knots.windows(2).enumerate() {
-        for i in 0..BETWEEN {
-            let irregular = (GOLDEN_SECTION * (BETWEEN * n + i) as f64 + SHIFT * round as f64).fract();
+        for i in 0..between {
+            let irregular = (GOLDEN_SECTION * (between * n + i) as f64 + SHIFT * round as f64).fract();
             let place = if i == 0 && round == LOOKS { 0.0 } else { i as f64 + irregular };
-            thetas.push(w[0] + (w[1] - w[0]) * place / BETWEEN as f64);
+            thetas.push(w[0] + (w[1] - w[0]) * place / between as f64);
         }
     }
     thetas.retain(|&theta| theta <= end);
@@ -170,13 +177,14 @@ mod tests {
     #[test]
     fn the_last_table_that_is_fitted_has_views_at_the_knots() {
         let knots = [0.0, 0.3, 0.5, 1.1];
+        let between = MEASURED.views_between;
         for round in 1..=LOOKS + 1 {
-            let thetas = tabulated(&knots, 1.1, round);
+            let thetas = tabulated(&knots, 1.1, round, between);
             let at_knots = knots.iter().filter(|knot| thetas.contains(knot)).count();
             let (all, end_alone) = (knots.len(), 1);
             assert_eq!(at_knots, if round == LOOKS { all } else { end_alone }, "{round}: {thetas:?}");
             let inside = |w: &[f64]| thetas.iter().filter(|t| **t > w[0] && **t < w[1]).count();
-            assert!(knots.windows(2).all(|w| inside(w) >= BETWEEN - 1), "{round}: {thetas:?}");
+            assert!(knots.windows(2).all(|w| inside(w) >= between - 1), "{round}: {thetas:?}");
         }
     }
 }

@@ -26,6 +26,12 @@ impl Square {
         Self { size, stride, values: vec![0.0; size * stride] }
     }
 
+    /// Some rows of zeros, as long as a matrix of that size is wide: right sides.
+    pub fn rows(count: usize, size: usize) -> Self {
+        let stride = size.next_multiple_of(LANES);
+        Self { size, stride, values: vec![0.0; count * stride] }
+    }
+
     /// Rows and columns.
     pub fn size(&self) -> usize {
         self.size
@@ -115,6 +121,35 @@ impl Square {
             x[i] = (x[i] - vector::dot(&row[..i], &x[..i])) / row[i];
         }
         x
+    }
+
+    /// Of a factor L, solves `L x = right` for every row of what was made by [`rows`](Self::rows).
+    pub fn solve_lower_all(&self, right: &mut Self) {
+        let count = right.values.len() / right.stride.max(1);
+        for first in (0..self.size).step_by(BLOCK) {
+            let rows = first..(first + BLOCK).min(self.size);
+            for left in (0..count).step_by(BLOCK) {
+                let many = left..(left + BLOCK).min(count);
+                let products = products(self, right, (first, rows.len()), (left, many.len()), 0..first);
+                for j in many {
+                    for i in rows.clone() {
+                        let known = &right.row(j)[first..i];
+                        let inside: f64 = self.row(i)[first..i].iter().zip(known).map(|(l, x)| l * x).sum();
+                        let rest = right.row(j)[i] - products[(i - first) * BLOCK + j - left] - inside;
+                        right.row_mut(j)[i] = rest / self.row(i)[i];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Of the inverse of a factor by columns, a row of the inverse of the matrix.
+    pub fn row_of_gram(&self, i: usize) -> Vec<f64> {
+        let product = |j: usize| {
+            let from = i.max(j);
+            vector::dot(self.lanes(i, from, self.size), self.lanes(j, from, self.size))
+        };
+        (0..self.size).map(product).collect()
     }
 
     /// Of the inverse of a factor by columns, the square of some row: what the inverse of the matrix has on its diagonal.
@@ -247,6 +282,13 @@ mod tests {
             let a = matrix(size);
             let factor = a.cholesky().unwrap();
             let columns = factor.inverse_of_lower();
+            let mut right = Square::rows(35, size);
+            (0..35).for_each(|k| (0..size).for_each(|i| right.row_mut(k)[i] = ((3 * i + k) % 7) as f64));
+            let one_by_one: Vec<Vec<f64>> = (0..35).map(|k| factor.solve_lower(right.row(k))).collect();
+            factor.solve_lower_all(&mut right);
+            for (k, one) in one_by_one.iter().enumerate() {
+                assert!(right.row(k).iter().zip(one).all(|(a, b)| (a - b).abs() < 1e-9), "{size} {k}");
+            }
             let all: Vec<usize> = (0..size).collect();
             let inverse = columns.gram(&all);
             for i in 0..size {

@@ -1,12 +1,13 @@
 //! Reader of MERL `.binary` files (Matusik et al. 2003): 90 x 90 x 180 cells of half angle, difference angle and azimuth.
 //!
 //! Three little-endian i32 (90, 90, 180), then three planes (red, green, blue) of f64, azimuth fastest. The half angle is cut
-//! finer near 0, by the square root. Negative cells were not measured. Between the centres of the cells the value is
-//! interpolated linearly, among the cells that were measured.
+//! finer near 0, by the square root. Cells with a negative channel were not measured, nor were those that are 0 in all three: no surface
+//! is black. Between the centres of the cells the value is interpolated linearly, among the cells that were measured; where there is none,
+//! the value is no number. [`Filled`](super::Filled) says what is there.
 
 use super::rusinkiewicz::{HalfAndDifference, half_and_difference};
 use crate::ReadError;
-use crate::table::Brdf;
+use crate::table::{Brdf, direction};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Cells along the half angle, the difference angle, and its azimuth.
@@ -18,8 +19,48 @@ pub(crate) const SCALE: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 /// One MERL material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Merl {
-    /// Scaled values, negative where nothing was measured.
+    /// Scaled values, no numbers where nothing was measured.
     cells: Vec<[f32; 3]>,
+}
+
+/// The two directions at the centre of a cell, if both are above the horizon.
+pub(crate) fn directions(cell: usize) -> Option<([f64; 3], [f64; 3])> {
+    let centre = |index: usize, size: usize| (index as f64 + 0.5) / size as f64;
+    let half = centre(cell / (SIZE[1] * SIZE[2]), SIZE[0]);
+    let difference = centre(cell / SIZE[2] % SIZE[1], SIZE[1]) * FRAC_PI_2;
+    let d = direction(difference, centre(cell % SIZE[2], SIZE[2]) * PI);
+    let (across, along) = libm::sincos(half * half * FRAC_PI_2);
+    // The difference vector, and its mirror image, seen from the normal in place of the half vector.
+    let turned = |d: [f64; 3]| [along * d[0] + across * d[2], d[1], along * d[2] - across * d[0]];
+    let (wi, wo) = (turned(d), turned([-d[0], -d[1], d[2]]));
+    (wi[2] > 0.0 && wo[2] > 0.0).then_some((wi, wo))
+}
+
+impl Merl {
+    /// Share of the cells with both directions above the horizon that were not measured.
+    pub fn missing(&self) -> f64 {
+        let (mut all, mut missing) = (0usize, 0usize);
+        for (n, cell) in self.cells.iter().enumerate() {
+            if directions(n).is_some() {
+                all += 1;
+                missing += usize::from(cell[0].is_nan());
+            }
+        }
+        missing as f64 / all as f64
+    }
+
+    /// Samples at the centres of measured cells: incident direction, outgoing direction and f. About `count`, spread over the cells.
+    pub(crate) fn samples(&self, count: usize) -> Vec<([f64; 3], [f64; 3], [f64; 3])> {
+        let measured = || (0..CELLS).filter(|&n| !self.cells[n][0].is_nan());
+        let every = (measured().count() / count.max(1)).max(1);
+        // Not a divisor of the cells in a row, so that all azimuths are met.
+        let every = every + usize::from(every.is_multiple_of(2));
+        let sample = |n: usize| {
+            let (wi, wo) = directions(n)?;
+            Some((wi, wo, self.cells[n].map(f64::from)))
+        };
+        measured().step_by(every).filter_map(sample).collect()
+    }
 }
 
 /// Refuses a file of another size than a MERL file has.
@@ -45,7 +86,6 @@ pub fn parse(bytes: &[u8]) -> Result<Merl, ReadError> {
         }
     }
     let mut cells = vec![[0f32; 3]; CELLS];
-    let mut measured = 0;
     for channel in 0..3 {
         let plane = &bytes[12 + 8 * CELLS * channel..];
         for (n, (cell, b)) in cells.iter_mut().zip(plane.chunks_exact(8)).enumerate() {
@@ -53,18 +93,20 @@ pub fn parse(bytes: &[u8]) -> Result<Merl, ReadError> {
             if !v.is_finite() {
                 return Err(ReadError::Content(format!("channel {channel}, cell {n}: {v}")));
             }
-            measured += usize::from(v >= 0.0);
             cell[channel] = (v * SCALE[channel]) as f32;
         }
     }
-    if measured == 0 {
-        return Err(ReadError::Content("no cell was measured: all are negative".into()));
+    let is_missing = |cell: &[f32; 3]| cell.iter().any(|v| *v < 0.0) || *cell == [0.0; 3];
+    cells.iter_mut().filter(|cell| is_missing(cell)).for_each(|cell| *cell = [f32::NAN; 3]);
+    if cells.iter().all(|cell| cell[0].is_nan()) {
+        return Err(ReadError::Content("no cell was measured: all are negative or 0".into()));
     }
     Ok(Merl { cells })
 }
 
-impl Brdf for Merl {
-    fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
+impl Merl {
+    /// The value, if something was measured, and the share of it that was.
+    fn interpolated(&self, wi: [f64; 3], wo: [f64; 3]) -> ([f64; 3], f64) {
         let HalfAndDifference { across, along, difference: d } = half_and_difference(wi, wo);
         let theta_h = libm::atan2(across, along);
         let theta_d = libm::atan2(libm::hypot(d[0], d[1]), d[2]);
@@ -79,7 +121,7 @@ impl Brdf for Merl {
             theta_d / FRAC_PI_2 * SIZE[1] as f64 - 0.5,
             phi_d / PI * SIZE[2] as f64 - 0.5,
         ];
-        let (mut sum, mut weights) = ([0.0; 3], [0.0; 3]);
+        let (mut sum, mut weights) = ([0.0; 3], 0.0);
         for corner in 0..8 {
             let mut index = 0;
             let mut weight = 1.0;
@@ -92,22 +134,29 @@ impl Brdf for Merl {
                     if axis == 2 { cell.rem_euclid(size as i64) } else { cell.clamp(0, size as i64 - 1) };
                 index = index * size + cell as usize;
             }
-            for c in 0..3 {
-                let v = f64::from(self.cells[index][c]);
-                if v >= 0.0 {
-                    sum[c] += weight * v;
-                    weights[c] += weight;
-                }
+            let cell = self.cells[index];
+            if !cell[0].is_nan() {
+                (0..3).for_each(|c| sum[c] += weight * f64::from(cell[c]));
+                weights += weight;
             }
         }
-        [0, 1, 2].map(|c| if weights[c] > 0.0 { sum[c] / weights[c] } else { 0.0 })
+        (sum.map(|v| v / weights), weights)
+    }
+}
+
+impl Brdf for Merl {
+    fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
+        self.interpolated(wi, wo).0
+    }
+
+    fn measured(&self, wi: [f64; 3], wo: [f64; 3]) -> f64 {
+        self.interpolated(wi, wo).1
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::direction;
 
     fn file(value: f64) -> Vec<u8> {
         let mut bytes: Vec<u8> = [90i32, 90, 180].iter().flat_map(|n| n.to_le_bytes()).collect();
@@ -120,7 +169,8 @@ mod tests {
         let good = file(1.0);
         assert!(parse(&good).is_ok());
         assert!(parse(&good[..good.len() - 1]).is_err() && parse(&[]).is_err());
-        assert!(parse(&file(-1.0)[..]).is_ok(), "cell 0 is 0, which was measured");
+        let error = parse(&file(-1.0)[..]).unwrap_err().to_string();
+        assert!(error.contains("no cell was measured"), "{error}");
         for (at, byte) in [(0, 91), (8, 181), (3, 0x80)] {
             let mut bad = good.clone();
             bad[at] = byte;
@@ -129,6 +179,25 @@ mod tests {
         let mut bad = good;
         bad[12 + 6..12 + 8].copy_from_slice(&[0xf8, 0x7f]);
         assert!(parse(&bad).is_err());
+    }
+
+    /// Both marks, and how near to them a value is a number.
+    #[test]
+    fn cells_that_were_not_measured_are_no_values() {
+        let mut bytes = file(1e-3);
+        let cell = (40 * SIZE[1] + 10) * SIZE[2] + 30;
+        for (channel, mark) in [(0, -1.0f64), (1, 0.0), (2, 0.0)] {
+            let at = 12 + 8 * (CELLS * channel + cell);
+            bytes[at..at + 8].copy_from_slice(&mark.to_le_bytes());
+        }
+        let merl = parse(&bytes).unwrap();
+        // And cell 0, which is 0.
+        let above = (0..CELLS).filter(|&n| directions(n).is_some()).count();
+        assert!((merl.missing() * above as f64 - 2.0).abs() < 1e-6, "{}", merl.missing());
+        let (wi, wo) = directions(cell).unwrap();
+        assert!(merl.measured(wi, wo) < 1e-6);
+        let (wi, wo) = directions(cell + 1).unwrap();
+        assert!(merl.measured(wi, wo) > 0.99 && merl.evaluate(wi, wo)[0] > 0.0);
     }
 
     #[test]

@@ -24,6 +24,11 @@ pub trait Brdf: Sync {
     /// Channels of colours outside the gamut are negative. What is not a finite number, where nothing was measured, counts as 0.
     fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3];
 
+    /// How much of the value was measured, 0 to 1; the rest of it is what a completion says.
+    fn measured(&self, _wi: [f64; 3], _wo: [f64; 3]) -> f64 {
+        1.0
+    }
+
     /// What turning or mirroring both directions leaves as it is.
     fn symmetry(&self) -> Symmetry {
         Symmetry::Isotropic

@@ -55,8 +55,8 @@ const CLOSEST: f64 = 1e-4;
 const HORIZON: usize = 24;
 const ABOVE_HORIZON: f64 = 1.5e-3;
 
-/// Directions that a lobe draws.
-const DRAWN: usize = 20;
+/// Directions in a cap over those that a lobe draws.
+const CAP_OVER_DRAWN: usize = 5;
 
 /// Steps of the R2 sequence: powers of the inverse of the root of `x^3 = x + 1`.
 const R2: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
@@ -209,8 +209,8 @@ pub(crate) struct Drawn {
 }
 
 impl Drawn {
-    /// Of the lobes of a mixture; others in every round.
-    pub fn new(view: &Mixture<'_, MAX_LOBES>, round: usize) -> Result<Self, FitError> {
+    /// Of the lobes of a mixture, as densely as that says; others in every round.
+    pub fn new(view: &Mixture<'_, MAX_LOBES>, density: Density, round: usize) -> Result<Self, FitError> {
         let lobe = |k| {
             let Lobe { gaussian, .. } = view.lobe(k)?;
             let (integral, _) = sphere_integral(libm::log(f64::from(gaussian.sharpness)));
@@ -220,7 +220,7 @@ impl Drawn {
         let (squeezed, round_lobes) = lobes.split_at(view.squeezed_len().min(lobes.len()));
         let lobes = Mixture::new(Domain::Hemisphere, view.squeeze(), squeezed, round_lobes)?;
         let lobes = lobes.with_level(Level::Scalar)?;
-        Ok(Self { count: DRAWN * lobes.len(), lobes, round })
+        Ok(Self { count: density.cap / CAP_OVER_DRAWN * lobes.len(), lobes, round })
     }
 
     fn direction(&self, i: usize) -> Option<[f64; 3]> {

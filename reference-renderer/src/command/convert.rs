@@ -2,22 +2,24 @@
 
 use crate::out::output;
 use crate::truth::measured::MeasuredMaterial;
+use crate::truth::stored::StoredMaterial;
 use anyhow::{Context, bail};
 use srbf_fit::export;
 use srbf_fit::read::{Content, Source, merl, read, rgl};
 use srbf_fit::table::{Brdf, Table};
 use std::path::{Path, PathBuf};
 
-/// Writes a measured BRDF, or a model, in the format of another program.
+/// Writes a measured BRDF, a model or a fit in the format of another program.
 ///
-/// From whatever `srbf fit` reads, to what the name of OUTPUT ends in:
+/// From whatever `srbf fit` reads, and from `.srbf` files of isotropic surfaces, to what the name of OUTPUT ends in:
 ///
 /// .binary (MERL): 90 x 90 x 180 cells, each the value at its centre. Readers interpolate between them: f cos of a smooth model comes back
 /// within 0.5 % of relative L2 (GGX, roughness 0.1), of a diffuse one exactly. A cell is one value for a pair of directions and the
-/// same exchanged; the mean of both is stored, which takes measured tables 3 to 13 % away, as they are not quite reciprocal. Negative channels, of colours outside the gamut, become 0.
+/// same exchanged; the mean of both is stored, which takes measured tables 3 to 13 % away, as they are not quite reciprocal. Negative channels, of colours outside the gamut, become 0. Cells that a
+/// MERL file has not measured stay marked so.
 ///
-/// .bsdf (RGL): f cos at 30 outgoing directions by 128 x 97 half vectors, in RGB; comes back within 0.5 % for the same model.
-/// Directions can be drawn by its brightness; a warp of visible normals it has not.
+/// .bsdf (RGL): f cos at 30 outgoing directions by 128 x 128 half vectors, in RGB; comes back within 0.5 % for the same model.
+/// Mitsuba's `measured` reads it in its RGB variants, and draws by f cos itself: the relative variance is .002 up to 75 degrees, and .06 at 85.
 ///
 /// .csv (ours, see docs/csv.md) and .astm (Cornell, three channels): samples. Those of a file of samples stay as they are; of all else,
 /// 16 outgoing directions by some 1300 incident ones. At the samples nothing is lost; between them nothing is said.
@@ -27,8 +29,8 @@ use std::path::{Path, PathBuf};
 /// is printed.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The measured BRDF or the model, as `srbf fit` reads it
-    #[arg(value_name = "FILE|MODEL")]
+    /// The measured BRDF or the model, as `srbf fit` reads it, or a fit
+    #[arg(value_name = "FILE|MODEL|FIT.srbf")]
     input: PathBuf,
     /// The file to write: .binary, .bsdf, .csv or .astm
     #[arg(value_name = "OUTPUT")]
@@ -67,7 +69,7 @@ impl Format {
 pub fn run(args: Args) -> anyhow::Result<()> {
     let format = Format::of(&args.output)?;
     output::check_place(&args.output)?;
-    let source = read(&args.input)?;
+    let source = source(&args.input)?;
     let named = || args.input.display().to_string();
     match format {
         Format::Merl | Format::Rgl => write_grid(&args.output, format, source),
@@ -75,6 +77,15 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         Format::Astm => write_samples(&args.output, source, export::astm),
     }
     .with_context(named)
+}
+
+/// What is read, or the lobes of a fit.
+fn source(input: &Path) -> anyhow::Result<Source> {
+    if !input.extension().is_some_and(|end| end.eq_ignore_ascii_case("srbf")) {
+        return Ok(read(input)?);
+    }
+    let StoredMaterial { name, material } = StoredMaterial::load(&input.to_string_lossy())?;
+    Ok(Source { content: Content::Evaluable(Box::new(export::Lobes(material))), name, sha256: String::new() })
 }
 
 /// Writes samples: those that were read, or such as are made of what has a value everywhere.

@@ -1,8 +1,8 @@
 //! How good a fit is, as text: a line a view, the numbers of all views, and the verdict.
 
 use srbf_core::Material;
-use srbf_fit::complete::CompletionReport;
 use srbf_fit::complete::held_out::HeldOut;
+use srbf_fit::complete::{CompletionReport, Outlier};
 use srbf_fit::judge::reciprocity::Reciprocity;
 use srbf_fit::judge::report::{Report, ViewReport, factor_bytes};
 use srbf_fit::judge::verdict::{Made, Spread, Summary, Verdict};
@@ -25,6 +25,9 @@ pub const LEGEND: &str = "L2 %: relative L2 error of f cos; peak, off: the same 
     lumin., chroma: median error beyond, of the luminance in % and of the colour; var., weight: relative variance and\n\
     largest over mean of f cos / pdf; albedo: of the fit, and in brackets of the data";
 
+/// Most outliers that are printed.
+const OUTLIERS: usize = 5;
+
 /// Prints what is known of what samples were completed to.
 pub fn print_completion(completion: &CompletionReport) {
     let error = |held_out: &HeldOut| {
@@ -34,15 +37,24 @@ pub fn print_completion(completion: &CompletionReport) {
     let CompletionReport { samples, points, outliers, .. } = completion;
     let thinned =
         if points < samples { format!(", close ones taken together to {points}") } else { String::new() };
-    println!(
-        "between the samples, {samples}{thinned}; {outliers} count less, as all others speak against them:"
-    );
+    println!("between the samples, {samples}{thinned}, by {}:", completion.family.description());
     println!("  samples left out: {}", error(&completion.samples_left_out));
     match &completion.views_left_out {
         Some(views) => println!("  views left out:   {}", error(views)),
         None => println!("  views left out:   none can be, with fewer than three"),
     }
     println!("  a microfacet model alone: {}", error(&completion.model_alone));
+    if !outliers.is_empty() {
+        let times =
+            |o: &Outlier| format!("sample {} of view {}, {:.2} times", o.sample + 1, o.view + 1, o.ratio);
+        let shown: Vec<String> = outliers.iter().take(OUTLIERS).map(times).collect();
+        let more = if outliers.len() > OUTLIERS { ", ..." } else { "" };
+        println!(
+            "  left out, as all others speak against them: {}: {}{more}",
+            outliers.len(),
+            shown.join("; ")
+        );
+    }
     let gaps = &completion.gaps;
     let empty = gaps.empty().iter().map(|(from, to)| format!("{from:.0} to {to:.0}")).collect::<Vec<_>>();
     let views = if empty.is_empty() {

@@ -1,0 +1,109 @@
+"""What `srbf convert` writes, as other programs read it.
+
+    python exports.py bsdf FILE.bsdf SAMPLES.csv
+    python exports.py merl FILE.binary SAMPLES.csv
+
+The samples are those of `srbf convert` of the same input: the values themselves. `bsdf` opens the file by Mitsuba's `measured`: its
+values, the variance of the weights of what it draws, and its own chi-square test. `merl` looks cells up by the index that Matusik's published
+reader computes (2003), written out here anew: half angle by the square root, difference angle and azimuth in degrees."""
+
+import csv
+import sys
+
+import numpy as np
+
+# Largest relative L2 error of f cos over the samples of views up to 75 degrees: by interpolation, and by the nearest cell.
+VALUES = {"bsdf": 0.01, "merl": 0.2}
+# Largest relative variance of the luminance of the weights, angle by angle in degrees.
+VARIANCES = {2: 0.01, 6: 0.01, 15: 0.01, 35: 0.01, 60: 0.01, 75: 0.01}
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+
+
+def samples(path):
+    rows = list(csv.reader(open(path)))
+    assert rows[0] == ["wi_x", "wi_y", "wi_z", "wo_x", "wo_y", "wo_z", "r", "g", "b"], rows[0]
+    numbers = np.array(rows[1:], dtype=float)
+    numbers = numbers[numbers[:, 5] > np.cos(np.radians(75))]
+    return numbers[:, :3], numbers[:, 3:6], numbers[:, 6:]
+
+
+def compare(kind, found, wi, f):
+    truth = f * wi[:, 2:]
+    error = np.sqrt(((found - truth) ** 2).sum() / (truth**2).sum())
+    print(f"{kind}: {len(wi)} values of f cos, off by {100 * error:.3f} % (relative L2)")
+    assert error < VALUES[kind], "too far off"
+
+
+def bsdf(path, table):
+    import mitsuba as mi
+
+    mi.set_variant("llvm_ad_rgb")
+    import drjit as dr
+
+    material = mi.load_dict({"type": "measured", "filename": path})
+    context = mi.BSDFContext()
+    wi, wo, f = samples(table)
+    si = dr.zeros(mi.SurfaceInteraction3f, len(wi))
+    # Mitsuba's wi is the viewer.
+    si.wi = mi.Vector3f(wo.T.astype("f4"))
+    found = np.array(material.eval(context, si, mi.Vector3f(wi.T.astype("f4"))))
+    compare("bsdf", found if found.shape == f.shape else found.T, wi, f)
+
+    n = 200000
+    for degrees, most in VARIANCES.items():
+        theta = np.radians(degrees)
+        si = dr.zeros(mi.SurfaceInteraction3f, n)
+        si.wi = mi.Vector3f(float(np.sin(theta)), 0.0, float(np.cos(theta)))
+        random = np.random.default_rng(1)
+        u, v = mi.Float(random.random(n).astype("f4")), mi.Point2f(random.random((2, n)).astype("f4"))
+        drawn, weight = material.sample(context, si, u, v)
+        weight = np.array(weight)
+        weight = LUMINANCE @ (weight if weight.shape[0] == 3 else weight.T)
+        variance = weight.var() / weight.mean() ** 2
+        said, own = np.array(material.pdf(context, si, drawn.wo)), np.array(drawn.pdf)
+        above = (own > 0) & (np.array(drawn.wo)[2] > 0)
+        apart = np.abs(said[above] / own[above] - 1).max()
+        print(f"bsdf: {degrees} degrees: relative variance {variance:.4f}, densities apart {apart:.1e}")
+        assert variance < most, "draws badly"
+
+    for degrees in (10, 50):
+        theta = np.radians(degrees)
+        direction = [float(np.sin(theta)), 0.0, float(np.cos(theta))]
+        plugin = f'<bsdf type="measured"><string name="filename" value="{path}"/></bsdf>'
+        sample, pdf = mi.chi2.BSDFAdapter("measured", f'<string name="filename" value="{path}"/>', wi=direction)
+        test = mi.chi2.ChiSquareTest(mi.chi2.SphericalDomain(), sample, pdf, sample_dim=3, ires=16, res=201)
+        passed = test.run()
+        print(f"bsdf: chi-square at {degrees} degrees: {'passes' if passed else test.messages}")
+        assert passed, plugin
+
+
+def merl(path, table):
+    data = open(path, "rb").read()
+    assert np.frombuffer(data[:12], "<i4").tolist() == [90, 90, 180]
+    cells = np.frombuffer(data[12:], "<f8").reshape(3, 90, 90, 180)
+    missing = (cells < 0).all(axis=0).mean()
+    assert ((cells < 0).any(axis=0) == (cells < 0).all(axis=0)).all(), "a cell is measured in part"
+    print(f"merl: {100 * missing:.1f} % of the cells are marked as not measured, those below the horizon among them")
+    wi, wo, f = samples(table)
+    half = wi + wo
+    half /= np.linalg.norm(half, axis=1, keepdims=True)
+    theta, phi = np.arccos(np.clip(half[:, 2], -1, 1)), np.arctan2(half[:, 1], half[:, 0])
+    # The incident direction, turned about the normal and then about the binormal until the half vector is the normal.
+    x = wi[:, 0] * np.cos(phi) + wi[:, 1] * np.sin(phi)
+    y = wi[:, 1] * np.cos(phi) - wi[:, 0] * np.sin(phi)
+    across = x * np.cos(theta) - wi[:, 2] * np.sin(theta)
+    along = x * np.sin(theta) + wi[:, 2] * np.cos(theta)
+    difference, azimuth = np.arccos(np.clip(along, -1, 1)), np.arctan2(y, across) % np.pi
+    index = (
+        np.clip(np.sqrt(theta / (np.pi / 2)) * 90, 0, 89).astype(int),
+        np.clip(difference / (np.pi / 2) * 90, 0, 89).astype(int),
+        np.clip(azimuth / np.pi * 180, 0, 179).astype(int),
+    )
+    scale = np.array([1.0, 1.15, 1.66]) / 1500
+    found = np.stack([cells[c][index] for c in range(3)], axis=1)
+    kept = (found >= 0).all(axis=1)
+    assert kept.mean() > 0.98, kept.mean()
+    compare("merl", (found * scale * wi[:, 2:])[kept], wi[kept], f[kept])
+
+
+{"bsdf": bsdf, "merl": merl}[sys.argv[1]](sys.argv[2], sys.argv[3])
