@@ -56,22 +56,16 @@ fn sentences(page: &str) -> Vec<String> {
             || item
                 .split_once(". ")
                 .is_some_and(|(n, _)| !n.is_empty() && n.chars().all(|c| c.is_ascii_digit()));
-        if is_code
-            || line.is_empty()
-            || line.starts_with("    ") && text.is_empty()
-            || starts
-            || line.starts_with('|')
-        {
+        let is_block = is_code || line.starts_with("```") || line.starts_with("    ") && text.is_empty();
+        let is_row = line.starts_with('|');
+        if is_block || line.is_empty() || starts || is_row {
             texts.push(std::mem::take(&mut text));
         }
-        if line.starts_with('|') {
+        if is_row {
             texts.extend(line.split('|').map(str::to_owned));
-        } else if !line.is_empty()
-            && !is_code
-            && !line.starts_with("```")
-            && !(line.starts_with("    ") && text.is_empty())
-        {
-            text = text + " " + line;
+        } else if !is_block {
+            text = text + " " + line.trim();
+            text.truncate(text.trim_end().len());
         }
     }
     texts.push(text);
