@@ -67,6 +67,7 @@ fn plain(
             of_block += value.as_dvec3() * at(&block.light).as_dvec3() * weight / 16.0;
         }
     }
+    #[allow(clippy::needless_range_loop)] // three rows are read at a time
     for i in 0..count {
         let sample = m.sample([u[0][i], u[1][i], u[2][i]]).unwrap();
         let world = to_world(axes, sample.direction);
