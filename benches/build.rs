@@ -9,6 +9,10 @@ fn main() {
         });
         build.compile(&format!("srbf_baseline_{name}"));
     }
+    let mut ggx = cc::Build::new();
+    ggx.file("c/ggx.c").opt_level(3).flag_if_supported("-march=native").flag_if_supported("-fno-math-errno");
+    ggx.compile("srbf_ggx");
     println!("cargo::rerun-if-changed=c/baseline.c");
+    println!("cargo::rerun-if-changed=c/ggx.c");
     println!("cargo::rustc-link-lib=m");
 }

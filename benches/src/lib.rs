@@ -3,6 +3,7 @@
 pub mod baseline;
 #[cfg(target_arch = "x86_64")]
 pub mod clock;
+pub mod ggx;
 pub mod work;
 
 use srbf_core::{Domain, FactorTable, Level, Line, Lobe, Material, Mixture, PlaneLobe, Vec3, View};
@@ -182,6 +183,58 @@ fn factored_bytes() -> Vec<u8> {
     };
     let mut bytes = vec![0; line.encoded_len("")];
     line.encode("", &mut bytes).expect("a valid material");
+    bytes
+}
+
+/// Bytes of so many materials, no two alike: the presets in turn, the lobes of each made brighter or darker, sharper or wider and
+/// of other colours.
+pub fn different_materials(count: usize) -> Vec<Vec<u8>> {
+    let presets: [&[u8]; 3] = [
+        GARNET_RED,
+        include_bytes!("../../presets/cayman.srbf"),
+        include_bytes!("../../presets/krylon_blue.srbf"),
+    ];
+    let mut random = Random(11);
+    (0..count).map(|i| varied(presets[i % 3], &mut random)).collect()
+}
+
+fn varied(preset: &[u8], random: &mut Random) -> Vec<u8> {
+    let material = Material::from_bytes(preset).expect("the preset is valid");
+    let change = [(); 4].map(|()| 0.5 * (random.uniform() - 0.5));
+    let every = 0..material.view_count();
+    let lobes: Vec<Vec<PlaneLobe>> = every
+        .clone()
+        .map(|v| {
+            let of = |k| {
+                let mut lobe: PlaneLobe = material.view_lobe(v, k)?;
+                lobe.log2_sharpness += change[0];
+                // -126 stands for none.
+                lobe.log2_luminance = (lobe.log2_luminance + change[0] + change[1]).max(-126.0);
+                lobe.color_differences = lobe.color_differences.map(|d| d * (0.75 + change[2]));
+                Some(lobe)
+            };
+            (0..material.view_lobe_count()).filter_map(of).collect()
+        })
+        .collect();
+    let view = |v: usize| {
+        Some(View {
+            theta: material.view_theta(v)?,
+            log2_squeeze: material.view_log2_squeeze(v)?,
+            log2_diffuse: (material.view_log2_diffuse(v)? + change[3]).max(-126.0),
+            diffuse_color_differences: material.view_diffuse_color_differences(v)?,
+            lobes: &lobes[v],
+        })
+    };
+    let views: Vec<View<'_>> = every.map(|v| view(v).expect("a view of an isotropic material")).collect();
+    let line = Line {
+        views: &views,
+        squeezed: material.squeezed_count(),
+        mirrored: material.mirrored_count(),
+        factors: None,
+    };
+    let provenance = material.provenance();
+    let mut bytes = vec![0; line.encoded_len(provenance)];
+    line.encode(provenance, &mut bytes).expect("a valid material");
     bytes
 }
 

@@ -21,5 +21,7 @@ mod one_mixture;
 pub(crate) mod outgoing;
 pub(crate) mod prepare;
 pub(crate) mod prepare_anisotropic;
+pub(crate) mod request;
 pub(crate) mod sights;
 pub(crate) mod slices;
+mod streamed;

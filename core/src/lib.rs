@@ -122,6 +122,7 @@ pub use estimator::{Defensive, balance_heuristic, power_heuristic};
 pub use glam::Vec3;
 pub use kernel::expanded::table::Expanded;
 pub use kernel::prepare::PrepareOptions;
+pub use kernel::request::{Draws, Request, Towards};
 pub use kernel::slices::SamplesMut;
 pub use lobe::gaussian::{Gaussian, Lobe, MAX_SHARPNESS};
 pub use lobe::product::GaussianProduct;
@@ -136,6 +137,7 @@ pub use material::views::{Grid, GridView, Line, PlaneLobe, TiltedLobe, View};
 pub use mixture::leave_out::LeaveOut;
 pub use mixture::rows::{Domain, Mixture, Sample};
 pub use simd::detect::Level;
+pub use simd::processor::Processor;
 #[cfg(feature = "zonal")]
 pub use zonal::abel_poisson::AbelPoisson;
 pub use zonal::folded::Folded;

@@ -21,13 +21,13 @@ mod lane_pair;
 pub(crate) mod lanes;
 #[cfg(feature = "simd")]
 mod portable;
+pub(crate) mod processor;
 pub(crate) mod routine;
 pub(crate) mod scalar;
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 mod sse2;
 
 /// Asks for what will be read soon, so that waiting for memory and working go side by side.
-#[cfg(feature = "environment")]
 #[inline(always)]
 pub(crate) fn prefetch<T>(place: &T) {
     #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]

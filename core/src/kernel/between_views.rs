@@ -1,14 +1,14 @@
 //! The lobes of an isotropic material between two views: lanes are lobes.
 
-use crate::color;
+use crate::color::{self, LUMINANCE};
 use crate::material::borrowed::MaterialRef;
-use crate::material::layout::{HEAD, MAX_LOBES, f32_at};
+use crate::material::layout::{HEAD, Header, MAX_LOBES, f32_at};
 use crate::mixture::factors::Among;
 use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::row;
 use crate::mixture::rows::Mixture;
 use crate::simd::elementary::{exp2, sin_cos};
-use crate::simd::lanes::Lanes;
+use crate::simd::lanes::{Lanes, dot3, splat3};
 use crate::squeeze::Squeeze;
 
 /// Widest vector of any back end, a pair included.
@@ -22,11 +22,34 @@ macro_rules! from_offset {
         if offset >= ahead && bytes.len() - (offset - ahead) >= $need {
             &bytes[offset - ahead..]
         } else {
-            $copy = padded::<$len>(bytes, offset, ahead, $need);
+            $copy = $crate::kernel::between_views::padded::<$len>(bytes, offset, ahead, $need);
             &$copy[..]
         }
     }};
 }
+
+pub(crate) use from_offset;
+
+/// The [`Rows`] round a place, of a material with mirrored lobes or without; the copies as in `from_offset`.
+macro_rules! rows_at {
+    ($L:ty, $mirrored:expr, $material:expr, $place:expr, $copy_a:ident, $copy_b:ident) => {{
+        use $crate::kernel::between_views::{PADDED, Rows, from_offset};
+        let (material, place): ($crate::material::borrowed::MaterialRef<'_>, _) = ($material, $place);
+        let header = material.header;
+        let (count, mirrored) = (header.lobes, if $mirrored { header.mirrored } else { 0 });
+        // From as many numbers before the view as there are images, which lie so much before their own places.
+        // The last vector reaches past the view, and at the last view past the file.
+        let vectors = (count + mirrored).next_multiple_of(<$L as $crate::simd::lanes::Lanes>::COUNT);
+        let reach = 4 * (4 * count + 2 * mirrored + vectors);
+        let [a, b] = place.rows(header);
+        let a = from_offset!(material.bytes, a, 4 * mirrored, reach, $copy_a, PADDED);
+        let b = from_offset!(material.bytes, b, 4 * mirrored, reach, $copy_b, PADDED);
+        let has_luminance = header.has_luminance;
+        Rows { a: &a[..reach], b: &b[..reach], place, count, mirrored, has_luminance }
+    }};
+}
+
+pub(crate) use rows_at;
 
 /// The two views round an outgoing direction, and how far between them it lies.
 #[derive(Clone, Copy)]
@@ -37,6 +60,8 @@ pub(crate) struct Place {
 }
 
 impl Place {
+    pub const NOWHERE: Self = Self { before: 0, after: 0, blend: 0.0 };
+
     /// Of an angle from the normal; `passed` views have one of at most that.
     #[inline(always)]
     pub fn after(material: MaterialRef<'_>, passed: usize, theta: f32) -> Self {
@@ -53,6 +78,12 @@ impl Place {
     pub fn among(self) -> Among {
         let views = [[self.before as u16, self.after as u16]; 2];
         Among { views, onward: self.blend, outward: 0.0 }
+    }
+
+    /// Byte offsets of the rows of the two views.
+    #[inline(always)]
+    pub fn rows(self, header: &Header) -> [usize; 2] {
+        [header.row(self.before, 0), header.row(self.after, 0)]
     }
 
     /// The angle of a stored lobe's axis from the normal, within the plane of incidence.
@@ -106,7 +137,33 @@ pub(crate) fn at_place<L: Lanes, const N: usize>(
     leave_out: LeaveOut,
     mixture: &mut Mixture<'_, N>,
 ) {
-    // The heads: squeeze and diffuse albedo.
+    let (squeeze, diffuse) = head_at::<L>(material, place);
+    mixture.head.squeeze = Squeeze::new(azimuth, 1.0, 1.0 / squeeze);
+    mixture.set_diffuse(diffuse);
+    if material.header.mirrored > 0 {
+        lobes::<L::Lobes, N, true>(material, place, leave_out, mixture);
+    } else {
+        lobes::<L::Lobes, N, false>(material, place, leave_out, mixture);
+    }
+}
+
+/// The numbers of the head round a place, as they are stored.
+#[cfg(feature = "simd")]
+#[inline(always)]
+#[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
+pub(crate) fn head_numbers<L: Lanes>(material: MaterialRef<'_>, place: Place) -> [f32; HEAD] {
+    let mut head = [0.0; HEAD];
+    let [a, b] = [material.header.head(place.before), material.header.head(place.after)];
+    for i in 0..HEAD {
+        let [a, b] = [L::splat(f32_at(material.bytes, a + 4 * i)), L::splat(f32_at(material.bytes, b + 4 * i))];
+        head[i] = (b - a).mul_add(L::splat(place.blend), a).first();
+    }
+    head
+}
+
+/// The squeeze and the albedo of the diffuse term round a place.
+#[inline(always)]
+pub(crate) fn head_at<L: Lanes>(material: MaterialRef<'_>, place: Place) -> (f32, [f32; 3]) {
     let (copy_a, copy_b);
     let (a, b) = (material.header.head(place.before), material.header.head(place.after));
     let a = from_offset!(material.bytes, a, 0, HEADS, copy_a, HEADS);
@@ -123,18 +180,12 @@ pub(crate) fn at_place<L: Lanes, const N: usize>(
         }
         i += L::COUNT;
     }
-    mixture.head.squeeze = Squeeze::new(azimuth, 1.0, 1.0 / head[0]);
-    mixture.set_diffuse(if material.header.has_luminance {
+    let diffuse = if material.header.has_luminance {
         color::rgb(head[1], [logarithms[2], logarithms[3]])
     } else {
         [head[1], head[2], head[3]]
-    });
-
-    if material.header.mirrored > 0 {
-        lobes::<L::Lobes, N, true>(material, place, leave_out, mixture);
-    } else {
-        lobes::<L::Lobes, N, false>(material, place, leave_out, mixture);
-    }
+    };
+    (head[0], diffuse)
 }
 
 /// Interpolates the lobes and completes the mixture but for its sums. `MIRRORED`: some of them are.
@@ -146,64 +197,82 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
     mixture: &mut Mixture<'_, N>,
 ) {
     let header = material.header;
-    let (count, mirrored) = (header.lobes, if MIRRORED { header.mirrored } else { 0 });
-    let total = count + mirrored;
-    // From as many numbers before the view as there are images, which lie so much before their own places.
-    // The last vector reaches past the view, and at the last view past the file.
-    let reach = 4 * (4 * count + 2 * mirrored + total.next_multiple_of(L::COUNT));
     let (copy_a, copy_b);
-    let a = from_offset!(material.bytes, header.row(place.before, 0), 4 * mirrored, reach, copy_a, PADDED);
-    let b = from_offset!(material.bytes, header.row(place.after, 0), 4 * mirrored, reach, copy_b, PADDED);
-    let rows = Rows { a: &a[..reach], b: &b[..reach], place, count, mirrored };
-    let zero = L::splat(0.0);
-    mixture.head.in_plane = mirrored == 0;
+    let rows = rows_at!(L, MIRRORED, material, place, copy_a, copy_b);
+    mixture.head.in_plane = !MIRRORED;
     let mut k = 0;
-    while row::is_within::<L, N>(k, total) {
-        let valid = L::iota().lt(L::splat((total - k) as f32));
-        // Lanes without a lobe hold bytes of the next view or of the text, whose powers of two may be
-        // subnormals: 150 cycles each on Intel. A power of -126 is exactly 0.
-        let angle = rows.row::<L>(0, k).keep(valid);
-        let log_sharpness = rows.row::<L>(1, k).keep(valid);
-        let none = L::splat(-126.0);
-        let first = exp2(L::select(valid, rows.row(2, k), none));
-        let nothing = if header.has_luminance { zero } else { none };
-        let second = L::select(valid, rows.row(3, k), nothing);
-        let third = L::select(valid, rows.row(4, k), nothing);
-        if header.has_luminance {
-            let [red, green, blue] = color::rgb(first, [second, third]);
-            row::store(red, &mut mixture.rows.red, k);
-            row::store(green, &mut mixture.rows.green, k);
-            row::store(blue, &mut mixture.rows.blue, k);
-        } else {
-            row::store(first, &mut mixture.rows.red, k);
-            row::store(exp2(second), &mut mixture.rows.green, k);
-            row::store(exp2(third), &mut mixture.rows.blue, k);
-        }
-        let (mut x, mut z) = sin_cos(angle);
-        let mut y = zero;
-        if mirrored > 0 && k + L::COUNT > count - mirrored {
-            let (sin, cos) = sin_cos(rows.off_plane(k));
-            (x, y, z) = (x * cos, sin, z * cos);
-        }
+    while row::is_within::<L, N>(k, rows.total()) {
+        let lobes = rows.lobes::<L, MIRRORED>(k);
+        let ([x, y, z], [red, green, blue]) = (lobes.axis, lobes.rgb);
+        row::store(red, &mut mixture.rows.red, k);
+        row::store(green, &mut mixture.rows.green, k);
+        row::store(blue, &mut mixture.rows.blue, k);
         row::store(x, &mut mixture.rows.axis_x, k);
         row::store(y, &mut mixture.rows.axis_y, k);
         row::store(z, &mut mixture.rows.axis_z, k);
-        row::store(exp2(log_sharpness), &mut mixture.rows.sharpness, k);
+        row::store(lobes.sharpness, &mut mixture.rows.sharpness, k);
         k += L::COUNT;
     }
-    mixture.finish_lobes::<L>(total, header.squeezed, leave_out);
+    mixture.finish_lobes::<L>(rows.total(), header.squeezed, leave_out);
+}
+
+/// Lobes between two views, one a lane; behind the last ones of amplitude 0.
+pub(crate) struct Lobes<L> {
+    /// Unit vectors, which may point below the horizon.
+    pub axis: [L; 3],
+    pub sharpness: L,
+    /// Amplitudes, and their luminance.
+    pub rgb: [L; 3],
+    pub luminance: L,
 }
 
 /// The bytes of two views, from as many numbers before each as it has mirrored lobes.
-struct Rows<'a> {
-    a: &'a [u8],
-    b: &'a [u8],
-    place: Place,
-    count: usize,
-    mirrored: usize,
+pub(crate) struct Rows<'a> {
+    pub a: &'a [u8],
+    pub b: &'a [u8],
+    pub place: Place,
+    /// Stored lobes, and those of them that stand for two.
+    pub count: usize,
+    pub mirrored: usize,
+    /// Luminance and colour differences in place of red, green and blue.
+    pub has_luminance: bool,
 }
 
 impl Rows<'_> {
+    /// Lobes, the images of the mirrored ones included.
+    #[inline(always)]
+    pub fn total(&self) -> usize {
+        self.count + self.mirrored
+    }
+
+    /// The lobes from the `k`-th on.
+    #[inline(always)]
+    pub fn lobes<L: Lanes, const MIRRORED: bool>(&self, k: usize) -> Lobes<L> {
+        let (zero, none) = (L::splat(0.0), L::splat(-126.0));
+        let valid = L::iota().lt(L::splat((self.total() - k) as f32));
+        // Lanes without a lobe hold bytes of the next view or of the text, whose powers of two may be
+        // subnormals: 150 cycles each on Intel. A power of -126 is exactly 0.
+        let angle = self.row::<L>(0, k).keep(valid);
+        let log_sharpness = self.row::<L>(1, k).keep(valid);
+        let first = exp2(L::select(valid, self.row(2, k), none));
+        let nothing = if self.has_luminance { zero } else { none };
+        let second = L::select(valid, self.row(3, k), nothing);
+        let third = L::select(valid, self.row(4, k), nothing);
+        let (rgb, luminance) = if self.has_luminance {
+            (color::rgb(first, [second, third]), first)
+        } else {
+            let rgb = [first, exp2(second), exp2(third)];
+            (rgb, dot3(rgb, splat3(LUMINANCE)))
+        };
+        let (mut x, mut z) = sin_cos(angle);
+        let mut y = zero;
+        if MIRRORED && k + L::COUNT > self.count - self.mirrored {
+            let (sin, cos) = sin_cos(self.off_plane(k));
+            (x, y, z) = (x * cos, sin, z * cos);
+        }
+        Lobes { axis: [x, y, z], sharpness: exp2(log_sharpness), rgb, luminance }
+    }
+
     /// Numbers of a row of a vector of lobes, images being what they mirror; behind the last lobe anything.
     #[inline(always)]
     fn row<L: Lanes>(&self, row: usize, k: usize) -> L {
@@ -245,12 +314,12 @@ const LEAST_OFF_PLANE: f32 = 1e-9;
 const HEADS: usize = 4 * WIDEST;
 
 /// Room for a view of the most lobes, and a vector more.
-const PADDED: usize = 4 * (5 * MAX_LOBES + WIDEST);
+pub(crate) const PADDED: usize = 4 * (5 * MAX_LOBES + WIDEST);
 
 /// At least `need` bytes from `ahead` before an offset on, with zeros before the file and after it.
 #[cold]
 #[inline(never)]
-fn padded<const LEN: usize>(bytes: &[u8], offset: usize, ahead: usize, need: usize) -> [u8; LEN] {
+pub(crate) fn padded<const LEN: usize>(bytes: &[u8], offset: usize, ahead: usize, need: usize) -> [u8; LEN] {
     let mut copy = [0; LEN];
     let missing = ahead.saturating_sub(offset).min(LEN);
     let rest = &bytes[offset.saturating_sub(ahead)..];

@@ -139,7 +139,7 @@ pub(crate) fn draw<L: Lanes>(frame: &Frame<L>, choice: Choice<L>, u: L, turns: L
 
 /// Draws directions, and what they are to be multiplied by to be of length 1. `SEEN`: they are turned.
 #[inline(always)]
-fn draw_unscaled<L: Lanes, const SEEN: bool>(
+pub(crate) fn draw_unscaled<L: Lanes, const SEEN: bool>(
     frame: &Frame<L>,
     choice: Choice<L>,
     u: L,

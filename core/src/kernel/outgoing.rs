@@ -1,7 +1,7 @@
 //! Outgoing directions as the views lie: by their angle from the normal and their azimuth.
 
 use crate::simd::elementary::atan2_positive;
-use crate::simd::lanes::Lanes;
+use crate::simd::lanes::{Lanes, splat3};
 use glam::Vec3;
 
 /// One outgoing direction.
@@ -59,5 +59,17 @@ impl<L: Lanes> Facing<L> {
     pub fn first(&self, wo: Vec3) -> Option<Outgoing> {
         let azimuth = [self.azimuth[0].first(), self.azimuth[1].first()];
         (L::bits(self.unit) & 1 == 1).then(|| Outgoing { wo, theta: self.theta.first(), azimuth })
+    }
+}
+
+/// One outgoing direction, `None` for what is no unit vector: in one number, but in a vector where only that has
+/// fused operations, so that it has the same bits as one of many.
+#[inline(always)]
+pub(crate) fn facing<L: Lanes>(wo: Vec3) -> Option<Outgoing> {
+    let numbers = wo.to_array();
+    if L::FUSED && !L::One::FUSED {
+        Facing::<L>::new(splat3(numbers)).first(wo)
+    } else {
+        Facing::<L::One>::new(splat3(numbers)).first(wo)
     }
 }

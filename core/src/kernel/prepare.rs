@@ -1,7 +1,7 @@
 //! From a material and outgoing directions to mixtures.
 
 use super::between_views::{Place, WIDEST, at_place, views_passed, views_passed_by_each};
-use super::outgoing::{Facing, Outgoing};
+use super::outgoing::{Facing, Outgoing, facing};
 use super::prepare_anisotropic;
 use crate::error::Error;
 use crate::material::borrowed::{Material, MaterialRef};
@@ -10,7 +10,7 @@ use crate::mixture::factors::Factors;
 use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::rows::{Domain, Mixture};
 use crate::simd::detect::Level;
-use crate::simd::lanes::{Lanes, splat3};
+use crate::simd::lanes::Lanes;
 use crate::simd::routine::{One, Routine};
 use crate::squeeze::Squeeze;
 use glam::Vec3;
@@ -140,14 +140,7 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
         if needed > N {
             return Err(Error::Capacity { needed, available: N });
         }
-        // In one number, but in a vector where only that has fused operations: the same bits as of many
-        // directions.
-        let outgoing = if L::FUSED && !L::One::FUSED {
-            Facing::<L>::new(splat3(numbers)).first(wo)
-        } else {
-            Facing::<L::One>::new(splat3(numbers)).first(wo)
-        };
-        let Some(outgoing) = outgoing else { return Err(Error::Direction) };
+        let Some(outgoing) = facing::<L>(wo) else { return Err(Error::Direction) };
         if wo.z < 0.0 {
             return Ok(());
         }

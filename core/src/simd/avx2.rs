@@ -11,7 +11,7 @@ use core::ops::{Add, Div, Mul, Sub};
 
 /// Eight f32 in one register.
 #[derive(Clone, Copy)]
-pub(crate) struct Avx2(__m256);
+pub(crate) struct Avx2(pub(super) __m256);
 
 macro_rules! operators {
     ($($name:ident $method:ident $intrinsic:ident)*) => { $(
@@ -291,6 +291,22 @@ impl Lanes for Avx2 {
             let four = _mm256_add_ps(two, shifted);
             let lower = _mm256_permute_ps::<0xff>(_mm256_permute2f128_ps::<0x08>(four, four));
             Self(_mm256_add_ps(four, lower))
+        }
+    }
+    #[inline(always)]
+    fn last(self) -> Self {
+        // SAFETY: the processor has AVX, see the head of this file.
+        Self(unsafe { _mm256_permute_ps::<0xff>(_mm256_permute2f128_ps::<0x11>(self.0, self.0)) })
+    }
+    #[inline(always)]
+    fn three_sums([a, b, c]: [Self; 3]) -> [f32; 3] {
+        // Neighbours are added, twice, and at last the halves.
+        // SAFETY: the processor has AVX, see the head of this file.
+        unsafe {
+            let four = _mm256_hadd_ps(_mm256_hadd_ps(a.0, b.0), _mm256_hadd_ps(c.0, c.0));
+            let sums = _mm_add_ps(_mm256_castps256_ps128(four), _mm256_extractf128_ps::<1>(four));
+            let (second, third) = (_mm_movehdup_ps(sums), _mm_movehl_ps(sums, sums));
+            [_mm_cvtss_f32(sums), _mm_cvtss_f32(second), _mm_cvtss_f32(third)]
         }
     }
     #[inline(always)]

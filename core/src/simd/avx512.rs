@@ -59,6 +59,17 @@ fn evens_and_odds(a: __m512, b: __m512) -> __m512 {
     unsafe { _mm512_add_ps(_mm512_shuffle_f32x4::<0x88>(a, b), _mm512_shuffle_f32x4::<0xdd>(a, b)) }
 }
 
+impl Avx512 {
+    /// Both halves, added.
+    #[inline(always)]
+    fn folded(self) -> avx2::Avx2 {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        avx2::Avx2(unsafe {
+            _mm256_add_ps(_mm512_castps512_ps256(self.0), _mm512_extractf32x8_ps::<1>(self.0))
+        })
+    }
+}
+
 impl Lanes for Avx512 {
     const COUNT: usize = 16;
     const FUSED: bool = true;
@@ -313,6 +324,15 @@ impl Lanes for Avx512 {
             sum = _mm512_add_ps(sum, moved_up::<12>(sum, zero));
             Self(_mm512_add_ps(sum, moved_up::<8>(sum, zero)))
         }
+    }
+    #[inline(always)]
+    fn last(self) -> Self {
+        // SAFETY: the processor has AVX-512, see the head of this file.
+        Self(unsafe { _mm512_permutexvar_ps(_mm512_set1_epi32(15), self.0) })
+    }
+    #[inline(always)]
+    fn three_sums([a, b, c]: [Self; 3]) -> [f32; 3] {
+        avx2::Avx2::three_sums([a.folded(), b.folded(), c.folded()])
     }
     #[inline(always)]
     fn iota() -> Self {

@@ -55,6 +55,27 @@ fn exp2_above<L: Lanes, const SOON: bool>(t: L, least: f32) -> L {
     p.mul_add(f, L::splat(1.0)).times_exp2(whole, least)
 }
 
+/// `2^t` and `1 - 2^t`, `t` not positive: each to a relative error of 3e-7, the second near 0 too. `2^t` is exactly
+/// 0 below 2^-125.
+///
+/// With `t = n + f`, `n` whole and `f` in [-1/2, 1/2], it is `(1 - 2^n) - 2^n (2^f - 1)`: exact, then small.
+#[inline(always)]
+pub fn exp2_and_rest<L: Lanes>(t: L) -> [L; 2] {
+    let one = L::splat(1.0);
+    let t = t.max(L::splat(-126.0));
+    let whole = t + L::splat(ROUND);
+    let f = t - (whole - L::splat(ROUND));
+    // (2^f - 1) / f; minimax on [-1/2, 1/2].
+    let ff = f * f;
+    let high = f.mul_add(L::splat(1.559_467_2e-4), L::splat(1.340_664_4e-3));
+    let middle = f.mul_add(L::splat(9.617_693e-3), L::splat(5.550_310_6e-2));
+    let low = f.mul_add(L::splat(0.240_226_53), L::splat(core::f32::consts::LN_2));
+    let less = ff.mul_add(ff.mul_add(high, middle), low) * f;
+    let power = one.add_exponent(whole);
+    let exp2 = power.mul_add(less, power).keep(whole.ge(L::splat(ROUND - 125.0)));
+    [exp2, power.neg_mul_add(less, one - power)]
+}
+
 /// `(ln x + rest) factor` of a positive normal number and a small one; relative error of the logarithm below
 /// 2e-7 away from 1, absolute 1e-7 times `|x - 1|` near it. And that plus 2.
 #[inline(always)]

@@ -170,7 +170,17 @@ impl<L: Lanes> Lanes for LanePair<L> {
     }
     #[inline(always)]
     fn running_sum(self) -> Self {
-        Self(self.0.running_sum(), self.1.running_sum() + L::splat(self.0.sum()))
+        let low = self.0.running_sum();
+        Self(low, self.1.running_sum() + low.last())
+    }
+    #[inline(always)]
+    fn last(self) -> Self {
+        let last = self.1.last();
+        Self(last, last)
+    }
+    #[inline(always)]
+    fn three_sums([a, b, c]: [Self; 3]) -> [f32; 3] {
+        L::three_sums([a.0 + a.1, b.0 + b.1, c.0 + c.1])
     }
     #[inline(always)]
     fn iota() -> Self {

@@ -223,6 +223,18 @@ pub trait Lanes:
         }
         Self::load(&numbers)
     }
+    /// The last lane, in every lane.
+    #[inline(always)]
+    fn last(self) -> Self {
+        let mut numbers = [0.0; 32];
+        self.store(&mut numbers);
+        Self::splat(numbers[Self::COUNT - 1])
+    }
+    /// The sum over the lanes of each of three vectors.
+    #[inline(always)]
+    fn three_sums(vectors: [Self; 3]) -> [f32; 3] {
+        [vectors[0].sum(), vectors[1].sum(), vectors[2].sum()]
+    }
     /// 0, 1, 2, ...
     fn iota() -> Self;
     /// The first `count` lanes.

@@ -147,6 +147,10 @@ impl Lanes for f32 {
         self
     }
     #[inline(always)]
+    fn last(self) -> Self {
+        self
+    }
+    #[inline(always)]
     fn iota() -> Self {
         0.0
     }

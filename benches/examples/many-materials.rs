@@ -1,0 +1,240 @@
+//! What a hit costs in a scene of many materials: one, ten, thirty, a hundred, a thousand, no two alike.
+//!
+//! `cargo run --release -p srbf-benches --example many-materials [LEVEL...]`, half a minute a level. A hit draws a direction with its
+//! density and weight, and evaluates value and density towards another one. Each of 4096 hits has an outgoing direction of its own;
+//! its material is drawn at random, or (*sorted*) the same for runs of 256. Times are the least of many rounds in which all ways take
+//! turns, in nanoseconds of this thread's time a hit.
+
+use srbf_benches::ggx::Ggx;
+use srbf_benches::{Random, Triples, different_materials, levels};
+use srbf_core::{Draws, Level, Material, Mixture, Processor, Request, Towards};
+use std::hint::black_box;
+use std::process::ExitCode;
+use std::time::Instant;
+
+const HITS: usize = 4096;
+const RUN: usize = 256;
+const ROUNDS: usize = 120;
+const COUNTS: [usize; 5] = [1, 10, 30, 100, 1000];
+/// How many hits ahead a material is asked for.
+const AHEAD: usize = 4;
+
+fn main() -> ExitCode {
+    let names: Vec<String> = std::env::args().skip(1).collect();
+    let is_missing = |name: &&String| Level::from_name(name).is_none_or(|level| !level.is_available());
+    if let Some(name) = names.iter().find(is_missing) {
+        eprintln!("many-materials: no such level here: {name}");
+        return ExitCode::from(2);
+    }
+    let bytes = different_materials(COUNTS[COUNTS.len() - 1]);
+    let materials: Vec<Material<&[u8]>> =
+        bytes.iter().map(|bytes| Material::from_bytes(&bytes[..]).expect("a valid material")).collect();
+    let processor = Processor::this().map_or_else(|| std::env::consts::ARCH.into(), |p| p.to_string());
+    println!("processor: {processor}");
+    for level in levels().filter(|level| names.is_empty() || names.iter().any(|name| name == level.name())) {
+        level.set().expect("an available level");
+        report(level, &materials);
+    }
+    memory(&materials);
+    ExitCode::SUCCESS
+}
+
+/// What is done with all hits.
+#[derive(Clone, Copy)]
+enum Way {
+    Prepared,
+    Asked,
+    Prefetched,
+    Ggx,
+    EvaluatePrepared,
+    EvaluateAsked,
+    EvaluateGgx,
+    Sorted,
+    SortedOneByOne,
+    Batch,
+    BatchPrefetched,
+    BatchOfOne,
+    BatchOfEight,
+}
+
+const WAYS: [(Way, &str); 13] = [
+    (Way::Prepared, "mixture: prepared and asked"),
+    (Way::Asked, "material asked"),
+    (Way::Prefetched, "material asked, prefetched 4 ahead"),
+    (Way::Ggx, "GGX and diffuse, C"),
+    (Way::EvaluatePrepared, "value and density alone: mixture"),
+    (Way::EvaluateAsked, "value and density alone: material"),
+    (Way::EvaluateGgx, "value and density alone: GGX, C"),
+    (Way::SortedOneByOne, "sorted, material asked one by one"),
+    (Way::Sorted, "sorted, batches of 256"),
+    (Way::Batch, "not sorted, batches of 256"),
+    (Way::BatchPrefetched, "not sorted, batches of 256, prefetched a batch ahead"),
+    (Way::BatchOfOne, "sorted, batches of 1"),
+    (Way::BatchOfEight, "sorted, batches of 8"),
+];
+
+struct Work {
+    wo: Triples,
+    wi: Triples,
+    u: Triples,
+    out: [Vec<f32>; 11],
+    ggx: Vec<Ggx>,
+}
+
+fn report(level: Level, materials: &[Material<&[u8]>]) {
+    let mut random = Random(5);
+    let mut work = Work {
+        wo: Triples::directions(HITS, 1),
+        wi: Triples::directions(HITS, 2),
+        u: Triples::uniforms(HITS, 3),
+        out: [(); 11].map(|()| vec![0.0; HITS]),
+        ggx: (0..materials.len())
+            .map(|_| Ggx {
+                diffuse: [random.uniform(); 3],
+                specular: [random.uniform(); 3],
+                alpha: 0.1 + 0.4 * random.uniform(),
+                share: 0.5,
+            })
+            .collect(),
+    };
+    println!("\n{}, ns a hit\n\n{:<52}{}", level.name(), "materials", COUNTS.map(|n| format!("{n:>8}")).concat());
+    let mut times = [[f64::INFINITY; COUNTS.len()]; WAYS.len()];
+    for (column, &count) in COUNTS.iter().enumerate() {
+        let at_random: Vec<usize> =
+            (0..HITS).map(|_| (random.uniform() * count as f32) as usize % count).collect();
+        let sorted: Vec<usize> = (0..HITS).map(|i| at_random[i / RUN * RUN]).collect();
+        let each: Vec<&Material<&[u8]>> = at_random.iter().map(|&m| &materials[m]).collect();
+        for _ in 0..ROUNDS {
+            for (row, &(way, _)) in WAYS.iter().enumerate() {
+                let before = Instant::now();
+                work.run(way, materials, &at_random, &sorted, &each);
+                let ns = before.elapsed().as_secs_f64() * 1e9 / HITS as f64;
+                times[row][column] = times[row][column].min(ns);
+            }
+        }
+    }
+    for (row, (_, name)) in WAYS.iter().enumerate() {
+        println!("{name:<52}{}", times[row].map(|ns| format!("{ns:>8.1}")).concat());
+    }
+}
+
+impl Work {
+    fn run(
+        &mut self,
+        way: Way,
+        materials: &[Material<&[u8]>],
+        at_random: &[usize],
+        sorted: &[usize],
+        each: &[&Material<&[u8]>],
+    ) {
+        let Self { wo, wi, u, out, ggx } = self;
+        let mut sum = 0.0;
+        match way {
+            Way::Prepared => {
+                let mut m = Mixture::<16>::empty();
+                for (i, &k) in at_random.iter().enumerate() {
+                    materials[k].prepare(wo.at(i), &mut m).expect("a direction");
+                    let (sample, (_, pdf)) = m.sample_and_evaluate(u.at(i).to_array(), wi.at(i));
+                    sum += sample.map_or(0.0, |s| s.pdf) + pdf;
+                }
+            }
+            Way::Asked => {
+                for (i, &k) in at_random.iter().enumerate() {
+                    let (sample, (_, pdf)) =
+                        materials[k].sample_and_evaluate(wo.at(i), u.at(i).to_array(), wi.at(i));
+                    sum += sample.map_or(0.0, |s| s.pdf) + pdf;
+                }
+            }
+            Way::Prefetched => {
+                for (i, &k) in at_random.iter().enumerate() {
+                    let next = (i + AHEAD).min(HITS - 1);
+                    materials[at_random[next]].prefetch(wo.at(next));
+                    let (sample, (_, pdf)) =
+                        materials[k].sample_and_evaluate(wo.at(i), u.at(i).to_array(), wi.at(i));
+                    sum += sample.map_or(0.0, |s| s.pdf) + pdf;
+                }
+            }
+            Way::Ggx => {
+                for (i, &k) in at_random.iter().enumerate() {
+                    let wo = wo.at(i).to_array();
+                    let (_, weight, pdf) = ggx[k].sample(wo, u.at(i).to_array());
+                    sum += weight[0] + pdf + ggx[k].evaluate_and_pdf(wo, wi.at(i).to_array()).1;
+                }
+            }
+            Way::EvaluatePrepared => {
+                let mut m = Mixture::<16>::empty();
+                for (i, &k) in at_random.iter().enumerate() {
+                    materials[k].prepare(wo.at(i), &mut m).expect("a direction");
+                    sum += m.evaluate_and_pdf(wi.at(i)).1;
+                }
+            }
+            Way::EvaluateAsked => {
+                for (i, &k) in at_random.iter().enumerate() {
+                    sum += materials[k].evaluate_and_pdf(wo.at(i), wi.at(i)).1;
+                }
+            }
+            Way::EvaluateGgx => {
+                for (i, &k) in at_random.iter().enumerate() {
+                    sum += ggx[k].evaluate_and_pdf(wo.at(i).to_array(), wi.at(i).to_array()).1;
+                }
+            }
+            Way::SortedOneByOne => {
+                for (i, &k) in sorted.iter().enumerate() {
+                    let (sample, (_, pdf)) =
+                        materials[k].sample_and_evaluate(wo.at(i), u.at(i).to_array(), wi.at(i));
+                    sum += sample.map_or(0.0, |s| s.pdf) + pdf;
+                }
+            }
+            Way::Sorted | Way::BatchOfOne | Way::BatchOfEight => {
+                let run = match way {
+                    Way::Sorted => RUN,
+                    Way::BatchOfOne => 1,
+                    _ => 8,
+                };
+                for from in (0..HITS).step_by(run) {
+                    let range = from..from + run;
+                    let [wo, wi, u] = [&*wo, wi, u].map(|t| t.slices().map(|s| &s[range.clone()]));
+                    let out = out.each_mut().map(|s| &mut s[range.clone()]);
+                    materials[sorted[from]].ask(wo, request(wi, u, out)).expect("equal lengths");
+                }
+            }
+            Way::Batch | Way::BatchPrefetched => {
+                for from in (0..HITS).step_by(RUN) {
+                    let range = from..from + RUN;
+                    if let Way::BatchPrefetched = way {
+                        // All of the next batch, as a renderer does that has just sorted its rays.
+                        for next in (from + RUN..from + 2 * RUN).filter(|&next| next < HITS) {
+                            each[next].prefetch(wo.at(next));
+                        }
+                    }
+                    let [wo, wi, u] = [&*wo, wi, u].map(|t| t.slices().map(|s| &s[range.clone()]));
+                    let out = out.each_mut().map(|s| &mut s[range.clone()]);
+                    Material::ask_each(&each[range.clone()], wo, request(wi, u, out)).expect("equal lengths");
+                }
+            }
+        }
+        black_box((sum, out));
+    }
+}
+
+/// A draw with density and weight, and value and density towards another direction.
+fn request<'a>(wi: [&'a [f32]; 3], u: [&'a [f32]; 3], out: [&'a mut [f32]; 11]) -> Request<'a> {
+    let [x, y, z, pdf, r, g, b, red, green, blue, density] = out;
+    Request {
+        draw: Some(Draws { u, direction: [x, y, z], pdf: Some(pdf), weight: Some([r, g, b]) }),
+        evaluate: Some(Towards { wi, value: Some([red, green, blue]), pdf: Some(density) }),
+    }
+}
+
+/// What the materials take in memory, beside the tables of Dupuy and Jakob 2018 (RGL), whose isotropic ones in RGB are 659 kB each.
+fn memory(materials: &[Material<&[u8]>]) {
+    let bytes: usize = materials.iter().map(|m| m.bytes().len()).sum();
+    let one = bytes as f64 / materials.len() as f64;
+    println!("\n{:<52}{}", "memory, kB", COUNTS.map(|n| format!("{n:>8}")).concat());
+    let row = |name: &str, one: f64| {
+        println!("{name:<52}{}", COUNTS.map(|n| format!("{:>8.0}", one * n as f64 / 1000.0)).concat());
+    };
+    row("materials, the bytes of their files", one);
+    row("GGX, parameters", std::mem::size_of::<Ggx>() as f64);
+    row("RGL tables", 659_000.0);
+}

@@ -1,0 +1,86 @@
+//! What a batch is asked: outputs that are given are outputs that are wanted.
+
+use crate::error::Error;
+
+/// What a batch is asked for each of its n hits: draws, values and densities, or both.
+///
+/// Every slice is `[n]`; outputs are overwritten. What is `None` is not wanted, and not worked out.
+///
+/// # Examples
+/// ```
+/// use srbf_core::{Draws, Lobe, Mixture, Request, Towards};
+///
+/// let mixture = Mixture::<16>::hemisphere(&[Lobe::new([0.0, 0.0, 1.0], 40.0, [0.2; 3])?])?;
+/// let u = [[0.1, 0.5, 0.9], [0.2, 0.4, 0.6], [0.3, 0.3, 0.3]];
+/// let wi = [[0.0, 0.6, 0.0], [0.0, 0.0, 0.6], [1.0, 0.8, 0.8]];
+/// let (mut direction, mut pdf, mut value) = ([[0.0; 3]; 3], [0.0; 3], [[0.0; 3]; 3]);
+/// mixture.ask(Request {
+///     // Directions with their densities; no weights.
+///     draw: Some(Draws {
+///         u: u.each_ref().map(|s| &s[..]),
+///         direction: direction.each_mut().map(|s| &mut s[..]),
+///         pdf: Some(&mut pdf),
+///         weight: None,
+///     }),
+///     // And values towards other directions.
+///     evaluate: Some(Towards {
+///         wi: wi.each_ref().map(|s| &s[..]),
+///         value: Some(value.each_mut().map(|s| &mut s[..])),
+///         pdf: None,
+///     }),
+/// })?;
+/// assert!(pdf.iter().all(|&p| p > 0.0) && value[0][0] > value[0][1]);
+/// # Ok::<(), srbf_core::Error>(())
+/// ```
+#[derive(Debug, Default)]
+pub struct Request<'a> {
+    /// Directions to be drawn.
+    pub draw: Option<Draws<'a>>,
+    /// Directions to be evaluated towards.
+    pub evaluate: Option<Towards<'a>>,
+}
+
+/// Directions that are drawn. Where nothing is reflected it is the normal, with density 0 and weight 0.
+#[derive(Debug)]
+pub struct Draws<'a> {
+    /// Three uniform numbers in [0, 1) a draw.
+    pub u: [&'a [f32]; 3],
+    /// Incident directions, x, y, z, in the caller's shading frame.
+    pub direction: [&'a mut [f32]; 3],
+    /// Density at them; 1/sr.
+    pub pdf: Option<&'a mut [f32]>,
+    /// `f cos / pdf`, linear sRGB.
+    pub weight: Option<[&'a mut [f32]; 3]>,
+}
+
+/// Values and densities towards incident directions.
+#[derive(Debug)]
+pub struct Towards<'a> {
+    /// Incident directions, x, y, z, unit vectors.
+    pub wi: [&'a [f32]; 3],
+    /// `f cos`, linear sRGB; 1/sr.
+    pub value: Option<[&'a mut [f32]; 3]>,
+    /// The density of drawing them; 1/sr.
+    pub pdf: Option<&'a mut [f32]>,
+}
+
+impl Request<'_> {
+    /// Refuses slices that are not of length `n`.
+    pub(crate) fn check(&self, n: usize) -> Result<(), Error> {
+        if self.all(|length| length == n) { Ok(()) } else { Err(Error::Length) }
+    }
+
+    /// Whether all lengths pass.
+    fn all(&self, pass: impl Fn(usize) -> bool) -> bool {
+        let mut all = true;
+        if let Some(Draws { u, direction, pdf, weight }) = &self.draw {
+            all &= u.iter().all(|s| pass(s.len())) && direction.iter().all(|s| pass(s.len()));
+            all &= pdf.iter().all(|s| pass(s.len())) && weight.iter().flatten().all(|s| pass(s.len()));
+        }
+        if let Some(Towards { wi, value, pdf }) = &self.evaluate {
+            all &= wi.iter().all(|s| pass(s.len())) && value.iter().flatten().all(|s| pass(s.len()));
+            all &= pdf.iter().all(|s| pass(s.len()));
+        }
+        all
+    }
+}

@@ -1,0 +1,329 @@
+//! A block of hits, each with a material and an outgoing direction of its own.
+//!
+//! As in `kernel/block.rs` lanes are pairs for what a pair needs once, lobes for the rest; in stages, so that a
+//! processor sees many short chains of dependent operations and not one long one.
+#![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
+
+use super::super::between_views::{Place, head_at, head_numbers, views_passed};
+use super::super::draw::{Frame, chosen_power, draw};
+use super::super::outgoing::Facing;
+use super::super::sights::{MOST, Numbers, sights};
+use super::lobes::{Kept, choice, chosen, keep, numbers_of, sums_of_block};
+use crate::color::{LUMINANCE, rgb};
+use crate::material::borrowed::MaterialRef;
+use crate::simd::elementary::exp2;
+use crate::simd::lanes::{Lanes, PART, dot3, splat3};
+use crate::simd::routine::Routine;
+use core::f32::consts::FRAC_1_PI;
+
+/// At most [`MOST`] hits. `G`: groups of sixteen lobes, at least as many as there are.
+pub(super) struct Block<'a, 'm, const G: usize> {
+    pub materials: &'a [MaterialRef<'m>; MOST],
+    pub count: usize,
+    pub wo: &'a [Numbers; 3],
+    /// Uniform numbers, if directions are to be drawn.
+    pub u: Option<&'a [Numbers; 3]>,
+    /// Where else the materials are to be evaluated.
+    pub wi: Option<&'a [Numbers; 3]>,
+    pub room: &'a mut Room<G>,
+}
+
+/// Room that a batch uses again for every block.
+pub(super) struct Room<const G: usize> {
+    kept: [Kept<G>; MOST],
+    /// Sums by lane; a row is a pair.
+    lanes: [[[f32; PART]; MOST]; 3],
+}
+
+impl<const G: usize> Room<G> {
+    pub const NEW: Self =
+        Self { kept: [[super::lobes::NOTHING; G]; MOST], lanes: [[[0.0; PART]; MOST]; 3] };
+}
+
+/// Values, without factors, and densities.
+#[derive(Clone, Copy)]
+pub(super) struct Sums {
+    pub value: [Numbers; 3],
+    pub pdf: Numbers,
+}
+
+/// What a block answers; what was not asked for is 0.
+pub(super) struct Answers {
+    /// What is drawn, the normal where nothing is reflected, and what there is.
+    pub direction: [Numbers; 3],
+    pub drawn: Sums,
+    /// What there is towards the other direction.
+    pub towards: Sums,
+}
+
+const NOUGHT: Sums = Sums { value: [[0.0; MOST]; 3], pdf: [0.0; MOST] };
+
+impl<const G: usize> Routine for Block<'_, '_, G> {
+    type Output = Answers;
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Answers {
+        let Self { materials, count, wo, u, wi, room } = self;
+        let count = count.min(MOST);
+        let mut heads = Heads::new::<L>(materials, wo, count);
+        let mut in_plane = true;
+        for i in 0..count {
+            let (material, kept) = (materials[i], &mut room.kept[i]);
+            heads.lobes_power[i] = if material.header.mirrored > 0 {
+                in_plane = false;
+                keep::<L::Lobes, G, true>(material, heads.place[i], kept)
+            } else {
+                keep::<L::Lobes, G, false>(material, heads.place[i], kept)
+            };
+        }
+        heads.sum_up::<L>();
+        let mut answers = Answers { direction: [[0.0; MOST]; 3], drawn: NOUGHT, towards: NOUGHT };
+        if let Some(wi) = wi {
+            answers.towards = heads.sums::<L, G>(materials, count, room, wi);
+        }
+        if let Some(u) = u {
+            let chosen = Chosen::new::<L, G>(materials, &heads, count, room, u);
+            answers.direction = heads.draw::<L>(&chosen, u, in_plane);
+            answers.drawn = heads.sums::<L, G>(materials, count, room, &answers.direction);
+        }
+        answers
+    }
+}
+
+/// What a block needs once a pair.
+struct Heads {
+    place: [Place; MOST],
+    /// Cosine and sine, in the caller's frame, of the azimuth of +x of the view.
+    azimuth: [Numbers; 2],
+    squeeze: Numbers,
+    diffuse: [Numbers; 3],
+    diffuse_power: Numbers,
+    lobes_power: Numbers,
+    /// Of both, 0 where nothing is reflected; and its inverse, or 0.
+    power: Numbers,
+    inverse_power: Numbers,
+    /// 1 for a unit vector above the horizon.
+    is_there: Numbers,
+}
+
+impl Heads {
+    #[inline(always)]
+    fn new<L: Lanes>(materials: &[MaterialRef<'_>; MOST], wo: &[Numbers; 3], count: usize) -> Self {
+        let zeros = [0.0; MOST];
+        let mut heads = Self {
+            place: [Place::NOWHERE; MOST],
+            azimuth: [zeros; 2],
+            squeeze: [1.0; MOST],
+            diffuse: [zeros; 3],
+            diffuse_power: zeros,
+            lobes_power: zeros,
+            power: zeros,
+            inverse_power: zeros,
+            is_there: zeros,
+        };
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        let mut theta = zeros;
+        let mut at = 0;
+        while at + L::COUNT <= MOST {
+            let facing = Facing::<L>::new([L::load(&wo[0][at..]), L::load(&wo[1][at..]), L::load(&wo[2][at..])]);
+            facing.theta.store(&mut theta[at..]);
+            facing.azimuth[0].store(&mut heads.azimuth[0][at..]);
+            facing.azimuth[1].store(&mut heads.azimuth[1][at..]);
+            L::select(facing.is_there(), one, zero).store(&mut heads.is_there[at..]);
+            at += L::COUNT;
+        }
+        let mut numbers = [zeros; 4];
+        for i in 0..count {
+            // What is no direction has no angle: any does, as nothing of it is seen.
+            let theta = if heads.is_there[i] > 0.0 { theta[i] } else { 0.0 };
+            let passed = views_passed::<L>(materials[i], theta);
+            heads.place[i] = Place::after(materials[i], passed, theta);
+            let of = head_numbers::<L::One>(materials[i], heads.place[i]);
+            for n in 0..4 {
+                numbers[n][i] = of[n];
+            }
+        }
+        let mut at = 0;
+        while at + L::COUNT <= MOST {
+            exp2(L::load(&numbers[0][at..])).store(&mut heads.squeeze[at..]);
+            let differences = [L::load(&numbers[2][at..]), L::load(&numbers[3][at..])];
+            let color = rgb(exp2(L::load(&numbers[1][at..])), differences);
+            for channel in 0..3 {
+                color[channel].store(&mut heads.diffuse[channel][at..]);
+            }
+            at += L::COUNT;
+        }
+        for i in 0..count {
+            // Red, green and blue are logarithms in files of version 1.
+            if !materials[i].header.has_luminance {
+                let (_, diffuse) = head_at::<L>(materials[i], heads.place[i]);
+                for channel in 0..3 {
+                    heads.diffuse[channel][i] = diffuse[channel];
+                }
+            }
+        }
+        let mut at = 0;
+        while at + L::COUNT <= MOST {
+            let mut color = [zero; 3];
+            for channel in 0..3 {
+                color[channel] = L::load(&heads.diffuse[channel][at..]);
+            }
+            dot3(color, splat3(LUMINANCE)).store(&mut heads.diffuse_power[at..]);
+            at += L::COUNT;
+        }
+        heads
+    }
+
+    /// Adds the powers of lobes and diffuse terms.
+    #[inline(always)]
+    fn sum_up<L: Lanes>(&mut self) {
+        let one = L::splat(1.0);
+        let mut at = 0;
+        while at + L::COUNT <= MOST {
+            let power = L::load(&self.lobes_power[at..]) + L::load(&self.diffuse_power[at..]);
+            let there = L::load(&self.is_there[at..]).ge(L::splat(0.5));
+            // A sum so small that its inverse is infinite reflects nothing.
+            let shines = L::both(there, power.ge(L::splat(f32::MIN_POSITIVE)));
+            power.keep(shines).store(&mut self.power[at..]);
+            (one / L::select(shines, power, one)).keep(shines).store(&mut self.inverse_power[at..]);
+            at += L::COUNT;
+        }
+    }
+
+    /// Draws from the chosen lobes, or the diffuse terms.
+    #[inline(always)]
+    fn draw<L: Lanes>(&self, chosen: &Chosen, u: &[Numbers; 3], in_plane: bool) -> [Numbers; 3] {
+        let (zero, one, half) = (L::splat(0.0), L::splat(1.0), L::splat(0.5));
+        let mut out = [[0.0; MOST]; 3];
+        let mut at = 0;
+        while at + L::COUNT <= MOST {
+            let frame = Frame {
+                in_plane,
+                any_squeezed: true,
+                any_diffuse: true,
+                is_folded: true,
+                azimuth: [L::load(&self.azimuth[0][at..]), L::load(&self.azimuth[1][at..])],
+                widen: [one, L::load(&self.squeeze[at..])],
+            };
+            let mut numbers = [one; 6];
+            for n in 0..6 {
+                numbers[n] = L::load(&chosen.numbers[n][at..]);
+            }
+            let is_squeezed = L::load(&chosen.squeezed[at..]).ge(half);
+            let is_lobe = L::load(&chosen.target[at..]).lt(L::load(&self.lobes_power[at..]));
+            let choice = choice(numbers, is_squeezed, is_lobe);
+            let [x, y, z] = draw(&frame, choice, L::load(&u[1][at..]), L::load(&u[2][at..]));
+            let shines = zero.lt(L::load(&self.power[at..]));
+            L::select(shines, x, zero).store(&mut out[0][at..]);
+            L::select(shines, y, zero).store(&mut out[1][at..]);
+            L::select(shines, z, one).store(&mut out[2][at..]);
+            at += L::COUNT;
+        }
+        out
+    }
+
+    /// Values and densities towards a direction for each pair.
+    #[inline(always)]
+    fn sums<L: Lanes, const G: usize>(
+        &self,
+        materials: &[MaterialRef<'_>; MOST],
+        count: usize,
+        room: &mut Room<G>,
+        wi: &[Numbers; 3],
+    ) -> Sums {
+        let (mut excess, mut inverse) = ([0.0; MOST], [1.0; MOST]);
+        for i in 0..MOST {
+            let (c, s) = (f64::from(self.azimuth[0][i]), f64::from(self.azimuth[1][i]));
+            excess[i] = (0.5 * (c * c + s * s - 1.0)) as f32;
+            inverse[i] = 1.0 / self.squeeze[i];
+        }
+        let sights = sights::<L>(self.azimuth, excess, [[1.0; MOST], inverse], wi);
+        for i in 0..count {
+            let header = materials[i].header;
+            let (lobes, squeezed) = (header.lobe_count(), header.squeezed);
+            let acc = sums_of_block::<L::Lobes, G>(&room.kept[i], lobes, squeezed, &sights, i);
+            for channel in 0..3 {
+                let row = &mut room.lanes[channel][i];
+                if L::Lobes::COUNT == PART {
+                    acc[channel].store(row);
+                } else {
+                    row[0] = acc[channel].sum();
+                }
+            }
+        }
+        let mut sums = NOUGHT;
+        for channel in 0..3 {
+            if L::Lobes::COUNT == PART {
+                sums.value[channel] = L::sums_of_rows(&room.lanes[channel]);
+            } else {
+                for i in 0..MOST {
+                    sums.value[channel][i] = room.lanes[channel][i][0];
+                }
+            }
+        }
+        self.finish::<L>(sums, &wi[2])
+    }
+
+    /// Adds the diffuse terms to the sums over the lobes, 0 for directions below the horizon; and the densities.
+    #[inline(always)]
+    fn finish<L: Lanes>(&self, mut sums: Sums, height: &Numbers) -> Sums {
+        let mut at = 0;
+        while at + L::COUNT <= MOST {
+            let z = L::load(&height[at..]);
+            // Not set for a NaN.
+            let there = L::load(&self.is_there[at..]).ge(L::splat(0.5));
+            let above = L::both(z.ge(L::splat(0.0)), there);
+            let mut value = [z; 3];
+            for channel in 0..3 {
+                let diffuse = L::load(&self.diffuse[channel][at..]) * L::splat(FRAC_1_PI);
+                value[channel] = diffuse.mul_add(z, L::load(&sums.value[channel][at..])).keep(above);
+                value[channel].store(&mut sums.value[channel][at..]);
+            }
+            let luminance = dot3(value, splat3(LUMINANCE));
+            (luminance * L::load(&self.inverse_power[at..])).store(&mut sums.pdf[at..]);
+            at += L::COUNT;
+        }
+        sums
+    }
+}
+
+/// The chosen lobes of a block.
+struct Chosen {
+    /// As [`numbers_of`] has them.
+    numbers: [Numbers; 6],
+    squeezed: Numbers,
+    /// Place on the running sum of powers.
+    target: Numbers,
+}
+
+impl Chosen {
+    #[inline(always)]
+    fn new<L: Lanes, const G: usize>(
+        materials: &[MaterialRef<'_>; MOST],
+        heads: &Heads,
+        count: usize,
+        room: &Room<G>,
+        u: &[Numbers; 3],
+    ) -> Self {
+        let (one, zeros) = ([1.0; MOST], [0.0; MOST]);
+        // Harmless ones behind the last pair.
+        let mut chosen =
+            Self { numbers: [zeros, zeros, one, one, zeros, one], squeezed: zeros, target: zeros };
+        for i in 0..count {
+            let target = chosen_power(heads.power[i], L::One::splat(u[0][i])).first();
+            let kept = &room.kept[i];
+            let k = chosen_lobe::<L, G>(kept, materials[i].header.lobe_count(), target);
+            let numbers = numbers_of(kept, k);
+            for n in 0..6 {
+                chosen.numbers[n][i] = numbers[n];
+            }
+            chosen.squeezed[i] = if k < materials[i].header.squeezed { 1.0 } else { 0.0 };
+            chosen.target[i] = target;
+        }
+        chosen
+    }
+}
+
+#[inline(always)]
+fn chosen_lobe<L: Lanes, const G: usize>(kept: &Kept<G>, count: usize, target: f32) -> usize {
+    chosen::<L::Lobes, G>(kept, count, target)
+}

@@ -1,0 +1,167 @@
+//! The lobes of an isotropic material for one outgoing direction, as they are kept while they are summed and drawn
+//! from: lanes are lobes.
+#![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
+
+use super::super::between_views::{Place, rows_at};
+use super::super::draw::Choice;
+#[cfg(feature = "simd")]
+use super::super::sights::{Sights, seen};
+use crate::material::borrowed::MaterialRef;
+use crate::mixture::complete::LEAST_SHARPNESS;
+use crate::simd::elementary::{exp2_and_rest, falloff, falloff_soon};
+use crate::simd::lanes::{Lanes, PART, Part};
+use crate::squeeze::{Seen, Sight};
+use core::f32::consts::{LOG2_E, PI};
+
+/// Rows of numbers of sixteen lobes: axis, rate, amplitudes.
+pub(super) const KEPT: usize = 11;
+const RATE: usize = 3;
+const AMPLITUDE: usize = 4;
+/// `1 / s`, `1 - exp(-2 s)` and `exp(-2 s)`.
+const INVERSE: usize = 7;
+const INSIDE: usize = 8;
+const GONE: usize = 9;
+/// Running sum of the powers.
+const RUNNING: usize = 10;
+
+/// The lobes of one outgoing direction, in groups of sixteen.
+pub(super) type Kept<const G: usize> = [[Part; KEPT]; G];
+
+/// No lobes.
+pub(super) const NOTHING: [Part; KEPT] = [[0.0; PART]; KEPT];
+
+/// Lobes of a mixture that a group count allows.
+#[inline(always)]
+fn is_within<const G: usize>(k: usize, count: usize) -> bool {
+    k < count && k < PART * G
+}
+
+/// Interpolates the lobes round a place and keeps them; returns their power. `MIRRORED`: some are.
+#[inline(always)]
+pub(super) fn keep<L: Lanes, const G: usize, const MIRRORED: bool>(
+    material: MaterialRef<'_>,
+    place: Place,
+    kept: &mut Kept<G>,
+) -> f32 {
+    let (copy_a, copy_b);
+    let rows = rows_at!(L, MIRRORED, material, place, copy_a, copy_b);
+    let mut passed = L::splat(0.0);
+    let mut k = 0;
+    while is_within::<G>(k, rows.total()) {
+        let lobes = rows.lobes::<L, MIRRORED>(k);
+        let (to, j) = (&mut kept[k / PART], k % PART);
+        let s = lobes.sharpness.max(L::splat(LEAST_SHARPNESS));
+        let [tail, inside] = exp2_and_rest(s * L::splat(-2.0 * LOG2_E));
+        let inverse = L::splat(1.0) / s;
+        let power = lobes.luminance * (inverse * inside * L::splat(2.0 * PI));
+        let running = power.running_sum() + passed;
+        let [x, y, z] = lobes.axis;
+        x.store(&mut to[0][j..]);
+        y.store(&mut to[1][j..]);
+        z.abs().store(&mut to[2][j..]);
+        (lobes.sharpness * L::splat(-0.5 * LOG2_E)).store(&mut to[RATE][j..]);
+        for channel in 0..3 {
+            lobes.rgb[channel].store(&mut to[AMPLITUDE + channel][j..]);
+        }
+        inverse.store(&mut to[INVERSE][j..]);
+        inside.store(&mut to[INSIDE][j..]);
+        tail.store(&mut to[GONE][j..]);
+        running.store(&mut to[RUNNING][j..]);
+        // Lanes behind the last lobe add nothing.
+        passed = running.last();
+        k += L::COUNT;
+    }
+    passed.first()
+}
+
+/// The lobe at a place on the running sum of powers; the last one ends the search whatever the sum is rounded to.
+#[inline(always)]
+pub(super) fn chosen<L: Lanes, const G: usize>(kept: &Kept<G>, count: usize, target: f32) -> usize {
+    let mut above = 1u64.wrapping_shl((count as u32).wrapping_sub(1));
+    let mut k = 0;
+    while is_within::<G>(k, count) {
+        above |= L::bits(L::splat(target).lt(L::load(&kept[k / PART][RUNNING][k % PART..]))) << k;
+        k += L::COUNT;
+    }
+    (above.trailing_zeros() as usize).min(PART * G - 1)
+}
+
+/// What drawing needs of lobe `k`: axis, `1 - exp(-2 s)`, `exp(-2 s)`, `1 / s`.
+#[inline(always)]
+pub(super) fn numbers_of<const G: usize>(kept: &Kept<G>, k: usize) -> [f32; 6] {
+    let (group, j) = (&kept[(k / PART).min(G - 1)], k % PART);
+    [group[0][j], group[1][j], group[2][j], group[INSIDE][j], group[GONE][j], group[INVERSE][j]]
+}
+
+/// A choice of such numbers.
+#[inline(always)]
+pub(super) fn choice<L: Lanes>(numbers: [L; 6], is_squeezed: L::Mask, is_lobe: L::Mask) -> Choice<L> {
+    let [x, y, z, inside, gone, inverse_sharpness] = numbers;
+    Choice { axis: [x, y, z], inside, gone, inverse_sharpness, is_squeezed, is_lobe }
+}
+
+/// Sums the lobes in red, green and blue towards a direction, as round and as squeezed ones see it.
+#[inline(always)]
+pub(super) fn sums<L: Lanes, const G: usize>(
+    kept: &Kept<G>,
+    count: usize,
+    squeezed_count: usize,
+    [turned, squeezed]: &[Sight; 2],
+) -> [L; 3] {
+    let mut acc = [L::splat(0.0); 3];
+    let mut k = 0;
+    while is_within::<G>(k, count) {
+        let mask = L::first_lanes(squeezed_count.saturating_sub(k).min(L::COUNT));
+        let seen = Sight::splat_either::<L>(mask, squeezed, turned);
+        add::<L, true>(&kept[k / PART], k % PART, &seen, &mut acc);
+        k += L::COUNT;
+    }
+    acc
+}
+
+/// The same for pair `i` of a block.
+#[cfg(feature = "simd")]
+#[inline(always)]
+pub(super) fn sums_of_block<L: Lanes, const G: usize>(
+    kept: &Kept<G>,
+    count: usize,
+    squeezed_count: usize,
+    sights: &Sights,
+    i: usize,
+) -> [L; 3] {
+    let mut acc = [L::splat(0.0); 3];
+    let mut k = 0;
+    while is_within::<G>(k, count) {
+        let mask = L::first_lanes(squeezed_count.saturating_sub(k).min(L::COUNT));
+        add::<L, false>(&kept[k / PART], k % PART, &seen(sights, i, mask), &mut acc);
+        k += L::COUNT;
+    }
+    acc
+}
+
+/// Adds the lobes from the `j`-th on of a group. `SOON`: by a shorter chain of more operations.
+#[inline(always)]
+fn add<L: Lanes, const SOON: bool>(of: &[Part; KEPT], j: usize, seen: &Seen<L>, acc: &mut [L; 3]) {
+    let [x, y, z] = [L::load(&of[0][j..]), L::load(&of[1][j..]), L::load(&of[2][j..])];
+    let mut rate = L::load(&of[RATE][j..]);
+    let fold_rate = rate * L::splat(4.0) * z;
+    let [mut dx, mut dy, mut dz] = seen.high;
+    if L::FUSED {
+        dx = x.neg_mul_add(seen.length, dx) + seen.low[0];
+        dy = y.neg_mul_add(seen.length, dy) + seen.low[1];
+        dz = z.neg_mul_add(seen.length, dz);
+        rate = rate * seen.inverse_square;
+    } else {
+        dx = (dx - x) + seen.low[0];
+        dy = (dy - y) + seen.low[1];
+        dz = (dz - z) + seen.low[2];
+    }
+    let t = rate * dx.mul_add(dx, dy.mul_add(dy, dz * dz));
+    // |d - mirrored axis|^2 = |d - axis|^2 + 4 d.z axis.z
+    let folded = fold_rate.mul_add(seen.height, t);
+    let g = if SOON { falloff_soon(t) + falloff_soon(folded) } else { falloff(t) + falloff(folded) };
+    let g = g * seen.scale;
+    for channel in 0..3 {
+        acc[channel] = g.mul_add(L::load(&of[AMPLITUDE + channel][j..]), acc[channel]);
+    }
+}

@@ -1,0 +1,293 @@
+//! One hit on a material: values, densities and draws for one outgoing direction, without a mixture.
+
+use super::super::between_views::{Place, head_at, views_passed};
+use super::super::draw::{Frame, chosen_power, draw_unscaled};
+use super::super::one_direction::with_diffuse;
+use super::super::outgoing::{Outgoing, facing};
+use super::super::prepare::prepare;
+use super::lobes::{Kept, NOTHING, choice, chosen, keep, numbers_of, sums};
+use crate::color::luminance;
+use crate::material::borrowed::{Material, MaterialRef};
+use crate::material::layout::MAX_LOBES;
+use crate::mixture::factors::Factors;
+use crate::mixture::leave_out::LeaveOut;
+use crate::mixture::rows::{Mixture, Sample, weight_of};
+use crate::simd::detect::Level;
+use crate::simd::lanes::{Lanes, PART, scale};
+use crate::simd::routine::One;
+use crate::squeeze::{Sight, Squeeze};
+use glam::Vec3;
+
+/// One outgoing direction, for a few incident ones: what a renderer asks at a hit. [`prepare`](Self::prepare) makes a
+/// [`Mixture`] for many.
+///
+/// The lobes go from the bytes of the material through registers, in less time than a mixture takes to be made
+/// and asked. Values and densities are those of the mixture but for rounding, below 1e-5 of the largest; draws
+/// are its draws. An anisotropic material makes a mixture on the stack.
+///
+/// An outgoing direction below the horizon, or none at all (not finite, not of unit length), reflects nothing.
+impl<B: AsRef<[u8]>> Material<B> {
+    /// Evaluates `f cos` for an outgoing and an incident direction, linear sRGB; 1/sr.
+    #[inline]
+    pub fn evaluate(&self, wo: impl Into<Vec3>, wi: impl Into<Vec3>) -> Vec3 {
+        self.evaluate_and_pdf(wo, wi).0
+    }
+
+    /// Evaluates the density of [`sample`](Self::sample) at an incident direction; 1/sr.
+    #[inline]
+    pub fn pdf(&self, wo: impl Into<Vec3>, wi: impl Into<Vec3>) -> f32 {
+        ask_one(self.borrowed(), wo.into(), Asked { u: None, wi: Some(wi.into().to_array()), colors: false }).pdf
+    }
+
+    /// Value and density in one pass over the lobes.
+    #[inline]
+    pub fn evaluate_and_pdf(&self, wo: impl Into<Vec3>, wi: impl Into<Vec3>) -> (Vec3, f32) {
+        let asked = Asked { u: None, wi: Some(wi.into().to_array()), colors: true };
+        let answer = ask_one(self.borrowed(), wo.into(), asked);
+        (answer.value, answer.pdf)
+    }
+
+    /// Draws an incident direction: lobe by `u[0]`, direction in it by `u[1]` and `u[2]`, uniform in [0, 1).
+    ///
+    /// `None` where nothing is reflected.
+    #[inline]
+    pub fn sample(&self, wo: impl Into<Vec3>, u: [f32; 3]) -> Option<Sample> {
+        ask_one(self.borrowed(), wo.into(), Asked { u: Some(u), wi: None, colors: true }).sample
+    }
+
+    /// Draws an incident direction, and evaluates value and density towards another one: what next-event
+    /// estimation needs at every hit.
+    #[inline]
+    pub fn sample_and_evaluate(
+        &self,
+        wo: impl Into<Vec3>,
+        u: [f32; 3],
+        wi: impl Into<Vec3>,
+    ) -> (Option<Sample>, (Vec3, f32)) {
+        let asked = Asked { u: Some(u), wi: Some(wi.into().to_array()), colors: true };
+        let answer = ask_one(self.borrowed(), wo.into(), asked);
+        (answer.sample, (answer.value, answer.pdf))
+    }
+
+    /// Asks for the bytes that a hit from such a direction will read, so that waiting for memory and other work go
+    /// side by side: a few hits ahead, where a scene has more materials than caches hold.
+    ///
+    /// Only a hint; nothing for an anisotropic material.
+    #[inline]
+    pub fn prefetch(&self, wo: impl Into<Vec3>) {
+        prefetch(self.borrowed(), wo.into());
+    }
+}
+
+/// Bytes of a cache line.
+const LINE: usize = 64;
+
+fn prefetch(material: MaterialRef<'_>, wo: Vec3) {
+    let header = material.header;
+    if !header.is_isotropic() {
+        return;
+    }
+    let Some(outgoing) = facing::<f32>(wo) else { return };
+    let passed = views_passed::<f32>(material, outgoing.theta);
+    let place = Place::after(material, passed, outgoing.theta);
+    let [from, last] = place.rows(header);
+    let end = (last + 4 * (5 * header.lobes + header.mirrored)).min(material.bytes.len());
+    for line in material.bytes[from..end].chunks(LINE) {
+        crate::simd::prefetch(&line[0]);
+    }
+}
+
+/// What is asked of a material, beside the outgoing direction.
+#[derive(Clone, Copy)]
+pub(super) struct Asked {
+    /// Uniform numbers of a draw.
+    pub u: Option<[f32; 3]>,
+    /// Where else it is to be evaluated.
+    pub wi: Option<[f32; 3]>,
+    /// Whether values, or the weight of the draw, are wanted, and not densities alone.
+    pub colors: bool,
+}
+
+/// What a material answers.
+#[derive(Clone, Copy)]
+pub(super) struct Answer {
+    pub sample: Option<Sample>,
+    /// Towards the other direction.
+    pub value: Vec3,
+    pub pdf: f32,
+}
+
+impl Answer {
+    pub const NOTHING: Self = Self { sample: None, value: Vec3::ZERO, pdf: 0.0 };
+}
+
+/// Asks a material. Not generic over who owns its bytes: the kernels are compiled here, once.
+pub(super) fn ask_one(material: MaterialRef<'_>, wo: Vec3, asked: Asked) -> Answer {
+    let level = Level::current();
+    if !material.header.is_isotropic() {
+        return match material.header.lobe_count() {
+            0..=16 => by_mixture::<16>(material, wo, asked, level),
+            17..=32 => by_mixture::<32>(material, wo, asked, level),
+            _ => by_mixture::<MAX_LOBES>(material, wo, asked, level),
+        };
+    }
+    let Asked { u, wi, colors } = asked;
+    let hit = |u: Option<[f32; 3]>, wi: Option<[f32; 3]>| Hit {
+        material,
+        u: u.unwrap_or_default(),
+        wi: wi.unwrap_or_default(),
+        colors,
+    };
+    match (u.is_some(), wi.is_some()) {
+        (true, true) => level.run_one::<_, Ask<true, true>>(hit(u, wi), wo.to_array()),
+        (true, false) => level.run_one::<_, Ask<true, false>>(hit(u, wi), wo.to_array()),
+        (false, true) => level.run_one::<_, Ask<false, true>>(hit(u, wi), wo.to_array()),
+        (false, false) => Answer::NOTHING,
+    }
+}
+
+/// The same by a mixture on the stack.
+fn by_mixture<const N: usize>(material: MaterialRef<'_>, wo: Vec3, asked: Asked, level: Level) -> Answer {
+    let mut m = Mixture::<N>::empty();
+    if prepare(material, wo, LeaveOut::default(), level, &mut m).is_err() {
+        return Answer::NOTHING;
+    }
+    let mut answer = Answer::NOTHING;
+    if let Some(u) = asked.u {
+        answer.sample = m.sample(u);
+    }
+    // A mixture of nothing has none but for directions.
+    if let Some(wi) = asked.wi.filter(|_| !m.is_nothing()) {
+        (answer.value, answer.pdf) = m.evaluate_and_pdf(wi);
+    }
+    answer
+}
+
+/// What [`Ask`] is given beside the outgoing direction; what is not asked for is anything.
+struct Hit<'a> {
+    material: MaterialRef<'a>,
+    u: [f32; 3],
+    wi: [f32; 3],
+    colors: bool,
+}
+
+/// One hit: a draw if `DRAWS`, a value and a density towards another direction if `EVALUATES`.
+struct Ask<const DRAWS: bool, const EVALUATES: bool>;
+
+impl<const DRAWS: bool, const EVALUATES: bool> One<Hit<'_>> for Ask<DRAWS, EVALUATES> {
+    type Output = Answer;
+    const IS_WIDE: bool = true;
+    #[inline(always)]
+    fn run<L: Lanes>(hit: Hit<'_>, wo: [f32; 3]) -> Answer {
+        let Some(outgoing) = facing::<L>(Vec3::from_array(wo)) else { return Answer::NOTHING };
+        // Not for a NaN.
+        if !(wo[2] >= 0.0) {
+            return Answer::NOTHING;
+        }
+        let header = hit.material.header;
+        match (header.mirrored > 0, header.lobe_count() <= PART) {
+            (false, true) => answer::<L, 1, false, DRAWS, EVALUATES>(&hit, &outgoing),
+            (true, true) => answer::<L, 1, true, DRAWS, EVALUATES>(&hit, &outgoing),
+            (false, false) => answer::<L, GROUPS, false, DRAWS, EVALUATES>(&hit, &outgoing),
+            (true, false) => answer::<L, GROUPS, true, DRAWS, EVALUATES>(&hit, &outgoing),
+        }
+    }
+}
+
+/// Most groups of sixteen lobes.
+pub(super) const GROUPS: usize = MAX_LOBES / PART;
+
+#[inline(always)]
+fn answer<L: Lanes, const G: usize, const MIRRORED: bool, const DRAWS: bool, const EVALUATES: bool>(
+    hit: &Hit<'_>,
+    outgoing: &Outgoing,
+) -> Answer {
+    let (material, header) = (hit.material, hit.material.header);
+    let place = Place::after(material, views_passed::<L>(material, outgoing.theta), outgoing.theta);
+    let (squeeze, diffuse) = head_at::<L>(material, place);
+    let diffuse_power = luminance(Vec3::from_array(diffuse));
+    let mut lobes = Lobes::<G> {
+        kept: [NOTHING; G],
+        count: header.lobe_count(),
+        squeezed: header.squeezed,
+        squeeze: Squeeze::new(outgoing.azimuth, 1.0, 1.0 / squeeze),
+        diffuse,
+    };
+    let lobes_power = keep::<L::Lobes, G, MIRRORED>(material, place, &mut lobes.kept);
+    let power = lobes_power + diffuse_power;
+    // A sum so small that its inverse is infinite reflects nothing.
+    let shines = power >= f32::MIN_POSITIVE;
+    let inverse_power = if shines { 1.0 / power } else { 0.0 };
+    let factors = (hit.colors && header.has_factors())
+        .then(|| Factors::new(material, outgoing.wo, place.among()));
+    let mut answer = Answer::NOTHING;
+    // First, as it waits for less: what is drawn waits for the running sum.
+    if EVALUATES {
+        (answer.value, answer.pdf) = lobes.towards::<L>(hit.wi, inverse_power, factors.as_ref());
+    }
+    if DRAWS && shines {
+        let one = L::One::splat(1.0);
+        let target = chosen_power(power, L::One::splat(hit.u[0]));
+        let k = chosen::<L::Lobes, G>(&lobes.kept, lobes.count, target.first());
+        let frame = Frame {
+            in_plane: !MIRRORED,
+            any_squeezed: header.squeezed > 0,
+            // Without a branch that depends on the direction.
+            any_diffuse: true,
+            is_folded: true,
+            azimuth: [L::One::splat(outgoing.azimuth[0]), L::One::splat(outgoing.azimuth[1])],
+            widen: [one, L::One::splat(squeeze)],
+        };
+        let mut numbers = [one; 6];
+        for (to, number) in numbers.iter_mut().zip(numbers_of(&lobes.kept, k)) {
+            *to = L::One::splat(number);
+        }
+        let is_squeezed = L::One::index_below(k, header.squeezed);
+        let choice = choice(numbers, is_squeezed, target.lt(L::One::splat(lobes_power)));
+        let (d, inverse) =
+            draw_unscaled::<L::One, true>(&frame, choice, L::One::splat(hit.u[1]), L::One::splat(hit.u[2]));
+        let [x, y, z] = scale(d, inverse);
+        let direction = [x.first(), y.first(), z.first()];
+        let (value, pdf) = lobes.towards::<L>(direction, inverse_power, factors.as_ref());
+        let direction = Vec3::from_array(direction);
+        answer.sample = Some(Sample { direction, pdf, weight: weight_of(value, pdf) });
+    }
+    answer
+}
+
+/// The lobes of one outgoing direction, and what they are seen by.
+struct Lobes<const G: usize> {
+    kept: Kept<G>,
+    count: usize,
+    squeezed: usize,
+    squeeze: Squeeze,
+    diffuse: [f32; 3],
+}
+
+impl<const G: usize> Lobes<G> {
+    /// Value and density towards a direction.
+    #[inline(always)]
+    fn towards<L: Lanes>(
+        &self,
+        direction: [f32; 3],
+        inverse_power: f32,
+        factors: Option<&Factors<'_>>,
+    ) -> (Vec3, f32) {
+        // Not for a NaN.
+        if !(direction[2] >= 0.0) {
+            return (Vec3::ZERO, 0.0);
+        }
+        // First, as it is the longer chain of dependent operations: the lobes are summed beside it.
+        let factor = factors.map(|factors| factors.towards::<L::One>(direction));
+        let sights: [Sight; 2] = if L::COUNT > 1 {
+            self.squeeze.precise.see(direction, L::FUSED)
+        } else {
+            let turned = self.squeeze.turn(direction);
+            [turned, self.squeeze.squeeze(&turned)]
+        };
+        let acc = sums::<L::Lobes, G>(&self.kept, self.count, self.squeezed, &sights);
+        let value = Vec3::from_array(with_diffuse(L::Lobes::three_sums(acc), self.diffuse, direction[2]));
+        let pdf = luminance(value) * inverse_power;
+        (factor.map_or(value, |factor| value * factor), pdf)
+    }
+}
