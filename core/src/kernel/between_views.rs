@@ -7,7 +7,7 @@ use crate::mixture::factors::Among;
 use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::row;
 use crate::mixture::rows::Mixture;
-use crate::simd::elementary::{exp2, sin_cos};
+use crate::simd::elementary::{exp2, exp2_soon, sin_cos};
 use crate::simd::lanes::{Lanes, dot3, splat3};
 use crate::squeeze::Squeeze;
 
@@ -33,7 +33,7 @@ pub(crate) use from_offset;
 /// The [`Rows`] round a place, of a material with mirrored lobes or without; the copies as in `from_offset`.
 macro_rules! rows_at {
     ($L:ty, $mirrored:expr, $material:expr, $place:expr, $copy_a:ident, $copy_b:ident) => {{
-        use $crate::kernel::between_views::{PADDED, Rows, from_offset};
+        use $crate::kernel::between_views as rows_of;
         let (material, place): ($crate::material::borrowed::MaterialRef<'_>, _) = ($material, $place);
         let header = material.header;
         let (count, mirrored) = (header.lobes, if $mirrored { header.mirrored } else { 0 });
@@ -42,10 +42,10 @@ macro_rules! rows_at {
         let vectors = (count + mirrored).next_multiple_of(<$L as $crate::simd::lanes::Lanes>::COUNT);
         let reach = 4 * (4 * count + 2 * mirrored + vectors);
         let [a, b] = place.rows(header);
-        let a = from_offset!(material.bytes, a, 4 * mirrored, reach, $copy_a, PADDED);
-        let b = from_offset!(material.bytes, b, 4 * mirrored, reach, $copy_b, PADDED);
+        let a = rows_of::from_offset!(material.bytes, a, 4 * mirrored, reach, $copy_a, { rows_of::PADDED });
+        let b = rows_of::from_offset!(material.bytes, b, 4 * mirrored, reach, $copy_b, { rows_of::PADDED });
         let has_luminance = header.has_luminance;
-        Rows { a: &a[..reach], b: &b[..reach], place, count, mirrored, has_luminance }
+        rows_of::Rows { a: &a[..reach], b: &b[..reach], place, count, mirrored, has_luminance }
     }};
 }
 
@@ -154,8 +154,9 @@ pub(crate) fn at_place<L: Lanes, const N: usize>(
 pub(crate) fn head_numbers<L: Lanes>(material: MaterialRef<'_>, place: Place) -> [f32; HEAD] {
     let mut head = [0.0; HEAD];
     let [a, b] = [material.header.head(place.before), material.header.head(place.after)];
+    let [a, b] = [&material.bytes[a..a + 4 * HEAD], &material.bytes[b..b + 4 * HEAD]];
     for i in 0..HEAD {
-        let [a, b] = [L::splat(f32_at(material.bytes, a + 4 * i)), L::splat(f32_at(material.bytes, b + 4 * i))];
+        let [a, b] = [L::splat(f32_at(a, 4 * i)), L::splat(f32_at(b, 4 * i))];
         head[i] = (b - a).mul_add(L::splat(place.blend), a).first();
     }
     head
@@ -202,7 +203,7 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
     mixture.head.in_plane = !MIRRORED;
     let mut k = 0;
     while row::is_within::<L, N>(k, rows.total()) {
-        let lobes = rows.lobes::<L, MIRRORED>(k);
+        let lobes = rows.lobes::<L, MIRRORED, false>(k);
         let ([x, y, z], [red, green, blue]) = (lobes.axis, lobes.rgb);
         row::store(red, &mut mixture.rows.red, k);
         row::store(green, &mut mixture.rows.green, k);
@@ -245,9 +246,9 @@ impl Rows<'_> {
         self.count + self.mirrored
     }
 
-    /// The lobes from the `k`-th on.
+    /// The lobes from the `k`-th on. `SOON`: by a shorter chain of more operations.
     #[inline(always)]
-    pub fn lobes<L: Lanes, const MIRRORED: bool>(&self, k: usize) -> Lobes<L> {
+    pub fn lobes<L: Lanes, const MIRRORED: bool, const SOON: bool>(&self, k: usize) -> Lobes<L> {
         let (zero, none) = (L::splat(0.0), L::splat(-126.0));
         let valid = L::iota().lt(L::splat((self.total() - k) as f32));
         // Lanes without a lobe hold bytes of the next view or of the text, whose powers of two may be
@@ -270,7 +271,8 @@ impl Rows<'_> {
             let (sin, cos) = sin_cos(self.off_plane(k));
             (x, y, z) = (x * cos, sin, z * cos);
         }
-        Lobes { axis: [x, y, z], sharpness: exp2(log_sharpness), rgb, luminance }
+        let sharpness = if SOON { exp2_soon(log_sharpness) } else { exp2(log_sharpness) };
+        Lobes { axis: [x, y, z], sharpness, rgb, luminance }
     }
 
     /// Numbers of a row of a vector of lobes, images being what they mirror; behind the last lobe anything.

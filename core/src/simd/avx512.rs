@@ -45,13 +45,6 @@ fn channels(nodes: NodeCodes<'_>, pair: __m512i) -> [Avx512; 3] {
     }
 }
 
-/// Lanes moved up by `16 - KEPT`, zeros below.
-#[inline(always)]
-fn moved_up<const KEPT: i32>(lanes: __m512, zero: __m512i) -> __m512 {
-    // SAFETY: the processor has AVX-512, see the head of this file.
-    unsafe { _mm512_castsi512_ps(_mm512_alignr_epi32::<KEPT>(_mm512_castps_si512(lanes), zero)) }
-}
-
 /// The even quarters of two vectors plus the odd ones.
 #[inline(always)]
 fn evens_and_odds(a: __m512, b: __m512) -> __m512 {
@@ -316,13 +309,14 @@ impl Lanes for Avx512 {
     fn running_sum(self) -> Self {
         // SAFETY: the processor has AVX-512, see the head of this file.
         unsafe {
-            let zero = _mm512_setzero_si512();
-            let mut sum = self.0;
-            // Moved up by 1, 2, 4 and 8 lanes.
-            sum = _mm512_add_ps(sum, moved_up::<15>(sum, zero));
-            sum = _mm512_add_ps(sum, moved_up::<14>(sum, zero));
-            sum = _mm512_add_ps(sum, moved_up::<12>(sum, zero));
-            Self(_mm512_add_ps(sum, moved_up::<8>(sum, zero)))
+            // Within quarters, then the last lane of a quarter to the next, then that of a half to the other.
+            let one = _mm512_bslli_epi128::<4>(_mm512_castps_si512(self.0));
+            let sum = _mm512_add_ps(self.0, _mm512_castsi512_ps(one));
+            let two = _mm512_bslli_epi128::<8>(_mm512_castps_si512(sum));
+            let sum = _mm512_add_ps(sum, _mm512_castsi512_ps(two));
+            let quarter = _mm512_setr_epi32(0, 0, 0, 0, 3, 3, 3, 3, 0, 0, 0, 0, 11, 11, 11, 11);
+            let sum = _mm512_add_ps(sum, _mm512_maskz_permutexvar_ps(0xf0f0, quarter, sum));
+            Self(_mm512_add_ps(sum, _mm512_maskz_permutexvar_ps(0xff00, _mm512_set1_epi32(7), sum)))
         }
     }
     #[inline(always)]

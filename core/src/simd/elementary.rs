@@ -11,6 +11,12 @@ pub fn exp2<L: Lanes>(t: L) -> L {
     exp2_above::<L, false>(t, -125.0)
 }
 
+/// [`exp2`] by a shorter chain of more operations; other digits.
+#[inline(always)]
+pub fn exp2_soon<L: Lanes>(t: L) -> L {
+    exp2_above::<L, true>(t, -125.0)
+}
+
 /// `2^t`, exactly 0 below 2^-100: what a lobe falls to. Relative error below 2.5e-7; `t` at most 127.
 ///
 /// Neither the result nor its product with an amplitude above 2^-25 is a subnormal: one subnormal in a vector
@@ -125,15 +131,29 @@ pub fn sin_cos_turns<L: Lanes>(u: L) -> (L, L) {
 pub fn atan2_positive<L: Lanes>(y: L, x: L) -> L {
     let a = y.min(x) / y.max(x);
     let aa = a * a;
-    // Minimax of atan(a) / a in a^2 on [0, 1], relative error 1.6e-8.
-    let mut p = L::splat(0.002_849_886_4);
-    p = p.mul_add(aa, L::splat(-0.016_068_615));
-    p = p.mul_add(aa, L::splat(0.042_691_5));
-    p = p.mul_add(aa, L::splat(-0.075_042_926));
-    p = p.mul_add(aa, L::splat(0.106_409_33));
-    p = p.mul_add(aa, L::splat(-0.142_036_44));
-    p = p.mul_add(aa, L::splat(0.199_926_2));
-    p = p.mul_add(aa, L::splat(-0.333_330_72));
+    // Minimax of atan(a) / a in a^2 on [0, 1], relative error 1.6e-8. With fused operations by pairs and fours of
+    // terms (Estrin 1960): half the latency of Horner's form.
+    const TERMS: [f32; 8] = [
+        0.002_849_886_4,
+        -0.016_068_615,
+        0.042_691_5,
+        -0.075_042_926,
+        0.106_409_33,
+        -0.142_036_44,
+        0.199_926_2,
+        -0.333_330_72,
+    ];
+    let mut p = L::splat(TERMS[0]);
+    if L::FUSED {
+        let pair = |i: usize| L::splat(TERMS[i]).mul_add(aa, L::splat(TERMS[i + 1]));
+        let square = aa * aa;
+        let (high, low) = (pair(0).mul_add(square, pair(2)), pair(4).mul_add(square, pair(6)));
+        p = high.mul_add(square * square, low);
+    } else {
+        for i in 1..8 {
+            p = p.mul_add(aa, L::splat(TERMS[i]));
+        }
+    }
     let angle = (p * aa).mul_add(a, a);
     L::select(x.lt(y), L::splat(core::f32::consts::FRAC_PI_2) - angle, angle)
 }

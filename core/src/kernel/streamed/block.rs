@@ -8,7 +8,7 @@ use super::super::between_views::{Place, head_at, head_numbers, views_passed};
 use super::super::draw::{Frame, chosen_power, draw};
 use super::super::outgoing::Facing;
 use super::super::sights::{MOST, Numbers, sights};
-use super::lobes::{Kept, choice, chosen, keep, numbers_of, sums_of_block};
+use super::lobes::{Kept, choice, chosen_lobe, keep_first, keep_second, numbers_of, sums_of_block};
 use crate::color::{LUMINANCE, rgb};
 use crate::material::borrowed::MaterialRef;
 use crate::simd::elementary::exp2;
@@ -16,28 +16,45 @@ use crate::simd::lanes::{Lanes, PART, dot3, splat3};
 use crate::simd::routine::Routine;
 use core::f32::consts::FRAC_1_PI;
 
-/// At most [`MOST`] hits. `G`: groups of sixteen lobes, at least as many as there are.
+/// At most [`MOST`] hits, of which [`Room`] has the numbers. `G`: groups of sixteen lobes, at least as many as there are.
 pub(super) struct Block<'a, 'm, const G: usize> {
     pub materials: &'a [MaterialRef<'m>; MOST],
     pub count: usize,
-    pub wo: &'a [Numbers; 3],
-    /// Uniform numbers, if directions are to be drawn.
-    pub u: Option<&'a [Numbers; 3]>,
-    /// Where else the materials are to be evaluated.
-    pub wi: Option<&'a [Numbers; 3]>,
+    /// Whether directions are to be drawn, and materials evaluated towards others.
+    pub draws: bool,
+    pub evaluates: bool,
     pub room: &'a mut Room<G>,
 }
 
-/// Room that a batch uses again for every block.
+/// What goes into a block and what comes out, in room that a batch uses again for every block.
 pub(super) struct Room<const G: usize> {
+    /// Outgoing directions, uniform numbers, and incident directions.
+    pub wo: [Numbers; 3],
+    pub u: [Numbers; 3],
+    pub wi: [Numbers; 3],
+    /// What is drawn, the normal where nothing is reflected, and what there is; and what there is towards the others.
+    pub direction: [Numbers; 3],
+    pub drawn: Sums,
+    pub towards: Sums,
     kept: [Kept<G>; MOST],
     /// Sums by lane; a row is a pair.
-    lanes: [[[f32; PART]; MOST]; 3],
+    lanes: Lanes3,
 }
 
+/// Sums by lane in three channels.
+type Lanes3 = [[[f32; PART]; MOST]; 3];
+
 impl<const G: usize> Room<G> {
-    pub const NEW: Self =
-        Self { kept: [[super::lobes::NOTHING; G]; MOST], lanes: [[[0.0; PART]; MOST]; 3] };
+    pub const NEW: Self = Self {
+        wo: [[0.5; MOST]; 3],
+        u: [[0.5; MOST]; 3],
+        wi: [[0.5; MOST]; 3],
+        direction: [[0.0; MOST]; 3],
+        drawn: Sums { value: [[0.0; MOST]; 3], pdf: [0.0; MOST] },
+        towards: Sums { value: [[0.0; MOST]; 3], pdf: [0.0; MOST] },
+        kept: [[super::lobes::NOTHING; G]; MOST],
+        lanes: [[[0.0; PART]; MOST]; 3],
+    };
 }
 
 /// Values, without factors, and densities.
@@ -47,45 +64,37 @@ pub(super) struct Sums {
     pub pdf: Numbers,
 }
 
-/// What a block answers; what was not asked for is 0.
-pub(super) struct Answers {
-    /// What is drawn, the normal where nothing is reflected, and what there is.
-    pub direction: [Numbers; 3],
-    pub drawn: Sums,
-    /// What there is towards the other direction.
-    pub towards: Sums,
-}
-
-const NOUGHT: Sums = Sums { value: [[0.0; MOST]; 3], pdf: [0.0; MOST] };
-
 impl<const G: usize> Routine for Block<'_, '_, G> {
-    type Output = Answers;
+    type Output = ();
     #[inline(always)]
-    fn run<L: Lanes>(self) -> Answers {
-        let Self { materials, count, wo, u, wi, room } = self;
+    fn run<L: Lanes>(self) {
+        let Self { materials, count, draws, evaluates, room } = self;
+        let Room { wo, u, wi, direction, drawn, towards, kept, lanes } = room;
         let count = count.min(MOST);
         let mut heads = Heads::new::<L>(materials, wo, count);
         let mut in_plane = true;
         for i in 0..count {
-            let (material, kept) = (materials[i], &mut room.kept[i]);
-            heads.lobes_power[i] = if material.header.mirrored > 0 {
+            let (material, kept) = (materials[i], &mut kept[i]);
+            if material.header.mirrored > 0 {
                 in_plane = false;
-                keep::<L::Lobes, G, true>(material, heads.place[i], kept)
+                keep_first::<L::Lobes, G, true>(material, heads.place[i], kept);
             } else {
-                keep::<L::Lobes, G, false>(material, heads.place[i], kept)
-            };
+                keep_first::<L::Lobes, G, false>(material, heads.place[i], kept);
+            }
+        }
+        for i in 0..count {
+            let lobes = materials[i].header.lobe_count();
+            heads.lobes_power[i] = keep_second::<L::Lobes, G>(lobes, &mut kept[i]);
         }
         heads.sum_up::<L>();
-        let mut answers = Answers { direction: [[0.0; MOST]; 3], drawn: NOUGHT, towards: NOUGHT };
-        if let Some(wi) = wi {
-            answers.towards = heads.sums::<L, G>(materials, count, room, wi);
+        if evaluates {
+            heads.sums::<L, G>(materials, count, kept, wi, lanes, towards);
         }
-        if let Some(u) = u {
-            let chosen = Chosen::new::<L, G>(materials, &heads, count, room, u);
-            answers.direction = heads.draw::<L>(&chosen, u, in_plane);
-            answers.drawn = heads.sums::<L, G>(materials, count, room, &answers.direction);
+        if draws {
+            let chosen = Chosen::new::<L, G>(materials, &heads, count, kept, &u[0]);
+            *direction = heads.draw::<L>(&chosen, u, in_plane);
+            heads.sums::<L, G>(materials, count, kept, direction, lanes, drawn);
         }
-        answers
     }
 }
 
@@ -227,9 +236,11 @@ impl Heads {
         &self,
         materials: &[MaterialRef<'_>; MOST],
         count: usize,
-        room: &mut Room<G>,
+        kept: &[Kept<G>; MOST],
         wi: &[Numbers; 3],
-    ) -> Sums {
+        lanes: &mut Lanes3,
+        sums: &mut Sums,
+    ) {
         let (mut excess, mut inverse) = ([0.0; MOST], [1.0; MOST]);
         for i in 0..MOST {
             let (c, s) = (f64::from(self.azimuth[0][i]), f64::from(self.azimuth[1][i]));
@@ -240,9 +251,9 @@ impl Heads {
         for i in 0..count {
             let header = materials[i].header;
             let (lobes, squeezed) = (header.lobe_count(), header.squeezed);
-            let acc = sums_of_block::<L::Lobes, G>(&room.kept[i], lobes, squeezed, &sights, i);
+            let acc = sums_of_block::<L::Lobes, G>(&kept[i], lobes, squeezed, &sights, i);
             for channel in 0..3 {
-                let row = &mut room.lanes[channel][i];
+                let row = &mut lanes[channel][i];
                 if L::Lobes::COUNT == PART {
                     acc[channel].store(row);
                 } else {
@@ -250,22 +261,21 @@ impl Heads {
                 }
             }
         }
-        let mut sums = NOUGHT;
         for channel in 0..3 {
             if L::Lobes::COUNT == PART {
-                sums.value[channel] = L::sums_of_rows(&room.lanes[channel]);
+                sums.value[channel] = L::sums_of_rows(&lanes[channel]);
             } else {
                 for i in 0..MOST {
-                    sums.value[channel][i] = room.lanes[channel][i][0];
+                    sums.value[channel][i] = lanes[channel][i][0];
                 }
             }
         }
-        self.finish::<L>(sums, &wi[2])
+        self.finish::<L>(sums, &wi[2]);
     }
 
     /// Adds the diffuse terms to the sums over the lobes, 0 for directions below the horizon; and the densities.
     #[inline(always)]
-    fn finish<L: Lanes>(&self, mut sums: Sums, height: &Numbers) -> Sums {
+    fn finish<L: Lanes>(&self, sums: &mut Sums, height: &Numbers) {
         let mut at = 0;
         while at + L::COUNT <= MOST {
             let z = L::load(&height[at..]);
@@ -282,7 +292,6 @@ impl Heads {
             (luminance * L::load(&self.inverse_power[at..])).store(&mut sums.pdf[at..]);
             at += L::COUNT;
         }
-        sums
     }
 }
 
@@ -301,17 +310,17 @@ impl Chosen {
         materials: &[MaterialRef<'_>; MOST],
         heads: &Heads,
         count: usize,
-        room: &Room<G>,
-        u: &[Numbers; 3],
+        kept: &[Kept<G>; MOST],
+        u: &Numbers,
     ) -> Self {
         let (one, zeros) = ([1.0; MOST], [0.0; MOST]);
         // Harmless ones behind the last pair.
         let mut chosen =
             Self { numbers: [zeros, zeros, one, one, zeros, one], squeezed: zeros, target: zeros };
         for i in 0..count {
-            let target = chosen_power(heads.power[i], L::One::splat(u[0][i])).first();
-            let kept = &room.kept[i];
-            let k = chosen_lobe::<L, G>(kept, materials[i].header.lobe_count(), target);
+            let target = chosen_power(heads.power[i], L::One::splat(u[i])).first();
+            let kept = &kept[i];
+            let k = chosen_lobe::<L::Lobes, G>(kept, materials[i].header.lobe_count(), target);
             let numbers = numbers_of(kept, k);
             for n in 0..6 {
                 chosen.numbers[n][i] = numbers[n];
@@ -321,9 +330,4 @@ impl Chosen {
         }
         chosen
     }
-}
-
-#[inline(always)]
-fn chosen_lobe<L: Lanes, const G: usize>(kept: &Kept<G>, count: usize, target: f32) -> usize {
-    chosen::<L::Lobes, G>(kept, count, target)
 }

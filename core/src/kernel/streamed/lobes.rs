@@ -2,7 +2,7 @@
 //! from: lanes are lobes.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
-use super::super::between_views::{Place, rows_at};
+use super::super::between_views::{Lobes, Place, rows_at};
 use super::super::draw::Choice;
 #[cfg(feature = "simd")]
 use super::super::sights::{Sights, seen};
@@ -48,35 +48,84 @@ pub(super) fn keep<L: Lanes, const G: usize, const MIRRORED: bool>(
     let mut passed = L::splat(0.0);
     let mut k = 0;
     while is_within::<G>(k, rows.total()) {
-        let lobes = rows.lobes::<L, MIRRORED>(k);
+        let lobes = rows.lobes::<L, MIRRORED, true>(k);
         let (to, j) = (&mut kept[k / PART], k % PART);
-        let s = lobes.sharpness.max(L::splat(LEAST_SHARPNESS));
-        let [tail, inside] = exp2_and_rest(s * L::splat(-2.0 * LOG2_E));
-        let inverse = L::splat(1.0) / s;
-        let power = lobes.luminance * (inverse * inside * L::splat(2.0 * PI));
-        let running = power.running_sum() + passed;
-        let [x, y, z] = lobes.axis;
-        x.store(&mut to[0][j..]);
-        y.store(&mut to[1][j..]);
-        z.abs().store(&mut to[2][j..]);
-        (lobes.sharpness * L::splat(-0.5 * LOG2_E)).store(&mut to[RATE][j..]);
-        for channel in 0..3 {
-            lobes.rgb[channel].store(&mut to[AMPLITUDE + channel][j..]);
-        }
-        inverse.store(&mut to[INVERSE][j..]);
-        inside.store(&mut to[INSIDE][j..]);
-        tail.store(&mut to[GONE][j..]);
-        running.store(&mut to[RUNNING][j..]);
-        // Lanes behind the last lobe add nothing.
-        passed = running.last();
+        keep_shape(&lobes, to, j);
+        passed = keep_powers(lobes.sharpness, lobes.luminance, passed, to, j);
         k += L::COUNT;
     }
     passed.first()
 }
 
+/// The first stage of [`keep`] for blocks: all but what powers need a chain of operations for.
+#[cfg(feature = "simd")]
+#[inline(always)]
+pub(super) fn keep_first<L: Lanes, const G: usize, const MIRRORED: bool>(
+    material: MaterialRef<'_>,
+    place: Place,
+    kept: &mut Kept<G>,
+) {
+    let (copy_a, copy_b);
+    let rows = rows_at!(L, MIRRORED, material, place, copy_a, copy_b);
+    let mut k = 0;
+    while is_within::<G>(k, rows.total()) {
+        let lobes = rows.lobes::<L, MIRRORED, false>(k);
+        let (to, j) = (&mut kept[k / PART], k % PART);
+        keep_shape(&lobes, to, j);
+        lobes.sharpness.store(&mut to[INVERSE][j..]);
+        lobes.luminance.store(&mut to[RUNNING][j..]);
+        k += L::COUNT;
+    }
+}
+
+/// The second stage; returns the power of the lobes.
+#[cfg(feature = "simd")]
+#[inline(always)]
+pub(super) fn keep_second<L: Lanes, const G: usize>(count: usize, kept: &mut Kept<G>) -> f32 {
+    let mut passed = L::splat(0.0);
+    let mut k = 0;
+    while is_within::<G>(k, count) {
+        let (to, j) = (&mut kept[k / PART], k % PART);
+        let (sharpness, luminance) = (L::load(&to[INVERSE][j..]), L::load(&to[RUNNING][j..]));
+        passed = keep_powers(sharpness, luminance, passed, to, j);
+        k += L::COUNT;
+    }
+    passed.first()
+}
+
+/// Keeps axes, rates and amplitudes.
+#[inline(always)]
+fn keep_shape<L: Lanes>(lobes: &Lobes<L>, to: &mut [Part; KEPT], j: usize) {
+    let [x, y, z] = lobes.axis;
+    x.store(&mut to[0][j..]);
+    y.store(&mut to[1][j..]);
+    z.abs().store(&mut to[2][j..]);
+    (lobes.sharpness * L::splat(-0.5 * LOG2_E)).store(&mut to[RATE][j..]);
+    for channel in 0..3 {
+        lobes.rgb[channel].store(&mut to[AMPLITUDE + channel][j..]);
+    }
+}
+
+/// Keeps what drawing needs, and the running sum of powers beyond what `passed` has in every lane; returns its last
+/// in every lane.
+#[inline(always)]
+fn keep_powers<L: Lanes>(sharpness: L, luminance: L, passed: L, to: &mut [Part; KEPT], j: usize) -> L {
+    let s = sharpness.max(L::splat(LEAST_SHARPNESS));
+    let [tail, inside] = exp2_and_rest(s * L::splat(-2.0 * LOG2_E));
+    let inverse = L::splat(1.0) / s;
+    let power = luminance * (inverse * inside * L::splat(2.0 * PI));
+    let running = power.running_sum() + passed;
+    inverse.store(&mut to[INVERSE][j..]);
+    inside.store(&mut to[INSIDE][j..]);
+    tail.store(&mut to[GONE][j..]);
+    running.store(&mut to[RUNNING][j..]);
+    // Lanes behind the last lobe add nothing.
+    running.last()
+}
+
 /// The lobe at a place on the running sum of powers; the last one ends the search whatever the sum is rounded to.
 #[inline(always)]
-pub(super) fn chosen<L: Lanes, const G: usize>(kept: &Kept<G>, count: usize, target: f32) -> usize {
+pub(super) fn chosen_lobe<L: Lanes, const G: usize>(kept: &Kept<G>, count: usize, target: f32) -> usize {
     let mut above = 1u64.wrapping_shl((count as u32).wrapping_sub(1));
     let mut k = 0;
     while is_within::<G>(k, count) {

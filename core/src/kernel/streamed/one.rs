@@ -5,10 +5,10 @@ use super::super::draw::{Frame, chosen_power, draw_unscaled};
 use super::super::one_direction::with_diffuse;
 use super::super::outgoing::{Outgoing, facing};
 use super::super::prepare::prepare;
-use super::lobes::{Kept, NOTHING, choice, chosen, keep, numbers_of, sums};
+use super::lobes::{Kept, NOTHING, choice, chosen_lobe, keep, numbers_of, sums};
 use crate::color::luminance;
 use crate::material::borrowed::{Material, MaterialRef};
-use crate::material::layout::MAX_LOBES;
+use crate::material::layout::{MAX_LOBES, f32_at};
 use crate::mixture::factors::Factors;
 use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::rows::{Mixture, Sample, weight_of};
@@ -87,10 +87,12 @@ fn prefetch(material: MaterialRef<'_>, wo: Vec3) {
     if !header.is_isotropic() {
         return;
     }
-    let Some(outgoing) = facing::<f32>(wo) else { return };
-    let passed = views_passed::<f32>(material, outgoing.theta);
-    let place = Place::after(material, passed, outgoing.theta);
-    let [from, last] = place.rows(header);
+    // A root and a cubic: within .01 radians of the angle, and of what is no direction anything.
+    let fall = 1.0 - wo.z;
+    let theta = Lanes::sqrt((fall + fall).max(0.0)) * (fall * (fall * 0.025 + 0.083) + 1.0);
+    let angles = &material.bytes[header.theta(0)..header.theta(header.views - 1)];
+    let passed = angles.chunks_exact(4).filter(|angle| theta >= f32_at(angle, 0)).count();
+    let [from, last] = Place::after(material, passed, theta).rows(header);
     let end = (last + 4 * (5 * header.lobes + header.mirrored)).min(material.bytes.len());
     for line in material.bytes[from..end].chunks(LINE) {
         crate::simd::prefetch(&line[0]);
@@ -228,7 +230,7 @@ fn answer<L: Lanes, const G: usize, const MIRRORED: bool, const DRAWS: bool, con
     if DRAWS && shines {
         let one = L::One::splat(1.0);
         let target = chosen_power(power, L::One::splat(hit.u[0]));
-        let k = chosen::<L::Lobes, G>(&lobes.kept, lobes.count, target.first());
+        let k = chosen_lobe::<L::Lobes, G>(&lobes.kept, lobes.count, target.first());
         let frame = Frame {
             in_plane: !MIRRORED,
             any_squeezed: header.squeezed > 0,

@@ -6,7 +6,7 @@
 
 #[cfg(feature = "simd")]
 use super::super::multiply_factors::multiply_pairs;
-use super::super::request::{Draws, Request, Towards};
+use super::super::request::Request;
 #[cfg(feature = "simd")]
 use super::super::sights::{MOST, Numbers};
 use super::super::slices::same_length;
@@ -44,11 +44,10 @@ impl<B: AsRef<[u8]>> Material<B> {
     ///
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    pub fn ask(&self, wo: [&[f32]; 3], request: Request<'_>) -> Result<(), Error> {
+    pub fn ask(&self, wo: [&[f32]; 3], mut request: Request<'_>) -> Result<(), Error> {
         let n = same_length(wo.iter().map(|s| s.len()))?;
         request.check(n)?;
-        let material = self.borrowed();
-        ask(&|_| material, material.header.lobe_count(), wo, request);
+        ask(Source::One(self.borrowed()), wo, &mut request);
         Ok(())
     }
 
@@ -61,12 +60,11 @@ impl<B: AsRef<[u8]>> Material<B> {
     pub fn ask_each(
         materials: &[impl Borrow<Self>],
         wo: [&[f32]; 3],
-        request: Request<'_>,
+        mut request: Request<'_>,
     ) -> Result<(), Error> {
         let n = same_length(wo.iter().map(|s| s.len()).chain([materials.len()]))?;
         request.check(n)?;
-        let most = materials.iter().map(|m| m.borrow().lobe_count()).max().unwrap_or(0);
-        ask(&|i| materials[i].borrow().borrowed(), most, wo, request);
+        ask(Source::Each(&|i| materials[i].borrow().borrowed()), wo, &mut request);
         Ok(())
     }
 }
@@ -87,39 +85,54 @@ fn put(vectors: &mut [&mut [f32]; 3], i: usize, v: Vec3) {
 #[cfg(feature = "simd")]
 const FEW: usize = 4;
 
-/// Asks for all; `most`: no material has more lobes. Not generic over who owns the bytes of a material: the kernels are
-/// compiled here, once.
-fn ask<'m>(
-    material: &dyn Fn(usize) -> MaterialRef<'m>,
-    most: usize,
-    wo: [&[f32]; 3],
-    mut request: Request<'_>,
-) {
+/// Whose hits they are.
+#[derive(Clone, Copy)]
+enum Source<'a, 'm> {
+    One(MaterialRef<'m>),
+    Each(&'a dyn Fn(usize) -> MaterialRef<'m>),
+}
+
+impl<'m> Source<'_, 'm> {
+    #[inline(always)]
+    fn get(&self, i: usize) -> MaterialRef<'m> {
+        match self {
+            Self::One(material) => *material,
+            Self::Each(get) => get(i),
+        }
+    }
+}
+
+/// Asks for all. Not generic over who owns the bytes of a material: the kernels are compiled here, once.
+fn ask(source: Source<'_, '_>, wo: [&[f32]; 3], request: &mut Request<'_>) {
     let n = wo[0].len();
     #[cfg(feature = "simd")]
-    {
+    if n >= FEW {
         let level = Level::current();
-        if n >= FEW && level != Level::Scalar {
+        if level != Level::Scalar {
+            let count = |i| source.get(i).header.lobe_count();
+            let most = match source {
+                Source::One(_) => count(0),
+                Source::Each(_) => (0..n).map(count).max().unwrap_or(0),
+            };
             if most <= PART {
-                in_blocks::<1>(level, material, wo, &mut request);
+                in_blocks::<1>(level, source, wo, request);
             } else {
-                in_blocks::<GROUPS>(level, material, wo, &mut request);
+                in_blocks::<GROUPS>(level, source, wo, request);
             }
             return;
         }
     }
-    let _ = most;
-    one_by_one(material, wo, &mut request, 0..n);
+    one_by_one(source, wo, request, 0..n);
 }
 
-fn one_by_one<'m>(
-    material: &dyn Fn(usize) -> MaterialRef<'m>,
+fn one_by_one(
+    source: Source<'_, '_>,
     wo: [&[f32]; 3],
     request: &mut Request<'_>,
     range: core::ops::Range<usize>,
 ) {
     for i in range {
-        let (material, wo) = (material(i), at(&wo, i));
+        let (material, wo) = (source.get(i), at(&wo, i));
         let draw = request.draw.as_mut();
         let evaluate = request.evaluate.as_mut();
         let colors = draw.as_ref().is_some_and(|draw| draw.weight.is_some())
@@ -150,23 +163,28 @@ fn one_by_one<'m>(
 }
 
 #[cfg(feature = "simd")]
-fn in_blocks<'m, const G: usize>(
+#[inline(never)]
+fn in_blocks<const G: usize>(
     level: Level,
-    material: &dyn Fn(usize) -> MaterialRef<'m>,
+    source: Source<'_, '_>,
     wo: [&[f32]; 3],
     request: &mut Request<'_>,
 ) {
     let n = wo[0].len();
     let mut room = Room::<G>::NEW;
+    let mut materials = [source.get(0); MOST];
     let mut from = 0;
     while from < n {
         let count = MOST.min(n - from);
-        let materials: [MaterialRef<'m>; MOST] = core::array::from_fn(|i| material(from + i.min(count - 1)));
+        if let Source::Each(get) = source {
+            for (i, material) in materials.iter_mut().enumerate() {
+                *material = get(from + i.min(count - 1));
+            }
+        }
         if materials.iter().all(|material| material.header.is_isotropic()) {
-            let hits = Hits { level, materials: &materials, wo: padded(&wo, from, count), from, count };
-            hits.ask(request, &mut room);
+            Hits { level, materials: &materials, from, count }.ask(&wo, request, &mut room);
         } else {
-            one_by_one(material, wo, request, from..from + count);
+            one_by_one(source, wo, request, from..from + count);
         }
         from += count;
     }
@@ -177,53 +195,58 @@ fn in_blocks<'m, const G: usize>(
 struct Hits<'a, 'm> {
     level: Level,
     materials: &'a [MaterialRef<'m>; MOST],
-    wo: [Numbers; 3],
     from: usize,
     count: usize,
 }
 
 #[cfg(feature = "simd")]
 impl Hits<'_, '_> {
-    fn ask<const G: usize>(&self, request: &mut Request<'_>, room: &mut Room<G>) {
-        let &Self { level, materials, ref wo, from, count } = self;
-        let u = request.draw.as_ref().map(|draw| padded(&draw.u, from, count));
-        let wi = request.evaluate.as_ref().map(|towards| padded(&towards.wi, from, count));
-        let block = Block::<G> { materials, count, wo, u: u.as_ref(), wi: wi.as_ref(), room };
-        let mut answers = level.run(block);
-        if let Some(Draws { direction, pdf, weight, .. }) = &mut request.draw {
-            if let Some(weight) = weight {
-                self.multiply(&answers.direction, &mut answers.drawn);
-                let Sums { value, pdf } = &mut answers.drawn;
+    fn ask<const G: usize>(&self, wo: &[&[f32]; 3], request: &mut Request<'_>, room: &mut Room<G>) {
+        let &Self { level, materials, count, .. } = self;
+        self.copy_in(wo, &mut room.wo);
+        if let Some(draw) = &request.draw {
+            self.copy_in(&draw.u, &mut room.u);
+        }
+        if let Some(towards) = &request.evaluate {
+            self.copy_in(&towards.wi, &mut room.wi);
+        }
+        let (draws, evaluates) = (request.draw.is_some(), request.evaluate.is_some());
+        level.run(Block::<G> { materials, count, draws, evaluates, room: &mut *room });
+        let Room { wo, wi, direction, drawn, towards, .. } = room;
+        if let Some(draw) = &mut request.draw {
+            if let Some(weight) = &mut draw.weight {
+                self.multiply(wo, direction, drawn);
+                let Sums { value, pdf } = drawn;
                 for i in 0..MOST {
                     let colour = weight_of(Vec3::new(value[0][i], value[1][i], value[2][i]), pdf[i]);
                     [value[0][i], value[1][i], value[2][i]] = colour.to_array();
                 }
                 self.copy_out(value, weight);
             }
-            if let Some(pdf) = pdf {
-                self.copy_out(&[answers.drawn.pdf], &mut [&mut **pdf]);
+            if let Some(pdf) = &mut draw.pdf {
+                self.copy_out(&[drawn.pdf], &mut [&mut **pdf]);
             }
-            self.copy_out(&answers.direction, direction);
+            self.copy_out(direction, &mut draw.direction);
         }
-        if let (Some(Towards { value, pdf, .. }), Some(wi)) = (&mut request.evaluate, &wi) {
-            if let Some(pdf) = pdf {
-                self.copy_out(&[answers.towards.pdf], &mut [&mut **pdf]);
+        if let Some(evaluate) = &mut request.evaluate {
+            if let Some(pdf) = &mut evaluate.pdf {
+                self.copy_out(&[towards.pdf], &mut [&mut **pdf]);
             }
-            if let Some(value) = value {
-                self.multiply(wi, &mut answers.towards);
-                self.copy_out(&answers.towards.value, value);
+            if let Some(value) = &mut evaluate.value {
+                self.multiply(wo, wi, towards);
+                self.copy_out(&towards.value, value);
             }
         }
     }
 
     /// Multiplies values by their factors: all at once where the materials have the same.
-    fn multiply(&self, wi: &[Numbers; 3], sums: &mut Sums) {
-        let &Self { level, materials, ref wo, count, .. } = self;
+    fn multiply(&self, wo: &[Numbers; 3], wi: &[Numbers; 3], sums: &mut Sums) {
+        let &Self { level, materials, count, .. } = self;
+        if materials.iter().all(|material| !material.header.has_factors()) {
+            return;
+        }
         let first = materials[0];
         if materials.iter().all(|material| core::ptr::eq(material.bytes, first.bytes)) {
-            if !first.header.has_factors() {
-                return;
-            }
             let factors = Factors::new(first, Vec3::Z, Among::NOWHERE);
             // What is no direction has no factor, and 0 times that may be none either.
             let (mut outgoing, mut incident) = (*wo, *wi);
@@ -248,6 +271,17 @@ impl Hits<'_, '_> {
         }
     }
 
+    /// Copies the numbers of a block in; what is behind the last hit is harmless.
+    fn copy_in(&self, from: &[&[f32]; 3], block: &mut [Numbers; 3]) {
+        for (block, from) in block.iter_mut().zip(from) {
+            let from = &from[self.from..self.from + self.count];
+            match from.first_chunk() {
+                Some(all) => *block = *all,
+                None => block[..self.count].copy_from_slice(from),
+            }
+        }
+    }
+
     /// Copies the numbers of a block out.
     fn copy_out<const C: usize>(&self, block: &[Numbers; C], to: &mut [&mut [f32]; C]) {
         for (block, to) in block.iter().zip(to) {
@@ -258,20 +292,6 @@ impl Hits<'_, '_> {
             }
         }
     }
-}
-
-/// The numbers of a block, padded with harmless ones.
-#[cfg(feature = "simd")]
-fn padded(vectors: &[&[f32]; 3], from: usize, count: usize) -> [Numbers; 3] {
-    let mut block = [[0.5; MOST]; 3];
-    for (block, vector) in block.iter_mut().zip(vectors) {
-        let vector = &vector[from..from + count];
-        match vector.first_chunk() {
-            Some(all) => *block = *all,
-            None => block[..count].copy_from_slice(vector),
-        }
-    }
-    block
 }
 
 /// The factor towards a direction.
