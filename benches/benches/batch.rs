@@ -203,6 +203,7 @@ fn pairs(c: &mut Criterion) {
 }
 
 fn configured() -> Criterion {
+    println!("processor: {}", srbf_core::Processor::this());
     Criterion::default()
         .sample_size(12)
         .warm_up_time(Duration::from_millis(60))

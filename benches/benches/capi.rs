@@ -41,6 +41,7 @@ fn compare(name: &str, calls: u32, mut rust: impl FnMut(), mut c: impl FnMut()) 
 }
 
 fn main() {
+    println!("processor: {}", srbf_core::Processor::this());
     let lobes = lobes();
     let mixture = Mixture::<16>::new(Domain::Hemisphere, 0.5, &lobes[..5], &lobes[5..]).expect("valid lobes");
     let mut storage = Box::new(Storage([0; srbf::SRBF_MIXTURE_SIZE_16]));

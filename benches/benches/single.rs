@@ -66,6 +66,7 @@ fn single(c: &mut Criterion) {
 }
 
 fn configured() -> Criterion {
+    println!("processor: {}", srbf_core::Processor::this());
     Criterion::default()
         .sample_size(12)
         .warm_up_time(Duration::from_millis(60))

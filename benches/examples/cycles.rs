@@ -86,6 +86,7 @@ mod x86 {
         let mut rates: Vec<f64> = rows.iter().flat_map(|row| row.rounds.iter().map(|r| r.rate)).collect();
         rates.sort_by(f64::total_cmp);
         let (full, typical) = (rates[rates.len() * 99 / 100], rates[rates.len() / 2]);
+        println!("processor: {}", srbf_core::Processor::this());
         println!(
             "instructions that do nothing, a cycle: up to {full:.2}, {typical:.2} in the median of all rounds"
         );

@@ -37,6 +37,7 @@ fn main() -> ExitCode {
             }
         }
     }
+    println!("processor: {}", srbf_core::Processor::this());
     for level in levels().filter(|level| names.is_empty() || names.iter().any(|name| name == level.name())) {
         level.set().expect("an available level");
         for (name, bytes) in &materials {

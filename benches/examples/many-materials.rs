@@ -29,8 +29,7 @@ fn main() -> ExitCode {
     let bytes = different_materials(COUNTS[COUNTS.len() - 1]);
     let materials: Vec<Material<&[u8]>> =
         bytes.iter().map(|bytes| Material::from_bytes(&bytes[..]).expect("a valid material")).collect();
-    let processor = Processor::this().map_or_else(|| std::env::consts::ARCH.into(), |p| p.to_string());
-    println!("processor: {processor}");
+    println!("processor: {}", Processor::this());
     for level in levels().filter(|level| names.is_empty() || names.iter().any(|name| name == level.name())) {
         level.set().expect("an available level");
         report(level, &materials);
@@ -97,7 +96,12 @@ fn report(level: Level, materials: &[Material<&[u8]>]) {
             })
             .collect(),
     };
-    println!("\n{}, ns a hit\n\n{:<52}{}", level.name(), "materials", COUNTS.map(|n| format!("{n:>8}")).concat());
+    println!(
+        "\n{}, ns a hit\n\n{:<52}{}",
+        level.name(),
+        "materials",
+        COUNTS.map(|n| format!("{n:>8}")).concat()
+    );
     let mut times = [[f64::INFINITY; COUNTS.len()]; WAYS.len()];
     for (column, &count) in COUNTS.iter().enumerate() {
         let at_random: Vec<usize> =

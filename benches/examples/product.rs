@@ -21,6 +21,7 @@ fn main() -> ExitCode {
         return ExitCode::from(2);
     }
     let material = Material::from_bytes(GARNET_RED).expect("a valid material");
+    println!("processor: {}", srbf_core::Processor::this());
     println!("ns a draw, and relative to one by multiple importance sampling");
     for level in levels().filter(|level| names.is_empty() || names.iter().any(|name| name == level.name())) {
         level.set().expect("an available level");

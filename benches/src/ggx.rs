@@ -41,14 +41,7 @@ impl Ggx {
         let (mut wi, mut weight, mut pdf) = ([0.0; 3], [0.0; 3], 0.0);
         // SAFETY: as above; it writes three, three and one.
         unsafe {
-            srbf_ggx_sample(
-                self,
-                wo.as_ptr(),
-                u.as_ptr(),
-                wi.as_mut_ptr(),
-                weight.as_mut_ptr(),
-                &mut pdf,
-            );
+            srbf_ggx_sample(self, wo.as_ptr(), u.as_ptr(), wi.as_mut_ptr(), weight.as_mut_ptr(), &mut pdf);
         }
         (wi, weight, pdf)
     }

@@ -23,6 +23,7 @@ mod fit;
 mod guard;
 #[cfg(feature = "std")]
 mod heap;
+mod hit;
 mod layout;
 mod lobe;
 mod material;
@@ -36,6 +37,7 @@ mod planted;
 mod pointers;
 mod product;
 mod reflect;
+mod request;
 mod simd;
 mod single;
 mod status;
@@ -52,6 +54,7 @@ pub use factors::*;
 pub use fit::*;
 #[cfg(feature = "std")]
 pub use heap::{srbf_material_free, srbf_material_from_bytes, srbf_material_load};
+pub use hit::*;
 pub use lobe::*;
 pub use material::*;
 #[cfg(feature = "std")]
@@ -62,6 +65,7 @@ pub use pairs::*;
 pub use planted::srbf_status_panic;
 pub use product::*;
 pub use reflect::*;
+pub use request::*;
 pub use simd::*;
 pub use single::*;
 pub use status::*;

@@ -53,7 +53,7 @@ pub struct srbf_numbers_out {
 }
 
 /// Numbers a block: what is copied at a time where strides are wide.
-const BLOCK: usize = 64;
+pub(crate) const BLOCK: usize = 64;
 const NUMBER: usize = size_of::<f32>();
 
 /// One array of numbers, `stride` bytes apart.
@@ -85,7 +85,7 @@ impl srbf_numbers_out {
 }
 
 impl Stream {
-    fn check(&self, count: usize) -> Result<(), Failure> {
+    pub(crate) fn check(&self, count: usize) -> Result<(), Failure> {
         check(self.start)?;
         if self.stride < NUMBER || !self.stride.is_multiple_of(NUMBER) {
             return Err(SRBF_STATUS_STRIDE.into());
@@ -94,16 +94,69 @@ impl Stream {
     }
 
     /// The bytes from the first number to the last.
-    fn extent(&self, count: usize) -> Range<usize> {
+    pub(crate) fn extent(&self, count: usize) -> Range<usize> {
         let start = self.start.addr();
         start..start + (count - 1) * self.stride + NUMBER
     }
 
     /// Whether two streams whose extents meet share a number. Those of different stride count as such.
-    fn shares_with(&self, other: &Self) -> bool {
+    pub(crate) fn shares_with(&self, other: &Self) -> bool {
         // Aligned numbers of one stride either coincide or are apart, by the remainder of their distance.
         self.stride != other.stride
             || self.start.addr().abs_diff(other.start.addr()).is_multiple_of(self.stride)
+    }
+}
+
+/// A part of one array, of at most [`BLOCK`] numbers: the caller's memory where it is dense, a copy elsewhere.
+impl Stream {
+    /// Numbers to read.
+    ///
+    /// # Safety
+    /// The array has been checked for at least `from + len` numbers, which are readable for as long as `'a`.
+    #[inline(always)]
+    pub(crate) unsafe fn read<'a>(&self, from: usize, len: usize, block: &'a mut [f32; BLOCK]) -> &'a [f32] {
+        // SAFETY: the caller's word.
+        unsafe {
+            if self.stride == NUMBER {
+                return core::slice::from_raw_parts(self.start.add(from), len);
+            }
+            for (i, number) in block[..len].iter_mut().enumerate() {
+                *number = self.start.byte_add((from + i) * self.stride).read();
+            }
+        }
+        &block[..len]
+    }
+
+    /// A place to write numbers to, which [`write_back`](Self::write_back) is to be told of.
+    ///
+    /// # Safety
+    /// As [`read`](Self::read); the numbers are writable, and nobody else uses them.
+    #[inline(always)]
+    pub(crate) unsafe fn place<'a>(
+        &self,
+        from: usize,
+        len: usize,
+        block: &'a mut [f32; BLOCK],
+    ) -> &'a mut [f32] {
+        if self.stride == NUMBER {
+            // SAFETY: the caller's word. What the memory holds before it is overwritten is a valid f32 whatever its bits.
+            return unsafe { core::slice::from_raw_parts_mut(self.start.add(from), len) };
+        }
+        &mut block[..len]
+    }
+
+    /// Writes the numbers that were put into the block, if they were.
+    ///
+    /// # Safety
+    /// As [`place`](Self::place).
+    #[inline(always)]
+    pub(crate) unsafe fn write_back(&self, from: usize, len: usize, block: &[f32; BLOCK]) {
+        if self.stride != NUMBER {
+            for (i, &number) in block[..len].iter().enumerate() {
+                // SAFETY: the caller's word.
+                unsafe { self.start.byte_add((from + i) * self.stride).write(number) };
+            }
+        }
     }
 }
 

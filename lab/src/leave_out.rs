@@ -1,6 +1,6 @@
 //! `srbf-lab leave-out`.
 
-use srbf_core::{LeaveOut, Material, Mixture, Vec3};
+use srbf_core::{LeaveOut, Material, Mixture, Processor, Vec3};
 use srbf_reference_renderer::out::output;
 use srbf_reference_renderer::truth::stored::StoredMaterial;
 use std::fmt::Write;
@@ -61,6 +61,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         "material,lobe_bound,fold_bound,lobes,folds,relative_l2,largest_albedo_loss,prepare_ns,evaluate_ns,sample_ns\n",
     );
     let batch = Batch::new();
+    println!("processor: {}", Processor::this());
     println!(
         "bounds: share of the albedo below which a lobe is left out, share of a lobe below the horizon below which its fold is"
     );

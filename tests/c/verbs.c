@@ -96,6 +96,89 @@ static void test_refused(const srbf_material *material, const srbf_mixture *mixt
     clear();
 }
 
+/* The verbs of a material for one hit, by the same comparison. */
+static void test_hits(const srbf_material *material, const unsigned char *mixtures, size_t stride) {
+    const float exact = 2e-5f, down[3] = {0.6f, 0, -0.8f}, up[3] = {0, 0, 1}, none[3] = {2, 0, 0};
+    for (int i = 0; i < N; i++) {
+        hit *h = &hits[i];
+        float value[3], pdf;
+        srbf_sample sample;
+        CHECK_OK(srbf_material_prefetch(material, hits[(i + 4) % N].wo));
+        CHECK_OK(srbf_material_sample_and_evaluate(material, h->wo, h->u, &h->sample, h->wi, h->value, &h->pdf));
+        CHECK_OK(srbf_material_sample(material, h->wo, h->u, &sample));
+        CHECK(memcmp(&sample, &h->sample, sizeof sample) == 0);
+        CHECK_OK(srbf_material_evaluate_and_pdf(material, h->wo, h->wi, value, &pdf));
+        CHECK(memcmp(value, h->value, sizeof value) == 0 && pdf == h->pdf);
+        CHECK_OK(srbf_material_evaluate(material, h->wo, h->wi, value));
+        CHECK(memcmp(value, h->value, sizeof value) == 0);
+        CHECK_OK(srbf_material_pdf(material, h->wo, h->wi, &pdf));
+        CHECK(pdf == h->pdf);
+    }
+    compare(mixtures, stride, VALUE | PDF | SAMPLE | WEIGHT, exact);
+
+    float value[3], pdf;
+    srbf_sample sample;
+    CHECK_OK(srbf_material_sample_and_evaluate(material, down, hits->u, &sample, up, value, &pdf));
+    CHECK(sample.pdf == 0 && sample.direction[2] == 1 && sample.weight[1] == 0 && value[1] == 0 && pdf == 0);
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_evaluate(NULL, up, up, value));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_pdf(material, up, NULL, &pdf));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_evaluate_and_pdf(material, up, up, value, NULL));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_sample(material, up, hits->u, NULL));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_sample_and_evaluate(material, up, NULL, &sample, up, value, &pdf));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_prefetch(NULL, up));
+    CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_material_evaluate(material, none, up, value));
+    CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_material_pdf(material, up, none, &pdf));
+    CHECK_STATUS(SRBF_STATUS_UNIFORM, srbf_material_sample(material, up, up, &sample));
+    CHECK_OK(srbf_material_prefetch(material, none));
+}
+
+/* One request in place of a function for each output. `materials`: one, or one a hit. */
+static void test_request(const srbf_material *const *materials, size_t count, const unsigned char *mixtures, size_t stride) {
+    const float exact = 2e-5f;
+    srbf_request all = {0}, request;
+    all.size = sizeof all;
+    all.wo = in(hits->wo), all.wi = in(hits->wi), all.u = in(hits->u);
+    all.value = out(hits->value), all.pdf.values = &hits->pdf, all.pdf.stride = sizeof(hit);
+    all.samples.direction = out(hits->sample.direction), all.samples.weight = out(hits->sample.weight);
+    all.samples.pdf.values = &hits->sample.pdf, all.samples.pdf.stride = sizeof(hit);
+    CHECK_OK(srbf_material_ask(materials, count, N, &all));
+    compare(mixtures, stride, VALUE | PDF | SAMPLE | WEIGHT, exact);
+    request = all, request.samples.direction.x = NULL, request.samples.weight.x = NULL, request.samples.pdf.values = NULL;
+    request.u.x = NULL;
+    CHECK_OK(srbf_material_ask(materials, count, N, &request));
+    CHECK(isnan(hits[3].sample.pdf) && isnan(hits[3].sample.direction[0]));
+    compare(mixtures, stride, VALUE | PDF, exact);
+    request.value.x = NULL;
+    CHECK_OK(srbf_material_ask(materials, count, N, &request));
+    CHECK(isnan(hits[3].value[0]));
+    compare(mixtures, stride, PDF, exact);
+    request = all, request.value.x = NULL, request.pdf.values = NULL, request.samples.weight.x = NULL, request.wi.x = NULL;
+    CHECK_OK(srbf_material_ask(materials, count, N, &request));
+    CHECK(isnan(hits[3].pdf) && isnan(hits[3].sample.weight[0]));
+    compare(mixtures, stride, SAMPLE, exact);
+
+    CHECK_OK(srbf_material_ask(NULL, 0, 0, NULL));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_ask(materials, count, N, NULL));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_ask(NULL, count, N, &all));
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_material_ask(materials, 2, N, &all));
+    request = all, request.size = 8;
+    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_material_ask(materials, count, N, &request));
+    request = all, request.wi.y = NULL;
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_ask(materials, count, N, &request));
+    request = all, request.value.stride = 2;
+    CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_material_ask(materials, count, N, &request));
+    request = all, request.samples.direction.x = NULL;
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_material_ask(materials, count, N, &request));
+    request = all, request.pdf.values = &hits->value[1];
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_ask(materials, count, N, &request));
+    /* Upon an input, and upon a material. */
+    request = all, request.pdf.values = &hits->wo[1];
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_ask(materials, count, N, &request));
+    request.pdf.values = (float *)(void *)(size_t)materials[0];
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_ask(materials, count, N, &request));
+    clear();
+}
+
 /* One direction in `share` is of the cosine, and the density says so. */
 static void test_defensive(const srbf_mixture *mixture) {
     const float share = 0.25f, shares[] = {-0.1f, 1.1f, NAN};
@@ -169,7 +252,12 @@ int main(int argc, char **argv) {
     CHECK_OK(srbf_mixture_sample_and_evaluate_into(mixtures, N, &u, &samples, &wi, &value, &pdf));
     compare(storage, 0, VALUE | PDF | SAMPLE | WEIGHT, exact);
 
-    /* n outgoing directions of a material. */
+    /* A material, hit by hit, and n outgoing directions of it. */
+    test_hits(material, storage, stride);
+    const srbf_material *each[N];
+    for (int i = 0; i < N; i++) each[i] = material;
+    test_request(each, 1, storage, stride);
+    test_request(each, N, storage, stride);
     CHECK_OK(srbf_material_evaluate_pairs_into(material, N, &wo, &wi, &value));
     compare(storage, stride, VALUE, exact);
     CHECK_OK(srbf_material_evaluate_and_pdf_pairs_into(material, N, &wo, &wi, &value, &pdf));

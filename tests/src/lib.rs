@@ -5,6 +5,7 @@ extern crate alloc;
 /// The examples of the documentation: blocks of code in Markdown.
 pub mod documents;
 pub mod inputs;
+pub mod kinds;
 pub mod maps;
 pub mod native;
 pub mod oracle;

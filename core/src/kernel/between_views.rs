@@ -60,6 +60,7 @@ pub(crate) struct Place {
 }
 
 impl Place {
+    #[cfg(feature = "simd")]
     pub const NOWHERE: Self = Self { before: 0, after: 0, blend: 0.0 };
 
     /// Of an angle from the normal; `passed` views have one of at most that.

@@ -1,15 +1,14 @@
-//! Each pair of directions its own mixture, as a wavefront renderer needs it: of one material, or of mixtures that
-//! are there.
+//! Many mixtures, each with a direction of its own.
 //!
-//! With vectors the pairs are taken in blocks, see `block.rs`, whose mixtures never leave the cache; without,
-//! and where there are only a few, one after the other. With its block, a call takes up to 30 kB of stack, 44
-//! or 74 where a material has more than 16 or 32 lobes.
+//! With vectors they are taken in blocks, see `block.rs`; without, and where there are only a few, one after the
+//! other.
 
 #[cfg(feature = "simd")]
 use super::block::{DrawBlock, SumBlock};
 #[cfg(feature = "simd")]
 use super::multiply_factors::multiply_block;
-use super::prepare::{prepare, prepare_each};
+use super::prepare::prepare_each;
+use super::request::{Draws, Request, Towards, at};
 use super::sights::MOST;
 #[cfg(feature = "simd")]
 use super::sights::Numbers;
@@ -17,136 +16,19 @@ use super::slices::{SamplesMut, same_length};
 #[cfg(feature = "simd")]
 use crate::color::luminance;
 use crate::error::Error;
-use crate::material::borrowed::{Material, MaterialRef};
+use crate::material::borrowed::Material;
+#[cfg(feature = "simd")]
+use crate::material::borrowed::MaterialRef;
 #[cfg(feature = "simd")]
 use crate::mixture::factors::Nodes;
-use crate::mixture::leave_out::LeaveOut;
 #[cfg(feature = "simd")]
 use crate::mixture::rows::{Domain, weight_of};
-use crate::mixture::rows::{Mixture, drawn_density};
+use crate::mixture::rows::{Mixture, Sample, drawn_density};
 use crate::simd::detect::Level;
 use core::borrow::{Borrow, BorrowMut};
 use glam::Vec3;
 
-/// One outgoing direction for each of n pairs. All these calls use up to 30 kB of stack, 44 or 74 kB for materials
-/// of more than 16 or 32 lobes; 17 kB without the feature `simd`.
 impl<B: AsRef<[u8]>> Material<B> {
-    /// Evaluates `f cos` for n pairs of an outgoing and an incident direction; 1/sr.
-    ///
-    /// The same values as [`prepare`](Self::prepare) and [`Mixture::evaluate`], pair by pair. An outgoing
-    /// direction below the horizon, or none at all (not finite, not of unit length), gives 0.
-    ///
-    /// Shapes: `wo` and `wi` x, y, z, each `[n]`; `value` red, green, blue, each `[n]`, overwritten.
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    pub fn evaluate_pairs_into(
-        &self,
-        wo: [&[f32]; 3],
-        wi: [&[f32]; 3],
-        value: [&mut [f32]; 3],
-    ) -> Result<(), Error> {
-        self.for_each_pair(wo, Verb::Evaluate(Evaluate { wi, value, pdf: None }))
-    }
-
-    /// Evaluates `f cos` and the density for n pairs of an outgoing and an incident direction; 1/sr.
-    ///
-    /// Shapes: as in [`evaluate_pairs_into`](Self::evaluate_pairs_into), and `pdf` `[n]`, overwritten.
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    pub fn evaluate_and_pdf_pairs_into(
-        &self,
-        wo: [&[f32]; 3],
-        wi: [&[f32]; 3],
-        value: [&mut [f32]; 3],
-        pdf: &mut [f32],
-    ) -> Result<(), Error> {
-        self.for_each_pair(wo, Verb::Evaluate(Evaluate { wi, value, pdf: Some(pdf) }))
-    }
-
-    /// Evaluates the density alone for n pairs of an outgoing and an incident direction; 1/sr.
-    ///
-    /// One sum over the lobes in place of three: the densities of
-    /// [`evaluate_and_pdf_pairs_into`](Self::evaluate_and_pdf_pairs_into) within rounding.
-    ///
-    /// Shapes: `wo` and `wi` x, y, z, each `[n]`; `pdf` `[n]`, overwritten.
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    pub fn pdf_pairs_into(&self, wo: [&[f32]; 3], wi: [&[f32]; 3], pdf: &mut [f32]) -> Result<(), Error> {
-        self.for_each_pair(wo, Verb::Pdf(Pdf { wi, pdf }))
-    }
-
-    /// Draws an incident direction for each of n outgoing ones, with density and weight `f cos / pdf`.
-    ///
-    /// The same samples as [`prepare`](Self::prepare) and [`Mixture::sample`], one by one. Where nothing is
-    /// reflected (and for an outgoing direction that is none) the sample is the normal with density 0 and
-    /// weight 0.
-    ///
-    /// Shapes: `wo` x, y, z and `u` three uniform numbers in [0, 1), each `[n]`; `samples`, every slice
-    /// `[n]`, overwritten.
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    pub fn sample_pairs_into(
-        &self,
-        wo: [&[f32]; 3],
-        u: [&[f32]; 3],
-        samples: SamplesMut<'_>,
-    ) -> Result<(), Error> {
-        self.for_each_pair(wo, Verb::Sample(Sample { u, samples }))
-    }
-
-    /// Draws an incident direction for each of n outgoing ones, with density, without a weight.
-    ///
-    /// One colour channel in place of three: the samples of [`sample_pairs_into`](Self::sample_pairs_into),
-    /// for callers that take the value elsewhere. Where nothing is reflected the sample is the normal with
-    /// density 0.
-    ///
-    /// Shapes: `wo` x, y, z and `u` three uniform numbers in [0, 1), each `[n]`; `direction` x, y, z, and
-    /// `pdf`, each `[n]`, overwritten; 1/sr.
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    pub fn sample_pdf_pairs_into(
-        &self,
-        wo: [&[f32]; 3],
-        u: [&[f32]; 3],
-        direction: [&mut [f32]; 3],
-        pdf: &mut [f32],
-    ) -> Result<(), Error> {
-        self.for_each_pair(wo, Verb::SamplePdf(SamplePdf { u, direction, pdf }))
-    }
-
-    /// Draws an incident direction for each of n outgoing ones, and evaluates value and density towards another
-    /// one, with one preparation: what next-event estimation needs at every hit.
-    ///
-    /// Shapes: as in [`sample_pairs_into`](Self::sample_pairs_into) and, of the other directions `wi`, in
-    /// [`evaluate_and_pdf_pairs_into`](Self::evaluate_and_pdf_pairs_into).
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    pub fn sample_and_evaluate_pairs_into(
-        &self,
-        wo: [&[f32]; 3],
-        u: [&[f32]; 3],
-        samples: SamplesMut<'_>,
-        wi: [&[f32]; 3],
-        value: [&mut [f32]; 3],
-        pdf: &mut [f32],
-    ) -> Result<(), Error> {
-        let evaluate = Evaluate { wi, value, pdf: Some(pdf) };
-        self.for_each_pair(wo, Verb::SampleAndEvaluate(Sample { u, samples }, evaluate))
-    }
-
-    fn for_each_pair(&self, wo: [&[f32]; 3], mut verb: Verb<'_>) -> Result<(), Error> {
-        let n = same_length(wo.iter().map(|s| s.len()))?;
-        verb.check(n)?;
-        for_each_pair(self.borrowed(), wo, &mut verb);
-        Ok(())
-    }
-
     /// Makes the mixtures for n outgoing directions; see [`prepare`](Self::prepare).
     ///
     /// Shapes: `wo` x, y, z, each `[n]`; `mixtures` `[n]`, or references to them, overwritten. A direction that
@@ -179,6 +61,16 @@ impl<B: AsRef<[u8]>> Material<B> {
 /// One direction for each of n mixtures, or references to them. Every mixture uses the kernels of its own level;
 /// those of one level and one material are taken in blocks.
 impl<'m, const N: usize> Mixture<'m, N> {
+    /// Draws and evaluates for n hits, each with a mixture of its own: what is asked is what is given.
+    ///
+    /// Shapes: `mixtures` `[n]`; every slice of the request `[n]`.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
+    pub fn ask_each(mixtures: &[impl Borrow<Self>], request: Request<'_>) -> Result<(), Error> {
+        for_each_mixture(mixtures, request)
+    }
+
     /// Evaluates `f cos` for n pairs of a mixture and an incident direction; 1/sr.
     ///
     /// Shapes: `mixtures` `[n]`; `wi` x, y, z, each `[n]`; `value` red, green, blue, each `[n]`, overwritten.
@@ -190,7 +82,10 @@ impl<'m, const N: usize> Mixture<'m, N> {
         wi: [&[f32]; 3],
         value: [&mut [f32]; 3],
     ) -> Result<(), Error> {
-        for_each_mixture(mixtures, Verb::Evaluate(Evaluate { wi, value, pdf: None }))
+        Self::ask_each(
+            mixtures,
+            Request { draw: None, evaluate: Some(Towards { wi, value: Some(value), pdf: None }) },
+        )
     }
 
     /// Evaluates `f cos` and the density for n pairs of a mixture and an incident direction; 1/sr.
@@ -205,7 +100,8 @@ impl<'m, const N: usize> Mixture<'m, N> {
         value: [&mut [f32]; 3],
         pdf: &mut [f32],
     ) -> Result<(), Error> {
-        for_each_mixture(mixtures, Verb::Evaluate(Evaluate { wi, value, pdf: Some(pdf) }))
+        let towards = Towards { wi, value: Some(value), pdf: Some(pdf) };
+        Self::ask_each(mixtures, Request { draw: None, evaluate: Some(towards) })
     }
 
     /// Evaluates the density alone for n pairs of a mixture and an incident direction; 1/sr.
@@ -219,7 +115,10 @@ impl<'m, const N: usize> Mixture<'m, N> {
         wi: [&[f32]; 3],
         pdf: &mut [f32],
     ) -> Result<(), Error> {
-        for_each_mixture(mixtures, Verb::Pdf(Pdf { wi, pdf }))
+        Self::ask_each(
+            mixtures,
+            Request { draw: None, evaluate: Some(Towards { wi, value: None, pdf: Some(pdf) }) },
+        )
     }
 
     /// Draws one direction from each of n mixtures, with density and weight `f cos / pdf`.
@@ -236,7 +135,7 @@ impl<'m, const N: usize> Mixture<'m, N> {
         u: [&[f32]; 3],
         samples: SamplesMut<'_>,
     ) -> Result<(), Error> {
-        for_each_mixture(mixtures, Verb::Sample(Sample { u, samples }))
+        Self::ask_each(mixtures, Request { draw: Some(samples.draws(u)), evaluate: None })
     }
 
     /// Draws one direction from each of n mixtures, with density, without a weight.
@@ -252,7 +151,8 @@ impl<'m, const N: usize> Mixture<'m, N> {
         direction: [&mut [f32]; 3],
         pdf: &mut [f32],
     ) -> Result<(), Error> {
-        for_each_mixture(mixtures, Verb::SamplePdf(SamplePdf { u, direction, pdf }))
+        let draw = Draws { u, direction, pdf: Some(pdf), weight: None };
+        Self::ask_each(mixtures, Request { draw: Some(draw), evaluate: None })
     }
 
     /// Draws one direction from each of n mixtures, and evaluates value and density towards another one.
@@ -270,67 +170,8 @@ impl<'m, const N: usize> Mixture<'m, N> {
         value: [&mut [f32]; 3],
         pdf: &mut [f32],
     ) -> Result<(), Error> {
-        let evaluate = Evaluate { wi, value, pdf: Some(pdf) };
-        for_each_mixture(mixtures, Verb::SampleAndEvaluate(Sample { u, samples }, evaluate))
-    }
-}
-
-/// One direction, or three uniform numbers.
-fn at(vectors: &[&[f32]; 3], i: usize) -> Vec3 {
-    Vec3::new(vectors[0][i], vectors[1][i], vectors[2][i])
-}
-
-/// What is done with every pair, its mixture made.
-enum Verb<'a> {
-    Evaluate(Evaluate<'a>),
-    Pdf(Pdf<'a>),
-    Sample(Sample<'a>),
-    SamplePdf(SamplePdf<'a>),
-    SampleAndEvaluate(Sample<'a>, Evaluate<'a>),
-}
-
-impl Verb<'_> {
-    /// Refuses slices that are not of length `n`.
-    fn check(&self, n: usize) -> Result<(), Error> {
-        match self {
-            Self::Evaluate(evaluate) => evaluate.check(n),
-            Self::Pdf(Pdf { wi, pdf }) => all_of(n, wi.iter().map(|s| s.len()).chain([pdf.len()])),
-            Self::Sample(sample) => sample.check(n),
-            Self::SamplePdf(SamplePdf { u, direction, pdf }) => {
-                let outputs = direction.iter().map(|s| s.len()).chain([pdf.len()]);
-                all_of(n, u.iter().map(|s| s.len()).chain(outputs))
-            }
-            Self::SampleAndEvaluate(sample, evaluate) => sample.check(n).and(evaluate.check(n)),
-        }
-    }
-
-    /// For mixture `m`, an empty one if the outgoing direction of pair `i` was none.
-    fn one<const N: usize>(&mut self, m: &Mixture<'_, N>, i: usize) {
-        match self {
-            Self::Evaluate(evaluate) => evaluate.one(m, i),
-            Self::Pdf(Pdf { wi, pdf }) => pdf[i] = if m.is_nothing() { 0.0 } else { m.pdf(at(wi, i)) },
-            Self::Sample(sample) => sample.one(m, i),
-            Self::SamplePdf(sample) => sample.one(m, i),
-            Self::SampleAndEvaluate(sample, evaluate) => {
-                sample.one(m, i);
-                evaluate.one(m, i);
-            }
-        }
-    }
-
-    /// For the pairs from `from` on, as many as mixtures, at most [`MOST`].
-    #[cfg(feature = "simd")]
-    fn block<const N: usize>(&mut self, level: Level, mixtures: &[&Mixture<'_, N>], from: usize) {
-        match self {
-            Self::Evaluate(evaluate) => evaluate.block(level, mixtures, from),
-            Self::Pdf(pdf) => pdf.block(level, mixtures, from),
-            Self::Sample(sample) => sample.block(level, mixtures, from),
-            Self::SamplePdf(sample) => sample.block(level, mixtures, from),
-            Self::SampleAndEvaluate(sample, evaluate) => {
-                sample.block(level, mixtures, from);
-                evaluate.block(level, mixtures, from);
-            }
-        }
+        let towards = Towards { wi, value: Some(value), pdf: Some(pdf) };
+        Self::ask_each(mixtures, Request { draw: Some(samples.draws(u)), evaluate: Some(towards) })
     }
 }
 
@@ -338,56 +179,22 @@ impl Verb<'_> {
 #[cfg(feature = "simd")]
 const FEW: usize = 4;
 
-/// Not generic over who owns the bytes of the material: the kernels are compiled here, once.
-fn for_each_pair(material: MaterialRef<'_>, wo: [&[f32]; 3], verb: &mut Verb<'_>) {
-    match material.header.lobe_count() {
-        0..=16 => with_room::<16>(material, wo, verb),
-        17..=32 => with_room::<32>(material, wo, verb),
-        _ => with_room::<64>(material, wo, verb),
-    }
-}
-
-fn with_room<const N: usize>(material: MaterialRef<'_>, wo: [&[f32]; 3], verb: &mut Verb<'_>) {
-    let n = wo[0].len();
-    let level = Level::current();
-    #[cfg(feature = "simd")]
-    if n >= FEW && level != Level::Scalar {
-        let mut mixtures = [const { Mixture::<N>::empty() }; MOST];
-        let mut from = 0;
-        while from < n {
-            let count = MOST.min(n - from);
-            let wo = wo.map(|s| &s[from..from + count]);
-            let mut made = mixtures.each_mut().map(Some);
-            prepare_each(material, wo, level, &mut made[..count]);
-            verb.block(level, &mixtures.each_ref()[..count], from);
-            from += count;
-        }
-        return;
-    }
-    let mut mixture = Mixture::<N>::empty();
-    for i in 0..n {
-        // A direction that is none leaves the mixture empty; it has room for all lobes.
-        let _ = prepare(material, at(&wo, i), LeaveOut::default(), level, &mut mixture);
-        verb.one(&mixture, i);
-    }
-}
-
 fn for_each_mixture<'m, const N: usize>(
     mixtures: &[impl Borrow<Mixture<'m, N>>],
-    mut verb: Verb<'_>,
+    mut request: Request<'_>,
 ) -> Result<(), Error> {
-    verb.check(mixtures.len())?;
+    request.check(mixtures.len())?;
     for (block, mixtures) in mixtures.chunks(MOST).enumerate() {
         let (from, last) = (block * MOST, mixtures.len() - 1);
         let block: [&Mixture<'m, N>; MOST] = core::array::from_fn(|i| mixtures[i.min(last)].borrow());
         let block = &block[..=last];
         #[cfg(feature = "simd")]
         if let Some(level) = level_of_block(block) {
-            verb.block(level, block, from);
+            block_of(&mut request, level, block, from);
             continue;
         }
         for (i, mixture) in block.iter().enumerate() {
-            verb.one(mixture, from + i);
+            one_of(&mut request, mixture, from + i);
         }
     }
     Ok(())
@@ -438,132 +245,117 @@ fn densities<const N: usize>(value: &[Numbers; 3], mixtures: &[&Mixture<'_, N>],
     }
 }
 
-fn all_of(n: usize, mut lengths: impl Iterator<Item = usize>) -> Result<(), Error> {
-    if lengths.all(|length| length == n) { Ok(()) } else { Err(Error::Length) }
-}
-
-/// Values, and perhaps densities.
-struct Evaluate<'a> {
-    wi: [&'a [f32]; 3],
-    value: [&'a mut [f32]; 3],
-    pdf: Option<&'a mut [f32]>,
-}
-
-impl Evaluate<'_> {
-    fn check(&self, n: usize) -> Result<(), Error> {
-        let outputs = self.value.iter().map(|s| s.len()).chain(self.pdf.iter().map(|s| s.len()));
-        all_of(n, self.wi.iter().map(|s| s.len()).chain(outputs))
-    }
-
-    fn one<const N: usize>(&mut self, m: &Mixture<'_, N>, i: usize) {
-        let (value, density) =
-            if m.is_nothing() { (Vec3::ZERO, 0.0) } else { m.evaluate_and_pdf(at(&self.wi, i)) };
-        let [red, green, blue] = &mut self.value;
-        [red[i], green[i], blue[i]] = value.to_array();
-        if let Some(pdf) = &mut self.pdf {
-            pdf[i] = density;
-        }
-    }
-
-    #[cfg(feature = "simd")]
-    fn block<const N: usize>(&mut self, level: Level, mixtures: &[&Mixture<'_, N>], from: usize) {
-        let count = mixtures.len();
-        let directions = &padded(&self.wi, from, count);
-        let mut value = level.run(SumBlock::<N, 3> { mixtures, directions });
-        if let Some(pdf) = &mut self.pdf {
-            densities(&value, mixtures, &mut pdf[from..from + count]);
-        }
-        multiply_block(level, mixtures, directions, &mut value);
-        copy_out(&value, &mut self.value, from, count);
+/// Asks the mixtures for the outgoing directions of a material, which are made in blocks: of an anisotropic one,
+/// as an isotropic one needs none.
+#[cfg(feature = "simd")]
+pub(crate) fn by_mixtures(
+    material: MaterialRef<'_>,
+    wo: [&[f32]; 3],
+    level: Level,
+    request: &mut Request<'_>,
+) {
+    match material.header.lobe_count() {
+        0..=16 => with_room::<16>(material, wo, level, request),
+        17..=32 => with_room::<32>(material, wo, level, request),
+        _ => with_room::<64>(material, wo, level, request),
     }
 }
 
-/// Densities.
-struct Pdf<'a> {
-    wi: [&'a [f32]; 3],
-    pdf: &'a mut [f32],
-}
-
-impl Pdf<'_> {
-    #[cfg(feature = "simd")]
-    fn block<const N: usize>(&mut self, level: Level, mixtures: &[&Mixture<'_, N>], from: usize) {
-        let directions = &padded(&self.wi, from, mixtures.len());
-        let [sums] = level.run(SumBlock::<N, 1> { mixtures, directions });
-        for (i, m) in mixtures.iter().enumerate() {
-            self.pdf[from + i] = sums[i] * m.head.inverse_power;
-        }
+#[cfg(feature = "simd")]
+fn with_room<const N: usize>(
+    material: MaterialRef<'_>,
+    wo: [&[f32]; 3],
+    level: Level,
+    request: &mut Request<'_>,
+) {
+    let n = wo[0].len();
+    let mut mixtures = [const { Mixture::<N>::empty() }; MOST];
+    let mut from = 0;
+    while from < n {
+        let count = MOST.min(n - from);
+        let wo = wo.map(|s| &s[from..from + count]);
+        let mut made = mixtures.each_mut().map(Some);
+        prepare_each(material, wo, level, &mut made[..count]);
+        block_of(request, level, &mixtures.each_ref()[..count], from);
+        from += count;
     }
 }
 
-/// Samples.
-struct Sample<'a> {
-    u: [&'a [f32]; 3],
-    samples: SamplesMut<'a>,
-}
-
-impl Sample<'_> {
-    fn check(&self, n: usize) -> Result<(), Error> {
-        all_of(n, self.u.iter().map(|s| s.len()).chain(self.samples.lengths()))
-    }
-
-    fn one<const N: usize>(&mut self, m: &Mixture<'_, N>, i: usize) {
-        let u = at(&self.u, i).to_array();
-        let (direction, pdf, weight) = match m.sample(u) {
-            Some(sample) => (sample.direction, sample.pdf, sample.weight),
-            None => (Vec3::Z, 0.0, Vec3::ZERO),
+/// Answers for mixture `m`, an empty one if the outgoing direction of hit `i` was none.
+fn one_of<const N: usize>(request: &mut Request<'_>, m: &Mixture<'_, N>, i: usize) {
+    if let Some(draw) = &mut request.draw {
+        let u = at(&draw.u, i).to_array();
+        let sample = if draw.weight.is_some() {
+            m.sample(u)
+        } else {
+            m.sample_direction(u).map(|direction| {
+                let pdf = if draw.pdf.is_some() { drawn_density(m.pdf(direction)) } else { 0.0 };
+                Sample { direction, pdf, weight: Vec3::ZERO }
+            })
         };
-        let SamplesMut { direction: [x, y, z], pdf: pdf_out, weight: [red, green, blue] } = &mut self.samples;
-        [x[i], y[i], z[i]] = direction.to_array();
-        pdf_out[i] = pdf;
-        [red[i], green[i], blue[i]] = weight.to_array();
+        draw.put(i, sample);
     }
+    if let Some(towards) = &mut request.evaluate {
+        let wi = at(&towards.wi, i);
+        let (value, pdf) = if m.is_nothing() {
+            (Vec3::ZERO, 0.0)
+        } else if towards.value.is_some() {
+            m.evaluate_and_pdf(wi)
+        } else {
+            (Vec3::ZERO, m.pdf(wi))
+        };
+        towards.put(i, value, pdf);
+    }
+}
 
-    #[cfg(feature = "simd")]
-    fn block<const N: usize>(&mut self, level: Level, mixtures: &[&Mixture<'_, N>], from: usize) {
-        let count = mixtures.len();
-        let directions = level.run(DrawBlock { mixtures, u: &padded(&self.u, from, count) });
-        let mut value = level.run(SumBlock::<N, 3> { mixtures, directions: &directions });
-        let SamplesMut { direction, pdf, weight } = &mut self.samples;
-        let pdf = &mut pdf[from..from + count];
-        densities(&value, mixtures, pdf);
-        multiply_block(level, mixtures, &directions, &mut value);
-        for (i, density) in pdf.iter_mut().enumerate() {
-            let value = Vec3::new(value[0][i], value[1][i], value[2][i]);
-            [weight[0][from + i], weight[1][from + i], weight[2][from + i]] =
-                weight_of(value, *density).to_array();
-            if mixtures[i].head.power > 0.0 {
-                *density = drawn_density(*density);
+/// Answers for the hits from `from` on, as many as mixtures, at most [`MOST`].
+#[cfg(feature = "simd")]
+fn block_of<const N: usize>(
+    request: &mut Request<'_>,
+    level: Level,
+    mixtures: &[&Mixture<'_, N>],
+    from: usize,
+) {
+    let count = mixtures.len();
+    if let Some(Draws { u, direction, pdf, weight }) = &mut request.draw {
+        let directions = level.run(DrawBlock { mixtures, u: &padded(u, from, count) });
+        let mut density = [0.0; MOST];
+        if let Some(weight) = weight {
+            let mut value = level.run(SumBlock::<N, 3> { mixtures, directions: &directions });
+            densities(&value, mixtures, &mut density[..count]);
+            multiply_block(level, mixtures, &directions, &mut value);
+            for (i, &density) in density[..count].iter().enumerate() {
+                let value = Vec3::new(value[0][i], value[1][i], value[2][i]);
+                [weight[0][from + i], weight[1][from + i], weight[2][from + i]] =
+                    weight_of(value, density).to_array();
+            }
+        } else if pdf.is_some() {
+            let [sums] = level.run(SumBlock::<N, 1> { mixtures, directions: &directions });
+            for (i, m) in mixtures.iter().enumerate() {
+                density[i] = sums[i] * m.head.inverse_power;
+            }
+        }
+        if let Some(pdf) = pdf {
+            for (i, m) in mixtures.iter().enumerate() {
+                pdf[from + i] = if m.head.power > 0.0 { drawn_density(density[i]) } else { density[i] };
             }
         }
         copy_out(&directions, direction, from, count);
     }
-}
-
-/// Directions with densities.
-struct SamplePdf<'a> {
-    u: [&'a [f32]; 3],
-    direction: [&'a mut [f32]; 3],
-    pdf: &'a mut [f32],
-}
-
-impl SamplePdf<'_> {
-    fn one<const N: usize>(&mut self, m: &Mixture<'_, N>, i: usize) {
-        let drawn = m.sample_direction(at(&self.u, i).to_array());
-        let direction = drawn.unwrap_or(Vec3::Z);
-        self.pdf[i] = drawn.map_or(0.0, |direction| drawn_density(m.pdf(direction)));
-        let [x, y, z] = &mut self.direction;
-        [x[i], y[i], z[i]] = direction.to_array();
-    }
-
-    #[cfg(feature = "simd")]
-    fn block<const N: usize>(&mut self, level: Level, mixtures: &[&Mixture<'_, N>], from: usize) {
-        let count = mixtures.len();
-        let directions = level.run(DrawBlock { mixtures, u: &padded(&self.u, from, count) });
-        let [sums] = level.run(SumBlock::<N, 1> { mixtures, directions: &directions });
-        for (i, m) in mixtures.iter().enumerate() {
-            let density = sums[i] * m.head.inverse_power;
-            self.pdf[from + i] = if m.head.power > 0.0 { drawn_density(density) } else { density };
+    if let Some(Towards { wi, value, pdf }) = &mut request.evaluate {
+        let directions = &padded(wi, from, count);
+        if let Some(value) = value {
+            let mut sums = level.run(SumBlock::<N, 3> { mixtures, directions });
+            if let Some(pdf) = pdf {
+                densities(&sums, mixtures, &mut pdf[from..from + count]);
+            }
+            multiply_block(level, mixtures, directions, &mut sums);
+            copy_out(&sums, value, from, count);
+        } else if let Some(pdf) = pdf {
+            let [sums] = level.run(SumBlock::<N, 1> { mixtures, directions });
+            for (i, m) in mixtures.iter().enumerate() {
+                pdf[from + i] = sums[i] * m.head.inverse_power;
+            }
         }
-        copy_out(&directions, &mut self.direction, from, count);
     }
 }

@@ -5,6 +5,7 @@
 
 use super::draw::sample_direction;
 use super::lobe_sums::{STAGE, Stage, sums};
+use super::request::{Draws, Request, Towards};
 use super::slices::{SamplesMut, same_length};
 use crate::color::{LUMINANCE, luminance};
 use crate::error::Error;
@@ -20,6 +21,22 @@ const WIDEST: usize = 16;
 const CHUNK: usize = 512;
 
 impl<const N: usize> Mixture<'_, N> {
+    /// Draws and evaluates for n hits: what is asked is what is given.
+    ///
+    /// Shapes: every slice of the request `[n]`; of draws and of directions to evaluate there may be different
+    /// numbers.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the slices of either are not all of one length; nothing is written then.
+    pub fn ask(&self, request: Request<'_>) -> Result<(), Error> {
+        let Request { draw, evaluate } = request;
+        let drawn = draw.as_ref().map_or(0, |draw| draw.u[0].len());
+        let towards = evaluate.as_ref().map_or(0, |towards| towards.wi[0].len());
+        let (draw, evaluate) = (Request { draw, evaluate: None }, Request { draw: None, evaluate });
+        draw.check(drawn).and(evaluate.check(towards))?;
+        self.borrowed(&mut [Rows::zeros(); PARTS]).ask(draw.draw, evaluate.evaluate)
+    }
+
     /// Evaluates `f cos` towards n incident directions; 1/sr. Same values as [`evaluate`](Self::evaluate).
     ///
     /// Shapes: `directions` x, y, z, each `[n]`, unit vectors; `value` red, green, blue, each `[n]`,
@@ -112,6 +129,44 @@ impl<const N: usize> Mixture<'_, N> {
 
 /// What [`Mixture`] has under the same names.
 impl MixtureRef<'_> {
+    /// Answers a request whose slices have been checked.
+    fn ask(&self, draw: Option<Draws<'_>>, evaluate: Option<Towards<'_>>) -> Result<(), Error> {
+        match draw {
+            Some(Draws { u, direction, pdf: Some(pdf), weight: Some(weight) }) => {
+                self.sample_into(u, SamplesMut { direction, pdf, weight })?;
+            }
+            Some(Draws { u, direction, pdf: Some(pdf), weight: None }) => {
+                self.sample_pdf_into(u, direction, pdf)?;
+            }
+            // Densities that nobody wants are worked out all the same, a chunk at a time.
+            Some(Draws { u, direction: [x, y, z], pdf: None, mut weight }) => {
+                let mut densities = [0.0; CHUNK];
+                for from in (0..x.len()).step_by(CHUNK) {
+                    let range = from..x.len().min(from + CHUNK);
+                    let pdf = &mut densities[..range.len()];
+                    let u = u.map(|s| &s[range.clone()]);
+                    let direction = [&mut *x, &mut *y, &mut *z].map(|s| &mut s[range.clone()]);
+                    match &mut weight {
+                        Some(weight) => {
+                            let weight = weight.each_mut().map(|s| &mut s[range.clone()]);
+                            self.sample_into(u, SamplesMut { direction, pdf, weight })?;
+                        }
+                        None => self.sample_pdf_into(u, direction, pdf)?,
+                    }
+                }
+            }
+            None => {}
+        }
+        match evaluate {
+            Some(Towards { wi, value: Some(value), pdf: Some(pdf) }) => {
+                self.evaluate_and_pdf_into(wi, value, pdf)
+            }
+            Some(Towards { wi, value: Some(value), pdf: None }) => self.evaluate_into(wi, value),
+            Some(Towards { wi, value: None, pdf: Some(pdf) }) => self.pdf_into(wi, pdf),
+            _ => Ok(()),
+        }
+    }
+
     fn evaluate_into(&self, directions: [&[f32]; 3], value: [&mut [f32]; 3]) -> Result<(), Error> {
         same_length(directions.iter().map(|s| s.len()).chain(value.iter().map(|s| s.len())))?;
         if self.head.has_factors() {

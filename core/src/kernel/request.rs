@@ -1,6 +1,8 @@
 //! What a batch is asked: outputs that are given are outputs that are wanted.
 
 use crate::error::Error;
+use crate::mixture::rows::Sample;
+use glam::Vec3;
 
 /// What a batch is asked for each of its n hits: draws, values and densities, or both.
 ///
@@ -82,5 +84,44 @@ impl Request<'_> {
             all &= pdf.iter().all(|s| pass(s.len()));
         }
         all
+    }
+}
+
+/// One direction, or three uniform numbers.
+pub(crate) fn at(vectors: &[&[f32]; 3], i: usize) -> Vec3 {
+    Vec3::new(vectors[0][i], vectors[1][i], vectors[2][i])
+}
+
+/// Stores a direction or a colour.
+fn put(vectors: &mut [&mut [f32]; 3], i: usize, v: Vec3) {
+    for (to, number) in vectors.iter_mut().zip(v.to_array()) {
+        to[i] = number;
+    }
+}
+
+impl Draws<'_> {
+    /// Stores a draw; `None` where nothing is reflected.
+    pub(crate) fn put(&mut self, i: usize, sample: Option<Sample>) {
+        let nothing = Sample { direction: Vec3::Z, pdf: 0.0, weight: Vec3::ZERO };
+        let sample = sample.unwrap_or(nothing);
+        put(&mut self.direction, i, sample.direction);
+        if let Some(pdf) = &mut self.pdf {
+            pdf[i] = sample.pdf;
+        }
+        if let Some(weight) = &mut self.weight {
+            put(weight, i, sample.weight);
+        }
+    }
+}
+
+impl Towards<'_> {
+    /// Stores a value and a density.
+    pub(crate) fn put(&mut self, i: usize, value: Vec3, density: f32) {
+        if let Some(to) = &mut self.value {
+            put(to, i, value);
+        }
+        if let Some(pdf) = &mut self.pdf {
+            pdf[i] = density;
+        }
     }
 }

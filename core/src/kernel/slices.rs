@@ -1,5 +1,6 @@
 //! Slices that a batch reads and writes: structures of arrays, all of one length.
 
+use super::request::Draws;
 use crate::error::Error;
 
 /// Where a batch of samples goes.
@@ -30,7 +31,13 @@ pub struct SamplesMut<'a> {
     pub weight: [&'a mut [f32]; 3],
 }
 
-impl SamplesMut<'_> {
+impl<'a> SamplesMut<'a> {
+    /// As a part of a request.
+    pub(crate) fn draws(self, u: [&'a [f32]; 3]) -> Draws<'a> {
+        let Self { direction, pdf, weight } = self;
+        Draws { u, direction, pdf: Some(pdf), weight: Some(weight) }
+    }
+
     /// The lengths of all slices.
     pub(crate) fn lengths(&self) -> impl Iterator<Item = usize> {
         let Self { direction, pdf, weight } = self;

@@ -2,10 +2,11 @@
 //! registers into sums and draws. No mixture is made.
 //!
 //! [`lobes`] has what summing and drawing need of the lobes. [`one`] is one hit; [`block`] takes sixteen, and
-//! [`pairs`] any number, each with an outgoing direction and a material of its own.
+//! [`pairs`] any number, each with an outgoing direction and a material of its own; [`verbs`] names what can be asked of them.
 
 #[cfg(feature = "simd")]
 mod block;
 mod lobes;
 mod one;
 mod pairs;
+mod verbs;

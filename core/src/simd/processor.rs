@@ -3,13 +3,12 @@
 
 use core::fmt;
 
-/// A processor of x86-64, by its maker, family and model.
+/// A processor by its maker, family and model; of other architectures than x86-64, whose programs cannot ask, by
+/// the name of that.
 ///
 /// ```
 /// # use srbf_core::Processor;
-/// if let Some(processor) = Processor::this() {
-///     println!("times are of an {processor}"); // "AuthenticAMD, family 26, model 2"
-/// }
+/// println!("times are of: {}", Processor::this()); // "AuthenticAMD, family 26, model 2"
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Processor {
@@ -19,8 +18,8 @@ pub struct Processor {
 }
 
 impl Processor {
-    /// The one that this runs on; `None` where programs cannot ask.
-    pub fn this() -> Option<Self> {
+    /// The one that this runs on.
+    pub fn this() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
             use core::arch::x86_64::__cpuid;
@@ -32,15 +31,18 @@ impl Processor {
             let base = signature >> 8 & 15;
             let family = if base == 15 { base + (signature >> 20 & 255) } else { base };
             let extended = if base == 6 || base == 15 { (signature >> 16 & 15) << 4 } else { 0 };
-            Some(Self { maker, family, model: extended | signature >> 4 & 15 })
+            Self { maker, family, model: extended | signature >> 4 & 15 }
         }
         #[cfg(not(target_arch = "x86_64"))]
-        None
+        Self { maker: [0; 12], family: 0, model: 0 }
     }
 }
 
 impl fmt::Display for Processor {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.maker == [0; 12] {
+            return f.write_str(if cfg!(target_arch = "aarch64") { "aarch64" } else { "not an x86-64" });
+        }
         let maker = core::str::from_utf8(&self.maker).unwrap_or("unknown");
         write!(f, "{maker}, family {}, model {}", self.family, self.model)
     }

@@ -1,6 +1,7 @@
 //! The page of `srbf-lab equal-time`, as Markdown.
 
 use super::{ALONE, FIT, WITH_LIGHT};
+use srbf_core::Processor;
 use srbf_reference_renderer::study::comparison::report::{bias, short};
 use srbf_reference_renderer::study::comparison::{Comparison, Curve, Estimate};
 use std::fmt::Write;
@@ -59,7 +60,7 @@ to it. Fitting is not counted. Of the pixels the 0.1 % that are worst are apart;
 The networks that stand for MERL's materials and the completed samples take longer to evaluate than lobes, which hides what a draw costs.
 ",
         command.join(" "),
-        processor()
+        Processor::this()
     )
 }
 
@@ -68,19 +69,6 @@ pub fn commit() -> String {
     let output = Command::new("git").args(["describe", "--always", "--dirty", "--exclude=*"]).output();
     let found = output.ok().filter(|output| output.status.success()).map(|output| output.stdout);
     found.map_or_else(|| "unknown".to_owned(), |text| String::from_utf8_lossy(&text).trim().to_owned())
-}
-
-/// What the system calls the processor.
-fn processor() -> String {
-    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let field = |name: &str| {
-        let line = text.lines().find(|line| line.starts_with(name));
-        line.and_then(|line| line.split_once(':')).map(|parts| parts.1.trim().to_owned())
-    };
-    match (field("model name"), field("cpu family"), field("model\t")) {
-        (Some(name), Some(family), Some(model)) => format!("{name} (family {family}, model {model})"),
-        _ => std::env::consts::ARCH.to_owned(),
-    }
 }
 
 /// The curve of a method by its name.

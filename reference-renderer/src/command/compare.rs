@@ -108,6 +108,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     report::write_csv(&csv, &comparisons)?;
     plot::write_png(&png, &comparisons)?;
     page(&comparisons)?.write(&html)?;
+    println!("processor: {}", srbf_core::Processor::this());
     println!("wrote {}, {} and {}", csv.display(), png.display(), html.display());
     Ok(())
 }

@@ -242,10 +242,11 @@ fn render(args: &Args) -> anyhow::Result<()> {
     let exposure = picture_file::automatic_exposure(&picture) * args.exposure.exp2();
     picture_file::write_tone_mapped_png(&png, args.size, &picture, exposure)?;
     println!(
-        "{} and {}: {} samples a pixel in {seconds:.2} s",
+        "{} and {}: {} samples a pixel in {seconds:.2} s ({})",
         args.output.display(),
         png.display(),
-        args.spp
+        args.spp,
+        srbf_core::Processor::this()
     );
     match environment.constant_radiance().filter(|_| is_furnace) {
         Some(_) if settings.points == PointsName::Sobol => {

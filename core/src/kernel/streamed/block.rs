@@ -36,6 +36,8 @@ pub(super) struct Room<const G: usize> {
     pub direction: [Numbers; 3],
     pub drawn: Sums,
     pub towards: Sums,
+    /// Power of lobes and diffuse terms, 0 where nothing is reflected.
+    pub power: Numbers,
     kept: [Kept<G>; MOST],
     /// Sums by lane; a row is a pair.
     lanes: Lanes3,
@@ -52,6 +54,7 @@ impl<const G: usize> Room<G> {
         direction: [[0.0; MOST]; 3],
         drawn: Sums { value: [[0.0; MOST]; 3], pdf: [0.0; MOST] },
         towards: Sums { value: [[0.0; MOST]; 3], pdf: [0.0; MOST] },
+        power: [0.0; MOST],
         kept: [[super::lobes::NOTHING; G]; MOST],
         lanes: [[[0.0; PART]; MOST]; 3],
     };
@@ -69,7 +72,7 @@ impl<const G: usize> Routine for Block<'_, '_, G> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Self { materials, count, draws, evaluates, room } = self;
-        let Room { wo, u, wi, direction, drawn, towards, kept, lanes } = room;
+        let Room { wo, u, wi, direction, drawn, towards, power, kept, lanes } = room;
         let count = count.min(MOST);
         let mut heads = Heads::new::<L>(materials, wo, count);
         let mut in_plane = true;
@@ -87,6 +90,7 @@ impl<const G: usize> Routine for Block<'_, '_, G> {
             heads.lobes_power[i] = keep_second::<L::Lobes, G>(lobes, &mut kept[i]);
         }
         heads.sum_up::<L>();
+        *power = heads.power;
         if evaluates {
             heads.sums::<L, G>(materials, count, kept, wi, lanes, towards);
         }
@@ -133,7 +137,8 @@ impl Heads {
         let mut theta = zeros;
         let mut at = 0;
         while at + L::COUNT <= MOST {
-            let facing = Facing::<L>::new([L::load(&wo[0][at..]), L::load(&wo[1][at..]), L::load(&wo[2][at..])]);
+            let facing =
+                Facing::<L>::new([L::load(&wo[0][at..]), L::load(&wo[1][at..]), L::load(&wo[2][at..])]);
             facing.theta.store(&mut theta[at..]);
             facing.azimuth[0].store(&mut heads.azimuth[0][at..]);
             facing.azimuth[1].store(&mut heads.azimuth[1][at..]);

@@ -11,7 +11,7 @@ use crate::material::borrowed::{Material, MaterialRef};
 use crate::material::layout::{MAX_LOBES, f32_at};
 use crate::mixture::factors::Factors;
 use crate::mixture::leave_out::LeaveOut;
-use crate::mixture::rows::{Mixture, Sample, weight_of};
+use crate::mixture::rows::{Mixture, Sample, drawn_density, weight_of};
 use crate::simd::detect::Level;
 use crate::simd::lanes::{Lanes, PART, scale};
 use crate::simd::routine::One;
@@ -36,7 +36,8 @@ impl<B: AsRef<[u8]>> Material<B> {
     /// Evaluates the density of [`sample`](Self::sample) at an incident direction; 1/sr.
     #[inline]
     pub fn pdf(&self, wo: impl Into<Vec3>, wi: impl Into<Vec3>) -> f32 {
-        ask_one(self.borrowed(), wo.into(), Asked { u: None, wi: Some(wi.into().to_array()), colors: false }).pdf
+        ask_one(self.borrowed(), wo.into(), Asked { u: None, wi: Some(wi.into().to_array()), colors: false })
+            .pdf
     }
 
     /// Value and density in one pass over the lobes.
@@ -220,8 +221,8 @@ fn answer<L: Lanes, const G: usize, const MIRRORED: bool, const DRAWS: bool, con
     // A sum so small that its inverse is infinite reflects nothing.
     let shines = power >= f32::MIN_POSITIVE;
     let inverse_power = if shines { 1.0 / power } else { 0.0 };
-    let factors = (hit.colors && header.has_factors())
-        .then(|| Factors::new(material, outgoing.wo, place.among()));
+    let factors =
+        (hit.colors && header.has_factors()).then(|| Factors::new(material, outgoing.wo, place.among()));
     let mut answer = Answer::NOTHING;
     // First, as it waits for less: what is drawn waits for the running sum.
     if EVALUATES {
@@ -252,7 +253,7 @@ fn answer<L: Lanes, const G: usize, const MIRRORED: bool, const DRAWS: bool, con
         let direction = [x.first(), y.first(), z.first()];
         let (value, pdf) = lobes.towards::<L>(direction, inverse_power, factors.as_ref());
         let direction = Vec3::from_array(direction);
-        answer.sample = Some(Sample { direction, pdf, weight: weight_of(value, pdf) });
+        answer.sample = Some(Sample { direction, pdf: drawn_density(pdf), weight: weight_of(value, pdf) });
     }
     answer
 }

@@ -5,8 +5,10 @@
 //! material is anisotropic, one after the other.
 
 #[cfg(feature = "simd")]
+use super::super::each_mixture::by_mixtures;
+#[cfg(feature = "simd")]
 use super::super::multiply_factors::multiply_pairs;
-use super::super::request::Request;
+use super::super::request::{Request, at};
 #[cfg(feature = "simd")]
 use super::super::sights::{MOST, Numbers};
 use super::super::slices::same_length;
@@ -19,9 +21,8 @@ use crate::error::Error;
 use crate::material::borrowed::{Material, MaterialRef};
 #[cfg(feature = "simd")]
 use crate::mixture::factors::{Among, Factors};
-use crate::mixture::rows::Sample;
 #[cfg(feature = "simd")]
-use crate::mixture::rows::weight_of;
+use crate::mixture::rows::{drawn_density, weight_of};
 #[cfg(feature = "simd")]
 use crate::simd::detect::Level;
 #[cfg(feature = "simd")]
@@ -29,6 +30,7 @@ use crate::simd::lanes::{Lanes, PART};
 #[cfg(feature = "simd")]
 use crate::simd::routine::One;
 use core::borrow::Borrow;
+#[cfg(feature = "simd")]
 use glam::Vec3;
 
 /// One outgoing direction for each of n hits.
@@ -69,18 +71,6 @@ impl<B: AsRef<[u8]>> Material<B> {
     }
 }
 
-/// One direction, or three uniform numbers.
-fn at(vectors: &[&[f32]; 3], i: usize) -> Vec3 {
-    Vec3::new(vectors[0][i], vectors[1][i], vectors[2][i])
-}
-
-/// Stores a direction or a colour.
-fn put(vectors: &mut [&mut [f32]; 3], i: usize, v: Vec3) {
-    for (to, number) in vectors.iter_mut().zip(v.to_array()) {
-        to[i] = number;
-    }
-}
-
 /// Fewer hits than this are taken one by one.
 #[cfg(feature = "simd")]
 const FEW: usize = 4;
@@ -109,6 +99,12 @@ fn ask(source: Source<'_, '_>, wo: [&[f32]; 3], request: &mut Request<'_>) {
     if n >= FEW {
         let level = Level::current();
         if level != Level::Scalar {
+            if let Source::One(material) = source
+                && !material.header.is_isotropic()
+            {
+                by_mixtures(material, wo, level, request);
+                return;
+            }
             let count = |i| source.get(i).header.lobe_count();
             let most = match source {
                 Source::One(_) => count(0),
@@ -141,23 +137,10 @@ fn one_by_one(
         let wi = evaluate.as_ref().map(|towards| at(&towards.wi, i).to_array());
         let answer = ask_one(material, wo, Asked { u, wi, colors });
         if let Some(draw) = draw {
-            let nothing = Sample { direction: Vec3::Z, pdf: 0.0, weight: Vec3::ZERO };
-            let sample = answer.sample.unwrap_or(nothing);
-            put(&mut draw.direction, i, sample.direction);
-            if let Some(pdf) = &mut draw.pdf {
-                pdf[i] = sample.pdf;
-            }
-            if let Some(weight) = &mut draw.weight {
-                put(weight, i, sample.weight);
-            }
+            draw.put(i, answer.sample);
         }
         if let Some(towards) = evaluate {
-            if let Some(value) = &mut towards.value {
-                put(value, i, answer.value);
-            }
-            if let Some(pdf) = &mut towards.pdf {
-                pdf[i] = answer.pdf;
-            }
+            towards.put(i, answer.value, answer.pdf);
         }
     }
 }
@@ -212,7 +195,7 @@ impl Hits<'_, '_> {
         }
         let (draws, evaluates) = (request.draw.is_some(), request.evaluate.is_some());
         level.run(Block::<G> { materials, count, draws, evaluates, room: &mut *room });
-        let Room { wo, wi, direction, drawn, towards, .. } = room;
+        let Room { wo, wi, direction, drawn, towards, power, .. } = room;
         if let Some(draw) = &mut request.draw {
             if let Some(weight) = &mut draw.weight {
                 self.multiply(wo, direction, drawn);
@@ -224,6 +207,11 @@ impl Hits<'_, '_> {
                 self.copy_out(value, weight);
             }
             if let Some(pdf) = &mut draw.pdf {
+                for i in 0..MOST {
+                    if power[i] > 0.0 {
+                        drawn.pdf[i] = drawn_density(drawn.pdf[i]);
+                    }
+                }
                 self.copy_out(&[drawn.pdf], &mut [&mut **pdf]);
             }
             self.copy_out(direction, &mut draw.direction);

@@ -1,0 +1,204 @@
+//! Materials of many kinds, and what tests of pairs need: structures of arrays, and every level in turn.
+
+use crate::inputs::Random;
+use crate::seeds::same_without_azimuth;
+use glam::Vec3;
+use srbf_core::{FactorTable, Level, Line, PlaneLobe, View};
+
+/// Bytes of a material of a kind, in views at uneven angles.
+///
+/// Lobes follow the mirror direction but for their own width, `sharpness` is the range of log2. Of `lobes` stored ones the first
+/// `squeezed` are squeezed, the last `mirrored` stand for two.
+pub struct Kind {
+    /// What messages call it.
+    pub name: &'static str,
+    /// Number of views.
+    pub views: usize,
+    /// Lobes that are stored.
+    pub lobes: usize,
+    /// How many of them are squeezed.
+    pub squeezed: usize,
+    /// How many stand for two.
+    pub mirrored: usize,
+    /// Range of the logarithm.
+    pub sharpness: [f32; 2],
+    /// Whether it has a table of factors.
+    pub factors: bool,
+}
+
+/// One of each.
+pub const KINDS: [Kind; 7] = [
+    Kind {
+        name: "plain",
+        views: 9,
+        lobes: 6,
+        squeezed: 0,
+        mirrored: 0,
+        sharpness: [-3.0, 8.0],
+        factors: false,
+    },
+    Kind {
+        name: "mirror-like",
+        views: 15,
+        lobes: 12,
+        squeezed: 6,
+        mirrored: 0,
+        sharpness: [3.0, 20.0],
+        factors: false,
+    },
+    Kind {
+        name: "squeezed",
+        views: 12,
+        lobes: 12,
+        squeezed: 12,
+        mirrored: 0,
+        sharpness: [1.0, 10.0],
+        factors: false,
+    },
+    Kind {
+        name: "mirrored pairs",
+        views: 12,
+        lobes: 9,
+        squeezed: 3,
+        mirrored: 4,
+        sharpness: [1.0, 12.0],
+        factors: false,
+    },
+    Kind {
+        name: "one view",
+        views: 1,
+        lobes: 5,
+        squeezed: 0,
+        mirrored: 0,
+        sharpness: [0.0, 12.0],
+        factors: false,
+    },
+    Kind {
+        name: "64 lobes",
+        views: 10,
+        lobes: 52,
+        squeezed: 20,
+        mirrored: 12,
+        sharpness: [-1.0, 12.0],
+        factors: false,
+    },
+    Kind {
+        name: "factors",
+        views: 8,
+        lobes: 10,
+        squeezed: 4,
+        mirrored: 0,
+        sharpness: [1.0, 9.0],
+        factors: true,
+    },
+];
+
+impl Kind {
+    /// The bytes of its file.
+    pub fn bytes(&self) -> Vec<u8> {
+        let mut random = Random(self.lobes as u64);
+        let views: Vec<(f32, Vec<PlaneLobe>)> = (0..self.views)
+            .map(|v| {
+                let theta = if v == 0 { 0.0 } else { 1.53 * (v as f32 / (self.views - 1) as f32).powf(0.7) };
+                let mut lobe = |k: usize| {
+                    let [low, high] = self.sharpness;
+                    let log2_sharpness = low + (high - low) * (k as f32 + 0.5) / self.lobes as f32;
+                    let width = (-0.5 * log2_sharpness).exp2().min(0.3);
+                    let is_mirrored = k + self.mirrored >= self.lobes;
+                    let off_plane = if v > 0 && is_mirrored { 0.8 * width } else { 0.0 };
+                    PlaneLobe {
+                        angle: if v == 0 { 0.0 } else { theta + width * random.between(-0.5, 0.5) },
+                        off_plane,
+                        log2_sharpness: log2_sharpness + random.between(-0.3, 0.3),
+                        log2_luminance: log2_sharpness - 7.0 + random.between(-0.5, 0.5),
+                        color_differences: [random.between(-0.4, 0.4), random.between(-0.4, 0.4)],
+                    }
+                };
+                (theta, (0..self.lobes).map(&mut lobe).collect())
+            })
+            .collect();
+        let view = |(theta, lobes): &'_ (f32, Vec<PlaneLobe>)| (*theta, lobes.clone());
+        let owned: Vec<(f32, Vec<PlaneLobe>)> = views.iter().map(view).collect();
+        let views: Vec<View<'_>> = owned
+            .iter()
+            .map(|(theta, lobes)| View {
+                theta: *theta,
+                log2_squeeze: if self.squeezed > 0 { -2.0 * theta } else { 0.0 },
+                log2_diffuse: -5.0 + theta,
+                diffuse_color_differences: [0.3, -0.2],
+                lobes,
+            })
+            .collect();
+        const NODES: usize = 8;
+        let mut factors: Vec<[f32; 3]> = (0..3 * NODES * NODES)
+            .map(|n| [0.8, 1.0, 1.2].map(|f| f + 0.3 * ((n / NODES) as f32 * 0.7 + (n % NODES) as f32).sin()))
+            .collect();
+        same_without_azimuth(&mut factors, NODES, NODES);
+        let albedo_differences = vec![[0.1; 3]; views.len()];
+        let table = FactorTable {
+            half: NODES,
+            difference: NODES,
+            azimuth: 3,
+            factors: &factors,
+            albedo_differences: &albedo_differences,
+        };
+        let factors = self.factors.then_some(table);
+        let line = Line { views: &views, squeezed: self.squeezed, mirrored: self.mirrored, factors };
+        let mut bytes = vec![0; line.encoded_len("")];
+        line.encode("", &mut bytes).expect("a valid material");
+        bytes
+    }
+}
+
+/// The generated materials and the presets.
+pub fn materials() -> Vec<(&'static str, Vec<u8>)> {
+    let mut all: Vec<_> = KINDS.iter().map(|kind| (kind.name, kind.bytes())).collect();
+    all.push(("cayman", include_bytes!("../../presets/cayman.srbf").to_vec()));
+    all.push(("garnet red", include_bytes!("../../presets/garnet_red.srbf").to_vec()));
+    all.push(("krylon blue", include_bytes!("../../presets/krylon_blue.srbf").to_vec()));
+    all
+}
+
+/// A direction of the upper hemisphere.
+pub fn upper(random: &mut Random) -> Vec3 {
+    let d = random.direction();
+    d.with_z(d.z.abs())
+}
+
+/// Structure of arrays.
+pub struct Soa(pub [Vec<f32>; 3]);
+
+impl Soa {
+    /// Of vectors.
+    pub fn new(all: &[Vec3]) -> Self {
+        Self([0, 1, 2].map(|i| all.iter().map(|d| d[i]).collect()))
+    }
+    /// Of so many that are not there yet.
+    pub fn empty(n: usize) -> Self {
+        Self([0, 1, 2].map(|_| vec![f32::NAN; n]))
+    }
+    /// As the library reads them.
+    pub fn slices(&self) -> [&[f32]; 3] {
+        self.0.each_ref().map(|s| &s[..])
+    }
+    /// As the library writes them.
+    pub fn slices_mut(&mut self) -> [&mut [f32]; 3] {
+        self.0.each_mut().map(|s| &mut s[..])
+    }
+    /// One of them.
+    pub fn at(&self, i: usize) -> Vec3 {
+        Vec3::new(self.0[0][i], self.0[1][i], self.0[2][i])
+    }
+}
+
+/// One test at a time, as the level is that of the process.
+pub fn for_each_level(mut each: impl FnMut(Level)) {
+    let _guard = ONE.lock();
+    let before = Level::current();
+    for level in Level::ALL.into_iter().filter(|level| level.set().is_ok()) {
+        each(level);
+    }
+    before.set().unwrap();
+}
+
+static ONE: std::sync::Mutex<()> = std::sync::Mutex::new(());
