@@ -459,6 +459,43 @@ typedef struct srbf_samples_out {
 } srbf_samples_out;
 
 /**
+ * What is asked for each of n hits. Start from zeros, set `size` and `wo`, and what is wanted.
+ *
+ * `sizeof(srbf_request)` in `size` lets later versions ask for more. An output whose first pointer is NULL is not wanted and not
+ * worked out: `value.x`, `pdf.values`, `samples.direction.x`, `samples.pdf.values`, `samples.weight.x`.
+ */
+typedef struct srbf_request {
+    /**
+     * `sizeof(srbf_request)`.
+     */
+    size_t size;
+    /**
+     * Outgoing directions, n unit vectors.
+     */
+    struct srbf_vectors wo;
+    /**
+     * Incident directions, n unit vectors; looked at if `value` or `pdf` is wanted.
+     */
+    struct srbf_vectors wi;
+    /**
+     * Three uniform numbers in [0, 1) a hit; looked at if directions are drawn.
+     */
+    struct srbf_vectors u;
+    /**
+     * `f cos` towards `wi`, linear sRGB; 1/sr.
+     */
+    struct srbf_vectors_out value;
+    /**
+     * Density of drawing `wi`; 1/sr.
+     */
+    struct srbf_numbers_out pdf;
+    /**
+     * Directions that are drawn, with densities and weights if they are wanted too.
+     */
+    struct srbf_samples_out samples;
+} srbf_request;
+
+/**
  * A direction drawn from an environment.
  */
 typedef struct srbf_light_sample {
@@ -1158,6 +1195,72 @@ srbf_status srbf_mixture_sample_and_evaluate(const struct srbf_mixture *mixture,
                                              float *pdf);
 
 /**
+ * Evaluates `f cos` for an outgoing and an incident direction; 1/sr.
+ *
+ * The values of `srbf_material_prepare` and `srbf_mixture_evaluate` but for rounding, without a mixture: for a few incident
+ * directions of one `wo` it takes less time. An outgoing direction below the horizon reflects nothing.
+ * Shapes: `wo` and `wi` [3], unit vectors in the shading frame; `value` [3], linear sRGB, overwritten.
+ */
+srbf_status srbf_material_evaluate(const struct srbf_material *material,
+                                   const float *wo,
+                                   const float *wi,
+                                   float *value);
+
+/**
+ * Evaluates the density of `srbf_material_sample` at an incident direction; 1/sr.
+ *
+ * Shapes: `wo` and `wi` as in `srbf_material_evaluate`; `pdf` one number, overwritten.
+ */
+srbf_status srbf_material_pdf(const struct srbf_material *material,
+                              const float *wo,
+                              const float *wi,
+                              float *pdf);
+
+/**
+ * Evaluates value and density in one pass, for multiple importance sampling.
+ *
+ * Shapes: `wo` and `wi` as in `srbf_material_evaluate`; `value` [3], linear sRGB, and `pdf`, one number; both overwritten.
+ */
+srbf_status srbf_material_evaluate_and_pdf(const struct srbf_material *material,
+                                           const float *wo,
+                                           const float *wi,
+                                           float *value,
+                                           float *pdf);
+
+/**
+ * Draws an incident direction for an outgoing one; no sample is wasted below the horizon.
+ *
+ * Where nothing is reflected it gives the normal with density 0 and weight 0, and `SRBF_STATUS_OK`.
+ * Shapes: `wo` [3], unit vector; `u` [3], uniform numbers in [0, 1): the first chooses the lobe, the others the direction in it.
+ */
+srbf_status srbf_material_sample(const struct srbf_material *material,
+                                 const float *wo,
+                                 const float *u,
+                                 struct srbf_sample *sample);
+
+/**
+ * Draws an incident direction, and evaluates value and density towards another one: what next-event estimation needs at every hit.
+ *
+ * Shapes: `wo`, `u` and `sample` as in `srbf_material_sample`; `wi`, `value` and `pdf` as in `srbf_material_evaluate_and_pdf`.
+ */
+srbf_status srbf_material_sample_and_evaluate(const struct srbf_material *material,
+                                              const float *wo,
+                                              const float *u,
+                                              struct srbf_sample *sample,
+                                              const float *wi,
+                                              float *value,
+                                              float *pdf);
+
+/**
+ * Asks the processor for what a hit from such a direction will read: a few hits ahead, where a scene has hundreds of materials.
+ *
+ * Only a hint, and nothing for an anisotropic material.
+ * Shapes: `wo` [3], any numbers.
+ */
+srbf_status srbf_material_prefetch(const struct srbf_material *material,
+                                   const float *wo);
+
+/**
  * Draws an incident direction: with probability `share` one of the cosine, else one of the mixture.
  *
  * For a renderer that keeps another function as the truth, a measured table for example, and samples it by the mixture: where the
@@ -1410,6 +1513,21 @@ srbf_status srbf_mixture_sample_and_evaluate_pairs_into(const struct srbf_mixtur
                                                         const struct srbf_vectors *wi,
                                                         const struct srbf_vectors_out *value,
                                                         const struct srbf_numbers_out *pdf);
+
+/**
+ * Draws and evaluates for n hits, each with an outgoing direction of its own: what is given is what is wanted.
+ *
+ * `materials` are n, or one for all hits (`material_count` = 1); they need not be sorted. The answers of
+ * `srbf_material_sample_and_evaluate`, in less time. Where nothing is reflected, and for a `wo` that is no unit vector, values and
+ * densities are 0 and the normal is drawn with density 0.
+ * Shapes: `materials` [`material_count`]; every array of the request n, outputs overwritten. n = 0 looks at no pointer.
+ * Status: `SRBF_STATUS_ARGUMENT` for a count that is neither 1 nor n, or densities or weights of draws without directions;
+ * `SRBF_STATUS_SIZE` for a size that is not `sizeof(srbf_request)`.
+ */
+srbf_status srbf_material_ask(const struct srbf_material *const *materials,
+                              size_t material_count,
+                              size_t n,
+                              const struct srbf_request *request);
 
 /**
  * Says how many bytes of storage an expanded material of so many rows needs: 448 a row, or 512 if lobes are mirrored, for up to

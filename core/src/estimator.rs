@@ -6,7 +6,7 @@ use crate::float;
 use crate::kernel::draw::draw_one;
 use crate::mixture::rows::{Domain, Mixture, Sample, weight_of};
 use crate::simd::lanes::scale;
-use core::f32::consts::{FRAC_1_PI, PI};
+use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
 /// Weight of a sample that technique A drew, where A draws `count_a` samples with density `pdf_a` there and B
@@ -52,8 +52,9 @@ fn cosine_weighted(u: [f32; 2]) -> Vec3 {
 /// hemisphere (a uniform one of the sphere for a mixture there), else one of the mixture.
 ///
 /// For a renderer that keeps another function as the truth, the measured table for example, and uses the
-/// mixture to sample it: where the mixture misses the table, the weight stays bounded. See
-/// [`max_weight`](Self::max_weight).
+/// mixture to sample it: where the mixture misses the table, the weight stays bounded. Since
+/// `pdf >= share cos / pi`, the weight `f cos / pdf` of a BRDF of at most `m` is at most `pi m / share`; on the sphere,
+/// of a function of at most `m`, `4 pi m / share`.
 ///
 /// # Examples
 /// ```
@@ -84,15 +85,6 @@ impl<'a, const N: usize> Defensive<'a, N> {
             return Err(Error::Share);
         }
         Ok(Self { mixture, share: if mixture.head.power == 0.0 { 1.0 } else { share } })
-    }
-
-    /// Largest weight `f cos / pdf` that a BRDF of at most `max_brdf`, 1/sr, can have: `pi max_brdf / share`.
-    ///
-    /// Since `pdf >= share cos / pi`. On the sphere, of a function of at most `max_brdf`: `4 pi max_brdf /
-    /// share`.
-    pub fn max_weight(&self, max_brdf: f32) -> f32 {
-        let solid_angle = if self.mixture.head.domain == Domain::Hemisphere { PI } else { 4.0 * PI };
-        solid_angle * max_brdf / self.share
     }
 
     /// Evaluates the density; 1/sr.

@@ -2,7 +2,7 @@
 //! single answers.
 
 use glam::Vec3;
-use srbf_core::{Draws, Error, Material, Mixture, Request, Sample, Towards};
+use srbf_core::{Draws, Error, Material, Mixture, Processor, Request, Sample, Towards};
 use srbf_tests::inputs::Random;
 use srbf_tests::kinds::{Soa, for_each_level, materials, upper};
 use srbf_tests::partition::Partition;
@@ -285,4 +285,71 @@ fn slices_of_other_lengths_are_refused() {
     );
     assert!(batch.pdf.iter().all(|pdf| pdf.is_nan()), "nothing is written");
     assert_eq!(material.ask(two.slices(), Request::default()), Ok(()));
+}
+
+#[test]
+fn mixtures_answer_requests_as_they_answer_one_by_one() {
+    let all = all();
+    for_each_level(|level| {
+        let mut random = Random(23);
+        for (n, (name, material)) in [1, 7, 16, 45].into_iter().flat_map(|n| all.iter().map(move |m| (n, m)))
+        {
+            let wo: Vec<Vec3> = (0..n).map(|_| upper(&mut random)).collect();
+            let wi = Soa::new(&(0..n).map(|_| upper(&mut random)).collect::<Vec<_>>());
+            let u = Soa::new(&(0..n).map(|_| random.three().into()).collect::<Vec<_>>());
+            let mut mixtures = vec![Mixture::<64>::empty(); n];
+            for (m, &wo) in mixtures.iter_mut().zip(&wo) {
+                material.prepare(wo, m).unwrap();
+            }
+            let (mut each, mut one) = (Batch::new(n), Batch::new(n));
+            Mixture::ask_each(&mixtures, each.request(&u, &wi)).unwrap();
+            mixtures[0].ask(one.request(&u, &wi)).unwrap();
+            // Directions without densities, and weights without them, are the same ones.
+            for wants_weight in [false, true] {
+                let mut alone = Batch::new(n);
+                let Request { draw, .. } = alone.request(&u, &wi);
+                let draw = draw.map(|draw| Draws {
+                    pdf: None,
+                    weight: draw.weight.filter(|_| wants_weight),
+                    ..draw
+                });
+                mixtures[0].ask(Request { draw, evaluate: None }).unwrap();
+                assert_eq!(alone.direction.0, one.direction.0, "{level:?} {name}");
+                assert!(alone.pdf.iter().chain(&alone.density).all(|x| x.is_nan()), "{level:?} {name}");
+                let weights = if wants_weight { &one.weight.0[1] } else { &alone.pdf };
+                assert!(
+                    alone.weight.0[1].iter().zip(weights).all(|(a, b)| a == b || a.is_nan() && b.is_nan())
+                );
+            }
+            for i in 0..n {
+                for (batch, m) in [(&each, &mixtures[i]), (&one, &mixtures[0])] {
+                    let what = format!("{level:?}, {i} of {n} of {name}");
+                    let (sample, (value, pdf)) = m.sample_and_evaluate(u.at(i).to_array(), wi.at(i));
+                    let (d, weight) = (batch.direction.at(i), batch.weight.at(i));
+                    let found = Sample { direction: d, pdf: batch.pdf[i], weight };
+                    assert!(apart(&sample.unwrap(), &found) < 1e-2, "{what}: {sample:?} {found:?}");
+                    assert!((found.pdf / m.pdf(d) - 1.0).abs() < 1e-5, "{what}");
+                    let off = (batch.value.at(i) - value).abs().max_element();
+                    assert!(off <= OFF * value.abs().max_element() + 1e-30, "{what}");
+                    assert!((batch.density[i] - pdf).abs() <= OFF * pdf + 1e-30, "{what}");
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn the_processor_is_named_as_the_system_names_it() {
+    let name = Processor::this().to_string();
+    println!("{name}");
+    let Ok(text) = std::fs::read_to_string("/proc/cpuinfo") else { return };
+    let field = |name: &str| {
+        let is_it = |(key, value): (&str, &str)| (key.trim() == name).then(|| value.trim().to_owned());
+        text.lines().find_map(|line| is_it(line.split_once(':')?))
+    };
+    if let (Some(maker), Some(family), Some(model)) =
+        (field("vendor_id"), field("cpu family"), field("model"))
+    {
+        assert_eq!(name, format!("{maker}, family {family}, model {model}"));
+    }
 }

@@ -74,7 +74,8 @@ fn a_defensive_component_bounds_the_weight_and_keeps_the_mean() {
         let truth = |d: Vec3| {
             if domain == Domain::Hemisphere { d.z.max(0.0) * (0.5 + 0.5 * d.x) } else { 0.5 + 0.5 * d.x }
         };
-        let bound = defensive.max_weight(1.0);
+        let solid_angle = if domain == Domain::Hemisphere { 1.0 } else { 4.0 };
+        let bound = std::f32::consts::PI * solid_angle / 0.05;
         let mut sum = 0.0;
         const N: usize = 200_000;
         for _ in 0..N {

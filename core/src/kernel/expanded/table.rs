@@ -173,11 +173,6 @@ impl<'m> Expanded<'m> {
         &self.material
     }
 
-    /// Number of rows.
-    pub fn row_count(&self) -> usize {
-        self.rows
-    }
-
     /// The places of outgoing directions among the rows, by their angle from the normal: the row before, which
     /// [`whole`] reads, and how far beyond it, in [0, 1]. Anything for a NaN.
     #[inline(always)]
