@@ -382,6 +382,29 @@ public:
         return srbf_material_factor(material_, wo.data(), wi.data(), factor.data());
     }
     Status largest_factor(float &factor) const { return srbf_material_largest_factor(material_, &factor); }
+    /// One hit, without a mixture.
+    Status evaluate(const Vec3 &wo, const Vec3 &wi, Vec3 &value) const {
+        return srbf_material_evaluate(material_, wo.data(), wi.data(), value.data());
+    }
+    Status pdf(const Vec3 &wo, const Vec3 &wi, float &pdf) const {
+        return srbf_material_pdf(material_, wo.data(), wi.data(), &pdf);
+    }
+    Status evaluate_and_pdf(const Vec3 &wo, const Vec3 &wi, Vec3 &value, float &pdf) const {
+        return srbf_material_evaluate_and_pdf(material_, wo.data(), wi.data(), value.data(), &pdf);
+    }
+    Status sample(const Vec3 &wo, const Vec3 &u, srbf_sample &sample) const {
+        return srbf_material_sample(material_, wo.data(), u.data(), &sample);
+    }
+    Status sample_and_evaluate(const Vec3 &wo, const Vec3 &u, srbf_sample &sample, const Vec3 &wi, Vec3 &value,
+                               float &pdf) const {
+        return srbf_material_sample_and_evaluate(material_, wo.data(), u.data(), &sample, wi.data(), value.data(), &pdf);
+    }
+    Status prefetch(const Vec3 &wo) const { return srbf_material_prefetch(material_, wo.data()); }
+    /// n hits of this material; those of many materials are `srbf_material_ask`.
+    Status ask(std::size_t n, const srbf_request &request) const {
+        const srbf_material *material = material_;
+        return srbf_material_ask(&material, 1, n, &request);
+    }
     /// The material must outlive the mixture if it has factors.
     template <std::size_t Lobes>
     Status prepare(const Vec3 &wo, Mixture<Lobes> &mixture) const {

@@ -63,6 +63,14 @@ const _: () = {
     assert!(offset_of!(srbf_samples_out, direction) == 0);
     assert!(offset_of!(srbf_samples_out, pdf) == 4 * P);
     assert!(offset_of!(srbf_samples_out, weight) == 6 * P);
+    assert!(size_of::<srbf_request>() == 29 * P);
+    assert!(offset_of!(srbf_request, size) == 0);
+    assert!(offset_of!(srbf_request, wo) == P);
+    assert!(offset_of!(srbf_request, wi) == 5 * P);
+    assert!(offset_of!(srbf_request, u) == 9 * P);
+    assert!(offset_of!(srbf_request, value) == 13 * P);
+    assert!(offset_of!(srbf_request, pdf) == 17 * P);
+    assert!(offset_of!(srbf_request, samples) == 19 * P);
     assert!(size_of::<srbf_material_info>() == 8 * P);
     assert!(offset_of!(srbf_material_info, views) == 0);
     assert!(offset_of!(srbf_material_info, lobes) == P);

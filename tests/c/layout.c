@@ -69,6 +69,15 @@ OFFSET(srbf_samples_out, direction, 0);
 OFFSET(srbf_samples_out, pdf, 4 * P);
 OFFSET(srbf_samples_out, weight, 6 * P);
 
+SIZE(srbf_request, 29 * P);
+OFFSET(srbf_request, size, 0);
+OFFSET(srbf_request, wo, P);
+OFFSET(srbf_request, wi, 5 * P);
+OFFSET(srbf_request, u, 9 * P);
+OFFSET(srbf_request, value, 13 * P);
+OFFSET(srbf_request, pdf, 17 * P);
+OFFSET(srbf_request, samples, 19 * P);
+
 SIZE(srbf_material_info, 8 * P);
 OFFSET(srbf_material_info, views, 0);
 OFFSET(srbf_material_info, lobes, P);

@@ -229,6 +229,21 @@ static void pairs(const char *path) {
     CHECK(!material.sample_pairs_into(wo, u, again) && !material.sample_pdf_pairs_into(wo, u, drawn, pdf));
     CHECK(drawn[5][0] == again[5].direction[0] && !material.pdf_pairs_into(wo, drawn, near_pdf) && near_pdf[5] > 0);
     CHECK(!material.sample_and_evaluate_pairs_into(wo, u, samples, wi, towards, pdf) && samples[5].pdf > 0);
+    /* Hit by hit, and by a request. */
+    srbf_sample one;
+    srbf::Vec3 value, alone;
+    float density, same;
+    CHECK(!material.prefetch(wo[6]) && !material.sample_and_evaluate(wo[5], u[5], one, wi[5], value, density));
+    CHECK(std::fabs(value[0] - towards[5][0]) <= 1e-5f * value[0] && std::fabs(density - pdf[5]) <= 1e-5f * density);
+    CHECK(!material.sample(wo[5], u[5], samples[0]) && samples[0].pdf == one.pdf);
+    CHECK(!material.evaluate_and_pdf(wo[5], wi[5], alone, same) && alone == value && same == density);
+    CHECK(!material.evaluate(wo[5], wi[5], alone) && alone == value && !material.pdf(wo[5], wi[5], same) && same == density);
+    srbf_request request = {};
+    request.size = sizeof request;
+    request.wo = {&wo[0][0], &wo[0][1], &wo[0][2], sizeof wo[0]};
+    request.wi = {&wi[0][0], &wi[0][1], &wi[0][2], sizeof wi[0]};
+    request.pdf = {near_pdf.data(), sizeof(float)};
+    CHECK(!material.ask(n, request) && near_pdf == pdf);
     CHECK(!expanded.prepare(wo[7], mixture) && !mixture.pdf(wi[7], pdf[0]));
     CHECK(std::fabs(pdf[0] - exact_pdf[7]) <= 2e-3f * pdf[0]);
 
