@@ -9,7 +9,7 @@ use super::lobes::{Kept, NOTHING, choice, chosen_lobe, keep, numbers_of, sums};
 use crate::color::luminance;
 use crate::material::borrowed::{Material, MaterialRef};
 use crate::material::layout::{MAX_LOBES, f32_at};
-use crate::mixture::factors::Factors;
+use crate::mixture::factors::Nodes;
 use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::rows::{Mixture, Sample, drawn_density, weight_of};
 use crate::simd::detect::Level;
@@ -183,8 +183,8 @@ impl<const DRAWS: bool, const EVALUATES: bool> One<Hit<'_>> for Ask<DRAWS, EVALU
     #[inline(always)]
     fn run<L: Lanes>(hit: Hit<'_>, wo: [f32; 3]) -> Answer {
         let Some(outgoing) = facing::<L>(Vec3::from_array(wo)) else { return Answer::NOTHING };
-        // Not for a NaN.
-        if !(wo[2] >= 0.0) {
+        // What is a unit vector is no NaN.
+        if wo[2] < 0.0 {
             return Answer::NOTHING;
         }
         let header = hit.material.header;
@@ -222,7 +222,7 @@ fn answer<L: Lanes, const G: usize, const MIRRORED: bool, const DRAWS: bool, con
     let shines = power >= f32::MIN_POSITIVE;
     let inverse_power = if shines { 1.0 / power } else { 0.0 };
     let factors =
-        (hit.colors && header.has_factors()).then(|| Factors::new(material, outgoing.wo, place.among()));
+        (hit.colors && header.has_factors()).then(|| (Nodes::new(material), outgoing.wo.to_array()));
     let mut answer = Answer::NOTHING;
     // First, as it waits for less: what is drawn waits for the running sum.
     if EVALUATES {
@@ -274,14 +274,15 @@ impl<const G: usize> Lobes<G> {
         &self,
         direction: [f32; 3],
         inverse_power: f32,
-        factors: Option<&Factors<'_>>,
+        factors: Option<&(Nodes<'_>, [f32; 3])>,
     ) -> (Vec3, f32) {
-        // Not for a NaN.
-        if !(direction[2] >= 0.0) {
+        // False for a NaN too.
+        let above = direction[2] >= 0.0;
+        if !above {
             return (Vec3::ZERO, 0.0);
         }
         // First, as it is the longer chain of dependent operations: the lobes are summed beside it.
-        let factor = factors.map(|factors| factors.towards::<L::One>(direction));
+        let factor = factors.map(|(nodes, wo)| nodes.towards::<L::One>(*wo, direction));
         let sights: [Sight; 2] = if L::COUNT > 1 {
             self.squeeze.precise.see(direction, L::FUSED)
         } else {

@@ -20,7 +20,7 @@ use super::one::{Asked, ask_one};
 use crate::error::Error;
 use crate::material::borrowed::{Material, MaterialRef};
 #[cfg(feature = "simd")]
-use crate::mixture::factors::{Among, Factors};
+use crate::mixture::factors::Nodes;
 #[cfg(feature = "simd")]
 use crate::mixture::rows::{drawn_density, weight_of};
 #[cfg(feature = "simd")]
@@ -207,9 +207,9 @@ impl Hits<'_, '_> {
                 self.copy_out(value, weight);
             }
             if let Some(pdf) = &mut draw.pdf {
-                for i in 0..MOST {
-                    if power[i] > 0.0 {
-                        drawn.pdf[i] = drawn_density(drawn.pdf[i]);
+                for (density, &power) in drawn.pdf.iter_mut().zip(&*power) {
+                    if power > 0.0 {
+                        *density = drawn_density(*density);
                     }
                 }
                 self.copy_out(&[drawn.pdf], &mut [&mut **pdf]);
@@ -233,9 +233,8 @@ impl Hits<'_, '_> {
         if materials.iter().all(|material| !material.header.has_factors()) {
             return;
         }
-        let first = materials[0];
-        if materials.iter().all(|material| core::ptr::eq(material.bytes, first.bytes)) {
-            let factors = Factors::new(first, Vec3::Z, Among::NOWHERE);
+        let first = Nodes::new(materials[0]);
+        if materials.iter().all(|material| first.is(&Nodes::new(*material))) {
             // What is no direction has no factor, and 0 times that may be none either.
             let (mut outgoing, mut incident) = (*wo, *wi);
             for i in 0..MOST {
@@ -243,17 +242,17 @@ impl Hits<'_, '_> {
                     outgoing.iter_mut().chain(&mut incident).for_each(|component| component[i] = 0.5);
                 }
             }
-            multiply_pairs(level, &factors, &outgoing, &incident, &mut sums.value);
+            multiply_pairs(level, &first, &outgoing, &incident, &mut sums.value);
             return;
         }
         for (i, material) in materials.iter().enumerate().take(count) {
+            let nodes = Nodes::new(*material);
             let is_dark = sums.value.iter().all(|channel| channel[i] == 0.0);
-            if material.header.has_factors() && !is_dark {
-                let wo = Vec3::new(wo[0][i], wo[1][i], wo[2][i]);
-                let factors = Factors::new(*material, wo, Among::NOWHERE);
-                let factor = level.run_one::<_, Factor>(&factors, [wi[0][i], wi[1][i], wi[2][i]]);
-                for channel in 0..3 {
-                    sums.value[channel][i] *= factor[channel];
+            if !nodes.is_none() && !is_dark {
+                let pair = (&nodes, [wo[0][i], wo[1][i], wo[2][i]]);
+                let factor = level.run_one::<_, Factor>(pair, [wi[0][i], wi[1][i], wi[2][i]]);
+                for (channel, factor) in sums.value.iter_mut().zip(factor) {
+                    channel[i] *= factor;
                 }
             }
         }
@@ -305,11 +304,11 @@ fn copy_ends<const K: usize>(from: &[f32], to: &mut [f32], n: usize) {
 struct Factor;
 
 #[cfg(feature = "simd")]
-impl One<&Factors<'_>> for Factor {
+impl One<(&Nodes<'_>, [f32; 3])> for Factor {
     type Output = [f32; 3];
     const IS_WIDE: bool = false;
     #[inline(always)]
-    fn run<L: Lanes>(factors: &Factors<'_>, direction: [f32; 3]) -> [f32; 3] {
-        factors.towards::<L::One>(direction).to_array()
+    fn run<L: Lanes>((nodes, wo): (&Nodes<'_>, [f32; 3]), wi: [f32; 3]) -> [f32; 3] {
+        nodes.towards::<L::One>(wo, wi).to_array()
     }
 }
