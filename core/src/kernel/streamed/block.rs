@@ -17,7 +17,7 @@ use crate::simd::routine::Routine;
 use core::f32::consts::FRAC_1_PI;
 
 /// At most [`MOST`] hits, of which [`Room`] has the numbers. `G`: groups of sixteen lobes, at least as many as there are.
-pub(super) struct Block<'a, 'm, const G: usize> {
+pub(super) struct HitBlock<'a, 'm, const G: usize> {
     pub materials: &'a [MaterialRef<'m>; MOST],
     pub count: usize,
     /// Whether directions are to be drawn, and materials evaluated towards others.
@@ -67,7 +67,7 @@ pub(super) struct Sums {
     pub pdf: Numbers,
 }
 
-impl<const G: usize> Routine for Block<'_, '_, G> {
+impl<const G: usize> Routine for HitBlock<'_, '_, G> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {

@@ -13,7 +13,7 @@ use super::super::request::{Request, at};
 use super::super::sights::{MOST, Numbers};
 use super::super::slices::same_length;
 #[cfg(feature = "simd")]
-use super::block::{Block, Room, Sums};
+use super::block::{HitBlock, Room, Sums};
 #[cfg(feature = "simd")]
 use super::one::GROUPS;
 use super::one::{Asked, ask_one};
@@ -194,7 +194,7 @@ impl Hits<'_, '_> {
             self.copy_in(&towards.wi, &mut room.wi);
         }
         let (draws, evaluates) = (request.draw.is_some(), request.evaluate.is_some());
-        level.run(Block::<G> { materials, count, draws, evaluates, room: &mut *room });
+        level.run(HitBlock::<G> { materials, count, draws, evaluates, room: &mut *room });
         let Room { wo, wi, direction, drawn, towards, power, .. } = room;
         if let Some(draw) = &mut request.draw {
             if let Some(weight) = &mut draw.weight {
