@@ -3,10 +3,10 @@
 
 use crate::convert::{direction, uniform};
 use crate::guard::guard;
-use crate::material::material;
+use crate::material::{material, srbf_material};
 use crate::pointers::{Out, read_array};
-use crate::single::drawn;
-use crate::{srbf_material, srbf_sample, srbf_status};
+use crate::single::{drawn, srbf_sample};
+use crate::status::srbf_status;
 
 /// Evaluates `f cos` for an outgoing and an incident direction; 1/sr.
 ///

@@ -5,6 +5,7 @@ use crate::environment::{srbf_light_sample, srbf_product_sample, srbf_product_sa
 use crate::lobe::srbf_lobe;
 use crate::material::{srbf_material_info, srbf_plane_lobe, srbf_view};
 use crate::mixture::srbf_mixture_info;
+use crate::request::srbf_request;
 use crate::single::srbf_sample;
 use crate::status::srbf_status;
 use crate::streams::{srbf_numbers_out, srbf_vectors, srbf_vectors_out};

@@ -1,11 +1,12 @@
 //! One way to ask: outputs that are given are outputs that are wanted.
 #![allow(unsafe_code)]
 
+use crate::batch::srbf_samples_out;
 use crate::guard::{Failure, Outcome, guard};
-use crate::material::material;
+use crate::material::{material, srbf_material};
 use crate::pointers::{apart, check_apart, read, slice};
+use crate::status::{SRBF_STATUS_ARGUMENT, SRBF_STATUS_OVERLAP, SRBF_STATUS_SIZE, srbf_status};
 use crate::streams::{BLOCK, Stream, srbf_numbers_out, srbf_vectors, srbf_vectors_out};
-use crate::{SRBF_STATUS_ARGUMENT, SRBF_STATUS_OVERLAP, srbf_material, srbf_samples_out, srbf_status};
 use core::ops::Range;
 use srbf_core::{Draws, Material, Request, Towards};
 
@@ -105,8 +106,8 @@ impl Arrays {
         if apart(hull, object) {
             return Ok(());
         }
-        let extents = self.outputs.iter().flatten().map(|stream| stream.extent(self.count));
-        extents.into_iter().try_for_each(|extent| check_apart(&extent, object))
+        let mut extents = self.outputs.iter().flatten().map(|stream| stream.extent(self.count));
+        extents.try_for_each(|extent| check_apart(&extent, object))
     }
 
     /// Calls core with the arrays from `from` on, `len` of them, at most [`BLOCK`].
@@ -173,7 +174,7 @@ pub unsafe extern "C" fn srbf_material_ask(
         }
         // SAFETY: the header's contract; of a request of another size no more than that is read.
         if unsafe { read(request.cast::<usize>())? } != size_of::<srbf_request>() {
-            return Err(crate::SRBF_STATUS_SIZE.into());
+            return Err(SRBF_STATUS_SIZE.into());
         }
         if material_count != 1 && material_count != n {
             return Err(SRBF_STATUS_ARGUMENT.into());

@@ -321,8 +321,8 @@ fn mixtures_answer_requests_as_they_answer_one_by_one() {
                     alone.weight.0[1].iter().zip(weights).all(|(a, b)| a == b || a.is_nan() && b.is_nan())
                 );
             }
-            for i in 0..n {
-                for (batch, m) in [(&each, &mixtures[i]), (&one, &mixtures[0])] {
+            for (i, of_hit) in mixtures.iter().enumerate() {
+                for (batch, m) in [(&each, of_hit), (&one, &mixtures[0])] {
                     let what = format!("{level:?}, {i} of {n} of {name}");
                     let (sample, (value, pdf)) = m.sample_and_evaluate(u.at(i).to_array(), wi.at(i));
                     let (d, weight) = (batch.direction.at(i), batch.weight.at(i));
