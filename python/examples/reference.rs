@@ -25,7 +25,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut parts = out.iter_mut().map(|row| &mut row[..]);
     let mut next = || parts.next().expect("fourteen rows");
     let (value, pdf) = ([next(), next(), next()], next());
-    let samples = SamplesMut { direction: [next(), next(), next()], pdf: next(), weight: [next(), next(), next()] };
+    let samples =
+        SamplesMut { direction: [next(), next(), next()], pdf: next(), weight: [next(), next(), next()] };
     let albedo = [next(), next(), next()];
     material.evaluate_and_pdf_pairs_into(wo, wi, value, pdf)?;
     material.sample_pairs_into(wo, u, samples)?;

@@ -95,7 +95,8 @@ pub fn fit<'py>(
     let (input, first_line) = match &from {
         From::Table(table) => {
             let source = &table.get().source;
-            let hash = if source.sha256.is_empty() { String::new() } else { format!(" sha256 {}", source.sha256) };
+            let hash =
+                if source.sha256.is_empty() { String::new() } else { format!(" sha256 {}", source.sha256) };
             let input = Input { name: source.name.clone(), sha256: source.sha256.clone() };
             (input, format!("{}{hash}\n", source.name))
         }
@@ -181,10 +182,13 @@ fn factor_nodes(factors: Option<&Bound<'_, PyAny>>) -> PyResult<FactorNodes> {
         return match word.as_str() {
             "chosen" => Ok(FactorNodes::Chosen),
             "none" => Ok(FactorNodes::None),
-            _ => Err(PyValueError::new_err(format!("factors: \"chosen\", \"none\" or (half, difference), not {word:?}"))),
+            _ => Err(PyValueError::new_err(format!(
+                "factors: \"chosen\", \"none\" or (half, difference), not {word:?}"
+            ))),
         };
     }
-    let expected = |_| PyValueError::new_err("factors: \"chosen\", \"none\" or (half, difference) is expected");
+    let expected =
+        |_| PyValueError::new_err("factors: \"chosen\", \"none\" or (half, difference) is expected");
     Ok(FactorNodes::Given(factors.extract::<[usize; 2]>().map_err(expected)?))
 }
 
@@ -192,7 +196,8 @@ fn from(source: &Bound<'_, PyAny>, symmetry: &str, stop: &Stop) -> PyResult<From
     if source.is_callable() {
         let found = SYMMETRIES.iter().find(|s| s.0 == symmetry);
         let expected = || {
-            let text = format!("symmetry: isotropic, quadrant, half turn or none is expected, not {symmetry:?}");
+            let text =
+                format!("symmetry: isotropic, quadrant, half turn or none is expected, not {symmetry:?}");
             PyValueError::new_err(text)
         };
         let symmetry = found.ok_or_else(expected)?.1;

@@ -374,12 +374,9 @@ impl Material {
         put("color", color, &[views, lobes, 3])?;
         let [half, difference] = m.factor_nodes().unwrap_or_default();
         let node = |i: usize| m.factor_node(i / difference, i % difference);
-        put(
-            "factors",
-            (0..half * difference).filter_map(node).flatten().collect(),
-            &[half, difference, 3],
-        )?;
-        let differences: Vec<f32> = (0..views).filter_map(|v| m.view_albedo_difference(v)).flatten().collect();
+        put("factors", (0..half * difference).filter_map(node).flatten().collect(), &[half, difference, 3])?;
+        let differences: Vec<f32> =
+            (0..views).filter_map(|v| m.view_albedo_difference(v)).flatten().collect();
         let rows = differences.len() / 3;
         put("albedo_difference", differences, &[rows, 3])?;
         dict.set_item("squeezed", m.squeezed_count())?;

@@ -39,10 +39,8 @@ def reference(path, wo, wi, u):
     return np.frombuffer(out, "<f4").reshape(14, -1).T
 
 
-@pytest.fixture(scope="session")
-def materials(tmp_path_factory):
-    """Paths of materials by name: isotropic and anisotropic, with factors and without."""
-    folder = tmp_path_factory.mktemp("materials")
+def make_materials(folder):
+    """Writes materials, and returns their paths by name: isotropic and anisotropic, with factors and without, and the presets."""
     made = {
         "isotropic": srbf.fit("model:ggx:alpha=0.2,f0=0.9/0.5/0.1", lobes=5, factors="none", **QUICK),
         "factors": srbf.fit("model:ggx:alpha=0.15,f0=0.9/0.5/0.1,diffuse=0.1", lobes=4, factors=(8, 6), **QUICK),
@@ -50,5 +48,10 @@ def materials(tmp_path_factory):
     }
     for name, material in made.items():
         material.save(folder / f"{name}.srbf")
-    paths = {name: folder / f"{name}.srbf" for name in made}
-    return paths | {path.stem: path for path in PRESETS}
+    return {name: folder / f"{name}.srbf" for name in made} | {path.stem: path for path in PRESETS}
+
+
+@pytest.fixture(scope="session")
+def materials(tmp_path_factory):
+    """Those, once."""
+    return make_materials(tmp_path_factory.mktemp("materials"))
