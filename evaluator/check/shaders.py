@@ -18,7 +18,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python/tes
 from conftest import make_materials, reference, spread  # noqa: E402
 
 N = 4096
-BOUNDS = {"value": 2e-4, "density": 2e-4, "direction": 2e-4, "density there": 5e-4, "weight": 5e-4, "albedo": 2e-4}
+BOUNDS = {"value": 3e-4, "density": 3e-4, "direction": 2e-4, "density there": 5e-4, "weight": 5e-4, "albedo": 3e-4}
 
 WGSL = (
     """@group(0) @binding(0) var<storage, read> words: array<u32>;

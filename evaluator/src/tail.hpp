@@ -24,4 +24,4 @@ inline int srbf_check(const uint32_t *words, size_t count) {
 }
 #endif
 
-} // namespace srbf
+} // namespace srbf_device_device
