@@ -78,7 +78,7 @@ def test_arrays_that_are_no_samples_are_named(change, text):
 
 
 def test_a_function_of_python():
-    made = srbf.fit(lobe, lobes=2, **dict(QUICK, views=2, factors="none"))
+    made = srbf.fit(lobe, lobes=2, **dict(QUICK, views=2, factors="none", starts=1, steps=2))
     wo, wi, _ = spread(200)
     want = np.array([lobe(o, i) for o, i in zip(wo.astype(float), wi.astype(float))]) * wi[:, 2:]
     assert np.linalg.norm(made.evaluate(wo, wi) - want) < 0.3 * np.linalg.norm(want)
@@ -102,7 +102,7 @@ def test_an_exception_of_the_function_ends_the_fit():
 
 def test_progress_is_shown_and_rises():
     seen = []
-    srbf.fit("model:ggx:alpha=0.1,f0=0.9", lobes=8, starts=6, steps=20, exchanges=2, progress=seen.append)
+    srbf.fit("model:ggx:alpha=0.1,f0=0.9", lobes=4, starts=2, steps=8, exchanges=0, views=4, progress=seen.append)
     assert seen and all(0 <= share <= 1 for share in seen) and seen[-1] > seen[0]
 
 
@@ -128,7 +128,7 @@ def test_an_interruption_ends_the_fit():
 
 
 def test_a_bar_is_drawn_where_it_is_asked_for():
-    code = "import srbf_brdf as s; s.fit('model:ggx:alpha=0.1,f0=0.9', lobes=6, starts=4, steps=20, exchanges=1, progress=%s)"
+    code = "import srbf_brdf as s; s.fit('model:ggx:alpha=0.1,f0=0.9', lobes=2, starts=1, steps=4, exchanges=0, views=4, progress=%s)"
     run = lambda how: subprocess.run([sys.executable, "-c", code % how], stderr=subprocess.PIPE, check=True).stderr
     assert b"\rfit [" in run("True")
     assert run("None") == b"" and run("False") == b""

@@ -29,7 +29,7 @@ def test_values_are_those_of_core_bit_for_bit(materials):
         np.testing.assert_allclose(there, pdf, rtol=1e-5)
 
 
-def round_the_mirror(wo, n=(1500, 400)):
+def round_the_mirror(wo, n=(1000, 300)):
     """Directions round the mirror direction, dense close to it, and the solid angle of each."""
     t, phi = np.meshgrid((np.arange(n[0]) + 0.5) / n[0], 2 * np.pi * (np.arange(n[1]) + 0.5) / n[1])
     angle = np.pi * t**3
@@ -136,7 +136,7 @@ def test_pictures(tmp_path):
 
 
 def test_other_formats_come_back(tmp_path):
-    material = srbf.fit("model:ggx:alpha=0.3,f0=0.6,diffuse=0.2", lobes=4, starts=1, steps=20, exchanges=0, views=6, progress=False)
+    material = srbf.fit("model:ggx:alpha=0.3,f0=0.6,diffuse=0.2", lobes=3, starts=1, steps=8, exchanges=0, views=4, progress=False)
     wo, wi, _ = spread(500)
     # Not grazing, where grids of half vectors are coarse.
     keep = (wo[:, 2] > 0.3) & (wi[:, 2] > 0.2)
