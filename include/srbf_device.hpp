@@ -78,8 +78,8 @@ SRBF_FN float srbf_exp2(float a) {
 }
 #endif
 
-// A material, evaluated and drawn from by the bytes of its .srbf file (version 2), which are read in place as little-endian words of 32
-// bits. Directions are unit vectors in the shading frame, +z the normal; wo towards the viewer, wi towards the light. Values are f cos,
+// A material, evaluated and drawn from by the bytes of its .srbf file (versions 2 and 3), which are read in place as little-endian words
+// of 32 bits. Directions are unit vectors in the shading frame, +z the normal; wo towards the viewer, wi towards the light. Values are f cos,
 // the BRDF times the cosine of wi, in linear sRGB, 1/sr; densities are per solid angle, 1/sr.
 
 struct SrbfMaterial {       // what the header says
@@ -98,8 +98,11 @@ struct SrbfMaterial {       // what the header says
     int numbers;            // before the numbers of the lobes that are not their angles, within the rows;
     int differences;        // before what the factors change of the albedos,
     int nodes;              // and before the nodes of the factors
+    int node_bits;          // of a channel of a node, in one word if 10, in three bytes if 8
+    float node_unit;        // what a code is multiplied by before it is squared
     int half_nodes;         // nodes along the half angle, or 0
-    int difference_nodes;
+    int difference_nodes;   // along the difference angle
+    int azimuth_nodes;      // and along the squared cosine of the azimuth
 };
 
 struct SrbfLobe { vec3 axis; float sharpness; float y; vec3 colour; float integral; };  // y is its luminance
@@ -135,13 +138,15 @@ SRBF_FN float srbf_float(const uint32_t *data, int i) { return srbf_bits(data[i]
 SRBF_FN SrbfMaterial srbf_material(const uint32_t *data) {
     SrbfMaterial m;
     bool is_line = srbf_int(data, 3) == 0;
+    bool is_old = srbf_int(data, 2) == 2;
+    int ring = (is_old ? 9 : 8);
     m.data = data;
     m.angles = srbf_int(data, 5);
     m.lobes = srbf_int(data, 6);
     m.squeezed = srbf_int(data, 7);
-    m.mirrored = (is_line ? srbf_int(data, 9) : 0);
-    m.azimuths = (is_line ? 0 : srbf_int(data, 9));
-    m.turn_views = float(m.azimuths * srbf_int(data, 10));
+    m.mirrored = (is_line ? srbf_int(data, ring) : 0);
+    m.azimuths = (is_line ? 0 : srbf_int(data, ring));
+    m.turn_views = float(m.azimuths * srbf_int(data, ring + 1));
     m.views = (is_line ? m.angles : 1 + (m.angles - 1) * m.azimuths);
     m.heads = 12 + m.angles;
     m.head = (is_line ? 4 : 6);
@@ -149,9 +154,25 @@ SRBF_FN SrbfMaterial srbf_material(const uint32_t *data) {
     m.row = (is_line ? 5 * m.lobes + m.mirrored : 6 * m.lobes);
     m.numbers = m.rows + (is_line ? m.lobes : 2 * m.lobes);
     m.differences = m.rows + m.views * m.row;
-    m.nodes = m.differences + 3 * m.views + 1;
+    m.node_bits = 10;
+    m.node_unit = 1.0f / 360.0f;
     m.half_nodes = srbf_int(data, 11) & 65535;
     m.difference_nodes = srbf_int(data, 11) >> 16;
+    m.azimuth_nodes = 1;
+    if (!is_old) {
+        // Blocks follow the lobes: tag, bytes, content. Their end is the checksum, the last word.
+        int end = srbf_int(data, 4) / 4 - 1;
+        int at = m.differences;
+        while (at < end && srbf_int(data, at) != 1413693766) { at += 2 + (srbf_int(data, at + 1) + 3) / 4; }
+        int nodes = (at < end ? srbf_int(data, at + 2) : 0);
+        m.half_nodes = nodes & 255;
+        m.difference_nodes = (nodes >> 8) & 255;
+        m.azimuth_nodes = (nodes >> 16) & 255;
+        m.differences = at + 3;
+        m.node_bits = 8;
+        if (m.half_nodes > 0) { m.node_unit = srbf_sqrt(srbf_float(data, m.differences + 3 * m.views)) / 255.0f; }
+    }
+    m.nodes = m.differences + 3 * m.views + 1;
     return m;
 }
 
@@ -336,28 +357,47 @@ SRBF_FN vec3 srbf_albedo(const SrbfMaterial &m, const SrbfView &v) {
     return v.albedo + change * v.power;
 }
 
-// A node of the factors: three codes of ten bits.
-SRBF_FN vec3 srbf_node(const SrbfMaterial &m, int i, int j) {
-    uint32_t code = m.data[m.nodes + i * m.difference_nodes + j];
-    vec3 q = vec3(float(code & 1023u), float((code >> 10) & 1023u), float((code >> 20) & 1023u)) * (1.0f / 360.0f);
+// A node of the factors: three codes.
+SRBF_FN vec3 srbf_node(const SrbfMaterial &m, int node) {
+    uint32_t bits = uint32_t(m.node_bits);
+    uint32_t mask = (1u << bits) - 1u;
+    int start = (m.node_bits == 8 ? 3 * node : 4 * node);
+    uint32_t shift = uint32_t(8 * (start & 3));
+    uint32_t code = m.data[m.nodes + start / 4] >> shift;
+    if (shift > 8u) { code = code | (m.data[m.nodes + start / 4 + 1] << (32u - shift)); }
+    vec3 q = vec3(float(code & mask), float((code >> bits) & mask), float((code >> (bits + bits)) & mask)) * m.node_unit;
     return q * q;
 }
 
-// What the lobes are multiplied by, from a table over (1 - h.z)^(1/4) and (1 - h.wo)^(1/2), h the half direction.
-SRBF_FN vec3 srbf_factor(const SrbfMaterial &m, vec3 wo, vec3 wi) {
-    if (m.half_nodes == 0) { return vec3(1.0f, 1.0f, 1.0f); }
-    vec3 s = wi + wo;
-    vec3 d = wi - wo;
-    float n = srbf_sqrt(srbf_dot(s, s));
-    float a = srbf_sqrt(srbf_sqrt((s.x * s.x + s.y * s.y) / srbf_max(n * n + srbf_max(s.z, 0.0f) * n, 1e-30f))) * float(m.half_nodes - 1);
-    float b = srbf_sqrt(srbf_dot(d, d) / (4.0f + 2.0f * n)) * float(m.difference_nodes - 1);
+// Factors at one azimuth, from node `first` on; (a, b) is the place among its nodes.
+SRBF_FN vec3 srbf_plane(const SrbfMaterial &m, int first, float a, float b) {
     int i = srbf_min(int(a), m.half_nodes - 2);
     int j = srbf_min(int(b), m.difference_nodes - 2);
     float x = srbf_min(a - float(i), 1.0f);
     float y = srbf_min(b - float(j), 1.0f);
-    vec3 first_row = srbf_node(m, i, j) * (1.0f - y) + srbf_node(m, i, j + 1) * y;
-    vec3 second_row = srbf_node(m, i + 1, j) * (1.0f - y) + srbf_node(m, i + 1, j + 1) * y;
+    int node = first + i * m.difference_nodes + j;
+    vec3 first_row = srbf_node(m, node) * (1.0f - y) + srbf_node(m, node + 1) * y;
+    vec3 second_row = srbf_node(m, node + m.difference_nodes) * (1.0f - y) + srbf_node(m, node + m.difference_nodes + 1) * y;
     return first_row * (1.0f - x) + second_row * x;
+}
+
+// What the lobes are multiplied by, from a table over (1 - h.z)^(1/4), (1 - h.wo)^(1/2) and the squared cosine of the azimuth of wo round h, h the
+// half direction.
+SRBF_FN vec3 srbf_factor(const SrbfMaterial &m, vec3 wo, vec3 wi) {
+    if (m.half_nodes == 0) { return vec3(1.0f, 1.0f, 1.0f); }
+    vec3 s = wi + wo;
+    vec3 d = wi - wo;
+    float n2 = srbf_dot(s, s);
+    float n = srbf_sqrt(n2);
+    float across = s.x * s.x + s.y * s.y;
+    float a = srbf_sqrt(srbf_sqrt(across / srbf_max(n2 + srbf_max(s.z, 0.0f) * n, 1e-30f))) * float(m.half_nodes - 1);
+    float b = srbf_sqrt(srbf_dot(d, d) / (4.0f + 2.0f * n)) * float(m.difference_nodes - 1);
+    if (m.azimuth_nodes == 1) { return srbf_plane(m, 0, a, b); }
+    float c = srbf_min(d.z * d.z * n2 / srbf_max(srbf_dot(d, d) * across, 1e-30f), 1.0f) * float(m.azimuth_nodes - 1);
+    int k = srbf_min(int(c), m.azimuth_nodes - 2);
+    float z = c - float(k);
+    int size = m.half_nodes * m.difference_nodes;
+    return srbf_plane(m, k * size, a, b) * (1.0f - z) + srbf_plane(m, (k + 1) * size, a, b) * z;
 }
 
 // f cos for an incident direction, and the density of srbf_sample there.
@@ -409,7 +449,8 @@ SRBF_FN SrbfSample srbf_sample(const SrbfMaterial &m, const SrbfView &v, vec3 ra
             if (goal < sum || k + 1 == m.lobes + m.mirrored) { break; }
         }
         float x = random.y * srbf_inside(lobe.sharpness);
-        float w = (x < 0.05f ? x * (1.0f + x * (0.5f + x * (0.33333333f + x * (0.25f + x * (0.2f + x * 0.16666667f))))) : -srbf_log(srbf_max(1.0f - x, 1e-37f))) / lobe.sharpness;
+        // 1 - u is exact for large u, where 1 - x would lose digits.
+        float w = (x < 0.05f ? x * (1.0f + x * (0.5f + x * (0.33333333f + x * (0.25f + x * (0.2f + x * 0.16666667f))))) : -srbf_log(srbf_max((1.0f - random.y) + random.y * srbf_exp2(-2.88539008f * lobe.sharpness), 1e-37f))) / lobe.sharpness;
         w = srbf_min(w, 2.0f);
         across = srbf_sqrt(w * (2.0f - w));
         vec3 n = lobe.axis;
@@ -438,19 +479,43 @@ inline int srbf_check(const uint32_t *words, size_t count) {
     for (int i = 0; i < 2; i++) {
         if (words[i] != magic[i]) { return i + 1; }
     }
-    if (words[2] != 2u) { return 3; }
+    if (words[2] != 2u && words[2] != 3u) { return 3; }
     if (words[3] > 1u) { return 4; }
+    // The last word may be there in part, but in version 3.
+    if (words[4] > 0x7fffffffu || (size_t(words[4]) + 3) / 4 > count || (words[2] == 3u && words[4] % 4u != 0u)) { return 5; }
     if (words[5] < 1u || words[5] > 1024u) { return 6; }
     if (words[6] < 1u || words[6] > 64u) { return 7; }
     if (words[7] > words[6]) { return 8; }
-    if (words[3] == 0u && (words[9] > words[6] || words[9] + words[6] > 64u)) { return 10; }
-    if (words[3] == 1u && (words[9] < 1u || words[9] > 64u)) { return 10; }
-    if (words[3] == 1u && (words[10] < 1u || words[10] > 2u)) { return 11; }
-    uint32_t half = words[11] & 65535u, difference = words[11] >> 16;
-    if (words[11] != 0u && (half < 2u || half > 32u || difference < 2u || difference > 32u)) { return 12; }
+    const int ring = words[2] == 2u ? 9 : 8;
+    if (words[3] == 0u && (words[ring] > words[6] || words[ring] + words[6] > 64u)) { return ring + 1; }
+    if (words[3] == 1u && (words[ring] < 1u || words[ring] > 64u)) { return ring + 1; }
+    if (words[3] == 1u && (words[ring + 1] < 1u || words[ring + 1] > 2u)) { return ring + 2; }
+    // The lobes first, before what stands behind them is looked at.
+    const size_t angles = words[5], lobes = words[6], views = words[3] == 0u ? angles : 1 + (angles - 1) * words[ring];
+    const size_t row = words[3] == 0u ? 5 * lobes + words[ring] : 6 * lobes;
+    const size_t end_of_lobes = 12 + angles + views * ((words[3] == 0u ? 4 : 6) + row);
+    const size_t end_of_all = size_t(words[4]) / 4;
+    if (views > 4096 || end_of_lobes >= end_of_all) { return 5; }
+    if (words[2] == 3u) {
+        const uint32_t lobe = 0x45424f4cu, factors = 0x54434146u;
+        if (words[10] != lobe || words[11] != 4 * (end_of_lobes - 12)) { return 11; }
+        size_t at = end_of_lobes;
+        while (at + 1 < end_of_all) {
+            // A block that this text does not know and may not leave out begins with a capital letter.
+            if (words[at] != factors && (words[at] & 32u) == 0u) { return int(at) + 1; }
+            if (size_t(words[at + 1]) > 4 * (end_of_all - at)) { return int(at) + 2; }
+            if (words[at] == factors) { break; }
+            at += 2 + (size_t(words[at + 1]) + 3) / 4;
+        }
+        if (at + 1 >= end_of_all) { return 0; }
+        if (at + 3 >= end_of_all) { return int(at) + 1; }
+    }
     SrbfMaterial m = srbf_material(words);
-    size_t end = size_t(half > 0u ? m.nodes : m.differences) + size_t(half) * difference;
-    return end < count ? 0 : -1;
+    if (m.half_nodes == 0) { return words[2] == 2u && words[11] == 0u ? 0 : 12; }
+    if (m.half_nodes < 2 || m.half_nodes > 32 || m.difference_nodes < 2 || m.difference_nodes > 32) { return 12; }
+    if (m.azimuth_nodes < 1 || m.azimuth_nodes > 8) { return 12; }
+    const size_t nodes = size_t(m.half_nodes) * m.difference_nodes * m.azimuth_nodes;
+    return size_t(m.nodes) + (m.node_bits == 8 ? (3 * nodes + 3) / 4 : nodes) < end_of_all + (words[2] == 2u ? 1 : 0) ? 0 : -1;
 }
 #endif
 

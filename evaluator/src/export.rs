@@ -101,13 +101,13 @@ pub fn json(material: &Material<impl AsRef<[u8]>>) -> String {
         )
     };
     let views: Vec<String> = (0..material.view_count()).map(view).collect();
-    let [half, difference] = material.factor_nodes().unwrap_or_default();
-    let nodes: Vec<String> = (0..half * difference)
-        .filter_map(|i| material.factor_node(i / difference, i % difference))
+    let [half, difference, azimuth] = material.factor_nodes().unwrap_or_default();
+    let nodes: Vec<String> = (0..azimuth * half * difference)
+        .filter_map(|i| material.factor_node(i / difference % half, i % difference, i / difference / half))
         .map(|node| numbers(&node))
         .collect();
     format!(
-        "{{\n  \"is_isotropic\": {},\n  \"squeezed\": {},\n  \"mirrored\": {},\n  \"provenance\": {},\n  \"factor_nodes\": [{half}, {difference}],\n  \"factors\": [{}],\n  \"views\": [\n{}\n  ]\n}}\n",
+        "{{\n  \"is_isotropic\": {},\n  \"squeezed\": {},\n  \"mirrored\": {},\n  \"provenance\": {},\n  \"factor_nodes\": [{half}, {difference}, {azimuth}],\n  \"factors\": [{}],\n  \"views\": [\n{}\n  ]\n}}\n",
         material.is_isotropic(),
         material.squeezed_count(),
         material.mirrored_count(),

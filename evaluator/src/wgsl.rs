@@ -106,7 +106,9 @@ fn shifts(code: &str) -> String {
     while let Some(at) = rest.find(">> ") {
         let digits = rest[at + 3..].chars().take_while(char::is_ascii_digit).count();
         made += &rest[..at + 3 + digits];
-        made.push('u');
+        if digits > 0 {
+            made.push('u');
+        }
         rest = &rest[at + 3 + digits..];
     }
     made + rest

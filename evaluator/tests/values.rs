@@ -1,6 +1,8 @@
 //! The text as C++ and as Metal, compiled and run beside the library.
 
-use srbf_core::{Grid, GridView, MAX_LOBES, Material, Mixture, SamplesMut, TiltedLobe};
+use srbf_core::{
+    FactorTable, Grid, GridView, Line, MAX_LOBES, Material, Mixture, PlaneLobe, SamplesMut, TiltedLobe, View,
+};
 use srbf_evaluator::{Language, export, text};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -75,6 +77,43 @@ fn brushed() -> Vec<u8> {
     let grid = Grid { thetas: &thetas, azimuths, turns: 2, views: &made, squeezed: 3, factors: None };
     let mut bytes = vec![0; grid.encoded_len("made by tests")];
     let written = grid.encode("made by tests", &mut bytes).expect("the material is valid");
+    bytes.truncate(written);
+    bytes
+}
+
+/// Mirrored lobes, and factors that depend on the azimuth, an odd number of them.
+fn factored() -> Vec<u8> {
+    let thetas = [0.0, 0.4, 0.9, 1.4];
+    let lobes = thetas.map(|theta| {
+        [0, 1, 2, 3].map(|k| PlaneLobe {
+            angle: theta * (1.0 + 0.05 * k as f32),
+            off_plane: if k == 3 { 0.3 * theta } else { 0.0 },
+            log2_sharpness: 8.0 - 2.0 * k as f32,
+            log2_luminance: 1.0 - 2.0 * k as f32,
+            color_differences: [0.4, -0.2],
+        })
+    });
+    let views = [0, 1, 2, 3].map(|v| View {
+        theta: thetas[v],
+        log2_squeeze: -thetas[v],
+        log2_diffuse: -4.0,
+        diffuse_color_differences: [0.1, 0.2],
+        lobes: &lobes[v],
+    });
+    let (half, difference, azimuth) = (5, 7, 3);
+    // Where there is no azimuth, nodes are the same for all.
+    let factor = |n: usize| {
+        let (i, j, k) = (n / difference % half, n % difference, n / difference / half);
+        let turned = if i == 0 || j == 0 { 0 } else { k };
+        [0.3 * (1 + i) as f32, 1.0 + 0.2 * turned as f32, 0.25 * (1 + j) as f32]
+    };
+    let factors: Vec<[f32; 3]> = (0..half * difference * azimuth).map(factor).collect();
+    let albedo_differences = [[-0.25, 0.5, -0.125], [-0.25, 0.5, 0.25], [0.1, 0.2, 0.3], [0.0, 0.1, 0.2]];
+    let factors =
+        FactorTable { half, difference, azimuth, factors: &factors, albedo_differences: &albedo_differences };
+    let line = Line { views: &views, squeezed: 2, mirrored: 1, factors: Some(factors) };
+    let mut bytes = vec![0; line.encoded_len("made by tests")];
+    let written = line.encode("made by tests", &mut bytes).expect("the material is valid");
     bytes.truncate(written);
     bytes
 }
@@ -194,15 +233,17 @@ fn check(name: &str, language: Language, got: &[Vec<f32>], want: &[Vec<f32>]) {
 fn cpp_and_metal_say_what_the_library_says() {
     let programs =
         [(Language::Cpp, compile(Language::Cpp, &[])), (Language::Metal, compile(Language::Metal, &[]))];
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("brushed.srbf");
-    std::fs::write(&path, brushed()).expect("the target folder can be written");
     let presets = std::fs::read_dir(root().join("presets")).expect("presets are there");
     let mut materials: Vec<PathBuf> = presets
         .map(|entry| entry.expect("a file").path())
         .filter(|p| p.extension().is_some_and(|e| e == "srbf"))
         .collect();
     assert!(materials.len() >= 3);
-    materials.push(path);
+    for (name, bytes) in [("brushed", brushed()), ("factored", factored())] {
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.srbf"));
+        std::fs::write(&path, bytes).expect("the target folder can be written");
+        materials.push(path);
+    }
     for material in materials {
         let (given, want) = reference(&std::fs::read(&material).expect("a material"));
         for (language, program) in &programs {
@@ -215,15 +256,30 @@ fn cpp_and_metal_say_what_the_library_says() {
 #[test]
 fn words_that_are_no_material_are_refused() {
     let program = compile(Language::Cuda, &[]);
-    let bytes = std::fs::read(root().join("presets/garnet_red.srbf")).expect("the preset");
+    let bytes = factored();
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("broken.srbf");
+    let table = bytes.windows(4).position(|w| w == b"FACT").expect("there are factors");
     let with = |offset: usize, value: u8| {
         let mut broken = bytes.clone();
         broken[offset] = value;
         broken
     };
     let cuts = [0, 4, 47, 48, 100, bytes.len() / 2].map(|length| bytes[..length].to_vec());
-    let changed = [(0, 0), (8, 9), (12, 2), (21, 5), (24, 65), (28, 60), (36, 60), (44, 1), (46, 99)];
+    let changed = [
+        (0, 0),
+        (8, 9),
+        (12, 2),
+        (21, 5),
+        (24, 65),
+        (28, 60),
+        (32, 60),
+        (40, 1),
+        (46, 99),
+        (table, b'D'),
+        (table + 5, 99),
+        (table + 8, 1),
+        (table + 10, 9),
+    ];
     for broken in cuts.into_iter().chain(changed.map(|(offset, value)| with(offset, value))) {
         std::fs::write(&path, &broken).expect("the target folder can be written");
         let status = Command::new(&program).arg(&path).stdin(Stdio::null()).status().expect("it runs");

@@ -162,7 +162,7 @@ def _traced_class(mi):
                 self.azimuths = (views - 1) // max(self.angles - 1, 1)
                 step = float(a["azimuth"][2]) if self.azimuths > 1 else 2 * math.pi
                 self.turn_views = round(2 * math.pi / step)
-            self.nodes_shape = a["factors"].shape[:2]
+            self.nodes_shape = a["factors"].shape[:3]
             nodes = np.zeros((*self.nodes_shape, 4), np.float32)
             nodes[..., :3] = a["factors"]
             self.nodes = Float(nodes.ravel()) if nodes.size else None
@@ -321,17 +321,29 @@ def _traced_class(mi):
             return value, y
 
         def _factor(self, wo, wi, active):
-            """What the table multiplies the lobes by; nodes in (1 - h.z)^(1/4) and (1 - h.wo)^(1/2)."""
-            halves, differences = self.nodes_shape
+            """What the table multiplies the lobes by, over (1 - h.z)^(1/4), (1 - h.wo)^(1/2) and the squared cosine of the azimuth."""
+            azimuths, halves, differences = self.nodes_shape
             s, d = wi + wo, wi - wo
-            n = dr.norm(s)
-            across = dr.fma(s.x, s.x, s.y * s.y) / dr.maximum(dr.fma(n, n, dr.maximum(s.z, 0) * n), 1e-30)
-            a = dr.safe_sqrt(dr.safe_sqrt(across)) * (halves - 1)
-            b = dr.safe_sqrt(dr.squared_norm(d) / dr.fma(2, n, 4)) * (differences - 1)
+            n2, d2 = dr.squared_norm(s), dr.squared_norm(d)
+            n = dr.sqrt(n2)
+            across = dr.fma(s.x, s.x, s.y * s.y)
+            a = dr.safe_sqrt(dr.safe_sqrt(across / dr.maximum(dr.fma(dr.maximum(s.z, 0), n, n2), 1e-30))) * (halves - 1)
+            b = dr.safe_sqrt(d2 / dr.fma(2, n, 4)) * (differences - 1)
             i, j = dr.clip(UInt32(a), 0, halves - 2), dr.clip(UInt32(b), 0, differences - 2)
             x, y = dr.minimum(a - i, 1), dr.minimum(b - j, 1)
-            node = lambda r, c: dr.gather(Vector4f, self.nodes, (i + r) * differences + j + c, active)
-            found = dr.lerp(dr.lerp(node(0, 0), node(0, 1), y), dr.lerp(node(1, 0), node(1, 1), y), x)
+            first = i * differences + j
+
+            def plane(first):
+                node = lambda at: dr.gather(Vector4f, self.nodes, first + at, active)
+                return dr.lerp(dr.lerp(node(0), node(1), y), dr.lerp(node(differences), node(differences + 1), y), x)
+
+            if azimuths == 1:
+                found = plane(first)
+            else:
+                c = dr.minimum(d.z * d.z * n2 / dr.maximum(d2 * across, 1e-30), 1) * (azimuths - 1)
+                k = dr.clip(UInt32(c), 0, azimuths - 2)
+                size = halves * differences
+                found = dr.lerp(plane(first + k * size), plane(first + (k + 1) * size), c - k)
             return Color3f(found.x, found.y, found.z)
 
         def _spectrum(self, si, value, wi, active):
@@ -373,7 +385,9 @@ def _traced_class(mi):
             # The direction in it.
             x = sample2.x * inside(sharpness)
             series = x * (1 + x * (1 / 2 + x * (1 / 3 + x * (1 / 4 + x * (1 / 5 + x / 6)))))
-            w = dr.minimum(dr.select(x < 0.05, series, -dr.log(dr.maximum(1 - x, 1e-37))) / sharpness, 2)
+            # 1 - u is exact for large u, where 1 - x would lose digits.
+            left = dr.fma(sample2.x, exp2(-2 / math.log(2) * sharpness), 1 - sample2.x)
+            w = dr.minimum(dr.select(x < 0.05, series, -dr.log(dr.maximum(left, 1e-37))) / sharpness, 2)
             sin_phi, cos_phi = dr.sincos(2 * dr.pi * sample2.y)
             across = dr.safe_sqrt(w * (2 - w))
             q = (axis.x * cos_phi + axis.y * sin_phi) / (1 + axis.z)

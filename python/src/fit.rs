@@ -51,7 +51,7 @@ impl From {
 /// floats or one. It is called some million times, from one thread at a time.
 ///
 /// `lobes`: 1 to 64. `error`: the mean relative L2 error that is asked for; as few lobes as reach it are used, at most `lobes`. `views`:
-/// how many mixtures are stored. `factors`: "chosen", None, or the numbers of nodes `(half, difference)`. `symmetry`: of a function,
+/// how many mixtures are stored. `factors`: "chosen", None, or the numbers of nodes `(half, difference, azimuth)`. `symmetry`: of a function,
 /// "isotropic", "quadrant", "half turn" or "none". `progress`: True shows a bar, False nothing; a function is called with the share that is
 /// done, 0 to 1. An interruption (Ctrl-C, or the stop button of a notebook) ends the fit.
 #[pyfunction]
@@ -183,13 +183,16 @@ fn factor_nodes(factors: Option<&Bound<'_, PyAny>>) -> PyResult<FactorNodes> {
             "chosen" => Ok(FactorNodes::Chosen),
             "none" => Ok(FactorNodes::None),
             _ => Err(PyValueError::new_err(format!(
-                "factors: \"chosen\", \"none\" or (half, difference), not {word:?}"
+                "factors: \"chosen\", \"none\" or (half, difference, azimuth), not {word:?}"
             ))),
         };
     }
     let expected =
-        |_| PyValueError::new_err("factors: \"chosen\", \"none\" or (half, difference) is expected");
-    Ok(FactorNodes::Given(factors.extract::<[usize; 2]>().map_err(expected)?))
+        |_| PyValueError::new_err("factors: \"chosen\", \"none\", (half, difference) or (half, difference, azimuth) is expected");
+    if let Ok([half, difference]) = factors.extract::<[usize; 2]>() {
+        return Ok(FactorNodes::Given([half, difference, 1]));
+    }
+    Ok(FactorNodes::Given(factors.extract::<[usize; 3]>().map_err(expected)?))
 }
 
 fn from(source: &Bound<'_, PyAny>, symmetry: &str, stop: &Stop) -> PyResult<From> {

@@ -116,7 +116,8 @@ impl Material {
     fn __repr__(&self) -> String {
         let kind = if self.material.is_isotropic() { "isotropic" } else { "anisotropic" };
         let factors = match self.material.factor_nodes() {
-            Some([half, difference]) => format!(", {half} x {difference} factors"),
+            Some([half, difference, 1]) => format!(", {half} x {difference} factors"),
+            Some([half, difference, azimuth]) => format!(", {half} x {difference} x {azimuth} factors"),
             None => String::new(),
         };
         format!(
@@ -331,7 +332,7 @@ impl Material {
     ///
     /// `theta` and `azimuth` (V,) in radians; `log2_squeeze` (V,), or (V, 3) of an anisotropic material; `diffuse` (V, 3) and,
     /// of every lobe, `color` (V, K, 3): log2 of the luminance, `(R - Y) / Y`, `(B - Y) / Y`; `tilt` (V, K, 2): angles of the axis
-    /// in the plane of incidence and out of it; `log2_sharpness` (V, K); `factors` of shape (half, difference, 3) and
+    /// in the plane of incidence and out of it; `log2_sharpness` (V, K); `factors` of shape (azimuth, half, difference, 3) and
     /// `albedo_difference` (V, 3), empty without factors. The first `squeezed` lobes are squeezed, the last `mirrored` stand for two.
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let m = &self.material;
@@ -372,9 +373,9 @@ impl Material {
         put("tilt", tilt, &[views, lobes, 2])?;
         put("log2_sharpness", sharpness, &[views, lobes])?;
         put("color", color, &[views, lobes, 3])?;
-        let [half, difference] = m.factor_nodes().unwrap_or_default();
-        let node = |i: usize| m.factor_node(i / difference, i % difference);
-        put("factors", (0..half * difference).filter_map(node).flatten().collect(), &[half, difference, 3])?;
+        let [half, difference, azimuth] = m.factor_nodes().unwrap_or_default();
+        let node = |i: usize| m.factor_node(i / difference % half, i % difference, i / difference / half);
+        put("factors", (0..azimuth * half * difference).filter_map(node).flatten().collect(), &[half, difference, 3])?;
         let differences: Vec<f32> =
             (0..views).filter_map(|v| m.view_albedo_difference(v)).flatten().collect();
         let rows = differences.len() / 3;
