@@ -8,6 +8,11 @@ use std::fmt::Write;
 /// Words on a line.
 const LINE: usize = 8;
 
+/// Whether the text reads the format version of a material: 2 or 3.
+pub fn can_read(material: &Material<impl AsRef<[u8]>>) -> bool {
+    material.bytes().get(8).is_some_and(|version| *version >= 2)
+}
+
 /// Writes a material and the text that evaluates it: its words are constants, `srbf_data`.
 ///
 /// In C++, CUDA and Metal `srbf_material(srbf_data)` is the material; elsewhere `srbf_material(0)`, and `srbf_word` is defined.

@@ -10,6 +10,6 @@ mod language;
 mod rewrite;
 mod wgsl;
 
-pub use export::{export, json};
+pub use export::{can_read, export, json};
 pub use language::Language;
 pub use rewrite::text;

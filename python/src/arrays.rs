@@ -26,7 +26,7 @@ pub fn cast<'py, T: numpy::Element>(
     let numpy = object.py().import("numpy")?;
     let array = numpy.call_method1("ascontiguousarray", (object, T::get_dtype(object.py())));
     let shape = |error: PyErr| PyValueError::new_err(format!("{name}: {error}"));
-    Ok(array.map_err(shape)?.extract::<PyReadonlyArrayDyn<'py, T>>()?)
+    array.map_err(shape)?.extract::<PyReadonlyArrayDyn<'py, T>>()
 }
 
 /// The numbers of an array of shape (n, 3) or (3,), and whether it is the latter.
@@ -63,7 +63,8 @@ impl Vectors {
         let [x, y, z] = &vectors.columns;
         for (i, ((x, y), z)) in x.iter().zip(y).zip(z).enumerate() {
             let squared = x * x + y * y + z * z;
-            if !((squared - 1.0).abs() <= LENGTH) {
+            // What is not a number is none either.
+            if !(1.0 - LENGTH..=1.0 + LENGTH).contains(&squared) {
                 return fail(format!("{name}[{i}]: ({x}, {y}, {z}) has length {}, not 1", squared.sqrt()));
             }
         }

@@ -187,8 +187,11 @@ fn factor_nodes(factors: Option<&Bound<'_, PyAny>>) -> PyResult<FactorNodes> {
             ))),
         };
     }
-    let expected =
-        |_| PyValueError::new_err("factors: \"chosen\", \"none\", (half, difference) or (half, difference, azimuth) is expected");
+    let expected = |_| {
+        PyValueError::new_err(
+            "factors: \"chosen\", \"none\", (half, difference) or (half, difference, azimuth) is expected",
+        )
+    };
     if let Ok([half, difference]) = factors.extract::<[usize; 2]>() {
         return Ok(FactorNodes::Given([half, difference, 1]));
     }

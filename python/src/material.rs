@@ -375,7 +375,11 @@ impl Material {
         put("color", color, &[views, lobes, 3])?;
         let [half, difference, azimuth] = m.factor_nodes().unwrap_or_default();
         let node = |i: usize| m.factor_node(i / difference % half, i % difference, i / difference / half);
-        put("factors", (0..azimuth * half * difference).filter_map(node).flatten().collect(), &[half, difference, 3])?;
+        put(
+            "factors",
+            (0..azimuth * half * difference).filter_map(node).flatten().collect(),
+            &[azimuth, half, difference, 3],
+        )?;
         let differences: Vec<f32> =
             (0..views).filter_map(|v| m.view_albedo_difference(v)).flatten().collect();
         let rows = differences.len() / 3;
