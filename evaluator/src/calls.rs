@@ -1,4 +1,9 @@
-//! Rewriting of calls in a text, and of words.
+//! Rewriting of calls, words and numbers in a text. It imports nothing.
+
+/// A line as code and comment.
+pub fn split(line: &str) -> (&str, &str) {
+    line.find("//").map_or((line, ""), |at| line.split_at(at))
+}
 
 /// Replaces every call of a function, the last one first, so that what stands inside another is done before it.
 pub fn rewrite(text: &str, name: &str, make: impl Fn(&[&str]) -> String) -> String {

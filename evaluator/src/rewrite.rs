@@ -1,16 +1,11 @@
 //! The text, written out in a language.
 
-use crate::calls::{replace_word, rewrite, suffix_numbers};
+use crate::calls::{replace_word, rewrite, split, suffix_numbers};
 use crate::language::Language;
 use crate::wgsl;
 
 /// The text itself.
 const TEXT: &str = include_str!("srbf.inc");
-
-/// A line as code and comment.
-pub fn split(line: &str) -> (&str, &str) {
-    line.find("//").map_or((line, ""), |at| line.split_at(at))
-}
 
 /// Writes the text out: with what the language needs before it, and without a material.
 ///

@@ -1,7 +1,6 @@
 //! Declarations as WGSL has them: the name before the type.
 
-use crate::calls::{is_of_name, replace_word};
-use crate::rewrite::split;
+use crate::calls::{is_of_name, replace_word, split};
 
 /// Types of the text, and what WGSL calls them.
 const TYPES: [(&str, &str); 6] =
