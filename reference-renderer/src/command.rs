@@ -5,6 +5,7 @@ pub mod ball;
 pub mod compare;
 mod convert;
 mod default_job;
+mod export;
 pub mod fit;
 mod fit_page;
 pub mod inspect;
@@ -45,6 +46,7 @@ pub struct Cli {
 enum Command {
     Fit(Box<fit::Args>),
     Convert(convert::Args),
+    Export(export::Args),
     Inspect(inspect::Args),
     Judge(judge::Args),
     Render(render::Args),
@@ -89,6 +91,7 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
         None => default_job::run(&cli.out.unwrap_or_else(|| PathBuf::from("out"))),
         Some(Command::Fit(args)) => fit::run(*args),
         Some(Command::Convert(args)) => convert::run(args),
+        Some(Command::Export(args)) => export::run(&args),
         Some(Command::Inspect(args)) => inspect::run(args),
         Some(Command::Judge(args)) => judge::run(args),
         Some(Command::Render(args)) => render::run(args),

@@ -151,3 +151,26 @@ fn a_reader_that_has_gone_ends_the_program_without_a_word() {
     assert_eq!(output.status.code(), Some(141));
     assert_eq!(String::from_utf8_lossy(&output.stderr), "");
 }
+
+#[test]
+fn a_material_is_exported_for_every_language() {
+    let place = folder("export");
+    let material = concat!(env!("CARGO_MANIFEST_DIR"), "/../presets/garnet_red.srbf");
+    for language in ["glsl", "wgsl", "hlsl", "slang", "cuda", "cpp", "metal"] {
+        let output = srbf(&place, &["export", material, &format!("--{language}")]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(text.contains("srbf_prepare(") && text.contains("srbf_data"), "{language}");
+        let output = srbf(&place, &["export", "--buffer", &format!("--{language}"), "-o", language]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let alone = std::fs::read_to_string(place.join(language)).unwrap();
+        assert!(alone.contains("srbf_prepare(") && !alone.contains("srbf_data"), "{language}");
+    }
+    let output = srbf(&place, &["export", material, "--json"]);
+    let numbers: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(numbers["views"].as_array().unwrap().len() > 10);
+    refused(&place, &["export", material], &["--glsl"]);
+    refused(&place, &["export", "--glsl"], &["FILE"]);
+    refused(&place, &["export", "nothing.srbf", "--glsl"], &["nothing.srbf"]);
+    refused(&place, &["export", "--buffer", "--json"], &["--json"]);
+}

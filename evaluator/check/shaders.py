@@ -1,0 +1,164 @@
+"""Runs the evaluator text as shaders, and compares it with core.
+
+    python shaders.py WRITE REFERENCE FOLDER
+
+WRITE is the program that writes the text, REFERENCE the one that says what core says (python/examples/reference.rs), FOLDER a place for what is
+made. WGSL is compiled by naga, GLSL and HLSL by glslang to SPIR-V; all run by Vulkan, on lavapipe where there is no GPU. It needs the packages
+wgpu and srbf_brdf, glslangValidator, and a Vulkan driver.
+"""
+
+import pathlib
+import subprocess
+import sys
+
+import numpy as np
+import wgpu
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "python/tests"))
+from conftest import make_materials, reference, spread  # noqa: E402
+
+N = 4096
+BOUNDS = {"value": 3e-4, "density": 3e-4, "direction": 2e-4, "density there": 5e-4, "weight": 5e-4, "albedo": 3e-4}
+
+WGSL = (
+    """@group(0) @binding(0) var<storage, read> words: array<u32>;
+@group(0) @binding(1) var<storage, read> given: array<f32>;
+@group(0) @binding(2) var<storage, read_write> got: array<vec4f>;
+fn srbf_word(data: u32, i: i32) -> u32 { return words[data + u32(i)]; }
+""",
+    """
+fn given_vector(row: u32, i: u32) -> vec3f { return vec3f(given[row * 4096u + i], given[(row + 1u) * 4096u + i], given[(row + 2u) * 4096u + i]); }
+@compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3u) {
+    let i = id.x;
+    let m = srbf_material(0u);
+    let v = srbf_prepare(m, given_vector(0u, i));
+    let f = srbf_evaluate(m, v, given_vector(3u, i));
+    let s = srbf_sample(m, v, given_vector(6u, i));
+    got[4u * i] = vec4f(f.value, f.pdf);
+    got[4u * i + 1u] = vec4f(s.wi, s.pdf);
+    got[4u * i + 2u] = vec4f(s.weight, v.power);
+    got[4u * i + 3u] = vec4f(srbf_albedo(m, v), 0.0);
+}
+""",
+)
+GLSL = (
+    """#version 450
+layout(local_size_x = 64) in;
+layout(std430, set = 0, binding = 0) readonly buffer Words { uint words[]; };
+layout(std430, set = 0, binding = 1) readonly buffer Given { float given[]; };
+layout(std430, set = 0, binding = 2) buffer Got { vec4 got[]; };
+uint srbf_word(int data, int i) { return words[data + i]; }
+""",
+    """
+vec3 given_vector(int row, int i) { return vec3(given[row * 4096 + i], given[(row + 1) * 4096 + i], given[(row + 2) * 4096 + i]); }
+void main() {
+    int i = int(gl_GlobalInvocationID.x);
+    SrbfMaterial m = srbf_material(0);
+    SrbfView v = srbf_prepare(m, given_vector(0, i));
+    SrbfValue f = srbf_evaluate(m, v, given_vector(3, i));
+    SrbfSample s = srbf_sample(m, v, given_vector(6, i));
+    got[4 * i] = vec4(f.value, f.pdf);
+    got[4 * i + 1] = vec4(s.wi, s.pdf);
+    got[4 * i + 2] = vec4(s.weight, v.power);
+    got[4 * i + 3] = vec4(srbf_albedo(m, v), 0.0);
+}
+""",
+)
+HLSL = (
+    """[[vk::binding(0, 0)]] StructuredBuffer<uint> words;
+[[vk::binding(1, 0)]] StructuredBuffer<float> given;
+[[vk::binding(2, 0)]] RWStructuredBuffer<float4> got;
+uint srbf_word(uint data, int i) { return words[data + uint(i)]; }
+""",
+    """
+float3 given_vector(uint row, uint i) { return float3(given[row * 4096 + i], given[(row + 1) * 4096 + i], given[(row + 2) * 4096 + i]); }
+[numthreads(64, 1, 1)] void main(uint3 id : SV_DispatchThreadID) {
+    uint i = id.x;
+    SrbfMaterial m = srbf_material(0);
+    SrbfView v = srbf_prepare(m, given_vector(0, i));
+    SrbfValue f = srbf_evaluate(m, v, given_vector(3, i));
+    SrbfSample s = srbf_sample(m, v, given_vector(6, i));
+    got[4 * i] = float4(f.value, f.pdf);
+    got[4 * i + 1] = float4(s.wi, s.pdf);
+    got[4 * i + 2] = float4(s.weight, v.power);
+    got[4 * i + 3] = float4(srbf_albedo(m, v), 0.0);
+}
+""",
+)
+
+
+def worst(got, want):
+    """Largest relative errors over the pairs. A value is relative to the largest channel, and to what the lobes have without factors."""
+    value, pdf, wi, there, weight, power, albedo = (got[:, a:b] for a, b in ((0, 3), (3, 4), (4, 7), (7, 8), (8, 11), (11, 12), (12, 15)))
+    largest = lambda a: np.max(np.abs(a), axis=1, keepdims=True)
+    same = largest(wi - want[:, 4:7]) < 1e-2
+    errors = {
+        "value": np.max(largest(value - want[:, :3]) / np.maximum(largest(want[:, :3]), want[:, 3:4] * power)),
+        "density": np.max(np.abs(pdf - want[:, 3:4]) / want[:, 3:4]),
+        "direction": np.max(largest(wi - want[:, 4:7])[same]),
+        "density there": np.max((np.abs(there - want[:, 7:8]) / want[:, 7:8])[same]),
+        "weight": np.max((largest(weight - want[:, 8:11]) / np.maximum(largest(want[:, 8:11]), power))[same]),
+        "albedo": np.max(largest(albedo - want[:, 11:14]) / np.maximum(largest(want[:, 11:14]), power)),
+    }
+    # A lobe chosen at the very edge between two may be the other one.
+    return errors, int(np.sum(~same))
+
+
+def main(write, program, folder):
+    folder = pathlib.Path(folder)
+    adapter = wgpu.gpu.request_adapter_sync(power_preference="high-performance")
+    print(adapter.info["device"], adapter.info["description"])
+    device = adapter.request_device_sync()
+    text = lambda language: subprocess.run([write, language], stdout=subprocess.PIPE, check=True, text=True).stdout
+
+    def spirv(language, parts, *options):
+        source, target = folder / f"main.{language}", folder / f"{language}.spv"
+        source.write_text(parts[0] + text(language) + parts[1])
+        subprocess.run(["glslangValidator", *options, "-V", "-S", "comp", "-e", "main", str(source), "-o", str(target)], check=True)
+        return target.read_bytes()
+
+    codes = {
+        "wgsl": WGSL[0] + text("wgsl") + WGSL[1],
+        "glsl": spirv("glsl", GLSL),
+        "hlsl": spirv("hlsl", HLSL, "-D"),
+    }
+    pipelines = {
+        name: device.create_compute_pipeline(
+            layout="auto", compute={"module": device.create_shader_module(code=code), "entry_point": "main"}
+        )
+        for name, code in codes.items()
+    }
+    wo, wi, u = spread(N)
+    given = np.ascontiguousarray(np.concatenate([wo, wi, u], axis=1).T, dtype="<f4")
+    failed = False
+    for name, path in make_materials(folder).items():
+        words = path.read_bytes()
+        words += b"\0" * (-len(words) % 4)
+        want = reference(path, wo, wi, u)
+        for language, pipeline in pipelines.items():
+            storage = wgpu.BufferUsage.STORAGE
+            buffers = [
+                device.create_buffer_with_data(data=words, usage=storage),
+                device.create_buffer_with_data(data=given.tobytes(), usage=storage),
+                device.create_buffer(size=64 * N, usage=storage | wgpu.BufferUsage.COPY_SRC),
+            ]
+            entries = [{"binding": i, "resource": {"buffer": b, "offset": 0, "size": b.size}} for i, b in enumerate(buffers)]
+            group = device.create_bind_group(layout=pipeline.get_bind_group_layout(0), entries=entries)
+            encoder = device.create_command_encoder()
+            work = encoder.begin_compute_pass()
+            work.set_pipeline(pipeline)
+            work.set_bind_group(0, group)
+            work.dispatch_workgroups(N // 64)
+            work.end()
+            device.queue.submit([encoder.finish()])
+            got = np.frombuffer(device.queue.read_buffer(buffers[2]), "<f4").reshape(N, 16)
+            errors, elsewhere = worst(got, want)
+            is_good = all(errors[key] <= bound for key, bound in BOUNDS.items()) and elsewhere <= 2
+            failed |= not is_good
+            print(f"{'pass' if is_good else 'FAIL'} {name:14} {language}", *(f"{k} {v:.1e}" for k, v in errors.items()), f"other lobe {elsewhere}")
+    if failed:
+        sys.exit(f"above the bounds {BOUNDS}")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:4])

@@ -1,0 +1,138 @@
+//! A material with the text that reads it: one file to copy.
+
+use crate::language::Language;
+use crate::rewrite::text;
+use srbf_core::Material;
+use std::fmt::Write;
+
+/// Words on a line.
+const LINE: usize = 8;
+
+/// Whether the text reads the format version of a material: 2 or 3.
+pub fn can_read(material: &Material<impl AsRef<[u8]>>) -> bool {
+    material.bytes().get(8).is_some_and(|version| *version >= 2)
+}
+
+/// Writes a material and the text that evaluates it: its words are constants, `srbf_data`.
+///
+/// In C++, CUDA and Metal `srbf_material(srbf_data)` is the material; elsewhere `srbf_material(0)`, and `srbf_word` is defined.
+pub fn export(material: &Material<impl AsRef<[u8]>>, language: Language) -> String {
+    let words: Vec<u32> = material.bytes().chunks(4).map(word).collect();
+    let mut list = String::new();
+    for line in words.chunks(LINE) {
+        let line: Vec<String> = line.iter().map(|word| format!("0x{word:08x}u")).collect();
+        // Writing to a string does not fail.
+        let _ = writeln!(list, "    {},", line.join(", "));
+    }
+    let list = list.trim_end().trim_end_matches(',');
+    let provenance: String = material.provenance().lines().map(|line| format!("// {line}\n")).collect();
+    let n = words.len();
+    let (before, after) = match language {
+        Language::Glsl => (
+            format!(
+                "const uint srbf_data[{n}] = uint[{n}](\n{list}\n);\nuint srbf_word(int data, int i) {{ return srbf_data[data + i]; }}\n\n"
+            ),
+            String::new(),
+        ),
+        Language::Hlsl | Language::Slang => (
+            format!(
+                "static const uint srbf_data[{n}] = {{\n{list}\n}};\nuint srbf_word(uint data, int i) {{ return srbf_data[int(data) + i]; }}\n\n"
+            ),
+            String::new(),
+        ),
+        Language::Wgsl => (
+            format!(
+                "var<private> srbf_data: array<u32, {n}> = array<u32, {n}>(\n{list}\n);\nfn srbf_word(data: u32, i: i32) -> u32 {{ return srbf_data[i32(data) + i]; }}\n\n"
+            ),
+            String::new(),
+        ),
+        Language::Metal => (
+            "#define SRBF_DATA constant const uint *\n".to_owned(),
+            format!("\nconstant uint srbf_data[{n}] = {{\n{list}\n}};\n"),
+        ),
+        Language::Cpp | Language::Cuda => (
+            String::new(),
+            format!(
+                "\n#ifdef __CUDACC__\n__device__\n#endif\nstatic const uint32_t srbf_data[{n}] = {{\n{list}\n}};\n"
+            ),
+        ),
+    };
+    format!("{provenance}{before}{}{after}", text(language))
+}
+
+/// A word, little endian; of the last bytes, as far as they go.
+fn word(bytes: &[u8]) -> u32 {
+    bytes.iter().rev().fold(0, |word, byte| word << 8 | u32::from(*byte))
+}
+
+/// A material as JSON: the numbers of every view, by name.
+///
+/// `theta` and `azimuth` in radians; logarithms to the base 2; `color_differences` are `(R - Y) / Y` and `(B - Y) / Y`; of an isotropic
+/// lobe `tilt` is the angle of its axis in the plane of incidence and out of it.
+pub fn json(material: &Material<impl AsRef<[u8]>>) -> String {
+    let numbers = |numbers: &[f32]| {
+        let texts: Vec<String> = numbers.iter().map(|n| format!("{n:?}")).collect();
+        format!("[{}]", texts.join(", "))
+    };
+    let lobe = |view: usize, k: usize| {
+        let (tilt, sharpness, luminance, differences) = match material.view_lobe(view, k) {
+            Some(l) => ([l.angle, l.off_plane], l.log2_sharpness, l.log2_luminance, l.color_differences),
+            None => material.view_tilted_lobe(view, k).map_or(([0.0; 2], 0.0, -126.0, [0.0; 2]), |l| {
+                (l.tilt, l.log2_sharpness, l.log2_luminance, l.color_differences)
+            }),
+        };
+        format!(
+            "        {{\"tilt\": {}, \"log2_sharpness\": {sharpness:?}, \"log2_luminance\": {luminance:?}, \"color_differences\": {}}}",
+            numbers(&tilt),
+            numbers(&differences)
+        )
+    };
+    let view = |v: usize| {
+        let lobes: Vec<String> = (0..material.view_lobe_count()).map(|k| lobe(v, k)).collect();
+        let squeeze = match (material.view_log2_squeeze(v), material.view_log2_squeeze_matrix(v)) {
+            (Some(one), _) => format!("{one:?}"),
+            (_, matrix) => numbers(&matrix.unwrap_or_default()),
+        };
+        let albedo = material
+            .view_albedo_difference(v)
+            .map_or(String::new(), |d| format!("\"albedo_difference\": {}, ", numbers(&d)));
+        format!(
+            "    {{\"theta\": {:?}, \"azimuth\": {:?}, \"log2_squeeze\": {squeeze}, \"log2_diffuse\": {:?}, \"diffuse_color_differences\": {}, {albedo}\"lobes\": [\n{}\n    ]}}",
+            material.view_theta(v).unwrap_or_default(),
+            material.view_azimuth(v).unwrap_or_default(),
+            material.view_log2_diffuse(v).unwrap_or_default(),
+            numbers(&material.view_diffuse_color_differences(v).unwrap_or_default()),
+            lobes.join(",\n")
+        )
+    };
+    let views: Vec<String> = (0..material.view_count()).map(view).collect();
+    let [half, difference, azimuth] = material.factor_nodes().unwrap_or_default();
+    let nodes: Vec<String> = (0..azimuth * half * difference)
+        .filter_map(|i| material.factor_node(i / difference % half, i % difference, i / difference / half))
+        .map(|node| numbers(&node))
+        .collect();
+    format!(
+        "{{\n  \"is_isotropic\": {},\n  \"squeezed\": {},\n  \"mirrored\": {},\n  \"provenance\": {},\n  \"factor_nodes\": [{half}, {difference}, {azimuth}],\n  \"factors\": [{}],\n  \"views\": [\n{}\n  ]\n}}\n",
+        material.is_isotropic(),
+        material.squeezed_count(),
+        material.mirrored_count(),
+        quoted(material.provenance()),
+        nodes.join(", "),
+        views.join(",\n")
+    )
+}
+
+/// A text as JSON has it.
+fn quoted(text: &str) -> String {
+    let mut made = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => made.extend(['\\', c]),
+            c if u32::from(c) < 32 => {
+                let _ = write!(made, "\\u{:04x}", u32::from(c));
+            }
+            c => made.push(c),
+        }
+    }
+    made + "\""
+}

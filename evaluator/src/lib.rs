@@ -1,0 +1,15 @@
+//! One evaluator text for every language: a material is evaluated and drawn from without the library, in a shader, on a GPU, in C++.
+//!
+//! [`srbf.inc`](https://docs.rs/crate/srbf-evaluator/latest/source/src/srbf.inc) is the text. It reads the words of a `.srbf` file in place.
+//! [`text`] writes it out for a [`Language`] by replacing tokens, so that comments and names stay; [`export`] adds the words of one
+//! material. `include/srbf_device.hpp` is [`text`] of C++, and a test holds it to that.
+
+mod calls;
+mod export;
+mod language;
+mod rewrite;
+mod wgsl;
+
+pub use export::{can_read, export, json};
+pub use language::Language;
+pub use rewrite::text;

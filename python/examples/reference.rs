@@ -1,0 +1,42 @@
+//! What `srbf-core` says of pairs of directions, for tests of what says the same elsewhere: in Python, in shaders.
+//!
+//!     reference MATERIAL.srbf < in > out
+//!
+//! Little-endian f32. In: nine rows of n numbers, x y z of `wo`, of `wi`, and three uniform numbers. Out: fourteen rows: value (3) and
+//! density (1) at `wi`; direction (3), density (1) and weight (3) of the sample; albedo (3).
+
+use srbf_core::{MAX_LOBES, Material, Mixture, SamplesMut};
+use std::error::Error;
+use std::io::{Read, Write, stdin, stdout};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let path = std::env::args().nth(1).ok_or("the name of a material is expected")?;
+    let material = Material::from_bytes(std::fs::read(path)?)?;
+    let mut bytes = Vec::new();
+    stdin().read_to_end(&mut bytes)?;
+    let numbers: Vec<f32> = bytes.as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
+    let n = numbers.len() / 9;
+    if numbers.len() != 9 * n {
+        return Err("nine rows of as many numbers are expected".into());
+    }
+    let rows = |from: usize| [0, 1, 2].map(|c| &numbers[(from + c) * n..(from + c + 1) * n]);
+    let (wo, wi, u) = (rows(0), rows(3), rows(6));
+    let mut out = vec![vec![0f32; n]; 14];
+    let mut parts = out.iter_mut().map(|row| &mut row[..]);
+    let mut next = || parts.next().expect("fourteen rows");
+    let (value, pdf) = ([next(), next(), next()], next());
+    let samples =
+        SamplesMut { direction: [next(), next(), next()], pdf: next(), weight: [next(), next(), next()] };
+    let albedo = [next(), next(), next()];
+    material.evaluate_and_pdf_pairs_into(wo, wi, value, pdf)?;
+    material.sample_pairs_into(wo, u, samples)?;
+    let mut mixture = Mixture::<MAX_LOBES>::empty();
+    for i in 0..n {
+        material.prepare([wo[0][i], wo[1][i], wo[2][i]], &mut mixture)?;
+        let found = mixture.albedo().to_array();
+        (0..3).for_each(|c| albedo[c][i] = found[c]);
+    }
+    let bytes: Vec<u8> = out.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+    stdout().write_all(&bytes)?;
+    Ok(())
+}

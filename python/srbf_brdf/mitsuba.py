@@ -1,0 +1,415 @@
+"""A material as a BSDF of Mitsuba 3.
+
+    import mitsuba as mi
+    mi.set_variant("llvm_ad_rgb")
+    import srbf_brdf.mitsuba
+    srbf_brdf.mitsuba.register()
+    bsdf = mi.load_dict({"type": "srbf", "filename": "paint.srbf"})
+
+In the variants of Dr.Jit (LLVM, CUDA, with derivatives) it is traced and runs where they run; in scalar variants the library itself is called. Colours
+are linear sRGB, or their luminance in monochrome variants; spectral and polarized variants are refused.
+
+| parameter | type | |
+|---|---|---|
+| `filename` | string | the `.srbf` file |
+| `tint` | colour or texture | multiplies the value, not the density; 1 by default; differentiable |
+
+Two materials are blended by Mitsuba's own `blendbsdf`, whose `weight` may be a texture and is differentiable.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ._native import Material
+
+LUMINANCE = (0.2126, 0.7152, 0.0722)
+
+
+def register(name: str = "srbf") -> None:
+    """Registers the BSDF under a name, for the variant that is set."""
+    import mitsuba as mi
+
+    variant = mi.variant()
+    if variant is None:
+        raise RuntimeError("a variant has to be set first: mitsuba.set_variant('llvm_ad_rgb')")
+    if "spectral" in variant or "polarized" in variant:
+        raise RuntimeError(f"{variant}: materials are linear sRGB; a variant of rgb or mono is expected")
+    make = _scalar_class(mi) if variant.startswith("scalar") else _traced_class(mi)
+    mi.register_bsdf(name, make)
+
+
+def _material(props) -> Material:
+    if "filename" not in props:
+        raise RuntimeError("srbf: filename: the name of a .srbf file is expected")
+    path = props["filename"]
+    import mitsuba as mi
+
+    try:
+        path = str(mi.file_resolver().resolve(path))
+    except AttributeError:
+        pass
+    return Material.load(path)
+
+
+def _flags(mi, material):
+    flags = mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.FrontSide
+    return flags if material.is_isotropic else flags | mi.BSDFFlags.Anisotropic
+
+
+def _scalar_class(mi):
+    """For scalar variants: single calls of the library."""
+
+    class ScalarSrbf(mi.BSDF):
+        def __init__(self, props):
+            mi.BSDF.__init__(self, props)
+            self.material = _material(props)
+            self.tint = props.get_texture("tint", 1.0) if hasattr(props, "get_texture") else props.texture("tint", 1.0)
+            flags = _flags(mi, self.material)
+            self.m_components, self.m_flags = [flags], flags
+
+        def traverse(self, callback):
+            callback.put("tint", self.tint, mi.ParamFlags.Differentiable)
+
+        def _spectrum(self, si, rgb, active):
+            if mi.is_monochromatic:
+                return mi.Spectrum(float(np.dot(rgb, LUMINANCE))) * self.tint.eval_1(si, active)
+            return mi.Color3f(*map(float, rgb)) * self.tint.eval(si, active)
+
+        def eval_pdf(self, ctx, si, wo, active=True):
+            if not active or si.wi.z <= 0 or wo.z <= 0:
+                return mi.Spectrum(0.0), 0.0
+            value, pdf = self.material.evaluate_and_pdf(list(si.wi), list(wo))
+            return self._spectrum(si, value, active), float(pdf)
+
+        def eval(self, ctx, si, wo, active=True):
+            return self.eval_pdf(ctx, si, wo, active)[0]
+
+        def pdf(self, ctx, si, wo, active=True):
+            return self.eval_pdf(ctx, si, wo, active)[1]
+
+        def sample(self, ctx, si, sample1, sample2, active=True):
+            bs = mi.BSDFSample3f()
+            bs.eta, bs.sampled_type, bs.sampled_component = 1.0, +mi.BSDFFlags.GlossyReflection, 0
+            if not active or si.wi.z <= 0:
+                return bs, mi.Spectrum(0.0)
+            drawn = self.material.sample(list(si.wi), [sample1, *sample2])
+            bs.wo, bs.pdf = mi.Vector3f(*map(float, drawn.direction)), float(drawn.pdf)
+            return bs, self._spectrum(si, drawn.weight, active)
+
+        def to_string(self):
+            return f"Srbf[{self.material!r}]"
+
+    return ScalarSrbf
+
+
+class _Lobe:
+    """A lobe of a mixture, as Dr.Jit sees it."""
+
+    __slots__ = ("axis", "sharpness", "y", "colour", "is_squeezed", "power")
+
+    def __init__(self, axis, sharpness, y, colour, is_squeezed, power):
+        self.axis, self.sharpness, self.y, self.colour = axis, sharpness, y, colour
+        self.is_squeezed, self.power = is_squeezed, power
+
+
+def _traced_class(mi):
+    import drjit as dr
+
+    Float, UInt32, Vector3f, Vector4f, Color3f = mi.Float, mi.UInt32, mi.Vector3f, mi.Vector4f, mi.Color3f
+
+    def exp2(x):
+        return dr.exp2(x)
+
+    def colour(rho, beta):
+        return Color3f(1 + rho, 1 - (LUMINANCE[0] * rho + LUMINANCE[2] * beta) / LUMINANCE[1], 1 + beta)
+
+    def inside(sharpness):
+        """1 - exp(-2 s)"""
+        s = sharpness
+        series = 2 * s * (1 - s * (1 - s * (2 / 3 - s * (1 / 3 - s * (2 / 15)))))
+        return dr.select(s < 0.05, series, 1 - exp2(-2 / math.log(2) * s))
+
+    class TracedSrbf(mi.BSDF):
+        def __init__(self, props):
+            mi.BSDF.__init__(self, props)
+            material = self.material = _material(props)
+            self.tint = props.get_texture("tint", 1.0) if hasattr(props, "get_texture") else props.texture("tint", 1.0)
+            self.has_tint = "tint" in props
+            flags = _flags(mi, material)
+            self.m_components, self.m_flags = [flags], flags
+            a = material.arrays()
+            views, lobes = a["log2_sharpness"].shape
+            self.is_line = material.is_isotropic
+            self.lobes, self.squeezed, self.mirrored, self.views = lobes, a["squeezed"], a["mirrored"], views
+            # Rows of four numbers, which one gather takes; of a view what it has alone, and of each lobe.
+            self.stride = 2 * (1 + lobes)
+            rows = np.zeros((views, 1 + lobes, 8), np.float32)
+            rows[:, 0, 0:3] = a["diffuse"]
+            if self.is_line:
+                rows[:, 0, 3] = -a["log2_squeeze"]
+            else:
+                rows[:, 0, 4:7] = a["log2_squeeze"]
+            rows[:, 1:, 0:2] = a["tilt"]
+            rows[:, 1:, 2] = a["log2_sharpness"]
+            rows[:, 1:, 3:6] = a["color"]
+            self.rows = Float(rows.ravel())
+            theta = a["theta"] if self.is_line else np.unique(a["theta"])
+            self.theta, self.angles = Float(theta), len(theta)
+            if not self.is_line:
+                self.azimuths = (views - 1) // max(self.angles - 1, 1)
+                step = float(a["azimuth"][2]) if self.azimuths > 1 else 2 * math.pi
+                self.turn_views = round(2 * math.pi / step)
+            self.nodes_shape = a["factors"].shape[:3]
+            nodes = np.zeros((*self.nodes_shape, 4), np.float32)
+            nodes[..., :3] = a["factors"]
+            self.nodes = Float(nodes.ravel()) if nodes.size else None
+
+        def traverse(self, callback):
+            callback.put("tint", self.tint, mi.ParamFlags.Differentiable)
+
+        # The mixture for an outgoing direction, which Mitsuba calls wi.
+
+        def _row(self, view, row, active):
+            return dr.gather(Vector4f, self.rows, view * self.stride + row, active)
+
+        def _interpolated(self, place, row, active):
+            """Four numbers of the views round the direction, as pairs within and beyond."""
+            a = self._row(place["views"][0], row, active)
+            b = self._row(place["views"][1], row, active)
+            return dr.fma(b - a, place["onward"], a)
+
+        def _beyond(self, place, row, active):
+            c = self._row(place["views"][2], row, active)
+            d = self._row(place["views"][3], row, active)
+            return dr.fma(d - c, place["onward"], c)
+
+        def _place(self, wo, active):
+            across = dr.safe_sqrt(dr.fma(wo.x, wo.x, wo.y * wo.y))
+            is_tilted = across > 1e-18
+            inverse = dr.rcp(dr.maximum(across, 1e-18))
+            cos = dr.select(is_tilted, -wo.x * inverse, 1)
+            sin = dr.select(is_tilted, -wo.y * inverse, 0)
+            # Not an arc cosine, which has no digits near the normal.
+            theta = dr.atan2(across, wo.z)
+            place = {"cos": cos, "sin": sin}
+            if self.angles > 1:
+                passed = dr.binary_search(0, self.angles - 1, lambda i: dr.gather(Float, self.theta, i, active) <= theta)
+                after = dr.clip(passed, 1, self.angles - 1)
+                before = after - 1
+                low, high = dr.gather(Float, self.theta, before, active), dr.gather(Float, self.theta, after, active)
+                blend = dr.clip((theta - low) / dr.maximum(high - low, 1e-9), 0, 1)
+            else:
+                before = after = dr.zeros(UInt32, dr.width(theta))
+                blend = dr.zeros(Float, dr.width(theta))
+            if self.is_line:
+                place |= {"views": (before, after), "onward": blend}
+                return place
+            azimuth = dr.atan2(-sin, -cos)
+            at = dr.select(azimuth < 0, azimuth + 2 * dr.pi, azimuth) * (self.turn_views / (2 * math.pi))
+            whole = dr.floor(at)
+            first = UInt32(whole) % self.azimuths
+            second = (UInt32(whole) + 1) % self.azimuths
+            view = lambda ring, along: dr.select(ring > 0, 1 + (ring - 1) * self.azimuths + along, 0)
+            place |= {
+                "views": (view(before, first), view(before, second), view(after, first), view(after, second)),
+                "onward": at - whole,
+                "outward": blend,
+                "is_normal": before == 0,
+            }
+            return place
+
+        def _mixture(self, wo, active):
+            place = self._place(wo, active)
+            c, s = place["cos"], place["sin"]
+            head = self._interpolated(place, 0, active)
+            if self.is_line:
+                squeeze = (None, exp2(head.w))
+                tilt = None
+            else:
+                # The squeeze matrix, of the normal's view turned into the plane of incidence; its eigenvectors are the frame.
+                outward = place["outward"]
+                m = self._interpolated(place, 1, active)
+                turned = Vector3f(
+                    c * c * m.x + s * s * m.z + 2 * c * s * m.y,
+                    c * s * (m.z - m.x) + (c * c - s * s) * m.y,
+                    s * s * m.x + c * c * m.z - 2 * c * s * m.y,
+                )
+                m = dr.select(place["is_normal"], turned, Vector3f(m.x, m.y, m.z))
+                far = self._beyond(place, 1, active)
+                m = dr.lerp(m, Vector3f(far.x, far.y, far.z), outward)
+                head = dr.lerp(head, self._beyond(place, 0, active), outward)
+                half, middle = 0.5 * (m.x - m.z), 0.5 * (m.x + m.z)
+                reach = dr.sqrt(dr.fma(half, half, m.y * m.y))
+                is_there = reach > 0
+                tilt_cos = dr.select(is_there, dr.sqrt(0.5 * (1 + dr.abs(half) / reach)), 1)
+                tilt_sin = dr.select(is_there, dr.select(half < 0, -m.y, m.y) / (2 * reach * tilt_cos), 0)
+                reach = dr.select(half < 0, -reach, reach)
+                squeeze = (exp2(middle + reach), exp2(middle - reach))
+                tilt = (tilt_cos, tilt_sin)
+            diffuse_y = exp2(head.x)
+            lobes, images = [], []
+            for k in range(self.lobes):
+                row = 2 + 2 * k
+                a, b = self._interpolated(place, row, active), self._interpolated(place, row + 1, active)
+                is_squeezed = k < self.squeezed
+                axes = []
+                if self.is_line:
+                    sin_a, cos_a = dr.sincos(a.x)
+                    if k < self.lobes - self.mirrored:
+                        axes.append(Vector3f(sin_a, 0, dr.abs(cos_a)))
+                    else:
+                        sin_o, cos_o = dr.sincos(a.y)
+                        axes += [Vector3f(sin_a * cos_o, sign * sin_o, dr.abs(cos_a * cos_o)) for sign in (1, -1)]
+                else:
+                    turn = place["is_normal"]
+                    x = dr.select(turn, a.x * c + a.y * s, a.x)
+                    y = dr.select(turn, a.y * c - a.x * s, a.y)
+                    far, far_b = self._beyond(place, row, active), self._beyond(place, row + 1, active)
+                    x, y = dr.lerp(x, far.x, outward), dr.lerp(y, far.y, outward)
+                    a, b = dr.lerp(a, far, outward), dr.lerp(b, far_b, outward)
+                    angle = dr.sqrt(dr.fma(x, x, y * y))
+                    sin_a, cos_a = dr.sincos(angle)
+                    scale = sin_a / dr.maximum(angle, 1e-30)
+                    axis = Vector3f((x * tilt[0] + y * tilt[1]) * scale, (y * tilt[0] - x * tilt[1]) * scale, dr.abs(cos_a))
+                    if is_squeezed:
+                        axis = dr.normalize(Vector3f(axis.x * squeeze[0], axis.y * squeeze[1], axis.z))
+                    axes.append(axis)
+                sharpness = dr.maximum(exp2(a.z), 1e-7)
+                y, rgb = exp2(a.w), colour(b.x, b.y)
+                power = y * (2 * dr.pi) * inside(sharpness) / sharpness
+                made = [_Lobe(axis, sharpness, y, rgb, is_squeezed, power) for axis in axes]
+                lobes.append(made[0])
+                images += made[1:]
+            # In the order of the library, so that the same numbers draw the same directions.
+            lobes += images
+            frame = (c, s) if tilt is None else (c * tilt[0] - s * tilt[1], s * tilt[0] + c * tilt[1])
+            power = diffuse_y
+            for lobe in lobes:
+                power = power + lobe.power
+            return frame, squeeze, diffuse_y, colour(head.y, head.z), lobes, power
+
+        def _squeezed(self, d, squeeze):
+            return Vector3f(d.x if squeeze[0] is None else d.x * squeeze[0], d.y * squeeze[1], d.z)
+
+        def _value(self, mixture, wi):
+            """What the lobes have without factors, and its luminance."""
+            (c, s), squeeze, diffuse_y, diffuse, lobes, _ = mixture
+            d = Vector3f(dr.fma(wi.x, c, wi.y * s), dr.fma(wi.y, c, -wi.x * s), wi.z)
+            u = self._squeezed(d, squeeze)
+            length2 = dr.squared_norm(u)
+            inverse = dr.rsqrt(length2)
+            inverse2 = inverse * inverse
+            length = length2 * inverse
+            scale = inverse2 * inverse * (squeeze[1] if squeeze[0] is None else squeeze[0] * squeeze[1])
+            y = diffuse_y * wi.z * dr.inv_pi
+            value = diffuse * y
+            for lobe in lobes:
+                e = dr.fma(-lobe.axis, length, u) if lobe.is_squeezed else d - lobe.axis
+                rate = lobe.sharpness * (-0.5 / math.log(2))
+                height = wi.z * lobe.axis.z
+                t = rate * dr.squared_norm(e)
+                if lobe.is_squeezed:
+                    t, height = t * inverse2, height * inverse
+                g = lobe.y * dr.fma(exp2(t), exp2(4 * rate * height), exp2(t))
+                if lobe.is_squeezed:
+                    g *= scale
+                y += g
+                value = dr.fma(lobe.colour, g, value)
+            return value, y
+
+        def _factor(self, wo, wi, active):
+            """What the table multiplies the lobes by, over (1 - h.z)^(1/4), (1 - h.wo)^(1/2) and the squared cosine of the azimuth."""
+            azimuths, halves, differences = self.nodes_shape
+            s, d = wi + wo, wi - wo
+            n2, d2 = dr.squared_norm(s), dr.squared_norm(d)
+            n = dr.sqrt(n2)
+            across = dr.fma(s.x, s.x, s.y * s.y)
+            a = dr.safe_sqrt(dr.safe_sqrt(across / dr.maximum(dr.fma(dr.maximum(s.z, 0), n, n2), 1e-30))) * (halves - 1)
+            b = dr.safe_sqrt(d2 / dr.fma(2, n, 4)) * (differences - 1)
+            i, j = dr.clip(UInt32(a), 0, halves - 2), dr.clip(UInt32(b), 0, differences - 2)
+            x, y = dr.minimum(a - i, 1), dr.minimum(b - j, 1)
+            first = i * differences + j
+
+            def plane(first):
+                node = lambda at: dr.gather(Vector4f, self.nodes, first + at, active)
+                return dr.lerp(dr.lerp(node(0), node(1), y), dr.lerp(node(differences), node(differences + 1), y), x)
+
+            if azimuths == 1:
+                found = plane(first)
+            else:
+                c = dr.minimum(d.z * d.z * n2 / dr.maximum(d2 * across, 1e-30), 1) * (azimuths - 1)
+                k = dr.clip(UInt32(c), 0, azimuths - 2)
+                size = halves * differences
+                found = dr.lerp(plane(first + k * size), plane(first + (k + 1) * size), c - k)
+            return Color3f(found.x, found.y, found.z)
+
+        def _spectrum(self, si, value, wi, active):
+            if self.nodes is not None:
+                value = value * self._factor(si.wi, wi, active)
+            if mi.is_monochromatic:
+                return mi.Spectrum(dr.dot(Vector3f(value), Vector3f(LUMINANCE))) * self.tint.eval_1(si, active)
+            return value * self.tint.eval(si, active) if self.has_tint else value
+
+        # What Mitsuba calls. Its wi is towards the viewer here, its wo what is sampled.
+
+        def eval_pdf(self, ctx, si, wo, active=True):
+            active = active & (mi.Frame3f.cos_theta(si.wi) > 0) & (mi.Frame3f.cos_theta(wo) > 0)
+            mixture = self._mixture(si.wi, active)
+            value, y = self._value(mixture, wo)
+            return self._spectrum(si, value, wo, active) & active, dr.select(active, y / mixture[-1], 0)
+
+        def eval(self, ctx, si, wo, active=True):
+            return self.eval_pdf(ctx, si, wo, active)[0]
+
+        def pdf(self, ctx, si, wo, active=True):
+            return self.eval_pdf(ctx, si, wo, active)[1]
+
+        def sample(self, ctx, si, sample1, sample2, active=True):
+            active = active & (mi.Frame3f.cos_theta(si.wi) > 0)
+            mixture = self._mixture(si.wi, active)
+            (c, s), squeeze, diffuse_y, _, lobes, power = mixture
+            # The lobe, by a running sum; what is left over is the diffuse term.
+            goal = sample1 * power
+            axis, sharpness, is_lobe, is_squeezed = Vector3f(0, 0, 1), Float(1), mi.Bool(False), mi.Bool(False)
+            total = Float(0)
+            for lobe in lobes:
+                total = total + lobe.power
+                here = ~is_lobe & (goal < total)
+                axis, sharpness = dr.select(here, lobe.axis, axis), dr.select(here, lobe.sharpness, sharpness)
+                if lobe.is_squeezed:
+                    is_squeezed |= here
+                is_lobe |= here
+            # The direction in it.
+            x = sample2.x * inside(sharpness)
+            series = x * (1 + x * (1 / 2 + x * (1 / 3 + x * (1 / 4 + x * (1 / 5 + x / 6)))))
+            # 1 - u is exact for large u, where 1 - x would lose digits.
+            left = dr.fma(sample2.x, exp2(-2 / math.log(2) * sharpness), 1 - sample2.x)
+            w = dr.minimum(dr.select(x < 0.05, series, -dr.log(dr.maximum(left, 1e-37))) / sharpness, 2)
+            sin_phi, cos_phi = dr.sincos(2 * dr.pi * sample2.y)
+            across = dr.safe_sqrt(w * (2 - w))
+            q = (axis.x * cos_phi + axis.y * sin_phi) / (1 + axis.z)
+            side = Vector3f(cos_phi - axis.x * q, sin_phi - axis.y * q, -q * (1 + axis.z))
+            d = dr.fma(side, across, axis * (1 - w))
+            if squeeze[0] is not None:
+                d.x = dr.select(is_squeezed, d.x / squeeze[0], d.x)
+            d.y = dr.select(is_squeezed, d.y / squeeze[1], d.y)
+            d.z = dr.abs(d.z)
+            r = dr.safe_sqrt(sample2.x)
+            flat = Vector3f(r * cos_phi, r * sin_phi, dr.safe_sqrt(1 - sample2.x))
+            d = dr.select(is_lobe, dr.normalize(d), flat)
+            bs = mi.BSDFSample3f()
+            bs.wo = dr.detach(Vector3f(d.x * c - d.y * s, d.x * s + d.y * c, d.z))
+            value, y = self._value(mixture, bs.wo)
+            bs.pdf = dr.detach(y / power)
+            bs.eta, bs.sampled_type, bs.sampled_component = 1.0, +mi.BSDFFlags.GlossyReflection, 0
+            active &= (bs.wo.z > 0) & (bs.pdf > 0)
+            bs.pdf = dr.select(active, bs.pdf, 0)
+            return bs, (self._spectrum(si, value, bs.wo, active) / bs.pdf) & active
+
+        def to_string(self):
+            return f"Srbf[{self.material!r}]"
+
+    return TracedSrbf

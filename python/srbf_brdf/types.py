@@ -1,0 +1,33 @@
+"""What calls return in several parts."""
+
+from __future__ import annotations
+
+from typing import Any, List, NamedTuple
+
+import numpy as np
+
+
+class Sample(NamedTuple):
+    """Incident directions that were drawn."""
+
+    direction: np.ndarray
+    """Unit vectors, float32 of shape (n, 3)."""
+    pdf: np.ndarray
+    """Their density, float32 of shape (n,), 1/sr."""
+    weight: np.ndarray
+    """`f cos / pdf`, linear sRGB, float32 of shape (n, 3)."""
+
+
+class Comparison:
+    """A material beside a table; prints as its verdict."""
+
+    def __init__(self, report: dict, verdict: List[str]):
+        self.report: dict[str, Any] = report
+        """Every number, view by view, as `srbf judge` prints it."""
+        self.verdict = verdict
+        """What is good, fair and off, and what to try: a sentence each."""
+
+    def __str__(self) -> str:
+        return "\n".join(self.verdict)
+
+    __repr__ = __str__

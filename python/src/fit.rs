@@ -1,0 +1,221 @@
+//! `fit`: in a thread of its own, so that this one can show progress and be interrupted.
+
+use crate::error;
+use crate::material::Material;
+use crate::source::{Function, Stop, Stopped};
+use crate::table::{SYMMETRIES, Table, table};
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use srbf_fit::judge::reciprocity::reciprocity;
+use srbf_fit::judge::report::Input;
+use srbf_fit::judge::verdict::{Made, Verdict};
+use srbf_fit::read::Content;
+use srbf_fit::{FactorNodes, Fit, FitError, Settings};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::time::Duration;
+
+/// How often progress is shown, and an interruption is seen.
+const STEP: Duration = Duration::from_millis(100);
+
+/// What a fit is made of: a table of Python, which is not copied, or a function.
+enum From {
+    Table(Py<Table>),
+    Function(Box<Function>),
+}
+
+impl From {
+    fn fit(&self, settings: &Settings, progress: impl FnMut(f64) + Send) -> Result<Fit, FitError> {
+        match self {
+            Self::Table(table) => srbf_fit::fit_content(&table.get().source.content, settings, progress),
+            Self::Function(function) => {
+                // The trait object has to own what it calls.
+                let function = Python::attach(|py| Function {
+                    function: function.function.clone_ref(py),
+                    symmetry: function.symmetry,
+                    stop: function.stop.clone(),
+                });
+                srbf_fit::fit_content(&Content::Evaluable(Box::new(function)), settings, progress)
+            }
+        }
+    }
+}
+
+/// Fits lobes to a measurement.
+///
+/// `source`: a `Table`; the path of a measured file or `model:...`; a tuple of arrays `(wo, wi, f)`, see `table`; or a function
+/// `f(wo, wi)` that takes two unit vectors, tuples of three floats with z > 0, and returns the BRDF without a cosine, 1/sr, as three
+/// floats or one. It is called some million times, from one thread at a time.
+///
+/// `lobes`: 1 to 64. `error`: the mean relative L2 error that is asked for; as few lobes as reach it are used, at most `lobes`. `views`:
+/// how many mixtures are stored. `factors`: "chosen", None, or the numbers of nodes `(half, difference, azimuth)`. `symmetry`: of a function,
+/// "isotropic", "quadrant", "half turn" or "none". `progress`: True shows a bar, False nothing; a function is called with the share that is
+/// done, 0 to 1. An interruption (Ctrl-C, or the stop button of a notebook) ends the fit.
+#[pyfunction]
+#[pyo3(signature = (source, *, lobes = 12, error = None, views = None, factors = None, squeezed = None, mirrored = None,
+    smoothness = None, starts = None, steps = None, exchanges = None, symmetry = "isotropic", provenance = "", progress = None))]
+#[allow(clippy::too_many_arguments)] // they are keywords, as Python has them
+pub fn fit<'py>(
+    py: Python<'py>,
+    source: &Bound<'py, PyAny>,
+    lobes: usize,
+    error: Option<f64>,
+    views: Option<usize>,
+    factors: Option<&Bound<'py, PyAny>>,
+    squeezed: Option<usize>,
+    mirrored: Option<usize>,
+    smoothness: Option<f64>,
+    starts: Option<usize>,
+    steps: Option<usize>,
+    exchanges: Option<usize>,
+    symmetry: &str,
+    provenance: &str,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Material> {
+    let usual = Settings::default();
+    let mut settings = Settings {
+        lobes,
+        error,
+        squeezed,
+        mirrored,
+        smoothness: smoothness.unwrap_or(usual.smoothness),
+        starts: starts.unwrap_or(usual.starts),
+        steps: steps.unwrap_or(usual.steps),
+        exchanges: exchanges.unwrap_or(usual.exchanges),
+        views,
+        factors: factor_nodes(factors)?,
+        ..usual
+    };
+    settings.check().map_err(error::fit)?;
+    let stop = Stop::default();
+    let from = from(source, symmetry, &stop)?;
+    let (input, first_line) = match &from {
+        From::Table(table) => {
+            let source = &table.get().source;
+            let hash =
+                if source.sha256.is_empty() { String::new() } else { format!(" sha256 {}", source.sha256) };
+            let input = Input { name: source.name.clone(), sha256: source.sha256.clone() };
+            (input, format!("{}{hash}\n", source.name))
+        }
+        From::Function(_) => {
+            (Input { name: "a function".into(), sha256: String::new() }, "a function of Python\n".to_owned())
+        }
+    };
+    settings.provenance = match provenance {
+        "" => first_line,
+        text => format!("{}\n", text.trim_end()),
+    };
+
+    let show = py.import("srbf_brdf.progress")?.call_method1("show", (progress,))?;
+    let made = run(py, from, &settings, &stop, &show);
+    show.call_method0("close")?;
+    let fit = made?;
+    let material = Material::new(fit.bytes).map_err(error::value)?;
+    let report = || {
+        let json = fit.report.to_json(&material.material, &input, &settings)?;
+        let made = Made::new(&material.material);
+        let verdict = Verdict::new(&fit.report, &reciprocity(&material.material)?, Some(made));
+        let notes = fit.report.notes().into_iter().map(|note| format!("note {note}"));
+        Ok((json, notes.chain(verdict.lines()).collect()))
+    };
+    let (json, words) = report().map_err(error::fit)?;
+    Ok(material.fitted(json, words))
+}
+
+/// How the thread of a fit ends.
+type Ended = Result<Result<Fit, FitError>, Box<dyn std::any::Any + Send>>;
+
+/// Runs a fit in another thread, and shows its progress in this one.
+fn run(
+    py: Python<'_>,
+    from: From,
+    settings: &Settings,
+    stop: &Stop,
+    show: &Bound<'_, PyAny>,
+) -> PyResult<Fit> {
+    let (sender, mut receiver): (Sender<Ended>, _) = channel();
+    let share = Arc::new(AtomicU64::new(0f64.to_bits()));
+    let thread = {
+        let (settings, stop, share) = (settings.clone(), stop.clone(), share.clone());
+        move || {
+            let report = |done: f64| {
+                stop.check();
+                share.store(done.to_bits(), Ordering::Relaxed);
+            };
+            let ended = catch_unwind(AssertUnwindSafe(|| from.fit(&settings, report)));
+            // Nobody listens any more if the fit was interrupted.
+            let _ = sender.send(ended);
+        }
+    };
+    std::thread::Builder::new().name("srbf fit".into()).spawn(thread)?;
+    loop {
+        // Alone in its use, as a receiver cannot be shared.
+        let receiver = &mut receiver;
+        match py.detach(move || receiver.recv_timeout(STEP)) {
+            Ok(Ok(fit)) => return fit.map_err(error::fit),
+            Ok(Err(reason)) if reason.is::<Stopped>() => {
+                let stopped = || PyRuntimeError::new_err("the fit was stopped");
+                return Err(stop.take_error().unwrap_or_else(stopped));
+            }
+            Ok(Err(reason)) => resume_unwind(reason),
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(PyRuntimeError::new_err("the thread of the fit ended without a result"));
+            }
+            Err(RecvTimeoutError::Timeout) => {
+                let done = f64::from_bits(share.load(Ordering::Relaxed));
+                let shown = py.check_signals().and_then(|()| show.call_method1("update", (done,)));
+                if let Err(error) = shown {
+                    stop.ask();
+                    return Err(error);
+                }
+            }
+        }
+    }
+}
+
+fn factor_nodes(factors: Option<&Bound<'_, PyAny>>) -> PyResult<FactorNodes> {
+    let Some(factors) = factors else { return Ok(FactorNodes::Chosen) };
+    if let Ok(word) = factors.extract::<String>() {
+        return match word.as_str() {
+            "chosen" => Ok(FactorNodes::Chosen),
+            "none" => Ok(FactorNodes::None),
+            _ => Err(PyValueError::new_err(format!(
+                "factors: \"chosen\", \"none\" or (half, difference, azimuth), not {word:?}"
+            ))),
+        };
+    }
+    let expected = |_| {
+        PyValueError::new_err(
+            "factors: \"chosen\", \"none\", (half, difference) or (half, difference, azimuth) is expected",
+        )
+    };
+    if let Ok([half, difference]) = factors.extract::<[usize; 2]>() {
+        return Ok(FactorNodes::Given([half, difference, 1]));
+    }
+    Ok(FactorNodes::Given(factors.extract::<[usize; 3]>().map_err(expected)?))
+}
+
+fn from(source: &Bound<'_, PyAny>, symmetry: &str, stop: &Stop) -> PyResult<From> {
+    if source.is_callable() {
+        let found = SYMMETRIES.iter().find(|s| s.0 == symmetry);
+        let expected = || {
+            let text =
+                format!("symmetry: isotropic, quadrant, half turn or none is expected, not {symmetry:?}");
+            PyValueError::new_err(text)
+        };
+        let symmetry = found.ok_or_else(expected)?.1;
+        let function = Function { function: source.clone().unbind(), symmetry, stop: stop.clone() };
+        return Ok(From::Function(Box::new(function)));
+    }
+    if let Ok((wo, wi, f)) = source.extract::<(Bound<'_, PyAny>, Bound<'_, PyAny>, Bound<'_, PyAny>)>() {
+        let made = table(source.py(), &wo, &wi, &f, "samples")?;
+        return Ok(From::Table(Py::new(source.py(), made)?));
+    }
+    if source.cast::<PyDict>().is_ok() {
+        return Err(PyValueError::new_err("a tuple of arrays (wo, wi, f) is expected, not a dict"));
+    }
+    Ok(From::Table(Table::of(source)?.unbind()))
+}

@@ -1,0 +1,25 @@
+//! The native part of the Python package `srbf_brdf`: materials, tables and the fit as classes on numpy arrays.
+//!
+//! It translates and computes nothing: values are those of `srbf-core`, bit for bit. Docs for users stand in
+//! `srbf_brdf/_native.pyi`, which editors read, and are the `__doc__` of each class.
+
+mod arrays;
+mod error;
+mod fit;
+mod material;
+mod source;
+mod table;
+
+use pyo3::prelude::*;
+
+/// Native part of `srbf_brdf`.
+#[pymodule]
+fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("FitError", module.py().get_type::<error::FitError>())?;
+    module.add_class::<material::Material>()?;
+    module.add_class::<table::Table>()?;
+    module.add_function(wrap_pyfunction!(table::read, module)?)?;
+    module.add_function(wrap_pyfunction!(table::table, module)?)?;
+    module.add_function(wrap_pyfunction!(fit::fit, module)?)
+}

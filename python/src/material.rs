@@ -1,0 +1,424 @@
+//! `Material`: what a fit makes and a renderer takes.
+
+use crate::arrays::{Shape, Vectors, broadcast, room, slices_mut};
+use crate::error;
+use crate::source::AsBrdf;
+use crate::table::Table;
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyTuple};
+use srbf_core::{MAX_LOBES, Mixture, SamplesMut};
+use srbf_fit::judge::reciprocity::reciprocity;
+use srbf_fit::judge::report::{Input, Report, ViewReport};
+use srbf_fit::judge::verdict::{Made, Verdict};
+use srbf_fit::read::Content;
+use srbf_fit::table::evaluation_views;
+use std::path::{Path, PathBuf};
+
+/// Most bytes of a file that is read as a material.
+const MAX_FILE: u64 = 1 << 26;
+
+/// A BRDF as lobes: a few kilobytes that are evaluated, integrated and sampled.
+///
+/// Directions are unit vectors in the shading frame, +z the normal, float32 of shape (n, 3) or (3,); float64 is cast.
+/// `wo` points towards the viewer, `wi` towards the light. Values are `f cos`, the BRDF times the cosine of `wi`, in
+/// linear sRGB, 1/sr; channels of colours outside the gamut are negative.
+#[pyclass(frozen, module = "srbf_brdf")]
+pub struct Material {
+    pub material: srbf_core::Material<Vec<u8>>,
+    /// What the fit says of itself, as JSON, and in words; of a material that was just fitted.
+    fitted: Option<(String, Vec<String>)>,
+}
+
+impl Material {
+    pub fn new(bytes: Vec<u8>) -> Result<Self, srbf_core::FormatError> {
+        Ok(Self { material: srbf_core::Material::from_bytes(bytes)?, fitted: None })
+    }
+
+    /// With what its fit says.
+    pub fn fitted(self, json: String, words: Vec<String>) -> Self {
+        Self { fitted: Some((json, words)), ..self }
+    }
+}
+
+/// The samples of a call.
+struct Drawn {
+    direction: [Vec<f32>; 3],
+    pdf: Vec<f32>,
+    weight: [Vec<f32>; 3],
+}
+
+impl Drawn {
+    fn new(n: usize) -> Self {
+        Self { direction: room(n), pdf: vec![0.0; n], weight: room(n) }
+    }
+
+    fn slices(&mut self) -> SamplesMut<'_> {
+        SamplesMut {
+            direction: slices_mut(&mut self.direction),
+            pdf: &mut self.pdf,
+            weight: slices_mut(&mut self.weight),
+        }
+    }
+
+    /// As a `srbf_brdf.Sample`.
+    fn into_python<'py>(self, py: Python<'py>, shape: Shape) -> PyResult<Bound<'py, PyAny>> {
+        let arguments = (
+            shape.vectors(py, self.direction)?,
+            shape.numbers(py, self.pdf)?,
+            shape.vectors(py, self.weight)?,
+        );
+        py.import("srbf_brdf.types")?.getattr("Sample")?.call1(arguments)
+    }
+}
+
+#[pymethods]
+impl Material {
+    /// Reads a `.srbf` file.
+    #[staticmethod]
+    fn load(path: PathBuf) -> PyResult<Self> {
+        let bytes = srbf_fit::read_at_most(&path, MAX_FILE).map_err(|e| error::io(&path, &e))?;
+        Self::new(bytes).map_err(|e| PyValueError::new_err(format!("{}: {e}", path.display())))
+    }
+
+    /// Takes the bytes of a `.srbf` file.
+    #[staticmethod]
+    fn from_bytes(bytes: Vec<u8>) -> PyResult<Self> {
+        Self::new(bytes).map_err(error::value)
+    }
+
+    /// The bytes of its `.srbf` file.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, self.material.bytes())
+    }
+
+    /// Writes a `.srbf` file: under a temporary name first, so that it is never there half.
+    fn save(&self, path: PathBuf) -> PyResult<()> {
+        srbf_fit::write_atomically(&path, self.material.bytes()).map_err(error::fit)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+        Ok((py.get_type::<Self>().getattr("from_bytes")?, (self.to_bytes(py),)))
+    }
+
+    fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
+        other.cast::<Self>().is_ok_and(|other| other.get().material.bytes() == self.material.bytes())
+    }
+
+    fn __hash__(&self) -> u64 {
+        use std::hash::{DefaultHasher, Hash, Hasher};
+        let mut hasher = DefaultHasher::new();
+        self.material.bytes().hash(&mut hasher);
+        hasher.finish()
+    }
+
+    fn __repr__(&self) -> String {
+        let kind = if self.material.is_isotropic() { "isotropic" } else { "anisotropic" };
+        let factors = match self.material.factor_nodes() {
+            Some([half, difference, 1]) => format!(", {half} x {difference} factors"),
+            Some([half, difference, azimuth]) => format!(", {half} x {difference} x {azimuth} factors"),
+            None => String::new(),
+        };
+        format!(
+            "<srbf_brdf.Material: {kind}, {} lobes, {} views{factors}, {} bytes>",
+            self.material.lobe_count(),
+            self.material.view_count(),
+            self.material.bytes().len()
+        )
+    }
+
+    /// Number of lobes of a mixture.
+    #[getter]
+    fn lobe_count(&self) -> usize {
+        self.material.lobe_count()
+    }
+
+    /// Number of views: outgoing directions at which a mixture is stored.
+    #[getter]
+    fn view_count(&self) -> usize {
+        self.material.view_count()
+    }
+
+    /// Whether turning both directions round the normal changes nothing.
+    #[getter]
+    fn is_isotropic(&self) -> bool {
+        self.material.is_isotropic()
+    }
+
+    /// Where it comes from, as its maker wrote it.
+    #[getter]
+    fn provenance(&self) -> &str {
+        self.material.provenance()
+    }
+
+    /// What its fit says of itself, as a dict; None for a material that was read.
+    #[getter]
+    fn report<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let parse = |(json, _): &(String, _)| py.import("json")?.call_method1("loads", (json,));
+        self.fitted.as_ref().map(parse).transpose()
+    }
+
+    /// How good its fit is, a sentence each, with what to try; None for a material that was read.
+    #[getter]
+    fn verdict(&self) -> Option<Vec<String>> {
+        self.fitted.as_ref().map(|(_, words)| words.clone())
+    }
+
+    /// `f cos` of pairs of directions, float32 of shape (n, 3), 1/sr.
+    fn evaluate<'py>(
+        &self,
+        py: Python<'py>,
+        wo: &Bound<'py, PyAny>,
+        wi: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (mut wo, mut wi) = (Vectors::directions(wo, "wo")?, Vectors::directions(wi, "wi")?);
+        let shape = broadcast([&mut wo, &mut wi], "wo and wi")?;
+        let mut value = room(shape.n);
+        let go = || self.material.evaluate_pairs_into(wo.slices(), wi.slices(), slices_mut(&mut value));
+        py.detach(go).map_err(error::value)?;
+        shape.vectors(py, value)
+    }
+
+    /// Density of `sample` at pairs of directions, float32 of shape (n,), 1/sr.
+    fn pdf<'py>(
+        &self,
+        py: Python<'py>,
+        wo: &Bound<'py, PyAny>,
+        wi: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (mut wo, mut wi) = (Vectors::directions(wo, "wo")?, Vectors::directions(wi, "wi")?);
+        let shape = broadcast([&mut wo, &mut wi], "wo and wi")?;
+        let mut pdf = vec![0.0; shape.n];
+        py.detach(|| self.material.pdf_pairs_into(wo.slices(), wi.slices(), &mut pdf))
+            .map_err(error::value)?;
+        shape.numbers(py, pdf)
+    }
+
+    /// What `evaluate` and `pdf` give, in one pass.
+    fn evaluate_and_pdf<'py>(
+        &self,
+        py: Python<'py>,
+        wo: &Bound<'py, PyAny>,
+        wi: &Bound<'py, PyAny>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        let (mut wo, mut wi) = (Vectors::directions(wo, "wo")?, Vectors::directions(wi, "wi")?);
+        let shape = broadcast([&mut wo, &mut wi], "wo and wi")?;
+        let (mut value, mut pdf) = (room(shape.n), vec![0.0; shape.n]);
+        let value_slices = slices_mut(&mut value);
+        py.detach(|| {
+            self.material.evaluate_and_pdf_pairs_into(wo.slices(), wi.slices(), value_slices, &mut pdf)
+        })
+        .map_err(error::value)?;
+        Ok((shape.vectors(py, value)?, shape.numbers(py, pdf)?))
+    }
+
+    /// Draws incident directions by three uniform numbers each, `u` of shape (n, 3) in [0, 1).
+    ///
+    /// Returns a `Sample`: `direction` (n, 3), `pdf` (n,) in 1/sr, `weight` (n, 3), which is `f cos / pdf`. Where nothing
+    /// is reflected the direction is the normal and the rest 0.
+    fn sample<'py>(
+        &self,
+        py: Python<'py>,
+        wo: &Bound<'py, PyAny>,
+        u: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (mut wo, mut u) = (Vectors::directions(wo, "wo")?, Vectors::uniform(u, "u")?);
+        let shape = broadcast([&mut wo, &mut u], "wo and u")?;
+        let mut drawn = Drawn::new(shape.n);
+        let samples = drawn.slices();
+        py.detach(|| self.material.sample_pairs_into(wo.slices(), u.slices(), samples))
+            .map_err(error::value)?;
+        drawn.into_python(py, shape)
+    }
+
+    /// What `sample` gives, and value and density towards other directions `wi`, as light sampling needs them.
+    fn sample_and_evaluate<'py>(
+        &self,
+        py: Python<'py>,
+        wo: &Bound<'py, PyAny>,
+        u: &Bound<'py, PyAny>,
+        wi: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyTuple>> {
+        let (mut wo, mut u) = (Vectors::directions(wo, "wo")?, Vectors::uniform(u, "u")?);
+        let mut wi = Vectors::directions(wi, "wi")?;
+        let shape = broadcast([&mut wo, &mut u, &mut wi], "wo, u and wi")?;
+        let (mut drawn, mut value, mut pdf) = (Drawn::new(shape.n), room(shape.n), vec![0.0; shape.n]);
+        let (samples, value_slices) = (drawn.slices(), slices_mut(&mut value));
+        py.detach(|| {
+            self.material.sample_and_evaluate_pairs_into(
+                wo.slices(),
+                u.slices(),
+                samples,
+                wi.slices(),
+                value_slices,
+                &mut pdf,
+            )
+        })
+        .map_err(error::value)?;
+        let sample = drawn.into_python(py, shape)?;
+        PyTuple::new(py, [sample, shape.vectors(py, value)?, shape.numbers(py, pdf)?])
+    }
+
+    /// Directional albedo, the integral of `f cos` over the hemisphere, float32 of shape (n, 3).
+    fn albedo<'py>(&self, py: Python<'py>, wo: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let mut wo = Vectors::directions(wo, "wo")?;
+        let shape = broadcast([&mut wo], "wo")?;
+        let [x, y, z] = wo.slices();
+        let mut albedo = room(shape.n);
+        py.detach(|| {
+            let mut mixture = Mixture::<MAX_LOBES>::empty();
+            for i in 0..shape.n {
+                self.material.prepare([x[i], y[i], z[i]], &mut mixture)?;
+                let found = mixture.albedo().to_array();
+                (0..3).for_each(|c| albedo[c][i] = found[c]);
+            }
+            Ok::<(), srbf_core::Error>(())
+        })
+        .map_err(error::value)?;
+        shape.vectors(py, albedo)
+    }
+
+    /// Compares it with a table: a `Comparison` that prints as the verdict.
+    ///
+    /// `angles`: outgoing directions in degrees from the normal, where the table has a value everywhere. Of samples, the
+    /// views of the table are taken.
+    #[pyo3(signature = (table, angles = vec![0.0, 5.0, 30.0, 60.0, 75.0]))]
+    fn compare<'py>(
+        &self,
+        py: Python<'py>,
+        table: &Bound<'py, PyAny>,
+        angles: Vec<f64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let table = Table::of(table)?;
+        let table = table.get();
+        if !self.material.is_isotropic() {
+            return Err(PyValueError::new_err("anisotropic; only isotropic materials are compared so"));
+        }
+        let judge = || {
+            let made;
+            let views = match &table.source.content {
+                Content::Samples(table) => &table.views,
+                Content::Evaluable(brdf) => {
+                    let thetas: Vec<f64> = angles.iter().map(|a| a.to_radians()).collect();
+                    made = evaluation_views::judging_table(brdf.as_ref(), &thetas)?;
+                    &made.views
+                }
+            };
+            let views =
+                views.iter().map(|v| ViewReport::judge(&self.material, v)).collect::<Result<_, _>>()?;
+            let report = Report { held_out: views, ..Report::default() };
+            let made = Made::new(&self.material);
+            let words = Verdict::new(&report, &reciprocity(&self.material)?, Some(made)).lines();
+            let input = Input { name: table.source.name.clone(), sha256: table.source.sha256.clone() };
+            Ok((report.to_json_of(&self.material, "srbf", &input)?.to_string(), words))
+        };
+        let (json, words) = py.detach(judge).map_err(error::fit)?;
+        let json = py.import("json")?.call_method1("loads", (json,))?;
+        py.import("srbf_brdf.types")?.getattr("Comparison")?.call1((json, words))
+    }
+
+    /// Writes it as a MERL `.binary` file: 90 x 90 x 180 cells, as other renderers read them.
+    fn to_merl(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        self.export(py, &path, |brdf| Ok(srbf_fit::export::merl(brdf)?.bytes))
+    }
+
+    /// Writes it as an RGL `.bsdf` file, as Mitsuba's `measured` reads them.
+    fn to_rgl(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        self.export(py, &path, |brdf| srbf_fit::export::rgl(brdf))
+    }
+
+    /// The numbers of all views, as float32 arrays by name: what an evaluator of one's own needs.
+    ///
+    /// `theta` and `azimuth` (V,) in radians; `log2_squeeze` (V,), or (V, 3) of an anisotropic material; `diffuse` (V, 3) and,
+    /// of every lobe, `color` (V, K, 3): log2 of the luminance, `(R - Y) / Y`, `(B - Y) / Y`; `tilt` (V, K, 2): angles of the axis
+    /// in the plane of incidence and out of it; `log2_sharpness` (V, K); `factors` of shape (azimuth, half, difference, 3) and
+    /// `albedo_difference` (V, 3), empty without factors. The first `squeezed` lobes are squeezed, the last `mirrored` stand for two.
+    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let m = &self.material;
+        let (views, lobes) = (m.view_count(), m.view_lobe_count());
+        let dict = PyDict::new(py);
+        let put = |name: &str, numbers: Vec<f32>, shape: &[usize]| {
+            dict.set_item(name, PyArray1::from_vec(py, numbers).reshape(shape)?)
+        };
+        let all = |number: &dyn Fn(usize) -> Option<f32>| (0..views).filter_map(number).collect::<Vec<_>>();
+        put("theta", all(&|v| m.view_theta(v)), &[views])?;
+        put("azimuth", all(&|v| m.view_azimuth(v)), &[views])?;
+        if m.is_isotropic() {
+            put("log2_squeeze", all(&|v| m.view_log2_squeeze(v)), &[views])?;
+        } else {
+            let squeeze = (0..views).filter_map(|v| m.view_log2_squeeze_matrix(v)).flatten().collect();
+            put("log2_squeeze", squeeze, &[views, 3])?;
+        }
+        let mut diffuse = Vec::new();
+        let (mut color, mut tilt, mut sharpness) = (Vec::new(), Vec::new(), Vec::new());
+        for v in 0..views {
+            diffuse.extend(m.view_log2_diffuse(v));
+            diffuse.extend(m.view_diffuse_color_differences(v).into_iter().flatten());
+            for k in 0..lobes {
+                if let Some(lobe) = m.view_lobe(v, k) {
+                    tilt.extend([lobe.angle, lobe.off_plane]);
+                    sharpness.push(lobe.log2_sharpness);
+                    color.push(lobe.log2_luminance);
+                    color.extend(lobe.color_differences);
+                } else if let Some(lobe) = m.view_tilted_lobe(v, k) {
+                    tilt.extend(lobe.tilt);
+                    sharpness.push(lobe.log2_sharpness);
+                    color.push(lobe.log2_luminance);
+                    color.extend(lobe.color_differences);
+                }
+            }
+        }
+        put("diffuse", diffuse, &[views, 3])?;
+        put("tilt", tilt, &[views, lobes, 2])?;
+        put("log2_sharpness", sharpness, &[views, lobes])?;
+        put("color", color, &[views, lobes, 3])?;
+        let [half, difference, azimuth] = m.factor_nodes().unwrap_or_default();
+        let node = |i: usize| m.factor_node(i / difference % half, i % difference, i / difference / half);
+        put(
+            "factors",
+            (0..azimuth * half * difference).filter_map(node).flatten().collect(),
+            &[azimuth, half, difference, 3],
+        )?;
+        let differences: Vec<f32> =
+            (0..views).filter_map(|v| m.view_albedo_difference(v)).flatten().collect();
+        let rows = differences.len() / 3;
+        put("albedo_difference", differences, &[rows, 3])?;
+        dict.set_item("squeezed", m.squeezed_count())?;
+        dict.set_item("mirrored", m.mirrored_count())?;
+        Ok(dict)
+    }
+
+    /// A picture of a lit ball of it, as an array of uint8 of shape (size, size, 3); needs numpy alone.
+    #[pyo3(signature = (size = 256))]
+    fn ball<'py>(slf: &Bound<'py, Self>, size: usize) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("srbf_brdf.picture")?.call_method1("ball", (slf, size))
+    }
+
+    fn _repr_png_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("srbf_brdf.picture")?.call_method1("png_of_ball", (slf,))
+    }
+
+    /// Draws a sheet by matplotlib: curves over the plane of incidence, albedo, and a ball; with `table` the data beside it.
+    ///
+    /// Returns the `matplotlib.figure.Figure`.
+    #[pyo3(signature = (table = None, angles = vec![5.0, 30.0, 60.0, 75.0]))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        table: Option<&Bound<'py, PyAny>>,
+        angles: Vec<f64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("srbf_brdf.plot")?.call_method1("plot", (slf, table, angles))
+    }
+}
+
+impl Material {
+    fn export(
+        &self,
+        py: Python<'_>,
+        path: &Path,
+        write: impl Fn(&dyn srbf_fit::table::Brdf) -> Result<Vec<u8>, srbf_fit::FitError> + Sync,
+    ) -> PyResult<()> {
+        py.detach(|| srbf_fit::write_atomically(path, &write(&AsBrdf(&self.material))?)).map_err(error::fit)
+    }
+}

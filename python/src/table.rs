@@ -1,0 +1,219 @@
+//! `Table`: a measured file, arrays of samples, or an analytic model.
+
+use crate::arrays::{cast, rows, table as array_of};
+use crate::error;
+use numpy::PyArray1;
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use srbf_fit::read::{Content, Source, csv};
+use srbf_fit::table::{Symmetry, evaluation_views};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// A measurement: scattered samples, or values at every pair of directions.
+#[pyclass(frozen, module = "srbf_brdf")]
+pub struct Table {
+    pub source: Source,
+}
+
+/// Symmetries by the names that Python has for them.
+pub const SYMMETRIES: [(&str, Symmetry); 4] = [
+    ("isotropic", Symmetry::Isotropic),
+    ("quadrant", Symmetry::Quadrant),
+    ("half turn", Symmetry::HalfTurn),
+    ("none", Symmetry::None),
+];
+
+/// Reads a measured file: MERL `.binary`, RGL `.bsdf`, Cornell `.brdf` and `.astm`, samples as `.csv`; or `model:...`, an
+/// analytic model such as `model:ggx:alpha=0.2,f0=0.9`.
+#[pyfunction]
+pub fn read(py: Python<'_>, path: PathBuf) -> PyResult<Table> {
+    let source = py.detach(|| srbf_fit::read::read(&path)).map_err(error::fit)?;
+    Ok(Table { source })
+}
+
+/// Makes a table of samples: directions `wo` and `wi` and the BRDF `f` (without a cosine, 1/sr, linear sRGB), float64 of
+/// shape (n, 3) each. `f` of shape (n,) is grey.
+#[pyfunction]
+#[pyo3(signature = (wo, wi, f, name = "samples"))]
+pub fn table(
+    py: Python<'_>,
+    wo: &Bound<'_, PyAny>,
+    wi: &Bound<'_, PyAny>,
+    f: &Bound<'_, PyAny>,
+    name: &str,
+) -> PyResult<Table> {
+    let (wo_array, wi_array) = (cast::<f64>(wo, "wo")?, cast::<f64>(wi, "wi")?);
+    let (wo, is_single) = rows(&wo_array, wo, "wo")?;
+    let (wi, _) = rows(&wi_array, wi, "wi")?;
+    let f = cast::<f64>(f, "f")?;
+    let f = f.as_slice().map_err(|e| PyValueError::new_err(format!("f: {e}")))?;
+    let n = wi.len() / 3;
+    let channels = f.len().checked_div(n).unwrap_or(0);
+    let is_of_one_length = (is_single || wo.len() == wi.len()) && f.len() == n * channels;
+    if n == 0 || !is_of_one_length || !(channels == 1 || channels == 3) {
+        let text = format!(
+            "wo has {} rows, wi {n}, f {} numbers; as many rows, and one or three numbers for each, are expected",
+            wo.len() / 3,
+            f.len()
+        );
+        return Err(PyValueError::new_err(text));
+    }
+    let make = || {
+        // The reader of CSV groups, checks and names what is wrong with a line: a sample is line n + 2.
+        let mut text = String::from("wo_x,wo_y,wo_z,wi_x,wi_y,wi_z,r,g,b\n");
+        for i in 0..n {
+            let [o, d] = [if is_single { &wo[..3] } else { &wo[3 * i..3 * i + 3] }, &wi[3 * i..3 * i + 3]];
+            let rgb = [0, 1, 2].map(|c| if channels == 1 { f[i] } else { f[3 * i + c] });
+            let [r, g, b] = rgb;
+            // Writing to a string does not fail.
+            let _ = writeln!(text, "{},{},{},{},{},{},{r},{g},{b}", o[0], o[1], o[2], d[0], d[1], d[2]);
+        }
+        let fault = |source| srbf_fit::FitError::Read { path: name.into(), source };
+        let views = csv::parse(text.as_bytes()).map_err(fault)?;
+        let content = Content::Samples(srbf_fit::table::Table::from_scattered(views)?);
+        Ok(Table { source: Source { content, name: name.to_owned(), sha256: String::new() } })
+    };
+    py.detach(make).map_err(error::fit)
+}
+
+impl Table {
+    /// A table, or the one that a path names.
+    pub fn of<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, Self>> {
+        if let Ok(table) = object.cast::<Self>() {
+            return Ok(table.clone());
+        }
+        match object.extract::<PathBuf>() {
+            Ok(path) => Bound::new(object.py(), read(object.py(), path)?),
+            Err(_) => Err(PyTypeError::new_err("a Table, or the path of a measured file, is expected")),
+        }
+    }
+}
+
+#[pymethods]
+impl Table {
+    /// Name of the file, or of the model.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.source.name
+    }
+
+    /// SHA-256 of the file, hexadecimal; empty for arrays.
+    #[getter]
+    fn sha256(&self) -> &str {
+        &self.source.sha256
+    }
+
+    /// Whether it has a value at every pair of directions; otherwise it is scattered samples.
+    #[getter]
+    fn is_evaluable(&self) -> bool {
+        matches!(self.source.content, Content::Evaluable(_))
+    }
+
+    /// What turning or mirroring both directions leaves as it is: "isotropic", "quadrant", "half turn" or "none".
+    #[getter]
+    fn symmetry(&self) -> &'static str {
+        let symmetry = match &self.source.content {
+            Content::Samples(_) => Symmetry::Isotropic,
+            Content::Evaluable(brdf) => brdf.symmetry(),
+        };
+        SYMMETRIES.iter().find(|s| s.1 == symmetry).map_or("none", |s| s.0)
+    }
+
+    fn __repr__(&self) -> String {
+        let of = match &self.source.content {
+            Content::Samples(table) => {
+                let samples: usize = table.views.iter().map(|v| v.samples.len()).sum();
+                format!("{samples} samples at {} outgoing directions", table.views.len())
+            }
+            Content::Evaluable(_) => format!("values everywhere, symmetry {}", self.symmetry()),
+        };
+        format!("<srbf_brdf.Table {}: {of}>", self.source.name)
+    }
+
+    /// `f cos` of pairs of directions, float64 of shape (n, 3), 1/sr; only of what has a value everywhere.
+    fn evaluate<'py>(
+        &self,
+        py: Python<'py>,
+        wo: &Bound<'py, PyAny>,
+        wi: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let Content::Evaluable(brdf) = &self.source.content else {
+            let text = "scattered samples have no value in between; `fit` completes them";
+            return Err(PyValueError::new_err(text));
+        };
+        let (wo_array, wi_array) = (cast::<f64>(wo, "wo")?, cast::<f64>(wi, "wi")?);
+        let ((wo, one_wo), (wi, one_wi)) = (rows(&wo_array, wo, "wo")?, rows(&wi_array, wi, "wi")?);
+        let n = if one_wo { wi.len() / 3 } else { wo.len() / 3 };
+        if !(one_wo || one_wi || wo.len() == wi.len()) {
+            let text = format!("wo and wi: {n} and {} rows; as many are expected", wi.len() / 3);
+            return Err(PyValueError::new_err(text));
+        }
+        let vector = |all: &[f64], one: bool, i: usize| {
+            let at = if one { 0 } else { 3 * i };
+            [all[at], all[at + 1], all[at + 2]]
+        };
+        let value = |i: usize| {
+            let (wo, wi) = (vector(wo, one_wo, i), vector(wi, one_wi, i));
+            let is_above = wo[2] > 0.0 && wi[2] > 0.0;
+            let f = if is_above { brdf.evaluate(wi, wo) } else { [0.0; 3] };
+            f.map(|f| if f.is_finite() { f * wi[2] } else { 0.0 })
+        };
+        let values: Vec<[f64; 3]> = py.detach(|| (0..n).map(value).collect());
+        let array = array_of(py, values.into_iter())?;
+        if one_wo && one_wi { array.get_item(0) } else { Ok(array) }
+    }
+
+    /// Its samples, as a dict of float64 arrays: `theta_o` (n,), the angle of the outgoing direction from the normal in radians;
+    /// `wi` (n, 3) in the frame whose outgoing direction is `(-sin theta_o, 0, cos theta_o)`, `y >= 0`; `f` (n, 3), the BRDF without a
+    /// cosine, 1/sr; `weight` (n,), the solid angle that it stands for, sr.
+    ///
+    /// What has a value everywhere is sampled at outgoing directions of `angles`, degrees; samples are given as they were read.
+    #[pyo3(signature = (angles = vec![0.0, 15.0, 30.0, 45.0, 60.0, 75.0]))]
+    fn samples<'py>(&self, py: Python<'py>, angles: Vec<f64>) -> PyResult<Bound<'py, PyDict>> {
+        let made;
+        let table = match &self.source.content {
+            Content::Samples(table) => table,
+            Content::Evaluable(brdf) => {
+                let thetas: Vec<f64> = angles.iter().map(|a| a.to_radians()).collect();
+                let make = || evaluation_views::judging_table(brdf.as_ref(), &thetas);
+                made = py.detach(make).map_err(error::fit)?;
+                &made
+            }
+        };
+        let all = || table.views.iter().flat_map(|view| view.samples.iter().map(move |s| (view.theta, s)));
+        let dict = PyDict::new(py);
+        dict.set_item("theta_o", PyArray1::from_iter(py, all().map(|s| s.0)))?;
+        dict.set_item("wi", array_of(py, all().map(|s| s.1.direction))?)?;
+        dict.set_item("f", array_of(py, all().map(|s| s.1.rgb))?)?;
+        dict.set_item("weight", PyArray1::from_iter(py, all().map(|s| s.1.weight)))?;
+        Ok(dict)
+    }
+
+    /// Writes it in another format, by the end of the name: MERL `.binary`, RGL `.bsdf`, `.csv` or `.astm`.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        py.detach(|| self.written(&path).and_then(|bytes| srbf_fit::write_atomically(&path, &bytes)))
+            .map_err(error::fit)
+    }
+}
+
+impl Table {
+    fn written(&self, path: &Path) -> Result<Vec<u8>, srbf_fit::FitError> {
+        use srbf_fit::export;
+        let refuse = |text: &str| Err(srbf_fit::FitError::Table(text.to_owned()));
+        let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        match (&self.source.content, ending.as_str()) {
+            (Content::Evaluable(brdf), "binary") => Ok(export::merl(brdf.as_ref())?.bytes),
+            (Content::Evaluable(brdf), "bsdf") => export::rgl(brdf.as_ref()),
+            (Content::Evaluable(brdf), "csv") => Ok(export::csv(&export::sampled(brdf.as_ref())?).into()),
+            (Content::Evaluable(brdf), "astm") => Ok(export::astm(&export::sampled(brdf.as_ref())?).into()),
+            (Content::Samples(table), "csv") => Ok(export::csv(table).into()),
+            (Content::Samples(table), "astm") => Ok(export::astm(table).into()),
+            (Content::Samples(_), "binary" | "bsdf") => {
+                refuse("scattered samples have no value in between; fit them, and save the material so")
+            }
+            _ => refuse("the name has to end in .binary, .bsdf, .csv or .astm"),
+        }
+    }
+}

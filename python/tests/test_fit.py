@@ -1,0 +1,171 @@
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import srbf_brdf as srbf
+from conftest import QUICK, spread
+
+
+def lobe(wo, wi):
+    """A function of Python: a lobe round the half vector, and something diffuse."""
+    h = [a + b for a, b in zip(wo, wi)]
+    cos = h[2] / (h[0] ** 2 + h[1] ** 2 + h[2] ** 2) ** 0.5
+    value = 0.1 + 0.5 * cos**20
+    return (value, 0.8 * value, 0.6 * value)
+
+
+def test_a_path_a_table_and_its_arrays_are_one_measurement(tmp_path):
+    made = srbf.fit("model:ggx:alpha=0.3,f0=0.8", lobes=4, **QUICK)
+    table = srbf.read("model:ggx:alpha=0.3,f0=0.8")
+    assert srbf.fit(table, lobes=4, **QUICK) == made
+    assert table.is_evaluable and table.symmetry == "isotropic" and "model" in repr(table) or table.name
+    assert made.report["lobes"] == 4 and any("relative L2" in line for line in made.verdict)
+    comparison = made.compare(table)
+    assert str(comparison).count("\n") == len(comparison.verdict) - 1 > 3
+    assert made.compare("model:ggx:alpha=0.3,f0=0.8").report == comparison.report
+
+
+def samples(n=300):
+    random = np.random.default_rng(3)
+    wo, wi = [], []
+    for degrees in (10, 25, 40, 55, 70):
+        t = np.radians(degrees)
+        z = np.sqrt(0.02 + 0.98 * random.random(n))
+        phi = 2 * np.pi * random.random(n)
+        r = np.sqrt(1 - z * z)
+        wi.append(np.stack([r * np.cos(phi), r * np.sin(phi), z], axis=1))
+        wo.append(np.tile([-np.sin(t), 0, np.cos(t)], (n, 1)))
+    wo, wi = np.concatenate(wo), np.concatenate(wi)
+    return wo, wi, np.array([lobe(o, i) for o, i in zip(wo, wi)])
+
+
+def test_arrays_of_samples():
+    wo, wi, f = samples(60)
+    table = srbf.table(wo, wi, f, name="mine")
+    assert not table.is_evaluable and table.name == "mine" and "300 samples" in repr(table)
+    held = table.samples()
+    assert held["f"].shape == (300, 3) and held["weight"].min() > 0
+    np.testing.assert_allclose(np.sort(held["f"][:, 0]), np.sort(f[:, 0]))
+    with pytest.raises(ValueError, match="no value in between"):
+        table.evaluate([0, 0, 1], [0, 0, 1])
+    made = srbf.fit((wo, wi, f), lobes=3, **dict(QUICK, views=None))
+    value = made.evaluate(wo, wi)
+    want = f * wi[:, 2:]
+    assert np.linalg.norm(value - want) < 0.3 * np.linalg.norm(want)
+    grey = srbf.table(wo, wi, f[:, 0])
+    assert np.array_equal(grey.samples()["f"][:, 0], grey.samples()["f"][:, 2])
+
+
+@pytest.mark.parametrize(
+    "change, text",
+    [
+        (lambda wo, wi, f: (wo[:-1], wi, f), "as many rows"),
+        (lambda wo, wi, f: (wo, wi, f[:, :2]), "as many rows|numbers"),
+        (lambda wo, wi, f: (wo, -wi, f), "line 2"),
+        (lambda wo, wi, f: (wo, wi, f * np.nan), "line 2"),
+        (lambda wo, wi, f: (wo[:0], wi[:0], f[:0]), "0"),
+    ],
+)
+def test_arrays_that_are_no_samples_are_named(change, text):
+    with pytest.raises(ValueError, match=text):
+        srbf.table(*change(*samples(3)))
+
+
+def test_a_function_of_python():
+    made = srbf.fit(lobe, lobes=2, **dict(QUICK, views=2, factors="none", starts=1, steps=2))
+    wo, wi, _ = spread(200)
+    want = np.array([lobe(o, i) for o, i in zip(wo.astype(float), wi.astype(float))]) * wi[:, 2:]
+    assert np.linalg.norm(made.evaluate(wo, wi) - want) < 0.3 * np.linalg.norm(want)
+    assert made.provenance.startswith("a function of Python")
+
+
+def test_an_exception_of_the_function_ends_the_fit():
+    calls = []
+
+    def fails(wo, wi):
+        calls.append(1)
+        if len(calls) > 100:
+            raise ZeroDivisionError("from within")
+        return 0.3
+
+    with pytest.raises(ZeroDivisionError, match="from within"):
+        srbf.fit(fails, **QUICK)
+    with pytest.raises((TypeError, ValueError)):
+        srbf.fit(lambda wo, wi: "bright", **QUICK)
+
+
+def test_progress_is_shown_and_rises():
+    seen = []
+    srbf.fit("model:ggx:alpha=0.1,f0=0.9", lobes=4, starts=2, steps=8, exchanges=0, views=4, progress=seen.append)
+    assert seen and all(0 <= share <= 1 for share in seen) and seen[-1] > seen[0]
+
+
+def test_an_exception_of_the_progress_ends_the_fit():
+    def stop(share):
+        raise RuntimeError("enough")
+
+    start = time.monotonic()
+    with pytest.raises(RuntimeError, match="enough"):
+        srbf.fit("model:ggx:alpha=0.05,f0=0.9", progress=stop)
+    assert time.monotonic() - start < 2
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_an_interruption_ends_the_fit():
+    # A shell gives programs in the background no interruption.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    start = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        srbf.fit("model:ggx:alpha=0.05,f0=0.9", progress=False)
+    assert time.monotonic() - start < 2
+
+
+def test_a_bar_is_drawn_where_it_is_asked_for():
+    code = "import srbf_brdf as s; s.fit('model:ggx:alpha=0.1,f0=0.9', lobes=2, starts=1, steps=4, exchanges=0, views=4, progress=%s)"
+    run = lambda how: subprocess.run([sys.executable, "-c", code % how], stderr=subprocess.PIPE, check=True).stderr
+    assert b"\rfit [" in run("True")
+    assert run("None") == b"" and run("False") == b""
+
+
+@pytest.mark.parametrize(
+    "settings, text",
+    [
+        (dict(lobes=65), "lobes: from 1 to 64"),
+        (dict(factors="many"), "factors"),
+        (dict(factors=(1, 50)), "factors"),
+        (dict(views=1), "views"),
+        (dict(error=-1.0), "error"),
+    ],
+)
+def test_settings_out_of_range_are_named(settings, text):
+    with pytest.raises(ValueError, match=text):
+        srbf.fit("model:lambert:albedo=0.5", **settings)
+
+
+@pytest.mark.parametrize(
+    "source, kind, text",
+    [
+        ("nothing.binary", FileNotFoundError, "nothing.binary"),
+        ("model:nothing", srbf.FitError, "nothing"),
+        (3, TypeError, "path"),
+        ({"wo": 1}, ValueError, "tuple"),
+        (("a", "b", "c"), ValueError, "wo"),
+    ],
+)
+def test_sources_that_are_none_are_named(source, kind, text):
+    with pytest.raises(kind, match=text):
+        srbf.fit(source, progress=False)
+
+
+def test_a_broken_file_is_named_with_its_place(tmp_path):
+    path = tmp_path / "a.binary"
+    path.write_bytes(b"\0" * 40)
+    with pytest.raises(srbf.FitError, match="a.binary"):
+        srbf.read(path)

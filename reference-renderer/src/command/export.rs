@@ -1,0 +1,100 @@
+//! `srbf export`.
+
+use crate::out::output;
+use anyhow::{Context, ensure};
+use srbf_core::Material;
+use srbf_evaluator::{Language, can_read, export, json, text};
+use std::io::Write;
+use std::path::PathBuf;
+
+/// Most bytes of a material that is read.
+const MAX_FILE: u64 = 1 << 26;
+
+/// Writes a material for a shader or a program that does not link the library: one text that evaluates and draws from it, with its numbers.
+///
+/// The text is the same for all languages but for their words. The words of FILE stand in it as constants, `srbf_data`; with --buffer
+/// they do not, and the text reads any `.srbf` file in place, from memory or through a function `srbf_word` of yours.
+/// docs/use-from-shaders.md says how, and how far values are from the library's: 3e-4.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The fitted material, `.srbf`; not with --buffer
+    #[arg(required_unless_present = "buffer", conflicts_with = "buffer")]
+    file: Option<PathBuf>,
+    #[command(flatten)]
+    language: Chosen,
+    /// The text alone, which reads materials from memory
+    #[arg(long, conflicts_with = "json")]
+    buffer: bool,
+    /// The file to write [default: standard output]
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+/// The language, one of these.
+#[derive(Debug, clap::Args)]
+#[group(required = true, multiple = false)]
+#[allow(clippy::struct_excessive_bools)] // clap has a group of options so
+struct Chosen {
+    /// GLSL: ES 3.0, and 3.30 and later
+    #[arg(long)]
+    glsl: bool,
+    /// WGSL, of WebGPU
+    #[arg(long)]
+    wgsl: bool,
+    /// HLSL, shader model 5 and later
+    #[arg(long)]
+    hlsl: bool,
+    /// Slang
+    #[arg(long)]
+    slang: bool,
+    /// CUDA C++
+    #[arg(long)]
+    cuda: bool,
+    /// C++17
+    #[arg(long)]
+    cpp: bool,
+    /// The Metal shading language
+    #[arg(long)]
+    metal: bool,
+    /// The numbers of every view, by name
+    #[arg(long)]
+    json: bool,
+}
+
+impl Chosen {
+    /// `None` for JSON.
+    fn language(&self) -> Option<Language> {
+        let all = [
+            (self.glsl, Language::Glsl),
+            (self.wgsl, Language::Wgsl),
+            (self.hlsl, Language::Hlsl),
+            (self.slang, Language::Slang),
+            (self.cuda, Language::Cuda),
+            (self.cpp, Language::Cpp),
+            (self.metal, Language::Metal),
+        ];
+        all.into_iter().find(|(is_chosen, _)| *is_chosen).map(|(_, language)| language)
+    }
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let written = match (&args.file, args.language.language()) {
+        (None, language) => text(language.context("--buffer: JSON has no text")?),
+        (Some(file), language) => {
+            let named = || file.display().to_string();
+            let bytes = srbf_fit::read_at_most(file, MAX_FILE).with_context(named)?;
+            let material = Material::from_bytes(bytes).with_context(named)?;
+            ensure!(
+                can_read(&material),
+                "{}: of format version 1, which the text does not read",
+                file.display()
+            );
+            language.map_or_else(|| json(&material), |language| export(&material, language))
+        }
+    };
+    match &args.output {
+        Some(path) => output::write(path, written.as_bytes()),
+        None => Ok(std::io::stdout().write_all(written.as_bytes())?),
+    }
+}
