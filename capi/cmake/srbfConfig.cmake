@@ -23,9 +23,9 @@ foreach(srbf_name static shared)
     unset(srbf_${srbf_name} CACHE)
 endforeach()
 if(TARGET srbf::static)
-    # What `rustc --print native-static-libs` says that a static library of Rust needs on Linux with glibc.
+    # What `rustc --print native-static-libs` says that a static library of Rust needs on Linux with glibc; see CMakeLists.txt for -lgcc_s.
     set_target_properties(srbf::static PROPERTIES
-        INTERFACE_LINK_LIBRARIES "-lgcc_s;-lutil;-lrt;-lpthread;-lm;-ldl")
+        INTERFACE_LINK_LIBRARIES "-lutil;-lrt;-lpthread;-lm;-ldl")
 endif()
 if(NOT TARGET srbf::srbf)
     add_library(srbf::srbf INTERFACE IMPORTED)
