@@ -523,7 +523,9 @@ typedef struct srbf_product_sampling {
      */
     uint32_t candidates;
     /**
-     * The share of them that is drawn from the lobes, in [0, 1]; 0.5 serves well.
+     * The share of them that is drawn from the lobes, in [0, 1], rounded to whole candidates; 0.5 serves well. Where it rounds to none or
+     * to all, one of the two is never drawn from, and a weight has no bound: the mean of tens of thousands of draws may be half of the
+     * integral where a sharp highlight lies away from the light, or a small sun away from the highlight.
      */
     float lobe_share;
     /**
@@ -806,8 +808,8 @@ srbf_status srbf_status_panic(void);
 /**
  * Returns the message of the last call that failed on this thread, "" if none did.
  *
- * UTF-8, one line (a control character, in the name of a file for example, becomes a question mark), never NULL. Valid until the
- * next call that fails on this thread, or its end.
+ * UTF-8, one line of visible characters (a control character, in the name of a file for example, is spelled out as `\u{1b}`), never
+ * NULL. Valid until the next call that fails on this thread, or its end.
  */
 const char *srbf_last_message(void);
 #endif
@@ -1760,7 +1762,8 @@ srbf_status srbf_mixture_sample_product(const struct srbf_mixture *mixture,
  * Says what the light is multiplied by that a path meets along a direction that it drew from its mixture, with a density `pdf`, where
  * the environment has the density `environment_pdf`.
  *
- * Shapes: `weight` one number in [0, 1], overwritten; 0 for an infinite kappa. Status: `SRBF_STATUS_ARGUMENT` for a `sampling` out of range.
+ * Shapes: `weight` one number in [0, 1], overwritten, whatever the densities are: 0 for an infinite kappa; a density that is negative or
+ * NaN counts as 0, an infinite one as the largest number. Status: `SRBF_STATUS_ARGUMENT` for a `sampling` out of range.
  */
 srbf_status srbf_product_ray_weight(const struct srbf_product_sampling *sampling,
                                     float pdf,

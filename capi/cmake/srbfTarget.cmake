@@ -4,7 +4,8 @@ if(WIN32)
 elseif(APPLE)
     set(srbf_system_libraries -lSystem -lc -lm)
 else()
-    set(srbf_system_libraries -lgcc_s -lutil -lrt -lpthread -lm -ldl)
+    # Without -lgcc_s: the C compiler adds it, or -lgcc_eh where it links a program without any shared library (-static).
+    set(srbf_system_libraries -lutil -lrt -lpthread -lm -ldl)
 endif()
 
 # In a native build cargo's own target is right; in a cross build its name follows from those of the system and the processor.

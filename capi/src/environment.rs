@@ -77,7 +77,9 @@ pub struct srbf_product_sampling {
     /// Candidates of a draw, 2 to 32. Variance falls with them where nothing is occluded, and time grows: 32 take about twice the time
     /// of 8.
     pub candidates: u32,
-    /// The share of them that is drawn from the lobes, in [0, 1]; 0.5 serves well.
+    /// The share of them that is drawn from the lobes, in [0, 1], rounded to whole candidates; 0.5 serves well. Where it rounds to none or
+    /// to all, one of the two is never drawn from, and a weight has no bound: the mean of tens of thousands of draws may be half of the
+    /// integral where a sharp highlight lies away from the light, or a small sun away from the highlight.
     pub lobe_share: f32,
     /// At least 1e-3: infinite where the candidates are to give all of the light; 4 serves well where the light along the path's own ray
     /// counts too, weighed by `srbf_product_ray_weight`.
@@ -416,7 +418,8 @@ pub(crate) fn axes([a, b, c, d, e, f, g, h, i]: [f32; 9]) -> Result<[Vec3; 3], F
 /// Says what the light is multiplied by that a path meets along a direction that it drew from its mixture, with a density `pdf`, where
 /// the environment has the density `environment_pdf`.
 ///
-/// Shapes: `weight` one number in [0, 1], overwritten; 0 for an infinite kappa. Status: `SRBF_STATUS_ARGUMENT` for a `sampling` out of range.
+/// Shapes: `weight` one number in [0, 1], overwritten, whatever the densities are: 0 for an infinite kappa; a density that is negative or
+/// NaN counts as 0, an infinite one as the largest number. Status: `SRBF_STATUS_ARGUMENT` for a `sampling` out of range.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_product_ray_weight(
     sampling: *const srbf_product_sampling,

@@ -3,8 +3,10 @@
 
 use crate::status::{srbf_status, srbf_status_text};
 use core::ffi::{CStr, c_char};
+use srbf_core::printable;
 use std::cell::RefCell;
 use std::ffi::CString;
+use std::string::ToString;
 
 std::thread_local! {
     static LAST: RefCell<CString> = RefCell::default();
@@ -21,7 +23,7 @@ pub(crate) fn set(status: srbf_status, reason: Option<&str>) {
         Some(reason) => std::format!("{text}: {reason}"),
         None => text.into_owned(),
     };
-    let line = line.replace(char::is_control, "?");
+    let line = printable(&line).to_string();
     // At the end of a thread its message may be gone already: then there is none to keep.
     let _ = LAST.try_with(|last| {
         if let (Ok(mut last), Ok(line)) = (last.try_borrow_mut(), CString::new(line)) {
@@ -32,8 +34,8 @@ pub(crate) fn set(status: srbf_status, reason: Option<&str>) {
 
 /// Returns the message of the last call that failed on this thread, "" if none did.
 ///
-/// UTF-8, one line (a control character, in the name of a file for example, becomes a question mark), never NULL. Valid until the
-/// next call that fails on this thread, or its end.
+/// UTF-8, one line of visible characters (a control character, in the name of a file for example, is spelled out as `\u{1b}`), never
+/// NULL. Valid until the next call that fails on this thread, or its end.
 #[cfg(feature = "std")]
 #[unsafe(no_mangle)]
 pub extern "C" fn srbf_last_message() -> *const c_char {

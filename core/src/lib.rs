@@ -94,6 +94,7 @@ mod kernel;
 mod lobe;
 mod material;
 mod mixture;
+mod printable;
 mod quadrature;
 mod simd;
 pub mod special;
@@ -136,6 +137,7 @@ pub use material::layout::MAX_LOBES;
 pub use material::views::{Grid, GridView, Line, PlaneLobe, TiltedLobe, View};
 pub use mixture::leave_out::LeaveOut;
 pub use mixture::rows::{Domain, Mixture, Sample};
+pub use printable::{Printable, printable, printable_lines};
 pub use simd::detect::Level;
 pub use simd::processor::Processor;
 #[cfg(feature = "zonal")]

@@ -1,5 +1,8 @@
 //! What can go wrong between a file and a material. The reason is the `source` of an error, not part of its own text.
+//!
+//! Names of files and words from files stand in them as they are; the texts show them through [`printable`].
 
+use srbf_core::printable;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -15,7 +18,7 @@ pub enum ReadError {
         offset: usize,
     },
     /// A word of a text format that is not what belongs there.
-    #[error("line {line}, number {index}: `{found}` where {expected} was expected")]
+    #[error("line {line}, number {index}: `{}` where {expected} was expected", printable(.found))]
     Word {
         /// Line, from 1.
         line: usize,
@@ -37,7 +40,7 @@ pub enum ReadError {
         expected: String,
     },
     /// Something other than a number is wrong; the text says what and where.
-    #[error("{0}")]
+    #[error("{}", printable(.0))]
     Content(String),
 }
 
@@ -46,7 +49,7 @@ pub enum ReadError {
 #[non_exhaustive]
 pub enum FitError {
     /// A file could not be read or written.
-    #[error("{path}")]
+    #[error("{}", printable(&.path.to_string_lossy()))]
     Io {
         /// The file.
         path: PathBuf,
@@ -54,7 +57,7 @@ pub enum FitError {
         source: io::Error,
     },
     /// A file that was read has a fault.
-    #[error("{path}")]
+    #[error("{}", printable(&.path.to_string_lossy()))]
     Read {
         /// The file.
         path: PathBuf,
@@ -62,16 +65,19 @@ pub enum FitError {
         source: ReadError,
     },
     /// A table that nothing can be fitted to.
-    #[error("the table cannot be fitted: {0}")]
+    #[error("the table cannot be fitted: {}", printable(.0))]
     Table(String),
     /// A setting out of its range.
-    #[error("setting {name}: {reason}")]
+    #[error("setting {name}: {}", printable(.reason))]
     Setting {
         /// The setting.
         name: &'static str,
         /// Its range.
         reason: String,
     },
+    /// There is less memory than the fit takes.
+    #[error("there is too little memory for the fit")]
+    Memory(#[source] io::Error),
     /// The fitted lobes have no place in a material.
     #[error("the fit is no material")]
     Format(#[from] srbf_core::FormatError),

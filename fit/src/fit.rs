@@ -7,9 +7,15 @@ use crate::isotropic;
 use crate::judge::method::{Fitted, Method};
 use crate::judge::report::Fit;
 use crate::read::Content;
+use crate::read::check_memory;
 use crate::table::{Brdf, Symmetry, Table};
 use crate::{FitError, Settings};
 use srbf_core::Material;
+
+/// An allowance for the memory that a fit takes beside its table, bytes, and for each sample. An allocation that fails within the fit
+/// ends the process, so that as much is looked for before.
+const MEMORY: u64 = 400_000_000;
+const OF_SAMPLE: u64 = 400;
 
 /// Fits lobes to a measurement: to a BRDF that can be evaluated anywhere, or to samples.
 ///
@@ -24,7 +30,8 @@ use srbf_core::Material;
 ///
 /// # Errors
 /// [`FitError::Setting`] for a setting out of its range, and for one that the fit of an anisotropic surface would ignore;
-/// [`FitError::Table`] for a table that is black or has too few samples. [`FitError::Format`] never for a table with finite numbers.
+/// [`FitError::Table`] for a table that is black or has too few samples; [`FitError::Memory`] where so much
+/// is not there. [`FitError::Format`] never for a table with finite numbers.
 pub fn fit_content(
     content: &Content,
     settings: &Settings,
@@ -33,6 +40,7 @@ pub fn fit_content(
     match content {
         Content::Samples(table) => fit(table, settings, progress),
         Content::Evaluable(brdf) => {
+            check_memory(MEMORY).map_err(FitError::Memory)?;
             with_lobes(settings, progress, |settings, progress| fit_brdf(brdf.as_ref(), settings, progress))
         }
     }
@@ -45,6 +53,8 @@ pub fn fit_content(
 pub fn fit(table: &Table, settings: &Settings, progress: impl FnMut(f64) + Send) -> Result<Fit, FitError> {
     // Before the completion, which takes seconds.
     settings.check()?;
+    let samples: usize = table.views.iter().map(|view| view.samples.len()).sum();
+    check_memory(MEMORY + OF_SAMPLE * samples as u64).map_err(FitError::Memory)?;
     let completion = complete(table)?;
     let table = completion.without_outliers(table)?;
     with_lobes(settings, progress, |settings, progress| {

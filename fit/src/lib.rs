@@ -23,4 +23,4 @@ pub use judge::fitted_material::knots;
 pub use judge::report::Fit;
 pub use read::{check_memory, read_at_most, read_if};
 pub use settings::{FactorNodes, Settings};
-pub use write::{check_output, write_atomically};
+pub use write::{Outputs, check_output, write_atomically};

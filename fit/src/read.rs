@@ -20,6 +20,7 @@ use crate::{FitError, ReadError};
 pub use filled::Filled;
 pub(crate) use scatter::Scatter;
 use sha2::{Digest, Sha256};
+use srbf_core::printable;
 use std::path::Path;
 
 use limit::{MAX_FILE, read_bytes};
@@ -53,7 +54,7 @@ pub enum Content {
 pub struct Source {
     /// The measurement.
     pub content: Content,
-    /// Name of the file, without its folder, or of the model.
+    /// Name of the file, without its folder, or of the model; [`printable`].
     pub name: String,
     /// SHA-256 of the file, hexadecimal; of a model, that of its name and parameters.
     pub sha256: String,
@@ -93,7 +94,7 @@ pub fn read(path: &Path) -> Result<Source, FitError> {
     };
     Ok(Source {
         content,
-        name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        name: printable(&path.file_name().unwrap_or_default().to_string_lossy()).to_string(),
         sha256: sha256(&bytes),
     })
 }

@@ -1,31 +1,27 @@
-//! Writing a file so that it is never there half.
+//! Writing files so that none is ever there half, and of several that belong together none without the others.
+
+mod destination;
+mod temporary;
 
 use crate::FitError;
-use std::fs::{File, FileType, Permissions};
-use std::io::{self, ErrorKind, Write};
+use destination::Destination;
+use std::fs::File;
+use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
-
-/// Links that may follow one another: as many as Linux follows.
-const MOST_LINKS: usize = 40;
+use temporary::{Temporary, remove_leftovers};
 
 /// Writes bytes under a temporary name in the same folder, which is made if need be, and renames the file.
 ///
 /// A symbolic link stays, and what it points to is replaced. A file that is there gives its permissions to the new one. Of several
-/// threads or processes that write one path at once, one is the last, and its bytes are there, whole.
+/// threads or processes that write one path at once, one is the last, and its bytes are there, whole. The bytes are on the disk before
+/// the file is renamed. What a killed process has left in the folder is removed.
 ///
 /// # Errors
 /// [`FitError::Io`] with the path: also where a folder, a device, a pipe or a socket is there. The temporary file is removed then.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), FitError> {
-    let place = Destination::of(path)?;
-    place.make_folder()?;
-    let (file, temporary) = create_beside(&place.file).map_err(FitError::io(path))?;
-    let written = place.fill(file, bytes).and_then(|()| std::fs::rename(&temporary, &place.file));
-    if written.is_err() {
-        // The reason of the failure is the one to report.
-        let _ = std::fs::remove_file(&temporary);
-    }
-    written.map_err(FitError::io(path))
+    let mut outputs = Outputs::default();
+    outputs.add(path, bytes)?;
+    outputs.commit()
 }
 
 /// Finds out, before a long work, whether [`write_atomically`] can write a file there; leaves nothing behind.
@@ -37,91 +33,118 @@ pub fn check_output(path: &Path) -> Result<(), FitError> {
     // Folders that are missing will be made; what counts is where the first of them would lie.
     let is_there = |folder: &&Path| folder.as_os_str().is_empty() || folder.exists();
     let above = file.ancestors().skip(1).find(is_there).unwrap_or(Path::new(""));
-    let probe = create_beside(&above.join("probe"));
-    probe.and_then(|(_, probe)| std::fs::remove_file(probe)).map_err(FitError::io(path))
+    Temporary::beside(&above.join("probe")).map(drop).map_err(FitError::io(path))
 }
 
-/// Where a file is written to.
-struct Destination {
-    /// The file itself: no link, and there a regular file or nothing.
-    file: PathBuf,
-    /// Those of the file that is there.
-    permissions: Option<Permissions>,
+/// Files that belong together: all of them are written, or none.
+///
+/// Each is written as by [`write_atomically`], but gets its name only with all others. Where one cannot be renamed, what the
+/// others have replaced is put back. Only a process that is killed between two renames, which takes microseconds, leaves some
+/// files old and some new, each whole.
+///
+/// # Examples
+/// ```
+/// use srbf_fit::Outputs;
+///
+/// let folder = std::env::temp_dir().join("srbf-outputs-example");
+/// let mut outputs = Outputs::default();
+/// outputs.add(&folder.join("a.txt"), b"one")?;
+/// outputs.add(&folder.join("b.txt"), b"two")?;
+/// assert!(!folder.join("a.txt").exists());
+/// outputs.commit()?;
+/// assert!(folder.join("a.txt").exists() && folder.join("b.txt").exists());
+/// # std::fs::remove_dir_all(folder).unwrap();
+/// # Ok::<(), srbf_fit::FitError>(())
+/// ```
+#[derive(Default)]
+pub struct Outputs {
+    files: Vec<Output>,
 }
 
-impl Destination {
-    fn of(path: &Path) -> Result<Self, FitError> {
-        Self::follow(path).map_err(FitError::io(path))
+/// One of them.
+struct Output {
+    /// As the caller names it.
+    path: PathBuf,
+    place: Destination,
+    bytes: Temporary,
+}
+
+impl Outputs {
+    /// Writes a file under a temporary name; folders that are missing are made.
+    ///
+    /// # Errors
+    /// As [`write_atomically`].
+    pub fn add(&mut self, path: &Path, bytes: &[u8]) -> Result<(), FitError> {
+        let place = Destination::of(path)?;
+        place.make_folder()?;
+        remove_leftovers(&place.file);
+        let mut temporary = Temporary::beside(&place.file).map_err(FitError::io(path))?;
+        temporary.fill(bytes, place.permissions.as_ref()).map_err(FitError::io(path))?;
+        self.files.push(Output { path: path.to_path_buf(), place, bytes: temporary });
+        Ok(())
     }
 
-    fn follow(path: &Path) -> io::Result<Self> {
-        let mut file = path.to_path_buf();
-        for _ in 0..MOST_LINKS {
-            let is_folder = file.as_os_str().to_string_lossy().ends_with(std::path::is_separator);
-            if file.file_name().is_none() || is_folder {
-                return Err(io::Error::other("the name of a file is expected"));
+    /// Where the bytes of a file lie until then, by the path that it was added with.
+    pub fn staged(&self, path: &Path) -> Option<&Path> {
+        self.files.iter().rev().find(|output| output.path == path).map(|output| output.bytes.path.as_path())
+    }
+
+    /// Gives all files their names.
+    ///
+    /// # Errors
+    /// [`FitError::Io`] with the file that could not be renamed; all others are as they were then.
+    pub fn commit(mut self) -> Result<(), FitError> {
+        let is_alone = self.files.len() == 1;
+        let mut replaced = Vec::new();
+        for Output { path, place, bytes } in &mut self.files {
+            let old = Replaced::of(place, is_alone);
+            if let Err(error) = bytes.rename(&place.file) {
+                replaced.into_iter().rev().for_each(Replaced::put_back);
+                return Err(FitError::io(path)(error));
             }
-            let kind = match std::fs::symlink_metadata(&file) {
-                Err(error) if error.kind() == ErrorKind::NotFound => {
-                    return Ok(Self { file, permissions: None });
-                }
-                found => found?,
-            };
-            if !kind.is_symlink() {
-                check_regular(kind.file_type())?;
-                return Ok(Self { file, permissions: Some(kind.permissions()) });
-            }
-            // A link without a folder of its own is relative to the folder that it lies in.
-            file = file.with_file_name("").join(std::fs::read_link(&file)?);
+            replaced.push(old);
         }
-        Err(io::Error::other("too many symbolic links"))
-    }
-
-    fn make_folder(&self) -> Result<(), FitError> {
-        match self.file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-            Some(folder) => std::fs::create_dir_all(folder).map_err(FitError::io(folder)),
-            None => Ok(()),
+        drop(replaced);
+        // So that the names too are there after a loss of power; where folders cannot be synced, that is as good as it gets.
+        for output in &self.files {
+            let folder = output.place.file.parent().filter(|folder| !folder.as_os_str().is_empty());
+            let _ = File::open(folder.unwrap_or(Path::new("."))).and_then(|folder| folder.sync_all());
         }
-    }
-
-    /// Nobody who may not read the old bytes sees the new ones.
-    fn fill(&self, mut file: File, bytes: &[u8]) -> io::Result<()> {
-        if let Some(permissions) = &self.permissions {
-            file.set_permissions(permissions.clone())?;
-        }
-        file.write_all(bytes)
+        Ok(())
     }
 }
 
-/// Anything else cannot be replaced by a file, or must not: to rename over a device would remove it.
-fn check_regular(kind: FileType) -> io::Result<()> {
-    let reason = if kind.is_file() {
-        return Ok(());
-    } else if kind.is_dir() {
-        "a regular file is expected, and this is a folder"
-    } else {
-        "a regular file is expected, and this is a device, a pipe or a socket"
-    };
-    Err(io::Error::other(reason))
+/// What was at the place of a file before.
+struct Replaced<'a> {
+    place: &'a Path,
+    /// `None` where there was nothing, or where the file system gives no second names.
+    old: Option<Temporary>,
+    was_there: bool,
 }
 
-/// Creates a file in the same folder, under a name that nobody else has, short whatever the file is called.
-fn create_beside(path: &Path) -> io::Result<(File, PathBuf)> {
-    static COUNT: AtomicU64 = AtomicU64::new(0);
-    loop {
-        let number = COUNT.fetch_add(1, Ordering::Relaxed);
-        let temporary = path.with_file_name(format!(".srbf-{}-{number}.part", std::process::id()));
-        match File::create_new(&temporary) {
-            // What a process of this number has left behind stays.
-            Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
-            created => return created.map(|file| (file, temporary)),
-        }
+impl<'a> Replaced<'a> {
+    /// Keeps what is there under a second name, if there may be a need to put it back.
+    fn of(place: &'a Destination, is_alone: bool) -> Self {
+        let was_there = place.permissions.is_some();
+        let old = if was_there && !is_alone { Temporary::second_name(&place.file).ok() } else { None };
+        Self { place: &place.file, old, was_there }
+    }
+
+    fn put_back(self) {
+        // The reason of the failure that led here is the one to report.
+        let _: io::Result<()> = match self.old {
+            Some(mut old) => old.rename(self.place),
+            None if self.was_there => Ok(()),
+            None => std::fs::remove_file(self.place),
+        };
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    #[cfg(unix)]
+    use std::fs::Permissions;
 
     fn folder(name: &str) -> PathBuf {
         let folder = std::env::temp_dir().join(format!("srbf-write-{name}-{}", std::process::id()));
@@ -236,6 +259,40 @@ mod tests {
             let kept = std::fs::metadata(&path).unwrap().permissions().mode() & 0o7777;
             assert_eq!(kept, mode, "{kept:o} for {mode:o}");
         }
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn of_files_that_belong_together_all_are_written_or_none() {
+        let folder = folder("set");
+        std::fs::create_dir_all(&folder).unwrap();
+        let [old, new, taken] = ["old.srbf", "new.json", "taken.png"].map(|name| folder.join(name));
+        std::fs::write(&old, b"before").unwrap();
+        let mut outputs = Outputs::default();
+        for path in [&old, &new, &taken] {
+            outputs.add(path, b"after").unwrap();
+        }
+        assert_eq!(std::fs::read(&old).unwrap(), b"before");
+        // Where it was free before, there is a folder in the end.
+        std::fs::create_dir_all(taken.join("inside")).unwrap();
+        let error = outputs.commit().unwrap_err();
+        assert!(matches!(error, FitError::Io { path: ref named, .. } if *named == taken), "{error:?}");
+        assert!(std::fs::read(&old).unwrap() == b"before" && !new.exists(), "some are written");
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 2, "something is left behind");
+
+        std::fs::remove_dir_all(&taken).unwrap();
+        let mut outputs = Outputs::default();
+        for path in [&old, &new, &taken] {
+            outputs.add(path, b"after").unwrap();
+        }
+        outputs.commit().unwrap();
+        assert!([&old, &new, &taken].iter().all(|path| std::fs::read(path).unwrap() == b"after"));
+        // One that is dropped without a commit leaves nothing.
+        let mut outputs = Outputs::default();
+        outputs.add(&old, b"never").unwrap();
+        drop(outputs);
+        assert_eq!(std::fs::read(&old).unwrap(), b"after");
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 3, "something is left behind");
         std::fs::remove_dir_all(folder).unwrap();
     }
 

@@ -15,7 +15,7 @@ pub mod plot;
 pub mod render;
 mod view_table;
 
-use crate::out::print;
+use crate::out::{output, print};
 use anyhow::{Context, ensure};
 use clap::{Parser, Subcommand};
 use srbf_core::Level;
@@ -40,6 +40,9 @@ pub struct Cli {
     /// Prints nothing but errors
     #[arg(long, short, global = true)]
     quiet: bool,
+    /// Overwrites files that srbf did not write
+    #[arg(long, global = true)]
+    force: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -62,10 +65,14 @@ enum Command {
 /// Reads the command line and runs what it asks for. The exit status is 0, or 2 after an error, which is written behind `name`.
 pub fn program<C: Parser>(name: &str, run: impl FnOnce(C) -> anyhow::Result<()>) -> ExitCode {
     let cli = C::try_parse().unwrap_or_else(|error| {
-        // Help and version go to standard output; clap's own way passes over a failure there.
-        let written = error.print();
-        if !error.use_stderr() {
-            print::or_end(written);
+        // Help and version go to standard output.
+        let text = print::clap_text(&error);
+        let text = text.trim_end_matches('\n');
+        if error.use_stderr() {
+            eprintln!("{text}");
+        } else {
+            println!("{text}");
+            print::flush();
         }
         std::process::exit(error.exit_code())
     });
@@ -75,7 +82,7 @@ pub fn program<C: Parser>(name: &str, run: impl FnOnce(C) -> anyhow::Result<()>)
             ExitCode::SUCCESS
         }
         Err(error) => {
-            eprintln!("{name}: {error:#}");
+            eprintln!("{name}: {}", print::error_line(&error));
             ExitCode::from(2)
         }
     }
@@ -85,6 +92,9 @@ pub fn program<C: Parser>(name: &str, run: impl FnOnce(C) -> anyhow::Result<()>)
 pub fn run(cli: Cli) -> anyhow::Result<()> {
     if cli.quiet {
         print::be_quiet();
+    }
+    if !cli.force {
+        output::keep_others();
     }
     ensure!(cli.command.is_none() || cli.out.is_none(), "--out: only where no command is given");
     match cli.command {

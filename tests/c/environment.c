@@ -80,6 +80,12 @@ static void test_product(const char *path, const srbf_environment *environment) 
     float weight;
     CHECK_OK(srbf_product_ray_weight(&alone, 1, 1, &weight));
     CHECK(weight == 0);
+    /* Densities that are none. */
+    const float densities[] = {0, -1, NAN, INFINITY, -INFINITY, 3e38f, 1e-45f, 1};
+    for (int i = 0; i < 64; i++) {
+        CHECK_OK(srbf_product_ray_weight(&shared, densities[i / 8], densities[i % 8], &weight));
+        CHECK(weight >= 0 && weight <= 1 && (weight == 0 || densities[i / 8] > 0));
+    }
     const srbf_product_sampling bad[] = {{1, 0.5f, 4}, {33, 0.5f, 4}, {UINT32_MAX, 0.5f, 4}, {8, -1, 4}, {8, NAN, 4}, {8, 0.5f, 0}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_mixture_sample_product(mixture, environment, frame, &bad[i], u, 0, &sample));

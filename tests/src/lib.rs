@@ -2,6 +2,8 @@
 
 extern crate alloc;
 
+pub mod attack;
+
 /// The examples of the documentation: blocks of code in Markdown.
 pub mod documents;
 pub mod inputs;

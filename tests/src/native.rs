@@ -133,7 +133,6 @@ impl Compiler {
         match link {
             // What `rustc --print native-static-libs` says for a staticlib on Linux with glibc.
             Link::Static => command.arg(folder.join("libsrbf.a")).args([
-                "-lgcc_s",
                 "-lutil",
                 "-lrt",
                 "-lpthread",

@@ -1,13 +1,11 @@
-//! Fuzzing with a seeded generator: damaged `.srbf` bytes and tables give an error or something sound, never a panic, a
-//! hang or a NaN.
+//! Attacks with a seeded generator: damaged bytes give an error or something sound, never a panic, a hang or a NaN.
 //!
-//! `SRBF_FUZZ=N` runs N executions of each target in place of the few of every test run; `tests/corpus/` holds seeds,
-//! small files of our own, and `tests/src/seeds.rs` makes others: with factors, anisotropic, and of the ends of what the format
-//! allows. What a run finds is added there.
+//! Every target of `tests/src/attack.rs` gets its kept inputs as they are, at every SIMD level, and then damaged ones.
+//! `SRBF_FUZZ=N` runs N executions of each target in place of the few of every test run. `fuzz/run` does the same with inputs that
+//! follow the coverage; what it finds is kept in `fuzz/found/`.
 
-use glam::Vec3;
-use srbf_core::{Expanded, Material, Mixture, SamplesMut};
-use srbf_fit::table;
+use srbf_core::Level;
+use srbf_tests::attack::{self, TARGETS};
 use srbf_tests::inputs::Random;
 use srbf_tests::seeds;
 
@@ -68,113 +66,42 @@ fn mutate(random: &mut Random, seed: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// CRC-32, so that damage gets past the checksum (IEEE 802.3, bit by bit).
-fn crc32(bytes: &[u8]) -> u32 {
-    !bytes.iter().fold(!0u32, |mut crc, &byte| {
-        crc ^= u32::from(byte);
-        for _ in 0..8 {
-            crc = if crc & 1 == 1 { 0xedb8_8320 ^ (crc >> 1) } else { crc >> 1 };
-        }
-        crc
-    })
-}
-
-/// Prepares, evaluates and samples: everything is a number, and what reflects draws.
-fn use_material(bytes: &[u8], random: &mut Random, place: &str) {
-    let material = Material::from_bytes(bytes).expect("found to be sound");
-    let mut memory = vec![0.0; if material.is_isotropic() { material.expanded_len(8) } else { 0 }];
-    let expanded = Expanded::new(&material, 8, &mut memory);
-    assert_eq!(expanded.is_ok(), material.is_isotropic(), "{place}: {:?}", expanded.err());
-    let mut mixture = Mixture::<64>::empty();
-    for wo in [Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.0, -0.99, 0.141).normalize(), Vec3::X] {
-        material.prepare(wo, &mut mixture).expect("a unit vector and room for every lobe");
-        let place = format!("{place}, {wo}");
-        assert!(mixture.albedo().is_finite() && mixture.power().is_finite(), "{place}: albedo");
-        let (u, wi) = (random.three(), random.direction());
-        let factor = material.factor(wo, wi);
-        // Below the horizon it is any number.
-        let within = factor.min_element() >= 0.0 && factor.max_element() <= 1.001 * material.largest_factor();
-        assert!(within || wi.z < 0.0, "{place}, {wi}: factor {factor}");
-        let (mut value, mut pdf) = ([[0.0; 1]; 3], [0.0; 1]);
-        let [red, green, blue] = value.each_mut().map(|channel| &mut channel[..]);
-        let [o, i] = [wo, wi].map(|d| d.to_array().map(|x| [x]));
-        let pair = [&o, &i].map(|d| [&d[0][..], &d[1][..], &d[2][..]]);
-        material
-            .evaluate_and_pdf_pairs_into(pair[0], pair[1], [red, green, blue], &mut pdf)
-            .expect("one pair");
-        assert!(
-            value.as_flattened().iter().all(|v| v.is_finite()) && pdf[0].is_finite(),
-            "{place}: {value:?}"
-        );
-        let sample = mixture.sample(u);
-        assert_eq!(sample.is_some(), mixture.power() > 0.0, "{place}, {u:?}: what reflects draws");
-        if let Some(sample) = sample {
-            is_sound(sample.direction, sample.pdf, sample.weight, || format!("{place}, {u:?}"));
-        }
-        let Ok(expanded) = &expanded else { continue };
-        let mut out = [[0.0; 1]; 7];
-        let [x, y, z, pdf, red, green, blue] = out.each_mut().map(|number| &mut number[..]);
-        let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
-        let u = u.map(|u| [u]);
-        expanded.sample_pairs_into(pair[0], [&u[0], &u[1], &u[2]], samples).expect("one sample");
-        let [x, y, z, pdf, red, green, blue] = *out.as_flattened() else { unreachable!() };
-        let (direction, weight) = (Vec3::new(x, y, z), Vec3::new(red, green, blue));
-        is_sound(direction, pdf, weight, || format!("{place}, {u:?}, expanded"));
-    }
-}
-
-/// A direction of the hemisphere, a density, and a weight that is 0 where there is nothing to divide by.
-fn is_sound(direction: Vec3, pdf: f32, weight: Vec3, place: impl Fn() -> String) {
-    let is_drawn = (direction.length() - 1.0).abs() < 1e-6 && direction.z >= 0.0;
-    let is_weighed = weight.is_finite() && (weight == Vec3::ZERO || pdf >= f32::MIN_POSITIVE);
-    assert!(
-        is_drawn && pdf >= 0.0 && pdf.is_finite() && is_weighed,
-        "{}: {direction} {pdf:e} {weight}",
-        place()
-    );
-}
-
+/// Every kept input, whole, at every level of this processor.
 #[test]
-fn srbf_bytes() {
-    let factored = seeds::factored();
-    let seeds: [&[u8]; 6] = [
-        include_bytes!("../corpus/version1.srbf"),
-        include_bytes!("../corpus/version2.srbf"),
-        &factored,
-        include_bytes!("../../presets/garnet_red.srbf"),
-        include_bytes!("../../presets/krylon_blue.srbf"),
-        include_bytes!("../../presets/cayman.srbf"),
-    ];
-    let mut random = Random(1);
-    let (mut accepted, mut anisotropic) = (0, 0);
-    for execution in 0..executions() {
-        let extreme;
-        let seed = match random.below(10) {
-            n if n < seeds.len() => seeds[n],
-            _ => {
-                extreme = seeds::extreme(&mut random);
-                &extreme
+fn kept_inputs() {
+    for target in TARGETS {
+        let kept = attack::kept(target.name);
+        let mut accepted = 0;
+        for (path, bytes) in &kept {
+            println!("{}", path.display());
+            for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
+                level.set().expect("an available level");
+                accepted += usize::from((target.run)(bytes));
             }
-        };
-        let mut bytes = if random.below(8) == 0 { seed.to_vec() } else { mutate(&mut random, seed) };
-        if bytes.len() >= 48 && random.below(4) > 0 {
-            // The length and the checksum put right, so that the fields behind them are reached.
-            let length = bytes.len() as u32;
-            bytes[16..20].copy_from_slice(&length.to_le_bytes());
-            let end = bytes.len() - 4;
-            let crc = crc32(&bytes[..end]);
-            bytes[end..].copy_from_slice(&crc.to_le_bytes());
         }
-        let Ok(material) = Material::from_bytes(&bytes) else { continue };
-        accepted += 1;
-        anisotropic += u64::from(!material.is_isotropic());
-        use_material(&bytes, &mut random, &format!("execution {execution}"));
+        assert!(accepted > 0, "no input of {} is sound: its objects are never reached", target.name);
     }
-    println!("{} executions, {accepted} materials accepted, {anisotropic} anisotropic ones", executions());
-    assert!(
-        anisotropic > 0 && accepted > anisotropic,
-        "no damaged material is sound: the fields are never reached"
-    );
+}
+
+/// Damaged inputs of every target; some are still sound.
+#[test]
+fn damaged_inputs() {
+    for target in TARGETS {
+        let kept = attack::kept(target.name);
+        let mut random = Random(1);
+        let share = if target.name == "merl" { 1000 } else { 8 };
+        let executions = executions() / share;
+        let mut accepted = 0;
+        for execution in 0..executions {
+            let (path, seed) = &kept[random.below(kept.len())];
+            let bytes = mutate(&mut random, seed);
+            let place = format!("{}, execution {execution}, from {}", target.name, path.display());
+            let run = std::panic::catch_unwind(|| (target.run)(&bytes));
+            accepted += u64::from(run.unwrap_or_else(|_| panic!("{place}: {bytes:02x?}")));
+        }
+        println!("{}: {executions} executions, {accepted} accepted", target.name);
+        assert!(accepted > 0 || share > 8, "no damaged input of {} is sound", target.name);
+    }
 }
 
 /// Every number at an end of what the format allows, in both kinds of material.
@@ -183,33 +110,7 @@ fn materials_of_extremes() {
     let mut random = Random(3);
     for execution in 0..executions() / 4 {
         let bytes = seeds::extreme(&mut random);
-        use_material(&bytes, &mut random, &format!("execution {execution}"));
+        let run = std::panic::catch_unwind(|| attack::run("material", &bytes));
+        assert!(run.expect("sound, whatever its numbers"), "execution {execution}: {bytes:02x?}");
     }
-}
-
-/// Runs a reader over damaged seeds; `parse` says whether it accepted.
-fn fuzz_reader(name: &str, seed: &[u8], parse: impl Fn(&[u8]) -> bool) {
-    assert!(parse(seed), "the seed of {name} is not accepted");
-    let mut random = Random(2);
-    let accepted = (0..executions()).filter(|_| parse(&mutate(&mut random, seed))).count();
-    println!("{name}: {} executions, {accepted} accepted", executions());
-}
-
-#[test]
-fn tables() {
-    let scattered = |parsed: Result<Vec<(f64, table::Scattered)>, srbf_fit::ReadError>| {
-        let Ok(views) = parsed else { return false };
-        let samples = views.iter().flat_map(|(_, samples)| samples);
-        let mut numbers = samples.flat_map(|(direction, rgb)| direction.iter().chain(rgb));
-        assert!(numbers.all(|v| v.is_finite()), "a table holds a number that is not finite");
-        true
-    };
-    let corpus = |name: &str| {
-        let path = format!("{}/corpus/{name}", env!("CARGO_MANIFEST_DIR"));
-        std::fs::read(&path).unwrap_or_else(|error| panic!("{path}: {error}"))
-    };
-    fuzz_reader("brdf", &corpus("small.brdf"), |bytes| scattered(srbf_fit::read::cornell::parse(bytes)));
-    fuzz_reader("astm", &corpus("small.astm"), |bytes| scattered(srbf_fit::read::astm::parse(bytes)));
-    fuzz_reader("csv", &corpus("small.csv"), |bytes| scattered(srbf_fit::read::csv::parse(bytes)));
-    fuzz_reader("bsdf", &corpus("small.bsdf"), |bytes| srbf_fit::read::rgl::parse(bytes).is_ok());
 }

@@ -143,6 +143,8 @@ const ORACLES: &[(&str, &str)] = &[
     ("Mixture::inner_product_with_lobe", "tests/estimators.rs"),
     ("Material::from_bytes", "tests/presets.rs"),
     ("read_file", "tests/presets.rs"),
+    ("printable", "src/attack/material.rs"),
+    ("printable_lines", "src/attack/material.rs"),
     ("Material::bytes", "tests/material.rs"),
     ("Material::view_count", "tests/presets.rs"),
     ("Material::lobe_count", "tests/material.rs"),

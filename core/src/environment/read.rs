@@ -14,7 +14,8 @@ impl<M: AsRef<[u32]>> Environment<M> {
     /// words by `bytemuck::try_cast_slice`.
     ///
     /// # Errors
-    /// [`Error::Table`] for what is none, damaged, or of another length.
+    /// [`Error::Table`] for what is none, damaged, of another length, or where cells are not drawn as often as their
+    /// power says.
     pub fn from_table(table: M) -> Result<Self, Error> {
         let (shape, power) = check(table.as_ref()).ok_or(Error::Table)?;
         Ok(Self::of_table(table, 0, shape, power))
@@ -39,9 +40,39 @@ fn check(words: &[u32]) -> Option<(Shape, f32)> {
     if !are_rows || !are_cells() {
         return None;
     }
-    let total: f64 =
-        table.cells.iter().enumerate().map(|(i, cell)| self::power(shape, table.rows, i, cell)).sum();
-    ((total - 1.0).abs() <= ROUNDING).then_some((shape, power))
+    let (mut total, mut apart) = (0.0, 0.0);
+    for (i, cell) in table.cells.iter().enumerate() {
+        let power = self::power(shape, table.rows, i, cell);
+        total += power;
+        let stays = f64::from(f32::from_bits(cell[THRESHOLD]));
+        let [own, others] = [i, other(shape, cell)].map(mark);
+        apart += own * (power * table.cells.len() as f64 - stays) - others * (1.0 - stays);
+    }
+    let is_whole = (total - 1.0).abs() <= ROUNDING;
+    (is_whole && apart.abs() <= allowed_apart(table.cells.len(), total)).then_some((shape, power))
+}
+
+/// How far apart the two sides of the sum over the shares may be, of a table of that many cells and that total.
+///
+/// Thresholds are rounded to f32, at random; and what the total lacks or has too much, one cell lacks or has.
+fn allowed_apart(cells: usize, total: f64) -> f64 {
+    let cells = cells as f64;
+    THRESHOLDS * (10.0 + cells.sqrt()) + 1.1 * cells * (total - 1.0).abs()
+}
+
+/// Several times what rounding moves a threshold by.
+const THRESHOLDS: f64 = 3e-7;
+
+/// A number of a cell in [0, 1), as good as random.
+///
+/// Whether every cell is drawn as often as its power says would take the sum of what is handed on to it, and memory for
+/// all of these sums. One sum of all, each cell multiplied by its own number, needs none: draws that do not fit the
+/// powers change it, unless they are made to suit these numbers (Freivalds 1977, of products of matrices).
+fn mark(cell: usize) -> f64 {
+    let mut z = (cell as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
 }
 
 /// Whether a cell can be drawn from: its numbers are such, and the other's colours are those of the cell that

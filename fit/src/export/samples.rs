@@ -12,7 +12,7 @@ fn rows(table: &Table) -> impl Iterator<Item = (f64, &Sample)> {
 ///
 /// All digits are there: what is read again is the same numbers.
 pub fn csv(table: &Table) -> String {
-    let mut text = "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,r,g,b\n".to_owned();
+    let mut text = "# written by srbf\nwi_x,wi_y,wi_z,wo_x,wo_y,wo_z,r,g,b\n".to_owned();
     for (theta, Sample { direction: [x, y, z], rgb: [r, g, b], .. }) in rows(table) {
         let (sin, cos) = libm::sincos(theta);
         // Writing to a String cannot fail.
@@ -25,7 +25,7 @@ pub fn csv(table: &Table) -> String {
 /// Cornell's own.
 pub fn astm(table: &Table) -> String {
     let mut text = format!(
-        "LAB_COMMENTS linear sRGB, 1/sr, not multiplied by the cosine\nNUM_POINTS {}\nVARS theta_i,phi_i,theta_s,phi_s,R,G,B\n",
+        "LAB_NAME srbf\nLAB_COMMENTS linear sRGB, 1/sr, not multiplied by the cosine\nNUM_POINTS {}\nVARS theta_i,phi_i,theta_s,phi_s,R,G,B\n",
         rows(table).count()
     );
     for (theta, Sample { direction: [x, y, z], rgb: [r, g, b], .. }) in rows(table) {

@@ -9,7 +9,7 @@ use crate::judge::report::{Ending, Input, LARGE_ERROR, Report, ViewReport, facto
 use crate::judge::verdict::{Made, Summary, Verdict, steps_matter};
 use crate::{FitError, Settings};
 use serde_json::{Value, json};
-use srbf_core::Material;
+use srbf_core::{Material, printable, printable_lines};
 
 impl Report {
     /// What has to be known to judge the fit, a sentence each.
@@ -50,7 +50,7 @@ impl Report {
     ) -> Result<String, FitError> {
         let mut json = self.json_of(material, "tracked", input, Some(Made::new(material)))?;
         let more = json!({
-            "provenance": material.provenance(),
+            "provenance": printable_lines(material.provenance()).to_string(),
             "settings": settings.to_json(),
             "bytes": material.bytes().len(),
             "lobes": material.lobe_count(),
@@ -87,7 +87,8 @@ impl Report {
         Ok(json!({
             "method": method,
             "version": env!("CARGO_PKG_VERSION"),
-            "input": {"name": input.name, "sha256": input.sha256},
+            "generator": concat!("srbf ", env!("CARGO_PKG_VERSION")),
+            "input": {"name": printable(&input.name).to_string(), "sha256": input.sha256},
             "seconds": self.seconds,
             "evaluations": self.evaluations,
             "stopped": self.ending.map(|ending| match ending {

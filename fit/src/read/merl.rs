@@ -15,6 +15,8 @@ pub(crate) const SIZE: [usize; 3] = [90, 90, 180];
 pub(crate) const CELLS: usize = SIZE[0] * SIZE[1] * SIZE[2];
 /// What the numbers of each channel are multiplied by.
 pub(crate) const SCALE: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
+/// Largest number of a cell; after scaling it is beyond any surface, and far from the largest f32.
+const LARGEST: f64 = 1e30;
 
 /// One MERL material.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,7 +77,7 @@ pub(crate) fn check_size(bytes: u64) -> Result<(), ReadError> {
 /// Parses the bytes of a `.binary` file.
 ///
 /// # Errors
-/// [`ReadError::Content`] for another size, other counts, numbers that are not finite, and a file without a measured cell.
+/// [`ReadError::Content`] for another size, other counts, numbers that are not finite or above 1e30, and a file without a measured cell.
 pub fn parse(bytes: &[u8]) -> Result<Merl, ReadError> {
     check_size(bytes.len() as u64)?;
     for (i, size) in SIZE.iter().enumerate() {
@@ -90,10 +92,13 @@ pub fn parse(bytes: &[u8]) -> Result<Merl, ReadError> {
         let plane = &bytes[12 + 8 * CELLS * channel..];
         for (n, (cell, b)) in cells.iter_mut().zip(plane.chunks_exact(8)).enumerate() {
             let v = f64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]]);
-            if !v.is_finite() {
-                return Err(ReadError::Content(format!("channel {channel}, cell {n}: {v}")));
+            if !v.is_finite() || v > LARGEST {
+                let text =
+                    format!("channel {channel}, cell {n}: {v} where a number up to {LARGEST} was expected");
+                return Err(ReadError::Content(text));
             }
-            cell[channel] = (v * SCALE[channel]) as f32;
+            // Not measured is not measured, however far below 0.
+            cell[channel] = (v.max(-1.0) * SCALE[channel]) as f32;
         }
     }
     let is_missing = |cell: &[f32; 3]| cell.iter().any(|v| *v < 0.0) || *cell == [0.0; 3];
@@ -175,6 +180,14 @@ mod tests {
             let mut bad = good.clone();
             bad[at] = byte;
             assert!(parse(&bad).is_err(), "{at}");
+        }
+        for (value, is_read) in [(1e30, true), (1.1e30, false), (1e300, false), (-1e300, true)] {
+            let mut file = good.clone();
+            file[12..20].copy_from_slice(&f64::to_le_bytes(value));
+            let read = parse(&file);
+            assert_eq!(read.is_ok(), is_read, "{value}");
+            let has_infinity = read.is_ok_and(|merl| merl.cells[0].iter().any(|v| v.is_infinite()));
+            assert!(!has_infinity, "{value}");
         }
         let mut bad = good;
         bad[12 + 6..12 + 8].copy_from_slice(&[0xf8, 0x7f]);

@@ -11,6 +11,9 @@ use crate::table::Brdf;
 const NUMBERS: usize = 675;
 const WIDTH: usize = 21;
 
+/// Largest logarithm of a value: 1e30, beyond any surface. No damaged network gives infinity.
+const LARGEST: f64 = 69.0;
+
 /// One network.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Neural {
@@ -58,7 +61,7 @@ impl Brdf for Neural {
         b.iter_mut().for_each(|v| *v = v.max(0.0));
         let mut out = [0.0; 3];
         layer(third, &b, &mut out);
-        out.map(|v| libm::expm1(v).max(0.0))
+        out.map(|v| libm::expm1(v.min(LARGEST)).max(0.0))
     }
 }
 

@@ -109,13 +109,22 @@ fn along_square(theta: f64) -> f64 {
     libm::sqrt(theta / FRAC_PI_2)
 }
 
+/// Whether both directions are above the horizon, by more than where a quotient by the cosine overflows.
+fn is_above(wi: [f64; 3], wo: [f64; 3]) -> bool {
+    wi[2] > f64::MIN_POSITIVE && wo[2] > f64::MIN_POSITIVE
+}
+
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 impl Rgl {
     /// `f cos` of the incident direction, and not clamped: what the file holds.
+    /// 0 where a direction is on the horizon or below it.
     pub fn f_cos(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
+        if !is_above(wi, wo) {
+            return [0.0; 3];
+        }
         let sight = self.sight(wo);
         let (normal, _) = self.normal(&sight, wi, wo);
         let corners = &sight.corners;
@@ -185,6 +194,9 @@ impl Draws for Rgl {
     }
 
     fn density(&self, wi: [f64; 3], wo: [f64; 3]) -> f64 {
+        if !is_above(wi, wo) {
+            return 0.0;
+        }
         let sight = self.sight(wo);
         let (normal, h) = self.normal(&sight, wi, wo);
         let visible = sight.corners.map(|(n, share)| (&self.visible[n], share));
@@ -211,7 +223,9 @@ fn place(list: &[f64], value: f64) -> (usize, f64) {
 
 impl Brdf for Rgl {
     fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
-        self.f_cos(wi, wo).map(|v| v / wi[2])
+        // On the horizon that is 0 over 0.
+        let f_cos = self.f_cos(wi, wo);
+        if is_above(wi, wo) { f_cos.map(|v| v / wi[2]) } else { [0.0; 3] }
     }
 
     fn symmetry(&self) -> Symmetry {

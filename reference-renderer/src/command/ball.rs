@@ -3,6 +3,7 @@
 use super::argument;
 use crate::out::output;
 use crate::out::picture_file;
+use crate::out::print::shown;
 use crate::shade::shader::LoadedMaterial;
 use crate::show::ball_sheet::{self, Light};
 use anyhow::ensure;
@@ -82,6 +83,6 @@ pub fn write(
             100.0 * found.root_mean_square
         )
     });
-    println!("{} in {:.2} s{numbers}", path.display(), start.elapsed().as_secs_f64());
+    println!("{} in {:.2} s{numbers}", shown(&path), start.elapsed().as_secs_f64());
     Ok(())
 }

@@ -4,6 +4,7 @@ use super::argument;
 use crate::numbers::points::PointsName;
 use crate::out::output;
 use crate::out::page::Page;
+use crate::out::print::shown;
 use crate::out::progress::Progress;
 use crate::study::comparison::plot;
 use crate::study::comparison::report;
@@ -100,16 +101,15 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     check(args)?;
     let [csv, png, html] = outputs(&args.output);
     output::check_places(&[&csv, &png, &html])?;
-    if !args.no_references {
-        output::check_place(&args.references.join("a.reference"))?;
-    }
     let comparisons = argument::on_threads(args.threads.into(), || compare(args))?;
 
+    let files = output::together();
     report::write_csv(&csv, &comparisons)?;
     plot::write_png(&png, &comparisons)?;
     page(&comparisons)?.write(&html)?;
+    files.commit()?;
     println!("processor: {}", srbf_core::Processor::this());
-    println!("wrote {}, {} and {}", csv.display(), png.display(), html.display());
+    println!("wrote {}, {} and {}", shown(&csv), shown(&png), shown(&html));
     Ok(())
 }
 

@@ -1,6 +1,7 @@
 //! `srbf convert`.
 
 use crate::out::output;
+use crate::out::print::shown;
 use crate::truth::measured::MeasuredMaterial;
 use crate::truth::stored::StoredMaterial;
 use anyhow::{Context, bail};
@@ -50,7 +51,7 @@ impl Format {
     /// The one that a name ends in.
     fn of(path: &Path) -> anyhow::Result<Self> {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-        let name = path.display();
+        let name = shown(&path);
         Ok(match ending.as_str() {
             "binary" => Self::Merl,
             "bsdf" => Self::Rgl,
@@ -70,7 +71,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let format = Format::of(&args.output)?;
     output::check_place(&args.output)?;
     let source = source(&args.input)?;
-    let named = || args.input.display().to_string();
+    let named = || shown(&args.input);
     match format {
         Format::Merl | Format::Rgl => write_grid(&args.output, format, source),
         Format::Csv => write_samples(&args.output, source, export::csv),
@@ -96,7 +97,7 @@ fn write_samples(output: &Path, source: Source, text: fn(&Table) -> String) -> a
     };
     output::write(output, text(&table).as_bytes())?;
     let count: usize = table.views.iter().map(|view| view.samples.len()).sum();
-    println!("{}: {count} samples at {} outgoing directions, {are}", output.display(), table.views.len());
+    println!("{}: {count} samples at {} outgoing directions, {are}", shown(&output), table.views.len());
     Ok(())
 }
 
@@ -123,7 +124,7 @@ fn write_grid(output: &Path, format: Format, source: Source) -> anyhow::Result<(
         .map(|(degrees, error)| format!("{:.2} % at {degrees:.0}", 100.0 * error));
     println!(
         "{}: {} bytes; read again, f cos is off by {} degrees (relative L2)",
-        output.display(),
+        shown(&output),
         bytes.len(),
         errors.join(", ")
     );

@@ -3,6 +3,7 @@
 use crate::numbers::points::PointsName;
 use crate::out::page::{Figure, Page};
 use crate::out::picture_file;
+use crate::out::print::shown;
 use crate::out::progress::Progress;
 use crate::shade::shader::LoadedMaterial;
 use crate::shade::{SamplerName, Strategy};
@@ -60,7 +61,7 @@ pub fn run(out: &Path) -> anyhow::Result<()> {
     comparison::page::add(&mut page, &comparisons)?;
     let report = out.join("report.html");
     page.write(&report)?;
-    println!("{}, plot beside it; all of it: {}", csv.display(), report.display());
+    println!("{}, plot beside it; all of it: {}", shown(&csv), shown(&report));
     println!("{:.0} s in all", start.elapsed().as_secs_f64());
     Ok(())
 }
@@ -89,7 +90,7 @@ fn render(out: &Path, page: &mut Page) -> anyhow::Result<()> {
         let bytes = picture_file::tone_mapped(&picture, picture_file::automatic_exposure(&picture));
         picture_file::write_png(&path.with_extension("png"), size, &bytes)?;
         let title = format!("{} under the sky, {samples} samples a pixel", object.name);
-        println!("{}: {title}, PNG beside it", path.display());
+        println!("{}: {title}, PNG beside it", shown(&path));
         figures.push(Figure::new(picture_file::encode_png(size, &bytes)?, title));
     }
     page.heading("Pictures");

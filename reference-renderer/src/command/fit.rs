@@ -8,6 +8,7 @@ mod words;
 
 use super::fit_page;
 use crate::out::output;
+use crate::out::print::shown;
 use crate::out::progress::Progress;
 use anyhow::{bail, ensure};
 use method::MethodName;
@@ -89,7 +90,7 @@ fn fit_one(args: &Args, place: &Job, picture: Option<&Path>) -> anyhow::Result<(
     // After the file, which is named first where memory is short.
     let light = picture.map(|_| args.picture.light()).transpose()?;
     let is_model = file.to_string_lossy().starts_with(srbf_fit::analytic::PREFIX);
-    let named = if is_model { file.display().to_string() } else { source.name.clone() };
+    let named = if is_model { shown(&file) } else { source.name.clone() };
     let input = Input { name: named, sha256: source.sha256.clone() };
     let left_out = left_out(args.cross_validate, file, &source.content, args.method, &args.settings)?;
     if args.method != MethodName::Tracked {
@@ -100,6 +101,7 @@ fn fit_one(args: &Args, place: &Job, picture: Option<&Path>) -> anyhow::Result<(
     let settings = args.settings.settings();
     let mut fit = fit_source(&source, settings.clone(), "")?;
     fit.report.cross_validation = left_out;
+    let files = output::together();
     output::write(&place.output, &fit.bytes)?;
     let material = Material::from_bytes(fit.bytes.as_slice())?;
     let json = fit.report.to_json(&material, &input, &settings)?;
@@ -117,13 +119,14 @@ fn fit_one(args: &Args, place: &Job, picture: Option<&Path>) -> anyhow::Result<(
         let (report, next) = (Some(&fit.report), Some(next.as_str()));
         fit_page::write(path, &fit_page::Subject { name: &name, words: &words, report, picture, next })?;
     }
+    files.commit()?;
     args.words.say_written(place, [picture, page.as_deref()], &next);
     Ok(())
 }
 
 /// An error with the file that it is of; most name it themselves.
 fn naming(file: &Path, error: &anyhow::Error) -> String {
-    let (file, text) = (file.display().to_string(), format!("{error:#}"));
+    let (file, text) = (shown(&file), format!("{error:#}"));
     if text.contains(&file) { text } else { format!("{file}: {text}") }
 }
 
@@ -138,7 +141,7 @@ fn check_options(file: &Path, content: &Content, settings: &SettingArgs) -> anyh
                 ("--factors", settings.factors.is_some()),
             ];
             if let Some((option, _)) = given.iter().find(|option| option.1) {
-                bail!("{}: {option} is for isotropic surfaces; this one is anisotropic", file.display());
+                bail!("{}: {option} is for isotropic surfaces; this one is anisotropic", shown(&file));
             }
         }
         Content::Samples(_) | Content::Evaluable(_) => {}
@@ -161,7 +164,7 @@ fn left_out(
         }
         Content::Evaluable(_) => bail!(
             "{}: --cross-validate is for samples; fits of what can be evaluated anywhere report held-out views as they are",
-            file.display()
+            shown(&file)
         ),
     }
 }

@@ -1,8 +1,8 @@
 //! A fit as one page of HTML: the verdict, the picture, and the tables.
 
 use crate::command::view_table;
+use crate::out::output;
 use crate::out::page::{Cell, Figure, Page, Table};
-use anyhow::Context;
 use srbf_fit::judge::report::{Report, ViewReport};
 use std::path::Path;
 
@@ -34,7 +34,7 @@ pub fn write(path: &Path, subject: &Subject<'_>) -> anyhow::Result<()> {
         page.lines(next);
     }
     page.heading("Picture");
-    let png = std::fs::read(subject.picture).with_context(|| subject.picture.display().to_string())?;
+    let png = output::read_back(subject.picture)?;
     page.row(&[Figure::new(png, "")]);
     if let Some(report) = subject.report {
         page.heading("Errors");

@@ -3,7 +3,7 @@
 use crate::truth::AnyMixture;
 use crate::truth::stored::StoredMaterial;
 use glam::Vec3;
-use srbf_core::{MAX_LOBES, Material};
+use srbf_core::{MAX_LOBES, Material, printable};
 use srbf_fit::judge::report::factor_bytes;
 
 /// Prints what a .srbf material holds.
@@ -25,7 +25,7 @@ pub struct Args {
 pub fn run(args: Args) -> anyhow::Result<()> {
     let stored = StoredMaterial::load(&args.material)?;
     let material = &stored.material;
-    println!("name        {}", stored.name);
+    println!("name        {}", printable(&stored.name));
     println!("bytes       {}", material.bytes().len());
     println!("views       {}", material.view_count());
     println!(
@@ -41,7 +41,9 @@ pub fn run(args: Args) -> anyhow::Result<()> {
             factor_bytes(material)
         );
     }
-    println!("provenance  {}", material.provenance());
+    for (n, line) in material.provenance().lines().enumerate() {
+        println!("{}  {}", if n == 0 { "provenance" } else { "          " }, printable(line));
+    }
     println!();
     let isotropic = material.is_isotropic();
     let extra = if isotropic { "" } else { "azimuth    along  " };

@@ -1,6 +1,7 @@
 //! `srbf judge`: a fitted material beside the table that it stands for.
 
 use super::view_table;
+use crate::out::print::shown;
 use anyhow::{Context, bail};
 use srbf_core::Material;
 use srbf_fit::judge::appearance::Appearance;
@@ -28,14 +29,13 @@ pub struct Args {
 
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
-    let bytes =
-        srbf_fit::read_at_most(&args.file, MAX_FILE).with_context(|| args.file.display().to_string())?;
-    let material = Material::from_bytes(bytes.as_slice()).with_context(|| args.file.display().to_string())?;
+    let bytes = srbf_fit::read_at_most(&args.file, MAX_FILE).with_context(|| shown(&args.file))?;
+    let material = Material::from_bytes(bytes.as_slice()).with_context(|| shown(&args.file))?;
     let Content::Evaluable(brdf) = read(&args.against)?.content else {
-        bail!("{}: scattered samples have no value in between", args.against.display())
+        bail!("{}: scattered samples have no value in between", shown(&args.against))
     };
     if !material.is_isotropic() {
-        bail!("{}: anisotropic; only isotropic materials are judged so", args.file.display());
+        bail!("{}: anisotropic; only isotropic materials are judged so", shown(&args.file));
     }
     let thetas: Vec<f64> = args.angles.iter().map(|a| a.to_radians()).collect();
     let table = evaluation_views::judging_table(brdf.as_ref(), &thetas)?;

@@ -39,7 +39,7 @@ pub fn man(args: Man) -> anyhow::Result<()> {
     let mut program = Cli::command().disable_help_subcommand(true);
     program.build();
     let count = write_pages(&program, &args.folder)?;
-    println!("{count} pages in {}", args.folder.display());
+    println!("{count} pages in {}", crate::out::print::shown(&args.folder));
     Ok(())
 }
 

@@ -1,6 +1,8 @@
 //! `srbf plot`.
 
 use super::{argument, ball, fit_page, view_table};
+use crate::out::output;
+use crate::out::print::shown;
 use crate::shade::shader::LoadedMaterial;
 use crate::show::ball_sheet::Light;
 use crate::show::fit_sheet::{self, Against, Subject};
@@ -95,18 +97,22 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     };
     let (name, page) = (stored.name.clone(), args.html.then(|| output.with_extension("html")));
     if let Some(page) = &page {
-        crate::out::output::check_place(page)?;
+        output::check_place(page)?;
     }
     verdict.iter().for_each(|line| println!("{line}"));
+    let files = output::together();
     let seconds = write(&output, stored, beside, light, &verdict)?;
-    println!("{} in {seconds:.2} s", output.display());
-    if let Some(path) = page {
+    if let Some(path) = &page {
         let (words, report) = (&verdict, report.as_ref());
         fit_page::write(
-            &path,
+            path,
             &fit_page::Subject { name: &name, words, report, picture: &output, next: None },
         )?;
-        println!("{}", path.display());
+    }
+    files.commit()?;
+    println!("{} in {seconds:.2} s", shown(&output));
+    if let Some(path) = &page {
+        println!("{}", shown(path));
     }
     Ok(())
 }

@@ -4,6 +4,7 @@ use super::argument;
 use crate::numbers::points::PointsName;
 use crate::out::output;
 use crate::out::picture_file;
+use crate::out::print::shown;
 use crate::out::progress::Progress;
 use crate::shade::shader::LoadedMaterial;
 use crate::shade::{Light, Sampler, SamplerName, Strategy};
@@ -237,14 +238,16 @@ fn render(args: &Args) -> anyhow::Result<()> {
     }
 
     let picture = film.to_picture();
+    let files = output::together();
     picture_file::write_exr(&args.output, args.size, &picture)?;
     let png = args.output.with_extension("png");
     let exposure = picture_file::automatic_exposure(&picture) * args.exposure.exp2();
     picture_file::write_tone_mapped_png(&png, args.size, &picture, exposure)?;
+    files.commit()?;
     println!(
         "{} and {}: {} samples a pixel in {seconds:.2} s ({})",
-        args.output.display(),
-        png.display(),
+        shown(&args.output),
+        shown(&png),
         args.spp,
         srbf_core::Processor::this()
     );
@@ -334,7 +337,7 @@ fn explain(args: &Args, cast: &Cast, strategy: Strategy) {
     if args.scene.is_sphere() {
         println!("  triangles and their tree: a sphere is met in closed form");
     } else if let Some(mesh) = &args.mesh {
-        println!("  teapot: {} takes its place", mesh.display());
+        println!("  teapot: {} takes its place", shown(&mesh));
     }
     let others: Vec<&str> =
         SamplerName::all().filter(|name| *name != strategy.sampler).map(SamplerName::text).collect();

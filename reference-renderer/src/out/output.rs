@@ -1,14 +1,87 @@
-//! Files that are written: their places are checked before a long work, and they are whole or absent.
+//! Files that are written: their places are checked before a long work, and they are whole or absent, those that belong together too.
+//!
+//! What is there already and was not written by this program stays, unless `--force` says otherwise ([`keep_others`]): every
+//! format that the program writes holds its name within its first [`LOOKED_AT`] bytes.
 
-use anyhow::{Context, ensure};
+use crate::out::print::shown;
+use anyhow::{Context, bail, ensure};
+use srbf_fit::Outputs;
+use std::cell::RefCell;
+use std::io::Read;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+/// How much of a file is looked at to see whose it is.
+const LOOKED_AT: u64 = 4096;
+
+/// What a `.srbf` file begins with.
+const MATERIAL: &[u8] = b"\x89SRBF\r\n\x1a";
+
+/// What the tables of comparisons begin with, which other programs read as they are.
+const COMPARISON: &[u8] = b"scene,material,environment,method,";
+
+/// Whether files of others stay.
+static KEEPS_OTHERS: AtomicBool = AtomicBool::new(false);
+
+thread_local! {
+    /// Files that wait for those that they belong to.
+    static TOGETHER: RefCell<Option<Outputs>> = const { RefCell::new(None) };
+}
+
+/// From here on, [`check_place`] refuses to overwrite what others wrote.
+pub fn keep_others() {
+    KEEPS_OTHERS.store(true, Relaxed);
+}
 
 /// Writes a file, with the folders above it; replaces what was there in one step.
 ///
 /// # Errors
 /// Names the file.
 pub fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    srbf_fit::write_atomically(path, bytes).context("cannot write")
+    TOGETHER
+        .with_borrow_mut(|together| match together {
+            Some(outputs) => outputs.add(path, bytes),
+            None => srbf_fit::write_atomically(path, bytes),
+        })
+        .context("cannot write")
+}
+
+/// Files that this thread writes as long as this lives: none of them is there before [`commit`](Self::commit), then all are. Where it is
+/// dropped before, none is.
+#[must_use]
+pub struct Together(());
+
+/// Begins a set of files that belong together.
+pub fn together() -> Together {
+    TOGETHER.set(Some(Outputs::default()));
+    Together(())
+}
+
+impl Together {
+    /// Gives all files their names.
+    ///
+    /// # Errors
+    /// Names the file that cannot be written; all others are then as they were.
+    pub fn commit(self) -> anyhow::Result<()> {
+        TOGETHER.take().unwrap_or_default().commit().context("cannot write")
+    }
+}
+
+impl Drop for Together {
+    fn drop(&mut self) {
+        TOGETHER.set(None);
+    }
+}
+
+/// What was written to a file, whether or not it has its name by now.
+///
+/// # Errors
+/// Names the file.
+pub fn read_back(path: &Path) -> anyhow::Result<Vec<u8>> {
+    let staged = TOGETHER.with_borrow(|together| {
+        together.as_ref().and_then(|outputs| outputs.staged(path)).map(Path::to_path_buf)
+    });
+    std::fs::read(staged.as_deref().unwrap_or(path)).with_context(|| shown(path))
 }
 
 /// Refuses a name that ends in another extension: what is written beside the file has its name with another ending.
@@ -17,7 +90,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
 /// Names the file and the extension.
 pub fn check_extension(path: &Path, extension: &str) -> anyhow::Result<()> {
     let fits = path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
-    ensure!(fits, "output {}: a name that ends in .{extension} is expected", path.display());
+    ensure!(fits, "output {}: a name that ends in .{extension} is expected", shown(path));
     Ok(())
 }
 
@@ -29,10 +102,67 @@ pub fn check_places(paths: &[&Path]) -> anyhow::Result<()> {
     paths.iter().try_for_each(|path| check_place(path))
 }
 
-/// Finds out, before a long work, whether a file can be written; leaves nothing behind.
+/// Finds out, before a long work, whether a file can be written, and may be; leaves nothing behind.
 ///
 /// # Errors
 /// Names the file.
 pub fn check_place(path: &Path) -> anyhow::Result<()> {
-    srbf_fit::check_output(path).context("cannot write")
+    srbf_fit::check_output(path).context("cannot write")?;
+    if KEEPS_OTHERS.load(Relaxed) && path.exists() && !is_ours(path) {
+        bail!("output {}: it is there, and srbf did not write it; --force overwrites it", shown(path));
+    }
+    Ok(())
+}
+
+/// Whether this program has written a file, as far as its first bytes tell. An empty file is nobody's.
+fn is_ours(path: &Path) -> bool {
+    let mut start = Vec::new();
+    let read = std::fs::File::open(path).and_then(|file| file.take(LOOKED_AT).read_to_end(&mut start));
+    let is_named = || start.windows(4).any(|window| window == b"srbf");
+    read.is_ok()
+        && (start.is_empty() || start.starts_with(MATERIAL) || start.starts_with(COMPARISON) || is_named())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_others_wrote_is_not_overwritten() {
+        let folder = std::env::temp_dir().join(format!("srbf-ours-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("a.png");
+        keep_others();
+        let other = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR of another program";
+        for (bytes, is_free) in [
+            (&other[..], false),
+            (b"", true),
+            (b"theta_i,phi_i\n", false),
+            (b"\x89SRBF\r\n\x1a", true),
+            (b"<meta name=\"generator\" content=\"srbf\">", true),
+        ] {
+            std::fs::write(&path, bytes).unwrap();
+            assert_eq!(check_place(&path).is_ok(), is_free, "{}", bytes.escape_ascii());
+        }
+        std::fs::remove_file(&path).unwrap();
+        check_place(&path).unwrap();
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn files_that_belong_together_come_together() {
+        let folder = std::env::temp_dir().join(format!("srbf-together-{}", std::process::id()));
+        let [a, b] = ["a", "b"].map(|name| folder.join(name));
+        let set = together();
+        write(&a, b"one").unwrap();
+        assert!(!a.exists() && read_back(&a).unwrap() == b"one");
+        drop(set);
+        assert!(std::fs::read_dir(&folder).unwrap().next().is_none());
+        let set = together();
+        write(&a, b"two").unwrap();
+        write(&b, b"three").unwrap();
+        set.commit().unwrap();
+        assert_eq!([&a, &b].map(|path| std::fs::read(path).unwrap()), [&b"two"[..], b"three"]);
+        std::fs::remove_dir_all(folder).unwrap();
+    }
 }

@@ -15,6 +15,7 @@ use crate::out::output;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
+use srbf_core::printable_lines;
 use std::path::Path;
 
 /// Legible in a window 1280 pixels wide; a table or row that is wider is scrolled by itself.
@@ -192,13 +193,15 @@ impl Page {
                 head {
                     meta charset="utf-8";
                     meta name="viewport" content="width=device-width, initial-scale=1";
+                    meta name="generator" content="srbf";
                     title { (self.title) }
                     style { (PreEscaped(STYLE)) }
                 }
                 body { @for part in &self.body { (part) "\n" } }
             }
         };
-        page.into_string()
+        // No text of a stranger turns the order of what is read.
+        printable_lines(&page.into_string()).to_string()
     }
 
     /// Writes the page.

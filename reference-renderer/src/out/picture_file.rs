@@ -1,6 +1,7 @@
 //! Finished pictures as files: linear OpenEXR, and a tone-mapped PNG to look at.
 
 use crate::out::output;
+use crate::out::print::shown;
 use anyhow::Context;
 use glam::Vec3;
 use std::io::Cursor;
@@ -17,13 +18,14 @@ pub fn write_exr(path: &Path, [width, height]: [u32; 2], pixels: &[Vec3]) -> any
         let Vec3 { x, y, z } = pixels[at.y() * size.0 + at.x()];
         (x, y, z)
     });
-    let layer = Layer::new(size, LayerAttributes::default(), Encoding::FAST_LOSSLESS, channels);
+    let attributes = LayerAttributes { software_name: Some("srbf".into()), ..LayerAttributes::default() };
+    let layer = Layer::new(size, attributes, Encoding::FAST_LOSSLESS, channels);
     let mut bytes = Vec::new();
     Image::from_layer(layer)
         .write()
         .non_parallel()
         .to_buffered(Cursor::new(&mut bytes))
-        .with_context(|| format!("cannot encode {}", path.display()))?;
+        .with_context(|| format!("cannot encode {}", shown(&path)))?;
     output::write(path, &bytes)
 }
 
@@ -62,9 +64,15 @@ pub fn tone_mapped(pixels: &[Vec3], exposure: f32) -> Vec<u8> {
 /// # Errors
 /// Names the file.
 pub fn write_png(path: &Path, size: [u32; 2], rgb: &[u8]) -> anyhow::Result<()> {
-    let bytes = encode_png(size, rgb).with_context(|| path.display().to_string())?;
+    let bytes = encode_png(size, rgb).with_context(|| shown(&path))?;
     output::write(path, &bytes)
 }
+
+/// Bytes of the signature and of the head of a PNG file.
+const HEAD: usize = 33;
+
+/// The chunk that says what wrote the file: length, kind and text, checksum.
+const SOFTWARE: &[u8; 25] = b"\x00\x00\x00\x0dtEXtSoftware\x00srbf\xe7J\xd9\x8f";
 
 /// The bytes of a PNG file of 8-bit sRGB pixels.
 ///
@@ -76,6 +84,8 @@ pub fn encode_png([width, height]: [u32; 2], rgb: &[u8]) -> anyhow::Result<Vec<u
     image::codecs::png::PngEncoder::new(&mut bytes)
         .write_image(rgb, width, height, image::ExtendedColorType::Rgb8)
         .context("cannot encode a picture")?;
+    // Behind the signature and the head, whose lengths are fixed.
+    bytes.splice(HEAD..HEAD, *SOFTWARE);
     Ok(bytes)
 }
 

@@ -4,10 +4,15 @@
 //! A reader that has gone (`srbf inspect FILE | head -1`) ends the program without a word, with the status 141 that shells give for
 //! that signal: 0 would say that the files were written. Any other failure is an error like all others, with status 2.
 //!
+//! Both are behind the border for text: what a stranger wrote, in a file, a name or an argument, reaches no terminal as it is. A line
+//! end within a name would pass here, as lines are ended here too: [`shown`] is for names of files.
+//!
 //! `--quiet` leaves standard output empty: [`be_quiet`].
 
+use srbf_core::{printable, printable_lines};
 use std::fmt::Arguments;
 use std::io::{Error, ErrorKind, Write};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 /// Status of a program that wrote to a pipe that nobody reads: 128 and the number of SIGPIPE.
@@ -45,13 +50,32 @@ pub fn is_quiet() -> bool {
 /// Writes to standard output; ends the program where that fails.
 pub fn to_output(text: Arguments<'_>) {
     if !is_quiet() {
-        or_end(std::io::stdout().write_fmt(text));
+        or_end(write!(std::io::stdout(), "{}", printable_lines(&text.to_string())));
     }
 }
 
 /// Writes a line to standard error; there is nobody to tell if that fails.
 pub fn to_error(line: Arguments<'_>) {
-    let _ = writeln!(std::io::stderr(), "{line}");
+    let _ = writeln!(std::io::stderr(), "{}", printable_lines(&line.to_string()));
+}
+
+/// The name of a file, in one line of visible characters.
+pub fn shown(path: impl AsRef<Path>) -> String {
+    printable(&path.as_ref().to_string_lossy()).to_string()
+}
+
+/// An error with its causes, in one line of visible characters.
+pub fn error_line(error: &anyhow::Error) -> String {
+    printable(&format!("{error:#}")).to_string()
+}
+
+/// What clap says of the command line, the arguments in it as they may be shown.
+pub fn clap_text(error: &clap::Error) -> String {
+    let text = error.render().to_string();
+    let arguments = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
+    // An argument that holds line ends would look like lines of clap's own.
+    let hidden = arguments.filter(|argument| argument.contains('\n'));
+    hidden.fold(text, |text, argument| text.replace(&argument, &printable(&argument).to_string()))
 }
 
 /// Writes what standard output still holds back.

@@ -21,6 +21,7 @@ pub mod reference;
 pub mod report;
 
 use crate::numbers::points::PointsName;
+use crate::out::print::error_line;
 use crate::out::progress::Progress;
 use crate::shade::{Light, Sampler, SamplerName, Strategy};
 use crate::trace::camera::Camera;
@@ -276,7 +277,10 @@ impl<'s> Stage<'s> {
         };
         let halves = [half(1)?, half(2)?];
         if let Some(file) = file {
-            reference::write(&file, &halves)?;
+            // What is kept for the next time is no part of the result.
+            if let Err(error) = reference::write(&file, &halves) {
+                eprintln!("srbf: warning: the reference is not kept: {}", error_line(&error));
+            }
         }
         Ok((halves, false))
     }

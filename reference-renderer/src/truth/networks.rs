@@ -1,5 +1,6 @@
 //! Networks that stand for measured materials, by their names: a file of weights `X.f32le`, and `X_names.txt` beside it.
 
+use crate::out::print::shown;
 use anyhow::{Context, ensure};
 use sha2::{Digest, Sha256};
 use srbf_fit::read::{Content, Source, neural};
@@ -25,7 +26,7 @@ impl Networks {
         let (networks, sha256) = srbf_fit::read_if(path, MAX_FILE, neural::check_size)
             .map_err(anyhow::Error::new)
             .and_then(parse)
-            .with_context(|| path.display().to_string())?;
+            .with_context(|| shown(&path))?;
         let mut list = path.with_extension("").into_os_string();
         list.push("_names.txt");
         let list = Path::new(&list);
@@ -33,15 +34,15 @@ impl Networks {
         let names = srbf_fit::read_at_most(list, MAX_FILE)
             .map_err(anyhow::Error::new)
             .and_then(text)
-            .with_context(|| list.display().to_string())?;
+            .with_context(|| shown(&list))?;
         let names: Vec<&str> = names.split_whitespace().collect();
         ensure!(
             names.len() == networks.len(),
             "{}: {} networks, and {} names in {}",
-            path.display(),
+            shown(&path),
             networks.len(),
             names.len(),
-            list.display()
+            shown(&list)
         );
         Ok(Self { all: names.into_iter().map(str::to_owned).zip(networks).collect(), sha256 })
     }

@@ -74,7 +74,8 @@ fn a_picture_is_written_through_a_link_and_keeps_its_mode() {
     std::fs::write(place.join("real.exr"), "old").unwrap();
     std::fs::set_permissions(place.join("real.exr"), std::fs::Permissions::from_mode(0o640)).unwrap();
     symlink("real.exr", place.join("a.exr")).unwrap();
-    let render = ["render", "--material", "garnet_red", "--size", "8x8", "--spp", "1", "-o", "a.exr"];
+    let render =
+        ["render", "--material", "garnet_red", "--size", "8x8", "--spp", "1", "--force", "-o", "a.exr"];
     let output = srbf(&place, &render);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(place.join("a.exr").is_symlink() && std::fs::read(place.join("real.exr")).unwrap().len() > 100);

@@ -5,6 +5,7 @@ mod fits;
 mod harness;
 mod options;
 mod pictures;
+mod strangers;
 
 use harness::{command, folder, refused, srbf};
 

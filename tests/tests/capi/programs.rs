@@ -65,6 +65,13 @@ fn threads_share_a_material() {
 }
 
 #[test]
+fn threads_share_everything() {
+    run_everywhere("shared.c", "shared: passed");
+    run_everywhere_on(&material::factored_file(), "shared.c", "shared: passed");
+    run_everywhere_on(&material::anisotropic_file(), "shared.c", "shared: passed");
+}
+
+#[test]
 fn structures_have_the_layout_that_rust_has() {
     run_everywhere("layout.c", "layout: passed");
 }

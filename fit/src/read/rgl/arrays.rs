@@ -11,6 +11,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 const MAX_DIRECTIONS: usize = 4096;
 const MAX_WAVELENGTHS: usize = 4096;
 
+/// Largest number of a picture, and least projected area: no product or quotient of some of them overflows.
+const LARGEST: f64 = 1e30;
+const LEAST_AREA: f64 = 1e-30;
+
 /// What a material is made of; the comments are at its fields.
 pub(super) struct Arrays {
     pub phis: Vec<f64>,
@@ -42,8 +46,8 @@ pub(super) fn read(file: &File<'_>) -> Result<Arrays, ReadError> {
     let used = phis.len() * thetas.len();
 
     let (ndf, sigma) = (flat(file, "ndf")?, flat(file, "sigma")?);
-    if sigma.least() <= 0.0 {
-        return fail(format!("field sigma: {} where an area above 0 was expected", sigma.least()));
+    if sigma.least() < LEAST_AREA {
+        return fail(format!("field sigma: {} where an area above {LEAST_AREA} was expected", sigma.least()));
     }
 
     let vndf = file.numbers("vndf", 4)?;
@@ -81,7 +85,14 @@ fn picture(name: &str, field: &Numbers<'_>, n: usize) -> Result<Grid, ReadError>
         return fail(format!("field {name}: two dimensions or more were expected"));
     };
     let cells = rows * columns;
-    let values = (n * cells..(n + 1) * cells).map(|i| field.value(i)).collect();
+    let values: Vec<f64> = (n * cells..(n + 1) * cells).map(|i| field.value(i)).collect();
+    if let Some(i) = values.iter().position(|v| v.abs() > LARGEST) {
+        let (row, column) = (i / columns, i % columns);
+        return fail(format!(
+            "field {name}, picture {n}, row {row}, column {column}: {} where at most {LARGEST} in size was expected",
+            values[i]
+        ));
+    }
     Grid::new(values, columns, rows).ok_or_else(|| {
         ReadError::Content(format!(
             "field {name}: pictures of {rows} x {columns}; at least 2 x 2 was expected"

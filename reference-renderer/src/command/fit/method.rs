@@ -1,6 +1,7 @@
 //! `srbf fit --method`: the ways of fitting, and those whose result is no `.srbf` file.
 
 use super::SettingArgs;
+use crate::out::print::shown;
 use anyhow::{anyhow, bail};
 use srbf_fit::baselines::evaluated::{Completed, Microfacet, Nearest};
 use srbf_fit::baselines::lafortune::{self, Lafortune};
@@ -209,7 +210,7 @@ pub fn read(file: &Path, material: Option<&str>) -> anyhow::Result<Source> {
     Ok(match material {
         Some(material) => lafortune::read(file, material)?,
         None => srbf_fit::read::read(file).map_err(|error| match lafortune::names(file) {
-            Ok(names) => anyhow!("{}: --material is needed, one of {names}", file.display()),
+            Ok(names) => anyhow!("{}: --material is needed, one of {names}", shown(&file)),
             Err(_) => error.into(),
         })?,
     })

@@ -2,6 +2,7 @@
 
 use super::method::MethodName;
 use crate::out::output;
+use crate::out::print::shown;
 use anyhow::{Context, bail, ensure};
 use clap::ValueEnum;
 use srbf_fit::analytic::PREFIX;
@@ -51,8 +52,8 @@ pub fn places(
     for file in files {
         let output = place(file, output, files.len() > 1, material, method)?;
         if let Some(other) = places.iter().find(|place| place.output == output) {
-            let [other, file] = [&other.file, file].map(|file| file.display());
-            bail!("{other} and {file} would both be written to {}", output.display());
+            let [other, file] = [&other.file, file].map(|file| shown(&file));
+            bail!("{other} and {file} would both be written to {}", shown(&output));
         }
         places.push(Job { file: file.clone(), output });
     }
@@ -79,7 +80,7 @@ fn place(
         None => None,
         Some(path) if is_one_of_many || is_folder(path) => {
             let is_file = ["srbf", "json"].iter().any(|ending| ends_in(path, ending));
-            ensure!(!is_file, "-o {}: of several files it names a folder", path.display());
+            ensure!(!is_file, "-o {}: of several files it names a folder", shown(&path));
             Some(path.join(with(&stem, ".srbf")))
         }
         Some(path) => Some(path.to_owned()),
@@ -95,7 +96,7 @@ fn place(
 fn material(output: Option<PathBuf>, stem: &OsString) -> anyhow::Result<PathBuf> {
     match output {
         Some(path) if ends_in(&path, "json") => {
-            bail!("{}: -o names the material, and the report beside it ends in .json", path.display())
+            bail!("{}: -o names the material, and the report beside it ends in .json", shown(&path))
         }
         Some(path) => Ok(path),
         None => Ok(Path::new(FOLDER).join(with(stem, ".srbf"))),

@@ -5,6 +5,7 @@ use super::names::{self, Job};
 use crate::command::plot::{self, Beside};
 use crate::command::{argument, ball};
 use crate::out::output;
+use crate::out::print::shown;
 use crate::show::ball_sheet::Light;
 use crate::truth::stored::StoredMaterial;
 use crate::world::environment::Environment;
@@ -42,7 +43,7 @@ impl Args {
         );
         if let Some(path) = &self.picture {
             ensure!(method == MethodName::Tracked, "--picture: only fits of our own method can be drawn");
-            ensure!(places.len() == 1, "--picture {}: it is of one file", path.display());
+            ensure!(places.len() == 1, "--picture {}: it is of one file", shown(&path));
         }
         places.iter().map(|place| self.path(place, method)).collect()
     }
@@ -56,7 +57,7 @@ impl Args {
         if let Some(page) = self.page(&path) {
             output::check_place(&page)?;
         }
-        ensure!(path != place.output, "--picture {}: -o names the same file", path.display());
+        ensure!(path != place.output, "--picture {}: -o names the same file", shown(&path));
         Ok(Some(path))
     }
 

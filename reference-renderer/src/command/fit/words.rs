@@ -3,6 +3,7 @@
 use super::method::Baseline;
 use super::names::{self, Job};
 use crate::command::view_table;
+use crate::out::print::shown;
 use srbf_core::Material;
 use srbf_fit::judge::cross::CrossValidation;
 use srbf_fit::judge::method::Fitted;
@@ -40,7 +41,7 @@ impl Args {
         let (lobes, views) = (material.lobe_count(), material.view_count());
         let heading = format!(
             "{}: {} bytes, {lobes} lobes at {views} views, fitted in {:.1} s",
-            place.output.display(),
+            shown(&place.output),
             material.bytes().len(),
             report.seconds
         );
@@ -49,7 +50,7 @@ impl Args {
 
     /// Says how good a fit by another method is.
     pub fn say_baseline(&self, place: &Job, fit: &Baseline) -> anyhow::Result<()> {
-        let heading = format!("{}: fitted in {:.1} s", place.output.display(), fit.report.seconds);
+        let heading = format!("{}: fitted in {:.1} s", shown(&place.output), fit.report.seconds);
         self.say(&heading, &fit.report, fit.fitted.as_ref(), None, &fit.json)?;
         Ok(())
     }
@@ -87,7 +88,7 @@ impl Args {
         }
         let (output, report) = (&place.output, names::report(&place.output));
         let paths = [Some(output.as_path()), Some(&report)].into_iter().chain(pictures);
-        let paths: Vec<String> = paths.flatten().map(|path| path.display().to_string()).collect();
+        let paths: Vec<String> = paths.flatten().map(|path| shown(&path)).collect();
         println!("wrote {}", paths.join(", "));
         println!("next  {next}");
     }
@@ -101,7 +102,7 @@ pub fn next(material: &Path) -> String {
 
 /// A path as a shell takes it for one word.
 fn quoted(path: &Path) -> String {
-    let text = path.display().to_string();
+    let text = shown(&path);
     let plain = |c: char| c.is_alphanumeric() || "-_./=,:+".contains(c);
     if text.chars().all(plain) { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
 }

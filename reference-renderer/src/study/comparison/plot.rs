@@ -3,6 +3,7 @@
 use crate::out::output;
 use crate::out::panel::{FONT, Failure, axes, colour, marker, range, register_font};
 use crate::out::picture_file;
+use crate::out::print::shown;
 use crate::study::comparison::{Comparison, Curve, Estimate, Point};
 use anyhow::{Context, anyhow};
 use plotters::coord::Shift;
@@ -23,7 +24,7 @@ const GREY: RGBColor = RGBColor(120, 120, 120);
 /// Names the file.
 pub fn write_png(path: &Path, comparisons: &[Comparison]) -> anyhow::Result<()> {
     let all: Vec<&Comparison> = comparisons.iter().collect();
-    let png = png(&all).with_context(|| format!("cannot plot {}", path.display()))?;
+    let png = png(&all).with_context(|| format!("cannot plot {}", shown(&path)))?;
     output::write(path, &png)
 }
 

@@ -1,6 +1,7 @@
 //! The converged picture, in two halves that do not depend on one another; kept in a file, as it takes most of the time.
 
 use crate::out::output;
+use crate::out::print::shown;
 use anyhow::Context;
 use glam::DVec3;
 use sha2::{Digest, Sha256};
@@ -45,7 +46,7 @@ impl Key {
         self.add(name.as_bytes());
         let before = name.rsplit_once(':').map_or(name, |parts| parts.0);
         if let Some(file) = [name, before].map(Path::new).into_iter().find(|file| file.is_file()) {
-            self.add(&std::fs::read(file).with_context(|| file.display().to_string())?);
+            self.add(&std::fs::read(file).with_context(|| shown(&file))?);
         }
         Ok(())
     }

@@ -4,6 +4,7 @@
 //! (+x), up is up, and the distance from the centre is the angle from it, up to half a turn at the rim (Debevec's light probes).
 
 use super::{Environment, MAX_PIXELS};
+use crate::out::print::shown;
 use anyhow::{Context, bail, ensure};
 use glam::Vec3;
 use image::ImageDecoder;
@@ -42,7 +43,7 @@ pub fn read(path: &Path, projection: Projection) -> anyhow::Result<Environment> 
             _ => bail!("a name that ends in .hdr or .exr is expected"),
         }
     };
-    open().with_context(|| format!("environment {}", path.display()))
+    open().with_context(|| format!("environment {}", shown(&path)))
 }
 
 /// Reads a Radiance picture. Bytes behind the last row are ignored: published probes have a stray one.
@@ -81,9 +82,7 @@ fn from_exr(bytes: &[u8], projection: Projection) -> anyhow::Result<Environment>
         .rgb_channels(
             |size, _| (size.width(), vec![Vec3::ZERO; size.area()]),
             |(width, pixels): &mut (usize, Vec<Vec3>), at, (r, g, b): (f32, f32, f32)| {
-                // Lossy compression leaves values a little below 0.
-                let clean = |v: f32| if v < 0.0 && v.is_finite() { 0.0 } else { v };
-                pixels[at.y() * *width + at.x()] = Vec3::new(clean(r), clean(g), clean(b));
+                pixels[at.y() * *width + at.x()] = Vec3::new(r, g, b);
             },
         )
         .first_valid_layer()
@@ -93,7 +92,30 @@ fn from_exr(bytes: &[u8], projection: Projection) -> anyhow::Result<Environment>
         .context("the pixels of the OpenEXR picture (R, G and B channels are expected)")?;
     let (width, pixels) = picture.layer_data.channel_data.pixels;
     check_size(width, pixels.len() / width.max(1), projection)?;
-    Map { width, pixels }.environment(projection)
+    Map { width, pixels: without_negatives(pixels)? }.environment(projection)
+}
+
+/// How far below 0 a value may be, over the largest of the map: lossy compression leaves such.
+const ROUNDING: f32 = 0.01;
+
+/// Takes values a little below 0 as 0, and says so; refuses others.
+fn without_negatives(mut pixels: Vec<Vec3>) -> anyhow::Result<Vec<Vec3>> {
+    let largest =
+        pixels.iter().map(|pixel| pixel.max_element()).filter(|v| v.is_finite()).fold(0.0, f32::max);
+    let mut count = 0u64;
+    for (n, pixel) in pixels.iter_mut().enumerate() {
+        for value in pixel.as_mut() {
+            if *value < 0.0 && value.is_finite() {
+                ensure!(*value >= -ROUNDING * largest, "pixel {n}: {value} where a radiance was expected");
+                *value = 0.0;
+                count += 1;
+            }
+        }
+    }
+    if count > 0 {
+        eprintln!("srbf: note: {count} values of the map are a little below 0, and count as 0");
+    }
+    Ok(pixels)
 }
 
 impl Map {

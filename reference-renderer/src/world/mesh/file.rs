@@ -2,6 +2,7 @@
 
 use super::Mesh;
 use super::build::{add_fan, build, vertex};
+use crate::out::print::shown;
 use anyhow::{Context, bail, ensure};
 use std::path::Path;
 
@@ -21,7 +22,7 @@ pub fn read(path: &Path) -> anyhow::Result<Mesh> {
             _ => bail!("a name that ends in .obj or .ply is expected"),
         }
     };
-    open().with_context(|| format!("mesh {}", path.display()))
+    open().with_context(|| format!("mesh {}", shown(&path)))
 }
 
 fn from_obj(bytes: &[u8]) -> anyhow::Result<Mesh> {

@@ -1,0 +1,64 @@
+//! Inputs of the attacks: bytes put right, numbers and directions that follow from them.
+
+use crate::inputs::Random;
+use glam::Vec3;
+
+/// Writes the length and the checksum that the bytes should have, so that the fields behind them are reached.
+pub fn put_right(bytes: &mut [u8]) {
+    if bytes.len() < 48 {
+        return;
+    }
+    let length = bytes.len() as u32;
+    bytes[16..20].copy_from_slice(&length.to_le_bytes());
+    let end = bytes.len() - 4;
+    let crc = crc32(&bytes[..end]);
+    bytes[end..].copy_from_slice(&crc.to_le_bytes());
+}
+
+/// CRC-32 (IEEE 802.3, bit by bit), so that damage gets past the checksum.
+fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(!0u32, |mut crc, &byte| {
+        crc ^= u32::from(byte);
+        for _ in 0..8 {
+            crc = if crc & 1 == 1 { 0xedb8_8320 ^ (crc >> 1) } else { crc >> 1 };
+        }
+        crc
+    })
+}
+
+/// Random numbers that follow from the bytes, so that an input always does the same.
+pub fn random(bytes: &[u8]) -> Random {
+    Random(u64::from(crc32(bytes)))
+}
+
+/// A direction: any, or one of those where formulas change.
+pub fn any_direction(random: &mut Random) -> Vec3 {
+    match random.below(8) {
+        0 => Vec3::Z,
+        1 => Vec3::X,
+        2 => Vec3::new(0.0, -1.0, 1e-20),
+        3 => {
+            let phi = random.between(0.0, core::f32::consts::TAU);
+            let z = 10f32.powf(random.between(-9.0, 0.0));
+            let across = (1.0 - z * z).max(0.0).sqrt();
+            Vec3::new(across * phi.cos(), across * phi.sin(), z).normalize()
+        }
+        _ => random.direction(),
+    }
+}
+
+/// A direction above the horizon or on it.
+pub fn above(random: &mut Random) -> Vec3 {
+    let d = any_direction(random);
+    Vec3::new(d.x, d.y, d.z.abs())
+}
+
+/// A uniform number: any, or an end.
+pub fn uniform(random: &mut Random) -> f32 {
+    match random.below(6) {
+        0 => 0.0,
+        1 => 1.0 - f32::EPSILON / 2.0,
+        2 => random.uniform() * 1e-7,
+        _ => random.uniform(),
+    }
+}

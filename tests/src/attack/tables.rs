@@ -1,0 +1,143 @@
+//! Measured files: read, and evaluated where they can be; and exports read back.
+
+use super::input::{above, random};
+use crate::inputs::Random;
+use srbf_fit::ReadError;
+use srbf_fit::analytic;
+use srbf_fit::export;
+use srbf_fit::read::{self, Content, astm, cornell, csv, merl, neural, rgl};
+use srbf_fit::table::{Brdf, Scattered, Table};
+use std::path::Path;
+
+/// Most samples of which a table is made: beyond, an execution takes too long.
+const MOST_SAMPLES: usize = 200;
+
+/// Cornell's samples in the form of ASTM E1392.
+pub fn astm(bytes: &[u8]) -> bool {
+    scattered(astm::parse(bytes))
+}
+
+/// Cornell's samples as pbrt-v2 has them.
+pub fn cornell(bytes: &[u8]) -> bool {
+    scattered(cornell::parse(bytes))
+}
+
+/// Our own table of samples.
+pub fn csv(bytes: &[u8]) -> bool {
+    scattered(csv::parse(bytes))
+}
+
+/// Samples are numbers, and make a table or an error.
+fn scattered(parsed: Result<Vec<(f64, Scattered)>, ReadError>) -> bool {
+    let views = match parsed {
+        Ok(views) => views,
+        Err(error) => {
+            assert!(!error.to_string().is_empty());
+            return false;
+        }
+    };
+    let samples = views.iter().flat_map(|(_, samples)| samples);
+    let mut numbers = samples.flat_map(|(direction, rgb)| direction.iter().chain(rgb));
+    assert!(numbers.all(|v| v.is_finite()), "a table holds a number that is not finite");
+    let count: usize = views.iter().map(|(_, samples)| samples.len()).sum();
+    if count > MOST_SAMPLES {
+        return true;
+    }
+    if let Ok(table) = Table::from_scattered(views) {
+        let mut samples = table.views.iter().flat_map(|view| &view.samples);
+        assert!(samples.all(|s| s.weight.is_finite()), "a sample without a weight");
+    }
+    true
+}
+
+/// A MERL file whose planes repeat the bytes, of which the first says where they begin; and the bytes as they are.
+pub fn merl(bytes: &[u8]) -> bool {
+    assert!(merl::parse(bytes).is_err(), "no input is as long as a file");
+    let Some((&start, body)) = bytes.split_first() else { return false };
+    if body.len() < 8 || start % 16 != 0 {
+        return false;
+    }
+    let whole = 12 + 3 * 8 * 90 * 90 * 180;
+    let mut file = Vec::with_capacity(whole);
+    for size in [90i32, 90, 180] {
+        file.extend_from_slice(&size.to_le_bytes());
+    }
+    while file.len() < whole {
+        file.extend_from_slice(&body[..body.len().min(whole - file.len())]);
+    }
+    let Ok(merl) = merl::parse(&file) else { return false };
+    evaluate(&merl, &mut random(bytes), 20);
+    true
+}
+
+/// Networks.
+pub fn neural(bytes: &[u8]) -> bool {
+    let Ok(networks) = neural::parse(bytes) else { return false };
+    let mut random = random(bytes);
+    for network in networks.iter().take(3) {
+        evaluate(network, &mut random, 3);
+    }
+    true
+}
+
+/// RGL files: values, and their own draws.
+pub fn rgl(bytes: &[u8]) -> bool {
+    let Ok(brdf) = rgl::parse(bytes) else { return false };
+    let mut random = random(bytes);
+    evaluate(&brdf, &mut random, 6);
+    for _ in 0..6 {
+        let [wi, wo] = [above(&mut random), above(&mut random)].map(|d| d.as_dvec3().to_array());
+        let value = brdf.f_cos(wi, wo);
+        assert!(value.iter().all(|v| v.is_finite()), "{wi:?}, {wo:?}: f cos {value:?}");
+        let Some(draws) = brdf.draws() else { continue };
+        let drawn = draws.draw([random.uniform(), random.uniform()].map(f64::from), wo);
+        assert!(drawn.iter().all(|v| v.is_finite()), "{wo:?}: {drawn:?}");
+        let density = draws.density(wi, wo);
+        assert!(density >= 0.0 && density.is_finite(), "{wi:?}, {wo:?}: density {density}");
+    }
+    true
+}
+
+/// Values at pairs of directions above the horizon are finite.
+fn evaluate(brdf: &dyn Brdf, random: &mut Random, pairs: usize) {
+    for _ in 0..pairs {
+        let [wi, wo] = [above(random), above(random)]
+            .map(|d| [f64::from(d.x), f64::from(d.y), f64::from(d.z).max(1e-20)]);
+        let value = brdf.evaluate(wi, wo);
+        assert!(value.iter().all(|v| v.is_finite()), "{wi:?}, {wo:?}: {value:?}");
+    }
+}
+
+/// The text of an analytic model; what it evaluates to; and a table of it, written as `.csv` and `.astm` and read back.
+pub fn exports(bytes: &[u8]) -> bool {
+    let Ok(text) = core::str::from_utf8(bytes) else { return false };
+    // A model that reads a file would read any.
+    if text.contains("file=") || text.starts_with("sgd") || text.starts_with("abc") {
+        return false;
+    }
+    let Ok(source) = read::read(Path::new(&format!("{}{text}", analytic::PREFIX))) else { return false };
+    let Content::Evaluable(brdf) = source.content else { return false };
+    let mut random = random(bytes);
+    evaluate(&*brdf, &mut random, 6);
+    let direction = |random: &mut Random| above(random).as_dvec3().to_array();
+    let views: Vec<(f64, Scattered)> = (0..3)
+        .map(|n| {
+            let theta = 0.4 * f64::from(n);
+            let wo = [-theta.sin(), 0.0, theta.cos()];
+            let samples = (0..8).map(|_| {
+                let wi = direction(&mut random);
+                (wi, brdf.evaluate(wi, wo))
+            });
+            (theta, samples.collect())
+        })
+        .collect();
+    let Ok(table) = Table::from_scattered(views) else { return true };
+    let count = |parsed: Result<Vec<(f64, Scattered)>, ReadError>| {
+        let views = parsed.unwrap_or_else(|error| panic!("{text}: an export is not read back: {error}"));
+        views.iter().map(|(_, samples)| samples.len()).sum::<usize>()
+    };
+    let written: usize = table.views.iter().map(|view| view.samples.len()).sum();
+    assert_eq!(count(csv::parse(export::csv(&table).as_bytes())), written, "{text}");
+    assert_eq!(count(astm::parse(export::astm(&table).as_bytes())), written, "{text}");
+    true
+}

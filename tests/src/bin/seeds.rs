@@ -1,0 +1,190 @@
+//! Makes the seeds of the attacks, small valid files of every format, in `fuzz/seeds/`: no measurement is in them.
+//!
+//! `cargo run --release -p srbf-tests --bin seeds` writes them; with `--check` it compares them with what is there.
+
+use srbf_core::{Environment, environment_len};
+use srbf_tests::attack::TARGETS;
+use srbf_tests::inputs::Random;
+use srbf_tests::seeds;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Files by their names within the folder.
+type Files = BTreeMap<String, Vec<u8>>;
+
+fn main() -> ExitCode {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/seeds");
+    let files = files();
+    let missing: Vec<_> =
+        TARGETS.iter().filter(|t| !files.keys().any(|f| f.starts_with(&format!("{}/", t.name)))).collect();
+    assert!(missing.is_empty(), "targets without a seed: {missing:?}");
+    let is_check = std::env::args().nth(1).is_some_and(|argument| argument == "--check");
+    let mut differ = Vec::new();
+    for (name, bytes) in &files {
+        let path = folder.join(name);
+        if std::fs::read(&path).ok().as_ref() == Some(bytes) {
+            continue;
+        }
+        differ.push(name);
+        if !is_check {
+            std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder that can be made");
+            std::fs::write(&path, bytes).expect("a file that can be written");
+        }
+    }
+    println!("{} seeds, {} {}", files.len(), differ.len(), if is_check { "differ" } else { "written" });
+    if is_check && !differ.is_empty() {
+        eprintln!("not as they are made: {differ:?}");
+        return ExitCode::FAILURE;
+    }
+    ExitCode::SUCCESS
+}
+
+fn files() -> Files {
+    let mut files = Files::new();
+    materials(&mut files);
+    light(&mut files);
+    tables(&mut files);
+    let mut add = |name: &str, bytes: &[u8]| files.insert(name.to_owned(), bytes.to_vec());
+    for (name, text) in [
+        ("lambert", "lambert:albedo=0.6/0.2/0.1"),
+        ("phong", "phong:diffuse=0.3,specular=0.3,exponent=50"),
+        ("ward", "ward:diffuse=0.2,specular=0.3,alpha_x=0.1,alpha_y=0.4"),
+        ("ggx", "ggx:alpha=0.2,ior=1.5"),
+    ] {
+        add(&format!("exports/{name}"), text.as_bytes());
+    }
+    // Half plane waves: enough to be no constant.
+    let weights = |n: usize| ((n as f32 * 0.7).sin() * 0.3).to_le_bytes();
+    add("neural/one", &(0..675).flat_map(weights).collect::<Vec<u8>>());
+    let doubles = |values: &[f64]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
+    for (name, values) in [
+        ("even", &[1.0, 2.0, 0.5, 100.0][..]),
+        ("gaps", &[-1.0, 0.0, 3.0]),
+        ("large", &[1e300, 1e30, 1.0]),
+        ("small", &[1e-300, 1e-45, 0.0]),
+    ] {
+        add(&format!("merl/{name}"), &[vec![0], doubles(values)].concat());
+    }
+    files
+}
+
+/// Materials, and mixtures of one's own.
+fn materials(files: &mut Files) {
+    files.insert("material/factored".into(), seeds::factored());
+    for (name, bytes) in [
+        ("version1", &include_bytes!("../../corpus/version1.srbf")[..]),
+        ("version2", include_bytes!("../../corpus/version2.srbf")),
+    ] {
+        files.insert(format!("material/{name}"), bytes.to_vec());
+    }
+    let mut random = Random(7);
+    for n in 0..40 {
+        let bytes = seeds::extreme(&mut random);
+        // Small ones: a fuzzer is the faster for it.
+        if bytes.len() <= 1200 {
+            files.insert(format!("material/extreme-{n:02}"), bytes);
+        }
+    }
+    for n in 0..6u8 {
+        let lobes: Vec<u8> = (0..5 * (1 + 3 * n)).map(|i| i.wrapping_mul(37).wrapping_add(50 * n)).collect();
+        files.insert(format!("mixture/{n}"), [&[n, n, n / 2, n][..], &lobes].concat());
+    }
+}
+
+/// Maps, tables of maps, and maps with a material.
+fn light(files: &mut Files) {
+    let ramp: Vec<u8> = (0..96u8).map(|i| i.wrapping_mul(5)).collect();
+    for (name, width, range) in [("one", 0, 1), ("powers", 3, 0), ("ends", 4, 2), ("bytes", 7, 1)] {
+        files.insert(format!("environment_made/{name}"), [&[width, range][..], &ramp].concat());
+    }
+    let sun = |at: usize, n: usize| (0..n).map(|i| [if i == at { 1e6 } else { 1.0 }; 3]).collect();
+    let maps: [(&str, usize, Vec<[f32; 3]>); 4] = [
+        ("one", 1, vec![[1.0, 0.5, 0.25]]),
+        ("black-corner", 2, vec![[0.0; 3], [1.0; 3], [0.0; 3], [1.0; 3]]),
+        ("sun", 8, sun(11, 32)),
+        ("colors", 3, (0..9).map(|i| [i as f32, 2.0, 8.0 - i as f32]).collect()),
+    ];
+    for (name, width, map) in maps {
+        let memory = vec![0; environment_len(width, map.len() / width).expect("a size that may be")];
+        let environment = Environment::new(width, &map, memory).expect("a map with light");
+        let bytes = environment.table().iter().flat_map(|word| word.to_le_bytes()).collect();
+        files.insert(format!("environment_read/{name}"), bytes);
+    }
+    let mut random = Random(9);
+    for (n, material) in
+        [seeds::factored(), seeds::extreme(&mut random), seeds::extreme(&mut random)].into_iter().enumerate()
+    {
+        let head: Vec<u8> = (0..64u8).map(|i| i.wrapping_mul(11).wrapping_add(n as u8)).collect();
+        files.insert(format!("product/{n}"), [head, material].concat());
+    }
+}
+
+/// Measured files, of a grey highlight above a diffuse colour.
+fn tables(files: &mut Files) {
+    let f = |theta_i: f64, theta_o: f64, phi: f64| {
+        0.1 + 2.0 * (-20.0 * ((theta_i - theta_o).powi(2) + (phi - std::f64::consts::PI).powi(2))).exp()
+    };
+    let mut places = Vec::new();
+    for theta_o in [0.2, 0.9] {
+        for theta_i in [0.1, 0.6, 1.2] {
+            for phi in [0.5, 2.0, std::f64::consts::PI] {
+                places.push((theta_i, theta_o, phi, f(theta_i, theta_o, phi)));
+            }
+        }
+    }
+    let rows = |names: &str, row: &dyn Fn(f64, f64, f64, f64) -> String| {
+        let mut text = format!("{names}\n");
+        for &(theta_i, theta_o, phi, f) in &places {
+            let _ = writeln!(text, "{}", row(theta_i, theta_o, phi, f));
+        }
+        text.into_bytes()
+    };
+    let mut add = |name: &str, bytes: Vec<u8>| files.insert(name.to_owned(), bytes);
+    let angles = |i: f64, o: f64, phi: f64| {
+        format!("{:.3},0,{:.3},{:.3}", i.to_degrees(), o.to_degrees(), phi.to_degrees())
+    };
+    add(
+        "csv/vectors",
+        rows("wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,r,g,b", &|i, o, phi, f| {
+            let (x, y) = (i.sin() * phi.cos(), i.sin() * phi.sin());
+            format!("{x:.6},{y:.6},{:.6},{:.6},0,{:.6},{f:.4},{f:.4},0.2", i.cos(), o.sin(), o.cos())
+        }),
+    );
+    add(
+        "csv/value",
+        rows("theta_i,phi_i,theta_o,phi_o,value", &|i, o, phi, f| format!("{},{f:.4}", angles(i, o, phi))),
+    );
+    add(
+        "csv/spectrum",
+        rows("# a spectrum\ntheta_i,phi_i,theta_o,phi_o,400,500nm,600,700", &|i, o, phi, f| {
+            format!("{},{f:.4},0.2,{f:.4},0.1", angles(i, o, phi))
+        }),
+    );
+    add(
+        "astm/rgb",
+        rows(
+            &format!("LAB_NAME ours\nNUM_POINTS {}\nVARS theta_i,phi_i,theta_s,phi_s,R,G,B", places.len()),
+            &|i, o, phi, f| format!("{o:.4},0,{i:.4},{phi:.4},{f:.4},{f:.4},0.2"),
+        ),
+    );
+    add(
+        "astm/spectrum",
+        rows("VARS theta_i,phi_i,theta_s,phi_s,400nm,550nm,700nm", &|i, o, phi, f| {
+            format!("{o:.4},0,{i:.4},{phi:.4},{f:.4},0.3,{f:.4}")
+        }),
+    );
+    add(
+        "cornell/spectrum",
+        rows("# ours\n3\n400 550 700", &|i, o, phi, f| format!("{o:.4} 0 {i:.4} {phi:.4} {f:.4} 0.3 {f:.4}")),
+    );
+    for (name, path) in [
+        ("astm/small", &include_bytes!("../../corpus/small.astm")[..]),
+        ("cornell/small", include_bytes!("../../corpus/small.brdf")),
+        ("csv/small", include_bytes!("../../corpus/small.csv")),
+        ("rgl/small", include_bytes!("../../corpus/small.bsdf")),
+    ] {
+        add(name, path.to_vec());
+    }
+}
