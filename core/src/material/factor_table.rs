@@ -16,10 +16,10 @@ pub(crate) const MOST_FACTOR: f32 = (1023.5 / 360.0) * (1023.5 / 360.0);
 pub(crate) const SIZES: core::ops::RangeInclusive<usize> = 2..=32;
 pub(crate) const AZIMUTHS: core::ops::RangeInclusive<usize> = 1..=8;
 
-/// What a code is multiplied by, before it is squared, for a table of so many bits a channel and a largest factor.
+/// What the square of a code is multiplied by, for a table of so many bits a channel and a largest factor.
 #[inline(always)]
-pub(crate) fn unit(bits: u8, largest: f32) -> f32 {
-    if bits == 8 { crate::float::sqrt(largest) / MOST_CODE } else { 1.0 / UNIT_2 }
+pub(crate) fn scale(bits: u8, largest: f32) -> f32 {
+    if bits == 8 { largest * (1.0 / (MOST_CODE * MOST_CODE)) } else { 1.0 / (UNIT_2 * UNIT_2) }
 }
 
 /// A node's three codes, one behind the other as the lowest bits; `offset` is the node's, behind which the checksum

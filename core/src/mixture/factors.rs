@@ -25,7 +25,7 @@
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
 use crate::material::borrowed::{Material, MaterialRef};
-use crate::material::factor_table::unit;
+use crate::material::factor_table::scale;
 use crate::material::layout::f32_at;
 use crate::simd::lanes::{Lanes, NodeCodes, ROUND, dot3, splat3};
 use glam::Vec3;
@@ -39,8 +39,8 @@ pub(crate) struct Nodes<'m> {
     shape: [u8; 3],
     /// Bits of a channel.
     bits: u8,
-    /// What a code is multiplied by before it is squared.
-    unit: f32,
+    /// What the square of a code is multiplied by.
+    scale: f32,
 }
 
 /// The factors of a mixture.
@@ -71,7 +71,7 @@ impl Among {
 
 impl<'m> Nodes<'m> {
     /// None: every factor is 1.
-    pub const NONE: Self = Self { codes: &[], shape: [0; 3], bits: 8, unit: 0.0 };
+    pub const NONE: Self = Self { codes: &[], shape: [0; 3], bits: 8, scale: 0.0 };
 
     /// Those of a material, or none.
     #[inline(always)]
@@ -83,8 +83,8 @@ impl<'m> Nodes<'m> {
         let start = header.nodes();
         // Two nodes are read as eight bytes, of which the last may lie behind them: there is a checksum at least.
         let end = header.nodes_end() + 8 - 2 * header.node_len();
-        let unit = unit(header.bits, f32_at(material.bytes, start - 4));
-        Self { codes: &material.bytes[start..end], shape: header.factors, bits: header.bits, unit }
+        let scale = scale(header.bits, f32_at(material.bytes, start - 4));
+        Self { codes: &material.bytes[start..end], shape: header.factors, bits: header.bits, scale }
     }
 
     #[inline(always)]
@@ -149,37 +149,51 @@ impl<'m> Nodes<'m> {
         let (i, toward_half) = cell(a, half);
         let (j, toward_difference) = cell(b, difference);
         let mut start = i.mul_add(L::splat(difference), j);
-        let mut planes = [L::splat(1.0); 2];
-        if self.has_azimuth() {
-            let (k, toward_azimuth) = cell(c, f32::from(self.shape[2]));
-            start = k.mul_add(L::splat(half * difference), start);
-            planes = [L::splat(1.0) - toward_azimuth, toward_azimuth];
-        }
         let codes = NodeCodes { bytes: self.codes, bits: u32::from(self.bits) };
         let rows = [L::splat(1.0) - toward_half, toward_half];
         let columns = [L::splat(1.0) - toward_difference, toward_difference];
         let mut factor = [L::splat(0.0); 3];
-        let mut plane = 0;
-        while plane < 1 + usize::from(self.has_azimuth()) {
-            for row in 0..2 {
-                let before = plane as f32 * half + row as f32;
-                let pair = L::node_pairs(codes, start + L::splat(before * difference));
-                let weight = planes[plane] * rows[row];
-                for column in 0..2 {
-                    let weight = weight * columns[column];
-                    for channel in 0..3 {
-                        let root = pair[column][channel];
-                        factor[channel] = (weight * root).mul_add(root, factor[channel]);
-                    }
-                }
-            }
-            plane += 1;
+        if self.has_azimuth() {
+            let (k, toward_azimuth) = cell(c, f32::from(self.shape[2]));
+            start = k.mul_add(L::splat(half * difference), start);
+            let before = L::splat(1.0) - toward_azimuth;
+            add_plane(codes, start, difference, [rows[0] * before, rows[1] * before], columns, &mut factor);
+            start = start + L::splat(half * difference);
+            let rows = [rows[0] * toward_azimuth, rows[1] * toward_azimuth];
+            add_plane(codes, start, difference, rows, columns, &mut factor);
+        } else {
+            add_plane(codes, start, difference, rows, columns, &mut factor);
         }
+        // A channel stands above the one before by as many bits as it has: here it is squared.
+        let shrink = if self.bits == 8 { 1.0 / 65_536.0 } else { 1.0 / 1_048_576.0 };
+        let mut scale = self.scale;
         for channel in 0..3 {
-            let unit = self.unit / (1u32 << (usize::from(self.bits) * channel)) as f32;
-            factor[channel] = factor[channel] * L::splat(unit * unit);
+            factor[channel] = factor[channel] * L::splat(scale);
+            scale *= shrink;
         }
         factor
+    }
+}
+
+/// Adds the nodes of one azimuth, from those at a place on, with weights along the half angle and the difference angle.
+#[inline(always)]
+fn add_plane<L: Lanes>(
+    codes: NodeCodes<'_>,
+    start: L,
+    difference: f32,
+    rows: [L; 2],
+    columns: [L; 2],
+    factor: &mut [L; 3],
+) {
+    for row in 0..2 {
+        let pair = L::node_pairs(codes, start + L::splat(row as f32 * difference));
+        for column in 0..2 {
+            let weight = rows[row] * columns[column];
+            for channel in 0..3 {
+                let root = pair[column][channel];
+                factor[channel] = (weight * root).mul_add(root, factor[channel]);
+            }
+        }
     }
 }
 
