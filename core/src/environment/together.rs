@@ -41,7 +41,7 @@ pub(super) struct Together {
 }
 
 /// A direction of the block that was chosen.
-pub(super) struct Chosen {
+pub(super) struct ChosenLight {
     pub direction: Vec3,
     pub value: Vec3,
     pub light: Vec3,
@@ -125,7 +125,7 @@ impl Together {
     }
 
     /// Chooses one of the block; `None` if none brings light.
-    pub fn choose(&self, choice: f32) -> Option<Chosen> {
+    pub fn choose(&self, choice: f32) -> Option<ChosenLight> {
         let sums = &self.cumulative;
         let whole = sums.last().copied().filter(|&whole| whole > 0.0)?;
         // 0 would choose a direction that brings next to nothing, and one over its probability has no digits.
@@ -137,7 +137,7 @@ impl Together {
         // Sums that rounding has made a little larger than those before may stop at one that adds nothing.
         let adds = |&i: &usize| self.target[i] > 0.0;
         let i = (passed..LIGHT_BLOCK).find(adds).or_else(|| (0..passed.min(LIGHT_BLOCK)).rev().find(adds))?;
-        Some(Chosen {
+        Some(ChosenLight {
             direction: Self::at(&self.world, i),
             value: Self::at(&self.value, i),
             light: Self::at(&self.light, i),

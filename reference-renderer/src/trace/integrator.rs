@@ -10,7 +10,7 @@ use crate::numbers::points::{Decision, Points, PointsName};
 use crate::shade::Light;
 use crate::shade::shader::Scattering;
 use crate::trace::frame::{Frame, look};
-use crate::trace::integrator::even::{Drawn, Lighting};
+use crate::trace::integrator::even::{FirstHit, Lighting};
 use crate::trace::path::Path;
 use crate::trace::scene::{Scene, Surface};
 use crate::trace::settings::RenderSettings;
@@ -36,7 +36,7 @@ pub struct Workspace<'a> {
     scattering: Scattering<'a>,
     drawn: Vec<Sample>,
     rivals: Vec<Rival>,
-    together: Vec<Drawn>,
+    together: Vec<FirstHit>,
 }
 
 impl Default for Workspace<'_> {

@@ -12,7 +12,7 @@ const ENOUGH: f32 = 12.0;
 const LEAST_SHARE: f32 = 0.5;
 
 /// What one path of the survey found.
-pub struct Seen {
+pub struct Sighting {
     pub point: Vec3,
     /// Luminance of the light that would be reflected without shadows.
     pub light: f32,
@@ -30,7 +30,7 @@ pub struct Openness {
 
 /// Sums over the paths of a cell.
 #[derive(Clone, Copy, Default)]
-struct Cell {
+struct Tally {
     paths: f32,
     any: f32,
     both: f32,
@@ -43,7 +43,7 @@ impl Openness {
     }
 
     /// Judges the cells.
-    pub fn of(seen: &[Seen]) -> Self {
+    pub fn of(seen: &[Sighting]) -> Self {
         let mut open = Self::everywhere();
         let Some(first) = seen.first() else { return open };
         let (low, high) =
@@ -53,7 +53,7 @@ impl Openness {
         // From coarse to fine: the verdict of a cell with too few paths stays that of the coarser one.
         let mut side = 1;
         while side <= SIDE {
-            let mut cells = vec![Cell::default(); side * side * side];
+            let mut cells = vec![Tally::default(); side * side * side];
             let coarse = |index: usize| {
                 let [x, y, z] = [index % SIDE, index / SIDE % SIDE, index / (SIDE * SIDE)];
                 let step = SIDE / side;
@@ -96,10 +96,13 @@ mod tests {
 
     #[test]
     fn cells_are_judged_by_their_own_paths_and_by_coarser_ones_where_they_have_few() {
-        let seen =
-            |x: f32, clear: bool| Seen { point: Vec3::new(x, 0.0, 0.0), light: 1.0, clear: [clear, true] };
+        let seen = |x: f32, clear: bool| Sighting {
+            point: Vec3::new(x, 0.0, 0.0),
+            light: 1.0,
+            clear: [clear, true],
+        };
         // Open on the right, and in the mean; one path alone says nothing.
-        let mut paths: Vec<Seen> = (0..30).map(|i| seen(i as f32 / 30.0, false)).collect();
+        let mut paths: Vec<Sighting> = (0..30).map(|i| seen(i as f32 / 30.0, false)).collect();
         paths.extend((0..100).map(|i| seen(9.0 + i as f32 / 100.0, true)));
         paths.push(seen(7.0, false));
         let open = Openness::of(&paths);
@@ -107,6 +110,6 @@ mod tests {
         assert!(!at(0.3) && !at(-100.0) && at(9.5) && at(7.0) && at(1e9));
         assert!(Openness::of(&[]).is_at(Vec3::ZERO));
         // Light that neither ray finds does not speak for the sums.
-        assert!(!Openness::of(&[Seen { clear: [false, false], ..seen(0.0, false) }]).is_at(Vec3::ZERO));
+        assert!(!Openness::of(&[Sighting { clear: [false, false], ..seen(0.0, false) }]).is_at(Vec3::ZERO));
     }
 }

@@ -8,11 +8,11 @@ use crate::numbers::points::{Decision, Points, PointsName, shifts};
 use crate::shade::shader::Scattering;
 use crate::trace::camera::Camera;
 use crate::trace::frame::{Frame, look};
-use crate::trace::openness::{Openness, Seen};
+use crate::trace::openness::{Openness, Sighting};
 use crate::trace::path::Path;
 use crate::trace::scene::Scene;
 use crate::trace::settings::RenderSettings;
-use crate::world::environment::tile::{BLOCKS, Tile};
+use crate::world::environment::tile::{BLOCKS, LightTile};
 use glam::Vec3;
 use srbf_core::{LightBlock, Reflection, luminance};
 
@@ -27,12 +27,12 @@ const SURVEY: u64 = 2048;
 
 /// What all paths share.
 pub struct Lighting {
-    tile: Tile,
+    tile: LightTile,
     open: Openness,
 }
 
 /// What was drawn at the first surface, before anything is followed.
-pub struct Drawn {
+pub struct FirstHit {
     reflection: Reflection,
     /// `f cos` of what is rendered, towards the path's ray and the shadow ray.
     values: [Vec3; 2],
@@ -58,7 +58,7 @@ impl Lighting {
         settings: &RenderSettings,
         number: u64,
     ) -> Self {
-        let tile = Tile::new(scene.environment, settings.seed, number);
+        let tile = LightTile::new(scene.environment, settings.seed, number);
         let mut lighting = Self { tile, open: Openness::everywhere() };
         let mut seen = Vec::new();
         let mut scattering = Scattering::empty();
@@ -101,7 +101,7 @@ impl<'a> Path<'_, 'a> {
         lighting: &Lighting,
         frame: &Frame,
         scattering: &Scattering<'a>,
-    ) -> Option<Drawn> {
+    ) -> Option<FirstHit> {
         let lobes = scattering.lobes_for_product()?;
         let u = shifts::<RAYS>(self.points.draw(Decision::Material, 0));
         let [choice, ..] = self.points.draw(Decision::Choice, 0);
@@ -119,23 +119,27 @@ impl<'a> Path<'_, 'a> {
                 values[1] = scattering.other_truth(frame.to_local(direction)).unwrap_or(values[1]);
             }
         }
-        Some(Drawn { reflection, values })
+        Some(FirstHit { reflection, values })
     }
 
     /// Whether the shadow ray of what was drawn is clear; one that does not exist brings nothing.
-    fn is_lit(&self, frame: &Frame, drawn: &Drawn) -> bool {
+    fn is_lit(&self, frame: &Frame, drawn: &FirstHit) -> bool {
         drawn.reflection.shadow.is_some_and(|direction| self.scene.is_clear(&frame.ray(direction)))
     }
 
     /// What a path of the survey finds.
-    fn survey(&self, frame: &Frame, drawn: &Drawn) -> Seen {
+    fn survey(&self, frame: &Frame, drawn: &FirstHit) -> Sighting {
         let escapes = |direction: Vec3| {
             let world = frame.to_world(direction);
             frame.leaves(world) && self.scene.is_clear(&frame.ray(world))
         };
         let ray = drawn.reflection.ray.is_some_and(|ray| escapes(ray.direction));
         let sum = drawn.reflection.block_sum + drawn.reflection.ray_sum;
-        Seen { point: frame.point, light: luminance(sum).max(0.0), clear: [ray, self.is_lit(frame, drawn)] }
+        Sighting {
+            point: frame.point,
+            light: luminance(sum).max(0.0),
+            clear: [ray, self.is_lit(frame, drawn)],
+        }
     }
 
     /// The radiance of a path, by even sums at its first surface.
@@ -144,7 +148,7 @@ impl<'a> Path<'_, 'a> {
         lighting: &Lighting,
         frame: &Frame,
         scattering: &mut Scattering<'a>,
-        together: &mut Vec<Drawn>,
+        together: &mut Vec<FirstHit>,
     ) -> Vec3 {
         let split = self.settings.split as usize;
         together.clear();
@@ -160,9 +164,9 @@ impl<'a> Path<'_, 'a> {
     }
 
     /// What both rays bring.
-    fn follow_together(&self, frame: &Frame, drawn: &Drawn, scattering: &mut Scattering<'a>) -> Vec3 {
+    fn follow_together(&self, frame: &Frame, drawn: &FirstHit, scattering: &mut Scattering<'a>) -> Vec3 {
         let is_lit = self.is_lit(frame, drawn);
-        let Drawn { reflection, values: [ray_value, shadow_value] } = drawn;
+        let FirstHit { reflection, values: [ray_value, shadow_value] } = drawn;
         let light = |escapes| reflection.light_of(escapes, is_lit, *ray_value, *shadow_value);
         let Some(sample) = &reflection.ray else { return Vec3::ZERO };
         let direction = frame.to_world(sample.direction);

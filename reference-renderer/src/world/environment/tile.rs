@@ -10,11 +10,11 @@ pub const BLOCKS: usize = 4096;
 /// Blocks of samples, those of one scrambled sequence in its order: any 2^k that follow each other on a multiple of that lie evenly.
 ///
 /// A pixel that has taken every block once has seen all that a tile knows of the light. From there on it needs another.
-pub struct Tile {
+pub struct LightTile {
     blocks: Vec<LightBlock>,
 }
 
-impl Tile {
+impl LightTile {
     /// Draws the tile of a seed, the `number`-th.
     pub fn new(environment: &Environment, seed: u64, number: u64) -> Self {
         let key = Random::new(seed, u64::from_le_bytes(*b"the tile"), number).key() as u32;
