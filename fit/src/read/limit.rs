@@ -46,6 +46,23 @@ pub fn read_if(
     Ok(bytes)
 }
 
+/// Refuses, before it is read, a file whose name says that it is binary and whose size says that it is not.
+pub(super) fn check_ending(ending: &str, path: &Path, size: u64) -> Result<(), ReadError> {
+    match ending {
+        "binary" => super::merl::check_size(size),
+        // Other programs write text with this ending, which is looked at first.
+        "bsdf" if begins_with(path, b"tensor_file") => super::rgl::check_size(size),
+        _ => Ok(()),
+    }
+}
+
+/// Whether a file begins with these bytes.
+fn begins_with(path: &Path, bytes: &[u8]) -> bool {
+    let mut found = Vec::new();
+    let read = std::fs::File::open(path).and_then(|file| file.take(bytes.len() as u64).read_to_end(&mut found));
+    read.is_ok() && found == bytes
+}
+
 /// Finds out whether so many bytes of memory are there: an allocation that fails in the middle of work ends the process.
 ///
 /// # Errors
