@@ -8,7 +8,7 @@ pub mod csv;
 mod decode;
 mod filled;
 mod format;
-mod intake;
+pub(crate) mod intake;
 pub(crate) mod limit;
 pub mod merl;
 pub mod neural;
@@ -28,10 +28,12 @@ mod wavelengths;
 mod words;
 
 use crate::analytic;
+use crate::look::isotropy::Isotropy;
 use crate::table::{Brdf, Table};
 use crate::{FitError, ReadError};
 pub use filled::Filled;
 use format::Format;
+pub(crate) use scatter::polar;
 use sha2::{Digest, Sha256};
 use std::path::Path;
 
@@ -101,7 +103,8 @@ pub fn read_with(path: &Path, conventions: &Conventions) -> Result<Source, FitEr
     let fault = |source| FitError::Read { path: path.to_path_buf(), source };
     conventions.check().map_err(|text| fault(ReadError::Content(text)))?;
     let needless = || {
-        let text = "conventions of angles, mirror, values and units are for samples; this says what it is by itself";
+        let text =
+            "conventions of angles, mirror, values and units are for samples; this says what it is by itself";
         Err(fault(ReadError::Content(text.into())))
     };
     let is_default = *conventions == Conventions::default();
@@ -141,6 +144,14 @@ pub fn read_with(path: &Path, conventions: &Conventions) -> Result<Source, FitEr
         Format::Text => csv::parse(&bytes, conventions),
     }
     .map_err(fault)?;
+    let intake = Intake { isotropy: Isotropy::of(&intake.rows), ..intake };
+    if let Some(found) = intake.isotropy.filter(Isotropy::is_anisotropic) {
+        return Err(fault(ReadError::Content(format!(
+            "samples of an anisotropic surface: {}. Samples have to be of an isotropic surface; a table of an anisotropic one is read \
+             from .bsdf",
+            found.text()
+        ))));
+    }
     let table = Table::from_scattered(intake.views())?;
     Ok(Source { content: Content::Samples(table), name, sha256, intake: Some(intake) })
 }

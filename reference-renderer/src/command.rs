@@ -3,12 +3,14 @@
 pub mod argument;
 pub mod ball;
 pub mod compare;
+mod convention_args;
 mod convert;
 mod default_job;
 pub mod fit;
 mod fit_page;
 pub mod inspect;
 pub mod judge;
+mod look;
 mod pages;
 pub mod plot;
 pub mod render;
@@ -46,6 +48,7 @@ enum Command {
     Fit(Box<fit::Args>),
     Convert(convert::Args),
     Inspect(inspect::Args),
+    Look(look::Args),
     Judge(judge::Args),
     Render(render::Args),
     Plot(plot::Args),
@@ -90,6 +93,7 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
         Some(Command::Fit(args)) => fit::run(*args),
         Some(Command::Convert(args)) => convert::run(args),
         Some(Command::Inspect(args)) => inspect::run(args),
+        Some(Command::Look(args)) => look::run(&args),
         Some(Command::Judge(args)) => judge::run(args),
         Some(Command::Render(args)) => render::run(args),
         Some(Command::Plot(args)) => plot::run(args),

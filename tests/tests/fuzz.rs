@@ -7,7 +7,7 @@
 
 use glam::Vec3;
 use srbf_core::{Expanded, Material, Mixture, SamplesMut};
-use srbf_fit::table;
+use srbf_fit::read::{self, Conventions, Intake};
 use srbf_tests::inputs::Random;
 use srbf_tests::seeds;
 
@@ -197,19 +197,37 @@ fn fuzz_reader(name: &str, seed: &[u8], parse: impl Fn(&[u8]) -> bool) {
 
 #[test]
 fn tables() {
-    let scattered = |parsed: Result<Vec<(f64, table::Scattered)>, srbf_fit::ReadError>| {
-        let Ok(views) = parsed else { return false };
+    let scattered = |parsed: Result<Intake, srbf_fit::ReadError>| {
+        let Ok(intake) = parsed else { return false };
+        let rows = intake.rows.iter().flat_map(|row| [row.wi, row.wo, row.rgb]).flatten();
+        let views = intake.views();
         let samples = views.iter().flat_map(|(_, samples)| samples);
-        let mut numbers = samples.flat_map(|(direction, rgb)| direction.iter().chain(rgb));
-        assert!(numbers.all(|v| v.is_finite()), "a table holds a number that is not finite");
+        let samples = samples.flat_map(|(direction, rgb)| [*direction, *rgb]).flatten();
+        assert!(rows.chain(samples).all(|v| v.is_finite()), "a table holds a number that is not finite");
         true
     };
     let corpus = |name: &str| {
         let path = format!("{}/corpus/{name}", env!("CARGO_MANIFEST_DIR"));
         std::fs::read(&path).unwrap_or_else(|error| panic!("{path}: {error}"))
     };
-    fuzz_reader("brdf", &corpus("small.brdf"), |bytes| scattered(srbf_fit::read::cornell::parse(bytes)));
-    fuzz_reader("astm", &corpus("small.astm"), |bytes| scattered(srbf_fit::read::astm::parse(bytes)));
-    fuzz_reader("csv", &corpus("small.csv"), |bytes| scattered(srbf_fit::read::csv::parse(bytes)));
+    type Parse = fn(&[u8], &Conventions) -> Result<Intake, srbf_fit::ReadError>;
+    let formats: [(&str, Parse); 10] = [
+        ("small.brdf", read::cornell::parse),
+        ("small.astm", read::astm::parse),
+        ("small.csv", read::csv::parse),
+        ("zemax.bsdf", read::scatter_tables::zemax),
+        ("lighttools.bsdf", read::scatter_tables::lighttools),
+        ("small.anisotropicbsdf", read::speos::anisotropic),
+        ("speos.brdf", read::speos::spectral),
+        ("small.xompt", read::openmaterial::parse),
+        ("alta.dat", read::alta::parse),
+        ("pgii.txt", read::pab_opto::parse),
+    ];
+    for (name, parse) in formats {
+        fuzz_reader(name, &corpus(name), |bytes| scattered(parse(bytes, &Conventions::default())));
+    }
+    fuzz_reader("small.ssdd", &corpus("small.ssdd"), |bytes| {
+        scattered(read::ssdd::parse(bytes, &Conventions::default()))
+    });
     fuzz_reader("bsdf", &corpus("small.bsdf"), |bytes| srbf_fit::read::rgl::parse(bytes).is_ok());
 }

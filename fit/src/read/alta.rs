@@ -38,7 +38,10 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     let of_values = said("#PARAM_OUT").unwrap_or("INV_STERADIAN");
     if of_values == "INV_STERADIAN_COSINE_FACTOR" {
         reading.values_are(Values::CosineOutgoing);
-        reading.note_option("values are f times the cosine of the viewer, as the file says, and are divided by it", "--values");
+        reading.note_option(
+            "values are f times the cosine of the viewer, as the file says, and are divided by it",
+            "--values",
+        );
     }
     let channels = match said("#DIM").map(|dim| dim.split_whitespace().nth(1).map(str::parse::<usize>)) {
         Some(Some(Ok(n))) if n == 1 || n == 3 => n,
@@ -46,7 +49,9 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
         _ => return fail("ALTA #DIM: one value or three are expected".into()),
     };
     let mut row = vec![0.0; count + channels];
-    for (n, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#')) {
+    for (n, line) in
+        text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'))
+    {
         // Intervals of confidence may follow.
         numbers(n + 1, line, &mut row)?;
         let (at, values) = row.split_at(count);

@@ -31,7 +31,10 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
         match key {
             "NUM_POINTS" => {
                 let parsed = value.parse::<usize>();
-                points = Some(parsed.map_err(|_| content(format!("line {}: NUM_POINTS {}", n + 1, shortened(value))))?);
+                points = Some(
+                    parsed
+                        .map_err(|_| content(format!("line {}: NUM_POINTS {}", n + 1, shortened(value))))?,
+                );
             }
             "LAB_COMMENTS" if value.contains("RGB for Trinitron phosphors") => scale = TRINITRON,
             "VARS" => {
@@ -84,7 +87,9 @@ mod tests {
 
     #[test]
     fn damage_is_an_error() {
-        for (from, to) in [("0.2,0.3", "x,0.3"), ("0.2,0.3", "0.2"), ("POINTS 2", "POINTS 3"), ("R,G,B", "R,G")] {
+        for (from, to) in
+            [("0.2,0.3", "x,0.3"), ("0.2,0.3", "0.2"), ("POINTS 2", "POINTS 3"), ("R,G,B", "R,G")]
+        {
             assert!(parse(SMALL.replacen(from, to, 1).as_bytes()).is_err(), "{from} {to}");
         }
         assert!(parse(&[0xff; 9]).is_err() && parse(b"").is_err());

@@ -64,6 +64,10 @@ impl Conventions {
     /// What is expected.
     pub fn check(&self) -> Result<(), String> {
         let fits = self.divide.is_finite() && (1e-12..=1e12).contains(&self.divide);
-        if fits { Ok(()) } else { Err(format!("values are divided by {}; 1e-12 to 1e12 is expected", self.divide)) }
+        if fits {
+            Ok(())
+        } else {
+            Err(format!("values are divided by {}; 1e-12 to 1e12 is expected", self.divide))
+        }
     }
 }

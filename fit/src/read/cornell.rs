@@ -44,8 +44,8 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     let phi = |v: f64| v.abs() <= 2.0 * PI + 1e-5;
     let mut any = false;
     let mut spectrum = vec![0.0; wavelengths.len()];
-    while let Some(theta_i) = numbers
-        .next_if_any("theta_i in radians, at least 0 and less than pi / 2", theta)?
+    while let Some(theta_i) =
+        numbers.next_if_any("theta_i in radians, at least 0 and less than pi / 2", theta)?
     {
         let phi_i = numbers.next("phi_i in radians, within 2 pi of 0", phi)?;
         let theta_s = numbers.next("theta_s in radians, from 0 to pi / 2", theta)?;

@@ -23,7 +23,6 @@ use geometry::Geometry;
 use layout::{Layout, fields, is_comment, reader};
 use names::Unit;
 
-
 /// Parses the bytes of a table of text.
 ///
 /// # Errors
@@ -188,7 +187,10 @@ impl Parsing<'_> {
             line,
             index: place + 1,
             found: shortened(cell(place)),
-            expected: format!("a number, at most {LARGEST:e} in size, of column {}", shortened(&names[place])),
+            expected: format!(
+                "a number, at most {LARGEST:e} in size, of column {}",
+                shortened(&names[place])
+            ),
         };
         if self.found.is_empty() && self.is_units(&cells) {
             let unit = cells.iter().find_map(|cell| names::unit(cell)).filter(|u| *u != Unit::Percent);

@@ -32,11 +32,13 @@ pub(crate) fn recognise(bytes: &[u8], ending: &str) -> Result<Format, ReadError>
     if bytes.starts_with(b"tensor_file") {
         return Ok(Format::Rgl);
     }
-    if bytes.starts_with(&[90, 0, 0, 0, 90, 0, 0, 0, 180, 0, 0, 0]) || ending == "binary" {
+    if bytes.starts_with(&super::merl::HEAD) || ending == "binary" {
         return Ok(Format::Merl);
     }
     if bytes.starts_with(b"PK\x03\x04") {
-        return fail("a spreadsheet or archive: save the sheet as CSV (comma separated values), and give that");
+        return fail(
+            "a spreadsheet or archive: save the sheet as CSV (comma separated values), and give that",
+        );
     }
     if bytes.starts_with(b"\xd0\xcf\x11\xe0") {
         return fail("an old spreadsheet: save the sheet as CSV (comma separated values), and give that");
@@ -93,7 +95,9 @@ pub(crate) fn recognise(bytes: &[u8], ending: &str) -> Result<Format, ReadError>
         );
     }
     if first == "analytic" || first.starts_with("analytic ") {
-        return fail("a shader of BRDF Explorer, not a measurement; models are named, such as model:ggx:alpha=0.2");
+        return fail(
+            "a shader of BRDF Explorer, not a measurement; models are named, such as model:ggx:alpha=0.2",
+        );
     }
     if ending == "brdf" && has_numbers_alone(text) {
         return Ok(Format::Cornell);
@@ -109,7 +113,8 @@ pub(crate) fn recognise(bytes: &[u8], ending: &str) -> Result<Format, ReadError>
 
 /// Whether a text begins with numbers, comments apart.
 fn has_numbers_alone(text: &str) -> bool {
-    let mut words = text.lines().map(|line| line.split('#').next().unwrap_or("")).flat_map(str::split_whitespace);
+    let mut words =
+        text.lines().map(|line| line.split('#').next().unwrap_or("")).flat_map(str::split_whitespace);
     words.next().is_none_or(|word| word.parse::<f64>().is_ok())
 }
 
@@ -121,7 +126,11 @@ mod tests {
     fn the_first_line_tells_whatever_the_ending() {
         for (text, ending, format) in [
             ("tensor_file\0\x01", "csv", Format::Rgl),
-            ("Symmetry PlaneSymmetrical\nAngleOfIncidence 1\n0\nScatterAzimuth 1\n0\n", "bsdf", Format::Zemax),
+            (
+                "Symmetry PlaneSymmetrical\nAngleOfIncidence 1\n0\nScatterAzimuth 1\n0\n",
+                "bsdf",
+                Format::Zemax,
+            ),
             ("Symmetry Asymmetric\nScatterAzimuth 1\n0\nScatterRadial 1\n0\n", "bsdf", Format::LightTools),
             ("OPTIS - Anisotropic BSDF surface file v8.0\n", "txt", Format::SpeosAnisotropic),
             ("OPTIS - brdf surface file v9.0\n", "brdf", Format::SpeosSpectral),

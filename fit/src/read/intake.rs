@@ -8,6 +8,7 @@ use super::conventions::{Conventions, Mirror, Values};
 use super::scatter;
 use super::sentinels::{Cells, Sentinels};
 use crate::ReadError;
+use crate::look::isotropy::Isotropy;
 use crate::table::Scattered;
 
 /// Cosine below which a direction is at the horizon: there no BRDF can be measured.
@@ -99,6 +100,8 @@ pub struct Intake {
     pub stated: Vec<(f64, f64)>,
     /// Whether the incident directions are the views, by reciprocity.
     pub is_light_fixed: bool,
+    /// What a turn of the sample shows; `None` where it was not turned.
+    pub isotropy: Option<Isotropy>,
 }
 
 /// Samples on their way.
@@ -113,7 +116,9 @@ impl Reading {
         let mut conventions = *conventions;
         let mut intake = Intake { format, ..Intake::default() };
         if conventions.divide != 1.0 {
-            intake.notes.push(Note { text: format!("values are divided by {}", conventions.divide), option: None });
+            intake
+                .notes
+                .push(Note { text: format!("values are divided by {}", conventions.divide), option: None });
         }
         conventions.mirror.get_or_insert(Mirror::Opposite);
         Self { intake, conventions, cells: Vec::new() }
@@ -181,7 +186,8 @@ impl Reading {
         }
         if self.intake.rows.is_empty() {
             let left_out = self.intake.left_out_text();
-            let text = if left_out.is_empty() { "no samples".into() } else { format!("no samples: {left_out}") };
+            let text =
+                if left_out.is_empty() { "no samples".into() } else { format!("no samples: {left_out}") };
             return Err(ReadError::Content(text));
         }
         self.intake.is_light_fixed = scatter::is_light_fixed(&self.intake.rows);
@@ -226,8 +232,8 @@ impl Intake {
         groups.into_iter().map(|group| (group.theta, group.samples)).collect()
     }
 
-    /// Lines of the samples of each view, in the order of [`views`](Self::views).
-    pub fn lines(&self) -> Vec<Vec<usize>> {
-        scatter::views(&self.rows, self.is_light_fixed).into_iter().map(|group| group.lines).collect()
+    /// Which of the rows the samples of each view are, in the order of [`views`](Self::views).
+    pub fn placed(&self) -> Vec<Vec<usize>> {
+        scatter::views(&self.rows, self.is_light_fixed).into_iter().map(|group| group.rows).collect()
     }
 }

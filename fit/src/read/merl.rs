@@ -16,6 +16,9 @@ pub(crate) const CELLS: usize = SIZE[0] * SIZE[1] * SIZE[2];
 /// What the numbers of each channel are multiplied by.
 pub(crate) const SCALE: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 
+/// What a file begins with: its counts.
+pub(super) const HEAD: [u8; 12] = [90, 0, 0, 0, 90, 0, 0, 0, 180, 0, 0, 0];
+
 /// One MERL material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Merl {

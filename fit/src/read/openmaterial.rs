@@ -29,7 +29,8 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     let mut pairs: BTreeMap<[u64; 3], (usize, BTreeMap<u64, f64>)> = BTreeMap::new();
     let mut wavelengths: Vec<f64> = Vec::new();
     for (n, row) in table.iter().enumerate() {
-        let numbers: Option<Vec<f64>> = row.as_array().map(|row| row.iter().filter_map(Value::as_f64).collect());
+        let numbers: Option<Vec<f64>> =
+            row.as_array().map(|row| row.iter().filter_map(Value::as_f64).collect());
         let Some([wavelength, theta_i, theta_o, phi_o, value]) =
             numbers.and_then(|numbers| <[f64; 5]>::try_from(numbers).ok())
         else {
@@ -40,7 +41,10 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
         };
         let is_angle = |theta: f64| (0.0..=PI + 1e-3).contains(&theta);
         if !is_angle(theta_i) || !is_angle(theta_o) || phi_o.abs() > 100.0 || value.abs() > 1e9 {
-            return fail(format!("brdf.lookupTable, row {}: angles in radians and a value up to 1e9 are expected", n + 1));
+            return fail(format!(
+                "brdf.lookupTable, row {}: angles in radians and a value up to 1e9 are expected",
+                n + 1
+            ));
         }
         wavelengths.push(wavelength);
         let key = [theta_i, theta_o, phi_o].map(f64::to_bits);
@@ -74,9 +78,11 @@ mod tests {
 
     #[test]
     fn rows_are_samples_and_faults_have_their_row() {
-        let file = |rows: &str| format!("{{\"brdf\": {{\"wavelengths\": [9.05e-7], \"lookupTable\": [{rows}]}}}}");
+        let file =
+            |rows: &str| format!("{{\"brdf\": {{\"wavelengths\": [9.05e-7], \"lookupTable\": [{rows}]}}}}");
         let parse = |text: &str| parse(text.as_bytes(), &Conventions::default());
-        let intake = parse(&file("[9.05e-7, 0.5, 0.5, 3.14159, 0.2], [9.05e-7, 0.5, 1.570796, 0, 0.2]")).unwrap();
+        let intake =
+            parse(&file("[9.05e-7, 0.5, 0.5, 3.14159, 0.2], [9.05e-7, 0.5, 1.570796, 0, 0.2]")).unwrap();
         assert_eq!((intake.rows.len(), intake.left_out[0].reason), (1, Reason::Horizon));
         assert!(intake.rows[0].wi[0] > 0.0 && intake.rows[0].wo[0] < 0.0);
         assert!(intake.notes[0].text.contains("905"), "{:?}", intake.notes);

@@ -38,13 +38,18 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     };
     if name.eq_ignore_ascii_case("DSF") {
         reading.values_are(Values::CosineOutgoing);
-        reading.note_option("values are DSF, f times the cosine of the viewer, as the file says, and are divided by it", "--values");
+        reading.note_option(
+            "values are DSF, f times the cosine of the viewer, as the file says, and are divided by it",
+            "--values",
+        );
     }
     let is_xyz = said(&["#colorimetry"]).is_some_and(|colours| colours.contains("CIE-XYZ"));
     let mut row = vec![0.0; if is_xyz { 5 } else { 3 }];
     // Behind the surface is above, for light that comes from behind.
     let side = if theta_i > 90.0 { -1.0 } else { 1.0 };
-    for (n, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#')) {
+    for (n, line) in
+        text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'))
+    {
         numbers(n + 1, line, &mut row)?;
         let up = |theta: f64, phi: f64| {
             let [x, y, z] = direction(theta.to_radians(), phi.to_radians());
@@ -67,8 +72,13 @@ mod tests {
         let text = "#sample_name x\n#intheta 30\n#inphi 0\n#format: theta phi DSF\n30 180 0.5\n60 90 0.1\n150 180 0.2\n";
         let intake = parse(text.as_bytes(), &Conventions::default()).unwrap();
         assert_eq!((intake.rows.len(), intake.left_out[0].reason), (2, Reason::Transmission));
-        assert!((intake.rows[1].rgb[0] - 0.2).abs() < 1e-9 && intake.rows[0].wo[0] < 0.0, "{:?}", intake.rows);
-        let error = parse(text.replace("#intheta", "#theta").as_bytes(), &Conventions::default()).unwrap_err();
+        assert!(
+            (intake.rows[1].rgb[0] - 0.2).abs() < 1e-9 && intake.rows[0].wo[0] < 0.0,
+            "{:?}",
+            intake.rows
+        );
+        let error =
+            parse(text.replace("#intheta", "#theta").as_bytes(), &Conventions::default()).unwrap_err();
         assert!(error.to_string().contains("#intheta"), "{error}");
         assert!(parse(text.replace("60 90", "60 x").as_bytes(), &Conventions::default()).is_err());
     }

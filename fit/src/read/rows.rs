@@ -23,7 +23,10 @@ pub(crate) fn row(line: usize, text: &str, out: &mut [f64]) -> Result<(), ReadEr
 pub(super) fn numbers(line: usize, text: &str, out: &mut [f64]) -> Result<(), ReadError> {
     let words = text.split_whitespace().count();
     if words < out.len() {
-        return Err(ReadError::Content(format!("line {line}: {words} numbers where {} were expected", out.len())));
+        return Err(ReadError::Content(format!(
+            "line {line}: {words} numbers where {} were expected",
+            out.len()
+        )));
     }
     fill(line, text.split_whitespace(), out)
 }

@@ -6,6 +6,7 @@
 
 use super::intake::Row;
 use crate::table::Scattered;
+use std::f64::consts::PI;
 
 /// Angles of the outgoing direction closer than this are one view, radians; files print six decimals.
 const SAME_VIEW: f64 = 1e-3;
@@ -19,11 +20,19 @@ const FEW_SAMPLES: usize = 24;
 const DENSE: f64 = 4.0 * SAME_VIEW;
 
 /// Width of a view into which they are, radians: 2 degrees.
-const WIDTH: f64 = 2.0 * std::f64::consts::PI / 180.0;
+const WIDTH: f64 = 2.0 * PI / 180.0;
+
+/// Samples nearer to the normal than this sine have no azimuth; a sector of the view at the normal without samples is wide from here on,
+/// radians.
+const ACROSS: f64 = 0.03;
+const SECTOR: f64 = PI / 3.0;
+
+/// The golden ratio, less 1.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// A sample in the frame of its view.
 struct Placed {
-    line: usize,
+    row: usize,
     theta: f64,
     wi: [f64; 3],
     rgb: [f64; 3],
@@ -33,8 +42,8 @@ struct Placed {
 pub(super) struct Group {
     pub theta: f64,
     pub samples: Scattered,
-    /// Lines of the samples.
-    pub lines: Vec<usize>,
+    /// Which of the rows they are.
+    pub rows: Vec<usize>,
 }
 
 /// Angle of a unit vector from the normal, radians.
@@ -67,11 +76,11 @@ pub(super) fn is_light_fixed(rows: &[Row]) -> bool {
 
 /// The views, theta rising.
 pub(super) fn views(rows: &[Row], is_light_fixed: bool) -> Vec<Group> {
-    let place = |row: &Row| {
+    let place = |(n, row): (usize, &Row)| {
         let (wi, wo) = if is_light_fixed { (row.wo, row.wi) } else { (row.wi, row.wo) };
-        Placed { line: row.line, theta: polar(wo), wi: in_frame(wi, wo), rgb: row.rgb }
+        Placed { row: n, theta: polar(wo), wi: in_frame(wi, wo), rgb: row.rgb }
     };
-    let mut placed: Vec<Placed> = rows.iter().map(place).collect();
+    let mut placed: Vec<Placed> = rows.iter().enumerate().map(place).collect();
     placed.sort_by(|a, b| a.theta.total_cmp(&b.theta));
     let views = grouped(&placed, SAME_VIEW);
     let Some((first, last)) = views.first().zip(views.last()) else { return views };
@@ -91,11 +100,35 @@ fn grouped(placed: &[Placed], width: f64) -> Vec<Group> {
         } else {
             first.theta
         };
-        let samples = group.iter().map(|p| (turned(p.wi, theta - p.theta), p.rgb)).collect();
-        views.push(Group { theta, samples, lines: group.iter().map(|p| p.line).collect() });
+        let mut samples: Scattered = group.iter().map(|p| (turned(p.wi, theta - p.theta), p.rgb)).collect();
+        if theta < SAME_VIEW {
+            spread_about_normal(&mut samples);
+        }
+        views.push(Group { theta, samples, rows: group.iter().map(|p| p.row).collect() });
         rest = others;
     }
     views
+}
+
+/// Spreads samples of the view at the normal over all azimuths, if they leave a sector empty: there an azimuth means nothing, and a sample
+/// stands for all. Samples of one half-line would be taken for a fan that the rest of the hemisphere knows nothing of.
+fn spread_about_normal(samples: &mut Scattered) {
+    let across = |d: &[f64; 3]| libm::hypot(d[0], d[1]);
+    let folded = |d: &[f64; 3]| libm::atan2(d[1].abs(), d[0]);
+    let mut azimuths: Vec<f64> =
+        samples.iter().map(|s| &s.0).filter(|d| across(d) > ACROSS).map(folded).collect();
+    azimuths.sort_by(f64::total_cmp);
+    let (Some(first), Some(last)) = (azimuths.first(), azimuths.last()) else { return };
+    // Both sides of the plane are one, so that the sectors at its ends are twice as wide.
+    let ends = (2.0 * first).max(2.0 * (PI - last));
+    let widest = azimuths.windows(2).map(|w| w[1] - w[0]).fold(ends, f64::max);
+    if widest < SECTOR {
+        return;
+    }
+    for (n, (d, _)) in samples.iter_mut().enumerate() {
+        let (sin, cos) = libm::sincos(PI * (GOLDEN * n as f64).fract());
+        *d = [across(d) * cos, across(d) * sin, d[2]];
+    }
 }
 
 /// A direction turned in the plane of incidence, from the normal to the mirror direction; as it was where it would sink below the horizon.
@@ -129,6 +162,34 @@ mod tests {
                     assert!((from_mirror(*theta, *wi) - rgb[0]).abs() < 1e-9, "{theta} {wi:?} {rgb:?}");
                 }
             }
+        }
+    }
+
+    /// A view at the normal of samples on one half-line has the albedo of the same all round.
+    #[test]
+    fn at_the_normal_a_sample_stands_for_all_azimuths() {
+        let f = |theta: f64| 0.1 + 0.5 * libm::exp(-10.0 * theta * theta);
+        let albedo = |azimuths: &[f64]| {
+            let mut rows = Vec::new();
+            for theta in (0..17).map(|n| 0.085 * f64::from(n)) {
+                rows.extend(azimuths.iter().map(|phi| Row {
+                    line: 1,
+                    wi: direction(theta, *phi),
+                    wo: [0.0, 0.0, 1.0],
+                    rgb: [f(theta); 3],
+                }));
+            }
+            let groups = views(&rows, false).into_iter().map(|group| (group.theta, group.samples)).collect();
+            crate::table::Table::from_scattered(groups).unwrap().views[0].uncut_albedo[0]
+        };
+        let round: Vec<f64> = (0..24).map(|n| 0.26 * f64::from(n)).collect();
+        for line in [0.0, 1.0, 3.1] {
+            assert!(
+                (albedo(&[line]) / albedo(&round) - 1.0).abs() < 0.05,
+                "{} {}",
+                albedo(&[line]),
+                albedo(&round)
+            );
         }
     }
 

@@ -93,7 +93,10 @@ pub fn zemax(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
         ));
     }
     if head.rotations.len() > 1 {
-        return fail(format!("{} rotations of the sample: only one is read, an isotropic surface", head.rotations.len()));
+        return fail(format!(
+            "{} rotations of the sample: only one is read, an isotropic surface",
+            head.rotations.len()
+        ));
     }
     if head.incidence.is_empty() {
         return fail("AngleOfIncidence has to name angles before DataBegin");
@@ -132,10 +135,17 @@ pub fn zemax(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
                 reading.leave_out(Reason::Transmission, line);
                 continue;
             }
-            let (azimuth, radial) = (head.azimuths[at / head.radials.len()], head.radials[at % head.radials.len()]);
+            let (azimuth, radial) =
+                (head.azimuths[at / head.radials.len()], head.radials[at % head.radials.len()]);
             let cells: Vec<f64> = tables.iter().map(|channel| channel[a][at].1).collect();
             let rgb = if let [x, y, z] = cells[..] { rgb_of_xyz([x, y, z]) } else { [cells[0]; 3] };
-            push(&mut reading, line, [direction(theta, PI), about_mirror(theta, radial, azimuth)], rgb, &cells);
+            push(
+                &mut reading,
+                line,
+                [direction(theta, PI), about_mirror(theta, radial, azimuth)],
+                rgb,
+                &cells,
+            );
         }
     }
     reading.finish()
@@ -183,10 +193,15 @@ pub fn lighttools(bytes: &[u8], conventions: &Conventions) -> Result<Intake, Rea
             "TIS" => {
                 block.total = words.number("a share of the light")?;
                 block.values = head.values(&mut words)?;
-                let done = std::mem::replace(&mut block, Block { is_front: true, is_reflection: true, ..Block::default() });
+                let done = std::mem::replace(
+                    &mut block,
+                    Block { is_front: true, is_reflection: true, ..Block::default() },
+                );
                 match (done.is_front, done.is_reflection) {
                     (true, true) => parts.push(done),
-                    (_, false) => done.values.iter().for_each(|v| reading.leave_out(Reason::Transmission, v.0)),
+                    (_, false) => {
+                        done.values.iter().for_each(|v| reading.leave_out(Reason::Transmission, v.0))
+                    }
                     (false, true) => back += done.values.len(),
                 }
             }
@@ -198,14 +213,17 @@ pub fn lighttools(bytes: &[u8], conventions: &Conventions) -> Result<Intake, Rea
         reading.note(format!("{back} values of the back of the sample are not read"));
     }
     if parts.iter().any(|part| part.plane != parts[0].plane) {
-        return fail("more than one plane of incidence: the sample was turned, and only isotropic surfaces are read");
+        return fail(
+            "more than one plane of incidence: the sample was turned, and only isotropic surfaces are read",
+        );
     }
     for part in parts.chunks(head.channels()).filter(|part| part.len() == head.channels()) {
         let first = &part[0];
         let total = part[part.len() / 2].total;
         reading.state(first.incidence, total);
         for (at, &(line, _)) in first.values.iter().enumerate() {
-            let (azimuth, radial) = (head.azimuths[at / head.radials.len()], head.radials[at % head.radials.len()]);
+            let (azimuth, radial) =
+                (head.azimuths[at / head.radials.len()], head.radials[at % head.radials.len()]);
             let cells: Vec<f64> = part.iter().map(|channel| channel.values[at].1).collect();
             let rgb = if let [x, y, z] = cells[..] { rgb_of_xyz([x, y, z]) } else { [cells[0]; 3] };
             // The light is at an azimuth of 90 degrees in the frame of the scatter angles.
@@ -239,7 +257,11 @@ mod tests {
     fn zemax_text() -> String {
         let (incidence, azimuths, radials) = ([0.0, 30.0, 60.0], [0.0, 90.0, 180.0], [0.0, 20.0, 45.0]);
         let list = |name: &str, angles: &[f64]| {
-            format!("{name} {}\n{}\n", angles.len(), angles.iter().map(f64::to_string).collect::<Vec<_>>().join("\t"))
+            format!(
+                "{name} {}\n{}\n",
+                angles.len(),
+                angles.iter().map(f64::to_string).collect::<Vec<_>>().join("\t")
+            )
         };
         let mut text = "# made\nSource Measured\nSymmetry PlaneSymmetrical\nSpectralContent Monochrome\nScatterType BRDF\n".to_owned();
         text += "SampleRotation 1\n0\n";

@@ -64,8 +64,8 @@ impl Sentinels {
         let low = positive[(LOW * positive.len() as f64) as usize];
         // Noise about 0 has zeros among it.
         let is_noise = rows.iter().any(|row| row.least < 0.0 && !values.contains(&row.least));
-        let is_shadow = !is_noise
-            && zeros as f64 <= MOST_ZEROS * rows.len() as f64 && low > NEAR_ZERO * median;
+        let is_shadow =
+            !is_noise && zeros as f64 <= MOST_ZEROS * rows.len() as f64 && low > NEAR_ZERO * median;
         Self { values, has_dead_zeros: zeros > 0 && is_shadow }
     }
 
@@ -89,7 +89,9 @@ fn negative(rows: &[Cells], median: f64) -> Vec<f64> {
     let listed: Vec<f64> =
         found.iter().map(|f| f.0).filter(|&v| is_listed(v) && -v >= FARTHER * noise).collect();
     match found.as_slice() {
-        [(only, count)] if listed.is_empty() && *count >= REPEATED && -only > NEAR_ZERO * median => vec![*only],
+        [(only, count)] if listed.is_empty() && *count >= REPEATED && -only > NEAR_ZERO * median => {
+            vec![*only]
+        }
         _ => listed,
     }
 }

@@ -30,7 +30,8 @@ fn fail<T>(text: impl Into<String>) -> Result<T, ReadError> {
 
 impl Grid {
     fn read(words: &mut Words<'_>) -> Result<Self, ReadError> {
-        let [rows, columns] = [words.count("how many theta there are", MOST)?, words.count("how many phi there are", MOST)?];
+        let [rows, columns] =
+            [words.count("how many theta there are", MOST)?, words.count("how many phi there are", MOST)?];
         if rows.saturating_mul(columns) > 10_000_000 || rows == 0 || columns == 0 {
             return fail(format!("line {}: a table of {rows} by {columns}", words.line()));
         }
@@ -90,12 +91,18 @@ impl Head {
         lines.next();
         let mode = lines.next().unwrap_or("").trim();
         if mode != "0" {
-            return fail(format!("line 2: `{}`; only text is read, whose mode is 0: save it as text in SPEOS", shortened(mode)));
+            return fail(format!(
+                "line 2: `{}`; only text is read, whose mode is 0: save it as text in SPEOS",
+                shortened(mode)
+            ));
         }
         lines.next();
         let length = lines.next().unwrap_or("").trim();
         let Ok(length) = length.parse::<usize>() else {
-            return fail(format!("line 4: `{}` where the length of the description was expected", shortened(length)));
+            return fail(format!(
+                "line 4: `{}` where the length of the description was expected",
+                shortened(length)
+            ));
         };
         // The description is a number of characters, which may hold ends of lines.
         let at = text.match_indices('\n').nth(3).map_or(text.len(), |m| m.0 + 1);
@@ -135,7 +142,8 @@ pub fn anisotropic(bytes: &[u8], conventions: &Conventions) -> Result<Intake, Re
     let spectrum: Vec<[f64; 2]> = (0..lines)
         .map(|_| Ok([words.number("a wavelength in nm")?, words.number("a reflectance in per cent")?]))
         .collect::<Result<_, ReadError>>()?;
-    let tables: Vec<Grid> = incidence.iter().map(|_| Grid::read(&mut words)).collect::<Result<_, ReadError>>()?;
+    let tables: Vec<Grid> =
+        incidence.iter().map(|_| Grid::read(&mut words)).collect::<Result<_, ReadError>>()?;
     let colour = colour(&spectrum, &mut reading)?;
     let grids: Vec<Grid> = tables
         .into_iter()
@@ -196,7 +204,8 @@ fn push(
         let used = if *theta == 0.0 { 1 } else { count - usize::from(turned && count > 1) };
         for (p, phi) in grid.phis.iter().take(used).enumerate() {
             let (rgb, cells) = value(grid.values[t * count + p]);
-            let pair = [direction(theta_i.to_radians(), 0.0), direction(theta.to_radians(), phi.to_radians())];
+            let pair =
+                [direction(theta_i.to_radians(), 0.0), direction(theta.to_radians(), phi.to_radians())];
             reading.push(*line, pair, rgb, &cells);
         }
     }
@@ -246,7 +255,9 @@ pub fn spectral(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadE
         }
         let Some(first) = grids.first() else { return fail("SPEOS .brdf without a wavelength") };
         if grids.iter().any(|grid| grid.thetas.len() != first.thetas.len() || grid.phis != first.phis) {
-            return fail(format!("tables of {theta_i} degrees differ in their angles from one wavelength to the next"));
+            return fail(format!(
+                "tables of {theta_i} degrees differ in their angles from one wavelength to the next"
+            ));
         }
         reading.state(theta_i, totals.iter().sum::<f64>() / totals.len() as f64);
         let mut at = 0;
@@ -259,7 +270,8 @@ pub fn spectral(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadE
                 if p > 0 && (*theta == 0.0 || (turned && p + 1 == count)) {
                     continue;
                 }
-                let pair = [direction(theta_i.to_radians(), 0.0), direction(theta.to_radians(), phi.to_radians())];
+                let pair =
+                    [direction(theta_i.to_radians(), 0.0), direction(theta.to_radians(), phi.to_radians())];
                 reading.push(*line, pair, wavelengths.rgb(&cells), &cells);
             }
         }
@@ -298,7 +310,12 @@ mod tests {
         assert!(intake.rows.iter().all(|row| (row.rgb[1] - 0.5 / PI).abs() < 0.01), "{:?}", intake.rows[0]);
         assert_eq!((intake.rows.len(), intake.left_out_count()), (14, 6));
         let turned = text.replacen("1\n1\n0\n2\n", "1\n2\n0 90\n2\n", 1);
-        assert!(anisotropic(turned.as_bytes(), &Conventions::default()).unwrap_err().to_string().contains("isotropic"));
+        assert!(
+            anisotropic(turned.as_bytes(), &Conventions::default())
+                .unwrap_err()
+                .to_string()
+                .contains("isotropic")
+        );
         for cut in (0..text.len() - 40).step_by(3) {
             assert!(anisotropic(&text.as_bytes()[..cut], &Conventions::default()).is_err(), "{cut}");
         }
@@ -316,6 +333,8 @@ mod tests {
             assert!(row.rgb.iter().all(|v| (v - 0.5 / PI).abs() < 0.01), "{row:?}");
         }
         let binary = text.replacen("\n0\n", "\n1\n", 1);
-        assert!(spectral(binary.as_bytes(), &Conventions::default()).unwrap_err().to_string().contains("text"));
+        assert!(
+            spectral(binary.as_bytes(), &Conventions::default()).unwrap_err().to_string().contains("text")
+        );
     }
 }

@@ -44,7 +44,8 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     }
     let text = decode(bytes)?;
     let mut reading = Reading::new("SSDD", conventions);
-    let mut lines = text.lines().enumerate().map(|(n, line)| (n + 1, line.split("# ").next().unwrap_or("").trim()));
+    let mut lines =
+        text.lines().enumerate().map(|(n, line)| (n + 1, line.split("# ").next().unwrap_or("").trim()));
     let mut block = Block::default();
     let mut kind = String::new();
     let mut found = false;
@@ -65,7 +66,9 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
                     "spherical_coordinate_system" => Parameters::Spherical,
                     "specular_coordinate_system" => Parameters::Specular,
                     "half_difference_coordinate_system" => Parameters::Half,
-                    other => return fail(format!("line {n}: PARAM_TYPE `{}` is not known", shortened(other))),
+                    other => {
+                        return fail(format!("line {n}: PARAM_TYPE `{}` is not known", shortened(other)));
+                    }
                 });
             }
             "PARAM0_LIST" => block.lists[0] = list()?,
@@ -81,12 +84,16 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
                     for _ in 0..rows {
                         let line = lines.by_ref().find(|(_, line)| !line.is_empty()).map_or(n, |line| line.0);
                         match kind.as_str() {
-                            "btdf" | "specular_transmittance" => reading.leave_out(Reason::Transmission, line),
+                            "btdf" | "specular_transmittance" => {
+                                reading.leave_out(Reason::Transmission, line)
+                            }
                             _ => {}
                         }
                     }
                     if kind == "specular_reflectance" {
-                        reading.note("a reflectance of the mirror direction alone, without a width, is not read");
+                        reading.note(
+                            "a reflectance of the mirror direction alone, without a width, is not read",
+                        );
                     }
                 }
             }
@@ -100,7 +107,9 @@ impl Block {
     /// How many lines its table has.
     fn rows(&self) -> Result<usize, ReadError> {
         if self.lists[1].len() > 1 {
-            return fail("SSDD of more than one azimuth of incidence (PARAM1_LIST): only isotropic surfaces are read");
+            return fail(
+                "SSDD of more than one azimuth of incidence (PARAM1_LIST): only isotropic surfaces are read",
+            );
         }
         let count = self.lists.iter().fold(1usize, |n, list| n.saturating_mul(list.len().max(1)));
         if count > 10_000_000 { fail(format!("SSDD table of {count} lines")) } else { Ok(count) }
@@ -129,12 +138,17 @@ impl Block {
         let mut filled = lines.filter(|(_, line)| !line.is_empty());
         for at in 0..self.rows()? {
             let Some((n, line)) = filled.next() else {
-                return fail(format!("SSDD ends after {at} lines of its table; {} are expected", self.rows()?));
+                return fail(format!(
+                    "SSDD ends after {at} lines of its table; {} are expected",
+                    self.rows()?
+                ));
             };
             numbers(n, line, &mut cells)?;
             let sizes = self.lists.each_ref().map(|list| list.len().max(1));
-            let index = [at % sizes[0], at / sizes[0] / sizes[1] % sizes[2], at / sizes[0] / sizes[1] / sizes[2]];
-            let of = |list: usize, index: usize| self.lists[list].get(index).copied().unwrap_or(0.0).to_radians();
+            let index =
+                [at % sizes[0], at / sizes[0] / sizes[1] % sizes[2], at / sizes[0] / sizes[1] / sizes[2]];
+            let of =
+                |list: usize, index: usize| self.lists[list].get(index).copied().unwrap_or(0.0).to_radians();
             let (a, b, c) = (of(0, index[0]), of(2, index[1]), of(3, index[2]));
             let pair = match parameters {
                 Parameters::Spherical => [direction(a, 0.0), direction(b, c)],
@@ -171,10 +185,14 @@ mod tests {
         let first = intake.rows[0];
         assert!((first.wo[0] + first.wi[0]).abs() < 1e-12 && first.rgb == [1.0, 2.0, 3.0], "{first:?}");
         assert!((intake.rows[1].wi[2] - 0.5).abs() < 1e-12 && intake.rows[1].rgb[0] == 4.0);
-        for (from, to, word) in
-            [("PARAM3_LIST 0 180", "PARAM3_LIST 0 x", "x"), ("5 5 5\n", "", "ends after 7"), ("brdf", "brtf", "brdf")]
-        {
-            let error = parse(text.replacen(from, to, 1).as_bytes(), &Conventions::default()).unwrap_err().to_string();
+        for (from, to, word) in [
+            ("PARAM3_LIST 0 180", "PARAM3_LIST 0 x", "x"),
+            ("5 5 5\n", "", "ends after 7"),
+            ("brdf", "brtf", "brdf"),
+        ] {
+            let error = parse(text.replacen(from, to, 1).as_bytes(), &Conventions::default())
+                .unwrap_err()
+                .to_string();
             assert!(error.contains(word), "{to}: {error}");
         }
     }

@@ -111,7 +111,15 @@ mod tests {
         let nm: Vec<f64> = (0..31).map(|i| 400.0 + 10.0 * f64::from(i)).collect();
         let value = |w: f64| 0.1 + (w - 400.0) / 400.0;
         let rgb = |w: &[f64]| {
-            let in_nm = |w: f64| if w > 100.0 { w } else if w > 1e-3 { w * 1e3 } else { w * 1e9 };
+            let in_nm = |w: f64| {
+                if w > 100.0 {
+                    w
+                } else if w > 1e-3 {
+                    w * 1e3
+                } else {
+                    w * 1e9
+                }
+            };
             Wavelengths::new(w).unwrap().rgb(&w.iter().map(|w| value(in_nm(*w))).collect::<Vec<_>>())
         };
         let falling: Vec<f64> = nm.iter().rev().copied().collect();

@@ -13,7 +13,8 @@ pub(super) struct Words<'a> {
 impl<'a> Words<'a> {
     pub fn new(text: &'a str, comment: &'static [&'static str]) -> Self {
         let lines = text.lines().enumerate();
-        let lines = lines.filter(move |(_, line)| !comment.iter().any(|mark| line.trim_start().starts_with(mark)));
+        let lines =
+            lines.filter(move |(_, line)| !comment.iter().any(|mark| line.trim_start().starts_with(mark)));
         let words: Box<dyn Iterator<Item = (usize, &'a str)> + 'a> =
             Box::new(lines.flat_map(|(n, line)| line.split_whitespace().map(move |word| (n + 1, word))));
         Self { words, line: 1, count: 0 }

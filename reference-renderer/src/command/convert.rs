@@ -1,11 +1,12 @@
 //! `srbf convert`.
 
+use super::convention_args::ConventionArgs;
 use crate::out::output;
 use crate::truth::measured::MeasuredMaterial;
 use crate::truth::stored::StoredMaterial;
 use anyhow::{Context, bail};
 use srbf_fit::export;
-use srbf_fit::read::{Content, Source, merl, read, rgl};
+use srbf_fit::read::{Content, Conventions, Source, merl, read_with, rgl};
 use srbf_fit::table::{Brdf, Table};
 use std::path::{Path, PathBuf};
 
@@ -35,6 +36,8 @@ pub struct Args {
     /// The file to write: .binary, .bsdf, .csv or .astm
     #[arg(value_name = "OUTPUT")]
     output: PathBuf,
+    #[command(flatten)]
+    conventions: ConventionArgs,
 }
 
 /// What can be written.
@@ -69,7 +72,7 @@ impl Format {
 pub fn run(args: Args) -> anyhow::Result<()> {
     let format = Format::of(&args.output)?;
     output::check_place(&args.output)?;
-    let source = source(&args.input)?;
+    let source = source(&args.input, &args.conventions.conventions())?;
     let named = || args.input.display().to_string();
     match format {
         Format::Merl | Format::Rgl => write_grid(&args.output, format, source),
@@ -80,12 +83,12 @@ pub fn run(args: Args) -> anyhow::Result<()> {
 }
 
 /// What is read, or the lobes of a fit.
-fn source(input: &Path) -> anyhow::Result<Source> {
+fn source(input: &Path, conventions: &Conventions) -> anyhow::Result<Source> {
     if !input.extension().is_some_and(|end| end.eq_ignore_ascii_case("srbf")) {
-        return Ok(read(input)?);
+        return Ok(read_with(input, conventions)?);
     }
     let StoredMaterial { name, material } = StoredMaterial::load(&input.to_string_lossy())?;
-    Ok(Source { content: Content::Evaluable(Box::new(export::Lobes(material))), name, sha256: String::new() })
+    Ok(Source::evaluable(Box::new(export::Lobes(material)), name, String::new()))
 }
 
 /// Writes samples: those that were read, or such as are made of what has a value everywhere.

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, ensure};
 use sha2::{Digest, Sha256};
-use srbf_fit::read::{Content, Source, neural};
+use srbf_fit::read::{Source, neural};
 use std::path::Path;
 
 /// Largest file of networks and of their names that is read, bytes.
@@ -56,6 +56,6 @@ impl Networks {
         let place = place
             .with_context(|| format!("no network is called {name:?}; one of {} is expected", names()))?;
         let (name, network) = self.all.swap_remove(place);
-        Ok(Source { content: Content::Evaluable(Box::new(network)), name, sha256: self.sha256 })
+        Ok(Source::evaluable(Box::new(network), name, self.sha256))
     }
 }

@@ -14,11 +14,11 @@ fn damaged_tables_are_refused_with_file_and_line() {
         lines.join("\n")
     };
     for (name, text, says) in [
-        ("empty.csv", String::new(), "the first line"),
-        ("header.csv", good.replace("wi_x", "x"), "the first line"),
+        ("empty.csv", String::new(), "no line names the columns"),
+        ("header.csv", good.replace("wi_x", "x"), "line 1 names the columns"),
         ("short.csv", with_line_5("0,0,1,0,0,1,0.2,0.1"), "line 5"),
         ("word.csv", with_line_5("0,0,1,0,0,1,0.2,0.1,red"), "line 5"),
-        ("nan.csv", with_line_5("NaN,0,1,0,0,1,0.2,0.1,0.1"), "line 5"),
+        ("wavelength.csv", good.replace("r,g,b", "400nm,NaN,700nm"), "`NaN`"),
         ("long.csv", with_line_5("0,0,9,0,0,1,0.2,0.1,0.1"), "line 5"),
         ("cut.binary", "abc".into(), "cut.binary"),
         ("cut.bsdf", "tensor_file".into(), "cut.bsdf"),

@@ -12,8 +12,24 @@ pub(super) enum Cell {
 
 /// Words that stand for nothing measured.
 const NOTHING: [&str; 18] = [
-    "", "-", "--", "na", "n/a", "#n/a", "nan", "-nan", "nan(ind)", "-nan(ind)", "null", "none", "nil", "missing",
-    "#div/0!", "#value!", "#num!", "inf",
+    "",
+    "-",
+    "--",
+    "na",
+    "n/a",
+    "#n/a",
+    "nan",
+    "-nan",
+    "nan(ind)",
+    "-nan(ind)",
+    "null",
+    "none",
+    "nil",
+    "missing",
+    "#div/0!",
+    "#value!",
+    "#num!",
+    "inf",
 ];
 
 /// Numbers that programs write for nothing are as large as this.
@@ -44,7 +60,8 @@ pub(super) fn number(text: &str) -> Option<f64> {
     if let Ok(number) = bare.parse::<f64>() {
         return Some(number).filter(|v| v.is_finite());
     }
-    let mut plain: String = bare.chars().filter(|c| !c.is_whitespace() && *c != '\'' && *c != '\u{2019}').collect();
+    let mut plain: String =
+        bare.chars().filter(|c| !c.is_whitespace() && *c != '\'' && *c != '\u{2019}').collect();
     plain = plain.replace(['\u{2212}', '\u{2013}'], "-").replace(['d', 'D'], "e");
     match (plain.rfind(','), plain.rfind('.')) {
         (Some(comma), Some(point)) if comma > point => plain = plain.replace('.', "").replace(',', "."),

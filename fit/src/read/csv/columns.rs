@@ -79,7 +79,9 @@ impl Columns {
             .count();
         let fail = |reason: String| Err(NoColumns { known, reason });
         let plain = |n: usize| names[n].trim().to_lowercase();
-        if let Some(twice) = (1..names.len()).find(|&n| !plain(n).is_empty() && (0..n).any(|m| plain(m) == plain(n))) {
+        if let Some(twice) =
+            (1..names.len()).find(|&n| !plain(n).is_empty() && (0..n).any(|m| plain(m) == plain(n)))
+        {
             return fail(format!("column `{}` stands there twice", names[twice].trim()));
         }
         if let Some(odd) = roles.iter().position(|r| *r == Role::NoWavelength) {
@@ -99,9 +101,12 @@ impl Columns {
             notes.extend(wavelengths.note.clone());
         }
         let used = |n: usize| directions.has(n) || values.has(n);
-        let ignored: Vec<String> =
-            (0..names.len()).filter(|&n| !used(n) && !plain(n).is_empty()).map(|n| names[n].trim().to_owned()).collect();
-        let unit_of = |of: &dyn Fn(usize) -> bool| (0..names.len()).filter(|&n| of(n)).find_map(|n| unit(&names[n]));
+        let ignored: Vec<String> = (0..names.len())
+            .filter(|&n| !used(n) && !plain(n).is_empty())
+            .map(|n| names[n].trim().to_owned())
+            .collect();
+        let unit_of =
+            |of: &dyn Fn(usize) -> bool| (0..names.len()).filter(|&n| of(n)).find_map(|n| unit(&names[n]));
         let angle_unit = unit_of(&|n| directions.has(n));
         let value_unit = unit_of(&|n| values.has(n));
         let names = names.iter().map(|name| name.trim().to_owned()).collect();
@@ -149,7 +154,9 @@ impl Sides<'_> {
             *missing = self.place(&Role::ThetaAlone);
         }
         let example = "such as theta_o, theta_r or view zenith";
-        let missing = |which: &str, example: &str| format!("no column is the angle of the {which} direction, {example}");
+        let missing = |which: &str, example: &str| {
+            format!("no column is the angle of the {which} direction, {example}")
+        };
         let i = i.ok_or_else(|| missing("incident", "such as theta_i, AOI or light zenith"))?;
         let o = o.ok_or_else(|| missing("outgoing", example))?;
         let phis = [Side::Incident, Side::Outgoing].map(|side| self.of(side, Role::Phi));
@@ -196,9 +203,14 @@ fn values(names: &[String], roles: &[Role]) -> Result<Values, String> {
         (Some(value), Some(wavelength)) => Ok(Values::Long([wavelength, value])),
         (Some(value), None) => Ok(Values::One(value)),
         (None, _) => {
-            let unknown = names.iter().zip(roles).find(|(name, r)| **r == Role::Other && !name.trim().is_empty());
-            let hint = unknown.map_or_else(String::new, |(name, _)| format!("; if `{}` is the value, name it so", name.trim()));
-            Err(format!("no column is the value: r,g,b, or X,Y,Z, or value, or wavelengths such as 400nm{hint}"))
+            let unknown =
+                names.iter().zip(roles).find(|(name, r)| **r == Role::Other && !name.trim().is_empty());
+            let hint = unknown.map_or_else(String::new, |(name, _)| {
+                format!("; if `{}` is the value, name it so", name.trim())
+            });
+            Err(format!(
+                "no column is the value: r,g,b, or X,Y,Z, or value, or wavelengths such as 400nm{hint}"
+            ))
         }
     }
 }

@@ -108,10 +108,15 @@ impl Geometry {
             Some(Azimuths::InPlane) => [0.0, self.plane / self.radians],
             _ => [d[2], d[3]],
         };
-        for (name, angle, most) in [("theta", d[0], PI), ("theta", d[1], PI), ("phi", phi_i, TURNS), ("phi", phi_o, TURNS)] {
+        for (name, angle, most) in
+            [("theta", d[0], PI), ("theta", d[1], PI), ("phi", phi_i, TURNS), ("phi", phi_o, TURNS)]
+        {
             let radians = angle * self.radians;
             if radians.abs() > most + ROUNDING {
-                let text = format!("line {}: {name} {angle} is no angle: 180 degrees is the most from the normal", row.line);
+                let text = format!(
+                    "line {}: {name} {angle} is no angle: 180 degrees is the most from the normal",
+                    row.line
+                );
                 return Err(ReadError::Content(text));
             }
         }
@@ -159,12 +164,19 @@ fn plane(rows: &[Numbers], radians: f64, mirror: Option<Mirror>, reading: &mut R
             let [i, o] = [row.directions[0], row.directions[1]].map(|theta| theta * radians);
             i.abs() > 0.1 && (o - sign * i).abs() < 0.06
         };
-        let mut found: Vec<f64> =
-            rows.iter().filter(close).map(|row| row.values.iter().sum::<f64>() / row.values.len() as f64).collect();
+        let mut found: Vec<f64> = rows
+            .iter()
+            .filter(close)
+            .map(|row| row.values.iter().sum::<f64>() / row.values.len() as f64)
+            .collect();
         found.sort_by(f64::total_cmp);
         (found.len() >= SHOWN).then(|| found[found.len() * 3 / 4])
     };
-    let sides = if let (Some(equal), Some(opposite)) = (near(1.0), near(-1.0)) { opposite > BRIGHTER * equal } else { false };
+    let sides = if let (Some(equal), Some(opposite)) = (near(1.0), near(-1.0)) {
+        opposite > BRIGHTER * equal
+    } else {
+        false
+    };
     if sides {
         reading.note_option(
             "there is no azimuth: all is in the plane of incidence, and as the brightest samples show, angles of opposite signs \

@@ -165,7 +165,8 @@ fn said_separator(line: &str) -> Option<char> {
 
 fn no_names(text: &str) -> ReadError {
     let first = text.lines().find(|line| !line.trim().is_empty() && !is_comment(line.trim()));
-    let found = first.map_or_else(|| "the file is empty".to_owned(), |line| format!("the first is `{}`", shortened(line)));
+    let found = first
+        .map_or_else(|| "the file is empty".to_owned(), |line| format!("the first is `{}`", shortened(line)));
     ReadError::Content(format!(
         "no line names the columns, such as theta_i,phi_i,theta_o,phi_o,r,g,b above the rows; {found}"
     ))

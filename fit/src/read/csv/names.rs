@@ -49,27 +49,135 @@ pub(super) enum Unit {
 }
 
 const INCIDENT: [&str; 24] = [
-    "i", "in", "inc", "inci", "incident", "incidence", "incoming", "input", "l", "light", "src", "source", "sun",
-    "solar", "lamp", "illumination", "illum", "irradiation", "ill", "incid", "ein", "einfall", "lichtquelle", "laser",
+    "i",
+    "in",
+    "inc",
+    "inci",
+    "incident",
+    "incidence",
+    "incoming",
+    "input",
+    "l",
+    "light",
+    "src",
+    "source",
+    "sun",
+    "solar",
+    "lamp",
+    "illumination",
+    "illum",
+    "irradiation",
+    "ill",
+    "incid",
+    "ein",
+    "einfall",
+    "lichtquelle",
+    "laser",
 ];
 const OUTGOING: [&str; 38] = [
-    "o", "out", "outgoing", "output", "r", "refl", "reflected", "reflection", "v", "view", "viewer", "viewing",
-    "cam", "camera", "det", "detector", "d", "sensor", "rec", "receiver", "e", "em", "emission", "emitted", "exit",
-    "measure", "measured", "measurement", "obs", "observation", "observer", "scat", "scatter", "scattered",
-    "scattering", "emergent", "emergence", "aus",
+    "o",
+    "out",
+    "outgoing",
+    "output",
+    "r",
+    "refl",
+    "reflected",
+    "reflection",
+    "v",
+    "view",
+    "viewer",
+    "viewing",
+    "cam",
+    "camera",
+    "det",
+    "detector",
+    "d",
+    "sensor",
+    "rec",
+    "receiver",
+    "e",
+    "em",
+    "emission",
+    "emitted",
+    "exit",
+    "measure",
+    "measured",
+    "measurement",
+    "obs",
+    "observation",
+    "observer",
+    "scat",
+    "scatter",
+    "scattered",
+    "scattering",
+    "emergent",
+    "emergence",
+    "aus",
 ];
 const POLAR: [&str; 7] = ["theta", "zenith", "polar", "inclination", "th", "tht", "vertical"];
 const AZIMUTH: [&str; 7] = ["azimuthal", "azimuth", "azimut", "azim", "azi", "phi", "az"];
 const VALUES: [&str; 28] = [
-    "value", "val", "values", "f", "fr", "brdf", "bsdf", "y", "luminance", "lum", "grey", "gray", "intensity",
-    "reflectance", "rho", "reflectancefactor", "radiance", "brdfvalue", "brf", "hdrf", "wert", "valeur", "bidir",
-    "brdfsr", "fbrdf", "signal", "data", "messwert",
+    "value",
+    "val",
+    "values",
+    "f",
+    "fr",
+    "brdf",
+    "bsdf",
+    "y",
+    "luminance",
+    "lum",
+    "grey",
+    "gray",
+    "intensity",
+    "reflectance",
+    "rho",
+    "reflectancefactor",
+    "radiance",
+    "brdfvalue",
+    "brf",
+    "hdrf",
+    "wert",
+    "valeur",
+    "bidir",
+    "brdfsr",
+    "fbrdf",
+    "signal",
+    "data",
+    "messwert",
 ];
 /// Before a channel or a wavelength.
-const BEFORE: [&str; 14] =
-    ["brdf", "bsdf", "value", "reflectance", "refl", "linear", "lin", "srgb", "rgb", "f", "fr", "xyz", "r", ""];
+const BEFORE: [&str; 14] = [
+    "brdf",
+    "bsdf",
+    "value",
+    "reflectance",
+    "refl",
+    "linear",
+    "lin",
+    "srgb",
+    "rgb",
+    "f",
+    "fr",
+    "xyz",
+    "r",
+    "",
+];
 const BEFORE_WAVELENGTH: [&str; 14] = [
-    "wavelength", "lambda", "wl", "w", "brdf", "bsdf", "value", "reflectance", "refl", "f", "fr", "r", "nm", "l",
+    "wavelength",
+    "lambda",
+    "wl",
+    "w",
+    "brdf",
+    "bsdf",
+    "value",
+    "reflectance",
+    "refl",
+    "f",
+    "fr",
+    "r",
+    "nm",
+    "l",
 ];
 
 /// A name and the unit that it carries, or that stands in brackets after it.
@@ -97,10 +205,31 @@ pub(super) fn role(name: &str) -> Role {
     let is_unit = |w: &String| {
         matches!(
             w.as_str(),
-            "deg" | "degs" | "degree" | "degrees" | "rad" | "rads" | "radian" | "radians" | "sr" | "1" | "sterad"
+            "deg"
+                | "degs"
+                | "degree"
+                | "degrees"
+                | "rad"
+                | "rads"
+                | "radian"
+                | "radians"
+                | "sr"
+                | "1"
+                | "sterad"
         )
     };
-    let is_filler = |w: &String| matches!(w.as_str(), "of" | "the" | "direction" | "dir" | "angles" | "angle" | "vec");
+    // Articles of French and Italian.
+    let name = &name
+        .to_lowercase()
+        .contains(['\'', '\u{2019}'])
+        .then(|| {
+            ["d'", "l'", "d\u{2019}", "l\u{2019}"]
+                .iter()
+                .fold(name.to_lowercase(), |name, article| name.replace(article, " "))
+        })
+        .unwrap_or_else(|| name.to_owned());
+    let is_filler =
+        |w: &String| matches!(w.as_str(), "of" | "the" | "direction" | "dir" | "angles" | "angle" | "vec");
     let all = words(name);
     let has_angle = all.iter().any(|w| w == "angle" || w == "angles");
     let bare: Vec<String> = all.iter().filter(|w| !is_unit(w)).cloned().collect();
@@ -246,10 +375,16 @@ mod tests {
         use Role::*;
         use Side::*;
         for (names, role) in [
-            ("theta_i|thetaI|Theta In|theta_i [deg]|\u{3b8}i|\u{3b8}_i (\u{b0})|AOI|Incident_angle|theta_l|light zenith|\
-              Angle of incidence|incident_theta|theta_in_rad|zenith_i|sza|Incidence Angle", Theta(Incident)),
-            ("theta_o|thetaO|theta_r|THETA_V|Measure_angle|scatter angle|view zenith|theta_out|detector angle|vza|\
-              reflected polar angle", Theta(Outgoing)),
+            (
+                "theta_i|thetaI|Theta In|theta_i [deg]|\u{3b8}i|\u{3b8}_i (\u{b0})|AOI|Angle d'incidence|Incident_angle|theta_l|light zenith|\
+              Angle of incidence|incident_theta|theta_in_rad|zenith_i|sza|Incidence Angle",
+                Theta(Incident),
+            ),
+            (
+                "theta_o|thetaO|theta_r|THETA_V|Measure_angle|scatter angle|view zenith|theta_out|detector angle|vza|\
+              reflected polar angle",
+                Theta(Outgoing),
+            ),
             ("theta_s", Theta(Either)),
             ("theta", ThetaAlone),
             ("phi_i|phiI|azimuth_i|Incident azimuth|\u{3c6}_i|light azimuth angle", Phi(Incident)),

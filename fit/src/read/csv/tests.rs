@@ -26,18 +26,23 @@ fn one_sample_in_many_layouts_is_one_sample() {
     let (ir, or) = (i.to_radians(), o.to_radians());
     for text in [
         format!("{HEADER}\n0.6,0,0.8,-0.8,0,0.6,1,2,3\n"),
-        "\u{feff}b, g, r, wo_z,wo_y,wo_x, wi_x,wi_y,wi_z\n\n# a comment\n 3, 2 ,1,0.6,0,-0.8,0.6,0,0.8\n".into(),
+        "\u{feff}b, g, r, wo_z,wo_y,wo_x, wi_x,wi_y,wi_z\n\n# a comment\n 3, 2 ,1,0.6,0,-0.8,0.6,0,0.8\n"
+            .into(),
         format!("theta_i,phi_i,theta_o,phi_o,R,G,B\r\n{i},30,{o},210,1,2,3\r\n"),
         format!("theta_i;phi_i;theta_o;phi_o;value\n{ic};30;{oc};210;0,25\n"),
         format!("theta_i\tphi_i\ttheta_r\tphi_r\tBRDF\n{ic}\t30\t{oc}\t210\t2,5E-01\n"),
         format!("sep=;\ntheta_i;phi_i;theta_o;phi_o;value\n{i};30;{o};210;0.25\n"),
-        format!("\"theta_i\",\"phi_i\",\"theta_o\",\"phi_o\",\"value\"\n\"{ic}\",\"30\",\"{oc}\",\"210\",\"0,25\"\n"),
+        format!(
+            "\"theta_i\",\"phi_i\",\"theta_o\",\"phi_o\",\"value\"\n\"{ic}\",\"30\",\"{oc}\",\"210\",\"0,25\"\n"
+        ),
         format!("# theta_i phi_i theta_o phi_o value\n{i} 30 {o} 210 0.25\n"),
         format!("  theta_i   phi_i   theta_o  phi_o   value\n  {i}   30   {o}  210  0.25\n"),
         format!("theta_i,phi_i,theta_o,phi_o,value\ndeg,deg,deg,deg,1/sr\n{i},30,{o},210,0.25\n"),
         format!("theta_i,phi_i,theta_o,phi_o,value\nrad,rad,rad,rad,1/sr\n{ir},0,{or},3.14159265,0.25\n"),
         format!("theta_i [rad],phi_i [rad],theta_o [rad],phi_o [rad],value\n{ir},0,{or},3.14159265,0.25\n"),
-        format!("Sample: red\nInstrument,gonio 3\nDate;1.2.2024\n\ntheta_i,phi_i,theta_o,phi_o,value,sigma,comment\n{i},30,{o},210,0.25,0.1,ok\n"),
+        format!(
+            "Sample: red\nInstrument,gonio 3\nDate;1.2.2024\n\ntheta_i,phi_i,theta_o,phi_o,value,sigma,comment\n{i},30,{o},210,0.25,0.1,ok\n"
+        ),
         format!("AOI: {i}\ntheta,phi,BRDF\n{o},180,0.25\n"),
         format!("theta_i,theta_o,dphi,value\n{i},{o},180,0.25\n"),
         format!("Incident_angle,Measure_angle,532nm\n{i},{o},0.25\n"),
@@ -48,14 +53,18 @@ fn one_sample_in_many_layouts_is_one_sample() {
         format!("sza,saa,vza,vaa,brf\n{i},30,{o},210,0.25\n"),
         format!("theta_s,phi_s,theta_v,phi_v,f\n{i},30,{o},210,0.25\n"),
         format!("theta_i,phi_i,theta_s,phi_s,f\n{i},30,{o},210,0.25\n"),
-        format!("theta_i,phi_i,theta_o,phi_o,wavelength,value\n{i},30,{o},210,450,0.25\n{i},30,{o},210,550,0.25\n{i},30,{o},210,650,0.25\n"),
-        format!("-{i}").replace(&format!("-{i}"), &format!("theta_i,phi_i,theta_o,phi_o,value\n{i},0,-{o},0,0.25\n")),
+        format!(
+            "theta_i,phi_i,theta_o,phi_o,wavelength,value\n{i},30,{o},210,450,0.25\n{i},30,{o},210,550,0.25\n{i},30,{o},210,650,0.25\n"
+        ),
+        format!("-{i}")
+            .replace(&format!("-{i}"), &format!("theta_i,phi_i,theta_o,phi_o,value\n{i},0,-{o},0,0.25\n")),
     ] {
         is_the_sample(&text);
     }
     // The same from Excel in UTF-16.
     let text = format!("theta_i\tphi_i\ttheta_o\tphi_o\tvalue\r\n{ic}\t30\t{oc}\t210\t0,25\r\n");
-    let wide: Vec<u8> = [0xff, 0xfe].into_iter().chain(text.encode_utf16().flat_map(u16::to_le_bytes)).collect();
+    let wide: Vec<u8> =
+        [0xff, 0xfe].into_iter().chain(text.encode_utf16().flat_map(u16::to_le_bytes)).collect();
     assert_eq!(super::parse(&wide, &Conventions::default()).unwrap().rows.len(), 1);
 }
 
@@ -120,7 +129,9 @@ fn conventions_of_the_caller_decide() {
     assert!((row.rgb[0] - 0.1 / 0.9f64.cos()).abs() < 1e-12 && row.wo[0] < 0.0, "{row:?}");
     let plane = "theta_i,theta_o,value\n30,40,0.2\n";
     for (mirror, sign) in [(None, -1.0), (Some(Mirror::Equal), -1.0), (Some(Mirror::Opposite), 1.0)] {
-        let row = super::parse(plane.as_bytes(), &Conventions { mirror, ..Conventions::default() }).unwrap().rows[0];
+        let row = super::parse(plane.as_bytes(), &Conventions { mirror, ..Conventions::default() })
+            .unwrap()
+            .rows[0];
         assert!(row.wi[0] * row.wo[0] * sign > 0.0, "{mirror:?}: {row:?}");
     }
 }
@@ -131,7 +142,9 @@ fn rows_that_are_no_samples_are_counted_by_line() {
                 20,0,50,180,-1\n20,0,55,180,0.12\n";
     let intake = parse(text).unwrap();
     assert_eq!(intake.rows.iter().map(|row| row.line).collect::<Vec<_>>(), [2, 7]);
-    let of = |reason: Reason| intake.left_out.iter().find(|left| left.reason == reason).map(|left| left.lines.clone());
+    let of = |reason: Reason| {
+        intake.left_out.iter().find(|left| left.reason == reason).map(|left| left.lines.clone())
+    };
     assert_eq!(of(Reason::Horizon), Some(vec![3]));
     assert_eq!(of(Reason::Transmission), Some(vec![4]));
     assert_eq!(of(Reason::NoNumber), Some(vec![5]));

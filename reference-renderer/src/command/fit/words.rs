@@ -69,6 +69,9 @@ impl Args {
             return Ok(words);
         }
         println!("{heading}");
+        if let Some(look) = &report.look {
+            crate::command::look::print(look, self.verbose);
+        }
         if self.verbose {
             print_tables(report);
             view_table::print_whole(report, &reciprocity, material);
