@@ -307,7 +307,7 @@ mod tests {
             assert!(error.contains(word), "{to}: {error}");
         }
         let text = zemax_text();
-        for cut in (0..text.len() - 12).step_by(7) {
+        for cut in (0..text.len() - 30).step_by(7) {
             assert!(zemax(&text.as_bytes()[..cut], &Conventions::default()).is_err(), "{cut}");
         }
     }

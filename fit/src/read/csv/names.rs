@@ -48,137 +48,18 @@ pub(super) enum Unit {
     Percent,
 }
 
-const INCIDENT: [&str; 24] = [
-    "i",
-    "in",
-    "inc",
-    "inci",
-    "incident",
-    "incidence",
-    "incoming",
-    "input",
-    "l",
-    "light",
-    "src",
-    "source",
-    "sun",
-    "solar",
-    "lamp",
-    "illumination",
-    "illum",
-    "irradiation",
-    "ill",
-    "incid",
-    "ein",
-    "einfall",
-    "lichtquelle",
-    "laser",
-];
-const OUTGOING: [&str; 38] = [
-    "o",
-    "out",
-    "outgoing",
-    "output",
-    "r",
-    "refl",
-    "reflected",
-    "reflection",
-    "v",
-    "view",
-    "viewer",
-    "viewing",
-    "cam",
-    "camera",
-    "det",
-    "detector",
-    "d",
-    "sensor",
-    "rec",
-    "receiver",
-    "e",
-    "em",
-    "emission",
-    "emitted",
-    "exit",
-    "measure",
-    "measured",
-    "measurement",
-    "obs",
-    "observation",
-    "observer",
-    "scat",
-    "scatter",
-    "scattered",
-    "scattering",
-    "emergent",
-    "emergence",
-    "aus",
-];
-const POLAR: [&str; 7] = ["theta", "zenith", "polar", "inclination", "th", "tht", "vertical"];
-const AZIMUTH: [&str; 7] = ["azimuthal", "azimuth", "azimut", "azim", "azi", "phi", "az"];
-const VALUES: [&str; 28] = [
-    "value",
-    "val",
-    "values",
-    "f",
-    "fr",
-    "brdf",
-    "bsdf",
-    "y",
-    "luminance",
-    "lum",
-    "grey",
-    "gray",
-    "intensity",
-    "reflectance",
-    "rho",
-    "reflectancefactor",
-    "radiance",
-    "brdfvalue",
-    "brf",
-    "hdrf",
-    "wert",
-    "valeur",
-    "bidir",
-    "brdfsr",
-    "fbrdf",
-    "signal",
-    "data",
-    "messwert",
-];
+const INCIDENT: &str = "i in inc inci incident incidence incoming input l light src source sun solar lamp illumination illum \
+    irradiation ill incid ein einfall lichtquelle laser";
+const OUTGOING: &str = "o out outgoing output r refl reflected reflection v view viewer viewing cam camera det detector d \
+    sensor rec receiver e em emission emitted exit measure measured measurement obs observation observer \
+    scat scatter scattered scattering emergent emergence aus";
+const POLAR: &str = "theta zenith polar inclination th tht vertical";
+const AZIMUTH: &str = "azimuthal azimuth azimut azim azi phi az";
+const VALUES: &str = "value val values f fr brdf bsdf y luminance lum grey gray intensity reflectance rho \
+    reflectancefactor radiance brdfvalue brf hdrf wert valeur bidir brdfsr fbrdf signal data messwert";
 /// Before a channel or a wavelength.
-const BEFORE: [&str; 14] = [
-    "brdf",
-    "bsdf",
-    "value",
-    "reflectance",
-    "refl",
-    "linear",
-    "lin",
-    "srgb",
-    "rgb",
-    "f",
-    "fr",
-    "xyz",
-    "r",
-    "",
-];
-const BEFORE_WAVELENGTH: [&str; 14] = [
-    "wavelength",
-    "lambda",
-    "wl",
-    "w",
-    "brdf",
-    "bsdf",
-    "value",
-    "reflectance",
-    "refl",
-    "f",
-    "fr",
-    "r",
-    "nm",
-    "l",
-];
+const BEFORE: &str = "brdf bsdf value reflectance refl linear lin srgb rgb f fr xyz r";
+const BEFORE_WAVELENGTH: &str = "wavelength lambda wl w brdf bsdf value reflectance refl f fr r nm l";
 
 /// A name and the unit that it carries, or that stands in brackets after it.
 pub(super) fn unit(name: &str) -> Option<Unit> {
@@ -198,6 +79,9 @@ pub(super) fn unit(name: &str) -> Option<Unit> {
 
 /// What a column of that name holds.
 pub(super) fn role(name: &str) -> Role {
+    // Articles of French.
+    let name =
+        &["d'", "l'", "d\u{2019}", "l\u{2019}"].iter().fold(name.to_owned(), |name, a| name.replace(a, " "));
     let plain = name.trim().to_lowercase();
     if let Ok(number) = plain.parse::<f64>() {
         return if number.is_finite() { Role::At(number) } else { Role::NoWavelength };
@@ -218,16 +102,6 @@ pub(super) fn role(name: &str) -> Role {
                 | "sterad"
         )
     };
-    // Articles of French and Italian.
-    let name = &name
-        .to_lowercase()
-        .contains(['\'', '\u{2019}'])
-        .then(|| {
-            ["d'", "l'", "d\u{2019}", "l\u{2019}"]
-                .iter()
-                .fold(name.to_lowercase(), |name, article| name.replace(article, " "))
-        })
-        .unwrap_or_else(|| name.to_owned());
     let is_filler =
         |w: &String| matches!(w.as_str(), "of" | "the" | "direction" | "dir" | "angles" | "angle" | "vec");
     let all = words(name);
@@ -245,21 +119,21 @@ pub(super) fn role(name: &str) -> Role {
         | "wellenlänge" | "longueurdonde" => return Role::Wavelength,
         _ => {}
     }
-    if let Some(found) = spectral(&joined, &plain) {
+    if let Some(found) = spectral(&plain) {
         return found;
     }
     if matches!(joined.as_str(), "thetah" | "thetahalf" | "halfangle" | "thetadiff" | "phih") {
         return Role::Half;
     }
     let relative = ["relative", "rel", "delta", "d", "difference", "diff"];
-    if let Some(rest) = around(&kept, &AZIMUTH) {
+    if let Some(rest) = around(&kept, AZIMUTH) {
         return match side(&rest) {
             Some(side) if rest != "d" || kept.starts_with("phi") => Role::Phi(side),
             _ if rest.is_empty() || relative.contains(&rest.as_str()) => Role::DeltaPhi,
             _ => Role::Other,
         };
     }
-    if let Some(rest) = around(&kept, &POLAR) {
+    if let Some(rest) = around(&kept, POLAR) {
         return match side(&rest) {
             Some(side) => Role::Theta(side),
             None if rest.is_empty() => Role::ThetaAlone,
@@ -275,17 +149,22 @@ pub(super) fn role(name: &str) -> Role {
     channel(&kept).unwrap_or(Role::Other)
 }
 
+/// Whether a word is in a list.
+fn has(list: &str, word: &str) -> bool {
+    list.split(' ').any(|known| known == word)
+}
+
 /// A name without the word that it begins or ends with.
-fn around(name: &str, of: &[&str]) -> Option<String> {
-    of.iter().find_map(|q| name.strip_prefix(q).or_else(|| name.strip_suffix(q))).map(str::to_owned)
+fn around(name: &str, of: &str) -> Option<String> {
+    of.split(' ').find_map(|q| name.strip_prefix(q).or_else(|| name.strip_suffix(q))).map(str::to_owned)
 }
 
 fn side(name: &str) -> Option<Side> {
     // theta_i_1 and the like are no spelling of anything.
     match name {
         "s" => Some(Side::Either),
-        _ if INCIDENT.contains(&name) => Some(Side::Incident),
-        _ if OUTGOING.contains(&name) => Some(Side::Outgoing),
+        _ if has(INCIDENT, name) => Some(Side::Incident),
+        _ if has(OUTGOING, name) => Some(Side::Outgoing),
         _ => None,
     }
 }
@@ -300,20 +179,20 @@ fn vector(name: &str) -> Option<Role> {
 fn channel(name: &str) -> Option<Role> {
     let rgb = [["r", "red"], ["g", "green"], ["b", "blue"]];
     let xyz = ["x", "y", "z"];
-    if VALUES.contains(&name) && name != "y" {
+    if has(VALUES, name) && name != "y" {
         return Some(Role::Value);
     }
     let of = |bare: &str| {
         let rgb = rgb.iter().position(|names| names.contains(&bare)).map(Role::Rgb);
         rgb.or_else(|| xyz.iter().position(|x| *x == bare).map(Role::Xyz))
     };
-    BEFORE.iter().find_map(|before| {
+    BEFORE.split(' ').chain([""]).find_map(|before| {
         name.strip_prefix(before).and_then(of).or_else(|| name.strip_suffix(before).and_then(of))
     })
 }
 
 /// A value at a wavelength: a number with nothing but a unit or a plain word about it.
-fn spectral(joined: &str, plain: &str) -> Option<Role> {
+fn spectral(plain: &str) -> Option<Role> {
     let micro = ["um", "\u{b5}m", "\u{3bc}m", "micron", "microns"];
     let without: String = plain.chars().filter(|c| !" _-[](){}/=:".contains(*c)).collect();
     let (bare, unit) = match without.strip_suffix("nm") {
@@ -324,11 +203,10 @@ fn spectral(joined: &str, plain: &str) -> Option<Role> {
         },
     };
     let number = |text: &str| text.replace(',', ".").parse::<f64>().ok();
-    let starts = BEFORE_WAVELENGTH.iter().filter_map(|before| bare.strip_prefix(before));
+    let starts = BEFORE_WAVELENGTH.split(' ').filter_map(|before| bare.strip_prefix(before));
     let found = std::iter::once(bare.as_str()).chain(starts).find_map(number);
     match found {
         Some(w) if w.is_finite() => Some(Role::At(w * unit)),
-        Some(_) if joined != "inf" || unit != 1.0 => Some(Role::NoWavelength),
         Some(_) => Some(Role::NoWavelength),
         None => None,
     }
