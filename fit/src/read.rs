@@ -130,7 +130,9 @@ pub fn read_with(path: &Path, conventions: &Conventions) -> Result<Source, FitEr
             let grid = merl::parse(&bytes).map_err(fault)?;
             return Ok(Source::evaluable(filled(grid)?, name, sha256));
         }
-        Format::Rgl => return Ok(Source::evaluable(Box::new(rgl::parse(&bytes).map_err(fault)?), name, sha256)),
+        Format::Rgl => {
+            return Ok(Source::evaluable(Box::new(rgl::parse(&bytes).map_err(fault)?), name, sha256));
+        }
         Format::Cornell => cornell::parse(&bytes, conventions),
         Format::Astm => astm::parse(&bytes, conventions),
         Format::Zemax => scatter_tables::zemax(&bytes, conventions),

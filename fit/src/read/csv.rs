@@ -113,12 +113,12 @@ fn table(
     reading.finish()
 }
 
+/// What is called with the line and the fields of a row.
+type CallWithRow<'a> = dyn FnMut(usize, &mut dyn Iterator<Item = &str>) -> Result<(), ReadError> + 'a;
+
 impl Rows<'_> {
     /// Calls with the line and the fields of each row.
-    fn each(
-        &self,
-        call: &mut dyn FnMut(usize, &mut dyn Iterator<Item = &str>) -> Result<(), ReadError>,
-    ) -> Result<(), ReadError> {
+    fn each(&self, call: &mut CallWithRow<'_>) -> Result<(), ReadError> {
         if self.separator == ' ' {
             for (n, line) in self.text.lines().enumerate() {
                 let line = line.trim();

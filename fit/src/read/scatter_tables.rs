@@ -106,13 +106,8 @@ pub fn zemax(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     let mut tables: Vec<Vec<Vec<(usize, f64)>>> = Vec::new();
     for channel in 0..head.channels() {
         // The head ends where the table of the first channel begins.
-        while channel > 0 {
-            match words.word("DataBegin of the next channel")? {
-                "DataBegin" => break,
-                "DataEnd" => {}
-                name if name.starts_with("Tristimulus") => {}
-                other => return Err(words.odd(other, "DataEnd, and DataBegin of the next channel")),
-            }
+        if channel > 0 {
+            next_channel(&mut words)?;
         }
         let mut of_channel = Vec::new();
         for &incidence in &head.incidence {
@@ -149,6 +144,18 @@ pub fn zemax(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
         }
     }
     reading.finish()
+}
+
+/// Passes over the end of a channel, up to the table of the next.
+fn next_channel(words: &mut Words<'_>) -> Result<(), ReadError> {
+    loop {
+        match words.word("DataBegin of the next channel")? {
+            "DataBegin" => return Ok(()),
+            "DataEnd" => {}
+            name if name.starts_with("Tristimulus") => {}
+            other => return Err(words.odd(other, "DataEnd, and DataBegin of the next channel")),
+        }
+    }
 }
 
 /// Adds a sample of a grid, whose cells behind the surface are part of it, and no transmission.
