@@ -406,4 +406,5 @@ fn views_of_a_retro_reflector_are_found_from_the_others() {
     let completion = complete(table).unwrap();
     println!("{:?} {:?}", completion.report.samples_left_out, completion.report.views_left_out);
     assert!(completion.report.samples_left_out.error < 0.25);
+    assert!(completion.report.views_left_out.as_ref().is_some_and(|views| views.error < 0.25));
 }

@@ -1,5 +1,6 @@
 //! Where the brightest samples are: about the mirror direction, between samples, or where the light comes from.
 
+use super::pairs::median;
 use crate::read::{Row, polar};
 use std::f64::consts::PI;
 
@@ -15,6 +16,9 @@ const BRIGHTER: f64 = 2.0;
 
 /// Wider highlights than this are seen by any samples, radians of the half vector.
 const WIDE: f64 = 8.0 * PI / 180.0;
+
+/// The brightest sample of a surface with a highlight is so many times as bright as the median.
+const CONTRAST: f64 = 3.0;
 
 /// Views that are closer than this are one, radians.
 const SAME: f64 = 1e-3;
@@ -40,7 +44,11 @@ impl Highlight {
         let held = |row: &Row| polar(if is_light_fixed { row.wi } else { row.wo });
         let mut sorted: Vec<&Row> = rows.iter().collect();
         sorted.sort_by(|a, b| held(a).total_cmp(&held(b)));
-        let width = width.map(libm::atan);
+        let levels: Vec<f64> = rows.iter().map(|row| row.rgb.iter().sum::<f64>()).collect();
+        let brightest = levels.iter().copied().fold(0.0, f64::max);
+        // A model of what has no highlight has a width that means nothing.
+        let has_highlight = median(levels).is_some_and(|middle| brightest > CONTRAST * middle);
+        let width = width.map(libm::atan).filter(|_| has_highlight);
         let mut found = Self { width_degrees: width.unwrap_or(0.0).to_degrees(), ..Self::default() };
         for view in sorted.chunk_by(|a, b| held(b) - held(a) < SAME) {
             found.views += 1;
