@@ -123,6 +123,7 @@ fn reference(bytes: &[u8]) -> (Vec<Vec<f32>>, Vec<Vec<f32>>) {
     let material = Material::from_bytes(bytes).expect("a material");
     let mut random = Random(88_172_645_463_325_252);
     let mut given = vec![vec![0.0; N]; 9];
+    #[allow(clippy::needless_range_loop)] // several rows are written at a time
     for i in 0..N {
         let (wo, mut wi) = (random.direction(), random.direction());
         if i % 2 == 0 {

@@ -22,7 +22,7 @@ mod heights;
 pub mod held_out;
 mod measurement;
 mod microfacet;
-mod pair;
+pub(crate) mod pair;
 mod points;
 mod process;
 mod report;

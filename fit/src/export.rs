@@ -106,10 +106,11 @@ mod tests {
     #[test]
     fn samples_come_back_as_they_were() {
         let table = sampled(model("ggx:alpha=0.2,f0=0.6/0.4/0.2").as_ref()).unwrap();
-        let parse_csv = read::csv::parse(csv(&table).as_bytes()).unwrap();
-        let parse_astm = read::astm::parse(astm(&table).as_bytes()).unwrap();
-        for (views, tolerance) in [(parse_csv, 1e-9), (parse_astm, 1e-9)] {
-            let back = Table::from_scattered(views).unwrap();
+        let conventions = read::Conventions::default();
+        let parse_csv = read::csv::parse(csv(&table).as_bytes(), &conventions).unwrap();
+        let parse_astm = read::astm::parse(astm(&table).as_bytes(), &conventions).unwrap();
+        for (intake, tolerance) in [(parse_csv, 1e-9), (parse_astm, 1e-9)] {
+            let back = Table::from_scattered(intake.views()).unwrap();
             assert_eq!(back.views.len(), table.views.len());
             for (found, view) in back.views.iter().zip(&table.views) {
                 assert!((found.theta - view.theta).abs() < tolerance);

@@ -11,6 +11,7 @@ mod fewest_lobes;
 mod fit;
 mod isotropic;
 pub mod judge;
+pub mod look;
 mod numeric;
 pub mod read;
 mod settings;

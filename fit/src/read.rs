@@ -1,36 +1,51 @@
-//! Readers: a table, or what can be evaluated anywhere, from a file.
+//! Readers: samples, or what can be evaluated anywhere, from a file.
 
+pub mod alta;
 pub mod astm;
+mod conventions;
 pub mod cornell;
 pub mod csv;
+mod decode;
 mod filled;
+mod format;
+pub(crate) mod intake;
 pub(crate) mod limit;
 pub mod merl;
 pub mod neural;
 mod numbers;
+pub mod openmaterial;
+pub mod pab_opto;
 pub mod rgl;
 pub(crate) mod rows;
 mod rusinkiewicz;
-mod scatter;
+pub(crate) mod scatter;
+pub mod scatter_tables;
+mod sentinels;
 mod spectrum;
+pub mod speos;
+pub mod ssdd;
+mod wavelengths;
+mod words;
 
 use crate::analytic;
+use crate::look::isotropy::Isotropy;
 use crate::table::{Brdf, Table};
 use crate::{FitError, ReadError};
 pub use filled::Filled;
-pub(crate) use scatter::Scatter;
+use format::Format;
+pub(crate) use scatter::polar;
 use sha2::{Digest, Sha256};
 use srbf_core::printable;
 use std::path::Path;
 
+pub use conventions::{Angles, Conventions, Mirror, Values};
+pub use intake::{Intake, LeftOut, Note, Reason, Row};
 use limit::{MAX_FILE, read_bytes};
 pub use limit::{check_memory, read_at_most, read_if};
 
-/// Memory that the samples of a text take, over its own: nine numbers of two bytes or more become two samples of 50.
-const TEXT: u64 = 6;
-
-/// Refuses a file by its size.
-type CheckSize = fn(u64) -> Result<(), ReadError>;
+/// Memory that the samples of a text take, over its own: nine numbers of two bytes or more become two samples of 50, and stay with their
+/// lines.
+const TEXT: u64 = 16;
 
 /// What a file holds.
 pub enum Content {
@@ -58,45 +73,90 @@ pub struct Source {
     pub name: String,
     /// SHA-256 of the file, hexadecimal; of a model, that of its name and parameters.
     pub sha256: String,
+    /// Of samples: as they stand in the file, and what was left out. `None` for what can be evaluated.
+    pub intake: Option<Intake>,
 }
 
-/// Reads a measured file; the format follows from the end of its name. `model:...` in its place is an [`analytic`] model.
+impl Source {
+    /// What can be evaluated anywhere.
+    pub fn evaluable(brdf: Box<dyn Brdf + Send>, name: String, sha256: String) -> Self {
+        Self { content: Content::Evaluable(brdf), name, sha256, intake: None }
+    }
+}
+
+/// Reads a measured file; the format follows from what it begins with, whatever its name ends in. `model:...` in its place is an
+/// [`analytic`] model.
 ///
-/// `.brdf`: see [`cornell`]; `.astm`: [`astm`]; `.csv`: [`csv`]; `.binary`: [`merl`]; `.bsdf`: [`rgl`].
+/// Tables of text: [`csv`]; Cornell's: [`cornell`], [`astm`]; MERL's: [`merl`]; RGL's: [`rgl`]; of optics programs: [`scatter_tables`]
+/// (Zemax, LightTools), [`speos`], [`openmaterial`], [`alta`], [`pab_opto`], [`ssdd`].
 ///
 /// # Errors
 /// [`FitError::Io`]; [`FitError::Read`] with the place of the fault; [`FitError::Table`].
 pub fn read(path: &Path) -> Result<Source, FitError> {
-    if let Some(text) = path.to_str().and_then(|p| p.strip_prefix(analytic::PREFIX)) {
-        let analytic::Named { brdf, name, identity } = analytic::parse(text)?;
-        return Ok(Source { content: Content::Evaluable(brdf), name, sha256: sha256(&identity) });
-    }
+    read_with(path, &Conventions::default())
+}
+
+/// [`read()`] of a file of which one knows more than stands in it.
+///
+/// # Errors
+/// As `read`; conventions for what is no table of samples are one.
+pub fn read_with(path: &Path, conventions: &Conventions) -> Result<Source, FitError> {
     let fault = |source| FitError::Read { path: path.to_path_buf(), source };
-    let scattered = |views| Table::from_scattered(views).map(Content::Samples);
-    let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let (fits, parsed): (CheckSize, u64) = match ending.as_str() {
-        "brdf" | "astm" | "csv" => (|_| Ok(()), TEXT),
-        "binary" => (merl::check_size, 1),
-        "bsdf" => (rgl::check_size, 1),
-        _ => {
-            let text = "the name has to end in .brdf, .astm, .csv, .binary or .bsdf".to_owned();
-            return Err(fault(ReadError::Content(text)));
+    conventions.check().map_err(|text| fault(ReadError::Content(text)))?;
+    let needless = || {
+        let text =
+            "conventions of angles, mirror, values and units are for samples; this says what it is by itself";
+        Err(fault(ReadError::Content(text.into())))
+    };
+    let is_default = *conventions == Conventions::default();
+    if let Some(text) = path.to_str().and_then(|p| p.strip_prefix(analytic::PREFIX)) {
+        if !is_default {
+            return needless();
         }
-    };
-    let bytes = read_bytes(path, MAX_FILE, fits)?;
-    check_memory(parsed * bytes.len() as u64).map_err(FitError::io(path))?;
-    let content = match ending.as_str() {
-        "brdf" => scattered(cornell::parse(&bytes).map_err(fault)?)?,
-        "astm" => scattered(astm::parse(&bytes).map_err(fault)?)?,
-        "csv" => scattered(csv::parse(&bytes).map_err(fault)?)?,
-        "binary" => Content::Evaluable(filled(merl::parse(&bytes).map_err(fault)?)?),
-        _ => Content::Evaluable(Box::new(rgl::parse(&bytes).map_err(fault)?)),
-    };
-    Ok(Source {
-        content,
-        name: printable(&path.file_name().unwrap_or_default().to_string_lossy()).to_string(),
-        sha256: sha256(&bytes),
-    })
+        let analytic::Named { brdf, name, identity } = analytic::parse(text)?;
+        return Ok(Source::evaluable(brdf, name, sha256(&identity)));
+    }
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let bytes = read_bytes(path, MAX_FILE, |size| limit::check_ending(&ending, path, size))?;
+    let format = format::recognise(&bytes, &ending).map_err(fault)?;
+    let is_text = !matches!(format, Format::Merl | Format::Rgl);
+    check_memory(if is_text { TEXT } else { 1 } * bytes.len() as u64).map_err(FitError::io(path))?;
+    let name = printable(&path.file_name().unwrap_or_default().to_string_lossy()).to_string();
+    let sha256 = sha256(&bytes);
+    if !is_text && !is_default {
+        return needless();
+    }
+    let intake = match format {
+        Format::Merl => {
+            let grid = merl::parse(&bytes).map_err(fault)?;
+            return Ok(Source::evaluable(filled(grid)?, name, sha256));
+        }
+        Format::Rgl => {
+            return Ok(Source::evaluable(Box::new(rgl::parse(&bytes).map_err(fault)?), name, sha256));
+        }
+        Format::Cornell => cornell::parse(&bytes, conventions),
+        Format::Astm => astm::parse(&bytes, conventions),
+        Format::Zemax => scatter_tables::zemax(&bytes, conventions),
+        Format::LightTools => scatter_tables::lighttools(&bytes, conventions),
+        Format::OpenMaterial => openmaterial::parse(&bytes, conventions),
+        Format::Alta => alta::parse(&bytes, conventions),
+        Format::SpeosAnisotropic => speos::anisotropic(&bytes, conventions),
+        Format::SpeosSpectral => speos::spectral(&bytes, conventions),
+        Format::PabOpto => pab_opto::parse(&bytes, conventions),
+        Format::Ssdd => ssdd::parse(&bytes, conventions),
+        Format::Text => csv::parse(&bytes, conventions),
+    }
+    .map_err(fault)?;
+    let intake = Intake { isotropy: Isotropy::of(&intake.rows), ..intake };
+    if let Some(found) = intake.isotropy.filter(Isotropy::is_anisotropic) {
+        return Err(fault(ReadError::Content(format!(
+            "samples of an anisotropic surface: {}. Samples have to be of an isotropic surface; a table of an anisotropic one is read \
+             from .bsdf",
+            found.text()
+        ))));
+    }
+    let table = Table::from_scattered(intake.views())?;
+    Ok(Source { content: Content::Samples(table), name, sha256, intake: Some(intake) })
 }
 
 /// A MERL material with what its holes are filled by, if it has some above the horizon.

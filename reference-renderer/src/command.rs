@@ -3,6 +3,7 @@
 pub mod argument;
 pub mod ball;
 pub mod compare;
+mod convention_args;
 mod convert;
 mod default_job;
 mod export;
@@ -10,6 +11,7 @@ pub mod fit;
 mod fit_page;
 pub mod inspect;
 pub mod judge;
+mod look;
 mod pages;
 pub mod plot;
 pub mod render;
@@ -51,6 +53,7 @@ enum Command {
     Convert(convert::Args),
     Export(export::Args),
     Inspect(inspect::Args),
+    Look(look::Args),
     Judge(judge::Args),
     Render(render::Args),
     Plot(plot::Args),
@@ -103,6 +106,7 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
         Some(Command::Convert(args)) => convert::run(args),
         Some(Command::Export(args)) => export::run(&args),
         Some(Command::Inspect(args)) => inspect::run(args),
+        Some(Command::Look(args)) => look::run(&args),
         Some(Command::Judge(args)) => judge::run(args),
         Some(Command::Render(args)) => render::run(args),
         Some(Command::Plot(args)) => plot::run(args),

@@ -46,6 +46,7 @@ pub const TARGETS: &[Target] = &[
     target("environment_made", environment::made),
     target("environment_read", environment::read),
     target("exports", tables::exports),
+    target("formats", tables::formats),
     target("material", material::material),
     target("merl", tables::merl),
     target("mixture", mixture::mixture),

@@ -7,7 +7,7 @@
 
 /// What is needed of a pair before anything is known of the surface.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Pair {
+pub(crate) struct Pair {
     /// Cosines of incident and outgoing direction.
     pub cosines: [f64; 2],
     /// Cosine of the angle of the half vector from the normal, and square of the sine.
@@ -21,7 +21,7 @@ pub(super) struct Pair {
 }
 
 /// Coordinates in which the logarithm of a BRDF is smooth.
-pub(super) const COORDINATES: usize = 4;
+pub(crate) const COORDINATES: usize = 4;
 
 impl Pair {
     /// Of unit vectors with z > 0, in any frame with +z the normal.

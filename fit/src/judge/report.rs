@@ -12,6 +12,7 @@ use crate::judge::fitted_material::TrackedView;
 use crate::judge::method::{Fitted, FittedView};
 use crate::judge::norm::{Norm, relative, squares};
 use crate::judge::seen::{SEEN, Seen, away, negatives, seen};
+use crate::look::Look;
 pub use crate::numeric::levenberg::Ending;
 use crate::table::{DARKEST, Sample, View, luminance};
 use serde_json::{Value, json};
@@ -84,6 +85,8 @@ pub struct Report {
     pub completion: Option<CompletionReport>,
     /// How it looks beside the table, where that can be evaluated anywhere.
     pub appearance: Option<Appearance>,
+    /// What was found in the samples before they were fitted, if one has looked.
+    pub look: Option<Look>,
 }
 
 /// Added to an albedo of which errors are a share: of what is nearly black it does not matter.

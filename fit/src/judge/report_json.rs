@@ -7,6 +7,7 @@ use crate::judge::method::Fitted;
 use crate::judge::reciprocity::{Reciprocity, reciprocity};
 use crate::judge::report::{Ending, Input, LARGE_ERROR, Report, ViewReport, factor_bytes, mean_error};
 use crate::judge::verdict::{Made, Summary, Verdict, steps_matter};
+use crate::look::Look;
 use crate::{FitError, Settings};
 use serde_json::{Value, json};
 use srbf_core::{Material, printable, printable_lines};
@@ -102,6 +103,7 @@ impl Report {
             "mean_relative_l2": self.mean_error(),
             "mean_relative_l2_held_out": held_out,
             "cross_validation": self.cross_validation.as_ref().map(CrossValidation::to_json),
+            "look": self.look.as_ref().map(Look::to_json),
             "completion": self.completion.as_ref().map(CompletionReport::to_json),
             "reciprocity": {"median_abs_log_ratio": median, "worst_abs_log_ratio": worst, "pairs": pairs},
             "views": views(&self.views),

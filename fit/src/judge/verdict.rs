@@ -379,7 +379,10 @@ impl Verdict {
         verdict.say_floor(report);
         verdict.say_appearance(report);
         verdict.say_completion(report);
-        verdict.off.extend(units::fault(&report.views));
+        // Of samples, the albedo of the completion tells: see `look`.
+        if report.completion.is_none() {
+            verdict.off.extend(units::fault(&report.views));
+        }
         if made.is_some() {
             verdict.advice.extend(advice(report));
         }

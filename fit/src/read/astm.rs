@@ -1,82 +1,54 @@
-//! Reader of `.astm` files: Cornell's gonioreflectometer measurements in the form of ASTM E1392.
+//! Reader of `.astm` files: measurements in the form of ASTM E1392, as Cornell and other laboratories write them.
 //!
-//! `KEY value` lines, of which `NUM_POINTS` and `VARS` matter; then a row of comma-separated numbers for each sample, in the
-//! columns that `VARS` names: `theta_i,phi_i,theta_s,phi_s` in radians, and either wavelengths as `400nm,410nm,...` or
-//! `R,G,B`. Cornell's own RGB files are scaled by their phosphors' sums, which is undone.
+//! `KEY value` lines, of which `NUM_POINTS` and `VARS` matter; then a row of numbers for each sample, in the columns that `VARS` names:
+//! both directions, and a value, in any spelling that a table of text may have. Angles are in radians, unless they are too large to be.
+//! Cornell's own RGB files are scaled by their phosphors' sums, which is undone.
 
-use super::Scatter;
-use super::rows::{row, text};
-use super::spectrum::ToRgb;
+use super::conventions::Conventions;
+use super::csv;
+use super::decode::{decode, shortened};
+use super::intake::Intake;
 use crate::ReadError;
-use crate::table::{Scattered, direction};
-use std::f64::consts::PI;
 
 /// What a reflectance of 1 gives in Cornell's files of "RGB for Trinitron phosphors": recovered from spectral files.
 const TRINITRON: [f64; 3] = [0.3575, 0.3587, 0.3575];
 
-/// Most columns that are read.
-const MAX_COLUMNS: usize = 4100;
-
-/// Parses the bytes of an `.astm` file to the samples of each view, theta rising.
+/// Parses the bytes of an `.astm` file.
 ///
 /// # Errors
 /// [`ReadError`], with the line of the fault; fewer or more rows than `NUM_POINTS` are one.
-pub fn parse(bytes: &[u8]) -> Result<Vec<(f64, Scattered)>, ReadError> {
+pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadError> {
     let content = |text: String| ReadError::Content(text);
-    let mut lines = text(bytes)?.lines().enumerate();
+    let text = decode(bytes)?;
     let mut points = None;
     let mut scale = [1.0; 3];
-    let columns: Vec<&str> = loop {
-        let Some((n, line)) = lines.next() else {
-            return Err(content("ends before a line VARS that names the columns".into()));
-        };
-        let (key, value) = line.split_once(' ').unwrap_or((line, ""));
+    let mut at = 0;
+    for (n, line) in text.split_inclusive('\n').enumerate() {
+        at += line.len();
+        let line = line.trim();
+        let (key, value) = line.split_once([' ', '\t']).unwrap_or((line, ""));
+        let value = value.trim();
         match key {
             "NUM_POINTS" => {
-                let parsed = value.trim().parse::<usize>();
-                points = Some(parsed.map_err(|_| content(format!("line {}: NUM_POINTS {value}", n + 1)))?);
+                let parsed = value.parse::<usize>();
+                points = Some(
+                    parsed
+                        .map_err(|_| content(format!("line {}: NUM_POINTS {}", n + 1, shortened(value))))?,
+                );
             }
             "LAB_COMMENTS" if value.contains("RGB for Trinitron phosphors") => scale = TRINITRON,
-            "VARS" => break value.split(',').map(str::trim).collect(),
+            "VARS" => {
+                let intake = csv::parse_named("ASTM E1392", value, (&text[at..], n + 2), conventions, scale)?;
+                let rows = intake.rows.len() + intake.left_out_count();
+                return match points.filter(|points| *points != rows) {
+                    Some(points) => Err(content(format!("{rows} rows, but NUM_POINTS is {points}"))),
+                    None => Ok(intake),
+                };
+            }
             _ => {}
         }
-    };
-    if columns.len() > MAX_COLUMNS || !columns.starts_with(&["theta_i", "phi_i", "theta_s", "phi_s"]) {
-        return Err(content("VARS has to begin with theta_i,phi_i,theta_s,phi_s".into()));
     }
-    let values = &columns[4..];
-    let to_rgb = if values == ["R", "G", "B"] {
-        None
-    } else {
-        let wavelength =
-            |c: &&str| c.strip_suffix("nm").and_then(|n| n.parse::<f64>().ok()).filter(|w| w.is_finite());
-        let wavelengths: Option<Vec<f64>> = values.iter().map(wavelength).collect();
-        Some(ToRgb::new(
-            &wavelengths
-                .ok_or_else(|| content("VARS: columns after phi_s are R,G,B or wavelengths".into()))?,
-        )?)
-    };
-
-    let mut scatter = Scatter::default();
-    let mut numbers = vec![0.0; columns.len()];
-    let mut rows = 0;
-    for (n, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
-        row(n + 1, line, &mut numbers)?;
-        rows += 1;
-        let [theta_i, phi_i, theta_s, phi_s] = [numbers[0], numbers[1], numbers[2], numbers[3]];
-        let rgb = match &to_rgb {
-            Some(to_rgb) => to_rgb.convert(&numbers[4..]),
-            None => [0, 1, 2].map(|c| numbers[4 + c] / scale[c]),
-        };
-        let place = |reason| content(format!("line {}: {reason}", n + 1));
-        scatter
-            .push([theta_i, phi_i], direction(theta_s, phi_s - phi_i - PI), theta_s, rgb)
-            .map_err(place)?;
-    }
-    if points.is_some_and(|n| n != rows) {
-        return Err(content(format!("{rows} rows, but NUM_POINTS is {}", points.unwrap_or(0))));
-    }
-    scatter.finish()
+    Err(content("ends before a line VARS that names the columns".into()))
 }
 
 #[cfg(test)]
@@ -85,11 +57,15 @@ mod tests {
 
     const SMALL: &str = "LAB_NAME x\nNUM_POINTS 2\nVARS theta_i,phi_i,theta_s,phi_s,R,G,B\n\n0.5,0,0.3,1,0.1,0.2,0.3\n0.5,0,0.4,3.1,0.1,-0.2,0.3\n";
 
+    fn parse(bytes: &[u8]) -> Result<Intake, ReadError> {
+        super::parse(bytes, &Conventions::default())
+    }
+
     #[test]
     fn reads_rows_and_counts_them() {
-        let views = parse(SMALL.as_bytes()).unwrap();
-        assert_eq!((views.len(), views[0].1.len()), (1, 2));
-        assert_eq!(views[0].1[1].1, [0.1, -0.2, 0.3]);
+        let intake = parse(SMALL.as_bytes()).unwrap();
+        assert_eq!((intake.rows.len(), intake.views().len(), intake.rows[0].line), (2, 1, 5));
+        assert_eq!(intake.rows[1].rgb, [0.1, -0.2, 0.3]);
         let whole = SMALL.len();
         // A cut inside the very last number leaves a number.
         for cut in (0..whole - 4).chain([whole - 2]) {
@@ -98,15 +74,22 @@ mod tests {
     }
 
     #[test]
+    fn other_columns_and_units_are_read() {
+        let rows = "0.5,0,0.3,1,0.1,0.2,0.3\n0.5,0,0.4,3.1,0.1,-0.2,0.3\n";
+        for vars in ["theta_i,phi_i,theta_r,phi_r,X,Y,Z", "theta_i,phi_i,theta_s,phi_s,400nm,550nm,700nm"] {
+            assert_eq!(parse(format!("VARS {vars}\n\n{rows}").as_bytes()).unwrap().rows.len(), 2, "{vars}");
+        }
+        let degrees = "VARS theta_i,phi_i,theta_s,phi_s,550nm\n30,0,40,180,0.1\n";
+        let found = parse(degrees.as_bytes()).unwrap();
+        assert!((found.rows[0].wi[2] - 30f64.to_radians().cos()).abs() < 1e-12);
+        assert!(found.notes.iter().any(|note| note.option == Some("--angles")), "{:?}", found.notes);
+    }
+
+    #[test]
     fn damage_is_an_error() {
-        for (from, to) in [
-            ("0.2,0.3", "NaN,0.3"),
-            ("0.2,0.3", "0.2"),
-            ("0.5,0,", "-0.5,0,"),
-            ("POINTS 2", "POINTS 3"),
-            ("R,G,B", "R,G"),
-            ("0.4,3.1", "4,3.1"),
-        ] {
+        for (from, to) in
+            [("0.2,0.3", "x,0.3"), ("0.2,0.3", "0.2"), ("POINTS 2", "POINTS 3"), ("R,G,B", "R,G")]
+        {
             assert!(parse(SMALL.replacen(from, to, 1).as_bytes()).is_err(), "{from} {to}");
         }
         assert!(parse(&[0xff; 9]).is_err() && parse(b"").is_err());

@@ -5,14 +5,14 @@
 //! multiplied by the cosine) per wavelength.
 //!
 //! The samples are grouped by `theta_i`, of which a file has few; by reciprocity it is taken as the outgoing direction and
-//! the scattered direction as the incident one. Azimuths count relative to `phi_i`; the mirror direction is at pi. Negative
-//! values are noise, and become 0 with the colour.
+//! the scattered direction as the incident one. The mirror direction is at azimuths that are pi apart.
 
-use super::Scatter;
+use super::conventions::Conventions;
+use super::intake::{Intake, Reading};
 use super::numbers::Numbers;
-use super::spectrum::ToRgb;
+use super::wavelengths::Wavelengths;
 use crate::ReadError;
-use crate::table::{Scattered, direction};
+use crate::table::direction;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Most wavelengths that a file may have.
@@ -21,11 +21,11 @@ const MAX_WAVELENGTHS: f64 = 4096.0;
 /// Largest value of a BRDF that is believed, 1/sr.
 const MAX_VALUE: f64 = 1e9;
 
-/// Parses the bytes of a `.brdf` file to the samples of each view, theta rising.
+/// Parses the bytes of a `.brdf` file.
 ///
 /// # Errors
 /// [`ReadError`], with the line and number of the fault.
-pub fn parse(bytes: &[u8]) -> Result<Vec<(f64, Scattered)>, ReadError> {
+pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadError> {
     let mut numbers = Numbers::new(bytes)?;
     let expected = format!("the number of wavelengths, a whole number from 1 to {MAX_WAVELENGTHS}");
     let count = numbers.next(&expected, |v| (1.0..=MAX_WAVELENGTHS).contains(&v) && v.fract() == 0.0)?;
@@ -34,17 +34,18 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<(f64, Scattered)>, ReadError> {
         wavelengths
             .push(numbers.next("a wavelength in nm, from 100 to 10000", |v| (100.0..=1e4).contains(&v))?);
     }
-    let to_rgb = ToRgb::new(&wavelengths)?;
+    let to_rgb = Wavelengths::new(&wavelengths)?;
+    let mut reading = Reading::new("Cornell .brdf", conventions);
+    if let Some(note) = &to_rgb.note {
+        reading.note(note.clone());
+    }
 
     let theta = |v: f64| (0.0..=FRAC_PI_2 + 1e-5).contains(&v);
     let phi = |v: f64| v.abs() <= 2.0 * PI + 1e-5;
     let mut any = false;
-    let mut scatter = Scatter::default();
     let mut spectrum = vec![0.0; wavelengths.len()];
-    while let Some(theta_i) = numbers
-        .next_if_any("theta_i in radians, at least 0 and less than pi / 2", |v| {
-            (0.0..FRAC_PI_2).contains(&v)
-        })?
+    while let Some(theta_i) =
+        numbers.next_if_any("theta_i in radians, at least 0 and less than pi / 2", theta)?
     {
         let phi_i = numbers.next("phi_i in radians, within 2 pi of 0", phi)?;
         let theta_s = numbers.next("theta_s in radians, from 0 to pi / 2", theta)?;
@@ -52,21 +53,25 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<(f64, Scattered)>, ReadError> {
         for value in &mut spectrum {
             *value = numbers.next("a BRDF value, at most 1e9 in size", |v| v.abs() <= MAX_VALUE)?;
         }
-        let wi = direction(theta_s, phi_s - phi_i - PI);
-        scatter.push([theta_i, phi_i], wi, theta_s, to_rgb.convert(&spectrum)).map_err(ReadError::Content)?;
+        let pair = [direction(theta_i, phi_i), direction(theta_s, phi_s)];
+        reading.push(numbers.line(), pair, to_rgb.rgb(&spectrum), &spectrum);
         any = true;
     }
     if !any {
         // One more number is missing at least; say so with its place.
         numbers.next("theta_i of a first sample", |_| true)?;
     }
-    scatter.finish()
+    reading.finish()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::Table;
+    use crate::table::{Scattered, Table};
+
+    fn parse(bytes: &[u8]) -> Result<Vec<(f64, Scattered)>, ReadError> {
+        super::parse(bytes, &Conventions::default()).map(|intake| intake.views())
+    }
 
     fn small() -> String {
         let mut text = "# test\n4 # wavelengths\n400 500\n600 700\n".to_owned();
@@ -84,7 +89,7 @@ mod tests {
     fn a_small_file_gives_views_in_order_and_the_mirror_direction_at_plus_x() {
         let views = parse(small().as_bytes()).unwrap();
         assert_eq!(views.len(), 2);
-        assert_eq!(views[1].0, 0.9);
+        assert!((views[1].0 - 0.9).abs() < 1e-12);
         let (d, rgb) = views[1].1[8];
         assert!(d[0] > 0.9 && d[1].abs() < 1e-5 && (d[2] - libm::cos(1.2)).abs() < 1e-12, "{d:?}");
         assert!(rgb.iter().all(|v| (v - 0.25).abs() < 1e-6), "{rgb:?}");
@@ -118,8 +123,7 @@ mod tests {
         for count in ["1e12", "-4", "0", "3.5", "99999999999999999999", "x"] {
             assert!(fault("4 #", &format!("{count} #")).contains("number of wavelengths"), "{count}");
         }
-        assert!(fault("400 500", "500 400").contains("rise"));
-        assert!(fault("400 500", "450 500").contains("needed for a colour"));
+        assert!(fault("400 500", "500 500").contains("twice"));
     }
 
     #[test]

@@ -1,127 +1,249 @@
-//! Reader of our own `.csv`: anybody's isotropic measurement, a sample a line.
+//! Reader of tables of text: anybody's isotropic measurement, a sample a line, in whatever layout a program wrote it.
 //!
-//! The first line names the columns, in any order: the directions as unit vectors, `wi_x,wi_y,wi_z,wo_x,wo_y,wo_z`, +z the normal, or
-//! as angles in degrees, `theta_i,phi_i,theta_o,phi_o`; and the BRDF, 1/sr, not multiplied by the cosine, as `r,g,b` in
-//! linear sRGB, as one grey `value`, or as a spectrum whose columns are named by wavelengths in nm, `400` or `400nm`. Then there is a row
-//! a sample. Spaces round numbers, a byte order mark and empty lines do not matter; lines that begin with `#` are
-//! comments. Any number of samples is enough, in any pattern: see `scatter` for how they are grouped.
+//! A line names the columns, in any order and usual spelling: the two directions as unit vectors or as angles, and the BRDF, 1/sr, not
+//! multiplied by the cosine, as colour, grey or spectrum. What stands above it, comments, and columns that have no meaning here are
+//! passed over. `docs/csv.md` has the whole. Any number of samples is enough, in any pattern.
 //!
-//! Refused are numbers above 1e9 in size, directions whose squared length is off 1 by more than 1e-3, directions below the horizon,
-//! and samples of an anisotropic surface, as far as they tell: pairs of directions that differ by a turn about the normal alone, and
-//! have other values.
+//! What reads one way is read, and said where it is not plain; what reads two ways is asked back, with the option that decides it.
 
+mod cells;
 mod columns;
+mod geometry;
+mod layout;
+mod long;
+mod names;
 
-use super::Scatter;
-use super::rows::{row, text};
+use super::conventions::Conventions;
+use super::decode::{decode, shortened};
+use super::intake::{Intake, Reading, Reason};
 use crate::ReadError;
-use crate::table::Scattered;
-use columns::Columns;
+use cells::{Cell, LARGEST};
+use columns::{Columns, Values};
+use geometry::Geometry;
+use layout::{Layout, fields, is_comment, reader};
+use names::Unit;
 
-/// Parses the bytes to the samples of each view, theta rising.
+/// Parses the bytes of a table of text.
 ///
 /// # Errors
-/// [`ReadError`], with the line of the fault.
-pub fn parse(bytes: &[u8]) -> Result<Vec<(f64, Scattered)>, ReadError> {
-    let text = text(bytes)?;
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut lines = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty() && !l.starts_with('#'));
-    let (_, names) = lines
-        .next()
-        .ok_or_else(|| ReadError::Content("the first line, which names the columns, is missing".into()))?;
-    let columns = Columns::parse(names)?;
-    let mut scatter = Scatter::default();
-    let mut v = vec![0.0; columns.count];
-    for (n, line) in lines {
-        row(n + 1, line, &mut v)?;
-        let place = |reason| ReadError::Content(format!("line {}: {reason}", n + 1));
-        let [wi, wo] = columns.directions(&v).map_err(place)?;
-        // Into the frame of the view: wo at -x.
-        let across = libm::hypot(wo[0], wo[1]);
-        let (c, s) = if across > 0.0 { (-wo[0] / across, -wo[1] / across) } else { (1.0, 0.0) };
-        let turned = [wi[0] * c + wi[1] * s, wi[1] * c - wi[0] * s, wi[2]];
-        let rgb = columns.rgb(&v);
-        let angles = [libm::atan2(across, wo[2]), libm::atan2(wo[1], wo[0])];
-        scatter.push(angles, turned, libm::acos(wi[2].min(1.0)), rgb).map_err(place)?;
+/// [`ReadError`], with the line, column or separator that stopped it.
+pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadError> {
+    let text = decode(bytes)?;
+    let layout = Layout::find(&text)?;
+    let rows = Rows { text: &text[layout.rows_at..], separator: layout.separator, first: layout.line + 1 };
+    let said = layout.angle_unit;
+    table("table of text", &layout.columns, rows, (said, Unknown::IsAsked), conventions)
+}
+
+/// Parses rows whose names a format of its own has: in radians, where the numbers do not show that they are degrees.
+pub(super) fn parse_named(
+    format: &'static str,
+    names: &str,
+    (text, first): (&str, usize),
+    conventions: &Conventions,
+    scale: [f64; 3],
+) -> Result<Intake, ReadError> {
+    let separator = if names.contains(',') { ',' } else { ' ' };
+    let columns = Columns::find(&fields(names, separator), &Vec::new())
+        .map_err(|no| ReadError::Content(format!("VARS names the columns: {}", no.reason)))?;
+    let separator = if text.contains(',') { ',' } else { ' ' };
+    let rows = Rows { text, separator, first };
+    let mut intake = table(format, &columns, rows, (None, Unknown::IsRadians), conventions)?;
+    for row in &mut intake.rows {
+        row.rgb = [0, 1, 2].map(|c| row.rgb[c] / scale[c]);
     }
-    scatter.finish()
+    Ok(intake)
+}
+
+/// What angles are that may be either.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Unknown {
+    IsAsked,
+    IsRadians,
+}
+
+/// The text of the rows, and the line of the first.
+struct Rows<'a> {
+    text: &'a str,
+    separator: char,
+    first: usize,
+}
+
+/// A row as numbers.
+struct Numbers {
+    line: usize,
+    /// Of the directions, as [`Geometry`] takes them.
+    directions: [f64; 6],
+    values: Vec<f64>,
+}
+
+fn table(
+    format: &'static str,
+    columns: &Columns,
+    rows: Rows<'_>,
+    (said, unknown): (Option<Unit>, Unknown),
+    conventions: &Conventions,
+) -> Result<Intake, ReadError> {
+    let mut reading = Reading::new(format, conventions);
+    for note in &columns.notes {
+        reading.note(note.clone());
+    }
+    if !columns.ignored.is_empty() {
+        let names: Vec<String> = columns.ignored.iter().take(8).map(|name| shortened(name)).collect();
+        let (s, are) = if columns.ignored.len() == 1 { ("", "is") } else { ("s", "are") };
+        reading.note(format!("column{s} {} {are} not read", names.join(", ")));
+    }
+    let mut parsing = Parsing { columns, places: columns.values.places(), found: Vec::new(), unit: said };
+    rows.each(&mut |line, cells: &mut dyn Iterator<Item = &str>| parsing.row(line, cells, &mut reading))?;
+    let Parsing { found, unit, .. } = parsing;
+    let percent = columns.value_unit == Some(Unit::Percent);
+    if percent {
+        reading.note("values are in per cent");
+    }
+    let share = if percent { 0.01 } else { 1.0 };
+    let geometry = Geometry::new(columns, &found, (unit, unknown), conventions, &mut reading)?;
+    if let Values::Long(_) = columns.values {
+        return long::finish(&geometry, found, share, reading);
+    }
+    for row in &found {
+        let directions = geometry.directions(row)?;
+        let rgb = columns.values.rgb(&row.values).map(|v| share * v);
+        reading.push(row.line, directions, rgb, &row.values);
+    }
+    reading.finish()
+}
+
+/// What is called with the line and the fields of a row.
+type CallWithRow<'a> = dyn FnMut(usize, &mut dyn Iterator<Item = &str>) -> Result<(), ReadError> + 'a;
+
+impl Rows<'_> {
+    /// Calls with the line and the fields of each row.
+    fn each(&self, call: &mut CallWithRow<'_>) -> Result<(), ReadError> {
+        if self.separator == ' ' {
+            for (n, line) in self.text.lines().enumerate() {
+                let line = line.trim();
+                if !line.is_empty() && !is_comment(line) {
+                    call(self.first + n, &mut line.split_whitespace())?;
+                }
+            }
+            return Ok(());
+        }
+        let mut reader = reader(self.text, self.separator);
+        let mut record = csv::StringRecord::new();
+        loop {
+            let more = reader.read_record(&mut record);
+            // A record begins where the last one ended, before the empty lines between them.
+            let line = record.position().map_or(self.first, |p| {
+                let rest = self.text.get(p.byte() as usize..).unwrap_or("").bytes();
+                let empty = rest.take_while(|b| matches!(b, b'\r' | b'\n')).filter(|b| *b == b'\n').count();
+                self.first + p.line() as usize - 1 + empty
+            });
+            match more {
+                Ok(false) => return Ok(()),
+                Ok(true) if record.iter().all(str::is_empty) => {}
+                Ok(true) if record.get(0).is_some_and(is_comment) => {}
+                Ok(true) => call(line, &mut record.iter())?,
+                Err(error) => return Err(ReadError::Content(format!("line {line}: {error}"))),
+            }
+        }
+    }
+}
+
+/// Rows on their way to numbers.
+struct Parsing<'a> {
+    columns: &'a Columns,
+    places: Vec<usize>,
+    found: Vec<Numbers>,
+    unit: Option<Unit>,
+}
+
+impl Parsing<'_> {
+    fn row(
+        &mut self,
+        line: usize,
+        cells: &mut dyn Iterator<Item = &str>,
+        reading: &mut Reading,
+    ) -> Result<(), ReadError> {
+        let names = &self.columns.names;
+        let cells: Vec<&str> = cells.collect();
+        // A separator at the end of a line makes an empty column more.
+        let count = cells.len() - cells.iter().rev().take_while(|cell| cell.is_empty()).count();
+        let last = self.places.iter().copied().max().unwrap_or(0);
+        let needed = 1 + last.max(geometry::last_column(&self.columns.directions));
+        if count > names.len() || cells.len() < needed {
+            let hint = if count > names.len() && self.commas(&cells) {
+                "; with decimal commas, columns have to be separated by ; or tabs"
+            } else {
+                ""
+            };
+            return Err(ReadError::Content(format!(
+                "line {line}: {} columns where {} were expected{hint}",
+                cells.len(),
+                names.len()
+            )));
+        }
+        let cell = |place: usize| cells.get(place).copied().unwrap_or("");
+        let odd = |place: usize| ReadError::Word {
+            line,
+            index: place + 1,
+            found: shortened(cell(place)),
+            expected: format!(
+                "a number, at most {LARGEST:e} in size, of column {}",
+                shortened(&names[place])
+            ),
+        };
+        if self.found.is_empty() && self.is_units(&cells) {
+            let unit = cells.iter().find_map(|cell| names::unit(cell)).filter(|u| *u != Unit::Percent);
+            self.unit = self.unit.or(unit);
+            return Ok(());
+        }
+        let mut directions = [0.0; 6];
+        for (at, place) in geometry::places(&self.columns.directions).into_iter().enumerate() {
+            directions[at] = match place {
+                None => continue,
+                Some(columns::Place::Constant(number)) => number,
+                Some(columns::Place::Column(place)) => match Cell::of(cell(place)) {
+                    Cell::Number(number) => number,
+                    Cell::Nothing => {
+                        reading.leave_out(Reason::NoNumber, line);
+                        return Ok(());
+                    }
+                    Cell::Odd => return Err(odd(place)),
+                },
+            };
+        }
+        let mut values = Vec::with_capacity(self.places.len());
+        for &place in &self.places {
+            match Cell::of(cell(place)) {
+                Cell::Number(number) => values.push(number),
+                Cell::Nothing => {
+                    reading.leave_out(Reason::NoNumber, line);
+                    return Ok(());
+                }
+                Cell::Odd => return Err(odd(place)),
+            }
+        }
+        self.found.push(Numbers { line, directions, values });
+        Ok(())
+    }
+
+    /// Whether a row is one of units, below the names: words in place of numbers.
+    fn is_units(&self, cells: &[&str]) -> bool {
+        let places = geometry::places(&self.columns.directions);
+        let cell = |place: &columns::Place| match place {
+            columns::Place::Column(place) => cells.get(*place).copied(),
+            columns::Place::Constant(_) => None,
+        };
+        let mut all = places.iter().flatten().filter_map(cell).peekable();
+        all.peek().is_some() && all.all(|cell| Cell::of(cell) == Cell::Odd && names::unit(cell).is_some())
+    }
+
+    /// Whether columns are separated by commas, and there are about twice as many as there should be.
+    fn commas(&self, cells: &[&str]) -> bool {
+        let is_whole = |cell: &&str| cell.trim_start_matches('-').chars().all(|c| c.is_ascii_digit());
+        cells.iter().filter(|cell| is_whole(cell)).count() + 1 >= cells.len()
+    }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const HEADER: &str = "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z,r,g,b";
-
-    #[test]
-    fn columns_have_names_and_any_order() {
-        let expected = parse(format!("{HEADER}\n0.6,0,0.8,-0.8,0,0.6,1,2,3\n").as_bytes()).unwrap();
-        let (theta_i, theta_o) = (0.6f64.asin().to_degrees(), 0.8f64.asin().to_degrees());
-        for text in [
-            "\u{feff}b, g, r, wo_z,wo_y,wo_x, wi_x,wi_y,wi_z\n\n# a comment\n 3, 2 ,1,0.6,0,-0.8,0.6,0,0.8\n"
-                .to_owned(),
-            format!("theta_i,phi_i,theta_o,phi_o,R,G,B\r\n{theta_i},30,{theta_o},210,1,2,3\r\n"),
-        ] {
-            let found = parse(text.as_bytes()).unwrap();
-            assert!((found[0].0 - expected[0].0).abs() < 1e-9, "{text}");
-            let ((d, rgb), (e, _)) = (found[0].1[0], expected[0].1[0]);
-            assert!((0..3).all(|i| (d[i] - e[i]).abs() < 1e-9) && rgb == [1.0, 2.0, 3.0], "{text}: {d:?}");
-        }
-    }
-
-    #[test]
-    fn one_channel_is_grey_and_a_flat_spectrum_is_white() {
-        let wavelengths: Vec<String> = (40..=70).map(|w| format!("{}nm", 10 * w)).collect();
-        let flat = vec!["0.5"; wavelengths.len()].join(",");
-        for (names, values, tolerance) in
-            [("value", "0.5", 0.0), (wavelengths.join(",").as_str(), flat.as_str(), 1e-6)]
-        {
-            let text = format!("theta_i,phi_i,theta_o,phi_o,{names}\n20,0,30,180,{values}\n");
-            let rgb = parse(text.as_bytes()).unwrap()[0].1[0].1;
-            assert!(rgb.iter().all(|c| (c - 0.5).abs() <= tolerance), "{rgb:?}");
-        }
-    }
-
-    #[test]
-    fn what_a_column_is_not_is_said() {
-        for (names, word) in [
-            ("theta_i,phi_i,theta_o,r,g,b", "expected are"),
-            ("theta_i,phi_i,theta_o,phi_o,r,g", "expected are"),
-            ("theta_i,phi_i,theta_o,phi_o,r,g,b,weight", "weight"),
-            ("theta_i,phi_i,theta_o,phi_o,value,value", "twice"),
-            ("theta_i,phi_i,theta_o,phi_o,500,600", "nm are needed"),
-            ("", "names the columns"),
-        ] {
-            let error = parse(format!("{names}\n").as_bytes()).unwrap_err().to_string();
-            assert!(error.contains(word), "{names}: {error}");
-        }
-        let error = parse(b"theta_i,phi_i,theta_o,phi_o,value\n20,0,95,180,1\n").unwrap_err().to_string();
-        assert!(error.contains("line 2") && error.contains("95"), "{error}");
-    }
-
-    #[test]
-    fn the_mirror_direction_is_at_plus_x_whatever_the_azimuth() {
-        for azimuth in [0.0f64, 1.0, 2.5, -2.0] {
-            let (s, c) = azimuth.sin_cos();
-            let text = format!("{HEADER}\n{},{},0.8,{},{},0.8,1,2,3\n", -0.6 * c, -0.6 * s, 0.6 * c, 0.6 * s);
-            let views = parse(text.as_bytes()).unwrap();
-            let (d, rgb) = views[0].1[0];
-            assert!((d[0] - 0.6).abs() < 1e-9 && d[1].abs() < 1e-9 && rgb == [1.0, 2.0, 3.0], "{d:?}");
-        }
-    }
-
-    #[test]
-    fn damage_is_an_error() {
-        for text in [
-            "",
-            "x",
-            &format!("{HEADER}\n"),
-            &format!("{HEADER}\n1,2,3\n"),
-            &format!("{HEADER}\n0,0,1,0,0,1,NaN,0,0\n"),
-            &format!("{HEADER}\n0,0,-1,0,0,1,0,0,0\n"),
-            &format!("{HEADER}\n0,0,2,0,0,1,0,0,0\n"),
-        ] {
-            assert!(parse(text.as_bytes()).is_err(), "{text}");
-        }
-    }
-}
+mod tests;

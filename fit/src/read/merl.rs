@@ -18,6 +18,9 @@ pub(crate) const SCALE: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 /// Largest number of a cell; after scaling it is beyond any surface, and far from the largest f32.
 const LARGEST: f64 = 1e30;
 
+/// What a file begins with: its counts.
+pub(super) const HEAD: [u8; 12] = [90, 0, 0, 0, 90, 0, 0, 0, 180, 0, 0, 0];
+
 /// One MERL material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Merl {

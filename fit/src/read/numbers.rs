@@ -19,6 +19,11 @@ impl<'a> Numbers<'a> {
         Ok(Self { words: Box::new(words), count: 0, line: 1 })
     }
 
+    /// The line of the last number, from 1.
+    pub fn line(&self) -> usize {
+        self.line
+    }
+
     /// The next number if there is one; `expected` is for the error message.
     pub fn next_if_any(
         &mut self,

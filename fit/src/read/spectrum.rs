@@ -59,17 +59,22 @@ impl ToRgb {
             return Err(ReadError::Content("no wavelengths".into()));
         };
         let last = FIRST + STEP * (WEIGHTS.len() - 1) as f64;
-        if let Some(w) = wavelengths.windows(2).find(|w| w[1] <= w[0]) {
-            return Err(ReadError::Content(format!(
-                "wavelength {} nm after {} nm; they must rise",
-                w[1], w[0]
-            )));
-        }
         if low > FIRST + MISSING_ENDS || high < last - MISSING_ENDS {
             return Err(ReadError::Content(format!(
                 "wavelengths from {low} to {high} nm; {} to {} nm are needed for a colour",
                 FIRST + MISSING_ENDS,
                 last - MISSING_ENDS
+            )));
+        }
+        Self::extended(wavelengths)
+    }
+
+    /// [`new`](Self::new) of wavelengths that may begin and end anywhere: beyond, a spectrum is what it is at its ends.
+    pub fn extended(wavelengths: &[f64]) -> Result<Self, ReadError> {
+        if let Some(w) = wavelengths.windows(2).find(|w| w[1] <= w[0]) {
+            return Err(ReadError::Content(format!(
+                "wavelength {} nm after {} nm; they must rise",
+                w[1], w[0]
             )));
         }
         let mut weights = vec![[0.0; 3]; wavelengths.len()];

@@ -83,6 +83,6 @@ pub fn write(
             100.0 * found.root_mean_square
         )
     });
-    println!("{} in {:.2} s{numbers}", shown(&path), start.elapsed().as_secs_f64());
+    println!("{} in {:.2} s{numbers}", shown(path), start.elapsed().as_secs_f64());
     Ok(())
 }

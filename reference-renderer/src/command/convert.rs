@@ -1,12 +1,13 @@
 //! `srbf convert`.
 
+use super::convention_args::ConventionArgs;
 use crate::out::output;
 use crate::out::print::shown;
 use crate::truth::measured::MeasuredMaterial;
 use crate::truth::stored::StoredMaterial;
 use anyhow::{Context, bail};
 use srbf_fit::export;
-use srbf_fit::read::{Content, Source, merl, read, rgl};
+use srbf_fit::read::{Content, Conventions, Source, merl, read_with, rgl};
 use srbf_fit::table::{Brdf, Table};
 use std::path::{Path, PathBuf};
 
@@ -36,6 +37,8 @@ pub struct Args {
     /// The file to write: .binary, .bsdf, .csv or .astm
     #[arg(value_name = "OUTPUT")]
     output: PathBuf,
+    #[command(flatten)]
+    conventions: ConventionArgs,
 }
 
 /// What can be written.
@@ -51,7 +54,7 @@ impl Format {
     /// The one that a name ends in.
     fn of(path: &Path) -> anyhow::Result<Self> {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-        let name = shown(&path);
+        let name = shown(path);
         Ok(match ending.as_str() {
             "binary" => Self::Merl,
             "bsdf" => Self::Rgl,
@@ -70,7 +73,7 @@ impl Format {
 pub fn run(args: Args) -> anyhow::Result<()> {
     let format = Format::of(&args.output)?;
     output::check_place(&args.output)?;
-    let source = source(&args.input)?;
+    let source = source(&args.input, &args.conventions.conventions())?;
     let named = || shown(&args.input);
     match format {
         Format::Merl | Format::Rgl => write_grid(&args.output, format, source),
@@ -81,12 +84,12 @@ pub fn run(args: Args) -> anyhow::Result<()> {
 }
 
 /// What is read, or the lobes of a fit.
-fn source(input: &Path) -> anyhow::Result<Source> {
+fn source(input: &Path, conventions: &Conventions) -> anyhow::Result<Source> {
     if !input.extension().is_some_and(|end| end.eq_ignore_ascii_case("srbf")) {
-        return Ok(read(input)?);
+        return Ok(read_with(input, conventions)?);
     }
     let StoredMaterial { name, material } = StoredMaterial::load(&input.to_string_lossy())?;
-    Ok(Source { content: Content::Evaluable(Box::new(export::Lobes(material))), name, sha256: String::new() })
+    Ok(Source::evaluable(Box::new(export::Lobes(material)), name, String::new()))
 }
 
 /// Writes samples: those that were read, or such as are made of what has a value everywhere.
@@ -97,7 +100,7 @@ fn write_samples(output: &Path, source: Source, text: fn(&Table) -> String) -> a
     };
     output::write(output, text(&table).as_bytes())?;
     let count: usize = table.views.iter().map(|view| view.samples.len()).sum();
-    println!("{}: {count} samples at {} outgoing directions, {are}", shown(&output), table.views.len());
+    println!("{}: {count} samples at {} outgoing directions, {are}", shown(output), table.views.len());
     Ok(())
 }
 
@@ -124,7 +127,7 @@ fn write_grid(output: &Path, format: Format, source: Source) -> anyhow::Result<(
         .map(|(degrees, error)| format!("{:.2} % at {degrees:.0}", 100.0 * error));
     println!(
         "{}: {} bytes; read again, f cos is off by {} degrees (relative L2)",
-        shown(&output),
+        shown(output),
         bytes.len(),
         errors.join(", ")
     );

@@ -6,6 +6,7 @@ mod picture;
 mod settings;
 mod words;
 
+use super::convention_args::ConventionArgs;
 use super::fit_page;
 use crate::out::output;
 use crate::out::print::shown;
@@ -17,6 +18,7 @@ pub use settings::SettingArgs;
 use srbf_core::Material;
 use srbf_fit::judge::cross::CrossValidation;
 use srbf_fit::judge::report::Input;
+use srbf_fit::look::Look;
 use srbf_fit::read::{Content, Source};
 use srbf_fit::table::Symmetry;
 use srbf_fit::{Fit, Settings};
@@ -28,7 +30,8 @@ use std::path::{Path, PathBuf};
 /// of several files the others are fitted all the same.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Measured BRDFs: .brdf or .astm (Cornell), .binary (MERL), .bsdf (RGL), or our own .csv; or analytic models.
+    /// Measured BRDFs, or analytic models: tables of text (CSV) in any usual layout, and files of Cornell, MERL, RGL, Zemax,
+    /// LightTools, SPEOS, OpenMATERIAL, ALTA, pgII, SSDD. See docs/csv.md.
     ///
     /// Models are named model:NAME:KEY=VALUE,KEY=VALUE: model:lambert:albedo=0.6/0.2/0.1,
     /// model:phong:diffuse=0.3,specular=0.3,exponent=50, model:ward:diffuse=0.2,specular=0.3,alpha_x=0.1,alpha_y=0.4,
@@ -52,6 +55,8 @@ pub struct Args {
     /// into the report.
     #[arg(long)]
     cross_validate: bool,
+    #[command(flatten)]
+    conventions: ConventionArgs,
     #[command(flatten)]
     picture: picture::Args,
     #[command(flatten)]
@@ -85,12 +90,12 @@ pub fn run(args: Args) -> anyhow::Result<()> {
 /// Fits a file, and draws and says what is asked for.
 fn fit_one(args: &Args, place: &Job, picture: Option<&Path>) -> anyhow::Result<()> {
     let file = &place.file;
-    let source = method::read(file, args.material.as_deref())?;
+    let source = method::read(file, args.material.as_deref(), &args.conventions.conventions())?;
     check_options(file, &source.content, &args.settings)?;
     // After the file, which is named first where memory is short.
     let light = picture.map(|_| args.picture.light()).transpose()?;
     let is_model = file.to_string_lossy().starts_with(srbf_fit::analytic::PREFIX);
-    let named = if is_model { shown(&file) } else { source.name.clone() };
+    let named = if is_model { shown(file) } else { source.name.clone() };
     let input = Input { name: named, sha256: source.sha256.clone() };
     let left_out = left_out(args.cross_validate, file, &source.content, args.method, &args.settings)?;
     if args.method != MethodName::Tracked {
@@ -101,6 +106,7 @@ fn fit_one(args: &Args, place: &Job, picture: Option<&Path>) -> anyhow::Result<(
     let settings = args.settings.settings();
     let mut fit = fit_source(&source, settings.clone(), "")?;
     fit.report.cross_validation = left_out;
+    fit.report.look = source.intake.as_ref().map(|intake| Look::new(intake, fit.report.completion.as_ref()));
     let files = output::together();
     output::write(&place.output, &fit.bytes)?;
     let material = Material::from_bytes(fit.bytes.as_slice())?;
@@ -126,7 +132,7 @@ fn fit_one(args: &Args, place: &Job, picture: Option<&Path>) -> anyhow::Result<(
 
 /// An error with the file that it is of; most name it themselves.
 fn naming(file: &Path, error: &anyhow::Error) -> String {
-    let (file, text) = (shown(&file), format!("{error:#}"));
+    let (file, text) = (shown(file), format!("{error:#}"));
     if text.contains(&file) { text } else { format!("{file}: {text}") }
 }
 
@@ -141,7 +147,7 @@ fn check_options(file: &Path, content: &Content, settings: &SettingArgs) -> anyh
                 ("--factors", settings.factors.is_some()),
             ];
             if let Some((option, _)) = given.iter().find(|option| option.1) {
-                bail!("{}: {option} is for isotropic surfaces; this one is anisotropic", shown(&file));
+                bail!("{}: {option} is for isotropic surfaces; this one is anisotropic", shown(file));
             }
         }
         Content::Samples(_) | Content::Evaluable(_) => {}
@@ -164,7 +170,7 @@ fn left_out(
         }
         Content::Evaluable(_) => bail!(
             "{}: --cross-validate is for samples; fits of what can be evaluated anywhere report held-out views as they are",
-            shown(&file)
+            shown(file)
         ),
     }
 }

@@ -337,7 +337,7 @@ fn explain(args: &Args, cast: &Cast, strategy: Strategy) {
     if args.scene.is_sphere() {
         println!("  triangles and their tree: a sphere is met in closed form");
     } else if let Some(mesh) = &args.mesh {
-        println!("  teapot: {} takes its place", shown(&mesh));
+        println!("  teapot: {} takes its place", shown(mesh));
     }
     let others: Vec<&str> =
         SamplerName::all().filter(|name| *name != strategy.sampler).map(SamplerName::text).collect();

@@ -25,7 +25,7 @@ pub fn write_exr(path: &Path, [width, height]: [u32; 2], pixels: &[Vec3]) -> any
         .write()
         .non_parallel()
         .to_buffered(Cursor::new(&mut bytes))
-        .with_context(|| format!("cannot encode {}", shown(&path)))?;
+        .with_context(|| format!("cannot encode {}", shown(path)))?;
     output::write(path, &bytes)
 }
 
@@ -64,7 +64,7 @@ pub fn tone_mapped(pixels: &[Vec3], exposure: f32) -> Vec<u8> {
 /// # Errors
 /// Names the file.
 pub fn write_png(path: &Path, size: [u32; 2], rgb: &[u8]) -> anyhow::Result<()> {
-    let bytes = encode_png(size, rgb).with_context(|| shown(&path))?;
+    let bytes = encode_png(size, rgb).with_context(|| shown(path))?;
     output::write(path, &bytes)
 }
 

@@ -17,7 +17,8 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 /// Ends of the names of tables.
-const ENDINGS: [&str; 5] = ["brdf", "astm", "csv", "binary", "bsdf"];
+const ENDINGS: [&str; 11] =
+    ["brdf", "astm", "csv", "binary", "bsdf", "txt", "tsv", "dat", "xompt", "anisotropicbsdf", "ssdd"];
 
 /// What can be evaluated at any pair of directions.
 pub struct MeasuredMaterial {
@@ -162,7 +163,8 @@ pub mod tests {
             }
         }
         let content = Content::Evaluable(Box::new(Vivid));
-        MeasuredMaterial::new(Source { content, name: "vivid".into(), sha256: String::new() }).unwrap()
+        MeasuredMaterial::new(Source { content, name: "vivid".into(), sha256: String::new(), intake: None })
+            .unwrap()
     }
 
     #[test]

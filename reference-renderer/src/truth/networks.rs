@@ -3,7 +3,7 @@
 use crate::out::print::shown;
 use anyhow::{Context, ensure};
 use sha2::{Digest, Sha256};
-use srbf_fit::read::{Content, Source, neural};
+use srbf_fit::read::{Source, neural};
 use std::path::Path;
 
 /// Largest file of networks and of their names that is read, bytes.
@@ -26,7 +26,7 @@ impl Networks {
         let (networks, sha256) = srbf_fit::read_if(path, MAX_FILE, neural::check_size)
             .map_err(anyhow::Error::new)
             .and_then(parse)
-            .with_context(|| shown(&path))?;
+            .with_context(|| shown(path))?;
         let mut list = path.with_extension("").into_os_string();
         list.push("_names.txt");
         let list = Path::new(&list);
@@ -34,15 +34,15 @@ impl Networks {
         let names = srbf_fit::read_at_most(list, MAX_FILE)
             .map_err(anyhow::Error::new)
             .and_then(text)
-            .with_context(|| shown(&list))?;
+            .with_context(|| shown(list))?;
         let names: Vec<&str> = names.split_whitespace().collect();
         ensure!(
             names.len() == networks.len(),
             "{}: {} networks, and {} names in {}",
-            shown(&path),
+            shown(path),
             networks.len(),
             names.len(),
-            shown(&list)
+            shown(list)
         );
         Ok(Self { all: names.into_iter().map(str::to_owned).zip(networks).collect(), sha256 })
     }
@@ -57,6 +57,6 @@ impl Networks {
         let place = place
             .with_context(|| format!("no network is called {name:?}; one of {} is expected", names()))?;
         let (name, network) = self.all.swap_remove(place);
-        Ok(Source { content: Content::Evaluable(Box::new(network)), name, sha256: self.sha256 })
+        Ok(Source::evaluable(Box::new(network), name, self.sha256))
     }
 }

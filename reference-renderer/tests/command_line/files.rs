@@ -92,7 +92,7 @@ fn a_file_of_a_size_that_none_of_its_format_has_is_refused() {
         ("huge.binary", 900_000_000, "900000000 bytes; a MERL file has 34992012"),
         ("short.bsdf", 30, "30 bytes: not an RGL .bsdf file"),
         ("huge.csv", 1 << 40, "a file of at most 1073741824 bytes"),
-        ("huge.xyz", 1 << 30, "the name has to end in"),
+        ("huge.xyz", 1 << 30, "byte 0 is not"),
     ] {
         std::fs::File::create(place.join(name)).unwrap().set_len(bytes).unwrap();
         refused(&place, &["fit", name, "-o", "out.srbf"], &[name, says]);

@@ -14,11 +14,11 @@ fn damaged_tables_are_refused_with_file_and_line() {
         lines.join("\n")
     };
     for (name, text, says) in [
-        ("empty.csv", String::new(), "the first line"),
-        ("header.csv", good.replace("wi_x", "x"), "the first line"),
+        ("empty.csv", String::new(), "no line names the columns"),
+        ("header.csv", good.replace("wi_x", "x"), "line 1 names the columns"),
         ("short.csv", with_line_5("0,0,1,0,0,1,0.2,0.1"), "line 5"),
         ("word.csv", with_line_5("0,0,1,0,0,1,0.2,0.1,red"), "line 5"),
-        ("nan.csv", with_line_5("NaN,0,1,0,0,1,0.2,0.1,0.1"), "line 5"),
+        ("wavelength.csv", good.replace("r,g,b", "400nm,NaN,700nm"), "`NaN`"),
         ("long.csv", with_line_5("0,0,9,0,0,1,0.2,0.1,0.1"), "line 5"),
         ("cut.binary", "abc".into(), "cut.binary"),
         ("cut.bsdf", "tensor_file".into(), "cut.bsdf"),
@@ -192,4 +192,30 @@ fn a_fit_is_judged_against_what_it_was_made_from() {
     }
     let text = String::from_utf8(srbf(&place, &["inspect", "phong.srbf"]).stdout).unwrap();
     assert!(text.contains("factors     4 x 3 nodes"), "{text}");
+}
+
+/// A look says what was read and left out, and what options change; a fit says the same.
+#[test]
+fn a_look_says_what_was_read() {
+    let place = folder("look");
+    let text = rows().replacen("0.2,0.1,0.05", "-1,-1,-1", 1);
+    std::fs::write(place.join("samples.csv"), &text).unwrap();
+    let said = |arguments: &[&str]| {
+        let output = srbf(&place, arguments);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let look = said(&["look", "samples.csv"]);
+    assert!(look.contains("119 samples") && look.contains("left out: 1 row with the value -1"), "{look}");
+    let json: serde_json::Value = serde_json::from_str(&said(&["look", "samples.csv", "--json"])).unwrap();
+    assert_eq!((json["samples"].as_u64(), json["left_out"][0]["lines"][0].as_u64()), (Some(119), Some(2)));
+    let table = said(&["look", "--table", "samples.csv", "model:lambert:albedo=0.5"]);
+    assert!(table.lines().count() == 3 && table.lines().skip(1).all(|line| line.ends_with('-')), "{table}");
+
+    let divided = said(&["look", "samples.csv", "--quick", "--divide", "pi", "--mirror", "equal"]);
+    assert!(divided.contains("divided by 3.14"), "{divided}");
+    refused(&place, &["look", "samples.csv", "--divide", "0"], &["--divide", "100pi"]);
+    refused(&place, &["look", "model:lambert", "--divide", "pi"], &["model:lambert", "for samples"]);
+    std::fs::write(place.join("bad.csv"), "theta_i,phi_i,theta_o,value\n1,2,3,x\n").unwrap();
+    refused(&place, &["look", "samples.csv", "bad.csv"], &["bad.csv", "1 of 2 files"]);
 }

@@ -58,8 +58,7 @@ fn no_text_of_a_stranger_passes_as_it_is() {
     for ending in ["brdf", "astm", "binary", "bsdf", "hdr", "exr", "obj", "ply", "xyz", "json"] {
         std::fs::write(place.join(name(ending)), NAME).unwrap();
     }
-    let [srbf_file, csv, hdr, obj, missing, out] =
-        ["srbf", "csv", "hdr", "obj", "missing", "exr"].map(|ending| name(ending));
+    let [srbf_file, csv, hdr, obj, missing, out] = ["srbf", "csv", "hdr", "obj", "missing", "exr"].map(&name);
     let (out, model) = (format!("new-{out}"), format!("model:lambert:{NAME}=1"));
     let small = ["--size", "4x4", "--spp", "1"];
     let mut calls: Vec<Vec<&str>> = vec![
@@ -87,7 +86,7 @@ fn no_text_of_a_stranger_passes_as_it_is() {
         [&["render", "--sampler", NAME][..], &small].concat(),
         vec!["fit", &missing, "-o", NAME],
     ];
-    let files: Vec<String> = ["brdf", "astm", "binary", "bsdf", "xyz"].map(|ending| name(ending)).to_vec();
+    let files: Vec<String> = ["brdf", "astm", "binary", "bsdf", "xyz"].map(name).to_vec();
     for file in &files {
         calls.push(vec!["fit", file, "-o", "x.srbf"]);
         calls.push(vec!["convert", file, "-o", "x.csv"]);

@@ -79,6 +79,7 @@ pub fn check<const N: usize>(mixture: &Mixture<'_, N>, random: &mut Random, plac
     assert!(mixture.albedo().is_finite() && mixture.power().is_finite(), "{place}: albedo");
     let d: [Vec3; BATCH] = core::array::from_fn(|_| any_direction(random));
     let u: [[f32; 3]; BATCH] = core::array::from_fn(|_| [uniform(random), uniform(random), uniform(random)]);
+    #[allow(clippy::type_complexity, clippy::needless_range_loop)] // three rows are written at a time
     let rows = |of: fn(usize, &[Vec3; BATCH], &[[f32; 3]; BATCH]) -> [f32; 3]| {
         let mut rows = [[0.0; BATCH]; 3];
         for n in 0..BATCH {

@@ -5,7 +5,7 @@ use crate::inputs::Random;
 use srbf_fit::ReadError;
 use srbf_fit::analytic;
 use srbf_fit::export;
-use srbf_fit::read::{self, Content, astm, cornell, csv, merl, neural, rgl};
+use srbf_fit::read::{self, Content, Conventions, Intake, astm, cornell, csv, merl, neural, rgl};
 use srbf_fit::table::{Brdf, Scattered, Table};
 use std::path::Path;
 
@@ -14,28 +14,50 @@ const MOST_SAMPLES: usize = 200;
 
 /// Cornell's samples in the form of ASTM E1392.
 pub fn astm(bytes: &[u8]) -> bool {
-    scattered(astm::parse(bytes))
+    scattered(astm::parse(bytes, &Conventions::default()))
 }
 
 /// Cornell's samples as pbrt-v2 has them.
 pub fn cornell(bytes: &[u8]) -> bool {
-    scattered(cornell::parse(bytes))
+    scattered(cornell::parse(bytes, &Conventions::default()))
 }
 
-/// Our own table of samples.
+/// Tables of text.
 pub fn csv(bytes: &[u8]) -> bool {
-    scattered(csv::parse(bytes))
+    scattered(csv::parse(bytes, &Conventions::default()))
+}
+
+/// A reader of samples.
+type Parse = fn(&[u8], &Conventions) -> Result<Intake, ReadError>;
+
+/// Files of other programs: the first byte says of which, the others are the file.
+pub fn formats(bytes: &[u8]) -> bool {
+    const READERS: [Parse; 8] = [
+        read::scatter_tables::zemax,
+        read::scatter_tables::lighttools,
+        read::speos::anisotropic,
+        read::speos::spectral,
+        read::openmaterial::parse,
+        read::alta::parse,
+        read::pab_opto::parse,
+        read::ssdd::parse,
+    ];
+    let Some((&which, file)) = bytes.split_first() else { return false };
+    scattered(READERS[usize::from(which) % READERS.len()](file, &Conventions::default()))
 }
 
 /// Samples are numbers, and make a table or an error.
-fn scattered(parsed: Result<Vec<(f64, Scattered)>, ReadError>) -> bool {
-    let views = match parsed {
-        Ok(views) => views,
+fn scattered(parsed: Result<Intake, ReadError>) -> bool {
+    let intake = match parsed {
+        Ok(intake) => intake,
         Err(error) => {
             assert!(!error.to_string().is_empty());
             return false;
         }
     };
+    let mut rows = intake.rows.iter().flat_map(|row| [row.wi, row.wo, row.rgb]).flatten();
+    assert!(rows.all(f64::is_finite), "a row holds a number that is not finite");
+    let views = intake.views();
     let samples = views.iter().flat_map(|(_, samples)| samples);
     let mut numbers = samples.flat_map(|(direction, rgb)| direction.iter().chain(rgb));
     assert!(numbers.all(|v| v.is_finite()), "a table holds a number that is not finite");
@@ -132,12 +154,13 @@ pub fn exports(bytes: &[u8]) -> bool {
         })
         .collect();
     let Ok(table) = Table::from_scattered(views) else { return true };
-    let count = |parsed: Result<Vec<(f64, Scattered)>, ReadError>| {
-        let views = parsed.unwrap_or_else(|error| panic!("{text}: an export is not read back: {error}"));
-        views.iter().map(|(_, samples)| samples.len()).sum::<usize>()
+    let count = |parse: Parse, file: String| {
+        let parsed = parse(file.as_bytes(), &Conventions::default());
+        let intake = parsed.unwrap_or_else(|error| panic!("{text}: an export is not read back: {error}"));
+        intake.rows.len() + intake.left_out.iter().map(|left_out| left_out.count).sum::<usize>()
     };
     let written: usize = table.views.iter().map(|view| view.samples.len()).sum();
-    assert_eq!(count(csv::parse(export::csv(&table).as_bytes())), written, "{text}");
-    assert_eq!(count(astm::parse(export::astm(&table).as_bytes())), written, "{text}");
+    assert_eq!(count(csv::parse, export::csv(&table)), written, "{text}");
+    assert_eq!(count(astm::parse, export::astm(&table)), written, "{text}");
     true
 }

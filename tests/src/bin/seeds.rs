@@ -55,6 +55,19 @@ fn files() -> Files {
     ] {
         add(&format!("exports/{name}"), text.as_bytes());
     }
+    let others: [(&str, &[u8]); 8] = [
+        ("zemax", include_bytes!("../../corpus/zemax.bsdf")),
+        ("lighttools", include_bytes!("../../corpus/lighttools.bsdf")),
+        ("speos-anisotropic", include_bytes!("../../corpus/small.anisotropicbsdf")),
+        ("speos-spectral", include_bytes!("../../corpus/speos.brdf")),
+        ("openmaterial", include_bytes!("../../corpus/small.xompt")),
+        ("alta", include_bytes!("../../corpus/alta.dat")),
+        ("pgii", include_bytes!("../../corpus/pgii.txt")),
+        ("ssdd", include_bytes!("../../corpus/small.ssdd")),
+    ];
+    for (which, (name, file)) in (0u8..).zip(others) {
+        add(&format!("formats/{name}"), &[&[which][..], file].concat());
+    }
     // Half plane waves: enough to be no constant.
     let weights = |n: usize| ((n as f32 * 0.7).sin() * 0.3).to_le_bytes();
     add("neural/one", &(0..675).flat_map(weights).collect::<Vec<u8>>());

@@ -4,7 +4,7 @@
 
 use super::{CosineLobe, Lafortune};
 use crate::read::limit::read_bytes;
-use crate::read::{self, Content, Source, rows};
+use crate::read::{self, Source, rows};
 use crate::{FitError, ReadError};
 use std::path::Path;
 
@@ -25,7 +25,7 @@ pub fn read(path: &Path, material: &str) -> Result<Source, FitError> {
     let Some((name, model)) = all.into_iter().find(|m| m.0 == material) else {
         return Err(fault(path, format!("material `{material}` where one of {names} was expected")));
     };
-    Ok(Source { content: Content::Evaluable(Box::new(model)), name, sha256: read::sha256(&bytes) })
+    Ok(Source::evaluable(Box::new(model), name, read::sha256(&bytes)))
 }
 
 /// The names of the materials of a file, separated by commas.

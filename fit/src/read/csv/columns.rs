@@ -1,157 +1,265 @@
-//! What the columns of a `.csv` hold, by their names in its first line.
+//! Which columns hold the two directions and the value.
 
-use super::super::spectrum::ToRgb;
+use super::super::wavelengths::{Wavelengths, rgb_of_xyz};
+use super::names::{Role, Side, Unit, role, unit};
 use crate::ReadError;
 
-/// Names of the columns of the incident and the outgoing direction, as unit vectors and as angles.
-const VECTORS: [[&str; 3]; 2] = [["wi_x", "wi_y", "wi_z"], ["wo_x", "wo_y", "wo_z"]];
-const ANGLES: [[&str; 2]; 2] = [["theta_i", "phi_i"], ["theta_o", "phi_o"]];
+/// Where a number stands: in a column, or once above all rows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Place {
+    Column(usize),
+    Constant(f64),
+}
 
-const RGB: [&str; 3] = ["r", "g", "b"];
-const ONE: [&str; 2] = ["value", "y"];
-
-/// What is expected, for errors.
-const EXPECTED: &str = "wi_x,wi_y,wi_z,wo_x,wo_y,wo_z (unit vectors) or theta_i,phi_i,theta_o,phi_o (degrees), and r,g,b, or value, or \
-                        wavelengths in nm";
-
-/// How directions are written; places of the columns of the incident and the outgoing one.
-#[derive(Debug)]
-enum Directions {
+/// How directions are written.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Directions {
+    /// Unit vectors, incident and outgoing.
     Vectors([[usize; 3]; 2]),
-    /// Angle from the normal and azimuth, degrees.
-    Angles([[usize; 2]; 2]),
+    /// Angles from the normal and azimuths.
+    Angles { thetas: [Place; 2], azimuths: Azimuths },
+}
+
+/// How azimuths are written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Azimuths {
+    Both([Place; 2]),
+    /// Of the outgoing direction, or the difference of both: the incident one is at 0.
+    Outgoing(Place),
+    /// Of the incident direction alone.
+    Incident(Place),
+    /// None: all is in the plane of incidence, and angles have a sign.
+    InPlane,
 }
 
 /// How values are written; places of the columns.
 #[derive(Debug)]
-enum Values {
+pub(super) enum Values {
     Rgb([usize; 3]),
+    Xyz([usize; 3]),
     One(usize),
-    Spectrum(Vec<usize>, ToRgb),
+    Spectrum(Vec<usize>, Wavelengths),
+    /// A row for each wavelength: places of wavelength and value.
+    Long([usize; 2]),
 }
 
 /// The columns of a file.
 #[derive(Debug)]
 pub(super) struct Columns {
-    /// How many there are.
-    pub count: usize,
-    directions: Directions,
-    values: Values,
+    pub names: Vec<String>,
+    pub directions: Directions,
+    pub values: Values,
+    /// Units that the names of angles and values carry.
+    pub angle_unit: Option<Unit>,
+    pub value_unit: Option<Unit>,
+    /// Names of what is not read.
+    pub ignored: Vec<String>,
+    /// What was taken for granted.
+    pub notes: Vec<String>,
 }
 
+/// Why a line does not name the columns.
+#[derive(Debug)]
+pub(super) struct NoColumns {
+    /// How many of its names are known.
+    pub known: usize,
+    pub reason: String,
+}
+
+/// Numbers that stand above all rows, by what they are.
+pub(super) type Constants = Vec<(Role, f64)>;
+
 impl Columns {
-    /// From the first line.
-    pub fn parse(line: &str) -> Result<Self, ReadError> {
-        let names: Vec<String> = line.split(',').map(|name| name.trim().to_ascii_lowercase()).collect();
-        let content =
-            |text: String| Err(ReadError::Content(format!("the first line names the columns: {text}")));
-        if let Some(twice) = (1..names.len()).find(|&i| names[..i].contains(&names[i])) {
-            return content(format!("{:?} stands there twice", shortened(&names[twice])));
+    /// From the names, and from what stands above them.
+    pub fn find(names: &[String], constants: &Constants) -> Result<Self, NoColumns> {
+        let roles: Vec<Role> = names.iter().map(|name| role(name)).collect();
+        let known = roles
+            .iter()
+            .filter(|r| !matches!(r, Role::Other | Role::At(_) | Role::NoWavelength | Role::Value))
+            .count();
+        let fail = |reason: String| Err(NoColumns { known, reason });
+        let plain = |n: usize| names[n].trim().to_lowercase();
+        if let Some(twice) =
+            (1..names.len()).find(|&n| !plain(n).is_empty() && (0..n).any(|m| plain(m) == plain(n)))
+        {
+            return fail(format!("column `{}` stands there twice", names[twice].trim()));
         }
-        let (directions, values) = (directions(&names), values(&names)?);
-        let (Some(directions), Some(values)) = (directions, values) else {
-            return content(format!("expected are {EXPECTED}, found is {:?}", shortened(line)));
+        if let Some(odd) = roles.iter().position(|r| *r == Role::NoWavelength) {
+            return fail(format!("column `{}` is named by no wavelength", names[odd].trim()));
+        }
+        let sides = Sides { roles: &roles, constants };
+        let mut notes = Vec::new();
+        let directions = match sides.directions(&mut notes) {
+            Ok(directions) => directions,
+            Err(missing) => return fail(missing),
         };
-        let is_known = |place: usize| directions.has(place) || values.has(place);
-        if let Some(unknown) = (0..names.len()).find(|&place| !is_known(place)) {
-            return content(format!("{:?} is none of {EXPECTED}", shortened(&names[unknown])));
+        let values = match values(names, &roles) {
+            Ok(values) => values,
+            Err(missing) => return fail(missing),
+        };
+        if let Values::Spectrum(_, wavelengths) = &values {
+            notes.extend(wavelengths.note.clone());
         }
-        Ok(Self { count: names.len(), directions, values })
+        let used = |n: usize| directions.has(n) || values.has(n);
+        let ignored: Vec<String> = (0..names.len())
+            .filter(|&n| !used(n) && !plain(n).is_empty())
+            .map(|n| names[n].trim().to_owned())
+            .collect();
+        let unit_of =
+            |of: &dyn Fn(usize) -> bool| (0..names.len()).filter(|&n| of(n)).find_map(|n| unit(&names[n]));
+        let angle_unit = unit_of(&|n| directions.has(n));
+        let value_unit = unit_of(&|n| values.has(n));
+        let names = names.iter().map(|name| name.trim().to_owned()).collect();
+        Ok(Self { names, directions, values, angle_unit, value_unit, ignored, notes })
+    }
+}
+
+/// The columns and constants by what they are.
+struct Sides<'a> {
+    roles: &'a [Role],
+    constants: &'a Constants,
+}
+
+impl Sides<'_> {
+    fn place(&self, wanted: &Role) -> Option<Place> {
+        let column = self.roles.iter().position(|r| r == wanted).map(Place::Column);
+        let constant = self.constants.iter().find(|(role, _)| role == wanted);
+        column.or(constant.map(|(_, value)| Place::Constant(*value)))
     }
 
-    /// Unit vectors towards the incident and the outgoing direction; the error says which is none above the horizon.
-    pub fn directions(&self, row: &[f64]) -> Result<[[f64; 3]; 2], String> {
-        let found = match &self.directions {
-            Directions::Vectors(places) => places.map(|places| places.map(|place| row[place])),
-            Directions::Angles(places) => {
-                for [theta, _] in *places {
-                    if !(0.0..=90.0).contains(&row[theta]) {
-                        return Err(format!(
-                            "{} is no angle from the normal above the horizon: 0 to 90 degrees",
-                            row[theta]
-                        ));
-                    }
-                }
-                places.map(|[theta, phi]| from_angles(row[theta], row[phi]))
-            }
-        };
-        for d in &found {
-            let squared: f64 = d.iter().map(|x| x * x).sum();
-            if (squared - 1.0).abs() > 1e-3 || d[2] < 0.0 {
-                return Err(format!("{d:?} is not a unit vector above the horizon"));
-            }
-        }
-        Ok(found)
+    /// Of a direction, by a role that names its side; `s` is whichever side has no other name.
+    fn of(&self, side: Side, role: fn(Side) -> Role) -> Option<Place> {
+        let other = if side == Side::Incident { Side::Outgoing } else { Side::Incident };
+        self.place(&role(side)).or_else(|| {
+            let either = self.place(&role(Side::Either))?;
+            self.place(&role(other)).map(|_| either)
+        })
     }
 
-    /// Linear sRGB.
-    pub fn rgb(&self, row: &[f64]) -> [f64; 3] {
-        match &self.values {
-            Values::Rgb(places) => places.map(|place| row[place]),
-            Values::One(place) => [row[*place]; 3],
-            Values::Spectrum(places, to_rgb) => {
-                to_rgb.convert(&places.iter().map(|&place| row[place]).collect::<Vec<_>>())
+    fn vector(&self, side: Side) -> Option<[usize; 3]> {
+        let column = |axis: usize| self.roles.iter().position(|r| *r == Role::Vector(side, axis));
+        Some([column(0)?, column(1)?, column(2)?])
+    }
+
+    fn directions(&self, notes: &mut Vec<String>) -> Result<Directions, String> {
+        if let (Some(i), Some(o)) = (self.vector(Side::Incident), self.vector(Side::Outgoing)) {
+            return Ok(Directions::Vectors([i, o]));
+        }
+        if self.roles.contains(&Role::Half) {
+            return Err("half and difference angles are not read; give the angles of both directions".into());
+        }
+        let [mut i, mut o] = [Side::Incident, Side::Outgoing].map(|side| self.of(side, Role::Theta));
+        if i.is_some() != o.is_some() {
+            let missing = if i.is_some() { &mut o } else { &mut i };
+            *missing = self.place(&Role::ThetaAlone);
+        }
+        let example = "such as theta_o, theta_r or view zenith";
+        let missing = |which: &str, example: &str| {
+            format!("no column is the angle of the {which} direction, {example}")
+        };
+        let i = i.ok_or_else(|| missing("incident", "such as theta_i, AOI or light zenith"))?;
+        let o = o.ok_or_else(|| missing("outgoing", example))?;
+        let phis = [Side::Incident, Side::Outgoing].map(|side| self.of(side, Role::Phi));
+        let azimuths = match (phis, self.place(&Role::DeltaPhi)) {
+            ([Some(i), Some(o)], _) => Azimuths::Both([i, o]),
+            (_, Some(delta)) => Azimuths::Outgoing(delta),
+            ([None, Some(o)], None) => Azimuths::Outgoing(o),
+            ([Some(i), None], None) => Azimuths::Incident(i),
+            ([None, None], None) => Azimuths::InPlane,
+        };
+        if matches!(azimuths, Azimuths::Outgoing(_) | Azimuths::Incident(_)) {
+            notes.push("there is one azimuth; that of the other direction is taken as 0".into());
+        }
+        for place in [i, o] {
+            if let Place::Constant(angle) = place {
+                notes.push(format!("one direction is the same in all rows: {angle}, from above the columns"));
             }
+        }
+        Ok(Directions::Angles { thetas: [i, o], azimuths })
+    }
+}
+
+/// What holds the value.
+fn values(names: &[String], roles: &[Role]) -> Result<Values, String> {
+    let column = |wanted: Role| roles.iter().position(|r| *r == wanted);
+    let three = |of: fn(usize) -> Role| Some([column(of(0))?, column(of(1))?, column(of(2))?]);
+    if let Some(rgb) = three(Role::Rgb) {
+        return Ok(Values::Rgb(rgb));
+    }
+    if let Some(xyz) = three(Role::Xyz) {
+        return Ok(Values::Xyz(xyz));
+    }
+    let at = |(place, role): (usize, &Role)| match role {
+        Role::At(wavelength) => Some((place, *wavelength)),
+        _ => None,
+    };
+    let (places, numbers): (Vec<usize>, Vec<f64>) = roles.iter().enumerate().filter_map(at).unzip();
+    if !places.is_empty() {
+        let wavelengths = Wavelengths::new(&numbers).map_err(|error| error.to_string())?;
+        return Ok(Values::Spectrum(places, wavelengths));
+    }
+    let one = column(Role::Value).or(column(Role::Xyz(1)));
+    match (one, column(Role::Wavelength)) {
+        (Some(value), Some(wavelength)) => Ok(Values::Long([wavelength, value])),
+        (Some(value), None) => Ok(Values::One(value)),
+        (None, _) => {
+            let unknown =
+                names.iter().zip(roles).find(|(name, r)| **r == Role::Other && !name.trim().is_empty());
+            let hint = unknown.map_or_else(String::new, |(name, _)| {
+                format!("; if `{}` is the value, name it so", name.trim())
+            });
+            Err(format!(
+                "no column is the value: r,g,b, or X,Y,Z, or value, or wavelengths such as 400nm{hint}"
+            ))
         }
     }
 }
 
 impl Directions {
-    fn has(&self, place: usize) -> bool {
+    fn has(&self, n: usize) -> bool {
+        let is = |place: &Place| *place == Place::Column(n);
         match self {
-            Self::Vectors(places) => places.as_flattened().contains(&place),
-            Self::Angles(places) => places.as_flattened().contains(&place),
+            Self::Vectors(places) => places.as_flattened().contains(&n),
+            Self::Angles { thetas, azimuths } => {
+                thetas.iter().any(is)
+                    || match azimuths {
+                        Azimuths::Both(places) => places.iter().any(is),
+                        Azimuths::Outgoing(place) | Azimuths::Incident(place) => is(place),
+                        Azimuths::InPlane => false,
+                    }
+            }
         }
     }
 }
 
 impl Values {
-    fn has(&self, place: usize) -> bool {
+    fn has(&self, n: usize) -> bool {
+        self.places().contains(&n)
+    }
+
+    /// The columns that hold the value, in the order in which [`rgb`](Self::rgb) takes their numbers.
+    pub fn places(&self) -> Vec<usize> {
         match self {
-            Self::Rgb(places) => places.contains(&place),
-            Self::One(one) => *one == place,
-            Self::Spectrum(places, _) => places.contains(&place),
+            Self::Rgb(places) | Self::Xyz(places) => places.to_vec(),
+            Self::One(one) => vec![*one],
+            Self::Spectrum(places, _) => places.clone(),
+            Self::Long(places) => places.to_vec(),
+        }
+    }
+
+    /// Linear sRGB of the numbers of a row; of a row of one wavelength grey.
+    pub fn rgb(&self, numbers: &[f64]) -> [f64; 3] {
+        match self {
+            Self::Rgb(_) => [numbers[0], numbers[1], numbers[2]],
+            Self::Xyz(_) => rgb_of_xyz([numbers[0], numbers[1], numbers[2]]),
+            Self::One(_) => [numbers[0]; 3],
+            Self::Spectrum(_, wavelengths) => wavelengths.rgb(numbers),
+            Self::Long(_) => [numbers[1]; 3],
         }
     }
 }
 
-/// A unit vector from its angle from the normal and its azimuth, degrees.
-fn from_angles(theta: f64, phi: f64) -> [f64; 3] {
-    let ((st, ct), (sp, cp)) = (theta.to_radians().sin_cos(), phi.to_radians().sin_cos());
-    // 90 degrees are the horizon, not what the rounded cosine makes of them.
-    [st * cp, st * sp, ct.max(0.0)]
-}
-
-/// Places of names, if all are there.
-fn places<const C: usize>(names: &[String], wanted: [&str; C]) -> Option<[usize; C]> {
-    let found = wanted.map(|wanted| names.iter().position(|name| name == wanted));
-    found.iter().all(Option::is_some).then(|| found.map(|place| place.unwrap_or_default()))
-}
-
-fn directions(names: &[String]) -> Option<Directions> {
-    if let (Some(i), Some(o)) = (places(names, VECTORS[0]), places(names, VECTORS[1])) {
-        return Some(Directions::Vectors([i, o]));
-    }
-    Some(Directions::Angles([places(names, ANGLES[0])?, places(names, ANGLES[1])?]))
-}
-
-fn values(names: &[String]) -> Result<Option<Values>, ReadError> {
-    if let Some(rgb) = places(names, RGB) {
-        return Ok(Some(Values::Rgb(rgb)));
-    }
-    if let Some(one) = names.iter().position(|name| ONE.contains(&name.as_str())) {
-        return Ok(Some(Values::One(one)));
-    }
-    let wavelength = |name: &String| name.strip_suffix("nm").unwrap_or(name).trim().parse::<f64>().ok();
-    let (places, wavelengths): (Vec<usize>, Vec<f64>) =
-        names.iter().enumerate().filter_map(|(place, name)| Some((place, wavelength(name)?))).unzip();
-    if wavelengths.is_empty() {
-        return Ok(None);
-    }
-    Ok(Some(Values::Spectrum(places, ToRgb::new(&wavelengths)?)))
-}
-
-/// What an error shows of what a file holds.
-fn shortened(text: &str) -> String {
-    text.chars().take(60).collect()
+/// An error with the line of the names.
+pub(super) fn fault(line: usize, reason: &str) -> ReadError {
+    ReadError::Content(format!("line {line} names the columns: {reason}"))
 }

@@ -9,7 +9,7 @@ use srbf_fit::baselines::thesis;
 use srbf_fit::judge::cross::CrossValidation;
 use srbf_fit::judge::method::{Fitted, Method};
 use srbf_fit::judge::report::{Input, Report, ViewReport};
-use srbf_fit::read::{Content, Source};
+use srbf_fit::read::{Content, Conventions, Source};
 use srbf_fit::table::Density;
 use srbf_fit::table::Table;
 use srbf_fit::table::evaluation_views;
@@ -185,6 +185,7 @@ pub fn fit(
         cross_validation: left_out,
         completion: None,
         appearance: None,
+        look: None,
     };
     let mut json = report.to_json_of(fitted.as_ref(), key, input)?;
     json["settings"] = settings.into();
@@ -206,12 +207,14 @@ fn tables(content: &Content) -> anyhow::Result<(Table, Option<Table>)> {
 }
 
 /// Reads what is to be fitted: a file, or one material of a file of published Lafortune fits.
-pub fn read(file: &Path, material: Option<&str>) -> anyhow::Result<Source> {
+pub fn read(file: &Path, material: Option<&str>, conventions: &Conventions) -> anyhow::Result<Source> {
     Ok(match material {
         Some(material) => lafortune::read(file, material)?,
-        None => srbf_fit::read::read(file).map_err(|error| match lafortune::names(file) {
-            Ok(names) => anyhow!("{}: --material is needed, one of {names}", shown(&file)),
-            Err(_) => error.into(),
-        })?,
+        None => {
+            srbf_fit::read::read_with(file, conventions).map_err(|error| match lafortune::names(file) {
+                Ok(names) => anyhow!("{}: --material is needed, one of {names}", shown(file)),
+                Err(_) => error.into(),
+            })?
+        }
     })
 }

@@ -52,7 +52,7 @@ pub fn places(
     for file in files {
         let output = place(file, output, files.len() > 1, material, method)?;
         if let Some(other) = places.iter().find(|place| place.output == output) {
-            let [other, file] = [&other.file, file].map(|file| shown(&file));
+            let [other, file] = [&other.file, file].map(shown);
             bail!("{other} and {file} would both be written to {}", shown(&output));
         }
         places.push(Job { file: file.clone(), output });
@@ -80,7 +80,7 @@ fn place(
         None => None,
         Some(path) if is_one_of_many || is_folder(path) => {
             let is_file = ["srbf", "json"].iter().any(|ending| ends_in(path, ending));
-            ensure!(!is_file, "-o {}: of several files it names a folder", shown(&path));
+            ensure!(!is_file, "-o {}: of several files it names a folder", shown(path));
             Some(path.join(with(&stem, ".srbf")))
         }
         Some(path) => Some(path.to_owned()),

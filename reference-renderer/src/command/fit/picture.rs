@@ -43,7 +43,7 @@ impl Args {
         );
         if let Some(path) = &self.picture {
             ensure!(method == MethodName::Tracked, "--picture: only fits of our own method can be drawn");
-            ensure!(places.len() == 1, "--picture {}: it is of one file", shown(&path));
+            ensure!(places.len() == 1, "--picture {}: it is of one file", shown(path));
         }
         places.iter().map(|place| self.path(place, method)).collect()
     }

@@ -70,6 +70,9 @@ impl Args {
             return Ok(words);
         }
         println!("{heading}");
+        if let Some(look) = &report.look {
+            crate::command::look::print(look, self.verbose);
+        }
         if self.verbose {
             print_tables(report);
             view_table::print_whole(report, &reciprocity, material);
@@ -88,7 +91,7 @@ impl Args {
         }
         let (output, report) = (&place.output, names::report(&place.output));
         let paths = [Some(output.as_path()), Some(&report)].into_iter().chain(pictures);
-        let paths: Vec<String> = paths.flatten().map(|path| shown(&path)).collect();
+        let paths: Vec<String> = paths.flatten().map(shown).collect();
         println!("wrote {}", paths.join(", "));
         println!("next  {next}");
     }
@@ -102,7 +105,7 @@ pub fn next(material: &Path) -> String {
 
 /// A path as a shell takes it for one word.
 fn quoted(path: &Path) -> String {
-    let text = shown(&path);
+    let text = shown(path);
     let plain = |c: char| c.is_alphanumeric() || "-_./=,:+".contains(c);
     if text.chars().all(plain) { text } else { format!("'{}'", text.replace('\'', "'\\''")) }
 }

@@ -24,7 +24,7 @@ const GREY: RGBColor = RGBColor(120, 120, 120);
 /// Names the file.
 pub fn write_png(path: &Path, comparisons: &[Comparison]) -> anyhow::Result<()> {
     let all: Vec<&Comparison> = comparisons.iter().collect();
-    let png = png(&all).with_context(|| format!("cannot plot {}", shown(&path)))?;
+    let png = png(&all).with_context(|| format!("cannot plot {}", shown(path)))?;
     output::write(path, &png)
 }
 

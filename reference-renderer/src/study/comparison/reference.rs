@@ -46,7 +46,7 @@ impl Key {
         self.add(name.as_bytes());
         let before = name.rsplit_once(':').map_or(name, |parts| parts.0);
         if let Some(file) = [name, before].map(Path::new).into_iter().find(|file| file.is_file()) {
-            self.add(&std::fs::read(file).with_context(|| shown(&file))?);
+            self.add(&std::fs::read(file).with_context(|| shown(file))?);
         }
         Ok(())
     }

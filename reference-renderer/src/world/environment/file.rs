@@ -43,7 +43,7 @@ pub fn read(path: &Path, projection: Projection) -> anyhow::Result<Environment> 
             _ => bail!("a name that ends in .hdr or .exr is expected"),
         }
     };
-    open().with_context(|| format!("environment {}", shown(&path)))
+    open().with_context(|| format!("environment {}", shown(path)))
 }
 
 /// Reads a Radiance picture. Bytes behind the last row are ignored: published probes have a stray one.

@@ -22,7 +22,7 @@ pub fn read(path: &Path) -> anyhow::Result<Mesh> {
             _ => bail!("a name that ends in .obj or .ply is expected"),
         }
     };
-    open().with_context(|| format!("mesh {}", shown(&path)))
+    open().with_context(|| format!("mesh {}", shown(path)))
 }
 
 fn from_obj(bytes: &[u8]) -> anyhow::Result<Mesh> {

@@ -1,0 +1,296 @@
+//! What a column holds, by its name in any usual spelling.
+
+/// Which of the two directions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    Incident,
+    Outgoing,
+    /// `s`: the scattered direction beside an `i`, the source beside a `v` or an `r`.
+    Either,
+}
+
+/// What a column holds.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Role {
+    /// Angle from the normal.
+    Theta(Side),
+    /// Angle from the normal of a direction that is not named.
+    ThetaAlone,
+    /// Azimuth.
+    Phi(Side),
+    /// Difference of the azimuths, or the one azimuth that there is.
+    DeltaPhi,
+    /// A part of a unit vector: 0 x, 1 y, 2 z.
+    Vector(Side, usize),
+    /// Half and difference angles, which need a column each.
+    Half,
+    /// One value.
+    Value,
+    /// A channel of linear sRGB.
+    Rgb(usize),
+    /// X, Y or Z.
+    Xyz(usize),
+    /// The wavelength of a row, where each has one.
+    Wavelength,
+    /// A value at a wavelength.
+    At(f64),
+    /// A name that is no number, where a wavelength was meant.
+    NoWavelength,
+    /// Anything else.
+    Other,
+}
+
+/// A unit that a name carries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Unit {
+    Degrees,
+    Radians,
+    Percent,
+}
+
+const INCIDENT: &str = "i in inc inci incident incidence incoming input l light src source sun solar lamp illumination illum \
+    irradiation ill incid ein einfall lichtquelle laser";
+const OUTGOING: &str = "o out outgoing output r refl reflected reflection v view viewer viewing cam camera det detector d \
+    sensor rec receiver e em emission emitted exit measure measured measurement obs observation observer \
+    scat scatter scattered scattering emergent emergence aus";
+const POLAR: &str = "theta zenith polar inclination th tht vertical";
+const AZIMUTH: &str = "azimuthal azimuth azimut azim azi phi az";
+const VALUES: &str = "value val values f fr brdf bsdf y luminance lum grey gray intensity reflectance rho \
+    reflectancefactor radiance brdfvalue brf hdrf wert valeur bidir brdfsr fbrdf signal data messwert";
+/// Before a channel or a wavelength.
+const BEFORE: &str = "brdf bsdf value reflectance refl linear lin srgb rgb f fr xyz r";
+const BEFORE_WAVELENGTH: &str = "wavelength lambda wl w brdf bsdf value reflectance refl f fr r nm l";
+
+/// A name and the unit that it carries, or that stands in brackets after it.
+pub(super) fn unit(name: &str) -> Option<Unit> {
+    let name = name.to_lowercase();
+    if name.contains('\u{b0}') {
+        return Some(Unit::Degrees);
+    }
+    let of = |word: &str| match word {
+        "deg" | "degs" | "degree" | "degrees" | "grad" | "\u{b0}" => Some(Unit::Degrees),
+        "rad" | "rads" | "radian" | "radians" => Some(Unit::Radians),
+        "percent" | "pct" => Some(Unit::Percent),
+        _ => None,
+    };
+    let percent = name.contains('%').then_some(Unit::Percent);
+    percent.or_else(|| words(&name).iter().find_map(|word| of(word)))
+}
+
+/// What a column of that name holds.
+pub(super) fn role(name: &str) -> Role {
+    // Articles of French.
+    let name =
+        &["d'", "l'", "d\u{2019}", "l\u{2019}"].iter().fold(name.to_owned(), |name, a| name.replace(a, " "));
+    let plain = name.trim().to_lowercase();
+    if let Ok(number) = plain.parse::<f64>() {
+        return if number.is_finite() { Role::At(number) } else { Role::NoWavelength };
+    }
+    let is_unit = |w: &String| {
+        matches!(
+            w.as_str(),
+            "deg"
+                | "degs"
+                | "degree"
+                | "degrees"
+                | "rad"
+                | "rads"
+                | "radian"
+                | "radians"
+                | "sr"
+                | "1"
+                | "sterad"
+        )
+    };
+    let is_filler =
+        |w: &String| matches!(w.as_str(), "of" | "the" | "direction" | "dir" | "angles" | "angle" | "vec");
+    let all = words(name);
+    let has_angle = all.iter().any(|w| w == "angle" || w == "angles");
+    let bare: Vec<String> = all.iter().filter(|w| !is_unit(w)).cloned().collect();
+    let kept: String = bare.iter().filter(|w| !is_filler(w)).map(String::as_str).collect();
+    let joined: String = bare.concat();
+    match joined.as_str() {
+        "aoi" | "angleofincidence" | "sza" => return Role::Theta(Side::Incident),
+        "vza" | "aos" | "angleofscatter" => return Role::Theta(Side::Outgoing),
+        "saa" => return Role::Phi(Side::Incident),
+        "vaa" => return Role::Phi(Side::Outgoing),
+        "raa" => return Role::DeltaPhi,
+        "wavelength" | "wavelengths" | "lambda" | "wl" | "wavelengthnm" | "lambdanm" | "wavelengthum"
+        | "wellenlänge" | "longueurdonde" => return Role::Wavelength,
+        _ => {}
+    }
+    if let Some(found) = spectral(&plain) {
+        return found;
+    }
+    if matches!(joined.as_str(), "thetah" | "thetahalf" | "halfangle" | "thetadiff" | "phih") {
+        return Role::Half;
+    }
+    let relative = ["relative", "rel", "delta", "d", "difference", "diff"];
+    if let Some(rest) = around(&kept, AZIMUTH) {
+        return match side(&rest) {
+            Some(side) if rest != "d" || kept.starts_with("phi") => Role::Phi(side),
+            _ if rest.is_empty() || relative.contains(&rest.as_str()) => Role::DeltaPhi,
+            _ => Role::Other,
+        };
+    }
+    if let Some(rest) = around(&kept, POLAR) {
+        return match side(&rest) {
+            Some(side) => Role::Theta(side),
+            None if rest.is_empty() => Role::ThetaAlone,
+            None => Role::Other,
+        };
+    }
+    if let (true, Some(side)) = (has_angle, side(&kept)) {
+        return Role::Theta(side);
+    }
+    if let Some(vector) = vector(&kept) {
+        return vector;
+    }
+    channel(&kept).unwrap_or(Role::Other)
+}
+
+/// Whether a word is in a list.
+fn has(list: &str, word: &str) -> bool {
+    list.split(' ').any(|known| known == word)
+}
+
+/// A name without the word that it begins or ends with.
+fn around(name: &str, of: &str) -> Option<String> {
+    of.split(' ').find_map(|q| name.strip_prefix(q).or_else(|| name.strip_suffix(q))).map(str::to_owned)
+}
+
+fn side(name: &str) -> Option<Side> {
+    // theta_i_1 and the like are no spelling of anything.
+    match name {
+        "s" => Some(Side::Either),
+        _ if has(INCIDENT, name) => Some(Side::Incident),
+        _ if has(OUTGOING, name) => Some(Side::Outgoing),
+        _ => None,
+    }
+}
+
+fn vector(name: &str) -> Option<Role> {
+    let axis = ["x", "y", "z"].iter().position(|axis| name.ends_with(axis))?;
+    let rest = &name[..name.len() - 1];
+    let bare = rest.strip_prefix("omega").or_else(|| rest.strip_prefix('w')).unwrap_or(rest);
+    side(bare).filter(|_| !bare.is_empty()).map(|side| Role::Vector(side, axis))
+}
+
+fn channel(name: &str) -> Option<Role> {
+    let rgb = [["r", "red"], ["g", "green"], ["b", "blue"]];
+    let xyz = ["x", "y", "z"];
+    if has(VALUES, name) && name != "y" {
+        return Some(Role::Value);
+    }
+    let of = |bare: &str| {
+        let rgb = rgb.iter().position(|names| names.contains(&bare)).map(Role::Rgb);
+        rgb.or_else(|| xyz.iter().position(|x| *x == bare).map(Role::Xyz))
+    };
+    BEFORE.split(' ').chain([""]).find_map(|before| {
+        name.strip_prefix(before).and_then(of).or_else(|| name.strip_suffix(before).and_then(of))
+    })
+}
+
+/// A value at a wavelength: a number with nothing but a unit or a plain word about it.
+fn spectral(plain: &str) -> Option<Role> {
+    let micro = ["um", "\u{b5}m", "\u{3bc}m", "micron", "microns"];
+    let without: String = plain.chars().filter(|c| !" _-[](){}/=:".contains(*c)).collect();
+    let (bare, unit) = match without.strip_suffix("nm") {
+        Some(bare) => (bare.to_owned(), 1.0),
+        None => match micro.iter().find_map(|unit| without.strip_suffix(unit)) {
+            Some(bare) => (bare.to_owned(), 1e3),
+            None => (without.clone(), 1.0),
+        },
+    };
+    let number = |text: &str| text.replace(',', ".").parse::<f64>().ok();
+    let starts = BEFORE_WAVELENGTH.split(' ').filter_map(|before| bare.strip_prefix(before));
+    let found = std::iter::once(bare.as_str()).chain(starts).find_map(number);
+    match found {
+        Some(w) if w.is_finite() => Some(Role::At(w * unit)),
+        Some(_) => Some(Role::NoWavelength),
+        None => None,
+    }
+}
+
+/// The words of a name, in lower case: at changes of case, at signs, at brackets. Greek letters are words.
+fn words(name: &str) -> Vec<String> {
+    let mut words: Vec<String> = vec![String::new()];
+    let mut last = ' ';
+    for c in name.chars() {
+        let greek = match c {
+            '\u{3b8}' | '\u{3d1}' | '\u{398}' => Some("theta"),
+            '\u{3c6}' | '\u{3d5}' | '\u{3a6}' => Some("phi"),
+            '\u{3bb}' => Some("lambda"),
+            '\u{394}' | '\u{3b4}' => Some("delta"),
+            '\u{3c9}' => Some("w"),
+            '\u{3c1}' => Some("rho"),
+            _ => None,
+        };
+        if let Some(word) = greek {
+            words.extend([word.to_owned(), String::new()]);
+        } else if !c.is_alphanumeric() {
+            words.push(String::new());
+        } else {
+            if c.is_uppercase() && last.is_lowercase() {
+                words.push(String::new());
+            }
+            if let Some(word) = words.last_mut() {
+                word.extend(c.to_lowercase());
+            }
+        }
+        last = c;
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn usual_spellings_are_known() {
+        use Role::*;
+        use Side::*;
+        for (names, role) in [
+            (
+                "theta_i|thetaI|Theta In|theta_i [deg]|\u{3b8}i|\u{3b8}_i (\u{b0})|AOI|Angle d'incidence|Incident_angle|theta_l|light zenith|\
+              Angle of incidence|incident_theta|theta_in_rad|zenith_i|sza|Incidence Angle",
+                Theta(Incident),
+            ),
+            (
+                "theta_o|thetaO|theta_r|THETA_V|Measure_angle|scatter angle|view zenith|theta_out|detector angle|vza|\
+              reflected polar angle",
+                Theta(Outgoing),
+            ),
+            ("theta_s", Theta(Either)),
+            ("theta", ThetaAlone),
+            ("phi_i|phiI|azimuth_i|Incident azimuth|\u{3c6}_i|light azimuth angle", Phi(Incident)),
+            ("phi_o|phi_r|phi_v|view azimuth|azimuth_out|PhiOut", Phi(Outgoing)),
+            ("phi|dphi|delta_phi|\u{394}\u{3c6}|relative azimuth|azimuth", DeltaPhi),
+            ("wi_x|wix|ix|l_x|light_x|Wi.x|in_x|w_i_x", Vector(Incident, 0)),
+            ("wo_z|oz|v_z|view z|out_z", Vector(Outgoing, 2)),
+            ("value|BRDF|brdf [1/sr]|f_r|reflectance|BRDF (sr-1)|f", Value),
+            ("r|R|red|brdf_r|linear R", Rgb(0)),
+            ("b|blue|f_b", Rgb(2)),
+            ("X|x", Xyz(0)),
+            ("Y", Xyz(1)),
+            ("wavelength|lambda|\u{3bb}|wavelength [nm]|Wavelength_nm", Wavelength),
+            ("400|400nm| 400 nm |wl_400|lambda400|brdf_400nm|0.4um|0.4 \u{b5}m", At(400.0)),
+            ("NaN|inf|-inf|nan nm", NoWavelength),
+            ("theta_h|halfangle", Half),
+            ("sigma|weight|comment|sample|uncertainty|date|n_x|index", Other),
+        ] {
+            for name in names.split('|') {
+                let found = super::role(name);
+                let close = matches!((&found, &role), (At(a), At(b)) if (a - b).abs() < 1e-9 || (a - 0.4).abs() < 1e-9);
+                assert!(found == role || close, "{name}: {found:?}, not {role:?}");
+            }
+        }
+        assert_eq!(unit("theta_i [deg]"), Some(Unit::Degrees));
+        assert_eq!(unit("\u{3b8} (\u{b0})"), Some(Unit::Degrees));
+        assert_eq!(unit("theta_rad"), Some(Unit::Radians));
+        assert_eq!(unit("theta_i"), None);
+        assert_eq!(unit("BRDF %"), Some(Unit::Percent));
+    }
+}

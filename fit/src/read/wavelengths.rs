@@ -1,0 +1,154 @@
+//! A spectrum in whatever wavelengths a file has, made a colour where it is one, and grey where it is none.
+
+use super::spectrum::ToRgb;
+use crate::ReadError;
+
+/// What the eye sees, nm.
+const VISIBLE: [f64; 2] = [360.0, 830.0];
+
+/// Wavelengths up to this are micrometres, and up to that metres.
+const MICROMETRES: f64 = 20.0;
+const METRES: f64 = 1e-4;
+
+/// A few lines make a colour if there are so many, and they begin and end in blue and red, nm.
+const FEW: usize = 3;
+const BLUE: f64 = 500.0;
+const RED: f64 = 600.0;
+
+/// Turns the values of wavelengths, in the order of a file, into linear sRGB.
+#[derive(Debug)]
+pub(crate) struct Wavelengths {
+    /// Places of the values that matter, by rising wavelength.
+    order: Vec<usize>,
+    /// `None`: their mean is grey.
+    to_rgb: Option<ToRgb>,
+    /// What was made of them, where it is not plain.
+    pub note: Option<String>,
+}
+
+impl Wavelengths {
+    /// For wavelengths in nm, micrometres or metres, in any order.
+    ///
+    /// # Errors
+    /// [`ReadError::Content`] for a number that is no wavelength, and for one that stands there twice.
+    pub fn new(numbers: &[f64]) -> Result<Self, ReadError> {
+        let fail = |text: String| Err(ReadError::Content(text));
+        if let Some(odd) = numbers.iter().find(|w| !w.is_finite() || **w <= 0.0) {
+            return fail(format!("{odd} is no wavelength"));
+        }
+        let Some(largest) = numbers.iter().copied().reduce(f64::max) else {
+            return fail("no wavelengths".into());
+        };
+        let (unit, unit_name) = match largest {
+            w if w < METRES => (1e9, Some("metres")),
+            w if w < MICROMETRES => (1e3, Some("micrometres")),
+            _ => (1.0, None),
+        };
+        let nm: Vec<f64> = numbers.iter().map(|w| w * unit).collect();
+        if let Some(odd) = nm.iter().find(|w| !(100.0..=1e5).contains(*w)) {
+            return fail(format!("{odd} nm is no wavelength; 100 to 100000 nm is expected"));
+        }
+        let mut order: Vec<usize> = (0..nm.len()).collect();
+        order.sort_by(|&a, &b| nm[a].total_cmp(&nm[b]));
+        if let Some(twice) = order.windows(2).find(|pair| nm[pair[0]] == nm[pair[1]]) {
+            return fail(format!("wavelength {} nm stands there twice", nm[twice[0]]));
+        }
+        let is_visible = |place: &usize| (VISIBLE[0]..=VISIBLE[1]).contains(&nm[*place]);
+        let visible: Vec<usize> = order.iter().copied().filter(is_visible).collect();
+        let unit_note = unit_name.map(|name| format!("wavelengths are in {name}"));
+        let (low, high) = (nm[order[0]], nm[order[order.len() - 1]]);
+        let grey = |text: String| {
+            let text = unit_note.iter().cloned().chain([text]).collect::<Vec<_>>().join("; ");
+            Self { order: order.clone(), to_rgb: None, note: Some(text) }
+        };
+        if nm.len() == 1 {
+            return Ok(grey(format!("one wavelength, {low} nm, is taken as grey")));
+        }
+        if visible.is_empty() {
+            return Ok(grey(format!(
+                "wavelengths from {low} to {high} nm, which the eye does not see: their mean is taken as grey"
+            )));
+        }
+        let lines: Vec<f64> = visible.iter().map(|&place| nm[place]).collect();
+        let (first, last) = (lines[0], lines[lines.len() - 1]);
+        if let Ok(to_rgb) = ToRgb::new(&lines) {
+            return Ok(Self { order: visible, to_rgb: Some(to_rgb), note: unit_note });
+        }
+        if lines.len() >= FEW && first <= BLUE && last >= RED {
+            let text = format!("{} wavelengths from {first} to {last} nm make the colour", lines.len());
+            let text = unit_note.iter().cloned().chain([text]).collect::<Vec<_>>().join("; ");
+            let to_rgb = ToRgb::extended(&lines)?;
+            return Ok(Self { order: visible, to_rgb: Some(to_rgb), note: Some(text) });
+        }
+        Ok(grey(format!("wavelengths from {low} to {high} nm make no colour: their mean is taken as grey")))
+    }
+
+    /// Linear sRGB of the values in the order of the file.
+    pub fn rgb(&self, values: &[f64]) -> [f64; 3] {
+        let ordered: Vec<f64> = self.order.iter().map(|&place| values[place]).collect();
+        match &self.to_rgb {
+            Some(to_rgb) => to_rgb.convert(&ordered),
+            None => [ordered.iter().sum::<f64>() / ordered.len() as f64; 3],
+        }
+    }
+}
+
+/// Linear sRGB of CIE 1931 X, Y, Z under illuminant D65.
+pub(crate) fn rgb_of_xyz([x, y, z]: [f64; 3]) -> [f64; 3] {
+    [
+        3.2404542 * x - 1.5371385 * y - 0.4985314 * z,
+        -0.969266 * x + 1.8760108 * y + 0.041556 * z,
+        0.0556434 * x - 0.2040259 * y + 1.0572252 * z,
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spectra_of_any_order_and_unit_are_the_same_colour() {
+        let nm: Vec<f64> = (0..31).map(|i| 400.0 + 10.0 * f64::from(i)).collect();
+        let value = |w: f64| 0.1 + (w - 400.0) / 400.0;
+        let rgb = |w: &[f64]| {
+            let in_nm = |w: f64| {
+                if w > 100.0 {
+                    w
+                } else if w > 1e-3 {
+                    w * 1e3
+                } else {
+                    w * 1e9
+                }
+            };
+            Wavelengths::new(w).unwrap().rgb(&w.iter().map(|w| value(in_nm(*w))).collect::<Vec<_>>())
+        };
+        let falling: Vec<f64> = nm.iter().rev().copied().collect();
+        let expected = rgb(&nm);
+        for unit in [1.0, 1e-3, 1e-9] {
+            let found = rgb(&falling.iter().map(|w| w * unit).collect::<Vec<_>>());
+            assert!((0..3).all(|c| (found[c] - expected[c]).abs() < 1e-9), "{unit}: {found:?} {expected:?}");
+        }
+        let wide: Vec<f64> = nm.iter().copied().chain([900.0, 2000.0]).collect();
+        assert_eq!(rgb(&wide), expected);
+    }
+
+    #[test]
+    fn what_is_no_colour_is_grey_and_said() {
+        for (w, word) in [
+            (&[532.0][..], "one wavelength"),
+            (&[905.0, 1550.0], "does not see"),
+            (&[532.0, 633.0], "no colour"),
+            (&[0.905], "micrometres; one wavelength"),
+        ] {
+            let found = Wavelengths::new(w).unwrap();
+            assert!(found.note.as_ref().unwrap().contains(word), "{found:?}");
+            assert_eq!(found.rgb(&vec![0.5; w.len()]), [0.5; 3]);
+        }
+        let lines = Wavelengths::new(&[450.0, 532.0, 633.0]).unwrap();
+        let white = lines.rgb(&[0.5; 3]);
+        assert!(lines.note.is_some() && white.iter().all(|v| (v - 0.5).abs() < 1e-6), "{white:?}");
+        for odd in [&[][..], &[f64::NAN], &[500.0, 500.0], &[-400.0], &[f64::INFINITY, 500.0], &[50.0]] {
+            assert!(Wavelengths::new(odd).is_err(), "{odd:?}");
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! Options that say what a file of samples leaves open.
+
+use srbf_fit::read::{Angles, Conventions, Mirror, Values};
+use std::f64::consts::PI;
+
+/// What is known of a file of samples beyond what stands in it.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "What the file leaves open")]
+pub struct ConventionArgs {
+    /// Unit of angles [default: as the file says or shows]
+    #[arg(long, value_name = "UNIT")]
+    angles: Option<AngleName>,
+    /// Mirror directions are at opposite azimuths (angles of opposite signs, in a plane), or at equal ones
+    #[arg(long, value_name = "WHERE")]
+    mirror: Option<MirrorName>,
+    /// What values are: the BRDF, or the BRDF times the cosine of the outgoing or incident direction
+    #[arg(long, value_name = "WHAT")]
+    values: Option<ValuesName>,
+    /// What values are divided by to be in 1/sr: a number, or one with pi at its end, such as 100pi
+    #[arg(long, value_name = "NUMBER", value_parser = factor, default_value = "1", hide_default_value = true)]
+    divide: f64,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum AngleName {
+    Degrees,
+    Radians,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum MirrorName {
+    Opposite,
+    Equal,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum ValuesName {
+    Brdf,
+    CosineOutgoing,
+    CosineIncident,
+}
+
+fn factor(text: &str) -> Result<f64, String> {
+    let (number, unit) = text.strip_suffix("pi").map_or((text, 1.0), |number| (number, PI));
+    let number = if number.is_empty() { Ok(1.0) } else { number.parse::<f64>() };
+    let fits = |v: &f64| v.is_finite() && (1e-12..=1e12).contains(v);
+    number
+        .ok()
+        .map(|v| v * unit)
+        .filter(fits)
+        .ok_or_else(|| "a number from 1e-12 to 1e12, or such as 100pi".to_owned())
+}
+
+impl ConventionArgs {
+    /// As the reader takes it.
+    pub fn conventions(&self) -> Conventions {
+        Conventions {
+            angles: self.angles.map(|name| match name {
+                AngleName::Degrees => Angles::Degrees,
+                AngleName::Radians => Angles::Radians,
+            }),
+            mirror: self.mirror.map(|name| match name {
+                MirrorName::Opposite => Mirror::Opposite,
+                MirrorName::Equal => Mirror::Equal,
+            }),
+            values: self.values.map(|name| match name {
+                ValuesName::Brdf => Values::Brdf,
+                ValuesName::CosineOutgoing => Values::CosineOutgoing,
+                ValuesName::CosineIncident => Values::CosineIncident,
+            }),
+            divide: self.divide,
+        }
+    }
+}

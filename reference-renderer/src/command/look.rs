@@ -1,0 +1,122 @@
+//! `srbf look`.
+
+use super::convention_args::ConventionArgs;
+use anyhow::bail;
+use srbf_fit::complete::complete;
+use srbf_fit::export;
+use srbf_fit::look::Look;
+use srbf_fit::read::{Content, Conventions, Source, csv, read_with};
+use srbf_fit::table::Table;
+use std::path::{Path, PathBuf};
+
+/// Looks at measurements without fitting them: what was read, what was taken for granted, what is off, what to change.
+///
+/// Of a file of samples: how many there are, what was left out and by which lines, conventions with the option that changes each, whether
+/// a turn of the sample matters, units, swapped pairs, left against right, the highlight, and outliers by line. The exit
+/// status is 2 if a file cannot be read.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Measured BRDFs, as `srbf fit` reads them
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Does not complete the samples: faster, and without units, outliers and highlight
+    #[arg(long)]
+    quick: bool,
+    /// Prints JSON, a document for each file
+    #[arg(long, conflicts_with = "quiet")]
+    json: bool,
+    /// Prints a line for each file: what is off with units, isotropy, outliers, cosines and sides. What has a value for every pair of
+    /// directions is sampled first, at 1500 of them.
+    #[arg(long, conflicts_with_all = ["quiet", "json", "quick"])]
+    table: bool,
+    #[command(flatten)]
+    conventions: ConventionArgs,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let mut failed = 0;
+    if args.table {
+        println!("{:<44} {:>7} {:>6} {:>8}  off", "file", "samples", "angles", "left out");
+    }
+    for file in &args.files {
+        if let Err(error) = look_at(args, file) {
+            if args.files.len() == 1 {
+                return Err(error);
+            }
+            eprintln!("srbf: {error:#}");
+            failed += 1;
+        }
+    }
+    if failed > 0 {
+        bail!("{failed} of {} files cannot be read", args.files.len());
+    }
+    Ok(())
+}
+
+/// Samples that a measurement without samples is looked at by.
+const SAMPLED: usize = 1500;
+
+/// Prints the line of a table.
+fn print_line(source: Source) -> anyhow::Result<()> {
+    let Source { content, name, intake, .. } = source;
+    let (intake, table) = match (intake, content) {
+        (Some(intake), Content::Samples(table)) => (intake, table),
+        (_, Content::Samples(_)) => bail!("{name}: samples without lines"),
+        (_, Content::Evaluable(brdf)) => {
+            let text = export::csv(&export::sampled(brdf.as_ref())?);
+            let mut intake = csv::parse(text.as_bytes(), &Conventions::default())?;
+            let every = intake.rows.len().div_ceil(SAMPLED);
+            intake.rows = intake.rows.into_iter().step_by(every).collect();
+            let table = Table::from_scattered(intake.views())?;
+            (intake, table)
+        }
+    };
+    let look = Look::new(&intake, Some(&complete(&table)?.report));
+    let off: Vec<&str> = look.findings.iter().filter(|f| f.is_off).map(|f| f.text.as_str()).collect();
+    let left_out = intake.left_out_count();
+    let off = if off.is_empty() { "-".to_owned() } else { off.join(" | ") };
+    println!("{name:<44} {:>7} {:>6} {left_out:>8}  {off}", look.samples, look.views.len());
+    Ok(())
+}
+
+fn look_at(args: &Args, file: &Path) -> anyhow::Result<()> {
+    let source = read_with(file, &args.conventions.conventions())?;
+    if args.table {
+        return print_line(source);
+    }
+    let (Some(intake), Content::Samples(table)) = (&source.intake, &source.content) else {
+        if args.json {
+            println!("{}", serde_json::json!({"name": source.name, "samples": null}));
+        } else {
+            println!(
+                "{}: a value for every pair of directions; nothing has to be taken for granted",
+                source.name
+            );
+        }
+        return Ok(());
+    };
+    let completion = if args.quick { None } else { Some(complete(table)?) };
+    let look = Look::new(intake, completion.as_ref().map(|completion| &completion.report));
+    if args.json {
+        println!("{:#}", look.to_json());
+    } else {
+        println!("{}", file.display());
+        print(&look, true);
+    }
+    Ok(())
+}
+
+/// Prints what was found; without `all`, no fact that has no bearing on the fit.
+pub fn print(look: &Look, all: bool) {
+    println!("data  {}", look.summary());
+    for finding in &look.findings {
+        use srbf_fit::look::Topic::{Isotropy, Reciprocity, Stated};
+        if !all && !finding.is_off && matches!(finding.topic, Isotropy | Reciprocity | Stated) {
+            continue;
+        }
+        let mark = if finding.is_off { "check" } else { "note " };
+        let option = finding.option.map_or_else(String::new, |option| format!(" ({option})"));
+        println!("{mark} {}{option}", finding.text);
+    }
+}
