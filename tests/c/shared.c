@@ -142,7 +142,10 @@ int main(int count, char **arguments) {
     CHECK_OK(srbf_environment_make(WIDTH, HEIGHT, map, 0, light_memory, size, &environment));
     srbf_expanded *expanded = NULL;
     void *memory = NULL;
-    if (srbf_expanded_size(material, ROWS, &expanded_size) == SRBF_STATUS_OK) {
+    srbf_view view;
+    /* An anisotropic material, which has no views by angle, is not expanded. */
+    if (srbf_material_view(material, 0, &view) == SRBF_STATUS_OK) {
+        CHECK_OK(srbf_expanded_size(material, ROWS, &expanded_size));
         CHECK((memory = malloc(expanded_size)) != NULL);
         CHECK_OK(srbf_expanded_make(material, ROWS, memory, expanded_size, &expanded));
     }
