@@ -21,7 +21,9 @@ use glam::Vec3;
 /// what lies between them a unit vector: it leaves 3/8 (1e-3 / 4)^2.
 const FINE: f32 = 1e-3;
 
-/// A power below this is none: its products would be subnormals, 150 cycles each on Intel.
+/// A power below this is none: its products would be subnormals, 150 cycles each on Intel. A lobe goes by its
+/// luminance first, which then stays positive without the channels that are this small: a channel may be
+/// negative, and one left alone would make a density negative.
 const LEAST_POWER: f32 = 1e-30;
 
 impl<'m> Expanded<'m> {
@@ -154,7 +156,9 @@ fn fill_row(material: MaterialRef<'_>, shape: Shape, theta: f32, chunks: &mut [C
                 let integral = 2.0 * PI * m.rows.inside[k] * m.rows.inverse_sharpness[k];
                 let of_each =
                     [m.rows.red[k] * integral, m.rows.green[k] * integral, m.rows.blue[k] * integral];
-                power = of_each.map(|power| if power.abs() < LEAST_POWER { 0.0 } else { power });
+                if luminance(Vec3::from_array(of_each)) >= LEAST_POWER {
+                    power = of_each.map(|power| if power.abs() < LEAST_POWER { 0.0 } else { power });
+                }
                 head[LOBES_POWER] += luminance(Vec3::from_array(power));
                 for i in 0..3 {
                     head[LOBES_ALBEDO + i] += power[i];
