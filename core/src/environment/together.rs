@@ -20,21 +20,21 @@ pub const MAX_REFLECT_RAYS: usize = 16;
 /// Places: those of the block, then those of the lobes, of which each begins a vector at every level.
 const ROOM: usize = LIGHT_BLOCK + MAX_REFLECT_RAYS;
 
-/// One number of each direction.
-type Row = [f32; ROOM];
+/// One number of each place.
+type PerPlace = [f32; ROOM];
 
 /// All directions of a surface: structures of arrays.
 pub(super) struct Together {
     /// In the caller's shading frame, and in the world.
-    local: [Row; 3],
-    world: [Row; 3],
+    local: [PerPlace; 3],
+    world: [PerPlace; 3],
     /// What the value is multiplied by: of the block radiance over its density; of the lobes radiance over the
     /// power of the environment, until they are weighed.
-    light: [Row; 3],
+    light: [PerPlace; 3],
     /// `f cos`; 1/sr.
-    value: [Row; 3],
+    value: [PerPlace; 3],
     /// Density of the lobes; 1/sr.
-    pdf: Row,
+    pdf: PerPlace,
     /// What a direction of the block is chosen by, and the running sum of that.
     target: [f32; LIGHT_BLOCK],
     cumulative: [f32; LIGHT_BLOCK],
@@ -56,14 +56,14 @@ fn load3<L: Lanes, const M: usize>(rows: &[[f32; M]; 3], at: usize) -> [L; 3] {
 }
 
 #[inline(always)]
-fn store3<L: Lanes>(vector: [L; 3], rows: &mut [Row; 3], at: usize) {
+fn store3<L: Lanes>(vector: [L; 3], rows: &mut [PerPlace; 3], at: usize) {
     for i in 0..3 {
         vector[i].store(&mut rows[i][at..]);
     }
 }
 
 impl Together {
-    const ZERO: Row = [0.0; ROOM];
+    const ZERO: PerPlace = [0.0; ROOM];
     pub const NONE: Self = Self {
         local: [Self::ZERO; 3],
         world: [Self::ZERO; 3],
@@ -114,7 +114,7 @@ impl Together {
 
     /// Numbers of one direction.
     #[inline(always)]
-    fn at(rows: &[Row; 3], i: usize) -> Vec3 {
+    fn at(rows: &[PerPlace; 3], i: usize) -> Vec3 {
         Vec3::new(rows[0][i], rows[1][i], rows[2][i])
     }
 

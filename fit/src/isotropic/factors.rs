@@ -42,7 +42,7 @@ pub(crate) struct Factors {
 }
 
 /// Eight nodes and their shares.
-type Place = [(usize, f64); 8];
+type NodeShares = [(usize, f64); 8];
 
 /// What a table is to account for at one direction.
 #[derive(Clone, Copy, Debug)]
@@ -65,7 +65,7 @@ fn node([half, difference, _]: [usize; 3], [i, j, k]: [usize; 3]) -> usize {
 
 /// Place of two directions among the nodes, which are even in the fourth root of `1 - cos` of the half angle, in the root of that of
 /// the difference angle, and in the squared cosine of the azimuth; as `srbf_core` has it.
-fn place(size: [usize; 3], wi: [f64; 3], wo: [f64; 3]) -> Place {
+fn place(size: [usize; 3], wi: [f64; 3], wo: [f64; 3]) -> NodeShares {
     let s = [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]];
     let d = [wi[0] - wo[0], wi[1] - wo[1], wi[2] - wo[2]];
     let across = s[0] * s[0] + s[1] * s[1];
@@ -154,7 +154,7 @@ impl Factors {
     /// The best factors for what is demanded; as they are stored.
     pub fn fit(size: [usize; 3], demands: &[Demand]) -> Self {
         let count = size.iter().product();
-        let places: Vec<Place> = demands.iter().map(|d| place(size, d.wi, d.wo)).collect();
+        let places: Vec<NodeShares> = demands.iter().map(|d| place(size, d.wi, d.wo)).collect();
         let channel = |channel: usize| {
             let mut problem = Problem::new(size);
             for (d, place) in demands.iter().zip(&places) {
@@ -253,7 +253,7 @@ impl Problem {
         }
     }
 
-    fn add(&mut self, place: &Place, weight: f64, lobes: f64, target: f64) {
+    fn add(&mut self, place: &NodeShares, weight: f64, lobes: f64, target: f64) {
         let terms = place.map(|(node, share)| (node, share * lobes));
         self.add_row(&terms, weight, target);
     }

@@ -181,8 +181,8 @@ pub fn lighttools(bytes: &[u8], conventions: &Conventions) -> Result<Intake, Rea
     let mut words = Words::new(&text, &["#", "!"]);
     let head = Head::read(&mut words)?;
     let mut reading = Reading::new("LightTools BSDF", conventions);
-    let mut parts: Vec<Block> = Vec::new();
-    let mut block = Block { is_front: true, is_reflection: true, ..Block::default() };
+    let mut parts: Vec<LightToolsTable> = Vec::new();
+    let mut block = LightToolsTable { is_front: true, is_reflection: true, ..LightToolsTable::default() };
     let mut back = 0;
     while let Some(key) = words.next() {
         match key {
@@ -202,7 +202,7 @@ pub fn lighttools(bytes: &[u8], conventions: &Conventions) -> Result<Intake, Rea
                 block.values = head.values(&mut words)?;
                 let done = std::mem::replace(
                     &mut block,
-                    Block { is_front: true, is_reflection: true, ..Block::default() },
+                    LightToolsTable { is_front: true, is_reflection: true, ..LightToolsTable::default() },
                 );
                 match (done.is_front, done.is_reflection) {
                     (true, true) => parts.push(done),
@@ -246,7 +246,7 @@ pub fn lighttools(bytes: &[u8], conventions: &Conventions) -> Result<Intake, Rea
 
 /// One table of a LightTools file.
 #[derive(Default)]
-struct Block {
+struct LightToolsTable {
     incidence: f64,
     plane: f64,
     is_front: bool,

@@ -23,7 +23,7 @@ enum Parameters {
 
 /// One block.
 #[derive(Default)]
-struct Block {
+struct SsddBlock {
     colour: String,
     wavelengths: Vec<f64>,
     parameters: Option<Parameters>,
@@ -46,7 +46,7 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     let mut reading = Reading::new("SSDD", conventions);
     let mut lines =
         text.lines().enumerate().map(|(n, line)| (n + 1, line.split("# ").next().unwrap_or("").trim()));
-    let mut block = Block::default();
+    let mut block = SsddBlock::default();
     let mut kind = String::new();
     let mut found = false;
     while let Some((n, line)) = lines.next() {
@@ -58,7 +58,7 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
             Ok(list)
         };
         match key {
-            "DATA_TYPE" => (kind, block) = (value.to_owned(), Block::default()),
+            "DATA_TYPE" => (kind, block) = (value.to_owned(), SsddBlock::default()),
             "COLOR_MODEL" => block.colour = value.to_owned(),
             "WAVELENGTH_LIST" => block.wavelengths = list()?,
             "PARAM_TYPE" => {
@@ -103,7 +103,7 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     if found { reading.finish() } else { fail("SSDD without a block DATA_TYPE brdf") }
 }
 
-impl Block {
+impl SsddBlock {
     /// How many lines its table has.
     fn rows(&self) -> Result<usize, ReadError> {
         if self.lists[1].len() > 1 {
