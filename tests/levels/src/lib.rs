@@ -82,7 +82,7 @@ fn check_values(case: &Case, random: &mut Random, found: &mut Findings) {
             for c in 0..3 {
                 found.see("batch value", out.at(c, i), want.value[c], want.scale[c], &place());
             }
-            let (value, scale) = (want.luminance(), want.luminance_scale());
+            let (value, scale) = (want.luminance(), want.luminance_scale);
             found.see("batch pdf", both.at(3, i), value / power, scale / power, &place());
             found.see("batch pdf", alone.at(0, i), value / power, scale / power, &place());
             if (0..3).any(|c| both.at(c, i) != out.at(c, i)) {
@@ -96,7 +96,7 @@ fn check_values(case: &Case, random: &mut Random, found: &mut Findings) {
         for c in 0..3 {
             found.see("one value", value[c], want.value[c], want.scale[c], &place);
         }
-        let (value, scale) = (want.luminance(), want.luminance_scale());
+        let (value, scale) = (want.luminance(), want.luminance_scale);
         found.see("one pdf", m.pdf(*d), value / power, scale / power, &place);
     }
 }
@@ -125,7 +125,7 @@ fn check_samples(m: &Mixture<64>, name: &str, random: &mut Random, found: &mut F
             found.fault(format!("{place}: no unit vector of the domain"));
         }
         let want = truth(m, d);
-        let (density, scale) = (want.luminance() / power, want.luminance_scale() / power);
+        let (density, scale) = (want.luminance() / power, want.luminance_scale / power);
         found.see("sampled pdf", out.at(3, i), density, scale, &place);
         found.see("sampled pdf", bare.at(3, i), density, scale, &place);
         let weight = srbf_core::luminance(Vec3::new(out.at(4, i), out.at(5, i), out.at(6, i)));
@@ -207,7 +207,7 @@ fn check_pairs(material: &Material<impl AsRef<[u8]>>, random: &mut Random, found
                 for c in 0..3 {
                     found.see("batch value", out.at(c, i), want.value[c], want.scale[c], &place);
                 }
-                let (value, scale) = (want.luminance(), want.luminance_scale());
+                let (value, scale) = (want.luminance(), want.luminance_scale);
                 for pdf in [out.at(3, i), one_channel.at(0, i), one_channel.at(1, i)] {
                     found.see("batch pdf", pdf, value / power, scale / power, &place);
                 }
@@ -223,7 +223,7 @@ fn check_pairs(material: &Material<impl AsRef<[u8]>>, random: &mut Random, found
             }
             if m.power() > 0.0 {
                 let want = truth(m, d);
-                let (density, scale) = (want.luminance() / power, want.luminance_scale() / power);
+                let (density, scale) = (want.luminance() / power, want.luminance_scale / power);
                 found.see("sampled pdf", bare.at(3, i), density, scale, &place);
                 found.see("sampled pdf", drawn.at(3, i), density, scale, &place);
             } else if bare.at(3, i) != 0.0 {

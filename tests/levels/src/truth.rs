@@ -6,15 +6,24 @@ use srbf_core::{Domain, Mixture, Vec3};
 /// exponent, as rounding `t` alone costs that much.
 pub struct Truth {
     pub value: [f64; 3],
+    /// Of magnitudes: a channel of a lobe may be negative.
     pub scale: [f64; 3],
+    /// Of luminances, which are positive.
+    pub luminance_scale: f64,
 }
 
 impl Truth {
     pub fn luminance(&self) -> f64 {
         luminance(self.value)
     }
-    pub fn luminance_scale(&self) -> f64 {
-        luminance(self.scale)
+
+    /// Adds what a lobe has, and that times its unit.
+    fn add(&mut self, value: [f64; 3], unit: f64) {
+        for (c, v) in value.into_iter().enumerate() {
+            self.value[c] += v;
+            self.scale[c] += v.abs() * unit;
+        }
+        self.luminance_scale += luminance(value) * unit;
     }
 }
 
@@ -29,7 +38,7 @@ pub fn is_inside(m: &Mixture<64>, d: Vec3) -> bool {
 
 /// The value of a mixture at a direction.
 pub fn truth(m: &Mixture<64>, d: Vec3) -> Truth {
-    let mut sum = Truth { value: [0.0; 3], scale: [0.0; 3] };
+    let mut sum = Truth { value: [0.0; 3], scale: [0.0; 3], luminance_scale: 0.0 };
     if !is_inside(m, d) {
         return sum;
     }
@@ -41,11 +50,7 @@ pub fn truth(m: &Mixture<64>, d: Vec3) -> Truth {
     let (x, y) = (x * cos + y * sin, y * cos - x * sin);
     let inverse = f64::from(1.0 / m.squeeze());
     let r = libm::sqrt(x * x + y * y * inverse * inverse + z * z);
-    for (c, rho) in m.diffuse().to_array().into_iter().enumerate() {
-        let value = f64::from(rho) * z / core::f64::consts::PI;
-        sum.value[c] += value;
-        sum.scale[c] += 2.0 * value;
-    }
+    sum.add(m.diffuse().to_array().map(|rho| f64::from(rho) * z / core::f64::consts::PI), 2.0);
     for k in 0..m.len() {
         let lobe = m.lobe(k).expect("a lobe of the mixture");
         let axis = lobe.gaussian.axis.to_array().map(f64::from);
@@ -57,13 +62,9 @@ pub fn truth(m: &Mixture<64>, d: Vec3) -> Truth {
         let mut add = |axis_z: f64| {
             let (dx, dy, dz) = (u[0] - axis[0], u[1] - axis[1], u[2] - axis_z);
             let t = -0.5 * f64::from(lobe.gaussian.sharpness) * (dx * dx + dy * dy + dz * dz);
-            for (c, a) in lobe.amplitude.to_array().into_iter().enumerate() {
-                let value = f64::from(a) * libm::exp(t) * change;
-                sum.value[c] += value;
-                // Below 2^-100 of its amplitude a lobe is 0.
-                let may_be_0 = t < -69.3;
-                sum.scale[c] += value * if may_be_0 { 1e7 } else { 2.0 - t };
-            }
+            // Below 2^-100 of its amplitude a lobe is 0.
+            let unit = if t < -69.3 { 1e7 } else { 2.0 - t };
+            sum.add(lobe.amplitude.to_array().map(|a| f64::from(a) * libm::exp(t) * change), unit);
         };
         add(axis[2]);
         if m.domain() == Domain::Hemisphere {
