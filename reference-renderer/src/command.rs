@@ -69,7 +69,7 @@ enum Command {
 pub fn program<C: Parser>(name: &str, run: impl FnOnce(C) -> anyhow::Result<()>) -> ExitCode {
     let cli = C::try_parse().unwrap_or_else(|error| {
         // Help and version go to standard output.
-        let text = print::clap_text(&error);
+        let text = print::clap_text::<C>(&error);
         let text = text.trim_end_matches('\n');
         if error.use_stderr() {
             eprintln!("{text}");

@@ -2,7 +2,7 @@
 
 use super::color::xyz;
 use super::pair::Pair;
-use crate::table::Table;
+use crate::table::{DARKEST, Table};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Share of the samples that are darker than what a diffuse term starts from.
@@ -95,6 +95,11 @@ impl Measurement {
             values.get((DARK * values.len() as f64) as usize).copied().unwrap_or(0.0)
         });
         Self { samples, views, level: level.max(LEAST_LEVEL * brightest), dark }
+    }
+
+    /// Whether no sample is bright enough for lobes to be stored.
+    pub fn is_black(&self) -> bool {
+        self.samples.iter().flat_map(|s| s.value).fold(0.0, f64::max) < DARKEST
     }
 
     /// Those samples alone.

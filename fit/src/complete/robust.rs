@@ -58,8 +58,13 @@ pub(super) fn without_outliers(mut measurement: Measurement) -> (Measurement, Ve
             break;
         }
         let gone: BTreeSet<(usize, usize)> = found.iter().map(|o| (o.view, o.sample)).collect();
+        let rest = measurement.only(|s| !gone.contains(&(s.view, s.number)));
+        // One bright sample among black ones is a mirror that was met once, not a fault.
+        if rest.is_black() {
+            break;
+        }
         outliers.extend(found);
-        measurement = measurement.only(|s| !gone.contains(&(s.view, s.number)));
+        measurement = rest;
     }
     outliers.sort_by_key(|o| (o.view, o.sample));
     (measurement, outliers)

@@ -29,8 +29,9 @@ pub fn astm(table: &Table) -> String {
         rows(table).count()
     );
     for (theta, Sample { direction: [x, y, z], rgb: [r, g, b], .. }) in rows(table) {
-        // Azimuths count from the outgoing direction, which is at -x.
-        let (theta_s, phi_s) = (libm::atan2(libm::hypot(*x, *y), *z), libm::atan2(-y, -x));
+        // Azimuths count from the outgoing direction, which is at -x; at the normal it has none, and they count from x.
+        let sign = if theta == 0.0 { 1.0 } else { -1.0 };
+        let (theta_s, phi_s) = (libm::atan2(libm::hypot(*x, *y), *z), libm::atan2(sign * y, sign * x));
         let _ = writeln!(text, "{theta},0,{theta_s},{phi_s},{r},{g},{b}");
     }
     text

@@ -86,9 +86,10 @@ impl Report {
         let found = reciprocity(fitted)?;
         let Reciprocity { median, worst, pairs } = found;
         Ok(json!({
+            // Keys are written in the order of the alphabet: whose file it is has to stand near its start, where `srbf` looks for it.
+            "by": concat!("srbf ", env!("CARGO_PKG_VERSION")),
             "method": method,
             "version": env!("CARGO_PKG_VERSION"),
-            "generator": concat!("srbf ", env!("CARGO_PKG_VERSION")),
             "input": {"name": printable(&input.name).to_string(), "sha256": input.sha256},
             "seconds": self.seconds,
             "evaluations": self.evaluations,

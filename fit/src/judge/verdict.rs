@@ -326,9 +326,9 @@ fn sentence(found: &Appearance) -> String {
     }
     let balls = format!("balls differ by {visible:.3} from the table's, by {most:.3} under a {light}");
     match (visible, seen.is_empty()) {
-        (v, true) if v <= UNSEEN => format!("use it: {balls}; side by side hardly any difference is seen"),
+        (v, true) if v <= UNSEEN => format!("use it: {balls}; hardly seen side by side"),
         (v, false) if v <= OF_USE => format!("use it with care: {balls}; one sees {}", seen.join(", ")),
-        (v, _) if v <= OF_USE => format!("use it with care: {balls}; side by side a difference is seen"),
+        (v, _) if v <= OF_USE => format!("use it with care: {balls}; seen side by side"),
         _ => format!("do not use it: {balls}; it is another material"),
     }
 }

@@ -5,6 +5,7 @@
 //! left out is counted and listed by line.
 
 use super::conventions::{Conventions, Mirror, Values};
+use super::row::Row;
 use super::scatter;
 use super::sentinels::{Cells, Sentinels};
 use crate::ReadError;
@@ -16,19 +17,6 @@ const HORIZON: f64 = 1e-5;
 
 /// Lines of what is left out that are listed.
 const LISTED: usize = 8;
-
-/// One sample as it stands in a file.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
-    /// Line, or number of the entry in a format without lines, from 1.
-    pub line: usize,
-    /// Incident direction, towards the light; unit vector, +z the normal.
-    pub wi: [f64; 3],
-    /// Outgoing direction, towards the viewer; unit vector in the same frame.
-    pub wo: [f64; 3],
-    /// The BRDF f, linear sRGB; 1/sr.
-    pub rgb: [f64; 3],
-}
 
 /// Why a row is no sample.
 #[derive(Clone, Copy, Debug, PartialEq)]

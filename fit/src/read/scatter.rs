@@ -4,7 +4,7 @@
 //! fewer angles is taken. Where there are many with a few samples each, neighbours are taken together: the incident direction is turned
 //! with the outgoing one, in the plane of incidence, so that its place beside the mirror direction stays what it was.
 
-use super::intake::Row;
+use super::row::Row;
 use crate::table::Scattered;
 use std::f64::consts::PI;
 

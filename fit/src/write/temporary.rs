@@ -94,7 +94,9 @@ pub(super) fn remove_leftovers(beside: &Path) {
             continue;
         }
         let path = entry.path();
-        if File::open(&path).is_ok_and(|file| file.try_lock().is_ok()) {
+        let Ok(file) = File::open(&path) else { continue };
+        // Held until the file is gone: its maker, who waits for the lock, then sees that it was removed.
+        if file.try_lock().is_ok() {
             let _ = std::fs::remove_file(path);
         }
     }

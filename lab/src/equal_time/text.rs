@@ -267,7 +267,7 @@ mod tests {
             ("fit:product", 0.1),
         ]);
         let text = measured(&[sphere], &[]);
-        assert!(text.contains("| paint | 4.00 | - |"), "{text}");
+        assert!(text.contains("| paint | - | 4.00 | - |"), "{text}");
         assert!(
             text.contains("| **0.25** |")
                 && text.contains("* **`tabulated`**, beside `lobes`: paint (0.25, 0.25, 1.00)"),

@@ -70,12 +70,15 @@ pub fn error_line(error: &anyhow::Error) -> String {
 }
 
 /// What clap says of the command line, the arguments in it as they may be shown.
-pub fn clap_text(error: &clap::Error) -> String {
-    let text = error.render().to_string();
-    let arguments = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
-    // An argument that holds line ends would look like lines of clap's own.
-    let hidden = arguments.filter(|argument| argument.contains('\n'));
-    hidden.fold(text, |text, argument| text.replace(&argument, &printable(&argument).to_string()))
+///
+/// The line is read once more with visible characters alone: clap leaves escapes out of what it quotes, so that no argument can be
+/// found in its text, and a line end within one would look like lines of its own.
+pub fn clap_text<C: clap::Parser>(error: &clap::Error) -> String {
+    let visible = std::env::args_os().map(|argument| printable(&argument.to_string_lossy()).to_string());
+    match C::try_parse_from(visible) {
+        Err(error) => error.render().to_string(),
+        Ok(_) => printable(&error.render().to_string()).to_string(),
+    }
 }
 
 /// Writes what standard output still holds back.

@@ -42,12 +42,12 @@ fn a_table_is_fitted_and_the_material_inspected_and_a_cut_one_refused() {
     for key in ["mean_relative_l2", "\"summary\"", "\"verdict\"", "\"fitted views\"", "\"try\""] {
         assert!(json.contains(key), "{key}: {json}");
     }
-    // A heading, the verdict, what was written, and what to do next, which works.
+    // A heading, what was read, the verdict, what was written, and what to do next, which works.
     let text = String::from_utf8(output.stdout).unwrap();
     let lines: Vec<&str> = text.lines().collect();
     let [heading, verdict @ .., written, next] = &lines[..] else { panic!("{text}") };
-    assert!(heading.starts_with("diffuse.srbf: ") && lines.len() < 16, "{text}");
-    let labels = ["use ", "good", "fair", "off ", "try ", "note"];
+    assert!(heading.starts_with("diffuse.srbf: ") && lines.len() < 18, "{text}");
+    let labels = ["data", "use ", "good", "fair", "off ", "try ", "note"];
     assert!(verdict.iter().all(|line| labels.contains(&&line[..4])), "{text}");
     assert!(text.contains("good relative L2: median"), "{text}");
     assert_eq!(*written, "wrote diffuse.srbf, diffuse.json, diffuse.png");
