@@ -2,7 +2,7 @@
 
     python shaders.py WRITE REFERENCE FOLDER
 
-WRITE is the program that writes the text, REFERENCE the one that says what core says (python/examples/reference.rs), FOLDER a place for what is
+WRITE is the program that writes the text, REFERENCE the one that says what core says (evaluator/examples/reference.rs), FOLDER a place for what is
 made. WGSL is compiled by naga, GLSL and HLSL by glslang to SPIR-V; all run by Vulkan, on lavapipe where there is no GPU. It needs the packages
 wgpu and srbf_brdf, glslangValidator, and a Vulkan driver.
 """

@@ -1,4 +1,4 @@
-// Evaluates and draws by the text alone: `values MATERIAL.srbf < in > out`, rows of f32 as python/examples/reference.rs has them, and the power of
+// Evaluates and draws by the text alone: `values MATERIAL.srbf < in > out`, rows of f32 as evaluator/examples/reference.rs has them, and the power of
 // the mixture as one more row.
 #include "text"
 #include <stdio.h>

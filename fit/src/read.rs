@@ -84,6 +84,24 @@ impl Source {
     pub fn evaluable(brdf: Box<dyn Brdf + Send>, name: String, sha256: String) -> Self {
         Self { content: Content::Evaluable(brdf), name, sha256, intake: None }
     }
+
+    /// Samples of an isotropic surface; `path` is for messages.
+    ///
+    /// # Errors
+    /// [`FitError::Read`] for those of an anisotropic one; [`FitError::Table`] for what makes no table.
+    pub fn of_samples(intake: Intake, path: &Path, name: String, sha256: String) -> Result<Self, FitError> {
+        let intake = Intake { isotropy: Isotropy::of(&intake.rows), ..intake };
+        if let Some(found) = intake.isotropy.filter(Isotropy::is_anisotropic) {
+            let text = format!(
+                "samples of an anisotropic surface: {}. Samples have to be of an isotropic surface; a table of an anisotropic one is read \
+                 from .bsdf",
+                found.text()
+            );
+            return Err(FitError::Read { path: path.to_path_buf(), source: ReadError::Content(text) });
+        }
+        let table = Table::from_scattered(intake.views())?;
+        Ok(Self { content: Content::Samples(table), name, sha256, intake: Some(intake) })
+    }
 }
 
 /// Reads a measured file; the format follows from what it begins with, whatever its name ends in. `model:...` in its place is an
@@ -149,16 +167,7 @@ pub fn read_with(path: &Path, conventions: &Conventions) -> Result<Source, FitEr
         Format::Text => csv::parse(&bytes, conventions),
     }
     .map_err(fault)?;
-    let intake = Intake { isotropy: Isotropy::of(&intake.rows), ..intake };
-    if let Some(found) = intake.isotropy.filter(Isotropy::is_anisotropic) {
-        return Err(fault(ReadError::Content(format!(
-            "samples of an anisotropic surface: {}. Samples have to be of an isotropic surface; a table of an anisotropic one is read \
-             from .bsdf",
-            found.text()
-        ))));
-    }
-    let table = Table::from_scattered(intake.views())?;
-    Ok(Source { content: Content::Samples(table), name, sha256, intake: Some(intake) })
+    Source::of_samples(intake, path, name, sha256)
 }
 
 /// A MERL material with what its holes are filled by, if it has some above the horizon.

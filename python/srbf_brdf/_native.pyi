@@ -89,6 +89,9 @@ class Table:
     @property
     def is_evaluable(self) -> bool: ...
     @property
+    def left_out(self) -> str:
+        """Rows that are no samples, by reason and line; row i of arrays is line i + 2."""
+    @property
     def symmetry(self) -> Symmetry: ...
     def evaluate(self, wo: ArrayLike, wi: ArrayLike) -> NDArray[np.float64]:
         """`f cos`, (n, 3), 1/sr; only of what has a value everywhere."""

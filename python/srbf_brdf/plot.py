@@ -18,7 +18,7 @@ def plot(material, table=None, angles=(5.0, 30.0, 60.0, 75.0)):
     try:
         from matplotlib.figure import Figure
     except ImportError as error:
-        raise ImportError("plot() draws by matplotlib: pip install srbf-brdf[plot]") from error
+        raise ImportError("plot() draws by matplotlib: pip install matplotlib") from error
     from .picture import ball
 
     figure = Figure(figsize=(12, 3.8), layout="constrained")

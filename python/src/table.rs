@@ -6,7 +6,8 @@ use numpy::PyArray1;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use srbf_fit::read::{Content, Source, csv};
+use srbf_fit::ReadError;
+use srbf_fit::read::{Content, Conventions, LeftOut, Reason, Source, csv};
 use srbf_fit::table::{Symmetry, evaluation_views};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -71,9 +72,19 @@ pub fn table(
             let _ = writeln!(text, "{},{},{},{},{},{},{r},{g},{b}", o[0], o[1], o[2], d[0], d[1], d[2]);
         }
         let fault = |source| srbf_fit::FitError::Read { path: name.into(), source };
-        let views = csv::parse(text.as_bytes()).map_err(fault)?;
-        let content = Content::Samples(srbf_fit::table::Table::from_scattered(views)?);
-        Ok(Table { source: Source { content, name: name.to_owned(), sha256: String::new() } })
+        let intake = csv::parse(text.as_bytes(), &Conventions::default()).map_err(fault)?;
+        // Arrays have no lines that are broken off: what is no number or below the horizon is a mistake.
+        let is_fault =
+            |left: &LeftOut| matches!(left.reason, Reason::NoNumber | Reason::Transmission | Reason::Behind);
+        if intake.left_out.iter().any(is_fault) {
+            let text = format!(
+                "{}; numbers, and directions above the horizon, are expected",
+                intake.left_out_text()
+            );
+            return Err(fault(ReadError::Content(text)));
+        }
+        let source = Source::of_samples(intake, name.as_ref(), name.to_owned(), String::new())?;
+        Ok(Table { source })
     };
     py.detach(make).map_err(error::fit)
 }
@@ -109,6 +120,12 @@ impl Table {
     #[getter]
     fn is_evaluable(&self) -> bool {
         matches!(self.source.content, Content::Evaluable(_))
+    }
+
+    /// Rows that were not taken as samples, counted by reason, with their lines; empty for none. Row i of arrays is line i + 2.
+    #[getter]
+    fn left_out(&self) -> String {
+        self.source.intake.as_ref().map(srbf_fit::read::Intake::left_out_text).unwrap_or_default()
     }
 
     /// What turning or mirroring both directions leaves as it is: "isotropic", "quadrant", "half turn" or "none".

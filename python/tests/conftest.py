@@ -32,8 +32,8 @@ def spread(n, seed=1):
 
 
 def reference(path, wo, wi, u):
-    """What core says of them, by the program that `cargo build --release --example reference` makes: rows as columns of (n, 14)."""
-    program = os.environ.get("SRBF_REFERENCE", str(ROOT / "python/target/release/examples/reference"))
+    """What core says of them, by the program that `cargo build --release --workspace --example reference` makes: rows as columns of (n, 14)."""
+    program = os.environ.get("SRBF_REFERENCE", str(ROOT / "target/release/examples/reference"))
     rows = np.ascontiguousarray(np.concatenate([wo, wi, u], axis=1).T, dtype="<f4")
     out = subprocess.run([program, path], input=rows.tobytes(), stdout=subprocess.PIPE, check=True).stdout
     return np.frombuffer(out, "<f4").reshape(14, -1).T

@@ -49,6 +49,7 @@ def test_arrays_of_samples():
     wo, wi, f = samples(60)
     table = srbf.table(wo, wi, f, name="mine")
     assert not table.is_evaluable and table.name == "mine" and "300 samples" in repr(table)
+    assert table.left_out == ""
     held = table.samples()
     assert held["f"].shape == (300, 3) and held["weight"].min() > 0
     np.testing.assert_allclose(np.sort(held["f"][:, 0]), np.sort(f[:, 0]))
@@ -67,8 +68,10 @@ def test_arrays_of_samples():
     [
         (lambda wo, wi, f: (wo[:-1], wi, f), "as many rows"),
         (lambda wo, wi, f: (wo, wi, f[:, :2]), "as many rows|numbers"),
-        (lambda wo, wi, f: (wo, -wi, f), "line 2"),
-        (lambda wo, wi, f: (wo, wi, f * np.nan), "line 2"),
+        (lambda wo, wi, f: (wo, -wi, f), "behind.*lines 2, 3, 4"),
+        (lambda wo, wi, f: (wo, wi, f * np.nan), "number.*lines 2, 3, 4"),
+        (lambda wo, wi, f: (wo, wi, np.concatenate([f[:1] * np.nan, f[1:]])), "number.*line 2"),
+        (lambda wo, wi, f: (wo, np.concatenate([wi[:1] * [1, 1, -1], wi[1:]]), f), "behind.*line 2"),
         (lambda wo, wi, f: (wo[:0], wi[:0], f[:0]), "0"),
     ],
 )

@@ -8,6 +8,7 @@ pub(crate) fn text(bytes: &[u8]) -> Result<&str, ReadError> {
 }
 
 /// Parses a comma-separated row into exactly `out.len()` finite numbers; `line` counts from 1.
+#[cfg(feature = "baselines")]
 pub(crate) fn row(line: usize, text: &str, out: &mut [f64]) -> Result<(), ReadError> {
     let words = text.split(',').count();
     if words != out.len() {
