@@ -15,6 +15,7 @@ pub mod neural;
 mod numbers;
 pub mod openmaterial;
 pub mod pab_opto;
+mod reason;
 pub mod rgl;
 mod row;
 pub(crate) mod rows;
@@ -40,9 +41,10 @@ use srbf_core::printable;
 use std::path::Path;
 
 pub use conventions::{Angles, Conventions, Mirror, Values};
-pub use intake::{Intake, LeftOut, Note, Reason};
+pub use intake::{Intake, LeftOut, Note};
 use limit::{MAX_FILE, read_bytes};
 pub use limit::{check_memory, read_at_most, read_if};
+pub use reason::Reason;
 pub use row::Row;
 
 /// Memory that the samples of a text take, over its own: nine numbers of two bytes or more become two samples of 50, and stay with their

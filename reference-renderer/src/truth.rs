@@ -2,7 +2,7 @@
 //!
 //! GGX lobes that follow a table (`guided`) stand here too: a table of albedo is integrated by them.
 //!
-//! May import: nothing.
+//! May import: `out`.
 
 pub mod ggx;
 pub mod ggx_parts;

@@ -1,6 +1,6 @@
 //! What light travels through: triangles, rays that meet them, maps of light.
 //!
-//! May import: `numbers`.
+//! May import: `numbers`, `out`.
 
 pub mod environment;
 pub mod intersect;

@@ -15,7 +15,8 @@ mod names;
 
 use super::conventions::Conventions;
 use super::decode::{decode, shortened};
-use super::intake::{Intake, Reading, Reason};
+use super::intake::{Intake, Reading};
+use super::reason::Reason;
 use crate::ReadError;
 use cells::{Cell, LARGEST};
 use columns::{Columns, Values};

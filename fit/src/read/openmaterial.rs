@@ -4,7 +4,8 @@
 
 use super::conventions::Conventions;
 use super::decode::decode;
-use super::intake::{Intake, Reading, Reason};
+use super::intake::{Intake, Reading};
+use super::reason::Reason;
 use super::wavelengths::Wavelengths;
 use crate::ReadError;
 use crate::table::direction;

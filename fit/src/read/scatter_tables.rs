@@ -6,7 +6,8 @@
 
 use super::conventions::Conventions;
 use super::decode::decode;
-use super::intake::{Intake, Reading, Reason};
+use super::intake::{Intake, Reading};
+use super::reason::Reason;
 use super::wavelengths::rgb_of_xyz;
 use super::words::Words;
 use crate::ReadError;

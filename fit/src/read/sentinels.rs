@@ -1,6 +1,6 @@
 //! Values that stand for nothing measured: -1, -999, the 0 of a shadow.
 
-use super::intake::Reason;
+use super::reason::Reason;
 use std::collections::BTreeMap;
 
 /// Negative numbers that programs write where nothing was measured.

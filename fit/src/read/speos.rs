@@ -7,7 +7,8 @@
 
 use super::conventions::Conventions;
 use super::decode::{decode, shortened};
-use super::intake::{Intake, Reading, Reason};
+use super::intake::{Intake, Reading};
+use super::reason::Reason;
 use super::wavelengths::Wavelengths;
 use super::words::Words;
 use crate::ReadError;

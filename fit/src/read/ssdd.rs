@@ -5,7 +5,8 @@
 use super::alta::from_half;
 use super::conventions::Conventions;
 use super::decode::{decode, shortened};
-use super::intake::{Intake, Reading, Reason};
+use super::intake::{Intake, Reading};
+use super::reason::Reason;
 use super::rows::numbers;
 use super::scatter_tables::about_mirror;
 use super::wavelengths::{Wavelengths, rgb_of_xyz};

@@ -1,6 +1,7 @@
 //! A row for each wavelength: rows of one pair of directions are a spectrum.
 
-use super::super::intake::{Intake, Reading, Reason};
+use super::super::intake::{Intake, Reading};
+use super::super::reason::Reason;
 use super::super::wavelengths::Wavelengths;
 use super::Numbers;
 use super::geometry::Geometry;
