@@ -92,6 +92,8 @@ impl<const N: usize> Mixture<'_, N> {
         };
         let (direction, weight) = candidates.at(chosen);
         // Over what it was chosen by first: the sum over that alone may be more than a float holds.
-        Ok(Some(ProductSample { direction, weight: weight / brought * (whole * table.power) }))
+        // A sum that is more than a float holds is the largest one: a channel of 0 stays 0.
+        let whole = (whole * table.power).min(f32::MAX);
+        Ok(Some(ProductSample { direction, weight: weight / brought * whole }))
     }
 }

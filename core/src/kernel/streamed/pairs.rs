@@ -37,9 +37,9 @@ use glam::Vec3;
 impl<B: AsRef<[u8]>> Material<B> {
     /// Draws and evaluates for n hits, each with an outgoing direction of its own: what is asked is what is given.
     ///
-    /// The answers of [`sample`](Self::sample) and [`evaluate_and_pdf`](Self::evaluate_and_pdf), one by one, in
-    /// less time. An outgoing direction below the horizon, or none at all (not finite, not of unit length),
-    /// reflects nothing.
+    /// The answers of [`sample`](Self::sample) and [`evaluate_and_pdf`](Self::evaluate_and_pdf), one by one, within
+    /// rounding and in less time. An outgoing direction below the horizon, or none at all (not finite, not of unit
+    /// length), reflects nothing.
     ///
     /// Shapes: `wo` x, y, z, each `[n]`; every slice of the request `[n]`. Takes up to 25 kB of stack, 60 for a
     /// material of more than 16 lobes.
