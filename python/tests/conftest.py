@@ -44,7 +44,7 @@ def make_materials(folder):
     made = {
         "isotropic": srbf.fit("model:ggx:alpha=0.2,f0=0.9/0.5/0.1", lobes=5, factors="none", **QUICK),
         "factors": srbf.fit("model:ggx:alpha=0.15,f0=0.9/0.5/0.1,diffuse=0.1", lobes=4, factors=(8, 6, 3), **QUICK),
-        "brushed": srbf.fit("model:ward:alpha_x=0.1,alpha_y=0.4", lobes=4, **dict(QUICK, views=None)),
+        "brushed": srbf.fit("model:ward:alpha_x=0.1,alpha_y=0.4", lobes=4, starts=1, steps=4, progress=False),
     }
     for name, material in made.items():
         material.save(folder / f"{name}.srbf")

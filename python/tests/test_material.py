@@ -61,7 +61,8 @@ def test_one_direction_stands_for_many_and_any_type_is_cast():
     assert one.shape == (7, 3)
     assert np.array_equal(one, material.evaluate(np.repeat(wo[:1], 7, axis=0), wi))
     single = material.evaluate(wo[0], wi[0])
-    assert single.shape == (3,) and np.array_equal(single, one[0])
+    # Pairs are taken in blocks, one alone by itself: the sums of lobes are rounded in another order.
+    assert single.shape == (3,) and np.max(np.abs(single - one[0])) <= 1e-6 * np.max(one[0])
     assert np.ndim(material.pdf(wo[0], wi[0])) == 0
     assert np.array_equal(material.evaluate(wo.astype(np.float64), wi.tolist()), material.evaluate(wo, wi))
     assert np.array_equal(material.evaluate(np.asfortranarray(wo), wi[::-1][::-1]), material.evaluate(wo, wi))
