@@ -5,7 +5,7 @@
 //! function of the angle: so the best factors are the solution of a linear problem, in the norm of a high power,
 //! by iteratively reweighted least squares (Lawson 1961; Karlovitz 1970 for the shortened step).
 
-use crate::isotropic::factors::Factors;
+use crate::isotropic::factors::{AVERAGED, Factors};
 use crate::isotropic::model::parameters::{Layout, rgb};
 use crate::judge::energy::EnergyError;
 use crate::numeric::banded::Banded;
@@ -45,7 +45,7 @@ pub(crate) fn balance(
             let mut q = vec![0.0; p];
             let place = layout.place(theta);
             layout.interpolate(x, place, &mut q);
-            let fitted = layout.albedo(&q, table.map(|f| f.means(layout, &q, theta)).as_deref());
+            let fitted = layout.albedo(&q, table.map(|f| f.means(layout, &q, theta, AVERAGED)).as_deref());
             let errors = energy.errors(fitted, data);
             [0, 1, 2].map(|c| Row { place, error: errors[c], slope: fitted[c] / energy.scale(data, c) })
         };

@@ -1,7 +1,7 @@
 //! From fitted unknowns to `.srbf` bytes.
 
 use crate::FitError;
-use crate::isotropic::factors::Factors;
+use crate::isotropic::factors::{AVERAGED_TO_STORE, Factors};
 use crate::isotropic::model::parameters::Layout;
 use crate::table::luminance;
 use srbf_core::{FactorTable, Line, PlaneLobe, View, encoded_len};
@@ -126,7 +126,7 @@ impl Albedo {
             let place = (knot, look as f64 / looks as f64);
             layout.interpolate(x, place, &mut q);
             let lobes = layout.albedo(&q, None);
-            let means = factors.map(|f| f.means(layout, &q, layout.theta(place)));
+            let means = factors.map(|f| f.means(layout, &q, layout.theta(place), AVERAGED_TO_STORE));
             Self { lobes, factored: means.map_or(lobes, |means| layout.albedo(&q, Some(&means))) }
         };
         (0..=if layout.knots.len() == 1 { 0 } else { looks }).map(&mut at).collect()

@@ -209,7 +209,7 @@ mod tests {
 
     impl Brdf for Kink {
         fn evaluate(&self, _: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
-            [0.1, 0.1, 0.01 * libm::exp(5.0 * (libm::acos(wo[2]) - self.0).max(0.0))]
+            [0.1, 0.1, 0.1 * libm::exp(5.0 * (libm::acos(wo[2]) - self.0).max(0.0))]
         }
     }
 

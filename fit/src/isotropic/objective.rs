@@ -17,7 +17,7 @@ mod linearize;
 pub(crate) mod solver;
 
 use crate::FitError;
-use crate::isotropic::factors::{Demand, Factors};
+use crate::isotropic::factors::{AVERAGED, Demand, Factors};
 use crate::isotropic::model::Lobes;
 use crate::isotropic::model::parameters::{LN_SHARPNESS_DEFENSIVE, Layout};
 use crate::judge::energy::EnergyError;
@@ -221,8 +221,10 @@ impl Objective {
             });
             weights.push(terms.collect::<Vec<_>>());
             errors.push(libm::sqrt(square));
-            view.factors =
-                self.factors.as_ref().map(|f| f.means(&self.layout, &q, self.layout.theta(view.place)));
+            view.factors = self
+                .factors
+                .as_ref()
+                .map(|f| f.means(&self.layout, &q, self.layout.theta(view.place), AVERAGED));
             let albedo = self.layout.albedo(&q, view.factors.as_deref());
             let off = self.energy.errors(albedo, view.albedo);
             view.energy = off.map(|e| (e / ALBEDO_ERROR).powi(2).clamp(1.0, MOST_ALBEDO));
