@@ -3,8 +3,9 @@
 
 use std::sync::LazyLock;
 
-static TARGET: LazyLock<String> =
-    LazyLock::new(|| std::env::var("SRBF_TARGET").expect("SRBF_TARGET names a target of tests/src/attack.rs"));
+static TARGET: LazyLock<String> = LazyLock::new(|| {
+    std::env::var("SRBF_TARGET").expect("SRBF_TARGET names a target of tests/src/attack.rs")
+});
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     srbf_fuzz::attack::run(&TARGET, bytes);
