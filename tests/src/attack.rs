@@ -6,8 +6,7 @@
 //! Three users share the list [`TARGETS`]. `tests/tests/fuzz.rs` feeds damaged seeds to every target in each test run.
 //! `fuzz/run` feeds libFuzzer's inputs, which follow the coverage. `fuzz/found/NAME/` keeps what was found, for both.
 //!
-//! To add a format: a function here, a line in [`TARGETS`], seeds in `tests/src/bin/seeds.rs`, a file in `fuzz/targets/`
-//! and its `[[bin]]` in `fuzz/Cargo.toml`.
+//! To add a format: a function here, a line in [`TARGETS`], seeds in `tests/src/bin/seeds.rs`.
 
 // With their paths, as `fuzz/src/lib.rs` compiles this file too, by its path.
 #[path = "attack/environment.rs"]
@@ -28,7 +27,7 @@ use std::path::{Path, PathBuf};
 /// Something that takes the bytes of a stranger.
 #[derive(Clone, Copy, Debug)]
 pub struct Target {
-    /// Name of its folders in `fuzz/seeds` and `fuzz/found`, and of its program in `fuzz/targets`.
+    /// Name of its folders in `fuzz/seeds` and `fuzz/found`; `SRBF_TARGET` of `fuzz/src/main.rs`.
     pub name: &'static str,
     /// What is done with the bytes. Returns: whether they were accepted.
     pub run: fn(&[u8]) -> bool,

@@ -1,0 +1,12 @@
+//! libFuzzer's program for every attack: `SRBF_TARGET` names the target, as they all run the same code. `fuzz/run` sets it.
+#![no_main]
+
+use std::sync::LazyLock;
+
+static TARGET: LazyLock<String> = LazyLock::new(|| {
+    std::env::var("SRBF_TARGET").expect("SRBF_TARGET names a target of tests/src/attack.rs")
+});
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    srbf_fuzz::attack::run(&TARGET, bytes);
+});
