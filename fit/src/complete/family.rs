@@ -68,6 +68,9 @@ pub(super) fn models(measurement: &Measurement, scale: Scale) -> Models {
         })
         .collect();
     families.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // A second lobe has to be worth it by itself: beside a process it may follow noise that the process would smooth.
+    let simplest = families.iter().position(|family| family.1[0].1.family() == Family::OneLobe);
+    families.truncate(simplest.map_or(families.len(), |at| at + 1));
     // Those that come near to the best are compared with a process over each.
     let near = CLOSE * families[0].0;
     families.retain(|family| family.0 <= near);
