@@ -42,7 +42,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         );
     }
     for (n, line) in material.provenance().lines().enumerate() {
-        println!("{}  {}", if n == 0 { "provenance" } else { "          " }, printable(line));
+        println!("{}  {}", if n == 0 { "provenance" } else { "         |" }, printable(line));
     }
     println!();
     let isotropic = material.is_isotropic();

@@ -191,7 +191,7 @@ fn a_fit_is_judged_against_what_it_was_made_from() {
         assert!(line.chars().count() <= 115, "{line}");
     }
     let text = String::from_utf8(srbf(&place, &["inspect", "phong.srbf"]).stdout).unwrap();
-    assert!(text.contains("factors     4 x 3 nodes"), "{text}");
+    assert!(text.contains("factors     4 x 3 x 1 nodes"), "{text}");
 }
 
 /// A look says what was read and left out, and what options change; a fit says the same.
