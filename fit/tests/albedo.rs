@@ -78,7 +78,7 @@ fn stored_albedos_of_measured_materials_hold() {
         PathBuf::from(std::env::var_os("SRBF_DATA_DIR").expect("SRBF_DATA_DIR names the data folder"));
     let bounds = [
         ("vch_golden_yellow", [0.05, 0.2]),
-        ("cc_green_malachite", [0.5, 1.6]),
+        ("cc_green_malachite", [0.5, 2.0]),
         ("irid_flake_paint1", [0.17, 1.2]),
     ];
     for (name, bounds) in bounds {

@@ -57,7 +57,7 @@ fn check(words: &[u32]) -> Option<(Shape, f32)> {
 /// Thresholds are rounded to f32, at random; and what the total lacks or has too much, one cell lacks or has.
 fn allowed_apart(cells: usize, total: f64) -> f64 {
     let cells = cells as f64;
-    THRESHOLDS * (10.0 + cells.sqrt()) + 1.1 * cells * (total - 1.0).abs()
+    THRESHOLDS * (10.0 + libm::sqrt(cells)) + 1.1 * cells * (total - 1.0).abs()
 }
 
 /// Several times what rounding moves a threshold by.

@@ -352,7 +352,7 @@ impl<const N: usize> Mixture<'_, N> {
     /// For a material, the directional albedo towards the outgoing direction. With factors there is no closed
     /// form: a material stores for its views what they change of it, relative to [`power`](Self::power), and
     /// that is interpolated linearly between them. A fit's is 0.04 to 0.5 % of the luminance off in the mean
-    /// over outgoing directions, and at most 1.5 %.
+    /// over outgoing directions, and at most 2.0 %.
     #[inline]
     pub fn albedo(&self) -> Vec3 {
         let lobes = self.head.lobes_albedo + self.head.diffuse;

@@ -30,13 +30,13 @@ pub(crate) const MEASURED: Effort = Effort {
     views_between: 3,
 };
 
-/// For what samples are completed to. Four times the work ends at 1.7 % of the samples of a red paint in place of 1.6.
+/// For what samples are completed to.
 pub(crate) const COMPLETED: Effort = Effort {
     starts: 4,
     exchanges: 4,
     steps: 2,
     rounds: 1,
     factor_rounds: 1,
-    density: Density { hemisphere: 175, cap: 50 },
-    views_between: 2,
+    density: Density { hemisphere: 350, cap: 100 },
+    views_between: 3,
 };
