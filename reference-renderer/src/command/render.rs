@@ -291,7 +291,11 @@ fn print_cast(cast: &Cast, samplers: &[Sampler<'_>], strategy: Strategy) {
             }
             _ => sampler.title(&truth),
         };
-        println!("{}: rendered is {}; sampled by {by}", role.text(), rendered(material));
+        println!(
+            "{}: rendered is {}; sampled by {by}",
+            role.text(),
+            srbf_core::printable(&rendered(material))
+        );
     }
     let light = match strategy.light {
         Light::Mis => "sampled too, both weighted by the power heuristic",
