@@ -127,7 +127,7 @@ fn read_places(bytes: &[u8], mut header: Header, version: u32) -> Result<Header,
     header.table = header.lobes_end();
     header.text = if header.has_factors() { header.nodes_end() } else { header.table };
     header.provenance = count(PROVENANCE);
-    // The counts are small by now, and the text is no longer than the file: the sum cannot overflow.
+    // The counts are small here, and the text is at most as long as the file: the sum cannot overflow.
     if header.provenance > bytes.len() || header.text + header.provenance + CHECKSUM != bytes.len() {
         return Err(FormatError::Field { name: "length of the provenance", offset: PROVENANCE });
     }
