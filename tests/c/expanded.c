@@ -85,6 +85,8 @@ static void test_values(const srbf_material *material, const srbf_expanded *expa
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_expanded_evaluate_pairs_into(expanded, N, &o, NULL, &others));
     const srbf_numbers_out inside = {(float *)expanded, 4};
     CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_expanded_pdf_pairs_into(expanded, N, &o, &d, &inside));
+    release(value, 3 * N), release(pdf, N), release(alone, 3 * N), release(density, N);
+    release(drawn, 3 * N), release(weight, 3 * N), release(towards, 3 * N), release(at, N);
 }
 
 int main(int argc, char **argv) {

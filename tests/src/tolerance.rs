@@ -88,7 +88,7 @@ pub const ENVIRONMENT: &[Entry] = &[
     entry("Environment::power", "relative", 4e-5),
     entry("integral of Environment::pdf", "relative / (128 + width + height)", 1e-8),
     entry("Mixture::sample_product direction", "absolute", 1e-6),
-    entry("Mixture::sample_product weight", "relative", 8e-5),
+    entry("Mixture::sample_product weight", "relative", 4e-5),
 ];
 
 /// Largest relative error of the length r of a squeezed direction, which f32 holds. It is the root of `x x + (y y + z z)` in fused
