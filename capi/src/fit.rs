@@ -20,16 +20,16 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use srbf_fit::read::Content;
 use srbf_fit::table::Brdf;
 use srbf_fit::table::{Scattered, Table};
-use srbf_fit::{FitError, Settings, fit_content, write_atomically};
+use srbf_fit::{FactorNodes, FitError, Settings, fit_content, write_atomically};
 use std::boxed::Box;
 use std::path::Path;
 use std::string::{String, ToString};
 use std::vec::Vec;
 
-/// The number of squeezed lobes is chosen by what turns out best.
-pub const SRBF_FIT_AUTOMATIC: usize = 65;
+/// In place of a number of a fit: it is chosen by what turns out best.
+pub const SRBF_FIT_AUTOMATIC: usize = 65535;
 
-/// How a material is fitted.
+/// How a material is fitted. `srbf_fit_settings_default` fills it in; a caller changes the fields that he cares about.
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub struct srbf_fit_settings {
@@ -37,9 +37,24 @@ pub struct srbf_fit_settings {
     pub lobes: usize,
     /// How many of them are squeezed, or `SRBF_FIT_AUTOMATIC`, the default.
     pub squeezed_lobes: usize,
+    /// Pairs of lobes that are mirrored in the plane of incidence, or `SRBF_FIT_AUTOMATIC`, the default.
+    pub mirrored_pairs: usize,
+    /// Views of the material, 2 to 256, or `SRBF_FIT_AUTOMATIC`, the default.
+    pub views: usize,
+    /// Nodes of the table of factors over half angle, difference angle and azimuth: 2 or more, 2 or more, 1 or more. All three
+    /// `SRBF_FIT_AUTOMATIC`, the default, or all three 0 for a material without factors.
+    pub factor_nodes: [usize; 3],
+    /// Mean relative L2 error that the fewest lobes are to reach, at most `lobes` of them; 0, the default, for all of them.
+    pub error: f64,
     /// Weight of the roughness from view to view, 1e-12 to 1000: smaller fits the samples better, larger what lies between.
     /// Default: 5e-5.
     pub smoothness: f64,
+    /// Starting points that are tried, 1 to 1000. A fit takes about as long as it has starting points. Default: 12.
+    pub starts: usize,
+    /// Most steps of the solver in the refinement, 1 to 100000. Default: 120.
+    pub steps: usize,
+    /// Most exchanges of lobes in a stage, 0 to 1000. Default: 15.
+    pub exchanges: usize,
 }
 
 /// A BRDF of the caller: writes f (not times the cosine; linear sRGB, 1/sr) for two unit vectors with z > 0.
@@ -56,8 +71,19 @@ pub unsafe extern "C" fn srbf_fit_settings_default(settings: *mut srbf_fit_setti
     guard(|| {
         // SAFETY: the header's contract.
         let out = unsafe { Out::new(settings)? };
-        let Settings { lobes, smoothness, .. } = Settings::default();
-        out.set(srbf_fit_settings { lobes, squeezed_lobes: SRBF_FIT_AUTOMATIC, smoothness });
+        let Settings { lobes, smoothness, starts, steps, exchanges, .. } = Settings::default();
+        out.set(srbf_fit_settings {
+            lobes,
+            squeezed_lobes: SRBF_FIT_AUTOMATIC,
+            mirrored_pairs: SRBF_FIT_AUTOMATIC,
+            views: SRBF_FIT_AUTOMATIC,
+            factor_nodes: [SRBF_FIT_AUTOMATIC; 3],
+            error: 0.0,
+            smoothness,
+            starts,
+            steps,
+            exchanges,
+        });
         Ok(())
     })
 }
@@ -201,16 +227,32 @@ impl Brdf for Callback {
 /// # Safety
 /// The header's contract: what is not NULL points to settings.
 unsafe fn settings(given: *const srbf_fit_settings) -> Result<Settings, Failure> {
-    let mut settings = Settings::default();
-    if !given.is_null() {
-        // SAFETY: the header's contract.
-        let given = unsafe { read(given)? };
-        settings.lobes = given.lobes;
-        settings.squeezed = (given.squeezed_lobes != SRBF_FIT_AUTOMATIC).then_some(given.squeezed_lobes);
-        settings.smoothness = given.smoothness;
+    let provenance = "fitted by srbf through its C interface\n".into();
+    if given.is_null() {
+        return Ok(Settings { provenance, ..Settings::default() });
     }
-    settings.provenance = "fitted by srbf through its C interface\n".into();
-    Ok(settings)
+    // SAFETY: the header's contract.
+    let given = unsafe { read(given)? };
+    let number = |value: usize| (value != SRBF_FIT_AUTOMATIC).then_some(value);
+    let factors = match given.factor_nodes {
+        [SRBF_FIT_AUTOMATIC, SRBF_FIT_AUTOMATIC, SRBF_FIT_AUTOMATIC] => FactorNodes::Chosen,
+        [0, 0, 0] => FactorNodes::None,
+        nodes => FactorNodes::Given(nodes),
+    };
+    Ok(Settings {
+        lobes: given.lobes,
+        error: (given.error != 0.0).then_some(given.error),
+        squeezed: number(given.squeezed_lobes),
+        mirrored: number(given.mirrored_pairs),
+        smoothness: given.smoothness,
+        starts: given.starts,
+        steps: given.steps,
+        exchanges: given.exchanges,
+        views: number(given.views),
+        factors,
+        provenance,
+        ..Settings::default()
+    })
 }
 
 fn fit(content: &Content, settings: &Settings, out: &Out<*mut srbf_material>) -> Outcome {

@@ -55,6 +55,18 @@ static void test_without_threads(void) {
     CHECK(waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
+/* Settings of a fit that takes about a second. */
+static srbf_fit_settings quick(void) {
+    srbf_fit_settings settings;
+    CHECK_OK(srbf_fit_settings_default(&settings));
+    settings.lobes = 6, settings.squeezed_lobes = 2, settings.mirrored_pairs = 0, settings.views = 6;
+    settings.starts = 2, settings.steps = 20, settings.exchanges = 0;
+    for (int i = 0; i < 3; i++) {
+        settings.factor_nodes[i] = 0;
+    }
+    return settings;
+}
+
 /* Seconds after which a child has hung; a fit with one lobe takes one. */
 #define HUNG 300
 
@@ -65,9 +77,8 @@ static void fit_in_child(void) {
     if (child == 0) {
         alarm(HUNG);
         float height = 0.5f;
-        srbf_fit_settings settings;
-        CHECK_OK(srbf_fit_settings_default(&settings));
-        settings.lobes = 1;
+        srbf_fit_settings settings = quick();
+        settings.lobes = 1, settings.squeezed_lobes = 0;
         for (int i = 0; i < 2; i++) {
             srbf_material *material = NULL;
             CHECK_OK(srbf_fit_brdf(&settings, gloss, &height, &material));
@@ -166,7 +177,9 @@ int main(int count, char **arguments) {
     CHECK_OK(srbf_fit_settings_default(&settings));
     CHECK(settings.lobes == 12 && settings.squeezed_lobes == SRBF_FIT_AUTOMATIC);
     CHECK(fabs(settings.smoothness / 5e-5 - 1) < 1e-12);
-    settings.lobes = 6, settings.squeezed_lobes = 2;
+    CHECK(settings.mirrored_pairs == SRBF_FIT_AUTOMATIC && settings.views == SRBF_FIT_AUTOMATIC);
+    CHECK(settings.factor_nodes[2] == SRBF_FIT_AUTOMATIC && settings.error == 0);
+    settings = quick();
 
     enum { VIEWS = 6, SAMPLES = 400, N = VIEWS * SAMPLES };
     static float wo[N][3], wi[N][3], f[N][3];
@@ -191,9 +204,18 @@ int main(int count, char **arguments) {
     CHECK_OK(srbf_material_query(again, &b));
     CHECK(a.byte_count == b.byte_count && memcmp(a.bytes, b.bytes, a.byte_count) == 0 && a.lobes == 6);
     CHECK_OK(srbf_material_free(material));
+    settings.factor_nodes[0] = 8, settings.factor_nodes[1] = 4, settings.factor_nodes[2] = 2;
     CHECK_OK(srbf_fit_brdf(&settings, gloss, &height, &material));
     check_fit(material, height, 0.1f);
+    CHECK_OK(srbf_material_query(material, &a));
+    CHECK(a.views == 6 && a.lobes == 6);
     CHECK_OK(srbf_material_free(material));
+    settings = quick(), settings.error = 0.2;
+    CHECK_OK(srbf_fit_brdf(&settings, gloss, &height, &material));
+    CHECK_OK(srbf_material_query(material, &a));
+    CHECK(a.lobes < 6);
+    CHECK_OK(srbf_material_free(material));
+    settings = quick();
     test_children(settings);
 
     /* What is refused. */
@@ -227,6 +249,14 @@ int main(int count, char **arguments) {
     settings.lobes = 6, settings.squeezed_lobes = 7;
     CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material));
     settings.squeezed_lobes = 2, settings.smoothness = (double)NAN;
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material));
+    settings = quick(), settings.views = 1;
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material));
+    settings = quick(), settings.starts = 0;
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material));
+    settings = quick(), settings.factor_nodes[0] = 1000000;
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material));
+    settings = quick(), settings.error = -1;
     CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_fit_brdf(&settings, gloss, &height, &material));
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_save(NULL, path));
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_save(again, NULL));
