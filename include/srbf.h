@@ -8,7 +8,7 @@
  * Words
  *   Directions are unit vectors, three floats, in the caller's shading frame, +z the surface normal. `wo` points towards
  *   the viewer and is fixed, `wi` points towards the light and is sampled. The value is `f cos`: the BRDF times the
- *   cosine of `wi`, in 1/sr, linear sRGB; `srbf_mixture_evaluate_f` gives `f`. A density (pdf) is per solid angle, 1/sr.
+ *   cosine of `wi`, in 1/sr, linear sRGB. A density (pdf) is per solid angle, 1/sr.
  *   Order of arguments: object, count, inputs, outputs; but the bytes of a file, raw storage and mixtures come before their size
  *   or stride.
  *
@@ -21,7 +21,7 @@
  * Pointers
  *   The caller owns every buffer. A pointer is to as many readable or writable elements as its page says, or NULL; NULL and
  *   misaligned pointers are refused by a status. Inputs may overlap each other. In calls for one direction, outputs may
- *   overlap inputs, but not an object, the `.srbf` bytes of a material, or another output. In batches (`..._into`) an output
+ *   overlap inputs, but not an object, the `.srbf` bytes of a material, or another output. In requests (`srbf_request`) an output
  *   that overlaps anything is refused; arrays of one stride may interleave, so that inputs and outputs can be members of one
  *   structure.
  *
@@ -211,7 +211,8 @@ typedef int32_t srbf_status;
 /**
  * One spherical Gaussian lobe, `amplitude exp(sharpness (d . axis - 1))` over the whole sphere.
  *
- * Every call that takes a lobe checks it: `SRBF_STATUS_AXIS`, `SRBF_STATUS_SHARPNESS`, `SRBF_STATUS_AMPLITUDE`.
+ * `srbf_mixture_from_lobes` makes a mixture of it, on `SRBF_DOMAIN_SPHERE` with the lobe's own values, integral, density and products.
+ * It checks it: `SRBF_STATUS_AXIS`, `SRBF_STATUS_SHARPNESS`, `SRBF_STATUS_AMPLITUDE`.
  */
 typedef struct srbf_lobe {
     /**
@@ -309,6 +310,18 @@ typedef struct srbf_material_info {
      * Length of the provenance in bytes.
      */
     size_t provenance_length;
+    /**
+     * Nodes of the table of factors along half angle, difference angle and azimuth, see `srbf_material_factor_node`; 0 without one.
+     *
+     * A mixture of a material with factors reads them from the material: see `srbf_mixture`.
+     */
+    size_t factor_nodes[3];
+    /**
+     * What no factor exceeds but for rounding, the largest of any node and channel; 1 without a table.
+     *
+     * The luminance of a sample's weight is at most the power of its mixture times this, where no channel of a lobe is negative.
+     */
+    float largest_factor;
 } srbf_material_info;
 
 /**
@@ -403,6 +416,20 @@ typedef struct srbf_sample {
 } srbf_sample;
 
 /**
+ * n materials to read, by pointers to them.
+ */
+typedef struct srbf_materials {
+    /**
+     * The first pointer.
+     */
+    const struct srbf_material *const *first;
+    /**
+     * Bytes from one pointer to the next; a multiple of their alignment, at least their size.
+     */
+    size_t stride;
+} srbf_materials;
+
+/**
  * n vectors to write; laid out as `srbf_vectors`.
  *
  * Colours are vectors too: red, green and blue in the place of x, y and z.
@@ -459,10 +486,17 @@ typedef struct srbf_samples_out {
 } srbf_samples_out;
 
 /**
- * What is asked for each of n hits. Start from zeros, set `size` and `wo`, and what is wanted.
+ * What is asked for each of n hits. Start from zeros, set `size` and what is wanted.
  *
- * `sizeof(srbf_request)` in `size` lets later versions ask for more. An output whose first pointer is NULL is not wanted and not
- * worked out: `value.x`, `pdf.values`, `samples.direction.x`, `samples.pdf.values`, `samples.weight.x`.
+ * `sizeof(srbf_request)` in `size` lets later versions ask for more. An output whose first pointer is NULL is not wanted:
+ * `value.x`, `pdf.values`, `samples.direction.x`, `samples.pdf.values`, `samples.weight.x`. Inputs that no output needs are not
+ * looked at. Each array has n elements; outputs are overwritten, and may overlap nothing, inputs may overlap each other.
+ *
+ * Where nothing is reflected, and for a `wo` that is no unit vector, values and densities are 0 and the normal is drawn with density
+ * 0. A `wi` that is no unit vector gives an unspecified value, and so does a number `u` outside [0, 1); others are not touched by it.
+ *
+ * Every call that takes one refuses by `SRBF_STATUS_SIZE` a size that is not `sizeof(srbf_request)`, by `SRBF_STATUS_ARGUMENT`
+ * densities or weights of draws without directions. n = 0 looks at no pointer, and succeeds.
  */
 typedef struct srbf_request {
     /**
@@ -470,7 +504,11 @@ typedef struct srbf_request {
      */
     size_t size;
     /**
-     * Outgoing directions, n unit vectors.
+     * Materials, n; looked at by `srbf_material_ask` without a material.
+     */
+    struct srbf_materials materials;
+    /**
+     * Outgoing directions, n unit vectors; a mixture has its own, and does not look at them.
      */
     struct srbf_vectors wo;
     /**
@@ -494,6 +532,24 @@ typedef struct srbf_request {
      */
     struct srbf_samples_out samples;
 } srbf_request;
+
+/**
+ * What an environment holds.
+ */
+typedef struct srbf_environment_info {
+    /**
+     * The bytes that `srbf_environment_read` reads, for the caller to store: within the environment's storage, at a multiple of 64.
+     */
+    const void *table;
+    /**
+     * How many there are.
+     */
+    size_t table_size;
+    /**
+     * The integral of the luminance over the sphere: the luminance of every sample's radiance over its density.
+     */
+    float power;
+} srbf_environment_info;
 
 /**
  * A direction drawn from an environment.
@@ -786,11 +842,6 @@ extern "C" {
 uint32_t srbf_version(void);
 
 /**
- * Returns the version of the library as text, such as "0.1.0"; never NULL, valid for ever.
- */
-const char *srbf_version_text(void);
-
-/**
  * Returns a sentence for a status; never NULL, valid for ever.
  *
  * Any number may be given; one that is no status has a text that says so.
@@ -828,65 +879,9 @@ uint32_t srbf_simd_level(void);
 srbf_status srbf_simd_set_level(uint32_t level);
 
 /**
- * Evaluates a lobe towards a direction.
- *
- * Shapes: `direction` [3], unit vector; `value` [3], overwritten.
- */
-srbf_status srbf_lobe_evaluate(const struct srbf_lobe *lobe, const float *direction, float *value);
-
-/**
- * Integrates a lobe over the whole sphere: `2 pi amplitude (1 - exp(-2 s)) / s`.
- *
- * Infinite where it is more than a float holds, for amplitudes from 2.7e37 on.
- * Shapes: `integral` [3], overwritten.
- */
-srbf_status srbf_lobe_integrate(const struct srbf_lobe *lobe, float *integral);
-
-/**
- * Evaluates the density of `srbf_lobe_sample` at a direction; 1/sr. The amplitude does not matter.
- *
- * Shapes: `direction` [3], unit vector; `pdf` one number, overwritten.
- */
-srbf_status srbf_lobe_pdf(const struct srbf_lobe *lobe, const float *direction, float *pdf);
-
-/**
- * Draws a direction on the whole sphere from a lobe's density.
- *
- * Shapes: `u` [2], uniform numbers in [0, 1); `direction` [3], overwritten with a unit vector.
- */
-srbf_status srbf_lobe_sample(const struct srbf_lobe *lobe, const float *u, float *direction);
-
-/**
- * Multiplies two lobes, channel by channel; the product is a lobe again.
- *
- * Sharpness may reach 2e8, which no other call takes, and an amplitude infinity, where those of `a` and `b` multiply to more
- * than a float holds.
- */
-srbf_status srbf_lobe_product(const struct srbf_lobe *a,
-                              const struct srbf_lobe *b,
-                              struct srbf_lobe *product);
-
-/**
- * Integrates the product of two lobes over the whole sphere, in closed form.
- *
- * Infinite where it is more than a float holds.
- * Shapes: `integral` [3], overwritten.
- */
-srbf_status srbf_lobe_inner_product(const struct srbf_lobe *a, const struct srbf_lobe *b, float *integral);
-
-/**
- * Integrates the product of a mixture of plain lobes and a lobe, of light for example, over the mixture's domain.
- *
- * For a material's mixture and a lobe of radiance: the radiance that is reflected towards the viewer.
- * Shapes: `integral` [3], overwritten. Status: `SRBF_STATUS_SQUEEZED`.
- */
-srbf_status srbf_mixture_inner_product_with_lobe(const struct srbf_mixture *mixture,
-                                                 const struct srbf_lobe *lobe,
-                                                 float *integral);
-
-/**
  * Integrates the product of two mixtures of round lobes over the domain that they share.
  *
+ * For a material's mixture and one of lobes of radiance: the radiance that is reflected towards the viewer.
  * Shapes: `integral` [3], overwritten. Status: `SRBF_STATUS_SQUEEZED`.
  */
 srbf_status srbf_mixture_inner_product(const struct srbf_mixture *a,
@@ -897,7 +892,8 @@ srbf_status srbf_mixture_inner_product(const struct srbf_mixture *a,
  * Multiplies two mixtures of round lobes, lobe by lobe.
  *
  * A folded lobe counts as two, itself and its mirror image. The products are lobes of the caller's shading frame, not
- * folded; they stand for the product on the domain that the mixtures share. Sharpness and amplitudes as in `srbf_lobe_product`.
+ * folded; they stand for the product on the domain that the mixtures share. Sharpness may reach 2e8,
+ * which no call takes, and an amplitude infinity, where two multiply to more than a float holds.
  * Shapes: `lobes` [capacity], of which the first `*count` are overwritten; `lobes` may be NULL with capacity 0, to ask
  * for the count alone. Status: `SRBF_STATUS_SIZE` if the capacity is too small, `*count` says what is needed;
  * `SRBF_STATUS_SQUEEZED`.
@@ -1037,26 +1033,6 @@ srbf_status srbf_material_prepare_into(const struct srbf_material *material,
                                        size_t stride);
 
 /**
- * Says how many nodes a material's table of factors has along half angle, difference angle and azimuth; 0, 0 and 0 without one.
- *
- * A mixture of a material with factors reads them from the material: see `srbf_mixture`.
- * Shapes: `half`, `difference` and `azimuth` one number each, overwritten.
- */
-srbf_status srbf_material_factor_nodes(const struct srbf_material *material,
-                                       size_t *half,
-                                       size_t *difference,
-                                       size_t *azimuth);
-
-/**
- * Gives what no factor exceeds but for rounding, the largest of any node and channel; 1 without a table.
- *
- * The luminance of a sample's weight is at most the power of its mixture times this, where no channel of a lobe is negative.
- * Shapes: `factor` one number, overwritten.
- */
-srbf_status srbf_material_largest_factor(const struct srbf_material *material,
-                                         float *factor);
-
-/**
  * Gives the factor of a node. Status: `SRBF_STATUS_INDEX` past any end, and without a table.
  *
  * Nodes are evenly spaced from 0 to 1 in `(1 - h.z)^(1/4)`, in `(1 - h.wo)^(1/2)`, and in the squared cosine of the azimuth of `wo`
@@ -1136,17 +1112,6 @@ srbf_status srbf_material_free(struct srbf_material *material);
 srbf_status srbf_mixture_evaluate(const struct srbf_mixture *mixture, const float *wi, float *value);
 
 /**
- * Evaluates `f`, the BRDF without the incident cosine, towards a direction; 1/sr.
- *
- * `srbf_mixture_evaluate` over `wi[2]`; 0 at the horizon and below. What is fitted is `f cos`: towards grazing `f`
- * divides what is left of it by almost nothing.
- * Shapes: `wi` [3], unit vector; `f` [3], linear sRGB, overwritten.
- */
-srbf_status srbf_mixture_evaluate_f(const struct srbf_mixture *mixture,
-                                    const float *wi,
-                                    float *f);
-
-/**
  * Evaluates the density of `srbf_mixture_sample` at a direction; 1/sr, per solid angle.
  *
  * Shapes: `wi` [3], unit vector; `pdf` one number, overwritten.
@@ -1172,17 +1137,6 @@ srbf_status srbf_mixture_evaluate_and_pdf(const struct srbf_mixture *mixture,
 srbf_status srbf_mixture_sample(const struct srbf_mixture *mixture,
                                 const float *u,
                                 struct srbf_sample *sample);
-
-/**
- * Draws direction and density of `srbf_mixture_sample`, without the weight: one colour channel in place of three.
- *
- * A mixture that reflects nothing gives the normal with density 0, and `SRBF_STATUS_OK`.
- * Shapes: `u` [3], uniform numbers in [0, 1), as there; `wi` [3], unit vector, and `pdf`, one number, 1/sr; both overwritten.
- */
-srbf_status srbf_mixture_sample_pdf(const struct srbf_mixture *mixture,
-                                    const float *u,
-                                    float *wi,
-                                    float *pdf);
 
 /**
  * Draws an incident direction, and evaluates value and density towards another one: what next-event estimation needs at every hit.
@@ -1289,249 +1243,6 @@ srbf_status srbf_mixture_pdf_defensive(const struct srbf_mixture *mixture,
                                        float *pdf);
 
 /**
- * Evaluates `f cos` towards n directions; 1/sr. The values of `srbf_mixture_evaluate` within rounding.
- *
- * Shapes: `wi` n unit vectors; `value` n colours in linear sRGB, overwritten. n = 0 looks at no pointer but the
- * mixture. What is not a unit vector gives an unspecified value; the others are not touched by it.
- */
-srbf_status srbf_mixture_evaluate_into(const struct srbf_mixture *mixture,
-                                       size_t n,
-                                       const struct srbf_vectors *wi,
-                                       const struct srbf_vectors_out *value);
-
-/**
- * Evaluates the density of sampling at n directions; 1/sr. The values of `srbf_mixture_pdf` within rounding.
- *
- * Shapes and directions as in `srbf_mixture_evaluate_into`; `pdf` n numbers, overwritten.
- */
-srbf_status srbf_mixture_pdf_into(const struct srbf_mixture *mixture,
-                                  size_t n,
-                                  const struct srbf_vectors *wi,
-                                  const struct srbf_numbers_out *pdf);
-
-/**
- * Evaluates `f cos` and the density of sampling at n directions; 1/sr. The values of `srbf_mixture_evaluate_and_pdf` within
- * rounding.
- *
- * Shapes and directions as in `srbf_mixture_evaluate_into`; `value` n colours and `pdf` n numbers, overwritten.
- */
-srbf_status srbf_mixture_evaluate_and_pdf_into(const struct srbf_mixture *mixture,
-                                               size_t n,
-                                               const struct srbf_vectors *wi,
-                                               const struct srbf_vectors_out *value,
-                                               const struct srbf_numbers_out *pdf);
-
-/**
- * Draws n directions with density and weight, in one pass.
- *
- * Shapes: `u` n times three uniform numbers in [0, 1): the first chooses the lobe, the others the direction in it;
- * `samples` n of each, overwritten. Numbers outside give an unspecified sample. n = 0 as in
- * `srbf_mixture_evaluate_into`.
- */
-srbf_status srbf_mixture_sample_into(const struct srbf_mixture *mixture,
-                                     size_t n,
-                                     const struct srbf_vectors *u,
-                                     const struct srbf_samples_out *samples);
-
-/**
- * Draws n directions with their density, without a weight.
- *
- * The samples of `srbf_mixture_sample_into`, for callers that take the value elsewhere, in less time.
- * Shapes: `u` as for `srbf_mixture_sample_into`; `direction` n unit vectors and `pdf` n numbers, overwritten. n = 0 as in
- * `srbf_mixture_evaluate_into`.
- */
-srbf_status srbf_mixture_sample_pdf_into(const struct srbf_mixture *mixture,
-                                         size_t n,
-                                         const struct srbf_vectors *u,
-                                         const struct srbf_vectors_out *direction,
-                                         const struct srbf_numbers_out *pdf);
-
-/**
- * Draws n directions with density and weight, and evaluates value and density towards n others: what next-event estimation needs.
- *
- * Shapes: `u` and `samples` as in `srbf_mixture_sample_into`; `wi`, `value` and `pdf` as in `srbf_mixture_evaluate_and_pdf_into`.
- */
-srbf_status srbf_mixture_sample_and_evaluate_into(const struct srbf_mixture *mixture,
-                                                  size_t n,
-                                                  const struct srbf_vectors *u,
-                                                  const struct srbf_samples_out *samples,
-                                                  const struct srbf_vectors *wi,
-                                                  const struct srbf_vectors_out *value,
-                                                  const struct srbf_numbers_out *pdf);
-
-/**
- * Evaluates `f cos` for n pairs of an outgoing and an incident direction, each pair with its own mixture; 1/sr.
- *
- * The values of `srbf_material_prepare` and `srbf_mixture_evaluate`, pair by pair, without storage for mixtures.
- * Shapes: `wo` and `wi` n unit vectors; `value` n colours in linear sRGB, overwritten. n = 0 looks at no pointer but the material.
- * A `wo` that is no unit vector gives 0.
- */
-srbf_status srbf_material_evaluate_pairs_into(const struct srbf_material *material,
-                                              size_t n,
-                                              const struct srbf_vectors *wo,
-                                              const struct srbf_vectors *wi,
-                                              const struct srbf_vectors_out *value);
-
-/**
- * Evaluates `f cos` and the density of sampling for n pairs of an outgoing and an incident direction; 1/sr.
- *
- * Shapes: as in `srbf_material_evaluate_pairs_into`, and `pdf` n numbers, overwritten.
- */
-srbf_status srbf_material_evaluate_and_pdf_pairs_into(const struct srbf_material *material,
-                                                      size_t n,
-                                                      const struct srbf_vectors *wo,
-                                                      const struct srbf_vectors *wi,
-                                                      const struct srbf_vectors_out *value,
-                                                      const struct srbf_numbers_out *pdf);
-
-/**
- * Evaluates the density of sampling alone for n pairs of an outgoing and an incident direction; 1/sr.
- *
- * The densities of `srbf_material_evaluate_and_pdf_pairs_into` within rounding, in less time.
- * Shapes: `wo` and `wi` n unit vectors; `pdf` n numbers, overwritten. n = 0 and what is no unit vector as in
- * `srbf_material_evaluate_pairs_into`.
- */
-srbf_status srbf_material_pdf_pairs_into(const struct srbf_material *material,
-                                         size_t n,
-                                         const struct srbf_vectors *wo,
-                                         const struct srbf_vectors *wi,
-                                         const struct srbf_numbers_out *pdf);
-
-/**
- * Draws an incident direction for each of n outgoing ones with its density, without a weight.
- *
- * The samples of `srbf_material_sample_pairs_into`, for callers that take the value elsewhere, in less time.
- * Shapes: `wo` n unit vectors; `u` n times three uniform numbers in [0, 1); `direction` n unit vectors and `pdf` n
- * numbers, overwritten. n = 0 and what is no unit vector as in `srbf_material_evaluate_pairs_into`.
- */
-srbf_status srbf_material_sample_pdf_pairs_into(const struct srbf_material *material,
-                                                size_t n,
-                                                const struct srbf_vectors *wo,
-                                                const struct srbf_vectors *u,
-                                                const struct srbf_vectors_out *direction,
-                                                const struct srbf_numbers_out *pdf);
-
-/**
- * Draws an incident direction for each of n outgoing ones, each with its own mixture.
- *
- * The samples of `srbf_material_prepare` and `srbf_mixture_sample`, one by one, without storage for mixtures.
- * Shapes: `wo` n unit vectors; `u` n times three uniform numbers in [0, 1); `samples` n of each, overwritten. n = 0
- * and what is no unit vector as in `srbf_material_evaluate_pairs_into`.
- */
-srbf_status srbf_material_sample_pairs_into(const struct srbf_material *material,
-                                            size_t n,
-                                            const struct srbf_vectors *wo,
-                                            const struct srbf_vectors *u,
-                                            const struct srbf_samples_out *samples);
-
-/**
- * Draws an incident direction for each of n outgoing ones, and evaluates value and density towards another one, with one
- * preparation: what next-event estimation needs at every hit.
- *
- * Shapes: `wo`, `u` and `samples` as in `srbf_material_sample_pairs_into`; `wi`, `value` and `pdf` as in
- * `srbf_material_evaluate_and_pdf_pairs_into`.
- */
-srbf_status srbf_material_sample_and_evaluate_pairs_into(const struct srbf_material *material,
-                                                         size_t n,
-                                                         const struct srbf_vectors *wo,
-                                                         const struct srbf_vectors *u,
-                                                         const struct srbf_samples_out *samples,
-                                                         const struct srbf_vectors *wi,
-                                                         const struct srbf_vectors_out *value,
-                                                         const struct srbf_numbers_out *pdf);
-
-/**
- * Evaluates `f cos` for n pairs of a mixture and a direction; 1/sr.
- *
- * Mixture i is at `(const srbf_mixture *)((const char *)mixtures + i * mixture_stride)`.
- * Shapes: `mixtures` [n], `mixture_stride` bytes apart, a multiple of `SRBF_MIXTURE_ALIGNMENT` and at least
- * `SRBF_MIXTURE_SIZE_16`; `wi` n unit vectors; `value` n colours in linear sRGB, overwritten. n = 0 looks at no pointer. What is
- * not a unit vector gives an unspecified value.
- * Status: `SRBF_STATUS_OBJECT` if one of them is no mixture; the values are unspecified then.
- */
-srbf_status srbf_mixture_evaluate_pairs_into(const struct srbf_mixture *mixtures,
-                                             size_t mixture_stride,
-                                             size_t n,
-                                             const struct srbf_vectors *wi,
-                                             const struct srbf_vectors_out *value);
-
-/**
- * Evaluates `f cos` and the density of sampling for n pairs of a mixture and a direction; 1/sr.
- *
- * Shapes and status as in `srbf_mixture_evaluate_pairs_into`; `pdf` n numbers, overwritten.
- */
-srbf_status srbf_mixture_evaluate_and_pdf_pairs_into(const struct srbf_mixture *mixtures,
-                                                     size_t mixture_stride,
-                                                     size_t n,
-                                                     const struct srbf_vectors *wi,
-                                                     const struct srbf_vectors_out *value,
-                                                     const struct srbf_numbers_out *pdf);
-
-/**
- * Evaluates the density of sampling for n pairs of a mixture and a direction; 1/sr.
- *
- * Shapes and status as in `srbf_mixture_evaluate_pairs_into`; `pdf` n numbers, overwritten.
- */
-srbf_status srbf_mixture_pdf_pairs_into(const struct srbf_mixture *mixtures,
-                                        size_t mixture_stride,
-                                        size_t n,
-                                        const struct srbf_vectors *wi,
-                                        const struct srbf_numbers_out *pdf);
-
-/**
- * Draws one direction from each of n mixtures, with density and weight.
- *
- * Shapes and status as in `srbf_mixture_evaluate_pairs_into`; `u` and `samples` as in `srbf_mixture_sample_into`.
- */
-srbf_status srbf_mixture_sample_pairs_into(const struct srbf_mixture *mixtures,
-                                           size_t mixture_stride,
-                                           size_t n,
-                                           const struct srbf_vectors *u,
-                                           const struct srbf_samples_out *samples);
-
-/**
- * Draws one direction from each of n mixtures with its density, without a weight.
- *
- * Shapes and status as in `srbf_mixture_evaluate_pairs_into`; `u`, `direction` and `pdf` as in `srbf_mixture_sample_pdf_into`.
- */
-srbf_status srbf_mixture_sample_pdf_pairs_into(const struct srbf_mixture *mixtures,
-                                               size_t mixture_stride,
-                                               size_t n,
-                                               const struct srbf_vectors *u,
-                                               const struct srbf_vectors_out *direction,
-                                               const struct srbf_numbers_out *pdf);
-
-/**
- * Draws one direction from each of n mixtures, and evaluates value and density towards another one.
- *
- * Shapes and status as in `srbf_mixture_sample_pairs_into` and, of the other directions `wi`, in
- * `srbf_mixture_evaluate_and_pdf_pairs_into`.
- */
-srbf_status srbf_mixture_sample_and_evaluate_pairs_into(const struct srbf_mixture *mixtures,
-                                                        size_t mixture_stride,
-                                                        size_t n,
-                                                        const struct srbf_vectors *u,
-                                                        const struct srbf_samples_out *samples,
-                                                        const struct srbf_vectors *wi,
-                                                        const struct srbf_vectors_out *value,
-                                                        const struct srbf_numbers_out *pdf);
-
-/**
- * Draws and evaluates for n hits, each with an outgoing direction of its own: what is given is what is wanted.
- *
- * `materials` are n, or one for all hits (`material_count` = 1); they need not be sorted. The answers of
- * `srbf_material_sample_and_evaluate`, in less time. Where nothing is reflected, and for a `wo` that is no unit vector, values and
- * densities are 0 and the normal is drawn with density 0.
- * Shapes: `materials` [`material_count`]; every array of the request n, outputs overwritten. n = 0 looks at no pointer.
- * Status: `SRBF_STATUS_ARGUMENT` for a count that is neither 1 nor n, or densities or weights of draws without directions;
- * `SRBF_STATUS_SIZE` for a size that is not `sizeof(srbf_request)`.
- */
-srbf_status srbf_material_ask(const struct srbf_material *const *materials,
-                              size_t material_count,
-                              size_t n,
-                              const struct srbf_request *request);
-
-/**
  * Says how many bytes of storage an expanded material of so many rows needs: 448 a row, or 512 if lobes are mirrored, for up to
  * sixteen lobes, and as much for each sixteen lobes more.
  *
@@ -1567,83 +1278,36 @@ srbf_status srbf_expanded_prepare(const struct srbf_expanded *expanded,
                                   struct srbf_mixture *mixture);
 
 /**
- * Evaluates `f cos` for n pairs of an outgoing and an incident direction; 1/sr.
+ * Draws and evaluates for n hits of mixtures: what is given is what is wanted.
  *
- * Shapes: `wo` and `wi` n unit vectors; `value` n colours in linear sRGB, overwritten. n = 0 looks at no pointer but the expanded
- * material. A `wo` that is no unit vector gives 0.
+ * Mixture i is at `(const srbf_mixture *)((const char *)mixtures + i * mixture_stride)`; with a stride of 0 all hits are of the one
+ * mixture. The answers of `srbf_mixture_sample_and_evaluate` within rounding, in less time.
+ * Shapes: `mixtures` [n], `mixture_stride` bytes apart: 0, or a multiple of `SRBF_MIXTURE_ALIGNMENT` and at least
+ * `SRBF_MIXTURE_SIZE_16`. Status: `SRBF_STATUS_OBJECT` if one of them is no mixture; outputs are unspecified then.
  */
-srbf_status srbf_expanded_evaluate_pairs_into(const struct srbf_expanded *expanded,
-                                              size_t n,
-                                              const struct srbf_vectors *wo,
-                                              const struct srbf_vectors *wi,
-                                              const struct srbf_vectors_out *value);
+srbf_status srbf_mixture_ask(const struct srbf_mixture *mixtures,
+                             size_t mixture_stride,
+                             size_t n,
+                             const struct srbf_request *request);
 
 /**
- * Evaluates `f cos` and the density for n pairs of an outgoing and an incident direction; 1/sr.
+ * Draws and evaluates for n hits of a material, each with an outgoing direction of its own: what is given is what is wanted.
  *
- * Shapes: `wo` and `wi` n unit vectors; `value` n colours in linear sRGB and `pdf` n numbers, overwritten. n = 0 and what is no
- * unit vector as in `srbf_expanded_evaluate_pairs_into`.
+ * The answers of `srbf_material_sample_and_evaluate` within rounding, in less time.
+ * Shapes: `material` one for all hits; or NULL, and each hit has its own in `materials` of the request. They need not be sorted. An
+ * output may lie between their pointers, but not upon one.
  */
-srbf_status srbf_expanded_evaluate_and_pdf_pairs_into(const struct srbf_expanded *expanded,
-                                                      size_t n,
-                                                      const struct srbf_vectors *wo,
-                                                      const struct srbf_vectors *wi,
-                                                      const struct srbf_vectors_out *value,
-                                                      const struct srbf_numbers_out *pdf);
+srbf_status srbf_material_ask(const struct srbf_material *material,
+                              size_t n,
+                              const struct srbf_request *request);
 
 /**
- * Evaluates the density of sampling alone for n pairs of an outgoing and an incident direction; 1/sr.
- *
- * Shapes: `wo` and `wi` n unit vectors; `pdf` n numbers, overwritten. n = 0 and what is no unit vector as in
- * `srbf_expanded_evaluate_pairs_into`.
+ * Draws and evaluates for n hits of an expanded material, each with an outgoing direction of its own: what is given is what is
+ * wanted. The answers of `srbf_material_ask` within the error of the rows.
  */
-srbf_status srbf_expanded_pdf_pairs_into(const struct srbf_expanded *expanded,
-                                         size_t n,
-                                         const struct srbf_vectors *wo,
-                                         const struct srbf_vectors *wi,
-                                         const struct srbf_numbers_out *pdf);
-
-/**
- * Draws an incident direction for each of n outgoing ones, with density and weight.
- *
- * Shapes: `wo` n unit vectors; `u` n times three uniform numbers in [0, 1); `samples` n of each, overwritten. n = 0 and what is no
- * unit vector as in `srbf_expanded_evaluate_pairs_into`.
- */
-srbf_status srbf_expanded_sample_pairs_into(const struct srbf_expanded *expanded,
-                                            size_t n,
-                                            const struct srbf_vectors *wo,
-                                            const struct srbf_vectors *u,
-                                            const struct srbf_samples_out *samples);
-
-/**
- * Draws an incident direction for each of n outgoing ones with its density, without a weight.
- *
- * The samples of `srbf_expanded_sample_pairs_into`, for callers that take the value elsewhere.
- * Shapes: `wo` n unit vectors; `u` n times three uniform numbers in [0, 1); `direction` n unit vectors and `pdf` n
- * numbers, overwritten. n = 0 and what is no unit vector as in `srbf_expanded_evaluate_pairs_into`.
- */
-srbf_status srbf_expanded_sample_pdf_pairs_into(const struct srbf_expanded *expanded,
-                                                size_t n,
-                                                const struct srbf_vectors *wo,
-                                                const struct srbf_vectors *u,
-                                                const struct srbf_vectors_out *direction,
-                                                const struct srbf_numbers_out *pdf);
-
-/**
- * Draws an incident direction for each of n outgoing ones, and evaluates value and density towards another one: what next-event
- * estimation needs at every hit, with one preparation.
- *
- * Shapes: `wo`, `u` and `samples` as in `srbf_expanded_sample_pairs_into`; `wi`, `value` and `pdf` as in
- * `srbf_expanded_evaluate_and_pdf_pairs_into`.
- */
-srbf_status srbf_expanded_sample_and_evaluate_pairs_into(const struct srbf_expanded *expanded,
-                                                         size_t n,
-                                                         const struct srbf_vectors *wo,
-                                                         const struct srbf_vectors *u,
-                                                         const struct srbf_samples_out *samples,
-                                                         const struct srbf_vectors *wi,
-                                                         const struct srbf_vectors_out *value,
-                                                         const struct srbf_numbers_out *pdf);
+srbf_status srbf_expanded_ask(const struct srbf_expanded *expanded,
+                              size_t n,
+                              const struct srbf_request *request);
 
 /**
  * Says how many bytes of storage the environment of a map needs: 64 a pixel, those of one row more, and a little.
@@ -1672,16 +1336,13 @@ srbf_status srbf_environment_make(size_t width,
                                   struct srbf_environment **environment);
 
 /**
- * Gets the table of an environment, for the caller to store: what `srbf_environment_read` reads.
- *
- * Shapes: `table` one pointer, which is set to bytes within the environment's storage, at a multiple of 64; `size` how many there are.
+ * Says what an environment holds.
  */
-srbf_status srbf_environment_table(const struct srbf_environment *environment,
-                                   const void **table,
-                                   size_t *size);
+srbf_status srbf_environment_query(const struct srbf_environment *environment,
+                                   struct srbf_environment_info *info);
 
 /**
- * Takes a table that `srbf_environment_table` gave, on a processor of the same byte order, after checking it once. Nothing is copied:
+ * Takes a table that `srbf_environment_query` gave, on a processor of the same byte order, after checking it once. Nothing is copied:
  * the table must live, and stay as it is, for as long as the environment is used.
  *
  * Shapes: `table` [table_size] bytes, aligned to 4; 64 is the fastest; `turn` as in `srbf_environment_make`; `storage` [storage_size], at least
@@ -1696,40 +1357,15 @@ srbf_status srbf_environment_read(const void *table,
                                   struct srbf_environment **environment);
 
 /**
- * Gets the integral of the luminance of an environment over the sphere: that of every sample's radiance over its density.
+ * Looks up the radiance from a direction, and the density of `srbf_environment_sample` towards it; 1/sr.
  *
- * Shapes: `power` one number, overwritten.
+ * Shapes: `direction` [3], unit vector in the world; `radiance` [3], linear sRGB, and `pdf`, one number, overwritten; NULL for what is
+ * not wanted.
  */
-srbf_status srbf_environment_power(const struct srbf_environment *environment,
-                                   float *power);
-
-/**
- * Looks up the radiance from a direction.
- *
- * Shapes: `direction` [3], unit vector in the world; `radiance` [3], linear sRGB, overwritten.
- */
-srbf_status srbf_environment_radiance(const struct srbf_environment *environment,
+srbf_status srbf_environment_evaluate(const struct srbf_environment *environment,
                                       const float *direction,
-                                      float *radiance);
-
-/**
- * Evaluates the density of `srbf_environment_sample` towards a direction; 1/sr.
- *
- * Shapes: `direction` [3], unit vector in the world; `pdf` one number, overwritten.
- */
-srbf_status srbf_environment_pdf(const struct srbf_environment *environment,
-                                 const float *direction,
-                                 float *pdf);
-
-/**
- * Looks up radiance and density at once, in half the time of both.
- *
- * Shapes: as in `srbf_environment_radiance` and `srbf_environment_pdf`.
- */
-srbf_status srbf_environment_radiance_and_pdf(const struct srbf_environment *environment,
-                                              const float *direction,
-                                              float *radiance,
-                                              float *pdf);
+                                      float *radiance,
+                                      float *pdf);
 
 /**
  * Draws a direction by the luminance of its radiance.
