@@ -63,34 +63,6 @@ private:
 /// Three floats: a direction or a colour in linear sRGB.
 using Vec3 = std::array<float, 3>;
 
-/// n vectors to read, from an array of structures: any type that starts with three floats.
-template <class T>
-srbf_vectors vectors(Span<const T> span) {
-    const float *first = reinterpret_cast<const float *>(span.data());
-    if (first == nullptr) return {nullptr, nullptr, nullptr, span.stride()};
-    return {first, first + 1, first + 2, span.stride()};
-}
-
-/// n vectors to write, to an array of structures.
-template <class T>
-srbf_vectors_out vectors_out(Span<T> span) {
-    float *first = reinterpret_cast<float *>(span.data());
-    if (first == nullptr) return {nullptr, nullptr, nullptr, span.stride()};
-    return {first, first + 1, first + 2, span.stride()};
-}
-
-/// The parts of n samples to write, to an array of structures.
-inline srbf_samples_out samples_out(Span<srbf_sample> span) {
-    srbf_sample *first = span.data();
-    const std::size_t stride = span.stride();
-    if (first == nullptr) return {{nullptr, nullptr, nullptr, stride}, {nullptr, stride}, {nullptr, nullptr, nullptr, stride}};
-    float *d = first->direction, *w = first->weight;
-    return {{d, d + 1, d + 2, stride}, {&first->pdf, stride}, {w, w + 1, w + 2, stride}};
-}
-
-/// n numbers to write.
-inline srbf_numbers_out numbers_out(Span<float> span) { return {span.data(), span.stride()}; }
-
 /// The status of a call; true is failure, as with std::error_code. Some are made here, by SRBF_STATUS_SIZE for example, without a
 /// call: `text` says what a status means wherever it comes from.
 class [[nodiscard]] Status {
@@ -103,6 +75,76 @@ public:
 private:
     srbf_status status_;
 };
+
+/// What is asked for each of n hits: outputs that are named are wanted. All spans have n elements, or asking is refused by
+/// SRBF_STATUS_SIZE.
+class Request {
+public:
+    Request() { request_.size = sizeof request_; }
+
+    /// Outgoing directions, of a material.
+    Request &wo(Span<const Vec3> wo) { return put(request_.wo, wo); }
+    /// Incident directions, of which `value` and `pdf` are.
+    Request &wi(Span<const Vec3> wi) { return put(request_.wi, wi); }
+    /// Three uniform numbers a hit, for what is drawn.
+    Request &u(Span<const Vec3> u) { return put(request_.u, u); }
+    Request &value(Span<Vec3> value) { return put(request_.value, value); }
+    Request &pdf(Span<float> pdf) {
+        request_.pdf = {pdf.data(), pdf.stride()};
+        return count(pdf.size(), pdf.data());
+    }
+    /// Draws with densities and weights.
+    Request &samples(Span<srbf_sample> samples) {
+        srbf_sample *first = samples.data();
+        const std::size_t stride = samples.stride();
+        if (first != nullptr) {
+            float *d = first->direction, *w = first->weight;
+            request_.samples = {{d, d + 1, d + 2, stride}, {&first->pdf, stride}, {w, w + 1, w + 2, stride}};
+        }
+        return count(samples.size(), first);
+    }
+    /// Draws with densities alone.
+    Request &directions(Span<Vec3> wi, Span<float> pdf) {
+        put(request_.samples.direction, wi);
+        request_.samples.pdf = {pdf.data(), pdf.stride()};
+        return count(pdf.size(), pdf.data());
+    }
+    /// The material of each hit, for `ask_each`.
+    Request &materials(Span<const srbf_material *const> materials) {
+        request_.materials = {materials.data(), materials.stride()};
+        return count(materials.size(), materials.data());
+    }
+
+    /// Number of hits, and what is asked.
+    std::size_t size() const { return size_; }
+    const srbf_request *get() const { return &request_; }
+    /// SRBF_STATUS_SIZE for spans of different length, SRBF_STATUS_NULL for one of nothing that has a length.
+    Status status() const { return status_; }
+
+private:
+    template <class Vectors, class T>
+    Request &put(Vectors &to, Span<T> span) {
+        using Float = std::conditional_t<std::is_const_v<T>, const float, float>;
+        Float *first = reinterpret_cast<Float *>(span.data());
+        if (first != nullptr) to = {first, first + 1, first + 2, span.stride()};
+        return count(span.size(), first);
+    }
+    Request &count(std::size_t size, const void *data) {
+        if (is_counted_ && size != size_) status_ = SRBF_STATUS_SIZE;
+        else if (!status_ && size > 0 && data == nullptr) status_ = SRBF_STATUS_NULL;
+        is_counted_ = true, size_ = size;
+        return *this;
+    }
+    srbf_request request_ = {};
+    std::size_t size_ = 0;
+    bool is_counted_ = false;
+    Status status_;
+};
+
+/// Asks for hits of which each has a material of its own.
+inline Status ask_each(const Request &request) {
+    return request.status() ? request.status() : Status(srbf_material_ask(nullptr, request.size(), request.get()));
+}
 
 /// The mixture of lobes for one outgoing direction, with storage for as many lobes as a material may have (16, 32, 64).
 ///
@@ -134,7 +176,6 @@ public:
     Status evaluate(const Vec3 &wi, Vec3 &value) const {
         return srbf_mixture_evaluate(get(), wi.data(), value.data());
     }
-    Status evaluate_f(const Vec3 &wi, Vec3 &f) const { return srbf_mixture_evaluate_f(get(), wi.data(), f.data()); }
     Status pdf(const Vec3 &wi, float &pdf) const { return srbf_mixture_pdf(get(), wi.data(), &pdf); }
     Status evaluate_and_pdf(const Vec3 &wi, Vec3 &value, float &pdf) const {
         return srbf_mixture_evaluate_and_pdf(get(), wi.data(), value.data(), &pdf);
@@ -142,46 +183,14 @@ public:
     Status sample(const Vec3 &u, srbf_sample &sample) const {
         return srbf_mixture_sample(get(), u.data(), &sample);
     }
-    Status sample_pdf(const Vec3 &u, Vec3 &wi, float &pdf) const {
-        return srbf_mixture_sample_pdf(get(), u.data(), wi.data(), &pdf);
-    }
     /// What next-event estimation needs: a sample, and value and density towards another direction.
     Status sample_and_evaluate(const Vec3 &u, srbf_sample &sample, const Vec3 &wi, Vec3 &value, float &pdf) const {
         return srbf_mixture_sample_and_evaluate(get(), u.data(), &sample, wi.data(), value.data(), &pdf);
     }
 
-    /// Batches; spans of different length are refused.
-    Status evaluate_into(Span<const Vec3> wi, Span<Vec3> value) const {
-        if (wi.size() != value.size()) return SRBF_STATUS_SIZE;
-        const srbf_vectors in = vectors(wi);
-        const srbf_vectors_out out = vectors_out(value);
-        return srbf_mixture_evaluate_into(get(), wi.size(), &in, &out);
-    }
-    Status pdf_into(Span<const Vec3> wi, Span<float> pdf) const {
-        if (wi.size() != pdf.size()) return SRBF_STATUS_SIZE;
-        const srbf_vectors in = vectors(wi);
-        const srbf_numbers_out out = numbers_out(pdf);
-        return srbf_mixture_pdf_into(get(), wi.size(), &in, &out);
-    }
-    Status evaluate_and_pdf_into(Span<const Vec3> wi, Span<Vec3> value, Span<float> pdf) const {
-        if (wi.size() != value.size() || wi.size() != pdf.size()) return SRBF_STATUS_SIZE;
-        const srbf_vectors in = vectors(wi);
-        const srbf_vectors_out out = vectors_out(value);
-        const srbf_numbers_out density = numbers_out(pdf);
-        return srbf_mixture_evaluate_and_pdf_into(get(), wi.size(), &in, &out, &density);
-    }
-    Status sample_into(Span<const Vec3> u, Span<srbf_sample> samples) const {
-        if (u.size() != samples.size()) return SRBF_STATUS_SIZE;
-        const srbf_vectors in = vectors(u);
-        const srbf_samples_out out = samples_out(samples);
-        return srbf_mixture_sample_into(get(), u.size(), &in, &out);
-    }
-    Status sample_pdf_into(Span<const Vec3> u, Span<Vec3> wi, Span<float> pdf) const {
-        if (u.size() != wi.size() || u.size() != pdf.size()) return SRBF_STATUS_SIZE;
-        const srbf_vectors in = vectors(u);
-        const srbf_vectors_out out = vectors_out(wi);
-        const srbf_numbers_out density = numbers_out(pdf);
-        return srbf_mixture_sample_pdf_into(get(), u.size(), &in, &out, &density);
+    /// n hits of this mixture.
+    Status ask(const Request &request) const {
+        return request.status() ? request.status() : Status(srbf_mixture_ask(get(), 0, request.size(), request.get()));
     }
 
 private:
@@ -193,66 +202,9 @@ private:
         storage_;
 };
 
-namespace detail {
-/// What is done with n pairs of directions, of whatever `Object::get` has calls for. Spans of different length are refused.
-template <class Object, auto Evaluate, auto EvaluateAndPdf, auto Pdf, auto Sample, auto SamplePdf, auto SampleAndEvaluate>
-class Pairs {
-public:
-    Status evaluate_pairs_into(Span<const Vec3> wo, Span<const Vec3> wi, Span<Vec3> value) const {
-        if (wi.size() != wo.size() || value.size() != wo.size()) return SRBF_STATUS_SIZE;
-        const srbf_vectors o = vectors(wo), i = vectors(wi);
-        const srbf_vectors_out out = vectors_out(value);
-        return Evaluate(object(), wo.size(), &o, &i, &out);
-    }
-    Status evaluate_and_pdf_pairs_into(Span<const Vec3> wo, Span<const Vec3> wi, Span<Vec3> value, Span<float> pdf) const {
-        if (wi.size() != wo.size() || value.size() != wo.size() || pdf.size() != wo.size()) return SRBF_STATUS_SIZE;
-        const srbf_vectors o = vectors(wo), i = vectors(wi);
-        const srbf_vectors_out out = vectors_out(value);
-        const srbf_numbers_out density = numbers_out(pdf);
-        return EvaluateAndPdf(object(), wo.size(), &o, &i, &out, &density);
-    }
-    Status pdf_pairs_into(Span<const Vec3> wo, Span<const Vec3> wi, Span<float> pdf) const {
-        if (wi.size() != wo.size() || pdf.size() != wo.size()) return SRBF_STATUS_SIZE;
-        const srbf_vectors o = vectors(wo), i = vectors(wi);
-        const srbf_numbers_out density = numbers_out(pdf);
-        return Pdf(object(), wo.size(), &o, &i, &density);
-    }
-    Status sample_pairs_into(Span<const Vec3> wo, Span<const Vec3> u, Span<srbf_sample> samples) const {
-        if (u.size() != wo.size() || samples.size() != wo.size()) return SRBF_STATUS_SIZE;
-        const srbf_vectors o = vectors(wo), numbers = vectors(u);
-        const srbf_samples_out out = samples_out(samples);
-        return Sample(object(), wo.size(), &o, &numbers, &out);
-    }
-    Status sample_pdf_pairs_into(Span<const Vec3> wo, Span<const Vec3> u, Span<Vec3> wi, Span<float> pdf) const {
-        if (u.size() != wo.size() || wi.size() != wo.size() || pdf.size() != wo.size()) return SRBF_STATUS_SIZE;
-        const srbf_vectors o = vectors(wo), numbers = vectors(u);
-        const srbf_vectors_out out = vectors_out(wi);
-        const srbf_numbers_out density = numbers_out(pdf);
-        return SamplePdf(object(), wo.size(), &o, &numbers, &out, &density);
-    }
-    /// What next-event estimation needs at every hit: a sample, and value and density towards another direction.
-    Status sample_and_evaluate_pairs_into(Span<const Vec3> wo, Span<const Vec3> u, Span<srbf_sample> samples,
-                                          Span<const Vec3> wi, Span<Vec3> value, Span<float> pdf) const {
-        if (u.size() != wo.size() || samples.size() != wo.size() || wi.size() != wo.size() ||
-            value.size() != wo.size() || pdf.size() != wo.size()) return SRBF_STATUS_SIZE;
-        const srbf_vectors o = vectors(wo), numbers = vectors(u), i = vectors(wi);
-        const srbf_samples_out out = samples_out(samples);
-        const srbf_vectors_out towards = vectors_out(value);
-        const srbf_numbers_out density = numbers_out(pdf);
-        return SampleAndEvaluate(object(), wo.size(), &o, &numbers, &out, &i, &towards, &density);
-    }
-
-private:
-    auto object() const { return static_cast<const Object *>(this)->get(); }
-};
-} // namespace detail
-
 /// A material made ready for speed, in storage of the caller: `srbf_expanded_size` bytes, aligned to SRBF_EXPANDED_ALIGNMENT, which
 /// must outlive it, as must the material. A view, to be copied; an empty one answers every call with SRBF_STATUS_NULL.
-class Expanded
-    : public detail::Pairs<Expanded, srbf_expanded_evaluate_pairs_into, srbf_expanded_evaluate_and_pdf_pairs_into,
-                           srbf_expanded_pdf_pairs_into, srbf_expanded_sample_pairs_into,
-                           srbf_expanded_sample_pdf_pairs_into, srbf_expanded_sample_and_evaluate_pairs_into> {
+class Expanded {
 public:
     /// Prepares a material at so many angles; SRBF_EXPANDED_DEFAULT_ROWS is a good number.
     Status make(const srbf_material *material, std::size_t rows, void *storage, std::size_t size) {
@@ -260,6 +212,11 @@ public:
         const Status status = srbf_expanded_make(material, rows, storage, size, &made);
         if (!status) expanded_ = made;
         return status;
+    }
+
+    /// n hits, each with an outgoing direction of its own.
+    Status ask(const Request &request) const {
+        return request.status() ? request.status() : Status(srbf_expanded_ask(expanded_, request.size(), request.get()));
     }
 
     const srbf_expanded *get() const { return expanded_; }
@@ -292,25 +249,13 @@ public:
         if (!status) environment_ = made;
         return status;
     }
-    /// The bytes of the table.
-    Status table(Span<const unsigned char> &bytes) const {
-        const void *first = nullptr;
-        std::size_t size = 0;
-        const Status status = srbf_environment_table(environment_, &first, &size);
-        if (!status) bytes = {static_cast<const unsigned char *>(first), size};
-        return status;
-    }
-
     const srbf_environment *get() const { return environment_; }
     explicit operator bool() const { return environment_ != nullptr; }
 
-    Status power(float &power) const { return srbf_environment_power(environment_, &power); }
-    Status radiance(const Vec3 &direction, Vec3 &radiance) const {
-        return srbf_environment_radiance(environment_, direction.data(), radiance.data());
-    }
-    Status pdf(const Vec3 &direction, float &pdf) const { return srbf_environment_pdf(environment_, direction.data(), &pdf); }
-    Status radiance_and_pdf(const Vec3 &direction, Vec3 &radiance, float &pdf) const {
-        return srbf_environment_radiance_and_pdf(environment_, direction.data(), radiance.data(), &pdf);
+    Status query(srbf_environment_info &info) const { return srbf_environment_query(environment_, &info); }
+    /// Radiance and density; nullptr for what is not wanted.
+    Status evaluate(const Vec3 &direction, Vec3 *radiance, float *pdf) const {
+        return srbf_environment_evaluate(environment_, direction.data(), radiance != nullptr ? radiance->data() : nullptr, pdf);
     }
     Status sample(const Vec3 &u, srbf_light_sample &sample) const { return srbf_environment_sample(environment_, u.data(), &sample); }
     /// Draws for this light and a mixture together. `u`: the first uniform number of each candidate, then the second, then the third.
@@ -342,10 +287,7 @@ private:
 
 #if defined(SRBF_HOSTED)
 /// A material, which it owns. Move-only; an empty one answers every call with SRBF_STATUS_NULL.
-class Material
-    : public detail::Pairs<Material, srbf_material_evaluate_pairs_into, srbf_material_evaluate_and_pdf_pairs_into,
-                           srbf_material_pdf_pairs_into, srbf_material_sample_pairs_into,
-                           srbf_material_sample_pdf_pairs_into, srbf_material_sample_and_evaluate_pairs_into> {
+class Material {
 public:
     Material() = default;
     ~Material() { (void)srbf_material_free(material_); }
@@ -381,7 +323,6 @@ public:
     Status factor(const Vec3 &wo, const Vec3 &wi, Vec3 &factor) const {
         return srbf_material_factor(material_, wo.data(), wi.data(), factor.data());
     }
-    Status largest_factor(float &factor) const { return srbf_material_largest_factor(material_, &factor); }
     /// One hit, without a mixture.
     Status evaluate(const Vec3 &wo, const Vec3 &wi, Vec3 &value) const {
         return srbf_material_evaluate(material_, wo.data(), wi.data(), value.data());
@@ -400,10 +341,10 @@ public:
         return srbf_material_sample_and_evaluate(material_, wo.data(), u.data(), &sample, wi.data(), value.data(), &pdf);
     }
     Status prefetch(const Vec3 &wo) const { return srbf_material_prefetch(material_, wo.data()); }
-    /// n hits of this material; those of many materials are `srbf_material_ask`.
-    Status ask(std::size_t n, const srbf_request &request) const {
-        const srbf_material *material = material_;
-        return srbf_material_ask(&material, 1, n, &request);
+    /// n hits of this material, each with an outgoing direction of its own.
+    Status ask(const Request &request) const {
+        if (material_ == nullptr) return SRBF_STATUS_NULL;
+        return request.status() ? request.status() : Status(srbf_material_ask(material_, request.size(), request.get()));
     }
     /// The material must outlive the mixture if it has factors.
     template <std::size_t Lobes>

@@ -8,7 +8,7 @@ use srbf_benches::{
     DIRECTIONS, GARNET_RED, LOBES, Triples, general_lobes, general_mixture, levels, mild_lobes,
     named_mixtures,
 };
-use srbf_core::{Material, Mixture, SamplesMut, Vec3};
+use srbf_core::{Draws, Material, Mixture, Request, Towards, Vec3};
 use std::hint::black_box;
 use std::time::Duration;
 
@@ -19,13 +19,21 @@ impl Outputs {
     fn new() -> Self {
         Self([(); 7].map(|()| vec![0.0; DIRECTIONS[DIRECTIONS.len() - 1]]))
     }
-    fn samples(&mut self, n: usize) -> SamplesMut<'_> {
-        let [x, y, z, pdf, red, green, blue] = &mut self.0;
-        SamplesMut {
-            direction: [&mut x[..n], &mut y[..n], &mut z[..n]],
-            pdf: &mut pdf[..n],
-            weight: [&mut red[..n], &mut green[..n], &mut blue[..n]],
-        }
+    /// Draws of directions; with weights or without.
+    fn draws<'a>(&'a mut self, u: &'a Triples, weights: bool) -> Request<'a> {
+        let (u, n) = (black_box(u.slices()), u.slices()[0].len());
+        let [x, y, z, pdf, colors @ ..] = self.0.each_mut().map(|s| &mut s[..n]);
+        Draws { u, direction: [x, y, z], pdf: Some(pdf), weight: weights.then_some(colors) }.into()
+    }
+    /// Values, densities, or both.
+    fn towards<'a>(&'a mut self, wi: &'a Triples, values: bool, densities: bool) -> Request<'a> {
+        let (wi, n) = (black_box(wi.slices()), wi.slices()[0].len());
+        let [_, _, _, pdf, colors @ ..] = self.0.each_mut().map(|s| &mut s[..n]);
+        Towards { wi, value: values.then_some(colors), pdf: densities.then_some(pdf) }.into()
+    }
+    fn colors(&mut self, n: usize) -> [&mut [f32]; 3] {
+        let [_, _, _, _, colors @ ..] = self.0.each_mut().map(|s| &mut s[..n]);
+        colors
     }
 }
 
@@ -45,17 +53,14 @@ fn evaluate(c: &mut Criterion) {
                 let directions = Triples::directions(n, 1);
                 group.throughput(Throughput::Elements((lobes * n) as u64));
                 group.bench_function(BenchmarkId::new(lobes.to_string(), n), |b| {
-                    b.iter(|| {
-                        let samples = out.samples(n);
-                        mixture.evaluate_into(black_box(directions.slices()), samples.weight).unwrap();
-                    });
+                    b.iter(|| mixture.ask(out.towards(&directions, true, false)).unwrap());
                 });
             }
         }
         measure_named(&mut group, true, |mixture, n| {
             let directions = Triples::directions(n, 1);
             let mut out = Outputs::new();
-            move || mixture.evaluate_into(black_box(directions.slices()), out.samples(n).weight).unwrap()
+            move || mixture.ask(out.towards(&directions, true, false)).unwrap()
         });
         group.finish();
     }
@@ -65,8 +70,7 @@ fn evaluate(c: &mut Criterion) {
         group.throughput(Throughput::Elements(12 * 1024));
         group.bench_function(BenchmarkId::new("mild", 1024), |b| {
             b.iter(|| {
-                let weight = out.samples(1024).weight;
-                baseline.evaluate(black_box(&packed), black_box(directions.slices()), weight);
+                baseline.evaluate(black_box(&packed), black_box(directions.slices()), out.colors(1024));
             });
         });
         for lobes in LOBES {
@@ -76,8 +80,8 @@ fn evaluate(c: &mut Criterion) {
                 group.throughput(Throughput::Elements((lobes * n) as u64));
                 group.bench_function(BenchmarkId::new(lobes.to_string(), n), |b| {
                     b.iter(|| {
-                        let weight = out.samples(n).weight;
-                        baseline.evaluate(black_box(&packed), black_box(directions.slices()), weight);
+                        let colors = out.colors(n);
+                        baseline.evaluate(black_box(&packed), black_box(directions.slices()), colors);
                     });
                 });
             }
@@ -120,7 +124,7 @@ fn pdf(c: &mut Criterion) {
                 let directions = Triples::directions(n, 1);
                 group.throughput(Throughput::Elements((lobes * n) as u64));
                 group.bench_function(BenchmarkId::new(lobes.to_string(), n), |b| {
-                    b.iter(|| mixture.pdf_into(black_box(directions.slices()), out.samples(n).pdf).unwrap());
+                    b.iter(|| mixture.ask(out.towards(&directions, false, true)).unwrap());
                 });
             }
         }
@@ -139,14 +143,14 @@ fn sample(c: &mut Criterion) {
                 let uniforms = Triples::uniforms(n, 2);
                 group.throughput(Throughput::Elements(n as u64));
                 group.bench_function(BenchmarkId::new(lobes.to_string(), n), |b| {
-                    b.iter(|| mixture.sample_into(black_box(uniforms.slices()), out.samples(n)).unwrap());
+                    b.iter(|| mixture.ask(out.draws(&uniforms, true)).unwrap());
                 });
             }
         }
         measure_named(&mut group, false, |mixture, n| {
             let uniforms = Triples::uniforms(n, 2);
             let mut out = Outputs::new();
-            move || mixture.sample_into(black_box(uniforms.slices()), out.samples(n)).unwrap()
+            move || mixture.ask(out.draws(&uniforms, true)).unwrap()
         });
         group.finish();
     }
@@ -180,23 +184,16 @@ fn pairs(c: &mut Criterion) {
                 material.prepare_into(black_box(wo.slices()), &mut mixtures).unwrap();
             });
             measure("evaluate-pairs", &mut || {
-                let SamplesMut { pdf, weight, .. } = out.samples(n);
-                material
-                    .evaluate_and_pdf_pairs_into(black_box(wo.slices()), wi.slices(), weight, pdf)
-                    .unwrap();
+                material.ask(black_box(wo.slices()), out.towards(&wi, true, true)).unwrap();
             });
             measure("pdf-pairs", &mut || {
-                material.pdf_pairs_into(black_box(wo.slices()), wi.slices(), out.samples(n).pdf).unwrap();
+                material.ask(black_box(wo.slices()), out.towards(&wi, false, true)).unwrap();
             });
             measure("sample-pdf-pairs", &mut || {
-                let SamplesMut { direction, pdf, .. } = out.samples(n);
-                let (wo, u) = (black_box(wo.slices()), uniforms.slices());
-                material.sample_pdf_pairs_into(wo, u, direction, pdf).unwrap();
+                material.ask(black_box(wo.slices()), out.draws(&uniforms, false)).unwrap();
             });
             measure("sample-pairs", &mut || {
-                material
-                    .sample_pairs_into(black_box(wo.slices()), uniforms.slices(), out.samples(n))
-                    .unwrap();
+                material.ask(black_box(wo.slices()), out.draws(&uniforms, true)).unwrap();
             });
         }
     }

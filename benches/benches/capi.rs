@@ -4,8 +4,8 @@
 //! through pointers that the optimiser cannot see through, as a C program calls them.
 #![allow(unsafe_code, reason = "calls the C interface as C does")]
 
-use srbf::{srbf_mixture, srbf_numbers_out, srbf_sample, srbf_samples_out, srbf_vectors, srbf_vectors_out};
-use srbf_core::{Domain, Lobe, Mixture, SamplesMut, Vec3};
+use srbf::{srbf_mixture, srbf_numbers_out, srbf_request, srbf_sample, srbf_vectors, srbf_vectors_out};
+use srbf_core::{Domain, Draws, Lobe, Mixture, Towards, Vec3};
 use std::cell::RefCell;
 use std::hint::black_box;
 use std::time::Instant;
@@ -65,8 +65,7 @@ fn main() {
     let u = black_box([0.3f32, 0.6, 0.9]);
     let one_pdf = black_box(srbf::srbf_mixture_pdf as unsafe extern "C" fn(_, _, _) -> _);
     let one_sample = black_box(srbf::srbf_mixture_sample as unsafe extern "C" fn(_, _, _) -> _);
-    let many_pdf = black_box(srbf::srbf_mixture_pdf_into as unsafe extern "C" fn(_, _, _, _) -> _);
-    let many_sample = black_box(srbf::srbf_mixture_sample_into as unsafe extern "C" fn(_, _, _, _) -> _);
+    let many = black_box(srbf::srbf_mixture_ask as unsafe extern "C" fn(_, _, _, _) -> _);
     let mixture = black_box(&mixture);
 
     let (mut pdf, mut sample) = (0.0f32, srbf_sample { direction: [0.0; 3], pdf: 0.0, weight: [0.0; 3] });
@@ -105,13 +104,17 @@ fn main() {
         compare(
             &format!("pdf/12/{n}"),
             calls,
-            || mixture.pdf_into(black_box([&x, &y, &z]), &mut out.borrow_mut()[0]).expect("one length"),
             || {
-                let numbers = srbf_numbers_out { values: out.borrow_mut()[0].as_mut_ptr(), stride };
+                let mut out = out.borrow_mut();
+                let towards = Towards { wi: black_box([&x, &y, &z]), value: None, pdf: Some(&mut out[0]) };
+                mixture.ask(towards.into()).expect("one length");
+            },
+            || {
+                let mut request = nothing();
+                request.wi = black_box(input);
+                request.pdf = srbf_numbers_out { values: out.borrow_mut()[0].as_mut_ptr(), stride };
                 // SAFETY: the arrays are as long as said, and nothing else uses the outputs.
-                black_box(unsafe {
-                    many_pdf(made.cast_const(), n, black_box(&raw const input), &raw const numbers)
-                });
+                black_box(unsafe { many(made.cast_const(), 0usize, n, &raw const request) });
             },
         );
         compare(
@@ -120,22 +123,31 @@ fn main() {
             || {
                 let mut out = out.borrow_mut();
                 let [x_out, y_out, z_out, pdf, red, green, blue] = out.each_mut().map(Vec::as_mut_slice);
-                let direction = [x_out, y_out, z_out];
-                let samples = SamplesMut { direction, pdf, weight: [red, green, blue] };
-                mixture.sample_into(black_box([&x, &y, &z]), samples).expect("one length");
+                let draws = Draws {
+                    u: black_box([&x, &y, &z]),
+                    direction: [x_out, y_out, z_out],
+                    pdf: Some(pdf),
+                    weight: Some([red, green, blue]),
+                };
+                mixture.ask(draws.into()).expect("one length");
             },
             || {
                 let [a, b, c, d, e, f, g] = out.borrow_mut().each_mut().map(|v| v.as_mut_ptr());
-                let samples = srbf_samples_out {
-                    direction: srbf_vectors_out { x: a, y: b, z: c, stride },
-                    pdf: srbf_numbers_out { values: d, stride },
-                    weight: srbf_vectors_out { x: e, y: f, z: g, stride },
-                };
+                let mut request = nothing();
+                request.u = black_box(input);
+                request.samples.direction = srbf_vectors_out { x: a, y: b, z: c, stride };
+                request.samples.pdf = srbf_numbers_out { values: d, stride };
+                request.samples.weight = srbf_vectors_out { x: e, y: f, z: g, stride };
                 // SAFETY: as above.
-                black_box(unsafe {
-                    many_sample(made.cast_const(), n, black_box(&raw const input), &raw const samples)
-                });
+                black_box(unsafe { many(made.cast_const(), 0usize, n, &raw const request) });
             },
         );
     }
+}
+
+/// A request that asks for nothing.
+fn nothing() -> srbf_request {
+    // SAFETY: pointers and numbers, all of which may be zero.
+    let zeros: srbf_request = unsafe { std::mem::zeroed() };
+    srbf_request { size: size_of::<srbf_request>(), ..zeros }
 }

@@ -35,9 +35,6 @@ fn single(c: &mut Criterion) {
             measure("one-sample", &mut |i| {
                 mixture.sample_direction(black_box(uniforms[i])).map_or(0.0, |d| d.x)
             });
-            measure("one-sample-pdf", &mut |i| {
-                mixture.sample_pdf(black_box(uniforms[i])).map_or(0.0, |(direction, pdf)| direction.x + pdf)
-            });
             measure("one-sample-value", &mut |i| {
                 mixture.sample(black_box(uniforms[i])).map_or(0.0, |s| s.direction.x + s.pdf + s.weight.x)
             });

@@ -4,10 +4,10 @@
 //! file. Errors are the largest difference from the
 //! exact preparation, relative to the largest value for that outgoing direction, over 400 outgoing directions with 400 incident ones
 //! each. Times are the least of many rounds of 4096 pairs, each with its own outgoing direction; ratios are to the exact path for
-//! pairs (`Material::sample_pairs_into` and so on), round by round in turn with it.
+//! pairs (`Material::ask`), round by round in turn with it.
 
 use srbf_benches::{Triples, factored_material, garnet_red, levels, mirror_like};
-use srbf_core::{Expanded, Level, Material, Mixture, SamplesMut, Vec3};
+use srbf_core::{Draws, Expanded, Level, Material, Mixture, Request, Towards, Vec3};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -103,22 +103,22 @@ impl Work {
     fn run(&mut self, verb: Verb, material: &Material<impl AsRef<[u8]>>, expanded: Option<&Expanded<'_>>) {
         let (wo, wi, u) = (self.wo.slices(), self.wi.slices(), self.u.slices());
         let [x, y, z, pdf, red, green, blue, r, g, b, p] = &mut self.out;
-        let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
-        match (verb, expanded) {
-            (Verb::Sample, Some(e)) => e.sample_pairs_into(wo, u, samples),
-            (Verb::Sample, None) => material.sample_pairs_into(wo, u, samples),
-            (Verb::Evaluate, Some(e)) => e.evaluate_and_pdf_pairs_into(wo, wi, [r, g, b], p),
-            (Verb::Evaluate, None) => material.evaluate_and_pdf_pairs_into(wo, wi, [r, g, b], p),
-            (Verb::Pdf, Some(e)) => e.pdf_pairs_into(wo, wi, p),
-            (Verb::Pdf, None) => material.pdf_pairs_into(wo, wi, p),
-            (Verb::SampleAndEvaluate, Some(e)) => {
-                e.sample_and_evaluate_pairs_into(wo, u, samples, wi, [r, g, b], p)
+        let draw = Draws { u, direction: [x, y, z], pdf: Some(pdf), weight: Some([red, green, blue]) };
+        let mut towards = Towards { wi, value: Some([r, g, b]), pdf: Some(p) };
+        let ask = |request| match expanded {
+            Some(expanded) => expanded.ask(wo, request),
+            None => material.ask(wo, request),
+        };
+        match verb {
+            Verb::Sample => ask(draw.into()),
+            Verb::Evaluate => ask(towards.into()),
+            Verb::Pdf => {
+                towards.value = None;
+                ask(towards.into())
             }
-            (Verb::SampleAndEvaluate, None) => {
-                material.sample_and_evaluate_pairs_into(wo, u, samples, wi, [r, g, b], p)
-            }
-            (Verb::Prepare, _) => {
-                let mut mixture = Mixture::<16>::empty();
+            Verb::SampleAndEvaluate => ask(Request { draw: Some(draw), evaluate: Some(towards) }),
+            Verb::Prepare => {
+                let (p, mut mixture) = (&mut self.out[10], Mixture::<16>::empty());
                 (0..PAIRS).try_for_each(|i| {
                     match expanded {
                         Some(e) => e.prepare(self.wo.at(i), &mut mixture)?,

@@ -1,7 +1,7 @@
 //! Operations by name, each on the same directions: `fixed-work` counts their instructions, `cycles` their time.
 
 use crate::{Triples, factored_material, garnet_mixture, garnet_red, general_mixture, mixture_at_50_degrees};
-use srbf_core::{LeaveOut, Material, Mixture, SamplesMut, Vec3};
+use srbf_core::{Draws, LeaveOut, Material, Mixture, Towards, Vec3};
 
 /// What is done for every direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,8 +18,6 @@ pub enum Operation {
     FreshEvaluate,
     /// Direction, one a call.
     OneDraw,
-    /// Direction and density, one a call.
-    OneSamplePdf,
     /// Direction, density and value, one a call.
     OneSample,
     /// The mixture for an outgoing direction, one a call.
@@ -42,14 +40,13 @@ pub enum Operation {
 
 impl Operation {
     /// Every operation with its name.
-    pub const ALL: [(&'static str, Self); 16] = [
+    pub const ALL: [(&'static str, Self); 15] = [
         ("evaluate", Self::Evaluate),
         ("pdf", Self::Pdf),
         ("sample", Self::Sample),
         ("one-pdf", Self::OnePdf),
         ("fresh-evaluate", Self::FreshEvaluate),
         ("one-draw", Self::OneDraw),
-        ("one-sample-pdf", Self::OneSamplePdf),
         ("one-sample", Self::OneSample),
         ("prepare", Self::Prepare),
         ("fresh-prepare", Self::FreshPrepare),
@@ -64,7 +61,7 @@ impl Operation {
     /// Whether it is of a mixture that is there already.
     pub fn has_mixture(self) -> bool {
         use Operation::*;
-        matches!(self, Evaluate | Pdf | Sample | OnePdf | FreshEvaluate | OneDraw | OneSamplePdf | OneSample)
+        matches!(self, Evaluate | Pdf | Sample | OnePdf | FreshEvaluate | OneDraw | OneSample)
     }
 }
 
@@ -130,12 +127,24 @@ impl Work {
         let [x, y, z, pdf, red, green, blue] = out;
         match operation {
             Operation::Evaluate => {
-                mixture.evaluate_into(directions.slices(), [red, green, blue]).expect("equal lengths");
+                mixture
+                    .ask(
+                        Towards { wi: directions.slices(), value: Some([red, green, blue]), pdf: None }
+                            .into(),
+                    )
+                    .expect("equal lengths");
             }
-            Operation::Pdf => mixture.pdf_into(directions.slices(), pdf).expect("equal lengths"),
+            Operation::Pdf => mixture
+                .ask(Towards { wi: directions.slices(), value: None, pdf: Some(pdf) }.into())
+                .expect("equal lengths"),
             Operation::Sample => {
-                let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
-                mixture.sample_into(uniforms.slices(), samples).expect("equal lengths");
+                let samples = Draws {
+                    u: uniforms.slices(),
+                    direction: [x, y, z],
+                    pdf: Some(pdf),
+                    weight: Some([red, green, blue]),
+                };
+                mixture.ask(samples.into()).expect("equal lengths");
             }
             Operation::OnePdf => (0..n).for_each(|i| pdf[i] = mixture.pdf(directions.at(i))),
             Operation::FreshEvaluate => {
@@ -149,9 +158,6 @@ impl Work {
             Operation::OneDraw => (0..n).for_each(|i| {
                 pdf[i] =
                     mixture.sample_direction(uniforms.at(i).to_array()).map_or(0.0, |direction| direction.z);
-            }),
-            Operation::OneSamplePdf => (0..n).for_each(|i| {
-                pdf[i] = mixture.sample_pdf(uniforms.at(i).to_array()).map_or(0.0, |(_, pdf)| pdf);
             }),
             Operation::OneSample => (0..n).for_each(|i| {
                 pdf[i] = mixture.sample(uniforms.at(i).to_array()).map_or(0.0, |sample| sample.pdf);
@@ -169,19 +175,33 @@ impl Work {
             Operation::PrepareDropping => prepare(material, directions, 0.01, prepared, pdf),
             Operation::PrepareKeeping => prepare(material, directions, 1e-12, prepared, pdf),
             Operation::Pairs => {
-                let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
-                material
-                    .sample_pairs_into(directions.slices(), uniforms.slices(), samples)
-                    .expect("equal lengths");
+                let samples = Draws {
+                    u: uniforms.slices(),
+                    direction: [x, y, z],
+                    pdf: Some(pdf),
+                    weight: Some([red, green, blue]),
+                };
+                material.ask(directions.slices(), samples.into()).expect("equal lengths");
             }
             Operation::SamplePdfPairs => material
-                .sample_pdf_pairs_into(directions.slices(), uniforms.slices(), [x, y, z], pdf)
+                .ask(
+                    directions.slices(),
+                    Draws { u: uniforms.slices(), direction: [x, y, z], pdf: Some(pdf), weight: None }.into(),
+                )
                 .expect("equal lengths"),
             Operation::EvaluatePairs => material
-                .evaluate_and_pdf_pairs_into(directions.slices(), incident.slices(), [red, green, blue], pdf)
+                .ask(
+                    directions.slices(),
+                    Towards { wi: incident.slices(), value: Some([red, green, blue]), pdf: Some(pdf) }.into(),
+                )
                 .expect("equal lengths"),
             Operation::PdfPairs => {
-                material.pdf_pairs_into(directions.slices(), incident.slices(), pdf).expect("equal lengths");
+                material
+                    .ask(
+                        directions.slices(),
+                        Towards { wi: incident.slices(), value: None, pdf: Some(pdf) }.into(),
+                    )
+                    .expect("equal lengths");
             }
         }
     }

@@ -58,6 +58,18 @@ const TAG: u32 = 0x4d1b_90e7;
 
 const _: () = assert!(size_of::<srbf_environment>() <= SRBF_ENVIRONMENT_HEAD_SIZE);
 
+/// What an environment holds.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct srbf_environment_info {
+    /// The bytes that `srbf_environment_read` reads, for the caller to store: within the environment's storage, at a multiple of 64.
+    pub table: *const core::ffi::c_void,
+    /// How many there are.
+    pub table_size: usize,
+    /// The integral of the luminance over the sphere: the luminance of every sample's radiance over its density.
+    pub power: f32,
+}
+
 /// A direction drawn from an environment.
 #[derive(Clone, Copy)]
 #[repr(C)]
@@ -206,27 +218,26 @@ fn angle(radians: f32) -> Result<f32, Failure> {
     if radians.is_finite() { Ok(radians) } else { Err(SRBF_STATUS_ARGUMENT.into()) }
 }
 
-/// Gets the table of an environment, for the caller to store: what `srbf_environment_read` reads.
-///
-/// Shapes: `table` one pointer, which is set to bytes within the environment's storage, at a multiple of 64; `size` how many there are.
+/// Says what an environment holds.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn srbf_environment_table(
+pub unsafe extern "C" fn srbf_environment_query(
     environment: *const srbf_environment,
-    table: *mut *const core::ffi::c_void,
-    size: *mut usize,
+    info: *mut srbf_environment_info,
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (object, table, size) = unsafe { (object(environment)?, Out::new(table)?, Out::new(size)?) };
-        check_apart(&table.extent(), &size.extent())?;
+        let (object, out) = unsafe { (object(environment)?, Out::new(info)?) };
         let words = object.environment.table();
-        table.set(words.as_ptr().cast());
-        size.set(size_of_val(words));
+        out.set(srbf_environment_info {
+            table: words.as_ptr().cast(),
+            table_size: size_of_val(words),
+            power: object.environment.power(),
+        });
         Ok(())
     })
 }
 
-/// Takes a table that `srbf_environment_table` gave, on a processor of the same byte order, after checking it once. Nothing is copied:
+/// Takes a table that `srbf_environment_query` gave, on a processor of the same byte order, after checking it once. Nothing is copied:
 /// the table must live, and stay as it is, for as long as the environment is used.
 ///
 /// Shapes: `table` [table_size] bytes, aligned to 4; 64 is the fastest; `turn` as in `srbf_environment_make`; `storage` [storage_size], at least
@@ -263,62 +274,12 @@ pub unsafe extern "C" fn srbf_environment_read(
     })
 }
 
-/// Gets the integral of the luminance of an environment over the sphere: that of every sample's radiance over its density.
+/// Looks up the radiance from a direction, and the density of `srbf_environment_sample` towards it; 1/sr.
 ///
-/// Shapes: `power` one number, overwritten.
+/// Shapes: `direction` [3], unit vector in the world; `radiance` [3], linear sRGB, and `pdf`, one number, overwritten; NULL for what is
+/// not wanted.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn srbf_environment_power(
-    environment: *const srbf_environment,
-    power: *mut f32,
-) -> srbf_status {
-    guard(|| {
-        // SAFETY: the header's contract.
-        let (object, out) = unsafe { (object(environment)?, Out::new(power)?) };
-        out.set(object.environment.power());
-        Ok(())
-    })
-}
-
-/// Looks up the radiance from a direction.
-///
-/// Shapes: `direction` [3], unit vector in the world; `radiance` [3], linear sRGB, overwritten.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn srbf_environment_radiance(
-    environment: *const srbf_environment,
-    direction: *const f32,
-    radiance: *mut f32,
-) -> srbf_status {
-    guard(|| {
-        // SAFETY: the header's contract.
-        let (object, d, out) =
-            unsafe { (object(environment)?, read_array(direction)?, Out::<[f32; 3]>::array(radiance)?) };
-        out.set(object.environment.radiance(self::direction(d)?).to_array());
-        Ok(())
-    })
-}
-
-/// Evaluates the density of `srbf_environment_sample` towards a direction; 1/sr.
-///
-/// Shapes: `direction` [3], unit vector in the world; `pdf` one number, overwritten.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn srbf_environment_pdf(
-    environment: *const srbf_environment,
-    direction: *const f32,
-    pdf: *mut f32,
-) -> srbf_status {
-    guard(|| {
-        // SAFETY: the header's contract.
-        let (object, d, out) = unsafe { (object(environment)?, read_array(direction)?, Out::new(pdf)?) };
-        out.set(object.environment.pdf(self::direction(d)?));
-        Ok(())
-    })
-}
-
-/// Looks up radiance and density at once, in half the time of both.
-///
-/// Shapes: as in `srbf_environment_radiance` and `srbf_environment_pdf`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn srbf_environment_radiance_and_pdf(
+pub unsafe extern "C" fn srbf_environment_evaluate(
     environment: *const srbf_environment,
     direction: *const f32,
     radiance: *mut f32,
@@ -326,14 +287,24 @@ pub unsafe extern "C" fn srbf_environment_radiance_and_pdf(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (object, d, radiance, pdf) = unsafe {
-            let radiance = Out::<[f32; 3]>::array(radiance)?;
-            (object(environment)?, read_array(direction)?, radiance, Out::new(pdf)?)
-        };
-        check_apart(&radiance.extent(), &pdf.extent())?;
-        let (color, density) = object.environment.radiance_and_pdf(self::direction(d)?);
-        radiance.set(color.to_array());
-        pdf.set(density);
+        let (object, d) = unsafe { (object(environment)?, read_array(direction)?) };
+        // SAFETY: the header's contract.
+        let to_radiance =
+            (!radiance.is_null()).then(|| unsafe { Out::<[f32; 3]>::array(radiance) }).transpose()?;
+        // SAFETY: the header's contract.
+        let to_pdf = (!pdf.is_null()).then(|| unsafe { Out::new(pdf) }).transpose()?;
+        let direction = self::direction(d)?;
+        match (to_radiance, to_pdf) {
+            (Some(radiance), Some(pdf)) => {
+                check_apart(&radiance.extent(), &pdf.extent())?;
+                let (color, density) = object.environment.radiance_and_pdf(direction);
+                radiance.set(color.to_array());
+                pdf.set(density);
+            }
+            (Some(radiance), None) => radiance.set(object.environment.radiance(direction).to_array()),
+            (None, Some(pdf)) => pdf.set(object.environment.pdf(direction)),
+            (None, None) => {}
+        }
         Ok(())
     })
 }

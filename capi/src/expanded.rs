@@ -1,17 +1,14 @@
-//! Expanded materials in the caller's storage, and their pairs.
+//! Expanded materials in the caller's storage.
 #![allow(unsafe_code)]
 
-use crate::batch::srbf_samples_out;
 use crate::convert::direction;
 use crate::guard::{Failure, guard};
 use crate::material::srbf_material;
 use crate::material::{material, room};
-use crate::pair_batch;
 use crate::pointers::{Out, check, check_apart, check_extent, read_array};
 use crate::status::{SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE, srbf_status};
 use crate::storage::srbf_mixture;
 use crate::storage::{check_room, mixture_mut, with_mixture};
-use crate::streams::{srbf_numbers_out, srbf_vectors, srbf_vectors_out};
 use core::ops::Range;
 use srbf_core::Expanded;
 
@@ -26,7 +23,7 @@ pub const SRBF_EXPANDED_DEFAULT_ROWS: usize = 1024;
 /// the material that it was made from must live, and stay as they are, for as long as it is used.
 pub struct srbf_expanded {
     tag: u32,
-    expanded: Expanded<'static>,
+    pub(crate) expanded: Expanded<'static>,
     /// Bytes of the storage.
     size: usize,
 }
@@ -44,7 +41,7 @@ const _: () = assert!(
 
 impl srbf_expanded {
     /// The bytes that it lies in, and the `.srbf` bytes that it reads.
-    fn extents(&self) -> [Range<usize>; 2] {
+    pub(crate) fn extents(&self) -> [Range<usize>; 2] {
         let start = core::ptr::from_ref(self).addr();
         let bytes = self.expanded.material().bytes().as_ptr_range();
         [start..start + self.size, bytes.start.addr()..bytes.end.addr()]
@@ -56,7 +53,7 @@ impl srbf_expanded {
 /// # Safety
 /// The header's contract: what is not NULL points to an expanded material.
 #[inline(always)]
-unsafe fn object<'a>(expanded: *const srbf_expanded) -> Result<&'a srbf_expanded, Failure> {
+pub(crate) unsafe fn object<'a>(expanded: *const srbf_expanded) -> Result<&'a srbf_expanded, Failure> {
     check(expanded)?;
     // SAFETY: not NULL and aligned; readable by the contract. The tag is looked at through the pointer, before there is a
     // reference to a whole that may not be one.
@@ -163,164 +160,5 @@ pub unsafe extern "C" fn srbf_expanded_prepare(
             object.expanded.prepare(wo, mixture)?;
         });
         Ok(())
-    })
-}
-
-/// Evaluates `f cos` for n pairs of an outgoing and an incident direction; 1/sr.
-///
-/// Shapes: `wo` and `wi` n unit vectors; `value` n colours in linear sRGB, overwritten. n = 0 looks at no pointer but the expanded
-/// material. A `wo` that is no unit vector gives 0.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn srbf_expanded_evaluate_pairs_into(
-    expanded: *const srbf_expanded,
-    n: usize,
-    wo: *const srbf_vectors,
-    wi: *const srbf_vectors,
-    value: *const srbf_vectors_out,
-) -> srbf_status {
-    guard(|| {
-        // SAFETY: the header's contract.
-        let object = unsafe { object(expanded)? };
-        // SAFETY: the header's contract.
-        unsafe {
-            pair_batch::evaluate(n, [wo, wi], value, object.extents(), |wo, wi, value| {
-                object.expanded.evaluate_pairs_into(wo, wi, value)
-            })
-        }
-    })
-}
-
-/// Evaluates `f cos` and the density for n pairs of an outgoing and an incident direction; 1/sr.
-///
-/// Shapes: `wo` and `wi` n unit vectors; `value` n colours in linear sRGB and `pdf` n numbers, overwritten. n = 0 and what is no
-/// unit vector as in `srbf_expanded_evaluate_pairs_into`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn srbf_expanded_evaluate_and_pdf_pairs_into(
-    expanded: *const srbf_expanded,
-    n: usize,
-    wo: *const srbf_vectors,
-    wi: *const srbf_vectors,
-    value: *const srbf_vectors_out,
-    pdf: *const srbf_numbers_out,
-) -> srbf_status {
-    guard(|| {
-        // SAFETY: the header's contract.
-        let object = unsafe { object(expanded)? };
-        // SAFETY: the header's contract.
-        unsafe {
-            pair_batch::evaluate_and_pdf(n, [wo, wi], value, pdf, object.extents(), |wo, wi, value, pdf| {
-                object.expanded.evaluate_and_pdf_pairs_into(wo, wi, value, pdf)
-            })
-        }
-    })
-}
-
-/// Evaluates the density of sampling alone for n pairs of an outgoing and an incident direction; 1/sr.
-///
-/// Shapes: `wo` and `wi` n unit vectors; `pdf` n numbers, overwritten. n = 0 and what is no unit vector as in
-/// `srbf_expanded_evaluate_pairs_into`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn srbf_expanded_pdf_pairs_into(
-    expanded: *const srbf_expanded,
-    n: usize,
-    wo: *const srbf_vectors,
-    wi: *const srbf_vectors,
-    pdf: *const srbf_numbers_out,
-) -> srbf_status {
-    guard(|| {
-        // SAFETY: the header's contract.
-        let object = unsafe { object(expanded)? };
-        // SAFETY: the header's contract.
-        unsafe {
-            pair_batch::pdf(n, [wo, wi], pdf, object.extents(), |wo, wi, pdf| {
-                object.expanded.pdf_pairs_into(wo, wi, pdf)
-            })
-        }
-    })
-}
-
-/// Draws an incident direction for each of n outgoing ones, with density and weight.
-///
-/// Shapes: `wo` n unit vectors; `u` n times three uniform numbers in [0, 1); `samples` n of each, overwritten. n = 0 and what is no
-/// unit vector as in `srbf_expanded_evaluate_pairs_into`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn srbf_expanded_sample_pairs_into(
-    expanded: *const srbf_expanded,
-    n: usize,
-    wo: *const srbf_vectors,
-    u: *const srbf_vectors,
-    samples: *const srbf_samples_out,
-) -> srbf_status {
-    guard(|| {
-        // SAFETY: the header's contract.
-        let object = unsafe { object(expanded)? };
-        // SAFETY: the header's contract.
-        unsafe {
-            pair_batch::sample(n, [wo, u], samples, object.extents(), |wo, u, samples| {
-                object.expanded.sample_pairs_into(wo, u, samples)
-            })
-        }
-    })
-}
-
-/// Draws an incident direction for each of n outgoing ones with its density, without a weight.
-///
-/// The samples of `srbf_expanded_sample_pairs_into`, for callers that take the value elsewhere.
-/// Shapes: `wo` n unit vectors; `u` n times three uniform numbers in [0, 1); `direction` n unit vectors and `pdf` n
-/// numbers, overwritten. n = 0 and what is no unit vector as in `srbf_expanded_evaluate_pairs_into`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn srbf_expanded_sample_pdf_pairs_into(
-    expanded: *const srbf_expanded,
-    n: usize,
-    wo: *const srbf_vectors,
-    u: *const srbf_vectors,
-    direction: *const srbf_vectors_out,
-    pdf: *const srbf_numbers_out,
-) -> srbf_status {
-    guard(|| {
-        // SAFETY: the header's contract.
-        let object = unsafe { object(expanded)? };
-        // SAFETY: the header's contract.
-        unsafe {
-            pair_batch::sample_pdf(n, [wo, u], direction, pdf, object.extents(), |wo, u, direction, pdf| {
-                object.expanded.sample_pdf_pairs_into(wo, u, direction, pdf)
-            })
-        }
-    })
-}
-
-/// Draws an incident direction for each of n outgoing ones, and evaluates value and density towards another one: what next-event
-/// estimation needs at every hit, with one preparation.
-///
-/// Shapes: `wo`, `u` and `samples` as in `srbf_expanded_sample_pairs_into`; `wi`, `value` and `pdf` as in
-/// `srbf_expanded_evaluate_and_pdf_pairs_into`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn srbf_expanded_sample_and_evaluate_pairs_into(
-    expanded: *const srbf_expanded,
-    n: usize,
-    wo: *const srbf_vectors,
-    u: *const srbf_vectors,
-    samples: *const srbf_samples_out,
-    wi: *const srbf_vectors,
-    value: *const srbf_vectors_out,
-    pdf: *const srbf_numbers_out,
-) -> srbf_status {
-    guard(|| {
-        // SAFETY: the header's contract.
-        let object = unsafe { object(expanded)? };
-        // SAFETY: the header's contract.
-        unsafe {
-            pair_batch::sample_and_evaluate(
-                n,
-                [wo, u, wi],
-                samples,
-                value,
-                pdf,
-                object.extents(),
-                |wo, u, samples, wi, value, pdf| {
-                    object.expanded.sample_and_evaluate_pairs_into(wo, u, samples, wi, value, pdf)
-                },
-            )
-        }
     })
 }

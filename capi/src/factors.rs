@@ -8,47 +8,6 @@ use crate::material::srbf_material;
 use crate::pointers::{Out, read_array};
 use crate::status::{SRBF_STATUS_INDEX, srbf_status};
 
-/// Says how many nodes a material's table of factors has along half angle, difference angle and azimuth; 0, 0 and 0 without one.
-///
-/// A mixture of a material with factors reads them from the material: see `srbf_mixture`.
-/// Shapes: `half`, `difference` and `azimuth` one number each, overwritten.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn srbf_material_factor_nodes(
-    material: *const srbf_material,
-    half: *mut usize,
-    difference: *mut usize,
-    azimuth: *mut usize,
-) -> srbf_status {
-    guard(|| {
-        // SAFETY: the header's contract.
-        let (material, half, difference, azimuth) = unsafe {
-            (self::material(material)?, Out::new(half)?, Out::new(difference)?, Out::new(azimuth)?)
-        };
-        let [halves, differences, azimuths] = material.material.factor_nodes().unwrap_or([0; 3]);
-        half.set(halves);
-        difference.set(differences);
-        azimuth.set(azimuths);
-        Ok(())
-    })
-}
-
-/// Gives what no factor exceeds but for rounding, the largest of any node and channel; 1 without a table.
-///
-/// The luminance of a sample's weight is at most the power of its mixture times this, where no channel of a lobe is negative.
-/// Shapes: `factor` one number, overwritten.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn srbf_material_largest_factor(
-    material: *const srbf_material,
-    factor: *mut f32,
-) -> srbf_status {
-    guard(|| {
-        // SAFETY: the header's contract.
-        let (material, out) = unsafe { (self::material(material)?, Out::new(factor)?) };
-        out.set(material.material.largest_factor());
-        Ok(())
-    })
-}
-
 /// Gives the factor of a node. Status: `SRBF_STATUS_INDEX` past any end, and without a table.
 ///
 /// Nodes are evenly spaced from 0 to 1 in `(1 - h.z)^(1/4)`, in `(1 - h.wo)^(1/2)`, and in the squared cosine of the azimuth of `wo`

@@ -11,7 +11,7 @@ use crate::status::{
     SRBF_STATUS_ARGUMENT, SRBF_STATUS_FILE, SRBF_STATUS_NULL, SRBF_STATUS_OTHER, SRBF_STATUS_TABLE,
     srbf_status,
 };
-use crate::streams::{Batch, srbf_vectors};
+use crate::streams::{Inputs, srbf_vectors};
 use core::error::Error;
 use core::ffi::{c_char, c_void};
 use core::fmt::Write;
@@ -121,10 +121,10 @@ pub unsafe extern "C" fn srbf_fit_table(
         let (wo, wi, f) = unsafe { (read(wo)?.streams(), read(wi)?.streams(), read(f)?.streams()) };
         let [[a, b, c], [d, e, g], [h, i, j]] = [wo, wi, f];
         // SAFETY: the header's contract.
-        let batch = unsafe { Batch::<9, 0>::new(n, [a, b, c, d, e, g, h, i, j], [], [])? };
+        let batch = unsafe { Inputs::new(n, [a, b, c, d, e, g, h, i, j])? };
         srbf_fit::check_memory((n as u64).saturating_mul(SAMPLE_BYTES))
             .map_err(|error| Failure::new(SRBF_STATUS_OTHER, error))?;
-        let table = Table::from_scattered(scattered(batch)?)?;
+        let table = Table::from_scattered(scattered(&batch)?)?;
         fit(&Content::Samples(table), &settings, &out)
     })
 }
@@ -168,10 +168,10 @@ pub unsafe extern "C" fn srbf_material_save(
 }
 
 /// Groups samples, nine columns `wo`, `wi` and f, by the angle of `wo`; in the frame of the view.
-fn scattered(batch: Batch<9, 0>) -> Result<Vec<(f64, Scattered)>, Failure> {
+fn scattered(batch: &Inputs<9>) -> Result<Vec<(f64, Scattered)>, Failure> {
     let mut views: Vec<(f64, Scattered)> = Vec::new();
     let mut number = 0;
-    batch.run(|columns, []| {
+    batch.run(|columns| {
         for i in 0..columns[0].len() {
             let sample = columns.map(|column| column[i]);
             add(&mut views, sample).map_err(|failure| failure.about(&std::format!("sample {number}")))?;

@@ -1,14 +1,15 @@
 //! Sizes and offsets of the structures, as tests/c/layout.c asserts them in C: keep the two lists alike.
 
-use crate::batch::srbf_samples_out;
-use crate::environment::{srbf_light_sample, srbf_product_sample, srbf_product_sampling};
+use crate::environment::{
+    srbf_environment_info, srbf_light_sample, srbf_product_sample, srbf_product_sampling,
+};
 use crate::lobe::srbf_lobe;
 use crate::material::{srbf_material_info, srbf_plane_lobe, srbf_view};
 use crate::mixture::srbf_mixture_info;
-use crate::request::srbf_request;
+use crate::request::{srbf_materials, srbf_request};
 use crate::single::srbf_sample;
 use crate::status::srbf_status;
-use crate::streams::{srbf_numbers_out, srbf_vectors, srbf_vectors_out};
+use crate::streams::{srbf_numbers_out, srbf_samples_out, srbf_vectors, srbf_vectors_out};
 use core::mem::offset_of;
 
 const P: usize = size_of::<usize>();
@@ -27,6 +28,10 @@ const _: () = {
     assert!(offset_of!(srbf_light_sample, direction) == 0);
     assert!(offset_of!(srbf_light_sample, pdf) == 12);
     assert!(offset_of!(srbf_light_sample, radiance) == 16);
+    assert!(size_of::<srbf_environment_info>() == 3 * P);
+    assert!(offset_of!(srbf_environment_info, table) == 0);
+    assert!(offset_of!(srbf_environment_info, table_size) == P);
+    assert!(offset_of!(srbf_environment_info, power) == 2 * P);
     assert!(size_of::<srbf_product_sampling>() == 12);
     assert!(offset_of!(srbf_product_sampling, candidates) == 0);
     assert!(offset_of!(srbf_product_sampling, lobe_share) == 4);
@@ -64,15 +69,19 @@ const _: () = {
     assert!(offset_of!(srbf_samples_out, direction) == 0);
     assert!(offset_of!(srbf_samples_out, pdf) == 4 * P);
     assert!(offset_of!(srbf_samples_out, weight) == 6 * P);
-    assert!(size_of::<srbf_request>() == 29 * P);
+    assert!(size_of::<srbf_request>() == 31 * P);
     assert!(offset_of!(srbf_request, size) == 0);
-    assert!(offset_of!(srbf_request, wo) == P);
-    assert!(offset_of!(srbf_request, wi) == 5 * P);
-    assert!(offset_of!(srbf_request, u) == 9 * P);
-    assert!(offset_of!(srbf_request, value) == 13 * P);
-    assert!(offset_of!(srbf_request, pdf) == 17 * P);
-    assert!(offset_of!(srbf_request, samples) == 19 * P);
-    assert!(size_of::<srbf_material_info>() == 8 * P);
+    assert!(offset_of!(srbf_request, materials) == P);
+    assert!(offset_of!(srbf_request, wo) == 3 * P);
+    assert!(offset_of!(srbf_request, wi) == 7 * P);
+    assert!(offset_of!(srbf_request, u) == 11 * P);
+    assert!(offset_of!(srbf_request, value) == 15 * P);
+    assert!(offset_of!(srbf_request, pdf) == 19 * P);
+    assert!(offset_of!(srbf_request, samples) == 21 * P);
+    assert!(size_of::<srbf_materials>() == 2 * P);
+    assert!(offset_of!(srbf_materials, first) == 0);
+    assert!(offset_of!(srbf_materials, stride) == P);
+    assert!(size_of::<srbf_material_info>() == 12 * P);
     assert!(offset_of!(srbf_material_info, views) == 0);
     assert!(offset_of!(srbf_material_info, lobes) == P);
     assert!(offset_of!(srbf_material_info, squeezed_lobes) == 2 * P);
@@ -81,6 +90,8 @@ const _: () = {
     assert!(offset_of!(srbf_material_info, byte_count) == 5 * P);
     assert!(offset_of!(srbf_material_info, provenance) == 6 * P);
     assert!(offset_of!(srbf_material_info, provenance_length) == 7 * P);
+    assert!(offset_of!(srbf_material_info, factor_nodes) == 8 * P);
+    assert!(offset_of!(srbf_material_info, largest_factor) == 11 * P);
     assert!(size_of::<srbf_mixture_info>() == (3 * P + 40).next_multiple_of(P));
     assert!(offset_of!(srbf_mixture_info, lobes) == 0);
     assert!(offset_of!(srbf_mixture_info, squeezed_lobes) == P);

@@ -12,7 +12,6 @@
 #[cfg(feature = "std")]
 extern crate std;
 
-mod batch;
 mod convert;
 mod defensive;
 mod environment;
@@ -30,8 +29,7 @@ mod material;
 #[cfg(feature = "std")]
 mod message;
 mod mixture;
-mod pair_batch;
-mod pairs;
+mod mixtures;
 #[cfg(feature = "planted-panic")]
 mod planted;
 mod pointers;
@@ -45,7 +43,6 @@ mod storage;
 mod streams;
 mod version;
 
-pub use batch::*;
 pub use defensive::*;
 pub use environment::*;
 pub use expanded::*;
@@ -60,7 +57,6 @@ pub use material::*;
 #[cfg(feature = "std")]
 pub use message::srbf_last_message;
 pub use mixture::*;
-pub use pairs::*;
 #[cfg(feature = "planted-panic")]
 pub use planted::srbf_status_panic;
 pub use product::*;
@@ -72,5 +68,5 @@ pub use status::*;
 pub use storage::{
     SRBF_MIXTURE_ALIGNMENT, SRBF_MIXTURE_SIZE_16, SRBF_MIXTURE_SIZE_32, SRBF_MIXTURE_SIZE_64, srbf_mixture,
 };
-pub use streams::{srbf_numbers_out, srbf_vectors, srbf_vectors_out};
+pub use streams::{srbf_numbers_out, srbf_samples_out, srbf_vectors, srbf_vectors_out};
 pub use version::*;

@@ -10,7 +10,7 @@ use crate::status::{
 };
 use crate::storage::{AnyMixtureMut, check_room, mixture_mut, size_for, with_mixture, write_empty};
 use crate::storage::{SRBF_MIXTURE_ALIGNMENT, SRBF_MIXTURE_SIZE_16, SRBF_MIXTURE_SIZE_32, srbf_mixture};
-use crate::streams::{Batch, srbf_vectors};
+use crate::streams::{Inputs, srbf_vectors};
 use core::ffi::c_char;
 use core::ops::Range;
 use srbf_core::{LeaveOut, Material, Mixture, PlaneLobe, PrepareOptions, Vec3};
@@ -126,6 +126,14 @@ pub struct srbf_material_info {
     pub provenance: *const c_char,
     /// Length of the provenance in bytes.
     pub provenance_length: usize,
+    /// Nodes of the table of factors along half angle, difference angle and azimuth, see `srbf_material_factor_node`; 0 without one.
+    ///
+    /// A mixture of a material with factors reads them from the material: see `srbf_mixture`.
+    pub factor_nodes: [usize; 3],
+    /// What no factor exceeds but for rounding, the largest of any node and channel; 1 without a table.
+    ///
+    /// The luminance of a sample's weight is at most the power of its mixture times this, where no channel of a lobe is negative.
+    pub largest_factor: f32,
 }
 
 /// An outgoing direction at which a material stores lobes.
@@ -215,6 +223,8 @@ pub unsafe extern "C" fn srbf_material_query(
             byte_count: bytes.len(),
             provenance: provenance.as_ptr().cast(),
             provenance_length: provenance.len(),
+            factor_nodes: material.factor_nodes().unwrap_or([0; 3]),
+            largest_factor: material.largest_factor(),
         });
         Ok(())
     })
@@ -374,11 +384,11 @@ pub unsafe extern "C" fn srbf_material_prepare_into(
         }
         let place = storage.addr()..storage.addr() + n * stride;
         // SAFETY: the header's contract.
-        let batch = unsafe { Batch::<3, 0>::new(n, wo.streams(), [], [])? };
-        batch.check_inputs_outside(&place)?;
+        let directions = unsafe { Inputs::new(n, wo.streams())? };
+        directions.check_outside(&place)?;
         material.extents().iter().try_for_each(|object| check_apart(&place, object))?;
         let (mut first, mut refused) = (0, false);
-        batch.run(|wo, []| {
+        directions.run(|wo| {
             let n = wo[0].len();
             refused |= (0..n).any(|i| direction([wo[0][i], wo[1][i], wo[2][i]]).is_err());
             let places = storage.wrapping_add(first * stride);

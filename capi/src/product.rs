@@ -1,74 +1,18 @@
-//! Products of lobes and mixtures, and their integrals: of plain lobes only.
+//! Products of mixtures, and their integrals: of plain lobes only.
 #![allow(unsafe_code)]
 
 use crate::guard::guard;
 use crate::lobe::srbf_lobe;
-use crate::pointers::{Out, check, check_apart, check_extent, read};
+use crate::pointers::{Out, check, check_apart, check_extent};
 use crate::status::{SRBF_STATUS_SIZE, srbf_status};
 use crate::storage::srbf_mixture;
 use crate::storage::{extent, mixture, with_mixture};
 use core::mem::offset_of;
 use srbf_core::{Error, Gaussian, Lobe, Mixture, Vec3};
 
-/// Multiplies two lobes, channel by channel; the product is a lobe again.
-///
-/// Sharpness may reach 2e8, which no other call takes, and an amplitude infinity, where those of `a` and `b` multiply to more
-/// than a float holds.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn srbf_lobe_product(
-    a: *const srbf_lobe,
-    b: *const srbf_lobe,
-    product: *mut srbf_lobe,
-) -> srbf_status {
-    guard(|| {
-        // SAFETY: the header's contract.
-        let (a, b, out) = unsafe { (read(a)?, read(b)?, Out::new(product)?) };
-        out.set(srbf_lobe::from_core(a.to_core()?.product(&b.to_core()?)));
-        Ok(())
-    })
-}
-
-/// Integrates the product of two lobes over the whole sphere, in closed form.
-///
-/// Infinite where it is more than a float holds.
-/// Shapes: `integral` [3], overwritten.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn srbf_lobe_inner_product(
-    a: *const srbf_lobe,
-    b: *const srbf_lobe,
-    integral: *mut f32,
-) -> srbf_status {
-    guard(|| {
-        // SAFETY: the header's contract.
-        let (a, b, out) = unsafe { (read(a)?, read(b)?, Out::<[f32; 3]>::array(integral)?) };
-        out.set(a.to_core()?.inner_product(&b.to_core()?).to_array());
-        Ok(())
-    })
-}
-
-/// Integrates the product of a mixture of plain lobes and a lobe, of light for example, over the mixture's domain.
-///
-/// For a material's mixture and a lobe of radiance: the radiance that is reflected towards the viewer.
-/// Shapes: `integral` [3], overwritten. Status: `SRBF_STATUS_SQUEEZED`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn srbf_mixture_inner_product_with_lobe(
-    mixture: *const srbf_mixture,
-    lobe: *const srbf_lobe,
-    integral: *mut f32,
-) -> srbf_status {
-    guard(|| {
-        // SAFETY: the header's contract.
-        let (mixture, lobe, out) =
-            unsafe { (self::mixture(mixture)?, read(lobe)?, Out::<[f32; 3]>::array(integral)?) };
-        let lobe = lobe.to_core()?;
-        let sum = with_mixture!(AnyMixture: &mixture, m => m.inner_product_with_lobe(&lobe))?;
-        out.set(sum.to_array());
-        Ok(())
-    })
-}
-
 /// Integrates the product of two mixtures of round lobes over the domain that they share.
 ///
+/// For a material's mixture and one of lobes of radiance: the radiance that is reflected towards the viewer.
 /// Shapes: `integral` [3], overwritten. Status: `SRBF_STATUS_SQUEEZED`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_mixture_inner_product(
@@ -92,7 +36,8 @@ fn inner<const N: usize, const M: usize>(a: &Mixture<'_, N>, b: &Mixture<'_, M>)
 /// Multiplies two mixtures of round lobes, lobe by lobe.
 ///
 /// A folded lobe counts as two, itself and its mirror image. The products are lobes of the caller's shading frame, not
-/// folded; they stand for the product on the domain that the mixtures share. Sharpness and amplitudes as in `srbf_lobe_product`.
+/// folded; they stand for the product on the domain that the mixtures share. Sharpness may reach 2e8,
+/// which no call takes, and an amplitude infinity, where two multiply to more than a float holds.
 /// Shapes: `lobes` [capacity], of which the first `*count` are overwritten; `lobes` may be NULL with capacity 0, to ask
 /// for the count alone. Status: `SRBF_STATUS_SIZE` if the capacity is too small, `*count` says what is needed;
 /// `SRBF_STATUS_SQUEEZED`.

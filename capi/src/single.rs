@@ -7,7 +7,7 @@ use crate::pointers::{Out, read_array};
 use crate::status::srbf_status;
 use crate::storage::srbf_mixture;
 use crate::storage::{mixture, with_mixture};
-use srbf_core::{Sample, Vec3};
+use srbf_core::Sample;
 
 /// A direction drawn from a mixture.
 #[derive(Clone, Copy)]
@@ -37,30 +37,6 @@ pub unsafe extern "C" fn srbf_mixture_evaluate(
             unsafe { (self::mixture(mixture)?, read_array(wi)?, Out::<[f32; 3]>::array(value)?) };
         let wi = direction(wi)?;
         out.set(with_mixture!(AnyMixture: &mixture, m => m.evaluate(wi)).to_array());
-        Ok(())
-    })
-}
-
-/// Evaluates `f`, the BRDF without the incident cosine, towards a direction; 1/sr.
-///
-/// `srbf_mixture_evaluate` over `wi[2]`; 0 at the horizon and below. What is fitted is `f cos`: towards grazing `f`
-/// divides what is left of it by almost nothing.
-/// Shapes: `wi` [3], unit vector; `f` [3], linear sRGB, overwritten.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn srbf_mixture_evaluate_f(
-    mixture: *const srbf_mixture,
-    wi: *const f32,
-    f: *mut f32,
-) -> srbf_status {
-    guard(|| {
-        // SAFETY: the header's contract.
-        let (mixture, wi, out) =
-            unsafe { (self::mixture(mixture)?, read_array(wi)?, Out::<[f32; 3]>::array(f)?) };
-        let wi = direction(wi)?;
-        let value = with_mixture!(AnyMixture: &mixture, m => m.evaluate(wi));
-        let f = if wi.z > 0.0 { value / wi.z } else { Vec3::ZERO };
-        // At a cosine next to 0 the quotient may not fit in f32.
-        out.set(f.min(Vec3::MAX).to_array());
         Ok(())
     })
 }
@@ -121,30 +97,6 @@ pub unsafe extern "C" fn srbf_mixture_sample(
         let (mixture, u, out) = unsafe { (self::mixture(mixture)?, read_array(u)?, Out::new(sample)?) };
         let u = uniform(u)?;
         out.set(with_mixture!(AnyMixture: &mixture, m => drawn(m.sample(u))));
-        Ok(())
-    })
-}
-
-/// Draws direction and density of `srbf_mixture_sample`, without the weight: one colour channel in place of three.
-///
-/// A mixture that reflects nothing gives the normal with density 0, and `SRBF_STATUS_OK`.
-/// Shapes: `u` [3], uniform numbers in [0, 1), as there; `wi` [3], unit vector, and `pdf`, one number, 1/sr; both overwritten.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn srbf_mixture_sample_pdf(
-    mixture: *const srbf_mixture,
-    u: *const f32,
-    wi: *mut f32,
-    pdf: *mut f32,
-) -> srbf_status {
-    guard(|| {
-        // SAFETY: the header's contract.
-        let (mixture, u, wi_out, pdf_out) =
-            unsafe { (self::mixture(mixture)?, read_array(u)?, Out::<[f32; 3]>::array(wi)?, Out::new(pdf)?) };
-        let u = uniform(u)?;
-        let sample = with_mixture!(AnyMixture: &mixture, m => m.sample_pdf(u));
-        let (direction, pdf) = sample.unwrap_or((Vec3::Z, 0.0));
-        wi_out.set(direction.to_array());
-        pdf_out.set(pdf);
         Ok(())
     })
 }

@@ -1,12 +1,12 @@
-//! Strided numbers in the caller's memory: the batches of the C interface, brought to the slices that core takes.
+//! Strided numbers in the caller's memory, brought to the slices that core takes.
 //!
-//! Where every stride is one number, core works on the caller's memory itself. Otherwise blocks of 64 are copied in
-//! and out, by single reads and writes, so that numbers of other meaning may stand in between.
+//! Where a stride is one number, core works on the caller's memory itself. Other arrays are copied in and out in blocks of
+//! 64, by single reads and writes, so that numbers of other meaning may stand in between.
 #![allow(unsafe_code)]
 
 use crate::guard::Failure;
-use crate::pointers::{apart, check, check_apart, check_extent};
-use crate::status::{SRBF_STATUS_OVERLAP, SRBF_STATUS_STRIDE};
+use crate::pointers::{check, check_apart, check_extent};
+use crate::status::SRBF_STATUS_STRIDE;
 use core::ops::Range;
 
 /// n vectors to read.
@@ -40,6 +40,18 @@ pub struct srbf_vectors_out {
     pub z: *mut f32,
     /// Bytes from one number to the next of the same array; a multiple of 4, at least 4.
     pub stride: usize,
+}
+
+/// Where n samples go; see `srbf_sample`.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct srbf_samples_out {
+    /// Incident directions, unit vectors in the caller's shading frame.
+    pub direction: srbf_vectors_out,
+    /// Density of the whole mixture at the direction; 1/sr. 0 where nothing was drawn, else above 0.
+    pub pdf: srbf_numbers_out,
+    /// `f cos / pdf`, linear sRGB.
+    pub weight: srbf_vectors_out,
 }
 
 /// n numbers to write.
@@ -107,24 +119,43 @@ impl Stream {
     }
 }
 
-/// A part of one array, of at most [`BLOCK`] numbers: the caller's memory where it is dense, a copy elsewhere.
 impl Stream {
+    /// Whether a number lies upon one of the objects of `size` bytes, `stride` bytes apart. Those of different stride count as such.
+    pub(crate) fn meets(&self, start: usize, size: usize, stride: usize) -> bool {
+        let distance = (self.start.addr() as isize).wrapping_sub(start as isize).rem_euclid(stride as isize);
+        self.stride != stride || (distance as usize) < size || distance as usize + NUMBER > stride
+    }
+}
+
+/// A part of one array: the caller's memory where it is dense, a copy of at most [`BLOCK`] numbers elsewhere.
+impl Stream {
+    #[inline(always)]
+    pub(crate) fn is_dense(&self) -> bool {
+        self.stride == NUMBER
+    }
+
     /// Numbers to read.
     ///
     /// # Safety
-    /// The array has been checked for at least `from + len` numbers, which are readable for as long as `'a`.
+    /// The array has been checked for at least `from + len` numbers, which are readable for as long as `'a`. If it is not dense
+    /// there is a block, and `len` is at most [`BLOCK`].
     #[inline(always)]
-    pub(crate) unsafe fn read<'a>(&self, from: usize, len: usize, block: &'a mut [f32; BLOCK]) -> &'a [f32] {
+    pub(crate) unsafe fn read<'a>(
+        &self,
+        from: usize,
+        len: usize,
+        block: Option<&'a mut [f32; BLOCK]>,
+    ) -> &'a [f32] {
         // SAFETY: the caller's word.
         unsafe {
-            if self.stride == NUMBER {
+            let Some(block) = block.filter(|_| !self.is_dense()) else {
                 return core::slice::from_raw_parts(self.start.add(from), len);
-            }
+            };
             for (i, number) in block[..len].iter_mut().enumerate() {
                 *number = self.start.byte_add((from + i) * self.stride).read();
             }
+            &block[..len]
         }
-        &block[..len]
     }
 
     /// A place to write numbers to, which [`write_back`](Self::write_back) is to be told of.
@@ -136,12 +167,12 @@ impl Stream {
         &self,
         from: usize,
         len: usize,
-        block: &'a mut [f32; BLOCK],
+        block: Option<&'a mut [f32; BLOCK]>,
     ) -> &'a mut [f32] {
-        if self.stride == NUMBER {
+        let Some(block) = block.filter(|_| !self.is_dense()) else {
             // SAFETY: the caller's word. What the memory holds before it is overwritten is a valid f32 whatever its bits.
             return unsafe { core::slice::from_raw_parts_mut(self.start.add(from), len) };
-        }
+        };
         &mut block[..len]
     }
 
@@ -151,7 +182,7 @@ impl Stream {
     /// As [`place`](Self::place).
     #[inline(always)]
     pub(crate) unsafe fn write_back(&self, from: usize, len: usize, block: &[f32; BLOCK]) {
-        if self.stride != NUMBER {
+        if !self.is_dense() {
             for (i, &number) in block[..len].iter().enumerate() {
                 // SAFETY: the caller's word.
                 unsafe { self.start.byte_add((from + i) * self.stride).write(number) };
@@ -160,109 +191,40 @@ impl Stream {
     }
 }
 
-/// The checked arrays of one batch.
-pub(crate) struct Batch<const I: usize, const O: usize> {
+/// Checked arrays that a call reads, and writes none.
+pub(crate) struct Inputs<const I: usize> {
     count: usize,
-    inputs: [Stream; I],
-    outputs: [Stream; O],
+    streams: [Stream; I],
 }
 
-impl<const I: usize, const O: usize> Batch<I, O> {
-    /// Checks pointers, strides and overlaps; `objects` are the bytes that the call reads beside the inputs.
-    ///
-    /// `count` is not 0: a batch of none looks at no pointer.
+impl<const I: usize> Inputs<I> {
+    /// Checks pointers and strides. `count` is not 0: a call for none looks at no pointer.
     ///
     /// # Safety
-    /// The header's contract: the inputs are readable and nobody writes them during the call, the outputs are writable
-    /// and nobody else uses them.
-    pub unsafe fn new<const K: usize>(
-        count: usize,
-        inputs: [Stream; I],
-        outputs: [Stream; O],
-        objects: [Range<usize>; K],
-    ) -> Result<Self, Failure> {
-        for stream in inputs.iter().chain(&outputs) {
-            stream.check(count)?;
-        }
-        // Extents first, each once: in most batches none meets another.
-        let read = inputs.each_ref().map(|stream| stream.extent(count));
-        let written = outputs.each_ref().map(|stream| stream.extent(count));
-        // Plain loops of known length, which the compiler unrolls: chained iterators took half the time of a batch of 16.
-        let mut meeting = false;
-        for (o, extent) in written.iter().enumerate() {
-            for place in &objects {
-                meeting |= !apart(extent, place);
-            }
-            for place in &read {
-                meeting |= !apart(extent, place);
-            }
-            for place in &written[..o] {
-                meeting |= !apart(extent, place);
-            }
-        }
-        if meeting {
-            for (index, (output, extent)) in outputs.iter().zip(&written).enumerate() {
-                let earlier = outputs[..index].iter().zip(&written);
-                let overlaps = |(other, place): (&Stream, &Range<usize>)| {
-                    !apart(extent, place) && output.shares_with(other)
-                };
-                let upon_object = objects.iter().any(|place| !apart(extent, place));
-                if upon_object || inputs.iter().zip(&read).chain(earlier).any(overlaps) {
-                    return Err(SRBF_STATUS_OVERLAP.into());
-                }
-            }
-        }
-        Ok(Self { count, inputs, outputs })
+    /// The header's contract: the arrays are readable and nobody writes them during the call.
+    pub unsafe fn new(count: usize, streams: [Stream; I]) -> Result<Self, Failure> {
+        streams.iter().try_for_each(|stream| stream.check(count))?;
+        Ok(Self { count, streams })
     }
 
-    /// Refuses inputs within bytes that the call writes in another way.
-    pub fn check_inputs_outside(&self, place: &Range<usize>) -> Result<(), Failure> {
-        self.inputs.iter().try_for_each(|stream| check_apart(place, &stream.extent(self.count)))
+    /// Refuses arrays within bytes that the call writes.
+    pub fn check_outside(&self, place: &Range<usize>) -> Result<(), Failure> {
+        self.streams.iter().try_for_each(|stream| check_apart(place, &stream.extent(self.count)))
     }
 
-    /// Calls with slices until every element has been worked on.
-    #[inline(always)]
-    pub fn run<E>(
-        self,
-        mut call: impl FnMut([&[f32]; I], [&mut [f32]; O]) -> Result<(), E>,
-    ) -> Result<(), E> {
-        let is_dense = self.inputs.iter().chain(&self.outputs).all(|stream| stream.stride == NUMBER);
-        if is_dense {
-            // SAFETY: `new` has checked that each array is not NULL, aligned, within the address space, and that no
-            // output meets another array; readable, writable and initialised by the word given to `new`. What the
-            // caller's memory holds before it is overwritten is a valid f32 whatever its bits.
-            let inputs = self.inputs.map(|s| unsafe { core::slice::from_raw_parts(s.start, self.count) });
-            // SAFETY: as above.
-            let outputs =
-                self.outputs.map(|s| unsafe { core::slice::from_raw_parts_mut(s.start, self.count) });
-            return call(inputs, outputs);
-        }
-        self.run_in_blocks(call)
-    }
-
-    fn run_in_blocks<E>(
-        self,
-        mut call: impl FnMut([&[f32]; I], [&mut [f32]; O]) -> Result<(), E>,
-    ) -> Result<(), E> {
-        let mut read = [[0f32; BLOCK]; I];
-        let mut written = [[0f32; BLOCK]; O];
-        let mut done = 0;
-        while done < self.count {
-            let n = BLOCK.min(self.count - done);
-            for (block, stream) in read.iter_mut().zip(&self.inputs) {
-                for (i, number) in block[..n].iter_mut().enumerate() {
-                    // SAFETY: element done + i < count of an array that `new` has checked.
-                    *number = unsafe { stream.start.byte_add((done + i) * stream.stride).read() };
-                }
+    /// Calls with slices until every element has been read.
+    pub fn run<E>(&self, mut call: impl FnMut([&[f32]; I]) -> Result<(), E>) -> Result<(), E> {
+        let is_dense = self.streams.iter().all(Stream::is_dense);
+        let most = if is_dense { self.count } else { BLOCK };
+        let mut blocks = [[0f32; BLOCK]; I];
+        for from in (0..self.count).step_by(most) {
+            let len = most.min(self.count - from);
+            let mut slices: [&[f32]; I] = [&[]; I];
+            for ((slice, stream), block) in slices.iter_mut().zip(&self.streams).zip(&mut blocks) {
+                // SAFETY: `new` has checked the arrays, of which `from + len` is no further than the end; the word given to it.
+                *slice = unsafe { stream.read(from, len, Some(block)) };
             }
-            call(read.each_ref().map(|b| &b[..n]), written.each_mut().map(|b| &mut b[..n]))?;
-            for (block, stream) in written.iter().zip(&self.outputs) {
-                for (i, &number) in block[..n].iter().enumerate() {
-                    // SAFETY: as above; no reference to the caller's memory is alive.
-                    unsafe { stream.start.byte_add((done + i) * stream.stride).write(number) };
-                }
-            }
-            done += n;
+            call(slices)?;
         }
         Ok(())
     }

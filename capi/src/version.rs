@@ -1,8 +1,6 @@
 //! The version of the library, to compare with the header's.
 #![allow(unsafe_code)]
 
-use core::ffi::c_char;
-
 /// Version of this header: `major * 10000 + minor * 100 + patch`.
 ///
 /// Compare with `srbf_version()` to see whether header and library belong together.
@@ -11,16 +9,8 @@ pub const SRBF_VERSION: u32 = 100;
 /// Version of the `.srbf` bytes that are written; this one and version 1 are read.
 pub const SRBF_FORMAT_VERSION: u32 = 3;
 
-const TEXT: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
-
 /// Returns the version of the library: `major * 10000 + minor * 100 + patch`.
 #[unsafe(no_mangle)]
 pub extern "C" fn srbf_version() -> u32 {
     SRBF_VERSION
-}
-
-/// Returns the version of the library as text, such as "0.1.0"; never NULL, valid for ever.
-#[unsafe(no_mangle)]
-pub extern "C" fn srbf_version_text() -> *const c_char {
-    TEXT.as_ptr().cast()
 }

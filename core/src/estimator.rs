@@ -10,18 +10,9 @@ use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
 /// Weight of a sample that technique A drew, where A draws `count_a` samples with density `pdf_a` there and B
-/// `count_b` with `pdf_b`: `n_a p_a / (n_a p_a + n_b p_b)`.
+/// `count_b` with `pdf_b`: `(n_a p_a)^2 / ((n_a p_a)^2 + (n_b p_b)^2)`.
 ///
 /// Returns: in [0, 1]; with the weight of B it sums to 1; 0 where both densities are 0.
-/// Source: Veach and Guibas 1995; Weng and Shih 2006, eq. 13.
-#[inline]
-pub fn balance_heuristic(count_a: f32, pdf_a: f32, count_b: f32, pdf_b: f32) -> f32 {
-    let ratio = weight_ratio(count_a, pdf_a, count_b, pdf_b);
-    ratio.map_or(0.0, |r| 1.0 / (1.0 + r))
-}
-
-/// As [`balance_heuristic`], with the squares: `(n_a p_a)^2 / ((n_a p_a)^2 + (n_b p_b)^2)`.
-///
 /// Lower variance where one technique is much the better one. The square is of the ratio, so that a density
 /// of 1e30 does not overflow.
 /// Source: Veach and Guibas 1995, beta = 2.

@@ -119,12 +119,11 @@ pub use environment::table::{Environment, MAX_ENVIRONMENT_PIXELS, environment_le
 #[cfg(feature = "environment")]
 pub use environment::together::MAX_REFLECT_RAYS;
 pub use error::Error;
-pub use estimator::{Defensive, balance_heuristic, power_heuristic};
+pub use estimator::{Defensive, power_heuristic};
 pub use glam::Vec3;
 pub use kernel::expanded::table::Expanded;
 pub use kernel::prepare::PrepareOptions;
 pub use kernel::request::{Draws, Request, Towards};
-pub use kernel::slices::SamplesMut;
 pub use lobe::gaussian::{Gaussian, Lobe, MAX_SHARPNESS};
 pub use lobe::product::GaussianProduct;
 pub use material::borrowed::Material;

@@ -5,7 +5,7 @@
 //! Little-endian f32. In: nine rows of n numbers, x y z of `wo`, of `wi`, and three uniform numbers. Out: fourteen rows: value (3) and
 //! density (1) at `wi`; direction (3), density (1) and weight (3) of the sample; albedo (3).
 
-use srbf_core::{MAX_LOBES, Material, Mixture, SamplesMut};
+use srbf_core::{Draws, MAX_LOBES, Material, Mixture, Towards};
 use std::error::Error;
 use std::io::{Read, Write, stdin, stdout};
 
@@ -25,11 +25,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut parts = out.iter_mut().map(|row| &mut row[..]);
     let mut next = || parts.next().expect("fourteen rows");
     let (value, pdf) = ([next(), next(), next()], next());
-    let samples =
-        SamplesMut { direction: [next(), next(), next()], pdf: next(), weight: [next(), next(), next()] };
+    let samples = Draws {
+        u,
+        direction: [next(), next(), next()],
+        pdf: Some(next()),
+        weight: Some([next(), next(), next()]),
+    };
     let albedo = [next(), next(), next()];
-    material.evaluate_and_pdf_pairs_into(wo, wi, value, pdf)?;
-    material.sample_pairs_into(wo, u, samples)?;
+    material.ask(wo, Towards { wi, value: Some(value), pdf: Some(pdf) }.into())?;
+    material.ask(wo, samples.into())?;
     let mut mixture = Mixture::<MAX_LOBES>::empty();
     for i in 0..n {
         material.prepare([wo[0][i], wo[1][i], wo[2][i]], &mut mixture)?;

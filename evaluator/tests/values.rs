@@ -1,7 +1,8 @@
 //! The text as C++ and as Metal, compiled and run beside the library.
 
 use srbf_core::{
-    FactorTable, Grid, GridView, Line, MAX_LOBES, Material, Mixture, PlaneLobe, SamplesMut, TiltedLobe, View,
+    Draws, FactorTable, Grid, GridView, Line, MAX_LOBES, Material, Mixture, PlaneLobe, TiltedLobe, Towards,
+    View,
 };
 use srbf_evaluator::{Language, export, text};
 use std::io::Write;
@@ -142,11 +143,17 @@ fn reference(bytes: &[u8]) -> (Vec<Vec<f32>>, Vec<Vec<f32>>) {
         let mut parts = out.iter_mut().map(|row| &mut row[..]);
         let mut next = || parts.next().expect("fourteen rows");
         let (value, pdf) = ([next(), next(), next()], next());
-        let samples =
-            SamplesMut { direction: [next(), next(), next()], pdf: next(), weight: [next(), next(), next()] };
+        let samples = Draws {
+            u: rows(6),
+            direction: [next(), next(), next()],
+            pdf: Some(next()),
+            weight: Some([next(), next(), next()]),
+        };
         let albedo = [next(), next(), next()];
-        material.evaluate_and_pdf_pairs_into(rows(0), rows(3), value, pdf).expect("one length");
-        material.sample_pairs_into(rows(0), rows(6), samples).expect("one length");
+        material
+            .ask(rows(0), Towards { wi: rows(3), value: Some(value), pdf: Some(pdf) }.into())
+            .expect("one length");
+        material.ask(rows(0), samples.into()).expect("one length");
         let mut mixture = Mixture::<MAX_LOBES>::empty();
         for i in 0..N {
             material.prepare([given[0][i], given[1][i], given[2][i]], &mut mixture).expect("a direction");

@@ -1,6 +1,6 @@
 //! `srbf-lab leave-out`.
 
-use srbf_core::{LeaveOut, Material, Mixture, Processor, Vec3};
+use srbf_core::{Draws, LeaveOut, Material, Mixture, Processor, Towards, Vec3};
 use srbf_reference_renderer::out::output;
 use srbf_reference_renderer::truth::stored::StoredMaterial;
 use std::fmt::Write;
@@ -139,7 +139,7 @@ impl Batch {
             let wo = Vec3::new(-sin, 0.0, cos);
             material.prepare_with(wo, LeaveOut::new(0.0, 0.0)?.into(), &mut reference)?;
             let [r, g, b] = &mut whole;
-            reference.evaluate_into([x, y, z], [r, g, b])?;
+            reference.ask(Towards { wi: [x, y, z], value: Some([r, g, b]), pdf: None }.into())?;
 
             sums.time[0] += fastest(64, || {
                 for _ in 0..64 {
@@ -152,11 +152,17 @@ impl Batch {
             sums.lost_albedo = sums.lost_albedo.max(f64::from(lost));
             let [dx, dy, dz, pdf, r, g, b] = &mut out;
             sums.time[2] += fastest(BATCH, || {
-                let samples = srbf_core::SamplesMut { direction: [dx, dy, dz], pdf, weight: [r, g, b] };
-                let _ = mixture.sample_into(black_box([u, v, w]), samples);
+                let samples = Draws {
+                    u: black_box([u, v, w]),
+                    direction: [dx, dy, dz],
+                    pdf: Some(pdf),
+                    weight: Some([r, g, b]),
+                };
+                let _ = mixture.ask(samples.into());
             });
             sums.time[1] += fastest(BATCH, || {
-                let _ = mixture.evaluate_into(black_box([x, y, z]), [r, g, b]);
+                let _ = mixture
+                    .ask(Towards { wi: black_box([x, y, z]), value: Some([r, g, b]), pdf: None }.into());
             });
             for (value, whole) in [r, g, b].into_iter().zip(&whole) {
                 for (value, whole) in value.iter().zip(whole) {

@@ -8,7 +8,7 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
-use srbf_core::{MAX_LOBES, Mixture, SamplesMut};
+use srbf_core::{Draws, MAX_LOBES, Mixture, Request, Towards};
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Input, Report, ViewReport};
 use srbf_fit::judge::verdict::{Made, Verdict};
@@ -54,11 +54,12 @@ impl Drawn {
         Self { direction: room(n), pdf: vec![0.0; n], weight: room(n) }
     }
 
-    fn slices(&mut self) -> SamplesMut<'_> {
-        SamplesMut {
+    fn draws<'a>(&'a mut self, u: [&'a [f32]; 3]) -> Draws<'a> {
+        Draws {
+            u,
             direction: slices_mut(&mut self.direction),
-            pdf: &mut self.pdf,
-            weight: slices_mut(&mut self.weight),
+            pdf: Some(&mut self.pdf),
+            weight: Some(slices_mut(&mut self.weight)),
         }
     }
 
@@ -175,8 +176,8 @@ impl Material {
         let (mut wo, mut wi) = (Vectors::directions(wo, "wo")?, Vectors::directions(wi, "wi")?);
         let shape = broadcast([&mut wo, &mut wi], "wo and wi")?;
         let mut value = room(shape.n);
-        let go = || self.material.evaluate_pairs_into(wo.slices(), wi.slices(), slices_mut(&mut value));
-        py.detach(go).map_err(error::value)?;
+        let towards = Towards { wi: wi.slices(), value: Some(slices_mut(&mut value)), pdf: None };
+        py.detach(|| self.material.ask(wo.slices(), towards.into())).map_err(error::value)?;
         shape.vectors(py, value)
     }
 
@@ -190,8 +191,8 @@ impl Material {
         let (mut wo, mut wi) = (Vectors::directions(wo, "wo")?, Vectors::directions(wi, "wi")?);
         let shape = broadcast([&mut wo, &mut wi], "wo and wi")?;
         let mut pdf = vec![0.0; shape.n];
-        py.detach(|| self.material.pdf_pairs_into(wo.slices(), wi.slices(), &mut pdf))
-            .map_err(error::value)?;
+        let towards = Towards { wi: wi.slices(), value: None, pdf: Some(&mut pdf) };
+        py.detach(|| self.material.ask(wo.slices(), towards.into())).map_err(error::value)?;
         shape.numbers(py, pdf)
     }
 
@@ -205,11 +206,8 @@ impl Material {
         let (mut wo, mut wi) = (Vectors::directions(wo, "wo")?, Vectors::directions(wi, "wi")?);
         let shape = broadcast([&mut wo, &mut wi], "wo and wi")?;
         let (mut value, mut pdf) = (room(shape.n), vec![0.0; shape.n]);
-        let value_slices = slices_mut(&mut value);
-        py.detach(|| {
-            self.material.evaluate_and_pdf_pairs_into(wo.slices(), wi.slices(), value_slices, &mut pdf)
-        })
-        .map_err(error::value)?;
+        let towards = Towards { wi: wi.slices(), value: Some(slices_mut(&mut value)), pdf: Some(&mut pdf) };
+        py.detach(|| self.material.ask(wo.slices(), towards.into())).map_err(error::value)?;
         Ok((shape.vectors(py, value)?, shape.numbers(py, pdf)?))
     }
 
@@ -226,9 +224,8 @@ impl Material {
         let (mut wo, mut u) = (Vectors::directions(wo, "wo")?, Vectors::uniform(u, "u")?);
         let shape = broadcast([&mut wo, &mut u], "wo and u")?;
         let mut drawn = Drawn::new(shape.n);
-        let samples = drawn.slices();
-        py.detach(|| self.material.sample_pairs_into(wo.slices(), u.slices(), samples))
-            .map_err(error::value)?;
+        let draws = drawn.draws(u.slices());
+        py.detach(|| self.material.ask(wo.slices(), draws.into())).map_err(error::value)?;
         drawn.into_python(py, shape)
     }
 
@@ -244,18 +241,9 @@ impl Material {
         let mut wi = Vectors::directions(wi, "wi")?;
         let shape = broadcast([&mut wo, &mut u, &mut wi], "wo, u and wi")?;
         let (mut drawn, mut value, mut pdf) = (Drawn::new(shape.n), room(shape.n), vec![0.0; shape.n]);
-        let (samples, value_slices) = (drawn.slices(), slices_mut(&mut value));
-        py.detach(|| {
-            self.material.sample_and_evaluate_pairs_into(
-                wo.slices(),
-                u.slices(),
-                samples,
-                wi.slices(),
-                value_slices,
-                &mut pdf,
-            )
-        })
-        .map_err(error::value)?;
+        let towards = Towards { wi: wi.slices(), value: Some(slices_mut(&mut value)), pdf: Some(&mut pdf) };
+        let request = Request { draw: Some(drawn.draws(u.slices())), evaluate: Some(towards) };
+        py.detach(|| self.material.ask(wo.slices(), request)).map_err(error::value)?;
         let sample = drawn.into_python(py, shape)?;
         PyTuple::new(py, [sample, shape.vectors(py, value)?, shape.numbers(py, pdf)?])
     }

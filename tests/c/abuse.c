@@ -122,21 +122,13 @@ static void test_materials(const char *path) {
     CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_view_lobe(material, 8, 0, &lobe));
     CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_view_lobe(material, SIZE_MAX, SIZE_MAX, &lobe));
     CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_view_lobe(material, 0, 12, &lobe));
-    size_t nodes[3];
-    CHECK_OBJECT(srbf_material, material, srbf_material_factor_nodes(p, nodes, nodes + 1, nodes + 2));
-    CHECK_POINTER(size_t, nodes, srbf_material_factor_nodes(material, p, nodes + 1, nodes + 2));
-    CHECK_POINTER(size_t, nodes, srbf_material_factor_nodes(material, nodes, p, nodes + 2));
-    CHECK_POINTER(size_t, nodes, srbf_material_factor_nodes(material, nodes, nodes + 1, p));
-    CHECK_OBJECT(srbf_material, material, srbf_material_largest_factor(p, rgb));
-    CHECK_POINTER(float, rgb, srbf_material_largest_factor(material, p));
     CHECK_OBJECT(srbf_material, material, srbf_material_factor(p, UP, UP, rgb));
     CHECK_POINTER(float, rgb, srbf_material_factor(material, p, UP, rgb));
     CHECK_POINTER(float, rgb, srbf_material_factor(material, UP, p, rgb));
     CHECK_POINTER(float, rgb, srbf_material_factor(material, UP, UP, p));
     /* This one has none. */
-    CHECK_OK(srbf_material_factor_nodes(material, nodes, nodes + 1, nodes + 2));
-    CHECK_OK(srbf_material_largest_factor(material, rgb));
-    CHECK(nodes[0] == 0 && nodes[1] == 0 && nodes[2] == 0 && rgb[0] == 1);
+    CHECK_OK(srbf_material_query(material, &info));
+    CHECK(info.factor_nodes[0] == 0 && info.factor_nodes[1] == 0 && info.factor_nodes[2] == 0 && info.largest_factor == 1);
     CHECK_OBJECT(srbf_material, material, srbf_material_factor_node(p, 0, 0, 0, rgb));
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_factor_node(material, 0, 0, 0, NULL));
     CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_factor_node(material, 0, 0, 0, rgb));
@@ -233,47 +225,9 @@ static void test_lobes(void) {
     CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_HEMISPHERE, 1, 0, 1, &good, NULL, mixture));
     CHECK_OK(srbf_mixture_query(mixture, &before));
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        CHECK_STATUS(bad[i].status, srbf_lobe_evaluate(&bad[i].lobe, UP, out));
-        CHECK_STATUS(bad[i].status, srbf_lobe_integrate(&bad[i].lobe, out));
-        CHECK_STATUS(bad[i].status, srbf_lobe_pdf(&bad[i].lobe, UP, out));
-        CHECK_STATUS(bad[i].status, srbf_lobe_sample(&bad[i].lobe, U, out));
         srbf_lobe pair[2] = {good, bad[i].lobe};
         CHECK_STATUS(bad[i].status, srbf_mixture_from_lobes(SRBF_DOMAIN_SPHERE, 1, 0, 2, pair, NULL, mixture));
     }
-    for (int i = 0; i < 6; i++) {
-        CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_lobe_evaluate(&good, BAD[i], out));
-        CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_lobe_pdf(&good, BAD[i], out));
-    }
-    const float bad_u[4][2] = {{1, 0.5f}, {0.5f, -0.1f}, {NAN, 0.5f}, {0.5f, INFINITY}};
-    for (int i = 0; i < 4; i++) {
-        CHECK_STATUS(SRBF_STATUS_UNIFORM, srbf_lobe_sample(&good, bad_u[i], out));
-    }
-    CHECK_POINTER(const srbf_lobe, &good, srbf_lobe_evaluate(p, UP, out));
-    CHECK_POINTER(const float, UP, srbf_lobe_evaluate(&good, p, out));
-    CHECK_POINTER(float, out, srbf_lobe_evaluate(&good, UP, p));
-    CHECK_POINTER(const srbf_lobe, &good, srbf_lobe_integrate(p, out));
-    CHECK_POINTER(float, out, srbf_lobe_integrate(&good, p));
-    CHECK_POINTER(const srbf_lobe, &good, srbf_lobe_pdf(p, UP, out));
-    CHECK_POINTER(const float, UP, srbf_lobe_pdf(&good, p, out));
-    CHECK_POINTER(float, out, srbf_lobe_pdf(&good, UP, p));
-    CHECK_POINTER(const srbf_lobe, &good, srbf_lobe_sample(p, U, out));
-    CHECK_POINTER(const float, U, srbf_lobe_sample(&good, p, out));
-    CHECK_POINTER(float, out, srbf_lobe_sample(&good, U, p));
-    srbf_lobe product = good;
-    CHECK_POINTER(const srbf_lobe, &good, srbf_lobe_product(p, &good, &product));
-    CHECK_POINTER(const srbf_lobe, &good, srbf_lobe_product(&good, p, &product));
-    CHECK_POINTER(srbf_lobe, &product, srbf_lobe_product(&good, &good, p));
-    CHECK_POINTER(const srbf_lobe, &good, srbf_lobe_inner_product(p, &good, out));
-    CHECK_POINTER(const srbf_lobe, &good, srbf_lobe_inner_product(&good, p, out));
-    CHECK_POINTER(float, out, srbf_lobe_inner_product(&good, &good, p));
-    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        CHECK_STATUS(bad[i].status, srbf_lobe_product(&good, &bad[i].lobe, &product));
-        CHECK_STATUS(bad[i].status, srbf_lobe_inner_product(&bad[i].lobe, &good, out));
-        CHECK_STATUS(bad[i].status, srbf_mixture_inner_product_with_lobe(mixture, &bad[i].lobe, out));
-    }
-    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_inner_product_with_lobe(p, &good, out));
-    CHECK_POINTER(const srbf_lobe, &good, srbf_mixture_inner_product_with_lobe(mixture, p, out));
-    CHECK_POINTER(float, out, srbf_mixture_inner_product_with_lobe(mixture, &good, p));
     CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_inner_product(p, mixture, out));
     CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_inner_product(mixture, p, out));
     CHECK_POINTER(float, out, srbf_mixture_inner_product(mixture, mixture, p));
@@ -290,7 +244,6 @@ static void test_lobes(void) {
     CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_HEMISPHERE, 0.5f, 1, 1, &good, NULL, mixture));
     CHECK_STATUS(SRBF_STATUS_SQUEEZED, srbf_mixture_product(mixture, mixture, 4, products, &count));
     CHECK_STATUS(SRBF_STATUS_SQUEEZED, srbf_mixture_inner_product(mixture, mixture, out));
-    CHECK_STATUS(SRBF_STATUS_SQUEEZED, srbf_mixture_inner_product_with_lobe(mixture, &good, out));
     CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_HEMISPHERE, 1, 0, 1, &good, NULL, mixture));
     CHECK(is_untouched(out, 0) && is_untouched(out, 1) && is_untouched(out, 2));
 
@@ -350,9 +303,6 @@ static void test_single(const srbf_material *material) {
     CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_evaluate(p, UP, out));
     CHECK_POINTER(const float, UP, srbf_mixture_evaluate(mixture, p, out));
     CHECK_POINTER(float, out, srbf_mixture_evaluate(mixture, UP, p));
-    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_evaluate_f(p, UP, out));
-    CHECK_POINTER(const float, UP, srbf_mixture_evaluate_f(mixture, p, out));
-    CHECK_POINTER(float, out, srbf_mixture_evaluate_f(mixture, UP, p));
     CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_pdf(p, UP, out));
     CHECK_POINTER(const float, UP, srbf_mixture_pdf(mixture, p, out));
     CHECK_POINTER(float, out, srbf_mixture_pdf(mixture, UP, p));
@@ -363,20 +313,14 @@ static void test_single(const srbf_material *material) {
     CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_sample(p, U, &sample));
     CHECK_POINTER(const float, U, srbf_mixture_sample(mixture, p, &sample));
     CHECK_POINTER(srbf_sample, &sample, srbf_mixture_sample(mixture, U, p));
-    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_sample_pdf(p, U, out, out + 3));
-    CHECK_POINTER(const float, U, srbf_mixture_sample_pdf(mixture, p, out, out + 3));
-    CHECK_POINTER(float, out, srbf_mixture_sample_pdf(mixture, U, p, out + 3));
-    CHECK_POINTER(float, out, srbf_mixture_sample_pdf(mixture, U, out, p));
     for (int i = 0; i < 6; i++) {
         CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_mixture_evaluate(mixture, BAD[i], out));
-        CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_mixture_evaluate_f(mixture, BAD[i], out));
         CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_mixture_pdf(mixture, BAD[i], out));
         CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_mixture_evaluate_and_pdf(mixture, BAD[i], out, out + 3));
     }
     const float bad_u[4][3] = {{1, 0.5f, 0.5f}, {0.5f, -0.1f, 0.5f}, {0.5f, 0.5f, NAN}, {INFINITY, 0, 0}};
     for (int i = 0; i < 4; i++) {
         CHECK_STATUS(SRBF_STATUS_UNIFORM, srbf_mixture_sample(mixture, bad_u[i], &sample));
-        CHECK_STATUS(SRBF_STATUS_UNIFORM, srbf_mixture_sample_pdf(mixture, bad_u[i], out, out + 3));
     }
     for (int i = 0; i < 4; i++) {
         CHECK(is_untouched(out, i));
@@ -384,10 +328,7 @@ static void test_single(const srbf_material *material) {
 
     /* The horizon itself, and the ends of the uniform numbers. */
     const float horizon[3] = {1, 0, 0}, ends[2] = {0, 0x1.fffffep-1f};
-    CHECK_OK(srbf_mixture_evaluate_f(mixture, horizon, out));
-    CHECK(out[0] == 0 && out[1] == 0 && out[2] == 0);
-    const float next[3] = {1, 0, 1e-38f};
-    CHECK_OK(srbf_mixture_evaluate_f(mixture, next, out));
+    CHECK_OK(srbf_mixture_evaluate(mixture, horizon, out));
     CHECK(isfinite(out[0]) && isfinite(out[1]) && isfinite(out[2]));
     for (int i = 0; i < 8; i++) {
         const float u[3] = {ends[i & 1], ends[i >> 1 & 1], ends[i >> 2 & 1]};
@@ -404,101 +345,99 @@ static void test_single(const srbf_material *material) {
     free(mixture);
 }
 
-/* What every batch refuses, in terms of a call with `n`, the input `in` and the first output `out`. */
-#define CHECK_BATCH(call)                                                         \
-    do {                                                                          \
-        srbf_vectors in = good_in, *in_at = &in;                                  \
-        srbf_vectors_out out = good_out;                                          \
-        size_t n = N;                                                             \
-        CHECK_OK(call);                                                           \
-        in_at = NULL;                                                             \
-        CHECK_STATUS(SRBF_STATUS_NULL, call);                                     \
-        in_at = CROOKED(srbf_vectors, &in);                                       \
-        CHECK_STATUS(SRBF_STATUS_MISALIGNED, call);                               \
-        in_at = &in;                                                              \
-        in.y = NULL;                                                              \
-        CHECK_STATUS(SRBF_STATUS_NULL, call);                                     \
-        in = good_in, in.z = CROOKED(const float, in.z);                          \
-        CHECK_STATUS(SRBF_STATUS_MISALIGNED, call);                               \
-        in = good_in, in.stride = 0;                                              \
-        CHECK_STATUS(SRBF_STATUS_STRIDE, call);                                   \
-        in = good_in, in.stride = 6;                                              \
-        CHECK_STATUS(SRBF_STATUS_STRIDE, call);                                   \
-        in = good_in, n = SIZE_MAX;                                               \
-        CHECK_STATUS(SRBF_STATUS_SIZE, call);                                     \
-        n = SIZE_MAX / 8 + 1;                                                     \
-        CHECK_STATUS(SRBF_STATUS_SIZE, call);                                     \
-        n = N, in.stride = SIZE_MAX - 3;                                          \
-        CHECK_STATUS(SRBF_STATUS_SIZE, call);                                     \
-        /* Nothing is looked at where there is nothing to do. */                  \
-        in = good_in, in.x = NULL, n = 0;                                         \
-        CHECK_OK(call);                                                           \
-        n = N, in = good_in;                                                      \
-        out.y = NULL;                                                             \
-        CHECK_STATUS(SRBF_STATUS_NULL, call);                                     \
-        out = good_out, out.y = CROOKED(float, out.y);                            \
-        CHECK_STATUS(SRBF_STATUS_MISALIGNED, call);                               \
-        out = good_out, out.stride = 2;                                           \
-        CHECK_STATUS(SRBF_STATUS_STRIDE, call);                                   \
-        /* An output upon another, upon an input, shifted, of other strides. */   \
-        out = good_out, out.y = out.x;                                            \
-        CHECK_STATUS(SRBF_STATUS_OVERLAP, call);                                  \
-        out = good_out, out.y = out.x + N - 1;                                    \
-        CHECK_STATUS(SRBF_STATUS_OVERLAP, call);                                  \
-        out = good_out, out.x = inputs;                                           \
-        CHECK_STATUS(SRBF_STATUS_OVERLAP, call);                                  \
-        out = good_out, out.z = inputs + 2 * N;                                   \
-        CHECK_STATUS(SRBF_STATUS_OVERLAP, call);                                  \
-        out = good_out, out.z = inputs + 1, in.stride = 8;                        \
-        CHECK_STATUS(SRBF_STATUS_OVERLAP, call);                                  \
-        /* An output upon the object. */                                          \
-        out = good_out, in = good_in, out.x = (float *)(void *)object + 8;        \
-        CHECK_STATUS(SRBF_STATUS_OVERLAP, call);                                  \
-    } while (0)
+/* What is asked: a call with n and a request. */
+typedef srbf_status ask(const void *object, size_t n, const srbf_request *request);
 
-typedef srbf_status one_channel(const srbf_material *, size_t, const srbf_vectors *, const srbf_vectors *,
-                                const srbf_numbers_out *);
+static srbf_status ask_one_mixture(const void *object, size_t n, const srbf_request *request) {
+    return srbf_mixture_ask((const srbf_mixture *)object, 0, n, request);
+}
 
-/* Pairs to one number each: every wrong pointer, stride, count and overlap. */
-static void test_one_channel_pairs(const srbf_material *material, const srbf_vectors *good_wo, const srbf_vectors *good_wi,
-                                   one_channel *call) {
-    enum { N = 40 };
-    float *outputs = guarded(N);
-    srbf_numbers_out numbers = {outputs, sizeof(float)};
-    CHECK_OK(call(material, N, good_wo, good_wi, &numbers));
-    for (int i = 0; i < N; i++) {
-        CHECK(outputs[i] >= 0 && outputs[i] < 1e6f);
+static srbf_status ask_mixtures(const void *object, size_t n, const srbf_request *request) {
+    return srbf_mixture_ask((const srbf_mixture *)object, SRBF_MIXTURE_SIZE_16, n, request);
+}
+
+static srbf_status ask_material(const void *object, size_t n, const srbf_request *request) {
+    return srbf_material_ask((const srbf_material *)object, n, request);
+}
+
+static srbf_status ask_materials(const void *object, size_t n, const srbf_request *request) {
+    (void)object;
+    return srbf_material_ask(NULL, n, request);
+}
+
+static srbf_status ask_expanded(const void *object, size_t n, const srbf_request *request) {
+    return srbf_expanded_ask((const srbf_expanded *)object, n, request);
+}
+
+/* Every wrong pointer, stride, count and overlap of every array of a request, one at a time; `good` asks for all. */
+static void test_request(ask *call, const void *object, const srbf_request *good, size_t n, int has_wo) {
+    CHECK_OK(call(object, n, good));
+    CHECK_OK(call(object, 0, NULL));
+    CHECK_STATUS(SRBF_STATUS_NULL, call(object, n, NULL));
+    CHECK_STATUS(SRBF_STATUS_MISALIGNED, call(object, n, CROOKED(srbf_request, good)));
+    srbf_request r = *good;
+    for (size_t size = 0; size < 2 * sizeof r; size += sizeof r - 8) {
+        r.size = size;
+        CHECK_STATUS(SRBF_STATUS_SIZE, call(object, n, &r));
     }
-    CHECK_OK(call(material, 0, NULL, NULL, NULL));
-    CHECK_OBJECT(const srbf_material, material, call(p, N, good_wo, good_wi, &numbers));
-    CHECK_OBJECT(const srbf_material, material, call(p, 0, good_wo, good_wi, &numbers));
-    CHECK_POINTER(const srbf_vectors, good_wo, call(material, N, p, good_wi, &numbers));
-    CHECK_POINTER(const srbf_vectors, good_wi, call(material, N, good_wo, p, &numbers));
-    CHECK_POINTER(const srbf_numbers_out, &numbers, call(material, N, good_wo, good_wi, p));
+    for (int which = has_wo ? 0 : 1; which < 3; which++) {
+        r = *good;
+        srbf_vectors *in = which == 0 ? &r.wo : which == 1 ? &r.wi : &r.u;
+        const srbf_vectors whole = *in;
+        in->y = NULL;
+        CHECK_STATUS(SRBF_STATUS_NULL, call(object, n, &r));
+        *in = whole, in->z = CROOKED(const float, whole.z);
+        CHECK_STATUS(SRBF_STATUS_MISALIGNED, call(object, n, &r));
+        *in = whole, in->stride = 0;
+        CHECK_STATUS(SRBF_STATUS_STRIDE, call(object, n, &r));
+        *in = whole, in->stride = 6;
+        CHECK_STATUS(SRBF_STATUS_STRIDE, call(object, n, &r));
+        *in = whole, in->stride = SIZE_MAX - 3;
+        CHECK_STATUS(SRBF_STATUS_SIZE, call(object, n, &r));
+        /* Upon outputs: the first, and the last number of one. */
+        *in = whole, in->x = good->pdf.values;
+        CHECK_STATUS(SRBF_STATUS_OVERLAP, call(object, n, &r));
+        *in = whole, in->x = good->samples.pdf.values + n - 1;
+        CHECK_STATUS(SRBF_STATUS_OVERLAP, call(object, n, &r));
+    }
+    for (int which = 0; which < 3; which++) {
+        r = *good;
+        srbf_vectors_out *out = which == 0 ? &r.value : which == 1 ? &r.samples.direction : &r.samples.weight;
+        const srbf_vectors_out whole = *out;
+        out->y = NULL;
+        CHECK_STATUS(SRBF_STATUS_NULL, call(object, n, &r));
+        *out = whole, out->y = CROOKED(float, whole.y);
+        CHECK_STATUS(SRBF_STATUS_MISALIGNED, call(object, n, &r));
+        *out = whole, out->stride = 2;
+        CHECK_STATUS(SRBF_STATUS_STRIDE, call(object, n, &r));
+        /* An output upon another, shifted, upon an input, of other strides, upon the object. */
+        *out = whole, out->y = out->x;
+        CHECK_STATUS(SRBF_STATUS_OVERLAP, call(object, n, &r));
+        *out = whole, out->y = out->x + n - 1;
+        CHECK_STATUS(SRBF_STATUS_OVERLAP, call(object, n, &r));
+        *out = whole, out->z = (float *)(uintptr_t)good->wi.z;
+        CHECK_STATUS(SRBF_STATUS_OVERLAP, call(object, n, &r));
+        *out = whole, out->z = (float *)(uintptr_t)good->u.x + 1, r.u.stride = 8;
+        CHECK_STATUS(SRBF_STATUS_OVERLAP, call(object, n, &r));
+        r = *good, out->x = (float *)(uintptr_t)object + 8;
+        CHECK_STATUS(SRBF_STATUS_OVERLAP, call(object, n, &r));
+    }
     for (int which = 0; which < 2; which++) {
-        srbf_vectors wo = *good_wo, wi = *good_wi, *bad = which == 0 ? &wo : &wi;
-        const srbf_vectors good = *bad;
-        bad->y = NULL;
-        CHECK_STATUS(SRBF_STATUS_NULL, call(material, N, &wo, &wi, &numbers));
-        *bad = good, bad->z = CROOKED(const float, good.z);
-        CHECK_STATUS(SRBF_STATUS_MISALIGNED, call(material, N, &wo, &wi, &numbers));
-        *bad = good, bad->stride = 6;
-        CHECK_STATUS(SRBF_STATUS_STRIDE, call(material, N, &wo, &wi, &numbers));
-        *bad = good, bad->stride = SIZE_MAX - 3;
-        CHECK_STATUS(SRBF_STATUS_SIZE, call(material, N, &wo, &wi, &numbers));
-        *bad = good, bad->x = outputs + N - 1, bad->stride = sizeof(float);
-        CHECK_STATUS(SRBF_STATUS_OVERLAP, call(material, N, &wo, &wi, &numbers));
+        r = *good;
+        srbf_numbers_out *out = which == 0 ? &r.pdf : &r.samples.pdf;
+        out->values = CROOKED(float, out->values);
+        CHECK_STATUS(SRBF_STATUS_MISALIGNED, call(object, n, &r));
+        r = *good, out->stride = 1;
+        CHECK_STATUS(SRBF_STATUS_STRIDE, call(object, n, &r));
+        r = *good, out->values = good->value.x + n - 1;
+        CHECK_STATUS(SRBF_STATUS_OVERLAP, call(object, n, &r));
+        r = *good, out->values = (float *)(uintptr_t)good->u.y;
+        CHECK_STATUS(SRBF_STATUS_OVERLAP, call(object, n, &r));
     }
-    CHECK_STATUS(SRBF_STATUS_SIZE, call(material, SIZE_MAX / 4, good_wo, good_wi, &numbers));
-    numbers.values = NULL;
-    CHECK_STATUS(SRBF_STATUS_NULL, call(material, N, good_wo, good_wi, &numbers));
-    numbers.values = CROOKED(float, outputs);
-    CHECK_STATUS(SRBF_STATUS_MISALIGNED, call(material, N, good_wo, good_wi, &numbers));
-    numbers.values = (float *)(uintptr_t)material + 8;
-    CHECK_STATUS(SRBF_STATUS_OVERLAP, call(material, N, good_wo, good_wi, &numbers));
-    numbers.values = outputs, numbers.stride = 2;
-    CHECK_STATUS(SRBF_STATUS_STRIDE, call(material, N, good_wo, good_wi, &numbers));
-    release(outputs, N);
+    r = *good, r.samples.direction.x = NULL;
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, call(object, n, &r));
+    CHECK_STATUS(SRBF_STATUS_SIZE, call(object, SIZE_MAX, good));
+    CHECK_STATUS(SRBF_STATUS_SIZE, call(object, SIZE_MAX / 8 + 1, good));
 }
 
 /* The last mixture may be larger than the stride: an output within what only it holds is refused too. */
@@ -514,8 +453,8 @@ static void test_large_last(const srbf_material *material, const srbf_vectors *w
     const srbf_mixture *all = (const srbf_mixture *)(const void *)storage;
     srbf_numbers_out within = {(float *)(void *)(storage + N * stride + 16), sizeof(float)};
     srbf_numbers_out behind = {(float *)(void *)(storage + size - 64), sizeof(float)};
-    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_mixture_pdf_pairs_into(all, stride, N, wi, &within));
-    CHECK_OK(srbf_mixture_pdf_pairs_into(all, stride, N, wi, &behind));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_mixture_ask(all, stride, N, ASK(.wi = *wi, .pdf = within)));
+    CHECK_OK(srbf_mixture_ask(all, stride, N, ASK(.wi = *wi, .pdf = behind)));
     free(storage);
 }
 
@@ -539,11 +478,10 @@ static void test_upon_material(const srbf_material *original, const srbf_vectors
     float *value = (float *)(void *)(memory + bytes_at + 64);
     srbf_vectors_out values = {value, value + N, value + 2 * N, sizeof(float)};
     srbf_samples_out samples = {values, apart, {value + 3 * N, value + 4 * N, value + 5 * N, sizeof(float)}};
-    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_pdf_pairs_into(material, N, wo, wi, &pdf));
-    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_evaluate_and_pdf_pairs_into(material, N, wo, wi, &values, &apart));
-    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_sample_pairs_into(material, N, wo, wi, &samples));
-    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_sample_pdf_pairs_into(material, N, wo, wi, &values, &apart));
-    CHECK_OK(srbf_material_pdf_pairs_into(material, N, wo, wi, &apart));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_ask(material, N, ASK(.wo = *wo, .wi = *wi, .pdf = pdf)));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_ask(material, N, ASK(.wo = *wo, .wi = *wi, .value = values, .pdf = apart)));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_ask(material, N, ASK(.wo = *wo, .u = *wi, .samples = samples)));
+    CHECK_OK(srbf_material_ask(material, N, ASK(.wo = *wo, .wi = *wi, .pdf = apart)));
     CHECK_OK(srbf_material_prepare_into(material, 1, wo, memory + SRBF_MATERIAL_SIZE, stride));
     CHECK(memcmp(memory + bytes_at, info.bytes, info.byte_count) == 0);
     free(memory);
@@ -551,9 +489,8 @@ static void test_upon_material(const srbf_material *original, const srbf_vectors
 
 static void test_batches(const srbf_material *material) {
     enum { N = 40 };
-    float *inputs = guarded(6 * N), *outputs = guarded(7 * N);
+    float *inputs = guarded(6 * N), *outputs = guarded(11 * N);
     srbf_mixture *mixture = new_mixture();
-    void *object = mixture;
     CHECK_OK(srbf_material_prepare(material, UP, mixture));
     uint64_t state = 3;
     for (int i = 0; i < 2 * N; i++) {
@@ -566,103 +503,48 @@ static void test_batches(const srbf_material *material) {
     const srbf_vectors_out good_out = {outputs, outputs + N, outputs + 2 * N, dense};
     const srbf_numbers_out pdf = {outputs + 3 * N, dense};
     const srbf_vectors_out weight = {outputs + 4 * N, outputs + 5 * N, outputs + 6 * N, dense};
-    srbf_samples_out samples;
-
-    CHECK_BATCH(srbf_mixture_evaluate_into(mixture, n, in_at, &out));
-    CHECK_BATCH((samples.direction = out, samples.pdf = pdf, samples.weight = weight,
-                 srbf_mixture_sample_into(mixture, n, in_at, &samples)));
-    CHECK_BATCH((samples.direction = weight, samples.pdf = pdf, samples.weight = out,
-                 srbf_mixture_sample_into(mixture, n, in_at, &samples)));
-    CHECK_BATCH(srbf_mixture_sample_pdf_into(mixture, n, in_at, &out, &pdf));
-    /* The density has one output: it is given y, and x is checked to be apart by itself. */
-    srbf_numbers_out numbers = {outputs, dense};
-    CHECK_OK(srbf_mixture_pdf_into(mixture, N, &good_in, &numbers));
-    numbers.values = NULL;
-    CHECK_STATUS(SRBF_STATUS_NULL, srbf_mixture_pdf_into(mixture, N, &good_in, &numbers));
-    CHECK_OK(srbf_mixture_pdf_into(mixture, 0, &good_in, &numbers));
-    CHECK_OK(srbf_mixture_pdf_into(mixture, 0, NULL, NULL));
-    numbers.values = CROOKED(float, outputs);
-    CHECK_STATUS(SRBF_STATUS_MISALIGNED, srbf_mixture_pdf_into(mixture, N, &good_in, &numbers));
-    numbers.values = inputs + 3;
-    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_mixture_pdf_into(mixture, N, &good_in, &numbers));
-    numbers.values = outputs, numbers.stride = 1;
-    CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_mixture_pdf_into(mixture, N, &good_in, &numbers));
-    numbers.stride = dense;
-    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_mixture_pdf_into(mixture, SIZE_MAX / 4, &good_in, &numbers));
-
-    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_evaluate_into(p, N, &good_in, &good_out));
-    CHECK_POINTER(const srbf_vectors_out, &good_out, srbf_mixture_evaluate_into(mixture, N, &good_in, p));
-    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_pdf_into(p, N, &good_in, &numbers));
-    CHECK_POINTER(const srbf_vectors, &good_in, srbf_mixture_pdf_into(mixture, N, p, &numbers));
-    CHECK_POINTER(srbf_numbers_out, &numbers, srbf_mixture_pdf_into(mixture, N, &good_in, p));
-    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_sample_into(p, N, &good_in, &samples));
-    CHECK_POINTER(srbf_samples_out, &samples, srbf_mixture_sample_into(mixture, N, &good_in, p));
-    CHECK_OBJECT(srbf_mixture, mixture, srbf_mixture_sample_pdf_into(p, N, &good_in, &good_out, &pdf));
-    CHECK_POINTER(const srbf_vectors, &good_in, srbf_mixture_sample_pdf_into(mixture, N, p, &good_out, &pdf));
-    CHECK_POINTER(const srbf_vectors_out, &good_out,
-                  srbf_mixture_sample_pdf_into(mixture, N, &good_in, p, &pdf));
-    CHECK_POINTER(const srbf_numbers_out, &pdf,
-                  srbf_mixture_sample_pdf_into(mixture, N, &good_in, &good_out, p));
-    CHECK_OK(srbf_mixture_sample_pdf_into(mixture, 0, NULL, NULL, NULL));
-
-    /* Pairs: the same, and n mixtures. */
-    const size_t stride = SRBF_MIXTURE_SIZE_16;
-    unsigned char *storage = (unsigned char *)aligned_alloc(SRBF_MIXTURE_ALIGNMENT, N * stride);
-    CHECK(storage != NULL);
+    const srbf_vectors_out directions = {outputs + 7 * N, outputs + 8 * N, outputs + 9 * N, dense};
+    const srbf_numbers_out density = {outputs + 10 * N, dense};
     float up[3] = {0, 0, 1}, *wos = guarded(3 * N);
     for (int i = 0; i < N; i++) {
         memcpy(wos + 3 * i, up, sizeof up);
     }
-    srbf_vectors wo = {wos, wos + 1, wos + 2, sizeof up};
+    const srbf_vectors wo = {wos, wos + 1, wos + 2, sizeof up};
+    const srbf_material *each[N];
+    for (int i = 0; i < N; i++) each[i] = material;
+    const srbf_request good = {.size = sizeof good, .materials = {each, sizeof each[0]}, .wo = wo, .wi = good_in,
+                               .u = {inputs + N, inputs + 3 * N, inputs + 5 * N, dense}, .value = good_out, .pdf = pdf,
+                               .samples = {directions, density, weight}};
+    const size_t stride = SRBF_MIXTURE_SIZE_16;
+    unsigned char *storage = (unsigned char *)aligned_alloc(SRBF_MIXTURE_ALIGNMENT, N * stride);
+    CHECK(storage != NULL);
     CHECK_OK(srbf_material_prepare_into(material, N, &wo, storage, stride));
     const srbf_mixture *all = (const srbf_mixture *)(const void *)storage;
-    object = storage + (N - 1) * stride;
-    CHECK_BATCH(srbf_mixture_evaluate_pairs_into(all, stride, n, in_at, &out));
-    CHECK_BATCH((samples.direction = out, samples.pdf = pdf, samples.weight = weight,
-                 srbf_mixture_sample_pairs_into(all, stride, n, in_at, &samples)));
-    CHECK_OBJECT(const srbf_mixture, all, srbf_mixture_evaluate_pairs_into(p, stride, N > 0, &good_in, &good_out));
-    CHECK_OBJECT(const srbf_mixture, all, srbf_mixture_pdf_pairs_into(p, stride, 1, &good_in, &numbers));
-    CHECK_OBJECT(const srbf_mixture, all, srbf_mixture_sample_pairs_into(p, stride, 1, &good_in, &samples));
-    CHECK_POINTER(const srbf_vectors, &good_in, srbf_mixture_pdf_pairs_into(all, stride, N, p, &numbers));
-    CHECK_POINTER(srbf_numbers_out, &numbers, srbf_mixture_pdf_pairs_into(all, stride, N, &good_in, p));
-    CHECK_POINTER(srbf_samples_out, &samples, srbf_mixture_sample_pairs_into(all, stride, N, &good_in, p));
-    CHECK_POINTER(const srbf_vectors_out, &good_out, srbf_mixture_evaluate_pairs_into(all, stride, N, &good_in, p));
-    CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_mixture_pdf_pairs_into(all, 0, N, &good_in, &numbers));
-    CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_mixture_pdf_pairs_into(all, stride + 8, N, &good_in, &numbers));
-    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_mixture_pdf_pairs_into(all, SIZE_MAX - 15, N, &good_in, &numbers));
-    CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_mixture_pdf_pairs_into(all, stride / 2, N, &good_in, &numbers));
-    CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_mixture_pdf_pairs_into(all, 16, 1, &good_in, &numbers));
+    size_t expanded_size;
+    CHECK_OK(srbf_expanded_size(material, 2, &expanded_size));
+    void *room = malloc(expanded_size);
+    srbf_expanded *expanded = NULL;
+    CHECK_OK(srbf_expanded_make(material, 2, room, expanded_size, &expanded));
+    test_request(ask_one_mixture, mixture, &good, N, 0);
+    test_request(ask_mixtures, all, &good, N, 0);
+    test_request(ask_material, material, &good, N, 1);
+    test_request(ask_materials, material, &good, N, 1);
+    test_request(ask_expanded, expanded, &good, N, 1);
+    CHECK_OBJECT(const srbf_mixture, mixture, srbf_mixture_ask(p, 0, N, &good));
+    CHECK_OBJECT(const srbf_mixture, mixture, srbf_mixture_ask(p, stride, 1, &good));
+    CHECK_OBJECT(const srbf_expanded, expanded, srbf_expanded_ask(p, N, &good));
+    CHECK_STATUS(SRBF_STATUS_MISALIGNED, srbf_material_ask(CROOKED(const srbf_material, material), N, &good));
+    CHECK_STATUS(SRBF_STATUS_OBJECT, srbf_material_ask((const srbf_material *)(const void *)mixture, N, &good));
+    CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_mixture_ask(all, stride + 8, N, &good));
+    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_mixture_ask(all, SIZE_MAX - 15, N, &good));
+    CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_mixture_ask(all, stride / 2, N, &good));
+    CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_mixture_ask(all, 16, 1, &good));
+    srbf_request upon = good;
+    upon.pdf.values = (float *)(void *)(storage + (N - 1) * stride);
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_mixture_ask(all, stride, N, &upon));
+    upon.pdf.values = (float *)(void *)each;
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_ask(NULL, N, &upon));
     test_large_last(material, &wo, &good_in);
-    CHECK_OK(srbf_mixture_pdf_pairs_into(all, stride, N, &good_in, &numbers));
-    CHECK_OK(srbf_mixture_pdf_pairs_into(NULL, 0, 0, NULL, NULL));
-
-    /* Pairs without storage. */
-    object = (void *)(uintptr_t)material;
-    CHECK_BATCH(srbf_material_evaluate_and_pdf_pairs_into(material, n, in_at, &wo, &out, &pdf));
-    CHECK_BATCH(srbf_material_evaluate_and_pdf_pairs_into(material, n, &wo, in_at, &out, &pdf));
-    CHECK_BATCH((samples.direction = out, samples.pdf = pdf, samples.weight = weight,
-                 srbf_material_sample_pairs_into(material, n, in_at, &good_in, &samples)));
-    CHECK_BATCH((samples.direction = out, samples.pdf = pdf, samples.weight = weight,
-                 srbf_material_sample_pairs_into(material, n, &wo, in_at, &samples)));
-    CHECK_OBJECT(const srbf_material, material,
-                 srbf_material_evaluate_and_pdf_pairs_into(p, N, &wo, &good_in, &good_out, &pdf));
-    CHECK_OBJECT(const srbf_material, material, srbf_material_sample_pairs_into(p, N, &wo, &good_in, &samples));
-    CHECK_POINTER(const srbf_vectors_out, &good_out,
-                  srbf_material_evaluate_and_pdf_pairs_into(material, N, &wo, &good_in, p, &pdf));
-    CHECK_POINTER(const srbf_numbers_out, &pdf,
-                  srbf_material_evaluate_and_pdf_pairs_into(material, N, &wo, &good_in, &good_out, p));
-    CHECK_POINTER(srbf_samples_out, &samples, srbf_material_sample_pairs_into(material, N, &wo, &good_in, p));
-
-    CHECK_BATCH(srbf_material_sample_pdf_pairs_into(material, n, in_at, &good_in, &out, &pdf));
-    CHECK_BATCH(srbf_material_sample_pdf_pairs_into(material, n, &wo, in_at, &out, &pdf));
-    CHECK_OBJECT(const srbf_material, material,
-                 srbf_material_sample_pdf_pairs_into(p, N, &wo, &good_in, &good_out, &pdf));
-    CHECK_POINTER(const srbf_vectors_out, &good_out,
-                  srbf_material_sample_pdf_pairs_into(material, N, &wo, &good_in, p, &pdf));
-    CHECK_POINTER(const srbf_numbers_out, &pdf,
-                  srbf_material_sample_pdf_pairs_into(material, N, &wo, &good_in, &good_out, p));
-    CHECK_OK(srbf_material_pdf_pairs_into(material, 0, NULL, NULL, NULL));
-    test_one_channel_pairs(material, &wo, &good_in, srbf_material_pdf_pairs_into);
 
     /* Preparing n. */
     CHECK_OBJECT(const srbf_material, material, srbf_material_prepare_into(p, N, &wo, storage, stride));
@@ -687,23 +569,22 @@ static void test_batches(const srbf_material *material) {
     /* Not-a-numbers in a batch do not spread to their neighbours. */
     float *clean = guarded(N), *dirty = guarded(N);
     srbf_numbers_out clean_out = {clean, dense}, dirty_out = {dirty, dense};
-    CHECK_OK(srbf_mixture_pdf_into(mixture, N, &good_in, &clean_out));
+    CHECK_OK(srbf_mixture_ask(mixture, 0, N, ASK(.wi = good_in, .pdf = clean_out)));
     const float strange[5] = {NAN, INFINITY, -INFINITY, 1e38f, 0};
     for (int i = 0; i < N; i += 3) {
         inputs[i] = inputs[2 * N + i] = inputs[4 * N + i] = strange[i % 5];
     }
-    CHECK_OK(srbf_mixture_pdf_into(mixture, N, &good_in, &dirty_out));
+    CHECK_OK(srbf_mixture_ask(mixture, 0, N, ASK(.wi = good_in, .pdf = dirty_out)));
     for (int i = 0; i < N; i++) {
         CHECK(i % 3 == 0 || clean[i] == dirty[i]);
     }
-    CHECK_OK(srbf_mixture_evaluate_into(mixture, N, &good_in, &good_out));
-    samples.direction = good_out, samples.pdf = pdf, samples.weight = weight;
-    CHECK_OK(srbf_mixture_sample_into(mixture, N, &good_in, &samples));
-    CHECK_OK(srbf_mixture_sample_pairs_into(all, stride, N, &good_in, &samples));
-    CHECK_OK(srbf_mixture_evaluate_pairs_into(all, stride, N, &good_in, &good_out));
+    CHECK_OK(srbf_mixture_ask(mixture, 0, N, &good));
+    CHECK_OK(srbf_mixture_ask(all, stride, N, &good));
+    CHECK_OK(srbf_material_ask(material, N, &good));
 
     release(clean, N), release(dirty, N), release(wos, 3 * N);
-    release(inputs, 6 * N), release(outputs, 7 * N);
+    release(inputs, 6 * N), release(outputs, 11 * N);
+    free(room);
     free(storage);
     free(mixture);
 }

@@ -76,7 +76,7 @@ static void test_pairs(const srbf_material *material) {
     const srbf_vectors o = {wo[0], wo[0] + 1, wo[0] + 2, 12}, d = {wi[0], wi[0] + 1, wi[0] + 2, 12};
     const srbf_vectors_out values = {value, value + 1, value + 2, 12};
     const srbf_numbers_out densities = {pdf, 4};
-    CHECK_OK(srbf_material_evaluate_and_pdf_pairs_into(material, N, &o, &d, &values, &densities));
+    CHECK_OK(srbf_material_ask(material, N, ASK(.wo = o, .wi = d, .value = values, .pdf = densities)));
     for (int i = 0; i < N; i++) {
         float one[4];
         CHECK_OK(srbf_mixture_evaluate_and_pdf(prepared(material, wo[i], storage, sizeof storage), wi[i], one, one + 3));

@@ -31,6 +31,9 @@
 
 #define CHECK_OK(call) CHECK_STATUS(SRBF_STATUS_OK, call)
 
+/* A request: what is not named is not wanted. */
+#define ASK(...) (&(const srbf_request){.size = sizeof(srbf_request), __VA_ARGS__})
+
 /* Numbers between two zones of a pattern that must stay. */
 #define ZONE 16
 #define PATTERN 0x7fc0dead /* a NaN that no computation makes */

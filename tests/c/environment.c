@@ -20,16 +20,18 @@ static void *aligned(size_t size, void **memory) {
 
 static void test_light(const srbf_environment *environment) {
     uint64_t state = 3;
-    float power, mean = 0;
-    CHECK_OK(srbf_environment_power(environment, &power));
+    float mean = 0;
+    srbf_environment_info info;
+    CHECK_OK(srbf_environment_query(environment, &info));
+    const float power = info.power;
     for (int i = 0; i < DRAWS; i++) {
         const float u[3] = {uniform(&state), uniform(&state), uniform(&state)};
         srbf_light_sample sample;
         float radiance[3], both[3], pdf, density;
         CHECK_OK(srbf_environment_sample(environment, u, &sample));
-        CHECK_OK(srbf_environment_radiance(environment, sample.direction, radiance));
-        CHECK_OK(srbf_environment_pdf(environment, sample.direction, &pdf));
-        CHECK_OK(srbf_environment_radiance_and_pdf(environment, sample.direction, both, &density));
+        CHECK_OK(srbf_environment_evaluate(environment, sample.direction, radiance, NULL));
+        CHECK_OK(srbf_environment_evaluate(environment, sample.direction, NULL, &pdf));
+        CHECK_OK(srbf_environment_evaluate(environment, sample.direction, both, &density));
         CHECK(pdf == density && memcmp(radiance, both, sizeof both) == 0);
         CHECK(fabsf(pdf - sample.pdf) < 1e-3f && fabsf(luminance(sample.radiance) / sample.pdf / power - 1) < 1e-5f);
         mean += sample.direction[2] / DRAWS;
@@ -65,7 +67,7 @@ static void test_product(const char *path, const srbf_environment *environment) 
         for (int k = 0; k < 3; k++) {
             world[k] = ray.direction[0] * frame[k] + ray.direction[1] * frame[3 + k] + ray.direction[2] * frame[6 + k];
         }
-        CHECK_OK(srbf_environment_radiance_and_pdf(environment, world, radiance, &pdf));
+        CHECK_OK(srbf_environment_evaluate(environment, world, radiance, &pdf));
         CHECK_OK(srbf_product_ray_weight(&shared, ray.pdf, pdf, &weight));
         CHECK(weight >= 0 && weight <= 1);
         for (int k = 0; k < 3; k++) {
@@ -174,7 +176,7 @@ static void test_reflect(const char *path, const srbf_environment *environment) 
         memcpy(values + 3, drawn.shadow_value, sizeof drawn.shadow_value);
         CHECK_OK(srbf_reflection_light(&drawn, escapes, lit, values, same));
         CHECK(memcmp(light, same, sizeof light) == 0);
-        CHECK_OK(srbf_environment_radiance(environment, world, radiance));
+        CHECK_OK(srbf_environment_evaluate(environment, world, radiance, NULL));
         for (int k = 0; k < 3; k++) {
             radiance[k] *= drawn.ray.weight[k] * (float)escapes;
         }
@@ -229,9 +231,9 @@ int main(int count, char **arguments) {
     map[3][2][1] = 1;
     const float black[3] = {0, 0, 0};
     CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_environment_make(1, 1, black, 0, storage, size, &environment));
-    float power;
+    srbf_environment_info info;
     memset(storage, 0, 64);
-    CHECK_STATUS(SRBF_STATUS_OBJECT, srbf_environment_power((const srbf_environment *)(void *)storage, &power));
+    CHECK_STATUS(SRBF_STATUS_OBJECT, srbf_environment_query((const srbf_environment *)(void *)storage, &info));
     CHECK_OK(srbf_environment_make(WIDTH, HEIGHT, pixels, 0.5f, storage, size, &environment));
     CHECK((unsigned char *)environment == storage);
     test_light(environment);
@@ -239,9 +241,10 @@ int main(int count, char **arguments) {
     test_reflect(arguments[1], environment);
     test_edges();
 
-    const void *table;
-    size_t table_size;
-    CHECK_OK(srbf_environment_table(environment, &table, &table_size));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_environment_query(environment, NULL));
+    CHECK_OK(srbf_environment_query(environment, &info));
+    const void *table = info.table;
+    const size_t table_size = info.table_size;
     unsigned char *copy = aligned(table_size, &copy_memory);
     memcpy(copy, table, table_size);
     void *head_memory;
@@ -250,10 +253,12 @@ int main(int count, char **arguments) {
     const float up[3] = {0, 0.6f, 0.8f}, none[3] = {0, 0, 0}, u[3] = {0, 0.5f, 1};
     float first[3], second[3];
     srbf_light_sample sample;
-    CHECK_OK(srbf_environment_radiance(environment, up, first));
-    CHECK_OK(srbf_environment_radiance(again, up, second));
+    CHECK_OK(srbf_environment_evaluate(environment, up, first, NULL));
+    CHECK_OK(srbf_environment_evaluate(again, up, second, NULL));
     CHECK(memcmp(first, second, sizeof first) == 0);
-    CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_environment_radiance(again, none, second));
+    CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_environment_evaluate(again, none, second, NULL));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_environment_evaluate(again, up, second, second + 1));
+    CHECK_OK(srbf_environment_evaluate(again, up, NULL, NULL));
     CHECK_STATUS(SRBF_STATUS_UNIFORM, srbf_environment_sample(again, u, &sample));
     CHECK_STATUS(SRBF_STATUS_OBJECT, srbf_environment_read(copy, table_size - 4, 0, head, SRBF_ENVIRONMENT_HEAD_SIZE, &again));
     CHECK_STATUS(SRBF_STATUS_OBJECT, srbf_environment_read(copy, table_size - 1, 0, head, SRBF_ENVIRONMENT_HEAD_SIZE, &again));

@@ -11,6 +11,7 @@ static int is_near(float a, float b) { return fabsf(a - b) <= 1e-3f * fmaxf(fabs
 static void test_refused(const srbf_material *material) {
     size_t size, more;
     srbf_expanded *expanded = NULL;
+    const srbf_request nothing = {.size = sizeof nothing};
     CHECK_OK(srbf_expanded_size(material, ROWS, &size));
     CHECK_OK(srbf_expanded_size(material, 2 * ROWS, &more));
     CHECK(size > 448 * ROWS && more > size + 448 * ROWS);
@@ -27,7 +28,7 @@ static void test_refused(const srbf_material *material) {
     CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_expanded_make(material, 1, storage, size, &expanded));
     CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_expanded_make(material, 20000, storage, size, &expanded));
     CHECK(expanded == NULL);
-    CHECK_STATUS(SRBF_STATUS_OBJECT, srbf_expanded_pdf_pairs_into((srbf_expanded *)storage, 0, NULL, NULL, NULL));
+    CHECK_STATUS(SRBF_STATUS_OBJECT, srbf_expanded_ask((srbf_expanded *)storage, 1, &nothing));
     free(storage);
 }
 
@@ -51,9 +52,9 @@ static void test_values(const srbf_material *material, const srbf_expanded *expa
     const srbf_vectors_out values = {value, value + 1, value + 2, 12}, others = {alone, alone + 1, alone + 2, 12};
     const srbf_vectors_out to = {towards, towards + 1, towards + 2, 12};
     const srbf_numbers_out densities = {pdf, 4}, densities_alone = {density, 4}, to_density = {at, 4};
-    CHECK_OK(srbf_expanded_evaluate_and_pdf_pairs_into(expanded, N, &o, &d, &values, &densities));
-    CHECK_OK(srbf_expanded_evaluate_pairs_into(expanded, N, &o, &d, &others));
-    CHECK_OK(srbf_expanded_pdf_pairs_into(expanded, N, &o, &d, &densities_alone));
+    CHECK_OK(srbf_expanded_ask(expanded, N, ASK(.wo = o, .wi = d, .value = values, .pdf = densities)));
+    CHECK_OK(srbf_expanded_ask(expanded, N, ASK(.wo = o, .wi = d, .value = others)));
+    CHECK_OK(srbf_expanded_ask(expanded, N, ASK(.wo = o, .wi = d, .pdf = densities_alone)));
     for (int i = 0; i < N; i++) {
         float exact[3], exact_pdf, one[3], one_pdf;
         CHECK_OK(srbf_material_prepare(material, wo[i], mixture));
@@ -70,21 +71,21 @@ static void test_values(const srbf_material *material, const srbf_expanded *expa
 
     /* Samples, and with the same preparation the values of above. */
     const srbf_samples_out samples = {{drawn, drawn + 1, drawn + 2, 12}, {pdf, 4}, {weight, weight + 1, weight + 2, 12}};
-    CHECK_OK(srbf_expanded_sample_and_evaluate_pairs_into(expanded, N, &o, &numbers, &samples, &d, &to, &to_density));
+    CHECK_OK(srbf_expanded_ask(expanded, N, ASK(.wo = o, .u = numbers, .samples = samples, .wi = d, .value = to, .pdf = to_density)));
     for (int i = 0; i < N; i++) {
         CHECK(fabsf(at[i] - density[i]) <= 1e-5f * density[i] && pdf[i] > 0);
         CHECK(is_near(towards[3 * i], value[3 * i]) && weight[3 * i] >= 0 && weight[3 * i] < 2);
     }
     const srbf_samples_out again = {{alone, alone + 1, alone + 2, 12}, {density, 4}, {value, value + 1, value + 2, 12}};
-    CHECK_OK(srbf_expanded_sample_pairs_into(expanded, N, &o, &numbers, &again));
+    CHECK_OK(srbf_expanded_ask(expanded, N, ASK(.wo = o, .u = numbers, .samples = again)));
     CHECK(memcmp(drawn, alone, 3 * N * sizeof *drawn) == 0 && memcmp(pdf, density, N * sizeof *pdf) == 0);
     CHECK(memcmp(weight, value, 3 * N * sizeof *weight) == 0);
 
     /* Nothing at all, and outputs that meet. */
-    CHECK_OK(srbf_expanded_sample_pairs_into(expanded, 0, NULL, NULL, NULL));
-    CHECK_STATUS(SRBF_STATUS_NULL, srbf_expanded_evaluate_pairs_into(expanded, N, &o, NULL, &others));
+    CHECK_OK(srbf_expanded_ask(expanded, 0, NULL));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_expanded_ask(expanded, N, ASK(.wo = o, .value = others)));
     const srbf_numbers_out inside = {(float *)expanded, 4};
-    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_expanded_pdf_pairs_into(expanded, N, &o, &d, &inside));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_expanded_ask(expanded, N, ASK(.wo = o, .wi = d, .pdf = inside)));
     release(value, 3 * N), release(pdf, N), release(alone, 3 * N), release(density, N);
     release(drawn, 3 * N), release(weight, 3 * N), release(towards, 3 * N), release(at, N);
 }

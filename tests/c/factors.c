@@ -12,12 +12,11 @@ enum { N = 37, HALVES = 5, DIFFERENCES = 4, AZIMUTHS = 2 };
 static int is_near(float a, float b) { return fabsf(a - b) <= 4e-5f * fmaxf(fabsf(a), fabsf(b)) + 1e-7f; }
 
 static void test_queries(const srbf_material *material) {
-    size_t half, difference, azimuth;
-    float factor[3], largest;
-    CHECK_OK(srbf_material_factor_nodes(material, &half, &difference, &azimuth));
-    CHECK(half == HALVES && difference == DIFFERENCES && azimuth == AZIMUTHS);
-    CHECK_OK(srbf_material_largest_factor(material, &largest));
-    CHECK(largest == 2);
+    srbf_material_info info;
+    float factor[3];
+    CHECK_OK(srbf_material_query(material, &info));
+    const size_t half = info.factor_nodes[0], difference = info.factor_nodes[1], azimuth = info.factor_nodes[2];
+    CHECK(half == HALVES && difference == DIFFERENCES && azimuth == AZIMUTHS && info.largest_factor == 2);
     for (size_t n = 0; n < half * difference * azimuth; n++) {
         const size_t i = n / azimuth / difference, j = n / azimuth % difference, k = n % azimuth;
         CHECK_OK(srbf_material_factor_node(material, i, j, k, factor));
@@ -43,11 +42,12 @@ static void test_queries(const srbf_material *material) {
 
 static void test_values(const srbf_material *material) {
     _Alignas(SRBF_MIXTURE_ALIGNMENT) unsigned char storage[SRBF_MIXTURE_SIZE_16];
-    float wo[N][3], wi[N][3], *value = guarded(3 * N), *pdf = guarded(N), largest;
+    float wo[N][3], wi[N][3], *value = guarded(3 * N), *pdf = guarded(N);
     uint64_t state = 9;
     srbf_mixture *mixture;
     CHECK_OK(srbf_mixture_init(storage, sizeof storage, &mixture));
-    CHECK_OK(srbf_material_largest_factor(material, &largest));
+    srbf_material_info whole;
+    CHECK_OK(srbf_material_query(material, &whole));
     for (int i = 0; i < N; i++) {
         direction(&state, wo[i]), direction(&state, wi[i]);
         wo[i][2] = fabsf(wo[i][2]), wi[i][2] = fabsf(wi[i][2]);
@@ -55,7 +55,7 @@ static void test_values(const srbf_material *material) {
     const srbf_vectors o = {wo[0], wo[0] + 1, wo[0] + 2, 12}, d = {wi[0], wi[0] + 1, wi[0] + 2, 12};
     const srbf_vectors_out values = {value, value + 1, value + 2, 12};
     const srbf_numbers_out densities = {pdf, 4};
-    CHECK_OK(srbf_material_evaluate_and_pdf_pairs_into(material, N, &o, &d, &values, &densities));
+    CHECK_OK(srbf_material_ask(material, N, ASK(.wo = o, .wi = d, .value = values, .pdf = densities)));
     for (int i = 0; i < N; i++) {
         float one[4], factor[3];
         srbf_mixture_info info;
@@ -73,17 +73,15 @@ static void test_values(const srbf_material *material) {
         srbf_sample sample;
         CHECK_OK(srbf_mixture_sample(mixture, u, &sample));
         CHECK(0.2126f * sample.weight[0] + 0.7152f * sample.weight[1] + 0.0722f * sample.weight[2] <=
-              1.00001f * info.power * largest);
+              1.00001f * info.power * whole.largest_factor);
         CHECK_OK(srbf_mixture_evaluate(mixture, sample.direction, one));
         CHECK(is_near(one[0], sample.weight[0] * sample.pdf) && is_near(one[2], sample.weight[2] * sample.pdf));
     }
     /* The factors may not be overwritten while they are read. */
-    srbf_material_info info;
-    CHECK_OK(srbf_material_query(material, &info));
-    const size_t nodes = (info.byte_count - 4 - info.provenance_length) / 4 - HALVES * DIFFERENCES;
-    float *inside = (float *)(uintptr_t)info.bytes + nodes;
+    const size_t nodes = (whole.byte_count - 4 - whole.provenance_length) / 4 - HALVES * DIFFERENCES;
+    float *inside = (float *)(uintptr_t)whole.bytes + nodes;
     const srbf_vectors_out over = {inside, inside + 1, inside + 2, 12};
-    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_mixture_evaluate_into(mixture, 1, &d, &over));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_mixture_ask(mixture, 0, 1, ASK(.wi = d, .value = over)));
     /* A product is one of lobes. */
     float inner[3];
     CHECK_STATUS(SRBF_STATUS_SQUEEZED, srbf_mixture_inner_product(mixture, mixture, inner));

@@ -26,6 +26,11 @@ OFFSET(srbf_light_sample, direction, 0);
 OFFSET(srbf_light_sample, pdf, 12);
 OFFSET(srbf_light_sample, radiance, 16);
 
+SIZE(srbf_environment_info, 3 * P);
+OFFSET(srbf_environment_info, table, 0);
+OFFSET(srbf_environment_info, table_size, P);
+OFFSET(srbf_environment_info, power, 2 * P);
+
 SIZE(srbf_product_sampling, 12);
 OFFSET(srbf_product_sampling, candidates, 0);
 OFFSET(srbf_product_sampling, lobe_share, 4);
@@ -69,16 +74,21 @@ OFFSET(srbf_samples_out, direction, 0);
 OFFSET(srbf_samples_out, pdf, 4 * P);
 OFFSET(srbf_samples_out, weight, 6 * P);
 
-SIZE(srbf_request, 29 * P);
+SIZE(srbf_request, 31 * P);
 OFFSET(srbf_request, size, 0);
-OFFSET(srbf_request, wo, P);
-OFFSET(srbf_request, wi, 5 * P);
-OFFSET(srbf_request, u, 9 * P);
-OFFSET(srbf_request, value, 13 * P);
-OFFSET(srbf_request, pdf, 17 * P);
-OFFSET(srbf_request, samples, 19 * P);
+OFFSET(srbf_request, materials, P);
+OFFSET(srbf_request, wo, 3 * P);
+OFFSET(srbf_request, wi, 7 * P);
+OFFSET(srbf_request, u, 11 * P);
+OFFSET(srbf_request, value, 15 * P);
+OFFSET(srbf_request, pdf, 19 * P);
+OFFSET(srbf_request, samples, 21 * P);
 
-SIZE(srbf_material_info, 8 * P);
+SIZE(srbf_materials, 2 * P);
+OFFSET(srbf_materials, first, 0);
+OFFSET(srbf_materials, stride, P);
+
+SIZE(srbf_material_info, 12 * P);
 OFFSET(srbf_material_info, views, 0);
 OFFSET(srbf_material_info, lobes, P);
 OFFSET(srbf_material_info, squeezed_lobes, 2 * P);
@@ -87,6 +97,8 @@ OFFSET(srbf_material_info, bytes, 4 * P);
 OFFSET(srbf_material_info, byte_count, 5 * P);
 OFFSET(srbf_material_info, provenance, 6 * P);
 OFFSET(srbf_material_info, provenance_length, 7 * P);
+OFFSET(srbf_material_info, factor_nodes, 8 * P);
+OFFSET(srbf_material_info, largest_factor, 11 * P);
 
 SIZE(srbf_mixture_info, (3 * P + 40 + P - 1) / P * P);
 OFFSET(srbf_mixture_info, lobes, 0);

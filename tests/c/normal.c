@@ -4,6 +4,16 @@
  */
 #include "check.h"
 
+static srbf_vectors in(const float *first, size_t step, size_t stride) {
+    srbf_vectors v = {first, first + step, first + 2 * step, stride};
+    return v;
+}
+
+static srbf_vectors_out out(float *first, size_t step, size_t stride) {
+    srbf_vectors_out v = {first, first + step, first + 2 * step, stride};
+    return v;
+}
+
 static const float WO[3] = {0.6f, 0.0f, 0.8f};
 
 static int is_near(float a, float b) {
@@ -112,22 +122,18 @@ static void test_single(const srbf_material *material) {
 
         uint64_t state = 7;
         for (int i = 0; i < 2000; i++) {
-            float wi[3], *value = guarded(3), *f = guarded(3), *pdf = guarded(1), *both = guarded(4);
+            float wi[3], *value = guarded(3), *pdf = guarded(1), *both = guarded(4);
             direction(&state, wi);
             CHECK_OK(srbf_mixture_evaluate(mixture, wi, value));
-            CHECK_OK(srbf_mixture_evaluate_f(mixture, wi, f));
             CHECK_OK(srbf_mixture_pdf(mixture, wi, pdf));
             CHECK_OK(srbf_mixture_evaluate_and_pdf(mixture, wi, both, both + 3));
-            float f_cos[3] = {f[0] * wi[2], f[1] * wi[2], f[2] * wi[2]};
-            CHECK(are_near(value, f_cos));
             CHECK(are_near(value, both));
             CHECK(is_near(*pdf, both[3]));
             CHECK(is_near(*pdf * info.power, luminance(value)));
             wi[2] = -wi[2];
             CHECK_OK(srbf_mixture_evaluate_and_pdf(mixture, wi, both, both + 3));
-            CHECK_OK(srbf_mixture_evaluate_f(mixture, wi, f));
-            CHECK(both[0] == 0 && both[3] == 0 && f[1] == 0);
-            release(value, 3), release(f, 3), release(pdf, 1), release(both, 4);
+            CHECK(both[0] == 0 && both[3] == 0);
+            release(value, 3), release(pdf, 1), release(both, 4);
 
             float u[3] = {uniform(&state), uniform(&state), uniform(&state)};
             float *memory = guarded(sizeof(srbf_sample) / sizeof(float));
@@ -138,10 +144,11 @@ static void test_single(const srbf_material *material) {
             float at[3], density;
             CHECK_OK(srbf_mixture_evaluate_and_pdf(mixture, sample->direction, at, &density));
             CHECK(fabsf(density - sample->pdf) <= 1e-3f * density);
+            /* A batch of one, without the weight. */
             float *drawn = guarded(3), *drawn_pdf = guarded(1);
-            CHECK_OK(srbf_mixture_sample_pdf(mixture, u, drawn, drawn_pdf));
-            CHECK(memcmp(drawn, sample->direction, sizeof sample->direction) == 0);
-            CHECK(is_near(*drawn_pdf, sample->pdf));
+            CHECK_OK(srbf_mixture_ask(mixture, 0, 1, ASK(.u = in(u, 1, 12), .samples.direction = out(drawn, 1, 12), .samples.pdf = {drawn_pdf, 4})));
+            CHECK(fabsf(drawn[0] - sample->direction[0]) < 1e-5f && fabsf(drawn[2] - sample->direction[2]) < 1e-5f);
+            CHECK(fabsf(*drawn_pdf - sample->pdf) <= 1e-3f * density);
             release(drawn, 3), release(drawn_pdf, 1);
             release(memory, sizeof(srbf_sample) / sizeof(float));
         }
@@ -165,7 +172,7 @@ static void test_single(const srbf_material *material) {
         CHECK_OK(srbf_mixture_sample(mixture, u, &sample));
         CHECK(sample.pdf == 0 && sample.weight[0] == 0 && sample.direction[2] == 1);
         float none[4];
-        CHECK_OK(srbf_mixture_sample_pdf(mixture, u, none, none + 3));
+        CHECK_OK(srbf_mixture_ask(mixture, 0, 1, ASK(.u = in(u, 1, 12), .samples.direction = out(none, 1, 12), .samples.pdf = {none + 3, 4})));
         CHECK(none[2] == 1 && none[3] == 0);
         CHECK_OK(srbf_material_albedo(material, below, albedo));
         CHECK(albedo[0] == 0 && albedo[1] == 0 && albedo[2] == 0);
@@ -177,16 +184,6 @@ static void test_single(const srbf_material *material) {
 typedef struct ray {
     float u[3], wi[3], pdf, value[3], weight[3], other;
 } ray;
-
-static srbf_vectors in(const float *first, size_t step, size_t stride) {
-    srbf_vectors v = {first, first + step, first + 2 * step, stride};
-    return v;
-}
-
-static srbf_vectors_out out(float *first, size_t step, size_t stride) {
-    srbf_vectors_out v = {first, first + step, first + 2 * step, stride};
-    return v;
-}
 
 /* Batches of every count up to beyond two blocks, as structure of arrays and as array of structures. */
 static void test_batches(const srbf_material *material) {
@@ -212,15 +209,15 @@ static void test_batches(const srbf_material *material) {
         srbf_vectors_out value_out = out(value, n, dense);
         srbf_numbers_out pdf_out = {pdf, dense};
         srbf_samples_out samples_out = {out(drawn, n, dense), {drawn + 3 * n, dense}, out(drawn + 4 * n, n, dense)};
-        CHECK_OK(srbf_mixture_evaluate_into(mixture, n, &wi_in, &value_out));
-        CHECK_OK(srbf_mixture_pdf_into(mixture, n, &wi_in, &pdf_out));
-        CHECK_OK(srbf_mixture_sample_into(mixture, n, &u_in, &samples_out));
+        CHECK_OK(srbf_mixture_ask(mixture, 0, n, ASK(.wi = wi_in, .value = value_out)));
+        CHECK_OK(srbf_mixture_ask(mixture, 0, n, ASK(.wi = wi_in, .pdf = pdf_out)));
+        CHECK_OK(srbf_mixture_ask(mixture, 0, n, ASK(.u = u_in, .samples = samples_out)));
 
         srbf_vectors ray_wi = in(rays->wi, 1, wide), ray_u = in(rays->u, 1, wide);
         srbf_vectors_out ray_value = out(rays->value, 1, wide);
         srbf_numbers_out ray_pdf = {&rays->pdf, wide};
-        CHECK_OK(srbf_mixture_evaluate_into(mixture, n, &ray_wi, &ray_value));
-        CHECK_OK(srbf_mixture_pdf_into(mixture, n, &ray_wi, &ray_pdf));
+        CHECK_OK(srbf_mixture_ask(mixture, 0, n, ASK(.wi = ray_wi, .value = ray_value)));
+        CHECK_OK(srbf_mixture_ask(mixture, 0, n, ASK(.wi = ray_wi, .pdf = ray_pdf)));
         for (size_t i = 0; i < n; i++) {
             float one[3], density;
             CHECK_OK(srbf_mixture_evaluate_and_pdf(mixture, rays[i].wi, one, &density));
@@ -233,13 +230,13 @@ static void test_batches(const srbf_material *material) {
         float *alone = guarded(4 * size);
         srbf_vectors_out alone_out = out(alone, n, dense);
         srbf_numbers_out alone_pdf = {alone + 3 * n, dense};
-        CHECK_OK(srbf_mixture_sample_pdf_into(mixture, n, &u_in, &alone_out, &alone_pdf));
+        CHECK_OK(srbf_mixture_ask(mixture, 0, n, ASK(.u = u_in, .samples.direction = alone_out, .samples.pdf = alone_pdf)));
         for (size_t i = 0; i < n; i++) {
             for (size_t c = 0; c < 3; c++) CHECK(fabsf(alone[c * n + i] - drawn[c * n + i]) < 1e-6f);
             CHECK(is_near(alone[3 * n + i], drawn[3 * n + i]));
         }
         srbf_samples_out ray_samples = {out(rays->wi, 1, wide), ray_pdf, out(rays->weight, 1, wide)};
-        CHECK_OK(srbf_mixture_sample_into(mixture, n, &ray_u, &ray_samples));
+        CHECK_OK(srbf_mixture_ask(mixture, 0, n, ASK(.u = ray_u, .samples = ray_samples)));
         for (size_t i = 0; i < n; i++) {
             srbf_sample one;
             CHECK_OK(srbf_mixture_sample(mixture, rays[i].u, &one));
@@ -284,8 +281,8 @@ static void test_pairs(const srbf_material *material) {
     srbf_numbers_out pdf = {&rays->pdf, sizeof(ray)};
     const srbf_mixture *mixtures = (const srbf_mixture *)(const void *)storage;
     CHECK_OK(srbf_material_prepare_into(material, N, &wo_in, storage, stride));
-    CHECK_OK(srbf_mixture_evaluate_pairs_into(mixtures, stride, N, &wi, &value));
-    CHECK_OK(srbf_mixture_pdf_pairs_into(mixtures, stride, N, &wi, &pdf));
+    CHECK_OK(srbf_mixture_ask(mixtures, stride, N, ASK(.wi = wi, .value = value)));
+    CHECK_OK(srbf_mixture_ask(mixtures, stride, N, ASK(.wi = wi, .pdf = pdf)));
     for (int i = 0; i < N; i++) {
         float one[3], density;
         CHECK_OK(srbf_material_prepare(material, wo[i], mixture));
@@ -298,30 +295,30 @@ static void test_pairs(const srbf_material *material) {
     for (int i = 0; i < N; i++) {
         rays[i].other = rays[i].pdf, rays[i].pdf = rays[i].value[1] = -1;
     }
-    CHECK_OK(srbf_material_evaluate_and_pdf_pairs_into(material, N, &wo_in, &wi, &value, &pdf));
+    CHECK_OK(srbf_material_ask(material, N, ASK(.wo = wo_in, .wi = wi, .value = value, .pdf = pdf)));
     for (int i = 0; i < N; i++) {
         CHECK(is_near(rays[i].pdf, rays[i].other) && rays[i].value[1] >= 0);
         rays[i].pdf = -1;
     }
-    CHECK_OK(srbf_material_pdf_pairs_into(material, N, &wo_in, &wi, &pdf));
+    CHECK_OK(srbf_material_ask(material, N, ASK(.wo = wo_in, .wi = wi, .pdf = pdf)));
     for (int i = 0; i < N; i++) {
         CHECK(is_near(rays[i].pdf, rays[i].other));
         rays[i].pdf = -1;
     }
     srbf_samples_out samples = {out(rays->wi, 1, sizeof(ray)), pdf, out(rays->weight, 1, sizeof(ray))};
-    CHECK_OK(srbf_material_sample_pdf_pairs_into(material, N, &wo_in, &u, &samples.direction, &pdf));
+    CHECK_OK(srbf_material_ask(material, N, ASK(.wo = wo_in, .u = u, .samples.direction = samples.direction, .samples.pdf = pdf)));
     for (int i = 0; i < N; i++) {
         memcpy(rays[i].value, rays[i].wi, sizeof rays[i].wi);
         rays[i].other = rays[i].pdf;
     }
-    CHECK_OK(srbf_material_sample_pairs_into(material, N, &wo_in, &u, &samples));
+    CHECK_OK(srbf_material_ask(material, N, ASK(.wo = wo_in, .u = u, .samples = samples)));
     for (int i = 0; i < N; i++) {
         CHECK(are_near(rays[i].value, rays[i].wi) && is_near(rays[i].pdf, rays[i].other));
     }
     for (int i = 0; i < N; i++) {
         rays[i].other = rays[i].pdf, rays[i].pdf = -1;
     }
-    CHECK_OK(srbf_mixture_sample_pairs_into(mixtures, stride, N, &u, &samples));
+    CHECK_OK(srbf_mixture_ask(mixtures, stride, N, ASK(.u = u, .samples = samples)));
     for (int i = 0; i < N; i++) {
         srbf_sample one;
         CHECK_OK(srbf_material_prepare(material, wo[i], mixture));
@@ -334,17 +331,15 @@ static void test_pairs(const srbf_material *material) {
     free(storage);
 }
 
-/* What a float does not hold is infinite. */
-static void test_huge_lobes(void) {
-    const srbf_lobe huge = {{0, 0, 1}, 0, {3e38f, 1, 0}};
-    srbf_lobe product_of_huge;
-    float sum[3];
-    CHECK_OK(srbf_lobe_integrate(&huge, sum));
-    CHECK(isinf(sum[0]) && is_near(sum[1], 12.566371f) && sum[2] == 0);
-    CHECK_OK(srbf_lobe_inner_product(&huge, &huge, sum));
-    CHECK(isinf(sum[0]) && is_near(sum[1], 12.566371f) && sum[2] == 0);
-    CHECK_OK(srbf_lobe_product(&huge, &huge, &product_of_huge));
-    CHECK(isinf(product_of_huge.amplitude[0]) && product_of_huge.amplitude[1] == 1);
+/* A lobe by its formula. */
+static void lobe_value(const srbf_lobe *lobe, const float d[3], float value[3]) {
+    const double cosine = (double)d[0] * (double)lobe->axis[0] + (double)d[1] * (double)lobe->axis[1] + (double)d[2] * (double)lobe->axis[2];
+    for (int c = 0; c < 3; c++) value[c] = lobe->amplitude[c] * (float)exp((double)lobe->sharpness * (cosine - 1));
+}
+
+static void lobe_integral(const srbf_lobe *lobe, float integral[3]) {
+    const double s = (double)lobe->sharpness, whole = s > 0 ? 6.283185307 * (1 - exp(-2 * s)) / s : 12.56637061;
+    for (int c = 0; c < 3; c++) integral[c] = lobe->amplitude[c] * (float)whole;
 }
 
 /* Lobes and mixtures without a material. */
@@ -356,27 +351,34 @@ static void test_lobes(void) {
     };
     float total[3] = {0, 0, 0};
     uint64_t state = 17;
+    srbf_mixture *ones[3];
     for (int k = 0; k < 3; k++) {
-        const srbf_lobe *lobe = &lobes[k];
-        float *value = guarded(3), *integral = guarded(3), *pdf = guarded(1), *d = guarded(3);
-        CHECK_OK(srbf_lobe_evaluate(lobe, lobe->axis, value));
-        CHECK(are_near(value, lobe->amplitude));
-        CHECK_OK(srbf_lobe_integrate(lobe, integral));
-        double s = (double)lobe->sharpness;
-        double expected = s > 0 ? 6.283185307 * (1 - exp(-2 * s)) / s : 12.56637061;
-        CHECK(is_near(integral[0], lobe->amplitude[0] * (float)expected));
+        /* A lobe alone is a mixture of one, over the whole sphere. */
+        const srbf_lobe *one = &lobes[k];
+        float *value = guarded(3), integral[3], *pdf = guarded(1), expected[3];
+        srbf_mixture_info whole;
+        ones[k] = new_mixture(SRBF_MIXTURE_SIZE_16);
+        CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_SPHERE, 1, 0, 1, one, NULL, ones[k]));
+        CHECK_OK(srbf_mixture_evaluate(ones[k], one->axis, value));
+        CHECK(are_near(value, one->amplitude));
+        CHECK_OK(srbf_mixture_query(ones[k], &whole));
+        lobe_integral(one, integral);
+        CHECK(are_near(integral, whole.albedo));
         for (int c = 0; c < 3; c++) {
             total[c] += integral[c];
         }
         for (int i = 0; i < 1000; i++) {
-            float u[2] = {uniform(&state), uniform(&state)};
-            CHECK_OK(srbf_lobe_sample(lobe, u, d));
+            const float u[3] = {uniform(&state), uniform(&state), uniform(&state)};
+            srbf_sample sample;
+            CHECK_OK(srbf_mixture_sample(ones[k], u, &sample));
+            const float *d = sample.direction;
             CHECK(fabsf(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - 1) < 1e-5f);
-            CHECK_OK(srbf_lobe_pdf(lobe, d, pdf));
-            CHECK_OK(srbf_lobe_evaluate(lobe, d, value));
+            CHECK_OK(srbf_mixture_evaluate_and_pdf(ones[k], d, value, pdf));
+            lobe_value(one, d, expected);
+            CHECK(fabsf(expected[1] - value[1]) <= 1e-3f * value[1]);
             CHECK(is_near(*pdf * integral[1], value[1]));
         }
-        release(value, 3), release(integral, 3), release(pdf, 1), release(d, 3);
+        release(value, 3), release(pdf, 1);
     }
 
     srbf_mixture *mixture = new_mixture(SRBF_MIXTURE_SIZE_32);
@@ -390,7 +392,7 @@ static void test_lobes(void) {
         const float d[3] = {0.36f, -0.48f, -0.8f};
         float sum[3] = {0, 0, 0}, value[3];
         for (int k = 0; k < 3; k++) {
-            CHECK_OK(srbf_lobe_evaluate(&lobes[k], d, value));
+            lobe_value(&lobes[k], d, value);
             for (int c = 0; c < 3; c++) {
                 sum[c] += domain == SRBF_DOMAIN_SPHERE ? value[c] : 0;
             }
@@ -405,15 +407,13 @@ static void test_lobes(void) {
     const float d[3] = {0.48f, 0.36f, 0.8f};
     float x[3], y[3], z[3], sum[3] = {0, 0, 0}, integral[3];
     size_t n = 0;
-    CHECK_OK(srbf_lobe_product(&lobes[0], &lobes[1], &lobe));
-    CHECK_OK(srbf_lobe_evaluate(&lobes[0], d, x));
-    CHECK_OK(srbf_lobe_evaluate(&lobes[1], d, y));
-    CHECK_OK(srbf_lobe_evaluate(&lobe, d, z));
+    CHECK_OK(srbf_mixture_product(ones[0], ones[1], 1, &lobe, &n));
+    lobe_value(&lobes[0], d, x), lobe_value(&lobes[1], d, y), lobe_value(&lobe, d, z);
     for (int c = 0; c < 3; c++) {
-        CHECK(fabsf(x[c] * y[c] - z[c]) <= 1e-4f * z[c]);
+        CHECK(n == 1 && fabsf(x[c] * y[c] - z[c]) <= 1e-4f * z[c]);
     }
-    CHECK_OK(srbf_lobe_inner_product(&lobes[0], &lobes[1], x));
-    CHECK_OK(srbf_lobe_integrate(&lobe, y));
+    CHECK_OK(srbf_mixture_inner_product(ones[0], ones[1], x));
+    lobe_integral(&lobe, y);
     CHECK(are_near(x, y));
     CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_SPHERE, 1, 0, 3, lobes, NULL, mixture));
     CHECK_STATUS(SRBF_STATUS_SIZE, srbf_mixture_product(mixture, mixture, 0, NULL, &n));
@@ -421,7 +421,7 @@ static void test_lobes(void) {
     CHECK_OK(srbf_mixture_product(mixture, mixture, 36, products, &n));
     CHECK_OK(srbf_mixture_inner_product(mixture, mixture, integral));
     for (size_t k = 0; k < n; k++) {
-        CHECK_OK(srbf_lobe_integrate(&products[k], x));
+        lobe_integral(&products[k], x);
         for (int c = 0; c < 3; c++) {
             sum[c] += x[c];
         }
@@ -431,13 +431,13 @@ static void test_lobes(void) {
         double quadrature = 0;
         const int low = domain == SRBF_DOMAIN_SPHERE ? -200 : 0;
         CHECK_OK(srbf_mixture_from_lobes(domain, 1, 0, 3, lobes, NULL, mixture));
-        CHECK_OK(srbf_mixture_inner_product_with_lobe(mixture, &lobes[1], integral));
+        CHECK_OK(srbf_mixture_inner_product(mixture, ones[1], integral));
         for (int i = low; i < 200; i++) {
             for (int j = 0; j < 800; j++) {
                 float h = ((float)i + 0.5f) / 200, phi = ((float)j + 0.5f) / 800 * 6.2831853f;
                 float r = sqrtf(1 - h * h), at[3] = {r * cosf(phi), r * sinf(phi), h};
                 CHECK_OK(srbf_mixture_evaluate(mixture, at, x));
-                CHECK_OK(srbf_lobe_evaluate(&lobes[1], at, y));
+                lobe_value(&lobes[1], at, y);
                 quadrature += (double)(x[1] * y[1]);
             }
         }
@@ -453,12 +453,13 @@ static void test_lobes(void) {
     CHECK_OK(srbf_mixture_query(mixture, &info));
     CHECK(are_near(info.diffuse, grey) && is_near(info.albedo[1], total[1] + 0.25f));
     CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_HEMISPHERE, 1, 0, 0, NULL, grey, mixture));
-    CHECK_OK(srbf_mixture_evaluate_f(mixture, d, x));
-    CHECK(is_near(x[0], 0.5f / 3.14159265f));
+    CHECK_OK(srbf_mixture_evaluate(mixture, d, x));
+    CHECK(is_near(x[0], 0.5f * d[2] / 3.14159265f));
     /* No lobes: an empty mixture. */
     CHECK_OK(srbf_mixture_from_lobes(SRBF_DOMAIN_SPHERE, 1, 0, 0, NULL, NULL, mixture));
     CHECK_OK(srbf_mixture_query(mixture, &info));
     CHECK(info.lobes == 0 && info.power == 0);
+    for (int k = 0; k < 3; k++) free(ones[k]);
     free(mixture);
 }
 
@@ -491,7 +492,7 @@ static void test_levels(const srbf_material *material) {
 
 int main(int count, char **arguments) {
     CHECK(count == 2);
-    CHECK(srbf_version() == SRBF_VERSION && strlen(srbf_version_text()) > 0);
+    CHECK(srbf_version() == SRBF_VERSION);
     CHECK(strcmp(srbf_status_text(SRBF_STATUS_OK), "success") == 0 && strlen(srbf_status_text(-1)) > 0);
     CHECK(strcmp(srbf_last_message(), "") == 0);
     test_materials(arguments[1]);
@@ -503,7 +504,6 @@ int main(int count, char **arguments) {
     test_levels(material);
     CHECK_OK(srbf_material_free(material));
     test_lobes();
-    test_huge_lobes();
     printf("normal use: passed\n");
     return 0;
 }

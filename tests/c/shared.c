@@ -53,7 +53,7 @@ static uint64_t light(const job *j, uint64_t *state, uint64_t hash) {
     srbf_product_sample product;
     float radiance[3], pdf, weight, numbers[3 * CANDIDATES];
     CHECK_OK(srbf_environment_sample(j->environment, u, &sample));
-    CHECK_OK(srbf_environment_radiance_and_pdf(j->environment, sample.direction, radiance, &pdf));
+    CHECK_OK(srbf_environment_evaluate(j->environment, sample.direction, radiance, &pdf));
     for (int k = 0; k < 3 * CANDIDATES; k++) {
         numbers[k] = uniform(state);
     }
@@ -79,14 +79,14 @@ static uint64_t pairs(const job *j, uint64_t *state, uint64_t hash) {
     const srbf_vectors_out values = {to, to + 1, to + 2, 28};
     const srbf_numbers_out densities = {to + 3, 28};
     memset(out, 0, sizeof out);
-    CHECK_OK(srbf_material_evaluate_and_pdf_pairs_into(j->material, PAIRS, &o, &d, &values, &densities));
+    CHECK_OK(srbf_material_ask(j->material, PAIRS, ASK(.wo = o, .wi = d, .value = values, .pdf = densities)));
     hash = hashed(hash, out, sizeof out);
-    CHECK_OK(srbf_material_sample_pairs_into(j->material, PAIRS, &o, &numbers, &samples));
+    CHECK_OK(srbf_material_ask(j->material, PAIRS, ASK(.wo = o, .u = numbers, .samples = samples)));
     hash = hashed(hash, out, sizeof out);
     if (j->expanded) {
-        CHECK_OK(srbf_expanded_evaluate_and_pdf_pairs_into(j->expanded, PAIRS, &o, &d, &values, &densities));
+        CHECK_OK(srbf_expanded_ask(j->expanded, PAIRS, ASK(.wo = o, .wi = d, .value = values, .pdf = densities)));
         hash = hashed(hash, out, sizeof out);
-        CHECK_OK(srbf_expanded_sample_pairs_into(j->expanded, PAIRS, &o, &numbers, &samples));
+        CHECK_OK(srbf_expanded_ask(j->expanded, PAIRS, ASK(.wo = o, .u = numbers, .samples = samples)));
         hash = hashed(hash, out, sizeof out);
     }
     return hash;

@@ -4,6 +4,7 @@
 enum { N = 67, ROWS = 1024 };
 
 typedef struct {
+    const srbf_material *material;
     float wo[3], wi[3], u[3], value[3], pdf;
     srbf_sample sample;
 } hit;
@@ -68,31 +69,28 @@ static void test_refused(const srbf_material *material, const srbf_mixture *mixt
     CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_mixture_sample_and_evaluate(mixture, hits->u, &sample, one, hits->value, one));
     CHECK_STATUS(SRBF_STATUS_UNIFORM, srbf_mixture_sample_and_evaluate(mixture, one, &sample, hits->wi, hits->value, one));
 
-    CHECK_STATUS(SRBF_STATUS_NULL, srbf_mixture_evaluate_and_pdf_into(mixture, N, &wi, &value, NULL));
-    CHECK_STATUS(SRBF_STATUS_NULL, srbf_mixture_sample_and_evaluate_into(mixture, N, &u, &samples, NULL, &value, &pdf));
-    CHECK_STATUS(SRBF_STATUS_NULL, srbf_mixture_evaluate_and_pdf_pairs_into(mixture, stride, N, &wi, NULL, &pdf));
-    CHECK_STATUS(SRBF_STATUS_NULL, srbf_mixture_sample_pdf_pairs_into(mixture, stride, N, &u, NULL, &pdf));
-    CHECK_STATUS(SRBF_STATUS_NULL,
-                 srbf_mixture_sample_and_evaluate_pairs_into(mixture, stride, N, &u, NULL, &wi, &value, &pdf));
-    CHECK_STATUS(SRBF_STATUS_STRIDE,
-                 srbf_mixture_sample_and_evaluate_pairs_into(mixture, SRBF_MIXTURE_SIZE_16 / 2, N, &u, &samples, &wi, &value, &pdf));
-    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_evaluate_pairs_into(material, N, NULL, &wi, &value));
-    CHECK_STATUS(SRBF_STATUS_NULL,
-                 srbf_material_sample_and_evaluate_pairs_into(material, N, &wo, &u, &samples, &wi, NULL, &pdf));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_mixture_ask(NULL, 0, N, ASK(.wi = wi, .value = value)));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_mixture_ask(mixture, 0, N, ASK(.value = value)));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_mixture_ask(mixture, stride, N, ASK(.samples = samples)));
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_mixture_ask(mixture, stride, N, ASK(.u = u, .samples.pdf = pdf)));
+    CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_mixture_ask(mixture, SRBF_MIXTURE_SIZE_16 / 2, N, ASK(.u = u, .samples = samples)));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_ask(material, N, ASK(.wi = wi, .value = value)));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_ask(material, N, ASK(.wo = wo, .samples = samples)));
+    /* A request for nothing. */
+    CHECK_OK(srbf_mixture_ask(mixture, 0, N, ASK(.wi = wi)));
+    CHECK_OK(srbf_mixture_ask(mixture, stride, N, ASK(.u = u)));
+    CHECK_OK(srbf_material_ask(material, N, ASK(.wo = wo)));
     /* Two outputs in one place. */
     srbf_numbers_out upon = {&hits->value[1], sizeof(hit)};
-    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_mixture_evaluate_and_pdf_into(mixture, N, &wi, &value, &upon));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_mixture_ask(mixture, 0, N, ASK(.wi = wi, .value = value, .pdf = upon)));
     CHECK_STATUS(SRBF_STATUS_OVERLAP,
-                 srbf_material_sample_and_evaluate_pairs_into(material, N, &wo, &u, &samples, &wi, &value, &upon));
+                 srbf_material_ask(material, N, ASK(.wo = wo, .u = u, .samples = samples, .wi = wi, .value = value, .pdf = upon)));
     CHECK_STATUS(SRBF_STATUS_OVERLAP,
-                 srbf_mixture_sample_and_evaluate_pairs_into(mixture, stride, N, &u, &samples, &wi, &value, &upon));
-    /* None looks at no pointer but its object. */
-    CHECK_OK(srbf_mixture_evaluate_and_pdf_into(mixture, 0, NULL, NULL, NULL));
-    CHECK_OK(srbf_mixture_sample_and_evaluate_into(mixture, 0, NULL, NULL, NULL, NULL, NULL));
-    CHECK_OK(srbf_mixture_evaluate_and_pdf_pairs_into(NULL, 0, 0, NULL, NULL, NULL));
-    CHECK_OK(srbf_mixture_sample_pdf_pairs_into(NULL, 0, 0, NULL, NULL, NULL));
-    CHECK_OK(srbf_mixture_sample_and_evaluate_pairs_into(NULL, 0, 0, NULL, NULL, NULL, NULL, NULL));
-    CHECK_OK(srbf_material_sample_and_evaluate_pairs_into(material, 0, NULL, NULL, NULL, NULL, NULL, NULL));
+                 srbf_mixture_ask(mixture, stride, N, ASK(.u = u, .samples = samples, .wi = wi, .value = value, .pdf = upon)));
+    /* For no hits no pointer is looked at. */
+    CHECK_OK(srbf_mixture_ask(NULL, 0, 0, NULL));
+    CHECK_OK(srbf_mixture_ask(NULL, 16, 0, NULL));
+    CHECK_OK(srbf_material_ask(NULL, 0, NULL));
     clear();
 }
 
@@ -132,50 +130,61 @@ static void test_hits(const srbf_material *material, const unsigned char *mixtur
     CHECK_OK(srbf_material_prefetch(material, none));
 }
 
-/* One request in place of a function for each output. `materials`: one, or one a hit. */
-static void test_request(const srbf_material *const *materials, size_t count, const unsigned char *mixtures, size_t stride) {
+/* Requests of a material, or of those of the hits. */
+static void test_request(const srbf_material *material, srbf_materials materials, const unsigned char *mixtures, size_t stride) {
     const float exact = 2e-5f;
     srbf_request all = {0}, request;
-    all.size = sizeof all;
+    all.size = sizeof all, all.materials = materials;
     all.wo = in(hits->wo), all.wi = in(hits->wi), all.u = in(hits->u);
     all.value = out(hits->value), all.pdf.values = &hits->pdf, all.pdf.stride = sizeof(hit);
     all.samples.direction = out(hits->sample.direction), all.samples.weight = out(hits->sample.weight);
     all.samples.pdf.values = &hits->sample.pdf, all.samples.pdf.stride = sizeof(hit);
-    CHECK_OK(srbf_material_ask(materials, count, N, &all));
+    CHECK_OK(srbf_material_ask(material, N, &all));
     compare(mixtures, stride, VALUE | PDF | SAMPLE | WEIGHT, exact);
     request = all, request.samples.direction.x = NULL, request.samples.weight.x = NULL, request.samples.pdf.values = NULL;
     request.u.x = NULL;
-    CHECK_OK(srbf_material_ask(materials, count, N, &request));
+    CHECK_OK(srbf_material_ask(material, N, &request));
     CHECK(isnan(hits[3].sample.pdf) && isnan(hits[3].sample.direction[0]));
     compare(mixtures, stride, VALUE | PDF, exact);
     request.value.x = NULL;
-    CHECK_OK(srbf_material_ask(materials, count, N, &request));
+    CHECK_OK(srbf_material_ask(material, N, &request));
     CHECK(isnan(hits[3].value[0]));
     compare(mixtures, stride, PDF, exact);
     request = all, request.value.x = NULL, request.pdf.values = NULL, request.samples.weight.x = NULL, request.wi.x = NULL;
-    CHECK_OK(srbf_material_ask(materials, count, N, &request));
+    CHECK_OK(srbf_material_ask(material, N, &request));
     CHECK(isnan(hits[3].pdf) && isnan(hits[3].sample.weight[0]));
     compare(mixtures, stride, SAMPLE, exact);
 
-    CHECK_OK(srbf_material_ask(NULL, 0, 0, NULL));
-    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_ask(materials, count, N, NULL));
-    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_ask(NULL, count, N, &all));
-    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_material_ask(materials, 2, N, &all));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_ask(material, N, NULL));
     request = all, request.size = 8;
-    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_material_ask(materials, count, N, &request));
+    CHECK_STATUS(SRBF_STATUS_SIZE, srbf_material_ask(material, N, &request));
     request = all, request.wi.y = NULL;
-    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_ask(materials, count, N, &request));
+    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_ask(material, N, &request));
     request = all, request.value.stride = 2;
-    CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_material_ask(materials, count, N, &request));
+    CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_material_ask(material, N, &request));
     request = all, request.samples.direction.x = NULL;
-    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_material_ask(materials, count, N, &request));
+    CHECK_STATUS(SRBF_STATUS_ARGUMENT, srbf_material_ask(material, N, &request));
     request = all, request.pdf.values = &hits->value[1];
-    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_ask(materials, count, N, &request));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_ask(material, N, &request));
     /* Upon an input, and upon a material. */
     request = all, request.pdf.values = &hits->wo[1];
-    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_ask(materials, count, N, &request));
-    request.pdf.values = (float *)(void *)(size_t)materials[0];
-    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_ask(materials, count, N, &request));
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_ask(material, N, &request));
+    request.pdf.values = (float *)(void *)(size_t)(material != NULL ? material : hits->material);
+    CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_ask(material, N, &request));
+    /* Upon the pointers to the materials. */
+    request.pdf.values = (float *)(void *)(size_t)&hits->material;
+    if (material == NULL) {
+        CHECK_STATUS(SRBF_STATUS_OVERLAP, srbf_material_ask(NULL, N, &request));
+        request = all, request.materials.first = NULL;
+        CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_ask(NULL, N, &request));
+        request = all, request.materials.stride = 4;
+        CHECK_STATUS(SRBF_STATUS_STRIDE, srbf_material_ask(NULL, N, &request));
+        hits[9].material = (const srbf_material *)(const void *)mixtures;
+        CHECK_STATUS(SRBF_STATUS_OBJECT, srbf_material_ask(NULL, N, &all));
+        hits[9].material = NULL;
+        CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_ask(NULL, N, &all));
+        hits[9].material = hits->material;
+    }
     clear();
 }
 
@@ -233,36 +242,36 @@ int main(int argc, char **argv) {
     test_refused(material, mixtures);
     test_defensive(mixtures);
     const float exact = 2e-5f;
-    CHECK_OK(srbf_mixture_evaluate_pairs_into(mixtures, stride, N, &wi, &value));
+    CHECK_OK(srbf_mixture_ask(mixtures, stride, N, ASK(.wi = wi, .value = value)));
     compare(storage, stride, VALUE, exact);
-    CHECK_OK(srbf_mixture_evaluate_and_pdf_pairs_into(mixtures, stride, N, &wi, &value, &pdf));
+    CHECK_OK(srbf_mixture_ask(mixtures, stride, N, ASK(.wi = wi, .value = value, .pdf = pdf)));
     compare(storage, stride, VALUE | PDF, exact);
-    CHECK_OK(srbf_mixture_pdf_pairs_into(mixtures, stride, N, &wi, &pdf));
+    CHECK_OK(srbf_mixture_ask(mixtures, stride, N, ASK(.wi = wi, .pdf = pdf)));
     compare(storage, stride, PDF, exact);
-    CHECK_OK(srbf_mixture_sample_pairs_into(mixtures, stride, N, &u, &samples));
+    CHECK_OK(srbf_mixture_ask(mixtures, stride, N, ASK(.u = u, .samples = samples)));
     compare(storage, stride, SAMPLE | WEIGHT, exact);
-    CHECK_OK(srbf_mixture_sample_pdf_pairs_into(mixtures, stride, N, &u, &samples.direction, &density));
+    CHECK_OK(srbf_mixture_ask(mixtures, stride, N, ASK(.u = u, .samples.direction = samples.direction, .samples.pdf = density)));
     compare(storage, stride, SAMPLE, exact);
-    CHECK_OK(srbf_mixture_sample_and_evaluate_pairs_into(mixtures, stride, N, &u, &samples, &wi, &value, &pdf));
+    CHECK_OK(srbf_mixture_ask(mixtures, stride, N, ASK(.u = u, .samples = samples, .wi = wi, .value = value, .pdf = pdf)));
     compare(storage, stride, VALUE | PDF | SAMPLE | WEIGHT, exact);
 
     /* n directions of one. */
-    CHECK_OK(srbf_mixture_evaluate_and_pdf_into(mixtures, N, &wi, &value, &pdf));
+    CHECK_OK(srbf_mixture_ask(mixtures, 0, N, ASK(.wi = wi, .value = value, .pdf = pdf)));
     compare(storage, 0, VALUE | PDF, exact);
-    CHECK_OK(srbf_mixture_sample_and_evaluate_into(mixtures, N, &u, &samples, &wi, &value, &pdf));
+    CHECK_OK(srbf_mixture_ask(mixtures, 0, N, ASK(.u = u, .samples = samples, .wi = wi, .value = value, .pdf = pdf)));
     compare(storage, 0, VALUE | PDF | SAMPLE | WEIGHT, exact);
 
     /* A material, hit by hit, and n outgoing directions of it. */
     test_hits(material, storage, stride);
-    const srbf_material *each[N];
-    for (int i = 0; i < N; i++) each[i] = material;
-    test_request(each, 1, storage, stride);
-    test_request(each, N, storage, stride);
-    CHECK_OK(srbf_material_evaluate_pairs_into(material, N, &wo, &wi, &value));
+    for (int i = 0; i < N; i++) hits[i].material = material;
+    const srbf_materials none = {NULL, 0}, each = {&hits->material, sizeof(hit)};
+    test_request(material, none, storage, stride);
+    test_request(NULL, each, storage, stride);
+    CHECK_OK(srbf_material_ask(material, N, ASK(.wo = wo, .wi = wi, .value = value)));
     compare(storage, stride, VALUE, exact);
-    CHECK_OK(srbf_material_evaluate_and_pdf_pairs_into(material, N, &wo, &wi, &value, &pdf));
+    CHECK_OK(srbf_material_ask(material, N, ASK(.wo = wo, .wi = wi, .value = value, .pdf = pdf)));
     compare(storage, stride, VALUE | PDF, exact);
-    CHECK_OK(srbf_material_sample_and_evaluate_pairs_into(material, N, &wo, &u, &samples, &wi, &value, &pdf));
+    CHECK_OK(srbf_material_ask(material, N, ASK(.wo = wo, .u = u, .samples = samples, .wi = wi, .value = value, .pdf = pdf)));
     compare(storage, stride, VALUE | PDF | SAMPLE | WEIGHT, exact);
 
     /* And of an expanded one, whose mixtures are near those of the material. */
@@ -275,9 +284,9 @@ int main(int argc, char **argv) {
     for (size_t i = 0; i < N; i++) {
         CHECK_OK(srbf_expanded_prepare(expanded, hits[i].wo, (srbf_mixture *)(void *)(storage + i * stride)));
     }
-    CHECK_OK(srbf_expanded_sample_pdf_pairs_into(expanded, N, &wo, &u, &samples.direction, &density));
+    CHECK_OK(srbf_expanded_ask(expanded, N, ASK(.wo = wo, .u = u, .samples.direction = samples.direction, .samples.pdf = density)));
     compare(storage, stride, SAMPLE, exact);
-    CHECK_OK(srbf_expanded_sample_and_evaluate_pairs_into(expanded, N, &wo, &u, &samples, &wi, &value, &pdf));
+    CHECK_OK(srbf_expanded_ask(expanded, N, ASK(.wo = wo, .u = u, .samples = samples, .wi = wi, .value = value, .pdf = pdf)));
     compare(storage, stride, VALUE | PDF | SAMPLE | WEIGHT, exact);
 
     free(rows), free(storage);

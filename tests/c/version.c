@@ -7,6 +7,7 @@ int main(void) {
     if (srbf_version() != SRBF_VERSION) {
         return 1;
     }
-    printf("srbf %s: %s\n", srbf_version_text(), srbf_status_text(SRBF_STATUS_OK));
+    printf("srbf %u.%u.%u: %s\n", (unsigned)srbf_version() / 10000, (unsigned)srbf_version() / 100 % 100, (unsigned)srbf_version() % 100,
+           srbf_status_text(SRBF_STATUS_OK));
     return strcmp(srbf_last_message(), "") != 0;
 }

@@ -73,13 +73,13 @@ static void strides(const srbf::Mixture<16> &mixture) {
     srbf::Span<float> of_named = named;
     CHECK(copy.stride() == sizeof(Hit) && read.stride() == sizeof(Hit) && of_named.stride() == sizeof(Hit));
     CHECK(read.data() == &hits[0].pdf && read.size() == 8 && of_named.size() == 8);
-    CHECK(!mixture.pdf_into(wi, pdf) && !mixture.pdf_into(wi, copy));
+    CHECK(!mixture.ask(srbf::Request().wi(wi).pdf(pdf)) && !mixture.ask(srbf::Request().wi(wi).pdf(copy)));
     for (const Hit &hit : hits) {
         CHECK(hit.pdf > 0 && hit.id == 1000 && hit.throughput[0] == 7 && hit.throughput[2] == 7);
     }
 #if defined(__cpp_lib_span)
     std::vector<float> dense(8);
-    CHECK(!mixture.pdf_into(std::span<const srbf::Vec3>(wi), std::span<float>(dense)) && dense[7] == hits[7].pdf);
+    CHECK(!mixture.ask(srbf::Request().wi(std::span<const srbf::Vec3>(wi)).pdf(std::span<float>(dense))) && dense[7] == hits[7].pdf);
 #endif
 }
 
@@ -87,10 +87,10 @@ static void strides(const srbf::Mixture<16> &mixture) {
 static void nothing(const srbf::Mixture<16> &mixture) {
     std::vector<srbf::Vec3> none;
     srbf::Span<srbf_sample> nowhere;
-    CHECK(!mixture.evaluate_into(none, none) && !mixture.pdf_into(none, {}) && !mixture.sample_into(none, nowhere));
-    CHECK(mixture.evaluate_into({nullptr, 3}, {nullptr, 3}).code() == SRBF_STATUS_NULL);
-    CHECK(mixture.sample_into({nullptr, 3}, {nullptr, 3}).code() == SRBF_STATUS_NULL);
-    srbf::Status status = mixture.pdf_into({nullptr, 3}, {});
+    CHECK(!mixture.ask(srbf::Request().wi(none).value(none).u(none).samples(nowhere)) && !mixture.ask(srbf::Request()));
+    CHECK(mixture.ask(srbf::Request().wi({nullptr, 3}).value({nullptr, 3})).code() == SRBF_STATUS_NULL);
+    CHECK(mixture.ask(srbf::Request().u({nullptr, 3}).samples({nullptr, 3})).code() == SRBF_STATUS_NULL);
+    srbf::Status status = mixture.ask(srbf::Request().wi({nullptr, 3}).pdf({}));
     CHECK(status.code() == SRBF_STATUS_SIZE && status.text() == srbf::Status(SRBF_STATUS_SIZE).text());
 }
 
@@ -113,28 +113,26 @@ static void use(const char *path) {
     srbf::Mixture<16> clone = mixture.clone(), taken = std::move(mixture);
     srbf_sample sample;
     CHECK(!taken.sample(u, sample) && sample.pdf > 0);
-    srbf::Vec3 wi = {sample.direction[0], sample.direction[1], sample.direction[2]}, value, f, albedo;
+    srbf::Vec3 wi = {sample.direction[0], sample.direction[1], sample.direction[2]}, value, albedo;
     float pdf;
     CHECK(!clone.evaluate_and_pdf(wi, value, pdf) && std::fabs(pdf - sample.pdf) <= 1e-3f * pdf);
-    CHECK(!clone.evaluate_f(wi, f) && std::fabs(f[0] * wi[2] - value[0]) <= 1e-5f * value[0]);
     CHECK(!clone.evaluate(wi, value) && !clone.pdf(wi, pdf) && !moved.albedo(wo, albedo) && albedo[0] > 0);
 
     std::vector<srbf::Vec3> us(100, u), directions(100), values(100);
     std::vector<float> pdfs(100);
     std::vector<srbf_sample> samples(100);
-    CHECK(!taken.sample_into({us.data(), us.size()}, samples));
+    CHECK(!taken.ask(srbf::Request().u({us.data(), us.size()}).samples(samples)));
     for (std::size_t i = 0; i < 100; i++) {
         directions[i] = {samples[i].direction[0], samples[i].direction[1], samples[i].direction[2]};
     }
-    CHECK(!taken.pdf_into({directions.data(), 100}, pdfs));
-    CHECK(!taken.evaluate_into({directions.data(), 100}, values));
+    CHECK(!taken.ask(srbf::Request().wi({directions.data(), 100}).value(values).pdf(pdfs)));
     CHECK(std::fabs(pdfs[99] - sample.pdf) <= 1e-3f * pdf && values[99][1] > 0);
-    CHECK(taken.pdf_into({directions.data(), 99}, pdfs).code() == SRBF_STATUS_SIZE);
+    CHECK(taken.ask(srbf::Request().wi({directions.data(), 99}).pdf(pdfs)).code() == SRBF_STATUS_SIZE);
 
     std::vector<float> drawn(100);
-    CHECK(!taken.sample_pdf_into({us.data(), us.size()}, values, drawn));
+    CHECK(!taken.ask(srbf::Request().u({us.data(), us.size()}).directions(values, drawn)));
     CHECK(std::fabs(values[99][0] - directions[99][0]) < 1e-6f && std::fabs(drawn[99] - sample.pdf) <= 1e-3f * pdf);
-    CHECK(taken.sample_pdf_into({us.data(), 99}, values, drawn).code() == SRBF_STATUS_SIZE);
+    CHECK(taken.ask(srbf::Request().u({us.data(), 99}).directions(values, drawn)).code() == SRBF_STATUS_SIZE);
 
     strides(taken);
     nothing(taken);
@@ -156,19 +154,18 @@ static void light() {
     CHECK(std::align(SRBF_ENVIRONMENT_ALIGNMENT, size, place, room) != nullptr);
     const std::array<float, 12> map = {2, 2, 2, 2, 2, 2, 1, 1, 1, 1, 1, 1};
     srbf::Environment environment;
-    float power = 0;
-    CHECK(!environment && environment.power(power).code() == SRBF_STATUS_NULL);
-    CHECK(!environment.make(2, 2, map.data(), 0, place, size) && environment && !environment.power(power) && power > 0);
+    srbf_environment_info info = {};
+    CHECK(!environment && environment.query(info).code() == SRBF_STATUS_NULL);
+    CHECK(!environment.make(2, 2, map.data(), 0, place, size) && environment && !environment.query(info) && info.power > 0);
     srbf::Vec3 radiance = {};
     float pdf = 0, density = 0;
-    CHECK(!environment.radiance_and_pdf({0, 0, 1}, radiance, pdf) && !environment.pdf({0, 0, 1}, density) && pdf == density);
-    CHECK(!environment.radiance({0, 0, 1}, radiance) && std::fabs(radiance[1] - 2) < 1e-4f);
+    CHECK(!environment.evaluate({0, 0, 1}, &radiance, &pdf) && !environment.evaluate({0, 0, 1}, nullptr, &density) && pdf == density);
+    CHECK(!environment.evaluate({0, 0, 1}, &radiance, nullptr) && std::fabs(radiance[1] - 2) < 1e-4f);
     srbf_light_sample drawn;
     CHECK(!environment.sample({0.5f, 0.5f, 0.5f}, drawn) && drawn.pdf > 0);
-    srbf::Span<const unsigned char> table;
     srbf::Environment again;
     alignas(SRBF_ENVIRONMENT_ALIGNMENT) std::array<unsigned char, SRBF_ENVIRONMENT_HEAD_SIZE> head;
-    CHECK(!environment.table(table) && !again.read(table.data(), table.size(), 0, head.data(), head.size()) && again);
+    CHECK(!again.read(info.table, info.table_size, 0, head.data(), head.size()) && again);
 
     srbf::Mixture<16> matte;
     const srbf::Vec3 half = {0.5f, 0.5f, 0.5f};
@@ -213,23 +210,24 @@ static void pairs(const char *path) {
         wo[k] = {-std::sin(angle), 0, std::cos(angle)};
         u[k] = {0.3f, 0.6f, 0.9f};
     }
-    CHECK(!material.evaluate_and_pdf_pairs_into(wo, wi, exact, exact_pdf));
-    CHECK(!expanded.evaluate_and_pdf_pairs_into(wo, wi, near, near_pdf));
+    using srbf::Request;
+    CHECK(!material.ask(Request().wo(wo).wi(wi).value(exact).pdf(exact_pdf)));
+    CHECK(!expanded.ask(Request().wo(wo).wi(wi).value(near).pdf(near_pdf)));
     for (std::size_t k = 0; k < n; k++) {
         CHECK(exact[k][0] > 0 && std::fabs(near[k][0] - exact[k][0]) <= 2e-3f * exact[k][0]);
         CHECK(exact_pdf[k] > 0 && std::fabs(near_pdf[k] - exact_pdf[k]) <= 2e-3f * exact_pdf[k]);
     }
-    CHECK(!expanded.evaluate_pairs_into(wo, wi, towards) && towards == near);
-    CHECK(!expanded.pdf_pairs_into(wo, wi, pdf) && std::fabs(pdf[n - 1] - near_pdf[n - 1]) <= 1e-5f * pdf[n - 1]);
-    CHECK(!expanded.sample_pairs_into(wo, u, samples) && samples[n - 1].pdf > 0);
-    CHECK(!expanded.sample_pdf_pairs_into(wo, u, drawn, pdf) && drawn[n - 1][2] == samples[n - 1].direction[2]);
-    CHECK(!expanded.sample_and_evaluate_pairs_into(wo, u, again, wi, towards, pdf));
+    CHECK(!expanded.ask(Request().wo(wo).wi(wi).value(towards)) && towards == near);
+    CHECK(!expanded.ask(Request().wo(wo).wi(wi).pdf(pdf)) && std::fabs(pdf[n - 1] - near_pdf[n - 1]) <= 1e-5f * pdf[n - 1]);
+    CHECK(!expanded.ask(Request().wo(wo).u(u).samples(samples)) && samples[n - 1].pdf > 0);
+    CHECK(!expanded.ask(Request().wo(wo).u(u).directions(drawn, pdf)) && drawn[n - 1][2] == samples[n - 1].direction[2]);
+    CHECK(!expanded.ask(Request().wo(wo).u(u).samples(again).wi(wi).value(towards).pdf(pdf)));
     CHECK(again[3].direction[0] == samples[3].direction[0] && std::fabs(pdf[3] - near_pdf[3]) <= 1e-5f * pdf[3]);
-    CHECK(!material.evaluate_pairs_into(wo, wi, towards) && towards == exact);
-    CHECK(!material.sample_pairs_into(wo, u, again) && !material.sample_pdf_pairs_into(wo, u, drawn, pdf));
-    CHECK(drawn[5][0] == again[5].direction[0] && !material.pdf_pairs_into(wo, drawn, near_pdf) && near_pdf[5] > 0);
-    CHECK(!material.sample_and_evaluate_pairs_into(wo, u, samples, wi, towards, pdf) && samples[5].pdf > 0);
-    /* Hit by hit, and by a request. */
+    CHECK(!material.ask(Request().wo(wo).wi(wi).value(towards)) && towards == exact);
+    CHECK(!material.ask(Request().wo(wo).u(u).samples(again)) && !material.ask(Request().wo(wo).u(u).directions(drawn, pdf)));
+    CHECK(drawn[5][0] == again[5].direction[0] && !material.ask(Request().wo(wo).wi(drawn).pdf(near_pdf)) && near_pdf[5] > 0);
+    CHECK(!material.ask(Request().wo(wo).u(u).samples(samples).wi(wi).value(towards).pdf(pdf)) && samples[5].pdf > 0);
+    /* Hit by hit, and with a material of each. */
     srbf_sample one;
     srbf::Vec3 value, alone;
     float density, same;
@@ -238,20 +236,16 @@ static void pairs(const char *path) {
     CHECK(!material.sample(wo[5], u[5], samples[0]) && samples[0].pdf == one.pdf);
     CHECK(!material.evaluate_and_pdf(wo[5], wi[5], alone, same) && alone == value && same == density);
     CHECK(!material.evaluate(wo[5], wi[5], alone) && alone == value && !material.pdf(wo[5], wi[5], same) && same == density);
-    srbf_request request = {};
-    request.size = sizeof request;
-    request.wo = {&wo[0][0], &wo[0][1], &wo[0][2], sizeof wo[0]};
-    request.wi = {&wi[0][0], &wi[0][1], &wi[0][2], sizeof wi[0]};
-    request.pdf = {near_pdf.data(), sizeof(float)};
-    CHECK(!material.ask(n, request) && near_pdf == pdf);
+    const std::vector<const srbf_material *> each(n, material.get());
+    CHECK(!srbf::ask_each(Request().materials(each).wo(wo).wi(wi).pdf(near_pdf)) && near_pdf == pdf);
     CHECK(!expanded.prepare(wo[7], mixture) && !mixture.pdf(wi[7], pdf[0]));
     CHECK(std::fabs(pdf[0] - exact_pdf[7]) <= 2e-3f * pdf[0]);
 
     const srbf::Span<srbf::Vec3> short_of_one(exact.data(), n - 1);
-    CHECK(expanded.evaluate_pairs_into(wo, wi, short_of_one).code() == SRBF_STATUS_SIZE);
-    CHECK(material.sample_pairs_into(wo, u, {samples.data(), n - 1}).code() == SRBF_STATUS_SIZE);
-    CHECK(material.pdf_pairs_into(wo, wi, {nullptr, n}).code() == SRBF_STATUS_NULL);
-    CHECK(material.sample_pairs_into(wo, u, {nullptr, n}).code() == SRBF_STATUS_NULL);
+    CHECK(expanded.ask(Request().wo(wo).wi(wi).value(short_of_one)).code() == SRBF_STATUS_SIZE);
+    CHECK(material.ask(Request().wo(wo).u(u).samples({samples.data(), n - 1})).code() == SRBF_STATUS_SIZE);
+    CHECK(material.ask(Request().wo(wo).wi(wi).pdf({nullptr, n})).code() == SRBF_STATUS_NULL);
+    CHECK(srbf::Material().ask(Request().wo(wo).wi(wi).pdf(pdf)).code() == SRBF_STATUS_NULL);
 }
 
 int main(int count, char **arguments) {

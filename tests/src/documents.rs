@@ -1,8 +1,8 @@
 // The examples of the documentation: blocks of code in Markdown. Included by the build script too, hence no `//!`.
 
 /// Documents whose blocks of Rust, C and C++ are compiled and run.
-pub const DOCUMENTS: [&str; 4] =
-    ["README.md", "docs/integrate.md", "docs/use-from-c.md", "docs/use-from-cpp.md"];
+pub const DOCUMENTS: [&str; 5] =
+    ["README.md", "docs/integrate.md", "docs/use-from-c.md", "docs/use-from-cpp.md", "docs/verbs.md"];
 
 /// A block of code.
 pub struct CodeBlock {

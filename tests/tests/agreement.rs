@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use srbf_core::{
-    Domain, Error, KernelTable, LeaveOut, Level, Line, Lobe, Material, Mixture, PlaneLobe, View,
+    Domain, Error, KernelTable, LeaveOut, Level, Line, Lobe, Material, Mixture, PlaneLobe, Towards, View,
     color_differences, luminance,
 };
 use srbf_tests::inputs::Random;
@@ -45,7 +45,8 @@ fn for_each_level(mut each: impl FnMut(Level)) {
 fn in_a_batch<const N: usize>(m: &Mixture<N>, d: Vec3) -> Vec3 {
     let mut value = [[0.0]; 3];
     let [red, green, blue] = &mut value;
-    m.evaluate_into([&[d.x], &[d.y], &[d.z]], [red, green, blue]).unwrap();
+    m.ask(Towards { wi: [&[d.x], &[d.y], &[d.z]], value: Some([red, green, blue]), pdf: None }.into())
+        .unwrap();
     Vec3::new(value[0][0], value[1][0], value[2][0])
 }
 
@@ -78,7 +79,7 @@ fn a_faint_diffuse_term_is_as_exact_in_the_density_as_in_the_value() {
             let d = Vec3::new(0.8, 0.0, 0.6);
             let wanted = luminance(m.evaluate(d));
             let mut out = [0.0];
-            m.pdf_into([&[d.x], &[d.y], &[d.z]], &mut out).unwrap();
+            m.ask(Towards { wi: [&[d.x], &[d.y], &[d.z]], value: None, pdf: Some(&mut out) }.into()).unwrap();
             let got = out[0] * m.power();
             assert!((got / wanted - 1.0).abs() < 1e-6, "{level:?} {albedo}: {got}, {wanted}");
             let (pdf, both) = (m.pdf(d), m.evaluate_and_pdf(d).1);
@@ -181,12 +182,13 @@ fn direction_and_density_alone_are_those_of_a_sample() {
         for m in &mixtures {
             for _ in 0..500 {
                 let u = [random.uniform(), random.uniform(), random.uniform()];
-                let (sample, (direction, pdf)) = (m.sample(u).unwrap(), m.sample_pdf(u).unwrap());
+                let (sample, direction) = (m.sample(u).unwrap(), m.sample_direction(u).unwrap());
                 assert_eq!(direction, sample.direction, "{level:?}");
+                let pdf = m.pdf(direction);
                 assert!((pdf / sample.pdf - 1.0).abs() < 1e-5, "{level:?}: {pdf} {}", sample.pdf);
             }
         }
-        assert_eq!(Mixture::<16>::empty().sample_pdf([0.5; 3]), None);
+        assert_eq!(Mixture::<16>::empty().sample_direction([0.5; 3]), None);
     });
 }
 

@@ -2,7 +2,9 @@
 //! the outgoing direction, the same at every level, and sampled by their density.
 
 use glam::{DMat2, DVec2, DVec3, Vec3};
-use srbf_core::{FactorTable, Grid, GridView, LUMINANCE, Level, Material, Mixture, SamplesMut, TiltedLobe};
+use srbf_core::{
+    Draws, FactorTable, Grid, GridView, LUMINANCE, Level, Material, Mixture, TiltedLobe, Towards,
+};
 use srbf_tests::inputs::Random;
 use srbf_tests::oracle;
 use srbf_tests::partition::Partition;
@@ -392,14 +394,17 @@ fn every_level_gives_the_f64_values_one_by_one_in_batches_and_in_pairs() {
             let mut pairs = [(); 4].map(|()| vec![0.0; n]);
             let [r, g, b, pdf] = &mut pairs;
             material
-                .evaluate_and_pdf_pairs_into(slices(&wo_split), slices(&wi_split), [r, g, b], pdf)
+                .ask(
+                    slices(&wo_split),
+                    Towards { wi: slices(&wi_split), value: Some([r, g, b]), pdf: Some(pdf) }.into(),
+                )
                 .unwrap();
             for i in 0..n {
                 let m = prepare(&material, wo[i]);
                 let (value, albedo) = made.truth(wo[i].as_dvec3(), wi[i].as_dvec3());
                 let mut batch = [(); 3].map(|()| vec![0.0; n]);
                 let [r, g, b] = &mut batch;
-                m.evaluate_into(slices(&wi_split), [r, g, b]).unwrap();
+                m.ask(Towards { wi: slices(&wi_split), value: Some([r, g, b]), pdf: None }.into()).unwrap();
                 let one = m.evaluate(wi[i]);
                 let peak = value.max_element();
                 for c in 0..3 {
@@ -528,8 +533,9 @@ fn pairs_are_sampled_as_the_mixtures_one_by_one() {
     let ([x, y, z], [u0, u1, u2]) = ([0, 1, 2].map(column), [0, 1, 2].map(number));
     let mut out = [(); 7].map(|()| vec![f32::NAN; n]);
     let [dx, dy, dz, pdf, r, g, b] = &mut out;
-    let samples = SamplesMut { direction: [dx, dy, dz], pdf, weight: [r, g, b] };
-    material.sample_pairs_into([&x, &y, &z], [&u0, &u1, &u2], samples).unwrap();
+    let samples =
+        Draws { u: [&u0, &u1, &u2], direction: [dx, dy, dz], pdf: Some(pdf), weight: Some([r, g, b]) };
+    material.ask([&x, &y, &z], samples.into()).unwrap();
     let mut mixtures = vec![Mixture::<16>::empty(); n];
     material.prepare_into([&x, &y, &z], &mut mixtures).unwrap();
     for i in 0..n {

@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec3};
 use srbf_core::{
-    Domain, Expanded, FactorTable, Gaussian, Level, Line, Lobe, Material, Mixture, PlaneLobe, SamplesMut,
-    View, color_differences,
+    Domain, Draws, Expanded, FactorTable, Gaussian, Level, Line, Lobe, Material, Mixture, PlaneLobe, Request,
+    Towards, View, color_differences,
 };
 use srbf_tests::inputs::Random;
 use srbf_tests::oracle::sphere_integral;
@@ -22,8 +22,13 @@ fn drawn(m: &Mixture<16>, u: &[[f32; 3]]) -> Vec<(Vec3, f32, Vec3)> {
     let u = [0, 1, 2].map(|c| u.iter().map(|u| u[c]).collect::<Vec<f32>>());
     let mut out = [(); 7].map(|()| vec![f32::NAN; u[0].len()]);
     let [x, y, z, pdf, red, green, blue] = &mut out;
-    let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
-    m.sample_into([&u[0], &u[1], &u[2]], samples).unwrap();
+    let draws = Draws {
+        u: [&u[0], &u[1], &u[2]],
+        direction: [x, y, z],
+        pdf: Some(pdf),
+        weight: Some([red, green, blue]),
+    };
+    m.ask(draws.into()).unwrap();
     let at = |i: usize, c: usize| Vec3::new(out[c][i], out[c + 1][i], out[c + 2][i]);
     (0..u[0].len()).map(|i| (at(i, 0), out[3][i], at(i, 4))).collect()
 }
@@ -32,7 +37,7 @@ fn drawn(m: &Mixture<16>, u: &[[f32; 3]]) -> Vec<(Vec3, f32, Vec3)> {
 fn densities(m: &Mixture<16>, directions: &[Vec3]) -> Vec<f32> {
     let d = [0, 1, 2].map(|c| directions.iter().map(|d| d[c]).collect::<Vec<f32>>());
     let mut pdf = vec![f32::NAN; directions.len()];
-    m.pdf_into([&d[0], &d[1], &d[2]], &mut pdf).unwrap();
+    m.ask(Towards { wi: [&d[0], &d[1], &d[2]], value: None, pdf: Some(&mut pdf) }.into()).unwrap();
     pdf
 }
 
@@ -76,15 +81,14 @@ fn what_reflects_draws_and_its_weights_are_numbers_one_by_one_and_in_batches() {
                     assert!(apart <= 1e-5 * weight.abs().max_element(), "{} {}", place(), one.weight);
                 }
                 faintest += usize::from(pdf == f32::MIN_POSITIVE);
-                let (alone, density) = m.sample_pdf(*u).unwrap();
-                assert!(alone == one.direction && density.is_finite() && density > 0.0, "{}", place());
+                assert_eq!(m.sample_direction(*u).unwrap(), one.direction, "{}", place());
             }
         }
     }
     assert!(faintest > 10, "{faintest} densities are the least");
     // What reflects nothing draws nothing, one by one, and the normal in batches.
     let black = Mixture::<16>::hemisphere(&[lobe([1.0, 0.0, 1.0], 1e8, 1e-38)]).unwrap();
-    assert_eq!((black.sample([0.5; 3]), black.sample_pdf([0.5; 3])), (None, None));
+    assert_eq!((black.sample([0.5; 3]), black.sample_direction([0.5; 3])), (None, None));
     assert!(drawn(&black, &u).iter().all(|drawn| *drawn == (Vec3::Z, 0.0, Vec3::ZERO)));
 }
 
@@ -171,9 +175,22 @@ fn writes_zeros<const C: usize>(place: &str, pairs: &[[[f32; 3]; 2]], fill: impl
     }
 }
 
+/// What some hits are asked.
+type Ask<'a> = &'a dyn Fn(Request);
+
 /// The normal with density and weight 0, as seven numbers of which the height has been taken from 1.
-fn is_no_sample([x, y, z, pdf, red, green, blue]: &mut Columns<7>, sample: impl FnOnce(SamplesMut)) {
-    sample(SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] });
+fn is_no_sample<'a>(
+    u: [&'a [f32]; 3],
+    [x, y, z, pdf, red, green, blue]: &'a mut Columns<7>,
+    ask: impl FnOnce(Draws),
+) {
+    let draws = Draws {
+        u,
+        direction: [&mut *x, &mut *y, &mut *z],
+        pdf: Some(&mut *pdf),
+        weight: Some([&mut *red, &mut *green, &mut *blue]),
+    };
+    ask(draws);
     z.iter_mut().for_each(|z| *z -= 1.0);
 }
 
@@ -221,39 +238,35 @@ fn an_outgoing_direction_that_is_none_gives_0_whatever_the_incident_one_is() {
                 let u = [&[0.4; 99][..n]; 3];
                 let mut mixtures = vec![Mixture::<16>::empty(); n];
                 material.prepare_into(wo, &mut mixtures).unwrap();
-                let place = |name| format!("{name}, {level:?}, factors {}", factors.is_some());
-
-                // One text for the three: the calls differ by their names alone.
-                macro_rules! verbs {
-                    ($name:literal, $object:path $(, $first:expr)*) => {
-                        writes_zeros(&place(concat!($name, " value")), pairs, |[red, green, blue]| {
-                            <$object>::evaluate_pairs_into($($first,)* wi, [red, green, blue]).unwrap();
-                        });
-                        writes_zeros(&place(concat!($name, " both")), pairs, |[red, green, blue, pdf]| {
-                            <$object>::evaluate_and_pdf_pairs_into($($first,)* wi, [red, green, blue], pdf).unwrap();
-                        });
-                        writes_zeros(&place(concat!($name, " density")), pairs, |[pdf]| {
-                            <$object>::pdf_pairs_into($($first,)* wi, pdf).unwrap();
-                        });
-                        writes_zeros(&place(concat!($name, " sample")), pairs, |out| {
-                            is_no_sample(out, |samples| {
-                                <$object>::sample_pairs_into($($first,)* u, samples).unwrap();
+                let asks: [(&str, Ask); 3] = [
+                    ("material", &|request| material.ask(wo, request).unwrap()),
+                    ("mixtures", &|request| Mixture::ask_each(&mixtures, request).unwrap()),
+                    ("expanded", &|request| expanded.ask(wo, request).unwrap()),
+                ];
+                for (name, ask) in asks {
+                    let place = |what| format!("{name} {what}, {level:?}, factors {}", factors.is_some());
+                    writes_zeros(&place("value"), pairs, |[red, green, blue]| {
+                        ask(Towards { wi, value: Some([red, green, blue]), pdf: None }.into());
+                    });
+                    writes_zeros(&place("both"), pairs, |[red, green, blue, pdf]| {
+                        ask(Towards { wi, value: Some([red, green, blue]), pdf: Some(pdf) }.into());
+                    });
+                    writes_zeros(&place("density"), pairs, |[pdf]| {
+                        ask(Towards { wi, value: None, pdf: Some(pdf) }.into());
+                    });
+                    writes_zeros(&place("sample"), pairs, |out| {
+                        is_no_sample(u, out, |draws| ask(draws.into()));
+                    });
+                    writes_zeros(&place("towards another"), pairs, |[red, green, blue, pdf]| {
+                        writes_zeros(&place("sample with it"), pairs, |out| {
+                            is_no_sample(u, out, |draws| {
+                                let value = Some([&mut red[..], green, blue]);
+                                let towards = Towards { wi, value, pdf: Some(pdf) };
+                                ask(Request { draw: Some(draws), evaluate: Some(towards) });
                             });
                         });
-                        writes_zeros(&place(concat!($name, " towards another")), pairs, |[red, green, blue, pdf]| {
-                            writes_zeros(&place(concat!($name, " sample with it")), pairs, |out| {
-                                is_no_sample(out, |samples| {
-                                    let value = [&mut red[..], green, blue];
-                                    <$object>::sample_and_evaluate_pairs_into($($first,)* u, samples, wi, value, pdf)
-                                        .unwrap();
-                                });
-                            });
-                        });
-                    };
+                    });
                 }
-                verbs!("material", Material<&[u8]>, &material, wo);
-                verbs!("mixtures", Mixture<16>, &mixtures);
-                verbs!("expanded", Expanded, &expanded, wo);
             }
         }
     }

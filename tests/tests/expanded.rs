@@ -2,7 +2,7 @@
 //! every level.
 
 use glam::Vec3;
-use srbf_core::{Error, Expanded, Level, Material, Mixture, SamplesMut, luminance};
+use srbf_core::{Draws, Error, Expanded, Level, Material, Mixture, Request, Towards, luminance};
 use srbf_tests::inputs::Random;
 use srbf_tests::kinds::{KINDS, Soa, for_each_level, materials, upper};
 use srbf_tests::partition::Partition;
@@ -92,9 +92,18 @@ fn pairs_have_what_their_mixtures_have_at_every_level() {
             let (mut value, mut alone) = (Soa::empty(n), Soa::empty(n));
             let (mut pdf, mut pdf_alone) = (vec![f32::NAN; n], vec![f32::NAN; n]);
             let (wo, wi_slices) = (wo.slices(), wi.slices());
-            expanded.evaluate_and_pdf_pairs_into(wo, wi_slices, value.slices_mut(), &mut pdf).unwrap();
-            expanded.evaluate_pairs_into(wo, wi_slices, alone.slices_mut()).unwrap();
-            expanded.pdf_pairs_into(wo, wi_slices, &mut pdf_alone).unwrap();
+            expanded
+                .ask(
+                    wo,
+                    Towards { wi: wi_slices, value: Some(value.slices_mut()), pdf: Some(&mut pdf) }.into(),
+                )
+                .unwrap();
+            expanded
+                .ask(wo, Towards { wi: wi_slices, value: Some(alone.slices_mut()), pdf: None }.into())
+                .unwrap();
+            expanded
+                .ask(wo, Towards { wi: wi_slices, value: None, pdf: Some(&mut pdf_alone) }.into())
+                .unwrap();
             for (i, m) in mixtures.iter().enumerate() {
                 let wanted = m.evaluate_and_pdf(wi.at(i));
                 let peak = (0..m.len())
@@ -129,11 +138,23 @@ fn samples_have_the_density_and_the_value_that_evaluating_finds() {
         for_each_level(|level| {
             let (mut direction, mut weight, mut value) = (Soa::empty(n), Soa::empty(n), Soa::empty(n));
             let (mut pdf, mut again) = (vec![f32::NAN; n], vec![f32::NAN; n]);
-            let samples =
-                SamplesMut { direction: direction.slices_mut(), pdf: &mut pdf, weight: weight.slices_mut() };
-            expanded.sample_pairs_into(wo.slices(), u.slices(), samples).unwrap();
+            let samples = Draws {
+                u: u.slices(),
+                direction: direction.slices_mut(),
+                pdf: Some(&mut pdf),
+                weight: Some(weight.slices_mut()),
+            };
+            expanded.ask(wo.slices(), samples.into()).unwrap();
             expanded
-                .evaluate_and_pdf_pairs_into(wo.slices(), direction.slices(), value.slices_mut(), &mut again)
+                .ask(
+                    wo.slices(),
+                    Towards {
+                        wi: direction.slices(),
+                        value: Some(value.slices_mut()),
+                        pdf: Some(&mut again),
+                    }
+                    .into(),
+                )
                 .unwrap();
             for i in 0..n {
                 assert!(
@@ -160,14 +181,21 @@ fn samples_have_the_density_and_the_value_that_evaluating_finds() {
             let (mut direction_too, mut weight_too) = (Soa::empty(n), Soa::empty(n));
             let (mut pdf_too, mut towards, mut towards_pdf) =
                 (vec![f32::NAN; n], Soa::empty(n), vec![f32::NAN; n]);
-            let samples = SamplesMut {
+            let samples = Draws {
+                u: u.slices(),
                 direction: direction_too.slices_mut(),
-                pdf: &mut pdf_too,
-                weight: weight_too.slices_mut(),
+                pdf: Some(&mut pdf_too),
+                weight: Some(weight_too.slices_mut()),
             };
             let (to, to_pdf) = (towards.slices_mut(), &mut towards_pdf);
             expanded
-                .sample_and_evaluate_pairs_into(wo.slices(), u.slices(), samples, wi.slices(), to, to_pdf)
+                .ask(
+                    wo.slices(),
+                    Request {
+                        draw: Some(samples),
+                        evaluate: Some(Towards { wi: wi.slices(), value: Some(to), pdf: Some(to_pdf) }),
+                    },
+                )
                 .unwrap();
             assert_eq!(
                 (&direction_too.0, &weight_too.0, &pdf_too),
@@ -175,7 +203,11 @@ fn samples_have_the_density_and_the_value_that_evaluating_finds() {
                 "{level:?} {name}"
             );
             expanded
-                .evaluate_and_pdf_pairs_into(wo.slices(), wi.slices(), value.slices_mut(), &mut again)
+                .ask(
+                    wo.slices(),
+                    Towards { wi: wi.slices(), value: Some(value.slices_mut()), pdf: Some(&mut again) }
+                        .into(),
+                )
                 .unwrap();
             for i in 0..n {
                 let off = (towards.at(i) - value.at(i)).abs().max_element();
@@ -201,7 +233,10 @@ fn samples_follow_their_density_which_integrates_to_1() {
             let partition = Partition::new(&m, |d| {
                 let mut pdf = [0.0];
                 expanded
-                    .pdf_pairs_into([&[wo.x], &[wo.y], &[wo.z]], [&[d.x], &[d.y], &[d.z]], &mut pdf)
+                    .ask(
+                        [&[wo.x], &[wo.y], &[wo.z]],
+                        Towards { wi: [&[d.x], &[d.y], &[d.z]], value: None, pdf: Some(&mut pdf) }.into(),
+                    )
                     .unwrap();
                 pdf[0]
             });
@@ -212,9 +247,13 @@ fn samples_follow_their_density_which_integrates_to_1() {
             let wo = Soa::new(&vec![wo; SAMPLES]);
             let (mut direction, mut weight, mut pdf) =
                 (Soa::empty(SAMPLES), Soa::empty(SAMPLES), vec![0.0; SAMPLES]);
-            let samples =
-                SamplesMut { direction: direction.slices_mut(), pdf: &mut pdf, weight: weight.slices_mut() };
-            expanded.sample_pairs_into(wo.slices(), u.slices(), samples).unwrap();
+            let samples = Draws {
+                u: u.slices(),
+                direction: direction.slices_mut(),
+                pdf: Some(&mut pdf),
+                weight: Some(weight.slices_mut()),
+            };
+            expanded.ask(wo.slices(), samples.into()).unwrap();
             let mut next = 0..SAMPLES;
             let result = partition.test(SAMPLES, || direction.at(next.next().unwrap()));
             assert!(result.p > p_level, "{name} at {theta}: p = {:e}, level {p_level:e}", result.p);
@@ -270,11 +309,21 @@ fn what_is_no_outgoing_direction_reflects_nothing() {
                 (Soa::new(&none), Soa::new(&vec![Vec3::Z; n]), Soa::new(&vec![Vec3::splat(0.5); n]));
             let (mut direction, mut weight, mut value) = (Soa::empty(n), Soa::empty(n), Soa::empty(n));
             let (mut pdf, mut density) = (vec![nan; n], vec![nan; n]);
-            let samples =
-                SamplesMut { direction: direction.slices_mut(), pdf: &mut pdf, weight: weight.slices_mut() };
+            let samples = Draws {
+                u: u.slices(),
+                direction: direction.slices_mut(),
+                pdf: Some(&mut pdf),
+                weight: Some(weight.slices_mut()),
+            };
             let (to, to_pdf) = (value.slices_mut(), &mut density);
             expanded
-                .sample_and_evaluate_pairs_into(wo.slices(), u.slices(), samples, wi.slices(), to, to_pdf)
+                .ask(
+                    wo.slices(),
+                    Request {
+                        draw: Some(samples),
+                        evaluate: Some(Towards { wi: wi.slices(), value: Some(to), pdf: Some(to_pdf) }),
+                    },
+                )
                 .unwrap();
             for i in 0..n {
                 let all = (direction.at(i), pdf[i], weight.at(i), value.at(i), density[i]);
@@ -283,7 +332,11 @@ fn what_is_no_outgoing_direction_reflects_nothing() {
             // Incident directions below the horizon.
             let below = Soa::new(&vec![Vec3::new(0.6, 0.0, -0.8); n]);
             expanded
-                .evaluate_and_pdf_pairs_into(wi.slices(), below.slices(), value.slices_mut(), &mut density)
+                .ask(
+                    wi.slices(),
+                    Towards { wi: below.slices(), value: Some(value.slices_mut()), pdf: Some(&mut density) }
+                        .into(),
+                )
                 .unwrap();
             assert!(density.iter().all(|&p| p == 0.0) && value.at(0) == Vec3::ZERO, "{level:?} {name}");
         });
@@ -321,6 +374,9 @@ fn what_cannot_be_expanded_is_refused() {
     let error = Err(Error::Capacity { needed: 64, available: 16 });
     assert_eq!(expanded.prepare(Vec3::Z, &mut small), error);
     let mut value = [[0.0]; 3];
-    let result = expanded.evaluate_pairs_into([&[0.0]; 3], [&[]; 3], value.each_mut().map(|s| &mut s[..]));
+    let result = expanded.ask(
+        [&[0.0]; 3],
+        Towards { wi: [&[]; 3], value: Some(value.each_mut().map(|s| &mut s[..])), pdf: None }.into(),
+    );
     assert_eq!(result, Err(Error::Length));
 }

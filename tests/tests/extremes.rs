@@ -193,7 +193,6 @@ fn parameters_out_of_range_are_refused() {
     for h in [-0.1, -1e-9, 1.0, 1.5, f32::NAN, f32::INFINITY] {
         assert_eq!(AbelPoisson::new(Vec3::Z, h), Err(Error::Kernel), "{h}");
     }
-    assert_eq!(AbelPoisson::new(Vec3::Z, 0.75).unwrap().epsilon(), 0.25);
     for f in [|_: f32| -1.0, |_| f32::NAN, |_| 0.0, |_| f32::INFINITY] {
         assert_eq!(KernelTable::<32>::new(Vec3::Z, f).err(), Some(Error::Kernel));
     }

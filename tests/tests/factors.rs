@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec3};
 use srbf_core::{
-    Defensive, Error, FactorTable, FormatError, LeaveOut, Level, Line, Material, Mixture, PlaneLobe,
-    PrepareOptions, Sample, SamplesMut, View, luminance,
+    Defensive, Draws, Error, FactorTable, FormatError, LeaveOut, Level, Line, Material, Mixture, PlaneLobe,
+    PrepareOptions, Sample, Towards, View, luminance,
 };
 use srbf_tests::inputs::Random;
 use srbf_tests::oracle;
@@ -190,7 +190,7 @@ fn all_values(m: &Mixture<16>, d: &[Vec3]) -> [Vec<Vec3>; 3] {
     let [x, y, z] = &arrays;
     let mut value = [(); 3].map(|()| vec![0.0; d.len()]);
     let [red, green, blue] = &mut value;
-    m.evaluate_into([x, y, z], [red, green, blue]).unwrap();
+    m.ask(Towards { wi: [x, y, z], value: Some([red, green, blue]), pdf: None }.into()).unwrap();
     let batch = (0..d.len()).map(|i| Vec3::new(value[0][i], value[1][i], value[2][i])).collect();
     let one = d.iter().map(|d| m.evaluate(*d)).collect();
     let both = d.iter().map(|d| m.evaluate_and_pdf(*d).0).collect();
@@ -252,8 +252,13 @@ fn check_samples(m: &Mixture<16>, bare: &Mixture<16>, random: &mut Random) {
     let draw = |m: &Mixture<16>| {
         let mut out = [(); 7].map(|()| vec![0.0; N]);
         let [x, y, z, pdf, red, green, blue] = &mut out;
-        let samples = SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] };
-        m.sample_into([&u[0], &u[1], &u[2]], samples).unwrap();
+        let samples = Draws {
+            u: [&u[0], &u[1], &u[2]],
+            direction: [x, y, z],
+            pdf: Some(pdf),
+            weight: Some([red, green, blue]),
+        };
+        m.ask(samples.into()).unwrap();
         out
     };
     let (got, lobes) = (draw(m), draw(bare));

@@ -1,7 +1,7 @@
 //! Materials: what was written is what is read, and views in between are interpolated as the design says.
 
 use glam::Vec3;
-use srbf_core::{Level, Line, Material, Mixture, PlaneLobe, SamplesMut, View, encoded_len};
+use srbf_core::{Draws, Level, Line, Material, Mixture, PlaneLobe, Towards, View, encoded_len};
 use srbf_tests::inputs::Random;
 use srbf_tests::oracle;
 
@@ -144,11 +144,13 @@ fn pairs_are_the_mixtures_one_by_one() {
 
     let mut out = [(); 7].map(|()| vec![f32::NAN; N]);
     let [r, g, b, pdf, ..] = &mut out;
-    material.evaluate_and_pdf_pairs_into(wo_slices, wi_slices, [r, g, b], pdf).unwrap();
+    material
+        .ask(wo_slices, Towards { wi: wi_slices, value: Some([r, g, b]), pdf: Some(pdf) }.into())
+        .unwrap();
     let evaluated = out.clone();
     let [x, y, z, pdf, wr, wg, wb] = &mut out;
-    let samples = SamplesMut { direction: [x, y, z], pdf, weight: [wr, wg, wb] };
-    material.sample_pairs_into(wo_slices, u_slices, samples).unwrap();
+    let samples = Draws { u: u_slices, direction: [x, y, z], pdf: Some(pdf), weight: Some([wr, wg, wb]) };
+    material.ask(wo_slices, samples.into()).unwrap();
     let mut mixtures = vec![Mixture::<16>::empty(); N];
     material.prepare_into(wo_slices, &mut mixtures).unwrap();
     let close = |a: f32, b: f32| (a - b).abs() <= 1e-5 * b.abs() + 1e-30;
@@ -183,7 +185,11 @@ fn pairs_are_the_mixtures_one_by_one() {
     let short = [&wo_slices[0][1..], wo_slices[1], wo_slices[2]];
     assert!(material.prepare_into(short, &mut mixtures).is_err());
     let [r, g, b, pdf, ..] = &mut out;
-    assert!(material.evaluate_and_pdf_pairs_into(short, wi_slices, [r, g, b], pdf).is_err());
+    assert!(
+        material
+            .ask(short, Towards { wi: wi_slices, value: Some([r, g, b]), pdf: Some(pdf) }.into())
+            .is_err()
+    );
 }
 
 #[test]

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 use srbf_core::{
-    Domain, Error, Expanded, FactorTable, Grid, GridView, Level, Line, Lobe, Material, Mixture, PlaneLobe,
-    SamplesMut, TiltedLobe, View,
+    Domain, Draws, Error, Expanded, FactorTable, Grid, GridView, Level, Line, Lobe, Material, Mixture,
+    PlaneLobe, Request, TiltedLobe, Towards, View,
 };
 use srbf_tests::inputs::Random;
 use srbf_tests::seeds::same_without_azimuth;
@@ -11,73 +11,8 @@ use srbf_tests::seeds::same_without_azimuth;
 type Inputs<'a> = [&'a [f32]; 3];
 type Done = Result<(), Error>;
 
-/// The verbs for n directions, in one shape.
-trait Verbs {
-    fn evaluate(&self, wi: Inputs, value: [&mut [f32]; 3]) -> Done;
-    fn evaluate_and_pdf(&self, wi: Inputs, value: [&mut [f32]; 3], pdf: &mut [f32]) -> Done;
-    fn pdf(&self, wi: Inputs, pdf: &mut [f32]) -> Done;
-    fn sample(&self, u: Inputs, samples: SamplesMut) -> Done;
-    fn sample_pdf(&self, u: Inputs, direction: [&mut [f32]; 3], pdf: &mut [f32]) -> Done;
-    fn sample_and_evaluate(
-        &self,
-        u: Inputs,
-        samples: SamplesMut,
-        wi: Inputs,
-        value: [&mut [f32]; 3],
-        pdf: &mut [f32],
-    ) -> Done;
-}
-
-/// One shape: `$start` are the arguments that its calls begin with.
-macro_rules! shape {
-    ($name:ident<$life:lifetime>($($field:ty),*), $self:ident, [$($of:tt)*], [$($start:expr),*],
-     $evaluate:ident, $both:ident, $pdf:ident, $sample:ident, $sample_pdf:ident, $sample_and:ident) => {
-        struct $name<$life>($($field),*);
-
-        impl Verbs for $name<'_> {
-            fn evaluate(&$self, wi: Inputs, value: [&mut [f32]; 3]) -> Done {
-                $($of)*$evaluate($($start,)* wi, value)
-            }
-            fn evaluate_and_pdf(&$self, wi: Inputs, value: [&mut [f32]; 3], pdf: &mut [f32]) -> Done {
-                $($of)*$both($($start,)* wi, value, pdf)
-            }
-            fn pdf(&$self, wi: Inputs, pdf: &mut [f32]) -> Done {
-                $($of)*$pdf($($start,)* wi, pdf)
-            }
-            fn sample(&$self, u: Inputs, samples: SamplesMut) -> Done {
-                $($of)*$sample($($start,)* u, samples)
-            }
-            fn sample_pdf(&$self, u: Inputs, direction: [&mut [f32]; 3], pdf: &mut [f32]) -> Done {
-                $($of)*$sample_pdf($($start,)* u, direction, pdf)
-            }
-            fn sample_and_evaluate(
-                &$self,
-                u: Inputs,
-                samples: SamplesMut,
-                wi: Inputs,
-                value: [&mut [f32]; 3],
-                pdf: &mut [f32],
-            ) -> Done {
-                $($of)*$sample_and($($start,)* u, samples, wi, value, pdf)
-            }
-        }
-    };
-}
-
-shape!(OfOne<'a>(&'a Mixture<'a, 64>), self, [self.0.], [],
-    evaluate_into, evaluate_and_pdf_into, pdf_into, sample_into, sample_pdf_into, sample_and_evaluate_into);
-shape!(OfMixtures<'a>(&'a [Mixture<'a, 64>]), self, [Mixture::], [self.0],
-    evaluate_pairs_into, evaluate_and_pdf_pairs_into, pdf_pairs_into,
-    sample_pairs_into, sample_pdf_pairs_into, sample_and_evaluate_pairs_into);
-shape!(OfReferences<'a>(&'a [&'a Mixture<'a, 64>]), self, [Mixture::], [self.0],
-    evaluate_pairs_into, evaluate_and_pdf_pairs_into, pdf_pairs_into,
-    sample_pairs_into, sample_pdf_pairs_into, sample_and_evaluate_pairs_into);
-shape!(OfMaterial<'a>(&'a Material<Vec<u8>>, Inputs<'a>), self, [self.0.], [self.1],
-    evaluate_pairs_into, evaluate_and_pdf_pairs_into, pdf_pairs_into,
-    sample_pairs_into, sample_pdf_pairs_into, sample_and_evaluate_pairs_into);
-shape!(OfExpanded<'a>(&'a Expanded<'a>, Inputs<'a>), self, [self.0.], [self.1],
-    evaluate_pairs_into, evaluate_and_pdf_pairs_into, pdf_pairs_into,
-    sample_pairs_into, sample_pdf_pairs_into, sample_and_evaluate_pairs_into);
+/// One shape: of what n hits are asked.
+type Ask<'a> = &'a dyn Fn(Request) -> Done;
 
 /// A structure of arrays.
 struct Arrays([Vec<f32>; 3]);
@@ -111,8 +46,9 @@ impl Samples {
     fn new(n: usize) -> Self {
         Self { direction: Arrays::new(n), pdf: vec![f32::NAN; n], weight: Arrays::new(n) }
     }
-    fn out(&mut self) -> SamplesMut<'_> {
-        SamplesMut { direction: self.direction.out(), pdf: &mut self.pdf, weight: self.weight.out() }
+    fn draws<'a>(&'a mut self, u: Inputs<'a>) -> Draws<'a> {
+        let (direction, weight) = (self.direction.out(), Some(self.weight.out()));
+        Draws { u, direction, pdf: Some(&mut self.pdf), weight }
     }
 }
 
@@ -120,8 +56,8 @@ fn near(a: f32, b: f32, size: f32) -> bool {
     (a - b).abs() <= 2e-5 * size
 }
 
-/// Every verb of a shape, against calls for one direction of the mixture of each.
-fn check(shape: &dyn Verbs, of_each: &[&Mixture<64>], wi: &[Vec3], u: &[Vec3], place: &str) {
+/// Everything that can be asked in a shape, against calls for one direction of the mixture of each.
+fn check(ask: Ask, of_each: &[&Mixture<64>], wi: &[Vec3], u: &[Vec3], place: &str) {
     let n = of_each.len();
     let (wi_in, u_in) = (Arrays::of(&wi[..n]), Arrays::of(&u[..n]));
     let (wi_in, u_in) = (wi_in.slices(), u_in.slices());
@@ -129,33 +65,42 @@ fn check(shape: &dyn Verbs, of_each: &[&Mixture<64>], wi: &[Vec3], u: &[Vec3], p
     let (mut pdf, mut both_pdf, mut beside_pdf) = (vec![f32::NAN; n], vec![f32::NAN; n], vec![f32::NAN; n]);
     let (mut samples, mut sampled) = (Samples::new(n), Samples::new(n));
     let (mut drawn, mut drawn_pdf) = (Arrays::new(n), vec![f32::NAN; n]);
-    shape.evaluate(wi_in, value.out()).unwrap();
-    shape.evaluate_and_pdf(wi_in, both.out(), &mut both_pdf).unwrap();
-    shape.pdf(wi_in, &mut pdf).unwrap();
-    shape.sample(u_in, samples.out()).unwrap();
-    shape.sample_pdf(u_in, drawn.out(), &mut drawn_pdf).unwrap();
-    shape.sample_and_evaluate(u_in, sampled.out(), wi_in, beside.out(), &mut beside_pdf).unwrap();
+    let (mut bare, mut weighed, mut weights) = (Arrays::new(n), Arrays::new(n), Arrays::new(n));
+    let wi = wi_in;
+    ask(Towards { wi, value: Some(value.out()), pdf: None }.into()).unwrap();
+    ask(Towards { wi, value: Some(both.out()), pdf: Some(&mut both_pdf) }.into()).unwrap();
+    ask(Towards { wi, value: None, pdf: Some(&mut pdf) }.into()).unwrap();
+    ask(samples.draws(u_in).into()).unwrap();
+    ask(Draws { u: u_in, direction: drawn.out(), pdf: Some(&mut drawn_pdf), weight: None }.into()).unwrap();
+    ask(Draws { u: u_in, direction: bare.out(), pdf: None, weight: None }.into()).unwrap();
+    ask(Draws { u: u_in, direction: weighed.out(), pdf: None, weight: Some(weights.out()) }.into()).unwrap();
+    let towards = Towards { wi, value: Some(beside.out()), pdf: Some(&mut beside_pdf) };
+    ask(Request { draw: Some(sampled.draws(u_in)), evaluate: Some(towards) }).unwrap();
+    ask(Request::default()).unwrap();
     for (i, m) in of_each.iter().enumerate() {
-        let place = format!("{place}, {i} of {n}, {}", wi[i]);
-        let (want, density) = m.evaluate_and_pdf(wi[i]);
+        let (wi, u) = (Vec3::new(wi[0][i], wi[1][i], wi[2][i]), u[i].to_array());
+        let place = format!("{place}, {i} of {n}, {wi}");
+        let (want, density) = m.evaluate_and_pdf(wi);
         let size = want.abs().max_element();
-        for got in [value.at(i), both.at(i), beside.at(i), m.evaluate(wi[i])] {
+        for got in [value.at(i), both.at(i), beside.at(i), m.evaluate(wi)] {
             assert!((0..3).all(|c| near(got[c], want[c], size)), "{place}: value {got}, {want}");
         }
-        for got in [pdf[i], both_pdf[i], beside_pdf[i], m.pdf(wi[i])] {
+        for got in [pdf[i], both_pdf[i], beside_pdf[i], m.pdf(wi)] {
             assert!(near(got, density, density), "{place}: density {got}, {density}");
         }
 
-        let one = m.sample(u[i].to_array());
+        let one = m.sample(u);
         let (direction, d_pdf) = (samples.direction.at(i), samples.pdf[i]);
-        for got in [drawn.at(i), sampled.direction.at(i)] {
+        for got in [drawn.at(i), sampled.direction.at(i), bare.at(i), weighed.at(i)] {
             assert!(got.distance(direction) < 4e-6, "{place}: drawn {got}, {direction}");
         }
         for got in [drawn_pdf[i], sampled.pdf[i]] {
             assert!(near(got, d_pdf, 10.0 * d_pdf), "{place}: density {got}, {d_pdf}");
         }
         let weight = samples.weight.at(i);
-        assert!(sampled.weight.at(i).distance(weight) <= 1e-4 * weight.length(), "{place}: weight");
+        for got in [sampled.weight.at(i), weights.at(i)] {
+            assert!(got.distance(weight) <= 1e-4 * weight.length(), "{place}: weight");
+        }
         match one {
             Some(one) => {
                 assert!(one.direction.distance(direction) < 4e-6, "{place}: {direction}, {}", one.direction);
@@ -166,18 +111,20 @@ fn check(shape: &dyn Verbs, of_each: &[&Mixture<64>], wi: &[Vec3], u: &[Vec3], p
             }
             None => assert_eq!((d_pdf, weight), (0.0, Vec3::ZERO), "{place}"),
         }
-        let (again, towards) = m.sample_and_evaluate(u[i].to_array(), wi[i]);
-        assert_eq!((again, towards), (one, m.evaluate_and_pdf(wi[i])), "{place}");
+        let (again, towards) = m.sample_and_evaluate(u, wi);
+        assert_eq!((again, towards), (one, m.evaluate_and_pdf(wi)), "{place}");
     }
     if n > 0 {
-        let short = wi_in.map(|s| &s[1..]);
-        assert_eq!(shape.evaluate(short, value.out()), Err(Error::Length));
-        assert_eq!(shape.evaluate_and_pdf(wi_in, both.out(), &mut pdf[1..]), Err(Error::Length));
-        assert_eq!(shape.pdf(short, &mut pdf), Err(Error::Length));
-        assert_eq!(shape.sample(short, samples.out()), Err(Error::Length));
-        assert_eq!(shape.sample_pdf(u_in, drawn.out(), &mut pdf[1..]), Err(Error::Length));
-        let end = shape.sample_and_evaluate(u_in, sampled.out(), short, beside.out(), &mut pdf);
-        assert_eq!(end, Err(Error::Length));
+        let short = wi.map(|s| &s[1..]);
+        let value = || Arrays::new(n);
+        let refused = |request: Request| assert_eq!(ask(request), Err(Error::Length), "{place}");
+        refused(Towards { wi: short, value: Some(value().out()), pdf: None }.into());
+        refused(Towards { wi, value: Some(value().out()), pdf: Some(&mut pdf[1..]) }.into());
+        refused(Towards { wi: short, value: None, pdf: Some(&mut pdf) }.into());
+        refused(samples.draws(short).into());
+        refused(Draws { u: u_in, direction: drawn.out(), pdf: Some(&mut pdf[1..]), weight: None }.into());
+        let towards = Towards { wi: short, value: Some(beside.out()), pdf: Some(&mut pdf) };
+        refused(Request { draw: Some(sampled.draws(u_in)), evaluate: Some(towards) });
     }
 }
 
@@ -303,11 +250,20 @@ fn every_verb_gives_in_every_shape_what_single_calls_give() {
             let of_each: Vec<&Mixture<64>> = mixtures.iter().collect();
             for n in [0, 1, 3, 4, 16, 17, PAIRS] {
                 let wo_in = Arrays::of(&wo[..n]);
-                check(&OfMaterial(material, wo_in.slices()), &of_each[..n], &wi, &u, &place);
-                check(&OfMixtures(&mixtures[..n]), &of_each[..n], &wi, &u, &format!("{place}, mixtures"));
-                check(&OfReferences(&of_each[..n]), &of_each[..n], &wi, &u, &format!("{place}, references"));
+                let check = |ask: Ask, of_each: &[&Mixture<64>], what: &str| {
+                    check(ask, of_each, &wi, &u, &format!("{place}, {what}"));
+                };
+                check(&|request| material.ask(wo_in.slices(), request), &of_each[..n], "material");
+                let each = vec![material; n];
+                check(
+                    &|request| Material::ask_each(&each, wo_in.slices(), request),
+                    &of_each[..n],
+                    "materials",
+                );
+                check(&|request| Mixture::ask_each(&mixtures[..n], request), &of_each[..n], "mixtures");
+                check(&|request| Mixture::ask_each(&of_each[..n], request), &of_each[..n], "references");
                 let one = &mixtures[0];
-                check(&OfOne(one), &vec![one; n], &wi, &u, &format!("{place}, one mixture"));
+                check(&|request| one.ask(request), &vec![one; n], "one mixture");
             }
             if !material.is_isotropic() {
                 continue;
@@ -322,7 +278,7 @@ fn every_verb_gives_in_every_shape_what_single_calls_give() {
             for n in [0, 1, 16, PAIRS] {
                 let wo_in = Arrays::of(&wo[..n]);
                 check(
-                    &OfExpanded(&expanded, wo_in.slices()),
+                    &|request| expanded.ask(wo_in.slices(), request),
                     &of_each[..n],
                     &wi,
                     &u,
@@ -367,6 +323,6 @@ fn mixtures_of_all_kinds_may_stand_side_by_side() {
         let wi: Vec<Vec3> = (0..PAIRS).map(|_| random.direction()).collect();
         let u: Vec<Vec3> = (0..PAIRS).map(|_| Vec3::from_array(random.three())).collect();
         let of_each: Vec<&Mixture<64>> = mixtures.iter().collect();
-        check(&OfMixtures(&mixtures), &of_each, &wi, &u, &format!("round {round}"));
+        check(&|request| Mixture::ask_each(&mixtures, request), &of_each, &wi, &u, &format!("round {round}"));
     }
 }

@@ -8,11 +8,8 @@ use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::row;
 use crate::mixture::rows::Mixture;
 use crate::simd::elementary::{exp2, exp2_soon, sin_cos};
-use crate::simd::lanes::{Lanes, dot3, splat3};
+use crate::simd::lanes::{Lanes, WIDEST_PAIR, dot3, splat3};
 use crate::squeeze::Squeeze;
-
-/// Widest vector of any back end, a pair included.
-pub(crate) const WIDEST: usize = 32;
 
 /// The bytes from `ahead` before an offset on, at least `need` of them: near either end of the file those of
 /// `copy`, `len` bytes, which is then made.
@@ -170,7 +167,7 @@ pub(crate) fn head_at<L: Lanes>(material: MaterialRef<'_>, place: Place) -> (f32
     let (a, b) = (material.header.head(place.before), material.header.head(place.after));
     let a = from_offset!(material.bytes, a, 0, HEADS, copy_a, HEADS);
     let b = from_offset!(material.bytes, b, 0, HEADS, copy_b, HEADS);
-    let (mut head, mut logarithms) = ([0.0; WIDEST], [0.0; WIDEST]);
+    let (mut head, mut logarithms) = ([0.0; WIDEST_PAIR], [0.0; WIDEST_PAIR]);
     let mut i = 0;
     while i < HEAD {
         // What comes behind the head is none of its numbers, and its power of two may be a subnormal, which
@@ -314,10 +311,10 @@ impl Rows<'_> {
 const LEAST_OFF_PLANE: f32 = 1e-9;
 
 /// Bytes of one vector: the angles of views, or the head of one.
-const HEADS: usize = 4 * WIDEST;
+const HEADS: usize = 4 * WIDEST_PAIR;
 
 /// Room for a view of the most lobes, and a vector more.
-pub(crate) const PADDED: usize = 4 * (5 * MAX_LOBES + WIDEST);
+pub(crate) const PADDED: usize = 4 * (5 * MAX_LOBES + WIDEST_PAIR);
 
 /// At least `need` bytes from `ahead` before an offset on, with zeros before the file and after it.
 #[cold]

@@ -7,12 +7,12 @@
 
 use super::draw::{Choice, Frame, chosen_lobe, chosen_power, draw};
 use super::one_direction::{all_lobes, with_diffuse};
-use super::sights::{MOST, Numbers, sight, sights};
+use super::sights::{sight, sights};
 use crate::mixture::rows::Mixture;
-use crate::simd::lanes::Lanes;
+use crate::simd::lanes::{Lanes, Numbers, WIDEST};
 use crate::simd::routine::Routine;
 
-/// Draws a direction from each of at most [`MOST`] mixtures. One that reflects nothing gives the normal.
+/// Draws a direction from each of at most [`WIDEST`] mixtures. One that reflects nothing gives the normal.
 pub(crate) struct DrawBlock<'a, const N: usize> {
     pub mixtures: &'a [&'a Mixture<'a, N>],
     pub u: &'a [Numbers; 3],
@@ -23,13 +23,13 @@ impl<const N: usize> Routine for DrawBlock<'_, N> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> [Numbers; 3] {
         let Self { mixtures, u } = self;
-        let zeros = [0.0; MOST];
+        let zeros = [0.0; WIDEST];
         // Of lobes with axes in the plane of incidence y is 0, which a general frame handles as well.
         let (mut in_plane, mut any_squeezed, mut any_diffuse) = (true, false, false);
         let (mut axis, mut azimuth, mut narrow) = ([zeros; 3], [zeros; 2], [zeros; 2]);
         let (mut inside, mut gone, mut inverse_sharpness) = (zeros, zeros, zeros);
         let (mut squeezed, mut lobe, mut dark) = (zeros, zeros, zeros);
-        for (i, m) in mixtures.iter().take(MOST).enumerate() {
+        for (i, m) in mixtures.iter().take(WIDEST).enumerate() {
             let target = chosen_power(m.head.power, u[0][i]);
             let k = chosen_lobe::<L, N>(m, target);
             axis[0][i] = m.rows.axis_x[k];
@@ -53,7 +53,7 @@ impl<const N: usize> Routine for DrawBlock<'_, N> {
         let half = L::splat(0.5);
         let mut out = [zeros; 3];
         let mut at = 0;
-        while at < mixtures.len() && at + L::COUNT <= MOST {
+        while at < mixtures.len() && at + L::COUNT <= WIDEST {
             let frame = Frame {
                 in_plane,
                 any_squeezed,
@@ -81,7 +81,7 @@ impl<const N: usize> Routine for DrawBlock<'_, N> {
     }
 }
 
-/// Evaluates each of at most [`MOST`] mixtures towards its direction: red, green and blue, or the luminance
+/// Evaluates each of at most [`WIDEST`] mixtures towards its direction: red, green and blue, or the luminance
 /// (`C` = 1).
 pub(crate) struct SumBlock<'a, const N: usize, const C: usize> {
     pub mixtures: &'a [&'a Mixture<'a, N>],
@@ -93,10 +93,10 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> [Numbers; C] {
         let Self { mixtures, directions: [_, _, z] } = self;
-        let zeros = [0.0; MOST];
+        let zeros = [0.0; WIDEST];
         let (mut azimuth, mut excess) = ([zeros; 2], zeros);
-        let (mut along, mut inverse) = ([1.0; MOST], [1.0; MOST]);
-        for (i, m) in mixtures.iter().take(MOST).enumerate() {
+        let (mut along, mut inverse) = ([1.0; WIDEST], [1.0; WIDEST]);
+        for (i, m) in mixtures.iter().take(WIDEST).enumerate() {
             azimuth[0][i] = m.head.squeeze.azimuth[0];
             azimuth[1][i] = m.head.squeeze.azimuth[1];
             excess[i] = m.head.squeeze.excess;
@@ -105,7 +105,7 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
         }
         let sights = sights::<L>(azimuth, excess, [along, inverse], self.directions);
         let mut out = [zeros; C];
-        for (i, m) in mixtures.iter().take(MOST).enumerate() {
+        for (i, m) in mixtures.iter().take(WIDEST).enumerate() {
             // False for a NaN too.
             let above = z[i] >= 0.0;
             if !above || m.is_nothing() {

@@ -9,10 +9,7 @@ use super::block::{DrawBlock, SumBlock};
 use super::multiply_factors::multiply_block;
 use super::prepare::prepare_each;
 use super::request::{Draws, Request, Towards, at};
-use super::sights::MOST;
-#[cfg(feature = "simd")]
-use super::sights::Numbers;
-use super::slices::{SamplesMut, same_length};
+use super::slices::{Block, same_length};
 #[cfg(feature = "simd")]
 use crate::color::luminance;
 use crate::error::Error;
@@ -25,6 +22,9 @@ use crate::mixture::factors::Nodes;
 use crate::mixture::rows::{Domain, weight_of};
 use crate::mixture::rows::{Mixture, Sample, drawn_density};
 use crate::simd::detect::Level;
+#[cfg(feature = "simd")]
+use crate::simd::lanes::Numbers;
+use crate::simd::lanes::WIDEST;
 use core::borrow::{Borrow, BorrowMut};
 use glam::Vec3;
 
@@ -47,11 +47,10 @@ impl<B: AsRef<[u8]>> Material<B> {
             return Err(Error::Capacity { needed: self.lobe_count(), available: N });
         }
         let (material, level) = (self.borrowed(), Level::current());
-        for (block, mixtures) in mixtures.chunks_mut(MOST).enumerate() {
-            let (from, count) = (block * MOST, mixtures.len());
+        for (Block { from, count }, mixtures) in Block::all(mixtures.len()).zip(mixtures.chunks_mut(WIDEST)) {
             let wo = wo.map(|s| &s[from..from + count]);
             let mut left = mixtures.iter_mut();
-            let mut mixtures: [_; MOST] = core::array::from_fn(|_| left.next().map(BorrowMut::borrow_mut));
+            let mut mixtures: [_; WIDEST] = core::array::from_fn(|_| left.next().map(BorrowMut::borrow_mut));
             prepare_each(material, wo, level, &mut mixtures[..count]);
         }
         Ok(())
@@ -70,109 +69,6 @@ impl<'m, const N: usize> Mixture<'m, N> {
     pub fn ask_each(mixtures: &[impl Borrow<Self>], request: Request<'_>) -> Result<(), Error> {
         for_each_mixture(mixtures, request)
     }
-
-    /// Evaluates `f cos` for n pairs of a mixture and an incident direction; 1/sr.
-    ///
-    /// Shapes: `mixtures` `[n]`; `wi` x, y, z, each `[n]`; `value` red, green, blue, each `[n]`, overwritten.
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    pub fn evaluate_pairs_into(
-        mixtures: &[impl Borrow<Self>],
-        wi: [&[f32]; 3],
-        value: [&mut [f32]; 3],
-    ) -> Result<(), Error> {
-        Self::ask_each(
-            mixtures,
-            Request { draw: None, evaluate: Some(Towards { wi, value: Some(value), pdf: None }) },
-        )
-    }
-
-    /// Evaluates `f cos` and the density for n pairs of a mixture and an incident direction; 1/sr.
-    ///
-    /// Shapes: as in [`evaluate_pairs_into`](Self::evaluate_pairs_into), and `pdf` `[n]`, overwritten.
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    pub fn evaluate_and_pdf_pairs_into(
-        mixtures: &[impl Borrow<Self>],
-        wi: [&[f32]; 3],
-        value: [&mut [f32]; 3],
-        pdf: &mut [f32],
-    ) -> Result<(), Error> {
-        let towards = Towards { wi, value: Some(value), pdf: Some(pdf) };
-        Self::ask_each(mixtures, Request { draw: None, evaluate: Some(towards) })
-    }
-
-    /// Evaluates the density alone for n pairs of a mixture and an incident direction; 1/sr.
-    ///
-    /// Shapes: `mixtures` `[n]`; `wi` x, y, z, each `[n]`; `pdf` `[n]`, overwritten.
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    pub fn pdf_pairs_into(
-        mixtures: &[impl Borrow<Self>],
-        wi: [&[f32]; 3],
-        pdf: &mut [f32],
-    ) -> Result<(), Error> {
-        Self::ask_each(
-            mixtures,
-            Request { draw: None, evaluate: Some(Towards { wi, value: None, pdf: Some(pdf) }) },
-        )
-    }
-
-    /// Draws one direction from each of n mixtures, with density and weight `f cos / pdf`.
-    ///
-    /// A mixture that reflects nothing gives the normal with density 0 and weight 0.
-    ///
-    /// Shapes: `mixtures` `[n]`; `u` three uniform numbers in [0, 1), each `[n]`; `samples`, every slice `[n]`,
-    /// overwritten.
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    pub fn sample_pairs_into(
-        mixtures: &[impl Borrow<Self>],
-        u: [&[f32]; 3],
-        samples: SamplesMut<'_>,
-    ) -> Result<(), Error> {
-        Self::ask_each(mixtures, Request { draw: Some(samples.draws(u)), evaluate: None })
-    }
-
-    /// Draws one direction from each of n mixtures, with density, without a weight.
-    ///
-    /// Shapes: as in [`sample_pairs_into`](Self::sample_pairs_into); `direction` x, y, z, and `pdf`, each `[n]`,
-    /// overwritten; 1/sr.
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    pub fn sample_pdf_pairs_into(
-        mixtures: &[impl Borrow<Self>],
-        u: [&[f32]; 3],
-        direction: [&mut [f32]; 3],
-        pdf: &mut [f32],
-    ) -> Result<(), Error> {
-        let draw = Draws { u, direction, pdf: Some(pdf), weight: None };
-        Self::ask_each(mixtures, Request { draw: Some(draw), evaluate: None })
-    }
-
-    /// Draws one direction from each of n mixtures, and evaluates value and density towards another one.
-    ///
-    /// Shapes: as in [`sample_pairs_into`](Self::sample_pairs_into) and, of the other directions `wi`, in
-    /// [`evaluate_and_pdf_pairs_into`](Self::evaluate_and_pdf_pairs_into).
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    pub fn sample_and_evaluate_pairs_into(
-        mixtures: &[impl Borrow<Self>],
-        u: [&[f32]; 3],
-        samples: SamplesMut<'_>,
-        wi: [&[f32]; 3],
-        value: [&mut [f32]; 3],
-        pdf: &mut [f32],
-    ) -> Result<(), Error> {
-        let towards = Towards { wi, value: Some(value), pdf: Some(pdf) };
-        Self::ask_each(mixtures, Request { draw: Some(samples.draws(u)), evaluate: Some(towards) })
-    }
 }
 
 /// Fewer pairs than this are taken one by one.
@@ -184,17 +80,17 @@ fn for_each_mixture<'m, const N: usize>(
     mut request: Request<'_>,
 ) -> Result<(), Error> {
     request.check(mixtures.len())?;
-    for (block, mixtures) in mixtures.chunks(MOST).enumerate() {
-        let (from, last) = (block * MOST, mixtures.len() - 1);
-        let block: [&Mixture<'m, N>; MOST] = core::array::from_fn(|i| mixtures[i.min(last)].borrow());
-        let block = &block[..=last];
+    for (block, mixtures) in Block::all(mixtures.len()).zip(mixtures.chunks(WIDEST)) {
+        let last = mixtures.len() - 1;
+        let each: [&Mixture<'m, N>; WIDEST] = core::array::from_fn(|i| mixtures[i.min(last)].borrow());
+        let each = &each[..=last];
         #[cfg(feature = "simd")]
-        if let Some(level) = level_of_block(block) {
-            block_of(&mut request, level, block, from);
+        if let Some(level) = level_of_block(each) {
+            block_of(&mut request, level, each, block);
             continue;
         }
-        for (i, mixture) in block.iter().enumerate() {
-            one_of(&mut request, mixture, from + i);
+        for (i, mixture) in each.iter().enumerate() {
+            one_of(&mut request, mixture, block.from + i);
         }
     }
     Ok(())
@@ -217,24 +113,6 @@ fn level_of_block<const N: usize>(mixtures: &[&Mixture<'_, N>]) -> Option<Level>
         m.head.level == level && m.head.domain == Domain::Hemisphere && same_factors
     };
     mixtures.iter().all(fits).then_some(level)
-}
-
-/// The numbers of a block, padded with harmless ones: a direction, or uniform numbers.
-#[cfg(feature = "simd")]
-fn padded(vectors: &[&[f32]; 3], from: usize, count: usize) -> [Numbers; 3] {
-    let mut block = [[0.5; MOST]; 3];
-    for (block, from_here) in block.iter_mut().zip(vectors.map(|s| &s[from..from + count])) {
-        block[..count].copy_from_slice(from_here);
-    }
-    block
-}
-
-/// Copies a block of directions or colours out.
-#[cfg(feature = "simd")]
-fn copy_out(block: &[Numbers; 3], to: &mut [&mut [f32]; 3], from: usize, count: usize) {
-    for (block, to) in block.iter().zip(to) {
-        to[from..from + count].copy_from_slice(&block[..count]);
-    }
 }
 
 /// The densities of a block, of the values before they are multiplied by factors.
@@ -268,16 +146,12 @@ fn with_room<const N: usize>(
     level: Level,
     request: &mut Request<'_>,
 ) {
-    let n = wo[0].len();
-    let mut mixtures = [const { Mixture::<N>::empty() }; MOST];
-    let mut from = 0;
-    while from < n {
-        let count = MOST.min(n - from);
-        let wo = wo.map(|s| &s[from..from + count]);
+    let mut mixtures = [const { Mixture::<N>::empty() }; WIDEST];
+    for block in Block::all(wo[0].len()) {
+        let wo = wo.map(|s| &s[block.from..block.from + block.count]);
         let mut made = mixtures.each_mut().map(Some);
-        prepare_each(material, wo, level, &mut made[..count]);
-        block_of(request, level, &mixtures.each_ref()[..count], from);
-        from += count;
+        prepare_each(material, wo, level, &mut made[..block.count]);
+        block_of(request, level, &mixtures.each_ref()[..block.count], block);
     }
 }
 
@@ -308,18 +182,18 @@ fn one_of<const N: usize>(request: &mut Request<'_>, m: &Mixture<'_, N>, i: usiz
     }
 }
 
-/// Answers for the hits from `from` on, as many as mixtures, at most [`MOST`].
+/// Answers for the hits of a block, as many as mixtures.
 #[cfg(feature = "simd")]
 fn block_of<const N: usize>(
     request: &mut Request<'_>,
     level: Level,
     mixtures: &[&Mixture<'_, N>],
-    from: usize,
+    block: Block,
 ) {
-    let count = mixtures.len();
+    let (from, count) = (block.from, block.count);
     if let Some(Draws { u, direction, pdf, weight }) = &mut request.draw {
-        let directions = level.run(DrawBlock { mixtures, u: &padded(u, from, count) });
-        let mut density = [0.0; MOST];
+        let directions = level.run(DrawBlock { mixtures, u: &block.padded(u) });
+        let mut density = [0.0; WIDEST];
         if let Some(weight) = weight {
             let mut value = level.run(SumBlock::<N, 3> { mixtures, directions: &directions });
             densities(&value, mixtures, &mut density[..count]);
@@ -340,17 +214,17 @@ fn block_of<const N: usize>(
                 pdf[from + i] = if m.head.power > 0.0 { drawn_density(density[i]) } else { density[i] };
             }
         }
-        copy_out(&directions, direction, from, count);
+        block.copy_out(&directions, direction);
     }
     if let Some(Towards { wi, value, pdf }) = &mut request.evaluate {
-        let directions = &padded(wi, from, count);
+        let directions = &block.padded(wi);
         if let Some(value) = value {
             let mut sums = level.run(SumBlock::<N, 3> { mixtures, directions });
             if let Some(pdf) = pdf {
                 densities(&sums, mixtures, &mut pdf[from..from + count]);
             }
             multiply_block(level, mixtures, directions, &mut sums);
-            copy_out(&sums, value, from, count);
+            block.copy_out(&sums, value);
         } else if let Some(pdf) = pdf {
             let [sums] = level.run(SumBlock::<N, 1> { mixtures, directions });
             for (i, m) in mixtures.iter().enumerate() {

@@ -4,7 +4,7 @@
 
 use crate::mixture::rows::{Block, Domain, MixtureRef};
 use crate::simd::elementary::falloff;
-use crate::simd::lanes::{Lanes, PART, PARTS, Part, TOGETHER, scale};
+use crate::simd::lanes::{Lanes, Numbers, PARTS, TOGETHER, WIDEST, scale};
 use crate::squeeze::Seen;
 use core::f32::consts::FRAC_1_PI;
 use core::ops::Range;
@@ -139,16 +139,16 @@ fn stretches<L: Lanes, const C: usize, F: Form, const PLANE: bool>(
 ) {
     // Stretches of lobes of one block that need their fold, and of lobes that do not: no branch in the loop over
     // either.
-    let (mut k, to) = (lobes.start, lobes.end.min(PART * PARTS));
+    let (mut k, to) = (lobes.start, lobes.end.min(WIDEST * PARTS));
     while k < to {
-        let lobes = Lobes::of_block(m.blocks[k / PART]);
-        let (ahead, from, left) = (m.head.folded >> k, k % PART, to - k);
+        let lobes = Lobes::of_block(m.blocks[k / WIDEST]);
+        let (ahead, from, left) = (m.head.folded >> k, k % WIDEST, to - k);
         if ahead & 1 == 1 {
-            let n = left.min(ahead.trailing_ones() as usize).min(PART - from);
+            let n = left.min(ahead.trailing_ones() as usize).min(WIDEST - from);
             stretch::<L, C, F, PLANE, true>(&lobes, seen, from..from + n, acc, stage);
             k += n;
         } else {
-            let n = left.min(ahead.trailing_zeros() as usize).min(PART - from);
+            let n = left.min(ahead.trailing_zeros() as usize).min(WIDEST - from);
             stretch::<L, C, F, PLANE, false>(&lobes, seen, from..from + n, acc, stage);
             k += n;
         }
@@ -158,7 +158,7 @@ fn stretches<L: Lanes, const C: usize, F: Form, const PLANE: bool>(
 /// A block of lobes with `C` sets of amplitudes: red, green and blue, or the luminance.
 struct Lobes<'a, const C: usize> {
     block: &'a Block,
-    amplitudes: [&'a Part; C],
+    amplitudes: [&'a Numbers; C],
 }
 
 impl<'a, const C: usize> Lobes<'a, C> {
@@ -200,7 +200,7 @@ fn one_by_one<L: Lanes, const C: usize, F: Form, const PLANE: bool, const FOLD: 
     acc: &mut [L; C],
 ) {
     let Block { axis_x: x, axis_y: y, axis_z: z, rate, fold_rate, .. } = lobes.block;
-    for k in range.start..range.end.min(PART) {
+    for k in range.start..range.end.min(WIDEST) {
         let t = exponent::<L, F, PLANE>([x[k], y[k], z[k]], rate[k], seen, yy);
         let mut g = falloff(t);
         if FOLD {
@@ -223,7 +223,7 @@ fn in_stages<L: Lanes, const C: usize, F: Form, const PLANE: bool, const FOLD: b
     acc: &mut [L; C],
     stage: &mut Stage<L>,
 ) {
-    let (mut k, to) = (range.start, range.end.min(PART));
+    let (mut k, to) = (range.start, range.end.min(WIDEST));
     while k < to {
         let n = (to - k).min(if FOLD { STAGE / 2 } else { STAGE });
         let block = lobes.block;

@@ -5,7 +5,7 @@ use crate::mixture::rows::Head;
 #[cfg(feature = "simd")]
 use crate::mixture::rows::Mixture;
 use crate::simd::detect::Level;
-use crate::simd::lanes::{Lanes, splat3};
+use crate::simd::lanes::{Lanes, Numbers, WIDEST, splat3};
 use crate::simd::routine::Routine;
 
 /// Outgoing directions of a batch.
@@ -24,9 +24,6 @@ struct Multiply<'a, 'm> {
     wi: [&'a [f32]; 3],
     value: [&'a mut [f32]; 3],
 }
-
-/// Widest vector: what fewer directions than that are padded to.
-const WIDEST: usize = 16;
 
 /// Vectors that are taken through a stage of the lookup before the next: the roots are a long chain of
 /// operations, each of which waits for the one before, and a processor sees no further than one vector's
@@ -100,34 +97,34 @@ fn times<L: Lanes>(numbers: &mut [f32], by: L, count: usize) {
 
 /// Multiplies the values of a block of mixtures, which have the same factors, each towards its own direction.
 #[cfg(feature = "simd")]
-pub(crate) fn multiply_block<const N: usize, const B: usize>(
+pub(crate) fn multiply_block<const N: usize>(
     level: Level,
     mixtures: &[&Mixture<'_, N>],
-    directions: &[[f32; B]; 3],
-    value: &mut [[f32; B]; 3],
+    directions: &[Numbers; 3],
+    value: &mut [Numbers; 3],
 ) {
     // A mixture that reflects nothing has none.
     let Some(nodes) = mixtures.iter().map(|m| &m.head.factors.nodes).find(|nodes| !nodes.is_none()) else {
         return;
     };
-    let mut wo = [[0.5; B]; 3];
-    for (i, m) in mixtures.iter().take(B).enumerate() {
+    let mut wo = [[0.5; WIDEST]; 3];
+    for (i, m) in mixtures.iter().take(WIDEST).enumerate() {
         [wo[0][i], wo[1][i], wo[2][i]] = m.head.factors.wo;
     }
     multiply_pairs(level, nodes, &wo, directions, value);
     // The factor towards what is no direction may be none.
-    for (i, _) in mixtures.iter().take(B).enumerate().filter(|(_, m)| m.is_nothing()) {
+    for (i, _) in mixtures.iter().take(WIDEST).enumerate().filter(|(_, m)| m.is_nothing()) {
         value.iter_mut().for_each(|channel| channel[i] = 0.0);
     }
 }
 
 /// Multiplies the values of a block of pairs of an outgoing and an incident direction; there has to be a table.
-pub(crate) fn multiply_pairs<const B: usize>(
+pub(crate) fn multiply_pairs(
     level: Level,
     nodes: &Nodes<'_>,
-    [wo_x, wo_y, wo_z]: &[[f32; B]; 3],
-    [wi_x, wi_y, wi_z]: &[[f32; B]; 3],
-    [red, green, blue]: &mut [[f32; B]; 3],
+    [wo_x, wo_y, wo_z]: &[Numbers; 3],
+    [wi_x, wi_y, wi_z]: &[Numbers; 3],
+    [red, green, blue]: &mut [Numbers; 3],
 ) {
     let wo = Outgoing::Each([wo_x, wo_y, wo_z]);
     level.run(Multiply { nodes, wo, wi: [wi_x, wi_y, wi_z], value: [red, green, blue] });

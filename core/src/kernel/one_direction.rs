@@ -123,22 +123,6 @@ impl<const N: usize> Mixture<'_, N> {
         (self.sample(u), self.evaluate_and_pdf(direction))
     }
 
-    /// Draws only direction and density of [`sample`](Self::sample), for callers that take the value
-    /// elsewhere: one colour channel in place of three.
-    #[inline]
-    pub fn sample_pdf(&self, u: [f32; 3]) -> Option<(Vec3, f32)> {
-        if self.is_plain() { self.sample_pdf_as::<false>(u) } else { self.sample_pdf_as::<true>(u) }
-    }
-
-    #[inline(always)]
-    fn sample_pdf_as<const SEEN: bool>(&self, u: [f32; 3]) -> Option<(Vec3, f32)> {
-        if self.head.power <= 0.0 {
-            return None;
-        }
-        let (direction, pdf) = self.head.level.draw_one::<_, Drawn<SEEN>, PdfOne<SEEN>>(self, u);
-        Some((Vec3::from_array(direction), drawn_density(pdf)))
-    }
-
     /// Draws only the direction of [`sample`](Self::sample), for callers that take value and density
     /// elsewhere.
     #[inline]

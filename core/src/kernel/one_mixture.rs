@@ -6,19 +6,16 @@
 use super::draw::sample_direction;
 use super::lobe_sums::{STAGE, Stage, sums};
 use super::request::{Draws, Request, Towards};
-use super::slices::{SamplesMut, same_length};
 use crate::color::{LUMINANCE, luminance};
 use crate::error::Error;
 use crate::mixture::rows::{LEAST_DENSITY, Mixture, MixtureRef, Rows};
-use crate::simd::lanes::{Lanes, PARTS, dot3, scale, splat3};
+use crate::simd::lanes::{Lanes, PARTS, WIDEST, dot3, scale, splat3};
 use crate::simd::routine::Routine;
+use core::ops::Range;
 use glam::Vec3;
 
-/// Widest vector: what fewer directions than that are padded to.
-const WIDEST: usize = 16;
-
 /// Directions of a batch that are evaluated, and then multiplied while they are near.
-const CHUNK: usize = 512;
+const NEAR: usize = 512;
 
 impl<const N: usize> Mixture<'_, N> {
     /// Draws and evaluates for n hits: what is asked is what is given.
@@ -34,264 +31,103 @@ impl<const N: usize> Mixture<'_, N> {
         let towards = evaluate.as_ref().map_or(0, |towards| towards.wi[0].len());
         let (draw, evaluate) = (Request { draw, evaluate: None }, Request { draw: None, evaluate });
         draw.check(drawn).and(evaluate.check(towards))?;
-        self.borrowed(&mut [Rows::zeros(); PARTS]).ask(draw.draw, evaluate.evaluate)
-    }
-
-    /// Evaluates `f cos` towards n incident directions; 1/sr. Same values as [`evaluate`](Self::evaluate).
-    ///
-    /// Shapes: `directions` x, y, z, each `[n]`, unit vectors; `value` red, green, blue, each `[n]`,
-    /// overwritten.
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    #[inline]
-    pub fn evaluate_into(&self, directions: [&[f32]; 3], value: [&mut [f32]; 3]) -> Result<(), Error> {
-        self.borrowed(&mut [Rows::zeros(); PARTS]).evaluate_into(directions, value)
-    }
-
-    /// Evaluates `f cos` and the density of [`sample`](Self::sample) at n directions; 1/sr.
-    ///
-    /// Shapes: `directions` x, y, z, each `[n]`, unit vectors; `value` red, green, blue, each `[n]`, and `pdf`
-    /// `[n]`, overwritten.
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    #[inline]
-    pub fn evaluate_and_pdf_into(
-        &self,
-        directions: [&[f32]; 3],
-        value: [&mut [f32]; 3],
-        pdf: &mut [f32],
-    ) -> Result<(), Error> {
-        self.borrowed(&mut [Rows::zeros(); PARTS]).evaluate_and_pdf_into(directions, value, pdf)
-    }
-
-    /// Evaluates the density of [`sample`](Self::sample) at n directions; 1/sr.
-    ///
-    /// Shapes: `directions` x, y, z, each `[n]`, unit vectors; `pdf` `[n]`, overwritten.
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    #[inline]
-    pub fn pdf_into(&self, directions: [&[f32]; 3], pdf: &mut [f32]) -> Result<(), Error> {
-        self.borrowed(&mut [Rows::zeros(); PARTS]).pdf_into(directions, pdf)
-    }
-
-    /// Draws n directions, with density and weight `f cos / pdf`, in one pass.
-    ///
-    /// Shapes: `u` three uniform numbers in [0, 1) a sample, each `[n]`; `samples`, every slice `[n]`,
-    /// overwritten. A mixture that reflects nothing gives the normal with density 0 and weight 0.
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    #[inline]
-    pub fn sample_into(&self, u: [&[f32]; 3], samples: SamplesMut<'_>) -> Result<(), Error> {
-        self.borrowed(&mut [Rows::zeros(); PARTS]).sample_into(u, samples)
-    }
-
-    /// Draws n directions with density, without a weight: one colour channel in place of three.
-    ///
-    /// Shapes: `u` as for [`sample_into`](Self::sample_into), each `[n]`; `direction` x, y, z, and `pdf`,
-    /// each `[n]`, overwritten. A mixture that reflects nothing gives the normal with density 0.
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    #[inline]
-    pub fn sample_pdf_into(
-        &self,
-        u: [&[f32]; 3],
-        direction: [&mut [f32]; 3],
-        pdf: &mut [f32],
-    ) -> Result<(), Error> {
-        self.borrowed(&mut [Rows::zeros(); PARTS]).sample_pdf_into(u, direction, pdf)
-    }
-
-    /// Draws n directions, and evaluates value and density towards n others.
-    ///
-    /// Shapes: as in [`sample_into`](Self::sample_into) and, of the other directions, in
-    /// [`evaluate_and_pdf_into`](Self::evaluate_and_pdf_into).
-    ///
-    /// # Errors
-    /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    #[inline]
-    pub fn sample_and_evaluate_into(
-        &self,
-        u: [&[f32]; 3],
-        samples: SamplesMut<'_>,
-        directions: [&[f32]; 3],
-        value: [&mut [f32]; 3],
-        pdf: &mut [f32],
-    ) -> Result<(), Error> {
-        self.borrowed(&mut [Rows::zeros(); PARTS])
-            .sample_and_evaluate_into(u, samples, directions, value, pdf)
+        let mut parts = [Rows::zeros(); PARTS];
+        let mixture = self.borrowed(&mut parts);
+        if let Some(draw) = draw.draw {
+            mixture.draw(draw);
+        }
+        if let Some(towards) = evaluate.evaluate {
+            mixture.evaluate(towards);
+        }
+        Ok(())
     }
 }
 
-/// What [`Mixture`] has under the same names.
+/// The draws and the sums of [`Mixture::ask`]; all slices of a request have one length.
 impl MixtureRef<'_> {
-    /// Answers a request whose slices have been checked.
-    fn ask(&self, draw: Option<Draws<'_>>, evaluate: Option<Towards<'_>>) -> Result<(), Error> {
-        match draw {
-            Some(Draws { u, direction, pdf: Some(pdf), weight: Some(weight) }) => {
-                self.sample_into(u, SamplesMut { direction, pdf, weight })?;
-            }
-            Some(Draws { u, direction, pdf: Some(pdf), weight: None }) => {
-                self.sample_pdf_into(u, direction, pdf)?;
-            }
-            // Densities that nobody wants are worked out all the same, a chunk at a time.
-            Some(Draws { u, direction: [x, y, z], pdf: None, mut weight }) => {
-                let mut densities = [0.0; CHUNK];
-                for from in (0..x.len()).step_by(CHUNK) {
-                    let range = from..x.len().min(from + CHUNK);
-                    let pdf = &mut densities[..range.len()];
-                    let u = u.map(|s| &s[range.clone()]);
-                    let direction = [&mut *x, &mut *y, &mut *z].map(|s| &mut s[range.clone()]);
-                    match &mut weight {
-                        Some(weight) => {
-                            let weight = weight.each_mut().map(|s| &mut s[range.clone()]);
-                            self.sample_into(u, SamplesMut { direction, pdf, weight })?;
-                        }
-                        None => self.sample_pdf_into(u, direction, pdf)?,
-                    }
-                }
-            }
-            None => {}
-        }
-        match evaluate {
-            Some(Towards { wi, value: Some(value), pdf: Some(pdf) }) => {
-                self.evaluate_and_pdf_into(wi, value, pdf)
-            }
-            Some(Towards { wi, value: Some(value), pdf: None }) => self.evaluate_into(wi, value),
-            Some(Towards { wi, value: None, pdf: Some(pdf) }) => self.pdf_into(wi, pdf),
-            _ => Ok(()),
-        }
-    }
-
-    fn evaluate_into(&self, directions: [&[f32]; 3], value: [&mut [f32]; 3]) -> Result<(), Error> {
-        same_length(directions.iter().map(|s| s.len()).chain(value.iter().map(|s| s.len())))?;
-        if self.head.has_factors() {
-            self.chunks_into(directions, value, None);
-        } else {
-            self.lobes_into(directions, value);
-        }
-        Ok(())
-    }
-
-    fn evaluate_and_pdf_into(
-        &self,
-        directions: [&[f32]; 3],
-        value: [&mut [f32]; 3],
-        pdf: &mut [f32],
-    ) -> Result<(), Error> {
-        let outputs = value.iter().map(|s| s.len()).chain([pdf.len()]);
-        same_length(directions.iter().map(|s| s.len()).chain(outputs))?;
-        self.chunks_into(directions, value, Some(pdf));
-        Ok(())
-    }
-
-    fn pdf_into(&self, directions: [&[f32]; 3], pdf: &mut [f32]) -> Result<(), Error> {
-        same_length(directions.iter().map(|s| s.len()).chain([pdf.len()]))?;
-        self.head.level.run(ForEach { block: Density(self), inputs: directions, outputs: [pdf] });
-        Ok(())
-    }
-
-    fn sample_into(&self, u: [&[f32]; 3], samples: SamplesMut<'_>) -> Result<(), Error> {
-        same_length(u.iter().map(|s| s.len()).chain(samples.lengths()))?;
-        let SamplesMut { direction: [x, y, z], pdf, weight: [red, green, blue] } = samples;
+    fn draw(&self, Draws { u, direction: [x, y, z], pdf, mut weight }: Draws<'_>) {
         if self.head.power == 0.0 {
             z.fill(1.0);
-            [x, y, pdf, red, green, blue].into_iter().for_each(|slice| slice.fill(0.0));
-            return Ok(());
+            [x, y]
+                .into_iter()
+                .chain(pdf)
+                .chain(weight.into_iter().flatten())
+                .for_each(|slice| slice.fill(0.0));
+            return;
         }
-        if self.head.has_factors() {
-            self.factored_draws(u, [x, y, z], pdf, [red, green, blue]);
-            return Ok(());
+        if let Some(pdf) = pdf {
+            self.draw_with(u, [x, y, z], pdf, weight);
+            return;
         }
-        self.draws_into(u, [x, y, z, pdf, red, green, blue]);
-        Ok(())
+        // Densities that nobody wants are worked out all the same.
+        let mut densities = [0.0; NEAR];
+        for range in near(x.len()) {
+            let pdf = &mut densities[..range.len()];
+            let direction = [&mut *x, &mut *y, &mut *z].map(|s| &mut s[range.clone()]);
+            let weight = weight.as_mut().map(|weight| weight.each_mut().map(|s| &mut s[range.clone()]));
+            self.draw_with(u.map(|s| &s[range.clone()]), direction, pdf, weight);
+        }
     }
 
-    fn sample_pdf_into(
+    fn draw_with(
         &self,
         u: [&[f32]; 3],
-        direction: [&mut [f32]; 3],
+        [x, y, z]: [&mut [f32]; 3],
         pdf: &mut [f32],
-    ) -> Result<(), Error> {
-        same_length(u.iter().map(|s| s.len()).chain(direction.iter().map(|s| s.len())).chain([pdf.len()]))?;
-        let [x, y, z] = direction;
-        if self.head.power == 0.0 {
-            z.fill(1.0);
-            [x, y, pdf].into_iter().for_each(|slice| slice.fill(0.0));
-            return Ok(());
+        weight: Option<[&mut [f32]; 3]>,
+    ) {
+        let level = self.head.level;
+        let Some([red, green, blue]) = weight else {
+            level.run(ForEach { block: DrawPdf(self), inputs: u, outputs: [x, y, z, pdf] });
+            return;
+        };
+        if !self.head.has_factors() {
+            level.run(ForEach { block: Draw(self), inputs: u, outputs: [x, y, z, pdf, red, green, blue] });
+            return;
         }
-        self.head.level.run(ForEach { block: DrawPdf(self), inputs: u, outputs: [x, y, z, pdf] });
-        Ok(())
+        for range in near(pdf.len()) {
+            let outputs = [&mut *x, &mut *y, &mut *z, &mut *pdf, &mut *red, &mut *green, &mut *blue];
+            let (inputs, outputs) = (u.map(|s| &s[range.clone()]), outputs.map(|s| &mut s[range.clone()]));
+            level.run(ForEach { block: Draw(self), inputs, outputs });
+            let drawn = [&x[range.clone()], &y[range.clone()], &z[range.clone()]];
+            let weight = [&mut *red, &mut *green, &mut *blue].map(|s| &mut s[range.clone()]);
+            self.head.multiply(drawn, weight);
+        }
     }
 
-    fn sample_and_evaluate_into(
-        &self,
-        u: [&[f32]; 3],
-        samples: SamplesMut<'_>,
-        directions: [&[f32]; 3],
-        value: [&mut [f32]; 3],
-        pdf: &mut [f32],
-    ) -> Result<(), Error> {
-        let outputs = value.iter().map(|s| s.len()).chain([pdf.len()]).chain(samples.lengths());
-        same_length(u.iter().chain(&directions).map(|s| s.len()).chain(outputs))?;
-        self.sample_into(u, samples)?;
-        self.evaluate_and_pdf_into(directions, value, pdf)
-    }
-
-    /// What the lobes and the diffuse term have towards n directions, without factors; all slices of one
-    /// length.
-    fn lobes_into(&self, directions: [&[f32]; 3], value: [&mut [f32]; 3]) {
-        self.head.level.run(ForEach { block: Value(self), inputs: directions, outputs: value });
-    }
-
-    /// Directions, densities, and weights without factors; all slices of one length.
-    fn draws_into(&self, u: [&[f32]; 3], outputs: [&mut [f32]; 7]) {
-        self.head.level.run(ForEach { block: Draw(self), inputs: u, outputs });
-    }
-
-    /// Values times factors, and perhaps densities, which are of the lobes alone; all slices of one length.
-    fn chunks_into(&self, wi: [&[f32]; 3], value: [&mut [f32]; 3], mut pdf: Option<&mut [f32]>) {
-        let n = value[0].len();
-        let [red, green, blue] = value;
-        for from in (0..n).step_by(CHUNK) {
-            let range = from..n.min(from + CHUNK);
-            let wi = wi.map(|s| &s[range.clone()]);
+    fn evaluate(&self, Towards { wi, value, mut pdf }: Towards<'_>) {
+        let level = self.head.level;
+        let Some([red, green, blue]) = value else {
+            if let Some(pdf) = pdf {
+                level.run(ForEach { block: Density(self), inputs: wi, outputs: [pdf] });
+            }
+            return;
+        };
+        if pdf.is_none() && !self.head.has_factors() {
+            level.run(ForEach { block: Value(self), inputs: wi, outputs: [red, green, blue] });
+            return;
+        }
+        for range in near(red.len()) {
+            let inputs = wi.map(|s| &s[range.clone()]);
             let [red, green, blue] = [&mut *red, &mut *green, &mut *blue].map(|s| &mut s[range.clone()]);
-            self.lobes_into(wi, [&mut *red, &mut *green, &mut *blue]);
+            let outputs = [&mut *red, &mut *green, &mut *blue];
+            level.run(ForEach { block: Value(self), inputs, outputs });
+            // Densities are of the lobes alone, without factors.
             if let Some(pdf) = &mut pdf {
                 for (i, pdf) in pdf[range].iter_mut().enumerate() {
                     *pdf = luminance(Vec3::new(red[i], green[i], blue[i])) * self.head.inverse_power;
                 }
             }
             if self.head.has_factors() {
-                self.head.multiply(wi, [red, green, blue]);
+                self.head.multiply(inputs, [red, green, blue]);
             }
         }
     }
+}
 
-    /// Directions, densities, and weights with factors; all slices of one length.
-    fn factored_draws(
-        &self,
-        u: [&[f32]; 3],
-        direction: [&mut [f32]; 3],
-        pdf: &mut [f32],
-        weight: [&mut [f32]; 3],
-    ) {
-        let n = pdf.len();
-        let ([x, y, z], [red, green, blue]) = (direction, weight);
-        for from in (0..n).step_by(CHUNK) {
-            let range = from..n.min(from + CHUNK);
-            let outputs = [&mut *x, &mut *y, &mut *z, &mut *pdf, &mut *red, &mut *green, &mut *blue];
-            self.draws_into(u.map(|s| &s[range.clone()]), outputs.map(|s| &mut s[range.clone()]));
-            let weight = [&mut *red, &mut *green, &mut *blue];
-            let drawn = [&x[range.clone()], &y[range.clone()], &z[range.clone()]];
-            self.head.multiply(drawn, weight.map(|s| &mut s[range.clone()]));
-        }
-    }
+/// Ranges of n directions that are near in the cache while they are worked on twice.
+fn near(n: usize) -> impl Iterator<Item = Range<usize>> {
+    (0..n).step_by(NEAR).map(move |from| from..n.min(from + NEAR))
 }
 
 /// A kernel that takes `I` numbers and gives `O` for each direction.

@@ -1,6 +1,6 @@
 //! From a material and outgoing directions to mixtures.
 
-use super::between_views::{Place, WIDEST, at_place, views_passed, views_passed_by_each};
+use super::between_views::{Place, at_place, views_passed, views_passed_by_each};
 use super::outgoing::{Facing, Outgoing, facing};
 use super::prepare_anisotropic;
 use crate::error::Error;
@@ -10,7 +10,7 @@ use crate::mixture::factors::Factors;
 use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::rows::{Domain, Mixture};
 use crate::simd::detect::Level;
-use crate::simd::lanes::Lanes;
+use crate::simd::lanes::{Lanes, WIDEST_PAIR};
 use crate::simd::routine::{One, Routine};
 use crate::squeeze::Squeeze;
 use glam::Vec3;
@@ -201,7 +201,8 @@ impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
                 load_some(&y[at..], count),
                 load_some(&z[at..], count),
             ]);
-            let (mut theta, mut azimuth, mut passed) = ([0.0; WIDEST], [[0.0; WIDEST]; 2], [0.0; WIDEST]);
+            let (mut theta, mut azimuth, mut passed) =
+                ([0.0; WIDEST_PAIR], [[0.0; WIDEST_PAIR]; 2], [0.0; WIDEST_PAIR]);
             views_passed_by_each(material, facing.theta).store(&mut passed);
             facing.theta.store(&mut theta);
             facing.azimuth[0].store(&mut azimuth[0]);
@@ -263,7 +264,7 @@ fn load_some<L: Lanes>(from: &[f32], count: usize) -> L {
     if count == L::COUNT {
         return L::load(from);
     }
-    let mut padded = [0.0; WIDEST];
+    let mut padded = [0.0; WIDEST_PAIR];
     padded[..count].copy_from_slice(&from[..count]);
     L::load(&padded)
 }

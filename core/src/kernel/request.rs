@@ -6,7 +6,8 @@ use glam::Vec3;
 
 /// What a batch is asked for each of its n hits: draws, values and densities, or both.
 ///
-/// Every slice is `[n]`; outputs are overwritten. What is `None` is not wanted, and not worked out.
+/// Every slice is `[n]`; outputs are overwritten. What is `None` is not wanted, and is left out of the work where
+/// that saves time. [`Draws`] alone and [`Towards`] alone are requests too, by `into()`.
 ///
 /// # Examples
 /// ```
@@ -64,6 +65,18 @@ pub struct Towards<'a> {
     pub value: Option<[&'a mut [f32]; 3]>,
     /// The density of drawing them; 1/sr.
     pub pdf: Option<&'a mut [f32]>,
+}
+
+impl<'a> From<Draws<'a>> for Request<'a> {
+    fn from(draw: Draws<'a>) -> Self {
+        Self { draw: Some(draw), evaluate: None }
+    }
+}
+
+impl<'a> From<Towards<'a>> for Request<'a> {
+    fn from(towards: Towards<'a>) -> Self {
+        Self { draw: None, evaluate: Some(towards) }
+    }
 }
 
 impl Request<'_> {

@@ -1,16 +1,10 @@
 //! What the lobes see of a block of directions, each in a frame of its own.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
-use crate::simd::lanes::Lanes;
+use crate::simd::lanes::{Lanes, Numbers, WIDEST};
 #[cfg(feature = "simd")]
 use crate::squeeze::Sight;
 use crate::squeeze::{NUMBERS, Precise, Seen};
-
-/// Most pairs of a block: the lanes of the widest vector.
-pub(crate) const MOST: usize = 16;
-
-/// One number for each pair of a block.
-pub(crate) type Numbers = [f32; MOST];
 
 /// The numbers of a block's directions as round and as squeezed lobes see them: structures of arrays.
 pub(crate) type Sights = [[Numbers; NUMBERS]; 2];
@@ -24,9 +18,9 @@ pub(crate) fn sights<L: Lanes>(
     [along, inverse]: [Numbers; 2],
     [x, y, z]: &[Numbers; 3],
 ) -> Sights {
-    let mut sights = [[[0.0; MOST]; NUMBERS]; 2];
+    let mut sights = [[[0.0; WIDEST]; NUMBERS]; 2];
     // The compiler makes vectors of this loop.
-    for i in 0..MOST {
+    for i in 0..WIDEST {
         let precise = Precise::new([azimuth[0][i], azimuth[1][i]], excess[i], along[i], inverse[i]);
         let pair = precise.see([x[i], y[i], z[i]], L::FUSED);
         for kind in 0..2 {

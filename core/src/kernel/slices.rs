@@ -1,53 +1,73 @@
-//! Slices that a batch reads and writes: structures of arrays, all of one length.
+//! Slices that a batch reads and writes: structures of arrays, all of one length, a block of hits at a time.
 
-use super::request::Draws;
 use crate::error::Error;
-
-/// Where a batch of samples goes.
-///
-/// # Examples
-/// ```
-/// use srbf_core::{Lobe, Mixture, SamplesMut};
-///
-/// let mixture = Mixture::<16>::hemisphere(&[Lobe::new([0.0, 0.0, 1.0], 40.0, [0.2; 3])?])?;
-/// let u = [[0.1, 0.5, 0.9], [0.2, 0.4, 0.6], [0.3, 0.3, 0.3]];
-/// let (mut direction, mut pdf, mut weight) = ([[0.0; 3]; 3], [0.0; 3], [[0.0; 3]; 3]);
-/// let samples = SamplesMut {
-///     direction: direction.each_mut().map(|component| &mut component[..]),
-///     pdf: &mut pdf,
-///     weight: weight.each_mut().map(|channel| &mut channel[..]),
-/// };
-/// mixture.sample_into(u.each_ref().map(|numbers| &numbers[..]), samples)?;
-/// assert!(pdf.iter().all(|&p| p > 0.0));
-/// # Ok::<(), srbf_core::Error>(())
-/// ```
-#[derive(Debug)]
-pub struct SamplesMut<'a> {
-    /// Incident directions, x, y, z, in the caller's shading frame.
-    pub direction: [&'a mut [f32]; 3],
-    /// Density at them; 1/sr.
-    pub pdf: &'a mut [f32],
-    /// `f cos / pdf`, linear sRGB.
-    pub weight: [&'a mut [f32]; 3],
-}
-
-impl<'a> SamplesMut<'a> {
-    /// As a part of a request.
-    pub(crate) fn draws(self, u: [&'a [f32]; 3]) -> Draws<'a> {
-        let Self { direction, pdf, weight } = self;
-        Draws { u, direction, pdf: Some(pdf), weight: Some(weight) }
-    }
-
-    /// The lengths of all slices.
-    pub(crate) fn lengths(&self) -> impl Iterator<Item = usize> {
-        let Self { direction, pdf, weight } = self;
-        direction.iter().chain(weight).map(|s| s.len()).chain([pdf.len()])
-    }
-}
+use crate::simd::lanes::{Numbers, WIDEST};
 
 /// The one length of all slices.
 pub(crate) fn same_length(lengths: impl IntoIterator<Item = usize>) -> Result<usize, Error> {
     let mut lengths = lengths.into_iter();
     let first = lengths.next().unwrap_or(0);
     if lengths.all(|n| n == first) { Ok(first) } else { Err(Error::Length) }
+}
+
+/// Hits that are taken together, at most [`WIDEST`].
+#[derive(Clone, Copy)]
+pub(crate) struct Block {
+    pub from: usize,
+    pub count: usize,
+}
+
+impl Block {
+    /// The blocks of n hits.
+    pub fn all(n: usize) -> impl Iterator<Item = Self> {
+        (0..n).step_by(WIDEST).map(move |from| Self { from, count: WIDEST.min(n - from) })
+    }
+
+    /// Copies directions or uniform numbers in; what is behind the last hit stays.
+    #[inline(always)]
+    pub fn copy_in(self, from: &[&[f32]; 3], block: &mut [Numbers; 3]) {
+        for (block, from) in block.iter_mut().zip(from) {
+            copy(&from[self.from..self.from + self.count], &mut block[..self.count]);
+        }
+    }
+
+    /// The same, padded with harmless ones.
+    #[inline(always)]
+    pub fn padded(self, from: &[&[f32]; 3]) -> [Numbers; 3] {
+        let mut block = [[0.5; WIDEST]; 3];
+        self.copy_in(from, &mut block);
+        block
+    }
+
+    /// Copies the numbers of a block out.
+    #[inline(always)]
+    pub fn copy_out<const C: usize>(self, block: &[Numbers; C], to: &mut [&mut [f32]; C]) {
+        for (block, to) in block.iter().zip(to) {
+            copy(&block[..self.count], &mut to[self.from..self.from + self.count]);
+        }
+    }
+}
+
+/// Copies at most [`WIDEST`] numbers by two moves of a known length, which may overlap: a call of `memcpy` for each array
+/// of a request is a quarter of the time of a few hits.
+#[inline(always)]
+fn copy(from: &[f32], to: &mut [f32]) {
+    let n = from.len().min(to.len());
+    if n >= WIDEST / 2 {
+        copy_ends::<{ WIDEST / 2 }>(from, to, n);
+    } else if n >= WIDEST / 4 {
+        copy_ends::<{ WIDEST / 4 }>(from, to, n);
+    } else {
+        for (to, from) in to.iter_mut().zip(from).take(WIDEST / 4) {
+            *to = *from;
+        }
+    }
+}
+
+/// The first `K` and the last `K` of n.
+#[inline(always)]
+fn copy_ends<const K: usize>(from: &[f32], to: &mut [f32], n: usize) {
+    for at in [0, n - K] {
+        to[at..at + K].copy_from_slice(&from[at..at + K]);
+    }
 }

@@ -2,11 +2,10 @@
 //! registers into sums and draws. No mixture is made.
 //!
 //! [`lobes`] has what summing and drawing need of the lobes. [`one`] is one hit; [`block`] takes sixteen, and
-//! [`pairs`] any number, each with an outgoing direction and a material of its own; [`verbs`] names what can be asked of them.
+//! [`pairs`] any number, each with an outgoing direction and a material of its own.
 
 #[cfg(feature = "simd")]
 mod block;
 mod lobes;
 mod one;
 mod pairs;
-mod verbs;

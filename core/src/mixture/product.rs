@@ -81,16 +81,6 @@ impl<const N: usize> Mixture<'_, N> {
         Ok(sum)
     }
 
-    /// Integrates the product of a lobe and a mixture of plain lobes over the mixture's domain.
-    ///
-    /// For a mixture that reflects and a lobe of light: the radiance that is reflected.
-    ///
-    /// # Errors
-    /// [`Error::Squeezed`]; and what [`Lobe::new`] refuses.
-    pub fn inner_product_with_lobe(&self, lobe: &Lobe) -> Result<Vec3, Error> {
-        self.inner_product(&Mixture::<16>::sphere(&[*lobe])?)
-    }
-
     fn check_round(&self) -> Result<(), Error> {
         let squeezed = self.head.squeezed > 0 && !self.head.squeeze.is_round();
         if squeezed || self.head.diffuse != Vec3::ZERO || self.has_factors() {

@@ -4,7 +4,7 @@ use super::factors::{Factors, Nodes};
 use crate::lobe::gaussian::{Gaussian, Lobe};
 use crate::material::layout::MAX_LOBES;
 use crate::simd::detect::Level;
-use crate::simd::lanes::{PART, PARTS, Part};
+use crate::simd::lanes::{Numbers, PARTS, WIDEST};
 use crate::squeeze::Squeeze;
 use core::any::Any;
 use glam::Vec3;
@@ -91,7 +91,7 @@ pub(crate) struct MixtureRef<'a> {
 }
 
 /// The rows of sixteen lobes. A text finds all of them from one address.
-pub(crate) type Block = Rows<Part>;
+pub(crate) type Block = Rows<Numbers>;
 
 /// A row of a [`MixtureRef`].
 macro_rules! row_of {
@@ -151,8 +151,8 @@ macro_rules! rows {
             /// Copies the rows of the first lobes into blocks of sixteen; returns these.
             #[inline(always)]
             fn copy_into<'a>(&self, count: usize, blocks: &'a mut [Block; PARTS]) -> [&'a Block; PARTS] {
-                for (p, block) in blocks.iter_mut().enumerate().take(count.min(N).div_ceil(PART)) {
-                    let (from, count) = (p * PART, PART.min(N - p * PART));
+                for (p, block) in blocks.iter_mut().enumerate().take(count.min(N).div_ceil(WIDEST)) {
+                    let (from, count) = (p * WIDEST, WIDEST.min(N - p * WIDEST));
                     $(block.$row[..count].copy_from_slice(&self.$row[from..from + count]);)*
                 }
                 blocks.each_ref()

@@ -5,7 +5,7 @@
 #![allow(unsafe_code)]
 
 use super::lane_pair::LanePair;
-use super::lanes::{Lanes, NodeCodes, PART, PARTS, Part, Parts, one_vector, part_of};
+use super::lanes::{Lanes, NodeCodes, Numbers, PARTS, Parts, WIDEST, one_vector, part_of};
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
 
@@ -187,7 +187,7 @@ impl Lanes for Avx2 {
         unsafe {
             let mut count = _mm256_setzero_si256();
             let mut p = 0;
-            while p < PARTS && PART * p < len {
+            while p < PARTS && WIDEST * p < len {
                 for &t in part_of(row, p, len) {
                     // A set mask is -1.
                     let mask = _mm256_cmp_ps::<_CMP_GE_OQ>(self.0, _mm256_set1_ps(t));
@@ -216,9 +216,9 @@ impl Lanes for Avx2 {
             // blended in.
             let mut value = _mm256_permutevar8x32_ps(Self::load(row[0]).0, index);
             let mut at = 8;
-            while at < len.min(PARTS * PART) {
+            while at < len.min(PARTS * WIDEST) {
                 let inside = _mm256_cmpgt_epi32(index, _mm256_set1_epi32(at as i32 - 1));
-                let half = Self::load(&row[at / PART][at % PART / 8 * 8..]).0;
+                let half = Self::load(&row[at / WIDEST][at % WIDEST / 8 * 8..]).0;
                 let candidate = _mm256_permutevar8x32_ps(half, index);
                 value = _mm256_blendv_ps(value, candidate, _mm256_castsi256_ps(inside));
                 at += 8;
@@ -259,8 +259,8 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
-    fn sums_of_rows(rows: &[Part; PART]) -> Part {
-        let mut sums = [0.0; PART];
+    fn sums_of_rows(rows: &[Numbers; WIDEST]) -> Numbers {
+        let mut sums = [0.0; WIDEST];
         for half in 0..2 {
             let mut row = [Self::splat(0.0); 8];
             for i in 0..8 {

@@ -7,7 +7,7 @@
 
 use super::avx2;
 use super::lane_pair::LanePair;
-use super::lanes::{Lanes, NodeCodes, PART, PARTS, Part, Parts, one_vector, part_of, scale};
+use super::lanes::{Lanes, NodeCodes, Numbers, PARTS, Parts, WIDEST, one_vector, part_of, scale};
 use super::routine::{Draw, One};
 use core::arch::x86_64::*;
 use core::ops::{Add, Div, Mul, Sub};
@@ -212,7 +212,7 @@ impl Lanes for Avx512 {
             let one = _mm512_set1_epi32(1);
             let mut count = _mm512_setzero_si512();
             let mut p = 0;
-            while p < PARTS && PART * p < len {
+            while p < PARTS && WIDEST * p < len {
                 for &t in part_of(row, p, len) {
                     let mask = _mm512_cmp_ps_mask::<_CMP_GE_OQ>(self.0, _mm512_set1_ps(t));
                     count = _mm512_mask_add_epi32(count, mask, count, one);
@@ -238,8 +238,8 @@ impl Lanes for Avx512 {
             // The permutation uses the low four bits of the index; the part that they belong to is blended in.
             let mut value = _mm512_permutexvar_ps(index, Self::load(row[0]).0);
             let mut p = 1;
-            while p < PARTS && PART * p < len {
-                let inside = _mm512_cmpge_epi32_mask(index, _mm512_set1_epi32((PART * p) as i32));
+            while p < PARTS && WIDEST * p < len {
+                let inside = _mm512_cmpge_epi32_mask(index, _mm512_set1_epi32((WIDEST * p) as i32));
                 value = _mm512_mask_permutexvar_ps(value, inside, index, Self::load(row[p]).0);
                 p += 1;
             }
@@ -284,8 +284,8 @@ impl Lanes for Avx512 {
     }
     #[inline(always)]
     #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
-    fn sums_of_rows(rows: &[Part; PART]) -> Part {
-        let mut sums = [0.0; PART];
+    fn sums_of_rows(rows: &[Numbers; WIDEST]) -> Numbers {
+        let mut sums = [0.0; WIDEST];
         let mut fours = [Self::splat(0.0).0; 4];
         // SAFETY: the processor has AVX-512, see the head of this file.
         unsafe {

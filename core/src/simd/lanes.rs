@@ -8,22 +8,25 @@
 
 use core::ops::{Add, Div, Mul, Sub};
 
-/// Numbers of a part of a row: the lanes of the widest vector.
-pub const PART: usize = 16;
+/// Lanes of the widest vector: numbers of a part of a row, hits of a block.
+pub const WIDEST: usize = 16;
+
+/// Lanes of a pair of the widest vectors, which some kernels take as one.
+pub const WIDEST_PAIR: usize = 2 * WIDEST;
 
 /// Most parts of a row.
 pub const PARTS: usize = 4;
 
-/// Part of a row.
-pub type Part = [f32; PART];
+/// A part of a row, or one number for each hit of a block.
+pub type Numbers = [f32; WIDEST];
 
 /// A row of numbers in parts, so that what reads it need not know how long it is.
-pub type Parts<'a> = [&'a Part; PARTS];
+pub type Parts<'a> = [&'a Numbers; PARTS];
 
 /// The numbers of part `p` among the first `len` of a row.
 #[inline(always)]
 pub fn part_of<'a>(row: &Parts<'a>, p: usize, len: usize) -> &'a [f32] {
-    &row[p][..len.saturating_sub(PART * p).min(PART)]
+    &row[p][..len.saturating_sub(WIDEST * p).min(WIDEST)]
 }
 
 /// The codes of nodes of three channels, in bytes of any alignment.
@@ -176,7 +179,7 @@ pub trait Lanes:
     /// read.
     #[inline(always)]
     fn node_pairs(nodes: NodeCodes<'_>, index: Self) -> [[Self; 3]; 2] {
-        let (mut at, mut codes) = ([0.0; PART], [[[0.0; PART]; 3]; 2]);
+        let (mut at, mut codes) = ([0.0; WIDEST], [[[0.0; WIDEST]; 3]; 2]);
         index.store(&mut at);
         for lane in 0..Self::COUNT {
             let pair = nodes.pair(at[lane]);
@@ -200,12 +203,12 @@ pub trait Lanes:
     fn sum(self) -> f32;
     /// The sum of each of as many rows as a part has numbers.
     #[inline(always)]
-    fn sums_of_rows(rows: &[Part; PART]) -> Part {
-        let mut sums = [0.0; PART];
-        for i in 0..PART {
+    fn sums_of_rows(rows: &[Numbers; WIDEST]) -> Numbers {
+        let mut sums = [0.0; WIDEST];
+        for i in 0..WIDEST {
             let mut sum = Self::load(&rows[i]);
             let mut j = Self::COUNT;
-            while j + Self::COUNT <= PART {
+            while j + Self::COUNT <= WIDEST {
                 sum = sum + Self::load(&rows[i][j..]);
                 j += Self::COUNT;
             }

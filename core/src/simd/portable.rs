@@ -2,7 +2,7 @@
 //! code).
 
 use super::lane_pair::LanePair;
-use super::lanes::{Lanes, PART, PARTS, Parts, one_vector, part_of};
+use super::lanes::{Lanes, PARTS, Parts, WIDEST, one_vector, part_of};
 use core::ops::{Add, Div, Mul, Sub};
 use wide::{f32x4, i32x4};
 
@@ -133,7 +133,7 @@ impl Lanes for Wide {
     fn search(self, row: &Parts<'_>, len: usize) -> [u32; 4] {
         let mut count = i32x4::splat(0);
         let mut p = 0;
-        while p < PARTS && PART * p < len {
+        while p < PARTS && WIDEST * p < len {
             for &t in part_of(row, p, len) {
                 // A set mask is -1.
                 let mask: i32x4 = bytemuck::cast(self.0.simd_ge(f32x4::splat(t)));
@@ -156,9 +156,14 @@ impl Lanes for Wide {
     #[inline(always)]
     fn lookup(row: &Parts<'_>, len: usize, index: [u32; 4]) -> Self {
         let [a, b, c, d] = [index[0] as usize, index[1] as usize, index[2] as usize, index[3] as usize];
-        if len <= PART {
+        if len <= WIDEST {
             let part = row[0];
-            return Self(f32x4::new([part[a % PART], part[b % PART], part[c % PART], part[d % PART]]));
+            return Self(f32x4::new([
+                part[a % WIDEST],
+                part[b % WIDEST],
+                part[c % WIDEST],
+                part[d % WIDEST],
+            ]));
         }
         let [a, b, c, d] = [
             f32::lookup(row, len, a),

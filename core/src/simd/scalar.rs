@@ -1,6 +1,6 @@
 //! The scalar back end: one f32 at a time, as `libm` and the language have it.
 
-use super::lanes::{Lanes, NodeCodes, PART, PARTS, Parts, one_vector, part_of};
+use super::lanes::{Lanes, NodeCodes, PARTS, Parts, WIDEST, one_vector, part_of};
 
 /// Square root, correctly rounded.
 #[inline(always)]
@@ -106,7 +106,7 @@ impl Lanes for f32 {
     #[inline(always)]
     fn search(self, row: &Parts<'_>, len: usize) -> usize {
         let (mut count, mut p) = (0, 0);
-        while p < PARTS && PART * p < len {
+        while p < PARTS && WIDEST * p < len {
             for &t in part_of(row, p, len) {
                 count += usize::from(t <= self);
             }
@@ -124,7 +124,7 @@ impl Lanes for f32 {
     }
     #[inline(always)]
     fn lookup(row: &Parts<'_>, _len: usize, index: usize) -> Self {
-        row[index / PART][index % PART]
+        row[index / WIDEST][index % WIDEST]
     }
     #[inline(always)]
     #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices

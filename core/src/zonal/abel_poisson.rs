@@ -53,11 +53,6 @@ impl AbelPoisson {
         Ok(Self { axis, epsilon })
     }
 
-    /// `1 - h`.
-    pub fn epsilon(&self) -> f32 {
-        self.epsilon
-    }
-
     /// Convolves two kernels: the integral over the sphere of their product, sr.
     ///
     /// `4 pi A(axis1 . axis2; h1 h2)`, with `1 - h1 h2 = eps1 + eps2 - eps1 eps2`. Accuracy: relative 1e-6.

@@ -14,7 +14,7 @@ use crate::trace::camera::Camera;
 use crate::trace::cast::{self, Cast};
 use crate::trace::film::{self, Film};
 use crate::trace::integrator::skeleton::skeleton;
-use crate::trace::render::add_samples;
+use crate::trace::render::{add_samples, add_samples_by_waves};
 use crate::trace::scene::{Role, Scene, SceneName, Standpoint};
 use crate::trace::settings::RenderSettings;
 use crate::truth::Truth;
@@ -107,6 +107,10 @@ pub struct Args {
     /// Scatterings along a path; 1 is direct light only
     #[arg(long, default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=1000))]
     max_bounces: u32,
+    /// Follows many paths together, and asks the hits of each material in one request: the same picture but for rounding. For lobes
+    /// that sample themselves: --sampler mis or lobes is expected
+    #[arg(long)]
+    wavefront: bool,
     /// Threads; 0 is one a processor. The picture does not depend on it
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
@@ -226,8 +230,9 @@ fn render(args: &Args) -> anyhow::Result<()> {
     let mut film = Film::new(args.size);
     let progress = Progress::new("rendering", args.size[1].into());
     let start = Instant::now();
-    let spent = add_samples(&scene, &camera, &settings, &mut film, args.spp / split, &progress)
-        .with_context(|| {
+    let add = if args.wavefront { add_samples_by_waves } else { add_samples };
+    let spent =
+        add(&scene, &camera, &settings, &mut film, args.spp / split, &progress).with_context(|| {
             let names: Vec<&str> = cast.roles.iter().map(|part| part.1.name()).collect();
             format!("material {}, light {}", names.join(", "), env(args))
         })?;

@@ -126,6 +126,11 @@ impl<'a> Sampler<'a> {
         matches!(self.kind, Kind::Lobes(_))
     }
 
+    /// Whether what is at hand draws, and nothing else, one direction at a time.
+    pub fn is_own(&self) -> bool {
+        matches!(self.kind, Kind::Own) && self.cosine == 0.0 && !self.is_multi
+    }
+
     /// What draws, in words.
     pub fn title(&self, truth: &Truth<'_>) -> String {
         let of_lobes = |material: &Material<Bytes>| format!("{} lobes", material.lobe_count());

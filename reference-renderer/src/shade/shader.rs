@@ -110,6 +110,15 @@ impl<'a> Shader<'a> {
         Ok(())
     }
 
+    /// The lobes that are rendered, if they are what samples them, and nothing else.
+    #[inline]
+    pub fn own_lobes(&self) -> Option<&'a Material<Bytes>> {
+        match self.truth {
+            Truth::Lobes(material) if self.sampler.is_own() => Some(material),
+            _ => None,
+        }
+    }
+
     /// Whether the azimuth of the outgoing direction does not matter.
     pub fn is_isotropic(&self) -> bool {
         self.truth.is_isotropic()

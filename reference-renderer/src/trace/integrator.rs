@@ -5,6 +5,7 @@
 
 pub mod even;
 pub mod skeleton;
+pub mod wave;
 
 use crate::numbers::points::{Decision, Points, PointsName};
 use crate::shade::Light;

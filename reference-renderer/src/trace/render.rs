@@ -6,6 +6,7 @@ use crate::shade::Light;
 use crate::trace::camera::Camera;
 use crate::trace::film::Film;
 use crate::trace::integrator::even::Lighting;
+use crate::trace::integrator::wave::{PATHS, Room, wave};
 use crate::trace::integrator::{Workspace, radiance};
 use crate::trace::scene::Scene;
 use crate::trace::settings::RenderSettings;
@@ -63,17 +64,62 @@ pub fn add_samples(
     }
     film.samples = to;
     film.lost += lost.count;
-    let (width, of) = (film.size()[0] as usize, u64::from(samples) * film.pixels.len() as u64);
-    match lost.first {
-        Some((i, radiance)) if lost.count * 1_000_000 > of * MAY_BE_LOST => anyhow::bail!(
-            "{} of {of} samples are not finite, the first, in column {}, row {}, is {radiance}: finite radiance is expected, and the \
-             values of a material or of the light leave the range of f32",
-            lost.count,
-            i % width,
-            i / width,
-        ),
-        _ => Ok(time),
+    lost.check(film, samples).map(|()| time)
+}
+
+/// As [`add_samples`], by waves of paths whose hits of a material are asked together. It is for lobes that sample themselves, beside one
+/// sample of the light or none.
+///
+/// # Errors
+/// As [`add_samples`]; another material, sampler or light.
+pub fn add_samples_by_waves(
+    scene: &Scene<'_>,
+    camera: &Camera,
+    settings: &RenderSettings,
+    film: &mut Film,
+    samples: u32,
+    progress: &Progress,
+) -> anyhow::Result<Duration> {
+    let is_fit = matches!(settings.light, Light::Mis | Light::Only | Light::Off) && settings.split == 1;
+    if !is_fit || scene.shaders().any(|shader| shader.own_lobes().is_none()) {
+        anyhow::bail!(
+            "waves: materials of lobes, sampled by these alone or with one sample of the light, are expected: --sampler mis or lobes"
+        );
     }
+    let held = film.samples;
+    let width = film.size()[0] as usize;
+    let rows = film.pixels.par_chunks_mut(width).enumerate();
+    let parts = rows.map_init(<(Room<'_>, Vec<Vec3>)>::default, |(room, light), (y, row)| {
+        let start = ThreadTime::now();
+        let mut lost = Lost::default();
+        let all = row.len() * samples as usize;
+        let of = |i: usize| (i / samples as usize, held + (i % samples as usize) as u32);
+        for from in (0..all).step_by(PATHS) {
+            let part = from..all.min(from + PATHS);
+            let rays = part.clone().map(|i| {
+                let (x, sample) = of(i);
+                let points =
+                    Points::new(settings.points, settings.seed, (y * width + x) as u64, sample.into());
+                let [across, down, ..] = points.draw(Decision::Pixel, 0);
+                (camera.ray(x as f32 + across, y as f32 + down), points)
+            });
+            wave(scene, settings, rays, light, room);
+            for (i, &found) in part.zip(&*light) {
+                let x = of(i).0;
+                if found.is_finite() {
+                    row[x].add(found);
+                } else {
+                    lost = lost.and(Lost { count: 1, first: Some((y * width + x, found)) });
+                }
+            }
+        }
+        progress.advance(1);
+        (start.elapsed(), lost)
+    });
+    let (time, lost) = parts.reduce(Default::default, |a, b| (a.0 + b.0, a.1.and(b.1)));
+    film.samples = held + samples;
+    film.lost += lost.count;
+    lost.check(film, samples).map(|()| time)
 }
 
 /// Samples that are not finite: how many, and the first pixel that has one, with its value.
@@ -91,6 +137,21 @@ impl Lost {
             (a, b) => a.or(b),
         };
         Self { count: self.count + other.count, first }
+    }
+
+    /// Refuses more than are an accident among the samples that every pixel got.
+    fn check(self, film: &Film, samples: u32) -> anyhow::Result<()> {
+        let (width, of) = (film.size()[0] as usize, u64::from(samples) * film.pixels.len() as u64);
+        let Some((i, radiance)) = self.first.filter(|_| self.count * 1_000_000 > of * MAY_BE_LOST) else {
+            return Ok(());
+        };
+        anyhow::bail!(
+            "{} of {of} samples are not finite, the first, in column {}, row {}, is {radiance}: finite radiance is expected, and the \
+             values of a material or of the light leave the range of f32",
+            self.count,
+            i % width,
+            i / width,
+        )
     }
 }
 
@@ -171,6 +232,36 @@ mod tests {
         }
         assert_eq!(one, steps);
         assert_ne!(one, film(&scene, SceneName::Teapot, &RenderSettings { seed: 12, ..MIS }, 4));
+    }
+
+    #[test]
+    fn waves_render_what_paths_do() {
+        let (sky, object, ground) = (sky::sky(), lacquer(), StoredMaterial::load("matte").unwrap());
+        let scene = Scene::new(SceneName::Teapot, &object.material, &ground.material, &sky);
+        let camera = SceneName::Teapot.camera(SIZE);
+        for light in [Light::Mis, Light::Only, Light::Off] {
+            let settings = RenderSettings { light, max_bounces: 6, points: PointsName::Sobol, ..MIS };
+            let paths = film(&scene, SceneName::Teapot, &settings, 16);
+            let mut waves = Film::new(SIZE);
+            let hidden = Progress::hidden();
+            add_samples_by_waves(&scene, &camera, &settings, &mut waves, 16, &hidden).unwrap();
+            // The same numbers: where rounding sends a path another way, a pixel differs by its noise.
+            let mut differ = 0;
+            let (mut sums, mut noise) = ([DVec3::ZERO; 2], DVec3::ZERO);
+            for i in 0..paths.pixels.len() {
+                let off = (paths.mean(i) - waves.mean(i)).abs().max_element();
+                differ += usize::from(off > 1e-4 * paths.mean(i).max_element());
+                sums = [sums[0] + paths.mean(i), sums[1] + waves.mean(i)];
+                noise += paths.variance_of_mean(i);
+            }
+            let off = (sums[0] - sums[1]).abs();
+            println!("{light:?}: {differ} of {} pixels, sums {sums:?}", paths.pixels.len());
+            assert!(differ * 20 < paths.pixels.len() && off.cmple(noise.map(f64::sqrt)).all(), "{light:?}");
+        }
+        let product = RenderSettings { light: Light::Product, ..MIS };
+        let refused =
+            add_samples_by_waves(&scene, &camera, &product, &mut Film::new(SIZE), 1, &Progress::hidden());
+        assert!(refused.unwrap_err().to_string().contains("--sampler mis"));
     }
 
     #[test]

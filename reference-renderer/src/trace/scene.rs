@@ -20,6 +20,9 @@ const GROUND_HEIGHT: f32 = -1e-3;
 /// Half the side of the ground.
 const GROUND_HALF_SIDE: f32 = 60.0;
 
+/// Side of a tile of a floor of many materials.
+const TILE: f32 = 2.0;
+
 /// Largest side of a mesh that stands on the ground: about the teapot's height, so that it fills the picture.
 const MESH_SIZE: f32 = 3.4;
 
@@ -279,6 +282,31 @@ impl<'a> Scene<'a> {
     /// Whether a ray meets nothing.
     pub fn is_clear(&self, ray: &Ray) -> bool {
         self.ball.as_ref().is_none_or(|(ball, _)| ball.hit(ray).is_none()) && self.tree.is_clear(ray)
+    }
+
+    /// The materials of all parts.
+    pub fn shaders(&self) -> impl Iterator<Item = &Shader<'a>> {
+        self.ball.iter().map(|ball| &ball.1).chain(self.parts.iter().map(|part| &part.1))
+    }
+
+    /// The teapot on a floor of square tiles, each with a material of its own: the first is the teapot's too.
+    pub fn mosaic(materials: &[Shader<'a>], environment: &'a Environment) -> Self {
+        let mut mesh = teapot::tessellate(TEAPOT_STEPS);
+        let mut parts = vec![(0, materials[0])];
+        let side = materials.len().isqrt() + 1;
+        let corner = |i: usize, j: usize| {
+            let at = |n: usize| TILE * (n as f32 - 0.5 * side as f32);
+            vec3(at(i), at(j), GROUND_HEIGHT)
+        };
+        for i in 0..side {
+            for j in 0..side {
+                let corners = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
+                parts.push((mesh.triangles.len(), materials[(i * side + j) % materials.len()]));
+                mesh.append(&Mesh::quadrilateral(corners));
+            }
+        }
+        let tree = TriangleTree::new(&mesh);
+        Self { ball: None, tree, mesh, parts, object: materials[0], environment }
     }
 
     /// The object's material.

@@ -39,7 +39,7 @@ struct Environment {
     Environment(const Environment &) = delete; /* what `light` sees stays where it is */
     V radiance(V d, float &pdf) const {
         V radiance;
-        check(srbf_environment_radiance_and_pdf(light.get(), &d.x, &radiance.x, &pdf));
+        check(srbf_environment_evaluate(light.get(), &d.x, &radiance.x, &pdf));
         return radiance;
     }
 };

@@ -46,13 +46,15 @@ static void shade(std::vector<Path> &paths, const Environment &environment, cons
                   std::vector<unsigned char> &storage) {
     const size_t n = paths.size(), stride = srbf_mixture_size(64);
     if (n == 0) return;
-    const srbf_vectors u = in(paths, &Path::u), wo = in(paths, &Path::wo);
+    const srbf_vectors wo = in(paths, &Path::wo);
     Path &first = paths[0];
     float *d = first.sample.direction, *w = first.sample.weight;
-    const srbf_samples_out samples = {
-        {d, d + 1, d + 2, sizeof(Path)}, {&first.sample.pdf, sizeof(Path)}, {w, w + 1, w + 2, sizeof(Path)}};
+    srbf_request request = {};
+    request.size = sizeof request;
+    request.u = in(paths, &Path::u);
+    request.samples = {{d, d + 1, d + 2, sizeof(Path)}, {&first.sample.pdf, sizeof(Path)}, {w, w + 1, w + 2, sizeof(Path)}};
     if (ground != nullptr) { /* one mixture for all */
-        check(srbf_mixture_sample_into(ground, n, &u, &samples));
+        check(srbf_mixture_ask(ground, 0, n, &request));
         for (Path &p : paths) draw_direct(p, ground, environment);
         return;
     }
@@ -62,7 +64,7 @@ static void shade(std::vector<Path> &paths, const Environment &environment, cons
     unsigned char *place = storage.data() + shift;
     const srbf_mixture *mixtures = reinterpret_cast<const srbf_mixture *>(place);
     check(srbf_material_prepare_into(material, n, &wo, place, stride));
-    check(srbf_mixture_sample_pairs_into(mixtures, stride, n, &u, &samples));
+    check(srbf_mixture_ask(mixtures, stride, n, &request));
     for (size_t i = 0; i < n; i++)
         draw_direct(paths[i], reinterpret_cast<const srbf_mixture *>(place + i * stride), environment);
 }

@@ -91,8 +91,8 @@ static void run(void) {
         {drawn[0], drawn[1], drawn[2], dense}, {drawn[3], dense}, {drawn[4], drawn[5], drawn[6], dense}};
     srbf_vectors wi = {drawn[0], drawn[1], drawn[2], dense};
     srbf_numbers_out pdf_out = {pdf, dense};
-    CHECK(srbf_mixture_sample_into(mixture, 64, &in, &out) == SRBF_STATUS_OK);
-    CHECK(srbf_mixture_pdf_into(mixture, 64, &wi, &pdf_out) == SRBF_STATUS_OK);
+    CHECK(srbf_mixture_ask(mixture, 0, 64, &(srbf_request){.size = sizeof(srbf_request), .u = in, .samples = out}) == SRBF_STATUS_OK);
+    CHECK(srbf_mixture_ask(mixture, 0, 64, &(srbf_request){.size = sizeof(srbf_request), .wi = wi, .pdf = pdf_out}) == SRBF_STATUS_OK);
     for (int i = 0; i < 64; i++) {
         const float one[3] = {u[0][i], u[1][i], u[2][i]};
         srbf_sample sample;

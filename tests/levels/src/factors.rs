@@ -5,7 +5,7 @@ use crate::inputs::{self, Random};
 use crate::outputs::{COUNTS, Guarded, slices, structure_of_arrays};
 use alloc::format;
 use alloc::vec::Vec;
-use srbf_core::{Material, Mixture, SamplesMut, Vec3};
+use srbf_core::{Draws, Material, Mixture, Towards, Vec3};
 
 const NAME: &str = "factored value";
 
@@ -73,11 +73,13 @@ fn check_material(bytes: &[u8], bare: &[u8], random: &mut Random, found: &mut Fi
         let (mut out, mut plain) = (Guarded::<3>::new(n), Guarded::<3>::new(n));
         let (mut both, mut plain_both) = (Guarded::<4>::new(n), Guarded::<4>::new(n));
         let inputs = slices(&wi_arrays, n);
-        let mut written =
-            m.evaluate_into(inputs, out.slices()).and(lobes.evaluate_into(inputs, plain.slices()));
+        let mut written = m
+            .ask(Towards { wi: inputs, value: Some(out.slices()), pdf: None }.into())
+            .and(lobes.ask(Towards { wi: inputs, value: Some(plain.slices()), pdf: None }.into()));
         for (m, both) in [(&m, &mut both), (&lobes, &mut plain_both)] {
             let [r, g, b, pdf] = both.slices();
-            written = written.and(m.evaluate_and_pdf_into(inputs, [r, g, b], pdf));
+            written =
+                written.and(m.ask(Towards { wi: inputs, value: Some([r, g, b]), pdf: Some(pdf) }.into()));
         }
         if written.is_err() || !out.is_intact() || !both.is_intact() {
             found.fault(format!("{n} values with factors: {written:?}, or a guard zone was written"));
@@ -102,9 +104,12 @@ fn check_material(bytes: &[u8], bare: &[u8], random: &mut Random, found: &mut Fi
         let mut written = Ok(());
         for (material, out) in [(&material, &mut out), (&bare, &mut plain)] {
             let [r, g, b, pdf] = out.slices();
-            written = written.and(material.evaluate_and_pdf_pairs_into(wo_in, wi_in, [r, g, b], pdf));
+            written = written.and(
+                material.ask(wo_in, Towards { wi: wi_in, value: Some([r, g, b]), pdf: Some(pdf) }.into()),
+            );
         }
-        written = written.and(material.evaluate_pairs_into(wo_in, wi_in, alone.slices()));
+        written = written
+            .and(material.ask(wo_in, Towards { wi: wi_in, value: Some(alone.slices()), pdf: None }.into()));
         if written.is_err() || !out.is_intact() || !alone.is_intact() {
             found.fault(format!("{n} pairs with factors: {written:?}, or a guard zone was written"));
         }
@@ -132,8 +137,9 @@ fn check_samples(
     let (mut out, mut plain) = (Guarded::<7>::new(n), Guarded::<7>::new(n));
     for (m, out) in [(m, &mut out), (lobes, &mut plain)] {
         let [x, y, z, pdf, r, g, b] = out.slices();
-        let samples = SamplesMut { direction: [x, y, z], pdf, weight: [r, g, b] };
-        if m.sample_into(slices(&arrays, n), samples).is_err() || !out.is_intact() {
+        let samples =
+            Draws { u: slices(&arrays, n), direction: [x, y, z], pdf: Some(pdf), weight: Some([r, g, b]) };
+        if m.ask(samples.into()).is_err() || !out.is_intact() {
             found.fault(format!("wo {wo}: samples with factors, or a guard zone was written"));
         }
     }

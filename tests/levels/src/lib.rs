@@ -20,7 +20,7 @@ use alloc::vec::Vec;
 pub use findings::Findings;
 use inputs::{Case, Random};
 use outputs::{COUNTS, Guarded, slices, structure_of_arrays};
-use srbf_core::{Level, Material, Mixture, SamplesMut, Vec3};
+use srbf_core::{Draws, Level, Material, Mixture, Towards, Vec3};
 use tolerance::Worst;
 use truth::{Truth, truth};
 
@@ -71,9 +71,18 @@ fn check_values(case: &Case, random: &mut Random, found: &mut Findings) {
             (Guarded::<3>::new(n), Guarded::<4>::new(n), Guarded::<1>::new(n));
         let ([red, green, blue, with_value], [pdf]) = (both.slices(), alone.slices());
         let written = m
-            .evaluate_into(slices(&arrays, n), out.slices())
-            .and(m.evaluate_and_pdf_into(slices(&arrays, n), [red, green, blue], with_value))
-            .and(m.pdf_into(slices(&arrays, n), pdf));
+            .ask(Towards { wi: slices(&arrays, n), value: Some(out.slices()), pdf: None }.into())
+            .and(
+                m.ask(
+                    Towards {
+                        wi: slices(&arrays, n),
+                        value: Some([red, green, blue]),
+                        pdf: Some(with_value),
+                    }
+                    .into(),
+                ),
+            )
+            .and(m.ask(Towards { wi: slices(&arrays, n), value: None, pdf: Some(pdf) }.into()));
         if written.is_err() || !out.is_intact() || !both.is_intact() || !alone.is_intact() {
             found.fault(format!("{}, {n} directions: {written:?}, or a guard zone was written", case.name));
         }
@@ -110,10 +119,13 @@ fn check_samples(m: &Mixture<64>, name: &str, random: &mut Random, found: &mut F
     let arrays = structure_of_arrays(&u);
     let (mut out, mut bare) = (Guarded::<7>::new(n), Guarded::<4>::new(n));
     let [x, y, z, pdf, r, g, b] = out.slices();
-    let samples = SamplesMut { direction: [x, y, z], pdf, weight: [r, g, b] };
-    let written = m.sample_into(slices(&arrays, n), samples);
+    let samples =
+        Draws { u: slices(&arrays, n), direction: [x, y, z], pdf: Some(pdf), weight: Some([r, g, b]) };
+    let written = m.ask(samples.into());
     let [x, y, z, pdf] = bare.slices();
-    let written = written.and(m.sample_pdf_into(slices(&arrays, n), [x, y, z], pdf));
+    let written = written.and(
+        m.ask(Draws { u: slices(&arrays, n), direction: [x, y, z], pdf: Some(pdf), weight: None }.into()),
+    );
     if written.is_err() || !out.is_intact() || !bare.is_intact() {
         found.fault(format!("{name}: {written:?}, or a guard zone was written"));
     }
@@ -182,18 +194,22 @@ fn check_pairs(material: &Material<impl AsRef<[u8]>>, random: &mut Random, found
         let (mut out, mut one_channel) = (Guarded::<4>::new(n), Guarded::<2>::new(n));
         let (mut drawn, mut bare) = (Guarded::<7>::new(n), Guarded::<4>::new(n));
         let [r, g, b, pdf] = out.slices();
-        let mut written = material.evaluate_and_pdf_pairs_into(wo_in, wi_in, [r, g, b], pdf);
+        let mut written =
+            material.ask(wo_in, Towards { wi: wi_in, value: Some([r, g, b]), pdf: Some(pdf) }.into());
         let [pdf, of_mixtures] = one_channel.slices();
-        written = written.and(material.pdf_pairs_into(wo_in, wi_in, pdf)).and(Mixture::pdf_pairs_into(
-            &mixtures[..n],
-            wi_in,
-            of_mixtures,
-        ));
+        written = written
+            .and(material.ask(wo_in, Towards { wi: wi_in, value: None, pdf: Some(pdf) }.into()))
+            .and(Mixture::ask_each(
+                &mixtures[..n],
+                Towards { wi: wi_in, value: None, pdf: Some(of_mixtures) }.into(),
+            ));
         let [x, y, z, pdf, r, g, b] = drawn.slices();
-        let samples = SamplesMut { direction: [x, y, z], pdf, weight: [r, g, b] };
-        written = written.and(material.sample_pairs_into(wo_in, u_in, samples));
+        let samples = Draws { u: u_in, direction: [x, y, z], pdf: Some(pdf), weight: Some([r, g, b]) };
+        written = written.and(material.ask(wo_in, samples.into()));
         let [x, y, z, pdf] = bare.slices();
-        written = written.and(material.sample_pdf_pairs_into(wo_in, u_in, [x, y, z], pdf));
+        written = written.and(
+            material.ask(wo_in, Draws { u: u_in, direction: [x, y, z], pdf: Some(pdf), weight: None }.into()),
+        );
         let intact = out.is_intact() && one_channel.is_intact() && drawn.is_intact() && bare.is_intact();
         if written.is_err() || !intact {
             found.fault(format!("{n} pairs: {written:?}, or a guard zone was written"));

@@ -4,7 +4,7 @@ use super::input::{above, any_direction, put_right, random, uniform};
 use super::mixture::{self, is_sound};
 use crate::inputs::Random;
 use glam::Vec3;
-use srbf_core::{Expanded, Material, Mixture, SamplesMut, printable, printable_lines};
+use srbf_core::{Draws, Expanded, Material, Mixture, Towards, printable, printable_lines};
 
 /// Rows of expanded materials: the fewest, more and fewer than there are views.
 const ROWS: [usize; 3] = [2, 5, 33];
@@ -91,15 +91,19 @@ fn pair(
         let [red, green, blue] = value.each_mut().map(|channel| &mut channel[..]);
         let mut drawn = [[0.0; 1]; 7];
         let [x, y, z, density, r, g, b] = drawn.each_mut().map(|number| &mut number[..]);
-        let samples = SamplesMut { direction: [x, y, z], pdf: density, weight: [r, g, b] };
+        let samples = Draws { u, direction: [x, y, z], pdf: Some(density), weight: Some([r, g, b]) };
         match expanded {
             Some(expanded) => {
-                expanded.evaluate_and_pdf_pairs_into(o, i, [red, green, blue], &mut pdf).expect("one pair");
-                expanded.sample_pairs_into(o, u, samples).expect("one sample");
+                expanded
+                    .ask(o, Towards { wi: i, value: Some([red, green, blue]), pdf: Some(&mut pdf) }.into())
+                    .expect("one pair");
+                expanded.ask(o, samples.into()).expect("one sample");
             }
             None => {
-                material.evaluate_and_pdf_pairs_into(o, i, [red, green, blue], &mut pdf).expect("one pair");
-                material.sample_pairs_into(o, u, samples).expect("one sample");
+                material
+                    .ask(o, Towards { wi: i, value: Some([red, green, blue]), pdf: Some(&mut pdf) }.into())
+                    .expect("one pair");
+                material.ask(o, samples.into()).expect("one sample");
             }
         }
         let is_number = value.as_flattened().iter().all(|v| v.is_finite());

@@ -3,7 +3,7 @@
 use super::input::{any_direction, random, uniform};
 use crate::inputs::Random;
 use glam::Vec3;
-use srbf_core::{Domain, Level, Lobe, Mixture, SamplesMut};
+use srbf_core::{Domain, Draws, Level, Lobe, Mixture, Towards};
 
 /// Directions of a batch: one more than fills vectors of any width.
 const BATCH: usize = 17;
@@ -34,7 +34,8 @@ pub fn mixture(bytes: &[u8]) -> bool {
     // Products of round lobes: a number, or an error. Where powers multiply to more than a float holds, channels of either sign do.
     let largest = lobes.iter().map(|lobe| lobe.amplitude.abs().max_element()).fold(0.0, f32::max);
     if largest <= LARGEST_TO_MULTIPLY {
-        let both = [m.inner_product(&m), m.inner_product_with_lobe(&lobes[0])];
+        let one = Mixture::<1>::sphere(&lobes[..1]).expect("a lobe of the mixture");
+        let both = [m.inner_product(&m), m.inner_product(&one)];
         assert!(both.iter().flatten().all(|integral| integral.is_finite()), "inner products {both:?}");
     }
     true
@@ -92,7 +93,14 @@ pub fn check<const N: usize>(mixture: &Mixture<'_, N>, random: &mut Random, plac
     let (mut value, mut pdf) = ([[0.0; BATCH]; 3], [0.0; BATCH]);
     let [x, y, z] = d_rows.each_ref().map(|row| &row[..]);
     mixture
-        .evaluate_and_pdf_into([x, y, z], value.each_mut().map(|row| &mut row[..]), &mut pdf)
+        .ask(
+            Towards {
+                wi: [x, y, z],
+                value: Some(value.each_mut().map(|row| &mut row[..])),
+                pdf: Some(&mut pdf),
+            }
+            .into(),
+        )
         .expect("slices of one length");
     for n in 0..BATCH {
         let place = || format!("{place}, {}", d[n]);
@@ -103,12 +111,13 @@ pub fn check<const N: usize>(mixture: &Mixture<'_, N>, random: &mut Random, plac
         }
     }
     let (mut direction, mut pdf, mut weight) = ([[0.0; BATCH]; 3], [0.0; BATCH], [[0.0; BATCH]; 3]);
-    let samples = SamplesMut {
+    let samples = Draws {
+        u: u_rows.each_ref().map(|row| &row[..]),
         direction: direction.each_mut().map(|row| &mut row[..]),
-        pdf: &mut pdf,
-        weight: weight.each_mut().map(|row| &mut row[..]),
+        pdf: Some(&mut pdf),
+        weight: Some(weight.each_mut().map(|row| &mut row[..])),
     };
-    mixture.sample_into(u_rows.each_ref().map(|row| &row[..]), samples).expect("slices of one length");
+    mixture.ask(samples.into()).expect("slices of one length");
     let is_folded = mixture.domain() == Domain::Hemisphere;
     for n in 0..BATCH {
         let place = || format!("{place}, {:?}", u[n]);

@@ -40,7 +40,7 @@ const PACKAGES: &[Package] = &[
     },
     Package { folder: "fit", may_take_from_parent: true, known: &[["fit.rs", "fewest_lobes.rs"]] },
     Package { folder: "evaluator", may_take_from_parent: false, known: &[["export.rs", "language.rs"]] },
-    Package { folder: "capi", may_take_from_parent: false, known: &[["pairs.rs", "pair_batch.rs"]] },
+    Package { folder: "capi", may_take_from_parent: false, known: &[["request.rs", "streams.rs"]] },
     Package {
         folder: "reference-renderer",
         may_take_from_parent: true,

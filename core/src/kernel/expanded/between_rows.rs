@@ -4,8 +4,7 @@
 use super::super::between_views::{Place, views_passed};
 use super::super::outgoing::Facing;
 use super::table::{
-    CHUNK, Chunk, DIFFUSE, Expanded, HEAD, IN_PLANE, INVERSE_SQUEEZE, LOBES_ALBEDO, LOBES_POWER, MIRRORED,
-    whole,
+    DIFFUSE, Expanded, HEAD, IN_PLANE, INVERSE_SQUEEZE, LOBES_ALBEDO, LOBES_POWER, MIRRORED, whole,
 };
 use crate::error::Error;
 use crate::mixture::complete::{LEAST_SHARPNESS, tail_and_inside, tail_and_inside_of_sharp};
@@ -13,7 +12,7 @@ use crate::mixture::factors::Factors;
 use crate::mixture::row;
 use crate::mixture::rows::{Domain, Mixture, lowest_bits};
 use crate::simd::detect::Level;
-use crate::simd::lanes::{Lanes, dot3, splat3};
+use crate::simd::lanes::{Lanes, Numbers, WIDEST, dot3, splat3};
 use crate::simd::routine::One;
 use crate::squeeze::Squeeze;
 use core::f32::consts::{FRAC_1_PI, LOG2_E};
@@ -33,7 +32,7 @@ impl<L: Lanes> Lobes<L> {
     /// Those from the `j`-th on of the same group of two rows. `W`: [`IN_PLANE`] or [`MIRRORED`]; `P`: of a
     /// material that is plain.
     #[inline(always)]
-    pub fn between<const W: usize, const P: bool>([a, b]: [&[Chunk; W]; 2], share: L, j: usize) -> Self {
+    pub fn between<const W: usize, const P: bool>([a, b]: [&[Numbers; W]; 2], share: L, j: usize) -> Self {
         let mut numbers = [L::splat(0.0); MIRRORED];
         for i in 0..W {
             let (a, b) = (L::load(&a[i][j..]), L::load(&b[i][j..]));
@@ -91,10 +90,10 @@ pub(super) fn blend<L: Lanes>(a: L, b: L, share: L) -> L {
     b.mul_add(share, a * (L::splat(1.0) - share))
 }
 
-/// The same group of lobes of two rows, as arrays of [`Chunk`]s.
+/// The same group of lobes of two rows, as arrays of [`Numbers`]s.
 #[inline(always)]
-pub(super) fn group<'m, const W: usize>([a, b]: [&'m [Chunk]; 2], g: usize) -> [&'m [Chunk; W]; 2] {
-    let part = |row: &'m [Chunk]| row[1 + g * W..].first_chunk().expect("a row has all groups");
+pub(super) fn group<'m, const W: usize>([a, b]: [&'m [Numbers]; 2], g: usize) -> [&'m [Numbers; W]; 2] {
+    let part = |row: &'m [Numbers]| row[1 + g * W..].first_chunk().expect("a row has all groups");
     [part(a), part(b)]
 }
 
@@ -181,14 +180,14 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
 /// Interpolates lobes into a mixture, complete but for its sums.
 #[inline(always)]
 fn store_lobes<L: Lanes, const N: usize, const W: usize, const P: bool>(
-    rows: [&[Chunk]; 2],
+    rows: [&[Numbers]; 2],
     share: f32,
     mixture: &mut Mixture<'_, N>,
     count: usize,
 ) {
     let (mut k, mut passed) = (0, L::splat(0.0));
     while row::is_within::<L, N>(k, count) {
-        let lobes = Lobes::<L>::between::<W, P>(group(rows, k / CHUNK), L::splat(share), k % CHUNK);
+        let lobes = Lobes::<L>::between::<W, P>(group(rows, k / WIDEST), L::splat(share), k % WIDEST);
         let [inverse, tail, inside] = lobes.integral::<P>();
         let normaliser = lobes.sharpness.max(L::splat(LEAST_SHARPNESS)) * L::splat(0.5 * FRAC_1_PI) / inside;
         let [x, y, z] = lobes.axis;

@@ -7,14 +7,14 @@
 
 use super::super::draw::{Choice, Frame, draw};
 use super::super::outgoing::Facing;
-use super::super::sights::{MOST, Numbers, Sights, seen, sights};
+use super::super::sights::{Sights, seen, sights};
 use super::between_rows::{Lobes, blend, group, luminance_of};
 use super::table::{
-    CHUNK, Chunk, DIFFUSE, DIFFUSE_POWER, Expanded, INVERSE_SQUEEZE, LOBES_POWER, MIRRORED, PAIR_HEAD, whole,
+    DIFFUSE, DIFFUSE_POWER, Expanded, INVERSE_SQUEEZE, LOBES_POWER, MIRRORED, PAIR_HEAD, whole,
 };
 use crate::mixture::complete::{LEAST_SHARPNESS, tail_and_inside};
 use crate::simd::elementary::falloff;
-use crate::simd::lanes::Lanes;
+use crate::simd::lanes::{Lanes, Numbers, WIDEST};
 use crate::simd::routine::Routine;
 use crate::squeeze::Seen;
 use core::f32::consts::{FRAC_1_PI, LOG2_E};
@@ -26,7 +26,7 @@ pub(super) struct Sums<const C: usize> {
     pub inverse_power: Numbers,
 }
 
-/// Evaluates at most [`MOST`] pairs. `W`: the chunks of a group.
+/// Evaluates at most [`WIDEST`] pairs. `W`: the chunks of a group.
 pub(super) struct Evaluate<'a, const W: usize, const C: usize> {
     pub expanded: &'a Expanded<'a>,
     pub count: usize,
@@ -44,11 +44,11 @@ impl<const W: usize, const C: usize> Routine for Evaluate<'_, W, C> {
         let sights = heads.sights::<L>(wi);
         // The usual material apart, its lobes in one vector: what is decided once is decided out here.
         if expanded.is_plain && expanded.material.lobe_count() <= L::Lobes::COUNT {
-            for i in 0..count.min(MOST) {
+            for i in 0..count.min(WIDEST) {
                 lanes.set(i, sum_rows::<L::Lobes, W, C, true>(expanded, &heads, i, &sights));
             }
         } else {
-            for i in 0..count.min(MOST) {
+            for i in 0..count.min(WIDEST) {
                 lanes.set(i, sum_rows::<L::Lobes, W, C, false>(expanded, &heads, i, &sights));
             }
         }
@@ -57,7 +57,7 @@ impl<const W: usize, const C: usize> Routine for Evaluate<'_, W, C> {
     }
 }
 
-/// Draws a direction for each of at most [`MOST`] pairs, evaluates towards it, and perhaps towards another
+/// Draws a direction for each of at most [`WIDEST`] pairs, evaluates towards it, and perhaps towards another
 /// one. `W`: the chunks of a group; `G`: groups, at least as many as there are.
 pub(super) struct Sample<'a, const W: usize, const G: usize, const C: usize> {
     pub expanded: &'a Expanded<'a>,
@@ -65,7 +65,7 @@ pub(super) struct Sample<'a, const W: usize, const G: usize, const C: usize> {
     pub wo: &'a [Numbers; 3],
     pub u: &'a [Numbers; 3],
     pub towards: Option<&'a [Numbers; 3]>,
-    pub kept: &'a mut [Kept<G>; MOST],
+    pub kept: &'a mut [Kept<G>; WIDEST],
     pub lanes: &'a mut LaneSums<C>,
 }
 
@@ -80,7 +80,7 @@ pub(super) struct Sampled<const C: usize> {
 pub(super) const KEPT: usize = 8;
 
 /// Of all lobes.
-pub(super) type Kept<const G: usize> = [[Chunk; KEPT]; G];
+pub(super) type Kept<const G: usize> = [[Numbers; KEPT]; G];
 
 impl<const W: usize, const G: usize, const C: usize> Routine for Sample<'_, W, G, C> {
     type Output = Sampled<C>;
@@ -90,17 +90,17 @@ impl<const W: usize, const G: usize, const C: usize> Routine for Sample<'_, W, G
         let heads = Heads::new::<L>(expanded, wo, count);
         let is_usual = expanded.is_plain && expanded.material.lobe_count() <= L::Lobes::COUNT;
         let mut chosen = Chosen::NONE;
-        for i in 0..count.min(MOST) {
+        for i in 0..count.min(WIDEST) {
             let k = if is_usual {
                 keep::<L::Lobes, W, G, C, true>(expanded, &heads, i, u[0][i], &mut kept[i])
             } else {
                 keep::<L::Lobes, W, G, C, false>(expanded, &heads, i, u[0][i], &mut kept[i])
             };
-            let lobe = &kept[i][k / CHUNK];
+            let lobe = &kept[i][k / WIDEST];
             for n in 0..3 {
-                chosen.axis[n][i] = lobe[n][k % CHUNK];
+                chosen.axis[n][i] = lobe[n][k % WIDEST];
             }
-            chosen.sharpness[i] = lobe[KEPT - 1][k % CHUNK];
+            chosen.sharpness[i] = lobe[KEPT - 1][k % WIDEST];
             chosen.squeezed[i] = if k < expanded.material.squeezed_count() { 1.0 } else { 0.0 };
         }
         let direction = heads.draw::<L>(expanded, &chosen, u, W != MIRRORED);
@@ -112,16 +112,16 @@ impl<const W: usize, const G: usize, const C: usize> Routine for Sample<'_, W, G
 }
 
 /// Sums of a block by lane: rows are pairs. Rows of pairs that there are not are left as they were.
-pub(super) struct LaneSums<const C: usize>([[Chunk; MOST]; C]);
+pub(super) struct LaneSums<const C: usize>([[Numbers; WIDEST]; C]);
 
 impl<const C: usize> LaneSums<C> {
-    pub const NONE: Self = Self([[[0.0; CHUNK]; MOST]; C]);
+    pub const NONE: Self = Self([[[0.0; WIDEST]; WIDEST]; C]);
 
     #[inline(always)]
     fn set<L: Lanes>(&mut self, i: usize, acc: [L; C]) {
         for channel in 0..C {
             let row = &mut self.0[channel][i];
-            if L::COUNT == CHUNK {
+            if L::COUNT == WIDEST {
                 acc[channel].store(row);
             } else {
                 row[0] = acc[channel].sum();
@@ -132,12 +132,12 @@ impl<const C: usize> LaneSums<C> {
     /// The sums across the lanes.
     #[inline(always)]
     fn value<L: Lanes>(&self) -> [Numbers; C] {
-        let mut value = [[0.0; MOST]; C];
+        let mut value = [[0.0; WIDEST]; C];
         for channel in 0..C {
-            if L::Lobes::COUNT == CHUNK {
+            if L::Lobes::COUNT == WIDEST {
                 value[channel] = L::sums_of_rows(&self.0[channel]);
             } else {
-                for i in 0..MOST {
+                for i in 0..WIDEST {
                     value[channel][i] = self.0[channel][i][0];
                 }
             }
@@ -149,7 +149,7 @@ impl<const C: usize> LaneSums<C> {
 /// What a block needs once a pair.
 struct Heads {
     /// The row before the outgoing direction, and how far beyond it.
-    row: [usize; MOST],
+    row: [usize; WIDEST],
     share: Numbers,
     /// Cosine and sine, in the caller's frame, of the azimuth of +x of the view.
     azimuth: [Numbers; 2],
@@ -167,18 +167,21 @@ struct Chosen {
 }
 
 impl Chosen {
-    const NONE: Self =
-        Self { axis: [[0.0; MOST], [0.0; MOST], [1.0; MOST]], sharpness: [1.0; MOST], squeezed: [0.0; MOST] };
+    const NONE: Self = Self {
+        axis: [[0.0; WIDEST], [0.0; WIDEST], [1.0; WIDEST]],
+        sharpness: [1.0; WIDEST],
+        squeezed: [0.0; WIDEST],
+    };
 }
 
 impl Heads {
     #[inline(always)]
     fn new<L: Lanes>(expanded: &Expanded<'_>, wo: &[Numbers; 3], count: usize) -> Self {
-        let zeros = [0.0; MOST];
+        let zeros = [0.0; WIDEST];
         let (mut place, mut share, mut azimuth, mut is_there) = (zeros, zeros, [zeros; 2], zeros);
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let mut at = 0;
-        while at + L::COUNT <= MOST {
+        while at + L::COUNT <= WIDEST {
             let wo = [L::load(&wo[0][at..]), L::load(&wo[1][at..]), L::load(&wo[2][at..])];
             let facing = Facing::<L>::new(wo);
             let [before, beyond] = expanded.places(facing.theta);
@@ -189,9 +192,9 @@ impl Heads {
             L::select(facing.is_there(), one, zero).store(&mut is_there[at..]);
             at += L::COUNT;
         }
-        let (mut row, mut numbers) = ([0; MOST], [zeros; PAIR_HEAD]);
-        numbers[INVERSE_SQUEEZE] = [1.0; MOST];
-        for i in 0..count.min(MOST) {
+        let (mut row, mut numbers) = ([0; WIDEST], [zeros; PAIR_HEAD]);
+        numbers[INVERSE_SQUEEZE] = [1.0; WIDEST];
+        for i in 0..count.min(WIDEST) {
             row[i] = whole(place[i]);
             let ([a, b], share) = (expanded.two_rows(row[i]), L::One::splat(share[i]));
             let (a, b) = (&a[0], &b[0]);
@@ -206,12 +209,12 @@ impl Heads {
     /// What lobes see of incident directions.
     #[inline(always)]
     fn sights<L: Lanes>(&self, wi: &[Numbers; 3]) -> Sights {
-        let mut excess = [0.0; MOST];
-        for i in 0..MOST {
+        let mut excess = [0.0; WIDEST];
+        for i in 0..WIDEST {
             let (c, s) = (f64::from(self.azimuth[0][i]), f64::from(self.azimuth[1][i]));
             excess[i] = (0.5 * (c * c + s * s - 1.0)) as f32;
         }
-        sights::<L>(self.azimuth, excess, [[1.0; MOST], self.numbers[INVERSE_SQUEEZE]], wi)
+        sights::<L>(self.azimuth, excess, [[1.0; WIDEST], self.numbers[INVERSE_SQUEEZE]], wi)
     }
 
     /// Sums the lobes that were kept towards a direction for each pair.
@@ -220,21 +223,21 @@ impl Heads {
         &self,
         expanded: &Expanded<'_>,
         count: usize,
-        kept: &[Kept<G>; MOST],
+        kept: &[Kept<G>; WIDEST],
         wi: &[Numbers; 3],
         lanes: &mut LaneSums<C>,
     ) -> Sums<C> {
         let sights = self.sights::<L>(wi);
         let (lobes, squeezed) = (expanded.material.lobe_count(), expanded.material.squeezed_count());
         if lobes <= L::Lobes::COUNT {
-            let mask = L::Lobes::first_lanes(squeezed.min(CHUNK));
-            for i in 0..count.min(MOST) {
+            let mask = L::Lobes::first_lanes(squeezed.min(WIDEST));
+            for i in 0..count.min(WIDEST) {
                 let mut acc = [L::Lobes::splat(0.0); C];
                 Summand::<L::Lobes, C>::kept(&kept[i][0], 0).add(&seen(&sights, i, mask), &mut acc);
                 lanes.set(i, acc);
             }
         } else {
-            for i in 0..count.min(MOST) {
+            for i in 0..count.min(WIDEST) {
                 lanes.set(i, sum_groups::<L::Lobes, G, C>(&kept[i], lobes, squeezed, &sights, i));
             }
         }
@@ -251,9 +254,9 @@ impl Heads {
         in_plane: bool,
     ) -> [Numbers; 3] {
         let (zero, one, half) = (L::splat(0.0), L::splat(1.0), L::splat(0.5));
-        let mut out = [[0.0; MOST]; 3];
+        let mut out = [[0.0; WIDEST]; 3];
         let mut at = 0;
-        while at + L::COUNT <= MOST {
+        while at + L::COUNT <= WIDEST {
             let frame = Frame {
                 in_plane,
                 any_squeezed: expanded.material.squeezed_count() > 0,
@@ -300,10 +303,10 @@ impl Heads {
     /// Adds the diffuse term to the sums over the lobes; 0 for directions below the horizon.
     #[inline(always)]
     fn finish<L: Lanes, const C: usize>(&self, mut value: [Numbers; C], height: &Numbers) -> Sums<C> {
-        let mut inverse_power = [0.0; MOST];
+        let mut inverse_power = [0.0; WIDEST];
         let (zero, half, one) = (L::splat(0.0), L::splat(0.5), L::splat(1.0));
         let mut at = 0;
-        while at + L::COUNT <= MOST {
+        while at + L::COUNT <= WIDEST {
             let z = L::load(&height[at..]);
             // Not set for a NaN.
             let above = L::both(z.ge(zero), L::load(&self.is_there[at..]).ge(half));
@@ -348,22 +351,22 @@ fn keep<L: Lanes, const W: usize, const G: usize, const C: usize, const USUAL: b
         let running = luminance_of(of.power).running_sum();
         Summand::<L, C>::new::<true>(&of).keep(&of, &mut kept[0], 0);
         let above = last | L::bits(L::splat(target).lt(running));
-        return above.trailing_zeros() as usize % CHUNK;
+        return above.trailing_zeros() as usize % WIDEST;
     }
     let (mut above, mut passed) = (last, L::splat(0.0));
-    for g in 0..lobes.div_ceil(CHUNK).min(G) {
+    for g in 0..lobes.div_ceil(WIDEST).min(G) {
         let mut j = 0;
-        while j < CHUNK && CHUNK * g + j < lobes {
+        while j < WIDEST && WIDEST * g + j < lobes {
             let of = Lobes::<L>::between::<W, false>(group(rows, g), share, j);
             let luminance = luminance_of(of.power);
             let running = luminance.running_sum() + passed;
-            above |= L::bits(L::splat(target).lt(running)) << (CHUNK * g + j);
+            above |= L::bits(L::splat(target).lt(running)) << (WIDEST * g + j);
             Summand::<L, C>::new::<false>(&of).keep(&of, &mut kept[g], j);
             passed = passed + L::splat(luminance.sum());
             j += L::COUNT;
         }
     }
-    (above.trailing_zeros() as usize).min(CHUNK * G - 1)
+    (above.trailing_zeros() as usize).min(WIDEST * G - 1)
 }
 
 /// What summing needs to know of lobes.
@@ -389,7 +392,7 @@ impl<L: Lanes, const C: usize> Summand<L, C> {
 
     /// Keeps these lobes, from the `j`-th on of a group.
     #[inline(always)]
-    fn keep(&self, of: &Lobes<L>, kept: &mut [Chunk; KEPT], j: usize) {
+    fn keep(&self, of: &Lobes<L>, kept: &mut [Numbers; KEPT], j: usize) {
         for n in 0..3 {
             of.axis[n].store(&mut kept[n][j..]);
         }
@@ -402,7 +405,7 @@ impl<L: Lanes, const C: usize> Summand<L, C> {
 
     /// The lobes that were kept.
     #[inline(always)]
-    fn kept(kept: &[Chunk; KEPT], j: usize) -> Self {
+    fn kept(kept: &[Numbers; KEPT], j: usize) -> Self {
         let mut amplitude = [L::splat(0.0); C];
         for channel in 0..C {
             amplitude[channel] = L::load(&kept[4 + channel][j..]);
@@ -450,15 +453,15 @@ fn sum_rows<L: Lanes, const W: usize, const C: usize, const USUAL: bool>(
     let mut acc = [L::splat(0.0); C];
     if USUAL {
         let of = Lobes::<L>::between::<W, true>(group(rows, 0), share, 0);
-        let seen = seen(sights, i, L::first_lanes(squeezed.min(CHUNK)));
+        let seen = seen(sights, i, L::first_lanes(squeezed.min(WIDEST)));
         Summand::<L, C>::new::<true>(&of).add(&seen, &mut acc);
         return acc;
     }
-    for g in 0..lobes.div_ceil(CHUNK) {
+    for g in 0..lobes.div_ceil(WIDEST) {
         let mut j = 0;
-        while j < CHUNK && CHUNK * g + j < lobes {
+        while j < WIDEST && WIDEST * g + j < lobes {
             let of = Lobes::<L>::between::<W, false>(group(rows, g), share, j);
-            let mask = L::first_lanes(squeezed.saturating_sub(CHUNK * g + j));
+            let mask = L::first_lanes(squeezed.saturating_sub(WIDEST * g + j));
             Summand::<L, C>::new::<false>(&of).add(&seen(sights, i, mask), &mut acc);
             j += L::COUNT;
         }
@@ -476,10 +479,10 @@ fn sum_groups<L: Lanes, const G: usize, const C: usize>(
     i: usize,
 ) -> [L; C] {
     let mut acc = [L::splat(0.0); C];
-    for g in 0..lobes.div_ceil(CHUNK).min(G) {
+    for g in 0..lobes.div_ceil(WIDEST).min(G) {
         let mut j = 0;
-        while j < CHUNK && CHUNK * g + j < lobes {
-            let mask = L::first_lanes(squeezed.saturating_sub(CHUNK * g + j));
+        while j < WIDEST && WIDEST * g + j < lobes {
+            let mask = L::first_lanes(squeezed.saturating_sub(WIDEST * g + j));
             Summand::<L, C>::kept(&kept[g], j).add(&seen(sights, i, mask), &mut acc);
             j += L::COUNT;
         }

@@ -2,8 +2,7 @@
 
 use super::super::between_views::{Place, at_place, views_passed};
 use super::table::{
-    CHUNK, Chunk, DIFFUSE, DIFFUSE_POWER, Expanded, INVERSE_SQUEEZE, LOBES_ALBEDO, LOBES_POWER, Shape,
-    angles, expanded_len,
+    DIFFUSE, DIFFUSE_POWER, Expanded, INVERSE_SQUEEZE, LOBES_ALBEDO, LOBES_POWER, Shape, angles, expanded_len,
 };
 use crate::color::luminance;
 use crate::error::Error;
@@ -13,6 +12,7 @@ use crate::mixture::complete::LEAST_WITHOUT_SERIES;
 use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::rows::{Domain, Mixture};
 use crate::simd::detect::Level;
+use crate::simd::lanes::{Numbers, WIDEST};
 use crate::squeeze::Squeeze;
 use core::f32::consts::{FRAC_PI_2, PI};
 use glam::Vec3;
@@ -57,14 +57,14 @@ impl<'m> Expanded<'m> {
             return Err(Error::Memory { needed, available });
         }
         let shape = Shape::new(material.header, rows);
-        let skip = memory.as_ptr().align_offset(4 * CHUNK).min(CHUNK - 1);
-        let (chunks, _) = memory[skip..].as_chunks_mut::<CHUNK>();
+        let skip = memory.as_ptr().align_offset(4 * WIDEST).min(WIDEST - 1);
+        let (chunks, _) = memory[skip..].as_chunks_mut::<WIDEST>();
         let (knots, chunks) = chunks.split_at_mut(3 * shape.knot_chunks);
         let chunks = &mut chunks[..rows * shape.stride];
         let knots = knots.as_flattened_mut();
         knots.fill(0.0);
-        let (from_knots, rest) = knots.split_at_mut(CHUNK * shape.knot_chunks);
-        let (to_knots, per_radian) = rest.split_at_mut(CHUNK * shape.knot_chunks);
+        let (from_knots, rest) = knots.split_at_mut(WIDEST * shape.knot_chunks);
+        let (to_knots, per_radian) = rest.split_at_mut(WIDEST * shape.knot_chunks);
 
         let mut first = 0;
         for k in 0..shape.knots {
@@ -124,7 +124,7 @@ fn row_of_knot(material: MaterialRef<'_>, shape: Shape, rows: usize, k: usize, b
 }
 
 /// Prepares a material at an angle of the outgoing direction, and stores what is interpolated.
-fn fill_row(material: MaterialRef<'_>, shape: Shape, theta: f32, chunks: &mut [Chunk]) {
+fn fill_row(material: MaterialRef<'_>, shape: Shape, theta: f32, chunks: &mut [Numbers]) {
     let mut m = Mixture::<MAX_LOBES>::empty();
     m.begin(Level::Scalar, Domain::Hemisphere, Squeeze::NONE);
     let place = Place::after(material, views_passed::<f32>(material, theta), theta);
@@ -133,15 +133,15 @@ fn fill_row(material: MaterialRef<'_>, shape: Shape, theta: f32, chunks: &mut [C
 
     let (head, groups) = chunks.split_at_mut(1);
     let head = &mut head[0];
-    *head = [0.0; CHUNK];
+    *head = [0.0; WIDEST];
     head[INVERSE_SQUEEZE] = m.head.squeeze.inverse;
     head[DIFFUSE..DIFFUSE + 3].copy_from_slice(&m.head.diffuse.to_array());
     head[DIFFUSE_POWER] = m.head.diffuse_power;
 
     let (stored, mirrored) = (material.header.lobes, material.header.mirrored);
     for (g, group) in groups.chunks_exact_mut(shape.width).enumerate() {
-        for j in 0..CHUNK {
-            let k = CHUNK * g + j;
+        for j in 0..WIDEST {
+            let k = WIDEST * g + j;
             // A place without a lobe: along the normal, of no power.
             let (mut axis, mut sharpness, mut power) = (Vec3::Z, 1.0, [0.0; 3]);
             if k < m.head.count {
@@ -173,16 +173,16 @@ fn fill_row(material: MaterialRef<'_>, shape: Shape, theta: f32, chunks: &mut [C
 }
 
 /// Whether no axis of a lobe with a power turns far from one row to the next, and no lobe is wide.
-fn is_plain(shape: Shape, chunks: &[Chunk]) -> bool {
-    let axis = |group: &[Chunk], j: usize| {
+fn is_plain(shape: Shape, chunks: &[Numbers]) -> bool {
+    let axis = |group: &[Numbers], j: usize| {
         let y = if group.len() > super::table::IN_PLANE { group[6][j] } else { 0.0 };
         Vec3::new(group[0][j], y, group[1][j])
     };
-    let power = |group: &[Chunk], j: usize| (3..6).any(|i| group[i][j] != 0.0);
+    let power = |group: &[Numbers], j: usize| (3..6).any(|i| group[i][j] != 0.0);
     chunks.chunks_exact(shape.stride).zip(chunks.chunks_exact(shape.stride).skip(1)).all(|(a, b)| {
         let groups = a[1..].chunks_exact(shape.width).zip(b[1..].chunks_exact(shape.width));
         groups.into_iter().all(|(a, b)| {
-            (0..CHUNK).all(|j| {
+            (0..WIDEST).all(|j| {
                 let moves = power(a, j) || power(b, j);
                 let is_fine = !moves || axis(a, j).distance_squared(axis(b, j)) <= FINE;
                 is_fine && a[2][j].min(b[2][j]) >= LEAST_WITHOUT_SERIES

@@ -17,13 +17,7 @@
 
 use crate::material::borrowed::{Material, MaterialRef};
 use crate::material::layout::{Header, f32_at};
-use crate::simd::lanes::{Lanes, ROUND};
-
-/// Numbers of a chunk: 64 bytes, and the lanes of the widest vector.
-pub(crate) const CHUNK: usize = 16;
-
-/// Sixteen numbers.
-pub(crate) type Chunk = [f32; CHUNK];
+use crate::simd::lanes::{Lanes, Numbers, ROUND, WIDEST};
 
 /// Places in the head of a row.
 pub(crate) const INVERSE_SQUEEZE: usize = 0;
@@ -58,7 +52,7 @@ pub(crate) const MIRRORED: usize = 7;
 /// memory.
 ///
 /// ```
-/// # use srbf_core::{Expanded, Line, Material, Mixture, PlaneLobe, SamplesMut, View};
+/// # use srbf_core::{Draws, Expanded, Line, Material, Mixture, PlaneLobe, View};
 /// # let color_differences = [0.0; 2];
 /// # let lobe = |angle| PlaneLobe {
 /// #     angle, off_plane: 0.0, log2_sharpness: 5.0, log2_luminance: -1.0, color_differences,
@@ -79,15 +73,13 @@ pub(crate) const MIRRORED: usize = 7;
 /// // At many hits, each with an outgoing direction of its own: where the paths go on.
 /// let (wo, u) = ([[0.6, 0.0], [0.0, 0.28], [0.8, 0.96]], [[0.3, 0.7], [0.6, 0.2], [0.1, 0.9]]);
 /// let (mut direction, mut pdf, mut weight) = ([[0.0; 2]; 3], [0.0; 2], [[0.0; 2]; 3]);
-/// expanded.sample_pairs_into(
-///     wo.each_ref().map(|s| &s[..]),
-///     u.each_ref().map(|s| &s[..]),
-///     SamplesMut {
-///         direction: direction.each_mut().map(|s| &mut s[..]),
-///         pdf: &mut pdf,
-///         weight: weight.each_mut().map(|s| &mut s[..]),
-///     },
-/// )?;
+/// let draws = Draws {
+///     u: u.each_ref().map(|s| &s[..]),
+///     direction: direction.each_mut().map(|s| &mut s[..]),
+///     pdf: Some(&mut pdf),
+///     weight: Some(weight.each_mut().map(|s| &mut s[..])),
+/// };
+/// expanded.ask(wo.each_ref().map(|s| &s[..]), draws.into())?;
 /// assert!(pdf[0] > 0.0 && weight[0][0] < 1.0);
 ///
 /// // At one hit: a mixture, which has all other methods.
@@ -103,7 +95,7 @@ pub struct Expanded<'m> {
     /// then zeros.
     pub(super) knots: [&'m [f32]; 3],
     pub(super) knot_count: usize,
-    pub(super) chunks: &'m [Chunk],
+    pub(super) chunks: &'m [Numbers],
     pub(super) rows: usize,
     /// Chunks of a row.
     pub(super) stride: usize,
@@ -138,10 +130,10 @@ impl Shape {
     pub fn new(header: &Header, rows: usize) -> Self {
         let views = header.views;
         let knots = if views <= rows { views } else { 2 };
-        let groups = header.lobe_count().div_ceil(CHUNK); // of up to sixteen lobes
+        let groups = header.lobe_count().div_ceil(WIDEST); // of up to sixteen lobes
         let width = if header.mirrored > 0 { MIRRORED } else { IN_PLANE };
         let stride = 1 + groups * width;
-        Self { knots, knot_chunks: knots.div_ceil(CHUNK), width, stride }
+        Self { knots, knot_chunks: knots.div_ceil(WIDEST), width, stride }
     }
 }
 
@@ -157,8 +149,8 @@ pub(super) fn expanded_len(header: &Header, rows: usize) -> usize {
     let shape = Shape::new(header, rows);
     rows.saturating_mul(shape.stride)
         .saturating_add(3 * shape.knot_chunks)
-        .saturating_mul(CHUNK)
-        .saturating_add(CHUNK - 1)
+        .saturating_mul(WIDEST)
+        .saturating_add(WIDEST - 1)
 }
 
 impl<'m> Expanded<'m> {
@@ -214,7 +206,7 @@ impl<'m> Expanded<'m> {
 
     /// The chunks of a row and of the next, which there is whatever the number.
     #[inline(always)]
-    pub(super) fn two_rows(&self, row: usize) -> [&'m [Chunk]; 2] {
+    pub(super) fn two_rows(&self, row: usize) -> [&'m [Numbers]; 2] {
         let both = &self.chunks[row.min(self.rows - 2) * self.stride..][..2 * self.stride];
         both.split_at(self.stride).into()
     }

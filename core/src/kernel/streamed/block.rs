@@ -7,18 +7,18 @@
 use super::super::between_views::{Place, head_at, head_numbers, views_passed};
 use super::super::draw::{Frame, chosen_power, draw};
 use super::super::outgoing::Facing;
-use super::super::sights::{MOST, Numbers, sights};
+use super::super::sights::sights;
 use super::lobes::{Kept, choice, chosen_lobe, keep_first, keep_second, numbers_of, sums_of_block};
 use crate::color::{LUMINANCE, rgb};
 use crate::material::borrowed::MaterialRef;
 use crate::simd::elementary::exp2;
-use crate::simd::lanes::{Lanes, PART, dot3, splat3};
+use crate::simd::lanes::{Lanes, Numbers, WIDEST, dot3, splat3};
 use crate::simd::routine::Routine;
 use core::f32::consts::FRAC_1_PI;
 
-/// At most [`MOST`] hits, of which [`Room`] has the numbers. `G`: groups of sixteen lobes, at least as many as there are.
+/// At most [`WIDEST`] hits, of which [`Room`] has the numbers. `G`: groups of sixteen lobes, at least as many as there are.
 pub(super) struct HitBlock<'a, 'm, const G: usize> {
-    pub materials: &'a [MaterialRef<'m>; MOST],
+    pub materials: &'a [MaterialRef<'m>; WIDEST],
     pub count: usize,
     /// Whether directions are to be drawn, and materials evaluated towards others.
     pub draws: bool,
@@ -38,25 +38,25 @@ pub(super) struct Room<const G: usize> {
     pub towards: Sums,
     /// Power of lobes and diffuse terms, 0 where nothing is reflected.
     pub power: Numbers,
-    kept: [Kept<G>; MOST],
+    kept: [Kept<G>; WIDEST],
     /// Sums by lane; a row is a pair.
     lanes: Lanes3,
 }
 
 /// Sums by lane in three channels.
-type Lanes3 = [[[f32; PART]; MOST]; 3];
+type Lanes3 = [[[f32; WIDEST]; WIDEST]; 3];
 
 impl<const G: usize> Room<G> {
     pub const NEW: Self = Self {
-        wo: [[0.5; MOST]; 3],
-        u: [[0.5; MOST]; 3],
-        wi: [[0.5; MOST]; 3],
-        direction: [[0.0; MOST]; 3],
-        drawn: Sums { value: [[0.0; MOST]; 3], pdf: [0.0; MOST] },
-        towards: Sums { value: [[0.0; MOST]; 3], pdf: [0.0; MOST] },
-        power: [0.0; MOST],
-        kept: [[super::lobes::NOTHING; G]; MOST],
-        lanes: [[[0.0; PART]; MOST]; 3],
+        wo: [[0.5; WIDEST]; 3],
+        u: [[0.5; WIDEST]; 3],
+        wi: [[0.5; WIDEST]; 3],
+        direction: [[0.0; WIDEST]; 3],
+        drawn: Sums { value: [[0.0; WIDEST]; 3], pdf: [0.0; WIDEST] },
+        towards: Sums { value: [[0.0; WIDEST]; 3], pdf: [0.0; WIDEST] },
+        power: [0.0; WIDEST],
+        kept: [[super::lobes::NOTHING; G]; WIDEST],
+        lanes: [[[0.0; WIDEST]; WIDEST]; 3],
     };
 }
 
@@ -73,7 +73,7 @@ impl<const G: usize> Routine for HitBlock<'_, '_, G> {
     fn run<L: Lanes>(self) {
         let Self { materials, count, draws, evaluates, room } = self;
         let Room { wo, u, wi, direction, drawn, towards, power, kept, lanes } = room;
-        let count = count.min(MOST);
+        let count = count.min(WIDEST);
         let mut heads = Heads::new::<L>(materials, wo, count);
         let mut in_plane = true;
         for i in 0..count {
@@ -104,7 +104,7 @@ impl<const G: usize> Routine for HitBlock<'_, '_, G> {
 
 /// What a block needs once a pair.
 struct Heads {
-    place: [Place; MOST],
+    place: [Place; WIDEST],
     /// Cosine and sine, in the caller's frame, of the azimuth of +x of the view.
     azimuth: [Numbers; 2],
     squeeze: Numbers,
@@ -120,12 +120,12 @@ struct Heads {
 
 impl Heads {
     #[inline(always)]
-    fn new<L: Lanes>(materials: &[MaterialRef<'_>; MOST], wo: &[Numbers; 3], count: usize) -> Self {
-        let zeros = [0.0; MOST];
+    fn new<L: Lanes>(materials: &[MaterialRef<'_>; WIDEST], wo: &[Numbers; 3], count: usize) -> Self {
+        let zeros = [0.0; WIDEST];
         let mut heads = Self {
-            place: [Place::NOWHERE; MOST],
+            place: [Place::NOWHERE; WIDEST],
             azimuth: [zeros; 2],
-            squeeze: [1.0; MOST],
+            squeeze: [1.0; WIDEST],
             diffuse: [zeros; 3],
             diffuse_power: zeros,
             lobes_power: zeros,
@@ -136,7 +136,7 @@ impl Heads {
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let mut theta = zeros;
         let mut at = 0;
-        while at + L::COUNT <= MOST {
+        while at + L::COUNT <= WIDEST {
             let facing =
                 Facing::<L>::new([L::load(&wo[0][at..]), L::load(&wo[1][at..]), L::load(&wo[2][at..])]);
             facing.theta.store(&mut theta[at..]);
@@ -157,7 +157,7 @@ impl Heads {
             }
         }
         let mut at = 0;
-        while at + L::COUNT <= MOST {
+        while at + L::COUNT <= WIDEST {
             exp2(L::load(&numbers[0][at..])).store(&mut heads.squeeze[at..]);
             let differences = [L::load(&numbers[2][at..]), L::load(&numbers[3][at..])];
             let color = rgb(exp2(L::load(&numbers[1][at..])), differences);
@@ -176,7 +176,7 @@ impl Heads {
             }
         }
         let mut at = 0;
-        while at + L::COUNT <= MOST {
+        while at + L::COUNT <= WIDEST {
             let mut color = [zero; 3];
             for channel in 0..3 {
                 color[channel] = L::load(&heads.diffuse[channel][at..]);
@@ -192,7 +192,7 @@ impl Heads {
     fn sum_up<L: Lanes>(&mut self) {
         let one = L::splat(1.0);
         let mut at = 0;
-        while at + L::COUNT <= MOST {
+        while at + L::COUNT <= WIDEST {
             let power = L::load(&self.lobes_power[at..]) + L::load(&self.diffuse_power[at..]);
             let there = L::load(&self.is_there[at..]).ge(L::splat(0.5));
             // A sum so small that its inverse is infinite reflects nothing.
@@ -207,9 +207,9 @@ impl Heads {
     #[inline(always)]
     fn draw<L: Lanes>(&self, chosen: &Chosen, u: &[Numbers; 3], in_plane: bool) -> [Numbers; 3] {
         let (zero, one, half) = (L::splat(0.0), L::splat(1.0), L::splat(0.5));
-        let mut out = [[0.0; MOST]; 3];
+        let mut out = [[0.0; WIDEST]; 3];
         let mut at = 0;
-        while at + L::COUNT <= MOST {
+        while at + L::COUNT <= WIDEST {
             let frame = Frame {
                 in_plane,
                 any_squeezed: true,
@@ -239,27 +239,27 @@ impl Heads {
     #[inline(always)]
     fn sums<L: Lanes, const G: usize>(
         &self,
-        materials: &[MaterialRef<'_>; MOST],
+        materials: &[MaterialRef<'_>; WIDEST],
         count: usize,
-        kept: &[Kept<G>; MOST],
+        kept: &[Kept<G>; WIDEST],
         wi: &[Numbers; 3],
         lanes: &mut Lanes3,
         sums: &mut Sums,
     ) {
-        let (mut excess, mut inverse) = ([0.0; MOST], [1.0; MOST]);
-        for i in 0..MOST {
+        let (mut excess, mut inverse) = ([0.0; WIDEST], [1.0; WIDEST]);
+        for i in 0..WIDEST {
             let (c, s) = (f64::from(self.azimuth[0][i]), f64::from(self.azimuth[1][i]));
             excess[i] = (0.5 * (c * c + s * s - 1.0)) as f32;
             inverse[i] = 1.0 / self.squeeze[i];
         }
-        let sights = sights::<L>(self.azimuth, excess, [[1.0; MOST], inverse], wi);
+        let sights = sights::<L>(self.azimuth, excess, [[1.0; WIDEST], inverse], wi);
         for i in 0..count {
             let header = materials[i].header;
             let (lobes, squeezed) = (header.lobe_count(), header.squeezed);
             let acc = sums_of_block::<L::Lobes, G>(&kept[i], lobes, squeezed, &sights, i);
             for channel in 0..3 {
                 let row = &mut lanes[channel][i];
-                if L::Lobes::COUNT == PART {
+                if L::Lobes::COUNT == WIDEST {
                     acc[channel].store(row);
                 } else {
                     row[0] = acc[channel].sum();
@@ -267,10 +267,10 @@ impl Heads {
             }
         }
         for channel in 0..3 {
-            if L::Lobes::COUNT == PART {
+            if L::Lobes::COUNT == WIDEST {
                 sums.value[channel] = L::sums_of_rows(&lanes[channel]);
             } else {
-                for i in 0..MOST {
+                for i in 0..WIDEST {
                     sums.value[channel][i] = lanes[channel][i][0];
                 }
             }
@@ -282,7 +282,7 @@ impl Heads {
     #[inline(always)]
     fn finish<L: Lanes>(&self, sums: &mut Sums, height: &Numbers) {
         let mut at = 0;
-        while at + L::COUNT <= MOST {
+        while at + L::COUNT <= WIDEST {
             let z = L::load(&height[at..]);
             // Not set for a NaN.
             let there = L::load(&self.is_there[at..]).ge(L::splat(0.5));
@@ -312,13 +312,13 @@ struct Chosen {
 impl Chosen {
     #[inline(always)]
     fn new<L: Lanes, const G: usize>(
-        materials: &[MaterialRef<'_>; MOST],
+        materials: &[MaterialRef<'_>; WIDEST],
         heads: &Heads,
         count: usize,
-        kept: &[Kept<G>; MOST],
+        kept: &[Kept<G>; WIDEST],
         u: &Numbers,
     ) -> Self {
-        let (one, zeros) = ([1.0; MOST], [0.0; MOST]);
+        let (one, zeros) = ([1.0; WIDEST], [0.0; WIDEST]);
         // Harmless ones behind the last pair.
         let mut chosen =
             Self { numbers: [zeros, zeros, one, one, zeros, one], squeezed: zeros, target: zeros };

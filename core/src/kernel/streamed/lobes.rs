@@ -9,7 +9,7 @@ use super::super::sights::{Sights, seen};
 use crate::material::borrowed::MaterialRef;
 use crate::mixture::complete::LEAST_SHARPNESS;
 use crate::simd::elementary::{exp2_and_rest, falloff, falloff_soon};
-use crate::simd::lanes::{Lanes, PART, Part};
+use crate::simd::lanes::{Lanes, Numbers, WIDEST};
 use crate::squeeze::{Seen, Sight};
 use core::f32::consts::{LOG2_E, PI};
 
@@ -25,15 +25,15 @@ const GONE: usize = 9;
 const RUNNING: usize = 10;
 
 /// The lobes of one outgoing direction, in groups of sixteen.
-pub(super) type Kept<const G: usize> = [[Part; KEPT]; G];
+pub(super) type Kept<const G: usize> = [[Numbers; KEPT]; G];
 
 /// No lobes.
-pub(super) const NOTHING: [Part; KEPT] = [[0.0; PART]; KEPT];
+pub(super) const NOTHING: [Numbers; KEPT] = [[0.0; WIDEST]; KEPT];
 
 /// Lobes of a mixture that a group count allows.
 #[inline(always)]
 fn is_within<const G: usize>(k: usize, count: usize) -> bool {
-    k < count && k < PART * G
+    k < count && k < WIDEST * G
 }
 
 /// Interpolates the lobes round a place and keeps them; returns their power. `MIRRORED`: some are.
@@ -49,7 +49,7 @@ pub(super) fn keep<L: Lanes, const G: usize, const MIRRORED: bool>(
     let mut k = 0;
     while is_within::<G>(k, rows.total()) {
         let lobes = rows.lobes::<L, MIRRORED, true>(k);
-        let (to, j) = (&mut kept[k / PART], k % PART);
+        let (to, j) = (&mut kept[k / WIDEST], k % WIDEST);
         keep_shape(&lobes, to, j);
         passed = keep_powers(lobes.sharpness, lobes.luminance, passed, to, j);
         k += L::COUNT;
@@ -70,7 +70,7 @@ pub(super) fn keep_first<L: Lanes, const G: usize, const MIRRORED: bool>(
     let mut k = 0;
     while is_within::<G>(k, rows.total()) {
         let lobes = rows.lobes::<L, MIRRORED, false>(k);
-        let (to, j) = (&mut kept[k / PART], k % PART);
+        let (to, j) = (&mut kept[k / WIDEST], k % WIDEST);
         keep_shape(&lobes, to, j);
         lobes.sharpness.store(&mut to[INVERSE][j..]);
         lobes.luminance.store(&mut to[RUNNING][j..]);
@@ -85,7 +85,7 @@ pub(super) fn keep_second<L: Lanes, const G: usize>(count: usize, kept: &mut Kep
     let mut passed = L::splat(0.0);
     let mut k = 0;
     while is_within::<G>(k, count) {
-        let (to, j) = (&mut kept[k / PART], k % PART);
+        let (to, j) = (&mut kept[k / WIDEST], k % WIDEST);
         let (sharpness, luminance) = (L::load(&to[INVERSE][j..]), L::load(&to[RUNNING][j..]));
         passed = keep_powers(sharpness, luminance, passed, to, j);
         k += L::COUNT;
@@ -95,7 +95,7 @@ pub(super) fn keep_second<L: Lanes, const G: usize>(count: usize, kept: &mut Kep
 
 /// Keeps axes, rates and amplitudes.
 #[inline(always)]
-fn keep_shape<L: Lanes>(lobes: &Lobes<L>, to: &mut [Part; KEPT], j: usize) {
+fn keep_shape<L: Lanes>(lobes: &Lobes<L>, to: &mut [Numbers; KEPT], j: usize) {
     let [x, y, z] = lobes.axis;
     x.store(&mut to[0][j..]);
     y.store(&mut to[1][j..]);
@@ -109,7 +109,7 @@ fn keep_shape<L: Lanes>(lobes: &Lobes<L>, to: &mut [Part; KEPT], j: usize) {
 /// Keeps what drawing needs, and the running sum of powers beyond what `passed` has in every lane; returns its last
 /// in every lane.
 #[inline(always)]
-fn keep_powers<L: Lanes>(sharpness: L, luminance: L, passed: L, to: &mut [Part; KEPT], j: usize) -> L {
+fn keep_powers<L: Lanes>(sharpness: L, luminance: L, passed: L, to: &mut [Numbers; KEPT], j: usize) -> L {
     let s = sharpness.max(L::splat(LEAST_SHARPNESS));
     let [tail, inside] = exp2_and_rest(s * L::splat(-2.0 * LOG2_E));
     let inverse = L::splat(1.0) / s;
@@ -129,16 +129,16 @@ pub(super) fn chosen_lobe<L: Lanes, const G: usize>(kept: &Kept<G>, count: usize
     let mut above = 1u64.wrapping_shl((count as u32).wrapping_sub(1));
     let mut k = 0;
     while is_within::<G>(k, count) {
-        above |= L::bits(L::splat(target).lt(L::load(&kept[k / PART][RUNNING][k % PART..]))) << k;
+        above |= L::bits(L::splat(target).lt(L::load(&kept[k / WIDEST][RUNNING][k % WIDEST..]))) << k;
         k += L::COUNT;
     }
-    (above.trailing_zeros() as usize).min(PART * G - 1)
+    (above.trailing_zeros() as usize).min(WIDEST * G - 1)
 }
 
 /// What drawing needs of lobe `k`: axis, `1 - exp(-2 s)`, `exp(-2 s)`, `1 / s`.
 #[inline(always)]
 pub(super) fn numbers_of<const G: usize>(kept: &Kept<G>, k: usize) -> [f32; 6] {
-    let (group, j) = (&kept[(k / PART).min(G - 1)], k % PART);
+    let (group, j) = (&kept[(k / WIDEST).min(G - 1)], k % WIDEST);
     [group[0][j], group[1][j], group[2][j], group[INSIDE][j], group[GONE][j], group[INVERSE][j]]
 }
 
@@ -162,7 +162,7 @@ pub(super) fn sums<L: Lanes, const G: usize>(
     while is_within::<G>(k, count) {
         let mask = L::first_lanes(squeezed_count.saturating_sub(k).min(L::COUNT));
         let seen = Sight::splat_either::<L>(mask, squeezed, turned);
-        add::<L, true>(&kept[k / PART], k % PART, &seen, &mut acc);
+        add::<L, true>(&kept[k / WIDEST], k % WIDEST, &seen, &mut acc);
         k += L::COUNT;
     }
     acc
@@ -182,7 +182,7 @@ pub(super) fn sums_of_block<L: Lanes, const G: usize>(
     let mut k = 0;
     while is_within::<G>(k, count) {
         let mask = L::first_lanes(squeezed_count.saturating_sub(k).min(L::COUNT));
-        add::<L, false>(&kept[k / PART], k % PART, &seen(sights, i, mask), &mut acc);
+        add::<L, false>(&kept[k / WIDEST], k % WIDEST, &seen(sights, i, mask), &mut acc);
         k += L::COUNT;
     }
     acc
@@ -190,7 +190,7 @@ pub(super) fn sums_of_block<L: Lanes, const G: usize>(
 
 /// Adds the lobes from the `j`-th on of a group. `SOON`: by a shorter chain of more operations.
 #[inline(always)]
-fn add<L: Lanes, const SOON: bool>(of: &[Part; KEPT], j: usize, seen: &Seen<L>, acc: &mut [L; 3]) {
+fn add<L: Lanes, const SOON: bool>(of: &[Numbers; KEPT], j: usize, seen: &Seen<L>, acc: &mut [L; 3]) {
     let [x, y, z] = [L::load(&of[0][j..]), L::load(&of[1][j..]), L::load(&of[2][j..])];
     let mut rate = L::load(&of[RATE][j..]);
     let fold_rate = rate * L::splat(4.0) * z;

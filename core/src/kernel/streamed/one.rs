@@ -13,7 +13,7 @@ use crate::mixture::factors::Nodes;
 use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::rows::{Mixture, Sample, drawn_density, weight_of};
 use crate::simd::detect::Level;
-use crate::simd::lanes::{Lanes, PART, scale};
+use crate::simd::lanes::{Lanes, WIDEST, scale};
 use crate::simd::routine::One;
 use crate::squeeze::{Sight, Squeeze};
 use glam::Vec3;
@@ -188,7 +188,7 @@ impl<const DRAWS: bool, const EVALUATES: bool> One<Hit<'_>> for Ask<DRAWS, EVALU
             return Answer::NOTHING;
         }
         let header = hit.material.header;
-        match (header.mirrored > 0, header.lobe_count() <= PART) {
+        match (header.mirrored > 0, header.lobe_count() <= WIDEST) {
             (false, true) => answer::<L, 1, false, DRAWS, EVALUATES>(&hit, &outgoing),
             (true, true) => answer::<L, 1, true, DRAWS, EVALUATES>(&hit, &outgoing),
             (false, false) => answer::<L, GROUPS, false, DRAWS, EVALUATES>(&hit, &outgoing),
@@ -198,7 +198,7 @@ impl<const DRAWS: bool, const EVALUATES: bool> One<Hit<'_>> for Ask<DRAWS, EVALU
 }
 
 /// Most groups of sixteen lobes.
-pub(super) const GROUPS: usize = MAX_LOBES / PART;
+pub(super) const GROUPS: usize = MAX_LOBES / WIDEST;
 
 #[inline(always)]
 fn answer<L: Lanes, const G: usize, const MIRRORED: bool, const DRAWS: bool, const EVALUATES: bool>(

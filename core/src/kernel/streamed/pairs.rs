@@ -10,7 +10,7 @@ use super::super::each_mixture::by_mixtures;
 use super::super::multiply_factors::multiply_pairs;
 use super::super::request::{Request, at};
 #[cfg(feature = "simd")]
-use super::super::sights::{MOST, Numbers};
+use super::super::slices::Block;
 use super::super::slices::same_length;
 #[cfg(feature = "simd")]
 use super::block::{HitBlock, Room, Sums};
@@ -26,7 +26,7 @@ use crate::mixture::rows::{drawn_density, weight_of};
 #[cfg(feature = "simd")]
 use crate::simd::detect::Level;
 #[cfg(feature = "simd")]
-use crate::simd::lanes::{Lanes, PART};
+use crate::simd::lanes::{Lanes, Numbers, WIDEST};
 #[cfg(feature = "simd")]
 use crate::simd::routine::One;
 use core::borrow::Borrow;
@@ -110,7 +110,7 @@ fn ask(source: Source<'_, '_>, wo: [&[f32]; 3], request: &mut Request<'_>) {
                 Source::One(_) => count(0),
                 Source::Each(_) => (0..n).map(count).max().unwrap_or(0),
             };
-            if most <= PART {
+            if most <= WIDEST {
                 in_blocks::<1>(level, source, wo, request);
             } else {
                 in_blocks::<GROUPS>(level, source, wo, request);
@@ -153,23 +153,20 @@ fn in_blocks<const G: usize>(
     wo: [&[f32]; 3],
     request: &mut Request<'_>,
 ) {
-    let n = wo[0].len();
     let mut room = Room::<G>::NEW;
-    let mut materials = [source.get(0); MOST];
-    let mut from = 0;
-    while from < n {
-        let count = MOST.min(n - from);
+    let mut materials = [source.get(0); WIDEST];
+    for block in Block::all(wo[0].len()) {
+        let Block { from, count } = block;
         if let Source::Each(get) = source {
             for (i, material) in materials.iter_mut().enumerate() {
                 *material = get(from + i.min(count - 1));
             }
         }
         if materials.iter().all(|material| material.header.is_isotropic()) {
-            Hits { level, materials: &materials, from, count }.ask(&wo, request, &mut room);
+            Hits { level, materials: &materials, block }.ask(&wo, request, &mut room);
         } else {
             one_by_one(source, wo, request, from..from + count);
         }
-        from += count;
     }
 }
 
@@ -177,21 +174,21 @@ fn in_blocks<const G: usize>(
 #[cfg(feature = "simd")]
 struct Hits<'a, 'm> {
     level: Level,
-    materials: &'a [MaterialRef<'m>; MOST],
-    from: usize,
-    count: usize,
+    materials: &'a [MaterialRef<'m>; WIDEST],
+    block: Block,
 }
 
 #[cfg(feature = "simd")]
 impl Hits<'_, '_> {
     fn ask<const G: usize>(&self, wo: &[&[f32]; 3], request: &mut Request<'_>, room: &mut Room<G>) {
-        let &Self { level, materials, count, .. } = self;
-        self.copy_in(wo, &mut room.wo);
+        let &Self { level, materials, block } = self;
+        let count = block.count;
+        block.copy_in(wo, &mut room.wo);
         if let Some(draw) = &request.draw {
-            self.copy_in(&draw.u, &mut room.u);
+            block.copy_in(&draw.u, &mut room.u);
         }
         if let Some(towards) = &request.evaluate {
-            self.copy_in(&towards.wi, &mut room.wi);
+            block.copy_in(&towards.wi, &mut room.wi);
         }
         let (draws, evaluates) = (request.draw.is_some(), request.evaluate.is_some());
         level.run(HitBlock::<G> { materials, count, draws, evaluates, room: &mut *room });
@@ -200,11 +197,11 @@ impl Hits<'_, '_> {
             if let Some(weight) = &mut draw.weight {
                 self.multiply(wo, direction, drawn);
                 let Sums { value, pdf } = drawn;
-                for i in 0..MOST {
+                for i in 0..WIDEST {
                     let colour = weight_of(Vec3::new(value[0][i], value[1][i], value[2][i]), pdf[i]);
                     [value[0][i], value[1][i], value[2][i]] = colour.to_array();
                 }
-                self.copy_out(value, weight);
+                block.copy_out(value, weight);
             }
             if let Some(pdf) = &mut draw.pdf {
                 for (density, &power) in drawn.pdf.iter_mut().zip(&*power) {
@@ -212,24 +209,24 @@ impl Hits<'_, '_> {
                         *density = drawn_density(*density);
                     }
                 }
-                self.copy_out(&[drawn.pdf], &mut [&mut **pdf]);
+                block.copy_out(&[drawn.pdf], &mut [&mut **pdf]);
             }
-            self.copy_out(direction, &mut draw.direction);
+            block.copy_out(direction, &mut draw.direction);
         }
         if let Some(evaluate) = &mut request.evaluate {
             if let Some(pdf) = &mut evaluate.pdf {
-                self.copy_out(&[towards.pdf], &mut [&mut **pdf]);
+                block.copy_out(&[towards.pdf], &mut [&mut **pdf]);
             }
             if let Some(value) = &mut evaluate.value {
                 self.multiply(wo, wi, towards);
-                self.copy_out(&towards.value, value);
+                block.copy_out(&towards.value, value);
             }
         }
     }
 
     /// Multiplies values by their factors: all at once where the materials have the same.
     fn multiply(&self, wo: &[Numbers; 3], wi: &[Numbers; 3], sums: &mut Sums) {
-        let &Self { level, materials, count, .. } = self;
+        let &Self { level, materials, block } = self;
         if materials.iter().all(|material| !material.header.has_factors()) {
             return;
         }
@@ -237,7 +234,7 @@ impl Hits<'_, '_> {
         if materials.iter().all(|material| first.is(&Nodes::new(*material))) {
             // What is no direction has no factor, and 0 times that may be none either.
             let (mut outgoing, mut incident) = (*wo, *wi);
-            for i in 0..MOST {
+            for i in 0..WIDEST {
                 if sums.pdf[i] == 0.0 && sums.value.iter().all(|channel| channel[i] == 0.0) {
                     outgoing.iter_mut().chain(&mut incident).for_each(|component| component[i] = 0.5);
                 }
@@ -245,7 +242,7 @@ impl Hits<'_, '_> {
             multiply_pairs(level, &first, &outgoing, &incident, &mut sums.value);
             return;
         }
-        for (i, material) in materials.iter().enumerate().take(count) {
+        for (i, material) in materials.iter().enumerate().take(block.count) {
             let nodes = Nodes::new(*material);
             let is_dark = sums.value.iter().all(|channel| channel[i] == 0.0);
             if !nodes.is_none() && !is_dark {
@@ -256,46 +253,6 @@ impl Hits<'_, '_> {
                 }
             }
         }
-    }
-
-    /// Copies the numbers of a block in; what is behind the last hit is harmless.
-    fn copy_in(&self, from: &[&[f32]; 3], block: &mut [Numbers; 3]) {
-        for (block, from) in block.iter_mut().zip(from) {
-            copy(&from[self.from..self.from + self.count], &mut block[..self.count]);
-        }
-    }
-
-    /// Copies the numbers of a block out.
-    fn copy_out<const C: usize>(&self, block: &[Numbers; C], to: &mut [&mut [f32]; C]) {
-        for (block, to) in block.iter().zip(to) {
-            copy(&block[..self.count], &mut to[self.from..self.from + self.count]);
-        }
-    }
-}
-
-/// Copies at most [`MOST`] numbers by two moves of a known length, which may overlap: a call of `memcpy` for each array
-/// of a request is a quarter of the time of a few hits.
-#[cfg(feature = "simd")]
-#[inline(always)]
-fn copy(from: &[f32], to: &mut [f32]) {
-    let n = from.len().min(to.len());
-    if n >= MOST / 2 {
-        copy_ends::<{ MOST / 2 }>(from, to, n);
-    } else if n >= MOST / 4 {
-        copy_ends::<{ MOST / 4 }>(from, to, n);
-    } else {
-        for (to, from) in to.iter_mut().zip(from).take(MOST / 4) {
-            *to = *from;
-        }
-    }
-}
-
-/// The first `K` and the last `K` of n.
-#[cfg(feature = "simd")]
-#[inline(always)]
-fn copy_ends<const K: usize>(from: &[f32], to: &mut [f32], n: usize) {
-    for at in [0, n - K] {
-        to[at..at + K].copy_from_slice(&from[at..at + K]);
     }
 }
 
