@@ -1,7 +1,7 @@
 //! Luminance; and the colours of lobes and of the diffuse term as a luminance, and how far red and blue are
 //! from it, relative to it.
 //!
-//! `R = Y (1 + rho)`, `B = Y (1 + beta)`, and green is what makes the luminance Y: `G = Y (1 - (0.2126 rho +
+//! `R = Y (1 + rho)`, `B = Y (1 + beta)`, and green makes the luminance Y: `G = Y (1 - (0.2126 rho +
 //! 0.0722 beta) / 0.7152)`. What chooses lobes and weighs densities sees Y alone, so that a channel may be
 //! negative, as measured colours outside the gamut of sRGB are.
 
@@ -11,7 +11,7 @@ use glam::Vec3;
 /// Weights of luminance in linear sRGB (Rec. 709).
 pub const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
-/// Luminance of a linear sRGB colour (Rec. 709): what lobes are chosen by and densities are weighted with.
+/// Luminance of a linear sRGB colour (Rec. 709), by which lobes are chosen and densities are weighted.
 #[inline]
 pub fn luminance(rgb: impl Into<Vec3>) -> f32 {
     rgb.into().dot(Vec3::from_array(LUMINANCE))
@@ -52,7 +52,7 @@ pub fn color_differences(log2_rgb: [f32; 3]) -> (f32, [f32; 2]) {
 /// Whether a lobe or a diffuse term may have this colour: finite, its luminance not negative, no channel
 /// farther from 0 than 32 times that.
 pub(crate) fn is_admissible(rgb: Vec3) -> bool {
-    // What has no negative channel needs no such bound, which rounding could break for the smallest of
+    // A colour without negative channels needs no such bound, which rounding could break for the smallest of
     // numbers.
     rgb.is_finite() && (rgb.min_element() >= 0.0 || rgb.abs().max_element() <= MOST_CHANNEL * luminance(rgb))
 }

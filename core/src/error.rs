@@ -1,4 +1,4 @@
-//! What can go wrong, as plain values.
+//! Errors, as plain values.
 
 use core::fmt;
 
@@ -34,7 +34,7 @@ pub enum Error {
     /// There is less memory than an expanded material or an environment takes, counted in numbers of four
     /// bytes.
     Memory {
-        /// What is needed.
+        /// The number that is needed.
         needed: usize,
         /// What there is.
         available: usize,

@@ -1,4 +1,4 @@
-//! A material as bytes: where everything stands in a `.srbf` file ([`layout`]), what is given to its writer
+//! A material as bytes: where everything stands in a `.srbf` file ([`layout`]), the input of its writer
 //! ([`views`], [`factor_table`]), writing, checking, and reading in place ([`borrowed`]).
 //!
 //! Nothing here computes a mixture; `kernel/prepare.rs` does.

@@ -1,7 +1,7 @@
-//! The border for text: what a stranger wrote, in a file, a name or an argument, on its way to a terminal, a page or
+//! The border for text: words of a stranger, in a file, a name or an argument, on its way to a terminal, a page or
 //! a message.
 //!
-//! Such text may hold escape sequences that a terminal obeys, marks that turn the order of what follows, and line
+//! Such text may hold escape sequences that a terminal obeys, marks that turn the order of the following text, and line
 //! ends that make one line look like two. None of them passes: each is spelled out, as `\u{1b}`.
 //! May import: nothing; nothing else prints a string of a stranger.
 
@@ -18,7 +18,7 @@ pub struct Printable<'a> {
 /// Makes text of a stranger fit to be shown.
 ///
 /// Spelled out, as `\u{1b}` is, are control characters (line ends and tabulators too), the marks and overrides of
-/// bidirectional text, line and paragraph separators, what has no width, and tags. Everything else stays as it is,
+/// bidirectional text, line and paragraph separators, characters without width, and tags. Everything else stays as it is,
 /// so that names of every script are read as they are written.
 ///
 /// ```

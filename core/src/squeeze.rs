@@ -38,7 +38,7 @@ pub(crate) struct Squeeze {
     pub azimuth: [f32; 2],
     /// Whether that is not (1, 0): turning loses digits.
     pub is_turned: bool,
-    /// What the length of these two exceeds 1 by, having been rounded.
+    /// The excess of the length of these two over 1, by rounding.
     pub excess: f32,
     /// What x is multiplied by; 1 in isotropic materials.
     pub along: f32,
@@ -167,7 +167,7 @@ impl Squeeze {
         let (high_z, low_z) = two_product(z, shrink);
         let high = [high_x, high_y, high_z];
         let mut low = [x_low.mul_add(shrink, low_x), y_low.mul_add(shrink, low_y), low_z];
-        // What is left of the length over 1: at s = 1e8 even 1e-7 of it counts, by its square.
+        // The excess of the length over 1: at s = 1e8 even 1e-7 of it counts, by its square.
         let along = high_x.mul_add(low[0], high_y.mul_add(low[1], high_z * low[2]));
         let excess = length_squared_minus_one(high).mul_add(L::splat(0.5), along);
         for i in 0..3 {
@@ -240,7 +240,7 @@ pub(crate) fn turn_back<L: Lanes>([x, y, z]: [L; 3], [c, s]: [L; 2]) -> [L; 3] {
     [y.neg_mul_add(s, x * c), x.mul_add(s, y * c), z]
 }
 
-/// What is seen of one direction.
+/// One direction as a squeezed lobe takes it.
 pub(crate) type Sight = Seen<f32>;
 
 impl<L: Lanes> Seen<L> {

@@ -1,7 +1,7 @@
-//! Zonal kernels: functions on the sphere that depend on the angle to an axis alone, and what is folded of
-//! them.
+//! Zonal kernels: functions on the sphere that depend on the angle to an axis alone, and their folded
+//! forms.
 //!
-//! [`kernel::Kernel`] is what they share; the Gaussian, which all else of this crate is made of, lives in
+//! [`kernel::Kernel`] is their interface; the Gaussian, which all else of this crate is made of, lives in
 //! `lobe`. Abel-Poisson kernels, Legendre series, tables and the Metropolis walk come with the feature
 //! `zonal`.
 //! May import: `squeeze`, `special`, `float`, `quadrature`, `simd`, `error`.

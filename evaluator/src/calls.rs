@@ -39,7 +39,7 @@ pub fn is_of_name(c: char) -> bool {
     c.is_ascii_alphanumeric() || c == '_'
 }
 
-/// Replaces a word, where it is a whole one; it may end in what is of no name, such as a bracket.
+/// Replaces a word, where it is a whole one; it may end in a character of no name, such as a bracket.
 pub fn replace_word(text: &str, word: &str, by: &str) -> String {
     let mut made = String::with_capacity(text.len());
     let mut rest = text;

@@ -1,4 +1,4 @@
-//! The languages, and what the tokens of the text are in each.
+//! The languages, and the tokens of the text in each.
 
 /// A language that the text is written out in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -124,7 +124,7 @@ impl Language {
     }
 }
 
-/// What a shader gives: where the words of a material are is its own matter.
+/// The interface to a shader, which keeps the words of a material where it likes.
 const GLSL: &str = "// Yours to define: word i of the material at `data`, from a buffer, a texture or constants.\n// uint srbf_word(int data, int i);\n\n";
 const HLSL: &str = "// Yours to define: word i of the material at `data`, from a buffer, a texture or constants.\n// uint srbf_word(uint data, int i);\n\n";
 const WGSL: &str = "// Yours to define: word i of the material at `data`, from a buffer, a texture or constants.\n// fn srbf_word(data: u32, i: i32) -> u32\n\n";

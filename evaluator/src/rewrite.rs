@@ -7,7 +7,7 @@ use crate::wgsl;
 /// The text itself.
 const TEXT: &str = include_str!("srbf.inc");
 
-/// Writes the text out: with what the language needs before it, and without a material.
+/// Writes the text out, with the prelude of the language and without a material.
 ///
 /// In C++ and CUDA a material is a pointer to its words, in Metal one to `device` memory. Elsewhere it is a number of the caller's, by which
 /// a function of the caller's, `srbf_word`, finds the words.
@@ -31,7 +31,7 @@ fn rewritten(line: &str, language: Language) -> Option<String> {
             code = code
                 .replace("(SrbfMaterial m", "(const SrbfMaterial &m")
                 .replace("SrbfView v", "const SrbfView &v");
-            // What is returned is no parameter.
+            // The result is no parameter.
             code = code.replace("FN const SrbfView &v", "FN SrbfView v");
         }
     } else {

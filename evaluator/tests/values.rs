@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 
 const N: usize = 4096;
 
-/// Largest errors: of value, density and albedo; of the density and weight at a draw. What a value is relative to: itself and the density times the
+/// Largest errors: of value, density and albedo; of the density and weight at a draw. The divisor of an error of a value: itself and the density times the
 /// power. The worst is far from a lobe of sharpness 5400 at 2 degrees above the horizon: turning a direction in f32 rounds it.
 const VALUE: f32 = 3e-4;
 const AT_DRAW: f32 = 5e-4;
@@ -119,7 +119,7 @@ fn factored() -> Vec<u8> {
     bytes
 }
 
-/// Rows of numbers: what is given, and what the library says of it.
+/// Rows of numbers: inputs, and the results of the library.
 fn reference(bytes: &[u8]) -> (Vec<Vec<f32>>, Vec<Vec<f32>>) {
     let material = Material::from_bytes(bytes).expect("a material");
     let mut random = Random(88_172_645_463_325_252);

@@ -1,10 +1,10 @@
-//! Attacks: what is done with the bytes of a stranger, and what has to hold whatever they are.
+//! Attacks: operations on the bytes of a stranger, and promises that hold for any bytes.
 //!
 //! A [`Target`] takes any bytes. It reads them as one format or builds its objects from them, and then calls everything that
-//! can be called with these. A panic is a finding: what has to hold is asserted.
+//! can be called with these. A panic is a finding: promises are asserted.
 //!
 //! Three users share the list [`TARGETS`]. `tests/tests/fuzz.rs` feeds damaged seeds to every target in each test run.
-//! `fuzz/run` feeds libFuzzer's inputs, which follow the coverage. `fuzz/found/NAME/` keeps what was found, for both.
+//! `fuzz/run` feeds libFuzzer's inputs, which follow the coverage. `fuzz/found/NAME/` keeps findings, for both.
 //!
 //! To add a format: a function here, a line in [`TARGETS`], seeds in `tests/src/bin/seeds.rs`.
 
@@ -29,7 +29,7 @@ use std::path::{Path, PathBuf};
 pub struct Target {
     /// Name of its folders in `fuzz/seeds` and `fuzz/found`; `SRBF_TARGET` of `fuzz/src/main.rs`.
     pub name: &'static str,
-    /// What is done with the bytes. Returns: whether they were accepted.
+    /// The operations on the bytes. Returns whether they were accepted.
     pub run: fn(&[u8]) -> bool,
 }
 

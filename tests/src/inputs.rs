@@ -44,7 +44,7 @@ impl Random {
         ((f64::from(self.uniform()) * limit as f64) as usize).min(limit.saturating_sub(1))
     }
 
-    /// A number from `low` to `high`: mostly an end, what lies next to it, 0, or what is as good as 0.
+    /// A number from `low` to `high`: mostly an end, its neighbour, 0, or a number as good as 0.
     pub fn end(&mut self, low: f32, high: f32) -> f32 {
         let choice = match self.below(8) {
             0 => low,

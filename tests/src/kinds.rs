@@ -173,7 +173,7 @@ impl Soa {
     pub fn new(all: &[Vec3]) -> Self {
         Self([0, 1, 2].map(|i| all.iter().map(|d| d[i]).collect()))
     }
-    /// Of so many that are not there yet.
+    /// With room for more.
     pub fn empty(n: usize) -> Self {
         Self([0, 1, 2].map(|_| vec![f32::NAN; n]))
     }

@@ -1,4 +1,4 @@
-//! What the tests share: oracle, tolerances, inputs, statistics.
+//! Shared by the tests: oracle, tolerances, inputs, statistics.
 
 extern crate alloc;
 

@@ -8,7 +8,7 @@ use std::path::Path;
 /// A map, the top row first.
 #[derive(Clone, Debug)]
 pub struct Map {
-    /// What it is called.
+    /// Its name.
     pub name: String,
     /// Columns.
     pub width: usize,
@@ -63,7 +63,7 @@ impl Map {
     /// A Radiance picture, `.hdr`, run-length encoded or not.
     ///
     /// # Panics
-    /// For a file that is none.
+    /// For a file that is no map.
     pub fn read(path: &Path) -> Self {
         let bytes = std::fs::read(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         let head = bytes.windows(2).position(|two| two == b"\n\n").expect("an empty line") + 2;

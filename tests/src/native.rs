@@ -10,7 +10,7 @@ pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the package is a folder of the workspace")
 }
 
-/// Where cargo puts what it builds for this test: the folder above `release/deps`.
+/// The folder of cargo's builds for this test: the folder above `release/deps`.
 fn target() -> PathBuf {
     let test = std::env::current_exe().expect("a test knows where it is");
     let mut folders = test.ancestors();
@@ -64,7 +64,7 @@ pub enum Language {
 pub struct Compiler {
     /// The command, such as `gcc`.
     pub command: &'static str,
-    /// What it compiles.
+    /// The language.
     pub language: Language,
 }
 

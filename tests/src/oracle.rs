@@ -89,7 +89,7 @@ pub fn factor(
     if azimuth == 1 {
         return plane(0);
     }
-    // Both wo and the normal without what they have along the half direction; where one is nothing, all azimuths have the same nodes.
+    // Both wo and the normal without their parts along the half direction; where one is 0, all azimuths have the same nodes.
     let (h, apart) = (sum.normalize(), wi - wo);
     let cosine = apart.normalize_or_zero().z / h.x.hypot(h.y).max(1e-300);
     let (k, c) = place((cosine * cosine).min(1.0), azimuth);
@@ -142,7 +142,7 @@ pub fn integrate(domain: Domain, n: usize, f: impl Fn(DVec3) -> f64) -> f64 {
     sum * height * 2.0 * PI / columns as f64
 }
 
-/// As [`integrate`] over the sphere, on a grid that is geometric in the angle to an axis: for what is sharp there.
+/// As [`integrate`] over the sphere, on a grid that is geometric in the angle to an axis: for functions that are sharp there.
 pub fn integrate_around(axis: DVec3, n: usize, f: impl Fn(DVec3) -> f64) -> f64 {
     let (t, b) = axis.any_orthonormal_pair();
     let mut sum = 0.0;

@@ -1,5 +1,5 @@
 //! Bins for chi-square that follow a mixture: cells of the sphere, split in 3 by 3 until none holds much of the density,
-//! each with its exact share. Fixed bins are blind to what a sharp lobe does inside one of them.
+//! each with its exact share. Fixed bins are blind to a sharp lobe inside one of them.
 
 use crate::statistics::{ChiSquare, chi_square};
 use glam::{DVec3, Vec3};
@@ -52,7 +52,7 @@ pub struct Partition {
     share: Vec<f64>,
 }
 
-/// What the density is made of: where the cells must be fine.
+/// The parts of the density, round which cells must be fine.
 struct Feature {
     axis: DVec3,
     width: f64,
@@ -173,7 +173,7 @@ impl Partition {
         Self { root, tree, share }
     }
 
-    /// Integral of the density over all bins: 1 for what is a density.
+    /// Integral of the density over all bins: 1 for a density.
     pub fn total(&self) -> f64 {
         self.share.iter().sum()
     }

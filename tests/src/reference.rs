@@ -16,7 +16,7 @@ impl Table {
     /// Reads a table by its name without `.csv`.
     ///
     /// # Panics
-    /// If the file is missing or holds what is not a number.
+    /// If the file is missing, or holds text where a number is expected.
     pub fn load(name: &str) -> Self {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("data").join(format!("{name}.csv"));
         let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
@@ -40,7 +40,7 @@ fn is_normal(x: f64) -> bool {
     x >= f64::from(f32::MIN_POSITIVE) && x <= f64::from(f32::MAX)
 }
 
-/// Relative error; 0 is to be met exactly, and what is not a normal f32 is passed over.
+/// Relative error; 0 is to be met exactly, and numbers that are no normal f32 are passed over.
 fn relative(got: f32, want: f64) -> Option<f64> {
     if want == 0.0 {
         Some(if got == 0.0 { 0.0 } else { f64::INFINITY })

@@ -1,4 +1,4 @@
-//! Materials to begin with where bytes are damaged: one with factors, and any number at the ends of what the format allows.
+//! Materials to begin with where bytes are damaged: one with factors, and any number at the ends of the format's ranges.
 
 use crate::inputs::Random;
 use core::f32::consts::{FRAC_PI_2, PI};
@@ -34,7 +34,7 @@ pub fn factored() -> Vec<u8> {
     encoded(line.encoded_len(SEED), |out| line.encode(SEED, out))
 }
 
-/// A material of one kind or the other whose numbers are mostly the ends of what the format allows.
+/// A material of one kind or the other whose numbers are mostly the ends of the format's ranges.
 pub fn extreme(random: &mut Random) -> Vec<u8> {
     if random.below(2) == 0 { extreme_line(random) } else { extreme_grid(random) }
 }

@@ -104,7 +104,7 @@ pub fn chi_square(observed: &[f64], expected: &[f64]) -> ChiSquare {
         count += 1;
     };
     for (expected, observed) in bins {
-        // Smallest first: what is pooled is what is rare.
+        // Smallest first: rare ones are pooled.
         if expected < 5.0 || pooled_expected > 0.0 && pooled_expected < 5.0 {
             pooled_expected += expected;
             pooled_observed += observed;

@@ -13,9 +13,9 @@ pub const SLACK: f64 = 4.0;
 /// One allowed error.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
-    /// What is measured.
+    /// The measured error.
     pub name: &'static str,
-    /// What the error is divided by before it is compared.
+    /// The divisor of the error before it is compared.
     pub unit: &'static str,
     /// Largest error that passes.
     pub allowed: f64,
@@ -96,12 +96,12 @@ pub const ENVIRONMENT: &[Entry] = &[
 /// the squares. Half of them count in the root, which is rounded itself.
 const LENGTH: f64 = 3.5 / 16_777_216.0;
 
-/// What the relative error of a squeezed lobe is divided by, of sharpness `s` and an axis of such a squared length, at the exponent
+/// The divisor of the relative error of a squeezed lobe, of sharpness `s` and an axis of such a squared length, at the exponent
 /// `t`.
 ///
 /// A lobe of axis a sees a direction d, squeezed to M d of length r, as `|M d - r a|^2 / r^2`. With r rounded to `r (1 + e)` and
 /// `u = M d / r` that is `|u - a - e a|^2 = |u - a|^2 (1 + e) + e (|a|^2 - 1) + e^2`, as `2 a (u - a) = 1 - |a|^2 - |u - a|^2`. The
-/// exponent is `s / 2` times it. So what is relative counts in `|t|`, as every rounding of the exponent does; the rest is there
+/// exponent is `s / 2` times it. So relative errors count in `|t|`, as every rounding of the exponent does; the rest is there
 /// even where the exponent is 0: for an axis of length 1 2.2e-6 of the value at the largest sharpness, 1e8.
 pub fn squeezed_unit(s: f64, axis_squared: f64, t: f64) -> f64 {
     2.0 + t.abs() + 0.5 * s * LENGTH * (LENGTH + (axis_squared - 1.0).abs()) / SQUEEZED

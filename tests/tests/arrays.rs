@@ -36,6 +36,6 @@ fn lobes_take_arrays() {
 
     let mixture = Mixture::<16>::hemisphere(&[lobe]).unwrap().with_diffuse([0.1, 0.2, 0.3]).unwrap();
     assert_eq!(mixture.diffuse().to_array(), [0.1, 0.2, 0.3]);
-    // What has no meaning is refused as before.
+    // Meaningless numbers are refused as before.
     assert_eq!(Lobe::new([2.0, 0.0, 0.0], 40.0, [1.0; 3]), Err(Error::Axis));
 }

@@ -1,4 +1,4 @@
-//! A material that is asked directly: what it answers is what its mixtures do, its draws follow their density, and batches are many
+//! A material that is asked directly: its answers are those of its mixtures, its draws follow their density, and batches are many
 //! single answers.
 
 use glam::Vec3;
@@ -16,7 +16,7 @@ fn all() -> Vec<(&'static str, Material<Vec<u8>>)> {
     materials().into_iter().map(make).collect()
 }
 
-/// How far a draw is from another, in widths of what is drawn from there.
+/// Distance of a draw from another, in widths of the lobes there.
 fn apart(a: &Sample, b: &Sample) -> f32 {
     (a.direction - b.direction).length() * a.pdf.max(1e-2).sqrt()
 }
@@ -112,7 +112,7 @@ fn draws_follow_their_density_which_integrates_to_1() {
     }
 }
 
-/// What a batch gives.
+/// The outputs of a batch.
 struct Batch {
     direction: Soa,
     pdf: Vec<f32>,

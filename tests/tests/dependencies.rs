@@ -1,4 +1,4 @@
-//! What the locked dependencies are allowed to be, without the network: licences that `deny.toml` lists, and no newer compiler than
+//! Limits on the locked dependencies, without the network: licences that `deny.toml` lists, and no newer compiler than
 //! the workspace asks for.
 
 use serde_json::Value;

@@ -161,7 +161,7 @@ fn material(factors: Option<FactorTable>) -> Vec<u8> {
     bytes
 }
 
-/// What a call writes for n pairs.
+/// The outputs of a call for n pairs.
 type Columns<const C: usize> = [Vec<f32>; C];
 
 /// Calls, and finds 0 wherever it has written; it has to write everywhere.

@@ -34,7 +34,7 @@ fn estimates_agree_with_quadrature() {
         one /= N as f64;
 
         println!("quadrature {want:.5}, one-sample {one:.5}");
-        // A few standard errors, and what the step of the light costs the quadrature.
+        // A few standard errors, and the error of the quadrature at the step of the light.
         assert!((one / want - 1.0).abs() < 6e-3, "{one}, {want}");
     }
 }
@@ -234,7 +234,7 @@ fn the_random_walk_comes_closer_with_every_step() {
         for steps in [0, 1, 2, 5, 10, 50] {
             let walk = Metropolis { steps, floor: 0.01 };
             let range = walk.range(value);
-            // What the floor cuts off is not drawn: the distribution is that of the rest.
+            // Directions below the floor are not drawn: the distribution is that of the rest.
             let last = 2.0 * (0.5 * f64::from(range)).sin().powi(2);
             let within = oracle::share_within(f64::from(s), last);
             let mut random = Random(35);

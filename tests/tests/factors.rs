@@ -1,4 +1,4 @@
-//! Materials with a table of factors, against the f64 of its definition; what has no place in one; and weights within their bound.
+//! Materials with a table of factors, against the f64 of its definition; factors that have no place in one; and weights within their bound.
 
 use glam::{DVec3, Vec3};
 use srbf_core::{
@@ -16,7 +16,7 @@ const LOBES: usize = 5;
 const FACTOR: f64 = 6e-6;
 const PROVENANCE: &str = "test, made by tests/factors.rs";
 
-/// What a material is made of, so that it can be made without its factors too.
+/// The parts of a material, so that it can be made without its factors too.
 struct Made {
     lobes: Vec<Vec<PlaneLobe>>,
     nodes: [usize; 3],
@@ -416,7 +416,7 @@ fn hostile_bytes_are_refused_with_the_place() {
     let material = Material::from_bytes(&any).unwrap();
     assert!(material.factor(Vec3::Z, Vec3::Z).max_element() <= 1.00001 * material.largest_factor());
 
-    // Blocks: what is unknown is skipped if it begins with a small letter, whatever it holds.
+    // Blocks: an unknown one is skipped if its tag begins with a small letter, whatever it holds.
     let tag = "tag of a block (unknown, and not to be skipped)";
     assert_eq!(refused(block, *b"Spec"), field(tag, block));
     assert_eq!(refused(block, [0; 4]), field(tag, block));

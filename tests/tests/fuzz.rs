@@ -2,7 +2,7 @@
 //!
 //! Every target of `tests/src/attack.rs` gets its kept inputs as they are, at every SIMD level, and then damaged ones.
 //! `SRBF_FUZZ=N` runs N executions of each target in place of the few of every test run. `fuzz/run` does the same with inputs that
-//! follow the coverage; what it finds is kept in `fuzz/found/`.
+//! follow the coverage; its findings are kept in `fuzz/found/`.
 
 use srbf_core::Level;
 use srbf_tests::attack::{self, TARGETS};
@@ -104,7 +104,7 @@ fn damaged_inputs() {
     }
 }
 
-/// Every number at an end of what the format allows, in both kinds of material.
+/// Every number at an end of its range in the format, in both kinds of material.
 #[test]
 fn materials_of_extremes() {
     let mut random = Random(3);

@@ -1,4 +1,4 @@
-//! What is left out of a mixture is what was allowed to be, and the rest is whole.
+//! Lobes that a mixture leaves out are within the bound, and the rest is whole.
 
 use glam::Vec3;
 use srbf_core::{Domain, Error, LeaveOut, Lobe, Material, Mixture};
@@ -42,7 +42,7 @@ fn dropped_lobes_take_at_most_their_share_and_the_rest_is_whole() {
                 assert!(all.any(|lobe| lobe == wanted), "view {view}, share {share}: lobe {k}");
             }
 
-            // What is missing, value by value, is what the dropped lobes are worth.
+            // The missing value is that of the dropped lobes, direction by direction.
             let is_left = |lobe: &Option<Lobe>| (0..left.len()).any(|k| left.lobe(k) == *lobe);
             let missing = |range: core::ops::Range<usize>| -> Vec<Lobe> {
                 range.map(|k| whole.lobe(k)).filter(|lobe| !is_left(lobe)).flatten().collect()

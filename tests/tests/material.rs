@@ -1,4 +1,4 @@
-//! Materials: what was written is what is read, and views in between are interpolated as the design says.
+//! Materials: written numbers are read again, and views in between are interpolated as the design says.
 
 use glam::Vec3;
 use srbf_core::{Draws, Level, Line, Material, Mixture, PlaneLobe, Towards, View, encoded_len};

@@ -193,7 +193,7 @@ fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Whether an attribute hides an item from users: from their documentation, or from what is compiled for them.
+/// Whether an attribute hides an item from users: from their documentation, or from their builds.
 fn is_hidden(attributes: &[Attribute]) -> bool {
     let says = |attribute: &Attribute, name: &str, word: &str| {
         attribute.path().is_ident(name)

@@ -1,4 +1,4 @@
-//! Room for any number of lobes from 1 to 64: what a mixture gives does not depend on how much of it is free.
+//! Room for any number of lobes from 1 to 64: the results of a mixture do not depend on its free room.
 
 use glam::Vec3;
 use srbf_core::{
@@ -10,7 +10,7 @@ use srbf_tests::inputs::Random;
 /// Directions of a batch: more than the widest vectors take at a time, and no multiple of any.
 const BATCH: usize = 77;
 
-/// A material of so many lobes, of which some are squeezed and some stand for two.
+/// A material of some lobes, of which some are squeezed and some stand for two.
 fn material(random: &mut Random, lobes: usize, squeezed: usize, mirrored: usize) -> Material<Vec<u8>> {
     let stored = lobes - mirrored;
     let mut view = |theta: f32| -> Vec<PlaneLobe> {
@@ -57,7 +57,7 @@ fn same<const N: usize, const M: usize>(a: &Mixture<N>, b: &Mixture<M>, random: 
     assert_eq!(batches(a, &wi, &numbers), batches(b, &wi, &numbers), "{of}");
 }
 
-/// What the batches give, one after the other.
+/// The results of the batches, one after the other.
 fn batches<const N: usize>(m: &Mixture<N>, wi: &[Vec<f32>; 3], u: &[Vec<f32>; 3]) -> Vec<Vec<f32>> {
     let (wi, u) = (wi.each_ref().map(Vec::as_slice), u.each_ref().map(Vec::as_slice));
     let mut out = vec![vec![0.0; BATCH]; 12];

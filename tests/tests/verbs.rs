@@ -128,7 +128,7 @@ fn check(ask: Ask, of_each: &[&Mixture<64>], wi: &[Vec3], u: &[Vec3], place: &st
     }
 }
 
-/// A table of factors for so many views.
+/// A table of factors for `views` views.
 fn with_factors(random: &mut Random, views: usize, run: impl FnOnce(FactorTable) -> Vec<u8>) -> Vec<u8> {
     let (half, difference, azimuth) = (7, 5, 3);
     let mut factors: Vec<[f32; 3]> = (0..105).map(|_| [(); 3].map(|()| random.between(0.3, 2.0))).collect();

@@ -25,7 +25,7 @@ pub const MAX_SHARPNESS: f32 = 1e8;
 /// | axis exactly -z, or on the horizon | as any other |
 /// | u = 0 | the axis itself; u = 1 - 2^-24 is `w = 16.6 / s` from it; u = 1 the antipode |
 ///
-/// The fields are public and unchecked: of what does not pass [`Gaussian::new`] the results are unspecified
+/// The fields are public and unchecked: if they would not pass [`Gaussian::new`] the results are unspecified
 /// numbers. A [`product`](Gaussian::product) may have a sharpness up to 2e8, which every function here takes.
 ///
 /// # Examples

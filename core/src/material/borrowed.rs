@@ -57,7 +57,7 @@ impl<B: AsRef<[u8]>> Material<B> {
         self.header.views
     }
 
-    /// Number of lobes of a mixture that it makes: what the storage must have room for.
+    /// Number of lobes of a mixture that it makes, which the storage must have room for.
     pub fn lobe_count(&self) -> usize {
         self.header.lobe_count()
     }
@@ -218,7 +218,7 @@ impl<B: AsRef<[u8]>> Material<B> {
         Some([0, 1, 2].map(|channel| decoded(node, channel, header.bits, self.largest_factor())))
     }
 
-    /// What the factors change of the albedo of a view, relative to the luminance of the lobes' own, linear sRGB, as
+    /// The change of the albedo of a view by the factors, relative to the luminance of the lobes' own, linear sRGB, as
     /// it is stored; `None` past the end, and without a table. [`Mixture::albedo`](crate::Mixture::albedo) has it in it.
     pub fn view_albedo_difference(&self, view: usize) -> Option<[f32; 3]> {
         let number = |i: usize| f32_at(self.bytes(), self.header.albedo_difference(view) + 4 * i);

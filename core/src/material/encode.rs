@@ -7,7 +7,7 @@ use super::layout::{BLOCK_HEAD, FACT, HEADER, Header, Kind, LOBE, MAGIC, MIRRORE
 use super::validate::validate;
 use super::views::{Grid, Line};
 
-/// Bytes that [`Line::encode`] writes without factors, for so many views of so many lobes, the last
+/// Bytes that [`Line::encode`] writes without factors, for `views` views of `lobes` lobes, the last
 /// `mirrored` of which stand for two; of 1024 views and 64 lobes at most.
 pub const fn encoded_len(views: usize, lobes: usize, mirrored: usize, provenance: &str) -> usize {
     Header { views, lobes, mirrored, provenance: provenance.len(), ..Header::EMPTY }.placed().1

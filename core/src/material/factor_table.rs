@@ -16,7 +16,7 @@ pub(crate) const MOST_FACTOR: f32 = (1023.5 / 360.0) * (1023.5 / 360.0);
 pub(crate) const SIZES: core::ops::RangeInclusive<usize> = 2..=32;
 pub(crate) const AZIMUTHS: core::ops::RangeInclusive<usize> = 1..=8;
 
-/// What the square of a code is multiplied by, for a table of so many bits a channel and a largest factor.
+/// Factor on the square of a code, for a table with a number of bits a channel and a largest factor.
 #[inline(always)]
 pub(crate) fn scale(bits: u8, largest: f32) -> f32 {
     if bits == 8 { largest * (1.0 / (MOST_CODE * MOST_CODE)) } else { 1.0 / (UNIT_2 * UNIT_2) }
@@ -79,7 +79,7 @@ pub struct FactorTable<'a> {
     /// half angle; [0, 8.08]. Their roots are rounded to 1/255 of the largest one. Where a half angle or a difference
     /// angle is 0 there is no azimuth: there the factors of all have to be the same.
     pub factors: &'a [[f32; 3]],
-    /// What the factors change of the albedo, `(B - A) / Y`: B is the albedo with factors, A that of lobes and
+    /// The change of the albedo by the factors, `(B - A) / Y`: B is the albedo with factors, A that of lobes and
     /// diffuse term without, Y the luminance of A; linear sRGB, one a view, in the order of the views; [-16, 16].
     pub albedo_differences: &'a [[f32; 3]],
 }
@@ -87,11 +87,11 @@ pub struct FactorTable<'a> {
 impl FactorTable<'_> {
     /// Its sizes as a file has them.
     pub(crate) fn shape(table: Option<&Self>) -> [u8; 3] {
-        // What is too large stays too large.
+        // A number that is too large stays too large.
         table.map_or([0; 3], |t| [t.half, t.difference, t.azimuth].map(|n| n.min(255) as u8))
     }
 
-    /// Refuses what has no place in a file; `offset` is that of the block.
+    /// Refuses factors that have no place in a file; `offset` is that of the block.
     pub(crate) fn check(&self, views: usize, offset: usize) -> Result<(), FormatError> {
         let Self { half, difference, azimuth, factors, albedo_differences } = *self;
         let field = |name| Err(FormatError::Field { name, offset });

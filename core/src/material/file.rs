@@ -53,7 +53,7 @@ impl From<FormatError> for FileError {
 ///
 /// # Errors
 /// [`FileError::Io`], also where memory does not suffice, and for a folder or a pipe, which might never end;
-/// [`FileError::Format`] for what does not start like a material.
+/// [`FileError::Format`] for a file that does not start like a material.
 pub fn read_file(path: &Path) -> Result<Vec<u8>, FileError> {
     // Before it is opened: to open a pipe waits for one who writes.
     if !std::fs::metadata(path)?.is_file() {
@@ -98,7 +98,7 @@ mod tests {
         bytes
     }
 
-    /// Counts what is taken from an endless file that starts with some bytes.
+    /// Counts the bytes that are taken from an endless file that starts with some bytes.
     struct Endless<'a> {
         start: &'a [u8],
         taken: usize,

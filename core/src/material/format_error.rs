@@ -24,7 +24,7 @@ pub enum FormatError {
     Checksum,
     /// A field holds a value outside its range; the byte offset tells which.
     Field {
-        /// What the field is.
+        /// The field.
         name: &'static str,
         /// Where it stands, in bytes from the start.
         offset: usize,

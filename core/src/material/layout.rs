@@ -52,7 +52,7 @@
 //!       K log2 of the luminance of the amplitude, K of the one colour difference, K of the other
 //! ```
 //!
-//! `kernel/prepare_anisotropic.rs` says what the numbers mean between the views.
+//! `kernel/prepare_anisotropic.rs` has the meaning of the numbers between the views.
 //!
 //! # `FACT`: a table of factors
 //!
@@ -119,7 +119,7 @@ pub(crate) const GRID_HEAD: usize = 6;
 /// Rows of K numbers of a view.
 pub(crate) const GRID_ROWS: usize = 6;
 
-/// What the header says, once it has been checked.
+/// The header, once it has been checked.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Header {
     pub kind: Kind,
@@ -141,7 +141,7 @@ pub(crate) struct Header {
     pub table: usize,
 }
 
-/// Where the views of a material lie, and with it what is stored at each.
+/// Where the views of a material lie, and with it the numbers that are stored at each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// Along the angle from the normal; the material is isotropic.
@@ -194,7 +194,7 @@ impl Header {
     pub const fn row(&self, view: usize, row: usize) -> usize {
         HEADER + 4 * ((1 + HEAD) * self.views + (5 * view + row) * self.lobes + view * self.mirrored)
     }
-    /// Byte offset of what follows the lobes of all views.
+    /// Byte offset of the blocks behind the lobes of all views.
     pub const fn lobes_end(&self) -> usize {
         match self.kind {
             Kind::Line => self.row(self.views, 0),
@@ -221,7 +221,7 @@ impl Header {
     pub const fn node_len(&self) -> usize {
         (3 * self.bits as usize).div_ceil(8)
     }
-    /// Finds places for what follows the lobes, as it is written, and the bytes of the whole.
+    /// Finds places for the blocks behind the lobes, and the bytes of the whole.
     pub const fn placed(mut self) -> (Self, usize) {
         let mut end = padded(self.lobes_end());
         if self.has_factors() {

@@ -22,7 +22,7 @@ const MAX_AZIMUTHS: usize = 64;
 const MAX_GRID_VIEWS: usize = 4096;
 
 /// Bounds of the eigenvalues of the logarithm of the squeeze matrix. Matrices within form a convex set that
-/// turning keeps, so what is interpolated and turned lies within too.
+/// turning keeps, so interpolated and turned numbers lie within too.
 const SQUEEZE: (f32, f32) = (-5.0, 6.64);
 
 /// Checks how bytes start, of which [`SMALLEST`] are enough, and returns the length that they announce.

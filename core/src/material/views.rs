@@ -1,4 +1,4 @@
-//! What a material stores at its views, as it is given to a writer: along one angle ([`Line`]), or over the
+//! The numbers of a material at its views, as input of its writer: along one angle ([`Line`]), or over the
 //! hemisphere ([`Grid`]).
 
 use super::factor_table::FactorTable;

@@ -1,4 +1,4 @@
-//! A kernel folded at the horizon, and squeezed: what a reflecting surface needs of a kernel that lives on
+//! A kernel folded at the horizon, and squeezed, as a reflecting surface needs it of a kernel that lives on
 //! the sphere.
 
 use super::kernel::Kernel;
@@ -107,7 +107,7 @@ impl<K: Kernel> Folded<K> {
         direct + mirrored
     }
 
-    /// Integrates over the upper hemisphere; sr: exactly what the kernel has over the sphere.
+    /// Integrates over the upper hemisphere; sr: exactly the integral of the kernel over the sphere.
     #[inline]
     pub fn integral(&self) -> f32 {
         self.kernel.integral()

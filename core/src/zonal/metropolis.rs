@@ -16,9 +16,9 @@ const REACH: f32 = 0.5;
 /// The density in theta is `K(theta) sin theta`: the kernel times the circumference of its circle. Every
 /// sample starts at a uniform angle of the range and takes `steps` steps, each to a uniform angle within half
 /// the range, mirrored at the ends, and accepted with probability `min(1, target' / target)`. Samples are
-/// independent of each other; what is left of the start falls geometrically with the steps.
+/// independent of each other; the influence of the start falls geometrically with the steps.
 ///
-/// The walk is confined to where the kernel exceeds `floor` times its value at the axis: what lies beyond is
+/// The walk is confined to where the kernel exceeds `floor` times its value at the axis. The rest is
 /// never drawn (of a Gaussian a share `floor`), whatever the number of steps. So the samples have no exactly
 /// known density; dividing by the kernel's own leaves a bias that `cargo lab samples` shows.
 #[derive(Clone, Copy, Debug, PartialEq)]

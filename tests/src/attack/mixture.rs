@@ -1,4 +1,4 @@
-//! Mixtures of lobes of one's own, at every end of what they may be.
+//! Mixtures of lobes of one's own, at every end of their ranges.
 
 use super::input::{any_direction, random, uniform};
 use crate::inputs::Random;

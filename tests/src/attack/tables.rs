@@ -130,7 +130,7 @@ fn evaluate(brdf: &dyn Brdf, random: &mut Random, pairs: usize) {
     }
 }
 
-/// The text of an analytic model; what it evaluates to; and a table of it, written as `.csv` and `.astm` and read back.
+/// The text of an analytic model, its values, and a table of it, written as `.csv` and `.astm` and read back.
 pub fn exports(bytes: &[u8]) -> bool {
     let Ok(text) = core::str::from_utf8(bytes) else { return false };
     // A model that reads a file would read any.

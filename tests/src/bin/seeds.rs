@@ -1,6 +1,6 @@
 //! Makes the seeds of the attacks, small valid files of every format, in `fuzz/seeds/`: no measurement is in them.
 //!
-//! `cargo run --release -p srbf-tests --bin seeds` writes them; with `--check` it compares them with what is there.
+//! `cargo run --release -p srbf-tests --bin seeds` writes them; with `--check` it compares them with the files that are there.
 
 use srbf_core::{Environment, environment_len};
 use srbf_tests::attack::TARGETS;

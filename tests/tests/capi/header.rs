@@ -1,4 +1,4 @@
-//! `include/srbf.h` is what the source of the C interface says.
+//! `include/srbf.h` agrees with the source of the C interface.
 
 use srbf_fit::Settings;
 use srbf_tests::native::{root, run};
@@ -23,7 +23,7 @@ fn says_what_the_crates_say() {
     assert_eq!(defined("SRBF_VERSION "), major * 10000 + minor * 100 + patch);
     assert_eq!(defined("SRBF_FORMAT_VERSION "), srbf_core::FORMAT_VERSION);
 
-    // What the comment before a field says last.
+    // The last sentence of the comment before a field.
     let (_, fields) = header.split_once("struct srbf_fit_settings {").expect("the settings are in srbf.h");
     let default_of = |field: &str| {
         let (before, _) = fields.split_once(&format!(" {field};")).expect("the settings have the field");

@@ -1,4 +1,4 @@
-//! What the shared library exports is declared, documented and tested, and nothing else is.
+//! Exports of the shared library are declared, documented and tested, and nothing else is.
 
 use srbf_tests::native::{library, root, run};
 use std::collections::BTreeSet;
