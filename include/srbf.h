@@ -115,8 +115,8 @@
 /// Most directions of the lobes of `srbf_mixture_reflect`.
 #define SRBF_MAX_REFLECT_RAYS 16
 
-/// The number of squeezed lobes is chosen by what turns out best.
-#define SRBF_FIT_AUTOMATIC 65
+/// In place of a number of a fit: it is chosen by what turns out best.
+#define SRBF_FIT_AUTOMATIC 65535
 
 /// Light from infinitely far away, a latitude-longitude map, in the caller's storage.
 ///
@@ -415,15 +415,30 @@ typedef struct srbf_reflection {
     float ray_sum[3];
 } srbf_reflection;
 
-/// How a material is fitted.
+/// How a material is fitted. `srbf_fit_settings_default` fills it in; a caller changes the fields that he cares about.
 typedef struct srbf_fit_settings {
     /// Lobes of every view, 1 to 64; more fit better and cost more at run time. Default: 12.
     size_t lobes;
     /// How many of them are squeezed, or `SRBF_FIT_AUTOMATIC`, the default.
     size_t squeezed_lobes;
+    /// Pairs of lobes that are mirrored in the plane of incidence, or `SRBF_FIT_AUTOMATIC`, the default.
+    size_t mirrored_pairs;
+    /// Views of the material, 2 to 256, or `SRBF_FIT_AUTOMATIC`, the default.
+    size_t views;
+    /// Nodes of the table of factors over half angle, difference angle and azimuth: 2 or more, 2 or more, 1 or more. All three
+    /// `SRBF_FIT_AUTOMATIC`, the default, or all three 0 for a material without factors.
+    size_t factor_nodes[3];
+    /// Mean relative L2 error that the fewest lobes are to reach, at most `lobes` of them; 0, the default, for all of them.
+    double error;
     /// Weight of the roughness from view to view, 1e-12 to 1000: smaller fits the samples better, larger what lies between.
     /// Default: 5e-5.
     double smoothness;
+    /// Starting points that are tried, 1 to 1000. A fit takes about as long as it has starting points. Default: 12.
+    size_t starts;
+    /// Most steps of the solver in the refinement, 1 to 100000. Default: 120.
+    size_t steps;
+    /// Most exchanges of lobes in a stage, 0 to 1000. Default: 15.
+    size_t exchanges;
 } srbf_fit_settings;
 
 /// A BRDF of the caller: writes f (not times the cosine; linear sRGB, 1/sr) for two unit vectors with z > 0.
