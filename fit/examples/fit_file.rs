@@ -3,7 +3,7 @@
 
 use srbf_core::Material;
 use srbf_fit::judge::reciprocity::reciprocity;
-use srbf_fit::judge::verdict::{Made, Verdict};
+use srbf_fit::judge::verdict::Verdict;
 use srbf_fit::{Settings, fit_content, read, write_atomically};
 use std::path::Path;
 
@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let settings = Settings { lobes: 2, ..Settings::default() };
     let fit = fit_content(&source.content, &settings, |_| {})?;
     let material = Material::from_bytes(fit.bytes.as_slice())?;
-    for line in Verdict::new(&fit.report, &reciprocity(&material)?, Some(Made::new(&material))).lines() {
+    for line in Verdict::of_material(&fit.report, &reciprocity(&material)?).lines() {
         println!("{line}");
     }
     if let Some(path) = arguments.next() {

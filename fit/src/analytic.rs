@@ -1,6 +1,6 @@
 //! Analytic models as tables, named on the command line: `model:NAME:KEY=VALUE,KEY=VALUE,...`.
 //!
-//! | name | parameters, with what they are if they are not given |
+//! | name | parameters, with their defaults |
 //! |---|---|
 //! | `lambert` | `albedo=0.5` |
 //! | `phong` | `diffuse=0.3`, `specular=0.3`, `exponent=50` |
@@ -26,7 +26,7 @@ use crate::{FitError, ReadError};
 use parameters::Parameters;
 use std::path::{Path, PathBuf};
 
-/// What the name of a model begins with where a file could be named too.
+/// Prefix that tells the name of a model from that of a file.
 pub const PREFIX: &str = "model:";
 
 /// The names of the models.

@@ -10,7 +10,12 @@ mod objective;
 mod report;
 mod start;
 mod table;
+mod tuning;
 
+use crate::anisotropic::tuning::views::{
+    AT_STORED_VIEWS, AZIMUTHS, BETWEEN, EVERY, IMPROVEMENT, PER_CELL, RINGS, ROUGHNESS, SCOUTING, STARTS,
+    STIFF,
+};
 use crate::judge::report::Report;
 use crate::numeric::levenberg::{Limits, minimize};
 use crate::table::{Brdf, Density, Symmetry};
@@ -22,53 +27,26 @@ use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// Angles of the rings of knots, degrees: closer towards grazing, where a highlight changes fastest.
-const RINGS: [f64; 10] = [0.0, 13.0, 26.0, 38.0, 50.0, 60.0, 69.0, 76.0, 82.0, 87.0];
-
-/// Knots of a ring over half a turn.
-const AZIMUTHS: usize = 8;
-
-/// Most rings that settings may ask for: 64 x 16 knots are 80 000 unknowns, minutes a step.
+/// Most rings that settings may ask for: 64 x 16 stored views are 80 000 unknowns, minutes a step.
 const MAX_RINGS: usize = 64;
-
-/// Outgoing directions that are tabulated, beside those of the knots, for each cell between knots. With half of them, twice as
-/// densely tabulated, the error in the middle of the cells is twice as large.
-const PER_CELL: usize = 4;
-
-/// How densely a view is tabulated, at a knot and between.
-const AT_KNOTS: Density = Density { hemisphere: 350, cap: 100 };
-const BETWEEN: Density = Density { hemisphere: 160, cap: 50 };
-
-/// Starts that are tried, steps that each takes, and share of the samples that it sees.
-const STARTS: usize = 4;
-const SCOUTING: usize = 12;
-const EVERY: usize = 3;
-
-/// Roughness weight over that of isotropic fits, and that of the starts over the final one. Ward's model of (0.1, 0.4) has 6.3,
-/// 5.1 and 5.8 % between the knots at 0.2, 2 and 20.
-const ROUGHNESS: f64 = 6.0;
-const STIFF: f64 = 10.0;
-
-/// Relative decrease of the cost over five steps below which the minimum counts as reached.
-const IMPROVEMENT: f64 = 1e-2;
 
 /// Fits lobes to an anisotropic BRDF that can be evaluated. The report has held-out views in the middle of every cell.
 ///
 /// # Errors
-/// [`FitError::Setting`] for more than 64 knots; [`FitError::Table`] if it is black; [`FitError::Format`] never for finite numbers.
+/// [`FitError::Setting`] for more than 64 stored views; [`FitError::Table`] if it is black; [`FitError::Format`] never for finite numbers.
 pub(crate) fn fit_brdf(
     brdf: &dyn Brdf,
     settings: &Settings,
     mut progress: impl FnMut(f64) + Send,
 ) -> Result<Fit, FitError> {
     let clock = Instant::now();
-    if settings.knots.as_ref().is_some_and(|k| k.len() > MAX_RINGS) {
-        return Err(FitError::Setting { name: "knots", reason: format!("at most {MAX_RINGS} rings") });
+    if settings.view_angles.as_ref().is_some_and(|k| k.len() > MAX_RINGS) {
+        return Err(FitError::Setting { name: "view_angles", reason: format!("at most {MAX_RINGS} rings") });
     }
     let layout = layout(brdf.symmetry(), settings);
-    let knots: Vec<(f64, f64)> = (0..layout.knots()).map(|k| layout.angles(k)).collect();
-    let mut views = table::tabulate(brdf, &knots, AT_KNOTS);
-    let at_knots = views.clone();
+    let view_angles: Vec<(f64, f64)> = (0..layout.stored_views()).map(|k| layout.angles(k)).collect();
+    let mut views = table::tabulate(brdf, &view_angles, AT_STORED_VIEWS);
+    let at_stored = views.clone();
     views.extend(table::tabulate(brdf, &between(&layout), BETWEEN));
 
     let smoothness = ROUGHNESS * settings.smoothness;
@@ -80,7 +58,7 @@ pub(crate) fn fit_brdf(
     let mut candidates: Vec<(f64, usize, Vec<f64>)> = (0..starts)
         .into_par_iter()
         .map(|n| {
-            let mut x = start::start(&at_knots, &layout, n);
+            let mut x = start::start(&at_stored, &layout, n);
             let count = || {
                 evaluations.fetch_add(1, Ordering::Relaxed);
             };
@@ -123,13 +101,13 @@ fn layout(symmetry: Symmetry, settings: &Settings) -> Layout {
     Layout {
         lobes: settings.lobes,
         squeezed: settings.squeezed.unwrap_or((3 * settings.lobes).div_ceil(4)),
-        thetas: settings.knots.clone().unwrap_or_else(default),
+        thetas: settings.view_angles.clone().unwrap_or_else(default),
         azimuths: AZIMUTHS * 2 / turns,
         turns,
     }
 }
 
-/// Outgoing directions at irregular places of every cell: what a lobe does between knots is seen wherever it happens.
+/// Outgoing directions at irregular places of every cell, so that errors between stored views are met wherever they are.
 fn between(layout: &Layout) -> Vec<(f64, f64)> {
     let mut directions = Vec::new();
     for (n, rings) in layout.thetas.windows(2).enumerate() {
@@ -178,11 +156,11 @@ mod tests {
     use crate::judge::report::mean_error;
 
     fn small() -> Settings {
-        let knots = Some(vec![0.0, 0.35, 0.7, 1.0]);
-        Settings { lobes: 4, steps: 8, starts: 1, knots, ..Settings::default() }
+        let view_angles = Some(vec![0.0, 0.35, 0.7, 1.0]);
+        Settings { lobes: 4, steps: 8, starts: 1, view_angles, ..Settings::default() }
     }
 
-    /// A black surface under another symmetry, a surface with holes: what can be asked of a function.
+    /// A black surface under another symmetry, a surface with holes: functions that callers may pass.
     struct Odd(fn([f64; 3]) -> f64);
     impl Brdf for Odd {
         fn evaluate(&self, wi: [f64; 3], _: [f64; 3]) -> [f64; 3] {
@@ -194,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_brushed_metal_is_met_between_the_knots_and_the_same_on_any_number_of_threads() {
+    fn a_brushed_metal_is_met_between_the_stored_views_and_the_same_on_any_number_of_threads() {
         let ward = Ward { diffuse: [0.2, 0.1, 0.05], specular: [0.3; 3], alpha: [0.2, 0.5] };
         let on = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -214,11 +192,11 @@ mod tests {
         }
         // The same lobes for the material turned by a quarter say something else.
         let turned = Ward { alpha: [0.5, 0.2], ..ward };
-        let views = table::tabulate(&turned, &[(0.8, 0.1)], AT_KNOTS);
+        let views = table::tabulate(&turned, &[(0.8, 0.1)], AT_STORED_VIEWS);
         assert!(report::judge(&one.bytes, &views).unwrap()[0].error > 0.2);
     }
 
-    /// A brushed metal with a colour outside the gamut: what one channel has, another has less than nothing of.
+    /// A brushed metal with a colour outside the gamut: where one channel is bright, another is negative.
     struct OutOfGamut(Ward);
     impl Brdf for OutOfGamut {
         fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
@@ -244,7 +222,7 @@ mod tests {
         }
     }
 
-    /// From the bytes of a file to a material that is good at what the file was made from.
+    /// From the bytes of a file to a material that agrees with the model that the file was made from.
     #[test]
     fn an_anisotropic_rgl_file_becomes_a_material() {
         use crate::analytic::ggx::{Facets, Ggx};
@@ -264,7 +242,7 @@ mod tests {
 
     #[test]
     fn odd_surfaces_end_in_a_material_or_an_error() {
-        let settings = Settings { lobes: 2, steps: 3, knots: Some(vec![0.0, 0.8]), ..small() };
+        let settings = Settings { lobes: 2, steps: 3, view_angles: Some(vec![0.0, 0.8]), ..small() };
         assert!(matches!(fit_brdf(&Odd(|_| 0.0), &settings, |_| {}), Err(FitError::Table(_))));
         assert!(matches!(fit_brdf(&Odd(|_| f64::NAN), &settings, |_| {}), Err(FitError::Table(_))));
         for odd in [
@@ -278,7 +256,7 @@ mod tests {
                 assert!(view.albedo.iter().all(|a| (0.0..=1.0).contains(a)), "{view:?}");
             }
         }
-        let many = Settings { knots: Some((0..65).map(|i| 0.02 * f64::from(i)).collect()), ..small() };
+        let many = Settings { view_angles: Some((0..65).map(|i| 0.02 * f64::from(i)).collect()), ..small() };
         let lambert = Lambert { albedo: [0.5; 3] };
         assert!(matches!(fit_brdf(&lambert, &many, |_| {}), Err(FitError::Setting { .. })));
     }

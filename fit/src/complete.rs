@@ -1,17 +1,17 @@
 //! Scattered samples made a BRDF that can be evaluated everywhere.
 //!
-//! A few hundred samples say little of what lies between them, unless one knows what BRDFs are like. Four things are known:
+//! A few hundred samples say little of the values between them. Knowledge of BRDFs adds the rest. Four things are known:
 //!
 //! 1. they are reciprocal: a sample says as much of (wo, wi) as of (wi, wo), so that one view speaks for all others. The coordinates
 //!    (`pair`) are the same both ways;
 //! 2. a microfacet lobe and a diffuse term (`microfacet`) are close to most of them, with a clear coat or a lobe about the back direction to the
 //!    rest. Which of these families it is, `family` chooses by samples and views that fits of them did not see;
-//! 3. what is left is smooth. A Gaussian process (`process`) of the logarithms, over those coordinates, takes it. A scale
-//!    (`scale`) that is even around 0 stands for the logarithm, so that samples that were clamped to 0, or are negative, say what they are: dark;
+//! 3. the residual is smooth. A Gaussian process (`process`) of the logarithms, over those coordinates, takes it. A scale
+//!    (`scale`) that is even around 0 stands for the logarithm, so that samples that were clamped to 0, or are negative, count as dark;
 //! 4. their colours are in XYZ, where none is negative (`color`).
 //!
-//! How smooth what is left is, and how much noise there is: what says best of samples left out, one by one and view by view
-//! (`held_out`). Samples that all others speak against are left out (`robust`). Of more samples than `points` takes, close ones are taken together.
+//! Smoothness of the residual, and noise, are those that predict left-out samples best, one by one and view by view
+//! (`held_out`). Samples that all others contradict are left out (`robust`). Of more samples than `points` takes, close ones are taken together.
 
 mod color;
 mod energy;
@@ -20,6 +20,7 @@ mod gaps;
 mod grid;
 mod heights;
 pub mod held_out;
+mod kernel;
 mod measurement;
 mod microfacet;
 pub(crate) mod pair;
@@ -28,8 +29,10 @@ mod process;
 mod report;
 mod robust;
 mod scale;
+mod tuning;
 
 use crate::FitError;
+use crate::complete::tuning::choice::{ALONE, BRIGHTER, FARTHEST, KERNELS, LEAST_WIDTH, NOISES, OF_MODEL};
 use crate::table::{Brdf, Table, check_storable};
 use energy::Energy;
 use family::{Models, models, unseen};
@@ -38,12 +41,13 @@ use gaps::gaps;
 use grid::Grid;
 use heights::Heights;
 use held_out::HeldOut;
+use kernel::Kernel;
 use measurement::Measurement;
 pub use microfacet::Family;
 use microfacet::Microfacet;
 use pair::Pair;
 use points::{Point, points};
-use process::{Kernel, Of, Process};
+use process::{Of, Process};
 use rayon::prelude::*;
 pub use report::CompletionReport;
 pub use robust::Outlier;
@@ -51,43 +55,16 @@ use robust::without_outliers;
 use scale::Scale;
 use std::collections::BTreeSet;
 
-/// Farthest that a value is from the model, on the scale, and above the brightest sample.
-const FARTHEST: f64 = 12.0;
-const BRIGHTER: f64 = 3.0;
-
-/// Least width of the coordinates.
-const LEAST_WIDTH: f64 = 0.01;
-
-/// Samples that the model is fitted to.
-const OF_MODEL: usize = 4000;
-
-/// No term of a coordinate alone.
-const TOGETHER: [(f64, f64); 3] = [(0.0, 1.0); 3];
-
-/// How smooth what is left may be: from short to long, and with what depends on one coordinate alone.
-const KERNELS: [Kernel; 4] = [
-    Kernel { alone: TOGETHER, joint: 1.0, lengths: [1.0, 0.8, 0.8, 2.0] },
-    Kernel { alone: TOGETHER, joint: 3.0, lengths: [2.0, 1.2, 1.2, 3.0] },
-    Kernel { alone: [(0.3, 0.5), (0.1, 0.4), (0.1, 0.3)], joint: 3.0, lengths: [2.0, 1.2, 1.2, 3.0] },
-    Kernel { alone: TOGETHER, joint: 3.0, lengths: [2.0, 2.0, 2.0, 3.0] },
-];
-
-/// Variance of the noise of a sample, on the scale.
-const NOISES: [f64; 2] = [1e-2, 1e-3];
-
-/// Share of the error at views that were left out below which the model goes without a process.
-const ALONE: f64 = 0.9;
-
 /// Samples made a BRDF.
 pub struct Completion {
     model: Microfacet,
     scale: Scale,
-    /// What lies above the model on the scale, where a process says it.
+    /// The residual above the model on the scale, if there is a process.
     above: Option<Grid>,
     /// Greatest size of a value, on the scale.
     most: f64,
     energy: Option<Energy>,
-    /// What is known of how good it is.
+    /// Its quality.
     pub report: CompletionReport,
 }
 
@@ -128,7 +105,7 @@ fn completed(measurement: Measurement) -> Result<Completion, FitError> {
         false => made(&measurement, scale, (&best, &models.alone)),
     });
     let Some(mut completion) = made else {
-        let text = "its samples are too far apart in size to say what lies between them";
+        let text = "its samples are too far apart in size to tell the values between them";
         return Err(FitError::Table(text.into()));
     };
     completion.report.outliers = outliers;
@@ -159,10 +136,10 @@ fn best(measurement: &Measurement, scale: Scale, models: &Models) -> Option<Cand
     ranked(models.all.iter().flat_map(of_model).collect()).into_iter().next()
 }
 
-/// Whether the model without a process says better what it did not see, of samples and of whole views.
+/// Whether the model without a process predicts left-out samples and left-out views better.
 fn is_better_alone(measurement: &Measurement, scale: Scale, best: &Candidate, alone: &Microfacet) -> bool {
     let Some([samples, views]) = unseen(measurement, scale, alone, None) else { return false };
-    // What was not refitted is never worse.
+    // A model that was not refitted is never worse.
     if samples.rank() > best.samples.rank() {
         return false;
     }
@@ -249,7 +226,7 @@ fn most(measurement: &Measurement, scale: Scale) -> f64 {
 }
 
 impl Completion {
-    /// The table that it is of without the samples that all others speak against.
+    /// The table that it is of without the samples that all others contradict.
     ///
     /// # Errors
     /// As [`Table::from_scattered`].

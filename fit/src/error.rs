@@ -1,4 +1,4 @@
-//! What can go wrong between a file and a material. The reason is the `source` of an error, not part of its own text.
+//! Errors between a file and a material. The reason is the `source` of an error, not part of its own text.
 //!
 //! Names of files and words from files stand in them as they are; the texts show them through [`printable`].
 
@@ -36,7 +36,7 @@ pub enum ReadError {
         count: usize,
         /// Last line.
         line: usize,
-        /// What is missing.
+        /// The missing thing.
         expected: String,
     },
     /// Something other than a number is wrong; the text says what and where.
@@ -44,7 +44,7 @@ pub enum ReadError {
     Content(String),
 }
 
-/// What can go wrong between a file and a material.
+/// An error between a file and a material.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FitError {

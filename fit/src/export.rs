@@ -1,6 +1,6 @@
 //! Writers of the formats that the readers read, from a BRDF or from samples.
 //!
-//! A grid holds a BRDF at its nodes; what lies between them, its reader interpolates. The tests of each format state how far a smooth
+//! A grid holds a BRDF at its nodes; its reader interpolates between them. The tests of each format state how far a smooth
 //! model is off after a round trip.
 
 mod bsdf;

@@ -4,7 +4,7 @@ use crate::judge::report::mean_error;
 use crate::{Fit, FitError, Settings};
 use std::time::Instant;
 
-/// Fits with ever more lobes until the error of the settings is reached, then with fewer until it no longer is.
+/// Fits with ever more lobes until the error of the settings is reached, then with fewer, as long as it is.
 ///
 /// What counts is the mean relative L2 error over the views, or over the held-out ones if that is larger. It is taken to fall with the
 /// number of lobes; where it does not, a number that reaches the error is found, if not the smallest. Time and evaluations in the
@@ -19,7 +19,7 @@ pub(crate) fn fewest_lobes(
     mut fit: impl FnMut(&Settings) -> Result<Fit, FitError>,
 ) -> Result<Fit, FitError> {
     let most = settings.lobes;
-    // Doublings, then halvings of what lies between.
+    // Doublings, then halvings of the interval.
     let rounds = 2.0 * (1.0 + libm::log2(most as f64));
     let mut done = 0.0;
     let (start, mut evaluations) = (Instant::now(), 0);

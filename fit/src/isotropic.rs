@@ -4,11 +4,12 @@ mod balance;
 mod effort;
 mod encode;
 mod factors;
-mod knots;
 pub(crate) mod model;
 pub(crate) mod objective;
+mod resample;
 pub(crate) mod search;
-mod seen_by;
 mod source;
+mod stored_views;
+pub(crate) mod tuning;
 
 pub(crate) use source::{fit_evaluable, fit_samples};

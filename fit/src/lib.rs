@@ -20,7 +20,7 @@ mod write;
 
 pub use error::{FitError, ReadError};
 pub use fit::{Tracked, fit, fit_content};
-pub use judge::fitted_material::knots;
+pub use judge::fitted_material::view_angles;
 pub use judge::report::Fit;
 pub use read::{check_memory, read_at_most, read_if};
 pub use settings::{FactorNodes, Settings};

@@ -1,6 +1,6 @@
-//! A look at samples before they are fitted: what they are, and what is off with them.
+//! A look at samples before they are fitted: their kind, and their faults.
 //!
-//! Findings are said, not mended: what was read one way where two are possible names the option that reads it the other way.
+//! Findings are said, not mended: where a file can be read in two ways, the finding names the option for the other way.
 
 mod highlight;
 pub(crate) mod isotropy;
@@ -20,8 +20,8 @@ pub use units::Units;
 /// Samples that are compared at most.
 const MOST_COMPARED: usize = 50_000;
 
-/// Left differs from right if so many pairs tell, one side is brighter in more of them by so many standard errors, and by so much of the
-/// logarithm in the median.
+/// Left differs from right by three limits: least number of pairs, least standard errors by which one side is brighter in more of them,
+/// and least median of the logarithm of their ratio.
 const PAIRS: usize = 20;
 const ERRORS: f64 = 8.0;
 const TILTED: f64 = 0.05;
@@ -29,10 +29,10 @@ const TILTED: f64 = 0.05;
 /// Samples that are named.
 const NAMED: usize = 8;
 
-/// What a finding is about.
+/// The subject of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Topic {
-    /// What was taken for granted when the file was read.
+    /// An assumption of the reader.
     Convention,
     /// Rows that are no samples.
     NotMeasured,
@@ -46,7 +46,7 @@ pub enum Topic {
     Sides,
     /// Where the highlight is.
     Highlight,
-    /// Samples that all others speak against.
+    /// Samples that all others contradict.
     Outliers,
     /// Reflectance that the file states.
     Stated,
@@ -72,7 +72,7 @@ impl Topic {
 /// One thing that was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// What it is about.
+    /// Its subject.
     pub topic: Topic,
     /// Whether something is wrong, or may be: false for plain facts.
     pub is_off: bool,
@@ -84,16 +84,16 @@ pub struct Finding {
     pub lines: Vec<usize>,
 }
 
-/// A sample that all others speak against.
+/// A sample that all others contradict.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outlier {
     /// The sample as it stands in the file.
     pub row: Row,
-    /// Its luminance over what the others say there.
+    /// Its luminance over that of the others there.
     pub ratio: f64,
 }
 
-/// What was found in samples.
+/// The findings about samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
     /// Name of the format.
@@ -104,17 +104,17 @@ pub struct Look {
     pub views: Vec<f64>,
     /// Whether the light was held, and the viewer moved.
     pub is_light_fixed: bool,
-    /// What a turn of the sample shows; `None` where it was not turned.
+    /// The result of a turn of the sample; `None` where it was not turned.
     pub isotropy: Option<Isotropy>,
     /// What swapped samples say; `None` where there are none.
     pub reciprocity: Option<Reciprocity>,
     /// Median of the logarithm of left over right of the plane of incidence, and how many pairs there are.
     pub sides: Option<(f64, usize)>,
-    /// What samples see of the highlight.
+    /// The highlight in the samples.
     pub highlight: Highlight,
-    /// What the albedo says of the units; `None` where samples cover the hemisphere nowhere, or were not completed.
+    /// The units by the albedo; `None` where samples cover the hemisphere nowhere, or were not completed.
     pub units: Option<Units>,
-    /// Samples that all others speak against.
+    /// Samples that all others contradict.
     pub outliers: Vec<Outlier>,
     /// Rows that are no samples.
     pub left_out: Vec<LeftOut>,
@@ -123,7 +123,7 @@ pub struct Look {
 }
 
 impl Look {
-    /// Looks at samples as they stand in a file, and at what they were completed to.
+    /// Looks at samples as they stand in a file, and at their completion.
     pub fn new(intake: &Intake, completion: Option<&CompletionReport>) -> Self {
         let few: Vec<Row> = thin(&intake.rows, MOST_COMPARED).into_iter().copied().collect();
         let places = Places::of(&few);
@@ -204,7 +204,7 @@ impl Look {
         }
         if let Some((middle, pairs)) = self.sides {
             let text = format!(
-                "samples left and right of the plane of incidence differ by {:.0} % in the median of {pairs} pairs: a tilted sample does",
+                "samples left and right of the plane of incidence differ by {:.0} % in the median of {pairs} pairs, as a tilted sample would",
                 100.0 * libm::expm1(middle.abs())
             );
             found.push(off(Topic::Sides, text));
@@ -253,7 +253,7 @@ impl Look {
             topic: Topic::Outliers,
             is_off: true,
             text: format!(
-                "{count} {samples} that all others speak against {are} left out: {}{more}",
+                "{count} {samples} that all others contradict {are} left out: {}{more}",
                 named.join("; ")
             ),
             option: None,
@@ -353,7 +353,7 @@ fn albedo_at(completion: &CompletionReport, theta: f64) -> Option<f64> {
     Some(of(a.1) + part * (of(b.1) - of(a.1)))
 }
 
-/// At most so many of the samples, spread evenly over all, the same ones each time.
+/// At most `most` of the samples, spread evenly over all, the same ones each time.
 fn thin(rows: &[Row], most: usize) -> Vec<&Row> {
     let golden = 0.618_033_988_749_894_9_f64;
     let share = most as f64 / rows.len().max(1) as f64;

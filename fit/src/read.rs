@@ -1,4 +1,4 @@
-//! Readers: samples, or what can be evaluated anywhere, from a file.
+//! Readers: samples, or a BRDF, from a file.
 
 pub mod alta;
 pub mod astm;
@@ -51,7 +51,7 @@ pub use row::Row;
 /// lines.
 const TEXT: u64 = 16;
 
-/// What a file holds.
+/// The content of a file.
 pub enum Content {
     /// Scattered samples.
     Samples(Table),
@@ -77,12 +77,12 @@ pub struct Source {
     pub name: String,
     /// SHA-256 of the file, hexadecimal; of a model, that of its name and parameters.
     pub sha256: String,
-    /// Of samples: as they stand in the file, and what was left out. `None` for what can be evaluated.
+    /// Samples as they stand in the file, and rows that were left out. `None` for a BRDF.
     pub intake: Option<Intake>,
 }
 
 impl Source {
-    /// What can be evaluated anywhere.
+    /// A BRDF.
     pub fn evaluable(brdf: Box<dyn Brdf + Send>, name: String, sha256: String) -> Self {
         Self { content: Content::Evaluable(brdf), name, sha256, intake: None }
     }
@@ -90,7 +90,7 @@ impl Source {
     /// Samples of an isotropic surface; `path` is for messages.
     ///
     /// # Errors
-    /// [`FitError::Read`] for those of an anisotropic one; [`FitError::Table`] for what makes no table.
+    /// [`FitError::Read`] for those of an anisotropic one; [`FitError::Table`] for samples that make no table.
     pub fn of_samples(intake: Intake, path: &Path, name: String, sha256: String) -> Result<Self, FitError> {
         let intake = Intake { isotropy: Isotropy::of(&intake.rows), ..intake };
         if let Some(found) = intake.isotropy.filter(Isotropy::is_anisotropic) {
@@ -106,7 +106,7 @@ impl Source {
     }
 }
 
-/// Reads a measured file; the format follows from what it begins with, whatever its name ends in. `model:...` in its place is an
+/// Reads a measured file; the format follows from its first bytes, not from its name. `model:...` in its place is an
 /// [`analytic`] model.
 ///
 /// Tables of text: [`csv`]; Cornell's: [`cornell`], [`astm`]; MERL's: [`merl`]; RGL's: [`rgl`]; of optics programs: [`scatter_tables`]
@@ -121,13 +121,13 @@ pub fn read(path: &Path) -> Result<Source, FitError> {
 /// [`read()`] of a file of which one knows more than stands in it.
 ///
 /// # Errors
-/// As `read`; conventions for what is no table of samples are one.
+/// As `read`; conventions for a file that has no samples are an error.
 pub fn read_with(path: &Path, conventions: &Conventions) -> Result<Source, FitError> {
     let fault = |source| FitError::Read { path: path.to_path_buf(), source };
     conventions.check().map_err(|text| fault(ReadError::Content(text)))?;
     let needless = || {
         let text =
-            "conventions of angles, mirror, values and units are for samples; this says what it is by itself";
+            "conventions of angles, mirror, values and units are for samples; this file states its own";
         Err(fault(ReadError::Content(text.into())))
     };
     let is_default = *conventions == Conventions::default();

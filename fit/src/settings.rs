@@ -1,4 +1,4 @@
-//! What can be chosen of a fit.
+//! The options of a fit.
 
 use crate::FitError;
 use crate::isotropic::model::parameters::Layout;
@@ -28,7 +28,7 @@ pub struct Settings {
     /// Number of pairs of lobes that are mirrored in the plane of incidence: those of light that is scattered out of that plane.
     /// Isotropic surfaces only. Default: `None`, the number that fits best.
     pub mirrored: Option<usize>,
-    /// Weight of the roughness from view to view, 1e-12 to 1000. Smaller fits the table better, larger what lies between its views.
+    /// Weight of the roughness from view to view, 1e-12 to 1000. Smaller fits the table better; larger fits better between its views.
     /// Default: 5e-5. Isotropic fits use 0.4 of it, and 0.12 of it in the last stages after lobes were exchanged; anisotropic fits
     /// use 6 times as much.
     pub smoothness: f64,
@@ -52,7 +52,7 @@ pub struct Settings {
     pub views: Option<usize>,
     /// Angles of the views in radians, rising from 0 to at most pi / 2; at most 1024, of an anisotropic surface 64. Default: `None`,
     /// they are placed; those of anisotropic surfaces are fixed.
-    pub knots: Option<Vec<f64>>,
+    pub view_angles: Option<Vec<f64>>,
     /// The table of factors that the lobes are multiplied by. Isotropic surfaces only. Default: [`FactorNodes::Chosen`].
     pub factors: FactorNodes,
     /// Name of the source, hash and the like: the first lines of the material's provenance.
@@ -66,7 +66,7 @@ pub enum FactorNodes {
     None,
     /// By the smallest table that is worth its bytes, if any is.
     Chosen,
-    /// By a table of so many nodes over half angle, difference angle and azimuth.
+    /// By a table with these numbers of nodes over half angle, difference angle and azimuth.
     Given([usize; 3]),
 }
 
@@ -104,7 +104,7 @@ impl Default for Settings {
             steps: 120,
             exchanges: 15,
             views: None,
-            knots: None,
+            view_angles: None,
             factors: FactorNodes::Chosen,
             provenance: String::new(),
         }
@@ -124,11 +124,12 @@ impl Settings {
         let pairs = self.mirrored.is_none_or(|n| n <= (self.lobes - self.squeezed.unwrap_or(0)) / 2);
         range("mirrored", pairs, "at most half of the lobes that are not squeezed")?;
         range("smoothness", (1e-12..=1e3).contains(&self.smoothness), "from 1e-12 to 1000")?;
-        if let Some(knots) = &self.knots {
-            let rising = knots.windows(2).all(|w| w[1] - w[0] > 1e-4);
-            let inside =
-                knots.len() <= 1024 && knots.first() == Some(&0.0) && knots.last() <= Some(&FRAC_PI_2);
-            range("knots", rising && inside, "from 0 rising to at most pi / 2 radians, at most 1024")?;
+        if let Some(view_angles) = &self.view_angles {
+            let rising = view_angles.windows(2).all(|w| w[1] - w[0] > 1e-4);
+            let inside = view_angles.len() <= 1024
+                && view_angles.first() == Some(&0.0)
+                && view_angles.last() <= Some(&FRAC_PI_2);
+            range("view_angles", rising && inside, "from 0 rising to at most pi / 2 radians, at most 1024")?;
         }
         range("starts", (1..=1000).contains(&self.starts), "from 1 to 1000")?;
         range("steps", (1..=100_000).contains(&self.steps), "from 1 to 100000")?;
@@ -200,9 +201,9 @@ impl Settings {
         shapes
     }
 
-    /// The settings as they were given, the knots in degrees.
+    /// The settings as they were given, the stored views in degrees.
     pub(crate) fn to_json(&self) -> serde_json::Value {
-        let degrees = |knots: &Vec<f64>| knots.iter().map(|k| k.to_degrees()).collect::<Vec<_>>();
+        let degrees = |view_angles: &Vec<f64>| view_angles.iter().map(|k| k.to_degrees()).collect::<Vec<_>>();
         serde_json::json!({
             "lobes": self.lobes,
             "error": self.error,
@@ -218,7 +219,7 @@ impl Settings {
                 FactorNodes::Chosen => serde_json::json!("chosen"),
                 FactorNodes::Given(size) => serde_json::json!(size),
             },
-            "knots_degrees": self.knots.as_ref().map(degrees),
+            "view_angles_degrees": self.view_angles.as_ref().map(degrees),
         })
     }
 
@@ -256,7 +257,7 @@ mod tests {
     fn the_documentation_states_the_defaults() {
         let settings = Settings::default();
         let none = [settings.error.is_none(), settings.squeezed.is_none(), settings.mirrored.is_none()];
-        assert!(none == [true; 3] && settings.views.is_none() && settings.knots.is_none());
+        assert!(none == [true; 3] && settings.views.is_none() && settings.view_angles.is_none());
         for (field, says) in [
             ("lobes", format!("Default: {}.", settings.lobes)),
             ("error", "Default: `None`".into()),
@@ -267,7 +268,7 @@ mod tests {
             ("steps", format!("Default: {}.", settings.steps)),
             ("exchanges", format!("Default: {}.", settings.exchanges)),
             ("views", format!("Default: `None`, which stands for {}.", settings.view_count())),
-            ("knots", "Default: `None`".into()),
+            ("view_angles", "Default: `None`".into()),
             ("factors", format!("Default: [`FactorNodes::{:?}`].", settings.factors)),
         ] {
             assert!(documented(field).contains(&says), "{field}: {says} is not in: {}", documented(field));

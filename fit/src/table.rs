@@ -46,7 +46,7 @@ pub struct View {
     pub theta: f64,
     /// The samples.
     pub samples: Vec<Sample>,
-    /// Directional albedo, linear sRGB: what the lobes' energy is held to.
+    /// Directional albedo, linear sRGB, which the lobes keep to.
     pub albedo: [f64; 3],
     /// The same as the samples have it, which may be more than the 0.95 that lobes are held to.
     pub uncut_albedo: [f64; 3],
@@ -74,12 +74,12 @@ pub struct Table {
     pub views: Vec<View>,
 }
 
-/// Refuses what has no brightness.
+/// Refuses a black table.
 pub(crate) fn check_bright(is_bright: bool) -> Result<(), FitError> {
     if is_bright { Ok(()) } else { Err(FitError::Table("no sample has any brightness".into())) }
 }
 
-/// Refuses samples that are black, or beyond what lobes can be.
+/// Refuses samples that are black, or brighter than lobes can be.
 pub(crate) fn check_storable<'a>(samples: impl Iterator<Item = &'a Sample>) -> Result<(), FitError> {
     let ends = |(least, most): (f64, f64), v: f64| (least.min(v), most.max(v));
     let (least, brightest) = samples.flat_map(|s| s.rgb).fold((0.0, 0.0), ends);

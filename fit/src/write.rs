@@ -12,9 +12,9 @@ use temporary::{Temporary, remove_leftovers};
 
 /// Writes bytes under a temporary name in the same folder, which is made if need be, and renames the file.
 ///
-/// A symbolic link stays, and what it points to is replaced. A file that is there gives its permissions to the new one. Of several
+/// A symbolic link stays, and its target is replaced. A file that is there gives its permissions to the new one. Of several
 /// threads or processes that write one path at once, one is the last, and its bytes are there, whole. The bytes are on the disk before
-/// the file is renamed. What a killed process has left in the folder is removed.
+/// the file is renamed. Leftovers of a killed process in the folder are removed.
 ///
 /// # Errors
 /// [`FitError::Io`] with the path: also where a folder, a device, a pipe or a socket is there. The temporary file is removed then.
@@ -38,7 +38,7 @@ pub fn check_output(path: &Path) -> Result<(), FitError> {
 
 /// Files that belong together: all of them are written, or none.
 ///
-/// Each is written as by [`write_atomically`], but gets its name only with all others. Where one cannot be renamed, what the
+/// Each is written as by [`write_atomically`], but gets its name only with all others. Where one cannot be renamed, the content that the
 /// others have replaced is put back. Only a process that is killed between two renames, which takes microseconds, leaves some
 /// files old and some new, each whole.
 ///
@@ -114,7 +114,7 @@ impl Outputs {
     }
 }
 
-/// What was at the place of a file before.
+/// The previous content at the place of a file.
 struct Replaced<'a> {
     place: &'a Path,
     /// `None` where there was nothing, or where the file system gives no second names.
@@ -123,7 +123,7 @@ struct Replaced<'a> {
 }
 
 impl<'a> Replaced<'a> {
-    /// Keeps what is there under a second name, if there may be a need to put it back.
+    /// Keeps the previous content under a second name, if there may be a need to put it back.
     fn of(place: &'a Destination, is_alone: bool) -> Self {
         let was_there = place.permissions.is_some();
         let old = if was_there && !is_alone { Temporary::second_name(&place.file).ok() } else { None };
@@ -187,7 +187,7 @@ mod tests {
         std::fs::remove_dir_all(folder).unwrap();
     }
 
-    /// What is no file stays what it is, whether it is there under its name or behind a link.
+    /// A folder or a device stays, whether it is there under its name or behind a link.
     #[cfg(unix)]
     #[test]
     fn what_is_no_file_is_refused_and_stays() {

@@ -1,4 +1,4 @@
-//! Albedos of materials with factors, which have no closed form: what a mixture gives against the mean over its own samples.
+//! Albedos of materials with factors, which have no closed form: those of a mixture against the mean over its own samples.
 
 use srbf_core::{Level, MAX_LOBES, Material, Mixture, Vec3, luminance};
 use srbf_fit::read::Content;

@@ -172,7 +172,7 @@ fn black_and_bad_settings_are_survived() {
     assert!(thesis::fit_brdf(&planted(), &[2.0], &quick_thesis()).is_err());
 }
 
-/// The report says what it is of, how long it took in evaluations, and how reciprocal the fit is.
+/// The report has its input, the number of evaluations, and the reciprocity of the fit.
 #[test]
 fn reports_are_complete() {
     let settings = Settings {
@@ -194,7 +194,7 @@ fn reports_are_complete() {
     assert_eq!(json["version"], env!("CARGO_PKG_VERSION"));
     assert_eq!(json["settings"]["lobes"], 3);
     assert_eq!(json["settings"]["smoothness"], settings.smoothness);
-    assert!(json["settings"]["knots_degrees"].is_null() && json["settings"]["views"] == 6, "{json}");
+    assert!(json["settings"]["view_angles_degrees"].is_null() && json["settings"]["views"] == 6, "{json}");
     assert!(["steps", "improvement"].contains(&json["stopped"].as_str().unwrap()), "{json}");
     assert_eq!(json["views"][1]["energy_error"], found.report.views[1].energy_error());
     assert!(json["provenance"].as_str().unwrap().starts_with("a line\n"), "{json}");
@@ -262,7 +262,7 @@ fn what_has_no_number_is_said_and_not_averaged() {
     assert!(fit.report.notes().iter().any(|note| note.contains("0.95")), "{:?}", fit.report.notes());
 }
 
-/// What the thesis's lobes lose below the horizon is a part of their variance.
+/// The loss of the thesis's lobes below the horizon is a part of their variance.
 #[test]
 fn samples_that_are_lost_count() {
     let table = sampled(48, 49);

@@ -1,4 +1,4 @@
-//! What samples are completed to: outliers, marks of what was not measured, peaks about the back direction.
+//! Completions of samples: outliers, marks of missing values, peaks about the back direction.
 
 use srbf_fit::complete::{Completion, Family, complete};
 use srbf_fit::export;
@@ -12,7 +12,7 @@ fn direction(theta: f64, phi: f64) -> [f64; 3] {
 }
 
 /// A gonioreflectometer's grid: nine views, lights every 10 degrees from the normal and every 45 of azimuth, one half of the hemisphere;
-/// and what it measures, by view, light and number.
+/// and its measurements, by view, light and number.
 fn grid(value: &dyn Fn(f64, [f64; 3], usize) -> f64) -> Table {
     let mut number = 0;
     let mut view = |theta: f64| {
@@ -40,7 +40,7 @@ fn measured(paint: &dyn Brdf, theta: f64, wi: [f64; 3]) -> f64 {
     paint.evaluate(wi, direction(theta, 180.0))[1]
 }
 
-/// Worst ratio of what a completion says to the truth, halfway between the samples.
+/// Worst ratio of a completion to the truth, halfway between the samples.
 fn worst(completion: &Completion, paint: &dyn Brdf) -> f64 {
     let between = (0..8).flat_map(|v| (0..7).flat_map(move |t| (0..4).map(move |p| (v, t, p))));
     let off = between.map(|(v, t, p)| {
@@ -79,7 +79,7 @@ fn what_is_smooth_has_no_outlier() {
     let paint = paint();
     let completion = complete(&grid(&|theta, wi, _| measured(paint.as_ref(), theta, wi))).unwrap();
     assert!(completion.report.outliers.is_empty(), "{:?}", completion.report.outliers);
-    // The albedo before it is held to what a surface can reflect.
+    // The albedo before it is held to that of a real surface.
     let (_, albedo) = completion.report.albedo[0];
     assert!((albedo[1] - 0.33).abs() < 0.05, "{albedo:?}");
 }
@@ -140,7 +140,7 @@ fn holes_of_a_merl_file_are_filled_by_what_surrounds_them_and_stay_marked() {
     assert!((again / missing - 1.0).abs() < 0.01, "{again} {missing}");
 }
 
-/// What is reached with the measurements of the data folder, within a tenth: errors of samples and of views that are left out of the
+/// Results with the measurements of the data folder, within a tenth: errors of samples and of views that are left out of the
 /// completion.
 #[test]
 #[ignore = "needs SRBF_DATA_DIR"]

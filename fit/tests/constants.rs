@@ -70,7 +70,7 @@ fn settings_for(symmetry: Symmetry, isotropic: Settings) -> Settings {
     if symmetry == Symmetry::Isotropic { isotropic } else { Settings { exchanges, views, ..isotropic } }
 }
 
-/// What can be stored is fitted: at every angle finite, and no brighter than a surface is.
+/// Fits of storable tables: finite at every angle, and no brighter than a surface is.
 fn check(found: Result<Fit, FitError>, f: [f64; 3], what: &str) {
     let largest = f.into_iter().fold(0.0, f64::max);
     let fit = match found {
@@ -87,7 +87,7 @@ fn check(found: Result<Fit, FitError>, f: [f64; 3], what: &str) {
         let albedo = mixture.albedo();
         assert!(albedo.is_finite() && albedo.max_element() <= 1.0, "{what} {f:?} at {degrees}: {albedo}");
     }
-    // What a surface can be is met; what is brighter is held to what a surface reflects.
+    // Values of a real surface are met; brighter ones are held to its limit.
     let error = fit.report.mean_error();
     let most = if largest < 0.95 / std::f64::consts::PI { 0.02 } else { 1.001 };
     assert!(error < most, "{what} {f:?}: {error}");

@@ -99,7 +99,7 @@ fn chain(error: &dyn std::error::Error) -> String {
         .join(": ")
 }
 
-/// What is said of a file, completed.
+/// The findings about a file, completed.
 fn look(source: &Source) -> Look {
     let Content::Samples(table) = &source.content else { panic!("samples") };
     let completion = complete(table).unwrap();
@@ -198,7 +198,7 @@ fn layouts_of_the_same_rows_are_read() {
     }
 }
 
-/// What was not measured is left out, counted, and never 0.
+/// Missing values are left out, counted, and never 0.
 #[test]
 fn what_was_not_measured_is_left_out_and_counted() {
     let every = |n: usize, value: &str| -> String {
@@ -294,7 +294,7 @@ fn only_a_real_turn_makes_a_surface_anisotropic() {
     assert!(!is_off(&quick_look(&same), Topic::Isotropy));
 }
 
-/// Values in other units are told with what they may be, and a cosine by the swapped pairs.
+/// Values in other units are reported with likely units, and a cosine by the swapped pairs.
 #[test]
 fn units_and_cosines_are_told_by_what_they_do() {
     let of = |name: &str, factor: f64| look(&read_text(name, &changed(|s| s.f *= factor)));
@@ -372,7 +372,7 @@ fn files_of_other_programs_are_read_as_they_stand() {
     }
 }
 
-/// The albedo of the Zemax file is what the instrument itself states. Its total takes cells near the horizon, which it did not measure, as 0;
+/// The albedo of the Zemax file is that of the instrument itself. Its total takes cells near the horizon, which it did not measure, as 0;
 /// towards grazing they are a tenth of the light.
 #[test]
 #[ignore = "needs SRBF_DATA_DIR"]

@@ -317,10 +317,10 @@ fn settings_out_of_range_are_refused() {
         Settings { smoothness: f64::NAN, ..default() },
         Settings { starts: 0, ..default() },
         Settings { steps: 0, ..default() },
-        Settings { knots: Some(vec![]), ..default() },
-        Settings { knots: Some(vec![0.1, 0.5]), ..default() },
-        Settings { knots: Some(vec![0.0, f64::NAN]), ..default() },
-        Settings { knots: Some(vec![0.0, 2.0]), ..default() },
+        Settings { view_angles: Some(vec![]), ..default() },
+        Settings { view_angles: Some(vec![0.1, 0.5]), ..default() },
+        Settings { view_angles: Some(vec![0.0, f64::NAN]), ..default() },
+        Settings { view_angles: Some(vec![0.0, 2.0]), ..default() },
     ] {
         assert!(fit(&table, &settings, |_| {}).is_err(), "{settings:?}");
     }

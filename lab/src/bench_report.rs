@@ -65,7 +65,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What a measurement is compared with: the baseline of its operation at as many lobes and directions, else at 12 lobes
+/// The baseline of a measurement: the baseline of its operation at as many lobes and directions, else at 12 lobes
 /// (the preset) and any number of directions.
 fn baseline<'a>(all: &'a [Measurement], m: &Measurement) -> Option<&'a Measurement> {
     // The density alone is compared with the C loop for values: it is the same sum, one channel of it.
@@ -92,7 +92,7 @@ fn read_all(folder: &Path) -> anyhow::Result<Vec<Measurement>> {
         for entry in entries {
             let entry = entry.with_context(|| format!("cannot read {}", folder.display()))?;
             let path = entry.path();
-            // Of the entry itself, not of what a link names: links may make a ring.
+            // Of the entry itself, not of the target of a link: links may make a ring.
             let kind = entry.file_type().with_context(|| format!("cannot read {}", path.display()))?;
             if kind.is_dir() && path.file_name().is_some_and(|name| name == "new") {
                 found.extend(read(&path)?);

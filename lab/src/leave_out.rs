@@ -42,7 +42,7 @@ const BATCH: usize = 1024;
 /// Least of this many repetitions is the time.
 const REPETITIONS: usize = 40;
 
-/// What one bound does, summed over the views.
+/// The effect of one bound, summed over the views.
 #[derive(Default)]
 struct Sums {
     lobes: usize,

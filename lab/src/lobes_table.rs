@@ -1,4 +1,4 @@
-//! `srbf-lab lobes-table`: what more lobes cost, and what they bring.
+//! `srbf-lab lobes-table`: cost and gain of more lobes.
 //!
 //! The costs of one call are measured for all numbers of lobes in turn, many times over, and the least of each is
 //! kept: what disturbs the machine disturbs all of them, and only ever adds.

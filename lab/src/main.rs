@@ -1,4 +1,4 @@
-//! `srbf-lab`: what this project alone needs. It makes the presets, and measures what the documents say.
+//! `srbf-lab`: the tool of this project alone. It makes the presets, and measures the figures of the documents.
 //!
 //! Run it by `cargo lab COMMAND`. It is never installed or published.
 

@@ -13,7 +13,7 @@ const SOURCE: &str = "Cornell University Program of Computer Graphics, goniorefl
 /// First line of the README.md beside the presets.
 const HEADING: &str = "# Presets";
 
-/// Name, file under the data folder, what it is.
+/// Name, file under the data folder, description.
 const PRESETS: [(&str, &str, &str); 3] = [
     ("garnet_red", "cornell/garnet_red.brdf", "Dupli-Color T-345 spray lacquer, frosted: medium gloss"),
     ("krylon_blue", "cornell/krylon_blue.brdf", "Krylon enamel 7205 True Blue, frosted: medium gloss"),
@@ -28,7 +28,7 @@ pub struct Args {
     /// Folder to write to.
     #[arg(long, default_value = "presets")]
     out: PathBuf,
-    /// Writes nothing, and fails if a file there is not what would be written.
+    /// Writes nothing, and fails if a file there differs from the one that would be written.
     #[arg(long)]
     check: bool,
 }
@@ -42,7 +42,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let mut made = Vec::new();
     let mut rows = String::new();
     for (name, file, what) in PRESETS {
-        // Lobes alone: what the figures of kernels in the documentation are measured with.
+        // Lobes alone, with which the figures of kernels in the documentation are measured.
         let settings = Settings { factors: FactorNodes::None, ..Settings::default() };
         let fit = fit_file(&data.join(file), settings, SOURCE)?;
         let errors: Vec<String> =
@@ -85,11 +85,11 @@ The measurements themselves are not in this repository.
 |---|---|---|---|---|
 {rows}
 Error: of `f cos` over the samples of a view, all three channels, weighted by solid angle. Settings, source file and its
-SHA-256 are in the provenance text of each file (`srbf inspect`). What lies between the samples, below 10 degrees and
+SHA-256 are in the provenance text of each file (`srbf inspect`). Values between the samples, below 10 degrees and
 beyond 80 is what `srbf fit` completes them to.
 
 This folder is made by `SRBF_DATA_DIR=... cargo lab presets`; `cargo lab presets --check` compares. The fit uses no function of the
-platform's C library and no order that depends on threads, so the bytes are the same on every machine with IEEE arithmetic.
+platform's C library, and no order that depends on threads. So the bytes are the same on every machine with IEEE arithmetic.
 "
     )
 }

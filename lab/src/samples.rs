@@ -155,7 +155,7 @@ fn figure(
             let title = format!("{method}, {count} samples: distance {:.3}", distance(&pair[i]));
             let half = half.titled(&title, (panel::FONT, 18))?;
             let mut chart = ChartBuilder::on(&half).margin(14).build_cartesian_2d(-1.06..1.06, -1.0..1.0)?;
-            // The horizon, and what the lobes have within half their integral.
+            // The horizon, and the part of the lobes within half their integral.
             let circle = |radius: f64, axis: Vec3| {
                 let (t, b) = axis.any_orthonormal_pair();
                 (0..=90).map(move |j| {

@@ -31,7 +31,7 @@ const POINTS: usize = 720;
 /// Luminance of f cos over the angle of the incident direction in degrees; the mirror side is positive.
 type Curve = Vec<(f32, f32)>;
 
-/// What is drawn.
+/// The subject of a slice.
 struct Slice {
     sum: Curve,
     lobes: Vec<Curve>,

@@ -10,7 +10,7 @@ mod through;
 use anyhow::{Context, ensure};
 use row::SurveyRow;
 use srbf_core::Material;
-use srbf_fit::baselines::blend::{BlendedKnots, Neighbours};
+use srbf_fit::baselines::blend::{BlendedViews, Neighbours};
 use srbf_fit::baselines::microfacets::Microfacets;
 use srbf_fit::baselines::thesis;
 use srbf_fit::judge::method::Fitted;
@@ -21,7 +21,7 @@ use srbf_fit::read::{Content, neural, read};
 use srbf_fit::table::Brdf;
 use srbf_fit::table::Table;
 use srbf_fit::table::evaluation_views;
-use srbf_fit::{Settings, fit_content, knots};
+use srbf_fit::{Settings, fit_content, view_angles};
 use srbf_reference_renderer::command::argument;
 use srbf_reference_renderer::command::fit::{SettingArgs, names};
 use srbf_reference_renderer::out::output;
@@ -101,7 +101,7 @@ pub fn run(survey: Args) -> anyhow::Result<()> {
         }
         println!("{}", row.line());
         csv += &(row.csv() + "\n");
-        // After every row, so that a run that is stopped has said what it knows.
+        // After every row, so that a run that is stopped leaves its results.
         output::write(&path, csv.as_bytes())?;
         rows.push(row);
     }
@@ -119,7 +119,7 @@ pub fn run(survey: Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The materials whose names hold what the options say.
+/// The materials whose names hold the word of the options.
 fn chosen(data: &Path, survey: &Args) -> anyhow::Result<Vec<Named>> {
     let named = |name: &String| survey.only.as_ref().is_none_or(|only| name.contains(only));
     let chosen: Vec<Named> = materials(data)?.into_iter().filter(|m| named(&m.0)).collect();
@@ -145,7 +145,7 @@ fn examine(
 
     let fit = fit_content(content, settings, |_| {})?;
     let lobes = Material::from_bytes(fit.bytes.as_slice())?;
-    let placed = knots(&lobes);
+    let placed = view_angles(&lobes);
     let at_views = evaluation_views::judging_table(brdf, &placed)?;
     let halfway = evaluation_views::judging_table(brdf, &evaluation_views::halfway(&placed))?;
     let between = judge(&lobes, &halfway)?;
@@ -158,14 +158,14 @@ fn examine(
     let anywhere = between.iter().chain(&fit.report.views).map(|v| v.largest_weight);
     let mut row = SurveyRow {
         name: name.to_owned(),
-        peak: 100.0 * mean(|v| v.seen.peak),
-        off_peak: 100.0 * mean(|v| v.seen.off_peak),
-        luminance: 100.0 * mean(|v| v.seen.luminance),
-        chroma: mean(|v| v.seen.chroma),
+        peak: 100.0 * mean(|v| v.regions.peak),
+        off_peak: 100.0 * mean(|v| v.regions.off_peak),
+        luminance: 100.0 * mean(|v| v.regions.luminance),
+        chroma: mean(|v| v.regions.chroma),
         fit: error(&lobes, &at_views)?,
         halfway: 100.0 * mean_error(&between),
-        blended: error(&BlendedKnots::new(&lobes, Neighbours::ThreeOrFour), &halfway)?,
-        blended_two: error(&BlendedKnots::new(&lobes, Neighbours::Two), &halfway)?,
+        blended: error(&BlendedViews::new(&lobes, Neighbours::ThreeOrFour), &halfway)?,
+        blended_two: error(&BlendedViews::new(&lobes, Neighbours::Two), &halfway)?,
         variance_median: row::quantile(list(|v| v.variance), 0.5),
         variance_worst: fold(list(|v| v.variance)),
         weight: fold(list(|v| v.largest_weight)),
@@ -189,9 +189,9 @@ fn examine(
         evaluation_views::judging_table(brdf, &evaluation_views::even_views(GGX_VIEWS)[..GGX_VIEWS - 1])?;
     let ggx = judge(&Microfacets::fit(&even)?, &seen_table)?;
     let mean = |f: fn(&ViewReport) -> f64| ggx.iter().map(f).sum::<f64>() / ggx.len() as f64;
-    row.ggx_peak = 100.0 * mean(|v| v.seen.peak);
-    row.ggx_luminance = 100.0 * mean(|v| v.seen.luminance);
-    row.ggx_chroma = mean(|v| v.seen.chroma);
+    row.ggx_peak = 100.0 * mean(|v| v.regions.peak);
+    row.ggx_luminance = 100.0 * mean(|v| v.regions.luminance);
+    row.ggx_chroma = mean(|v| v.regions.chroma);
     let halfway = evaluation_views::judging_table(brdf, &evaluation_views::halfway(thetas))?;
     row.same_views = error(&lobes, &halfway)?;
     if let Some(settings) = thesis {

@@ -1,4 +1,4 @@
-//! `srbf-lab thesis-table`: Table 5.1 of the thesis, with our fit beside its two, and what each says of data that it has not seen.
+//! `srbf-lab thesis-table`: Table 5.1 of the thesis, with our fit beside its two, and the error of each on left-out data.
 
 use anyhow::{Context, bail};
 use srbf_fit::baselines::lafortune;
@@ -31,7 +31,7 @@ pub struct Args {
     /// Only the materials whose names contain this.
     #[arg(long, value_name = "NAME")]
     only: Option<String>,
-    /// Leaves the errors over what was left out away: a twelfth of the time.
+    /// Without the errors on left-out data: a twelfth of the time.
     #[arg(long)]
     no_held_out: bool,
     /// The table to write, .md; the numbers go beside it as .csv.
@@ -40,7 +40,7 @@ pub struct Args {
 }
 
 impl Args {
-    /// All materials or one, without the errors over what was left out.
+    /// All materials or one, without the errors on left-out data.
     pub fn new(only: Option<String>, output: PathBuf) -> Self {
         Self { lobes: 12, only, no_held_out: true, output }
     }
@@ -94,7 +94,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
             println!("{line}");
             writeln!(markdown, "{line}")?;
             writeln!(csv, "{}", csv_row(material, method, *lobes, &found, said))?;
-            // After every row, so that a run that is stopped has said what it knows.
+            // After every row, so that a run that is stopped leaves its results.
             output::write(&args.output, markdown.as_bytes())?;
             output::write(&args.output.with_extension("csv"), csv.as_bytes())?;
             progress.advance(1);

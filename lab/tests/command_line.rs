@@ -1,4 +1,4 @@
-//! The program `srbf-lab` as its users call it: what is wrong is named, the exit status is 2, and nothing half-written is left.
+//! The program `srbf-lab` as its users call it: errors are named, the exit status is 2, and nothing half-written is left.
 
 #[path = "../../reference-renderer/tests/command_line/harness.rs"]
 mod harness;
@@ -31,7 +31,7 @@ fn a_place_that_cannot_be_written_is_found_before_the_work() {
     }
 }
 
-/// Before any work, and what is there stays.
+/// Before any work, and files that are there stay.
 #[cfg(unix)]
 #[test]
 fn only_files_are_written() {

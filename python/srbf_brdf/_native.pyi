@@ -18,7 +18,7 @@ Symmetry = Literal["isotropic", "quadrant", "half turn", "none"]
 Vec3 = Tuple[float, float, float]
 
 class FitError(ValueError):
-    """What a fit, or the reader of a file, refuses; the message names the file, the place and what was expected."""
+    """An input that a fit, or the reader of a file, refuses; the message names the file, the place and the expectation."""
 
 class Material:
     """A BRDF as lobes: a few kilobytes that are evaluated, integrated and sampled.
@@ -94,7 +94,7 @@ class Table:
     @property
     def symmetry(self) -> Symmetry: ...
     def evaluate(self, wo: ArrayLike, wi: ArrayLike) -> NDArray[np.float64]:
-        """`f cos`, (n, 3), 1/sr; only of what has a value everywhere."""
+        """`f cos`, (n, 3), 1/sr; only of a table with a value everywhere."""
     def samples(self, angles: Sequence[float] = (0, 15, 30, 45, 60, 75)) -> dict[str, NDArray[np.float64]]:
         """`theta_o` (n,) radians, `wi` (n, 3), `f` (n, 3) 1/sr, `weight` (n,) sr."""
     def save(self, path: Path) -> None:

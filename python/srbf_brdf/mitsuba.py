@@ -144,7 +144,7 @@ def _traced_class(mi):
             views, lobes = a["log2_sharpness"].shape
             self.is_line = material.is_isotropic
             self.lobes, self.squeezed, self.mirrored, self.views = lobes, a["squeezed"], a["mirrored"], views
-            # Rows of four numbers, which one gather takes; of a view what it has alone, and of each lobe.
+            # Rows of four numbers, which one gather takes: those of a view alone, then those of each lobe.
             self.stride = 2 * (1 + lobes)
             rows = np.zeros((views, 1 + lobes, 8), np.float32)
             rows[:, 0, 0:3] = a["diffuse"]
@@ -295,7 +295,7 @@ def _traced_class(mi):
             return Vector3f(d.x if squeeze[0] is None else d.x * squeeze[0], d.y * squeeze[1], d.z)
 
         def _value(self, mixture, wi):
-            """What the lobes have without factors, and its luminance."""
+            """The value of the lobes without factors, and its luminance."""
             (c, s), squeeze, diffuse_y, diffuse, lobes, _ = mixture
             d = Vector3f(dr.fma(wi.x, c, wi.y * s), dr.fma(wi.y, c, -wi.x * s), wi.z)
             u = self._squeezed(d, squeeze)
@@ -321,7 +321,7 @@ def _traced_class(mi):
             return value, y
 
         def _factor(self, wo, wi, active):
-            """What the table multiplies the lobes by, over (1 - h.z)^(1/4), (1 - h.wo)^(1/2) and the squared cosine of the azimuth."""
+            """The factors on the lobes, over (1 - h.z)^(1/4), (1 - h.wo)^(1/2) and the squared cosine of the azimuth."""
             azimuths, halves, differences = self.nodes_shape
             s, d = wi + wo, wi - wo
             n2, d2 = dr.squared_norm(s), dr.squared_norm(d)
@@ -353,7 +353,7 @@ def _traced_class(mi):
                 return mi.Spectrum(dr.dot(Vector3f(value), Vector3f(LUMINANCE))) * self.tint.eval_1(si, active)
             return value * self.tint.eval(si, active) if self.has_tint else value
 
-        # What Mitsuba calls. Its wi is towards the viewer here, its wo what is sampled.
+        # The interface of Mitsuba. Its wi is towards the viewer here, its wo the sample.
 
         def eval_pdf(self, ctx, si, wo, active=True):
             active = active & (mi.Frame3f.cos_theta(si.wi) > 0) & (mi.Frame3f.cos_theta(wo) > 0)
@@ -371,7 +371,7 @@ def _traced_class(mi):
             active = active & (mi.Frame3f.cos_theta(si.wi) > 0)
             mixture = self._mixture(si.wi, active)
             (c, s), squeeze, diffuse_y, _, lobes, power = mixture
-            # The lobe, by a running sum; what is left over is the diffuse term.
+            # The lobe, by a running sum; the rest is the diffuse term.
             goal = sample1 * power
             axis, sharpness, is_lobe, is_squeezed = Vector3f(0, 0, 1), Float(1), mi.Bool(False), mi.Bool(False)
             total = Float(0)

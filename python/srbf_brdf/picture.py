@@ -62,5 +62,5 @@ def png(picture) -> bytes:
 
 
 def png_of_ball(material) -> bytes:
-    """What a notebook shows of a material."""
+    """The picture of a material in a notebook."""
     return png(ball(material, 192))

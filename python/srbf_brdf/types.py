@@ -25,7 +25,7 @@ class Comparison:
         self.report: dict[str, Any] = report
         """Every number, view by view, as `srbf judge` prints it."""
         self.verdict = verdict
-        """What is good, fair and off, and what to try: a sentence each."""
+        """Criteria that are good, fair and off, and advice: a sentence each."""
 
     def __str__(self) -> str:
         return "\n".join(self.verdict)

@@ -63,7 +63,7 @@ impl Vectors {
         let [x, y, z] = &vectors.columns;
         for (i, ((x, y), z)) in x.iter().zip(y).zip(z).enumerate() {
             let squared = x * x + y * y + z * z;
-            // What is not a number is none either.
+            // NaN has no unit length either.
             if !(1.0 - LENGTH..=1.0 + LENGTH).contains(&squared) {
                 return fail(format!("{name}[{i}]: ({x}, {y}, {z}) has length {}, not 1", squared.sqrt()));
             }
@@ -100,7 +100,7 @@ impl Vectors {
 pub struct Shape {
     /// How many there are of each.
     pub n: usize,
-    /// Whether each was one vector: what comes out is one too.
+    /// Whether each was one vector: the result is one too.
     pub is_single: bool,
 }
 

@@ -9,7 +9,7 @@ pyo3::create_exception!(
     srbf_brdf,
     FitError,
     PyValueError,
-    "What a fit, or the reader of a file, refuses; the message names the file, the place and what was expected."
+    "An input that a fit, or the reader of a file, refuses; the message names the file, the place and the expectation."
 );
 
 /// The text of an error with those of its sources.
@@ -28,7 +28,7 @@ pub fn value(error: impl Error) -> PyErr {
     PyValueError::new_err(text(&error))
 }
 
-/// A `FitError`, or an `OSError` for what the system refused.
+/// A `FitError`, or an `OSError` for a refusal of the system.
 pub fn fit(error: srbf_fit::FitError) -> PyErr {
     match error {
         srbf_fit::FitError::Io { ref path, ref source } => io(path, source),

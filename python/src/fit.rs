@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::Input;
-use srbf_fit::judge::verdict::{Made, Verdict};
+use srbf_fit::judge::verdict::Verdict;
 use srbf_fit::read::Content;
 use srbf_fit::{FactorNodes, Fit, FitError, Settings};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -21,7 +21,7 @@ use std::time::Duration;
 /// How often progress is shown, and an interruption is seen.
 const STEP: Duration = Duration::from_millis(100);
 
-/// What a fit is made of: a table of Python, which is not copied, or a function.
+/// The input of a fit: a table of Python, which is not copied, or a function.
 enum From {
     Table(Py<Table>),
     Function(Box<Function>),
@@ -32,7 +32,7 @@ impl From {
         match self {
             Self::Table(table) => srbf_fit::fit_content(&table.get().source.content, settings, progress),
             Self::Function(function) => {
-                // The trait object has to own what it calls.
+                // The trait object has to own the function.
                 let function = Python::attach(|py| Function {
                     function: function.function.clone_ref(py),
                     symmetry: function.symmetry,
@@ -116,8 +116,7 @@ pub fn fit<'py>(
     let material = Material::new(fit.bytes).map_err(error::value)?;
     let report = || {
         let json = fit.report.to_json(&material.material, &input, &settings)?;
-        let made = Made::new(&material.material);
-        let verdict = Verdict::new(&fit.report, &reciprocity(&material.material)?, Some(made));
+        let verdict = Verdict::of_material(&fit.report, &reciprocity(&material.material)?);
         let notes = fit.report.notes().into_iter().map(|note| format!("note {note}"));
         Ok((json, notes.chain(verdict.lines()).collect()))
     };

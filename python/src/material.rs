@@ -1,4 +1,4 @@
-//! `Material`: what a fit makes and a renderer takes.
+//! `Material`: the result of a fit, for renderers.
 
 use crate::arrays::{Shape, Vectors, broadcast, room, slices_mut};
 use crate::error;
@@ -11,7 +11,7 @@ use pyo3::types::{PyBytes, PyDict, PyTuple};
 use srbf_core::{MAX_LOBES, Mixture, SamplesMut};
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Input, Report, ViewReport};
-use srbf_fit::judge::verdict::{Made, Verdict};
+use srbf_fit::judge::verdict::Verdict;
 use srbf_fit::read::Content;
 use srbf_fit::table::evaluation_views;
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ const MAX_FILE: u64 = 1 << 26;
 #[pyclass(frozen, module = "srbf_brdf")]
 pub struct Material {
     pub material: srbf_core::Material<Vec<u8>>,
-    /// What the fit says of itself, as JSON, and in words; of a material that was just fitted.
+    /// The report of the fit, as JSON, and in words; of a material that was just fitted.
     fitted: Option<(String, Vec<String>)>,
 }
 
@@ -308,8 +308,7 @@ impl Material {
             let views =
                 views.iter().map(|v| ViewReport::judge(&self.material, v)).collect::<Result<_, _>>()?;
             let report = Report { held_out: views, ..Report::default() };
-            let made = Made::new(&self.material);
-            let words = Verdict::new(&report, &reciprocity(&self.material)?, Some(made)).lines();
+            let words = Verdict::of_material(&report, &reciprocity(&self.material)?).lines();
             let input = Input { name: table.source.name.clone(), sha256: table.source.sha256.clone() };
             Ok((report.to_json_of(&self.material, "srbf", &input)?.to_string(), words))
         };

@@ -1,4 +1,4 @@
-//! What can be evaluated anywhere: a material, and a function of Python.
+//! BRDFs: a material, and a function of Python.
 
 use pyo3::prelude::*;
 use srbf_core::{Level, MAX_LOBES, Material, Mixture};

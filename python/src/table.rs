@@ -62,7 +62,7 @@ pub fn table(
         return Err(PyValueError::new_err(text));
     }
     let make = || {
-        // The reader of CSV groups, checks and names what is wrong with a line: a sample is line n + 2.
+        // The reader of CSV groups, checks and names the fault of a line: a sample is line n + 2.
         let mut text = String::from("wo_x,wo_y,wo_z,wi_x,wi_y,wi_z,r,g,b\n");
         for i in 0..n {
             let [o, d] = [if is_single { &wo[..3] } else { &wo[3 * i..3 * i + 3] }, &wi[3 * i..3 * i + 3]];
@@ -73,7 +73,7 @@ pub fn table(
         }
         let fault = |source| srbf_fit::FitError::Read { path: name.into(), source };
         let intake = csv::parse(text.as_bytes(), &Conventions::default()).map_err(fault)?;
-        // Arrays have no lines that are broken off: what is no number or below the horizon is a mistake.
+        // Arrays have no lines that are broken off: NaN and directions below the horizon are mistakes.
         let is_fault =
             |left: &LeftOut| matches!(left.reason, Reason::NoNumber | Reason::Transmission | Reason::Behind);
         if intake.left_out.iter().any(is_fault) {
@@ -149,7 +149,7 @@ impl Table {
         format!("<srbf_brdf.Table {}: {of}>", self.source.name)
     }
 
-    /// `f cos` of pairs of directions, float64 of shape (n, 3), 1/sr; only of what has a value everywhere.
+    /// `f cos` of pairs of directions, float64 of shape (n, 3), 1/sr; only of a table with a value everywhere.
     fn evaluate<'py>(
         &self,
         py: Python<'py>,
@@ -186,7 +186,7 @@ impl Table {
     /// `wi` (n, 3) in the frame whose outgoing direction is `(-sin theta_o, 0, cos theta_o)`, `y >= 0`; `f` (n, 3), the BRDF without a
     /// cosine, 1/sr; `weight` (n,), the solid angle that it stands for, sr.
     ///
-    /// What has a value everywhere is sampled at outgoing directions of `angles`, degrees; samples are given as they were read.
+    /// A table with a value everywhere is sampled at outgoing directions of `angles`, degrees; samples are given as they were read.
     #[pyo3(signature = (angles = vec![0.0, 15.0, 30.0, 45.0, 60.0, 75.0]))]
     fn samples<'py>(&self, py: Python<'py>, angles: Vec<f64>) -> PyResult<Bound<'py, PyDict>> {
         let made;

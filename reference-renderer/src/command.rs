@@ -65,7 +65,7 @@ enum Command {
     Man(pages::Man),
 }
 
-/// Reads the command line and runs what it asks for. The exit status is 0, or 2 after an error, which is written behind `name`.
+/// Reads the command line and runs its command. The exit status is 0, or 2 after an error, which is written behind `name`.
 pub fn program<C: Parser>(name: &str, run: impl FnOnce(C) -> anyhow::Result<()>) -> ExitCode {
     let cli = C::try_parse().unwrap_or_else(|error| {
         // Help and version go to standard output.
@@ -91,7 +91,7 @@ pub fn program<C: Parser>(name: &str, run: impl FnOnce(C) -> anyhow::Result<()>)
     }
 }
 
-/// Runs what the command line asks for.
+/// Runs the command.
 pub fn run(cli: Cli) -> anyhow::Result<()> {
     if cli.quiet {
         print::be_quiet();

@@ -1,9 +1,9 @@
 //! How a material is shaded, and how incident directions are chosen for it.
 //!
 //! A [`Sampler`] is fitted to one truth: lobes, or a table. For an outgoing direction it becomes a [`Proposal`], which draws incident
-//! directions and has a density. Neither sees a value: `shader` divides the value by the density.
+//! directions and has a density. Neither uses a value: `shader` divides the value by the density.
 //!
-//! Lobes of this library are drawn from by `srbf_core` itself; what others draw from stands in `rivals`. The densities that the
+//! Lobes of this library are drawn from by `srbf_core` itself; the samplers of others are in `rivals`. The densities that the
 //! fits of samplers share stand in `truth`. Arrows: `shader` -> `sampler` -> `proposal` -> `rivals`.
 //!
 //! May import: `truth`, `numbers`.

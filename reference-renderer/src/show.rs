@@ -1,4 +1,4 @@
-//! Pictures of materials: what a fit gives beside the table, and balls under a map of light.
+//! Pictures of materials: a fit beside its table, and balls under a map of light.
 //!
 //! May import: `shade`, `trace`, `world`, `out`.
 

@@ -1,4 +1,4 @@
-//! What is rendered, whatever samples it: lobes, or a measured table.
+//! The truth of a picture, whatever samples it: lobes, or a measured table.
 //!
 //! GGX lobes that follow a table (`guided`) stand here too: a table of albedo is integrated by them.
 //!
@@ -10,7 +10,7 @@ pub mod guided;
 pub mod measured;
 pub mod networks;
 pub mod plain;
-pub mod seen;
+pub mod probe;
 pub mod stored;
 
 use crate::truth::guided::Guide;
@@ -23,7 +23,7 @@ use srbf_fit::table::{Brdf, Draws, Symmetry};
 /// Storage for the mixture of any material.
 pub type AnyMixture<'m> = Mixture<'m, MAX_LOBES>;
 
-/// What is rendered, whatever samples it.
+/// The material that a picture shows, whatever samples it.
 #[derive(Clone, Copy)]
 pub enum Truth<'a> {
     /// Lobes.

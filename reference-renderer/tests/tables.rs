@@ -34,7 +34,7 @@ fn refused(place: &Path, arguments: &[&str], says: &[&str]) {
     assert_eq!(files(), before, "{arguments:?}");
 }
 
-/// What a white furnace prints: for each channel what was rendered, its standard error, and what was expected.
+/// The print of a white furnace: for each channel the rendered value, its standard error, and the expected one.
 fn furnace(place: &Path, material: &str) -> [[f64; 3]; 3] {
     let light = ["render", "--material", material, "--env", "constant:1", "--seed", "2"];
     let text = printed(place, &[&light[..], &["--size", "64x64", "--spp", "64", "-o", "a.exr"]].concat());

@@ -54,7 +54,7 @@ fn version_1_is_read_as_it_was() {
     let row = |view: usize, row: usize, lobe: usize| {
         f64::from(number(5 * views + (5 * view + row) * lobes + view * mirrored + lobe))
     };
-    // What is stored as nothing is nothing.
+    // An amplitude that is stored as 0 is 0.
     let power = |log2: f64| if log2 <= -125.5 { 0.0 } else { log2.exp2() };
     let close = |got: f64, want: f64, scale: f64, name: &str| {
         assert!((got - want).abs() <= 3e-6 * scale, "{name}: {got}, {want}");
@@ -132,7 +132,7 @@ fn value_and_density_are_continuous_in_the_outgoing_direction() {
     for (name, bytes) in presets() {
         let material = Material::from_bytes(&bytes).unwrap();
         let mut random = Random(42);
-        // Where formulas change: the normal, the knots, the last knot, grazing; and anywhere.
+        // Where formulas change: the normal, the stored views, the last stored view, grazing; and anywhere.
         let mut thetas: Vec<f32> =
             (0..material.view_count()).map(|v| material.view_theta(v).unwrap()).collect();
         thetas.extend([0.0, 1e-4, 1.55]);

@@ -20,7 +20,7 @@ pub enum Facets {
 /// `diffuse / pi + F D G / (4 cos_i cos_o)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ggx {
-    /// Diffuse albedo below the facets, linear sRGB; it is not lowered by what they reflect.
+    /// Diffuse albedo below the facets, linear sRGB; it is not lowered by their reflection.
     pub diffuse: [f64; 3],
     /// Roughness along x and y.
     pub alpha: [f64; 2],
@@ -109,7 +109,7 @@ mod tests {
         }
     }
 
-    /// With perfect mirrors as facets only what is hidden on the way out is lost: little on a smooth surface.
+    /// With perfect mirrors as facets only light that is hidden on the way out is lost: little on a smooth surface.
     #[test]
     fn a_smooth_mirror_reflects_everything() {
         let model = Ggx { diffuse: [0.0; 3], alpha: [0.02, 0.02], facets: Facets::Schlick([1.0; 3]) };

@@ -73,7 +73,7 @@ impl<'a> Parameters<'a> {
         Ok([self.number("alpha_x", alpha, range.clone())?, self.number("alpha_y", alpha, range)?])
     }
 
-    /// What was not taken is a mistake.
+    /// A parameter that no model took is a mistake.
     pub fn finish(self) -> Result<(), ReadError> {
         match self.given.first() {
             None => Ok(()),

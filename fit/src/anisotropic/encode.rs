@@ -2,19 +2,14 @@
 
 use super::layout::Layout;
 use crate::FitError;
+use crate::anisotropic::tuning::encode::{LOOKS, MOST};
 use srbf_core::{Grid, GridView, TiltedLobe};
 use std::f64::consts::{LOG2_E, TAU};
-
-/// Largest albedo of a material, at any view.
-const MOST: f64 = 0.999;
 
 /// Logarithm of a luminance, and colour differences.
 type Color = (f32, [f32; 2]);
 
-/// Looks at the albedo between two knots, each way.
-const LOOKS: usize = 8;
-
-/// Encodes unknowns as a material. Where the albedo exceeds `MOST`, at knots or between, the knots round it are lowered.
+/// Encodes unknowns as a material. Where the albedo exceeds `MOST`, at stored views or between, the stored views round it are lowered.
 pub(super) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec<u8>, FitError> {
     let p = layout.stride();
     let mut x = x.to_vec();
@@ -26,7 +21,7 @@ pub(super) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec
         .map(|q| {
             let color = |k: usize| {
                 let [luminance, red, blue] = layout.tint(k).map(|i| q[i]);
-                // What has been darkened to nothing is none.
+                // A lobe of amplitude 0 has no logarithm.
                 (log2(luminance).max(-126.0), [red as f32, blue as f32])
             };
             let lobes = (0..layout.lobes).map(|k| {
@@ -69,7 +64,7 @@ fn keep_energy(layout: &Layout, x: &mut [f64]) {
     let last = *layout.thetas.last().unwrap_or(&0.0);
     let rings = layout.thetas.len().max(2) - 1;
     let mut q = vec![0.0; p];
-    // A lowered knot lowers its other sides too, so one pass is enough.
+    // A lowered stored view lowers its other sides too, so one pass is enough.
     for i in 0..=rings * LOOKS {
         let (ring, look) = (i / LOOKS, (i % LOOKS) as f64 / LOOKS as f64);
         let theta = if ring == rings {
@@ -84,10 +79,11 @@ fn keep_energy(layout: &Layout, x: &mut [f64]) {
             let most = layout.albedo(&q).into_iter().fold(0.0, f64::max);
             if most > MOST {
                 let less = libm::log(most / MOST);
-                let mut knots: Vec<usize> = place.corners.iter().filter(|c| c.1 > 0.0).map(|c| c.0).collect();
-                knots.sort_unstable();
-                knots.dedup();
-                for k in knots {
+                let mut view_angles: Vec<usize> =
+                    place.corners.iter().filter(|c| c.1 > 0.0).map(|c| c.0).collect();
+                view_angles.sort_unstable();
+                view_angles.dedup();
+                for k in view_angles {
                     layout.darken(&mut x[k * p..(k + 1) * p], less);
                 }
             }

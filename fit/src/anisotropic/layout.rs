@@ -1,17 +1,19 @@
-//! The unknowns of an anisotropic fit: lobes at knots over the hemisphere, and what lies between.
+//! The unknowns of an anisotropic fit: lobes at stored views over the hemisphere, and interpolation between them.
 //!
-//! Knot 0 is the normal; then ring by ring, each with the same number of azimuths. A knot has `6 + 6 K` unknowns: the logarithm
+//! Stored view 0 is the normal; then ring by ring, each with the same number of azimuths. A stored view has `6 + 6 K` unknowns: the logarithm
 //! of the squeeze matrix (xx, xy, yy), logarithm of the luminance and two relative colour differences of the diffuse albedo, K tilts of
 //! the axes along the plane of incidence, K across it, K `ln sharpness`, and of the amplitudes K logarithms of the luminance, K red and K
-//! blue differences. Between knots `srbf_core` interpolates them as is
+//! blue differences. Between stored views `srbf_core` interpolates them as is
 //! done here; see `core/src/kernel/prepare_anisotropic.rs`, which also says why that is continuous at the normal.
 
-use crate::isotropic::model::parameters::{COLORS, rgb};
+use crate::anisotropic::tuning::layout::{LN_AMPLITUDE, LN_SHARPNESS, SHEAR, SQUEEZE, TILT};
+use crate::isotropic::model::parameters::rgb;
+use crate::isotropic::tuning::parameters::COLORS;
 use crate::numeric::special::sphere_integral;
 use crate::table::luminance;
 use std::f64::consts::{PI, TAU};
 
-/// How many lobes there are, and where the knots lie.
+/// How many lobes there are, and where the stored views lie.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Layout {
     /// Lobes, K.
@@ -20,38 +22,31 @@ pub(super) struct Layout {
     pub squeezed: usize,
     /// Angles of the rings from the normal, radians; the first is 0, the normal itself.
     pub thetas: Vec<f64>,
-    /// Knots of a ring.
+    /// Stored views of a ring.
     pub azimuths: usize,
     /// How often a ring is repeated over the full turn, 1 or 2.
     pub turns: usize,
 }
 
-/// Bounds of the unknowns of a kind: what a material can store, and no wider than fits need.
-const SQUEEZE: (f64, f64) = (-2.0, 3.2);
-const SHEAR: (f64, f64) = (-1.4, 1.4);
-const TILT: (f64, f64) = (-2.1, 2.1);
-const LN_SHARPNESS: (f64, f64) = (-3.0, 14.0);
-const LN_AMPLITUDE: (f64, f64) = (-40.0, 30.0);
-
-/// Where an outgoing direction lies: up to four knots with their shares.
+/// Where an outgoing direction lies: up to four stored views with their shares.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CellPlace {
     pub corners: [(usize, f64); 4],
-    /// Azimuth of the view's +x, cosine and sine: by it the normal's knot is turned into the frame of the view.
+    /// Azimuth of the view's +x, cosine and sine: by it the normal's stored view is turned into the frame of the view.
     pub azimuth: [f64; 2],
 }
 
 impl Layout {
-    /// Unknowns of a knot.
+    /// Unknowns of a stored view.
     pub fn stride(&self) -> usize {
         6 + 6 * self.lobes
     }
-    pub fn knots(&self) -> usize {
+    pub fn stored_views(&self) -> usize {
         1 + (self.thetas.len() - 1) * self.azimuths
     }
     /// All unknowns.
     pub fn len(&self) -> usize {
-        self.stride() * self.knots()
+        self.stride() * self.stored_views()
     }
     pub fn along(&self, k: usize) -> usize {
         6 + k
@@ -91,24 +86,24 @@ impl Layout {
         (0..=self.lobes).for_each(|k| q[self.tint(k)[0]] -= less);
     }
 
-    /// The knot at a place of a ring; any integer is an azimuth.
-    pub fn knot(&self, ring: usize, azimuth: usize) -> usize {
+    /// The stored view at a place of a ring; any integer is an azimuth.
+    pub fn stored_view(&self, ring: usize, azimuth: usize) -> usize {
         if ring == 0 { 0 } else { 1 + (ring - 1) * self.azimuths + azimuth % self.azimuths }
     }
 
-    /// Angles of a knot's outgoing direction.
-    pub fn angles(&self, knot: usize) -> (f64, f64) {
-        if knot == 0 {
+    /// Angles of a stored view's outgoing direction.
+    pub fn angles(&self, stored: usize) -> (f64, f64) {
+        if stored == 0 {
             return (0.0, 0.0);
         }
-        let (ring, azimuth) = (1 + (knot - 1) / self.azimuths, (knot - 1) % self.azimuths);
+        let (ring, azimuth) = (1 + (stored - 1) / self.azimuths, (stored - 1) % self.azimuths);
         (self.thetas[ring], azimuth as f64 * TAU / (self.turns * self.azimuths) as f64)
     }
 
     /// Whether an unknown is given: where half a turn changes nothing, axes at the normal can only be the normal, which a
     /// turn leaves as it is.
-    pub fn fixed(&self, knot: usize, index: usize) -> bool {
-        knot == 0 && self.turns == 2 && (self.along(0)..self.sharpness(0)).contains(&index)
+    pub fn fixed(&self, stored: usize, index: usize) -> bool {
+        stored == 0 && self.turns == 2 && (self.along(0)..self.sharpness(0)).contains(&index)
     }
 
     /// Least and greatest value of an unknown.
@@ -143,7 +138,7 @@ impl Layout {
         let outward = if step > 0.0 { ((theta - self.thetas[before]) / step).clamp(0.0, 1.0) } else { 0.0 };
         let scaled = phi.rem_euclid(TAU) / TAU * (self.turns * self.azimuths) as f64;
         let (whole, onward) = (scaled as usize, scaled.fract());
-        let corner = |ring, add, share| (self.knot(ring, whole + add), share);
+        let corner = |ring, add, share| (self.stored_view(ring, whole + add), share);
         let corners = [
             corner(before, 0, (1.0 - outward) * if before == 0 { 1.0 } else { 1.0 - onward }),
             corner(before, 1, (1.0 - outward) * if before == 0 { 0.0 } else { onward }),
@@ -159,9 +154,9 @@ impl Layout {
         let p = self.stride();
         out.fill(0.0);
         let mut turned = vec![0.0; p];
-        for &(knot, share) in place.corners.iter().filter(|c| c.1 > 0.0) {
-            let mut from = &x[knot * p..(knot + 1) * p];
-            if knot == 0 {
+        for &(stored, share) in place.corners.iter().filter(|c| c.1 > 0.0) {
+            let mut from = &x[stored * p..(stored + 1) * p];
+            if stored == 0 {
                 turned.copy_from_slice(from);
                 self.turn(&mut turned, place.azimuth);
                 from = &turned;
@@ -170,7 +165,7 @@ impl Layout {
         }
     }
 
-    /// Turns the unknowns of a knot from the frame of the surface into that of a view whose +x is at an azimuth: linear.
+    /// Turns the unknowns of a stored view from the frame of the surface into that of a view whose +x is at an azimuth: linear.
     pub fn turn(&self, v: &mut [f64], [c, s]: [f64; 2]) {
         let [xx, xy, yy] = [v[0], v[1], v[2]];
         v[0] = c * c * xx + s * s * yy + 2.0 * c * s * xy;
@@ -216,19 +211,19 @@ mod tests {
     }
 
     #[test]
-    fn places_have_shares_of_one_and_meet_at_knots() {
+    fn places_have_shares_of_one_and_meet_at_stored() {
         let layout = layout();
         let mut random = Random::new(1);
         for _ in 0..200 {
             let place = layout.place(1.5 * random.next(), 10.0 * random.next() - 5.0);
             assert!((place.corners.iter().map(|c| c.1).sum::<f64>() - 1.0).abs() < 1e-12);
         }
-        for knot in 0..layout.knots() {
-            let (theta, phi) = layout.angles(knot);
+        for stored in 0..layout.stored_views() {
+            let (theta, phi) = layout.angles(stored);
             for turn in [0.0, PI, -PI] {
                 let place = layout.place(theta, phi + turn + 1e-12);
-                let share: f64 = place.corners.iter().filter(|c| c.0 == knot).map(|c| c.1).sum();
-                assert!(share > 1.0 - 1e-9, "{knot} {place:?}");
+                let share: f64 = place.corners.iter().filter(|c| c.0 == stored).map(|c| c.1).sum();
+                assert!(share > 1.0 - 1e-9, "{stored} {place:?}");
             }
         }
     }

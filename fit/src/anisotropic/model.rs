@@ -14,6 +14,7 @@
 //! `e^m (cosh R + sinh R / R [[d, o], [o, -d]])`.
 
 use super::layout::Layout;
+use crate::anisotropic::tuning::model::SMALLEST;
 use std::f64::consts::FRAC_1_PI;
 
 /// A symmetric 2 x 2 matrix: xx, xy, yy.
@@ -82,9 +83,6 @@ pub(super) struct Slopes {
     pub by_ln_sharpness: f64,
     pub by_squeeze: [f64; 3],
 }
-
-/// Below this the exponential is left out: it is under the rounding of anything that it is added to.
-const SMALLEST: f64 = -60.0;
 
 fn exp(t: f64) -> f64 {
     if t < SMALLEST { 0.0 } else { libm::exp(t) }

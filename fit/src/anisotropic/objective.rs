@@ -8,24 +8,18 @@ use super::layout::{CellPlace, Layout};
 use super::model::{Lobes, Slopes};
 use super::table::View;
 use crate::FitError;
+use crate::anisotropic::tuning::objective::{ENERGY, INNER_STEPS, TAIL, TAIL_FLOOR, TOLERANCE};
 use crate::isotropic::model::parameters::{COLOR_SLOPES, rgb};
-use crate::isotropic::objective::solver::COLOR_STEP;
-use crate::isotropic::search::schedule::FAINT_COLOR;
+use crate::isotropic::tuning::schedule::FAINT_COLOR;
+use crate::isotropic::tuning::solver::COLOR_STEP;
 use crate::judge::energy::EnergyError;
-use crate::judge::seen::brightness;
+use crate::judge::measure::brightness;
 use crate::numeric::blocks::Blocks;
 use crate::numeric::levenberg::{LeastSquares, Linear};
 use crate::numeric::special::sphere_integral;
 use crate::table::{Sample, check_bright, check_storable};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
-
-/// Weight of the relative variance beside the squared relative L2 error.
-const TAIL: f64 = 0.03;
-/// Share of a view's mean below which the variance no longer asks for relative accuracy.
-const TAIL_FLOOR: f64 = 0.05;
-/// Weight of the squared relative error of the albedo beside the squared relative L2 error.
-const ENERGY: f64 = 1.0;
 
 struct Point {
     direction: [f64; 3],
@@ -54,11 +48,6 @@ pub(super) struct Linearized {
     pub matrix: Blocks,
 }
 
-/// How exactly a step is solved, relative to its right side, and in how many inner steps at most: ten times as exact changes the
-/// cost reached by less than another starting point does, and takes three times as long.
-const TOLERANCE: f64 = 0.02;
-const INNER_STEPS: usize = 150;
-
 impl Linear for Linearized {
     fn cost(&self) -> f64 {
         self.cost
@@ -81,8 +70,8 @@ impl LeastSquares for Objective {
     type Linear = Linearized;
 
     fn bounds(&self, unknown: usize) -> (f64, f64) {
-        let (knot, index) = (unknown / self.layout.stride(), unknown % self.layout.stride());
-        if self.layout.fixed(knot, index) { (0.0, 0.0) } else { self.layout.bounds(index) }
+        let (stored, index) = (unknown / self.layout.stride(), unknown % self.layout.stride());
+        if self.layout.fixed(stored, index) { (0.0, 0.0) } else { self.layout.bounds(index) }
     }
     fn unit(&self, unknown: usize) -> f64 {
         if self.layout.is_color(unknown % self.layout.stride()) { COLOR_STEP } else { 1.0 }
@@ -182,7 +171,7 @@ impl Objective {
         let mut sum = Linearized {
             cost: 0.0,
             gradient: vec![0.0; layout.len()],
-            matrix: Blocks::new(p, layout.knots()),
+            matrix: Blocks::new(p, layout.stored_views()),
         };
         for (view, local) in self.views.iter().zip(&locals) {
             sum.cost += local.cost;
@@ -244,7 +233,7 @@ impl Objective {
         // From columns to unknowns, channel by channel.
         let mut local = Local { cost, gradient: vec![0.0; p], matrix: vec![0.0; p * p] };
         for c in 0..3 {
-            // A column, an unknown that it is of, and by what it is multiplied.
+            // A column, the unknown that it belongs to, and the factor on it.
             let mut columns: Vec<(usize, usize, f64)> = Vec::with_capacity(6 * k + 6);
             for (n, &own) in amplitude[c].iter().enumerate().take(k) {
                 columns.push((n, layout.along(n), own));
@@ -325,7 +314,7 @@ impl Objective {
         // The normal turned into the frame of an azimuth, as a combination of its unknowns.
         let mut turned = vec![vec![]; p];
         for azimuth in 0..layout.azimuths {
-            let (_, phi) = layout.angles(layout.knot(1.min(last), azimuth));
+            let (_, phi) = layout.angles(layout.stored_view(1.min(last), azimuth));
             let (sin, cos) = libm::sincos(phi + std::f64::consts::PI);
             for (i, row) in turned.iter_mut().enumerate() {
                 let mut unit = vec![0.0; p];
@@ -337,7 +326,7 @@ impl Objective {
                 if ring == 0 {
                     out.extend(turned[index].iter().map(|(j, share)| (*j, factor * share)));
                 } else {
-                    out.push((layout.knot(ring, azimuth) * p + index, factor));
+                    out.push((layout.stored_view(ring, azimuth) * p + index, factor));
                 }
             };
             for index in 0..p {
@@ -355,7 +344,9 @@ impl Objective {
                         let weight = weight * libm::sin(layout.thetas[ring]);
                         let others =
                             [(azimuth + layout.azimuths - 1, 1.0), (azimuth, -2.0), (azimuth + 1, 1.0)];
-                        row.extend(others.map(|(a, f)| (layout.knot(ring, a) * p + index, f * weight)));
+                        row.extend(
+                            others.map(|(a, f)| (layout.stored_view(ring, a) * p + index, f * weight)),
+                        );
                         each(&row);
                     }
                 }
@@ -364,7 +355,7 @@ impl Objective {
     }
 }
 
-/// Fills in what the lobes have in the columns of one point; the columns are described where they are summed.
+/// Fills in the derivatives of the lobes at one point, column by column; the columns are described where they are summed.
 fn fill(layout: &Layout, amplitude: &[Vec<f64>; 3], slopes: &[Slopes], root: f64, basis: &mut [f64]) {
     let k = layout.lobes;
     let shared = 4 * k + 1;
@@ -399,12 +390,12 @@ fn add_view(layout: &Layout, place: &CellPlace, local: &Local, sum: &mut Lineari
             (0..p).for_each(|i| both[i * p + j] = column[i]);
         }
     }
-    // Two corners are one knot in a ring of one.
+    // Two corners are one stored view in a ring of one.
     let mut corners: Vec<(usize, f64)> = Vec::new();
-    for &(knot, share) in place.corners.iter().filter(|c| c.1 > 0.0) {
-        match corners.iter_mut().find(|c| c.0 == knot) {
+    for &(stored, share) in place.corners.iter().filter(|c| c.1 > 0.0) {
+        match corners.iter_mut().find(|c| c.0 == stored) {
             Some(corner) => corner.1 += share,
-            None => corners.push((knot, share)),
+            None => corners.push((stored, share)),
         }
     }
     for (n, &(a, share_a)) in corners.iter().enumerate() {
@@ -454,10 +445,10 @@ mod tests {
             views.push(View { theta, phi, samples, albedo: [0.5, 0.3, 0.1] });
         }
         let mut x: Vec<f64> = (0..layout.len()).map(|_| 1.4 * random.next() - 0.6).collect();
-        for knot in 0..layout.knots() {
+        for stored in 0..layout.stored_views() {
             (0..layout.stride())
-                .filter(|i| layout.fixed(knot, *i))
-                .for_each(|i| x[knot * layout.stride() + i] = 0.0);
+                .filter(|i| layout.fixed(stored, *i))
+                .for_each(|i| x[stored * layout.stride() + i] = 0.0);
         }
         (Objective::new(&views, layout, 0.5, 1).unwrap(), x)
     }

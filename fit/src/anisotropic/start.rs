@@ -1,28 +1,16 @@
 //! Where an anisotropic fit starts.
 //!
-//! At every knot the highlight is taken for one Gaussian: its covariance gives the squeeze matrix that makes it round, and the
+//! At every stored view the highlight is taken for one Gaussian: its covariance gives the squeeze matrix that makes it round, and the
 //! sharpness that it then has. Squeezed lobes have multiples of that sharpness, in a geometric series, round ones a series of
 //! their own; narrow lobes point to the highlight, wide ones towards the normal. The amplitudes are the best non-negative ones,
-//! knot by knot. Starts differ in the range of the series and by a jitter.
+//! stored view by stored view. Starts differ in the range of the series and by a jitter.
 
 use super::layout::Layout;
 use super::model::{Lobes, exponential};
 use super::table::View;
+use crate::anisotropic::tuning::start::{BRIGHTEST, FAINT, LEAST, SWEEPS};
 use crate::numeric::random::Random;
 use crate::table::{DARKEST, luminance};
-
-/// Share of a knot's largest amplitude over sharpness that a lobe gets which the best amplitudes leave out: enough for the solver
-/// to feel it.
-const FAINT: f64 = 2e-3;
-
-/// The least luminance that anything starts with, for albedos of about 1.
-const LEAST: f64 = 1e-9;
-
-/// Largest albedo of a start.
-const BRIGHTEST: f64 = 0.9;
-
-/// Sweeps of the coordinate descent for amplitudes.
-const SWEEPS: usize = 200;
 
 /// A highlight as one Gaussian.
 struct Highlight {
@@ -34,8 +22,8 @@ struct Highlight {
     sharpness: f64,
 }
 
-/// Makes the unknowns of start number `n`, from tables at the knots.
-pub(super) fn start(knots: &[View], layout: &Layout, n: usize) -> Vec<f64> {
+/// Makes the unknowns of start number `n`, from tables at the stored views.
+pub(super) fn start(view_angles: &[View], layout: &Layout, n: usize) -> Vec<f64> {
     let mut random = Random::new(0x5eed + n as u64);
     let jitter = if n == 0 { 0.0 } else { 0.5 };
     let mut vary = |size: f64| jitter * size * (2.0 * random.next() - 1.0);
@@ -61,11 +49,11 @@ pub(super) fn start(knots: &[View], layout: &Layout, n: usize) -> Vec<f64> {
     let p = layout.stride();
     let mut x = vec![0.0; layout.len()];
     // Relative to a table that is dark: a start that is brighter by decades takes many steps to fade.
-    let brightest = knots.iter().map(|view| luminance(view.albedo)).fold(DARKEST, f64::max);
+    let brightest = view_angles.iter().map(|view| luminance(view.albedo)).fold(DARKEST, f64::max);
     let least = LEAST * brightest.min(1.0);
-    for (knot, view) in knots.iter().enumerate() {
+    for (stored, view) in view_angles.iter().enumerate() {
         let highlight = Highlight::new(view);
-        let q = &mut x[knot * p..(knot + 1) * p];
+        let q = &mut x[stored * p..(stored + 1) * p];
         q[..3].copy_from_slice(&highlight.squeeze);
         for k in 0..layout.lobes {
             let squeezed = k < layout.squeezed;
@@ -73,12 +61,12 @@ pub(super) fn start(knots: &[View], layout: &Layout, n: usize) -> Vec<f64> {
             let lean = s / (s + 6.0);
             let width = if squeezed { 1.0 / libm::sqrt(s.max(4.0)) } else { 0.1 };
             q[layout.sharpness(k)] = libm::log(s).clamp(-1.0, 13.0);
-            if knot > 0 {
+            if stored > 0 {
                 q[layout.along(k)] = lean * highlight.tilt[0] + width * spread[k][0];
                 q[layout.across(k)] = lean * highlight.tilt[1] + width * spread[k][1] * libm::sin(view.theta);
             }
         }
-        if knot == 0 {
+        if stored == 0 {
             // The view of the normal looks along azimuth 0, its +x at half a turn: which a matrix does not see.
             for k in 0..layout.lobes {
                 (q[layout.along(k)], q[layout.across(k)]) = (0.0, 0.0);
@@ -103,7 +91,7 @@ pub(super) fn start(knots: &[View], layout: &Layout, n: usize) -> Vec<f64> {
 }
 
 impl Highlight {
-    /// Moments of the square of `f cos`, which see the peak more than what lies round it.
+    /// Moments of the square of `f cos`, which weigh the peak more than its surroundings.
     fn new(view: &View) -> Self {
         let value = |s: &crate::table::Sample| s.rgb.iter().sum::<f64>() * s.direction[2];
         let peak = view.samples.iter().max_by(|a, b| value(a).total_cmp(&value(b)));

@@ -3,6 +3,8 @@
 //! As for isotropic ones (`table/evaluable.rs`), the directions of a view are drawn from a mixture of a uniform hemisphere and
 //! caps round the peak, ever narrower; but the peak is looked for in two dimensions, and nothing is mirrored.
 
+use crate::anisotropic::tuning::table::{NARROWER, NARROWEST, WIDEST};
+use crate::numeric::GOLDEN_ANGLE;
 use crate::table::Sample;
 use crate::table::{Brdf, Density};
 use rayon::prelude::*;
@@ -17,14 +19,6 @@ pub(super) struct View {
     pub samples: Vec<Sample>,
     pub albedo: [f64; 3],
 }
-
-/// Sharpness of the widest cap, what the next one's is multiplied by, and the largest.
-const WIDEST: f64 = 8.0;
-const NARROWER: f64 = 5.0;
-const NARROWEST: f64 = 4e6;
-
-/// Golden angle, of spirals.
-const GOLDEN: f64 = 2.399_963_229_728_653;
 
 /// Tabulates a BRDF at outgoing directions, angle and azimuth.
 pub(super) fn tabulate(brdf: &dyn Brdf, directions: &[(f64, f64)], density: Density) -> Vec<View> {
@@ -49,7 +43,7 @@ fn tabulate_view(brdf: &dyn Brdf, theta: f64, phi: f64, density: Density) -> Vie
     let mut directions: Vec<[f64; 3]> = Vec::new();
     for i in 0..density.hemisphere {
         let z = (i as f64 + 0.5) / density.hemisphere as f64;
-        let (s, c) = libm::sincos(GOLDEN * i as f64);
+        let (s, c) = libm::sincos(GOLDEN_ANGLE * i as f64);
         let r = libm::sqrt(1.0 - z * z);
         directions.push([r * c, r * s, z]);
     }
@@ -57,7 +51,7 @@ fn tabulate_view(brdf: &dyn Brdf, theta: f64, phi: f64, density: Density) -> Vie
         for i in 0..density.cap {
             let u = (i as f64 + 0.5) / density.cap as f64;
             let w = -libm::log1p(u * libm::expm1(-2.0 * s)) / s;
-            directions.push(around(axis, w, GOLDEN * i as f64 + n as f64));
+            directions.push(around(axis, w, GOLDEN_ANGLE * i as f64 + n as f64));
         }
     }
     let probability = |d: &[f64; 3]| {
@@ -103,13 +97,13 @@ fn find_peak(value: &dyn Fn([f64; 3]) -> f64, theta: f64) -> ([f64; 3], f64) {
     // All over, then round the mirror direction at every scale.
     for i in 0..2000 {
         let z = (f64::from(i) + 0.5) / 2000.0;
-        let (s, c) = libm::sincos(GOLDEN * f64::from(i));
+        let (s, c) = libm::sincos(GOLDEN_ANGLE * f64::from(i));
         let r = libm::sqrt(1.0 - z * z);
         look([r * c, r * s, z]);
     }
     for i in 0..400 {
         let distance = 1e-4 * libm::pow(5e3, f64::from(i) / 400.0);
-        look(around(mirror, 1.0 - libm::cos(distance), GOLDEN * f64::from(i)));
+        look(around(mirror, 1.0 - libm::cos(distance), GOLDEN_ANGLE * f64::from(i)));
     }
     // Downhill on ever smaller circles.
     let mut step = 0.03;

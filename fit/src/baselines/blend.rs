@@ -6,7 +6,7 @@
 //! not depend on the order of the views. At a view its own mixture is all there is.
 
 use crate::FitError;
-use crate::judge::fitted_material::knots;
+use crate::judge::fitted_material::view_angles;
 use crate::judge::method::{Fitted, FittedView};
 use srbf_core::Material;
 
@@ -44,21 +44,21 @@ pub(crate) fn weights(thetas: &[f64], theta: f64, neighbours: Neighbours) -> Vec
     by_distance.into_iter().map(|(n, distance)| (n, 1.0 / distance / sum)).collect()
 }
 
-/// Our lobes, blended between the knots as the thesis does instead of followed: what the tracking is worth.
-pub struct BlendedKnots<'a> {
+/// Our lobes, cross-faded between the stored views as in the thesis. The difference is the worth of tracking.
+pub struct BlendedViews<'a> {
     lobes: &'a dyn Fitted,
     thetas: Vec<f64>,
     neighbours: Neighbours,
 }
 
-impl<'a> BlendedKnots<'a> {
-    /// Takes the mixtures at the knots of a fit.
+impl<'a> BlendedViews<'a> {
+    /// Takes the mixtures at the stored views of a fit.
     pub fn new(lobes: &'a Material<impl AsRef<[u8]> + Sync>, neighbours: Neighbours) -> Self {
-        Self { lobes, thetas: knots(lobes), neighbours }
+        Self { lobes, thetas: view_angles(lobes), neighbours }
     }
 }
 
-impl Fitted for BlendedKnots<'_> {
+impl Fitted for BlendedViews<'_> {
     fn view(&self, theta: f64) -> Result<Box<dyn FittedView + '_>, FitError> {
         let share = |(n, weight): (usize, f64)| Ok((weight, self.lobes.view(self.thetas[n])?));
         let shares = weights(&self.thetas, theta, self.neighbours).into_iter().map(share);

@@ -1,4 +1,4 @@
-//! What samples say without lobes: completed, by the model of a completion alone, and joined by straight lines.
+//! Samples without lobes: completed, by the model of a completion alone, and joined by straight lines.
 
 use crate::FitError;
 use crate::baselines::interpolant::Interpolant;

@@ -1,13 +1,13 @@
 //! Two GGX lobes and a diffuse term: what most renderers have in place of a measurement.
 //!
 //! `f = d / pi + sum over two roughnesses of D G / (4 cos_i cos_o) (F0 (1 - s) + F90 s)`, s Schlick's fifth power, is linear in d, F0 and F90.
-//! So for each pair of roughnesses of a ladder the best colours, none below 0, are a small problem; the pair is then refined. What is made
-//! small is the measure that our own fits make small (`crate::judge::seen`).
+//! So for each pair of roughnesses of a ladder the best colours, none below 0, are a small problem; the pair is then refined. The objective
+//! is the measure of our own fits (`crate::judge::measure`).
 
 use crate::FitError;
 use crate::analytic::ggx::{Facets, Ggx};
+use crate::judge::measure::{beside_highlight, brightness, floor, level, weight};
 use crate::judge::method::{Fitted, FittedView};
-use crate::judge::seen::{beside_highlight, brightness, floor, level, weight};
 use crate::table::{Brdf, Table};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2};
@@ -34,7 +34,7 @@ pub struct Microfacets {
     pub coefficients: [[f64; 5]; 3],
 }
 
-/// What every coefficient is multiplied by.
+/// Factor on every coefficient.
 fn terms(roughness: [f64; 2], wi: [f64; 3], wo: [f64; 3]) -> [f64; TERMS] {
     let lobe = |alpha: f64, grazing: bool| {
         // Schlick's reflectance is F0 + (1 - F0) s: of F0 = 0 it is s, of 1 it is 1.
@@ -170,7 +170,7 @@ mod tests {
         let found = Microfacets::fit(&table).unwrap();
         for view in &table.views {
             let report = crate::judge::report::ViewReport::judge(&found, view).unwrap();
-            assert!(report.error < 0.1 && report.seen.chroma < 0.03, "{found:?} {report:?}");
+            assert!(report.error < 0.1 && report.regions.chroma < 0.03, "{found:?} {report:?}");
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! For each view a vector of f over a cube map, an initial guess from its peaks, and a fit of round lobes on the sphere
 //! by L-BFGS-B; between views equation 9. The fit is of f, not of `f cos`; nothing is folded or squeezed; each view is on
-//! its own. What the thesis leaves open is decided in its favour and said where it is: texels below the horizon take no
+//! its own. Open points of the thesis are decided in its favour, and noted: texels below the horizon take no
 //! part (`cube`), colours share axes and sharpness (`optimize`), unknowns are scaled for the solver. So are these:
 //!
 //! * the amplitudes are solved for once before the first step of the axes: those of the guess are the values at the axes, and
@@ -207,7 +207,7 @@ impl FittedView for Blend {
         lobes::evaluate(&self.lobes, &direction).map(|v| v * direction[2])
     }
 
-    /// Over the sphere: what is below the horizon is lost.
+    /// Over the sphere: the part below the horizon is lost.
     fn pdf(&self, direction: [f64; 3]) -> Option<f64> {
         let sum: f64 = self.lobes.iter().zip(&self.power).map(|(l, p)| p * l.unit(&direction)).sum();
         Some(if self.total > 0.0 { sum / self.total } else { 0.0 })

@@ -1,15 +1,9 @@
-//! No surface reflects more than it receives: what is between samples, and beyond the last, is held to that.
+//! No surface reflects more than it receives. The completion keeps to that between samples and beyond the last one.
 
 use crate::FitError;
-use crate::table::{Brdf, Density, Table};
+use crate::complete::tuning::energy::{DENSITY, INTERVALS, MOST};
+use crate::table::{Brdf, Table};
 use std::f64::consts::FRAC_PI_2;
-
-/// Largest albedo.
-const MOST: f64 = 0.98;
-
-/// Intervals of angles, even in what [`Energy::place`] makes of them, and how closely each is looked at.
-const INTERVALS: usize = 24;
-const DENSITY: Density = Density { hemisphere: 150, cap: 60 };
 
 /// Angles, radians, and the albedos there in linear sRGB.
 type Albedos = Vec<(f64, [f64; 3])>;

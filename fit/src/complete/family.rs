@@ -1,42 +1,19 @@
 //! Which models a completion goes on with: the family by samples and views that were left out, then the best fits of it.
 
 use super::held_out::HeldOut;
+use super::kernel::Kernel;
 use super::measurement::{Measured, Measurement};
 use super::microfacet::{Family, Microfacet};
 use super::points::{Point, each, points};
-use super::process::{Kernel, Of, Process, factor};
+use super::process::{Of, Process, factor};
 use super::scale::Scale;
-use super::{KERNELS, OF_MODEL, noises, width};
+use super::tuning::choice::OF_MODEL;
+use super::{noises, width};
+use crate::complete::tuning::family::{
+    BESIDE, CLOSE, COMPARED, COMPARED_BESIDE, COMPARED_WITH_PROCESS, FOLDS, MODELS, OF_BESIDE, REFINEMENTS,
+    SAME, WITHOUT_DOUBT, WORTHWHILE,
+};
 use rayon::prelude::*;
-
-/// Models whose widths and exponents are this close are one.
-const SAME: f64 = 0.1;
-
-/// Most models that go on, each as it is and fitted to what the process leaves over.
-const MODELS: usize = 2;
-
-/// Samples that families are compared by.
-const COMPARED: usize = 1500;
-
-/// Samples are left out in so many parts.
-const FOLDS: usize = 5;
-
-/// Families whose error is at most so many times that of the best are compared with this process over each.
-const CLOSE: f64 = 1.4;
-const COMPARED_BESIDE: (Kernel, f64) = (KERNELS[1], 1e-2);
-
-/// Samples that families are compared by with a process over each: time goes with the cube.
-const COMPARED_WITH_PROCESS: usize = 750;
-
-/// Share of the error of the simplest family that one with a second lobe has to be below: a coat is common, a lobe about the back direction
-/// is where samples leave no doubt.
-const WORTHWHILE: f64 = 0.97;
-const WITHOUT_DOUBT: f64 = 0.8;
-
-/// What the model is fitted beside, and samples.
-const BESIDE: (Kernel, f64) = (KERNELS[3], 3e-3);
-const OF_BESIDE: usize = 1500;
-const REFINEMENTS: usize = 2;
 
 /// What models there are.
 pub(super) struct Models {
@@ -46,7 +23,7 @@ pub(super) struct Models {
     pub all: Vec<Microfacet>,
 }
 
-/// The models of the family that is best at what it was not fitted to.
+/// The models of the family that predicts left-out data best.
 pub(super) fn models(measurement: &Measurement, scale: Scale) -> Models {
     let few = measurement.thinned(OF_MODEL);
     let compared = measurement.thinned(COMPARED);
@@ -98,7 +75,7 @@ pub(super) fn models(measurement: &Measurement, scale: Scale) -> Models {
     Models { alone, all }
 }
 
-/// A model fitted to what the process leaves over.
+/// A model fitted to the residual of the process.
 fn beside(few: &Measurement, scale: Scale, mut model: Microfacet) -> Option<Microfacet> {
     for _ in 0..REFINEMENTS {
         let points = points(few, &model, scale, width(&model));
@@ -112,7 +89,7 @@ fn samples_and_views(unseen: &[HeldOut; 2]) -> f64 {
     unseen.iter().map(HeldOut::rank).sum()
 }
 
-/// Whether it is a view that was left out, and how far its points, or those of some samples, are above what is said of them.
+/// Whether a whole view was left out, and the distances of left-out points from their predictions.
 type Gone = (bool, Vec<([f64; 3], Point)>);
 
 /// Errors at samples, and at views, of which fits of a model did not know, nor a process over them if there is one; `None` where the

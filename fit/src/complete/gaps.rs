@@ -1,20 +1,9 @@
 //! Where samples say nothing.
 
+use crate::complete::tuning::gaps::{DIRECTIONS, MOST, NEAR, STEP};
+use crate::numeric::GOLDEN_ANGLE;
 use crate::table::{Table, direction};
 use std::f64::consts::PI;
-
-/// Farthest that a sample says something, radians.
-const NEAR: f64 = 20.0 * PI / 180.0;
-
-/// Angles of the outgoing direction that are looked at, degrees, and incident directions for each.
-const STEP: usize = 5;
-const DIRECTIONS: usize = 150;
-
-/// Golden angle, of spirals.
-const GOLDEN: f64 = 2.399_963_229_728_653;
-
-/// Most samples that are compared with.
-const MOST: usize = 3000;
 
 /// Where samples say nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -61,7 +50,7 @@ pub(super) fn gaps(table: &Table) -> Gaps {
         let (mut empty, mut all) = (0.0, 0.0);
         for i in 0..DIRECTIONS {
             let cos = libm::sqrt((i as f64 + 0.5) / DIRECTIONS as f64);
-            let d = direction(libm::acos(cos), (GOLDEN * i as f64) % PI);
+            let d = direction(libm::acos(cos), (GOLDEN_ANGLE * i as f64) % PI);
             let is_near = |s: &[f64; 3]| {
                 let dot = d[0] * s[0] + (d[1] * s[1]).abs() + d[2] * s[2];
                 dot > libm::cos(NEAR)

@@ -1,11 +1,9 @@
-//! What a process says, on a grid: a fit asks a million times.
+//! The predictions of a process on a grid, because a fit needs a million.
 
 use super::pair::{COORDINATES, Pair};
+use crate::complete::tuning::grid::NODES;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
-
-/// Nodes over the spread angle of the half vector, the angle between half vector and direction, and the share that leans sideways.
-const NODES: [usize; 3] = [64, 32, 6];
 
 /// Values over pairs of directions, linear between nodes.
 pub(super) struct Grid {
@@ -16,7 +14,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// Of what is a function of a pair, smooth in its coordinates.
+    /// Of a function of a pair that is smooth in its coordinates.
     pub fn new(width: f64, value: impl Fn(&Pair, &[f64; COORDINATES]) -> [f64; 3] + Sync) -> Self {
         let most = libm::asinh(1.0 / width);
         let [halves, differences, shares] = NODES;

@@ -1,18 +1,12 @@
 //! Bounds of heights that no sample caught.
 //!
 //! Between the samples nearest to the mirror direction a process goes on as it came, and may end at several times what any of them says. Near
-//! the peak, what lies above the model is held to what samples there lie above it.
+//! the peak, the residual is held within that of the samples there.
 
 use super::points::Point;
+use crate::complete::tuning::heights::{BEYOND, FEWEST, PEAK};
 
-/// Spread angle of the half vector up to which samples are near the peak, and fewest of them.
-const PEAK: f64 = 2.0;
-const FEWEST: usize = 3;
-
-/// How far beyond the samples it may be, on the scale: at the peak, and more per unit of the spread angle.
-const BEYOND: [f64; 2] = [0.3, 1.0];
-
-/// Least and greatest of what samples near the peak are above the model, mean of the channels.
+/// Least and greatest residual of samples near the peak, mean of the channels.
 pub(super) struct Heights {
     least: f64,
     most: f64,
@@ -32,7 +26,7 @@ impl Heights {
         Self { least, most }
     }
 
-    /// What is to be added to a mean of the channels at a spread angle, so that it is within the bounds.
+    /// The correction of a mean of the channels at a spread angle that brings it within the bounds.
     pub fn correction(&self, spread: f64, mean: f64) -> f64 {
         let beyond = BEYOND[0] + BEYOND[1] * spread;
         mean.clamp(self.least - beyond, self.most + beyond) - mean

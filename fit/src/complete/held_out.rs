@@ -1,4 +1,4 @@
-//! How far samples are from what a completion says of them without them.
+//! Distances of samples from the predictions of completions without them.
 
 use super::color::rgb;
 use super::points::Point;
@@ -20,7 +20,7 @@ impl HeldOut {
         self.error + self.logarithm
     }
 
-    /// From how far points are above what is said of them.
+    /// From the distances of points from their predictions.
     pub(super) fn new(points: &[Point], above: &[[f64; 3]], scale: Scale) -> Self {
         let bands = 1 + points.iter().map(|p| p.band).max().unwrap_or(0);
         let mut squares = vec![(0.0, 0.0); bands];

@@ -2,17 +2,9 @@
 
 use super::color::xyz;
 use super::pair::Pair;
+use crate::complete::tuning::measurement::{DARK, LEAST_LEVEL, VIEWS_OF_PAIRS};
 use crate::table::{DARKEST, Table};
 use std::f64::consts::{FRAC_PI_2, PI};
-
-/// Share of the samples that are darker than what a diffuse term starts from.
-const DARK: f64 = 0.2;
-
-/// Least mean radiance over the brightest sample: where most is noise around 0, the mean may be anything.
-const LEAST_LEVEL: f64 = 1e-4;
-
-/// Views that pairs of directions are taken to be of, by the angle of the outgoing one.
-const VIEWS_OF_PAIRS: usize = 12;
 
 /// One sample.
 #[derive(Clone, Copy, Debug)]
@@ -81,7 +73,7 @@ impl Measurement {
         Self::of_samples(samples, VIEWS_OF_PAIRS, level)
     }
 
-    /// With what is made of all samples, of which `relative` need not be over the norms of the views yet.
+    /// With the numbers that depend on all samples; `relative` need not be over the norms of the views yet.
     fn of_samples(mut samples: Vec<Measured>, views: usize, level: f64) -> Self {
         let mut norms = vec![0.0; views];
         for s in &samples {
@@ -111,7 +103,7 @@ impl Measurement {
         Self::of_samples(samples, self.views, sum / all.max(1e-300))
     }
 
-    /// Every n-th sample, such that at most so many are left.
+    /// Every n-th sample, so that at most `most` are left.
     pub fn thinned(&self, most: usize) -> Self {
         let every = self.samples.len().div_ceil(most).max(1);
         let samples = self.samples.iter().step_by(every).copied().collect();

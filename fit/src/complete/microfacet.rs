@@ -9,6 +9,9 @@ mod fit;
 use super::measurement::{Measured, Measurement};
 use super::pair::Pair;
 use super::scale::Scale;
+use crate::complete::tuning::microfacet::{
+    COAT_RISE, HORIZON, LEAST, LEAST_HUE, LIMITS, MOST_DIFFUSE, REFINED, SECOND_START,
+};
 use crate::numeric::cholesky::Square;
 use crate::numeric::levenberg::{Limits, minimize};
 use fit::Fit;
@@ -24,27 +27,7 @@ const SECOND_WIDTH: usize = 11;
 const SECOND_EXPONENT: usize = 12;
 const SECOND: usize = 13;
 
-/// Least logarithm of a reflectance and of diffuse radiance; greatest of diffuse radiance.
-const LEAST: f64 = -25.0;
-const MOST_DIFFUSE: f64 = 2.0;
-
-/// Least cosine that is divided by.
-const HORIZON: f64 = 1e-3;
-
-/// Rise of a dielectric coat's reflectance from the normal to grazing angles.
-const COAT_RISE: f64 = 25.0;
-
-/// How freely the channels of a coat may be apart.
-const LEAST_HUE: f64 = 0.05;
-
-/// Largest logarithm that a second lobe starts from, and the least value.
-const SECOND_START: (f64, f64) = (1e-3, 2.0);
-
-/// Steps of the fit.
-const LIMITS: Limits = Limits { steps: 60, improvement: 1e-4 };
-const REFINED: Limits = Limits { steps: 25, improvement: 1e-4 };
-
-/// What the model has beside a diffuse term and a lobe.
+/// The part of a model beside a diffuse term and a lobe.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Family {
     /// Nothing.
@@ -60,7 +43,7 @@ impl Family {
     /// All of them, the simplest first.
     pub(super) const ALL: [Self; 3] = [Self::OneLobe, Self::Coat, Self::Retro];
 
-    /// What the model is made of, in words.
+    /// The parts of the model, in words.
     pub fn description(self) -> &'static str {
         match self {
             Self::OneLobe => "a diffuse term and a microfacet lobe",
@@ -100,7 +83,7 @@ impl Microfacet {
         Self { unknowns, values: Values::new(&unknowns, family) }
     }
 
-    /// Fitted to samples from each pair of widths of a family, with what is left of the squares; the best first.
+    /// Fitted to samples from each pair of widths of a family, each with the sum of squares; the best first.
     pub fn fits(measurement: &Measurement, scale: Scale, family: Family) -> Vec<(f64, Self)> {
         use rayon::prelude::*;
         let starts = family.starts().par_iter();
@@ -142,13 +125,13 @@ impl Microfacet {
         moved(&Fit::new(measurement, scale, self.family(), None), self.unknowns, REFINED).1
     }
 
-    /// Moved to where what is left of the logarithms is likeliest, if it is a process whose matrix has that factor: the model says what
-    /// is sharp, the process what is smooth.
+    /// Moved to where the residual of the logarithms is likeliest, if it is a process whose matrix has that factor. The model has the
+    /// sharp part, the process the smooth one.
     pub fn refined(&self, measurement: &Measurement, scale: Scale, factor: &Square) -> Self {
         moved(&Fit::new(measurement, scale, self.family(), Some(factor)), self.unknowns, REFINED).1
     }
 
-    /// What it has beside a diffuse term and a lobe.
+    /// Its part beside a diffuse term and a lobe.
     pub fn family(&self) -> Family {
         self.values.family
     }
@@ -164,7 +147,7 @@ impl Microfacet {
         self.values.exponent
     }
 
-    /// How freely the channels may be apart from what it says, 0 to 1: as much as is not of the coat.
+    /// Freedom of the channels from the model, 0 to 1: the share that is not of the coat.
     pub fn hue(&self, pair: &Pair) -> f64 {
         self.values.hue(pair)
     }
@@ -247,7 +230,7 @@ impl Values {
             return 1.0;
         }
         let (values, slopes) = self.with_slopes(pair);
-        // What is multiplied by an unknown that is a logarithm is the derivative by that.
+        // The derivative by a logarithm is the term itself.
         let of_coat = 3.0 * (slopes[0][OF_A_CHANNEL - 2] + slopes[0][OF_A_CHANNEL - 1]);
         1.0 - (1.0 - LEAST_HUE) * of_coat / values.iter().sum::<f64>().max(f64::MIN_POSITIVE)
     }
@@ -286,7 +269,7 @@ impl Values {
         };
         let channel = |c: usize| {
             let (along, grazing) = (self.normal[c] * (1.0 - schlick), self.grazing[c] * schlick);
-            // Of the second lobe: what it is multiplied by, in the two parts that are unknowns of their own.
+            // Factors on the second lobe, in the two parts that are unknowns of their own.
             let parts = match self.family {
                 Family::OneLobe => [0.0; 2],
                 Family::Coat => [self.second[0] * (1.0 - schlick), self.second[1] * schlick],

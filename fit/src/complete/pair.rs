@@ -5,7 +5,7 @@
 //! their cosines; and, as highlights are wider or narrower across the plane of incidence than a function of the half vector alone has
 //! them, by how much the half vector leans sideways.
 
-/// What is needed of a pair before anything is known of the surface.
+/// The coordinates of a pair, which need no surface.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Pair {
     /// Cosines of incident and outgoing direction.

@@ -1,20 +1,11 @@
-//! What a Gaussian process is given: how far the samples are from a model, thinned where there are too many.
+//! The points of a Gaussian process: distances of the samples from a model, thinned where there are too many.
 
 use super::measurement::{Measured, Measurement};
 use super::microfacet::Microfacet;
 use super::pair::COORDINATES;
 use super::scale::Scale;
+use crate::complete::tuning::points::{BANDS, FINEST, MOST, STEPS};
 use std::collections::BTreeMap;
-
-/// Most points: time goes with the cube of them, memory with the square.
-pub(super) const MOST: usize = 1500;
-
-/// Views are taken together, neighbours, to at most so many when whole views are left out.
-const BANDS: usize = 12;
-
-/// Cells into which coordinates are cut where there are too many samples: doublings of their size, and steps of each.
-const STEPS: usize = 40;
-const FINEST: f64 = 0.01;
 
 /// One sample, or the mean of close ones.
 #[derive(Clone, Debug, Default)]

@@ -1,13 +1,13 @@
 //! A Gaussian process through points (Rasmussen and Williams 2006, "Gaussian Processes for Machine Learning").
 //!
-//! What it says of points that are left out is known without solving again: of one, and of a group (their sections 5.4.2): with the
+//! Predictions of left-out points need no new solution, of one and of a group (their section 5.4.2): with the
 //! inverse `P` of the matrix, `y - P_gg^-1 (P y)_g`.
 
+use super::kernel::Kernel;
 use super::pair::COORDINATES;
 use super::points::Point;
 use crate::numeric::cholesky::Square;
 use crate::numeric::vector;
-use pulp::NullaryFnOnce;
 
 /// Deviation of a normal distribution over the median of sizes.
 const NORMAL_DEVIATION: f64 = 1.4826;
@@ -15,9 +15,9 @@ const NORMAL_DEVIATION: f64 = 1.4826;
 /// Least number on the diagonal of an inverse, below which arithmetic has nothing left.
 const LEAST_DIAGONAL: f64 = 1e-12;
 
-/// What all others say of a point.
+/// The prediction of a point by all others.
 pub(super) struct LeftOut {
-    /// How far it is above that.
+    /// Distance of the point above it.
     pub above: [f64; 3],
     /// The variance that this is expected to have.
     pub variance: f64,
@@ -25,62 +25,7 @@ pub(super) struct LeftOut {
     pub usual: f64,
 }
 
-/// How alike points are at a distance.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Kernel {
-    /// Variance and length of a term of each of the first three coordinates alone.
-    pub alone: [(f64, f64); 3],
-    /// Variance and lengths of a term of all, Matern's of 5/2.
-    pub joint: f64,
-    pub lengths: [f64; COORDINATES],
-}
-
-impl Kernel {
-    /// Of points at `from` with one at `to`, coordinate by coordinate.
-    fn row(&self, from: &[Vec<f64>; COORDINATES], to: &[f64; COORDINATES], out: &mut [f64]) {
-        vector::run(Row { kernel: self, from, to, out });
-    }
-}
-
-struct Row<'a> {
-    kernel: &'a Kernel,
-    from: &'a [Vec<f64>; COORDINATES],
-    to: &'a [f64; COORDINATES],
-    out: &'a mut [f64],
-}
-
-impl NullaryFnOnce for Row<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let Self { kernel, from, to, out } = self;
-        let weights = kernel.lengths.map(|l| 5.0 / (l * l));
-        let len = out.len();
-        let from = [&from[0][..len], &from[1][..len], &from[2][..len], &from[3][..len]];
-        for n in 0..len {
-            let mut r2 = 0.0f64;
-            for k in 0..COORDINATES {
-                let d = from[k][n] - to[k];
-                r2 = (weights[k] * d).mul_add(d, r2);
-            }
-            let r = r2.sqrt();
-            out[n] = kernel.joint * r2.mul_add(1.0 / 3.0, 1.0 + r) * vector::exp(-r);
-        }
-        for k in 0..3 {
-            let (variance, length) = kernel.alone[k];
-            if variance > 0.0 {
-                let weight = -0.5 / (length * length);
-                for n in 0..len {
-                    let d = from[k][n] - to[k];
-                    out[n] = variance.mul_add(vector::exp(weight * d * d), out[n]);
-                }
-            }
-        }
-    }
-}
-
-/// What of its points a process is of.
+/// The part of its points that a process is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Of {
     /// How far they are above the model.
@@ -158,14 +103,14 @@ impl Process {
         Some(Self { kernel, at: self::columns(points), solution, weighed, columns: columns(&factor) })
     }
 
-    /// What it says at coordinates, where it varies fully.
+    /// The prediction at coordinates, with all terms.
     pub fn at(&self, to: &[f64; COORDINATES]) -> [f64; 3] {
         let mut row = vec![0.0; self.at[0].len()];
         self.kernel.row(&self.at, to, &mut row);
         [0, 1, 2].map(|c| vector::dot(&row, &self.weighed[c]))
     }
 
-    /// How far every point is above what the others say of it, and the variance of that.
+    /// The distance of every point from the prediction by the others, and its variance.
     pub fn left_out_alone(&self) -> Vec<([f64; 3], f64)> {
         let of = |i: usize| {
             let squared = self.columns.squared(i);
@@ -174,7 +119,7 @@ impl Process {
         (0..self.columns.size()).map(of).collect()
     }
 
-    /// Points that all others speak against, one after the other, each with what all others that are left say of it.
+    /// Points that all others contradict, one after the other, each with what all others that are left say of it.
     ///
     /// `score` says how strongly, or `None`; the strongest is taken, and the rest is looked at without it, so that one wrong point does
     /// not speak against its neighbours. At most `most` are taken.
@@ -206,7 +151,7 @@ impl Process {
             let Some((_, i)) = scored.max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
             gone.push((i, above(i)));
             is_out[i] = true;
-            // The row of the inverse of what is left, and what it takes from all others.
+            // The row of the inverse of the rest, and its products with all others.
             let mut row = self.columns.row_of_gram(i);
             for other in &rows {
                 let share = other[i];

@@ -1,4 +1,4 @@
-//! What is known of how good a completion is.
+//! The quality of a completion.
 
 use super::gaps::Gaps;
 use super::held_out::HeldOut;
@@ -6,16 +6,16 @@ use super::microfacet::Family;
 use super::robust::Outlier;
 use serde_json::{Value, json};
 
-/// What is known of a completion.
+/// The report of a completion.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CompletionReport {
     /// Samples.
     pub samples: usize,
     /// How many points it is made of: fewer than samples, if close ones were taken together.
     pub points: usize,
-    /// Samples that are left out, as all others speak against them; they are not among `samples`.
+    /// Samples that are left out, as all others contradict them; they are not among `samples`.
     pub outliers: Vec<Outlier>,
-    /// What the model has beside a diffuse term and a lobe.
+    /// The part of the model beside a diffuse term and a lobe.
     pub family: Family,
     /// Angles of the outgoing direction, radians, and the albedo before it is held to at most 0.98, linear sRGB.
     pub albedo: Vec<(f64, [f64; 3])>,
@@ -23,7 +23,7 @@ pub struct CompletionReport {
     pub width: f64,
     /// Exponent with which they become fewer; 2 is GGX.
     pub exponent: f64,
-    /// Lengths over which what the model leaves is alike, in the coordinates of the process.
+    /// Lengths over which the residual of the model is alike, in the coordinates of the process.
     pub lengths: [f64; 4],
     /// Variance of the noise of the logarithm of a sample.
     pub noise: f64,

@@ -1,51 +1,29 @@
-//! Samples that their neighbours and their reciprocal samples speak against.
+//! Samples that their neighbours and their reciprocal samples contradict.
 //!
-//! One model and one process, and what every sample is left out by: the worst goes, the rest is looked at without it, and so on. Bright
-//! samples near the peak have to be much brighter than what is known from near: a peak is where others know least.
+//! One model and one process predict each sample from the others. The worst sample goes, and the rest is predicted again. Bright samples
+//! near the peak have to be much brighter than their prediction, because neighbours say least about a peak.
 
 use super::measurement::{Measured, Measurement};
 use super::microfacet::{Family, Microfacet};
 use super::points::{Point, each, grouped};
-use super::process::{Kernel, LeftOut, Of, Process};
+use super::process::{LeftOut, Of, Process};
 use super::scale::Scale;
-use super::{KERNELS, OF_MODEL, noises, width};
+use super::tuning::choice::OF_MODEL;
+use super::{noises, width};
+use crate::complete::tuning::robust::{
+    APART, APART_AT_PEAK, DEVIATIONS, KERNEL, KNOWN, LEAST, NEIGHBOURS, NOISE, OF_A_GROUP, PEAK, ROUNDS,
+    SHARE,
+};
 use std::collections::{BTreeMap, BTreeSet};
 
-const KERNEL: Kernel = KERNELS[1];
-const NOISE: f64 = 1e-2;
-
-/// Times that it is looked, each with a model of what was left; and the share of the points that may go each time.
-const ROUNDS: usize = 2;
-const SHARE: usize = 8;
-
-/// Deviations that a sample is off by, and least difference on the scale: everywhere, and of what is brighter within so many widths of the
-/// peak.
-const DEVIATIONS: f64 = 6.0;
-const APART: f64 = 0.7;
-const PEAK: f64 = 1.5;
-const APART_AT_PEAK: f64 = 2.0;
-
-/// Share of the variance of a process up to which a place is known from near.
-const KNOWN: f64 = 0.3;
-
-/// Least difference over the mean radiance: what is off by less is the noise of dark values, of which many were clamped to 0.
-const LEAST: f64 = 0.1;
-
-/// Nearest samples of the same view, of which most are not off likewise: many that are off together are what the surface or the
-/// instrument does there.
-const NEIGHBOURS: usize = 6;
-
-/// Samples of one point from which on they are compared with one another.
-const OF_A_GROUP: usize = 5;
-
-/// A sample that all others speak against.
+/// A sample that all others contradict.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outlier {
     /// Number of its view.
     pub view: usize,
     /// Which of the samples of that view it is.
     pub sample: usize,
-    /// Luminance over what the others say there.
+    /// Luminance over the prediction by the others.
     pub ratio: f64,
 }
 

@@ -1,9 +1,7 @@
-//! A scale that is logarithmic for what is bright, and even around 0: measured values may be 0, or negative.
+//! A scale that is logarithmic for bright values, and linear around 0: measured values may be 0, or negative.
 
 use super::measurement::Measurement;
-
-/// Values up to this share of the mean radiance are on the even part.
-const FLOOR: f64 = 0.02;
+use crate::complete::tuning::scale::FLOOR;
 
 /// `asinh(f / (2 floor))`: the logarithm of `f / floor` where f is much more than that.
 #[derive(Clone, Copy, Debug)]

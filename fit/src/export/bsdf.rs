@@ -2,8 +2,8 @@
 //!
 //! A measured file has a warp that spreads visible normals over its pictures. Here the warp is the identity, so that a picture is `f cos`
 //! over the half vectors themselves: the square root of their angle from the normal, which is dense where highlights are, and
-//! their azimuth. Pictures are square, as most readers ask for. What a reader draws by is `f cos` times the solid angle of a pixel's incident
-//! directions, so that what it draws has a weight that is nearly the same for all.
+//! their azimuth. Pictures are square, as most readers ask for. A reader draws by `f cos` times the solid angle of a pixel's incident
+//! directions, so that its samples have nearly the same weight.
 
 use super::{check_isotropic, finite};
 use crate::FitError;
@@ -20,7 +20,7 @@ const LAST: f64 = 87.0;
 const COLUMNS: usize = 128;
 const ROWS: usize = 128;
 
-/// Least height of an incident direction: what lies below the horizon is interpolated with, and goes on smoothly.
+/// Least height of an incident direction: interpolation reaches below the horizon, where values continue smoothly.
 const LEAST_HEIGHT: f64 = 1e-3;
 
 /// Writes an isotropic BRDF as a `.bsdf` file: `f cos` at 30 outgoing directions by 128 x 128 half vectors. The caller's threads of rayon are

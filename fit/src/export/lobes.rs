@@ -1,4 +1,4 @@
-//! A fit as what can be evaluated anywhere.
+//! A fit as a BRDF.
 
 use crate::table::{Brdf, Symmetry};
 use srbf_core::{MAX_LOBES, Material, Mixture, Vec3};
@@ -10,7 +10,7 @@ impl<B: AsRef<[u8]> + Sync> Brdf for Lobes<B> {
     fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
         let mut mixture: Mixture<'_, MAX_LOBES> = Mixture::empty();
         let [wi32, wo32] = [wi, wo].map(|d| Vec3::from(d.map(|v| v as f32)));
-        // What has a direction below the horizon by rounding has no value.
+        // A direction that rounding puts below the horizon has no value.
         if self.0.prepare(wo32, &mut mixture).is_err() {
             return [f64::NAN; 3];
         }

@@ -10,7 +10,7 @@ fn rows(table: &Table) -> impl Iterator<Item = (f64, &Sample)> {
 
 /// Writes samples as our own CSV: both directions as unit vectors, f in linear sRGB, 1/sr.
 ///
-/// All digits are there: what is read again is the same numbers.
+/// All digits are written, so that the same numbers are read.
 pub fn csv(table: &Table) -> String {
     let mut text = "# written by srbf\nwi_x,wi_y,wi_z,wo_x,wo_y,wo_z,r,g,b\n".to_owned();
     for (theta, Sample { direction: [x, y, z], rgb: [r, g, b], .. }) in rows(table) {

@@ -1,36 +1,20 @@
-//! The last touch of a fit: amplitudes scaled, knot by knot, until the largest error of the albedo is as small as it gets.
+//! The last touch of a fit: amplitudes scaled, stored view by stored view, until the largest error of the albedo is as small as it gets.
 //!
 //! The solver holds the mean square of those errors down beside everything else, at the views of its table; the albedo is asked
-//! for at any view. A factor on all amplitudes of a channel at a knot changes the albedo by nearly a hat
+//! for at any view. A factor on all amplitudes of a channel at a stored view changes the albedo by nearly a hat
 //! function of the angle: so the best factors are the solution of a linear problem, in the norm of a high power,
 //! by iteratively reweighted least squares (Lawson 1961; Karlovitz 1970 for the shortened step).
 
-use crate::isotropic::factors::{AVERAGED, Factors};
+use crate::isotropic::factors::Factors;
 use crate::isotropic::model::parameters::{Layout, rgb};
+use crate::isotropic::tuning::balance::{MOST, PASSES, POWER, STAY, STEPS, UNCERTAIN};
+use crate::isotropic::tuning::factors::AVERAGED;
 use crate::judge::energy::EnergyError;
 use crate::numeric::banded::Banded;
 use crate::table::luminance;
 use rayon::prelude::*;
 
-/// Power of the norm: high enough that only the largest errors count.
-const POWER: f64 = 16.0;
-
-/// Error of the albedo that is no error: what a quadrature is uncertain by.
-const UNCERTAIN: f64 = 1e-3;
-
-/// Weight of the squared factors beside the squared errors.
-const STAY: f64 = 1e-4;
-
-/// Largest logarithm of a factor.
-const MOST: f64 = 0.3;
-
-/// Times that the factors are looked for.
-const PASSES: usize = 2;
-
-/// Steps of the reweighted least squares.
-const STEPS: usize = 150;
-
-/// Scales the amplitudes at all knots. `albedo`: angles, radians, and the albedo of the data there. Returns the largest error that is
+/// Scales the amplitudes at all stored views. `albedo`: angles, radians, and the albedo of the data there. Returns the largest error that is
 /// left.
 pub(crate) fn balance(
     layout: &Layout,
@@ -53,12 +37,12 @@ pub(crate) fn balance(
     };
     let largest =
         |rows: &[[Row; 3]], c: usize| rows.iter().fold(0.0, |most: f64, row| most.max(row[c].error.abs()));
-    // What lies between two knots follows them not quite as a straight line: once more from where that leads. A channel that has become
+    // Between two stored views the albedo is not quite a straight line, so the factors are fitted once more from the result. A channel that has become
     // worse, as one near 0 may, stays as it was.
     let mut at = rows(x);
     for _ in 0..PASSES {
-        let factors =
-            [0, 1, 2].map(|c| factors(&at.iter().map(|row| row[c]).collect::<Vec<_>>(), layout.knots.len()));
+        let factors = [0, 1, 2]
+            .map(|c| factors(&at.iter().map(|row| row[c]).collect::<Vec<_>>(), layout.view_angles.len()));
         let mut is_kept = [true; 3];
         for _ in 0..2 {
             let moved = scaled(layout, x, &factors, is_kept);
@@ -75,16 +59,16 @@ pub(crate) fn balance(
     (0..3).fold(0.0, |most, c| most.max(largest(&at, c)))
 }
 
-/// The unknowns with the channels that are kept scaled at every knot.
+/// The unknowns with the channels that are kept scaled at every stored view.
 fn scaled(layout: &Layout, x: &[f64], factors: &[Vec<f64>; 3], is_kept: [bool; 3]) -> Vec<f64> {
     let mut x = x.to_vec();
-    for (knot, q) in x.chunks_exact_mut(layout.stride()).enumerate() {
-        let by =
-            [0, 1, 2].map(|c| if is_kept[c] { libm::exp(factors[c][knot].clamp(-MOST, MOST)) } else { 1.0 });
+    for (stored, q) in x.chunks_exact_mut(layout.stride()).enumerate() {
+        let by = [0, 1, 2]
+            .map(|c| if is_kept[c] { libm::exp(factors[c][stored].clamp(-MOST, MOST)) } else { 1.0 });
         for k in 0..=layout.lobes {
             let color = rgb(layout.tint(k).map(|i| q[i]));
             let scaled = [0, 1, 2].map(|c| color[c] * by[c]);
-            // What would have no luminance any more stays as it is.
+            // A lobe that would lose all luminance stays unchanged.
             if luminance(scaled) > 0.0 {
                 layout.set_tint(q, k, scaled, 0.0);
             }
@@ -93,7 +77,7 @@ fn scaled(layout: &Layout, x: &[f64], factors: &[Vec<f64>; 3], is_kept: [bool; 3
     x
 }
 
-/// The error of a channel's albedo between two knots, and its derivative by the logarithm of a factor on all amplitudes.
+/// The error of a channel's albedo between two stored views, and its derivative by the logarithm of a factor on all amplitudes.
 #[derive(Clone, Copy, Debug)]
 struct Row {
     place: (usize, f64),
@@ -101,37 +85,37 @@ struct Row {
     slope: f64,
 }
 
-/// Factors at the knots, interpolated.
-fn at(factors: &[f64], (knot, blend): (usize, f64)) -> f64 {
-    (1.0 - blend) * factors[knot] + if blend > 0.0 { blend * factors[knot + 1] } else { 0.0 }
+/// Factors at the stored views, interpolated.
+fn at(factors: &[f64], (stored, blend): (usize, f64)) -> f64 {
+    (1.0 - blend) * factors[stored] + if blend > 0.0 { blend * factors[stored + 1] } else { 0.0 }
 }
 
-/// Logarithms of factors at the knots that make the largest error small.
-fn factors(rows: &[Row], knots: usize) -> Vec<f64> {
-    let mut factors = vec![0.0; knots];
+/// Logarithms of factors at the stored views that make the largest error small.
+fn factors(rows: &[Row], count: usize) -> Vec<f64> {
+    let mut factors = vec![0.0; count];
     for _ in 0..STEPS {
         let errors: Vec<f64> =
             rows.iter().map(|row| row.error + row.slope * at(&factors, row.place)).collect();
         let largest = errors.iter().fold(UNCERTAIN, |most, e| most.max(e.abs()));
-        let mut matrix = Banded::zeros(knots, 1.min(knots - 1));
-        let mut step = vec![0.0; knots];
-        for (&Row { place: (knot, blend), slope, .. }, error) in rows.iter().zip(&errors) {
+        let mut matrix = Banded::zeros(count, 1.min(count - 1));
+        let mut step = vec![0.0; count];
+        for (&Row { place: (stored, blend), slope, .. }, error) in rows.iter().zip(&errors) {
             let weight = libm::pow(libm::hypot(*error, UNCERTAIN) / largest, POWER - 2.0);
             if slope == 0.0 {
                 continue;
             }
             let (weight, error) = (weight * slope * slope, error / slope);
-            matrix.add(knot, knot, weight * (1.0 - blend) * (1.0 - blend));
-            step[knot] -= weight * (1.0 - blend) * error;
+            matrix.add(stored, stored, weight * (1.0 - blend) * (1.0 - blend));
+            step[stored] -= weight * (1.0 - blend) * error;
             if blend > 0.0 {
-                matrix.add(knot + 1, knot, weight * blend * (1.0 - blend));
-                matrix.add(knot + 1, knot + 1, weight * blend * blend);
-                step[knot + 1] -= weight * blend * error;
+                matrix.add(stored + 1, stored, weight * blend * (1.0 - blend));
+                matrix.add(stored + 1, stored + 1, weight * blend * blend);
+                step[stored + 1] -= weight * blend * error;
             }
         }
-        for knot in 0..knots {
-            matrix.add(knot, knot, STAY);
-            step[knot] -= STAY * factors[knot];
+        for stored in 0..count {
+            matrix.add(stored, stored, STAY);
+            step[stored] -= STAY * factors[stored];
         }
         if !matrix.factor() {
             break;
@@ -146,7 +130,7 @@ fn factors(rows: &[Row], knots: usize) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// Errors of a curve between 5 knots, without and with the factors.
+    /// Errors of a curve between 5 stored views, without and with the factors.
     fn largest(error: impl Fn(f64) -> f64) -> (f64, f64) {
         let places: Vec<(usize, f64)> = (0..80).map(|i| (i / 20, (i % 20) as f64 / 20.0)).collect();
         let row = |&(k, b): &(usize, f64)| Row { place: (k, b), error: error(k as f64 + b), slope: 1.0 };
@@ -158,7 +142,7 @@ mod tests {
 
     #[test]
     fn the_largest_error_is_halved_where_a_curve_bends_and_gone_where_it_does_not() {
-        // A parabola between every two knots, 0 at them: the best straight lines leave half of its height.
+        // A parabola between every two stored views, 0 at them: the best straight lines leave half of its height.
         let (before, after) = largest(|x| 0.02 * 4.0 * x.fract() * (1.0 - x.fract()));
         assert!((before - 0.02).abs() < 1e-12 && after < 0.0105, "{after}");
         let (before, after) = largest(|x| 0.03 - 0.01 * x);

@@ -5,10 +5,10 @@ use crate::table::Density;
 /// How much work a search is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Effort {
-    /// What starts and exchanges of the settings are divided by.
+    /// Divisors of the starts and exchanges of the settings.
     pub starts: usize,
     pub exchanges: usize,
-    /// What the steps of the settings are divided by.
+    /// Divisor of the steps of the settings.
     pub steps: usize,
     /// Times that fits are moved again, at most.
     pub rounds: usize,
@@ -19,7 +19,7 @@ pub(crate) struct Effort {
     pub views_between: usize,
 }
 
-/// For what can be evaluated anywhere as it is.
+/// For a BRDF.
 pub(crate) const MEASURED: Effort = Effort {
     starts: 1,
     exchanges: 1,
@@ -30,7 +30,7 @@ pub(crate) const MEASURED: Effort = Effort {
     views_between: 3,
 };
 
-/// For what samples are completed to.
+/// For the completion of samples.
 pub(crate) const COMPLETED: Effort = Effort {
     starts: 4,
     exchanges: 4,

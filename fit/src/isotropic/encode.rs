@@ -1,26 +1,18 @@
 //! From fitted unknowns to `.srbf` bytes.
 
 use crate::FitError;
-use crate::isotropic::factors::{AVERAGED_TO_STORE, Factors};
+use crate::isotropic::factors::Factors;
 use crate::isotropic::model::parameters::Layout;
+use crate::isotropic::tuning::encode::{FACTORED_LOOKS, LOOKS, MOST, MOST_DIFFERENCE};
+use crate::isotropic::tuning::factors::AVERAGED_TO_STORE;
 use crate::table::luminance;
 use srbf_core::{FactorTable, Line, PlaneLobe, View, encoded_len};
 use std::f64::consts::{FRAC_PI_2, LOG2_E};
 
-/// Largest albedo of a material, at any view.
-const MOST: f64 = 0.999;
-
-/// Views between two knots at which the albedo is looked at, and with factors, whose means take long.
-const LOOKS: usize = 64;
-const FACTORED_LOOKS: usize = 16;
-
-/// Largest difference of albedos that is stored.
-const MOST_DIFFERENCE: f64 = 16.0;
-
-/// As many views as take no more bytes than those of a layout would with so many lobes, none of which stands for two; at most twice as
+/// Views that take no more bytes than those of a layout with `lobes` lobes, none of which stands for two; at most twice as
 /// many.
 pub(crate) fn views_of_equal_size(layout: &Layout, lobes: usize) -> usize {
-    let views = layout.knots.len();
+    let views = layout.view_angles.len();
     let size = encoded_len(views, lobes, 0, "");
     (views..=2 * views)
         .rev()
@@ -32,16 +24,16 @@ pub(crate) fn views_of_equal_size(layout: &Layout, lobes: usize) -> usize {
 pub(crate) fn len(layout: &Layout, factors: Option<[usize; 3]>) -> usize {
     // The head of the block, that of the table, the largest factor and the albedo differences; then the nodes.
     let table = factors.map_or(0, |size| {
-        (8 + 4 + 4 + 12 * layout.knots.len() + 3 * size.iter().product::<usize>()).next_multiple_of(4)
+        (8 + 4 + 4 + 12 * layout.view_angles.len() + 3 * size.iter().product::<usize>()).next_multiple_of(4)
     });
-    encoded_len(layout.knots.len(), layout.lobes, layout.mirrored, "") + table
+    encoded_len(layout.view_angles.len(), layout.lobes, layout.mirrored, "") + table
 }
 
 /// Encodes unknowns as a material.
 ///
-/// Between knots a lobe's energy is interpolated nearly geometrically, which is never above the straight line, so the
-/// albedo has its maximum at a knot but for wide lobes; it is looked at in between all the same. Where it exceeds `MOST` the
-/// amplitudes of both knots are lowered.
+/// Between stored views a lobe's energy is interpolated nearly geometrically, which is never above the straight line, so the
+/// albedo has its maximum at a stored view but for wide lobes; it is looked at in between all the same. Where it exceeds `MOST` the
+/// amplitudes of both stored views are lowered.
 pub(crate) fn encode(
     layout: &Layout,
     x: &[f64],
@@ -50,22 +42,22 @@ pub(crate) fn encode(
 ) -> Result<Vec<u8>, FitError> {
     let p = layout.stride();
     let mut x = x.to_vec();
-    let last = layout.knots.len() - 1;
+    let last = layout.view_angles.len() - 1;
     let mut albedos = Vec::new();
     let mut is_lowered = false;
-    for knot in 0..last.max(1) {
-        albedos.push(Albedo::around(layout, &x, factors, knot));
-        let channels = albedos[knot].iter().flat_map(|albedo| albedo.factored);
+    for stored in 0..last.max(1) {
+        albedos.push(Albedo::around(layout, &x, factors, stored));
+        let channels = albedos[stored].iter().flat_map(|albedo| albedo.factored);
         let most = channels.fold(0.0, f64::max);
         if most > MOST {
             is_lowered = true;
-            for k in knot..=(knot + 1).min(last) {
+            for k in stored..=(stored + 1).min(last) {
                 layout.luminances().for_each(|i| x[k * p + i] -= libm::log(most / MOST));
             }
         }
     }
     if is_lowered && factors.is_some() {
-        albedos = (0..last.max(1)).map(|knot| Albedo::around(layout, &x, factors, knot)).collect();
+        albedos = (0..last.max(1)).map(|stored| Albedo::around(layout, &x, factors, stored)).collect();
     }
 
     let log2 = |v: f64| (v * LOG2_E) as f32;
@@ -85,7 +77,7 @@ pub(crate) fn encode(
     };
     let lobes: Vec<Vec<PlaneLobe>> = x.chunks_exact(p).map(stored_lobes).collect();
     let mut views: Vec<View<'_>> = Vec::with_capacity(lobes.len());
-    for ((theta, q), lobes) in layout.knots.iter().zip(x.chunks_exact(p)).zip(&lobes) {
+    for ((theta, q), lobes) in layout.view_angles.iter().zip(x.chunks_exact(p)).zip(&lobes) {
         let [log_luminance, red, blue] = layout.tint(layout.lobes).map(|i| q[i]);
         views.push(View {
             theta: if *theta >= FRAC_PI_2 { std::f32::consts::FRAC_PI_2 } else { *theta as f32 },
@@ -110,7 +102,7 @@ pub(crate) fn encode(
     Ok(bytes)
 }
 
-/// Albedo at a place between two knots.
+/// Albedo at a place between two stored views.
 struct Albedo {
     /// Of the lobes and the diffuse term alone.
     lobes: [f64; 3],
@@ -118,21 +110,21 @@ struct Albedo {
 }
 
 impl Albedo {
-    /// Albedos at evenly spaced places from a knot to the next, both included; at the knot alone if there is no next.
-    fn around(layout: &Layout, x: &[f64], factors: Option<&Factors>, knot: usize) -> Vec<Self> {
+    /// Albedos at evenly spaced places from a stored view to the next, both included; at the stored view alone if there is no next.
+    fn around(layout: &Layout, x: &[f64], factors: Option<&Factors>, stored: usize) -> Vec<Self> {
         let looks = if factors.is_some() { FACTORED_LOOKS } else { LOOKS };
         let mut q = vec![0.0; layout.stride()];
         let mut at = |look| {
-            let place = (knot, look as f64 / looks as f64);
+            let place = (stored, look as f64 / looks as f64);
             layout.interpolate(x, place, &mut q);
             let lobes = layout.albedo(&q, None);
             let means = factors.map(|f| f.means(layout, &q, layout.theta(place), AVERAGED_TO_STORE));
             Self { lobes, factored: means.map_or(lobes, |means| layout.albedo(&q, Some(&means))) }
         };
-        (0..=if layout.knots.len() == 1 { 0 } else { looks }).map(&mut at).collect()
+        (0..=if layout.view_angles.len() == 1 { 0 } else { looks }).map(&mut at).collect()
     }
 
-    /// What the factors change, relative to the luminance of the lobes.
+    /// The change by the factors, relative to the luminance of the lobes.
     fn difference(&self) -> [f64; 3] {
         let luminance = luminance(self.lobes);
         let over = |d: f64| if luminance > 0.0 { d / luminance } else { 0.0 };
@@ -140,35 +132,35 @@ impl Albedo {
     }
 }
 
-/// The albedo differences of the knots, between which the straight lines are nearest to those of the albedos, in the least squares.
+/// The albedo differences of the stored views, between which the straight lines are nearest to those of the albedos, in the least squares.
 ///
-/// Those at the knots themselves would leave larger errors half way, all to one side where the factors have an edge.
+/// Those at the stored views themselves would leave larger errors half way, all to one side where the factors have an edge.
 fn albedo_differences(albedos: &[Vec<Albedo>]) -> Vec<[f32; 3]> {
-    let knots = albedos.len() + usize::from(albedos[0].len() > 1);
-    // Normal equations: diagonal, what is beside it, right side; a knot knows its neighbours alone.
-    let (mut diagonal, mut beside) = (vec![0.0; knots], vec![0.0; knots]);
-    let mut sums = vec![[0.0; 3]; knots];
-    for (knot, albedos) in albedos.iter().enumerate() {
+    let count = albedos.len() + usize::from(albedos[0].len() > 1);
+    // Normal equations: diagonal, next diagonal, right side. A stored view depends on its neighbours alone.
+    let (mut diagonal, mut beside) = (vec![0.0; count], vec![0.0; count]);
+    let mut sums = vec![[0.0; 3]; count];
+    for (stored, albedos) in albedos.iter().enumerate() {
         let looks = (albedos.len() - 1).max(1) as f64;
         for (look, albedo) in albedos.iter().enumerate() {
             let (onward, difference) = (look as f64 / looks, albedo.difference());
-            for (k, share) in [(knot, 1.0 - onward), (knot + 1, onward)] {
+            for (k, share) in [(stored, 1.0 - onward), (stored + 1, onward)] {
                 if share > 0.0 {
                     diagonal[k] += share * share;
                     (0..3).for_each(|c| sums[k][c] += share * difference[c]);
                 }
             }
-            beside[knot] += onward * (1.0 - onward);
+            beside[stored] += onward * (1.0 - onward);
         }
     }
-    for k in 1..knots {
+    for k in 1..count {
         let share = beside[k - 1] / diagonal[k - 1];
         diagonal[k] -= share * beside[k - 1];
         let before = sums[k - 1];
         (0..3).for_each(|c| sums[k][c] -= share * before[c]);
     }
     let mut after = [0.0; 3];
-    for k in (0..knots).rev() {
+    for k in (0..count).rev() {
         (0..3).for_each(|c| sums[k][c] = (sums[k][c] - beside[k] * after[c]) / diagonal[k]);
         after = sums[k];
     }

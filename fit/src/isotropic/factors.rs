@@ -1,39 +1,17 @@
 //! Factors that the lobes are multiplied by: a small table over half angle, difference angle and azimuth, one for all views.
 //!
-//! What is not monotone in the half angle, a ring of an iridescent paint for example, no sum of lobes makes. A table does that is the
-//! same for (wi, wo) and (wo, wi), and that costs no exponential. The lobes keep the peak and the density; the table has what is
-//! left. With the lobes as they are, the best table is a linear problem.
+//! No sum of lobes makes a function that is not monotone in the half angle, such as a ring of an iridescent paint. A table does. It is
+//! the same for (wi, wo) and (wo, wi), and costs no exponential. The lobes keep the peak and the density; the table has the
+//! rest. With the lobes as they are, the best table is a linear problem.
 
 use crate::isotropic::model::parameters::Layout;
+use crate::isotropic::tuning::factors::{LARGEST, MORE_NODES, NODES, PULL, SMOOTH, SWEEPS};
+use crate::numeric::GOLDEN_ANGLE;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// Numbers of nodes that are tried, fewest first: over half angle, difference angle and azimuth.
-pub(crate) const SIZES: [[usize; 3]; 4] = [[16, 6, 1], [16, 6, 3], [24, 6, 3], [24, 8, 4]];
-
-/// Largest factor, and the code of the largest of a table: factors are stored as the squares of codes.
-const LARGEST: f64 = 8.0;
+/// Code of the largest factor of a table: factors are stored as the squares of codes.
 const MOST_CODE: f64 = 255.0;
-
-/// Weight of the squared second differences of factors, and of their squared distance from 1, beside the squared errors: without data a
-/// factor goes on as its neighbours, and ends at 1.
-const SMOOTH: f64 = 3e-7;
-const PULL: f64 = 1e-7;
-
-/// Share of the error that a table may leave at most for every so many nodes that it has more.
-const MORE_NODES: f64 = 0.975;
-const NODES: f64 = 130.0;
-
-/// Sweeps of the coordinate descent.
-const SWEEPS: usize = 400;
-
-/// Directions of a lobe over which the factors are averaged, in the search; and for the albedos that are stored, which the search's
-/// would leave 2 % off at grazing angles.
-pub(crate) const AVERAGED: usize = 200;
-pub(crate) const AVERAGED_TO_STORE: usize = 2000;
-
-/// Golden angle, of spirals.
-const GOLDEN: f64 = 2.399_963_229_728_653;
 
 /// The table.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,7 +24,7 @@ pub(crate) struct Factors {
 /// Eight nodes and their shares.
 type NodeShares = [(usize, f64); 8];
 
-/// What a table is to account for at one direction.
+/// The target of a table at one direction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Demand {
     pub wi: [f64; 3],
@@ -54,9 +32,9 @@ pub(crate) struct Demand {
     /// Of the lobes alone.
     pub lobes: [f64; 3],
     pub target: [f64; 3],
-    /// Of the squared difference of every channel, and that of what is seen alone.
+    /// Weights of the squared difference of every channel: in the fit, and in the measure away from the peak.
     pub weight: f64,
-    pub seen: f64,
+    pub measure: f64,
 }
 
 /// The node of the same factor that has the least number: where half angle or difference angle are 0 there is no azimuth.
@@ -121,7 +99,7 @@ impl Factors {
             let mut sum = [0.0; 3];
             for i in 0..averaged {
                 let u = (i as f64 + 0.5) / averaged as f64;
-                let factor = self.at(direction(u, (GOLDEN * i as f64) % TAU), wo);
+                let factor = self.at(direction(u, (GOLDEN_ANGLE * i as f64) % TAU), wo);
                 (0..3).for_each(|c| sum[c] += factor[c] / averaged as f64);
             }
             sum
@@ -153,7 +131,7 @@ impl Factors {
         means
     }
 
-    /// The best factors for what is demanded; as they are stored.
+    /// The best factors for the demands, rounded as they are stored.
     pub fn fit(size: [usize; 3], demands: &[Demand]) -> Self {
         let count = size.iter().product();
         let places: Vec<NodeShares> = demands.iter().map(|d| place(size, d.wi, d.wo)).collect();
@@ -172,23 +150,23 @@ impl Factors {
         factors
     }
 
-    /// Rounds to what is stored.
+    /// Rounds to stored codes.
     fn round(&mut self) {
         let most = self.nodes.iter().flatten().fold(0.0, |most: f64, f| most.max(*f)).max(1e-6);
         let rounded = |f: f64| (libm::round(MOST_CODE * libm::sqrt(f / most)) / MOST_CODE).powi(2) * most;
         self.nodes.iter_mut().for_each(|n| *n = n.map(rounded));
     }
 
-    /// What is left of the squared error of what is seen, of all that is demanded.
+    /// The squared error away from the peak that remains, over all demands.
     pub fn cost(&self, demands: &[Demand]) -> f64 {
         let square = |d: &Demand| {
             let factor = self.at(d.wi, d.wo);
-            d.seen * (0..3).map(|c| (factor[c] * d.lobes[c] - d.target[c]).powi(2)).sum::<f64>()
+            d.measure * (0..3).map(|c| (factor[c] * d.lobes[c] - d.target[c]).powi(2)).sum::<f64>()
         };
         demands.iter().map(square).sum()
     }
 
-    /// The smallest table that is worth its bytes, for what is demanded: one with more nodes has to leave less of the error, the more
+    /// The smallest table that is worth its bytes for the demands: one with more nodes has to leave less of the error, the more
     /// nodes it has.
     pub fn worthwhile(sizes: &[[usize; 3]], demands: &[Demand]) -> Option<Self> {
         let fit = |size: &[usize; 3]| {
@@ -283,6 +261,7 @@ impl Problem {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::isotropic::tuning::factors::AVERAGED;
     use crate::table::direction;
 
     /// Directions of some views with the factors of a function of half angle, difference angle and the squared cosine of the azimuth.
@@ -292,11 +271,11 @@ mod tests {
             let wo = direction(theta, std::f64::consts::PI);
             for i in 0..600 {
                 let z = (f64::from(i) + 0.5) / 600.0;
-                let wi = direction(libm::acos(z), GOLDEN * f64::from(i));
+                let wi = direction(libm::acos(z), GOLDEN_ANGLE * f64::from(i));
                 let h = [0, 1, 2].map(|k| wi[k] + wo[k]);
                 let length = libm::sqrt(h.iter().map(|v| v * v).sum());
                 let h = h.map(|v| v / length);
-                // Of wo and of the normal what is perpendicular to h, and the angle between.
+                // The parts of wo and of the normal that are perpendicular to h, and the angle between them.
                 let cos = libm::fmin(0.5 * length, 1.0);
                 let aside = [0, 1, 2].map(|k| wo[k] - h[k] * cos);
                 let normal = [-h[0] * h[2], -h[1] * h[2], 1.0 - h[2] * h[2]];
@@ -305,7 +284,7 @@ mod tests {
                 let factor = factor(libm::acos(h[2]), libm::acos(cos), azimuth);
                 let lobes = [0.3, 0.2, 0.1];
                 let target = [0, 1, 2].map(|c| lobes[c] * factor[c]);
-                demands.push(Demand { wi, wo, lobes, target, weight: 1.0, seen: 1.0 });
+                demands.push(Demand { wi, wo, lobes, target, weight: 1.0, measure: 1.0 });
             }
         }
         demands

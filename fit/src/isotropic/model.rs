@@ -21,6 +21,7 @@
 pub(crate) mod parameters;
 
 use crate::isotropic::model::parameters::Layout;
+use crate::isotropic::tuning::model::NEGLIGIBLE;
 use crate::numeric::vector::exp;
 use std::f64::consts::FRAC_1_PI;
 
@@ -29,9 +30,6 @@ pub(crate) const PANEL: usize = 64;
 
 /// A number for every direction of a panel.
 pub(crate) type Column = [f64; PANEL];
-
-/// Exponent below which a lobe counts as 0 at a whole panel: 4e-18 of its peak.
-const UNSEEN: f64 = -40.0;
 
 /// The lobes of one view, ready to be evaluated at many directions.
 pub(crate) struct Lobes {
@@ -59,12 +57,12 @@ struct Axis {
 
 /// Directions side by side.
 pub(crate) struct Panel {
-    round: Seen,
-    squeezed: Seen,
+    round: Directions,
+    squeezed: Directions,
 }
 
 /// Directions as lobes see them, and the change of solid angle.
-struct Seen {
+struct Directions {
     at: [Column; 3],
     jacobian: Column,
 }
@@ -96,16 +94,16 @@ impl Unit {
 
     /// Exponents at a panel of directions; false if all are too low to count.
     #[inline(always)]
-    fn exponents(&self, axis: &Axis, seen: &Seen, out: &mut Column) -> bool {
-        let [x, y, z] = &seen.at;
-        let least = UNSEEN / self.sharpness;
-        let mut is_seen = false;
+    fn exponents(&self, axis: &Axis, directions: &Directions, out: &mut Column) -> bool {
+        let [x, y, z] = &directions.at;
+        let least = NEGLIGIBLE / self.sharpness;
+        let mut is_near = false;
         for n in 0..PANEL {
             let t = x[n] * axis.at[0] + (y[n] * axis.at[1] + z[n] * axis.at[2]) - 1.0;
-            is_seen |= t > least;
+            is_near |= t > least;
             out[n] = t;
         }
-        is_seen
+        is_near
     }
 }
 
@@ -154,11 +152,11 @@ impl Lobes {
     #[inline(always)]
     pub fn panel(&self, directions: impl Iterator<Item = [f64; 3]>) -> Panel {
         let zero = [0.0; PANEL];
-        let mut round = Seen { at: [zero, zero, [1.0; PANEL]], jacobian: [1.0; PANEL] };
+        let mut round = Directions { at: [zero, zero, [1.0; PANEL]], jacobian: [1.0; PANEL] };
         for (n, d) in directions.enumerate() {
             (0..3).for_each(|axis| round.at[axis][n] = d[axis]);
         }
-        let mut squeezed = Seen { at: [zero; 3], jacobian: zero };
+        let mut squeezed = Directions { at: [zero; 3], jacobian: zero };
         if self.squeezed > 0 {
             for n in 0..PANEL {
                 let (u, j) = self.squeeze(&[round.at[0][n], round.at[1][n], round.at[2][n]]);
@@ -172,20 +170,20 @@ impl Lobes {
     /// Values of one unit lobe at a panel of directions; none if it is 0 at all of them.
     #[inline(always)]
     pub fn column(&self, k: usize, panel: &Panel) -> Option<Column> {
-        let seen = if k < self.squeezed { &panel.squeezed } else { &panel.round };
+        let directions = if k < self.squeezed { &panel.squeezed } else { &panel.round };
         let lobe = &self.lobes[k];
         let mut sums = [0.0; PANEL];
         let mut exponents = [0.0; PANEL];
-        let mut is_seen = false;
+        let mut is_near = false;
         for axis in lobe.axes() {
-            if lobe.exponents(axis, seen, &mut exponents) {
-                is_seen = true;
+            if lobe.exponents(axis, directions, &mut exponents) {
+                is_near = true;
                 for n in 0..PANEL {
-                    sums[n] += seen.jacobian[n] * exp(lobe.sharpness * exponents[n]);
+                    sums[n] += directions.jacobian[n] * exp(lobe.sharpness * exponents[n]);
                 }
             }
         }
-        is_seen.then_some(sums)
+        is_near.then_some(sums)
     }
 
     /// [`values`](Self::values) at a panel of directions, summed over the lobes. Shapes: `amplitudes` [K + 1] per channel.
@@ -210,11 +208,11 @@ impl Lobes {
 
     /// Values and derivatives of the unit lobes and of the diffuse term at a panel of directions, each times its `scale`.
     ///
-    /// Shapes: `out` and `seen` [3 K + S + M + 1] for S squeezed lobes and M mirrored ones: K derivatives by angle, K by ln
+    /// Shapes: `out` and `is_used` [3 K + S + M + 1] for S squeezed lobes and M mirrored ones: K derivatives by angle, K by ln
     /// sharpness, K values, S derivatives by ln squeeze, M by the angle out of the plane, the value of the diffuse term of albedo 1.
-    /// Where a lobe is 0 at the whole panel `seen` is false, and its columns are undefined.
+    /// Where a lobe is 0 at the whole panel `is_used` is false, and its columns are undefined.
     #[inline(always)]
-    pub fn slopes(&self, panel: &Panel, scale: &Column, out: &mut [Column], seen: &mut [bool]) {
+    pub fn slopes(&self, panel: &Panel, scale: &Column, out: &mut [Column], is_used: &mut [bool]) {
         let count = self.len();
         for (k, lobe) in self.lobes.iter().enumerate() {
             let is_squeezed = k < self.squeezed;
@@ -227,14 +225,14 @@ impl Lobes {
             let columns = [Some(k), Some(count + k), Some(2 * count + k), extra];
             for (n, column) in columns.into_iter().enumerate() {
                 let Some(column) = column else { continue };
-                seen[column] = slopes.is_some();
+                is_used[column] = slopes.is_some();
                 if let Some(slopes) = &slopes {
                     out[column] = slopes[n];
                 }
             }
         }
         let last = self.slopes_len() - 1;
-        seen[last] = true;
+        is_used[last] = true;
         for n in 0..PANEL {
             out[last][n] = scale[n] * panel.round.at[2][n] * FRAC_1_PI;
         }
@@ -245,21 +243,21 @@ impl Unit {
     /// Derivatives by angle and ln sharpness, the value, and the derivative by ln squeeze or by the angle out of the plane;
     /// none if the lobe is 0 at the whole panel.
     #[inline(always)]
-    fn slopes(&self, seen: &Seen, scale: &Column, is_squeezed: bool) -> Option<[Column; 4]> {
+    fn slopes(&self, directions: &Directions, scale: &Column, is_squeezed: bool) -> Option<[Column; 4]> {
         let mut sums = [[0.0; PANEL]; 4];
         let mut exponents = [0.0; PANEL];
-        let mut is_seen = false;
+        let mut is_near = false;
         let s = self.sharpness;
-        let [x, y, z] = &seen.at;
+        let [x, y, z] = &directions.at;
         for axis in self.axes() {
-            if !self.exponents(axis, seen, &mut exponents) {
+            if !self.exponents(axis, directions, &mut exponents) {
                 continue;
             }
-            is_seen = true;
+            is_near = true;
             let ([ax, _, az], [bx, by, bz]) = (axis.by_angle, axis.by_off_plane);
             for n in 0..PANEL {
                 let t = exponents[n];
-                let e = scale[n] * seen.jacobian[n] * exp(s * t);
+                let e = scale[n] * directions.jacobian[n] * exp(s * t);
                 sums[0][n] += s * e * (x[n] * ax + z[n] * az);
                 sums[1][n] += s * e * t;
                 sums[2][n] += e;
@@ -271,7 +269,7 @@ impl Unit {
                 };
             }
         }
-        is_seen.then_some(sums)
+        is_near.then_some(sums)
     }
 }
 
@@ -296,11 +294,11 @@ mod tests {
             let d = direction(1.5 * random.next(), 3.0 * random.next());
             let lobes = Lobes::new(&layout, &q);
             let panel = lobes.panel([d, d].into_iter());
-            let (mut columns, mut seen) = ([[f64::NAN; PANEL]; 16], [false; 16]);
+            let (mut columns, mut is_used) = ([[f64::NAN; PANEL]; 16], [false; 16]);
             let scale = std::array::from_fn(|n| if n == 1 { 0.5 } else { 1.0 });
-            lobes.slopes(&panel, &scale, &mut columns, &mut seen);
-            let slopes = std::array::from_fn::<f64, 16, _>(|i| if seen[i] { columns[i][0] } else { 0.0 });
-            assert!((0..16).all(|i| !seen[i] || (columns[i][1] - 0.5 * slopes[i]).abs() < 1e-14));
+            lobes.slopes(&panel, &scale, &mut columns, &mut is_used);
+            let slopes = std::array::from_fn::<f64, 16, _>(|i| if is_used[i] { columns[i][0] } else { 0.0 });
+            assert!((0..16).all(|i| !is_used[i] || (columns[i][1] - 0.5 * slopes[i]).abs() < 1e-14));
             assert!((slopes[15] - d[2] * FRAC_1_PI).abs() < 1e-15);
             let sums = lobes.sums(&panel, &[vec![1.0; 5], vec![0.0; 5], (0..5).map(f64::from).collect()]);
             let weighted: f64 =

@@ -1,68 +1,47 @@
-//! What a fit makes small, with gradient and Gauss-Newton matrix.
+//! The objective of a fit, with gradient and Gauss-Newton matrix.
 //!
 //! A sum of squares over all views at once, of
 //!
 //! * *data*: `f cos` of the lobes, times factors if there are any, minus that of the table at every sample, relative to the view:
-//!   the squared relative L2 error, plus what is seen away from the peak (`crate::judge::seen`), plus a share of the relative
+//!   the squared relative L2 error, plus the squared error away from the peak (`crate::judge::measure`), plus a share of the relative
 //!   variance that the lobes alone would have as a density, in which an error counts relative to the value where it is;
 //! * *energy*: the albedo minus the table's, relative to that, per channel;
-//! * *ceiling*: what any channel's albedo exceeds `CEILING` by, at the views, at the knots and between them;
-//! * *roughness*: second differences of the unknowns from knot to knot, with the symmetry at the normal (angles are odd in
+//! * *ceiling*: what any channel's albedo exceeds `CEILING` by, at the views, at the stored views and between them;
+//! * *roughness*: second differences of the unknowns from stored view to stored view, with the symmetry at the normal (angles are odd in
 //!   theta, the rest even) and a weak pull towards no change in the last interval, which Cornell's data do not reach.
 //!
-//! A view sees only the two knots round it, and roughness three in a row, so the matrix is a band two knots wide.
+//! A view sees only the two stored views round it, and roughness three in a row, so the matrix is a band two stored views wide.
 
 pub(crate) mod data_term;
 mod linearize;
 pub(crate) mod solver;
 
 use crate::FitError;
-use crate::isotropic::factors::{AVERAGED, Demand, Factors};
+use crate::isotropic::factors::{Demand, Factors};
 use crate::isotropic::model::Lobes;
-use crate::isotropic::model::parameters::{LN_SHARPNESS_DEFENSIVE, Layout};
+use crate::isotropic::model::parameters::Layout;
+use crate::isotropic::tuning::factors::AVERAGED;
+use crate::isotropic::tuning::parameters::LN_SHARPNESS_DEFENSIVE;
 use crate::judge::energy::EnergyError;
-use crate::judge::seen::{self, brightness};
+use crate::judge::measure::{self, brightness};
 use crate::numeric::special::sphere_integral;
 use crate::table::{ALBEDO_LIMIT, Table, View, check_bright, check_storable, luminance};
 use data_term::Point;
 use rayon::prelude::*;
 
+use crate::isotropic::tuning::objective::{
+    ALBEDO_ERROR, CEILING, CEILING_WEIGHT, DEFENSIVE, DEFENSIVE_DIFFUSE, HOLD, MOST_ALBEDO, MOST_FACTOR,
+    MOST_SHORT, SHORT, TAIL_FLOOR, WATCHED,
+};
 pub(crate) use solver::Weighted;
-
-/// Share of a view's mean below which the variance no longer asks for relative accuracy: there it is noise.
-const TAIL_FLOOR: f64 = 0.05;
-/// Times by which lobes may fall short of the table before the tail weighs more there, by the square, and how much more at most:
-/// `f cos / pdf` is about as many times the mean there (chrome: 10 in place of 27).
-const SHORT: f64 = 3.0;
-const MOST_SHORT: f64 = 1000.0;
-/// Share of the albedo that the defensive lobe has at least. With its bounds (`crate::isotropic::model::parameters`) every direction has at
-/// least 0.012 of it as density, 2.5e-5 / sr: that bounds `f cos / pdf`. Without such a lobe the diffuse term
-/// has `DEFENSIVE_DIFFUSE`.
-const DEFENSIVE: f64 = 0.002;
-const DEFENSIVE_DIFFUSE: f64 = 0.01;
-
-/// Error of an albedo from which it counts more, with its square, and how much more at most: the goal is for the largest.
-const ALBEDO_ERROR: f64 = 0.005;
-const MOST_ALBEDO: f64 = 10.0;
-
-/// Albedo from which a view is pulled down.
-const CEILING: f64 = 0.96;
-/// Weight of the excess.
-const CEILING_WEIGHT: f64 = 30.0;
-/// Views between two knots at which the ceiling is watched.
-const WATCHED: usize = 4;
-/// Most that the weight of a view changes by its error.
-const MOST_FACTOR: f64 = 2.5;
-/// Weight of the change in the last interval beside that of second differences.
-const HOLD: f64 = 0.1;
 
 /// What counts beside the squared relative L2 error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Emphasis {
     /// Weight of the relative variance.
     pub tail: f64,
-    /// Weight of what is seen away from the peak, over that of the measure (`crate::judge::seen`).
-    pub seen: f64,
+    /// Weight of errors away from the peak, over that in the measure (`crate::judge::measure`).
+    pub measure: f64,
     /// Weight of the albedo in the last stages.
     pub energy: f64,
 }
@@ -96,14 +75,14 @@ pub(crate) struct Objective {
     pub layout: Layout,
     pub views: Vec<Data>,
     watched: Vec<(usize, f64)>,
-    /// Least logarithm of the luminance of the defensive lobe, by knot.
+    /// Least logarithm of the luminance of the defensive lobe, by stored view.
     ln_defensive: Vec<f64>,
     energy: EnergyError,
     factors: Option<Factors>,
 }
 
 impl Objective {
-    /// `factors`: what the lobes are multiplied by.
+    /// `factors`: the table that multiplies the lobes.
     pub fn new(
         table: &Table,
         layout: Layout,
@@ -122,7 +101,7 @@ impl Objective {
             let solid: f64 = view.samples.iter().map(|s| s.weight).sum();
             let mean = (energy / solid).max(1e-9 * brightest);
             let (sin, cos) = libm::sincos(view.theta);
-            let level = seen::level(view.albedo).max(1e-9 * brightest);
+            let level = measure::level(view.albedo).max(1e-9 * brightest);
             let points = view.samples.iter().map(|s| {
                 let mut point = Point {
                     direction: s.direction,
@@ -133,14 +112,14 @@ impl Objective {
                     rest: 0.0,
                     value: 0.0,
                     base: s.weight / norm / count,
-                    seen: emphasis.seen * s.weight / count
-                        * seen::weight(brightness(s.rgb), level, s.direction[2])
-                        * seen::beside_highlight(s.direction, view.theta),
-                    seen_floor: seen::floor(level) * s.direction[2],
+                    measure: emphasis.measure * s.weight / count
+                        * measure::weight(brightness(s.rgb), level, s.direction[2])
+                        * measure::beside_highlight(s.direction, view.theta),
+                    measure_floor: measure::floor(level) * s.direction[2],
                     tail: emphasis.tail * s.weight / (mean * solid) / 3.0 / count,
                     floor: TAIL_FLOOR * mean * 2.0 * s.direction[2],
                 };
-                point.weigh(point.base + point.seen, point.tail / (bright(s) + point.floor));
+                point.weigh(point.base + point.measure, point.tail / (bright(s) + point.floor));
                 point
             });
             Data {
@@ -156,15 +135,15 @@ impl Objective {
             let far = |v: &&View| (v.theta - theta).abs();
             table.views.iter().min_by(|a, b| far(a).total_cmp(&far(b))).map_or([0.0; 3], |v| v.albedo)
         };
-        let ln_defensive = layout.knots.iter().map(|&theta| {
+        let ln_defensive = layout.view_angles.iter().map(|&theta| {
             let albedo = albedo(theta);
-            // Of what a fit may have: the table's own albedo may be any number.
+            // A share of the largest albedo that a fit may have, because the table's own may be any number.
             let share = DEFENSIVE * luminance(albedo).max(1e-9 * brightest).min(ALBEDO_LIMIT);
             libm::log(share / sphere_integral(LN_SHARPNESS_DEFENSIVE.1).0)
         });
         let ln_defensive = ln_defensive.collect();
-        let last = layout.knots.len() - 1;
-        let between = |knot: usize| (0..WATCHED).map(move |i| (knot, i as f64 / WATCHED as f64));
+        let last = layout.view_angles.len() - 1;
+        let between = |stored: usize| (0..WATCHED).map(move |i| (stored, i as f64 / WATCHED as f64));
         let mut watched: Vec<(usize, f64)> = (0..last).flat_map(between).collect();
         watched.push((last - usize::from(last > 0), if last > 0 { 1.0 } else { 0.0 }));
         Ok(Self {
@@ -177,25 +156,25 @@ impl Objective {
         })
     }
 
-    /// Least and greatest value of an unknown, at its knot.
+    /// Least and greatest value of an unknown, at its stored view.
     pub fn bounds(&self, unknown: usize) -> (f64, f64) {
-        let (knot, index) = (unknown / self.layout.stride(), unknown % self.layout.stride());
-        if self.layout.fixed(knot, index) {
+        let (stored, index) = (unknown / self.layout.stride(), unknown % self.layout.stride());
+        if self.layout.fixed(stored, index) {
             return (0.0, 0.0);
         }
         let (low, high) = self.layout.bounds(index);
         match self.layout.defensive() {
-            Some(lobe) if index == self.layout.luminance(lobe) => (low.max(self.ln_defensive[knot]), high),
+            Some(lobe) if index == self.layout.luminance(lobe) => (low.max(self.ln_defensive[stored]), high),
             None if index == self.layout.diffuse() => {
                 let share = sphere_integral(LN_SHARPNESS_DEFENSIVE.1).0 * DEFENSIVE_DIFFUSE / DEFENSIVE;
-                (low.max(self.ln_defensive[knot] + libm::log(share)), high)
+                (low.max(self.ln_defensive[stored] + libm::log(share)), high)
             }
             _ => (low, high),
         }
     }
 
-    /// The same with weights that follow the fit. Views count in inverse proportion to their error, so that what is made small
-    /// is the mean error, not the mean of its square. What is seen away from the peak counts by the difference of logarithms. The
+    /// The same with weights that follow the fit. Views count in inverse proportion to their error, so that the
+    /// objective is the mean error, not the mean of its square. Away from the peak, differences of logarithms count. The
     /// tail counts as if the lobes' values were the table's where they are lower: there a renderer that samples the lobes gets its
     /// largest weights. Albedos count the more, the worse they are.
     pub fn reweighed(&self, x: &[f64]) -> Self {
@@ -212,12 +191,12 @@ impl Objective {
                 let value = [0, 1, 2].map(|c| lobes[c] * point.factor[c]);
                 let distance: f64 = (0..3).map(|c| (value[c] - point.target[c]).powi(2)).sum();
                 let bright = brightness(point.target);
-                let secant = seen::secant(brightness(value), bright, point.seen_floor);
-                square += (point.base + point.seen * secant) * distance;
+                let secant = measure::secant(brightness(value), bright, point.measure_floor);
+                square += (point.base + point.measure * secant) * distance;
                 let short = bright / (SHORT * brightness(lobes)).max(1e-300);
                 let short = (short * short).clamp(1.0, MOST_SHORT);
                 let density = point.tail * short / (brightness(lobes).min(bright) + point.floor);
-                (point.seen * secant, density)
+                (point.measure * secant, density)
             });
             weights.push(terms.collect::<Vec<_>>());
             errors.push(libm::sqrt(square));
@@ -232,8 +211,8 @@ impl Objective {
         let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
         for ((view, error), weights) in new.views.iter_mut().zip(errors).zip(weights) {
             let factor = if error > 0.0 { (mean / error).clamp(1.0 / MOST_FACTOR, MOST_FACTOR) } else { 1.0 };
-            for (point, (seen, density)) in view.points.iter_mut().zip(weights) {
-                point.weigh(factor * (point.base + seen), density);
+            for (point, (measure, density)) in view.points.iter_mut().zip(weights) {
+                point.weigh(factor * (point.base + measure), density);
             }
         }
         new
@@ -253,7 +232,7 @@ impl Objective {
                 lobes,
                 target: point.target,
                 weight: point.value,
-                seen: point.seen,
+                measure: point.measure,
             };
             view.points.iter().zip(values).map(demand).collect::<Vec<_>>()
         });
@@ -307,13 +286,13 @@ impl Objective {
     /// Calls with the terms (unknown, factor) of each residual of the roughness, unknowns rising.
     fn for_each_difference(&self, smoothness: f64, mut each: impl FnMut(&[(usize, f64)])) {
         let layout = &self.layout;
-        let knots = &layout.knots;
-        let (p, last) = (layout.stride(), knots.len() - 1);
+        let view_angles = &layout.view_angles;
+        let (p, last) = (layout.stride(), view_angles.len() - 1);
         if last == 0 || smoothness == 0.0 {
             return;
         }
-        let mean = knots[last] / last as f64;
-        let per_interval: Vec<f64> = knots.windows(2).map(|w| mean / (w[1] - w[0])).collect();
+        let mean = view_angles[last] / last as f64;
+        let per_interval: Vec<f64> = view_angles.windows(2).map(|w| mean / (w[1] - w[0])).collect();
         for index in 0..p {
             let weight = libm::sqrt(smoothness / ((last as f64) * p as f64)) / layout.unit(index);
             if !layout.angles().contains(&index) {
@@ -357,8 +336,8 @@ mod tests {
         let table = Table::from_scattered(views).unwrap();
         let layout = Layout::new(4, 2, 1, vec![0.0, 0.5, 1.0, 1.5]);
         let mut x: Vec<f64> = (0..layout.len()).map(|_| 2.0 * random.next() - 0.7).collect();
-        x.chunks_mut(layout.stride()).for_each(|knot| knot[0] = -0.4);
-        (Objective::new(&table, layout, Emphasis { tail: 0.03, seen: 1.0, energy: 1.0 }, None).unwrap(), x)
+        x.chunks_mut(layout.stride()).for_each(|stored| stored[0] = -0.4);
+        (Objective::new(&table, layout, Emphasis { tail: 0.03, measure: 1.0, energy: 1.0 }, None).unwrap(), x)
     }
 
     #[test]

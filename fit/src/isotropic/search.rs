@@ -14,43 +14,43 @@ mod start;
 use crate::isotropic::balance;
 use crate::isotropic::effort::Effort;
 use crate::isotropic::encode;
-use crate::isotropic::factors::SIZES;
 use crate::isotropic::model::parameters::Layout;
 use crate::isotropic::objective::Emphasis;
 use crate::isotropic::search::candidates::{Work, scout};
 use crate::isotropic::search::finalist::{Finalist, refine, reports};
+use crate::isotropic::tuning::factors::SIZES;
+use crate::isotropic::tuning::schedule::HEAVY_TAIL;
+use crate::isotropic::tuning::search::{MORE_ENERGY, MORE_TAIL, MOST_BYTES, MOST_ENERGY, WORTHWHILE};
 use crate::judge::report::{Fit, Report};
 use crate::settings::FactorNodes;
 use crate::table::Table;
 use crate::{FitError, Settings};
 use rayon::prelude::*;
-use schedule::{HEAVY_TAIL, LAST, LIGHT, LOOKS, Stage};
+use schedule::{LAST, LIGHT, Resampling, Stage};
 use std::sync::atomic::AtomicUsize;
 use std::time::Instant;
 
-/// Share of the best one's rank that the error of one which misses a goal must be below for it to be worth the time to be moved again.
-const WORTHWHILE: f64 = 0.97;
-/// Bytes that a material with factors may have, but for what is said of where it comes from.
-const MOST_BYTES: usize = 6900;
-/// What the weights of missed goals are multiplied by before, and the most that energy gets: with more, nothing else counts.
-const MORE_ENERGY: f64 = 10.0;
-const MOST_ENERGY: f64 = 1000.0;
-const MORE_TAIL: f64 = 3.0;
+/// The material whose lobes draw directions of a table, as bytes, and the resampling that it is for.
+#[derive(Clone, Copy)]
+pub(crate) struct DrawnBy<'a> {
+    pub bytes: &'a [u8],
+    pub resampling: Resampling,
+}
 
-/// What can be tabulated wherever the fit asks for it.
+/// A BRDF that is tabulated wherever the fit asks for it.
 pub(crate) trait Source: Sync {
     /// How much work its fit is.
     fn effort(&self) -> &Effort;
 
-    /// As many knots, where the material changes.
-    fn knots(&self, count: usize) -> Vec<f64>;
+    /// As many stored views, where the material changes.
+    fn view_angles(&self, count: usize) -> Vec<f64>;
 
     /// Angles, radians, and the albedo there: more of them than views.
     fn albedo(&self) -> &[(f64, [f64; 3])];
 
-    /// A table of views between knots. With `seen`, bytes of a material and a number: also in directions that its lobes draw,
-    /// others and at other views for every number.
-    fn table(&self, knots: &[f64], seen: Option<(&[u8], usize)>) -> Result<Table, FitError>;
+    /// A table of views between stored views. With `drawn`, also in directions that the lobes of a material draw. Every resampling has
+    /// other directions and other views.
+    fn table(&self, view_angles: &[f64], drawn: Option<DrawnBy<'_>>) -> Result<Table, FitError>;
 }
 
 /// Fits as many lobes as the settings say. `progress` is called with the share of the work that is done, 0 to 1; it falls where a
@@ -61,9 +61,10 @@ pub(crate) fn run(
     mut progress: impl FnMut(f64) + Send,
 ) -> Result<Fit, FitError> {
     let start = Instant::now();
-    let knots = settings.knots.clone().unwrap_or_else(|| source.knots(settings.view_count()));
-    let table = source.table(&knots, None)?;
-    let problem = Problem { source, settings, table: &table, knots: &knots };
+    let view_angles =
+        settings.view_angles.clone().unwrap_or_else(|| source.view_angles(settings.view_count()));
+    let table = source.table(&view_angles, None)?;
+    let problem = Problem { source, settings, table: &table, view_angles: &view_angles };
     let mut work = Work { done: 0, total: 0, progress: &mut progress, evaluations: AtomicUsize::new(0) };
     let finalists = problem.solve(LIGHT, &mut work)?;
     let best = problem.improve(finalists, &mut work)?;
@@ -80,12 +81,12 @@ pub(crate) fn run(
     Ok(Fit { bytes, report: Report { views, seconds, evaluations, ending, ..Report::default() } })
 }
 
-/// What is to be fitted.
+/// The task of a fit.
 struct Problem<'a> {
     source: &'a dyn Source,
     settings: &'a Settings,
     table: &'a Table,
-    knots: &'a [f64],
+    view_angles: &'a [f64],
 }
 
 impl<'a> Problem<'a> {
@@ -93,23 +94,23 @@ impl<'a> Problem<'a> {
         schedule::stages(self.settings, emphasis.energy)
     }
 
-    /// The stages for so many that have been through them: all that follow the scouting. The first of them moves a fit to minima that
-    /// the last ones, which are short, do not reach.
+    /// The stages for a number of finalists that have been through them: all stages after the scouting. The first of them reaches minima
+    /// that the last ones, which are short, do not.
     fn stages_again(&self, emphasis: Emphasis, keep: usize, exchanges: usize) -> Vec<Stage> {
-        let stages = self.stages(emphasis).into_iter().filter(|stage| stage.sees.whole_table());
+        let stages = self.stages(emphasis).into_iter().filter(|stage| stage.scope.is_whole());
         stages.map(|stage| stage.again(keep, exchanges)).collect()
     }
 
     /// The best of all starts, and the last that was given up.
     fn solve(&self, emphasis: Emphasis, work: &mut Work<'_>) -> Result<Vec<Finalist<'a>>, FitError> {
-        let Self { source, settings, table, knots } = *self;
+        let Self { source, settings, table, view_angles } = *self;
         let stages = self.stages(emphasis);
         work.total = schedule::work(&stages)
             + schedule::work(&self.stages_again(emphasis, 1, schedule::exchanges_again(settings)));
-        let (scouting, refining) = stages.split_at(stages.partition_point(|stage| !stage.sees.whole_table()));
+        let (scouting, refining) = stages.split_at(stages.partition_point(|stage| !stage.scope.is_whole()));
         let shapes = settings.shapes();
         let layouts = shapes.into_iter().map(|(squeezed, mirrored)| {
-            Layout::new(settings.lobes - mirrored, squeezed, mirrored, knots.to_vec())
+            Layout::new(settings.lobes - mirrored, squeezed, mirrored, view_angles.to_vec())
         });
         let count = refining.first().map_or(0, |stage| stage.keep);
         let scouted = scout(table, layouts.collect(), emphasis, (scouting, count), work)?;
@@ -123,15 +124,15 @@ impl<'a> Problem<'a> {
             }
             refine(source, &mut finalists, emphasis, stage, work)?;
             work.done += stage.work();
-            // What has been seen for the last time is judged as what it is.
-            let is_final = stage.look == Some(LOOKS - 1);
+            // After the last resampling a candidate counts as it is.
+            let is_final = stage.resampling == Some(Resampling::Last);
             let rank = |f: &Finalist<'_>| if is_final { f.rank() } else { f.early_rank() };
             finalists.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
         }
         let Some(best) = finalists.first_mut() else {
             return Err(FitError::Setting { name: "starts", reason: "at least 1".into() });
         };
-        best.look(source, LOOKS)?;
+        best.resample(source, Resampling::Judging)?;
         finalists.extend(others.into_iter().take(1));
         Ok(finalists)
     }
@@ -170,8 +171,8 @@ impl<'a> Problem<'a> {
         Ok(best)
     }
 
-    /// Moves the best once more, by the measure of what is seen: as it is, and with factors, of which lobes and table take turns. What
-    /// has factors has to be that much better.
+    /// Moves the best once more, by the measure: without factors, and with factors, where lobes and table take turns. The fit
+    /// with factors has to be better by a margin.
     fn finish(&self, best: Finalist<'a>, work: &mut Work<'_>) -> Result<Finalist<'a>, FitError> {
         let (sizes, is_given): (&[[usize; 3]], bool) = match &self.settings.factors {
             FactorNodes::None => (&[], false),
@@ -180,12 +181,12 @@ impl<'a> Problem<'a> {
         };
         let rounds = self.source.effort().factor_rounds;
         let Some(stage) = self.stages(LAST).pop() else { return Ok(best) };
-        let stage = Stage { keep: 1, look: None, ..stage };
+        let stage = Stage { keep: 1, resampling: None, ..stage };
         work.total = work.total.max(work.done + rounds * stage.work());
         let mut with: Option<Finalist<'a>> = None;
         let mut moved = best.clone();
         for _ in 0..if sizes.is_empty() { 0 } else { rounds } {
-            moved.look_again(self.source)?;
+            moved.resample_for_last_stage(self.source)?;
             moved.fit_factors(sizes, LAST)?;
             self.move_by_what_is_seen(&mut moved, &stage, work)?;
             if with.as_ref().is_none_or(|with| moved.rank() < with.rank()) {
@@ -196,7 +197,7 @@ impl<'a> Problem<'a> {
             return Ok(with);
         }
         let mut moved = best.clone();
-        moved.look_again(self.source)?;
+        moved.resample_for_last_stage(self.source)?;
         self.move_by_what_is_seen(&mut moved, &stage, work)?;
         Ok(if moved.rank() < best.rank() { moved } else { best })
     }
@@ -209,7 +210,7 @@ impl<'a> Problem<'a> {
     ) -> Result<(), FitError> {
         refine(self.source, std::slice::from_mut(finalist), LAST, stage, work)?;
         work.done += stage.work();
-        finalist.look(self.source, LOOKS)
+        finalist.resample(self.source, Resampling::Judging)
     }
 
     /// Takes finalists through a round.
@@ -225,7 +226,7 @@ impl<'a> Problem<'a> {
             refine(self.source, finalists, emphasis, stage, work)?;
             work.done += stage.work();
         }
-        finalists.par_iter_mut().try_for_each(|finalist| finalist.look(self.source, LOOKS))
+        finalists.par_iter_mut().try_for_each(|finalist| finalist.resample(self.source, Resampling::Judging))
     }
 }
 

@@ -1,13 +1,14 @@
-//! Fits of isotropic surfaces: to a BRDF that can be evaluated anywhere, or to what samples are completed to, beside the samples.
+//! Fits of isotropic surfaces: to a BRDF, or to samples and their completion.
 
 use crate::complete::Completion;
 use crate::isotropic::effort::{COMPLETED, Effort, MEASURED};
-use crate::isotropic::knots::Probes;
-use crate::isotropic::search::schedule::LOOKS;
-use crate::isotropic::search::{self, Source};
-use crate::isotropic::seen_by::seen_by;
+use crate::isotropic::resample::resampled;
+use crate::isotropic::search::schedule::Resampling;
+use crate::isotropic::search::{self, DrawnBy, Source};
+use crate::isotropic::stored_views::Probes;
+use crate::isotropic::tuning::source::{DENSE, HELD_OUT, LAST_VIEW, SAMPLED, SHARE, SHIFT};
 use crate::judge::appearance::Appearance;
-use crate::judge::fitted_material::knots as knots_of;
+use crate::judge::fitted_material::view_angles as view_angles_of;
 use crate::judge::report::ViewReport;
 use crate::table::evaluation_views;
 use crate::table::{Brdf, Density, Sample, Table, View};
@@ -15,27 +16,10 @@ use crate::{Fit, FitError, Settings};
 use srbf_core::Material;
 use std::time::Instant;
 
-/// Angle of the last view of a BRDF that can be evaluated, degrees.
-const LAST_KNOT: f64 = 87.0;
-
-/// Smoothness over that of the settings: with views between all knots less of it is needed (alum-bronze 3.9 % at unseen
-/// views in place of 4.4 %).
-const DENSE: f64 = 0.4;
-
-/// Share of the samples themselves in the weight of their views, and most of those views.
-const SHARE: f64 = 0.8;
-const SAMPLED: usize = 16;
-
 /// Golden section: its multiples are spread evenly, and never at the same places.
 const GOLDEN_SECTION: f64 = 0.618_033_988_75;
 
-/// Shift of those places from round to round.
-const SHIFT: f64 = 0.381_966;
-
-/// Directions of a held-out view.
-const HELD_OUT: Density = Density { hemisphere: 1000, cap: 300 };
-
-/// Fits as many lobes as the settings say to what can be evaluated.
+/// Fits the lobes of the settings to a BRDF.
 pub(crate) fn fit_evaluable(
     brdf: &dyn Brdf,
     settings: &Settings,
@@ -44,9 +28,9 @@ pub(crate) fn fit_evaluable(
     fit_both(brdf, None, settings, progress)
 }
 
-/// Fits as many lobes as the settings say to samples: to what they are completed to, and to themselves.
+/// Fits the lobes of the settings to samples and their completion.
 ///
-/// The report has the samples' own views, and as held out the completion between the knots.
+/// The report has the samples' own views, and as held out the completion between the stored views.
 pub(crate) fn fit_samples(
     table: &Table,
     completion: &Completion,
@@ -75,7 +59,7 @@ fn fit_both(
     progress: impl FnMut(f64) + Send,
 ) -> Result<Fit, FitError> {
     let start = Instant::now();
-    let probes = Probes::new(brdf, LAST_KNOT.to_radians(), settings.view_count())?;
+    let probes = Probes::new(brdf, LAST_VIEW.to_radians(), settings.view_count())?;
     let effort = if samples.is_some() { &COMPLETED } else { &MEASURED };
     let source = Evaluable { brdf, samples, probes, effort };
     let settings = Settings {
@@ -87,8 +71,8 @@ fn fit_both(
     };
     let mut fit = search::run(&source, &settings, progress)?;
     fit.report.appearance = Some(Appearance::new(brdf, &Material::from_bytes(fit.bytes.as_slice())?)?);
-    let mut middles = evaluation_views::halfway(&knots_of(&Material::from_bytes(&fit.bytes)?));
-    middles.retain(|theta| *theta < LAST_KNOT.to_radians());
+    let mut middles = evaluation_views::halfway(&view_angles_of(&Material::from_bytes(&fit.bytes)?));
+    middles.retain(|theta| *theta < LAST_VIEW.to_radians());
     if !middles.is_empty() {
         let held_out = Table::from_brdf(brdf, &middles, HELD_OUT)?;
         let reports = held_out.views.iter().map(|view| ViewReport::new(&fit.bytes, view));
@@ -98,17 +82,17 @@ fn fit_both(
     Ok(fit)
 }
 
-/// What can be evaluated, as the fit sees it.
+/// A BRDF with the samples that it completes, if any.
 struct Evaluable<'a> {
     brdf: &'a dyn Brdf,
-    /// What it was made of, if it was.
+    /// The samples, if the BRDF is their completion.
     samples: Option<&'a Table>,
     probes: Probes,
     effort: &'static Effort,
 }
 
 impl Evaluable<'_> {
-    /// The views of the samples, with the samples beside what a table has there.
+    /// Adds the samples to the views of a table that have samples.
     fn with_samples(&self, table: &mut Table) {
         for view in &mut table.views {
             let own = self.samples.iter().flat_map(|s| &s.views).find(|own| own.theta == view.theta);
@@ -131,7 +115,7 @@ impl Source for Evaluable<'_> {
         self.effort
     }
 
-    fn knots(&self, count: usize) -> Vec<f64> {
+    fn view_angles(&self, count: usize) -> Vec<f64> {
         self.probes.place(count)
     }
 
@@ -139,30 +123,33 @@ impl Source for Evaluable<'_> {
         &self.probes.albedo
     }
 
-    fn table(&self, knots: &[f64], seen: Option<(&[u8], usize)>) -> Result<Table, FitError> {
-        let end = knots[knots.len() - 1].min(LAST_KNOT.to_radians());
+    fn table(&self, view_angles: &[f64], drawn: Option<DrawnBy<'_>>) -> Result<Table, FitError> {
+        let end = view_angles[view_angles.len() - 1].min(LAST_VIEW.to_radians());
         let (density, between) = (self.effort.density, self.effort.views_between);
-        let thetas = |round| {
-            tabulated(knots, end, round, between).into_iter().chain(self.sampled(end)).collect::<Vec<_>>()
-        };
-        let mut table = match seen {
-            None => Table::from_brdf(self.brdf, &thetas(0), density)?,
-            Some((bytes, round)) => seen_by(self.brdf, &thetas(1 + round), density, bytes, round)?,
+        let resampling = drawn.map(|drawn| drawn.resampling);
+        let thetas: Vec<f64> =
+            tabulated(view_angles, end, resampling, between).into_iter().chain(self.sampled(end)).collect();
+        let mut table = match drawn {
+            None => Table::from_brdf(self.brdf, &thetas, density)?,
+            Some(DrawnBy { bytes, resampling }) => {
+                resampled(self.brdf, &thetas, density, bytes, resampling.number())?
+            }
         };
         self.with_samples(&mut table);
         Ok(table)
     }
 }
 
-/// Angles of the table's views: at irregular places in every interval, so that what a lobe does between knots is seen
-/// wherever it happens, other ones in every round, and at the end. In the last round also at the knots: a lobe that is there at a
-/// single knot is highest there.
-fn tabulated(knots: &[f64], end: f64, round: usize, between: usize) -> Vec<f64> {
+/// Angles of the table's views: the end, and irregular places in every interval, so that an error between stored views is met wherever it
+/// lies. Every resampling has other places. The last one has the stored views too.
+fn tabulated(view_angles: &[f64], end: f64, resampling: Option<Resampling>, between: usize) -> Vec<f64> {
+    let shift = SHIFT * resampling.map_or(0, |resampling| 1 + resampling.number()) as f64;
     let mut thetas = vec![end];
-    for (n, w) in knots.windows(2).enumerate() {
+    for (n, w) in view_angles.windows(2).enumerate() {
         for i in 0..between {
-            let irregular = (GOLDEN_SECTION * (between * n + i) as f64 + SHIFT * round as f64).fract();
-            let place = if i == 0 && round == LOOKS { 0.0 } else { i as f64 + irregular };
+            let irregular = (GOLDEN_SECTION * (between * n + i) as f64 + shift).fract();
+            let place =
+                if i == 0 && resampling == Some(Resampling::Last) { 0.0 } else { i as f64 + irregular };
             thetas.push(w[0] + (w[1] - w[0]) * place / between as f64);
         }
     }
@@ -175,16 +162,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_last_table_that_is_fitted_has_views_at_the_knots() {
-        let knots = [0.0, 0.3, 0.5, 1.1];
+    fn the_last_table_that_is_fitted_has_views_at_the_stored_views() {
+        let view_angles = [0.0, 0.3, 0.5, 1.1];
         let between = MEASURED.views_between;
-        for round in 1..=LOOKS + 1 {
-            let thetas = tabulated(&knots, 1.1, round, between);
-            let at_knots = knots.iter().filter(|knot| thetas.contains(knot)).count();
-            let (all, end_alone) = (knots.len(), 1);
-            assert_eq!(at_knots, if round == LOOKS { all } else { end_alone }, "{round}: {thetas:?}");
+        let resamplings = [Resampling::First, Resampling::Second, Resampling::Last, Resampling::Judging];
+        for resampling in resamplings.map(Some) {
+            let thetas = tabulated(&view_angles, 1.1, resampling, between);
+            let at_stored = view_angles.iter().filter(|stored| thetas.contains(stored)).count();
+            let (all, end_alone) = (view_angles.len(), 1);
+            let expected = if resampling == Some(Resampling::Last) { all } else { end_alone };
+            assert_eq!(at_stored, expected, "{resampling:?}: {thetas:?}");
             let inside = |w: &[f64]| thetas.iter().filter(|t| **t > w[0] && **t < w[1]).count();
-            assert!(knots.windows(2).all(|w| inside(w) >= between - 1), "{round}: {thetas:?}");
+            assert!(view_angles.windows(2).all(|w| inside(w) >= between - 1), "{resampling:?}: {thetas:?}");
         }
     }
 }

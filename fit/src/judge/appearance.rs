@@ -1,34 +1,33 @@
-//! What a person sees of a fit beside its table: pictures of a ball under three lights, rings that stand still with the camera, the
+//! Visible differences of a fit and its table: pictures of a ball under three lights, rings that stand still with the camera, the
 //! surroundings of the highlight, ghosts of it; and the table's own noise, beside which nothing smaller is seen.
 //!
 //! * *Pictures*: a ball seen from afar, under suns, a spot and a sky. The difference of two colours is that of FLIP (Andersson et al. 2020):
 //!   of display colours, the HyAB distance of Lab with Hunt's adjustment, mapped to 0..1; here point by point, without its filters of
 //!   contrast and edges. A picture's is the mean over the ball up to 80 degrees; the least difference that is seen is 0.06, twice that 0.09.
 //! * *Ripple*: a light stands still, and the view is turned. Errors that change their sign from view to view are seen as
-//!   rings that move with the camera. So what is measured is how far colour and logarithm of luminance are from their own means over 8
+//!   rings that move with the camera. The measured number is the distance of colour and logarithm of luminance from their own means over 8
 //!   degrees of the view to either side, of the fit and of the table.
 //! * *Skirt*: from 1.5 to 15 degrees from the mirror direction.
-//! * *Ghosts*: what the fit has somewhere beyond that, and the table nowhere near, over the mean of the table within 3 degrees of the mirror
+//! * *Ghosts*: light of the fit beyond that, where the table is dark all round, over the mean of the table within 3 degrees of the mirror
 //!   direction.
 //! * *Noise*: how far the table is from its own mean over a cone of 3 degrees, away from the peak.
 
 use crate::FitError;
 use crate::judge::fitted_material::TrackedView;
+use crate::judge::measure::{chroma, median};
 use crate::judge::method::FittedView;
-use crate::judge::seen::{chroma, median};
+use crate::numeric::GOLDEN_ANGLE;
 use crate::table::{Brdf, direction, luminance};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use srbf_core::Material;
 use std::f64::consts::PI;
 
-/// Golden angle, and the golden section, of spirals.
-const GOLDEN: f64 = 2.399_963_229_728_653;
 const SECTION: f64 = 0.618_033_988_75;
 
 /// Angles of views at which skirt, ghosts and noise are looked at, degrees.
 const VIEWS: [f64; 3] = [5.0, 30.0, 60.0];
-/// Least cosine of what is compared.
+/// Least cosine of compared directions.
 const LEAST_COSINE: f64 = 0.1;
 /// Directions of a skirt, and the angles from the mirror direction where it begins and ends, degrees.
 const SKIRT: usize = 400;
@@ -44,7 +43,7 @@ const CONE_ANGLE: f64 = 3.0;
 const RINGS: usize = 20;
 const POINTS: usize = 40;
 const LAST_RING: f64 = 80.0;
-/// What the luminance that four fifths of a picture are below becomes.
+/// Displayed luminance of the brightest fifth of a picture begins here.
 const EXPOSURE: f64 = 0.55;
 /// Steps of the turned view, degrees, and steps to either side over which it is averaged.
 const STEP: f64 = 0.5;
@@ -81,7 +80,7 @@ pub struct Noise {
     pub chroma: f64,
 }
 
-/// A fit beside what can be evaluated anywhere.
+/// A fit beside its BRDF.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Appearance {
     /// Visible difference of the pictures of a ball, by the names of their lights.
@@ -90,7 +89,7 @@ pub struct Appearance {
     pub of_noise: f64,
     /// Beside the highlight.
     pub skirt: Skirt,
-    /// Largest ghost over what the table has at the highlight, and the angle of its view, radians.
+    /// Largest ghost over the highlight of the table, and the angle of its view, radians.
     pub ghost: (f64, f64),
     /// Along the view angle, of the fit and of the table.
     pub ripple: [Ripple; 2],
@@ -126,7 +125,7 @@ fn cone_mean(brdf: &dyn Brdf, wi: [f64; 3], theta: f64) -> [f64; 3] {
     let mut sum = [0.0; 3];
     for i in 0..CONE {
         let angle = CONE_ANGLE.to_radians() * libm::sqrt((i as f64 + 0.5) / CONE as f64);
-        let mut d = aside(wi, angle, GOLDEN * i as f64);
+        let mut d = aside(wi, angle, GOLDEN_ANGLE * i as f64);
         d[2] = d[2].abs().max(0.02);
         let value = f_cos(brdf, d, theta);
         (0..3).for_each(|c| sum[c] += value[c] / d[2] * wi[2] / CONE as f64);
@@ -194,7 +193,7 @@ fn skirt(brdf: &dyn Brdf, fitted: &TrackedView<'_>, theta: f64) -> Skirt {
     let (mut luminances, mut chromas, mut negative, mut all) = (Vec::new(), Vec::new(), 0usize, 0usize);
     for i in 0..SKIRT {
         let share = (i as f64 + 0.5) / SKIRT as f64;
-        let wi = aside(mirror, (BEGIN * libm::pow(END / BEGIN, share)).to_radians(), GOLDEN * i as f64);
+        let wi = aside(mirror, (BEGIN * libm::pow(END / BEGIN, share)).to_radians(), GOLDEN_ANGLE * i as f64);
         if wi[2] < LEAST_COSINE {
             continue;
         }
@@ -220,7 +219,7 @@ fn noise(brdf: &dyn Brdf, theta: f64) -> Noise {
     for i in 0..NOISY {
         let z = libm::sqrt((i as f64 + 0.5) / NOISY as f64);
         let r = libm::sqrt(1.0 - z * z);
-        let (sin, cos) = libm::sincos(GOLDEN * i as f64);
+        let (sin, cos) = libm::sincos(GOLDEN_ANGLE * i as f64);
         let wi = [r * cos, r * sin, z];
         if z < 0.17 || dot(wi, mirror) > libm::cos(END.to_radians()) {
             continue;
@@ -240,7 +239,7 @@ fn largest_ghost(brdf: &dyn Brdf, fitted: &TrackedView<'_>, theta: f64) -> f64 {
     let data = |wi: [f64; 3]| luminance(f_cos(brdf, wi, theta));
     let around = (0..CONE).map(|i| {
         let angle = CONE_ANGLE.to_radians() * libm::sqrt((i as f64 + 0.5) / CONE as f64);
-        data(aside(mirror, angle, GOLDEN * i as f64))
+        data(aside(mirror, angle, GOLDEN_ANGLE * i as f64))
     });
     let highlight = around.sum::<f64>() / CONE as f64;
     let mut most: f64 = 0.0;
@@ -334,7 +333,7 @@ impl Lights {
     fn spot() -> Self {
         let Self { all, .. } = Self::sun("", 50.0);
         let part = |i: usize| {
-            (aside(all[0].0, 0.09 * libm::sqrt((i as f64 + 0.5) / 12.0), GOLDEN * i as f64), [1.0; 3])
+            (aside(all[0].0, 0.09 * libm::sqrt((i as f64 + 0.5) / 12.0), GOLDEN_ANGLE * i as f64), [1.0; 3])
         };
         Self { name: "spot", all: (0..12).map(part).collect() }
     }
@@ -343,7 +342,7 @@ impl Lights {
     fn sky() -> Self {
         let part = |i: usize| {
             let y = 1.0 - 2.0 * (i as f64 + 0.5) / 96.0;
-            let (sin, cos) = libm::sincos(GOLDEN * i as f64);
+            let (sin, cos) = libm::sincos(GOLDEN_ANGLE * i as f64);
             let r = libm::sqrt(1.0 - y * y);
             let d = [r * cos, y, r * sin];
             let above = 0.5 + 0.5 * y;

@@ -7,7 +7,7 @@ use crate::judge::norm::{Norm, relative, squares};
 use crate::table::{Table, View};
 use std::time::Instant;
 
-/// What a method makes of a table.
+/// The fit of a table by a method.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Score {
     /// Mean over the views that are not black of the relative L2 error of `f cos`.
@@ -22,7 +22,7 @@ pub struct Score {
     pub held_out: Option<CrossValidation>,
 }
 
-/// Fits a table by a method and judges the fit; with `cross`, by what is left out too.
+/// Fits a table by a method and judges the fit; with `cross`, by left-out samples too.
 ///
 /// # Errors
 /// As [`Method::fit`] and [`cross_validate`].

@@ -1,4 +1,4 @@
-//! Held-out error of scattered tables, for any method: what a fit says where it has seen nothing.
+//! Held-out error of scattered tables, for any method: the error where a fit had no data.
 
 use crate::FitError;
 use crate::judge::method::Method;
@@ -42,7 +42,7 @@ impl CrossValidation {
 const FOLDS: usize = 5;
 
 /// The fold of every sample: of the directions of a view in the order of the file, every fifth. Samples of one direction, which on
-/// an isotropic surface its mirror image is too, share a fold: what is left out is not seen by its twin.
+/// an isotropic surface its mirror image is too, share a fold, so that the fit has no twin of a left-out direction.
 fn folds(view: &View) -> Vec<usize> {
     let mut directions = Vec::new();
     let owner = owners(&view.samples).owner;
@@ -56,9 +56,9 @@ fn folds(view: &View) -> Vec<usize> {
     owner.iter().map(|&owner| number[owner].unwrap_or(0) % FOLDS).collect()
 }
 
-/// Fits a table without each fifth of its directions, and without each inner view, and judges what was left out.
+/// Fits a table without each fifth of its directions, and without each inner view, and judges the fits there.
 ///
-/// The fifth is every fifth direction in the order of the file. Weights and albedo are made again from what is left. What is black
+/// The fifth is every fifth direction in the order of the file. Weights and albedo are made again from the rest. A table that is black
 /// has no relative error: such folds are left out of a view's mean, and a view without any other has NaN.
 ///
 /// # Errors

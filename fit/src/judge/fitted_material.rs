@@ -1,11 +1,11 @@
-//! Our fit, as the judge of methods sees it: a material, evaluated by the run-time library.
+//! Our fit for the judge of methods: a material, evaluated by the run-time library.
 
 use crate::FitError;
 use crate::judge::method::{Fitted, FittedView};
 use srbf_core::{Level, MAX_LOBES, Material, Mixture, Vec3};
 
 /// Angles of the views that a material stores, radians.
-pub fn knots(material: &Material<impl AsRef<[u8]>>) -> Vec<f64> {
+pub fn view_angles(material: &Material<impl AsRef<[u8]>>) -> Vec<f64> {
     (0..material.view_count()).filter_map(|n| material.view_theta(n)).map(f64::from).collect()
 }
 
@@ -43,12 +43,12 @@ impl<'m> TrackedView<'m> {
         let (sin, cos) = libm::sincos(theta);
         // The f32 nearest to pi / 2 is beyond it.
         let wo = view.to_surface([-sin, 0.0, cos.max(0.0)]);
-        // Whatever the processor: what a look sees decides where the fit goes.
+        // Scalar on every processor, because these values decide the course of a fit.
         material.prepare_with(wo, Level::Scalar.into(), &mut view.mixture)?;
         Ok(view)
     }
 
-    /// The albedo as the mean of `f cos / pdf` over directions that the lobes draw, evenly spread. What the material stores is
+    /// The albedo as the mean of `f cos / pdf` over directions that the lobes draw, evenly spread. The stored albedo is
     /// interpolated between its views, and up to 1.4 % off there (malachite), where a fit's energy is within 1 %.
     fn drawn_albedo(&self) -> [f64; 3] {
         let mut sum = [0.0; 3];

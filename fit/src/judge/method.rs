@@ -1,4 +1,4 @@
-//! What every way of fitting has in common, so that one judge can compare them: our tracked lobes, the thesis's, Lafortune's.
+//! The interface of all methods of fitting, so that one judge can compare them: our tracked lobes, the thesis's, Lafortune's.
 
 use crate::FitError;
 use crate::table::Table;
@@ -14,10 +14,10 @@ pub trait Method: Sync {
 
 /// A BRDF as a fit knows it.
 pub trait Fitted: Sync {
-    /// Makes what the fit says of an angle of the outgoing direction from the normal, radians.
+    /// The fit at an outgoing direction; `theta` is its angle from the normal, radians.
     ///
     /// # Errors
-    /// [`FitError`] for a fit that is none, and an angle outside [0, pi / 2].
+    /// [`FitError`] for bytes that are no fit, and an angle outside [0, pi / 2].
     fn view(&self, theta: f64) -> Result<Box<dyn FittedView + '_>, FitError>;
 
     /// The same at an azimuth round the normal, radians, for a fit to which it matters. Directions stay in the frame of the view,
@@ -30,7 +30,7 @@ pub trait Fitted: Sync {
     }
 }
 
-/// What a fit says of one outgoing direction. Directions are unit vectors with z > 0, in the frame of the view.
+/// A fit at one outgoing direction. Directions are unit vectors with z > 0, in the frame of the view.
 pub trait FittedView {
     /// `f cos`, linear sRGB; 1/sr.
     fn f_cos(&self, direction: [f64; 3]) -> [f64; 3];

@@ -6,9 +6,9 @@ use crate::table::View;
 /// What errors are measured in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Norm {
-    /// `f cos`: what a renderer integrates.
+    /// `f cos`, which a renderer integrates.
     FCos,
-    /// f alone: what the thesis's equation 7 makes small.
+    /// f alone, as in equation 7 of the thesis.
     F,
 }
 

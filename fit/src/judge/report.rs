@@ -9,9 +9,9 @@ use crate::judge::appearance::Appearance;
 use crate::judge::cross::CrossValidation;
 use crate::judge::energy::EnergyError;
 use crate::judge::fitted_material::TrackedView;
+use crate::judge::measure::{AWAY_WEIGHT, RegionErrors, away, negatives, region_errors};
 use crate::judge::method::{Fitted, FittedView};
 use crate::judge::norm::{Norm, relative, squares};
-use crate::judge::seen::{SEEN, Seen, away, negatives, seen};
 use crate::look::Look;
 pub use crate::numeric::levenberg::Ending;
 use crate::table::{DARKEST, Sample, View, luminance};
@@ -32,7 +32,7 @@ pub struct ViewReport {
     /// black, the L2 norm of the fit, 1/sr: no share of anything, and in no mean.
     pub error: f64,
     /// The measure that the fit makes small: the root of the squared relative L2 error and the squared error away from the peak, see
-    /// [`seen`](crate::judge::seen). Of a black table as `error`.
+    /// [`measure`](crate::judge::measure). Of a black table as `error`.
     pub measure: f64,
     /// Whether every sample of the table is 0.
     pub is_black: bool,
@@ -47,10 +47,10 @@ pub struct ViewReport {
     pub density: f64,
     /// Relative variance of `f cos / pdf` in luminance, sampled by the lobes, the density made to sum to its integral; NaN as above.
     pub variance: f64,
-    /// Largest `f cos / pdf` in luminance at a sample, over the mean: what the worst path is worth; the density and NaN as above.
+    /// Largest `f cos / pdf` in luminance at a sample, over the mean: the weight of the worst path. Density and NaN as above.
     pub largest_weight: f64,
     /// Errors at the peak, and away from it.
-    pub seen: Seen,
+    pub regions: RegionErrors,
     /// Least relative L2 error that a fit can have there, see [`View::floor`].
     pub floor: f64,
     /// Share of the hemisphere where the table has a negative channel, and the relative L2 norm of those.
@@ -75,21 +75,21 @@ pub struct Report {
     pub held_out: Vec<ViewReport>,
     /// Time of the fit.
     pub seconds: f64,
-    /// Evaluations of what the fit makes small, over all starts.
+    /// Evaluations of the objective, over all starts.
     pub evaluations: usize,
     /// Why the last stage of the fit ended, if that is known.
     pub ending: Option<Ending>,
     /// Errors of samples and views left out, if they were asked for.
     pub cross_validation: Option<CrossValidation>,
-    /// What is known of what samples were completed to.
+    /// The report of the completion of samples.
     pub completion: Option<CompletionReport>,
     /// How it looks beside the table, where that can be evaluated anywhere.
     pub appearance: Option<Appearance>,
-    /// What was found in the samples before they were fitted, if one has looked.
+    /// Findings about the samples before the fit, if they were looked for.
     pub look: Option<Look>,
 }
 
-/// Added to an albedo of which errors are a share: of what is nearly black it does not matter.
+/// Added to an albedo before errors are divided by it: errors of nearly black surfaces do not matter.
 const BLACK: f64 = 1e-3;
 
 impl ViewReport {
@@ -99,12 +99,12 @@ impl ViewReport {
         errors.iter().fold(0.0, |most: f64, e| most.max(e.abs()))
     }
 
-    /// Root mean squared difference of logarithms away from the peak, see [`seen`](crate::judge::seen).
+    /// Root mean squared difference of logarithms away from the peak, see [`measure`](crate::judge::measure).
     pub(crate) fn away(&self) -> f64 {
-        libm::sqrt((self.measure * self.measure - self.error * self.error).max(0.0) / SEEN)
+        libm::sqrt((self.measure * self.measure - self.error * self.error).max(0.0) / AWAY_WEIGHT)
     }
 
-    /// Whether the view holds no more than what lobes cannot be darker than.
+    /// Whether the view is as dark as the darkest lobes.
     pub(crate) fn is_too_dark(&self) -> bool {
         !self.is_black && self.error > LARGE_ERROR && self.data_albedo.iter().all(|a| *a < DARKEST)
     }
@@ -128,10 +128,10 @@ impl ViewReport {
             "density_over_samples": number(self.density),
             "relative_variance": number(self.variance),
             "largest_weight_over_mean": number(self.largest_weight),
-            "relative_l2_peak": number(self.seen.peak),
-            "relative_l2_off_peak": number(self.seen.off_peak),
-            "median_luminance_error_off_peak": number(self.seen.luminance),
-            "median_chroma_error_off_peak": number(self.seen.chroma),
+            "relative_l2_peak": number(self.regions.peak),
+            "relative_l2_off_peak": number(self.regions.off_peak),
+            "median_luminance_error_off_peak": number(self.regions.luminance),
+            "median_chroma_error_off_peak": number(self.regions.chroma),
             "least_relative_l2": self.floor,
             "negative_share": self.negatives.0,
             "negative_relative_l2": self.negatives.1,
@@ -175,7 +175,7 @@ impl ViewReport {
             density,
             largest_weight: sums.largest_weight(density),
             variance: sums.variance(density),
-            seen: seen(fitted, view),
+            regions: region_errors(fitted, view),
             floor: view.floor,
             negatives: negatives(&view.samples),
         }
@@ -238,7 +238,7 @@ impl Sums {
     }
 }
 
-/// A number for JSON, which has no word for an infinite one; what is not a number is null.
+/// A number for JSON, which has no infinity; NaN is null.
 fn number(v: f64) -> Value {
     if v.is_infinite() { "inf".into() } else { v.into() }
 }
@@ -255,7 +255,7 @@ pub fn factor_bytes(material: &Material<impl AsRef<[u8]>>) -> usize {
     material.factor_len()
 }
 
-/// What a fit was made from.
+/// The input of a fit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Input {
     /// Name of the file or material.

@@ -6,14 +6,14 @@ use crate::judge::cross::CrossValidation;
 use crate::judge::method::Fitted;
 use crate::judge::reciprocity::{Reciprocity, reciprocity};
 use crate::judge::report::{Ending, Input, LARGE_ERROR, Report, ViewReport, factor_bytes, mean_error};
-use crate::judge::verdict::{Made, Summary, Verdict, steps_matter};
+use crate::judge::verdict::{Summary, Verdict, steps_matter};
 use crate::look::Look;
 use crate::{FitError, Settings};
 use serde_json::{Value, json};
 use srbf_core::{Material, printable, printable_lines};
 
 impl Report {
-    /// What has to be known to judge the fit, a sentence each.
+    /// Facts that one has to know to judge the fit, a sentence each.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         let mut note = |of: fn(&ViewReport) -> bool, text: &str| {
@@ -49,7 +49,7 @@ impl Report {
         input: &Input,
         settings: &Settings,
     ) -> Result<String, FitError> {
-        let mut json = self.json_of(material, "tracked", input, Some(Made::new(material)))?;
+        let mut json = self.json_of(material, "tracked", input, Verdict::of_material)?;
         let more = json!({
             "provenance": printable_lines(material.provenance()).to_string(),
             "settings": settings.to_json(),
@@ -57,7 +57,7 @@ impl Report {
             "lobes": material.lobe_count(),
             "squeezed": material.squeezed_count(),
             "mirrored": material.mirrored_count(),
-            "knots": material.view_count(),
+            "stored_views": material.view_count(),
             "factors": factors_json(material),
         });
         if let (Some(json), Value::Object(more)) = (json.as_object_mut(), more) {
@@ -66,12 +66,12 @@ impl Report {
         Ok(format!("{json:#}\n"))
     }
 
-    /// What the reports of all methods say.
+    /// The part of a report that all methods have.
     ///
     /// # Errors
     /// As [`Fitted::view`].
     pub fn to_json_of(&self, fitted: &dyn Fitted, method: &str, input: &Input) -> Result<Value, FitError> {
-        self.json_of(fitted, method, input, None)
+        self.json_of(fitted, method, input, Verdict::new)
     }
 
     fn json_of(
@@ -79,7 +79,7 @@ impl Report {
         fitted: &dyn Fitted,
         method: &str,
         input: &Input,
-        made: Option<Made>,
+        judged: fn(&Self, &Reciprocity) -> Verdict,
     ) -> Result<Value, FitError> {
         let views = |views: &[ViewReport]| views.iter().map(ViewReport::to_json).collect::<Vec<_>>();
         let held_out = (!self.held_out.is_empty()).then(|| mean_error(&self.held_out));
@@ -100,7 +100,7 @@ impl Report {
             "notes": self.notes(),
             "summary": Summary::new(self).to_json(),
             "appearance": self.appearance.as_ref().map(Appearance::to_json),
-            "verdict": Verdict::new(self, &found, made).to_json(),
+            "verdict": judged(self, &found).to_json(),
             "mean_relative_l2": self.mean_error(),
             "mean_relative_l2_held_out": held_out,
             "cross_validation": self.cross_validation.as_ref().map(CrossValidation::to_json),

@@ -1,6 +1,6 @@
-//! A fit in a few numbers, and in words: whether to use it, what is good, what is off, and what to try.
+//! A fit in a few numbers and in words: whether to use it, good criteria, criteria that are off, and advice.
 //!
-//! The numbers are of the held-out views, if there are any: what a fit says where it was not made. The words are of all views: a
+//! The numbers are of the held-out views, if there are any. The words are of all views: a
 //! weight that is large at a view that was fitted is as bright a dot in a picture.
 
 mod units;
@@ -9,7 +9,6 @@ use crate::judge::appearance::Appearance;
 use crate::judge::reciprocity::Reciprocity;
 use crate::judge::report::{Ending, Report, ViewReport};
 use serde_json::{Value, json};
-use srbf_core::Material;
 
 /// A number over several views.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,8 +58,8 @@ impl Unit {
     }
 }
 
-/// What is said of every view.
-struct Measure {
+/// A criterion that every view has.
+struct Criterion {
     name: &'static str,
     /// Its name in JSON.
     key: &'static str,
@@ -70,16 +69,16 @@ struct Measure {
     good: f64,
     /// Most that any view of a good fit has.
     most: f64,
-    /// Whether it is of what is seen, and so of views up to [`STEEPEST`] alone.
-    is_seen: bool,
-    /// What the table's own noise adds to both.
+    /// Whether it is of visible errors, and so of views up to [`STEEPEST`] alone.
+    is_visual: bool,
+    /// The part of both that is noise of the table.
     noise: fn(&Report) -> f64,
 }
 
-/// Angle from which views are too steep to be seen on most things: 80 degrees.
+/// Angle from which views are too steep to be visible on most objects: 80 degrees.
 const STEEPEST: f64 = 80.0 * std::f64::consts::PI / 180.0;
 
-/// What the table's own noise makes of errors of the luminance, and of those of the colour.
+/// Errors of luminance and of colour by noise of the table.
 fn noise_of_luminance(report: &Report) -> f64 {
     report.appearance.as_ref().map_or(0.0, |found| found.noise.luminance)
 }
@@ -92,73 +91,73 @@ fn no_noise(_: &Report) -> f64 {
     0.0
 }
 
-/// Largest variance and largest weight over the mean that are no trouble in a picture, and largest error of the albedo: what a fit is
-/// mended for too.
+/// Largest variance and largest weight over the mean that are no trouble in a picture, and largest error of the albedo: a
+/// fit that breaks one is refitted.
 pub(crate) const MOST_VARIANCE: f64 = 0.25;
 pub(crate) const MOST_WEIGHT: f64 = 18.0;
 pub(crate) const MOST_ENERGY_ERROR: f64 = 0.01;
 
-const L2: Measure = Measure {
+const L2: Criterion = Criterion {
     name: "relative L2",
     key: "relative_l2",
     unit: Unit::Percent,
     number: |v| v.error,
     good: 0.052,
     most: 0.2,
-    is_seen: true,
+    is_visual: true,
     noise: no_noise,
 };
-const OFF_PEAK: Measure = Measure {
+const OFF_PEAK: Criterion = Criterion {
     name: "L2 off the peak",
     key: "relative_l2_off_peak",
     unit: Unit::Percent,
-    number: |v| v.seen.off_peak,
+    number: |v| v.regions.off_peak,
     good: 0.1,
     most: 0.2,
-    is_seen: true,
+    is_visual: true,
     noise: noise_of_luminance,
 };
-const LUMINANCE: Measure = Measure {
+const LUMINANCE: Criterion = Criterion {
     name: "luminance off the peak",
     key: "luminance_error_off_peak",
     unit: Unit::Percent,
-    number: |v| v.seen.luminance,
+    number: |v| v.regions.luminance,
     good: 0.06,
     most: 0.15,
-    is_seen: true,
+    is_visual: true,
     noise: noise_of_luminance,
 };
-const CHROMA: Measure = Measure {
+const CHROMA: Criterion = Criterion {
     name: "colour off the peak",
     key: "chroma_error_off_peak",
     unit: Unit::Plain(3),
-    number: |v| v.seen.chroma,
+    number: |v| v.regions.chroma,
     good: 0.03,
     most: 0.1,
-    is_seen: true,
+    is_visual: true,
     noise: noise_of_chroma,
 };
-const VARIANCE: Measure = Measure {
+const VARIANCE: Criterion = Criterion {
     name: "variance of f cos / pdf",
     key: "relative_variance",
     unit: Unit::Plain(3),
     number: |v| v.variance,
     good: MOST_VARIANCE,
     most: MOST_VARIANCE,
-    is_seen: false,
+    is_visual: false,
     noise: no_noise,
 };
-const WEIGHT: Measure = Measure {
+const WEIGHT: Criterion = Criterion {
     name: "largest weight over the mean",
     key: "largest_weight_over_mean",
     unit: Unit::Plain(1),
     number: |v| v.largest_weight,
     good: MOST_WEIGHT,
     most: MOST_WEIGHT,
-    is_seen: false,
+    is_visual: false,
     noise: no_noise,
 };
-const ENERGY: Measure = Measure {
+const ENERGY: Criterion = Criterion {
     name: "energy",
     key: "energy_error",
     unit: Unit::Percent,
@@ -166,24 +165,24 @@ const ENERGY: Measure = Measure {
     number: |v| if v.is_albedo_cut { f64::NAN } else { v.energy_error() },
     good: MOST_ENERGY_ERROR,
     most: MOST_ENERGY_ERROR,
-    is_seen: false,
+    is_visual: false,
     noise: no_noise,
 };
 
 /// What words are about.
-const MEASURES: [&Measure; 7] = [&L2, &OFF_PEAK, &LUMINANCE, &CHROMA, &VARIANCE, &WEIGHT, &ENERGY];
+const CRITERIA: [&Criterion; 7] = [&L2, &OFF_PEAK, &LUMINANCE, &CHROMA, &VARIANCE, &WEIGHT, &ENERGY];
 
 /// Error at the peak, which is a number of the summary alone.
-const PEAK: Measure = Measure {
+const PEAK: Criterion = Criterion {
     name: "L2 at the peak",
     key: "relative_l2_peak",
-    number: |v| v.seen.peak,
+    number: |v| v.regions.peak,
     good: 0.1,
     most: f64::INFINITY,
     ..L2
 };
 
-/// Median of what the fit makes small above which it matters that its steps were at an end.
+/// Median of the measure above which a fit that ran out of steps gets a note.
 const MOST_MEASURE: f64 = 0.05;
 
 /// Reciprocity error of a good fit in the median, and of one that is off.
@@ -226,10 +225,10 @@ fn judged(views: &[ViewReport]) -> impl Iterator<Item = &ViewReport> {
 impl Summary {
     /// Sums a report up.
     pub fn new(report: &Report) -> Self {
-        // Samples are the data; what they were completed to is not.
+        // Samples are the data; their completion is not.
         let is_of_held_out = !report.held_out.is_empty() && report.completion.is_none();
         let views = if is_of_held_out { &report.held_out } else { &report.views };
-        let spread = |measure: &Measure| Spread::of(judged(views), measure.number);
+        let spread = |criterion: &Criterion| Spread::of(judged(views), criterion.number);
         Self {
             is_of_held_out,
             views: judged(views).count(),
@@ -259,46 +258,21 @@ impl Summary {
             (&WEIGHT, self.weight),
             (&ENERGY, self.energy),
         ];
-        for (measure, spread) in spreads {
-            json[measure.key] = spread.map(Spread::to_json).into();
+        for (criterion, spread) in spreads {
+            json[criterion.key] = spread.map(Spread::to_json).into();
         }
         json
     }
 }
 
-/// What a material was made of: what can be more of it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Made {
-    /// Lobes of a view.
-    pub lobes: usize,
-    /// Views.
-    pub views: usize,
-    /// Whether there is a table of factors.
-    pub has_factors: bool,
-    /// Whether views lie along one angle.
-    pub is_isotropic: bool,
-}
-
-impl Made {
-    /// Of a material.
-    pub fn new(material: &Material<impl AsRef<[u8]>>) -> Self {
-        Self {
-            lobes: material.lobe_count(),
-            views: material.view_count(),
-            has_factors: material.factor_nodes().is_some(),
-            is_isotropic: material.is_isotropic(),
-        }
-    }
-}
-
-/// Visible difference of the pictures up to which hardly anything is seen side by side, and up to which a fit is of use. The least
-/// difference of colours that is seen is 0.06, twice that is 0.09, eight times that is 0.25.
+/// Visible difference of the pictures up to which hardly anything shows side by side, and up to which a fit is of use. The least
+/// visible difference of colours is 0.06, twice that is 0.09, eight times that is 0.25.
 const UNSEEN: f64 = 0.09;
 const OF_USE: f64 = 0.25;
-/// What colour may ripple more than in the table, and what is not seen.
+/// Largest ripple of colour over that of the table, and an invisible ripple.
 const MORE_RIPPLE: f64 = 1.3;
 const UNSEEN_RIPPLE: f64 = 0.012;
-/// Colour round the highlight, share of false negative channels there, and ghost that are seen.
+/// Colour round the highlight, share of false negative channels there, and ghost that are visible.
 const MOST_SKIRT: f64 = 0.06;
 const MOST_NEGATIVE: f64 = 0.05;
 const MOST_GHOST: f64 = 0.1;
@@ -310,7 +284,7 @@ fn has_rings(found: &Appearance) -> bool {
     fit.chroma > (MORE_RIPPLE * table.chroma).max(UNSEEN_RIPPLE)
 }
 
-/// Whether to use a fit, and what one sees of it.
+/// Whether to use a fit, and its visible errors.
 fn sentence(found: &Appearance) -> String {
     let visible = found.visible();
     let (light, most) = found.pictures.iter().fold(("", 0.0), |most, p| if p.1 > most.1 { *p } else { most });
@@ -326,14 +300,14 @@ fn sentence(found: &Appearance) -> String {
     }
     let balls = format!("balls differ by {visible:.3} from the table's, by {most:.3} under a {light}");
     match (visible, seen.is_empty()) {
-        (v, true) if v <= UNSEEN => format!("use it: {balls}; hardly seen side by side"),
-        (v, false) if v <= OF_USE => format!("use it with care: {balls}; one sees {}", seen.join(", ")),
-        (v, _) if v <= OF_USE => format!("use it with care: {balls}; seen side by side"),
-        _ => format!("do not use it: {balls}; it is another material"),
+        (v, true) if v <= UNSEEN => format!("use it: {balls}, which hardly shows side by side"),
+        (v, false) if v <= OF_USE => format!("use it with care: {balls}; the fit shows {}", seen.join(", ")),
+        (v, _) if v <= OF_USE => format!("use it with care: {balls}, which shows side by side"),
+        _ => format!("do not use it: {balls}, as if of another material"),
     }
 }
 
-/// Errors of views of samples that are left out, up to which what lies between is good, and is not off.
+/// Errors of left-out views up to which the fit between samples is good, and is not off.
 const GOOD_BETWEEN: f64 = 0.08;
 const MOST_BETWEEN: f64 = 0.2;
 
@@ -343,37 +317,42 @@ const MOST_BETWEEN: f64 = 0.2;
 /// ```
 /// use srbf_core::Material;
 /// use srbf_fit::judge::reciprocity::reciprocity;
-/// use srbf_fit::judge::verdict::{Made, Verdict};
+/// use srbf_fit::judge::verdict::Verdict;
 /// use srbf_fit::{Settings, fit_content, read};
 ///
 /// let settings = Settings { lobes: 1, starts: 1, steps: 2, exchanges: 0, views: Some(2), ..Settings::default() };
 /// let fit = fit_content(&read::read("model:lambert:albedo=0.5".as_ref())?.content, &settings, |_| {})?;
 /// let material = Material::from_bytes(fit.bytes.as_slice())?;
-/// let verdict = Verdict::new(&fit.report, &reciprocity(&material)?, Some(Made::new(&material)));
+/// let verdict = Verdict::of_material(&fit.report, &reciprocity(&material)?);
 /// assert!(verdict.lines().iter().any(|line| line.starts_with("good relative L2")));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verdict {
-    /// Whether to use it, in one sentence, where it could be looked at beside what it was made from.
+    /// Whether to use it, in one sentence, if its appearance was compared.
     pub sentence: Option<String>,
-    /// What is as good as a fit should be.
+    /// Criteria that are as good as a fit should be.
     pub good: Vec<String>,
-    /// What is neither good nor off.
+    /// Criteria that are neither good nor off.
     pub fair: Vec<String>,
-    /// What is off.
+    /// Criteria that are off.
     pub off: Vec<String>,
-    /// What may make it better.
+    /// Advice.
     pub advice: Vec<String>,
 }
 
 impl Verdict {
-    /// Judges a fit; `made`: what it was made of, for advice, where there is a choice.
-    pub fn new(report: &Report, reciprocity: &Reciprocity, made: Option<Made>) -> Self {
+    /// Judges a material, with advice.
+    pub fn of_material(report: &Report, reciprocity: &Reciprocity) -> Self {
+        Self { advice: advice(report), ..Self::new(report, reciprocity) }
+    }
+
+    /// Judges a fit by any method. Advice is for materials only.
+    pub fn new(report: &Report, reciprocity: &Reciprocity) -> Self {
         let sentence = report.appearance.as_ref().map(sentence);
         let mut verdict = Self { sentence, ..Self::default() };
-        for measure in MEASURES {
-            verdict.say(measure, report);
+        for criterion in CRITERIA {
+            verdict.say(criterion, report);
         }
         verdict.say_reciprocity(reciprocity);
         verdict.say_floor(report);
@@ -383,25 +362,22 @@ impl Verdict {
         if report.completion.is_none() {
             verdict.off.extend(units::fault(&report.views));
         }
-        if made.is_some() {
-            verdict.advice.extend(advice(report));
-        }
         verdict
     }
 
-    fn say(&mut self, measure: &Measure, report: &Report) {
-        let end = if measure.is_seen { STEEPEST } else { f64::INFINITY };
+    fn say(&mut self, criterion: &Criterion, report: &Report) {
+        let end = if criterion.is_visual { STEEPEST } else { f64::INFINITY };
         let all = || judged(&report.views).chain(judged(&report.held_out)).filter(|v| v.theta <= end);
         let is_of_views = report.held_out.is_empty() || report.completion.is_some();
         let spread = if is_of_views { &report.views } else { &report.held_out };
         let (Some(spread), Some(most)) = (
-            Spread::of(judged(spread).filter(|v| v.theta <= end), measure.number),
-            Spread::of(all(), measure.number),
+            Spread::of(judged(spread).filter(|v| v.theta <= end), criterion.number),
+            Spread::of(all(), criterion.number),
         ) else {
             return;
         };
-        let Measure { name, unit, number, .. } = measure;
-        let most_allowed = measure.most + (measure.noise)(report);
+        let Criterion { name, unit, number, .. } = criterion;
+        let most_allowed = criterion.most + (criterion.noise)(report);
         let (median, worst, limit) =
             (unit.text(spread.median), unit.text(most.worst), unit.text(most_allowed));
         let angle = most.worst_at.to_degrees();
@@ -414,7 +390,7 @@ impl Verdict {
             return;
         }
         let text = format!("{name}: median {median}, at most {worst}, at {angle:.1} degrees");
-        let good = measure.good + (measure.noise)(report);
+        let good = criterion.good + (criterion.noise)(report);
         if spread.median <= good { &mut self.good } else { &mut self.fair }.push(text);
     }
 
@@ -439,19 +415,19 @@ impl Verdict {
         let Some(view) = at_normal else { return };
         if view.floor >= LEAST_FLOOR {
             self.fair.push(format!(
-                "asymmetric data: at {:.1} degrees {:.1} % of L2 from their mean over the azimuth, to which errors are taken",
+                "asymmetric data: at {:.1} degrees they differ by {:.1} % of L2 from their mean over the azimuth",
                 view.theta.to_degrees(),
                 100.0 * view.floor
             ));
         }
     }
 
-    /// What stands still with the camera, what lies round the highlight, and the table's own noise.
+    /// Rings that stand still with the camera, surroundings of the highlight, and noise of the table.
     fn say_appearance(&mut self, report: &Report) {
         let Some(found) = &report.appearance else { return };
         let [fit, table] = found.ripple;
         let text = format!(
-            "rings: along the view angle colour is {:.3} from its mean over 8 degrees, {:.3} of the table",
+            "rings: along the view angle colour varies by {:.3} about its mean over 8 degrees, the table's by {:.3}",
             fit.chroma, table.chroma
         );
         if has_rings(found) { &mut self.off } else { &mut self.good }.push(text);
@@ -473,15 +449,15 @@ impl Verdict {
         }
     }
 
-    /// What lies between samples is known as well as views left out are.
+    /// The fit between samples is as good as at left-out views.
     fn say_completion(&mut self, report: &Report) {
         let Some(completion) = &report.completion else { return };
         let Some(views) = &completion.views_left_out else {
-            self.off
-                .push("between the samples: with fewer than three views nothing shows how good it is".into());
+            self.off.push("between the samples: fewer than three views cannot show the error".into());
             return;
         };
-        let text = format!("between the samples: views left out are {:.0} % of L2 off", 100.0 * views.error);
+        let text =
+            format!("between the samples: left-out views have an L2 error of {:.0} %", 100.0 * views.error);
         let place = if views.error <= GOOD_BETWEEN {
             &mut self.good
         } else if views.error <= MOST_BETWEEN {
@@ -494,7 +470,7 @@ impl Verdict {
         place.push(text);
     }
 
-    /// The lines to print, with what they are: good, fair, off, try.
+    /// The lines to print, each with its kind: good, fair, off, try.
     pub fn lines(&self) -> Vec<String> {
         let sentence = self.sentence.iter().cloned();
         let parts = [("good", &self.good), ("fair", &self.fair), ("off", &self.off), ("try", &self.advice)];
@@ -510,19 +486,19 @@ impl Verdict {
 }
 
 /// Whether any view has more than it should have.
-fn is_off(measure: &Measure, report: &Report) -> bool {
-    let most = measure.most + (measure.noise)(report);
-    judged(&report.views).chain(judged(&report.held_out)).any(|v| (measure.number)(v) > most)
+fn is_off(criterion: &Criterion, report: &Report) -> bool {
+    let most = criterion.most + (criterion.noise)(report);
+    judged(&report.views).chain(judged(&report.held_out)).any(|v| (criterion.number)(v) > most)
 }
 
 /// Whether it matters that the last stage of a fit ended with its steps: there is something to gain.
 pub(crate) fn steps_matter(report: &Report) -> bool {
     let measure = Spread::of(judged(&report.views), |v| v.measure);
     report.ending == Some(Ending::Steps)
-        && (measure.is_some_and(|m| m.median > MOST_MEASURE) || MEASURES.iter().any(|m| is_off(m, report)))
+        && (measure.is_some_and(|m| m.median > MOST_MEASURE) || CRITERIA.iter().any(|m| is_off(m, report)))
 }
 
-/// What makes a fit better whatever it is.
+/// Advice that holds for every fit.
 fn advice(report: &Report) -> Vec<String> {
     let mut advice = Vec::new();
     if is_off(&WEIGHT, report) || is_off(&VARIANCE, report) {

@@ -17,13 +17,13 @@ const BRIGHTER: f64 = 2.0;
 /// Wider highlights than this are seen by any samples, radians of the half vector.
 const WIDE: f64 = 8.0 * PI / 180.0;
 
-/// The brightest sample of a surface with a highlight is so many times as bright as the median.
+/// Brightness of the brightest sample over the median, from which on a surface has a highlight.
 const CONTRAST: f64 = 3.0;
 
 /// Views that are closer than this are one, radians.
 const SAME: f64 = 1e-3;
 
-/// What samples see of the highlight.
+/// The highlight in the samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Highlight {
     /// Views that tell the mirror direction from the back.
@@ -46,7 +46,7 @@ impl Highlight {
         sorted.sort_by(|a, b| held(a).total_cmp(&held(b)));
         let levels: Vec<f64> = rows.iter().map(|row| row.rgb.iter().sum::<f64>()).collect();
         let brightest = levels.iter().copied().fold(0.0, f64::max);
-        // A model of what has no highlight has a width that means nothing.
+        // Without a highlight the width of the model means nothing.
         let has_highlight = median(levels).is_some_and(|middle| brightest > CONTRAST * middle);
         let width = width.map(libm::atan).filter(|_| has_highlight);
         let mut found = Self { width_degrees: width.unwrap_or(0.0).to_degrees(), ..Self::default() };

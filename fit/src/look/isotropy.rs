@@ -43,7 +43,7 @@ const SAID: f64 = 0.04;
 const CLOSE: f64 = 1.0 * PI / 180.0;
 const APART: f64 = 20.0 * PI / 180.0;
 
-/// What a turn of the sample shows.
+/// The result of a turn of the sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Isotropy {
     /// Logarithm of the likelihood that a turn brings, for each sample.
@@ -112,7 +112,7 @@ fn spread(rows: &[Row], of: fn(&Row) -> [f64; 3]) -> f64 {
     if count > 0.0 { 1.0 - libm::hypot(sum[0], sum[1]) / count } else { 0.0 }
 }
 
-/// Values on a scale that is logarithmic for what is bright, about their mean.
+/// Values on a scale that is logarithmic where they are bright, about their mean.
 fn values(rows: &[&Row]) -> Option<Vec<f64>> {
     let level = |row: &&Row| row.rgb.iter().sum::<f64>() / 3.0;
     let size = median(rows.iter().map(|row| level(row).abs()).collect())?.max(1e-12);

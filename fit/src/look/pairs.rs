@@ -10,7 +10,7 @@ const CLOSE: f64 = 0.5 * PI / 180.0;
 /// Directions this close to the normal have no azimuth, radians.
 const NORMAL: f64 = 1.0 * PI / 180.0;
 
-/// Samples that are compared with at most so many others.
+/// Most samples that a sample is compared with.
 const MOST_OTHERS: usize = 4;
 
 /// A sample by its three angles, radians: incident, outgoing, and the difference of the azimuths, -pi to pi.

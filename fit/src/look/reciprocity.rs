@@ -3,14 +3,14 @@
 use super::pairs::{Compared, median};
 use crate::read::Values;
 
-/// So many pairs tell whether there is a cosine, among those whose cosines differ by this much of the logarithm.
+/// Least number of pairs that tell of a cosine, and the least difference of the logarithms of their cosines.
 const ENOUGH: usize = 10;
 const APART: f64 = 0.1;
 
 /// The logarithm of the ratio of swapped values over that of the cosines is 1 or -1 where there is one, within this.
 const SLOPE: f64 = 0.15;
 
-/// With the cosine taken out, swapped values differ by this share of what they differed by, and that was more than this.
+/// Largest share of their difference that swapped values keep without the cosine, and least difference before.
 const LEFT: f64 = 0.3;
 const SEEN: f64 = 0.05;
 

@@ -1,4 +1,4 @@
-//! Whether values are f in 1/sr: what is in other units shows in the albedo of what samples are completed to.
+//! Whether values are f in 1/sr. Other units show in the albedo of the completion.
 
 use super::pairs::median;
 use crate::complete::CompletionReport;
@@ -28,7 +28,7 @@ const LIKELY: [f64; 2] = [0.02, 1.02];
 const NORMAL: f64 = 12.0 * PI / 180.0;
 const STEP: f64 = 15.0 * PI / 180.0;
 
-/// What the albedo says of the units.
+/// The units by the albedo.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Units {
     /// Largest albedo, luminance, where samples cover the hemisphere.
@@ -40,7 +40,7 @@ pub struct Units {
 }
 
 impl Units {
-    /// Of what samples were completed to; `None` where they cover the hemisphere at no angle.
+    /// Albedo of the completion; `None` where samples cover the hemisphere at no angle.
     pub(super) fn of(rows: &[Row], completion: &CompletionReport) -> Option<Self> {
         let empty = |theta: f64| {
             let near = |share: &&(f64, f64)| (share.0.to_radians() - theta).abs();
@@ -73,7 +73,7 @@ impl Units {
         !(LEAST..=MOST).contains(&self.most)
     }
 
-    /// What is off, in words.
+    /// The fault in words.
     pub fn text(&self) -> String {
         let more = if self.most > MOST { "more" } else { "less" };
         let each = |(name, albedo): &(&str, f64)| format!("--divide {name} gives {albedo:.2}");

@@ -1,15 +1,15 @@
 //! Symmetric positive definite band matrices, and their Cholesky factorisation.
 //!
 //! Own code because the linear algebra crates have no band matrices: 1000 unknowns with 128 off the diagonal on either
-//! side, the normal equations of 16 knots with 12 lobes, are 8 million multiply-adds, a twentieth of the dense ones.
+//! side, the normal equations of 16 stored views with 12 lobes, are 8 million multiply-adds, a twentieth of the dense ones.
 
 use crate::numeric::vector;
 use pulp::{NullaryFnOnce, Simd, WithSimd};
 
 /// Upper half of a symmetric band matrix.
 ///
-/// Shapes: `n` rows, filled up to a multiple of [`WIDE`], of `width` chunks, the first the one with the diagonal; what lies past
-/// the band or past column `n` is 0.
+/// Shapes: `n` rows, filled up to a multiple of [`WIDE`], of `width` chunks, the first the one with the diagonal; elements past
+/// the band or past column `n` are 0.
 #[derive(Clone, Debug)]
 pub(crate) struct Banded {
     n: usize,
@@ -18,7 +18,7 @@ pub(crate) struct Banded {
     rows: Vec<Chunk>,
 }
 
-/// Numbers side by side: the widest registers hold so many. As many rows are taken at a time.
+/// Numbers side by side, as in the widest registers, and rows that are taken at a time.
 const WIDE: usize = 8;
 
 /// Numbers of a row, the first in a column that is a multiple of [`WIDE`]: what stands in the same columns of two rows can be
@@ -99,8 +99,8 @@ impl Banded {
         vector::run(Factor(self))
     }
 
-    /// A block of rows after the other; each first loses what the pivots before it account for, so many of its rows at a time that
-    /// their sums stay in registers.
+    /// A block of rows after the other. Each first loses its products with the pivots before it, a number of rows at a time whose sums
+    /// stay in registers.
     #[inline(always)]
     fn factor_in_place<const AT_A_TIME: usize>(&mut self) -> bool {
         let width = self.width;

@@ -1,9 +1,9 @@
 //! Symmetric matrices of dense blocks, most of them absent, and conjugate gradients on them.
 //!
-//! A view of an anisotropic material depends on four knots, so the normal equations couple each knot with the eight round it: 65
-//! knots of 78 unknowns have a band of 1400 in any order, and its factors would fill it (5 billion multiply-adds a step).
-//! Conjugate gradients touch only what is there, 3 million a step, and a few dozen steps do, because the blocks on the diagonal,
-//! factored as preconditioner, hold what is stiff: the couplings of overlapping lobes within a view.
+//! A view of an anisotropic material depends on four stored views, so the normal equations couple each stored view with the eight round it: 65
+//! stored views of 78 unknowns have a band of 1400 in any order, and its factors would fill it (5 billion multiply-adds a step).
+//! Conjugate gradients touch only the stored numbers, 3 million a step, and a few dozen steps do, because the blocks on the diagonal,
+//! factored as preconditioner, hold the stiff part: the couplings of overlapping lobes within a view.
 
 use crate::numeric::vector::dot;
 use std::collections::BTreeMap;
@@ -122,7 +122,7 @@ impl Blocks {
         Some(x)
     }
 
-    /// Cholesky factors of the blocks on the diagonal, what is not free replaced by the unit matrix.
+    /// Cholesky factors of the blocks on the diagonal, fixed unknowns replaced by the unit matrix.
     fn factor_diagonal(&self, added: &[f64], free: &[bool]) -> Option<Vec<Vec<f64>>> {
         let n = self.size;
         let mut extra = added.to_vec();

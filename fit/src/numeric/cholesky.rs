@@ -1,4 +1,4 @@
-//! The Cholesky factor of a dense matrix, and its inverse: what a Gaussian process needs.
+//! The Cholesky factor of a dense matrix, and its inverse, for Gaussian processes.
 //!
 //! Both are made of inner products of rows, in tiles that stay in registers. Sums have a fixed order and are fused everywhere, so that
 //! every processor gives the same bits.
@@ -92,7 +92,7 @@ impl Square {
         x
     }
 
-    /// Of a lower triangle, the inverse by columns: row j of what is returned is column j.
+    /// Of a lower triangle, the inverse by columns: row j of the result is column j.
     pub fn inverse_of_lower(&self) -> Self {
         let mut columns = Self::zeros(self.size);
         for left in (0..self.size).step_by(BLOCK) {
@@ -123,7 +123,7 @@ impl Square {
         x
     }
 
-    /// Of a factor L, solves `L x = right` for every row of what was made by [`rows`](Self::rows).
+    /// Of a factor L, solves `L x = right` for every row of the result of [`rows`](Self::rows).
     pub fn solve_lower_all(&self, right: &mut Self) {
         let count = right.values.len() / right.stride.max(1);
         for first in (0..self.size).step_by(BLOCK) {
@@ -152,7 +152,7 @@ impl Square {
         (0..self.size).map(product).collect()
     }
 
-    /// Of the inverse of a factor by columns, the square of some row: what the inverse of the matrix has on its diagonal.
+    /// Of the inverse of a factor by columns, the square of some row, an element of the diagonal of the inverse of the matrix.
     pub fn squared(&self, row: usize) -> f64 {
         vector::dot(self.lanes(row, row, self.size), self.lanes(row, row, self.size))
     }
@@ -212,7 +212,7 @@ impl Products<'_> {
         let (over, last) = (&self.over, |n: usize| n.saturating_sub(1));
         for i in (0..self.rows.1).step_by(SIDE) {
             for j in (0..self.columns.1).step_by(SIDE) {
-                // What is beyond the last row is that once more.
+                // Beyond the last row, that row is repeated.
                 let down: [&[f64]; SIDE] = std::array::from_fn(|n| {
                     self.a.lanes(self.rows.0 + (i + n).min(last(self.rows.1)), over.start, over.end)
                 });

@@ -78,7 +78,7 @@ pub(crate) fn minimize<P: LeastSquares>(
         for (i, v) in x.iter_mut().enumerate() {
             let (low, high) = problem.bounds(i);
             debug_assert!(low <= high, "{i}: {low} {high}");
-            // Not `clamp`: what is no number becomes the least.
+            // Not `clamp`: NaN becomes the least.
             *v = v.max(low).min(high);
         }
     };

@@ -1,7 +1,7 @@
 //! Loops as vector instructions of the machine that runs them.
 //!
 //! `pulp` compiles a loop for AVX2 and FMA beside the baseline and chooses at run time, without unsafe code here. Additions keep
-//! their order, and what is fused is so everywhere (slowly on an x86 without FMA), so every machine gives the same bits.
+//! their order, and fused operations are fused everywhere (slowly on an x86 without FMA), so every machine gives the same bits.
 
 use pulp::{Arch, WithSimd};
 use std::f64::consts::LOG2_E;

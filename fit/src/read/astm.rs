@@ -10,7 +10,7 @@ use super::decode::{decode, shortened};
 use super::intake::Intake;
 use crate::ReadError;
 
-/// What a reflectance of 1 gives in Cornell's files of "RGB for Trinitron phosphors": recovered from spectral files.
+/// Value of a reflectance of 1 in Cornell's files of "RGB for Trinitron phosphors": recovered from spectral files.
 const TRINITRON: [f64; 3] = [0.3575, 0.3587, 0.3575];
 
 /// Parses the bytes of an `.astm` file.

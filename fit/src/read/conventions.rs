@@ -1,4 +1,4 @@
-//! What the numbers of a file may mean, where the file itself does not say it.
+//! Conventions of the numbers of a file, where the file itself does not state them.
 
 /// Units of angles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub enum Mirror {
     Equal,
 }
 
-/// What a value is, up to a factor.
+/// The kind of a value, up to a factor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Values {
     /// The BRDF f.
@@ -30,7 +30,7 @@ pub enum Values {
     CosineIncident,
 }
 
-/// What a caller knows of a file beyond what stands in it. The default lets the file speak.
+/// A caller's knowledge of a file beyond its content. The default lets the file speak.
 ///
 /// # Examples
 /// ```
@@ -45,7 +45,7 @@ pub struct Conventions {
     pub angles: Option<Angles>,
     /// Where the mirror direction is; `None`: as the format has it.
     pub mirror: Option<Mirror>,
-    /// What the values are; `None`: as the format has it.
+    /// The kind of the values; `None`: as the format has it.
     pub values: Option<Values>,
     /// What values are divided by to be in 1/sr; above 0.
     pub divide: f64,
@@ -61,7 +61,7 @@ impl Conventions {
     /// Refuses a factor that is no finite number above 0.
     ///
     /// # Errors
-    /// What is expected.
+    /// The expected form.
     pub fn check(&self) -> Result<(), String> {
         let fits = self.divide.is_finite() && (1e-12..=1e12).contains(&self.divide);
         if fits {

@@ -114,7 +114,7 @@ fn table(
     reading.finish()
 }
 
-/// What is called with the line and the fields of a row.
+/// A function of the line and the fields of a row.
 type CallWithRow<'a> = dyn FnMut(usize, &mut dyn Iterator<Item = &str>) -> Result<(), ReadError> + 'a;
 
 impl Rows<'_> {

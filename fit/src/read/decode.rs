@@ -9,7 +9,7 @@ const LOOKED_AT: usize = 200;
 /// Decodes the bytes of a text.
 ///
 /// # Errors
-/// [`ReadError::NotText`] for a byte 0 in what is no UTF-16: a binary file.
+/// [`ReadError::NotText`] for a byte 0 in a file that is no UTF-16: a binary file.
 pub(crate) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, ReadError> {
     use encoding_rs::{Encoding, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1252};
     let marked = Encoding::for_bom(bytes).map(|(encoding, _)| encoding);
@@ -32,7 +32,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, ReadError> {
     Ok(text)
 }
 
-/// What an error shows of what a file holds: no more than 60 characters, none that a terminal obeys.
+/// The part of a file that an error shows: at most 60 characters, none that a terminal obeys.
 pub(crate) fn shortened(text: &str) -> String {
     text.chars().take(60).map(|c| if c.is_control() { ' ' } else { c }).collect::<String>().trim().to_owned()
 }

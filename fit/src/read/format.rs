@@ -1,4 +1,4 @@
-//! Which format a file has: by what it begins with, whatever its name ends in.
+//! The format of a file: by its first bytes, not by its name.
 
 use crate::ReadError;
 
@@ -26,7 +26,7 @@ pub(crate) enum Format {
 /// Tells the format of a file by its first bytes; `ending`: what its name ends in, in lower case, for what bytes leave open.
 ///
 /// # Errors
-/// [`ReadError::Content`] for formats that are known and not read, with what to do, and for what is no measurement.
+/// [`ReadError::Content`] for formats that are known and not read, with advice, and for files without a measurement.
 pub(crate) fn recognise(bytes: &[u8], ending: &str) -> Result<Format, ReadError> {
     let fail = |text: &str| Err(ReadError::Content(text.into()));
     if bytes.starts_with(b"tensor_file") {

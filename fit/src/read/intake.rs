@@ -1,8 +1,8 @@
-//! What a reader makes of a file: samples, each with its line, and what was not measured, counted by reason.
+//! The result of a reader: samples, each with its line, and rows without a measurement, counted by reason.
 //!
 //! *Not measured* is one notion from here on. A cell that is empty or no number, a value that stands for nothing (-1, -999), an exact 0
-//! where all others are far from it, a direction at the horizon or behind the surface: none becomes a sample, none becomes 0. What is
-//! left out is counted and listed by line.
+//! where all others are far from it, a direction at the horizon or behind the surface: none becomes a sample, none becomes 0. Rows
+//! that are left out are counted and listed by line.
 
 use super::conventions::{Conventions, Mirror, Values};
 use super::reason::Reason;
@@ -16,7 +16,7 @@ use crate::table::Scattered;
 /// Cosine below which a direction is at the horizon: there no BRDF can be measured.
 const HORIZON: f64 = 1e-5;
 
-/// Lines of what is left out that are listed.
+/// Most listed lines of rows that are left out.
 const LISTED: usize = 8;
 
 /// Rows that are left out for one reason.
@@ -46,15 +46,15 @@ pub struct Intake {
     pub format: &'static str,
     /// The samples.
     pub rows: Vec<Row>,
-    /// What is no sample.
+    /// Rows that are no samples.
     pub left_out: Vec<LeftOut>,
-    /// What was taken for granted.
+    /// Assumptions.
     pub notes: Vec<Note>,
     /// Reflectance that the file itself states: angle of incidence, degrees, and share of the light.
     pub stated: Vec<(f64, f64)>,
     /// Whether the incident directions are the views, by reciprocity.
     pub is_light_fixed: bool,
-    /// What a turn of the sample shows; `None` where it was not turned.
+    /// The result of a turn of the sample; `None` where it was not turned.
     pub isotropy: Option<Isotropy>,
 }
 
@@ -78,7 +78,7 @@ impl Reading {
         Self { intake, conventions, cells: Vec::new() }
     }
 
-    /// What the format has values to be, where the caller does not say it.
+    /// The kind of values in the format, where the caller does not state it.
     pub fn values_are(&mut self, values: Values) {
         self.conventions.values.get_or_insert(values);
     }
@@ -125,7 +125,7 @@ impl Reading {
         self.intake.rows.push(Row { line, wi, wo, rgb });
     }
 
-    /// All of it, without what was not measured.
+    /// All samples, without rows that were not measured.
     ///
     /// # Errors
     /// [`ReadError`] where no sample is left.
@@ -168,7 +168,7 @@ impl Intake {
         self.left_out.iter().map(|left| left.count).sum()
     }
 
-    /// What is left out, in words; empty for nothing.
+    /// The rows that are left out, in words; empty for none.
     pub fn left_out_text(&self) -> String {
         let text = |left: &LeftOut| {
             let lines: Vec<String> = left.lines.iter().map(usize::to_string).collect();

@@ -12,7 +12,7 @@ pub(crate) const MAX_FILE: u64 = 1 << 30;
 /// Nothing is read of a file that is larger, nor where there is no memory for it.
 ///
 /// # Errors
-/// Does not name the file: the caller says what it stands for.
+/// Does not name the file: the caller does.
 pub fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     read_if(path, most, |_| Ok(()))
 }
@@ -38,7 +38,7 @@ pub fn read_if(
     fits(found.len()).map_err(|fault| io::Error::new(io::ErrorKind::InvalidData, fault))?;
     check_memory(found.len())?;
     let mut bytes = Vec::with_capacity(found.len() as usize);
-    // The size may change between a look at it and the reading, so that what was read is what counts.
+    // The size may change between a look at it and the reading, so the bytes that were read count.
     std::fs::File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
         return Err(too_large());
@@ -73,7 +73,7 @@ fn is_binary(path: &Path) -> Option<usize> {
     }
 }
 
-/// Finds out whether so many bytes of memory are there: an allocation that fails in the middle of work ends the process.
+/// Finds out whether a number of bytes of memory is there: an allocation that fails in the middle of work ends the process.
 ///
 /// # Errors
 /// [`io::ErrorKind::OutOfMemory`] with the bytes.
@@ -84,7 +84,7 @@ pub fn check_memory(bytes: u64) -> io::Result<()> {
     if is_there { Ok(()) } else { Err(io::Error::new(io::ErrorKind::OutOfMemory, reason())) }
 }
 
-/// The bytes of a file that has at most so many, of a size that fits its format.
+/// The bytes of a file whose size is within a limit and fits its format.
 pub(crate) fn read_bytes(
     path: &Path,
     most: u64,

@@ -3,7 +3,7 @@
 //! Three little-endian i32 (90, 90, 180), then three planes (red, green, blue) of f64, azimuth fastest. The half angle is cut
 //! finer near 0, by the square root. Cells with a negative channel were not measured, nor were those that are 0 in all three: no surface
 //! is black. Between the centres of the cells the value is interpolated linearly, among the cells that were measured; where there is none,
-//! the value is no number. [`Filled`](super::Filled) says what is there.
+//! the value is no number. [`Filled`](super::Filled) says which ones.
 
 use super::rusinkiewicz::{HalfAndDifference, half_and_difference};
 use crate::ReadError;
@@ -13,12 +13,12 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Cells along the half angle, the difference angle, and its azimuth.
 pub(crate) const SIZE: [usize; 3] = [90, 90, 180];
 pub(crate) const CELLS: usize = SIZE[0] * SIZE[1] * SIZE[2];
-/// What the numbers of each channel are multiplied by.
+/// Factors on the numbers of each channel.
 pub(crate) const SCALE: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 /// Largest number of a cell; after scaling it is beyond any surface, and far from the largest f32.
 const LARGEST: f64 = 1e30;
 
-/// What a file begins with: its counts.
+/// The first bytes of a file: its counts.
 pub(super) const HEAD: [u8; 12] = [90, 0, 0, 0, 90, 0, 0, 0, 180, 0, 0, 0];
 
 /// One MERL material.

@@ -14,7 +14,7 @@ use crate::table::direction;
 /// Parses the bytes of a file.
 ///
 /// # Errors
-/// [`ReadError`], with the line of the fault, or with what is missing in the head.
+/// [`ReadError`], with the line of the fault, or the line that the head lacks.
 pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadError> {
     let fail = |text: String| Err(ReadError::Content(text));
     let text = decode(bytes)?;

@@ -3,7 +3,7 @@
 //!
 //! The measurement is stored in the unit square that a warp of the visible normals maps to the half vectors: to evaluate, the
 //! half vector goes back through the warp, and the colour found there is multiplied by `D / (4 sigma)`, unless `jacobian`
-//! says that it holds that factor already. What is stored is `f cos`. There is a warp and a picture for every measured
+//! says that it holds that factor already. The stored value is `f cos`. There is a warp and a picture for every measured
 //! outgoing direction; in between they are interpolated linearly in its angles.
 //!
 //! An isotropic file has one or two `phi_i`, and half vectors are counted from the azimuth of the outgoing direction. An
@@ -64,7 +64,7 @@ const RANGE: f64 = 1e-3;
 /// Least solid angle of half vectors over the area of the square: at the normal it is 0.
 const SMALLEST_AREA: f64 = 1e-6;
 
-/// What the range of measured azimuths leaves to symmetry.
+/// The symmetry that completes the range of measured azimuths.
 fn symmetry(phis: &[f64]) -> Result<Symmetry, ReadError> {
     let (first, last) = (phis[0], phis[phis.len() - 1]);
     let close = |a: f64, b: f64| (a - b).abs() <= RANGE;
@@ -79,7 +79,7 @@ fn symmetry(phis: &[f64]) -> Result<Symmetry, ReadError> {
 }
 
 /// An outgoing direction as the file knows it.
-struct Sight {
+struct Outgoing {
     /// What x and y are multiplied by to come to where it was measured.
     flips: [f64; 2],
     theta: f64,
@@ -88,7 +88,7 @@ struct Sight {
     corners: [(usize, f64); 4],
 }
 
-impl Sight {
+impl Outgoing {
     fn flip(&self, d: [f64; 3]) -> [f64; 3] {
         [self.flips[0] * d[0], self.flips[1] * d[1], d[2]]
     }
@@ -119,18 +119,19 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 impl Rgl {
-    /// `f cos` of the incident direction, and not clamped: what the file holds.
+    /// `f cos` of the incident direction, and not clamped: the value of the file.
     /// 0 where a direction is on the horizon or below it.
     pub fn f_cos(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
         if !is_above(wi, wo) {
             return [0.0; 3];
         }
-        let sight = self.sight(wo);
-        let (normal, _) = self.normal(&sight, wi, wo);
-        let corners = &sight.corners;
+        let outgoing = self.outgoing(wo);
+        let (normal, _) = self.normal(&outgoing, wi, wo);
+        let corners = &outgoing.corners;
         let sample = Warp::invert(&corners.map(|(n, share)| (&self.visible[n], share)), normal);
         let scale = if self.jacobian {
-            self.ndf.value(normal) / (4.0 * self.sigma.value([along_square(sight.theta), turns(sight.phi)]))
+            self.ndf.value(normal)
+                / (4.0 * self.sigma.value([along_square(outgoing.theta), turns(outgoing.phi)]))
         } else {
             1.0
         };
@@ -141,7 +142,7 @@ impl Rgl {
     }
 
     /// Where an outgoing direction lies among the measured ones.
-    fn sight(&self, wo: [f64; 3]) -> Sight {
+    fn outgoing(&self, wo: [f64; 3]) -> Outgoing {
         // Where the outgoing direction was not measured, both directions are turned or mirrored to where it was.
         let sign = |v: f64| if v > 0.0 { -1.0 } else { 1.0 };
         let flips = match self.symmetry {
@@ -166,29 +167,29 @@ impl Rgl {
                 share(i, along_phi) * share(j, along_theta),
             );
         }
-        Sight { flips, theta: theta_o, phi: phi_o, corners }
+        Outgoing { flips, theta: theta_o, phi: phi_o, corners }
     }
 
     /// The half vector: in the square, and as a unit vector in the frame of the surface.
-    fn normal(&self, sight: &Sight, wi: [f64; 3], wo: [f64; 3]) -> ([f64; 2], [f64; 3]) {
+    fn normal(&self, outgoing: &Outgoing, wi: [f64; 3], wo: [f64; 3]) -> ([f64; 2], [f64; 3]) {
         let mut h = [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]];
         let length = libm::sqrt(dot(h, h));
         h.iter_mut().for_each(|v| *v /= length);
-        let (theta, phi) = angles(sight.flip(h));
+        let (theta, phi) = angles(outgoing.flip(h));
         let isotropic = self.symmetry == Symmetry::Isotropic;
-        ([along_square(theta), turns(if isotropic { phi - sight.phi } else { phi })], h)
+        ([along_square(theta), turns(if isotropic { phi - outgoing.phi } else { phi })], h)
     }
 }
 
 /// The warps by brightness and by visible normals, one after the other (section 5 of the paper).
 impl Draws for Rgl {
     fn draw(&self, u: [f64; 2], wo: [f64; 3]) -> [f64; 3] {
-        let sight = self.sight(wo);
-        let bright = Warp::sample(&sight.corners.map(|(n, share)| (&self.luminance[n], share)), u);
-        let normal = Warp::sample(&sight.corners.map(|(n, share)| (&self.visible[n], share)), bright);
+        let outgoing = self.outgoing(wo);
+        let bright = Warp::sample(&outgoing.corners.map(|(n, share)| (&self.luminance[n], share)), u);
+        let normal = Warp::sample(&outgoing.corners.map(|(n, share)| (&self.visible[n], share)), bright);
         let isotropic = self.symmetry == Symmetry::Isotropic;
-        let phi = (2.0 * normal[1] - 1.0) * PI + if isotropic { sight.phi } else { 0.0 };
-        let h = sight.flip(direction(normal[0] * normal[0] * FRAC_PI_2, phi));
+        let phi = (2.0 * normal[1] - 1.0) * PI + if isotropic { outgoing.phi } else { 0.0 };
+        let h = outgoing.flip(direction(normal[0] * normal[0] * FRAC_PI_2, phi));
         let twice = 2.0 * dot(h, wo);
         [0, 1, 2].map(|k| twice * h[k] - wo[k])
     }
@@ -197,10 +198,10 @@ impl Draws for Rgl {
         if !is_above(wi, wo) {
             return 0.0;
         }
-        let sight = self.sight(wo);
-        let (normal, h) = self.normal(&sight, wi, wo);
-        let visible = sight.corners.map(|(n, share)| (&self.visible[n], share));
-        let bright = sight.corners.map(|(n, share)| (&self.luminance[n], share));
+        let outgoing = self.outgoing(wo);
+        let (normal, h) = self.normal(&outgoing, wi, wo);
+        let visible = outgoing.corners.map(|(n, share)| (&self.visible[n], share));
+        let bright = outgoing.corners.map(|(n, share)| (&self.luminance[n], share));
         let in_square =
             Warp::density(&bright, Warp::invert(&visible, normal)) * Warp::density(&visible, normal);
         // Solid angle of half vectors over the area of the square, and of incident directions over that of half vectors.
@@ -295,7 +296,7 @@ mod tests {
 
     #[test]
     fn a_file_turned_by_a_quarter_is_another_material() {
-        // What makes the test above able to fail: the axes swapped, the deviation is of the order of the peak.
+        // Proof that the test above can fail: with the axes swapped, the deviation is of the order of the peak.
         let settings = Settings { phis: 7, range: FRAC_PI_2, ..Settings::default() };
         let rgl = parse(&synthetic::write(&model([0.25, 0.5]), &settings)).unwrap();
         assert!(deviation(&rgl, &model([0.5, 0.25])).1 > 0.3);
@@ -313,7 +314,7 @@ mod tests {
         }
     }
 
-    /// Directions by the warps have their density: the mean of what they are counted by is the sum over the hemisphere.
+    /// Directions by the warps have their density: the mean of their weights is the sum over the hemisphere.
     #[test]
     fn directions_by_the_warps_have_their_density() {
         for (phis, range, alpha) in

@@ -2,7 +2,7 @@
 //!
 //! Some instruments hold the light, some the detector. By reciprocity either is an outgoing direction; the one of which there are
 //! fewer angles is taken. Where there are many with a few samples each, neighbours are taken together: the incident direction is turned
-//! with the outgoing one, in the plane of incidence, so that its place beside the mirror direction stays what it was.
+//! with the outgoing one, in the plane of incidence, so that its place beside the mirror direction stays the same.
 
 use super::row::Row;
 use crate::table::Scattered;

@@ -81,7 +81,7 @@ impl Head {
 /// Parses the bytes of a Zemax file.
 ///
 /// # Errors
-/// [`ReadError`], with the line of the fault, and for what it may hold beyond an isotropic reflection.
+/// [`ReadError`], with the line of the fault, and for content beyond an isotropic reflection.
 pub fn zemax(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadError> {
     let text = decode(bytes)?;
     let mut words = Words::new(&text, &["#", "!"]);

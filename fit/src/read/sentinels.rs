@@ -9,7 +9,7 @@ const NEGATIVE: [f64; 8] = [-1.0, -9.0, -99.0, -999.0, -9999.0, -99999.0, -999_9
 /// Large ones.
 const LARGE: [f64; 6] = [999.0, 9999.0, 99999.0, 999_999.0, 65535.0, 32767.0];
 
-/// A value that stands for nothing is so many times farther from 0 than noise, or than what was measured.
+/// Distance from 0 of a value that stands for "not measured", over that of noise or of measured values.
 const FARTHER: f64 = 10.0;
 
 /// A negative number that no list has stands for nothing if it is repeated so often, and is the only one.

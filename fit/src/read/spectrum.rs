@@ -69,7 +69,7 @@ impl ToRgb {
         Self::extended(wavelengths)
     }
 
-    /// [`new`](Self::new) of wavelengths that may begin and end anywhere: beyond, a spectrum is what it is at its ends.
+    /// [`new`](Self::new) of wavelengths that may begin and end anywhere: beyond, a spectrum continues its ends.
     pub fn extended(wavelengths: &[f64]) -> Result<Self, ReadError> {
         if let Some(w) = wavelengths.windows(2).find(|w| w[1] <= w[0]) {
             return Err(ReadError::Content(format!(
@@ -96,7 +96,7 @@ impl ToRgb {
         Ok(Self { weights })
     }
 
-    /// What each wavelength adds to red, green and blue.
+    /// Contributions of each wavelength to red, green and blue.
     pub fn weights(&self) -> &[[f64; 3]] {
         &self.weights
     }

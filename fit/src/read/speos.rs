@@ -69,7 +69,7 @@ impl Grid {
         if turn > 0.0 { sum * 360.0 / turn } else { sum * 2.0 * PI }
     }
 
-    /// Divides an intensity by the cosine; what is at the horizon is nothing.
+    /// Divides an intensity by the cosine; 0 at the horizon.
     fn divide_by_cosine(&mut self) {
         for (t, (theta, _)) in self.thetas.iter().enumerate() {
             let cos = libm::cos(theta.to_radians());
@@ -155,7 +155,7 @@ pub fn anisotropic(bytes: &[u8], conventions: &Conventions) -> Result<Intake, Re
             grid
         })
         .collect();
-    // All tables share one scale, which makes the one of the reference reflect what the spectrum says.
+    // All tables share one scale, with which the one of the reference reflects as the spectrum says.
     let near = |n: &usize| (incidence[*n] - reference).abs();
     let Some(of) = (0..grids.len()).min_by(|a, b| near(a).total_cmp(&near(b))) else {
         return fail("SPEOS .anisotropicbsdf without an angle of incidence");

@@ -3,14 +3,14 @@
 use super::spectrum::ToRgb;
 use crate::ReadError;
 
-/// What the eye sees, nm.
+/// The visible range, nm.
 const VISIBLE: [f64; 2] = [360.0, 830.0];
 
 /// Wavelengths up to this are micrometres, and up to that metres.
 const MICROMETRES: f64 = 20.0;
 const METRES: f64 = 1e-4;
 
-/// A few lines make a colour if there are so many, and they begin and end in blue and red, nm.
+/// Least number of spectral lines that make a colour; they have to begin in blue and end in red, nm.
 const FEW: usize = 3;
 const BLUE: f64 = 500.0;
 const RED: f64 = 600.0;
@@ -22,7 +22,7 @@ pub(crate) struct Wavelengths {
     order: Vec<usize>,
     /// `None`: their mean is grey.
     to_rgb: Option<ToRgb>,
-    /// What was made of them, where it is not plain.
+    /// Their use, where it is not plain.
     pub note: Option<String>,
 }
 

@@ -47,7 +47,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The next word as a count of at most so many.
+    /// The next word as a count up to a limit.
     pub fn count(&mut self, expected: &str, most: usize) -> Result<usize, ReadError> {
         let word = self.word(expected)?;
         match word.parse::<usize>() {
@@ -56,7 +56,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// So many numbers.
+    /// The next numbers.
     pub fn numbers(&mut self, count: usize, expected: &str) -> Result<Vec<f64>, ReadError> {
         (0..count).map(|_| self.number(expected)).collect()
     }

@@ -15,7 +15,7 @@ impl Ratio {
         Self { black: BLACK * data.flatten().fold(1e-12, f64::max) }
     }
 
-    /// An albedo with what is added to it; one below 0, of a colour outside the gamut, counts as black.
+    /// An albedo with its shift; one below 0, of a colour outside the gamut, counts as black.
     pub fn shifted(self, albedo: f64) -> f64 {
         albedo.max(0.0) + self.black
     }

@@ -1,4 +1,4 @@
-//! What can be evaluated at any pair of directions.
+//! Functions that can be evaluated at any pair of directions.
 
 /// A BRDF that can be evaluated.
 ///
@@ -21,10 +21,10 @@
 pub trait Brdf: Sync {
     /// The BRDF f, linear sRGB; 1/sr. Both directions are unit vectors with z > 0, in the frame of the surface.
     ///
-    /// Channels of colours outside the gamut are negative. What is not a finite number, where nothing was measured, counts as 0.
+    /// Channels of colours outside the gamut are negative. A value that is not finite, where nothing was measured, counts as 0.
     fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3];
 
-    /// How much of the value was measured, 0 to 1; the rest of it is what a completion says.
+    /// Share of the value that was measured, 0 to 1; the rest is by a completion.
     fn measured(&self, _wi: [f64; 3], _wo: [f64; 3]) -> f64 {
         1.0
     }

@@ -21,7 +21,7 @@ pub fn halfway(thetas: &[f64]) -> Vec<f64> {
     thetas.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect()
 }
 
-/// Outgoing directions at which it is judged what is seen of a fit, angles in radians: 5, 30, 60 and 75 degrees.
+/// Outgoing directions at which visible errors of a fit are judged, angles in radians: 5, 30, 60 and 75 degrees.
 pub fn seen_views() -> [f64; 4] {
     [5.0f64, 30.0, 60.0, 75.0].map(f64::to_radians)
 }

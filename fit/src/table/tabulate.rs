@@ -14,6 +14,7 @@
 
 use super::{Brdf, Sample, Symmetry, Table, View, direction};
 use crate::FitError;
+use crate::numeric::GOLDEN_ANGLE;
 use crate::numeric::special::sphere_integral;
 use rayon::prelude::*;
 use srbf_core::{Domain, Level, Lobe, MAX_LOBES, Mixture, Vec3};
@@ -34,7 +35,7 @@ impl Default for Density {
     }
 }
 
-/// Sharpness of the widest cap, and what the next one's is multiplied by.
+/// Sharpness of the widest cap, and the factor to the next one.
 const WIDEST: f64 = 12.0;
 const NARROWER: f64 = 6.0;
 
@@ -65,9 +66,6 @@ const R2: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
 const AT_NORMAL: f64 = 1e-6;
 const AZIMUTHS: usize = 32;
 
-/// Golden angle, of spirals.
-const GOLDEN: f64 = 2.399_963_229_728_653;
-
 impl Table {
     /// Tabulates a BRDF at views, angles in radians within [0, pi / 2).
     ///
@@ -92,7 +90,7 @@ pub(crate) fn tabulate(
         return Err(FitError::Table(format!("view at {} degrees", theta.to_degrees())));
     }
     if brdf.symmetry() != Symmetry::Isotropic {
-        return Err(FitError::Table("it is anisotropic: views at one azimuth do not say what it is".into()));
+        return Err(FitError::Table("it is anisotropic: views at one azimuth do not describe it".into()));
     }
     let view = |&theta: &f64| {
         let (wo, caps) = look(brdf, theta);
@@ -115,7 +113,7 @@ fn value(brdf: &dyn Brdf, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
     brdf.evaluate(wi, wo).map(|v| if v.is_finite() { v } else { 0.0 })
 }
 
-/// Replaces samples at the normal by their means over the azimuth, and returns the relative L2 norm of what differs from those.
+/// Replaces samples at the normal by their means over the azimuth, and returns the relative L2 norm of the difference.
 fn make_round(brdf: &dyn Brdf, samples: &mut [Sample]) -> f64 {
     let (mut difference, mut square) = (0.0, 0.0);
     for s in samples {
@@ -173,7 +171,7 @@ impl Caps {
         let u = (i as f64 + 0.5) / count as f64;
         let w = -libm::log1p(u * libm::expm1(-2.0 * s)) / s;
         let r = libm::sqrt(w * (2.0 - w));
-        let (sp, cp) = libm::sincos(GOLDEN * i as f64 + cap as f64);
+        let (sp, cp) = libm::sincos(GOLDEN_ANGLE * i as f64 + cap as f64);
         let tangent = [self.axis[2], 0.0, -self.axis[0]];
         let mut d = [0.0; 3];
         (0..3).for_each(|k| d[k] = self.axis[k] * (1.0 - w) + tangent[k] * r * cp);
@@ -240,7 +238,7 @@ impl Drawn {
 fn draw(brdf: &dyn Brdf, wo: [f64; 3], caps: &Caps, density: Density, drawn: Option<&Drawn>) -> Vec<Sample> {
     let spread = (0..density.hemisphere).map(|i| {
         let z = (i as f64 + 0.5) / density.hemisphere as f64;
-        let (sp, cp) = libm::sincos(GOLDEN * i as f64);
+        let (sp, cp) = libm::sincos(GOLDEN_ANGLE * i as f64);
         let r = libm::sqrt(1.0 - z * z);
         [r * cp, (r * sp).abs(), z]
     });
@@ -256,7 +254,7 @@ fn draw(brdf: &dyn Brdf, wo: [f64; 3], caps: &Caps, density: Density, drawn: Opt
         rgb: value(brdf, d, wo),
         weight: 1.0 / probability(&d),
     });
-    // No part of the quadrature: what lobes that draw directions may lack.
+    // No part of the quadrature, and possibly missing from lobes that draw directions.
     let horizon = (0..HORIZON * usize::from(drawn.is_some())).map(|i| {
         let d = direction(FRAC_PI_2 - ABOVE_HORIZON, PI * (i as f64 + 0.5) / HORIZON as f64);
         Sample { direction: d, rgb: value(brdf, d, wo), weight: 0.0 }

@@ -8,7 +8,7 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What the names begin and end with.
+/// Begin and end of the names.
 const NAME: [&str; 2] = [".srbf-", ".part"];
 
 /// A file that is removed when this is dropped, unless it has got another name by then.
@@ -57,7 +57,7 @@ impl Temporary {
         self.file.sync_all()
     }
 
-    /// Gives it its name, in place of what has that.
+    /// Gives it its name, and replaces the file that has it.
     pub fn rename(&mut self, path: &Path) -> io::Result<()> {
         std::fs::rename(&self.path, path)?;
         self.is_kept = true;

@@ -55,9 +55,9 @@ than ours, and bold where that is certain (two standard errors).
     SRBF_DATA_DIR=... srbf {}
 
 Commit {commit}, {}; {minutes:.0} minutes. The sphere under a forest (`cc0_forest_512`), one scattering, {side} x {side} pixels,
-{seconds} s of processors for each picture, {repeats} pictures each; the table is what is rendered (samples of Cornell's materials are completed first), and the lobes were fitted
-to it. Fitting is not counted. Of the pixels the 0.1 % that are worst are apart; [samplers.md](samplers.md) says what each method draws.
-The networks that stand for MERL's materials and the completed samples take longer to evaluate than lobes, which hides what a draw costs.
+{seconds} s of processors for each picture, {repeats} pictures each; the table is rendered (samples of Cornell's materials are completed first), and the lobes were fitted
+to it. Fitting is not counted. Of the pixels the 0.1 % that are worst are apart; [samplers.md](samplers.md) describes the draws of each method.
+The networks that stand for MERL's materials and the completed samples take longer to evaluate than lobes, which hides the cost of a draw.
 ",
         command.join(" "),
         Processor::this()
@@ -154,7 +154,7 @@ fn reason(name: &str) -> &'static str {
             "Its parts have the long tails of GGX, which a Gaussian lobe lacks: they meet bright parts of the light more often."
         }
         "ggx" | "ward" | "phong" => {
-            "A draw is cheaper than of 12 lobes. Lobes follow the material, and what is left is the variance of the light, whose bright parts wider tails meet more often."
+            "A draw is cheaper than of 12 lobes. Lobes follow the material, and the rest is the variance of the light, whose bright parts wider tails meet more often."
         }
         "lafortune" => "Nine lobes and a cosine are wide, which is what counts where the light decides.",
         "defensive" => "One direction in twenty of the cosine meets light that the lobes seldom look at.",
@@ -169,7 +169,7 @@ fn reason(name: &str) -> &'static str {
 /// The lobes as the material, beside the table.
 fn in_place(comparisons: &[Comparison]) -> String {
     let mut text = format!(
-        "`{FIT}` renders the lobes, not the table, which still judges: what is left however many samples there are is the error of the fit. \
+        "`{FIT}` renders the lobes, not the table, which still judges: the error that no number of samples removes is that of the fit. \
          Bias: relative to the brightness of a pixel, root mean square; after `<` a bound where none is certain.\n\n\
          | material | error after the same time, over `product` | time of a sample, over `product` | bias |\n|---|---|---|---|\n"
     );

@@ -1,4 +1,4 @@
-//! The table as a picture: error against bytes, and against what a call costs.
+//! The table as a picture: error against bytes, and against the cost of a call.
 
 use super::LobesRow;
 use anyhow::anyhow;
@@ -12,7 +12,7 @@ use std::path::Path;
 
 const SIZE: [u32; 2] = [1200, 520];
 
-/// What a panel's abscissa is of a row.
+/// The abscissa of a panel for a row.
 type Abscissa = fn(&LobesRow) -> f64;
 
 /// Writes the picture.

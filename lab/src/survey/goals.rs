@@ -2,7 +2,7 @@
 
 use super::row::{SurveyRow, quantile};
 
-/// A goal for every material: what it says, and whether one meets it.
+/// A goal for every material: its text, and whether one meets it.
 type Goal = (&'static str, fn(&SurveyRow) -> bool);
 
 const EACH: [Goal; 4] = [
@@ -19,7 +19,7 @@ const EACH_BESIDE_THESIS: [Goal; 2] = [
     ("8 times better than eq. 9 where that exceeds 30 %", |r| r.eq9 <= 30.0 || 8.0 * r.same_views <= r.eq9),
 ];
 
-/// A goal for a quantile: what it says, what is measured, the quantile, and the most that meets it.
+/// A goal for a quantile: its text, its number, the quantile, and the most that meets it.
 type QuantileGoal = (&'static str, fn(&SurveyRow) -> f64, f64, f64);
 
 const QUANTILES: [QuantileGoal; 6] = [
@@ -78,7 +78,7 @@ mod tests {
         let rows = [3.0, 3.6, 9.0].map(|halfway| SurveyRow { halfway, ..SurveyRow::default() });
         assert!(quantile_verdict(&QUANTILES[0], &rows).starts_with("met    median error halfway, %: 3.6000"));
         assert!(quantile_verdict(&QUANTILES[1], &rows).starts_with("missed"));
-        // What was not measured meets no goal.
+        // A missing number meets no goal.
         assert!(quantile_verdict(&QUANTILES[3], &rows).starts_with("missed"));
     }
 

@@ -1,4 +1,4 @@
-//! What the survey measures of one material, as a row.
+//! The measurements of the survey on one material, as a row.
 
 /// One material. Errors are relative L2 of `f cos`, percent, mean over the views; NaN where the thesis was left out.
 #[derive(Clone, Debug)]
@@ -51,13 +51,13 @@ pub struct SurveyRow {
     pub ripple: f64,
     pub skirt: f64,
     pub noise: f64,
-    /// Two GGX lobes with a diffuse term, where ours are judged by what is seen: at the peak, and the luminance beyond, percent; the colour.
+    /// Two GGX lobes with a diffuse term, where ours are judged by visible errors: at the peak, and the luminance beyond, percent; the colour.
     pub ggx_peak: f64,
     pub ggx_luminance: f64,
     pub ggx_chroma: f64,
 }
 
-/// What the columns are.
+/// The names of the columns.
 pub const LEGEND: &str = "fit, halfway: relative L2 of f cos in %, mean over the views and over those in between; \
     peak, off peak: within 15 degrees of the mirror direction and beyond, lumin., chroma: median errors beyond, at 5, 30, 60 and 75 degrees; \
     blend: halfway, our lobes at the views blended by eq. 9 over the 3 or 4 nearest views, and over 2; thesis: the same of \
@@ -160,7 +160,7 @@ impl SurveyRow {
         format!("{:32} {}", "material", columns.join(" "))
     }
 
-    /// The printed line; `-` for what was not measured.
+    /// The printed line; `-` for missing numbers.
     pub fn line(&self) -> String {
         line(&self.name, &COLUMNS.map(|c| (c.3)(self)))
     }
@@ -170,7 +170,7 @@ impl SurveyRow {
         format!("material,{}", COLUMNS.map(|c| c.0).join(","))
     }
 
-    /// The line of the CSV file; empty for what was not measured.
+    /// The line of the CSV file; missing numbers are empty.
     pub fn csv(&self) -> String {
         let field = |v: f64| if v.is_nan() { String::new() } else { format!("{v:.6}") };
         format!("{},{}", self.name, COLUMNS.map(|c| field((c.3)(self))).join(","))

@@ -53,7 +53,7 @@ pub fn run(
             reports.iter().map(|v| 100.0 * of(v)).collect()
         };
         let l2 = list(&lobes, |v| v.error);
-        let luminance = list(&lobes, |v| v.seen.luminance);
+        let luminance = list(&lobes, |v| v.regions.luminance);
         let completed = list(&completed, |v| v.error);
         println!(
             "{name:26} {} | {} | {} | {:.1} s",

@@ -12,15 +12,15 @@ use std::time::Instant;
 
 /// Draws a ball of a material; with a table, also a ball of the table and their difference.
 ///
-/// Direct light, one PNG: on the left the material, in the middle what it is held against, under the same light and with the
-/// same exposure, on the right four times the difference of what the display shows, where grey is none. Both balls are shaded along the same
+/// Direct light, one PNG: on the left the material, in the middle the other one, under the same light and with the
+/// same exposure, on the right four times the difference on the display, where grey is none. Both balls are shaded along the same
 /// random directions, so that their noise cancels in the difference.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// A .srbf file, the name of a preset, or a table or model as in `render`
     #[arg(value_name = "FILE|PRESET|MODEL")]
     material: String,
-    /// What it is held against: the table that it was fitted to, or another material
+    /// The table that it was fitted to, or another material
     #[arg(long, value_name = "FILE|PRESET|MODEL")]
     against: Option<String>,
     /// The light: sky, haze (the sun spread wide), constant:VALUE, or a latitude-longitude map in a .hdr or .exr file
@@ -63,7 +63,7 @@ pub fn check_output(path: &Path) -> anyhow::Result<()> {
     output::check_place(path)
 }
 
-/// Draws and writes a picture, and prints what it shows.
+/// Draws and writes a picture, and prints its content.
 ///
 /// # Errors
 /// As [`ball_sheet::draw`]; names the file that cannot be written.

@@ -48,7 +48,7 @@ pub struct Args {
         value_name = "METHOD"
     )]
     samplers: Vec<Method>,
-    /// What the numbers of paths are: Owen-scrambled Sobol points, as in `render`, or random numbers
+    /// The numbers of paths: Owen-scrambled Sobol points, as in `render`, or random numbers
     #[arg(long, value_enum, default_value = "sobol")]
     points: PointsName,
     /// Samples a pixel at which the error is taken, rising, separated by commas
@@ -113,7 +113,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Refuses what does not fit together, before the work.
+/// Refuses options that do not fit together, before the work.
 fn check(args: &Args) -> anyhow::Result<()> {
     ensure!(args.spp.is_sorted_by(|a, b| a < b), "--spp: numbers that rise are expected");
     ensure!(args.seconds.is_sorted_by(|a, b| a < b), "--seconds: numbers that rise are expected");

@@ -1,11 +1,11 @@
-//! Options that say what a file of samples leaves open.
+//! Options for the conventions that a file of samples leaves open.
 
 use srbf_fit::read::{Angles, Conventions, Mirror, Values};
 use std::f64::consts::PI;
 
-/// What is known of a file of samples beyond what stands in it.
+/// Knowledge of a file of samples beyond its content.
 #[derive(Clone, Debug, clap::Args)]
-#[command(next_help_heading = "What the file leaves open")]
+#[command(next_help_heading = "Conventions that the file leaves open")]
 pub struct ConventionArgs {
     /// Unit of angles [default: as the file says or shows]
     #[arg(long, value_name = "UNIT")]

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// Writes a measured BRDF, a model or a fit in the format of another program.
 ///
-/// From whatever `srbf fit` reads, and from `.srbf` files of isotropic surfaces, to what the name of OUTPUT ends in:
+/// From any file that `srbf fit` reads, and from `.srbf` files of isotropic surfaces, to the format of the ending of OUTPUT:
 ///
 /// .binary (MERL): 90 x 90 x 180 cells, each the value at its centre. Readers interpolate between them: f cos of a smooth model comes back
 /// within 0.5 % of relative L2 (GGX, roughness 0.1), of a diffuse one exactly. A cell is one value for a pair of directions and the
@@ -41,7 +41,7 @@ pub struct Args {
     conventions: ConventionArgs,
 }
 
-/// What can be written.
+/// The formats that can be written.
 #[derive(Clone, Copy)]
 enum Format {
     Merl,
@@ -83,7 +83,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     .with_context(named)
 }
 
-/// What is read, or the lobes of a fit.
+/// The file that was read, or the lobes of a fit.
 fn source(input: &Path, conventions: &Conventions) -> anyhow::Result<Source> {
     if !input.extension().is_some_and(|end| end.eq_ignore_ascii_case("srbf")) {
         return Ok(read_with(input, conventions)?);
@@ -92,7 +92,7 @@ fn source(input: &Path, conventions: &Conventions) -> anyhow::Result<Source> {
     Ok(Source::evaluable(Box::new(export::Lobes(material)), name, String::new()))
 }
 
-/// Writes samples: those that were read, or such as are made of what has a value everywhere.
+/// Writes samples: those that were read, or those of a BRDF.
 fn write_samples(output: &Path, source: Source, text: fn(&Table) -> String) -> anyhow::Result<()> {
     let (table, are) = match source.content {
         Content::Samples(table) => (table, "as they were read"),

@@ -1,4 +1,4 @@
-//! `srbf` without a command: pictures of a preset, error against run time, and a page of both, from what is embedded.
+//! `srbf` without a command: pictures of a preset, error against run time, and a page of both, from embedded materials and light.
 
 use crate::numbers::points::PointsName;
 use crate::out::page::{Figure, Page};
@@ -34,7 +34,7 @@ const PICTURES: [Picture; 2] = [
     Picture { scene: SceneName::Teapot, file: "teapot.exr", size: [720, 450], samples: 64 },
 ];
 
-/// What is compared, on what: a lacquer with a wide highlight, and a metallic paint with a sharp one.
+/// The materials of the comparison: a lacquer with a wide highlight, and a metallic paint with a sharp one.
 const METHODS: [Strategy; 7] = [
     Strategy::EVEN,
     Strategy::MIS,

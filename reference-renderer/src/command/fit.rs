@@ -26,7 +26,7 @@ use std::path::{Path, PathBuf};
 
 /// Fits measured BRDFs: writes .srbf materials, with a picture and a report in JSON beside each.
 ///
-/// Prints what is good, what is off, what to try, and what was written. The exit status is 2 if a file could not be fitted;
+/// Prints criteria that are good, criteria that are off, advice, and the files that were written. The exit status is 2 if a file could not be fitted;
 /// of several files the others are fitted all the same.
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -51,7 +51,7 @@ pub struct Args {
     /// The file holds published Lafortune fits (lafortune_fits.csv); this is the one that is taken as the measurement.
     #[arg(long, value_name = "NAME")]
     material: Option<String>,
-    /// Also fits without parts of the samples and without whole views, prints the error over what was left out, and puts it
+    /// Also fits without parts of the samples and without whole views, prints the error there, and puts it
     /// into the report.
     #[arg(long)]
     cross_validate: bool,
@@ -87,7 +87,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Fits a file, and draws and says what is asked for.
+/// Fits a file, with the picture and the report that are asked for.
 fn fit_one(args: &Args, place: &Job, picture: Option<&Path>) -> anyhow::Result<()> {
     let file = &place.file;
     let source = method::read(file, args.material.as_deref(), &args.conventions.conventions())?;
@@ -155,7 +155,7 @@ fn check_options(file: &Path, content: &Content, settings: &SettingArgs) -> anyh
     Ok(())
 }
 
-/// Errors over what is left out of the fit, if they are asked for.
+/// Errors over data that is left out of the fit, if they are asked for.
 fn left_out(
     is_asked_for: bool,
     file: &Path,
@@ -169,7 +169,7 @@ fn left_out(
             Ok(Some(method.with(settings, |method| srbf_fit::judge::cross::cross_validate(table, method))??))
         }
         Content::Evaluable(_) => bail!(
-            "{}: --cross-validate is for samples; fits of what can be evaluated anywhere report held-out views as they are",
+            "{}: --cross-validate is for samples; fits of a BRDF report held-out views anyway",
             shown(file)
         ),
     }

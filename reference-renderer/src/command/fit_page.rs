@@ -6,9 +6,9 @@ use crate::out::page::{Cell, Figure, Page, Table};
 use srbf_fit::judge::report::{Report, ViewReport};
 use std::path::Path;
 
-/// What a page shows.
+/// The content of a page.
 pub struct Subject<'a> {
-    /// What the material is called.
+    /// The name of the material.
     pub name: &'a str,
     /// Lines of the verdict.
     pub words: &'a [String],
@@ -49,7 +49,7 @@ pub fn write(path: &Path, subject: &Subject<'_>) -> anyhow::Result<()> {
     page.write(path)
 }
 
-/// The lines of a verdict: what they are, and the sentence.
+/// The lines of a verdict: their kind, and the sentence.
 fn verdict(words: &[String]) -> Table {
     let row = |line: &String| {
         let (label, text) = line.split_once(' ').unwrap_or(("", line));

@@ -6,7 +6,7 @@ use glam::Vec3;
 use srbf_core::{MAX_LOBES, Material, printable};
 use srbf_fit::judge::report::factor_bytes;
 
-/// Prints what a .srbf material holds.
+/// Prints the content of a .srbf material.
 ///
 /// A line for each view: its angle, the squeeze, the albedo in closed form, the share of it that the diffuse term has,
 /// the range of the lobes' sharpness, and the share of the strongest lobe. Of an anisotropic material also the azimuth, and the

@@ -7,6 +7,7 @@ use srbf_core::Material;
 use srbf_fit::judge::appearance::Appearance;
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Report, ViewReport};
+use srbf_fit::judge::verdict::Verdict;
 use srbf_fit::read::{Content, read};
 use srbf_fit::table::evaluation_views;
 use std::path::PathBuf;
@@ -47,6 +48,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     view_table::print_views(&report.held_out, true);
     let reciprocity = reciprocity(&material)?;
     view_table::print_whole(&report, &reciprocity, Some(&material));
-    view_table::words(&report, &reciprocity, Some(&material)).iter().for_each(|line| println!("{line}"));
+    let verdict = Verdict::of_material(&report, &reciprocity);
+    view_table::words(&report, &verdict).iter().for_each(|line| println!("{line}"));
     Ok(())
 }

@@ -9,9 +9,9 @@ use srbf_fit::read::{Content, Conventions, Source, csv, read_with};
 use srbf_fit::table::Table;
 use std::path::{Path, PathBuf};
 
-/// Looks at measurements without fitting them: what was read, what was taken for granted, what is off, what to change.
+/// Looks at measurements without fitting them: content, assumptions, faults, and options that change the reading.
 ///
-/// Of a file of samples: how many there are, what was left out and by which lines, conventions with the option that changes each, whether
+/// Of a file of samples: their number, the rows that were left out with their lines, conventions with the option that changes each, whether
 /// a turn of the sample matters, units, swapped pairs, left against right, the highlight, and outliers by line. The exit
 /// status is 2 if a file cannot be read.
 #[derive(Debug, clap::Args)]
@@ -25,7 +25,7 @@ pub struct Args {
     /// Prints JSON, a document for each file
     #[arg(long, conflicts_with = "quiet")]
     json: bool,
-    /// Prints a line for each file: what is off with units, isotropy, outliers, cosines and sides. What has a value for every pair of
+    /// Prints a line for each file: faults of units, isotropy, outliers, cosines and sides. A file with a value for every pair of
     /// directions is sampled first, at 1500 of them.
     #[arg(long, conflicts_with_all = ["quiet", "json", "quick"])]
     table: bool,
@@ -107,7 +107,7 @@ fn look_at(args: &Args, file: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Prints what was found; without `all`, no fact that has no bearing on the fit.
+/// Prints the findings; without `all`, no fact that has no bearing on the fit.
 pub fn print(look: &Look, all: bool) {
     println!("data  {}", look.summary());
     for finding in &look.findings {

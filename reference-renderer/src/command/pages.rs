@@ -1,4 +1,4 @@
-//! `srbf completions` and `srbf man`: made of the command line itself, so that they say what it does.
+//! `srbf completions` and `srbf man`: made from the command line itself, so that they agree with it.
 
 use crate::command::Cli;
 use crate::out::output;

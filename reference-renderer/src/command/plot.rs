@@ -11,6 +11,7 @@ use crate::truth::stored::StoredMaterial;
 use srbf_fit::complete::{Completion, complete};
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Report, ViewReport};
+use srbf_fit::judge::verdict::Verdict;
 use srbf_fit::read::{Content, Source};
 use srbf_fit::table::{Brdf, Symmetry, Table, evaluation_views};
 use std::path::{Path, PathBuf};
@@ -35,7 +36,7 @@ pub struct Args {
     /// The fitted material: a .srbf file or the name of a preset
     #[arg(value_name = "FILE|PRESET")]
     material: String,
-    /// What it was fitted to: whatever `srbf fit` reads
+    /// The data that it was fitted to: any file that `srbf fit` reads
     #[arg(long, value_name = "TABLE")]
     against: Option<PathBuf>,
     /// The light of the balls: sky, haze, constant:VALUE, or a latitude-longitude map in a .hdr or .exr file
@@ -49,16 +50,16 @@ pub struct Args {
     output: Option<PathBuf>,
 }
 
-/// What a fit is held against.
+/// The data beside a fit.
 pub enum Beside {
-    /// What has a value for every pair of directions.
+    /// A BRDF.
     Table(Box<MeasuredMaterial>),
-    /// Samples, and what they are completed to.
+    /// Samples and their completion.
     Samples(Table, Box<Completion>),
 }
 
 impl Beside {
-    /// Takes what was read.
+    /// From a file that was read.
     ///
     /// # Errors
     /// As the completion says them.
@@ -72,7 +73,7 @@ impl Beside {
         })
     }
 
-    /// What has a value everywhere.
+    /// The BRDF.
     fn brdf(&self) -> &dyn Brdf {
         match self {
             Self::Table(table) => table.brdf(),
@@ -92,7 +93,10 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let beside = source.map(Beside::new).transpose()?;
     let report = beside.as_ref().map(|beside| judge(&stored, beside)).transpose()?.flatten();
     let verdict = match &report {
-        Some(report) => view_table::words(report, &reciprocity(&stored.material)?, Some(&stored.material)),
+        Some(report) => {
+            let verdict = Verdict::of_material(report, &reciprocity(&stored.material)?);
+            view_table::words(report, &verdict)
+        }
         None => Vec::new(),
     };
     let (name, page) = (stored.name.clone(), args.html.then(|| output.with_extension("html")));
@@ -117,7 +121,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The errors of a material beside what is known everywhere; none of an anisotropic one.
+/// The errors of a material beside a BRDF; none of an anisotropic one.
 fn judge(stored: &StoredMaterial, beside: &Beside) -> anyhow::Result<Option<Report>> {
     let material = &stored.material;
     if !material.is_isotropic() || beside.brdf().symmetry() != Symmetry::Isotropic {

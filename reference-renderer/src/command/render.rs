@@ -30,7 +30,7 @@ use std::time::Instant;
 /// Renders a scene with a material to EXR and PNG.
 ///
 /// Writes linear radiance to OUT, and a tone-mapped PNG beside it. The furnace, and the sphere under `--env constant:VALUE`, print the
-/// mean that was rendered beside the closed form, or the quadrature of a table. The last lines say what was rendered, and what sampled it.
+/// mean that was rendered beside the closed form, or the quadrature of a table. The last lines name the rendered materials and their samplers.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// The scene
@@ -42,7 +42,7 @@ pub struct Args {
     /// The axis that is up in the mesh file
     #[arg(long, value_enum, default_value = "y", requires = "mesh")]
     mesh_up: Up,
-    /// What the object is rendered with: a .srbf file or the name of a preset, of which the lobes are the material; or a table or
+    /// The material of the object: a .srbf file or the name of a preset, of which the lobes are the material; or a table or
     /// model that `fit` reads (.bsdf, .binary, .brdf, .astm, .csv, model:..., FILE.csv:NAME of published Lafortune fits), which is the
     /// truth, whatever samples it
     #[arg(long, default_value = stored::DEFAULT, value_name = "FILE|PRESET|MODEL")]
@@ -66,7 +66,7 @@ pub struct Args {
     /// Where the camera stands, in place of the scene's own
     #[arg(long, value_parser = argument::point, allow_negative_numbers = true, value_name = "X,Y,Z")]
     eye: Option<Vec3>,
-    /// What it looks at
+    /// The point that it looks at
     #[arg(long, value_parser = argument::point, allow_negative_numbers = true, value_name = "X,Y,Z")]
     look_at: Option<Vec3>,
     /// Degrees that the shorter side of the picture sees
@@ -97,7 +97,7 @@ pub struct Args {
     /// Directions drawn together at the first hit; --spp counts directions [default: 16 for samplers of several, else 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     split: Option<u32>,
-    /// What the numbers of a path are: Owen-scrambled Sobol points, each decision along it with four dimensions of its own, or random
+    /// The numbers of a path: Owen-scrambled Sobol points, each decision along it with four dimensions of its own, or random
     /// numbers; thesis-walk takes random ones beyond three [default: sobol; random where a standard error is printed, of the furnace]
     #[arg(long, value_enum)]
     points: Option<PointsName>,
@@ -110,7 +110,7 @@ pub struct Args {
     /// Threads; 0 is one a processor. The picture does not depend on it
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
-    /// Also prints what was not loaded or built, and why
+    /// Also prints parts that were not loaded or built, and why
     #[arg(long)]
     explain: bool,
     /// Stops to brighten the PNG by, from an exposure that fits the picture; the EXR stays as it is
@@ -137,7 +137,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     argument::on_threads(args.threads.into(), || render(&args))
 }
 
-/// Refuses what does not fit together, before the work.
+/// Refuses options that do not fit together, before the work.
 fn check(args: &Args) -> anyhow::Result<()> {
     output::check_extension(&args.output, "exr")?;
     output::check_places(&[&args.output, &args.output.with_extension("png")])?;
@@ -281,7 +281,7 @@ fn env(args: &Args) -> &str {
     args.env.as_deref().unwrap_or(own)
 }
 
-/// Prints for every material what is rendered, and what sampled it.
+/// Prints every rendered material and its sampler.
 fn print_cast(cast: &Cast, samplers: &[Sampler<'_>], strategy: Strategy) {
     for ((role, material), sampler) in cast.roles.iter().zip(samplers) {
         let truth = material.truth();
@@ -307,7 +307,7 @@ fn print_cast(cast: &Cast, samplers: &[Sampler<'_>], strategy: Strategy) {
     println!("light: {light}");
 }
 
-/// What is rendered, in words.
+/// The rendered material, in words.
 fn rendered(material: &LoadedMaterial) -> String {
     match (material.truth(), material.name()) {
         (Truth::Lobes(lobes), name) => format!("{name}, lobes: {}", lobes.lobe_count()),
@@ -329,7 +329,7 @@ fn around_lobes(scene: &Scene<'_>, camera: &Camera, size: [u32; 2], settings: &R
     [paths as f64, start.elapsed().as_secs_f64()]
 }
 
-/// Prints what was not loaded or built.
+/// Prints parts that were not loaded or built.
 fn explain(args: &Args, cast: &Cast, strategy: Strategy) {
     println!("left out:");
     let scene = args.scene.text();

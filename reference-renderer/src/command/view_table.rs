@@ -5,7 +5,7 @@ use srbf_fit::complete::held_out::HeldOut;
 use srbf_fit::complete::{CompletionReport, Outlier};
 use srbf_fit::judge::reciprocity::Reciprocity;
 use srbf_fit::judge::report::{Report, ViewReport, factor_bytes};
-use srbf_fit::judge::verdict::{Made, Spread, Summary, Verdict};
+use srbf_fit::judge::verdict::{Spread, Summary, Verdict};
 
 const COLUMNS: [(&str, usize, usize); 7] = [
     ("L2 %", 7, 2),
@@ -20,7 +20,7 @@ const COLUMNS: [(&str, usize, usize); 7] = [
 /// Parts of L2 below are printed as 0, and are not.
 const LEAST_SHARE: f64 = 5e-5;
 
-/// What the columns are.
+/// The legend of the columns.
 pub const LEGEND: &str = "L2 %: relative L2 error of f cos; peak, off: the same within 15 degrees of the mirror direction, and beyond;\n\
     lumin., chroma: median error beyond, of the luminance in % and of the colour; var., weight: relative variance and\n\
     largest over mean of f cos / pdf; albedo: of the fit, and in brackets of the data";
@@ -28,7 +28,7 @@ pub const LEGEND: &str = "L2 %: relative L2 error of f cos; peak, off: the same 
 /// Most outliers that are printed.
 const OUTLIERS: usize = 5;
 
-/// Prints what is known of what samples were completed to.
+/// Prints the report of the completion of samples.
 pub fn print_completion(completion: &CompletionReport) {
     let error = |held_out: &HeldOut| {
         let logarithm = 100.0 * held_out.logarithm.exp_m1();
@@ -50,7 +50,7 @@ pub fn print_completion(completion: &CompletionReport) {
         let shown: Vec<String> = outliers.iter().take(OUTLIERS).map(times).collect();
         let more = if outliers.len() > OUTLIERS { ", ..." } else { "" };
         println!(
-            "  left out, as all others speak against them: {}: {}{more}",
+            "  left out, because all others contradict them: {}: {}{more}",
             outliers.len(),
             shown.join("; ")
         );
@@ -99,14 +99,14 @@ fn albedo(rgb: [f64; 3]) -> String {
     rgb.map(|a| format!("{a:.3}")).join(" ")
 }
 
-/// The numbers of a view; what is black has no relative error.
+/// The numbers of a view; a black one has no relative error.
 fn errors(v: &ViewReport) -> [f64; 7] {
     let error = if v.is_black { f64::NAN } else { v.error };
-    let seen = v.seen;
-    [error, seen.peak, seen.off_peak, seen.luminance, seen.chroma, v.variance, v.largest_weight]
+    let regions = v.regions;
+    [error, regions.peak, regions.off_peak, regions.luminance, regions.chroma, v.variance, v.largest_weight]
 }
 
-/// The numbers of the columns, the first four in per cent; `-` for what a method has none of, as the variance if it does not sample.
+/// The numbers of the columns, the first four in per cent; `-` for numbers that a method lacks, such as the variance if it does not sample.
 fn numbers(values: [f64; 7]) -> String {
     fields(values).join(" ")
 }
@@ -142,7 +142,7 @@ fn print_summary(summary: &Summary, isotropic: bool) {
     println!("at deg{gap} |{}", angles.map(angle).collect::<Vec<_>>().join(" "));
 }
 
-/// Prints what is known of the whole: the table behind it, the material, energy and reciprocity.
+/// Prints the numbers of the whole: the table behind it, the material, energy and reciprocity.
 ///
 /// `material`: the material, if the fit is one.
 pub fn print_whole(report: &Report, reciprocity: &Reciprocity, material: Option<&Material<&[u8]>>) {
@@ -168,14 +168,10 @@ pub fn print_whole(report: &Report, reciprocity: &Reciprocity, material: Option<
     }
 }
 
-/// What is said of a fit in words: notes, then the verdict.
-pub fn words(
-    report: &Report,
-    reciprocity: &Reciprocity,
-    material: Option<&Material<impl AsRef<[u8]>>>,
-) -> Vec<String> {
+/// A fit in words: notes, then the verdict.
+pub fn words(report: &Report, verdict: &Verdict) -> Vec<String> {
     let notes = report.notes().into_iter().map(|note| format!("note {note}"));
-    notes.chain(Verdict::new(report, reciprocity, material.map(Made::new)).lines()).collect()
+    notes.chain(verdict.lines()).collect()
 }
 
 /// Whether no view of a report is turned.
@@ -188,7 +184,7 @@ fn print_data(report: &Report) {
     let all = || report.held_out.iter().chain(&report.views);
     if let Some(view) = all().find(|v| v.floor > LEAST_SHARE) {
         println!(
-            "floor at {:.1} degrees: the data are {:.2} % of L2 from their mean over the azimuth, to which errors are taken",
+            "floor at {:.1} degrees: the data differ by {:.2} % of L2 from their mean over the azimuth, the base of errors",
             view.theta.to_degrees(),
             100.0 * view.floor
         );
@@ -220,7 +216,7 @@ pub fn print_factors(material: &Material<impl AsRef<[u8]>>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use srbf_fit::judge::seen::Seen;
+    use srbf_fit::judge::measure::RegionErrors;
 
     /// A view with numbers as long as they get.
     fn long() -> ViewReport {
@@ -236,7 +232,7 @@ mod tests {
             density: 1.0,
             variance: 123.4,
             largest_weight: 1234.5,
-            seen: Seen { peak: 1.0, off_peak: 12.0, luminance: 12.0, chroma: 1.2 },
+            regions: RegionErrors { peak: 1.0, off_peak: 12.0, luminance: 12.0, chroma: 1.2 },
             floor: 0.0,
             negatives: (0.0, 0.0),
         }

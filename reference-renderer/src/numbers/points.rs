@@ -24,7 +24,7 @@ pub enum PointsName {
     Random,
 }
 
-/// What is decided along a path.
+/// The decisions along a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decision {
     /// The place in the pixel.

@@ -32,7 +32,7 @@ impl Random {
         Self { state }
     }
 
-    /// What the stream begins with: as random as its numbers.
+    /// The first number of the stream, as random as the others.
     #[inline]
     pub fn key(&self) -> u64 {
         self.state

@@ -1,6 +1,6 @@
 //! Files that are written: their places are checked before a long work, and they are whole or absent, those that belong together too.
 //!
-//! What is there already and was not written by this program stays, unless `--force` says otherwise ([`keep_others`]): every
+//! A file that this program did not write stays, unless `--force` says otherwise ([`keep_others`]): every
 //! format that the program writes holds its name within its first [`LOOKED_AT`] bytes.
 
 use crate::out::print::shown;
@@ -14,10 +14,10 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 /// How much of a file is looked at to see whose it is.
 const LOOKED_AT: u64 = 4096;
 
-/// What a `.srbf` file begins with.
+/// First bytes of a `.srbf` file.
 const MATERIAL: &[u8] = b"\x89SRBF\r\n\x1a";
 
-/// What the tables of comparisons begin with, which other programs read as they are.
+/// First bytes of the tables of comparisons, which other programs read.
 const COMPARISON: &[u8] = b"scene,material,environment,method,";
 
 /// Whether files of others stay.
@@ -28,12 +28,12 @@ thread_local! {
     static TOGETHER: RefCell<Option<Outputs>> = const { RefCell::new(None) };
 }
 
-/// From here on, [`check_place`] refuses to overwrite what others wrote.
+/// From here on, [`check_place`] refuses to overwrite files of others.
 pub fn keep_others() {
     KEEPS_OTHERS.store(true, Relaxed);
 }
 
-/// Writes a file, with the folders above it; replaces what was there in one step.
+/// Writes a file, with the folders above it; replaces a previous file in one step.
 ///
 /// # Errors
 /// Names the file.
@@ -73,7 +73,7 @@ impl Drop for Together {
     }
 }
 
-/// What was written to a file, whether or not it has its name by now.
+/// The content that was written to a file, whether or not it has its name yet.
 ///
 /// # Errors
 /// Names the file.
@@ -84,7 +84,7 @@ pub fn read_back(path: &Path) -> anyhow::Result<Vec<u8>> {
     std::fs::read(staged.as_deref().unwrap_or(path)).with_context(|| shown(path))
 }
 
-/// Refuses a name that ends in another extension: what is written beside the file has its name with another ending.
+/// Refuses a name that ends in another extension: files beside it have its name with another ending.
 ///
 /// # Errors
 /// Names the file and the extension.

@@ -51,7 +51,7 @@ pub struct Page {
     body: Vec<Markup>,
 }
 
-/// A picture with what is said of it.
+/// A picture with its caption.
 pub struct Figure {
     /// The bytes of PNG files, one above the other.
     pngs: Vec<Vec<u8>>,
@@ -103,7 +103,7 @@ impl Figure {
         Self { pngs: vec![png], caption: caption.into(), width: None }
     }
 
-    /// The same so many pixels wide; its own pixels then are squares.
+    /// The same, `width` pixels wide; its own pixels then are squares.
     pub fn wide(self, width: u32) -> Self {
         Self { width: Some(width), ..self }
     }
@@ -180,7 +180,7 @@ impl Page {
         self.body.push(html! { details { summary { (title) } (table.markup()) } });
     }
 
-    /// Pictures side by side; what does not fit goes on below.
+    /// Pictures side by side; the rest continues below.
     pub fn row(&mut self, figures: &[Figure]) {
         self.body.push(html! { div.row { @for figure in figures { (figure.markup()) } } });
     }
@@ -200,7 +200,7 @@ impl Page {
                 body { @for part in &self.body { (part) "\n" } }
             }
         };
-        // No text of a stranger turns the order of what is read.
+        // No text of a stranger turns the order of reading.
         printable_lines(&page.into_string()).to_string()
     }
 

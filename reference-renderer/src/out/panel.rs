@@ -66,7 +66,7 @@ pub fn draw_legend<'a, 'b: 'a, C: CoordTranslate>(
 /// A chart with two logarithmic axes.
 pub type Chart<'a, 'b> = ChartContext<'a, BitMapBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
 
-/// Makes a panel with logarithmic axes, which have what is said of them.
+/// Makes a panel with logarithmic axes and their labels.
 pub fn axes<'a, 'b>(
     area: &'a DrawingArea<BitMapBackend<'b>, Shift>,
     [x_label, y_label]: [&str; 2],
@@ -109,7 +109,7 @@ pub fn add_curve(
     Ok(())
 }
 
-/// The range of positive values, widened to powers of ten; what is not positive has no place on a logarithmic axis.
+/// The range of positive values, widened to powers of ten; other values have no place on a logarithmic axis.
 pub fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     let [low, high] = values
         .filter(|v| *v > 0.0 && v.is_finite())
@@ -123,7 +123,7 @@ pub fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     [power((low / 1.05).log10().floor()) / beyond, power((high * 1.05).log10().ceil()) * beyond]
 }
 
-/// Powers of ten and what lies between, without needless zeros.
+/// Powers of ten and numbers between, without needless zeros.
 pub fn tick(value: &f64) -> String {
     if (1e-4..1e6).contains(value) {
         format!("{}", (value * 1e6).round() / 1e6)

@@ -29,7 +29,7 @@ pub fn write_exr(path: &Path, [width, height]: [u32; 2], pixels: &[Vec3]) -> any
     output::write(path, &bytes)
 }
 
-/// Share of the pixels that are darker than what the PNG shows as nearly white.
+/// Share of the pixels that are darker than nearly white in the PNG.
 const BRIGHT_SHARE: f64 = 0.95;
 
 /// The factor that brings the brightest pixels, but for a twentieth of them, to where the tone map begins to compress.
@@ -109,7 +109,7 @@ fn tone_map(radiance: Vec3) -> Vec3 {
     (colour * (new_peak / peak)).lerp(Vec3::splat(new_peak), white)
 }
 
-/// What a display shows of a radiance: tone-mapped, sRGB values from 0 to 1. Here, and only here, negative channels become 0.
+/// A radiance as a display shows it: tone-mapped, sRGB values from 0 to 1. Here, and only here, negative channels become 0.
 pub fn displayed(radiance: Vec3) -> Vec3 {
     let curve = |v: f32| if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
     tone_map(radiance.max(Vec3::ZERO)).clamp(Vec3::ZERO, Vec3::ONE).map(curve)

@@ -4,7 +4,7 @@
 //! A reader that has gone (`srbf inspect FILE | head -1`) ends the program without a word, with the status 141 that shells give for
 //! that signal: 0 would say that the files were written. Any other failure is an error like all others, with status 2.
 //!
-//! Both are behind the border for text: what a stranger wrote, in a file, a name or an argument, reaches no terminal as it is. A line
+//! Both are behind the border for text: the text of a stranger, in a file, a name or an argument, reaches no terminal unchanged. A line
 //! end within a name would pass here, as lines are ended here too: [`shown`] is for names of files.
 //!
 //! `--quiet` leaves standard output empty: [`be_quiet`].
@@ -71,7 +71,7 @@ pub fn error_line(error: &anyhow::Error) -> String {
 
 /// What clap says of the command line, the arguments in it as they may be shown.
 ///
-/// The line is read once more with visible characters alone: clap leaves escapes out of what it quotes, so that no argument can be
+/// The line is read once more with visible characters alone: clap leaves escapes out of its quotations, so that no argument can be
 /// found in its text, and a line end within one would look like lines of its own.
 pub fn clap_text<C: clap::Parser>(error: &clap::Error) -> String {
     let visible = std::env::args_os().map(|argument| printable(&argument.to_string_lossy()).to_string());

@@ -4,7 +4,7 @@ use crate::out::print;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::time::Duration;
 
-/// One line of any terminal: the bar takes what the rest leaves, and a long label is cut.
+/// One line of any terminal: the bar takes the free columns, and a long label is cut.
 const LINE: &str = "{prefix:20!} [{wide_bar}] {percent:>3} %, {eta:>3} left";
 
 /// Steps of a work whose share is known and no number of steps.
@@ -65,7 +65,7 @@ mod tests {
     use std::io;
     use std::sync::{Arc, Mutex};
 
-    /// A terminal of few columns that remembers what was written.
+    /// A terminal of few columns that remembers its text.
     #[derive(Clone, Debug)]
     struct Terminal(u16, Arc<Mutex<Vec<String>>>);
 

@@ -7,7 +7,7 @@ use crate::truth::ggx_parts;
 use crate::truth::plain::{UNIFORM_DENSITY, cosine, cosine_density, uniform};
 use glam::{DVec3, Vec3};
 
-/// Storage for what a proposal may need: our lobes, and those of the thesis.
+/// Storage that a proposal may need: our lobes, and those of the thesis.
 pub struct Mixtures<'a> {
     pub lobes: AnyMixture<'a>,
     pub round: AnyMixture<'a>,
@@ -50,7 +50,7 @@ pub struct Proposal<'a> {
 #[derive(Clone, Copy, Debug)]
 pub struct Drawn {
     pub direction: Vec3,
-    /// By what the value is divided: the mean of such quotients estimates the integral.
+    /// Divisor of the value: the mean of such quotients estimates the integral.
     pub divisor: f32,
     /// Density of a direction drawn alone, which is what weights beside the light are made of; 1/sr.
     pub pdf: f32,

@@ -1,4 +1,4 @@
-//! A sampler of a material: by name, fitted to what is rendered.
+//! A sampler of a material: by name, fitted to the rendered material.
 
 use super::proposal::{Mixtures, Part, Proposal};
 use super::rivals::analytic::{Analytic, Lobe};
@@ -27,7 +27,7 @@ pub struct Sampler<'a> {
 }
 
 enum Kind<'a> {
-    /// What is at hand: the lobes that are rendered, or the guide of a table.
+    /// The material's own sampler: the lobes that are rendered, or the guide of a table.
     Own,
     /// Lobes that sample a table.
     Lobes(&'a Material<Bytes>),
@@ -42,14 +42,14 @@ enum Kind<'a> {
     Thesis(Thesis),
 }
 
-/// What is at hand, where nothing else was asked for.
+/// The default, the material's own sampler.
 pub static OWN: Sampler<'static> = Sampler { kind: Kind::Own, cosine: 0.0, is_multi: false };
 
 impl<'a> Sampler<'a> {
-    /// Fits a sampler to what is rendered. `lobes` sample a table; without any, a table's own lobes are its guide.
+    /// Fits a sampler to the rendered material. `lobes` sample a table; without any, a table's own lobes are its guide.
     ///
     /// # Errors
-    /// Says what the sampler cannot sample: what is anisotropic by isotropic methods, what is no `.bsdf` file by its warps.
+    /// Names materials that the sampler cannot sample: anisotropic ones by isotropic methods, others than `.bsdf` files by their warps.
     pub fn fit(
         name: SamplerName,
         truth: &Truth<'a>,

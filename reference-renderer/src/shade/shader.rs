@@ -1,4 +1,4 @@
-//! What a scene shades with: lobes, or a measured table, and what samples it.
+//! The materials of a scene: lobes, or a measured table, each with its sampler.
 
 use crate::numbers::points::{Decision, Points};
 use crate::shade::proposal::{Drawn, Mixtures, Part, Proposal};
@@ -29,7 +29,7 @@ impl LoadedMaterial {
         Ok(Self::Lobes(StoredMaterial::load(name)?))
     }
 
-    /// What it is called.
+    /// Its name.
     pub fn name(&self) -> &str {
         match self {
             Self::Lobes(stored) => &stored.name,
@@ -45,7 +45,7 @@ impl LoadedMaterial {
         }
     }
 
-    /// What it is called, and what kind of material it is.
+    /// Its name, and the kind of material.
     pub fn title(&self) -> String {
         match self {
             Self::Lobes(stored) => format!("{}, {} lobes", stored.name, stored.material.lobe_count()),
@@ -53,7 +53,7 @@ impl LoadedMaterial {
         }
     }
 
-    /// What is rendered.
+    /// The rendered material.
     pub fn truth(&self) -> Truth<'_> {
         match self {
             Self::Lobes(stored) => Truth::Lobes(&stored.material),
@@ -61,13 +61,13 @@ impl LoadedMaterial {
         }
     }
 
-    /// What a scene shades with, sampled by what is at hand.
+    /// The material in a scene, with its own sampler.
     pub fn shader(&self) -> Shader<'_> {
         self.truth().into()
     }
 }
 
-/// A material in a scene: what is rendered, and what samples it.
+/// A material in a scene: the truth, and its sampler.
 #[derive(Clone, Copy)]
 pub struct Shader<'a> {
     pub truth: Truth<'a>,
@@ -119,7 +119,7 @@ impl<'a> Shader<'a> {
 /// How a surface scatters towards one outgoing direction. All directions are unit vectors in the shading frame.
 pub struct Scattering<'a> {
     mixtures: Mixtures<'a>,
-    /// The table and the outgoing direction, where the lobes are not what is rendered.
+    /// The table and the outgoing direction, where the lobes are not rendered.
     table: Option<(&'a MeasuredMaterial, DVec3)>,
     proposal: Proposal<'a>,
 }
@@ -180,7 +180,7 @@ impl<'a> Scattering<'a> {
         }
     }
 
-    /// What is rendered towards a direction, where that are not the lobes.
+    /// The value towards a direction, where the lobes are not rendered.
     #[inline]
     pub fn other_truth(&self, wi: Vec3) -> Option<Vec3> {
         self.table.is_some().then(|| self.evaluate(wi))
@@ -192,13 +192,13 @@ impl<'a> Scattering<'a> {
         matches!(self.proposal.part, Part::Lobes) && self.proposal.cosine == 0.0
     }
 
-    /// Whether what is rendered are lobes, and they are drawn from.
+    /// Whether lobes are rendered and drawn from.
     #[inline]
     fn samples_its_lobes(&self) -> bool {
         self.table.is_none() && matches!(self.proposal.part, Part::Lobes)
     }
 
-    /// The lobes that directions are drawn from together with the light: where our lobes sample what is rendered, and bring some light
+    /// The lobes that directions are drawn from together with the light: where our lobes sample the rendered material, and bring some light
     /// from everywhere, so that no candidate that matters is passed over.
     #[inline]
     pub fn lobes_for_product(&self) -> Option<&AnyMixture<'a>> {

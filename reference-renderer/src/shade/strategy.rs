@@ -22,7 +22,7 @@ pub enum SamplerName {
     Tabulated,
     /// The factors of such a table.
     Factored,
-    /// What a `.bsdf` file brings along.
+    /// The warps of a `.bsdf` file.
     Rgl,
     /// GGX lobes of fixed roughness and a cosine.
     Guided,
@@ -93,7 +93,7 @@ pub enum Light {
     Product,
 }
 
-/// How directions are chosen: a sampler of materials, and what is done about the light.
+/// How directions are chosen: a sampler of materials, and the use of the light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Strategy {
     pub sampler: SamplerName,

@@ -1,5 +1,5 @@
 //! Every sampler proves itself on materials that need no data: its directions have its density, the density does not integrate to
-//! more than 1, and what it estimates is the albedo.
+//! more than 1, and its estimate is the albedo.
 
 use super::{Light, Sampler, SamplerName, Strategy};
 use crate::numbers::points::{Points, PointsName};

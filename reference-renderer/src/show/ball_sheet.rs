@@ -21,7 +21,7 @@ const LETTERS: u32 = 14;
 /// two cores.
 pub const SAMPLES: u32 = 128;
 
-/// What a difference on the display is multiplied by.
+/// Factor on a difference on the display.
 const MAGNIFIED: f32 = 4.0;
 
 /// The display's value behind the balls.
@@ -49,9 +49,9 @@ pub struct Sheet {
     pub difference: Option<Difference>,
 }
 
-/// What a sheet shows its balls with.
+/// The light of a sheet.
 pub struct Light<'a> {
-    /// What it is called.
+    /// Its name.
     pub name: &'a str,
     /// The light.
     pub environment: &'a Environment,
@@ -133,7 +133,7 @@ fn difference(pixels: &[BallPixel<2>]) -> Difference {
     }
 }
 
-/// A ball's square: what the display shows of each pixel, before a background.
+/// A ball's square: each pixel as the display shows it, before a background.
 fn tile<const N: usize>(
     pixels: &[BallPixel<N>],
     shown: impl Fn(&BallPixel<N>) -> Vec3,
@@ -163,7 +163,7 @@ fn compose(
     Ok(Sheet { size, rgb, difference })
 }
 
-/// Writes texts, each from a corner on over a width; what is too long for it is cut.
+/// Writes texts, each from a corner on over a width; longer ones are cut.
 fn write_texts(rgb: &mut [u8], size: [u32; 2], texts: &[(&str, [u32; 2], u32)]) -> Result<(), Failure> {
     register_font()?;
     let root = BitMapBackend::with_buffer(rgb, size.into()).into_drawing_area();

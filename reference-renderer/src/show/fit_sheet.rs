@@ -32,20 +32,20 @@ impl Strip {
     }
 }
 
-/// What a fit is held against.
+/// The data beside a fit.
 pub struct Against<'a> {
-    /// What is known everywhere, and what that is called.
+    /// A BRDF and its name.
     pub brdf: &'a dyn Brdf,
     pub name: &'static str,
     /// Samples that it was made of.
     pub samples: Option<&'a Table>,
 }
 
-/// What is drawn.
+/// The subject of a sheet.
 pub struct Subject<'a> {
-    /// What the material is called.
+    /// The name of the material.
     pub name: &'a str,
-    /// What the material gives.
+    /// The values of the material.
     pub fit: &'a dyn Fitted,
     pub against: Option<Against<'a>>,
     /// The material as a ball, and what stands beside it.

@@ -20,7 +20,7 @@ const SIZE: [u32; 2] = [9, 9];
 const REPEATS: u64 = 32;
 const SAMPLES: u32 = 128;
 
-/// Share of what is found to be wrong that may be found by chance.
+/// Share of the findings that may be due to chance.
 const FALSE_DISCOVERIES: f64 = 0.01;
 
 /// Mean, and its variance, of a pixel's brightness.
@@ -71,7 +71,7 @@ fn two_sided(z: f64) -> f64 {
     polynomial.iter().fold(0.0, |sum, c| (sum + c) * t) * (-x * x).exp()
 }
 
-/// The names of what is wrong, of all that was tested: Benjamini and Hochberg 1995.
+/// The names of the tests that fail, by Benjamini and Hochberg 1995.
 fn discoveries(mut tested: Vec<(f64, String)>) -> Vec<(f64, String)> {
     tested.sort_by(|a, b| a.0.total_cmp(&b.0));
     let n = tested.len() as f64;
@@ -82,7 +82,7 @@ fn discoveries(mut tested: Vec<(f64, String)>) -> Vec<(f64, String)> {
     tested
 }
 
-/// Tests every pixel of every method against one method; `bias` is what the mean of a method is multiplied by, for a look at what is found.
+/// Tests every pixel of every method against one method; `bias` is a factor on the mean of a method, to show that the test finds it.
 fn tested(
     what: &str,
     truth: Truth<'_>,

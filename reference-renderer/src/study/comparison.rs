@@ -1,12 +1,12 @@
 //! Error against run time and against samples, method by method, on one scene.
 //!
-//! A [`Case`] is what is rendered, a [`Plan`] how it is measured, and [`measure`] gives a [`Comparison`]. Times are those of the processors
+//! A [`Case`] is a scene to render, a [`Plan`] says how it is measured, and [`measure`] gives a [`Comparison`]. Times are those of the processors
 //! that work on a picture, not the clock's. The methods take turns, so that a change of the machine's load meets all of them.
-//! What is not counted: fitting samplers and building scenes.
+//! Fitting samplers and building scenes is not counted.
 //!
 //! | file | holds |
 //! |---|---|
-//! | `method` | what is compared: a strategy, and what is rendered with it |
+//! | `method` | a strategy, and the material that is rendered with it |
 //! | `reference` | the converged picture, kept in a file |
 //! | `error` | relative mean squared error, its part that is bias |
 //! | `curve` | the points of a method: slope, error after a time |
@@ -49,7 +49,7 @@ const MAX_SAMPLES: f64 = (1 << 24) as f64;
 /// Least time of processors over which the time of a sample is taken before the first budget.
 const WARM_UP: f64 = 0.01;
 
-/// What is rendered.
+/// The scene to render.
 #[derive(Clone, Copy)]
 pub struct Case<'a> {
     pub scene: SceneName,
@@ -59,14 +59,14 @@ pub struct Case<'a> {
     /// What tables call the light.
     pub light: &'a str,
     pub environment: &'a Environment,
-    /// Names of all that was loaded, as they were given: references are kept under them, and what is in the files.
+    /// Names of all that was loaded, as they were given: references are kept under them, with the content of the files.
     pub sources: &'a [String],
 }
 
 /// Where the error is taken; rising.
 #[derive(Clone, Debug)]
 pub enum Budgets {
-    /// After so many samples a pixel.
+    /// After a number of samples a pixel.
     Samples(Vec<u32>),
     /// After such times of processors, seconds.
     Seconds(Vec<f64>),
@@ -85,7 +85,7 @@ impl Budgets {
 /// How it is measured.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// What is compared; ratios are multiples of the first one's error.
+    /// The methods; ratios are multiples of the first one's error.
     pub methods: Vec<Method>,
     /// Width and height of the picture, pixels.
     pub size: [u32; 2],
@@ -127,7 +127,7 @@ pub struct Comparison {
     pub reference: ReferenceReport,
 }
 
-/// What is known of the reference.
+/// The reference.
 #[derive(Clone, Debug, Default)]
 pub struct ReferenceReport {
     /// Samples a pixel.
@@ -186,7 +186,7 @@ pub fn measure(case: &Case<'_>, plan: &Plan, progress: &Progress) -> anyhow::Res
     })
 }
 
-/// How the reference is rendered: the material itself, by what is at hand; with lobes at hand, together with the light.
+/// How the reference is rendered: the material itself, by its own sampler; lobes together with the light.
 const OWN: Method = Method::of(Strategy::PRODUCT);
 
 /// The samplers of all methods, each fitted once.
@@ -277,7 +277,7 @@ impl<'s> Stage<'s> {
         };
         let halves = [half(1)?, half(2)?];
         if let Some(file) = file {
-            // What is kept for the next time is no part of the result.
+            // A reference that is kept for the next run is no part of the result.
             if let Err(error) = reference::write(&file, &halves) {
                 eprintln!("srbf: warning: the reference is not kept: {}", error_line(&error));
             }
@@ -478,7 +478,7 @@ impl Comparison {
     pub fn ratios_to(&self, curve: &Curve, first: &Curve) -> Ratios {
         let seconds = self.common_seconds();
         let samples = self.common_samples();
-        // After so many samples a method has taken so long.
+        // Seconds of a method after each number of samples.
         let at_samples = |curve: &Curve| curve.mse_at(curve.seconds_per_sample()? * f64::from(samples));
         let ratio = |mine: Option<Estimate>, first: Option<Estimate>| Some(mine?.over(first?));
         let same = curve.method == first.method;
@@ -500,7 +500,7 @@ impl Comparison {
         self.curves.iter().find(|curve| curve.method == method)
     }
 
-    /// What was rendered, in words.
+    /// The scene, in words.
     pub fn title(&self) -> String {
         format!("{}, {} under {}", self.material, self.scene, self.environment)
     }
@@ -596,7 +596,7 @@ pub mod tests {
         let result = on_sphere(&some, LoadedMaterial::Lobes(lacquer()), false);
         for curve in &result.curves {
             let seconds: Vec<f64> = curve.points.iter().map(|p| p.seconds).collect();
-            // Within the rounding to whole rays, and what other work makes of times.
+            // Within the rounding to whole rays, and the noise of times by other work.
             assert!(
                 seconds[1] > 0.02 && seconds[1] < 0.2 && seconds[0] < seconds[1],
                 "{}: {seconds:?}",

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 /// outline, where the albedo rises steeply within a pixel.
 const GRID: u32 = 16;
 
-/// What was rendered beside what was expected, means over the pixels that the sphere fills; linear sRGB.
+/// Rendered and expected radiance, means over the pixels that the sphere fills; linear sRGB.
 #[derive(Clone, Copy, Debug)]
 pub struct Furnace {
     pub pixels: usize,

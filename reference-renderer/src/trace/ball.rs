@@ -15,7 +15,7 @@ use rayon::prelude::*;
 /// One pixel of `N` balls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BallPixel<const N: usize> {
-    /// Radiance of each, linear sRGB: the mean over what they fill of the pixel.
+    /// Radiance of each, linear sRGB: the mean over the part of the pixel that they fill.
     pub radiance: [Vec3; N],
     /// The share of the pixel that they fill, 0 to 1.
     pub coverage: f32,

@@ -12,7 +12,7 @@ const BALL: &str = "krylon_blue";
 const RED: [f32; 3] = [0.55, 0.06, 0.05];
 const GREEN: [f32; 3] = [0.10, 0.40, 0.08];
 
-/// What materials are called; what is not named is the scene's own.
+/// Names of materials; a role without one has the scene's own.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Names<'a> {
     pub object: &'a str,
@@ -22,7 +22,7 @@ pub struct Names<'a> {
     pub lobes: Option<&'a str>,
 }
 
-/// What is rendered with, loaded: for each role that the scene has, its material; the object's is the first.
+/// The loaded materials: one for each role of the scene; the object's is the first.
 pub struct Cast {
     pub roles: Vec<(Role, LoadedMaterial)>,
     pub lobes: Option<StoredMaterial>,
@@ -32,7 +32,7 @@ impl Cast {
     /// Loads the materials of the roles that the scene has, and no others.
     ///
     /// # Errors
-    /// As [`LoadedMaterial::load`]; lobes for what is no table.
+    /// As [`LoadedMaterial::load`]; lobes for a material that is no table.
     pub fn load(scene: SceneName, names: Names<'_>) -> anyhow::Result<Self> {
         let object = LoadedMaterial::load(names.object)?;
         ensure!(
@@ -76,7 +76,7 @@ impl Cast {
         &self.roles[0].1
     }
 
-    /// Fits a sampler to each material. What stands beside the object and cannot be sampled so is sampled by what is at hand.
+    /// Fits a sampler to each material. Materials beside the object that it cannot sample keep their own sampler.
     ///
     /// # Errors
     /// A sampler that cannot sample the object.
@@ -85,7 +85,7 @@ impl Cast {
         self.fit_with(name, self.object().truth(), lobes.filter(|_| self.object().table().is_some()))
     }
 
-    /// Fits a sampler to each material where the lobes take the object's place: they are what is rendered.
+    /// Fits a sampler to each material where the lobes take the object's place and are rendered.
     ///
     /// # Errors
     /// A sampler that cannot sample them; a cast without lobes.
@@ -93,7 +93,7 @@ impl Cast {
         self.fit_with(name, self.lobes_as_material()?, None)
     }
 
-    /// The lobes as what is rendered.
+    /// The lobes as the rendered material.
     ///
     /// # Errors
     /// A cast without lobes.
@@ -125,7 +125,7 @@ impl Cast {
         self.roles.iter().map(fit).collect()
     }
 
-    /// What a role is shaded with; `object` is what is rendered of the object, `samplers` are those of all roles.
+    /// The material of a role with its sampler; `object` is that of the object, `samplers` are those of all roles.
     pub fn shader<'a>(&'a self, role: Role, object: Truth<'a>, samplers: &'a [Sampler<'a>]) -> Shader<'a> {
         let n = self.roles.iter().position(|part| part.0 == role).unwrap_or(0);
         let truth = if n == 0 { object } else { self.roles[n].1.truth() };

@@ -8,7 +8,7 @@ use std::sync::Arc;
 /// Most pixels that a picture may have, 4096 x 4096: the sums then take 800 MB.
 pub const MAX_PIXELS: u64 = 1 << 24;
 
-/// Bytes that a pixel takes while a picture is rendered and written: sums, radiance, and what is encoded.
+/// Bytes that a pixel takes while a picture is rendered and written: sums, radiance, and the encoded picture.
 const PIXEL_BYTES: u64 = 100;
 
 /// Finds out whether there is memory for a picture.
@@ -48,7 +48,7 @@ pub struct Film {
     pub lost: u64,
     /// Rows from the top.
     pub pixels: Vec<Pixel>,
-    /// What the last samples shared, with its seed and its number: the next ones may need it too.
+    /// The tile of the last samples, with its seed and its number: the next ones may need it too.
     pub lighting: Option<([u64; 2], Arc<Lighting>)>,
 }
 
@@ -76,7 +76,7 @@ impl Film {
         [self.width, self.height]
     }
 
-    /// What is said of lost samples, if there are some.
+    /// The warning about lost samples, if there are some.
     pub fn warning(&self) -> Option<String> {
         let of = u64::from(self.samples) * self.pixels.len() as u64;
         (self.lost > 0)

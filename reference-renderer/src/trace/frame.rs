@@ -31,7 +31,7 @@ pub struct Frame {
 impl Frame {
     /// Makes the frame at a surface seen from a direction.
     ///
-    /// The tangent is horizontal, as the grooves are of what was turned on a lathe about the vertical: along the parallels of
+    /// The tangent is horizontal, as the grooves of an object are that was turned on a lathe about the vertical: along the parallels of
     /// the sphere and round the teapot's body. It matters to anisotropic materials only.
     pub fn new(surface: &Surface<'_, '_>, wo: Vec3) -> Self {
         let flat = if surface.flat.dot(wo) < 0.0 { -surface.flat } else { surface.flat };

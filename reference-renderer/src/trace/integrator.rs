@@ -1,6 +1,6 @@
 //! Path tracing: the radiance along one ray.
 //!
-//! What is rendered and what samples it come with the material of a surface; whether the light is sampled too is a setting. At the first
+//! The truth and its sampler come with the material of a surface; whether the light is sampled too is a setting. At the first
 //! surface several directions may be drawn together; from there on each goes its way alone.
 
 pub mod even;
@@ -31,7 +31,7 @@ const PRODUCT: ProductSampling = match ProductSampling::new(CANDIDATES, 0.5, 4.0
 };
 const CANDIDATES: usize = 16;
 
-/// What a path needs that lasts longer than it: storage.
+/// Storage of a path that lasts longer than the path.
 pub struct Workspace<'a> {
     scattering: Scattering<'a>,
     drawn: Vec<Sample>,
@@ -96,7 +96,7 @@ impl<'a> Path<'_, 'a> {
         Self { points: self.points.branch(i, n), ..*self }
     }
 
-    /// The numbers of the sample of the light at a surface. A large map is in no cache: it is asked for what they will read there, while the
+    /// The numbers of the sample of the light at a surface. A large map is in no cache: the memory that they will read is requested, while the
     /// material is made ready. None where light and lobes are sampled together, or no light is.
     fn ask_for_light(&self, surface: u32) -> Option<LightPlace> {
         matches!(self.settings.light, Light::Mis | Light::Even | Light::Only).then(|| {
@@ -158,7 +158,7 @@ impl<'a> Path<'_, 'a> {
 
     /// The numbers of the candidates at a surface: those of the lobes, then those of the light.
     ///
-    /// Sobol points come in the order of the first number, which chooses a lobe, or the height of the light. What is chosen is chosen along
+    /// Sobol points come in the order of the first number, which chooses a lobe, or the height of the light. The choice is made along
     /// that order, so that evenly spread choices are evenly spread directions.
     fn candidates(&self, surface: u32) -> [[f32; CANDIDATES]; 3] {
         let mut drawn = [[0.0; 4]; CANDIDATES];
@@ -177,7 +177,7 @@ impl<'a> Path<'_, 'a> {
         self.scene.environment.constant_radiance().is_some()
     }
 
-    /// Light that one direction brings to a surface, chosen among candidates of lobes and light by what they would bring.
+    /// Light that one direction brings to a surface, chosen among candidates of lobes and light by their light.
     fn product_at(
         &self,
         frame: &Frame,
@@ -211,7 +211,7 @@ impl<'a> Path<'_, 'a> {
     fn rival(&self, sample: &Sample, scattering: &Scattering<'a>) -> Rival {
         match (self.settings.light, scattering.lobes_for_product()) {
             (Light::Product, Some(lobes)) if !self.is_evenly_lit() => {
-                // What is drawn from may have a part of the cosine, which is no candidate.
+                // The sampler may have a part of the cosine, which is no candidate.
                 let pdf =
                     if scattering.draws_lobes_alone() { sample.pdf } else { lobes.pdf(sample.direction) };
                 Rival::Candidates(pdf)
@@ -232,7 +232,7 @@ impl<'a> Path<'_, 'a> {
         radiance * weight
     }
 
-    /// What comes in along a direction drawn at the first surface, times its weight.
+    /// Light along a direction drawn at the first surface, times its weight.
     fn follow(&self, first: &Frame, sample: &Sample, rival: Rival, scattering: &mut Scattering<'a>) -> Vec3 {
         let direction = first.to_world(sample.direction);
         if !first.leaves(direction) {
@@ -288,7 +288,7 @@ impl<'a> Path<'_, 'a> {
     }
 }
 
-/// What samples the light beside a direction drawn from a material; the density of that direction.
+/// The sampling of the light beside a direction drawn from a material, and the density of that direction.
 #[derive(Clone, Copy)]
 enum Rival {
     /// One sample of the light.

@@ -8,11 +8,11 @@ const SIDE: usize = 16;
 /// Paths that a cell needs to be judged by itself; with fewer, it is as the coarser cell that it lies in.
 const ENOUGH: f32 = 12.0;
 
-/// Share of the light, of what one of two rays finds, that both find: from there on sums are worth their time.
+/// Share of the light that both rays find, over the light that one of them finds: from there on sums are worth their time.
 const LEAST_SHARE: f32 = 0.5;
 
-/// What one path of the survey found.
-pub struct Sighting {
+/// The findings of one path of the survey.
+pub struct SurveyedPath {
     pub point: Vec3,
     /// Luminance of the light that would be reflected without shadows.
     pub light: f32,
@@ -43,7 +43,7 @@ impl Openness {
     }
 
     /// Judges the cells.
-    pub fn of(seen: &[Sighting]) -> Self {
+    pub fn of(seen: &[SurveyedPath]) -> Self {
         let mut open = Self::everywhere();
         let Some(first) = seen.first() else { return open };
         let (low, high) =
@@ -96,13 +96,13 @@ mod tests {
 
     #[test]
     fn cells_are_judged_by_their_own_paths_and_by_coarser_ones_where_they_have_few() {
-        let seen = |x: f32, clear: bool| Sighting {
+        let seen = |x: f32, clear: bool| SurveyedPath {
             point: Vec3::new(x, 0.0, 0.0),
             light: 1.0,
             clear: [clear, true],
         };
         // Open on the right, and in the mean; one path alone says nothing.
-        let mut paths: Vec<Sighting> = (0..30).map(|i| seen(i as f32 / 30.0, false)).collect();
+        let mut paths: Vec<SurveyedPath> = (0..30).map(|i| seen(i as f32 / 30.0, false)).collect();
         paths.extend((0..100).map(|i| seen(9.0 + i as f32 / 100.0, true)));
         paths.push(seen(7.0, false));
         let open = Openness::of(&paths);
@@ -110,6 +110,8 @@ mod tests {
         assert!(!at(0.3) && !at(-100.0) && at(9.5) && at(7.0) && at(1e9));
         assert!(Openness::of(&[]).is_at(Vec3::ZERO));
         // Light that neither ray finds does not speak for the sums.
-        assert!(!Openness::of(&[Sighting { clear: [false, false], ..seen(0.0, false) }]).is_at(Vec3::ZERO));
+        assert!(
+            !Openness::of(&[SurveyedPath { clear: [false, false], ..seen(0.0, false) }]).is_at(Vec3::ZERO)
+        );
     }
 }

@@ -22,7 +22,7 @@ const MAY_BE_LOST: u64 = 100;
 /// Adds `samples` samples, rays of the camera, to every pixel of a film; advances the progress by the number of rows. Gives the time that
 /// processors worked on it, summed over the threads: what else runs on the machine is not counted.
 ///
-/// What a pixel gets depends only on the seed, the pixel and the samples it holds already: not on the threads. A sample that is not finite
+/// The value of a pixel depends only on the seed, the pixel and the samples it holds already: not on the threads. A sample that is not finite
 /// is lost: it counts as black, and the film counts it.
 ///
 /// # Errors
@@ -202,7 +202,7 @@ mod tests {
             let (expected, own) = means(name, Strategy::MIS);
             let alone = names.iter().map(|&sampler| Strategy::alone(sampler));
             let beside = names.iter().map(|&sampler| Strategy { sampler, light: Light::Mis });
-            // Where paths go on, the strategies that differ in what they do there are enough.
+            // Where paths go on, the strategies that differ there are enough.
             let beside = beside.filter(|_| name == SceneName::Sphere);
             for strategy in
                 alone.chain(beside).chain([Strategy::PRODUCT, Strategy::EVEN, "light".parse().unwrap()])
@@ -223,7 +223,7 @@ mod tests {
         let sampler = Sampler::fit(SamplerName::Lobes, &truth, Some(&lobes.material)).unwrap();
         let light = sky::haze();
         let shader = Shader { truth, sampler: &sampler };
-        // The ground is sampled by a table's own guide, without the lobes: where paths go on, what they compete with changes.
+        // The ground is sampled by a table's own guide, without the lobes: where paths go on, their competitors change.
         let scene = Scene::new(SceneName::Teapot, shader, &table, &light);
         let mean = |light: Light, split: u32| {
             let settings = RenderSettings { light, split, ..MIS };

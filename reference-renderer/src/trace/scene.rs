@@ -1,4 +1,4 @@
-//! What is rendered: shapes and their materials under an environment. +z is up.
+//! Scenes: shapes and their materials under an environment. +z is up.
 //!
 //! A scene is made of parts, each with a [`Role`]; it builds those alone that it has, and asks for the materials of those alone.
 
@@ -37,18 +37,18 @@ pub enum SceneName {
     Teapot,
     /// The mesh that --mesh names, on a plane.
     Statue,
-    /// The sphere under the same light from everywhere: what is rendered beside what is expected.
+    /// The sphere under the same light from everywhere: rendered beside expected radiance.
     Furnace,
     /// Teapot and ball in a room of a floor and three walls, open to the light above and in front.
     Room,
 }
 
-/// What a part of a scene is in it: it says which material it has.
+/// The role of a part of a scene, by which it has its material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// What the picture is of.
+    /// The subject of the picture.
     Object,
-    /// What it stands on, and the wall behind it.
+    /// The ground, and the wall behind it.
     Ground,
     /// The ball beside it.
     Ball,
@@ -62,7 +62,7 @@ impl Role {
     /// All of them.
     pub const ALL: [Self; 5] = [Self::Object, Self::Ground, Self::Ball, Self::Left, Self::Right];
 
-    /// What it is called.
+    /// Its name.
     pub fn text(self) -> &'static str {
         match self {
             Self::Object => "object",

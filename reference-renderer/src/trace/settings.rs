@@ -6,7 +6,7 @@ use crate::shade::Light;
 /// How to render.
 #[derive(Clone, Copy, Debug)]
 pub struct RenderSettings {
-    /// Whether the light is sampled; what samples a material comes with it.
+    /// Whether the light is sampled; the sampler of a material comes with the material.
     pub light: Light,
     /// Directions drawn at the first surface that a ray of the camera meets, at least 1.
     pub split: u32,

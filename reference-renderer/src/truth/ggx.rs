@@ -17,7 +17,7 @@ pub fn reflect(wo: DVec3, alpha: f64, u: f64, v: f64) -> DVec3 {
     mirrored(wo, DVec3::new(alpha * h.x, alpha * h.y, h.z.max(0.0)).normalize_or(DVec3::Z))
 }
 
-/// What is constant in the density for an outgoing direction: half of Smith's visible share over the cosine, over `pi alpha^2`.
+/// The constant part of the density for an outgoing direction: half of Smith's visible share over the cosine, over `pi alpha^2`.
 pub fn scale(wo: DVec3, alpha: f64) -> f64 {
     let across = wo.x * wo.x + wo.y * wo.y;
     1.0 / (2.0 * (wo.z + (wo.z * wo.z + alpha * alpha * across).sqrt()) * PI * alpha * alpha)

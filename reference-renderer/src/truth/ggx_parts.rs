@@ -1,4 +1,4 @@
-//! A cosine and GGX lobes of fixed roughness, for one outgoing direction: what sees a highlight of any width.
+//! A cosine and GGX lobes of fixed roughness, for one outgoing direction: together they meet a highlight of any width.
 
 use super::ggx;
 use super::plain::{cosine, cosine_density};
@@ -19,7 +19,7 @@ pub type Weights = [f64; PARTS];
 pub struct GgxProposal {
     wo: DVec3,
     pub(super) weights: Weights,
-    /// What is constant in the density of each lobe.
+    /// The constant part of the density of each lobe.
     scale: [f64; ROUGHNESS.len()],
 }
 
@@ -28,7 +28,7 @@ impl GgxProposal {
         Self { wo, weights, scale: ROUGHNESS.map(|alpha| ggx::scale(wo, alpha)) }
     }
 
-    /// All parts alike: what sees a highlight of any width.
+    /// All parts alike: together they meet a highlight of any width.
     pub fn even(wo: DVec3) -> Self {
         Self::new(wo, [1.0 / PARTS as f64; PARTS])
     }

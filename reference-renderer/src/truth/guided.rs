@@ -5,7 +5,7 @@
 //! interpolated; whatever they are, the density is exact, and the estimate unbiased.
 
 use super::ggx_parts::{COSINE, GgxProposal, PARTS, Weights};
-use super::seen;
+use super::probe;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -14,11 +14,11 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// its tabulation did not see.
 const DEFENSIVE: f64 = 0.1;
 
-/// Angles of the outgoing direction at which weights are tabulated, and azimuths of what is anisotropic.
+/// Angles of the outgoing direction at which weights are tabulated, and azimuths of anisotropic materials.
 const THETAS: usize = 48;
 const AZIMUTHS: usize = 32;
 
-/// Directions that each part draws to find the weights, of what is isotropic and of what is not.
+/// Directions that each part draws to find the weights, of isotropic and of anisotropic materials.
 const DRAWN: [usize; 2] = [320, 96];
 
 /// The weights over the outgoing direction.
@@ -66,10 +66,10 @@ impl Guide {
 /// The weights for which samples of the mixture have the least variance, the cosine's raised to its least share.
 fn least_variance(f_cos: &dyn Fn(DVec3) -> DVec3, wo: DVec3, drawn: usize) -> Weights {
     let proposal = GgxProposal::even(wo);
-    let seen = seen::directions(wo, drawn, f_cos);
+    let seen = probe::directions(wo, drawn, f_cos);
     let moments: Vec<(f64, Weights)> =
         seen.iter().map(|s| (s.value * s.value * s.weight, proposal.densities(s.wi))).collect();
-    let mut weights = seen::least_variance(&moments);
+    let mut weights = probe::least_variance(&moments);
     weights.iter_mut().for_each(|weight| *weight *= 1.0 - DEFENSIVE);
     weights[COSINE] += DEFENSIVE;
     weights
@@ -144,7 +144,7 @@ mod tests {
             assert!(proposal.weights[6] > 0.8, "{degrees}: {:?}", proposal.weights);
             assert!((proposal.weights.iter().sum::<f64>() - 1.0).abs() < 1e-9);
         }
-        // What is black is sampled too.
+        // A black material is sampled too.
         let guide = Guide::new(&|_, _| DVec3::ZERO, false);
         let weights = guide.proposal(direction(40.0, 3.0)).weights;
         assert!(

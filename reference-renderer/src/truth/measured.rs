@@ -1,4 +1,4 @@
-//! A measured table, or an analytic model, as a material: what was measured, as it is, for fits to be judged by.
+//! A measured table, or an analytic model, as a material: the data itself, to judge fits by.
 //!
 //! Its values are not touched: channels that are negative, of colours outside the gamut of sRGB, stay so.
 
@@ -20,7 +20,7 @@ use std::sync::OnceLock;
 const ENDINGS: [&str; 11] =
     ["brdf", "astm", "csv", "binary", "bsdf", "txt", "tsv", "dat", "xompt", "anisotropicbsdf", "ssdd"];
 
-/// What can be evaluated at any pair of directions.
+/// The BRDF.
 pub struct MeasuredMaterial {
     /// Name of the file without folder and extension, or of the model.
     pub name: String,
@@ -50,7 +50,7 @@ impl MeasuredMaterial {
         Self::new(source).with_context(|| format!("material {name}"))
     }
 
-    /// Takes what was read. Scattered samples are completed, which takes some seconds.
+    /// From a file that was read. Scattered samples are completed, which takes some seconds.
     ///
     /// # Errors
     /// Samples that cannot be completed: black ones.
@@ -77,7 +77,7 @@ impl MeasuredMaterial {
         self.is_isotropic
     }
 
-    /// What was measured.
+    /// The measurement.
     pub fn brdf(&self) -> &dyn Brdf {
         self.brdf.as_ref()
     }
@@ -91,7 +91,7 @@ impl MeasuredMaterial {
         DVec3::from(value.to_array().map(|v| if v.is_finite() { v } else { 0.0 }))
     }
 
-    /// What samples it where nothing else does: GGX lobes and a cosine.
+    /// The default sampler: GGX lobes and a cosine.
     pub fn guide(&self) -> &Guide {
         self.guide.get_or_init(|| Guide::new(&|wi, wo| self.f_cos(wi, wo), self.is_isotropic))
     }
@@ -152,7 +152,7 @@ pub mod tests {
         MeasuredMaterial::load(text).unwrap()
     }
 
-    /// Green and glossy, red below zero: what lies outside the gamut of sRGB.
+    /// Green and glossy, red below zero: a colour outside the gamut of sRGB.
     pub fn vivid() -> MeasuredMaterial {
         struct Vivid;
         impl Brdf for Vivid {

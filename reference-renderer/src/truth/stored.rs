@@ -12,7 +12,7 @@ pub const PRESETS: &[(&str, &[u8])] = &[
     ("cayman", include_bytes!("../../presets/cayman.srbf")),
 ];
 
-/// What is rendered where no material is named.
+/// The material that is rendered where none is named.
 pub const DEFAULT: &str = "garnet_red";
 
 /// Name of the built-in material without a highlight.
@@ -21,7 +21,7 @@ pub const MATTE: &str = "matte";
 /// The bytes of a preset, or those of a file.
 pub type Bytes = Cow<'static, [u8]>;
 
-/// A material, and what it is called.
+/// A material and its name.
 #[derive(Clone, Debug)]
 pub struct StoredMaterial {
     /// Name of the preset, or of the file without folder and extension.

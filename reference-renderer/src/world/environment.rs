@@ -100,7 +100,7 @@ impl Environment {
         LightPlace::Cell(cell, within)
     }
 
-    /// Asks for what is read at a place.
+    /// Requests the memory of a place ahead of reading it.
     #[inline]
     pub fn prefetch_place(&self, place: LightPlace) {
         match place {

@@ -54,7 +54,7 @@ impl Mesh {
         self.normals.iter_mut().for_each(|n| *n = n.normalize_or(Vec3::Z));
     }
 
-    /// Turns what has +y up into what has +z up.
+    /// Turns a mesh with +y up into one with +z up.
     pub fn turn_y_up(&mut self) {
         let turn = |v: &mut Vec3| *v = Vec3::new(v.x, -v.z, v.y);
         self.positions.iter_mut().chain(&mut self.normals).for_each(turn);

@@ -33,7 +33,7 @@ fn only_files_are_read() {
     refused(&place, &mesh, &["a.obj", "regular file"]);
 }
 
-/// Before any work, and what is there stays: a pipe without a reader does not hold the program either.
+/// Before any work, and files that are there stay: a pipe without a reader does not hold the program either.
 #[cfg(unix)]
 #[test]
 fn only_files_are_written() {

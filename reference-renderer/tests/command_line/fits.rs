@@ -1,4 +1,4 @@
-//! Fits and what is said of them.
+//! Fits and their verdicts.
 
 use crate::{folder, refused, rows, srbf};
 use srbf_core::{Line, PlaneLobe, View};
@@ -42,7 +42,7 @@ fn a_table_is_fitted_and_the_material_inspected_and_a_cut_one_refused() {
     for key in ["mean_relative_l2", "\"summary\"", "\"verdict\"", "\"fitted views\"", "\"try\""] {
         assert!(json.contains(key), "{key}: {json}");
     }
-    // A heading, what was read, the verdict, what was written, and what to do next, which works.
+    // A heading, the input, the verdict, the files that were written, and the next step, which works.
     let text = String::from_utf8(output.stdout).unwrap();
     let lines: Vec<&str> = text.lines().collect();
     let [heading, verdict @ .., written, next] = &lines[..] else { panic!("{text}") };
@@ -194,7 +194,7 @@ fn a_fit_is_judged_against_what_it_was_made_from() {
     assert!(text.contains("factors     4 x 3 x 1 nodes"), "{text}");
 }
 
-/// A look says what was read and left out, and what options change; a fit says the same.
+/// A look names the rows that were read and left out, and options that change it; a fit says the same.
 #[test]
 fn a_look_says_what_was_read() {
     let place = folder("look");

@@ -18,7 +18,7 @@ pub fn command(place: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-/// What the program gives.
+/// The output of the program.
 pub fn srbf(place: &Path, arguments: &[&str]) -> Output {
     command(place, arguments).output().unwrap()
 }

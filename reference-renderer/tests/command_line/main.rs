@@ -1,4 +1,4 @@
-//! The program `srbf` as a user calls it: what is wrong is named, the exit status is 2, and nothing half-written is left.
+//! The program `srbf` as a user calls it: errors are named, the exit status is 2, and nothing half-written is left.
 
 mod files;
 mod fits;

@@ -1,4 +1,4 @@
-//! What the command line says of itself, and options that are refused.
+//! Help of the command line, and options that are refused.
 
 use crate::{folder, refused, rows, srbf};
 

@@ -1,9 +1,9 @@
-//! What strangers write, in files, names and arguments, reaches neither terminal nor page as it is; what they own stays theirs.
+//! Text of strangers, in files, names and arguments, reaches neither terminal nor page unchanged; their files stay theirs.
 
 use crate::{folder, rows, srbf};
 use std::path::Path;
 
-/// An escape sequence, a mark that turns what follows, and a line that looks like one of the program's.
+/// An escape sequence, a mark that turns the following text, and a line that looks like one of the program's.
 const NAME: &str = "a\u{1b}[31m\u{202e}\nforged: all is well\u{7}";
 
 /// Characters that a terminal obeys or that are not seen.
@@ -136,7 +136,7 @@ fn what_others_wrote_is_overwritten_by_force_alone() {
     }
     let is_theirs = |name: &str| std::fs::read(Path::new(&place).join(name)).unwrap() == mine;
     assert!(["a.exr", "a.png", "b.srbf", "b.json", "c.csv", "d.csv"].iter().all(|name| is_theirs(name)));
-    // What it wrote itself it writes again.
+    // Its own files it overwrites.
     for call in [&[&render[..], &["--force"]].concat(), &render[..]] {
         let output = srbf(&place, call);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

@@ -113,7 +113,7 @@ fn may_import(head: &str) -> Option<BTreeSet<String>> {
     Some(list.split('`').skip(1).step_by(2).map(str::to_owned).collect())
 }
 
-/// Without what a file takes from the one whose folder it is in.
+/// Without imports of a file from the one whose folder it is in.
 fn without_parents(graph: &Graph) -> Graph {
     let is_parent = |child: &str, of: &str| child.starts_with(&format!("{}/", of.trim_end_matches(".rs")));
     let others = |child: &String, all: &BTreeSet<String>| {
@@ -232,14 +232,11 @@ fn the_doors_of_core_and_of_the_renderer_say_where_imports_may_go() {
         let files = package.files();
         for room in names {
             let door = files.iter().find(|file| file.place == format!("{room}.rs")).expect("a room");
-            assert!(
-                may_import(&door.head).is_some(),
-                "{folder}: {room}.rs does not say what may be imported"
-            );
+            assert!(may_import(&door.head).is_some(), "{folder}: {room}.rs does not list its imports");
         }
         let rooms = rooms(&package.graph(&files));
         match folder {
-            // What is not in every build is no part of what is.
+            // An optional room is imported by no other.
             "core" => {
                 let users: Vec<_> = rooms.iter().filter(|(_, to)| to.contains("environment")).collect();
                 assert!(users.is_empty(), "{users:?}");

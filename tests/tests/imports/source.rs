@@ -21,10 +21,10 @@ pub struct File {
     children: Vec<(String, Module)>,
 }
 
-/// What one module says.
+/// The items of a module.
 #[derive(Default)]
 struct Names {
-    /// What it defines.
+    /// Its definitions.
     items: BTreeSet<String>,
     /// Types and traits among them.
     types: BTreeSet<String>,
@@ -53,7 +53,7 @@ fn is_for_tests(attributes: &[Attribute]) -> bool {
 struct Paths<'a>(&'a mut BTreeSet<Module>);
 
 impl Paths<'_> {
-    /// The paths in what is not parsed: the arguments of macros and attributes.
+    /// The paths in text that is not parsed: the arguments of macros and attributes.
     fn in_tokens(&mut self, tokens: TokenStream) {
         let mut path: Module = Vec::new();
         // Colons since the last name.
@@ -340,7 +340,7 @@ pub fn graph(files: &[File]) -> BTreeMap<String, BTreeSet<String>> {
                 perhaps.extend(open.map(|inside| [&path[..], &inside[..]].concat()));
                 continue;
             }
-            // What is reached through an imported module.
+            // Items that are reached through an imported module.
             for inside in names.paths.iter().filter(|inside| inside[0] == *name && inside.len() > 1) {
                 targets.push([&path[..], &inside[1..]].concat());
             }

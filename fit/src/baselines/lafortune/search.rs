@@ -1,6 +1,6 @@
 //! The fit of the model: Levenberg-Marquardt of the crate `basin` from many random starts, the best of which is kept.
 //!
-//! What is made small is the difference of `f cos`, as Lafortune does, relative to each view's norm: the mean square over
+//! The objective is the difference of `f cos`, as Lafortune's, relative to each view's norm: the mean square over
 //! the views of the error that a fit is judged by. Each channel is a fit of its own. (Lafortune's plain mean square fits the
 //! views at grazing, where f is a thousand times as high: garnet red 22.9 % in place of 20.9 % as mean over the views, cayman
 //! 41 % in place of 21 %; over all samples as one it is 21.7 % in place of 25.9 %, and 1.0 % in place of 1.1 %.)

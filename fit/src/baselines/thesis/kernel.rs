@@ -8,7 +8,7 @@ use super::cube::Cube;
 use super::lobes::{RoundLobe, SMALLEST};
 use wide::f64x4;
 
-/// Texels of a vector, four by four; what is missing at the end has no weight.
+/// Texels of a vector, four by four; missing ones at the end have no weight.
 pub(crate) struct Texels {
     blocks: Vec<Panel>,
 }

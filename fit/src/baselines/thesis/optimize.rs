@@ -1,6 +1,6 @@
 //! The fit of section 4.1.1: axes, sharpness and amplitudes in turn, each by L-BFGS-B, until an iteration gains little.
 //!
-//! What is made small is equation 7, the squared difference of f over the measured texels by solid angle, here relative to
+//! The objective is equation 7, the squared difference of f over the measured texels by solid angle, here relative to
 //! the data's. The sharpness is fitted by its logarithm, amplitudes relative to the largest value: unknowns of the order
 //! of 1, which is kind to the solver and changes no minimum. Axes have three components within [-1, 1] and are
 //! normalised in the function. The three channels share axes and sharpness.
@@ -86,7 +86,7 @@ fn fit_axes(texels: &Texels, lobes: &mut [RoundLobe], steps: u64) -> usize {
         let mut slopes = vec![Slope::default(); lobes.len()];
         let cost = texels.differentiate(&lobes, &mut slopes);
         for (k, (lobe, Slope { q, .. })) in lobes.iter().zip(&slopes).enumerate() {
-            // By the unnormalised axis: what is along it does nothing.
+            // By the unnormalised axis: a change along it has no effect.
             let along: f64 = (0..3).map(|i| q[i] * lobe.axis[i]).sum();
             let scale = lobe.sharpness / length(&x[3 * k..3 * k + 3]);
             (0..3).for_each(|i| gradient[3 * k + i] = scale * (q[i] - along * lobe.axis[i]));

@@ -1,7 +1,7 @@
 //! From measurements to the vector of a view: f at the centres of the measured texels.
 //!
 //! A BRDF that can be evaluated is evaluated there. Scattered samples are interpolated, linear in f over the Delaunay
-//! triangles of `table::interpolate`: the vector holds what the quadrature weights of the samples integrate, but for samples
+//! triangles of `table::interpolate`: the vector holds the values that the quadrature weights of the samples integrate, but for samples
 //! darker than a thousandth of their view's mean, which count as that, as they do in the albedo.
 
 use super::cube::Cube;
@@ -12,7 +12,7 @@ use crate::table::{Table, View};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 
-/// What is fitted at one outgoing direction.
+/// The data of one outgoing direction.
 #[derive(Clone, Debug)]
 pub(crate) struct Vector {
     /// Angle of the outgoing direction from the normal, radians.

@@ -6,37 +6,16 @@ use super::{
 };
 use crate::complete::measurement::Measurement;
 use crate::complete::scale::Scale;
+use crate::complete::tuning::microfacet_fit::{
+    BY_LOGARITHM, COAT_DEVIATION, DEVIATION, EXPONENTS, LIKELY, MOST, MOST_COAT, OF_CHANNELS, OVER_BRIGHTEST,
+    RETRO_EXPONENTS, RISE, SECOND_WIDTHS, WIDTHS,
+};
 use crate::numeric::cholesky::Square;
 use crate::numeric::levenberg::{LeastSquares, Linear};
 use crate::numeric::vector;
 use pulp::NullaryFnOnce;
 
-/// Least and greatest of widths and of exponents less 1.
-const WIDTHS: (f64, f64) = (0.002, 1.2);
-const EXPONENTS: (f64, f64) = (0.05, 6.0);
-const SECOND_WIDTHS: (f64, f64) = (0.001, 0.6);
-const RETRO_EXPONENTS: (f64, f64) = (0.05, 40.0);
-
-/// Greatest logarithm of a reflectance, and of what a coat is multiplied by.
-const MOST: f64 = 3.0;
-const MOST_COAT: f64 = 14.0;
-
-/// A lobe about the back direction is at most so many times as high as the brightest sample: one that is narrower than the samples' distance
-/// could be of any height.
-const OVER_BRIGHTEST: f64 = 1.5;
-
-/// Weight of squared differences of logarithms beside that of the relative squared ones.
-const BY_LOGARITHM: f64 = 0.09;
-
-/// What is likely of reflectances: that at grazing angles over that along the normal is this, give or take the logarithm's deviation
-/// (dielectrics have 25, metals 1 to 2), and the channels have about the same. A coat is a dielectric. Weight of all beside the squares of the first fit.
-const RISE: f64 = 12.0;
-const DEVIATION: f64 = 0.5;
-const COAT_DEVIATION: f64 = 0.2;
-const OF_CHANNELS: f64 = 0.4;
-const LIKELY: f64 = 1e-3;
-
-/// The fit: the relative L2 error of every view, and differences of logarithms; or what is left of these, if they go together.
+/// The fit: the relative L2 error of every view, and differences of logarithms, or residuals of these with a process.
 pub(super) struct Fit<'a> {
     measurement: &'a Measurement,
     scale: Scale,
@@ -45,13 +24,13 @@ pub(super) struct Fit<'a> {
     logarithms: Vec<[f64; 3]>,
     /// Factor of the matrix by which differences go together, if they do.
     factor: Option<&'a Square>,
-    /// What is likely.
+    /// The likelihoods.
     likely: Vec<Likely>,
-    /// Greatest logarithm of what a second lobe is multiplied by.
+    /// Greatest logarithm of the factor on a second lobe.
     most_second: f64,
 }
 
-/// A sum of unknowns and what it is likely to be, both over the deviation.
+/// A sum of unknowns and its likely value, both over the deviation.
 struct Likely {
     terms: Vec<(usize, f64)>,
     sum: f64,

@@ -1,17 +1,20 @@
-//! The unknowns of a fit: lobes at the knots, and what lies between.
+//! The unknowns of a fit: lobes at the stored views, and interpolation between them.
 //!
-//! A knot has `4 + 5 K + M` unknowns: `ln c`, K angles of the axes in radians, M angles of the axes of mirrored lobes out of the
+//! A stored view has `4 + 5 K + M` unknowns: `ln c`, K angles of the axes in radians, M angles of the axes of mirrored lobes out of the
 //! plane of incidence, K `ln sharpness`, K logarithms of the luminance of the amplitude, K relative red differences and K blue
-//! ones, and the same three numbers of the diffuse term. Lobe k of one knot is lobe k of the next; between knots everything is
+//! ones, and the same three numbers of the diffuse term. Lobe k of one stored view is lobe k of the next; between stored views everything is
 //! interpolated linearly in the angle of the outgoing direction, as `srbf_core` does it with the same numbers, logarithms to base 2.
 //!
 //! A colour of luminance Y is `Y (1 + red difference)`, `Y (1 + blue difference)`, and the green that makes the luminance Y. So
 //! channels may be negative, as those of measured colours outside the gamut of sRGB are, and the luminance never is.
 
+use crate::isotropic::tuning::parameters::{
+    ANGLE, ANGLE_DEFENSIVE, COLORS, LN_AMPLITUDE, LN_SHARPNESS, LN_SHARPNESS_DEFENSIVE, LN_SQUEEZE, OFF_PLANE,
+};
 use crate::numeric::special::sphere_integral;
 use crate::table::luminance;
 
-/// How many lobes there are, and where the knots lie.
+/// How many lobes there are, and where the stored views lie.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Layout {
     /// Lobes, K, mirrored ones counted once.
@@ -22,40 +25,24 @@ pub(crate) struct Layout {
     pub mirrored: usize,
     /// Whether the last lobe in the plane of incidence is kept wide, so that no direction has a small density.
     pub is_last_wide: bool,
-    /// Angles of the knots in radians, from 0 rising to at most pi / 2.
-    pub knots: Vec<f64>,
+    /// Angles of the stored views in radians, from 0 rising to at most pi / 2.
+    pub view_angles: Vec<f64>,
 }
-
-/// Bounds of the unknowns of a kind: what a material can store, and no wider than fits need.
-const ANGLE: (f64, f64) = (-1.8, 2.2);
-const OFF_PLANE: (f64, f64) = (0.0, 1.55);
-const LN_SQUEEZE: (f64, f64) = (-4.5, 0.69);
-const LN_SHARPNESS: (f64, f64) = (-3.0, 14.0);
-const LN_AMPLITUDE: (f64, f64) = (-40.0, 30.0);
-/// Relative colour differences, red and blue. Those of colours in the gamut of sRGB are from -1 to 3.7 and to 12.9; colours of
-/// overlapping lobes may lie far outside of it and make one within. With bounds of -2, or pulled to the mean colour, malachite's
-/// colours are worse.
-pub(crate) const COLORS: [(f64, f64); 2] = [(-15.0, 15.0); 2];
-
-/// Bounds of the defensive lobe: nowhere on the hemisphere is it below a fiftieth of its peak. A sharpness of at most 1 would
-/// bound it better, but fits garnet red to 1.7 % in place of 1.6 %.
-const ANGLE_DEFENSIVE: (f64, f64) = (-0.6, 0.6);
-pub(crate) const LN_SHARPNESS_DEFENSIVE: (f64, f64) = (-3.0, 1.0);
 
 impl Layout {
     /// A layout of `lobes` lobes, of which `squeezed` are squeezed and `mirrored` stand for two. One is kept wide if two or more in
     /// the plane of incidence are round.
-    pub fn new(lobes: usize, squeezed: usize, mirrored: usize, knots: Vec<f64>) -> Self {
-        Self { lobes, squeezed, mirrored, is_last_wide: lobes - mirrored >= squeezed + 2, knots }
+    pub fn new(lobes: usize, squeezed: usize, mirrored: usize, view_angles: Vec<f64>) -> Self {
+        Self { lobes, squeezed, mirrored, is_last_wide: lobes - mirrored >= squeezed + 2, view_angles }
     }
 
-    /// Unknowns of a knot.
+    /// Unknowns of a stored view.
     pub fn stride(&self) -> usize {
         4 + 5 * self.lobes + self.mirrored
     }
     /// All unknowns.
     pub fn len(&self) -> usize {
-        self.stride() * self.knots.len()
+        self.stride() * self.view_angles.len()
     }
     pub fn angle(&self, k: usize) -> usize {
         1 + k
@@ -118,7 +105,7 @@ impl Layout {
         }
     }
 
-    /// All logarithms of luminances at a knot.
+    /// All logarithms of luminances at a stored view.
     pub fn luminances(&self) -> impl Iterator<Item = usize> {
         (0..=self.lobes).map(|k| self.tint(k)[0])
     }
@@ -144,9 +131,9 @@ impl Layout {
         }
     }
 
-    /// Whether an unknown of a knot is given: at the normal every axis is the normal and nothing is squeezed.
-    pub fn fixed(&self, knot: usize, index: usize) -> bool {
-        knot == 0 && index < self.angles().end
+    /// Whether an unknown of a stored view is given: at the normal every axis is the normal and nothing is squeezed.
+    pub fn fixed(&self, stored: usize, index: usize) -> bool {
+        stored == 0 && index < self.angles().end
     }
 
     /// The lobe that is kept wide.
@@ -190,7 +177,7 @@ impl Layout {
         }
     }
 
-    /// A change of an unknown that counts as one unit of roughness: fitted lobes change by about this from knot to knot.
+    /// A change of an unknown that counts as one unit of roughness: fitted lobes change by about this from stored view to stored view.
     pub fn unit(&self, index: usize) -> f64 {
         match index {
             0 => 0.3,
@@ -200,41 +187,41 @@ impl Layout {
         }
     }
 
-    /// The knot before an angle of the outgoing direction, and how far towards the next one it lies, 0 to 1.
+    /// The stored view before an angle of the outgoing direction, and how far towards the next one it lies, 0 to 1.
     pub fn place(&self, theta: f64) -> (usize, f64) {
-        let last = self.knots.len() - 1;
+        let last = self.view_angles.len() - 1;
         if last == 0 {
             return (0, 0.0);
         }
-        let after = self.knots.partition_point(|&k| k <= theta).clamp(1, last);
-        let (from, to) = (self.knots[after - 1], self.knots[after]);
+        let after = self.view_angles.partition_point(|&k| k <= theta).clamp(1, last);
+        let (from, to) = (self.view_angles[after - 1], self.view_angles[after]);
         (after - 1, ((theta - from) / (to - from)).clamp(0.0, 1.0))
     }
 
     /// The angle of the outgoing direction at a place.
-    pub fn theta(&self, (knot, blend): (usize, f64)) -> f64 {
-        let after = self.knots[(knot + 1).min(self.knots.len() - 1)];
-        self.knots[knot] + blend * (after - self.knots[knot])
+    pub fn theta(&self, (stored, blend): (usize, f64)) -> f64 {
+        let after = self.view_angles[(stored + 1).min(self.view_angles.len() - 1)];
+        self.view_angles[stored] + blend * (after - self.view_angles[stored])
     }
 
     /// Interpolates the unknowns at a place.
-    pub fn interpolate(&self, x: &[f64], (knot, blend): (usize, f64), out: &mut [f64]) {
+    pub fn interpolate(&self, x: &[f64], (stored, blend): (usize, f64), out: &mut [f64]) {
         let p = self.stride();
-        let before = &x[knot * p..(knot + 1) * p];
+        let before = &x[stored * p..(stored + 1) * p];
         if blend == 0.0 {
             out.copy_from_slice(before);
             return;
         }
-        let after = &x[(knot + 1) * p..(knot + 2) * p];
+        let after = &x[(stored + 1) * p..(stored + 2) * p];
         for (out, (a, b)) in out.iter_mut().zip(before.iter().zip(after)) {
             *out = a + blend * (b - a);
         }
     }
 
-    /// The unknowns at the knots of another layout of the same lobes.
+    /// The unknowns at the stored views of another layout of the same lobes.
     pub fn resampled(&self, x: &[f64], other: &Self) -> Vec<f64> {
         let mut new = vec![0.0; other.len()];
-        for (q, theta) in new.chunks_exact_mut(other.stride()).zip(&other.knots) {
+        for (q, theta) in new.chunks_exact_mut(other.stride()).zip(&other.view_angles) {
             self.interpolate(x, self.place(*theta), q);
         }
         new
@@ -271,7 +258,7 @@ mod tests {
     use std::f64::consts::FRAC_PI_2;
 
     #[test]
-    fn places_are_between_their_knots() {
+    fn places_are_between_their_stored_views() {
         let layout = Layout::new(1, 0, 0, vec![0.0, 0.5, FRAC_PI_2]);
         assert_eq!(layout.place(0.0), (0, 0.0));
         assert_eq!(layout.place(0.25), (0, 0.5));
@@ -302,17 +289,17 @@ mod tests {
     }
 
     #[test]
-    fn at_other_knots_the_unknowns_are_what_lies_between() {
-        let layout = |knots| Layout::new(1, 0, 0, knots);
+    fn at_other_views_the_unknowns_are_interpolated() {
+        let layout = |view_angles| Layout::new(1, 0, 0, view_angles);
         let (old, new) = (layout(vec![0.0, 0.4, 1.0]), layout(vec![0.0, 0.2, 0.7, 1.0]));
         let x: Vec<f64> = (0..old.len()).map(|i| (i * i) as f64).collect();
-        let at = |x: &[f64], knot: usize, index: usize| x[knot * old.stride() + index];
+        let at = |x: &[f64], stored: usize, index: usize| x[stored * old.stride() + index];
         let found = old.resampled(&x, &new);
         for i in 0..old.stride() {
-            let between = |knot: usize| 0.5 * (at(&x, knot, i) + at(&x, knot + 1, i));
+            let between = |stored: usize| 0.5 * (at(&x, stored, i) + at(&x, stored + 1, i));
             let expected = [at(&x, 0, i), between(0), between(1), at(&x, 2, i)];
-            for (knot, value) in expected.into_iter().enumerate() {
-                assert!((at(&found, knot, i) - value).abs() < 1e-9, "{knot} {i}: {found:?}");
+            for (stored, value) in expected.into_iter().enumerate() {
+                assert!((at(&found, stored, i) - value).abs() < 1e-9, "{stored} {i}: {found:?}");
             }
         }
     }

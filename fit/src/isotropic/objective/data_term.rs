@@ -15,21 +15,21 @@ pub(crate) struct Point {
     pub direction: [f64; 3],
     /// `f cos` of the table.
     pub target: [f64; 3],
-    /// What the lobes are multiplied by there to make the value.
+    /// Factor from the lobes to the value there.
     pub factor: [f64; 3],
-    /// What the lobes are to be, per channel, and the weight of the squared difference: of all terms together.
+    /// The value that the lobes should have, per channel, and the weight of the squared difference, of all terms together.
     pub aim: [f64; 3],
     pub weight: [f64; 3],
-    /// What is left of the terms where the lobes are that.
+    /// The rest of the terms where the lobes have that value.
     pub rest: f64,
     /// The weight of the difference of values alone.
     pub value: f64,
     /// Weight of the squared difference of values that makes the relative L2 error.
     pub base: f64,
-    /// Weight of it that makes the error relative to what is seen away from the peak, and what is added to values then.
-    pub seen: f64,
-    pub seen_floor: f64,
-    /// What the weight of differences of densities is in inverse proportion to, and what is added to the value in that proportion.
+    /// The same weight in the measure away from the peak, and the floor that is added to values there.
+    pub measure: f64,
+    pub measure_floor: f64,
+    /// Weight of differences of densities, over the inverse of the value and of the floor that is added to it.
     pub tail: f64,
     pub floor: f64,
 }
@@ -82,7 +82,7 @@ pub(crate) fn cost(lobes: &Lobes, amplitudes: &[Vec<f64>; 3], points: &[Point]) 
     squares.sum()
 }
 
-/// Sum of the weighted squares of a unit lobe, and of its weighted products with what is `left` at every point, per channel. The
+/// Sum of the weighted squares of a unit lobe, and of its weighted products with the residual `left` at every point, per channel. The
 /// squares are by the mean weight of the channels.
 pub(crate) fn projection(lobes: &Lobes, k: usize, points: &[Point], left: &[[f64; 3]]) -> (f64, [f64; 3]) {
     vector::run(Projection { lobes, k, points, left })
@@ -139,7 +139,7 @@ impl NullaryFnOnce for Projection<'_> {
     }
 }
 
-/// Lanes in which the products of two columns are summed: the widest registers hold so many.
+/// Lanes in which the products of two columns are summed: the widest registers hold this number.
 const LANES: usize = 8;
 
 struct AllSums<'a> {
@@ -168,23 +168,23 @@ impl AllSums<'_> {
         let zero = width + 3;
         let stride = zero + 1;
         let mut columns = vec![[0.0; PANEL]; stride];
-        let mut seen = vec![true; width];
+        let mut is_used = vec![true; width];
         let mut used: Vec<usize> = Vec::with_capacity(stride + SIDE);
         let mut gram = vec![[0.0; LANES / 2]; stride * stride];
         let mut cost = 0.0;
         for chunk in self.points.chunks(PANEL) {
             let panel = self.lobes.panel(chunk.iter().map(|p| p.direction));
-            // What a panel lacks weighs nothing.
+            // Missing points of a panel have weight 0.
             let mut scale = [0.0; PANEL];
             scale.iter_mut().zip(chunk).for_each(|(s, p)| *s = p.mean_weight().sqrt());
-            self.lobes.slopes(&panel, &scale, &mut columns[..width], &mut seen);
+            self.lobes.slopes(&panel, &scale, &mut columns[..width], &mut is_used);
             for c in 0..3 {
                 let mut difference = [0.0; PANEL];
                 for (n, point) in chunk.iter().enumerate() {
                     difference[n] = -scale[n] * point.aim[c];
                 }
                 let values = (0..k).map(|k| (k, 2 * self.lobes.len() + k)).chain([(k, width - 1)]);
-                for (lobe, column) in values.filter(|v| seen[v.1]) {
+                for (lobe, column) in values.filter(|v| is_used[v.1]) {
                     let amplitude = self.amplitudes[c][lobe];
                     for (d, v) in difference.iter_mut().zip(&columns[column]) {
                         *d = amplitude.mul_add(*v, *d);
@@ -200,7 +200,7 @@ impl AllSums<'_> {
             }
             cost += chunk.iter().map(|p| p.rest).sum::<f64>();
             used.clear();
-            used.extend((0..zero).filter(|&i| i >= width || seen[i]));
+            used.extend((0..zero).filter(|&i| i >= width || is_used[i]));
             used.resize(used.len().next_multiple_of(SIDE), zero);
             for (first, across) in used.chunks_exact(SIDE).enumerate() {
                 let right: [&Column; SIDE] = std::array::from_fn(|i| &columns[across[i]]);

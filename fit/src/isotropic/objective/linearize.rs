@@ -1,7 +1,7 @@
 //! Gradient and Gauss-Newton matrix of the objective.
 //!
-//! A view depends on the two knots round it. Its matrix is summed over its samples first (`data_term`), by derivatives of unit lobes, then
-//! spread over its unknowns, and at last over those of the knots.
+//! A view depends on the two stored views round it. Its matrix is summed over its samples first (`data_term`), by derivatives of unit lobes, then
+//! spread over its unknowns, and at last over those of the stored views.
 
 use super::data_term;
 use super::{Data, Objective, Weights};
@@ -47,24 +47,24 @@ pub(crate) struct Linearized {
 }
 
 impl Linearized {
-    /// Adds a view to the knots round it.
+    /// Adds a view to the stored views round it.
     fn add(&mut self, mut block: Block) {
         block.mirror();
         let p = block.gradient.len();
         self.cost += block.cost;
-        let (knot, blend) = block.place;
-        let ends = [(knot, 1.0 - blend), (knot + 1, blend)];
-        for (a, (knot_a, share_a)) in ends.into_iter().enumerate().filter(|e| e.1.1 > 0.0) {
+        let (stored, blend) = block.place;
+        let ends = [(stored, 1.0 - blend), (stored + 1, blend)];
+        for (a, (stored_a, share_a)) in ends.into_iter().enumerate().filter(|e| e.1.1 > 0.0) {
             for i in 0..p {
-                self.gradient[knot_a * p + i] += share_a * block.gradient[i];
-                self.scale[knot_a * p + i] += share_a * share_a * block.scale[i];
+                self.gradient[stored_a * p + i] += share_a * block.gradient[i];
+                self.scale[stored_a * p + i] += share_a * share_a * block.scale[i];
             }
-            for (knot_b, share_b) in ends.into_iter().take(a + 1).filter(|e| e.1 > 0.0) {
+            for (stored_b, share_b) in ends.into_iter().take(a + 1).filter(|e| e.1 > 0.0) {
                 let share = share_a * share_b;
                 for j in 0..p {
-                    let start = if knot_a == knot_b { j } else { 0 };
+                    let start = if stored_a == stored_b { j } else { 0 };
                     let row = &block.matrix[j * p + start..(j + 1) * p];
-                    self.matrix.add_run(knot_a * p + start, knot_b * p + j, share, row);
+                    self.matrix.add_run(stored_a * p + start, stored_b * p + j, share, row);
                 }
             }
         }

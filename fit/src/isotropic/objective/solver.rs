@@ -2,6 +2,7 @@
 
 use super::linearize::Linearized;
 use super::{Objective, Weights};
+use crate::isotropic::tuning::solver::{COLOR_STEP, LONGEST_STEP};
 use crate::numeric::levenberg::{LeastSquares, Linear};
 
 /// The sum of squares with weights, as the solver sees it.
@@ -10,9 +11,6 @@ pub(crate) struct Weighted<'a> {
     pub weights: Weights,
 }
 
-/// A change of a colour difference that is as long as one of 1 of the logarithms.
-pub(crate) const COLOR_STEP: f64 = 4.0;
-
 impl Weighted<'_> {
     fn is_color(&self, unknown: usize) -> bool {
         self.objective.layout.is_color(unknown % self.objective.layout.stride())
@@ -20,8 +18,7 @@ impl Weighted<'_> {
 }
 
 impl LeastSquares for Weighted<'_> {
-    /// Half of it finds better minima of mirror-like materials, but takes twice the steps to leave a bad start.
-    const LONGEST_STEP: f64 = 3.0;
+    const LONGEST_STEP: f64 = LONGEST_STEP;
     type Linear = Linearized;
 
     fn bounds(&self, unknown: usize) -> (f64, f64) {

@@ -6,22 +6,13 @@ use crate::isotropic::objective::{Emphasis, Objective, Weighted};
 use crate::isotropic::search::exchange::exchange;
 use crate::isotropic::search::schedule::{Stage, side_by_side};
 use crate::isotropic::search::start;
+use crate::isotropic::tuning::candidates::{MOST_SCALE, SCOUTED_SAMPLES, USUAL_COST};
 use crate::judge::report::Ending;
 use crate::numeric::levenberg::minimize;
 use crate::table::Table;
 use rayon::prelude::*;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// Samples of the table on which the first stages run, if it has more.
-const SCOUTED_SAMPLES: usize = 5000;
-
-/// Cost of an ordinary fit, an error of 2 to 3 %.
-const USUAL_COST: f64 = 1e-3;
-
-/// Most that smoothness and albedo weigh more beside a large error: without a limit, mirror-like materials are held so stiffly
-/// that ilm_solo_m_68 ends at 15 % in place of 12 %.
-const MOST_SCALE: f64 = 3.0;
 
 /// One start on its way.
 #[derive(Clone)]
@@ -42,7 +33,7 @@ pub(crate) struct Work<'a> {
     pub done: usize,
     pub total: usize,
     pub progress: &'a mut (dyn FnMut(f64) + Send),
-    /// Evaluations of what is made small.
+    /// Evaluations of the objective.
     pub evaluations: AtomicUsize,
 }
 
@@ -85,7 +76,7 @@ pub(crate) fn scout(
     Ok(finalists.map(with_layout).collect())
 }
 
-/// Sorts by cost, the best of every shape before the second of any: a shape shows what it is good for late.
+/// Sorts by cost, the best of every shape before the second of any: the quality of a shape shows late.
 fn rank(candidates: &mut [Candidate]) {
     candidates.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.start.cmp(&b.start)));
     let seconds: Vec<bool> = (0..candidates.len())
@@ -95,14 +86,14 @@ fn rank(candidates: &mut [Candidate]) {
     candidates.sort_by_key(|c| c.is_second);
 }
 
-/// A candidate, and what it is to make small.
+/// A candidate and its objective.
 pub(crate) struct Task<'a> {
     pub table: &'a Table,
     pub objective: &'a Objective,
     pub candidate: &'a mut Candidate,
 }
 
-/// Takes candidates through a stage, side by side; what becomes of each does not depend on the others, nor on threads.
+/// Takes candidates through a stage, side by side. The result of each depends neither on the others nor on threads.
 pub(crate) fn advance(stage: &Stage, mut tasks: Vec<Task<'_>>, work: &mut Work<'_>) {
     let Work { done, total, progress, evaluations } = work;
     let lobes = tasks.first().map_or(0, |task| task.objective.layout.lobes);
@@ -131,12 +122,12 @@ fn advance_one(stage: &Stage, task: Task<'_>, mut tick: impl FnMut()) {
         *x = start::start(table, &objective.layout, *start);
     }
     let mut weights = stage.weights;
-    let reweighed = stage.sees.whole_table().then(|| objective.reweighed(x));
-    if stage.sees.whole_table() {
+    let reweighed = stage.scope.is_whole().then(|| objective.reweighed(x));
+    if stage.scope.is_whole() {
         // Beside a large error that cannot be helped, smoothness and albedo have to weigh more to count as much.
         let scale = (*cost / USUAL_COST).clamp(1.0, MOST_SCALE);
         weights.smoothness *= scale;
-        weights.energy *= if stage.sees.albedo() { scale } else { 1.0 };
+        weights.energy *= if stage.scope.holds_albedo() { scale } else { 1.0 };
     }
     let objective = reweighed.as_ref().unwrap_or(objective);
     (*cost, *ending) = minimize(&Weighted { objective, weights }, x, stage.limits, &mut tick);

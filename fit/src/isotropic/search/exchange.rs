@@ -1,46 +1,35 @@
 //! Out of a local minimum: the lobe that is missed least is put where it is missed most.
 //!
-//! What a lobe is worth at a view is what the sum of squares grows by when it is taken out and the amplitudes of all others
+//! The worth of a lobe at a view is the growth of the sum of squares when the lobe is taken out and the amplitudes of all others
 //! are chosen again: `a^2 / (G^-1)_kk` with the Gram matrix G of the unit lobes. Of two lobes that have merged, each is worth
 //! nothing. The new lobe is one of a few families (sharpness and lean constant over the views, or beside a lobe that is there), the
-//! one that alone would take most off what is left at present. Then all lobes are moved downhill together; if that ends higher
+//! one that alone would reduce the residual most. Then all lobes are moved downhill together; if that ends higher
 //! than before, all is put back.
 
 use crate::isotropic::model::Lobes;
 use crate::isotropic::objective::data_term::{self, Point};
 use crate::isotropic::objective::{Objective, Weighted, Weights};
+use crate::isotropic::tuning::exchange::{CAUTION, FAMILIES, IMPROVEMENT, PATIENCE};
 use crate::numeric::levenberg::{Limits, minimize};
 use crate::numeric::random::Random;
 use crate::table::luminance;
 use rayon::prelude::*;
-
-/// Families from which a new lobe is chosen; every second is beside a lobe that is there.
-const FAMILIES: usize = 60;
-
-/// Exchanges in vain, one after the other, after which no more is expected.
-const PATIENCE: usize = 6;
-
-/// Decrease of the cost from which an exchange is kept.
-const IMPROVEMENT: f64 = 1e-3;
-
-/// Share of the best amplitude with which a new lobe starts.
-const CAUTION: f64 = 0.7;
 
 /// A family of lobes: one for every view.
 #[derive(Clone, Copy, Debug)]
 enum Family {
     /// The same sharpness at all views, and an axis in proportion to the angle of the view; so far off the plane if mirrored.
     Alone { ln_sharpness: f64, lean: f64, off_plane: f64 },
-    /// What a lobe is at every view, but for a factor of the sharpness, and moved by a share of its width: along the plane, or off
+    /// A copy of a lobe at every view, with a factor on the sharpness, moved by a share of its width: along the plane, or off
     /// it if mirrored.
     Beside { lobe: usize, ln_sharper: f64, widths: f64 },
 }
 
-/// What the exchange looks at in one view.
+/// The residual of one view.
 struct Residual {
     theta: f64,
     q: Vec<f64>,
-    /// What lobes are to be minus what they are, per channel, for every sample; of a lobe that is taken out, without it.
+    /// Target minus value of the lobes, per channel, for every sample. A lobe that was taken out has no value.
     left: Vec<[f64; 3]>,
     worth: Vec<f64>,
 }
@@ -162,7 +151,7 @@ impl Objective {
         self.views.par_iter().map(view).collect()
     }
 
-    /// Takes the lobe in a slot out of what the lobes account for.
+    /// Adds the value of the lobe in a slot to the residuals.
     fn take_out(&self, residuals: &mut [Residual], slot: usize) {
         for (view, residual) in self.views.iter().zip(residuals) {
             let lobes = Lobes::new(&self.layout, &residual.q);
@@ -177,7 +166,7 @@ impl Objective {
         }
     }
 
-    /// Best amplitudes of a family at a view, in place of the lobe in a slot, and what they take off the sum of squares.
+    /// Best amplitudes of a family at a view, in place of the lobe in a slot, and the decrease of the sum of squares.
     fn best(&self, view: usize, residual: &Residual, slot: usize, family: Family) -> ([f64; 3], f64) {
         let layout = &self.layout;
         let mut q = residual.q.clone();
@@ -202,8 +191,8 @@ impl Objective {
         let found: Vec<[f64; 3]> =
             residuals.iter().enumerate().map(|(n, r)| self.best(n, r, slot, family).0).collect();
         let largest = found.iter().map(|color| luminance(*color)).fold(1e-9, f64::max);
-        for (knot, &theta) in layout.knots.iter().enumerate() {
-            let q = &mut x[knot * p..(knot + 1) * p];
+        for (stored, &theta) in layout.view_angles.iter().enumerate() {
+            let q = &mut x[stored * p..(stored + 1) * p];
             family.shape(self, slot, theta, q);
             let closer = |a: &usize, b: &usize| {
                 (residuals[*a].theta - theta).abs().total_cmp(&(residuals[*b].theta - theta).abs())
@@ -273,11 +262,11 @@ mod tests {
         }
         let table = Table::from_scattered(views).unwrap();
         let objective =
-            Objective::new(&table, layout.clone(), Emphasis { tail: 0.03, seen: 0.0, energy: 1.0 }, None)
+            Objective::new(&table, layout.clone(), Emphasis { tail: 0.03, measure: 0.0, energy: 1.0 }, None)
                 .unwrap();
         let mut x = vec![0.0; layout.len()];
-        for (knot, theta) in [0.0, 0.5, 1.0].into_iter().enumerate() {
-            let q = &mut x[knot * layout.stride()..];
+        for (stored, theta) in [0.0, 0.5, 1.0].into_iter().enumerate() {
+            let q = &mut x[stored * layout.stride()..];
             for k in 0..2 {
                 q[layout.angle(k)] = theta;
                 q[layout.sharpness(k)] = libm::log(60.0);

@@ -1,13 +1,17 @@
-//! The best of a shape, as it looks to itself: goals, ranks, and the table that it is made to see.
+//! The best candidate of a shape: its goals, its rank, and the table that is sampled again for it.
 
 use crate::isotropic::balance;
 use crate::isotropic::encode;
-use crate::isotropic::factors::{Factors, SIZES};
+use crate::isotropic::factors::Factors;
 use crate::isotropic::model::parameters::Layout;
 use crate::isotropic::objective::{Emphasis, Objective};
-use crate::isotropic::search::Source;
 use crate::isotropic::search::candidates::{Candidate, Task, Work, advance};
-use crate::isotropic::search::schedule::{LOOKS, Stage, WIDE};
+use crate::isotropic::search::schedule::{Resampling, Stage, WIDE};
+use crate::isotropic::search::{DrawnBy, Source};
+use crate::isotropic::tuning::factors::SIZES;
+use crate::isotropic::tuning::finalist::{
+    DOUBLING, MISSED, RAMP, STEEPEST, TOLERATED, WIDENED, WORTH_AWAY, WORTH_RANK,
+};
 use crate::judge::report::ViewReport;
 use crate::judge::verdict::{MOST_ENERGY_ERROR, MOST_VARIANCE, MOST_WEIGHT};
 use crate::table::Table;
@@ -15,36 +19,20 @@ use crate::{FitError, Settings};
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// What a weight that is too large adds to the error while it may be mended.
-const WIDENED: f64 = 1.1;
-/// Angle in radians up to which the variance is a goal: 80 degrees.
-const STEEPEST: f64 = 1.4;
-/// What the error is multiplied by where a goal is missed by more than [`RAMP`] doublings, rising from 1 where it is just met; and the
-/// share of the error that every doubling beyond costs. A goal missed by a hair costs a hair.
-const MISSED: f64 = 1.25;
-const RAMP: f64 = 0.5;
-const DOUBLING: f64 = 0.07;
-/// What the error may be multiplied by before it is worth the time to mend what is missed.
-const TOLERATED: f64 = 1.04;
-
-/// Shares that factors may leave of the rank, or of the error away from the peak, to be worth their bytes.
-const WORTH_RANK: f64 = 0.93;
-const WORTH_AWAY: f64 = 0.8;
-
 /// The best of a shape, on a table of its own.
 #[derive(Clone)]
 pub(crate) struct Finalist<'a> {
     pub layout: Layout,
     pub table: Cow<'a, Table>,
-    /// The table as its lobes last saw it.
-    seen: Option<Table>,
+    /// The table as it was last sampled again.
+    resampled: Option<Table>,
     pub candidate: Candidate,
-    /// What its lobes are multiplied by.
+    /// The table that multiplies its lobes.
     pub factors: Option<Factors>,
-    /// Mean error on that, of values and of the albedo, the largest variance of a view, the largest weight on that and, at the end, on
-    /// what they saw before; and the largest error of the albedo at any view.
+    /// Mean error of values and of the albedo on that table. Beside it: the largest variance of a view; the largest weight, in the end
+    /// on the table before too; and the largest error of the albedo at any view.
     error: f64,
-    /// Mean error away from the peak alone, see `crate::judge::seen`.
+    /// Mean error away from the peak alone, see `crate::judge::measure`.
     away: f64,
     variance: f64,
     largest_weight: f64,
@@ -62,7 +50,7 @@ impl<'a> Finalist<'a> {
         let mut new = Self {
             layout,
             table: Cow::Borrowed(table),
-            seen: None,
+            resampled: None,
             candidate,
             factors: None,
             error: f64::INFINITY,
@@ -73,16 +61,16 @@ impl<'a> Finalist<'a> {
         };
         // Few lobes, or lobes in pairs, are fewer bytes, which are spent on more views.
         let views = encode::views_of_equal_size(&new.layout, settings.lobes_of_size());
-        if settings.knots.is_none() && views > new.layout.knots.len() {
-            let denser = Layout { knots: source.knots(views), ..new.layout.clone() };
+        if settings.view_angles.is_none() && views > new.layout.view_angles.len() {
+            let denser = Layout { view_angles: source.view_angles(views), ..new.layout.clone() };
             new.candidate.x = new.layout.resampled(&new.candidate.x, &denser);
-            new.table = Cow::Owned(source.table(&denser.knots, None)?);
+            new.table = Cow::Owned(source.table(&denser.view_angles, None)?);
             new.layout = denser;
         }
         Ok(new)
     }
 
-    /// What the error is multiplied by for the goals that are missed, weight, variance and energy; 1 if none is.
+    /// Factor on the error for missed goals of weight, variance and energy; 1 if all are met.
     fn penalty(&self) -> f64 {
         let missed = |value: f64, most: f64| {
             let doublings = libm::log2((value / most).max(1.0));
@@ -115,12 +103,12 @@ impl<'a> Finalist<'a> {
         self.error
     }
 
-    /// What the best has least of, where all goals count.
+    /// Error times penalty. The best finalist has the least.
     pub fn rank(&self) -> f64 {
         self.error * self.penalty()
     }
 
-    /// How many of the sizes of tables of factors leave it within so many bytes.
+    /// Number of sizes of tables of factors with which the material has at most this number of bytes.
     pub fn sizes_within(&self, bytes: usize) -> usize {
         SIZES.iter().take_while(|size| encode::len(&self.layout, Some(**size)) <= bytes).count()
     }
@@ -132,14 +120,14 @@ impl<'a> Finalist<'a> {
         rank < WORTH_RANK || (rank < 1.0 && away < WORTH_AWAY)
     }
 
-    /// The same before the end, where only the weight counts, which gets worse when it is not mended.
+    /// The rank before the end. Only the weight counts there, because it gets worse if nothing is done.
     pub fn early_rank(&self) -> f64 {
         if self.has_small_weights() { self.error } else { WIDENED * self.error }
     }
 
     /// Gives up the least useful lobe for one that is kept wide; false if it has such a lobe, or none to give.
     pub fn widen(&mut self) -> bool {
-        let table = self.seen.as_ref().unwrap_or(&self.table);
+        let table = self.resampled.as_ref().unwrap_or(&self.table);
         let given_up = Objective::new(table, self.layout.clone(), WIDE, self.factors.as_ref())
             .ok()
             .and_then(|objective| objective.least_missed(&self.candidate.x));
@@ -151,39 +139,44 @@ impl<'a> Finalist<'a> {
         is_widened
     }
 
-    /// Fits factors to what the lobes leave, with a table of one of these sizes.
+    /// Fits factors to the residual of the lobes, with a table of one of these sizes.
     pub fn fit_factors(&mut self, sizes: &[[usize; 3]], emphasis: Emphasis) -> Result<(), FitError> {
-        let table = self.seen.as_ref().unwrap_or(&self.table);
+        let table = self.resampled.as_ref().unwrap_or(&self.table);
         let objective = Objective::new(table, self.layout.clone(), emphasis, self.factors.as_ref())?;
         let demands = objective.reweighed(&self.candidate.x).demands(&self.candidate.x);
         self.factors = Factors::worthwhile(sizes, &demands);
         Ok(())
     }
 
-    /// Looks at the lobes as before the last stage, views at the knots among what they see.
-    pub fn look_again(&mut self, source: &dyn Source) -> Result<(), FitError> {
+    /// Resamples as before the last stage.
+    pub fn resample_for_last_stage(&mut self, source: &dyn Source) -> Result<(), FitError> {
         self.largest_weight = 0.0;
-        self.look(source, LOOKS - 1)
+        self.resample(source, Resampling::Last)
     }
 
-    /// Looks at the lobes on a table that they see.
-    pub fn look(&mut self, source: &dyn Source, round: usize) -> Result<(), FitError> {
+    /// Samples the table again, in directions that the lobes draw, and judges the lobes on it.
+    pub fn resample(&mut self, source: &dyn Source, resampling: Resampling) -> Result<(), FitError> {
         let mut x = self.candidate.x.clone();
         self.energy_error = balance::balance(&self.layout, &mut x, self.factors.as_ref(), source.albedo());
         let bytes = encode::encode(&self.layout, &x, self.factors.as_ref(), "")?;
-        let mut seen = source.table(&self.layout.knots, Some((&bytes, round)))?;
-        let reports = reports(&bytes, &seen)?;
+        let mut resampled =
+            source.table(&self.layout.view_angles, Some(DrawnBy { bytes: &bytes, resampling }))?;
+        let reports = reports(&bytes, &resampled)?;
         self.error = mean_over_angle(&reports, |report| report.measure + report.energy_error());
         self.away = mean_over_angle(&reports, ViewReport::away);
         let asked_for = reports.iter().filter(|view| view.theta < STEEPEST);
         self.variance = asked_for.map(|view| view.variance).fold(0.0, f64::max);
-        // A view where the density is too small may be seen once only; but what was seen before has been moved far since.
+        // A view where the density is too small may be in one table only. Weights before the last resampling are those of lobes that
+        // have been moved far since.
         let largest = reports.iter().map(ViewReport::largest_weight_as_summed).fold(0.0, f64::max);
-        self.largest_weight = if round < LOOKS - 1 { largest } else { self.largest_weight.max(largest) };
-        // The last stage sees the views of the one before too: what is seen no more is done again.
-        let before = self.seen.take().filter(|_| round + 1 == LOOKS);
-        seen.views.extend(before.into_iter().flat_map(|table| table.views));
-        self.seen = Some(seen);
+        self.largest_weight = match resampling {
+            Resampling::First | Resampling::Second => largest,
+            Resampling::Last | Resampling::Judging => self.largest_weight.max(largest),
+        };
+        // The last stage keeps the views of the table before: an error that no view shows comes back.
+        let before = self.resampled.take().filter(|_| resampling == Resampling::Last);
+        resampled.views.extend(before.into_iter().flat_map(|table| table.views));
+        self.resampled = Some(resampled);
         Ok(())
     }
 }
@@ -200,7 +193,7 @@ pub(crate) fn refine(
         .iter()
         .map(|f| {
             Objective::new(
-                f.seen.as_ref().unwrap_or(&f.table),
+                f.resampled.as_ref().unwrap_or(&f.table),
                 f.layout.clone(),
                 emphasis,
                 f.factors.as_ref(),
@@ -208,13 +201,13 @@ pub(crate) fn refine(
         })
         .collect::<Result<Vec<_>, _>>()?;
     let tasks = finalists.iter_mut().zip(&objectives).map(|(f, objective)| Task {
-        table: f.seen.as_ref().unwrap_or(&f.table),
+        table: f.resampled.as_ref().unwrap_or(&f.table),
         objective,
         candidate: &mut f.candidate,
     });
     advance(stage, tasks.collect(), work);
-    if let Some(round) = stage.look {
-        finalists.par_iter_mut().try_for_each(|f| f.look(source, round))?;
+    if let Some(resampling) = stage.resampling {
+        finalists.par_iter_mut().try_for_each(|f| f.resample(source, resampling))?;
     }
     Ok(())
 }

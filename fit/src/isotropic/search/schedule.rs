@@ -4,44 +4,24 @@
 
 use crate::Settings;
 use crate::isotropic::objective::{Emphasis, Weights};
+use crate::isotropic::tuning::schedule::{
+    FAINT_COLOR, FIRST_ENERGY, HEAVY_TAIL, LAST_MEASURE, LIGHT_TAIL, LOOSENED, MANY_LOBES, MOST_TIMES,
+    SIDE_BY_SIDE, USUAL_LOBES,
+};
 use crate::numeric::levenberg::Limits;
 
-/// Lobes with which as many candidates as a recipe names take part, and most times as many of fewer lobes: they have more minima of
-/// their own, and take less time.
-const USUAL_LOBES: usize = 12;
-const MOST_TIMES: usize = 4;
-
-/// Lobes from which on there are fewer starts, exchanges and candidates, in inverse proportion to them: a step takes the square of the
-/// lobes, and many lobes have fewer minima that are bad.
-const MANY_LOBES: usize = 20;
-
-/// Candidates of many lobes that are moved side by side: each holds matrices of 25 MB with 64 lobes.
-const SIDE_BY_SIDE: usize = 2;
-
-/// Times that the table is made again, with directions that the lobes draw and at other views: a lobe that is sharp between the
-/// directions and views of a table costs nothing there (steel at 42.5 degrees: 32 % in place of 4 %).
-pub(crate) const LOOKS: usize = 3;
-
-/// What the stiffness of the last stages is multiplied by when they follow exchanges: what is that far keeps its order.
-const LOOSENED: f64 = 0.3;
-
-/// For the least error first, and where that misses a goal, with at least that tail. On 22
-/// materials the error halfway between the views is 3.10 % in the median with little tail and 3.55 % with ten times as much.
-pub(crate) const LIGHT: Emphasis = Emphasis { tail: 0.003, seen: 0.0, energy: 10.0 };
-pub(crate) const HEAVY_TAIL: f64 = 0.03;
+/// The emphasis of the first round: the least error.
+pub(crate) const LIGHT: Emphasis = Emphasis { tail: LIGHT_TAIL, measure: 0.0, energy: FIRST_ENERGY };
+/// The emphasis that widens a lobe.
 pub(crate) const WIDE: Emphasis = Emphasis { tail: HEAVY_TAIL, ..LIGHT };
-/// In the end, what is seen. Earlier it costs L2 for nothing: malachite ends at 13.7 % in place of 10.8, with no less error away from
-/// the peak.
-pub(crate) const LAST: Emphasis = Emphasis { seen: 1.0, ..LIGHT };
-
-/// Damping of colours, over the cost: malachite ends at 11.1 % with it, and at 16.4 without.
-pub(crate) const FAINT_COLOR: f64 = 1e-3;
+/// The emphasis of the end: visible errors away from the peak.
+pub(crate) const LAST: Emphasis = Emphasis { measure: LAST_MEASURE, ..LIGHT };
 
 /// How many candidates take part in a stage, the best of the one before.
 #[derive(Clone, Copy, Debug)]
 enum Keep {
-    /// A share of the starts of the settings, as a fraction.
-    Starts(usize, usize),
+    /// All starts of the settings.
+    Starts,
     /// As many as this for the usual number of lobes; more of fewer lobes, fewer of many.
     Best(usize),
     /// One, of any number of lobes.
@@ -51,10 +31,18 @@ enum Keep {
 /// Steps of the solver.
 #[derive(Clone, Copy, Debug)]
 enum Steps {
-    /// So many.
+    /// A number that no setting changes.
     Fixed(usize),
-    /// Those of the settings over a number.
+    /// The steps of the settings over a number.
     Over(usize),
+}
+
+/// Exchanges of lobes, as a share of those of the settings.
+#[derive(Clone, Copy, Debug)]
+enum Exchanges {
+    None,
+    TwoThirds,
+    All,
 }
 
 /// A stage as a recipe has it.
@@ -62,69 +50,94 @@ enum Steps {
 struct Line {
     keep: Keep,
     steps: Steps,
-    /// Exchanges of lobes, as a share of those of the settings.
-    exchanges: (usize, usize),
-    /// What the smoothness is multiplied by.
+    exchanges: Exchanges,
+    /// Factor on the smoothness.
     stiffness: f64,
     /// Relative decrease of the cost at which the solver ends.
     improvement: f64,
-    /// What it sees of the table.
-    sees: Sees,
-    /// The number with which the table is made again after it.
-    look: Option<usize>,
+    scope: Scope,
+    /// The resampling of the table after the stage, if any.
+    resampling: Option<Resampling>,
 }
 
-/// What a stage sees.
+/// The data that a stage fits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Sees {
+pub(crate) enum Scope {
     /// A thinned table.
-    Some,
-    /// The whole table, with weights that follow the candidate as it is.
-    All,
-    /// That, and the albedo is held closely.
-    AllAndAlbedo,
+    Thinned,
+    /// The whole table. Its weights follow the candidate.
+    Whole,
+    /// The whole table, and the albedo, which is held closely.
+    WholeAndAlbedo,
 }
 
-impl Sees {
-    /// Whether the whole table is seen, with weights that follow the candidate as it is.
-    pub fn whole_table(self) -> bool {
-        self != Self::Some
+impl Scope {
+    /// Whether a stage fits the whole table, with weights that follow the candidate.
+    pub fn is_whole(self) -> bool {
+        self != Self::Thinned
     }
 
     /// Whether the albedo is held closely.
-    pub fn albedo(self) -> bool {
-        self == Self::AllAndAlbedo
+    pub fn holds_albedo(self) -> bool {
+        self == Self::WholeAndAlbedo
     }
 }
 
-/// A line of a recipe from its numbers in order.
-const fn line(
-    keep: Keep,
-    steps: Steps,
-    exchanges: (usize, usize),
-    stiffness: f64,
-    improvement: f64,
-    sees: Sees,
-    look: Option<usize>,
-) -> Line {
-    Line { keep, steps, exchanges, stiffness, improvement, sees, look }
+/// A time at which the table is sampled again, in directions that the lobes draw and at other views.
+///
+/// A lobe that is sharp between the directions and views of a table costs nothing there: steel at 42.5 degrees ends at 32 % without
+/// resampling, and at 4 % with it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Resampling {
+    /// After the first stage on the whole table.
+    First,
+    Second,
+    /// Before the last stage. Stored views are among the views, because a lobe of a single stored view is highest there.
+    Last,
+    /// After the last stage, for the judgement alone.
+    Judging,
 }
 
-/// Shapes show late what they are good for: so three are kept until each has been moved to where
-/// its lobes cannot hide. One with more knots may end a stage with a needle between directions that nothing had seen yet.
+impl Resampling {
+    /// Its number, from 0.
+    pub fn number(self) -> usize {
+        self as usize
+    }
+}
+
+/// The quality of a shape shows late, so three are kept until the table has been sampled again for each. A shape with more stored
+/// views may end a stage with a needle between the directions of its table.
 const RECIPE: [Line; 8] = {
-    use Keep::{Best, Starts};
-    use Steps::{Fixed, Over};
-    //   candidates     steps      exchanges  stiffness  improvement  sees                look
+    use Keep::Best;
+    use Resampling::{First, Last, Second};
+    use Steps::Over;
+    let scouting = Line {
+        keep: Keep::Starts,
+        steps: Steps::Fixed(25),
+        exchanges: Exchanges::None,
+        stiffness: 100.0,
+        improvement: 1e-3,
+        scope: Scope::Thinned,
+        resampling: None,
+    };
+    let exchanging = Line { steps: Over(6), stiffness: 3.0, ..scouting };
+    let refining = Line { steps: Over(4), stiffness: 1.0, scope: Scope::WholeAndAlbedo, ..scouting };
     [
-        line(Starts(1, 1), Fixed(25), (0, 1), 100.0, 1e-3, Sees::Some, None),
-        line(Best(6), Over(4), (0, 1), 10.0, 1e-3, Sees::Some, None),
-        line(Best(4), Over(6), (2, 3), 3.0, 1e-3, Sees::Some, None),
-        line(Best(3), Over(6), (1, 1), 3.0, 1e-3, Sees::Some, None),
-        line(Best(3), Over(1), (0, 1), 1.0, 5e-4, Sees::All, Some(0)),
-        line(Best(3), Over(4), (0, 1), 1.0, 1e-3, Sees::AllAndAlbedo, Some(1)),
-        line(Best(1), Over(4), (0, 1), 1.0, 1e-3, Sees::AllAndAlbedo, Some(2)),
-        line(Keep::One, Over(4), (0, 1), 1.0, 1e-3, Sees::AllAndAlbedo, None),
+        scouting,
+        Line { keep: Best(6), steps: Over(4), stiffness: 10.0, ..scouting },
+        Line { keep: Best(4), exchanges: Exchanges::TwoThirds, ..exchanging },
+        Line { keep: Best(3), exchanges: Exchanges::All, ..exchanging },
+        Line {
+            keep: Best(3),
+            steps: Over(1),
+            improvement: 5e-4,
+            scope: Scope::Whole,
+            resampling: Some(First),
+            ..refining
+        },
+        Line { keep: Best(3), resampling: Some(Second), ..refining },
+        Line { keep: Best(1), resampling: Some(Last), ..refining },
+        Line { keep: Keep::One, ..refining },
     ]
 };
 
@@ -133,14 +146,13 @@ const RECIPE: [Line; 8] = {
 pub(crate) struct Stage {
     /// Candidates that take part, the best of the stage before.
     pub keep: usize,
-    /// What it sees of the table.
-    pub sees: Sees,
+    pub scope: Scope,
     /// Times that a candidate is moved downhill: after the first, a lobe is exchanged before each.
     pub runs: usize,
     pub limits: Limits,
     pub weights: Weights,
-    /// The number with which the table is made again after it, if it can be.
-    pub look: Option<usize>,
+    /// The resampling of the table after the stage, if any.
+    pub resampling: Option<Resampling>,
 }
 
 impl Stage {
@@ -149,11 +161,11 @@ impl Stage {
         self.keep * self.runs * self.limits.steps
     }
 
-    /// The same for so many that have been through it, near their minimum. Lobes are exchanged so often before the last stages, which
-    /// are less stiff then.
+    /// The stage for `keep` finalists that have been through it and are near their minimum. Lobes are exchanged `exchanges` times before
+    /// the last stages, which are less stiff then.
     pub fn again(&self, keep: usize, exchanges: usize) -> Self {
         let mut new = Self { keep, ..*self };
-        if !new.sees.albedo() {
+        if !new.scope.holds_albedo() {
             new.limits.steps = new.limits.steps.div_ceil(3);
             new.runs = 1 + exchanges;
         } else if exchanges > 0 {
@@ -168,7 +180,7 @@ pub(crate) fn work(stages: &[Stage]) -> usize {
     stages.iter().map(Stage::work).sum()
 }
 
-/// The same share of a count as there are starts and exchanges with so many lobes; not none.
+/// A count, reduced for many lobes as starts and exchanges are; at least 1.
 fn fewer(count: usize, lobes: usize) -> usize {
     (count * MANY_LOBES).div_ceil(lobes.max(MANY_LOBES))
 }
@@ -191,12 +203,16 @@ pub(crate) fn stages(settings: &Settings, energy: f64) -> Vec<Stage> {
         (fewer(settings.starts, settings.lobes), fewer(settings.exchanges, settings.lobes));
     let stage = |line: &Line| Stage {
         keep: match line.keep {
-            Keep::Starts(part, whole) => times * (part * starts).div_ceil(whole),
+            Keep::Starts => times * starts,
             Keep::One => 1,
             Keep::Best(count) => times * fewer(count, settings.lobes),
         },
-        sees: line.sees,
-        runs: 1 + line.exchanges.0 * exchanges / line.exchanges.1,
+        scope: line.scope,
+        runs: match line.exchanges {
+            Exchanges::None => 1,
+            Exchanges::TwoThirds => 1 + 2 * exchanges / 3,
+            Exchanges::All => 1 + exchanges,
+        },
         limits: Limits {
             steps: match line.steps {
                 Steps::Fixed(steps) => steps,
@@ -207,9 +223,9 @@ pub(crate) fn stages(settings: &Settings, energy: f64) -> Vec<Stage> {
         weights: Weights {
             smoothness: line.stiffness * settings.smoothness,
             faint_color: FAINT_COLOR,
-            energy: if line.sees.albedo() { energy } else { 1.0 },
+            energy: if line.scope.holds_albedo() { energy } else { 1.0 },
         },
-        look: line.look,
+        resampling: line.resampling,
     };
     RECIPE.iter().map(stage).collect()
 }

@@ -9,28 +9,10 @@
 
 use crate::isotropic::model::Lobes;
 use crate::isotropic::model::parameters::Layout;
+use crate::isotropic::tuning::start::{BRIGHTEST, FAINT, LEAST_SQUEEZE, MIRRORED, SWEEPS, WIDTHS};
 use crate::numeric::random::Random;
 use crate::table::{Table, View, luminance};
 use std::f64::consts::PI;
-
-/// Least squeeze of a start: the cosine is 0 at the horizon.
-const LEAST_SQUEEZE: f64 = 0.08;
-
-/// Share of a view's largest amplitude over sharpness that a lobe gets which the best amplitudes leave out: enough for the
-/// solver to feel it.
-const FAINT: f64 = 2e-3;
-
-/// Sharpness of the widest and the narrowest mirrored lobe over that of the narrowest lobe of all.
-const MIRRORED: (f64, f64) = (0.03, 0.5);
-
-/// Angle of mirrored lobes out of the plane of incidence, over the inverse root of their sharpness.
-const WIDTHS: f64 = 1.2;
-
-/// Largest albedo of a start.
-const BRIGHTEST: f64 = 0.9;
-
-/// Sweeps of the coordinate descent for amplitudes.
-const SWEEPS: usize = 200;
 
 /// Makes the unknowns of start number `n`.
 pub(crate) fn start(table: &Table, layout: &Layout, n: usize) -> Vec<f64> {
@@ -64,11 +46,11 @@ pub(crate) fn start(table: &Table, layout: &Layout, n: usize) -> Vec<f64> {
 
     let p = layout.stride();
     let mut x = vec![0.0; layout.len()];
-    for (knot, &theta) in layout.knots.iter().enumerate() {
-        let q = &mut x[knot * p..(knot + 1) * p];
+    for (stored, &theta) in layout.view_angles.iter().enumerate() {
+        let q = &mut x[stored * p..(stored + 1) * p];
         shape(layout, theta, &sharpness, &lean, q);
         if let Some(view) = nearest(table, theta) {
-            // The shapes of the view's own angle: a knot without a view takes the amplitudes of the nearest.
+            // The shapes of the view's own angle: a stored view without a view takes the amplitudes of the nearest.
             let mut at_view = vec![0.0; p];
             shape(layout, view.theta, &sharpness, &lean, &mut at_view);
             let lobes = Lobes::new(layout, &at_view);
@@ -82,7 +64,7 @@ pub(crate) fn start(table: &Table, layout: &Layout, n: usize) -> Vec<f64> {
             let faint = 1e-3 * luminance(view.albedo).max(0.0) + 1e-9;
             layout.set_tint(q, layout.lobes, color(layout.lobes), faint);
         }
-        // A knot without a view may hold too much light with borrowed amplitudes.
+        // A stored view without a view may hold too much light with borrowed amplitudes.
         let most = layout.albedo(q, None).into_iter().fold(0.0, f64::max);
         if most > BRIGHTEST {
             layout.luminances().for_each(|i| q[i] -= libm::log(most / BRIGHTEST));

@@ -1,5 +1,5 @@
 use super::*;
-use crate::judge::seen::Seen;
+use crate::judge::measure::RegionErrors;
 
 /// A view without a fault.
 fn view(degrees: f64) -> ViewReport {
@@ -15,7 +15,7 @@ fn view(degrees: f64) -> ViewReport {
         density: 1.0,
         variance: 0.02,
         largest_weight: 2.5,
-        seen: Seen { peak: 0.02, off_peak: 0.06, luminance: 0.04, chroma: 0.02 },
+        regions: RegionErrors { peak: 0.02, off_peak: 0.06, luminance: 0.04, chroma: 0.02 },
         floor: 0.0,
         negatives: (0.0, 0.0),
     }
@@ -31,27 +31,26 @@ fn report() -> Report {
 }
 
 const RECIPROCAL: Reciprocity = Reciprocity { median: 0.05, worst: 0.6, pairs: 400 };
-const MADE: Made = Made { lobes: 12, views: 15, has_factors: false, is_isotropic: true };
 
 fn verdict(report: &Report) -> Verdict {
-    Verdict::new(report, &RECIPROCAL, Some(MADE))
+    Verdict::of_material(report, &RECIPROCAL)
 }
 
 #[test]
 fn a_good_fit_has_only_good_in_it_and_no_advice() {
     let found = verdict(&report());
-    assert_eq!(found.good.len(), MEASURES.len() + 1, "{found:?}");
+    assert_eq!(found.good.len(), CRITERIA.len() + 1, "{found:?}");
     assert!(found.fair.is_empty() && found.off.is_empty() && found.advice.is_empty(), "{found:?}");
 }
 
 /// Sets a number of a view.
 type Set = fn(&mut ViewReport, f64);
 
-/// The measures with what is off above, and what sets them.
+/// The criteria with the bound above which they are off, and a setter.
 const NOTES: [(&str, f64, Set); 6] = [
-    ("L2 off the peak", 0.2, |v, x| v.seen.off_peak = x),
-    ("luminance off the peak", 0.15, |v, x| v.seen.luminance = x),
-    ("colour off the peak", 0.1, |v, x| v.seen.chroma = x),
+    ("L2 off the peak", 0.2, |v, x| v.regions.off_peak = x),
+    ("luminance off the peak", 0.15, |v, x| v.regions.luminance = x),
+    ("colour off the peak", 0.1, |v, x| v.regions.chroma = x),
     ("variance", 0.25, |v, x| v.variance = x),
     ("largest weight", 18.0, |v, x| v.largest_weight = x),
     ("energy", 0.01, |v, x| v.albedo = v.data_albedo.map(|a| a + x * (1.005 * a + 1e-3))),
@@ -108,18 +107,15 @@ fn steps_matter_where_there_is_something_to_gain() {
 fn advice_is_what_helps_whatever_the_fit() {
     let mut spiky = report();
     spiky.views[1].largest_weight = 164.0;
-    let tried =
-        |made: Option<Made>, report: &Report| Verdict::new(report, &RECIPROCAL, made).advice.join("\n");
-    assert!(
-        tried(Some(MADE), &spiky).starts_with("`Defensive`") && tried(Some(MADE), &spiky).contains("164")
-    );
-    // Another method has other choices, or none.
-    assert!(tried(None, &spiky).is_empty());
+    let advice = |report: &Report| verdict(report).advice.join("\n");
+    assert!(advice(&spiky).starts_with("`Defensive`") && advice(&spiky).contains("164"));
+    // Fits by other methods have other choices, or none.
+    assert!(Verdict::new(&spiky, &RECIPROCAL).advice.is_empty());
     // More lobes, views or factors are not known to help.
     let mut off_peak = report();
-    off_peak.held_out[0].seen.chroma = 0.3;
+    off_peak.held_out[0].regions.chroma = 0.3;
     off_peak.held_out[1].error = 0.3;
-    assert!(tried(Some(MADE), &off_peak).is_empty());
+    assert!(advice(&off_peak).is_empty());
 }
 
 /// A fit as it looks.
@@ -149,7 +145,7 @@ fn the_sentence_says_whether_to_use_it_and_what_is_seen() {
     let mut ringed = looks(0.03);
     ringed.ripple[0].chroma = 0.03;
     assert!(said(ringed.clone()).contains("rings of colour"));
-    // What the table has too is not the fit's.
+    // Errors that the table has too are not the fit's.
     ringed.ripple[1].chroma = 0.03;
     assert!(said(ringed).starts_with("use it: "));
     let mut ghostly = looks(0.03);
@@ -164,7 +160,7 @@ fn the_sentence_says_whether_to_use_it_and_what_is_seen() {
 #[test]
 fn noise_of_the_table_is_no_error_of_the_fit_and_is_said() {
     let mut noisy = Report { appearance: Some(looks(0.03)), ..report() };
-    noisy.held_out[0].seen.luminance = 0.2;
+    noisy.held_out[0].regions.luminance = 0.2;
     assert!(verdict(&noisy).off[0].starts_with("luminance off the peak"));
     noisy.appearance = noisy.appearance.map(|mut found| {
         found.noise.luminance = 0.1;
@@ -180,7 +176,8 @@ fn noise_of_the_table_is_no_error_of_the_fit_and_is_said() {
 #[test]
 fn grazing_views_are_not_judged_by_what_is_seen() {
     let mut steep = report();
-    steep.views[2] = ViewReport { error: 0.5, seen: Seen { chroma: 0.9, ..view(0.0).seen }, ..view(85.0) };
+    steep.views[2] =
+        ViewReport { error: 0.5, regions: RegionErrors { chroma: 0.9, ..view(0.0).regions }, ..view(85.0) };
     assert!(verdict(&steep).off.is_empty());
 }
 
@@ -189,7 +186,10 @@ fn asymmetric_data_are_said() {
     let mut report = report();
     report.views[0].floor = 0.025;
     let fair = verdict(&report).fair;
-    assert!(fair.len() == 1 && fair[0].starts_with("asymmetric data: at 0.0 degrees 2.5 %"), "{fair:?}");
+    assert!(
+        fair.len() == 1 && fair[0].starts_with("asymmetric data: at 0.0 degrees they differ by 2.5 %"),
+        "{fair:?}"
+    );
     report.views[0].floor = 0.015;
     assert!(verdict(&report).fair.is_empty());
 }
@@ -203,13 +203,13 @@ fn the_median_is_one_of_the_numbers() {
     assert!(Spread::of(views[..0].iter(), |v| v.error).is_none());
 }
 
-/// The words as they are printed. What is seen is of the views up to 80 degrees, five of six; what is sampled is of all.
+/// The words as they are printed. Visible errors are of the views up to 80 degrees, five of six; variances and weights are of all.
 #[test]
 fn the_text_of_a_report() {
     let mut report = report();
-    report.held_out[1].seen = Seen { peak: 0.05, off_peak: 0.31, luminance: 0.11, chroma: 0.12 };
+    report.held_out[1].regions = RegionErrors { peak: 0.05, off_peak: 0.31, luminance: 0.11, chroma: 0.12 };
     report.views.push(ViewReport { largest_weight: 164.0, variance: 0.9, ..view(86.0) });
-    let found = Verdict::new(&report, &Reciprocity { median: 0.12, ..RECIPROCAL }, Some(MADE));
+    let found = Verdict::of_material(&report, &Reciprocity { median: 0.12, ..RECIPROCAL });
     let text = "\
 good relative L2: median 3.0 %, at most 3.0 %, at 60.0 degrees
 good luminance off the peak: median 4.0 %, at most 11.0 %, at 60.0 degrees

@@ -1,4 +1,4 @@
-//! Whether the values of a table can be a BRDF: what is in other units shows in the albedo.
+//! Whether the values of a table can be a BRDF: other units show in the albedo.
 
 use crate::judge::report::ViewReport;
 use crate::table::luminance;

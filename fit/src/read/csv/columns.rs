@@ -52,9 +52,9 @@ pub(super) struct Columns {
     /// Units that the names of angles and values carry.
     pub angle_unit: Option<Unit>,
     pub value_unit: Option<Unit>,
-    /// Names of what is not read.
+    /// Names of columns that are not read.
     pub ignored: Vec<String>,
-    /// What was taken for granted.
+    /// Assumptions.
     pub notes: Vec<String>,
 }
 
@@ -66,7 +66,7 @@ pub(super) struct NoColumns {
     pub reason: String,
 }
 
-/// Numbers that stand above all rows, by what they are.
+/// Numbers that stand above all rows, by their kind.
 pub(super) type Constants = Vec<(Role, f64)>;
 
 impl Columns {
@@ -114,7 +114,7 @@ impl Columns {
     }
 }
 
-/// The columns and constants by what they are.
+/// The columns and constants by their kind.
 struct Sides<'a> {
     roles: &'a [Role],
     constants: &'a Constants,

@@ -17,7 +17,7 @@ const ROUNDING: f64 = 1e-3;
 /// Largest azimuth that is believed, degrees.
 const TURNS: f64 = 36000.0;
 
-/// Samples of a plane that show on which side the mirror direction is: so many, and brighter by so much.
+/// Number of samples of a plane that show the side of the mirror direction, and factor by which they are brighter.
 const SHOWN: usize = 4;
 const BRIGHTER: f64 = 1.5;
 
@@ -27,7 +27,7 @@ pub(super) struct Geometry {
     /// Radians of a unit of the file.
     radians: f64,
     azimuths: Option<Azimuths>,
-    /// In a plane: what the azimuth of the outgoing direction is.
+    /// In a plane: the meaning of the azimuth of the outgoing direction.
     plane: f64,
 }
 

@@ -30,7 +30,7 @@ impl Layout {
     /// Finds the names of the columns.
     ///
     /// # Errors
-    /// [`ReadError::Content`] with the line that comes closest, and what is missing in it.
+    /// [`ReadError::Content`] with the line that comes closest, and the columns that it lacks.
     pub fn find(text: &str) -> Result<Self, ReadError> {
         let mut above = Above::default();
         let mut closest: Option<(usize, NoColumns)> = None;

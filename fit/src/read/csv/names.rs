@@ -1,4 +1,4 @@
-//! What a column holds, by its name in any usual spelling.
+//! The content of a column, by its name in any usual spelling.
 
 /// Which of the two directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -9,7 +9,7 @@ pub(super) enum Side {
     Either,
 }
 
-/// What a column holds.
+/// The content of a column.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Role {
     /// Angle from the normal.
@@ -77,7 +77,7 @@ pub(super) fn unit(name: &str) -> Option<Unit> {
     percent.or_else(|| words(&name).iter().find_map(|word| of(word)))
 }
 
-/// What a column of that name holds.
+/// The content of a column of that name.
 pub(super) fn role(name: &str) -> Role {
     // Articles of French.
     let name =

@@ -15,7 +15,7 @@ const MAX_WAVELENGTHS: usize = 4096;
 const LARGEST: f64 = 1e30;
 const LEAST_AREA: f64 = 1e-30;
 
-/// What a material is made of; the comments are at its fields.
+/// The arrays of a material; the comments are at its fields.
 pub(super) struct Arrays {
     pub phis: Vec<f64>,
     pub thetas: Vec<f64>,

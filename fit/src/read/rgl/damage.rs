@@ -19,7 +19,7 @@ fn spectral() -> Fields {
     small(Settings { spectrum: Some((wavelengths, vec![0.5; 8])), ..Settings::default() })
 }
 
-/// The message of what a change does to a file.
+/// The message about a file after a change.
 fn error(mut fields: Fields, field: &str, change: &dyn Fn(&mut Field)) -> String {
     let at = fields.0.iter().position(|f| f.name == field).unwrap();
     change(&mut fields.0[at]);

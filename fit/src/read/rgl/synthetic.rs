@@ -10,7 +10,7 @@ use crate::analytic::ggx::Ggx;
 use crate::table::Brdf;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// What is written.
+/// The content that is written.
 pub struct Settings {
     /// Azimuths, from -pi on over `range`; one or two for an isotropic file.
     pub phis: usize,
@@ -85,7 +85,7 @@ pub fn fields(model: &Ggx, s: &Settings) -> Fields {
                 let h = from_square(u, isotropic, phi);
                 let cosine: f64 = (0..3).map(|k| h[k] * wo[k]).sum();
                 let mut wi = [0, 1, 2].map(|k| 2.0 * cosine * h[k] - wo[k]);
-                // What the file holds below the horizon is not looked at, but is interpolated with: go on smoothly.
+                // Values below the horizon matter for interpolation only: they continue smoothly.
                 wi[2] = wi[2].max(0.02);
                 let length = libm::sqrt(wi.iter().map(|v| v * v).sum());
                 wi.iter_mut().for_each(|v| *v /= length);

@@ -155,7 +155,7 @@ fn last_before(count: usize, holds: impl Fn(usize) -> bool) -> usize {
     low
 }
 
-/// Where in a cell the integral of what goes linearly from one number to another reaches a value; in [0, 1].
+/// Place in a cell where the integral of a linear function between two numbers reaches a value; in [0, 1].
 fn solve(from: f64, to: f64, value: f64) -> f64 {
     let divisor = from + libm::sqrt((from * from + 2.0 * value * (to - from)).max(0.0));
     if divisor > 0.0 { (2.0 * value / divisor).clamp(0.0, 1.0) } else { 0.0 }
@@ -194,7 +194,7 @@ mod tests {
         }
         // The mean of the inverse of the density is the area.
         assert!((mean - 1.0).abs() < 1e-3, "{mean}");
-        // Corners, and what has no mass, stay in the square.
+        // Corners, and cells without mass, stay in the square.
         let hollow = Warp::new(Grid::new(vec![0.0, 0.0, 0.0, 0.0, 0.0, 1.0], 3, 2).unwrap()).unwrap();
         for u in [[0.0, 0.0], [0.999_999, 0.999_999], [0.0, 0.5]] {
             let point = Warp::sample(&[(&hollow, 1.0)], u);

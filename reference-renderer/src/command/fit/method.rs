@@ -27,7 +27,7 @@ pub enum MethodName {
     Thesis,
     /// Lafortune's generalised cosine lobes, best of 100 starts: coefficients, as JSON.
     Lafortune,
-    /// Of samples: what they are completed to, which our lobes are fitted to; a report as JSON.
+    /// Of samples: their completion, which our lobes are fitted to; a report as JSON.
     Completion,
     /// Of samples: a microfacet lobe and a diffuse term; a report as JSON.
     Microfacet,
@@ -121,7 +121,7 @@ impl SettingArgs {
 pub struct Baseline {
     /// How good it is.
     pub report: Report,
-    /// What it says of any direction.
+    /// Its values for any direction.
     pub fitted: Box<dyn Fitted>,
     /// The report, settings and lobes, as JSON.
     pub json: String,
@@ -167,7 +167,7 @@ pub fn fit(
         MethodName::Completion | MethodName::Microfacet | MethodName::Nearest => {
             args.only("no options", "without lobes", &args.of_lobes())?;
             let Content::Samples(table) = &source.content else {
-                bail!("this method is for samples: what can be evaluated anywhere needs no completion")
+                bail!("this method is for samples: a BRDF needs no completion")
             };
             let fitted = name.without_lobes().fit(table)?;
             (fitted, "without_lobes", String::new(), ("of", format!("{name:?}").into()), 0, None)
@@ -206,7 +206,7 @@ fn tables(content: &Content) -> anyhow::Result<(Table, Option<Table>)> {
     })
 }
 
-/// Reads what is to be fitted: a file, or one material of a file of published Lafortune fits.
+/// Reads the input of a fit: a file, or one material of a file of published Lafortune fits.
 pub fn read(file: &Path, material: Option<&str>, conventions: &Conventions) -> anyhow::Result<Source> {
     Ok(match material {
         Some(material) => lafortune::read(file, material)?,

@@ -1,4 +1,4 @@
-//! `srbf fit`: the names of what it writes. Endings are added to names, never put in place of a part of them.
+//! `srbf fit`: the names of the files that it writes. Endings are added to names, never put in place of a part of them.
 
 use super::method::MethodName;
 use crate::out::output;
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// Folder that is written to if no file is named.
 const FOLDER: &str = "out";
 
-/// What the input is called: the name of its file without the last ending, of the one material that is taken from it, or of a
+/// The name of the input: that of its file without the last ending, of the one material that is taken from it, or of a
 /// model with all its parameters.
 pub fn stem(file: &Path, material: Option<&str>) -> anyhow::Result<OsString> {
     let model = file.to_str().and_then(|text| text.strip_prefix(PREFIX));
@@ -22,7 +22,7 @@ pub fn stem(file: &Path, material: Option<&str>) -> anyhow::Result<OsString> {
     })
 }
 
-/// A text with `-` for what a file name should not have.
+/// A text with `-` for characters that a file name should not have.
 pub fn as_file_name(text: &str) -> String {
     let plain = |c: char| if c.is_alphanumeric() || "-_.,=".contains(c) { c } else { '-' };
     text.chars().map(plain).collect()

@@ -1,4 +1,4 @@
-//! The picture of a fit, `srbf fit`: beside the material, a PNG of the fit and what it was fitted to.
+//! The picture of a fit, `srbf fit`: beside the material, a PNG of the fit and its data.
 
 use super::method::MethodName;
 use super::names::{self, Job};
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 /// The picture of a fit.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The picture to write; by default the name of the material with .png. It shows the fit beside what it was fitted to: curves in the
+    /// The picture to write; by default the name of the material with .png. It shows the fit beside its data: curves in the
     /// plane of incidence, discs, balls and the verdict, as `srbf plot` does of a fit that is there already.
     #[arg(long, value_name = "OUT.png")]
     picture: Option<PathBuf>,
@@ -74,7 +74,7 @@ impl Args {
         argument::environment(&self.env)
     }
 
-    /// Draws and writes the picture of a fit that was written to `output`: of its bytes and of what it was fitted to.
+    /// Draws and writes the picture of a fit that was written to `output`: of its bytes and of its data.
     ///
     /// # Errors
     /// Names the file that cannot be written.

@@ -38,7 +38,7 @@ pub struct SettingArgs {
     #[arg(long)]
     pub(super) views: Option<usize>,
     /// The table of factors over half angle, difference angle and azimuth that the lobes are multiplied by, `24x6x3` for example, or
-    /// `24x10` for the two angles alone; `none`; `chosen`: what it gains decides [default: chosen].
+    /// `24x10` for the two angles alone; `none`; `chosen`: the gain decides [default: chosen].
     #[arg(long, value_name = "NODES", value_parser = factor_nodes)]
     pub(super) factors: Option<FactorNodes>,
 }

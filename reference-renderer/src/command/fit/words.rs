@@ -1,4 +1,4 @@
-//! `srbf fit`: what is printed. By default a heading, the verdict, what was written, and what to do next.
+//! `srbf fit`: the printed text. By default a heading, the verdict, the files that were written, and the next step.
 
 use super::method::Baseline;
 use super::names::{self, Job};
@@ -9,6 +9,7 @@ use srbf_fit::judge::cross::CrossValidation;
 use srbf_fit::judge::method::Fitted;
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Report, mean_error};
+use srbf_fit::judge::verdict::Verdict;
 use std::path::Path;
 
 /// How much is printed.
@@ -23,7 +24,7 @@ pub struct Args {
 }
 
 impl Args {
-    /// Sets what is said of a file apart from what is said of the one before.
+    /// Separates the text on a file from that on the one before.
     pub fn say_next_file(&self) {
         if !self.json {
             println!();
@@ -64,7 +65,8 @@ impl Args {
         json: &str,
     ) -> anyhow::Result<Vec<String>> {
         let reciprocity = reciprocity(fitted)?;
-        let words = view_table::words(report, &reciprocity, material);
+        let judged = if material.is_some() { Verdict::of_material } else { Verdict::new };
+        let words = view_table::words(report, &judged(report, &reciprocity));
         if self.json {
             print!("{json}");
             return Ok(words);
@@ -84,7 +86,7 @@ impl Args {
         Ok(words)
     }
 
-    /// Says what was written, and what to do next.
+    /// Prints the files that were written, and the next step.
     pub fn say_written(&self, place: &Job, pictures: [Option<&Path>; 2], next: &str) {
         if self.json {
             return;
@@ -118,9 +120,8 @@ fn print_tables(report: &Report) {
     view_table::print_views(&report.views, isotropic);
     println!("mean relative L2 {:.2} %", 100.0 * report.mean_error());
     if !report.held_out.is_empty() {
-        let of =
-            if report.completion.is_some() { ", against what the samples were completed to" } else { "" };
-        println!("held out, between the knots{of}:");
+        let of = if report.completion.is_some() { ", against the completion of the samples" } else { "" };
+        println!("held out, between the stored views{of}:");
         view_table::print_views(&report.held_out, isotropic);
         println!("mean relative L2 held out {:.2} %", 100.0 * mean_error(&report.held_out));
     }

@@ -9,7 +9,7 @@ use crate::shade::strategy::SamplerName;
 use crate::truth::Truth;
 use crate::truth::ggx;
 use crate::truth::plain::{around, cosine, cosine_density, mirrored};
-use crate::truth::seen::{self, THETAS};
+use crate::truth::probe::{self, THETAS};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
@@ -103,7 +103,7 @@ impl Analytic {
 
     /// Gets ready for an outgoing direction.
     pub fn proposal(&self, wo: DVec3) -> AnalyticProposal {
-        let (before, along) = seen::place(wo.z, THETAS);
+        let (before, along) = probe::place(wo.z, THETAS);
         let share = self.shares[before] + along * (self.shares[before + 1] - self.shares[before]);
         AnalyticProposal { lobe: self.lobe, wo, share }
     }
@@ -119,7 +119,7 @@ fn at_width(lobe: Lobe, views: &[Look]) -> (f64, Analytic) {
                 (s.value * s.value * s.weight, [lobe.density(wo, s.wi), s.wi.z.max(0.0) * FRAC_1_PI])
             })
             .collect();
-        *share = seen::least_variance(&moments)[0].min(1.0 - LEAST_COSINE);
+        *share = probe::least_variance(&moments)[0].min(1.0 - LEAST_COSINE);
         let mean: f64 = all().map(|(_, s)| s.value * s.weight).sum();
         let second: f64 = moments.iter().map(|(m, [a, b])| m / (*share * a + (1.0 - *share) * b)).sum();
         if mean > 0.0 {

@@ -6,7 +6,7 @@
 //! shares stay shares. The best product of a function of the angle and one of the azimuth for that divergence is that of the
 //! marginals.
 
-use super::half_angles::{ANGLES, Layout, Sight, choose, running};
+use super::half_angles::{ANGLES, Layout, Outgoing, choose, running};
 use crate::numbers::random::Random;
 use crate::truth::Truth;
 use glam::DVec3;
@@ -18,7 +18,7 @@ const TERMS: usize = 8;
 /// Updates of all factors.
 const UPDATES: usize = 80;
 
-/// Least share of a factor: an update cannot bring back what is 0.
+/// Least share of a factor: an update cannot bring back a 0.
 const LEAST: f64 = 1e-12;
 
 /// A term: shares over the angle and the azimuth of the half vector, with running sums.
@@ -59,12 +59,12 @@ impl Factored {
 
     /// Gets ready for an outgoing direction.
     pub fn proposal(&self, wo: DVec3) -> FactoredProposal<'_> {
-        let sight = Sight::new(self.layout, wo);
+        let outgoing = Outgoing::new(self.layout, wo);
         let mut shares = [0.0; TERMS];
-        for (row, share) in sight.rows {
+        for (row, share) in outgoing.rows {
             shares.iter_mut().zip(&self.of_outgoing[row]).for_each(|(sum, term)| *sum += share * term);
         }
-        FactoredProposal { factored: self, sight, shares }
+        FactoredProposal { factored: self, outgoing, shares }
     }
 }
 
@@ -88,7 +88,7 @@ fn factor(rows: &[Vec<f64>], cells: usize) -> (Vec<[f64; TERMS]>, Vec<Vec<f64>>)
         })
         .collect();
     for _ in 0..UPDATES {
-        // What each row says of its own shares and of each term's cells: the table over the sum, weighted by the parts of the sum.
+        // The share of each row in its own shares and in each term's cells: the table over the sum, weighted by the parts of the sum.
         let said: Vec<([f64; TERMS], Vec<f64>)> = rows
             .par_iter()
             .zip(&of_row)
@@ -132,7 +132,7 @@ fn normalize(shares: &mut [f64]) {
 #[derive(Clone, Copy)]
 pub struct FactoredProposal<'a> {
     factored: &'a Factored,
-    sight: Sight,
+    outgoing: Outgoing,
     shares: [f64; TERMS],
 }
 
@@ -150,12 +150,12 @@ impl FactoredProposal<'_> {
         let term = &self.factored.terms[chosen];
         let (angle, along) = choose(&term.angles, u);
         let (turn, across) = choose(&term.turns, v);
-        self.sight.direction(angle * self.factored.layout.turns + turn, [along, across])
+        self.outgoing.direction(angle * self.factored.layout.turns + turn, [along, across])
     }
 
     /// Density of [`sample`](Self::sample); 1/sr.
     pub fn density(&self, wi: DVec3) -> f64 {
-        let (cell, in_cell) = self.sight.cell(wi);
+        let (cell, in_cell) = self.outgoing.cell(wi);
         let (angle, turn) = (cell / self.factored.layout.turns, cell % self.factored.layout.turns);
         let terms = self.factored.terms.iter().zip(&self.shares);
         in_cell * terms.map(|(term, share)| share * term.angle[angle] * term.turn[turn]).sum::<f64>()

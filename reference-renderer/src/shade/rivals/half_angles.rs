@@ -1,11 +1,11 @@
 //! Cells of half vectors, and how much of `f cos` each of them reflects towards an outgoing direction.
 //!
 //! Cells are even in the azimuth of the half vector, counted from the plane of incidence, and in the root of its angle from the normal, as
-//! in the MERL tables: narrow where highlights are. Of what is isotropic, the two sides of the plane of incidence are one.
+//! in the MERL tables: narrow where highlights are. Of isotropic materials the two sides of the plane of incidence are one.
 
 use crate::truth::Truth;
 use crate::truth::plain::mirrored;
-use crate::truth::seen;
+use crate::truth::probe;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -14,7 +14,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 pub const ANGLES: usize = 90;
 
 /// Angles and azimuths of outgoing directions, cells along the azimuth of the half vector, and points of a cell along each side at which
-/// the truth is looked at: of what is isotropic, and of what is not.
+/// the truth is looked at: of isotropic and of anisotropic materials.
 const SIZES: [[usize; 4]; 2] = [[45, 1, 32, 2], [16, 16, 48, 1]];
 
 /// Which outgoing directions and cells there are.
@@ -48,28 +48,28 @@ impl Layout {
         ANGLES * self.turns
     }
 
-    /// Solid angle of the half vectors of a cell; of what is folded, on both sides.
+    /// Solid angle of the half vectors of a cell; if it is folded, on both sides.
     fn solid_angle(&self, cell: usize) -> f64 {
         let angle = (cell / self.turns) as f64;
         TAU / self.turns as f64 * (one_minus_cos(angle + 1.0) - one_minus_cos(angle))
     }
 
-    /// The share of each cell in what is reflected, for every outgoing direction; each row sums to 1.
+    /// The share of each cell in the reflected light, for every outgoing direction; each row sums to 1.
     pub fn tabulate(&self, truth: &Truth<'_>) -> Vec<Vec<f64>> {
         (0..self.thetas * self.azimuths).into_par_iter().map(|row| self.row(truth, row)).collect()
     }
 
     fn row(&self, truth: &Truth<'_>, row: usize) -> Vec<f64> {
         let azimuth = PI + TAU * (row / self.thetas) as f64 / self.azimuths as f64;
-        let wo = seen::outgoing(seen::theta(row % self.thetas, self.thetas), azimuth);
-        let sight = Sight::new(*self, wo);
+        let wo = probe::outgoing(probe::theta(row % self.thetas, self.thetas), azimuth);
+        let outgoing = Outgoing::new(*self, wo);
         let inside = |n: usize| (n as f64 + 0.5) / self.points as f64;
         let mut row: Vec<f64> = (0..self.cells())
             .map(|cell| {
                 let points = (0..self.points).flat_map(|i| (0..self.points).map(move |j| [i, j]));
                 let sum: f64 = points
                     .map(|[i, j]| {
-                        let h = sight.half(cell, [inside(i), inside(j)], false);
+                        let h = outgoing.half(cell, [inside(i), inside(j)], false);
                         let cosine = wo.dot(h);
                         let wi = mirrored(wo, h);
                         let seen = cosine > 0.0 && wi.z > 0.0;
@@ -88,7 +88,7 @@ impl Layout {
 
 /// An outgoing direction among those of the rows.
 #[derive(Clone, Copy, Debug)]
-pub struct Sight {
+pub struct Outgoing {
     layout: Layout,
     wo: DVec3,
     /// Direction of +x of the frame of the view.
@@ -97,17 +97,17 @@ pub struct Sight {
     pub rows: [(usize, f64); 4],
 }
 
-impl Sight {
+impl Outgoing {
     /// Finds its place.
     pub fn new(layout: Layout, wo: DVec3) -> Self {
         let along = DVec2::new(-wo.x, -wo.y).normalize_or(DVec2::X);
-        let (theta, part) = seen::place(wo.z, layout.thetas);
+        let (theta, part) = probe::place(wo.z, layout.thetas);
         let turns = (wo.y.atan2(wo.x) - PI) / TAU;
         let turned = (turns - turns.floor()) * layout.azimuths as f64;
         let azimuth = (turned as usize).min(layout.azimuths - 1);
         let across = turned - azimuth as f64;
         let row = |i: usize, j: usize| ((azimuth + i) % layout.azimuths) * layout.thetas + theta + j;
-        // What is isotropic has one azimuth, and the second pair of rows is the first.
+        // An isotropic material has one azimuth, and the second pair of rows is the first.
         let rows = [
             (row(0, 0), (1.0 - across) * (1.0 - part)),
             (row(0, 1), (1.0 - across) * part),
@@ -131,7 +131,7 @@ impl Sight {
         DVec3::new(h.x, h.y, 1.0 - w)
     }
 
-    /// The incident direction of a place in a cell, maybe below the horizon; `turn` in [0, 1) over both sides of what is folded.
+    /// The incident direction of a place in a cell, maybe below the horizon; `turn` in [0, 1) over both sides of a folded cell.
     pub fn direction(&self, cell: usize, [angle, turn]: [f64; 2]) -> DVec3 {
         let (turn, is_mirrored) = match self.layout.is_folded {
             true if turn >= 0.5 => (2.0 * turn - 1.0, true),

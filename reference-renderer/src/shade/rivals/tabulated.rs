@@ -4,17 +4,17 @@
 //! Source: Matusik, Pfister, Brand and McMillan 2003, "Efficient Isotropic BRDF Measurement"; differs: over half vectors, so that
 //! highlights of any outgoing direction have fine cells.
 
-use super::half_angles::{ANGLES, Layout, Sight, choose, running};
+use super::half_angles::{ANGLES, Layout, Outgoing, choose, running};
 use crate::truth::Truth;
 use glam::DVec3;
 
 /// The tables of all outgoing directions.
 pub struct Tabulated {
     layout: Layout,
-    rows: Vec<SightRow>,
+    rows: Vec<RunningRow>,
 }
 
-struct SightRow {
+struct RunningRow {
     /// Share of each cell.
     shares: Vec<f32>,
     /// Running share over the angle, and in each angle over the azimuth.
@@ -26,7 +26,7 @@ impl Tabulated {
     /// Tabulates a truth.
     pub fn new(truth: &Truth<'_>) -> Self {
         let layout = Layout::new(truth);
-        let row = |shares: Vec<f64>| SightRow {
+        let row = |shares: Vec<f64>| RunningRow {
             angles: running(shares.chunks_exact(layout.turns).map(|turns| turns.iter().sum())),
             turns: shares.chunks_exact(layout.turns).map(|turns| running(turns.iter().copied())).collect(),
             shares: shares.iter().map(|&share| share as f32).collect(),
@@ -41,7 +41,7 @@ impl Tabulated {
 
     /// Gets ready for an outgoing direction.
     pub fn proposal(&self, wo: DVec3) -> TabulatedProposal<'_> {
-        TabulatedProposal { table: self, sight: Sight::new(self.layout, wo) }
+        TabulatedProposal { table: self, outgoing: Outgoing::new(self.layout, wo) }
     }
 }
 
@@ -49,14 +49,14 @@ impl Tabulated {
 #[derive(Clone, Copy)]
 pub struct TabulatedProposal<'a> {
     table: &'a Tabulated,
-    sight: Sight,
+    outgoing: Outgoing,
 }
 
 impl TabulatedProposal<'_> {
     /// Draws a direction, maybe below the horizon.
     pub fn sample(&self, [mut left, u, v]: [f64; 3]) -> DVec3 {
-        let mut row = self.sight.rows[0].0;
-        for (n, share) in self.sight.rows {
+        let mut row = self.outgoing.rows[0].0;
+        for (n, share) in self.outgoing.rows {
             row = n;
             if left < share {
                 break;
@@ -66,14 +66,17 @@ impl TabulatedProposal<'_> {
         let row = &self.table.rows[row];
         let (angle, along) = choose(&row.angles, u);
         let (turn, across) = choose(&row.turns[angle], v);
-        self.sight.direction(angle * self.table.layout.turns + turn, [along, across])
+        self.outgoing.direction(angle * self.table.layout.turns + turn, [along, across])
     }
 
     /// Density of [`sample`](Self::sample); 1/sr.
     pub fn density(&self, wi: DVec3) -> f64 {
-        let (cell, in_cell) = self.sight.cell(wi);
-        let share =
-            self.sight.rows.iter().map(|&(row, share)| share * f64::from(self.table.rows[row].shares[cell]));
+        let (cell, in_cell) = self.outgoing.cell(wi);
+        let share = self
+            .outgoing
+            .rows
+            .iter()
+            .map(|&(row, share)| share * f64::from(self.table.rows[row].shares[cell]));
         in_cell * share.sum::<f64>()
     }
 }

@@ -1,18 +1,18 @@
-//! What is seen of a truth where samplers are fitted to it.
+//! The values of a truth that samplers are fitted to, view by view.
 
 use crate::truth::Truth;
-use crate::truth::seen::{Direction, THETAS, directions, outgoing, theta};
+use crate::truth::probe::{Direction, THETAS, directions, outgoing, theta};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// Azimuths of what is anisotropic.
+/// Azimuths of anisotropic materials.
 const AZIMUTHS: usize = 4;
 
 /// Incident directions of each roughness.
 const DRAWN: usize = 160;
 
-/// What is seen of a truth from one angle.
+/// The values of a truth at one angle.
 pub struct Look {
     /// The incident directions for each azimuth of the outgoing one.
     pub azimuths: Vec<(DVec3, Vec<Direction>)>,

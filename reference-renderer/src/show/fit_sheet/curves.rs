@@ -1,4 +1,4 @@
-//! Values in the plane of incidence over the angle of the incident direction, a panel a view: the fit and what it is held against as
+//! Values in the plane of incidence over the angle of the incident direction, a panel a view: the fit and its data as
 //! curves, samples near that plane as points.
 
 use super::{Against, Strip, Subject, WIDTH, y};
@@ -9,7 +9,7 @@ use plotters::prelude::*;
 use srbf_fit::judge::method::Fitted;
 use srbf_fit::table::View;
 
-/// Panels in a row, most rows, height of a panel and of what is above them, pixels.
+/// Panels in a row, most rows, height of a panel and of the text above them, pixels.
 const COLUMNS: usize = 3;
 const ROWS: usize = 4;
 const PANEL: u32 = 290;
@@ -25,10 +25,10 @@ const NEAR: f64 = 10.0;
 const POINTS: usize = 400;
 const LAST: f64 = 88.0;
 
-/// Below this part of what is largest in a panel nothing is shown.
+/// Values below this share of the largest in a panel are not shown.
 const LEAST: f64 = 1e-5;
 
-/// What is drawn of a view: angle in degrees, mirror side positive, and luminance of `f cos`.
+/// The curve of a view: angle in degrees, mirror side positive, and luminance of `f cos`.
 struct Panel {
     degrees: f64,
     samples: Vec<(f64, f64)>,
@@ -152,7 +152,7 @@ fn draw_panel(
     let curves = [(legend.unwrap_or_default(), &panel.against, COLOURS[7]), ("fit", &panel.fit, COLOURS[0])];
     for (name, curve, colour) in curves.into_iter().filter(|(_, curve, _)| !curve.is_empty()) {
         let line = colour.stroke_width(2);
-        // In pieces: what is not shown is no point of a line.
+        // In pieces: a hidden value is no point of a line.
         let pieces = curve.windows(2).filter(|pair| pair.iter().all(|p| shown(p.1)));
         chart
             .draw_series(pieces.map(|pair| PathElement::new(pair.to_vec(), line)))?

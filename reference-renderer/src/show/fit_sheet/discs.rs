@@ -1,4 +1,4 @@
-//! The hemisphere of incident directions as discs, seen from above: the fit, what it is held against, and the ratio of both, for three
+//! The hemisphere of incident directions as discs, seen from above: the fit, its data, and the ratio of both, for three
 //! outgoing directions.
 
 use super::{Strip, Subject, WIDTH, y};
@@ -50,7 +50,7 @@ pub fn draw(subject: &Subject<'_>) -> anyhow::Result<Strip> {
             left += SIDE;
             let ratio = |(fit, data): (&Option<f64>, &Option<f64>)| {
                 let (fit, data) = (fit.as_ref()?, data.as_ref()?);
-                // What is far below what is shown is equal.
+                // Values far below the shown range count as equal.
                 let floor = most * 10f64.powf(-DECADES);
                 let apart = ((fit.max(0.0) + floor) / (data.max(0.0) + floor)).ln() / APART;
                 Some(ratios.get_color(0.5 + 0.5 * apart.clamp(-1.0, 1.0)))
@@ -84,7 +84,7 @@ fn values(value: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<Option<f64>> {
         .collect()
 }
 
-/// Colours the pixels of a square below the texts; what has no colour stays white.
+/// Colours the pixels of a square below the texts; pixels without a colour stay white.
 fn paint(block: &mut Strip, left: u32, colours: impl Iterator<Item = Option<RGBColor>>) {
     for (n, colour) in colours.enumerate() {
         let (row, column) = (n as u32 / SIDE, n as u32 % SIDE);

@@ -11,7 +11,7 @@ const LETTERS: u32 = 14;
 const MARGIN: u32 = 12;
 const COLUMNS: usize = 145;
 
-/// Draws lines; what is too long goes on in the next, below its second word.
+/// Draws lines; a longer one continues in the next, below its second word.
 ///
 /// # Errors
 /// Faults of the font.

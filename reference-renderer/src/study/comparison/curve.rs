@@ -32,7 +32,7 @@ impl Point {
     }
 }
 
-/// What a method showed at the last measurement of its first repeat.
+/// The picture of a method at the last measurement of its first repeat.
 #[derive(Clone, Debug, Default)]
 pub struct Shown {
     pub samples: u32,

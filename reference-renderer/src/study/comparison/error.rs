@@ -57,7 +57,7 @@ pub struct RelativeMse {
 struct Judged {
     index: usize,
     value: DVec3,
-    /// One over what a squared difference is divided by.
+    /// Factor on a squared difference.
     weight: f64,
     /// Variance of the reference, relative as the error is.
     noise: f64,
@@ -123,7 +123,7 @@ impl Judge {
             let mean = sum / n;
             let variance =
                 ((sum_of_squares - n * mean * mean) / (n - 1.0)).element_sum().max(0.0) / 3.0 * p.weight;
-            // What the noise of both would bring is taken off: what is left is 0 in the mean where there is no bias.
+            // The expected noise of both is taken off: without bias the rest is 0 in the mean.
             squares.push(mean_square(mean - p.value) * p.weight - variance / n - p.noise);
             variances += variance;
         }
@@ -138,7 +138,7 @@ pub struct Repeats {
 }
 
 impl Repeats {
-    /// None, of pictures of so many pixels.
+    /// No error yet, of pictures of `pixels` pixels.
     pub fn new(pixels: usize) -> Self {
         Self { count: 0, pixels: vec![Default::default(); pixels] }
     }
@@ -154,10 +154,10 @@ impl Repeats {
     }
 }
 
-/// What the error of a method is made of.
+/// The parts of the error of a method.
 #[derive(Clone, Copy, Debug)]
 pub struct Bias {
-    /// Square of what stays however many samples there are; its standard error is over the pixels.
+    /// Square of the bias, which no number of samples removes; its standard error is over the pixels.
     pub square: Estimate,
     /// What falls with the samples, as much as one repeat has of it.
     pub variance: f64,
@@ -173,7 +173,7 @@ impl Bias {
         (mean > Self::CERTAIN * error && mean > 0.0).then(|| mean.sqrt())
     }
 
-    /// What the bias is at most, where none is certain.
+    /// Upper bound of the bias, where none is certain.
     pub fn bound(&self) -> f64 {
         (self.square.mean.max(0.0) + Self::CERTAIN * self.square.error).sqrt()
     }

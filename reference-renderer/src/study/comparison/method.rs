@@ -1,10 +1,10 @@
-//! What is compared: how directions are chosen, and what is rendered with them.
+//! The methods of a comparison: how directions are chosen, and which material is rendered with them.
 
 use crate::shade::Strategy;
 use std::fmt;
 use std::str::FromStr;
 
-/// What is rendered of the object.
+/// The material of the object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reading {
     /// The material itself: its table, or its lobes.
@@ -20,7 +20,7 @@ pub struct Method {
     pub reading: Reading,
 }
 
-/// What the name of a method begins with that renders the lobes of a table.
+/// Prefix of the name of a method that renders the lobes of a table.
 const FIT: &str = "fit:";
 
 impl Method {

@@ -30,7 +30,7 @@ pub fn add(page: &mut Page, comparisons: &[Comparison]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What is measured, in words, for the head of a page.
+/// The measurement, in words, for the head of a page.
 pub const WORDS: &str = "Relative MSE: the mean over the pixels of the squared difference from the reference over the square of the pixel's brightness \
     (and of a tenth of the picture's), without the 0.1 % of the pixels that are worst. Seconds are those of the processors that worked on the \
     picture; fitting samplers and building scenes is not counted. After ± stands the standard error over the repeats.";
@@ -179,14 +179,14 @@ fn false_colour(error: f32) -> [u8; 3] {
         return [0; 3];
     }
     let [low, high] = SHOWN_ERRORS;
-    // What is no number counts as the worst.
+    // NaN counts as the worst.
     let share = ((error / low).ln() / (high / low).ln()).max(0.0);
     let share = if share < 1.0 { share } else { 1.0 };
     let RGBColor(r, g, b) = ViridisRGB.get_color(share);
     [r, g, b]
 }
 
-/// What the colours mean, as wide as a picture.
+/// The legend of the colours, as wide as a picture.
 fn colour_bar(width: u32) -> anyhow::Result<Vec<u8>> {
     let size = [width, width.div_ceil(8)];
     let [low, high] = SHOWN_ERRORS;

@@ -7,7 +7,7 @@ use glam::DVec3;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
-/// What a file of a reference begins with.
+/// First bytes of a file of a reference.
 const MAGIC: &[u8; 16] = b"srbf reference\0\x01";
 
 /// Bytes of the sum at the end.
@@ -38,7 +38,7 @@ impl Key {
         self.0.update(bytes);
     }
 
-    /// Adds a name, and what is in the file that it names: `FILE`, or `FILE:PART`; other names are those of what is in the program.
+    /// Adds a name, and the content of the file that it names: `FILE`, or `FILE:PART`. Other names are built in.
     ///
     /// # Errors
     /// A file that cannot be read.
@@ -58,7 +58,7 @@ impl Key {
     }
 }
 
-/// Reads the halves of a picture of so many pixels; `None` where there is no such file, or it is not whole.
+/// Reads the halves of a picture of `pixels` pixels; `None` where there is no such file, or it is not whole.
 pub fn read(path: &Path, pixels: usize) -> Option<Halves> {
     // So that a file of any size is not taken into memory.
     let expected = MAGIC.len() + 2 * 3 * 8 * pixels + SUM;

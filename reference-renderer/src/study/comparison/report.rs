@@ -109,7 +109,7 @@ pub fn summary(comparison: &Comparison) -> String {
     text
 }
 
-/// The bias of a method, relative to the brightness: its size if it is certain, else what it is at most.
+/// The bias of a method, relative to the brightness: its size if it is certain, else its upper bound.
 pub fn bias(curve: &Curve) -> String {
     let percent = |value: f64| format!("{} %", short(100.0 * value));
     match &curve.bias {
@@ -129,7 +129,7 @@ pub fn short(number: f64) -> String {
     format!("{number:.digits$}")
 }
 
-/// A number with so many digits after the point, or a dash for one that is not known.
+/// A number with `digits` digits after the point, or a dash for one that is not known.
 pub fn or_dash(number: Option<f64>, digits: usize) -> String {
     number.map_or_else(|| "-".to_owned(), |number| format!("{number:.digits$}"))
 }

@@ -8,7 +8,7 @@ use crate::numbers::points::{Decision, Points, PointsName, shifts};
 use crate::shade::shader::Scattering;
 use crate::trace::camera::Camera;
 use crate::trace::frame::{Frame, look};
-use crate::trace::openness::{Openness, Sighting};
+use crate::trace::openness::{Openness, SurveyedPath};
 use crate::trace::path::Path;
 use crate::trace::scene::Scene;
 use crate::trace::settings::RenderSettings;
@@ -31,21 +31,21 @@ pub struct Lighting {
     open: Openness,
 }
 
-/// What was drawn at the first surface, before anything is followed.
+/// The draws at the first surface, before anything is followed.
 pub struct FirstHit {
     reflection: Reflection,
-    /// `f cos` of what is rendered, towards the path's ray and the shadow ray.
+    /// `f cos` of the rendered material, towards the path's ray and the shadow ray.
     values: [Vec3; 2],
 }
 
-/// Whether what is rendered is sampled by its lobes alone, and those are not matte.
+/// Whether the rendered material is sampled by its lobes alone, and those are not matte.
 pub fn is_for(scattering: &Scattering<'_>) -> bool {
     let lobes = scattering.lobes_for_product().filter(|_| scattering.draws_lobes_alone());
     lobes.is_some_and(|lobes| luminance(lobes.diffuse()) < MOST_DIFFUSE * lobes.power())
 }
 
 impl Lighting {
-    /// Samples that a tile serves, of so many directions at the first surface: then the next one is made.
+    /// Samples that a tile serves, for a number of directions at the first surface: then the next one is made.
     pub fn samples(settings: &RenderSettings) -> u32 {
         (BLOCKS as u32 / settings.split).max(1)
     }
@@ -122,20 +122,20 @@ impl<'a> Path<'_, 'a> {
         Some(FirstHit { reflection, values })
     }
 
-    /// Whether the shadow ray of what was drawn is clear; one that does not exist brings nothing.
+    /// Whether the shadow ray of a draw is clear; one that does not exist brings nothing.
     fn is_lit(&self, frame: &Frame, drawn: &FirstHit) -> bool {
         drawn.reflection.shadow.is_some_and(|direction| self.scene.is_clear(&frame.ray(direction)))
     }
 
-    /// What a path of the survey finds.
-    fn survey(&self, frame: &Frame, drawn: &FirstHit) -> Sighting {
+    /// The findings of a path of the survey.
+    fn survey(&self, frame: &Frame, drawn: &FirstHit) -> SurveyedPath {
         let escapes = |direction: Vec3| {
             let world = frame.to_world(direction);
             frame.leaves(world) && self.scene.is_clear(&frame.ray(world))
         };
         let ray = drawn.reflection.ray.is_some_and(|ray| escapes(ray.direction));
         let sum = drawn.reflection.block_sum + drawn.reflection.ray_sum;
-        Sighting {
+        SurveyedPath {
             point: frame.point,
             light: luminance(sum).max(0.0),
             clear: [ray, self.is_lit(frame, drawn)],

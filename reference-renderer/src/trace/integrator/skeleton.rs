@@ -10,7 +10,7 @@ use crate::world::ray::Ray;
 use glam::Vec3;
 use std::hint::black_box;
 
-/// Follows the path of a pixel at random, the `i`-th, with a shadow ray at each surface; what they reflect is a cosine.
+/// Follows the path of a pixel at random, the `i`-th, with a shadow ray at each surface; the reflection is a cosine.
 pub fn skeleton(scene: &Scene<'_>, camera: &Camera, size: [u32; 2], settings: &RenderSettings, i: u64) {
     let points = Points::new(settings.points, settings.seed, i, 0);
     let path = Path { scene, settings, points };

@@ -6,12 +6,12 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Angles of the outgoing direction, and azimuths of what is anisotropic.
+/// Angles of the outgoing direction, and azimuths of anisotropic materials.
 const THETAS: usize = 256;
 const COARSE_THETAS: usize = 64;
 const AZIMUTHS: usize = 32;
 
-/// Rings round the mirror direction and spokes of the quadrature, of what is isotropic and of what is not.
+/// Rings round the mirror direction and spokes of the quadrature, of isotropic and of anisotropic materials.
 const RINGS: [usize; 2] = [256, 128];
 const SPOKES: [usize; 2] = [128, 64];
 

@@ -165,7 +165,7 @@ impl Map {
     }
 }
 
-/// Refuses what is too large, and what by its shape is not such a map.
+/// Refuses pictures that are too large, and those that by their shape are no such map.
 fn check_size(width: usize, height: usize, projection: Projection) -> anyhow::Result<()> {
     check_size_limit(width, height)?;
     match projection {

@@ -84,7 +84,7 @@ struct Cumulative {
     /// Shares of a distribution, and numbers from one distribution to the next.
     n: usize,
     stride: usize,
-    /// Sums of what is to the left, `n + 1` of each distribution: from 0 to 1. Then what is above all numbers.
+    /// Running sums, `n + 1` of each distribution, from 0 to 1; then a number above all.
     parts: Vec<f32>,
     /// The part that `k / GUIDE` falls into, `GUIDE` of each distribution: from there on sums are compared, a cache line at a time.
     first: Vec<u16>,

@@ -23,7 +23,7 @@ const SUN_COLOUR: Vec3 = vec3(1.0, 0.90, 0.74);
 /// Peak radiance of the sun that haze has spread, and how narrow it is then, as the sharpness of a Gaussian lobe.
 ///
 /// The brightest is then about 15 times the mean, as in the light probes that are common in comparisons of samplers of
-/// materials: such a sampler cannot find a small sun, which is what samples of the light are for.
+/// materials: such a sampler cannot find a small sun, for which there are samples of the light.
 const HAZY_SUN_RADIANCE: f32 = 9.0;
 const HAZY_SUN_SHARPNESS: f32 = 40.0;
 

@@ -1,66 +1,38 @@
-//! Where the knots of a material lie that can be evaluated anywhere.
+//! Where the stored views of a material lie that can be evaluated anywhere.
 //!
-//! Between knots the logarithms of sharpness and amplitude are straight lines, so the error there goes with the square of the
-//! distance times the second derivative of what they make. Two numbers of a view stand for that: the logarithm of its albedo
+//! Between stored views the logarithms of sharpness and amplitude are straight lines, so the error there goes with the square of the
+//! distance times the second derivative of the mixture. Two numbers of a view stand for that: the logarithm of its albedo
 //! and that of its root mean square, which a peak's height and width decide. Their second derivatives by the angle are known
 //! before anything is fitted; a mixture of its square root (equal errors) and of a density that rises towards grazing says how
-//! many knots belong where.
+//! many stored views belong where.
 //!
 //! Where exactly is a matter of energy. Measured tables are straight lines themselves, between rows that are some degrees
-//! apart, and the albedo of a channel that has a kink (vch_golden_yellow's blue at 45 degrees) wants a knot there. So the knots
+//! apart, and the albedo of a channel that has a kink (vch_golden_yellow's blue at 45 degrees) wants a stored view there. So the stored views
 //! are those, of all at the probes, for which the intervals have the least sum of the square of their share of that density
 //! and of the fourth power of how far their albedos are from straight, by dynamic programming (Bellman and Roth 1969, Curve fitting
 //! by segmented straight lines).
 
 use crate::FitError;
+use crate::isotropic::tuning::stored_views::{
+    APART, BULGE, BY_ANGLE, CROOKED, FINER, PROBED, PROBED_INTERVALS, SMOOTHED, SPAN, WIDEST, WIDEST_MEAN,
+};
+use crate::table::Brdf;
 use crate::table::Table;
 use crate::table::albedo_log::Ratio;
 use crate::table::luminance;
-use crate::table::{Brdf, Density};
 
-/// Intervals between views at which the material is looked at, or a multiple: half a degree up to 87 degrees.
-const PROBED_INTERVALS: usize = 174;
-
-/// Least number of them over that of the material's views. Pairs of lobes pay for up to twice as many.
-const FINER: usize = 4;
-
-/// How densely each is looked at.
-const PROBED: Density = Density { hemisphere: 150, cap: 50 };
-
-/// Share of the knots that are placed by the angle alone, as `1 / sqrt(cos)`: towards grazing, highlights stretch.
-const BY_ANGLE: f64 = 0.5;
-
-/// Half degrees that a second difference spans on each side, and half the number over which the density of knots is smoothed:
-/// noise has second derivatives too.
-const SPAN: usize = 3;
-const SMOOTHED: usize = 6;
-
-/// Least number of probes from knot to knot.
-const APART: usize = 2;
-
-/// Angle that no two knots are farther apart by, degrees, or by as many times their mean distance: what lies between them is not known
-/// from noise.
-const WIDEST: f64 = 8.0;
-const WIDEST_MEAN: f64 = 1.5;
-
-/// Distance of an albedo from straight that weighs as much as an interval's equal share of the density; less of it hardly counts.
-const CROOKED: f64 = 0.007;
-
-/// What it counts where the albedo is above the line, over below.
-const BULGE: f64 = 1.5;
-
-/// A material as it looks from the probes.
+/// A material at the probes.
 pub(crate) struct Probes {
     /// Angles, radians, and the albedo there.
     pub albedo: Vec<(f64, [f64; 3])>,
-    /// Logarithm of the albedo of each channel with the luminance added: what a dark channel of a bright colour does is not seen.
+    /// Logarithm of the albedo of each channel with the luminance added: a dark channel of a bright colour hardly counts.
     ln_albedo: Vec<[f64; 3]>,
-    /// Integral of the density of knots up to each.
+    /// Integral of the density of stored views up to each.
     integral: Vec<f64>,
 }
 
 impl Probes {
-    /// Looks at a material from 0 to `last` radians, closely enough for `views` views and twice as many.
+    /// Probes a material from 0 to `last` radians, densely enough for `views` views and twice as many.
     ///
     /// # Errors
     /// As [`Table::from_brdf`].
@@ -82,7 +54,7 @@ impl Probes {
         Ok(Self { albedo, ln_albedo, integral })
     }
 
-    /// Places `count` knots, at least 2, from the first probe to the last.
+    /// Places `count` stored views, at least 2, from the first probe to the last.
     pub fn place(&self, count: usize) -> Vec<f64> {
         let probes = self.albedo.len();
         let intervals = (count.max(2) - 1).min((probes - 1) / APART);
@@ -99,7 +71,7 @@ impl Probes {
         let costs: Vec<Vec<f64>> =
             (0..probes).map(|to| (0..to).map(|from| cost(from, to)).collect()).collect();
 
-        // Least cost of so many intervals up to each probe, and where the last of them begins.
+        // Least cost of a number of intervals up to each probe, and the begin of the last of them.
         let mut least = vec![f64::INFINITY; probes];
         least[0] = 0.0;
         let mut begins = Vec::with_capacity(intervals);
@@ -113,15 +85,15 @@ impl Probes {
             least = costs;
             begins.push(begin);
         }
-        let mut knots = vec![probes - 1];
+        let mut view_angles = vec![probes - 1];
         for begin in begins.iter().rev() {
-            knots.push(begin[knots[knots.len() - 1]]);
+            view_angles.push(begin[view_angles[view_angles.len() - 1]]);
         }
-        knots.iter().rev().map(|&probe| self.albedo[probe].0).collect()
+        view_angles.iter().rev().map(|&probe| self.albedo[probe].0).collect()
     }
 
     /// Farthest that a channel's albedo is from a straight line between two probes, in its logarithm. The logarithm of a sum of
-    /// lobes between two knots is convex, and cannot follow what bulges upwards.
+    /// lobes between two stored views is convex, and cannot follow what bulges upwards.
     fn crooked(&self, from: usize, to: usize) -> f64 {
         let (a, b) = (self.ln_albedo[from], self.ln_albedo[to]);
         let off = |i: usize| {
@@ -136,7 +108,7 @@ impl Probes {
     }
 }
 
-/// Integral of the density of knots up to every view of a table, views a step apart from the normal on.
+/// Integral of the density of stored views up to every view of a table, views a step apart from the normal on.
 fn integral(table: &Table, step: f64, multiple: usize) -> Vec<f64> {
     let logs: Vec<[f64; 2]> = table
         .views
@@ -191,13 +163,16 @@ mod tests {
     }
 
     #[test]
-    fn knots_rise_between_the_ends_and_gather_where_something_changes() {
+    fn views_rise_between_the_ends_and_gather_where_something_changes() {
         for at in [0.4, 1.0] {
-            let knots = Probes::new(&Step(at), 1.5, 14).unwrap().place(14);
-            assert!(knots.len() == 14 && knots[0] == 0.0 && knots[13] == 1.5, "{knots:?}");
-            assert!(knots.windows(2).all(|w| w[1] - w[0] > 0.01), "{knots:?}");
-            let near = |centre: f64| knots.iter().filter(|k| (**k - centre).abs() < 0.15).count();
-            assert!(near(at) >= 4 && near(at) > near(1.4 - at), "{at}: {knots:?}");
+            let view_angles = Probes::new(&Step(at), 1.5, 14).unwrap().place(14);
+            assert!(
+                view_angles.len() == 14 && view_angles[0] == 0.0 && view_angles[13] == 1.5,
+                "{view_angles:?}"
+            );
+            assert!(view_angles.windows(2).all(|w| w[1] - w[0] > 0.01), "{view_angles:?}");
+            let near = |centre: f64| view_angles.iter().filter(|k| (**k - centre).abs() < 0.15).count();
+            assert!(near(at) >= 4 && near(at) > near(1.4 - at), "{at}: {view_angles:?}");
         }
         let probes = Probes::new(&Step(0.4), 1.5, 100).unwrap();
         assert_eq!(probes.place(2), [0.0, 1.5]);
@@ -214,10 +189,10 @@ mod tests {
     }
 
     #[test]
-    fn a_kink_of_one_channel_has_a_knot() {
+    fn a_kink_of_one_channel_has_a_view() {
         for at in [0.3, 0.77, 1.1] {
-            let knots = Probes::new(&Kink(at), 1.5, 8).unwrap().place(8);
-            assert!(knots.iter().any(|knot| (knot - at).abs() < 0.01), "{at}: {knots:?}");
+            let view_angles = Probes::new(&Kink(at), 1.5, 8).unwrap().place(8);
+            assert!(view_angles.iter().any(|stored| (stored - at).abs() < 0.01), "{at}: {view_angles:?}");
         }
     }
 }

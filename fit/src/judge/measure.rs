@@ -1,13 +1,13 @@
-//! What an eye sees of a fit: the peak, and what lies away from it.
+//! The measure of a fit: errors of the peak, and visible errors away from it.
 //!
 //! The relative L2 error of a view is that of its highlight: a fit may have 3 % of it, and the wrong brightness or colour on
-//! most of a ball. So the report tells the two apart by the angle from the mirror direction, and there is one measure that sees
-//! both: what the fit makes small, what its search ranks by, and what it ends with.
+//! most of a ball. So the report tells the two apart by the angle from the mirror direction, and one measure has
+//! both: the objective of a fit, the rank in its search, and the judge of its end.
 //!
 //! The measure of a view is the root of `e^2 + w a^2`. e is the relative L2 error of `f cos`. `a^2` is the mean, by the projected solid
 //! angle, of the squared difference of `ln(f + floor)`, f the mean of the channels: as a difference of values it is
 //! `cos / pi |df|^2 / 3 / (f + floor)^2` where it is small, for every channel. The floor is a hundredth of the mean radiance, so that
-//! what is black beside everything else stays unseen. From 1.5 to 15 degrees from the mirror direction it counts four times.
+//! black surroundings hardly count. From 1.5 to 15 degrees from the mirror direction it counts four times.
 
 use crate::judge::method::FittedView;
 use crate::table::{Sample, View, luminance};
@@ -15,14 +15,14 @@ use std::f64::consts::PI;
 
 /// Weight of the squared error away from the peak beside that of the squared relative L2 error. With three times as much, nothing more
 /// is gained there; without, golden yellow has 1.3 to 2 times the error of luminance, for no less L2.
-pub(crate) const SEEN: f64 = 0.01;
-/// What is added to f over the mean radiance, albedo / pi.
+pub(crate) const AWAY_WEIGHT: f64 = 0.01;
+/// Floor that is added to f, over the mean radiance, albedo / pi.
 const FLOOR: f64 = 0.01;
 /// Least and largest factor by which logarithms differ from their tangents.
 const SECANT: (f64, f64) = (0.02, 20.0);
 
 /// Angles from the mirror direction, degrees, between which errors count more, and how much more: it is a small part of the hemisphere, and
-/// what lies beside a highlight is looked at.
+/// people look at the surroundings of a highlight.
 const SKIRT: (f64, f64) = (1.5, 15.0);
 const MORE: f64 = 4.0;
 
@@ -30,7 +30,7 @@ const MORE: f64 = 4.0;
 const PEAK: f64 = 15.0;
 /// Angle from the mirror direction, degrees, up to which colours are compared: farther, tables of measurements are dark and noisy.
 const RING: f64 = 60.0;
-/// Least cosine of what is compared by its own brightness: at the horizon a share of `f cos` is a share of nothing.
+/// Least cosine of values that are compared by their own brightness: at the horizon a share of `f cos` is a share of nothing.
 const LEAST_COSINE: f64 = 0.1;
 
 /// Mean of the channels, and 0 where that is negative.
@@ -43,7 +43,7 @@ pub(crate) fn level(albedo: [f64; 3]) -> f64 {
     albedo.iter().sum::<f64>() / 3.0 / PI
 }
 
-/// What is added to f.
+/// The floor that is added to f.
 pub(crate) fn floor(level: f64) -> f64 {
     FLOOR * level
 }
@@ -51,10 +51,10 @@ pub(crate) fn floor(level: f64) -> f64 {
 /// Weight of the squared differences of `f cos`, at a direction whose f has that mean, beside those of the squared relative L2 error; 1 / sr is
 /// missing: the caller multiplies by the solid angle.
 pub(crate) fn weight(mean: f64, level: f64, cos: f64) -> f64 {
-    SEEN / (3.0 * PI * cos.max(1e-3) * (mean + floor(level)).powi(2))
+    AWAY_WEIGHT / (3.0 * PI * cos.max(1e-3) * (mean + floor(level)).powi(2))
 }
 
-/// What errors at a direction count more for its angle from the mirror direction of a view.
+/// Weight of errors at a direction for its angle from the mirror direction of a view.
 pub(crate) fn beside_highlight(direction: [f64; 3], theta: f64) -> f64 {
     let (sin, cos) = libm::sincos(theta);
     let from_mirror = sin * direction[0] + cos * direction[2];
@@ -73,7 +73,7 @@ pub(crate) fn secant(value: f64, data: f64, floor: f64) -> f64 {
     (slope * slope).clamp(SECANT.0, SECANT.1)
 }
 
-/// The squared error of a view away from its peak, times [`SEEN`].
+/// The squared error of a view away from its peak, times [`AWAY_WEIGHT`].
 pub(crate) fn away(fitted: &dyn FittedView, view: &View) -> f64 {
     let level = level(view.uncut_albedo);
     if level <= 0.0 {
@@ -92,7 +92,7 @@ pub(crate) fn away(fitted: &dyn FittedView, view: &View) -> f64 {
 
 /// Errors of one view, by where they are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Seen {
+pub struct RegionErrors {
     /// Relative L2 error of `f cos` within 15 degrees of the mirror direction; NaN without a sample there, or if all are black.
     pub peak: f64,
     /// The same beyond.
@@ -105,7 +105,7 @@ pub struct Seen {
 }
 
 /// Compares a fit with one view of a table.
-pub(crate) fn seen(fitted: &dyn FittedView, view: &View) -> Seen {
+pub(crate) fn region_errors(fitted: &dyn FittedView, view: &View) -> RegionErrors {
     let (sin, cos) = libm::sincos(view.theta);
     let (peak, far) = (libm::cos(PEAK.to_radians()), libm::cos(RING.to_radians()));
     let mut squares = [(0.0, 0.0); 2];
@@ -130,7 +130,7 @@ pub(crate) fn seen(fitted: &dyn FittedView, view: &View) -> Seen {
         }
     }
     let [peak, off_peak] = squares.map(|(d, s)| if s > 0.0 { libm::sqrt(d / s) } else { f64::NAN });
-    Seen { peak, off_peak, luminance: median(luminances), chroma: median(chromas) }
+    RegionErrors { peak, off_peak, luminance: median(luminances), chroma: median(chromas) }
 }
 
 /// Share of the weight of samples that have a negative channel, and relative L2 norm of `f cos` in those channels.
@@ -202,7 +202,7 @@ mod tests {
             |(t, p): (f64, f64)| Sample { direction: direction(t, p), rgb: [1.0; 3], weight: libm::sin(t) };
         let samples = spread.map(sample).collect();
         let view = View { theta: 0.5, samples, albedo: [1.0; 3], uncut_albedo: [1.0; 3], floor: 0.0 };
-        let found = seen(&Off, &view);
+        let found = region_errors(&Off, &view);
         assert!((found.peak - 2.0).abs() < 0.02, "{found:?}");
         assert!((found.off_peak - 1.0).abs() < 0.02, "{found:?}");
         assert!(
@@ -228,7 +228,7 @@ mod tests {
                 |i| Sample { direction: direction(0.015 * f64::from(i), 1.0), rgb: [data; 3], weight: 1.0 };
             let samples = (0..100).map(sample).collect();
             let view = View { theta: 0.5, samples, albedo: [0.3; 3], uncut_albedo: [0.3; 3], floor: 0.0 };
-            let found = seen(&Faint, &view).luminance;
+            let found = region_errors(&Faint, &view).luminance;
             assert!((found - 0.001 / (0.01 * 0.3 / PI)).abs() < 1e-6, "{data}: {found}");
         }
     }

@@ -1,4 +1,4 @@
-//! What is seen of a truth where samplers are fitted to it.
+//! The directions and values of a truth that samplers are fitted to.
 
 use super::ggx_parts::{GgxProposal, PARTS};
 use glam::DVec3;

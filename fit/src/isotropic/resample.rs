@@ -1,16 +1,16 @@
-//! Tables with directions that the lobes of a material draw: what the lobes do that the data do not is then seen.
+//! Tables with directions that the lobes of a material draw: there the error of a lobe shows that the data do not have.
 
 use crate::FitError;
 use crate::judge::fitted_material::TrackedView;
 use crate::table::{Brdf, Density, Drawn, Table, tabulate};
 use srbf_core::Material;
 
-/// [`Table::from_brdf`] with directions drawn from the lobes of a material beside those that `density` says, other
+/// [`Table::from_brdf`] with directions drawn from the lobes of a material beside those of `density`, other
 /// ones in every `round`.
 ///
 /// # Errors
 /// As [`Table::from_brdf`]; [`FitError::Format`] and [`FitError::Core`] for bytes that are no material.
-pub(super) fn seen_by(
+pub(super) fn resampled(
     brdf: &dyn Brdf,
     thetas: &[f64],
     density: Density,
@@ -57,7 +57,7 @@ mod tests {
     }
 
     #[test]
-    fn a_needle_between_the_directions_is_seen_by_those_that_it_draws() {
+    fn a_needle_between_the_directions_is_met_by_those_that_it_draws() {
         struct Diffuse;
         impl Brdf for Diffuse {
             fn evaluate(&self, _: [f64; 3], _: [f64; 3]) -> [f64; 3] {
@@ -69,7 +69,7 @@ mod tests {
         let hidden = error(Table::from_brdf(&Diffuse, &[0.7], density).unwrap());
         let truth = 64.0 * libm::sqrt(PI / 131_072.0 / (0.25 / PI / PI * 2.0 * PI / 3.0));
         for round in 0..3 {
-            let table = seen_by(&Diffuse, &[0.7], density, &bytes, round).unwrap();
+            let table = resampled(&Diffuse, &[0.7], density, &bytes, round).unwrap();
             let sum: f64 = table.views[0].samples.iter().map(|s| s.weight).sum();
             assert!((sum / (2.0 * PI) - 1.0).abs() < 0.01, "{round}: {sum}");
             let seen = error(table);

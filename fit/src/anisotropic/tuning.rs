@@ -1,0 +1,96 @@
+//! The numbers that the anisotropic fit was tuned by, step by step: the only table of them.
+//!
+//! Each has the trade-off that it decides. `bash lab/tuning.sh fit/src/anisotropic/tuning.rs MODULE::NAME VALUE [FILE...]` prints its
+//! gain: errors and seconds of fits with the number, and with another value.
+
+/// Stored views, tables and starts.
+pub(crate) mod views {
+    use crate::table::Density;
+
+    /// Angles of the rings of stored views, degrees: closer towards grazing, where a highlight changes fastest.
+    pub const RINGS: [f64; 10] = [0.0, 13.0, 26.0, 38.0, 50.0, 60.0, 69.0, 76.0, 82.0, 87.0];
+    /// Stored views of a ring over half a turn.
+    pub const AZIMUTHS: usize = 8;
+    /// Tabulated views inside each cell of stored views. Half of them, twice as dense, double the error in the middle.
+    pub const PER_CELL: usize = 4;
+    /// Directions of a stored view.
+    pub const AT_STORED_VIEWS: Density = Density { hemisphere: 350, cap: 100 };
+    /// Directions of a tabulated view between them.
+    pub const BETWEEN: Density = Density { hemisphere: 160, cap: 50 };
+    /// Most starts.
+    pub const STARTS: usize = 4;
+    /// Steps of each start.
+    pub const SCOUTING: usize = 12;
+    /// Samples for each one that a start is fitted to.
+    pub const EVERY: usize = 3;
+    /// Factor on the smoothness of the settings. Ward of (0.1, 0.4) has 6.3, 5.1 and 5.8 % with 0.2, 2 and 20.
+    pub const ROUGHNESS: f64 = 6.0;
+    /// Factor on the smoothness of starts.
+    pub const STIFF: f64 = 10.0;
+    /// Relative decrease of the cost over five steps below which the solver ends.
+    pub const IMPROVEMENT: f64 = 1e-2;
+}
+
+/// The sum of squares.
+pub(crate) mod objective {
+    /// Weight of the relative variance over that of the squared relative L2 error.
+    pub const TAIL: f64 = 0.03;
+    /// Share of the mean of a view below which the tail is noise and weighs less.
+    pub const TAIL_FLOOR: f64 = 0.05;
+    /// Weight of the squared relative error of the albedo.
+    pub const ENERGY: f64 = 1.0;
+    /// Relative residual of a step. A tenth of it changes the result less than another start, in three times the time.
+    pub const TOLERANCE: f64 = 0.02;
+    /// Most inner steps of a step.
+    pub const INNER_STEPS: usize = 150;
+}
+
+/// Starts.
+pub(crate) mod start {
+    /// Amplitude of a lobe that the best amplitudes leave out, over that of the largest: enough for the solver to move it.
+    pub const FAINT: f64 = 2e-3;
+    /// Least luminance of a start, for albedos of about 1.
+    pub const LEAST: f64 = 1e-9;
+    /// Largest albedo of a start.
+    pub const BRIGHTEST: f64 = 0.9;
+    /// Sweeps of the coordinate descent for amplitudes.
+    pub const SWEEPS: usize = 200;
+}
+
+/// Bounds of the unknowns: within those of the format, and no wider than fits need.
+pub(crate) mod layout {
+    /// Diagonal of the logarithm of the squeeze.
+    pub const SQUEEZE: (f64, f64) = (-2.0, 3.2);
+    /// Its other element.
+    pub const SHEAR: (f64, f64) = (-1.4, 1.4);
+    /// Coordinates of the axes.
+    pub const TILT: (f64, f64) = (-2.1, 2.1);
+    /// Logarithm of the sharpness.
+    pub const LN_SHARPNESS: (f64, f64) = (-3.0, 14.0);
+    /// Logarithm of the amplitude.
+    pub const LN_AMPLITUDE: (f64, f64) = (-40.0, 30.0);
+}
+
+/// Caps of directions round the peak of a view.
+pub(crate) mod table {
+    /// Sharpness of the widest cap.
+    pub const WIDEST: f64 = 8.0;
+    /// Factor from one cap to the next.
+    pub const NARROWER: f64 = 5.0;
+    /// Largest sharpness of a cap.
+    pub const NARROWEST: f64 = 4e6;
+}
+
+/// Lobes.
+pub(crate) mod model {
+    /// Exponent below which an exponential is left out: it is below the rounding of every sum.
+    pub const SMALLEST: f64 = -60.0;
+}
+
+/// The material that is written.
+pub(crate) mod encode {
+    /// Largest albedo of a material, at any view.
+    pub const MOST: f64 = 0.999;
+    /// Places between two stored views, each way, at which the albedo is held below that.
+    pub const LOOKS: usize = 8;
+}

@@ -1,0 +1,60 @@
+//! The covariance of a Gaussian process.
+
+use super::pair::COORDINATES;
+use crate::numeric::vector;
+use pulp::NullaryFnOnce;
+
+/// How alike points are at a distance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Kernel {
+    /// Variance and length of a term of each of the first three coordinates alone.
+    pub alone: [(f64, f64); 3],
+    /// Variance and lengths of a term of all, Matern's of 5/2.
+    pub joint: f64,
+    pub lengths: [f64; COORDINATES],
+}
+
+impl Kernel {
+    /// Of points at `from` with one at `to`, coordinate by coordinate.
+    pub fn row(&self, from: &[Vec<f64>; COORDINATES], to: &[f64; COORDINATES], out: &mut [f64]) {
+        vector::run(Row { kernel: self, from, to, out });
+    }
+}
+
+struct Row<'a> {
+    kernel: &'a Kernel,
+    from: &'a [Vec<f64>; COORDINATES],
+    to: &'a [f64; COORDINATES],
+    out: &'a mut [f64],
+}
+
+impl NullaryFnOnce for Row<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { kernel, from, to, out } = self;
+        let weights = kernel.lengths.map(|l| 5.0 / (l * l));
+        let len = out.len();
+        let from = [&from[0][..len], &from[1][..len], &from[2][..len], &from[3][..len]];
+        for n in 0..len {
+            let mut r2 = 0.0f64;
+            for k in 0..COORDINATES {
+                let d = from[k][n] - to[k];
+                r2 = (weights[k] * d).mul_add(d, r2);
+            }
+            let r = r2.sqrt();
+            out[n] = kernel.joint * r2.mul_add(1.0 / 3.0, 1.0 + r) * vector::exp(-r);
+        }
+        for k in 0..3 {
+            let (variance, length) = kernel.alone[k];
+            if variance > 0.0 {
+                let weight = -0.5 / (length * length);
+                for n in 0..len {
+                    let d = from[k][n] - to[k];
+                    out[n] = variance.mul_add(vector::exp(weight * d * d), out[n]);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,258 @@
+//! The numbers that the isotropic fit was tuned by, step by step: the only table of them.
+//!
+//! Each has the trade-off that it decides. `bash lab/tuning.sh fit/src/isotropic/tuning.rs MODULE::NAME VALUE [FILE...]` prints its
+//! gain: errors and seconds of fits with the number, and with another value.
+
+/// Tables and samples that are fitted.
+pub(crate) mod source {
+    use crate::table::Density;
+
+    /// Angle of the last stored view, degrees. Measurements beyond it are noise.
+    pub const LAST_VIEW: f64 = 87.0;
+    /// Factor on the smoothness of the settings. Views between stored views need less of it: alum-bronze 3.9 %, and 4.4 % with 1.
+    pub const DENSE: f64 = 0.4;
+    /// Share of the samples in the weight of a view that has samples; the completion has the rest.
+    pub const SHARE: f64 = 0.8;
+    /// Most views of samples that are fitted. More take time.
+    pub const SAMPLED: usize = 16;
+    /// Shift of the views between stored views from one resampling to the next, in intervals.
+    pub const SHIFT: f64 = 0.381_966;
+    /// Directions of a held-out view. Fewer make its error uncertain.
+    pub const HELD_OUT: Density = Density { hemisphere: 1000, cap: 300 };
+}
+
+/// Places of the stored views.
+pub(crate) mod stored_views {
+    use crate::table::Density;
+
+    /// Intervals between probes, or a divisor of their number: half degrees up to 87 degrees.
+    pub const PROBED_INTERVALS: usize = 174;
+    /// Least number of probes for each stored view.
+    pub const FINER: usize = 4;
+    /// Directions of a probe.
+    pub const PROBED: Density = Density { hemisphere: 150, cap: 50 };
+    /// Share of the stored views that follow `1 / sqrt(cos)`, because highlights stretch towards grazing; the others follow the data.
+    pub const BY_ANGLE: f64 = 0.5;
+    /// Half degrees on each side of a second difference. Shorter spans follow noise.
+    pub const SPAN: usize = 3;
+    /// Half the number of probes over which the density of stored views is smoothed.
+    pub const SMOOTHED: usize = 6;
+    /// Least number of probes from one stored view to the next.
+    pub const APART: usize = 2;
+    /// Largest distance of two stored views, degrees. Wider intervals would follow from noise.
+    pub const WIDEST: f64 = 8.0;
+    /// The same, over the mean distance, where that is larger.
+    pub const WIDEST_MEAN: f64 = 1.5;
+    /// Bend of an albedo that weighs as much as an equal share of the density. Smaller bends hardly count.
+    pub const CROOKED: f64 = 0.007;
+    /// Weight of an albedo above the straight line over that of one below.
+    pub const BULGE: f64 = 1.5;
+}
+
+/// Stages of the search, beside its recipe in `search/schedule.rs`.
+pub(crate) mod schedule {
+    /// Lobes for which the recipe states numbers of candidates. Fewer lobes have more minima and cost less, so more take part.
+    pub const USUAL_LOBES: usize = 12;
+    /// Largest factor on the candidates of fewer lobes.
+    pub const MOST_TIMES: usize = 4;
+    /// Lobes from which on starts, exchanges and candidates fall in proportion: a step costs the square of the lobes.
+    pub const MANY_LOBES: usize = 20;
+    /// Candidates of many lobes that are moved at a time: with 64 lobes each holds 25 MB.
+    pub const SIDE_BY_SIDE: usize = 2;
+    /// Factor on the stiffness of the last stages after exchanges. Lobes keep their order by then.
+    pub const LOOSENED: f64 = 0.3;
+    /// Weight of the tail in the first round. Over 22 materials the median error is 3.10 %, and 3.55 % with ten times as much.
+    pub const LIGHT_TAIL: f64 = 0.003;
+    /// Least weight of the tail after a goal was missed.
+    pub const HEAVY_TAIL: f64 = 0.03;
+    /// Weight of the albedo in the first round.
+    pub const FIRST_ENERGY: f64 = 10.0;
+    /// Weight of the error away from the peak in the last stage. In earlier stages it costs L2: malachite 13.7 %, not 10.8.
+    pub const LAST_MEASURE: f64 = 1.0;
+    /// Damping of colours, over the cost. Malachite ends at 11.1 % with it, and at 16.4 % without.
+    pub const FAINT_COLOR: f64 = 1e-3;
+}
+
+/// Starts.
+pub(crate) mod start {
+    /// Least squeeze of a start: the cosine of a view is 0 at the horizon.
+    pub const LEAST_SQUEEZE: f64 = 0.08;
+    /// Amplitude of a lobe that the best amplitudes leave out, over that of the largest: enough for the solver to move it.
+    pub const FAINT: f64 = 2e-3;
+    /// Sharpness of the widest and the narrowest mirrored lobe, over that of the narrowest lobe.
+    pub const MIRRORED: (f64, f64) = (0.03, 0.5);
+    /// Angle of mirrored lobes out of the plane of incidence, in widths of the lobe.
+    pub const WIDTHS: f64 = 1.2;
+    /// Largest albedo of a start.
+    pub const BRIGHTEST: f64 = 0.9;
+    /// Sweeps of the coordinate descent for amplitudes.
+    pub const SWEEPS: usize = 200;
+}
+
+/// Candidates on their way.
+pub(crate) mod candidates {
+    /// Samples of the thinned table. More take time in stages that keep most candidates.
+    pub const SCOUTED_SAMPLES: usize = 5000;
+    /// Cost of an ordinary fit, an error of 2 to 3 %: smoothness and albedo weigh more above it.
+    pub const USUAL_COST: f64 = 1e-3;
+    /// Largest factor of that kind. Without a limit ilm_solo_m_68 is too stiff and ends at 15 %, not 12 %.
+    pub const MOST_SCALE: f64 = 3.0;
+}
+
+/// Exchanges of lobes.
+pub(crate) mod exchange {
+    /// Families of lobes that are tried at an exchange, half of them beside a lobe of the fit.
+    pub const FAMILIES: usize = 60;
+    /// Exchanges in vain, one after the other, that end a stage.
+    pub const PATIENCE: usize = 6;
+    /// Relative decrease of the cost from which on an exchange is kept.
+    pub const IMPROVEMENT: f64 = 1e-3;
+    /// Share of the best amplitude with which a new lobe starts.
+    pub const CAUTION: f64 = 0.7;
+}
+
+/// Ranks of finalists.
+pub(crate) mod finalist {
+    /// Factor on the error for a weight that is too large, while it may be mended.
+    pub const WIDENED: f64 = 1.1;
+    /// Angle up to which the variance is a goal, radians: 80 degrees.
+    pub const STEEPEST: f64 = 1.4;
+    /// Factor on the error where a goal is missed by `RAMP` doublings or more. A goal missed by a hair costs a hair.
+    pub const MISSED: f64 = 1.25;
+    /// Doublings over which that factor rises from 1.
+    pub const RAMP: f64 = 0.5;
+    /// Share of the error that every doubling costs.
+    pub const DOUBLING: f64 = 0.07;
+    /// Factor on the error up to which missed goals are left alone.
+    pub const TOLERATED: f64 = 1.04;
+    /// Largest share of the rank with which factors are worth their bytes.
+    pub const WORTH_RANK: f64 = 0.93;
+    /// The same for the error away from the peak, where a grazing peak rules the rank.
+    pub const WORTH_AWAY: f64 = 0.8;
+}
+
+/// Rounds after the first.
+pub(crate) mod search {
+    /// Largest error of a finalist over the rank of the best one, for another round: with more it hardly becomes the best.
+    pub const WORTHWHILE: f64 = 0.97;
+    /// Largest material with factors, bytes, without its provenance.
+    pub const MOST_BYTES: usize = 6900;
+    /// Factor on the weight of the albedo after it missed its goal.
+    pub const MORE_ENERGY: f64 = 10.0;
+    /// Largest weight of the albedo: with more, nothing else counts.
+    pub const MOST_ENERGY: f64 = 1000.0;
+    /// Factor on the weight of the tail after weights or variances missed their goals.
+    pub const MORE_TAIL: f64 = 3.0;
+}
+
+/// The sum of squares.
+pub(crate) mod objective {
+    /// Share of the mean of a view below which the tail is noise and weighs less.
+    pub const TAIL_FLOOR: f64 = 0.05;
+    /// Factor by which lobes may fall short of the table before the tail weighs more: chrome has weights of 10, and 27 without.
+    pub const SHORT: f64 = 3.0;
+    /// Largest factor on the tail for that.
+    pub const MOST_SHORT: f64 = 1000.0;
+    /// Least share of the albedo in the defensive lobe. It bounds weights: a density of at least 2.5e-5 / sr everywhere.
+    pub const DEFENSIVE: f64 = 0.002;
+    /// The same share in the diffuse term, where no lobe is defensive.
+    pub const DEFENSIVE_DIFFUSE: f64 = 0.01;
+    /// Error of an albedo from which on it weighs more: the goal is for the largest.
+    pub const ALBEDO_ERROR: f64 = 0.005;
+    /// Largest factor on an error of the albedo for that.
+    pub const MOST_ALBEDO: f64 = 10.0;
+    /// Albedo from which on a view is pulled down.
+    pub const CEILING: f64 = 0.96;
+    /// Weight of an albedo above the ceiling.
+    pub const CEILING_WEIGHT: f64 = 30.0;
+    /// Views between two stored views at which the ceiling holds.
+    pub const WATCHED: usize = 4;
+    /// Largest factor on the weight of a view for its error.
+    pub const MOST_FACTOR: f64 = 2.5;
+    /// Weight of the change in the last interval over that of second differences.
+    pub const HOLD: f64 = 0.1;
+}
+
+/// Steps of the solver.
+pub(crate) mod solver {
+    /// Change of a colour difference that is as long as a change of 1 of a logarithm.
+    pub const COLOR_STEP: f64 = 4.0;
+    /// Longest step. Half of it finds better minima of mirror-like materials, with twice the steps to leave a bad start.
+    pub const LONGEST_STEP: f64 = 3.0;
+}
+
+/// Bounds of the unknowns: within those of the format, and no wider than fits need.
+pub(crate) mod parameters {
+    /// Angles of the axes, radians.
+    pub const ANGLE: (f64, f64) = (-1.8, 2.2);
+    /// Angles of the axes out of the plane of incidence, radians.
+    pub const OFF_PLANE: (f64, f64) = (0.0, 1.55);
+    /// Logarithm of the squeeze.
+    pub const LN_SQUEEZE: (f64, f64) = (-4.5, 0.69);
+    /// Logarithm of the sharpness.
+    pub const LN_SHARPNESS: (f64, f64) = (-3.0, 14.0);
+    /// Logarithm of the amplitude.
+    pub const LN_AMPLITUDE: (f64, f64) = (-40.0, 30.0);
+    /// Red and blue difference. sRGB has -1 to 3.7 and to 12.9; single lobes may lie outside. With -2 malachite is worse.
+    pub const COLORS: [(f64, f64); 2] = [(-15.0, 15.0); 2];
+    /// Angle of the defensive lobe, radians: nowhere on the hemisphere is it below a fiftieth of its peak.
+    pub const ANGLE_DEFENSIVE: (f64, f64) = (-0.6, 0.6);
+    /// Logarithm of its sharpness. At most 0 would bound weights better, and fits garnet red to 1.7 %, not 1.6.
+    pub const LN_SHARPNESS_DEFENSIVE: (f64, f64) = (-3.0, 1.0);
+}
+
+/// Lobes at a panel of directions.
+pub(crate) mod model {
+    /// Exponent below which a lobe counts as 0 at a whole panel: 4e-18 of its peak.
+    pub const NEGLIGIBLE: f64 = -40.0;
+}
+
+/// The last touch: albedos.
+pub(crate) mod balance {
+    /// Power of the norm: with this one only the largest errors count.
+    pub const POWER: f64 = 16.0;
+    /// Error of an albedo that is within the uncertainty of quadrature.
+    pub const UNCERTAIN: f64 = 1e-3;
+    /// Weight of the squared factors over that of the squared errors.
+    pub const STAY: f64 = 1e-4;
+    /// Largest logarithm of a factor.
+    pub const MOST: f64 = 0.3;
+    /// Times that the factors are fitted, because albedos between stored views do not follow them exactly.
+    pub const PASSES: usize = 2;
+    /// Steps of the reweighted least squares.
+    pub const STEPS: usize = 150;
+}
+
+/// The material that is written.
+pub(crate) mod encode {
+    /// Largest albedo of a material, at any view.
+    pub const MOST: f64 = 0.999;
+    /// Views between two stored views at which the albedo is held below that.
+    pub const LOOKS: usize = 64;
+    /// The same with factors, whose means take long.
+    pub const FACTORED_LOOKS: usize = 16;
+    /// Largest difference of albedos that is stored.
+    pub const MOST_DIFFERENCE: f64 = 16.0;
+}
+
+/// Factors on lobes.
+pub(crate) mod factors {
+    /// Nodes over half angle, difference angle and azimuth of the tables that are tried, smallest first.
+    pub const SIZES: [[usize; 3]; 4] = [[16, 6, 1], [16, 6, 3], [24, 6, 3], [24, 8, 4]];
+    /// Largest factor.
+    pub const LARGEST: f64 = 8.0;
+    /// Weight of squared second differences over that of squared errors: without data a factor continues its neighbours.
+    pub const SMOOTH: f64 = 3e-7;
+    /// Weight of the squared distance from 1: far from data a factor ends at 1.
+    pub const PULL: f64 = 1e-7;
+    /// Largest share of the error that a larger table may leave, for every `NODES` nodes that it adds.
+    pub const MORE_NODES: f64 = 0.975;
+    /// Nodes to which that share belongs.
+    pub const NODES: f64 = 130.0;
+    /// Sweeps of the coordinate descent.
+    pub const SWEEPS: usize = 400;
+    /// Directions of a lobe over which factors are averaged in the search.
+    pub const AVERAGED: usize = 200;
+    /// The same for stored albedos. The fewer directions of the search leave them 2 % off at grazing angles.
+    pub const AVERAGED_TO_STORE: usize = 2000;
+}
