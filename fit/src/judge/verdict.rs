@@ -415,7 +415,7 @@ impl Verdict {
         let Some(view) = at_normal else { return };
         if view.floor >= LEAST_FLOOR {
             self.fair.push(format!(
-                "asymmetric data: at {:.1} degrees they differ by {:.1} % (L2) from their mean over the azimuth, which errors are relative to",
+                "asymmetric data: at {:.1} degrees they differ by {:.1} % of L2 from their mean over the azimuth",
                 view.theta.to_degrees(),
                 100.0 * view.floor
             ));
@@ -427,7 +427,7 @@ impl Verdict {
         let Some(found) = &report.appearance else { return };
         let [fit, table] = found.ripple;
         let text = format!(
-            "rings: along the view angle the colour varies by {:.3} about its mean over 8 degrees, that of the table by {:.3}",
+            "rings: along the view angle colour varies by {:.3} about its mean over 8 degrees, the table's by {:.3}",
             fit.chroma, table.chroma
         );
         if has_rings(found) { &mut self.off } else { &mut self.good }.push(text);

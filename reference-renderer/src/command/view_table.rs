@@ -184,7 +184,7 @@ fn print_data(report: &Report) {
     let all = || report.held_out.iter().chain(&report.views);
     if let Some(view) = all().find(|v| v.floor > LEAST_SHARE) {
         println!(
-            "floor at {:.1} degrees: the data differ by {:.2} % (L2) from their mean over the azimuth, which errors are relative to",
+            "floor at {:.1} degrees: the data differ by {:.2} % of L2 from their mean over the azimuth, the base of errors",
             view.theta.to_degrees(),
             100.0 * view.floor
         );

@@ -186,7 +186,10 @@ fn asymmetric_data_are_said() {
     let mut report = report();
     report.views[0].floor = 0.025;
     let fair = verdict(&report).fair;
-    assert!(fair.len() == 1 && fair[0].starts_with("asymmetric data: at 0.0 degrees 2.5 %"), "{fair:?}");
+    assert!(
+        fair.len() == 1 && fair[0].starts_with("asymmetric data: at 0.0 degrees they differ by 2.5 %"),
+        "{fair:?}"
+    );
     report.views[0].floor = 0.015;
     assert!(verdict(&report).fair.is_empty());
 }
