@@ -9,14 +9,14 @@ const SIDE: usize = 16;
 const ENOUGH: f32 = 12.0;
 
 /// Share of the light, of what one of two rays finds, that both find: from there on sums are worth their time.
-const LEAST_SHARE: f32 = 0.5;
+const LEAST_SHARE: f32 = 0.7;
 
 /// What one path of the survey found.
 pub struct Sighting {
     pub point: Vec3,
     /// Luminance of the light that would be reflected without shadows.
     pub light: f32,
-    /// The path's ray escapes, and the shadow ray does.
+    /// The path's ray escapes, and the shadow ray does, or there is none.
     pub clear: [bool; 2],
 }
 
@@ -83,6 +83,11 @@ impl Openness {
         (z * SIDE + y) * SIDE + x
     }
 
+    /// Whether there is any such place.
+    pub fn is_anywhere(&self) -> bool {
+        self.cells.contains(&true)
+    }
+
     /// Whether most of the light is seen from a point.
     #[inline]
     pub fn is_at(&self, point: Vec3) -> bool {
@@ -108,7 +113,9 @@ mod tests {
         let open = Openness::of(&paths);
         let at = |x: f32| open.is_at(Vec3::new(x, 0.0, 0.0));
         assert!(!at(0.3) && !at(-100.0) && at(9.5) && at(7.0) && at(1e9));
-        assert!(Openness::of(&[]).is_at(Vec3::ZERO));
+        assert!(Openness::of(&[]).is_at(Vec3::ZERO) && open.is_anywhere());
+        let hidden: Vec<Sighting> = (0..100).map(|i| seen(i as f32, false)).collect();
+        assert!(!Openness::of(&hidden).is_anywhere());
         // Light that neither ray finds does not speak for the sums.
         assert!(!Openness::of(&[Sighting { clear: [false, false], ..seen(0.0, false) }]).is_at(Vec3::ZERO));
     }
