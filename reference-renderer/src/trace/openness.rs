@@ -42,10 +42,13 @@ impl Openness {
         Self { corner: Vec3::ZERO, scale: Vec3::ZERO, cells: vec![true; SIDE * SIDE * SIDE] }
     }
 
-    /// Judges the cells.
+    /// Judges the cells; what no path has seen is closed.
     pub fn of(seen: &[Sighting]) -> Self {
         let mut open = Self::everywhere();
-        let Some(first) = seen.first() else { return open };
+        let Some(first) = seen.first() else {
+            open.cells.fill(false);
+            return open;
+        };
         let (low, high) =
             seen.iter().fold((first.point, first.point), |(a, b), s| (a.min(s.point), b.max(s.point)));
         let extent = (high - low).max(Vec3::splat(1e-6));
@@ -113,7 +116,7 @@ mod tests {
         let open = Openness::of(&paths);
         let at = |x: f32| open.is_at(Vec3::new(x, 0.0, 0.0));
         assert!(!at(0.3) && !at(-100.0) && at(9.5) && at(7.0) && at(1e9));
-        assert!(Openness::of(&[]).is_at(Vec3::ZERO) && open.is_anywhere());
+        assert!(open.is_anywhere() && !Openness::of(&[]).is_anywhere());
         let hidden: Vec<Sighting> = (0..100).map(|i| seen(i as f32, false)).collect();
         assert!(!Openness::of(&hidden).is_anywhere());
         // Light that neither ray finds does not speak for the sums.
