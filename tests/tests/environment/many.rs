@@ -42,7 +42,7 @@ fn materials() -> Vec<Material<Vec<u8>>> {
 }
 
 #[test]
-#[ignore = "draws 1e8 directions by each of six samplers, which takes minutes"]
+#[ignore = "draws 1e8 directions by each of six samplers: two and a half minutes on a shared processor"]
 fn a_hundred_million_draws_of_every_sampler_have_a_density() {
     let asked = std::env::var("SRBF_DRAWS").ok().and_then(|n| n.parse::<f64>().ok());
     let draws = asked.unwrap_or(DRAWS) as u64;
@@ -117,9 +117,9 @@ fn of_materials(draws: u64) {
             let samples = SamplesMut { direction: [x, y, z], pdf: &mut pdf, weight: [red, green, blue] };
             let [wo, u] = [&wo, &u].map(|rows| rows.each_ref().map(|row| &row[..]));
             expanded.sample_pairs_into(wo, u, samples).unwrap();
-            for k in 0..BATCH {
+            for (k, &pdf) in pdf.iter().enumerate() {
                 let of = |rows: &[[f32; BATCH]; 3]| Vec3::new(rows[0][k], rows[1][k], rows[2][k]);
-                let sample = Sample { direction: of(&direction), pdf: pdf[k], weight: of(&weight) };
+                let sample = Sample { direction: of(&direction), pdf, weight: of(&weight) };
                 check(&sample, || format!("expanded material {i}, {k}"));
             }
         }
