@@ -85,6 +85,9 @@ fn render(out: &Path, page: &mut Page) -> anyhow::Result<()> {
         let progress = Progress::new(file, size[1].into());
         add_samples(&scene, &name.camera(size), &settings, &mut film, samples, &progress)?;
         drop(progress);
+        if let Some(warning) = film.warning() {
+            eprintln!("{}: {warning}", shown(&path));
+        }
         let picture = film.to_picture();
         picture_file::write_exr(&path, size, &picture)?;
         let bytes = picture_file::tone_mapped(&picture, picture_file::automatic_exposure(&picture));

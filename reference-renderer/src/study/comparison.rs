@@ -26,7 +26,7 @@ use crate::out::progress::Progress;
 use crate::shade::{Light, Sampler, SamplerName, Strategy};
 use crate::trace::camera::Camera;
 use crate::trace::cast::Cast;
-use crate::trace::film::Film;
+use crate::trace::film::{Film, warning_of};
 use crate::trace::render::add_samples;
 use crate::trace::scene::{Scene, SceneName};
 use crate::trace::settings::RenderSettings;
@@ -140,7 +140,7 @@ pub struct ReferenceReport {
     pub picture: Vec<Vec3>,
 }
 
-/// Measures the curves of a case.
+/// Measures the curves of a case. Prints a warning for the reference and each method that lost samples, which count as black.
 ///
 /// # Errors
 /// A sampler that cannot be fitted to the material; a reference that cannot be kept; radiance that is not finite.
@@ -150,7 +150,7 @@ pub fn measure(case: &Case<'_>, plan: &Plan, progress: &Progress) -> anyhow::Res
     let camera = case.scene.camera(plan.size);
     let stage = Stage { case, plan, camera: &camera, progress };
     let own = stage.scene(case.cast.object().truth(), fitted.of(OWN)?);
-    let (halves, was_kept) = stage.reference(&own)?;
+    let Reference { halves, was_kept, lost } = stage.reference(&own)?;
     let judge = Judge::new(&own, &camera, plan.size, &halves);
 
     let mut runs: Vec<Run<'_>> = plan
@@ -176,6 +176,11 @@ pub fn measure(case: &Case<'_>, plan: &Plan, progress: &Progress) -> anyhow::Res
     }
     let picture = halves[0].iter().zip(&halves[1]).map(|(a, b)| (0.5 * (*a + *b)).as_vec3()).collect();
     let samples = plan.reference_samples.div_ceil(2) * 2;
+    let pixels = u64::from(plan.size[0]) * u64::from(plan.size[1]);
+    let of_reference = warning_of(lost, pixels * u64::from(samples)).map(|text| format!("reference: {text}"));
+    for warning in of_reference.into_iter().chain(runs.iter().filter_map(Run::warning)) {
+        eprintln!("{}, {} under {}, {warning}", case.cast.object().name(), case.scene.text(), case.light);
+    }
     Ok(Comparison {
         scene: case.scene.text(),
         material: case.cast.object().name().to_owned(),
@@ -186,8 +191,8 @@ pub fn measure(case: &Case<'_>, plan: &Plan, progress: &Progress) -> anyhow::Res
     })
 }
 
-/// How the reference is rendered: the material itself, by its own sampler; lobes together with the light.
-const OWN: Method = Method::of(Strategy::PRODUCT);
+/// How the reference is rendered: the material itself, by what is at hand; with lobes at hand, together with the light.
+const OWN: Method = Method::of(Strategy::EVEN);
 
 /// The samplers of all methods, each fitted once.
 struct Fitted<'a> {
@@ -229,6 +234,15 @@ impl<'a> Fitted<'a> {
     }
 }
 
+/// The converged picture.
+struct Reference {
+    /// Two that do not depend on one another: their difference tells how far their mean is from the truth.
+    halves: reference::Halves,
+    was_kept: bool,
+    /// Samples that were lost while it was made.
+    lost: u64,
+}
+
 /// What all runs share.
 struct Stage<'s> {
     case: &'s Case<'s>,
@@ -256,8 +270,8 @@ impl<'s> Stage<'s> {
         }
     }
 
-    /// The two halves of the reference, and whether they were there already. Their difference tells how far their mean is from the truth.
-    fn reference(&self, own: &Scene<'_>) -> anyhow::Result<(reference::Halves, bool)> {
+    /// Renders the reference, or reads one that is there already.
+    fn reference(&self, own: &Scene<'_>) -> anyhow::Result<Reference> {
         let file = match &self.plan.cache {
             Some(folder) => Some(self.key()?.file(folder)),
             None => None,
@@ -265,14 +279,16 @@ impl<'s> Stage<'s> {
         let pixels = self.plan.size[0] as usize * self.plan.size[1] as usize;
         if let Some(halves) = file.as_ref().and_then(|file| reference::read(file, pixels)) {
             self.progress.advance(2 * u64::from(self.plan.size[1]));
-            return Ok((halves, true));
+            return Ok(Reference { halves, was_kept: true, lost: 0 });
         }
-        let half = |seed| -> anyhow::Result<Vec<DVec3>> {
+        let mut lost = 0;
+        let mut half = |seed| -> anyhow::Result<Vec<DVec3>> {
             let mut film = Film::new(self.plan.size);
             let samples = self.plan.reference_samples.div_ceil(2);
             let settings =
                 RenderSettings { points: PointsName::Sobol, ..self.settings(OWN.strategy, 1, seed) };
             add_samples(own, self.camera, &settings, &mut film, samples, self.progress)?;
+            lost += film.lost;
             Ok((0..pixels).map(|i| film.mean(i)).collect())
         };
         let halves = [half(1)?, half(2)?];
@@ -282,7 +298,7 @@ impl<'s> Stage<'s> {
                 eprintln!("srbf: warning: the reference is not kept: {}", error_line(&error));
             }
         }
-        Ok((halves, false))
+        Ok(Reference { halves, was_kept: false, lost })
     }
 
     /// All that decides the reference.
@@ -309,6 +325,8 @@ struct Run<'a> {
     split: u32,
     /// Time of processors that the film took.
     seconds: f64,
+    /// Samples of all films that were lost, and samples of all films.
+    lost: [u64; 2],
     seed: u64,
     /// Rays of each time budget: found in the first repeat, the same in all.
     rays: Vec<u32>,
@@ -337,6 +355,7 @@ impl<'a> Run<'a> {
             film: Film::new(size),
             split: if method.strategy.sampler.is_multi() { SPLIT } else { 1 },
             seconds: 0.0,
+            lost: [0; 2],
             seed: FIRST_SEED,
             rays: Vec::new(),
             seconds_per_ray: 0.0,
@@ -353,10 +372,19 @@ impl<'a> Run<'a> {
 
     fn add(&mut self, stage: &Stage<'_>, rays: u32) -> anyhow::Result<()> {
         let settings = stage.settings(self.method.strategy, self.split, self.seed);
+        let before = self.film.lost;
         let film = &mut self.film;
         let time = add_samples(&self.scene, stage.camera, &settings, film, rays, stage.progress)?;
+        self.lost[0] += film.lost - before;
+        self.lost[1] += film.pixels.len() as u64 * u64::from(rays);
         self.seconds += time.as_secs_f64();
         Ok(())
+    }
+
+    /// What is said of lost samples, if there are some.
+    fn warning(&self) -> Option<String> {
+        let [lost, of] = self.lost;
+        warning_of(lost, of).map(|text| format!("{}: {text}", self.method))
     }
 
     /// Into a film that is thrown away: caches and clock speed settle, and the time of a ray is found.

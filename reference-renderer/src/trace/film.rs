@@ -20,6 +20,11 @@ pub fn check_memory([width, height]: [u32; 2]) -> anyhow::Result<()> {
     srbf_fit::check_memory(bytes).with_context(|| format!("a picture of {width}x{height}"))
 }
 
+/// What is said of so many lost samples of so many, if there are some.
+pub fn warning_of(lost: u64, of: u64) -> Option<String> {
+    (lost > 0).then(|| format!("warning: {lost} of {of} samples are not finite, and count as black"))
+}
+
 /// One pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pixel {
@@ -78,9 +83,7 @@ impl Film {
 
     /// The warning about lost samples, if there are some.
     pub fn warning(&self) -> Option<String> {
-        let of = u64::from(self.samples) * self.pixels.len() as u64;
-        (self.lost > 0)
-            .then(|| format!("warning: {} of {of} samples are not finite, and count as black", self.lost))
+        warning_of(self.lost, u64::from(self.samples) * self.pixels.len() as u64)
     }
 
     /// Mean of the samples of a pixel.
@@ -107,6 +110,16 @@ impl Film {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lost_samples_are_counted_in_words() {
+        let mut film = Film::new([3, 2]);
+        film.samples = 4;
+        assert_eq!(film.warning(), None);
+        film.lost = 2;
+        let expected = "warning: 2 of 24 samples are not finite, and count as black";
+        assert_eq!(film.warning().as_deref(), Some(expected));
+    }
 
     #[test]
     fn mean_and_its_variance() {

@@ -9,14 +9,14 @@ const SIDE: usize = 16;
 const ENOUGH: f32 = 12.0;
 
 /// Share of the light that both rays find, over the light that one of them finds: from there on sums are worth their time.
-const LEAST_SHARE: f32 = 0.5;
+const LEAST_SHARE: f32 = 0.7;
 
 /// The findings of one path of the survey.
 pub struct SurveyedPath {
     pub point: Vec3,
     /// Luminance of the light that would be reflected without shadows.
     pub light: f32,
-    /// The path's ray escapes, and the shadow ray does.
+    /// The path's ray escapes, and the shadow ray does, or there is none.
     pub clear: [bool; 2],
 }
 
@@ -42,10 +42,13 @@ impl Openness {
         Self { corner: Vec3::ZERO, scale: Vec3::ZERO, cells: vec![true; SIDE * SIDE * SIDE] }
     }
 
-    /// Judges the cells.
+    /// Judges the cells; one that no path has met is closed.
     pub fn of(seen: &[SurveyedPath]) -> Self {
         let mut open = Self::everywhere();
-        let Some(first) = seen.first() else { return open };
+        let Some(first) = seen.first() else {
+            open.cells.fill(false);
+            return open;
+        };
         let (low, high) =
             seen.iter().fold((first.point, first.point), |(a, b), s| (a.min(s.point), b.max(s.point)));
         let extent = (high - low).max(Vec3::splat(1e-6));
@@ -83,6 +86,11 @@ impl Openness {
         (z * SIDE + y) * SIDE + x
     }
 
+    /// Whether there is any such place.
+    pub fn is_anywhere(&self) -> bool {
+        self.cells.contains(&true)
+    }
+
     /// Whether most of the light is seen from a point.
     #[inline]
     pub fn is_at(&self, point: Vec3) -> bool {
@@ -108,7 +116,9 @@ mod tests {
         let open = Openness::of(&paths);
         let at = |x: f32| open.is_at(Vec3::new(x, 0.0, 0.0));
         assert!(!at(0.3) && !at(-100.0) && at(9.5) && at(7.0) && at(1e9));
-        assert!(Openness::of(&[]).is_at(Vec3::ZERO));
+        assert!(open.is_anywhere() && !Openness::of(&[]).is_anywhere());
+        let hidden: Vec<SurveyedPath> = (0..100).map(|i| seen(i as f32, false)).collect();
+        assert!(!Openness::of(&hidden).is_anywhere());
         // Light that neither ray finds does not speak for the sums.
         assert!(
             !Openness::of(&[SurveyedPath { clear: [false, false], ..seen(0.0, false) }]).is_at(Vec3::ZERO)

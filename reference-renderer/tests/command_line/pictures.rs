@@ -228,3 +228,37 @@ fn points_are_named() {
         text(&["--points", "random"]).replace(char::is_numeric, "")
     );
 }
+
+/// Maps with suns, black pixels and dark ones beside bright ones: the six that pictures were once lost under.
+const MAPS: [&str; 6] = [
+    "cc0_forest_512",
+    "cc0_hall_512",
+    "cc0_venice_512",
+    "funston_beach_latlong",
+    "grace_latlong",
+    "uffizi_latlong",
+];
+
+#[test]
+#[ignore = "needs SRBF_DATA_DIR, and renders 60 pictures of 16 million paths: many minutes"]
+fn no_picture_is_lost_under_six_maps_with_ten_seeds() {
+    let data = std::env::var("SRBF_DATA_DIR").expect("SRBF_DATA_DIR names the folder of the data");
+    let place = folder("six-maps");
+    println!("lost samples of 512 x 512 x 64, at seeds 0 to 9:");
+    for map in MAPS {
+        let file = format!("{data}/envmaps/{map}.hdr");
+        let lost: Vec<String> = (0..10)
+            .map(|seed| {
+                let seed = seed.to_string();
+                let arguments = ["render", "--env", &file, "--seed", &seed, "-o", "one.exr"];
+                let output = srbf(&place, &arguments);
+                let warnings = String::from_utf8_lossy(&output.stderr).into_owned();
+                assert!(output.status.success(), "{map}, seed {seed}: {warnings}");
+                assert!(place.join("one.exr").is_file(), "{map}, seed {seed}: no picture");
+                let count = warnings.lines().find_map(|line| line.strip_prefix("warning: "));
+                count.and_then(|text| text.split(' ').next()).unwrap_or("0").to_owned()
+            })
+            .collect();
+        println!("{map:>22}  {}", lost.join(" "));
+    }
+}

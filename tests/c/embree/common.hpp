@@ -23,6 +23,9 @@ inline V normalize(V a) { return a * (1 / std::sqrt(dot(a, a))); }
 inline float largest(V a) { return std::max({a.x, a.y, a.z}); }
 inline float luminance(V a) { return 0.2126f * a.x + 0.7152f * a.y + 0.0722f * a.z; }
 
+/* The weight of a sample that was drawn with density `own`, beside another technique. */
+inline float power_heuristic(float own, float other) { return 1 / (1 + (other / own) * (other / own)); }
+
 inline const float PI = 3.14159265f;
 
 [[noreturn]] inline void fail(const std::string &what) {

@@ -44,6 +44,30 @@ struct Environment {
     }
 };
 
+/* Samples of the light, drawn once and used by all pixels: blocks of sixteen, a cache line a row. */
+struct Tile {
+    struct alignas(64) Block : srbf_light_block {};
+    static constexpr uint32_t COUNT = 4096;
+    std::vector<Block> blocks{COUNT};
+
+    /* The first two dimensions of Sobol's sequence, each number scrambled: sixteen points one after another lie evenly, and so do all. */
+    explicit Tile(const Environment &environment) {
+        Random random(1);
+        const auto scramble = [&] { return uint32_t(random.unit() * 0x1p24f) << 8; };
+        const uint32_t keys[2] = {scramble(), scramble()};
+        for (uint32_t b = 0; b < COUNT; b++) {
+            float u[3][SRBF_LIGHT_BLOCK];
+            for (uint32_t k = 0; k < SRBF_LIGHT_BLOCK; k++) {
+                uint32_t point[2] = {keys[0], keys[1]}, steps[2] = {1u << 31, 1u << 31};
+                for (uint32_t i = SRBF_LIGHT_BLOCK * b + k; i != 0; i >>= 1, steps[0] >>= 1, steps[1] ^= steps[1] >> 1)
+                    if (i & 1) point[0] ^= steps[0], point[1] ^= steps[1];
+                u[0][k] = float(point[0] >> 8) * 0x1p-24f, u[1][k] = random.unit(), u[2][k] = float(point[1] >> 8) * 0x1p-24f;
+            }
+            check(srbf_light_block_draw(environment.light.get(), u[0], &blocks[b]));
+        }
+    }
+};
+
 /* A sky without a small sun, 256 x 128, so that both renderers converge in seconds. */
 inline void write_environment(const char *path) {
     std::ofstream file(path, std::ios::binary);

@@ -1,8 +1,9 @@
 /* A path tracer on Embree that renders the scene `teapot` of the reference renderer through srbf.h.
  *
  * Paths go in streams, a row of pixels at a time: at every bounce the hits on the teapot get their mixtures in one call, and are
- * sampled as pairs; the hits on the ground share one mixture, and are a batch. Direct light by sampling the environment and the
- * mixture together, one shadow ray a hit; the light along the path's own ray is weighed against it. Russian roulette.
+ * sampled as pairs; the hits on the ground share one mixture, and are a batch. Where a path meets the teapot first, sums over a block of
+ * samples of the environment and eight directions of the mixture give the direct light. One shadow ray and the path's own ray correct
+ * them. Everywhere else one sample of the environment and the path's own ray are weighed against each other. Russian roulette.
  *
  *     embree --environment MAP.hdr                                 writes the map that both renderers read
  *     embree MATERIAL.srbf CONTROL_POINTS MAP.hdr SIZE SPP OUT     writes OUT.mean.pfm and OUT.variance.pfm
@@ -15,16 +16,20 @@
 struct Path {
     V origin, direction, throughput, light;
     float competing; /* density of `direction`, 0 where it does not compete with samples of the environment */
+    uint32_t block;  /* of the tile */
     Random random;
     V point, flat, tangent, bitangent, normal; /* the hit */
     V wo, u;
-    srbf_product_sample direct; /* the shadow ray, and what it brings */
+    V shadow;     /* where the shadow ray goes, all 0 for none */
+    V direct[2];  /* what the hit reflects if that ray is blocked, or clear */
+    V escaped[2]; /* likewise, what is added if the path's own ray escapes: with sums alone, else all 0 */
     srbf_sample sample;
 };
 
-/* Sixteen candidates for a shadow ray, half of them from the lobes; the path's own ray counts too. The reference renderer's
- * `--sampler product` has the same numbers, so that its samples vary as these do. */
-static const srbf_product_sampling sampling = {16, 0.5f, 4};
+/* Directions of the mixture at a first hit on the teapot. */
+static const uint32_t RAYS = 8;
+
+static V from(const float *v) { return {v[0], v[1], v[2]}; }
 
 template <class Member>
 static srbf_vectors in(const std::vector<Path> &paths, Member member) {
@@ -32,18 +37,55 @@ static srbf_vectors in(const std::vector<Path> &paths, Member member) {
     return {first, first + 1, first + 2, sizeof(Path)};
 }
 
-/* A direction for light and mixture together. */
-static void draw_direct(Path &p, const srbf_mixture *mixture, const Environment &environment) {
+/* Light and mixture together by even sums: both rays, and what they bring. */
+static void draw_sums(Path &p, const srbf_mixture *mixture, const Environment &environment, const Tile &tile) {
     const float frame[9] = {p.tangent.x,   p.tangent.y, p.tangent.z, p.bitangent.x, p.bitangent.y,
                             p.bitangent.z, p.normal.x,  p.normal.y,  p.normal.z};
-    float u[3 * SRBF_PRODUCT_MAX_CANDIDATES];
-    for (uint32_t i = 0; i < 3 * sampling.candidates; i++) u[i] = p.random.unit();
-    check(srbf_mixture_sample_product(mixture, environment.light.get(), frame, &sampling, u, p.random.unit(), &p.direct));
+    const float first[3] = {p.u.x, p.u.y, p.u.z}, steps[3] = {1, 3, 5};
+    float u[3][RAYS]; /* one point and its shifts along a lattice */
+    for (uint32_t k = 0; k < 3; k++) {
+        for (uint32_t i = 0; i < RAYS; i++) {
+            const float shifted = first[k] + float(i) * steps[k] / float(RAYS);
+            u[k][i] = std::min(shifted - std::floor(shifted), 1 - 0x1p-24f);
+        }
+    }
+    srbf_reflection r;
+    check(srbf_mixture_reflect(mixture, environment.light.get(), &tile.blocks[p.block], frame, &p.flat.x, RAYS, u[0],
+                               p.random.unit(), &r));
+    p.sample = r.ray, p.shadow = from(r.shadow);
+    for (int clear = 0; clear < 2; clear++) {
+        V open;
+        check(srbf_reflection_light(&r, 0, clear, nullptr, &p.direct[clear].x));
+        check(srbf_reflection_light(&r, 1, clear, nullptr, &open.x));
+        p.escaped[clear] = open - p.direct[clear];
+    }
+    p.competing = 0;
 }
 
+/* One sample of the environment, weighed against the path's own ray by the power heuristic. */
+static void draw_light(Path &p, const srbf_mixture *mixture, const Environment &environment) {
+    const float u[3] = {p.random.unit(), p.random.unit(), p.random.unit()};
+    srbf_light_sample light;
+    check(srbf_environment_sample(environment.light.get(), u, &light));
+    p.shadow = from(light.direction);
+    const V wi = {dot(p.shadow, p.tangent), dot(p.shadow, p.bitangent), dot(p.shadow, p.normal)};
+    V value;
+    float pdf;
+    check(srbf_mixture_evaluate_and_pdf(mixture, &wi.x, &value.x, &pdf));
+    p.direct[0] = p.escaped[0] = p.escaped[1] = {};
+    p.direct[1] = value * from(light.radiance) * (power_heuristic(light.pdf, pdf) / light.pdf);
+    p.competing = p.sample.pdf;
+}
+
+/* What lights the scene. */
+struct Light {
+    const Environment &environment;
+    const Tile &tile;
+};
+
 /* Shadow rays and new directions for all paths of a bounce that hit one material. */
-static void shade(std::vector<Path> &paths, const Environment &environment, const srbf_material *material, const srbf_mixture *ground,
-                  std::vector<unsigned char> &storage) {
+static void shade(std::vector<Path> &paths, bool is_first, const Light &light, const srbf_material *material,
+                  const srbf_mixture *ground, std::vector<unsigned char> &storage) {
     const size_t n = paths.size(), stride = srbf_mixture_size(64);
     if (n == 0) return;
     const srbf_vectors wo = in(paths, &Path::wo);
@@ -55,7 +97,7 @@ static void shade(std::vector<Path> &paths, const Environment &environment, cons
     request.samples = {{d, d + 1, d + 2, sizeof(Path)}, {&first.sample.pdf, sizeof(Path)}, {w, w + 1, w + 2, sizeof(Path)}};
     if (ground != nullptr) { /* one mixture for all */
         check(srbf_mixture_ask(ground, 0, n, &request));
-        for (Path &p : paths) draw_direct(p, ground, environment);
+        for (Path &p : paths) draw_light(p, ground, light.environment);
         return;
     }
     storage.resize(n * stride + SRBF_MIXTURE_ALIGNMENT);
@@ -64,13 +106,17 @@ static void shade(std::vector<Path> &paths, const Environment &environment, cons
     unsigned char *place = storage.data() + shift;
     const srbf_mixture *mixtures = reinterpret_cast<const srbf_mixture *>(place);
     check(srbf_material_prepare_into(material, n, &wo, place, stride));
+    const auto mixture = [&](size_t i) { return reinterpret_cast<const srbf_mixture *>(place + i * stride); };
+    if (is_first) {
+        for (size_t i = 0; i < n; i++) draw_sums(paths[i], mixture(i), light.environment, light.tile);
+        return;
+    }
     check(srbf_mixture_ask(mixtures, stride, n, &request));
-    for (size_t i = 0; i < n; i++)
-        draw_direct(paths[i], reinterpret_cast<const srbf_mixture *>(place + i * stride), environment);
+    for (size_t i = 0; i < n; i++) draw_light(paths[i], mixture(i), light.environment);
 }
 
 /* Follows the paths to their ends; adds up the squares too. */
-static void trace(const Scene &scene, const Environment &environment, const srbf_material *material, const srbf_mixture *ground,
+static void trace(const Scene &scene, const Light &light, const srbf_material *material, const srbf_mixture *ground,
                   std::vector<Path> alive, V &sum, V &squares) {
     std::vector<Path> hits[2], next;
     std::vector<unsigned char> storage;
@@ -84,10 +130,11 @@ static void trace(const Scene &scene, const Environment &environment, const srbf
             r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
             rtcIntersect1(scene.scene, &context, &r);
             if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
-                float pdf, weight = 1;
-                const V radiance = environment.radiance(p.direction, pdf);
-                if (p.competing > 0) check(srbf_product_ray_weight(&sampling, p.competing, pdf, &weight));
-                p.light = p.light + p.throughput * radiance * weight;
+                float pdf;
+                const V radiance = light.environment.radiance(p.direction, pdf);
+                if (bounce == 0) p.light = radiance;
+                else if (p.competing > 0) p.light = p.light + p.throughput * radiance * power_heuristic(p.competing, pdf);
+                else p.light = p.light + p.escaped[0];
                 finish(p);
                 continue;
             }
@@ -112,25 +159,25 @@ static void trace(const Scene &scene, const Environment &environment, const srbf
             p.u = {p.random.unit(), p.random.unit(), p.random.unit()};
             hits[r.hit.primID >= scene.ground_from].push_back(p);
         }
-        shade(hits[0], environment, material, nullptr, storage);
-        shade(hits[1], environment, material, ground, storage);
+        shade(hits[0], bounce == 0, light, material, nullptr, storage);
+        shade(hits[1], bounce == 0, light, material, ground, storage);
         for (auto &group : hits) {
             for (Path &p : group) {
                 const V start = p.point + p.flat * (1e-4f * std::max({1.0f, std::fabs(p.point.x), std::fabs(p.point.y), std::fabs(p.point.z)}));
-                const float *l = p.direct.direction, *r = p.direct.weight;
-                const V to_light = {l[0], l[1], l[2]}, reflected = {r[0], r[1], r[2]};
-                if (dot(to_light, p.flat) > 0 && luminance(reflected) != 0 && scene.is_clear(start, to_light))
-                    p.light = p.light + p.throughput * reflected;
+                const bool is_asked = dot(p.shadow, p.flat) > 0 && (luminance(p.direct[1]) != 0 || luminance(p.escaped[1]) != 0);
+                const int clear = is_asked && scene.is_clear(start, p.shadow);
+                p.light = p.light + p.throughput * p.direct[clear];
+                p.escaped[0] = p.throughput * p.escaped[clear];
                 const float *d = p.sample.direction;
                 p.direction = normalize(p.tangent * d[0] + p.bitangent * d[1] + p.normal * d[2]);
                 bool ends = p.sample.pdf == 0 || dot(p.direction, p.flat) <= 0;
-                p.throughput = p.throughput * V{p.sample.weight[0], p.sample.weight[1], p.sample.weight[2]};
+                p.throughput = p.throughput * from(p.sample.weight);
                 if (!ends && bounce >= 3) {
                     const float survival = std::min(largest(p.throughput), 0.95f);
                     ends = p.random.unit() >= survival;
                     p.throughput = p.throughput * (1 / survival);
                 }
-                p.competing = p.sample.pdf, p.origin = start;
+                p.origin = start;
                 if (ends) finish(p);
                 else next.push_back(p);
             }
@@ -158,6 +205,8 @@ int main(int count, char **arguments) {
     check(material.load(arguments[1]));
     const Scene scene(arguments[2]);
     const Environment environment(arguments[3]);
+    const Tile tile(environment);
+    const Light light{environment, tile};
     /* The ground: Lambert's law, albedo 1/2, without a material. */
     srbf::Mixture<16> ground;
     const srbf::Vec3 half = {0.5f, 0.5f, 0.5f};
@@ -172,15 +221,18 @@ int main(int count, char **arguments) {
         for (int x = 0; x < size; x++) {
             std::vector<Path> paths;
             for (int s = 0; s < spp; s++) {
-                Path p = {eye, {}, {1, 1, 1}, {}, 0, Random(uint64_t(s) * 0x100000001b3u + uint64_t(y * size + x) + 1),
-                          {}, {}, {}, {}, {}, {}, {}, {}, {}};
+                const auto pixel_index = uint32_t(y * size + x);
+                /* Another pixel takes the blocks in another order, of which those of 2^k samples are evenly spread. */
+                const uint32_t block = (pixel_index * 0x9e3779b1u >> 20 ^ uint32_t(s)) % Tile::COUNT;
+                Path p = {eye, {}, {1, 1, 1}, {}, 0, block, Random(uint64_t(s) * 0x100000001b3u + pixel_index + 1),
+                          {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}};
                 const float px = (float(x) + p.random.unit() - 0.5f * float(size)) * pixel;
                 const float py = (float(y) + p.random.unit() - 0.5f * float(size)) * pixel;
                 p.direction = normalize(forward + right * px + down * py);
                 paths.push_back(p);
             }
             V sum = {}, squares = {};
-            trace(scene, environment, material.get(), ground.get(), std::move(paths), sum, squares);
+            trace(scene, light, material.get(), ground.get(), std::move(paths), sum, squares);
             const V m = sum * (1 / float(spp));
             mean.push_back(m);
             variance.push_back((squares * (1 / float(spp)) - m * m) * (1 / float(spp - 1)));

@@ -81,18 +81,22 @@ fn no_draw_of_a_map_has_density_0() {
     }
 }
 
+/// Mixtures of lobes that are faint, as sharp as they may be, without a shape, or squeezed.
+pub fn hostile_mixtures() -> Vec<Mixture<'static, 16>> {
+    let lobe = |z: f32, sharpness: f32, power: f32| {
+        Lobe::new(Vec3::new(0.3, 0.1, z).normalize(), sharpness, Vec3::splat(power)).unwrap()
+    };
+    let squeezed = Mixture::new(Domain::Sphere, 0.05, &[lobe(0.1, 1e5, 10.0)], &[lobe(0.7, 5.0, 1.0)]);
+    vec![
+        Mixture::hemisphere(&[lobe(1.0, 3.0, 1e-33), lobe(0.2, 1e8, 1.0)]).unwrap(),
+        Mixture::hemisphere(&[lobe(1.0, 0.0, 0.3)]).unwrap(),
+        squeezed.unwrap(),
+    ]
+}
+
 #[test]
 fn no_draw_of_light_and_material_is_no_number() {
-    let lobe = |z: f32, sharpness: f32, power: f32| {
-        Lobe::new(Vec3::new(0.3, 0.1, z).normalize(), sharpness, Vec3::splat(power))
-    };
-    let faint = [lobe(1.0, 3.0, 1e-33).unwrap(), lobe(0.2, 1e8, 1.0).unwrap()];
-    let mixtures: Vec<Mixture<'_, 16>> = vec![
-        Mixture::hemisphere(&faint).unwrap(),
-        Mixture::hemisphere(&[lobe(1.0, 0.0, 0.3).unwrap()]).unwrap(),
-        Mixture::new(Domain::Sphere, 0.05, &[lobe(0.1, 1e5, 10.0).unwrap()], &[lobe(0.7, 5.0, 1.0).unwrap()])
-            .unwrap(),
-    ];
+    let mixtures = hostile_mixtures();
     let mut random = Random(42);
     let mut drawn = 0;
     for map in hostile() {
@@ -135,22 +139,4 @@ fn no_draw_of_light_and_material_is_no_number() {
         }
     }
     assert!(drawn > 10_000, "{drawn}");
-}
-
-/// Many draws of everything that draws, by random numbers and by the ends; `SRBF_DRAWS` says how many, by default 1e8.
-#[test]
-#[ignore = "takes a minute: 1e8 draws"]
-fn a_hundred_million_draws_have_a_density() {
-    let draws = std::env::var("SRBF_DRAWS").ok().and_then(|n| n.parse::<f64>().ok()).unwrap_or(1e8) as u64;
-    let maps = hostile();
-    let share = draws / maps.len() as u64;
-    for map in &maps {
-        let (environment, mut random) = (map.environment(), Random(43));
-        for _ in 0..share {
-            let sample = environment.sample(random.three());
-            let weight = sample.radiance / sample.pdf;
-            assert!(sample.pdf > 0.0 && weight.is_finite(), "{}: {sample:?}", map.name);
-        }
-        println!("{}: {share} draws, none of density 0", map.name);
-    }
 }

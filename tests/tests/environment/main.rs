@@ -2,6 +2,7 @@
 //! importance sampling, and against a scalar text.
 
 mod edges;
+mod many;
 mod map;
 mod product;
 mod reflect;

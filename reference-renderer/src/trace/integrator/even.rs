@@ -22,8 +22,12 @@ const RAYS: usize = 8;
 /// Share of its power that the diffuse term of a mixture may have: of a matte surface, the light alone is sampled as well.
 const MOST_DIFFUSE: f32 = 0.9;
 
-/// Paths of the survey: a few milliseconds.
+/// Paths of the survey, a few milliseconds, and the blocks of light that they share.
 const SURVEY: u64 = 2048;
+const SURVEY_BLOCKS: usize = 256;
+
+/// What makes its numbers others than the picture's.
+const OF_SURVEY: u64 = 0x5eed;
 
 /// What all paths share.
 pub struct Lighting {
@@ -50,7 +54,7 @@ impl Lighting {
         (BLOCKS as u32 / settings.split).max(1)
     }
 
-    /// Draws a tile, the `number`-th, and surveys the scene.
+    /// Surveys the scene, and draws a tile, the `number`-th, if it is open somewhere.
     pub fn new(
         scene: &Scene<'_>,
         camera: &Camera,
@@ -58,13 +62,13 @@ impl Lighting {
         settings: &RenderSettings,
         number: u64,
     ) -> Self {
-        let tile = LightTile::new(scene.environment, settings.seed, number);
+        let tile = LightTile::new(scene.environment, settings.seed ^ OF_SURVEY, 0, SURVEY_BLOCKS);
         let mut lighting = Self { tile, open: Openness::everywhere() };
         let mut seen = Vec::new();
         let mut scattering = Scattering::empty();
         // The same for every tile of a picture: of the seed and the scene alone.
         for i in 0..SURVEY {
-            let points = Points::new(PointsName::Random, settings.seed ^ 0x5eed, i, 0);
+            let points = Points::new(PointsName::Random, settings.seed ^ OF_SURVEY, i, 0);
             let [across, down, ..] = points.draw(Decision::Pixel, 0);
             let ray = camera.ray(across * size[0] as f32, down * size[1] as f32);
             let Some(surface) = scene.hit(&ray) else { continue };
@@ -78,6 +82,9 @@ impl Lighting {
             }
         }
         lighting.open = Openness::of(&seen);
+        if lighting.open.is_anywhere() {
+            lighting.tile = LightTile::new(scene.environment, settings.seed, number, BLOCKS);
+        }
         lighting
     }
 
@@ -138,7 +145,8 @@ impl<'a> Path<'_, 'a> {
         SurveyedPath {
             point: frame.point,
             light: luminance(sum).max(0.0),
-            clear: [ray, self.is_lit(frame, drawn)],
+            // A shadow ray that does not exist is blocked nowhere: the sums of the lobes alone are what is reflected.
+            clear: [ray, drawn.reflection.shadow.is_none() || self.is_lit(frame, drawn)],
         }
     }
 

@@ -15,8 +15,8 @@ pub struct LightTile {
 }
 
 impl LightTile {
-    /// Draws the tile of a seed, the `number`-th.
-    pub fn new(environment: &Environment, seed: u64, number: u64) -> Self {
+    /// Draws so many blocks of the tile of a seed, the `number`-th.
+    pub fn new(environment: &Environment, seed: u64, number: u64, blocks: usize) -> Self {
         let key = Random::new(seed, u64::from_le_bytes(*b"the tile"), number).key() as u32;
         let sample = |i: usize| {
             let [u, v, ..] = sobol_burley::sample_4d(i as u32, 0, key);
@@ -24,12 +24,12 @@ impl LightTile {
             EnvironmentSample { direction: drawn.direction, pdf: drawn.pdf, radiance: drawn.radiance }
         };
         let block = |b: usize| LightBlock::of(|i| sample(b * LIGHT_BLOCK + i));
-        Self { blocks: (0..BLOCKS).map(block).collect() }
+        Self { blocks: (0..blocks).map(block).collect() }
     }
 
-    /// One of the blocks.
+    /// One of the blocks; behind the last comes the first.
     #[inline]
     pub fn block(&self, index: usize) -> &LightBlock {
-        &self.blocks[index % BLOCKS]
+        &self.blocks[index % self.blocks.len()]
     }
 }
