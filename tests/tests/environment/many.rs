@@ -4,7 +4,7 @@
 
 use crate::edges::{hostile, hostile_mixtures};
 use glam::Vec3;
-use srbf_core::{Expanded, LightBlock, Material, Mixture, ProductSampling, Sample, SamplesMut};
+use srbf_core::{Draws, Expanded, LightBlock, Material, Mixture, ProductSampling, Request, Sample};
 use srbf_tests::inputs::{Random, UNIFORM};
 use srbf_tests::kinds::upper;
 use srbf_tests::maps::frame;
@@ -114,9 +114,11 @@ fn of_materials(draws: u64) {
             }
             let [x, y, z] = &mut direction;
             let [red, green, blue] = &mut weight;
-            let samples = SamplesMut { direction: [x, y, z], pdf: &mut pdf, weight: [red, green, blue] };
             let [wo, u] = [&wo, &u].map(|rows| rows.each_ref().map(|row| &row[..]));
-            expanded.sample_pairs_into(wo, u, samples).unwrap();
+            let (direction_rows, weight_rows) =
+                ([&mut x[..], &mut y[..], &mut z[..]], [&mut red[..], &mut green[..], &mut blue[..]]);
+            let draw = Draws { u, direction: direction_rows, pdf: Some(&mut pdf), weight: Some(weight_rows) };
+            expanded.ask(wo, Request { draw: Some(draw), evaluate: None }).unwrap();
             for (k, &pdf) in pdf.iter().enumerate() {
                 let of = |rows: &[[f32; BATCH]; 3]| Vec3::new(rows[0][k], rows[1][k], rows[2][k]);
                 let sample = Sample { direction: of(&direction), pdf, weight: of(&weight) };
