@@ -104,8 +104,9 @@ impl Arrays {
         if unsafe { read(request.cast::<usize>())? } != size_of::<srbf_request>() {
             return Err(SRBF_STATUS_SIZE.into());
         }
-        // SAFETY: the header's contract.
-        let srbf_request { wo, wi, u, value, pdf, samples, .. } = unsafe { read(request)? };
+        // In place: a copy would wait for what the caller has just stored.
+        // SAFETY: not NULL and aligned, as `read` has seen; readable by the header's contract.
+        let srbf_request { wo, wi, u, value, pdf, samples, .. } = unsafe { &*request };
         let wants_value = !value.x.is_null();
         let wants_pdf = !pdf.values.is_null();
         let draws = !samples.direction.x.is_null();
@@ -136,24 +137,30 @@ impl Arrays {
 
     /// Extents first, each once: in most requests none meets another.
     fn check(&mut self) -> Outcome {
-        let (mut read, mut written) = ([const { 0..0 }; INPUTS], [const { 0..0 }; OUTPUTS]);
-        for (stream, extent) in self.inputs.iter().zip(&mut read).chain(self.outputs.iter().zip(&mut written))
-        {
-            if let Some(stream) = stream {
-                stream.check(self.count)?;
-                self.is_dense &= stream.is_dense();
-                *extent = stream.extent(self.count);
-            }
+        let (mut read, mut written) = ([[0; 2]; INPUTS], [[0; 2]; OUTPUTS]);
+        let (mut reads, mut writes) = (0, 0);
+        for stream in self.inputs.iter().flatten() {
+            stream.check(self.count)?;
+            self.is_dense &= stream.is_dense();
+            let extent = stream.extent(self.count);
+            read[reads] = [extent.start, extent.end];
+            reads += 1;
         }
+        for stream in self.outputs.iter().flatten() {
+            stream.check(self.count)?;
+            self.is_dense &= stream.is_dense();
+            let extent = stream.extent(self.count);
+            written[writes] = [extent.start, extent.end];
+            writes += 1;
+        }
+        let (read, written) = (&read[..reads], &written[..writes]);
+        // Without branches that depend on the addresses.
         let mut meeting = false;
-        for (o, extent) in written.iter().enumerate() {
-            if extent.is_empty() {
-                continue;
-            }
-            let start = if self.hull.is_empty() { extent.start } else { self.hull.start.min(extent.start) };
-            self.hull = start..self.hull.end.max(extent.end);
-            for place in read.iter().chain(&written[..o]) {
-                meeting |= !apart(extent, place);
+        for (o, &[start, end]) in written.iter().enumerate() {
+            let first = if o == 0 { start } else { self.hull.start };
+            self.hull = first.min(start)..self.hull.end.max(end);
+            for &[from, to] in read.iter().chain(&written[..o]) {
+                meeting |= (start < to) & (from < end);
             }
         }
         if !meeting {
