@@ -146,6 +146,12 @@ impl<'a> Scattering<'a> {
             let (value, pdf) = self.mixtures.lobes.evaluate_and_pdf(wi);
             return (value, self.proposal.mix(pdf, wi));
         }
+        if let Part::Rgl(warps) = &self.proposal.part
+            && wi.z > 0.0
+        {
+            let known = warps.look_up(wi);
+            return (known.value.into(), self.proposal.mix(known.density, wi));
+        }
         (self.evaluate(wi), self.proposal.pdf(&self.mixtures, wi))
     }
 
@@ -155,8 +161,18 @@ impl<'a> Scattering<'a> {
         if self.samples_its_lobes() && self.proposal.cosine == 0.0 {
             return self.mixtures.lobes.sample(u);
         }
-        let direction = self.proposal.sample(&self.mixtures, u)?;
-        let (value, pdf) = self.evaluate_and_pdf(direction);
+        let (direction, value, pdf) = match self.proposal.warps(u) {
+            Some((warps, u)) => {
+                let (direction, known) = warps.draw(u);
+                (direction.z > 0.0).then_some(())?;
+                (direction, known.value.into(), self.proposal.mix(known.density, direction))
+            }
+            None => {
+                let direction = self.proposal.sample(&self.mixtures, u)?;
+                let (value, pdf) = self.evaluate_and_pdf(direction);
+                (direction, value, pdf)
+            }
+        };
         (pdf > 0.0 && pdf.is_finite()).then(|| Sample { direction, pdf, weight: value / pdf })
     }
 
@@ -205,6 +221,45 @@ impl<'a> Scattering<'a> {
         let lobes = &self.mixtures.lobes;
         let is_everywhere = self.table.is_none() || luminance(lobes.diffuse()) > 0.0;
         (matches!(self.proposal.part, Part::Lobes) && is_everywhere).then_some(lobes)
+    }
+
+    /// The lobes that are rendered, or that draw.
+    #[inline]
+    pub fn known_lobes(&self) -> Option<&AnyMixture<'a>> {
+        let is_known = self.table.is_none() || matches!(self.proposal.part, Part::Lobes);
+        is_known.then_some(&self.mixtures.lobes)
+    }
+
+    /// Density of [`sample`](Self::sample); 1/sr.
+    #[inline]
+    pub fn pdf(&self, wi: Vec3) -> f32 {
+        self.proposal.pdf(&self.mixtures, wi)
+    }
+
+    /// Draws a direction by itself; `None` as in [`sample`](Self::sample).
+    #[inline]
+    pub fn draw(&self, u: [f32; 3]) -> Option<Vec3> {
+        self.proposal.sample(&self.mixtures, u)
+    }
+
+    /// Values of a function like what is rendered, cheap to evaluate, towards directions of which the densities are given: the lobes; of a
+    /// table, the density times a colour, that which is right towards the mirror direction.
+    pub fn control<const N: usize>(&self, wi: &[Vec3; N], pdf: &[f32; N], values: &mut [Vec3; N]) {
+        let Some((_, wo)) = self.table else {
+            let [x, y, z] = [0, 1, 2].map(|k| wi.map(|d| d[k]));
+            let [mut red, mut green, mut blue] = [[0.0; N]; 3];
+            // The slices are of one length.
+            let evaluated =
+                self.mixtures.lobes.evaluate_into([&x, &y, &z], [&mut red, &mut green, &mut blue]);
+            if evaluated.is_ok() {
+                *values = std::array::from_fn(|i| Vec3::new(red[i], green[i], blue[i]));
+            }
+            return;
+        };
+        let mirror = DVec3::new(-wo.x, -wo.y, wo.z).as_vec3();
+        let (value, density) = self.evaluate_and_pdf(mirror);
+        let colour = if density > 0.0 { value / density } else { Vec3::ZERO };
+        *values = pdf.map(|pdf| colour * pdf);
     }
 
     /// The lobes that were prepared last.

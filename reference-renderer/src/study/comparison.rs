@@ -187,7 +187,7 @@ pub fn measure(case: &Case<'_>, plan: &Plan, progress: &Progress) -> anyhow::Res
 }
 
 /// How the reference is rendered: the material itself, by what is at hand; with lobes at hand, together with the light.
-const OWN: Method = Method::of(Strategy::PRODUCT);
+const OWN: Method = Method::of(Strategy::EVEN);
 
 /// The samplers of all methods, each fitted once.
 struct Fitted<'a> {

@@ -1,0 +1,99 @@
+//! Errors over one another, and what is certain of them.
+
+use srbf_reference_renderer::study::comparison::report::short;
+use srbf_reference_renderer::study::comparison::{Comparison, Curve, Estimate};
+
+/// Error of one method over that of another.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Ratio {
+    /// After the same time of processors.
+    pub time: Option<Estimate>,
+    /// After the same samples.
+    pub samples: Option<Estimate>,
+}
+
+/// What a ratio says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    Better,
+    Worse,
+    Open,
+}
+
+/// How many standard errors a mean of so many repeats may be off, nineteen times of twenty: Student's t for the degrees of freedom of two
+/// such means.
+pub fn t_factor(repeats: u32) -> f64 {
+    const FACTORS: [f64; 10] = [4.30, 2.78, 2.45, 2.31, 2.23, 2.18, 2.14, 2.12, 2.10, 2.09];
+    FACTORS.get(repeats.saturating_sub(2) as usize).copied().unwrap_or(2.09)
+}
+
+impl Ratio {
+    /// Of two methods by their names; nothing where one was not run.
+    pub fn of(comparison: &Comparison, method: &str, base: &str) -> Self {
+        let curve = |name: &str| -> Option<&Curve> { comparison.curve(name.parse().ok()?) };
+        let (Some(method), Some(base)) = (curve(method), curve(base)) else { return Self::default() };
+        let ratios = comparison.ratios_to(method, base);
+        Self { time: ratios.equal_time, samples: ratios.equal_samples }
+    }
+}
+
+/// What is certain of a ratio.
+pub fn verdict(ratio: Estimate, t: f64) -> Verdict {
+    let off = ratio.mean.ln() * ratio.mean;
+    match off.abs() > t * ratio.error {
+        true if off < 0.0 => Verdict::Better,
+        true => Verdict::Worse,
+        false => Verdict::Open,
+    }
+}
+
+/// Many ratios in a line: their geometric mean, least and largest, and how many are certain.
+pub struct Several {
+    pub count: usize,
+    pub mean: f64,
+    pub range: [f64; 2],
+    pub better: usize,
+    pub worse: usize,
+}
+
+impl Several {
+    /// `None` of none.
+    pub fn of(ratios: &[Estimate], t: f64) -> Option<Self> {
+        let count = ratios.len();
+        let means = || ratios.iter().map(|ratio| ratio.mean);
+        let is = |wanted| ratios.iter().filter(|ratio| verdict(**ratio, t) == wanted).count();
+        (count > 0).then(|| Self {
+            count,
+            mean: (means().map(f64::ln).sum::<f64>() / count as f64).exp(),
+            range: [means().fold(f64::INFINITY, f64::min), means().fold(0.0, f64::max)],
+            better: is(Verdict::Better),
+            worse: is(Verdict::Worse),
+        })
+    }
+
+    /// Mean, range, and wins and losses.
+    pub fn text(&self) -> String {
+        let [least, most] = self.range.map(short);
+        let Self { count, better, worse, .. } = self;
+        format!("{} ({least} to {most}); {better} better, {worse} worse of {count}", short(self.mean))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_within_the_error_is_open() {
+        let at = |mean, error| verdict(Estimate { mean, error }, t_factor(5));
+        assert_eq!(
+            [at(0.8, 0.05), at(1.3, 0.05), at(0.9, 0.05)],
+            [Verdict::Better, Verdict::Worse, Verdict::Open]
+        );
+        // Few repeats make the same ratio open.
+        assert_eq!(verdict(Estimate { mean: 0.8, error: 0.05 }, t_factor(2)), Verdict::Open);
+        let several = [0.5, 2.0].map(|mean| Estimate { mean, error: 0.01 });
+        assert_eq!(Several::of(&several, 2.0).unwrap().text(), "1.00 (0.50 to 2.00); 1 better, 1 worse of 2");
+        assert!(Several::of(&[], 2.0).is_none());
+    }
+}

@@ -1,0 +1,99 @@
+//! Even sums for samplers that are no lobes: what `Mixture::reflect` does, by the density of any sampler.
+//!
+//! The estimator and why it is unbiased stand in `core/src/environment/reflect.rs`. The sums may be of any function. Here they are of the
+//! lobes, where lobes are what is rendered; of a table, which is dear to evaluate, they are of the density times a colour.
+
+use crate::shade::shader::Scattering;
+use crate::trace::frame::Frame;
+use crate::trace::integrator::even::RAYS;
+use crate::world::environment::Environment;
+use glam::Vec3;
+use srbf_core::{LIGHT_BLOCK, LightBlock, Reflection, Sample, luminance, power_heuristic};
+
+const COUNT: usize = LIGHT_BLOCK + RAYS;
+
+/// One direction: in the shading frame, radiance over its own density, and the density of the sampler.
+#[derive(Clone, Copy)]
+struct Towards {
+    local: Vec3,
+    light: Vec3,
+    pdf: f32,
+}
+
+/// A direction that brings nothing.
+const NOTHING: Towards = Towards { local: Vec3::Z, light: Vec3::ZERO, pdf: 0.0 };
+
+/// Draws both rays; no ray of the path's own where the sampler draws none.
+pub fn reflect(
+    scattering: &Scattering<'_>,
+    environment: &Environment,
+    block: &LightBlock,
+    frame: &Frame,
+    u: &[[f32; RAYS]; 3],
+    choice: f32,
+) -> Reflection {
+    let mut towards = [NOTHING; COUNT];
+    let world = |i: usize| Vec3::from(block.direction.each_ref().map(|row| row[i]));
+    for (i, one) in towards[..LIGHT_BLOCK].iter_mut().enumerate() {
+        let direction = world(i);
+        if frame.leaves(direction) {
+            let local = frame.to_local(direction);
+            let pdf = scattering.pdf(local);
+            let weight = power_heuristic(1.0, block.pdf[i], 1.0, pdf);
+            let light = Vec3::from(block.light.each_ref().map(|row| row[i])) * weight;
+            *one = Towards { local, light, pdf };
+        }
+    }
+    for (i, one) in towards[LIGHT_BLOCK..].iter_mut().enumerate() {
+        let Some(local) = scattering.draw([u[0][i], u[1][i], u[2][i]]) else { continue };
+        let direction = frame.to_world(local);
+        let pdf = scattering.pdf(local);
+        one.local = local;
+        one.pdf = pdf;
+        if frame.leaves(direction) && pdf > 0.0 && pdf.is_finite() {
+            let (radiance, of_map) = environment.radiance_and_pdf(direction);
+            one.light = radiance * (power_heuristic(1.0, pdf, 1.0, of_map) / pdf);
+        }
+    }
+    let own = towards[LIGHT_BLOCK];
+    let mut values = [Vec3::ZERO; COUNT];
+    scattering.control(&towards.map(|one| one.local), &towards.map(|one| one.pdf), &mut values);
+
+    let brought: [Vec3; COUNT] = std::array::from_fn(|i| towards[i].light * values[i]);
+    let (of_block, of_rays) = brought.split_at(LIGHT_BLOCK);
+    let targets: [f32; LIGHT_BLOCK] = std::array::from_fn(|i| {
+        let target = luminance(of_block[i]);
+        // A channel may be negative: what is not 0 has to have a chance.
+        if target > 0.0 { target } else { of_block[i].abs().max_element() }
+    });
+    let whole: f32 = targets.iter().sum();
+    let mut reflection = Reflection {
+        ray: (own.pdf > 0.0 && own.pdf.is_finite()).then(|| Sample {
+            direction: own.local,
+            pdf: own.pdf,
+            weight: values[LIGHT_BLOCK] / own.pdf,
+        }),
+        shadow: None,
+        ray_light: own.light,
+        shadow_light: Vec3::ZERO,
+        shadow_value: Vec3::ZERO,
+        ray_value: values[LIGHT_BLOCK],
+        block_sum: of_block.iter().sum::<Vec3>() / LIGHT_BLOCK as f32,
+        ray_sum: of_rays.iter().sum::<Vec3>() / RAYS as f32,
+    };
+    if whole > 0.0 && whole.is_finite() {
+        let mut rest = choice * whole;
+        let mut chosen = 0;
+        for (i, target) in targets.iter().enumerate().filter(|(_, target)| **target > 0.0) {
+            chosen = i;
+            if rest < *target {
+                break;
+            }
+            rest -= target;
+        }
+        reflection.shadow = Some(world(chosen));
+        reflection.shadow_value = values[chosen];
+        reflection.shadow_light = towards[chosen].light * (whole / (LIGHT_BLOCK as f32 * targets[chosen]));
+    }
+    reflection
+}
