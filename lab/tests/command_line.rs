@@ -172,9 +172,9 @@ fn a_planted_stale_figure_is_found_and_written_right() {
     let page = place.join("docs/figures.md");
     let right = std::fs::read_to_string(&page).unwrap();
     let bytes = include_bytes!("../../presets/garnet_red.srbf").len();
-    let row = format!("| garnet red | {bytes} |");
+    let row = format!("| preset garnet red | {bytes} |");
     assert!(right.contains(&row), "{row}");
-    std::fs::write(&page, right.replace(&row, "| garnet red | 4321 |")).unwrap();
+    std::fs::write(&page, right.replace(&row, "| preset garnet red | 4321 |")).unwrap();
     refused(&place, &check, &["docs/figures.md:", "bytes garnet_red", "stated as 4321", "--write"]);
     let output = srbf(&place, &["stated", "--write", "--only", "bytes"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

@@ -97,3 +97,57 @@ pub fn reflect(
     }
     reflection
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::numbers::points::PointsName;
+    use crate::out::progress::Progress;
+    use crate::shade::shader::Shader;
+    use crate::shade::{Light, Sampler, SamplerName};
+    use crate::trace::film::Film;
+    use crate::trace::render::add_samples;
+    use crate::trace::scene::{Scene, SceneName};
+    use crate::trace::settings::RenderSettings;
+    use crate::truth::Truth;
+    use crate::truth::measured::tests::model;
+    use crate::truth::stored::tests::lacquer;
+    use crate::world::environment::Environment;
+    use glam::{DVec3, Vec3};
+
+    const SIZE: [u32; 2] = [24, 16];
+
+    /// Mean over the picture, and its standard error.
+    fn mean(scene: &Scene<'_>, light: Light, samples: u32) -> (DVec3, DVec3) {
+        let settings =
+            RenderSettings { light, split: 1, max_bounces: 2, points: PointsName::Random, seed: 7 };
+        let mut film = Film::new(SIZE);
+        let camera = SceneName::Teapot.camera(SIZE);
+        add_samples(scene, &camera, &settings, &mut film, samples, &Progress::hidden()).unwrap();
+        let n = film.pixels.len() as f64;
+        let sum: DVec3 = (0..film.pixels.len()).map(|i| film.mean(i)).sum();
+        let variance: DVec3 = (0..film.pixels.len()).map(|i| film.variance_of_mean(i)).sum();
+        (sum / n, (variance / (n * n)).map(f64::sqrt))
+    }
+
+    #[test]
+    fn the_mean_is_that_of_the_power_heuristic_and_a_bias_of_two_percent_is_found() {
+        let pixel = |i: usize| Vec3::splat(if i == 420 { 300.0 } else { 0.2 + ((i * 37) % 11) as f32 * 0.1 });
+        let light = Environment::new(64, (0..64 * 32).map(pixel).collect()).unwrap();
+        let (lobes, table) = (lacquer(), model("model:ggx:alpha=0.3,f0=0.9/0.5/0.1,diffuse=0.05"));
+        for truth in [Truth::Lobes(&lobes.material), Truth::Table(&table)] {
+            for name in [SamplerName::Ggx, SamplerName::Cosine] {
+                let sampler = Sampler::fit(name, &truth, None).unwrap();
+                let shader = Shader { truth, sampler: &sampler };
+                let scene = Scene::new(SceneName::Teapot, shader, shader, &light);
+                let (ours, error) = mean(&scene, Light::Even, 256);
+                let (reference, own) = mean(&scene, Light::Mis, 1024);
+                let error = (error * error + own * own).map(f64::sqrt);
+                let apart = (ours - reference) / error;
+                println!("{name:?}: {apart} standard errors of {:.2e}", error.max_element());
+                assert!(apart.abs().max_element() < 4.0, "{name:?}: {ours} {reference}");
+                let planted = (1.02 * ours - reference) / error;
+                assert!(planted.abs().max_element() > 4.0, "{name:?}: a bias of 2 % is {planted} errors");
+            }
+        }
+    }
+}
