@@ -28,13 +28,46 @@ pub fn t_factor(repeats: u32) -> f64 {
 }
 
 impl Ratio {
-    /// Of two methods by their names; nothing where one was not run.
+    /// Of two methods by their names; nothing where one was not run, or an error is not known.
     pub fn of(comparison: &Comparison, method: &str, base: &str) -> Self {
         let curve = |name: &str| -> Option<&Curve> { comparison.curve(name.parse().ok()?) };
         let (Some(method), Some(base)) = (curve(method), curve(base)) else { return Self::default() };
-        let ratios = comparison.ratios_to(method, base);
-        Self { time: ratios.equal_time, samples: ratios.equal_samples }
+        Self {
+            time: after_time(method, base),
+            samples: last(method).zip(last(base)).map(|(a, b)| a.1.over(b.1)),
+        }
     }
+}
+
+/// Errors over one another after the time that the last point of the base took.
+fn after_time(method: &Curve, base: &Curve) -> Option<Estimate> {
+    let (samples, of_base) = last(base)?;
+    // As many samples as the method makes in the time of the base.
+    let as_many = samples * seconds_per_sample(base)? / seconds_per_sample(method)?;
+    Some(at(method, as_many)?.over(of_base))
+}
+
+/// Samples of the last point, and its error.
+fn last(curve: &Curve) -> Option<(f64, Estimate)> {
+    let point = curve.points.last()?;
+    Some((f64::from(point.samples), point.known()?))
+}
+
+/// Time of processors of one more sample of all pixels: between the last two points, so that what is made once does not count.
+pub fn seconds_per_sample(curve: &Curve) -> Option<f64> {
+    let [.., before, after] = &curve.points[..] else { return None };
+    let seconds = (after.seconds - before.seconds) / f64::from(after.samples.saturating_sub(before.samples));
+    (seconds > 0.0 && seconds.is_finite()).then_some(seconds)
+}
+
+/// The error after so many samples, along the line through the logarithms of the last two points.
+fn at(curve: &Curve, samples: f64) -> Option<Estimate> {
+    let [.., before, after] = &curve.points[..] else { return None };
+    let (first, mse) = (before.known()?, after.known()?);
+    let [from, to] = [before, after].map(|point| f64::from(point.samples));
+    let slope = ((mse.mean / first.mean).ln() / (to / from).ln()).clamp(-2.0, 0.0);
+    let factor = (samples / to).powf(slope);
+    Some(Estimate { mean: mse.mean * factor, error: mse.error * factor })
 }
 
 /// What is certain of a ratio.
@@ -82,6 +115,19 @@ impl Several {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::imagined::{curve, point};
+
+    #[test]
+    fn what_is_made_once_does_not_count_as_time() {
+        // 1 s made once; then 0.1 s a sample beside 0.2 s, the same error after the same samples.
+        let errors = |once: f64, each: f64| {
+            curve(
+                [16u32, 64].map(|n| point(n, once + each * f64::from(n), 1.0 / f64::from(n).sqrt())).to_vec(),
+            )
+        };
+        let found = after_time(&errors(1.0, 0.1), &errors(0.0, 0.2)).unwrap();
+        assert!((found.mean - 0.5).abs() < 1e-9, "{}", found.mean);
+    }
 
     #[test]
     fn what_is_within_the_error_is_open() {

@@ -1,12 +1,12 @@
 //! The page of `srbf-lab equal-time`, as Markdown and as HTML.
 
-use super::ratio::{Ratio, Several, Verdict, t_factor, verdict};
-use super::{Args, Measured, Rendered, SAMPLERS, WAYS, Way, method_name, method_names, points_text};
+use super::ratio::{Ratio, Several, Verdict, seconds_per_sample, t_factor, verdict};
+use super::{Args, Measured, OURS, Rendered, WAYS, Way, method_name, method_names, points_text};
 use srbf_core::Processor;
 use srbf_reference_renderer::numbers::points::PointsName;
 use srbf_reference_renderer::out::page::{Cell, Page, Table};
 use srbf_reference_renderer::study::comparison::report::short;
-use srbf_reference_renderer::study::comparison::{Comparison, Estimate};
+use srbf_reference_renderer::study::comparison::{Comparison, Curve, Estimate};
 use std::process::Command;
 
 /// What was measured, and how.
@@ -24,6 +24,25 @@ pub fn commit() -> String {
     let output = Command::new("git").args(["rev-parse", "--short=7", "HEAD"]).output();
     let found = output.ok().filter(|output| output.status.success()).map(|output| output.stdout);
     found.map_or_else(|| "unknown".to_owned(), |text| String::from_utf8_lossy(&text).trim().to_owned())
+}
+
+/// A line for each method: time of a sample, and errors over those of the first.
+pub fn summary(comparison: &Comparison) -> String {
+    let base = comparison.curves.first().map(|curve| curve.method.to_string()).unwrap_or_default();
+    let line = |curve: &Curve| {
+        let name = curve.method.to_string();
+        let ratio = Ratio::of(comparison, &name, &base);
+        let of = |ratio: Option<Estimate>| {
+            ratio.map_or_else(|| "-".to_owned(), |r| format!("{} +- {}", short(r.mean), short(r.error)))
+        };
+        let time = seconds_per_sample(curve).map_or_else(|| "-".to_owned(), |s| format!("{:.2}", 1e3 * s));
+        format!(
+            "{name:>16} {time:>8} ms a sample; same time {:>16}, same samples {:>16}",
+            of(ratio.time),
+            of(ratio.samples)
+        )
+    };
+    comparison.curves.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
 /// What a ratio is after.
@@ -117,18 +136,21 @@ impl Text<'_> {
     }
 
     fn words(&self) -> Vec<String> {
-        let Args { seconds, repeats, side, reference_spp, .. } = self.args;
+        let Args { spp, repeats, side, reference_spp, .. } = self.args;
         vec![
             "Relative mean squared error of one method over that of another. Below 1 the first one is better. Bold is what is \
              certain nineteen times of twenty, wins and losses alike."
                 .to_owned(),
             format!(
-                "Commit {}, {}; {:.0} minutes. Pictures of {side} x {side} pixels, {seconds} s of processors each,\n\
-                 {repeats} for each method, against {reference_spp} Sobol points of `even` a pixel. A ratio is certain where it is off 1 by\n\
-                 {} standard errors (Student's t). The 0.1 % of the pixels that are worst are apart. Fits of samplers are not counted.",
+                "Commit {}, {}; {:.0} minutes. Pictures of {side} x {side} pixels with {} and {} samples a pixel,\n\
+                 {repeats} for each method, against {reference_spp} Sobol points of `even` a pixel. Time is that of processors between both,\n\
+                 so that what is made once for a picture does not count; errors go along the line through both. A ratio is certain where it\n\
+                 is off 1 by {} standard errors (Student's t), of the errors alone. The 0.1 % of the pixels that are worst are apart.",
                 self.commit,
                 Processor::this(),
                 self.minutes,
+                spp[0],
+                spp[1],
                 self.t()
             ),
             "`lobes` are 12 lobes; `ggx` is one fitted GGX lobe and a cosine, `lafortune` nine lobes and a cosine, `rgl` the warps of\n\
@@ -181,8 +203,8 @@ impl Text<'_> {
             head.extend(columns.iter().map(|(r, p)| format!("{} rendered, {}", r.text(), points_text(*p))));
             let mut rows = Vec::new();
             for way in WAYS {
-                let base = method_name(SAMPLERS[0], way);
-                for sampler in &SAMPLERS[1..] {
+                let base = method_name(OURS, way);
+                for sampler in &self.args.samplers {
                     let name = method_name(sampler, way);
                     let mut row = vec![(format!("`{name}` over `{base}`"), false)];
                     row.extend(columns.iter().map(|&(rendered, points)| {
@@ -248,7 +270,8 @@ impl Text<'_> {
             self.measured.iter().filter(|case| case.comparison.material == material).collect();
         let is_run =
             |name: &String| cases.iter().any(|case| Ratio::of(&case.comparison, name, "even").time.is_some());
-        let names: Vec<String> = method_names().into_iter().skip(1).filter(is_run).collect();
+        let names: Vec<String> =
+            method_names(&self.args.samplers).into_iter().skip(1).filter(is_run).collect();
         let mut head = vec!["scene, light; rendered; points".to_owned()];
         head.extend(names.iter().map(|name| format!("`{name}`")));
         let cell = |ratio: Option<Estimate>| match ratio {
@@ -279,7 +302,7 @@ mod tests {
     use super::*;
     use crate::imagined::{curve as curve_of, point};
     use clap::Parser;
-    use srbf_reference_renderer::study::comparison::{Curve, ReferenceReport};
+    use srbf_reference_renderer::study::comparison::ReferenceReport;
 
     #[derive(Parser)]
     struct Cli {
@@ -291,7 +314,7 @@ mod tests {
     fn wins_and_losses_are_bold_and_what_was_not_run_is_a_dash() {
         let curve = |&(name, rmse): &(&str, f64)| Curve {
             method: name.parse().unwrap(),
-            ..curve_of(vec![point(16, 1.0, rmse)])
+            ..curve_of(vec![point(16, 1.0, 2.0 * rmse), point(64, 4.0, rmse)])
         };
         let errors = [("even", 0.1), ("mis", 0.2), ("ggx+even", 0.05), ("product", 0.1), ("ggx+mis", 0.4)];
         let comparison = Comparison {
