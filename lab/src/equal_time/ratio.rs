@@ -14,7 +14,7 @@ pub struct Ratio {
 
 /// What a ratio says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum Certain {
     Better,
     Worse,
     Open,
@@ -71,12 +71,12 @@ fn at(curve: &Curve, samples: f64) -> Option<Estimate> {
 }
 
 /// What is certain of a ratio.
-pub fn verdict(ratio: Estimate, t: f64) -> Verdict {
+pub fn certain(ratio: Estimate, t: f64) -> Certain {
     let off = ratio.mean.ln() * ratio.mean;
     match off.abs() > t * ratio.error {
-        true if off < 0.0 => Verdict::Better,
-        true => Verdict::Worse,
-        false => Verdict::Open,
+        true if off < 0.0 => Certain::Better,
+        true => Certain::Worse,
+        false => Certain::Open,
     }
 }
 
@@ -94,13 +94,13 @@ impl Several {
     pub fn of(ratios: &[Estimate], t: f64) -> Option<Self> {
         let count = ratios.len();
         let means = || ratios.iter().map(|ratio| ratio.mean);
-        let is = |wanted| ratios.iter().filter(|ratio| verdict(**ratio, t) == wanted).count();
+        let is = |wanted| ratios.iter().filter(|ratio| certain(**ratio, t) == wanted).count();
         (count > 0).then(|| Self {
             count,
             mean: (means().map(f64::ln).sum::<f64>() / count as f64).exp(),
             range: [means().fold(f64::INFINITY, f64::min), means().fold(0.0, f64::max)],
-            better: is(Verdict::Better),
-            worse: is(Verdict::Worse),
+            better: is(Certain::Better),
+            worse: is(Certain::Worse),
         })
     }
 
@@ -131,13 +131,13 @@ mod tests {
 
     #[test]
     fn what_is_within_the_error_is_open() {
-        let at = |mean, error| verdict(Estimate { mean, error }, t_factor(5));
+        let at = |mean, error| certain(Estimate { mean, error }, t_factor(5));
         assert_eq!(
             [at(0.8, 0.05), at(1.3, 0.05), at(0.9, 0.05)],
-            [Verdict::Better, Verdict::Worse, Verdict::Open]
+            [Certain::Better, Certain::Worse, Certain::Open]
         );
         // Few repeats make the same ratio open.
-        assert_eq!(verdict(Estimate { mean: 0.8, error: 0.05 }, t_factor(2)), Verdict::Open);
+        assert_eq!(certain(Estimate { mean: 0.8, error: 0.05 }, t_factor(2)), Certain::Open);
         let several = [0.5, 2.0].map(|mean| Estimate { mean, error: 0.01 });
         assert_eq!(Several::of(&several, 2.0).unwrap().text(), "1.00 (0.50 to 2.00); 1 better, 1 worse of 2");
         assert!(Several::of(&[], 2.0).is_none());

@@ -1,6 +1,6 @@
 //! The page of `srbf-lab equal-time`, as Markdown and as HTML.
 
-use super::ratio::{Ratio, Several, Verdict, seconds_per_sample, t_factor, verdict};
+use super::ratio::{Certain, Ratio, Several, certain, seconds_per_sample, t_factor};
 use super::{Args, Measured, OURS, Rendered, WAYS, Way, method_name, method_names, points_text};
 use srbf_core::Processor;
 use srbf_reference_renderer::numbers::points::PointsName;
@@ -276,7 +276,7 @@ impl Text<'_> {
         head.extend(names.iter().map(|name| format!("`{name}`")));
         let cell = |ratio: Option<Estimate>| match ratio {
             None => ("-".to_owned(), false),
-            Some(ratio) => (short(ratio.mean), verdict(ratio, self.t()) != Verdict::Open),
+            Some(ratio) => (short(ratio.mean), certain(ratio, self.t()) != Certain::Open),
         };
         let grid = |after: After| {
             let rows = cases.iter().map(|case| {

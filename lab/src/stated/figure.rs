@@ -29,7 +29,7 @@ impl Figure {
     /// Whether a document that states this is right.
     pub fn is(&self, stated: &str) -> bool {
         let (Ok(here), Ok(there)) = (self.value.parse::<f64>(), stated.parse::<f64>()) else { return false };
-        let slack = if self.is_exact { 0.0 } else { 1.01 * unit(&self.value).max(unit(stated)) };
+        let slack = if self.is_exact { 0.0 } else { 1.01 * unit(&self.value) };
         (here - there).abs() <= slack
     }
 }

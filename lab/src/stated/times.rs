@@ -50,8 +50,8 @@ fn states_time(text: &str) -> bool {
         words.windows(2).any(|pair| is_number(pair[0]) && unit.contains(&pair[1].trim_end_matches('.')))
     };
     after_number(&["ns", "us"])
-        || text.contains("Nanoseconds")
-        || text.contains("ns for a")
+        || words.contains(&"ns")
+        || words.contains(&"Nanoseconds")
         || text.contains("processor time") && after_number(&["s"])
 }
 
