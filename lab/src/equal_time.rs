@@ -207,7 +207,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
                 let environment = &lights.iter().find(|(other, _)| other == light).context("a light")?.1;
                 let of_table = (rendered == Rendered::Table).then(|| lobes.clone());
                 let mut cast = Cast::of(*scene, object, of_table, None, None)?;
-                let place = Place { scene: *scene, statue: &statue, light, environment };
+                let place = SceneUnderLight { scene: *scene, statue: &statue, light, environment };
                 for points in [PointsName::Sobol, PointsName::Random] {
                     let comparison = measure(args, &cast, &place, rendered, name, points)
                         .with_context(|| format!("material {name}, {} rendered", rendered.text()))?;
@@ -253,7 +253,7 @@ fn points_text(points: PointsName) -> &'static str {
 }
 
 /// A scene and its light.
-struct Place<'a> {
+struct SceneUnderLight<'a> {
     scene: SceneName,
     statue: &'a Mesh,
     light: &'a str,
@@ -263,7 +263,7 @@ struct Place<'a> {
 fn measure(
     args: &Args,
     cast: &Cast,
-    place: &Place<'_>,
+    place: &SceneUnderLight<'_>,
     rendered: Rendered,
     name: &str,
     points: PointsName,

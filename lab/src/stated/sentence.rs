@@ -4,7 +4,7 @@ use std::ops::Range;
 
 /// A number of a document.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Place {
+pub struct Stated {
     /// The name of the figure.
     pub figure: String,
     /// Its bytes in the document.
@@ -45,10 +45,10 @@ pub fn figures(sentence: &str) -> impl Iterator<Item = &str> {
 ///
 /// # Errors
 /// Says so where the document does not hold the sentence exactly once.
-pub fn find(document: &str, sentence: &str) -> anyhow::Result<Vec<Place>> {
+pub fn find(document: &str, sentence: &str) -> anyhow::Result<Vec<Stated>> {
     let pieces = pieces(sentence);
     let starts = document.char_indices().map(|(at, _)| at);
-    let found: Vec<Vec<Place>> = starts.filter_map(|at| matched(document, at, &pieces)).collect();
+    let found: Vec<Vec<Stated>> = starts.filter_map(|at| matched(document, at, &pieces)).collect();
     match <[_; 1]>::try_from(found) {
         Ok([places]) => Ok(places),
         Err(found) => {
@@ -62,7 +62,7 @@ pub fn find(document: &str, sentence: &str) -> anyhow::Result<Vec<Place>> {
 }
 
 /// The numbers, if the pieces stand at a place.
-fn matched(document: &str, at: usize, pieces: &[Piece<'_>]) -> Option<Vec<Place>> {
+fn matched(document: &str, at: usize, pieces: &[Piece<'_>]) -> Option<Vec<Stated>> {
     let Some((first, rest)) = pieces.split_first() else { return Some(Vec::new()) };
     match first {
         Piece::Text(text) => matched(document, after_text(document, at, text)?, rest),
@@ -73,7 +73,7 @@ fn matched(document: &str, at: usize, pieces: &[Piece<'_>]) -> Option<Vec<Place>
                 let range = at..at + length;
                 document[range.clone()].parse::<f64>().ok()?;
                 let mut places = matched(document, range.end, rest)?;
-                places.insert(0, Place { figure: (*name).to_owned(), range });
+                places.insert(0, Stated { figure: (*name).to_owned(), range });
                 Some(places)
             })
         }
