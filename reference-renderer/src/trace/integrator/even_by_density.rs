@@ -135,8 +135,9 @@ mod tests {
         let light = Environment::new(64, (0..64 * 32).map(pixel).collect()).unwrap();
         let (lobes, table) = (lacquer(), model("model:ggx:alpha=0.3,f0=0.9/0.5/0.1,diffuse=0.05"));
         for truth in [Truth::Lobes(&lobes.material), Truth::Table(&table)] {
-            for name in [SamplerName::Ggx, SamplerName::Cosine] {
-                let sampler = Sampler::fit(name, &truth, None).unwrap();
+            // Lobes that sample a table go by `Mixture::reflect`.
+            for name in [SamplerName::Ggx, SamplerName::Cosine, SamplerName::Lobes] {
+                let sampler = Sampler::fit(name, &truth, Some(&lobes.material)).unwrap();
                 let shader = Shader { truth, sampler: &sampler };
                 let scene = Scene::new(SceneName::Teapot, shader, shader, &light);
                 let (ours, error) = mean(&scene, Light::Even, 256);
