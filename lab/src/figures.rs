@@ -136,6 +136,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let index = out.join("index.html");
     output::check_places(&[&index])?;
     let start = Instant::now();
+    println!("processor: {}", srbf_core::Processor::this());
     let size = Size::of(args);
     // All that is read, before the work.
     let probes: Vec<Environment> = PROBES

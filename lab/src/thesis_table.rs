@@ -77,6 +77,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let mut csv = String::from(
         "material,method,lobes,f_cos,f,f_cos_whole,held_out_samples,held_out_views,seconds,thesis_says\n",
     );
+    println!("processor: {}", srbf_core::Processor::this());
     print!("{markdown}");
     let progress = Progress::new("Table 5.1", (chosen.len() * methods.len()) as u64);
     for (material, said) in chosen {
