@@ -8,7 +8,7 @@ use crate::numbers::points::{Decision, Points, PointsName, shifts};
 use crate::shade::shader::Scattering;
 use crate::trace::camera::Camera;
 use crate::trace::frame::{Frame, look};
-use crate::trace::integrator::even_by_density;
+use crate::trace::integrator::even_by_density::{self, RAYS};
 use crate::trace::openness::{Openness, Sighting};
 use crate::trace::path::Path;
 use crate::trace::scene::Scene;
@@ -17,9 +17,6 @@ use crate::truth::AnyMixture;
 use crate::world::environment::tile::{BLOCKS, LightTile};
 use glam::Vec3;
 use srbf_core::{LightBlock, Reflection, luminance};
-
-/// Directions of the lobes, the path's ray among them.
-pub(super) const RAYS: usize = 8;
 
 /// Share of its power that the diffuse term of a mixture may have: of a matte surface, the light alone is sampled as well.
 const MOST_DIFFUSE: f32 = 0.9;

@@ -5,10 +5,12 @@
 
 use crate::shade::shader::Scattering;
 use crate::trace::frame::Frame;
-use crate::trace::integrator::even::RAYS;
 use crate::world::environment::Environment;
 use glam::Vec3;
 use srbf_core::{LIGHT_BLOCK, LightBlock, Reflection, Sample, luminance, power_heuristic};
+
+/// Directions of the sampler, the path's ray among them.
+pub(super) const RAYS: usize = 8;
 
 const COUNT: usize = LIGHT_BLOCK + RAYS;
 
