@@ -96,7 +96,7 @@ pub fn operations(inputs: u32, seed: u64) -> Vec<Operation> {
 
 /// Whether an error leaves no digit that is of use.
 fn is_lost(error: f64) -> bool {
-    !(error <= 1e-2)
+    error.is_nan() || error > 1e-2
 }
 
 /// The worst of each operation, in a table of Markdown.
@@ -169,7 +169,7 @@ fn figure(
         let shown = |error: f64| if error.is_nan() { LARGEST } else { error.clamp(SMALLEST, LARGEST) };
         // Where the plain formula leaves the axis: crosses on its edge.
         let plain: Vec<(f64, f64)> = rows.iter().filter_map(|row| Some((row.at, row.plain?))).collect();
-        let is_off = |error: f64| !(error < LARGEST);
+        let is_off = |error: f64| error.is_nan() || error >= LARGEST;
         chart.draw_series(
             plain
                 .iter()

@@ -152,9 +152,9 @@ impl Case {
                 (moved(step) - moved(-step)) / (2.0 * STEP)
             };
             let slopes: Vec<f64> = (0..n).map(slope).collect();
-            for i in 0..n {
-                for j in 0..n {
-                    normal[i][j] += sample.weight * slopes[i] * slopes[j];
+            for (row, slope) in normal.iter_mut().zip(&slopes) {
+                for (entry, other) in row.iter_mut().zip(&slopes) {
+                    *entry += sample.weight * slope * other;
                 }
             }
         }
