@@ -216,23 +216,19 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
                     measured.push(Measured { rendered, points, comparison });
                 }
                 object = cast.roles.swap_remove(0).1;
+                // After every scene, so that a run that is stopped has said what it knows.
+                let minutes = start.elapsed().as_secs_f64() / 60.0;
+                let page = text::Text { measured: &measured, args, minutes, commit: &commit };
+                let files = output::together();
+                output::write(&args.output, page.markdown().as_bytes())?;
+                page.html().write(&html)?;
+                let comparisons: Vec<Comparison> = measured.iter().map(Measured::named).collect();
+                report::write_csv(&csv, &comparisons)?;
+                files.commit()?;
             }
         }
     }
-    let minutes = start.elapsed().as_secs_f64() / 60.0;
-    let page = text::Text { measured: &measured, args, minutes, commit };
-    let files = output::together();
-    output::write(&args.output, page.markdown().as_bytes())?;
-    page.html().write(&html)?;
-    let comparisons: Vec<Comparison> = measured.iter().map(Measured::named).collect();
-    report::write_csv(&csv, &comparisons)?;
-    files.commit()?;
-    println!(
-        "wrote {}, {} and {}; {minutes:.1} minutes",
-        args.output.display(),
-        html.display(),
-        csv.display()
-    );
+    println!("wrote {}, {} and {}", args.output.display(), html.display(), csv.display());
     Ok(())
 }
 

@@ -16,7 +16,7 @@ pub struct Text<'a> {
     /// How long all of it took.
     pub minutes: f64,
     /// Of the source, as git names it.
-    pub commit: String,
+    pub commit: &'a str,
 }
 
 /// What git says of the folder that the command is run in.
@@ -327,7 +327,7 @@ mod tests {
         };
         let measured = [Measured { rendered: Rendered::Lobes, points: PointsName::Sobol, comparison }];
         let args = Cli::parse_from(["x"]).args;
-        let text = Text { measured: &measured, args: &args, minutes: 1.0, commit: "0fa598b".into() };
+        let text = Text { measured: &measured, args: &args, minutes: 1.0, commit: "0fa598b" };
         let page = text.markdown();
         assert!(
             page.contains("| sphere, forest; lobes; Sobol | **4.00** | **16.0** | **0.25** | 1.00 |"),
