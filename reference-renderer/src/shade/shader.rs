@@ -242,24 +242,16 @@ impl<'a> Scattering<'a> {
         self.proposal.sample(&self.mixtures, u)
     }
 
-    /// Values of a function like what is rendered, cheap to evaluate, towards directions of which the densities are given: the lobes; of a
-    /// table, the density times a colour, that which is right towards the mirror direction.
-    pub fn control<const N: usize>(&self, wi: &[Vec3; N], pdf: &[f32; N], values: &mut [Vec3; N]) {
-        let Some((_, wo)) = self.table else {
-            let [x, y, z] = [0, 1, 2].map(|k| wi.map(|d| d[k]));
-            let [mut red, mut green, mut blue] = [[0.0; N]; 3];
-            // The slices are of one length.
-            let evaluated =
-                self.mixtures.lobes.evaluate_into([&x, &y, &z], [&mut red, &mut green, &mut blue]);
-            if evaluated.is_ok() {
-                *values = std::array::from_fn(|i| Vec3::new(red[i], green[i], blue[i]));
-            }
-            return;
-        };
-        let mirror = DVec3::new(-wo.x, -wo.y, wo.z).as_vec3();
-        let (value, density) = self.evaluate_and_pdf(mirror);
-        let colour = if density > 0.0 { value / density } else { Vec3::ZERO };
-        *values = pdf.map(|pdf| colour * pdf);
+    /// Values of what is rendered towards directions; lobes are evaluated together.
+    pub fn evaluate_all<const N: usize>(&self, wi: &[Vec3; N]) -> [Vec3; N] {
+        if self.table.is_some() {
+            return wi.map(|d| self.evaluate(d));
+        }
+        let [x, y, z] = [0, 1, 2].map(|k| wi.map(|d| d[k]));
+        let [mut red, mut green, mut blue] = [[0.0; N]; 3];
+        // The slices are of one length.
+        let _ = self.mixtures.lobes.evaluate_into([&x, &y, &z], [&mut red, &mut green, &mut blue]);
+        std::array::from_fn(|i| Vec3::new(red[i], green[i], blue[i]))
     }
 
     /// The lobes that were prepared last.

@@ -1,7 +1,7 @@
 //! Even sums for samplers that are no lobes: what `Mixture::reflect` does, by the density of any sampler.
 //!
-//! The estimator and why it is unbiased stand in `core/src/environment/reflect.rs`. The sums may be of any function. Here they are of the
-//! lobes, where lobes are what is rendered; of a table, which is dear to evaluate, they are of the density times a colour.
+//! The estimator and why it is unbiased stand in `core/src/environment/reflect.rs`. The sums are of what is rendered: a table is evaluated
+//! for every direction, which is dear.
 
 use crate::shade::shader::Scattering;
 use crate::trace::frame::Frame;
@@ -58,8 +58,7 @@ pub fn reflect(
         }
     }
     let own = towards[LIGHT_BLOCK];
-    let mut values = [Vec3::ZERO; COUNT];
-    scattering.control(&towards.map(|one| one.local), &towards.map(|one| one.pdf), &mut values);
+    let values = scattering.evaluate_all(&towards.map(|one| one.local));
 
     let brought: [Vec3; COUNT] = std::array::from_fn(|i| towards[i].light * values[i]);
     let (of_block, of_rays) = brought.split_at(LIGHT_BLOCK);
