@@ -169,7 +169,7 @@ impl Pages {
                     continue;
                 }
                 let kept = row(&self.table, &place.figure);
-                if kept != Some(stated) {
+                if kept.is_none_or(|kept| !Figure::kept(&place.figure, kept).is(stated)) {
                     let kept = kept.unwrap_or("nothing");
                     stale.push(format!("{name}: {} is stated as {stated}, {TABLE} has {kept}", place.figure));
                 }

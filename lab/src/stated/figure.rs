@@ -26,6 +26,11 @@ impl Figure {
         Self { name: name.into(), value: format!("{value:.1e}"), is_exact: false }
     }
 
+    /// One that is kept in the table.
+    pub fn kept(name: &str, value: &str) -> Self {
+        Self { name: name.to_owned(), value: value.to_owned(), is_exact: false }
+    }
+
     /// Whether a document that states this is right.
     pub fn is(&self, stated: &str) -> bool {
         let (Ok(here), Ok(there)) = (self.value.parse::<f64>(), stated.parse::<f64>()) else { return false };
