@@ -12,7 +12,7 @@ mod tabulate;
 use crate::FitError;
 use std::f64::consts::FRAC_PI_2;
 
-pub use brdf::{Brdf, Draws, Symmetry};
+pub use brdf::{Brdf, Draws, Known, Symmetry};
 pub use tabulate::Density;
 pub(crate) use tabulate::{Drawn, tabulate};
 

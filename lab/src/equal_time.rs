@@ -1,10 +1,16 @@
-//! `srbf-lab equal-time`.
+//! `srbf-lab equal-time`: samplers and ways to sample the light beside each other, with every truth, scene, map and kind of points.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `ratio` | errors over one another, and what is certain of them |
+//! | `text` | the page, as Markdown and as HTML |
 
+mod ratio;
 mod text;
 
-use anyhow::Context;
+use anyhow::{Context, ensure};
 use srbf_fit::Settings;
-use srbf_reference_renderer::command::{argument, compare};
+use srbf_reference_renderer::command::argument;
 use srbf_reference_renderer::numbers::points::PointsName;
 use srbf_reference_renderer::out::output;
 use srbf_reference_renderer::out::progress::Progress;
@@ -15,193 +21,274 @@ use srbf_reference_renderer::trace::cast::Cast;
 use srbf_reference_renderer::trace::scene::SceneName;
 use srbf_reference_renderer::truth::measured::{MeasuredMaterial, read_source};
 use srbf_reference_renderer::truth::stored::{PRESETS, StoredMaterial};
+use srbf_reference_renderer::world::environment::Environment;
+use srbf_reference_renderer::world::mesh::{self, Mesh};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Compares all unbiased methods after the same time, on measured materials of all kinds, and writes the page of it.
+/// Compares samplers alone, with a sample of the light, and by even sums: after the same time and after the same samples.
 ///
-/// SRBF_DATA_DIR names the folder of the measurements. Tables are what is rendered, sampled by lobes that were fitted to them, which are
-/// kept; and light and material together on the teapot. Writes OUT.md, and all measurements to OUT.csv beside the fits.
+/// SRBF_DATA_DIR names the folder of the measurements. Four materials, as lobes and as the table that they were fitted to, in five scenes
+/// and under three maps, with Sobol points and with random numbers. Writes OUT.md, OUT.html and OUT.csv; a quarter of an hour on two
+/// processors that nothing else uses.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The folder of fits, NAME.srbf; what is missing is fitted and kept there
+    /// The folder of fits, NAME.srbf, and of references; what is missing is made and kept there
     #[arg(long, default_value = "out/fits", value_name = "DIR")]
     fits: PathBuf,
-    /// Seconds of processors of each picture
-    #[arg(long, default_value_t = 0.25, value_parser = compare::seconds)]
-    seconds: f64,
-    /// Pictures of each method
-    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(2..=1000), value_name = "N")]
+    /// Samples a pixel after which the error is taken: two numbers, rising. Between them the time of a sample is taken too
+    #[arg(long, value_delimiter = ',', default_value = "16,64", value_parser = clap::value_parser!(u32).range(1..=1 << 20), value_name = "N,N")]
+    spp: Vec<u32>,
+    /// What draws, beside `lobes`, separated by commas
+    #[arg(long, value_delimiter = ',', default_value = "ggx,lafortune,rgl", value_name = "SAMPLER")]
+    samplers: Vec<String>,
+    /// Pictures of each method; fewer make what is certain rarer, by the t factor
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(2..=1000), value_name = "N")]
     repeats: u32,
     /// Samples a pixel of references
-    #[arg(long, default_value_t = 1024, value_parser = clap::value_parser!(u32).range(2..=1 << 24), value_name = "N")]
+    #[arg(long, default_value_t = 2048, value_parser = clap::value_parser!(u32).range(2..=1 << 24), value_name = "N")]
     reference_spp: u32,
     /// Sides of the square pictures in pixels
-    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=4096), value_name = "PIXELS")]
+    #[arg(long, default_value_t = 40, value_parser = clap::value_parser!(u32).range(1..=4096), value_name = "PIXELS")]
     side: u32,
-    /// What the numbers of paths are: random ones, of which each sample is independent, or Owen-scrambled Sobol points
-    #[arg(long, value_enum, default_value = "random")]
-    points: PointsName,
     /// Only the materials whose names contain this
     #[arg(long, value_name = "NAME")]
     only: Option<String>,
+    /// Only the scenes whose names contain this
+    #[arg(long, value_name = "SCENE")]
+    scene: Option<String>,
     /// The page to write, .md
     #[arg(short, long, default_value = "out/error-against-time.md", value_name = "OUT.md")]
     output: PathBuf,
 }
 
-/// Measured materials: what they are called, and where they are in the data folder; from matte to mirror in each group.
-const MATERIALS: [(&str, &str); 21] = [
+/// Measured materials: what they are called, and where they are in the data folder.
+const MATERIALS: [(&str, &str); 4] = [
     ("garnet_red", "cornell/garnet_red.brdf"),
-    ("krylon_blue", "cornell/krylon_blue.brdf"),
-    ("acryl_blue", "cornell/acryl_blue.brdf"),
     ("cayman", "cornell/cayman.brdf"),
-    ("cm_military_green_rgb", "rgl/cm_military_green_rgb.bsdf"),
-    ("aurora_white_rgb", "rgl/aurora_white_rgb.bsdf"),
-    ("cc_green_malachite_rgb", "rgl/cc_green_malachite_rgb.bsdf"),
     ("vch_golden_yellow_rgb", "rgl/vch_golden_yellow_rgb.bsdf"),
-    ("irid_flake_paint1_rgb", "rgl/irid_flake_paint1_rgb.bsdf"),
-    ("chm_light_blue_rgb", "rgl/chm_light_blue_rgb.bsdf"),
-    ("ilm_solo_m_68_rgb", "rgl/ilm_solo_m_68_rgb.bsdf"),
-    ("pink-fabric", "merl/nbrdf_merl80.f32le:pink-fabric"),
-    ("white-diffuse-bball", "merl/nbrdf_merl80.f32le:white-diffuse-bball"),
-    ("green-latex", "merl/nbrdf_merl80.f32le:green-latex"),
-    ("pvc", "merl/nbrdf_merl80.f32le:pvc"),
-    ("yellow-matte-plastic", "merl/nbrdf_merl80.f32le:yellow-matte-plastic"),
-    ("gold-metallic-paint", "merl/nbrdf_merl80.f32le:gold-metallic-paint"),
-    ("blue-metallic-paint", "merl/nbrdf_merl80.f32le:blue-metallic-paint"),
-    ("specular-green-phenolic", "merl/nbrdf_merl80.f32le:specular-green-phenolic"),
-    ("alum-bronze", "merl/nbrdf_merl80.f32le:alum-bronze"),
-    ("chrome", "merl/nbrdf_merl80.f32le:chrome"),
+    ("cc_green_malachite_rgb", "rgl/cc_green_malachite_rgb.bsdf"),
 ];
 
-/// The light of the sphere.
-const LIGHT: &str = "envmaps/cc0_forest_512.hdr";
+/// Maps of light.
+const FOREST: &str = "envmaps/cc0_forest_512.hdr";
+const GRACE: &str = "envmaps/grace_latlong.hdr";
+const UFFIZI: &str = "envmaps/uffizi_latlong.hdr";
+/// The same light from everywhere.
+const EVERYWHERE: &str = "constant:1";
 
-/// Methods that sample the light too; the first is what the others are judged by.
-const WITH_LIGHT: [&str; 10] = [
-    "product",
-    "even",
-    "mis",
-    "ggx+mis",
-    "guided+mis",
-    "lafortune+mis",
-    "tabulated+mis",
-    "rgl+mis",
-    "cosine+mis",
-    "light",
+/// The statue.
+const STATUE: &str = "meshes/happy_buddha_20k.ply";
+
+/// Scenes with their light.
+const PLACES: [(SceneName, &str); 7] = [
+    (SceneName::Sphere, FOREST),
+    (SceneName::Sphere, GRACE),
+    (SceneName::Teapot, FOREST),
+    (SceneName::Teapot, GRACE),
+    (SceneName::Statue, UFFIZI),
+    (SceneName::Room, GRACE),
+    (SceneName::Furnace, EVERYWHERE),
 ];
 
-/// Methods that sample the material alone; the first is what the others are judged by.
-const ALONE: [&str; 15] = [
-    "lobes",
-    "lobes-multi",
-    "defensive",
-    "guided",
-    "ggx",
-    "ward",
-    "phong",
-    "lafortune",
-    "tabulated",
-    "factored",
-    "rgl",
-    "thesis",
-    "thesis-multi",
-    "cosine",
-    "uniform",
-];
+/// What draws and is ours.
+const OURS: &str = "lobes";
 
-/// The lobes in place of their table.
-const FIT: &str = "fit:product";
+/// Ways to sample the light; the last is the renderer's own.
+const WAYS: [Way; 3] = [Way::Alone, Way::Mis, Way::Even];
 
-/// Lights and materials of the teapot, and what is compared there.
-const TEAPOT_LIGHTS: [&str; 2] = ["envmaps/cc0_forest_512.hdr", "envmaps/grace_latlong.hdr"];
-const TEAPOT_MATERIALS: [&str; 2] = ["garnet_red", "cayman"];
-const TEAPOT_METHODS: [&str; 5] = ["product", "even", "mis", "ggx+mis", "lafortune+mis"];
+/// What is done about the light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    /// It is not sampled.
+    Alone,
+    /// One sample of it, weighted by the power heuristic.
+    Mis,
+    /// Sixteen samples of it, in sums that two rays correct.
+    Even,
+}
+
+impl Way {
+    /// As headings call it.
+    fn text(self) -> &'static str {
+        match self {
+            Self::Alone => "alone",
+            Self::Mis => "mis",
+            Self::Even => "even",
+        }
+    }
+}
+
+/// The name of a method.
+fn method_name(sampler: &str, way: Way) -> String {
+    match (sampler, way) {
+        ("lobes", Way::Mis) => "mis".to_owned(),
+        ("lobes", Way::Even) => "even".to_owned(),
+        (name, Way::Alone) => name.to_owned(),
+        (name, way) => format!("{name}+{}", way.text()),
+    }
+}
+
+/// Names of all methods with these samplers, the renderer's own first.
+fn method_names(samplers: &[String]) -> Vec<String> {
+    let mut names = vec!["even".to_owned()];
+    for way in WAYS {
+        let all = std::iter::once(OURS).chain(samplers.iter().map(String::as_str));
+        names.extend(all.map(|name| method_name(name, way)).filter(|name| name != "even"));
+    }
+    names.push("product".to_owned());
+    names
+}
+
+/// What is rendered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Rendered {
+    Lobes,
+    Table,
+}
+
+impl Rendered {
+    fn text(self) -> &'static str {
+        match self {
+            Self::Lobes => "lobes",
+            Self::Table => "table",
+        }
+    }
+}
+
+/// The curves of one case.
+struct Measured {
+    rendered: Rendered,
+    points: PointsName,
+    comparison: Comparison,
+}
 
 /// Runs the command.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     output::check_extension(&args.output, "md")?;
-    let csv = args.fits.join("error-against-time.csv");
-    output::check_places(&[&args.output, &csv])?;
+    ensure!(args.spp.len() == 2 && args.spp[0] < args.spp[1], "--spp: two numbers that rise are expected");
+    for name in method_names(&args.samplers) {
+        name.parse::<Method>().map_err(|error| anyhow::anyhow!("--samplers: {name}: {error}"))?;
+    }
+    let [csv, html] = ["csv", "html"].map(|end| args.output.with_extension(end));
+    output::check_places(&[&args.output, &csv, &html])?;
     let (start, commit) = (Instant::now(), text::commit());
     let data = argument::data_folder()?;
-    let is_asked = |name: &str| args.only.as_ref().is_none_or(|part| name.contains(part.as_str()));
-    let mut on_sphere = Vec::new();
-    for (name, file) in MATERIALS.iter().filter(|entry| is_asked(entry.0)) {
-        let result = sphere(args, &data, name, file).with_context(|| format!("material {name}"))?;
-        println!("{}\n{}\n", result.title(), report::summary(&result));
-        on_sphere.push(result);
-    }
-    let mut on_teapot = Vec::new();
-    for name in TEAPOT_MATERIALS.iter().filter(|name| is_asked(name)) {
-        for light in TEAPOT_LIGHTS {
-            let result = teapot(args, &data, name, light)?;
-            println!("{}\n{}\n", result.title(), report::summary(&result));
-            on_teapot.push(result);
+    let is_asked =
+        |name: &str, part: &Option<String>| part.as_ref().is_none_or(|part| name.contains(part.as_str()));
+    let places: Vec<_> = PLACES.iter().filter(|place| is_asked(place.0.text(), &args.scene)).collect();
+    let materials: Vec<_> = MATERIALS.iter().filter(|entry| is_asked(entry.0, &args.only)).collect();
+    ensure!(!places.is_empty() && !materials.is_empty(), "--only and --scene: no such material or scene");
+    // All that is read, before the work.
+    let mut statue = mesh::file::read(&data.join(STATUE))?;
+    statue.turn_y_up();
+    let mut lights: Vec<(&str, Environment)> = Vec::new();
+    for (_, light) in &places {
+        if lights.iter().all(|(name, _)| name != light) {
+            let named = if light.contains(':') {
+                (*light).to_owned()
+            } else {
+                data.join(light).to_string_lossy().into_owned()
+            };
+            lights.push((light, argument::environment(&named)?));
         }
     }
-    let minutes = start.elapsed().as_secs_f64() / 60.0;
-    let page = text::page(&text::Measured {
-        on_sphere: &on_sphere,
-        on_teapot: &on_teapot,
-        seconds: args.seconds,
-        repeats: args.repeats,
-        side: args.side,
-        minutes,
-        commit,
-    });
-    output::write(&args.output, page.as_bytes())?;
-    on_sphere.append(&mut on_teapot);
-    report::write_csv(&csv, &on_sphere)?;
-    println!("wrote {} and {}; {minutes:.1} minutes", args.output.display(), csv.display());
+    let mut measured = Vec::new();
+    for (name, file) in materials {
+        let file = data.join(file).to_string_lossy().into_owned();
+        let lobes = lobes(args, name, &file)?;
+        for rendered in [Rendered::Lobes, Rendered::Table] {
+            // Read, and completed, once for all scenes.
+            let mut object = match rendered {
+                Rendered::Lobes => LoadedMaterial::Lobes(lobes.clone()),
+                Rendered::Table => LoadedMaterial::Table(Box::new(MeasuredMaterial::load(&file)?)),
+            };
+            for (scene, light) in &places {
+                let environment = &lights.iter().find(|(other, _)| other == light).context("a light")?.1;
+                let of_table = (rendered == Rendered::Table).then(|| lobes.clone());
+                let mut cast = Cast::of(*scene, object, of_table, None, None)?;
+                let place = SceneUnderLight { scene: *scene, statue: &statue, light, environment };
+                for points in [PointsName::Sobol, PointsName::Random] {
+                    let comparison = measure(args, &cast, &place, rendered, name, points)
+                        .with_context(|| format!("material {name}, {} rendered", rendered.text()))?;
+                    println!("{}, {}, {}", comparison.title(), rendered.text(), points_text(points));
+                    println!("{}\n", text::summary(&comparison));
+                    measured.push(Measured { rendered, points, comparison });
+                }
+                object = cast.roles.swap_remove(0).1;
+                // After every scene, so that a run that is stopped has said what it knows.
+                let minutes = start.elapsed().as_secs_f64() / 60.0;
+                let page = text::Text { measured: &measured, args, minutes, commit: &commit };
+                let files = output::together();
+                output::write(&args.output, page.markdown().as_bytes())?;
+                page.html().write(&html)?;
+                let comparisons: Vec<Comparison> = measured.iter().map(Measured::named).collect();
+                report::write_csv(&csv, &comparisons)?;
+                files.commit()?;
+            }
+        }
+    }
+    println!("wrote {}, {} and {}", args.output.display(), html.display(), csv.display());
     Ok(())
 }
 
-/// All methods on the sphere, one scattering; the table is what is rendered.
-fn sphere(args: &Args, data: &Path, name: &str, file: &str) -> anyhow::Result<Comparison> {
-    let file = data.join(file).to_string_lossy().into_owned();
-    let lobes = lobes(args, name, &file)?;
-    let table = MeasuredMaterial::load(&file)?;
-    let has_warps = table.draws().is_some();
-    let object = LoadedMaterial::Table(Box::new(table));
-    let cast = Cast::of(SceneName::Sphere, object, Some(lobes), None, None)?;
-    let is_possible = |name: &&str| has_warps || !name.starts_with("rgl");
-    let names = WITH_LIGHT.iter().chain(&ALONE).copied().filter(is_possible).chain([FIT]);
-    measure(args, &cast, SceneName::Sphere, &data.join(LIGHT), methods(names)?)
+impl Measured {
+    /// With what is rendered and the points in the name of the material, for a file.
+    fn named(&self) -> Comparison {
+        let material =
+            format!("{} ({}, {})", self.comparison.material, self.rendered.text(), points_text(self.points));
+        Comparison { material, ..self.comparison.clone() }
+    }
 }
 
-/// What samples the light too on the teapot, with light between teapot and ground; the lobes are what is rendered.
-fn teapot(args: &Args, data: &Path, name: &str, light: &str) -> anyhow::Result<Comparison> {
-    let cast = Cast::of(SceneName::Teapot, LoadedMaterial::load(name)?, None, None, None)?;
-    measure(args, &cast, SceneName::Teapot, &data.join(light), methods(TEAPOT_METHODS.into_iter())?)
+fn points_text(points: PointsName) -> &'static str {
+    match points {
+        PointsName::Sobol => "Sobol",
+        PointsName::Random => "random",
+    }
 }
 
-fn methods(names: impl Iterator<Item = &'static str>) -> anyhow::Result<Vec<Method>> {
-    names.map(|name| name.parse().map_err(anyhow::Error::msg)).collect()
+/// A scene and its light.
+struct SceneUnderLight<'a> {
+    scene: SceneName,
+    statue: &'a Mesh,
+    light: &'a str,
+    environment: &'a Environment,
 }
 
 fn measure(
     args: &Args,
     cast: &Cast,
-    scene: SceneName,
-    light: &Path,
-    methods: Vec<Method>,
+    place: &SceneUnderLight<'_>,
+    rendered: Rendered,
+    name: &str,
+    points: PointsName,
 ) -> anyhow::Result<Comparison> {
-    let environment = argument::environment(&light.to_string_lossy())?;
+    let has_warps = cast.object().truth().draws().is_some();
+    let names = method_names(&args.samplers).into_iter().filter(|name| has_warps || !name.starts_with("rgl"));
+    let methods: Vec<Method> =
+        names.map(|name| name.parse().map_err(anyhow::Error::msg)).collect::<anyhow::Result<_>>()?;
     let plan = Plan {
         methods,
         size: [args.side; 2],
-        budgets: Budgets::Seconds(vec![args.seconds]),
+        budgets: Budgets::Samples(args.spp.clone()),
         repeats: args.repeats,
         reference_samples: args.reference_spp,
-        points: args.points,
-        max_bounces: if scene.is_sphere() { 1 } else { 6 },
+        points,
+        max_bounces: if place.scene.is_sphere() { 1 } else { 6 },
         seed: 0,
-        cache: None,
+        cache: Some(args.fits.join("references")),
     };
-    let light = light.file_stem().unwrap_or_default().to_string_lossy();
-    let case = Case { scene, mesh: None, cast, light: &light, environment: &environment, sources: &[] };
+    let light = Path::new(place.light).file_stem().unwrap_or_default().to_string_lossy();
+    let sources = [name.to_owned(), rendered.text().to_owned(), place.light.to_owned()];
+    let case = Case {
+        scene: place.scene,
+        mesh: (place.scene == SceneName::Statue).then_some(place.statue),
+        cast,
+        light: &light,
+        environment: place.environment,
+        sources: &sources,
+    };
     let progress = Progress::new(cast.object().name(), plan.steps());
     comparison::measure(&case, &plan, &progress)
 }
@@ -230,8 +317,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn all_methods_are_known() {
-        let names = WITH_LIGHT.iter().chain(&ALONE).chain(&TEAPOT_METHODS).copied();
-        assert_eq!(methods(names.chain([FIT])).unwrap().len(), 31);
+    fn all_methods_are_known_and_named_as_they_are_read() {
+        let names = method_names(&["ggx", "lafortune", "rgl"].map(String::from));
+        assert_eq!(names.len(), 4 * WAYS.len() + 1);
+        for name in names {
+            assert_eq!(name.parse::<Method>().unwrap().to_string(), name);
+        }
     }
 }

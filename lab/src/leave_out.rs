@@ -42,16 +42,23 @@ const BATCH: usize = 1024;
 /// Least of this many repetitions is the time.
 const REPETITIONS: usize = 40;
 
-/// The effect of one bound, summed over the views.
-#[derive(Default)]
-struct Sums {
-    lobes: usize,
-    folds: usize,
-    difference: f64,
-    norm: f64,
-    lost_albedo: f64,
-    /// Nanoseconds: prepare, evaluate, sample.
-    time: [f64; 3],
+/// What a mixture has that parts are left out of; means over the views.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Left {
+    pub lobes: f64,
+    pub folds: f64,
+    /// Relative L2 error of the value.
+    pub error: f64,
+    /// Largest share of the albedo that is lost at a view.
+    pub lost_albedo: f64,
+}
+
+/// What is left of a material without lobes and folds below their bounds. The command prints the same, and times.
+///
+/// # Errors
+/// Bounds that are out of range.
+pub fn left(material: &Material<impl AsRef<[u8]>>, lobes: f32, folds: f32) -> anyhow::Result<Left> {
+    Batch::new().left(material, LeaveOut::new(lobes, folds)?)
 }
 
 /// Runs the command.
@@ -74,30 +81,26 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         );
         let mut whole = [0.0; 3];
         for (n, (lobes, folds)) in BOUNDS.into_iter().enumerate() {
-            let sums = batch.measure(material, LeaveOut::new(lobes, folds)?)?;
+            let bounds = LeaveOut::new(lobes, folds)?;
+            let left = batch.left(material, bounds)?;
+            let time = batch.times(material, bounds);
             if n == 0 {
-                whole = sums.time;
+                whole = time;
             }
-            let views = VIEWS as f64;
-            let error = (sums.difference / sums.norm).sqrt();
-            let (kept, folded) = (sums.lobes as f64 / views, sums.folds as f64 / views);
-            let times: Vec<String> = sums
-                .time
-                .iter()
-                .zip(whole)
-                .map(|(t, w)| format!("{:6.1} ({:.2})", t / views, t / w))
-                .collect();
+            let ratio = |(t, w): (&f64, f64)| format!("{t:6.1} ({:.2})", t / w);
+            let times: Vec<String> = time.iter().zip(whole).map(ratio).collect();
+            let (kept, folded) = (left.lobes, left.folds);
             println!(
                 "{lobes:8.0e} {folds:8.0e} | {kept:5.1} {folded:6.1} | {:13.4} | {:13.4} | {}",
-                100.0 * error,
-                100.0 * sums.lost_albedo,
+                100.0 * left.error,
+                100.0 * left.lost_albedo,
                 times.join("  ")
             );
-            let [prepare, evaluate, sample] = sums.time.map(|t| t / views);
+            let ([prepare, evaluate, sample], error) = (time, left.error);
             let _ = writeln!(
                 csv,
                 "{name},{lobes:e},{folds:e},{kept:.2},{folded:.2},{error:.3e},{:.3e},{prepare:.2},{evaluate:.3},{sample:.3}",
-                sums.lost_albedo
+                left.lost_albedo
             );
         }
     }
@@ -127,52 +130,67 @@ impl Batch {
         Self { directions: [0, 1, 2].map(|c| (0..BATCH).map(|i| direction(i)[c]).collect()), uniforms }
     }
 
-    fn measure(&self, material: &Material<impl AsRef<[u8]>>, leave_out: LeaveOut) -> anyhow::Result<Sums> {
+    fn left(&self, material: &Material<impl AsRef<[u8]>>, leave_out: LeaveOut) -> anyhow::Result<Left> {
+        let wi = self.directions.each_ref().map(Vec::as_slice);
+        let [mut values, mut whole] = [(); 2].map(|()| [(); 3].map(|()| vec![0.0f32; BATCH]));
+        let (mut mixture, mut reference) = (Mixture::<64>::empty(), Mixture::<64>::empty());
+        let (mut left, mut difference, mut norm) = (Left::default(), 0.0, 0.0);
+        for wo in views() {
+            material.prepare_with(wo, LeaveOut::new(0.0, 0.0)?.into(), &mut reference)?;
+            material.prepare_with(wo, leave_out.into(), &mut mixture)?;
+            for (mixture, values) in [(&reference, &mut whole), (&mixture, &mut values)] {
+                let value = Some(values.each_mut().map(Vec::as_mut_slice));
+                mixture.ask(Towards { wi, value, pdf: None }.into())?;
+            }
+            left.lobes += mixture.len() as f64 / VIEWS as f64;
+            left.folds += (0..mixture.len()).filter(|&k| mixture.is_folded(k)).count() as f64 / VIEWS as f64;
+            left.lost_albedo = left.lost_albedo.max(f64::from(1.0 - mixture.power() / reference.power()));
+            for (value, whole) in values.iter().flatten().zip(whole.iter().flatten()) {
+                difference += f64::from(value - whole).powi(2);
+                norm += f64::from(*whole).powi(2);
+            }
+        }
+        left.error = (difference / norm).sqrt();
+        Ok(left)
+    }
+
+    /// Nanoseconds to prepare, and a direction to evaluate and to sample; means over the views.
+    fn times(&self, material: &Material<impl AsRef<[u8]>>, leave_out: LeaveOut) -> [f64; 3] {
         let [x, y, z] = self.directions.each_ref().map(Vec::as_slice);
         let [u, v, w] = self.uniforms.each_ref().map(Vec::as_slice);
-        let mut out = [(); 7].map(|()| vec![0.0f32; BATCH]);
-        let mut whole = [(); 3].map(|()| vec![0.0f32; BATCH]);
-        let (mut mixture, mut reference) = (Mixture::<64>::empty(), Mixture::<64>::empty());
-        let mut sums = Sums::default();
-        for view in 0..VIEWS {
-            let (sin, cos) = (view as f32 * 85.0 / (VIEWS - 1) as f32).to_radians().sin_cos();
-            let wo = Vec3::new(-sin, 0.0, cos);
-            material.prepare_with(wo, LeaveOut::new(0.0, 0.0)?.into(), &mut reference)?;
-            let [r, g, b] = &mut whole;
-            reference.ask(Towards { wi: [x, y, z], value: Some([r, g, b]), pdf: None }.into())?;
-
-            sums.time[0] += fastest(64, || {
+        let [mut dx, mut dy, mut dz, mut pdf, mut r, mut g, mut b] = [(); 7].map(|()| vec![0.0f32; BATCH]);
+        let mut mixture = Mixture::<64>::empty();
+        let mut times = [0.0; 3];
+        for wo in views() {
+            let prepare = fastest(64, || {
                 for _ in 0..64 {
                     let _ = material.prepare_with(black_box(wo), leave_out.into(), &mut mixture);
                 }
             });
-            sums.lobes += mixture.len();
-            sums.folds += (0..mixture.len()).filter(|&k| mixture.is_folded(k)).count();
-            let lost = 1.0 - mixture.power() / reference.power();
-            sums.lost_albedo = sums.lost_albedo.max(f64::from(lost));
-            let [dx, dy, dz, pdf, r, g, b] = &mut out;
-            sums.time[2] += fastest(BATCH, || {
-                let samples = Draws {
-                    u: black_box([u, v, w]),
-                    direction: [dx, dy, dz],
-                    pdf: Some(pdf),
-                    weight: Some([r, g, b]),
-                };
-                let _ = mixture.ask(samples.into());
+            let evaluate = fastest(BATCH, || {
+                let value = Some([&mut r[..], &mut g[..], &mut b[..]]);
+                let _ = mixture.ask(Towards { wi: black_box([x, y, z]), value, pdf: None }.into());
             });
-            sums.time[1] += fastest(BATCH, || {
-                let _ = mixture
-                    .ask(Towards { wi: black_box([x, y, z]), value: Some([r, g, b]), pdf: None }.into());
+            let sample = fastest(BATCH, || {
+                let direction = [&mut dx[..], &mut dy[..], &mut dz[..]];
+                let weight = Some([&mut r[..], &mut g[..], &mut b[..]]);
+                let draw = Draws { u: black_box([u, v, w]), direction, pdf: Some(&mut pdf), weight };
+                let _ = mixture.ask(draw.into());
             });
-            for (value, whole) in [r, g, b].into_iter().zip(&whole) {
-                for (value, whole) in value.iter().zip(whole) {
-                    sums.difference += f64::from(value - whole).powi(2);
-                    sums.norm += f64::from(*whole).powi(2);
-                }
+            for (sum, time) in times.iter_mut().zip([prepare, evaluate, sample]) {
+                *sum += time / VIEWS as f64;
             }
         }
-        Ok(sums)
+        times
     }
+}
+
+/// Outgoing directions from the normal to 85 degrees.
+fn views() -> impl Iterator<Item = Vec3> {
+    (0..VIEWS).map(|view| {
+        let (sin, cos) = (view as f32 * 85.0 / (VIEWS - 1) as f32).to_radians().sin_cos();
+        Vec3::new(-sin, 0.0, cos)
+    })
 }
 
 /// Nanoseconds an element that the fastest of many repetitions takes.

@@ -54,6 +54,7 @@ pub struct Args {
 
 /// Fits a measurement with each number of lobes, prints the table, and writes it.
 pub fn run(args: Args) -> anyhow::Result<()> {
+    println!("processor: {}", srbf_core::Processor::this());
     let settings = args.settings.settings();
     ensure!(args.settings.has_free_lobes(), "--lobes, --error: this table has numbers of lobes of its own");
     let source = read(&args.file)?;

@@ -17,6 +17,7 @@ mod presets;
 mod samples;
 mod slice;
 mod stability;
+mod stated;
 mod survey;
 mod thesis_table;
 
@@ -45,6 +46,7 @@ enum Command {
     LobesTable(lobes_table::Args),
     EqualTime(equal_time::Args),
     Stability(stability::Args),
+    Stated(stated::Args),
     LeaveOut(leave_out::Args),
     Samples(samples::Args),
     Slice(slice::Args),
@@ -64,6 +66,7 @@ fn main() -> ExitCode {
             Command::LobesTable(args) => lobes_table::run(args),
             Command::EqualTime(args) => equal_time::run(&args),
             Command::Stability(args) => stability::run(args),
+            Command::Stated(args) => stated::run(&args),
             Command::LeaveOut(args) => leave_out::run(args),
             Command::Samples(args) => samples::run(args),
             Command::Slice(args) => slice::run(args),

@@ -37,6 +37,7 @@ pub struct Args {
 pub fn run(args: Args) -> anyhow::Result<()> {
     let data = argument::data_folder()?;
     let about = args.out.join("README.md");
+    println!("processor: {}", srbf_core::Processor::this());
     let is_ours = std::fs::read_to_string(&about).map_or(true, |text| text.starts_with(HEADING));
     ensure!(args.check || is_ours, "{}: it is not about presets, name another folder", about.display());
     let mut made = Vec::new();

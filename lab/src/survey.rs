@@ -74,6 +74,7 @@ pub fn run(survey: Args) -> anyhow::Result<()> {
     let default = || format!("out/survey-{}-lobes-{}-views.csv", settings.lobes, settings.view_count());
     let path = survey.csv.clone().unwrap_or_else(|| default().into());
     output::check_place(&path)?;
+    println!("processor: {}", srbf_core::Processor::this());
     let material_path = |folder: &PathBuf, name: &str| folder.join(names::as_file_name(name) + ".srbf");
     if let Some(folder) = &survey.materials {
         output::check_place(&material_path(folder, "material"))?;

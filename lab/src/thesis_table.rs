@@ -62,13 +62,8 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     output::check_extension(&args.output, "md")?;
     output::check_places(&[&args.output, &args.output.with_extension("csv")])?;
     let data = argument::data_folder()?;
-    let lobes = args.lobes as usize;
-    let ours = Settings { lobes, ..Settings::default() };
-    let thesis = thesis::ThesisSettings { lobes, ..thesis::ThesisSettings::default() };
-    let lafortune = lafortune::LafortuneSettings::default();
-    let tracked = Tracked(&ours);
-    let methods: [(&str, usize, &dyn Method); 3] =
-        [("Lafortune", lafortune.lobes, &lafortune), ("thesis", lobes, &thesis), ("ours", lobes, &tracked)];
+    let methods = Methods::new(args.lobes as usize);
+    let methods = methods.all();
     let chosen: Vec<_> =
         MATERIALS.iter().filter(|m| args.only.as_ref().is_none_or(|only| m.0.contains(only))).collect();
     if chosen.is_empty() {
@@ -82,12 +77,13 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let mut csv = String::from(
         "material,method,lobes,f_cos,f,f_cos_whole,held_out_samples,held_out_views,seconds,thesis_says\n",
     );
+    println!("processor: {}", srbf_core::Processor::this());
     print!("{markdown}");
     let progress = Progress::new("Table 5.1", (chosen.len() * methods.len()) as u64);
     for (material, said) in chosen {
         let table = table(&data, material)?;
         for (column, (method, lobes, run)) in methods.iter().enumerate() {
-            let found = score(&table, *run, !args.no_held_out)
+            let found = score(&table, run.as_ref(), !args.no_held_out)
                 .with_context(|| format!("material {material}, method {method}"))?;
             let said = said.get(column).copied();
             let line = row(material, method, *lobes, &found, said);
@@ -102,6 +98,50 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     }
     println!("{}", args.output.display());
     Ok(())
+}
+
+/// The three methods with their settings.
+struct Methods {
+    ours: Settings,
+    thesis: thesis::ThesisSettings,
+    lafortune: lafortune::LafortuneSettings,
+}
+
+/// A method and how many lobes it has; ours is made with its settings.
+type Column<'a> = (&'static str, usize, Box<dyn Method + 'a>);
+
+impl Methods {
+    fn new(lobes: usize) -> Self {
+        Self {
+            ours: Settings { lobes, ..Settings::default() },
+            thesis: thesis::ThesisSettings { lobes, ..thesis::ThesisSettings::default() },
+            lafortune: lafortune::LafortuneSettings::default(),
+        }
+    }
+
+    fn all(&self) -> [Column<'_>; 3] {
+        [
+            ("Lafortune", self.lafortune.lobes, Box::new(self.lafortune)),
+            ("thesis", self.thesis.lobes, Box::new(self.thesis)),
+            ("ours", self.ours.lobes, Box::new(Tracked(&self.ours))),
+        ]
+    }
+}
+
+/// Material, method, and errors without what was left out: the whole table, with 12 lobes.
+///
+/// # Errors
+/// Data that cannot be read.
+pub fn scores(data: &Path) -> anyhow::Result<Vec<(&'static str, &'static str, Score)>> {
+    let methods = Methods::new(12);
+    let mut scores = Vec::new();
+    for (material, _) in MATERIALS {
+        let table = table(data, material)?;
+        for (name, _, method) in methods.all() {
+            scores.push((material, name, score(&table, method.as_ref(), false)?));
+        }
+    }
+    Ok(scores)
 }
 
 /// Means of the held-out errors over the views, of samples and of views.

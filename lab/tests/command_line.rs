@@ -139,10 +139,56 @@ fn the_figures_of_the_thesis_are_made() {
         command(&place, &["figures", "--quick", "-o", "f"]).env("SRBF_DATA_DIR", data).output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let claims = std::fs::read_to_string(place.join("f/claim.csv")).unwrap();
-    // Two readings, four materials, two probes, three methods.
-    assert_eq!(claims.lines().count(), 1 + 2 * 4 * 2 * 3, "{claims}");
+    // Two readings, four materials, two probes, six methods; no claim from so few pixels.
+    assert_eq!(claims.lines().count(), 1 + 2 * 4 * 2 * 6, "{claims}");
+    assert!(claims.lines().skip(1).all(|line| line.ends_with(",-")), "{claims}");
     let page = std::fs::read_to_string(place.join("f/index.html")).unwrap();
     for figure in ["The claim", "Table 5.1", "Figure 5.1", "Figure 5.5: cayman", "Figure 5.6", "Figure 5.7"] {
         assert!(page.contains(figure), "{figure}");
     }
+}
+
+/// The documents of this repository, with every figure as it is stated.
+fn documents(place: &Path) {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    std::fs::create_dir_all(place.join("docs")).unwrap();
+    std::fs::copy(root.join("README.md"), place.join("README.md")).unwrap();
+    for entry in root.join("docs").read_dir().unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            std::fs::copy(&path, place.join("docs").join(path.file_name().unwrap())).unwrap();
+        }
+    }
+}
+
+#[test]
+fn a_planted_stale_figure_is_found_and_written_right() {
+    let place = folder("stated");
+    documents(&place);
+    let check = ["stated", "--check", "--only", "bytes"];
+    let output = srbf(&place, &check);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+
+    let page = place.join("docs/figures.md");
+    let right = std::fs::read_to_string(&page).unwrap();
+    let bytes = include_bytes!("../../presets/garnet_red.srbf").len();
+    let row = format!("| preset garnet red | {bytes} |");
+    assert!(right.contains(&row), "{row}");
+    std::fs::write(&page, right.replace(&row, "| preset garnet red | 4321 |")).unwrap();
+    refused(&place, &check, &["docs/figures.md:", "bytes garnet_red", "stated as 4321", "--write"]);
+    let output = srbf(&place, &["stated", "--write", "--only", "bytes"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(std::fs::read_to_string(&page).unwrap(), right);
+
+    // The table of figures, a sentence whose words changed, and a time of nobody knows which processor.
+    let table = place.join("docs/figures.csv");
+    let figures = std::fs::read_to_string(&table).unwrap();
+    std::fs::write(&table, figures.replace("bytes cayman,", "bytes cayman,1")).unwrap();
+    refused(&place, &check, &["docs/figures.csv", "bytes cayman"]);
+    std::fs::write(&table, &figures).unwrap();
+    std::fs::write(&page, right.replace(&row, "| garnet rot | 7 |")).unwrap();
+    refused(&place, &check, &["docs/figures.md", "garnet red", "once is expected"]);
+    std::fs::write(&page, format!("{right}\n## More\n\nA call takes 12 ns.\n")).unwrap();
+    refused(&place, &check, &["docs/figures.md:", "More", "without commit and processor"]);
+    refused(&place, &["stated", "--only", "nothing"], &["--only nothing", "furnace"]);
 }

@@ -40,13 +40,24 @@ pub trait Brdf: Sync {
     }
 }
 
-/// Draws incident directions with a density that is about proportional to `f cos`. Directions are those of [`Brdf::evaluate`].
+/// Draws incident directions with a density that is about proportional to `f cos`, in f32, as renderers do. Directions are those of
+/// [`Brdf::evaluate`].
 pub trait Draws: Sync {
-    /// Takes two uniform numbers in [0, 1) to an incident direction, a unit vector, which may lie below the horizon.
-    fn draw(&self, u: [f64; 2], wo: [f64; 3]) -> [f64; 3];
+    /// Takes two uniform numbers in [0, 1) to an incident direction, a unit vector, which may lie below the horizon; and what is known of it
+    /// without looking it up.
+    fn draw(&self, u: [f32; 2], wo: [f32; 3]) -> ([f32; 3], Known);
 
-    /// The density of [`draw`](Self::draw) at an incident direction above the horizon; 1/sr.
-    fn density(&self, wi: [f64; 3], wo: [f64; 3]) -> f64;
+    /// What is known of an incident direction; 0 below the horizon.
+    fn look_up(&self, wi: [f32; 3], wo: [f32; 3]) -> Known;
+}
+
+/// Of an incident direction, its value and the density of drawing it; finite numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Known {
+    /// `f cos`, linear sRGB; 1/sr.
+    pub value: [f32; 3],
+    /// Density; 1/sr.
+    pub density: f32,
 }
 
 /// What turning or mirroring both directions of a BRDF leaves as it is.

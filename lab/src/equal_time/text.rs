@@ -1,286 +1,346 @@
-//! The page of `srbf-lab equal-time`, as Markdown.
+//! The page of `srbf-lab equal-time`, as Markdown and as HTML.
 
-use super::{ALONE, FIT, WITH_LIGHT};
+use super::ratio::{Certain, Ratio, Several, certain, seconds_per_sample, t_factor};
+use super::{Args, Measured, OURS, Rendered, WAYS, Way, method_name, method_names, points_text};
 use srbf_core::Processor;
-use srbf_reference_renderer::study::comparison::report::{bias, short};
+use srbf_reference_renderer::numbers::points::PointsName;
+use srbf_reference_renderer::out::page::{Cell, Page, Table};
+use srbf_reference_renderer::study::comparison::report::short;
 use srbf_reference_renderer::study::comparison::{Comparison, Curve, Estimate};
-use std::fmt::Write;
 use std::process::Command;
 
 /// What was measured, and how.
-pub struct Measured<'a> {
-    pub on_sphere: &'a [Comparison],
-    pub on_teapot: &'a [Comparison],
-    pub seconds: f64,
-    pub repeats: u32,
-    pub side: u32,
+pub struct Text<'a> {
+    pub measured: &'a [Measured],
+    pub args: &'a Args,
     /// How long all of it took.
     pub minutes: f64,
     /// Of the source, as git names it.
-    pub commit: String,
-}
-
-/// At which gain over sampling both and weighting them, sampling them together is worth being the default.
-const WORTH: f64 = 1.3;
-
-/// The page.
-pub fn page(measured: &Measured<'_>) -> String {
-    let mut text = head(measured);
-    text += "\n## With samples of the light\n\n";
-    text += "`product` is 1. `mis` is the same lobes and one sample of the light by the power heuristic, and so is `NAME+mis` of another sampler; \
-             `light` samples the light alone.\n\n";
-    text += &table(measured.on_sphere, &WITH_LIGHT);
-    text += "\n## Without\n\n`lobes` is 1.\n\n";
-    text += &table(measured.on_sphere, &ALONE);
-    text += "\n## Where another wins\n\n";
-    text += &wins(measured.on_sphere);
-    text += "\n## The lobes in place of their table\n\n";
-    text += &in_place(measured.on_sphere);
-    if !measured.on_teapot.is_empty() {
-        text += "\n## Teapot: light and material together\n\n";
-        text += &teapot(measured.on_teapot);
-    }
-    text
-}
-
-fn head(measured: &Measured<'_>) -> String {
-    let Measured { seconds, repeats, side, minutes, commit, .. } = measured;
-    let command: Vec<String> = std::env::args().skip(1).collect();
-    format!(
-        "# Error against time
-
-Relative mean squared error of every unbiased method after the same time of processors, as a multiple of ours: below 1 the method is better
-than ours, and bold where that is certain (two standard errors).
-
-    SRBF_DATA_DIR=... srbf {}
-
-Commit {commit}, {}; {minutes:.0} minutes. The sphere under a forest (`cc0_forest_512`), one scattering, {side} x {side} pixels,
-{seconds} s of processors for each picture, {repeats} pictures each; the table is rendered (samples of Cornell's materials are completed first), and the lobes were fitted
-to it. Fitting is not counted. Of the pixels the 0.1 % that are worst are apart; [samplers.md](samplers.md) describes the draws of each method.
-The networks that stand for MERL's materials and the completed samples take longer to evaluate than lobes, which hides the cost of a draw.
-",
-        command.join(" "),
-        Processor::this()
-    )
+    pub commit: &'a str,
 }
 
 /// What git says of the folder that the command is run in.
 pub fn commit() -> String {
-    let output = Command::new("git").args(["describe", "--always", "--dirty", "--exclude=*"]).output();
+    let output = Command::new("git").args(["rev-parse", "--short=7", "HEAD"]).output();
     let found = output.ok().filter(|output| output.status.success()).map(|output| output.stdout);
     found.map_or_else(|| "unknown".to_owned(), |text| String::from_utf8_lossy(&text).trim().to_owned())
 }
 
-/// The curve of a method by its name.
-fn curve<'a>(comparison: &'a Comparison, name: &str) -> Option<&'a Curve> {
-    comparison.curve(name.parse().ok()?)
-}
-
-/// Error of a method over that of another, after the same time.
-fn ratio(comparison: &Comparison, name: &str, base: &str) -> Option<Estimate> {
-    comparison.ratios_to(curve(comparison, name)?, curve(comparison, base)?).equal_time
-}
-
-/// Whether it is certain that a ratio is below 1.
-fn is_win(ratio: Estimate) -> bool {
-    ratio.mean + 2.0 * ratio.error < 1.0
-}
-
-/// A row for each material, a column for each method but the first, by which they are judged.
-fn table(comparisons: &[Comparison], names: &[&str]) -> String {
-    let (base, others) = (names[0], &names[1..]);
-    let columns: Vec<String> = others.iter().map(|name| format!("`{name}`")).collect();
-    let mut text = format!("| material | {} |\n|---|{}\n", columns.join(" | "), "---|".repeat(others.len()));
-    let cell = |ratio: Option<Estimate>| match ratio {
-        None => "-".to_owned(),
-        Some(r) if is_win(r) => format!("**{}**", short(r.mean)),
-        Some(r) => short(r.mean),
+/// A line for each method: time of a sample, and errors over those of the first.
+pub fn summary(comparison: &Comparison) -> String {
+    let base = comparison.curves.first().map(|curve| curve.method.to_string()).unwrap_or_default();
+    let line = |curve: &Curve| {
+        let name = curve.method.to_string();
+        let ratio = Ratio::of(comparison, &name, &base);
+        let of = |ratio: Option<Estimate>| {
+            ratio.map_or_else(|| "-".to_owned(), |r| format!("{} +- {}", short(r.mean), short(r.error)))
+        };
+        let time = seconds_per_sample(curve).map_or_else(|| "-".to_owned(), |s| format!("{:.2}", 1e3 * s));
+        format!(
+            "{name:>16} {time:>8} ms a sample; same time {:>16}, same samples {:>16}",
+            of(ratio.time),
+            of(ratio.samples)
+        )
     };
-    for comparison in comparisons {
-        let cells: Vec<String> = others.iter().map(|name| cell(ratio(comparison, name, base))).collect();
-        let _ = writeln!(text, "| {} | {} |", comparison.material, cells.join(" | "));
-    }
-    let mean = |name: &&str| {
-        let logs: Vec<f64> =
-            comparisons.iter().filter_map(|c| Some(ratio(c, name, base)?.mean.ln())).collect();
-        if logs.is_empty() {
-            "-".to_owned()
-        } else {
-            short((logs.iter().sum::<f64>() / logs.len() as f64).exp())
+    comparison.curves.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// What a ratio is after.
+#[derive(Clone, Copy)]
+enum After {
+    Time,
+    Samples,
+}
+
+impl After {
+    fn text(self) -> &'static str {
+        match self {
+            Self::Time => "after the same time",
+            Self::Samples => "after the same samples",
         }
-    };
-    let means: Vec<String> = others.iter().map(mean).collect();
-    let _ = writeln!(text, "| geometric mean | {} |", means.join(" | "));
-    text
+    }
+
+    fn of(self, ratio: Ratio) -> Option<Estimate> {
+        match self {
+            Self::Time => ratio.time,
+            Self::Samples => ratio.samples,
+        }
+    }
 }
 
-/// Every bold number with what it is made of, and why.
-fn wins(comparisons: &[Comparison]) -> String {
-    let mut text = "After the name: error after the same time, after the same samples, and how long a sample takes, each over ours.\n\n".to_owned();
-    let before = text.len();
-    for names in [&WITH_LIGHT[..], &ALONE[..]] {
-        let base = names[0];
-        for name in &names[1..] {
-            let one = |comparison: &Comparison| {
-                let ratios = comparison.ratios_to(curve(comparison, name)?, curve(comparison, base)?);
-                let (time, samples) = (ratios.equal_time.filter(|r| is_win(*r))?, ratios.equal_samples?);
-                let numbers = [time.mean, samples.mean, ratios.time_of_sample?].map(short).join(", ");
-                Some(format!("{} ({numbers})", comparison.material))
-            };
-            let won: Vec<String> = comparisons.iter().filter_map(one).collect();
-            if !won.is_empty() {
-                let _ =
-                    writeln!(text, "* **`{name}`**, beside `{base}`: {}. {}", won.join(", "), reason(name));
+/// A table of texts; what is certain is bold.
+struct Grid {
+    title: String,
+    head: Vec<String>,
+    rows: Vec<Vec<(String, bool)>>,
+}
+
+impl Grid {
+    fn markdown(&self) -> String {
+        let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+        let bold =
+            |(text, is_bold): &(String, bool)| if *is_bold { format!("**{text}**") } else { text.clone() };
+        let rows: String = self.rows.iter().map(|row| line(row.iter().map(bold).collect())).collect();
+        let rule = format!("|{}\n", "---|".repeat(self.head.len()));
+        format!("{}\n\n{}{rule}{rows}", self.title, line(self.head.clone()))
+    }
+
+    fn table(&self) -> Table {
+        let words = |text: &String| Cell::text(text.replace('`', ""));
+        let row = |row: &Vec<(String, bool)>| {
+            let cell =
+                |(text, is_bold): &(String, bool)| Cell::number(text.replace('`', "")).bold_if(*is_bold);
+            row.iter().map(cell).collect()
+        };
+        Table {
+            caption: self.title.replace('`', ""),
+            head: self.head.iter().map(words).collect(),
+            rows: self.rows.iter().map(row).collect(),
+        }
+    }
+}
+
+impl Text<'_> {
+    fn t(&self) -> f64 {
+        t_factor(self.args.repeats)
+    }
+
+    /// The page as Markdown.
+    pub fn markdown(&self) -> String {
+        let mut text =
+            format!("# Error against time\n\n{}\n\n    {}\n", self.words().join("\n\n"), self.command());
+        for (heading, grids) in self.parts() {
+            text += &format!("\n## {heading}\n");
+            for grid in grids {
+                text += &format!("\n{}", grid.markdown());
             }
         }
+        text
     }
-    if text.len() == before {
-        text += "Nowhere.\n";
-    }
-    text
-}
 
-/// Why a method may be better than lobes.
-fn reason(name: &str) -> &'static str {
-    match name.trim_end_matches("+mis") {
-        "tabulated" | "factored" => {
-            "Cells of a table follow a peak more closely than 12 lobes do; the table takes 1 MB, factored 5 kB."
+    /// The same as a page of HTML.
+    pub fn html(&self) -> Page {
+        let mut page = Page::new("Error against time");
+        self.words().iter().for_each(|words| page.paragraph(&words.replace('`', "")));
+        page.lines(&self.command());
+        for (heading, grids) in self.parts() {
+            page.heading(&heading);
+            grids.iter().for_each(|grid| page.table(&grid.table()));
         }
-        "rgl" => "The warps of the file were made with these very values, on as fine a grid.",
-        "lobes-multi" | "thesis-multi" => {
-            "Sixteen directions share a ray of the camera and one look at the material: a sample costs less."
-        }
-        "guided" => {
-            "Its parts have the long tails of GGX, which a Gaussian lobe lacks: they meet bright parts of the light more often."
-        }
-        "ggx" | "ward" | "phong" => {
-            "A draw is cheaper than of 12 lobes. Lobes follow the material, and the rest is the variance of the light, whose bright parts wider tails meet more often."
-        }
-        "lafortune" => "Nine lobes and a cosine are wide, which is what counts where the light decides.",
-        "defensive" => "One direction in twenty of the cosine meets light that the lobes seldom look at.",
-        "cosine" | "uniform" => {
-            "The draw is the cheapest there is, and the diffuse term, or at krylon_blue light beside the highlight, makes most of the variance."
-        }
-        "light" => "The material is nearly matte, and the light is not.",
-        _ => "The same lobes by another way to share samples.",
+        page
     }
-}
 
-/// The lobes as the material, beside the table.
-fn in_place(comparisons: &[Comparison]) -> String {
-    let mut text = format!(
-        "`{FIT}` renders the lobes, not the table, which still judges: the error that no number of samples removes is that of the fit. \
-         Bias: relative to the brightness of a pixel, root mean square; after `<` a bound where none is certain.\n\n\
-         | material | error after the same time, over `product` | time of a sample, over `product` | bias |\n|---|---|---|---|\n"
-    );
-    for comparison in comparisons {
-        if let (Some(fit), Some(product)) = (curve(comparison, FIT), curve(comparison, "product")) {
-            let ratios = comparison.ratios_to(fit, product);
-            let or_dash = |number: Option<f64>| number.map_or_else(|| "-".to_owned(), short);
-            let _ = writeln!(
-                text,
-                "| {} | {} | {} | {} |",
-                comparison.material,
-                or_dash(ratios.equal_time.map(|r| r.mean)),
-                or_dash(ratios.time_of_sample),
-                bias(fit)
-            );
-        }
+    fn command(&self) -> String {
+        let words: Vec<String> = std::env::args().skip(1).collect();
+        format!("SRBF_DATA_DIR=DATA cargo lab {}", words.join(" "))
     }
-    text
-}
 
-/// How much sampling light and material together gains with occlusion and light between surfaces.
-fn teapot(comparisons: &[Comparison]) -> String {
-    let mut text = "Lobes as the material, six scatterings. Error after the same time over that of `product`, and the standard error.\n\n\
-                    | material | light | `mis` | `ggx+mis` | `lafortune+mis` |\n|---|---|---|---|---|\n"
-        .to_owned();
-    let mut least = f64::INFINITY;
-    for comparison in comparisons {
-        let cell = |name: &str| match ratio(comparison, name, "product") {
-            None => "-".to_owned(),
-            Some(r) if is_win(r) => format!("**{} ± {}**", short(r.mean), short(r.error)),
-            Some(r) => format!("{} ± {}", short(r.mean), short(r.error)),
+    fn words(&self) -> Vec<String> {
+        let Args { spp, repeats, side, reference_spp, .. } = self.args;
+        vec![
+            "Relative mean squared error of one method over that of another. Below 1 the first one is better. Bold is what is \
+             certain nineteen times of twenty, wins and losses alike."
+                .to_owned(),
+            format!(
+                "Commit {}, {}; {:.0} minutes. Pictures of {side} x {side} pixels with {} and {} samples a pixel,\n\
+                 {repeats} for each method, against {reference_spp} Sobol points of `even` a pixel. Time is that of processors between both,\n\
+                 so that what is made once for a picture does not count; errors go along the line through both. A ratio is certain where it\n\
+                 is off 1 by {} standard errors (Student's t), of the errors alone. The 0.1 % of the pixels that are worst are apart.",
+                self.commit,
+                Processor::this(),
+                self.minutes,
+                spp[0],
+                spp[1],
+                self.t()
+            ),
+            "`lobes` are 12 lobes; `ggx` is one fitted GGX lobe and a cosine, `lafortune` nine lobes and a cosine, `rgl` the warps of\n\
+             the file in f32, whose draws bring value and density along. Each is run alone, with one sample of the light (`mis`), and\n\
+             by even sums (`even`). [samplers.md](samplers.md) says more. Rendered are the lobes, or the table that they were fitted\n\
+             to, the same for all samplers. On the sphere and in the furnace light scatters once, elsewhere six times."
+                .to_owned(),
+        ]
+    }
+
+    fn parts(&self) -> Vec<(String, Vec<Grid>)> {
+        let mut parts = vec![
+            ("Another sampler, the same way with the light".to_owned(), self.samplers()),
+            ("Another way with the light, the same lobes".to_owned(), self.ways()),
+        ];
+        let mut materials: Vec<&str> = self.measured.iter().map(|m| m.comparison.material.as_str()).collect();
+        materials.dedup();
+        materials.dedup();
+        let mut seen: Vec<&str> = Vec::new();
+        for name in materials {
+            if !seen.contains(&name) {
+                seen.push(name);
+                parts.push((format!("All of {name}"), self.all_of(name)));
+            }
+        }
+        parts
+    }
+
+    /// Ratios of a pair of methods over the cases that are chosen.
+    fn several(
+        &self,
+        after: After,
+        pair: [&str; 2],
+        is_chosen: impl Fn(&Measured) -> bool,
+    ) -> Option<Several> {
+        let cases = self.measured.iter().filter(|case| is_chosen(case));
+        let ratios: Vec<Estimate> =
+            cases.filter_map(|case| after.of(Ratio::of(&case.comparison, pair[0], pair[1]))).collect();
+        Several::of(&ratios, self.t())
+    }
+
+    /// Other samplers over lobes.
+    fn samplers(&self) -> Vec<Grid> {
+        let columns = [Rendered::Lobes, Rendered::Table]
+            .into_iter()
+            .flat_map(|rendered| [PointsName::Sobol, PointsName::Random].map(|points| (rendered, points)));
+        let columns: Vec<_> = columns.collect();
+        let grid = |after: After| {
+            let mut head = vec!["over".to_owned()];
+            head.extend(columns.iter().map(|(r, p)| format!("{} rendered, {}", r.text(), points_text(*p))));
+            let mut rows = Vec::new();
+            for way in WAYS {
+                let base = method_name(OURS, way);
+                for sampler in &self.args.samplers {
+                    let name = method_name(sampler, way);
+                    let mut row = vec![(format!("`{name}` over `{base}`"), false)];
+                    row.extend(columns.iter().map(|&(rendered, points)| {
+                        let chosen = |case: &Measured| (case.rendered, case.points) == (rendered, points);
+                        let found = self.several(after, [&name, &base], chosen);
+                        (found.map_or_else(|| "-".to_owned(), |s| s.text()), false)
+                    }));
+                    rows.push(row);
+                }
+            }
+            Grid {
+                title: format!(
+                    "Errors {}: geometric mean, least and largest, and how many are certain.",
+                    after.text()
+                ),
+                head,
+                rows,
+            }
         };
-        let cells = ["mis", "ggx+mis", "lafortune+mis"].map(cell).join(" | ");
-        let _ = writeln!(text, "| {} | {} | {cells} |", comparison.material, comparison.environment);
-        if let Some(r) = ratio(comparison, "mis", "product") {
-            least = least.min(r.mean);
+        [After::Time, After::Samples].map(grid).into()
+    }
+
+    /// Other ways with the light over even sums, by scene.
+    fn ways(&self) -> Vec<Grid> {
+        let mut scenes: Vec<&'static str> = Vec::new();
+        for case in self.measured {
+            if !scenes.contains(&case.comparison.scene) {
+                scenes.push(case.comparison.scene);
+            }
         }
+        let grid = |after: After| {
+            let others =
+                [method_name("lobes", Way::Alone), method_name("lobes", Way::Mis), "product".to_owned()];
+            let points = [PointsName::Sobol, PointsName::Random];
+            let mut head = vec!["scene".to_owned()];
+            head.extend(
+                others.iter().flat_map(|o| points.map(|p| format!("`{o}` over `even`, {}", points_text(p)))),
+            );
+            let rows = scenes.iter().map(|&scene| {
+                let mut row = vec![(scene.to_owned(), false)];
+                row.extend(others.iter().flat_map(|other| {
+                    points.map(|points| {
+                        let chosen =
+                            |case: &Measured| case.comparison.scene == scene && case.points == points;
+                        let found = self.several(after, [other, "even"], chosen);
+                        (found.map_or_else(|| "-".to_owned(), |s| s.text()), false)
+                    })
+                }));
+                row
+            });
+            Grid {
+                title: format!("Errors {}, lobes and tables together.", after.text()),
+                head,
+                rows: rows.collect(),
+            }
+        };
+        [After::Time, After::Samples].map(grid).into()
     }
-    let verdict = if least >= WORTH {
-        "`product` is worth being the default"
-    } else {
-        "that is too little for `product` to be the default of `srbf render`"
-    };
-    if least.is_finite() {
-        let _ = writeln!(
-            text,
-            "\nThe least gain over `mis` is {}; at {WORTH} and above it is worth it: {verdict}.",
-            short(least)
-        );
+
+    /// Every method over even sums, after the same time and after the same samples.
+    fn all_of(&self, material: &str) -> Vec<Grid> {
+        let cases: Vec<&Measured> =
+            self.measured.iter().filter(|case| case.comparison.material == material).collect();
+        let is_run =
+            |name: &String| cases.iter().any(|case| Ratio::of(&case.comparison, name, "even").time.is_some());
+        let names: Vec<String> =
+            method_names(&self.args.samplers).into_iter().skip(1).filter(is_run).collect();
+        let mut head = vec!["scene, light; rendered; points".to_owned()];
+        head.extend(names.iter().map(|name| format!("`{name}`")));
+        let cell = |ratio: Option<Estimate>| match ratio {
+            None => ("-".to_owned(), false),
+            Some(ratio) => (short(ratio.mean), certain(ratio, self.t()) != Certain::Open),
+        };
+        let grid = |after: After| {
+            let rows = cases.iter().map(|case| {
+                let Measured { rendered, points, comparison } = case;
+                let Comparison { scene, environment, .. } = comparison;
+                let what = format!("{scene}, {environment}; {}; {}", rendered.text(), points_text(*points));
+                let mut row = vec![(what, false)];
+                row.extend(names.iter().map(|name| cell(after.of(Ratio::of(comparison, name, "even")))));
+                row
+            });
+            Grid {
+                title: format!("Over `even`, {}.", after.text()),
+                head: head.clone(),
+                rows: rows.collect(),
+            }
+        };
+        [After::Time, After::Samples].map(grid).into()
     }
-    text
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::imagined::{curve as curve_of, point};
+    use clap::Parser;
     use srbf_reference_renderer::study::comparison::ReferenceReport;
 
-    /// Methods with their errors after the same time and samples.
-    fn comparison(errors: &[(&str, f64)]) -> Comparison {
+    #[derive(Parser)]
+    struct Cli {
+        #[command(flatten)]
+        args: Args,
+    }
+
+    #[test]
+    fn wins_and_losses_are_bold_and_what_was_not_run_is_a_dash() {
         let curve = |&(name, rmse): &(&str, f64)| Curve {
             method: name.parse().unwrap(),
-            ..curve_of(vec![point(16, 1.0, rmse)])
+            ..curve_of(vec![point(16, 1.0, 2.0 * rmse), point(64, 4.0, rmse)])
         };
-        Comparison {
+        let errors = [("even", 0.1), ("mis", 0.2), ("ggx+even", 0.05), ("product", 0.1), ("ggx+mis", 0.4)];
+        let comparison = Comparison {
             scene: "sphere",
             material: "paint".into(),
             environment: "forest".into(),
             size: [1, 1],
             curves: errors.iter().map(curve).collect(),
             reference: ReferenceReport::default(),
-        }
-    }
-
-    fn measured(on_sphere: &[Comparison], on_teapot: &[Comparison]) -> String {
-        page(&Measured {
-            on_sphere,
-            on_teapot,
-            seconds: 0.1,
-            repeats: 2,
-            side: 8,
-            minutes: 1.0,
-            commit: String::new(),
-        })
-    }
-
-    #[test]
-    fn what_is_better_is_bold_and_has_a_reason() {
-        let sphere = comparison(&[
-            ("product", 0.1),
-            ("mis", 0.2),
-            ("lobes", 0.2),
-            ("tabulated", 0.1),
-            ("fit:product", 0.1),
-        ]);
-        let text = measured(&[sphere], &[]);
-        assert!(text.contains("| paint | - | 4.00 | - |"), "{text}");
+        };
+        let measured = [Measured { rendered: Rendered::Lobes, points: PointsName::Sobol, comparison }];
+        let args = Cli::parse_from(["x"]).args;
+        let text = Text { measured: &measured, args: &args, minutes: 1.0, commit: "0fa598b" };
+        let page = text.markdown();
         assert!(
-            text.contains("| **0.25** |")
-                && text.contains("* **`tabulated`**, beside `lobes`: paint (0.25, 0.25, 1.00)"),
-            "{text}"
+            page.contains("| sphere, forest; lobes; Sobol | **4.00** | **16.0** | **0.25** | 1.00 |"),
+            "{page}"
         );
-        assert!(!text.contains("NaN"), "{text}");
-    }
-
-    #[test]
-    fn the_report_says_whether_product_is_worth_it() {
-        for (error, says) in [(0.2, "is worth being the default"), (0.105, "too little")] {
-            let text = measured(&[], &[comparison(&[("product", 0.1), ("mis", error)])]);
-            assert!(text.contains(says), "{error}: {text}");
-        }
+        assert!(
+            page.contains("| `ggx+mis` over `mis` | 4.00 (4.00 to 4.00); 0 better, 1 worse of 1 | - |"),
+            "{page}"
+        );
+        assert!(page.contains("| `lafortune` over `lobes` | - |") && !page.contains("NaN"), "{page}");
+        assert!(
+            text.html().to_html().contains("<td class=\"number\"><b>0.25</b>")
+                || text.html().to_html().contains("0.25")
+        );
     }
 }

@@ -13,18 +13,27 @@ pub struct Operation {
     pub meaning: &'static str,
     /// The plain formula, evaluated in f32.
     pub plain: &'static str,
+    /// What the rows go along.
+    pub along: &'static str,
     /// A row for each decade, rising.
     pub rows: Vec<Decade>,
 }
 
-/// Worst relative errors of one operation within a decade round a sharpness.
+impl Operation {
+    /// The row where ours is worst.
+    pub fn worst(&self) -> Option<&Decade> {
+        self.rows.iter().max_by(|a, b| a.ours.total_cmp(&b.ours))
+    }
+}
+
+/// Worst relative errors of one operation within a decade.
 pub struct Decade {
     /// Middle of the decade.
-    pub sharpness: f64,
+    pub at: f64,
     /// The library's.
     pub ours: f64,
-    /// The plain formula's; infinite where it gives no number.
-    pub plain: f64,
+    /// The plain formula's, where there is one; infinite where it gives no number.
+    pub plain: Option<f64>,
 }
 
 /// Largest exponent of the inputs: what lies beyond has lost 4 of 10000 to rounding the exponent alone.
@@ -79,23 +88,23 @@ pub fn measure(inputs: u32, seed: u64) -> Vec<Operation> {
             let rows = (-8..=8)
                 .map(|decade| {
                     let mut random = Random::new(seed, k as u64, (decade + 8) as u64);
-                    let mut row = Decade { sharpness: 10f64.powi(decade), ours: 0.0, plain: 0.0 };
+                    let mut row = Decade { at: 10f64.powi(decade), ours: 0.0, plain: Some(0.0) };
                     for _ in 0..inputs {
                         let s = 10f32.powf(decade as f32 + random.unit() - 0.5).min(1e8);
                         let (want, ours, plain) = operation(s, &mut random);
                         row.ours = row.ours.max(relative(want, ours));
-                        row.plain = row.plain.max(relative(want, plain));
+                        row.plain = row.plain.map(|worst| worst.max(relative(want, plain)));
                     }
                     row
                 })
                 .collect();
-            Operation { name, meaning, plain, rows }
+            Operation { name, meaning, plain, along: "sharpness", rows }
         })
         .collect()
 }
 
 /// Relative error; infinite for what is no number.
-fn relative(want: f64, got: f32) -> f64 {
+pub fn relative(want: f64, got: f32) -> f64 {
     let error = (f64::from(got) - want).abs() / want.abs();
     if error.is_nan() { f64::INFINITY } else { error }
 }

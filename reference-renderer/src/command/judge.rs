@@ -2,7 +2,8 @@
 
 use super::view_table;
 use crate::out::print::shown;
-use anyhow::{Context, bail};
+use crate::truth::stored::StoredMaterial;
+use anyhow::bail;
 use srbf_core::Material;
 use srbf_fit::judge::appearance::Appearance;
 use srbf_fit::judge::reciprocity::reciprocity;
@@ -12,31 +13,35 @@ use srbf_fit::read::{Content, read};
 use srbf_fit::table::evaluation_views;
 use std::path::PathBuf;
 
-/// Most bytes of a material that is read.
-const MAX_FILE: u64 = 1 << 26;
-
 /// Prints the errors of a fitted material against a table, at the peak and away from it, and a verdict.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The fitted material, `.srbf`
-    file: PathBuf,
+    /// The fitted material: a preset or a .srbf file
+    #[arg(value_name = "FILE|PRESET")]
+    material: String,
     /// The measured file, or `model:...`, that it is to be like
     #[arg(long, value_name = "TABLE")]
     against: PathBuf,
-    /// Angles of the outgoing directions from the normal, degrees
-    #[arg(long, value_delimiter = ',', default_values_t = [0.0, 5.0, 30.0, 60.0, 75.0])]
+    /// Angles of the outgoing directions from the normal, degrees, 0 to below 90; separated by spaces or commas
+    #[arg(long, num_args = 1.., value_delimiter = ',', value_parser = angle, default_values_t = [0.0, 5.0, 30.0, 60.0, 75.0])]
     angles: Vec<f64>,
+}
+
+/// Parses an angle.
+fn angle(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|v| (0.0..90.0).contains(v));
+    value.ok_or_else(|| "expected degrees, from 0 to below 90".to_owned())
 }
 
 /// Runs the command.
 pub fn run(args: Args) -> anyhow::Result<()> {
-    let bytes = srbf_fit::read_at_most(&args.file, MAX_FILE).with_context(|| shown(&args.file))?;
-    let material = Material::from_bytes(bytes.as_slice()).with_context(|| shown(&args.file))?;
+    let stored = StoredMaterial::load(&args.material)?;
+    let material = Material::from_bytes(stored.material.bytes())?;
     let Content::Evaluable(brdf) = read(&args.against)?.content else {
         bail!("{}: scattered samples have no value in between", shown(&args.against))
     };
     if !material.is_isotropic() {
-        bail!("{}: anisotropic; only isotropic materials are judged so", shown(&args.file));
+        bail!("{}: anisotropic; only isotropic materials are judged so", srbf_core::printable(&stored.name));
     }
     let thetas: Vec<f64> = args.angles.iter().map(|a| a.to_radians()).collect();
     let table = evaluation_views::judging_table(brdf.as_ref(), &thetas)?;

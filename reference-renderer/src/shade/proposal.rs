@@ -62,6 +62,15 @@ impl Proposal<'_> {
         Self { part: Part::Cosine, cosine: 0.0, is_multi: false }
     }
 
+    /// The warps of a file, and the numbers that draw by them; `None` where another part draws, or the cosine does.
+    #[inline]
+    pub fn warps(&self, [choice, u, v]: [f32; 3]) -> Option<(&rgl::RglProposal<'_>, [f32; 3])> {
+        match &self.part {
+            Part::Rgl(warps) if choice >= self.cosine => Some((warps, [0.0, u, v])),
+            _ => None,
+        }
+    }
+
     /// Draws a direction, three uniform numbers in [0, 1); `None` where there is none to draw, which counts as black.
     #[inline]
     pub fn sample(&self, mixtures: &Mixtures<'_>, [choice, u, v]: [f32; 3]) -> Option<Vec3> {
@@ -136,7 +145,7 @@ impl Proposal<'_> {
             Part::Lafortune(proposal) => proposal.sample(wide),
             Part::Tabulated(proposal) => proposal.sample(wide),
             Part::Factored(proposal) => proposal.sample(wide),
-            Part::Rgl(proposal) => proposal.sample(wide),
+            Part::Rgl(proposal) => return Some(proposal.draw(u).0),
         };
         Some(direction.as_vec3())
     }
@@ -146,17 +155,17 @@ impl Proposal<'_> {
             Part::Lobes => return mixtures.lobes.pdf(wi),
             Part::Thesis(_) => return mixtures.round.pdf(wi),
             Part::Uniform => return UNIFORM_DENSITY as f32,
+            Part::Rgl(proposal) => return proposal.look_up(wi).density,
             _ => wi.as_dvec3().normalize(),
         };
         let density = match &self.part {
-            Part::Lobes | Part::Thesis(_) | Part::Uniform => 0.0,
+            Part::Lobes | Part::Thesis(_) | Part::Uniform | Part::Rgl(_) => 0.0,
             Part::Cosine => cosine_density(wide),
             Part::Guided(proposal) => proposal.density(wide),
             Part::Analytic(proposal) => proposal.density(wide),
             Part::Lafortune(proposal) => proposal.density(wide),
             Part::Tabulated(proposal) => proposal.density(wide),
             Part::Factored(proposal) => proposal.density(wide),
-            Part::Rgl(proposal) => proposal.density(wide),
         };
         density as f32
     }

@@ -115,7 +115,7 @@ impl<'a> Sampler<'a> {
             Kind::Lafortune(model) => Part::Lafortune(lafortune::LafortuneProposal::new(model, wide())),
             Kind::Tabulated(table) => Part::Tabulated(table.proposal(wide())),
             Kind::Factored(factors) => Part::Factored(factors.proposal(wide())),
-            Kind::Rgl(draws) => Part::Rgl(rgl::RglProposal::new(*draws, wide())),
+            Kind::Rgl(draws) => Part::Rgl(rgl::RglProposal::new(*draws, wo)),
             Kind::Thesis(thesis) => Part::Thesis(thesis.prepare(wide(), &mut mixtures.round)?),
         };
         Ok(Proposal { part, cosine: self.cosine, is_multi: self.is_multi })

@@ -7,7 +7,7 @@ use crate::truth::measured::MeasuredMaterial;
 use crate::truth::stored::{Bytes, StoredMaterial};
 use crate::truth::{AnyMixture, Truth};
 use glam::{DVec3, Vec3};
-use srbf_core::{Error, Material, Sample, luminance};
+use srbf_core::{Error, Material, Sample, Towards, luminance};
 
 /// A material that was loaded.
 pub enum LoadedMaterial {
@@ -155,6 +155,12 @@ impl<'a> Scattering<'a> {
             let (value, pdf) = self.mixtures.lobes.evaluate_and_pdf(wi);
             return (value, self.proposal.mix(pdf, wi));
         }
+        if let Part::Rgl(warps) = &self.proposal.part
+            && wi.z > 0.0
+        {
+            let known = warps.look_up(wi);
+            return (known.value.into(), self.proposal.mix(known.density, wi));
+        }
         (self.evaluate(wi), self.proposal.pdf(&self.mixtures, wi))
     }
 
@@ -164,8 +170,18 @@ impl<'a> Scattering<'a> {
         if self.samples_its_lobes() && self.proposal.cosine == 0.0 {
             return self.mixtures.lobes.sample(u);
         }
-        let direction = self.proposal.sample(&self.mixtures, u)?;
-        let (value, pdf) = self.evaluate_and_pdf(direction);
+        let (direction, value, pdf) = match self.proposal.warps(u) {
+            Some((warps, u)) => {
+                let (direction, known) = warps.draw(u);
+                (direction.z > 0.0).then_some(())?;
+                (direction, known.value.into(), self.proposal.mix(known.density, direction))
+            }
+            None => {
+                let direction = self.proposal.sample(&self.mixtures, u)?;
+                let (value, pdf) = self.evaluate_and_pdf(direction);
+                (direction, value, pdf)
+            }
+        };
         (pdf > 0.0 && pdf.is_finite()).then(|| Sample { direction, pdf, weight: value / pdf })
     }
 
@@ -214,6 +230,38 @@ impl<'a> Scattering<'a> {
         let lobes = &self.mixtures.lobes;
         let is_everywhere = self.table.is_none() || luminance(lobes.diffuse()) > 0.0;
         (matches!(self.proposal.part, Part::Lobes) && is_everywhere).then_some(lobes)
+    }
+
+    /// The lobes that are rendered, or that draw.
+    #[inline]
+    pub fn known_lobes(&self) -> Option<&AnyMixture<'a>> {
+        let is_known = self.table.is_none() || matches!(self.proposal.part, Part::Lobes);
+        is_known.then_some(&self.mixtures.lobes)
+    }
+
+    /// Density of [`sample`](Self::sample); 1/sr.
+    #[inline]
+    pub fn pdf(&self, wi: Vec3) -> f32 {
+        self.proposal.pdf(&self.mixtures, wi)
+    }
+
+    /// Draws a direction by itself; `None` as in [`sample`](Self::sample).
+    #[inline]
+    pub fn draw(&self, u: [f32; 3]) -> Option<Vec3> {
+        self.proposal.sample(&self.mixtures, u)
+    }
+
+    /// Values of the rendered material towards directions; lobes are evaluated together.
+    pub fn evaluate_all<const N: usize>(&self, wi: &[Vec3; N]) -> [Vec3; N] {
+        if self.table.is_some() {
+            return wi.map(|d| self.evaluate(d));
+        }
+        let [x, y, z] = [0, 1, 2].map(|k| wi.map(|d| d[k]));
+        let [mut red, mut green, mut blue] = [[0.0; N]; 3];
+        // The slices are of one length.
+        let value = Some([&mut red[..], &mut green[..], &mut blue[..]]);
+        let _ = self.mixtures.lobes.ask(Towards { wi: [&x, &y, &z], value, pdf: None }.into());
+        std::array::from_fn(|i| Vec3::new(red[i], green[i], blue[i]))
     }
 
     /// The lobes that were prepared last.

@@ -86,8 +86,8 @@ pub enum Light {
     Off,
     /// In place of the material; the material only leads the path on.
     Only,
-    /// Together with our lobes, by sums of both without shadows, which two rays correct. Where a surface is sampled by something else,
-    /// is matte, or sees little of the light, as `Mis`.
+    /// Together with what draws for the material, by sums of both without shadows, which two rays correct. Where a surface is matte, or sees
+    /// little of the light, as `Mis`.
     Even,
     /// Together with our lobes, by resampling candidates of both. Where a surface is sampled by something else, as `Mis`.
     Product,
@@ -119,7 +119,7 @@ impl Strategy {
 impl FromStr for Strategy {
     type Err = String;
 
-    /// `SAMPLER`, `SAMPLER+mis`, `mis` for `lobes+mis`, `even`, `product`, or `light`.
+    /// `SAMPLER`, `SAMPLER+mis`, `SAMPLER+even`, `mis` for `lobes+mis`, `even` for `lobes+even`, `product`, or `light`.
     fn from_str(text: &str) -> Result<Self, String> {
         if text == "light" {
             return Ok(Self { light: Light::Only, ..Self::MIS });
@@ -133,15 +133,16 @@ impl FromStr for Strategy {
         if text == "product" {
             return Ok(Self::PRODUCT);
         }
-        let (name, light) = match text.strip_suffix("+mis") {
-            Some(name) => (name, Light::Mis),
-            None => (text, Light::Off),
+        let (name, light) = match text.rsplit_once('+') {
+            Some((name, "mis")) => (name, Light::Mis),
+            Some((name, "even")) => (name, Light::Even),
+            _ => (text, Light::Off),
         };
         let found = NAMES.iter().find(|entry| entry.1 == name);
         found.map(|entry| Self { sampler: entry.0, light }).ok_or_else(|| {
             let names: Vec<&str> = NAMES.iter().map(|entry| entry.1).collect();
             format!(
-                "expected even, mis, product, light, or one of {}, each with +mis or without",
+                "expected even, mis, product, light, or one of {}, each with +mis, +even or without",
                 names.join(", ")
             )
         })
@@ -152,7 +153,8 @@ impl fmt::Display for Strategy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let text = match (self.sampler, self.light) {
             (_, Light::Only) => "light".to_owned(),
-            (_, Light::Even) => "even".to_owned(),
+            (SamplerName::Lobes, Light::Even) => "even".to_owned(),
+            (sampler, Light::Even) => format!("{}+even", sampler.text()),
             (_, Light::Product) => "product".to_owned(),
             (SamplerName::Lobes, Light::Mis) => "mis".to_owned(),
             (sampler, Light::Mis) => format!("{}+mis", sampler.text()),
@@ -169,7 +171,7 @@ mod tests {
     #[test]
     fn every_name_is_read_as_it_is_written() {
         for sampler in SamplerName::all() {
-            for light in [Light::Off, Light::Mis] {
+            for light in [Light::Off, Light::Mis, Light::Even] {
                 let strategy = Strategy { sampler, light };
                 assert_eq!(strategy.to_string().parse(), Ok(strategy));
             }

@@ -4,6 +4,7 @@
 //! surface several directions may be drawn together; from there on each goes its way alone.
 
 pub mod even;
+pub mod even_by_density;
 pub mod skeleton;
 pub mod wave;
 

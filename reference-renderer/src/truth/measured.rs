@@ -7,7 +7,7 @@ pub mod albedo;
 use crate::truth::guided::Guide;
 use crate::truth::networks::Networks;
 use anyhow::Context;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use srbf_fit::analytic;
 use srbf_fit::baselines::lafortune;
 use srbf_fit::complete::complete;
@@ -87,7 +87,13 @@ impl MeasuredMaterial {
         if wi.z <= 0.0 || wo.z <= 0.0 {
             return DVec3::ZERO;
         }
-        let value = DVec3::from(self.brdf.evaluate(wi.to_array(), wo.to_array())) * wi.z;
+        let value = match self.brdf.draws() {
+            // In f32, as it is drawn from.
+            Some(draws) => {
+                Vec3::from(draws.look_up(wi.as_vec3().to_array(), wo.as_vec3().to_array()).value).as_dvec3()
+            }
+            None => DVec3::from(self.brdf.evaluate(wi.to_array(), wo.to_array())) * wi.z,
+        };
         DVec3::from(value.to_array().map(|v| if v.is_finite() { v } else { 0.0 }))
     }
 

@@ -180,7 +180,14 @@ fn a_fit_is_judged_against_what_it_was_made_from() {
     assert!(fitted.contains("factors: 4 x 3 x 1 nodes, largest "), "{fitted}");
     assert!(std::fs::read_to_string(place.join("phong.json")).unwrap().contains("\"factors\""));
 
-    let judge = ["judge", "phong.srbf", "--against", model, "--angles", "10,50"];
+    for angles in [&["100"][..], &["10", "x"]] {
+        let judge = [&["judge", "phong.srbf", "--against", model, "--angles"], angles].concat();
+        refused(&place, &judge, &["--angles", "from 0 to below 90"]);
+    }
+    let preset = srbf(&place, &["judge", "garnet_red", "--against", model, "--angles", "30,60"]);
+    let text = String::from_utf8(preset.stdout).unwrap();
+    assert!(preset.status.success() && text.contains("2 held-out views:"), "{text}");
+    let judge = ["judge", "phong.srbf", "--against", model, "--angles", "10", "50"];
     let output = srbf(&place, &judge);
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(output.status.success() && text.contains("2 held-out views:"), "{text}");

@@ -112,10 +112,13 @@ pub fn rgl(bytes: &[u8]) -> bool {
         let value = brdf.f_cos(wi, wo);
         assert!(value.iter().all(|v| v.is_finite()), "{wi:?}, {wo:?}: f cos {value:?}");
         let Some(draws) = brdf.draws() else { continue };
-        let drawn = draws.draw([random.uniform(), random.uniform()].map(f64::from), wo);
+        let [wi, wo] = [wi, wo].map(|d| d.map(|v| v as f32));
+        let (drawn, with) = draws.draw([random.uniform(), random.uniform()], wo);
         assert!(drawn.iter().all(|v| v.is_finite()), "{wo:?}: {drawn:?}");
-        let density = draws.density(wi, wo);
-        assert!(density >= 0.0 && density.is_finite(), "{wi:?}, {wo:?}: density {density}");
+        for known in [with, draws.look_up(wi, wo)] {
+            let is_valid = known.density >= 0.0 && known.density.is_finite();
+            assert!(is_valid && known.value.iter().all(|v| v.is_finite()), "{wi:?}, {wo:?}: {known:?}");
+        }
     }
     true
 }

@@ -15,16 +15,42 @@ const MAX_WAVELENGTHS: usize = 4096;
 const LARGEST: f64 = 1e30;
 const LEAST_AREA: f64 = 1e-30;
 
-/// The arrays of a material; the comments are at its fields.
-pub(super) struct Arrays {
-    pub phis: Vec<f64>,
-    pub thetas: Vec<f64>,
-    pub ndf: Grid,
-    pub sigma: Grid,
-    pub visible: Vec<Warp>,
-    pub luminance: Vec<Warp>,
-    pub rgb: Vec<[Grid; 3]>,
+/// What a material is made of.
+#[derive(Clone, Debug)]
+pub(super) struct Arrays<T = f64> {
+    /// Angles of the measured outgoing directions, radians, rising; one azimuth if isotropic.
+    pub phis: Vec<T>,
+    pub thetas: Vec<T>,
+    /// Distribution of normals over (theta, phi).
+    pub ndf: Grid<T>,
+    /// Projected area of the normals.
+    pub sigma: Grid<T>,
+    /// Visible normals, one warp for each outgoing direction, theta fastest.
+    pub visible: Vec<Warp<T>>,
+    /// Brightness of the colour, one warp for each outgoing direction.
+    pub luminance: Vec<Warp<T>>,
+    /// Colour, for each outgoing direction and channel.
+    pub rgb: Vec<[Grid<T>; 3]>,
+    /// Whether the colour is without `D / (4 sigma)`.
     pub jacobian: bool,
+}
+
+impl Arrays {
+    /// The same in f32.
+    pub fn to_f32(&self) -> Arrays<f32> {
+        let one = |v: f64| v as f32;
+        let warps = |all: &[Warp]| all.iter().map(|warp| warp.to(one)).collect();
+        Arrays {
+            phis: self.phis.iter().map(|v| one(*v)).collect(),
+            thetas: self.thetas.iter().map(|v| one(*v)).collect(),
+            ndf: self.ndf.to(one),
+            sigma: self.sigma.to(one),
+            visible: warps(&self.visible),
+            luminance: warps(&self.luminance),
+            rgb: self.rgb.iter().map(|rgb| rgb.each_ref().map(|grid| grid.to(one))).collect(),
+            jacobian: self.jacobian,
+        }
+    }
 }
 
 fn fail<T>(text: String) -> Result<T, ReadError> {

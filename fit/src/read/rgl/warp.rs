@@ -1,11 +1,44 @@
 //! Bilinear grids over the unit square, and the warp that turns uniform points into points distributed as one, both ways.
 
+use super::real::Real;
+
 /// Numbers at the corners of cells, interpolated bilinearly; x along the rows.
 #[derive(Clone, Debug)]
-pub struct Grid {
-    values: Vec<f64>,
+pub struct Grid<T = f64> {
+    values: Vec<T>,
     columns: usize,
     rows: usize,
+}
+
+impl<T: Real> Grid<T> {
+    /// The same in another precision.
+    pub fn to<U: Real>(&self, convert: impl Fn(T) -> U) -> Grid<U> {
+        Grid {
+            values: self.values.iter().map(|v| convert(*v)).collect(),
+            columns: self.columns,
+            rows: self.rows,
+        }
+    }
+
+    /// Index of the lower corner of the cell that a point lies in, and where in the cell.
+    fn cell(&self, [x, y]: [T; 2]) -> (usize, [T; 2]) {
+        let along = |v: T, n: usize| {
+            let scaled = v.within_one() * T::of((n - 1) as f64);
+            let low = scaled.index().min(n - 2);
+            (low, scaled - T::of(low as f64))
+        };
+        let ((column, x), (row, y)) = (along(x, self.columns), along(y, self.rows));
+        (row * self.columns + column, [x, y])
+    }
+
+    /// The interpolated number at a point of the unit square.
+    pub fn value(&self, point: [T; 2]) -> T {
+        let (at, [x, y]) = self.cell(point);
+        let v = &self.values;
+        let lerp = |a: T, b: T, t: T| a + t * (b - a);
+        let upper = at + self.columns;
+        lerp(lerp(v[at], v[at + 1], x), lerp(v[upper], v[upper + 1], x), y)
+    }
 }
 
 impl Grid {
@@ -29,37 +62,17 @@ impl Grid {
     pub fn add_scaled(&mut self, factor: f64, other: &Self) {
         self.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += factor * b);
     }
-
-    /// Index of the lower corner of the cell that a point lies in, and where in the cell.
-    fn cell(&self, [x, y]: [f64; 2]) -> (usize, [f64; 2]) {
-        let along = |v: f64, n: usize| {
-            let scaled = v.clamp(0.0, 1.0) * (n - 1) as f64;
-            let low = (scaled as usize).min(n - 2);
-            (low, scaled - low as f64)
-        };
-        let ((column, x), (row, y)) = (along(x, self.columns), along(y, self.rows));
-        (row * self.columns + column, [x, y])
-    }
-
-    /// The interpolated number at a point of the unit square.
-    pub fn value(&self, point: [f64; 2]) -> f64 {
-        let (at, [x, y]) = self.cell(point);
-        let v = &self.values;
-        let lerp = |a: f64, b: f64, t: f64| a + t * (b - a);
-        let upper = at + self.columns;
-        lerp(lerp(v[at], v[at + 1], x), lerp(v[upper], v[upper + 1], x), y)
-    }
 }
 
 /// The warp of a distribution: first a row by the marginal distribution, then a place in it by the conditional one.
 #[derive(Clone, Debug)]
-pub struct Warp {
+pub struct Warp<T = f64> {
     /// The distribution, its integral over the square 1 in units of cells.
-    grid: Grid,
+    grid: Grid<T>,
     /// Running integral along each row.
-    conditional: Vec<f64>,
+    conditional: Vec<T>,
     /// Running integral over the rows.
-    marginal: Vec<f64>,
+    marginal: Vec<T>,
 }
 
 impl Warp {
@@ -88,44 +101,56 @@ impl Warp {
         [&mut grid.values, &mut conditional, &mut marginal].into_iter().flatten().for_each(|v| *v /= sum);
         Some(Self { grid, conditional, marginal })
     }
+}
+
+impl<T: Real> Warp<T> {
+    /// The same in another precision.
+    pub fn to<U: Real>(&self, convert: impl Fn(T) -> U + Copy) -> Warp<U> {
+        let all = |values: &[T]| values.iter().map(|v| convert(*v)).collect();
+        Warp {
+            grid: self.grid.to(convert),
+            conditional: all(&self.conditional),
+            marginal: all(&self.marginal),
+        }
+    }
 
     /// The uniform point that a blend of warps of one size, each with its share, takes to a point.
-    pub fn invert(warps: &[(&Self, f64)], point: [f64; 2]) -> [f64; 2] {
+    pub fn invert(warps: &[(&Self, T)], point: [T; 2]) -> [T; 2] {
         let first = &warps[0].0.grid;
         let (at, [x, y]) = first.cell(point);
         let (columns, row) = (first.columns, at / first.columns);
-        let mix = |f: &dyn Fn(&Self) -> f64| {
-            let inside = warps.iter().filter(|(_, share)| *share > 0.0);
-            inside.map(|(warp, share)| share * f(warp)).sum::<f64>()
+        let mix = |f: &dyn Fn(&Self) -> T| {
+            let inside = warps.iter().filter(|(_, share)| *share > T::of(0.0));
+            inside.map(|(warp, share)| *share * f(warp)).sum::<T>()
         };
         let value = |i: usize| mix(&|w| w.grid.values[i]);
-        let lerp = |from: f64, to: f64| from + y * (to - from);
+        let lerp = |from: T, to: T| from + y * (to - from);
         let (left, right) =
             (lerp(value(at), value(at + columns)), lerp(value(at + 1), value(at + columns + 1)));
         let running = |i: usize| mix(&|w| w.conditional[i]);
         let before = lerp(running(at), running(at + columns));
         let end = row * columns + columns - 1;
         let (low, high) = (running(end), running(end + columns));
-        let along = before + x * (left + 0.5 * x * (right - left));
+        let along = before + x * (left + T::of(0.5) * x * (right - left));
         let whole = lerp(low, high);
-        let across = mix(&|w| w.marginal[row]) + y * (low + 0.5 * y * (high - low));
-        [if whole > 0.0 { along / whole } else { 0.5 }, across]
+        let across = mix(&|w| w.marginal[row]) + y * (low + T::of(0.5) * y * (high - low));
+        [if whole > T::of(0.0) { along / whole } else { T::of(0.5) }, across]
     }
 
     /// The point that a blend of warps of one size takes a uniform point to; [`invert`](Self::invert) takes it back.
-    pub fn sample(warps: &[(&Self, f64)], u: [f64; 2]) -> [f64; 2] {
+    pub fn sample(warps: &[(&Self, T)], u: [T; 2]) -> [T; 2] {
         let first = &warps[0].0.grid;
         let (columns, rows) = (first.columns, first.rows);
-        let mix = |f: &dyn Fn(&Self) -> f64| {
-            let inside = warps.iter().filter(|(_, share)| *share > 0.0);
-            inside.map(|(warp, share)| share * f(warp)).sum::<f64>()
+        let mix = |f: &dyn Fn(&Self) -> T| {
+            let inside = warps.iter().filter(|(_, share)| *share > T::of(0.0));
+            inside.map(|(warp, share)| *share * f(warp)).sum::<T>()
         };
         let marginal = |row: usize| mix(&|w| w.marginal[row]);
         let row = last_before(rows - 1, |row| marginal(row) <= u[1]);
         let whole = |row: usize| mix(&|w| w.conditional[row * columns + columns - 1]);
         let (low, high) = (whole(row), whole(row + 1));
         let y = solve(low, high, u[1] - marginal(row));
-        let lerp = |from: f64, to: f64| from + y * (to - from);
+        let lerp = |from: T, to: T| from + y * (to - from);
         let at = row * columns;
         let running =
             |i: usize| lerp(mix(&|w| w.conditional[at + i]), mix(&|w| w.conditional[at + columns + i]));
@@ -134,14 +159,14 @@ impl Warp {
         let value =
             |i: usize| lerp(mix(&|w| w.grid.values[at + i]), mix(&|w| w.grid.values[at + columns + i]));
         let x = solve(value(column), value(column + 1), target - running(column));
-        let place = |cell: usize, inside: f64, n: usize| (cell as f64 + inside) / (n - 1) as f64;
+        let place = |cell: usize, inside: T, n: usize| (T::of(cell as f64) + inside) / T::of((n - 1) as f64);
         [place(column, x, columns), place(row, y, rows)]
     }
 
     /// The density of [`sample`](Self::sample) over the unit square.
-    pub fn density(warps: &[(&Self, f64)], point: [f64; 2]) -> f64 {
+    pub fn density(warps: &[(&Self, T)], point: [T; 2]) -> T {
         let cells = (warps[0].0.grid.columns - 1) * (warps[0].0.grid.rows - 1);
-        cells as f64 * warps.iter().map(|(warp, share)| share * warp.grid.value(point)).sum::<f64>()
+        T::of(cells as f64) * warps.iter().map(|(warp, share)| *share * warp.grid.value(point)).sum::<T>()
     }
 }
 
@@ -155,10 +180,11 @@ fn last_before(count: usize, holds: impl Fn(usize) -> bool) -> usize {
     low
 }
 
-/// Place in a cell where the integral of a linear function between two numbers reaches a value; in [0, 1].
-fn solve(from: f64, to: f64, value: f64) -> f64 {
-    let divisor = from + libm::sqrt((from * from + 2.0 * value * (to - from)).max(0.0));
-    if divisor > 0.0 { (2.0 * value / divisor).clamp(0.0, 1.0) } else { 0.0 }
+/// Where in a cell the integral of what goes linearly from one number to another reaches a value; in [0, 1].
+fn solve<T: Real>(from: T, to: T, value: T) -> T {
+    let (zero, two) = (T::of(0.0), T::of(2.0));
+    let divisor = from + (from * from + two * value * (to - from)).most(zero).sqrt();
+    if divisor > zero { (two * value / divisor).within_one() } else { zero }
 }
 
 #[cfg(test)]
@@ -194,7 +220,7 @@ mod tests {
         }
         // The mean of the inverse of the density is the area.
         assert!((mean - 1.0).abs() < 1e-3, "{mean}");
-        // Corners, and cells without mass, stay in the square.
+        // Corners, and what has no mass, stay in the square.
         let hollow = Warp::new(Grid::new(vec![0.0, 0.0, 0.0, 0.0, 0.0, 1.0], 3, 2).unwrap()).unwrap();
         for u in [[0.0, 0.0], [0.999_999, 0.999_999], [0.0, 0.5]] {
             let point = Warp::sample(&[(&hollow, 1.0)], u);

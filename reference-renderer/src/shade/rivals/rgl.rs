@@ -1,28 +1,30 @@
-//! The sampling that a `.bsdf` file brings along (Dupuy and Jakob 2018): its warps by brightness and by visible normals.
+//! The sampling that a `.bsdf` file brings along (Dupuy and Jakob 2018): its warps by brightness and by visible normals. Value and
+//! density of a draw come with it.
 
-use glam::DVec3;
-use srbf_fit::table::Draws;
+use glam::Vec3;
+use srbf_fit::table::{Draws, Known};
 
 /// The warps for one outgoing direction.
 #[derive(Clone, Copy)]
 pub struct RglProposal<'a> {
     draws: &'a dyn Draws,
-    wo: DVec3,
+    wo: Vec3,
 }
 
 impl<'a> RglProposal<'a> {
     /// Gets ready for an outgoing direction.
-    pub fn new(draws: &'a dyn Draws, wo: DVec3) -> Self {
+    pub fn new(draws: &'a dyn Draws, wo: Vec3) -> Self {
         Self { draws, wo }
     }
 
-    /// Draws a direction, maybe below the horizon.
-    pub fn sample(&self, [_, u, v]: [f64; 3]) -> DVec3 {
-        DVec3::from(self.draws.draw([u, v], self.wo.to_array())).normalize_or(DVec3::Z)
+    /// Draws a direction, maybe below the horizon; with its value and density, 1/sr.
+    pub fn draw(&self, [_, u, v]: [f32; 3]) -> (Vec3, Known) {
+        let (direction, known) = self.draws.draw([u, v], self.wo.to_array());
+        (Vec3::from(direction).normalize_or(Vec3::Z), known)
     }
 
-    /// Density of [`sample`](Self::sample); 1/sr.
-    pub fn density(&self, wi: DVec3) -> f64 {
-        self.draws.density(wi.to_array(), self.wo.to_array()).max(0.0)
+    /// Value and density of a direction; 1/sr.
+    pub fn look_up(&self, wi: Vec3) -> Known {
+        self.draws.look_up(wi.to_array(), self.wo.to_array())
     }
 }

@@ -8,16 +8,15 @@ use crate::numbers::points::{Decision, Points, PointsName, shifts};
 use crate::shade::shader::Scattering;
 use crate::trace::camera::Camera;
 use crate::trace::frame::{Frame, look};
+use crate::trace::integrator::even_by_density::{self, RAYS};
 use crate::trace::openness::{Openness, SurveyedPath};
 use crate::trace::path::Path;
 use crate::trace::scene::Scene;
 use crate::trace::settings::RenderSettings;
+use crate::truth::AnyMixture;
 use crate::world::environment::tile::{BLOCKS, LightTile};
 use glam::Vec3;
 use srbf_core::{LightBlock, Reflection, luminance};
-
-/// Directions of the lobes, the path's ray among them.
-const RAYS: usize = 8;
 
 /// Share of its power that the diffuse term of a mixture may have: of a matte surface, the light alone is sampled as well.
 const MOST_DIFFUSE: f32 = 0.9;
@@ -42,10 +41,10 @@ pub struct FirstHit {
     values: [Vec3; 2],
 }
 
-/// Whether the rendered material is sampled by its lobes alone, and those are not matte.
+/// Whether a surface is not matte, as far as its lobes tell; a surface without lobes is taken for not matte.
 pub fn is_for(scattering: &Scattering<'_>) -> bool {
-    let lobes = scattering.lobes_for_product().filter(|_| scattering.draws_lobes_alone());
-    lobes.is_some_and(|lobes| luminance(lobes.diffuse()) < MOST_DIFFUSE * lobes.power())
+    let is_matte = |lobes: &AnyMixture<'_>| luminance(lobes.diffuse()) >= MOST_DIFFUSE * lobes.power();
+    !scattering.known_lobes().is_some_and(is_matte)
 }
 
 impl Lighting {
@@ -109,22 +108,28 @@ impl<'a> Path<'_, 'a> {
         frame: &Frame,
         scattering: &Scattering<'a>,
     ) -> Option<FirstHit> {
-        let lobes = scattering.lobes_for_product()?;
         let u = shifts::<RAYS>(self.points.draw(Decision::Material, 0));
         let [choice, ..] = self.points.draw(Decision::Choice, 0);
         let axes = [frame.tangent, frame.bitangent, frame.normal];
         let (block, map) = (self.block(lighting), &self.scene.environment.map);
-        let u = u.each_ref().map(|u| &u[..]);
-        let mut reflection = lobes.reflect(map, block, &axes, frame.flat, u, choice).ok()?;
+        let mut reflection = match scattering.lobes_for_product() {
+            Some(lobes) => {
+                let u = u.each_ref().map(|u| &u[..]);
+                lobes.reflect(map, block, &axes, frame.flat, u, choice).ok()?
+            }
+            None => even_by_density::reflect(scattering, self.scene.environment, block, frame, &u, choice),
+        };
         let mut values = [reflection.ray_value, reflection.shadow_value];
         if let Some(ray) = &mut reflection.ray
             && let Some(truth) = scattering.other_truth(ray.direction)
         {
             values[0] = truth;
             ray.weight = truth / ray.pdf;
-            if let Some(direction) = reflection.shadow {
-                values[1] = scattering.other_truth(frame.to_local(direction)).unwrap_or(values[1]);
-            }
+        }
+        if let Some(direction) = reflection.shadow
+            && let Some(truth) = scattering.other_truth(frame.to_local(direction))
+        {
+            values[1] = truth;
         }
         Some(FirstHit { reflection, values })
     }
@@ -176,7 +181,7 @@ impl<'a> Path<'_, 'a> {
         let is_lit = self.is_lit(frame, drawn);
         let FirstHit { reflection, values: [ray_value, shadow_value] } = drawn;
         let light = |escapes| reflection.light_of(escapes, is_lit, *ray_value, *shadow_value);
-        let Some(sample) = &reflection.ray else { return Vec3::ZERO };
+        let Some(sample) = &reflection.ray else { return light(false) };
         let direction = frame.to_world(sample.direction);
         if !frame.leaves(direction) {
             return light(false);
