@@ -3,7 +3,7 @@
 //!
 //! The measurement is stored in the unit square that a warp of the visible normals maps to the half vectors: to evaluate, the
 //! half vector goes back through the warp, and the colour found there is multiplied by `D / (4 sigma)`, unless `jacobian`
-//! says that it holds that factor already. What is stored is `f cos`. There is a warp and a picture for every measured
+//! says that it holds that factor already. The stored values are `f cos`. There is a warp and a picture for every measured
 //! outgoing direction; in between they are interpolated linearly in its angles.
 //!
 //! An isotropic file has one or two `phi_i`, and half vectors are counted from the azimuth of the outgoing direction. An
@@ -50,7 +50,7 @@ pub fn parse(bytes: &[u8]) -> Result<Rgl, ReadError> {
 /// How far a range of azimuths may be from a whole, half or quarter turn, radians: f32 rounding, and little more.
 const RANGE: f64 = 1e-3;
 
-/// What the range of measured azimuths leaves to symmetry.
+/// The symmetry that completes the range of measured azimuths.
 fn symmetry(phis: &[f64]) -> Result<Symmetry, ReadError> {
     let (first, last) = (phis[0], phis[phis.len() - 1]);
     let close = |a: f64, b: f64| (a - b).abs() <= RANGE;
@@ -65,7 +65,7 @@ fn symmetry(phis: &[f64]) -> Result<Symmetry, ReadError> {
 }
 
 impl Rgl {
-    /// `f cos` of the incident direction, and not clamped: what the file holds.
+    /// `f cos` of the incident direction, and not clamped: the value of the file.
     /// 0 where a direction is on the horizon or below it.
     pub fn f_cos(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
         self.wide.f_cos(wi, wo)
@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     fn a_file_turned_by_a_quarter_is_another_material() {
-        // What makes the test above able to fail: the axes swapped, the deviation is of the order of the peak.
+        // The test above can fail: with the axes swapped, the deviation is of the order of the peak.
         let settings = Settings { phis: 7, range: FRAC_PI_2, ..Settings::default() };
         let rgl = parse(&synthetic::write(&model([0.25, 0.5]), &settings)).unwrap();
         assert!(deviation(&rgl, &model([0.5, 0.25])).1 > 0.3);
@@ -181,7 +181,7 @@ mod tests {
         }
     }
 
-    /// Directions by the warps have their density: the mean of what they are counted by is the sum over the hemisphere.
+    /// Directions by the warps have their density: the mean of their weights is the sum over the hemisphere.
     #[test]
     fn directions_by_the_warps_have_their_density() {
         for (phis, range, alpha) in
@@ -206,7 +206,7 @@ mod tests {
                         let share = 1.0 / (n * n) as f64;
                         counted(wi).iter().zip(&mut drawn).for_each(|(c, sum)| *sum += share * c);
                         estimate += share * f64::from(known.value[0] / known.density);
-                        // What comes with a draw is what is found by looking it up.
+                        // A draw brings along the numbers that a look-up finds.
                         let found = rgl.look_up(wi.map(|v| v as f32), wo.map(|v| v as f32));
                         off.push((found.density / known.density - 1.0).abs());
                         off.push((found.value[0] / known.value[0] - 1.0).abs());

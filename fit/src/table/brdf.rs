@@ -43,11 +43,11 @@ pub trait Brdf: Sync {
 /// Draws incident directions with a density that is about proportional to `f cos`, in f32, as renderers do. Directions are those of
 /// [`Brdf::evaluate`].
 pub trait Draws: Sync {
-    /// Takes two uniform numbers in [0, 1) to an incident direction, a unit vector, which may lie below the horizon; and what is known of it
-    /// without looking it up.
+    /// Takes two uniform numbers in [0, 1) to an incident direction, a unit vector, which may lie below the horizon; and the value and
+    /// density that the draw brings along.
     fn draw(&self, u: [f32; 2], wo: [f32; 3]) -> ([f32; 3], Known);
 
-    /// What is known of an incident direction; 0 below the horizon.
+    /// Value and density of an incident direction; 0 below the horizon.
     fn look_up(&self, wi: [f32; 3], wo: [f32; 3]) -> Known;
 }
 

@@ -68,7 +68,7 @@ impl After {
     }
 }
 
-/// A table of texts; what is certain is bold.
+/// A table of texts; certain ratios are bold.
 struct Grid {
     title: String,
     head: Vec<String>,
@@ -138,13 +138,13 @@ impl Text<'_> {
     fn words(&self) -> Vec<String> {
         let Args { spp, repeats, side, reference_spp, .. } = self.args;
         vec![
-            "Relative mean squared error of one method over that of another. Below 1 the first one is better. Bold is what is \
-             certain nineteen times of twenty, wins and losses alike."
+            "Relative mean squared error of one method over that of another. Below 1 the first one is better. A bold ratio \
+             is certain nineteen times of twenty, wins and losses alike."
                 .to_owned(),
             format!(
                 "Commit {}, {}; {:.0} minutes. Pictures of {side} x {side} pixels with {} and {} samples a pixel,\n\
                  {repeats} for each method, against {reference_spp} Sobol points of `even` a pixel. Time is that of processors between both,\n\
-                 so that what is made once for a picture does not count; errors go along the line through both. A ratio is certain where it\n\
+                 so that the work that is done once for a picture does not count. Errors go along the line through both. A ratio is certain where it\n\
                  is off 1 by {} standard errors (Student's t), of the errors alone. The 0.1 % of the pixels that are worst are apart.",
                 self.commit,
                 Processor::this(),

@@ -126,7 +126,7 @@ impl<'a> Sampler<'a> {
         matches!(self.kind, Kind::Lobes(_))
     }
 
-    /// Whether what is at hand draws, and nothing else, one direction at a time.
+    /// Whether the rendered lobes alone draw, one direction at a time.
     pub fn is_own(&self) -> bool {
         matches!(self.kind, Kind::Own) && self.cosine == 0.0 && !self.is_multi
     }

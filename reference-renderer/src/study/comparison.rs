@@ -191,7 +191,7 @@ pub fn measure(case: &Case<'_>, plan: &Plan, progress: &Progress) -> anyhow::Res
     })
 }
 
-/// How the reference is rendered: the material itself, by what is at hand; with lobes at hand, together with the light.
+/// The method of the reference: the material itself by its own sampler, together with the light.
 const OWN: Method = Method::of(Strategy::EVEN);
 
 /// The samplers of all methods, each fitted once.
@@ -381,7 +381,7 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// What is said of lost samples, if there are some.
+    /// The warning of lost samples, if there are some.
     fn warning(&self) -> Option<String> {
         let [lost, of] = self.lost;
         warning_of(lost, of).map(|text| format!("{}: {text}", self.method))

@@ -20,7 +20,7 @@ pub fn check_memory([width, height]: [u32; 2]) -> anyhow::Result<()> {
     srbf_fit::check_memory(bytes).with_context(|| format!("a picture of {width}x{height}"))
 }
 
-/// What is said of so many lost samples of so many, if there are some.
+/// The warning of lost samples, out of all; `None` if none is lost.
 pub fn warning_of(lost: u64, of: u64) -> Option<String> {
     (lost > 0).then(|| format!("warning: {lost} of {of} samples are not finite, and count as black"))
 }

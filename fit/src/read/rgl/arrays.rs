@@ -15,7 +15,7 @@ const MAX_WAVELENGTHS: usize = 4096;
 const LARGEST: f64 = 1e30;
 const LEAST_AREA: f64 = 1e-30;
 
-/// What a material is made of.
+/// The arrays of a material.
 #[derive(Clone, Debug)]
 pub(super) struct Arrays<T = f64> {
     /// Angles of the measured outgoing directions, radians, rising; one azimuth if isotropic.

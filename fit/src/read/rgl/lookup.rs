@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Least solid angle of half vectors over the area of the square: at the normal it is 0.
 const SMALLEST_AREA: f64 = 1e-6;
 
-/// What a file says of pairs of directions.
+/// Values and densities of pairs of directions, from a file.
 #[derive(Debug)]
 pub(super) struct Lookup<T = f64> {
     pub symmetry: Symmetry,
@@ -58,7 +58,7 @@ pub(super) fn dot<T: Real>(a: [T; 3], b: [T; 3]) -> T {
 }
 
 impl<T: Real> Lookup<T> {
-    /// `f cos` of the incident direction, and not clamped: what the file holds.
+    /// `f cos` of the incident direction, and not clamped: the value of the file.
     /// 0 where a direction is on the horizon or below it.
     pub fn f_cos(&self, wi: [T; 3], wo: [T; 3]) -> [T; 3] {
         if !is_above(wi, wo) {
@@ -182,7 +182,7 @@ impl Lookup<f32> {
         self.known(&sight, normal, sample, h, wo)
     }
 
-    /// What a place in the squares says; what leaves the range of f32 counts as nothing.
+    /// Value and density at a place in the squares; a number beyond the range of f32 counts as 0.
     fn known(
         &self,
         sight: &Sight<f32>,

@@ -28,7 +28,7 @@ pub(super) trait Real:
     fn hypot(self, other: Self) -> Self;
     fn atan2(self, x: Self) -> Self;
 
-    /// Of two, what is no number left out.
+    /// The larger of two; a NaN is left out.
     fn most(self, other: Self) -> Self {
         if self >= other { self } else { other }
     }

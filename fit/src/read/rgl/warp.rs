@@ -180,7 +180,7 @@ fn last_before(count: usize, holds: impl Fn(usize) -> bool) -> usize {
     low
 }
 
-/// Where in a cell the integral of what goes linearly from one number to another reaches a value; in [0, 1].
+/// The place in a cell, in [0, 1], where the integral of a linear function reaches a value; the function goes from one number to another.
 fn solve<T: Real>(from: T, to: T, value: T) -> T {
     let (zero, two) = (T::of(0.0), T::of(2.0));
     let divisor = from + (from * from + two * value * (to - from)).most(zero).sqrt();
@@ -220,7 +220,7 @@ mod tests {
         }
         // The mean of the inverse of the density is the area.
         assert!((mean - 1.0).abs() < 1e-3, "{mean}");
-        // Corners, and what has no mass, stay in the square.
+        // Corners, and cells without mass, stay in the square.
         let hollow = Warp::new(Grid::new(vec![0.0, 0.0, 0.0, 0.0, 0.0, 1.0], 3, 2).unwrap()).unwrap();
         for u in [[0.0, 0.0], [0.999_999, 0.999_999], [0.0, 0.5]] {
             let point = Warp::sample(&[(&hollow, 1.0)], u);

@@ -25,7 +25,7 @@ const MOST_DIFFUSE: f32 = 0.9;
 const SURVEY: u64 = 2048;
 const SURVEY_BLOCKS: usize = 256;
 
-/// What makes its numbers others than the picture's.
+/// Tells the numbers of the survey from those of the picture.
 const OF_SURVEY: u64 = 0x5eed;
 
 /// What all paths share.
@@ -150,7 +150,7 @@ impl<'a> Path<'_, 'a> {
         SurveyedPath {
             point: frame.point,
             light: luminance(sum).max(0.0),
-            // A shadow ray that does not exist is blocked nowhere: the sums of the lobes alone are what is reflected.
+            // A shadow ray that does not exist is blocked nowhere: all the reflected light is in the sums of the lobes.
             clear: [ray, drawn.reflection.shadow.is_none() || self.is_lit(frame, drawn)],
         }
     }

@@ -1,6 +1,6 @@
-//! Even sums for samplers that are no lobes: what `Mixture::reflect` does, by the density of any sampler.
+//! Even sums for samplers other than lobes: the method of `Mixture::reflect`, by the density of any sampler.
 //!
-//! The estimator and why it is unbiased stand in `core/src/environment/reflect.rs`. The sums are of what is rendered: a table is evaluated
+//! The estimator and the proof of its mean stand in `core/src/environment/reflect.rs`. The sums are of the rendered material: a table is evaluated
 //! for every direction, which is dear.
 
 use crate::shade::shader::Scattering;
@@ -64,7 +64,7 @@ pub fn reflect(
     let (of_block, of_rays) = brought.split_at(LIGHT_BLOCK);
     let targets: [f32; LIGHT_BLOCK] = std::array::from_fn(|i| {
         let target = luminance(of_block[i]);
-        // A channel may be negative: what is not 0 has to have a chance.
+        // A channel may be negative: every value other than 0 has to have a chance.
         if target > 0.0 { target } else { of_block[i].abs().max_element() }
     });
     let whole: f32 = targets.iter().sum();

@@ -79,7 +79,7 @@ pub fn wave<'a>(
         ask(settings, room);
         go_on(scene, settings, bounce, light, room);
     }
-    // What is met beyond the last surface reflects nothing more.
+    // A surface beyond the last one reflects nothing more.
     for traveller in room.alive.drain(..) {
         if scene.hit(&traveller.ray).is_none() {
             light[traveller.index] += escaped(scene, settings, &traveller);

@@ -15,7 +15,7 @@ pub struct LightTile {
 }
 
 impl LightTile {
-    /// Draws so many blocks of the tile of a seed, the `number`-th.
+    /// Draws `blocks` blocks of the tile of a seed, the `number`-th.
     pub fn new(environment: &Environment, seed: u64, number: u64, blocks: usize) -> Self {
         let key = Random::new(seed, u64::from_le_bytes(*b"the tile"), number).key() as u32;
         let sample = |i: usize| {
