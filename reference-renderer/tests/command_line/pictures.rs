@@ -142,7 +142,17 @@ fn a_furnace_of_one_sample_has_no_error() {
 #[test]
 fn a_comparison_with_a_poor_reference_says_so() {
     let place = folder("poor");
-    let poor = ["compare", "--materials", "garnet_red", "--spp", "512,1024", "--reference-spp", "2"];
+    let poor = [
+        "compare",
+        "--materials",
+        "garnet_red",
+        "--samplers",
+        "even,mis,ggx+mis",
+        "--spp",
+        "512,1024",
+        "--reference-spp",
+        "2",
+    ];
     let output = srbf(&place, &[&poor[..], &["--side", "12", "-o", "a"]].concat());
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(text.contains(" *\n") && !text.contains("NaN") && !text.contains(" x +- "), "{text}");

@@ -17,6 +17,10 @@ fn declared(header: &str) -> Vec<(String, bool)> {
     let (mut in_comment, mut documented) = (false, false);
     for line in header.lines() {
         let trimmed = line.trim_start();
+        if trimmed.starts_with("///") {
+            documented = true;
+            continue;
+        }
         if trimmed.starts_with("/*") || in_comment {
             in_comment = !trimmed.ends_with("*/");
             documented = !in_comment;
@@ -53,7 +57,7 @@ fn are_declared_documented_and_tested() {
         };
         let source = others.iter().fold(read(program), |source, other| source + &read(other));
         // Where nothing can be abused, normal use is all.
-        let harmless = ["srbf_version", "srbf_version_text", "srbf_simd_level", "srbf_simd_set_level"];
+        let harmless = ["srbf_version", "srbf_simd_level", "srbf_simd_set_level"];
         let untested: Vec<_> = names
             .iter()
             .filter(|name| !source.contains(&format!("{name}(")))

@@ -135,14 +135,19 @@ mod tests {
         let pixel = |i: usize| Vec3::splat(if i == 420 { 300.0 } else { 0.2 + ((i * 37) % 11) as f32 * 0.1 });
         let light = Environment::new(64, (0..64 * 32).map(pixel).collect()).unwrap();
         let (lobes, table) = (lacquer(), model("model:ggx:alpha=0.3,f0=0.9/0.5/0.1,diffuse=0.05"));
-        for truth in [Truth::Lobes(&lobes.material), Truth::Table(&table)] {
-            // Lobes that sample a table go by `Mixture::reflect`.
-            for name in [SamplerName::Ggx, SamplerName::Cosine, SamplerName::Lobes] {
+        // By the cosine, the highlights of lacquer have a variance in which 2 % are lost. Lobes that sample a table go by
+        // `Mixture::reflect`.
+        let cases = [
+            (Truth::Lobes(&lobes.material), &[SamplerName::Ggx, SamplerName::Lobes][..]),
+            (Truth::Table(&table), &[SamplerName::Ggx, SamplerName::Cosine, SamplerName::Lobes][..]),
+        ];
+        for (truth, names) in cases {
+            for &name in names {
                 let sampler = Sampler::fit(name, &truth, Some(&lobes.material)).unwrap();
                 let shader = Shader { truth, sampler: &sampler };
                 let scene = Scene::new(SceneName::Teapot, shader, shader, &light);
-                let (ours, error) = mean(&scene, Light::Even, 256);
-                let (reference, own) = mean(&scene, Light::Mis, 1024);
+                let (ours, error) = mean(&scene, Light::Even, 1024);
+                let (reference, own) = mean(&scene, Light::Mis, 4096);
                 let error = (error * error + own * own).map(f64::sqrt);
                 let apart = (ours - reference) / error;
                 println!("{name:?}: {apart} standard errors of {:.2e}", error.max_element());
