@@ -37,13 +37,13 @@ printf '%-40s %-7s %8s %8s %8s %8s\n' file value 'L2 %' 'held %' measure seconds
 for file in "$@"; do
     for which in before after; do
         TIMEFORMAT=%U
-        { time "target/tuning/$which" fit "$file" -o target/tuning/fit.srbf --force --json >target/tuning/fit.json; } 2>target/tuning/seconds
+        { time "target/tuning/$which" fit "$file" -o target/tuning/fit.srbf --force --json >target/tuning/printed.json; } 2>target/tuning/seconds
         awk -v file="$file" -v which="$which" -v seconds="$(tail -n 1 target/tuning/seconds)" '
             { gsub(/[",]/, "") }
             $1 == "mean_relative_l2:" { error = 100 * $2 }
             $1 == "mean_relative_l2_held_out:" { held = 100 * $2 }
             $1 == "measure:" { measure += $2; count += 1 }
             END { printf "%-40s %-7s %8.3f %8.3f %8.4f %8.1f\n", substr(file, length(file) > 40 ? length(file) - 39 : 1), which,
-                  error, held, count ? measure / count : 0, seconds }' target/tuning/fit.json
+                  error, held, count ? measure / count : 0, seconds }' target/tuning/printed.json
     done
 done
