@@ -8,7 +8,9 @@ use super::block::{DrawBlock, SumBlock};
 #[cfg(feature = "simd")]
 use super::multiply_factors::multiply_block;
 use super::prepare::prepare_each;
-use super::request::{Draws, Request, Towards, at};
+#[cfg(feature = "simd")]
+use super::request::{Draws, Towards};
+use super::request::{Request, at};
 use super::slices::{Block, same_length};
 #[cfg(feature = "simd")]
 use crate::color::luminance;
