@@ -138,21 +138,22 @@ impl Arrays {
     /// Extents first, each once: in most requests none meets another.
     fn check(&mut self) -> Outcome {
         let (mut read, mut written) = ([[0; 2]; INPUTS], [[0; 2]; OUTPUTS]);
-        let (mut reads, mut writes) = (0, 0);
-        for stream in self.inputs.iter().flatten() {
-            stream.check(self.count)?;
-            self.is_dense &= stream.is_dense();
-            let extent = stream.extent(self.count);
-            read[reads] = [extent.start, extent.end];
-            reads += 1;
-        }
-        for stream in self.outputs.iter().flatten() {
-            stream.check(self.count)?;
-            self.is_dense &= stream.is_dense();
-            let extent = stream.extent(self.count);
-            written[writes] = [extent.start, extent.end];
-            writes += 1;
-        }
+        let (count, mut is_dense) = (self.count, true);
+        let mut extents =
+            |streams: &[Option<Stream>], extents: &mut [[usize; 2]]| -> Result<usize, Failure> {
+                let mut n = 0;
+                for stream in streams.iter().flatten() {
+                    stream.check(count)?;
+                    is_dense &= stream.is_dense();
+                    let extent = stream.extent(count);
+                    extents[n] = [extent.start, extent.end];
+                    n += 1;
+                }
+                Ok(n)
+            };
+        let reads = extents(&self.inputs, &mut read)?;
+        let writes = extents(&self.outputs, &mut written)?;
+        self.is_dense = is_dense;
         let (read, written) = (&read[..reads], &written[..writes]);
         // Without branches that depend on the addresses.
         let mut meeting = false;
