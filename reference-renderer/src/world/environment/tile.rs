@@ -4,8 +4,8 @@ use super::Environment;
 use crate::numbers::random::Random;
 use srbf_core::{EnvironmentSample, LIGHT_BLOCK, LightBlock};
 
-/// Blocks of a tile: the points of one Sobol sequence, 1.8 MB.
-pub const BLOCKS: usize = 4096;
+/// Blocks of a tile: the points of one Sobol sequence, 0.5 MB, which the caches of a core hold.
+pub const BLOCKS: usize = 1024;
 
 /// Blocks of samples, those of one scrambled sequence in its order: any 2^k that follow each other on a multiple of that lie evenly.
 ///
