@@ -222,6 +222,27 @@ mod tests {
     }
 
     #[test]
+    fn matte_ground_has_the_paths_of_mis() {
+        let light = crate::world::environment::sky::sky();
+        let [object, ground] = ["garnet_red", "matte"].map(|name| StoredMaterial::load(name).unwrap());
+        let scene = Scene::new(SceneName::Teapot, &object.material, &ground.material, &light);
+        let film = |light: Light| {
+            let settings =
+                RenderSettings { light, split: 1, max_bounces: 6, points: PointsName::Sobol, seed: 3 };
+            let mut film = Film::new(SIZE);
+            let camera = SceneName::Teapot.camera(SIZE);
+            add_samples(&scene, &camera, &settings, &mut film, 4, &Progress::hidden()).unwrap();
+            film
+        };
+        let [even, mis] = [Light::Even, Light::Mis].map(film);
+        let is_same = |i: usize| even.mean(i) == mis.mean(i);
+        let count = even.pixels.len();
+        let before_the_teapot = count - 3 * SIZE[0] as usize;
+        assert!((before_the_teapot..count).all(is_same));
+        assert!(!(0..count).all(is_same));
+    }
+
+    #[test]
     fn means_are_those_of_long_references_and_a_bias_of_one_percent_is_found() {
         let light = (0..64 * 32)
             .map(|i| Vec3::splat(if i == 420 { 300.0 } else { 0.2 + ((i * 37) % 11) as f32 * 0.1 }));
