@@ -43,13 +43,13 @@ pub struct Args {
     #[arg(long, value_delimiter = ',', default_value = "ggx,lafortune,rgl", value_name = "SAMPLER")]
     samplers: Vec<String>,
     /// Pictures of each method; fewer make what is certain rarer, by the t factor
-    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(2..=1000), value_name = "N")]
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(2..=1000), value_name = "N")]
     repeats: u32,
     /// Samples a pixel of references
-    #[arg(long, default_value_t = 2048, value_parser = clap::value_parser!(u32).range(2..=1 << 24), value_name = "N")]
+    #[arg(long, default_value_t = 1024, value_parser = clap::value_parser!(u32).range(2..=1 << 24), value_name = "N")]
     reference_spp: u32,
     /// Sides of the square pictures in pixels
-    #[arg(long, default_value_t = 40, value_parser = clap::value_parser!(u32).range(1..=4096), value_name = "PIXELS")]
+    #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..=4096), value_name = "PIXELS")]
     side: u32,
     /// Only the materials whose names contain this
     #[arg(long, value_name = "NAME")]

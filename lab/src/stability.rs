@@ -2,7 +2,7 @@
 
 mod light;
 mod measure;
-mod solver;
+pub mod solver;
 mod whole;
 
 use anyhow::anyhow;

@@ -1,7 +1,8 @@
 //! The figures that the present code gives.
 
 use super::figure::Figure;
-use crate::{leave_out, stability, thesis_table};
+use crate::stability::{self, solver};
+use crate::{leave_out, thesis_table};
 use anyhow::{Context, bail};
 use srbf_core::Material;
 use srbf_fit::judge::report::{ViewReport, mean_error};
@@ -71,6 +72,7 @@ pub const GROUPS: &[Group] = &[
         needs: Needs::Minutes,
         make: table_5_1,
     },
+    Group { name: "solver", command: "cargo lab stability", needs: Needs::Minutes, make: solver_of_the_fit },
 ];
 
 /// The presets.
@@ -126,6 +128,24 @@ fn stable() -> anyhow::Result<Vec<Figure>> {
     for operation in &operations {
         let worst = operation.worst().context("an operation without rows")?;
         figures.push(Figure::small(format!("stability {}", operation.name), worst.ours));
+    }
+    Ok(figures)
+}
+
+/// The solver of the fit on peaks that it finds and on such that it loses. Conditions near 1e16 are rounding, and no figure.
+fn solver_of_the_fit() -> anyhow::Result<Vec<Figure>> {
+    let mut figures = Vec::new();
+    for case in &solver::CASES {
+        let solved = case.solve().with_context(|| case.name.to_owned())?;
+        let name = |what: &str| format!("solver {} {what}", solved.name);
+        figures.push(Figure::rounded(name("views"), 100.0 * solved.error[0], 2));
+        figures.push(Figure::rounded(name("between"), 100.0 * solved.error[1], 2));
+        figures.push(Figure::rounded(name("height"), solved.heights[0], 2));
+        figures.push(Figure::rounded(name("second height"), solved.heights[1], 2));
+        figures.push(Figure::count(name("evaluations"), solved.evaluations));
+        if solved.condition < 1e15 {
+            figures.push(Figure::small(name("condition"), solved.condition));
+        }
     }
     Ok(figures)
 }
