@@ -71,7 +71,7 @@ impl Place {
         Self { before, after, blend }
     }
 
-    /// The same for what is linear among four views.
+    /// The same for numbers that are linear among four views.
     #[inline(always)]
     pub fn among(self) -> Among {
         let views = [[self.before as u16, self.after as u16]; 2];
@@ -170,7 +170,7 @@ pub(crate) fn head_at<L: Lanes>(material: MaterialRef<'_>, place: Place) -> (f32
     let (mut head, mut logarithms) = ([0.0; WIDEST_PAIR], [0.0; WIDEST_PAIR]);
     let mut i = 0;
     while i < HEAD {
-        // What comes behind the head is none of its numbers, and its power of two may be a subnormal, which
+        // The bytes behind the head are none of its numbers, and their power of two may be a subnormal, which
         // costs 150 cycles.
         let numbers = place.between::<L>(a, b, i).keep(L::first_lanes(HEAD - i));
         exp2(numbers).store(&mut head[i..]);
@@ -273,7 +273,7 @@ impl Rows<'_> {
         Lobes { axis: [x, y, z], sharpness, rgb, luminance }
     }
 
-    /// Numbers of a row of a vector of lobes, images being what they mirror; behind the last lobe anything.
+    /// Numbers of a row of a vector of lobes, images being their mirrored lobes; behind the last lobe anything.
     #[inline(always)]
     fn row<L: Lanes>(&self, row: usize, k: usize) -> L {
         let at = self.mirrored + row * self.count + k;
@@ -296,7 +296,7 @@ impl Rows<'_> {
         let image = L::select(self.before::<L>(self.count + self.mirrored, k), image, zero);
         let mirrored = L::select(self.before::<L>(self.count, k), stored, image);
         let off_plane = L::select(self.before::<L>(self.count - self.mirrored, k), zero, mirrored);
-        // The square of what is next to nothing is a subnormal.
+        // The square of a number next to nothing is a subnormal.
         off_plane.keep(off_plane.abs().ge(L::splat(LEAST_OFF_PLANE)))
     }
 

@@ -1,8 +1,8 @@
 //! A block of mixtures on the hemisphere, each with a direction of its own.
 //!
-//! What a mixture needs once, the draw from the chosen lobe and the turn and squeeze of the direction, is
-//! done for the whole block with lanes as mixtures; what every lobe needs, with lanes as lobes. So nothing
-//! waits for the long chain of dependent operations that one direction is alone.
+//! Some work is needed once a mixture: the draw from the chosen lobe, the turn and squeeze of the direction. It is done for the
+//! whole block with lanes as mixtures; what every lobe needs, with lanes as lobes. So nothing waits for the long chain of
+//! dependent operations that one direction is alone.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
 use super::draw::{Choice, Frame, chosen_lobe, chosen_power, draw};

@@ -77,7 +77,7 @@ pub(crate) fn sample_direction<L: Lanes>(m: &MixtureRef<'_>, u: [L; 3]) -> [L; 3
     draw(&Frame::new(head), choice, u[1], u[2])
 }
 
-/// Draws one direction, and what it is to be multiplied by to be of length 1: lanes are lobes while the lobe
+/// Draws one direction, and the factor that makes its length 1: lanes are lobes while the lobe
 /// is searched. Without `SEEN`, for a mixture that neither turns nor squeezes it, that is 1 but for rounding.
 #[inline(always)]
 pub(crate) fn draw_one<L: Lanes, const N: usize, const SEEN: bool>(
@@ -92,8 +92,8 @@ pub(crate) fn draw_one<L: Lanes, const N: usize, const SEEN: bool>(
 /// The lobe at a place on the running sum of powers.
 #[inline(always)]
 pub(crate) fn chosen_lobe<L: Lanes, const N: usize>(m: &Mixture<'_, N>, target: f32) -> usize {
-    // The running sum never falls: the lobes that are passed come first, and what is stored behind the last
-    // does not matter. The last ends the search whatever its sum is rounded to.
+    // The running sum never falls: the lobes that are passed come first, and numbers stored behind the last do not matter. The
+    // last ends the search whatever its sum is rounded to.
     let (mut above, mut from) = (1u64.wrapping_shl((m.head.count as u32).wrapping_sub(1)), 0);
     while row::is_within::<L, N>(from, m.head.count) {
         above |= L::bits(L::splat(target).lt(row::load(&m.rows.cumulative, from))) << from;
@@ -137,7 +137,7 @@ pub(crate) fn draw<L: Lanes>(frame: &Frame<L>, choice: Choice<L>, u: L, turns: L
     scale(d, inverse)
 }
 
-/// Draws directions, and what they are to be multiplied by to be of length 1. `SEEN`: they are turned.
+/// Draws directions, and the factors that make their lengths 1. `SEEN`: they are turned.
 #[inline(always)]
 pub(crate) fn draw_unscaled<L: Lanes, const SEEN: bool>(
     frame: &Frame<L>,
@@ -146,8 +146,8 @@ pub(crate) fn draw_unscaled<L: Lanes, const SEEN: bool>(
     turns: L,
 ) -> ([L; 3], L) {
     let one = L::splat(1.0);
-    // One direction is a chain of dependent operations: what does not wait for the lobe, and then what does
-    // not wait for the logarithm, is done beside that.
+    // One direction is a chain of dependent operations: operations that do not wait for the lobe, and then those that do not wait
+    // for the logarithm, run beside it.
 
     // Angle from the axis, as cos - 1: see special::one_minus_cos.
     let [mut fall, mut above] = cos_minus_one(u, choice.inside, choice.gone, choice.inverse_sharpness);
@@ -194,7 +194,7 @@ pub(crate) fn draw_unscaled<L: Lanes, const SEEN: bool>(
     let inverse = if frame.any_squeezed {
         length_squared.sqrt() * (one / length_squared)
     } else {
-        // What is not squeezed has a length of 1 but for rounding, and one step of Newton's is exact.
+        // A direction that is not squeezed has a length of 1 but for rounding, and one step of Newton's is exact.
         length_squared.neg_mul_add(L::splat(0.5), L::splat(1.5))
     };
     (if SEEN { turn_back(d, frame.azimuth) } else { d }, inverse)
@@ -231,8 +231,7 @@ fn cos_minus_one<L: Lanes>(u: L, inside: L, gone: L, inverse_sharpness: L) -> [L
     let left = (one - u).max(L::splat(1e-30));
     // 1 - u inside, rounded once; for a large u, for which 1 - u is exact, without cancellation.
     let y = L::select(u.lt(L::splat(0.5)), inside.neg_mul_add(u, one), gone.mul_add(u, left));
-    // ln(1 - drop) = ln(y) + c / y, c what rounding lost of y. 1 / y = 1 + drop + ...: what is left out is
-    // below a rounding.
+    // ln(1 - drop) = ln(y) + c / y, c what rounding lost of y. 1 / y = 1 + drop + ...: the terms left out are below a rounding.
     let drop = u * inside;
     let lost = (one - y) - drop;
     let lost = lost.mul_add(drop, lost).keep(y.ge(L::splat(0.5)));

@@ -9,7 +9,7 @@ use crate::squeeze::Seen;
 use core::f32::consts::FRAC_1_PI;
 use core::ops::Range;
 
-/// What one stage leaves for the next: a number for each lobe, and one for its fold.
+/// The results of one stage for the next: a number for each lobe, and one for its fold.
 pub(crate) type Stage<L> = [L; STAGE];
 
 pub(crate) const STAGE: usize = 16;
@@ -53,25 +53,24 @@ pub(crate) fn sums<L: Lanes, const C: usize>(
 
 /// The form in which a direction is held that lobes see, and how far from an axis it is in that.
 trait Form {
-    /// A component of the axis minus one of the direction, or the other way round: what is the same for all
-    /// lobes stands where it may stay in memory.
+    /// A component of the axis minus one of the direction, or the other way round: the number that all lobes share is the operand
+    /// that may stay in memory.
     fn apart<L: Lanes>(axis: f32, seen: &Seen<L>, i: usize) -> L;
-    /// What the squared distance is multiplied by for an exponent, in every lane.
+    /// The factor that makes an exponent of the squared distance, in every lane.
     fn rate<L: Lanes>(rate: f32, seen: &Seen<L>) -> L;
 }
 
 /// One f32 a component, of length 1.
 struct Plain;
 
-/// Two f32 a component, of length 1: what was turned, or squeezed and made a unit vector.
+/// Two f32 a component, of length 1: a direction that was turned, or squeezed and made a unit vector.
 struct Split;
 
-/// Two f32 a component, with a length: what was squeezed, where operations are fused. The axis is made as
+/// Two f32 a component, with a length: a squeezed direction, where operations are fused. The axis is made as
 /// long.
 struct Long;
 
-/// Whether a component has a low part: what is only turned or not made a unit vector has its height in one
-/// f32.
+/// Whether a component has a low part: a direction only turned, or not made a unit vector, has its height in one f32.
 #[inline(always)]
 fn has_low<L: Lanes>(i: usize) -> bool {
     i < 2 || !L::FUSED
@@ -243,7 +242,7 @@ fn in_stages<L: Lanes, const C: usize, F: Form, const PLANE: bool, const FOLD: b
                 stage[j] = stage[j] + stage[n + j];
             }
         }
-        // Two channels at a time, and the last by itself: so many sums stay in registers. Both loops as one
+        // Two channels at a time, and the last by itself: the sums of two stay in registers. Both loops as one
         // function of one or two channels are compiled to 1.07 of the time.
         for i in (0..C).step_by(2) {
             let amplitude = &lobes.amplitudes[i][k..k + n];
@@ -266,7 +265,7 @@ fn in_stages<L: Lanes, const C: usize, F: Form, const PLANE: bool, const FOLD: b
     }
 }
 
-/// The exponent of a lobe, to base 2; `yy` is the square of what is seen of y.
+/// The exponent of a lobe, to base 2; `yy` is the square of y after the squeeze.
 #[inline(always)]
 fn exponent<L: Lanes, F: Form, const PLANE: bool>(axis: [f32; 3], rate: f32, seen: &Seen<L>, yy: L) -> L {
     let (dx, dz) = (F::apart(axis[0], seen, 0), F::apart(axis[2], seen, 2));

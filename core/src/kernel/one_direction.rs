@@ -27,13 +27,13 @@ impl<const N: usize> Mixture<'_, N> {
         self.lobes_value(direction)
     }
 
-    /// The value, and the luminance of what the lobes have, of a mixture with factors.
+    /// The value, and the luminance of the lobes alone, of a mixture with factors.
     #[inline(never)]
     fn factored(&self, direction: Vec3) -> (Vec3, f32) {
         self.head.level.run_one::<_, FactoredOne>(self, direction.to_array())
     }
 
-    /// What the lobes and the diffuse term have, without factors.
+    /// The value of the lobes and the diffuse term, without factors.
     #[inline(always)]
     fn lobes_value(&self, direction: Vec3) -> Vec3 {
         if self.is_plain() {
@@ -100,8 +100,7 @@ impl<const N: usize> Mixture<'_, N> {
         Some(self.sampled(direction, value, luminance))
     }
 
-    /// A sample of a direction that has been drawn, with the value there and the luminance of what the lobes
-    /// have.
+    /// A sample of a direction that has been drawn, with the value there and the luminance of the lobes alone.
     #[inline(always)]
     fn sampled(&self, direction: [f32; 3], value: Vec3, luminance: f32) -> Sample {
         let pdf = luminance * self.head.inverse_power;
@@ -155,14 +154,14 @@ impl<const N: usize, const SEEN: bool> One<&Mixture<'_, N>> for PdfOne<SEEN> {
     }
 }
 
-/// A direction from three uniform numbers, and what follows. `SEEN`: for a mixture that turns or squeezes it.
+/// A direction from three uniform numbers, and the numbers that follow from it. `SEEN`: for a mixture that turns or squeezes it.
 struct Drawn<const SEEN: bool>;
 
 impl<const N: usize, const SEEN: bool> Draw<&Mixture<'_, N>> for Drawn<SEEN> {
     #[inline(always)]
     fn run<L: Lanes>(m: &Mixture<'_, N>, u: [f32; 3]) -> ([f32; 3], f32) {
         let (d, inverse) = draw_one::<L, N, SEEN>(m, u);
-        // What was squeezed has another length.
+        // A squeezed direction has another length.
         if SEEN { (scale(d, inverse), 1.0) } else { (d, inverse) }
     }
 }
@@ -180,7 +179,7 @@ impl<const N: usize> One<&Mixture<'_, N>> for DirectionOne {
     }
 }
 
-/// Value towards one direction, and the luminance of what the lobes have there, for a mixture with factors.
+/// Value towards one direction, and the luminance of the lobes alone there, for a mixture with factors.
 struct FactoredOne;
 
 impl<const N: usize> One<&Mixture<'_, N>> for FactoredOne {
@@ -265,7 +264,7 @@ pub(crate) fn all_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bo
         } else if L::FUSED {
             Sight::splat_either::<L>(L::first_lanes(m.head.squeezed), squeezed, turned)
         } else {
-            // No broadcasts under a mask; and the loop below is what is run.
+            // No broadcasts under a mask; and the loop below runs.
             mix::<L>(&squeezed.splat(), &turned.splat(), m.head.squeezed)
         };
         add_lobes::<L, N, C, SEEN>(m, amplitudes, &seen, 0, &mut acc);
@@ -339,7 +338,7 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     }
 }
 
-/// What is seen, `first` by the first `count` lanes, `then` by the others.
+/// The seen direction: `first` for the first `count` lanes, `then` for the others.
 #[inline(always)]
 fn mix<L: Lanes>(first: &Seen<L>, then: &Seen<L>, count: usize) -> Seen<L> {
     let is_first = L::first_lanes(count);

@@ -18,7 +18,7 @@ use glam::Vec3;
 const NEAR: usize = 512;
 
 impl<const N: usize> Mixture<'_, N> {
-    /// Draws and evaluates for n hits: what is asked is what is given.
+    /// Draws and evaluates for n hits: outputs that are given are wanted.
     ///
     /// Shapes: every slice of the request `[n]`; of draws and of directions to evaluate there may be different
     /// numbers.

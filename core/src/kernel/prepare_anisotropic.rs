@@ -1,32 +1,28 @@
 //! From an anisotropic material and an outgoing direction to a mixture: lanes are lobes.
 //!
-//! # What is interpolated
-//! The views lie on rings round the normal, each ring periodic in the azimuth of the outgoing direction. The
-//! mixture of a view is written in the frame of the view, +x in the plane of incidence away from `wo`,
-//! because there a highlight stays where it is when `wo` turns. Between four views everything is interpolated
-//! linearly, in angle and azimuth: the axes as vectors of angles from the normal
-//! ([`TiltedLobe`](crate::TiltedLobe)), the logarithms of sharpness, luminance and squeeze, and the colour
-//! differences.
+//! # Interpolated numbers
+//! The views lie on rings round the normal, each ring periodic in the azimuth of the outgoing direction. The mixture of a view is
+//! written in the frame of the view, +x in the plane of incidence away from `wo`. A highlight stays at one place of it when `wo`
+//! turns. Between four views everything is interpolated linearly, in angle and azimuth: the axes as vectors of angles from the
+//! normal ([`TiltedLobe`](crate::TiltedLobe)), the logarithms of sharpness, luminance and squeeze, and the colour differences.
 //!
 //! # The squeeze matrix
-//! Isotropic materials are squeezed across the plane of incidence by one number. A brushed surface has a
-//! direction of its own, so here a direction `d` is seen as `u = (M (d.x, d.y), d.z) / r` with a symmetric
-//! matrix M, held as its logarithm: that is a vector space, which interpolation does not leave, in which a
-//! turn is linear, and in which no angle wraps. (An axis and a number would have to jump: from the normal,
-//! where the axis turns once with every half turn of `wo`, to grazing, where it stays in the plane of
-//! incidence.) `dw(u) = det M dw(d) / r^3`. With the eigenvectors as x and y, M is diagonal: the mixture
-//! takes them as its frame, and the kernels see two numbers in place of one.
+//! Isotropic materials are squeezed across the plane of incidence by one number. A brushed surface has a direction of its own. So
+//! a direction `d` is seen as `u = (M (d.x, d.y), d.z) / r` with a symmetric matrix M, held as its logarithm: that is a vector
+//! space, which interpolation does not leave, in which a turn is linear, and in which no angle wraps. (An axis and a number would
+//! have to jump: from the normal, where the axis turns once with every half turn of `wo`, to grazing, where it stays in the plane
+//! of incidence.) `dw(u) = det M dw(d) / r^3`. With the eigenvectors as x and y, M is diagonal: the mixture takes them as its
+//! frame, and the kernels see two numbers in place of one.
 //!
 //! A lobe's axis is stored where the lobe points to, before the squeeze, so that a change of M leaves a
 //! highlight in its place.
 //!
 //! # Why it is continuous
-//! *Along a ring* the four shares are continuous and periodic. *Across a ring* the share of what lies beyond
-//! is 0. *At the normal* there is one view, stored in the frame of the surface. In the frame of a view whose
-//! +x is at the azimuth a it is turned by -a; turning is linear in tilts and in the logarithm of M, and
-//! leaves the rest as it is. Between the normal and the first ring, at the share t of the ring, the mixture
-//! is `(1 - t) turned(normal, -a) + t ring(a)`. Turned back by a into the frame of the surface it differs
-//! from the normal's by at most `t` times a constant, whatever a is: so it tends to the normal's view from
+//! *Along a ring* the four shares are continuous and periodic. *Across a ring* the share of the views beyond is 0. *At the normal*
+//! there is one view, stored in the frame of the surface. In the frame of a view whose +x is at the azimuth a it is turned by -a;
+//! turning is linear in tilts and in the logarithm of M, and leaves the rest as it is. Between the normal and the first ring, at
+//! the share t of the ring, the mixture is `(1 - t) turned(normal, -a) + t ring(a)`. Turned back by a into the frame of the
+//! surface it differs from the normal's by at most `t` times a constant, whatever a is: so it tends to the normal's view from
 //! every side, and at the normal itself, where a is any number, it is that view.
 
 use super::outgoing::Outgoing;
@@ -205,7 +201,7 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     Among { views, onward: place.onward, outward: place.outward }
 }
 
-/// Loads little-endian f32 from bytes of any alignment; what lies past the end reads as 0.
+/// Loads little-endian f32 from bytes of any alignment; numbers past the end read as 0.
 #[inline(always)]
 fn load_bytes<L: Lanes>(bytes: &[u8], offset: usize) -> L {
     let rest = &bytes[offset..];

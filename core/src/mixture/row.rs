@@ -20,7 +20,7 @@ pub(crate) fn load<L: Lanes, const N: usize>(row: &[f32; N], k: usize) -> L {
     L::load(&padded)
 }
 
-/// Stores numbers from the `k`-th on; what is behind the end of the row goes nowhere.
+/// Stores numbers from the `k`-th on; numbers behind the end of the row go nowhere.
 #[inline(always)]
 pub(crate) fn store<L: Lanes, const N: usize>(numbers: L, row: &mut [f32; N], k: usize) {
     if N.is_multiple_of(L::COUNT) {

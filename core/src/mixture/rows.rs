@@ -1,4 +1,4 @@
-//! The numbers of a mixture, and what can be read off them.
+//! The numbers of a mixture, and the properties that can be read off them.
 
 use super::factors::{Factors, Nodes};
 use crate::lobe::gaussian::{Gaussian, Lobe};
@@ -14,7 +14,7 @@ use glam::Vec3;
 pub enum Domain {
     /// The whole sphere: no fold.
     Sphere,
-    /// The upper hemisphere, z >= 0: what a lobe has below the horizon is mirrored back up; 0 below.
+    /// The upper hemisphere, z >= 0: the part of a lobe below the horizon is mirrored back up; 0 below.
     #[default]
     Hemisphere,
 }
@@ -62,8 +62,8 @@ pub(crate) fn weight_of(value: Vec3, pdf: f32) -> Vec3 {
 /// lobe over the sphere. A folded lobe does not change if its axis is mirrored, so axes are kept above the
 /// horizon. The second term is left out, once per lobe, where the share of the lobe below the horizon is at
 /// most 1e-7: below the horizon `cos <= t = sqrt(1 - axis.z^2)`, and a Gaussian has the share `(exp(-s (1 -
-/// t)) - exp(-2 s)) / (1 - exp(-2 s)) <= exp(-s (1 - t))` of its integral at `cos <= t`. What is left out is
-/// at most `1e-7 a` at any direction.
+/// t)) - exp(-2 s)) / (1 - exp(-2 s)) <= exp(-s (1 - t))` of its integral at `cos <= t`. The part left out is at most `1e-7 a` at
+/// any direction.
 ///
 /// # Examples
 /// ```
@@ -102,7 +102,7 @@ macro_rules! row_of {
 }
 pub(crate) use row_of;
 
-/// What a mixture has once.
+/// The numbers that a mixture has once.
 #[derive(Clone, Debug)]
 pub(crate) struct Head<'m> {
     pub count: usize,
@@ -110,7 +110,7 @@ pub(crate) struct Head<'m> {
     pub domain: Domain,
     /// Every axis has y = 0 in the frame of the view.
     pub in_plane: bool,
-    /// What this mixture's kernels run on, chosen when it was made.
+    /// The level of this mixture's kernels, chosen when it was made.
     pub level: Level,
     pub squeeze: Squeeze,
     /// Bit k: lobe k needs its fold.
@@ -134,8 +134,8 @@ pub(crate) struct Head<'m> {
 /// Declares the rows of a mixture.
 macro_rules! rows {
     ($($(#[$doc:meta])* $row:ident)*) => {
-        /// What a mixture has for each lobe, a row `R` of numbers each: structure of arrays. Places from the
-        /// count of lobes up to the next multiple of what one direction takes at a time (two vectors on AVX2,
+        /// The numbers of a mixture for each lobe, a row `R` of each: structure of arrays. Places from the
+        /// count of lobes up to the next multiple of the lobes that one direction takes at a time (two vectors on AVX2,
         /// one elsewhere) hold lobes of amplitude 0.
         #[derive(Clone, Copy, Debug)]
         pub(crate) struct Rows<R> {
@@ -179,9 +179,8 @@ rows! {
     luminance
     /// `-s / 2` in base 2: times the squared chord it is the exponent.
     rate
-    /// `-2 s axis.z` in base 2: times d.z it is what the fold adds to the exponent. Minus infinity, or a NaN
-    /// times 0, which both leave nothing of it, for a lobe that does not need its fold but shares a vector
-    /// with one that does.
+    /// `-2 s axis.z` in base 2: times d.z the fold adds it to the exponent. A lobe may not need its fold, but share a vector with
+    /// one that does. It has minus infinity, or a NaN times 0, which both leave nothing of the fold.
     fold_rate
     /// `1 / s`, of at least 1e-7: below, the lobe is constant to f32.
     inverse_sharpness
@@ -312,7 +311,7 @@ impl<const N: usize> Mixture<'_, N> {
     /// Azimuth of +x of the frame of the view in the caller's frame, its cosine and sine.
     ///
     /// Away from the outgoing direction for an isotropic material; for an anisotropic one turned by up to 45
-    /// degrees from there, so that it and +y are what the squeeze acts along.
+    /// degrees from there, so that the squeeze acts along it and +y.
     #[inline]
     pub fn azimuth_cos_sin(&self) -> [f32; 2] {
         self.head.squeeze.azimuth
@@ -350,7 +349,7 @@ impl<const N: usize> Mixture<'_, N> {
     /// Integral of the value over the domain, in closed form: `diffuse + sum a I(s)`; linear sRGB.
     ///
     /// For a material, the directional albedo towards the outgoing direction. With factors there is no closed
-    /// form: a material stores for its views what they change of it, relative to [`power`](Self::power), and
+    /// form: a material stores their change of it for its views, relative to [`power`](Self::power), and
     /// that is interpolated linearly between them. A fit's is 0.04 to 0.5 % of the luminance off in the mean
     /// over outgoing directions, and at most 2.0 %.
     #[inline]
@@ -363,8 +362,8 @@ impl<const N: usize> Mixture<'_, N> {
         }
     }
 
-    /// Luminance of the closed form of the albedo, without factors: what the density is normalised by, and
-    /// without factors the luminance of every sample's weight.
+    /// Luminance of the closed form of the albedo, without factors: the norm of the density, and without factors the luminance of
+    /// every sample's weight.
     #[inline]
     pub fn power(&self) -> f32 {
         self.head.power
@@ -376,7 +375,7 @@ impl<const N: usize> Mixture<'_, N> {
         self.head.squeezed == 0 && !self.head.squeeze.is_turned
     }
 
-    /// Whether there is neither a lobe nor a diffuse term: what is prepared for no direction.
+    /// Whether there is neither a lobe nor a diffuse term: the mixture that is prepared for no direction.
     #[inline(always)]
     pub(crate) fn is_nothing(&self) -> bool {
         self.head.count == 0 && self.head.diffuse == Vec3::ZERO

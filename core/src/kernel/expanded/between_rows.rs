@@ -76,15 +76,15 @@ impl<L: Lanes> Lobes<L> {
         [L::splat(1.0) / s, tail, inside]
     }
 
-    /// The sharpness, of at least what is constant to f32.
+    /// The sharpness, at least that of a lobe that is constant to f32.
     #[inline(always)]
     fn least_sharpness<const P: bool>(&self) -> L {
         if P { self.sharpness } else { self.sharpness.max(L::splat(LEAST_SHARPNESS)) }
     }
 }
 
-/// Between two numbers: either at its end, and no less than 0 where they are not. By their difference, what is small
-/// beside the other would be the rounding of that.
+/// Between two numbers: either at its end, and no less than 0 where they are not. A difference would leave the smaller of the two
+/// only the rounding of the larger.
 #[inline(always)]
 pub(super) fn blend<L: Lanes>(a: L, b: L, share: L) -> L {
     b.mul_add(share, a * (L::splat(1.0) - share))
@@ -119,7 +119,7 @@ impl Expanded<'_> {
 /// What [`Towards`] is given beside the outgoing direction.
 struct Prepare<'a, 'm, const N: usize> {
     expanded: &'m Expanded<'m>,
-    /// What it runs on.
+    /// The level that it runs on.
     level: Level,
     mixture: &'a mut Mixture<'m, N>,
 }
@@ -161,7 +161,7 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
             (false, true) => store_lobes::<L::Lobes, N, MIRRORED, true>(rows, share, mixture, needed),
             (false, false) => store_lobes::<L::Lobes, N, MIRRORED, false>(rows, share, mixture, needed),
         }
-        // Every lobe has its fold, and what the sums over the lobes would be is interpolated.
+        // Every lobe has its fold, and the sums over the lobes are interpolated.
         (mixture.head.count, mixture.head.squeezed) = (needed, material.header.squeezed);
         mixture.head.folded = lowest_bits(needed);
         mixture.head.lobes_albedo =

@@ -17,8 +17,8 @@ use crate::squeeze::Squeeze;
 use core::f32::consts::{FRAC_PI_2, PI};
 use glam::Vec3;
 
-/// Largest square of the distance of an axis at two neighbouring rows at which one step of Newton's makes
-/// what lies between them a unit vector: it leaves 3/8 (1e-3 / 4)^2.
+/// Largest square of the distance of an axis at two neighbouring rows at which one step of Newton's makes the axes between them
+/// unit vectors: it leaves 3/8 (1e-3 / 4)^2.
 const FINE: f32 = 1e-3;
 
 /// A power below this is none: its products would be subnormals, 150 cycles each on Intel. A lobe goes by its
@@ -27,7 +27,7 @@ const FINE: f32 = 1e-3;
 const LEAST_POWER: f32 = 1e-30;
 
 impl<'m> Expanded<'m> {
-    /// Whether a material can be expanded, and into so many rows.
+    /// Whether a material can be expanded, and into this number of rows.
     ///
     /// # Errors
     /// [`Error::Anisotropic`] and [`Error::Rows`], as [`new`](Self::new).
@@ -115,15 +115,15 @@ fn knot(material: MaterialRef<'_>, shape: Shape, k: usize) -> f32 {
     }
 }
 
-/// The row of a knot but the first: as many lie before it as it has of the whole angle, but one more than
-/// before the last knot, whose row is `before`, and few enough that every knot to come has one.
+/// The row of a knot but the first: the rows before it have its share of the whole angle. There is at least one more than before
+/// the last knot, whose row is `before`, and every knot to come has one.
 fn row_of_knot(material: MaterialRef<'_>, shape: Shape, rows: usize, k: usize, before: usize) -> usize {
     let share = knot(material, shape, k) / angles(material)[1];
     let most = rows - shape.knots + k;
     ((share * (rows - 1) as f32 + 0.5) as usize).clamp((before + 1).min(most), most)
 }
 
-/// Prepares a material at an angle of the outgoing direction, and stores what is interpolated.
+/// Prepares a material at an angle of the outgoing direction, and stores the numbers that are interpolated.
 fn fill_row(material: MaterialRef<'_>, shape: Shape, theta: f32, chunks: &mut [Numbers]) {
     let mut m = Mixture::<MAX_LOBES>::empty();
     m.begin(Level::Scalar, Domain::Hemisphere, Squeeze::NONE);
