@@ -17,8 +17,8 @@ use super::candidates::{Candidates, choose};
 use super::sampling::ProductSampling;
 use super::table::Environment;
 use crate::error::Error;
-use crate::mixture::rows::{Mixture, Rows};
-use crate::simd::lanes::PARTS;
+use crate::mixture::row::EMPTY_BLOCKS;
+use crate::mixture::rows::Mixture;
 use glam::Vec3;
 
 /// A direction drawn for light and material together.
@@ -79,7 +79,7 @@ impl<const N: usize> Mixture<'_, N> {
         }
         let table = environment.borrowed();
         let mut candidates = Candidates::NONE;
-        let mut blocks = [Rows::zeros(); PARTS];
+        let mut blocks = EMPTY_BLOCKS;
         candidates.draw(&self.borrowed(&mut blocks), &table, frame, sampling, u);
         if self.has_factors() {
             candidates.multiply(&self.head, sampling.count);

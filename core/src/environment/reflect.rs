@@ -56,8 +56,8 @@ use super::light_block::{LIGHT_BLOCK, LightBlock};
 use super::table::Environment;
 use super::together::{MAX_REFLECT_RAYS, Together};
 use crate::error::Error;
-use crate::mixture::rows::{Mixture, Rows, Sample, drawn_density, weight_of};
-use crate::simd::lanes::PARTS;
+use crate::mixture::row::EMPTY_BLOCKS;
+use crate::mixture::rows::{Mixture, Sample, drawn_density, weight_of};
 use glam::Vec3;
 
 /// What light a surface reflects, but for two rays: see [`Mixture::reflect`].
@@ -187,7 +187,7 @@ impl<const N: usize> Mixture<'_, N> {
         }
         let table = environment.borrowed();
         let mut together = Together::NONE;
-        let mut blocks = [Rows::zeros(); PARTS];
+        let mut blocks = EMPTY_BLOCKS;
         together.draw(&self.borrowed(&mut blocks), &table, block, frame, u);
         if self.has_factors() {
             together.multiply(&self.head, count);

@@ -203,13 +203,13 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
     while row::is_within::<L, N>(k, rows.total()) {
         let lobes = rows.lobes::<L, MIRRORED, false>(k);
         let ([x, y, z], [red, green, blue]) = (lobes.axis, lobes.rgb);
-        row::store(red, &mut mixture.rows.red, k);
-        row::store(green, &mut mixture.rows.green, k);
-        row::store(blue, &mut mixture.rows.blue, k);
-        row::store(x, &mut mixture.rows.axis_x, k);
-        row::store(y, &mut mixture.rows.axis_y, k);
-        row::store(z, &mut mixture.rows.axis_z, k);
-        row::store(lobes.sharpness, &mut mixture.rows.sharpness, k);
+        row::store(red, &mut mixture.rows[row::RED], k);
+        row::store(green, &mut mixture.rows[row::GREEN], k);
+        row::store(blue, &mut mixture.rows[row::BLUE], k);
+        row::store(x, &mut mixture.rows[row::AXIS_X], k);
+        row::store(y, &mut mixture.rows[row::AXIS_Y], k);
+        row::store(z, &mut mixture.rows[row::AXIS_Z], k);
+        row::store(lobes.sharpness, &mut mixture.rows[row::SHARPNESS], k);
         k += L::COUNT;
     }
     mixture.finish_lobes::<L>(rows.total(), header.squeezed, leave_out);

@@ -3,7 +3,7 @@
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
 use crate::mixture::row;
-use crate::mixture::rows::{Domain, Head, Mixture, MixtureRef, row_of};
+use crate::mixture::rows::{Domain, Head, Mixture, MixtureRef};
 use crate::simd::elementary::{ln_plus_times, sin_cos_turns};
 use crate::simd::lanes::{Lanes, TOGETHER, dot3, halves, of_halves, scale};
 use crate::squeeze::turn_back;
@@ -61,16 +61,16 @@ pub(crate) fn sample_direction<L: Lanes>(m: &MixtureRef<'_>, u: [L; 3]) -> [L; 3
     let head = m.head;
     let target = chosen_power(head.power, u[0]);
     let count = head.count;
-    let k = target.search(&row_of!(m, cumulative), count.saturating_sub(1));
+    let k = target.search(&m.row(row::CUMULATIVE), count.saturating_sub(1));
     let choice = Choice {
         axis: [
-            L::lookup(&row_of!(m, axis_x), count, k),
-            if head.in_plane { L::splat(0.0) } else { L::lookup(&row_of!(m, axis_y), count, k) },
-            L::lookup(&row_of!(m, axis_z), count, k),
+            L::lookup(&m.row(row::AXIS_X), count, k),
+            if head.in_plane { L::splat(0.0) } else { L::lookup(&m.row(row::AXIS_Y), count, k) },
+            L::lookup(&m.row(row::AXIS_Z), count, k),
         ],
-        inside: L::lookup(&row_of!(m, inside), count, k),
-        gone: L::lookup(&row_of!(m, tail), count, k),
-        inverse_sharpness: L::lookup(&row_of!(m, inverse_sharpness), count, k),
+        inside: L::lookup(&m.row(row::INSIDE), count, k),
+        gone: L::lookup(&m.row(row::TAIL), count, k),
+        inverse_sharpness: L::lookup(&m.row(row::INVERSE_SHARPNESS), count, k),
         is_squeezed: L::index_below(k, head.squeezed),
         is_lobe: target.lt(L::splat(head.lobes_power)),
     };
@@ -96,7 +96,7 @@ pub(crate) fn chosen_lobe<L: Lanes, const N: usize>(m: &Mixture<'_, N>, target: 
     // last ends the search whatever its sum is rounded to.
     let (mut above, mut from) = (1u64.wrapping_shl((m.head.count as u32).wrapping_sub(1)), 0);
     while row::is_within::<L, N>(from, m.head.count) {
-        above |= L::bits(L::splat(target).lt(row::load(&m.rows.cumulative, from))) << from;
+        above |= L::bits(L::splat(target).lt(row::load(&m.rows[row::CUMULATIVE], from))) << from;
         from += L::COUNT;
     }
     (above.trailing_zeros() as usize).min(N - 1)
@@ -111,10 +111,14 @@ fn draw_from<L: Lanes<Index = usize>, const N: usize, const SEEN: bool>(
     u: [f32; 3],
 ) -> ([f32; 3], f32) {
     let choice = Choice {
-        axis: [L::splat(m.rows.axis_x[k]), L::splat(m.rows.axis_y[k]), L::splat(m.rows.axis_z[k])],
-        inside: L::splat(m.rows.inside[k]),
-        gone: L::splat(m.rows.tail[k]),
-        inverse_sharpness: L::splat(m.rows.inverse_sharpness[k]),
+        axis: [
+            L::splat(m.rows[row::AXIS_X][k]),
+            L::splat(m.rows[row::AXIS_Y][k]),
+            L::splat(m.rows[row::AXIS_Z][k]),
+        ],
+        inside: L::splat(m.rows[row::INSIDE][k]),
+        gone: L::splat(m.rows[row::TAIL][k]),
+        inverse_sharpness: L::splat(m.rows[row::INVERSE_SHARPNESS][k]),
         is_squeezed: L::index_below(k, m.head.squeezed),
         is_lobe: L::splat(target).lt(L::splat(m.head.lobes_power)),
     };

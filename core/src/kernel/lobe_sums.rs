@@ -2,7 +2,8 @@
 //! after the other.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
-use crate::mixture::rows::{Block, Domain, MixtureRef};
+use crate::mixture::row::{self, Block};
+use crate::mixture::rows::{Domain, MixtureRef};
 use crate::simd::elementary::falloff;
 use crate::simd::lanes::{Lanes, Numbers, PARTS, TOGETHER, WIDEST, scale};
 use crate::squeeze::Seen;
@@ -163,9 +164,9 @@ struct Lobes<'a, const C: usize> {
 impl<'a, const C: usize> Lobes<'a, C> {
     #[inline(always)]
     fn of_block(block: &'a Block) -> Self {
-        let mut amplitudes = [&block.luminance; C];
+        let mut amplitudes = [&block[row::LUMINANCE]; C];
         if C == 3 {
-            amplitudes.copy_from_slice(&[&block.red, &block.green, &block.blue]);
+            amplitudes.copy_from_slice(&[&block[row::RED], &block[row::GREEN], &block[row::BLUE]]);
         }
         Self { block, amplitudes }
     }
@@ -198,7 +199,9 @@ fn one_by_one<L: Lanes, const C: usize, F: Form, const PLANE: bool, const FOLD: 
     range: Range<usize>,
     acc: &mut [L; C],
 ) {
-    let Block { axis_x: x, axis_y: y, axis_z: z, rate, fold_rate, .. } = lobes.block;
+    let block = lobes.block;
+    let [x, y, z] = [&block[row::AXIS_X], &block[row::AXIS_Y], &block[row::AXIS_Z]];
+    let (rate, fold_rate) = (&block[row::RATE], &block[row::FOLD_RATE]);
     for k in range.start..range.end.min(WIDEST) {
         let t = exponent::<L, F, PLANE>([x[k], y[k], z[k]], rate[k], seen, yy);
         let mut g = falloff(t);
@@ -226,8 +229,9 @@ fn in_stages<L: Lanes, const C: usize, F: Form, const PLANE: bool, const FOLD: b
     while k < to {
         let n = (to - k).min(if FOLD { STAGE / 2 } else { STAGE });
         let block = lobes.block;
-        let (x, y, z) = (&block.axis_x[k..k + n], &block.axis_y[k..k + n], &block.axis_z[k..k + n]);
-        let (rate, fold_rate) = (&block.rate[k..k + n], &block.fold_rate[k..k + n]);
+        let (x, y, z) =
+            (&block[row::AXIS_X][k..k + n], &block[row::AXIS_Y][k..k + n], &block[row::AXIS_Z][k..k + n]);
+        let (rate, fold_rate) = (&block[row::RATE][k..k + n], &block[row::FOLD_RATE][k..k + n]);
         for j in 0..n {
             stage[j] = exponent::<L, F, PLANE>([x[j], y[j], z[j]], rate[j], seen, yy);
             if FOLD {

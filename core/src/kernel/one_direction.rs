@@ -197,7 +197,7 @@ impl<const N: usize> One<&Mixture<'_, N>> for FactoredOne {
 /// Value towards one direction.
 #[inline(always)]
 fn value_one<L: Lanes, const N: usize, const SEEN: bool>(m: &Mixture<'_, N>, direction: [f32; 3]) -> Vec3 {
-    let amplitudes = [&m.rows.red, &m.rows.green, &m.rows.blue];
+    let amplitudes = [&m.rows[row::RED], &m.rows[row::GREEN], &m.rows[row::BLUE]];
     let diffuse = m.head.diffuse.to_array();
     Vec3::from_array(sums_one::<L::Lobes, N, 3, SEEN>(m, amplitudes, diffuse, direction))
 }
@@ -205,7 +205,8 @@ fn value_one<L: Lanes, const N: usize, const SEEN: bool>(m: &Mixture<'_, N>, dir
 /// Luminance of the value towards one direction.
 #[inline(always)]
 fn luminance_one<L: Lanes, const N: usize, const SEEN: bool>(m: &Mixture<'_, N>, direction: [f32; 3]) -> f32 {
-    let [sum] = sums_one::<L::Lobes, N, 1, SEEN>(m, [&m.rows.luminance], [m.head.diffuse_power], direction);
+    let [sum] =
+        sums_one::<L::Lobes, N, 1, SEEN>(m, [&m.rows[row::LUMINANCE]], [m.head.diffuse_power], direction);
     sum
 }
 
@@ -301,10 +302,14 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     acc: &mut [L; C],
 ) {
     let (axis, [x, y, z]) = (
-        [row::load::<L, N>(&m.rows.axis_x, k), row::load(&m.rows.axis_y, k), row::load(&m.rows.axis_z, k)],
+        [
+            row::load::<L, N>(&m.rows[row::AXIS_X], k),
+            row::load(&m.rows[row::AXIS_Y], k),
+            row::load(&m.rows[row::AXIS_Z], k),
+        ],
         seen.high,
     );
-    let mut rate = row::load::<L, N>(&m.rows.rate, k);
+    let mut rate = row::load::<L, N>(&m.rows[row::RATE], k);
     let [mut dx, mut dy, mut dz];
     if SEEN && L::FUSED {
         dx = axis[0].neg_mul_add(seen.length, x);
@@ -327,7 +332,7 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     let mut g = if SEEN { falloff(t) } else { falloff_soon(t) };
     if m.head.folded >> k & lowest_bits(L::COUNT) != 0 {
         // A lobe of them that does not need its fold has a rate that leaves nothing of it.
-        let t = row::load::<L, N>(&m.rows.fold_rate, k).mul_add(seen.height, t);
+        let t = row::load::<L, N>(&m.rows[row::FOLD_RATE], k).mul_add(seen.height, t);
         g = g + if SEEN { falloff(t) } else { falloff_soon(t) };
     }
     if SEEN {

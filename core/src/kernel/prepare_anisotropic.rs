@@ -181,19 +181,19 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
         let (wide_x, wide_y) = (x * L::splat(along), y * L::splat(inverse));
         let shrink = one / wide_x.mul_add(wide_x, wide_y.mul_add(wide_y, cos * cos)).sqrt();
         let squeezed = L::iota().lt(L::splat(header.squeezed as f32 - k as f32));
-        row::store(L::select(squeezed, wide_x * shrink, x), &mut mixture.rows.axis_x, k);
-        row::store(L::select(squeezed, wide_y * shrink, y), &mut mixture.rows.axis_y, k);
-        row::store(L::select(squeezed, cos * shrink, cos), &mut mixture.rows.axis_z, k);
-        row::store(exp2(rows[2]), &mut mixture.rows.sharpness, k);
+        row::store(L::select(squeezed, wide_x * shrink, x), &mut mixture.rows[row::AXIS_X], k);
+        row::store(L::select(squeezed, wide_y * shrink, y), &mut mixture.rows[row::AXIS_Y], k);
+        row::store(L::select(squeezed, cos * shrink, cos), &mut mixture.rows[row::AXIS_Z], k);
+        row::store(exp2(rows[2]), &mut mixture.rows[row::SHARPNESS], k);
         let first = exp2(rows[3]).keep(valid);
         let amplitude = if header.has_luminance {
             color::rgb(first, [rows[4], rows[5]])
         } else {
             [first, exp2(rows[4]).keep(valid), exp2(rows[5]).keep(valid)]
         };
-        row::store(amplitude[0], &mut mixture.rows.red, k);
-        row::store(amplitude[1], &mut mixture.rows.green, k);
-        row::store(amplitude[2], &mut mixture.rows.blue, k);
+        row::store(amplitude[0], &mut mixture.rows[row::RED], k);
+        row::store(amplitude[1], &mut mixture.rows[row::GREEN], k);
+        row::store(amplitude[2], &mut mixture.rows[row::BLUE], k);
         k += L::COUNT;
     }
     mixture.finish_lobes::<L>(count, header.squeezed, leave_out);

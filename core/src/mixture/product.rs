@@ -4,6 +4,7 @@
 //! refused. A fitted material has them; mixtures of lobes of one's own need not. They stand here, not beside `zonal`:
 //! they read the rows of a mixture, which that room may not import.
 
+use super::row;
 use super::rows::{Domain, Mixture};
 use crate::error::Error;
 use crate::lobe::gaussian::{Gaussian, Lobe};
@@ -92,11 +93,11 @@ impl<const N: usize> Mixture<'_, N> {
     /// Lobe `k < len` with its axis turned to the caller's shading frame.
     fn lobe_in_shading_frame(&self, k: usize) -> Lobe {
         let axis = Vec3::from_array(self.head.squeeze.turn_back([
-            self.rows.axis_x[k],
-            self.rows.axis_y[k],
-            self.rows.axis_z[k],
+            self.rows[row::AXIS_X][k],
+            self.rows[row::AXIS_Y][k],
+            self.rows[row::AXIS_Z][k],
         ]));
-        let amplitude = Vec3::new(self.rows.red[k], self.rows.green[k], self.rows.blue[k]);
+        let amplitude = Vec3::new(self.rows[row::RED][k], self.rows[row::GREEN][k], self.rows[row::BLUE][k]);
         Lobe { gaussian: Gaussian { axis, ..self.gaussian(k) }, amplitude }
     }
 

@@ -10,6 +10,7 @@ use crate::material::borrowed::{Material, MaterialRef};
 use crate::material::layout::{MAX_LOBES, f32_at};
 use crate::mixture::complete::LEAST_WITHOUT_SERIES;
 use crate::mixture::leave_out::LeaveOut;
+use crate::mixture::row;
 use crate::mixture::rows::{Domain, Mixture};
 use crate::simd::detect::Level;
 use crate::simd::lanes::{Numbers, WIDEST};
@@ -145,17 +146,20 @@ fn fill_row(material: MaterialRef<'_>, shape: Shape, theta: f32, chunks: &mut [N
             // A place without a lobe: along the normal, of no power.
             let (mut axis, mut sharpness, mut power) = (Vec3::Z, 1.0, [0.0; 3]);
             if k < m.head.count {
-                axis = Vec3::new(m.rows.axis_x[k], m.rows.axis_y[k], m.rows.axis_z[k]);
+                axis = Vec3::new(m.rows[row::AXIS_X][k], m.rows[row::AXIS_Y][k], m.rows[row::AXIS_Z][k]);
                 // An axis below the horizon, which the mixture has mirrored up, goes back: there is no
                 // straight line between axes on either side of a fold.
                 let of = if k < stored { k } else { k - mirrored };
                 if place.lobe_angle(material, of).abs() > FRAC_PI_2 {
                     axis.z = -axis.z;
                 }
-                sharpness = m.rows.sharpness[k];
-                let integral = 2.0 * PI * m.rows.inside[k] * m.rows.inverse_sharpness[k];
-                let of_each =
-                    [m.rows.red[k] * integral, m.rows.green[k] * integral, m.rows.blue[k] * integral];
+                sharpness = m.rows[row::SHARPNESS][k];
+                let integral = 2.0 * PI * m.rows[row::INSIDE][k] * m.rows[row::INVERSE_SHARPNESS][k];
+                let of_each = [
+                    m.rows[row::RED][k] * integral,
+                    m.rows[row::GREEN][k] * integral,
+                    m.rows[row::BLUE][k] * integral,
+                ];
                 if luminance(Vec3::from_array(of_each)) >= LEAST_POWER {
                     power = of_each.map(|power| if power.abs() < LEAST_POWER { 0.0 } else { power });
                 }
