@@ -26,7 +26,7 @@
  *   structure.
  *
  * Threads
- *   Every function may be called from every thread. Objects behind const pointers may be shared; what a call writes belongs to
+ *   Every function may be called from every thread. Objects behind const pointers may be shared; the outputs of a call belong to
  *   that call alone until it returns.
  *
  * Without an operating system
@@ -310,14 +310,16 @@ typedef struct srbf_samples_out {
     struct srbf_vectors_out weight;
 } srbf_samples_out;
 
-/// What is asked for each of n hits. Start from zeros, set `size` and what is wanted.
+/// The inputs and the wanted outputs for each of n hits. Start from zeros, set `size`, the inputs and the wanted outputs.
 ///
 /// `sizeof(srbf_request)` in `size` lets later versions ask for more. An output whose first pointer is NULL is not wanted:
 /// `value.x`, `pdf.values`, `samples.direction.x`, `samples.pdf.values`, `samples.weight.x`. Inputs that no output needs are not
 /// looked at. Each array has n elements; outputs are overwritten, and may overlap nothing, inputs may overlap each other.
 ///
-/// Where nothing is reflected, and for a `wo` that is no unit vector, values and densities are 0 and the normal is drawn with density
-/// 0. A `wi` that is no unit vector gives an unspecified value, and so does a number `u` outside [0, 1); others are not touched by it.
+/// Where nothing is reflected, and for a `wo` that is no unit vector, values and densities are 0 and the normal is drawn with
+/// density
+/// 0. A `wi` that is no unit vector gives an unspecified value, and so does a number `u` outside [0, 1); others are not touched by
+///   it.
 ///
 /// Every call that takes one refuses by `SRBF_STATUS_SIZE` a size that is not `sizeof(srbf_request)`, by `SRBF_STATUS_ARGUMENT`
 /// densities or weights of draws without directions. n = 0 looks at no pointer, and succeeds.
@@ -893,10 +895,10 @@ srbf_status srbf_expanded_prepare(const struct srbf_expanded *expanded,
                                   const float *wo,
                                   struct srbf_mixture *mixture);
 
-/// Draws and evaluates for n hits of mixtures: what is given is what is wanted.
+/// Draws and evaluates for n hits of mixtures: outputs that are given are wanted.
 ///
-/// Mixture i is at `(const srbf_mixture *)((const char *)mixtures + i * mixture_stride)`; with a stride of 0 all hits are of the one
-/// mixture. The answers of `srbf_mixture_sample_and_evaluate` within rounding, in less time.
+/// Mixture i is at `(const srbf_mixture *)((const char *)mixtures + i * mixture_stride)`; with a stride of 0 all hits are of the
+/// one mixture. The answers of `srbf_mixture_sample_and_evaluate` within rounding, in less time.
 /// Shapes: `mixtures` [n], `mixture_stride` bytes apart: 0, or a multiple of `SRBF_MIXTURE_ALIGNMENT` and at least
 /// `SRBF_MIXTURE_SIZE_16`. Status: `SRBF_STATUS_OBJECT` if one of them is no mixture; outputs are unspecified then.
 srbf_status srbf_mixture_ask(const struct srbf_mixture *mixtures,
@@ -904,16 +906,16 @@ srbf_status srbf_mixture_ask(const struct srbf_mixture *mixtures,
                              size_t n,
                              const struct srbf_request *request);
 
-/// Draws and evaluates for n hits of a material, each with an outgoing direction of its own: what is given is what is wanted.
+/// Draws and evaluates for n hits of a material, each with an outgoing direction of its own: outputs that are given are wanted.
 ///
 /// The answers of `srbf_material_sample_and_evaluate` within rounding, in less time.
-/// Shapes: `material` one for all hits; or NULL, and each hit has its own in `materials` of the request. They need not be sorted. An
-/// output may lie between their pointers, but not upon one.
+/// Shapes: `material` one for all hits; or NULL, and each hit has its own in `materials` of the request. They need not be sorted.
+/// An output may lie between their pointers, but not upon one.
 srbf_status srbf_material_ask(const struct srbf_material *material,
                               size_t n,
                               const struct srbf_request *request);
 
-/// Draws and evaluates for n hits of an expanded material, each with an outgoing direction of its own: what is given is what is
+/// Draws and evaluates for n hits of an expanded material, each with an outgoing direction of its own: outputs that are given are
 /// wanted. The answers of `srbf_material_ask` within the error of the rows.
 srbf_status srbf_expanded_ask(const struct srbf_expanded *expanded,
                               size_t n,

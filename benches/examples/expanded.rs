@@ -53,7 +53,7 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// What is timed: of the exact path, or of an expanded material.
+/// The timed call: of the exact path, or of an expanded material.
 #[derive(Clone, Copy, PartialEq)]
 enum Verb {
     Sample,

@@ -1,7 +1,7 @@
 //! The pointer mechanics: pointers of a caller are checked here before their memory is touched.
 //!
-//! Nothing here can see whether memory is really there. The caller promises, by the contract at the top of the header, that a
-//! pointer which is not NULL points to enough readable or writable memory. That contract is what every `SAFETY` comment calls "the
+//! Nothing here can see whether memory is really there. The caller promises that a pointer which is not NULL points to enough
+//! readable or writable memory. The contract is at the top of the header. That contract is what every `SAFETY` comment calls "the
 //! header's contract".
 #![allow(unsafe_code)]
 

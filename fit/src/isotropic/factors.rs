@@ -43,8 +43,8 @@ fn node([half, difference, _]: [usize; 3], [i, j, k]: [usize; 3]) -> usize {
     (plane * half + i) * difference + j
 }
 
-/// Place of two directions among the nodes. These are even in the fourth root of `1 - cos` of the half angle, in the root of that
-/// of the difference angle, and in the squared cosine of the azimuth; as `srbf_core` has it.
+/// Place of two directions among the nodes. These are even in the fourth root of `1 - cos` of the half angle and in the square
+/// root of that of the difference angle; also in the squared cosine of the azimuth; as `srbf_core` has it.
 fn place(size: [usize; 3], wi: [f64; 3], wo: [f64; 3]) -> NodeShares {
     let s = [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]];
     let d = [wi[0] - wo[0], wi[1] - wo[1], wi[2] - wo[2]];
