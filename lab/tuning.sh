@@ -73,7 +73,7 @@ for file in "${files[@]}"; do
     for number in $(seq 0 ${#changes[@]}); do
         [ "$number" = 0 ] && change=none || change=${changes[number - 1]}
         TIMEFORMAT=%U
-        { time SRBF_TUNING=$number target/tuning/build/release/srbf fit "$file" -o target/tuning/fit.srbf --force --json \
+        { time SRBF_TUNING=$number target/tuning/build/release/srbf fit "$file" -o target/tuning/fit.srbf --force --no-picture --json \
             >target/tuning/printed.json; } 2>target/tuning/seconds || { cat target/tuning/seconds >&2; exit 1; }
         awk -v change="$change" -v file="${file##*/}" -v seconds="$(tail -n 1 target/tuning/seconds)" '
             function percent(x) { return x == "" ? "-" : sprintf("%.3f", 100 * x) }

@@ -20,10 +20,9 @@ use srbf_core::{Draws, Material, Mixture, Request, Towards};
 /// `value.x`, `pdf.values`, `samples.direction.x`, `samples.pdf.values`, `samples.weight.x`. Inputs that no output needs are not
 /// looked at. Each array has n elements; outputs are overwritten, and may overlap nothing, inputs may overlap each other.
 ///
-/// Where nothing is reflected, and for a `wo` that is no unit vector, values and densities are 0 and the normal is drawn with
-/// density
-/// 0. A `wi` that is no unit vector gives an unspecified value, and so does a number `u` outside [0, 1); others are not touched by
-///   it.
+/// Where nothing is reflected, and for a `wo` that is no unit vector, values and densities are 0 and the normal is drawn
+/// with density 0. A `wi` that is no unit vector gives an unspecified value, and so does a number `u` outside [0, 1);
+/// others are not touched by it.
 ///
 /// Every call that takes one refuses by `SRBF_STATUS_SIZE` a size that is not `sizeof(srbf_request)`, by `SRBF_STATUS_ARGUMENT`
 /// densities or weights of draws without directions. n = 0 looks at no pointer, and succeeds.

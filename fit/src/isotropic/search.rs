@@ -20,7 +20,7 @@ use crate::isotropic::search::candidates::{Work, scout};
 use crate::isotropic::search::finalist::{Finalist, refine, reports};
 use crate::isotropic::tuning::factors::SIZES;
 use crate::isotropic::tuning::schedule::HEAVY_TAIL;
-use crate::isotropic::tuning::search::{MORE_ENERGY, MORE_TAIL, MOST_BYTES, MOST_ENERGY, WORTHWHILE};
+use crate::isotropic::tuning::search::{MORE_ENERGY, MORE_TAIL, MOST_BYTES, MOST_ENERGY};
 use crate::judge::report::{Fit, Report};
 use crate::settings::FactorNodes;
 use crate::table::Table;
@@ -160,7 +160,7 @@ impl<'a> Problem<'a> {
                     best = finalist.clone();
                 }
             }
-            finalists.retain(|f| f.misses() && f.error() < WORTHWHILE * best.rank());
+            finalists.retain(|f| f.misses() && f.error() < best.rank());
             if finalists.is_empty() {
                 if round > 0 || meets_all || best.misses() {
                     break;

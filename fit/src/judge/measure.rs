@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 
 /// Weight of the squared error away from the peak beside that of the squared relative L2 error. With three times as much, nothing
 /// more is gained there; without, golden yellow has 1.3 to 2 times the error of luminance, for no less L2.
-pub(crate) const AWAY_WEIGHT: f64 = 0.01;
+const AWAY_WEIGHT: f64 = 0.01;
 /// Floor that is added to f, over the mean radiance, albedo / pi.
 const FLOOR: f64 = 0.01;
 /// Least and largest factor by which logarithms differ from their tangents.
