@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What each instruction set and each capacity of a mixture costs in bytes of the C library.
 
-Adds up the functions of a library whose names tell what they were made for:
+Adds up the functions of a library whose names tell their purpose:
 
     RUSTFLAGS="-C symbol-mangling-version=v0" cargo build --release -p srbf-capi --target-dir target/bytes
     python3 benches/bytes.py

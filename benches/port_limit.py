@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How far the inner loops of `evaluate` are from what the ports of a processor allow.
+"""How far the inner loops of `evaluate` are from the limit of the ports of a processor.
 
 Finds the loops over general round lobes in the example `fixed-work` (RGB), one on AVX-512 and one for each stage on AVX2, and asks
 llvm-mca of LLVM 19 (Debian: llvm-19) for their reciprocal throughput on models of processors. Cycles are for one lobe and one direction.
@@ -13,7 +13,7 @@ import sys
 
 BINARY = sys.argv[1] if len(sys.argv) > 1 else "target/release/examples/fixed-work"
 # Directions; of the loops, how often each runs for a lobe, and its operations; models. Fused operations of chord (2 a vector), polynomial
-# (5) and colours (3: two in a loop, which loads what it multiplies, the third in one that takes two lobes); subtractions of axis (3) and,
+# (5) and colours (3: two in a loop, which loads its factors, the third in one that takes two lobes); subtractions of axis (3) and,
 # on AVX2, exponent (1); multiplications of chord and exponent (2); and what puts the exponent in place.
 LEVELS = {
     "simd::portable::run": (

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a hit costs with RGL's measured tables: the `measured` BSDF of Mitsuba 3, vectorised by LLVM, one thread.
+"""The cost of a hit with RGL's measured tables: the `measured` BSDF of Mitsuba 3, vectorised by LLVM, one thread.
 
 A million pairs of directions, each with its own outgoing one, uniform on the hemisphere; ns a pair, the least and the median of 15 rounds.
 

@@ -26,7 +26,7 @@
  *   structure.
  *
  * Threads
- *   Every function may be called from every thread. Objects behind const pointers may be shared; what a call writes belongs to
+ *   Every function may be called from every thread. Objects behind const pointers may be shared; the outputs of a call belong to
  *   that call alone until it returns.
  *
  * Without an operating system
@@ -61,7 +61,7 @@
 /// One number at a time: the reference for every other level.
 #define SRBF_SIMD_SCALAR 1
 
-/// SSE2, NEON, or what the whole library was compiled for.
+/// SSE2, NEON, or the instructions that the whole library was compiled for.
 #define SRBF_SIMD_PORTABLE 2
 
 /// x86-64 with AVX2 and FMA.
@@ -85,7 +85,7 @@
 /// The whole sphere: no fold.
 #define SRBF_DOMAIN_SPHERE 0
 
-/// The upper hemisphere: what a lobe has below the horizon is mirrored back up.
+/// The upper hemisphere: the part of a lobe below the horizon is mirrored back up.
 #define SRBF_DOMAIN_HEMISPHERE 1
 
 /// Bytes of storage for a material that `srbf_material_borrow` makes.
@@ -120,15 +120,15 @@
 
 /// Light from infinitely far away, a latitude-longitude map, in the caller's storage.
 ///
-/// Row 0 of the map looks up, along +z. The centre of the map looks along +x, and to the right in the map is to the right for one who
-/// stands inside, towards -y. Between the centres of pixels the radiance is interpolated; directions are drawn by its luminance.
+/// Row 0 of the map looks up, along +z. The centre of the map looks along +x. To the right in the map is to the right for an
+/// observer inside, towards -y. Between the centres of pixels the radiance is interpolated; directions are drawn by its luminance.
 ///
 /// It never changes, so any number of threads may use one at once. It needs no release. Its bytes may not be moved.
 typedef struct srbf_environment srbf_environment;
 
 /// A material made ready for speed: lobes for many angles of the outgoing direction, in the caller's storage.
 ///
-/// It never changes, so any number of threads may use one at once. It needs no release. Its bytes may not be moved, and the bytes of
+/// It never changes, so any number of threads may use one at once. It needs no release. Its bytes may not be moved. The bytes of
 /// the material that it was made from must live, and stay as they are, for as long as it is used.
 typedef struct srbf_expanded srbf_expanded;
 
@@ -149,7 +149,7 @@ typedef struct srbf_material srbf_material;
 /// mixture of any other material, or of the caller's lobes, stands by itself.
 typedef struct srbf_mixture srbf_mixture;
 
-/// What a call returns: 0 if it succeeded, otherwise why not. The numbers never change their meaning.
+/// The result of a call: 0 if it succeeded, otherwise the reason. The numbers never change their meaning.
 typedef int32_t srbf_status;
 
 /// One spherical Gaussian lobe, `amplitude exp(sharpness (d . axis - 1))` over the whole sphere.
@@ -165,7 +165,7 @@ typedef struct srbf_lobe {
     float amplitude[3];
 } srbf_lobe;
 
-/// What a mixture holds.
+/// Properties of a mixture.
 typedef struct srbf_mixture_info {
     /// Number of lobes.
     size_t lobes;
@@ -184,16 +184,16 @@ typedef struct srbf_mixture_info {
     /// Integral of `f cos` over the domain, linear sRGB: for a material's mixture, the albedo. With factors, which
     /// leave it no closed form, a material stores for its views by how much they change it, and that is interpolated.
     float albedo[3];
-    /// Luminance of the integral of lobes and diffuse term: what densities are normalised by, and the luminance of the weight of every
-    /// sample. In a material with factors the latter is multiplied by its factor.
+    /// Luminance of the integral of lobes and diffuse term: what densities are normalised by, and the luminance of the weight of
+    /// every sample. In a material with factors the latter is multiplied by its factor.
     float power;
 } srbf_mixture_info;
 
-/// What a material holds.
+/// Properties of a material.
 typedef struct srbf_material_info {
     /// Number of views: outgoing directions at which lobes are stored.
     size_t views;
-    /// Number of lobes of a mixture: what it must have room for.
+    /// Number of lobes of a mixture, for which it must have room.
     size_t lobes;
     /// Number of lobes that see the squeezed direction; they come first.
     size_t squeezed_lobes;
@@ -208,7 +208,8 @@ typedef struct srbf_material_info {
     const char *provenance;
     /// Length of the provenance in bytes.
     size_t provenance_length;
-    /// Nodes of the table of factors along half angle, difference angle and azimuth, see `srbf_material_factor_node`; 0 without one.
+    /// Nodes of the table of factors along half angle, difference angle and azimuth, see `srbf_material_factor_node`; 0 without
+    /// one.
     ///
     /// A mixture of a material with factors reads them from the material: see `srbf_mixture`.
     size_t factor_nodes[3];
@@ -265,7 +266,7 @@ typedef struct srbf_sample {
     float direction[3];
     /// Density of the whole mixture at the direction; 1/sr. 0 where nothing was drawn, else above 0.
     float pdf;
-    /// `f cos / pdf`, linear sRGB: what the throughput of a path is multiplied by. 0 where the density is below 1.2e-38.
+    /// `f cos / pdf`, linear sRGB: the factor on the throughput of a path. 0 where the density is below 1.2e-38.
     float weight[3];
 } srbf_sample;
 
@@ -309,14 +310,15 @@ typedef struct srbf_samples_out {
     struct srbf_vectors_out weight;
 } srbf_samples_out;
 
-/// What is asked for each of n hits. Start from zeros, set `size` and what is wanted.
+/// The inputs and the wanted outputs for each of n hits. Start from zeros, set `size`, the inputs and the wanted outputs.
 ///
 /// `sizeof(srbf_request)` in `size` lets later versions ask for more. An output whose first pointer is NULL is not wanted:
 /// `value.x`, `pdf.values`, `samples.direction.x`, `samples.pdf.values`, `samples.weight.x`. Inputs that no output needs are not
 /// looked at. Each array has n elements; outputs are overwritten, and may overlap nothing, inputs may overlap each other.
 ///
-/// Where nothing is reflected, and for a `wo` that is no unit vector, values and densities are 0 and the normal is drawn with density
-/// 0. A `wi` that is no unit vector gives an unspecified value, and so does a number `u` outside [0, 1); others are not touched by it.
+/// Where nothing is reflected, and for a `wo` that is no unit vector, values and densities are 0 and the normal is drawn
+/// with density 0. A `wi` that is no unit vector gives an unspecified value, and so does a number `u` outside [0, 1);
+/// others are not touched by it.
 ///
 /// Every call that takes one refuses by `SRBF_STATUS_SIZE` a size that is not `sizeof(srbf_request)`, by `SRBF_STATUS_ARGUMENT`
 /// densities or weights of draws without directions. n = 0 looks at no pointer, and succeeds.
@@ -341,7 +343,8 @@ typedef struct srbf_request {
 
 /// What an environment holds.
 typedef struct srbf_environment_info {
-    /// The bytes that `srbf_environment_read` reads, for the caller to store: within the environment's storage, at a multiple of 64.
+    /// The bytes that `srbf_environment_read` reads, for the caller to store: within the environment's storage, at a multiple of
+    /// 64.
     const void *table;
     /// How many there are.
     size_t table_size;
@@ -361,15 +364,15 @@ typedef struct srbf_light_sample {
 
 /// How light and material are sampled together.
 typedef struct srbf_product_sampling {
-    /// Candidates of a draw, 2 to 32. Variance falls with them where nothing is occluded, and time grows: 32 take about twice the time
-    /// of 8.
+    /// Candidates of a draw, 2 to 32. Variance falls with them where nothing is occluded, and time grows: 32 take about twice the
+    /// time of 8.
     uint32_t candidates;
-    /// The share of them that is drawn from the lobes, in [0, 1], rounded to whole candidates; 0.5 serves well. Where it rounds to none or
-    /// to all, one of the two is never drawn from, and a weight has no bound: the mean of tens of thousands of draws may be half of the
-    /// integral where a sharp highlight lies away from the light, or a small sun away from the highlight.
+    /// The share of them that is drawn from the lobes, in [0, 1], rounded to whole candidates; 0.5 serves well. Where it rounds to
+    /// none or to all, one of the two is never drawn from, and a weight has no bound. A sharp highlight may lie away from the
+    /// light, or a small sun away from the highlight. The mean of tens of thousands of draws may then be half of the integral.
     float lobe_share;
-    /// At least 1e-3: infinite where the candidates are to give all of the light; 4 serves well where the light along the path's own ray
-    /// counts too, weighed by `srbf_product_ray_weight`.
+    /// At least 1e-3: infinite where the candidates are to give all of the light; 4 serves well where the light along the path's
+    /// own ray counts too, weighed by `srbf_product_ray_weight`.
     float kappa;
 } srbf_product_sampling;
 
@@ -383,9 +386,9 @@ typedef struct srbf_product_sample {
 
 /// Sixteen samples of an environment as rows: what `srbf_mixture_reflect` reads. A block at a multiple of 64 is the fastest.
 ///
-/// Blocks are made before rendering, as many as the caller has memory for: a *tile* of some thousand, of the points of one evenly spread
-/// sequence, serves all pixels. Where sample i of a pixel takes block i, or i with some bits flipped, the pixel's blocks are evenly
-/// spread too.
+/// Blocks are made before rendering, as many as the caller has memory for: a *tile* of some thousand, of the points of one evenly
+/// spread sequence, serves all pixels. Where sample i of a pixel takes block i, or i with some bits flipped, the pixel's blocks
+/// are evenly spread too.
 typedef struct srbf_light_block {
     /// Unit vectors in the world, towards the light: x, y, z.
     float direction[3][16];
@@ -430,8 +433,8 @@ typedef struct srbf_fit_settings {
     size_t factor_nodes[3];
     /// Mean relative L2 error that the fewest lobes are to reach, at most `lobes` of them; 0, the default, for all of them.
     double error;
-    /// Weight of the roughness from view to view, 1e-12 to 1000: smaller fits the samples better, larger what lies between.
-    /// Default: 5e-5.
+    /// Weight of the roughness from view to view, 1e-12 to 1000: smaller fits the samples better, larger the directions between
+    /// them. Default: 5e-5.
     double smoothness;
     /// Starting points that are tried, 1 to 1000. A fit takes about as long as it has starting points. Default: 12.
     size_t starts;
@@ -443,8 +446,8 @@ typedef struct srbf_fit_settings {
 
 /// A BRDF of the caller: writes f (not times the cosine; linear sRGB, 1/sr) for two unit vectors with z > 0.
 ///
-/// `wi`, `wo` and `f` are [3]; `user` is what the caller gave along. It is called from threads of the library, several at once. It
-/// must return: neither throw nor `longjmp` out. What is negative or not finite counts as 0.
+/// `wi`, `wo` and `f` are [3]; `user` is the pointer of the caller. It is called from threads of the library, several at once. It
+/// must return: neither throw nor `longjmp` out. A value that is negative or not finite counts as 0.
 typedef void (*srbf_brdf)(void *user, const float *wi, const float *wo, float *f);
 
 /// The call succeeded.
@@ -453,7 +456,7 @@ typedef void (*srbf_brdf)(void *user, const float *wi, const float *wo, float *f
 /// A pointer that must not be NULL is NULL.
 #define SRBF_STATUS_NULL 1
 
-/// A pointer is not aligned for what it points to.
+/// A pointer is not aligned for its type.
 #define SRBF_STATUS_MISALIGNED 2
 
 /// An output overlaps an input or another output.
@@ -551,8 +554,8 @@ srbf_status srbf_status_panic(void);
 #if defined(SRBF_HOSTED)
 /// Returns the message of the last call that failed on this thread, "" if none did.
 ///
-/// UTF-8, one line of visible characters (a control character, in the name of a file for example, is spelled out as `\u{1b}`), never
-/// NULL. Valid until the next call that fails on this thread, or its end.
+/// UTF-8, one line of visible characters (a control character, in the name of a file for example, is spelled out as `\u{1b}`),
+/// never NULL. Valid until the next call that fails on this thread, or its end.
 const char *srbf_last_message(void);
 #endif
 
@@ -579,7 +582,7 @@ srbf_status srbf_mixture_inner_product(const struct srbf_mixture *a,
 /// folded; they stand for the product on the domain that the mixtures share. Sharpness may reach 2e8,
 /// which no call takes, and an amplitude infinity, where two multiply to more than a float holds.
 /// Shapes: `lobes` [capacity], of which the first `*count` are overwritten; `lobes` may be NULL with capacity 0, to ask
-/// for the count alone. Status: `SRBF_STATUS_SIZE` if the capacity is too small, `*count` says what is needed;
+/// for the count alone. Status: `SRBF_STATUS_SIZE` if the capacity is too small, `*count` gives the capacity needed;
 /// `SRBF_STATUS_SQUEEZED`.
 srbf_status srbf_mixture_product(const struct srbf_mixture *a,
                                  const struct srbf_mixture *b,
@@ -587,7 +590,7 @@ srbf_status srbf_mixture_product(const struct srbf_mixture *a,
                                  struct srbf_lobe *lobes,
                                  size_t *count);
 
-/// Returns the bytes of storage that a mixture of so many lobes needs; 0 if there is no such mixture (more than 64).
+/// Returns the bytes of storage that a mixture of this number of lobes needs; 0 if there is no such mixture (more than 64).
 size_t srbf_mixture_size(size_t lobes);
 
 /// Makes an empty mixture in the caller's storage, with room for as many lobes as fit: 16, 32 or 64.
@@ -603,8 +606,8 @@ srbf_status srbf_mixture_init(void *storage,
 /// The first `squeezed_lobes` see the direction squeezed along y by c = `squeeze` in [0.01, 2]; give 0 and 1 for round
 /// lobes alone.
 /// Shapes: `lobes` [lobe_count]; `diffuse` [3], the albedo of a diffuse term on the hemisphere, or NULL.
-/// Status: `SRBF_STATUS_CAPACITY`; what is wrong with a lobe; `SRBF_STATUS_AMPLITUDE` also if integral or value could be infinite, and for a
-/// diffuse term on `SRBF_DOMAIN_SPHERE`. On failure the mixture keeps what it held.
+/// Status: `SRBF_STATUS_CAPACITY`; the status of a lobe that is refused; `SRBF_STATUS_AMPLITUDE` also if integral or value could
+/// be infinite, and for a diffuse term on `SRBF_DOMAIN_SPHERE`. On failure the mixture stays as it was.
 srbf_status srbf_mixture_from_lobes(uint32_t domain,
                                     float squeeze,
                                     size_t squeezed_lobes,
@@ -613,7 +616,7 @@ srbf_status srbf_mixture_from_lobes(uint32_t domain,
                                     const float *diffuse,
                                     struct srbf_mixture *mixture);
 
-/// Says what a mixture holds, its closed-form integral included.
+/// Gives the properties of a mixture, its closed-form integral included.
 srbf_status srbf_mixture_query(const struct srbf_mixture *mixture, struct srbf_mixture_info *info);
 
 /// Gives lobe `index` of a mixture, in the frame of its view. Status: `SRBF_STATUS_INDEX` past the end.
@@ -631,7 +634,7 @@ srbf_status srbf_material_borrow(const uint8_t *bytes,
                                  size_t storage_size,
                                  struct srbf_material **material);
 
-/// Says what a material holds.
+/// Gives the properties of a material.
 srbf_status srbf_material_query(const struct srbf_material *material, struct srbf_material_info *info);
 
 /// Says at which outgoing direction a view is. Status: `SRBF_STATUS_INDEX` past the end, and for every view of an anisotropic
@@ -658,8 +661,8 @@ srbf_status srbf_material_albedo(const struct srbf_material *material,
 /// The mixture takes and gives directions in the shading frame that `wo` is given in. Below the horizon (z < 0) nothing
 /// is reflected: the mixture is empty. Of a material with factors the mixture reads them from the material, which must outlive it.
 /// Shapes: `wo` [3], unit vector towards the viewer, +z the surface normal.
-/// Status: `SRBF_STATUS_CAPACITY` if the mixture has room for fewer lobes than the material has. On failure the
-/// mixture keeps what it held.
+/// Status: `SRBF_STATUS_CAPACITY` if the mixture has room for fewer lobes than the material has. On failure the mixture stays as
+/// it was.
 srbf_status srbf_material_prepare(const struct srbf_material *material,
                                   const float *wo,
                                   struct srbf_mixture *mixture);
@@ -667,8 +670,8 @@ srbf_status srbf_material_prepare(const struct srbf_material *material,
 /// `srbf_material_prepare`, leaving out what matters less than a bound: fewer lobes to evaluate, at an error that is bounded.
 ///
 /// Range: shares within [0, 1]. `lobes`: a lobe is dropped if its share of the luminance of the albedo is below this.
-/// `folds`: what a lobe has below the horizon is not mirrored up if it is at most this share of the lobe. `srbf_material_prepare`
-/// takes 0 and 1e-7.
+/// `folds`: the part of a lobe below the horizon is not mirrored up if it is at most this share of the lobe.
+/// `srbf_material_prepare` takes 0 and 1e-7.
 /// Shapes: `wo` [3], unit vector towards the viewer, +z the surface normal.
 /// Status: `SRBF_STATUS_ARGUMENT` for a share out of range; otherwise as `srbf_material_prepare`.
 srbf_status srbf_material_prepare_leaving_out(const struct srbf_material *material,
@@ -691,16 +694,16 @@ srbf_status srbf_material_prepare_into(const struct srbf_material *material,
 
 /// Gives the factor of a node. Status: `SRBF_STATUS_INDEX` past any end, and without a table.
 ///
-/// Nodes are evenly spaced from 0 to 1 in `(1 - h.z)^(1/4)`, in `(1 - h.wo)^(1/2)`, and in the squared cosine of the azimuth of `wo`
-/// round `h = (wi + wo) / |wi + wo|`, which is 1 in the plane of incidence.
-/// Shapes: `factor` [3], linear sRGB, overwritten.
+/// Nodes are evenly spaced from 0 to 1 in `(1 - h.z)^(1/4)`, in `(1 - h.wo)^(1/2)`, and in the squared cosine of an azimuth. It is
+/// that of `wo` round `h = (wi + wo) / |wi + wo|`, and the squared cosine is 1 in the plane of incidence. Shapes: `factor` [3],
+/// linear sRGB, overwritten.
 srbf_status srbf_material_factor_node(const struct srbf_material *material,
                                       size_t half,
                                       size_t difference,
                                       size_t azimuth,
                                       float *factor);
 
-/// Evaluates what the value of the lobes is multiplied by for a pair of directions above the horizon; 1 without a table.
+/// Evaluates the factor on the value of the lobes for a pair of directions above the horizon; 1 without a table.
 ///
 /// `srbf_mixture_evaluate` and all that gives values or weights has multiplied already; densities and draws are the lobes' alone.
 /// Shapes: `wo` and `wi` [3], unit vectors, which may be exchanged; `factor` [3], linear sRGB, overwritten.
@@ -709,7 +712,7 @@ srbf_status srbf_material_factor(const struct srbf_material *material,
                                  const float *wi,
                                  float *factor);
 
-/// Gives what the factors change of the albedo of a view, relative to the luminance of the lobes' own, as it is stored. Status:
+/// Gives the change of the albedo of a view by the factors, relative to the luminance of the lobes' own, as it is stored. Status:
 /// `SRBF_STATUS_INDEX` past the end, and without a table.
 ///
 /// `srbf_material_albedo` and the `albedo` of `srbf_mixture_info` have it in them.
@@ -832,7 +835,8 @@ srbf_status srbf_material_sample_and_evaluate(const struct srbf_material *materi
                                               float *value,
                                               float *pdf);
 
-/// Asks the processor for what a hit from such a direction will read: a few hits ahead, where a scene has hundreds of materials.
+/// Asks the processor for the memory that a hit from such a direction will read: a few hits ahead, where a scene has hundreds of
+/// materials.
 ///
 /// Only a hint, and nothing for an anisotropic material.
 /// Shapes: `wo` [3], any numbers.
@@ -861,7 +865,7 @@ srbf_status srbf_mixture_pdf_defensive(const struct srbf_mixture *mixture,
                                        const float *wi,
                                        float *pdf);
 
-/// Says how many bytes of storage an expanded material of so many rows needs: 448 a row, or 512 if lobes are mirrored, for up to
+/// Gives the bytes of storage that an expanded material of `rows` rows needs: 448 a row, or 512 if lobes are mirrored, for up to
 /// sixteen lobes, and as much for each sixteen lobes more.
 ///
 /// Range: `rows` at least 2, at most 16384; `SRBF_EXPANDED_DEFAULT_ROWS` is a good number.
@@ -870,7 +874,7 @@ srbf_status srbf_expanded_size(const struct srbf_material *material,
                                size_t rows,
                                size_t *size);
 
-/// Expands a material in the caller's storage: prepares it exactly at so many angles of the outgoing direction.
+/// Expands a material in the caller's storage: prepares it exactly at `rows` angles of the outgoing direction.
 ///
 /// Its values differ from those of `srbf_material_prepare` by an error that falls with the square of the number of rows.
 /// Shapes: `storage` [storage_size], at least what `srbf_expanded_size` says, aligned to `SRBF_EXPANDED_ALIGNMENT`; `expanded` one
@@ -890,10 +894,10 @@ srbf_status srbf_expanded_prepare(const struct srbf_expanded *expanded,
                                   const float *wo,
                                   struct srbf_mixture *mixture);
 
-/// Draws and evaluates for n hits of mixtures: what is given is what is wanted.
+/// Draws and evaluates for n hits of mixtures: outputs that are given are wanted.
 ///
-/// Mixture i is at `(const srbf_mixture *)((const char *)mixtures + i * mixture_stride)`; with a stride of 0 all hits are of the one
-/// mixture. The answers of `srbf_mixture_sample_and_evaluate` within rounding, in less time.
+/// Mixture i is at `(const srbf_mixture *)((const char *)mixtures + i * mixture_stride)`; with a stride of 0 all hits are of the
+/// one mixture. The answers of `srbf_mixture_sample_and_evaluate` within rounding, in less time.
 /// Shapes: `mixtures` [n], `mixture_stride` bytes apart: 0, or a multiple of `SRBF_MIXTURE_ALIGNMENT` and at least
 /// `SRBF_MIXTURE_SIZE_16`. Status: `SRBF_STATUS_OBJECT` if one of them is no mixture; outputs are unspecified then.
 srbf_status srbf_mixture_ask(const struct srbf_mixture *mixtures,
@@ -901,16 +905,16 @@ srbf_status srbf_mixture_ask(const struct srbf_mixture *mixtures,
                              size_t n,
                              const struct srbf_request *request);
 
-/// Draws and evaluates for n hits of a material, each with an outgoing direction of its own: what is given is what is wanted.
+/// Draws and evaluates for n hits of a material, each with an outgoing direction of its own: outputs that are given are wanted.
 ///
 /// The answers of `srbf_material_sample_and_evaluate` within rounding, in less time.
-/// Shapes: `material` one for all hits; or NULL, and each hit has its own in `materials` of the request. They need not be sorted. An
-/// output may lie between their pointers, but not upon one.
+/// Shapes: `material` one for all hits; or NULL, and each hit has its own in `materials` of the request. They need not be sorted.
+/// An output may lie between their pointers, but not upon one.
 srbf_status srbf_material_ask(const struct srbf_material *material,
                               size_t n,
                               const struct srbf_request *request);
 
-/// Draws and evaluates for n hits of an expanded material, each with an outgoing direction of its own: what is given is what is
+/// Draws and evaluates for n hits of an expanded material, each with an outgoing direction of its own: outputs that are given are
 /// wanted. The answers of `srbf_material_ask` within the error of the rows.
 srbf_status srbf_expanded_ask(const struct srbf_expanded *expanded,
                               size_t n,
@@ -926,9 +930,9 @@ srbf_status srbf_environment_size(size_t width,
 
 /// Makes an environment of a map of radiance in the caller's storage; takes about 0.1 us a pixel.
 ///
-/// Shapes: `radiance` [height][width][3], linear sRGB, the top row first, each number in [0, 1e30]; `turn` the angle that the map is turned
-/// by round +z, anticlockwise seen from above, radians; `storage` [storage_size], at least what `srbf_environment_size` says, aligned to
-/// `SRBF_ENVIRONMENT_ALIGNMENT`; `environment` one pointer, which is set to the storage. None may overlap another.
+/// Shapes: `radiance` [height][width][3], linear sRGB, the top row first, each number in [0, 1e30]; `turn` the angle that the map
+/// is turned by round +z, anticlockwise seen from above, radians; `storage` [storage_size], at least what `srbf_environment_size`
+/// says, aligned to `SRBF_ENVIRONMENT_ALIGNMENT`; `environment` one pointer, which is set to the storage. None may overlap another.
 /// Status: `SRBF_STATUS_ARGUMENT` for a size that no map may have, a number out of range, NaN too, or a map that is black all over.
 srbf_status srbf_environment_make(size_t width,
                                   size_t height,
@@ -942,12 +946,12 @@ srbf_status srbf_environment_make(size_t width,
 srbf_status srbf_environment_query(const struct srbf_environment *environment,
                                    struct srbf_environment_info *info);
 
-/// Takes a table that `srbf_environment_query` gave, on a processor of the same byte order, after checking it once. Nothing is copied:
-/// the table must live, and stay as it is, for as long as the environment is used.
+/// Takes a table that `srbf_environment_query` gave, on a processor of the same byte order, after checking it once. Nothing is
+/// copied: the table must live, and stay as it is, for as long as the environment is used.
 ///
-/// Shapes: `table` [table_size] bytes, aligned to 4; 64 is the fastest; `turn` as in `srbf_environment_make`; `storage` [storage_size], at least
-/// `SRBF_ENVIRONMENT_HEAD_SIZE`, aligned to `SRBF_ENVIRONMENT_ALIGNMENT`; `environment` one pointer, which is set to the storage.
-/// Status: `SRBF_STATUS_OBJECT` for a table that is none, or damaged.
+/// Shapes: `table` [table_size] bytes, aligned to 4; 64 is the fastest; `turn` as in `srbf_environment_make`; `storage`
+/// [storage_size], at least `SRBF_ENVIRONMENT_HEAD_SIZE`, aligned to `SRBF_ENVIRONMENT_ALIGNMENT`; `environment` one pointer,
+/// which is set to the storage. Status: `SRBF_STATUS_OBJECT` for a table that is none, or damaged.
 srbf_status srbf_environment_read(const void *table,
                                   size_t table_size,
                                   float turn,
@@ -957,8 +961,8 @@ srbf_status srbf_environment_read(const void *table,
 
 /// Looks up the radiance from a direction, and the density of `srbf_environment_sample` towards it; 1/sr.
 ///
-/// Shapes: `direction` [3], unit vector in the world; `radiance` [3], linear sRGB, and `pdf`, one number, overwritten; NULL for what is
-/// not wanted.
+/// Shapes: `direction` [3], unit vector in the world; `radiance` [3], linear sRGB, and `pdf`, one number, overwritten; NULL for
+/// one that is not wanted.
 srbf_status srbf_environment_evaluate(const struct srbf_environment *environment,
                                       const float *direction,
                                       float *radiance,
@@ -973,11 +977,11 @@ srbf_status srbf_environment_sample(const struct srbf_environment *environment,
 
 /// Draws a direction for the light of an environment and a mixture together: direct light by one shadow ray.
 ///
-/// The mean of `weight` over all draws is the integral of radiance times `f cos`, times one minus `srbf_product_ray_weight`. Without
-/// occlusion its variance is that of multiple importance sampling with as many directions as there are candidates.
-/// Shapes: `frame` [9], tangent, bitangent and normal of the shading frame in the world, unit vectors at right angles; `u` [3][candidates],
-/// uniform numbers in [0, 1): the first of all candidates, then the second, then the third; `choice` one more; `sample` one, overwritten, with
-/// the normal and weight 0 where no candidate brings light.
+/// The mean of `weight` over all draws is the integral of radiance times `f cos`, times one minus `srbf_product_ray_weight`.
+/// Without occlusion its variance is that of multiple importance sampling with as many directions as there are candidates.
+/// Shapes: `frame` [9], tangent, bitangent and normal of the shading frame in the world, unit vectors at right angles; `u`
+/// [3][candidates], uniform numbers in [0, 1): the first of all candidates, then the second, then the third; `choice` one more;
+/// `sample` one, overwritten, with the normal and weight 0 where no candidate brings light.
 /// Status: `SRBF_STATUS_ARGUMENT` for a `sampling` out of range.
 srbf_status srbf_mixture_sample_product(const struct srbf_mixture *mixture,
                                         const struct srbf_environment *environment,
@@ -987,11 +991,12 @@ srbf_status srbf_mixture_sample_product(const struct srbf_mixture *mixture,
                                         float choice,
                                         struct srbf_product_sample *sample);
 
-/// Says what the light is multiplied by that a path meets along a direction that it drew from its mixture, with a density `pdf`, where
-/// the environment has the density `environment_pdf`.
+/// Gives the factor on the light that a path meets along its own ray. The path drew the ray from its mixture with density `pdf`;
+/// the environment has the density `environment_pdf` there.
 ///
-/// Shapes: `weight` one number in [0, 1], overwritten, whatever the densities are: 0 for an infinite kappa; a density that is negative or
-/// NaN counts as 0, an infinite one as the largest number. Status: `SRBF_STATUS_ARGUMENT` for a `sampling` out of range.
+/// Shapes: `weight` one number in [0, 1], overwritten, whatever the densities are: 0 for an infinite kappa; a density that is
+/// negative or NaN counts as 0, an infinite one as the largest number. Status: `SRBF_STATUS_ARGUMENT` for a `sampling` out of
+/// range.
 srbf_status srbf_product_ray_weight(const struct srbf_product_sampling *sampling,
                                     float pdf,
                                     float environment_pdf,
@@ -999,22 +1004,23 @@ srbf_status srbf_product_ray_weight(const struct srbf_product_sampling *sampling
 
 /// Draws a block of samples of the light.
 ///
-/// Shapes: `u` [3][16], uniform numbers in [0, 1): the first of all samples, then the second, then the third; `block` one, overwritten.
+/// Shapes: `u` [3][16], uniform numbers in [0, 1): the first of all samples, then the second, then the third; `block` one,
+/// overwritten.
 srbf_status srbf_light_block_draw(const struct srbf_environment *environment,
                                   const float *u,
                                   struct srbf_light_block *block);
 
-/// Draws the ray that a path goes on along, and a shadow ray, for the light of an environment: where nothing is in the way the reflected
-/// light is a sum over all directions of the block and all of `u`; with evenly spread numbers it is nearly exact.
+/// Draws the ray that a path goes on along, and a shadow ray, for the light of an environment: where nothing is in the way the
+/// reflected light is a sum over all directions of the block and all of `u`; with evenly spread numbers it is nearly exact.
 ///
-/// `srbf_reflection_light` gives the light when both rays have been followed. Its mean is the integral of radiance times `f cos` of what is
-/// not hidden; block, `u` and `choice` have to be independent of each other. Most of the light has to be in sight for it to be faster
-/// than one sample of lobes and light each.
-/// Shapes: `block` from `srbf_light_block_draw`; `frame` [9], tangent, bitangent and normal of the shading frame in the world, unit vectors at
-/// right angles; `flat` [3], the unit normal of the surface itself, below which light counts nothing; `u` [3][count], `count` from 1 to 16,
-/// 8 serve well, uniform numbers in [0, 1): the first of all directions of the lobes, then the second, then the third; the first direction is
-/// the path's own ray, the others may be its shifts along a lattice; `choice` one more; `reflection` one, overwritten.
-/// Status: `SRBF_STATUS_ARGUMENT` for a count out of range.
+/// `srbf_reflection_light` gives the light when both rays have been followed. Its mean is the integral of radiance times `f cos`
+/// over directions that are not hidden; block, `u` and `choice` have to be independent of each other. Most of the light has to be
+/// in sight for it to be faster than one sample of lobes and light each. Shapes: `block` from `srbf_light_block_draw`; `frame`
+/// [9], tangent, bitangent and normal of the shading frame in the world, unit vectors at right angles; `flat` [3], the unit normal
+/// of the surface itself, below which light counts nothing; `u` [3][count], `count` from 1 to 16, 8 serve well, uniform numbers in
+/// [0, 1): the first of all directions of the lobes, then the second, then the third; the first direction is the path's own ray,
+/// the others may be its shifts along a lattice; `choice` one more; `reflection` one, overwritten. Status: `SRBF_STATUS_ARGUMENT`
+/// for a count out of range.
 srbf_status srbf_mixture_reflect(const struct srbf_mixture *mixture,
                                  const struct srbf_environment *environment,
                                  const struct srbf_light_block *block,
@@ -1026,11 +1032,11 @@ srbf_status srbf_mixture_reflect(const struct srbf_mixture *mixture,
                                  struct srbf_reflection *reflection);
 
 /// The light that is reflected to the viewer, direct light by both rays: whether the path's own ray escapes to the environment, and
-/// whether the shadow ray does, 0 or 1. What the path meets further on is added to it; of the environment, nothing is.
+/// whether the shadow ray does, 0 or 1. The light that the path meets further on is added to it; of the environment, nothing is.
 ///
-/// Shapes: `reflection` from `srbf_mixture_reflect`; `values` [2][3], `f cos` of what is rendered towards the ray and towards the shadow ray,
-/// for a caller who renders another function than the mixture, NULL for that; `light` [3], linear sRGB, overwritten. Single estimates
-/// may be below 0.
+/// Shapes: `reflection` from `srbf_mixture_reflect`; `values` [2][3], for a caller who renders another function than the mixture:
+/// its `f cos` towards the ray and towards the shadow ray, or NULL; `light` [3], linear sRGB, overwritten. Single estimates may be
+/// below 0.
 srbf_status srbf_reflection_light(const struct srbf_reflection *reflection,
                                   int32_t ray_escapes,
                                   int32_t shadow_is_clear,
@@ -1045,17 +1051,16 @@ srbf_status srbf_fit_settings_default(struct srbf_fit_settings *settings);
 #if defined(SRBF_HOSTED)
 /// Fits a material to n samples of an isotropic BRDF. Release it with `srbf_material_free`. Takes seconds, on all processors.
 ///
-/// Outgoing directions whose angles from the normal agree within 1e-3 are one view. Any number of samples is taken; with fewer than a
-/// few hundred a view, what lies between them is badly known. No surface reflects more than it receives: where the albedo of the
-/// samples of a view is above 0.95, the fit is held to 0.95, and is darker than the samples.
-/// Shapes: `wo` and `wi` n unit vectors, `wo` above the horizon; samples whose `wi` is not are left out; `f` n colours, linear
-/// sRGB, of which what is negative counts as 0; `settings` one, or NULL; `material` one pointer, overwritten.
-/// Status, with the reason in `srbf_last_message`: `SRBF_STATUS_DIRECTION` for what is no unit vector; `SRBF_STATUS_TABLE`;
-/// `SRBF_STATUS_ARGUMENT` for a setting; `SRBF_STATUS_OTHER` if the system gives no threads to fit on, or there is no memory
-/// for the samples.
+/// Outgoing directions whose angles from the normal agree within 1e-3 are one view. Any number of samples is taken; with fewer
+/// than a few hundred a view, values between them are badly known. No surface reflects more than it receives: where the albedo of
+/// the samples of a view is above 0.95, the fit is held to 0.95, and is darker than the samples. Shapes: `wo` and `wi` n unit
+/// vectors, `wo` above the horizon; samples whose `wi` is not are left out; `f` n colours, linear sRGB, of which negative channels
+/// count as 0; `settings` one, or NULL; `material` one pointer, overwritten. Status, with the reason in `srbf_last_message`:
+/// `SRBF_STATUS_DIRECTION` for a vector that is no unit vector; `SRBF_STATUS_TABLE`; `SRBF_STATUS_ARGUMENT` for a setting;
+/// `SRBF_STATUS_OTHER` if the system gives no threads to fit on, or there is no memory for the samples.
 ///
-/// A child that was forked may fit, whether or not its parent has fitted or is fitting: it starts threads of its own. But a child that
-/// was forked within a `srbf_brdf` gets `SRBF_STATUS_OTHER`.
+/// A child that was forked may fit, whether or not its parent has fitted or is fitting: it starts threads of its own. But a child
+/// that was forked within a `srbf_brdf` gets `SRBF_STATUS_OTHER`.
 srbf_status srbf_fit_table(const struct srbf_fit_settings *settings,
                            size_t n,
                            const struct srbf_vectors *wo,
@@ -1077,8 +1082,8 @@ srbf_status srbf_fit_brdf(const struct srbf_fit_settings *settings,
 #if defined(SRBF_HOSTED)
 /// Writes a material to a `.srbf` file, whole or not at all; folders that are missing are made.
 ///
-/// The bytes are written under another name in the same folder, which is then renamed. A symbolic link stays, and what it points to
-/// is replaced; a file that is there gives its mode to the new one. Where a folder, a device, a pipe or a socket is there, nothing is
+/// The bytes are written under another name in the same folder, which is then renamed. A symbolic link stays, and its target is
+/// replaced; a file that is there gives its mode to the new one. Where a folder, a device, a pipe or a socket is there, nothing is
 /// written. `path` is UTF-8 with a zero at the end. Status: `SRBF_STATUS_FILE`, with the reason in `srbf_last_message`.
 srbf_status srbf_material_save(const struct srbf_material *material,
                                const char *path);

@@ -18,7 +18,7 @@ namespace srbf {
 template <class T>
 class Span;
 
-/// What the constructors of Span ask of their arguments.
+/// Requirements of the constructors of Span.
 namespace detail {
 template <class U>
 std::true_type is_span(const Span<U> *);
@@ -28,7 +28,7 @@ std::false_type is_span(const void *);
 template <class U, class T>
 constexpr bool is_same_element = std::is_convertible_v<U (*)[], T (*)[]>;
 
-/// What the data() of a container points to. None for a Span, which has a stride to keep.
+/// The element type of the data() of a container. None for a Span, which has a stride to keep.
 template <class Container, class = decltype(std::declval<Container &>().size())>
 using Element =
     std::enable_if_t<!decltype(is_span(static_cast<std::remove_reference_t<Container> *>(nullptr)))::value,
@@ -42,13 +42,13 @@ public:
     constexpr Span() = default;
     constexpr Span(T *data, std::size_t size, std::size_t stride = sizeof(T))
         : data_(data), size_(size), stride_(stride) {}
-    /// From a span of what is less const; the stride stays.
+    /// From a span of elements that are less const; the stride stays.
     template <class U, class = std::enable_if_t<detail::is_same_element<U, T>>>
     constexpr Span(const Span<U> &other) : Span(other.data(), other.size(), other.stride()) {}
     /// From anything contiguous: std::vector, std::array, std::span.
     template <class Container, class = std::enable_if_t<detail::is_same_element<detail::Element<Container>, T>>>
     constexpr Span(Container &container) : Span(container.data(), container.size()) {}
-    /// From a temporary too, if it is only a view, as std::span is, or only read. What it views must outlive the span.
+    /// From a temporary too, if it is only a view, as std::span is, or only read. The viewed memory must outlive the span.
     template <class Container, class = std::enable_if_t<detail::is_same_element<detail::Element<const Container>, T>>>
     constexpr Span(const Container &container) : Span(container.data(), container.size()) {}
     constexpr T *data() const { return data_; }
@@ -64,7 +64,7 @@ private:
 using Vec3 = std::array<float, 3>;
 
 /// The status of a call; true is failure, as with std::error_code. Some are made here, by SRBF_STATUS_SIZE for example, without a
-/// call: `text` says what a status means wherever it comes from.
+/// call: `text` gives the meaning of a status wherever it comes from.
 class [[nodiscard]] Status {
 public:
     constexpr Status(srbf_status status = SRBF_STATUS_OK) : status_(status) {}
@@ -76,7 +76,7 @@ private:
     srbf_status status_;
 };
 
-/// What is asked for each of n hits: outputs that are named are wanted. All spans have n elements, or asking is refused by
+/// The request for each of n hits: outputs that are named are wanted. All spans have n elements, or asking is refused by
 /// SRBF_STATUS_SIZE.
 class Request {
 public:
@@ -86,7 +86,7 @@ public:
     Request &wo(Span<const Vec3> wo) { return put(request_.wo, wo); }
     /// Incident directions, of which `value` and `pdf` are.
     Request &wi(Span<const Vec3> wi) { return put(request_.wi, wi); }
-    /// Three uniform numbers a hit, for what is drawn.
+    /// Three uniform numbers a hit, for the draws.
     Request &u(Span<const Vec3> u) { return put(request_.u, u); }
     Request &value(Span<Vec3> value) { return put(request_.value, value); }
     Request &pdf(Span<float> pdf) {
@@ -115,7 +115,7 @@ public:
         return count(materials.size(), materials.data());
     }
 
-    /// Number of hits, and what is asked.
+    /// Number of hits, and the request.
     std::size_t size() const { return size_; }
     const srbf_request *get() const { return &request_; }
     /// SRBF_STATUS_SIZE for spans of different length, SRBF_STATUS_NULL for one of nothing that has a length.
@@ -206,7 +206,7 @@ private:
 /// must outlive it, as must the material. A view, to be copied; an empty one answers every call with SRBF_STATUS_NULL.
 class Expanded {
 public:
-    /// Prepares a material at so many angles; SRBF_EXPANDED_DEFAULT_ROWS is a good number.
+    /// Prepares a material at this number of angles; SRBF_EXPANDED_DEFAULT_ROWS is a good number.
     Status make(const srbf_material *material, std::size_t rows, void *storage, std::size_t size) {
         srbf_expanded *made = nullptr;
         const Status status = srbf_expanded_make(material, rows, storage, size, &made);
@@ -253,7 +253,7 @@ public:
     explicit operator bool() const { return environment_ != nullptr; }
 
     Status query(srbf_environment_info &info) const { return srbf_environment_query(environment_, &info); }
-    /// Radiance and density; nullptr for what is not wanted.
+    /// Radiance and density; nullptr for an output that is not wanted.
     Status evaluate(const Vec3 &direction, Vec3 *radiance, float *pdf) const {
         return srbf_environment_evaluate(environment_, direction.data(), radiance != nullptr ? radiance->data() : nullptr, pdf);
     }
@@ -297,7 +297,7 @@ public:
         return *this;
     }
 
-    /// Reads a `.srbf` file; releases what it held before. On failure it keeps what it held.
+    /// Reads a `.srbf` file; releases the material that it held before. On failure it keeps that material.
     Status load(const char *path) {
         Material made;
         const Status status = srbf_material_load(path, &made.material_);
@@ -360,7 +360,7 @@ private:
     srbf_material *material_ = nullptr;
 };
 
-/// The message of the last call of srbf.h that failed on this thread; what this wrapper refuses by itself leaves none.
+/// The message of the last call of srbf.h that failed on this thread; a call that this wrapper refuses by itself leaves none.
 inline const char *last_message() { return srbf_last_message(); }
 #endif
 

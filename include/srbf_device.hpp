@@ -82,7 +82,7 @@ SRBF_FN float srbf_exp2(float a) {
 // of 32 bits. Directions are unit vectors in the shading frame, +z the normal; wo towards the viewer, wi towards the light. Values are f cos,
 // the BRDF times the cosine of wi, in linear sRGB, 1/sr; densities are per solid angle, 1/sr.
 
-struct SrbfMaterial {       // what the header says
+struct SrbfMaterial {       // numbers of the header
     const uint32_t *data;              // where the words are
     int angles;             // of the views from the normal
     int views;
@@ -96,10 +96,10 @@ struct SrbfMaterial {       // what the header says
     int rows;               // before the rows of the views,
     int row;                // and of those of one view;
     int numbers;            // before the numbers of the lobes that are not their angles, within the rows;
-    int differences;        // before what the factors change of the albedos,
+    int differences;        // before the changes of the albedos by the factors,
     int nodes;              // and before the nodes of the factors
     int node_bits;          // of a channel of a node, in one word if 10, in three bytes if 8
-    float node_unit;        // what a code is multiplied by before it is squared
+    float node_unit;        // unit of a code, before it is squared
     int half_nodes;         // nodes along the half angle, or 0
     int difference_nodes;   // along the difference angle
     int azimuth_nodes;      // and along the squared cosine of the azimuth
@@ -381,7 +381,7 @@ SRBF_FN vec3 srbf_plane(const SrbfMaterial &m, int first, float a, float b) {
     return first_row * (1.0f - x) + second_row * x;
 }
 
-// What the lobes are multiplied by, from a table over (1 - h.z)^(1/4), (1 - h.wo)^(1/2) and the squared cosine of the azimuth of wo round h, h the
+// The factor on the lobes, from a table over (1 - h.z)^(1/4), (1 - h.wo)^(1/2) and the squared cosine of the azimuth of wo round h, h the
 // half direction.
 SRBF_FN vec3 srbf_factor(const SrbfMaterial &m, vec3 wo, vec3 wi) {
     if (m.half_nodes == 0) { return vec3(1.0f, 1.0f, 1.0f); }

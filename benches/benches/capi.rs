@@ -1,4 +1,4 @@
-//! What a call through the C interface costs over the same call in Rust, as a ratio: `cargo bench --bench capi`.
+//! The cost of a call through the C interface over the same call in Rust, as a ratio: `cargo bench --bench capi`.
 //!
 //! The two are timed in turn, many times, and the medians divided: a noisy machine slows both. The C functions are called
 //! through pointers that the optimiser cannot see through, as a C program calls them.
@@ -76,7 +76,7 @@ fn main() {
             black_box(mixture.pdf(black_box(Vec3::from_array(direction))));
         },
         || {
-            // SAFETY: all three point to what the header asks for.
+            // SAFETY: all three point to memory as the header asks for it.
             black_box(unsafe { one_pdf(made.cast_const(), black_box(&direction).as_ptr(), &raw mut pdf) });
         },
     );
@@ -84,7 +84,7 @@ fn main() {
         "sample/12/1",
         2000,
         || {
-            // The weight is part of what the C call gives.
+            // The weight is part of the result of the C call.
             black_box(mixture.sample(black_box(u)).map(|sample| (sample, sample.weight)));
         },
         || {

@@ -1,4 +1,4 @@
-/* What a renderer author writes without the library: a loop over the lobes, `expf`, structure of arrays.
+/* The code of a renderer author without the library: a loop over the lobes, `expf`, structure of arrays.
    Compiled twice by build.rs, once with -ffast-math. */
 #include <math.h>
 #include <stddef.h>

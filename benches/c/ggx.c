@@ -1,4 +1,4 @@
-/* What a renderer author writes for an analytic material: a GGX reflection above a diffuse term, in linear sRGB, with
+/* The code of a renderer author for an analytic material: a GGX reflection above a diffuse term, in linear sRGB, with
    Fresnel by Schlick 1994, masking by Smith (correlated, Heitz 2014), and draws from the visible normals (Heitz 2018). */
 #include <math.h>
 

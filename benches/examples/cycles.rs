@@ -47,7 +47,7 @@ mod x86 {
         rounds: Vec<Round>,
     }
 
-    /// What was seen in a round.
+    /// The measurements of a round.
     struct Round {
         /// Cycles for each direction.
         cycles: f64,

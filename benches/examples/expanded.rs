@@ -1,10 +1,10 @@
 //! What expanded materials cost and gain: bytes, error and time by the number of rows.
 //!
-//! `cargo run --release -p srbf-benches --example expanded [LEVEL...] [FILE.srbf...]`, half a minute a level, and ten seconds for each
-//! file. Errors are the largest difference from the
-//! exact preparation, relative to the largest value for that outgoing direction, over 400 outgoing directions with 400 incident ones
-//! each. Times are the least of many rounds of 4096 pairs, each with its own outgoing direction; ratios are to the exact path for
-//! pairs (`Material::ask`), round by round in turn with it.
+//! `cargo run --release -p srbf-benches --example expanded [LEVEL...] [FILE.srbf...]`, half a minute a level, and ten
+//! seconds for each file. Errors are the largest difference from the exact preparation, relative to the largest value for
+//! that outgoing direction, over 400 outgoing directions with 400 incident ones each. Times are the least of many rounds of
+//! 4096 pairs, each with its own outgoing direction; ratios are to the exact path for pairs (`Material::ask`), round by
+//! round in turn with it.
 
 use srbf_benches::{Triples, factored_material, garnet_red, levels, mirror_like};
 use srbf_core::{Draws, Expanded, Level, Material, Mixture, Request, Towards, Vec3};
@@ -53,7 +53,7 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// What is timed: of the exact path, or of an expanded material.
+/// The timed call: of the exact path, or of an expanded material.
 #[derive(Clone, Copy, PartialEq)]
 enum Verb {
     Sample,

@@ -1,4 +1,4 @@
-//! What a hit costs in a scene of many materials: one, ten, thirty, a hundred, a thousand, no two alike.
+//! The cost of a hit in a scene of many materials: one, ten, thirty, a hundred, a thousand, no two alike.
 //!
 //! `cargo run --release -p srbf-benches --example many-materials [LEVEL...]`, half a minute a level. A hit draws a direction with its
 //! density and weight, and evaluates value and density towards another one. Each of 4096 hits has an outgoing direction of its own;
@@ -38,7 +38,7 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// What is done with all hits.
+/// The work on all hits.
 #[derive(Clone, Copy)]
 enum Way {
     Prepared,
@@ -230,7 +230,7 @@ fn request<'a>(wi: [&'a [f32]; 3], u: [&'a [f32]; 3], out: [&'a mut [f32]; 11]) 
     }
 }
 
-/// What the materials take in memory, beside the tables of Dupuy and Jakob 2018 (RGL), whose isotropic ones in RGB are 659 kB each.
+/// The memory of the materials, beside the tables of Dupuy and Jakob 2018 (RGL), whose isotropic ones in RGB are 659 kB each.
 fn memory(materials: &[Material<&[u8]>]) {
     let bytes: usize = materials.iter().map(|m| m.bytes().len()).sum();
     let one = bytes as f64 / materials.len() as f64;

@@ -1,8 +1,8 @@
-//! What it costs to sample light and material together: one draw of 8, 16 and 32 candidates, relative to one draw by multiple importance
-//! sampling, which is a lobe's and the environment's direction, both evaluated and weighed.
+//! The cost of sampling light and material together: one draw of 8, 16 and 32 candidates, relative to one draw by multiple
+//! importance sampling, which is a lobe's and the environment's direction, both evaluated and weighed.
 //!
-//! `cargo run --release -p srbf-benches --example product [LEVEL...]`, five seconds a level. Times are the least of many rounds, all in turn,
-//! over mixtures of garnet red for 64 outgoing directions; random numbers are drawn within, as a renderer would.
+//! `cargo run --release -p srbf-benches --example product [LEVEL...]`, five seconds a level. Times are the least of many rounds,
+//! all in turn, over mixtures of garnet red for 64 outgoing directions; random numbers are drawn within, as a renderer would.
 
 use srbf_benches::{GARNET_RED, Random, Triples, levels};
 use srbf_core::{Environment, Level, Material, Mixture, ProductSampling, Vec3, environment_len};

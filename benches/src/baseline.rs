@@ -129,7 +129,7 @@ impl PackedLobes {
     }
 }
 
-/// One direction at a time, chordal, `libm::expf`: what the library does, without its kernels.
+/// One direction at a time, chordal, `libm::expf`: the formulas of the library, without its kernels.
 pub fn evaluate_libm(lobes: &[Lobe], direction: Vec3) -> Vec3 {
     lobes.iter().fold(Vec3::ZERO, |sum, lobe| {
         let chord = direction - lobe.gaussian.axis;

@@ -11,7 +11,7 @@ use std::time::Instant;
 const CHAIN: u32 = 32_768;
 const FREE: u32 = 65_536;
 
-/// What a core does at some moment.
+/// The work of a core at some moment.
 #[derive(Clone, Copy, Debug)]
 pub struct Probe {
     /// Seconds that a cycle takes: a dependent addition takes one.

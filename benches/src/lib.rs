@@ -1,4 +1,4 @@
-//! What the benches share: inputs, and the baselines that every figure is a ratio to.
+//! Shared by the benches: inputs, and the baselines that every figure is a ratio to.
 
 pub mod baseline;
 #[cfg(target_arch = "x86_64")]
@@ -186,8 +186,8 @@ fn factored_bytes() -> Vec<u8> {
     bytes
 }
 
-/// Bytes of so many materials, no two alike: the presets in turn, the lobes of each made brighter or darker, sharper or wider and
-/// of other colours.
+/// Bytes of a number of materials, no two alike: the presets in turn, the lobes of each made brighter or darker, sharper or wider
+/// and of other colours.
 pub fn different_materials(count: usize) -> Vec<Vec<u8>> {
     let presets: [&[u8]; 3] = [
         GARNET_RED,

@@ -3,7 +3,7 @@
 use crate::{Triples, factored_material, garnet_mixture, garnet_red, general_mixture, mixture_at_50_degrees};
 use srbf_core::{Draws, LeaveOut, Material, Mixture, Towards, Vec3};
 
-/// What is done for every direction.
+/// The work for every direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operation {
     /// Value in RGB, in a batch.
@@ -82,7 +82,7 @@ impl Subject {
         [(Self::Preset, "", ""), (Self::Round, "", "-round"), (Self::Factored, "factored-", "")];
 }
 
-/// Operations, at one level, on so many directions.
+/// Operations, at one level, on a number of directions.
 #[derive(Debug)]
 pub struct Work {
     directions: Triples,
@@ -206,7 +206,7 @@ impl Work {
         }
     }
 
-    /// The sum of what the last operations left, so that no work is optimised away.
+    /// The sum of the last results, so that no work is optimised away.
     pub fn sum(&self) -> f32 {
         self.out.iter().flatten().sum()
     }

@@ -1,4 +1,4 @@
-# What a static library of Rust needs of a system, as `rustc --print native-static-libs` says, and the Rust target of a cross build.
+# The system libraries that a static library of Rust needs, as `rustc --print native-static-libs` says, and the Rust target of a cross build.
 if(WIN32)
     set(srbf_system_libraries kernel32 ntdll userenv ws2_32 dbghelp)
 elseif(APPLE)

@@ -49,7 +49,7 @@ impl From<FormatError> for Failure {
     }
 }
 
-/// Refuses what is not a finite unit vector; a NaN too.
+/// Refuses a vector that is not a finite unit vector; a NaN too.
 #[inline(always)]
 pub(crate) fn direction(numbers: [f32; 3]) -> Result<Vec3, Failure> {
     let direction = Vec3::from_array(numbers);

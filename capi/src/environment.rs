@@ -23,8 +23,8 @@ pub const SRBF_PRODUCT_MAX_CANDIDATES: usize = 32;
 
 /// Light from infinitely far away, a latitude-longitude map, in the caller's storage.
 ///
-/// Row 0 of the map looks up, along +z. The centre of the map looks along +x, and to the right in the map is to the right for one who
-/// stands inside, towards -y. Between the centres of pixels the radiance is interpolated; directions are drawn by its luminance.
+/// Row 0 of the map looks up, along +z. The centre of the map looks along +x. To the right in the map is to the right for an
+/// observer inside, towards -y. Between the centres of pixels the radiance is interpolated; directions are drawn by its luminance.
 ///
 /// It never changes, so any number of threads may use one at once. It needs no release. Its bytes may not be moved.
 pub struct srbf_environment {
@@ -62,7 +62,8 @@ const _: () = assert!(size_of::<srbf_environment>() <= SRBF_ENVIRONMENT_HEAD_SIZ
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub struct srbf_environment_info {
-    /// The bytes that `srbf_environment_read` reads, for the caller to store: within the environment's storage, at a multiple of 64.
+    /// The bytes that `srbf_environment_read` reads, for the caller to store: within the environment's storage, at a multiple of
+    /// 64.
     pub table: *const core::ffi::c_void,
     /// How many there are.
     pub table_size: usize,
@@ -86,15 +87,15 @@ pub struct srbf_light_sample {
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub struct srbf_product_sampling {
-    /// Candidates of a draw, 2 to 32. Variance falls with them where nothing is occluded, and time grows: 32 take about twice the time
-    /// of 8.
+    /// Candidates of a draw, 2 to 32. Variance falls with them where nothing is occluded, and time grows: 32 take about twice the
+    /// time of 8.
     pub candidates: u32,
-    /// The share of them that is drawn from the lobes, in [0, 1], rounded to whole candidates; 0.5 serves well. Where it rounds to none or
-    /// to all, one of the two is never drawn from, and a weight has no bound: the mean of tens of thousands of draws may be half of the
-    /// integral where a sharp highlight lies away from the light, or a small sun away from the highlight.
+    /// The share of them that is drawn from the lobes, in [0, 1], rounded to whole candidates; 0.5 serves well. Where it rounds to
+    /// none or to all, one of the two is never drawn from, and a weight has no bound. A sharp highlight may lie away from the
+    /// light, or a small sun away from the highlight. The mean of tens of thousands of draws may then be half of the integral.
     pub lobe_share: f32,
-    /// At least 1e-3: infinite where the candidates are to give all of the light; 4 serves well where the light along the path's own ray
-    /// counts too, weighed by `srbf_product_ray_weight`.
+    /// At least 1e-3: infinite where the candidates are to give all of the light; 4 serves well where the light along the path's
+    /// own ray counts too, weighed by `srbf_product_ray_weight`.
     pub kappa: f32,
 }
 
@@ -118,14 +119,14 @@ impl srbf_product_sampling {
 /// Borrows an environment of the caller.
 ///
 /// # Safety
-/// The header's contract: what is not NULL points to an environment.
+/// The header's contract: a pointer that is not NULL points to an environment.
 #[inline(always)]
 pub(crate) unsafe fn object<'a>(
     environment: *const srbf_environment,
 ) -> Result<&'a srbf_environment, Failure> {
     check(environment)?;
-    // SAFETY: not NULL and aligned; readable by the contract. The tag is looked at through the pointer, before there is a reference to
-    // a whole that may not be one.
+    // SAFETY: not NULL and aligned; readable by the contract. The tag is looked at through the pointer, before there is a
+    // reference to a whole that may not be one.
     if unsafe { (&raw const (*environment).tag).read() } != TAG {
         return Err(SRBF_STATUS_OBJECT.into());
     }
@@ -174,9 +175,9 @@ pub unsafe extern "C" fn srbf_environment_size(width: usize, height: usize, size
 
 /// Makes an environment of a map of radiance in the caller's storage; takes about 0.1 us a pixel.
 ///
-/// Shapes: `radiance` [height][width][3], linear sRGB, the top row first, each number in [0, 1e30]; `turn` the angle that the map is turned
-/// by round +z, anticlockwise seen from above, radians; `storage` [storage_size], at least what `srbf_environment_size` says, aligned to
-/// `SRBF_ENVIRONMENT_ALIGNMENT`; `environment` one pointer, which is set to the storage. None may overlap another.
+/// Shapes: `radiance` [height][width][3], linear sRGB, the top row first, each number in [0, 1e30]; `turn` the angle that the map
+/// is turned by round +z, anticlockwise seen from above, radians; `storage` [storage_size], at least what `srbf_environment_size`
+/// says, aligned to `SRBF_ENVIRONMENT_ALIGNMENT`; `environment` one pointer, which is set to the storage. None may overlap another.
 /// Status: `SRBF_STATUS_ARGUMENT` for a size that no map may have, a number out of range, NaN too, or a map that is black all over.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_environment_make(
@@ -213,7 +214,7 @@ pub unsafe extern "C" fn srbf_environment_make(
     })
 }
 
-/// Refuses what is no angle.
+/// Refuses a number that is no angle.
 fn angle(radians: f32) -> Result<f32, Failure> {
     if radians.is_finite() { Ok(radians) } else { Err(SRBF_STATUS_ARGUMENT.into()) }
 }
@@ -237,12 +238,12 @@ pub unsafe extern "C" fn srbf_environment_query(
     })
 }
 
-/// Takes a table that `srbf_environment_query` gave, on a processor of the same byte order, after checking it once. Nothing is copied:
-/// the table must live, and stay as it is, for as long as the environment is used.
+/// Takes a table that `srbf_environment_query` gave, on a processor of the same byte order, after checking it once. Nothing is
+/// copied: the table must live, and stay as it is, for as long as the environment is used.
 ///
-/// Shapes: `table` [table_size] bytes, aligned to 4; 64 is the fastest; `turn` as in `srbf_environment_make`; `storage` [storage_size], at least
-/// `SRBF_ENVIRONMENT_HEAD_SIZE`, aligned to `SRBF_ENVIRONMENT_ALIGNMENT`; `environment` one pointer, which is set to the storage.
-/// Status: `SRBF_STATUS_OBJECT` for a table that is none, or damaged.
+/// Shapes: `table` [table_size] bytes, aligned to 4; 64 is the fastest; `turn` as in `srbf_environment_make`; `storage`
+/// [storage_size], at least `SRBF_ENVIRONMENT_HEAD_SIZE`, aligned to `SRBF_ENVIRONMENT_ALIGNMENT`; `environment` one pointer,
+/// which is set to the storage. Status: `SRBF_STATUS_OBJECT` for a table that is none, or damaged.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_environment_read(
     table: *const core::ffi::c_void,
@@ -276,8 +277,8 @@ pub unsafe extern "C" fn srbf_environment_read(
 
 /// Looks up the radiance from a direction, and the density of `srbf_environment_sample` towards it; 1/sr.
 ///
-/// Shapes: `direction` [3], unit vector in the world; `radiance` [3], linear sRGB, and `pdf`, one number, overwritten; NULL for what is
-/// not wanted.
+/// Shapes: `direction` [3], unit vector in the world; `radiance` [3], linear sRGB, and `pdf`, one number, overwritten; NULL for
+/// one that is not wanted.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_environment_evaluate(
     environment: *const srbf_environment,
@@ -333,11 +334,11 @@ pub unsafe extern "C" fn srbf_environment_sample(
 
 /// Draws a direction for the light of an environment and a mixture together: direct light by one shadow ray.
 ///
-/// The mean of `weight` over all draws is the integral of radiance times `f cos`, times one minus `srbf_product_ray_weight`. Without
-/// occlusion its variance is that of multiple importance sampling with as many directions as there are candidates.
-/// Shapes: `frame` [9], tangent, bitangent and normal of the shading frame in the world, unit vectors at right angles; `u` [3][candidates],
-/// uniform numbers in [0, 1): the first of all candidates, then the second, then the third; `choice` one more; `sample` one, overwritten, with
-/// the normal and weight 0 where no candidate brings light.
+/// The mean of `weight` over all draws is the integral of radiance times `f cos`, times one minus `srbf_product_ray_weight`.
+/// Without occlusion its variance is that of multiple importance sampling with as many directions as there are candidates.
+/// Shapes: `frame` [9], tangent, bitangent and normal of the shading frame in the world, unit vectors at right angles; `u`
+/// [3][candidates], uniform numbers in [0, 1): the first of all candidates, then the second, then the third; `choice` one more;
+/// `sample` one, overwritten, with the normal and weight 0 where no candidate brings light.
 /// Status: `SRBF_STATUS_ARGUMENT` for a `sampling` out of range.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_mixture_sample_product(
@@ -376,7 +377,7 @@ pub unsafe extern "C" fn srbf_mixture_sample_product(
     })
 }
 
-/// Refuses what are not three unit vectors at right angles, to 1e-3.
+/// Refuses vectors that are not three unit vectors at right angles, to 1e-3.
 pub(crate) fn axes([a, b, c, d, e, f, g, h, i]: [f32; 9]) -> Result<[Vec3; 3], Failure> {
     let [x, y, z] = [direction([a, b, c])?, direction([d, e, f])?, direction([g, h, i])?];
     if [x.dot(y), y.dot(z), z.dot(x)].into_iter().all(|cosine| cosine.abs() <= 1e-3) {
@@ -386,11 +387,12 @@ pub(crate) fn axes([a, b, c, d, e, f, g, h, i]: [f32; 9]) -> Result<[Vec3; 3], F
     }
 }
 
-/// Says what the light is multiplied by that a path meets along a direction that it drew from its mixture, with a density `pdf`, where
-/// the environment has the density `environment_pdf`.
+/// Gives the factor on the light that a path meets along its own ray. The path drew the ray from its mixture with density `pdf`;
+/// the environment has the density `environment_pdf` there.
 ///
-/// Shapes: `weight` one number in [0, 1], overwritten, whatever the densities are: 0 for an infinite kappa; a density that is negative or
-/// NaN counts as 0, an infinite one as the largest number. Status: `SRBF_STATUS_ARGUMENT` for a `sampling` out of range.
+/// Shapes: `weight` one number in [0, 1], overwritten, whatever the densities are: 0 for an infinite kappa; a density that is
+/// negative or NaN counts as 0, an infinite one as the largest number. Status: `SRBF_STATUS_ARGUMENT` for a `sampling` out of
+/// range.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_product_ray_weight(
     sampling: *const srbf_product_sampling,

@@ -19,7 +19,7 @@ pub const SRBF_EXPANDED_DEFAULT_ROWS: usize = 1024;
 
 /// A material made ready for speed: lobes for many angles of the outgoing direction, in the caller's storage.
 ///
-/// It never changes, so any number of threads may use one at once. It needs no release. Its bytes may not be moved, and the bytes of
+/// It never changes, so any number of threads may use one at once. It needs no release. Its bytes may not be moved. The bytes of
 /// the material that it was made from must live, and stay as they are, for as long as it is used.
 pub struct srbf_expanded {
     tag: u32,
@@ -51,7 +51,7 @@ impl srbf_expanded {
 /// Borrows an expanded material of the caller.
 ///
 /// # Safety
-/// The header's contract: what is not NULL points to an expanded material.
+/// The header's contract: a pointer that is not NULL points to an expanded material.
 #[inline(always)]
 pub(crate) unsafe fn object<'a>(expanded: *const srbf_expanded) -> Result<&'a srbf_expanded, Failure> {
     check(expanded)?;
@@ -64,13 +64,13 @@ pub(crate) unsafe fn object<'a>(expanded: *const srbf_expanded) -> Result<&'a sr
     Ok(unsafe { &*expanded })
 }
 
-/// The bytes of an expanded material of so many rows; `None` if there are more than an object may have.
+/// The bytes of an expanded material of a number of rows; `None` if there are more than an object may have.
 fn size_of_rows(material: &srbf_material, rows: usize) -> Option<usize> {
     let bytes = material.material.expanded_len(rows).checked_mul(size_of::<f32>())?.checked_add(HEAD)?;
     isize::try_from(bytes).is_ok().then_some(bytes)
 }
 
-/// Says how many bytes of storage an expanded material of so many rows needs: 448 a row, or 512 if lobes are mirrored, for up to
+/// Gives the bytes of storage that an expanded material of `rows` rows needs: 448 a row, or 512 if lobes are mirrored, for up to
 /// sixteen lobes, and as much for each sixteen lobes more.
 ///
 /// Range: `rows` at least 2, at most 16384; `SRBF_EXPANDED_DEFAULT_ROWS` is a good number.
@@ -89,7 +89,7 @@ pub unsafe extern "C" fn srbf_expanded_size(
     })
 }
 
-/// Expands a material in the caller's storage: prepares it exactly at so many angles of the outgoing direction.
+/// Expands a material in the caller's storage: prepares it exactly at `rows` angles of the outgoing direction.
 ///
 /// Its values differ from those of `srbf_material_prepare` by an error that falls with the square of the number of rows.
 /// Shapes: `storage` [storage_size], at least what `srbf_expanded_size` says, aligned to `SRBF_EXPANDED_ALIGNMENT`; `expanded` one

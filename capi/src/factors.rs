@@ -1,4 +1,4 @@
-//! Factors of a material: what the values of its lobes are multiplied by.
+//! Factors of a material, which multiply the values of its lobes.
 #![allow(unsafe_code)]
 
 use crate::convert::direction;
@@ -10,9 +10,9 @@ use crate::status::{SRBF_STATUS_INDEX, srbf_status};
 
 /// Gives the factor of a node. Status: `SRBF_STATUS_INDEX` past any end, and without a table.
 ///
-/// Nodes are evenly spaced from 0 to 1 in `(1 - h.z)^(1/4)`, in `(1 - h.wo)^(1/2)`, and in the squared cosine of the azimuth of `wo`
-/// round `h = (wi + wo) / |wi + wo|`, which is 1 in the plane of incidence.
-/// Shapes: `factor` [3], linear sRGB, overwritten.
+/// Nodes are evenly spaced from 0 to 1 in `(1 - h.z)^(1/4)`, in `(1 - h.wo)^(1/2)`, and in the squared cosine of an azimuth. It is
+/// that of `wo` round `h = (wi + wo) / |wi + wo|`, and the squared cosine is 1 in the plane of incidence. Shapes: `factor` [3],
+/// linear sRGB, overwritten.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_material_factor_node(
     material: *const srbf_material,
@@ -29,7 +29,7 @@ pub unsafe extern "C" fn srbf_material_factor_node(
     })
 }
 
-/// Evaluates what the value of the lobes is multiplied by for a pair of directions above the horizon; 1 without a table.
+/// Evaluates the factor on the value of the lobes for a pair of directions above the horizon; 1 without a table.
 ///
 /// `srbf_mixture_evaluate` and all that gives values or weights has multiplied already; densities and draws are the lobes' alone.
 /// Shapes: `wo` and `wi` [3], unit vectors, which may be exchanged; `factor` [3], linear sRGB, overwritten.
@@ -50,7 +50,7 @@ pub unsafe extern "C" fn srbf_material_factor(
     })
 }
 
-/// Gives what the factors change of the albedo of a view, relative to the luminance of the lobes' own, as it is stored. Status:
+/// Gives the change of the albedo of a view by the factors, relative to the luminance of the lobes' own, as it is stored. Status:
 /// `SRBF_STATUS_INDEX` past the end, and without a table.
 ///
 /// `srbf_material_albedo` and the `albedo` of `srbf_mixture_info` have it in them.

@@ -46,8 +46,8 @@ pub struct srbf_fit_settings {
     pub factor_nodes: [usize; 3],
     /// Mean relative L2 error that the fewest lobes are to reach, at most `lobes` of them; 0, the default, for all of them.
     pub error: f64,
-    /// Weight of the roughness from view to view, 1e-12 to 1000: smaller fits the samples better, larger what lies between.
-    /// Default: 5e-5.
+    /// Weight of the roughness from view to view, 1e-12 to 1000: smaller fits the samples better, larger the directions between
+    /// them. Default: 5e-5.
     pub smoothness: f64,
     /// Starting points that are tried, 1 to 1000. A fit takes about as long as it has starting points. Default: 12.
     pub starts: usize,
@@ -59,8 +59,8 @@ pub struct srbf_fit_settings {
 
 /// A BRDF of the caller: writes f (not times the cosine; linear sRGB, 1/sr) for two unit vectors with z > 0.
 ///
-/// `wi`, `wo` and `f` are [3]; `user` is what the caller gave along. It is called from threads of the library, several at once. It
-/// must return: neither throw nor `longjmp` out. What is negative or not finite counts as 0.
+/// `wi`, `wo` and `f` are [3]; `user` is the pointer of the caller. It is called from threads of the library, several at once. It
+/// must return: neither throw nor `longjmp` out. A value that is negative or not finite counts as 0.
 pub type srbf_brdf =
     Option<unsafe extern "C" fn(user: *mut c_void, wi: *const f32, wo: *const f32, f: *mut f32)>;
 
@@ -90,17 +90,16 @@ pub unsafe extern "C" fn srbf_fit_settings_default(settings: *mut srbf_fit_setti
 
 /// Fits a material to n samples of an isotropic BRDF. Release it with `srbf_material_free`. Takes seconds, on all processors.
 ///
-/// Outgoing directions whose angles from the normal agree within 1e-3 are one view. Any number of samples is taken; with fewer than a
-/// few hundred a view, what lies between them is badly known. No surface reflects more than it receives: where the albedo of the
-/// samples of a view is above 0.95, the fit is held to 0.95, and is darker than the samples.
-/// Shapes: `wo` and `wi` n unit vectors, `wo` above the horizon; samples whose `wi` is not are left out; `f` n colours, linear
-/// sRGB, of which what is negative counts as 0; `settings` one, or NULL; `material` one pointer, overwritten.
-/// Status, with the reason in `srbf_last_message`: `SRBF_STATUS_DIRECTION` for what is no unit vector; `SRBF_STATUS_TABLE`;
-/// `SRBF_STATUS_ARGUMENT` for a setting; `SRBF_STATUS_OTHER` if the system gives no threads to fit on, or there is no memory
-/// for the samples.
+/// Outgoing directions whose angles from the normal agree within 1e-3 are one view. Any number of samples is taken; with fewer
+/// than a few hundred a view, values between them are badly known. No surface reflects more than it receives: where the albedo of
+/// the samples of a view is above 0.95, the fit is held to 0.95, and is darker than the samples. Shapes: `wo` and `wi` n unit
+/// vectors, `wo` above the horizon; samples whose `wi` is not are left out; `f` n colours, linear sRGB, of which negative channels
+/// count as 0; `settings` one, or NULL; `material` one pointer, overwritten. Status, with the reason in `srbf_last_message`:
+/// `SRBF_STATUS_DIRECTION` for a vector that is no unit vector; `SRBF_STATUS_TABLE`; `SRBF_STATUS_ARGUMENT` for a setting;
+/// `SRBF_STATUS_OTHER` if the system gives no threads to fit on, or there is no memory for the samples.
 ///
-/// A child that was forked may fit, whether or not its parent has fitted or is fitting: it starts threads of its own. But a child that
-/// was forked within a `srbf_brdf` gets `SRBF_STATUS_OTHER`.
+/// A child that was forked may fit, whether or not its parent has fitted or is fitting: it starts threads of its own. But a child
+/// that was forked within a `srbf_brdf` gets `SRBF_STATUS_OTHER`.
 #[cfg(feature = "fit")]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_fit_table(
@@ -150,8 +149,8 @@ pub unsafe extern "C" fn srbf_fit_brdf(
 
 /// Writes a material to a `.srbf` file, whole or not at all; folders that are missing are made.
 ///
-/// The bytes are written under another name in the same folder, which is then renamed. A symbolic link stays, and what it points to
-/// is replaced; a file that is there gives its mode to the new one. Where a folder, a device, a pipe or a socket is there, nothing is
+/// The bytes are written under another name in the same folder, which is then renamed. A symbolic link stays, and its target is
+/// replaced; a file that is there gives its mode to the new one. Where a folder, a device, a pipe or a socket is there, nothing is
 /// written. `path` is UTF-8 with a zero at the end. Status: `SRBF_STATUS_FILE`, with the reason in `srbf_last_message`.
 #[cfg(feature = "fit")]
 #[unsafe(no_mangle)]
@@ -225,7 +224,7 @@ impl Brdf for Callback {
 }
 
 /// # Safety
-/// The header's contract: what is not NULL points to settings.
+/// The header's contract: a pointer that is not NULL points to settings.
 unsafe fn settings(given: *const srbf_fit_settings) -> Result<Settings, Failure> {
     let provenance = "fitted by srbf through its C interface\n".into();
     if given.is_null() {
@@ -274,7 +273,7 @@ fn pool() -> Result<&'static ThreadPool, Failure> {
     static THREADS: AtomicPtr<Threads> = AtomicPtr::new(core::ptr::null_mut());
     let process = std::process::id();
     let old = THREADS.load(Ordering::Acquire);
-    // SAFETY: NULL, or what was leaked below.
+    // SAFETY: NULL, or the text that is leaked below.
     match unsafe { old.as_ref() } {
         Some(threads) if threads.process == process => return Ok(&threads.pool),
         // Forked by a function that a fit has called: this thread still waits for those of its parent.
@@ -292,7 +291,7 @@ fn pool() -> Result<&'static ThreadPool, Failure> {
         // SAFETY: it was leaked above, and stays for ever.
         Ok(_) => Ok(unsafe { &(*made).pool }),
         Err(other) => {
-            // SAFETY: nobody else has seen what was leaked above, and what another thread has stored stays for ever.
+            // SAFETY: nobody else has seen the text leaked above, and a text that another thread has stored stays for ever.
             unsafe {
                 drop(Box::from_raw(made));
                 Ok(&(*other).pool)
@@ -316,7 +315,7 @@ impl From<FitError> for Failure {
     }
 }
 
-/// An error and what it comes from: the name of a file, and why the system refuses it.
+/// An error and its cause: the name of a file, and why the system refuses it.
 fn with_reasons(error: &dyn Error) -> String {
     let mut text = error.to_string();
     let mut source = error.source();

@@ -33,7 +33,7 @@ impl Failure {
         }
     }
 
-    /// The same with the name of what it is about.
+    /// The same with the name of its subject.
     #[cfg(feature = "std")]
     pub fn about(self, name: &str) -> Self {
         let message = match self.message {
@@ -49,7 +49,7 @@ impl Failure {
 #[inline(always)]
 pub(crate) fn guard(body: impl FnOnce() -> Outcome) -> srbf_status {
     use std::panic::{AssertUnwindSafe, catch_unwind};
-    // What a panic may leave half written is only the caller's output, which the header calls unspecified then.
+    // A panic may leave only the caller's output half written, which the header calls unspecified then.
     match catch_unwind(AssertUnwindSafe(body)) {
         Ok(Ok(())) => SRBF_STATUS_OK,
         Ok(Err(failure)) => report(failure),

@@ -27,7 +27,7 @@ pub unsafe extern "C" fn srbf_material_from_bytes(
     guard(|| {
         // SAFETY: the header's contract.
         let (bytes, out) = unsafe { (slice(bytes, byte_count)?, Out::new(material)?) };
-        // Before there is a copy of what may be any number of bytes.
+        // Before a copy is made, which may have any number of bytes.
         Material::from_bytes(bytes)?;
         own(copy(bytes)?, &out)
     })
@@ -71,7 +71,7 @@ impl From<FileError> for Failure {
 /// Borrows a text of the caller.
 ///
 /// # Safety
-/// The header's contract: what is not NULL points to bytes that end in a zero.
+/// The header's contract: a pointer that is not NULL points to bytes that end in a zero.
 pub(crate) unsafe fn text<'a>(text: *const c_char) -> Result<&'a str, Failure> {
     check(text)?;
     // SAFETY: not NULL; the rest is the contract.

@@ -129,7 +129,8 @@ pub unsafe extern "C" fn srbf_material_sample_and_evaluate(
     })
 }
 
-/// Asks the processor for what a hit from such a direction will read: a few hits ahead, where a scene has hundreds of materials.
+/// Asks the processor for the memory that a hit from such a direction will read: a few hits ahead, where a scene has hundreds of
+/// materials.
 ///
 /// Only a hint, and nothing for an anisotropic material.
 /// Shapes: `wo` [3], any numbers.

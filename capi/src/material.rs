@@ -92,7 +92,7 @@ fn bytes_of(bytes: &[u8]) -> Range<usize> {
 /// Borrows a material of the caller.
 ///
 /// # Safety
-/// The header's contract: what is not NULL points to a material.
+/// The header's contract: a pointer that is not NULL points to a material.
 #[inline(always)]
 pub(crate) unsafe fn material<'a>(material: *const srbf_material) -> Result<&'a srbf_material, Failure> {
     check(material)?;
@@ -105,13 +105,13 @@ pub(crate) unsafe fn material<'a>(material: *const srbf_material) -> Result<&'a 
     Ok(unsafe { &*material })
 }
 
-/// What a material holds.
+/// Properties of a material.
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub struct srbf_material_info {
     /// Number of views: outgoing directions at which lobes are stored.
     pub views: usize,
-    /// Number of lobes of a mixture: what it must have room for.
+    /// Number of lobes of a mixture, for which it must have room.
     pub lobes: usize,
     /// Number of lobes that see the squeezed direction; they come first.
     pub squeezed_lobes: usize,
@@ -126,7 +126,8 @@ pub struct srbf_material_info {
     pub provenance: *const c_char,
     /// Length of the provenance in bytes.
     pub provenance_length: usize,
-    /// Nodes of the table of factors along half angle, difference angle and azimuth, see `srbf_material_factor_node`; 0 without one.
+    /// Nodes of the table of factors along half angle, difference angle and azimuth, see `srbf_material_factor_node`; 0 without
+    /// one.
     ///
     /// A mixture of a material with factors reads them from the material: see `srbf_mixture`.
     pub factor_nodes: [usize; 3],
@@ -204,7 +205,7 @@ pub unsafe extern "C" fn srbf_material_borrow(
     })
 }
 
-/// Says what a material holds.
+/// Gives the properties of a material.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_material_query(
     material: *const srbf_material,
@@ -294,8 +295,8 @@ pub unsafe extern "C" fn srbf_material_albedo(
 /// The mixture takes and gives directions in the shading frame that `wo` is given in. Below the horizon (z < 0) nothing
 /// is reflected: the mixture is empty. Of a material with factors the mixture reads them from the material, which must outlive it.
 /// Shapes: `wo` [3], unit vector towards the viewer, +z the surface normal.
-/// Status: `SRBF_STATUS_CAPACITY` if the mixture has room for fewer lobes than the material has. On failure the
-/// mixture keeps what it held.
+/// Status: `SRBF_STATUS_CAPACITY` if the mixture has room for fewer lobes than the material has. On failure the mixture stays as
+/// it was.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_material_prepare(
     material: *const srbf_material,
@@ -313,8 +314,8 @@ pub unsafe extern "C" fn srbf_material_prepare(
 /// `srbf_material_prepare`, leaving out what matters less than a bound: fewer lobes to evaluate, at an error that is bounded.
 ///
 /// Range: shares within [0, 1]. `lobes`: a lobe is dropped if its share of the luminance of the albedo is below this.
-/// `folds`: what a lobe has below the horizon is not mirrored up if it is at most this share of the lobe. `srbf_material_prepare`
-/// takes 0 and 1e-7.
+/// `folds`: the part of a lobe below the horizon is not mirrored up if it is at most this share of the lobe.
+/// `srbf_material_prepare` takes 0 and 1e-7.
 /// Shapes: `wo` [3], unit vector towards the viewer, +z the surface normal.
 /// Status: `SRBF_STATUS_ARGUMENT` for a share out of range; otherwise as `srbf_material_prepare`.
 #[unsafe(no_mangle)]

@@ -12,8 +12,8 @@ std::thread_local! {
     static LAST: RefCell<CString> = RefCell::default();
 }
 
-/// Keeps the text of the status and the reason, if there is one, for this thread. A reason that says what the text says stands
-/// alone.
+/// Keeps the text of the status and the reason, if there is one, for this thread. A reason that repeats the text of the status
+/// stands alone.
 pub(crate) fn set(status: srbf_status, reason: Option<&str>) {
     let text = srbf_status_text(status);
     // SAFETY: srbf_status_text returns a constant that ends in a zero byte.
@@ -34,8 +34,8 @@ pub(crate) fn set(status: srbf_status, reason: Option<&str>) {
 
 /// Returns the message of the last call that failed on this thread, "" if none did.
 ///
-/// UTF-8, one line of visible characters (a control character, in the name of a file for example, is spelled out as `\u{1b}`), never
-/// NULL. Valid until the next call that fails on this thread, or its end.
+/// UTF-8, one line of visible characters (a control character, in the name of a file for example, is spelled out as `\u{1b}`),
+/// never NULL. Valid until the next call that fails on this thread, or its end.
 #[cfg(feature = "std")]
 #[unsafe(no_mangle)]
 pub extern "C" fn srbf_last_message() -> *const c_char {

@@ -11,10 +11,10 @@ use srbf_core::{Domain, Error, Lobe, MAX_LOBES, Mixture, Vec3};
 
 /// The whole sphere: no fold.
 pub const SRBF_DOMAIN_SPHERE: u32 = 0;
-/// The upper hemisphere: what a lobe has below the horizon is mirrored back up.
+/// The upper hemisphere: the part of a lobe below the horizon is mirrored back up.
 pub const SRBF_DOMAIN_HEMISPHERE: u32 = 1;
 
-/// What a mixture holds.
+/// Properties of a mixture.
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub struct srbf_mixture_info {
@@ -35,12 +35,12 @@ pub struct srbf_mixture_info {
     /// Integral of `f cos` over the domain, linear sRGB: for a material's mixture, the albedo. With factors, which
     /// leave it no closed form, a material stores for its views by how much they change it, and that is interpolated.
     pub albedo: [f32; 3],
-    /// Luminance of the integral of lobes and diffuse term: what densities are normalised by, and the luminance of the weight of every
-    /// sample. In a material with factors the latter is multiplied by its factor.
+    /// Luminance of the integral of lobes and diffuse term: what densities are normalised by, and the luminance of the weight of
+    /// every sample. In a material with factors the latter is multiplied by its factor.
     pub power: f32,
 }
 
-/// Returns the bytes of storage that a mixture of so many lobes needs; 0 if there is no such mixture (more than 64).
+/// Returns the bytes of storage that a mixture of this number of lobes needs; 0 if there is no such mixture (more than 64).
 #[unsafe(no_mangle)]
 pub extern "C" fn srbf_mixture_size(lobes: usize) -> usize {
     size_for(lobes).unwrap_or(0)
@@ -73,8 +73,8 @@ pub unsafe extern "C" fn srbf_mixture_init(
 /// The first `squeezed_lobes` see the direction squeezed along y by c = `squeeze` in [0.01, 2]; give 0 and 1 for round
 /// lobes alone.
 /// Shapes: `lobes` [lobe_count]; `diffuse` [3], the albedo of a diffuse term on the hemisphere, or NULL.
-/// Status: `SRBF_STATUS_CAPACITY`; what is wrong with a lobe; `SRBF_STATUS_AMPLITUDE` also if integral or value could be infinite, and for a
-/// diffuse term on `SRBF_DOMAIN_SPHERE`. On failure the mixture keeps what it held.
+/// Status: `SRBF_STATUS_CAPACITY`; the status of a lobe that is refused; `SRBF_STATUS_AMPLITUDE` also if integral or value could
+/// be infinite, and for a diffuse term on `SRBF_DOMAIN_SPHERE`. On failure the mixture stays as it was.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_mixture_from_lobes(
     domain: u32,
@@ -126,7 +126,7 @@ fn make<const N: usize>(
     Ok(())
 }
 
-/// Says what a mixture holds, its closed-form integral included.
+/// Gives the properties of a mixture, its closed-form integral included.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_mixture_query(
     mixture: *const srbf_mixture,

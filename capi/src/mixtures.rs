@@ -53,8 +53,8 @@ impl Mixtures {
         unsafe { mixture(self.at(index)) }
     }
 
-    /// Calls with the mixtures of some hits, as many of one capacity at a time as come one behind the other, and with their places
-    /// among these hits.
+    /// Calls with the mixtures of some hits, and with their places among these hits. Each call has all mixtures of one capacity
+    /// that follow each other.
     ///
     /// # Safety
     /// As [`Self::new`]; the hits are below the count.

@@ -1,4 +1,4 @@
-//! A planted bug, for tests of what a panic becomes.
+//! A planted bug, for tests of the status that a panic becomes.
 #![allow(unsafe_code)]
 
 use crate::guard::guard;

@@ -1,8 +1,8 @@
-//! The pointer mechanics: what a caller hands over is checked here before it is touched.
+//! The pointer mechanics: pointers of a caller are checked here before their memory is touched.
 //!
-//! Nothing here can see whether memory is really there: that a pointer which is not NULL points to enough readable or
-//! writable memory is the caller's word, given by the contract at the top of the header. That contract is what every
-//! `SAFETY` comment calls "the header's contract".
+//! Nothing here can see whether memory is really there. The caller promises that a pointer which is not NULL points to enough
+//! readable or writable memory. The contract is at the top of the header. That contract is what every `SAFETY` comment calls "the
+//! header's contract".
 #![allow(unsafe_code)]
 
 use crate::guard::Failure;
@@ -25,7 +25,7 @@ pub(crate) fn check<T>(pointer: *const T) -> Result<(), Failure> {
 /// Copies a value that the caller owns.
 ///
 /// # Safety
-/// The header's contract: what is not NULL points to a `T` that nobody writes during the call.
+/// The header's contract: a pointer that is not NULL points to a `T` that nobody writes during the call.
 #[inline(always)]
 pub(crate) unsafe fn read<T: Copy>(pointer: *const T) -> Result<T, Failure> {
     check(pointer)?;
@@ -90,7 +90,7 @@ impl<T> Out<T> {
     /// Checks the place, before any work is done.
     ///
     /// # Safety
-    /// The header's contract: what is not NULL points to memory for a `T` that nobody else uses during the call.
+    /// The header's contract: a pointer that is not NULL points to memory for a `T` that nobody else uses during the call.
     #[inline(always)]
     pub unsafe fn new(pointer: *mut T) -> Result<Self, Failure> {
         check(pointer)?;

@@ -39,7 +39,7 @@ fn inner<const N: usize, const M: usize>(a: &Mixture<'_, N>, b: &Mixture<'_, M>)
 /// folded; they stand for the product on the domain that the mixtures share. Sharpness may reach 2e8,
 /// which no call takes, and an amplitude infinity, where two multiply to more than a float holds.
 /// Shapes: `lobes` [capacity], of which the first `*count` are overwritten; `lobes` may be NULL with capacity 0, to ask
-/// for the count alone. Status: `SRBF_STATUS_SIZE` if the capacity is too small, `*count` says what is needed;
+/// for the count alone. Status: `SRBF_STATUS_SIZE` if the capacity is too small, `*count` gives the capacity needed;
 /// `SRBF_STATUS_SQUEEZED`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_mixture_product(
@@ -68,7 +68,7 @@ pub unsafe extern "C" fn srbf_mixture_product(
             for object in [extent(a, &first), extent(b, &second)] {
                 check_apart(&written, &object)?;
             }
-            // SAFETY: not NULL, aligned, within the address space and apart from what is read, checked above; writable
+            // SAFETY: not NULL, aligned, within the address space and apart from the inputs, checked above; writable
             // by the header's contract. The two structures are laid out alike, asserted below, and any bits are one.
             unsafe { core::slice::from_raw_parts_mut(lobes.cast(), needed) }
         };

@@ -21,9 +21,9 @@ const _: () = assert!(SRBF_LIGHT_BLOCK == LIGHT_BLOCK && SRBF_MAX_REFLECT_RAYS =
 
 /// Sixteen samples of an environment as rows: what `srbf_mixture_reflect` reads. A block at a multiple of 64 is the fastest.
 ///
-/// Blocks are made before rendering, as many as the caller has memory for: a *tile* of some thousand, of the points of one evenly spread
-/// sequence, serves all pixels. Where sample i of a pixel takes block i, or i with some bits flipped, the pixel's blocks are evenly
-/// spread too.
+/// Blocks are made before rendering, as many as the caller has memory for: a *tile* of some thousand, of the points of one evenly
+/// spread sequence, serves all pixels. Where sample i of a pixel takes block i, or i with some bits flipped, the pixel's blocks
+/// are evenly spread too.
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub struct srbf_light_block {
@@ -97,7 +97,8 @@ impl srbf_reflection {
 
 /// Draws a block of samples of the light.
 ///
-/// Shapes: `u` [3][16], uniform numbers in [0, 1): the first of all samples, then the second, then the third; `block` one, overwritten.
+/// Shapes: `u` [3][16], uniform numbers in [0, 1): the first of all samples, then the second, then the third; `block` one,
+/// overwritten.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_light_block_draw(
     environment: *const srbf_environment,
@@ -117,17 +118,17 @@ pub unsafe extern "C" fn srbf_light_block_draw(
     })
 }
 
-/// Draws the ray that a path goes on along, and a shadow ray, for the light of an environment: where nothing is in the way the reflected
-/// light is a sum over all directions of the block and all of `u`; with evenly spread numbers it is nearly exact.
+/// Draws the ray that a path goes on along, and a shadow ray, for the light of an environment: where nothing is in the way the
+/// reflected light is a sum over all directions of the block and all of `u`; with evenly spread numbers it is nearly exact.
 ///
-/// `srbf_reflection_light` gives the light when both rays have been followed. Its mean is the integral of radiance times `f cos` of what is
-/// not hidden; block, `u` and `choice` have to be independent of each other. Most of the light has to be in sight for it to be faster
-/// than one sample of lobes and light each.
-/// Shapes: `block` from `srbf_light_block_draw`; `frame` [9], tangent, bitangent and normal of the shading frame in the world, unit vectors at
-/// right angles; `flat` [3], the unit normal of the surface itself, below which light counts nothing; `u` [3][count], `count` from 1 to 16,
-/// 8 serve well, uniform numbers in [0, 1): the first of all directions of the lobes, then the second, then the third; the first direction is
-/// the path's own ray, the others may be its shifts along a lattice; `choice` one more; `reflection` one, overwritten.
-/// Status: `SRBF_STATUS_ARGUMENT` for a count out of range.
+/// `srbf_reflection_light` gives the light when both rays have been followed. Its mean is the integral of radiance times `f cos`
+/// over directions that are not hidden; block, `u` and `choice` have to be independent of each other. Most of the light has to be
+/// in sight for it to be faster than one sample of lobes and light each. Shapes: `block` from `srbf_light_block_draw`; `frame`
+/// [9], tangent, bitangent and normal of the shading frame in the world, unit vectors at right angles; `flat` [3], the unit normal
+/// of the surface itself, below which light counts nothing; `u` [3][count], `count` from 1 to 16, 8 serve well, uniform numbers in
+/// [0, 1): the first of all directions of the lobes, then the second, then the third; the first direction is the path's own ray,
+/// the others may be its shifts along a lattice; `choice` one more; `reflection` one, overwritten. Status: `SRBF_STATUS_ARGUMENT`
+/// for a count out of range.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_mixture_reflect(
     mixture: *const srbf_mixture,
@@ -169,11 +170,11 @@ pub unsafe extern "C" fn srbf_mixture_reflect(
 }
 
 /// The light that is reflected to the viewer, direct light by both rays: whether the path's own ray escapes to the environment, and
-/// whether the shadow ray does, 0 or 1. What the path meets further on is added to it; of the environment, nothing is.
+/// whether the shadow ray does, 0 or 1. The light that the path meets further on is added to it; of the environment, nothing is.
 ///
-/// Shapes: `reflection` from `srbf_mixture_reflect`; `values` [2][3], `f cos` of what is rendered towards the ray and towards the shadow ray,
-/// for a caller who renders another function than the mixture, NULL for that; `light` [3], linear sRGB, overwritten. Single estimates
-/// may be below 0.
+/// Shapes: `reflection` from `srbf_mixture_reflect`; `values` [2][3], for a caller who renders another function than the mixture:
+/// its `f cos` towards the ray and towards the shadow ray, or NULL; `light` [3], linear sRGB, overwritten. Single estimates may be
+/// below 0.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_reflection_light(
     reflection: *const srbf_reflection,

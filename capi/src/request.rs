@@ -14,14 +14,15 @@ use crate::streams::{BLOCK, Stream, srbf_numbers_out, srbf_samples_out, srbf_vec
 use core::ops::Range;
 use srbf_core::{Draws, Material, Mixture, Request, Towards};
 
-/// What is asked for each of n hits. Start from zeros, set `size` and what is wanted.
+/// The inputs and the wanted outputs for each of n hits. Start from zeros, set `size`, the inputs and the wanted outputs.
 ///
 /// `sizeof(srbf_request)` in `size` lets later versions ask for more. An output whose first pointer is NULL is not wanted:
 /// `value.x`, `pdf.values`, `samples.direction.x`, `samples.pdf.values`, `samples.weight.x`. Inputs that no output needs are not
 /// looked at. Each array has n elements; outputs are overwritten, and may overlap nothing, inputs may overlap each other.
 ///
-/// Where nothing is reflected, and for a `wo` that is no unit vector, values and densities are 0 and the normal is drawn with density
-/// 0. A `wi` that is no unit vector gives an unspecified value, and so does a number `u` outside [0, 1); others are not touched by it.
+/// Where nothing is reflected, and for a `wo` that is no unit vector, values and densities are 0 and the normal is drawn
+/// with density 0. A `wi` that is no unit vector gives an unspecified value, and so does a number `u` outside [0, 1);
+/// others are not touched by it.
 ///
 /// Every call that takes one refuses by `SRBF_STATUS_SIZE` a size that is not `sizeof(srbf_request)`, by `SRBF_STATUS_ARGUMENT`
 /// densities or weights of draws without directions. n = 0 looks at no pointer, and succeeds.
@@ -104,7 +105,7 @@ impl Arrays {
         if unsafe { read(request.cast::<usize>())? } != size_of::<srbf_request>() {
             return Err(SRBF_STATUS_SIZE.into());
         }
-        // In place: a copy would wait for what the caller has just stored.
+        // In place: a copy would wait for the stores of the caller.
         // SAFETY: not NULL and aligned, as `read` has seen; readable by the header's contract.
         let srbf_request { wo, wi, u, value, pdf, samples, .. } = unsafe { &*request };
         let wants_value = !value.x.is_null();
@@ -268,14 +269,14 @@ impl Arrays {
     }
 }
 
-/// What answers a part of a request: its place among the hits, outgoing directions, the rest. Not generic, so that the mechanics are
-/// compiled once.
+/// What answers a part of a request: its place among the hits, outgoing directions, the rest. Not generic, so that the mechanics
+/// are compiled once.
 type Call<'a> = &'a mut dyn FnMut(Range<usize>, [&[f32]; 3], Request<'_>) -> Outcome;
 
-/// Draws and evaluates for n hits of mixtures: what is given is what is wanted.
+/// Draws and evaluates for n hits of mixtures: outputs that are given are wanted.
 ///
-/// Mixture i is at `(const srbf_mixture *)((const char *)mixtures + i * mixture_stride)`; with a stride of 0 all hits are of the one
-/// mixture. The answers of `srbf_mixture_sample_and_evaluate` within rounding, in less time.
+/// Mixture i is at `(const srbf_mixture *)((const char *)mixtures + i * mixture_stride)`; with a stride of 0 all hits are of the
+/// one mixture. The answers of `srbf_mixture_sample_and_evaluate` within rounding, in less time.
 /// Shapes: `mixtures` [n], `mixture_stride` bytes apart: 0, or a multiple of `SRBF_MIXTURE_ALIGNMENT` and at least
 /// `SRBF_MIXTURE_SIZE_16`. Status: `SRBF_STATUS_OBJECT` if one of them is no mixture; outputs are unspecified then.
 #[unsafe(no_mangle)]
@@ -333,11 +334,11 @@ fn part_of<'a>(request: &'a mut Request<'_>, part: Range<usize>) -> Request<'a> 
     Request { draw, evaluate }
 }
 
-/// Draws and evaluates for n hits of a material, each with an outgoing direction of its own: what is given is what is wanted.
+/// Draws and evaluates for n hits of a material, each with an outgoing direction of its own: outputs that are given are wanted.
 ///
 /// The answers of `srbf_material_sample_and_evaluate` within rounding, in less time.
-/// Shapes: `material` one for all hits; or NULL, and each hit has its own in `materials` of the request. They need not be sorted. An
-/// output may lie between their pointers, but not upon one.
+/// Shapes: `material` one for all hits; or NULL, and each hit has its own in `materials` of the request. They need not be sorted.
+/// An output may lie between their pointers, but not upon one.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_material_ask(
     material: *const srbf_material,
@@ -387,7 +388,7 @@ pub unsafe extern "C" fn srbf_material_ask(
     })
 }
 
-/// Draws and evaluates for n hits of an expanded material, each with an outgoing direction of its own: what is given is what is
+/// Draws and evaluates for n hits of an expanded material, each with an outgoing direction of its own: outputs that are given are
 /// wanted. The answers of `srbf_material_ask` within the error of the rows.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_expanded_ask(

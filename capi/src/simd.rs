@@ -9,7 +9,7 @@ use srbf_core::Level;
 pub const SRBF_SIMD_AUTOMATIC: u32 = 0;
 /// One number at a time: the reference for every other level.
 pub const SRBF_SIMD_SCALAR: u32 = 1;
-/// SSE2, NEON, or what the whole library was compiled for.
+/// SSE2, NEON, or the instructions that the whole library was compiled for.
 pub const SRBF_SIMD_PORTABLE: u32 = 2;
 /// x86-64 with AVX2 and FMA.
 pub const SRBF_SIMD_AVX2: u32 = 3;

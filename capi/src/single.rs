@@ -17,7 +17,7 @@ pub struct srbf_sample {
     pub direction: [f32; 3],
     /// Density of the whole mixture at the direction; 1/sr. 0 where nothing was drawn, else above 0.
     pub pdf: f32,
-    /// `f cos / pdf`, linear sRGB: what the throughput of a path is multiplied by. 0 where the density is below 1.2e-38.
+    /// `f cos / pdf`, linear sRGB: the factor on the throughput of a path. 0 where the density is below 1.2e-38.
     pub weight: [f32; 3],
 }
 
@@ -128,7 +128,7 @@ pub unsafe extern "C" fn srbf_mixture_sample_and_evaluate(
     })
 }
 
-/// A sample, or what a black mixture gives: the header says it.
+/// A sample, or the numbers of a black mixture that the header states.
 #[inline(always)]
 pub(crate) fn drawn(sample: Option<Sample>) -> srbf_sample {
     match sample {

@@ -1,16 +1,16 @@
-//! What a call returns: numbers that are never reused for another meaning, and their texts.
+//! Results of calls: numbers that are never reused for another meaning, and their texts.
 #![allow(unsafe_code)]
 
 use core::ffi::{CStr, c_char};
 
-/// What a call returns: 0 if it succeeded, otherwise why not. The numbers never change their meaning.
+/// The result of a call: 0 if it succeeded, otherwise the reason. The numbers never change their meaning.
 pub type srbf_status = i32;
 
 /// The call succeeded.
 pub const SRBF_STATUS_OK: srbf_status = 0;
 /// A pointer that must not be NULL is NULL.
 pub const SRBF_STATUS_NULL: srbf_status = 1;
-/// A pointer is not aligned for what it points to.
+/// A pointer is not aligned for its type.
 pub const SRBF_STATUS_MISALIGNED: srbf_status = 2;
 /// An output overlaps an input or another output.
 pub const SRBF_STATUS_OVERLAP: srbf_status = 3;
@@ -75,7 +75,7 @@ fn text(status: srbf_status) -> &'static CStr {
     match status {
         SRBF_STATUS_OK => c"success",
         SRBF_STATUS_NULL => c"a pointer that must not be NULL is NULL",
-        SRBF_STATUS_MISALIGNED => c"a pointer is not aligned for what it points to",
+        SRBF_STATUS_MISALIGNED => c"a pointer is not aligned for its type",
         SRBF_STATUS_OVERLAP => c"an output overlaps an input or another output",
         SRBF_STATUS_SIZE => c"a buffer is too small, or a count too large for the address space",
         SRBF_STATUS_STRIDE => c"a stride is not a multiple of the alignment, or smaller than one element",

@@ -50,7 +50,7 @@ const _: () = assert!(
         && MAX_LOBES == 64
 );
 
-/// The bytes of storage that a mixture of so many lobes needs; `None` for more than 64.
+/// The bytes of storage that a mixture of a number of lobes needs; `None` for more than 64.
 pub(crate) const fn size_for(lobes: usize) -> Option<usize> {
     match lobes {
         0..=16 => Some(SRBF_MIXTURE_SIZE_16),
@@ -103,7 +103,7 @@ impl AnyMixture<'_> {
 /// Reads the head of what should be a mixture; its capacity.
 ///
 /// # Safety
-/// The header's contract: what is not NULL points to a mixture.
+/// The header's contract: a pointer that is not NULL points to a mixture.
 #[inline(always)]
 unsafe fn capacity(mixture: *const srbf_mixture) -> Result<u32, Failure> {
     // The alignment of the whole, not of the head.
@@ -119,7 +119,7 @@ unsafe fn capacity(mixture: *const srbf_mixture) -> Result<u32, Failure> {
 /// Borrows a mixture of the caller.
 ///
 /// # Safety
-/// The header's contract: what is not NULL points to a mixture that nobody writes during the call.
+/// The header's contract: a pointer that is not NULL points to a mixture that nobody writes during the call.
 #[inline(always)]
 pub(crate) unsafe fn mixture<'a>(mixture: *const srbf_mixture) -> Result<AnyMixture<'a>, Failure> {
     // SAFETY: the caller's word is ours.
@@ -137,7 +137,7 @@ pub(crate) unsafe fn mixture<'a>(mixture: *const srbf_mixture) -> Result<AnyMixt
 /// Borrows a mixture of the caller to overwrite it.
 ///
 /// # Safety
-/// The header's contract: what is not NULL points to a mixture that nobody else uses during the call.
+/// The header's contract: a pointer that is not NULL points to a mixture that nobody else uses during the call.
 #[inline(always)]
 pub(crate) unsafe fn mixture_mut<'a>(mixture: *mut srbf_mixture) -> Result<AnyMixtureMut<'a>, Failure> {
     // SAFETY: the caller's word is ours.

@@ -64,7 +64,7 @@ pub struct srbf_numbers_out {
     pub stride: usize,
 }
 
-/// Numbers a block: what is copied at a time where strides are wide.
+/// Numbers a block: the numbers that are copied at a time where strides are wide.
 pub(crate) const BLOCK: usize = 64;
 const NUMBER: usize = size_of::<f32>();
 
@@ -170,7 +170,7 @@ impl Stream {
         block: Option<&'a mut [f32; BLOCK]>,
     ) -> &'a mut [f32] {
         let Some(block) = block.filter(|_| !self.is_dense()) else {
-            // SAFETY: the caller's word. What the memory holds before it is overwritten is a valid f32 whatever its bits.
+            // SAFETY: the caller's word. The memory holds a valid f32 whatever its bits, before it is overwritten.
             return unsafe { core::slice::from_raw_parts_mut(self.start.add(from), len) };
         };
         &mut block[..len]

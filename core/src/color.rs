@@ -32,8 +32,8 @@ pub(crate) fn rgb<L: Lanes>(luminance: L, [rho, beta]: [L; 2]) -> [L; 3] {
     [rho.mul_add(luminance, luminance), green * luminance, beta.mul_add(luminance, luminance)]
 }
 
-/// Base-2 logarithm of the luminance, and the relative colour differences, of a colour without negative
-/// channels, which is given by the base-2 logarithms of red, green and blue; -126 and less stand for 0.
+/// Base-2 logarithm of the luminance, and the relative colour differences, of a colour without negative channels. The colour is
+/// given by the base-2 logarithms of red, green and blue; -126 and less stand for 0.
 ///
 /// Returns: the logarithm, -126 for black, and `(R - Y) / Y`, `(B - Y) / Y`.
 pub fn color_differences(log2_rgb: [f32; 3]) -> (f32, [f32; 2]) {

@@ -4,7 +4,7 @@
 //! [`prepare`] makes mixtures ([`between_views`], or [`prepare_anisotropic`]). [`one_direction`],
 //! [`one_mixture`] (many directions) and [`each_mixture`] (pairs of directions, a [`block`] at a time)
 //! evaluate and draw, all by [`draw`]; in batches by [`lobe_sums`]. A material that is asked directly
-//! ([`streamed`]), and an [`expanded`] one, do so without mixtures. A [`request`] says what a batch is asked.
+//! ([`streamed`]), and an [`expanded`] one, do so without mixtures. A [`request`] holds the inputs and wanted outputs of a batch.
 //! May import: `mixture`, `material`, `squeeze`, `color`, `simd`, `error`; nothing but `estimator` and
 //! `environment` imports from here.
 

@@ -7,12 +7,11 @@
 //!
 //! Directions are unit vectors in the caller's shading frame, +z the surface normal. Outgoing `wo` points
 //! towards the viewer and is fixed, incident `wi` points towards the light and is sampled. Values are linear
-//! sRGB. Where one direction or colour goes in, it may be `[f32; 3]` or a [`Vec3`]; what comes out is a `Vec3`,
-//! which is `Into<[f32; 3]>`: no client needs `glam`.
+//! sRGB. Where one direction or colour goes in, it may be `[f32; 3]` or a [`Vec3`]; results are a `Vec3`, which is
+//! `Into<[f32; 3]>`: no client needs `glam`.
 //!
-//! Not-a-number policy: constructors refuse what has no meaning; evaluation and sampling of what was
-//! constructed never make a NaN from unit directions. Any other vector gives an unspecified value, never a
-//! panic.
+//! Not-a-number policy: constructors refuse numbers without a meaning; evaluation and sampling of constructed objects never make a
+//! NaN from unit directions. Any other vector gives an unspecified value, never a panic.
 //!
 //! # Features
 //!
@@ -57,7 +56,7 @@
 //! let mut mixture = Mixture::<16>::empty();
 //! material.prepare([0.6, 0.0, 0.8], &mut mixture)?;
 //!
-//! // Where the path goes on, and what it is multiplied by.
+//! // Where the path goes on, and the factor on its throughput.
 //! let sample = mixture.sample([0.3, 0.6, 0.1]).expect("the material reflects");
 //! let throughput = sample.weight;
 //! assert!(throughput.max_element() < 1.0);
@@ -78,7 +77,7 @@
 //! let mixture = Mixture::<16>::hemisphere(&[lobe])?;
 //! let sample = mixture.sample([0.5, 0.25, 0.75]).expect("the mixture is not black");
 //! assert!((sample.pdf - mixture.pdf(sample.direction)).abs() <= 1e-6 * sample.pdf);
-//! // Folded at the horizon, a lobe has over the hemisphere what it has over the sphere.
+//! // Folded at the horizon, a lobe has the same integral over the hemisphere as over the sphere.
 //! assert!((mixture.albedo() - lobe.integral()).abs().max_element() < 1e-6);
 //! # Ok::<(), srbf_core::Error>(())
 //! ```

@@ -1,9 +1,9 @@
 //! The border for text: words of a stranger, in a file, a name or an argument, on its way to a terminal, a page or
 //! a message.
 //!
-//! Such text may hold escape sequences that a terminal obeys, marks that turn the order of the following text, and line
-//! ends that make one line look like two. None of them passes: each is spelled out, as `\u{1b}`.
-//! May import: nothing; nothing else prints a string of a stranger.
+//! Such text may hold escape sequences that a terminal obeys and marks that turn the order of the following text. Line ends make
+//! one line look like two. None of them passes: each is spelled out, as `\u{1b}`. May import: nothing; nothing else prints a
+//! string of a stranger.
 
 use core::fmt::{self, Display, Formatter, Write};
 

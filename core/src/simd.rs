@@ -1,4 +1,4 @@
-//! The processor: vectors of numbers, what is computed in each lane, the back ends, and the choice among
+//! The processor: vectors of numbers, the functions of one lane, the back ends, and the choice among
 //! them.
 //!
 //! Nothing here knows of lobes. A kernel is a text over [`lanes::Lanes`], wrapped as a [`routine::Routine`];

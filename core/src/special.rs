@@ -145,7 +145,7 @@ const SQUARE_INVERSE: [f32; 17] = {
 /// Langevin function `coth s - 1 / s`: the mean cosine to the axis of a Gaussian lobe.
 ///
 /// Up to 3 the continued fraction `s / (3 + s^2 / (5 + s^2 / (7 + ...)))`, whose parts are all positive;
-/// beyond, the difference, which no longer cancels.
+/// beyond, the difference, which does not cancel there.
 ///
 /// Range: sharpness in [0, 4e8]; 0 gives 0. Accuracy: relative 5e-7.
 #[inline]

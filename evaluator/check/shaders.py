@@ -2,7 +2,7 @@
 
     python shaders.py WRITE REFERENCE FOLDER
 
-WRITE is the program that writes the text, REFERENCE the one that says what core says (evaluator/examples/reference.rs), FOLDER a place for what is
+WRITE is the program that writes the text, REFERENCE the one that prints the numbers of core (evaluator/examples/reference.rs), FOLDER a place for what is
 made. WGSL is compiled by naga, GLSL and HLSL by glslang to SPIR-V; all run by Vulkan, on lavapipe where there is no GPU. It needs the packages
 wgpu and srbf_brdf, glslangValidator, and a Vulkan driver.
 """
@@ -88,7 +88,7 @@ float3 given_vector(uint row, uint i) { return float3(given[row * 4096 + i], giv
 
 
 def worst(got, want):
-    """Largest relative errors over the pairs. A value is relative to the largest channel, and to what the lobes have without factors."""
+    """Largest relative errors over the pairs. A value is relative to the largest channel, and to the value of the lobes without factors."""
     value, pdf, wi, there, weight, power, albedo = (got[:, a:b] for a, b in ((0, 3), (3, 4), (4, 7), (7, 8), (8, 11), (11, 12), (12, 15)))
     largest = lambda a: np.max(np.abs(a), axis=1, keepdims=True)
     same = largest(wi - want[:, 4:7]) < 1e-2

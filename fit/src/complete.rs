@@ -2,16 +2,19 @@
 //!
 //! A few hundred samples say little of the values between them. Knowledge of BRDFs adds the rest. Four things are known:
 //!
-//! 1. they are reciprocal: a sample says as much of (wo, wi) as of (wi, wo), so that one view speaks for all others. The coordinates
-//!    (`pair`) are the same both ways;
-//! 2. a microfacet lobe and a diffuse term (`microfacet`) are close to most of them, with a clear coat or a lobe about the back direction to the
-//!    rest. Which of these families it is, `family` chooses by samples and views that fits of them did not see;
+//! 1. they are reciprocal: a sample says as much of (wo, wi) as of (wi, wo), so that one view speaks for all others. The
+//!    coordinates (`pair`) are the same both ways;
+//! 2. a microfacet lobe and a diffuse term (`microfacet`) are close to most of them. The rest needs a clear coat too, or a
+//!    lobe about the back direction. Which of these families it is, `family` chooses by samples and views that fits of them
+//!    did not see;
 //! 3. the residual is smooth. A Gaussian process (`process`) of the logarithms, over those coordinates, takes it. A scale
-//!    (`scale`) that is even around 0 stands for the logarithm, so that samples that were clamped to 0, or are negative, count as dark;
+//!    (`scale`) that is even around 0 stands for the logarithm, so that samples that were clamped to 0, or are negative, count as
+//!    dark;
 //! 4. their colours are in XYZ, where none is negative (`color`).
 //!
 //! Smoothness of the residual, and noise, are those that predict left-out samples best, one by one and view by view
-//! (`held_out`). Samples that all others contradict are left out (`robust`). Of more samples than `points` takes, close ones are taken together.
+//! (`held_out`). Samples that all others contradict are left out (`robust`). Of more samples than `points` takes, close ones are
+//! taken together.
 
 mod color;
 mod energy;

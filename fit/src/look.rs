@@ -20,8 +20,8 @@ pub use units::Units;
 /// Samples that are compared at most.
 const MOST_COMPARED: usize = 50_000;
 
-/// Left differs from right by three limits: least number of pairs, least standard errors by which one side is brighter in more of them,
-/// and least median of the logarithm of their ratio.
+/// Left differs from right by three limits: least number of pairs; least standard errors by which one side is brighter in more of
+/// them; least median of the logarithm of their ratio.
 const PAIRS: usize = 20;
 const ERRORS: f64 = 8.0;
 const TILTED: f64 = 0.05;

@@ -1,4 +1,4 @@
-//! The attacks of `tests/src/attack.rs` and what they stand on, without the rest of that package: it would be compiled with
+//! The attacks of `tests/src/attack.rs` and the modules that they need, without the rest of that package: it would be compiled with
 //! sanitizers for nothing.
 
 extern crate alloc;

@@ -2,7 +2,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `ratio` | errors over one another, and what is certain of them |
+//! | `ratio` | errors over one another, and their uncertainty |
 //! | `text` | the page, as Markdown and as HTML |
 
 mod ratio;
@@ -33,7 +33,7 @@ use std::time::Instant;
 /// processors that nothing else uses.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The folder of fits, NAME.srbf, and of references; what is missing is made and kept there
+    /// The folder of fits, NAME.srbf, and of references; missing ones are made and kept there
     #[arg(long, default_value = "out/fits", value_name = "DIR")]
     fits: PathBuf,
     /// Samples a pixel after which the error is taken: two numbers, rising. Between them the time of a sample is taken too
@@ -42,7 +42,7 @@ pub struct Args {
     /// What draws, beside `lobes`, separated by commas
     #[arg(long, value_delimiter = ',', default_value = "ggx,lafortune,rgl", value_name = "SAMPLER")]
     samplers: Vec<String>,
-    /// Pictures of each method; fewer make what is certain rarer, by the t factor
+    /// Pictures of each method; fewer make the interval wider, by the t factor
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(2..=1000), value_name = "N")]
     repeats: u32,
     /// Samples a pixel of references
@@ -62,7 +62,7 @@ pub struct Args {
     output: PathBuf,
 }
 
-/// Measured materials: what they are called, and where they are in the data folder.
+/// Measured materials: their names, and their places in the data folder.
 const MATERIALS: [(&str, &str); 4] = [
     ("garnet_red", "cornell/garnet_red.brdf"),
     ("cayman", "cornell/cayman.brdf"),
@@ -97,7 +97,7 @@ const OURS: &str = "lobes";
 /// Ways to sample the light; the last is the renderer's own.
 const WAYS: [Way; 3] = [Way::Alone, Way::Mis, Way::Even];
 
-/// What is done about the light.
+/// The treatment of the light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Way {
     /// It is not sampled.
@@ -140,7 +140,7 @@ fn method_names(samplers: &[String]) -> Vec<String> {
     names
 }
 
-/// What is rendered.
+/// The rendered scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Rendered {
     Lobes,
@@ -216,7 +216,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
                     measured.push(Measured { rendered, points, comparison });
                 }
                 object = cast.roles.swap_remove(0).1;
-                // After every scene, so that a run that is stopped has said what it knows.
+                // After every scene, so that a run that is stopped has printed its results so far.
                 let minutes = start.elapsed().as_secs_f64() / 60.0;
                 let page = text::Text { measured: &measured, args, minutes, commit: &commit };
                 let files = output::together();
@@ -233,7 +233,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 impl Measured {
-    /// With what is rendered and the points in the name of the material, for a file.
+    /// With the scene and the points in the name of the material, for a file.
     fn named(&self) -> Comparison {
         let material =
             format!("{} ({}, {})", self.comparison.material, self.rendered.text(), points_text(self.points));

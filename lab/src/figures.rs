@@ -1,9 +1,9 @@
 //! `srbf-lab figures`: table 5.1 and figures 5.1 to 5.7 of the thesis, and its claim as a table.
 //!
-//! The figures of Weng and Shih 2006, chapter 5, made again: what is rendered, how it is measured, and how it is put on one sheet.
+//! The figures of Weng and Shih 2006, chapter 5, made again: the scenes, the measurement, and the sheet of pictures.
 //!
-//! The truth is one for all methods, the measurement: methods only draw directions for it. A second reading is what the thesis rendered, where
-//! the lobes of a method are the material themselves.
+//! The truth is one for all methods, the measurement: methods only draw directions for it. A second reading is that of the thesis,
+//! where the lobes of a method are the material themselves.
 //!
 //! | file | holds |
 //! |---|---|
@@ -42,8 +42,8 @@ use std::time::Instant;
 /// Makes table 5.1 and figures 5.1 to 5.7 of the thesis, and its claim as a table.
 ///
 /// SRBF_DATA_DIR names the folder of the data: Cornell's garnet red, krylon blue and cayman, blue paint by its published fit, the
-/// light probes Funston Beach and Uffizi, and the Happy Buddha. Writes PNGs, `claim.csv`, and `index.html`, a page with all of them and
-/// their captions. The measurement is the truth for every method. At most 20 minutes on two processors.
+/// light probes Funston Beach and Uffizi, and the Happy Buddha. Writes PNGs, `claim.csv`, and `index.html`, a page with all of
+/// them and their captions. The measurement is the truth for every method. At most 20 minutes on two processors.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Small pictures, few repeats, and the table of one material: a minute, for a look and for tests. The claim is not judged
@@ -60,7 +60,7 @@ pub struct Args {
     output: PathBuf,
 }
 
-/// Of the methods: the one that the thesis says is as good as Lafortune's, and what this library has.
+/// Of the methods: the one that the thesis says is as good as Lafortune's, and the methods of this library.
 const THESIS: usize = 0;
 const LAFORTUNE: usize = 1;
 const LOBES: usize = 2;
@@ -176,7 +176,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             }
         }
         page.table(&claim_table(truth, !args.quick, rows));
-        // After every reading, so that a run that is stopped has said what it knows.
+        // After every reading, so that a run that is stopped has printed its results so far.
         output::write(&out.join("claim.csv"), claims.as_bytes())?;
     }
     let figures: Vec<_> = subjects.iter().zip(figures).collect();
@@ -213,7 +213,7 @@ fn spheres<'a>(fitted: &'a [FittedPaint<'a>], probes: &'a [Environment], size: &
     fitted.iter().flat_map(|object| (0..PROBES.len()).map(move |n| subject(object, n))).collect()
 }
 
-/// What the page says first.
+/// The first paragraph of the page.
 const WORDS: &str = "S.-C. Weng, An Efficient BRDF Importance Sampling Method for Global Illumination (2006), chapter 5. In all figures the \
     measurement is what is rendered, and a method only draws the directions: so all methods have the same truth, and what differs is noise. \
     \"fit:\" names the second reading, which is the thesis's own: the lobes of a method are the material, and the error of the fit stays however \
@@ -273,7 +273,7 @@ fn table_5_1(out: &Path, args: &Args, page: &mut Page) -> anyhow::Result<()> {
     let file = out.join("table-5-1.md");
     thesis_table::run(thesis_table::Args::new(args.quick.then(|| "cayman".to_owned()), file.clone()))?;
     page.heading("Table 5.1");
-    page.paragraph("Relative L2 errors of fits in percent, and what the thesis says of its own.");
+    page.paragraph("Relative L2 errors of fits in percent, beside those that the thesis states of its own.");
     page.table(&table_of(&std::fs::read_to_string(&file).with_context(|| file.display().to_string())?));
     Ok(())
 }

@@ -42,7 +42,7 @@ const BATCH: usize = 1024;
 /// Least of this many repetitions is the time.
 const REPETITIONS: usize = 40;
 
-/// What a mixture has that parts are left out of; means over the views.
+/// Numbers of mixtures that parts are left out of; means over the views.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Left {
     pub lobes: f64,
@@ -53,7 +53,7 @@ pub struct Left {
     pub lost_albedo: f64,
 }
 
-/// What is left of a material without lobes and folds below their bounds. The command prints the same, and times.
+/// The rest of a material without lobes and folds below their bounds. The command prints the same, and times.
 ///
 /// # Errors
 /// Bounds that are out of range.

@@ -16,9 +16,9 @@ use std::path::PathBuf;
 
 /// Measures the rounding errors of every operation, ours and the textbook's, and of the whole way from material to sample.
 ///
-/// For each operation and decade of sharpness, 1e-8 to 1e8: the worst relative error over many inputs, against f64, of what the library
-/// computes in f32 and of the plain formula in f32. Light goes from 1e-30 to 1e30. Prints tables and writes a plot. Last comes the
-/// solver of the fit, a minute on two processors.
+/// For each operation and decade of sharpness, 1e-8 to 1e8: the worst relative error over many inputs, against f64, of the
+/// library's result in f32 and of the plain formula in f32. Light goes from 1e-30 to 1e30. Prints tables and writes a plot. Last
+/// comes the solver of the fit, a minute on two processors.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Inputs for each operation and decade
@@ -38,7 +38,7 @@ pub struct Args {
 /// Panels of the plot side by side.
 const COLUMNS: usize = 3;
 const PANEL: [u32; 2] = [520, 330];
-/// Smallest error that the plot shows; what is exact lies on it.
+/// Smallest error that the plot shows; exact results lie on it.
 const SMALLEST: f64 = 1e-8;
 /// Largest error that the plot shows: no digit is right.
 const LARGEST: f64 = 10.0;
@@ -86,7 +86,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
 /// Draws of the whole way for each input of an operation: they cost a hundred times as much.
 const WHOLE: u32 = 10;
 
-/// All operations, with so many inputs a decade.
+/// All operations, with this number of inputs a decade.
 pub fn operations(inputs: u32, seed: u64) -> Vec<Operation> {
     let mut operations = measure::measure(inputs, seed);
     operations.extend(whole::measure(inputs.div_ceil(WHOLE), seed));

@@ -157,7 +157,7 @@ impl Pages {
 }
 
 impl Pages {
-    /// Where documents and the table state different numbers for what was not made.
+    /// Where documents and the table state different numbers for figures that were not made.
     fn beside_the_table(&self, made: &[Figure]) -> anyhow::Result<Vec<String>> {
         let mut stale = Vec::new();
         for sentence in SENTENCES {
@@ -193,7 +193,7 @@ fn stale_rows(table: &str, made: &[Figure]) -> Vec<String> {
     stale.map(|f| format!("{TABLE}: {} is not {}", f.name, f.value)).collect()
 }
 
-/// The table with what was made; rows of other groups stay. What is no more than rounding off keeps its digits.
+/// The table with the figures that were made; rows of other groups stay. A figure that differs by rounding alone keeps its digits.
 fn table(before: &str, groups: &[&Group], made: &[Figure]) -> anyhow::Result<String> {
     let mut text = format!("{HEAD}\n");
     for group in GROUPS {
@@ -230,7 +230,7 @@ fn pages_of_times(root: &Path) -> anyhow::Result<Vec<(String, String)>> {
     names.into_iter().map(page).collect()
 }
 
-/// Passages that state times, and not what they were taken with.
+/// Passages that state times, and not their processor and commit.
 fn untold_times(root: &Path) -> anyhow::Result<Vec<String>> {
     let mut untold = Vec::new();
     for (name, text) in pages_of_times(root)? {

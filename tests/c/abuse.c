@@ -345,7 +345,7 @@ static void test_single(const srbf_material *material) {
     free(mixture);
 }
 
-/* What is asked: a call with n and a request. */
+/* Requests: a call with n and a request. */
 typedef srbf_status ask(const void *object, size_t n, const srbf_request *request);
 
 static srbf_status ask_one_mixture(const void *object, size_t n, const srbf_request *request) {

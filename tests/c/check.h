@@ -1,4 +1,4 @@
-/* What the C tests share: checks that say where they failed, guard zones, and a material to work with. */
+/* Shared by the C tests: checks that say where they failed, guard zones, and a material to work with. */
 #ifndef CHECK_H
 #define CHECK_H
 
@@ -31,7 +31,7 @@
 
 #define CHECK_OK(call) CHECK_STATUS(SRBF_STATUS_OK, call)
 
-/* A request: what is not named is not wanted. */
+/* A request: an output that is not named is not wanted. */
 #define ASK(...) (&(const srbf_request){.size = sizeof(srbf_request), __VA_ARGS__})
 
 /* Numbers between two zones of a pattern that must stay. */
@@ -47,7 +47,7 @@ static inline float *guarded(size_t n) {
     return (float *)(void *)(memory + ZONE);
 }
 
-/* Number `i`, counted from the start of what is guarded, still holds the pattern. */
+/* Number `i`, counted from the start of the guarded array, still holds the pattern. */
 static inline int is_untouched(const float *numbers, ptrdiff_t i) {
     uint32_t bits;
     memcpy(&bits, numbers + i, sizeof bits);

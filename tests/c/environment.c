@@ -139,7 +139,7 @@ static void test_edges(void) {
     }
 }
 
-/* The same light by even sums as by rays alone; and what is refused. */
+/* The same light by even sums as by rays alone; and the refusals. */
 static void test_reflect(const char *path, const srbf_environment *environment) {
     _Alignas(SRBF_MIXTURE_ALIGNMENT) unsigned char storage[SRBF_MIXTURE_SIZE_64];
     const float wo[3] = {0.6f, 0, 0.8f}, frame[9] = {1, 0, 0, 0, 0.6f, 0.8f, 0, -0.8f, 0.6f}, *flat = frame + 6;
@@ -167,7 +167,7 @@ static void test_reflect(const char *path, const srbf_environment *environment) 
             const float *d = drawn.ray.direction;
             world[k] = d[0] * frame[k] + d[1] * frame[3 + k] + d[2] * frame[6 + k];
         }
-        /* What is on one side is hidden. */
+        /* Everything on one side is hidden. */
         const int escapes = world[0] > -0.2f, lit = drawn.shadow[0] > -0.2f;
         CHECK_OK(srbf_reflection_light(&drawn, escapes, lit, NULL, light));
         sums[0] += (double)luminance(light) / DRAWS;

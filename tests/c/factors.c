@@ -2,8 +2,8 @@
  *
  *     factors MATERIAL.srbf
  *
- * The factors of node (i, j, k) of 5 by 4 by 2 are 0.25 (1 + i), 1 and 0.25 (1 + j), the last twice as much for k = 1 but where i or
- * j is 0, but for the rounding of their roots to 1/255 of the largest.
+ * The factors of node (i, j, k) of 5 by 4 by 2 are 0.25 (1 + i), 1 and 0.25 (1 + j), the last twice as much for k = 1 but where i
+ * or j is 0, but for the rounding of their roots to 1/255 of the largest.
  */
 #include "check.h"
 
@@ -63,7 +63,7 @@ static void test_values(const srbf_material *material) {
         CHECK_OK(srbf_mixture_query(mixture, &info));
         CHECK_OK(srbf_mixture_evaluate_and_pdf(mixture, wi[i], one, one + 3));
         CHECK_OK(srbf_material_factor(material, wo[i], wi[i], factor));
-        /* The lobes are grey, and have the density times their power; what the factors change of the albedo is relative to that. */
+        /* The lobes are grey, and have the density times their power; the change of the albedo by the factors is relative to that. */
         CHECK(is_near(info.albedo[0], 0.75f * info.power) && is_near(info.albedo[1], 1.5f * info.power));
         for (int c = 0; c < 3; c++) {
             CHECK(is_near(one[c], one[3] * info.power * factor[c]) && is_near(one[c], value[3 * i + c]));

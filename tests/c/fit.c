@@ -1,4 +1,4 @@
-/* Fitting from a table and from a function of the caller, saving, loading again; and what is refused.
+/* Fitting from a table and from a function of the caller, saving, loading again; and the refusals.
  *
  *     fit FOLDER
  */
@@ -144,7 +144,7 @@ static void check_provenance(const srbf_material *material) {
     CHECK(strstr(text, "through its C interface\nsrbf-fit ") != NULL);
 }
 
-/* A file and its mode stay what they were, and so does what is no file. */
+/* A file and its mode stay as they were, and so does an entry that is no file. */
 static void test_places(const srbf_material *material, const char *folder) {
     char file[4096], link[4096], pipe[4096];
     CHECK(snprintf(file, sizeof file, "%s/made/file.srbf", folder) < (int)sizeof file);
@@ -218,7 +218,7 @@ int main(int count, char **arguments) {
     settings = quick();
     test_children(settings);
 
-    /* What is refused. */
+    /* Refusals. */
     material = NULL;
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_fit_settings_default(NULL));
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_fit_brdf(&settings, NULL, NULL, &material));

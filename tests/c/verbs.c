@@ -1,4 +1,4 @@
-/* The grid of verbs: whatever the shape of a call, it gives what the call for one direction gives. */
+/* The grid of verbs: whatever the shape of a call, it gives the results of the call for one direction. */
 #include "check.h"
 
 enum { N = 67, ROWS = 1024 };
@@ -32,7 +32,7 @@ static void clear(void) {
 
 enum { VALUE = 1, PDF = 2, SAMPLE = 4, WEIGHT = 8 };
 
-/* Compares what was written with calls for one direction, of mixtures `stride` bytes apart, or of one. */
+/* Compares the written results with calls for one direction, of mixtures `stride` bytes apart, or of one. */
 static void compare(const unsigned char *mixtures, size_t stride, int what, float tolerance) {
     for (size_t i = 0; i < N; i++) {
         const srbf_mixture *mixture = (const srbf_mixture *)(const void *)(mixtures + i * stride);

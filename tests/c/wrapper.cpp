@@ -25,7 +25,7 @@ static_assert(!std::is_copy_constructible_v<srbf::Material> && std::is_nothrow_m
 static_assert(!std::is_copy_constructible_v<srbf::Mixture<16>> && std::is_move_constructible_v<srbf::Mixture<16>>);
 static_assert(sizeof(srbf_sample) == 28 && std::is_standard_layout_v<srbf_sample> && sizeof(srbf_vectors) == 4 * sizeof(void *));
 
-/* A span of what is no element, or of another size, is none. */
+/* A span of a type that is no element, or of another size, is none. */
 struct Base {
     srbf::Vec3 v;
 };
@@ -55,7 +55,7 @@ static_assert(makes<const float, std::span<float> &> && makes<const float, std::
 static_assert(makes<float, std::span<float, 3>> && makes_none<float, std::span<const float>>);
 #endif
 
-/* What a renderer keeps of a hit: the density is one member of many. */
+/* The record that a renderer keeps of a hit: the density is one member of many. */
 struct Hit {
     float pdf;
     int id;
@@ -185,7 +185,7 @@ static void light() {
     CHECK(again.sample_product(matte, frame, sampling, {u.data(), 5}, 0.5f, product).code() == SRBF_STATUS_SIZE);
 }
 
-/// Pairs of directions, of the material and of what it is expanded to: the same within the error of the rows.
+/// Pairs of directions, of the material and of its expanded form: the same within the error of the rows.
 static void pairs(const char *path) {
     constexpr std::size_t n = 21;
     srbf::Material material;

@@ -4,7 +4,7 @@
     python exports.py merl FILE.binary SAMPLES.csv
 
 SAMPLES are those of `srbf convert` of the same input: the values themselves. READ are those of FILE.bsdf, as srbf reads it. `bsdf` opens the
-file by Mitsuba's `measured`: its values, the variance of the weights of what it draws, and its own chi-square test. `merl` looks cells up by the index that Matusik's published
+file by Mitsuba's `measured`: its values, the variance of the weights of its draws, and its own chi-square test. `merl` looks cells up by the index that Matusik's published
 reader computes (2003), written out here anew: half angle by the square root, difference angle and azimuth in degrees."""
 
 import csv
@@ -13,7 +13,7 @@ import sys
 import numpy as np
 
 # Largest relative L2 error of f cos over the samples of views up to 75 degrees: of what Mitsuba reads beside what srbf reads, and by the
-# nearest cell of MERL. What is lost between the 30 views of a .bsdf file, 3 degrees apart, depends on the material: LOSS.
+# nearest cell of MERL. The loss between the 30 views of a .bsdf file, 3 degrees apart, depends on the material: LOSS.
 VALUES = {"bsdf beside srbf": 1e-4, "merl": 0.2}
 # Largest relative variance of the luminance of the weights, angle by angle in degrees.
 VARIANCES = {2: 0.01, 6: 0.01, 15: 0.01, 35: 0.01, 60: 0.01, 75: 0.01}

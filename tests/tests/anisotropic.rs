@@ -1,4 +1,4 @@
-//! Anisotropic materials: what was written is read, mixtures between the views are what the documentation says, continuous in
+//! Anisotropic materials: written numbers are read, mixtures between the views follow the documentation, continuous in
 //! the outgoing direction, the same at every level, and sampled by their density.
 
 use glam::{DMat2, DVec2, DVec3, Vec3};

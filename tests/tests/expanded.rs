@@ -15,7 +15,7 @@ fn expanded(bytes: &[u8], rows: usize) -> (&'static Material<Vec<u8>>, Expanded<
     let material: &_ = Box::leak(Box::new(material));
     let memory = vec![f32::NAN; material.expanded_len(rows)].leak();
     Expanded::check(material, rows).expect("an isotropic material");
-    let expanded = Expanded::new(material, rows, memory).expect("what was checked");
+    let expanded = Expanded::new(material, rows, memory).expect("checked bytes");
     assert_eq!(expanded.material().bytes(), material.bytes());
     (material, expanded)
 }
@@ -223,7 +223,7 @@ fn samples_follow_their_density_which_integrates_to_1() {
     const SAMPLES: usize = 120_000;
     let materials = materials();
     let p_level = sidak(0.01, 3 * materials.len());
-    // Few rows, so that what lies between them is far from either.
+    // Few rows, so that mixtures between them are far from either.
     for (name, bytes) in materials {
         let (_, expanded) = expanded(&bytes, 64);
         for (i, theta) in [0.017f32, 0.7, 1.4].into_iter().enumerate() {

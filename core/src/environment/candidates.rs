@@ -13,10 +13,10 @@ use crate::simd::lanes::{Lanes, dot3, splat3};
 use crate::simd::routine::Routine;
 use glam::Vec3;
 
-/// Widest vector: what is loaded from the last candidate on.
+/// Widest vector that is loaded from the last candidate on.
 const WIDEST: usize = 16;
 
-/// Places for candidates, and for what is worked out beside the last of them.
+/// Places for candidates, and for the lanes beside the last of them.
 const ROOM: usize = MAX_CANDIDATES + WIDEST;
 
 /// One number of each candidate.
@@ -135,7 +135,7 @@ impl Routine for Draw<'_, '_> {
             self.table.prefetch(hit);
             (places.cell[i], left[i]) = (hit as u32, rest);
         }
-        // What follows the last of the lobes' is written over by the environment's.
+        // The candidates of the environment overwrite the lanes behind the last one of the lobes.
         if self.lobes > 0 {
             self.draw_lobes::<L>(&mut places);
         }
@@ -180,7 +180,7 @@ impl Draw<'_, '_> {
             store3([column, row, depth], &mut found, at);
             store3(local, &mut self.to.local, at);
             store3(world, &mut self.to.world, at);
-            // What follows the last is written over later.
+            // The lanes behind the last one are overwritten later.
             across.store(&mut places.within[0][at..]);
             at += L::COUNT;
         }
@@ -197,7 +197,7 @@ impl Draw<'_, '_> {
         }
     }
 
-    /// Directions of the environment, in cells that were hit, by what is `left` of the uniform numbers.
+    /// Directions of the environment, in cells that were hit, by the remainders `left` of the uniform numbers.
     #[inline(always)]
     fn draw_environment<L: Lanes>(&mut self, left: &mut Row, places: &mut Places) {
         let (mut bright, mut found, mut u) = ([[0.0; ROOM]; 4], [[0.0; ROOM]; 4], [0.5; ROOM]);
@@ -241,7 +241,7 @@ impl Draw<'_, '_> {
     }
 }
 
-/// Chooses one of the candidates: which, what it is chosen by, and the sum of all weights. `None` if none brings
+/// Chooses one of the candidates: its number, its weight, and the sum of all weights. `None` if none brings
 /// light.
 pub(crate) fn choose(
     level: Level,
@@ -264,8 +264,8 @@ pub(crate) fn choose(
 /// Where candidates are thinner, 1/sr, they bring nothing: nothing is drawn there.
 const LEAST_DENSITY: f32 = 1e-30;
 
-/// What candidates are chosen by: the luminance of their light; but a share of what it is without signs, if
-/// that is more. Lobes may have channels below 0, of which coloured light may make a luminance below 0 too.
+/// The weights of candidates: the luminance of their light, or a share of the luminance without signs, if that is more. Lobes may
+/// have channels below 0, of which coloured light may make a luminance below 0 too.
 #[inline(always)]
 pub(super) fn target_of<L: Lanes>(light: [L; 3]) -> L {
     let unsigned = luminances([light[0].abs(), light[1].abs(), light[2].abs()]);

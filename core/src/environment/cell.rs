@@ -22,10 +22,10 @@ impl<M: AsRef<[u32]>> Environment<M> {
 
     /// A cell by its number.
     ///
-    /// The first two numbers of [`sample`](Self::sample), the second over 2^24 added to the first, times the
-    /// number of cells, are the cell that is hit and, behind the point, a place in [0, 1): below
-    /// [`kept`](EnvironmentCell::kept) the draw stays, and from there on it goes to the other. What the place is
-    /// of its part, 0 to 1, is then the height in the cell, by the luminance there.
+    /// The first two numbers of [`sample`](Self::sample), the second over 2^24 added to the first, are multiplied by the number of
+    /// cells. The whole part is the cell that is hit, the fraction a place in [0, 1): below [`kept`](EnvironmentCell::kept) the
+    /// draw stays, and from there on it goes to the other. The place within its part, 0 to 1, then gives the height in the cell,
+    /// by the luminance there.
     ///
     /// `None` from [`cell_count`](Self::cell_count) on.
     pub fn cell(&self, index: usize) -> Option<EnvironmentCell> {

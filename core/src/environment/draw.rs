@@ -80,7 +80,7 @@ impl<M: AsRef<[u32]>> Environment<M> {
 pub(super) struct Chosen {
     /// The other of the cell that was hit.
     pub is_other: bool,
-    /// What is left of the uniform numbers: again one.
+    /// The remainder of the uniform number, which is uniform too.
     pub left: f32,
     /// Of its corners.
     pub luminances: [f32; 4],
@@ -93,7 +93,7 @@ pub(super) struct Chosen {
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 impl Table<'_> {
-    /// The cell that two uniform numbers hit, and what is left of them.
+    /// The cell that two uniform numbers hit, and their remainders.
     #[inline(always)]
     pub(super) fn hit(&self, u: [f32; 2]) -> (usize, f32) {
         let place = (f64::from(u[0]) + f64::from(u[1]) * (1.0 / 16_777_216.0)) * self.cells.len() as f64;
@@ -175,15 +175,15 @@ pub(super) fn within<L: Lanes>([a, b, c, d]: [L; 4], left: L, u: L) -> [L; 2] {
     [linear(down.mul_add(c - a, a), down.mul_add(d - b, b), u), down]
 }
 
-/// What stands for a uniform number below: such a number is one of all those that round to it, and 0 itself
-/// would be drawn at an edge without light, where the density is 0.
+/// What stands for a uniform number below: such a number is one of all those that round to it. At 0 itself a draw would end at an
+/// edge without light, where the density is 0.
 pub(super) const LEAST_UNIFORM: f32 = 1.0 / (1 << 26) as f32;
 
 /// Inverts the distribution on [0, 1] whose density goes linearly from `from` to `to`, which are not
 /// negative.
 ///
-/// The density is above 0 at what it gives, if it is anywhere: from a `from` of 0 it is at least the root of
-/// [`LEAST_UNIFORM`] away, and from a `to` of 0 that of the distance of `u` from 1, at least 2^-24.
+/// The density is above 0 at the result, if it is anywhere: the result keeps a distance from an end whose density is 0. From
+/// `from` it is at least the root of [`LEAST_UNIFORM`], from `to` that of the distance of `u` from 1, at least 2^-24.
 #[inline(always)]
 fn linear<L: Lanes>(from: L, to: L, u: L) -> L {
     let u = u.max(L::splat(LEAST_UNIFORM));

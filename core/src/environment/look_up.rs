@@ -1,4 +1,4 @@
-//! The radiance of a direction: where it lies among the cells, and what the cell has there.
+//! The radiance of a direction: its place among the cells, and the radiance of the cell there.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
 use super::table::{Colors, Environment, Table};
@@ -100,7 +100,7 @@ impl Table<'_> {
     }
 }
 
-/// What a cell has so far to the right and down in it.
+/// The radiance of a cell that far to the right and down in it.
 #[inline(always)]
 pub(super) fn between(colors: Colors<'_>, across: f32, down: f32) -> [f32; 3] {
     let upper = (1.0 - down) * colors.scale;

@@ -11,8 +11,8 @@ use core::f64::consts::{PI, TAU};
 /// Largest radiance that a map may have: no sum of it overflows.
 const MAX_RADIANCE: f32 = 1e30;
 
-/// A cell whose brightest channel is less than this of the brightest of the map is black. Products with what
-/// is less would be subnormals, or 0: where draws end, a cell has at least 2^-26 of its smallest code.
+/// A cell whose brightest channel is less than this of the brightest of the map is black. Products with smaller radiances would be
+/// subnormals, or 0: where draws end, a cell has at least 2^-26 of its smallest code.
 const LEAST_RELATIVE: f64 = 1e-22;
 
 /// Smallest power that is not black: its inverse is a finite number.
@@ -25,9 +25,8 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>> Environment<M> {
     /// Shapes: `radiance` linear sRGB, the top row first, `[width height]`. Range: each channel in [0, 1e30].
     ///
     /// # Errors
-    /// [`Error::MapSize`] for a width and a number of pixels that are no map, [`Error::Radiance`] for a value
-    /// out of range, NaN too, [`Error::BlackMap`] for a power below 1e-30, [`Error::Memory`] for too little
-    /// memory, in which nothing is written then.
+    /// [`Error::MapSize`] for a width and a number of pixels that are no map; [`Error::Radiance`] for a value out of range, NaN
+    /// too; [`Error::BlackMap`] for a power below 1e-30; [`Error::Memory`] for too little memory, in which nothing is written then.
     pub fn new(width: usize, radiance: &[[f32; 3]], mut memory: M) -> Result<Self, Error> {
         let words = memory.as_mut();
         let start = words.as_ptr().align_offset(4 * WORDS).min(WORDS - 1);
@@ -108,7 +107,7 @@ fn solid_angle(shape: Shape, rows: &[Row], index: usize) -> f64 {
     f64::from(f32::from_bits(height)) * TAU / shape.width as f64
 }
 
-/// A cell between four pixels, which stays what it is: colours over the largest radiance.
+/// A cell between four pixels, which keeps its colours over the largest radiance.
 fn colored(corners: [[f32; 3]; 4], largest: f32) -> Cell {
     let brightest = corners.as_flattened().iter().fold(0.0, |a: f32, &b| a.max(b));
     let mut cell = [0; WORDS];
@@ -139,8 +138,7 @@ pub(super) fn power(shape: Shape, rows: &[Row], index: usize, cell: &Cell) -> f6
     0.25 * sum * f64::from(colors.scale) * solid_angle(shape, rows, index)
 }
 
-/// Shares the draws out: each cell is hit as often as any other, and hands on what it has too many of to one
-/// that has too few.
+/// Shares the draws out: each cell is hit as often as any other, and hands its surplus of draws to one that has too few.
 ///
 /// Walker's alias table (1977), swept over in one pass without lists of the light and the heavy
 /// (Hübschle-Schneider and Sanders 2019, section 4.1): a cell of less than the mean is filled up by the
@@ -158,7 +156,7 @@ fn share_out(shape: Shape, rows: &[Row], cells: &mut [Cell]) {
     let mut light = following(cells, 0, false);
     let mut heavy = following(cells, 0, true);
     let mut left = if heavy < count { weight(cells, heavy) } else { 0.0 };
-    // No heavy one: all are alike, and keep what they have.
+    // No heavy one: all are alike, and keep their draws.
     while heavy < count {
         if left > 1.0 {
             if light == count {

@@ -1,14 +1,12 @@
-//! Light and material sampled together: candidates of both, of which one is chosen by what it brings.
+//! Light and material sampled together: candidates of both, of which one is chosen by its contribution.
 //!
 //! # The estimator
-//! Of `M` candidates, `m_b` are drawn from the lobes with density `p_b` and `m_e` from the environment with
-//! density `p_e`, so that together they have the density `p = (m_b p_b + m_e p_e) / M`. Candidate `i` weighs
-//! `w_i = t_i / p_i`, `t` the luminance of the light that would be reflected, `L f cos`
-//! (made positive where a channel below 0 makes it negative). One is chosen with
+//! Of `M` candidates, `m_b` are drawn from the lobes with density `p_b` and `m_e` from the environment with density `p_e`.
+//! Together they have the density `p = (m_b p_b + m_e p_e) / M`. Candidate `i` weighs `w_i = t_i / p_i`, `t` the luminance of the
+//! light that would be reflected, `L f cos` (made positive where a channel below 0 makes it negative). One is chosen with
 //! probability `w_i / sum w`, and its light is multiplied by `sum w / (M t)`. The mean over all draws is the
-//! integral of `L f cos`, exactly (Talbot, Cline and Egbert 2005). Without occlusion the luminance of the
-//! estimate is the mean of `M` estimates by multiple importance sampling of light and lobes, and its variance
-//! that of one over `M`; it takes one shadow ray.
+//! integral of `L f cos`, exactly (Talbot, Cline and Egbert 2005). Without occlusion the luminance of the estimate is the mean of
+//! `M` estimates by multiple importance sampling of light and lobes. Its variance is that of one over `M`; it takes one shadow ray.
 //!
 //! # With the path's own ray
 //! The path goes on along a direction that the lobes drew, and meets the light where it escapes. That light
@@ -19,8 +17,8 @@ use super::candidates::{Candidates, choose};
 use super::sampling::ProductSampling;
 use super::table::Environment;
 use crate::error::Error;
-use crate::mixture::rows::{Mixture, Rows};
-use crate::simd::lanes::PARTS;
+use crate::mixture::row::EMPTY_BLOCKS;
+use crate::mixture::rows::Mixture;
 use glam::Vec3;
 
 /// A direction drawn for light and material together.
@@ -81,7 +79,7 @@ impl<const N: usize> Mixture<'_, N> {
         }
         let table = environment.borrowed();
         let mut candidates = Candidates::NONE;
-        let mut blocks = [Rows::zeros(); PARTS];
+        let mut blocks = EMPTY_BLOCKS;
         candidates.draw(&self.borrowed(&mut blocks), &table, frame, sampling, u);
         if self.has_factors() {
             candidates.multiply(&self.head, sampling.count);
@@ -91,7 +89,7 @@ impl<const N: usize> Mixture<'_, N> {
             return Ok(None);
         };
         let (direction, weight) = candidates.at(chosen);
-        // Over what it was chosen by first: the sum over that alone may be more than a float holds.
+        // The division by the first weight comes first: the sum over that alone may be more than a float holds.
         // A sum that is more than a float holds is the largest one: a channel of 0 stays 0.
         let whole = (whole * table.power).min(f32::MAX);
         Ok(Some(ProductSample { direction, weight: weight / brought * whole }))

@@ -14,8 +14,7 @@ impl<M: AsRef<[u32]>> Environment<M> {
     /// words by `bytemuck::try_cast_slice`.
     ///
     /// # Errors
-    /// [`Error::Table`] for what is none, damaged, of another length, or where cells are not drawn as often as their
-    /// power says.
+    /// [`Error::Table`] for words that are no table, are damaged or of another length, or draw cells otherwise than by their power.
     pub fn from_table(table: M) -> Result<Self, Error> {
         let (shape, power) = check(table.as_ref()).ok_or(Error::Table)?;
         Ok(Self::of_table(table, 0, shape, power))
@@ -54,7 +53,7 @@ fn check(words: &[u32]) -> Option<(Shape, f32)> {
 
 /// How far apart the two sides of the sum over the shares may be, of a table of that many cells and that total.
 ///
-/// Thresholds are rounded to f32, at random; and what the total lacks or has too much, one cell lacks or has.
+/// Thresholds are rounded to f32, at random; and one cell takes up the difference of the total.
 fn allowed_apart(cells: usize, total: f64) -> f64 {
     let cells = cells as f64;
     THRESHOLDS * (10.0 + libm::sqrt(cells)) + 1.1 * cells * (total - 1.0).abs()
@@ -65,9 +64,9 @@ const THRESHOLDS: f64 = 3e-7;
 
 /// A number of a cell in [0, 1), as good as random.
 ///
-/// Whether every cell is drawn as often as its power says would take the sum of what is handed on to it, and memory for
-/// all of these sums. One sum of all, each cell multiplied by its own number, needs none: draws that do not fit the
-/// powers change it, unless they are made to suit these numbers (Freivalds 1977, of products of matrices).
+/// A check of each cell would take the sum of the draws that are handed on to it, and memory for all of these sums. One sum of
+/// all, each cell multiplied by its own number, needs none: draws that do not fit the powers change it, unless they are made to
+/// suit these numbers (Freivalds 1977, of products of matrices).
 fn mark(cell: usize) -> f64 {
     let mut z = (cell as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -80,7 +79,7 @@ fn mark(cell: usize) -> f64 {
 fn is_sound(shape: Shape, cell: &Cell, cells: &[Cell]) -> bool {
     let (scale, threshold) = (f32::from_bits(cell[0]), f32::from_bits(cell[THRESHOLD]));
     let is_place = (cell[PLACE] & 0xffff) < shape.width as u32 && (cell[PLACE] >> 16) <= shape.height as u32;
-    // What is drawn from has light: the cell if it keeps anything, and its other, which rounding may lead to.
+    // A draw ends in a cell with light: the cell if it keeps anything, and its other, which rounding may lead to.
     scale.is_finite()
         && scale >= 0.0
         && (0.0..=1.0).contains(&threshold)

@@ -2,17 +2,16 @@
 //!
 //! # The estimator
 //! The light that a surface reflects is the integral of `V L f cos`, `V` 1 where the way is clear and 0 where
-//! something is in it. With the weights of multiple importance sampling, `w_e + w_b = 1`, it is a part that
-//! the environment samples, density `p_e`, and a part that the lobes do, `p_b`:
+//! something is in it. With the weights of multiple importance sampling, `w_e + w_b = 1`, it has two parts. The environment
+//! samples one with density `p_e`, the lobes the other with `p_b`:
 //!
 //! ```text
 //! h_e(d) = L f cos w_e / p_e  of a direction of the environment     w_e = p_e^2 / (p_e^2 + p_b^2)
 //! h_b(d) = L f cos w_b / p_b  of a direction of the lobes
 //! ```
 //!
-//! Both without `V`; both are 0 below the surface. A draw takes 16 directions of the environment, a
-//! [`LightBlock`], and `n` of the lobes, the first of which is the ray that the path goes on along. It sums `h`
-//! over all of them,
+//! Both without `V`; both are 0 below the surface. A draw takes 16 directions of the environment, a [`LightBlock`], and `n` of the
+//! lobes. The first of these is the ray that the path goes on along. It sums `h` over all of them,
 //!
 //! ```text
 //! G_e = mean of h_e over the block            G_b = mean of h_b over the lobes' directions
@@ -49,16 +48,16 @@
 //! Where everything is, it is 0. What varies is left where one of the two rays is blocked and the other is not.
 //!
 //! # Another truth
-//! Where the lobes sample another function, a measured table, the sums stay those of the lobes, and the two
-//! directions that rays go along are corrected: `x` and `h_1` outside of the differences are those of the
-//! other function. The differences have mean 0 whatever they are made of.
+//! Lobes may sample another function, such as a measured table. The sums stay those of the lobes, and the two directions that rays
+//! go along are corrected: `x` and `h_1` outside of the differences are those of the other function. The differences have mean 0
+//! whatever they are made of.
 
 use super::light_block::{LIGHT_BLOCK, LightBlock};
 use super::table::Environment;
 use super::together::{MAX_REFLECT_RAYS, Together};
 use crate::error::Error;
-use crate::mixture::rows::{Mixture, Rows, Sample, drawn_density, weight_of};
-use crate::simd::lanes::PARTS;
+use crate::mixture::row::EMPTY_BLOCKS;
+use crate::mixture::rows::{Mixture, Sample, drawn_density, weight_of};
 use glam::Vec3;
 
 /// What light a surface reflects, but for two rays: see [`Mixture::reflect`].
@@ -99,8 +98,8 @@ impl Reflection {
     };
 
     /// The light that is reflected to the viewer, direct light by both rays: whether the path's own ray
-    /// escapes to the environment, and whether the shadow ray does. What the path meets further on along the
-    /// ray is added to it; of the environment, nothing is.
+    /// escapes to the environment, and whether the shadow ray does. The light that the path meets further on along the ray is
+    /// added to it; of the environment, nothing is.
     ///
     /// Returns: linear sRGB, in the unit of the map. Single estimates may be below 0, where one of the rays
     /// is blocked.
@@ -136,10 +135,9 @@ impl Reflection {
 }
 
 impl<const N: usize> Mixture<'_, N> {
-    /// Draws the ray that a path goes on along, and a shadow ray, for the light of an environment, such that
-    /// where nothing is in the way the reflected light is a sum over all directions of `block` and all of
-    /// `u`: with evenly spread numbers it is nearly exact. See `core/src/environment/reflect.rs` for the
-    /// estimator and why it is unbiased.
+    /// Draws the ray that a path goes on along, and a shadow ray, for the light of an environment. Where nothing is in the way,
+    /// the reflected light is a sum over all directions of `block` and all of `u`: with evenly spread numbers it is nearly exact.
+    /// See `core/src/environment/reflect.rs` for the estimator and why it is unbiased.
     ///
     /// Of lobes and light alike, many in the open, this has a fraction of the error of one sample of each;
     /// where most directions are blocked it has about the same, in more time.
@@ -189,7 +187,7 @@ impl<const N: usize> Mixture<'_, N> {
         }
         let table = environment.borrowed();
         let mut together = Together::NONE;
-        let mut blocks = [Rows::zeros(); PARTS];
+        let mut blocks = EMPTY_BLOCKS;
         together.draw(&self.borrowed(&mut blocks), &table, block, frame, u);
         if self.has_factors() {
             together.multiply(&self.head, count);

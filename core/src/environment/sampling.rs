@@ -22,10 +22,10 @@ pub struct ProductSampling {
     pub(super) count: usize,
     /// Candidates of the lobes.
     pub(super) lobes: usize,
-    /// What the densities of lobes and environment are multiplied by in the weight of a candidate.
+    /// Factors on the densities of lobes and environment in the weight of a candidate.
     pub(super) of_lobes: f32,
     pub(super) of_environment: f32,
-    /// What the density of the lobes is multiplied by in the weight of the path's own ray.
+    /// Factor on the density of the lobes in the weight of the path's own ray.
     of_ray: f32,
 }
 
@@ -35,10 +35,10 @@ impl ProductSampling {
     /// Range: `candidates` in [2, 32]: variance falls with them where nothing is occluded, and time grows: 32
     /// take about twice the time of 8. `lobe_share` in [0, 1], rounded to whole candidates: half serves well;
     /// under a sky of one radiance the lobes alone are the best, and light of a small window needs them
-    /// least. Where the share rounds to none or to all of them, one of the two densities is never drawn from, and
-    /// a weight has no bound: with a sharp highlight away from the light, or a small sun away from the highlight, the
-    /// mean of tens of thousands of draws may be half of the integral. `kappa` at least 1e-3: infinite where the candidates are to give all of the light; 4 serves
-    /// well where the path's own ray counts too, weighed by [`ray_weight`](Self::ray_weight).
+    /// least. Where the share rounds to none or to all of them, one density is never drawn from, and a weight has no bound. A
+    /// sharp highlight may lie away from the light, or a small sun away from the highlight. The mean of tens of thousands of draws
+    /// may then be half of the integral. `kappa` at least 1e-3: infinite where the candidates are to give all of the light; 4
+    /// serves well where the path's own ray counts too, weighed by [`ray_weight`](Self::ray_weight).
     ///
     /// # Errors
     /// [`Error::Candidates`], [`Error::Share`], [`Error::Kappa`] for a number out of range, NaN too.
@@ -59,7 +59,7 @@ impl ProductSampling {
         Ok(Self { count: candidates, lobes, of_lobes, of_environment, of_ray })
     }
 
-    /// Number of candidates: so many triples of uniform numbers a draw takes.
+    /// Number of candidates: a draw takes one triple of uniform numbers for each.
     #[inline]
     pub const fn candidates(&self) -> usize {
         self.count
@@ -71,9 +71,9 @@ impl ProductSampling {
         self.lobes
     }
 
-    /// What the light is multiplied by that a path meets along a direction that it drew by
-    /// [`Mixture::sample`](crate::Mixture::sample), of density `pdf`, where the environment has
-    /// [`Environment::pdf`](crate::Environment::pdf) `environment_pdf`.
+    /// The factor on the light that a path meets along its own ray. The path drew the ray by
+    /// [`Mixture::sample`](crate::Mixture::sample) with density `pdf`; the environment has
+    /// [`Environment::pdf`](crate::Environment::pdf) `environment_pdf` there.
     ///
     /// `p_b / (p_b + kappa p)`, `p` the density of the candidates; 0 for an infinite kappa. In [0, 1] whatever
     /// the densities are: one that is negative or NaN counts as 0, an infinite one as the largest number.

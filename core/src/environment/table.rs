@@ -55,7 +55,7 @@ pub(super) const LARGEST_CODE: f32 = 65535.0;
 /// Most pixels that a map may have, 8192 x 4096: its table takes 2 GB.
 pub const MAX_ENVIRONMENT_PIXELS: usize = 1 << 25;
 
-/// The checksum of the words behind the head, and of what the head says: FNV-1a (Fowler, Noll and Vo 1991) of
+/// The checksum of the words behind the head, and of the numbers of the head: FNV-1a (Fowler, Noll and Vo 1991) of
 /// whole words. Each step is one to one, so that a change of one word is always seen.
 pub(super) fn checksum(shape: Shape, power: f32, words: &[u32]) -> [u32; 2] {
     let head = [shape.width as u32, shape.height as u32, power.to_bits()];
@@ -102,7 +102,7 @@ impl Shape {
     }
 }
 
-/// How many u32 the table of a map takes, of so many pixels: 64 bytes a pixel, those of one row more, and a
+/// The number of u32 of the table of a map with a number of pixels: 64 bytes a pixel, those of one row more, and a
 /// little. Up to 15 more than are used, for cells to begin at multiples of 64 bytes wherever the memory does.
 ///
 /// # Errors
@@ -118,8 +118,8 @@ pub const fn environment_len(width: usize, height: usize) -> Result<usize, Error
 /// Light from infinitely far away, a latitude-longitude map, read in place from memory that it borrows (`M` =
 /// `&[u32]`) or owns (`Vec<u32>`, an array).
 ///
-/// Row 0 of the map looks up, along +z. The centre of the map looks along +x, and to the right in the map is
-/// to the right for one who stands inside, towards -y. [`turned`](Self::turned) turns the map.
+/// Row 0 of the map looks up, along +z. The centre of the map looks along +x. To the right in the map is to the right for an
+/// observer inside, towards -y. [`turned`](Self::turned) turns the map.
 ///
 /// Between the centres of pixels the radiance is interpolated, linearly in the azimuth and in the height z.
 /// The density of [`sample`](Self::sample) is the luminance of that over its integral, the
@@ -141,7 +141,7 @@ pub const fn environment_len(width: usize, height: usize) -> Result<usize, Error
 /// assert!((environment.pdf(sample.direction) / sample.pdf - 1.0).abs() < 1e-5);
 /// assert!((environment.radiance(Vec3::NEG_Z).x - 0.5).abs() < 1e-4);
 ///
-/// // What was stored is read back, and checked once.
+/// // The stored table is read back, and checked once.
 /// let stored = environment.table().to_vec();
 /// let again = Environment::from_table(stored)?;
 /// assert_eq!(again.sample([0.3, 0.6, 0.1]), sample);
@@ -154,7 +154,7 @@ pub struct Environment<M = &'static [u32]> {
     start: usize,
     shape: Shape,
     power: f32,
-    /// What the map is turned by, in turns, in [0, 1).
+    /// The rotation of the map, in turns, in [0, 1).
     turn: f32,
 }
 
@@ -164,7 +164,7 @@ impl<M: AsRef<[u32]>> Environment<M> {
     }
 
     /// Turns the map round +z, anticlockwise seen from above, from where it lay when it was made; radians.
-    /// What is not finite turns nothing.
+    /// An angle that is not finite turns nothing.
     #[must_use]
     pub fn turned(self, radians: f32) -> Self {
         let turns = f64::from(radians) / core::f64::consts::TAU;
@@ -228,10 +228,10 @@ impl Table<'_> {
     }
 }
 
-/// What a cell has at its corners, as it is held.
+/// The colours of a cell at its corners, as they are stored.
 #[derive(Clone, Copy)]
 pub(super) struct Colors<'a> {
-    /// What a code is multiplied by.
+    /// The unit of a code.
     pub scale: f32,
     /// Red, green and blue at upper left, upper right, lower left, lower right.
     pub codes: &'a [[u16; 4]; 3],

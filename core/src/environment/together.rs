@@ -28,14 +28,14 @@ pub(super) struct Together {
     /// In the caller's shading frame, and in the world.
     local: [PerPlace; 3],
     world: [PerPlace; 3],
-    /// What the value is multiplied by: of the block radiance over its density; of the lobes radiance over the
+    /// Factors on the value: of the block radiance over its density; of the lobes radiance over the
     /// power of the environment, until they are weighed.
     light: [PerPlace; 3],
     /// `f cos`; 1/sr.
     value: [PerPlace; 3],
     /// Density of the lobes; 1/sr.
     pdf: PerPlace,
-    /// What a direction of the block is chosen by, and the running sum of that.
+    /// The weight by which a direction of the block is chosen, and the running sum of weights.
     target: [f32; LIGHT_BLOCK],
     cumulative: [f32; LIGHT_BLOCK],
 }
@@ -99,7 +99,7 @@ impl Together {
         );
     }
 
-    /// Weighs all directions, of which those of the lobes are so many; the sums of block and lobes.
+    /// Weighs all directions, of which a number come from the lobes; the sums of block and lobes.
     pub fn weigh(
         &mut self,
         level: Level,

@@ -71,7 +71,7 @@ impl Place {
         Self { before, after, blend }
     }
 
-    /// The same for what is linear among four views.
+    /// The same for numbers that are linear among four views.
     #[inline(always)]
     pub fn among(self) -> Among {
         let views = [[self.before as u16, self.after as u16]; 2];
@@ -170,7 +170,7 @@ pub(crate) fn head_at<L: Lanes>(material: MaterialRef<'_>, place: Place) -> (f32
     let (mut head, mut logarithms) = ([0.0; WIDEST_PAIR], [0.0; WIDEST_PAIR]);
     let mut i = 0;
     while i < HEAD {
-        // What comes behind the head is none of its numbers, and its power of two may be a subnormal, which
+        // The bytes behind the head are none of its numbers, and their power of two may be a subnormal, which
         // costs 150 cycles.
         let numbers = place.between::<L>(a, b, i).keep(L::first_lanes(HEAD - i));
         exp2(numbers).store(&mut head[i..]);
@@ -203,13 +203,13 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
     while row::is_within::<L, N>(k, rows.total()) {
         let lobes = rows.lobes::<L, MIRRORED, false>(k);
         let ([x, y, z], [red, green, blue]) = (lobes.axis, lobes.rgb);
-        row::store(red, &mut mixture.rows.red, k);
-        row::store(green, &mut mixture.rows.green, k);
-        row::store(blue, &mut mixture.rows.blue, k);
-        row::store(x, &mut mixture.rows.axis_x, k);
-        row::store(y, &mut mixture.rows.axis_y, k);
-        row::store(z, &mut mixture.rows.axis_z, k);
-        row::store(lobes.sharpness, &mut mixture.rows.sharpness, k);
+        row::store(red, &mut mixture.rows[row::RED], k);
+        row::store(green, &mut mixture.rows[row::GREEN], k);
+        row::store(blue, &mut mixture.rows[row::BLUE], k);
+        row::store(x, &mut mixture.rows[row::AXIS_X], k);
+        row::store(y, &mut mixture.rows[row::AXIS_Y], k);
+        row::store(z, &mut mixture.rows[row::AXIS_Z], k);
+        row::store(lobes.sharpness, &mut mixture.rows[row::SHARPNESS], k);
         k += L::COUNT;
     }
     mixture.finish_lobes::<L>(rows.total(), header.squeezed, leave_out);
@@ -273,7 +273,7 @@ impl Rows<'_> {
         Lobes { axis: [x, y, z], sharpness, rgb, luminance }
     }
 
-    /// Numbers of a row of a vector of lobes, images being what they mirror; behind the last lobe anything.
+    /// Numbers of a row of a vector of lobes, images being their mirrored lobes; behind the last lobe anything.
     #[inline(always)]
     fn row<L: Lanes>(&self, row: usize, k: usize) -> L {
         let at = self.mirrored + row * self.count + k;
@@ -296,7 +296,7 @@ impl Rows<'_> {
         let image = L::select(self.before::<L>(self.count + self.mirrored, k), image, zero);
         let mirrored = L::select(self.before::<L>(self.count, k), stored, image);
         let off_plane = L::select(self.before::<L>(self.count - self.mirrored, k), zero, mirrored);
-        // The square of what is next to nothing is a subnormal.
+        // The square of a number next to nothing is a subnormal.
         off_plane.keep(off_plane.abs().ge(L::splat(LEAST_OFF_PLANE)))
     }
 

@@ -1,13 +1,14 @@
 //! A block of mixtures on the hemisphere, each with a direction of its own.
 //!
-//! What a mixture needs once, the draw from the chosen lobe and the turn and squeeze of the direction, is
-//! done for the whole block with lanes as mixtures; what every lobe needs, with lanes as lobes. So nothing
-//! waits for the long chain of dependent operations that one direction is alone.
+//! Some work is needed once a mixture: the draw from the chosen lobe, the turn and squeeze of the direction. It is done for the
+//! whole block with lanes as mixtures; what every lobe needs, with lanes as lobes. So nothing waits for the long chain of
+//! dependent operations that one direction is alone.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
 use super::draw::{Choice, Frame, chosen_lobe, chosen_power, draw};
 use super::one_direction::{all_lobes, with_diffuse};
 use super::sights::{sight, sights};
+use crate::mixture::row;
 use crate::mixture::rows::Mixture;
 use crate::simd::lanes::{Lanes, Numbers, WIDEST};
 use crate::simd::routine::Routine;
@@ -32,12 +33,12 @@ impl<const N: usize> Routine for DrawBlock<'_, N> {
         for (i, m) in mixtures.iter().take(WIDEST).enumerate() {
             let target = chosen_power(m.head.power, u[0][i]);
             let k = chosen_lobe::<L, N>(m, target);
-            axis[0][i] = m.rows.axis_x[k];
-            axis[1][i] = m.rows.axis_y[k];
-            axis[2][i] = m.rows.axis_z[k];
-            inside[i] = m.rows.inside[k];
-            gone[i] = m.rows.tail[k];
-            inverse_sharpness[i] = m.rows.inverse_sharpness[k];
+            axis[0][i] = m.rows[row::AXIS_X][k];
+            axis[1][i] = m.rows[row::AXIS_Y][k];
+            axis[2][i] = m.rows[row::AXIS_Z][k];
+            inside[i] = m.rows[row::INSIDE][k];
+            gone[i] = m.rows[row::TAIL][k];
+            inverse_sharpness[i] = m.rows[row::INVERSE_SHARPNESS][k];
             azimuth[0][i] = m.head.squeeze.azimuth[0];
             azimuth[1][i] = m.head.squeeze.azimuth[1];
             narrow[0][i] = m.head.squeeze.along;
@@ -112,7 +113,8 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
                 continue;
             }
             let [turned, squeezed] = sight(&sights, i);
-            let rows: [&[f32; N]; 4] = [&m.rows.red, &m.rows.green, &m.rows.blue, &m.rows.luminance];
+            let rows: [&[f32; N]; 4] =
+                [&m.rows[row::RED], &m.rows[row::GREEN], &m.rows[row::BLUE], &m.rows[row::LUMINANCE]];
             let mut amplitudes = [rows[3]; C];
             let mut diffuse = [m.head.diffuse_power; C];
             if C == 3 {

@@ -3,7 +3,7 @@
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
 use crate::mixture::row;
-use crate::mixture::rows::{Domain, Head, Mixture, MixtureRef, row_of};
+use crate::mixture::rows::{Domain, Head, Mixture, MixtureRef};
 use crate::simd::elementary::{ln_plus_times, sin_cos_turns};
 use crate::simd::lanes::{Lanes, TOGETHER, dot3, halves, of_halves, scale};
 use crate::squeeze::turn_back;
@@ -61,23 +61,23 @@ pub(crate) fn sample_direction<L: Lanes>(m: &MixtureRef<'_>, u: [L; 3]) -> [L; 3
     let head = m.head;
     let target = chosen_power(head.power, u[0]);
     let count = head.count;
-    let k = target.search(&row_of!(m, cumulative), count.saturating_sub(1));
+    let k = target.search(&m.row(row::CUMULATIVE), count.saturating_sub(1));
     let choice = Choice {
         axis: [
-            L::lookup(&row_of!(m, axis_x), count, k),
-            if head.in_plane { L::splat(0.0) } else { L::lookup(&row_of!(m, axis_y), count, k) },
-            L::lookup(&row_of!(m, axis_z), count, k),
+            L::lookup(&m.row(row::AXIS_X), count, k),
+            if head.in_plane { L::splat(0.0) } else { L::lookup(&m.row(row::AXIS_Y), count, k) },
+            L::lookup(&m.row(row::AXIS_Z), count, k),
         ],
-        inside: L::lookup(&row_of!(m, inside), count, k),
-        gone: L::lookup(&row_of!(m, tail), count, k),
-        inverse_sharpness: L::lookup(&row_of!(m, inverse_sharpness), count, k),
+        inside: L::lookup(&m.row(row::INSIDE), count, k),
+        gone: L::lookup(&m.row(row::TAIL), count, k),
+        inverse_sharpness: L::lookup(&m.row(row::INVERSE_SHARPNESS), count, k),
         is_squeezed: L::index_below(k, head.squeezed),
         is_lobe: target.lt(L::splat(head.lobes_power)),
     };
     draw(&Frame::new(head), choice, u[1], u[2])
 }
 
-/// Draws one direction, and what it is to be multiplied by to be of length 1: lanes are lobes while the lobe
+/// Draws one direction, and the factor that makes its length 1: lanes are lobes while the lobe
 /// is searched. Without `SEEN`, for a mixture that neither turns nor squeezes it, that is 1 but for rounding.
 #[inline(always)]
 pub(crate) fn draw_one<L: Lanes, const N: usize, const SEEN: bool>(
@@ -92,11 +92,11 @@ pub(crate) fn draw_one<L: Lanes, const N: usize, const SEEN: bool>(
 /// The lobe at a place on the running sum of powers.
 #[inline(always)]
 pub(crate) fn chosen_lobe<L: Lanes, const N: usize>(m: &Mixture<'_, N>, target: f32) -> usize {
-    // The running sum never falls: the lobes that are passed come first, and what is stored behind the last
-    // does not matter. The last ends the search whatever its sum is rounded to.
+    // The running sum never falls: the lobes that are passed come first, and numbers stored behind the last do not matter. The
+    // last ends the search whatever its sum is rounded to.
     let (mut above, mut from) = (1u64.wrapping_shl((m.head.count as u32).wrapping_sub(1)), 0);
     while row::is_within::<L, N>(from, m.head.count) {
-        above |= L::bits(L::splat(target).lt(row::load(&m.rows.cumulative, from))) << from;
+        above |= L::bits(L::splat(target).lt(row::load(&m.rows[row::CUMULATIVE], from))) << from;
         from += L::COUNT;
     }
     (above.trailing_zeros() as usize).min(N - 1)
@@ -111,10 +111,14 @@ fn draw_from<L: Lanes<Index = usize>, const N: usize, const SEEN: bool>(
     u: [f32; 3],
 ) -> ([f32; 3], f32) {
     let choice = Choice {
-        axis: [L::splat(m.rows.axis_x[k]), L::splat(m.rows.axis_y[k]), L::splat(m.rows.axis_z[k])],
-        inside: L::splat(m.rows.inside[k]),
-        gone: L::splat(m.rows.tail[k]),
-        inverse_sharpness: L::splat(m.rows.inverse_sharpness[k]),
+        axis: [
+            L::splat(m.rows[row::AXIS_X][k]),
+            L::splat(m.rows[row::AXIS_Y][k]),
+            L::splat(m.rows[row::AXIS_Z][k]),
+        ],
+        inside: L::splat(m.rows[row::INSIDE][k]),
+        gone: L::splat(m.rows[row::TAIL][k]),
+        inverse_sharpness: L::splat(m.rows[row::INVERSE_SHARPNESS][k]),
         is_squeezed: L::index_below(k, m.head.squeezed),
         is_lobe: L::splat(target).lt(L::splat(m.head.lobes_power)),
     };
@@ -137,7 +141,7 @@ pub(crate) fn draw<L: Lanes>(frame: &Frame<L>, choice: Choice<L>, u: L, turns: L
     scale(d, inverse)
 }
 
-/// Draws directions, and what they are to be multiplied by to be of length 1. `SEEN`: they are turned.
+/// Draws directions, and the factors that make their lengths 1. `SEEN`: they are turned.
 #[inline(always)]
 pub(crate) fn draw_unscaled<L: Lanes, const SEEN: bool>(
     frame: &Frame<L>,
@@ -146,8 +150,8 @@ pub(crate) fn draw_unscaled<L: Lanes, const SEEN: bool>(
     turns: L,
 ) -> ([L; 3], L) {
     let one = L::splat(1.0);
-    // One direction is a chain of dependent operations: what does not wait for the lobe, and then what does
-    // not wait for the logarithm, is done beside that.
+    // One direction is a chain of dependent operations: operations that do not wait for the lobe, and then those that do not wait
+    // for the logarithm, run beside it.
 
     // Angle from the axis, as cos - 1: see special::one_minus_cos.
     let [mut fall, mut above] = cos_minus_one(u, choice.inside, choice.gone, choice.inverse_sharpness);
@@ -194,7 +198,7 @@ pub(crate) fn draw_unscaled<L: Lanes, const SEEN: bool>(
     let inverse = if frame.any_squeezed {
         length_squared.sqrt() * (one / length_squared)
     } else {
-        // What is not squeezed has a length of 1 but for rounding, and one step of Newton's is exact.
+        // A direction that is not squeezed has a length of 1 but for rounding, and one step of Newton's is exact.
         length_squared.neg_mul_add(L::splat(0.5), L::splat(1.5))
     };
     (if SEEN { turn_back(d, frame.azimuth) } else { d }, inverse)
@@ -231,8 +235,7 @@ fn cos_minus_one<L: Lanes>(u: L, inside: L, gone: L, inverse_sharpness: L) -> [L
     let left = (one - u).max(L::splat(1e-30));
     // 1 - u inside, rounded once; for a large u, for which 1 - u is exact, without cancellation.
     let y = L::select(u.lt(L::splat(0.5)), inside.neg_mul_add(u, one), gone.mul_add(u, left));
-    // ln(1 - drop) = ln(y) + c / y, c what rounding lost of y. 1 / y = 1 + drop + ...: what is left out is
-    // below a rounding.
+    // ln(1 - drop) = ln(y) + c / y, c what rounding lost of y. 1 / y = 1 + drop + ...: the terms left out are below a rounding.
     let drop = u * inside;
     let lost = (one - y) - drop;
     let lost = lost.mul_add(drop, lost).keep(y.ge(L::splat(0.5)));

@@ -62,7 +62,7 @@ impl<B: AsRef<[u8]>> Material<B> {
 /// One direction for each of n mixtures, or references to them. Every mixture uses the kernels of its own level;
 /// those of one level and one material are taken in blocks.
 impl<'m, const N: usize> Mixture<'m, N> {
-    /// Draws and evaluates for n hits, each with a mixture of its own: what is asked is what is given.
+    /// Draws and evaluates for n hits, each with a mixture of its own: outputs that are given are wanted.
     ///
     /// Shapes: `mixtures` `[n]`; every slice of the request `[n]`.
     ///
@@ -110,7 +110,7 @@ fn level_of_block<const N: usize>(mixtures: &[&Mixture<'_, N>]) -> Option<Level>
     let factors = factors.unwrap_or(Nodes::NONE);
     let fits = |m: &&Mixture<'_, N>| {
         let nodes = m.head.factors.nodes;
-        // What has neither lobes nor factors may be multiplied by any.
+        // A mixture with neither lobes nor factors may be multiplied by any factor.
         let same_factors = (nodes.is_none() && m.is_nothing()) || nodes.is(&factors);
         m.head.level == level && m.head.domain == Domain::Hemisphere && same_factors
     };

@@ -2,14 +2,15 @@
 //! after the other.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
-use crate::mixture::rows::{Block, Domain, MixtureRef};
+use crate::mixture::row::{self, Block};
+use crate::mixture::rows::{Domain, MixtureRef};
 use crate::simd::elementary::falloff;
 use crate::simd::lanes::{Lanes, Numbers, PARTS, TOGETHER, WIDEST, scale};
 use crate::squeeze::Seen;
 use core::f32::consts::FRAC_1_PI;
 use core::ops::Range;
 
-/// What one stage leaves for the next: a number for each lobe, and one for its fold.
+/// The results of one stage for the next: a number for each lobe, and one for its fold.
 pub(crate) type Stage<L> = [L; STAGE];
 
 pub(crate) const STAGE: usize = 16;
@@ -53,25 +54,24 @@ pub(crate) fn sums<L: Lanes, const C: usize>(
 
 /// The form in which a direction is held that lobes see, and how far from an axis it is in that.
 trait Form {
-    /// A component of the axis minus one of the direction, or the other way round: what is the same for all
-    /// lobes stands where it may stay in memory.
+    /// A component of the axis minus one of the direction, or the other way round: the number that all lobes share is the operand
+    /// that may stay in memory.
     fn apart<L: Lanes>(axis: f32, seen: &Seen<L>, i: usize) -> L;
-    /// What the squared distance is multiplied by for an exponent, in every lane.
+    /// The factor that makes an exponent of the squared distance, in every lane.
     fn rate<L: Lanes>(rate: f32, seen: &Seen<L>) -> L;
 }
 
 /// One f32 a component, of length 1.
 struct Plain;
 
-/// Two f32 a component, of length 1: what was turned, or squeezed and made a unit vector.
+/// Two f32 a component, of length 1: a direction that was turned, or squeezed and made a unit vector.
 struct Split;
 
-/// Two f32 a component, with a length: what was squeezed, where operations are fused. The axis is made as
+/// Two f32 a component, with a length: a squeezed direction, where operations are fused. The axis is made as
 /// long.
 struct Long;
 
-/// Whether a component has a low part: what is only turned or not made a unit vector has its height in one
-/// f32.
+/// Whether a component has a low part: a direction only turned, or not made a unit vector, has its height in one f32.
 #[inline(always)]
 fn has_low<L: Lanes>(i: usize) -> bool {
     i < 2 || !L::FUSED
@@ -164,9 +164,9 @@ struct Lobes<'a, const C: usize> {
 impl<'a, const C: usize> Lobes<'a, C> {
     #[inline(always)]
     fn of_block(block: &'a Block) -> Self {
-        let mut amplitudes = [&block.luminance; C];
+        let mut amplitudes = [&block[row::LUMINANCE]; C];
         if C == 3 {
-            amplitudes.copy_from_slice(&[&block.red, &block.green, &block.blue]);
+            amplitudes.copy_from_slice(&[&block[row::RED], &block[row::GREEN], &block[row::BLUE]]);
         }
         Self { block, amplitudes }
     }
@@ -199,7 +199,9 @@ fn one_by_one<L: Lanes, const C: usize, F: Form, const PLANE: bool, const FOLD: 
     range: Range<usize>,
     acc: &mut [L; C],
 ) {
-    let Block { axis_x: x, axis_y: y, axis_z: z, rate, fold_rate, .. } = lobes.block;
+    let block = lobes.block;
+    let [x, y, z] = [&block[row::AXIS_X], &block[row::AXIS_Y], &block[row::AXIS_Z]];
+    let (rate, fold_rate) = (&block[row::RATE], &block[row::FOLD_RATE]);
     for k in range.start..range.end.min(WIDEST) {
         let t = exponent::<L, F, PLANE>([x[k], y[k], z[k]], rate[k], seen, yy);
         let mut g = falloff(t);
@@ -227,8 +229,9 @@ fn in_stages<L: Lanes, const C: usize, F: Form, const PLANE: bool, const FOLD: b
     while k < to {
         let n = (to - k).min(if FOLD { STAGE / 2 } else { STAGE });
         let block = lobes.block;
-        let (x, y, z) = (&block.axis_x[k..k + n], &block.axis_y[k..k + n], &block.axis_z[k..k + n]);
-        let (rate, fold_rate) = (&block.rate[k..k + n], &block.fold_rate[k..k + n]);
+        let (x, y, z) =
+            (&block[row::AXIS_X][k..k + n], &block[row::AXIS_Y][k..k + n], &block[row::AXIS_Z][k..k + n]);
+        let (rate, fold_rate) = (&block[row::RATE][k..k + n], &block[row::FOLD_RATE][k..k + n]);
         for j in 0..n {
             stage[j] = exponent::<L, F, PLANE>([x[j], y[j], z[j]], rate[j], seen, yy);
             if FOLD {
@@ -243,7 +246,7 @@ fn in_stages<L: Lanes, const C: usize, F: Form, const PLANE: bool, const FOLD: b
                 stage[j] = stage[j] + stage[n + j];
             }
         }
-        // Two channels at a time, and the last by itself: so many sums stay in registers. Both loops as one
+        // Two channels at a time, and the last by itself: the sums of two stay in registers. Both loops as one
         // function of one or two channels are compiled to 1.07 of the time.
         for i in (0..C).step_by(2) {
             let amplitude = &lobes.amplitudes[i][k..k + n];
@@ -266,7 +269,7 @@ fn in_stages<L: Lanes, const C: usize, F: Form, const PLANE: bool, const FOLD: b
     }
 }
 
-/// The exponent of a lobe, to base 2; `yy` is the square of what is seen of y.
+/// The exponent of a lobe, to base 2; `yy` is the square of y after the squeeze.
 #[inline(always)]
 fn exponent<L: Lanes, F: Form, const PLANE: bool>(axis: [f32; 3], rate: f32, seen: &Seen<L>, yy: L) -> L {
     let (dx, dz) = (F::apart(axis[0], seen, 0), F::apart(axis[2], seen, 2));

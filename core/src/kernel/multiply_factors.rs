@@ -25,9 +25,8 @@ struct Multiply<'a, 'm> {
     value: [&'a mut [f32]; 3],
 }
 
-/// Vectors that are taken through a stage of the lookup before the next: the roots are a long chain of
-/// operations, each of which waits for the one before, and a processor sees no further than one vector's
-/// ahead. In stages it takes 0.7 of the time.
+/// Vectors that are taken through a stage of the lookup before the next: the roots are a long chain of operations, each of which
+/// waits for the one before. A processor sees no further than one vector's ahead. In stages it takes 0.7 of the time.
 const STAGED: usize = 4;
 
 impl Routine for Multiply<'_, '_> {
@@ -112,7 +111,7 @@ pub(crate) fn multiply_block<const N: usize>(
         [wo[0][i], wo[1][i], wo[2][i]] = m.head.factors.wo;
     }
     multiply_pairs(level, nodes, &wo, directions, value);
-    // The factor towards what is no direction may be none.
+    // The factor towards a vector that is no direction may be NaN.
     for (i, _) in mixtures.iter().take(WIDEST).enumerate().filter(|(_, m)| m.is_nothing()) {
         value.iter_mut().for_each(|channel| channel[i] = 0.0);
     }

@@ -27,13 +27,13 @@ impl<const N: usize> Mixture<'_, N> {
         self.lobes_value(direction)
     }
 
-    /// The value, and the luminance of what the lobes have, of a mixture with factors.
+    /// The value, and the luminance of the lobes alone, of a mixture with factors.
     #[inline(never)]
     fn factored(&self, direction: Vec3) -> (Vec3, f32) {
         self.head.level.run_one::<_, FactoredOne>(self, direction.to_array())
     }
 
-    /// What the lobes and the diffuse term have, without factors.
+    /// The value of the lobes and the diffuse term, without factors.
     #[inline(always)]
     fn lobes_value(&self, direction: Vec3) -> Vec3 {
         if self.is_plain() {
@@ -100,8 +100,7 @@ impl<const N: usize> Mixture<'_, N> {
         Some(self.sampled(direction, value, luminance))
     }
 
-    /// A sample of a direction that has been drawn, with the value there and the luminance of what the lobes
-    /// have.
+    /// A sample of a direction that has been drawn, with the value there and the luminance of the lobes alone.
     #[inline(always)]
     fn sampled(&self, direction: [f32; 3], value: Vec3, luminance: f32) -> Sample {
         let pdf = luminance * self.head.inverse_power;
@@ -155,14 +154,14 @@ impl<const N: usize, const SEEN: bool> One<&Mixture<'_, N>> for PdfOne<SEEN> {
     }
 }
 
-/// A direction from three uniform numbers, and what follows. `SEEN`: for a mixture that turns or squeezes it.
+/// A direction from three uniform numbers, and the numbers that follow from it. `SEEN`: for a mixture that turns or squeezes it.
 struct Drawn<const SEEN: bool>;
 
 impl<const N: usize, const SEEN: bool> Draw<&Mixture<'_, N>> for Drawn<SEEN> {
     #[inline(always)]
     fn run<L: Lanes>(m: &Mixture<'_, N>, u: [f32; 3]) -> ([f32; 3], f32) {
         let (d, inverse) = draw_one::<L, N, SEEN>(m, u);
-        // What was squeezed has another length.
+        // A squeezed direction has another length.
         if SEEN { (scale(d, inverse), 1.0) } else { (d, inverse) }
     }
 }
@@ -180,7 +179,7 @@ impl<const N: usize> One<&Mixture<'_, N>> for DirectionOne {
     }
 }
 
-/// Value towards one direction, and the luminance of what the lobes have there, for a mixture with factors.
+/// Value towards one direction, and the luminance of the lobes alone there, for a mixture with factors.
 struct FactoredOne;
 
 impl<const N: usize> One<&Mixture<'_, N>> for FactoredOne {
@@ -198,7 +197,7 @@ impl<const N: usize> One<&Mixture<'_, N>> for FactoredOne {
 /// Value towards one direction.
 #[inline(always)]
 fn value_one<L: Lanes, const N: usize, const SEEN: bool>(m: &Mixture<'_, N>, direction: [f32; 3]) -> Vec3 {
-    let amplitudes = [&m.rows.red, &m.rows.green, &m.rows.blue];
+    let amplitudes = [&m.rows[row::RED], &m.rows[row::GREEN], &m.rows[row::BLUE]];
     let diffuse = m.head.diffuse.to_array();
     Vec3::from_array(sums_one::<L::Lobes, N, 3, SEEN>(m, amplitudes, diffuse, direction))
 }
@@ -206,7 +205,8 @@ fn value_one<L: Lanes, const N: usize, const SEEN: bool>(m: &Mixture<'_, N>, dir
 /// Luminance of the value towards one direction.
 #[inline(always)]
 fn luminance_one<L: Lanes, const N: usize, const SEEN: bool>(m: &Mixture<'_, N>, direction: [f32; 3]) -> f32 {
-    let [sum] = sums_one::<L::Lobes, N, 1, SEEN>(m, [&m.rows.luminance], [m.head.diffuse_power], direction);
+    let [sum] =
+        sums_one::<L::Lobes, N, 1, SEEN>(m, [&m.rows[row::LUMINANCE]], [m.head.diffuse_power], direction);
     sum
 }
 
@@ -265,7 +265,7 @@ pub(crate) fn all_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bo
         } else if L::FUSED {
             Sight::splat_either::<L>(L::first_lanes(m.head.squeezed), squeezed, turned)
         } else {
-            // No broadcasts under a mask; and the loop below is what is run.
+            // No broadcasts under a mask; and the loop below runs.
             mix::<L>(&squeezed.splat(), &turned.splat(), m.head.squeezed)
         };
         add_lobes::<L, N, C, SEEN>(m, amplitudes, &seen, 0, &mut acc);
@@ -302,10 +302,14 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     acc: &mut [L; C],
 ) {
     let (axis, [x, y, z]) = (
-        [row::load::<L, N>(&m.rows.axis_x, k), row::load(&m.rows.axis_y, k), row::load(&m.rows.axis_z, k)],
+        [
+            row::load::<L, N>(&m.rows[row::AXIS_X], k),
+            row::load(&m.rows[row::AXIS_Y], k),
+            row::load(&m.rows[row::AXIS_Z], k),
+        ],
         seen.high,
     );
-    let mut rate = row::load::<L, N>(&m.rows.rate, k);
+    let mut rate = row::load::<L, N>(&m.rows[row::RATE], k);
     let [mut dx, mut dy, mut dz];
     if SEEN && L::FUSED {
         dx = axis[0].neg_mul_add(seen.length, x);
@@ -328,7 +332,7 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     let mut g = if SEEN { falloff(t) } else { falloff_soon(t) };
     if m.head.folded >> k & lowest_bits(L::COUNT) != 0 {
         // A lobe of them that does not need its fold has a rate that leaves nothing of it.
-        let t = row::load::<L, N>(&m.rows.fold_rate, k).mul_add(seen.height, t);
+        let t = row::load::<L, N>(&m.rows[row::FOLD_RATE], k).mul_add(seen.height, t);
         g = g + if SEEN { falloff(t) } else { falloff_soon(t) };
     }
     if SEEN {
@@ -339,7 +343,7 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     }
 }
 
-/// What is seen, `first` by the first `count` lanes, `then` by the others.
+/// The seen direction: `first` for the first `count` lanes, `then` for the others.
 #[inline(always)]
 fn mix<L: Lanes>(first: &Seen<L>, then: &Seen<L>, count: usize) -> Seen<L> {
     let is_first = L::first_lanes(count);

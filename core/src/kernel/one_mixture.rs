@@ -8,8 +8,9 @@ use super::lobe_sums::{STAGE, Stage, sums};
 use super::request::{Draws, Request, Towards};
 use crate::color::{LUMINANCE, luminance};
 use crate::error::Error;
-use crate::mixture::rows::{LEAST_DENSITY, Mixture, MixtureRef, Rows};
-use crate::simd::lanes::{Lanes, PARTS, WIDEST, dot3, scale, splat3};
+use crate::mixture::row::EMPTY_BLOCKS;
+use crate::mixture::rows::{LEAST_DENSITY, Mixture, MixtureRef};
+use crate::simd::lanes::{Lanes, WIDEST, dot3, scale, splat3};
 use crate::simd::routine::Routine;
 use core::ops::Range;
 use glam::Vec3;
@@ -18,7 +19,7 @@ use glam::Vec3;
 const NEAR: usize = 512;
 
 impl<const N: usize> Mixture<'_, N> {
-    /// Draws and evaluates for n hits: what is asked is what is given.
+    /// Draws and evaluates for n hits: outputs that are given are wanted.
     ///
     /// Shapes: every slice of the request `[n]`; of draws and of directions to evaluate there may be different
     /// numbers.
@@ -31,7 +32,7 @@ impl<const N: usize> Mixture<'_, N> {
         let towards = evaluate.as_ref().map_or(0, |towards| towards.wi[0].len());
         let (draw, evaluate) = (Request { draw, evaluate: None }, Request { draw: None, evaluate });
         draw.check(drawn).and(evaluate.check(towards))?;
-        let mut parts = [Rows::zeros(); PARTS];
+        let mut parts = EMPTY_BLOCKS;
         let mixture = self.borrowed(&mut parts);
         if let Some(draw) = draw.draw {
             mixture.draw(draw);

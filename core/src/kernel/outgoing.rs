@@ -13,8 +13,7 @@ pub(crate) struct Outgoing {
     pub azimuth: [f32; 2],
 }
 
-/// Outgoing directions as angle from the normal and azimuth; anything for what is no unit vector above the
-/// horizon.
+/// Outgoing directions as angle from the normal and azimuth; anything for a vector that is no unit vector above the horizon.
 pub(crate) struct Facing<L: Lanes> {
     pub theta: L,
     /// Cosine and sine, in the caller's frame, of the azimuth of +x of the view.
@@ -34,7 +33,7 @@ impl<L: Lanes> Facing<L> {
         let unit = L::splat(2e-3).ge(off);
         let across = across_squared.sqrt();
         // +x of the view points away from wo, towards the mirror direction; at the normal any azimuth serves,
-        // and the square of what is nearer to it than 1e-19 has lost its digits.
+        // and the square of a distance below 1e-19 from it has lost its digits.
         let inverse = one / across;
         let is_tilted = across_squared.ge(L::splat(f32::MIN_POSITIVE));
         Self {
@@ -62,7 +61,7 @@ impl<L: Lanes> Facing<L> {
     }
 }
 
-/// One outgoing direction, `None` for what is no unit vector: in one number, but in a vector where only that has
+/// One outgoing direction, `None` for a vector that is no unit vector: in one number, but in a vector where only that has
 /// fused operations, so that it has the same bits as one of many.
 #[inline(always)]
 pub(crate) fn facing<L: Lanes>(wo: Vec3) -> Option<Outgoing> {

@@ -35,7 +35,7 @@ impl<B: AsRef<[u8]>> Material<B> {
         prepare(self.borrowed(), wo.into(), LeaveOut::default(), Level::current(), mixture)
     }
 
-    /// [`prepare`](Self::prepare) with options: what may be left out, and the level.
+    /// [`prepare`](Self::prepare) with options: the bounds of leaving out, and the level.
     ///
     /// `cargo lab leave-out` prints the error and the time of bounds, for each preset.
     ///
@@ -120,7 +120,7 @@ pub(crate) fn prepare<'m, const N: usize>(
 struct Prepare<'a, 'b, const N: usize> {
     material: MaterialRef<'b>,
     leave_out: LeaveOut,
-    /// What it runs on.
+    /// The level that it runs on.
     level: Level,
     mixture: &'a mut Mixture<'b, N>,
 }
@@ -172,7 +172,7 @@ pub(crate) fn prepare_each<'a, 'm, const N: usize>(
     }
     for (i, mixture) in mixtures.iter_mut().flatten().enumerate() {
         let wo = Vec3::new(wo[0][i], wo[1][i], wo[2][i]);
-        // One that is none leaves the mixture empty.
+        // A vector that is no direction leaves the mixture empty.
         let _ = prepare(material, wo, LeaveOut::default(), level, mixture);
     }
 }
@@ -182,7 +182,7 @@ pub(crate) fn prepare_each<'a, 'm, const N: usize>(
 struct PrepareInto<'a, 'b, const N: usize> {
     material: MaterialRef<'b>,
     wo: [&'a [f32]; 3],
-    /// What it runs on.
+    /// The level that it runs on.
     level: Level,
     mixtures: &'a mut [Option<&'a mut Mixture<'b, N>>],
 }
@@ -226,8 +226,8 @@ impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
     }
 }
 
-/// Makes a mixture, which has begun, for an outgoing direction above the horizon that has `passed` so many
-/// views of an isotropic material; it is to be summed up.
+/// Makes a mixture, which has begun, for an outgoing direction above the horizon that has `passed` a number of views of an
+/// isotropic material; it is to be summed up.
 #[inline(always)]
 fn between_views<'m, L: Lanes, const N: usize>(
     material: MaterialRef<'m>,

@@ -1,32 +1,28 @@
 //! From an anisotropic material and an outgoing direction to a mixture: lanes are lobes.
 //!
-//! # What is interpolated
-//! The views lie on rings round the normal, each ring periodic in the azimuth of the outgoing direction. The
-//! mixture of a view is written in the frame of the view, +x in the plane of incidence away from `wo`,
-//! because there a highlight stays where it is when `wo` turns. Between four views everything is interpolated
-//! linearly, in angle and azimuth: the axes as vectors of angles from the normal
-//! ([`TiltedLobe`](crate::TiltedLobe)), the logarithms of sharpness, luminance and squeeze, and the colour
-//! differences.
+//! # Interpolated numbers
+//! The views lie on rings round the normal, each ring periodic in the azimuth of the outgoing direction. The mixture of a view is
+//! written in the frame of the view, +x in the plane of incidence away from `wo`. A highlight stays at one place of it when `wo`
+//! turns. Between four views everything is interpolated linearly, in angle and azimuth: the axes as vectors of angles from the
+//! normal ([`TiltedLobe`](crate::TiltedLobe)), the logarithms of sharpness, luminance and squeeze, and the colour differences.
 //!
 //! # The squeeze matrix
-//! Isotropic materials are squeezed across the plane of incidence by one number. A brushed surface has a
-//! direction of its own, so here a direction `d` is seen as `u = (M (d.x, d.y), d.z) / r` with a symmetric
-//! matrix M, held as its logarithm: that is a vector space, which interpolation does not leave, in which a
-//! turn is linear, and in which no angle wraps. (An axis and a number would have to jump: from the normal,
-//! where the axis turns once with every half turn of `wo`, to grazing, where it stays in the plane of
-//! incidence.) `dw(u) = det M dw(d) / r^3`. With the eigenvectors as x and y, M is diagonal: the mixture
-//! takes them as its frame, and the kernels see two numbers in place of one.
+//! Isotropic materials are squeezed across the plane of incidence by one number. A brushed surface has a direction of its own. So
+//! a direction `d` is seen as `u = (M (d.x, d.y), d.z) / r` with a symmetric matrix M, held as its logarithm: that is a vector
+//! space, which interpolation does not leave, in which a turn is linear, and in which no angle wraps. (An axis and a number would
+//! have to jump: from the normal, where the axis turns once with every half turn of `wo`, to grazing, where it stays in the plane
+//! of incidence.) `dw(u) = det M dw(d) / r^3`. With the eigenvectors as x and y, M is diagonal: the mixture takes them as its
+//! frame, and the kernels see two numbers in place of one.
 //!
 //! A lobe's axis is stored where the lobe points to, before the squeeze, so that a change of M leaves a
 //! highlight in its place.
 //!
 //! # Why it is continuous
-//! *Along a ring* the four shares are continuous and periodic. *Across a ring* the share of what lies beyond
-//! is 0. *At the normal* there is one view, stored in the frame of the surface. In the frame of a view whose
-//! +x is at the azimuth a it is turned by -a; turning is linear in tilts and in the logarithm of M, and
-//! leaves the rest as it is. Between the normal and the first ring, at the share t of the ring, the mixture
-//! is `(1 - t) turned(normal, -a) + t ring(a)`. Turned back by a into the frame of the surface it differs
-//! from the normal's by at most `t` times a constant, whatever a is: so it tends to the normal's view from
+//! *Along a ring* the four shares are continuous and periodic. *Across a ring* the share of the views beyond is 0. *At the normal*
+//! there is one view, stored in the frame of the surface. In the frame of a view whose +x is at the azimuth a it is turned by -a;
+//! turning is linear in tilts and in the logarithm of M, and leaves the rest as it is. Between the normal and the first ring, at
+//! the share t of the ring, the mixture is `(1 - t) turned(normal, -a) + t ring(a)`. Turned back by a into the frame of the
+//! surface it differs from the normal's by at most `t` times a constant, whatever a is: so it tends to the normal's view from
 //! every side, and at the normal itself, where a is any number, it is that view.
 
 use super::outgoing::Outgoing;
@@ -185,19 +181,19 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
         let (wide_x, wide_y) = (x * L::splat(along), y * L::splat(inverse));
         let shrink = one / wide_x.mul_add(wide_x, wide_y.mul_add(wide_y, cos * cos)).sqrt();
         let squeezed = L::iota().lt(L::splat(header.squeezed as f32 - k as f32));
-        row::store(L::select(squeezed, wide_x * shrink, x), &mut mixture.rows.axis_x, k);
-        row::store(L::select(squeezed, wide_y * shrink, y), &mut mixture.rows.axis_y, k);
-        row::store(L::select(squeezed, cos * shrink, cos), &mut mixture.rows.axis_z, k);
-        row::store(exp2(rows[2]), &mut mixture.rows.sharpness, k);
+        row::store(L::select(squeezed, wide_x * shrink, x), &mut mixture.rows[row::AXIS_X], k);
+        row::store(L::select(squeezed, wide_y * shrink, y), &mut mixture.rows[row::AXIS_Y], k);
+        row::store(L::select(squeezed, cos * shrink, cos), &mut mixture.rows[row::AXIS_Z], k);
+        row::store(exp2(rows[2]), &mut mixture.rows[row::SHARPNESS], k);
         let first = exp2(rows[3]).keep(valid);
         let amplitude = if header.has_luminance {
             color::rgb(first, [rows[4], rows[5]])
         } else {
             [first, exp2(rows[4]).keep(valid), exp2(rows[5]).keep(valid)]
         };
-        row::store(amplitude[0], &mut mixture.rows.red, k);
-        row::store(amplitude[1], &mut mixture.rows.green, k);
-        row::store(amplitude[2], &mut mixture.rows.blue, k);
+        row::store(amplitude[0], &mut mixture.rows[row::RED], k);
+        row::store(amplitude[1], &mut mixture.rows[row::GREEN], k);
+        row::store(amplitude[2], &mut mixture.rows[row::BLUE], k);
         k += L::COUNT;
     }
     mixture.finish_lobes::<L>(count, header.squeezed, leave_out);
@@ -205,7 +201,7 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
     Among { views, onward: place.onward, outward: place.outward }
 }
 
-/// Loads little-endian f32 from bytes of any alignment; what lies past the end reads as 0.
+/// Loads little-endian f32 from bytes of any alignment; numbers past the end read as 0.
 #[inline(always)]
 fn load_bytes<L: Lanes>(bytes: &[u8], offset: usize) -> L {
     let rest = &bytes[offset..];

@@ -1,13 +1,13 @@
-//! What a batch is asked: outputs that are given are outputs that are wanted.
+//! The inputs of a batch and its wanted outputs: outputs that are given are wanted.
 
 use crate::error::Error;
 use crate::mixture::rows::Sample;
 use glam::Vec3;
 
-/// What a batch is asked for each of its n hits: draws, values and densities, or both.
+/// The request of a batch for each of its n hits: draws, values and densities, or both.
 ///
-/// Every slice is `[n]`; outputs are overwritten. What is `None` is not wanted, and is left out of the work where
-/// that saves time. [`Draws`] alone and [`Towards`] alone are requests too, by `into()`.
+/// Every slice is `[n]`; outputs are overwritten. An output that is `None` is not wanted, and its work is left out where that
+/// saves time. [`Draws`] alone and [`Towards`] alone are requests too, by `into()`.
 ///
 /// # Examples
 /// ```

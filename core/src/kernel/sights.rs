@@ -1,4 +1,4 @@
-//! What the lobes see of a block of directions, each in a frame of its own.
+//! The directions of a block as the lobes see them, each in a frame of its own.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
 use crate::simd::lanes::{Lanes, Numbers, WIDEST};
@@ -52,7 +52,7 @@ pub(crate) fn sight(sights: &Sights, i: usize) -> [Sight; 2] {
 pub(crate) fn seen<L: Lanes>(sights: &Sights, i: usize, squeezed: L::Mask) -> Seen<L> {
     let mut numbers = [L::splat(0.0); NUMBERS];
     for n in 0..NUMBERS {
-        // What is only turned keeps its length.
+        // A direction that is only turned keeps its length.
         let is_one = n == LENGTH || n == INVERSE_SQUARE || n == SCALE;
         let turned = L::splat(if is_one { 1.0 } else { sights[0][n][i] });
         numbers[n] = L::select(squeezed, L::splat(sights[1][n][i]), turned);

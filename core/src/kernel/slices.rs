@@ -23,7 +23,7 @@ impl Block {
         (0..n).step_by(WIDEST).map(move |from| Self { from, count: WIDEST.min(n - from) })
     }
 
-    /// Copies directions or uniform numbers in; what is behind the last hit stays.
+    /// Copies directions or uniform numbers in; numbers behind the last hit stay.
     #[inline(always)]
     pub fn copy_in(self, from: &[&[f32]; 3], block: &mut [Numbers; 3]) {
         for (block, from) in block.iter_mut().zip(from) {

@@ -1,8 +1,7 @@
 //! The integral of an unfolded Gaussian lobe over the upper hemisphere.
 //!
 //! It has no closed form. It reduces to the part on the far side of the horizon from the axis. With the axis at
-//! `|axis.z| = sin a` from the horizon, that part is a sum over rings of equal height z, on each of which the
-//! integral over the azimuth is a Bessel function:
+//! `|axis.z| = sin a` from the horizon, that part is a sum over rings of equal height z. On each ring the integral over the azimuth is a Bessel function:
 //!
 //! ```text
 //! far(a) = 2 pi exp(-s (1 - cos a)) integral over z in [0, 1] of

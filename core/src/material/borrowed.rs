@@ -12,11 +12,10 @@ use core::f32::consts::PI;
 ///
 /// It borrows the bytes (`B` = `&[u8]`) or owns them: a `Vec<u8>`, an `Arc<[u8]>`, an array, a mapped file.
 ///
-/// Lobe `k` of one view corresponds to lobe `k` of the next; between views the angle of the axis and the
-/// logarithms of sharpness, luminance and squeeze, and the colour differences, are interpolated linearly in
-/// the angle of the outgoing direction (in files of version 1 the logarithms of red, green and blue). Beyond
-/// the last view the last one holds. The views of an anisotropic material lie over the hemisphere, see
-/// [`Grid`](crate::Grid).
+/// Lobe `k` of one view corresponds to lobe `k` of the next; between views its numbers are interpolated linearly in the angle of
+/// the outgoing direction. These are the angle of the axis, the logarithms of sharpness, luminance and squeeze, and the colour
+/// differences (in files of version 1 the logarithms of red, green and blue). Beyond the last view the last one holds. The views
+/// of an anisotropic material lie over the hemisphere, see [`Grid`](crate::Grid).
 #[derive(Clone, Copy, Debug)]
 pub struct Material<B = &'static [u8]> {
     bytes: B,

@@ -34,9 +34,9 @@ impl Line<'_> {
 
     /// Writes a material as `.srbf` bytes and checks them as a reader would.
     ///
-    /// Of the lobes of every view the first `squeezed` see the squeezed direction, and each of the last
-    /// `mirrored` stands for two, one on either side of the plane of incidence; none is both. Shapes: `out`
-    /// [[`encoded_len`](Self::encoded_len)], overwritten. Returns: the bytes written.
+    /// Of the lobes of every view the first `squeezed` see the squeezed direction. Each of the last `mirrored` stands for two, one
+    /// on either side of the plane of incidence; none is both. Shapes: `out` [[`encoded_len`](Self::encoded_len)], overwritten.
+    /// Returns: the bytes written.
     ///
     /// # Errors
     /// [`FormatError::Buffer`] if `out` is too small; [`FormatError::Field`] for a value that has no place in

@@ -3,8 +3,8 @@
 
 use super::factor_table::FactorTable;
 
-/// One lobe of an isotropic material at one view, as it is stored: its axis in the plane of incidence, or, if
-/// it is a mirrored one, off it and standing for a second one on the other side.
+/// One lobe of an isotropic material at one view, as it is stored: its axis is in the plane of incidence. A mirrored lobe has an
+/// axis off the plane, and stands for a second one on the other side.
 ///
 /// The axis is `(sin angle cos off_plane, sin off_plane, cos angle cos off_plane)` in the frame of the view.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -62,21 +62,21 @@ impl<const N: usize> Mixture<'_, N> {
         let mut folded = 0;
         let mut k = 0;
         while row::is_within::<L, N>(k, count) {
-            let s = row::load::<L, N>(&self.rows.sharpness, k);
+            let s = row::load::<L, N>(&self.rows[row::SHARPNESS], k);
             let rate = s * L::splat(-0.5 * LOG2_E);
-            row::store(rate, &mut self.rows.rate, k);
+            row::store(rate, &mut self.rows[row::RATE], k);
 
             let s = s.max(L::splat(LEAST_SHARPNESS));
             let inverse = one / s;
             let [tail, inside] = tail_and_inside(s);
             let integral = inside * inverse * L::splat(2.0 * PI);
-            row::store(inverse, &mut self.rows.inverse_sharpness, k);
-            row::store(tail, &mut self.rows.tail, k);
-            row::store(inside, &mut self.rows.inside, k);
+            row::store(inverse, &mut self.rows[row::INVERSE_SHARPNESS], k);
+            row::store(tail, &mut self.rows[row::TAIL], k);
+            row::store(inside, &mut self.rows[row::INSIDE], k);
 
             if self.head.domain == Domain::Hemisphere {
-                let axis_z = row::load::<L, N>(&self.rows.axis_z, k).abs();
-                row::store(axis_z, &mut self.rows.axis_z, k);
+                let axis_z = row::load::<L, N>(&self.rows[row::AXIS_Z], k).abs();
+                row::store(axis_z, &mut self.rows[row::AXIS_Z], k);
                 // s (1 - t) = s z^2 / (1 + t), without cancellation.
                 let zz = axis_z * axis_z;
                 let t = (one - zz).max(zero).sqrt();
@@ -85,20 +85,20 @@ impl<const N: usize> Mixture<'_, N> {
                 let fold_rate = rate * axis_z * L::splat(4.0);
                 row::store(
                     L::select(folds, fold_rate, L::splat(f32::NEG_INFINITY)),
-                    &mut self.rows.fold_rate,
+                    &mut self.rows[row::FOLD_RATE],
                     k,
                 );
             }
 
             let rgb = [
-                row::load::<L, N>(&self.rows.red, k),
-                row::load(&self.rows.green, k),
-                row::load(&self.rows.blue, k),
+                row::load::<L, N>(&self.rows[row::RED], k),
+                row::load(&self.rows[row::GREEN], k),
+                row::load(&self.rows[row::BLUE], k),
             ];
             let luminance = dot3(rgb, splat3(LUMINANCE));
-            row::store(luminance, &mut self.rows.luminance, k);
+            row::store(luminance, &mut self.rows[row::LUMINANCE], k);
             // The powers first, their running sum below.
-            row::store(luminance * integral, &mut self.rows.cumulative, k);
+            row::store(luminance * integral, &mut self.rows[row::CUMULATIVE], k);
             for i in 0..3 {
                 albedo[i] = rgb[i].mul_add(integral, albedo[i]);
             }
@@ -122,7 +122,7 @@ impl<const N: usize> Mixture<'_, N> {
     #[inline(always)]
     pub(crate) fn sum_up(&mut self) {
         let mut power = 0.0;
-        for running in &mut self.rows.cumulative[..self.head.count.min(N)] {
+        for running in &mut self.rows[row::CUMULATIVE][..self.head.count.min(N)] {
             power += *running;
             *running = power;
         }
@@ -140,15 +140,15 @@ impl<const N: usize> Mixture<'_, N> {
         let mut stays = 0;
         let mut k = 0;
         while row::is_within::<L, N>(k, self.head.count) {
-            let stay = row::load::<L, N>(&self.rows.cumulative, k).ge(L::splat(least));
+            let stay = row::load::<L, N>(&self.rows[row::CUMULATIVE], k).ge(L::splat(least));
             stays |= L::bits(stay) << k;
-            let integral =
-                row::load::<L, N>(&self.rows.inside, k) * row::load(&self.rows.inverse_sharpness, k);
+            let integral = row::load::<L, N>(&self.rows[row::INSIDE], k)
+                * row::load(&self.rows[row::INVERSE_SHARPNESS], k);
             let integral = L::select(stay, integral, zero);
             let rgb = [
-                row::load::<L, N>(&self.rows.red, k),
-                row::load(&self.rows.green, k),
-                row::load(&self.rows.blue, k),
+                row::load::<L, N>(&self.rows[row::RED], k),
+                row::load(&self.rows[row::GREEN], k),
+                row::load(&self.rows[row::BLUE], k),
             ];
             for i in 0..3 {
                 albedo[i] = rgb[i].mul_add(integral, albedo[i]);
@@ -175,12 +175,16 @@ impl<const N: usize> Mixture<'_, N> {
             if k >= N || to >= N {
                 break;
             }
-            self.rows.move_lobe(k, to);
+            row::move_lobe(&mut self.rows, k, to);
             to += 1;
         }
         for k in to..count {
-            (self.rows.red[k], self.rows.green[k], self.rows.blue[k], self.rows.luminance[k]) =
-                (0.0, 0.0, 0.0, 0.0);
+            (
+                self.rows[row::RED][k],
+                self.rows[row::GREEN][k],
+                self.rows[row::BLUE][k],
+                self.rows[row::LUMINANCE][k],
+            ) = (0.0, 0.0, 0.0, 0.0);
         }
         self.head.squeezed = (stays & lowest_bits(self.head.squeezed)).count_ones() as usize;
         self.head.count = to;

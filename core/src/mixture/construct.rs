@@ -1,6 +1,7 @@
 //! Mixtures of given lobes.
 
 use super::leave_out::LeaveOut;
+use super::row;
 use super::rows::{Domain, Mixture};
 use crate::color;
 use crate::error::Error;
@@ -52,11 +53,12 @@ impl<const N: usize> Mixture<'_, N> {
             let Lobe { gaussian, amplitude } =
                 Lobe::new(lobe.gaussian.axis, lobe.gaussian.sharpness, lobe.amplitude)?;
             mixture.head.in_plane &= gaussian.axis.y == 0.0;
-            mixture.rows.axis_x[k] = gaussian.axis.x;
-            mixture.rows.axis_y[k] = gaussian.axis.y;
-            mixture.rows.axis_z[k] = gaussian.axis.z;
-            mixture.rows.sharpness[k] = gaussian.sharpness;
-            [mixture.rows.red[k], mixture.rows.green[k], mixture.rows.blue[k]] = amplitude.to_array();
+            mixture.rows[row::AXIS_X][k] = gaussian.axis.x;
+            mixture.rows[row::AXIS_Y][k] = gaussian.axis.y;
+            mixture.rows[row::AXIS_Z][k] = gaussian.axis.z;
+            mixture.rows[row::SHARPNESS][k] = gaussian.sharpness;
+            [mixture.rows[row::RED][k], mixture.rows[row::GREEN][k], mixture.rows[row::BLUE][k]] =
+                amplitude.to_array();
         }
         mixture.finish::<f32>(needed, squeezed.len(), LeaveOut::default());
         // The most that a value can be: the fold doubles a lobe, the squeeze changes solid angles.

@@ -1,4 +1,4 @@
-//! Factors: what a sum of lobes misses of a material, as a table over half angle, difference angle and azimuth
+//! Factors: the part of a material that a sum of lobes misses, as a table over half angle, difference angle and azimuth
 //! (Rusinkiewicz 1998).
 //!
 //! One table of RGB factors serves all views. The value is that of the lobes times the factor; density and
@@ -15,8 +15,8 @@
 //!
 //! all in [0, 1] for directions of one hemisphere, and the same where the two are exchanged. In forms that do not cancel:
 //! `1 - h.z = (s.x^2 + s.y^2) / (|s|^2 + s.z |s|)`, and `1 - h.wo = |d|^2 / (4 + 2 |s|)`, as `h.wo = |s| / 2` for
-//! unit vectors. As d is perpendicular to h, the azimuth is that of d, and with the normal's part perpendicular to
-//! h, of length `(s.x^2 + s.y^2)^(1/2) / |s|`, it is `c = d.z^2 |s|^2 / (|d|^2 (s.x^2 + s.y^2))`.
+//! unit vectors. As d is perpendicular to h, the azimuth is that of d. With the normal's part perpendicular to h, of length
+//! `(s.x^2 + s.y^2)^(1/2) / |s|`, it is `c = d.z^2 |s|^2 / (|d|^2 (s.x^2 + s.y^2))`.
 //!
 //! At `h = z` and at `wi = wo` there is no azimuth: there a is 0, or b, and the nodes are the same for all azimuths.
 //!
@@ -39,7 +39,7 @@ pub(crate) struct Nodes<'m> {
     shape: [u8; 3],
     /// Bits of a channel.
     bits: u8,
-    /// What the square of a code is multiplied by.
+    /// The unit of the square of a code.
     scale: f32,
 }
 
@@ -54,7 +54,7 @@ pub(crate) struct Factors<'m> {
     place: Among,
 }
 
-/// Where an outgoing direction lies among four views: what is linear in either share. Two of the views may be
+/// Where an outgoing direction lies among four views: numbers that are linear in either share. Two of the views may be
 /// the same.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Among {
@@ -104,8 +104,8 @@ impl<'m> Nodes<'m> {
         self.codes
     }
 
-    /// The factor of one pair of unit vectors above the horizon, which may be exchanged; linear sRGB. In scalars: it has
-    /// what one lane of a vector has, but for rounding. There has to be a table.
+    /// The factor of one pair of unit vectors above the horizon, which may be exchanged; linear sRGB. In scalars: the result
+    /// equals that of one lane of a vector, but for rounding. There has to be a table.
     #[inline(always)]
     pub fn towards<L: Lanes>(&self, wo: [f32; 3], wi: [f32; 3]) -> Vec3 {
         let [red, green, blue] = self.of_pairs(splat3::<L>(wo), splat3(wi));
@@ -211,7 +211,7 @@ impl<'m> Factors<'m> {
         Self { nodes: Nodes::new(material), albedo_differences, wo: wo.to_array(), place }
     }
 
-    /// What the factors change of the mixture's albedo, over its power: interpolated between the views.
+    /// The change of the mixture's albedo by the factors, over its power: interpolated between the views.
     pub fn albedo_difference(&self) -> Vec3 {
         let Among { views, onward, outward } = self.place;
         let stored = |view: u16, i: usize| f32_at(self.albedo_differences, 12 * usize::from(view) + 4 * i);
@@ -227,7 +227,7 @@ impl<'m> Factors<'m> {
 }
 
 /// `1 - h.z`, `1 - h.wo` and the squared cosine of the azimuth of pairs of an outgoing and an incident direction, the
-/// last if it is asked for; anything for what is no unit vector.
+/// last if it is asked for; anything for a vector that is no unit vector.
 #[inline(always)]
 pub(crate) fn variables<L: Lanes>(wo: [L; 3], wi: [L; 3], has_azimuth: bool) -> [L; 3] {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
@@ -260,12 +260,12 @@ fn cell<L: Lanes>(place: L, nodes: f32) -> (L, L) {
 }
 
 impl<B: AsRef<[u8]>> Material<B> {
-    /// What the value of the lobes is multiplied by for an outgoing and an incident direction, unit vectors
+    /// The factor on the value of the lobes for an outgoing and an incident direction, unit vectors
     /// above the horizon; linear sRGB, 1 without a table.
     ///
-    /// The two may be exchanged. Interpolated linearly between the nodes, from 0 at the first to 1 at the last, in
-    /// `(1 - h.z)^(1/4)`, `(1 - h.wo)^(1/2)` and the squared cosine of the azimuth of wo round h from the normal, with the
-    /// half direction `h = (wi + wo) / |wi + wo|`. Accuracy: 6e-6 of the largest factor.
+    /// The two may be exchanged. The half direction is `h = (wi + wo) / |wi + wo|`. The factor is linear between nodes in
+    /// `(1 - h.z)^(1/4)`, `(1 - h.wo)^(1/2)` and the squared cosine of the azimuth of wo round h from the normal. Each goes
+    /// from 0 at the first node to 1 at the last. Accuracy: 6e-6 of the largest factor.
     pub fn factor(&self, wo: impl Into<Vec3>, wi: impl Into<Vec3>) -> Vec3 {
         let (wo, wi): (Vec3, Vec3) = (wo.into(), wi.into());
         let nodes = Nodes::new(self.borrowed());

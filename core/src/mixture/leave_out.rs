@@ -1,4 +1,4 @@
-//! What a mixture may leave out for one outgoing direction.
+//! The parts that a mixture may leave out for one outgoing direction.
 
 use crate::error::Error;
 
@@ -33,14 +33,14 @@ impl Default for LeaveOut {
 }
 
 impl LeaveOut {
-    /// Says what may be left out, both as shares in [0, 1].
+    /// The bounds below which lobes and folds are left out, both as shares in [0, 1].
     ///
     /// `lobes`: a lobe is dropped if its share of the luminance of the albedo is below this; the albedo of a
     /// mixture of K lobes loses at most K times it, and density and samples are those of the lobes that stay.
     /// `folds`: the second term of a folded lobe is left out if at most this share of the lobe lies below the
-    /// horizon; the value and the density change by at most this share of the lobe's amplitude, while samples
-    /// are still mirrored up and albedo and power are those of the whole lobe: an estimate that divides by
-    /// the density is too low by at most this share. The default is 0 and 1e-7.
+    /// horizon; the value and the density change by at most this share of the lobe's amplitude. Samples are still mirrored up, and
+    /// albedo and power are those of the whole lobe: an estimate that divides by the density is too low by at most this share. The
+    /// default is 0 and 1e-7.
     ///
     /// # Errors
     /// [`Error::Share`].

@@ -1,9 +1,10 @@
 //! Products of mixtures, and their integrals: of plain lobes only.
 //!
-//! What is squeezed, a diffuse term and factors are no Gaussians, nor are their products: a mixture that has one is
+//! Squeezed lobes, a diffuse term and factors are no Gaussians, nor are their products: a mixture that has one is
 //! refused. A fitted material has them; mixtures of lobes of one's own need not. They stand here, not beside `zonal`:
 //! they read the rows of a mixture, which that room may not import.
 
+use super::row;
 use super::rows::{Domain, Mixture};
 use crate::error::Error;
 use crate::lobe::gaussian::{Gaussian, Lobe};
@@ -12,10 +13,9 @@ use glam::Vec3;
 impl<const N: usize> Mixture<'_, N> {
     /// Multiplies two mixtures of plain lobes, lobe by lobe, into the caller's storage.
     ///
-    /// A folded lobe counts as two, itself and its mirror image. The products are not folded: they are lobes
-    /// of the caller's shading frame that stand for the product on the domain that both mixtures share, the
-    /// upper hemisphere unless both live on the sphere. Integrate them there, for example by
-    /// [`Gaussian::hemisphere_integral`](crate::Gaussian::hemisphere_integral).
+    /// A folded lobe counts as two, itself and its mirror image. The products are not folded: they are lobes of the caller's
+    /// shading frame. They stand for the product on the domain that both mixtures share, the upper hemisphere unless both live on
+    /// the sphere. Integrate them there, for example by [`Gaussian::hemisphere_integral`](crate::Gaussian::hemisphere_integral).
     ///
     /// Returns: how many lobes were written. Shapes: `out` [(lobes + folded lobes) of the one times those of
     /// the other]; [`product_len`](Self::product_len) says.
@@ -93,11 +93,11 @@ impl<const N: usize> Mixture<'_, N> {
     /// Lobe `k < len` with its axis turned to the caller's shading frame.
     fn lobe_in_shading_frame(&self, k: usize) -> Lobe {
         let axis = Vec3::from_array(self.head.squeeze.turn_back([
-            self.rows.axis_x[k],
-            self.rows.axis_y[k],
-            self.rows.axis_z[k],
+            self.rows[row::AXIS_X][k],
+            self.rows[row::AXIS_Y][k],
+            self.rows[row::AXIS_Z][k],
         ]));
-        let amplitude = Vec3::new(self.rows.red[k], self.rows.green[k], self.rows.blue[k]);
+        let amplitude = Vec3::new(self.rows[row::RED][k], self.rows[row::GREEN][k], self.rows[row::BLUE][k]);
         Lobe { gaussian: Gaussian { axis, ..self.gaussian(k) }, amplitude }
     }
 

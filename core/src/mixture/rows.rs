@@ -1,12 +1,12 @@
-//! The numbers of a mixture, and what can be read off them.
+//! The numbers of a mixture, and the properties that can be read off them.
 
 use super::factors::{Factors, Nodes};
+use super::row::{self, Block, ROWS, Rows};
 use crate::lobe::gaussian::{Gaussian, Lobe};
 use crate::material::layout::MAX_LOBES;
 use crate::simd::detect::Level;
-use crate::simd::lanes::{Numbers, PARTS, WIDEST};
+use crate::simd::lanes::{PARTS, Parts};
 use crate::squeeze::Squeeze;
-use core::any::Any;
 use glam::Vec3;
 
 /// Where a mixture lives.
@@ -14,7 +14,7 @@ use glam::Vec3;
 pub enum Domain {
     /// The whole sphere: no fold.
     Sphere,
-    /// The upper hemisphere, z >= 0: what a lobe has below the horizon is mirrored back up; 0 below.
+    /// The upper hemisphere, z >= 0: the part of a lobe below the horizon is mirrored back up; 0 below.
     #[default]
     Hemisphere,
 }
@@ -61,9 +61,9 @@ pub(crate) fn weight_of(value: Vec3, pdf: f32) -> Vec3 {
 /// A folded lobe is `a (G(d) + G(d mirrored in z = 0))`, whose integral over the hemisphere is that of the
 /// lobe over the sphere. A folded lobe does not change if its axis is mirrored, so axes are kept above the
 /// horizon. The second term is left out, once per lobe, where the share of the lobe below the horizon is at
-/// most 1e-7: below the horizon `cos <= t = sqrt(1 - axis.z^2)`, and a Gaussian has the share `(exp(-s (1 -
-/// t)) - exp(-2 s)) / (1 - exp(-2 s)) <= exp(-s (1 - t))` of its integral at `cos <= t`. What is left out is
-/// at most `1e-7 a` at any direction.
+/// most 1e-7: below the horizon `cos <= t = sqrt(1 - axis.z^2)`, and a Gaussian has the share
+/// `(exp(-s (1 - t)) - exp(-2 s)) / (1 - exp(-2 s)) <= exp(-s (1 - t))` of its integral at `cos <= t`. The part left out is at most `1e-7 a` at
+/// any direction.
 ///
 /// # Examples
 /// ```
@@ -80,7 +80,7 @@ pub(crate) fn weight_of(value: Vec3, pdf: f32) -> Vec3 {
 #[derive(Clone, Debug)]
 pub struct Mixture<'m, const N: usize> {
     pub(crate) head: Head<'m>,
-    pub(crate) rows: Rows<[f32; N]>,
+    pub(crate) rows: Rows<N>,
 }
 
 /// A mixture, whatever room it has: a text over it is compiled once.
@@ -90,19 +90,16 @@ pub(crate) struct MixtureRef<'a> {
     pub blocks: [&'a Block; PARTS],
 }
 
-/// The rows of sixteen lobes. A text finds all of them from one address.
-pub(crate) type Block = Rows<Numbers>;
-
-/// A row of a [`MixtureRef`].
-macro_rules! row_of {
-    ($m:expr, $row:ident) => {{
-        let [a, b, c, d] = &$m.blocks;
-        [&a.$row, &b.$row, &c.$row, &d.$row]
-    }};
+impl<'a> MixtureRef<'a> {
+    /// The parts of a row.
+    #[inline(always)]
+    pub fn row(&self, row: usize) -> Parts<'a> {
+        let [a, b, c, d] = self.blocks;
+        [&a[row], &b[row], &c[row], &d[row]]
+    }
 }
-pub(crate) use row_of;
 
-/// What a mixture has once.
+/// The numbers that a mixture has once.
 #[derive(Clone, Debug)]
 pub(crate) struct Head<'m> {
     pub count: usize,
@@ -110,7 +107,7 @@ pub(crate) struct Head<'m> {
     pub domain: Domain,
     /// Every axis has y = 0 in the frame of the view.
     pub in_plane: bool,
-    /// What this mixture's kernels run on, chosen when it was made.
+    /// The level of this mixture's kernels, chosen when it was made.
     pub level: Level,
     pub squeeze: Squeeze,
     /// Bit k: lobe k needs its fold.
@@ -129,68 +126,6 @@ pub(crate) struct Head<'m> {
     pub diffuse_power: f32,
     /// What values are multiplied by.
     pub factors: Factors<'m>,
-}
-
-/// Declares the rows of a mixture.
-macro_rules! rows {
-    ($($(#[$doc:meta])* $row:ident)*) => {
-        /// What a mixture has for each lobe, a row `R` of numbers each: structure of arrays. Places from the
-        /// count of lobes up to the next multiple of what one direction takes at a time (two vectors on AVX2,
-        /// one elsewhere) hold lobes of amplitude 0.
-        #[derive(Clone, Copy, Debug)]
-        pub(crate) struct Rows<R> {
-            $($(#[$doc])* pub $row: R,)*
-        }
-
-        impl<const N: usize> Rows<[f32; N]> {
-            #[inline(always)]
-            pub const fn zeros() -> Self {
-                Self { $($row: [0.0; N],)* }
-            }
-
-            /// Copies the rows of the first lobes into blocks of sixteen; returns these.
-            #[inline(always)]
-            fn copy_into<'a>(&self, count: usize, blocks: &'a mut [Block; PARTS]) -> [&'a Block; PARTS] {
-                for (p, block) in blocks.iter_mut().enumerate().take(count.min(N).div_ceil(WIDEST)) {
-                    let (from, count) = (p * WIDEST, WIDEST.min(N - p * WIDEST));
-                    $(block.$row[..count].copy_from_slice(&self.$row[from..from + count]);)*
-                }
-                blocks.each_ref()
-            }
-
-            /// Lobe `from` takes the place of lobe `to`.
-            #[inline(always)]
-            pub fn move_lobe(&mut self, from: usize, to: usize) {
-                $(self.$row[to] = self.$row[from];)*
-            }
-        }
-    };
-}
-
-rows! {
-    axis_x
-    axis_y
-    axis_z
-    sharpness
-    red
-    green
-    blue
-    /// Luminance of the amplitude.
-    luminance
-    /// `-s / 2` in base 2: times the squared chord it is the exponent.
-    rate
-    /// `-2 s axis.z` in base 2: times d.z it is what the fold adds to the exponent. Minus infinity, or a NaN
-    /// times 0, which both leave nothing of it, for a lobe that does not need its fold but shares a vector
-    /// with one that does.
-    fold_rate
-    /// `1 / s`, of at least 1e-7: below, the lobe is constant to f32.
-    inverse_sharpness
-    /// `1 - exp(-2 s)`.
-    inside
-    /// `exp(-2 s)`.
-    tail
-    /// Running sum of the luminance of the integrals.
-    cumulative
 }
 
 impl Head<'_> {
@@ -240,16 +175,16 @@ impl<const N: usize> Mixture<'_, N> {
     /// ```
     pub const fn empty() -> Self {
         const { assert!(1 <= N && N <= MAX_LOBES, "the N of a Mixture<N>, its room for lobes, is 1 to 64") };
-        Self { head: Head::EMPTY, rows: Rows::zeros() }
+        Self { head: Head::EMPTY, rows: [[0.0; N]; ROWS] }
     }
 
     /// The mixture, whatever room it has. One with room for sixteen lobes is a block as it stands; the rows of any
     /// other are copied to `blocks`.
     #[inline(always)]
     pub(crate) fn borrowed<'a>(&'a self, blocks: &'a mut [Block; PARTS]) -> MixtureRef<'a> {
-        let blocks = match (&self.rows as &dyn Any).downcast_ref::<Block>() {
+        let blocks = match row::as_block(&self.rows) {
             Some(block) => [block; PARTS],
-            None => self.rows.copy_into(self.head.count, blocks),
+            None => row::copy_into(&self.rows, self.head.count, blocks),
         };
         MixtureRef { head: &self.head, blocks }
     }
@@ -312,7 +247,7 @@ impl<const N: usize> Mixture<'_, N> {
     /// Azimuth of +x of the frame of the view in the caller's frame, its cosine and sine.
     ///
     /// Away from the outgoing direction for an isotropic material; for an anisotropic one turned by up to 45
-    /// degrees from there, so that it and +y are what the squeeze acts along.
+    /// degrees from there, so that the squeeze acts along it and +y.
     #[inline]
     pub fn azimuth_cos_sin(&self) -> [f32; 2] {
         self.head.squeeze.azimuth
@@ -338,19 +273,20 @@ impl<const N: usize> Mixture<'_, N> {
 
     /// Lobe `k` in the frame of the view, or `None` past the end.
     pub fn lobe(&self, k: usize) -> Option<Lobe> {
-        let amplitude = || Vec3::new(self.rows.red[k], self.rows.green[k], self.rows.blue[k]);
+        let amplitude =
+            || Vec3::new(self.rows[row::RED][k], self.rows[row::GREEN][k], self.rows[row::BLUE][k]);
         (k < self.head.count).then(|| Lobe { gaussian: self.gaussian(k), amplitude: amplitude() })
     }
 
     pub(crate) fn gaussian(&self, k: usize) -> Gaussian {
-        let axis = Vec3::new(self.rows.axis_x[k], self.rows.axis_y[k], self.rows.axis_z[k]);
-        Gaussian { axis, sharpness: self.rows.sharpness[k] }
+        let axis = Vec3::new(self.rows[row::AXIS_X][k], self.rows[row::AXIS_Y][k], self.rows[row::AXIS_Z][k]);
+        Gaussian { axis, sharpness: self.rows[row::SHARPNESS][k] }
     }
 
     /// Integral of the value over the domain, in closed form: `diffuse + sum a I(s)`; linear sRGB.
     ///
     /// For a material, the directional albedo towards the outgoing direction. With factors there is no closed
-    /// form: a material stores for its views what they change of it, relative to [`power`](Self::power), and
+    /// form: a material stores their change of it for its views, relative to [`power`](Self::power), and
     /// that is interpolated linearly between them. A fit's is 0.04 to 0.5 % of the luminance off in the mean
     /// over outgoing directions, and at most 2.0 %.
     #[inline]
@@ -363,8 +299,8 @@ impl<const N: usize> Mixture<'_, N> {
         }
     }
 
-    /// Luminance of the closed form of the albedo, without factors: what the density is normalised by, and
-    /// without factors the luminance of every sample's weight.
+    /// Luminance of the closed form of the albedo, without factors: the norm of the density, and without factors the luminance of
+    /// every sample's weight.
     #[inline]
     pub fn power(&self) -> f32 {
         self.head.power
@@ -376,7 +312,7 @@ impl<const N: usize> Mixture<'_, N> {
         self.head.squeezed == 0 && !self.head.squeeze.is_turned
     }
 
-    /// Whether there is neither a lobe nor a diffuse term: what is prepared for no direction.
+    /// Whether there is neither a lobe nor a diffuse term: the mixture that is prepared for no direction.
     #[inline(always)]
     pub(crate) fn is_nothing(&self) -> bool {
         self.head.count == 0 && self.head.diffuse == Vec3::ZERO

@@ -1,7 +1,7 @@
 //! AVX2 and FMA: eight lanes in one `__m256`.
 //!
 //! Every method is inlined into a function that enables `avx2,fma`, which only runs once [`super::detect`]
-//! has seen both on this processor: that is what makes each `unsafe` block here sound.
+//! has seen both on this processor: that makes each `unsafe` block here sound.
 #![allow(unsafe_code)]
 
 use super::lane_pair::LanePair;
@@ -230,7 +230,7 @@ impl Lanes for Avx2 {
     fn node_pairs(nodes: NodeCodes<'_>, index: Self) -> [[Self; 3]; 2] {
         assert!(nodes.bytes.len() >= 8, "a table of at least two nodes");
         // SAFETY: the processor has AVX2, see the head of this file. An offset is at most `last`, whatever it
-        // was made of: the cast makes a large number of a NaN and of what is negative. Eight bytes from there
+        // was made of: the cast makes a large number of a NaN and of a negative number. Eight bytes from there
         // on are within the slice, which has eight and more; a gather has no alignment.
         unsafe {
             let offset = (index * Self::splat(nodes.stride() as f32)).0;

@@ -1,8 +1,7 @@
 //! AVX-512 (F, VL, DQ, BW): sixteen lanes in one `__m512`.
 //!
 //! Every method is inlined into a function that enables `avx512f,avx512vl,avx512dq,avx512bw,fma`, which only
-//! runs once [`super::detect`] has seen them all on this processor: that is what makes each `unsafe` block
-//! here sound.
+//! runs once [`super::detect`] has seen them all on this processor: that makes each `unsafe` block here sound.
 #![allow(unsafe_code)]
 
 use super::avx2;
@@ -250,7 +249,7 @@ impl Lanes for Avx512 {
     fn node_pairs(nodes: NodeCodes<'_>, index: Self) -> [[Self; 3]; 2] {
         assert!(nodes.bytes.len() >= 8, "a table of at least two nodes");
         // SAFETY: the processor has AVX-512, see the head of this file. An offset is at most `last`, whatever
-        // it was made of: the cast makes a large number of a NaN and of what is negative. Eight bytes from
+        // it was made of: the cast makes a large number of a NaN and of a negative number. Eight bytes from
         // there on are within the slice, which has eight and more; a gather has no alignment.
         unsafe {
             let offset = (index * Self::splat(nodes.stride() as f32)).0;

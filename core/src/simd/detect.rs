@@ -17,7 +17,7 @@ use core::sync::atomic::{AtomicU8, Ordering};
 pub enum Level {
     /// One f32 at a time: the reference for every other level, and all there is without the feature `simd`.
     Scalar = 1,
-    /// `wide`: SSE2, NEON, wasm simd128, or what the whole build targets.
+    /// `wide`: SSE2, NEON, wasm simd128, or the instructions that the whole build targets.
     Portable = 2,
     /// x86-64 with AVX2 and FMA (and BMI1, BMI2 and POPCNT, which every such processor has).
     Avx2 = 3,

@@ -18,8 +18,7 @@ impl Level {
     pub(crate) fn run<R: Routine>(self, routine: R) -> R::Output {
         match self {
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
-            // SAFETY: a mixture's level, and what is passed here, is what `Level::current` gave or
-            // `is_available` allowed.
+            // SAFETY: a mixture's level, and a level passed here, came from `Level::current` or passed `is_available`.
             Self::Avx512 => unsafe { avx512::run(routine) },
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             // SAFETY: as above.
@@ -36,8 +35,7 @@ impl Level {
     pub(crate) fn run_one<S, R: One<S>>(self, state: S, [a, b, c]: [f32; 3]) -> R::Output {
         match self {
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
-            // SAFETY: a mixture's level, and what is passed here, is what `Level::current` gave or
-            // `is_available` allowed.
+            // SAFETY: a mixture's level, and a level passed here, came from `Level::current` or passed `is_available`.
             Self::Avx512 if R::IS_WIDE => unsafe { avx512::one::<S, R>(state, a, b, c) },
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             // SAFETY: as above; who has AVX-512 has AVX2.
@@ -59,8 +57,7 @@ impl Level {
     ) -> ([f32; 3], R::Output) {
         match self {
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
-            // SAFETY: a mixture's level, and what is passed here, is what `Level::current` gave or
-            // `is_available` allowed.
+            // SAFETY: a mixture's level, and a level passed here, came from `Level::current` or passed `is_available`.
             Self::Avx512 => unsafe { avx512::draw::<S, D, R>(state, a, b, c) },
             #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             // SAFETY: as above.

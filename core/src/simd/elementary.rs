@@ -1,6 +1,6 @@
 //! Powers of two, logarithms, sines and arc tangents of every lane.
 //!
-//! Each is one text for all levels; what a level does in instructions of its own is a method of [`Lanes`].
+//! Each is one text for all levels; operations that a level does in instructions of its own are methods of [`Lanes`].
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
 use super::lanes::{Lanes, ROUND, quadrant};
@@ -17,11 +17,10 @@ pub fn exp2_soon<L: Lanes>(t: L) -> L {
     exp2_above::<L, true>(t, -125.0)
 }
 
-/// `2^t`, exactly 0 below 2^-100: what a lobe falls to. Relative error below 2.5e-7; `t` at most 127.
+/// `2^t`, exactly 0 below 2^-100: the fall of a lobe. Relative error below 2.5e-7; `t` at most 127.
 ///
-/// Neither the result nor its product with an amplitude above 2^-25 is a subnormal: one subnormal in a vector
-/// makes an Intel processor take 150 cycles for that instruction, and among sixteen directions there is often
-/// one whose exponent is near -127.
+/// Neither the result nor its product with an amplitude above 2^-25 is a subnormal: one subnormal in a vector makes an Intel
+/// processor take 150 cycles for that instruction. Among sixteen directions there is often one whose exponent is near -127.
 #[inline(always)]
 pub fn falloff<L: Lanes>(t: L) -> L {
     exp2_above::<L, false>(t, -100.0)

@@ -1,9 +1,8 @@
 //! One f32 with the fused operations of AVX2 and AVX-512: for what such a level computes once and not in
 //! every lane.
 //!
-//! Every method is inlined into a function that enables `avx2,fma`, as those of [`super::avx2`] are, which is
-//! what makes each `unsafe` block here sound. Choices are blends and never branches: they depend on random
-//! numbers.
+//! Every method is inlined into a function that enables `avx2,fma`, as those of [`super::avx2`] are, which makes each `unsafe`
+//! block here sound. Choices are blends and never branches: they depend on random numbers.
 #![allow(unsafe_code)]
 
 use super::lanes::{Lanes, NodeCodes, Parts, ROUND, one_vector};
@@ -149,7 +148,7 @@ impl Lanes for Fused {
         // SAFETY: the processor has SSE2.
         Self::of_bits(unsafe { _mm_add_epi32(self.bits(), _mm_slli_epi32::<23>(n.bits())) })
     }
-    /// The turn is reduced to halves, where the cosine is the sine of what is left to the quarter: two lanes
+    /// The turn is reduced to halves, where the cosine is the sine of the rest of a quarter: two lanes
     /// take one polynomial.
     #[inline(always)]
     fn sin_cos_turns(self) -> (Self, Self) {

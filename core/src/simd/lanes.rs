@@ -60,7 +60,7 @@ impl NodeCodes<'_> {
     /// Two nodes one behind the other; the upper bits of the first may be of the second.
     #[inline(always)]
     pub fn pair(&self, index: f32) -> [u32; 2] {
-        // The cast makes 0 of a NaN and of what is negative.
+        // The cast makes 0 of a NaN and of a negative number.
         let from = (index as u32 as usize * self.stride()).min(self.last());
         let pair: &[u8; 8] = self.bytes[from..].first_chunk().expect("a table of at least two nodes");
         let pair = u64::from_le_bytes(*pair);
@@ -97,7 +97,7 @@ pub trait Lanes:
     type Mask: Copy;
     /// One small whole number a lane.
     type Index: Copy;
-    /// One lane, with the fused operations if the processor has them: for what is computed once.
+    /// One lane, with the fused operations if the processor has them: for numbers that are computed once.
     type One: Lanes<Index = usize>;
 
     /// The same number in every lane.
@@ -138,8 +138,8 @@ pub trait Lanes:
     /// Coefficients of a polynomial that is `2^f` for what [`split_whole`](Self::split_whole) leaves, the
     /// highest first, without the last, which is 1.
     const EXP2: [f32; 5] = [0.001_327_647_1, 0.009_675_541, 0.055_507_133, 0.240_221_2, 0.693_146_97];
-    /// What is left of a number when the nearest whole one, or the one below, is taken off; and what
-    /// [`times_exp2`](Self::times_exp2) wants to know of that. Anything of a NaN or what is infinite.
+    /// The rest of a number when the nearest whole one, or the one below, is taken off; and the number that
+    /// [`times_exp2`](Self::times_exp2) wants to know of that. Anything of a NaN or an infinite number.
     #[inline(always)]
     fn split_whole(self) -> (Self, Self) {
         let whole = self + Self::splat(ROUND);
@@ -174,9 +174,8 @@ pub trait Lanes:
     fn index_below(index: Self::Index, limit: usize) -> Self::Mask;
     /// `row[index]`; every index is within the first `len` numbers.
     fn lookup(row: &Parts<'_>, len: usize, index: Self::Index) -> Self;
-    /// Red, green and blue, the latter two times 2 to the power of the bits and of twice as many, of the codes of two
-    /// nodes that lie one behind the other, from whole numbers `index` on. Whatever `index` is, nothing outside is
-    /// read.
+    /// Red, green and blue of the codes of two nodes that lie one behind the other, from whole numbers `index` on. Green is times
+    /// 2 to the power of the bits, blue of twice as many. Whatever `index` is, nothing outside is read.
     #[inline(always)]
     fn node_pairs(nodes: NodeCodes<'_>, index: Self) -> [[Self; 3]; 2] {
         let (mut at, mut codes) = ([0.0; WIDEST], [[[0.0; WIDEST]; 3]; 2]);
@@ -283,7 +282,7 @@ pub fn quadrant<L: Lanes>(r: L, n: L) -> (L, L) {
     L::quarter_turns(n, s, c)
 }
 
-/// A long formula of each lane is worked out for so many vectors at a time: registers hold no more.
+/// A long formula of each lane is worked out for this number of vectors at a time: registers hold no more.
 pub const TOGETHER: usize = 2;
 
 /// Both halves of several numbers.

@@ -1,11 +1,10 @@
-//! Texts that run at any level, as types: what a back end is given to run, and the functions by which it does
-//! so.
+//! Texts that run at any level, as types: the work that a back end is given, and the functions by which it runs it.
 
 use super::lanes::Lanes;
 
 /// Text that can run at any level.
 pub(crate) trait Routine {
-    /// What it gives.
+    /// Its result.
     type Output;
     /// The text; must be `#[inline(always)]`, and so must all that it calls with vectors.
     fn run<L: Lanes>(self) -> Self::Output;
@@ -14,7 +13,7 @@ pub(crate) trait Routine {
 /// Text for one direction (or three numbers): its numbers travel in registers, where a struct would go
 /// through memory.
 pub(crate) trait One<State> {
-    /// What it gives.
+    /// Its result.
     type Output;
     /// Whether it gains by vectors of 512 bits: while those are at work, an Intel core has one port less for
     /// numbers alone.
@@ -26,7 +25,7 @@ pub(crate) trait One<State> {
 
 /// Text that draws a direction from three uniform numbers.
 pub(crate) trait Draw<State> {
-    /// The direction, and what it is to be multiplied by to be of length 1, which it is but for rounding. The
+    /// The direction, and the factor that makes its length 1, which it is but for rounding. The
     /// text; as in [`Routine`].
     fn run<L: Lanes>(state: State, numbers: [f32; 3]) -> ([f32; 3], f32);
 }

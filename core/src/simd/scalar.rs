@@ -98,8 +98,7 @@ impl Lanes for f32 {
     }
     #[inline(always)]
     fn split_exponent(self) -> (Self, Self) {
-        // Bits of sqrt(1/2): what is left above it after whole exponents are taken off is in [sqrt(1/2),
-        // sqrt(2)).
+        // Bits of sqrt(1/2): the rest above it after whole exponents are taken off is in [sqrt(1/2), sqrt(2)).
         let e = self.to_bits().wrapping_sub(0x3f35_04f3) & 0xff80_0000;
         (f32::from_bits(self.to_bits().wrapping_sub(e)), e as i32 as f32)
     }

@@ -1,4 +1,4 @@
-//! SSE2, which every x86-64 processor has: what a scalar inside an AVX function needs.
+//! SSE2, which every x86-64 processor has: the operations that a scalar inside an AVX function needs.
 #![allow(unsafe_code)]
 
 use core::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};

@@ -15,9 +15,8 @@ use glam::Vec3;
 /// F(d) = K(d) + K(m(d))
 /// ```
 ///
-/// *Integral.* The mirror keeps areas and exchanges the hemispheres, so the integral of `K(m(d))` over the
-/// upper one is that of `K` over the lower one: F has over the hemisphere the integral that K has over the
-/// sphere.
+/// *Integral.* The mirror keeps areas and exchanges the hemispheres. So the integral of `K(m(d))` over the upper one is that of
+/// `K` over the lower one: F has over the hemisphere the integral that K has over the sphere.
 ///
 /// *Sampling.* Draw d from K / I on the sphere and mirror it if d.z < 0. An upper direction is reached from
 /// itself and from its mirror image, both with a Jacobian of 1, so its density is (K(d) + K(m(d))) / I = F /
@@ -29,27 +28,26 @@ use glam::Vec3;
 /// times K/F over K/I = 1.
 ///
 /// # When the fold of a Gaussian can be left out
-/// With the axis at height z >= 0 the largest cosine to it below the horizon is `t = sqrt(1 - z^2)`, at the
-/// point of the horizon under the axis. So there `G <= exp(-s (1 - t))`, and the share of the integral below
-/// the horizon is at most that of the directions with a cosine of at most t:
+/// Let the axis be at height z >= 0. The largest cosine to it below the horizon is `t = sqrt(1 - z^2)`, at the point of the
+/// horizon under the axis. So there `G <= exp(-s (1 - t))`. The share of the integral below the horizon is at most that of the
+/// directions with a cosine of at most t:
 ///
 /// ```text
 /// (exp(-s (1 - t)) - exp(-2 s)) / (1 - exp(-2 s)) <= exp(-s (1 - t))          since (a - b)/(1 - b) <= a for a <= 1
 /// ```
 ///
 /// [`share_below_horizon_bound`](crate::special::share_below_horizon_bound) is this bound; a mixture leaves
-/// the second term out where it is at most 1e-7. Nowhere is the value then wrong by more than 1e-7 of the
-/// lobe's peak, and the integral by more than 1e-7 of itself, less than its rounding. Close to the horizon,
-/// where G is below 1e-7 of its peak, the *relative* error of that one lobe reaches 1/2.
+/// the second term out where it is at most 1e-7. The error of the value is then at most 1e-7 of the lobe's peak. That of the
+/// integral is at most 1e-7 of itself, less than its rounding. Close to the horizon, where G is below 1e-7 of its peak, the
+/// *relative* error of that one lobe reaches 1/2.
 ///
 /// # The squeeze
 /// With M = diag(1, 1/c, 1), `u = M d / r`, `r = |M d|`. For a linear map the solid angles have the ratio
-/// `dw(u) = det M / |M d|^3 dw(d) = dw(d) / (c r^3)`: a cone over the area element dA at d has the volume `dA
-/// / 3`, M multiplies it by det M, and scaling its base back to the unit sphere divides it by r^3. Hence
-/// `F(u) / (c r^3)` has the integral of F; a sample u of F / I goes to `M^-1 u` normalised, with exactly the
-/// density `F(u) / (I c r^3)`; and the inverse maps d to u and inverts there. M commutes with the mirror, so
-/// fold and squeeze may be taken in either order. c < 1 narrows along y; it is held as its reciprocal,
-/// rounded to f32.
+/// `dw(u) = det M / |M d|^3 dw(d) = dw(d) / (c r^3)`: a cone over the area element dA at d has the volume `dA / 3`. M multiplies
+/// it by det M, and scaling its base back to the unit sphere divides it by r^3. Hence `F(u) / (c r^3)` has the integral of F; a
+/// sample u of F / I goes to `M^-1 u` normalised, with exactly the density `F(u) / (I c r^3)`; and the inverse maps d to u and
+/// inverts there. M commutes with the mirror, so fold and squeeze may be taken in either order. c < 1 narrows along y; it is held
+/// as its reciprocal, rounded to f32.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Folded<K> {
     kernel: K,

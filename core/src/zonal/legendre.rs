@@ -11,8 +11,8 @@ const BLOCK: usize = 16;
 
 /// Integrates for the Legendre coefficients of a kernel given as a function of `w = 1 - cos theta`.
 ///
-/// `K_l = (2 l + 1) / 2 integral of K P_l sin theta d theta`, by 12-point Gauss-Legendre on panels that halve
-/// towards the axis, down to 1e-7 radians, and are short enough elsewhere for the highest `P_l` asked for.
+/// `K_l = (2 l + 1) / 2 integral of K P_l sin theta d theta`, by 12-point Gauss-Legendre. The panels halve towards the axis, down
+/// to 1e-7 radians, and are short enough elsewhere for the highest `P_l` asked for.
 ///
 /// Shapes: `coefficients` any length, overwritten with l = 0, 1, ... Cost: about `(336 + 3 n) ceil(n / 16)`
 /// evaluations of the kernel for n coefficients; meant for offline work.

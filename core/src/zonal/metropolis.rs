@@ -13,10 +13,10 @@ const REACH: f32 = 0.5;
 
 /// A random walk over the angle to the axis, whose density tends to that of the kernel.
 ///
-/// The density in theta is `K(theta) sin theta`: the kernel times the circumference of its circle. Every
-/// sample starts at a uniform angle of the range and takes `steps` steps, each to a uniform angle within half
-/// the range, mirrored at the ends, and accepted with probability `min(1, target' / target)`. Samples are
-/// independent of each other; the influence of the start falls geometrically with the steps.
+/// The density in theta is `K(theta) sin theta`: the kernel times the circumference of its circle. Every sample starts at a
+/// uniform angle of the range and takes `steps` steps. Each goes to a uniform angle within half the range, mirrored at the ends,
+/// and is accepted with probability `min(1, target' / target)`. Samples are independent of each other; the influence of the start
+/// falls geometrically with the steps.
 ///
 /// The walk is confined to where the kernel exceeds `floor` times its value at the axis. The rest is
 /// never drawn (of a Gaussian a share `floor`), whatever the number of steps. So the samples have no exactly

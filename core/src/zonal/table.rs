@@ -9,10 +9,9 @@ use glam::Vec3;
 
 /// A kernel given as a function, tabulated at `N` angles: linear in `w = 1 - cos theta` between them.
 ///
-/// The knots are `w = 0` and then a geometric row from 2^-36 to 2, so that a kernel of any sharpness up to
-/// 1e8 is met in its own scale; with N = 256 they are 10 % apart and a Gaussian is followed within 0.2 % of
-/// its peak. Value, density, integral and samples are all those of the tabulated kernel: an estimator that
-/// divides by [`Kernel::pdf`] has no bias.
+/// The knots are `w = 0` and then a geometric row from 2^-36 to 2. So a kernel of any sharpness up to 1e8 is met in its own scale;
+/// with N = 256 they are 10 % apart and a Gaussian is followed within 0.2 % of its peak. Value, density, integral and samples are
+/// all those of the tabulated kernel: an estimator that divides by [`Kernel::pdf`] has no bias.
 ///
 /// ```
 /// use srbf_core::{Kernel, KernelTable, Vec3};

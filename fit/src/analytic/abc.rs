@@ -24,8 +24,8 @@ pub struct Abc {
 /// Parses the parameters of one material in a table of fits.
 ///
 /// # Errors
-/// [`ReadError`] for another header, a row of another length, numbers that are not finite or out of range, and a material
-/// that is not there.
+/// [`ReadError`] for another header, a row of another length, numbers that are not finite or out of range; and for a material that
+/// is not there.
 pub fn parse(bytes: &[u8], material: &str) -> Result<Abc, ReadError> {
     let v = fits::find(bytes, HEADER, material)?;
     if v[6] < 0.0 || v[8] < 1.0 {

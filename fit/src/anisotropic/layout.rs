@@ -1,10 +1,10 @@
 //! The unknowns of an anisotropic fit: lobes at stored views over the hemisphere, and interpolation between them.
 //!
-//! Stored view 0 is the normal; then ring by ring, each with the same number of azimuths. A stored view has `6 + 6 K` unknowns: the logarithm
-//! of the squeeze matrix (xx, xy, yy), logarithm of the luminance and two relative colour differences of the diffuse albedo, K tilts of
-//! the axes along the plane of incidence, K across it, K `ln sharpness`, and of the amplitudes K logarithms of the luminance, K red and K
-//! blue differences. Between stored views `srbf_core` interpolates them as is
-//! done here; see `core/src/kernel/prepare_anisotropic.rs`, which also says why that is continuous at the normal.
+//! Stored view 0 is the normal; then ring by ring, each with the same number of azimuths. A stored view has `6 + 6 K` unknowns:
+//! the logarithm of the squeeze matrix (xx, xy, yy), logarithm of the luminance and two relative colour differences of the diffuse
+//! albedo; K tilts of the axes along the plane of incidence, K across it; K `ln sharpness`; of the amplitudes K logarithms of the
+//! luminance, K red and K blue differences. Between stored views `srbf_core` interpolates them as is done here; see
+//! `core/src/kernel/prepare_anisotropic.rs`, which also says why that is continuous at the normal.
 
 use crate::anisotropic::tuning::layout::{LN_AMPLITUDE, LN_SHARPNESS, SHEAR, SQUEEZE, TILT};
 use crate::isotropic::model::parameters::rgb;

@@ -1,7 +1,7 @@
 //! The value of unit lobes with any axis under a squeeze matrix, with derivatives.
 //!
-//! With `N = (M, 1)` the squeeze of (x, y) by the matrix `M = exp(S)`, `u = N d / r` the direction as a squeezed lobe sees it,
-//! `b` the axis as stored, `a = N b / rho` as the lobe sees it, and `m` the mirror image of `a` in the horizon:
+//! Let `N = (M, 1)` be the squeeze of (x, y) by the matrix `M = exp(S)`, and `u = N d / r` the direction as a squeezed lobe sees
+//! it. `b` is the axis as stored, `a = N b / rho` as the lobe sees it, and `m` the mirror image of `a` in the horizon:
 //!
 //! ```text
 //! G  = j [ exp(s (u.a - 1)) + exp(s (u.m - 1)) ],      j = det M / r^3

@@ -1,7 +1,7 @@
 //! Where an anisotropic fit starts.
 //!
-//! At every stored view the highlight is taken for one Gaussian: its covariance gives the squeeze matrix that makes it round, and the
-//! sharpness that it then has. Squeezed lobes have multiples of that sharpness, in a geometric series, round ones a series of
+//! At every stored view the highlight is taken for one Gaussian: its covariance gives the squeeze matrix that makes it round, and
+//! the sharpness that it then has. Squeezed lobes have multiples of that sharpness, in a geometric series, round ones a series of
 //! their own; narrow lobes point to the highlight, wide ones towards the normal. The amplitudes are the best non-negative ones,
 //! stored view by stored view. Starts differ in the range of the series and by a jitter.
 
@@ -131,8 +131,8 @@ impl Highlight {
 
 /// The squeeze that makes a highlight of a given precision in its tangent plane round, and the sharpness that it then has.
 ///
-/// Two numbers are to be met, the ratio of the axes and their direction; of the three of a symmetric matrix the one along the
-/// plane of incidence is kept small away from the normal, and the trace near it. A few damped Gauss-Newton steps.
+/// Two numbers are to be met, the ratio of the axes and their direction; a symmetric matrix has three. The one along the plane of
+/// incidence is kept small away from the normal, and the trace near it. A few damped Gauss-Newton steps.
 fn rounding(axis: [f64; 3], frame: [[f64; 3]; 2], precision: [f64; 3]) -> ([f64; 3], f64) {
     let seen = |squeeze: [f64; 3]| {
         let (m, _) = exponential(squeeze);

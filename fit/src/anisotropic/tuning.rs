@@ -1,7 +1,7 @@
 //! The numbers that the anisotropic fit was tuned by, step by step: the only table of them.
 //!
-//! Each has the trade-off that it decides. `bash lab/tuning.sh fit/src/anisotropic/tuning.rs MODULE::NAME VALUE [FILE...]` prints its
-//! gain: errors and seconds of fits with the number, and with another value.
+//! Each has the trade-off that it decides. `bash lab/tuning.sh anisotropic::MODULE::NAME=VALUE [-- FILE...]` prints its gain: errors and
+//! seconds of fits with the number, and with another value. `docs/tuning.md` has some of these gains.
 
 /// Stored views, tables and starts.
 pub(crate) mod views {

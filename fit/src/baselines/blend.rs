@@ -2,8 +2,8 @@
 //! distance.
 //!
 //! The views of an isotropic material lie on one meridian, so the geodesic distance is the difference of angles. The
-//! thesis takes "3 or 4": here the three nearest, and the fourth where it is as near as the third, so that the result does
-//! not depend on the order of the views. At a view its own mixture is all there is.
+//! thesis takes "3 or 4": here the three nearest, and the fourth where it is as near as the third. So the result does not depend
+//! on the order of the views. At a view its own mixture is all there is.
 
 use crate::FitError;
 use crate::judge::fitted_material::view_angles;

@@ -1,9 +1,9 @@
 //! The thesis's own algorithm (section 4.1), as the baseline of comparisons.
 //!
-//! For each view a vector of f over a cube map, an initial guess from its peaks, and a fit of round lobes on the sphere
-//! by L-BFGS-B; between views equation 9. The fit is of f, not of `f cos`; nothing is folded or squeezed; each view is on
-//! its own. Open points of the thesis are decided in its favour, and noted: texels below the horizon take no
-//! part (`cube`), colours share axes and sharpness (`optimize`), unknowns are scaled for the solver. So are these:
+//! Each view has a vector of f over a cube map, an initial guess from its peaks, and a fit of round lobes by L-BFGS-B; between
+//! views equation 9. The fit is of f, not of `f cos`; nothing is folded or squeezed; each view is on its own. Open points of the
+//! thesis are decided in its favour, and noted: texels below the horizon take no part (`cube`), colours share axes and sharpness
+//! (`optimize`), unknowns are scaled for the solver. So are these:
 //!
 //! * the amplitudes are solved for once before the first step of the axes: those of the guess are the values at the axes, and
 //!   lobes that overlap are too bright by then;

@@ -1,7 +1,7 @@
 //! Colours as a completion sees them: CIE XYZ over that of white.
 //!
-//! The logarithm of a channel of linear sRGB says nothing where the channel is negative, as it is for saturated colours, and what falls to
-//! there beside a highlight goes on falling under it. X, Y and Z are never negative, and grey has three equal ones.
+//! Channels of linear sRGB are negative for saturated colours, and have no logarithm there. A channel that falls beside a
+//! highlight would go on falling under it. X, Y and Z are never negative, and grey has three equal ones.
 
 /// Linear sRGB to XYZ over that of its white, so that the rows add up to 1.
 const TO_XYZ: [[f64; 3]; 3] = {

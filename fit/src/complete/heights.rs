@@ -1,6 +1,6 @@
 //! Bounds of heights that no sample caught.
 //!
-//! Between the samples nearest to the mirror direction a process goes on as it came, and may end at several times what any of them says. Near
+//! Between the samples nearest to the mirror direction a process goes on as it came, and may end at several times any of them. Near
 //! the peak, the residual is held within that of the samples there.
 
 use super::points::Point;

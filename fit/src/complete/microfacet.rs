@@ -1,8 +1,9 @@
 //! The model that a completion starts from: a diffuse term, one microfacet lobe, and where samples ask for it a second lobe.
 //!
-//! `d + D(h) G(wi, wo) (f0 + (f90 - f0) (1 - cos d)^5) / (4 cos_i cos_o)` with the distribution of normals of Burley's generalised
-//! Trowbridge and Reitz (2012, "Physically Based Shading at Disney"), Smith's height-correlated shadowing of GGX with its width, and
-//! Schlick's approximation with a free colour at grazing angles. A second lobe is a clear coat, or about the back direction ([`Family`]).
+//! `d + D(h) G(wi, wo) (f0 + (f90 - f0) (1 - cos d)^5) / (4 cos_i cos_o)`. D is the distribution of normals of Burley's generalised
+//! Trowbridge and Reitz (2012, "Physically Based Shading at Disney"). G is Smith's height-correlated shadowing of GGX with its
+//! width. The Fresnel term is Schlick's approximation with a free colour at grazing angles. A second lobe is a clear coat, or
+//! about the back direction ([`Family`]).
 
 mod fit;
 
@@ -16,8 +17,8 @@ use crate::numeric::cholesky::Square;
 use crate::numeric::levenberg::{Limits, minimize};
 use fit::Fit;
 
-/// The unknowns, logarithms all: diffuse term, width, exponent less 1, reflectance along the normal and at grazing angles; of the second lobe width,
-/// exponent less 1, and a coat's two reflectances or three channels of a lobe about the back direction.
+/// The unknowns, logarithms all: diffuse term, width, exponent less 1, reflectance along the normal and at grazing angles; of the
+/// second lobe width, exponent less 1, and a coat's two reflectances or three channels of a lobe about the back direction.
 const UNKNOWNS: usize = 16;
 const WIDTH: usize = 3;
 const EXPONENT: usize = 4;
@@ -125,8 +126,8 @@ impl Microfacet {
         moved(&Fit::new(measurement, scale, self.family(), None), self.unknowns, REFINED).1
     }
 
-    /// Moved to where the residual of the logarithms is likeliest, if it is a process whose matrix has that factor. The model has the
-    /// sharp part, the process the smooth one.
+    /// Moved to where the residual of the logarithms is likeliest, if it is a process whose matrix has that factor. The model has
+    /// the sharp part, the process the smooth one.
     pub fn refined(&self, measurement: &Measurement, scale: Scale, factor: &Square) -> Self {
         moved(&Fit::new(measurement, scale, self.family(), Some(factor)), self.unknowns, REFINED).1
     }

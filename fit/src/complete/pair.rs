@@ -1,9 +1,9 @@
 //! A pair of directions in coordinates that are the same for (wi, wo) and (wo, wi).
 //!
-//! An isotropic and reciprocal BRDF is a function of three numbers. A smooth one of these here is close to what measurements are: the
-//! angle of the half vector from the normal, spread where highlights are; half of the angle between the directions; the product of
-//! their cosines; and, as highlights are wider or narrower across the plane of incidence than a function of the half vector alone has
-//! them, by how much the half vector leans sideways.
+//! An isotropic and reciprocal BRDF is a function of three numbers. A smooth one of these here is close to what measurements are:
+//! the angle of the half vector from the normal, spread where highlights are; half of the angle between the directions; the
+//! product of their cosines; and the share by which the half vector leans sideways. Highlights are wider or narrower across the
+//! plane of incidence than a function of the half vector alone has them.
 
 /// The coordinates of a pair, which need no surface.
 #[derive(Clone, Copy, Debug, Default)]
@@ -41,8 +41,8 @@ impl Pair {
         }
     }
 
-    /// From angles: sines and cosines of the half vector's from the normal and of the direction's from the half vector, and the share of
-    /// the half vector that leans sideways, 0 to 1.
+    /// From angles: sines and cosines of the half vector's from the normal and of the direction's from the half vector. Then the
+    /// share of the half vector that leans sideways, 0 to 1.
     pub fn from_angles(half: f64, difference: f64, sideways: f64) -> Self {
         let ((sin_half, cos_half), (sin_difference, cos_difference)) =
             (libm::sincos(half), libm::sincos(difference));

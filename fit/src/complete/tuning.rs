@@ -1,7 +1,7 @@
 //! The numbers that the completion of samples was tuned by, step by step: the only table of them.
 //!
-//! Each has the trade-off that it decides. `bash lab/tuning.sh fit/src/complete/tuning.rs MODULE::NAME VALUE [FILE...]` prints its
-//! gain: errors and seconds of fits with the number, and with another value.
+//! Each has the trade-off that it decides. `bash lab/tuning.sh complete::MODULE::NAME=VALUE [-- FILE...]` prints its gain: errors and
+//! seconds of fits with the number, and with another value. `docs/tuning.md` has some of these gains.
 
 /// The choice of a model and a process.
 pub(crate) mod choice {

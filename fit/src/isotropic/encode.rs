@@ -31,9 +31,9 @@ pub(crate) fn len(layout: &Layout, factors: Option<[usize; 3]>) -> usize {
 
 /// Encodes unknowns as a material.
 ///
-/// Between stored views a lobe's energy is interpolated nearly geometrically, which is never above the straight line, so the
-/// albedo has its maximum at a stored view but for wide lobes; it is looked at in between all the same. Where it exceeds `MOST` the
-/// amplitudes of both stored views are lowered.
+/// Between stored views a lobe's energy is interpolated nearly geometrically, which is never above the straight line. So the
+/// albedo has its maximum at a stored view but for wide lobes; it is looked at in between all the same. Where it exceeds `MOST`
+/// the amplitudes of both stored views are lowered.
 pub(crate) fn encode(
     layout: &Layout,
     x: &[f64],
@@ -132,7 +132,8 @@ impl Albedo {
     }
 }
 
-/// The albedo differences of the stored views, between which the straight lines are nearest to those of the albedos, in the least squares.
+/// The albedo differences of the stored views, between which the straight lines are nearest to those of the albedos, in the least
+/// squares.
 ///
 /// Those at the stored views themselves would leave larger errors half way, all to one side where the factors have an edge.
 fn albedo_differences(albedos: &[Vec<Albedo>]) -> Vec<[f32; 3]> {

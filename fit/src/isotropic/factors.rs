@@ -1,7 +1,7 @@
 //! Factors that the lobes are multiplied by: a small table over half angle, difference angle and azimuth, one for all views.
 //!
-//! No sum of lobes makes a function that is not monotone in the half angle, such as a ring of an iridescent paint. A table does. It is
-//! the same for (wi, wo) and (wo, wi), and costs no exponential. The lobes keep the peak and the density; the table has the
+//! No sum of lobes makes a function that is not monotone in the half angle, such as a ring of an iridescent paint. A table does.
+//! It is the same for (wi, wo) and (wo, wi), and costs no exponential. The lobes keep the peak and the density; the table has the
 //! rest. With the lobes as they are, the best table is a linear problem.
 
 use crate::isotropic::model::parameters::Layout;
@@ -43,8 +43,8 @@ fn node([half, difference, _]: [usize; 3], [i, j, k]: [usize; 3]) -> usize {
     (plane * half + i) * difference + j
 }
 
-/// Place of two directions among the nodes, which are even in the fourth root of `1 - cos` of the half angle, in the root of that of
-/// the difference angle, and in the squared cosine of the azimuth; as `srbf_core` has it.
+/// Place of two directions among the nodes. These are even in the fourth root of `1 - cos` of the half angle and in the square
+/// root of that of the difference angle; also in the squared cosine of the azimuth; as `srbf_core` has it.
 fn place(size: [usize; 3], wi: [f64; 3], wo: [f64; 3]) -> NodeShares {
     let s = [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]];
     let d = [wi[0] - wo[0], wi[1] - wo[1], wi[2] - wo[2]];
@@ -264,7 +264,8 @@ mod tests {
     use crate::isotropic::tuning::factors::AVERAGED;
     use crate::table::direction;
 
-    /// Directions of some views with the factors of a function of half angle, difference angle and the squared cosine of the azimuth.
+    /// Directions of some views with the factors of a function of half angle, difference angle and the squared cosine of the
+    /// azimuth.
     fn demands(factor: impl Fn(f64, f64, f64) -> [f64; 3]) -> Vec<Demand> {
         let mut demands = Vec::new();
         for theta in [0.05, 0.3, 0.6, 0.9, 1.2, 1.4] {

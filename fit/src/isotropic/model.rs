@@ -15,8 +15,8 @@
 //! `(sin a cos b, +-sin b, +-cos a cos b)`, and is not squeezed.
 //!
 //! In f64 the dot form loses nothing that matters: sharpness 1e6 leaves ten digits. Directions come in panels of a fixed size, and
-//! the exponential is our own, so that the loops over directions become vector instructions of whatever width the machine
-//! has (`crate::numeric::vector`), with the same results to the last bit.
+//! the exponential is our own. So the loops over directions become vector instructions of any width (`crate::numeric::vector`),
+//! with the same results to the last bit.
 
 pub(crate) mod parameters;
 
@@ -209,8 +209,8 @@ impl Lobes {
     /// Values and derivatives of the unit lobes and of the diffuse term at a panel of directions, each times its `scale`.
     ///
     /// Shapes: `out` and `is_used` [3 K + S + M + 1] for S squeezed lobes and M mirrored ones: K derivatives by angle, K by ln
-    /// sharpness, K values, S derivatives by ln squeeze, M by the angle out of the plane, the value of the diffuse term of albedo 1.
-    /// Where a lobe is 0 at the whole panel `is_used` is false, and its columns are undefined.
+    /// sharpness; K values; S derivatives by ln squeeze, M by the angle out of the plane; the value of the diffuse term of albedo
+    /// 1. Where a lobe is 0 at the whole panel `is_used` is false, and its columns are undefined.
     #[inline(always)]
     pub fn slopes(&self, panel: &Panel, scale: &Column, out: &mut [Column], is_used: &mut [bool]) {
         let count = self.len();

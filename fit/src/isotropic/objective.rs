@@ -3,14 +3,15 @@
 //! A sum of squares over all views at once, of
 //!
 //! * *data*: `f cos` of the lobes, times factors if there are any, minus that of the table at every sample, relative to the view:
-//!   the squared relative L2 error, plus the squared error away from the peak (`crate::judge::measure`), plus a share of the relative
-//!   variance that the lobes alone would have as a density, in which an error counts relative to the value where it is;
+//!   the squared relative L2 error, plus the squared error away from the peak (`crate::judge::measure`), plus a share of the
+//!   *tail*; the tail is the relative variance that the lobes alone would have as a density; there an error counts relative to the
+//!   value at its direction;
 //! * *energy*: the albedo minus the table's, relative to that, per channel;
 //! * *ceiling*: what any channel's albedo exceeds `CEILING` by, at the views, at the stored views and between them;
-//! * *roughness*: second differences of the unknowns from stored view to stored view, with the symmetry at the normal (angles are odd in
-//!   theta, the rest even) and a weak pull towards no change in the last interval, which Cornell's data do not reach.
+//! * *roughness*: second differences of the unknowns from stored view to stored view, with the symmetry at the normal (angles are
+//!   odd in theta, the rest even); and a weak pull towards no change in the last interval, which Cornell's data do not reach.
 //!
-//! A view sees only the two stored views round it, and roughness three in a row, so the matrix is a band two stored views wide.
+//! A view sees only the two stored views round it, and roughness three in a row. So the matrix is a band two stored views wide.
 
 pub(crate) mod data_term;
 mod linearize;

@@ -20,7 +20,7 @@ use crate::isotropic::search::candidates::{Work, scout};
 use crate::isotropic::search::finalist::{Finalist, refine, reports};
 use crate::isotropic::tuning::factors::SIZES;
 use crate::isotropic::tuning::schedule::HEAVY_TAIL;
-use crate::isotropic::tuning::search::{MORE_ENERGY, MORE_TAIL, MOST_BYTES, MOST_ENERGY, WORTHWHILE};
+use crate::isotropic::tuning::search::{MORE_ENERGY, MORE_TAIL, MOST_BYTES, MOST_ENERGY};
 use crate::judge::report::{Fit, Report};
 use crate::settings::FactorNodes;
 use crate::table::Table;
@@ -48,8 +48,8 @@ pub(crate) trait Source: Sync {
     /// Angles, radians, and the albedo there: more of them than views.
     fn albedo(&self) -> &[(f64, [f64; 3])];
 
-    /// A table of views between stored views. With `drawn`, also in directions that the lobes of a material draw. Every resampling has
-    /// other directions and other views.
+    /// A table of views between stored views. With `drawn`, also in directions that the lobes of a material draw. Every resampling
+    /// has other directions and other views.
     fn table(&self, view_angles: &[f64], drawn: Option<DrawnBy<'_>>) -> Result<Table, FitError>;
 }
 
@@ -94,8 +94,8 @@ impl<'a> Problem<'a> {
         schedule::stages(self.settings, emphasis.energy)
     }
 
-    /// The stages for a number of finalists that have been through them: all stages after the scouting. The first of them reaches minima
-    /// that the last ones, which are short, do not.
+    /// The stages for a number of finalists that have been through them: all stages after the scouting. The first of them reaches
+    /// minima that the last ones, which are short, do not.
     fn stages_again(&self, emphasis: Emphasis, keep: usize, exchanges: usize) -> Vec<Stage> {
         let stages = self.stages(emphasis).into_iter().filter(|stage| stage.scope.is_whole());
         stages.map(|stage| stage.again(keep, exchanges)).collect()
@@ -137,9 +137,9 @@ impl<'a> Problem<'a> {
         Ok(finalists)
     }
 
-    /// Goes on with finalists, from where they ended, and returns the best that there was. Those that miss a goal are moved with more
-    /// and more weight on it, after the first round as long as they may become better than the best. One that misses none, at first or
-    /// after the first round, has lobes exchanged.
+    /// Goes on with finalists, from where they ended, and returns the best that there was. Those that miss a goal are moved with
+    /// more and more weight on it. After the first round that ends where they cannot become better than the best. One that misses
+    /// none, at first or after the first round, has lobes exchanged.
     fn improve(
         &self,
         mut finalists: Vec<Finalist<'a>>,
@@ -160,7 +160,7 @@ impl<'a> Problem<'a> {
                     best = finalist.clone();
                 }
             }
-            finalists.retain(|f| f.misses() && f.error() < WORTHWHILE * best.rank());
+            finalists.retain(|f| f.misses() && f.error() < best.rank());
             if finalists.is_empty() {
                 if round > 0 || meets_all || best.misses() {
                     break;

@@ -1,16 +1,16 @@
 //! Where the stored views of a material lie that can be evaluated anywhere.
 //!
-//! Between stored views the logarithms of sharpness and amplitude are straight lines, so the error there goes with the square of the
-//! distance times the second derivative of the mixture. Two numbers of a view stand for that: the logarithm of its albedo
-//! and that of its root mean square, which a peak's height and width decide. Their second derivatives by the angle are known
-//! before anything is fitted; a mixture of its square root (equal errors) and of a density that rises towards grazing says how
-//! many stored views belong where.
+//! Between stored views the logarithms of sharpness and amplitude are straight lines. So the error there goes with the square of
+//! the distance times the second derivative of the mixture. Two numbers of a view stand for that: the logarithm of its albedo and
+//! that of its root mean square, which a peak's height and width decide. Their second derivatives by the angle are known before
+//! anything is fitted; a mixture of its square root (equal errors) and of a density that rises towards grazing says how many
+//! stored views belong where.
 //!
-//! Where exactly is a matter of energy. Measured tables are straight lines themselves, between rows that are some degrees
-//! apart, and the albedo of a channel that has a kink (vch_golden_yellow's blue at 45 degrees) wants a stored view there. So the stored views
-//! are those, of all at the probes, for which the intervals have the least sum of the square of their share of that density
-//! and of the fourth power of how far their albedos are from straight, by dynamic programming (Bellman and Roth 1969, Curve fitting
-//! by segmented straight lines).
+//! Where exactly is a matter of energy. Measured tables are straight lines themselves, between rows that are some degrees apart.
+//! The albedo of a channel that has a kink (vch_golden_yellow's blue at 45 degrees) wants a stored view there. So the stored views
+//! are those of all probes whose intervals have the least sum of two terms. These are the square of an interval's share of that
+//! density, and the fourth power of the bend of its albedo. The least sum is found by dynamic programming (Bellman and Roth 1969,
+//! Curve fitting by segmented straight lines).
 
 use crate::FitError;
 use crate::isotropic::tuning::stored_views::{

@@ -1,7 +1,7 @@
 //! The numbers that the isotropic fit was tuned by, step by step: the only table of them.
 //!
-//! Each has the trade-off that it decides. `bash lab/tuning.sh fit/src/isotropic/tuning.rs MODULE::NAME VALUE [FILE...]` prints its
-//! gain: errors and seconds of fits with the number, and with another value.
+//! Each has the trade-off that it decides. `bash lab/tuning.sh isotropic::MODULE::NAME=VALUE [-- FILE...]` prints its gain: errors and
+//! seconds of fits with the number, and with another value. `docs/tuning.md` has some of these gains.
 
 /// Tables and samples that are fitted.
 pub(crate) mod source {
@@ -127,14 +127,10 @@ pub(crate) mod finalist {
     pub const TOLERATED: f64 = 1.04;
     /// Largest share of the rank with which factors are worth their bytes.
     pub const WORTH_RANK: f64 = 0.93;
-    /// The same for the error away from the peak, where a grazing peak rules the rank.
-    pub const WORTH_AWAY: f64 = 0.8;
 }
 
 /// Rounds after the first.
 pub(crate) mod search {
-    /// Largest error of a finalist over the rank of the best one, for another round: with more it hardly becomes the best.
-    pub const WORTHWHILE: f64 = 0.97;
     /// Largest material with factors, bytes, without its provenance.
     pub const MOST_BYTES: usize = 6900;
     /// Factor on the weight of the albedo after it missed its goal.

@@ -1,15 +1,16 @@
 //! Visible differences of a fit and its table: pictures of a ball under three lights, rings that stand still with the camera, the
 //! surroundings of the highlight, ghosts of it; and the table's own noise, beside which nothing smaller is seen.
 //!
-//! * *Pictures*: a ball seen from afar, under suns, a spot and a sky. The difference of two colours is that of FLIP (Andersson et al. 2020):
-//!   of display colours, the HyAB distance of Lab with Hunt's adjustment, mapped to 0..1; here point by point, without its filters of
-//!   contrast and edges. A picture's is the mean over the ball up to 80 degrees; the least difference that is seen is 0.06, twice that 0.09.
+//! * *Pictures*: a ball seen from afar, under suns, a spot and a sky. The difference of two colours is that of FLIP
+//!   (Andersson et al. 2020): of display colours, the HyAB distance of Lab with Hunt's adjustment, mapped to 0..1; here
+//!   point by point, without its filters of contrast and edges. A picture's is the mean over the ball up to 80 degrees; the
+//!   least difference that is seen is 0.06, twice that 0.09.
 //! * *Ripple*: a light stands still, and the view is turned. Errors that change their sign from view to view are seen as
-//!   rings that move with the camera. The measured number is the distance of colour and logarithm of luminance from their own means over 8
-//!   degrees of the view to either side, of the fit and of the table.
+//!   rings that move with the camera. Colour and logarithm of luminance have means over 8 degrees of the view to either side. The
+//!   measured number is their distance from these means, of the fit and of the table.
 //! * *Skirt*: from 1.5 to 15 degrees from the mirror direction.
-//! * *Ghosts*: light of the fit beyond that, where the table is dark all round, over the mean of the table within 3 degrees of the mirror
-//!   direction.
+//! * *Ghosts*: light of the fit beyond that, where the table is dark all round, over the mean of the table within 3 degrees
+//!   of the mirror direction.
 //! * *Noise*: how far the table is from its own mean over a cone of 3 degrees, away from the peak.
 
 use crate::FitError;
@@ -233,7 +234,8 @@ fn noise(brdf: &dyn Brdf, theta: f64) -> Noise {
     Noise { luminance: median(luminances), chroma: median(chromas) }
 }
 
-/// The most that the fit has beyond the skirt above all that the table has within 4 degrees, over the table's mean at the highlight.
+/// The most that the fit has beyond the skirt above all that the table has within 4 degrees, over the table's mean at the
+/// highlight.
 fn largest_ghost(brdf: &dyn Brdf, fitted: &TrackedView<'_>, theta: f64) -> f64 {
     let mirror = direction(theta, 0.0);
     let data = |wi: [f64; 3]| luminance(f_cos(brdf, wi, theta));

@@ -41,8 +41,8 @@ impl CrossValidation {
 
 const FOLDS: usize = 5;
 
-/// The fold of every sample: of the directions of a view in the order of the file, every fifth. Samples of one direction, which on
-/// an isotropic surface its mirror image is too, share a fold, so that the fit has no twin of a left-out direction.
+/// The fold of every sample: of the directions of a view in the order of the file, every fifth. Samples of one direction share a
+/// fold, so that the fit has no twin of a left-out direction. On an isotropic surface its mirror image counts as the same.
 fn folds(view: &View) -> Vec<usize> {
     let mut directions = Vec::new();
     let owner = owners(&view.samples).owner;
@@ -58,8 +58,8 @@ fn folds(view: &View) -> Vec<usize> {
 
 /// Fits a table without each fifth of its directions, and without each inner view, and judges the fits there.
 ///
-/// The fifth is every fifth direction in the order of the file. Weights and albedo are made again from the rest. A table that is black
-/// has no relative error: such folds are left out of a view's mean, and a view without any other has NaN.
+/// The fifth is every fifth direction in the order of the file. Weights and albedo are made again from the rest. A table that is
+/// black has no relative error: such folds are left out of a view's mean, and a view without any other has NaN.
 ///
 /// # Errors
 /// As [`Method::fit`]; [`FitError::Table`] for a view with fewer than five directions.

@@ -4,25 +4,25 @@
 //! most of a ball. So the report tells the two apart by the angle from the mirror direction, and one measure has
 //! both: the objective of a fit, the rank in its search, and the judge of its end.
 //!
-//! The measure of a view is the root of `e^2 + w a^2`. e is the relative L2 error of `f cos`. `a^2` is the mean, by the projected solid
-//! angle, of the squared difference of `ln(f + floor)`, f the mean of the channels: as a difference of values it is
-//! `cos / pi |df|^2 / 3 / (f + floor)^2` where it is small, for every channel. The floor is a hundredth of the mean radiance, so that
-//! black surroundings hardly count. From 1.5 to 15 degrees from the mirror direction it counts four times.
+//! The measure of a view is the root of `e^2 + w a^2`. e is the relative L2 error of `f cos`. `a^2` is the mean, by the projected
+//! solid angle, of the squared difference of `ln(f + floor)`, f the mean of the channels: as a difference of values it is
+//! `cos / pi |df|^2 / 3 / (f + floor)^2` where it is small, for every channel. The floor is a hundredth of the mean radiance, so
+//! that black surroundings hardly count. From 1.5 to 15 degrees from the mirror direction it counts four times.
 
 use crate::judge::method::FittedView;
 use crate::table::{Sample, View, luminance};
 use std::f64::consts::PI;
 
-/// Weight of the squared error away from the peak beside that of the squared relative L2 error. With three times as much, nothing more
-/// is gained there; without, golden yellow has 1.3 to 2 times the error of luminance, for no less L2.
-pub(crate) const AWAY_WEIGHT: f64 = 0.01;
+/// Weight of the squared error away from the peak beside that of the squared relative L2 error. With three times as much, nothing
+/// more is gained there; without, golden yellow has 1.3 to 2 times the error of luminance, for no less L2.
+const AWAY_WEIGHT: f64 = 0.01;
 /// Floor that is added to f, over the mean radiance, albedo / pi.
 const FLOOR: f64 = 0.01;
 /// Least and largest factor by which logarithms differ from their tangents.
 const SECANT: (f64, f64) = (0.02, 20.0);
 
-/// Angles from the mirror direction, degrees, between which errors count more, and how much more: it is a small part of the hemisphere, and
-/// people look at the surroundings of a highlight.
+/// Angles from the mirror direction, degrees, between which errors count more, and how much more: it is a small part of the
+/// hemisphere, and people look at the surroundings of a highlight.
 const SKIRT: (f64, f64) = (1.5, 15.0);
 const MORE: f64 = 4.0;
 
@@ -48,8 +48,8 @@ pub(crate) fn floor(level: f64) -> f64 {
     FLOOR * level
 }
 
-/// Weight of the squared differences of `f cos`, at a direction whose f has that mean, beside those of the squared relative L2 error; 1 / sr is
-/// missing: the caller multiplies by the solid angle.
+/// Weight of the squared differences of `f cos`, at a direction whose f has that mean, beside those of the squared relative L2
+/// error; 1 / sr is missing: the caller multiplies by the solid angle.
 pub(crate) fn weight(mean: f64, level: f64, cos: f64) -> f64 {
     AWAY_WEIGHT / (3.0 * PI * cos.max(1e-3) * (mean + floor(level)).powi(2))
 }
@@ -97,8 +97,8 @@ pub struct RegionErrors {
     pub peak: f64,
     /// The same beyond.
     pub off_peak: f64,
-    /// Median of the error of the luminance beyond 15 degrees, by the cosine, relative to that of the data and the floor of the measure,
-    /// a hundredth of the mean radiance; NaN as above.
+    /// Median of the error of the luminance beyond 15 degrees, by the cosine. It is relative to that of the data and the floor of
+    /// the measure, a hundredth of the mean radiance; NaN as above.
     pub luminance: f64,
     /// Median of the distance of colours from 15 to 60 degrees: the sum over the channels of the differences of their shares.
     pub chroma: f64,

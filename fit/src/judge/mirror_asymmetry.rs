@@ -1,12 +1,13 @@
-//! How far data are from their own mirror image in the plane of incidence. An isotropic material whose lobes lie in that plane, or in
-//! pairs beside it, is its own image, as most surfaces are: the difference is noise of a measurement. Tables of
+//! How far data are from their own mirror image in the plane of incidence. An isotropic material whose lobes lie in that plane, or
+//! in pairs beside it, is its own image, as most surfaces are: the difference is noise of a measurement. Tables of
 //! isotropic data have directions on one side of the plane only, so that fits and errors say nothing of the other.
 
 use crate::table::Brdf;
 use crate::table::{Table, direction};
 
-/// Mean over the views of a table of the relative L2 norm of the part of `f cos` that changes sign in the mirror, by the samples and
-/// weights of the table; views where the BRDF is black left out. 0 for a BRDF that is its own image, 1 for one that is 0 in its image.
+/// Mean relative L2 norm, over the views of a table, of the part of `f cos` that changes sign in the mirror. It goes by the
+/// samples and weights of the table; views where the BRDF is black left out. 0 for a BRDF that is its own image, 1 for one that is
+/// 0 in its image.
 pub fn handedness(brdf: &dyn Brdf, table: &Table) -> f64 {
     let (mut sum, mut views) = (0.0, 0usize);
     for view in &table.views {

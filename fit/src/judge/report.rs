@@ -9,7 +9,7 @@ use crate::judge::appearance::Appearance;
 use crate::judge::cross::CrossValidation;
 use crate::judge::energy::EnergyError;
 use crate::judge::fitted_material::TrackedView;
-use crate::judge::measure::{AWAY_WEIGHT, RegionErrors, away, negatives, region_errors};
+use crate::judge::measure::{RegionErrors, away, negatives, region_errors};
 use crate::judge::method::{Fitted, FittedView};
 use crate::judge::norm::{Norm, relative, squares};
 use crate::look::Look;
@@ -97,11 +97,6 @@ impl ViewReport {
     pub fn energy_error(&self) -> f64 {
         let errors = EnergyError::beside(BLACK).errors(self.albedo, self.data_albedo);
         errors.iter().fold(0.0, |most: f64, e| most.max(e.abs()))
-    }
-
-    /// Root mean squared difference of logarithms away from the peak, see [`measure`](crate::judge::measure).
-    pub(crate) fn away(&self) -> f64 {
-        libm::sqrt((self.measure * self.measure - self.error * self.error).max(0.0) / AWAY_WEIGHT)
     }
 
     /// Whether the view is as dark as the darkest lobes.

@@ -1,9 +1,9 @@
 //! Whether a surface was turned, and whether a turn matters: an isotropic surface is the same after it.
 //!
-//! Two processes explain the samples: one whose coordinates know nothing of a turn, and one with a term over the azimuth of the half
-//! vector beside it. Only samples whose incident *and* outgoing azimuths vary were turned: left and right of one plane of incidence
-//! are no turn. By how much the second is more likely, for samples left out one by one, tells a turn that matters from noise and from steep
-//! highlights, which both explain alike.
+//! Two processes explain the samples: one whose coordinates know nothing of a turn, and one with a term over the azimuth of the
+//! half vector beside it. Only samples whose incident *and* outgoing azimuths vary were turned: left and right of one plane of
+//! incidence are no turn. Samples are left out one by one. The ratio of likelihoods tells a turn that matters from noise and from
+//! steep highlights, which both explain alike.
 
 use super::pairs::median;
 use super::thin;

@@ -1,9 +1,9 @@
 //! Symmetric matrices of dense blocks, most of them absent, and conjugate gradients on them.
 //!
-//! A view of an anisotropic material depends on four stored views, so the normal equations couple each stored view with the eight round it: 65
-//! stored views of 78 unknowns have a band of 1400 in any order, and its factors would fill it (5 billion multiply-adds a step).
-//! Conjugate gradients touch only the stored numbers, 3 million a step, and a few dozen steps do, because the blocks on the diagonal,
-//! factored as preconditioner, hold the stiff part: the couplings of overlapping lobes within a view.
+//! A view of an anisotropic material depends on four stored views, so the normal equations couple each stored view with the eight
+//! round it: 65 stored views of 78 unknowns have a band of 1400 in any order, and its factors would fill it (5 billion
+//! multiply-adds a step). Conjugate gradients touch only the stored numbers, 3 million a step. A few dozen steps do, because the
+//! blocks on the diagonal, factored as preconditioner, hold the stiff part: the couplings of overlapping lobes within a view.
 
 use crate::numeric::vector::dot;
 use std::collections::BTreeMap;
@@ -77,8 +77,8 @@ impl Blocks {
 
     /// Solves `(A + diag(added)) x = b` over the unknowns that are free; the others stay 0.
     ///
-    /// Conjugate gradients, preconditioned by the blocks on the diagonal, until the residual in the preconditioner's norm has
-    /// fallen to `tolerance` of the first, or `most` steps. `None` if a block is not positive definite.
+    /// Conjugate gradients, preconditioned by the blocks on the diagonal. They end after `most` steps, or when the residual in the
+    /// preconditioner's norm has fallen to `tolerance` of the first. `None` if a block is not positive definite.
     pub fn solve(
         &self,
         added: &[f64],

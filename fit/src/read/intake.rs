@@ -1,8 +1,8 @@
 //! The result of a reader: samples, each with its line, and rows without a measurement, counted by reason.
 //!
-//! *Not measured* is one notion from here on. A cell that is empty or no number, a value that stands for nothing (-1, -999), an exact 0
-//! where all others are far from it, a direction at the horizon or behind the surface: none becomes a sample, none becomes 0. Rows
-//! that are left out are counted and listed by line.
+//! *Not measured* is one notion from here on. A cell that is empty or no number; a value that stands for nothing (-1, -999); an
+//! exact 0 where all others are far from it; a direction at the horizon or behind the surface: none becomes a sample, none becomes
+//! 0. Rows that are left out are counted and listed by line.
 
 use super::conventions::{Conventions, Mirror, Values};
 use super::reason::Reason;

@@ -1,10 +1,10 @@
 //! Reader of RGL `.bsdf` tensor files (Dupuy and Jakob 2018, "An Adaptive Parameterization for Efficient Material Acquisition
 //! and Rendering"): RGB and spectral, isotropic and anisotropic.
 //!
-//! The measurement is stored in the unit square that a warp of the visible normals maps to the half vectors: to evaluate, the
-//! half vector goes back through the warp, and the colour found there is multiplied by `D / (4 sigma)`, unless `jacobian`
-//! says that it holds that factor already. The stored values are `f cos`. There is a warp and a picture for every measured
-//! outgoing direction; in between they are interpolated linearly in its angles.
+//! The measurement is stored in the unit square that a warp of the visible normals maps to the half vectors: to evaluate, the half
+//! vector goes back through the warp. The colour found there is multiplied by `D / (4 sigma)`, unless `jacobian` says that it
+//! holds that factor already. The stored values are `f cos`. There is a warp and a picture for every measured outgoing direction;
+//! in between they are interpolated linearly in its angles.
 //!
 //! An isotropic file has one or two `phi_i`, and half vectors are counted from the azimuth of the outgoing direction. An
 //! anisotropic one has more: over a whole turn, over half a turn (`phi_i` from -pi to 0; the rest follows by half a turn), or

@@ -1,8 +1,8 @@
 //! Weights and albedo of scattered samples.
 //!
 //! The samples of a view and their mirror images are joined by a Delaunay triangulation of the sphere (a planar one of the
-//! stereographic projection: circles stay circles), out to ghost samples on the horizon, every 5 degrees, which repeat the
-//! f of the nearest sample. The triangles are cut fine and summed:
+//! stereographic projection: circles stay circles). It reaches out to ghost samples on the horizon, every 5 degrees, which repeat
+//! the f of the nearest sample. The triangles are cut fine and summed:
 //!
 //! * the *weight* of a sample is the integral of its barycentric coordinate (its hat) times the cosine, over its own
 //!   cosine: so the sum of `weight f cos` is the integral of f, interpolated linearly, times the cosine;

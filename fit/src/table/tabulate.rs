@@ -1,11 +1,11 @@
 //! Tables of BRDFs that can be evaluated at any pair of directions: dense files and analytic models.
 //!
-//! The directions of a view are drawn from a mixture of a uniform hemisphere and caps round the peak, each cap six times
-//! narrower in solid angle than the one before, down to the width of the peak, which is looked for in the plane of
-//! incidence first. Caps are folded at the horizon and squeezed across the plane of incidence as a highlight is
-//! (`srbf_core` does the same to lobes), so that none of their directions is lost and grazing peaks are seen as well as others.
-//! Every part is a spiral of equal shares; a direction weighs one over the density of the whole (the
-//! balance heuristic), so the sum is a quadrature over the hemisphere that sees a peak of any width.
+//! The directions of a view are drawn from a mixture of a uniform hemisphere and caps round the peak. Each cap is six times
+//! narrower in solid angle than the one before, down to the width of the peak. The peak is looked for in the plane of incidence
+//! first. Caps are folded at the horizon and squeezed across the plane of incidence as a highlight is (`srbf_core` does the same
+//! to lobes). So none of their directions is lost, and grazing peaks are seen as well as others. Every part is a spiral of equal
+//! shares; a direction weighs one over the density of the whole (the balance heuristic). So the sum is a quadrature over the
+//! hemisphere that sees a peak of any width.
 //!
 //! Where a fit puts a lobe between the directions it costs nothing: so a table can be made again with directions drawn from
 //! a material's lobes as one more part of the mixture ([`Drawn`]).

@@ -1,4 +1,4 @@
-//! Errors over one another, and what is certain of them.
+//! Errors over one another, and their uncertainty.
 
 use srbf_reference_renderer::study::comparison::report::short;
 use srbf_reference_renderer::study::comparison::{Comparison, Curve, Estimate};
@@ -12,7 +12,7 @@ pub struct Ratio {
     pub samples: Option<Estimate>,
 }
 
-/// What a ratio says.
+/// The finding of a ratio.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Certain {
     Better,
@@ -20,8 +20,8 @@ pub enum Certain {
     Open,
 }
 
-/// How many standard errors a mean of so many repeats may be off, nineteen times of twenty: Student's t for the degrees of freedom of two
-/// such means.
+/// How many standard errors a mean of a number of repeats may be off, nineteen times of twenty: Student's t for the degrees of
+/// freedom of two such means.
 pub fn t_factor(repeats: u32) -> f64 {
     const FACTORS: [f64; 10] = [4.30, 2.78, 2.45, 2.31, 2.23, 2.18, 2.14, 2.12, 2.10, 2.09];
     FACTORS.get(repeats.saturating_sub(2) as usize).copied().unwrap_or(2.09)
@@ -53,14 +53,14 @@ fn last(curve: &Curve) -> Option<(f64, Estimate)> {
     Some((f64::from(point.samples), point.known()?))
 }
 
-/// Time of processors of one more sample of all pixels: between the last two points, so that what is made once does not count.
+/// Time of processors of one more sample of all pixels: between the last two points, so that work done once does not count.
 pub fn seconds_per_sample(curve: &Curve) -> Option<f64> {
     let [.., before, after] = &curve.points[..] else { return None };
     let seconds = (after.seconds - before.seconds) / f64::from(after.samples.saturating_sub(before.samples));
     (seconds > 0.0 && seconds.is_finite()).then_some(seconds)
 }
 
-/// The error after so many samples, along the line through the logarithms of the last two points.
+/// The error after a number of samples, along the line through the logarithms of the last two points.
 fn at(curve: &Curve, samples: f64) -> Option<Estimate> {
     let [.., before, after] = &curve.points[..] else { return None };
     let (first, mse) = (before.known()?, after.known()?);
@@ -70,7 +70,7 @@ fn at(curve: &Curve, samples: f64) -> Option<Estimate> {
     Some(Estimate { mean: mse.mean * factor, error: mse.error * factor })
 }
 
-/// What is certain of a ratio.
+/// The interval of a ratio.
 pub fn certain(ratio: Estimate, t: f64) -> Certain {
     let off = ratio.mean.ln() * ratio.mean;
     match off.abs() > t * ratio.error {

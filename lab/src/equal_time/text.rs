@@ -9,7 +9,7 @@ use srbf_reference_renderer::study::comparison::report::short;
 use srbf_reference_renderer::study::comparison::{Comparison, Curve, Estimate};
 use std::process::Command;
 
-/// What was measured, and how.
+/// The measurements, and their method.
 pub struct Text<'a> {
     pub measured: &'a [Measured],
     pub args: &'a Args,
@@ -45,7 +45,7 @@ pub fn summary(comparison: &Comparison) -> String {
     comparison.curves.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// What a ratio is after.
+/// The order in which ratios are listed.
 #[derive(Clone, Copy)]
 enum After {
     Time,

@@ -13,7 +13,7 @@ use srbf_reference_renderer::truth::stored::StoredMaterial;
 use std::borrow::Cow;
 use std::path::Path;
 
-/// Name, what it is called, and whether a preset holds its lobes.
+/// Name, title, and whether a preset holds its lobes.
 const MATERIALS: [(&str, &str); 4] = [
     ("garnet_red", "garnet red"),
     ("blue_paint", "blue paint"),
@@ -74,7 +74,7 @@ impl Painted {
     }
 }
 
-/// What is rendered by all methods.
+/// The function that all methods render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// The measurement.
@@ -116,13 +116,13 @@ impl<'a> FittedPaint<'a> {
         Ok(Self { painted, truth, samplers, lafortune_itself })
     }
 
-    /// What a scene shades with: the truth, drawn from by a sampler.
+    /// The shading of a scene: the truth, drawn from by a sampler.
     pub fn shader(&'a self, name: SamplerName) -> Shader<'a> {
         let place = SAMPLERS.iter().position(|&other| other == name).unwrap_or(0);
         Shader { truth: self.truth, sampler: &self.samplers[place] }
     }
 
-    /// The same where lobes are what is rendered: ours, or those of Lafortune.
+    /// The same where lobes are rendered: ours, or those of Lafortune.
     pub fn itself(&'a self, name: SamplerName) -> Shader<'a> {
         if name == SamplerName::Lafortune {
             return Shader { truth: Truth::Table(&self.painted.lafortune), sampler: &self.lafortune_itself };

@@ -17,7 +17,7 @@ use srbf_reference_renderer::trace::settings::RenderSettings;
 use srbf_reference_renderer::world::environment::Environment;
 use srbf_reference_renderer::world::mesh::Mesh;
 
-/// What is rendered: the object's material, the ground's, and the light.
+/// The scene: the object's material, the ground's, and the light.
 pub struct Subject<'a> {
     pub scene: SceneName,
     pub mesh: Option<Mesh>,
@@ -29,7 +29,7 @@ pub struct Subject<'a> {
     pub max_bounces: u32,
 }
 
-/// What a method is, and where its error is taken: counts of samples, rising.
+/// A method, and the counts at which its error is taken: counts of samples, rising.
 pub type Task<'t> = (Method, &'t [u32]);
 
 /// How well it is measured.

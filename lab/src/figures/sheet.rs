@@ -21,7 +21,7 @@ pub struct Tile<'a> {
 const LEAST_WIDTH: u32 = 200;
 
 /// The bytes of a PNG file with all pictures in rows of `columns`, their pixels as many times larger as the letters need; all by one
-/// exposure, which fits the middle of the first: there is what the picture is of, whatever lies behind it.
+/// exposure, which fits the middle of the first: the subject of the picture is there, whatever lies behind it.
 ///
 /// # Errors
 /// What plotters reports.

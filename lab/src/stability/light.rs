@@ -15,7 +15,7 @@ const STEP: usize = 3;
 const CANDIDATES: usize = 16;
 const RAYS: usize = 8;
 
-/// What a draw brings, over the unit of the light.
+/// The light of a draw, over the unit of the light.
 type Brought = fn(&Scene, &mut Random) -> Vec<f32>;
 
 struct Scene {

@@ -1,4 +1,4 @@
-//! Rounding errors by sharpness: what the library computes in f32, and what the plain formula gives in f32, against f64.
+//! Rounding errors by sharpness: the library's result in f32, and that of the plain formula in f32, against f64.
 
 use glam::{DVec3, Vec3};
 use srbf_core::{Domain, Folded, Gaussian, Lobe, Mixture, special};
@@ -9,11 +9,11 @@ use std::f32::consts::PI;
 pub struct Operation {
     /// The function of the library.
     pub name: &'static str,
-    /// What it gives.
+    /// Its result.
     pub meaning: &'static str,
     /// The plain formula, evaluated in f32.
     pub plain: &'static str,
-    /// What the rows go along.
+    /// The quantity along the rows.
     pub along: &'static str,
     /// A row for each decade, rising.
     pub rows: Vec<Decade>,
@@ -36,7 +36,7 @@ pub struct Decade {
     pub plain: Option<f64>,
 }
 
-/// Largest exponent of the inputs: what lies beyond has lost 4 of 10000 to rounding the exponent alone.
+/// Largest exponent of the inputs: larger ones have lost 4 of 10000 to rounding the exponent alone.
 const EXPONENT: f32 = 10.0;
 
 /// A result in f64, the library's, and the plain formula's.
@@ -103,7 +103,7 @@ pub fn measure(inputs: u32, seed: u64) -> Vec<Operation> {
         .collect()
 }
 
-/// Relative error; infinite for what is no number.
+/// Relative error; infinite for a NaN.
 pub fn relative(want: f64, got: f32) -> f64 {
     let error = (f64::from(got) - want).abs() / want.abs();
     if error.is_nan() { f64::INFINITY } else { error }

@@ -32,7 +32,7 @@ pub struct Solved {
     pub error: [f64; 2],
     /// Fitted over true height of both peaks, at 30 degrees.
     pub heights: [f64; 2],
-    /// Evaluations of what is minimised, over all starts.
+    /// Evaluations of the sum of squares, over all starts.
     pub evaluations: usize,
     /// Why the last stage ended.
     pub ending: &'static str,
@@ -67,7 +67,7 @@ impl Brdf for Peaks {
 }
 
 impl Case {
-    /// Fits the table, and judges what comes out.
+    /// Fits the table, and judges the result.
     ///
     /// # Errors
     /// Those of the fit.

@@ -94,7 +94,7 @@ fn bytes(decade: i32, has_factors: bool) -> Vec<u8> {
     bytes
 }
 
-/// What the views say of an outgoing direction, in f64.
+/// The mixture that the views give for an outgoing direction, in f64.
 struct Between {
     /// Axis, sharpness, amplitude; the first is squeezed.
     lobes: Vec<(DVec3, f64, f64)>,
@@ -192,7 +192,7 @@ fn row(way: Way, decade: i32, draws: u32, random: &mut Random) -> Decade {
     row
 }
 
-/// Outgoing directions to 80 degrees, and what is drawn for each.
+/// Outgoing directions to 80 degrees, and the draws for each.
 fn draw(way: Way, material: &Material<Vec<u8>>, draws: u32, random: &mut Random) -> Vec<(Vec3, Sample)> {
     let numbers: Vec<(Vec3, [f32; 3])> = (0..draws)
         .map(|_| {

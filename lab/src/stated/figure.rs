@@ -1,6 +1,6 @@
 //! A figure as text, and whether two are the same.
 
-/// What a command gives.
+/// The result of a command.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     pub name: String,
@@ -16,7 +16,7 @@ impl Figure {
         Self { name: name.into(), value: value.to_string(), is_exact: true }
     }
 
-    /// A number with so many digits after the point.
+    /// A number with a count of digits after the point.
     pub fn rounded(name: impl Into<String>, value: f64, digits: usize) -> Self {
         Self { name: name.into(), value: format!("{value:.digits$}"), is_exact: false }
     }
@@ -39,7 +39,7 @@ impl Figure {
     }
 }
 
-/// What one more in the last digit is.
+/// The value of one in the last digit.
 fn unit(number: &str) -> f64 {
     let (digits, power) = number.split_once('e').unwrap_or((number, "0"));
     let after = digits.trim_end_matches('.').split_once('.').map_or(0, |(_, after)| after.len());

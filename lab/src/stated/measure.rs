@@ -32,7 +32,7 @@ pub struct Group {
     pub make: fn() -> anyhow::Result<Vec<Figure>>,
 }
 
-/// What a group is not made without.
+/// The data that a group needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
     /// Nothing but seconds.

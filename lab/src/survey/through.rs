@@ -1,7 +1,7 @@
 //! `srbf-lab survey --through FILE`: what fits are like of materials of which only samples are known.
 //!
-//! Every material is evaluated at the pairs of directions that a file of samples has, fitted from those values alone, and judged against
-//! what it is everywhere.
+//! Every material is evaluated at the pairs of directions that a file of samples has, fitted from those values alone, and judged
+//! against the whole of it.
 
 use anyhow::{Context, bail};
 use srbf_core::Material;

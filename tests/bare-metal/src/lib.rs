@@ -25,7 +25,7 @@ impl Write for Console {
 /// Hands out the memory after the image, and never takes it back. One processor, no interrupts.
 struct Bump(AtomicUsize);
 
-/// What the page tables of start.S map.
+/// The memory that the page tables of start.S map.
 const END: usize = 1 << 30;
 
 // SAFETY: every block is handed out once, within the mapped memory after the image.

@@ -1,4 +1,4 @@
-/* What the parts of the path tracer share: vectors, errors, random numbers. */
+/* Shared by the parts of the path tracer: vectors, errors, random numbers. */
 #ifndef COMMON_HPP
 #define COMMON_HPP
 

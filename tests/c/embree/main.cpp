@@ -21,8 +21,8 @@ struct Path {
     V point, flat, tangent, bitangent, normal; /* the hit */
     V wo, u;
     V shadow;     /* where the shadow ray goes, all 0 for none */
-    V direct[2];  /* what the hit reflects if that ray is blocked, or clear */
-    V escaped[2]; /* likewise, what is added if the path's own ray escapes: with sums alone, else all 0 */
+    V direct[2];  /* light that the hit reflects if that ray is blocked, or clear */
+    V escaped[2]; /* likewise, light that is added if the path's own ray escapes: with sums alone, else all 0 */
     srbf_sample sample;
 };
 
@@ -37,7 +37,7 @@ static srbf_vectors in(const std::vector<Path> &paths, Member member) {
     return {first, first + 1, first + 2, sizeof(Path)};
 }
 
-/* Light and mixture together by even sums: both rays, and what they bring. */
+/* Light and mixture together by even sums: both rays, and their light. */
 static void draw_sums(Path &p, const srbf_mixture *mixture, const Environment &environment, const Tile &tile) {
     const float frame[9] = {p.tangent.x,   p.tangent.y, p.tangent.z, p.bitangent.x, p.bitangent.y,
                             p.bitangent.z, p.normal.x,  p.normal.y,  p.normal.z};

@@ -12,7 +12,7 @@ fn panic(_: &core::panic::PanicInfo) -> ! {
     loop {}
 }
 
-/// 0 if everything gives what it should, else the number of the first check that fails.
+/// 0 if every result is as expected, else the number of the first check that fails.
 #[unsafe(no_mangle)]
 pub extern "C" fn srbf_freestanding_check() -> i32 {
     #[cfg(feature = "std")]

@@ -1,16 +1,16 @@
-//! What a check of a level finds.
+//! Findings of a check of a level.
 
 use crate::tolerance::Worst;
 use alloc::borrow::ToOwned;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// What was found at one level.
+/// The findings at one level.
 #[derive(Debug)]
 pub struct Findings {
     /// The worst error of each quantity.
     pub worst: Vec<Worst>,
-    /// What is wrong beside errors too large: a guard zone that was written, a length, a sample that is none.
+    /// Faults beside errors too large: a guard zone that was written, a length, a sample that is none.
     pub faults: Vec<String>,
 }
 

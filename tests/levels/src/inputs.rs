@@ -64,7 +64,7 @@ fn lobe(random: &mut Random, in_plane: bool) -> Lobe {
     Lobe::new(axis, sharpness, rgb).expect("a valid lobe")
 }
 
-/// A material of nine views and twelve lobes, of which so many pairs lie beside the plane of incidence.
+/// A material of nine views and twelve lobes, of which a number of pairs lie beside the plane of incidence.
 pub fn material(random: &mut Random, mirrored: usize) -> Vec<u8> {
     made(random, mirrored, &[None]).remove(0)
 }

@@ -152,7 +152,7 @@ fn check_samples(m: &Mixture<64>, name: &str, random: &mut Random, found: &mut F
     }
 }
 
-/// The same for prepared mixtures, and what is prepared pair by pair is what is prepared one by one.
+/// The same for prepared mixtures, and mixtures prepared pair by pair are those prepared one by one.
 fn check_prepared(mirrored: usize, random: &mut Random, found: &mut Findings) {
     let bytes = inputs::material(random, mirrored);
     let material = Material::from_bytes(&bytes).expect("a valid material");

@@ -7,7 +7,7 @@ use srbf_core::Vec3;
 /// Counts that are tried: none, and up to twice what any level takes at a time, and one.
 pub const COUNTS: usize = 2 * 2 * 16 + 2;
 
-/// What a guard zone holds.
+/// The number in a guard zone.
 const GUARD: f32 = -7.25e33;
 /// Its width, on either side of an output.
 const ZONE: usize = 4;

@@ -17,7 +17,7 @@ impl Truth {
         luminance(self.value)
     }
 
-    /// Adds what a lobe has, and that times its unit.
+    /// Adds the value of a lobe, and that times its unit.
     fn add(&mut self, value: [f64; 3], unit: f64) {
         for (c, v) in value.into_iter().enumerate() {
             self.value[c] += v;

@@ -59,7 +59,7 @@ fn hits(environment: &Environment<Vec<u32>>) -> Vec<[f32; 2]> {
     all
 }
 
-/// Thirds numbers: the ends, and what is next to them.
+/// Thirds numbers: the ends, and the numbers next to them.
 const THIRDS: [f32; 7] = [0.0, f32::MIN_POSITIVE, 1.0 / (1 << 24) as f32, 0.3, 0.5, 1.0 - f32::EPSILON, LAST];
 
 fn check(map: &Map, environment: &Environment<Vec<u32>>, u: [f32; 3]) {

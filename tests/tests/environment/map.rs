@@ -1,4 +1,4 @@
-//! One environment: radiance, density, samples, and what is refused.
+//! One environment: radiance, density, samples, and refusals.
 
 use glam::{DVec3, Vec3};
 use srbf_core::{Environment, Error, environment_len, luminance};
@@ -282,7 +282,7 @@ fn a_stored_table_is_read_back_and_a_damaged_one_refused() {
         for bit in 0..32 {
             damaged[word] ^= 1 << bit;
             assert!(refused(&damaged), "word {word}, bit {bit}");
-            // With a checksum that fits: what is read has no NaN, and nothing panics.
+            // With a checksum that fits: the numbers read have no NaN, and nothing panics.
             if word > 5 {
                 let sum = checksum(&damaged);
                 let kept = [damaged[4], damaged[5]];
@@ -309,7 +309,7 @@ fn a_stored_table_is_read_back_and_a_damaged_one_refused() {
         unfit[threshold] = (if kept > 0.5 { kept - 0.01 } else { kept + 0.01 }).to_bits();
         let sum = checksum(&unfit);
         unfit[4..6].copy_from_slice(&sum);
-        // What a cell hands on to itself stays there.
+        // Draws that a cell hands on to itself stay there.
         if environment.cell(index).unwrap().other != index {
             assert!(refused(&unfit), "cell {index} keeps {kept}");
             moved += 1;
@@ -337,7 +337,7 @@ fn cells_say_how_draws_are_shared_out() {
         let count = environment.cell_count();
         assert_eq!(count, map.width * (map.height() + 1));
         assert_eq!(environment.cell(count), None);
-        // What is kept, and what comes from others, is a cell's share of all draws.
+        // The draws that a cell keeps, and those from others, are its share of all draws.
         let cells: Vec<_> = (0..count).map(|i| environment.cell(i).unwrap()).collect();
         let mut draws: Vec<f64> = cells.iter().map(|cell| f64::from(cell.kept)).collect();
         cells.iter().for_each(|cell| draws[cell.other] += 1.0 - f64::from(cell.kept));

@@ -47,7 +47,7 @@ fn maps() -> [Map; 3] {
     [Map::sky(), Map::noise(64, 33), Map::pixel(128, 64, 70, 20)]
 }
 
-/// The two sums in f64, in their plainest form, and what the two rays are multiplied by.
+/// The two sums in f64, in their plainest form, and the factors on the two rays.
 fn plain(
     m: &Mixture<'_, 64>,
     environment: &Environment<Vec<u32>>,
@@ -131,7 +131,7 @@ fn every_level_sums_what_a_plain_text_sums() {
     println!("largest difference: {worst:.1e} of the sums");
 }
 
-/// Where nothing is in the way, below what is in the way half of the sky, and nearly everywhere.
+/// Where nothing is in the way, below an object that hides half of the sky, and nearly everywhere.
 const HIDDEN: [fn(Vec3) -> bool; 3] =
     [|_| false, |d| (7.0 * d.x + 3.0 * d.z).sin() > 0.2, |d| (9.0 * d.y).cos() < 0.8];
 

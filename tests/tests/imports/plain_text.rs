@@ -1,4 +1,4 @@
-//! The documents are short and plain: pages have a length, sentences too.
+//! The documents, comments and messages are short and plain: pages have a length, sentences too.
 
 use std::path::{Path, PathBuf};
 
@@ -19,18 +19,33 @@ const BEHIND_WHAT: &[&str] = &[
     "lies", "makes", "may", "one", "remains", "stays", "that", "the", "they", "this", "was", "were", "would",
 ];
 
-/// The code whose comments and messages keep to these words too.
+/// The folders whose comments and messages keep to these words too.
 const CODE: &[&str] = &[
-    "core/src/lobe",
-    "core/src/material",
-    "core/src/zonal",
-    "evaluator/src",
-    "fit/src",
-    "fit/tests",
+    ".ci",
+    ".github",
+    "benches",
+    "capi",
+    "core",
+    "evaluator",
+    "fit",
+    "fuzz/src",
+    "include",
+    "lab",
+    "packaging",
     "python/src",
-    "reference-renderer/src",
-    "reference-renderer/tests",
+    "python/srbf_brdf",
+    "reference-renderer",
+    "tests",
 ];
+
+/// The endings of files with comments behind `//` or between `/*` and `*/`.
+const SLASHES: &[&str] = &["rs", "c", "cpp", "h", "hpp", "inc"];
+
+/// The endings of files with comments behind `#`; files of `.ci` and `packaging` without an ending are scripts too.
+const NUMBER_SIGNS: &[&str] = &["py", "pyi", "sh", "cmake", "txt", "yml", "toml", ""];
+
+/// The packages whose documentation keeps to the length of a sentence.
+const DOCUMENTED: &[&str] = &["core/src", "fit/src", "capi/src"];
 
 /// The first phrase of a text that stands for a thing that has a name. Its words follow each other without a mark between.
 fn avoided(text: &str) -> Option<String> {
@@ -52,35 +67,66 @@ fn avoided(text: &str) -> Option<String> {
 }
 
 /// The comments of a file, each as one text, and its lines with messages; with the number of the first line.
-fn texts(code: &str) -> Vec<(usize, String)> {
+fn texts(code: &str, mark: &str) -> Vec<(usize, String)> {
     let mut texts: Vec<(usize, String)> = Vec::new();
-    let mut is_comment = false;
+    let (mut is_comment, mut is_block) = (false, false);
     for (n, line) in code.lines().enumerate() {
         let line = line.trim();
-        if let Some(comment) = line.strip_prefix("//") {
-            let comment = comment.trim_start_matches(['/', '!']);
-            match texts.last_mut().filter(|_| is_comment) {
-                Some((_, text)) => *text += comment,
-                None => texts.push((n + 1, comment.to_owned())),
+        let goes_on = is_comment || is_block;
+        is_comment = line.starts_with(mark);
+        let opens = mark == "//" && line.starts_with("/*");
+        if is_block || is_comment || opens {
+            let text = line.trim_start_matches(['/', '!', '*', '#']);
+            is_block = (is_block || opens) && !line.contains("*/");
+            match texts.last_mut().filter(|_| goes_on) {
+                Some((_, so_far)) => *so_far = format!("{so_far} {text}"),
+                None => texts.push((n + 1, text.to_owned())),
             }
-        } else if line.contains('"') || line.contains("//") {
+        } else if line.contains('"') || line.contains(mark) || line.contains("/*") {
             texts.push((n + 1, line.to_owned()));
         }
-        is_comment = line.starts_with("//");
     }
     texts
 }
 
-/// The files of Rust below a folder.
-fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
+/// The documentation of each item of a file of Rust, with the number of its first line.
+fn documentation(code: &str) -> Vec<(usize, String)> {
+    let mut texts: Vec<(usize, String)> = Vec::new();
+    let mut goes_on = false;
+    for (n, line) in code.lines().enumerate() {
+        let line = line.trim_start();
+        let text = line.strip_prefix("///").or_else(|| line.strip_prefix("//!"));
+        if let Some(text) = text.map(|text| text.strip_prefix(' ').unwrap_or(text)) {
+            match texts.last_mut().filter(|_| goes_on) {
+                Some((_, so_far)) => *so_far = format!("{so_far}\n{text}"),
+                None => texts.push((n + 1, text.to_owned())),
+            }
+        }
+        goes_on = text.is_some();
+    }
+    texts
+}
+
+/// The files below a folder, with the mark of their comments.
+fn files(folder: &Path, found: &mut Vec<(PathBuf, &'static str)>) {
     for entry in folder.read_dir().expect("a folder") {
         let path = entry.expect("an entry").path();
+        let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
         if path.is_dir() {
-            rust_files(&path, found);
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
-            found.push(path);
+            if !path.ends_with("target") {
+                files(&path, found);
+            }
+        } else if SLASHES.contains(&ending) {
+            found.push((path, "//"));
+        } else if NUMBER_SIGNS.contains(&ending) {
+            found.push((path, "#"));
         }
     }
+}
+
+/// Words of a sentence: those with a letter.
+fn words(sentence: &str) -> usize {
+    sentence.split(' ').filter(|word| word.contains(char::is_alphabetic)).count()
 }
 
 fn root() -> PathBuf {
@@ -163,9 +209,8 @@ fn pages_and_sentences_are_short_and_name_things() {
     }
     for (name, page) in pages() {
         for sentence in sentences(&page) {
-            let words = sentence.split(' ').filter(|word| word.contains(char::is_alphabetic)).count();
-            if words > WORDS {
-                failures.push(format!("{name}: {words} words: {sentence}"));
+            if words(&sentence) > WORDS {
+                failures.push(format!("{name}: {} words: {sentence}", words(&sentence)));
             }
             if let Some(avoided) = avoided(&sentence) {
                 failures.push(format!("{name}: \"{avoided}\" in: {sentence}"));
@@ -177,19 +222,36 @@ fn pages_and_sentences_are_short_and_name_things() {
 
 #[test]
 fn comments_and_messages_name_things() {
-    let mut files = Vec::new();
-    CODE.iter().for_each(|folder| rust_files(&root().join(folder), &mut files));
-    assert!(files.len() > 200, "{} files", files.len());
+    let mut all = Vec::new();
+    CODE.iter().for_each(|folder| files(&root().join(folder), &mut all));
+    // This file has the phrases.
+    all.retain(|(path, _)| !path.ends_with("imports/plain_text.rs"));
+    assert!(all.len() > 600, "{} files", all.len());
     let mut failures = Vec::new();
-    for file in files {
-        let code = std::fs::read_to_string(&file).expect("a file");
-        for (line, text) in texts(&code) {
+    for (file, mark) in all {
+        let Ok(code) = std::fs::read_to_string(&file) else { continue };
+        for (line, text) in texts(&code, mark) {
             if let Some(avoided) = avoided(&text) {
                 failures.push(format!("{}:{line}: \"{avoided}\"", file.display()));
             }
         }
     }
     assert!(failures.is_empty(), "\n{}", failures.join("\n"));
+}
+
+#[test]
+fn sentences_of_documentation_are_short() {
+    let mut all = Vec::new();
+    DOCUMENTED.iter().for_each(|folder| files(&root().join(folder), &mut all));
+    let mut failures = Vec::new();
+    for (file, _) in all {
+        let code = std::fs::read_to_string(&file).expect("a file");
+        for (line, text) in documentation(&code) {
+            let long = sentences(&text).into_iter().filter(|sentence| words(sentence) > WORDS);
+            failures.extend(long.map(|s| format!("{}:{line}: {} words: {s}", file.display(), words(&s))));
+        }
+    }
+    assert!(failures.is_empty(), "{}\n{}", failures.len(), failures.join("\n"));
 }
 
 #[test]
@@ -204,7 +266,12 @@ fn a_planted_sentence_is_found() {
     assert_eq!(avoided("It keeps What\n is left."), Some("what is".to_owned()));
     assert_eq!(avoided("after so many samples"), Some("so many".to_owned()));
     assert_eq!(avoided("Whatever is left, and somewhat so; many more. {what} is it"), None);
-    let code = "/// Keeps what\n/// is left.\nlet x = 1;\nprint(\"so many\");";
-    let found: Vec<_> = texts(code).iter().map(|(line, text)| (*line, avoided(text))).collect();
-    assert_eq!(found, [(1, Some("what is".to_owned())), (4, Some("so many".to_owned()))]);
+    let code = "/// Keeps what\n/// is left.\nlet x = 1;\nprint(\"so many\");\n/* One, what\n * has two. */ int x;\n// what it";
+    let found: Vec<_> = texts(code, "//").iter().map(|(line, text)| (*line, avoided(text))).collect();
+    let found: Vec<_> =
+        found.iter().map(|(line, found)| (*line, found.as_deref().unwrap_or_default())).collect();
+    assert_eq!(found, [(1, "what is"), (4, "so many"), (5, "what has"), (7, "what it")]);
+    assert_eq!(texts("x = 1\n# a\n# b", "#"), [(2, " a  b".to_owned())]);
+    let code = "//! One\n//! two.\n\nuse x;\n    /// Three.\n    fn f() {}";
+    assert_eq!(documentation(code), [(1, "One\ntwo.".to_owned()), (5, "Three.".to_owned())]);
 }

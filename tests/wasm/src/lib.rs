@@ -1,4 +1,4 @@
-//! Checks every level that WebAssembly has; `run.mjs` loads the module and prints what it says.
+//! Checks every level that WebAssembly has; `run.mjs` loads the module and prints its findings.
 #![no_std]
 
 extern crate alloc;

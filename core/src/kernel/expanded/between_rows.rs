@@ -76,15 +76,15 @@ impl<L: Lanes> Lobes<L> {
         [L::splat(1.0) / s, tail, inside]
     }
 
-    /// The sharpness, of at least what is constant to f32.
+    /// The sharpness, at least that of a lobe that is constant to f32.
     #[inline(always)]
     fn least_sharpness<const P: bool>(&self) -> L {
         if P { self.sharpness } else { self.sharpness.max(L::splat(LEAST_SHARPNESS)) }
     }
 }
 
-/// Between two numbers: either at its end, and no less than 0 where they are not. By their difference, what is small
-/// beside the other would be the rounding of that.
+/// Between two numbers: either at its end, and no less than 0 where they are not. A difference would leave the smaller of the two
+/// only the rounding of the larger.
 #[inline(always)]
 pub(super) fn blend<L: Lanes>(a: L, b: L, share: L) -> L {
     b.mul_add(share, a * (L::splat(1.0) - share))
@@ -119,7 +119,7 @@ impl Expanded<'_> {
 /// What [`Towards`] is given beside the outgoing direction.
 struct Prepare<'a, 'm, const N: usize> {
     expanded: &'m Expanded<'m>,
-    /// What it runs on.
+    /// The level that it runs on.
     level: Level,
     mixture: &'a mut Mixture<'m, N>,
 }
@@ -161,7 +161,7 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
             (false, true) => store_lobes::<L::Lobes, N, MIRRORED, true>(rows, share, mixture, needed),
             (false, false) => store_lobes::<L::Lobes, N, MIRRORED, false>(rows, share, mixture, needed),
         }
-        // Every lobe has its fold, and what the sums over the lobes would be is interpolated.
+        // Every lobe has its fold, and the sums over the lobes are interpolated.
         (mixture.head.count, mixture.head.squeezed) = (needed, material.header.squeezed);
         mixture.head.folded = lowest_bits(needed);
         mixture.head.lobes_albedo =
@@ -193,20 +193,20 @@ fn store_lobes<L: Lanes, const N: usize, const W: usize, const P: bool>(
         let [x, y, z] = lobes.axis;
         let rate = lobes.sharpness * L::splat(-0.5 * LOG2_E);
         let luminance = luminance_of(lobes.power);
-        row::store(x, &mut mixture.rows.axis_x, k);
-        row::store(y, &mut mixture.rows.axis_y, k);
-        row::store(z, &mut mixture.rows.axis_z, k);
-        row::store(lobes.sharpness, &mut mixture.rows.sharpness, k);
-        row::store(lobes.power[0] * normaliser, &mut mixture.rows.red, k);
-        row::store(lobes.power[1] * normaliser, &mut mixture.rows.green, k);
-        row::store(lobes.power[2] * normaliser, &mut mixture.rows.blue, k);
-        row::store(luminance * normaliser, &mut mixture.rows.luminance, k);
-        row::store(rate, &mut mixture.rows.rate, k);
-        row::store(rate * z * L::splat(4.0), &mut mixture.rows.fold_rate, k);
-        row::store(inverse, &mut mixture.rows.inverse_sharpness, k);
-        row::store(inside, &mut mixture.rows.inside, k);
-        row::store(tail, &mut mixture.rows.tail, k);
-        row::store(luminance.running_sum() + passed, &mut mixture.rows.cumulative, k);
+        row::store(x, &mut mixture.rows[row::AXIS_X], k);
+        row::store(y, &mut mixture.rows[row::AXIS_Y], k);
+        row::store(z, &mut mixture.rows[row::AXIS_Z], k);
+        row::store(lobes.sharpness, &mut mixture.rows[row::SHARPNESS], k);
+        row::store(lobes.power[0] * normaliser, &mut mixture.rows[row::RED], k);
+        row::store(lobes.power[1] * normaliser, &mut mixture.rows[row::GREEN], k);
+        row::store(lobes.power[2] * normaliser, &mut mixture.rows[row::BLUE], k);
+        row::store(luminance * normaliser, &mut mixture.rows[row::LUMINANCE], k);
+        row::store(rate, &mut mixture.rows[row::RATE], k);
+        row::store(rate * z * L::splat(4.0), &mut mixture.rows[row::FOLD_RATE], k);
+        row::store(inverse, &mut mixture.rows[row::INVERSE_SHARPNESS], k);
+        row::store(inside, &mut mixture.rows[row::INSIDE], k);
+        row::store(tail, &mut mixture.rows[row::TAIL], k);
+        row::store(luminance.running_sum() + passed, &mut mixture.rows[row::CUMULATIVE], k);
         k += L::COUNT;
         if k < count {
             passed = passed + L::splat(luminance.sum());

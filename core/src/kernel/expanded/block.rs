@@ -1,6 +1,6 @@
 //! A block of pairs of an expanded material.
 //!
-//! As in `kernel/block.rs` lanes are pairs for what a pair needs once, lobes for the rest. No mixture is made:
+//! As in `kernel/block.rs` lanes are pairs for work that a pair needs once, lobes for the rest. No mixture is made:
 //! lobes are interpolated when they are summed; where a direction is drawn first, their numbers are kept for
 //! that.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
@@ -22,7 +22,7 @@ use core::f32::consts::{FRAC_1_PI, LOG2_E};
 /// Sums of a block, the diffuse term included: red, green and blue, or the luminance alone.
 pub(super) struct Sums<const C: usize> {
     pub value: [Numbers; C],
-    /// What the luminance is multiplied by for a density; 0 where nothing is reflected.
+    /// The factor that makes a density of the luminance; 0 where nothing is reflected.
     pub inverse_power: Numbers,
 }
 
@@ -42,7 +42,7 @@ impl<const W: usize, const C: usize> Routine for Evaluate<'_, W, C> {
         let Self { expanded, count, wo, wi, lanes } = self;
         let heads = Heads::new::<L>(expanded, wo, count);
         let sights = heads.sights::<L>(wi);
-        // The usual material apart, its lobes in one vector: what is decided once is decided out here.
+        // The usual material apart, its lobes in one vector: decisions that hold for all lobes are made out here.
         if expanded.is_plain && expanded.material.lobe_count() <= L::Lobes::COUNT {
             for i in 0..count.min(WIDEST) {
                 lanes.set(i, sum_rows::<L::Lobes, W, C, true>(expanded, &heads, i, &sights));
@@ -69,7 +69,7 @@ pub(super) struct Sample<'a, const W: usize, const G: usize, const C: usize> {
     pub lanes: &'a mut LaneSums<C>,
 }
 
-/// What it draws, the normal where nothing is reflected, and the sums.
+/// Its drawn directions, the normal where nothing is reflected, and the sums.
 pub(super) struct Sampled<const C: usize> {
     pub direction: [Numbers; 3],
     pub sums: Sums<C>,
@@ -146,7 +146,7 @@ impl<const C: usize> LaneSums<C> {
     }
 }
 
-/// What a block needs once a pair.
+/// The numbers of a block that a pair needs once.
 struct Heads {
     /// The row before the outgoing direction, and how far beyond it.
     row: [usize; WIDEST],

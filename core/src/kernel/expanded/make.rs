@@ -10,6 +10,7 @@ use crate::material::borrowed::{Material, MaterialRef};
 use crate::material::layout::{MAX_LOBES, f32_at};
 use crate::mixture::complete::LEAST_WITHOUT_SERIES;
 use crate::mixture::leave_out::LeaveOut;
+use crate::mixture::row;
 use crate::mixture::rows::{Domain, Mixture};
 use crate::simd::detect::Level;
 use crate::simd::lanes::{Numbers, WIDEST};
@@ -17,8 +18,8 @@ use crate::squeeze::Squeeze;
 use core::f32::consts::{FRAC_PI_2, PI};
 use glam::Vec3;
 
-/// Largest square of the distance of an axis at two neighbouring rows at which one step of Newton's makes
-/// what lies between them a unit vector: it leaves 3/8 (1e-3 / 4)^2.
+/// Largest square of the distance of an axis at two neighbouring rows at which one step of Newton's makes the axes between them
+/// unit vectors: it leaves 3/8 (1e-3 / 4)^2.
 const FINE: f32 = 1e-3;
 
 /// A power below this is none: its products would be subnormals, 150 cycles each on Intel. A lobe goes by its
@@ -27,7 +28,7 @@ const FINE: f32 = 1e-3;
 const LEAST_POWER: f32 = 1e-30;
 
 impl<'m> Expanded<'m> {
-    /// Whether a material can be expanded, and into so many rows.
+    /// Whether a material can be expanded, and into this number of rows.
     ///
     /// # Errors
     /// [`Error::Anisotropic`] and [`Error::Rows`], as [`new`](Self::new).
@@ -115,15 +116,15 @@ fn knot(material: MaterialRef<'_>, shape: Shape, k: usize) -> f32 {
     }
 }
 
-/// The row of a knot but the first: as many lie before it as it has of the whole angle, but one more than
-/// before the last knot, whose row is `before`, and few enough that every knot to come has one.
+/// The row of a knot but the first: the rows before it have its share of the whole angle. There is at least one more than before
+/// the last knot, whose row is `before`, and every knot to come has one.
 fn row_of_knot(material: MaterialRef<'_>, shape: Shape, rows: usize, k: usize, before: usize) -> usize {
     let share = knot(material, shape, k) / angles(material)[1];
     let most = rows - shape.knots + k;
     ((share * (rows - 1) as f32 + 0.5) as usize).clamp((before + 1).min(most), most)
 }
 
-/// Prepares a material at an angle of the outgoing direction, and stores what is interpolated.
+/// Prepares a material at an angle of the outgoing direction, and stores the numbers that are interpolated.
 fn fill_row(material: MaterialRef<'_>, shape: Shape, theta: f32, chunks: &mut [Numbers]) {
     let mut m = Mixture::<MAX_LOBES>::empty();
     m.begin(Level::Scalar, Domain::Hemisphere, Squeeze::NONE);
@@ -145,17 +146,20 @@ fn fill_row(material: MaterialRef<'_>, shape: Shape, theta: f32, chunks: &mut [N
             // A place without a lobe: along the normal, of no power.
             let (mut axis, mut sharpness, mut power) = (Vec3::Z, 1.0, [0.0; 3]);
             if k < m.head.count {
-                axis = Vec3::new(m.rows.axis_x[k], m.rows.axis_y[k], m.rows.axis_z[k]);
+                axis = Vec3::new(m.rows[row::AXIS_X][k], m.rows[row::AXIS_Y][k], m.rows[row::AXIS_Z][k]);
                 // An axis below the horizon, which the mixture has mirrored up, goes back: there is no
                 // straight line between axes on either side of a fold.
                 let of = if k < stored { k } else { k - mirrored };
                 if place.lobe_angle(material, of).abs() > FRAC_PI_2 {
                     axis.z = -axis.z;
                 }
-                sharpness = m.rows.sharpness[k];
-                let integral = 2.0 * PI * m.rows.inside[k] * m.rows.inverse_sharpness[k];
-                let of_each =
-                    [m.rows.red[k] * integral, m.rows.green[k] * integral, m.rows.blue[k] * integral];
+                sharpness = m.rows[row::SHARPNESS][k];
+                let integral = 2.0 * PI * m.rows[row::INSIDE][k] * m.rows[row::INVERSE_SHARPNESS][k];
+                let of_each = [
+                    m.rows[row::RED][k] * integral,
+                    m.rows[row::GREEN][k] * integral,
+                    m.rows[row::BLUE][k] * integral,
+                ];
                 if luminance(Vec3::from_array(of_each)) >= LEAST_POWER {
                     power = of_each.map(|power| if power.abs() < LEAST_POWER { 0.0 } else { power });
                 }

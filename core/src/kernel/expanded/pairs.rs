@@ -18,7 +18,7 @@ use glam::Vec3;
 const GROUPS: usize = MAX_LOBES / WIDEST;
 
 impl Expanded<'_> {
-    /// Draws and evaluates for n hits, each with an outgoing direction of its own: what is asked is what is given.
+    /// Draws and evaluates for n hits, each with an outgoing direction of its own: outputs that are given are wanted.
     ///
     /// The answers of [`prepare`](Self::prepare) and the verbs of a [`Mixture`](crate::Mixture) but for rounding. An
     /// outgoing direction below the horizon, or none at all (not finite, not of unit length), reflects nothing.
@@ -81,7 +81,7 @@ impl Expanded<'_> {
         }
     }
 
-    /// Samples every block, and hands on what it drew; towards other directions too.
+    /// Samples every block, and hands on its draws; evaluates towards other directions too.
     fn sample_each(&self, asked: Asked<'_>, out: impl FnMut(Block, &[Numbers; 3], &mut Sampled<3>)) {
         let is_mirrored = self.material.mirrored_count() > 0;
         match (is_mirrored, self.material.lobe_count() <= WIDEST) {
@@ -114,7 +114,7 @@ impl Expanded<'_> {
         if nodes.is_none() {
             return;
         }
-        // What is no direction has no factor, and 0 times that may be none either.
+        // A vector that is no direction may have a factor of NaN, and 0 times NaN is NaN.
         let (mut outgoing, mut incident) = (*wo, *wi);
         for i in 0..WIDEST {
             if sums.inverse_power[i] == 0.0 {
@@ -167,7 +167,7 @@ impl Expanded<'_> {
     }
 }
 
-/// What is to be sampled, and towards what else to be evaluated.
+/// The directions to be sampled, and those to be evaluated.
 struct Asked<'a> {
     level: Level,
     wo: [&'a [f32]; 3],
@@ -185,7 +185,7 @@ fn densities(sums: &Sums<3>) -> Numbers {
     pdf
 }
 
-/// The densities of a block of what was drawn; 0 where nothing is reflected.
+/// The densities of the drawn directions of a block; 0 where nothing is reflected.
 fn drawn_densities(sums: &Sums<3>) -> Numbers {
     let mut pdf = densities(sums);
     for (pdf, &inverse_power) in pdf.iter_mut().zip(&sums.inverse_power) {

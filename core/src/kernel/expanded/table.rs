@@ -39,9 +39,8 @@ pub(crate) const MIRRORED: usize = 7;
 ///
 /// [`Material::prepare`] works out powers of two, sines and normalisers at each hit; an expanded material has
 /// done so once, for each of its rows. Between rows it interpolates axes (made unit vectors again),
-/// sharpness, and the power of each lobe: its integral, in each colour. Value and density are both computed
-/// from these, so that the density integrates to 1 as exactly as that of a [`Mixture`](crate::Mixture), and
-/// everything is continuous in both directions.
+/// sharpness, and the power of each lobe: its integral, in each colour. Value and density are both computed from these, so the
+/// density integrates to 1 as exactly as that of a [`Mixture`](crate::Mixture). Everything is continuous in both directions.
 ///
 /// It costs memory: 448 bytes a row for up to sixteen lobes, 512 if some are mirrored. Its values differ from
 /// those of [`Material::prepare`] by an error that falls with the square of the number of rows; at
@@ -99,8 +98,8 @@ pub struct Expanded<'m> {
     pub(super) rows: usize,
     /// Chunks of a row.
     pub(super) stride: usize,
-    /// No axis turns so far from a row to the next that its length between them needs a root, and no lobe is
-    /// so wide that its normaliser needs a series.
+    /// No axis turns so far from a row to the next that its length between them needs a root. No lobe is so wide that its
+    /// normaliser needs a series.
     pub(super) is_plain: bool,
     /// Some row has a diffuse term.
     pub(super) any_diffuse: bool,
@@ -138,7 +137,7 @@ impl Shape {
 }
 
 impl<B: AsRef<[u8]>> Material<B> {
-    /// How many f32 [`Expanded::new`] takes for so many rows: up to 15 more than are used, for rows to begin
+    /// The number of f32 that [`Expanded::new`] takes for a number of rows: up to 15 more than are used, for rows to begin
     /// at multiples of 64 bytes wherever the memory begins.
     pub fn expanded_len(&self, rows: usize) -> usize {
         expanded_len(self.borrowed().header, rows)
@@ -194,7 +193,7 @@ impl<'m> Expanded<'m> {
         [whole.first(), beyond.first()]
     }
 
-    /// A place as the row before and what is beyond that.
+    /// A place as the row before it and the distance from that row.
     #[inline(always)]
     fn split<L: Lanes>(&self, place: L) -> [L; 2] {
         // The row below, or at a row perhaps the one before that, and 1.

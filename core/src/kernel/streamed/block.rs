@@ -1,6 +1,6 @@
 //! A block of hits, each with a material and an outgoing direction of its own.
 //!
-//! As in `kernel/block.rs` lanes are pairs for what a pair needs once, lobes for the rest; in stages, so that a
+//! As in `kernel/block.rs` lanes are pairs for work that a pair needs once, lobes for the rest; in stages, so that a
 //! processor sees many short chains of dependent operations and not one long one.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
@@ -26,13 +26,13 @@ pub(super) struct HitBlock<'a, 'm, const G: usize> {
     pub room: &'a mut Room<G>,
 }
 
-/// What goes into a block and what comes out, in room that a batch uses again for every block.
+/// The inputs and outputs of a block, in room that a batch uses again for every block.
 pub(super) struct Room<const G: usize> {
     /// Outgoing directions, uniform numbers, and incident directions.
     pub wo: [Numbers; 3],
     pub u: [Numbers; 3],
     pub wi: [Numbers; 3],
-    /// What is drawn, the normal where nothing is reflected, and what there is; and what there is towards the others.
+    /// The drawn directions, the normal where nothing is reflected, and the sums there; and the sums towards the others.
     pub direction: [Numbers; 3],
     pub drawn: Sums,
     pub towards: Sums,
@@ -102,7 +102,7 @@ impl<const G: usize> Routine for HitBlock<'_, '_, G> {
     }
 }
 
-/// What a block needs once a pair.
+/// The numbers of a block that a pair needs once.
 struct Heads {
     place: [Place; WIDEST],
     /// Cosine and sine, in the caller's frame, of the azimuth of +x of the view.
@@ -147,7 +147,7 @@ impl Heads {
         }
         let mut numbers = [zeros; 4];
         for i in 0..count {
-            // What is no direction has no angle: any does, as nothing of it is seen.
+            // A vector that is no direction has no angle: any does, as nothing of it is seen.
             let theta = if heads.is_there[i] > 0.0 { theta[i] } else { 0.0 };
             let passed = views_passed::<L>(materials[i], theta);
             heads.place[i] = Place::after(materials[i], passed, theta);

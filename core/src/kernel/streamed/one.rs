@@ -18,7 +18,7 @@ use crate::simd::routine::One;
 use crate::squeeze::{Sight, Squeeze};
 use glam::Vec3;
 
-/// One outgoing direction, for a few incident ones: what a renderer asks at a hit. [`prepare`](Self::prepare) makes a
+/// One outgoing direction, for a few incident ones: the calls of a renderer at a hit. [`prepare`](Self::prepare) makes a
 /// [`Mixture`] for many.
 ///
 /// The lobes go from the bytes of the material through registers, in less time than a mixture takes to be made
@@ -88,7 +88,7 @@ fn prefetch(material: MaterialRef<'_>, wo: Vec3) {
     if !header.is_isotropic() {
         return;
     }
-    // A root and a cubic: within .01 radians of the angle, and of what is no direction anything.
+    // A root and a cubic: within .01 radians of the angle, and anything of a vector that is no direction.
     let fall = 1.0 - wo.z;
     let theta = Lanes::sqrt((fall + fall).max(0.0)) * (fall * (fall * 0.025 + 0.083) + 1.0);
     let angles = &material.bytes[header.theta(0)..header.theta(header.views - 1)];
@@ -100,7 +100,7 @@ fn prefetch(material: MaterialRef<'_>, wo: Vec3) {
     }
 }
 
-/// What is asked of a material, beside the outgoing direction.
+/// The request to a material, beside the outgoing direction.
 #[derive(Clone, Copy)]
 pub(super) struct Asked {
     /// Uniform numbers of a draw.
@@ -111,7 +111,7 @@ pub(super) struct Asked {
     pub colors: bool,
 }
 
-/// What a material answers.
+/// The answer of a material.
 #[derive(Clone, Copy)]
 pub(super) struct Answer {
     pub sample: Option<Sample>,
@@ -166,7 +166,7 @@ fn by_mixture<const N: usize>(material: MaterialRef<'_>, wo: Vec3, asked: Asked,
     answer
 }
 
-/// What [`Ask`] is given beside the outgoing direction; what is not asked for is anything.
+/// Inputs of [`Ask`] beside the outgoing direction; inputs of outputs that are not wanted are anything.
 struct Hit<'a> {
     material: MaterialRef<'a>,
     u: [f32; 3],
@@ -183,7 +183,7 @@ impl<const DRAWS: bool, const EVALUATES: bool> One<Hit<'_>> for Ask<DRAWS, EVALU
     #[inline(always)]
     fn run<L: Lanes>(hit: Hit<'_>, wo: [f32; 3]) -> Answer {
         let Some(outgoing) = facing::<L>(Vec3::from_array(wo)) else { return Answer::NOTHING };
-        // What is a unit vector is no NaN.
+        // A unit vector is no NaN.
         if wo[2] < 0.0 {
             return Answer::NOTHING;
         }
@@ -224,7 +224,7 @@ fn answer<L: Lanes, const G: usize, const MIRRORED: bool, const DRAWS: bool, con
     let factors =
         (hit.colors && header.has_factors()).then(|| (Nodes::new(material), outgoing.wo.to_array()));
     let mut answer = Answer::NOTHING;
-    // First, as it waits for less: what is drawn waits for the running sum.
+    // First, as it waits for less: the draw waits for the running sum.
     if EVALUATES {
         (answer.value, answer.pdf) = lobes.towards::<L>(hit.wi, inverse_power, factors.as_ref());
     }
@@ -258,7 +258,7 @@ fn answer<L: Lanes, const G: usize, const MIRRORED: bool, const DRAWS: bool, con
     answer
 }
 
-/// The lobes of one outgoing direction, and what they are seen by.
+/// The lobes of one outgoing direction, with the squeeze and the diffuse term.
 struct Lobes<const G: usize> {
     kept: Kept<G>,
     count: usize,

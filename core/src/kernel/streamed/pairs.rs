@@ -35,7 +35,7 @@ use glam::Vec3;
 
 /// One outgoing direction for each of n hits.
 impl<B: AsRef<[u8]>> Material<B> {
-    /// Draws and evaluates for n hits, each with an outgoing direction of its own: what is asked is what is given.
+    /// Draws and evaluates for n hits, each with an outgoing direction of its own: outputs that are given are wanted.
     ///
     /// The answers of [`sample`](Self::sample) and [`evaluate_and_pdf`](Self::evaluate_and_pdf), one by one, within
     /// rounding and in less time. An outgoing direction below the horizon, or none at all (not finite, not of unit
@@ -232,7 +232,7 @@ impl Hits<'_, '_> {
         }
         let first = Nodes::new(materials[0]);
         if materials.iter().all(|material| first.is(&Nodes::new(*material))) {
-            // What is no direction has no factor, and 0 times that may be none either.
+            // A vector that is no direction may have a factor of NaN, and 0 times NaN is NaN.
             let (mut outgoing, mut incident) = (*wo, *wi);
             for i in 0..WIDEST {
                 if sums.pdf[i] == 0.0 && sums.value.iter().all(|channel| channel[i] == 0.0) {

@@ -7,9 +7,9 @@
 //!
 //! Every start makes some steps, and the best of them go on: 400 starts end where 100 do.
 //!
-//! A lobe's unknowns are the logarithm of its value P where `wo` and `wi` mirror each other in both terms, the angle of
-//! `(Cxy, Cz)`, and the logarithm of n: `C = sqrt(2) P^(1/n) (cos, sin)`. The same lobes, with unknowns that do not
-//! compensate each other.
+//! A lobe has three unknowns. They are the logarithm of its value P where `wo` and `wi` mirror each other in both terms; the angle
+//! of `(Cxy, Cz)`; and the logarithm of n: `C = sqrt(2) P^(1/n) (cos, sin)`. The same lobes, with unknowns that do not compensate
+//! each other.
 
 use super::{Channel, CosineLobe, Lafortune};
 use crate::FitError;

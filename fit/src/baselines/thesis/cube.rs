@@ -1,8 +1,7 @@
 //! The cube map: a vector of values over the sphere, in the order of the thesis's section 4.1.1.
 //!
-//! The pixels of each face row by row, the faces in the order +x, -x, +y, -y, +z, -z, each seen from inside the cube as in
-//! OpenGL's cube textures. Texels whose centre lies above the horizon are *measured*; texels below have no value, and no
-//! part in a fit.
+//! The pixels of each face row by row; the faces in the order +x, -x, +y, -y, +z, -z, each seen from inside as in OpenGL's cube
+//! textures. Texels whose centre lies above the horizon are *measured*; texels below have no value, and no part in a fit.
 
 use std::f64::consts::PI;
 

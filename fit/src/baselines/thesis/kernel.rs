@@ -1,7 +1,7 @@
 //! The squared difference of a mixture and a vector, with what its gradient is made of: four texels at a time.
 //!
-//! All the time of the fit goes here. With `q = sum slope d` and `p = sum slope` over the texels, where `slope` is the
-//! derivative of the difference by the lobe's exponent, the derivative by the axis is `s q`, and that by the logarithm of the
+//! All the time of the fit goes here. Let `slope` be the derivative of the difference by the lobe's exponent, and
+//! `q = sum slope d`, `p = sum slope` over the texels. The derivative by the axis is `s q`, and that by the logarithm of the
 //! sharpness `s (q.axis - p)`.
 
 use super::cube::Cube;

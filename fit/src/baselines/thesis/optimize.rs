@@ -32,8 +32,8 @@ pub(crate) struct Optimized {
 
 /// Fits lobes to a vector. A black one has none.
 ///
-/// Values are fitted as multiples of a power of two next to the largest, so that the square of none is lost at either end of the
-/// range of f64, and no digit changes.
+/// Values are fitted as multiples of a power of two next to the largest. So no square is lost at either end of the range of f64,
+/// and no digit changes.
 pub(crate) fn fit(cube: &Cube, values: &[[f64; 3]], settings: &ThesisSettings) -> Optimized {
     let exponent = libm::frexp(values.iter().flatten().copied().fold(0.0, f64::max)).1;
     let scaled = |rgb: [f64; 3], exponent| rgb.map(|v| libm::ldexp(v, exponent));

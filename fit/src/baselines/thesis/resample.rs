@@ -1,8 +1,8 @@
 //! From measurements to the vector of a view: f at the centres of the measured texels.
 //!
 //! A BRDF that can be evaluated is evaluated there. Scattered samples are interpolated, linear in f over the Delaunay
-//! triangles of `table::interpolate`: the vector holds the values that the quadrature weights of the samples integrate, but for samples
-//! darker than a thousandth of their view's mean, which count as that, as they do in the albedo.
+//! triangles of `table::interpolate`: the vector holds the values that the quadrature weights of the samples integrate. Samples
+//! darker than a thousandth of their view's mean count as that, as they do in the albedo.
 
 use super::cube::Cube;
 use crate::FitError;

@@ -1,9 +1,10 @@
 //! The unknowns of a fit: lobes at the stored views, and interpolation between them.
 //!
-//! A stored view has `4 + 5 K + M` unknowns: `ln c`, K angles of the axes in radians, M angles of the axes of mirrored lobes out of the
-//! plane of incidence, K `ln sharpness`, K logarithms of the luminance of the amplitude, K relative red differences and K blue
-//! ones, and the same three numbers of the diffuse term. Lobe k of one stored view is lobe k of the next; between stored views everything is
-//! interpolated linearly in the angle of the outgoing direction, as `srbf_core` does it with the same numbers, logarithms to base 2.
+//! A stored view has `4 + 5 K + M` unknowns: `ln c`; K angles of the axes in radians; M angles of the axes of mirrored lobes out
+//! of the plane of incidence; K `ln sharpness`; K logarithms of the luminance of the amplitude, K relative red differences and K
+//! blue ones; and the same three numbers of the diffuse term. Lobe k of one stored view is lobe k of the next; between stored
+//! views everything is interpolated linearly in the angle of the outgoing direction, as `srbf_core` does it with the same numbers,
+//! logarithms to base 2.
 //!
 //! A colour of luminance Y is `Y (1 + red difference)`, `Y (1 + blue difference)`, and the green that makes the luminance Y. So
 //! channels may be negative, as those of measured colours outside the gamut of sRGB are, and the luminance never is.
@@ -177,7 +178,8 @@ impl Layout {
         }
     }
 
-    /// A change of an unknown that counts as one unit of roughness: fitted lobes change by about this from stored view to stored view.
+    /// A change of an unknown that counts as one unit of roughness: fitted lobes change by about this from stored view to stored
+    /// view.
     pub fn unit(&self, index: usize) -> f64 {
         match index {
             0 => 0.3,
@@ -227,8 +229,8 @@ impl Layout {
         new
     }
 
-    /// Albedo of interpolated unknowns: `sum a I(s)` in closed form, each lobe, and last the diffuse term, times the mean of the factors
-    /// that it sees, if there are any.
+    /// Albedo of interpolated unknowns: `sum a I(s)` in closed form, each lobe, and last the diffuse term, times the mean of the
+    /// factors that it sees, if there are any.
     pub fn albedo(&self, q: &[f64], factors: Option<&[[f64; 3]]>) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for k in 0..=self.lobes {

@@ -1,7 +1,7 @@
 //! Gradient and Gauss-Newton matrix of the objective.
 //!
-//! A view depends on the two stored views round it. Its matrix is summed over its samples first (`data_term`), by derivatives of unit lobes, then
-//! spread over its unknowns, and at last over those of the stored views.
+//! A view depends on the two stored views round it. Its matrix is summed over its samples first (`data_term`), by derivatives of
+//! unit lobes. It is then spread over its unknowns, and at last over those of the stored views.
 
 use super::data_term;
 use super::{Data, Objective, Weights};

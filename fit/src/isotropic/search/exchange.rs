@@ -1,10 +1,10 @@
 //! Out of a local minimum: the lobe that is missed least is put where it is missed most.
 //!
-//! The worth of a lobe at a view is the growth of the sum of squares when the lobe is taken out and the amplitudes of all others
-//! are chosen again: `a^2 / (G^-1)_kk` with the Gram matrix G of the unit lobes. Of two lobes that have merged, each is worth
-//! nothing. The new lobe is one of a few families (sharpness and lean constant over the views, or beside a lobe that is there), the
-//! one that alone would reduce the residual most. Then all lobes are moved downhill together; if that ends higher
-//! than before, all is put back.
+//! The worth of a lobe at a view is the growth of the sum of squares when the lobe is taken out. The amplitudes of all others are
+//! chosen again then: `a^2 / (G^-1)_kk` with the Gram matrix G of the unit lobes. Of two lobes that have merged, each is worth
+//! nothing. The new lobe is one of a few families (sharpness and lean constant over the views, or beside a lobe that is there),
+//! the one that alone would reduce the residual most. Then all lobes are moved downhill together; if that ends higher than before,
+//! all is put back.
 
 use crate::isotropic::model::Lobes;
 use crate::isotropic::objective::data_term::{self, Point};

@@ -9,9 +9,7 @@ use crate::isotropic::search::candidates::{Candidate, Task, Work, advance};
 use crate::isotropic::search::schedule::{Resampling, Stage, WIDE};
 use crate::isotropic::search::{DrawnBy, Source};
 use crate::isotropic::tuning::factors::SIZES;
-use crate::isotropic::tuning::finalist::{
-    DOUBLING, MISSED, RAMP, STEEPEST, TOLERATED, WIDENED, WORTH_AWAY, WORTH_RANK,
-};
+use crate::isotropic::tuning::finalist::{DOUBLING, MISSED, RAMP, STEEPEST, TOLERATED, WIDENED, WORTH_RANK};
 use crate::judge::report::ViewReport;
 use crate::judge::verdict::{MOST_ENERGY_ERROR, MOST_VARIANCE, MOST_WEIGHT};
 use crate::table::Table;
@@ -32,8 +30,6 @@ pub(crate) struct Finalist<'a> {
     /// Mean error of values and of the albedo on that table. Beside it: the largest variance of a view; the largest weight, in the end
     /// on the table before too; and the largest error of the albedo at any view.
     error: f64,
-    /// Mean error away from the peak alone, see `crate::judge::measure`.
-    away: f64,
     variance: f64,
     largest_weight: f64,
     energy_error: f64,
@@ -54,7 +50,6 @@ impl<'a> Finalist<'a> {
             candidate,
             factors: None,
             error: f64::INFINITY,
-            away: f64::INFINITY,
             variance: f64::INFINITY,
             largest_weight: f64::INFINITY,
             energy_error: f64::INFINITY,
@@ -113,11 +108,9 @@ impl<'a> Finalist<'a> {
         SIZES.iter().take_while(|size| encode::len(&self.layout, Some(**size)) <= bytes).count()
     }
 
-    /// Whether it is worth the bytes of factors that the other one lacks: less of the measure, or, where a grazing peak rules that, much
-    /// less away from the peak.
+    /// Whether it is worth the bytes of factors that the other one lacks.
     pub fn is_worth_factors(&self, plain: &Self) -> bool {
-        let (rank, away) = (self.rank() / plain.rank(), self.away / plain.away);
-        rank < WORTH_RANK || (rank < 1.0 && away < WORTH_AWAY)
+        self.rank() < WORTH_RANK * plain.rank()
     }
 
     /// The rank before the end. Only the weight counts there, because it gets worse if nothing is done.
@@ -163,7 +156,6 @@ impl<'a> Finalist<'a> {
             source.table(&self.layout.view_angles, Some(DrawnBy { bytes: &bytes, resampling }))?;
         let reports = reports(&bytes, &resampled)?;
         self.error = mean_over_angle(&reports, |report| report.measure + report.energy_error());
-        self.away = mean_over_angle(&reports, ViewReport::away);
         let asked_for = reports.iter().filter(|view| view.theta < STEEPEST);
         self.variance = asked_for.map(|view| view.variance).fold(0.0, f64::max);
         // A view where the density is too small may be in one table only. Weights before the last resampling are those of lobes that

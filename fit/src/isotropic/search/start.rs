@@ -1,11 +1,10 @@
 //! Where a fit starts.
 //!
-//! Every start is a family of lobes that is sensible at every view at once, so that lobe k of one view already is lobe k
-//! of the next: sharpness in a geometric series, the same at all views; narrow lobes point to the mirror direction, wide
-//! ones to the normal (`angle = theta s / (s + s0)`); the squeeze is the cosine of the view. The amplitudes are the
-//! best non-negative ones, view by view. Mirrored lobes are narrow ones beside the plane of incidence, a little more than their
-//! width off it: a peak that is no Gaussian needs several lobes side by side. Starts differ in the range of the series, in
-//! `s0`, and by a jitter.
+//! Every start is a family of lobes that is sensible at every view at once. So lobe k of one view already is lobe k of the next:
+//! sharpness in a geometric series, the same at all views; narrow lobes point to the mirror direction, wide ones to the normal
+//! (`angle = theta s / (s + s0)`); the squeeze is the cosine of the view. The amplitudes are the best non-negative ones, view by
+//! view. Mirrored lobes are narrow ones beside the plane of incidence, a little more than their width off it: a peak that is no
+//! Gaussian needs several lobes side by side. Starts differ in the range of the series, in `s0`, and by a jitter.
 
 use crate::isotropic::model::Lobes;
 use crate::isotropic::model::parameters::Layout;

@@ -1,7 +1,7 @@
 //! The container of `.bsdf` files: named arrays of numbers.
 //!
 //! `tensor_file\0`, two bytes of version, u32 number of fields; for each field u16 length of the name, the name, u16 number of
-//! dimensions, u8 type, u64 offset of its data in the file, and a u64 for each dimension. Little endian.
+//! dimensions, u8 type; u64 offset of its data in the file, and a u64 for each dimension. Little endian.
 
 use crate::ReadError;
 
