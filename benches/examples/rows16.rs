@@ -64,9 +64,9 @@ fn own(material: &Material<&'static [u8]>) -> [[f32; 2]; 4] {
     ranges
 }
 
-/// The nearest of 65536 numbers over a range; what stands for none stays.
+/// The nearest of 65536 numbers over a range; what stands for none stays, and 0, which a view at the normal must have for its squeeze.
 fn rounded(number: f32, [low, high]: [f32; 2]) -> f32 {
-    if number <= -126.0 || high <= low {
+    if number <= -126.0 || number == 0.0 || high <= low {
         return number;
     }
     let step = (high - low) / 65535.0;

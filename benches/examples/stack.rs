@@ -1,10 +1,10 @@
-//! What calls of the C interface use of the stack, at the current level: `cargo run --release -p srbf-benches --example stack`.
+//! What calls of the C interface use of the stack at each level: `cargo run --release -p srbf-benches --example stack`.
 //!
 //! The unused part of a thread's stack is written full of one byte, a function is called, and what it has changed is counted.
 #![allow(unsafe_code, reason = "calls the C interface as C does, and looks below its own stack")]
 
 use srbf::{srbf_material, srbf_mixture, srbf_request, srbf_sample, srbf_vectors, srbf_vectors_out};
-use srbf_benches::{GARNET_RED, Triples, factored_material};
+use srbf_benches::{GARNET_RED, Triples, factored_material, levels};
 use srbf_core::{Grid, GridView, Level, Line, PlaneLobe, Processor, TiltedLobe, View};
 use std::hint::black_box;
 
@@ -16,11 +16,16 @@ const MARK: u8 = 0xa5;
 const NEAR: usize = 512;
 
 fn main() {
-    println!("processor: {}; level {}", Processor::this(), Level::current().name());
-    println!(
-        "{:<44}{:>9}{:>9}{:>9}{:>9}{:>9}",
-        "bytes of stack", "ask", "members", "single", "prepare", "albedo"
-    );
+    println!("processor: {}", Processor::this());
+    for level in levels() {
+        level.set().expect("an available level");
+        report(level);
+    }
+}
+
+fn report(level: Level) {
+    let columns = ["ask", "members", "single", "prepare", "albedo"].map(|name| format!("{name:>9}")).concat();
+    println!("{:<34}{columns}", format!("{}, bytes", level.name()));
     for (name, bytes) in [
         ("garnet red", GARNET_RED.to_vec()),
         ("garnet red with factors", factored_material().bytes().to_vec()),
@@ -29,7 +34,7 @@ fn main() {
     ] {
         let used = std::thread::Builder::new().stack_size(4 * REACH).spawn(move || of(&bytes));
         let used = used.expect("a thread").join().expect("no panic");
-        println!("{name:<44}{}", used.map(|bytes| format!("{bytes:>9}")).concat());
+        println!("{name:<34}{}", used.map(|bytes| format!("{bytes:>9}")).concat());
     }
 }
 
@@ -117,7 +122,7 @@ fn of(bytes: &[u8]) -> [usize; 5] {
     let mut sample = srbf_sample { direction: [0.0; 3], pdf: 0.0, weight: [0.0; 3] };
     let (one, towards, numbers) = ([0.6f32, 0.0, 0.8], [0.0f32, 0.6, 0.8], [0.3f32, 0.6, 0.9]);
     let (mut value, mut pdf) = ([0f32; 3], 0f32);
-    // SAFETY (each): all point to what the header asks for.
+    // SAFETY: all point to what the header asks for, here and below.
     let ask = |request: &srbf_request| unsafe { srbf::srbf_material_ask(material, HITS, request) };
     let used = [
         used_by(|| ask(&dense)),

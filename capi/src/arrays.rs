@@ -95,8 +95,9 @@ impl Seen {
     #[inline(always)]
     fn is_good(&self) -> bool {
         const LARGE: usize = isize::MIN as usize | 1 << (usize::BITS - 2);
-        let is_far = self.bits & LARGE | (self.strides | self.count) >> (usize::BITS / 2 - 2);
-        (self.bits | self.strides) % NUMBER | is_far == 0 && self.signs >= 0
+        let is_far = (self.bits & LARGE) | ((self.strides | self.count) >> (usize::BITS / 2 - 2));
+        let is_odd = (self.bits | self.strides) % NUMBER;
+        is_far | is_odd == 0 && self.signs >= 0
     }
 }
 
@@ -265,7 +266,7 @@ impl<'a> Arrays<'a> {
                 unsafe { [access.$how(x), access.$how(y), access.$how(z)] }
             }};
         }
-        let (mut wo, mut wi, mut u): ([&[f32]; 3], [&[f32]; 3], [&[f32]; 3]) = ([&[]; 3], [&[]; 3], [&[]; 3]);
+        let (mut wo, mut wi, mut u) = ([&[] as &[f32]; 3], [&[] as &[f32]; 3], [&[] as &[f32]; 3]);
         let (asked, request, samples) =
             (Asked::of(self.request, self.looks_at_wo), self.request, &self.request.samples);
         if asked.wo {
