@@ -316,9 +316,12 @@ typedef struct srbf_samples_out {
 /// `value.x`, `pdf.values`, `samples.direction.x`, `samples.pdf.values`, `samples.weight.x`. Inputs that no output needs are not
 /// looked at. Each array has n elements; outputs are overwritten, and may overlap nothing, inputs may overlap each other.
 ///
-/// Where nothing is reflected, and for a `wo` that is no unit vector, values and densities are 0 and the normal is drawn
-/// with density 0. A `wi` that is no unit vector gives an unspecified value, and so does a number `u` outside [0, 1);
-/// others are not touched by it.
+/// A call checks the arrays of what is asked, and no others, before it writes anything. No pointer may be NULL or misaligned, and
+/// arrays end within the address space. No number of an output may lie upon another output, an input, the request, the object or
+/// its bytes. Numbers themselves are not looked at.
+///
+/// Where nothing is reflected, and for a `wo` that is no unit vector, values and densities are 0 and the normal is drawn with density
+/// 0. A `wi` that is no unit vector gives an unspecified value, and so does a number `u` outside [0, 1); others are not touched by it.
 ///
 /// Every call that takes one refuses by `SRBF_STATUS_SIZE` a size that is not `sizeof(srbf_request)`, by `SRBF_STATUS_ARGUMENT`
 /// densities or weights of draws without directions. n = 0 looks at no pointer, and succeeds.

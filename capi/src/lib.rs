@@ -12,6 +12,7 @@
 #[cfg(feature = "std")]
 extern crate std;
 
+mod arrays;
 mod convert;
 mod defensive;
 mod environment;

@@ -7,6 +7,7 @@
 use crate::guard::Failure;
 use crate::pointers::{check, check_apart, check_extent};
 use crate::status::SRBF_STATUS_STRIDE;
+use core::mem::MaybeUninit;
 use core::ops::Range;
 
 /// n vectors to read.
@@ -66,7 +67,7 @@ pub struct srbf_numbers_out {
 
 /// Numbers a block: the numbers that are copied at a time where strides are wide.
 pub(crate) const BLOCK: usize = 64;
-const NUMBER: usize = size_of::<f32>();
+pub(crate) const NUMBER: usize = size_of::<f32>();
 
 /// One array of numbers, `stride` bytes apart.
 #[derive(Clone, Copy)]
@@ -76,27 +77,47 @@ pub(crate) struct Stream {
 }
 
 impl srbf_vectors {
-    #[inline]
+    #[inline(always)]
     pub(crate) fn streams(&self) -> [Stream; 3] {
-        [self.x, self.y, self.z].map(|start| Stream { start: start.cast_mut(), stride: self.stride })
+        let of = |start: *const f32| Stream { start: start.cast_mut(), stride: self.stride };
+        [of(self.x), of(self.y), of(self.z)]
     }
 }
 
 impl srbf_vectors_out {
-    #[inline]
+    #[inline(always)]
     pub(crate) fn streams(&self) -> [Stream; 3] {
-        [self.x, self.y, self.z].map(|start| Stream { start, stride: self.stride })
+        let of = |start: *mut f32| Stream { start, stride: self.stride };
+        [of(self.x), of(self.y), of(self.z)]
     }
 }
 
 impl srbf_numbers_out {
-    #[inline]
+    #[inline(always)]
     pub(crate) fn stream(&self) -> Stream {
         Stream { start: self.values, stride: self.stride }
+    }
+
+    /// The one array, beside the three of vectors.
+    #[inline(always)]
+    pub(crate) fn only(&self) -> [Stream; 1] {
+        [self.stream()]
     }
 }
 
 impl Stream {
+    pub(crate) const NONE: Self = Self { start: core::ptr::null_mut(), stride: 0 };
+
+    #[inline(always)]
+    pub(crate) fn start(&self) -> usize {
+        self.start.addr()
+    }
+
+    #[inline(always)]
+    pub(crate) fn stride(&self) -> usize {
+        self.stride
+    }
+
     pub(crate) fn check(&self, count: usize) -> Result<(), Failure> {
         check(self.start)?;
         if self.stride < NUMBER || !self.stride.is_multiple_of(NUMBER) {
@@ -127,66 +148,55 @@ impl Stream {
     }
 }
 
-/// A part of one array: the caller's memory where it is dense, a copy of at most [`BLOCK`] numbers elsewhere.
+/// Parts of one array; those that are not dense are copied.
 impl Stream {
     #[inline(always)]
     pub(crate) fn is_dense(&self) -> bool {
         self.stride == NUMBER
     }
 
-    /// Numbers to read.
+    /// Numbers to read, where they are.
     ///
     /// # Safety
-    /// The array has been checked for at least `from + len` numbers, which are readable for as long as `'a`. If it is not dense
-    /// there is a block, and `len` is at most [`BLOCK`].
+    /// The array is dense, or `len` is 1 and `from` 0. It has been checked for at least `from + len` numbers, which are readable for
+    /// as long as `'a`.
     #[inline(always)]
-    pub(crate) unsafe fn read<'a>(
-        &self,
-        from: usize,
-        len: usize,
-        block: Option<&'a mut [f32; BLOCK]>,
-    ) -> &'a [f32] {
+    pub(crate) unsafe fn slice<'a>(&self, from: usize, len: usize) -> &'a [f32] {
         // SAFETY: the caller's word.
-        unsafe {
-            let Some(block) = block.filter(|_| !self.is_dense()) else {
-                return core::slice::from_raw_parts(self.start.add(from), len);
-            };
-            for (i, number) in block[..len].iter_mut().enumerate() {
-                *number = self.start.byte_add((from + i) * self.stride).read();
-            }
-            &block[..len]
+        unsafe { core::slice::from_raw_parts(self.start.add(from), len) }
+    }
+
+    /// Numbers to write, where they are.
+    ///
+    /// # Safety
+    /// As [`slice`](Self::slice); the numbers are writable, and nobody else uses them.
+    #[inline(always)]
+    pub(crate) unsafe fn slice_mut<'a>(&self, from: usize, len: usize) -> &'a mut [f32] {
+        // SAFETY: the caller's word. What the memory holds before it is overwritten is a valid f32 whatever its bits.
+        unsafe { core::slice::from_raw_parts_mut(self.start.add(from), len) }
+    }
+
+    /// Copies numbers from `from` on.
+    ///
+    /// # Safety
+    /// The array has been checked for so many, which are readable.
+    #[inline(always)]
+    pub(crate) unsafe fn read(&self, from: usize, to: &mut [MaybeUninit<f32>]) {
+        for (i, number) in to.iter_mut().enumerate() {
+            // SAFETY: the caller's word.
+            number.write(unsafe { self.start.byte_add((from + i) * self.stride).read() });
         }
     }
 
-    /// A place to write numbers to, which [`write_back`](Self::write_back) is to be told of.
+    /// Copies numbers to the array, from `from` on.
     ///
     /// # Safety
-    /// As [`read`](Self::read); the numbers are writable, and nobody else uses them.
+    /// The array has been checked for so many, which are writable.
     #[inline(always)]
-    pub(crate) unsafe fn place<'a>(
-        &self,
-        from: usize,
-        len: usize,
-        block: Option<&'a mut [f32; BLOCK]>,
-    ) -> &'a mut [f32] {
-        let Some(block) = block.filter(|_| !self.is_dense()) else {
-            // SAFETY: the caller's word. The memory holds a valid f32 whatever its bits, before it is overwritten.
-            return unsafe { core::slice::from_raw_parts_mut(self.start.add(from), len) };
-        };
-        &mut block[..len]
-    }
-
-    /// Writes the numbers that were put into the block, if they were.
-    ///
-    /// # Safety
-    /// As [`place`](Self::place).
-    #[inline(always)]
-    pub(crate) unsafe fn write_back(&self, from: usize, len: usize, block: &[f32; BLOCK]) {
-        if !self.is_dense() {
-            for (i, &number) in block[..len].iter().enumerate() {
-                // SAFETY: the caller's word.
-                unsafe { self.start.byte_add((from + i) * self.stride).write(number) };
-            }
+    pub(crate) unsafe fn write(&self, from: usize, numbers: &[f32]) {
+        for (i, &number) in numbers.iter().enumerate() {
+            // SAFETY: the caller's word.
+            unsafe { self.start.byte_add((from + i) * self.stride).write(number) };
         }
     }
 }
@@ -216,13 +226,21 @@ impl<const I: usize> Inputs<I> {
     pub fn run<E>(&self, mut call: impl FnMut([&[f32]; I]) -> Result<(), E>) -> Result<(), E> {
         let is_dense = self.streams.iter().all(Stream::is_dense);
         let most = if is_dense { self.count } else { BLOCK };
-        let mut blocks = [[0f32; BLOCK]; I];
+        let mut blocks = [[MaybeUninit::uninit(); BLOCK]; I];
         for from in (0..self.count).step_by(most) {
             let len = most.min(self.count - from);
             let mut slices: [&[f32]; I] = [&[]; I];
             for ((slice, stream), block) in slices.iter_mut().zip(&self.streams).zip(&mut blocks) {
-                // SAFETY: `new` has checked the arrays, of which `from + len` is no further than the end; the word given to it.
-                *slice = unsafe { stream.read(from, len, Some(block)) };
+                if stream.is_dense() {
+                    // SAFETY: `new` has checked the arrays, of which `from + len` is no further than the end; the word given to it.
+                    *slice = unsafe { stream.slice(from, len) };
+                    continue;
+                }
+                let block = &mut block[..len];
+                // SAFETY: as above.
+                unsafe { stream.read(from, block) };
+                // SAFETY: all of them have been set.
+                *slice = unsafe { &*(&raw const *block as *const [f32]) };
             }
             call(slices)?;
         }

@@ -158,7 +158,7 @@ fn with_room<const N: usize>(
 }
 
 /// Answers for mixture `m`, an empty one if the outgoing direction of hit `i` was none.
-fn one_of<const N: usize>(request: &mut Request<'_>, m: &Mixture<'_, N>, i: usize) {
+pub(super) fn one_of<const N: usize>(request: &mut Request<'_>, m: &Mixture<'_, N>, i: usize) {
     if let Some(draw) = &mut request.draw {
         let u = at(&draw.u, i).to_array();
         let sample = if draw.weight.is_some() {
@@ -169,7 +169,7 @@ fn one_of<const N: usize>(request: &mut Request<'_>, m: &Mixture<'_, N>, i: usiz
                 Sample { direction, pdf, weight: Vec3::ZERO }
             })
         };
-        draw.put(i, sample);
+        draw.put(i, &sample);
     }
     if let Some(towards) = &mut request.evaluate {
         let wi = at(&towards.wi, i);
@@ -180,7 +180,7 @@ fn one_of<const N: usize>(request: &mut Request<'_>, m: &Mixture<'_, N>, i: usiz
         } else {
             (Vec3::ZERO, m.pdf(wi))
         };
-        towards.put(i, value, pdf);
+        towards.put(i, &value, pdf);
     }
 }
 

@@ -4,6 +4,7 @@
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
 use super::draw::sample_direction;
+use super::each_mixture::one_of;
 use super::lobe_sums::{STAGE, Stage, sums};
 use super::request::{Draws, Request, Towards};
 use crate::color::{LUMINANCE, luminance};
@@ -17,6 +18,12 @@ use glam::Vec3;
 
 /// Directions of a batch that are evaluated, and then multiplied while they are near.
 const NEAR: usize = 512;
+
+/// Fewer directions than this are drawn one by one.
+const FEW_DRAWS: usize = 4;
+
+/// Fewer than this are evaluated one by one.
+const FEW: usize = 6;
 
 impl<const N: usize> Mixture<'_, N> {
     /// Draws and evaluates for n hits: outputs that are given are wanted.
@@ -32,7 +39,12 @@ impl<const N: usize> Mixture<'_, N> {
         let towards = evaluate.as_ref().map_or(0, |towards| towards.wi[0].len());
         let (draw, evaluate) = (Request { draw, evaluate: None }, Request { draw: None, evaluate });
         draw.check(drawn).and(evaluate.check(towards))?;
-        let mut parts = EMPTY_BLOCKS;
+        let draw = if drawn < FEW_DRAWS { self.few(draw, drawn) } else { draw };
+        let evaluate = if towards < FEW { self.few(evaluate, towards) } else { evaluate };
+        if draw.draw.is_none() && evaluate.evaluate.is_none() {
+            return Ok(());
+        }
+        let mut parts = [Rows::zeros(); PARTS];
         let mixture = self.borrowed(&mut parts);
         if let Some(draw) = draw.draw {
             mixture.draw(draw);
@@ -41,6 +53,12 @@ impl<const N: usize> Mixture<'_, N> {
             mixture.evaluate(towards);
         }
         Ok(())
+    }
+
+    /// Answers one by one; nothing is left of the request.
+    fn few<'a>(&self, mut request: Request<'a>, n: usize) -> Request<'a> {
+        (0..n).for_each(|i| one_of(&mut request, self, i));
+        Request::default()
     }
 }
 

@@ -81,22 +81,21 @@ impl<'a> From<Towards<'a>> for Request<'a> {
 
 impl Request<'_> {
     /// Refuses slices that are not of length `n`.
+    #[inline(always)]
     pub(crate) fn check(&self, n: usize) -> Result<(), Error> {
-        if self.all(|length| length == n) { Ok(()) } else { Err(Error::Length) }
-    }
-
-    /// Whether all lengths pass.
-    fn all(&self, pass: impl Fn(usize) -> bool) -> bool {
-        let mut all = true;
+        // Without branches: a bit of any length that is another one.
+        let three = |[a, b, c]: [&[f32]; 3]| (a.len() ^ n) | (b.len() ^ n) | (c.len() ^ n);
+        let three_out = |[a, b, c]: &[&mut [f32]; 3]| (a.len() ^ n) | (b.len() ^ n) | (c.len() ^ n);
+        let mut other = 0;
         if let Some(Draws { u, direction, pdf, weight }) = &self.draw {
-            all &= u.iter().all(|s| pass(s.len())) && direction.iter().all(|s| pass(s.len()));
-            all &= pdf.iter().all(|s| pass(s.len())) && weight.iter().flatten().all(|s| pass(s.len()));
+            other |= three(*u) | three_out(direction);
+            other |= pdf.as_ref().map_or(0, |pdf| pdf.len() ^ n) | weight.as_ref().map_or(0, three_out);
         }
         if let Some(Towards { wi, value, pdf }) = &self.evaluate {
-            all &= wi.iter().all(|s| pass(s.len())) && value.iter().flatten().all(|s| pass(s.len()));
-            all &= pdf.iter().all(|s| pass(s.len()));
+            other |= three(*wi) | value.as_ref().map_or(0, three_out);
+            other |= pdf.as_ref().map_or(0, |pdf| pdf.len() ^ n);
         }
-        all
+        if other == 0 { Ok(()) } else { Err(Error::Length) }
     }
 }
 
@@ -106,30 +105,40 @@ pub(crate) fn at(vectors: &[&[f32]; 3], i: usize) -> Vec3 {
 }
 
 /// Stores a direction or a colour.
-fn put(vectors: &mut [&mut [f32]; 3], i: usize, v: Vec3) {
-    for (to, number) in vectors.iter_mut().zip(v.to_array()) {
-        to[i] = number;
-    }
+#[inline(always)]
+fn put([x, y, z]: &mut [&mut [f32]; 3], i: usize, v: &Vec3) {
+    x[i] = v.x;
+    y[i] = v.y;
+    z[i] = v.z;
 }
 
 impl Draws<'_> {
     /// Stores a draw; `None` where nothing is reflected.
-    pub(crate) fn put(&mut self, i: usize, sample: Option<Sample>) {
-        let nothing = Sample { direction: Vec3::Z, pdf: 0.0, weight: Vec3::ZERO };
-        let sample = sample.unwrap_or(nothing);
-        put(&mut self.direction, i, sample.direction);
+    #[inline(always)]
+    pub(crate) fn put(&mut self, i: usize, sample: &Option<Sample>) {
+        // By references: a copy of a struct waits for its numbers, which have just been stored one by one.
+        match sample {
+            Some(Sample { direction, pdf, weight }) => self.put_numbers(i, direction, *pdf, weight),
+            None => self.put_numbers(i, &Vec3::Z, 0.0, &Vec3::ZERO),
+        }
+    }
+
+    #[inline(always)]
+    fn put_numbers(&mut self, i: usize, direction: &Vec3, density: f32, colour: &Vec3) {
+        put(&mut self.direction, i, direction);
         if let Some(pdf) = &mut self.pdf {
-            pdf[i] = sample.pdf;
+            pdf[i] = density;
         }
         if let Some(weight) = &mut self.weight {
-            put(weight, i, sample.weight);
+            put(weight, i, colour);
         }
     }
 }
 
 impl Towards<'_> {
     /// Stores a value and a density.
-    pub(crate) fn put(&mut self, i: usize, value: Vec3, density: f32) {
+    #[inline(always)]
+    pub(crate) fn put(&mut self, i: usize, value: &Vec3, density: f32) {
         if let Some(to) = &mut self.value {
             put(to, i, value);
         }

@@ -1,6 +1,7 @@
 //! The directions of a block as the lobes see them, each in a frame of its own.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
+use crate::simd::elementary::{falloff, falloff_soon};
 use crate::simd::lanes::{Lanes, Numbers, WIDEST};
 #[cfg(feature = "simd")]
 use crate::squeeze::Sight;
@@ -58,6 +59,29 @@ pub(crate) fn seen<L: Lanes>(sights: &Sights, i: usize, squeezed: L::Mask) -> Se
         numbers[n] = L::select(squeezed, L::splat(sights[1][n][i]), turned);
     }
     Seen::from_numbers(numbers)
+}
+
+/// What lobes and their mirror images below the horizon have in a direction, of amplitude 1. `SOON`: by a shorter chain of more
+/// operations.
+#[inline(always)]
+pub(crate) fn folded_falloff<L: Lanes, const SOON: bool>([x, y, z]: [L; 3], rate: L, seen: &Seen<L>) -> L {
+    let fold_rate = rate * L::splat(4.0) * z;
+    let (mut rate, [mut dx, mut dy, mut dz]) = (rate, seen.high);
+    if L::FUSED {
+        dx = x.neg_mul_add(seen.length, dx) + seen.low[0];
+        dy = y.neg_mul_add(seen.length, dy) + seen.low[1];
+        dz = z.neg_mul_add(seen.length, dz);
+        rate = rate * seen.inverse_square;
+    } else {
+        dx = (dx - x) + seen.low[0];
+        dy = (dy - y) + seen.low[1];
+        dz = (dz - z) + seen.low[2];
+    }
+    let t = rate * dx.mul_add(dx, dy.mul_add(dy, dz * dz));
+    // |d - mirrored axis|^2 = |d - axis|^2 + 4 d.z axis.z
+    let folded = fold_rate.mul_add(seen.height, t);
+    let g = if SOON { falloff_soon(t) + falloff_soon(folded) } else { falloff(t) + falloff(folded) };
+    g * seen.scale
 }
 
 /// Places of some of the numbers.

@@ -10,6 +10,12 @@ pub(crate) fn same_length(lengths: impl IntoIterator<Item = usize>) -> Result<us
     if lengths.all(|n| n == first) { Ok(first) } else { Err(Error::Length) }
 }
 
+/// The one length of three slices.
+#[inline(always)]
+pub(crate) fn one_length([x, y, z]: &[&[f32]; 3]) -> Result<usize, Error> {
+    if (x.len() ^ y.len()) | (x.len() ^ z.len()) == 0 { Ok(x.len()) } else { Err(Error::Length) }
+}
+
 /// Hits that are taken together, at most [`WIDEST`].
 #[derive(Clone, Copy)]
 pub(crate) struct Block {

@@ -7,13 +7,12 @@
 
 use super::super::draw::{Choice, Frame, draw};
 use super::super::outgoing::Facing;
-use super::super::sights::{Sights, seen, sights};
+use super::super::sights::{Sights, folded_falloff, seen, sights};
 use super::between_rows::{Lobes, blend, group, luminance_of};
 use super::table::{
     DIFFUSE, DIFFUSE_POWER, Expanded, INVERSE_SQUEEZE, LOBES_POWER, MIRRORED, PAIR_HEAD, whole,
 };
 use crate::mixture::complete::{LEAST_SHARPNESS, tail_and_inside};
-use crate::simd::elementary::falloff;
 use crate::simd::lanes::{Lanes, Numbers, WIDEST};
 use crate::simd::routine::Routine;
 use crate::squeeze::Seen;
@@ -417,22 +416,7 @@ impl<L: Lanes, const C: usize> Summand<L, C> {
     /// Adds these lobes.
     #[inline(always)]
     fn add(&self, seen: &Seen<L>, acc: &mut [L; C]) {
-        let [x, y, z] = self.axis;
-        let (mut rate, [mut dx, mut dy, mut dz]) = (self.rate, seen.high);
-        if L::FUSED {
-            dx = x.neg_mul_add(seen.length, dx) + seen.low[0];
-            dy = y.neg_mul_add(seen.length, dy) + seen.low[1];
-            dz = z.neg_mul_add(seen.length, dz);
-            rate = rate * seen.inverse_square;
-        } else {
-            dx = (dx - x) + seen.low[0];
-            dy = (dy - y) + seen.low[1];
-            dz = (dz - z) + seen.low[2];
-        }
-        let t = rate * dx.mul_add(dx, dy.mul_add(dy, dz * dz));
-        // |d - mirrored axis|^2 = |d - axis|^2 + 4 d.z axis.z
-        let fold_rate = self.rate * L::splat(4.0) * z;
-        let g = (falloff(t) + falloff(fold_rate.mul_add(seen.height, t))) * seen.scale;
+        let g = folded_falloff::<L, false>(self.axis, self.rate, seen);
         for channel in 0..C {
             acc[channel] = g.mul_add(self.amplitude[channel], acc[channel]);
         }

@@ -23,11 +23,13 @@ pub(super) struct HitBlock<'a, 'm, const G: usize> {
     /// Whether directions are to be drawn, and materials evaluated towards others.
     pub draws: bool,
     pub evaluates: bool,
-    pub room: &'a mut Room<G>,
+    pub room: &'a mut Room,
+    /// For the lobes of each hit: at least as many as there are.
+    pub kept: &'a mut [Kept<G>],
 }
 
-/// The inputs and outputs of a block, in room that a batch uses again for every block.
-pub(super) struct Room<const G: usize> {
+/// What goes into a block and what comes out, in room that a batch uses again for every block.
+pub(super) struct Room {
     /// Outgoing directions, uniform numbers, and incident directions.
     pub wo: [Numbers; 3],
     pub u: [Numbers; 3],
@@ -38,7 +40,6 @@ pub(super) struct Room<const G: usize> {
     pub towards: Sums,
     /// Power of lobes and diffuse terms, 0 where nothing is reflected.
     pub power: Numbers,
-    kept: [Kept<G>; WIDEST],
     /// Sums by lane; a row is a pair.
     lanes: Lanes3,
 }
@@ -46,7 +47,7 @@ pub(super) struct Room<const G: usize> {
 /// Sums by lane in three channels.
 type Lanes3 = [[[f32; WIDEST]; WIDEST]; 3];
 
-impl<const G: usize> Room<G> {
+impl Room {
     pub const NEW: Self = Self {
         wo: [[0.5; WIDEST]; 3],
         u: [[0.5; WIDEST]; 3],
@@ -55,7 +56,6 @@ impl<const G: usize> Room<G> {
         drawn: Sums { value: [[0.0; WIDEST]; 3], pdf: [0.0; WIDEST] },
         towards: Sums { value: [[0.0; WIDEST]; 3], pdf: [0.0; WIDEST] },
         power: [0.0; WIDEST],
-        kept: [[super::lobes::NOTHING; G]; WIDEST],
         lanes: [[[0.0; WIDEST]; WIDEST]; 3],
     };
 }
@@ -71,15 +71,17 @@ impl<const G: usize> Routine for HitBlock<'_, '_, G> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { materials, count, draws, evaluates, room } = self;
-        let Room { wo, u, wi, direction, drawn, towards, power, kept, lanes } = room;
-        let count = count.min(WIDEST);
+        let Self { materials, count, draws, evaluates, room, kept } = self;
+        let Room { wo, u, wi, direction, drawn, towards, power, lanes } = room;
+        let count = count.min(WIDEST).min(kept.len());
         let mut heads = Heads::new::<L>(materials, wo, count);
         let mut in_plane = true;
         for i in 0..count {
             let (material, kept) = (materials[i], &mut kept[i]);
-            if material.header.mirrored > 0 {
-                in_plane = false;
+            let is_mirrored = material.header.mirrored > 0;
+            in_plane &= !is_mirrored;
+            // One text does for many lobes, of which some may be mirrored.
+            if is_mirrored || G > 1 {
                 keep_first::<L::Lobes, G, true>(material, heads.place[i], kept);
             } else {
                 keep_first::<L::Lobes, G, false>(material, heads.place[i], kept);
@@ -241,7 +243,7 @@ impl Heads {
         &self,
         materials: &[MaterialRef<'_>; WIDEST],
         count: usize,
-        kept: &[Kept<G>; WIDEST],
+        kept: &[Kept<G>],
         wi: &[Numbers; 3],
         lanes: &mut Lanes3,
         sums: &mut Sums,
@@ -315,7 +317,7 @@ impl Chosen {
         materials: &[MaterialRef<'_>; WIDEST],
         heads: &Heads,
         count: usize,
-        kept: &[Kept<G>; WIDEST],
+        kept: &[Kept<G>],
         u: &Numbers,
     ) -> Self {
         let (one, zeros) = ([1.0; WIDEST], [0.0; WIDEST]);

@@ -4,11 +4,12 @@
 
 use super::super::between_views::{Lobes, Place, rows_at};
 use super::super::draw::Choice;
+use super::super::sights::folded_falloff;
 #[cfg(feature = "simd")]
 use super::super::sights::{Sights, seen};
 use crate::material::borrowed::MaterialRef;
 use crate::mixture::complete::LEAST_SHARPNESS;
-use crate::simd::elementary::{exp2_and_rest, falloff, falloff_soon};
+use crate::simd::elementary::exp2_and_rest;
 use crate::simd::lanes::{Lanes, Numbers, WIDEST};
 use crate::squeeze::{Seen, Sight};
 use core::f32::consts::{LOG2_E, PI};
@@ -191,25 +192,8 @@ pub(super) fn sums_of_block<L: Lanes, const G: usize>(
 /// Adds the lobes from the `j`-th on of a group. `SOON`: by a shorter chain of more operations.
 #[inline(always)]
 fn add<L: Lanes, const SOON: bool>(of: &[Numbers; KEPT], j: usize, seen: &Seen<L>, acc: &mut [L; 3]) {
-    let [x, y, z] = [L::load(&of[0][j..]), L::load(&of[1][j..]), L::load(&of[2][j..])];
-    let mut rate = L::load(&of[RATE][j..]);
-    let fold_rate = rate * L::splat(4.0) * z;
-    let [mut dx, mut dy, mut dz] = seen.high;
-    if L::FUSED {
-        dx = x.neg_mul_add(seen.length, dx) + seen.low[0];
-        dy = y.neg_mul_add(seen.length, dy) + seen.low[1];
-        dz = z.neg_mul_add(seen.length, dz);
-        rate = rate * seen.inverse_square;
-    } else {
-        dx = (dx - x) + seen.low[0];
-        dy = (dy - y) + seen.low[1];
-        dz = (dz - z) + seen.low[2];
-    }
-    let t = rate * dx.mul_add(dx, dy.mul_add(dy, dz * dz));
-    // |d - mirrored axis|^2 = |d - axis|^2 + 4 d.z axis.z
-    let folded = fold_rate.mul_add(seen.height, t);
-    let g = if SOON { falloff_soon(t) + falloff_soon(folded) } else { falloff(t) + falloff(folded) };
-    let g = g * seen.scale;
+    let axis = [L::load(&of[0][j..]), L::load(&of[1][j..]), L::load(&of[2][j..])];
+    let g = folded_falloff::<L, SOON>(axis, L::load(&of[RATE][j..]), seen);
     for channel in 0..3 {
         acc[channel] = g.mul_add(L::load(&of[AMPLITUDE + channel][j..]), acc[channel]);
     }

@@ -124,29 +124,52 @@ impl Answer {
     pub const NOTHING: Self = Self { sample: None, value: Vec3::ZERO, pdf: 0.0 };
 }
 
-/// Asks a material. Not generic over who owns its bytes: the kernels are compiled here, once.
+/// Asks a material.
+#[inline(always)]
 pub(super) fn ask_one(material: MaterialRef<'_>, wo: Vec3, asked: Asked) -> Answer {
+    let Asked { u, wi, colors } = asked;
+    let which = Which { draws: u.is_some(), evaluates: wi.is_some(), colors };
+    let ([a, b, c], [x, y, z]) = (u.unwrap_or_default(), wi.unwrap_or_default());
+    ask_numbers(material, which, wo.x, wo.y, wo.z, a, b, c, x, y, z)
+}
+
+/// What is asked, without its numbers.
+#[derive(Clone, Copy)]
+struct Which {
+    draws: bool,
+    evaluates: bool,
+    colors: bool,
+}
+
+/// The same. Numbers travel in registers: who has just stored them one by one would wait for a struct that is read by larger parts.
+/// Not generic over who owns the bytes: the kernels are compiled here, once.
+#[inline(never)]
+#[allow(clippy::too_many_arguments)]
+fn ask_numbers(
+    material: MaterialRef<'_>,
+    which: Which,
+    x: f32,
+    y: f32,
+    z: f32,
+    a: f32,
+    b: f32,
+    c: f32,
+    ix: f32,
+    iy: f32,
+    iz: f32,
+) -> Answer {
     let level = Level::current();
+    let (wo, u, wi) = ([x, y, z], [a, b, c], [ix, iy, iz]);
     if !material.header.is_isotropic() {
+        let Which { draws, evaluates, colors } = which;
+        let asked = Asked { u: draws.then_some(u), wi: evaluates.then_some(wi), colors };
         return match material.header.lobe_count() {
-            0..=16 => by_mixture::<16>(material, wo, asked, level),
-            17..=32 => by_mixture::<32>(material, wo, asked, level),
-            _ => by_mixture::<MAX_LOBES>(material, wo, asked, level),
+            0..=16 => by_mixture::<16>(material, wo.into(), asked, level),
+            17..=32 => by_mixture::<32>(material, wo.into(), asked, level),
+            _ => by_mixture::<MAX_LOBES>(material, wo.into(), asked, level),
         };
     }
-    let Asked { u, wi, colors } = asked;
-    let hit = |u: Option<[f32; 3]>, wi: Option<[f32; 3]>| Hit {
-        material,
-        u: u.unwrap_or_default(),
-        wi: wi.unwrap_or_default(),
-        colors,
-    };
-    match (u.is_some(), wi.is_some()) {
-        (true, true) => level.run_one::<_, Ask<true, true>>(hit(u, wi), wo.to_array()),
-        (true, false) => level.run_one::<_, Ask<true, false>>(hit(u, wi), wo.to_array()),
-        (false, true) => level.run_one::<_, Ask<false, true>>(hit(u, wi), wo.to_array()),
-        (false, false) => Answer::NOTHING,
-    }
+    level.run_one::<_, Ask>(Hit { material, u, wi, which }, wo)
 }
 
 /// The same by a mixture on the stack.
@@ -171,13 +194,13 @@ struct Hit<'a> {
     material: MaterialRef<'a>,
     u: [f32; 3],
     wi: [f32; 3],
-    colors: bool,
+    which: Which,
 }
 
-/// One hit: a draw if `DRAWS`, a value and a density towards another direction if `EVALUATES`.
-struct Ask<const DRAWS: bool, const EVALUATES: bool>;
+/// One hit. What is asked is a branch and no parameter of the text: a text for each would be three times the bytes.
+struct Ask;
 
-impl<const DRAWS: bool, const EVALUATES: bool> One<Hit<'_>> for Ask<DRAWS, EVALUATES> {
+impl One<Hit<'_>> for Ask {
     type Output = Answer;
     const IS_WIDE: bool = true;
     #[inline(always)]
@@ -189,10 +212,9 @@ impl<const DRAWS: bool, const EVALUATES: bool> One<Hit<'_>> for Ask<DRAWS, EVALU
         }
         let header = hit.material.header;
         match (header.mirrored > 0, header.lobe_count() <= WIDEST) {
-            (false, true) => answer::<L, 1, false, DRAWS, EVALUATES>(&hit, &outgoing),
-            (true, true) => answer::<L, 1, true, DRAWS, EVALUATES>(&hit, &outgoing),
-            (false, false) => answer::<L, GROUPS, false, DRAWS, EVALUATES>(&hit, &outgoing),
-            (true, false) => answer::<L, GROUPS, true, DRAWS, EVALUATES>(&hit, &outgoing),
+            (false, true) => answer::<L, 1, false>(&hit, &outgoing),
+            (true, true) => answer::<L, 1, true>(&hit, &outgoing),
+            (_, false) => answer::<L, GROUPS, true>(&hit, &outgoing),
         }
     }
 }
@@ -201,11 +223,8 @@ impl<const DRAWS: bool, const EVALUATES: bool> One<Hit<'_>> for Ask<DRAWS, EVALU
 pub(super) const GROUPS: usize = MAX_LOBES / WIDEST;
 
 #[inline(always)]
-fn answer<L: Lanes, const G: usize, const MIRRORED: bool, const DRAWS: bool, const EVALUATES: bool>(
-    hit: &Hit<'_>,
-    outgoing: &Outgoing,
-) -> Answer {
-    let (material, header) = (hit.material, hit.material.header);
+fn answer<L: Lanes, const G: usize, const MIRRORED: bool>(hit: &Hit<'_>, outgoing: &Outgoing) -> Answer {
+    let (material, header, which) = (hit.material, hit.material.header, hit.which);
     let place = Place::after(material, views_passed::<L>(material, outgoing.theta), outgoing.theta);
     let (squeeze, diffuse) = head_at::<L>(material, place);
     let diffuse_power = luminance(Vec3::from_array(diffuse));
@@ -222,13 +241,13 @@ fn answer<L: Lanes, const G: usize, const MIRRORED: bool, const DRAWS: bool, con
     let shines = power >= f32::MIN_POSITIVE;
     let inverse_power = if shines { 1.0 / power } else { 0.0 };
     let factors =
-        (hit.colors && header.has_factors()).then(|| (Nodes::new(material), outgoing.wo.to_array()));
+        (which.colors && header.has_factors()).then(|| (Nodes::new(material), outgoing.wo.to_array()));
     let mut answer = Answer::NOTHING;
-    // First, as it waits for less: the draw waits for the running sum.
-    if EVALUATES {
+    // First, as it waits for less: what is drawn waits for the running sum.
+    if which.evaluates {
         (answer.value, answer.pdf) = lobes.towards::<L>(hit.wi, inverse_power, factors.as_ref());
     }
-    if DRAWS && shines {
+    if which.draws && shines {
         let one = L::One::splat(1.0);
         let target = chosen_power(power, L::One::splat(hit.u[0]));
         let k = chosen_lobe::<L::Lobes, G>(&lobes.kept, lobes.count, target.first());

@@ -11,9 +11,11 @@ use super::super::multiply_factors::multiply_pairs;
 use super::super::request::{Request, at};
 #[cfg(feature = "simd")]
 use super::super::slices::Block;
-use super::super::slices::same_length;
+use super::super::slices::{one_length, same_length};
 #[cfg(feature = "simd")]
 use super::block::{HitBlock, Room, Sums};
+#[cfg(feature = "simd")]
+use super::lobes::{Kept, NOTHING};
 #[cfg(feature = "simd")]
 use super::one::GROUPS;
 use super::one::{Asked, ask_one};
@@ -47,7 +49,7 @@ impl<B: AsRef<[u8]>> Material<B> {
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
     pub fn ask(&self, wo: [&[f32]; 3], mut request: Request<'_>) -> Result<(), Error> {
-        let n = same_length(wo.iter().map(|s| s.len()))?;
+        let n = one_length(&wo)?;
         request.check(n)?;
         ask(Source::One(self.borrowed()), wo, &mut request);
         Ok(())
@@ -74,6 +76,10 @@ impl<B: AsRef<[u8]>> Material<B> {
 /// Fewer hits than this are taken one by one.
 #[cfg(feature = "simd")]
 const FEW: usize = 4;
+
+/// Up to so many hits have a small block.
+#[cfg(feature = "simd")]
+const SOME: usize = WIDEST / 2;
 
 /// Whose hits they are.
 #[derive(Clone, Copy)]
@@ -110,10 +116,10 @@ fn ask(source: Source<'_, '_>, wo: [&[f32]; 3], request: &mut Request<'_>) {
                 Source::One(_) => count(0),
                 Source::Each(_) => (0..n).map(count).max().unwrap_or(0),
             };
-            if most <= WIDEST {
-                in_blocks::<1>(level, source, wo, request);
-            } else {
-                in_blocks::<GROUPS>(level, source, wo, request);
+            match (most <= WIDEST, n <= SOME) {
+                (true, true) => in_blocks::<1, SOME>(level, source, wo, request),
+                (true, false) => in_blocks::<1, WIDEST>(level, source, wo, request),
+                (false, _) => in_blocks::<GROUPS, WIDEST>(level, source, wo, request),
             }
             return;
         }
@@ -137,23 +143,24 @@ fn one_by_one(
         let wi = evaluate.as_ref().map(|towards| at(&towards.wi, i).to_array());
         let answer = ask_one(material, wo, Asked { u, wi, colors });
         if let Some(draw) = draw {
-            draw.put(i, answer.sample);
+            draw.put(i, &answer.sample);
         }
         if let Some(towards) = evaluate {
-            towards.put(i, answer.value, answer.pdf);
+            towards.put(i, &answer.value, answer.pdf);
         }
     }
 }
 
+/// `B`: most hits of a block, so that few do not wait until room for many has been cleared.
 #[cfg(feature = "simd")]
 #[inline(never)]
-fn in_blocks<const G: usize>(
+fn in_blocks<const G: usize, const B: usize>(
     level: Level,
     source: Source<'_, '_>,
     wo: [&[f32]; 3],
     request: &mut Request<'_>,
 ) {
-    let mut room = Room::<G>::NEW;
+    let (mut room, mut kept) = (Room::NEW, [[NOTHING; G]; B]);
     let mut materials = [source.get(0); WIDEST];
     for block in Block::all(wo[0].len()) {
         let Block { from, count } = block;
@@ -163,7 +170,7 @@ fn in_blocks<const G: usize>(
             }
         }
         if materials.iter().all(|material| material.header.is_isotropic()) {
-            Hits { level, materials: &materials, block }.ask(&wo, request, &mut room);
+            Hits { level, materials: &materials, block }.ask(&wo, request, &mut room, &mut kept);
         } else {
             one_by_one(source, wo, request, from..from + count);
         }
@@ -180,7 +187,13 @@ struct Hits<'a, 'm> {
 
 #[cfg(feature = "simd")]
 impl Hits<'_, '_> {
-    fn ask<const G: usize>(&self, wo: &[&[f32]; 3], request: &mut Request<'_>, room: &mut Room<G>) {
+    fn ask<const G: usize>(
+        &self,
+        wo: &[&[f32]; 3],
+        request: &mut Request<'_>,
+        room: &mut Room,
+        kept: &mut [Kept<G>],
+    ) {
         let &Self { level, materials, block } = self;
         let count = block.count;
         block.copy_in(wo, &mut room.wo);
@@ -191,7 +204,7 @@ impl Hits<'_, '_> {
             block.copy_in(&towards.wi, &mut room.wi);
         }
         let (draws, evaluates) = (request.draw.is_some(), request.evaluate.is_some());
-        level.run(HitBlock::<G> { materials, count, draws, evaluates, room: &mut *room });
+        level.run(HitBlock::<G> { materials, count, draws, evaluates, room: &mut *room, kept });
         let Room { wo, wi, direction, drawn, towards, power, .. } = room;
         if let Some(draw) = &mut request.draw {
             if let Some(weight) = &mut draw.weight {
