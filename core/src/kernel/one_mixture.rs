@@ -44,7 +44,7 @@ impl<const N: usize> Mixture<'_, N> {
         if draw.draw.is_none() && evaluate.evaluate.is_none() {
             return Ok(());
         }
-        let mut parts = [Rows::zeros(); PARTS];
+        let mut parts = EMPTY_BLOCKS;
         let mixture = self.borrowed(&mut parts);
         if let Some(draw) = draw.draw {
             mixture.draw(draw);

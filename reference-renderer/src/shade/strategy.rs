@@ -86,8 +86,8 @@ pub enum Light {
     Off,
     /// In place of the material; the material only leads the path on.
     Only,
-    /// Together with what draws for the material, by sums of both without shadows, which two rays correct. Where a surface is matte, or sees
-    /// little of the light, as `Mis`.
+    /// Together with what draws for the material, by sums of both without shadows, which two rays correct. Where a surface sees little
+    /// of the light, as `Mis`.
     Even,
     /// Together with our lobes, by resampling candidates of both. Where a surface is sampled by something else, as `Mis`.
     Product,

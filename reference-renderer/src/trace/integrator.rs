@@ -71,7 +71,7 @@ pub fn radiance<'a>(
     };
     let scattering = &mut workspace.scattering;
     let Some(frame) = look(&surface, ray, scattering) else { return Vec3::NAN };
-    if let Some(lighting) = lighting.filter(|_| even::is_for(scattering)) {
+    if let Some(lighting) = lighting {
         return path.even(lighting, &frame, scattering, &mut workspace.together);
     }
     let mut light = path.branch(0, split).light_at(&frame, scattering, 0, first);

@@ -13,13 +13,9 @@ use crate::trace::openness::{Openness, SurveyedPath};
 use crate::trace::path::Path;
 use crate::trace::scene::Scene;
 use crate::trace::settings::RenderSettings;
-use crate::truth::AnyMixture;
 use crate::world::environment::tile::{BLOCKS, LightTile};
 use glam::Vec3;
 use srbf_core::{LightBlock, Reflection, luminance};
-
-/// Share of its power that the diffuse term of a mixture may have: of a matte surface, the light alone is sampled as well.
-const MOST_DIFFUSE: f32 = 0.9;
 
 /// Paths of the survey, a few milliseconds, and the blocks of light that they share.
 const SURVEY: u64 = 2048;
@@ -39,12 +35,6 @@ pub struct FirstHit {
     reflection: Reflection,
     /// `f cos` of the rendered material, towards the path's ray and the shadow ray.
     values: [Vec3; 2],
-}
-
-/// Whether a surface is not matte, as far as its lobes tell; a surface without lobes is taken for not matte.
-pub fn is_for(scattering: &Scattering<'_>) -> bool {
-    let is_matte = |lobes: &AnyMixture<'_>| luminance(lobes.diffuse()) >= MOST_DIFFUSE * lobes.power();
-    !scattering.known_lobes().is_some_and(is_matte)
 }
 
 impl Lighting {
@@ -72,9 +62,6 @@ impl Lighting {
             let ray = camera.ray(across * size[0] as f32, down * size[1] as f32);
             let Some(surface) = scene.hit(&ray) else { continue };
             let Some(frame) = look(&surface, &ray, &mut scattering) else { continue };
-            if !is_for(&scattering) {
-                continue;
-            }
             let path = Path { scene, settings, points };
             if let Some(drawn) = path.draw_together(&lighting, &frame, &scattering) {
                 seen.push(path.survey(&frame, &drawn));
@@ -219,27 +206,6 @@ mod tests {
         let sum: DVec3 = (0..film.pixels.len()).map(|i| film.mean(i)).sum();
         let variance: DVec3 = (0..film.pixels.len()).map(|i| film.variance_of_mean(i)).sum();
         (sum / n, (variance / (n * n)).map(f64::sqrt))
-    }
-
-    #[test]
-    fn matte_ground_has_the_paths_of_mis() {
-        let light = crate::world::environment::sky::sky();
-        let [object, ground] = ["garnet_red", "matte"].map(|name| StoredMaterial::load(name).unwrap());
-        let scene = Scene::new(SceneName::Teapot, &object.material, &ground.material, &light);
-        let film = |light: Light| {
-            let settings =
-                RenderSettings { light, split: 1, max_bounces: 6, points: PointsName::Sobol, seed: 3 };
-            let mut film = Film::new(SIZE);
-            let camera = SceneName::Teapot.camera(SIZE);
-            add_samples(&scene, &camera, &settings, &mut film, 4, &Progress::hidden()).unwrap();
-            film
-        };
-        let [even, mis] = [Light::Even, Light::Mis].map(film);
-        let is_same = |i: usize| even.mean(i) == mis.mean(i);
-        let count = even.pixels.len();
-        let before_the_teapot = count - 3 * SIZE[0] as usize;
-        assert!((before_the_teapot..count).all(is_same));
-        assert!(!(0..count).all(is_same));
     }
 
     #[test]
