@@ -232,6 +232,13 @@ impl<'a> Scattering<'a> {
         (matches!(self.proposal.part, Part::Lobes) && is_everywhere).then_some(lobes)
     }
 
+    /// The lobes that are rendered, or that draw.
+    #[inline]
+    pub fn known_lobes(&self) -> Option<&AnyMixture<'a>> {
+        let is_known = self.table.is_none() || matches!(self.proposal.part, Part::Lobes);
+        is_known.then_some(&self.mixtures.lobes)
+    }
+
     /// Density of [`sample`](Self::sample); 1/sr.
     #[inline]
     pub fn pdf(&self, wi: Vec3) -> f32 {

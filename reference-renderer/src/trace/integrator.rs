@@ -61,7 +61,7 @@ pub fn radiance<'a>(
     let Some(surface) = scene.hit(ray) else { return scene.environment.radiance(ray.direction) };
     let path = Path { scene, settings, points: *points };
     let split = settings.split as usize;
-    let lighting = lighting.filter(|lighting| lighting.helps_at(surface.point));
+    let lighting = lighting.filter(|lighting| lighting.may_help_at(surface.point));
     let first = match lighting {
         None => path.branch(0, split).ask_for_light(0),
         Some(lighting) => {
@@ -71,7 +71,7 @@ pub fn radiance<'a>(
     };
     let scattering = &mut workspace.scattering;
     let Some(frame) = look(&surface, ray, scattering) else { return Vec3::NAN };
-    if let Some(lighting) = lighting {
+    if let Some(lighting) = lighting.filter(|lighting| lighting.helps_on(scattering, frame.point)) {
         return path.even(lighting, &frame, scattering, &mut workspace.together);
     }
     let mut light = path.branch(0, split).light_at(&frame, scattering, 0, first);

@@ -11,6 +11,9 @@ const ENOUGH: f32 = 12.0;
 /// Share of the light that both rays find, over the light that one of them finds: from there on sums are worth their time.
 const LEAST_SHARE: f32 = 0.7;
 
+/// The same on matte surfaces, where one even sample of the light alone has little error.
+const LEAST_SHARE_OF_MATTE: f32 = 0.85;
+
 /// The findings of one path of the survey.
 pub struct SurveyedPath {
     pub point: Vec3,
@@ -25,7 +28,8 @@ pub struct Openness {
     corner: Vec3,
     /// Cells over the length.
     scale: Vec3,
-    cells: Vec<bool>,
+    /// Share of the light that both rays find, for each cell.
+    shares: Vec<f32>,
 }
 
 /// Sums over the paths of a cell.
@@ -39,14 +43,14 @@ struct Tally {
 impl Openness {
     /// The whole scene is open.
     pub fn everywhere() -> Self {
-        Self { corner: Vec3::ZERO, scale: Vec3::ZERO, cells: vec![true; SIDE * SIDE * SIDE] }
+        Self { corner: Vec3::ZERO, scale: Vec3::ZERO, shares: vec![1.0; SIDE * SIDE * SIDE] }
     }
 
     /// Judges the cells; one that no path has met is closed.
     pub fn of(seen: &[SurveyedPath]) -> Self {
         let mut open = Self::everywhere();
         let Some(first) = seen.first() else {
-            open.cells.fill(false);
+            open.shares.fill(0.0);
             return open;
         };
         let (low, high) =
@@ -68,10 +72,10 @@ impl Openness {
                 cell.any += if s.clear[0] || s.clear[1] { s.light } else { 0.0 };
                 cell.both += if s.clear[0] && s.clear[1] { s.light } else { 0.0 };
             }
-            for index in 0..open.cells.len() {
+            for index in 0..open.shares.len() {
                 let cell = cells[coarse(index)];
                 if cell.paths >= ENOUGH || side == 1 {
-                    open.cells[index] = cell.both > LEAST_SHARE * cell.any;
+                    open.shares[index] = if cell.any > 0.0 { cell.both / cell.any } else { 0.0 };
                 }
             }
             side *= 2;
@@ -86,15 +90,21 @@ impl Openness {
         (z * SIDE + y) * SIDE + x
     }
 
-    /// Whether there is any such place.
+    /// Whether sums are worth their time anywhere.
     pub fn is_anywhere(&self) -> bool {
-        self.cells.contains(&true)
+        self.shares.iter().any(|&share| share > LEAST_SHARE)
     }
 
-    /// Whether most of the light is seen from a point.
+    /// Whether sums are worth their time at a point, on a surface that is not matte.
     #[inline]
     pub fn is_at(&self, point: Vec3) -> bool {
-        self.cells[self.index(point)]
+        self.shares[self.index(point)] > LEAST_SHARE
+    }
+
+    /// The same on a matte surface.
+    #[inline]
+    pub fn is_at_matte(&self, point: Vec3) -> bool {
+        self.shares[self.index(point)] > LEAST_SHARE_OF_MATTE
     }
 }
 
@@ -115,6 +125,8 @@ mod tests {
         paths.push(seen(7.0, false));
         let open = Openness::of(&paths);
         let at = |x: f32| open.is_at(Vec3::new(x, 0.0, 0.0));
+        // The cell of 9.5 has all of its light, that of 7.0 the mean of the whole: 100 of 131.
+        assert!(open.is_at_matte(Vec3::splat(9.5)) && !open.is_at_matte(Vec3::new(7.0, 0.0, 0.0)));
         assert!(!at(0.3) && !at(-100.0) && at(9.5) && at(7.0) && at(1e9));
         assert!(open.is_anywhere() && !Openness::of(&[]).is_anywhere());
         let hidden: Vec<SurveyedPath> = (0..100).map(|i| seen(i as f32, false)).collect();

@@ -13,9 +13,13 @@ use crate::trace::openness::{Openness, SurveyedPath};
 use crate::trace::path::Path;
 use crate::trace::scene::Scene;
 use crate::trace::settings::RenderSettings;
+use crate::truth::AnyMixture;
 use crate::world::environment::tile::{BLOCKS, LightTile};
 use glam::Vec3;
 use srbf_core::{LightBlock, Reflection, luminance};
+
+/// Share of its power that the diffuse term of a matte surface has at least.
+const MOSTLY_DIFFUSE: f32 = 0.9;
 
 /// Paths of the survey, a few milliseconds, and the blocks of light that they share.
 const SURVEY: u64 = 2048;
@@ -74,10 +78,17 @@ impl Lighting {
         lighting
     }
 
-    /// Whether sums are worth their time at a point.
+    /// Whether sums are worth their time at a point of a surface that is not matte.
     #[inline]
-    pub fn helps_at(&self, point: Vec3) -> bool {
+    pub fn may_help_at(&self, point: Vec3) -> bool {
         self.open.is_at(point)
+    }
+
+    /// Whether they are at a point where they may be. A surface whose lobes are unknown is taken for not matte.
+    #[inline]
+    pub fn helps_on(&self, scattering: &Scattering<'_>, point: Vec3) -> bool {
+        let is_matte = |lobes: &AnyMixture<'_>| luminance(lobes.diffuse()) >= MOSTLY_DIFFUSE * lobes.power();
+        !scattering.known_lobes().is_some_and(is_matte) || self.open.is_at_matte(point)
     }
 }
 
