@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a pair costs of a fit beside the table that it was fitted to: RGL's table is the `measured` BSDF of Mitsuba 3, vectorised by LLVM.
+"""The time of a pair of a fit beside the table that it was fitted to: RGL's table is the `measured` BSDF of Mitsuba 3, vectorised by LLVM.
 
 A million pairs of directions, each with its own outgoing one, uniform on the hemisphere. One thread each; both take turns, 15 rounds.
 Printed are nanoseconds a pair, the least of all rounds of the table, of the fit's requests and of its expanded form with 1024 rows;

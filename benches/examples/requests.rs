@@ -1,4 +1,4 @@
-//! What a request costs for few hits, in C and in Rust, beside single calls: `cargo run --release -p srbf-benches --example requests`.
+//! The time of a request for few hits, in C and in Rust, beside single calls: `cargo run --release -p srbf-benches --example requests`.
 //! A number of rounds may follow it.
 //!
 //! A hit draws a direction with its density and weight, and evaluates value and density towards another one; or it does the latter
@@ -214,7 +214,7 @@ impl Work {
         let mut sample = srbf_sample { direction: [0.0; 3], pdf: 0.0, weight: [0.0; 3] };
         let (wo, wi, u) = (hit.wo.as_ptr(), hit.wi.as_ptr(), hit.u.as_ptr());
         let (value, pdf) = (hit.value.as_mut_ptr(), &raw mut hit.pdf);
-        // SAFETY: all point to what the header asks for.
+        // SAFETY: all point to memory as the header demands.
         let status = unsafe {
             match (subject, draws) {
                 (Subject::Material, true) => {

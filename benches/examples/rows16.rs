@@ -1,4 +1,4 @@
-//! What rows of 16-bit numbers would save and cost: `cargo run --release -p srbf-benches --example rows16`.
+//! Gain and price of rows of 16-bit numbers: `cargo run --release -p srbf-benches --example rows16`.
 //!
 //! Each number of the views of a preset but its angles is rounded to 65536 steps over what the file allows it to be; angles stay as
 //! they are, as their digits count by the root of the sharpness. The error is that of values, relative to the largest value of the

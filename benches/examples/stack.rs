@@ -1,6 +1,6 @@
-//! What calls of the C interface use of the stack at each level: `cargo run --release -p srbf-benches --example stack`.
+//! Bytes of the stack that calls of the C interface use, at each level: `cargo run --release -p srbf-benches --example stack`.
 //!
-//! The unused part of a thread's stack is written full of one byte, a function is called, and what it has changed is counted.
+//! The unused part of a thread's stack is written full of one byte, a function is called, and the changed bytes are counted.
 #![allow(unsafe_code, reason = "calls the C interface as C does, and looks below its own stack")]
 
 use srbf::{srbf_material, srbf_mixture, srbf_request, srbf_sample, srbf_vectors, srbf_vectors_out};
@@ -9,7 +9,7 @@ use srbf_core::{Grid, GridView, Level, Line, PlaneLobe, Processor, TiltedLobe, V
 use std::hint::black_box;
 
 const HITS: usize = 256;
-/// Bytes that are looked at, and what they hold before a call.
+/// Bytes that are looked at, and their content before a call.
 const REACH: usize = 1 << 18;
 const MARK: u8 = 0xa5;
 /// Bytes below this function's own frame that are left alone.
@@ -122,7 +122,7 @@ fn of(bytes: &[u8]) -> [usize; 5] {
     let mut sample = srbf_sample { direction: [0.0; 3], pdf: 0.0, weight: [0.0; 3] };
     let (one, towards, numbers) = ([0.6f32, 0.0, 0.8], [0.0f32, 0.6, 0.8], [0.3f32, 0.6, 0.9]);
     let (mut value, mut pdf) = ([0f32; 3], 0f32);
-    // SAFETY: all point to what the header asks for, here and below.
+    // SAFETY: all point to memory as the header demands, here and below.
     let ask = |request: &srbf_request| unsafe { srbf::srbf_material_ask(material, HITS, request) };
     let used = [
         used_by(|| ask(&dense)),
@@ -162,7 +162,7 @@ fn request(inputs: [[*const f32; 3]; 3], out: [*mut f32; 11], stride: usize) -> 
 /// Bytes that a call has changed, from the lowest one up to the caller's frame.
 #[inline(never)]
 fn used_by(mut call: impl FnMut() -> i32) -> usize {
-    // What is detected and linked once.
+    // Detection and linking happen once.
     assert_eq!(call(), 0);
     let here = 0u8;
     let top = (&raw const here).cast_mut().wrapping_sub(NEAR);

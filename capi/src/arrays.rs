@@ -82,7 +82,7 @@ impl Seen {
         self.span(streams)
     }
 
-    /// An output among what comes before it.
+    /// An output among the spans before it.
     #[inline(always)]
     fn among<const K: usize>(&mut self, span: Span, before: [&Span; K]) {
         for other in before {
@@ -90,8 +90,8 @@ impl Seen {
         }
     }
 
-    /// Whether nothing is wrong. `false` for addresses in the upper half of what there is and for strides and counts beyond a
-    /// quarter of its digits too, whose sums and products these tests are not made for.
+    /// Whether nothing is wrong. `false` for addresses in the upper half of memory too, and for strides and counts beyond
+    /// a quarter of its digits. The sums and products of these tests would overflow there.
     #[inline(always)]
     fn is_good(&self) -> bool {
         const LARGE: usize = isize::MIN as usize | 1 << (usize::BITS - 2);
@@ -110,7 +110,7 @@ pub(crate) struct Arrays<'a> {
     checked: Checked,
 }
 
-/// What has been found.
+/// The findings.
 struct Checked {
     /// Nothing has to be copied.
     is_in_place: bool,
@@ -134,7 +134,7 @@ impl<'a> Arrays<'a> {
         if unsafe { read(request.cast::<usize>())? } != size_of::<srbf_request>() {
             return Err(SRBF_STATUS_SIZE.into());
         }
-        // In place: a copy would wait for what the caller has just stored.
+        // In place: a copy would wait for the stores of the caller.
         // SAFETY: not NULL and aligned, as `read` has seen; readable by the header's contract. `checked` refuses outputs upon it.
         let request = unsafe { &*request };
         let checked = checked(request, count, looks_at_wo)?;
@@ -163,7 +163,7 @@ impl<'a> Arrays<'a> {
             .chain(vectors(weight, &samples.weight))
     }
 
-    /// Says what is wrong, if anything is: the extent of an output may meet another array where no number of it does.
+    /// Names the fault, if there is one: the extent of an output may meet another array where no number of it does.
     #[inline(never)]
     fn check_each(&self) -> Outcome {
         let mut all = [Stream::NONE; INPUTS + OUTPUTS];
@@ -245,7 +245,7 @@ impl<'a> Arrays<'a> {
             let (wo, request) = unsafe { self.slices(&mut Copied { from, len, blocks: room.iter_mut() }) };
             call(from..from + len, wo, request)?;
             for (stream, block) in self.outputs().zip(&room[inputs..]).filter(|(s, _)| !s.is_dense()) {
-                // SAFETY: as above; no slice of the caller's memory is alive. `slices` has set so many numbers of the block.
+                // SAFETY: as above; no slice of the caller's memory is alive. `slices` has set that many numbers of the block.
                 unsafe { stream.write(from, &*(&raw const block[..len] as *const [f32])) };
             }
         }
@@ -444,13 +444,13 @@ impl<'a> Access<'a> for InPlace {
 }
 
 /// Room for the numbers of one array.
-type Block = [MaybeUninit<f32>; BLOCK];
+type Copies = [MaybeUninit<f32>; BLOCK];
 
 /// The same of arrays of any stride: those that are not dense by a copy in the next block.
 struct Copied<'a> {
     from: usize,
     len: usize,
-    blocks: core::slice::IterMut<'a, Block>,
+    blocks: core::slice::IterMut<'a, Copies>,
 }
 
 impl<'a> Access<'a> for Copied<'a> {

@@ -13,6 +13,7 @@
 extern crate std;
 
 mod arrays;
+mod ask;
 mod convert;
 mod defensive;
 mod environment;
@@ -44,6 +45,7 @@ mod storage;
 mod streams;
 mod version;
 
+pub use ask::*;
 pub use defensive::*;
 pub use environment::*;
 pub use expanded::*;

@@ -172,14 +172,14 @@ impl Stream {
     /// As [`slice`](Self::slice); the numbers are writable, and nobody else uses them.
     #[inline(always)]
     pub(crate) unsafe fn slice_mut<'a>(&self, from: usize, len: usize) -> &'a mut [f32] {
-        // SAFETY: the caller's word. What the memory holds before it is overwritten is a valid f32 whatever its bits.
+        // SAFETY: the caller's word. The memory is a valid f32 before it is overwritten, whatever its bits.
         unsafe { core::slice::from_raw_parts_mut(self.start.add(from), len) }
     }
 
     /// Copies numbers from `from` on.
     ///
     /// # Safety
-    /// The array has been checked for so many, which are readable.
+    /// The array has been checked for that many, which are readable.
     #[inline(always)]
     pub(crate) unsafe fn read(&self, from: usize, to: &mut [MaybeUninit<f32>]) {
         for (i, number) in to.iter_mut().enumerate() {
@@ -191,7 +191,7 @@ impl Stream {
     /// Copies numbers to the array, from `from` on.
     ///
     /// # Safety
-    /// The array has been checked for so many, which are writable.
+    /// The array has been checked for that many, which are writable.
     #[inline(always)]
     pub(crate) unsafe fn write(&self, from: usize, numbers: &[f32]) {
         for (i, &number) in numbers.iter().enumerate() {

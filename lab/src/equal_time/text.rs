@@ -153,8 +153,8 @@ impl Text<'_> {
                 spp[1],
                 self.t()
             ),
-            "`lobes` are 12 lobes; `ggx` is one fitted GGX lobe and a cosine, `lafortune` nine lobes and a cosine, `rgl` the warps of\n\
-             the file in f32, whose draws bring value and density along. Each is run alone, with one sample of the light (`mis`), and\n\
+            "`lobes` are 12 lobes; `ggx` is one fitted GGX lobe and a cosine, `lafortune` nine lobes and a cosine. `rgl` has the warps\n\
+             of the file in f32, whose draws bring value and density along. Each is run alone, with one sample of the light (`mis`), and\n\
              by even sums (`even`). `docs/samplers.md` says more. Rendered are the lobes, or the table that they were fitted\n\
              to, the same for all samplers. On the sphere and in the furnace light scatters once, elsewhere six times."
                 .to_owned(),

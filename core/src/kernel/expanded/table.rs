@@ -44,7 +44,7 @@ pub(crate) const MIRRORED: usize = 7;
 ///
 /// It costs memory: 448 bytes a row for up to sixteen lobes, 512 if some are mirrored. Its values differ from
 /// those of [`Material::prepare`] by an error that falls with the square of the number of rows; at
-/// [`DEFAULT_ROWS`](Self::DEFAULT_ROWS) it is below 1e-3 of the largest value, see `docs/kernels.md`.
+/// [`DEFAULT_ROWS`](Self::DEFAULT_ROWS) it is below 1e-3 of the largest value, see `docs/hits.md`.
 /// Factors stay in the bytes of the material, which it borrows.
 ///
 /// Anisotropic materials are not expanded: their rows would lie over two angles, and take the square of the

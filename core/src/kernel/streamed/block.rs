@@ -28,7 +28,7 @@ pub(super) struct HitBlock<'a, 'm, const G: usize> {
     pub kept: &'a mut [Kept<G>],
 }
 
-/// What goes into a block and what comes out, in room that a batch uses again for every block.
+/// The inputs and outputs of a block, in room that a batch uses again for every block.
 pub(super) struct Room {
     /// Outgoing directions, uniform numbers, and incident directions.
     pub wo: [Numbers; 3],

@@ -133,7 +133,7 @@ pub(super) fn ask_one(material: MaterialRef<'_>, wo: Vec3, asked: Asked) -> Answ
     ask_numbers(material, which, wo.x, wo.y, wo.z, a, b, c, x, y, z)
 }
 
-/// What is asked, without its numbers.
+/// The kind of a question, without its numbers.
 #[derive(Clone, Copy)]
 struct Which {
     draws: bool,
@@ -197,7 +197,7 @@ struct Hit<'a> {
     which: Which,
 }
 
-/// One hit. What is asked is a branch and no parameter of the text: a text for each would be three times the bytes.
+/// One hit. The kind of the question is a branch and no parameter of the text: a text for each would be three times the bytes.
 struct Ask;
 
 impl One<Hit<'_>> for Ask {
@@ -243,7 +243,7 @@ fn answer<L: Lanes, const G: usize, const MIRRORED: bool>(hit: &Hit<'_>, outgoin
     let factors =
         (which.colors && header.has_factors()).then(|| (Nodes::new(material), outgoing.wo.to_array()));
     let mut answer = Answer::NOTHING;
-    // First, as it waits for less: what is drawn waits for the running sum.
+    // First, as it waits for less: the draw waits for the running sum.
     if which.evaluates {
         (answer.value, answer.pdf) = lobes.towards::<L>(hit.wi, inverse_power, factors.as_ref());
     }

@@ -77,7 +77,7 @@ impl<B: AsRef<[u8]>> Material<B> {
 #[cfg(feature = "simd")]
 const FEW: usize = 4;
 
-/// Up to so many hits have a small block.
+/// Up to that many hits have a small block.
 #[cfg(feature = "simd")]
 const SOME: usize = WIDEST / 2;
 
