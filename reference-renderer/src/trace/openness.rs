@@ -126,7 +126,7 @@ mod tests {
         let open = Openness::of(&paths);
         let at = |x: f32| open.is_at(Vec3::new(x, 0.0, 0.0));
         // The cell of 9.5 has all of its light, that of 7.0 the mean of the whole: 100 of 131.
-        assert!(open.is_at_matte(Vec3::splat(9.5)) && !open.is_at_matte(Vec3::new(7.0, 0.0, 0.0)));
+        assert!(open.is_at_matte(Vec3::new(9.5, 0.0, 0.0)) && !open.is_at_matte(Vec3::new(7.0, 0.0, 0.0)));
         assert!(!at(0.3) && !at(-100.0) && at(9.5) && at(7.0) && at(1e9));
         assert!(open.is_anywhere() && !Openness::of(&[]).is_anywhere());
         let hidden: Vec<SurveyedPath> = (0..100).map(|i| seen(i as f32, false)).collect();
