@@ -270,6 +270,80 @@ typedef struct srbf_sample {
     float weight[3];
 } srbf_sample;
 
+/// n materials to read, by pointers to them.
+typedef struct srbf_materials {
+    /// The first pointer.
+    const struct srbf_material *const *first;
+    /// Bytes from one pointer to the next; a multiple of their alignment, at least their size.
+    size_t stride;
+} srbf_materials;
+
+/// n vectors to write; laid out as `srbf_vectors`.
+///
+/// Colours are vectors too: red, green and blue in the place of x, y and z.
+typedef struct srbf_vectors_out {
+    /// The first x.
+    float *x;
+    /// The first y.
+    float *y;
+    /// The first z.
+    float *z;
+    /// Bytes from one number to the next of the same array; a multiple of 4, at least 4.
+    size_t stride;
+} srbf_vectors_out;
+
+/// n numbers to write.
+typedef struct srbf_numbers_out {
+    /// The first number.
+    float *values;
+    /// Bytes from one number to the next; a multiple of 4, at least 4.
+    size_t stride;
+} srbf_numbers_out;
+
+/// Where n samples go; see `srbf_sample`.
+typedef struct srbf_samples_out {
+    /// Incident directions, unit vectors in the caller's shading frame.
+    struct srbf_vectors_out direction;
+    /// Density of the whole mixture at the direction; 1/sr. 0 where nothing was drawn, else above 0.
+    struct srbf_numbers_out pdf;
+    /// `f cos / pdf`, linear sRGB.
+    struct srbf_vectors_out weight;
+} srbf_samples_out;
+
+/// The inputs and the wanted outputs for each of n hits. Start from zeros, set `size`, the inputs and the wanted outputs.
+///
+/// `sizeof(srbf_request)` in `size` lets later versions ask for more. An output whose first pointer is NULL is not wanted:
+/// `value.x`, `pdf.values`, `samples.direction.x`, `samples.pdf.values`, `samples.weight.x`. Inputs that no output needs are not
+/// looked at. Each array has n elements; outputs are overwritten, and may overlap nothing, inputs may overlap each other.
+///
+/// A call checks the arrays that are asked for, and no others, before it writes anything. No pointer may be NULL or misaligned, and
+/// arrays end within the address space. No number of an output may lie upon another output, an input, the request, the object or
+/// its bytes. Numbers themselves are not looked at.
+///
+/// Where nothing is reflected, and for a `wo` that is no unit vector, values and densities are 0 and the normal is drawn with density
+/// 0. A `wi` that is no unit vector gives an unspecified value, and so does a number `u` outside [0, 1); others are not touched by it.
+///
+/// Every call that takes one refuses by `SRBF_STATUS_SIZE` a size that is not `sizeof(srbf_request)`, by `SRBF_STATUS_ARGUMENT`
+/// densities or weights of draws without directions. n = 0 looks at no pointer, and succeeds.
+typedef struct srbf_request {
+    /// `sizeof(srbf_request)`.
+    size_t size;
+    /// Materials, n; looked at by `srbf_material_ask` without a material.
+    struct srbf_materials materials;
+    /// Outgoing directions, n unit vectors; a mixture has its own, and does not look at them.
+    struct srbf_vectors wo;
+    /// Incident directions, n unit vectors; looked at if `value` or `pdf` is wanted.
+    struct srbf_vectors wi;
+    /// Three uniform numbers in [0, 1) a hit; looked at if directions are drawn.
+    struct srbf_vectors u;
+    /// `f cos` towards `wi`, linear sRGB; 1/sr.
+    struct srbf_vectors_out value;
+    /// Density of drawing `wi`; 1/sr.
+    struct srbf_numbers_out pdf;
+    /// Directions that are drawn, with densities and weights if they are wanted too.
+    struct srbf_samples_out samples;
+} srbf_request;
+
 /// What an environment holds.
 typedef struct srbf_environment_info {
     /// The bytes that `srbf_environment_read` reads, for the caller to store: within the environment's storage, at a multiple of
@@ -822,6 +896,32 @@ srbf_status srbf_expanded_make(const struct srbf_material *material,
 srbf_status srbf_expanded_prepare(const struct srbf_expanded *expanded,
                                   const float *wo,
                                   struct srbf_mixture *mixture);
+
+/// Draws and evaluates for n hits of mixtures: outputs that are given are wanted.
+///
+/// Mixture i is at `(const srbf_mixture *)((const char *)mixtures + i * mixture_stride)`; with a stride of 0 all hits are of the
+/// one mixture. The answers of `srbf_mixture_sample_and_evaluate` within rounding, in less time.
+/// Shapes: `mixtures` [n], `mixture_stride` bytes apart: 0, or a multiple of `SRBF_MIXTURE_ALIGNMENT` and at least
+/// `SRBF_MIXTURE_SIZE_16`. Status: `SRBF_STATUS_OBJECT` if one of them is no mixture; outputs are unspecified then.
+srbf_status srbf_mixture_ask(const struct srbf_mixture *mixtures,
+                             size_t mixture_stride,
+                             size_t n,
+                             const struct srbf_request *request);
+
+/// Draws and evaluates for n hits of a material, each with an outgoing direction of its own: outputs that are given are wanted.
+///
+/// The answers of `srbf_material_sample_and_evaluate` within rounding, in less time.
+/// Shapes: `material` one for all hits; or NULL, and each hit has its own in `materials` of the request. They need not be sorted.
+/// An output may lie between their pointers, but not upon one.
+srbf_status srbf_material_ask(const struct srbf_material *material,
+                              size_t n,
+                              const struct srbf_request *request);
+
+/// Draws and evaluates for n hits of an expanded material, each with an outgoing direction of its own: outputs that are given are
+/// wanted. The answers of `srbf_material_ask` within the error of the rows.
+srbf_status srbf_expanded_ask(const struct srbf_expanded *expanded,
+                              size_t n,
+                              const struct srbf_request *request);
 
 /// Says how many bytes of storage the environment of a map needs: 64 a pixel, those of one row more, and a little.
 ///

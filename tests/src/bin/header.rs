@@ -25,6 +25,7 @@ const SOURCES: &[&str] = &[
     "defensive",
     "expanded",
     "request",
+    "ask",
     "environment",
     "reflect",
     "fit",
