@@ -1,6 +1,6 @@
 //! Gain and price of rows of 16-bit numbers: `cargo run --release -p srbf-benches --example rows16`.
 //!
-//! Each number of the views of a preset but its angles is rounded to 65536 steps over what the file allows it to be; angles stay as
+//! Each number of the views of a preset but its angles is rounded to 65536 steps over the range that the file allows; angles stay as
 //! they are, as their digits count by the root of the sharpness. The error is that of values, relative to the largest value of the
 //! same outgoing direction, over 200 outgoing directions between and upon the views, and 500 incident ones each, of which half are
 //! drawn from the lobes.
