@@ -140,7 +140,7 @@ fn method_names(samplers: &[String]) -> Vec<String> {
     names
 }
 
-/// The rendered scene.
+/// The material that is rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Rendered {
     Lobes,
@@ -233,7 +233,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 impl Measured {
-    /// With the scene and the points in the name of the material, for a file.
+    /// With the rendered material and the points in its name, for a file.
     fn named(&self) -> Comparison {
         let material =
             format!("{} ({}, {})", self.comparison.material, self.rendered.text(), points_text(self.points));

@@ -128,7 +128,7 @@ impl Methods {
     }
 }
 
-/// Material, method, and errors without the omitted rows: the whole table, with 12 lobes.
+/// Material, method, and errors of fits to all samples, without those of left-out ones: the whole table, with 12 lobes.
 ///
 /// # Errors
 /// Data that cannot be read.

@@ -12,7 +12,7 @@ pub struct Ratio {
     pub samples: Option<Estimate>,
 }
 
-/// The finding of a ratio.
+/// Whether a ratio is certainly below 1, certainly above, or neither.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Certain {
     Better,
@@ -70,7 +70,7 @@ fn at(curve: &Curve, samples: f64) -> Option<Estimate> {
     Some(Estimate { mean: mse.mean * factor, error: mse.error * factor })
 }
 
-/// The interval of a ratio.
+/// The certainty of a ratio; `t` standard errors have to lie between it and 1.
 pub fn certain(ratio: Estimate, t: f64) -> Certain {
     let off = ratio.mean.ln() * ratio.mean;
     match off.abs() > t * ratio.error {

@@ -45,7 +45,7 @@ pub fn summary(comparison: &Comparison) -> String {
     comparison.curves.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// The order in which ratios are listed.
+/// The effort after which errors are compared.
 #[derive(Clone, Copy)]
 enum After {
     Time,

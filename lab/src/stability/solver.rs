@@ -32,7 +32,7 @@ pub struct Solved {
     pub error: [f64; 2],
     /// Fitted over true height of both peaks, at 30 degrees.
     pub heights: [f64; 2],
-    /// Evaluations of the sum of squares, over all starts.
+    /// Evaluations of the minimised function, over all starts.
     pub evaluations: usize,
     /// Why the last stage ended.
     pub ending: &'static str,

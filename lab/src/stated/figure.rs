@@ -16,7 +16,7 @@ impl Figure {
         Self { name: name.into(), value: value.to_string(), is_exact: true }
     }
 
-    /// A number with a count of digits after the point.
+    /// A number with `digits` digits after the point.
     pub fn rounded(name: impl Into<String>, value: f64, digits: usize) -> Self {
         Self { name: name.into(), value: format!("{value:.digits$}"), is_exact: false }
     }

@@ -32,7 +32,7 @@ pub struct Group {
     pub make: fn() -> anyhow::Result<Vec<Figure>>,
 }
 
-/// The data that a group needs.
+/// The time and the data that a group needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
     /// Nothing but seconds.

@@ -1,7 +1,7 @@
 //! `srbf-lab survey --through FILE`: what fits are like of materials of which only samples are known.
 //!
 //! Every material is evaluated at the pairs of directions that a file of samples has, fitted from those values alone, and judged
-//! against the whole of it.
+//! against the material in all directions.
 
 use anyhow::{Context, bail};
 use srbf_core::Material;
