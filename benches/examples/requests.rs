@@ -2,8 +2,9 @@
 //! A number of rounds may follow it.
 //!
 //! A hit draws a direction with its density and weight, and evaluates value and density towards another one; or it does the latter
-//! alone. Of C the *arrays* are dense, or the members of a structure for each hit. All ways take turns in every round. A time is
-//! the least of all rounds, nanoseconds of a hit; the ratios after it are to the single call of C.
+//! alone. Of C the *arrays* are dense, or the members of a structure for each hit. Requests for no hit have empty arrays: to make and
+//! to check them is what is left. All ways take turns in every round. A time is the least of all rounds, nanoseconds of a hit; the
+//! ratios after it are to the single call of C.
 #![allow(unsafe_code, reason = "calls the C interface as C does")]
 
 use srbf::{srbf_material, srbf_mixture, srbf_numbers_out, srbf_request, srbf_sample, srbf_status};
@@ -45,14 +46,17 @@ enum Way {
     Dense,
     Members,
     Rust,
+    /// A request for no hit.
+    Nothing,
 }
 
-const WAYS: [(Way, &str); 5] = [
+const WAYS: [(Way, &str); 6] = [
     (Way::SingleC, "single calls, C"),
     (Way::Single, "single calls, Rust"),
     (Way::Dense, "request, C, dense arrays"),
     (Way::Members, "request, C, members"),
     (Way::Rust, "request, Rust"),
+    (Way::Nothing, "for no hit, Rust"),
 ];
 
 fn main() {
@@ -205,6 +209,7 @@ impl Work {
                 }
             }
             Way::Rust => (0..HITS).step_by(n).for_each(|from| self.rust(subject, draws, from, n)),
+            Way::Nothing => (0..HITS).step_by(n).for_each(|from| self.rust(subject, draws, from, 0)),
         }
         black_box((&self.out, &self.hits));
     }

@@ -158,30 +158,40 @@ fn with_room<const N: usize>(
 }
 
 /// Answers for mixture `m`, an empty one if the outgoing direction of hit `i` was none.
-pub(super) fn one_of<const N: usize>(request: &mut Request<'_>, m: &Mixture<'_, N>, i: usize) {
+fn one_of<const N: usize>(request: &mut Request<'_>, m: &Mixture<'_, N>, i: usize) {
     if let Some(draw) = &mut request.draw {
-        let u = at(&draw.u, i).to_array();
-        let sample = if draw.weight.is_some() {
-            m.sample(u)
-        } else {
-            m.sample_direction(u).map(|direction| {
-                let pdf = if draw.pdf.is_some() { drawn_density(m.pdf(direction)) } else { 0.0 };
-                Sample { direction, pdf, weight: Vec3::ZERO }
-            })
-        };
-        draw.put(i, &sample);
+        draw_one(draw, m, i);
     }
     if let Some(towards) = &mut request.evaluate {
-        let wi = at(&towards.wi, i);
-        let (value, pdf) = if m.is_nothing() {
-            (Vec3::ZERO, 0.0)
-        } else if towards.value.is_some() {
-            m.evaluate_and_pdf(wi)
-        } else {
-            (Vec3::ZERO, m.pdf(wi))
-        };
-        towards.put(i, &value, pdf);
+        evaluate_one(towards, m, i);
     }
+}
+
+/// Draw `i`, of mixture `m`.
+pub(super) fn draw_one<const N: usize>(draw: &mut Draws<'_>, m: &Mixture<'_, N>, i: usize) {
+    let u = at(&draw.u, i).to_array();
+    let sample = if draw.weight.is_some() {
+        m.sample(u)
+    } else {
+        m.sample_direction(u).map(|direction| {
+            let pdf = if draw.pdf.is_some() { drawn_density(m.pdf(direction)) } else { 0.0 };
+            Sample { direction, pdf, weight: Vec3::ZERO }
+        })
+    };
+    draw.put(i, &sample);
+}
+
+/// Value and density of mixture `m` towards direction `i`.
+pub(super) fn evaluate_one<const N: usize>(towards: &mut Towards<'_>, m: &Mixture<'_, N>, i: usize) {
+    let wi = at(&towards.wi, i);
+    let (value, pdf) = if m.is_nothing() {
+        (Vec3::ZERO, 0.0)
+    } else if towards.value.is_some() {
+        m.evaluate_and_pdf(wi)
+    } else {
+        (Vec3::ZERO, m.pdf(wi))
+    };
+    towards.put(i, &value, pdf);
 }
 
 /// Answers for the hits of a block, as many as mixtures.

@@ -4,7 +4,7 @@
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
 use super::draw::sample_direction;
-use super::each_mixture::one_of;
+use super::each_mixture::{draw_one, evaluate_one};
 use super::lobe_sums::{STAGE, Stage, sums};
 use super::request::{Draws, Request, Towards};
 use crate::color::{LUMINANCE, luminance};
@@ -33,32 +33,31 @@ impl<const N: usize> Mixture<'_, N> {
     ///
     /// # Errors
     /// [`Error::Length`] if the slices of either are not all of one length; nothing is written then.
-    pub fn ask(&self, request: Request<'_>) -> Result<(), Error> {
-        let Request { draw, evaluate } = request;
-        let drawn = draw.as_ref().map_or(0, |draw| draw.u[0].len());
-        let towards = evaluate.as_ref().map_or(0, |towards| towards.wi[0].len());
-        let (draw, evaluate) = (Request { draw, evaluate: None }, Request { draw: None, evaluate });
-        draw.check(drawn).and(evaluate.check(towards))?;
-        let draw = if drawn < FEW_DRAWS { self.few(draw, drawn) } else { draw };
-        let evaluate = if towards < FEW { self.few(evaluate, towards) } else { evaluate };
-        if draw.draw.is_none() && evaluate.evaluate.is_none() {
+    pub fn ask(&self, mut request: Request<'_>) -> Result<(), Error> {
+        let drawn = request.draw.as_ref().map_or(0, |draw| draw.u[0].len());
+        let towards = request.evaluate.as_ref().map_or(0, |towards| towards.wi[0].len());
+        request.check_each(drawn, towards)?;
+        // Through references: a request that has just been made is slow to move.
+        let many_drawn = request.draw.take_if(|_| drawn >= FEW_DRAWS);
+        let many_towards = request.evaluate.take_if(|_| towards >= FEW);
+        if let Some(draw) = &mut request.draw {
+            (0..drawn).for_each(|i| draw_one(draw, self, i));
+        }
+        if let Some(evaluate) = &mut request.evaluate {
+            (0..towards).for_each(|i| evaluate_one(evaluate, self, i));
+        }
+        if many_drawn.is_none() && many_towards.is_none() {
             return Ok(());
         }
         let mut parts = EMPTY_BLOCKS;
         let mixture = self.borrowed(&mut parts);
-        if let Some(draw) = draw.draw {
+        if let Some(draw) = many_drawn {
             mixture.draw(draw);
         }
-        if let Some(towards) = evaluate.evaluate {
+        if let Some(towards) = many_towards {
             mixture.evaluate(towards);
         }
         Ok(())
-    }
-
-    /// Answers one by one; nothing is left of the request.
-    fn few<'a>(&self, mut request: Request<'a>, n: usize) -> Request<'a> {
-        (0..n).for_each(|i| one_of(&mut request, self, i));
-        Request::default()
     }
 }
 

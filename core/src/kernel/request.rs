@@ -83,17 +83,24 @@ impl Request<'_> {
     /// Refuses slices that are not of length `n`.
     #[inline(always)]
     pub(crate) fn check(&self, n: usize) -> Result<(), Error> {
+        self.check_each(n, n)
+    }
+
+    /// Refuses slices that are not of the lengths of the draws and of the directions to evaluate.
+    #[inline(always)]
+    pub(crate) fn check_each(&self, drawn: usize, towards: usize) -> Result<(), Error> {
         // Without branches: a bit of any length that is another one.
-        let three = |[a, b, c]: [&[f32]; 3]| (a.len() ^ n) | (b.len() ^ n) | (c.len() ^ n);
-        let three_out = |[a, b, c]: &[&mut [f32]; 3]| (a.len() ^ n) | (b.len() ^ n) | (c.len() ^ n);
+        let three = |[a, b, c]: [&[f32]; 3], n| (a.len() ^ n) | (b.len() ^ n) | (c.len() ^ n);
+        let three_out = |[a, b, c]: &[&mut [f32]; 3], n| (a.len() ^ n) | (b.len() ^ n) | (c.len() ^ n);
         let mut other = 0;
         if let Some(Draws { u, direction, pdf, weight }) = &self.draw {
-            other |= three(*u) | three_out(direction);
-            other |= pdf.as_ref().map_or(0, |pdf| pdf.len() ^ n) | weight.as_ref().map_or(0, three_out);
+            other |= three(*u, drawn) | three_out(direction, drawn);
+            other |= pdf.as_ref().map_or(0, |pdf| pdf.len() ^ drawn);
+            other |= weight.as_ref().map_or(0, |weight| three_out(weight, drawn));
         }
         if let Some(Towards { wi, value, pdf }) = &self.evaluate {
-            other |= three(*wi) | value.as_ref().map_or(0, three_out);
-            other |= pdf.as_ref().map_or(0, |pdf| pdf.len() ^ n);
+            other |= three(*wi, towards) | value.as_ref().map_or(0, |value| three_out(value, towards));
+            other |= pdf.as_ref().map_or(0, |pdf| pdf.len() ^ towards);
         }
         if other == 0 { Ok(()) } else { Err(Error::Length) }
     }
