@@ -2,8 +2,8 @@
 //! A number of rounds may follow it.
 //!
 //! A hit draws a direction with its density and weight, and evaluates value and density towards another one; or it does the latter
-//! alone. Of C the *arrays* are dense, or the members of a structure for each hit. Requests for no hit have empty arrays: to make and
-//! to check them is what is left. All ways take turns in every round. A time is the least of all rounds, nanoseconds of a hit; the
+//! alone. Of C the *arrays* are dense, or the members of a structure for each hit. Requests for no hit have empty arrays: their time is
+//! that of making and checking a request. All ways take turns in every round. A time is the least of all rounds, nanoseconds of a hit; the
 //! ratios after it are to the single call of C.
 #![allow(unsafe_code, reason = "calls the C interface as C does")]
 
