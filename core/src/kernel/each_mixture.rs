@@ -8,9 +8,7 @@ use super::block::{DrawBlock, SumBlock};
 #[cfg(feature = "simd")]
 use super::multiply_factors::multiply_block;
 use super::prepare::prepare_each;
-#[cfg(feature = "simd")]
-use super::request::{Draws, Towards};
-use super::request::{Request, at};
+use super::request::{Draws, Request, Towards, at};
 use super::slices::{Block, same_length};
 #[cfg(feature = "simd")]
 use crate::color::luminance;

@@ -1,0 +1,256 @@
+// A .srbf file as a material of three.js. README.md has an example.
+
+import * as THREE from "three";
+import text from "./text.js";
+
+const MAGIC = [0x42525389, 0x1a0a0d46], LOBE = 0x45424f4c, FACT = 0x54434146;
+const WIDTH = 1024; // words in a row of the texture
+
+function crc32(bytes) {
+    let crc = ~0;
+    for (const byte of bytes) {
+        crc ^= byte;
+        for (let bit = 0; bit < 8; bit++) crc = (crc >>> 1) ^ (crc & 1 ? 0xedb88320 : 0);
+    }
+    return ~crc >>> 0;
+}
+
+/** Throws an error unless the words are those of a material that the shader can read without leaving them. */
+function check(words, length, name) {
+    const expect = (holds, what) => { if (!holds) throw new Error(`${name}: ${what}`); };
+    const within = (i, least, most, what) =>
+        expect(words[i] >= least && words[i] <= most, `${what}: ${words[i]} is not from ${least} to ${most}`);
+    expect(length >= 60 && words[0] === MAGIC[0] && words[1] === MAGIC[1], "a .srbf file is expected");
+    within(2, 2, 3, "format version");
+    within(3, 0, 1, "kind");
+    expect(words[4] === length, `${words[4]} bytes are expected, ${length} are there`);
+    within(5, 1, 1024, "angles of the views");
+    within(6, 1, 64, "lobes");
+    within(7, 0, words[6], "squeezed lobes");
+    const isOld = words[2] === 2, isLine = words[3] === 0, ring = isOld ? 9 : 8;
+    if (isLine) within(ring, 0, Math.min(words[6], 64 - words[6]), "mirrored lobes");
+    else { within(ring, 1, 64, "views of a ring"); within(ring + 1, 1, 2, "turns"); }
+    const [angles, lobes] = [words[5], words[6]];
+    const views = isLine ? angles : 1 + (angles - 1) * words[ring];
+    const endOfLobes = 12 + angles + views * (isLine ? 4 + 5 * lobes + words[ring] : 6 + 6 * lobes);
+    const end = Math.floor(length / 4);
+    expect(views <= 4096 && endOfLobes < end, "its views are longer than the file");
+    let at = endOfLobes, nodes = [words[11] & 65535, words[11] >>> 16, 1];
+    if (!isOld) {
+        expect(length % 4 === 0 && words[10] === LOBE && words[11] === 4 * (endOfLobes - 12), "no block of lobes");
+        while (at + 1 < end && words[at] !== FACT) {
+            // Blocks that a reader may not leave out begin with a capital letter.
+            expect(words[at] & 32 && words[at + 1] <= 4 * (end - at), `an unknown block at word ${at}`);
+            at += 2 + Math.ceil(words[at + 1] / 4);
+        }
+        if (at + 1 >= end) return;
+        nodes = [words[at + 2] & 255, (words[at + 2] >>> 8) & 255, (words[at + 2] >>> 16) & 255];
+        at += 3;
+    } else if (words[11] === 0) return;
+    const inRange = nodes[0] >= 2 && nodes[0] <= 32 && nodes[1] >= 2 && nodes[1] <= 32 && nodes[2] >= 1 && nodes[2] <= 8;
+    const count = nodes[0] * nodes[1] * nodes[2];
+    const endOfNodes = at + 3 * views + 1 + (isOld ? count : Math.ceil((3 * count) / 4));
+    expect(inRange && endOfNodes <= end, `its factors, ${nodes.join(" x ")}, do not fit into the file`);
+}
+
+/**
+ * The words of a .srbf file as a texture.
+ * @param {ArrayBuffer | Uint8Array} data the file
+ * @param {string} name how errors call it
+ */
+export function parseSrbf(data, name = "the material") {
+    const bytes = data instanceof ArrayBuffer ? new Uint8Array(data) : data;
+    const padded = new Uint8Array(4 * WIDTH * Math.max(Math.ceil(bytes.length / (4 * WIDTH)), 1));
+    padded.set(bytes);
+    const view = new DataView(padded.buffer);
+    const words = Uint32Array.from({ length: padded.length / 4 }, (_, i) => view.getUint32(4 * i, true));
+    check(words, bytes.length, name);
+    const end = bytes.length - 4;
+    if (crc32(bytes.subarray(0, end)) !== view.getUint32(end, true)) throw new Error(`${name}: the checksum does not fit: the bytes are damaged`);
+    const texture = new THREE.DataTexture(words, WIDTH, words.length / WIDTH, THREE.RedIntegerFormat, THREE.UnsignedIntType);
+    texture.internalFormat = "R32UI";
+    texture.needsUpdate = true;
+    return texture;
+}
+
+/** Fetches a .srbf file; a texture, as parseSrbf gives it. */
+export async function loadSrbf(url) {
+    const answer = await fetch(url);
+    if (!answer.ok) throw new Error(`${url}: ${answer.status} ${answer.statusText}`);
+    return parseSrbf(await answer.arrayBuffer(), url);
+}
+
+const vertexShader = /* glsl */ `
+out vec3 srbfPosition;
+out vec3 srbfNormal;
+#ifdef SRBF_TANGENTS
+in vec4 tangent;
+out vec4 srbfTangent;
+#endif
+void main() {
+    vec4 place = modelViewMatrix * vec4(position, 1.0);
+    srbfPosition = place.xyz;
+    srbfNormal = normalMatrix * normal;
+#ifdef SRBF_TANGENTS
+    srbfTangent = vec4((modelViewMatrix * vec4(tangent.xyz, 0.0)).xyz, tangent.w);
+#endif
+    gl_Position = projectionMatrix * place;
+}
+`;
+
+const fragmentShader = /* glsl */ `
+precision highp usampler2D;
+#include <common>
+#include <lights_pars_begin>
+uniform usampler2D srbfWords;
+uniform sampler2D environment;
+uniform float environmentIntensity;
+uniform int draws;
+uniform uint frame;
+uniform vec3 tint;
+in vec3 srbfPosition;
+in vec3 srbfNormal;
+#ifdef SRBF_TANGENTS
+in vec4 srbfTangent;
+#endif
+
+uint srbf_word(int data, int i) { return texelFetch(srbfWords, ivec2(i & ${WIDTH - 1}, i / ${WIDTH}), 0).r; }
+${text}
+// Numbers of a pixel, a frame and a draw (Jarzynski and Olano 2020).
+uvec3 srbfRandom(uvec3 v) {
+    v = v * 1664525u + 1013904223u;
+    v.x += v.y * v.z; v.y += v.z * v.x; v.z += v.x * v.y;
+    v ^= v >> 16u;
+    v.x += v.y * v.z; v.y += v.z * v.x; v.z += v.x * v.y;
+    return v;
+}
+
+void main() {
+    vec3 normal = normalize(srbfNormal) * (gl_FrontFacing ? 1.0 : -1.0);
+    vec3 view = isOrthographic ? vec3(0.0, 0.0, 1.0) : normalize(-srbfPosition);
+#ifdef SRBF_TANGENTS
+    vec3 tangent = normalize(srbfTangent.xyz - normal * dot(normal, srbfTangent.xyz));
+    vec3 bitangent = cross(normal, tangent) * srbfTangent.w;
+#else
+    vec3 tangent = normalize(abs(normal.x) < 0.8 ? cross(vec3(1.0, 0.0, 0.0), normal) : cross(vec3(0.0, 1.0, 0.0), normal));
+    vec3 bitangent = cross(normal, tangent);
+#endif
+    mat3 frameOfSurface = mat3(tangent, bitangent, normal);
+    vec3 wo = view * frameOfSurface;
+    wo = normalize(vec3(wo.xy, max(wo.z, 1e-3)));
+    SrbfMaterial material = srbf_material(0);
+    SrbfView mixture = srbf_prepare(material, wo);
+    vec3 light = ambientLightColor * srbf_albedo(material, mixture) * RECIPROCAL_PI;
+    IncidentLight incident;
+#if NUM_DIR_LIGHTS > 0
+    for (int i = 0; i < NUM_DIR_LIGHTS; i++) {
+        getDirectionalLightInfo(directionalLights[i], incident);
+        light += incident.color * srbf_evaluate(material, mixture, incident.direction * frameOfSurface).value;
+    }
+#endif
+#if NUM_POINT_LIGHTS > 0
+    for (int i = 0; i < NUM_POINT_LIGHTS; i++) {
+        getPointLightInfo(pointLights[i], srbfPosition, incident);
+        light += incident.color * srbf_evaluate(material, mixture, incident.direction * frameOfSurface).value;
+    }
+#endif
+#if NUM_SPOT_LIGHTS > 0
+    for (int i = 0; i < NUM_SPOT_LIGHTS; i++) {
+        getSpotLightInfo(spotLights[i], srbfPosition, incident);
+        light += incident.color * srbf_evaluate(material, mixture, incident.direction * frameOfSurface).value;
+    }
+#endif
+    vec3 reflected = vec3(0.0);
+    for (int i = 0; i < draws; i++) {
+        uvec3 bits = srbfRandom(uvec3(gl_FragCoord.xy, frame * uint(draws) + uint(i)));
+        SrbfSample s = srbf_sample(material, mixture, vec3(bits >> 8u) * (1.0 / 16777216.0));
+        vec3 towards = inverseTransformDirection(frameOfSurface * s.wi, viewMatrix);
+        vec2 place = vec2(atan(towards.z, towards.x) * RECIPROCAL_PI2 + 0.5, asin(clamp(towards.y, -1.0, 1.0)) * RECIPROCAL_PI + 0.5);
+        reflected += s.weight * textureLod(environment, place, 0.0).rgb;
+    }
+    light += reflected * (environmentIntensity / float(max(draws, 1)));
+    gl_FragColor = vec4(tint * light, 1.0);
+    #include <tonemapping_fragment>
+    #include <colorspace_fragment>
+}
+`;
+
+/**
+ * A measured surface: directional, point and spot lights, ambient light by its albedo, and an equirectangular map of light, of which every
+ * frame takes `draws` directions of the lobes. Shadows and lights of other kinds are not seen.
+ */
+export class SrbfMaterial extends THREE.ShaderMaterial {
+    constructor({ srbf, environment = null, environmentIntensity = 1, draws = 4, tint = 0xffffff, tangents = false, ...others } = {}) {
+        if (!srbf?.isTexture) throw new Error("srbf: a texture of loadSrbf or parseSrbf is expected");
+        if (environment) environment.wrapS = THREE.RepeatWrapping;
+        super({
+            lights: true,
+            defines: tangents ? { SRBF_TANGENTS: 1 } : {},
+            uniforms: THREE.UniformsUtils.merge([THREE.UniformsLib.lights]),
+            vertexShader,
+            fragmentShader,
+            ...others,
+        });
+        // Not merged: textures are not copied.
+        Object.assign(this.uniforms, {
+            srbfWords: { value: srbf },
+            environment: { value: environment ?? new THREE.DataTexture(new Uint8Array(4), 1, 1) },
+            environmentIntensity: { value: environment ? environmentIntensity : 0 },
+            draws: { value: environment ? draws : 0 },
+            frame: { value: 0 },
+            tint: { value: new THREE.Color(tint) },
+        });
+        this.isSrbfMaterial = true;
+    }
+
+    /** The number of the picture: its draws are its own. */
+    get frame() { return this.uniforms.frame.value; }
+    set frame(number) { this.uniforms.frame.value = number; }
+
+    /** A colour that multiplies the value. */
+    get tint() { return this.uniforms.tint.value; }
+}
+
+/** The mean of pictures of a scene, linear, in a target of floats: noise of draws falls with their number. */
+export class Mean {
+    constructor(width, height) {
+        const target = () => new THREE.WebGLRenderTarget(width, height, { type: THREE.FloatType, minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter });
+        [this.target, this.last, this.picture] = [target(), target(), target()];
+        this.count = 0;
+        const uniforms = { last: { value: null }, picture: { value: null }, share: { value: 1 } };
+        const vertexShader = "void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }";
+        const mix = "uniform sampler2D last; uniform sampler2D picture; uniform float share; void main() { ivec2 p = ivec2(gl_FragCoord.xy); gl_FragColor = mix(texelFetch(last, p, 0), texelFetch(picture, p, 0), share); }";
+        const shown = "uniform sampler2D picture; void main() { gl_FragColor = texelFetch(picture, ivec2(gl_FragCoord.xy), 0);\n#include <tonemapping_fragment>\n#include <colorspace_fragment>\n}";
+        const material = (fragmentShader) => new THREE.ShaderMaterial({ uniforms, vertexShader, fragmentShader, depthTest: false, depthWrite: false });
+        [this.mix, this.show] = [material(mix), material(shown)];
+        this.square = new THREE.Mesh(new THREE.PlaneGeometry(2, 2), this.mix);
+        this.square.frustumCulled = false;
+        this.camera = new THREE.Camera();
+    }
+
+    /** Begins again, as when the camera has moved. */
+    reset() { this.count = 0; }
+
+    /** Adds a picture; materials draw anew. */
+    add(renderer, scene, camera) {
+        scene.traverse((object) => { if (object.material?.isSrbfMaterial) object.material.frame += 1; });
+        const before = renderer.getRenderTarget();
+        renderer.setRenderTarget(this.picture);
+        renderer.render(scene, camera);
+        this.count += 1;
+        [this.target, this.last] = [this.last, this.target];
+        const { last, picture, share } = this.mix.uniforms;
+        [last.value, picture.value, share.value] = [this.last.texture, this.picture.texture, 1 / this.count];
+        this.square.material = this.mix;
+        renderer.setRenderTarget(this.target);
+        renderer.render(this.square, this.camera);
+        renderer.setRenderTarget(before);
+    }
+
+    /** Draws the mean to the canvas, by the renderer's tone mapping and colour space. */
+    draw(renderer) {
+        this.show.uniforms.picture.value = this.target.texture;
+        this.square.material = this.show;
+        renderer.render(this.square, this.camera);
+    }
+}
