@@ -3,6 +3,7 @@
 pub mod baseline;
 #[cfg(target_arch = "x86_64")]
 pub mod clock;
+pub mod device;
 pub mod ggx;
 pub mod work;
 

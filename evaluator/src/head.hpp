@@ -68,13 +68,14 @@ SRBF_FN float srbf_bits(uint32_t u) {
 #ifdef __CUDA_ARCH__
 SRBF_FN float srbf_exp2(float a) { return ::exp2f(a); }
 #else
-// Below 128; 0 below -126. To 2e-7 of it, in a third of the time of the C library's.
+// Below 128; 0 below -100, so that no product of it is subnormal, which is slow. To 2e-7 of it, in a third of the time of the C library's.
 SRBF_FN float srbf_exp2(float a) {
-    a = srbf_max(a, -126.0f);
+    bool is_none = a < -100.0f;
+    a = srbf_max(a, -100.0f);
     int whole = int(a + (a < 0.0f ? -0.5f : 0.5f));
     float f = a - float(whole);
     float p = 1.0f + f * (0.693147181f + f * (0.240226507f + f * (0.0555041087f + f * (0.00961812911f + f * (0.00133335581f + f * 0.000154035304f)))));
-    return p * srbf_bits(uint32_t(whole + 127) << 23);
+    return is_none ? 0.0f : p * srbf_bits(uint32_t(whole + 127) << 23);
 }
 #endif
 

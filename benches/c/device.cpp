@@ -1,0 +1,30 @@
+// Hits by `srbf_device.hpp`, one after the other: what a renderer does that does not link the library.
+#define JOIN_(a, b) a##_##b
+#define JOIN(a, b) JOIN_(a, b)
+// A name of its own for each way of compiling: a linker takes functions of one name for one.
+#define srbf_device JOIN(srbf_device_text, SUFFIX)
+#include "../../include/srbf_device.hpp"
+using namespace srbf_device;
+#undef srbf_device
+
+static vec3 at(const float *const v[3], int i) { return vec3(v[0][i], v[1][i], v[2][i]); }
+
+// Draws with density and weight (bit 0 of `verbs`), and evaluates value and density (bit 1), for n hits each with its own `wo`; or all of the
+// mixture for the first one (bit 2). Returns a sum of all results.
+extern "C" float JOIN(srbf_device, SUFFIX)(const uint32_t *words, const float *const wo[3], const float *const wi[3], const float *const u[3], int n, int verbs) {
+    SrbfMaterial material = srbf_material(words);
+    SrbfView view = srbf_prepare(material, at(wo, 0));
+    float sum = 0.0f;
+    for (int i = 0; i < n; i++) {
+        if ((verbs & 4) == 0) { view = srbf_prepare(material, at(wo, i)); }
+        if (verbs & 1) {
+            SrbfSample s = srbf_sample(material, view, at(u, i));
+            sum += s.wi.x + s.pdf + s.weight.x + s.weight.y + s.weight.z;
+        }
+        if (verbs & 2) {
+            SrbfValue v = srbf_evaluate(material, view, at(wi, i));
+            sum += v.pdf + v.value.x + v.value.y + v.value.z;
+        }
+    }
+    return sum;
+}
