@@ -1,4 +1,4 @@
-// Hits by `srbf_device.hpp`, one after the other: what a renderer does that does not link the library.
+// Hits by `srbf_device.hpp`, one after the other, as in a renderer that does not link the library.
 #define JOIN_(a, b) a##_##b
 #define JOIN(a, b) JOIN_(a, b)
 // A name of its own for each way of compiling: a linker takes functions of one name for one.

@@ -262,6 +262,42 @@ fn cpp_and_metal_say_what_the_library_says() {
 }
 
 #[test]
+fn the_lines_of_the_page_run() {
+    let page = std::fs::read_to_string(root().join("docs/use-from-shaders.md")).expect("the page is there");
+    let (_, rest) = page.split_once("```cpp\n").expect("a block of C++");
+    let (lines, _) = rest.split_once("```").expect("its end");
+    let preset = root().join("presets/garnet_red.srbf");
+    let bytes = std::fs::read(preset).expect("the preset is there");
+    let words: Vec<String> =
+        bytes.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word).to_string() + "u").collect();
+    let program = format!(
+        "#include \"srbf_device.hpp\"\n#include <cstdio>\nusing namespace srbf_device;\n\
+         static const uint32_t words[] = {{{}}};\n\
+         int main() {{\nvec3 wo(-0.6f, 0.0f, 0.8f), wi(0.0f, 0.6f, 0.8f);\nfloat u0 = 0.3f, u1 = 0.6f, u2 = 0.9f;\n{lines}\n\
+         std::printf(\"%g %g %g\", sample.pdf, light.value.x, albedo.x);\n}}\n",
+        words.join(",")
+    );
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let (source, built) = (folder.join("page.cpp"), folder.join("page"));
+    std::fs::write(&source, program).expect("a file is written");
+    let mut compiler = Command::new("g++");
+    compiler.args(["-std=c++17", "-I"]).arg(root().join("include")).arg(&source).arg("-o").arg(&built);
+    assert!(compiler.status().expect("g++ is installed").success(), "the lines of the page do not compile");
+    let said = Command::new(&built).output().expect("the program runs").stdout;
+    let said: Vec<f32> =
+        String::from_utf8(said).expect("numbers").split(' ').map(|n| n.parse().expect("a number")).collect();
+    let material = Material::from_bytes(bytes).expect("the preset is valid");
+    let mut mixture = Mixture::<16>::empty();
+    material.prepare([-0.6, 0.0, 0.8], &mut mixture).expect("a direction");
+    let sample = mixture.sample([0.3, 0.6, 0.9]).expect("it reflects");
+    let want = [sample.pdf, mixture.evaluate([0.0, 0.6, 0.8]).x, mixture.albedo().x];
+    for (said, want) in said.iter().zip(want) {
+        assert!((said - want).abs() <= AT_DRAW * want, "{said} for {want}");
+    }
+    assert_eq!(said.len(), 3);
+}
+
+#[test]
 fn words_that_are_no_material_are_refused() {
     let program = compile(Language::Cuda, &[]);
     let bytes = factored();
