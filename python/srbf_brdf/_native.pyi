@@ -91,6 +91,11 @@ class Table:
     @property
     def left_out(self) -> str:
         """Rows that are no samples, by reason and line; row i of arrays is line i + 2."""
+    def look(self, quick: bool = False) -> list[str]:
+        """What there is to say of samples before a fit, a sentence each; those that begin with "check" name a fault.
+
+        `quick` leaves out units and outliers, which take seconds.
+        """
     @property
     def symmetry(self) -> Symmetry: ...
     def evaluate(self, wo: ArrayLike, wi: ArrayLike) -> NDArray[np.float64]:

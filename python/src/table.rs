@@ -7,6 +7,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use srbf_fit::ReadError;
+use srbf_fit::look::{Finding, Look};
 use srbf_fit::read::{Content, Conventions, LeftOut, Reason, Source, csv};
 use srbf_fit::table::{Symmetry, evaluation_views};
 use std::fmt::Write;
@@ -206,6 +207,24 @@ impl Table {
         dict.set_item("f", array_of(py, all().map(|s| s.1.rgb))?)?;
         dict.set_item("weight", PyArray1::from_iter(py, all().map(|s| s.1.weight)))?;
         Ok(dict)
+    }
+
+    /// Findings about the samples before they are fitted, a sentence each, as of `srbf look`: conventions, turns of the sample,
+    /// units, swapped pairs, the highlight, outliers by line. Sentences that begin with "check" name faults. Empty for a
+    /// table with a value everywhere. `quick` leaves out units and outliers, which take seconds.
+    #[pyo3(signature = (quick = false))]
+    fn look(&self, py: Python<'_>, quick: bool) -> PyResult<Vec<String>> {
+        let (Some(intake), Content::Samples(table)) = (&self.source.intake, &self.source.content) else {
+            return Ok(Vec::new());
+        };
+        let complete = || srbf_fit::complete::complete(table);
+        let completion = if quick { None } else { Some(py.detach(complete).map_err(error::fit)?) };
+        let look = py.detach(|| Look::new(intake, completion.as_ref().map(|completion| &completion.report)));
+        let sentence = |finding: &Finding| {
+            let mark = if finding.is_off { "check" } else { "note" };
+            format!("{mark}: {}", finding.text)
+        };
+        Ok(std::iter::once(look.summary()).chain(look.findings.iter().map(sentence)).collect())
     }
 
     /// Writes it in another format, by the end of the name: MERL `.binary`, RGL `.bsdf`, `.csv` or `.astm`.

@@ -31,6 +31,19 @@ def test_a_path_a_table_and_its_arrays_are_one_measurement(tmp_path):
     assert made.compare("model:ggx:alpha=0.3,f0=0.8").report == comparison.report
 
 
+def test_a_look_names_what_is_wrong(tmp_path):
+    wo, wi, f = samples()
+    f = np.array(f, dtype=float)
+    spoiled = f.copy()
+    # Far from the highlight, where neighbours say what is right.
+    number = int(np.argmax(np.linalg.norm(wi - wo, axis=1) * (wi[:, 2] > 0.3)))
+    spoiled[number] *= 40
+    good, bad, quick = srbf.table(wo, wi, f).look(), srbf.table(wo, wi, spoiled).look(), srbf.table(wo, wi, spoiled).look(quick=True)
+    assert "samples" in good[0] and not any("check" in line for line in good)
+    assert [line for line in bad if "check" in line] and not any("check" in line for line in quick)
+    assert srbf.read("model:ggx:alpha=0.3,f0=0.8").look() == []
+
+
 def samples(n=300):
     random = np.random.default_rng(3)
     wo, wi = [], []
