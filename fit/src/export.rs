@@ -13,7 +13,7 @@ use crate::table::{Brdf, Density, Symmetry, Table, evaluation_views};
 
 pub use bsdf::rgl;
 pub use lobes::Lobes;
-pub use merl::merl;
+pub use merl::{MERL_MARK, merl};
 pub use samples::{astm, csv};
 
 /// Outgoing directions of samples that are made of a BRDF, and incident ones of each.
@@ -91,8 +91,9 @@ mod tests {
         let through_merl = |brdf: &dyn Brdf| -> Box<dyn Brdf> {
             Box::new(read::merl::parse(&merl(brdf).unwrap().bytes).unwrap())
         };
-        let through_rgl =
-            |brdf: &dyn Brdf| -> Box<dyn Brdf> { Box::new(read::rgl::parse(&rgl(brdf).unwrap()).unwrap()) };
+        let through_rgl = |brdf: &dyn Brdf| -> Box<dyn Brdf> {
+            Box::new(read::rgl::parse(&rgl(brdf, None).unwrap()).unwrap())
+        };
         for (text, merl, rgl) in [
             ("lambert:albedo=0.6/0.2/0.1", 1e-7, 0.003),
             ("ggx:alpha=0.3,f0=0.6,diffuse=0.2", 0.002, 0.005),

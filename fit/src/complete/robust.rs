@@ -64,7 +64,7 @@ fn look(measurement: &Measurement) -> Vec<Outlier> {
         let said = |c: usize| scale.back(p.base[c] + p.above[c] - off) - scale.back(p.base[c] + p.above[c]);
         let is_at_peak = p.at[0] < PEAK && off > 0.0;
         off.abs() > if is_at_peak { APART_AT_PEAK } else { APART }
-            && (said(0) + said(1) + said(2)).abs() / 3.0 > LEAST * measurement.level
+            && p.cosine * (said(0) + said(1) + said(2)).abs() / 3.0 > LEAST * measurement.level
     };
     let outlier = |s: &Measured, off: f64| Outlier { view: s.view, sample: s.number, ratio: libm::exp(off) };
 

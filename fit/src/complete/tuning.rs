@@ -200,7 +200,8 @@ pub(crate) mod robust {
     pub const APART_AT_PEAK: f64 = 2.0;
     /// Share of the variance up to which neighbours say the value of a place.
     pub const KNOWN: f64 = 0.3;
-    /// Least difference over the mean radiance. Dark values are noisy, and many were clamped to 0.
+    /// Least difference, times the smaller cosine of both directions, over the mean radiance. An instrument's noise is one of its signal,
+    /// which falls with the cosine. Dark values are noisy, and many were clamped to 0.
     pub const LEAST: f64 = 0.1;
     /// Nearest samples of the same view, most of which must not be off alike: then the surface or the instrument is so.
     pub const NEIGHBOURS: usize = 6;

@@ -57,8 +57,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 /// Samples that a measurement without samples is looked at by.
 const SAMPLED: usize = 1500;
 
-/// Prints the line of a table.
-fn print_line(source: Source) -> anyhow::Result<()> {
+/// The look at a measurement; one with a value for every pair of directions is sampled first.
+///
+/// # Errors
+/// Names the file. Anisotropic ones have no samples.
+pub fn looked_at(source: Source) -> anyhow::Result<Look> {
     let Source { content, name, intake, .. } = source;
     let (intake, table) = match (intake, content) {
         (Some(intake), Content::Samples(table)) => (intake, table),
@@ -72,9 +75,15 @@ fn print_line(source: Source) -> anyhow::Result<()> {
             (intake, table)
         }
     };
-    let look = Look::new(&intake, Some(&complete(&table)?.report));
+    Ok(Look::new(&intake, Some(&complete(&table)?.report)))
+}
+
+/// Prints the line of a table.
+fn print_line(source: Source) -> anyhow::Result<()> {
+    let name = source.name.clone();
+    let look = looked_at(source)?;
     let off: Vec<&str> = look.findings.iter().filter(|f| f.is_off).map(|f| f.text.as_str()).collect();
-    let left_out = intake.left_out_count();
+    let left_out: usize = look.left_out.iter().map(|left| left.count).sum();
     let off = if off.is_empty() { "-".to_owned() } else { off.join(" | ") };
     println!("{name:<44} {:>7} {:>6} {left_out:>8}  {off}", look.samples, look.views.len());
     Ok(())
