@@ -128,7 +128,7 @@ mod tests {
     #[test]
     fn what_no_format_holds_is_refused() {
         let brushed = model("ward:alpha_x=0.1,alpha_y=0.4");
-        assert!(merl(brushed.as_ref()).is_err() && rgl(brushed.as_ref()).is_err());
+        assert!(merl(brushed.as_ref()).is_err() && rgl(brushed.as_ref(), None).is_err());
         assert!(sampled(brushed.as_ref()).is_err());
     }
 
@@ -144,7 +144,7 @@ mod tests {
                 println!("{name}: {errors:?}");
                 errors.iter().map(|e| e.1).fold(0.0, f64::max)
             };
-            let back = read::rgl::parse(&rgl(brdf.as_ref()).unwrap()).unwrap();
+            let back = read::rgl::parse(&rgl(brdf.as_ref(), None).unwrap()).unwrap();
             assert!(worst(&back) < 0.1);
             // MERL is reciprocal, and the measurement is not.
             let back = read::merl::parse(&merl(brdf.as_ref()).unwrap().bytes).unwrap();

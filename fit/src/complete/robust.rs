@@ -14,7 +14,7 @@ use super::tuning::choice::OF_MODEL;
 use super::{noises, width};
 use crate::complete::tuning::robust::{
     APART, APART_AT_PEAK, BACK, DEAD, DEVIATIONS, KERNEL, KNOWN, LEAST, NEIGHBOURS, NOISE, OF_A_GROUP, PEAK,
-    ROUNDS, SHARE,
+    ROUNDS, SHARE, THIN,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -65,7 +65,8 @@ fn look(measurement: &Measurement) -> Vec<Outlier> {
     let is_apart = |p: &Point, off: f64| {
         let said = |c: usize| scale.back(p.base[c] + p.above[c] - off) - scale.back(p.base[c] + p.above[c]);
         let is_at_peak = (p.at[0] < PEAK && off > 0.0) || p.at[1] < BACK;
-        let share = if off < 0.0 && !is_dead(off) { p.cosine } else { 1.0 };
+        let thin = if off < 0.0 && !is_dead(off) { 1.0 } else { THIN };
+        let share = (p.cosine / thin).min(1.0);
         off.abs() > if is_at_peak { APART_AT_PEAK } else { APART }
             && share * (said(0) + said(1) + said(2)).abs() / 3.0 > LEAST * measurement.level
     };
@@ -155,12 +156,15 @@ fn in_groups(
     let mut off = Vec::new();
     for group in &members {
         let middle = median(group.iter().map(|&i| mean(i)).collect());
-        off.extend(group.iter().map(|&i| (i, mean(i) - middle)));
+        let own = 1.4826 * median(group.iter().map(|&i| (mean(i) - middle).abs()).collect());
+        off.extend(group.iter().map(|&i| (i, mean(i) - middle, own)));
     }
     if off.is_empty() {
-        return off;
+        return Vec::new();
     }
     let usual = 1.4826 * median(off.iter().map(|o| o.1.abs()).collect());
-    off.retain(|&(i, off)| off.abs() > DEVIATIONS * usual.max(libm::sqrt(NOISE)) && is_apart(&all[i], off));
-    off
+    let is_out = |&(i, off, own): &(usize, f64, f64)| {
+        off.abs() > DEVIATIONS * usual.max(own).max(libm::sqrt(NOISE)) && is_apart(&all[i], off)
+    };
+    off.into_iter().filter(is_out).map(|(i, off, _)| (i, off)).collect()
 }

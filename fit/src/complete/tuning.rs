@@ -207,6 +207,8 @@ pub(crate) mod robust {
     /// Least difference over the mean radiance. Dark values are noisy, and many were clamped to 0: darker samples have to be so far off after
     /// the product with the smaller cosine of both directions, as an instrument's noise is one of its signal.
     pub const LEAST: f64 = 0.1;
+    /// The cosine below which brighter samples, and dead ones, count by their signal too.
+    pub const THIN: f64 = 0.1;
     /// Nearest samples. Most of those of the same view must not be off alike: then the surface or the instrument is so. Of all views, at
     /// most one may be brighter, or at most one darker.
     pub const NEIGHBOURS: usize = 6;
