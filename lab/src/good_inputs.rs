@@ -24,6 +24,9 @@ pub struct Args {
     /// Only inputs whose names contain this
     #[arg(long, value_name = "NAME", default_value = "")]
     only: String,
+    /// Seed of the noise of made-up inputs, and of the directions that lie anywhere
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
 }
 
 /// Every so many networks are looked at.
@@ -47,7 +50,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     let mut count = Count::default();
     println!("made-up inputs: the words at noise of {} %", made::NOISES.map(|n| format!("{n}")).join(", "));
-    for (name, inputs) in made::all().filter(|(name, _)| name.contains(&args.only)) {
+    for (name, inputs) in made::all(args.seed).filter(|(name, _)| name.contains(&args.only)) {
         let mut words = Vec::new();
         for input in inputs {
             let said = of_made(&name, &input)?;

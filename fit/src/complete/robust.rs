@@ -1,8 +1,8 @@
 //! Samples that their neighbours and their reciprocal samples contradict.
 //!
-//! One model and one process predict each sample from the others. The worst sample goes, and the rest is predicted again. Bright samples
-//! near the peak, and samples about the back direction, have to be much farther off, because neighbours say least about a peak. Samples that are off together
-//! stay, but for dead ones: the shadow of a lamp or a detector covers several.
+//! One model and one process predict each sample from the others. The worst sample goes, and the rest is predicted again. Samples near the
+//! peak or the back direction have to be much farther off, because neighbours say least about a peak. Samples that are off together stay,
+//! but for dead ones: the shadow of a lamp or a detector covers several.
 
 use super::measurement::{Measured, Measurement};
 use super::microfacet::{Family, Microfacet};
@@ -64,7 +64,7 @@ fn look(measurement: &Measurement) -> Vec<Outlier> {
     let mean = |above: [f64; 3]| above.iter().sum::<f64>() / 3.0;
     let is_apart = |p: &Point, off: f64| {
         let said = |c: usize| scale.back(p.base[c] + p.above[c] - off) - scale.back(p.base[c] + p.above[c]);
-        let is_at_peak = (p.at[0] < PEAK && off > 0.0) || p.at[1] < BACK;
+        let is_at_peak = p.at[0] < PEAK || p.at[1] < BACK;
         let thin = if off < 0.0 && !is_dead(off) { 1.0 } else { THIN };
         let share = (p.cosine / thin).min(1.0);
         off.abs() > if is_at_peak { APART_AT_PEAK } else { APART }

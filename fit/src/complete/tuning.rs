@@ -194,9 +194,9 @@ pub(crate) mod robust {
     pub const DEVIATIONS: f64 = 6.0;
     /// Its least distance on the scale.
     pub const APART: f64 = 0.7;
-    /// Widths round the peak in which brighter samples need more distance.
+    /// Widths round the peak in which samples need more distance.
     pub const PEAK: f64 = 1.5;
-    /// The same about the back direction, and for darker samples too: half of the angle between the directions, radians.
+    /// The same about the back direction: half of the angle between the directions, radians.
     pub const BACK: f64 = 0.2;
     /// That distance.
     pub const APART_AT_PEAK: f64 = 2.0;

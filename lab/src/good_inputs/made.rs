@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 pub const NOISES: [f64; 4] = [0.0, 1.0, 5.0, 15.0];
 
 /// Models, by a short name; the last is made here.
-const MODELS: [(&str, &str); 8] = [
+const MODELS: [(&str, &str); 10] = [
     ("white", "lambert:albedo=0.9"),
     ("black", "ggx:alpha=0.25,ior=1.5,diffuse=0.004"),
     ("plastic", "ggx:alpha=0.12,ior=1.5,diffuse=0.3/0.1/0.02"),
@@ -19,6 +19,8 @@ const MODELS: [(&str, &str); 8] = [
     ("metal", "ggx:alpha=0.2,f0=0.95/0.7/0.4"),
     ("phong", "phong:diffuse=0.4,specular=0.2,exponent=400"),
     ("ward", "ward:diffuse=0.1,specular=0.4,alpha=0.06"),
+    ("satin", "ggx:alpha=0.06,f0=0.5/0.3/0.2,diffuse=0.2"),
+    ("cloth", "phong:diffuse=0.25,specular=0.1,exponent=8"),
     (RETRO, ""),
 ];
 
@@ -75,12 +77,12 @@ impl Brdf for Retro {
 }
 
 /// All inputs: a name of model and pattern, and one for each noise.
-pub fn all() -> impl Iterator<Item = (String, Vec<Made>)> {
-    MODELS.into_iter().flat_map(|(name, model)| {
+pub fn all(seed: u64) -> impl Iterator<Item = (String, Vec<Made>)> {
+    MODELS.into_iter().flat_map(move |(name, model)| {
         PATTERNS.into_iter().map(move |pattern| {
             let brdf = brdf(model);
             let made = NOISES.map(|noise| Made {
-                text: text(brdf.as_ref(), pattern, noise / 100.0),
+                text: text(brdf.as_ref(), pattern, noise / 100.0, seed),
                 is_retro: name == RETRO,
             });
             (format!("{name}, {pattern:?}"), made.into())
@@ -102,7 +104,7 @@ fn direction(theta: f64, phi: f64) -> [f64; 3] {
 
 impl Pattern {
     /// Angles in degrees: incident and outgoing angle from the normal, azimuth of each.
-    fn angles(self) -> Vec<[f64; 4]> {
+    fn angles(self, seed: u64) -> Vec<[f64; 4]> {
         let mut all = Vec::new();
         match self {
             Self::Goniometer => {
@@ -133,7 +135,7 @@ impl Pattern {
                 ]
             })),
             Self::Anywhere => {
-                let mut random = Random::new(5, 6, 7);
+                let mut random = Random::new(seed, 6, 7);
                 let mut unit = || f64::from(random.unit());
                 all.extend((0..900).map(|_| [85.0 * unit(), 360.0 * unit(), 85.0 * unit(), 360.0 * unit()]));
             }
@@ -158,10 +160,10 @@ impl Pattern {
 }
 
 /// The table of text of a model, with noise whose deviation is a share of each value.
-fn text(brdf: &dyn Brdf, pattern: Pattern, noise: f64) -> String {
+fn text(brdf: &dyn Brdf, pattern: Pattern, noise: f64, seed: u64) -> String {
     let mut text = "theta_i,phi_i,theta_o,phi_o,r,g,b\n".to_owned();
-    let mut random = Random::new(11, pattern as u64, 0);
-    for [theta_i, phi_i, theta_o, phi_o] in pattern.angles() {
+    let mut random = Random::new(seed, pattern as u64, 0);
+    for [theta_i, phi_i, theta_o, phi_o] in pattern.angles(seed) {
         let rgb = brdf.evaluate(direction(theta_i, phi_i), direction(theta_o, phi_o));
         let mut normal = || {
             let (u, v) = (1.0 - f64::from(random.unit()), f64::from(random.unit()));
@@ -174,4 +176,27 @@ fn text(brdf: &dyn Brdf, pattern: Pattern, noise: f64) -> String {
         let _ = writeln!(text, "{theta_i:.3},{phi_i:.3},{theta_o:.3},{phi_o:.3},{r:.5e},{g:.5e},{b:.5e}");
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use srbf_fit::read::csv;
+
+    /// All inputs are read whole, their brightest samples are about the mirror direction, and noise changes with the seed alone.
+    #[test]
+    fn made_up_inputs_are_read_whole() {
+        assert_eq!(all(0).count(), MODELS.len() * PATTERNS.len());
+        for (name, made) in all(0).filter(|(name, _)| name.contains("metal") || name.contains(RETRO)) {
+            assert_eq!(made.len(), NOISES.len());
+            let intake = csv::parse(made[0].text.as_bytes(), &Default::default()).unwrap();
+            assert!(intake.rows.len() >= 100 && intake.left_out_count() == 0, "{name}");
+            let level = |rgb: [f64; 3]| rgb.iter().sum::<f64>();
+            let brightest = intake.rows.iter().max_by(|a, b| level(a.rgb).total_cmp(&level(b.rgb))).unwrap();
+            let cross = brightest.wi[0] * brightest.wo[0] + brightest.wi[1] * brightest.wo[1];
+            assert_eq!(cross > 0.0, made[0].is_retro, "{name}: {brightest:?}");
+        }
+        let text = |seed| text(brdf(MODELS[0].1).as_ref(), Pattern::Few, 0.1, seed);
+        assert!(text(1) == text(1) && text(1) != text(2));
+    }
 }

@@ -57,6 +57,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 /// Samples that a measurement without samples is looked at by.
 const SAMPLED: usize = 1500;
 
+/// Cosine of the directions that are left out there: tables are extrapolated within 5 degrees of the horizon.
+const GRAZING: f64 = 0.087;
+
 /// The look at a measurement; one with a value for every pair of directions is sampled first.
 ///
 /// # Errors
@@ -69,6 +72,7 @@ pub fn looked_at(source: Source) -> anyhow::Result<Look> {
         (_, Content::Evaluable(brdf)) => {
             let text = export::csv(&export::sampled(brdf.as_ref())?);
             let mut intake = csv::parse(text.as_bytes(), &Conventions::default())?;
+            intake.rows.retain(|row| row.wi[2].min(row.wo[2]) > GRAZING);
             let every = intake.rows.len().div_ceil(SAMPLED);
             intake.rows = intake.rows.into_iter().step_by(every).collect();
             let table = Table::from_scattered(intake.views())?;
