@@ -16,7 +16,7 @@ import sys
 import numpy as np
 
 # Largest relative L2 error of f cos over the samples of views up to 75 degrees: of what Mitsuba reads beside what srbf reads, and by the
-# nearest cell of MERL. The loss between the 48 views of a .bsdf file, 1.9 degrees apart, depends on the material: LOSS.
+# nearest cell of MERL. The loss between the 59 views of a .bsdf file, 1.5 degrees apart, depends on the material: LOSS.
 VALUES = {"bsdf beside srbf": 1e-4, "merl": 0.2}
 # Largest relative variance of the luminance of the weights, angle by angle in degrees.
 VARIANCES = {2: 0.01, 6: 0.01, 15: 0.01, 35: 0.01, 60: 0.01, 75: 0.01}

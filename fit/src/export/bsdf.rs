@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Outgoing directions, from the normal to 87 degrees.
-const VIEWS: usize = 48;
+const VIEWS: usize = 59;
 const LAST: f64 = 87.0;
 
 /// Half vectors of a picture along the angle from the normal, and along the azimuth, of which the last is the first again.
@@ -24,7 +24,7 @@ const ROWS: usize = 128;
 /// Least height of an incident direction: interpolation reaches below the horizon, where values continue smoothly.
 const LEAST_HEIGHT: f64 = 1e-3;
 
-/// Writes an isotropic BRDF as a `.bsdf` file: `f cos` at 48 outgoing directions by 128 x 128 half vectors. The caller's threads of rayon are
+/// Writes an isotropic BRDF as a `.bsdf` file: `f cos` at 59 outgoing directions by 128 x 128 half vectors. The caller's threads of rayon are
 /// used.
 ///
 /// With `spectra`, these of the colours stand beside them: readers take the colours or the spectra, as they need.

@@ -96,6 +96,7 @@ pub(super) fn role(name: &str) -> Role {
             "deg"
                 | "degs"
                 | "degree"
+                | "grad"
                 | "degrees"
                 | "rad"
                 | "rads"
