@@ -29,7 +29,7 @@ pub struct Args {
     seed: u64,
 }
 
-/// Every so many networks are looked at.
+/// One in this many networks is looked at.
 const EVERY: usize = 8;
 
 /// Letters of a word that are printed.

@@ -204,8 +204,8 @@ pub(crate) mod robust {
     pub const DEAD: f64 = 2.3;
     /// Share of the variance up to which neighbours say the value of a place.
     pub const KNOWN: f64 = 0.3;
-    /// Least difference over the mean radiance. Dark values are noisy, and many were clamped to 0: darker samples have to be so far off after
-    /// the product with the smaller cosine of both directions, as an instrument's noise is one of its signal.
+    /// Least difference over the mean radiance. Dark values are noisy, and many were clamped to 0. Of darker samples, the difference
+    /// times the smaller cosine of both directions counts: an instrument's noise is one of its signal.
     pub const LEAST: f64 = 0.1;
     /// The cosine below which brighter samples, and dead ones, count by their signal too.
     pub const THIN: f64 = 0.1;

@@ -9,8 +9,8 @@ use rayon::prelude::*;
 /// Least f that is written; 1/sr.
 const LEAST: f64 = 1e-30;
 
-/// The last eight bytes of a file that is written here: as a number, -1.0000004. That cell lies below the horizon, so that any negative number
-/// says the same in it, and the format has no other place for a name.
+/// The last eight bytes of a file that is written here: as a number, -1.0000004. That cell lies below the horizon, where any negative number
+/// says the same. The format has no other place for a name.
 pub const MERL_MARK: [u8; 8] = *b"srbf\0\0\xf0\xbf";
 
 /// A MERL file.

@@ -1,7 +1,7 @@
 //! The spectra of a measurement, as a linear map from its colours.
 //!
-//! Surfaces mix few spectra: that of the body, of a gloss, of flakes. So three numbers say most of a sample's spectrum, and the map that says it
-//! with the least squared error makes spectra of the same colour: the error and the colour are orthogonal. Where colours of samples
+//! Surfaces mix few spectra: that of the body, of a gloss, of flakes. So three numbers say most of a sample's spectrum. The map that
+//! says it with the least squared error keeps the colour, which the error is orthogonal to. Where colours of samples
 //! span less than three dimensions, the smoothest spectrum of a colour takes the rest.
 
 use super::spectrum::ToRgb;
