@@ -14,7 +14,7 @@ use super::tuning::choice::OF_MODEL;
 use super::{noises, width};
 use crate::complete::tuning::robust::{
     APART, APART_AT_PEAK, BACK, DEAD, DEVIATIONS, KERNEL, KNOWN, LEAST, NEIGHBOURS, NOISE, OF_A_GROUP, PEAK,
-    ROUNDS, SHARE, THIN,
+    ROUNDS, SHARE, THIN, THIN_DARK,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -65,7 +65,7 @@ fn look(measurement: &Measurement) -> Vec<Outlier> {
     let is_apart = |p: &Point, off: f64| {
         let said = |c: usize| scale.back(p.base[c] + p.above[c] - off) - scale.back(p.base[c] + p.above[c]);
         let is_at_peak = p.at[0] < PEAK || p.at[1] < BACK;
-        let thin = if off < 0.0 && !is_dead(off) { 1.0 } else { THIN };
+        let thin = if off < 0.0 && !is_dead(off) { THIN_DARK } else { THIN };
         let share = (p.cosine / thin).min(1.0);
         off.abs() > if is_at_peak { APART_AT_PEAK } else { APART }
             && share * (said(0) + said(1) + said(2)).abs() / 3.0 > LEAST * measurement.level

@@ -204,11 +204,12 @@ pub(crate) mod robust {
     pub const DEAD: f64 = 2.3;
     /// Share of the variance up to which neighbours say the value of a place.
     pub const KNOWN: f64 = 0.3;
-    /// Least difference over the mean radiance. Dark values are noisy, and many were clamped to 0. Of darker samples, the difference
-    /// times the smaller cosine of both directions counts: an instrument's noise is one of its signal.
+    /// Least difference over the mean radiance. Dark values are noisy, and many were clamped to 0.
     pub const LEAST: f64 = 0.1;
-    /// The cosine below which brighter samples, and dead ones, count by their signal too.
+    /// The smaller cosine of both directions below which the difference falls with it, as an instrument's noise is one of its signal: of
+    /// brighter samples and dead ones, and of darker ones.
     pub const THIN: f64 = 0.1;
+    pub const THIN_DARK: f64 = 0.5;
     /// Nearest samples. Most of those of the same view must not be off alike: then the surface or the instrument is so. Of all views, at
     /// most one may be brighter, or at most one darker.
     pub const NEIGHBOURS: usize = 6;
