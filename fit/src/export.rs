@@ -13,7 +13,7 @@ use crate::table::{Brdf, Density, Symmetry, Table, evaluation_views};
 
 pub use bsdf::rgl;
 pub use lobes::Lobes;
-pub use merl::merl;
+pub use merl::{MERL_MARK, merl};
 pub use samples::{astm, csv};
 
 /// Outgoing directions of samples that are made of a BRDF, and incident ones of each.
@@ -91,8 +91,9 @@ mod tests {
         let through_merl = |brdf: &dyn Brdf| -> Box<dyn Brdf> {
             Box::new(read::merl::parse(&merl(brdf).unwrap().bytes).unwrap())
         };
-        let through_rgl =
-            |brdf: &dyn Brdf| -> Box<dyn Brdf> { Box::new(read::rgl::parse(&rgl(brdf).unwrap()).unwrap()) };
+        let through_rgl = |brdf: &dyn Brdf| -> Box<dyn Brdf> {
+            Box::new(read::rgl::parse(&rgl(brdf, None).unwrap()).unwrap())
+        };
         for (text, merl, rgl) in [
             ("lambert:albedo=0.6/0.2/0.1", 1e-7, 0.003),
             ("ggx:alpha=0.3,f0=0.6,diffuse=0.2", 0.002, 0.005),
@@ -127,7 +128,7 @@ mod tests {
     #[test]
     fn what_no_format_holds_is_refused() {
         let brushed = model("ward:alpha_x=0.1,alpha_y=0.4");
-        assert!(merl(brushed.as_ref()).is_err() && rgl(brushed.as_ref()).is_err());
+        assert!(merl(brushed.as_ref()).is_err() && rgl(brushed.as_ref(), None).is_err());
         assert!(sampled(brushed.as_ref()).is_err());
     }
 
@@ -143,7 +144,7 @@ mod tests {
                 println!("{name}: {errors:?}");
                 errors.iter().map(|e| e.1).fold(0.0, f64::max)
             };
-            let back = read::rgl::parse(&rgl(brdf.as_ref()).unwrap()).unwrap();
+            let back = read::rgl::parse(&rgl(brdf.as_ref(), None).unwrap()).unwrap();
             assert!(worst(&back) < 0.1);
             // MERL is reciprocal, and the measurement is not.
             let back = read::merl::parse(&merl(brdf.as_ref()).unwrap().bytes).unwrap();

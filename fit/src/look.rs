@@ -46,6 +46,8 @@ pub enum Topic {
     Sides,
     /// Where the highlight is.
     Highlight,
+    /// Directions that no sample is near to.
+    Gaps,
     /// Samples that all others contradict.
     Outliers,
     /// Reflectance that the file states.
@@ -63,6 +65,7 @@ impl Topic {
             Self::Reciprocity => "reciprocity",
             Self::Sides => "left and right",
             Self::Highlight => "highlight",
+            Self::Gaps => "gaps",
             Self::Outliers => "outliers",
             Self::Stated => "stated",
         }
@@ -217,6 +220,9 @@ impl Look {
                     "at {unseen} of {views} angles no sample is within the highlight, {width_degrees:.1} degrees of the half vector: its height there is a guess"
                 ),
             ));
+        }
+        if let Some(completion) = completion {
+            found.push(plain(Topic::Gaps, completion.gaps.text()));
         }
         if !self.outliers.is_empty() {
             found.push(self.outliers_said());

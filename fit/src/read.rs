@@ -23,6 +23,7 @@ mod rusinkiewicz;
 pub(crate) mod scatter;
 pub mod scatter_tables;
 mod sentinels;
+mod spectra;
 mod spectrum;
 pub mod speos;
 pub mod ssdd;
@@ -46,6 +47,7 @@ use limit::{MAX_FILE, read_bytes};
 pub use limit::{check_memory, read_at_most, read_if};
 pub use reason::Reason;
 pub use row::Row;
+pub use spectra::Spectra;
 
 /// Memory that the samples of a text take, over its own: nine numbers of two bytes or more become two samples of 50, and stay with their
 /// lines.

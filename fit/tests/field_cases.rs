@@ -170,6 +170,24 @@ fn layouts_of_the_same_rows_are_read() {
         ("units.csv", renamed("theta_i [deg],phi_i [deg],theta_o [deg],phi_o [deg],value")),
         ("quoted.csv", renamed("\"theta_i\",\"phi_i\",\"theta_o\",\"phi_o\",\"value\"")),
         ("german.csv", format!("theta_i;phi_i;theta_o;phi_o;value\n{}", row(";", &comma))),
+        (
+            "german_names.csv",
+            format!(
+                "Probe;Lack 7\nBearbeiter;M\u{fc}ller\n\nEinfallswinkel;Einfallsazimut;Beobachtungswinkel;Beobachtungsazimut;BRDF\n{}",
+                row(";", &comma)
+            ),
+        ),
+        (
+            "scatter_deg.txt",
+            format!(
+                "\"Incidence (deg)\"\t\"Incidence azimuth (deg)\"\t\"Scatter (deg)\"\t\"Scatter azimuth (deg)\"\tBRDF\n{}",
+                row("\t", &point)
+            ),
+        ),
+        ("cosines_too.csv", {
+            let rows = plain.lines().skip(1).map(|line| format!("{line},0.5,0.5\n")).collect::<String>();
+            format!("{NAMES},cos_i,cos_o\n{rows}")
+        }),
         ("tab.csv", format!("theta_i\tphi_i\ttheta_o\tphi_o\tvalue\n{}", row("\t", &point))),
         ("sep.csv", format!("sep=,\n{plain}")),
         ("trailing.csv", plain.replace('\n', ",\n")),
@@ -241,6 +259,9 @@ fn conventions_are_asked_or_said() {
         }
     });
     assert!(refused("rad.csv", &radians).contains("--angles radians"));
+
+    let cosines = text(&grid()).replacen("theta_i,phi_i,theta_o,phi_o", "cos_i,phi_i,cos_o,phi_o", 1);
+    assert!(refused("cosines.csv", &cosines).contains("give the angles of both directions"));
 
     // A glossy surface whose azimuths count from the mirror direction.
     let mut samples = of_model("model:ggx:alpha=0.15,f0=0.9");

@@ -9,6 +9,7 @@ extern crate srbf_reference_renderer;
 mod bench_report;
 mod equal_time;
 mod figures;
+mod good_inputs;
 #[cfg(test)]
 mod imagined;
 mod leave_out;
@@ -42,6 +43,7 @@ enum Command {
     Presets(presets::Args),
     Survey(Box<survey::Args>),
     Figures(figures::Args),
+    GoodInputs(good_inputs::Args),
     ThesisTable(thesis_table::Args),
     LobesTable(lobes_table::Args),
     EqualTime(equal_time::Args),
@@ -62,6 +64,7 @@ fn main() -> ExitCode {
             Command::Presets(args) => presets::run(args),
             Command::Survey(args) => survey::run(*args),
             Command::Figures(args) => figures::run(&args),
+            Command::GoodInputs(args) => good_inputs::run(&args),
             Command::ThesisTable(args) => thesis_table::run(args),
             Command::LobesTable(args) => lobes_table::run(args),
             Command::EqualTime(args) => equal_time::run(&args),

@@ -312,7 +312,7 @@ impl Material {
 
     /// Writes it as an RGL `.bsdf` file, as Mitsuba's `measured` reads them.
     fn to_rgl(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        self.export(py, &path, |brdf| srbf_fit::export::rgl(brdf))
+        self.export(py, &path, |brdf| srbf_fit::export::rgl(brdf, None))
     }
 
     /// The numbers of all views, as float32 arrays by name: what an evaluator of one's own needs.

@@ -241,7 +241,7 @@ impl Table {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         match (&self.source.content, ending.as_str()) {
             (Content::Evaluable(brdf), "binary") => Ok(export::merl(brdf.as_ref())?.bytes),
-            (Content::Evaluable(brdf), "bsdf") => export::rgl(brdf.as_ref()),
+            (Content::Evaluable(brdf), "bsdf") => export::rgl(brdf.as_ref(), None),
             (Content::Evaluable(brdf), "csv") => Ok(export::csv(&export::sampled(brdf.as_ref())?).into()),
             (Content::Evaluable(brdf), "astm") => Ok(export::astm(&export::sampled(brdf.as_ref())?).into()),
             (Content::Samples(table), "csv") => Ok(export::csv(table).into()),

@@ -11,7 +11,7 @@ pub mod fit;
 mod fit_page;
 pub mod inspect;
 pub mod judge;
-mod look;
+pub mod look;
 mod pages;
 pub mod plot;
 pub mod render;

@@ -178,7 +178,19 @@ fn tables_are_converted_and_read_again() {
     }
     for name in ["a.binary", "a.bsdf"] {
         check_furnace(&place, name);
+        // Our own file may be overwritten, another program's not.
+        printed(&place, &["convert", model, name]);
+        let bytes = std::fs::read(place.join(name)).unwrap();
+        std::fs::write(place.join(name), &bytes[4096..bytes.len() - 8]).unwrap();
+        refused(&place, &["convert", model, name], &[name, "--force"]);
+        printed(&place, &["--force", "convert", model, name]);
     }
+    let spectra = "theta_i,phi_i,theta_o,phi_o,420nm,500nm,550nm,600nm,680nm\n";
+    let rows = (0..40)
+        .map(|n| format!("{},0,{},{},.1,.1,.2,.3,.3\n", 20 * (n % 4), 15 + 15 * (n / 10), 40 * (n % 5)));
+    std::fs::write(place.join("spectra.csv"), format!("{spectra}{}", rows.collect::<String>())).unwrap();
+    let text = printed(&place, &["convert", "spectra.csv", "spectra.bsdf"]);
+    assert!(text.contains("spectra: 5 wavelengths"), "{text}");
     let text = printed(&place, &["convert", "a.csv", "b.astm"]);
     assert!(text.contains("as they were read"), "{text}");
     write_samples(&place, [0.2, 0.1, 0.05]);

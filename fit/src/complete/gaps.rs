@@ -30,6 +30,17 @@ impl Gaps {
         }
         runs
     }
+
+    /// The share, in words.
+    pub fn text(&self) -> String {
+        let empty: Vec<String> =
+            self.empty().iter().map(|(from, to)| format!("{from:.0} to {to:.0}")).collect();
+        let views = match empty.as_slice() {
+            [] => String::new(),
+            runs => format!("; most of it at views of {} degrees", runs.join(", ")),
+        };
+        format!("no sample within 20 degrees: {:.0} % of all pairs of directions{views}", 100.0 * self.mean())
+    }
 }
 
 /// Looks where a table has no samples.

@@ -19,6 +19,8 @@ pub(super) struct Point {
     pub count: f64,
     /// How freely the channels may be apart there, 0 to 1: a coat has no hue.
     pub hue: f64,
+    /// The smaller cosine of both directions: light falls, and is seen, more thinly towards grazing.
+    pub cosine: f64,
     /// As of a sample.
     pub relative: f64,
     pub even: f64,
@@ -43,6 +45,7 @@ pub(super) fn each(measurement: &Measurement, model: &Microfacet, scale: Scale, 
             above,
             count: 1.0,
             hue: model.hue(&s.pair),
+            cosine: s.pair.cosines[0].min(s.pair.cosines[1]),
             relative: s.relative,
             even: s.even,
             band,
@@ -86,6 +89,7 @@ fn merged(all: &[Point], cell: f64) -> (Vec<Point>, Vec<usize>) {
         (0..3).for_each(|c| sum.above[c] += p.above[c]);
         sum.count += p.count;
         sum.hue += p.hue;
+        sum.cosine += p.cosine;
         sum.relative += p.relative;
         sum.even += p.even;
         of.push(number);
@@ -94,6 +98,7 @@ fn merged(all: &[Point], cell: f64) -> (Vec<Point>, Vec<usize>) {
         let count = sum.count;
         sum.at = sum.at.map(|v| v / count);
         sum.hue /= count;
+        sum.cosine /= count;
         sum.base = sum.base.map(|v| v / count);
         sum.above = sum.above.map(|v| v / count);
     }

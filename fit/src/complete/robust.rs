@@ -1,18 +1,20 @@
 //! Samples that their neighbours and their reciprocal samples contradict.
 //!
-//! One model and one process predict each sample from the others. The worst sample goes, and the rest is predicted again. Bright samples
-//! near the peak have to be much brighter than their prediction, because neighbours say least about a peak.
+//! One model and one process predict each sample from the others. The worst sample goes, and the rest is predicted again. Samples near the
+//! peak or the back direction have to be much farther off, because neighbours say least about a peak. Samples that are off together stay,
+//! but for dead ones: the shadow of a lamp or a detector covers several.
 
 use super::measurement::{Measured, Measurement};
 use super::microfacet::{Family, Microfacet};
+use super::pair::COORDINATES;
 use super::points::{Point, each, grouped};
 use super::process::{LeftOut, Of, Process};
 use super::scale::Scale;
 use super::tuning::choice::OF_MODEL;
 use super::{noises, width};
 use crate::complete::tuning::robust::{
-    APART, APART_AT_PEAK, DEVIATIONS, KERNEL, KNOWN, LEAST, NEIGHBOURS, NOISE, OF_A_GROUP, PEAK, ROUNDS,
-    SHARE,
+    APART, APART_AT_PEAK, BACK, DEAD, DEVIATIONS, KERNEL, KNOWN, LEAST, NEIGHBOURS, NOISE, OF_A_GROUP, PEAK,
+    ROUNDS, SHARE, THIN, THIN_DARK,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -62,9 +64,11 @@ fn look(measurement: &Measurement) -> Vec<Outlier> {
     let mean = |above: [f64; 3]| above.iter().sum::<f64>() / 3.0;
     let is_apart = |p: &Point, off: f64| {
         let said = |c: usize| scale.back(p.base[c] + p.above[c] - off) - scale.back(p.base[c] + p.above[c]);
-        let is_at_peak = p.at[0] < PEAK && off > 0.0;
+        let is_at_peak = p.at[0] < PEAK || p.at[1] < BACK;
+        let thin = if off < 0.0 && !is_dead(off) { THIN_DARK } else { THIN };
+        let share = (p.cosine / thin).min(1.0);
         off.abs() > if is_at_peak { APART_AT_PEAK } else { APART }
-            && (said(0) + said(1) + said(2)).abs() / 3.0 > LEAST * measurement.level
+            && share * (said(0) + said(1) + said(2)).abs() / 3.0 > LEAST * measurement.level
     };
     let outlier = |s: &Measured, off: f64| Outlier { view: s.view, sample: s.number, ratio: libm::exp(off) };
 
@@ -90,23 +94,48 @@ fn look(measurement: &Measurement) -> Vec<Outlier> {
     alone(measurement, &all, found)
 }
 
-/// Those of which most neighbours of the same view are not off as well.
+/// Whether a sample is so much darker than others say that something stood before it.
+fn is_dead(off: f64) -> bool {
+    off < -DEAD
+}
+
+/// Those that stand out of their neighbours, and of which most neighbours of the same view are not off as well; and dead ones.
 fn alone(measurement: &Measurement, all: &[Point], found: Vec<Outlier>) -> Vec<Outlier> {
     let off: BTreeSet<(usize, usize)> = found.iter().map(|o| (o.view, o.sample)).collect();
+    let samples = || measurement.samples.iter().zip(all);
     let is_alone = |o: &Outlier| {
-        let of_view = || measurement.samples.iter().zip(all).filter(|(s, _)| s.view == o.view);
-        let Some((_, own)) = of_view().find(|(s, _)| s.number == o.sample) else { return true };
-        let mut near: Vec<(f64, bool)> = of_view()
-            .filter(|(s, _)| s.number != o.sample)
-            .map(|(s, p)| {
-                let apart: f64 = p.at.iter().zip(own.at).map(|(a, b)| (a - b) * (a - b)).sum();
-                (apart, off.contains(&(s.view, s.number)))
-            })
-            .collect();
-        near.sort_by(|a, b| a.0.total_cmp(&b.0));
-        2 * near.iter().take(NEIGHBOURS).filter(|n| n.1).count() < NEIGHBOURS
+        if is_dead(libm::log(o.ratio)) {
+            return true;
+        }
+        let Some((s, own)) = samples().find(|(s, _)| (s.view, s.number) == (o.view, o.sample)) else {
+            return true;
+        };
+        let apart = |p: &Point| -> f64 {
+            (0..COORDINATES).map(|k| ((p.at[k] - own.at[k]) / KERNEL.lengths[k]).powi(2)).sum()
+        };
+        let others = || samples().filter(|(other, _)| (other.view, other.number) != (o.view, o.sample));
+        let nearest = |of: &mut dyn Iterator<Item = (f64, f64)>| -> Vec<f64> {
+            let mut near: Vec<(f64, f64)> = of.collect();
+            if near.len() > NEIGHBOURS {
+                near.select_nth_unstable_by(NEIGHBOURS, |a, b| a.0.total_cmp(&b.0));
+            }
+            near.into_iter().take(NEIGHBOURS).map(|n| n.1).collect()
+        };
+        let of_view =
+            nearest(&mut others().filter(|(other, _)| other.view == o.view).map(|(other, p)| {
+                (apart(p), f64::from(u8::from(off.contains(&(other.view, other.number)))))
+            }));
+        // A steep flank has brighter samples on one side and darker ones on the other.
+        let mut levels = nearest(&mut others().map(|(other, p)| (apart(p), level(other))));
+        levels.sort_by(f64::total_cmp);
+        let is_between = levels.len() > 2 && levels[1] < level(s) && level(s) < levels[levels.len() - 2];
+        !is_between && 2.0 * of_view.iter().sum::<f64>() < NEIGHBOURS as f64
     };
     found.into_iter().filter(is_alone).collect()
+}
+
+fn level(s: &Measured) -> f64 {
+    s.value.iter().sum()
 }
 
 /// Samples that are off the median of those that they are taken together with.
@@ -127,12 +156,15 @@ fn in_groups(
     let mut off = Vec::new();
     for group in &members {
         let middle = median(group.iter().map(|&i| mean(i)).collect());
-        off.extend(group.iter().map(|&i| (i, mean(i) - middle)));
+        let own = 1.4826 * median(group.iter().map(|&i| (mean(i) - middle).abs()).collect());
+        off.extend(group.iter().map(|&i| (i, mean(i) - middle, own)));
     }
     if off.is_empty() {
-        return off;
+        return Vec::new();
     }
     let usual = 1.4826 * median(off.iter().map(|o| o.1.abs()).collect());
-    off.retain(|&(i, off)| off.abs() > DEVIATIONS * usual.max(libm::sqrt(NOISE)) && is_apart(&all[i], off));
-    off
+    let is_out = |&(i, off, own): &(usize, f64, f64)| {
+        off.abs() > DEVIATIONS * usual.max(own).max(libm::sqrt(NOISE)) && is_apart(&all[i], off)
+    };
+    off.into_iter().filter(is_out).map(|(i, off, _)| (i, off)).collect()
 }

@@ -194,15 +194,24 @@ pub(crate) mod robust {
     pub const DEVIATIONS: f64 = 6.0;
     /// Its least distance on the scale.
     pub const APART: f64 = 0.7;
-    /// Widths round the peak in which brighter samples need more distance.
+    /// Widths round the peak in which samples need more distance.
     pub const PEAK: f64 = 1.5;
+    /// The same about the back direction: half of the angle between the directions, radians.
+    pub const BACK: f64 = 0.2;
     /// That distance.
     pub const APART_AT_PEAK: f64 = 2.0;
+    /// The same, below, of a sample that something stood before: tenfold.
+    pub const DEAD: f64 = 2.3;
     /// Share of the variance up to which neighbours say the value of a place.
     pub const KNOWN: f64 = 0.3;
     /// Least difference over the mean radiance. Dark values are noisy, and many were clamped to 0.
     pub const LEAST: f64 = 0.1;
-    /// Nearest samples of the same view, most of which must not be off alike: then the surface or the instrument is so.
+    /// The smaller cosine of both directions below which the difference falls with it, as an instrument's noise is one of its signal: of
+    /// brighter samples and dead ones, and of darker ones.
+    pub const THIN: f64 = 0.1;
+    pub const THIN_DARK: f64 = 0.5;
+    /// Nearest samples. Most of those of the same view must not be off alike: then the surface or the instrument is so. Of all views, at
+    /// most one may be brighter, or at most one darker.
     pub const NEIGHBOURS: usize = 6;
     /// Samples of one point from which on they are compared with each other.
     pub const OF_A_GROUP: usize = 5;

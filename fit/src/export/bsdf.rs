@@ -1,4 +1,4 @@
-//! Writer of RGL `.bsdf` files, isotropic ones in RGB.
+//! Writer of RGL `.bsdf` files, isotropic ones in RGB, and where the input has spectra, in these too.
 //!
 //! A measured file has a warp that spreads visible normals over its pictures. Here the warp is the identity, so that a picture is `f cos`
 //! over the half vectors themselves: the square root of their angle from the normal, which is dense where highlights are, and
@@ -7,13 +7,14 @@
 
 use super::{check_isotropic, finite};
 use crate::FitError;
+use crate::read::Spectra;
 use crate::read::rgl::container::Fields;
 use crate::table::{Brdf, direction, luminance};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Outgoing directions, from the normal to 87 degrees.
-const VIEWS: usize = 30;
+const VIEWS: usize = 59;
 const LAST: f64 = 87.0;
 
 /// Half vectors of a picture along the angle from the normal, and along the azimuth, of which the last is the first again.
@@ -23,12 +24,14 @@ const ROWS: usize = 128;
 /// Least height of an incident direction: interpolation reaches below the horizon, where values continue smoothly.
 const LEAST_HEIGHT: f64 = 1e-3;
 
-/// Writes an isotropic BRDF as a `.bsdf` file: `f cos` at 30 outgoing directions by 128 x 128 half vectors. The caller's threads of rayon are
+/// Writes an isotropic BRDF as a `.bsdf` file: `f cos` at 59 outgoing directions by 128 x 128 half vectors. The caller's threads of rayon are
 /// used.
+///
+/// With `spectra`, these of the colours stand beside them: readers take the colours or the spectra, as they need.
 ///
 /// # Errors
 /// [`FitError::Table`] for an anisotropic BRDF.
-pub fn rgl(brdf: &dyn Brdf) -> Result<Vec<u8>, FitError> {
+pub fn rgl(brdf: &dyn Brdf, spectra: Option<&Spectra>) -> Result<Vec<u8>, FitError> {
     check_isotropic(brdf)?;
     let thetas: Vec<f64> = (0..VIEWS).map(|n| LAST.to_radians() * n as f64 / (VIEWS - 1) as f64).collect();
     let pictures: Vec<Vec<[f64; 3]>> = thetas.par_iter().map(|&theta| picture(brdf, theta)).collect();
@@ -64,6 +67,15 @@ pub fn rgl(brdf: &dyn Brdf) -> Result<Vec<u8>, FitError> {
         &[1, VIEWS, 3, ROWS, COLUMNS],
         &pictures.iter().flat_map(channels).collect::<Vec<_>>(),
     );
+    if let Some(spectra) = spectra {
+        let count = spectra.wavelengths.len();
+        let value = |by: &[f64; 3], rgb: &[f64; 3]| by[0] * rgb[0] + by[1] * rgb[1] + by[2] * rgb[2];
+        let values = pictures.iter().flat_map(|picture| {
+            spectra.of_rgb.iter().flat_map(move |by| picture.iter().map(move |rgb| value(by, rgb)))
+        });
+        fields.push("wavelengths", &[count], &spectra.wavelengths);
+        fields.push_each("spectra", &[1, VIEWS, count, ROWS, COLUMNS], values);
+    }
     // The picture is not to be multiplied by a density of normals.
     fields.push_bytes("jacobian", &[0]);
     Ok(fields.encode())

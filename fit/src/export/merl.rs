@@ -9,6 +9,10 @@ use rayon::prelude::*;
 /// Least f that is written; 1/sr.
 const LEAST: f64 = 1e-30;
 
+/// The last eight bytes of a file that is written here: as a number, -1.0000004. That cell lies below the horizon, where any negative number
+/// says the same. The format has no other place for a name.
+pub const MERL_MARK: [u8; 8] = *b"srbf\0\0\xf0\xbf";
+
 /// A MERL file.
 #[derive(Clone, Debug)]
 pub struct MerlFile {
@@ -21,7 +25,7 @@ pub struct MerlFile {
 /// Writes an isotropic BRDF as a MERL `.binary` file: its values at the centres of 90 x 90 x 180 cells.
 ///
 /// A cell has one value for a pair of directions and the same exchanged: the mean of both is stored. Where a direction is below the horizon, or
-/// where nothing was measured, -1 stands, as in the measured files. The caller's threads of rayon are used.
+/// where nothing was measured, -1 stands, as in the measured files; at the end of the file [`MERL_MARK`]. The caller's threads of rayon are used.
 ///
 /// # Errors
 /// [`FitError::Table`] for an anisotropic BRDF.
@@ -45,6 +49,8 @@ pub fn merl(brdf: &dyn Brdf) -> Result<MerlFile, FitError> {
             bytes.extend(stored.to_le_bytes());
         }
     }
+    let end = bytes.len() - MERL_MARK.len();
+    bytes[end..].copy_from_slice(&MERL_MARK);
     Ok(MerlFile { bytes, negatives: negatives as f64 / all.max(1) as f64 })
 }
 

@@ -25,7 +25,7 @@ const NORMAL: f64 = 1.0 * PI / 180.0;
 
 /// Widths of highlights, lengths, and variances of noise that are tried.
 const WIDTHS: [f64; 3] = [0.4, 0.1, 0.02];
-const LENGTHS: [[f64; COORDINATES]; 2] = [[1.0, 0.8, 0.8, 2.0], [2.0, 1.2, 1.2, 3.0]];
+const LENGTHS: [[f64; COORDINATES]; 3] = [[1.0, 0.8, 0.8, 2.0], [2.0, 1.2, 1.2, 3.0], [1.0, 0.15, 0.8, 2.0]];
 const NOISES: [f64; 4] = [1e-3, 1e-2, 0.1, 0.3];
 const VARIANCE: f64 = 3.0;
 

@@ -36,9 +36,7 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     }
     let to_rgb = Wavelengths::new(&wavelengths)?;
     let mut reading = Reading::new("Cornell .brdf", conventions);
-    if let Some(note) = &to_rgb.note {
-        reading.note(note.clone());
-    }
+    reading.wavelengths_are(&to_rgb);
 
     let theta = |v: f64| (0.0..=FRAC_PI_2 + 1e-5).contains(&v);
     let phi = |v: f64| v.abs() <= 2.0 * PI + 1e-5;

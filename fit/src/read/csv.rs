@@ -106,6 +106,9 @@ fn table(
     if let Values::Long(_) = columns.values {
         return long::finish(&geometry, found, share, reading);
     }
+    if let Values::Spectrum(_, wavelengths) = &columns.values {
+        reading.spectra_are(wavelengths);
+    }
     for row in &found {
         let directions = geometry.directions(row)?;
         let rgb = columns.values.rgb(&row.values).map(|v| share * v);

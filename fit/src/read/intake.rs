@@ -9,6 +9,8 @@ use super::reason::Reason;
 use super::row::Row;
 use super::scatter;
 use super::sentinels::{Cells, Sentinels};
+use super::spectra::{Spectra, SpectralSums};
+use super::wavelengths::Wavelengths;
 use crate::ReadError;
 use crate::look::isotropy::Isotropy;
 use crate::table::Scattered;
@@ -56,6 +58,8 @@ pub struct Intake {
     pub is_light_fixed: bool,
     /// The result of a turn of the sample; `None` where it was not turned.
     pub isotropy: Option<Isotropy>,
+    /// The spectra of its colours, if it has some.
+    pub spectra: Option<Spectra>,
 }
 
 /// Samples on their way.
@@ -63,6 +67,7 @@ pub(crate) struct Reading {
     intake: Intake,
     conventions: Conventions,
     cells: Vec<Cells>,
+    spectra: Option<SpectralSums>,
 }
 
 impl Reading {
@@ -75,12 +80,25 @@ impl Reading {
                 .push(Note { text: format!("values are divided by {}", conventions.divide), option: None });
         }
         conventions.mirror.get_or_insert(Mirror::Opposite);
-        Self { intake, conventions, cells: Vec::new() }
+        Self { intake, conventions, cells: Vec::new(), spectra: None }
     }
 
     /// The kind of values in the format, where the caller does not state it.
     pub fn values_are(&mut self, values: Values) {
         self.conventions.values.get_or_insert(values);
+    }
+
+    /// States that the numbers of each row are a spectrum, and says how it is used.
+    pub fn wavelengths_are(&mut self, wavelengths: &Wavelengths) {
+        if let Some(note) = &wavelengths.note {
+            self.note(note.clone());
+        }
+        self.spectra_are(wavelengths);
+    }
+
+    /// The same of which the use is said already.
+    pub fn spectra_are(&mut self, wavelengths: &Wavelengths) {
+        self.spectra = wavelengths.sums();
     }
 
     pub fn note(&mut self, text: impl Into<String>) {
@@ -115,6 +133,9 @@ impl Reading {
             Some(Mirror::Equal) => [-wo[0], -wo[1], wo[2]],
             _ => wo,
         };
+        if let Some(spectra) = &mut self.spectra {
+            spectra.add(cells);
+        }
         let cosine = match self.conventions.values {
             Some(Values::CosineOutgoing) => wo[2],
             Some(Values::CosineIncident) => wi[2],
@@ -144,6 +165,7 @@ impl Reading {
                 if left_out.is_empty() { "no samples".into() } else { format!("no samples: {left_out}") };
             return Err(ReadError::Content(text));
         }
+        self.intake.spectra = self.spectra.take().and_then(SpectralSums::finish);
         self.intake.is_light_fixed = scatter::is_light_fixed(&self.intake.rows);
         Ok(self.intake)
     }

@@ -56,9 +56,7 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     wavelengths.sort_by(f64::total_cmp);
     wavelengths.dedup();
     let to_rgb = Wavelengths::new(&wavelengths)?;
-    if let Some(note) = &to_rgb.note {
-        reading.note(note.clone());
-    }
+    reading.wavelengths_are(&to_rgb);
     let mut pairs: Vec<_> = pairs.into_iter().collect();
     pairs.sort_by_key(|(_, (row, _))| *row);
     for (key, (row, spectrum)) in pairs {

@@ -47,7 +47,7 @@ const WEIGHTS: [[f64; 3]; 31] = [
 ];
 
 /// Turns spectra sampled at given wavelengths into linear sRGB.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct ToRgb {
     weights: Vec<[f64; 3]>,
 }

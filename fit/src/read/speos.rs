@@ -185,9 +185,7 @@ fn colour(spectrum: &[[f64; 2]], reading: &mut Reading) -> Result<[f64; 3], Read
         return Ok([*first; 3]);
     }
     let wavelengths = Wavelengths::new(&spectrum.iter().map(|pair| pair[0]).collect::<Vec<_>>())?;
-    if let Some(note) = &wavelengths.note {
-        reading.note(note.clone());
-    }
+    reading.wavelengths_are(&wavelengths);
     Ok(wavelengths.rgb(&values))
 }
 

@@ -127,8 +127,8 @@ impl SsddBlock {
             "monochrome" | "rgb" | "xyz" => None,
             other => return fail(format!("SSDD of COLOR_MODEL `{}`", shortened(other))),
         };
-        if let Some(note) = spectrum.as_ref().and_then(|s| s.note.clone()) {
-            reading.note(note);
+        if let Some(spectrum) = &spectrum {
+            reading.wavelengths_are(spectrum);
         }
         let channels = match self.colour.as_str() {
             "spectrum" => self.wavelengths.len(),

@@ -1,5 +1,6 @@
 //! A spectrum in whatever wavelengths a file has, made a colour where it is one, and grey where it is none.
 
+use super::spectra::SpectralSums;
 use super::spectrum::ToRgb;
 use crate::ReadError;
 
@@ -20,6 +21,8 @@ const RED: f64 = 600.0;
 pub(crate) struct Wavelengths {
     /// Places of the values that matter, by rising wavelength.
     order: Vec<usize>,
+    /// These wavelengths, nm.
+    lines: Vec<f64>,
     /// `None`: their mean is grey.
     to_rgb: Option<ToRgb>,
     /// Their use, where it is not plain.
@@ -59,7 +62,7 @@ impl Wavelengths {
         let (low, high) = (nm[order[0]], nm[order[order.len() - 1]]);
         let grey = |text: String| {
             let text = unit_note.iter().cloned().chain([text]).collect::<Vec<_>>().join("; ");
-            Self { order: order.clone(), to_rgb: None, note: Some(text) }
+            Self { order: order.clone(), lines: Vec::new(), to_rgb: None, note: Some(text) }
         };
         if nm.len() == 1 {
             return Ok(grey(format!("one wavelength, {low} nm, is taken as grey")));
@@ -72,15 +75,20 @@ impl Wavelengths {
         let lines: Vec<f64> = visible.iter().map(|&place| nm[place]).collect();
         let (first, last) = (lines[0], lines[lines.len() - 1]);
         if let Ok(to_rgb) = ToRgb::new(&lines) {
-            return Ok(Self { order: visible, to_rgb: Some(to_rgb), note: unit_note });
+            return Ok(Self { order: visible, lines, to_rgb: Some(to_rgb), note: unit_note });
         }
         if lines.len() >= FEW && first <= BLUE && last >= RED {
             let text = format!("{} wavelengths from {first} to {last} nm make the colour", lines.len());
             let text = unit_note.iter().cloned().chain([text]).collect::<Vec<_>>().join("; ");
             let to_rgb = ToRgb::extended(&lines)?;
-            return Ok(Self { order: visible, to_rgb: Some(to_rgb), note: Some(text) });
+            return Ok(Self { order: visible, lines, to_rgb: Some(to_rgb), note: Some(text) });
         }
         Ok(grey(format!("wavelengths from {low} to {high} nm make no colour: their mean is taken as grey")))
+    }
+
+    /// Sums for spectra of colours; `None` where the wavelengths make no colour.
+    pub fn sums(&self) -> Option<SpectralSums> {
+        self.to_rgb.as_ref().and_then(|_| SpectralSums::new(&self.lines, &self.order))
     }
 
     /// Linear sRGB of the values in the order of the file.

@@ -7,7 +7,7 @@ use crate::truth::measured::MeasuredMaterial;
 use crate::truth::stored::StoredMaterial;
 use anyhow::{Context, bail};
 use srbf_fit::export;
-use srbf_fit::read::{Content, Conventions, Source, merl, read_with, rgl};
+use srbf_fit::read::{Content, Conventions, Source, Spectra, merl, read_with, rgl};
 use srbf_fit::table::{Brdf, Table};
 use std::path::{Path, PathBuf};
 
@@ -20,8 +20,9 @@ use std::path::{Path, PathBuf};
 /// same exchanged; the mean of both is stored, which takes measured tables 3 to 13 % away, as they are not quite reciprocal. Negative channels, of colours outside the gamut, become 0. Cells that a
 /// MERL file has not measured stay marked so.
 ///
-/// .bsdf (RGL): f cos at 30 outgoing directions by 128 x 128 half vectors, in RGB; comes back within 0.5 % for the same model.
-/// Mitsuba's `measured` reads it in its RGB variants, and draws by f cos itself: the relative variance is .002 up to 75 degrees, and .06 at 85.
+/// .bsdf (RGL): f cos at 59 outgoing directions by 128 x 128 half vectors, in RGB; comes back within 0.5 % for the same model.
+/// Samples that are spectra have them there too: a linear map from colours, at most 64 wavelengths; 4 MB each.
+/// Mitsuba's `measured` reads colours in its RGB variants, spectra in its spectral ones, and draws by f cos itself: the relative variance is .002 up to 75 degrees, and .06 at 85.
 ///
 /// .csv (ours, see docs/csv.md) and .astm (Cornell, three channels): samples. Those of a file of samples stay as they are; of all else,
 /// 16 outgoing directions by some 1300 incident ones. At the samples nothing is lost; between them nothing is said.
@@ -109,9 +110,17 @@ fn write_grid(output: &Path, format: Format, source: Source) -> anyhow::Result<(
     if let Content::Samples(_) = source.content {
         println!("samples: completed first, to have a value for every pair of directions");
     }
+    let spectra = source.intake.as_ref().and_then(|intake| intake.spectra.clone());
     let material = MeasuredMaterial::new(source)?;
     let (bytes, back): (Vec<u8>, Box<dyn Brdf>) = if let Format::Rgl = format {
-        let bytes = export::rgl(material.brdf())?;
+        let bytes = export::rgl(material.brdf(), spectra.as_ref())?;
+        if let Some(Spectra { wavelengths, error, .. }) = &spectra {
+            println!(
+                "spectra: {} wavelengths, by the colours; those of the samples are off by {:.1} % (relative L2)",
+                wavelengths.len(),
+                100.0 * error
+            );
+        }
         let back = rgl::parse(&bytes)?;
         (bytes, Box::new(back))
     } else {

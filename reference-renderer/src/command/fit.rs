@@ -16,7 +16,8 @@ use method::MethodName;
 use names::Job;
 pub use settings::SettingArgs;
 use srbf_core::Material;
-use srbf_fit::judge::cross::CrossValidation;
+use srbf_fit::complete::complete;
+use srbf_fit::judge::cross::{CrossValidation, cross_validate};
 use srbf_fit::judge::report::Input;
 use srbf_fit::look::Look;
 use srbf_fit::read::{Content, Source};
@@ -155,7 +156,7 @@ fn check_options(file: &Path, content: &Content, settings: &SettingArgs) -> anyh
     Ok(())
 }
 
-/// Errors over data that is left out of the fit, if they are asked for.
+/// Errors over data that is left out of the fit, if they are asked for. Samples that all others contradict are in no part of it.
 fn left_out(
     is_asked_for: bool,
     file: &Path,
@@ -166,7 +167,8 @@ fn left_out(
     match content {
         _ if !is_asked_for => Ok(None),
         Content::Samples(table) => {
-            Ok(Some(method.with(settings, |method| srbf_fit::judge::cross::cross_validate(table, method))??))
+            let table = complete(table)?.without_outliers(table)?;
+            Ok(Some(method.with(settings, |method| cross_validate(&table, method))??))
         }
         Content::Evaluable(_) => bail!(
             "{}: --cross-validate is for samples; fits of a BRDF report held-out views anyway",

@@ -57,8 +57,14 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 /// Samples that a measurement without samples is looked at by.
 const SAMPLED: usize = 1500;
 
-/// Prints the line of a table.
-fn print_line(source: Source) -> anyhow::Result<()> {
+/// Cosine of the directions that are left out there: tables are extrapolated within 5 degrees of the horizon.
+const GRAZING: f64 = 0.087;
+
+/// The look at a measurement; one with a value for every pair of directions is sampled first.
+///
+/// # Errors
+/// Names the file. Anisotropic ones have no samples.
+pub fn looked_at(source: Source) -> anyhow::Result<Look> {
     let Source { content, name, intake, .. } = source;
     let (intake, table) = match (intake, content) {
         (Some(intake), Content::Samples(table)) => (intake, table),
@@ -66,15 +72,22 @@ fn print_line(source: Source) -> anyhow::Result<()> {
         (_, Content::Evaluable(brdf)) => {
             let text = export::csv(&export::sampled(brdf.as_ref())?);
             let mut intake = csv::parse(text.as_bytes(), &Conventions::default())?;
+            intake.rows.retain(|row| row.wi[2].min(row.wo[2]) > GRAZING);
             let every = intake.rows.len().div_ceil(SAMPLED);
             intake.rows = intake.rows.into_iter().step_by(every).collect();
             let table = Table::from_scattered(intake.views())?;
             (intake, table)
         }
     };
-    let look = Look::new(&intake, Some(&complete(&table)?.report));
+    Ok(Look::new(&intake, Some(&complete(&table)?.report)))
+}
+
+/// Prints the line of a table.
+fn print_line(source: Source) -> anyhow::Result<()> {
+    let name = source.name.clone();
+    let look = looked_at(source)?;
     let off: Vec<&str> = look.findings.iter().filter(|f| f.is_off).map(|f| f.text.as_str()).collect();
-    let left_out = intake.left_out_count();
+    let left_out: usize = look.left_out.iter().map(|left| left.count).sum();
     let off = if off.is_empty() { "-".to_owned() } else { off.join(" | ") };
     println!("{name:<44} {:>7} {:>6} {left_out:>8}  {off}", look.samples, look.views.len());
     Ok(())

@@ -55,14 +55,6 @@ pub fn print_completion(completion: &CompletionReport) {
             shown.join("; ")
         );
     }
-    let gaps = &completion.gaps;
-    let empty = gaps.empty().iter().map(|(from, to)| format!("{from:.0} to {to:.0}")).collect::<Vec<_>>();
-    let views = if empty.is_empty() {
-        String::new()
-    } else {
-        format!("; most of it at views of {} degrees", empty.join(", "))
-    };
-    println!("  no sample within 20 degrees: {:.0} % of all pairs of directions{views}", 100.0 * gaps.mean());
 }
 
 /// Prints the views of a report under a heading, with their azimuths if any has one.

@@ -1,13 +1,14 @@
 //! Files that are written: their places are checked before a long work, and they are whole or absent, those that belong together too.
 //!
 //! A file that this program did not write stays, unless `--force` says otherwise ([`keep_others`]): every
-//! format that the program writes holds its name within its first [`LOOKED_AT`] bytes.
+//! format that the program writes holds its name within its first [`LOOKED_AT`] bytes, and MERL's at its end.
 
 use crate::out::print::shown;
 use anyhow::{Context, bail, ensure};
 use srbf_fit::Outputs;
+use srbf_fit::export::MERL_MARK;
 use std::cell::RefCell;
-use std::io::Read;
+use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
@@ -114,13 +115,26 @@ pub fn check_place(path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Whether this program has written a file, as far as its first bytes tell. An empty file is nobody's.
+/// Whether this program has written a file, as far as its first and last bytes tell. An empty file is nobody's.
 fn is_ours(path: &Path) -> bool {
+    let Ok(mut file) = std::fs::File::open(path) else { return false };
     let mut start = Vec::new();
-    let read = std::fs::File::open(path).and_then(|file| file.take(LOOKED_AT).read_to_end(&mut start));
+    if file.by_ref().take(LOOKED_AT).read_to_end(&mut start).is_err() {
+        return false;
+    }
     let is_named = || start.windows(4).any(|window| window == b"srbf");
-    read.is_ok()
-        && (start.is_empty() || start.starts_with(MATERIAL) || start.starts_with(COMPARISON) || is_named())
+    start.is_empty()
+        || start.starts_with(MATERIAL)
+        || start.starts_with(COMPARISON)
+        || is_named()
+        || ends_in_mark(&mut file)
+}
+
+/// Whether a file ends as our MERL files do.
+fn ends_in_mark(file: &mut std::fs::File) -> bool {
+    let mut end = [0; MERL_MARK.len()];
+    let back = -(MERL_MARK.len() as i64);
+    file.seek(SeekFrom::End(back)).and_then(|_| file.read_exact(&mut end)).is_ok() && end == MERL_MARK
 }
 
 #[cfg(test)]
@@ -139,6 +153,8 @@ mod tests {
             (b"", true),
             (b"theta_i,phi_i\n", false),
             (b"\x89SRBF\r\n\x1a", true),
+            (&[&[0; 9000][..], &MERL_MARK[..]].concat(), true),
+            (&[&MERL_MARK[..], &[0; 9000][..]].concat()[8..], false),
             (b"<meta name=\"generator\" content=\"srbf\">", true),
         ] {
             std::fs::write(&path, bytes).unwrap();

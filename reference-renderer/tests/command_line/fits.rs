@@ -147,6 +147,7 @@ fn what_is_left_out_is_printed_and_in_the_report() {
     let output = srbf(&place, &fit);
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success() && text.contains("views left out: mean - %"), "{text}");
+    assert!(text.contains("no sample within 20 degrees"), "{text}");
     let json = std::fs::read_to_string(place.join("out/diffuse.json")).unwrap();
     assert!(json.contains("mean_relative_l2_of_samples"), "{json}");
 }

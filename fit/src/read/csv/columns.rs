@@ -157,6 +157,9 @@ impl Sides<'_> {
         let missing = |which: &str, example: &str| {
             format!("no column is the angle of the {which} direction, {example}")
         };
+        if (i.is_none() || o.is_none()) && self.roles.contains(&Role::Cosine) {
+            return Err("cosines of angles are not read; give the angles of both directions".into());
+        }
         let i = i.ok_or_else(|| missing("incident", "such as theta_i, AOI or light zenith"))?;
         let o = o.ok_or_else(|| missing("outgoing", example))?;
         let phis = [Side::Incident, Side::Outgoing].map(|side| self.of(side, Role::Phi));

@@ -19,9 +19,7 @@ pub(super) fn finish(
     wavelengths.sort_by(f64::total_cmp);
     wavelengths.dedup();
     let to_rgb = Wavelengths::new(&wavelengths)?;
-    if let Some(note) = &to_rgb.note {
-        reading.note(note.clone());
-    }
+    reading.wavelengths_are(&to_rgb);
     let mut groups: BTreeMap<[u64; 6], Vec<Numbers>> = BTreeMap::new();
     for row in rows {
         groups.entry(row.directions.map(f64::to_bits)).or_default().push(row);

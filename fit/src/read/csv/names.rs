@@ -24,6 +24,8 @@ pub(super) enum Role {
     Vector(Side, usize),
     /// Half and difference angles, which need a column each.
     Half,
+    /// The cosine of an angle.
+    Cosine,
     /// One value.
     Value,
     /// A channel of linear sRGB.
@@ -49,11 +51,12 @@ pub(super) enum Unit {
 }
 
 const INCIDENT: &str = "i in inc inci incident incidence incoming input l light src source sun solar lamp illumination illum \
-    irradiation ill incid ein einfall lichtquelle laser";
+    irradiation ill incid ein einfall einfalls lichtquelle laser";
 const OUTGOING: &str = "o out outgoing output r refl reflected reflection v view viewer viewing cam camera det detector d \
     sensor rec receiver e em emission emitted exit measure measured measurement obs observation observer \
-    scat scatter scattered scattering emergent emergence aus";
-const POLAR: &str = "theta zenith polar inclination th tht vertical";
+    scat scatter scattered scattering emergent emergence aus ausfall ausfalls beobachter beobachtungs betrachtungs detektor \
+    reflexion reflexions réflexion streu";
+const POLAR: &str = "theta zenith zenit polar inclination th tht vertical";
 const AZIMUTH: &str = "azimuthal azimuth azimut azim azi phi az";
 const VALUES: &str = "value val values f fr brdf bsdf y luminance lum grey gray intensity reflectance rho \
     reflectancefactor radiance brdfvalue brf hdrf wert valeur bidir brdfsr fbrdf signal data messwert";
@@ -79,9 +82,10 @@ pub(super) fn unit(name: &str) -> Option<Unit> {
 
 /// The content of a column of that name.
 pub(super) fn role(name: &str) -> Role {
-    // Articles of French.
-    let name =
-        &["d'", "l'", "d\u{2019}", "l\u{2019}"].iter().fold(name.to_owned(), |name, a| name.replace(a, " "));
+    // Articles of French, and what German joins.
+    let apart =
+        ["d'", "l'", "d\u{2019}", "l\u{2019}"].iter().fold(name.to_owned(), |name, a| name.replace(a, " "));
+    let name = &apart.replace("winkel", " angle").replace("Winkel", " angle");
     let plain = name.trim().to_lowercase();
     if let Ok(number) = plain.parse::<f64>() {
         return if number.is_finite() { Role::At(number) } else { Role::NoWavelength };
@@ -92,6 +96,7 @@ pub(super) fn role(name: &str) -> Role {
             "deg"
                 | "degs"
                 | "degree"
+                | "grad"
                 | "degrees"
                 | "rad"
                 | "rads"
@@ -102,10 +107,12 @@ pub(super) fn role(name: &str) -> Role {
                 | "sterad"
         )
     };
-    let is_filler =
-        |w: &String| matches!(w.as_str(), "of" | "the" | "direction" | "dir" | "angles" | "angle" | "vec");
+    let is_filler = |w: &String| {
+        matches!(w.as_str(), "of" | "the" | "de" | "direction" | "dir" | "angles" | "angle" | "vec")
+    };
     let all = words(name);
-    let has_angle = all.iter().any(|w| w == "angle" || w == "angles");
+    let has_angle = all.iter().any(|w| w == "angle" || w == "angles")
+        || matches!(unit(name), Some(Unit::Degrees | Unit::Radians));
     let bare: Vec<String> = all.iter().filter(|w| !is_unit(w)).cloned().collect();
     let kept: String = bare.iter().filter(|w| !is_filler(w)).map(String::as_str).collect();
     let joined: String = bare.concat();
@@ -124,6 +131,10 @@ pub(super) fn role(name: &str) -> Role {
     }
     if matches!(joined.as_str(), "thetah" | "thetahalf" | "halfangle" | "thetadiff" | "phih") {
         return Role::Half;
+    }
+    if let Some(rest) = kept.strip_prefix("cosine").or_else(|| kept.strip_prefix("cos")) {
+        let of = around(rest, POLAR).unwrap_or_else(|| rest.to_owned());
+        return if side(&of).is_some() { Role::Cosine } else { Role::Other };
     }
     let relative = ["relative", "rel", "delta", "d", "difference", "diff"];
     if let Some(rest) = around(&kept, AZIMUTH) {
@@ -263,6 +274,13 @@ mod tests {
               reflected polar angle",
                 Theta(Outgoing),
             ),
+            ("Einfallswinkel|Einfallswinkel [°]|Incidence (deg)|Lichtquelle Zenitwinkel", Theta(Incident)),
+            (
+                "Beobachtungswinkel|Ausfallswinkel (Grad)|Scatter (deg)|angle de réflexion|Detektorwinkel",
+                Theta(Outgoing),
+            ),
+            ("Einfallsazimut", Phi(Incident)),
+            ("cos_i|cos_theta_o|cosThetaI", Cosine),
             ("theta_s", Theta(Either)),
             ("theta", ThetaAlone),
             ("phi_i|phiI|azimuth_i|Incident azimuth|\u{3c6}_i|light azimuth angle", Phi(Incident)),

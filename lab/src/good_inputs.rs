@@ -1,0 +1,152 @@
+//! `cargo lab good-inputs`.
+
+mod made;
+
+use anyhow::Context;
+use made::Made;
+use srbf_fit::look::{Finding, Look, Topic};
+use srbf_fit::read::{Content, Source, csv, read};
+use srbf_fit::table::Symmetry;
+use srbf_reference_renderer::command::argument;
+use srbf_reference_renderer::command::look::looked_at;
+use srbf_reference_renderer::truth::networks::Networks;
+use std::path::{Path, PathBuf};
+
+/// Looks at inputs without a fault, and prints each fault that `srbf look` finds in them: false words, but for measurements with faults.
+///
+/// Made-up inputs are models at the directions of usual instruments, with noise. The measured ones are all of the folder that SRBF_DATA_DIR
+/// names: Cornell's, those of other programs, RGL's, and every eighth network of MERL.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Only made-up inputs, which need no files
+    #[arg(long)]
+    made: bool,
+    /// Only inputs whose names contain this
+    #[arg(long, value_name = "NAME", default_value = "")]
+    only: String,
+    /// Seed of the noise of made-up inputs, and of the directions that lie anywhere
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+}
+
+/// One in this many networks is looked at.
+const EVERY: usize = 8;
+
+/// Letters of a word that are printed.
+const SHOWN: usize = 150;
+
+/// Inputs, and how many were told something.
+#[derive(Default)]
+struct Count {
+    inputs: usize,
+    told: usize,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    println!("processor: {}", srbf_core::Processor::this());
+    if !args.made {
+        measured(&args.only)?;
+    }
+    let mut count = Count::default();
+    println!("made-up inputs: the words at noise of {} %", made::NOISES.map(|n| format!("{n}")).join(", "));
+    for (name, inputs) in made::all(args.seed).filter(|(name, _)| name.contains(&args.only)) {
+        let mut words = Vec::new();
+        for input in inputs {
+            let said = of_made(&name, &input)?;
+            count.inputs += 1;
+            count.told += usize::from(said != "-");
+            words.push(said);
+        }
+        println!("{name:<36} {}", words.join(" / "));
+    }
+    println!("{} of {} made-up inputs are told something", count.told, count.inputs);
+    Ok(())
+}
+
+/// The words about a made-up input.
+fn of_made(name: &str, made: &Made) -> anyhow::Result<String> {
+    let path = Path::new("made.csv");
+    let source = csv::parse(made.text.as_bytes(), &Default::default())
+        .map_err(|error| error.to_string())
+        .and_then(|intake| {
+            Source::of_samples(intake, path, name.to_owned(), String::new())
+                .map_err(|error| error.to_string())
+        });
+    let source = match source {
+        Ok(source) => source,
+        Err(error) => return Ok(format!("refused: {}", shortened(&error))),
+    };
+    let look = looked_at(source).with_context(|| name.to_owned())?;
+    Ok(words(&look, made.is_retro))
+}
+
+/// Looks at the files of the data folder.
+fn measured(only: &str) -> anyhow::Result<()> {
+    let data = argument::data_folder()?;
+    println!("{:<40} {:>7} {:>6} {:>8}  words", "measured", "samples", "angles", "left out");
+    let mut sources: Vec<(String, Source)> = Vec::new();
+    for (folder, endings) in [
+        ("cornell", &["brdf", "astm"][..]),
+        ("field", &["bsdf", "anisotropicbsdf", "csv", "dat", "xompt"]),
+        ("rgl", &["bsdf"]),
+    ] {
+        for file in files(&data.join(folder), endings)? {
+            let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            if name.contains(only) {
+                sources.push((name, read(&file)?));
+            }
+        }
+    }
+    let networks = Networks::read(&data.join("merl/nbrdf_merl80.f32le"))?;
+    for (name, network) in networks.all.into_iter().step_by(EVERY).filter(|n| n.0.contains(only)) {
+        sources.push((name.clone(), Source::evaluable(Box::new(network), name, String::new())));
+    }
+    let mut count = Count::default();
+    for (name, source) in sources {
+        if matches!(&source.content, Content::Evaluable(brdf) if brdf.symmetry() != Symmetry::Isotropic) {
+            continue;
+        }
+        let is_retro = name.contains("retro");
+        let look = looked_at(source).with_context(|| name.clone())?;
+        let said = words(&look, is_retro);
+        count.inputs += 1;
+        count.told += usize::from(said != "-");
+        let left_out: usize = look.left_out.iter().map(|left| left.count).sum();
+        println!("{name:<40} {:>7} {:>6} {left_out:>8}  {said}", look.samples, look.views.len());
+    }
+    println!("{} of {} measured inputs are told something", count.told, count.inputs);
+    Ok(())
+}
+
+/// The files of a folder with one of these endings, in order.
+fn files(folder: &Path, endings: &[&str]) -> anyhow::Result<Vec<PathBuf>> {
+    let entries = std::fs::read_dir(folder).with_context(|| folder.display().to_string())?;
+    let mut files: Vec<PathBuf> = entries.map(|e| Ok(e?.path())).collect::<std::io::Result<_>>()?;
+    files.retain(|f| f.extension().is_some_and(|e| endings.iter().any(|ending| e == *ending)));
+    files.sort();
+    Ok(files)
+}
+
+/// Faults that a look names; `-` for none. A highlight that no sample met is a fact, and no fault.
+fn words(look: &Look, is_retro: bool) -> String {
+    let is_word = |finding: &&Finding| match finding.topic {
+        Topic::Units | Topic::Isotropy | Topic::Outliers | Topic::Reciprocity | Topic::Sides => {
+            finding.is_off
+        }
+        Topic::Convention => finding.option == Some("--mirror equal") && !is_retro,
+        Topic::NotMeasured | Topic::Highlight | Topic::Gaps | Topic::Stated => false,
+    };
+    let said: Vec<String> = look
+        .findings
+        .iter()
+        .filter(is_word)
+        .map(|f| format!("{}: {}", f.topic.name(), shortened(&f.text)))
+        .collect();
+    if said.is_empty() { "-".to_owned() } else { said.join(" | ") }
+}
+
+fn shortened(text: &str) -> String {
+    let start: String = text.chars().take(SHOWN).collect();
+    if start.len() < text.len() { start + " ..." } else { start }
+}
