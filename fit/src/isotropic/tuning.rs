@@ -103,6 +103,9 @@ pub(crate) mod candidates {
 pub(crate) mod exchange {
     /// Families of lobes that are tried at an exchange, half of them beside a lobe of the fit.
     pub const FAMILIES: usize = 60;
+    /// Families that are tried along a peak that no lobe has, and the logarithms of the sharpness of the widest and the narrowest.
+    pub const STRAY: usize = 10;
+    pub const STRAY_LN_SHARPNESS: (f64, f64) = (4.0, 14.0);
     /// Exchanges in vain, one after the other, that end a stage.
     pub const PATIENCE: usize = 6;
     /// Relative decrease of the cost from which on an exchange is kept.
