@@ -14,11 +14,12 @@ mod start;
 use crate::isotropic::balance;
 use crate::isotropic::effort::Effort;
 use crate::isotropic::encode;
+use crate::isotropic::factors::Factors;
 use crate::isotropic::model::parameters::Layout;
 use crate::isotropic::objective::Emphasis;
 use crate::isotropic::search::candidates::{Work, scout};
 use crate::isotropic::search::finalist::{Finalist, refine, reports};
-use crate::isotropic::tuning::factors::SIZES;
+use crate::isotropic::tuning::factors::{SIZES, TURNS};
 use crate::isotropic::tuning::schedule::HEAVY_TAIL;
 use crate::isotropic::tuning::search::{MORE_ENERGY, MORE_TAIL, MOST_BYTES, MOST_ENERGY};
 use crate::judge::report::{Fit, Report};
@@ -26,7 +27,7 @@ use crate::settings::FactorNodes;
 use crate::table::Table;
 use crate::{FitError, Settings};
 use rayon::prelude::*;
-use schedule::{LAST, LIGHT, Resampling, Stage};
+use schedule::{FACTORED, LAST, LIGHT, Resampling, Stage};
 use std::sync::atomic::AtomicUsize;
 use std::time::Instant;
 
@@ -187,8 +188,8 @@ impl<'a> Problem<'a> {
         let mut moved = best.clone();
         for _ in 0..if sizes.is_empty() { 0 } else { rounds } {
             moved.resample_for_last_stage(self.source)?;
-            moved.fit_factors(sizes, LAST)?;
-            self.move_by_what_is_seen(&mut moved, &stage, work)?;
+            self.take_turns(&mut moved, sizes, &stage, work)?;
+            moved.resample(self.source, Resampling::Judging)?;
             if with.as_ref().is_none_or(|with| moved.rank() < with.rank()) {
                 with = Some(moved.clone());
             }
@@ -200,6 +201,26 @@ impl<'a> Problem<'a> {
         moved.resample_for_last_stage(self.source)?;
         self.move_by_what_is_seen(&mut moved, &stage, work)?;
         Ok(if moved.rank() < best.rank() { moved } else { best })
+    }
+
+    /// Factors and lobes are fitted in turn, on one table. The first turn of all chooses the size of the factors.
+    fn take_turns(
+        &self,
+        finalist: &mut Finalist<'a>,
+        sizes: &[[usize; 3]],
+        stage: &Stage,
+        work: &mut Work<'_>,
+    ) -> Result<(), FitError> {
+        let part = stage.part(TURNS);
+        for _ in 0..TURNS {
+            match finalist.factors.as_ref().map(Factors::size) {
+                Some(size) => finalist.fit_factors(&[size], FACTORED)?,
+                None => finalist.fit_factors(sizes, FACTORED)?,
+            }
+            refine(self.source, std::slice::from_mut(finalist), FACTORED, &part, work)?;
+            work.done += part.work();
+        }
+        Ok(())
     }
 
     fn move_by_what_is_seen(

@@ -11,10 +11,14 @@
 //! are those of all probes whose intervals have the least sum of two terms. These are the square of an interval's share of that
 //! density, and the fourth power of the bend of its albedo. The least sum is found by dynamic programming (Bellman and Roth 1969,
 //! Curve fitting by segmented straight lines).
+//!
+//! At the normal an isotropic mixture is the same at every azimuth. Some measured tables are not, however near they come to it. For
+//! those, one of the stored views lies close to the normal: what they have beyond is not blended with the mixture of the normal.
 
 use crate::FitError;
 use crate::isotropic::tuning::stored_views::{
-    APART, BULGE, BY_ANGLE, CROOKED, FINER, PROBED, PROBED_INTERVALS, SMOOTHED, SPAN, WIDEST, WIDEST_MEAN,
+    APART, BULGE, BY_ANGLE, CROOKED, FEWEST_SKEWED, FINER, NEAR_NORMAL, PROBED, PROBED_INTERVALS, SKEWED,
+    SMOOTHED, SPAN, WIDEST, WIDEST_MEAN,
 };
 use crate::table::Brdf;
 use crate::table::Table;
@@ -29,6 +33,8 @@ pub(crate) struct Probes {
     ln_albedo: Vec<[f64; 3]>,
     /// Integral of the density of stored views up to each.
     integral: Vec<f64>,
+    /// Whether the table depends on the azimuth next to the normal.
+    is_skewed: bool,
 }
 
 impl Probes {
@@ -51,11 +57,25 @@ impl Probes {
         let ln_albedo = ln_albedo.collect();
         let integral = integral(&table, step, multiple);
         let albedo = table.views.iter().map(|view| (view.theta, view.albedo)).collect();
-        Ok(Self { albedo, ln_albedo, integral })
+        let is_skewed = table.views[0].floor > SKEWED;
+        Ok(Self { albedo, ln_albedo, integral, is_skewed })
     }
 
     /// Places `count` stored views, at least 2, from the first probe to the last.
     pub fn place(&self, count: usize) -> Vec<f64> {
+        if !self.is_skewed || count < FEWEST_SKEWED {
+            return self.place_evenly(count);
+        }
+        let mut view_angles = self.place_evenly(count - 1);
+        let near = NEAR_NORMAL.to_radians();
+        if view_angles[1] > 2.0 * near {
+            view_angles.insert(1, near);
+        }
+        view_angles
+    }
+
+    /// Places `count` stored views without one that is close to the normal.
+    fn place_evenly(&self, count: usize) -> Vec<f64> {
         let probes = self.albedo.len();
         let intervals = (count.max(2) - 1).min((probes - 1) / APART);
         let equal = self.integral[probes - 1] / intervals as f64;

@@ -43,6 +43,11 @@ pub(crate) mod stored_views {
     pub const WIDEST: f64 = 8.0;
     /// The same, over the mean distance, where that is larger.
     pub const WIDEST_MEAN: f64 = 1.5;
+    /// Asymmetry at the normal, relative L2, from which on a stored view lies close to it; its angle, degrees; and the fewest views
+    /// of which one is spent on that.
+    pub const SKEWED: f64 = 0.02;
+    pub const NEAR_NORMAL: f64 = 0.5;
+    pub const FEWEST_SKEWED: usize = 12;
     /// Bend of an albedo that weighs as much as an equal share of the density. Smaller bends hardly count.
     pub const CROOKED: f64 = 0.007;
     /// Weight of an albedo above the straight line over that of one below.
@@ -63,6 +68,8 @@ pub(crate) mod schedule {
     pub const LOOSENED: f64 = 0.3;
     /// Weight of the tail in the first round. Over 22 materials the median error is 3.10 %, and 3.55 % with ten times as much.
     pub const LIGHT_TAIL: f64 = 0.003;
+    /// The same below factors. The largest weight of the flake is 15 with it, and 23 with the light one.
+    pub const FACTORED_TAIL: f64 = 0.01;
     /// Least weight of the tail after a goal was missed.
     pub const HEAVY_TAIL: f64 = 0.03;
     /// Weight of the albedo in the first round.
@@ -241,11 +248,15 @@ pub(crate) mod factors {
     /// Largest factor.
     pub const LARGEST: f64 = 8.0;
     /// Weight of squared second differences over that of squared errors: without data a factor continues its neighbours.
-    pub const SMOOTH: f64 = 3e-7;
+    pub const SMOOTH: f64 = 3e-8;
     /// Weight of the squared distance from 1: far from data a factor ends at 1.
-    pub const PULL: f64 = 1e-7;
+    pub const PULL: f64 = 3e-8;
+    /// Weight of the albedo beside the squared errors. With ten times as much, weights of chm_mint are 40, not 10.
+    pub const ENERGY: f64 = 1.0;
+    /// Turns of factors and lobes on one table. The steps of the solver are shared out.
+    pub const TURNS: usize = 4;
     /// Largest share of the error that a larger table may leave, for every `NODES` nodes that it adds.
-    pub const MORE_NODES: f64 = 0.975;
+    pub const MORE_NODES: f64 = 0.985;
     /// Nodes to which that share belongs.
     pub const NODES: f64 = 130.0;
     /// Sweeps of the coordinate descent.
