@@ -46,6 +46,11 @@ pub(crate) trait Source: Sync {
     /// As many stored views, where the material changes.
     fn view_angles(&self, count: usize) -> Vec<f64>;
 
+    /// The angle of one more stored view, where the mixture of the normal is not like that of views next to it.
+    fn next_to_normal(&self) -> Option<f64> {
+        None
+    }
+
     /// Angles, radians, and the albedo there: more of them than views.
     fn albedo(&self) -> &[(f64, [f64; 3])];
 
@@ -175,9 +180,13 @@ impl<'a> Problem<'a> {
     /// Moves the best once more, by the measure: without factors, and with factors, where lobes and table take turns. The fit
     /// with factors has to be better by a margin.
     fn finish(&self, best: Finalist<'a>, work: &mut Work<'_>) -> Result<Finalist<'a>, FitError> {
+        let mut moved = best.clone();
+        if let (None, Some(theta)) = (&self.settings.view_angles, self.source.next_to_normal()) {
+            moved.add_view(theta);
+        }
         let (sizes, is_given): (&[[usize; 3]], bool) = match &self.settings.factors {
             FactorNodes::None => (&[], false),
-            FactorNodes::Chosen => (SIZES[..].get(..best.sizes_within(MOST_BYTES)).unwrap_or(&[]), false),
+            FactorNodes::Chosen => (SIZES[..].get(..moved.sizes_within(MOST_BYTES)).unwrap_or(&[]), false),
             FactorNodes::Given(size) => (std::slice::from_ref(size), true),
         };
         let rounds = self.source.effort().factor_rounds;
@@ -185,10 +194,11 @@ impl<'a> Problem<'a> {
         let stage = Stage { keep: 1, resampling: None, ..stage };
         work.total = work.total.max(work.done + rounds * stage.work());
         let mut with: Option<Finalist<'a>> = None;
-        let mut moved = best.clone();
         for _ in 0..if sizes.is_empty() { 0 } else { rounds } {
+            let emphasis =
+                if moved.factors.is_some() && moved.is_near_largest_weight() { FACTORED } else { LAST };
             moved.resample_for_last_stage(self.source)?;
-            self.take_turns(&mut moved, sizes, &stage, work)?;
+            self.take_turns(&mut moved, sizes, (emphasis, &stage), work)?;
             moved.resample(self.source, Resampling::Judging)?;
             if with.as_ref().is_none_or(|with| moved.rank() < with.rank()) {
                 with = Some(moved.clone());
@@ -208,16 +218,16 @@ impl<'a> Problem<'a> {
         &self,
         finalist: &mut Finalist<'a>,
         sizes: &[[usize; 3]],
-        stage: &Stage,
+        (emphasis, stage): (Emphasis, &Stage),
         work: &mut Work<'_>,
     ) -> Result<(), FitError> {
         let part = stage.part(TURNS);
         for _ in 0..TURNS {
             match finalist.factors.as_ref().map(Factors::size) {
-                Some(size) => finalist.fit_factors(&[size], FACTORED)?,
-                None => finalist.fit_factors(sizes, FACTORED)?,
+                Some(size) => finalist.fit_factors(&[size], emphasis)?,
+                None => finalist.fit_factors(sizes, emphasis)?,
             }
-            refine(self.source, std::slice::from_mut(finalist), FACTORED, &part, work)?;
+            refine(self.source, std::slice::from_mut(finalist), emphasis, &part, work)?;
             work.done += part.work();
         }
         Ok(())

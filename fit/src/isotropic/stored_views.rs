@@ -13,12 +13,13 @@
 //! Curve fitting by segmented straight lines).
 //!
 //! At the normal an isotropic mixture is the same at every azimuth. Some measured tables are not, however near they come to it. For
-//! those, one of the stored views lies close to the normal: what they have beyond is not blended with the mixture of the normal.
+//! those, a fit with factors has one more stored view next to the normal. Else the mixture of the normal would be blended with others
+//! up to the next view.
 
 use crate::FitError;
 use crate::isotropic::tuning::stored_views::{
-    APART, BULGE, BY_ANGLE, CROOKED, FEWEST_SKEWED, FINER, NEAR_NORMAL, PROBED, PROBED_INTERVALS, SKEWED,
-    SMOOTHED, SPAN, WIDEST, WIDEST_MEAN,
+    APART, BULGE, BY_ANGLE, CROOKED, FINER, NEAR_NORMAL, PROBED, PROBED_INTERVALS, SKEWED, SMOOTHED, SPAN,
+    WIDEST, WIDEST_MEAN,
 };
 use crate::table::Brdf;
 use crate::table::Table;
@@ -61,21 +62,13 @@ impl Probes {
         Ok(Self { albedo, ln_albedo, integral, is_skewed })
     }
 
-    /// Places `count` stored views, at least 2, from the first probe to the last.
-    pub fn place(&self, count: usize) -> Vec<f64> {
-        if !self.is_skewed || count < FEWEST_SKEWED {
-            return self.place_evenly(count);
-        }
-        let mut view_angles = self.place_evenly(count - 1);
-        let near = NEAR_NORMAL.to_radians();
-        if view_angles[1] > 2.0 * near {
-            view_angles.insert(1, near);
-        }
-        view_angles
+    /// Where one more stored view lies, if the table needs one next to the normal.
+    pub fn next_to_normal(&self) -> Option<f64> {
+        self.is_skewed.then_some(NEAR_NORMAL.to_radians())
     }
 
-    /// Places `count` stored views without one that is close to the normal.
-    fn place_evenly(&self, count: usize) -> Vec<f64> {
+    /// Places `count` stored views, at least 2, from the first probe to the last.
+    pub fn place(&self, count: usize) -> Vec<f64> {
         let probes = self.albedo.len();
         let intervals = (count.max(2) - 1).min((probes - 1) / APART);
         let equal = self.integral[probes - 1] / intervals as f64;

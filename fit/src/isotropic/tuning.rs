@@ -43,11 +43,9 @@ pub(crate) mod stored_views {
     pub const WIDEST: f64 = 8.0;
     /// The same, over the mean distance, where that is larger.
     pub const WIDEST_MEAN: f64 = 1.5;
-    /// Asymmetry at the normal, relative L2, from which on a stored view lies close to it; its angle, degrees; and the fewest views
-    /// of which one is spent on that.
+    /// Asymmetry at the normal, relative L2, from which on one more stored view lies next to it; its angle, degrees.
     pub const SKEWED: f64 = 0.02;
     pub const NEAR_NORMAL: f64 = 0.5;
-    pub const FEWEST_SKEWED: usize = 12;
     /// Bend of an albedo that weighs as much as an equal share of the density. Smaller bends hardly count.
     pub const CROOKED: f64 = 0.007;
     /// Weight of an albedo above the straight line over that of one below.
@@ -68,8 +66,9 @@ pub(crate) mod schedule {
     pub const LOOSENED: f64 = 0.3;
     /// Weight of the tail in the first round. Over 22 materials the median error is 3.10 %, and 3.55 % with ten times as much.
     pub const LIGHT_TAIL: f64 = 0.003;
-    /// The same below factors. The largest weight of the flake is 15 with it, and 23 with the light one.
-    pub const FACTORED_TAIL: f64 = 0.01;
+    /// The same in the last round with factors, if weights are near their limit. The largest weight of the flake is 15 with it, and 23
+    /// with the light one; ripples of other tables are larger.
+    pub const FACTORED_TAIL: f64 = 0.012;
     /// Least weight of the tail after a goal was missed.
     pub const HEAVY_TAIL: f64 = 0.03;
     /// Weight of the albedo in the first round.
@@ -125,6 +124,8 @@ pub(crate) mod exchange {
 pub(crate) mod finalist {
     /// Factor on the error for a weight that is too large, while it may be mended.
     pub const WIDENED: f64 = 1.1;
+    /// Share of the largest weight from which on weights at other views may be too large.
+    pub const NEAR_LARGEST: f64 = 0.6;
     /// Angle up to which the variance is a goal, radians: 80 degrees.
     pub const STEEPEST: f64 = 1.4;
     /// Factor on the error where a goal is missed by `RAMP` doublings or more. A goal missed by a hair costs a hair.
@@ -256,7 +257,7 @@ pub(crate) mod factors {
     /// Turns of factors and lobes on one table. The steps of the solver are shared out.
     pub const TURNS: usize = 4;
     /// Largest share of the error that a larger table may leave, for every `NODES` nodes that it adds.
-    pub const MORE_NODES: f64 = 0.985;
+    pub const MORE_NODES: f64 = 0.975;
     /// Nodes to which that share belongs.
     pub const NODES: f64 = 130.0;
     /// Sweeps of the coordinate descent.

@@ -16,7 +16,7 @@ pub(crate) const LIGHT: Emphasis = Emphasis { tail: LIGHT_TAIL, measure: 0.0, en
 pub(crate) const WIDE: Emphasis = Emphasis { tail: HEAVY_TAIL, ..LIGHT };
 /// The emphasis of the end: visible errors away from the peak.
 pub(crate) const LAST: Emphasis = Emphasis { measure: LAST_MEASURE, ..LIGHT };
-/// The same with factors, which multiply the value and not the density.
+/// The same where weights are large: factors multiply the value and not the density.
 pub(crate) const FACTORED: Emphasis = Emphasis { tail: FACTORED_TAIL, ..LAST };
 
 /// How many candidates take part in a stage, the best of the one before.
