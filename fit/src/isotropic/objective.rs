@@ -21,7 +21,7 @@ use crate::FitError;
 use crate::isotropic::factors::{Demand, Factors};
 use crate::isotropic::model::Lobes;
 use crate::isotropic::model::parameters::Layout;
-use crate::isotropic::tuning::factors::AVERAGED;
+use crate::isotropic::tuning::factors::{AVERAGED, ENERGY};
 use crate::isotropic::tuning::parameters::LN_SHARPNESS_DEFENSIVE;
 use crate::judge::energy::EnergyError;
 use crate::judge::measure::{self, brightness};
@@ -64,6 +64,8 @@ pub(crate) struct Data {
     pub place: (usize, f64),
     pub points: Vec<Point>,
     albedo: [f64; 3],
+    /// Solid angle of a sample over its weight in the squared relative L2 error.
+    solid_angle: f64,
     /// Means of the factors that the lobes and the diffuse term see, if there are any.
     factors: Option<Vec<[f64; 3]>>,
     /// Factors of the weights of its errors.
@@ -127,6 +129,7 @@ impl Objective {
                 place: layout.place(view.theta),
                 points: points.collect(),
                 albedo: view.albedo,
+                solid_angle: norm * count,
                 factors: None,
                 energy: [1.0; 3],
             }
@@ -221,7 +224,12 @@ impl Objective {
 
     /// What factors are to make of the lobes, at all samples.
     pub fn demands(&self, x: &[f64]) -> Vec<Demand> {
-        let demands = self.views.par_iter().map(|view| {
+        let count = self.views.len() as f64;
+        let demands = self.views.par_iter().enumerate().map(|(number, view)| {
+            let slopes = self.energy.slopes(view.albedo);
+            let by_albedo =
+                [0, 1, 2].map(|c| libm::sqrt(ENERGY * view.energy[c] / (3.0 * count)) * slopes[c]);
+
             let mut q = vec![0.0; self.layout.stride()];
             self.layout.interpolate(x, view.place, &mut q);
             let values =
@@ -234,6 +242,8 @@ impl Objective {
                 target: point.target,
                 weight: point.value,
                 measure: point.measure,
+                view: number,
+                by_energy: by_albedo.map(|slope| slope * point.base * view.solid_angle),
             };
             view.points.iter().zip(values).map(demand).collect::<Vec<_>>()
         });
@@ -292,15 +302,16 @@ impl Objective {
         if last == 0 || smoothness == 0.0 {
             return;
         }
+        let first = layout.first_smooth();
         let mean = view_angles[last] / last as f64;
         let per_interval: Vec<f64> = view_angles.windows(2).map(|w| mean / (w[1] - w[0])).collect();
         for index in 0..p {
             let weight = libm::sqrt(smoothness / ((last as f64) * p as f64)) / layout.unit(index);
             if !layout.angles().contains(&index) {
-                let d = 2.0 * weight * per_interval[0];
-                each(&[(index, -d), (p + index, d)]);
+                let d = 2.0 * weight * per_interval[first];
+                each(&[(first * p + index, -d), ((first + 1) * p + index, d)]);
             }
-            for k in 1..last {
+            for k in first + 1..last {
                 let (a, b) = (weight * per_interval[k - 1], weight * per_interval[k]);
                 each(&[((k - 1) * p + index, a), (k * p + index, -a - b), ((k + 1) * p + index, b)]);
             }

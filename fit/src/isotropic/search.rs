@@ -14,11 +14,12 @@ mod start;
 use crate::isotropic::balance;
 use crate::isotropic::effort::Effort;
 use crate::isotropic::encode;
+use crate::isotropic::factors::Factors;
 use crate::isotropic::model::parameters::Layout;
 use crate::isotropic::objective::Emphasis;
 use crate::isotropic::search::candidates::{Work, scout};
 use crate::isotropic::search::finalist::{Finalist, refine, reports};
-use crate::isotropic::tuning::factors::SIZES;
+use crate::isotropic::tuning::factors::{SIZES, TURNS};
 use crate::isotropic::tuning::schedule::HEAVY_TAIL;
 use crate::isotropic::tuning::search::{MORE_ENERGY, MORE_TAIL, MOST_BYTES, MOST_ENERGY};
 use crate::judge::report::{Fit, Report};
@@ -26,7 +27,7 @@ use crate::settings::FactorNodes;
 use crate::table::Table;
 use crate::{FitError, Settings};
 use rayon::prelude::*;
-use schedule::{LAST, LIGHT, Resampling, Stage};
+use schedule::{FACTORED, LAST, LIGHT, Resampling, Stage};
 use std::sync::atomic::AtomicUsize;
 use std::time::Instant;
 
@@ -44,6 +45,11 @@ pub(crate) trait Source: Sync {
 
     /// As many stored views, where the material changes.
     fn view_angles(&self, count: usize) -> Vec<f64>;
+
+    /// The angle of one more stored view, where the mixture of the normal is not like that of views next to it.
+    fn next_to_normal(&self) -> Option<f64> {
+        None
+    }
 
     /// Angles, radians, and the albedo there: more of them than views.
     fn albedo(&self) -> &[(f64, [f64; 3])];
@@ -174,9 +180,13 @@ impl<'a> Problem<'a> {
     /// Moves the best once more, by the measure: without factors, and with factors, where lobes and table take turns. The fit
     /// with factors has to be better by a margin.
     fn finish(&self, best: Finalist<'a>, work: &mut Work<'_>) -> Result<Finalist<'a>, FitError> {
+        let mut moved = best.clone();
+        if let (None, Some(theta)) = (&self.settings.view_angles, self.source.next_to_normal()) {
+            moved.add_view(theta);
+        }
         let (sizes, is_given): (&[[usize; 3]], bool) = match &self.settings.factors {
             FactorNodes::None => (&[], false),
-            FactorNodes::Chosen => (SIZES[..].get(..best.sizes_within(MOST_BYTES)).unwrap_or(&[]), false),
+            FactorNodes::Chosen => (SIZES[..].get(..moved.sizes_within(MOST_BYTES)).unwrap_or(&[]), false),
             FactorNodes::Given(size) => (std::slice::from_ref(size), true),
         };
         let rounds = self.source.effort().factor_rounds;
@@ -184,11 +194,12 @@ impl<'a> Problem<'a> {
         let stage = Stage { keep: 1, resampling: None, ..stage };
         work.total = work.total.max(work.done + rounds * stage.work());
         let mut with: Option<Finalist<'a>> = None;
-        let mut moved = best.clone();
         for _ in 0..if sizes.is_empty() { 0 } else { rounds } {
+            let emphasis =
+                if moved.factors.is_some() && moved.is_near_largest_weight() { FACTORED } else { LAST };
             moved.resample_for_last_stage(self.source)?;
-            moved.fit_factors(sizes, LAST)?;
-            self.move_by_what_is_seen(&mut moved, &stage, work)?;
+            self.take_turns(&mut moved, sizes, (emphasis, &stage), work)?;
+            moved.resample(self.source, Resampling::Judging)?;
             if with.as_ref().is_none_or(|with| moved.rank() < with.rank()) {
                 with = Some(moved.clone());
             }
@@ -200,6 +211,26 @@ impl<'a> Problem<'a> {
         moved.resample_for_last_stage(self.source)?;
         self.move_by_what_is_seen(&mut moved, &stage, work)?;
         Ok(if moved.rank() < best.rank() { moved } else { best })
+    }
+
+    /// Factors and lobes are fitted in turn, on one table. The first turn of all chooses the size of the factors.
+    fn take_turns(
+        &self,
+        finalist: &mut Finalist<'a>,
+        sizes: &[[usize; 3]],
+        (emphasis, stage): (Emphasis, &Stage),
+        work: &mut Work<'_>,
+    ) -> Result<(), FitError> {
+        let part = stage.part(TURNS);
+        for _ in 0..TURNS {
+            match finalist.factors.as_ref().map(Factors::size) {
+                Some(size) => finalist.fit_factors(&[size], emphasis)?,
+                None => finalist.fit_factors(sizes, emphasis)?,
+            }
+            refine(self.source, std::slice::from_mut(finalist), emphasis, &part, work)?;
+            work.done += part.work();
+        }
+        Ok(())
     }
 
     fn move_by_what_is_seen(

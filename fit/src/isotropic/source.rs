@@ -119,6 +119,10 @@ impl Source for Evaluable<'_> {
         self.probes.place(count)
     }
 
+    fn next_to_normal(&self) -> Option<f64> {
+        self.probes.next_to_normal()
+    }
+
     fn albedo(&self) -> &[(f64, [f64; 3])] {
         &self.probes.albedo
     }

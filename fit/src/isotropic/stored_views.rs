@@ -11,10 +11,15 @@
 //! are those of all probes whose intervals have the least sum of two terms. These are the square of an interval's share of that
 //! density, and the fourth power of the bend of its albedo. The least sum is found by dynamic programming (Bellman and Roth 1969,
 //! Curve fitting by segmented straight lines).
+//!
+//! At the normal an isotropic mixture is the same at every azimuth. Some measured tables are not, however near they come to it. For
+//! those, a fit with factors has one more stored view next to the normal. Else the mixture of the normal would be blended with others
+//! up to the next view.
 
 use crate::FitError;
 use crate::isotropic::tuning::stored_views::{
-    APART, BULGE, BY_ANGLE, CROOKED, FINER, PROBED, PROBED_INTERVALS, SMOOTHED, SPAN, WIDEST, WIDEST_MEAN,
+    APART, BULGE, BY_ANGLE, CROOKED, FINER, NEAR_NORMAL, PROBED, PROBED_INTERVALS, SKEWED, SMOOTHED, SPAN,
+    WIDEST, WIDEST_MEAN,
 };
 use crate::table::Brdf;
 use crate::table::Table;
@@ -29,6 +34,8 @@ pub(crate) struct Probes {
     ln_albedo: Vec<[f64; 3]>,
     /// Integral of the density of stored views up to each.
     integral: Vec<f64>,
+    /// Whether the table depends on the azimuth next to the normal.
+    is_skewed: bool,
 }
 
 impl Probes {
@@ -51,7 +58,13 @@ impl Probes {
         let ln_albedo = ln_albedo.collect();
         let integral = integral(&table, step, multiple);
         let albedo = table.views.iter().map(|view| (view.theta, view.albedo)).collect();
-        Ok(Self { albedo, ln_albedo, integral })
+        let is_skewed = table.views[0].floor > SKEWED;
+        Ok(Self { albedo, ln_albedo, integral, is_skewed })
+    }
+
+    /// Where one more stored view lies, if the table needs one next to the normal.
+    pub fn next_to_normal(&self) -> Option<f64> {
+        self.is_skewed.then_some(NEAR_NORMAL.to_radians())
     }
 
     /// Places `count` stored views, at least 2, from the first probe to the last.

@@ -43,6 +43,9 @@ pub(crate) mod stored_views {
     pub const WIDEST: f64 = 8.0;
     /// The same, over the mean distance, where that is larger.
     pub const WIDEST_MEAN: f64 = 1.5;
+    /// Asymmetry at the normal, relative L2, from which on one more stored view lies next to it; its angle, degrees.
+    pub const SKEWED: f64 = 0.02;
+    pub const NEAR_NORMAL: f64 = 0.5;
     /// Bend of an albedo that weighs as much as an equal share of the density. Smaller bends hardly count.
     pub const CROOKED: f64 = 0.007;
     /// Weight of an albedo above the straight line over that of one below.
@@ -63,6 +66,9 @@ pub(crate) mod schedule {
     pub const LOOSENED: f64 = 0.3;
     /// Weight of the tail in the first round. Over 22 materials the median error is 3.10 %, and 3.55 % with ten times as much.
     pub const LIGHT_TAIL: f64 = 0.003;
+    /// The same in the last round with factors, if weights are near their limit. The largest weight of the flake is 15 with it, and 23
+    /// with the light one; ripples of other tables are larger.
+    pub const FACTORED_TAIL: f64 = 0.012;
     /// Least weight of the tail after a goal was missed.
     pub const HEAVY_TAIL: f64 = 0.03;
     /// Weight of the albedo in the first round.
@@ -103,6 +109,9 @@ pub(crate) mod candidates {
 pub(crate) mod exchange {
     /// Families of lobes that are tried at an exchange, half of them beside a lobe of the fit.
     pub const FAMILIES: usize = 60;
+    /// Families that are tried along a peak that no lobe has, and the logarithms of the sharpness of the widest and the narrowest.
+    pub const STRAY: usize = 10;
+    pub const STRAY_LN_SHARPNESS: (f64, f64) = (4.0, 14.0);
     /// Exchanges in vain, one after the other, that end a stage.
     pub const PATIENCE: usize = 6;
     /// Relative decrease of the cost from which on an exchange is kept.
@@ -115,6 +124,8 @@ pub(crate) mod exchange {
 pub(crate) mod finalist {
     /// Factor on the error for a weight that is too large, while it may be mended.
     pub const WIDENED: f64 = 1.1;
+    /// Share of the largest weight from which on weights at other views may be too large.
+    pub const NEAR_LARGEST: f64 = 0.6;
     /// Angle up to which the variance is a goal, radians: 80 degrees.
     pub const STEEPEST: f64 = 1.4;
     /// Factor on the error where a goal is missed by `RAMP` doublings or more. A goal missed by a hair costs a hair.
@@ -238,9 +249,13 @@ pub(crate) mod factors {
     /// Largest factor.
     pub const LARGEST: f64 = 8.0;
     /// Weight of squared second differences over that of squared errors: without data a factor continues its neighbours.
-    pub const SMOOTH: f64 = 3e-7;
+    pub const SMOOTH: f64 = 3e-8;
     /// Weight of the squared distance from 1: far from data a factor ends at 1.
-    pub const PULL: f64 = 1e-7;
+    pub const PULL: f64 = 3e-8;
+    /// Weight of the albedo beside the squared errors. With ten times as much, weights of chm_mint are 40, not 10.
+    pub const ENERGY: f64 = 1.0;
+    /// Turns of factors and lobes on one table. The steps of the solver are shared out.
+    pub const TURNS: usize = 4;
     /// Largest share of the error that a larger table may leave, for every `NODES` nodes that it adds.
     pub const MORE_NODES: f64 = 0.975;
     /// Nodes to which that share belongs.

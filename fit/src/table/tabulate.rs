@@ -1,8 +1,8 @@
 //! Tables of BRDFs that can be evaluated at any pair of directions: dense files and analytic models.
 //!
-//! The directions of a view are drawn from a mixture of a uniform hemisphere and caps round the peak. Each cap is six times
-//! narrower in solid angle than the one before, down to the width of the peak. The peak is looked for in the plane of incidence
-//! first. Caps are folded at the horizon and squeezed across the plane of incidence as a highlight is (`srbf_core` does the same
+//! The directions of a view are drawn from a mixture of a uniform hemisphere and caps round peaks. Each cap is six times
+//! narrower in solid angle than the one before, down to the width of the peak. Peaks are looked for in the plane of incidence
+//! first: the highest, and others that are narrow and stand alone (`peaks`). Caps are folded at the horizon and squeezed across the plane of incidence as a highlight is (`srbf_core` does the same
 //! to lobes). So none of their directions is lost, and grazing peaks are seen as well as others. Every part is a spiral of equal
 //! shares; a direction weighs one over the density of the whole (the balance heuristic). So the sum is a quadrature over the
 //! hemisphere that sees a peak of any width.
@@ -12,10 +12,13 @@
 //!
 //! The albedo is integrated with `FINER` times as many directions: the fit is held to it more closely than to a sample.
 
+mod peaks;
+
 use super::{Brdf, Sample, Symmetry, Table, View, direction};
 use crate::FitError;
 use crate::numeric::GOLDEN_ANGLE;
 use crate::numeric::special::sphere_integral;
+use peaks::Peak;
 use rayon::prelude::*;
 use srbf_core::{Domain, Level, Lobe, MAX_LOBES, Mixture, Vec3};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -47,10 +50,6 @@ const FINER: usize = 6;
 
 /// Squeeze of the caps at the horizon, where the cosine is 0.
 const LEAST_SQUEEZE: f64 = 0.06;
-
-/// Steps of the search along the plane of incidence, and smallest distance from the mirror direction, radians.
-const SEARCH: usize = 720;
-const CLOSEST: f64 = 1e-4;
 
 /// Directions at the horizon where the largest weight is looked for too, on one side of the plane of incidence, and radians above.
 const HORIZON: usize = 24;
@@ -133,16 +132,15 @@ fn make_round(brdf: &dyn Brdf, samples: &mut [Sample]) -> f64 {
     if square > 0.0 { libm::sqrt(difference / square) } else { 0.0 }
 }
 
-/// The outgoing direction of a view, and caps round its peak.
-fn look(brdf: &dyn Brdf, theta: f64) -> ([f64; 3], Caps) {
+/// The outgoing direction of a view, and caps round each of its peaks.
+fn look(brdf: &dyn Brdf, theta: f64) -> ([f64; 3], Vec<Caps>) {
     let (sin, cos) = libm::sincos(theta);
     let wo = [-sin, 0.0, cos];
     let in_plane = |angle: f64| {
         let d = direction(angle.abs(), if angle < 0.0 { PI } else { 0.0 });
         value(brdf, d, wo).iter().sum::<f64>() * d[2]
     };
-    let (peak, width) = find_peak(&in_plane, theta);
-    (wo, Caps::new(peak, width, cos))
+    (wo, peaks::find(&in_plane, theta).into_iter().map(|peak| Caps::new(peak, cos)).collect())
 }
 
 /// Caps round one axis in the plane of incidence.
@@ -155,13 +153,13 @@ struct Caps {
 
 impl Caps {
     /// Caps down to the half width of a peak along the plane of incidence; across it they are squeezed by the cosine.
-    fn new(peak: f64, width: f64, cos: f64) -> Self {
+    fn new(Peak { angle, width }: Peak, cos: f64) -> Self {
         let sharpest = (1.0 / (width * width)).min(NARROWEST);
         let mut sharpness = vec![WIDEST];
         while sharpness[sharpness.len() - 1] < sharpest {
             sharpness.push(NARROWER * sharpness[sharpness.len() - 1]);
         }
-        let axis = direction(peak.abs(), if peak < 0.0 { PI } else { 0.0 });
+        let axis = direction(angle.abs(), if angle < 0.0 { PI } else { 0.0 });
         Self { axis, squeeze: cos.max(LEAST_SQUEEZE), sharpness }
     }
 
@@ -235,19 +233,28 @@ impl Drawn {
 }
 
 /// Values at directions spread over the hemisphere, the caps and the lobes.
-fn draw(brdf: &dyn Brdf, wo: [f64; 3], caps: &Caps, density: Density, drawn: Option<&Drawn>) -> Vec<Sample> {
+fn draw(
+    brdf: &dyn Brdf,
+    wo: [f64; 3],
+    peaks: &[Caps],
+    density: Density,
+    drawn: Option<&Drawn>,
+) -> Vec<Sample> {
     let spread = (0..density.hemisphere).map(|i| {
         let z = (i as f64 + 0.5) / density.hemisphere as f64;
         let (sp, cp) = libm::sincos(GOLDEN_ANGLE * i as f64);
         let r = libm::sqrt(1.0 - z * z);
         [r * cp, (r * sp).abs(), z]
     });
-    let capped = (0..caps.sharpness.len())
-        .flat_map(|cap| (0..density.cap).map(move |i| caps.direction(cap, i, density.cap)));
+    let capped = peaks.iter().flat_map(|caps| {
+        (0..caps.sharpness.len())
+            .flat_map(move |cap| (0..density.cap).map(move |i| caps.direction(cap, i, density.cap)))
+    });
     let by_lobes = drawn.iter().flat_map(|drawn| (0..drawn.count).filter_map(|i| drawn.direction(i)));
     let probability = |d: &[f64; 3]| {
         let lobes = drawn.map_or(0.0, |drawn| drawn.density(d));
-        density.hemisphere as f64 / (2.0 * PI) + caps.density(d, density.cap) + lobes
+        let caps: f64 = peaks.iter().map(|caps| caps.density(d, density.cap)).sum();
+        density.hemisphere as f64 / (2.0 * PI) + caps + lobes
     };
     let weighed = spread.chain(capped).chain(by_lobes).filter(|d| d[2] > 1e-4).map(|d| Sample {
         direction: d,
@@ -260,34 +267,6 @@ fn draw(brdf: &dyn Brdf, wo: [f64; 3], caps: &Caps, density: Density, drawn: Opt
         Sample { direction: d, rgb: value(brdf, d, wo), weight: 0.0 }
     });
     weighed.chain(horizon).collect()
-}
-
-/// Angle of the highest value in the plane of incidence, and the distance at which it has fallen to half.
-fn find_peak(value: &dyn Fn(f64) -> f64, theta: f64) -> (f64, f64) {
-    let limit = FRAC_PI_2 - 1e-3;
-    let wide = (0..SEARCH).map(|i| limit * (2.0 * (i as f64 + 0.5) / SEARCH as f64 - 1.0));
-    let steps = 60;
-    let near = (0..=steps).flat_map(|i| {
-        let distance = CLOSEST * libm::pow(0.3 / CLOSEST, f64::from(i) / f64::from(steps));
-        [theta - distance, theta + distance]
-    });
-    let inside = |a: &f64| a.abs() < limit;
-    let (mut peak, mut highest) = (theta.min(limit), value(theta.min(limit)));
-    for angle in wide.chain(near).filter(inside) {
-        let v = value(angle);
-        if v > highest {
-            (peak, highest) = (angle, v);
-        }
-    }
-    let mut width = CLOSEST;
-    while width < 0.5 {
-        let sides = [peak - width, peak + width];
-        if sides.iter().filter(|a| inside(a)).all(|&a| value(a) < 0.5 * highest) {
-            break;
-        }
-        width *= 1.25;
-    }
-    (peak, width)
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@
 use crate::isotropic::tuning::parameters::{
     ANGLE, ANGLE_DEFENSIVE, COLORS, LN_AMPLITUDE, LN_SHARPNESS, LN_SHARPNESS_DEFENSIVE, LN_SQUEEZE, OFF_PLANE,
 };
+use crate::isotropic::tuning::stored_views::NEAR_NORMAL;
 use crate::numeric::special::sphere_integral;
 use crate::table::luminance;
 
@@ -135,6 +136,12 @@ impl Layout {
     /// Whether an unknown of a stored view is given: at the normal every axis is the normal and nothing is squeezed.
     pub fn fixed(&self, stored: usize, index: usize) -> bool {
         stored == 0 && index < self.angles().end
+    }
+
+    /// The stored view from which on unknowns change slowly: not the normal itself, if the next is close to it.
+    pub fn first_smooth(&self) -> usize {
+        let is_close = self.view_angles.len() > 2 && self.view_angles[1] < 1.5 * NEAR_NORMAL.to_radians();
+        usize::from(is_close)
     }
 
     /// The lobe that is kept wide.

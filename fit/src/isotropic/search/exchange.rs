@@ -2,27 +2,34 @@
 //!
 //! The worth of a lobe at a view is the growth of the sum of squares when the lobe is taken out. The amplitudes of all others are
 //! chosen again then: `a^2 / (G^-1)_kk` with the Gram matrix G of the unit lobes. Of two lobes that have merged, each is worth
-//! nothing. The new lobe is one of a few families (sharpness and lean constant over the views, or beside a lobe that is there),
-//! the one that alone would reduce the residual most. Then all lobes are moved downhill together; if that ends higher than before,
+//! nothing. The new lobe is one of a few families (sharpness and lean constant over the views, beside a lobe that is there, or
+//! along a peak that no lobe has, `stray`), the one that alone would reduce the residual most. Then all lobes are moved downhill together; if that ends higher than before,
 //! all is put back.
+
+mod stray;
 
 use crate::isotropic::model::Lobes;
 use crate::isotropic::objective::data_term::{self, Point};
 use crate::isotropic::objective::{Objective, Weighted, Weights};
-use crate::isotropic::tuning::exchange::{CAUTION, FAMILIES, IMPROVEMENT, PATIENCE};
+use crate::isotropic::tuning::exchange::{
+    CAUTION, FAMILIES, IMPROVEMENT, PATIENCE, STRAY, STRAY_LN_SHARPNESS,
+};
 use crate::numeric::levenberg::{Limits, minimize};
 use crate::numeric::random::Random;
 use crate::table::luminance;
 use rayon::prelude::*;
+use stray::Track;
 
 /// A family of lobes: one for every view.
 #[derive(Clone, Copy, Debug)]
-enum Family {
+enum Family<'a> {
     /// The same sharpness at all views, and an axis in proportion to the angle of the view; so far off the plane if mirrored.
     Alone { ln_sharpness: f64, lean: f64, off_plane: f64 },
     /// A copy of a lobe at every view, with a factor on the sharpness, moved by a share of its width: along the plane, or off
     /// it if mirrored.
     Beside { lobe: usize, ln_sharper: f64, widths: f64 },
+    /// The same sharpness at all views, and an axis along a stray peak.
+    Along { track: &'a Track, ln_sharpness: f64 },
 }
 
 /// The residual of one view.
@@ -60,11 +67,15 @@ pub(crate) fn exchange(
             .min_by(|&a, &b| worth(a).total_cmp(&worth(b)));
         let Some(slot) = slot else { break };
         objective.take_out(&mut residuals, slot);
-        let families: Vec<Family> =
-            (0..FAMILIES).map(|n| Family::random(&mut random, n % 2 == 1, layout.lobes)).collect();
-        let gain = |f: &Family| objective.gain(&residuals, slot, *f);
+        let track = Track::find(&objective.views, &residuals);
+        let along = track.iter().flat_map(Family::along);
+        let families: Vec<Family<'_>> = (0..FAMILIES)
+            .map(|n| Family::random(&mut random, n % 2 == 1, layout.lobes))
+            .chain(along)
+            .collect();
+        let gain = |f: &Family<'_>| objective.gain(&residuals, slot, *f);
         let gains: Vec<f64> = families.par_iter().map(gain).collect();
-        let best = (0..FAMILIES).max_by(|&a, &b| gains[a].total_cmp(&gains[b])).unwrap_or(0);
+        let best = (0..families.len()).max_by(|&a, &b| gains[a].total_cmp(&gains[b])).unwrap_or(0);
         let mut moved = x.clone();
         objective.put(&residuals, slot, families[best], &mut moved);
         let (reached, _) = minimize(&Weighted { objective, weights }, &mut moved, limits, &mut tick);
@@ -79,7 +90,16 @@ pub(crate) fn exchange(
     cost
 }
 
-impl Family {
+impl<'a> Family<'a> {
+    /// Families along a stray peak, from wide to narrow.
+    fn along(track: &'a Track) -> impl Iterator<Item = Self> {
+        (0..STRAY).map(move |n| {
+            let (wide, narrow) = STRAY_LN_SHARPNESS;
+            let ln_sharpness = wide + (narrow - wide) * n as f64 / (STRAY - 1) as f64;
+            Self::Along { track, ln_sharpness }
+        })
+    }
+
     fn random(random: &mut Random, is_beside: bool, lobes: usize) -> Self {
         let ln_sharpness = 0.5 + 12.0 * random.next();
         // Sharp lobes follow the mirror direction, wide ones may point anywhere between.
@@ -101,6 +121,7 @@ impl Family {
         let mirrored = slot.checked_sub(layout.first_mirrored());
         let (angle, off_plane, ln_sharpness) = match *self {
             Self::Alone { ln_sharpness, lean, off_plane } => (lean * theta, off_plane * theta, ln_sharpness),
+            Self::Along { track, ln_sharpness } => (track.at(theta), 0.0, ln_sharpness),
             Self::Beside { lobe, ln_sharper, widths } => {
                 let ln_sharpness = q[layout.sharpness(lobe)];
                 let moved = widths * libm::exp(-0.5 * ln_sharpness);
@@ -167,7 +188,7 @@ impl Objective {
     }
 
     /// Best amplitudes of a family at a view, in place of the lobe in a slot, and the decrease of the sum of squares.
-    fn best(&self, view: usize, residual: &Residual, slot: usize, family: Family) -> ([f64; 3], f64) {
+    fn best(&self, view: usize, residual: &Residual, slot: usize, family: Family<'_>) -> ([f64; 3], f64) {
         let layout = &self.layout;
         let mut q = residual.q.clone();
         family.shape(self, slot, residual.theta, &mut q);
@@ -181,11 +202,11 @@ impl Objective {
         (amplitude, amplitude.iter().map(|a| a * a * square).sum())
     }
 
-    fn gain(&self, residuals: &[Residual], slot: usize, family: Family) -> f64 {
+    fn gain(&self, residuals: &[Residual], slot: usize, family: Family<'_>) -> f64 {
         residuals.iter().enumerate().map(|(n, r)| self.best(n, r, slot, family).1).sum()
     }
 
-    fn put(&self, residuals: &[Residual], slot: usize, family: Family, x: &mut [f64]) {
+    fn put(&self, residuals: &[Residual], slot: usize, family: Family<'_>, x: &mut [f64]) {
         let layout = &self.layout;
         let p = layout.stride();
         let found: Vec<[f64; 3]> =

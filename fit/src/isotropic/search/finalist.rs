@@ -9,7 +9,9 @@ use crate::isotropic::search::candidates::{Candidate, Task, Work, advance};
 use crate::isotropic::search::schedule::{Resampling, Stage, WIDE};
 use crate::isotropic::search::{DrawnBy, Source};
 use crate::isotropic::tuning::factors::SIZES;
-use crate::isotropic::tuning::finalist::{DOUBLING, MISSED, RAMP, STEEPEST, TOLERATED, WIDENED, WORTH_RANK};
+use crate::isotropic::tuning::finalist::{
+    DOUBLING, MISSED, NEAR_LARGEST, RAMP, STEEPEST, TOLERATED, WIDENED, WORTH_RANK,
+};
 use crate::judge::report::ViewReport;
 use crate::judge::verdict::{MOST_ENERGY_ERROR, MOST_VARIANCE, MOST_WEIGHT};
 use crate::table::Table;
@@ -85,6 +87,11 @@ impl<'a> Finalist<'a> {
         self.largest_weight <= MOST_WEIGHT
     }
 
+    /// Whether weights at other views may be too large.
+    pub fn is_near_largest_weight(&self) -> bool {
+        self.largest_weight > NEAR_LARGEST * MOST_WEIGHT
+    }
+
     pub fn has_small_variances(&self) -> bool {
         self.variance <= MOST_VARIANCE
     }
@@ -116,6 +123,17 @@ impl<'a> Finalist<'a> {
     /// The rank before the end. Only the weight counts there, because it gets worse if nothing is done.
     pub fn early_rank(&self) -> f64 {
         if self.has_small_weights() { self.error } else { WIDENED * self.error }
+    }
+
+    /// Adds a stored view next to the normal, of interpolated lobes, unless there is one.
+    pub fn add_view(&mut self, theta: f64) {
+        if self.layout.view_angles.len() < 3 || self.layout.view_angles[1] < 2.0 * theta {
+            return;
+        }
+        let mut denser = self.layout.clone();
+        denser.view_angles.insert(1, theta);
+        self.candidate.x = self.layout.resampled(&self.candidate.x, &denser);
+        self.layout = denser;
     }
 
     /// Gives up the least useful lobe for one that is kept wide; false if it has such a lobe, or none to give.

@@ -5,8 +5,8 @@
 use crate::Settings;
 use crate::isotropic::objective::{Emphasis, Weights};
 use crate::isotropic::tuning::schedule::{
-    FAINT_COLOR, FIRST_ENERGY, HEAVY_TAIL, LAST_MEASURE, LIGHT_TAIL, LOOSENED, MANY_LOBES, MOST_TIMES,
-    SIDE_BY_SIDE, USUAL_LOBES,
+    FACTORED_TAIL, FAINT_COLOR, FIRST_ENERGY, HEAVY_TAIL, LAST_MEASURE, LIGHT_TAIL, LOOSENED, MANY_LOBES,
+    MOST_TIMES, SIDE_BY_SIDE, USUAL_LOBES,
 };
 use crate::numeric::levenberg::Limits;
 
@@ -16,6 +16,8 @@ pub(crate) const LIGHT: Emphasis = Emphasis { tail: LIGHT_TAIL, measure: 0.0, en
 pub(crate) const WIDE: Emphasis = Emphasis { tail: HEAVY_TAIL, ..LIGHT };
 /// The emphasis of the end: visible errors away from the peak.
 pub(crate) const LAST: Emphasis = Emphasis { measure: LAST_MEASURE, ..LIGHT };
+/// The same where weights are large: factors multiply the value and not the density.
+pub(crate) const FACTORED: Emphasis = Emphasis { tail: FACTORED_TAIL, ..LAST };
 
 /// How many candidates take part in a stage, the best of the one before.
 #[derive(Clone, Copy, Debug)]
@@ -159,6 +161,12 @@ impl Stage {
     /// Steps of the solver that it may take.
     pub fn work(&self) -> usize {
         self.keep * self.runs * self.limits.steps
+    }
+
+    /// One of several equal parts of the stage.
+    pub fn part(&self, parts: usize) -> Self {
+        let limits = Limits { steps: self.limits.steps.div_ceil(parts), ..self.limits };
+        Self { limits, ..*self }
     }
 
     /// The stage for `keep` finalists that have been through it and are near their minimum. Lobes are exchanged `exchanges` times before
