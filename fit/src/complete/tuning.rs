@@ -200,8 +200,8 @@ pub(crate) mod robust {
     pub const BACK: f64 = 0.2;
     /// That distance.
     pub const APART_AT_PEAK: f64 = 2.0;
-    /// The same, below, of a sample that something stood before: tenfold.
-    pub const DEAD: f64 = 2.3;
+    /// The same, below, of a sample that something stood before: below a seventh.
+    pub const DEAD: f64 = 1.9;
     /// Share of the variance up to which neighbours say the value of a place.
     pub const KNOWN: f64 = 0.3;
     /// Least difference over the mean radiance. Dark values are noisy, and many were clamped to 0.
