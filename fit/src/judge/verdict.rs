@@ -501,7 +501,7 @@ pub(crate) fn steps_matter(report: &Report) -> bool {
 /// Advice that holds for every fit.
 fn advice(report: &Report) -> Vec<String> {
     let mut advice = Vec::new();
-    if is_off(&WEIGHT, report) || is_off(&VARIANCE, report) {
+    if is_off(&WEIGHT, report) {
         let all = || judged(&report.views).chain(judged(&report.held_out));
         let worst = Spread::of(all(), WEIGHT.number).map_or(0.0, |s| s.worst);
         advice.push(format!(

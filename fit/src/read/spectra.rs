@@ -128,8 +128,8 @@ fn smoothest(to_rgb: &ToRgb) -> Option<Vec<[f64; 3]>> {
     let solved = [channel(0), channel(1), channel(2)];
     let mut matrix = Square::zeros(3);
     for a in 0..3 {
-        for b in 0..3 {
-            matrix.row_mut(a)[b] = (0..n).map(|i| weights[i][a] * solved[b][i]).sum();
+        for (b, spectrum) in solved.iter().enumerate() {
+            matrix.row_mut(a)[b] = weights.iter().zip(spectrum).map(|(w, s)| w[a] * s).sum();
         }
     }
     let factor = matrix.cholesky()?;
