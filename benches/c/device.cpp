@@ -7,22 +7,29 @@
 using namespace srbf_device;
 #undef srbf_device
 
-static vec3 at(const float *const v[3], int i) { return vec3(v[0][i], v[1][i], v[2][i]); }
+// Hits as arrays of x, y and z, or of three numbers.
+struct Hits {
+    const uint32_t *words;
+    const float *wo[3], *wi[3], *u[3];
+    size_t count;
+};
 
-// Draws with density and weight (bit 0 of `verbs`), and evaluates value and density (bit 1), for n hits each with its own `wo`; or all of the
+static vec3 at(const float *const v[3], size_t i) { return vec3(v[0][i], v[1][i], v[2][i]); }
+
+// Draws with density and weight (bit 0 of `verbs`), and evaluates value and density (bit 1), for hits each with its own `wo`; or all of the
 // mixture for the first one (bit 2). Returns a sum of all results.
-extern "C" float JOIN(srbf_device, SUFFIX)(const uint32_t *words, const float *const wo[3], const float *const wi[3], const float *const u[3], int n, int verbs) {
-    SrbfMaterial material = srbf_material(words);
-    SrbfView view = srbf_prepare(material, at(wo, 0));
+extern "C" float JOIN(srbf_device, SUFFIX)(const Hits *hits, int verbs) {
+    SrbfMaterial material = srbf_material(hits->words);
+    SrbfView view = srbf_prepare(material, at(hits->wo, 0));
     float sum = 0.0f;
-    for (int i = 0; i < n; i++) {
-        if ((verbs & 4) == 0) { view = srbf_prepare(material, at(wo, i)); }
+    for (size_t i = 0; i < hits->count; i++) {
+        if ((verbs & 4) == 0) { view = srbf_prepare(material, at(hits->wo, i)); }
         if (verbs & 1) {
-            SrbfSample s = srbf_sample(material, view, at(u, i));
+            SrbfSample s = srbf_sample(material, view, at(hits->u, i));
             sum += s.wi.x + s.pdf + s.weight.x + s.weight.y + s.weight.z;
         }
         if (verbs & 2) {
-            SrbfValue v = srbf_evaluate(material, view, at(wi, i));
+            SrbfValue v = srbf_evaluate(material, view, at(hits->wi, i));
             sum += v.pdf + v.value.x + v.value.y + v.value.z;
         }
     }

@@ -23,32 +23,27 @@ pub enum DeviceText {
     Fast,
 }
 
-type Three = [*const f32; 3];
+/// Hits as arrays of x, y and z, or of three numbers.
+#[repr(C)]
+struct Hits {
+    words: *const u32,
+    wo: [*const f32; 3],
+    wi: [*const f32; 3],
+    u: [*const f32; 3],
+    count: usize,
+}
 
 unsafe extern "C" {
-    fn srbf_device_careful(
-        words: *const u32,
-        wo: *const Three,
-        wi: *const Three,
-        u: *const Three,
-        n: i32,
-        verbs: i32,
-    ) -> f32;
-    fn srbf_device_fast(
-        words: *const u32,
-        wo: *const Three,
-        wi: *const Three,
-        u: *const Three,
-        n: i32,
-        verbs: i32,
-    ) -> f32;
+    fn srbf_device_careful(hits: *const Hits, verbs: i32) -> f32;
+    fn srbf_device_fast(hits: *const Hits, verbs: i32) -> f32;
 }
 
 impl DeviceText {
     /// Asks for every hit; the sum of all answers. `words` are those of a valid `.srbf` file.
     pub fn run(self, words: &[u32], wo: &Triples, wi: &Triples, u: &Triples, verbs: Verbs) -> f32 {
-        let n = wo.0[0].len();
-        let arrays = [wo, wi, u].map(|triples| triples.slices().map(|s| s[..n].as_ptr()));
+        let count = wo.0[0].len();
+        let [wo, wi, u] = [wo, wi, u].map(|triples| triples.slices().map(|s| s[..count].as_ptr()));
+        let hits = Hits { words: words.as_ptr(), wo, wi, u, count };
         let verbs = i32::from(verbs.draws)
             | i32::from(verbs.evaluates) << 1
             | i32::from(verbs.keeps_the_mixture) << 2;
@@ -56,8 +51,8 @@ impl DeviceText {
             Self::Careful => srbf_device_careful,
             Self::Fast => srbf_device_fast,
         };
-        // SAFETY: the arrays have n numbers each, which is not 0 nor above the range; the words are those of a valid file.
-        unsafe { run(words.as_ptr(), &arrays[0], &arrays[1], &arrays[2], n as i32, verbs) }
+        // SAFETY: the arrays have as many numbers each, at least one; the words are those of a valid file.
+        unsafe { run(&raw const hits, verbs) }
     }
 }
 
