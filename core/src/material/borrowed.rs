@@ -96,7 +96,7 @@ impl<B: AsRef<[u8]>> Material<B> {
             Kind::Grid(shape) if view > 0 => 1 + (view - 1) / shape.azimuths,
             _ => view,
         };
-        (view < self.header.views).then(|| f32_at(self.bytes(), self.header.theta(index)))
+        (view < self.header.views).then(|| self.header.angle(self.bytes(), index))
     }
 
     /// Azimuth of the outgoing direction of a view, radians; 0 in an isotropic material; `None` past the end.
@@ -114,7 +114,7 @@ impl<B: AsRef<[u8]>> Material<B> {
     /// Base-2 logarithm of the squeeze of a view; `None` past the end, and in an anisotropic material.
     pub fn view_log2_squeeze(&self, view: usize) -> Option<f32> {
         let is_there = self.is_isotropic() && view < self.header.views;
-        is_there.then(|| f32_at(self.bytes(), self.header.head(view)))
+        is_there.then(|| self.header.head_number(self.bytes(), view, 0))
     }
 
     /// Base-2 logarithm of the squeeze matrix of a view, xx, xy, yy; `None` past the end, and in an isotropic
@@ -137,11 +137,10 @@ impl<B: AsRef<[u8]>> Material<B> {
     }
 
     fn view_diffuse(&self, view: usize) -> Option<(f32, [f32; 2])> {
-        let first = || match self.header.kind {
-            Kind::Line => self.header.head(view) + 4,
-            Kind::Grid(shape) => shape.head(view) + 12,
+        let number = |i: usize| match self.header.kind {
+            Kind::Line => self.header.head_number(self.bytes(), view, 1 + i),
+            Kind::Grid(shape) => f32_at(self.bytes(), shape.head(view) + 4 * (3 + i)),
         };
-        let number = |i: usize| f32_at(self.bytes(), first() + 4 * i);
         (view < self.header.views).then(|| self.color([0, 1, 2].map(number)))
     }
 
@@ -160,12 +159,12 @@ impl<B: AsRef<[u8]>> Material<B> {
         if !self.is_isotropic() || view >= self.header.views || lobe >= self.header.lobes {
             return None;
         }
-        let number = |row| f32_at(self.bytes(), self.header.row(view, row) + 4 * lobe);
+        let number = |row| self.header.number(self.bytes(), view, row, lobe);
         let (log2_luminance, color_differences) = self.color([2, 3, 4].map(number));
         let off_plane = lobe.checked_sub(self.header.lobes - self.header.mirrored);
         Some(PlaneLobe {
             angle: number(0),
-            off_plane: off_plane.map_or(0.0, |m| f32_at(self.bytes(), self.header.row(view, 5) + 4 * m)),
+            off_plane: off_plane.map_or(0.0, |m| self.header.number(self.bytes(), view, 5, m)),
             log2_sharpness: number(1),
             log2_luminance,
             color_differences,

@@ -12,7 +12,7 @@
 //! 32  u32       mirrored lobes M, the last of the K, each of which stands for two; K + M is at most 64. Of an
 //!               anisotropic material views of a ring P, 1 to 64
 //! 36  u32       0; of an anisotropic material turns, 1 or 2
-//! 40  blocks, the first of which is LOBE; each:
+//! 40  blocks, the first of which is LOBE or PACK; each:
 //!       4 bytes tag, letters
 //!       u32     length of the content in bytes
 //!       content, then zeros up to a multiple of 4
@@ -54,6 +54,25 @@
 //!
 //! `kernel/prepare_anisotropic.rs` has the meaning of the numbers between the views.
 //!
+//! # `PACK`: the lobes of an isotropic material in codes, in place of `LOBE`
+//! A code q of 8 or 16 bits is the number `low + q step`, with a scale `low, step` for all views. Of a number of two
+//! bytes in a scale, the upper half of an f32, the lower half is 0. Where the sign of a step is negative, its magnitude
+//! counts, and the angle of the view is added to the number.
+//!
+//! ```text
+//!     u8        bits of a code in the views, 8 or 16
+//!     u8        channels, 3; or 1 of a grey material, whose colour differences are 0 and not stored
+//!     u16       0
+//!     V u16     angles of the outgoing directions in units of (pi / 2) / 65535
+//!     scales of the numbers of a head, each 2 of two bytes: low, step
+//!     V heads, each a u16 for every number of a head
+//!     scales of the numbers of a view
+//!     V views, each a code for every number of a view
+//! ```
+//!
+//! The numbers of head and view are those of `LOBE`, in the same order. What is 0 in the first view there is 0 here,
+//! whatever its code.
+//!
 //! # `FACT`: a table of factors
 //!
 //! ```text
@@ -80,6 +99,8 @@
 //!
 //! Version 1 has the log2 of red, green and blue in place of luminance and colour differences, and no table: 0 at 44.
 
+use super::codes::{self, Codes};
+
 /// Most lobes that a mixture can hold, and that a material can make.
 pub const MAX_LOBES: usize = 64;
 
@@ -102,7 +123,8 @@ pub(crate) const CHECKSUM: usize = 4;
 /// Bytes that every file has.
 pub(crate) const SMALLEST: usize = HEADER + CHECKSUM;
 
-/// Tags of blocks: lobes, factors, provenance.
+/// Tags of blocks: lobes, lobes in codes, factors, provenance.
+pub(crate) const PACK: [u8; 4] = *b"PACK";
 pub(crate) const LOBE: [u8; 4] = *b"LOBE";
 pub(crate) const FACT: [u8; 4] = *b"FACT";
 pub(crate) const TEXT: [u8; 4] = *b"text";
@@ -123,6 +145,8 @@ pub(crate) const GRID_ROWS: usize = 6;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Header {
     pub kind: Kind,
+    /// The codes that the lobes are stored by; `None` for f32.
+    pub codes: Option<Codes>,
     pub views: usize,
     pub lobes: usize,
     pub squeezed: usize,
@@ -154,6 +178,7 @@ impl Header {
     /// Of a material that is to be written, without anything in it.
     pub const EMPTY: Self = Self {
         kind: Kind::Line,
+        codes: None,
         views: 0,
         lobes: 0,
         squeezed: 0,
@@ -178,6 +203,43 @@ impl Header {
     pub const fn has_factors(&self) -> bool {
         self.factors[0] > 0
     }
+    /// The angle of a view from the normal, radians.
+    #[inline(always)]
+    pub fn angle(&self, bytes: &[u8], view: usize) -> f32 {
+        if self.codes.is_some() { codes::angle(bytes, view) } else { f32_at(bytes, self.theta(view)) }
+    }
+    /// Byte offsets of what stands for a view's angle, its head, and a number of a lobe: the places of errors.
+    pub const fn angle_offset(&self, view: usize) -> usize {
+        if self.codes.is_some() { codes::angle_offset(view) } else { self.theta(view) }
+    }
+    pub const fn head_offset(&self, view: usize) -> usize {
+        match self.codes {
+            None => self.head(view),
+            Some(codes) => codes.head_offset(self, view),
+        }
+    }
+    pub const fn number_offset(&self, view: usize, row: usize, lobe: usize) -> usize {
+        match self.codes {
+            None => self.row(view, row) + 4 * lobe,
+            Some(codes) => codes.number_offset(self, view, row, lobe),
+        }
+    }
+    /// A number of the head of a view of an isotropic material.
+    #[inline(always)]
+    pub fn head_number(&self, bytes: &[u8], view: usize, number: usize) -> f32 {
+        match self.codes {
+            None => f32_at(bytes, self.head(view) + 4 * number),
+            Some(codes) => codes.head_number(self, bytes, view, number),
+        }
+    }
+    /// A number of a lobe at a view of an isotropic material; of row 5 that of a mirrored lobe.
+    #[inline(always)]
+    pub fn number(&self, bytes: &[u8], view: usize, row: usize, lobe: usize) -> f32 {
+        match self.codes {
+            None => f32_at(bytes, self.row(view, row) + 4 * lobe),
+            Some(codes) => codes.number(self, bytes, view, row, lobe),
+        }
+    }
     /// Byte offset of the angle of a view.
     #[inline(always)]
     pub const fn theta(&self, view: usize) -> usize {
@@ -196,9 +258,10 @@ impl Header {
     }
     /// Byte offset of the blocks behind the lobes of all views.
     pub const fn lobes_end(&self) -> usize {
-        match self.kind {
-            Kind::Line => self.row(self.views, 0),
-            Kind::Grid(shape) => shape.row(self, self.views, 0),
+        match (self.kind, self.codes) {
+            (Kind::Line, Some(codes)) => codes.end(self),
+            (Kind::Line, None) => self.row(self.views, 0),
+            (Kind::Grid(shape), _) => shape.row(self, self.views, 0),
         }
     }
     /// Byte offset of the albedo difference of a view, of a material that has factors.
@@ -268,6 +331,11 @@ impl Shape {
 #[inline(always)]
 pub(crate) fn u32_at(bytes: &[u8], offset: usize) -> u32 {
     bytemuck::pod_read_unaligned::<u32>(&bytes[offset..offset + 4]).to_le()
+}
+
+#[inline(always)]
+pub(crate) fn u16_at(bytes: &[u8], offset: usize) -> u16 {
+    bytemuck::pod_read_unaligned::<u16>(&bytes[offset..offset + 2]).to_le()
 }
 
 #[inline(always)]

@@ -1,10 +1,11 @@
 //! Checks every field of a material's bytes once: what passes is read without a further check.
 
 use super::checksum::crc32;
+use super::codes::{Codes, PACK_HEAD};
 use super::factor_table::{AZIMUTHS, MOST_FACTOR, SIZES, largest_2};
 use super::format_error::{FORMAT_VERSION, FormatError};
 use super::layout::{
-    BLOCK_HEAD, BLOCKS, CHECKSUM, FACT, Header, Kind, LOBE, MAGIC, MAX_LOBES, MIRRORED, SMALLEST, Shape,
+    BLOCK_HEAD, BLOCKS, CHECKSUM, FACT, Header, Kind, LOBE, MAGIC, MAX_LOBES, MIRRORED, PACK, SMALLEST, Shape,
     TABLE_HEAD, TEXT, f32_at, padded, u32_at,
 };
 use crate::color::MOST_DIFFERENCE;
@@ -152,7 +153,7 @@ fn read_blocks(bytes: &[u8], mut header: Header) -> Result<Header, FormatError> 
         if next > end || bytes[start + length..next].iter().any(|b| *b != 0) {
             return field("bytes between blocks (must be 0)", start + length);
         }
-        if (tag == LOBE) != (at == BLOCKS) {
+        if matches!(tag, LOBE | PACK) != (at == BLOCKS) {
             return field("tag of a block (lobes come first, once)", at);
         }
         match tag {
@@ -160,6 +161,12 @@ fn read_blocks(bytes: &[u8], mut header: Header) -> Result<Header, FormatError> 
                 return field("length of the block of lobes", at + 4);
             }
             LOBE => {}
+            PACK => {
+                header.codes = Some(read_codes(&bytes[start..start + length], header.kind, start)?);
+                if start + length != header.lobes_end() {
+                    return field("length of the block of lobes", at + 4);
+                }
+            }
             FACT if header.has_factors() => return field("tag of a block (a second table of factors)", at),
             FACT => {
                 if length < TABLE_HEAD || bytes[start + 3] != 0 {
@@ -180,6 +187,25 @@ fn read_blocks(bytes: &[u8], mut header: Header) -> Result<Header, FormatError> 
         at = next;
     }
     Ok(header)
+}
+
+/// How the codes are stored of a block that starts at an offset.
+fn read_codes(block: &[u8], kind: Kind, offset: usize) -> Result<Codes, FormatError> {
+    let field = |name, at| Err(FormatError::Field { name, offset: offset + at });
+    let [bits, channels, rest @ ..] = block else { return field("bits of a code (cut off)", 0) };
+    if kind != Kind::Line {
+        return field("tag of a block (codes are for isotropic materials)", 0);
+    }
+    if ![8, 16].contains(bits) {
+        return field("bits of a code (8 or 16)", 0);
+    }
+    if ![1, 3].contains(channels) {
+        return field("channels (1 or 3)", 1);
+    }
+    if rest.first_chunk() != Some(&[0; PACK_HEAD - 2]) {
+        return field("reserved field", 2);
+    }
+    Ok(Codes { bytes: bits / 8, is_grey: *channels == 1 })
 }
 
 /// The numbers of nodes of a table of factors, which stand at an offset.
@@ -211,11 +237,15 @@ fn validate_table(bytes: &[u8], header: &Header) -> Result<(), FormatError> {
     check(bytes, "largest factor", start - 4, most * (1.0 - 1e-6), most * (1.0 + 1e-6))
 }
 
+/// Whether a number, which stands at an offset, is within a range.
+fn is_inside(name: &'static str, number: f32, offset: usize, low: f32, high: f32) -> Result<(), FormatError> {
+    // False for NaN too.
+    if (low..=high).contains(&number) { Ok(()) } else { Err(FormatError::Field { name, offset }) }
+}
+
 /// Whether the number at an offset is within a range.
 fn check(bytes: &[u8], name: &'static str, offset: usize, low: f32, high: f32) -> Result<(), FormatError> {
-    // False for NaN too.
-    let inside = (low..=high).contains(&f32_at(bytes, offset));
-    if inside { Ok(()) } else { Err(FormatError::Field { name, offset }) }
+    is_inside(name, f32_at(bytes, offset), offset, low, high)
 }
 
 /// Bounds of the three numbers that say an amplitude or albedo, of which the logarithms are at most `most`.
@@ -227,37 +257,42 @@ fn color_bounds(header: &Header, number: usize, most: f32) -> (f32, f32) {
 fn validate_thetas(bytes: &[u8], header: &Header, count: usize) -> Result<(), FormatError> {
     let mut previous = -1.0;
     for n in 0..count {
-        let theta = header.theta(n);
-        check(bytes, "angle of a view", theta, 0.0, if n == 0 { 0.0 } else { FRAC_PI_2 })?;
-        if f32_at(bytes, theta) <= previous {
-            return Err(FormatError::Field { name: "angle of a view (must rise)", offset: theta });
+        let (angle, offset) = (header.angle(bytes, n), header.angle_offset(n));
+        is_inside("angle of a view", angle, offset, 0.0, if n == 0 { 0.0 } else { FRAC_PI_2 })?;
+        if angle <= previous {
+            return Err(FormatError::Field { name: "angle of a view (must rise)", offset });
         }
-        previous = f32_at(bytes, theta);
+        previous = angle;
     }
     Ok(())
 }
 
 fn validate_views(bytes: &[u8], header: &Header) -> Result<(), FormatError> {
     for view in 0..header.views {
-        let check = |name, offset: usize, low: f32, high: f32| check(bytes, name, offset, low, high);
+        let check = |name, number: usize, low: f32, high: f32| {
+            is_inside(name, header.head_number(bytes, view, number), header.head_offset(view), low, high)
+        };
         // The first view is the normal, where nothing may depend on the azimuth of the outgoing direction.
         let limit = |free: f32| if view == 0 { 0.0 } else { free };
-        check("squeeze", header.head(view), limit(-6.64), limit(1.0))?;
+        check("squeeze", 0, limit(-6.64), limit(1.0))?;
         for number in 0..3 {
             let (low, high) = color_bounds(header, number, 2.0);
-            check("diffuse albedo", header.head(view) + 4 * (1 + number), low, high)?;
+            check("diffuse albedo", 1 + number, low, high)?;
         }
+        let check = |name, row: usize, lobe: usize, low: f32, high: f32| {
+            let offset = header.number_offset(view, row, lobe);
+            is_inside(name, header.number(bytes, view, row, lobe), offset, low, high)
+        };
         for lobe in 0..header.lobes {
-            check("angle of an axis", header.row(view, 0) + 4 * lobe, limit(-PI), limit(PI))?;
-            check("sharpness", header.row(view, 1) + 4 * lobe, -100.0, 26.5)?;
+            check("angle of an axis", 0, lobe, limit(-PI), limit(PI))?;
+            check("sharpness", 1, lobe, -100.0, 26.5)?;
             for number in 0..3 {
                 let (low, high) = color_bounds(header, number, 60.0);
-                check("amplitude", header.row(view, 2 + number) + 4 * lobe, low, high)?;
+                check("amplitude", 2 + number, lobe, low, high)?;
             }
         }
         for lobe in 0..header.mirrored {
-            let offset = header.row(view, 5) + 4 * lobe;
-            check("angle out of the plane of incidence", offset, limit(-FRAC_PI_2), limit(FRAC_PI_2))?;
+            check("angle out of the plane of incidence", 5, lobe, limit(-FRAC_PI_2), limit(FRAC_PI_2))?;
         }
     }
     Ok(())

@@ -1,0 +1,189 @@
+//! The numbers of lobes as codes of 8 or 16 bits, read in place; `layout.rs` has the bytes.
+
+use super::layout::{HEAD, HEADER, Header, u16_at};
+use core::f32::consts::FRAC_PI_2;
+
+/// Rows of numbers of a view before the angles out of the plane: angle, sharpness, luminance, two colour differences.
+const ROWS: usize = 5;
+
+/// The same of a grey material, and of its head: squeeze, albedo.
+const GREY_ROWS: usize = 3;
+const GREY_HEAD: usize = 2;
+
+/// Bytes of the block before the angles of views.
+pub(crate) const PACK_HEAD: usize = 4;
+
+/// Bytes of a scale.
+pub(crate) const SCALE: usize = 4;
+
+/// The unit of the angles of views, radians.
+pub(crate) const ANGLE_UNIT: f32 = FRAC_PI_2 / 65_535.0;
+
+/// How codes are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Codes {
+    /// Bytes of a code: 1 or 2.
+    pub bytes: u8,
+    /// Whether there are no colour differences.
+    pub is_grey: bool,
+}
+
+/// What a code is multiplied by, and what is added.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scale {
+    pub low: f32,
+    pub step: f32,
+    /// Whether the angle of the view is added too.
+    pub is_relative: bool,
+}
+
+/// The angle of a view from the normal, radians.
+#[inline(always)]
+pub(crate) fn angle(bytes: &[u8], view: usize) -> f32 {
+    f32::from(u16_at(bytes, angle_offset(view))) * ANGLE_UNIT
+}
+
+/// Byte offset of the angle of a view.
+#[inline(always)]
+pub(crate) const fn angle_offset(view: usize) -> usize {
+    HEADER + PACK_HEAD + 2 * view
+}
+
+/// The number whose upper half is stored at an offset.
+#[inline(always)]
+fn half(bytes: &[u8], offset: usize) -> f32 {
+    f32::from_bits(u32::from(u16_at(bytes, offset)) << 16)
+}
+
+impl Scale {
+    #[inline(always)]
+    fn at(bytes: &[u8], offset: usize) -> Self {
+        let step = half(bytes, offset + 2);
+        Self { low: half(bytes, offset), step: step.abs(), is_relative: step.is_sign_negative() }
+    }
+
+    /// The number of a code; `angle` is that of the view.
+    #[inline(always)]
+    pub fn decode(self, code: u16, angle: f32) -> f32 {
+        let number = self.low + f32::from(code) * self.step;
+        if self.is_relative { number + angle } else { number }
+    }
+}
+
+impl Codes {
+    /// Numbers of the head of a view that are stored.
+    #[inline(always)]
+    pub const fn head_len(self) -> usize {
+        if self.is_grey { GREY_HEAD } else { HEAD }
+    }
+
+    /// Rows of K numbers of a view that are stored.
+    #[inline(always)]
+    pub const fn rows(self) -> usize {
+        if self.is_grey { GREY_ROWS } else { ROWS }
+    }
+
+    /// Numbers of a view that are stored.
+    #[inline(always)]
+    pub const fn view_len(self, header: &Header) -> usize {
+        self.rows() * header.lobes + header.mirrored
+    }
+
+    /// Byte offset of the scales of heads.
+    #[inline(always)]
+    pub const fn head_scales(self, header: &Header) -> usize {
+        HEADER + PACK_HEAD + 2 * header.views
+    }
+
+    /// Byte offset of the heads.
+    #[inline(always)]
+    pub const fn heads(self, header: &Header) -> usize {
+        self.head_scales(header) + SCALE * self.head_len()
+    }
+
+    /// Byte offset of the scales of views.
+    #[inline(always)]
+    pub const fn scales(self, header: &Header) -> usize {
+        self.heads(header) + 2 * self.head_len() * header.views
+    }
+
+    /// Byte offset of the codes of views.
+    #[inline(always)]
+    pub const fn views(self, header: &Header) -> usize {
+        self.scales(header) + SCALE * self.view_len(header)
+    }
+
+    /// Byte offset behind the codes of views.
+    pub const fn end(self, header: &Header) -> usize {
+        self.views(header) + self.bytes as usize * self.view_len(header) * header.views
+    }
+
+    /// A number of the head of a view: squeeze, diffuse albedo in three numbers.
+    pub fn head_number(self, header: &Header, bytes: &[u8], view: usize, number: usize) -> f32 {
+        if number >= self.head_len() || (number == 0 && view == 0) {
+            return 0.0;
+        }
+        let scale = Scale::at(bytes, self.head_scales(header) + SCALE * number);
+        let code = u16_at(bytes, self.head_offset(header, view) + 2 * number);
+        scale.decode(code, angle(bytes, view))
+    }
+
+    /// Byte offset of the head of a view.
+    pub const fn head_offset(self, header: &Header, view: usize) -> usize {
+        self.heads(header) + 2 * self.head_len() * view
+    }
+
+    /// Byte offset of the code of a number of a lobe at a view; of what is 0 that of the scales.
+    pub const fn number_offset(self, header: &Header, view: usize, row: usize, lobe: usize) -> usize {
+        match self.place(header, row, lobe) {
+            None => self.scales(header),
+            Some(place) => self.code_offset(header, view, place),
+        }
+    }
+
+    /// Byte offset of the code at a place among the numbers of a view.
+    #[inline(always)]
+    const fn code_offset(self, header: &Header, view: usize, place: usize) -> usize {
+        self.views(header) + self.bytes as usize * (self.view_len(header) * view + place)
+    }
+
+    /// Where a number of a lobe stands among those of a view; `None` for what is 0: colours of grey materials.
+    #[inline(always)]
+    pub const fn place(self, header: &Header, row: usize, lobe: usize) -> Option<usize> {
+        if row < self.rows() {
+            Some(row * header.lobes + lobe)
+        } else if row < ROWS {
+            None
+        } else {
+            Some(self.rows() * header.lobes + lobe)
+        }
+    }
+
+    /// A number of a lobe at a view; of row 5 that of a mirrored lobe.
+    pub fn number(self, header: &Header, bytes: &[u8], view: usize, row: usize, lobe: usize) -> f32 {
+        let [number, _] = self.two_numbers(header, bytes, [view, view], row, lobe);
+        number
+    }
+
+    /// The same at two views.
+    pub fn two_numbers(
+        self,
+        header: &Header,
+        bytes: &[u8],
+        views: [usize; 2],
+        row: usize,
+        lobe: usize,
+    ) -> [f32; 2] {
+        let Some(place) = self.place(header, row, lobe) else { return [0.0; 2] };
+        let scale = Scale::at(bytes, self.scales(header) + SCALE * place);
+        let at_normal_is_0 = row == 0 || row == ROWS;
+        views.map(|view| {
+            if at_normal_is_0 && view == 0 {
+                return 0.0;
+            }
+            let at = self.code_offset(header, view, place);
+            let code = if self.bytes == 1 { u16::from(bytes[at]) } else { u16_at(bytes, at) };
+            scale.decode(code, angle(bytes, view))
+        })
+    }
+}
