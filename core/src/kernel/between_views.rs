@@ -12,11 +12,14 @@ use crate::simd::lanes::{Lanes, WIDEST_PAIR, dot3, splat3};
 use crate::squeeze::Squeeze;
 
 /// The bytes from `ahead` before an offset on, at least `need` of them: near either end of the file those of
-/// `copy`, `len` bytes, which is then made.
+/// `copy`, `len` bytes, which is then made. Where a vector is one number, nothing beside the numbers themselves is read: the
+/// bytes begin at the offset, and no copy takes room on the stack.
 macro_rules! from_offset {
-    ($bytes:expr, $offset:expr, $ahead:expr, $need:expr, $copy:ident, $len:expr) => {{
+    ($L:ty, $bytes:expr, $offset:expr, $ahead:expr, $need:expr, $copy:ident, $len:expr) => {{
         let (bytes, offset, ahead): (&[u8], usize, usize) = ($bytes, $offset, $ahead);
-        if offset >= ahead && bytes.len() - (offset - ahead) >= $need {
+        if <$L as $crate::simd::lanes::Lanes>::COUNT == 1 {
+            &bytes[offset..]
+        } else if offset >= ahead && bytes.len() - (offset - ahead) >= $need {
             &bytes[offset - ahead..]
         } else {
             $copy = $crate::kernel::between_views::padded::<$len>(bytes, offset, ahead, $need);
@@ -36,11 +39,13 @@ macro_rules! rows_at {
         let (count, mirrored) = (header.lobes, if $mirrored { header.mirrored } else { 0 });
         // From as many numbers before the view as there are images, which lie so much before their own places.
         // The last vector reaches past the view, and at the last view past the file.
-        let vectors = (count + mirrored).next_multiple_of(<$L as $crate::simd::lanes::Lanes>::COUNT);
-        let reach = 4 * (4 * count + 2 * mirrored + vectors);
+        let lanes = <$L as $crate::simd::lanes::Lanes>::COUNT;
+        let vectors = (count + mirrored).next_multiple_of(lanes);
+        let numbers = if lanes == 1 { 5 * count + mirrored } else { 4 * count + 2 * mirrored + vectors };
+        let (ahead, reach) = (4 * mirrored, 4 * numbers);
         let [a, b] = place.rows(header);
-        let a = rows_of::from_offset!(material.bytes, a, 4 * mirrored, reach, $copy_a, { rows_of::PADDED });
-        let b = rows_of::from_offset!(material.bytes, b, 4 * mirrored, reach, $copy_b, { rows_of::PADDED });
+        let a = rows_of::from_offset!($L, material.bytes, a, ahead, reach, $copy_a, { rows_of::PADDED });
+        let b = rows_of::from_offset!($L, material.bytes, b, ahead, reach, $copy_b, { rows_of::PADDED });
         let has_luminance = header.has_luminance;
         rows_of::Rows { a: &a[..reach], b: &b[..reach], place, count, mirrored, has_luminance }
     }};
@@ -107,7 +112,7 @@ pub(crate) fn views_passed<L: Lanes>(material: MaterialRef<'_>, theta: f32) -> u
     let mut view = 0;
     while view < last {
         let copy;
-        let thetas = from_offset!(material.bytes, material.header.theta(view), 0, HEADS, copy, HEADS);
+        let thetas = from_offset!(L, material.bytes, material.header.theta(view), 0, HEADS, copy, HEADS);
         let inner = u64::MAX >> (64 - (last - view).min(L::COUNT));
         passed += (L::bits(L::splat(theta).ge(L::load_bytes(thetas))) & inner).count_ones() as usize;
         view += L::COUNT;
@@ -165,8 +170,8 @@ pub(crate) fn head_numbers<L: Lanes>(material: MaterialRef<'_>, place: Place) ->
 pub(crate) fn head_at<L: Lanes>(material: MaterialRef<'_>, place: Place) -> (f32, [f32; 3]) {
     let (copy_a, copy_b);
     let (a, b) = (material.header.head(place.before), material.header.head(place.after));
-    let a = from_offset!(material.bytes, a, 0, HEADS, copy_a, HEADS);
-    let b = from_offset!(material.bytes, b, 0, HEADS, copy_b, HEADS);
+    let a = from_offset!(L, material.bytes, a, 0, HEADS, copy_a, HEADS);
+    let b = from_offset!(L, material.bytes, b, 0, HEADS, copy_b, HEADS);
     let (mut head, mut logarithms) = ([0.0; WIDEST_PAIR], [0.0; WIDEST_PAIR]);
     let mut i = 0;
     while i < HEAD {
@@ -225,7 +230,8 @@ pub(crate) struct Lobes<L> {
     pub luminance: L,
 }
 
-/// The bytes of two views, from as many numbers before each as it has mirrored lobes.
+/// The bytes of two views, from as many numbers before each as it has mirrored lobes; for vectors of one number from the
+/// view on.
 pub(crate) struct Rows<'a> {
     pub a: &'a [u8],
     pub b: &'a [u8],
@@ -276,6 +282,10 @@ impl Rows<'_> {
     /// Numbers of a row of a vector of lobes, images being their mirrored lobes; behind the last lobe anything.
     #[inline(always)]
     fn row<L: Lanes>(&self, row: usize, k: usize) -> L {
+        if L::COUNT == 1 {
+            let stored = if k < self.count { k } else { k - self.mirrored };
+            return self.place.between(self.a, self.b, row * self.count + stored);
+        }
         let at = self.mirrored + row * self.count + k;
         let stored = self.place.between(self.a, self.b, at);
         if self.mirrored == 0 || k + L::COUNT <= self.count {
@@ -290,6 +300,9 @@ impl Rows<'_> {
     #[inline(always)]
     fn off_plane<L: Lanes>(&self, k: usize) -> L {
         let zero = L::splat(0.0);
+        if L::COUNT == 1 {
+            return self.one_off_plane(k);
+        }
         let at = 4 * self.count + self.mirrored + k;
         let stored = self.place.between(self.a, self.b, at + self.mirrored);
         let image = zero - self.place.between::<L>(self.a, self.b, at);
@@ -297,6 +310,17 @@ impl Rows<'_> {
         let mirrored = L::select(self.before::<L>(self.count, k), stored, image);
         let off_plane = L::select(self.before::<L>(self.count - self.mirrored, k), zero, mirrored);
         // The square of a number next to nothing is a subnormal.
+        off_plane.keep(off_plane.abs().ge(L::splat(LEAST_OFF_PLANE)))
+    }
+
+    /// The same of one lobe.
+    #[inline(always)]
+    fn one_off_plane<L: Lanes>(&self, k: usize) -> L {
+        let zero = L::splat(0.0);
+        let Some(m) = k.checked_sub(self.count - self.mirrored) else { return zero };
+        let at = 5 * self.count + if m < self.mirrored { m } else { m - self.mirrored };
+        let stored = self.place.between::<L>(self.a, self.b, at);
+        let off_plane = if m < self.mirrored { stored } else { zero - stored };
         off_plane.keep(off_plane.abs().ge(L::splat(LEAST_OFF_PLANE)))
     }
 
