@@ -132,6 +132,7 @@ pub use material::factor_table::FactorTable;
 pub use material::file::{FileError, read_file};
 pub use material::format_error::{FORMAT_VERSION, FormatError};
 pub use material::layout::MAX_LOBES;
+pub use material::pack::PackOptions;
 pub use material::views::{Grid, GridView, Line, PlaneLobe, TiltedLobe, View};
 pub use mixture::leave_out::LeaveOut;
 pub use mixture::rows::{Domain, Mixture, Sample};

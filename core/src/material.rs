@@ -6,11 +6,13 @@
 
 pub(crate) mod borrowed;
 mod checksum;
+pub(crate) mod codes;
 pub(crate) mod encode;
 pub(crate) mod factor_table;
 #[cfg(feature = "std")]
 pub(crate) mod file;
 pub(crate) mod format_error;
 pub(crate) mod layout;
+pub(crate) mod pack;
 mod validate;
 pub(crate) mod views;

@@ -3,7 +3,7 @@
 use crate::inputs::Random;
 use crate::seeds::same_without_azimuth;
 use glam::Vec3;
-use srbf_core::{FactorTable, Level, Line, PlaneLobe, View};
+use srbf_core::{FactorTable, Level, Line, Material, PackOptions, PlaneLobe, View};
 
 /// Bytes of a material of a kind, in views at uneven angles.
 ///
@@ -156,7 +156,19 @@ pub fn materials() -> Vec<(&'static str, Vec<u8>)> {
     all.push(("cayman", include_bytes!("../../presets/cayman.srbf").to_vec()));
     all.push(("garnet red", include_bytes!("../../presets/garnet_red.srbf").to_vec()));
     all.push(("krylon blue", include_bytes!("../../presets/krylon_blue.srbf").to_vec()));
+    let of = |kind: usize, options| packed(&KINDS[kind].bytes(), options);
+    all.push(("mirrored pairs in codes", of(3, PackOptions::default())));
+    all.push(("64 lobes in long codes", of(5, PackOptions { bits: 16, channels: 3 })));
+    all.push(("grey factors in codes", of(6, PackOptions { bits: 8, channels: 1 })));
     all
+}
+
+/// A material in codes.
+pub fn packed(bytes: &[u8], options: PackOptions) -> Vec<u8> {
+    let material = Material::from_bytes(bytes).expect("a valid material");
+    let mut out = vec![0; material.packed_len(options, material.provenance())];
+    material.pack(options, material.provenance(), &mut out).expect("a material that can be packed");
+    out
 }
 
 /// A direction of the upper hemisphere.

@@ -2,7 +2,7 @@
 
 use crate::color::{self, LUMINANCE};
 use crate::material::borrowed::MaterialRef;
-use crate::material::layout::{HEAD, Header, MAX_LOBES, f32_at};
+use crate::material::layout::{HEAD, Header, MAX_LOBES};
 use crate::mixture::factors::Among;
 use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::row;
@@ -43,11 +43,17 @@ macro_rules! rows_at {
         let vectors = (count + mirrored).next_multiple_of(lanes);
         let numbers = if lanes == 1 { 5 * count + mirrored } else { 4 * count + 2 * mirrored + vectors };
         let (ahead, reach) = (4 * mirrored, 4 * numbers);
-        let [a, b] = place.rows(header);
-        let a = rows_of::from_offset!($L, material.bytes, a, ahead, reach, $copy_a, { rows_of::PADDED });
-        let b = rows_of::from_offset!($L, material.bytes, b, ahead, reach, $copy_b, { rows_of::PADDED });
         let has_luminance = header.has_luminance;
-        rows_of::Rows { a: &a[..reach], b: &b[..reach], place, count, mirrored, has_luminance }
+        if header.codes.is_some() {
+            let coded = Some(material);
+            rows_of::Rows { a: &[], b: &[], place, count, mirrored, has_luminance, coded }
+        } else {
+            let [a, b] = place.rows(header);
+            let a = rows_of::from_offset!($L, material.bytes, a, ahead, reach, $copy_a, { rows_of::PADDED });
+            let b = rows_of::from_offset!($L, material.bytes, b, ahead, reach, $copy_b, { rows_of::PADDED });
+            let (a, b) = (&a[..reach], &b[..reach]);
+            rows_of::Rows { a, b, place, count, mirrored, has_luminance, coded: None }
+        }
     }};
 }
 
@@ -71,7 +77,7 @@ impl Place {
         let (bytes, header) = (material.bytes, material.header);
         let after = passed.min(header.views - 1);
         let before = after.saturating_sub(1);
-        let (from, to) = (f32_at(bytes, header.theta(before)), f32_at(bytes, header.theta(after)));
+        let (from, to) = (header.angle(bytes, before), header.angle(bytes, after));
         let blend = if to > from { ((theta - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
         Self { before, after, blend }
     }
@@ -92,7 +98,7 @@ impl Place {
     /// The angle of a stored lobe's axis from the normal, within the plane of incidence.
     pub fn lobe_angle(self, material: MaterialRef<'_>, lobe: usize) -> f32 {
         let (bytes, header) = (material.bytes, material.header);
-        let [a, b] = [self.before, self.after].map(|view| f32_at(bytes, header.row(view, 0) + 4 * lobe));
+        let [a, b] = [self.before, self.after].map(|view| header.number(bytes, view, 0, lobe));
         (b - a).mul_add(self.blend, a)
     }
 
@@ -108,6 +114,9 @@ impl Place {
 #[inline(always)]
 pub(crate) fn views_passed<L: Lanes>(material: MaterialRef<'_>, theta: f32) -> usize {
     let last = material.header.views - 1;
+    if material.header.codes.is_some() {
+        return (0..last).filter(|view| theta >= material.header.angle(material.bytes, *view)).count();
+    }
     let mut passed = 0;
     let mut view = 0;
     while view < last {
@@ -125,7 +134,7 @@ pub(crate) fn views_passed<L: Lanes>(material: MaterialRef<'_>, theta: f32) -> u
 pub(crate) fn views_passed_by_each<L: Lanes>(material: MaterialRef<'_>, theta: L) -> L {
     let mut passed = L::splat(0.0);
     for view in 0..material.header.views - 1 {
-        let at_view = L::splat(f32_at(material.bytes, material.header.theta(view)));
+        let at_view = L::splat(material.header.angle(material.bytes, view));
         passed = passed + L::select(theta.ge(at_view), L::splat(1.0), L::splat(0.0));
     }
     passed
@@ -156,10 +165,9 @@ pub(crate) fn at_place<L: Lanes, const N: usize>(
 #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 pub(crate) fn head_numbers<L: Lanes>(material: MaterialRef<'_>, place: Place) -> [f32; HEAD] {
     let mut head = [0.0; HEAD];
-    let [a, b] = [material.header.head(place.before), material.header.head(place.after)];
-    let [a, b] = [&material.bytes[a..a + 4 * HEAD], &material.bytes[b..b + 4 * HEAD]];
+    let (bytes, header) = (material.bytes, material.header);
     for i in 0..HEAD {
-        let [a, b] = [L::splat(f32_at(a, 4 * i)), L::splat(f32_at(b, 4 * i))];
+        let [a, b] = [place.before, place.after].map(|view| L::splat(header.head_number(bytes, view, i)));
         head[i] = (b - a).mul_add(L::splat(place.blend), a).first();
     }
     head
@@ -169,9 +177,16 @@ pub(crate) fn head_numbers<L: Lanes>(material: MaterialRef<'_>, place: Place) ->
 #[inline(always)]
 pub(crate) fn head_at<L: Lanes>(material: MaterialRef<'_>, place: Place) -> (f32, [f32; 3]) {
     let (copy_a, copy_b);
-    let (a, b) = (material.header.head(place.before), material.header.head(place.after));
-    let a = from_offset!(L, material.bytes, a, 0, HEADS, copy_a, HEADS);
-    let b = from_offset!(L, material.bytes, b, 0, HEADS, copy_b, HEADS);
+    let (a, b) = if material.header.codes.is_some() {
+        copy_a = decoded_head(material, place.before);
+        copy_b = decoded_head(material, place.after);
+        (&copy_a[..], &copy_b[..])
+    } else {
+        let (a, b) = (material.header.head(place.before), material.header.head(place.after));
+        let a = from_offset!(L, material.bytes, a, 0, HEADS, copy_a, HEADS);
+        let b = from_offset!(L, material.bytes, b, 0, HEADS, copy_b, HEADS);
+        (a, b)
+    };
     let (mut head, mut logarithms) = ([0.0; WIDEST_PAIR], [0.0; WIDEST_PAIR]);
     let mut i = 0;
     while i < HEAD {
@@ -190,6 +205,17 @@ pub(crate) fn head_at<L: Lanes>(material: MaterialRef<'_>, place: Place) -> (f32
         [head[1], head[2], head[3]]
     };
     (head[0], diffuse)
+}
+
+/// The bytes of the head of a view of a material in codes, and zeros.
+#[cold]
+#[inline(never)]
+fn decoded_head(material: MaterialRef<'_>, view: usize) -> [u8; HEADS] {
+    let mut numbers = [0.0; WIDEST_PAIR];
+    for (i, number) in numbers.iter_mut().enumerate().take(HEAD) {
+        *number = material.header.head_number(material.bytes, view, i);
+    }
+    bytemuck::cast(numbers.map(|n| n.to_bits().to_le()))
 }
 
 /// Interpolates the lobes and completes the mixture but for its sums. `MIRRORED`: some of them are.
@@ -241,6 +267,8 @@ pub(crate) struct Rows<'a> {
     pub mirrored: usize,
     /// Luminance and colour differences in place of red, green and blue.
     pub has_luminance: bool,
+    /// The material, if its numbers are codes: then there are no bytes beside.
+    pub coded: Option<MaterialRef<'a>>,
 }
 
 impl Rows<'_> {
@@ -282,6 +310,9 @@ impl Rows<'_> {
     /// Numbers of a row of a vector of lobes, images being their mirrored lobes; behind the last lobe anything.
     #[inline(always)]
     fn row<L: Lanes>(&self, row: usize, k: usize) -> L {
+        if let Some(material) = self.coded {
+            return coded_row(material, self.place, row, k);
+        }
         if L::COUNT == 1 {
             let stored = if k < self.count { k } else { k - self.mirrored };
             return self.place.between(self.a, self.b, row * self.count + stored);
@@ -300,6 +331,10 @@ impl Rows<'_> {
     #[inline(always)]
     fn off_plane<L: Lanes>(&self, k: usize) -> L {
         let zero = L::splat(0.0);
+        if let Some(material) = self.coded {
+            let off_plane = coded_row::<L>(material, self.place, OFF_PLANE, k);
+            return off_plane.keep(off_plane.abs().ge(L::splat(LEAST_OFF_PLANE)));
+        }
         if L::COUNT == 1 {
             return self.one_off_plane(k);
         }
@@ -328,6 +363,44 @@ impl Rows<'_> {
     #[inline(always)]
     fn before<L: Lanes>(&self, lobe: usize, k: usize) -> L::Mask {
         L::iota().lt(L::splat(lobe as f32 - k as f32))
+    }
+}
+
+/// The row of angles out of the plane of incidence.
+const OFF_PLANE: usize = 5;
+
+/// A row of a vector of lobes from the codes of a material, the images of mirrored lobes among them; 0 behind the last.
+#[inline(always)]
+fn coded_row<L: Lanes>(material: MaterialRef<'_>, place: Place, row: usize, k: usize) -> L {
+    let mut rows = [[0.0; WIDEST_PAIR]; 2];
+    decode_row(material, place, row, k, L::COUNT, &mut rows);
+    let [a, b] = [L::load(&rows[0]), L::load(&rows[1])];
+    (b - a).mul_add(L::splat(place.blend), a)
+}
+
+/// The same at the two views: `count` lobes from the `k`-th on.
+#[cold]
+#[inline(never)]
+fn decode_row(
+    material: MaterialRef<'_>,
+    place: Place,
+    row: usize,
+    k: usize,
+    count: usize,
+    rows: &mut [[f32; WIDEST_PAIR]; 2],
+) {
+    let (header, views) = (material.header, [place.before, place.after]);
+    let Some(codes) = header.codes else { return };
+    for (i, lobe) in (k..header.lobe_count()).take(count.min(WIDEST_PAIR)).enumerate() {
+        let is_image = lobe >= header.lobes;
+        let stored = if is_image { lobe - header.mirrored } else { lobe };
+        let place =
+            if row == OFF_PLANE { stored.checked_sub(header.lobes - header.mirrored) } else { Some(stored) };
+        // A lobe that stands for itself is in the plane.
+        let Some(place) = place else { continue };
+        let numbers = codes.two_numbers(header, material.bytes, views, row, place);
+        let sign = if is_image && row == OFF_PLANE { -1.0 } else { 1.0 };
+        (rows[0][i], rows[1][i]) = (sign * numbers[0], sign * numbers[1]);
     }
 }
 

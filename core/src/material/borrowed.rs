@@ -45,6 +45,10 @@ impl<B: AsRef<[u8]>> Material<B> {
         self.bytes.as_ref()
     }
 
+    pub(super) fn header(&self) -> &Header {
+        &self.header
+    }
+
     /// What kernels read.
     #[inline(always)]
     pub(crate) fn borrowed(&self) -> MaterialRef<'_> {

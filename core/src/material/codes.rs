@@ -57,7 +57,7 @@ fn half(bytes: &[u8], offset: usize) -> f32 {
 
 impl Scale {
     #[inline(always)]
-    fn at(bytes: &[u8], offset: usize) -> Self {
+    pub fn at(bytes: &[u8], offset: usize) -> Self {
         let step = half(bytes, offset + 2);
         Self { low: half(bytes, offset), step: step.abs(), is_relative: step.is_sign_negative() }
     }

@@ -1,6 +1,7 @@
 //! Writes the bytes of a material.
 
 use super::checksum::crc32;
+use super::codes::{SCALE, Scale};
 use super::factor_table::FactorTable;
 use super::format_error::{FORMAT_VERSION, FormatError};
 use super::layout::{BLOCK_HEAD, FACT, HEADER, Header, Kind, LOBE, MAGIC, MIRRORED, Shape, TABLE_HEAD, TEXT};
@@ -61,7 +62,7 @@ impl Line<'_> {
                 return field("angle out of the plane of incidence", 5);
             }
         }
-        let mut writer = Writer::new(out, 0, [views.len(), lobes, squeezed, mirrored, 0], needed);
+        let mut writer = Writer::new(out, 0, [views.len(), lobes, squeezed, mirrored, 0], needed, LOBE);
         views.iter().for_each(|view| writer.number(view.theta));
         for view in views {
             writer.number(view.log2_squeeze);
@@ -77,47 +78,57 @@ impl Line<'_> {
             }
             view.lobes[lobes - mirrored..].iter().for_each(|l| writer.number(l.off_plane));
         }
-        writer.finish(factors, provenance)
+        writer.end(HEADER);
+        if let Some(table) = factors {
+            writer.factors(&table);
+        }
+        writer.finish(provenance)
     }
 }
 
 /// Puts bytes one behind the other into a buffer that is long enough.
-struct Writer<'a> {
+pub(super) struct Writer<'a> {
     out: &'a mut [u8],
     at: usize,
 }
 
 impl<'a> Writer<'a> {
     /// Begins with the header: kind, length of the whole, and the fields that follow it; and with the block of lobes.
-    fn new(out: &'a mut [u8], kind: usize, fields: [usize; 5], length: usize) -> Self {
+    pub(super) fn new(
+        out: &'a mut [u8],
+        kind: usize,
+        fields: [usize; 5],
+        length: usize,
+        tag: [u8; 4],
+    ) -> Self {
         let mut writer = Self { out: &mut out[..length], at: 0 };
         writer.put(&MAGIC);
         for n in [FORMAT_VERSION as usize, kind, length].into_iter().chain(fields) {
             writer.put(&u32::try_from(n).unwrap_or(u32::MAX).to_le_bytes());
         }
-        let start = writer.begin(LOBE);
+        let start = writer.begin(tag);
         debug_assert!(start == HEADER);
         writer
     }
 
-    fn put(&mut self, bytes: &[u8]) {
+    pub(super) fn put(&mut self, bytes: &[u8]) {
         self.out[self.at..self.at + bytes.len()].copy_from_slice(bytes);
         self.at += bytes.len();
     }
 
-    fn number(&mut self, n: f32) {
+    pub(super) fn number(&mut self, n: f32) {
         self.put(&n.to_le_bytes());
     }
 
     /// Begins a block; returns where its content starts.
-    fn begin(&mut self, tag: [u8; 4]) -> usize {
+    pub(super) fn begin(&mut self, tag: [u8; 4]) -> usize {
         self.put(&tag);
         self.put(&[0; BLOCK_HEAD - 4]);
         self.at
     }
 
     /// Ends a block whose content starts at an offset: its length is known, and zeros follow.
-    fn end(&mut self, start: usize) {
+    pub(super) fn end(&mut self, start: usize) {
         let length = u32::try_from(self.at - start).unwrap_or(u32::MAX);
         self.out[start - 4..start].copy_from_slice(&length.to_le_bytes());
         while !self.at.is_multiple_of(4) {
@@ -125,19 +136,31 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Ends with the factors, provenance and checksum, and checks the whole; returns its length.
-    fn finish(mut self, factors: Option<FactorTable<'_>>, provenance: &str) -> Result<usize, FormatError> {
-        self.end(HEADER);
-        if let Some(table) = factors {
-            let start = self.begin(FACT);
-            self.put(&FactorTable::shape(Some(&table)));
-            self.put(&[0; TABLE_HEAD - 3]);
-            table.albedo_differences.iter().flatten().for_each(|n| self.number(*n));
-            let largest = table.largest();
-            self.number(largest);
-            table.factors.iter().for_each(|f| self.put(&FactorTable::node(f, largest)));
-            self.end(start);
-        }
+    /// A scale that has been written; scales start at an offset.
+    pub(super) fn scale_at(&self, scales: usize, place: usize) -> Scale {
+        Scale::at(self.out, scales + SCALE * place)
+    }
+
+    /// Writes the block of factors.
+    pub(super) fn factors(&mut self, table: &FactorTable<'_>) {
+        let largest = table.largest();
+        let start = self.begin_factors(FactorTable::shape(Some(table)));
+        table.albedo_differences.iter().flatten().for_each(|n| self.number(*n));
+        self.number(largest);
+        table.factors.iter().for_each(|f| self.put(&FactorTable::node(f, largest)));
+        self.end(start);
+    }
+
+    /// Begins the block of factors; returns where its content starts.
+    pub(super) fn begin_factors(&mut self, shape: [u8; 3]) -> usize {
+        let start = self.begin(FACT);
+        self.put(&shape);
+        self.put(&[0; TABLE_HEAD - 3]);
+        start
+    }
+
+    /// Ends with provenance and checksum, and checks the whole; returns its length.
+    pub(super) fn finish(mut self, provenance: &str) -> Result<usize, FormatError> {
         if !provenance.is_empty() {
             let start = self.begin(TEXT);
             self.put(provenance.as_bytes());
@@ -193,7 +216,7 @@ impl Grid<'_> {
             return field("number of lobes of a view", 24);
         }
         let fields = [thetas, lobes, self.squeezed, self.azimuths, self.turns];
-        let mut writer = Writer::new(out, 1, fields, needed);
+        let mut writer = Writer::new(out, 1, fields, needed, LOBE);
         self.thetas.iter().for_each(|theta| writer.number(*theta));
         for view in self.views {
             let diffuse = [view.log2_diffuse].into_iter().chain(view.diffuse_color_differences);
@@ -209,6 +232,10 @@ impl Grid<'_> {
                 view.lobes.iter().for_each(|l| writer.number(l.color_differences[i]));
             }
         }
-        writer.finish(self.factors, provenance)
+        writer.end(HEADER);
+        if let Some(table) = self.factors {
+            writer.factors(&table);
+        }
+        writer.finish(provenance)
     }
 }

@@ -5,8 +5,8 @@ use super::codes::{Codes, PACK_HEAD};
 use super::factor_table::{AZIMUTHS, MOST_FACTOR, SIZES, largest_2};
 use super::format_error::{FORMAT_VERSION, FormatError};
 use super::layout::{
-    BLOCK_HEAD, BLOCKS, CHECKSUM, FACT, Header, Kind, LOBE, MAGIC, MAX_LOBES, MIRRORED, PACK, SMALLEST, Shape,
-    TABLE_HEAD, TEXT, f32_at, padded, u32_at,
+    BLOCK_HEAD, BLOCKS, CHECKSUM, FACT, Header, Kind, LOBE, MAGIC, MAX_LOBES, MIRRORED, PACK, SMALLEST,
+    Shape, TABLE_HEAD, TEXT, f32_at, padded, u32_at,
 };
 use crate::color::MOST_DIFFERENCE;
 use crate::float;

@@ -7,7 +7,7 @@ use super::table::{
 use crate::color::luminance;
 use crate::error::Error;
 use crate::material::borrowed::{Material, MaterialRef};
-use crate::material::layout::{MAX_LOBES, f32_at};
+use crate::material::layout::MAX_LOBES;
 use crate::mixture::complete::LEAST_WITHOUT_SERIES;
 use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::row;
@@ -110,7 +110,7 @@ fn check(material: MaterialRef<'_>, rows: usize) -> Result<(), Error> {
 /// Angle of a knot, radians.
 fn knot(material: MaterialRef<'_>, shape: Shape, k: usize) -> f32 {
     if shape.knots == material.header.views {
-        f32_at(material.bytes, material.header.theta(k))
+        material.header.angle(material.bytes, k)
     } else {
         angles(material)[k.min(1)]
     }

@@ -16,7 +16,7 @@
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
 use crate::material::borrowed::{Material, MaterialRef};
-use crate::material::layout::{Header, f32_at};
+use crate::material::layout::Header;
 use crate::simd::lanes::{Lanes, Numbers, ROUND, WIDEST};
 
 /// Places in the head of a row.
@@ -213,5 +213,5 @@ impl<'m> Expanded<'m> {
 
 /// Angle of the first and of the last view.
 pub(super) fn angles(material: MaterialRef<'_>) -> [f32; 2] {
-    [0, material.header.views - 1].map(|view| f32_at(material.bytes, material.header.theta(view)))
+    [0, material.header.views - 1].map(|view| material.header.angle(material.bytes, view))
 }

@@ -73,7 +73,7 @@ impl<B: AsRef<[u8]>> Material<B> {
     /// Asks for the bytes that a hit from such a direction will read, so that waiting for memory and other work go
     /// side by side: a few hits ahead, where a scene has more materials than caches hold.
     ///
-    /// Only a hint; nothing for an anisotropic material.
+    /// Only a hint; nothing for an anisotropic material, or one in codes.
     #[inline]
     pub fn prefetch(&self, wo: impl Into<Vec3>) {
         prefetch(self.borrowed(), wo.into());
@@ -85,7 +85,7 @@ const LINE: usize = 64;
 
 fn prefetch(material: MaterialRef<'_>, wo: Vec3) {
     let header = material.header;
-    if !header.is_isotropic() {
+    if !header.is_isotropic() || header.codes.is_some() {
         return;
     }
     // A root and a cubic: within .01 radians of the angle, and anything of a vector that is no direction.
