@@ -3,21 +3,36 @@
 use crate::language::Language;
 use crate::rewrite::text;
 use srbf_core::Material;
+use std::borrow::Cow;
 use std::fmt::Write;
 
 /// Words on a line.
 const LINE: usize = 8;
 
-/// Whether the text reads the format version of a material: 2 or 3.
+/// Whether a material can be written out: of format version 2 or 3. The text itself reads plain numbers alone; [`export`] writes a material
+/// in codes as such.
 pub fn can_read(material: &Material<impl AsRef<[u8]>>) -> bool {
     material.bytes().get(8).is_some_and(|version| *version >= 2)
+}
+
+/// The bytes of a material in plain numbers.
+fn plain_bytes(material: &Material<impl AsRef<[u8]>>) -> Cow<'_, [u8]> {
+    if material.code_bits().is_none() {
+        return material.bytes().into();
+    }
+    let mut bytes = vec![0; material.unpacked_len()];
+    // Codes are of isotropic materials, and there is room.
+    match material.unpack(&mut bytes) {
+        Ok(_) => bytes.into(),
+        Err(_) => material.bytes().into(),
+    }
 }
 
 /// Writes a material and the text that evaluates it: its words are constants, `srbf_data`.
 ///
 /// In C++, CUDA and Metal `srbf_material(srbf_data)` is the material; elsewhere `srbf_material(0)`, and `srbf_word` is defined.
 pub fn export(material: &Material<impl AsRef<[u8]>>, language: Language) -> String {
-    let words: Vec<u32> = material.bytes().chunks(4).map(word).collect();
+    let words: Vec<u32> = plain_bytes(material).chunks(4).map(word).collect();
     let mut list = String::new();
     for line in words.chunks(LINE) {
         let line: Vec<String> = line.iter().map(|word| format!("0x{word:08x}u")).collect();

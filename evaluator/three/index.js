@@ -3,7 +3,7 @@
 import * as THREE from "three";
 import text from "./text.js";
 
-const MAGIC = [0x42525389, 0x1a0a0d46], LOBE = 0x45424f4c, FACT = 0x54434146;
+const MAGIC = [0x42525389, 0x1a0a0d46], LOBE = 0x45424f4c, FACT = 0x54434146, PACK = 0x4b434150;
 const WIDTH = 1024; // words in a row of the texture
 
 function crc32(bytes) {
@@ -23,6 +23,8 @@ function check(words, length, name) {
     expect(length >= 60 && words[0] === MAGIC[0] && words[1] === MAGIC[1], "a .srbf file is expected");
     within(2, 2, 3, "format version");
     within(3, 0, 1, "kind");
+    const isPacked = words[2] === 3 && words[10] === PACK;
+    expect(!isPacked, "its numbers are codes; srbf pack FILE --bits 32 writes plain ones");
     expect(words[4] === length, `${words[4]} bytes are expected, ${length} are there`);
     within(5, 1, 1024, "angles of the views");
     within(6, 1, 64, "lobes");

@@ -13,6 +13,7 @@ mod isotropic;
 pub mod judge;
 pub mod look;
 mod numeric;
+pub mod pack;
 pub mod read;
 mod settings;
 pub mod table;

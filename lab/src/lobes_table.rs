@@ -3,7 +3,7 @@
 //! The costs of one call are measured for all numbers of lobes in turn, many times over, and the least of each is
 //! kept: what disturbs the machine disturbs all of them, and only ever adds.
 
-mod plot;
+pub mod plot;
 
 use anyhow::ensure;
 use srbf_core::{MAX_LOBES, Material, Mixture, Vec3};
@@ -85,7 +85,13 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let out = Path::new("out").join(format!("{name}-lobes.csv"));
     write_atomically(&out, csv(&rows).as_bytes())?;
     let picture = out.with_extension("png");
-    plot::write(&picture, &source.name, &rows)?;
+    let point = |row: &LobesRow| {
+        let error = row.held_out.unwrap_or(row.error);
+        plot::Point { error, bytes: row.bytes, nanoseconds: row.nanoseconds }
+    };
+    let points: Vec<_> = rows.iter().map(point).collect();
+    let calls = ["prepare", "evaluate with density", "sample with weight"];
+    plot::write(&picture, &format!("{}: 2 to 32 lobes", source.name), calls, &points)?;
     println!("{}, {}", out.display(), picture.display());
     Ok(())
 }

@@ -9,6 +9,7 @@ extern crate srbf_reference_renderer;
 mod bench_report;
 mod equal_time;
 mod figures;
+mod forms;
 mod good_inputs;
 #[cfg(test)]
 mod imagined;
@@ -46,6 +47,7 @@ enum Command {
     GoodInputs(good_inputs::Args),
     ThesisTable(thesis_table::Args),
     LobesTable(lobes_table::Args),
+    Forms(forms::Args),
     EqualTime(equal_time::Args),
     Stability(stability::Args),
     Stated(stated::Args),
@@ -67,6 +69,7 @@ fn main() -> ExitCode {
             Command::GoodInputs(args) => good_inputs::run(&args),
             Command::ThesisTable(args) => thesis_table::run(args),
             Command::LobesTable(args) => lobes_table::run(args),
+            Command::Forms(args) => forms::run(&args),
             Command::EqualTime(args) => equal_time::run(&args),
             Command::Stability(args) => stability::run(args),
             Command::Stated(args) => stated::run(&args),

@@ -12,6 +12,7 @@ mod fit_page;
 pub mod inspect;
 pub mod judge;
 pub mod look;
+mod pack;
 mod pages;
 pub mod plot;
 pub mod render;
@@ -52,6 +53,7 @@ enum Command {
     Fit(Box<fit::Args>),
     Convert(convert::Args),
     Export(export::Args),
+    Pack(Box<pack::Args>),
     Inspect(inspect::Args),
     Look(look::Args),
     Judge(judge::Args),
@@ -105,6 +107,7 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
         Some(Command::Fit(args)) => fit::run(*args),
         Some(Command::Convert(args)) => convert::run(args),
         Some(Command::Export(args)) => export::run(&args),
+        Some(Command::Pack(args)) => pack::run(&args),
         Some(Command::Inspect(args)) => inspect::run(args),
         Some(Command::Look(args)) => look::run(&args),
         Some(Command::Judge(args)) => judge::run(args),

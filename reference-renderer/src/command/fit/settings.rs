@@ -44,7 +44,7 @@ pub struct SettingArgs {
 }
 
 /// Reads `none`, `chosen`, or two or three numbers of nodes.
-fn factor_nodes(text: &str) -> Result<FactorNodes, String> {
+pub fn factor_nodes(text: &str) -> Result<FactorNodes, String> {
     let given = || {
         let numbers = text.split('x').map(|n| n.parse().ok()).collect::<Option<Vec<usize>>>()?;
         match numbers[..] {

@@ -1,0 +1,127 @@
+//! A material in as few bytes as a scene needs: fewer lobes, views, factors, channels and bits.
+//!
+//! A part of a material can be cut off, or lobes be fitted again with less of everything. Both are tried, and what is nearer to
+//! the subject is taken.
+
+mod cut;
+mod forms;
+
+pub use forms::{Form, forms};
+
+use crate::judge::report::{ViewReport, mean_error};
+use crate::read::Content;
+use crate::table::{Table, evaluation_views};
+use crate::{FactorNodes, FitError, Settings, fit_content};
+use srbf_core::{Material, PackOptions};
+
+/// Views that a packed material is judged at.
+const JUDGED_VIEWS: usize = 12;
+
+/// What a material is packed from, and how near to it a form is.
+pub struct Subject<'a> {
+    content: &'a Content,
+    /// The material that parts are cut off.
+    whole: Material<Vec<u8>>,
+    judged: Table,
+}
+
+/// A packed material.
+#[derive(Clone, Debug)]
+pub struct Packed {
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+    /// Its mean relative L2 error over the judged views.
+    pub error: f64,
+    /// What its lobes are.
+    pub way: Way,
+}
+
+/// Where the lobes of a packed material come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// Those of the whole material, some of them perhaps cut off.
+    Cut,
+    /// Fitted again.
+    FittedAgain,
+}
+
+impl<'a> Subject<'a> {
+    /// Of a measurement and the bytes of its fit; or of a fit alone, whose lobes are the content then.
+    ///
+    /// # Errors
+    /// [`FitError::Setting`] for an anisotropic material; [`FitError::Format`] for bytes that are none; [`FitError::Table`] for a
+    /// content that is black.
+    pub fn new(content: &'a Content, whole: &[u8]) -> Result<Self, FitError> {
+        let whole = Material::from_bytes(whole.to_vec())?;
+        crate::settings::range(
+            "pack",
+            whole.is_isotropic(),
+            "for isotropic materials; this one is anisotropic",
+        )?;
+        let judged = match content {
+            Content::Samples(table) => table.clone(),
+            Content::Evaluable(brdf) => {
+                let thetas = evaluation_views::halfway(&evaluation_views::even_views(JUDGED_VIEWS + 1));
+                evaluation_views::judging_table(brdf.as_ref(), &thetas)?
+            }
+        };
+        Ok(Self { content, whole, judged })
+    }
+
+    /// The material that parts are cut off.
+    pub fn whole(&self) -> &Material<Vec<u8>> {
+        &self.whole
+    }
+
+    /// Mean relative L2 error of a material over the judged views.
+    ///
+    /// # Errors
+    /// [`FitError::Format`] for bytes that are no material.
+    pub fn error(&self, bytes: &[u8]) -> Result<f64, FitError> {
+        let material = Material::from_bytes(bytes)?;
+        let views = self.judged.views.iter().map(|view| ViewReport::judge(&material, view));
+        Ok(mean_error(&views.collect::<Result<Vec<_>, _>>()?))
+    }
+
+    /// Packs in a form: what is cut off the whole material, or, if that takes lobes, views or factors from it and `fits_again`, what
+    /// is fitted again, whichever is nearer. `progress` is called with the share of the work that is done.
+    ///
+    /// # Errors
+    /// [`FitError::Setting`] for a form with more than the whole material has; otherwise as [`fit_content`].
+    pub fn pack(
+        &self,
+        form: &Form,
+        settings: &Settings,
+        fits_again: bool,
+        progress: impl FnMut(f64) + Send,
+    ) -> Result<Packed, FitError> {
+        let cut = cut::cut(&self.whole, form)?;
+        let bytes = packed(&cut, form.pack, &settings.provenance)?;
+        let cut_off = Packed { error: self.error(&bytes)?, bytes, way: Way::Cut };
+        if !fits_again || Form::of(&self.whole, form.pack) == *form {
+            return Ok(cut_off);
+        }
+        let (squeezed, mirrored, smoothness) = (None, None, settings.smoothness);
+        let factors = form.factors.map_or(FactorNodes::None, FactorNodes::Given);
+        let few = Settings {
+            lobes: form.lobes,
+            views: Some(form.views),
+            squeezed,
+            mirrored,
+            smoothness,
+            factors,
+            ..settings.clone()
+        };
+        let fitted = Material::from_bytes(fit_content(self.content, &few, progress)?.bytes)?;
+        let bytes = packed(&fitted, form.pack, &settings.provenance)?;
+        let again = Packed { error: self.error(&bytes)?, bytes, way: Way::FittedAgain };
+        Ok(if again.error < cut_off.error { again } else { cut_off })
+    }
+}
+
+/// The bytes of a material in codes.
+fn packed(material: &Material<Vec<u8>>, options: PackOptions, provenance: &str) -> Result<Vec<u8>, FitError> {
+    let mut bytes = vec![0; material.packed_len(options, provenance)];
+    material.pack(options, provenance, &mut bytes)?;
+    Ok(bytes)
+}
