@@ -4,7 +4,7 @@ use super::input::{above, any_direction, put_right, random, uniform};
 use super::mixture::{self, is_sound};
 use crate::inputs::Random;
 use glam::Vec3;
-use srbf_core::{Draws, Expanded, Material, Mixture, Towards, printable, printable_lines};
+use srbf_core::{Draws, Expanded, Material, Mixture, PackOptions, Towards, printable, printable_lines};
 
 /// Rows of expanded materials: the fewest, more and fewer than there are views.
 const ROWS: [usize; 3] = [2, 5, 33];
@@ -27,6 +27,7 @@ pub fn material(bytes: &[u8]) -> bool {
 pub fn check(bytes: &[u8], random: &mut Random, place: &str) {
     let material = Material::from_bytes(bytes).expect("found to be sound");
     say_all(&material);
+    pack(&material, random, place);
     let rows = ROWS[random.below(ROWS.len())];
     let mut memory = vec![0.0; if material.is_isotropic() { material.expanded_len(rows) } else { 0 }];
     let expanded = Expanded::new(&material, rows, &mut memory);
@@ -44,6 +45,28 @@ pub fn check(bytes: &[u8], random: &mut Random, place: &str) {
         let within = factor.min_element() >= 0.0 && factor.max_element() <= 1.001 * material.largest_factor();
         assert!(within || wi.z < 0.0, "{place}, {wi}: factor {factor}");
         pair(&material, expanded.as_ref().ok(), [wo, wi], random, &place);
+    }
+}
+
+/// In codes and in plain numbers again: both are materials.
+fn pack(material: &Material<&[u8]>, random: &mut Random, place: &str) {
+    let options = PackOptions { bits: [8, 16][random.below(2)], channels: [1, 3][random.below(2)] };
+    let mut small = vec![0; material.packed_len(options, "")];
+    let mut plain = vec![0; material.unpacked_len()];
+    let (packed, unpacked) = (material.pack(options, "", &mut small), material.unpack(&mut plain));
+    if !material.is_isotropic() {
+        assert!(packed.is_err() && unpacked.is_err(), "{place}");
+        return;
+    }
+    assert_eq!(unpacked, Ok(plain.len()), "{place}");
+    match packed {
+        Ok(bytes) => assert!(Material::from_bytes(&small[..bytes]).is_ok(), "{place}"),
+        // Views that are nearly the same have no codes of their own.
+        Err(error) => {
+            let apart = |v: usize| material.view_theta(v).zip(material.view_theta(v + 1)).map(|(a, b)| b - a);
+            let is_close = (0..material.view_count()).filter_map(apart).any(|apart| apart < 5e-5);
+            assert!(is_close, "{place}: {error}");
+        }
     }
 }
 

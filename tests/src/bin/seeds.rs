@@ -2,9 +2,10 @@
 //!
 //! `cargo run --release -p srbf-tests --bin seeds` writes them; with `--check` it compares them with the files that are there.
 
-use srbf_core::{Environment, environment_len};
+use srbf_core::{Environment, PackOptions, environment_len};
 use srbf_tests::attack::TARGETS;
 use srbf_tests::inputs::Random;
+use srbf_tests::kinds::{KINDS, packed};
 use srbf_tests::seeds;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -91,6 +92,12 @@ fn materials(files: &mut Files) {
         ("version2", include_bytes!("../../corpus/version2.srbf")),
     ] {
         files.insert(format!("material/{name}"), bytes.to_vec());
+    }
+    // Mirrored pairs, and factors.
+    for (name, kind, options) in
+        [("packed", 3, PackOptions::default()), ("packed-grey", 6, PackOptions { bits: 16, channels: 1 })]
+    {
+        files.insert(format!("material/{name}"), packed(&KINDS[kind].bytes(), options));
     }
     let mut random = Random(7);
     for n in 0..40 {
