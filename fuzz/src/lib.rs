@@ -3,6 +3,9 @@
 
 extern crate alloc;
 
+#[cfg(feature = "scene")]
+pub mod scene;
+
 #[path = "../../tests/src/attack.rs"]
 pub mod attack;
 #[path = "../../tests/src/inputs.rs"]

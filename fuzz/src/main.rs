@@ -8,5 +8,9 @@ static TARGET: LazyLock<String> = LazyLock::new(|| {
 });
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    #[cfg(feature = "scene")]
+    if srbf_fuzz::scene::run(&TARGET, bytes).is_some() {
+        return;
+    }
     srbf_fuzz::attack::run(&TARGET, bytes);
 });

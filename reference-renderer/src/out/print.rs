@@ -59,6 +59,11 @@ pub fn to_error(line: Arguments<'_>) {
     let _ = writeln!(std::io::stderr(), "{}", printable_lines(&line.to_string()));
 }
 
+/// The ending of a file's name, in small letters; empty without one.
+pub fn ending(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
+}
+
 /// The name of a file, in one line of visible characters.
 pub fn shown(path: impl AsRef<Path>) -> String {
     printable(&path.as_ref().to_string_lossy()).to_string()

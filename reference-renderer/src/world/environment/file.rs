@@ -4,7 +4,7 @@
 //! (+x), up is up, and the distance from the centre is the angle from it, up to half a turn at the rim (Debevec's light probes).
 
 use super::{Environment, MAX_PIXELS};
-use crate::out::print::shown;
+use crate::out::print::{ending, shown};
 use anyhow::{Context, bail, ensure};
 use glam::Vec3;
 use image::ImageDecoder;
@@ -35,15 +35,20 @@ struct Map {
 /// # Errors
 /// Names the file, and what in it is not as expected.
 pub fn read(path: &Path, projection: Projection) -> anyhow::Result<Environment> {
-    let open = || -> anyhow::Result<Environment> {
-        let bytes = srbf_fit::read_at_most(path, MAX_FILE)?;
-        match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
-            Some("hdr") => from_hdr(&bytes, projection),
-            Some("exr") => from_exr(&bytes, projection),
-            _ => bail!("a name that ends in .hdr or .exr is expected"),
-        }
-    };
+    let open = || from_bytes(&srbf_fit::read_at_most(path, MAX_FILE)?, &ending(path), projection);
     open().with_context(|| format!("environment {}", shown(path)))
+}
+
+/// Reads a map from the bytes of a file whose name has an ending, in small letters.
+///
+/// # Errors
+/// What is not as expected.
+pub fn from_bytes(bytes: &[u8], ending: &str, projection: Projection) -> anyhow::Result<Environment> {
+    match ending {
+        "hdr" => from_hdr(bytes, projection),
+        "exr" => from_exr(bytes, projection),
+        _ => bail!("a name that ends in .hdr or .exr is expected"),
+    }
 }
 
 /// Reads a Radiance picture. Bytes behind the last row are ignored: published probes have a stray one.

@@ -2,7 +2,7 @@
 
 use super::Mesh;
 use super::build::{add_fan, build, vertex};
-use crate::out::print::shown;
+use crate::out::print::{ending, shown};
 use anyhow::{Context, bail, ensure};
 use std::path::Path;
 
@@ -14,15 +14,20 @@ const MAX_FILE: u64 = 1 << 30;
 /// # Errors
 /// Names the file, and the line or byte at which something else was expected.
 pub fn read(path: &Path) -> anyhow::Result<Mesh> {
-    let open = || -> anyhow::Result<Mesh> {
-        let bytes = srbf_fit::read_at_most(path, MAX_FILE)?;
-        match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
-            Some("obj") => from_obj(&bytes),
-            Some("ply") => super::ply::from_ply(&bytes),
-            _ => bail!("a name that ends in .obj or .ply is expected"),
-        }
-    };
+    let open = || from_bytes(&srbf_fit::read_at_most(path, MAX_FILE)?, &ending(path));
     open().with_context(|| format!("mesh {}", shown(path)))
+}
+
+/// Reads a mesh from the bytes of a file whose name has an ending, in small letters.
+///
+/// # Errors
+/// Names the line or byte at which something else was expected.
+pub fn from_bytes(bytes: &[u8], ending: &str) -> anyhow::Result<Mesh> {
+    match ending {
+        "obj" => from_obj(bytes),
+        "ply" => super::ply::from_ply(bytes),
+        _ => bail!("a name that ends in .obj or .ply is expected"),
+    }
 }
 
 fn from_obj(bytes: &[u8]) -> anyhow::Result<Mesh> {
