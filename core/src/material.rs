@@ -5,6 +5,7 @@
 //! May import: `color`, `simd`.
 
 pub(crate) mod borrowed;
+mod bytes;
 mod checksum;
 pub(crate) mod codes;
 pub(crate) mod encode;

@@ -1,12 +1,12 @@
 //! A material in as few bytes as a scene needs: fewer lobes, views, factors, channels and bits.
 //!
-//! A part of a material can be cut off, or lobes be fitted again with less of everything. Both are tried, and what is nearer to
-//! the subject is taken.
+//! A part of a material can be cut off, or lobes be fitted again with less of everything. Both are tried, and the nearer
+//! one is taken.
 
 mod cut;
 mod forms;
 
-pub use forms::{Form, forms};
+pub use forms::{PackedForm, forms};
 
 use crate::judge::report::{ViewReport, mean_error};
 use crate::read::Content;
@@ -17,7 +17,7 @@ use srbf_core::{Material, PackOptions};
 /// Views that a packed material is judged at.
 const JUDGED_VIEWS: usize = 12;
 
-/// What a material is packed from, and how near to it a form is.
+/// The measurement or the fit that a material is packed from.
 pub struct Subject<'a> {
     content: &'a Content,
     /// The material that parts are cut off.
@@ -83,14 +83,14 @@ impl<'a> Subject<'a> {
         Ok(mean_error(&views.collect::<Result<Vec<_>, _>>()?))
     }
 
-    /// Packs in a form: what is cut off the whole material, or, if that takes lobes, views or factors from it and `fits_again`, what
-    /// is fitted again, whichever is nearer. `progress` is called with the share of the work that is done.
+    /// Packs in a form. Parts are cut off the whole material. If lobes, views or factors go and `fits_again`, lobes are fitted again too,
+    /// and the nearer of both is taken. `progress` is called with the share of the work that is done.
     ///
     /// # Errors
     /// [`FitError::Setting`] for a form with more than the whole material has; otherwise as [`fit_content`].
     pub fn pack(
         &self,
-        form: &Form,
+        form: &PackedForm,
         settings: &Settings,
         fits_again: bool,
         progress: impl FnMut(f64) + Send,
@@ -98,7 +98,7 @@ impl<'a> Subject<'a> {
         let cut = cut::cut(&self.whole, form)?;
         let bytes = packed(&cut, form.pack, &settings.provenance)?;
         let cut_off = Packed { error: self.error(&bytes)?, bytes, way: Way::Cut };
-        if !fits_again || Form::of(&self.whole, form.pack) == *form {
+        if !fits_again || PackedForm::of(&self.whole, form.pack) == *form {
             return Ok(cut_off);
         }
         let (squeezed, mirrored, smoothness) = (None, None, settings.smoothness);

@@ -5,7 +5,7 @@
 
 use crate::lobes_table::plot;
 use srbf_core::{MAX_LOBES, Material, Mixture, PackOptions, Vec3};
-use srbf_fit::pack::{Form, Subject, Way, forms};
+use srbf_fit::pack::{PackedForm, Subject, Way, forms};
 use srbf_fit::read::read;
 use srbf_fit::{Settings, fit_content, write_atomically};
 use srbf_reference_renderer::command::fit::names;
@@ -37,12 +37,12 @@ pub struct Args {
     file: PathBuf,
 }
 
-/// A form and what it costs.
-struct Row {
-    form: Form,
+/// A form and its costs.
+struct FormRow {
+    form: PackedForm,
     bits: u8,
     error: f64,
-    /// The error of what was cut off.
+    /// The error by cutting off alone.
     cut: f64,
     is_fitted_again: bool,
     bytes: Vec<u8>,
@@ -61,10 +61,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let subject = Subject::new(&source.content, &whole)?;
     let mut rows = Vec::new();
     let material = subject.whole();
-    let plain = Form::of(material, WAYS[0]);
+    let plain = PackedForm::of(material, WAYS[0]);
     let error = subject.error(&whole)?;
     rows.push(row(plain, 32, error, error, false, whole.clone())?);
-    let mut all: Vec<Form> = WAYS.iter().map(|way| Form::of(material, *way)).collect();
+    let mut all: Vec<PackedForm> = WAYS.iter().map(|way| PackedForm::of(material, *way)).collect();
     all.extend(forms(material, PackOptions::default()).into_iter().rev().skip(1));
     for form in all {
         let packed = subject.pack(&form, &settings, true, |_| {})?;
@@ -90,7 +90,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     write_atomically(&out, csv(&rows).as_bytes())?;
     let picture = out.with_extension("png");
     let calls = ["prepare", "hit", "hit, unpacked"];
-    let points = rows.iter().map(|row| plot::Point {
+    // A grey material is far from a coloured one, whatever its bytes.
+    let colored = rows.iter().filter(|row| row.form.pack.channels == 3);
+    let points = colored.map(|row| plot::Point {
         error: row.error,
         bytes: row.bytes.len(),
         nanoseconds: row.nanoseconds,
@@ -101,17 +103,17 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 fn row(
-    form: Form,
+    form: PackedForm,
     bits: u8,
     error: f64,
     cut: f64,
     is_fitted_again: bool,
     bytes: Vec<u8>,
-) -> anyhow::Result<Row> {
+) -> anyhow::Result<FormRow> {
     let material = Material::from_bytes(bytes.as_slice())?;
     let mut plain = vec![0; material.unpacked_len()];
     material.unpack(&mut plain)?;
-    Ok(Row { form, bits, error, cut, is_fitted_again, bytes, plain, nanoseconds: [f64::INFINITY; 3] })
+    Ok(FormRow { form, bits, error, cut, is_fitted_again, bytes, plain, nanoseconds: [f64::INFINITY; 3] })
 }
 
 /// Nanoseconds of preparing from codes, and of a hit through codes and through plain numbers.
@@ -146,11 +148,11 @@ fn time(bytes: &[u8], plain: &[u8]) -> anyhow::Result<[f64; 3]> {
     Ok([prepare, hits(&material), hits(&Material::from_bytes(plain)?)])
 }
 
-fn factors(form: &Form) -> String {
+fn factors(form: &PackedForm) -> String {
     form.factors.map_or("none".into(), |[a, b, c]| format!("{a}x{b}x{c}"))
 }
 
-fn print(rows: &[Row]) {
+fn print(rows: &[FormRow]) {
     println!(
         "| bits | channels | lobes | views | factors | bytes | error % | cut off alone % | prepare ns | hit ns | unpacked |"
     );
@@ -173,7 +175,7 @@ fn print(rows: &[Row]) {
     println!("* fitted again");
 }
 
-fn csv(rows: &[Row]) -> String {
+fn csv(rows: &[FormRow]) -> String {
     let mut text = "bits,channels,lobes,views,factors,bytes,relative_l2,relative_l2_cut,fitted_again,prepare_ns,hit_ns,hit_plain_ns\n"
         .to_owned();
     for row in rows {

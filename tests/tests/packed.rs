@@ -1,5 +1,5 @@
-//! Materials in codes of 8 or 16 bits: they are what they unpack to, at every level and by every call, and their numbers are as
-//! near to those they are made of as their bits allow.
+//! Materials in codes of 8 or 16 bits: they give the values of their plain numbers, at every level and by every call. Their numbers are as
+//! near to those of the whole material as their bits allow.
 
 use srbf_core::{Expanded, FormatError, Material, Mixture, PackOptions};
 use srbf_tests::inputs::Random;
@@ -18,8 +18,10 @@ fn unpacked(material: &Material<Vec<u8>>) -> Material<Vec<u8>> {
     Material::from_bytes(bytes).unwrap()
 }
 
-/// Every material in every way, with what it is made of.
-fn all() -> Vec<(String, Material<Vec<u8>>, Material<Vec<u8>>)> {
+type Owned = Material<Vec<u8>>;
+
+/// Every material in every way, behind the whole material.
+fn all() -> Vec<(String, Owned, Owned)> {
     let mut all = Vec::new();
     for (name, bytes) in materials() {
         let whole = Material::from_bytes(bytes.clone()).unwrap();
@@ -100,7 +102,7 @@ fn numbers_are_as_near_as_their_bits_allow() {
         let is_grey = small.view_diffuse_color_differences(0) == Some([0.0; 2]);
         let mut least_codes = f32::INFINITY;
         for (n, (from, to)) in columns(&whole).iter().zip(columns(&small)).enumerate() {
-            if is_grey && (n < 4 && n >= 2 || n >= 4 && (n - 4) % 6 >= 4) {
+            if is_grey && ((2..4).contains(&n) || n >= 4 && (n - 4) % 6 >= 4) {
                 assert!(to.iter().all(|x| *x == 0.0), "{name}");
                 continue;
             }

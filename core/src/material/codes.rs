@@ -1,6 +1,6 @@
 //! The numbers of lobes as codes of 8 or 16 bits, read in place; `layout.rs` has the bytes.
 
-use super::layout::{HEAD, HEADER, Header, u16_at};
+use super::bytes::{HEAD, HEADER, u16_at};
 use core::f32::consts::FRAC_PI_2;
 
 /// Rows of numbers of a view before the angles out of the plane: angle, sharpness, luminance, two colour differences.
@@ -28,7 +28,16 @@ pub(crate) struct Codes {
     pub is_grey: bool,
 }
 
-/// What a code is multiplied by, and what is added.
+/// How many of everything a material has.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Counts {
+    pub views: usize,
+    /// Lobes that are stored at a view, and how many of them stand for two.
+    pub lobes: usize,
+    pub mirrored: usize,
+}
+
+/// The step between codes, and the number of code 0.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scale {
     pub low: f32,
@@ -85,103 +94,103 @@ impl Codes {
 
     /// Numbers of a view that are stored.
     #[inline(always)]
-    pub const fn view_len(self, header: &Header) -> usize {
-        self.rows() * header.lobes + header.mirrored
+    pub const fn view_len(self, counts: Counts) -> usize {
+        self.rows() * counts.lobes + counts.mirrored
     }
 
     /// Byte offset of the scales of heads.
     #[inline(always)]
-    pub const fn head_scales(self, header: &Header) -> usize {
-        HEADER + PACK_HEAD + 2 * header.views
+    pub const fn head_scales(self, counts: Counts) -> usize {
+        HEADER + PACK_HEAD + 2 * counts.views
     }
 
     /// Byte offset of the heads.
     #[inline(always)]
-    pub const fn heads(self, header: &Header) -> usize {
-        self.head_scales(header) + SCALE * self.head_len()
+    pub const fn heads(self, counts: Counts) -> usize {
+        self.head_scales(counts) + SCALE * self.head_len()
     }
 
     /// Byte offset of the scales of views.
     #[inline(always)]
-    pub const fn scales(self, header: &Header) -> usize {
-        self.heads(header) + 2 * self.head_len() * header.views
+    pub const fn scales(self, counts: Counts) -> usize {
+        self.heads(counts) + 2 * self.head_len() * counts.views
     }
 
     /// Byte offset of the codes of views.
     #[inline(always)]
-    pub const fn views(self, header: &Header) -> usize {
-        self.scales(header) + SCALE * self.view_len(header)
+    pub const fn views(self, counts: Counts) -> usize {
+        self.scales(counts) + SCALE * self.view_len(counts)
     }
 
     /// Byte offset behind the codes of views.
-    pub const fn end(self, header: &Header) -> usize {
-        self.views(header) + self.bytes as usize * self.view_len(header) * header.views
+    pub const fn end(self, counts: Counts) -> usize {
+        self.views(counts) + self.bytes as usize * self.view_len(counts) * counts.views
     }
 
     /// A number of the head of a view: squeeze, diffuse albedo in three numbers.
-    pub fn head_number(self, header: &Header, bytes: &[u8], view: usize, number: usize) -> f32 {
+    pub fn head_number(self, counts: Counts, bytes: &[u8], view: usize, number: usize) -> f32 {
         if number >= self.head_len() || (number == 0 && view == 0) {
             return 0.0;
         }
-        let scale = Scale::at(bytes, self.head_scales(header) + SCALE * number);
-        let code = u16_at(bytes, self.head_offset(header, view) + 2 * number);
+        let scale = Scale::at(bytes, self.head_scales(counts) + SCALE * number);
+        let code = u16_at(bytes, self.head_offset(counts, view) + 2 * number);
         scale.decode(code, angle(bytes, view))
     }
 
     /// Byte offset of the head of a view.
-    pub const fn head_offset(self, header: &Header, view: usize) -> usize {
-        self.heads(header) + 2 * self.head_len() * view
+    pub const fn head_offset(self, counts: Counts, view: usize) -> usize {
+        self.heads(counts) + 2 * self.head_len() * view
     }
 
-    /// Byte offset of the code of a number of a lobe at a view; of what is 0 that of the scales.
-    pub const fn number_offset(self, header: &Header, view: usize, row: usize, lobe: usize) -> usize {
-        match self.place(header, row, lobe) {
-            None => self.scales(header),
-            Some(place) => self.code_offset(header, view, place),
+    /// Byte offset of the code of a number of a lobe at a view; of a number that is always 0 that of the scales.
+    pub const fn number_offset(self, counts: Counts, view: usize, row: usize, lobe: usize) -> usize {
+        match self.place(counts, row, lobe) {
+            None => self.scales(counts),
+            Some(place) => self.code_offset(counts, view, place),
         }
     }
 
     /// Byte offset of the code at a place among the numbers of a view.
     #[inline(always)]
-    const fn code_offset(self, header: &Header, view: usize, place: usize) -> usize {
-        self.views(header) + self.bytes as usize * (self.view_len(header) * view + place)
+    const fn code_offset(self, counts: Counts, view: usize, place: usize) -> usize {
+        self.views(counts) + self.bytes as usize * (self.view_len(counts) * view + place)
     }
 
-    /// Where a number of a lobe stands among those of a view; `None` for what is 0: colours of grey materials.
+    /// Where a number of a lobe stands among those of a view; `None` for the colours of grey materials, which are 0.
     #[inline(always)]
-    pub const fn place(self, header: &Header, row: usize, lobe: usize) -> Option<usize> {
+    pub const fn place(self, counts: Counts, row: usize, lobe: usize) -> Option<usize> {
         if row < self.rows() {
-            Some(row * header.lobes + lobe)
+            Some(row * counts.lobes + lobe)
         } else if row < ROWS {
             None
         } else {
-            Some(self.rows() * header.lobes + lobe)
+            Some(self.rows() * counts.lobes + lobe)
         }
     }
 
     /// A number of a lobe at a view; of row 5 that of a mirrored lobe.
-    pub fn number(self, header: &Header, bytes: &[u8], view: usize, row: usize, lobe: usize) -> f32 {
-        let [number, _] = self.two_numbers(header, bytes, [view, view], row, lobe);
+    pub fn number(self, counts: Counts, bytes: &[u8], view: usize, row: usize, lobe: usize) -> f32 {
+        let [number, _] = self.two_numbers(counts, bytes, [view, view], row, lobe);
         number
     }
 
     /// The same at two views.
     pub fn two_numbers(
         self,
-        header: &Header,
+        counts: Counts,
         bytes: &[u8],
         views: [usize; 2],
         row: usize,
         lobe: usize,
     ) -> [f32; 2] {
-        let Some(place) = self.place(header, row, lobe) else { return [0.0; 2] };
-        let scale = Scale::at(bytes, self.scales(header) + SCALE * place);
+        let Some(place) = self.place(counts, row, lobe) else { return [0.0; 2] };
+        let scale = Scale::at(bytes, self.scales(counts) + SCALE * place);
         let at_normal_is_0 = row == 0 || row == ROWS;
         views.map(|view| {
             if at_normal_is_0 && view == 0 {
                 return 0.0;
             }
-            let at = self.code_offset(header, view, place);
+            let at = self.code_offset(counts, view, place);
             let code = if self.bytes == 1 { u16::from(bytes[at]) } else { u16_at(bytes, at) };
             scale.decode(code, angle(bytes, view))
         })

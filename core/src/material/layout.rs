@@ -55,8 +55,9 @@
 //! `kernel/prepare_anisotropic.rs` has the meaning of the numbers between the views.
 //!
 //! # `PACK`: the lobes of an isotropic material in codes, in place of `LOBE`
-//! A code q of 8 or 16 bits is the number `low + q step`, with a scale `low, step` for all views. Of a number of two
-//! bytes in a scale, the upper half of an f32, the lower half is 0. Where the sign of a step is negative, its magnitude
+//!
+//! A code q of 8 or 16 bits is the number `low + q step`. Low and step are a scale, the same for all views.
+//! Each is two bytes, the upper half of an f32 whose lower half is 0. Where the sign of a step is negative, its magnitude
 //! counts, and the angle of the view is added to the number.
 //!
 //! ```text
@@ -70,8 +71,8 @@
 //!     V views, each a code for every number of a view
 //! ```
 //!
-//! The numbers of head and view are those of `LOBE`, in the same order. What is 0 in the first view there is 0 here,
-//! whatever its code.
+//! The numbers of head and view are those of `LOBE`, in the same order. Numbers that have to be 0 in the first view are 0
+//! whatever their code.
 //!
 //! # `FACT`: a table of factors
 //!
@@ -99,15 +100,13 @@
 //!
 //! Version 1 has the log2 of red, green and blue in place of luminance and colour differences, and no table: 0 at 44.
 
-use super::codes::{self, Codes};
+pub(crate) use super::bytes::{HEAD, HEADER, f32_at, u32_at};
+use super::codes::{self, Codes, Counts};
 
 /// Most lobes that a mixture can hold, and that a material can make.
 pub const MAX_LOBES: usize = 64;
 
 pub(crate) const MAGIC: [u8; 8] = [0x89, b'S', b'R', b'B', b'F', b'\r', b'\n', 0x1a];
-
-/// Byte offset of the content of the first block; in older versions the length of the header.
-pub(crate) const HEADER: usize = 48;
 
 /// Byte offset of the first block.
 pub(crate) const BLOCKS: usize = 40;
@@ -131,9 +130,6 @@ pub(crate) const TEXT: [u8; 4] = *b"text";
 
 /// Bytes of the content of the block of factors before the albedo differences.
 pub(crate) const TABLE_HEAD: usize = 4;
-
-/// Numbers in the head of a view: squeeze, diffuse albedo in three numbers.
-pub(crate) const HEAD: usize = 4;
 
 /// Numbers in the head of a view: squeeze matrix, diffuse albedo in three numbers.
 pub(crate) const GRID_HEAD: usize = 6;
@@ -208,6 +204,24 @@ impl Header {
     pub fn angle(&self, bytes: &[u8], view: usize) -> f32 {
         if self.codes.is_some() { codes::angle(bytes, view) } else { f32_at(bytes, self.theta(view)) }
     }
+    #[inline(always)]
+    const fn counts(&self) -> Counts {
+        Counts { views: self.views, lobes: self.lobes, mirrored: self.mirrored }
+    }
+    /// Byte offset of the scales of views, of a material in codes.
+    pub const fn scales(&self) -> usize {
+        match self.codes {
+            None => HEADER,
+            Some(codes) => codes.scales(self.counts()),
+        }
+    }
+    /// A number of a lobe at two views; as [`number`](Self::number), of a material in codes.
+    pub fn two_numbers(&self, bytes: &[u8], views: [usize; 2], row: usize, lobe: usize) -> [f32; 2] {
+        match self.codes {
+            None => [0.0; 2],
+            Some(codes) => codes.two_numbers(self.counts(), bytes, views, row, lobe),
+        }
+    }
     /// Byte offsets of what stands for a view's angle, its head, and a number of a lobe: the places of errors.
     pub const fn angle_offset(&self, view: usize) -> usize {
         if self.codes.is_some() { codes::angle_offset(view) } else { self.theta(view) }
@@ -215,13 +229,13 @@ impl Header {
     pub const fn head_offset(&self, view: usize) -> usize {
         match self.codes {
             None => self.head(view),
-            Some(codes) => codes.head_offset(self, view),
+            Some(codes) => codes.head_offset(self.counts(), view),
         }
     }
     pub const fn number_offset(&self, view: usize, row: usize, lobe: usize) -> usize {
         match self.codes {
             None => self.row(view, row) + 4 * lobe,
-            Some(codes) => codes.number_offset(self, view, row, lobe),
+            Some(codes) => codes.number_offset(self.counts(), view, row, lobe),
         }
     }
     /// A number of the head of a view of an isotropic material.
@@ -229,7 +243,7 @@ impl Header {
     pub fn head_number(&self, bytes: &[u8], view: usize, number: usize) -> f32 {
         match self.codes {
             None => f32_at(bytes, self.head(view) + 4 * number),
-            Some(codes) => codes.head_number(self, bytes, view, number),
+            Some(codes) => codes.head_number(self.counts(), bytes, view, number),
         }
     }
     /// A number of a lobe at a view of an isotropic material; of row 5 that of a mirrored lobe.
@@ -237,7 +251,7 @@ impl Header {
     pub fn number(&self, bytes: &[u8], view: usize, row: usize, lobe: usize) -> f32 {
         match self.codes {
             None => f32_at(bytes, self.row(view, row) + 4 * lobe),
-            Some(codes) => codes.number(self, bytes, view, row, lobe),
+            Some(codes) => codes.number(self.counts(), bytes, view, row, lobe),
         }
     }
     /// Byte offset of the angle of a view.
@@ -259,7 +273,7 @@ impl Header {
     /// Byte offset of the blocks behind the lobes of all views.
     pub const fn lobes_end(&self) -> usize {
         match (self.kind, self.codes) {
-            (Kind::Line, Some(codes)) => codes.end(self),
+            (Kind::Line, Some(codes)) => codes.end(self.counts()),
             (Kind::Line, None) => self.row(self.views, 0),
             (Kind::Grid(shape), _) => shape.row(self, self.views, 0),
         }
@@ -326,19 +340,4 @@ impl Shape {
     pub const fn row(&self, header: &Header, view: usize, row: usize) -> usize {
         self.head(header.views) + 4 * (GRID_ROWS * view + row) * header.lobes
     }
-}
-
-#[inline(always)]
-pub(crate) fn u32_at(bytes: &[u8], offset: usize) -> u32 {
-    bytemuck::pod_read_unaligned::<u32>(&bytes[offset..offset + 4]).to_le()
-}
-
-#[inline(always)]
-pub(crate) fn u16_at(bytes: &[u8], offset: usize) -> u16 {
-    bytemuck::pod_read_unaligned::<u16>(&bytes[offset..offset + 2]).to_le()
-}
-
-#[inline(always)]
-pub(crate) fn f32_at(bytes: &[u8], offset: usize) -> f32 {
-    f32::from_bits(u32_at(bytes, offset))
 }

@@ -237,7 +237,7 @@ impl<B: AsRef<[u8]>> Material<B> {
             let mut place = 0;
             for row in rows() {
                 for lobe in 0..self.row_len(row) {
-                    let scale = writer.scale_at(codes.scales(&to), place);
+                    let scale = writer.scale_at(to.scales(), place);
                     let code =
                         scale.encode(self.lobe_number(view, row, lobe), angle(view), most, LIMITS[row]);
                     writer.put(&code.to_le_bytes()[..codes.bytes.into()]);

@@ -1,6 +1,6 @@
 //! Cuts lobes, views and factors off a material.
 
-use super::forms::Form;
+use super::forms::PackedForm;
 use crate::FitError;
 use crate::settings::range;
 use srbf_core::{FactorTable, Line, Material, PlaneLobe, View};
@@ -23,14 +23,14 @@ struct Stored {
     albedo_difference: [f32; 3],
 }
 
-/// What is left of a material in a form.
+/// The rest of a material in a form.
 ///
 /// The lobes with the least power go; views go where those beside tell them best; factors are taken between their nodes.
 ///
 /// # Errors
 /// [`FitError::Setting`] for a form with more of anything than the material has.
-pub(super) fn cut(material: &Material<Vec<u8>>, form: &Form) -> Result<Material<Vec<u8>>, FitError> {
-    let whole = Form::of(material, form.pack);
+pub(super) fn cut(material: &Material<Vec<u8>>, form: &PackedForm) -> Result<Material<Vec<u8>>, FitError> {
+    let whole = PackedForm::of(material, form.pack);
     let count = |name, wanted: usize, there: usize, least: usize| {
         range(
             name,
@@ -88,13 +88,13 @@ fn stored(material: &Material<Vec<u8>>, view: usize) -> Stored {
     }
 }
 
-/// Power of a lobe, but for what is below the horizon.
+/// Power of a lobe, with its part below the horizon.
 fn power(lobe: &PlaneLobe) -> f64 {
     let sharpness = lobe.log2_sharpness.exp2();
     f64::from(lobe.log2_luminance.exp2() * srbf_core::special::sphere_integral(sharpness))
 }
 
-/// Drops the lobe with the least power until so many are left in a mixture.
+/// Drops the lobe with the least power until a mixture has at most a number.
 fn drop_lobes(views: &mut [Stored], most: usize, squeezed: &mut usize, mirrored: &mut usize) {
     loop {
         let stored = views[0].lobes.len();

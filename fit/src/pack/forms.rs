@@ -1,10 +1,10 @@
-//! What is left of a material: numbers of lobes, views, factors, channels and bits.
+//! The rest of a material: numbers of lobes, views, factors, channels and bits.
 
 use srbf_core::{Material, PackOptions};
 
-/// What a packed material holds.
+/// The content of a packed material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Form {
+pub struct PackedForm {
     /// Lobes of a mixture, those that are mirrored counted twice.
     pub lobes: usize,
     /// Views of the material.
@@ -31,8 +31,8 @@ const SHARES: [(f64, f64, bool); 9] = [
 /// The smallest table of factors that is tried.
 const FEW_NODES: [usize; 3] = [16, 6, 3];
 
-impl Form {
-    /// What a material has, in codes.
+impl PackedForm {
+    /// All that a material has, in codes.
     pub fn of(material: &Material<impl AsRef<[u8]>>, pack: PackOptions) -> Self {
         let (lobes, views, factors) = (material.lobe_count(), material.view_count(), material.factor_nodes());
         Self { lobes, views, factors, pack }
@@ -40,18 +40,18 @@ impl Form {
 }
 
 /// Forms of a material, each with more in it than the one before, up to all of it.
-pub fn forms(material: &Material<impl AsRef<[u8]>>, pack: PackOptions) -> Vec<Form> {
-    let whole = Form::of(material, pack);
+pub fn forms(material: &Material<impl AsRef<[u8]>>, pack: PackOptions) -> Vec<PackedForm> {
+    let whole = PackedForm::of(material, pack);
     let share =
         |of: usize, share: f64, least: usize| ((of as f64 * share).round() as usize).clamp(least.min(of), of);
-    let mut forms: Vec<Form> = Vec::new();
+    let mut forms: Vec<PackedForm> = Vec::new();
     for (of_lobes, of_views, has_factors) in SHARES {
         let few = |nodes: [usize; 3]| [0, 1, 2].map(|i| nodes[i].min(FEW_NODES[i]));
         let factors = whole
             .factors
             .filter(|_| has_factors)
             .map(|nodes| if of_lobes < 1.0 { few(nodes) } else { nodes });
-        let form = Form {
+        let form = PackedForm {
             lobes: share(whole.lobes, of_lobes, 1),
             views: share(whole.views, of_views, 2),
             factors,
@@ -73,7 +73,7 @@ mod tests {
         let material =
             Material::from_bytes(include_bytes!("../../../presets/garnet_red.srbf").as_slice()).unwrap();
         let forms = forms(&material, PackOptions::default());
-        let whole = Form::of(&material, PackOptions::default());
+        let whole = PackedForm::of(&material, PackOptions::default());
         assert_eq!(forms.last(), Some(&whole));
         assert!(forms.len() >= 5, "{forms:?}");
         assert!(forms.windows(2).all(|w| w[0].lobes <= w[1].lobes), "{forms:?}");

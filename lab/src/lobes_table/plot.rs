@@ -11,7 +11,7 @@ use std::path::Path;
 
 const SIZE: [u32; 2] = [1200, 520];
 
-/// A form of a material: what it costs, and how near it is.
+/// A form of a material: its costs and its error.
 #[derive(Clone, Debug)]
 pub struct Point {
     /// Mean relative L2 error.
@@ -41,7 +41,7 @@ fn draw(pixels: &mut [u8], title: &str, calls: [&str; 3], rows: &[Point]) -> Res
     root.fill(&WHITE)?;
     let titled = root.titled(title, (FONT, 20))?;
     let panels = titled.split_evenly((1, 2));
-    panel(&panels[0], rows, "bytes", &[("fit", |r| r.bytes as f64)])?;
+    panel(&panels[0], rows, "bytes", &[("material", |r| r.bytes as f64)])?;
     let costs: [(&str, Abscissa); 3] = [
         (calls[0], |r| r.nanoseconds[0]),
         (calls[1], |r| r.nanoseconds[1]),

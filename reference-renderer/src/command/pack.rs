@@ -8,7 +8,7 @@ use crate::out::progress::Progress;
 use crate::truth::stored::StoredMaterial;
 use anyhow::{bail, ensure};
 use srbf_core::{Material, PackOptions};
-use srbf_fit::pack::{Form, Packed, Subject, Way, forms};
+use srbf_fit::pack::{Packed, PackedForm, Subject, Way, forms};
 use srbf_fit::read::{Content, read_with};
 use srbf_fit::{FactorNodes, Settings, export, fit_content};
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 /// Writes a material in as few bytes as a scene needs: 8 or 16 bits a number, fewer lobes, views, factors, channels.
 ///
 /// Without options all is kept, in codes of 8 bits: a third of the bytes. With fewer lobes, views or factors, lobes are both cut off and
-/// fitted again; what is nearer is written. Codes are read in place by every call, in Rust and C; shaders and the three.js
+/// fitted again; the nearer of both is written. Codes are read in place by every call, in Rust and C; shaders and the three.js
 /// package read the plain form, which `srbf pack FILE.srbf --bits 32` writes again.
 ///
 /// The error is the mean relative L2 error of f cos over twelve views that were not fitted: from the measurement, if FILE is one or
@@ -99,10 +99,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     println!(
         "whole      {:>6} bytes  {}  error {:.2} %",
         material.bytes().len(),
-        described(&Form::of(material, pack)),
+        described(&PackedForm::of(material, pack)),
         100.0 * subject.error(&whole)?
     );
-    let pack_in = |form: &Form| -> anyhow::Result<Packed> {
+    let pack_in = |form: &PackedForm| -> anyhow::Result<Packed> {
         let progress = Progress::of_shares(&name);
         let packed = subject.pack(form, &settings, !args.cut, |share| progress.set_share(share))?;
         drop(progress);
@@ -125,7 +125,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The bytes of the whole material, what it is judged by, and its name.
+/// The bytes of the whole material, the content that it is judged by, and its name.
 fn whole(args: &Args) -> anyhow::Result<(Vec<u8>, Content, String)> {
     let conventions = args.conventions.conventions();
     let text = args.input.to_string_lossy();
@@ -158,9 +158,9 @@ fn whole(args: &Args) -> anyhow::Result<(Vec<u8>, Content, String)> {
 }
 
 /// The form that the options ask for.
-fn form(args: &Args, material: &Material<Vec<u8>>, pack: PackOptions) -> Form {
-    let whole = Form::of(material, pack);
-    Form {
+fn form(args: &Args, material: &Material<Vec<u8>>, pack: PackOptions) -> PackedForm {
+    let whole = PackedForm::of(material, pack);
+    PackedForm {
         lobes: args.lobes.unwrap_or(whole.lobes),
         views: args.views.unwrap_or(whole.views),
         factors: match args.factors {
@@ -174,9 +174,9 @@ fn form(args: &Args, material: &Material<Vec<u8>>, pack: PackOptions) -> Form {
 
 /// The smallest form whose error is at most a number of per cent: errors are taken to fall with the size.
 fn smallest(
-    forms: &[Form],
+    forms: &[PackedForm],
     per_cent: f64,
-    mut pack_in: impl FnMut(&Form) -> anyhow::Result<Packed>,
+    mut pack_in: impl FnMut(&PackedForm) -> anyhow::Result<Packed>,
 ) -> anyhow::Result<Packed> {
     ensure!(per_cent.is_finite() && per_cent > 0.0, "--error: a number above 0 is expected, per cent");
     let (mut below, mut found) = (0, None);
@@ -199,7 +199,7 @@ fn smallest(
 }
 
 /// A form in words.
-fn described(form: &Form) -> String {
+fn described(form: &PackedForm) -> String {
     let factors = form.factors.map_or("no factors".to_owned(), |[a, b, c]| format!("factors {a}x{b}x{c}"));
     let channels = if form.pack.channels == 1 { ", 1 channel" } else { "" };
     format!("{:>2} lobes, {:>2} views, {factors}{channels}", form.lobes, form.views)

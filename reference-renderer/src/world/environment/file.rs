@@ -42,7 +42,7 @@ pub fn read(path: &Path, projection: Projection) -> anyhow::Result<Environment> 
 /// Reads a map from the bytes of a file whose name has an ending, in small letters.
 ///
 /// # Errors
-/// What is not as expected.
+/// Names the fault.
 pub fn from_bytes(bytes: &[u8], ending: &str, projection: Projection) -> anyhow::Result<Environment> {
     match ending {
         "hdr" => from_hdr(bytes, projection),
