@@ -393,6 +393,33 @@ fn files_of_other_programs_are_read_as_they_stand() {
     }
 }
 
+/// Two files of other programs hold the same measurement: their values agree, direction by direction, but for a factor. That is 1.1:
+/// each states a total of its own, and SPEOS's scales its values.
+#[test]
+#[ignore = "needs SRBF_DATA_DIR"]
+fn files_of_the_same_measurement_agree() {
+    let completion = |file: &str| {
+        let Content::Samples(table) = read(&data(file)).unwrap().content else { panic!("{file}: samples") };
+        complete(&table).unwrap()
+    };
+    let zemax = completion("field/planesymmetric_zemax.bsdf");
+    let speos = completion("field/planesymmetric_speos.anisotropicbsdf");
+    for theta_o in [15.0, 35.0, 55.0] {
+        let mut ratios = Vec::new();
+        for theta_i in (5..=65).step_by(10) {
+            for phi in (0..=180).step_by(30) {
+                let [i, o] = [direction(f64::from(theta_i), f64::from(phi)), direction(theta_o, 0.0)];
+                ratios.push(speos.evaluate(i, o)[1] / zemax.evaluate(i, o)[1]);
+            }
+        }
+        ratios.sort_by(f64::total_cmp);
+        let [low, middle, high] =
+            [0.1, 0.5, 0.9].map(|share| ratios[(share * (ratios.len() - 1) as f64) as usize]);
+        println!("at {theta_o} degrees SPEOS over Zemax: {low:.3} to {high:.3}, median {middle:.3}");
+        assert!((middle - 1.1).abs() < 0.05 && high / low < 1.15, "{theta_o}: {low}, {middle}, {high}");
+    }
+}
+
 /// The albedo of the Zemax file is that of the instrument itself. Its total takes cells near the horizon, which it did not measure, as 0;
 /// towards grazing they are a tenth of the light.
 #[test]

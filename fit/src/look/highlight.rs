@@ -11,6 +11,9 @@ const TO: f64 = 80.0 * PI / 180.0;
 /// Samples this close to a direction are at it, radians.
 const NEAR: f64 = 8.0 * PI / 180.0;
 
+/// Samples whose azimuth is this close to that of the light are on its side, radians.
+const BESIDE: f64 = PI / 4.0;
+
 /// The back is brighter than the mirror direction by so much.
 const BRIGHTER: f64 = 2.0;
 
@@ -70,12 +73,18 @@ impl Highlight {
             let mirror =
                 brightest(&|row| dot([-row.wi[0], -row.wi[1], row.wi[2]], row.wo) > libm::cos(2.0 * NEAR));
             let back = brightest(&|row| dot(row.wi, row.wo) > libm::cos(NEAR));
-            let all = brightest(&|_| true);
+            // A wide highlight is brightest nearer to the horizon, on its own side.
+            let across = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1];
+            let is_beside = |row: &Row| {
+                let [i, o] = [row.wi, row.wo];
+                across(i, o) > libm::cos(BESIDE) * libm::sqrt(across(i, i) * across(o, o))
+            };
+            let (beside, all) = (brightest(&is_beside), brightest(&|_| true));
             if mirror.is_nan() || back.is_nan() {
                 continue;
             }
             found.telling += 1;
-            found.at_back += usize::from(back >= all && back > BRIGHTER * mirror);
+            found.at_back += usize::from(beside >= all && back > BRIGHTER * mirror);
         }
         found
     }

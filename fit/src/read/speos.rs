@@ -3,7 +3,7 @@
 //! Both have tables of theta by phi for each angle of incidence. Tables are proportional to the BSDF, or to the intensity, which is the
 //! BSDF times the cosine; how bright they are follows from the reflectance that stands beside them. In the first, one spectrum of the
 //! reflectance at one direction colours all tables; in the second, there is a table for each wavelength.
-//! Phi is 0 where the light comes from; the mirror direction is at 180 degrees.
+//! Phi is 0 on the side of the mirror direction, and 180 degrees where the light comes from.
 
 use super::conventions::Conventions;
 use super::decode::{decode, shortened};
@@ -204,7 +204,7 @@ fn push(
         for (p, phi) in grid.phis.iter().take(used).enumerate() {
             let (rgb, cells) = value(grid.values[t * count + p]);
             let pair =
-                [direction(theta_i.to_radians(), 0.0), direction(theta.to_radians(), phi.to_radians())];
+                [direction(theta_i.to_radians(), 0.0), direction(theta.to_radians(), phi.to_radians() + PI)];
             reading.push(*line, pair, rgb, &cells);
         }
     }
@@ -269,8 +269,10 @@ pub fn spectral(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadE
                 if p > 0 && (*theta == 0.0 || (turned && p + 1 == count)) {
                     continue;
                 }
-                let pair =
-                    [direction(theta_i.to_radians(), 0.0), direction(theta.to_radians(), phi.to_radians())];
+                let pair = [
+                    direction(theta_i.to_radians(), 0.0),
+                    direction(theta.to_radians(), phi.to_radians() + PI),
+                ];
                 reading.push(*line, pair, wavelengths.rgb(&cells), &cells);
             }
         }
@@ -317,6 +319,27 @@ mod tests {
         );
         for cut in (0..text.len() - 40).step_by(3) {
             assert!(anisotropic(&text.as_bytes()[..cut], &Conventions::default()).is_err(), "{cut}");
+        }
+    }
+
+    /// The tables are brightest at theta 30, phi 0: that is the mirror direction.
+    #[test]
+    fn the_mirror_direction_has_phi_0() {
+        let bright = grid(1.0).replace("30\t1\t", "30\t9\t");
+        let text = head("Anisotropic BSDF surface file v8.0")
+            + "0 1 0\n1 0\n1\n1\n0\n1\n30\n30 0\n\n2\n350 50\n850 50\n"
+            + &bright
+            + "End of file\n";
+        let table = grid(1.0).replace("30\t1\t", "30\t9\t");
+        let of_wavelengths = head("brdf surface file v9.0") + "1 0\n1\n1 1\n30\n550\n50\n" + &table;
+        for intake in [
+            anisotropic(text.as_bytes(), &Conventions::default()).unwrap(),
+            spectral(of_wavelengths.as_bytes(), &Conventions::default()).unwrap(),
+        ] {
+            let best = intake.rows.iter().max_by(|a, b| a.rgb[1].total_cmp(&b.rgb[1])).unwrap();
+            let off =
+                (0..3).map(|k| (best.wi[k] * [-1.0, -1.0, 1.0][k] - best.wo[k]).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-9, "{:?} {:?}", best.wi, best.wo);
         }
     }
 

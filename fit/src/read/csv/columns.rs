@@ -87,7 +87,7 @@ impl Columns {
         if let Some(odd) = roles.iter().position(|r| *r == Role::NoWavelength) {
             return fail(format!("column `{}` is named by no wavelength", names[odd].trim()));
         }
-        let sides = Sides { roles: &roles, constants };
+        let sides = Sides { names, roles: &roles, constants };
         let mut notes = Vec::new();
         let directions = match sides.directions(&mut notes) {
             Ok(directions) => directions,
@@ -116,6 +116,7 @@ impl Columns {
 
 /// The columns and constants by their kind.
 struct Sides<'a> {
+    names: &'a [String],
     roles: &'a [Role],
     constants: &'a Constants,
 }
@@ -134,6 +135,11 @@ impl Sides<'_> {
             let either = self.place(&role(Side::Either))?;
             self.place(&role(other)).map(|_| either)
         })
+    }
+
+    /// The column of an azimuth whose direction has no known name.
+    fn odd_azimuth(&self) -> Option<usize> {
+        self.roles.iter().position(|role| *role == Role::OddPhi)
     }
 
     fn vector(&self, side: Side) -> Option<[usize; 3]> {
@@ -170,6 +176,13 @@ impl Sides<'_> {
             ([Some(i), None], None) => Azimuths::Incident(i),
             ([None, None], None) => Azimuths::InPlane,
         };
+        if let (false, Some(odd)) = (matches!(azimuths, Azimuths::Both(_)), self.odd_azimuth()) {
+            // To take it for 0 would turn every sample.
+            return Err(format!(
+                "column `{}` is an azimuth, of which direction is not known: name it phi_i, phi_o or delta_phi",
+                self.names[odd].trim()
+            ));
+        }
         if matches!(azimuths, Azimuths::Outgoing(_) | Azimuths::Incident(_)) {
             notes.push("there is one azimuth; that of the other direction is taken as 0".into());
         }

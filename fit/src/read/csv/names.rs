@@ -20,6 +20,8 @@ pub(super) enum Role {
     Phi(Side),
     /// Difference of the azimuths, or the one azimuth that there is.
     DeltaPhi,
+    /// Azimuth of a direction that the name does not say in a known word.
+    OddPhi,
     /// A part of a unit vector: 0 x, 1 y, 2 z.
     Vector(Side, usize),
     /// Half and difference angles, which need a column each.
@@ -51,15 +53,23 @@ pub(super) enum Unit {
 }
 
 const INCIDENT: &str = "i in inc inci incident incidence incoming input l light src source sun solar lamp illumination illum \
-    irradiation ill incid ein einfall einfalls lichtquelle laser";
+    irradiation ill incid ein einfall einfalls lichtquelle laser licht beleuchtung beleuchtungs einstrahlung einstrahl \
+    incidencia incidente incidenza éclairage eclairage éclairement lumière";
 const OUTGOING: &str = "o out outgoing output r refl reflected reflection v view viewer viewing cam camera det detector d \
     sensor rec receiver e em emission emitted exit measure measured measurement obs observation observer \
     scat scatter scattered scattering emergent emergence aus ausfall ausfalls beobachter beobachtungs betrachtungs detektor \
-    reflexion reflexions réflexion streu";
+    reflexion reflexions réflexion streu \
+    beobachtung betrachtung betrachter detektion mess messung messkopf reflektiert sicht blick observación observacion \
+    reflexión osservazione riflessione visée visee vision capteur empfänger";
 const POLAR: &str = "theta zenith zenit polar inclination th tht vertical";
-const AZIMUTH: &str = "azimuthal azimuth azimut azim azi phi az";
+const AZIMUTH: &str = "azimuthal azimuth azimutal azimut acimut azim azi phi az";
 const VALUES: &str = "value val values f fr brdf bsdf y luminance lum grey gray intensity reflectance rho \
     reflectancefactor radiance brdfvalue brf hdrf wert valeur bidir brdfsr fbrdf signal data messwert";
+/// Angles in German, Spanish and Italian.
+const ANGLES: [&str; 8] = ["winkel", "Winkel", "ángulo", "Ángulo", "angulo", "Angulo", "angolo", "Angolo"];
+/// Names of the channels, in six languages.
+const CHANNELS: [&str; 3] =
+    ["r red rot rouge rojo rosso vermelho", "g green grün vert verde", "b blue blau bleu azul blu"];
 /// Before a channel or a wavelength.
 const BEFORE: &str = "brdf bsdf value reflectance refl linear lin srgb rgb f fr xyz r";
 const BEFORE_WAVELENGTH: &str = "wavelength lambda wl w brdf bsdf value reflectance refl f fr r nm l";
@@ -85,7 +95,7 @@ pub(super) fn role(name: &str) -> Role {
     // Articles of French, and what German joins.
     let apart =
         ["d'", "l'", "d\u{2019}", "l\u{2019}"].iter().fold(name.to_owned(), |name, a| name.replace(a, " "));
-    let name = &apart.replace("winkel", " angle").replace("Winkel", " angle");
+    let name = &ANGLES.iter().fold(apart, |name, a| name.replace(a, " angle"));
     let plain = name.trim().to_lowercase();
     if let Ok(number) = plain.parse::<f64>() {
         return if number.is_finite() { Role::At(number) } else { Role::NoWavelength };
@@ -108,7 +118,10 @@ pub(super) fn role(name: &str) -> Role {
         )
     };
     let is_filler = |w: &String| {
-        matches!(w.as_str(), "of" | "the" | "de" | "direction" | "dir" | "angles" | "angle" | "vec")
+        matches!(
+            w.as_str(),
+            "of" | "the" | "de" | "di" | "del" | "della" | "direction" | "dir" | "angles" | "angle" | "vec"
+        )
     };
     let all = words(name);
     let has_angle = all.iter().any(|w| w == "angle" || w == "angles")
@@ -136,13 +149,36 @@ pub(super) fn role(name: &str) -> Role {
         let of = around(rest, POLAR).unwrap_or_else(|| rest.to_owned());
         return if side(&of).is_some() { Role::Cosine } else { Role::Other };
     }
-    let relative = ["relative", "rel", "delta", "d", "difference", "diff"];
+    // Before azimuths: azul begins as one.
+    if kept.len() > 2
+        && let Some(channel) = CHANNELS.iter().position(|names| has(names, &kept))
+    {
+        return Role::Rgb(channel);
+    }
+    let relative = [
+        "relative",
+        "relativo",
+        "relativa",
+        "relatif",
+        "relativ",
+        "relativer",
+        "rel",
+        "delta",
+        "d",
+        "difference",
+        "diff",
+    ];
     if let Some(rest) = around(&kept, AZIMUTH) {
         return match side(&rest) {
             Some(side) if rest != "d" || kept.starts_with("phi") => Role::Phi(side),
             _ if rest.is_empty() || relative.contains(&rest.as_str()) => Role::DeltaPhi,
+            // Shorter words may be the end of any name.
+            _ if kept.contains("azim") || kept.contains("acim") => Role::OddPhi,
             _ => Role::Other,
         };
+    }
+    if kept.is_empty() && has_angle {
+        return Role::ThetaAlone;
     }
     if let Some(rest) = around(&kept, POLAR) {
         return match side(&rest) {
@@ -188,13 +224,12 @@ fn vector(name: &str) -> Option<Role> {
 }
 
 fn channel(name: &str) -> Option<Role> {
-    let rgb = [["r", "red"], ["g", "green"], ["b", "blue"]];
     let xyz = ["x", "y", "z"];
     if has(VALUES, name) && name != "y" {
         return Some(Role::Value);
     }
     let of = |bare: &str| {
-        let rgb = rgb.iter().position(|names| names.contains(&bare)).map(Role::Rgb);
+        let rgb = CHANNELS.iter().position(|names| has(names, bare)).map(Role::Rgb);
         rgb.or_else(|| xyz.iter().position(|x| *x == bare).map(Role::Xyz))
     };
     BEFORE.split(' ').chain([""]).find_map(|before| {
@@ -279,18 +314,30 @@ mod tests {
                 "Beobachtungswinkel|Ausfallswinkel (Grad)|Scatter (deg)|angle de réflexion|Detektorwinkel",
                 Theta(Outgoing),
             ),
-            ("Einfallsazimut", Phi(Incident)),
+            ("Einfallsazimut|Azimut Beleuchtung", Phi(Incident)),
+            (
+                "Azimut Beobachtung [°]|azimut observación|azimut d'observation|Beobachtungsazimut",
+                Phi(Outgoing),
+            ),
+            ("Azimut Goniometerkopf|azimuth of table", OddPhi),
+            ("angle|angle [deg]", ThetaAlone),
             ("cos_i|cos_theta_o|cosThetaI", Cosine),
             ("theta_s", Theta(Either)),
             ("theta", ThetaAlone),
             ("phi_i|phiI|azimuth_i|Incident azimuth|\u{3c6}_i|light azimuth angle", Phi(Incident)),
             ("phi_o|phi_r|phi_v|view azimuth|azimuth_out|PhiOut", Phi(Outgoing)),
-            ("phi|dphi|delta_phi|\u{394}\u{3c6}|relative azimuth|azimuth", DeltaPhi),
+            (
+                "azimut relativo|relativer Azimut|phi|dphi|delta_phi|\u{394}\u{3c6}|relative azimuth|azimuth",
+                DeltaPhi,
+            ),
             ("wi_x|wix|ix|l_x|light_x|Wi.x|in_x|w_i_x", Vector(Incident, 0)),
             ("wo_z|oz|v_z|view z|out_z", Vector(Outgoing, 2)),
             ("value|BRDF|brdf [1/sr]|f_r|reflectance|BRDF (sr-1)|f", Value),
-            ("r|R|red|brdf_r|linear R", Rgb(0)),
-            ("b|blue|f_b", Rgb(2)),
+            ("ángulo de incidencia|angolo di incidenza", Theta(Incident)),
+            ("ángulo de observación|angolo di osservazione", Theta(Outgoing)),
+            ("r|R|red|brdf_r|linear R|rot|rouge|rojo", Rgb(0)),
+            ("grün|vert|verde", Rgb(1)),
+            ("b|blue|f_b|blau|bleu|azul|blu", Rgb(2)),
             ("X|x", Xyz(0)),
             ("Y", Xyz(1)),
             ("wavelength|lambda|\u{3bb}|wavelength [nm]|Wavelength_nm", Wavelength),

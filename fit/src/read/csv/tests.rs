@@ -93,6 +93,7 @@ fn what_cannot_be_read_names_what_stopped_it() {
         (format!("theta_i,phi_i,theta_o,phi_o,Messung{rows}"), "`Messung`"),
         (format!("theta_i,phi_i,theta_o,phi_o,400nm,NaN,700nm{rows}"), "NaN"),
         (format!("theta_i,phi_i,theta_o,phi_o,-inf,450,700{rows}"), "-inf"),
+        (format!("theta_i,phi_i,theta_o,Azimut Tisch,value{rows}"), "`Azimut Tisch`"),
         (format!("theta_h,theta_d,phi_d,value{rows}"), "half"),
         ("20,0,30,180,1\n20,0,40,180,1\n".into(), "names the columns"),
         (String::new(), "empty"),
