@@ -159,8 +159,8 @@ fn densities_of_draws_are_those_at_their_directions_in_hostile_files() {
     assert!(worst < 1e-5, "{worst:e}");
 }
 
-/// A pair of an expanded material is the pair of its mixture. Both find the place between the rows by an angle of f32, which moves
-/// a lobe as a direction of f32 would.
+/// A pair of an expanded material is the pair of its mixture: .6 % off was found here, beyond the last view. Between the rows of such
+/// files even the rounding of an angle counts: there the mixtures of the angles around tell the range.
 #[test]
 fn expanded_pairs_are_their_mixtures_near_the_horizon_of_hostile_files() {
     let mut worst = 0f64;
@@ -177,8 +177,15 @@ fn expanded_pairs_are_their_mixtures_near_the_horizon_of_hostile_files() {
                 let [o, i] = [wo, wi].map(|d| d.to_array().map(|x| [x]));
                 let [o, i] = [&o, &i].map(|d| d.each_ref().map(|x| &x[..]));
                 expanded.ask(o, Towards { wi: i, value: None, pdf: Some(&mut pdf) }.into()).unwrap();
-                expanded.prepare(wo, &mut m).unwrap();
-                worst = worst.max(beyond(pdf[0], densities_around(&m, wi, 4.0)));
+                let mut range = [f32::INFINITY, 0.0];
+                for step in -2..=2 {
+                    let theta = theta * (1.0 + step as f32 * f32::EPSILON);
+                    let wo = Vec3::new(theta.sin(), 0.0, theta.cos().max(0.0));
+                    expanded.prepare(wo, &mut m).unwrap();
+                    let [low, high] = densities_around(&m, wi, 1.0);
+                    range = [low.min(range[0]), high.max(range[1])];
+                }
+                worst = worst.max(beyond(pdf[0], range));
             }
         }
     }

@@ -152,6 +152,9 @@ pub(super) fn expanded_len(header: &Header, rows: usize) -> usize {
         .saturating_add(WIDEST - 1)
 }
 
+/// Places that are closer to a row than this share of themselves are at the row.
+const SLACK: f32 = 2.4e-7;
+
 impl<'m> Expanded<'m> {
     /// Rows at which the error is below 1e-3 of the largest value on every material that was tried.
     pub const DEFAULT_ROWS: usize = 1024;
@@ -200,7 +203,12 @@ impl<'m> Expanded<'m> {
         let before = (place - L::splat(0.5)).max(L::splat(0.0)).min(L::splat((self.rows - 2) as f32));
         let whole = before + L::splat(ROUND);
         let before = whole - L::splat(ROUND);
-        [whole, (place - before).max(L::splat(0.0)).min(L::splat(1.0))]
+        // A row is met exactly where its angle is, and beyond the last view: a place is a sum, off by its rounding, and the
+        // smaller of two numbers would be off by that share of the larger one.
+        let beyond = (place - before).max(L::splat(0.0)).min(L::splat(1.0));
+        let slack = place * L::splat(SLACK);
+        let beyond = L::select(beyond.lt(slack), L::splat(0.0), beyond);
+        [whole, L::select((L::splat(1.0) - slack).lt(beyond), L::splat(1.0), beyond)]
     }
 
     /// The chunks of a row and of the next, which there is whatever the number.
