@@ -88,10 +88,13 @@ pub(crate) fn guard(body: impl FnOnce() -> Outcome) -> srbf_status {
     body().map_or_else(|failure| failure.status, |()| SRBF_STATUS_OK)
 }
 
-/// Without an operating system there is nowhere to return to from a panic: the thread stops here for ever.
+/// Without an operating system there is nowhere to return to from a panic: the thread stops here for ever. WebAssembly traps.
 #[cfg(not(any(feature = "std", test)))]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    #[cfg(target_family = "wasm")]
+    core::arch::wasm32::unreachable();
+    #[cfg(not(target_family = "wasm"))]
     loop {
         core::hint::spin_loop();
     }

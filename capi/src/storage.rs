@@ -50,9 +50,13 @@ const _: () = assert!(
         && MAX_LOBES == 64
 );
 
+/// Whether every mixture has room for 64 lobes: a third of the code, where that has to be small.
+const IS_ONE: bool = cfg!(feature = "one-capacity");
+
 /// The bytes of storage that a mixture of a number of lobes needs; `None` for more than 64.
 pub(crate) const fn size_for(lobes: usize) -> Option<usize> {
     match lobes {
+        0..=MAX_LOBES if IS_ONE => Some(SRBF_MIXTURE_SIZE_64),
         0..=16 => Some(SRBF_MIXTURE_SIZE_16),
         17..=32 => Some(SRBF_MIXTURE_SIZE_32),
         33..=MAX_LOBES => Some(SRBF_MIXTURE_SIZE_64),
@@ -125,9 +129,9 @@ pub(crate) unsafe fn mixture<'a>(mixture: *const srbf_mixture) -> Result<AnyMixt
     // SAFETY: the caller's word is ours.
     match unsafe { capacity(mixture) }? {
         // SAFETY: the tag says that `init_at` wrote a storage of this capacity here.
-        16 => Ok(AnyMixture::C16(unsafe { &(*mixture.cast::<Storage<16>>()).mixture })),
+        16 if !IS_ONE => Ok(AnyMixture::C16(unsafe { &(*mixture.cast::<Storage<16>>()).mixture })),
         // SAFETY: as above.
-        32 => Ok(AnyMixture::C32(unsafe { &(*mixture.cast::<Storage<32>>()).mixture })),
+        32 if !IS_ONE => Ok(AnyMixture::C32(unsafe { &(*mixture.cast::<Storage<32>>()).mixture })),
         // SAFETY: as above.
         64 => Ok(AnyMixture::C64(unsafe { &(*mixture.cast::<Storage<64>>()).mixture })),
         _ => Err(SRBF_STATUS_OBJECT.into()),
@@ -143,9 +147,9 @@ pub(crate) unsafe fn mixture_mut<'a>(mixture: *mut srbf_mixture) -> Result<AnyMi
     // SAFETY: the caller's word is ours.
     match unsafe { capacity(mixture) }? {
         // SAFETY: the tag says that `init_at` wrote a storage of this capacity here.
-        16 => Ok(AnyMixtureMut::C16(unsafe { &mut (*mixture.cast::<Storage<16>>()).mixture })),
+        16 if !IS_ONE => Ok(AnyMixtureMut::C16(unsafe { &mut (*mixture.cast::<Storage<16>>()).mixture })),
         // SAFETY: as above.
-        32 => Ok(AnyMixtureMut::C32(unsafe { &mut (*mixture.cast::<Storage<32>>()).mixture })),
+        32 if !IS_ONE => Ok(AnyMixtureMut::C32(unsafe { &mut (*mixture.cast::<Storage<32>>()).mixture })),
         // SAFETY: as above.
         64 => Ok(AnyMixtureMut::C64(unsafe { &mut (*mixture.cast::<Storage<64>>()).mixture })),
         _ => Err(SRBF_STATUS_OBJECT.into()),
@@ -164,10 +168,10 @@ pub(crate) unsafe fn init_at(storage: *mut u8, size: usize) -> Result<*mut srbf_
     if size >= SRBF_MIXTURE_SIZE_64 {
         // SAFETY: as above.
         unsafe { write_empty::<64>(storage) };
-    } else if size >= SRBF_MIXTURE_SIZE_32 {
+    } else if !IS_ONE && size >= SRBF_MIXTURE_SIZE_32 {
         // SAFETY: as above.
         unsafe { write_empty::<32>(storage) };
-    } else if size >= SRBF_MIXTURE_SIZE_16 {
+    } else if !IS_ONE && size >= SRBF_MIXTURE_SIZE_16 {
         // SAFETY: as above.
         unsafe { write_empty::<16>(storage) };
     } else {

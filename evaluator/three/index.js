@@ -2,7 +2,9 @@
 
 import * as THREE from "three";
 import text from "./text.js";
+import { wordsOf } from "./words.js";
 
+<<<<<<< HEAD
 const MAGIC = [0x42525389, 0x1a0a0d46], LOBE = 0x45424f4c, FACT = 0x54434146, PACK = 0x4b434150;
 const WIDTH = 1024; // words in a row of the texture
 
@@ -55,20 +57,17 @@ function check(words, length, name) {
     expect(inRange && endOfNodes <= end, `its factors, ${nodes.join(" x ")}, do not fit into the file`);
 }
 
+=======
+const WIDTH = 1024; // words in a row of the texture
+
+>>>>>>> h47w
 /**
  * The words of a .srbf file as a texture.
  * @param {ArrayBuffer | Uint8Array} data the file
  * @param {string} name how errors call it
  */
 export function parseSrbf(data, name = "the material") {
-    const bytes = data instanceof ArrayBuffer ? new Uint8Array(data) : data;
-    const padded = new Uint8Array(4 * WIDTH * Math.max(Math.ceil(bytes.length / (4 * WIDTH)), 1));
-    padded.set(bytes);
-    const view = new DataView(padded.buffer);
-    const words = Uint32Array.from({ length: padded.length / 4 }, (_, i) => view.getUint32(4 * i, true));
-    check(words, bytes.length, name);
-    const end = bytes.length - 4;
-    if (crc32(bytes.subarray(0, end)) !== view.getUint32(end, true)) throw new Error(`${name}: the checksum does not fit: the bytes are damaged`);
+    const words = wordsOf(data, name, WIDTH);
     const texture = new THREE.DataTexture(words, WIDTH, words.length / WIDTH, THREE.RedIntegerFormat, THREE.UnsignedIntType);
     texture.internalFormat = "R32UI";
     texture.needsUpdate = true;

@@ -16,6 +16,7 @@ use crate::anisotropic::tuning::views::{
     AT_STORED_VIEWS, AZIMUTHS, BETWEEN, EVERY, IMPROVEMENT, PER_CELL, RINGS, ROUGHNESS, SCOUTING, STARTS,
     STIFF,
 };
+use crate::clock::Clock;
 use crate::judge::report::Report;
 use crate::numeric::levenberg::{Limits, minimize};
 use crate::table::{Brdf, Density, Symmetry};
@@ -25,7 +26,6 @@ use objective::Objective;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Instant;
 
 /// Most rings that settings may ask for: 64 x 16 stored views are 80 000 unknowns, minutes a step.
 const MAX_RINGS: usize = 64;
@@ -39,7 +39,7 @@ pub(crate) fn fit_brdf(
     settings: &Settings,
     mut progress: impl FnMut(f64) + Send,
 ) -> Result<Fit, FitError> {
-    let clock = Instant::now();
+    let clock = Clock::start();
     if settings.view_angles.as_ref().is_some_and(|k| k.len() > MAX_RINGS) {
         return Err(FitError::Setting { name: "view_angles", reason: format!("at most {MAX_RINGS} rings") });
     }
@@ -86,7 +86,7 @@ pub(crate) fn fit_brdf(
     let report = Report {
         views: judge(&views)?,
         held_out: judge(&held_out)?,
-        seconds: clock.elapsed().as_secs_f64(),
+        seconds: clock.seconds(),
         evaluations: evaluations.into_inner() + done - SCOUTING,
         ending: Some(ending),
         ..Report::default()

@@ -1,8 +1,8 @@
 //! How many lobes: the fewest that reach an error.
 
+use crate::clock::Clock;
 use crate::judge::report::mean_error;
 use crate::{Fit, FitError, Settings};
-use std::time::Instant;
 
 /// Fits with ever more lobes until the error of the settings is reached, then with fewer, as long as it is.
 ///
@@ -22,7 +22,7 @@ pub(crate) fn fewest_lobes(
     // Doublings, then halvings of the interval.
     let rounds = 2.0 * (1.0 + libm::log2(most as f64));
     let mut done = 0.0;
-    let (start, mut evaluations) = (Instant::now(), 0);
+    let (start, mut evaluations) = (Clock::start(), 0);
     let mut with = |lobes: usize| {
         let found = fit(&Settings { error: None, ..settings.with_lobes(lobes) })?;
         done += 1.0;
@@ -56,7 +56,7 @@ pub(crate) fn fewest_lobes(
             too_few = middle;
         }
     }
-    best.report.seconds = start.elapsed().as_secs_f64();
+    best.report.seconds = start.seconds();
     best.report.evaluations = evaluations;
     Ok(best)
 }

@@ -4,6 +4,7 @@ pub mod analytic;
 mod anisotropic;
 #[cfg(feature = "baselines")]
 pub mod baselines;
+mod clock;
 pub mod complete;
 mod error;
 pub mod export;

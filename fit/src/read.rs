@@ -125,50 +125,75 @@ pub fn read(path: &Path) -> Result<Source, FitError> {
 /// # Errors
 /// As `read`; conventions for a file that has no samples are an error.
 pub fn read_with(path: &Path, conventions: &Conventions) -> Result<Source, FitError> {
-    let fault = |source| FitError::Read { path: path.to_path_buf(), source };
-    conventions.check().map_err(|text| fault(ReadError::Content(text)))?;
-    let needless = || {
-        let text =
-            "conventions of angles, mirror, values and units are for samples; this file states its own";
-        Err(fault(ReadError::Content(text.into())))
-    };
-    let is_default = *conventions == Conventions::default();
+    check_conventions(path, conventions)?;
     if let Some(text) = path.to_str().and_then(|p| p.strip_prefix(analytic::PREFIX)) {
-        if !is_default {
-            return needless();
+        if *conventions != Conventions::default() {
+            return Err(needless(path));
         }
         let analytic::Named { brdf, name, identity } = analytic::parse(text)?;
         return Ok(Source::evaluable(brdf, name, sha256(&identity)));
     }
-    let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let bytes = read_bytes(path, MAX_FILE, |size| limit::check_ending(&ending, path, size))?;
-    let format = format::recognise(&bytes, &ending).map_err(fault)?;
+    let bytes = read_bytes(path, MAX_FILE, |size| limit::check_ending(&ending(path), path, size))?;
+    of_bytes(path, &bytes, conventions)
+}
+
+/// [`read_with`] of the bytes of a file, where no file can be opened: in a browser. `name` is the file's, of which the ending counts.
+///
+/// # Errors
+/// As `read_with`.
+pub fn read_from(name: &str, bytes: &[u8], conventions: &Conventions) -> Result<Source, FitError> {
+    let path = Path::new(name);
+    check_conventions(path, conventions)?;
+    of_bytes(path, bytes, conventions)
+}
+
+/// The end of a file's name in lower case.
+fn ending(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
+}
+
+/// Refuses conventions that are out of range.
+fn check_conventions(path: &Path, conventions: &Conventions) -> Result<(), FitError> {
+    let fault = |text| FitError::Read { path: path.to_path_buf(), source: ReadError::Content(text) };
+    conventions.check().map_err(fault)
+}
+
+/// The error of conventions that a file leaves no room for.
+fn needless(path: &Path) -> FitError {
+    let text = "conventions of angles, mirror, values and units are for samples; this file states its own";
+    FitError::Read { path: path.to_path_buf(), source: ReadError::Content(text.into()) }
+}
+
+/// The measurement in the bytes of a file; `path` is for its name, its ending and messages.
+fn of_bytes(path: &Path, bytes: &[u8], conventions: &Conventions) -> Result<Source, FitError> {
+    let fault = |source| FitError::Read { path: path.to_path_buf(), source };
+    let format = format::recognise(bytes, &ending(path)).map_err(fault)?;
     let is_text = !matches!(format, Format::Merl | Format::Rgl);
     check_memory(if is_text { TEXT } else { 1 } * bytes.len() as u64).map_err(FitError::io(path))?;
     let name = printable(&path.file_name().unwrap_or_default().to_string_lossy()).to_string();
-    let sha256 = sha256(&bytes);
-    if !is_text && !is_default {
-        return needless();
+    let sha256 = sha256(bytes);
+    if !is_text && *conventions != Conventions::default() {
+        return Err(needless(path));
     }
     let intake = match format {
         Format::Merl => {
-            let grid = merl::parse(&bytes).map_err(fault)?;
+            let grid = merl::parse(bytes).map_err(fault)?;
             return Ok(Source::evaluable(filled(grid)?, name, sha256));
         }
         Format::Rgl => {
-            return Ok(Source::evaluable(Box::new(rgl::parse(&bytes).map_err(fault)?), name, sha256));
+            return Ok(Source::evaluable(Box::new(rgl::parse(bytes).map_err(fault)?), name, sha256));
         }
-        Format::Cornell => cornell::parse(&bytes, conventions),
-        Format::Astm => astm::parse(&bytes, conventions),
-        Format::Zemax => scatter_tables::zemax(&bytes, conventions),
-        Format::LightTools => scatter_tables::lighttools(&bytes, conventions),
-        Format::OpenMaterial => openmaterial::parse(&bytes, conventions),
-        Format::Alta => alta::parse(&bytes, conventions),
-        Format::SpeosAnisotropic => speos::anisotropic(&bytes, conventions),
-        Format::SpeosSpectral => speos::spectral(&bytes, conventions),
-        Format::PabOpto => pab_opto::parse(&bytes, conventions),
-        Format::Ssdd => ssdd::parse(&bytes, conventions),
-        Format::Text => csv::parse(&bytes, conventions),
+        Format::Cornell => cornell::parse(bytes, conventions),
+        Format::Astm => astm::parse(bytes, conventions),
+        Format::Zemax => scatter_tables::zemax(bytes, conventions),
+        Format::LightTools => scatter_tables::lighttools(bytes, conventions),
+        Format::OpenMaterial => openmaterial::parse(bytes, conventions),
+        Format::Alta => alta::parse(bytes, conventions),
+        Format::SpeosAnisotropic => speos::anisotropic(bytes, conventions),
+        Format::SpeosSpectral => speos::spectral(bytes, conventions),
+        Format::PabOpto => pab_opto::parse(bytes, conventions),
+        Format::Ssdd => ssdd::parse(bytes, conventions),
+        Format::Text => csv::parse(bytes, conventions),
     }
     .map_err(fault)?;
     Source::of_samples(intake, path, name, sha256)

@@ -22,6 +22,7 @@ mod stability;
 mod stated;
 mod survey;
 mod thesis_table;
+mod web;
 
 use clap::{Parser, Subcommand};
 use srbf_reference_renderer::command::program;
@@ -55,6 +56,7 @@ enum Command {
     Samples(samples::Args),
     Slice(slice::Args),
     BenchReport(bench_report::Args),
+    Web(web::Args),
 }
 
 fn main() -> ExitCode {
@@ -77,6 +79,7 @@ fn main() -> ExitCode {
             Command::Samples(args) => samples::run(args),
             Command::Slice(args) => slice::run(args),
             Command::BenchReport(args) => bench_report::run(args),
+            Command::Web(args) => web::run(&args),
         }
     })
 }

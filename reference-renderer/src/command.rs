@@ -16,6 +16,7 @@ mod pack;
 mod pages;
 pub mod plot;
 pub mod render;
+pub mod view;
 mod view_table;
 
 use crate::out::{output, print};
@@ -61,6 +62,7 @@ enum Command {
     Plot(plot::Args),
     Ball(ball::Args),
     Compare(Box<compare::Args>),
+    View(view::Args),
     #[command(hide = true)]
     Completions(pages::Completions),
     #[command(hide = true)]
@@ -115,6 +117,7 @@ pub fn run(cli: Cli) -> anyhow::Result<()> {
         Some(Command::Plot(args)) => plot::run(args),
         Some(Command::Ball(args)) => ball::run(args),
         Some(Command::Compare(args)) => compare::run(&args),
+        Some(Command::View(args)) => view::run(&args),
         Some(Command::Completions(args)) => pages::completions(args),
         Some(Command::Man(args)) => pages::man(args),
     }

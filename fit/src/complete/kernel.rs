@@ -41,10 +41,10 @@ impl NullaryFnOnce for Row<'_> {
             let mut r2 = 0.0f64;
             for k in 0..COORDINATES {
                 let d = from[k][n] - to[k];
-                r2 = (weights[k] * d).mul_add(d, r2);
+                r2 = vector::fused(weights[k] * d, d, r2);
             }
             let r = r2.sqrt();
-            out[n] = kernel.joint * r2.mul_add(1.0 / 3.0, 1.0 + r) * vector::exp(-r);
+            out[n] = kernel.joint * vector::fused(r2, 1.0 / 3.0, 1.0 + r) * vector::exp(-r);
         }
         for k in 0..3 {
             let (variance, length) = kernel.alone[k];
@@ -52,7 +52,7 @@ impl NullaryFnOnce for Row<'_> {
                 let weight = -0.5 / (length * length);
                 for n in 0..len {
                     let d = from[k][n] - to[k];
-                    out[n] = variance.mul_add(vector::exp(weight * d * d), out[n]);
+                    out[n] = vector::fused(variance, vector::exp(weight * d * d), out[n]);
                 }
             }
         }

@@ -2,6 +2,7 @@
 
 use super::measurement::Measurement;
 use crate::complete::tuning::scale::FLOOR;
+use crate::numeric::vector::fused;
 
 /// `asinh(f / (2 floor))`: the logarithm of `f / floor` where f is much more than that.
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +23,7 @@ impl Scale {
 
     /// Derivative of the place on the scale by the value.
     pub fn slope(self, f: f64) -> f64 {
-        1.0 / libm::sqrt(f.mul_add(f, self.twice * self.twice))
+        1.0 / libm::sqrt(fused(f, f, self.twice * self.twice))
     }
 
     /// Back.

@@ -22,7 +22,7 @@ pub(crate) mod parameters;
 
 use crate::isotropic::model::parameters::Layout;
 use crate::isotropic::tuning::model::NEGLIGIBLE;
-use crate::numeric::vector::exp;
+use crate::numeric::vector::{exp, fused};
 use std::f64::consts::FRAC_1_PI;
 
 /// Directions of a panel.
@@ -195,7 +195,7 @@ impl Lobes {
             let Some(value) = self.column(k, panel) else { continue };
             for (sum, amplitudes) in sums.iter_mut().zip(amplitudes) {
                 let amplitude = amplitudes[k];
-                sum.iter_mut().zip(&value).for_each(|(sum, v)| *sum = amplitude.mul_add(*v, *sum));
+                sum.iter_mut().zip(&value).for_each(|(sum, v)| *sum = fused(amplitude, *v, *sum));
             }
         }
         sums

@@ -11,6 +11,7 @@ mod finalist;
 pub(crate) mod schedule;
 mod start;
 
+use crate::clock::Clock;
 use crate::isotropic::balance;
 use crate::isotropic::effort::Effort;
 use crate::isotropic::encode;
@@ -29,7 +30,6 @@ use crate::{FitError, Settings};
 use rayon::prelude::*;
 use schedule::{FACTORED, LAST, LIGHT, Resampling, Stage};
 use std::sync::atomic::AtomicUsize;
-use std::time::Instant;
 
 /// The material whose lobes draw directions of a table, as bytes, and the resampling that it is for.
 #[derive(Clone, Copy)]
@@ -66,7 +66,7 @@ pub(crate) fn run(
     settings: &Settings,
     mut progress: impl FnMut(f64) + Send,
 ) -> Result<Fit, FitError> {
-    let start = Instant::now();
+    let start = Clock::start();
     let view_angles =
         settings.view_angles.clone().unwrap_or_else(|| source.view_angles(settings.view_count()));
     let table = source.table(&view_angles, None)?;
@@ -83,7 +83,7 @@ pub(crate) fn run(
     let views = reports(&bytes, &table)?;
     let evaluations = work.evaluations.into_inner();
     progress(1.0);
-    let (seconds, ending) = (start.elapsed().as_secs_f64(), Some(candidate.ending));
+    let (seconds, ending) = (start.seconds(), Some(candidate.ending));
     Ok(Fit { bytes, report: Report { views, seconds, evaluations, ending, ..Report::default() } })
 }
 

@@ -1,5 +1,6 @@
 //! Fits of isotropic surfaces: to a BRDF, or to samples and their completion.
 
+use crate::clock::Clock;
 use crate::complete::Completion;
 use crate::isotropic::effort::{COMPLETED, Effort, MEASURED};
 use crate::isotropic::resample::resampled;
@@ -14,7 +15,6 @@ use crate::table::evaluation_views;
 use crate::table::{Brdf, Density, Sample, Table, View};
 use crate::{Fit, FitError, Settings};
 use srbf_core::Material;
-use std::time::Instant;
 
 /// Golden section: its multiples are spread evenly, and never at the same places.
 const GOLDEN_SECTION: f64 = 0.618_033_988_75;
@@ -58,7 +58,7 @@ fn fit_both(
     settings: &Settings,
     progress: impl FnMut(f64) + Send,
 ) -> Result<Fit, FitError> {
-    let start = Instant::now();
+    let start = Clock::start();
     let probes = Probes::new(brdf, LAST_VIEW.to_radians(), settings.view_count())?;
     let effort = if samples.is_some() { &COMPLETED } else { &MEASURED };
     let source = Evaluable { brdf, samples, probes, effort };
@@ -78,7 +78,7 @@ fn fit_both(
         let reports = held_out.views.iter().map(|view| ViewReport::new(&fit.bytes, view));
         fit.report.held_out = reports.collect::<Result<_, _>>()?;
     }
-    fit.report.seconds = start.elapsed().as_secs_f64();
+    fit.report.seconds = start.seconds();
     Ok(fit)
 }
 

@@ -1,11 +1,11 @@
 //! One method on one table, with everything that a row of the thesis's Table 5.1 says, judged the same way for each.
 
 use crate::FitError;
+use crate::clock::Clock;
 use crate::judge::cross::{CrossValidation, cross_validate};
 use crate::judge::method::Method;
 use crate::judge::norm::{Norm, relative, squares};
 use crate::table::{Table, View};
-use std::time::Instant;
 
 /// The fit of a table by a method.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,9 +27,9 @@ pub struct Score {
 /// # Errors
 /// As [`Method::fit`] and [`cross_validate`].
 pub fn score(table: &Table, method: &dyn Method, cross: bool) -> Result<Score, FitError> {
-    let start = Instant::now();
+    let start = Clock::start();
     let fitted = method.fit(table)?;
-    let seconds = start.elapsed().as_secs_f64();
+    let seconds = start.seconds();
     let mut score = Score { mean: 0.0, mean_of_f: 0.0, whole: 0.0, seconds, held_out: None };
     let (mut difference, mut data) = (0.0, 0.0);
     let is_bright = |view: &&View| view.samples.iter().any(|s| s.rgb.iter().any(|v| *v > 0.0));

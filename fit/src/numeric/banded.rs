@@ -160,7 +160,7 @@ impl Banded {
             let mut sums = ZERO;
             let value = std::mem::take(&mut x[block].0[n]);
             for (x, u) in x[block..].iter().zip(row) {
-                (0..WIDE).for_each(|n| sums.0[n] = x.0[n].mul_add(u.0[n], sums.0[n]));
+                (0..WIDE).for_each(|n| sums.0[n] = vector::fused(x.0[n], u.0[n], sums.0[n]));
             }
             let [a, b, c, d, e, f, g, h] = sums.0;
             x[block].0[n] = (value - (((a + e) + (c + g)) + ((b + f) + (d + h)))) / row[0].0[n];
@@ -178,7 +178,7 @@ impl Chunk {
     #[inline(always)]
     fn subtract(&mut self, factor: f64, other: &Self) {
         for n in 0..WIDE {
-            self.0[n] = (-factor).mul_add(other.0[n], self.0[n]);
+            self.0[n] = vector::fused(-factor, other.0[n], self.0[n]);
         }
     }
 }

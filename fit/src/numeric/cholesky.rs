@@ -3,7 +3,7 @@
 //! Both are made of inner products of rows, in tiles that stay in registers. Sums have a fixed order and are fused everywhere, so that
 //! every processor gives the same bits.
 
-use super::vector;
+use super::vector::{self, fused};
 use pulp::{Simd, WithSimd};
 
 /// Rows that are worked on at a time.
@@ -235,6 +235,9 @@ impl Products<'_> {
 /// Inner products of some rows with some others, in lanes that are still to be added up.
 #[inline(always)]
 fn tile<const SIDE: usize>(down: [&[f64]; SIDE], across: [&[f64]; SIDE]) -> [[[f64; LANES]; SIDE]; SIDE] {
+    if cfg!(target_family = "wasm") {
+        return vector::tile_in_pairs(down, across);
+    }
     let mut sums = [[[0.0; LANES]; SIDE]; SIDE];
     let len = down[0].len();
     let down = down.map(|row| &row[..len]);
@@ -245,7 +248,7 @@ fn tile<const SIDE: usize>(down: [&[f64]; SIDE], across: [&[f64]; SIDE]) -> [[[f
         for i in 0..SIDE {
             for j in 0..SIDE {
                 for lane in 0..LANES {
-                    sums[i][j][lane] = rows[i][lane].mul_add(columns[j][lane], sums[i][j][lane]);
+                    sums[i][j][lane] = fused(rows[i][lane], columns[j][lane], sums[i][j][lane]);
                 }
             }
         }

@@ -2,16 +2,25 @@
 //!
 //! `pulp` compiles a loop for AVX2 and FMA beside the baseline and chooses at run time, without unsafe code here. Additions keep
 //! their order, and fused operations are fused everywhere (slowly on an x86 without FMA), so every machine gives the same bits.
+//! WebAssembly has no fused operation that is the same on every machine: there products are rounded, and every browser gives the
+//! same bits, others than those of processors.
 
 use pulp::{Arch, WithSimd};
 use std::f64::consts::LOG2_E;
 use std::sync::LazyLock;
+use wide::f64x2;
 
 static ARCH: LazyLock<Arch> = LazyLock::new(Arch::new);
 
 /// Runs an operation with the widest vectors there are; everything that it calls has to be `inline(always)`.
 pub(crate) fn run<Operation: WithSimd>(operation: Operation) -> Operation::Output {
     ARCH.dispatch(operation)
+}
+
+/// `a b + c`, rounded once; in WebAssembly twice, where to round once would be a function of a hundred instructions.
+#[inline(always)]
+pub(crate) fn fused(a: f64, b: f64, c: f64) -> f64 {
+    if cfg!(target_family = "wasm") { a * b + c } else { a.mul_add(b, c) }
 }
 
 /// Below this the exponential is 0: it is under the rounding of anything that it is added to.
@@ -45,15 +54,53 @@ const TAYLOR: [f64; 13] = [
 #[inline(always)]
 pub(crate) fn exp(t: f64) -> f64 {
     let inside = if t > SMALLEST { t } else { SMALLEST };
-    let shifted = inside.mul_add(LOG2_E, ROUND);
+    let shifted = fused(inside, LOG2_E, ROUND);
     let whole = shifted - ROUND;
-    let r = whole.mul_add(-LN_2_LOW, whole.mul_add(-LN_2_HIGH, inside));
+    let r = fused(whole, -LN_2_LOW, fused(whole, -LN_2_HIGH, inside));
     let mut p = TAYLOR[0];
     for c in &TAYLOR[1..] {
-        p = p.mul_add(r, *c);
+        p = fused(p, r, *c);
     }
     let scaled = f64::from_bits(p.to_bits().wrapping_add(shifted.to_bits() << 52));
     if t > SMALLEST { scaled } else { 0.0 }
+}
+
+/// Inner products of some rows with some others, of whole lanes of eight, in lanes that are still to be added up: for WebAssembly, whose
+/// compiler leaves such a loop in scalars. Half of the lanes at a time fit into the registers of most processors.
+#[inline(always)]
+pub(crate) fn tile_in_pairs<const SIDE: usize>(
+    down: [&[f64]; SIDE],
+    across: [&[f64]; SIDE],
+) -> [[[f64; 8]; SIDE]; SIDE] {
+    let mut out = [[[0.0; 8]; SIDE]; SIDE];
+    // By chunks, so that no place within one is checked.
+    let count = down[0].len() / 8;
+    let down: [&[[f64; 8]]; SIDE] = std::array::from_fn(|i| &down[i].as_chunks().0[..count]);
+    let across: [&[[f64; 8]]; SIDE] = std::array::from_fn(|i| &across[i].as_chunks().0[..count]);
+    for half in [0, 4] {
+        let pairs = |chunk: &[f64; 8]| {
+            [f64x2::from([chunk[half], chunk[half + 1]]), f64x2::from([chunk[half + 2], chunk[half + 3]])]
+        };
+        let mut sums = [[[f64x2::ZERO; 2]; SIDE]; SIDE];
+        for n in 0..count {
+            let rows = down.map(|row| pairs(&row[n]));
+            let columns = across.map(|row| pairs(&row[n]));
+            for i in 0..SIDE {
+                for j in 0..SIDE {
+                    for k in 0..2 {
+                        sums[i][j][k] += rows[i][k] * columns[j][k];
+                    }
+                }
+            }
+        }
+        for i in 0..SIDE {
+            for j in 0..SIDE {
+                let [[a, b], [c, d]] = sums[i][j].map(f64x2::to_array);
+                out[i][j][half..half + 4].copy_from_slice(&[a, b, c, d]);
+            }
+        }
+    }
+    out
 }
 
 /// Inner product in eight running sums, which the compiler may turn into lanes; the order is fixed.
@@ -73,6 +120,21 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn tiles_are_inner_products_in_lanes() {
+        let row = |seed: usize| (0..24).map(|n| ((seed * 7 + n * 5) % 11) as f64).collect::<Vec<_>>();
+        let rows = [1, 2, 3, 4].map(row);
+        let found = tile_in_pairs([&rows[0][..], &rows[1][..]], [&rows[2][..], &rows[3][..]]);
+        for i in 0..2 {
+            for j in 0..2 {
+                for lane in 0..8 {
+                    let products = (0..3).map(|n| rows[i][8 * n + lane] * rows[2 + j][8 * n + lane]);
+                    assert_eq!(found[i][j][lane], products.sum::<f64>());
+                }
+            }
+        }
+    }
 
     #[test]
     fn the_exponential_agrees_with_libm() {

@@ -41,6 +41,11 @@ const PACKAGES: &[Package] = &[
     Package { folder: "fit", may_take_from_parent: true, known: &[["fit.rs", "fewest_lobes.rs"]] },
     Package { folder: "evaluator", may_take_from_parent: false, known: &[["export.rs", "language.rs"]] },
     Package {
+        folder: "web",
+        may_take_from_parent: false,
+        known: &[["open.rs", "points.rs"], ["page.rs", "open.rs"]],
+    },
+    Package {
         folder: "capi",
         may_take_from_parent: false,
         known: &[["request.rs", "streams.rs"], ["ask.rs", "arrays.rs"]],

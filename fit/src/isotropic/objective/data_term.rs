@@ -6,7 +6,7 @@
 //! gradient is exact, the steps are a little shorter or longer than Gauss-Newton's.
 
 use crate::isotropic::model::{Column, Lobes, PANEL};
-use crate::numeric::vector;
+use crate::numeric::vector::{self, fused};
 use pulp::{NullaryFnOnce, Simd, WithSimd};
 
 /// A sample as the fit sees it.
@@ -187,7 +187,7 @@ impl AllSums<'_> {
                 for (lobe, column) in values.filter(|v| is_used[v.1]) {
                     let amplitude = self.amplitudes[c][lobe];
                     for (d, v) in difference.iter_mut().zip(&columns[column]) {
-                        *d = amplitude.mul_add(*v, *d);
+                        *d = fused(amplitude, *v, *d);
                     }
                 }
                 // By the weight of the channel, over that of all, which the derivatives have.
@@ -232,12 +232,15 @@ impl AllSums<'_> {
 /// Inner products of some columns with some others, in lanes that are still to be added up.
 #[inline(always)]
 fn tile<const SIDE: usize>(down: [&Column; SIDE], across: [&Column; SIDE]) -> [[[f64; LANES]; SIDE]; SIDE] {
+    if cfg!(target_family = "wasm") {
+        return vector::tile_in_pairs(down.map(|column| &column[..]), across.map(|column| &column[..]));
+    }
     let mut sums = [[[0.0; LANES]; SIDE]; SIDE];
     for n in (0..PANEL).step_by(LANES) {
         for i in 0..SIDE {
             for j in 0..SIDE {
                 for lane in 0..LANES {
-                    sums[i][j][lane] = down[i][n + lane].mul_add(across[j][n + lane], sums[i][j][lane]);
+                    sums[i][j][lane] = fused(down[i][n + lane], across[j][n + lane], sums[i][j][lane]);
                 }
             }
         }

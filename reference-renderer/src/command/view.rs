@@ -1,0 +1,94 @@
+//! `srbf view`.
+
+mod browser;
+mod server;
+
+use crate::out::print;
+use crate::out::print::shown;
+use crate::out::progress::Progress;
+use crate::truth::stored::{MATTE, PRESETS, StoredMaterial};
+use crate::world::teapot;
+use anyhow::{Context, anyhow};
+use server::Server;
+use srbf_web::{Opened, Preset, Teapot, fitted, open};
+use std::path::{Path, PathBuf};
+
+/// Quadrilaterals along each side of a patch of the teapot.
+const TEAPOT_STEPS: u32 = 10;
+
+/// Largest fitter that is read.
+const MAX_FITTER: u64 = 1 << 26;
+
+/// Shows a material in a browser: ball and teapot, lobes, verdict.
+///
+/// A measurement is fitted first, as `srbf fit` does. The page is served on the loopback address alone, until the command is ended by
+/// Ctrl-C. Materials may be dropped on it. Measurements too, if --page names a folder of `packaging/web`, which holds the fitter for browsers.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The material, a .srbf file or the name of a preset; or a measurement or model that `srbf fit` reads [default: the presets]
+    #[arg(value_name = "FILE|PRESET|MODEL")]
+    material: Option<String>,
+    /// Port of the loopback address; 0 is any that is free
+    #[arg(long, default_value_t = 0)]
+    port: u16,
+    /// Prints the address, and opens no browser
+    #[arg(long)]
+    no_open: bool,
+    /// A folder that `packaging/web` wrote: its fitter.js fits measurements that are dropped on the page
+    #[arg(long, value_name = "DIR")]
+    page: Option<PathBuf>,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let fitter = args.page.as_deref().map(fitter).transpose()?;
+    // Before a fit, which takes seconds.
+    let server = Server::bind(args.port)?;
+    let opened = args.material.as_deref().map(opened).transpose()?;
+    let mut files = files(opened.as_ref())?;
+    // Without it an empty script, so that no request of the page fails.
+    files.push(("fitter.js", fitter.unwrap_or_default()));
+    let address = server.address();
+    println!("{address} shows {}; Ctrl-C ends it", args.material.as_deref().unwrap_or("the presets"));
+    print::flush();
+    if !args.no_open
+        && let Err(error) = browser::open(&address)
+    {
+        println!("note no browser was opened: {error}");
+    }
+    server.run(files)
+}
+
+/// The files of the page but for the fitter.
+///
+/// # Errors
+/// As the page says them.
+pub fn files(opened: Option<&Opened>) -> anyhow::Result<Vec<(&'static str, Vec<u8>)>> {
+    let mesh = teapot::tessellate(TEAPOT_STEPS);
+    let numbers = |vectors: &[glam::Vec3]| vectors.iter().map(|v| v.to_array()).collect::<Vec<_>>();
+    let (positions, normals) = (numbers(&mesh.positions), numbers(&mesh.normals));
+    let teapot = Teapot { positions: &positions, normals: &normals, triangles: &mesh.triangles };
+    let presets: Vec<Preset<'_>> = PRESETS.iter().map(|&(name, bytes)| Preset { name, bytes }).collect();
+    srbf_web::files(&presets, &teapot, opened).map_err(|text| anyhow!(text))
+}
+
+/// The fitter of a folder.
+fn fitter(folder: &Path) -> anyhow::Result<Vec<u8>> {
+    let file = folder.join("fitter.js");
+    srbf_fit::read_at_most(&file, MAX_FITTER)
+        .with_context(|| format!("--page: {}: a folder that `packaging/web` wrote is expected", shown(&file)))
+}
+
+/// The material of a name: as it is stored, or fitted.
+fn opened(name: &str) -> anyhow::Result<Opened> {
+    let is_stored = name == MATTE
+        || PRESETS.iter().any(|preset| preset.0 == name)
+        || Path::new(name).extension().is_some_and(|end| end.eq_ignore_ascii_case("srbf"));
+    if is_stored {
+        let StoredMaterial { name, material } = StoredMaterial::load(name)?;
+        return open(&format!("{name}.srbf"), material.bytes(), |_| {}).map_err(|text| anyhow!(text));
+    }
+    let source = srbf_fit::read::read(name.as_ref())?;
+    let progress = Progress::of_shares(&source.name);
+    fitted(&source, |share| progress.set_share(share)).map_err(|text| anyhow!(text))
+}

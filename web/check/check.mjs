@@ -1,0 +1,263 @@
+// The page in headless Chromium: load, turn, fit, download, and the ball beside `srbf render`: node check.mjs PAGE CHROMIUM SRBF [MEASURED...]
+//
+// PAGE is a folder of `packaging/web`. MEASURED files are fitted, the first with a limit in seconds. Screenshots go to PAGE/shots.
+
+import { spawn, spawnSync } from "node:child_process";
+import { mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { join, resolve } from "node:path";
+import { pathToFileURL } from "node:url";
+import { open, start } from "./browser.mjs";
+import { exr, radiance } from "./pictures.mjs";
+
+const [folder, program, srbf, ...measured] = process.argv.slice(2).map((path) => resolve(path));
+const [SIDE, BLOCK, PICTURES] = [96, 8, 32];
+const MOST_NOISES = 1.5, MOST_NOISE = 0.03;
+const shots = join(folder, "shots"), taken = join(folder, "taken");
+[shots, taken].forEach((place) => { rmSync(place, { recursive: true, force: true }); mkdirSync(place); });
+
+let isRight = true;
+function expectThat(holds, what) {
+    if (!holds) console.log(`FAILS: ${what}`);
+    isRight &&= Boolean(holds);
+}
+
+function command(...parameters) {
+    const run = spawnSync(srbf, parameters, { encoding: "utf8" });
+    if (run.status !== 0) throw new Error(`srbf ${parameters.join(" ")}: ${run.stderr}`);
+    return run.stdout;
+}
+
+/** Means over blocks that lie within the ball, of numbers with `count` a pixel, rows from the top. */
+function blocks(pixels, count) {
+    const means = [];
+    for (let y = 0; y < SIDE; y += BLOCK) {
+        for (let x = 0; x < SIDE; x += BLOCK) {
+            const sum = [0, 0, 0];
+            let reach = 0;
+            for (let i = 0; i < BLOCK * BLOCK; i++) {
+                const [px, py] = [x + (i % BLOCK), y + Math.floor(i / BLOCK)];
+                reach = Math.max(reach, Math.hypot(px + 0.5 - SIDE / 2, py + 0.5 - SIDE / 2));
+                for (let c = 0; c < 3; c++) sum[c] += pixels[count * (py * SIDE + px) + c] / BLOCK ** 2;
+            }
+            if (reach < 0.34 * SIDE) means.push(...sum);
+        }
+    }
+    return means;
+}
+
+/** Root mean square of a difference over the mean of the second. */
+function apart(a, b) {
+    const square = a.reduce((sum, value, i) => sum + (value - b[i]) ** 2, 0);
+    return Math.sqrt(square / a.length) / (b.reduce((sum, value) => sum + Math.abs(value), 0) / b.length);
+}
+
+const both = (a, b) => a.map((value, i) => 0.5 * (value + b[i]));
+
+function turnedOver(rows, count) {
+    const out = new Float32Array(rows.length), line = count * SIDE;
+    for (let y = 0; y < SIDE; y++) out.set(rows.slice(y * line, (y + 1) * line), (SIDE - 1 - y) * line);
+    return out;
+}
+
+/** Balls of the page beside those of `srbf render`, under lights of the page as maps. */
+async function balls(page) {
+    console.log("balls: difference from srbf render over the mean, noise of both, difference in noises");
+    for (const [light, name, size, material] of [[2, "sky", [512, 256], "cayman"], [1, "lamps", [1024, 512], "garnet_red"]]) {
+        const numbers = await page.call(`Array.from(srbf.tracer.map(${light}, ${size[0]}, ${size[1]}))`);
+        const map = join(taken, `${name}.hdr`);
+        writeFileSync(map, radiance(numbers, ...size));
+        const references = [0, 1].map((seed) => {
+            const to = join(taken, `${material}-${seed}.exr`);
+            command("render", "--quiet", "--scene", "sphere", "--material", material, "--env", map, "--size", `${SIDE}x${SIDE}`, "--spp", "64", "--seed", String(seed), "-o", to);
+            return blocks(exr(readFileSync(to)).pixels, 3);
+        });
+        await page.call(`document.querySelector("[data-name=${material}]").click(), srbf.tracer.light = ${light}, srbf.tracer.home()`);
+        const halves = [];
+        for (const first of [0, 5000]) {
+            const rows = await page.call(`Array.from(srbf.tracer.rendered(${SIDE}, ${SIDE}, ${PICTURES}, ${first}))`);
+            halves.push(blocks(turnedOver(rows, 4), 4));
+        }
+        const [ours, theirs] = [both(...halves), both(...references)];
+        const noise = 0.5 * Math.hypot(apart(...halves), apart(...references));
+        const difference = apart(ours, theirs);
+        console.log(`  ${material} under ${name}: ${(100 * difference).toFixed(2)} %, noise ${(100 * noise).toFixed(2)} %, ${(difference / noise).toFixed(2)} noises`);
+        expectThat(difference <= MOST_NOISES * noise && noise > 0 && noise < MOST_NOISE, `the ball of ${material} under ${name} is that of srbf render`);
+    }
+    await page.call("srbf.tracer.set({ light: 2 })");
+}
+
+/** Material, keys, slider, faults. */
+async function used(page) {
+    expectThat(await page.call(`document.getElementById("name").textContent`) === "Garnet red", "a preset is there at once");
+    await page.give("#file", [join(folder, "presets", "cayman.srbf")]);
+    await page.until(`document.getElementById("name").textContent === "Cayman"`);
+    await page.call(`document.getElementById("canvas").focus()`);
+    const before = await page.call("srbf.tracer.turns.ball.azimuth");
+    await page.key("ArrowLeft");
+    expectThat(await page.call("srbf.tracer.turns.ball.azimuth") !== before, "an arrow key turns the ball");
+    const curve = `document.querySelector("#curves .all").getAttribute("d")`;
+    const [path, degrees] = await page.call(`[${curve}, document.getElementById("degrees").value]`);
+    await page.call(`document.getElementById("degrees").focus()`);
+    await page.key("ArrowRight");
+    expectThat(await page.call(`document.getElementById("degrees").value`) === String(Number(degrees) + 1), "an arrow key moves the slider");
+    expectThat(await page.call(curve) !== path, "the curves follow the slider");
+    // All that can be done is reached by the tab key.
+    const reached = new Set();
+    await page.call("document.activeElement.blur()");
+    for (let i = 0; i < 40; i++) {
+        await page.key("Tab");
+        reached.add(await page.call(`document.activeElement.id || document.activeElement.name || document.activeElement.dataset.name || document.activeElement.dataset.ending || ""`));
+    }
+    for (const name of ["file", "canvas", "shapes", "lights", "scales", "exposure", "degrees", "garnet_red", "srbf", "glsl", "bsdf", "binary"]) expectThat(reached.has(name), `the tab key reaches ${name}`);
+    // A file that is none.
+    const bytes = readFileSync(join(folder, "presets", "cayman.srbf"));
+    bytes[100] ^= 1;
+    writeFileSync(join(taken, "damaged.srbf"), bytes);
+    await page.give("#file", [join(taken, "damaged.srbf")]);
+    await page.until(`!document.getElementById("notice").hidden`);
+    console.log(`refused: ${await page.call(`document.getElementById("notice").textContent`)}`);
+    expectThat((await page.call(`document.getElementById("notice").textContent`)).includes("damaged.srbf"), "a fault names its file");
+    await page.call(`document.querySelector("[data-name=garnet_red]").click()`);
+    // The teapot.
+    await page.call(`document.querySelector("#shapes [value=teapot]").click()`);
+    await page.until("srbf.tracer.shape === 'teapot' && srbf.tracer.count > 1", 90);
+    const seen = await page.call(`(() => { const p = srbf.tracer.rendered(64, 64, 2); let n = 0; for (let i = 3; i < p.length; i += 4) n += p[i] > 0.5 ? 1 : 0; return n; })()`);
+    expectThat(seen > 400, `the teapot is seen (${seen} of 4096 pixels)`);
+    await page.call(`document.querySelector("#shapes [value=ball]").click()`);
+}
+
+/** A field of numbers of an RGL file. */
+function field(file, wanted) {
+    for (let n = file.readUInt32LE(14), at = 18; n > 0; n--) {
+        const length = file.readUInt16LE(at);
+        const name = file.toString("latin1", at + 2, at + 2 + length);
+        at += 2 + length;
+        const rank = file.readUInt16LE(at);
+        const [start, end] = [Number(file.readBigUInt64LE(at + 3)), at + 11 + 8 * rank];
+        let count = 1;
+        for (let k = 0; k < rank; k++) count *= Number(file.readBigUInt64LE(at + 11 + 8 * k));
+        if (name === wanted) return Array.from({ length: count }, (_, k) => file.readFloatLE(start + 4 * k));
+        at = end;
+    }
+    return [];
+}
+
+/** The numbers of a MERL file that were measured. */
+function doubles(file) {
+    return Array.from({ length: (file.length - 20) >> 3 }, (_, k) => Math.max(file.readDoubleLE(12 + 8 * k), 0));
+}
+
+/** Files that the page writes are those of the command. */
+async function downloads(browser, page) {
+    await browser.send("Browser.setDownloadBehavior", { behavior: "allow", downloadPath: taken, eventsEnabled: true });
+    await page.call(`document.querySelector("[data-name=garnet_red]").click()`);
+    const of = {};
+    for (const ending of ["srbf", "glsl", "bsdf", "binary"]) {
+        const done = new Promise((resolve) => browser.on("Browser.downloadProgress", ({ state }) => { if (state === "completed") resolve(); }));
+        await page.call(`document.querySelector("[data-ending=${ending}]").click()`);
+        await Promise.race([done, new Promise((_, reject) => setTimeout(() => reject(new Error(`no .${ending} in 90 s`)), 90000).unref())]);
+        of[ending] = readFileSync(join(taken, `garnet_red.${ending}`));
+        await page.until(`!document.querySelector("[data-ending=${ending}]").disabled`);
+    }
+    const preset = join(folder, "presets", "garnet_red.srbf");
+    expectThat(of.srbf.equals(readFileSync(preset)), "the material is the preset");
+    command("export", preset, "--glsl", "-o", join(taken, "own.glsl"));
+    expectThat(of.glsl.equals(readFileSync(join(taken, "own.glsl"))), "the shader is that of srbf export");
+    for (const [ending, bytes, numbers] of [["bsdf", of.bsdf, (file) => field(file, "rgb")], ["binary", of.binary, (file) => doubles(file)]]) {
+        command("convert", preset, join(taken, `own.${ending}`));
+        const own = readFileSync(join(taken, `own.${ending}`));
+        expectThat(own.length === bytes.length, `.${ending} has the size of that of srbf convert`);
+        const [a, b] = [numbers(bytes), numbers(own)];
+        let [difference, all] = [0, 0];
+        b.forEach((value, n) => { difference += (a[n] - value) ** 2; all += value ** 2; });
+        const error = Math.sqrt(difference / all);
+        console.log(`download .${ending}: ${bytes.length} bytes, relative L2 from that of srbf convert ${error.toExponential(1)}`);
+        expectThat(error <= 1e-4 && b.length > 1e5, `.${ending} has the values of srbf convert`);
+    }
+}
+
+/** Measured files are fitted; the first is cancelled before. */
+async function fits(page) {
+    for (const [i, file] of measured.entries()) {
+        if (i === 0) {
+            await page.give("#file", [file]);
+            await page.until(`document.getElementById("fitting").open && Number(document.getElementById("share").value) > 0`, 120);
+            await page.call(`document.getElementById("cancel").click()`);
+            await page.until(`!document.getElementById("fitting").open`);
+            expectThat(await page.call(`document.getElementById("notice").hidden`), "a fit that is cancelled leaves no word");
+        }
+        const begun = Date.now();
+        await page.give("#file", [file]);
+        await page.until(`document.getElementById("fitting").open`);
+        await page.until(`!document.getElementById("fitting").open`, 240);
+        const [notice, sentence, facts, points] = await page.call(`[document.getElementById("notice").textContent, document.getElementById("sentence").textContent, document.getElementById("facts").textContent, document.querySelectorAll("#curves .point").length]`);
+        console.log(`fitted ${file.split("/").pop()} in ${((Date.now() - begun) / 1000).toFixed(1)} s: ${sentence}`);
+        expectThat(notice === "" && sentence !== "" && points > 3, `${file} is fitted: "${notice}", ${points} points`);
+        expectThat(facts.includes("SHA-256"), "the facts name the file");
+    }
+}
+
+/** `srbf view` serves the page with a file loaded, on the loopback address alone. */
+async function viewed(browser) {
+    const server = spawn(srbf, ["view", "cayman", "--no-open"], { stdio: ["ignore", "pipe", "inherit"] });
+    try {
+        const address = await new Promise((found, fail) => {
+            server.stdout.on("data", (text) => found(/http:\S+/.exec(text)?.[0]));
+            server.on("exit", () => fail(new Error("srbf view ended")));
+        });
+        const page = await open(browser, address);
+        await page.until("self.srbf?.tracer?.count > 0");
+        expectThat(await page.call(`document.getElementById("name").textContent`) === "Cayman", "srbf view shows its file");
+        expectThat(await page.call(`document.querySelector("[data-ending=binary]").disabled`), "without a fitter no MERL file is offered");
+        expectThat(page.errors.length === 0, page.errors.join("\n"));
+        console.log(`srbf view: ${address}`);
+        await page.close();
+    } finally {
+        server.kill();
+    }
+    const refused = (...parameters) => spawnSync(srbf, ["view", ...parameters, "--no-open"], { encoding: "utf8", timeout: 60000 });
+    for (const parameters of [["nothing.srbf"], ["--page", "/nowhere"], ["--port", "99999"]]) {
+        const run = refused(...parameters);
+        expectThat(run.status === 2 && run.stderr.includes(parameters.at(-1)), `srbf view ${parameters.join(" ")}: status ${run.status}, ${run.stderr}`);
+    }
+}
+
+async function pictures(browser, url) {
+    for (const [width, height, scheme, shape] of [[1600, 1000, "light", "ball"], [1600, 1000, "dark", "ball"], [400, 860, "light", "ball"], [400, 860, "dark", "teapot"]]) {
+        const page = await open(browser, `${url}#scale=${width > 1000 ? 0.5 : 0.7}&samples=32`, { width, height, scheme });
+        await page.until("self.srbf?.tracer?.count > 0", 90);
+        if (shape === "teapot") await page.call(`document.querySelector("#shapes [value=teapot]").click(), document.querySelector("#lights [value=lamps]").click()`);
+        await page.until(`srbf.tracer.shape === "${shape}" && srbf.tracer.count >= ${shape === "ball" ? 16 : 6}`, 120);
+        const wide = await page.call("document.documentElement.scrollWidth");
+        expectThat(wide <= width, `nothing is wider than ${width} pixels (${wide})`);
+        writeFileSync(join(shots, `${width}-${scheme}-${shape}.png`), await page.screenshot());
+        expectThat(page.errors.length === 0, page.errors.join("\n"));
+        await page.close();
+    }
+}
+
+const browser = start(program);
+try {
+    const url = pathToFileURL(join(folder, "index.html")).href;
+    const page = await open(browser, url);
+    const asked = [];
+    browser.on("Network.requestWillBeSent", ({ request }) => asked.push(request.url));
+    await page.send("Network.enable");
+    await page.until("self.srbf?.tracer?.count > 0");
+    const parts = { used: () => used(page), balls: () => balls(page), downloads: () => downloads(browser, page), fits: () => fits(page), viewed: () => viewed(browser), pictures: () => pictures(browser, url) };
+    const wanted = process.env.PARTS?.split(" ") ?? Object.keys(parts);
+    for (const name of wanted) {
+        const begun = Date.now();
+        await parts[name]();
+        console.log(`${name}: ${((Date.now() - begun) / 1000).toFixed(0)} s`);
+    }
+    expectThat(page.errors.length === 0, page.errors.join("\n"));
+    const strange = asked.filter((address) => !/^(file|blob|data):/.test(address));
+    expectThat(strange.length === 0, `no request leaves the page: ${strange}`);
+} catch (error) {
+    console.log(`FAILS: ${error.stack}`);
+    isRight = false;
+} finally {
+    await browser.end();
+}
+process.exit(isRight ? 0 : 1);

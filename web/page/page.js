@@ -1,0 +1,353 @@
+// The page: what is clicked, dropped and shown.
+import { LIGHTS, SHAPES, Tracer } from "./tracer.js";
+import { COLUMNS, draw, nearest } from "./plot.js";
+import { exported, hasFitter, opened } from "./opener.js";
+import { decoded } from "./tree.js";
+
+const data = self.srbfData;
+const at = (id) => document.getElementById(id);
+const THUMBNAIL = 96; // pixels of the picture of a preset
+const options = new URLSearchParams(location.hash.slice(1));
+
+let tracer = null;
+let shown = null; // { bytes, json }: what is on the page
+let isLogarithmic = true;
+let fitting = null;
+
+function make(name, attributes = {}, ...children) {
+    const made = document.createElement(name);
+    for (const [key, value] of Object.entries(attributes)) {
+        if (key in made && typeof value !== "string") made[key] = value;
+        else made.setAttribute(key, value);
+    }
+    made.append(...children);
+    return made;
+}
+
+function say(text) {
+    at("notice").textContent = text ?? "";
+    at("notice").hidden = !text;
+}
+
+/** A name as a title: underscores are spaces, and it begins with a capital letter. */
+const titled = (name) => name.replace(/_+/g, " ").replace(/^./, (c) => c.toUpperCase());
+
+// The picture
+
+let isRunning = false;
+function run() {
+    if (isRunning || !tracer) return;
+    isRunning = true;
+    const step = () => {
+        let goesOn = false;
+        // A fit has the processor for itself, where that draws too.
+        if (at("fitting").open) {
+            isRunning = false;
+            return;
+        }
+        try {
+            goesOn = tracer.step();
+        } catch (error) {
+            say(`The picture: ${error.message}`);
+        }
+        at("count").textContent = tracer.count > 0 ? `${tracer.count} samples a pixel` : "";
+        if (goesOn) requestAnimationFrame(step);
+        else isRunning = false;
+    };
+    requestAnimationFrame(step);
+}
+
+function fitCanvas() {
+    const canvas = at("canvas"), box = canvas.getBoundingClientRect();
+    const ratio = Math.min(devicePixelRatio || 1, 2);
+    const size = [box.width, box.height].map((n) => Math.max(Math.round(n * ratio), 16));
+    if (canvas.width !== size[0] || canvas.height !== size[1]) [canvas.width, canvas.height] = size;
+    run();
+}
+
+function turnable(canvas) {
+    const pointers = new Map();
+    let rest = 0;
+    const moved = () => {
+        tracer.isMoving = true;
+        clearTimeout(rest);
+        rest = setTimeout(() => { tracer.isMoving = false; run(); }, 200);
+        run();
+    };
+    canvas.addEventListener("pointerdown", (event) => {
+        canvas.setPointerCapture(event.pointerId);
+        pointers.set(event.pointerId, event);
+    });
+    const end = (event) => pointers.delete(event.pointerId);
+    canvas.addEventListener("pointerup", end);
+    canvas.addEventListener("pointercancel", end);
+    canvas.addEventListener("pointermove", (event) => {
+        const before = pointers.get(event.pointerId);
+        if (!before || !tracer) return;
+        const others = [...pointers.values()].filter((other) => other.pointerId !== event.pointerId);
+        pointers.set(event.pointerId, event);
+        if (others.length > 0) {
+            const apart = (p) => Math.hypot(p.clientX - others[0].clientX, p.clientY - others[0].clientY);
+            tracer.turn(0, 0, Math.max(apart(event), 1) / Math.max(apart(before), 1));
+        } else {
+            tracer.turn(0.4 * (event.clientX - before.clientX), 0.4 * (event.clientY - before.clientY));
+        }
+        moved();
+    });
+    canvas.addEventListener("wheel", (event) => {
+        // The page scrolls, but where the picture is held or a key is.
+        if (!event.ctrlKey && document.activeElement !== canvas) return;
+        event.preventDefault();
+        tracer?.turn(0, 0, Math.exp(-0.0015 * event.deltaY));
+        moved();
+    }, { passive: false });
+    const keys = { ArrowLeft: [-5, 0], ArrowRight: [5, 0], ArrowUp: [0, 5], ArrowDown: [0, -5], "+": [0, 0, 1.1], "=": [0, 0, 1.1], "-": [0, 0, 1 / 1.1] };
+    canvas.addEventListener("keydown", (event) => {
+        if (event.ctrlKey || event.metaKey || event.altKey || !tracer) return;
+        if (event.key === "0") tracer.home();
+        else if (keys[event.key]) tracer.turn(...keys[event.key]);
+        else return;
+        event.preventDefault();
+        moved();
+    });
+}
+
+// Choices
+
+function choices(fieldset, names, chosen, choose) {
+    for (const name of names) {
+        const input = make("input", { type: "radio", name: fieldset.id, value: name, checked: name === chosen });
+        input.addEventListener("change", () => choose(name));
+        fieldset.append(make("label", {}, input, make("span", {}, name)));
+    }
+}
+
+function describe() {
+    at("canvas").setAttribute("aria-label", `${at("name").textContent} on a ${tracer?.shape ?? "ball"}, lit by the ${LIGHTS[tracer?.light ?? 2]}`);
+}
+
+// The plot
+
+function plot() {
+    if (!tracer || !shown) return;
+    const degrees = Number(at("degrees").value);
+    at("degrees-text").textContent = `${degrees}°`;
+    const view = nearest(shown.json.data, degrees);
+    const curves = tracer.curves(degrees, COLUMNS);
+    draw(at("curves"), curves, { degrees, isLogarithmic, width: Math.max(at("curves").clientWidth, 280), points: view?.points ?? [] });
+    const lobes = tracer.numbers.lobes + tracer.numbers.mirrored;
+    const entry = (kind, text) => make("span", {}, make("i", kind ? { class: kind } : {}), text);
+    const entries = [entry("of-all", "all of them"), entry("", `each of ${lobes} lobes`), entry("of-diffuse", "diffuse")];
+    if (view) entries.push(entry("of-points", `the ${shown.json.data.are}, seen at ${Number(view.degrees.toFixed(1))}°`));
+    at("legend").replaceChildren(...entries);
+    const row = curves[0];
+    let best = 0;
+    for (let i = 0; i < COLUMNS; i++) if (row[4 * i] > row[4 * best]) best = i;
+    const peak = Math.round((180 * best) / (COLUMNS - 1) - 90);
+    at("curves-text").textContent = `Seen at ${degrees} degrees, f cos is largest towards light at ${peak} degrees: ${row[4 * best].toPrecision(3)} per steradian.`;
+}
+
+// A material
+
+function verdict(lines, findings) {
+    const kinds = /^(good|fair|off|try|note) +(.*)$/s;
+    const [sentences, others] = [lines.filter((line) => !kinds.test(line)), lines.filter((line) => kinds.test(line))];
+    const sentence = at("sentence");
+    sentence.hidden = sentences.length === 0;
+    const [, use, rest] = /^((?:do not )?use it(?: with care)?)(.*)$/s.exec(sentences.join(" ")) ?? [null, "", sentences.join(" ")];
+    sentence.replaceChildren(make("b", {}, use.replace(/^./, (c) => c.toUpperCase())), rest);
+    const rank = ["off", "look", "note", "fair", "try", "good"];
+    const all = [...others.map((line) => kinds.exec(line).slice(1)), ...findings.map((text) => ["look", text])];
+    all.sort((a, b) => rank.indexOf(a[0]) - rank.indexOf(b[0]));
+    const item = ([kind, text]) => make("li", { class: kind }, make("b", {}, kind), make("span", {}, text));
+    const good = all.filter(([kind]) => kind === "good"), care = all.filter(([kind]) => kind !== "good");
+    at("verdict").hidden = care.length === 0;
+    at("verdict").replaceChildren(...care.map(item));
+    at("good").hidden = good.length === 0;
+    at("good-count").textContent = `${good.length} ${good.length === 1 ? "criterion is" : "criteria are"} good`;
+    at("good-list").replaceChildren(...good.map(item));
+}
+
+function show(material) {
+    tracer?.setMaterial(material.bytes, material.json.name);
+    shown = material;
+    const { name, facts, findings } = material.json;
+    at("name").textContent = titled(name);
+    document.title = `${titled(name)}, srbf`;
+    at("facts").replaceChildren(...facts.flatMap(([label, text]) => [make("dt", {}, label), make("dd", {}, text)]));
+    verdict(material.json.verdict, findings);
+    for (const button of at("presets").children) button.setAttribute("aria-pressed", String(button.dataset.name === material.preset));
+    const views = material.json.data?.views ?? [];
+    const degrees = Number(at("degrees").value);
+    // Where there are samples, one looks at them first.
+    if (views.length > 0 && !nearest(material.json.data, degrees)) {
+        at("degrees").value = views.reduce((a, b) => (Math.abs(a.degrees - degrees) <= Math.abs(b.degrees - degrees) ? a : b)).degrees;
+    }
+    describe();
+    plot();
+    run();
+}
+
+/** Opens a file, and fits it if it is a measurement. */
+async function open(file) {
+    say(null);
+    fitting?.end();
+    const bytes = new Uint8Array(await file.arrayBuffer());
+    const start = performance.now();
+    const dialog = at("fitting");
+    at("fitting-name").textContent = file.name;
+    at("share").value = 0;
+    const isMaterial = bytes[0] === 0x89 && bytes[1] === 0x53;
+    const told = { share: 0 };
+    const seconds = () => Math.round((performance.now() - start) / 1000);
+    const done = () => (told.share > 0 ? `${Math.round(100 * told.share)} %` : "looking at the measurement");
+    const tell = () => { at("fitting-text").textContent = `${done()}, ${seconds()} s`; };
+    const clock = setInterval(tell, 500);
+    const mine = opened(file.name, bytes, (share) => {
+        // It falls where a fit misses a goal and goes on; the bar waits then.
+        told.share = Math.max(told.share, share);
+        at("share").value = told.share;
+        tell();
+    });
+    fitting = mine;
+    if (!isMaterial && hasFitter()) dialog.showModal();
+    tell();
+    try {
+        const { bytes: made, json } = await mine.answer;
+        if (!isMaterial) json.facts.splice(1, 0, ["fitted in", `${((performance.now() - start) / 1000).toFixed(1)} s, here`]);
+        show({ bytes: made, json });
+    } catch (error) {
+        if (error.message !== "cancelled") say(error.message);
+    } finally {
+        clearInterval(clock);
+        if (fitting === mine) {
+            fitting = null;
+            dialog.close();
+            run();
+        }
+    }
+}
+
+// Files
+
+function save(bytes, name) {
+    const url = URL.createObjectURL(new Blob([bytes], { type: "application/octet-stream" }));
+    const link = make("a", { href: url, download: name });
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(url), 10000);
+}
+
+/** The evaluator with the words of a material, as `srbf export --glsl` writes it. */
+function shader(bytes) {
+    const view = new DataView(bytes.slice().buffer);
+    const words = Array.from({ length: bytes.length >> 2 }, (_, i) => `0x${view.getUint32(4 * i, true).toString(16).padStart(8, "0")}u`);
+    const rows = Array.from({ length: Math.ceil(words.length / 8) }, (_, i) => `    ${words.slice(8 * i, 8 * i + 8).join(", ")}`);
+    const n = words.length;
+    return new TextEncoder().encode(`const uint srbf_data[${n}] = uint[${n}](\n${rows.join(",\n")}\n);\nuint srbf_word(int data, int i) { return srbf_data[data + i]; }\n\n${data.evaluator}`);
+}
+
+const DOWNLOADS = [
+    ["Material", "srbf", (bytes) => bytes, false],
+    ["Shader (GLSL)", "glsl", (bytes) => (hasFitter() ? exported(bytes, "glsl") : shader(bytes)), false],
+    ["RGL", "bsdf", (bytes) => exported(bytes, "rgl"), true],
+    ["MERL", "binary", (bytes) => exported(bytes, "merl"), true],
+];
+
+function downloads() {
+    for (const [label, ending, make_bytes, needsFitter] of DOWNLOADS) {
+        const button = make("button", { type: "button", "data-ending": ending, disabled: needsFitter && !hasFitter() }, `${label} `, make("small", {}, `.${ending}`));
+        button.addEventListener("click", async () => {
+            if (!shown) return;
+            button.disabled = true;
+            try {
+                save(await make_bytes(shown.bytes), `${shown.json.name}.${ending}`);
+            } catch (error) {
+                say(`${label}: ${error.message}`);
+            } finally {
+                button.disabled = false;
+            }
+        });
+        at("downloads").append(button);
+    }
+    at("take-hint").textContent = hasFitter() ? "RGL and MERL files are of isotropic materials, and take some seconds to write." : "This copy of the page has no fitter, which writes RGL and MERL too. A measurement is fitted by srbf view FILE.";
+}
+
+function droppable() {
+    let depth = 0;
+    const hide = () => { depth = 0; at("drop").hidden = true; };
+    const hasFiles = (event) => [...(event.dataTransfer?.types ?? [])].includes("Files");
+    addEventListener("dragenter", (event) => { if (hasFiles(event)) { depth++; at("drop").hidden = false; } });
+    addEventListener("dragleave", (event) => { if (hasFiles(event) && --depth <= 0) hide(); });
+    addEventListener("dragover", (event) => { if (hasFiles(event)) event.preventDefault(); });
+    addEventListener("drop", (event) => {
+        if (!hasFiles(event)) return;
+        event.preventDefault();
+        hide();
+        if (event.dataTransfer.files[0]) open(event.dataTransfer.files[0]);
+    });
+    at("file").addEventListener("change", (event) => {
+        const [file] = event.target.files;
+        if (file) open(file);
+        event.target.value = "";
+    });
+}
+
+function presets() {
+    const all = data.presets.map((preset) => ({ bytes: decoded(preset.bytes), json: preset.json, preset: preset.json.name }));
+    for (const material of all) {
+        const button = make("button", { type: "button", "data-name": material.preset, "aria-pressed": "false" }, titled(material.preset));
+        button.addEventListener("click", () => { say(null); show(material); });
+        at("presets").append(button);
+    }
+    return all;
+}
+
+/** Pictures of the presets, one at a time, as the page has them at once. */
+function thumbnails(all) {
+    const [first, ...others] = all;
+    if (!first) return;
+    const button = [...at("presets").children].find((one) => one.dataset.name === first.preset);
+    button.prepend(tracer.thumbnail(first.bytes, THUMBNAIL, 24));
+    if (others.length > 0) setTimeout(() => thumbnails(others), 30);
+}
+
+function begin() {
+    try {
+        tracer = new Tracer(at("canvas"), data);
+        if (options.has("scale")) tracer.fixedScale = Number(options.get("scale"));
+        if (options.has("samples")) tracer.most = Number(options.get("samples"));
+    } catch (error) {
+        say(`No picture: ${error.message}.`);
+    }
+    choices(at("shapes"), SHAPES, "ball", (shape) => { tracer?.set({ shape }); describe(); run(); });
+    choices(at("lights"), LIGHTS, "sky", (light) => { tracer?.set({ light: LIGHTS.indexOf(light) }); describe(); run(); });
+    choices(at("scales"), ["log", "linear"], "log", (scale) => { isLogarithmic = scale === "log"; plot(); });
+    at("exposure").addEventListener("input", (event) => {
+        tracer?.set({ exposure: Number(event.target.value) });
+        run();
+    });
+    at("degrees").addEventListener("input", plot);
+    at("cancel").addEventListener("click", () => fitting?.end());
+    at("fitting").addEventListener("cancel", () => fitting?.end());
+    at("version").textContent = `srbf ${data.version}`;
+    turnable(at("canvas"));
+    downloads();
+    droppable();
+    const all = presets();
+    new ResizeObserver(fitCanvas).observe(at("canvas"));
+    let width = 0;
+    new ResizeObserver(() => {
+        if (at("curves").clientWidth !== width) {
+            width = at("curves").clientWidth;
+            plot();
+        }
+    }).observe(at("curves").parentElement);
+    fitCanvas();
+    const own = data.opened;
+    show(own ? { bytes: decoded(own.bytes), json: own.json } : all[0]);
+    if (tracer) thumbnails(all);
+}
+
+begin();
+// For tests, and for who looks into the console.
+self.srbf = { get tracer() { return tracer; }, get shown() { return shown; }, open, show };

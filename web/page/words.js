@@ -1,0 +1,1 @@
+../../evaluator/three/words.js

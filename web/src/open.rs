@@ -1,0 +1,134 @@
+//! A file that is opened: a material as it is, or a measurement that is fitted.
+
+use crate::points::points;
+use serde_json::{Value, json};
+use srbf_core::{Material, printable_lines};
+use srbf_fit::judge::reciprocity::reciprocity;
+use srbf_fit::judge::report::Report;
+use srbf_fit::judge::verdict::Verdict;
+use srbf_fit::look::Look;
+use srbf_fit::read::{Conventions, Source, read_from};
+use srbf_fit::{Settings, fit_content};
+
+/// First bytes of a `.srbf` file.
+const MAGIC: &[u8] = b"\x89SRBF";
+
+/// A material with the texts and points that the page shows beside it.
+#[derive(Debug)]
+pub struct Opened {
+    /// The material, as `.srbf` bytes.
+    pub bytes: Vec<u8>,
+    /// `name`, `facts` (label and text), `findings`, `verdict` and `data` (see the page's `plot.js`).
+    pub json: Value,
+}
+
+/// Opens a file: a `.srbf` material is checked, a measurement read, fitted with the usual settings and judged.
+///
+/// `progress` is called with the share of the fit that is done, 0 to 1.
+///
+/// # Errors
+/// In words, with the name of the file and the place of the fault.
+pub fn open(name: &str, bytes: &[u8], progress: impl FnMut(f64) + Send) -> Result<Opened, String> {
+    if bytes.starts_with(MAGIC) {
+        let material = Material::from_bytes(bytes).map_err(|error| format!("{name}: {error}"))?;
+        let json = json!({"name": stem(name), "facts": facts(&material), "findings": [], "verdict": [], "data": null});
+        return Ok(Opened { bytes: bytes.to_vec(), json });
+    }
+    let source = read_from(name, bytes, &Conventions::default()).map_err(|error| error.to_string())?;
+    fitted(&source, progress)
+}
+
+/// Fits a measurement that was read, with the usual settings, and judges the fit.
+///
+/// # Errors
+/// In words, with the name of the measurement.
+pub fn fitted(source: &Source, progress: impl FnMut(f64) + Send) -> Result<Opened, String> {
+    let Source { name, sha256, .. } = source;
+    let settings = Settings { provenance: format!("{name}, SHA-256 {sha256}\n"), ..Settings::default() };
+    let text = |error: srbf_fit::FitError| format!("{name}: {error}");
+    let mut fit = fit_content(&source.content, &settings, progress).map_err(text)?;
+    fit.report.look = source.intake.as_ref().map(|intake| Look::new(intake, fit.report.completion.as_ref()));
+    let material = Material::from_bytes(fit.bytes.as_slice()).map_err(|error| format!("{name}: {error}"))?;
+    let verdict = Verdict::of_material(&fit.report, &reciprocity(&material).map_err(text)?);
+    let notes = fit.report.notes().into_iter().map(|note| format!("note {note}"));
+    let lines: Vec<String> = notes.chain(verdict.lines()).collect();
+    let json = json!({
+        "name": stem(name),
+        "facts": facts(&material),
+        "findings": findings(&fit.report),
+        "verdict": lines,
+        "data": points(&source.content),
+    });
+    Ok(Opened { bytes: fit.bytes, json })
+}
+
+/// The name of a file without its last ending.
+fn stem(name: &str) -> &str {
+    match name.rsplit_once('.') {
+        Some((stem, _)) if !stem.is_empty() => stem,
+        _ => name,
+    }
+}
+
+/// Sentences about samples that need care.
+fn findings(report: &Report) -> Vec<String> {
+    let all = report.look.iter().flat_map(|look| &look.findings);
+    all.filter(|finding| finding.is_off).map(|finding| finding.text.clone()).collect()
+}
+
+/// Properties of a material: label and text.
+fn facts(material: &Material<&[u8]>) -> Vec<[String; 2]> {
+    let fact = |label: &str, text: String| [label.to_owned(), text];
+    let [half, difference, azimuth] = material.factor_nodes().unwrap_or_default();
+    let factors =
+        if half == 0 { "none".to_owned() } else { format!("{half} x {difference} x {azimuth} nodes") };
+    let kind = if material.is_isotropic() { "isotropic" } else { "anisotropic" };
+    vec![
+        fact("size", format!("{} bytes", material.bytes().len())),
+        fact("lobes", format!("{}, at {} views", material.lobe_count(), material.view_count())),
+        fact("surface", kind.to_owned()),
+        fact("factors", factors),
+        fact("made of", printable_lines(material.provenance()).to_string().trim().to_owned()),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PRESET: &[u8] = include_bytes!("../../presets/cayman.srbf");
+
+    #[test]
+    fn a_material_stays_as_it_is() {
+        let opened = open("dir.ectory.srbf", PRESET, |_| panic!("nothing is fitted")).unwrap();
+        assert_eq!(opened.bytes, PRESET);
+        assert_eq!(opened.json["name"], "dir.ectory");
+        assert_eq!(opened.json["facts"][0][1], format!("{} bytes", PRESET.len()));
+    }
+
+    #[test]
+    fn damaged_and_other_files_are_refused_by_name() {
+        let mut damaged = PRESET.to_vec();
+        damaged[100] ^= 1;
+        let error = open("a.srbf", &damaged, |_| {}).unwrap_err();
+        assert!(error.starts_with("a.srbf: "), "{error}");
+        let error = open("b.csv", b"neither, one\nnor, the other\n", |_| {}).unwrap_err();
+        assert!(error.contains("b.csv"), "{error}");
+    }
+
+    #[test]
+    fn samples_are_fitted_and_judged() {
+        let text = include_bytes!("../../tests/corpus/small.csv");
+        let mut last = 0.0;
+        let opened = open("small.csv", text, |share| last = share).unwrap();
+        assert_eq!(last, 1.0);
+        assert!(
+            Material::from_bytes(opened.bytes.as_slice())
+                .unwrap()
+                .provenance()
+                .starts_with("small.csv, SHA-256")
+        );
+        assert_eq!(opened.json["data"]["are"], "samples");
+        assert!(!opened.json["verdict"].as_array().unwrap().is_empty());
+    }
+}
