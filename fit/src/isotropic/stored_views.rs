@@ -26,6 +26,9 @@ use crate::table::Table;
 use crate::table::albedo_log::Ratio;
 use crate::table::luminance;
 
+/// Distances of views are multiples of a step, but for rounding; radians.
+const ROUNDING: f64 = 1e-9;
+
 /// A material at the probes.
 pub(crate) struct Probes {
     /// Angles, radians, and the albedo there.
@@ -75,7 +78,7 @@ impl Probes {
         let last = self.albedo[probes - 1].0;
         let widest = WIDEST.to_radians().max(WIDEST_MEAN * last / intervals as f64);
         let cost = |from: usize, to: usize| {
-            if self.albedo[to].0 - self.albedo[from].0 > widest {
+            if self.albedo[to].0 - self.albedo[from].0 > widest + ROUNDING {
                 return f64::INFINITY;
             }
             let share = (self.integral[to] - self.integral[from]) / equal;
@@ -184,6 +187,15 @@ mod tests {
                 "{view_angles:?}"
             );
             assert!(view_angles.windows(2).all(|w| w[1] - w[0] > 0.01), "{view_angles:?}");
+            let widest = |views: usize, last: f64| {
+                let placed = Probes::new(&Step(at), last, views).unwrap().place(views);
+                placed.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max).to_degrees()
+            };
+            // As many as by default, and more.
+            for views in [15, 16, 21] {
+                let found = widest(views, 87f64.to_radians());
+                assert!(found < 8.001, "{at}, {views}: {found}");
+            }
             let near = |centre: f64| view_angles.iter().filter(|k| (**k - centre).abs() < 0.15).count();
             assert!(near(at) >= 4 && near(at) > near(1.4 - at), "{at}: {view_angles:?}");
         }

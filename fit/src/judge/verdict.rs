@@ -5,6 +5,7 @@
 
 mod units;
 
+use crate::complete::Gaps;
 use crate::judge::appearance::Appearance;
 use crate::judge::reciprocity::Reciprocity;
 use crate::judge::report::{Ending, Report, ViewReport};
@@ -276,8 +277,12 @@ const UNSEEN_RIPPLE: f64 = 0.012;
 const MOST_SKIRT: f64 = 0.06;
 const MOST_NEGATIVE: f64 = 0.05;
 const MOST_GHOST: f64 = 0.1;
-/// Noise of the luminance that is worth a word.
+/// Noise of the luminance that is worth a word, and that is worth one in the sentence.
 const LEAST_NOISE: f64 = 0.04;
+const LOUD_NOISE: f64 = 0.1;
+/// Share of all pairs of directions without a measurement that is worth a word, and with which no fit is of use as a whole.
+const LEAST_GAPS: f64 = 0.1;
+const MOST_GAPS: f64 = 0.4;
 
 fn has_rings(found: &Appearance) -> bool {
     let [fit, table] = found.ripple;
@@ -285,7 +290,22 @@ fn has_rings(found: &Appearance) -> bool {
 }
 
 /// Whether to use a fit, and its visible errors.
-fn sentence(found: &Appearance) -> String {
+fn sentence(found: &Appearance, gaps: Option<&Gaps>) -> String {
+    let looks = sentence_by_looks(found);
+    let Some((gaps, share)) = gaps.map(|gaps| (gaps, gaps.mean())).filter(|gaps| gaps.1 >= LEAST_GAPS) else {
+        return looks;
+    };
+    let (advice, rest) = looks.split_once(": ").unwrap_or(("", &looks));
+    let advice = match advice {
+        _ if share >= MOST_GAPS => "do not use it as a whole",
+        "do not use it" => advice,
+        _ => "use it with care",
+    };
+    format!("{advice}: {}; beside the table with its gaps filled, {rest}", gaps.words())
+}
+
+/// The same by its pictures alone.
+fn sentence_by_looks(found: &Appearance) -> String {
     let visible = found.visible();
     let (light, most) = found.pictures.iter().fold(("", 0.0), |most, p| if p.1 > most.1 { *p } else { most });
     let mut seen = Vec::new();
@@ -299,6 +319,13 @@ fn sentence(found: &Appearance) -> String {
         seen.push("a coloured fringe round the highlight".to_owned());
     }
     let balls = format!("balls differ by {visible:.3} from the table's, by {most:.3} under a {light}");
+    if found.noise.luminance >= LOUD_NOISE && visible - found.of_noise <= UNSEEN && seen.is_empty() {
+        return format!(
+            "use it, and not the table, which is noisy: {:.0} % off its own mean over 3 degrees; {balls}, by {:.3} for that noise alone",
+            100.0 * found.noise.luminance,
+            found.of_noise
+        );
+    }
     match (visible, seen.is_empty()) {
         (v, true) if v <= UNSEEN => format!("use it: {balls}, which hardly shows side by side"),
         (v, false) if v <= OF_USE => format!("use it with care: {balls}; the fit shows {}", seen.join(", ")),
@@ -349,7 +376,7 @@ impl Verdict {
 
     /// Judges a fit by any method. Advice is for materials only.
     pub fn new(report: &Report, reciprocity: &Reciprocity) -> Self {
-        let sentence = report.appearance.as_ref().map(sentence);
+        let sentence = report.appearance.as_ref().map(|found| sentence(found, report.gaps.as_ref()));
         let mut verdict = Self { sentence, ..Self::default() };
         for criterion in CRITERIA {
             verdict.say(criterion, report);
@@ -357,6 +384,7 @@ impl Verdict {
         verdict.say_reciprocity(reciprocity);
         verdict.say_floor(report);
         verdict.say_appearance(report);
+        verdict.say_gaps(report);
         verdict.say_completion(report);
         // Of samples, the albedo of the completion tells: see `look`.
         if report.completion.is_none() {
@@ -447,6 +475,12 @@ impl Verdict {
                 found.noise.chroma
             ));
         }
+    }
+
+    /// Where nothing was measured.
+    fn say_gaps(&mut self, report: &Report) {
+        let Some(gaps) = report.gaps.as_ref().filter(|gaps| gaps.mean() >= LEAST_GAPS) else { return };
+        if gaps.mean() >= MOST_GAPS { &mut self.off } else { &mut self.fair }.push(gaps.text());
     }
 
     /// The fit between samples is as good as at left-out views.

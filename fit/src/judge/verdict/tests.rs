@@ -174,6 +174,26 @@ fn noise_of_the_table_is_no_error_of_the_fit_and_is_said() {
 }
 
 #[test]
+fn what_was_not_measured_is_said_in_the_sentence_too() {
+    let said = |share: f64, is_of_table: bool| {
+        let gaps = Gaps { shares: vec![(0.0, share - 0.05), (40.0, share + 0.05)], is_of_table };
+        verdict(&Report { appearance: Some(looks(0.03)), gaps: Some(gaps), ..report() }).lines()
+    };
+    let half = said(0.5, true);
+    let expected = "do not use it as a whole: about half of the table was not measured \
+        (most of it at views of 40 degrees); there the fit is a guess; beside the table with its gaps filled, balls differ";
+    assert!(half[0].starts_with(expected), "{half:?}");
+    assert!(half.iter().any(|line| line.starts_with("off  no value: 50 %")), "{half:?}");
+    let fifth = said(0.2, false);
+    assert!(
+        fifth[0].starts_with("use it with care: about a fifth of all pairs of directions were not"),
+        "{fifth:?}"
+    );
+    assert!(fifth.iter().any(|line| line.starts_with("fair no sample within 20 degrees: 20 %")), "{fifth:?}");
+    assert!(said(0.05, true).iter().all(|line| !line.contains("no value")));
+}
+
+#[test]
 fn grazing_views_are_not_judged_by_what_is_seen() {
     let mut steep = report();
     steep.views[2] =

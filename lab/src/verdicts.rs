@@ -1,0 +1,106 @@
+//! `cargo lab verdicts`.
+
+use anyhow::Context;
+use srbf_core::Material;
+use srbf_fit::judge::reciprocity::reciprocity;
+use srbf_fit::judge::verdict::Verdict;
+use srbf_fit::read::merl;
+use srbf_fit::read::{Content, Filled, read};
+use srbf_fit::table::Brdf;
+use srbf_fit::{Settings, export, fit_content};
+use srbf_reference_renderer::command::argument;
+use srbf_reference_renderer::numbers::random::Random;
+use std::path::Path;
+
+/// Prints the verdicts of the measured tables of the folder that SRBF_DATA_DIR names, and of three bad tables.
+///
+/// The bad ones are made here: half of the cells of a MERL file without a value, noise of 30 % in each of its cells, and a mirror.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Only those whose names contain this
+    #[arg(long, value_name = "NAME", default_value = "")]
+    only: String,
+    /// All lines of each verdict; else its sentence alone
+    #[arg(long)]
+    all: bool,
+}
+
+/// The model of the bad tables, and a mirror.
+const MODEL: &str = "model:ggx:alpha=0.2,f0=0.9,diffuse=0.1";
+const MIRROR: &str = "model:ggx:alpha=0.001,f0=0.9";
+
+/// Cells of a MERL file along the half angle, and of each of those rows; its head; and the bytes of a number.
+const ROWS: usize = 90;
+const ROW: usize = 90 * 180;
+const HEAD: usize = 12;
+const NUMBER: usize = 8;
+
+/// Deviation of the noise, over the value.
+const NOISE: f64 = 0.3;
+
+/// Runs the command.
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    println!("processor: {}", srbf_core::Processor::this());
+    let folder = argument::data_folder()?.join("rgl");
+    let entries = std::fs::read_dir(&folder).with_context(|| folder.display().to_string())?;
+    let mut files: Vec<_> = entries.map(|e| Ok(e?.path())).collect::<std::io::Result<_>>()?;
+    files.retain(|file| file.extension().is_some_and(|ending| ending == "bsdf"));
+    files.sort();
+    for file in files {
+        let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        say(args, &name, || Ok(read(&file)?.content))?;
+    }
+    say(args, "half of the cells missing", || {
+        let missing = |bytes: &mut [u8]| {
+            for channel in bytes.chunks_exact_mut(NUMBER * ROWS * ROW) {
+                let far = &mut channel[NUMBER * ROW * ROWS / 2..];
+                far.chunks_exact_mut(NUMBER).for_each(|cell| cell.copy_from_slice(&f64::to_le_bytes(-1.0)));
+            }
+        };
+        Ok(Content::Evaluable(Box::new(Filled::new(changed(missing)?)?)))
+    })?;
+    say(args, "noise of 30 %", || {
+        let noisy = |bytes: &mut [u8]| {
+            let mut random = Random::new(0, 3, 0);
+            let mut factors = Vec::with_capacity(ROWS * ROW);
+            for _ in 0..ROWS * ROW {
+                let (u, v) = (1.0 - f64::from(random.unit()), f64::from(random.unit()));
+                let normal = (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos();
+                factors.push((NOISE * normal).exp());
+            }
+            for channel in bytes.chunks_exact_mut(NUMBER * ROWS * ROW) {
+                for (cell, factor) in channel.chunks_exact_mut(NUMBER).zip(&factors) {
+                    let value = f64::from_le_bytes(cell.try_into().expect("a number"));
+                    cell.copy_from_slice(&(factor * value).to_le_bytes());
+                }
+            }
+        };
+        Ok(Content::Evaluable(Box::new(changed(noisy)?)))
+    })?;
+    say(args, "a mirror", || Ok(read(Path::new(MIRROR))?.content))
+}
+
+/// The model as a MERL file of which the numbers are changed.
+fn changed(change: impl Fn(&mut [u8])) -> anyhow::Result<merl::Merl> {
+    let Content::Evaluable(model) = read(Path::new(MODEL))?.content else {
+        anyhow::bail!("{MODEL} is not a model")
+    };
+    let model: &(dyn Brdf + Send) = model.as_ref();
+    let mut bytes = export::merl(model)?.bytes;
+    change(&mut bytes[HEAD..]);
+    Ok(merl::parse(&bytes)?)
+}
+
+/// Fits a table, and prints its verdict.
+fn say(args: &Args, name: &str, content: impl Fn() -> anyhow::Result<Content>) -> anyhow::Result<()> {
+    if !name.contains(&args.only) {
+        return Ok(());
+    }
+    let fit = fit_content(&content()?, &Settings::default(), |_| {}).with_context(|| name.to_owned())?;
+    let material = Material::from_bytes(fit.bytes.as_slice())?;
+    let verdict = Verdict::of_material(&fit.report, &reciprocity(&material)?);
+    let lines = verdict.lines();
+    let shown = if args.all { lines.len() } else { 1 };
+    println!("{name}: {}", lines[..shown.min(lines.len())].join("\n  "));
+    Ok(())
+}
