@@ -14,7 +14,7 @@ use std::path::Path;
 
 /// Prints the verdicts of the measured tables of the folder that SRBF_DATA_DIR names, and of three bad tables.
 ///
-/// The bad ones are made here: half of the cells of a MERL file without a value, noise of 30 % in each of its cells, and a mirror.
+/// The bad ones are made here: a MERL file without values beyond a half angle of 30 degrees, noise of 30 % in each of its cells, and a mirror.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Only those whose names contain this
@@ -35,6 +35,9 @@ const ROW: usize = 90 * 180;
 const HEAD: usize = 12;
 const NUMBER: usize = 8;
 
+/// The row whose half angle is 30 degrees: they go with the square.
+const FAR: usize = 52;
+
 /// Deviation of the noise, over the value.
 const NOISE: f64 = 0.3;
 
@@ -50,10 +53,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         say(args, &name, || Ok(read(&file)?.content))?;
     }
-    say(args, "half of the cells missing", || {
+    say(args, "half of it missing", || {
         let missing = |bytes: &mut [u8]| {
             for channel in bytes.chunks_exact_mut(NUMBER * ROWS * ROW) {
-                let far = &mut channel[NUMBER * ROW * ROWS / 2..];
+                let far = &mut channel[NUMBER * ROW * FAR..];
                 far.chunks_exact_mut(NUMBER).for_each(|cell| cell.copy_from_slice(&f64::to_le_bytes(-1.0)));
             }
         };

@@ -18,8 +18,8 @@
 
 use crate::FitError;
 use crate::isotropic::tuning::stored_views::{
-    APART, BULGE, BY_ANGLE, CROOKED, FINER, NEAR_NORMAL, PROBED, PROBED_INTERVALS, SKEWED, SMOOTHED, SPAN,
-    WIDEST, WIDEST_MEAN,
+    APART, BULGE, BY_ANGLE, CROOKED, FINER, FREEDOM, NEAR_NORMAL, PROBED, PROBED_INTERVALS, SKEWED, SMOOTHED,
+    SPAN, WIDEST, WIDEST_MEAN,
 };
 use crate::table::Brdf;
 use crate::table::Table;
@@ -76,7 +76,9 @@ impl Probes {
         let intervals = (count.max(2) - 1).min((probes - 1) / APART);
         let equal = self.integral[probes - 1] / intervals as f64;
         let last = self.albedo[probes - 1].0;
-        let widest = WIDEST.to_radians().max(WIDEST_MEAN * last / intervals as f64);
+        let mean = last / intervals as f64;
+        let widest =
+            if FREEDOM * mean <= WIDEST.to_radians() { WIDEST.to_radians() } else { WIDEST_MEAN * mean };
         let cost = |from: usize, to: usize| {
             if self.albedo[to].0 - self.albedo[from].0 > widest + ROUNDING {
                 return f64::INFINITY;

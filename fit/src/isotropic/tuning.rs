@@ -41,8 +41,10 @@ pub(crate) mod stored_views {
     pub const APART: usize = 2;
     /// Largest distance of two stored views, degrees. Wider intervals would follow from noise.
     pub const WIDEST: f64 = 8.0;
-    /// The same, over the mean distance, which is larger where there are few views.
-    pub const WIDEST_MEAN: f64 = 1.25;
+    /// Least share of the mean distance by which that is larger. Where there are fewer views, they would have no freedom.
+    pub const FREEDOM: f64 = 1.15;
+    /// The largest distance over the mean, where there are fewer views.
+    pub const WIDEST_MEAN: f64 = 1.5;
     /// Asymmetry at the normal, relative L2, from which on one more stored view lies next to it; its angle, degrees.
     pub const SKEWED: f64 = 0.02;
     pub const NEAR_NORMAL: f64 = 0.5;

@@ -72,6 +72,8 @@ struct Criterion {
     most: f64,
     /// Whether it is of visible errors, and so of views up to [`STEEPEST`] alone.
     is_visual: bool,
+    /// Whether it is of directions away from the peak.
+    is_off_peak: bool,
     /// The part of both that is noise of the table.
     noise: fn(&Report) -> f64,
 }
@@ -106,6 +108,7 @@ const L2: Criterion = Criterion {
     good: 0.052,
     most: 0.2,
     is_visual: true,
+    is_off_peak: false,
     noise: no_noise,
 };
 const OFF_PEAK: Criterion = Criterion {
@@ -116,6 +119,7 @@ const OFF_PEAK: Criterion = Criterion {
     good: 0.1,
     most: 0.2,
     is_visual: true,
+    is_off_peak: true,
     noise: noise_of_luminance,
 };
 const LUMINANCE: Criterion = Criterion {
@@ -126,6 +130,7 @@ const LUMINANCE: Criterion = Criterion {
     good: 0.06,
     most: 0.15,
     is_visual: true,
+    is_off_peak: true,
     noise: noise_of_luminance,
 };
 const CHROMA: Criterion = Criterion {
@@ -136,6 +141,7 @@ const CHROMA: Criterion = Criterion {
     good: 0.03,
     most: 0.1,
     is_visual: true,
+    is_off_peak: true,
     noise: noise_of_chroma,
 };
 const VARIANCE: Criterion = Criterion {
@@ -146,6 +152,7 @@ const VARIANCE: Criterion = Criterion {
     good: MOST_VARIANCE,
     most: MOST_VARIANCE,
     is_visual: false,
+    is_off_peak: false,
     noise: no_noise,
 };
 const WEIGHT: Criterion = Criterion {
@@ -156,6 +163,7 @@ const WEIGHT: Criterion = Criterion {
     good: MOST_WEIGHT,
     most: MOST_WEIGHT,
     is_visual: false,
+    is_off_peak: false,
     noise: no_noise,
 };
 const ENERGY: Criterion = Criterion {
@@ -167,6 +175,7 @@ const ENERGY: Criterion = Criterion {
     good: MOST_ENERGY_ERROR,
     most: MOST_ENERGY_ERROR,
     is_visual: false,
+    is_off_peak: false,
     noise: no_noise,
 };
 
@@ -279,7 +288,7 @@ const MOST_NEGATIVE: f64 = 0.05;
 const MOST_GHOST: f64 = 0.1;
 /// Noise of the luminance that is worth a word, and that is worth one in the sentence.
 const LEAST_NOISE: f64 = 0.04;
-const LOUD_NOISE: f64 = 0.1;
+const LOUD_NOISE: f64 = 0.08;
 /// Share of all pairs of directions without a measurement that is worth a word, and with which no fit is of use as a whole.
 const LEAST_GAPS: f64 = 0.1;
 const MOST_GAPS: f64 = 0.4;
@@ -290,8 +299,9 @@ fn has_rings(found: &Appearance) -> bool {
 }
 
 /// Whether to use a fit, and its visible errors.
-fn sentence(found: &Appearance, gaps: Option<&Gaps>) -> String {
-    let looks = sentence_by_looks(found);
+fn sentence(found: &Appearance, report: &Report) -> String {
+    let looks = if found.is_dark { sentence_by_highlight(report) } else { sentence_by_looks(found) };
+    let gaps = report.gaps.as_ref();
     let Some((gaps, share)) = gaps.map(|gaps| (gaps, gaps.mean())).filter(|gaps| gaps.1 >= LEAST_GAPS) else {
         return looks;
     };
@@ -302,6 +312,19 @@ fn sentence(found: &Appearance, gaps: Option<&Gaps>) -> String {
         _ => "use it with care",
     };
     format!("{advice}: {}; beside the table with its gaps filled, {rest}", gaps.words())
+}
+
+/// The same of a table that is black but for its highlight.
+fn sentence_by_highlight(report: &Report) -> String {
+    let views = if report.held_out.is_empty() { &report.views } else { &report.held_out };
+    let error =
+        Spread::of(judged(views).filter(|v| v.theta <= STEEPEST), L2.number).map_or(1.0, |s| s.median);
+    let highlight = format!("the table is a highlight over black, and that is {:.1} % off", 100.0 * error);
+    match error {
+        error if error <= L2.good => format!("use it: {highlight}"),
+        error if error <= L2.most => format!("use it with care: {highlight}"),
+        _ => format!("do not use it: {highlight}"),
+    }
 }
 
 /// The same by its pictures alone.
@@ -376,9 +399,10 @@ impl Verdict {
 
     /// Judges a fit by any method. Advice is for materials only.
     pub fn new(report: &Report, reciprocity: &Reciprocity) -> Self {
-        let sentence = report.appearance.as_ref().map(|found| sentence(found, report.gaps.as_ref()));
+        let sentence = report.appearance.as_ref().map(|found| sentence(found, report));
         let mut verdict = Self { sentence, ..Self::default() };
-        for criterion in CRITERIA {
+        let is_dark = report.appearance.as_ref().is_some_and(|found| found.is_dark);
+        for criterion in CRITERIA.iter().filter(|criterion| !(is_dark && criterion.is_off_peak)) {
             verdict.say(criterion, report);
         }
         verdict.say_reciprocity(reciprocity);
@@ -453,6 +477,10 @@ impl Verdict {
     /// Rings that stand still with the camera, surroundings of the highlight, and noise of the table.
     fn say_appearance(&mut self, report: &Report) {
         let Some(found) = &report.appearance else { return };
+        if found.is_dark {
+            let text = "dark: away from the highlight nothing is bright enough to be seen, and errors there are not judged";
+            return self.fair.push(text.into());
+        }
         let [fit, table] = found.ripple;
         let text = format!(
             "rings: along the view angle colour varies by {:.3} about its mean over 8 degrees, the table's by {:.3}",
@@ -521,6 +549,9 @@ impl Verdict {
 
 /// Whether any view has more than it should have.
 fn is_off(criterion: &Criterion, report: &Report) -> bool {
+    if criterion.is_off_peak && report.appearance.as_ref().is_some_and(|found| found.is_dark) {
+        return false;
+    }
     let most = criterion.most + (criterion.noise)(report);
     judged(&report.views).chain(judged(&report.held_out)).any(|v| (criterion.number)(v) > most)
 }
