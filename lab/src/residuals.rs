@@ -61,7 +61,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         }
         let Content::Evaluable(brdf) = read(&file)?.content else { bail!("{name}: samples") };
         let brdf: Arc<dyn Brdf + Send> = Arc::from(brdf);
-        let fitted = |table: Table| -> anyhow::Result<Vec<u8>> {
+        let fitted = |table: Smoothed| -> anyhow::Result<Vec<u8>> {
             let content = Content::Evaluable(Box::new(table));
             Ok(fit_content(&content, &Settings::default(), |_| {}).with_context(|| name.clone())?.bytes)
         };
@@ -70,14 +70,14 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
                 let path = folder.join(&name).with_extension("srbf");
                 std::fs::read(&path).with_context(|| path.display().to_string())?
             }
-            None => fitted(Table { brdf: brdf.clone(), is_smooth: false })?,
+            None => fitted(Smoothed { brdf: brdf.clone(), is_smooth: false })?,
         };
         let fit = Material::from_bytes(bytes.as_slice())?;
         let found = OddPart::new(brdf.as_ref(), &fit)?;
         let [odd, explained] = [found.share, found.explained].map(|share| 100.0 * share);
         let mut line = format!("| {name} | {odd:.0} | {explained:.0} | {:.1} |", odd * explained / 100.0);
         if args.without_noise {
-            let smooth = fitted(Table { brdf: brdf.clone(), is_smooth: true })?;
+            let smooth = fitted(Smoothed { brdf: brdf.clone(), is_smooth: true })?;
             for fit in [&fit, &Material::from_bytes(smooth.as_slice())?] {
                 let [luminance, colour] = errors(brdf.as_ref(), fit)?;
                 line += &format!(" {:.1} %, {colour:.3} |", 100.0 * luminance);
@@ -101,7 +101,7 @@ fn errors(brdf: &dyn Brdf, fit: &dyn Fitted) -> anyhow::Result<[f64; 2]> {
 }
 
 /// A table, as it is or averaged over cones away from the peak.
-struct Table {
+struct Smoothed {
     brdf: Arc<dyn Brdf + Send>,
     is_smooth: bool,
 }
@@ -111,7 +111,7 @@ const CONE: usize = 12;
 const CONE_ANGLE: f64 = 3.0 * PI / 180.0;
 const OPENS: (f64, f64) = (PEAK, 1.4 * PEAK);
 
-impl Brdf for Table {
+impl Brdf for Smoothed {
     fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
         let from_mirror = (-wo[0] * wi[0] - wo[1] * wi[1] + wo[2] * wi[2]).clamp(-1.0, 1.0).acos();
         let open = ((from_mirror - OPENS.0) / (OPENS.1 - OPENS.0)).clamp(0.0, 1.0);

@@ -2,15 +2,18 @@
 
 use anyhow::Context;
 use srbf_core::Material;
+use srbf_fit::complete::Gaps;
+use srbf_fit::judge::appearance::Appearance;
 use srbf_fit::judge::reciprocity::reciprocity;
+use srbf_fit::judge::report::{Report, ViewReport};
 use srbf_fit::judge::verdict::Verdict;
 use srbf_fit::read::merl;
 use srbf_fit::read::{Content, Filled, read};
-use srbf_fit::table::Brdf;
-use srbf_fit::{Settings, export, fit_content};
+use srbf_fit::table::{Brdf, evaluation_views};
+use srbf_fit::{Settings, export, fit_content, view_angles};
 use srbf_reference_renderer::command::argument;
 use srbf_reference_renderer::numbers::random::Random;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Prints the verdicts of the measured tables of the folder that SRBF_DATA_DIR names, and of three bad tables.
 ///
@@ -23,6 +26,9 @@ pub struct Args {
     /// All lines of each verdict; else its sentence alone
     #[arg(long)]
     all: bool,
+    /// A folder of fits of the measured tables that `survey --materials` wrote; else they are fitted
+    #[arg(long, value_name = "DIR")]
+    materials: Option<PathBuf>,
 }
 
 /// The model of the bad tables, and a mirror.
@@ -51,9 +57,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     files.sort();
     for file in files {
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        say(args, &name, || Ok(read(&file)?.content))?;
+        let fit = args.materials.as_ref().map(|folder| folder.join(&name).with_extension("srbf"));
+        say(args, &name, fit.as_deref(), || Ok(read(&file)?.content))?;
     }
-    say(args, "half of it missing", || {
+    say(args, "half of it missing", None, || {
         let missing = |bytes: &mut [u8]| {
             for channel in bytes.chunks_exact_mut(NUMBER * ROWS * ROW) {
                 let far = &mut channel[NUMBER * ROW * FAR..];
@@ -62,7 +69,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         };
         Ok(Content::Evaluable(Box::new(Filled::new(changed(missing)?)?)))
     })?;
-    say(args, "noise of 30 %", || {
+    say(args, "noise of 30 %", None, || {
         let noisy = |bytes: &mut [u8]| {
             let mut random = Random::new(0, 3, 0);
             let mut factors = Vec::with_capacity(ROWS * ROW);
@@ -80,7 +87,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         };
         Ok(Content::Evaluable(Box::new(changed(noisy)?)))
     })?;
-    say(args, "a mirror", || Ok(read(Path::new(MIRROR))?.content))
+    say(args, "a mirror", None, || Ok(read(Path::new(MIRROR))?.content))
 }
 
 /// The model as a MERL file of which the numbers are changed.
@@ -94,16 +101,46 @@ fn changed(change: impl Fn(&mut [u8])) -> anyhow::Result<merl::Merl> {
     Ok(merl::parse(&bytes)?)
 }
 
-/// Fits a table, and prints its verdict.
-fn say(args: &Args, name: &str, content: impl Fn() -> anyhow::Result<Content>) -> anyhow::Result<()> {
+/// Fits a table, or takes its fit from a file, and prints its verdict.
+fn say(
+    args: &Args,
+    name: &str,
+    fit: Option<&Path>,
+    content: impl Fn() -> anyhow::Result<Content>,
+) -> anyhow::Result<()> {
     if !name.contains(&args.only) {
         return Ok(());
     }
-    let fit = fit_content(&content()?, &Settings::default(), |_| {}).with_context(|| name.to_owned())?;
-    let material = Material::from_bytes(fit.bytes.as_slice())?;
-    let verdict = Verdict::of_material(&fit.report, &reciprocity(&material)?);
-    let lines = verdict.lines();
+    let content = content()?;
+    let (bytes, report) = match fit {
+        Some(path) => {
+            let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+            let report = judged(&content, &bytes)?;
+            (bytes, report)
+        }
+        None => {
+            let fit = fit_content(&content, &Settings::default(), |_| {}).with_context(|| name.to_owned())?;
+            (fit.bytes, fit.report)
+        }
+    };
+    let lines =
+        Verdict::of_material(&report, &reciprocity(&Material::from_bytes(bytes.as_slice())?)?).lines();
     let shown = if args.all { lines.len() } else { 1 };
     println!("{name}: {}", lines[..shown.min(lines.len())].join("\n  "));
     Ok(())
+}
+
+/// The report of a fit at views halfway between its own, as of one that was just made.
+fn judged(content: &Content, bytes: &[u8]) -> anyhow::Result<Report> {
+    let Content::Evaluable(brdf) = content else { anyhow::bail!("samples are no table") };
+    let material = Material::from_bytes(bytes)?;
+    let table =
+        evaluation_views::judging_table(brdf.as_ref(), &evaluation_views::halfway(&view_angles(&material)))?;
+    let held_out = table.views.iter().map(|view| ViewReport::judge(&material, view));
+    Ok(Report {
+        held_out: held_out.collect::<Result<_, _>>()?,
+        appearance: Some(Appearance::new(brdf.as_ref(), &material)?),
+        gaps: Some(Gaps::of_table(brdf.as_ref())),
+        ..Report::default()
+    })
 }

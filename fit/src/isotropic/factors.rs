@@ -28,7 +28,7 @@ pub(crate) struct Factors {
 const CORNERS: usize = 8;
 
 /// A cell of nodes, by the node of its least indices, and the shares of its corners.
-struct Place {
+struct NodeShares {
     cell: [usize; 3],
     shares: [f64; CORNERS],
 }
@@ -57,7 +57,7 @@ fn node([half, difference, _]: [usize; 3], [i, j, k]: [usize; 3]) -> usize {
 
 /// Place of two directions among the nodes. These are even in the fourth root of `1 - cos` of the half angle and in the square
 /// root of that of the difference angle; also in the squared cosine of the azimuth; as `srbf_core` has it.
-fn place(size: [usize; 3], wi: [f64; 3], wo: [f64; 3]) -> Place {
+fn place(size: [usize; 3], wi: [f64; 3], wo: [f64; 3]) -> NodeShares {
     let s = [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]];
     let d = [wi[0] - wo[0], wi[1] - wo[1], wi[2] - wo[2]];
     let across = s[0] * s[0] + s[1] * s[1];
@@ -79,7 +79,7 @@ fn place(size: [usize; 3], wi: [f64; 3], wo: [f64; 3]) -> Place {
         let share = |axis: usize, share: f64| if corner >> axis & 1 == 1 { share } else { 1.0 - share };
         share(0, x) * share(1, y) * share(2, z)
     });
-    Place { cell: [i, j, k], shares }
+    NodeShares { cell: [i, j, k], shares }
 }
 
 /// The nodes at the corners of a cell.
@@ -103,7 +103,7 @@ impl Factors {
 
     /// The factors of two directions.
     pub fn at(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
-        let Place { cell, shares } = place(self.size, wi, wo);
+        let NodeShares { cell, shares } = place(self.size, wi, wo);
         let mut sum = [0.0; 3];
         for (node, share) in corners(self.size, cell).into_iter().zip(shares) {
             (0..3).for_each(|c| sum[c] += share * self.nodes[node][c]);

@@ -4,7 +4,7 @@
 //! neighbours of its node. The squared error of an albedo couples all nodes, but is a square of one sum for each view. These
 //! sums are kept as they are, and the solver carries them along.
 
-use super::{CORNERS, Demand, Place, corners, node, place};
+use super::{CORNERS, Demand, NodeShares, corners, node, place};
 use crate::isotropic::tuning::factors::{LARGEST, PULL, SMOOTH, SWEEPS};
 use rayon::prelude::*;
 
@@ -13,14 +13,14 @@ const PAIRS: usize = CORNERS * (CORNERS + 1) / 2;
 
 /// Sums over the demands of a cell.
 #[derive(Clone)]
-struct Cell {
+struct CellSums {
     /// Products of the shares of two corners, per channel.
     products: [[f64; 3]; PAIRS],
     /// Products of a share and the target.
     moments: [[f64; 3]; CORNERS],
 }
 
-impl Cell {
+impl CellSums {
     const EMPTY: Self = Self { products: [[0.0; 3]; PAIRS], moments: [[0.0; 3]; CORNERS] };
 
     fn add(&mut self, shares: &[f64; CORNERS], d: &Demand) {
@@ -106,11 +106,11 @@ impl Problem {
     fn add_demands(&mut self, size: [usize; 3], demands: &[Demand]) {
         // One cell more than there are intervals where there is one node.
         let cells = size.map(|nodes| (nodes - 1).max(1));
-        let mut sums = vec![Cell::EMPTY; cells.iter().product()];
+        let mut sums = vec![CellSums::EMPTY; cells.iter().product()];
         for view in demands.chunk_by(|a, b| a.view == b.view) {
             let (mut slopes, mut target) = (vec![[0.0; 3]; self.rows.len()], [0.0; 3]);
             for d in view {
-                let Place { cell: [i, j, k], shares } = place(size, d.wi, d.wo);
+                let NodeShares { cell: [i, j, k], shares } = place(size, d.wi, d.wo);
                 sums[(k * cells[1] + j) * cells[0] + i].add(&shares, d);
                 for (node, share) in corners(size, [i, j, k]).into_iter().zip(shares) {
                     (0..3).for_each(|c| slopes[node][c] += share * d.by_energy[c] * d.lobes[c]);
