@@ -70,15 +70,24 @@ impl Probes {
         self.is_skewed.then_some(NEAR_NORMAL.to_radians())
     }
 
-    /// Places `count` stored views, at least 2, from the first probe to the last.
+    /// Places `count` stored views, at least 2, from the first probe to the last. Where some would be too far apart, there is one
+    /// more: without it, closer views there would be missing where the material changes.
     pub fn place(&self, count: usize) -> Vec<f64> {
+        let mean = self.albedo[self.albedo.len() - 1].0 / (count.max(2) - 1) as f64;
+        let placed = self.placed_within(count, WIDEST.to_radians().max(WIDEST_MEAN * mean));
+        let is_wide = placed.windows(2).any(|w| w[1] - w[0] > WIDEST.to_radians() + ROUNDING);
+        // With fewer views, they would have no freedom.
+        if is_wide && FREEDOM * mean <= WIDEST.to_radians() {
+            return self.placed_within(count + 1, WIDEST.to_radians());
+        }
+        placed
+    }
+
+    /// The same with a largest distance.
+    fn placed_within(&self, count: usize, widest: f64) -> Vec<f64> {
         let probes = self.albedo.len();
         let intervals = (count.max(2) - 1).min((probes - 1) / APART);
         let equal = self.integral[probes - 1] / intervals as f64;
-        let last = self.albedo[probes - 1].0;
-        let mean = last / intervals as f64;
-        let widest =
-            if FREEDOM * mean <= WIDEST.to_radians() { WIDEST.to_radians() } else { WIDEST_MEAN * mean };
         let cost = |from: usize, to: usize| {
             if self.albedo[to].0 - self.albedo[from].0 > widest + ROUNDING {
                 return f64::INFINITY;
@@ -185,7 +194,9 @@ mod tests {
         for at in [0.4, 1.0] {
             let view_angles = Probes::new(&Step(at), 1.5, 14).unwrap().place(14);
             assert!(
-                view_angles.len() == 14 && view_angles[0] == 0.0 && view_angles[13] == 1.5,
+                (14..=15).contains(&view_angles.len())
+                    && view_angles[0] == 0.0
+                    && view_angles[view_angles.len() - 1] == 1.5,
                 "{view_angles:?}"
             );
             assert!(view_angles.windows(2).all(|w| w[1] - w[0] > 0.01), "{view_angles:?}");

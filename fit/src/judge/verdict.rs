@@ -5,7 +5,6 @@
 
 mod units;
 
-use crate::complete::Gaps;
 use crate::judge::appearance::Appearance;
 use crate::judge::reciprocity::Reciprocity;
 use crate::judge::report::{Ending, Report, ViewReport};

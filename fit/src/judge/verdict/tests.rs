@@ -1,4 +1,5 @@
 use super::*;
+use crate::complete::Gaps;
 use crate::judge::measure::RegionErrors;
 
 /// A view without a fault.
