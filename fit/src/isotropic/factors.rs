@@ -285,7 +285,8 @@ mod tests {
         let least = whole(&factors, &demands);
         assert!(least < 0.5 * whole(&Factors::fit(size, &[]), &demands));
         for n in (0..solved.len()).filter(|&n| own(n) == n) {
-            for by in [-0.01, 0.01] {
+            // Within the bounds.
+            for by in [-0.01, 0.01].into_iter().filter(|by| factors.nodes[n][1] + by >= 0.0) {
                 let mut moved = factors.clone();
                 (0..solved.len()).filter(|&m| own(m) == n).for_each(|m| moved.nodes[m][1] += by);
                 let sum = whole(&moved, &demands);
