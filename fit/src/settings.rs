@@ -47,7 +47,6 @@ pub struct Settings {
     pub exchanges: usize,
     /// Views of the material, 2 to 256, placed where it changes. Isotropic surfaces only. Default: `None`, which stands for 15.
     ///
-    /// With the default, a BRDF gets one more where two of its views would be more than 8 degrees apart.
     /// With the default, materials of 6 to 11 lobes, and those with mirrored pairs, get more views: as many as take the bytes of
     /// 15 views of 12 lobes, at most twice as many.
     pub views: Option<usize>,

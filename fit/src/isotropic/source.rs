@@ -62,8 +62,7 @@ fn fit_both(
     let start = Instant::now();
     let probes = Probes::new(brdf, LAST_VIEW.to_radians(), settings.view_count())?;
     let effort = if samples.is_some() { &COMPLETED } else { &MEASURED };
-    let is_close = samples.is_none() && settings.views.is_none();
-    let source = Evaluable { brdf, samples, probes, is_close, effort };
+    let source = Evaluable { brdf, samples, probes, effort };
     let settings = Settings {
         smoothness: DENSE * settings.smoothness,
         starts: settings.starts.div_ceil(effort.starts),
@@ -91,9 +90,6 @@ struct Evaluable<'a> {
     /// The samples, if the BRDF is their completion.
     samples: Option<&'a Table>,
     probes: Probes,
-    /// Whether stored views are close, even if there is one more: not where their number is given, nor for a completion, which is
-    /// smooth.
-    is_close: bool,
     effort: &'static Effort,
 }
 
@@ -122,7 +118,7 @@ impl Source for Evaluable<'_> {
     }
 
     fn view_angles(&self, count: usize) -> Vec<f64> {
-        if self.is_close { self.probes.place_closely(count) } else { self.probes.place(count) }
+        self.probes.place(count)
     }
 
     fn next_to_normal(&self) -> Option<f64> {

@@ -18,16 +18,13 @@
 
 use crate::FitError;
 use crate::isotropic::tuning::stored_views::{
-    APART, BULGE, BY_ANGLE, CROOKED, FINER, FREEDOM, NEAR_NORMAL, PROBED, PROBED_INTERVALS, SKEWED, SMOOTHED,
-    SPAN, WIDEST, WIDEST_MEAN,
+    APART, BULGE, BY_ANGLE, CROOKED, FINER, NEAR_NORMAL, PROBED, PROBED_INTERVALS, SKEWED, SMOOTHED, SPAN,
+    WIDEST, WIDEST_MEAN,
 };
 use crate::table::Brdf;
 use crate::table::Table;
 use crate::table::albedo_log::Ratio;
 use crate::table::luminance;
-
-/// Distances of views are multiples of a step, but for rounding; radians.
-const ROUNDING: f64 = 1e-9;
 
 /// A material at the probes.
 pub(crate) struct Probes {
@@ -70,35 +67,15 @@ impl Probes {
         self.is_skewed.then_some(NEAR_NORMAL.to_radians())
     }
 
-    /// Mean distance of `count` views, radians.
-    fn mean_distance(&self, count: usize) -> f64 {
-        self.albedo[self.albedo.len() - 1].0 / (count.max(2) - 1) as f64
-    }
-
     /// Places `count` stored views, at least 2, from the first probe to the last.
     pub fn place(&self, count: usize) -> Vec<f64> {
-        self.placed_within(count, WIDEST.to_radians().max(WIDEST_MEAN * self.mean_distance(count)))
-    }
-
-    /// The same, or one more view where some would be too far apart. Without it, closer views there would be missing where the
-    /// material changes.
-    pub fn place_closely(&self, count: usize) -> Vec<f64> {
-        let (mean, placed) = (self.mean_distance(count), self.place(count));
-        let is_wide = placed.windows(2).any(|w| w[1] - w[0] > WIDEST.to_radians() + ROUNDING);
-        // With fewer views, they would have no freedom.
-        if is_wide && FREEDOM * mean <= WIDEST.to_radians() {
-            return self.placed_within(count + 1, WIDEST.to_radians());
-        }
-        placed
-    }
-
-    /// The same with a largest distance.
-    fn placed_within(&self, count: usize, widest: f64) -> Vec<f64> {
         let probes = self.albedo.len();
         let intervals = (count.max(2) - 1).min((probes - 1) / APART);
         let equal = self.integral[probes - 1] / intervals as f64;
+        let last = self.albedo[probes - 1].0;
+        let widest = WIDEST.to_radians().max(WIDEST_MEAN * last / intervals as f64);
         let cost = |from: usize, to: usize| {
-            if self.albedo[to].0 - self.albedo[from].0 > widest + ROUNDING {
+            if self.albedo[to].0 - self.albedo[from].0 > widest {
                 return f64::INFINITY;
             }
             let share = (self.integral[to] - self.integral[from]) / equal;
@@ -207,15 +184,6 @@ mod tests {
                 "{view_angles:?}"
             );
             assert!(view_angles.windows(2).all(|w| w[1] - w[0] > 0.01), "{view_angles:?}");
-            let widest = |views: usize, last: f64| {
-                let placed = Probes::new(&Step(at), last, views).unwrap().place_closely(views);
-                placed.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max).to_degrees()
-            };
-            // As many as by default, and more.
-            for views in [15, 16, 21] {
-                let found = widest(views, 87f64.to_radians());
-                assert!(found < 8.001, "{at}, {views}: {found}");
-            }
             let near = |centre: f64| view_angles.iter().filter(|k| (**k - centre).abs() < 0.15).count();
             assert!(near(at) >= 4 && near(at) > near(1.4 - at), "{at}: {view_angles:?}");
         }
