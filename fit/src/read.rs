@@ -181,7 +181,10 @@ fn of_bytes(path: &Path, bytes: &[u8], conventions: &Conventions) -> Result<Sour
             return Ok(Source::evaluable(filled(grid)?, name, sha256));
         }
         Format::Rgl => {
-            return Ok(Source::evaluable(Box::new(rgl::parse(bytes).map_err(fault)?), name, sha256));
+            let file = rgl::parse(bytes).map_err(fault)?;
+            let brdf: Box<dyn Brdf + Send> =
+                if file.has_holes() { Box::new(Filled::of_rgl(file)?) } else { Box::new(file) };
+            return Ok(Source::evaluable(brdf, name, sha256));
         }
         Format::Cornell => cornell::parse(bytes, conventions),
         Format::Astm => astm::parse(bytes, conventions),

@@ -16,12 +16,14 @@ mod imagined;
 mod leave_out;
 mod lobes_table;
 mod presets;
+mod residuals;
 mod samples;
 mod slice;
 mod stability;
 mod stated;
 mod survey;
 mod thesis_table;
+mod verdicts;
 mod web;
 
 use clap::{Parser, Subcommand};
@@ -55,6 +57,8 @@ enum Command {
     LeaveOut(leave_out::Args),
     Samples(samples::Args),
     Slice(slice::Args),
+    Verdicts(verdicts::Args),
+    Residuals(residuals::Args),
     BenchReport(bench_report::Args),
     Web(web::Args),
 }
@@ -78,6 +82,8 @@ fn main() -> ExitCode {
             Command::LeaveOut(args) => leave_out::run(args),
             Command::Samples(args) => samples::run(args),
             Command::Slice(args) => slice::run(args),
+            Command::Verdicts(args) => verdicts::run(&args),
+            Command::Residuals(args) => residuals::run(&args),
             Command::BenchReport(args) => bench_report::run(args),
             Command::Web(args) => web::run(&args),
         }

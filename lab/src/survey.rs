@@ -11,12 +11,14 @@ use anyhow::{Context, ensure};
 use row::SurveyRow;
 use srbf_core::Material;
 use srbf_fit::baselines::blend::{BlendedViews, Neighbours};
+use srbf_fit::baselines::evaluated::Evaluated;
 use srbf_fit::baselines::microfacets::Microfacets;
 use srbf_fit::baselines::thesis;
 use srbf_fit::judge::method::Fitted;
 use srbf_fit::judge::mirror_asymmetry::handedness;
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{ViewReport, factor_bytes, mean_error};
+use srbf_fit::read::rgl::{self, Rgl};
 use srbf_fit::read::{Content, neural, read};
 use srbf_fit::table::Brdf;
 use srbf_fit::table::Table;
@@ -60,6 +62,10 @@ pub struct Args {
 /// Views up to this angle count for variance and weight, degrees: beyond, little light is reflected in a picture.
 const JUDGED: f64 = 80.0;
 
+/// Sides of the warps and of the pictures of a coarse RGL table, and bytes of a number of it, a half float.
+const RGL_SIDES: (usize, usize) = (12, 9);
+const RGL_BYTES: usize = 2;
+
 /// Views to which two GGX lobes are fitted, the last of which is left out.
 const GGX_VIEWS: usize = 12;
 
@@ -94,7 +100,8 @@ pub fn run(survey: Args) -> anyhow::Result<()> {
     println!("{}", SurveyRow::header());
     let mut rows: Vec<SurveyRow> = Vec::new();
     for (name, content) in chosen.into_iter().step_by(survey.every as usize) {
-        let (mut row, bytes) = examine(&name, &content?, &thetas, &settings, thesis.as_ref())
+        let coarse = coarse_table(&data, &name)?;
+        let (mut row, bytes) = examine(&name, (&content?, coarse), &thetas, &settings, thesis.as_ref())
             .with_context(|| format!("material {name}"))?;
         row.is_measured = name.ends_with(MEASURED);
         if let Some(folder) = &survey.materials {
@@ -129,10 +136,20 @@ fn chosen(data: &Path, survey: &Args) -> anyhow::Result<Vec<Named>> {
     Ok(chosen)
 }
 
+/// RGL's own table of a measured material, with fewer numbers, and how many; none of a network.
+fn coarse_table(data: &Path, name: &str) -> anyhow::Result<Option<(Rgl, usize)>> {
+    if !name.ends_with(MEASURED) {
+        return Ok(None);
+    }
+    let file = data.join("rgl").join(name).with_extension("bsdf");
+    let bytes = std::fs::read(&file).with_context(|| file.display().to_string())?;
+    Ok(rgl::parse(&bytes)?.coarser(RGL_SIDES.0, RGL_SIDES.1))
+}
+
 /// Fits one material, and judges the fit. Returns the bytes of the material too.
 fn examine(
     name: &str,
-    content: &Content,
+    (content, coarse): (&Content, Option<(Rgl, usize)>),
     thetas: &[f64],
     settings: &Settings,
     thesis: Option<&thesis::ThesisSettings>,
@@ -193,6 +210,14 @@ fn examine(
     row.ggx_peak = 100.0 * mean(|v| v.regions.peak);
     row.ggx_luminance = 100.0 * mean(|v| v.regions.luminance);
     row.ggx_chroma = mean(|v| v.regions.chroma);
+    if let Some((coarse, numbers)) = coarse {
+        let found = judge(&Evaluated(coarse), &seen_table)?;
+        let mean = |f: fn(&ViewReport) -> f64| found.iter().map(f).sum::<f64>() / found.len() as f64;
+        row.rgl_peak = 100.0 * mean(|v| v.regions.peak);
+        row.rgl_luminance = 100.0 * mean(|v| v.regions.luminance);
+        row.rgl_chroma = mean(|v| v.regions.chroma);
+        row.rgl_bytes = (RGL_BYTES * numbers) as f64;
+    }
     let halfway = evaluation_views::judging_table(brdf, &evaluation_views::halfway(thetas))?;
     row.same_views = error(&lobes, &halfway)?;
     if let Some(settings) = thesis {

@@ -35,7 +35,8 @@ impl Method for Nearest {
     }
 }
 
-struct Evaluated<B>(B);
+/// A BRDF, judged as if it were a fit.
+pub struct Evaluated<B>(pub B);
 
 impl<B: Brdf> Fitted for Evaluated<B> {
     fn view(&self, theta: f64) -> Result<Box<dyn FittedView + '_>, FitError> {

@@ -4,9 +4,12 @@
 //! It is the same for (wi, wo) and (wo, wi), and costs no exponential. The lobes keep the peak and the density; the table has the
 //! rest. With the lobes as they are, the best table is a linear problem.
 
+mod problem;
+
 use crate::isotropic::model::parameters::Layout;
-use crate::isotropic::tuning::factors::{LARGEST, MORE_NODES, NODES, PULL, SMOOTH, SWEEPS};
+use crate::isotropic::tuning::factors::{MORE_NODES, NODES};
 use crate::numeric::GOLDEN_ANGLE;
+use problem::Problem;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -21,8 +24,14 @@ pub(crate) struct Factors {
     nodes: Vec<[f64; 3]>,
 }
 
-/// Eight nodes and their shares.
-type NodeShares = [(usize, f64); 8];
+/// Corners of a cell of nodes.
+const CORNERS: usize = 8;
+
+/// A cell of nodes, by the node of its least indices, and the shares of its corners.
+struct NodeShares {
+    cell: [usize; 3],
+    shares: [f64; CORNERS],
+}
 
 /// The target of a table at one direction.
 #[derive(Clone, Copy, Debug)]
@@ -66,11 +75,18 @@ fn place(size: [usize; 3], wi: [f64; 3], wo: [f64; 3]) -> NodeShares {
     let (i, x) = at(libm::sqrt(libm::sqrt(a)), size[0]);
     let (j, y) = at(libm::sqrt(b), size[1]);
     let (k, z) = at(c, size[2]);
-    std::array::from_fn(|n| {
-        let [x_on, y_on, z_on] = [n & 1, n >> 1 & 1, n >> 2];
-        let share = |on: usize, share: f64| if on == 1 { share } else { 1.0 - share };
-        let k = (k + z_on).min(size[2] - 1);
-        (node(size, [i + x_on, j + y_on, k]), share(x_on, x) * share(y_on, y) * share(z_on, z))
+    let shares = std::array::from_fn(|corner| {
+        let share = |axis: usize, share: f64| if corner >> axis & 1 == 1 { share } else { 1.0 - share };
+        share(0, x) * share(1, y) * share(2, z)
+    });
+    NodeShares { cell: [i, j, k], shares }
+}
+
+/// The nodes at the corners of a cell.
+fn corners(size: [usize; 3], [i, j, k]: [usize; 3]) -> [usize; CORNERS] {
+    std::array::from_fn(|corner| {
+        let [x_on, y_on, z_on] = [corner & 1, corner >> 1 & 1, corner >> 2];
+        node(size, [i + x_on, j + y_on, (k + z_on).min(size[2] - 1)])
     })
 }
 
@@ -87,8 +103,9 @@ impl Factors {
 
     /// The factors of two directions.
     pub fn at(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
+        let NodeShares { cell, shares } = place(self.size, wi, wo);
         let mut sum = [0.0; 3];
-        for (node, share) in place(self.size, wi, wo) {
+        for (node, share) in corners(self.size, cell).into_iter().zip(shares) {
             (0..3).for_each(|c| sum[c] += share * self.nodes[node][c]);
         }
         sum
@@ -136,23 +153,9 @@ impl Factors {
 
     /// The best factors for the demands, rounded as they are stored.
     pub fn fit(size: [usize; 3], demands: &[Demand]) -> Self {
-        let count = size.iter().product();
-        let places: Vec<NodeShares> = demands.iter().map(|d| place(size, d.wi, d.wo)).collect();
-        let channel = |channel: usize| {
-            let mut problem = Problem::new(size);
-            for (d, place) in demands.iter().zip(&places) {
-                problem.add(place, d.weight, d.lobes[channel], d.target[channel]);
-            }
-            let mut first = 0;
-            for view in demands.chunk_by(|a, b| a.view == b.view) {
-                problem.add_albedo(&places[first..first + view.len()], view, channel);
-                first += view.len();
-            }
-            problem.solve()
-        };
-        let channels: Vec<Vec<f64>> = (0..3).into_par_iter().map(channel).collect();
+        let solved = Problem::new(size, demands).solve();
         let own = |n: usize| node(size, [n / size[1] % size[0], n % size[1], n / (size[0] * size[1])]);
-        let nodes = (0..count).map(|n| [0, 1, 2].map(|c| channels[c][own(n)])).collect();
+        let nodes = (0..solved.len()).map(|n| solved[own(n)]).collect();
         let mut factors = Self { size, nodes };
         factors.round();
         factors
@@ -194,99 +197,6 @@ impl Factors {
         }
         best.map(|(_, table)| table)
     }
-}
-
-/// Normal equations of the factors of one channel.
-struct Problem {
-    count: usize,
-    matrix: Vec<f64>,
-    moment: Vec<f64>,
-}
-
-impl Problem {
-    fn new(size: [usize; 3]) -> Self {
-        let count = size.iter().product();
-        let mut problem = Self { count, matrix: vec![0.0; count * count], moment: vec![0.0; count] };
-        let [half, difference, azimuth] = size;
-        for n in 0..count {
-            let at = [n / difference % half, n % difference, n / (half * difference)];
-            problem.add_row(&[(node(size, at), 1.0)], PULL / azimuth as f64, 1.0);
-            for along in 0..3 {
-                if at[along] > 0 && at[along] + 1 < size[along] {
-                    let beside = |by: usize| {
-                        let mut beside = at;
-                        beside[along] = at[along] + by - 1;
-                        node(size, beside)
-                    };
-                    let bend = [(beside(0), 1.0), (beside(1), -2.0), (beside(2), 1.0)];
-                    problem.add_row(&bend, SMOOTH / azimuth as f64, 0.0);
-                }
-            }
-            // Along the azimuth a first difference too, which is all that there is of two.
-            if at[2] > 0 {
-                let before = node(size, [at[0], at[1], at[2] - 1]);
-                problem.add_row(&[(node(size, at), 1.0), (before, -1.0)], PULL, 0.0);
-            }
-        }
-        problem
-    }
-
-    /// Adds the square of `sum of terms - target`, times a weight.
-    fn add_row(&mut self, terms: &[(usize, f64)], weight: f64, target: f64) {
-        for &(i, a) in terms {
-            self.moment[i] += weight * a * target;
-            for &(j, b) in terms {
-                self.matrix[i * self.count + j] += weight * a * b;
-            }
-        }
-    }
-
-    fn add(&mut self, place: &NodeShares, weight: f64, lobes: f64, target: f64) {
-        let terms = place.map(|(node, share)| (node, share * lobes));
-        self.add_row(&terms, weight, target);
-    }
-
-    /// Adds the squared error of the albedo of a view: without it the albedo falls, and the balance of channels that follows would
-    /// change colours everywhere.
-    fn add_albedo(&mut self, places: &[NodeShares], view: &[Demand], channel: usize) {
-        let mut row = vec![0.0; self.count];
-        let mut target = 0.0;
-        for (place, d) in places.iter().zip(view) {
-            for &(node, share) in place {
-                row[node] += share * d.by_energy[channel] * d.lobes[channel];
-            }
-            target += d.by_energy[channel] * d.target[channel];
-        }
-        for (i, &a) in row.iter().enumerate().filter(|term| *term.1 != 0.0) {
-            self.moment[i] += a * target;
-            let sums = &mut self.matrix[i * self.count..(i + 1) * self.count];
-            sums.iter_mut().zip(&row).for_each(|(sum, b)| *sum += a * b);
-        }
-    }
-
-    /// Coordinate descent from 1 within the bounds.
-    fn solve(&self) -> Vec<f64> {
-        let mut x = vec![1.0; self.count];
-        for _ in 0..SWEEPS {
-            for (i, row) in self.matrix.chunks_exact(self.count).enumerate() {
-                let step = (self.moment[i] - product(row, &x)) / row[i].max(1e-300);
-                x[i] = (x[i] + step).clamp(0.0, LARGEST);
-            }
-        }
-        x
-    }
-}
-
-/// Inner product. Its order is fixed, and in lanes.
-fn product(a: &[f64], b: &[f64]) -> f64 {
-    const LANES: usize = 8;
-    let (whole, others) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    let rest = whole.remainder().iter().zip(others.remainder()).map(|(a, b)| a * b).sum::<f64>();
-    let mut sums = [0.0; LANES];
-    for (a, b) in whole.zip(others) {
-        (0..LANES).for_each(|n| sums[n] += a[n] * b[n]);
-    }
-    sums.iter().sum::<f64>() + rest
 }
 
 #[cfg(test)]
@@ -342,6 +252,45 @@ mod tests {
                     );
                 }
                 assert_eq!(found, factors.at(d.wo, d.wi));
+            }
+        }
+    }
+
+    /// The whole sum of squares of a channel: of demands, and of the albedo of each view.
+    fn whole(factors: &Factors, demands: &[Demand]) -> f64 {
+        let mut sum = 0.0;
+        for view in demands.chunk_by(|a, b| a.view == b.view) {
+            let mut albedo = 0.0;
+            for d in view {
+                let apart = factors.at(d.wi, d.wo)[1] * d.lobes[1] - d.target[1];
+                sum += d.weight * apart * apart;
+                albedo += d.by_energy[1] * apart;
+            }
+            sum += albedo * albedo;
+        }
+        sum
+    }
+
+    #[test]
+    fn no_other_node_makes_a_smaller_sum() {
+        let mut demands = demands(|half, difference, azimuth| {
+            [1.0, 1.0 + 0.4 * libm::sin(9.0 * half) + 0.5 * azimuth * difference, 1.0]
+        });
+        demands.iter_mut().for_each(|d| d.by_energy = [1e-3; 3]);
+        let size = [8, 4, 2];
+        let problem = Problem::new(size, &demands);
+        let solved = problem.solve();
+        let own = |n: usize| node(size, [n / size[1] % size[0], n % size[1], n / (size[0] * size[1])]);
+        let factors = Factors { size, nodes: (0..solved.len()).map(|n| solved[own(n)]).collect() };
+        let least = whole(&factors, &demands);
+        assert!(least < 0.5 * whole(&Factors::fit(size, &[]), &demands));
+        for n in (0..solved.len()).filter(|&n| own(n) == n) {
+            // Within the bounds.
+            for by in [-0.01, 0.01].into_iter().filter(|by| factors.nodes[n][1] + by >= 0.0) {
+                let mut moved = factors.clone();
+                (0..solved.len()).filter(|&m| own(m) == n).for_each(|m| moved.nodes[m][1] += by);
+                let sum = whole(&moved, &demands);
+                assert!(sum > least * (1.0 - 1e-5), "{n} {by}: {sum} {least}");
             }
         }
     }

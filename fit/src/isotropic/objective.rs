@@ -181,12 +181,12 @@ impl Objective {
     /// objective is the mean error, not the mean of its square. Away from the peak, differences of logarithms count. The
     /// tail counts as if the lobes' values were the table's where they are lower: there a renderer that samples the lobes gets its
     /// largest weights. Albedos count the more, the worse they are.
-    pub fn reweighed(&self, x: &[f64]) -> Self {
-        let mut new = self.clone();
+    pub fn reweighed(mut self, x: &[f64]) -> Self {
         let mut q = vec![0.0; self.layout.stride()];
-        let mut errors = Vec::with_capacity(new.views.len());
-        let mut weights = Vec::with_capacity(new.views.len());
-        for view in &mut new.views {
+        let mut views = std::mem::take(&mut self.views);
+        let mut errors = Vec::with_capacity(views.len());
+        let mut weights = Vec::with_capacity(views.len());
+        for view in &mut views {
             self.layout.interpolate(x, view.place, &mut q);
             let (lobes, amplitudes) = (Lobes::new(&self.layout, &q), self.layout.amplitudes(&q));
             let mut square = 0.0;
@@ -213,19 +213,21 @@ impl Objective {
             view.energy = off.map(|e| (e / ALBEDO_ERROR).powi(2).clamp(1.0, MOST_ALBEDO));
         }
         let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
-        for ((view, error), weights) in new.views.iter_mut().zip(errors).zip(weights) {
+        for ((view, error), weights) in views.iter_mut().zip(errors).zip(weights) {
             let factor = if error > 0.0 { (mean / error).clamp(1.0 / MOST_FACTOR, MOST_FACTOR) } else { 1.0 };
             for (point, (measure, density)) in view.points.iter_mut().zip(weights) {
                 point.weigh(factor * (point.base + measure), density);
             }
         }
-        new
+        self.views = views;
+        self
     }
 
     /// What factors are to make of the lobes, at all samples.
-    pub fn demands(&self, x: &[f64]) -> Vec<Demand> {
-        let count = self.views.len() as f64;
-        let demands = self.views.par_iter().enumerate().map(|(number, view)| {
+    pub fn into_demands(mut self, x: &[f64]) -> Vec<Demand> {
+        let views = std::mem::take(&mut self.views);
+        let count = views.len() as f64;
+        let demands = views.into_par_iter().enumerate().map(|(number, view)| {
             let slopes = self.energy.slopes(view.albedo);
             let by_albedo =
                 [0, 1, 2].map(|c| libm::sqrt(ENERGY * view.energy[c] / (3.0 * count)) * slopes[c]);

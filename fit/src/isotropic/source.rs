@@ -1,7 +1,7 @@
 //! Fits of isotropic surfaces: to a BRDF, or to samples and their completion.
 
 use crate::clock::Clock;
-use crate::complete::Completion;
+use crate::complete::{Completion, Gaps};
 use crate::isotropic::effort::{COMPLETED, Effort, MEASURED};
 use crate::isotropic::resample::resampled;
 use crate::isotropic::search::schedule::Resampling;
@@ -49,6 +49,7 @@ pub(crate) fn fit_samples(
     });
     fit.report.views = reports.collect::<Result<_, _>>()?;
     fit.report.completion = Some(completion.report.clone());
+    fit.report.gaps = Some(completion.report.gaps.clone());
     Ok(fit)
 }
 
@@ -71,6 +72,7 @@ fn fit_both(
     };
     let mut fit = search::run(&source, &settings, progress)?;
     fit.report.appearance = Some(Appearance::new(brdf, &Material::from_bytes(fit.bytes.as_slice())?)?);
+    fit.report.gaps = Some(Gaps::of_table(brdf));
     let mut middles = evaluation_views::halfway(&view_angles_of(&Material::from_bytes(&fit.bytes)?));
     middles.retain(|theta| *theta < LAST_VIEW.to_radians());
     if !middles.is_empty() {

@@ -39,7 +39,8 @@ pub(crate) mod stored_views {
     pub const SMOOTHED: usize = 6;
     /// Least number of probes from one stored view to the next.
     pub const APART: usize = 2;
-    /// Largest distance of two stored views, degrees. Wider intervals would follow from noise.
+    /// Largest distance of two stored views, degrees. Wider intervals would follow from noise. 15 views that keep to it are too few near
+    /// grazing: the stored albedo of malachite is then 4.3 % off, and 2.9 % with one more view, for 1.6 %.
     pub const WIDEST: f64 = 8.0;
     /// The same, over the mean distance, where that is larger.
     pub const WIDEST_MEAN: f64 = 1.5;

@@ -44,8 +44,10 @@ const CONE_ANGLE: f64 = 3.0;
 const RINGS: usize = 20;
 const POINTS: usize = 40;
 const LAST_RING: f64 = 80.0;
-/// Displayed luminance of the brightest fifth of a picture begins here.
+/// Displayed luminance of the brightest fifth of a picture begins here, unless a white surface would be brighter than white by more
+/// than a factor: then all but the highlight is black to an eye too.
 const EXPOSURE: f64 = 0.55;
+const MOST_OVER_WHITE: f64 = 300.0;
 /// Steps of the turned view, degrees, and steps to either side over which it is averaged.
 const STEP: f64 = 0.5;
 const SIDE: usize = 16;
@@ -88,6 +90,8 @@ pub struct Appearance {
     pub pictures: Vec<(&'static str, f64)>,
     /// The same of the table under the suns beside itself, averaged over a cone: what its noise makes.
     pub of_noise: f64,
+    /// Whether the table is black under the suns but for its highlight, so that errors away from it are not seen.
+    pub is_dark: bool,
     /// Beside the highlight.
     pub skirt: Skirt,
     /// Largest ghost over the highlight of the table, and the angle of its view, radians.
@@ -163,8 +167,8 @@ impl Appearance {
             negative: skirts.iter().map(|s| s.negative).fold(0.0, f64::max),
         };
         let noise = Noise { luminance: mean(&|i| noises[i].luminance), chroma: mean(&|i| noises[i].chroma) };
-        let (pictures, of_noise) = pictures(brdf, material)?;
-        Ok(Self { pictures, of_noise, skirt, ghost, ripple: ripples(brdf, material)?, noise })
+        let Pictures { pictures, of_noise, is_dark } = pictures(brdf, material)?;
+        Ok(Self { pictures, of_noise, is_dark, skirt, ghost, ripple: ripples(brdf, material)?, noise })
     }
 
     /// Mean visible difference of the pictures: the one number of a fit.
@@ -180,6 +184,7 @@ impl Appearance {
             "visible_difference": self.visible(),
             "pictures": pictures,
             "visible_difference_of_noise": self.of_noise,
+            "is_dark_but_for_highlight": self.is_dark,
             "skirt": {"luminance": self.skirt.luminance, "chroma": self.skirt.chroma, "falsely_negative": self.skirt.negative},
             "ghost": {"over_highlight": self.ghost.0, "view_degrees": self.ghost.1.to_degrees()},
             "ripple": {"fit": ripple(self.ripple[0]), "table": ripple(self.ripple[1])},
@@ -358,11 +363,16 @@ impl Lights {
 /// A light, and the visible difference of the ball under it.
 type Picture = (&'static str, f64);
 
-/// Visible differences of the pictures, and that of the table under the suns beside itself without its noise.
-fn pictures(
-    brdf: &dyn Brdf,
-    material: &Material<impl AsRef<[u8]> + Sync>,
-) -> Result<(Vec<Picture>, f64), FitError> {
+/// The pictures in numbers.
+struct Pictures {
+    pictures: Vec<Picture>,
+    /// Visible difference of the table under the suns beside itself without its noise.
+    of_noise: f64,
+    /// Whether the table is black under all suns but for its highlight.
+    is_dark: bool,
+}
+
+fn pictures(brdf: &dyn Brdf, material: &Material<impl AsRef<[u8]> + Sync>) -> Result<Pictures, FitError> {
     let lights = [
         Lights::sun("sun at 20 degrees", 20.0),
         Lights::sun("sun at 60 degrees", 60.0),
@@ -409,12 +419,16 @@ fn pictures(
     };
     let rings = (0..RINGS).into_par_iter().map(ring).collect::<Result<Vec<_>, _>>()?;
     let mut differences = Vec::new();
-    let mut of_noise = 0.0;
+    let (mut of_noise, mut is_dark) = (0.0, true);
     for (n, light) in lights.iter().enumerate() {
         let points: Vec<Point> = rings.iter().flat_map(|ring| ring[n].iter().copied()).collect();
         let mut bright: Vec<f64> = points.iter().map(|p| luminance(p[1])).filter(|l| *l > 0.0).collect();
         bright.sort_by(f64::total_cmp);
-        let scale = EXPOSURE / bright.get(bright.len() * 4 / 5).copied().unwrap_or(1.0).max(1e-12);
+        let wanted = EXPOSURE / bright.get(bright.len() * 4 / 5).copied().unwrap_or(1.0).max(1e-12);
+        // A white surface that faces all of the light.
+        let white = light.all.iter().map(|(_, radiance)| luminance(*radiance)).sum::<f64>() / PI;
+        let scale = wanted.min(MOST_OVER_WHITE / white);
+        is_dark &= n >= SUNS || scale < wanted;
         let mean = |which: usize| {
             points.iter().map(|p| visible(p[which].map(|v| v * scale), p[1].map(|v| v * scale))).sum::<f64>()
                 / points.len() as f64
@@ -424,7 +438,7 @@ fn pictures(
             of_noise += mean(2) / SUNS as f64;
         }
     }
-    Ok((differences, of_noise))
+    Ok(Pictures { pictures: differences, of_noise, is_dark })
 }
 
 /// Visible difference of two linear sRGB colours as a display shows them, 0 to 1.

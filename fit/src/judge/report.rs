@@ -4,7 +4,7 @@
 //! So a density counts relative to its own sum over the same samples: then no variance is below 0 and no largest weight below 1.
 
 use crate::FitError;
-use crate::complete::CompletionReport;
+use crate::complete::{CompletionReport, Gaps};
 use crate::judge::appearance::Appearance;
 use crate::judge::cross::CrossValidation;
 use crate::judge::energy::EnergyError;
@@ -85,6 +85,8 @@ pub struct Report {
     pub completion: Option<CompletionReport>,
     /// How it looks beside the table, where that can be evaluated anywhere.
     pub appearance: Option<Appearance>,
+    /// Where nothing was measured, if that is known.
+    pub gaps: Option<Gaps>,
     /// Findings about the samples before the fit, if they were looked for.
     pub look: Option<Look>,
 }

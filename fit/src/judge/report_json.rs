@@ -1,6 +1,6 @@
 //! A report in words and as JSON, with the verdict on it.
 
-use crate::complete::CompletionReport;
+use crate::complete::{CompletionReport, Gaps};
 use crate::judge::appearance::Appearance;
 use crate::judge::cross::CrossValidation;
 use crate::judge::method::Fitted;
@@ -104,6 +104,7 @@ impl Report {
             "mean_relative_l2": self.mean_error(),
             "mean_relative_l2_held_out": held_out,
             "cross_validation": self.cross_validation.as_ref().map(CrossValidation::to_json),
+            "not_measured": self.gaps.as_ref().map(Gaps::to_json),
             "look": self.look.as_ref().map(Look::to_json),
             "completion": self.completion.as_ref().map(CompletionReport::to_json),
             "reciprocity": {"median_abs_log_ratio": median, "worst_abs_log_ratio": worst, "pairs": pairs},

@@ -71,6 +71,8 @@ struct Criterion {
     most: f64,
     /// Whether it is of visible errors, and so of views up to [`STEEPEST`] alone.
     is_visual: bool,
+    /// Whether it is of directions away from the peak.
+    is_off_peak: bool,
     /// The part of both that is noise of the table.
     noise: fn(&Report) -> f64,
 }
@@ -105,6 +107,7 @@ const L2: Criterion = Criterion {
     good: 0.052,
     most: 0.2,
     is_visual: true,
+    is_off_peak: false,
     noise: no_noise,
 };
 const OFF_PEAK: Criterion = Criterion {
@@ -115,6 +118,7 @@ const OFF_PEAK: Criterion = Criterion {
     good: 0.1,
     most: 0.2,
     is_visual: true,
+    is_off_peak: true,
     noise: noise_of_luminance,
 };
 const LUMINANCE: Criterion = Criterion {
@@ -125,6 +129,7 @@ const LUMINANCE: Criterion = Criterion {
     good: 0.06,
     most: 0.15,
     is_visual: true,
+    is_off_peak: true,
     noise: noise_of_luminance,
 };
 const CHROMA: Criterion = Criterion {
@@ -135,6 +140,7 @@ const CHROMA: Criterion = Criterion {
     good: 0.03,
     most: 0.1,
     is_visual: true,
+    is_off_peak: true,
     noise: noise_of_chroma,
 };
 const VARIANCE: Criterion = Criterion {
@@ -145,6 +151,7 @@ const VARIANCE: Criterion = Criterion {
     good: MOST_VARIANCE,
     most: MOST_VARIANCE,
     is_visual: false,
+    is_off_peak: false,
     noise: no_noise,
 };
 const WEIGHT: Criterion = Criterion {
@@ -155,6 +162,7 @@ const WEIGHT: Criterion = Criterion {
     good: MOST_WEIGHT,
     most: MOST_WEIGHT,
     is_visual: false,
+    is_off_peak: false,
     noise: no_noise,
 };
 const ENERGY: Criterion = Criterion {
@@ -166,6 +174,7 @@ const ENERGY: Criterion = Criterion {
     good: MOST_ENERGY_ERROR,
     most: MOST_ENERGY_ERROR,
     is_visual: false,
+    is_off_peak: false,
     noise: no_noise,
 };
 
@@ -276,8 +285,12 @@ const UNSEEN_RIPPLE: f64 = 0.012;
 const MOST_SKIRT: f64 = 0.06;
 const MOST_NEGATIVE: f64 = 0.05;
 const MOST_GHOST: f64 = 0.1;
-/// Noise of the luminance that is worth a word.
+/// Noise of the luminance that is worth a word, and that is worth one in the sentence.
 const LEAST_NOISE: f64 = 0.04;
+const LOUD_NOISE: f64 = 0.08;
+/// Share of all pairs of directions without a measurement that is worth a word, and with which no fit is of use as a whole.
+const LEAST_GAPS: f64 = 0.1;
+const MOST_GAPS: f64 = 0.4;
 
 fn has_rings(found: &Appearance) -> bool {
     let [fit, table] = found.ripple;
@@ -285,7 +298,36 @@ fn has_rings(found: &Appearance) -> bool {
 }
 
 /// Whether to use a fit, and its visible errors.
-fn sentence(found: &Appearance) -> String {
+fn sentence(found: &Appearance, report: &Report) -> String {
+    let looks = if found.is_dark { sentence_by_highlight(report) } else { sentence_by_looks(found) };
+    let gaps = report.gaps.as_ref();
+    let Some((gaps, share)) = gaps.map(|gaps| (gaps, gaps.mean())).filter(|gaps| gaps.1 >= LEAST_GAPS) else {
+        return looks;
+    };
+    let (advice, rest) = looks.split_once(": ").unwrap_or(("", &looks));
+    let advice = match advice {
+        _ if share >= MOST_GAPS => "do not use it as a whole",
+        "do not use it" => advice,
+        _ => "use it with care",
+    };
+    format!("{advice}: {}; beside the table with its gaps filled, {rest}", gaps.words())
+}
+
+/// The same of a table that is black but for its highlight.
+fn sentence_by_highlight(report: &Report) -> String {
+    let views = if report.held_out.is_empty() { &report.views } else { &report.held_out };
+    let error =
+        Spread::of(judged(views).filter(|v| v.theta <= STEEPEST), L2.number).map_or(1.0, |s| s.median);
+    let highlight = format!("the table is a highlight over black, and that is {:.1} % off", 100.0 * error);
+    match error {
+        error if error <= L2.good => format!("use it: {highlight}"),
+        error if error <= L2.most => format!("use it with care: {highlight}"),
+        _ => format!("do not use it: {highlight}"),
+    }
+}
+
+/// The same by its pictures alone.
+fn sentence_by_looks(found: &Appearance) -> String {
     let visible = found.visible();
     let (light, most) = found.pictures.iter().fold(("", 0.0), |most, p| if p.1 > most.1 { *p } else { most });
     let mut seen = Vec::new();
@@ -299,6 +341,13 @@ fn sentence(found: &Appearance) -> String {
         seen.push("a coloured fringe round the highlight".to_owned());
     }
     let balls = format!("balls differ by {visible:.3} from the table's, by {most:.3} under a {light}");
+    if found.noise.luminance >= LOUD_NOISE && visible - found.of_noise <= UNSEEN && seen.is_empty() {
+        return format!(
+            "use it, and not the table, which is noisy: {:.0} % off its own mean over 3 degrees; {balls}, by {:.3} for that noise alone",
+            100.0 * found.noise.luminance,
+            found.of_noise
+        );
+    }
     match (visible, seen.is_empty()) {
         (v, true) if v <= UNSEEN => format!("use it: {balls}, which hardly shows side by side"),
         (v, false) if v <= OF_USE => format!("use it with care: {balls}; the fit shows {}", seen.join(", ")),
@@ -349,14 +398,16 @@ impl Verdict {
 
     /// Judges a fit by any method. Advice is for materials only.
     pub fn new(report: &Report, reciprocity: &Reciprocity) -> Self {
-        let sentence = report.appearance.as_ref().map(sentence);
+        let sentence = report.appearance.as_ref().map(|found| sentence(found, report));
         let mut verdict = Self { sentence, ..Self::default() };
-        for criterion in CRITERIA {
+        let is_dark = report.appearance.as_ref().is_some_and(|found| found.is_dark);
+        for criterion in CRITERIA.iter().filter(|criterion| !(is_dark && criterion.is_off_peak)) {
             verdict.say(criterion, report);
         }
         verdict.say_reciprocity(reciprocity);
         verdict.say_floor(report);
         verdict.say_appearance(report);
+        verdict.say_gaps(report);
         verdict.say_completion(report);
         // Of samples, the albedo of the completion tells: see `look`.
         if report.completion.is_none() {
@@ -425,6 +476,10 @@ impl Verdict {
     /// Rings that stand still with the camera, surroundings of the highlight, and noise of the table.
     fn say_appearance(&mut self, report: &Report) {
         let Some(found) = &report.appearance else { return };
+        if found.is_dark {
+            let text = "dark: away from the highlight nothing is bright enough to be seen, and errors there are not judged";
+            return self.fair.push(text.into());
+        }
         let [fit, table] = found.ripple;
         let text = format!(
             "rings: along the view angle colour varies by {:.3} about its mean over 8 degrees, the table's by {:.3}",
@@ -447,6 +502,12 @@ impl Verdict {
                 found.noise.chroma
             ));
         }
+    }
+
+    /// Where nothing was measured.
+    fn say_gaps(&mut self, report: &Report) {
+        let Some(gaps) = report.gaps.as_ref().filter(|gaps| gaps.mean() >= LEAST_GAPS) else { return };
+        if gaps.mean() >= MOST_GAPS { &mut self.off } else { &mut self.fair }.push(gaps.text());
     }
 
     /// The fit between samples is as good as at left-out views.
@@ -487,6 +548,9 @@ impl Verdict {
 
 /// Whether any view has more than it should have.
 fn is_off(criterion: &Criterion, report: &Report) -> bool {
+    if criterion.is_off_peak && report.appearance.as_ref().is_some_and(|found| found.is_dark) {
+        return false;
+    }
     let most = criterion.most + (criterion.noise)(report);
     judged(&report.views).chain(judged(&report.held_out)).any(|v| (criterion.number)(v) > most)
 }

@@ -22,16 +22,20 @@ mod tensor;
 mod warp;
 
 use crate::ReadError;
-use crate::table::{Brdf, Draws, Known, Symmetry};
+use crate::numeric::GOLDEN_ANGLE;
+use crate::table::{Brdf, Draws, Known, Symmetry, direction};
 use lookup::Lookup;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::OnceLock;
 pub(crate) use tensor::check_size;
+use warp::Grid;
 
 /// One RGL material: in f64 for fits, and in f32 for those who draw from it.
 #[derive(Debug)]
 pub struct Rgl {
     wide: Lookup,
+    /// Whether some of its colours are no numbers: nothing was measured there.
+    has_holes: bool,
     /// Made when it is asked for.
     narrow: OnceLock<Lookup<f32>>,
 }
@@ -44,8 +48,17 @@ pub fn parse(bytes: &[u8]) -> Result<Rgl, ReadError> {
     let file = tensor::parse(bytes)?;
     let arrays = arrays::read(&file)?;
     let symmetry = if arrays.phis.len() == 1 { Symmetry::Isotropic } else { symmetry(&arrays.phis)? };
-    Ok(Rgl { wide: Lookup { symmetry, arrays }, narrow: OnceLock::new() })
+    let has_holes = arrays.rgb.iter().flatten().any(Grid::has_holes);
+    let file = Rgl { wide: Lookup { symmetry, arrays }, has_holes, narrow: OnceLock::new() };
+    if has_holes && file.samples(1).is_empty() {
+        return Err(ReadError::Content("field rgb: no number was measured, all are NaN".into()));
+    }
+    Ok(file)
 }
+
+/// Outgoing directions of samples, and the last of them, degrees.
+const SAMPLED_VIEWS: usize = 15;
+const LAST_SAMPLED: f64 = 80.0;
 
 /// How far a range of azimuths may be from a whole, half or quarter turn, radians: f32 rounding, and little more.
 const RANGE: f64 = 1e-3;
@@ -71,6 +84,36 @@ impl Rgl {
         self.wide.f_cos(wi, wo)
     }
 
+    /// Whether something was not measured.
+    pub fn has_holes(&self) -> bool {
+        self.has_holes
+    }
+
+    /// The same with fewer numbers, as a rival of the same size as lobes: warps of `warp` by `warp` numbers, pictures of `picture` by
+    /// `picture`. Gives how many numbers values need. `None` if a warp has no mass then.
+    pub fn coarser(&self, warp: usize, picture: usize) -> Option<(Self, usize)> {
+        let (arrays, count) = self.wide.arrays.coarser(warp.max(2), picture.max(2))?;
+        let wide = Lookup { symmetry: self.wide.symmetry, arrays };
+        Some((Self { wide, has_holes: self.has_holes, narrow: OnceLock::new() }, count))
+    }
+
+    /// Samples where something was measured: incident direction, outgoing direction and f. About `count` of all directions are tried,
+    /// the half vectors denser about the normal.
+    pub(crate) fn samples(&self, count: usize) -> Vec<([f64; 3], [f64; 3], [f64; 3])> {
+        let each = count.div_ceil(SAMPLED_VIEWS).max(200);
+        let sample = |view: usize, n: usize| {
+            let theta = LAST_SAMPLED.to_radians() * (view as f64 + 0.5) / SAMPLED_VIEWS as f64;
+            let wo = direction(theta, PI);
+            let along = (n as f64 + 0.5) / each as f64;
+            let h = direction(along * along * FRAC_PI_2, GOLDEN_ANGLE * n as f64);
+            let twice = 2.0 * lookup::dot(h, wo);
+            let wi = [0, 1, 2].map(|k| twice * h[k] - wo[k]);
+            let value = self.evaluate(wi, wo);
+            (wi[2] > 0.02 && value.iter().all(|v| v.is_finite())).then_some((wi, wo, value))
+        };
+        (0..SAMPLED_VIEWS).flat_map(|view| (0..each).filter_map(move |n| sample(view, n))).collect()
+    }
+
     fn narrow(&self) -> &Lookup<f32> {
         self.narrow.get_or_init(|| Lookup { symmetry: self.wide.symmetry, arrays: self.wide.arrays.to_f32() })
     }
@@ -92,6 +135,11 @@ impl Brdf for Rgl {
         // On the horizon that is 0 over 0.
         let f_cos = self.f_cos(wi, wo);
         if lookup::is_above(wi, wo) { f_cos.map(|v| v / wi[2]) } else { [0.0; 3] }
+    }
+
+    fn measured(&self, wi: [f64; 3], wo: [f64; 3]) -> f64 {
+        let is_known = !self.has_holes || self.f_cos(wi, wo).iter().all(|v| v.is_finite());
+        f64::from(u8::from(is_known))
     }
 
     fn symmetry(&self) -> Symmetry {

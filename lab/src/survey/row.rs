@@ -55,6 +55,11 @@ pub struct SurveyRow {
     pub ggx_peak: f64,
     pub ggx_luminance: f64,
     pub ggx_chroma: f64,
+    /// The same of RGL's own table, made so coarse that it has about as many bytes as a material.
+    pub rgl_peak: f64,
+    pub rgl_luminance: f64,
+    pub rgl_chroma: f64,
+    pub rgl_bytes: f64,
 }
 
 /// The names of the columns.
@@ -65,12 +70,12 @@ pub const LEGEND: &str = "fit, halfway: relative L2 of f cos in %, mean over the
     and weight: largest over mean, views to 80 degrees; anywhere: at any view; factors: bytes of their table, largest: of them; \
     handed: how far the data, halfway, differ from their mirror image, %: fits and errors are of one side; visible: difference of pictures of a ball; ripple: of colour along the view angle, over \
     the table's; skirt: colour from 1.5 to 15 degrees from the mirror; noise: of the table's luminance, %; GGX: two lobes and a \
-    diffuse term; with 6 to 11 lobes, or lobes in pairs, ours has more views in the same bytes";
+    diffuse term; RGL: its own table, coarse; with 6 to 11 lobes, or lobes in pairs, ours has more views in the same bytes";
 
 /// Name in CSV, heading, digits after the point, and number.
 type Column = (&'static str, &'static str, usize, fn(&SurveyRow) -> f64);
 
-const COLUMNS: [Column; 33] = [
+const COLUMNS: [Column; 37] = [
     ("fit_percent", "fit", 2, |r| r.fit),
     ("halfway_percent", "halfway", 2, |r| r.halfway),
     ("peak_percent", "peak", 2, |r| r.peak),
@@ -104,6 +109,10 @@ const COLUMNS: [Column; 33] = [
     ("ggx_peak_percent", "GGX peak", 2, |r| r.ggx_peak),
     ("ggx_luminance_percent", "GGX lum.", 2, |r| r.ggx_luminance),
     ("ggx_chroma", "GGX chr.", 3, |r| r.ggx_chroma),
+    ("rgl_peak_percent", "RGL peak", 2, |r| r.rgl_peak),
+    ("rgl_luminance_percent", "RGL lum.", 2, |r| r.rgl_luminance),
+    ("rgl_chroma", "RGL chr.", 3, |r| r.rgl_chroma),
+    ("rgl_bytes", "RGL bytes", 0, |r| r.rgl_bytes),
 ];
 
 impl Default for SurveyRow {
@@ -144,6 +153,10 @@ impl Default for SurveyRow {
             ggx_peak: nan,
             ggx_luminance: nan,
             ggx_chroma: nan,
+            rgl_peak: nan,
+            rgl_luminance: nan,
+            rgl_chroma: nan,
+            rgl_bytes: nan,
         }
     }
 }

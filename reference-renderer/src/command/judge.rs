@@ -5,6 +5,7 @@ use crate::out::print::shown;
 use crate::truth::stored::StoredMaterial;
 use anyhow::bail;
 use srbf_core::Material;
+use srbf_fit::complete::Gaps;
 use srbf_fit::judge::appearance::Appearance;
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Report, ViewReport};
@@ -48,7 +49,9 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let judged = table.views.iter().map(|view| ViewReport::judge(&material, view));
     // None of them need be a view of the material.
     let appearance = Some(Appearance::new(brdf.as_ref(), &material)?);
-    let report = Report { held_out: judged.collect::<Result<_, _>>()?, appearance, ..Report::default() };
+    let gaps = Some(Gaps::of_table(brdf.as_ref()));
+    let report =
+        Report { held_out: judged.collect::<Result<_, _>>()?, appearance, gaps, ..Report::default() };
     println!("{}", view_table::LEGEND);
     view_table::print_views(&report.held_out, true);
     let reciprocity = reciprocity(&material)?;

@@ -11,6 +11,7 @@ use crate::judge::report::Ending;
 use crate::numeric::levenberg::minimize;
 use crate::table::Table;
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -66,7 +67,8 @@ pub(crate) fn scout(
     for stage in stages {
         candidates.truncate(stage.keep);
         let tasks = candidates.iter_mut();
-        let tasks = tasks.map(|c| Task { table, objective: &objectives[c.shape], candidate: c });
+        let tasks =
+            tasks.map(|c| Task { table, objective: Cow::Borrowed(&objectives[c.shape]), candidate: c });
         advance(stage, tasks.collect(), work);
         work.done += stage.work();
         rank(&mut candidates);
@@ -89,7 +91,7 @@ fn rank(candidates: &mut [Candidate]) {
 /// A candidate and its objective.
 pub(crate) struct Task<'a> {
     pub table: &'a Table,
-    pub objective: &'a Objective,
+    pub objective: Cow<'a, Objective>,
     pub candidate: &'a mut Candidate,
 }
 
@@ -122,14 +124,15 @@ fn advance_one(stage: &Stage, task: Task<'_>, mut tick: impl FnMut()) {
         *x = start::start(table, &objective.layout, *start);
     }
     let mut weights = stage.weights;
-    let reweighed = stage.scope.is_whole().then(|| objective.reweighed(x));
+    let objective =
+        if stage.scope.is_whole() { Cow::Owned(objective.into_owned().reweighed(x)) } else { objective };
     if stage.scope.is_whole() {
         // Beside a large error that cannot be helped, smoothness and albedo have to weigh more to count as much.
         let scale = (*cost / USUAL_COST).clamp(1.0, MOST_SCALE);
         weights.smoothness *= scale;
         weights.energy *= if stage.scope.holds_albedo() { scale } else { 1.0 };
     }
-    let objective = reweighed.as_ref().unwrap_or(objective);
+    let objective = objective.as_ref();
     (*cost, *ending) = minimize(&Weighted { objective, weights }, x, stage.limits, &mut tick);
     // Other families in every stage.
     let seed = (256 * *start + stage.runs) as u64;

@@ -6,7 +6,7 @@ use crate::isotropic::factors::Factors;
 use crate::isotropic::model::parameters::Layout;
 use crate::isotropic::objective::{Emphasis, Objective};
 use crate::isotropic::search::candidates::{Candidate, Task, Work, advance};
-use crate::isotropic::search::schedule::{Resampling, Stage, WIDE};
+use crate::isotropic::search::schedule::{Resampling, Stage, WIDE, side_by_side};
 use crate::isotropic::search::{DrawnBy, Source};
 use crate::isotropic::tuning::factors::SIZES;
 use crate::isotropic::tuning::finalist::{
@@ -150,11 +150,18 @@ impl<'a> Finalist<'a> {
         is_widened
     }
 
+    /// The candidate with its objective.
+    fn task(&mut self, emphasis: Emphasis) -> Result<Task<'_>, FitError> {
+        let table = self.resampled.as_ref().unwrap_or(&self.table);
+        let objective = Objective::new(table, self.layout.clone(), emphasis, self.factors.as_ref())?;
+        Ok(Task { table, objective: Cow::Owned(objective), candidate: &mut self.candidate })
+    }
+
     /// Fits factors to the residual of the lobes, with a table of one of these sizes.
     pub fn fit_factors(&mut self, sizes: &[[usize; 3]], emphasis: Emphasis) -> Result<(), FitError> {
         let table = self.resampled.as_ref().unwrap_or(&self.table);
         let objective = Objective::new(table, self.layout.clone(), emphasis, self.factors.as_ref())?;
-        let demands = objective.reweighed(&self.candidate.x).demands(&self.candidate.x);
+        let demands = objective.reweighed(&self.candidate.x).into_demands(&self.candidate.x);
         self.factors = Factors::worthwhile(sizes, &demands);
         Ok(())
     }
@@ -191,7 +198,7 @@ impl<'a> Finalist<'a> {
     }
 }
 
-/// Takes all finalists through a stage, side by side.
+/// Takes all finalists through a stage, as many side by side as there is room for.
 pub(crate) fn refine(
     source: &dyn Source,
     finalists: &mut [Finalist<'_>],
@@ -199,23 +206,16 @@ pub(crate) fn refine(
     stage: &Stage,
     work: &mut Work<'_>,
 ) -> Result<(), FitError> {
-    let objectives = finalists
-        .iter()
-        .map(|f| {
-            Objective::new(
-                f.resampled.as_ref().unwrap_or(&f.table),
-                f.layout.clone(),
-                emphasis,
-                f.factors.as_ref(),
-            )
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    let tasks = finalists.iter_mut().zip(&objectives).map(|(f, objective)| Task {
-        table: f.resampled.as_ref().unwrap_or(&f.table),
-        objective,
-        candidate: &mut f.candidate,
-    });
-    advance(stage, tasks.collect(), work);
+    let lobes = finalists.first().map_or(0, |f| f.layout.lobes);
+    let done = work.done;
+    // Their objectives are made when it is their turn: with 64 lobes each has 40 MB.
+    for some in finalists.chunks_mut(side_by_side(lobes).min(finalists.len()).max(1)) {
+        let tasks = some.iter_mut().map(|f| f.task(emphasis)).collect::<Result<Vec<_>, FitError>>()?;
+        let steps = tasks.len() * stage.steps_of_one();
+        advance(stage, tasks, work);
+        work.done += steps;
+    }
+    work.done = done;
     if let Some(resampling) = stage.resampling {
         finalists.par_iter_mut().try_for_each(|f| f.resample(source, resampling))?;
     }

@@ -160,7 +160,12 @@ pub(crate) struct Stage {
 impl Stage {
     /// Steps of the solver that it may take.
     pub fn work(&self) -> usize {
-        self.keep * self.runs * self.limits.steps
+        self.keep * self.steps_of_one()
+    }
+
+    /// The same for one candidate.
+    pub fn steps_of_one(&self) -> usize {
+        self.runs * self.limits.steps
     }
 
     /// One of several equal parts of the stage.

@@ -1,4 +1,5 @@
 use super::*;
+use crate::complete::Gaps;
 use crate::judge::measure::RegionErrors;
 
 /// A view without a fault.
@@ -124,6 +125,7 @@ fn looks(visible: f64) -> Appearance {
     Appearance {
         pictures: vec![("sun at 20 degrees", 0.5 * visible), ("sky", 1.5 * visible)],
         of_noise: 0.01,
+        is_dark: false,
         skirt: Skirt { luminance: 0.05, chroma: 0.03, negative: 0.0 },
         ghost: (0.02, 0.5),
         ripple: [Ripple { luminance: 0.02, chroma: 0.015 }, Ripple { luminance: 0.02, chroma: 0.014 }],
@@ -171,6 +173,54 @@ fn noise_of_the_table_is_no_error_of_the_fit_and_is_said() {
         found.off.is_empty() && found.fair.iter().any(|line| line.starts_with("noisy data")),
         "{found:?}"
     );
+}
+
+#[test]
+fn what_was_not_measured_is_said_in_the_sentence_too() {
+    let said = |share: f64, is_of_table: bool| {
+        let gaps = Gaps { shares: vec![(0.0, share - 0.05), (40.0, share + 0.05)], is_of_table };
+        verdict(&Report { appearance: Some(looks(0.03)), gaps: Some(gaps), ..report() }).lines()
+    };
+    let half = said(0.5, true);
+    let expected = "do not use it as a whole: about half of the table was not measured \
+        (most of it at views of 40 degrees); there the fit is a guess; beside the table with its gaps filled, balls differ";
+    assert!(half[0].starts_with(expected), "{half:?}");
+    assert!(half.iter().any(|line| line.starts_with("off  no value: 50 %")), "{half:?}");
+    let fifth = said(0.2, false);
+    assert!(
+        fifth[0].starts_with("use it with care: about a fifth of all pairs of directions were not"),
+        "{fifth:?}"
+    );
+    assert!(fifth.iter().any(|line| line.starts_with("fair no sample within 20 degrees: 20 %")), "{fifth:?}");
+    assert!(said(0.05, true).iter().all(|line| !line.contains("no value")));
+}
+
+#[test]
+fn a_mirror_is_judged_by_its_highlight() {
+    let mut mirror = Report { appearance: Some(Appearance { is_dark: true, ..looks(0.5) }), ..report() };
+    mirror.views.iter_mut().chain(&mut mirror.held_out).for_each(|v| v.regions.off_peak = 0.7);
+    let lines = verdict(&mirror).lines();
+    assert_eq!(lines[0], "use it: the table is a highlight over black, and that is 3.0 % off");
+    assert!(lines.iter().all(|line| !line.starts_with("off")), "{lines:?}");
+    assert!(lines.iter().any(|line| line.starts_with("fair dark: ")), "{lines:?}");
+    mirror.held_out.iter_mut().for_each(|v| v.error = 0.3);
+    assert!(verdict(&mirror).lines()[0].starts_with("do not use it: "));
+}
+
+#[test]
+fn noise_that_is_loud_is_the_tables_and_not_the_fits() {
+    let mut noisy = looks(0.12);
+    (noisy.noise.luminance, noisy.of_noise) = (0.1, 0.08);
+    let said = |found: &Appearance| {
+        verdict(&Report { appearance: Some(found.clone()), ..report() }).lines().remove(0)
+    };
+    assert!(
+        said(&noisy).starts_with("use it, and not the table, which is noisy: 10 % off"),
+        "{}",
+        said(&noisy)
+    );
+    noisy.of_noise = 0.01;
+    assert!(said(&noisy).starts_with("use it with care"), "{}", said(&noisy));
 }
 
 #[test]

@@ -53,6 +53,31 @@ impl Arrays {
     }
 }
 
+impl Arrays {
+    /// The same with fewer numbers: warps of `warp` by `warp`, and pictures of `picture` by `picture`. Gives how many numbers an
+    /// evaluation needs of it. `None` if a warp has no mass then.
+    pub fn coarser(&self, warp: usize, picture: usize) -> Option<(Self, usize)> {
+        // Of an isotropic file the rows are the same.
+        let flat = |grid: &Grid| grid.resampled(warp.min(grid.size()[0]), grid.size()[1]);
+        let rows = |grid: &Grid| if self.phis.len() == 1 { 1 } else { grid.size()[1] };
+        let rgb = self.rgb.iter().map(|rgb| rgb.each_ref().map(|grid| grid.resampled(picture, picture)));
+        let (ndf, sigma) = (flat(&self.ndf), flat(&self.sigma));
+        let slices = self.rgb.len() * (warp * warp + 3 * picture * picture);
+        let count = [&ndf, &sigma].iter().map(|grid| grid.size()[0] * rows(grid)).sum::<usize>() + slices;
+        let coarse = Self {
+            phis: self.phis.clone(),
+            thetas: self.thetas.clone(),
+            ndf,
+            sigma,
+            visible: self.visible.iter().map(|w| w.resampled(warp)).collect::<Option<_>>()?,
+            luminance: self.luminance.clone(),
+            rgb: rgb.collect(),
+            jacobian: self.jacobian,
+        };
+        Some((coarse, count))
+    }
+}
+
 fn fail<T>(text: String) -> Result<T, ReadError> {
     Err(ReadError::Content(text))
 }
@@ -82,7 +107,7 @@ pub(super) fn read(file: &File<'_>) -> Result<Arrays, ReadError> {
         .map(|n| picture("vndf", &vndf, n).and_then(|g| Warp::new(g).ok_or_else(|| black(n))))
         .collect::<Result<Vec<_>, _>>()?;
 
-    let rgb = colours(file, used, slices)?;
+    let rgb = colours(file, used, slices, phis.len() == 1)?;
     let luminance = luminances(file, &rgb, [&phis, &thetas], slices)?;
     Ok(Arrays { rgb, luminance, phis, thetas, ndf, sigma, visible, jacobian: jacobian(file)? })
 }
@@ -149,10 +174,15 @@ fn check_slices(
     ))
 }
 
-/// The colours, from `rgb`, or from `spectra` and `wavelengths`.
-fn colours(file: &File<'_>, used: usize, slices: usize) -> Result<Vec<[Grid; 3]>, ReadError> {
+/// The colours, from `rgb`, or from `spectra` and `wavelengths`. Those of isotropic files may have holes, which are filled later.
+fn colours(
+    file: &File<'_>,
+    used: usize,
+    slices: usize,
+    may_have_holes: bool,
+) -> Result<Vec<[Grid; 3]>, ReadError> {
     let name = if file.find("rgb").is_some() { "rgb" } else { "spectra" };
-    let field = file.numbers(name, 5)?;
+    let field = if may_have_holes { file.numbers_or_holes(name, 5)? } else { file.numbers(name, 5)? };
     let channels = field.shape[2];
     if field.shape[0] * field.shape[1] != slices {
         return fail(format!(
@@ -197,7 +227,7 @@ fn luminances(
     slices: usize,
 ) -> Result<Vec<Warp>, ReadError> {
     let name = "luminance";
-    let field = file.find(name).map(|_| file.numbers(name, 4)).transpose()?;
+    let field = file.find(name).map(|_| file.numbers_or_holes(name, 4)).transpose()?;
     if let Some(field) = &field {
         check_slices(name, field, directions, slices)?;
     }
@@ -206,7 +236,10 @@ fn luminances(
         Some(field) => picture(name, field, n),
         None => Ok(brightness(colour)),
     };
-    let grids: Vec<Grid> = rgb.iter().enumerate().map(grid).collect::<Result<_, _>>()?;
+    // No direction is drawn where nothing was measured.
+    let dark = |grid: Grid| grid.to(|v: f64| if v.is_nan() { 0.0 } else { v });
+    let grids: Vec<Grid> =
+        rgb.iter().enumerate().map(|slice| grid(slice).map(dark)).collect::<Result<_, _>>()?;
     let warps: Option<Vec<Warp>> = grids.into_iter().map(Warp::new).collect();
     // Warps of different sizes cannot be blended: if one is black, none is used.
     let warps = warps.or_else(|| Some(vec![even()?; rgb.len()]));

@@ -4,6 +4,7 @@ use super::container::{Field, Fields};
 use super::parse;
 use super::synthetic::{Settings, fields};
 use crate::analytic::ggx::{Facets, Ggx};
+use crate::table::Brdf;
 
 fn small(settings: Settings) -> Fields {
     let model = Ggx { diffuse: [0.1; 3], alpha: [0.3, 0.5], facets: Facets::Schlick([0.5; 3]) };
@@ -57,6 +58,10 @@ fn numbers_that_are_none_and_other_types_are_named() {
     ] {
         for name in names {
             for bad in [f32::NAN, f32::INFINITY] {
+                // In colours of isotropic files, nothing was measured there.
+                if *name == "spectra" && bad.is_nan() {
+                    continue;
+                }
                 let message = error(make(), name, &|field| {
                     let last = field.bytes.len() - 4;
                     field.bytes[last..].copy_from_slice(&bad.to_le_bytes());
@@ -68,6 +73,26 @@ fn numbers_that_are_none_and_other_types_are_named() {
             assert!(flat.contains(name) && flat.contains("dimensions"), "{flat}");
         }
     }
+}
+
+#[test]
+fn colours_of_isotropic_files_may_have_holes() {
+    let holes = |share: f64| {
+        let mut fields = small(Settings::default());
+        let field = fields.0.iter_mut().find(|field| field.name == "rgb").unwrap();
+        let count = (share * field.bytes.len() as f64 / 4.0) as usize;
+        field.bytes[..4 * count].chunks_exact_mut(4).for_each(|b| b.copy_from_slice(&f32::NAN.to_le_bytes()));
+        parse(&fields.encode())
+    };
+    let up = [0.0, 0.0, 1.0];
+    let grazing = crate::table::direction(1.4, 0.0);
+    let some = holes(0.3).unwrap();
+    // The first of three slices is that of the outgoing direction along the normal.
+    assert!(some.has_holes() && some.measured(up, up) == 0.0 && some.measured(up, grazing) == 1.0);
+    assert!(some.samples(500).iter().all(|sample| sample.2.iter().all(|v| v.is_finite())));
+    assert!(!holes(0.0).unwrap().has_holes());
+    let message = holes(1.0).unwrap_err().to_string();
+    assert!(message.contains("no number was measured"), "{message}");
 }
 
 #[test]

@@ -23,7 +23,7 @@ pub struct Field<'a> {
     pub bytes: &'a [u8],
 }
 
-/// The numbers of a field, all of them finite; read in place, since a spectral file has a hundred megabytes of them.
+/// The numbers of a field, finite ones, or NaN where that may be missing; read in place, since a spectral file has a hundred megabytes of them.
 #[derive(Debug)]
 pub struct Numbers<'a> {
     pub shape: &'a [usize],
@@ -122,6 +122,20 @@ impl File<'_> {
 
     /// The finite numbers of an f32 field with a number of dimensions, at least one number.
     pub fn numbers(&self, name: &str, dimensions: usize) -> Result<Numbers<'_>, ReadError> {
+        self.numbers_that(f64::is_finite, name, dimensions)
+    }
+
+    /// The same of which some may be missing: NaN.
+    pub fn numbers_or_holes(&self, name: &str, dimensions: usize) -> Result<Numbers<'_>, ReadError> {
+        self.numbers_that(|v| !v.is_infinite(), name, dimensions)
+    }
+
+    fn numbers_that(
+        &self,
+        is_taken: impl Fn(f64) -> bool,
+        name: &str,
+        dimensions: usize,
+    ) -> Result<Numbers<'_>, ReadError> {
         let fail = |text: String| Err(ReadError::Content(text));
         let Some(field) = self.find(name) else {
             return fail(format!("no field {name}"));
@@ -130,7 +144,7 @@ impl File<'_> {
             return fail(format!("field {name}: {dimensions} dimensions of f32 were expected"));
         }
         let numbers = Numbers { shape: &field.shape, bytes: field.bytes };
-        match (0..field.bytes.len() / 4).find(|&n| !numbers.value(n).is_finite()) {
+        match (0..field.bytes.len() / 4).find(|&n| !is_taken(numbers.value(n))) {
             Some(n) => fail(format!("field {name}: number {n} is {}", numbers.value(n))),
             None => Ok(numbers),
         }

@@ -48,9 +48,42 @@ impl Grid {
         fits.then_some(Self { values, columns, rows })
     }
 
+    /// Whether some numbers are none.
+    pub fn has_holes(&self) -> bool {
+        self.values.iter().any(|v| v.is_nan())
+    }
+
     /// The smallest number.
     pub fn least(&self) -> f64 {
         self.values.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// The same with other numbers of columns and rows. Each number is the mean of its surroundings, weighed by a tent as wide as the
+    /// new cells.
+    pub fn resampled(&self, columns: usize, rows: usize) -> Self {
+        let tents = |from: usize, to: usize| -> Vec<Vec<(usize, f64)>> {
+            let width = (1.0 / (to - 1) as f64).max(1.0 / (from - 1) as f64);
+            let tent = |n: usize| {
+                let at = n as f64 / (to - 1) as f64;
+                let share = |i: usize| (1.0 - (i as f64 / (from - 1) as f64 - at).abs() / width).max(0.0);
+                let all: f64 = (0..from).map(share).sum();
+                (0..from).map(|i| (i, share(i) / all)).filter(|term| term.1 > 0.0).collect()
+            };
+            (0..to).map(tent).collect()
+        };
+        let (across, down) = (tents(self.columns, columns), tents(self.rows, rows));
+        let number = |n: usize| {
+            let row = |r: usize| {
+                across[n % columns].iter().map(move |(c, share)| share * self.values[r * self.columns + c])
+            };
+            down[n / columns].iter().map(|(r, share)| share * row(*r).sum::<f64>()).sum()
+        };
+        Self { values: (0..columns * rows).map(number).collect(), columns, rows }
+    }
+
+    /// How many columns, and how many rows.
+    pub fn size(&self) -> [usize; 2] {
+        [self.columns, self.rows]
     }
 
     /// A grid of the same size that is 0.
@@ -100,6 +133,13 @@ impl Warp {
         }
         [&mut grid.values, &mut conditional, &mut marginal].into_iter().flatten().for_each(|v| *v /= sum);
         Some(Self { grid, conditional, marginal })
+    }
+}
+
+impl Warp {
+    /// The same with as many columns and rows as that; `None` if it has no mass then.
+    pub fn resampled(&self, side: usize) -> Option<Self> {
+        Self::new(self.grid.resampled(side, side))
     }
 }
 

@@ -185,6 +185,7 @@ pub fn fit(
         cross_validation: left_out,
         completion: None,
         appearance: None,
+        gaps: None,
         look: None,
     };
     let mut json = report.to_json_of(fitted.as_ref(), key, input)?;
