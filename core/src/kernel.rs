@@ -17,6 +17,7 @@ pub(crate) mod expanded;
 pub(crate) mod lobe_sums;
 pub(crate) mod multiply_factors;
 pub(crate) mod one_direction;
+mod one_lobe;
 mod one_mixture;
 pub(crate) mod outgoing;
 pub(crate) mod prepare;

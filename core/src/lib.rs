@@ -15,8 +15,8 @@
 //!
 //! # Features
 //!
-//! Every feature only adds. Without any the crate is scalar f32 on `libm`, `no_std`, without allocation, in
-//! which form it runs on microcontrollers.
+//! Every feature only adds. Without any the crate is scalar f32, `no_std`, without allocation, in which form it runs on
+//! microcontrollers: `docs/small-targets.md` has instructions, bytes and stack.
 //!
 //! | feature | by default | adds | brings |
 //! |---|---|---|---|

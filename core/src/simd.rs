@@ -26,6 +26,12 @@ pub(crate) mod routine;
 pub(crate) mod scalar;
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
 mod sse2;
+#[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
+mod vfp;
+
+/// Whether a choice that is a parameter of a text, compiled once for each value, is a branch in one text: small processors have
+/// little room for code, and no vectors that would wait for a branch. The digits are the same.
+pub(crate) const ONE_TEXT: bool = !cfg!(feature = "simd");
 
 /// Asks for what will be read soon, so that waiting for memory and working go side by side.
 #[inline(always)]

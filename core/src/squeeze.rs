@@ -28,7 +28,7 @@
 
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
-use crate::simd::error_free::{length_squared_minus_one, sum_of_products, two_product};
+use crate::simd::error_free::{half_excess, length_squared_minus_one, sum_of_products, two_product};
 use crate::simd::lanes::{Lanes, TOGETHER, halves, of_halves, splat3};
 
 /// The turn into the frame of a view, and the squeeze in it.
@@ -45,6 +45,7 @@ pub(crate) struct Squeeze {
     /// What y is multiplied by, `1 / c`.
     pub inverse: f32,
     /// The same for one direction at a time.
+    #[cfg(feature = "simd")]
     pub precise: Precise,
 }
 
@@ -84,16 +85,34 @@ impl Squeeze {
         excess: 0.0,
         along: 1.0,
         inverse: 1.0,
+        #[cfg(feature = "simd")]
         precise: Precise { azimuth: [1.0, 0.0], stretch: [1.0, 1.0], determinant: 1.0 },
     };
 
     /// `azimuth`: a unit vector but for rounding.
     #[inline(always)]
     pub fn new(azimuth: [f32; 2], along: f32, inverse: f32) -> Self {
-        let (c, s) = (f64::from(azimuth[0]), f64::from(azimuth[1]));
-        let excess = (0.5 * (c * c + s * s - 1.0)) as f32;
-        let precise = Precise::new(azimuth, excess, along, inverse);
-        Self { azimuth, is_turned: azimuth != [1.0, 0.0], excess, along, inverse, precise }
+        let excess = half_excess(azimuth);
+        Self {
+            azimuth,
+            is_turned: azimuth != [1.0, 0.0],
+            excess,
+            along,
+            inverse,
+            #[cfg(feature = "simd")]
+            precise: Precise::new(azimuth, excess, along, inverse),
+        }
+    }
+
+    /// One direction as round and as squeezed lobes see it; lanes of `L` are lobes.
+    #[inline(always)]
+    pub fn see<L: Lanes>(&self, direction: [f32; 3]) -> [Sight; 2] {
+        #[cfg(feature = "simd")]
+        if L::COUNT > 1 {
+            return self.precise.see(direction, L::FUSED);
+        }
+        let turned = self.turn(direction);
+        [turned, self.squeeze(&turned)]
     }
 
     /// Whether squeezed lobes see what round ones do.

@@ -1,5 +1,6 @@
 //! The lobes of an isotropic material between two views: lanes are lobes.
 
+use super::one_lobe::{self, Between, LEAST_OFF_PLANE, OneLobe, OneRows};
 use crate::color::{self, LUMINANCE};
 use crate::material::borrowed::MaterialRef;
 use crate::material::layout::{HEAD, Header, MAX_LOBES};
@@ -12,14 +13,11 @@ use crate::simd::lanes::{Lanes, WIDEST_PAIR, dot3, splat3};
 use crate::squeeze::Squeeze;
 
 /// The bytes from `ahead` before an offset on, at least `need` of them: near either end of the file those of
-/// `copy`, `len` bytes, which is then made. Where a vector is one number, nothing beside the numbers themselves is read: the
-/// bytes begin at the offset, and no copy takes room on the stack.
+/// `copy`, `len` bytes, which is then made.
 macro_rules! from_offset {
-    ($L:ty, $bytes:expr, $offset:expr, $ahead:expr, $need:expr, $copy:ident, $len:expr) => {{
+    ($bytes:expr, $offset:expr, $ahead:expr, $need:expr, $copy:ident, $len:expr) => {{
         let (bytes, offset, ahead): (&[u8], usize, usize) = ($bytes, $offset, $ahead);
-        if <$L as $crate::simd::lanes::Lanes>::COUNT == 1 {
-            &bytes[offset..]
-        } else if offset >= ahead && bytes.len() - (offset - ahead) >= $need {
+        if offset >= ahead && bytes.len() - (offset - ahead) >= $need {
             &bytes[offset - ahead..]
         } else {
             $copy = $crate::kernel::between_views::padded::<$len>(bytes, offset, ahead, $need);
@@ -39,24 +37,23 @@ macro_rules! rows_at {
         let (count, mirrored) = (header.lobes, if $mirrored { header.mirrored } else { 0 });
         // From as many numbers before the view as there are images, which lie so much before their own places.
         // The last vector reaches past the view, and at the last view past the file.
-        let lanes = <$L as $crate::simd::lanes::Lanes>::COUNT;
-        let vectors = (count + mirrored).next_multiple_of(lanes);
-        let numbers = if lanes == 1 { 5 * count + mirrored } else { 4 * count + 2 * mirrored + vectors };
-        let (ahead, reach) = (4 * mirrored, 4 * numbers);
+        let vectors = (count + mirrored).next_multiple_of(<$L as $crate::simd::lanes::Lanes>::COUNT);
+        let (ahead, reach) = (4 * mirrored, 4 * (4 * count + 2 * mirrored + vectors));
         let has_luminance = header.has_luminance;
         if header.codes.is_some() {
             let coded = Some(material);
             rows_of::Rows { a: &[], b: &[], place, count, mirrored, has_luminance, coded }
         } else {
             let [a, b] = place.rows(header);
-            let a = rows_of::from_offset!($L, material.bytes, a, ahead, reach, $copy_a, { rows_of::PADDED });
-            let b = rows_of::from_offset!($L, material.bytes, b, ahead, reach, $copy_b, { rows_of::PADDED });
+            let a = rows_of::from_offset!(material.bytes, a, ahead, reach, $copy_a, { rows_of::PADDED });
+            let b = rows_of::from_offset!(material.bytes, b, ahead, reach, $copy_b, { rows_of::PADDED });
             let (a, b) = (&a[..reach], &b[..reach]);
             rows_of::Rows { a, b, place, count, mirrored, has_luminance, coded: None }
         }
     }};
 }
 
+#[cfg(feature = "simd")]
 pub(crate) use rows_at;
 
 /// The two views round an outgoing direction, and how far between them it lies.
@@ -89,6 +86,12 @@ impl Place {
         Among { views, onward: self.blend, outward: 0.0 }
     }
 
+    /// The two views, and the share of the second.
+    #[inline(always)]
+    pub fn between_views(self) -> Between {
+        Between { views: [self.before, self.after], blend: self.blend }
+    }
+
     /// Byte offsets of the rows of the two views.
     #[inline(always)]
     pub fn rows(self, header: &Header) -> [usize; 2] {
@@ -113,6 +116,9 @@ impl Place {
 /// How many views but the last have an angle of at most `theta`; the first always has. Lanes are views.
 #[inline(always)]
 pub(crate) fn views_passed<L: Lanes>(material: MaterialRef<'_>, theta: f32) -> usize {
+    if L::COUNT == 1 {
+        return one_lobe::views_passed(material, theta);
+    }
     let last = material.header.views - 1;
     if material.header.codes.is_some() {
         return (0..last).filter(|view| theta >= material.header.angle(material.bytes, *view)).count();
@@ -121,7 +127,7 @@ pub(crate) fn views_passed<L: Lanes>(material: MaterialRef<'_>, theta: f32) -> u
     let mut view = 0;
     while view < last {
         let copy;
-        let thetas = from_offset!(L, material.bytes, material.header.theta(view), 0, HEADS, copy, HEADS);
+        let thetas = from_offset!(material.bytes, material.header.theta(view), 0, HEADS, copy, HEADS);
         let inner = u64::MAX >> (64 - (last - view).min(L::COUNT));
         passed += (L::bits(L::splat(theta).ge(L::load_bytes(thetas))) & inner).count_ones() as usize;
         view += L::COUNT;
@@ -141,7 +147,8 @@ pub(crate) fn views_passed_by_each<L: Lanes>(material: MaterialRef<'_>, theta: L
 }
 
 /// Interpolates the views round a place. The mixture has begun, and is to be summed up.
-#[inline(always)]
+#[cfg_attr(not(feature = "simd"), inline(never))]
+#[cfg_attr(feature = "simd", inline(always))]
 pub(crate) fn at_place<L: Lanes, const N: usize>(
     material: MaterialRef<'_>,
     azimuth: [f32; 2],
@@ -152,7 +159,7 @@ pub(crate) fn at_place<L: Lanes, const N: usize>(
     let (squeeze, diffuse) = head_at::<L>(material, place);
     mixture.head.squeeze = Squeeze::new(azimuth, 1.0, 1.0 / squeeze);
     mixture.set_diffuse(diffuse);
-    if material.header.mirrored > 0 {
+    if L::COUNT == 1 || material.header.mirrored > 0 {
         lobes::<L::Lobes, N, true>(material, place, leave_out, mixture);
     } else {
         lobes::<L::Lobes, N, false>(material, place, leave_out, mixture);
@@ -176,6 +183,9 @@ pub(crate) fn head_numbers<L: Lanes>(material: MaterialRef<'_>, place: Place) ->
 /// The squeeze and the albedo of the diffuse term round a place.
 #[inline(always)]
 pub(crate) fn head_at<L: Lanes>(material: MaterialRef<'_>, place: Place) -> (f32, [f32; 3]) {
+    if L::COUNT == 1 {
+        return one_lobe::head(material, place.between_views());
+    }
     let (copy_a, copy_b);
     let (a, b) = if material.header.codes.is_some() {
         copy_a = decoded_head(material, place.before);
@@ -183,8 +193,8 @@ pub(crate) fn head_at<L: Lanes>(material: MaterialRef<'_>, place: Place) -> (f32
         (&copy_a[..], &copy_b[..])
     } else {
         let (a, b) = (material.header.head(place.before), material.header.head(place.after));
-        let a = from_offset!(L, material.bytes, a, 0, HEADS, copy_a, HEADS);
-        let b = from_offset!(L, material.bytes, b, 0, HEADS, copy_b, HEADS);
+        let a = from_offset!(material.bytes, a, 0, HEADS, copy_a, HEADS);
+        let b = from_offset!(material.bytes, b, 0, HEADS, copy_b, HEADS);
         (a, b)
     };
     let (mut head, mut logarithms) = ([0.0; WIDEST_PAIR], [0.0; WIDEST_PAIR]);
@@ -227,9 +237,14 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
     mixture: &mut Mixture<'_, N>,
 ) {
     let header = material.header;
+    mixture.head.in_plane = header.mirrored == 0;
+    if L::COUNT == 1 {
+        one_by_one(material, place.between_views(), mixture);
+        mixture.finish_lobes::<L>(header.lobe_count(), header.squeezed, leave_out);
+        return;
+    }
     let (copy_a, copy_b);
     let rows = rows_at!(L, MIRRORED, material, place, copy_a, copy_b);
-    mixture.head.in_plane = !MIRRORED;
     let mut k = 0;
     while row::is_within::<L, N>(k, rows.total()) {
         let lobes = rows.lobes::<L, MIRRORED, false>(k);
@@ -246,6 +261,35 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
     mixture.finish_lobes::<L>(rows.total(), header.squeezed, leave_out);
 }
 
+/// Interpolates the lobes one after the other.
+#[inline(always)]
+fn one_by_one<const N: usize>(material: MaterialRef<'_>, between: Between, mixture: &mut Mixture<'_, N>) {
+    let from = OneRows::new(material, between);
+    for stored in 0..material.header.lobes.min(N) {
+        let lobe = one_lobe::lobe::<false>(&from, stored);
+        store_one(&lobe, stored, lobe.axis[1], mixture);
+        if let Some(image) = lobe.image {
+            store_one(&lobe, image, 0.0 - lobe.axis[1], mixture);
+        }
+    }
+}
+
+/// Stores a lobe as the `k`-th; `y` is that of its axis.
+#[inline(always)]
+fn store_one<const N: usize>(lobe: &OneLobe, k: usize, y: f32, mixture: &mut Mixture<'_, N>) {
+    if k >= N {
+        return;
+    }
+    let ([x, _, z], [red, green, blue]) = (lobe.axis, lobe.rgb);
+    mixture.rows[row::AXIS_X][k] = x;
+    mixture.rows[row::AXIS_Y][k] = y;
+    mixture.rows[row::AXIS_Z][k] = z;
+    mixture.rows[row::SHARPNESS][k] = lobe.sharpness;
+    mixture.rows[row::RED][k] = red;
+    mixture.rows[row::GREEN][k] = green;
+    mixture.rows[row::BLUE][k] = blue;
+}
+
 /// Lobes between two views, one a lane; behind the last ones of amplitude 0.
 pub(crate) struct Lobes<L> {
     /// Unit vectors, which may point below the horizon.
@@ -253,11 +297,11 @@ pub(crate) struct Lobes<L> {
     pub sharpness: L,
     /// Amplitudes, and their luminance.
     pub rgb: [L; 3],
+    #[cfg_attr(not(feature = "simd"), allow(dead_code))]
     pub luminance: L,
 }
 
-/// The bytes of two views, from as many numbers before each as it has mirrored lobes; for vectors of one number from the
-/// view on.
+/// The bytes of two views, from as many numbers before each as it has mirrored lobes.
 pub(crate) struct Rows<'a> {
     pub a: &'a [u8],
     pub b: &'a [u8],
@@ -313,10 +357,6 @@ impl Rows<'_> {
         if let Some(material) = self.coded {
             return coded_row(material, self.place, row, k);
         }
-        if L::COUNT == 1 {
-            let stored = if k < self.count { k } else { k - self.mirrored };
-            return self.place.between(self.a, self.b, row * self.count + stored);
-        }
         let at = self.mirrored + row * self.count + k;
         let stored = self.place.between(self.a, self.b, at);
         if self.mirrored == 0 || k + L::COUNT <= self.count {
@@ -335,9 +375,6 @@ impl Rows<'_> {
             let off_plane = coded_row::<L>(material, self.place, OFF_PLANE, k);
             return off_plane.keep(off_plane.abs().ge(L::splat(LEAST_OFF_PLANE)));
         }
-        if L::COUNT == 1 {
-            return self.one_off_plane(k);
-        }
         let at = 4 * self.count + self.mirrored + k;
         let stored = self.place.between(self.a, self.b, at + self.mirrored);
         let image = zero - self.place.between::<L>(self.a, self.b, at);
@@ -345,17 +382,6 @@ impl Rows<'_> {
         let mirrored = L::select(self.before::<L>(self.count, k), stored, image);
         let off_plane = L::select(self.before::<L>(self.count - self.mirrored, k), zero, mirrored);
         // The square of a number next to nothing is a subnormal.
-        off_plane.keep(off_plane.abs().ge(L::splat(LEAST_OFF_PLANE)))
-    }
-
-    /// The same of one lobe.
-    #[inline(always)]
-    fn one_off_plane<L: Lanes>(&self, k: usize) -> L {
-        let zero = L::splat(0.0);
-        let Some(m) = k.checked_sub(self.count - self.mirrored) else { return zero };
-        let at = 5 * self.count + if m < self.mirrored { m } else { m - self.mirrored };
-        let stored = self.place.between::<L>(self.a, self.b, at);
-        let off_plane = if m < self.mirrored { stored } else { zero - stored };
         off_plane.keep(off_plane.abs().ge(L::splat(LEAST_OFF_PLANE)))
     }
 
@@ -402,9 +428,6 @@ fn decode_row(
         (rows[0][i], rows[1][i]) = (sign * numbers[0], sign * numbers[1]);
     }
 }
-
-/// Least angle out of the plane of incidence that is not taken for 0, radians.
-const LEAST_OFF_PLANE: f32 = 1e-9;
 
 /// Bytes of one vector: the angles of views, or the head of one.
 const HEADS: usize = 4 * WIDEST_PAIR;

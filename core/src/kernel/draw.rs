@@ -79,7 +79,8 @@ pub(crate) fn sample_direction<L: Lanes>(m: &MixtureRef<'_>, u: [L; 3]) -> [L; 3
 
 /// Draws one direction, and the factor that makes its length 1: lanes are lobes while the lobe
 /// is searched. Without `SEEN`, for a mixture that neither turns nor squeezes it, that is 1 but for rounding.
-#[inline(always)]
+#[cfg_attr(not(feature = "simd"), inline(never))]
+#[cfg_attr(feature = "simd", inline(always))]
 pub(crate) fn draw_one<L: Lanes, const N: usize, const SEEN: bool>(
     m: &Mixture<'_, N>,
     u: [f32; 3],
@@ -92,6 +93,11 @@ pub(crate) fn draw_one<L: Lanes, const N: usize, const SEEN: bool>(
 /// The lobe at a place on the running sum of powers.
 #[inline(always)]
 pub(crate) fn chosen_lobe<L: Lanes, const N: usize>(m: &Mixture<'_, N>, target: f32) -> usize {
+    if L::COUNT == 1 {
+        let last = m.head.count.clamp(1, N) - 1;
+        let powers = m.rows[row::CUMULATIVE].iter().take(last);
+        return powers.take_while(|power| target >= **power).count().min(N - 1);
+    }
     // The running sum never falls: the lobes that are passed come first, and numbers stored behind the last do not matter. The
     // last ends the search whatever its sum is rounded to.
     let (mut above, mut from) = (1u64.wrapping_shl((m.head.count as u32).wrapping_sub(1)), 0);

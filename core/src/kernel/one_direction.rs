@@ -5,7 +5,8 @@ use super::draw::draw_one;
 use crate::color::luminance;
 use crate::mixture::row;
 use crate::mixture::rows::{Domain, Mixture, Sample, drawn_density, lowest_bits, weight_of};
-use crate::simd::elementary::{falloff, falloff_soon};
+use crate::simd::ONE_TEXT;
+use crate::simd::elementary::{falloff, falloff_left, falloff_soon, is_left};
 use crate::simd::lanes::{Lanes, scale};
 use crate::simd::routine::{Draw, One};
 use crate::squeeze::{NUMBERS, Seen, Sight};
@@ -36,7 +37,7 @@ impl<const N: usize> Mixture<'_, N> {
     /// The value of the lobes and the diffuse term, without factors.
     #[inline(always)]
     fn lobes_value(&self, direction: Vec3) -> Vec3 {
-        if self.is_plain() {
+        if !ONE_TEXT && self.is_plain() {
             self.head.level.run_one::<_, EvaluateOne<false>>(self, direction.to_array())
         } else {
             self.head.level.run_one::<_, EvaluateOne<true>>(self, direction.to_array())
@@ -47,7 +48,7 @@ impl<const N: usize> Mixture<'_, N> {
     #[inline]
     pub fn pdf(&self, direction: impl Into<Vec3>) -> f32 {
         let direction = direction.into();
-        if self.is_plain() {
+        if !ONE_TEXT && self.is_plain() {
             self.head.level.run_one::<_, PdfOne<false>>(self, direction.to_array())
         } else {
             self.head.level.run_one::<_, PdfOne<true>>(self, direction.to_array())
@@ -78,7 +79,7 @@ impl<const N: usize> Mixture<'_, N> {
         if self.has_factors() {
             return self.sample_factored(u);
         }
-        if self.is_plain() { self.sample_as::<false>(u) } else { self.sample_as::<true>(u) }
+        if !ONE_TEXT && self.is_plain() { self.sample_as::<false>(u) } else { self.sample_as::<true>(u) }
     }
 
     #[inline(always)]
@@ -162,7 +163,8 @@ impl<const N: usize, const SEEN: bool> Draw<&Mixture<'_, N>> for Drawn<SEEN> {
     fn run<L: Lanes>(m: &Mixture<'_, N>, u: [f32; 3]) -> ([f32; 3], f32) {
         let (d, inverse) = draw_one::<L, N, SEEN>(m, u);
         // A squeezed direction has another length.
-        if SEEN { (scale(d, inverse), 1.0) } else { (d, inverse) }
+        let is_seen = if ONE_TEXT { !m.is_plain() } else { SEEN };
+        if is_seen { (scale(d, inverse), 1.0) } else { (d, inverse) }
     }
 }
 
@@ -197,6 +199,10 @@ impl<const N: usize> One<&Mixture<'_, N>> for FactoredOne {
 /// Value towards one direction.
 #[inline(always)]
 fn value_one<L: Lanes, const N: usize, const SEEN: bool>(m: &Mixture<'_, N>, direction: [f32; 3]) -> Vec3 {
+    if ONE_TEXT {
+        let [x, y, z] = direction;
+        return three_sums_one::<L, N>(m, row::RED, x, y, z);
+    }
     let amplitudes = [&m.rows[row::RED], &m.rows[row::GREEN], &m.rows[row::BLUE]];
     let diffuse = m.head.diffuse.to_array();
     Vec3::from_array(sums_one::<L::Lobes, N, 3, SEEN>(m, amplitudes, diffuse, direction))
@@ -205,9 +211,29 @@ fn value_one<L: Lanes, const N: usize, const SEEN: bool>(m: &Mixture<'_, N>, dir
 /// Luminance of the value towards one direction.
 #[inline(always)]
 fn luminance_one<L: Lanes, const N: usize, const SEEN: bool>(m: &Mixture<'_, N>, direction: [f32; 3]) -> f32 {
+    if ONE_TEXT {
+        let [x, y, z] = direction;
+        return three_sums_one::<L, N>(m, row::LUMINANCE, x, y, z).x;
+    }
     let [sum] =
         sums_one::<L::Lobes, N, 1, SEEN>(m, [&m.rows[row::LUMINANCE]], [m.head.diffuse_power], direction);
     sum
+}
+
+/// Sums the lobes and a diffuse term towards one direction, once for each of three rows of amplitudes from the `first` on:
+/// one text for value and density, which leaves two of the sums. The numbers travel in registers.
+#[cfg_attr(not(feature = "simd"), inline(never))]
+#[cfg_attr(feature = "simd", inline(always))]
+fn three_sums_one<L: Lanes, const N: usize>(
+    m: &Mixture<'_, N>,
+    first: usize,
+    x: f32,
+    y: f32,
+    z: f32,
+) -> Vec3 {
+    let Some([a, b, c]) = m.rows.get(first..).and_then(<[_]>::first_chunk) else { return Vec3::ZERO };
+    let diffuse = if first == row::RED { m.head.diffuse.to_array() } else { [m.head.diffuse_power; 3] };
+    Vec3::from_array(sums_one::<L::Lobes, N, 3, true>(m, [a, b, c], diffuse, [x, y, z]))
 }
 
 /// Sums the lobes towards one direction, once for each of `C` sets of amplitudes. `SEEN`: it is turned or
@@ -227,12 +253,9 @@ fn sums_one<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     let sums = if !SEEN {
         let seen = m.head.squeeze.turn(direction);
         all_lobes::<L, N, C, false>(m, amplitudes, &seen, &seen)
-    } else if L::COUNT > 1 {
-        let [turned, squeezed] = m.head.squeeze.precise.see(direction, L::FUSED);
-        all_lobes::<L, N, C, true>(m, amplitudes, &turned, &squeezed)
     } else {
-        let turned = m.head.squeeze.turn(direction);
-        all_lobes::<L, N, C, true>(m, amplitudes, &turned, &m.head.squeeze.squeeze(&turned))
+        let [turned, squeezed] = m.head.squeeze.see::<L>(direction);
+        all_lobes::<L, N, C, true>(m, amplitudes, &turned, &squeezed)
     };
     if m.head.domain == Domain::Sphere {
         return sums;
@@ -258,6 +281,26 @@ pub(crate) fn all_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bo
     squeezed: &Sight,
 ) -> [f32; C] {
     let mut acc = [L::splat(0.0); C];
+    if L::COUNT == 1 {
+        // Two loops, so that the numbers of either direction stay in registers.
+        let (turned, squeezed) = (turned.splat(), squeezed.splat());
+        let is_soon = if ONE_TEXT { m.is_plain() } else { !SEEN };
+        let first = m.head.squeezed.min(m.head.count);
+        let mut k = 0;
+        while row::is_within::<L, N>(k, first) {
+            add_lobe::<L, N, C, SEEN, true, false>(m, amplitudes, &squeezed, k, &mut acc);
+            k += 1;
+        }
+        while !is_soon && row::is_within::<L, N>(k, m.head.count) {
+            add_lobe::<L, N, C, SEEN, false, false>(m, amplitudes, &turned, k, &mut acc);
+            k += 1;
+        }
+        while is_soon && row::is_within::<L, N>(k, m.head.count) {
+            add_lobe::<L, N, C, false, false, true>(m, amplitudes, &turned, k, &mut acc);
+            k += 1;
+        }
+        return sums_of(acc);
+    }
     // The usual number of lobes without a loop: a loop keeps more constants in registers than there are.
     if L::COUNT > 1 && 1 <= m.head.count && m.head.count <= L::COUNT {
         let seen = if !SEEN {
@@ -284,9 +327,15 @@ pub(crate) fn all_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bo
             k += L::COUNT;
         }
     }
+    sums_of(acc)
+}
+
+/// The sum over the lanes of each of some vectors.
+#[inline(always)]
+fn sums_of<L: Lanes, const C: usize>(vectors: [L; C]) -> [f32; C] {
     let mut sums = [0.0; C];
     for i in 0..C {
-        sums[i] = acc[i].sum();
+        sums[i] = vectors[i].sum();
     }
     sums
 }
@@ -336,6 +385,53 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
         g = g + if SEEN { falloff(t) } else { falloff_soon(t) };
     }
     if SEEN {
+        g = g * seen.scale;
+    }
+    for i in 0..C {
+        acc[i] = g.mul_add(row::load(amplitudes[i], k), acc[i]);
+    }
+}
+
+/// Adds lobe `k`, where vectors are one number: a lobe that has fallen to 0 is left early. `SQUEEZED`: its direction
+/// was squeezed too, else only turned. `SOON`: by [`falloff_soon`].
+#[inline(always)]
+fn add_lobe<
+    L: Lanes,
+    const N: usize,
+    const C: usize,
+    const SEEN: bool,
+    const SQUEEZED: bool,
+    const SOON: bool,
+>(
+    m: &Mixture<'_, N>,
+    amplitudes: [&[f32; N]; C],
+    seen: &Seen<L>,
+    k: usize,
+    acc: &mut [L; C],
+) {
+    let mut apart = seen.high;
+    for i in 0..3 {
+        apart[i] = apart[i] - row::load::<L, N>(&m.rows[row::AXIS_X + i], k);
+        if SEEN && (SQUEEZED || i < 2) {
+            apart[i] = apart[i] + seen.low[i];
+        }
+    }
+    let [x, y, z] = apart;
+    let t = row::load::<L, N>(&m.rows[row::RATE], k) * x.mul_add(x, y.mul_add(y, z * z));
+    // Its fold has fallen further.
+    if L::bits(is_left(t)) == 0 {
+        return;
+    }
+    let mut g = falloff_left::<L, SOON>(t);
+    // Small processors shift a number of 64 bits by a call.
+    let folded = if k < 32 { m.head.folded as u32 } else { (m.head.folded >> 32) as u32 };
+    if folded >> (k % 32) & 1 == 1 {
+        let t = row::load::<L, N>(&m.rows[row::FOLD_RATE], k).mul_add(seen.height, t);
+        if L::bits(is_left(t)) != 0 {
+            g = g + falloff_left::<L, SOON>(t);
+        }
+    }
+    if SEEN && SQUEEZED {
         g = g * seen.scale;
     }
     for i in 0..C {

@@ -33,7 +33,7 @@ use crate::mixture::factors::Among;
 use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::row;
 use crate::mixture::rows::Mixture;
-use crate::simd::elementary::{atan2_positive, exp2, sin_cos};
+use crate::simd::elementary::{atan2_positive, rare_exp2, sin_cos};
 use crate::simd::lanes::Lanes;
 use crate::squeeze::Squeeze;
 use core::f32::consts::PI;
@@ -68,7 +68,9 @@ impl Place {
         }
         let scaled = phi * (shape.turns * shape.azimuths) as f32 * (0.5 / PI);
         let whole = scaled as usize;
-        let along = [whole % shape.azimuths, (whole + 1) % shape.azimuths];
+        // At least 1 in a checked material: without the bound the compiler adds a panic.
+        let azimuths = shape.azimuths.max(1);
+        let along = [whole % azimuths, (whole + 1) % azimuths];
         Self { rings: [within, beyond], outward, along, onward: scaled - whole as f32 }
     }
 
@@ -92,7 +94,8 @@ fn between(bytes: &[u8], shape: Shape, [a, b]: [usize; 2], onward: f32, i: usize
 
 /// Interpolates the lobes round an outgoing direction. The mixture has begun, and is to be summed up.
 /// Returns: where the direction lies among the views.
-#[inline(always)]
+#[cfg_attr(not(feature = "simd"), inline(never))]
+#[cfg_attr(feature = "simd", inline(always))]
 #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 pub(crate) fn prepare<L: Lanes, const N: usize>(
     material: MaterialRef<'_>,
@@ -129,9 +132,9 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
         head[i] += place.outward * (ring - head[i]);
     }
     mixture.set_diffuse(if header.has_luminance {
-        color::rgb(exp2(head[3]), [head[4], head[5]])
+        color::rgb(rare_exp2(head[3]), [head[4], head[5]])
     } else {
-        [exp2(head[3]), exp2(head[4]), exp2(head[5])]
+        [rare_exp2(head[3]), rare_exp2(head[4]), rare_exp2(head[5])]
     });
 
     // Eigenvectors: the one closer to the plane of incidence is the new x, at an angle of at most 45 degrees.
@@ -143,7 +146,7 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
         tilt_sin = (if half < 0.0 { -xy } else { xy }) / (2.0 * reach * tilt_cos);
     }
     let reach = if half < 0.0 { -reach } else { reach };
-    let (along, inverse) = (exp2(middle + reach), exp2(middle - reach));
+    let (along, inverse) = (rare_exp2(middle + reach), rare_exp2(middle - reach));
     let (x, y) = (c * tilt_cos - s * tilt_sin, s * tilt_cos + c * tilt_sin);
     let shrink = 1.0 / Lanes::sqrt(x * x + y * y);
     mixture.head.squeeze = Squeeze::new([x * shrink, y * shrink], along, inverse);
@@ -184,12 +187,12 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
         row::store(L::select(squeezed, wide_x * shrink, x), &mut mixture.rows[row::AXIS_X], k);
         row::store(L::select(squeezed, wide_y * shrink, y), &mut mixture.rows[row::AXIS_Y], k);
         row::store(L::select(squeezed, cos * shrink, cos), &mut mixture.rows[row::AXIS_Z], k);
-        row::store(exp2(rows[2]), &mut mixture.rows[row::SHARPNESS], k);
-        let first = exp2(rows[3]).keep(valid);
+        row::store(rare_exp2(rows[2]), &mut mixture.rows[row::SHARPNESS], k);
+        let first = rare_exp2(rows[3]).keep(valid);
         let amplitude = if header.has_luminance {
             color::rgb(first, [rows[4], rows[5]])
         } else {
-            [first, exp2(rows[4]).keep(valid), exp2(rows[5]).keep(valid)]
+            [first, rare_exp2(rows[4]).keep(valid), rare_exp2(rows[5]).keep(valid)]
         };
         row::store(amplitude[0], &mut mixture.rows[row::RED], k);
         row::store(amplitude[1], &mut mixture.rows[row::GREEN], k);
@@ -204,6 +207,9 @@ pub(crate) fn prepare<L: Lanes, const N: usize>(
 /// Loads little-endian f32 from bytes of any alignment; numbers past the end read as 0.
 #[inline(always)]
 fn load_bytes<L: Lanes>(bytes: &[u8], offset: usize) -> L {
+    if L::COUNT == 1 {
+        return L::splat(f32_at(bytes, offset));
+    }
     let rest = &bytes[offset..];
     if rest.len() >= 4 * L::COUNT {
         return L::load_bytes(rest);

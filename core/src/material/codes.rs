@@ -1,6 +1,6 @@
 //! The numbers of lobes as codes of 8 or 16 bits, read in place; `layout.rs` has the bytes.
 
-use super::bytes::{HEAD, HEADER, u16_at};
+use super::bytes::{HEAD, HEADER, part, u16_at};
 use core::f32::consts::FRAC_PI_2;
 
 /// Rows of numbers of a view before the angles out of the plane: angle, sharpness, luminance, two colour differences.
@@ -191,7 +191,11 @@ impl Codes {
                 return 0.0;
             }
             let at = self.code_offset(counts, view, place);
-            let code = if self.bytes == 1 { u16::from(bytes[at]) } else { u16_at(bytes, at) };
+            let code = if self.bytes == 1 {
+                u16::from(part(bytes, at..at + 1).first().copied().unwrap_or_default())
+            } else {
+                u16_at(bytes, at)
+            };
             scale.decode(code, angle(bytes, view))
         })
     }

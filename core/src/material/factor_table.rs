@@ -39,7 +39,9 @@ pub(crate) fn decoded(node: u32, place: usize, bits: u8, largest: f32) -> f32 {
 
 /// The largest factor of a node of version 2.
 pub(crate) fn largest_2(node: u32) -> f32 {
-    (0..3).map(|place| decoded(node, place, 10, 0.0)).fold(0.0, f32::max)
+    let largest = (0..3).map(|place| node >> (10 * place) & 0x3ff).fold(0, u32::max);
+    // Whole numbers that f32 has: rounded once.
+    (largest * largest) as f32 / (UNIT_2 * UNIT_2)
 }
 
 /// Factors over half angle, difference angle and azimuth, for all views of a material; see

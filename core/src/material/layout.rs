@@ -100,7 +100,7 @@
 //!
 //! Version 1 has the log2 of red, green and blue in place of luminance and colour differences, and no table: 0 at 44.
 
-pub(crate) use super::bytes::{HEAD, HEADER, f32_at, u32_at};
+pub(crate) use super::bytes::{HEAD, HEADER, f32_at, part, u32_at};
 use super::codes::{self, Codes, Counts};
 
 /// Most lobes that a mixture can hold, and that a material can make.

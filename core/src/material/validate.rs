@@ -6,7 +6,7 @@ use super::factor_table::{AZIMUTHS, MOST_FACTOR, SIZES, largest_2};
 use super::format_error::{FORMAT_VERSION, FormatError};
 use super::layout::{
     BLOCK_HEAD, BLOCKS, CHECKSUM, FACT, Header, Kind, LOBE, MAGIC, MAX_LOBES, MIRRORED, PACK, SMALLEST,
-    Shape, TABLE_HEAD, TEXT, f32_at, padded, u32_at,
+    Shape, TABLE_HEAD, TEXT, f32_at, padded, part, u32_at,
 };
 use crate::color::MOST_DIFFERENCE;
 use crate::float;
@@ -28,7 +28,7 @@ const SQUEEZE: (f32, f32) = (-5.0, 6.64);
 
 /// Checks how bytes start, of which [`SMALLEST`] are enough, and returns the length that they announce.
 pub(crate) fn announced_len(bytes: &[u8]) -> Result<usize, FormatError> {
-    if bytes.len() < MAGIC.len() || bytes[..MAGIC.len()] != MAGIC {
+    if !bytes.starts_with(&MAGIC) {
         return Err(FormatError::Magic);
     }
     if bytes.len() < SMALLEST {
@@ -53,11 +53,11 @@ pub(crate) fn validate(bytes: &[u8]) -> Result<Header, FormatError> {
     let version = u32_at(bytes, 8);
     let header = read_counts(bytes, version)?;
     let header = if version < 3 { read_places(bytes, header, version)? } else { read_blocks(bytes, header)? };
-    if crc32(&bytes[..bytes.len() - CHECKSUM]) != u32_at(bytes, bytes.len() - CHECKSUM) {
+    if crc32(part(bytes, 0..bytes.len() - CHECKSUM)) != u32_at(bytes, bytes.len() - CHECKSUM) {
         return Err(FormatError::Checksum);
     }
     let text = header.text;
-    if core::str::from_utf8(&bytes[text..text + header.provenance]).is_err() {
+    if core::str::from_utf8(part(bytes, text..text + header.provenance)).is_err() {
         return Err(FormatError::Field { name: "provenance (not UTF-8)", offset: text });
     }
     match header.kind {
@@ -144,13 +144,13 @@ fn read_blocks(bytes: &[u8], mut header: Header) -> Result<Header, FormatError> 
         if end - at < BLOCK_HEAD {
             return field("block (cut off)", at);
         }
-        let tag: [u8; 4] = [bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]];
+        let tag = u32_at(bytes, at).to_le_bytes();
         let (start, length) = (at + BLOCK_HEAD, u32_at(bytes, at + 4) as usize);
         if length > end - start {
             return field("length of a block", at + 4);
         }
         let next = padded(start + length);
-        if next > end || bytes[start + length..next].iter().any(|b| *b != 0) {
+        if next > end || part(bytes, start + length..next).iter().any(|b| *b != 0) {
             return field("bytes between blocks (must be 0)", start + length);
         }
         if matches!(tag, LOBE | PACK) != (at == BLOCKS) {
@@ -162,17 +162,18 @@ fn read_blocks(bytes: &[u8], mut header: Header) -> Result<Header, FormatError> 
             }
             LOBE => {}
             PACK => {
-                header.codes = Some(read_codes(&bytes[start..start + length], header.kind, start)?);
+                header.codes = Some(read_codes(part(bytes, start..start + length), header.kind, start)?);
                 if start + length != header.lobes_end() {
                     return field("length of the block of lobes", at + 4);
                 }
             }
             FACT if header.has_factors() => return field("tag of a block (a second table of factors)", at),
             FACT => {
-                if length < TABLE_HEAD || bytes[start + 3] != 0 {
+                let table = u32_at(bytes, start).to_le_bytes();
+                if length < TABLE_HEAD || table[3] != 0 {
                     return field("head of the table of factors", start);
                 }
-                let shape = [0, 1, 2].map(|i| usize::from(bytes[start + i]));
+                let shape = [table[0], table[1], table[2]].map(usize::from);
                 (header.factors, header.table) = (table_shape(shape, start)?, start + TABLE_HEAD);
                 if start + length != header.nodes_end() {
                     return field("length of the block of factors", at + 4);

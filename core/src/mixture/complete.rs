@@ -53,13 +53,14 @@ impl<const N: usize> Mixture<'_, N> {
     }
 
     /// The part of [`finish`](Self::finish) that every lobe needs; [`sum_up`](Self::sum_up) is to follow.
-    #[inline(always)]
+    #[cfg_attr(not(feature = "simd"), inline(never))]
+    #[cfg_attr(feature = "simd", inline(always))]
     #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
     pub(crate) fn finish_lobes<L: Lanes>(&mut self, count: usize, squeezed: usize, leave_out: LeaveOut) {
         (self.head.count, self.head.squeezed) = (count, squeezed);
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let mut albedo = [zero; 3];
-        let mut folded = 0;
+        let (mut folded, mut place) = (0, 1u64);
         let mut k = 0;
         while row::is_within::<L, N>(k, count) {
             let s = row::load::<L, N>(&self.rows[row::SHARPNESS], k);
@@ -81,7 +82,13 @@ impl<const N: usize> Mixture<'_, N> {
                 let zz = axis_z * axis_z;
                 let t = (one - zz).max(zero).sqrt();
                 let folds = (s * zz).lt((one + t) * L::splat(leave_out.fold_exponent));
-                folded |= L::bits(folds) << k;
+                if L::COUNT > 1 {
+                    folded |= L::bits(folds) << k;
+                } else if L::bits(folds) != 0 {
+                    // Small processors shift a number of 64 bits by a variable one in ten instructions.
+                    folded |= place;
+                }
+                place <<= 1;
                 let fold_rate = rate * axis_z * L::splat(4.0);
                 row::store(
                     L::select(folds, fold_rate, L::splat(f32::NEG_INFINITY)),

@@ -26,7 +26,7 @@
 
 use crate::material::borrowed::{Material, MaterialRef};
 use crate::material::factor_table::scale;
-use crate::material::layout::f32_at;
+use crate::material::layout::{f32_at, part};
 use crate::simd::lanes::{Lanes, NodeCodes, ROUND, dot3, splat3};
 use glam::Vec3;
 
@@ -84,7 +84,7 @@ impl<'m> Nodes<'m> {
         // Two nodes are read as eight bytes, of which the last may lie behind them: there is a checksum at least.
         let end = header.nodes_end() + 8 - 2 * header.node_len();
         let scale = scale(header.bits, f32_at(material.bytes, start - 4));
-        Self { codes: &material.bytes[start..end], shape: header.factors, bits: header.bits, scale }
+        Self { codes: part(material.bytes, start..end), shape: header.factors, bits: header.bits, scale }
     }
 
     #[inline(always)]
@@ -207,7 +207,7 @@ impl<'m> Factors<'m> {
     pub fn new(material: MaterialRef<'m>, wo: Vec3, place: Among) -> Self {
         let header = material.header;
         let albedo_differences =
-            &material.bytes[header.albedo_difference(0)..header.albedo_difference(header.views)];
+            part(material.bytes, header.albedo_difference(0)..header.albedo_difference(header.views));
         Self { nodes: Nodes::new(material), albedo_differences, wo: wo.to_array(), place }
     }
 

@@ -11,6 +11,13 @@ pub fn exp2<L: Lanes>(t: L) -> L {
     exp2_above::<L, false>(t, -125.0)
 }
 
+/// [`exp2`] where it is rare: a call, in a program for a small processor.
+#[cfg_attr(not(feature = "simd"), inline(never))]
+#[cfg_attr(feature = "simd", inline(always))]
+pub fn rare_exp2<L: Lanes>(t: L) -> L {
+    exp2(t)
+}
+
 /// [`exp2`] by a shorter chain of more operations; other digits.
 #[inline(always)]
 pub fn exp2_soon<L: Lanes>(t: L) -> L {
@@ -32,17 +39,38 @@ pub fn falloff_soon<L: Lanes>(t: L) -> L {
     exp2_above::<L, true>(t, -100.0)
 }
 
+/// Whether [`falloff`] is not 0.
+#[inline(always)]
+pub fn is_left<L: Lanes>(t: L) -> L::Mask {
+    // The nearest whole number is -100 or more; a half goes to the even one.
+    t.ge(L::splat(-100.5))
+}
+
+/// [`falloff`] where [`is_left`]; `SOON`: [`falloff_soon`].
+#[inline(always)]
+pub fn falloff_left<L: Lanes, const SOON: bool>(t: L) -> L {
+    let (power, whole) = exp2_in_parts::<L, SOON>(t);
+    power.add_exponent(whole)
+}
+
 /// `2^t`, exactly 0 where `t` is less than `least`, to a half, or a NaN. `least` is -125 or more: no
 /// subnormal. `SOON`: the polynomial by pairs of terms (Estrin 1960).
 #[inline(always)]
 fn exp2_above<L: Lanes, const SOON: bool>(t: L, least: f32) -> L {
+    let (power, whole) = exp2_in_parts::<L, SOON>(t);
+    power.times_exp2(whole, least)
+}
+
+/// The power of two of the rest of a number without a whole one, and that, as [`Lanes::split_whole`] gives it.
+#[inline(always)]
+fn exp2_in_parts<L: Lanes, const SOON: bool>(t: L) -> (L, L) {
     let (f, whole) = t.split_whole();
     // Minimax on [-1/2, 1/2], relative error 2.4e-7 with all roundings, or as the level says.
     if SOON {
         let [a, b, c, d, e] = L::EXP2;
         let ff = f * f;
         let high = ff.mul_add(f.mul_add(L::splat(a), L::splat(b)), f.mul_add(L::splat(c), L::splat(d)));
-        return ff.mul_add(high, f.mul_add(L::splat(e), L::splat(1.0))).times_exp2(whole, least);
+        return (ff.mul_add(high, f.mul_add(L::splat(e), L::splat(1.0))), whole);
     }
     // Without fused operations 1 + f c (f^2 + a f + b) (f^2 + d f + e) is as many operations as Horner's form
     // in half the latency; relative error 2.0e-7 with all roundings. One lane keeps the digits that fits have
@@ -51,13 +79,13 @@ fn exp2_above<L: Lanes, const SOON: bool>(t: L, least: f32) -> L {
         let factor = |a, b| (f + L::splat(a)) * f + L::splat(b);
         let product = factor(7.802_083_5, 21.231_173) * factor(-0.514_329_14, 24.590_559);
         let small = product * (f * L::splat(0.001_327_648));
-        return (small + L::splat(1.0)).times_exp2(whole, least);
+        return (small + L::splat(1.0), whole);
     }
     let mut p = L::splat(L::EXP2[0]);
     for i in 1..5 {
         p = p.mul_add(f, L::splat(L::EXP2[i]));
     }
-    p.mul_add(f, L::splat(1.0)).times_exp2(whole, least)
+    (p.mul_add(f, L::splat(1.0)), whole)
 }
 
 /// `2^t` and `1 - 2^t`, `t` not positive: each to a relative error of 3e-7, the second near 0 too. `2^t` is exactly

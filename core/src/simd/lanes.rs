@@ -62,8 +62,9 @@ impl NodeCodes<'_> {
     pub fn pair(&self, index: f32) -> [u32; 2] {
         // The cast makes 0 of a NaN and of a negative number.
         let from = (index as u32 as usize * self.stride()).min(self.last());
-        let pair: &[u8; 8] = self.bytes[from..].first_chunk().expect("a table of at least two nodes");
-        let pair = u64::from_le_bytes(*pair);
+        let pair = u64::from_le_bytes(
+            self.bytes.get(from..).and_then(<[u8]>::first_chunk).copied().unwrap_or([0; 8]),
+        );
         [pair as u32, (pair >> (8 * self.stride())) as u32]
     }
 }
@@ -226,6 +227,7 @@ pub trait Lanes:
         Self::load(&numbers)
     }
     /// The last lane, in every lane.
+    #[cfg_attr(not(feature = "simd"), allow(dead_code))]
     #[inline(always)]
     fn last(self) -> Self {
         let mut numbers = [0.0; 32];
@@ -233,6 +235,7 @@ pub trait Lanes:
         Self::splat(numbers[Self::COUNT - 1])
     }
     /// The sum over the lanes of each of three vectors.
+    #[cfg_attr(not(feature = "simd"), allow(dead_code))]
     #[inline(always)]
     fn three_sums(vectors: [Self; 3]) -> [f32; 3] {
         [vectors[0].sum(), vectors[1].sum(), vectors[2].sum()]

@@ -7,7 +7,12 @@ use super::lanes::{Lanes, NodeCodes, PARTS, Parts, WIDEST, one_vector, part_of};
 pub(crate) fn sqrt(x: f32) -> f32 {
     #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
     return super::sse2::sqrt(x);
-    #[cfg(not(all(target_arch = "x86_64", target_feature = "sse2")))]
+    #[cfg(all(target_arch = "arm", target_abi = "eabihf"))]
+    return super::vfp::sqrt(x);
+    #[cfg(not(any(
+        all(target_arch = "x86_64", target_feature = "sse2"),
+        all(target_arch = "arm", target_abi = "eabihf")
+    )))]
     libm::sqrtf(x)
 }
 

@@ -4,13 +4,14 @@
 
 use super::super::between_views::{Lobes, Place, rows_at};
 use super::super::draw::Choice;
+use super::super::one_lobe;
 use super::super::sights::folded_falloff;
 #[cfg(feature = "simd")]
 use super::super::sights::{Sights, seen};
 use crate::material::borrowed::MaterialRef;
 use crate::mixture::complete::LEAST_SHARPNESS;
 use crate::simd::elementary::exp2_and_rest;
-use crate::simd::lanes::{Lanes, Numbers, WIDEST};
+use crate::simd::lanes::{Lanes, Numbers, WIDEST, splat3};
 use crate::squeeze::{Seen, Sight};
 use core::f32::consts::{LOG2_E, PI};
 
@@ -44,9 +45,28 @@ pub(super) fn keep<L: Lanes, const G: usize, const MIRRORED: bool>(
     place: Place,
     kept: &mut Kept<G>,
 ) -> f32 {
+    let mut passed = L::splat(0.0);
+    if L::COUNT == 1 {
+        let from = one_lobe::OneRows::new(material, place.between_views());
+        let mut k = 0;
+        while is_within::<G>(k, material.header.lobe_count()) {
+            let is_image = k >= material.header.lobes;
+            let mut lobe =
+                one_lobe::lobe::<true>(&from, if is_image { k - material.header.mirrored } else { k });
+            if is_image {
+                lobe.axis[1] = 0.0 - lobe.axis[1];
+            }
+            let (sharpness, luminance) = (L::splat(lobe.sharpness), L::splat(lobe.luminance));
+            let lobes = Lobes { axis: splat3(lobe.axis), sharpness, rgb: splat3(lobe.rgb), luminance };
+            let (to, j) = (&mut kept[k / WIDEST], k % WIDEST);
+            keep_shape(&lobes, to, j);
+            passed = keep_powers(sharpness, luminance, passed, to, j);
+            k += 1;
+        }
+        return passed.first();
+    }
     let (copy_a, copy_b);
     let rows = rows_at!(L, MIRRORED, material, place, copy_a, copy_b);
-    let mut passed = L::splat(0.0);
     let mut k = 0;
     while is_within::<G>(k, rows.total()) {
         let lobes = rows.lobes::<L, MIRRORED, true>(k);

@@ -1,21 +1,36 @@
 //! One hit on a material: values, densities and draws for one outgoing direction, without a mixture.
 
-use super::super::between_views::{Place, head_at, views_passed};
+use super::super::between_views::Place;
+#[cfg(feature = "simd")]
+use super::super::between_views::{head_at, views_passed};
+#[cfg(feature = "simd")]
 use super::super::draw::{Frame, chosen_power, draw_unscaled};
+#[cfg(feature = "simd")]
 use super::super::one_direction::with_diffuse;
-use super::super::outgoing::{Outgoing, facing};
+#[cfg(feature = "simd")]
+use super::super::outgoing::Outgoing;
+use super::super::outgoing::facing;
 use super::super::prepare::prepare;
+#[cfg(feature = "simd")]
 use super::lobes::{Kept, NOTHING, choice, chosen_lobe, keep, numbers_of, sums};
+use super::question::{Answer, Hit, Which};
+#[cfg(feature = "simd")]
 use crate::color::luminance;
 use crate::material::borrowed::{Material, MaterialRef};
 use crate::material::layout::{MAX_LOBES, f32_at};
+#[cfg(feature = "simd")]
 use crate::mixture::factors::Nodes;
 use crate::mixture::leave_out::LeaveOut;
-use crate::mixture::rows::{Mixture, Sample, drawn_density, weight_of};
+use crate::mixture::rows::{Mixture, Sample};
+#[cfg(feature = "simd")]
+use crate::mixture::rows::{drawn_density, weight_of};
 use crate::simd::detect::Level;
-use crate::simd::lanes::{Lanes, WIDEST, scale};
+use crate::simd::lanes::Lanes;
+#[cfg(feature = "simd")]
+use crate::simd::lanes::{WIDEST, scale};
 use crate::simd::routine::One;
-use crate::squeeze::{Sight, Squeeze};
+#[cfg(feature = "simd")]
+use crate::squeeze::Squeeze;
 use glam::Vec3;
 
 /// One outgoing direction, for a few incident ones: the calls of a renderer at a hit. [`prepare`](Self::prepare) makes a
@@ -111,19 +126,6 @@ pub(super) struct Asked {
     pub colors: bool,
 }
 
-/// The answer of a material.
-#[derive(Clone, Copy)]
-pub(super) struct Answer {
-    pub sample: Option<Sample>,
-    /// Towards the other direction.
-    pub value: Vec3,
-    pub pdf: f32,
-}
-
-impl Answer {
-    pub const NOTHING: Self = Self { sample: None, value: Vec3::ZERO, pdf: 0.0 };
-}
-
 /// Asks a material.
 #[inline(always)]
 pub(super) fn ask_one(material: MaterialRef<'_>, wo: Vec3, asked: Asked) -> Answer {
@@ -131,14 +133,6 @@ pub(super) fn ask_one(material: MaterialRef<'_>, wo: Vec3, asked: Asked) -> Answ
     let which = Which { draws: u.is_some(), evaluates: wi.is_some(), colors };
     let ([a, b, c], [x, y, z]) = (u.unwrap_or_default(), wi.unwrap_or_default());
     ask_numbers(material, which, wo.x, wo.y, wo.z, a, b, c, x, y, z)
-}
-
-/// The kind of a question, without its numbers.
-#[derive(Clone, Copy)]
-struct Which {
-    draws: bool,
-    evaluates: bool,
-    colors: bool,
 }
 
 /// The same. Numbers travel in registers: who has just stored them one by one would wait for a struct that is read by larger parts.
@@ -165,6 +159,8 @@ fn ask_numbers(
         let asked = Asked { u: draws.then_some(u), wi: evaluates.then_some(wi), colors };
         return match material.header.lobe_count() {
             0..=16 => by_mixture::<16>(material, wo.into(), asked, level),
+            // A text for each capacity: small programs have one fewer.
+            #[cfg(feature = "simd")]
             17..=32 => by_mixture::<32>(material, wo.into(), asked, level),
             _ => by_mixture::<MAX_LOBES>(material, wo.into(), asked, level),
         };
@@ -172,7 +168,8 @@ fn ask_numbers(
     level.run_one::<_, Ask>(Hit { material, u, wi, which }, wo)
 }
 
-/// The same by a mixture on the stack.
+/// The same by a mixture on the stack, which only such a call takes.
+#[inline(never)]
 fn by_mixture<const N: usize>(material: MaterialRef<'_>, wo: Vec3, asked: Asked, level: Level) -> Answer {
     let mut m = Mixture::<N>::empty();
     if prepare(material, wo, LeaveOut::default(), level, &mut m).is_err() {
@@ -189,14 +186,6 @@ fn by_mixture<const N: usize>(material: MaterialRef<'_>, wo: Vec3, asked: Asked,
     answer
 }
 
-/// Inputs of [`Ask`] beside the outgoing direction; inputs of outputs that are not wanted are anything.
-struct Hit<'a> {
-    material: MaterialRef<'a>,
-    u: [f32; 3],
-    wi: [f32; 3],
-    which: Which,
-}
-
 /// One hit. The kind of the question is a branch and no parameter of the text: a text for each would be three times the bytes.
 struct Ask;
 
@@ -210,18 +199,25 @@ impl One<Hit<'_>> for Ask {
         if wo[2] < 0.0 {
             return Answer::NOTHING;
         }
-        let header = hit.material.header;
-        match (header.mirrored > 0, header.lobe_count() <= WIDEST) {
-            (false, true) => answer::<L, 1, false>(&hit, &outgoing),
-            (true, true) => answer::<L, 1, true>(&hit, &outgoing),
-            (_, false) => answer::<L, GROUPS, true>(&hit, &outgoing),
+        #[cfg(not(feature = "simd"))]
+        return super::small::answer(&hit, &outgoing);
+        #[cfg(feature = "simd")]
+        {
+            let header = hit.material.header;
+            match (header.mirrored > 0, header.lobe_count() <= WIDEST) {
+                (false, true) => answer::<L, 1, false>(&hit, &outgoing),
+                (true, true) => answer::<L, 1, true>(&hit, &outgoing),
+                (_, false) => answer::<L, GROUPS, true>(&hit, &outgoing),
+            }
         }
     }
 }
 
 /// Most groups of sixteen lobes.
+#[cfg(feature = "simd")]
 pub(super) const GROUPS: usize = MAX_LOBES / WIDEST;
 
+#[cfg(feature = "simd")]
 #[inline(always)]
 fn answer<L: Lanes, const G: usize, const MIRRORED: bool>(hit: &Hit<'_>, outgoing: &Outgoing) -> Answer {
     let (material, header, which) = (hit.material, hit.material.header, hit.which);
@@ -277,6 +273,7 @@ fn answer<L: Lanes, const G: usize, const MIRRORED: bool>(hit: &Hit<'_>, outgoin
     answer
 }
 
+#[cfg(feature = "simd")]
 /// The lobes of one outgoing direction, with the squeeze and the diffuse term.
 struct Lobes<const G: usize> {
     kept: Kept<G>,
@@ -286,6 +283,7 @@ struct Lobes<const G: usize> {
     diffuse: [f32; 3],
 }
 
+#[cfg(feature = "simd")]
 impl<const G: usize> Lobes<G> {
     /// Value and density towards a direction.
     #[inline(always)]
@@ -302,12 +300,7 @@ impl<const G: usize> Lobes<G> {
         }
         // First, as it is the longer chain of dependent operations: the lobes are summed beside it.
         let factor = factors.map(|(nodes, wo)| nodes.towards::<L::One>(*wo, direction));
-        let sights: [Sight; 2] = if L::COUNT > 1 {
-            self.squeeze.precise.see(direction, L::FUSED)
-        } else {
-            let turned = self.squeeze.turn(direction);
-            [turned, self.squeeze.squeeze(&turned)]
-        };
+        let sights = self.squeeze.see::<L>(direction);
         let acc = sums::<L::Lobes, G>(&self.kept, self.count, self.squeezed, &sights);
         let value = Vec3::from_array(with_diffuse(L::Lobes::three_sums(acc), self.diffuse, direction[2]));
         let pdf = luminance(value) * inverse_power;
