@@ -227,7 +227,7 @@ async function pictures(browser, url) {
         const page = await open(browser, `${url}#scale=${width > 1000 ? 0.5 : 0.7}&samples=32`, { width, height, scheme });
         await page.until("self.srbf?.tracer?.count > 0", 90);
         if (shape === "teapot") await page.call(`document.querySelector("#shapes [value=teapot]").click(), document.querySelector("#lights [value=lamps]").click()`);
-        await page.until(`srbf.tracer.shape === "${shape}" && srbf.tracer.count >= ${shape === "ball" ? 16 : 6}`, 120);
+        await page.until(`srbf.tracer.shape === "${shape}" && srbf.tracer.count >= ${shape === "ball" ? 8 : 4}`, 120);
         const wide = await page.call("document.documentElement.scrollWidth");
         expectThat(wide <= width, `nothing is wider than ${width} pixels (${wide})`);
         writeFileSync(join(shots, `${width}-${scheme}-${shape}.png`), await page.screenshot());
