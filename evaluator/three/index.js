@@ -4,63 +4,8 @@ import * as THREE from "three";
 import text from "./text.js";
 import { wordsOf } from "./words.js";
 
-<<<<<<< HEAD
-const MAGIC = [0x42525389, 0x1a0a0d46], LOBE = 0x45424f4c, FACT = 0x54434146, PACK = 0x4b434150;
 const WIDTH = 1024; // words in a row of the texture
 
-function crc32(bytes) {
-    let crc = ~0;
-    for (const byte of bytes) {
-        crc ^= byte;
-        for (let bit = 0; bit < 8; bit++) crc = (crc >>> 1) ^ (crc & 1 ? 0xedb88320 : 0);
-    }
-    return ~crc >>> 0;
-}
-
-/** Throws an error unless the words are those of a material that the shader can read without leaving them. */
-function check(words, length, name) {
-    const expect = (holds, what) => { if (!holds) throw new Error(`${name}: ${what}`); };
-    const within = (i, least, most, what) =>
-        expect(words[i] >= least && words[i] <= most, `${what}: ${words[i]} is not from ${least} to ${most}`);
-    expect(length >= 60 && words[0] === MAGIC[0] && words[1] === MAGIC[1], "a .srbf file is expected");
-    within(2, 2, 3, "format version");
-    within(3, 0, 1, "kind");
-    const isPacked = words[2] === 3 && words[10] === PACK;
-    expect(!isPacked, "its numbers are codes; srbf pack FILE --bits 32 writes plain ones");
-    expect(words[4] === length, `${words[4]} bytes are expected, ${length} are there`);
-    within(5, 1, 1024, "angles of the views");
-    within(6, 1, 64, "lobes");
-    within(7, 0, words[6], "squeezed lobes");
-    const isOld = words[2] === 2, isLine = words[3] === 0, ring = isOld ? 9 : 8;
-    if (isLine) within(ring, 0, Math.min(words[6], 64 - words[6]), "mirrored lobes");
-    else { within(ring, 1, 64, "views of a ring"); within(ring + 1, 1, 2, "turns"); }
-    const [angles, lobes] = [words[5], words[6]];
-    const views = isLine ? angles : 1 + (angles - 1) * words[ring];
-    const endOfLobes = 12 + angles + views * (isLine ? 4 + 5 * lobes + words[ring] : 6 + 6 * lobes);
-    const end = Math.floor(length / 4);
-    expect(views <= 4096 && endOfLobes < end, "its views are longer than the file");
-    let at = endOfLobes, nodes = [words[11] & 65535, words[11] >>> 16, 1];
-    if (!isOld) {
-        expect(length % 4 === 0 && words[10] === LOBE && words[11] === 4 * (endOfLobes - 12), "no block of lobes");
-        while (at + 1 < end && words[at] !== FACT) {
-            // Blocks that a reader may not leave out begin with a capital letter.
-            expect(words[at] & 32 && words[at + 1] <= 4 * (end - at), `an unknown block at word ${at}`);
-            at += 2 + Math.ceil(words[at + 1] / 4);
-        }
-        if (at + 1 >= end) return;
-        nodes = [words[at + 2] & 255, (words[at + 2] >>> 8) & 255, (words[at + 2] >>> 16) & 255];
-        at += 3;
-    } else if (words[11] === 0) return;
-    const inRange = nodes[0] >= 2 && nodes[0] <= 32 && nodes[1] >= 2 && nodes[1] <= 32 && nodes[2] >= 1 && nodes[2] <= 8;
-    const count = nodes[0] * nodes[1] * nodes[2];
-    const endOfNodes = at + 3 * views + 1 + (isOld ? count : Math.ceil((3 * count) / 4));
-    expect(inRange && endOfNodes <= end, `its factors, ${nodes.join(" x ")}, do not fit into the file`);
-}
-
-=======
-const WIDTH = 1024; // words in a row of the texture
-
->>>>>>> h47w
 /**
  * The words of a .srbf file as a texture.
  * @param {ArrayBuffer | Uint8Array} data the file

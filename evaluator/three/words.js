@@ -1,6 +1,6 @@
 // The words of a .srbf file, checked. It imports nothing, and needs no browser.
 
-const MAGIC = [0x42525389, 0x1a0a0d46], LOBE = 0x45424f4c, FACT = 0x54434146;
+const MAGIC = [0x42525389, 0x1a0a0d46], LOBE = 0x45424f4c, FACT = 0x54434146, PACK = 0x4b434150;
 
 function crc32(bytes) {
     let crc = ~0;
@@ -19,6 +19,8 @@ function check(words, length, name) {
     expect(length >= 60 && words[0] === MAGIC[0] && words[1] === MAGIC[1], "a .srbf file is expected");
     within(2, 2, 3, "format version");
     within(3, 0, 1, "kind");
+    const isPacked = words[2] === 3 && words[10] === PACK;
+    expect(!isPacked, "its numbers are codes; srbf pack FILE --bits 32 writes plain ones");
     expect(words[4] === length, `${words[4]} bytes are expected, ${length} are there`);
     within(5, 1, 1024, "angles of the views");
     within(6, 1, 64, "lobes");
