@@ -32,7 +32,7 @@ pub fn open(name: &str, bytes: &[u8], progress: impl FnMut(f64) + Send) -> Resul
     if bytes.starts_with(MAGIC) {
         let material = Material::from_bytes(bytes).map_err(|error| format!("{name}: {error}"))?;
         let json = json!({"name": stem(name), "facts": facts(&material), "findings": [], "verdict": [], "data": null});
-        return Ok(Opened { bytes: bytes.to_vec(), json });
+        return Ok(Opened { bytes: plain(&material), json });
     }
     let source = read_from(name, bytes, &Conventions::default()).map_err(|error| error.to_string())?;
     fitted(&source, progress)
@@ -60,6 +60,12 @@ pub fn fitted(source: &Source, progress: impl FnMut(f64) + Send) -> Result<Opene
         "data": points(&source.content),
     });
     Ok(Opened { bytes: fit.bytes, json })
+}
+
+/// The bytes of a material in plain numbers, which the shader reads.
+fn plain(material: &Material<&[u8]>) -> Vec<u8> {
+    let mut plain = vec![0; if material.code_bits().is_some() { material.unpacked_len() } else { 0 }];
+    if plain.is_empty() || material.unpack(&mut plain).is_err() { material.bytes().to_vec() } else { plain }
 }
 
 /// The name of a file without its last ending.
@@ -95,6 +101,7 @@ fn facts(material: &Material<&[u8]>) -> Vec<[String; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use srbf_core::PackOptions;
 
     const PRESET: &[u8] = include_bytes!("../../presets/cayman.srbf");
 
@@ -104,6 +111,17 @@ mod tests {
         assert_eq!(opened.bytes, PRESET);
         assert_eq!(opened.json["name"], "dir.ectory");
         assert_eq!(opened.json["facts"][0][1], format!("{} bytes", PRESET.len()));
+    }
+
+    #[test]
+    fn a_packed_material_is_shown_in_plain_numbers() {
+        let material = Material::from_bytes(PRESET).unwrap();
+        let mut packed = vec![0; material.packed_len(PackOptions::default(), "")];
+        material.pack(PackOptions::default(), "", &mut packed).unwrap();
+        let opened = open("small.srbf", &packed, |_| {}).unwrap();
+        let shown = Material::from_bytes(opened.bytes.as_slice()).unwrap();
+        assert_eq!((shown.code_bits(), shown.view_count()), (None, material.view_count()));
+        assert_eq!(opened.json["facts"][0][1], format!("{} bytes", packed.len()));
     }
 
     #[test]
