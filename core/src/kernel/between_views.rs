@@ -415,7 +415,8 @@ fn decode_row(
     count: usize,
     rows: &mut [[f32; WIDEST_PAIR]; 2],
 ) {
-    let (header, views) = (material.header, [place.before, place.after]);
+    let header = material.header;
+    let Some(views) = header.two_views(material.bytes, [place.before, place.after]) else { return };
     for (i, lobe) in (k..header.lobe_count()).take(count.min(WIDEST_PAIR)).enumerate() {
         let is_image = lobe >= header.lobes;
         let stored = if is_image { lobe - header.mirrored } else { lobe };
@@ -423,7 +424,7 @@ fn decode_row(
             if row == OFF_PLANE { stored.checked_sub(header.lobes - header.mirrored) } else { Some(stored) };
         // A lobe that stands for itself is in the plane.
         let Some(place) = place else { continue };
-        let numbers = header.two_numbers(material.bytes, views, row, place);
+        let numbers = views.numbers(row, place);
         let sign = if is_image && row == OFF_PLANE { -1.0 } else { 1.0 };
         (rows[0][i], rows[1][i]) = (sign * numbers[0], sign * numbers[1]);
     }

@@ -3,6 +3,7 @@
 
 use crate::color::{self, LUMINANCE};
 use crate::material::borrowed::MaterialRef;
+use crate::material::codes::TwoViews;
 use crate::material::layout::{HEAD, Header};
 use crate::simd::elementary::{exp2, exp2_soon, rare_exp2, sin_cos};
 use crate::simd::lanes::{dot3, splat3};
@@ -28,6 +29,7 @@ pub(crate) struct OneRows<'a> {
     between: Between,
     /// The bytes of either view; none of a material in codes.
     rows: [&'a [[u8; 4]]; 2],
+    codes: Option<TwoViews<'a>>,
 }
 
 impl<'a> OneRows<'a> {
@@ -40,7 +42,7 @@ impl<'a> OneRows<'a> {
             let bytes = if header.codes.is_some() { None } else { material.bytes.get(from..to) };
             bytes.unwrap_or_default().as_chunks().0
         });
-        Self { material, between, rows }
+        Self { material, between, rows, codes: header.two_views(material.bytes, between.views) }
     }
 
     /// A number between the two views, of the place that it has in either.
@@ -107,8 +109,8 @@ const HELD_ROWS: usize = 5;
 fn numbers(from: &OneRows<'_>, stored: usize, mirrored: Option<usize>) -> [f32; ROWS] {
     let header = from.material.header;
     let mut numbers = [0.0; ROWS];
-    if header.codes.is_some() {
-        of_codes(from, stored, mirrored, &mut numbers);
+    if let Some(codes) = &from.codes {
+        of_codes(codes, from.between, stored, mirrored, &mut numbers);
         return numbers;
     }
     let mut place = stored;
@@ -124,12 +126,17 @@ fn numbers(from: &OneRows<'_>, stored: usize, mirrored: Option<usize>) -> [f32; 
 
 /// The same from codes.
 #[inline(never)]
-fn of_codes(from: &OneRows<'_>, stored: usize, mirrored: Option<usize>, numbers: &mut [f32; ROWS]) {
-    let (bytes, header, between) = (from.material.bytes, from.material.header, from.between);
+fn of_codes(
+    codes: &TwoViews<'_>,
+    between: Between,
+    stored: usize,
+    mirrored: Option<usize>,
+    numbers: &mut [f32; ROWS],
+) {
     for (row, number) in numbers.iter_mut().enumerate() {
         let lobe = if row < HELD_ROWS { Some(stored) } else { mirrored };
         if let Some(lobe) = lobe {
-            *number = between.of(header.two_numbers(bytes, between.views, row, lobe));
+            *number = between.of(codes.numbers(row, lobe));
         }
     }
 }

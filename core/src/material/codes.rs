@@ -58,17 +58,24 @@ pub(crate) const fn angle_offset(view: usize) -> usize {
     HEADER + PACK_HEAD + 2 * view
 }
 
-/// The number whose upper half is stored at an offset.
-#[inline(always)]
-fn half(bytes: &[u8], offset: usize) -> f32 {
-    f32::from_bits(u32::from(u16_at(bytes, offset)) << 16)
-}
-
 impl Scale {
+    const NONE: Self = Self { low: 0.0, step: 0.0, is_relative: false };
+
     #[inline(always)]
     pub fn at(bytes: &[u8], offset: usize) -> Self {
-        let step = half(bytes, offset + 2);
-        Self { low: half(bytes, offset), step: step.abs(), is_relative: step.is_sign_negative() }
+        Self::of_halves([u16_at(bytes, offset), u16_at(bytes, offset + 2)])
+    }
+
+    #[inline(always)]
+    fn from_bytes([a, b, c, d]: [u8; SCALE]) -> Self {
+        Self::of_halves([u16::from_le_bytes([a, b]), u16::from_le_bytes([c, d])])
+    }
+
+    /// Of the upper halves of low and step.
+    #[inline(always)]
+    fn of_halves(halves: [u16; 2]) -> Self {
+        let [low, step] = halves.map(|half| f32::from_bits(u32::from(half) << 16));
+        Self { low, step: step.abs(), is_relative: step.is_sign_negative() }
     }
 
     /// The number of a code; `angle` is that of the view.
@@ -168,35 +175,64 @@ impl Codes {
         }
     }
 
-    /// A number of a lobe at a view; of row 5 that of a mirrored lobe.
-    pub fn number(self, counts: Counts, bytes: &[u8], view: usize, row: usize, lobe: usize) -> f32 {
-        let [number, _] = self.two_numbers(counts, bytes, [view, view], row, lobe);
-        number
+    /// Two views, for the numbers of their lobes.
+    #[inline(always)]
+    pub fn two_views<'a>(self, counts: Counts, bytes: &'a [u8], views: [usize; 2]) -> TwoViews<'a> {
+        let len = self.view_len(counts);
+        let scales = self.scales(counts);
+        let rows = views.map(|view| {
+            let from = self.code_offset(counts, view, 0);
+            part(bytes, from..from + self.bytes as usize * len)
+        });
+        TwoViews {
+            codes: self,
+            counts,
+            scales: part(bytes, scales..scales + SCALE * len).as_chunks().0,
+            rows,
+            angles: views.map(|view| angle(bytes, view)),
+            are_first: views.map(|view| view == 0),
+        }
     }
 
-    /// The same at two views.
-    pub fn two_numbers(
-        self,
-        counts: Counts,
-        bytes: &[u8],
-        views: [usize; 2],
-        row: usize,
-        lobe: usize,
-    ) -> [f32; 2] {
-        let Some(place) = self.place(counts, row, lobe) else { return [0.0; 2] };
-        let scale = Scale::at(bytes, self.scales(counts) + SCALE * place);
+    /// A number of a lobe at a view; of row 5 that of a mirrored lobe.
+    pub fn number(self, counts: Counts, bytes: &[u8], view: usize, row: usize, lobe: usize) -> f32 {
+        let [number, _] = self.two_views(counts, bytes, [view, view]).numbers(row, lobe);
+        number
+    }
+}
+
+/// The codes of two views.
+#[derive(Clone, Copy)]
+pub(crate) struct TwoViews<'a> {
+    codes: Codes,
+    counts: Counts,
+    scales: &'a [[u8; SCALE]],
+    rows: [&'a [u8]; 2],
+    angles: [f32; 2],
+    /// Which of them is the first view of the material, the normal.
+    are_first: [bool; 2],
+}
+
+impl TwoViews<'_> {
+    /// A number of a lobe at the two views; of row 5 that of a mirrored lobe.
+    #[inline(always)]
+    pub fn numbers(&self, row: usize, lobe: usize) -> [f32; 2] {
+        let Some(place) = self.codes.place(self.counts, row, lobe) else { return [0.0; 2] };
+        // Places are checked when a material is loaded.
+        let scale = self.scales.get(place).map_or(Scale::NONE, |scale| Scale::from_bytes(*scale));
         let at_normal_is_0 = row == 0 || row == ROWS;
-        views.map(|view| {
-            if at_normal_is_0 && view == 0 {
-                return 0.0;
+        let mut numbers = [0.0; 2];
+        for (i, number) in numbers.iter_mut().enumerate() {
+            if at_normal_is_0 && self.are_first[i] {
+                continue;
             }
-            let at = self.code_offset(counts, view, place);
-            let code = if self.bytes == 1 {
-                u16::from(part(bytes, at..at + 1).first().copied().unwrap_or_default())
+            let code = if self.codes.bytes == 1 {
+                self.rows[i].get(place).map_or(0, |code| u16::from(*code))
             } else {
-                u16_at(bytes, at)
+                self.rows[i].as_chunks().0.get(place).map_or(0, |code| u16::from_le_bytes(*code))
             };
-            scale.decode(code, angle(bytes, view))
-        })
+            *number = scale.decode(code, self.angles[i]);
+        }
+        numbers
     }
 }

@@ -101,7 +101,7 @@
 //! Version 1 has the log2 of red, green and blue in place of luminance and colour differences, and no table: 0 at 44.
 
 pub(crate) use super::bytes::{HEAD, HEADER, f32_at, part, u32_at};
-use super::codes::{self, Codes, Counts};
+use super::codes::{self, Codes, Counts, TwoViews};
 
 /// Most lobes that a mixture can hold, and that a material can make.
 pub const MAX_LOBES: usize = 64;
@@ -215,12 +215,10 @@ impl Header {
             Some(codes) => codes.scales(self.counts()),
         }
     }
-    /// A number of a lobe at two views; as [`number`](Self::number), of a material in codes.
-    pub fn two_numbers(&self, bytes: &[u8], views: [usize; 2], row: usize, lobe: usize) -> [f32; 2] {
-        match self.codes {
-            None => [0.0; 2],
-            Some(codes) => codes.two_numbers(self.counts(), bytes, views, row, lobe),
-        }
+    /// Two views of a material in codes; `None` of f32.
+    #[inline(always)]
+    pub fn two_views<'a>(&self, bytes: &'a [u8], views: [usize; 2]) -> Option<TwoViews<'a>> {
+        self.codes.map(|codes| codes.two_views(self.counts(), bytes, views))
     }
     /// Byte offsets of what stands for a view's angle, its head, and a number of a lobe: the places of errors.
     pub const fn angle_offset(&self, view: usize) -> usize {

@@ -40,6 +40,14 @@ fn show(name: &str, count: u32) {
     line();
 }
 
+/// Prints instructions of preparing a material.
+pub fn print_prepare(name: &str, material: &Material<&'static [u8]>) {
+    let (mut numbers, mut directions) = (Numbers(2), [[0.0; 3]; CALLS]);
+    directions.iter_mut().for_each(|direction| *direction = numbers.direction());
+    let mut mixture = Mixture::<16>::empty();
+    show(name, count(&directions, |wo| material.prepare(wo, &mut mixture).map_or(0.0, |()| 1.0)));
+}
+
 /// Prints instructions a call of each verb, and of the same with libm's functions.
 pub fn print(material: &Material<&'static [u8]>) -> Result<(), &'static str> {
     let mut numbers = Numbers(2);

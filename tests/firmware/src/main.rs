@@ -23,13 +23,19 @@ mod reference;
 /// The preset, as it lies in flash.
 static MATERIAL: &[u8] = include_bytes!("../../../presets/garnet_red.srbf");
 
+/// The same in codes of 8 bits: `srbf pack garnet_red -o tests/firmware/garnet_red_packed.srbf`.
+static PACKED: &[u8] = include_bytes!("../garnet_red_packed.srbf");
+
 /// Prints all figures, line by line.
 fn report() -> Result<(), &'static str> {
     let material = srbf_core::Material::from_bytes(MATERIAL).map_err(|_| "the preset is damaged")?;
-    road::print_checksums(&material)?;
+    let packed = srbf_core::Material::from_bytes(PACKED).map_err(|_| "the packed preset is damaged")?;
+    road::print_checksums("checksum", &material)?;
+    road::print_checksums("packed sum", &packed)?;
     #[cfg(target_os = "none")]
     {
         count::print(&material)?;
+        count::print_prepare("prepare, packed", &packed);
         stack::print(MATERIAL)?;
     }
     Ok(())

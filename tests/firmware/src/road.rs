@@ -58,8 +58,8 @@ impl Checksum {
 const OUTGOING: usize = 24;
 const INCIDENT: usize = 12;
 
-/// Prints a checksum of each of the verbs of a mixture, and of a hit without one.
-pub fn print_checksums(material: &Material<&'static [u8]>) -> Result<(), &'static str> {
+/// Prints a checksum of each of the verbs of a mixture, and of a hit without one, each line beginning with a word.
+pub fn print_checksums(word: &str, material: &Material<&'static [u8]>) -> Result<(), &'static str> {
     let (mut numbers, mut mixture) = (Numbers(1), Mixture::<16>::empty());
     let mut sums = [const { Checksum(0) }; 4].map(|_| Checksum::new());
     let [values, densities, draws, hits] = &mut sums;
@@ -78,7 +78,8 @@ pub fn print_checksums(material: &Material<&'static [u8]>) -> Result<(), &'stati
         }
     }
     for (name, sum) in ["values", "densities", "draws", "hits"].into_iter().zip(sums) {
-        text("checksum of ");
+        text(word);
+        text(" of ");
         text(name);
         text(" ");
         hexadecimal(sum.0);
