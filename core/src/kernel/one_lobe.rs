@@ -25,31 +25,31 @@ impl Between {
 /// The numbers of the lobes at two views.
 #[derive(Clone, Copy)]
 pub(crate) struct OneRows<'a> {
-    material: MaterialRef<'a>,
+    header: &'a Header,
     between: Between,
-    /// The bytes of either view; none of a material in codes.
-    rows: [&'a [[u8; 4]]; 2],
-    codes: Option<TwoViews<'a>>,
+    numbers: Numbers<'a>,
+}
+
+/// The bytes of either view, or their codes.
+#[derive(Clone, Copy)]
+enum Numbers<'a> {
+    Plain([&'a [[u8; 4]]; 2]),
+    Codes(TwoViews<'a>),
 }
 
 impl<'a> OneRows<'a> {
     #[inline(always)]
     pub fn new(material: MaterialRef<'a>, between: Between) -> Self {
         let header = material.header;
+        if let Some(codes) = header.two_views(material.bytes, between.views) {
+            return Self { header, between, numbers: Numbers::Codes(codes) };
+        }
         let rows = between.views.map(|view| {
             let from = header.row(view, 0);
             let to = from + 4 * (HELD_ROWS * header.lobes + header.mirrored);
-            let bytes = if header.codes.is_some() { None } else { material.bytes.get(from..to) };
-            bytes.unwrap_or_default().as_chunks().0
+            material.bytes.get(from..to).unwrap_or_default().as_chunks().0
         });
-        Self { material, between, rows, codes: header.two_views(material.bytes, between.views) }
-    }
-
-    /// A number between the two views, of the place that it has in either.
-    #[inline(always)]
-    fn at(&self, place: usize) -> f32 {
-        let [a, b] = self.rows.map(|row| row.get(place).map_or(0.0, |bytes| f32::from_le_bytes(*bytes)));
-        self.between.of([a, b])
+        Self { header, between, numbers: Numbers::Plain(rows) }
     }
 }
 
@@ -107,19 +107,26 @@ const HELD_ROWS: usize = 5;
 /// The numbers of a stored lobe; `mirrored` counts the mirrored ones.
 #[inline(always)]
 fn numbers(from: &OneRows<'_>, stored: usize, mirrored: Option<usize>) -> [f32; ROWS] {
-    let header = from.material.header;
+    let header = from.header;
     let mut numbers = [0.0; ROWS];
-    if let Some(codes) = &from.codes {
-        of_codes(codes, from.between, stored, mirrored, &mut numbers);
-        return numbers;
-    }
+    let rows = match &from.numbers {
+        Numbers::Plain(rows) => rows,
+        Numbers::Codes(codes) => {
+            of_codes(codes, from.between, stored, mirrored, &mut numbers);
+            return numbers;
+        }
+    };
+    let at = |place: usize| {
+        let pair = rows.map(|row| row.get(place).map_or(0.0, |bytes| f32::from_le_bytes(*bytes)));
+        from.between.of(pair)
+    };
     let mut place = stored;
     for number in &mut numbers[..HELD_ROWS] {
-        *number = from.at(place);
+        *number = at(place);
         place += header.lobes;
     }
     if let Some(m) = mirrored {
-        numbers[HELD_ROWS] = from.at(HELD_ROWS * header.lobes + m);
+        numbers[HELD_ROWS] = at(HELD_ROWS * header.lobes + m);
     }
     numbers
 }
@@ -148,7 +155,7 @@ pub(crate) const LEAST_OFF_PLANE: f32 = 1e-9;
 /// A stored lobe. `SOON`: by a shorter chain of more operations.
 #[inline(always)]
 pub(crate) fn lobe<const SOON: bool>(from: &OneRows<'_>, stored: usize) -> OneLobe {
-    let header: &Header = from.material.header;
+    let header: &Header = from.header;
     let mirrored = stored.checked_sub(header.lobes - header.mirrored);
     let [angle, log_sharpness, first, second, third, off_plane] = numbers(from, stored, mirrored);
     let first = exp2(first);

@@ -151,7 +151,7 @@ impl Codes {
 
     /// Byte offset of the code of a number of a lobe at a view; of a number that is always 0 that of the scales.
     pub const fn number_offset(self, counts: Counts, view: usize, row: usize, lobe: usize) -> usize {
-        match self.place(counts, row, lobe) {
+        match self.place(counts.lobes, row, lobe) {
             None => self.scales(counts),
             Some(place) => self.code_offset(counts, view, place),
         }
@@ -165,13 +165,13 @@ impl Codes {
 
     /// Where a number of a lobe stands among those of a view; `None` for the colours of grey materials, which are 0.
     #[inline(always)]
-    pub const fn place(self, counts: Counts, row: usize, lobe: usize) -> Option<usize> {
+    pub const fn place(self, lobes: usize, row: usize, lobe: usize) -> Option<usize> {
         if row < self.rows() {
-            Some(row * counts.lobes + lobe)
+            Some(row * lobes + lobe)
         } else if row < ROWS {
             None
         } else {
-            Some(self.rows() * counts.lobes + lobe)
+            Some(self.rows() * lobes + lobe)
         }
     }
 
@@ -186,11 +186,10 @@ impl Codes {
         });
         TwoViews {
             codes: self,
-            counts,
+            lobes: counts.lobes,
             scales: part(bytes, scales..scales + SCALE * len).as_chunks().0,
             rows,
             angles: views.map(|view| angle(bytes, view)),
-            are_first: views.map(|view| view == 0),
         }
     }
 
@@ -205,25 +204,25 @@ impl Codes {
 #[derive(Clone, Copy)]
 pub(crate) struct TwoViews<'a> {
     codes: Codes,
-    counts: Counts,
+    /// Lobes that are stored at a view.
+    lobes: usize,
     scales: &'a [[u8; SCALE]],
     rows: [&'a [u8]; 2],
+    /// 0 is the first view, as angles rise.
     angles: [f32; 2],
-    /// Which of them is the first view of the material, the normal.
-    are_first: [bool; 2],
 }
 
 impl TwoViews<'_> {
     /// A number of a lobe at the two views; of row 5 that of a mirrored lobe.
     #[inline(always)]
     pub fn numbers(&self, row: usize, lobe: usize) -> [f32; 2] {
-        let Some(place) = self.codes.place(self.counts, row, lobe) else { return [0.0; 2] };
+        let Some(place) = self.codes.place(self.lobes, row, lobe) else { return [0.0; 2] };
         // Places are checked when a material is loaded.
         let scale = self.scales.get(place).map_or(Scale::NONE, |scale| Scale::from_bytes(*scale));
         let at_normal_is_0 = row == 0 || row == ROWS;
         let mut numbers = [0.0; 2];
         for (i, number) in numbers.iter_mut().enumerate() {
-            if at_normal_is_0 && self.are_first[i] {
+            if at_normal_is_0 && self.angles[i] == 0.0 {
                 continue;
             }
             let code = if self.codes.bytes == 1 {

@@ -224,10 +224,10 @@ impl Header {
     pub const fn angle_offset(&self, view: usize) -> usize {
         if self.codes.is_some() { codes::angle_offset(view) } else { self.theta(view) }
     }
-    pub const fn head_offset(&self, view: usize) -> usize {
+    pub const fn head_offset(&self, view: usize, number: usize) -> usize {
         match self.codes {
-            None => self.head(view),
-            Some(codes) => codes.head_offset(self.counts(), view),
+            None => self.head(view) + 4 * number,
+            Some(codes) => codes.head_offset(self.counts(), view) + 2 * number,
         }
     }
     pub const fn number_offset(&self, view: usize, row: usize, lobe: usize) -> usize {

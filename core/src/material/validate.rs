@@ -271,7 +271,13 @@ fn validate_thetas(bytes: &[u8], header: &Header, count: usize) -> Result<(), Fo
 fn validate_views(bytes: &[u8], header: &Header) -> Result<(), FormatError> {
     for view in 0..header.views {
         let check = |name, number: usize, low: f32, high: f32| {
-            is_inside(name, header.head_number(bytes, view, number), header.head_offset(view), low, high)
+            is_inside(
+                name,
+                header.head_number(bytes, view, number),
+                header.head_offset(view, number),
+                low,
+                high,
+            )
         };
         // The first view is the normal, where nothing may depend on the azimuth of the outgoing direction.
         let limit = |free: f32| if view == 0 { 0.0 } else { free };

@@ -115,17 +115,21 @@ fn look_at(args: &Args, file: &Path) -> anyhow::Result<()> {
         println!("{:#}", look.to_json());
     } else {
         println!("{}", file.display());
-        print(&look, true);
+        print(&look, true, &[]);
     }
     Ok(())
 }
 
-/// Prints the findings; without `all`, no fact that has no bearing on the fit.
-pub fn print(look: &Look, all: bool) {
+/// Prints the findings but for those that a verdict says again; without `all`, no fact that has no bearing on the fit.
+pub fn print(look: &Look, all: bool, verdict: &[String]) {
     println!("data  {}", look.summary());
     for finding in &look.findings {
         use srbf_fit::look::Topic::{Isotropy, Reciprocity, Stated};
         if !all && !finding.is_off && matches!(finding.topic, Isotropy | Reciprocity | Stated) {
+            continue;
+        }
+        // The verdict says it again.
+        if verdict.iter().any(|line| line.ends_with(&finding.text)) {
             continue;
         }
         let mark = if finding.is_off { "check" } else { "note " };

@@ -73,7 +73,7 @@ impl Args {
         }
         println!("{heading}");
         if let Some(look) = &report.look {
-            crate::command::look::print(look, self.verbose);
+            crate::command::look::print(look, self.verbose, &words);
         }
         if self.verbose {
             print_tables(report);
