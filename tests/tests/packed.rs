@@ -62,14 +62,17 @@ fn expanded_codes_are_what_they_unpack_to() {
         let mut room = [&small, &plain].map(|material| vec![0f32; material.expanded_len(64)]);
         let [first, second] = &mut room;
         let (a, b) = (Expanded::new(&small, 64, first).unwrap(), Expanded::new(&plain, 64, second).unwrap());
-        let mut random = Random(8);
-        let (mut from, mut to) = (Mixture::<64>::empty(), Mixture::<64>::empty());
-        for _ in 0..50 {
-            let (wo, wi) = (upper(&mut random), upper(&mut random));
-            a.prepare(wo, &mut from).unwrap();
-            b.prepare(wo, &mut to).unwrap();
-            assert_eq!(from.evaluate_and_pdf(wi), to.evaluate_and_pdf(wi), "{name}");
-        }
+        // Other tests change the level of the process.
+        for_each_level(|level| {
+            let mut random = Random(8);
+            let (mut from, mut to) = (Mixture::<64>::empty(), Mixture::<64>::empty());
+            for _ in 0..50 {
+                let (wo, wi) = (upper(&mut random), upper(&mut random));
+                a.prepare(wo, &mut from).unwrap();
+                b.prepare(wo, &mut to).unwrap();
+                assert_eq!(from.evaluate_and_pdf(wi), to.evaluate_and_pdf(wi), "{level:?} {name}");
+            }
+        });
     }
 }
 

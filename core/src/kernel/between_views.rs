@@ -3,6 +3,8 @@
 use super::one_lobe::{self, Between, LEAST_OFF_PLANE, OneLobe, OneRows};
 use crate::color::{self, LUMINANCE};
 use crate::material::borrowed::MaterialRef;
+#[cfg(feature = "simd")]
+use crate::material::layout::f32_at;
 use crate::material::layout::{HEAD, Header, MAX_LOBES};
 use crate::mixture::factors::Among;
 use crate::mixture::leave_out::LeaveOut;
@@ -40,16 +42,16 @@ macro_rules! rows_at {
         let vectors = (count + mirrored).next_multiple_of(<$L as $crate::simd::lanes::Lanes>::COUNT);
         let (ahead, reach) = (4 * mirrored, 4 * (4 * count + 2 * mirrored + vectors));
         let has_luminance = header.has_luminance;
-        if header.codes.is_some() {
-            let coded = Some(material);
-            rows_of::Rows { a: &[], b: &[], place, count, mirrored, has_luminance, coded }
+        let (a, b): (&[u8], &[u8]) = if header.codes.is_some() {
+            [$copy_a, $copy_b] = rows_of::decoded(material, place);
+            (&$copy_a, &$copy_b)
         } else {
             let [a, b] = place.rows(header);
             let a = rows_of::from_offset!(material.bytes, a, ahead, reach, $copy_a, { rows_of::PADDED });
             let b = rows_of::from_offset!(material.bytes, b, ahead, reach, $copy_b, { rows_of::PADDED });
-            let (a, b) = (&a[..reach], &b[..reach]);
-            rows_of::Rows { a, b, place, count, mirrored, has_luminance, coded: None }
-        }
+            (a, b)
+        };
+        rows_of::Rows { a: &a[..reach], b: &b[..reach], place, count, mirrored, has_luminance }
     }};
 }
 
@@ -172,9 +174,16 @@ pub(crate) fn at_place<L: Lanes, const N: usize>(
 #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 pub(crate) fn head_numbers<L: Lanes>(material: MaterialRef<'_>, place: Place) -> [f32; HEAD] {
     let mut head = [0.0; HEAD];
-    let (bytes, header) = (material.bytes, material.header);
+    let (copy_a, copy_b);
+    let (a, b): (&[u8], &[u8]) = if material.header.codes.is_some() {
+        (copy_a, copy_b) = (decoded_head(material, place.before), decoded_head(material, place.after));
+        (&copy_a, &copy_b)
+    } else {
+        let [a, b] = [place.before, place.after].map(|view| material.header.head(view));
+        (&material.bytes[a..a + 4 * HEAD], &material.bytes[b..b + 4 * HEAD])
+    };
     for i in 0..HEAD {
-        let [a, b] = [place.before, place.after].map(|view| L::splat(header.head_number(bytes, view, i)));
+        let [a, b] = [L::splat(f32_at(a, 4 * i)), L::splat(f32_at(b, 4 * i))];
         head[i] = (b - a).mul_add(L::splat(place.blend), a).first();
     }
     head
@@ -311,8 +320,6 @@ pub(crate) struct Rows<'a> {
     pub mirrored: usize,
     /// Luminance and colour differences in place of red, green and blue.
     pub has_luminance: bool,
-    /// The material, if its numbers are codes: then there are no bytes beside.
-    pub coded: Option<MaterialRef<'a>>,
 }
 
 impl Rows<'_> {
@@ -354,9 +361,6 @@ impl Rows<'_> {
     /// Numbers of a row of a vector of lobes, images being their mirrored lobes; behind the last lobe anything.
     #[inline(always)]
     fn row<L: Lanes>(&self, row: usize, k: usize) -> L {
-        if let Some(material) = self.coded {
-            return coded_row(material, self.place, row, k);
-        }
         let at = self.mirrored + row * self.count + k;
         let stored = self.place.between(self.a, self.b, at);
         if self.mirrored == 0 || k + L::COUNT <= self.count {
@@ -371,10 +375,6 @@ impl Rows<'_> {
     #[inline(always)]
     fn off_plane<L: Lanes>(&self, k: usize) -> L {
         let zero = L::splat(0.0);
-        if let Some(material) = self.coded {
-            let off_plane = coded_row::<L>(material, self.place, OFF_PLANE, k);
-            return off_plane.keep(off_plane.abs().ge(L::splat(LEAST_OFF_PLANE)));
-        }
         let at = 4 * self.count + self.mirrored + k;
         let stored = self.place.between(self.a, self.b, at + self.mirrored);
         let image = zero - self.place.between::<L>(self.a, self.b, at);
@@ -392,42 +392,26 @@ impl Rows<'_> {
     }
 }
 
-/// The row of angles out of the plane of incidence.
-const OFF_PLANE: usize = 5;
-
-/// A row of a vector of lobes from the codes of a material, the images of mirrored lobes among them; 0 behind the last.
-#[inline(always)]
-fn coded_row<L: Lanes>(material: MaterialRef<'_>, place: Place, row: usize, k: usize) -> L {
-    let mut rows = [[0.0; WIDEST_PAIR]; 2];
-    decode_row(material, place, row, k, L::COUNT, &mut rows);
-    let [a, b] = [L::load(&rows[0]), L::load(&rows[1])];
-    (b - a).mul_add(L::splat(place.blend), a)
-}
-
-/// The same at the two views: `count` lobes from the `k`-th on.
+/// The bytes of the two views of a material in codes as they are in plain numbers, from as many numbers before each as it has
+/// mirrored lobes.
 #[cold]
 #[inline(never)]
-fn decode_row(
-    material: MaterialRef<'_>,
-    place: Place,
-    row: usize,
-    k: usize,
-    count: usize,
-    rows: &mut [[f32; WIDEST_PAIR]; 2],
-) {
-    let header = material.header;
-    let Some(views) = header.two_views(material.bytes, [place.before, place.after]) else { return };
-    for (i, lobe) in (k..header.lobe_count()).take(count.min(WIDEST_PAIR)).enumerate() {
-        let is_image = lobe >= header.lobes;
-        let stored = if is_image { lobe - header.mirrored } else { lobe };
-        let place =
-            if row == OFF_PLANE { stored.checked_sub(header.lobes - header.mirrored) } else { Some(stored) };
-        // A lobe that stands for itself is in the plane.
-        let Some(place) = place else { continue };
-        let numbers = views.numbers(row, place);
-        let sign = if is_image && row == OFF_PLANE { -1.0 } else { 1.0 };
-        (rows[0][i], rows[1][i]) = (sign * numbers[0], sign * numbers[1]);
+pub(crate) fn decoded(material: MaterialRef<'_>, place: Place) -> [[u8; PADDED]; 2] {
+    let (header, mut rows) = (material.header, [[0; PADDED]; 2]);
+    if let Some(views) = header.two_views(material.bytes, [place.before, place.after]) {
+        let mut at = header.mirrored;
+        for row in 0..6 {
+            let count = if row < 5 { header.lobes } else { header.mirrored };
+            for lobe in 0..count {
+                let numbers = views.numbers(row, lobe);
+                for i in 0..2 {
+                    rows[i][4 * at..4 * at + 4].copy_from_slice(&numbers[i].to_le_bytes());
+                }
+                at += 1;
+            }
+        }
     }
+    rows
 }
 
 /// Bytes of one vector: the angles of views, or the head of one.
