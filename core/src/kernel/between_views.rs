@@ -43,7 +43,9 @@ macro_rules! rows_at {
         let (ahead, reach) = (4 * mirrored, 4 * (4 * count + 2 * mirrored + vectors));
         let has_luminance = header.has_luminance;
         let (a, b): (&[u8], &[u8]) = if header.codes.is_some() {
-            [$copy_a, $copy_b] = rows_of::decoded(material, place);
+            let [before, after] = place.views();
+            $copy_a = rows_of::decoded(material, before);
+            $copy_b = rows_of::decoded(material, after);
             (&$copy_a, &$copy_b)
         } else {
             let [a, b] = place.rows(header);
@@ -88,6 +90,12 @@ impl Place {
         Among { views, onward: self.blend, outward: 0.0 }
     }
 
+    /// The two views.
+    #[inline(always)]
+    pub fn views(self) -> [usize; 2] {
+        [self.before, self.after]
+    }
+
     /// The two views, and the share of the second.
     #[inline(always)]
     pub fn between_views(self) -> Between {
@@ -123,7 +131,7 @@ pub(crate) fn views_passed<L: Lanes>(material: MaterialRef<'_>, theta: f32) -> u
     }
     let last = material.header.views - 1;
     if material.header.codes.is_some() {
-        return (0..last).filter(|view| theta >= material.header.angle(material.bytes, *view)).count();
+        return codes_passed(material, theta);
     }
     let mut passed = 0;
     let mut view = 0;
@@ -135,6 +143,13 @@ pub(crate) fn views_passed<L: Lanes>(material: MaterialRef<'_>, theta: f32) -> u
         view += L::COUNT;
     }
     passed
+}
+
+/// The same of a material in codes.
+#[cold]
+#[inline(never)]
+fn codes_passed(material: MaterialRef<'_>, theta: f32) -> usize {
+    one_lobe::views_passed(material, theta)
 }
 
 /// The same for many angles: lanes are angles.
@@ -392,26 +407,23 @@ impl Rows<'_> {
     }
 }
 
-/// The bytes of the two views of a material in codes as they are in plain numbers, from as many numbers before each as it has
-/// mirrored lobes.
+/// The bytes that a view of a material in codes has in plain numbers; as many numbers go before it as it has mirrored lobes.
 #[cold]
 #[inline(never)]
-pub(crate) fn decoded(material: MaterialRef<'_>, place: Place) -> [[u8; PADDED]; 2] {
-    let (header, mut rows) = (material.header, [[0; PADDED]; 2]);
-    if let Some(views) = header.two_views(material.bytes, [place.before, place.after]) {
+pub(crate) fn decoded(material: MaterialRef<'_>, view: usize) -> [u8; PADDED] {
+    let (header, mut numbers) = (material.header, [0; PADDED]);
+    if let Some(views) = header.two_views(material.bytes, [view, view]) {
         let mut at = header.mirrored;
         for row in 0..6 {
             let count = if row < 5 { header.lobes } else { header.mirrored };
             for lobe in 0..count {
-                let numbers = views.numbers(row, lobe);
-                for i in 0..2 {
-                    rows[i][4 * at..4 * at + 4].copy_from_slice(&numbers[i].to_le_bytes());
-                }
+                let [number, _] = views.numbers(row, lobe);
+                numbers[4 * at..4 * at + 4].copy_from_slice(&number.to_le_bytes());
                 at += 1;
             }
         }
     }
-    rows
+    numbers
 }
 
 /// Bytes of one vector: the angles of views, or the head of one.

@@ -47,7 +47,9 @@ pub(crate) struct Scale {
 }
 
 /// The angle of a view from the normal, radians.
-#[inline(always)]
+#[cfg_attr(feature = "simd", cold)]
+#[cfg_attr(feature = "simd", inline(never))]
+#[cfg_attr(not(feature = "simd"), inline(always))]
 pub(crate) fn angle(bytes: &[u8], view: usize) -> f32 {
     f32::from(u16_at(bytes, angle_offset(view))) * ANGLE_UNIT
 }
