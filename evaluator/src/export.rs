@@ -15,8 +15,8 @@ pub fn can_read(material: &Material<impl AsRef<[u8]>>) -> bool {
     material.bytes().get(8).is_some_and(|version| *version >= 2)
 }
 
-/// The bytes of a material in plain numbers.
-fn plain_bytes(material: &Material<impl AsRef<[u8]>>) -> Cow<'_, [u8]> {
+/// The bytes of a material in plain numbers, which the text reads: its own, or those that its codes unpack to.
+pub fn plain_bytes(material: &Material<impl AsRef<[u8]>>) -> Cow<'_, [u8]> {
     if material.code_bits().is_none() {
         return material.bytes().into();
     }

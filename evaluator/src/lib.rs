@@ -10,6 +10,6 @@ mod language;
 mod rewrite;
 mod wgsl;
 
-pub use export::{can_read, export, json};
+pub use export::{can_read, export, json, plain_bytes};
 pub use language::Language;
 pub use rewrite::text;

@@ -101,14 +101,12 @@ impl<'a> Subject<'a> {
         if !fits_again || PackedForm::of(&self.whole, form.pack) == *form {
             return Ok(cut_off);
         }
-        let (squeezed, mirrored, smoothness) = (None, None, settings.smoothness);
         let factors = form.factors.map_or(FactorNodes::None, FactorNodes::Given);
         let few = Settings {
             lobes: form.lobes,
             views: Some(form.views),
-            squeezed,
-            mirrored,
-            smoothness,
+            squeezed: None,
+            mirrored: None,
             factors,
             ..settings.clone()
         };

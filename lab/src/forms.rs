@@ -111,8 +111,7 @@ fn row(
     bytes: Vec<u8>,
 ) -> anyhow::Result<FormRow> {
     let material = Material::from_bytes(bytes.as_slice())?;
-    let mut plain = vec![0; material.unpacked_len()];
-    material.unpack(&mut plain)?;
+    let plain = srbf_evaluator::plain_bytes(&material).into_owned();
     Ok(FormRow { form, bits, error, cut, is_fitted_again, bytes, plain, nanoseconds: [f64::INFINITY; 3] })
 }
 

@@ -44,17 +44,12 @@ const NODES: [usize; 3] = [12, 6, 3];
 /// Runs the command.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     println!("processor: {}", srbf_core::Processor::this());
-    let folder = argument::data_folder()?.join("rgl");
-    let entries = std::fs::read_dir(&folder).with_context(|| folder.display().to_string())?;
-    let mut files: Vec<_> = entries.map(|e| Ok(e?.path())).collect::<std::io::Result<_>>()?;
-    files.retain(|file| file.extension().is_some_and(|ending| ending == "bsdf"));
-    files.sort();
     let more = if args.without_noise { " luminance, colour | of a fit without noise |" } else { "" };
     println!(
         "| material | odd, % of the squared residual | explained by a signed table, % of it | gain, % |{more}"
     );
     println!("|---|---|---|---|{}", if args.without_noise { "---|---|" } else { "" });
-    for file in files {
+    for file in crate::survey::rgl_files(&argument::data_folder()?)? {
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         if !name.contains(&args.only) {
             continue;

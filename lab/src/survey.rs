@@ -241,12 +241,21 @@ fn judge(fit: &dyn Fitted, table: &Table) -> anyhow::Result<Vec<ViewReport>> {
 
 type Named = (String, anyhow::Result<Content>);
 
-fn materials(data: &Path) -> anyhow::Result<Vec<Named>> {
+/// The tables of RGL in a folder of data, by name.
+///
+/// # Errors
+/// A folder that cannot be read.
+pub fn rgl_files(data: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let folder = data.join("rgl");
     let entries = std::fs::read_dir(&folder).with_context(|| folder.display().to_string())?;
     let mut files: Vec<PathBuf> = entries.map(|e| Ok(e?.path())).collect::<std::io::Result<_>>()?;
     files.retain(|f| f.extension().is_some_and(|e| e == "bsdf"));
     files.sort();
+    Ok(files)
+}
+
+fn materials(data: &Path) -> anyhow::Result<Vec<Named>> {
+    let files = rgl_files(data)?;
     let name = |f: &PathBuf| f.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let mut all: Vec<Named> =
         files.iter().map(|f| (name(f), read(f).map(|s| s.content).map_err(Into::into))).collect();

@@ -50,12 +50,7 @@ const NOISE: f64 = 0.3;
 /// Runs the command.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     println!("processor: {}", srbf_core::Processor::this());
-    let folder = argument::data_folder()?.join("rgl");
-    let entries = std::fs::read_dir(&folder).with_context(|| folder.display().to_string())?;
-    let mut files: Vec<_> = entries.map(|e| Ok(e?.path())).collect::<std::io::Result<_>>()?;
-    files.retain(|file| file.extension().is_some_and(|ending| ending == "bsdf"));
-    files.sort();
-    for file in files {
+    for file in crate::survey::rgl_files(&argument::data_folder()?)? {
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let fit = args.materials.as_ref().map(|folder| folder.join(&name).with_extension("srbf"));
         say(args, &name, fit.as_deref(), || Ok(read(&file)?.content))?;

@@ -3,6 +3,7 @@
 use crate::points::points;
 use serde_json::{Value, json};
 use srbf_core::{Material, printable_lines};
+use srbf_evaluator::plain_bytes;
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::Report;
 use srbf_fit::judge::verdict::Verdict;
@@ -32,7 +33,7 @@ pub fn open(name: &str, bytes: &[u8], progress: impl FnMut(f64) + Send) -> Resul
     if bytes.starts_with(MAGIC) {
         let material = Material::from_bytes(bytes).map_err(|error| format!("{name}: {error}"))?;
         let json = json!({"name": stem(name), "facts": facts(&material), "findings": [], "verdict": [], "data": null});
-        return Ok(Opened { bytes: plain(&material), json });
+        return Ok(Opened { bytes: plain_bytes(&material).into_owned(), json });
     }
     let source = read_from(name, bytes, &Conventions::default()).map_err(|error| error.to_string())?;
     fitted(&source, progress)
@@ -60,12 +61,6 @@ pub fn fitted(source: &Source, progress: impl FnMut(f64) + Send) -> Result<Opene
         "data": points(&source.content),
     });
     Ok(Opened { bytes: fit.bytes, json })
-}
-
-/// The bytes of a material in plain numbers, which the shader reads.
-fn plain(material: &Material<&[u8]>) -> Vec<u8> {
-    let mut plain = vec![0; if material.code_bits().is_some() { material.unpacked_len() } else { 0 }];
-    if plain.is_empty() || material.unpack(&mut plain).is_err() { material.bytes().to_vec() } else { plain }
 }
 
 /// The name of a file without its last ending.

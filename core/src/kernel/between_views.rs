@@ -99,7 +99,7 @@ impl Place {
     /// The two views, and the share of the second.
     #[inline(always)]
     pub fn between_views(self) -> Between {
-        Between { views: [self.before, self.after], blend: self.blend }
+        Between { views: self.views(), blend: self.blend }
     }
 
     /// Byte offsets of the rows of the two views.
@@ -111,7 +111,7 @@ impl Place {
     /// The angle of a stored lobe's axis from the normal, within the plane of incidence.
     pub fn lobe_angle(self, material: MaterialRef<'_>, lobe: usize) -> f32 {
         let (bytes, header) = (material.bytes, material.header);
-        let [a, b] = [self.before, self.after].map(|view| header.number(bytes, view, 0, lobe));
+        let [a, b] = self.views().map(|view| header.number(bytes, view, 0, lobe));
         (b - a).mul_add(self.blend, a)
     }
 
@@ -194,7 +194,7 @@ pub(crate) fn head_numbers<L: Lanes>(material: MaterialRef<'_>, place: Place) ->
         (copy_a, copy_b) = (decoded_head(material, place.before), decoded_head(material, place.after));
         (&copy_a, &copy_b)
     } else {
-        let [a, b] = [place.before, place.after].map(|view| material.header.head(view));
+        let [a, b] = place.views().map(|view| material.header.head(view));
         (&material.bytes[a..a + 4 * HEAD], &material.bytes[b..b + 4 * HEAD])
     };
     for i in 0..HEAD {

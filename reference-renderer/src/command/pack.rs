@@ -8,6 +8,7 @@ use crate::out::progress::Progress;
 use crate::truth::stored::StoredMaterial;
 use anyhow::{bail, ensure};
 use srbf_core::{Material, PackOptions};
+use srbf_evaluator::plain_bytes;
 use srbf_fit::pack::{Packed, PackedForm, Subject, Way, forms};
 use srbf_fit::read::{Content, read_with};
 use srbf_fit::{FactorNodes, Settings, export, fit_content};
@@ -84,8 +85,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         let is_all = args.lobes.is_none() && args.views.is_none() && args.factors.is_none();
         ensure!(is_plain && is_all, "--bits 32: writes plain numbers again, and goes with no other option");
         let material = Material::from_bytes(whole)?;
-        let mut bytes = vec![0; material.unpacked_len()];
-        material.unpack(&mut bytes)?;
+        let bytes = plain_bytes(&material);
         output::write(&output, &bytes)?;
         println!("{}: {} bytes in plain numbers", shown(&output), bytes.len());
         return Ok(());
