@@ -110,7 +110,8 @@ pub fn rgl(bytes: &[u8]) -> bool {
     for _ in 0..6 {
         let [wi, wo] = [above(&mut random), above(&mut random)].map(|d| d.as_dvec3().to_array());
         let value = brdf.f_cos(wi, wo);
-        assert!(value.iter().all(|v| v.is_finite()), "{wi:?}, {wo:?}: f cos {value:?}");
+        let is_right = |v: &f64| v.is_finite() || v.is_nan() && brdf.has_holes();
+        assert!(value.iter().all(is_right), "{wi:?}, {wo:?}: f cos {value:?}");
         let Some(draws) = brdf.draws() else { continue };
         let [wi, wo] = [wi, wo].map(|d| d.map(|v| v as f32));
         let (drawn, with) = draws.draw([random.uniform(), random.uniform()], wo);

@@ -39,6 +39,8 @@ impl Arrays {
     /// The same in f32.
     pub fn to_f32(&self) -> Arrays<f32> {
         let one = |v: f64| v as f32;
+        // As in pictures of other tables: black where nothing was measured.
+        let colour = |v: f64| if v.is_nan() { 0.0 } else { v as f32 };
         let warps = |all: &[Warp]| all.iter().map(|warp| warp.to(one)).collect();
         Arrays {
             phis: self.phis.iter().map(|v| one(*v)).collect(),
@@ -47,7 +49,7 @@ impl Arrays {
             sigma: self.sigma.to(one),
             visible: warps(&self.visible),
             luminance: warps(&self.luminance),
-            rgb: self.rgb.iter().map(|rgb| rgb.each_ref().map(|grid| grid.to(one))).collect(),
+            rgb: self.rgb.iter().map(|rgb| rgb.each_ref().map(|grid| grid.to(colour))).collect(),
             jacobian: self.jacobian,
         }
     }

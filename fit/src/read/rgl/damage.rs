@@ -5,6 +5,7 @@ use super::parse;
 use super::synthetic::{Settings, fields};
 use crate::analytic::ggx::{Facets, Ggx};
 use crate::table::Brdf;
+use crate::table::brdf::Draws;
 
 fn small(settings: Settings) -> Fields {
     let model = Ggx { diffuse: [0.1; 3], alpha: [0.3, 0.5], facets: Facets::Schlick([0.5; 3]) };
@@ -90,6 +91,9 @@ fn colours_of_isotropic_files_may_have_holes() {
     // The first of three slices is that of the outgoing direction along the normal.
     assert!(some.has_holes() && some.measured(up, up) == 0.0 && some.measured(up, grazing) == 1.0);
     assert!(some.samples(500).iter().all(|sample| sample.2.iter().all(|v| v.is_finite())));
+    // Draws, in pictures, see black there.
+    let [u, g] = [up, grazing].map(|d| d.map(|v| v as f32));
+    assert!([u, g].into_iter().all(|wi| some.look_up(wi, u).value.iter().all(|v| v.is_finite())));
     assert!(!holes(0.0).unwrap().has_holes());
     let message = holes(1.0).unwrap_err().to_string();
     assert!(message.contains("no number was measured"), "{message}");
