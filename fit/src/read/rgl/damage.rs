@@ -4,8 +4,7 @@ use super::container::{Field, Fields};
 use super::parse;
 use super::synthetic::{Settings, fields};
 use crate::analytic::ggx::{Facets, Ggx};
-use crate::table::Brdf;
-use crate::table::brdf::Draws;
+use crate::table::{Brdf, Draws};
 
 fn small(settings: Settings) -> Fields {
     let model = Ggx { diffuse: [0.1; 3], alpha: [0.3, 0.5], facets: Facets::Schlick([0.5; 3]) };
