@@ -217,6 +217,8 @@ typedef struct srbf_material_info {
     ///
     /// The luminance of a sample's weight is at most the power of its mixture times this, where no channel of a lobe is negative.
     float largest_factor;
+    /// 1 if nodes along the azimuth are from -1 to 1, so that factors are others where the two directions change places; else 0.
+    uint32_t has_signed_factors;
 } srbf_material_info;
 
 /// An outgoing direction at which a material stores lobes.

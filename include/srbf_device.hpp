@@ -103,7 +103,8 @@ struct SrbfMaterial {       // numbers of the header
     float node_unit;        // unit of a code, before it is squared
     int half_nodes;         // nodes along the half angle, or 0
     int difference_nodes;   // along the difference angle
-    int azimuth_nodes;      // and along the squared cosine of the azimuth
+    int azimuth_nodes;      // and along the squared cosine of the azimuth,
+    bool has_sign;          // which has the sign of the cosine, from -1
 };
 
 struct SrbfLobe { vec3 axis; float sharpness; float y; vec3 colour; float integral; };  // y is its luminance
@@ -160,6 +161,7 @@ SRBF_FN SrbfMaterial srbf_material(const uint32_t *data) {
     m.half_nodes = srbf_int(data, 11) & 65535;
     m.difference_nodes = srbf_int(data, 11) >> 16;
     m.azimuth_nodes = 1;
+    m.has_sign = false;
     if (!is_old) {
         // Blocks follow the lobes: tag, bytes, content. Their end is the checksum, the last word.
         int end = srbf_int(data, 4) / 4 - 1;
@@ -169,6 +171,7 @@ SRBF_FN SrbfMaterial srbf_material(const uint32_t *data) {
         m.half_nodes = nodes & 255;
         m.difference_nodes = (nodes >> 8) & 255;
         m.azimuth_nodes = (nodes >> 16) & 255;
+        m.has_sign = (nodes >> 24) == 1;
         m.differences = at + 3;
         m.node_bits = 8;
         if (m.half_nodes > 0) { m.node_unit = srbf_sqrt(srbf_float(data, m.differences + 3 * m.views)) / 255.0f; }
@@ -382,7 +385,7 @@ SRBF_FN vec3 srbf_plane(const SrbfMaterial &m, int first, float a, float b) {
     return first_row * (1.0f - x) + second_row * x;
 }
 
-// The factor on the lobes, from a table over (1 - h.z)^(1/4), (1 - h.wo)^(1/2) and the squared cosine of the azimuth of wo round h, h the
+// The factor on the lobes, from a table over (1 - h.z)^(1/4), (1 - h.wo)^(1/2) and the squared cosine of the azimuth of wi round h, h the
 // half direction.
 SRBF_FN vec3 srbf_factor(const SrbfMaterial &m, vec3 wo, vec3 wi) {
     if (m.half_nodes == 0) { return vec3(1.0f, 1.0f, 1.0f); }
@@ -394,7 +397,9 @@ SRBF_FN vec3 srbf_factor(const SrbfMaterial &m, vec3 wo, vec3 wi) {
     float a = srbf_sqrt(srbf_sqrt(across / srbf_max(n2 + srbf_max(s.z, 0.0f) * n, 1e-30f))) * float(m.half_nodes - 1);
     float b = srbf_sqrt(srbf_dot(d, d) / (4.0f + 2.0f * n)) * float(m.difference_nodes - 1);
     if (m.azimuth_nodes == 1) { return srbf_plane(m, 0, a, b); }
-    float c = srbf_min(d.z * d.z * n2 / srbf_max(srbf_dot(d, d) * across, 1e-30f), 1.0f) * float(m.azimuth_nodes - 1);
+    float c = srbf_min(d.z * d.z * n2 / srbf_max(srbf_dot(d, d) * across, 1e-30f), 1.0f);
+    if (m.has_sign) { c = (d.z < 0.0f ? 0.5f - 0.5f * c : 0.5f + 0.5f * c); }
+    c = c * float(m.azimuth_nodes - 1);
     int k = srbf_min(int(c), m.azimuth_nodes - 2);
     float z = c - float(k);
     int size = m.half_nodes * m.difference_nodes;

@@ -174,8 +174,14 @@ fn factored_bytes() -> Vec<u8> {
     };
     let factors: Vec<[f32; 3]> = (0..half * difference * azimuth).map(factor).collect();
     let albedo_differences = vec![[-0.1; 3]; views.len()];
-    let factors =
-        FactorTable { half, difference, azimuth, factors: &factors, albedo_differences: &albedo_differences };
+    let factors = FactorTable {
+        half,
+        difference,
+        azimuth,
+        is_signed: false,
+        factors: &factors,
+        albedo_differences: &albedo_differences,
+    };
     let line = Line {
         views: &views,
         squeezed: material.squeezed_count(),

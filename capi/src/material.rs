@@ -135,6 +135,8 @@ pub struct srbf_material_info {
     ///
     /// The luminance of a sample's weight is at most the power of its mixture times this, where no channel of a lobe is negative.
     pub largest_factor: f32,
+    /// 1 if nodes along the azimuth are from -1 to 1, so that factors are others where the two directions change places; else 0.
+    pub has_signed_factors: u32,
 }
 
 /// An outgoing direction at which a material stores lobes.
@@ -226,6 +228,7 @@ pub unsafe extern "C" fn srbf_material_query(
             provenance_length: provenance.len(),
             factor_nodes: material.factor_nodes().unwrap_or([0; 3]),
             largest_factor: material.largest_factor(),
+            has_signed_factors: u32::from(material.has_signed_factors()),
         });
         Ok(())
     })

@@ -127,11 +127,12 @@ pub fn json(material: &Material<impl AsRef<[u8]>>) -> String {
         .map(|node| numbers(&node))
         .collect();
     format!(
-        "{{\n  \"is_isotropic\": {},\n  \"squeezed\": {},\n  \"mirrored\": {},\n  \"provenance\": {},\n  \"factor_nodes\": [{half}, {difference}, {azimuth}],\n  \"factors\": [{}],\n  \"views\": [\n{}\n  ]\n}}\n",
+        "{{\n  \"is_isotropic\": {},\n  \"squeezed\": {},\n  \"mirrored\": {},\n  \"provenance\": {},\n  \"factor_nodes\": [{half}, {difference}, {azimuth}],\n  \"has_signed_factors\": {},\n  \"factors\": [{}],\n  \"views\": [\n{}\n  ]\n}}\n",
         material.is_isotropic(),
         material.squeezed_count(),
         material.mirrored_count(),
         quoted(material.provenance()),
+        material.has_signed_factors(),
         nodes.join(", "),
         views.join(",\n")
     )

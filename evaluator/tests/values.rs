@@ -82,8 +82,8 @@ fn brushed() -> Vec<u8> {
     bytes
 }
 
-/// Mirrored lobes, and factors that depend on the azimuth, an odd number of them.
-fn factored() -> Vec<u8> {
+/// Mirrored lobes, and factors that depend on the azimuth, an odd number of them, with its sign or without.
+fn factored(is_signed: bool) -> Vec<u8> {
     let thetas = [0.0, 0.4, 0.9, 1.4];
     let lobes = thetas.map(|theta| {
         [0, 1, 2, 3].map(|k| PlaneLobe {
@@ -110,8 +110,14 @@ fn factored() -> Vec<u8> {
     };
     let factors: Vec<[f32; 3]> = (0..half * difference * azimuth).map(factor).collect();
     let albedo_differences = [[-0.25, 0.5, -0.125], [-0.25, 0.5, 0.25], [0.1, 0.2, 0.3], [0.0, 0.1, 0.2]];
-    let factors =
-        FactorTable { half, difference, azimuth, factors: &factors, albedo_differences: &albedo_differences };
+    let factors = FactorTable {
+        half,
+        difference,
+        azimuth,
+        is_signed,
+        factors: &factors,
+        albedo_differences: &albedo_differences,
+    };
     let line = Line { views: &views, squeezed: 2, mirrored: 1, factors: Some(factors) };
     let mut bytes = vec![0; line.encoded_len("made by tests")];
     let written = line.encode("made by tests", &mut bytes).expect("the material is valid");
@@ -247,7 +253,7 @@ fn cpp_and_metal_say_what_the_library_says() {
         .filter(|p| p.extension().is_some_and(|e| e == "srbf"))
         .collect();
     assert!(materials.len() >= 3);
-    for (name, bytes) in [("brushed", brushed()), ("factored", factored())] {
+    for (name, bytes) in [("brushed", brushed()), ("factored", factored(false)), ("signed", factored(true))] {
         let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.srbf"));
         std::fs::write(&path, bytes).expect("the target folder can be written");
         materials.push(path);
@@ -300,7 +306,7 @@ fn the_lines_of_the_page_run() {
 #[test]
 fn words_that_are_no_material_are_refused() {
     let program = compile(Language::Cuda, &[]);
-    let bytes = factored();
+    let bytes = factored(true);
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("broken.srbf");
     let table = bytes.windows(4).position(|w| w == b"FACT").expect("there are factors");
     let with = |offset: usize, value: u8| {

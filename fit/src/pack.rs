@@ -101,7 +101,11 @@ impl<'a> Subject<'a> {
         if !fits_again || PackedForm::of(&self.whole, form.pack) == *form {
             return Ok(cut_off);
         }
-        let factors = form.factors.map_or(FactorNodes::None, FactorNodes::Given);
+        let factors = match form.factors {
+            None => FactorNodes::None,
+            Some(nodes) if nodes[2] > 1 && self.whole.has_signed_factors() => FactorNodes::Signed(nodes),
+            Some(nodes) => FactorNodes::Given(nodes),
+        };
         let few = Settings {
             lobes: form.lobes,
             views: Some(form.views),

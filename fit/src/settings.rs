@@ -68,6 +68,8 @@ pub enum FactorNodes {
     Chosen,
     /// By a table with these numbers of nodes over half angle, difference angle and azimuth.
     Given([usize; 3]),
+    /// By such a table whose nodes over the azimuth know which direction is the higher one. It has the part that is not reciprocal.
+    Signed([usize; 3]),
 }
 
 /// Views of an isotropic material.
@@ -134,14 +136,15 @@ impl Settings {
         range("starts", (1..=1000).contains(&self.starts), "from 1 to 1000")?;
         range("steps", (1..=100_000).contains(&self.steps), "from 1 to 100000")?;
         range("exchanges", self.exchanges <= 1000, "at most 1000")?;
-        if let FactorNodes::Given(nodes) = self.factors {
+        if let FactorNodes::Given(nodes) | FactorNodes::Signed(nodes) = self.factors {
             let [half, difference, azimuth] = nodes;
+            let least = if matches!(self.factors, FactorNodes::Signed(_)) { 2 } else { 1 };
             let is_there =
-                [half, difference].iter().all(|n| (2..=32).contains(n)) && (1..=8).contains(&azimuth);
+                [half, difference].iter().all(|n| (2..=32).contains(n)) && (least..=8).contains(&azimuth);
             range(
                 "factors",
                 is_there,
-                "from 2 to 32 nodes along either angle, and 1 to 8 along the azimuth",
+                "from 2 to 32 nodes along either angle, and 1 to 8 along the azimuth, 2 to 8 if it is signed",
             )?;
         }
         range("views", self.views.is_none_or(|n| (2..=256).contains(&n)), "from 2 to 256")
@@ -156,7 +159,7 @@ impl Settings {
         range("views", self.views.is_none(), reason)?;
         range("mirrored", self.mirrored.is_none(), reason)?;
         range("exchanges", self.exchanges == Self::default().exchanges, reason)?;
-        range("factors", !matches!(self.factors, FactorNodes::Given(_)), reason)
+        range("factors", !matches!(self.factors, FactorNodes::Given(_) | FactorNodes::Signed(_)), reason)
     }
 
     /// Views of an isotropic material before few lobes, or mirrored pairs of them, get more.
@@ -218,6 +221,7 @@ impl Settings {
                 FactorNodes::None => serde_json::json!("none"),
                 FactorNodes::Chosen => serde_json::json!("chosen"),
                 FactorNodes::Given(size) => serde_json::json!(size),
+                FactorNodes::Signed(size) => serde_json::json!({ "signed": size }),
             },
             "view_angles_degrees": self.view_angles.as_ref().map(degrees),
         })

@@ -166,6 +166,7 @@ def _traced_class(mi):
             nodes = np.zeros((*self.nodes_shape, 4), np.float32)
             nodes[..., :3] = a["factors"]
             self.nodes = Float(nodes.ravel()) if nodes.size else None
+            self.has_sign = material.has_signed_factors
 
         def traverse(self, callback):
             callback.put("tint", self.tint, mi.ParamFlags.Differentiable)
@@ -340,7 +341,10 @@ def _traced_class(mi):
             if azimuths == 1:
                 found = plane(first)
             else:
-                c = dr.minimum(d.z * d.z * n2 / dr.maximum(d2 * across, 1e-30), 1) * (azimuths - 1)
+                c = dr.minimum(d.z * d.z * n2 / dr.maximum(d2 * across, 1e-30), 1)
+                if self.has_sign:
+                    c = dr.fma(dr.mulsign(c, d.z), 0.5, 0.5)
+                c *= azimuths - 1
                 k = dr.clip(UInt32(c), 0, azimuths - 2)
                 size = halves * differences
                 found = dr.lerp(plane(first + k * size), plane(first + (k + 1) * size), c - k)

@@ -118,7 +118,10 @@ impl Material {
         let kind = if self.material.is_isotropic() { "isotropic" } else { "anisotropic" };
         let factors = match self.material.factor_nodes() {
             Some([half, difference, 1]) => format!(", {half} x {difference} factors"),
-            Some([half, difference, azimuth]) => format!(", {half} x {difference} x {azimuth} factors"),
+            Some([half, difference, azimuth]) => {
+                let signed = if self.material.has_signed_factors() { " signed" } else { "" };
+                format!(", {half} x {difference} x {azimuth}{signed} factors")
+            }
             None => String::new(),
         };
         format!(
@@ -145,6 +148,12 @@ impl Material {
     #[getter]
     fn is_isotropic(&self) -> bool {
         self.material.is_isotropic()
+    }
+
+    /// Whether factors are others where the two directions change places.
+    #[getter]
+    fn has_signed_factors(&self) -> bool {
+        self.material.has_signed_factors()
     }
 
     /// Where it comes from, as its maker wrote it.

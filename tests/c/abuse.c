@@ -128,7 +128,7 @@ static void test_materials(const char *path) {
     CHECK_POINTER(float, rgb, srbf_material_factor(material, UP, UP, p));
     /* This one has none. */
     CHECK_OK(srbf_material_query(material, &info));
-    CHECK(info.factor_nodes[0] == 0 && info.factor_nodes[1] == 0 && info.factor_nodes[2] == 0 && info.largest_factor == 1);
+    CHECK(info.factor_nodes[0] == 0 && info.factor_nodes[1] == 0 && info.factor_nodes[2] == 0 && info.largest_factor == 1 && info.has_signed_factors == 0);
     CHECK_OBJECT(srbf_material, material, srbf_material_factor_node(p, 0, 0, 0, rgb));
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_factor_node(material, 0, 0, 0, NULL));
     CHECK_STATUS(SRBF_STATUS_INDEX, srbf_material_factor_node(material, 0, 0, 0, rgb));

@@ -17,6 +17,7 @@ static void test_queries(const srbf_material *material) {
     CHECK_OK(srbf_material_query(material, &info));
     const size_t half = info.factor_nodes[0], difference = info.factor_nodes[1], azimuth = info.factor_nodes[2];
     CHECK(half == HALVES && difference == DIFFERENCES && azimuth == AZIMUTHS && info.largest_factor == 2);
+    CHECK(info.has_signed_factors == 1);
     for (size_t n = 0; n < half * difference * azimuth; n++) {
         const size_t i = n / azimuth / difference, j = n / azimuth % difference, k = n % azimuth;
         CHECK_OK(srbf_material_factor_node(material, i, j, k, factor));

@@ -88,7 +88,7 @@ SIZE(srbf_materials, 2 * P);
 OFFSET(srbf_materials, first, 0);
 OFFSET(srbf_materials, stride, P);
 
-SIZE(srbf_material_info, 12 * P);
+SIZE(srbf_material_info, (11 * P + 8 + P - 1) / P * P);
 OFFSET(srbf_material_info, views, 0);
 OFFSET(srbf_material_info, lobes, P);
 OFFSET(srbf_material_info, squeezed_lobes, 2 * P);
@@ -99,6 +99,7 @@ OFFSET(srbf_material_info, provenance, 6 * P);
 OFFSET(srbf_material_info, provenance_length, 7 * P);
 OFFSET(srbf_material_info, factor_nodes, 8 * P);
 OFFSET(srbf_material_info, largest_factor, 11 * P);
+OFFSET(srbf_material_info, has_signed_factors, 11 * P + 4);
 
 SIZE(srbf_mixture_info, (3 * P + 40 + P - 1) / P * P);
 OFFSET(srbf_mixture_info, lobes, 0);

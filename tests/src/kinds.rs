@@ -139,6 +139,7 @@ impl Kind {
             half: NODES,
             difference: NODES,
             azimuth: 3,
+            is_signed: true,
             factors: &factors,
             albedo_differences: &albedo_differences,
         };

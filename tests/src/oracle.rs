@@ -64,10 +64,10 @@ pub fn color(luminance: f64, [rho, beta]: [f64; 2]) -> DVec3 {
 }
 
 /// Factor for a pair of directions above the horizon, of `nodes` evenly spaced nodes from 0 to 1 along the roots of the half angle and of
-/// the difference angle, and along the squared cosine of the azimuth of wo round the half direction from the normal. The directions are
+/// the difference angle, and along the squared cosine of the azimuth of wi round the half direction from the normal. The directions are
 /// taken as they are, rounded to f32.
 pub fn factor(
-    [half, difference, azimuth]: [usize; 3],
+    ([half, difference, azimuth], is_signed): ([usize; 3], bool),
     node: impl Fn(usize, usize, usize) -> DVec3,
     wo: DVec3,
     wi: DVec3,
@@ -92,7 +92,8 @@ pub fn factor(
     // Both wo and the normal without their parts along the half direction; where one is 0, all azimuths have the same nodes.
     let (h, apart) = (sum.normalize(), wi - wo);
     let cosine = apart.normalize_or_zero().z / h.x.hypot(h.y).max(1e-300);
-    let (k, c) = place((cosine * cosine).min(1.0), azimuth);
+    let square = (cosine * cosine).min(1.0);
+    let (k, c) = place(if is_signed { 0.5 + (0.5 * square).copysign(apart.z) } else { square }, azimuth);
     plane(k) * (1.0 - c) + plane(k + 1) * c
 }
 

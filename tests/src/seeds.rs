@@ -28,8 +28,14 @@ pub fn factored() -> Vec<u8> {
     let factors: Vec<[f32; 3]> = plane.clone().chain(plane).collect();
     let albedo_differences = [[0.5, -0.2, 1.0]; 2];
     let (half, difference, azimuth) = (4, 3, 2);
-    let table =
-        FactorTable { half, difference, azimuth, factors: &factors, albedo_differences: &albedo_differences };
+    let table = FactorTable {
+        half,
+        difference,
+        azimuth,
+        is_signed: false,
+        factors: &factors,
+        albedo_differences: &albedo_differences,
+    };
     let line = Line { views: &[view(0), view(1)], squeezed: 1, mirrored: 0, factors: Some(table) };
     encoded(line.encoded_len(SEED), |out| line.encode(SEED, out))
 }
@@ -145,6 +151,7 @@ struct Table {
     half: usize,
     difference: usize,
     azimuth: usize,
+    is_signed: bool,
     factors: Vec<[f32; 3]>,
     albedo_differences: Vec<[f32; 3]>,
 }
@@ -157,16 +164,17 @@ impl Table {
         }
         let [half, difference] = [(); 2].map(|()| [2, 3, 32][random.below(3)]);
         let azimuth = [1, 2, 8][random.below(3)];
+        let is_signed = azimuth > 1 && random.below(2) == 0;
         let mut three = |low, high| [(); 3].map(|()| random.end(low, high));
         let mut factors: Vec<[f32; 3]> = (0..azimuth * half * difference).map(|_| three(0.0, 8.07)).collect();
         same_without_azimuth(&mut factors, half, difference);
         let albedo_differences = (0..views).map(|_| three(-16.0, 16.0)).collect();
-        Some(Self { half, difference, azimuth, factors, albedo_differences })
+        Some(Self { half, difference, azimuth, is_signed, factors, albedo_differences })
     }
 
     fn borrow(&self) -> FactorTable<'_> {
-        let Self { half, difference, azimuth, ref factors, ref albedo_differences } = *self;
-        FactorTable { half, difference, azimuth, factors, albedo_differences }
+        let Self { half, difference, azimuth, is_signed, ref factors, ref albedo_differences } = *self;
+        FactorTable { half, difference, azimuth, is_signed, factors, albedo_differences }
     }
 }
 

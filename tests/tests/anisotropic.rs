@@ -206,6 +206,7 @@ fn factors_of_a_grid_multiply_values_and_albedo_differences_are_interpolated_alo
         half: 5,
         difference: 4,
         azimuth: 1,
+        is_signed: false,
         factors: &factors,
         albedo_differences: &differences,
     };
@@ -222,8 +223,8 @@ fn factors_of_a_grid_multiply_values_and_albedo_differences_are_interpolated_alo
         let wi = wi.with_z(wi.z.abs());
         let (m, lobes) = (prepare(&material, wo), prepare(&bare, wo));
         let node = |i, j, k| Vec3::from_array(material.factor_node(i, j, k).unwrap()).as_dvec3();
-        let want =
-            oracle::factor([5, 4, 1], node, wo.as_dvec3(), wi.as_dvec3()) * lobes.evaluate(wi).as_dvec3();
+        let want = oracle::factor(([5, 4, 1], false), node, wo.as_dvec3(), wi.as_dvec3())
+            * lobes.evaluate(wi).as_dvec3();
         let (got, scale) = (m.evaluate(wi), f64::from(6.0 * lobes.evaluate(wi).abs().max_element()));
         assert!((got.as_dvec3() - want).abs().max_element() <= 6e-6 * scale, "{wo} {wi}: {got}, {want}");
         assert_eq!(m.pdf(wi), lobes.pdf(wi));

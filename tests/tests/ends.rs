@@ -219,6 +219,7 @@ fn an_outgoing_direction_that_is_none_gives_0_whatever_the_incident_one_is() {
         half: 4,
         difference: 3,
         azimuth: 1,
+        is_signed: false,
         factors: &factors,
         albedo_differences: &albedo_differences,
     };

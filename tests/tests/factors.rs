@@ -20,6 +20,7 @@ const PROVENANCE: &str = "test, made by tests/factors.rs";
 struct Made {
     lobes: Vec<Vec<PlaneLobe>>,
     nodes: [usize; 3],
+    is_signed: bool,
     factors: Vec<[f32; 3]>,
     albedo_differences: Vec<[f32; 3]>,
 }
@@ -39,12 +40,14 @@ impl Made {
         let mut factors: Vec<[f32; 3]> = (0..count).map(|_| random.three().map(|x| 8.0 * x)).collect();
         same_without_azimuth(&mut factors, nodes[0], nodes[1]);
         let albedo_differences = THETAS.map(|_| [0, 1, 2].map(|_| random.between(-1.0, 2.0))).into();
-        Self { lobes, nodes, factors, albedo_differences }
+        Self { lobes, nodes, is_signed: false, factors, albedo_differences }
     }
 
     fn table(&self) -> FactorTable<'_> {
-        let Self { nodes: [half, difference, azimuth], ref factors, ref albedo_differences, .. } = *self;
-        FactorTable { half, difference, azimuth, factors, albedo_differences }
+        let Self {
+            nodes: [half, difference, azimuth], is_signed, ref factors, ref albedo_differences, ..
+        } = *self;
+        FactorTable { half, difference, azimuth, is_signed, factors, albedo_differences }
     }
 
     fn try_encode(&self, factors: Option<FactorTable<'_>>) -> Result<Vec<u8>, FormatError> {
@@ -71,7 +74,12 @@ impl Made {
 /// A factor from the nodes that a material gives, in f64.
 fn truth(material: &Material<impl AsRef<[u8]>>, wo: Vec3, wi: Vec3) -> DVec3 {
     let node = |i, j, k| Vec3::from_array(material.factor_node(i, j, k).unwrap()).as_dvec3();
-    oracle::factor(material.factor_nodes().unwrap(), node, wo.as_dvec3(), wi.as_dvec3())
+    oracle::factor(
+        (material.factor_nodes().unwrap(), material.has_signed_factors()),
+        node,
+        wo.as_dvec3(),
+        wi.as_dvec3(),
+    )
 }
 
 fn at(theta: f32, phi: f32) -> Vec3 {
@@ -107,14 +115,16 @@ fn pairs(random: &mut Random) -> Vec<[Vec3; 2]> {
 
 #[test]
 fn what_was_written_is_read() {
-    for nodes in [[2, 2, 1], [7, 3, 2], [32, 32, 3], [5, 9, 8]] {
-        let made = Made::new(1, nodes);
+    for (nodes, is_signed) in [([2, 2, 1], false), ([7, 3, 2], true), ([32, 32, 3], false), ([5, 9, 8], true)]
+    {
+        let made = Made { is_signed, ..Made::new(1, nodes) };
         let count = nodes.iter().product::<usize>();
         let [bytes, plain] = made.encode();
         assert_eq!(bytes.len(), plain.len() + 8 + (4 + 4 * (9 + 1) + 3 * count).next_multiple_of(4));
         let (material, plain) =
             (Material::from_bytes(&bytes).unwrap(), Material::from_bytes(&plain).unwrap());
         assert_eq!((material.factor_nodes(), plain.factor_nodes()), (Some(nodes), None));
+        assert_eq!((material.has_signed_factors(), plain.has_signed_factors()), (is_signed, false));
         assert_eq!((material.factor_len(), plain.factor_len()), (4 * (9 + 1) + 3 * count, 0));
         assert_eq!((material.provenance(), plain.provenance()), (PROVENANCE, PROVENANCE));
         let largest = made.factors.iter().flatten().fold(0f32, |a, b| a.max(*b));
@@ -139,19 +149,32 @@ fn what_was_written_is_read() {
 }
 
 #[test]
-fn factors_are_those_of_the_definition_and_symmetric() {
+fn factors_are_those_of_the_definition_and_symmetric_without_a_sign() {
     let mut worst = 0f64;
-    for (seed, nodes) in [(2, [32, 32, 1]), (3, [2, 2, 1]), (4, [9, 24, 5]), (5, [32, 32, 8])] {
-        let [bytes, _] = Made::new(seed, nodes).encode();
+    let tables = [
+        (2, [32, 32, 1], false),
+        (3, [2, 2, 1], false),
+        (4, [9, 24, 5], false),
+        (5, [32, 32, 8], false),
+        (6, [9, 24, 5], true),
+        (7, [32, 32, 8], true),
+        (8, [4, 6, 2], true),
+    ];
+    for (seed, nodes, is_signed) in tables {
+        let [bytes, _] = Made { is_signed, ..Made::new(seed, nodes) }.encode();
         let material = Material::from_bytes(&bytes).unwrap();
         let largest = f64::from(material.largest_factor());
+        let mut apart = 0f64;
         for [wo, wi] in pairs(&mut Random(5)) {
             let got = material.factor(wo, wi);
             let error = (got.as_dvec3() - truth(&material, wo, wi)).abs().max_element() / largest;
             assert!(error < FACTOR, "{nodes:?}, wo {wo}, wi {wi}: {got}, off by {error:e}");
-            assert!((got - material.factor(wi, wo)).abs().max_element() < 2e-5 * largest as f32);
+            let exchanged = material.factor(wi, wo);
+            apart = apart.max(f64::from((got - exchanged).abs().max_element()) / largest);
+            assert!(is_signed || (got - exchanged).abs().max_element() < 2e-5 * largest as f32, "{wo} {wi}");
             worst = worst.max(error);
         }
+        assert_eq!(apart > 0.1, is_signed, "{nodes:?}: {apart}");
         // Opposite at the horizon there is no half direction.
         let got = material.factor(Vec3::X, -Vec3::X);
         assert!(got.min_element() >= 0.0 && got.max_element() <= 1.00001 * largest as f32, "{got}");
@@ -346,6 +369,10 @@ fn what_has_no_place_in_a_table_is_refused_with_its_name() {
     for azimuth in [0, 9, usize::MAX] {
         assert!(refused(FactorTable { azimuth, ..table }).contains("size of the table"), "{azimuth}");
     }
+    assert!(
+        refused(FactorTable { azimuth: 1, is_signed: true, factors: &made.factors[..30], ..table })
+            .contains("sign of one")
+    );
     assert!(refused(FactorTable { half: 6, ..table }).contains("number of factors"));
     // At h = z and at wi = wo there is no azimuth.
     for n in [30, 35, 30 + 4 * 6] {
@@ -404,7 +431,9 @@ fn hostile_bytes_are_refused_with_the_place() {
     }
     // Sizes that other bytes of the file do not fit.
     assert_eq!(refused(block + 8, [6, 6, 2, 0]), field("length of the block of factors", block + 4));
-    assert_eq!(refused(block + 8, [5, 6, 2, 1]), field("head of the table of factors", block + 8));
+    for head in [[5, 6, 2, 2], [5, 12, 1, 1], [5, 6, 2, 255]] {
+        assert_eq!(refused(block + 8, head), field("head of the table of factors", block + 8), "{head:?}");
+    }
     for largest in [-0.1, 8.1, f32::NAN, f32::INFINITY] {
         assert_eq!(refused(nodes - 4, f32::to_le_bytes(largest)), field("largest factor", nodes - 4));
     }

@@ -157,6 +157,7 @@ const ORACLES: &[(&str, &str)] = &[
     ("Material::factor_len", "tests/factors.rs"),
     ("Material::factor_node", "tests/factors.rs"),
     ("Material::factor_nodes", "tests/factors.rs"),
+    ("Material::has_signed_factors", "tests/factors.rs"),
     ("Material::largest_factor", "tests/factors.rs"),
     ("Material::view_albedo_difference", "tests/factors.rs"),
     ("Mixture::factor_bytes", "tests/factors.rs"),

@@ -134,7 +134,14 @@ fn with_factors(random: &mut Random, views: usize, run: impl FnOnce(FactorTable)
     let mut factors: Vec<[f32; 3]> = (0..105).map(|_| [(); 3].map(|()| random.between(0.3, 2.0))).collect();
     same_without_azimuth(&mut factors, half, difference);
     let albedo_differences = vec![[0.0; 3]; views];
-    run(FactorTable { half, difference, azimuth, factors: &factors, albedo_differences: &albedo_differences })
+    run(FactorTable {
+        half,
+        difference,
+        azimuth,
+        is_signed: false,
+        factors: &factors,
+        albedo_differences: &albedo_differences,
+    })
 }
 
 /// An isotropic material of three views.

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use srbf_core::{Material, printable_lines};
 use srbf_evaluator::plain_bytes;
 use srbf_fit::judge::reciprocity::reciprocity;
-use srbf_fit::judge::report::Report;
+use srbf_fit::judge::report::{Report, factor_words};
 use srbf_fit::judge::verdict::Verdict;
 use srbf_fit::look::Look;
 use srbf_fit::read::{Conventions, Source, read_from};
@@ -80,9 +80,7 @@ fn findings(report: &Report) -> Vec<String> {
 /// Properties of a material: label and text.
 fn facts(material: &Material<&[u8]>) -> Vec<[String; 2]> {
     let fact = |label: &str, text: String| [label.to_owned(), text];
-    let [half, difference, azimuth] = material.factor_nodes().unwrap_or_default();
-    let factors =
-        if half == 0 { "none".to_owned() } else { format!("{half} x {difference} x {azimuth} nodes") };
+    let factors = factor_words(material).unwrap_or_else(|| "none".to_owned());
     let kind = if material.is_isotropic() { "isotropic" } else { "anisotropic" };
     vec![
         fact("size", format!("{} bytes", material.bytes().len())),

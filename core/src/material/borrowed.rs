@@ -195,6 +195,11 @@ impl<B: AsRef<[u8]>> Material<B> {
         self.header.has_factors().then(|| self.header.factors.map(usize::from))
     }
 
+    /// Whether factors depend on which of the two directions is the higher one: whether the table's nodes along the azimuth know its sign.
+    pub fn has_signed_factors(&self) -> bool {
+        self.header.has_signed_factors
+    }
+
     /// What no factor exceeds but for rounding: the largest of any node and channel; 1 without a table.
     ///
     /// The luminance of a sample's weight is at most the power of its mixture times this, where no channel of

@@ -4,7 +4,7 @@ use super::checksum::crc32;
 use super::codes::{SCALE, Scale};
 use super::factor_table::FactorTable;
 use super::format_error::{FORMAT_VERSION, FormatError};
-use super::layout::{BLOCK_HEAD, FACT, HEADER, Header, Kind, LOBE, MAGIC, MIRRORED, Shape, TABLE_HEAD, TEXT};
+use super::layout::{BLOCK_HEAD, FACT, HEADER, Header, Kind, LOBE, MAGIC, MIRRORED, Shape, TEXT};
 use super::validate::validate;
 use super::views::{Grid, Line};
 
@@ -23,6 +23,7 @@ impl Line<'_> {
             mirrored: self.mirrored,
             provenance: provenance.len(),
             factors: FactorTable::shape(self.factors.as_ref()),
+            has_signed_factors: self.factors.is_some_and(|table| table.is_signed),
             ..Header::EMPTY
         };
         header.placed()
@@ -144,7 +145,7 @@ impl<'a> Writer<'a> {
     /// Writes the block of factors.
     pub(super) fn factors(&mut self, table: &FactorTable<'_>) {
         let largest = table.largest();
-        let start = self.begin_factors(FactorTable::shape(Some(table)));
+        let start = self.begin_factors(FactorTable::shape(Some(table)), table.is_signed);
         table.albedo_differences.iter().flatten().for_each(|n| self.number(*n));
         self.number(largest);
         table.factors.iter().for_each(|f| self.put(&FactorTable::node(f, largest)));
@@ -152,10 +153,10 @@ impl<'a> Writer<'a> {
     }
 
     /// Begins the block of factors; returns where its content starts.
-    pub(super) fn begin_factors(&mut self, shape: [u8; 3]) -> usize {
+    pub(super) fn begin_factors(&mut self, shape: [u8; 3], is_signed: bool) -> usize {
         let start = self.begin(FACT);
         self.put(&shape);
-        self.put(&[0; TABLE_HEAD - 3]);
+        self.put(&[u8::from(is_signed)]);
         start
     }
 
@@ -183,6 +184,7 @@ impl Grid<'_> {
             squeezed: self.squeezed,
             provenance: provenance.len(),
             factors: FactorTable::shape(self.factors.as_ref()),
+            has_signed_factors: self.factors.is_some_and(|table| table.is_signed),
             ..Header::EMPTY
         };
         header.placed()

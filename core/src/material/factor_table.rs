@@ -60,7 +60,7 @@ pub(crate) fn largest_2(node: u32) -> f32 {
 /// let none = [0.0; 2];
 /// let view = View { theta: 0.0, log2_squeeze: 0.0, log2_diffuse: -126.0, diffuse_color_differences: none, lobes: &lobes };
 /// // Twice as bright everywhere: the albedo differs by as much as there was.
-/// let factors = FactorTable { half: 2, difference: 2, azimuth: 1, factors: &[[2.0; 3]; 4], albedo_differences: &[[1.0; 3]] };
+/// let factors = FactorTable { half: 2, difference: 2, azimuth: 1, is_signed: false, factors: &[[2.0; 3]; 4], albedo_differences: &[[1.0; 3]] };
 /// let line = Line { views: &[view], squeezed: 0, mirrored: 0, factors: Some(factors) };
 /// let mut bytes = vec![0; line.encoded_len("")];
 /// line.encode("", &mut bytes)?;
@@ -77,6 +77,9 @@ pub struct FactorTable<'a> {
     pub difference: usize,
     /// Nodes along the azimuth, in `cos^2 phi`; 1 to 8, 1 where the factors do not depend on it.
     pub azimuth: usize,
+    /// Whether they are in `cos phi |cos phi|`, from -1 to 1: the factors of two directions that change places are two then. The
+    /// cosine is positive where the incident direction is the higher one.
+    pub is_signed: bool,
     /// Factors, linear sRGB, [azimuth * half * difference], those of one azimuth together, and in them those of one
     /// half angle; [0, 8.08]. Their roots are rounded to 1/255 of the largest one. Where a half angle or a difference
     /// angle is 0 there is no azimuth: there the factors of all have to be the same.
@@ -95,10 +98,13 @@ impl FactorTable<'_> {
 
     /// Refuses factors that have no place in a file; `offset` is that of the block.
     pub(crate) fn check(&self, views: usize, offset: usize) -> Result<(), FormatError> {
-        let Self { half, difference, azimuth, factors, albedo_differences } = *self;
+        let Self { half, difference, azimuth, is_signed, factors, albedo_differences } = *self;
         let field = |name| Err(FormatError::Field { name, offset });
         if ![half, difference].iter().all(|n| SIZES.contains(n)) || !AZIMUTHS.contains(&azimuth) {
             return field("size of the table of factors");
+        }
+        if is_signed && azimuth == 1 {
+            return field("sign of one azimuth");
         }
         if factors.len() != azimuth * half * difference {
             return field("number of factors");

@@ -80,7 +80,7 @@
 //!     u8        nodes along the half angle H, 2 to 32
 //!     u8        nodes along the difference angle D, 2 to 32
 //!     u8        nodes along the azimuth P, 1 to 8
-//!     u8        0
+//!     u8        0, or 1 if the azimuth has its sign: then its nodes are at the same steps from -1 to 1
 //!     V differences of the albedo with factors from the lobes' own A, in red, green and blue, over the luminance
 //!       of A, each 3 f32; between views interpolated like the lobes
 //!     f32       factor of the code 255, which no factor exceeds
@@ -155,6 +155,8 @@ pub(crate) struct Header {
     pub has_luminance: bool,
     /// Nodes of the table of factors along half angle, difference angle and azimuth; all 0 without one.
     pub factors: [u8; 3],
+    /// Whether nodes along the azimuth know its sign.
+    pub has_signed_factors: bool,
     /// Bits of a channel of a node: 8, in version 2 10.
     pub bits: u8,
     /// Byte offset of the albedo differences, behind which the table stands.
@@ -183,6 +185,7 @@ impl Header {
         provenance: 0,
         has_luminance: true,
         factors: [0; 3],
+        has_signed_factors: false,
         bits: 8,
         table: 0,
     };

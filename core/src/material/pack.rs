@@ -126,7 +126,7 @@ impl<B: AsRef<[u8]>> Material<B> {
         writer.end(HEADER);
         let is_grey = codes.is_some_and(|codes| codes.is_grey);
         if self.factor_nodes().is_some() {
-            let start = writer.begin_factors(to.factors);
+            let start = writer.begin_factors(to.factors, to.has_signed_factors);
             let grey = |rgb: [f32; 3]| if is_grey { [luminance(rgb); 3] } else { rgb };
             let differences = (0..to.views).filter_map(|view| self.view_albedo_difference(view)).map(grey);
             differences.flatten().for_each(|n| writer.number(n));

@@ -170,11 +170,12 @@ fn read_blocks(bytes: &[u8], mut header: Header) -> Result<Header, FormatError> 
             FACT if header.has_factors() => return field("tag of a block (a second table of factors)", at),
             FACT => {
                 let table = u32_at(bytes, start).to_le_bytes();
-                if length < TABLE_HEAD || table[3] != 0 {
+                if length < TABLE_HEAD || table[3] > 1 || table[3] == 1 && table[2] < 2 {
                     return field("head of the table of factors", start);
                 }
                 let shape = [table[0], table[1], table[2]].map(usize::from);
                 (header.factors, header.table) = (table_shape(shape, start)?, start + TABLE_HEAD);
+                header.has_signed_factors = table[3] == 1;
                 if start + length != header.nodes_end() {
                     return field("length of the block of factors", at + 4);
                 }

@@ -10,10 +10,11 @@
 //! ```text
 //! a = (1 - h.z)^(1/4)      nearly the root of the half angle: dense where highlights are
 //! b = (1 - h.wo)^(1/2)     nearly the difference angle
-//! c = cos^2 phi            of the azimuth of wo round h, from the normal: 1 in the plane of incidence
+//! c = cos^2 phi            of the azimuth of wi round h, from the normal: 1 in the plane of incidence
 //! ```
 //!
-//! all in [0, 1] for directions of one hemisphere, and the same where the two are exchanged. In forms that do not cancel:
+//! all in [0, 1] for directions of one hemisphere, and the same where the two are exchanged. A signed table has
+//! `cos phi |cos phi|` for c, in [-1, 1], which changes its sign there. It has the part that is not reciprocal. In forms that do not cancel:
 //! `1 - h.z = (s.x^2 + s.y^2) / (|s|^2 + s.z |s|)`, and `1 - h.wo = |d|^2 / (4 + 2 |s|)`, as `h.wo = |s| / 2` for
 //! unit vectors. As d is perpendicular to h, the azimuth is that of d. With the normal's part perpendicular to h, of length
 //! `(s.x^2 + s.y^2)^(1/2) / |s|`, it is `c = d.z^2 |s|^2 / (|d|^2 (s.x^2 + s.y^2))`.
@@ -37,6 +38,8 @@ pub(crate) struct Nodes<'m> {
     codes: &'m [u8],
     /// Nodes along a, b and c.
     shape: [u8; 3],
+    /// Whether c has its sign.
+    is_signed: bool,
     /// Bits of a channel.
     bits: u8,
     /// The unit of the square of a code.
@@ -71,7 +74,7 @@ impl Among {
 
 impl<'m> Nodes<'m> {
     /// None: every factor is 1.
-    pub const NONE: Self = Self { codes: &[], shape: [0; 3], bits: 8, scale: 0.0 };
+    pub const NONE: Self = Self { codes: &[], shape: [0; 3], is_signed: false, bits: 8, scale: 0.0 };
 
     /// Those of a material, or none.
     #[inline(always)]
@@ -84,7 +87,13 @@ impl<'m> Nodes<'m> {
         // Two nodes are read as eight bytes, of which the last may lie behind them: there is a checksum at least.
         let end = header.nodes_end() + 8 - 2 * header.node_len();
         let scale = scale(header.bits, f32_at(material.bytes, start - 4));
-        Self { codes: part(material.bytes, start..end), shape: header.factors, bits: header.bits, scale }
+        Self {
+            codes: part(material.bytes, start..end),
+            shape: header.factors,
+            is_signed: header.has_signed_factors,
+            bits: header.bits,
+            scale,
+        }
     }
 
     #[inline(always)]
@@ -104,7 +113,7 @@ impl<'m> Nodes<'m> {
         self.codes
     }
 
-    /// The factor of one pair of unit vectors above the horizon, which may be exchanged; linear sRGB. In scalars: the result
+    /// The factor of one pair of unit vectors above the horizon; linear sRGB. In scalars: the result
     /// equals that of one lane of a vector, but for rounding. There has to be a table.
     #[inline(always)]
     pub fn towards<L: Lanes>(&self, wo: [f32; 3], wi: [f32; 3]) -> Vec3 {
@@ -128,6 +137,8 @@ impl<'m> Nodes<'m> {
     #[inline(always)]
     pub fn places<L: Lanes>(&self, [a, b, c]: [L; 3]) -> [L; 3] {
         let [half, difference, azimuth] = self.last();
+        let (zero, one) = (L::splat(0.0), L::splat(1.0));
+        let c = if self.is_signed { (c + one).max(zero) * L::splat(0.5) } else { c.abs() };
         let [a, b, c] = [a.sqrt().sqrt() * half, b.sqrt() * difference, c * azimuth];
         [a.min(half), b.min(difference), c.min(azimuth)]
     }
@@ -226,8 +237,8 @@ impl<'m> Factors<'m> {
     }
 }
 
-/// `1 - h.z`, `1 - h.wo` and the squared cosine of the azimuth of pairs of an outgoing and an incident direction, the
-/// last if it is asked for; anything for a vector that is no unit vector.
+/// The variables of pairs of an outgoing and an incident direction: `1 - h.z`, `1 - h.wo` and `cos phi |cos phi|`, the last if it is
+/// asked for. Anything for a vector that is no unit vector.
 #[inline(always)]
 pub(crate) fn variables<L: Lanes>(wo: [L; 3], wi: [L; 3], has_azimuth: bool) -> [L; 3] {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
@@ -245,7 +256,7 @@ pub(crate) fn variables<L: Lanes>(wo: [L; 3], wi: [L; 3], has_azimuth: bool) -> 
     let mut azimuth = zero;
     if has_azimuth {
         // Where the divisor is as small there is no azimuth.
-        azimuth = apart[2] * apart[2] * squared / (distance * across).max(L::splat(1e-30));
+        azimuth = apart[2] * apart[2].abs() * squared / (distance * across).max(L::splat(1e-30));
     }
     [across * (b_divisor * inverse), distance * (a_divisor * inverse), azimuth]
 }
@@ -263,9 +274,10 @@ impl<B: AsRef<[u8]>> Material<B> {
     /// The factor on the value of the lobes for an outgoing and an incident direction, unit vectors
     /// above the horizon; linear sRGB, 1 without a table.
     ///
-    /// The two may be exchanged. The half direction is `h = (wi + wo) / |wi + wo|`. The factor is linear between nodes in
-    /// `(1 - h.z)^(1/4)`, `(1 - h.wo)^(1/2)` and the squared cosine of the azimuth of wo round h from the normal. Each goes
-    /// from 0 at the first node to 1 at the last. Accuracy: 6e-6 of the largest factor.
+    /// The half direction is `h = (wi + wo) / |wi + wo|`. The factor is linear between nodes in `(1 - h.z)^(1/4)`,
+    /// `(1 - h.wo)^(1/2)` and the squared cosine of the azimuth of wi round h from the normal. Each goes from 0 at the
+    /// first node to 1 at the last, and the two directions may be exchanged. In a signed table
+    /// ([`has_signed_factors`](Self::has_signed_factors)) the last has the sign of the cosine, and goes from -1. Accuracy: 6e-6 of the largest factor.
     pub fn factor(&self, wo: impl Into<Vec3>, wi: impl Into<Vec3>) -> Vec3 {
         let (wo, wi): (Vec3, Vec3) = (wo.into(), wi.into());
         let nodes = Nodes::new(self.borrowed());

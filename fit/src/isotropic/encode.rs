@@ -1,7 +1,7 @@
 //! From fitted unknowns to `.srbf` bytes.
 
 use crate::FitError;
-use crate::isotropic::factors::Factors;
+use crate::isotropic::factors::{Factors, Size};
 use crate::isotropic::model::parameters::Layout;
 use crate::isotropic::tuning::encode::{FACTORED_LOOKS, LOOKS, MOST, MOST_DIFFERENCE};
 use crate::isotropic::tuning::factors::AVERAGED_TO_STORE;
@@ -21,11 +21,10 @@ pub(crate) fn views_of_equal_size(layout: &Layout, lobes: usize) -> usize {
 }
 
 /// Bytes of a layout with a table of factors, without provenance.
-pub(crate) fn len(layout: &Layout, factors: Option<[usize; 3]>) -> usize {
+pub(crate) fn len(layout: &Layout, factors: Option<Size>) -> usize {
     // The head of the block, that of the table, the largest factor and the albedo differences; then the nodes.
-    let table = factors.map_or(0, |size| {
-        (8 + 4 + 4 + 12 * layout.view_angles.len() + 3 * size.iter().product::<usize>()).next_multiple_of(4)
-    });
+    let table = factors
+        .map_or(0, |size| (8 + 4 + 4 + 12 * layout.view_angles.len() + 3 * size.count()).next_multiple_of(4));
     encoded_len(layout.view_angles.len(), layout.lobes, layout.mirrored, "") + table
 }
 
@@ -90,9 +89,10 @@ pub(crate) fn encode(
     let albedo_differences = factors.map(|_| albedo_differences(&albedos)).unwrap_or_default();
     let nodes = factors.map(Factors::nodes).unwrap_or_default();
     let table = factors.map(|f| FactorTable {
-        half: f.size()[0],
-        difference: f.size()[1],
-        azimuth: f.size()[2],
+        half: f.size().nodes[0],
+        difference: f.size().nodes[1],
+        azimuth: f.size().nodes[2],
+        is_signed: f.size().is_signed,
         factors: &nodes,
         albedo_differences: &albedo_differences,
     });

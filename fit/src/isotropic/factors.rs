@@ -5,12 +5,14 @@
 //! rest. With the lobes as they are, the best table is a linear problem.
 
 mod problem;
+pub(crate) mod size;
 
 use crate::isotropic::model::parameters::Layout;
 use crate::isotropic::tuning::factors::{MORE_NODES, NODES};
 use crate::numeric::GOLDEN_ANGLE;
 use problem::Problem;
 use rayon::prelude::*;
+pub(crate) use size::Size;
 use std::f64::consts::TAU;
 
 /// Code of the largest factor of a table: factors are stored as the squares of codes.
@@ -19,7 +21,7 @@ const MOST_CODE: f64 = 255.0;
 /// The table.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Factors {
-    size: [usize; 3],
+    size: Size,
     /// Linear sRGB, the difference angle fastest, then the half angle.
     nodes: Vec<[f64; 3]>,
 }
@@ -50,14 +52,21 @@ pub(crate) struct Demand {
 }
 
 /// The node of the same factor that has the least number: where half angle or difference angle are 0 there is no azimuth.
-fn node([half, difference, _]: [usize; 3], [i, j, k]: [usize; 3]) -> usize {
+fn node(size: Size, [i, j, k]: [usize; 3]) -> usize {
+    let [half, difference, _] = size.nodes;
     let plane = if i == 0 || j == 0 { 0 } else { k };
     (plane * half + i) * difference + j
 }
 
+/// The node that stands for the one of a number.
+fn own(size: Size, n: usize) -> usize {
+    let [half, difference, _] = size.nodes;
+    node(size, [n / difference % half, n % difference, n / (half * difference)])
+}
+
 /// Place of two directions among the nodes. These are even in the fourth root of `1 - cos` of the half angle and in the square
-/// root of that of the difference angle; also in the squared cosine of the azimuth; as `srbf_core` has it.
-fn place(size: [usize; 3], wi: [f64; 3], wo: [f64; 3]) -> NodeShares {
+/// root of that of the difference angle; also in the squared cosine of the azimuth, with its sign or without; as `srbf_core` has it.
+fn place(size: Size, wi: [f64; 3], wo: [f64; 3]) -> NodeShares {
     let s = [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]];
     let d = [wi[0] - wo[0], wi[1] - wo[1], wi[2] - wo[2]];
     let across = s[0] * s[0] + s[1] * s[1];
@@ -66,15 +75,16 @@ fn place(size: [usize; 3], wi: [f64; 3], wo: [f64; 3]) -> NodeShares {
     let a = across / square / (1.0 + s[2] / length);
     let b = 1.0 - (0.5 * length).min(1.0);
     let distance = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    let c = d[2] * d[2] * square / (distance * across).max(1e-30);
+    let c = d[2] * d[2].abs() * square / (distance * across).max(1e-30);
+    let c = if size.is_signed { 0.5 + 0.5 * c } else { c.abs() };
     let at = |v: f64, count: usize| {
         let x = v.clamp(0.0, 1.0) * (count - 1) as f64;
         let i = (x as usize).min(count.saturating_sub(2));
         (i, x - i as f64)
     };
-    let (i, x) = at(libm::sqrt(libm::sqrt(a)), size[0]);
-    let (j, y) = at(libm::sqrt(b), size[1]);
-    let (k, z) = at(c, size[2]);
+    let (i, x) = at(libm::sqrt(libm::sqrt(a)), size.nodes[0]);
+    let (j, y) = at(libm::sqrt(b), size.nodes[1]);
+    let (k, z) = at(c, size.nodes[2]);
     let shares = std::array::from_fn(|corner| {
         let share = |axis: usize, share: f64| if corner >> axis & 1 == 1 { share } else { 1.0 - share };
         share(0, x) * share(1, y) * share(2, z)
@@ -83,16 +93,16 @@ fn place(size: [usize; 3], wi: [f64; 3], wo: [f64; 3]) -> NodeShares {
 }
 
 /// The nodes at the corners of a cell.
-fn corners(size: [usize; 3], [i, j, k]: [usize; 3]) -> [usize; CORNERS] {
+fn corners(size: Size, [i, j, k]: [usize; 3]) -> [usize; CORNERS] {
     std::array::from_fn(|corner| {
         let [x_on, y_on, z_on] = [corner & 1, corner >> 1 & 1, corner >> 2];
-        node(size, [i + x_on, j + y_on, (k + z_on).min(size[2] - 1)])
+        node(size, [i + x_on, j + y_on, (k + z_on).min(size.nodes[2] - 1)])
     })
 }
 
 impl Factors {
-    /// Nodes over half angle, difference angle and azimuth.
-    pub fn size(&self) -> [usize; 3] {
+    /// The size of the table.
+    pub fn size(&self) -> Size {
         self.size
     }
 
@@ -152,10 +162,9 @@ impl Factors {
     }
 
     /// The best factors for the demands, rounded as they are stored.
-    pub fn fit(size: [usize; 3], demands: &[Demand]) -> Self {
+    pub fn fit(size: Size, demands: &[Demand]) -> Self {
         let solved = Problem::new(size, demands).solve();
-        let own = |n: usize| node(size, [n / size[1] % size[0], n % size[1], n / (size[0] * size[1])]);
-        let nodes = (0..solved.len()).map(|n| solved[own(n)]).collect();
+        let nodes = (0..solved.len()).map(|n| solved[own(size, n)]).collect();
         let mut factors = Self { size, nodes };
         factors.round();
         factors
@@ -179,8 +188,8 @@ impl Factors {
 
     /// The smallest table that is worth its bytes for the demands: one with more nodes has to leave less of the error, the more
     /// nodes it has.
-    pub fn worthwhile(sizes: &[[usize; 3]], demands: &[Demand]) -> Option<Self> {
-        let fit = |size: &[usize; 3]| {
+    pub fn worthwhile(sizes: &[Size], demands: &[Demand]) -> Option<Self> {
+        let fit = |size: &Size| {
             let factors = Self::fit(*size, demands);
             (factors.cost(demands), factors)
         };
@@ -242,7 +251,7 @@ mod tests {
                 [1.0 + 0.5 * libm::sin(4.0 * half), 1.0 + 0.3 * difference + 0.3 * share, 0.5 + 0.5 * share]
             };
             let demands = demands(truth);
-            let factors = Factors::fit(size, &demands);
+            let factors = Factors::fit(Size::reciprocal(size), &demands);
             for d in &demands {
                 let found = factors.at(d.wi, d.wo);
                 for c in 0..3 {
@@ -277,18 +286,17 @@ mod tests {
             [1.0, 1.0 + 0.4 * libm::sin(9.0 * half) + 0.5 * azimuth * difference, 1.0]
         });
         demands.iter_mut().for_each(|d| d.by_energy = [1e-3; 3]);
-        let size = [8, 4, 2];
+        let size = Size::reciprocal([8, 4, 2]);
         let problem = Problem::new(size, &demands);
         let solved = problem.solve();
-        let own = |n: usize| node(size, [n / size[1] % size[0], n % size[1], n / (size[0] * size[1])]);
-        let factors = Factors { size, nodes: (0..solved.len()).map(|n| solved[own(n)]).collect() };
+        let factors = Factors { size, nodes: (0..solved.len()).map(|n| solved[own(size, n)]).collect() };
         let least = whole(&factors, &demands);
         assert!(least < 0.5 * whole(&Factors::fit(size, &[]), &demands));
-        for n in (0..solved.len()).filter(|&n| own(n) == n) {
+        for n in (0..solved.len()).filter(|&n| own(size, n) == n) {
             // Within the bounds.
             for by in [-0.01, 0.01].into_iter().filter(|by| factors.nodes[n][1] + by >= 0.0) {
                 let mut moved = factors.clone();
-                (0..solved.len()).filter(|&m| own(m) == n).for_each(|m| moved.nodes[m][1] += by);
+                (0..solved.len()).filter(|&m| own(size, m) == n).for_each(|m| moved.nodes[m][1] += by);
                 let sum = whole(&moved, &demands);
                 assert!(sum > least * (1.0 - 1e-5), "{n} {by}: {sum} {least}");
             }
@@ -297,7 +305,7 @@ mod tests {
 
     #[test]
     fn where_there_are_no_data_the_factor_is_one() {
-        let factors = Factors::fit([16, 6, 3], &[]);
+        let factors = Factors::fit(Size::reciprocal([16, 6, 3]), &[]);
         // As they are stored, in f32: the solution is 1 but for the rounding of its sums.
         assert!(factors.nodes().iter().flatten().all(|f| *f == 1.0));
     }
@@ -305,7 +313,7 @@ mod tests {
     #[test]
     fn the_mean_of_a_diffuse_term_is_by_the_cosine() {
         let layout = Layout::new(1, 0, 0, vec![0.0]);
-        let mut factors = Factors::fit([16, 6, 3], &[]);
+        let mut factors = Factors::fit(Size::reciprocal([16, 6, 3]), &[]);
         let q = vec![0.0; layout.stride()];
         assert!(factors.means(&layout, &q, 0.5, AVERAGED).iter().flatten().all(|m| (m - 1.0).abs() < 1e-9));
         factors.nodes.iter_mut().for_each(|n| n[1] = 3.0);

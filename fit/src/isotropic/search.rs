@@ -15,12 +15,12 @@ use crate::clock::Clock;
 use crate::isotropic::balance;
 use crate::isotropic::effort::Effort;
 use crate::isotropic::encode;
-use crate::isotropic::factors::Factors;
+use crate::isotropic::factors::{Factors, Size};
 use crate::isotropic::model::parameters::Layout;
 use crate::isotropic::objective::Emphasis;
 use crate::isotropic::search::candidates::{Work, scout};
 use crate::isotropic::search::finalist::{Finalist, refine, reports};
-use crate::isotropic::tuning::factors::{SIZES, TURNS};
+use crate::isotropic::tuning::factors::TURNS;
 use crate::isotropic::tuning::schedule::HEAVY_TAIL;
 use crate::isotropic::tuning::search::{MORE_ENERGY, MORE_TAIL, MOST_BYTES, MOST_ENERGY};
 use crate::judge::report::{Fit, Report};
@@ -184,10 +184,11 @@ impl<'a> Problem<'a> {
         if let (None, Some(theta)) = (&self.settings.view_angles, self.source.next_to_normal()) {
             moved.add_view(theta);
         }
-        let (sizes, is_given): (&[[usize; 3]], bool) = match &self.settings.factors {
-            FactorNodes::None => (&[], false),
-            FactorNodes::Chosen => (SIZES[..].get(..moved.sizes_within(MOST_BYTES)).unwrap_or(&[]), false),
-            FactorNodes::Given(size) => (std::slice::from_ref(size), true),
+        let (sizes, is_given) = match self.settings.factors {
+            FactorNodes::None => (Vec::new(), false),
+            FactorNodes::Chosen => (moved.sizes_within(MOST_BYTES), false),
+            FactorNodes::Given(nodes) => (vec![Size::reciprocal(nodes)], true),
+            FactorNodes::Signed(nodes) => (vec![Size::signed(nodes)], true),
         };
         let rounds = self.source.effort().factor_rounds;
         let Some(stage) = self.stages(LAST).pop() else { return Ok(best) };
@@ -198,7 +199,7 @@ impl<'a> Problem<'a> {
             let emphasis =
                 if moved.factors.is_some() && moved.is_near_largest_weight() { FACTORED } else { LAST };
             moved.resample_for_last_stage(self.source)?;
-            self.take_turns(&mut moved, sizes, (emphasis, &stage), work)?;
+            self.take_turns(&mut moved, &sizes, (emphasis, &stage), work)?;
             moved.resample(self.source, Resampling::Judging)?;
             if with.as_ref().is_none_or(|with| moved.rank() < with.rank()) {
                 with = Some(moved.clone());
@@ -217,7 +218,7 @@ impl<'a> Problem<'a> {
     fn take_turns(
         &self,
         finalist: &mut Finalist<'a>,
-        sizes: &[[usize; 3]],
+        sizes: &[Size],
         (emphasis, stage): (Emphasis, &Stage),
         work: &mut Work<'_>,
     ) -> Result<(), FitError> {

@@ -245,8 +245,17 @@ pub(crate) mod encode {
 
 /// Factors on lobes.
 pub(crate) mod factors {
+    use crate::isotropic::factors::size::Size;
+
     /// Nodes over half angle, difference angle and azimuth of the tables that are tried, smallest first.
-    pub const SIZES: [[usize; 3]; 4] = [[16, 6, 1], [16, 6, 3], [24, 6, 3], [24, 8, 4]];
+    pub const SIZES: [Size; 6] = [
+        Size::reciprocal([16, 6, 1]),
+        Size::reciprocal([16, 6, 3]),
+        Size::reciprocal([24, 6, 3]),
+        Size::signed([16, 6, 5]),
+        Size::signed([24, 6, 5]),
+        Size::reciprocal([24, 8, 4]),
+    ];
     /// Largest factor.
     pub const LARGEST: f64 = 8.0;
     /// Weight of squared second differences over that of squared errors: without data a factor continues its neighbours.

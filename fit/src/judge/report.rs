@@ -247,6 +247,13 @@ impl Report {
     }
 }
 
+/// The nodes of a table of factors in words, `24 x 6 x 5 nodes, signed`; `None` without one.
+pub fn factor_words(material: &Material<impl AsRef<[u8]>>) -> Option<String> {
+    let [half, difference, azimuth] = material.factor_nodes()?;
+    let sign = if material.has_signed_factors() { ", signed" } else { "" };
+    Some(format!("{half} x {difference} x {azimuth} nodes{sign}"))
+}
+
 /// Bytes that a material has for its table of factors, the albedo differences of the views included; 0 if it has none.
 pub fn factor_bytes(material: &Material<impl AsRef<[u8]>>) -> usize {
     material.factor_len()

@@ -117,6 +117,6 @@ impl Report {
 /// The table of factors of a material; null if it has none.
 fn factors_json(material: &Material<impl AsRef<[u8]>>) -> Value {
     material.factor_nodes().map_or(Value::Null, |nodes| {
-        json!({"nodes": nodes, "largest": material.largest_factor(), "bytes": factor_bytes(material)})
+        json!({"nodes": nodes, "signed": material.has_signed_factors(), "largest": material.largest_factor(), "bytes": factor_bytes(material)})
     })
 }

@@ -57,6 +57,7 @@ pub(super) fn cut(material: &Material<Vec<u8>>, form: &PackedForm) -> Result<Mat
         half,
         difference,
         azimuth,
+        is_signed: material.has_signed_factors() && azimuth > 1,
         factors: &factors,
         albedo_differences: &albedo_differences,
     });
@@ -172,7 +173,9 @@ fn missed(views: &[Stored], from: usize, view: usize, to: usize) -> f64 {
 fn resampled(material: &Material<Vec<u8>>, nodes: [usize; 3]) -> Vec<[f32; 3]> {
     let from = material.factor_nodes().unwrap_or([1; 3]);
     let place = |axis: usize, node: usize| {
-        let place = node as f32 * (from[axis] - 1) as f32 / (nodes[axis] - 1).max(1) as f32;
+        // A signed azimuth has its middle where the other begins.
+        let begin = if axis == 2 && nodes[2] == 1 && material.has_signed_factors() { 0.5 } else { 0.0 };
+        let place = (begin + node as f32 / (nodes[axis] - 1).max(1) as f32) * (from[axis] - 1) as f32;
         let before = (place as usize).min(from[axis].saturating_sub(2));
         (before, place - before as f32)
     };

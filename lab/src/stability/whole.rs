@@ -86,8 +86,14 @@ fn bytes(decade: i32, has_factors: bool) -> Vec<u8> {
     let nodes: Vec<[f32; 3]> = (0..half * difference * azimuth)
         .map(|n| [factor(n / difference % half, n % difference, n / (half * difference)); 3])
         .collect();
-    let table =
-        FactorTable { half, difference, azimuth, factors: &nodes, albedo_differences: &[[0.0; 3]; 4] };
+    let table = FactorTable {
+        half,
+        difference,
+        azimuth,
+        is_signed: false,
+        factors: &nodes,
+        albedo_differences: &[[0.0; 3]; 4],
+    };
     let line = Line { views: &views, squeezed: 1, mirrored: 0, factors: has_factors.then_some(table) };
     let mut bytes = vec![0; line.encoded_len("")];
     line.encode("", &mut bytes).expect("numbers in range");
@@ -179,7 +185,7 @@ fn row(way: Way, decade: i32, draws: u32, random: &mut Random) -> Decade {
                 // As it is stored, in 8 bits.
                 let stored = |i, j, k| material.factor_node(i, j, k).expect("a node of the table");
                 let node = |i, j, k| Vec3::from(stored(i, j, k)).as_dvec3();
-                oracle::factor(NODES, node, wo.as_dvec3(), wi).x
+                oracle::factor((NODES, false), node, wo.as_dvec3(), wi).x
             }
             _ => 1.0,
         };

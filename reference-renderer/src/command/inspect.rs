@@ -4,7 +4,7 @@ use crate::truth::AnyMixture;
 use crate::truth::stored::StoredMaterial;
 use glam::Vec3;
 use srbf_core::{MAX_LOBES, Material, printable};
-use srbf_fit::judge::report::factor_bytes;
+use srbf_fit::judge::report::{factor_bytes, factor_words};
 
 /// Prints the content of a .srbf material.
 ///
@@ -34,9 +34,9 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         material.squeezed_count(),
         2 * material.mirrored_count()
     );
-    if let Some([half, difference, azimuth]) = material.factor_nodes() {
+    if let Some(nodes) = factor_words(&material) {
         println!(
-            "factors     {half} x {difference} x {azimuth} nodes over half angle, difference angle and azimuth, largest {:.3}, {} bytes",
+            "factors     {nodes}, over half angle, difference angle and azimuth, largest {:.3}, {} bytes",
             material.largest_factor(),
             factor_bytes(material)
         );

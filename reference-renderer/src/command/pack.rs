@@ -166,7 +166,7 @@ fn form(args: &Args, material: &Material<Vec<u8>>, pack: PackOptions) -> PackedF
         factors: match args.factors {
             None | Some(FactorNodes::Chosen) => whole.factors,
             Some(FactorNodes::None) => None,
-            Some(FactorNodes::Given(nodes)) => Some(nodes),
+            Some(FactorNodes::Given(nodes) | FactorNodes::Signed(nodes)) => Some(nodes),
         },
         pack,
     }

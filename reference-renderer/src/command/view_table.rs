@@ -4,7 +4,7 @@ use srbf_core::Material;
 use srbf_fit::complete::held_out::HeldOut;
 use srbf_fit::complete::{CompletionReport, Outlier};
 use srbf_fit::judge::reciprocity::Reciprocity;
-use srbf_fit::judge::report::{Report, ViewReport, factor_bytes};
+use srbf_fit::judge::report::{Report, ViewReport, factor_bytes, factor_words};
 use srbf_fit::judge::verdict::{Spread, Summary, Verdict};
 
 const COLUMNS: [(&str, usize, usize); 7] = [
@@ -195,9 +195,9 @@ fn print_data(report: &Report) {
 
 /// Prints the table of factors, if there is one.
 pub fn print_factors(material: &Material<impl AsRef<[u8]>>) {
-    if let Some([half, difference, azimuth]) = material.factor_nodes() {
+    if let Some(nodes) = factor_words(material) {
         println!(
-            "factors: {half} x {difference} x {azimuth} nodes, largest {:.2}, {} of {} bytes",
+            "factors: {nodes}, largest {:.2}, {} of {} bytes",
             material.largest_factor(),
             factor_bytes(material),
             material.bytes().len()

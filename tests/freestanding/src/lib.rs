@@ -65,7 +65,7 @@ fn check() -> Result<(), i32> {
     };
     let mut bytes = [0; 512];
     // Factors of 1, 2 by 2 of them.
-    let factors = FactorTable { half: 2, difference: 2, azimuth: 1, factors: &[[1.0; 3]; 4], albedo_differences: &[[0.2; 3]; 2] };
+    let factors = FactorTable { half: 2, difference: 2, azimuth: 1, is_signed: false, factors: &[[1.0; 3]; 4], albedo_differences: &[[0.2; 3]; 2] };
     let line = Line { views: &[view(0.0), view(1.0)], squeezed: 0, mirrored: 0, factors: Some(factors) };
     let length = line.encode("", &mut bytes).map_err(|_| 16)?;
     let material = Material::from_bytes(&bytes[..length]).map_err(|_| 17)?;

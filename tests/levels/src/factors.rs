@@ -19,7 +19,9 @@ fn truth(material: &Material<impl AsRef<[u8]>>, wo: Vec3, wi: Vec3) -> [f64; 3] 
     let a = libm::pow((x * x + y * y) / (length * (length + z)), 0.25) * (half - 1) as f64;
     let (x, y, z) = (ix - ox, iy - oy, iz - oz);
     let b = libm::sqrt((x * x + y * y + z * z) / (4.0 + 2.0 * length)) * (difference - 1) as f64;
-    let c = (z * z / ((x * x + y * y + z * z) * across).max(1e-300)).min(1.0) * (azimuth - 1) as f64;
+    let c = (z * z / ((x * x + y * y + z * z) * across).max(1e-300)).min(1.0);
+    let c =
+        if material.has_signed_factors() { 0.5 + (0.5 * c).copysign(z) } else { c } * (azimuth - 1) as f64;
     let (i, j) = ((a as usize).min(half - 2), (b as usize).min(difference - 2));
     let k = (c as usize).min(azimuth.saturating_sub(2));
     let (a, b, c) = (a - i as f64, b - j as f64, c - k as f64);
@@ -54,10 +56,10 @@ fn see(
     }
 }
 
-/// Batches, samples and single calls of mixtures, and pairs; of a table over three variables, and over two.
+/// Batches, samples and single calls of mixtures, and pairs; of a table over three variables, of a signed one, and of one over two.
 pub fn check(random: &mut Random, found: &mut Findings) {
-    let [bytes, flat, bare] = inputs::factored(random);
-    for bytes in [&bytes, &flat] {
+    let [bytes, signed, flat, bare] = inputs::factored(random);
+    for bytes in [&bytes, &signed, &flat] {
         check_material(bytes, &bare, random, found);
     }
 }

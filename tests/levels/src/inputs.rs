@@ -69,8 +69,8 @@ pub fn material(random: &mut Random, mirrored: usize) -> Vec<u8> {
     made(random, mirrored, &[None]).remove(0)
 }
 
-/// Such a material with a table of factors, with one over half and difference angle alone, and without.
-pub fn factored(random: &mut Random) -> [Vec<u8>; 3] {
+/// Such a material with a table of factors, with a signed one, with one over half and difference angle alone, and without.
+pub fn factored(random: &mut Random) -> [Vec<u8>; 4] {
     let (half, difference, azimuth) = (32, 19, 5);
     let mut factors: Vec<[f32; 3]> =
         (0..azimuth * half * difference).map(|_| [0.0; 3].map(|_: f32| 8.0 * random.next())).collect();
@@ -81,10 +81,12 @@ pub fn factored(random: &mut Random) -> [Vec<u8>; 3] {
         }
     }
     let albedo_differences = &[[-0.5; 3]; 9];
-    let table = FactorTable { half, difference, azimuth, factors: &factors, albedo_differences };
+    let table =
+        FactorTable { half, difference, azimuth, is_signed: false, factors: &factors, albedo_differences };
+    let signed = FactorTable { is_signed: true, ..table };
     let flat = FactorTable { azimuth: 1, factors: &factors[..half * difference], ..table };
-    let all = made(random, 1, &[Some(table), Some(flat), None]);
-    all.try_into().expect("three of them")
+    let all = made(random, 1, &[Some(table), Some(signed), Some(flat), None]);
+    all.try_into().expect("four of them")
 }
 
 /// Materials that are the same but for their factors.

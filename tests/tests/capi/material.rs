@@ -56,8 +56,14 @@ fn factored_bytes() -> Vec<u8> {
     };
     let factors: Vec<[f32; 3]> = (0..azimuth * half * difference).map(factor).collect();
     let albedo_differences = [[-0.25, 0.5, -0.125], [-0.25, 0.5, 0.25]];
-    let factors =
-        FactorTable { half, difference, azimuth, factors: &factors, albedo_differences: &albedo_differences };
+    let factors = FactorTable {
+        half,
+        difference,
+        azimuth,
+        is_signed: true,
+        factors: &factors,
+        albedo_differences: &albedo_differences,
+    };
     let line = Line { views: &views, squeezed: 1, mirrored: 0, factors: Some(factors) };
     // Eight letters leave the numbers where a program may read them as such.
     let mut bytes = vec![0; line.encoded_len("by tests")];

@@ -4,7 +4,7 @@
 //! neighbours of its node. The squared error of an albedo couples all nodes, but is a square of one sum for each view. These
 //! sums are kept as they are, and the solver carries them along.
 
-use super::{CORNERS, Demand, NodeShares, corners, node, place};
+use super::{CORNERS, Demand, NodeShares, Size, corners, node, place};
 use crate::isotropic::tuning::factors::{LARGEST, PULL, SMOOTH, SWEEPS};
 use rayon::prelude::*;
 
@@ -49,8 +49,8 @@ pub(super) struct Problem {
 
 impl Problem {
     /// Of a table of that size.
-    pub fn new(size: [usize; 3], demands: &[Demand]) -> Self {
-        let count = size.iter().product();
+    pub fn new(size: Size, demands: &[Demand]) -> Self {
+        let count = size.count();
         let mut problem =
             Self { rows: vec![Vec::new(); count], moments: vec![[0.0; 3]; count], albedos: Vec::new() };
         problem.add_smoothness(size);
@@ -58,13 +58,13 @@ impl Problem {
         problem
     }
 
-    fn add_smoothness(&mut self, size: [usize; 3]) {
-        let [half, difference, azimuth] = size;
+    fn add_smoothness(&mut self, size: Size) {
+        let [half, difference, azimuth] = size.nodes;
         for n in 0..self.rows.len() {
             let at = [n / difference % half, n % difference, n / (half * difference)];
             self.add_row(&[(node(size, at), 1.0)], PULL / azimuth as f64, 1.0);
             for along in 0..3 {
-                if at[along] > 0 && at[along] + 1 < size[along] {
+                if at[along] > 0 && at[along] + 1 < size.nodes[along] {
                     let beside = |by: usize| {
                         let mut beside = at;
                         beside[along] = at[along] + by - 1;
@@ -103,9 +103,9 @@ impl Problem {
 
     /// Adds the squared errors of the demands, and of the albedo of each view: without it the albedo falls, and the balance of
     /// channels that follows would change colours everywhere.
-    fn add_demands(&mut self, size: [usize; 3], demands: &[Demand]) {
+    fn add_demands(&mut self, size: Size, demands: &[Demand]) {
         // One cell more than there are intervals where there is one node.
-        let cells = size.map(|nodes| (nodes - 1).max(1));
+        let cells = size.nodes.map(|nodes| (nodes - 1).max(1));
         let mut sums = vec![CellSums::EMPTY; cells.iter().product()];
         for view in demands.chunk_by(|a, b| a.view == b.view) {
             let (mut slopes, mut target) = (vec![[0.0; 3]; self.rows.len()], [0.0; 3]);

@@ -2,7 +2,7 @@
 
 use crate::isotropic::balance;
 use crate::isotropic::encode;
-use crate::isotropic::factors::Factors;
+use crate::isotropic::factors::{Factors, Size};
 use crate::isotropic::model::parameters::Layout;
 use crate::isotropic::objective::{Emphasis, Objective};
 use crate::isotropic::search::candidates::{Candidate, Task, Work, advance};
@@ -110,9 +110,9 @@ impl<'a> Finalist<'a> {
         self.error * self.penalty()
     }
 
-    /// Number of sizes of tables of factors with which the material has at most this number of bytes.
-    pub fn sizes_within(&self, bytes: usize) -> usize {
-        SIZES.iter().take_while(|size| encode::len(&self.layout, Some(**size)) <= bytes).count()
+    /// The sizes of tables of factors with which the material has at most this number of bytes.
+    pub fn sizes_within(&self, bytes: usize) -> Vec<Size> {
+        SIZES.into_iter().filter(|size| encode::len(&self.layout, Some(*size)) <= bytes).collect()
     }
 
     /// Whether it is worth the bytes of factors that the other one lacks.
@@ -158,7 +158,7 @@ impl<'a> Finalist<'a> {
     }
 
     /// Fits factors to the residual of the lobes, with a table of one of these sizes.
-    pub fn fit_factors(&mut self, sizes: &[[usize; 3]], emphasis: Emphasis) -> Result<(), FitError> {
+    pub fn fit_factors(&mut self, sizes: &[Size], emphasis: Emphasis) -> Result<(), FitError> {
         let table = self.resampled.as_ref().unwrap_or(&self.table);
         let objective = Objective::new(table, self.layout.clone(), emphasis, self.factors.as_ref())?;
         let demands = objective.reweighed(&self.candidate.x).into_demands(&self.candidate.x);
