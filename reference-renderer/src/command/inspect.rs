@@ -34,7 +34,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         material.squeezed_count(),
         2 * material.mirrored_count()
     );
-    if let Some(nodes) = factor_words(&material) {
+    if let Some(nodes) = factor_words(material) {
         println!(
             "factors     {nodes}, over half angle, difference angle and azimuth, largest {:.3}, {} bytes",
             material.largest_factor(),
