@@ -341,19 +341,21 @@ fn sentence_by_looks(found: &Appearance) -> String {
         seen.push("a coloured fringe round the highlight".to_owned());
     }
     let balls = format!("balls differ by {visible:.3} from the table's, by {most:.3} under a {light}");
-    if found.noise.luminance >= LOUD_NOISE && visible - found.of_noise <= UNSEEN && seen.is_empty() {
+    let is_noisy = found.noise.luminance >= LOUD_NOISE;
+    let noisy = format!("is noisy: {:.0} % off its own mean over 3 degrees", 100.0 * found.noise.luminance);
+    if is_noisy && visible - found.of_noise <= UNSEEN && seen.is_empty() {
         return format!(
-            "use it, and not the table, which is noisy: {:.0} % off its own mean over 3 degrees; {balls}, by {:.3} for that noise alone",
-            100.0 * found.noise.luminance,
+            "use it, and not the table, which {noisy}; {balls}, by {:.3} for that noise alone",
             found.of_noise
         );
     }
-    match (visible, seen.is_empty()) {
+    let looks = match (visible, seen.is_empty()) {
         (v, true) if v <= UNSEEN => format!("use it: {balls}, which hardly shows side by side"),
         (v, false) if v <= OF_USE => format!("use it with care: {balls}; the fit shows {}", seen.join(", ")),
         (v, _) if v <= OF_USE => format!("use it with care: {balls}, which shows side by side"),
         _ => format!("do not use it: {balls}, as if of another material"),
-    }
+    };
+    if is_noisy { format!("{looks}; the table {noisy}") } else { looks }
 }
 
 /// Errors of left-out views up to which the fit between samples is good, and is not off.

@@ -220,7 +220,11 @@ fn noise_that_is_loud_is_the_tables_and_not_the_fits() {
         said(&noisy)
     );
     noisy.of_noise = 0.01;
-    assert!(said(&noisy).starts_with("use it with care"), "{}", said(&noisy));
+    let said = said(&noisy);
+    assert!(
+        said.starts_with("use it with care") && said.contains("; the table is noisy: 10 % off"),
+        "{said}"
+    );
 }
 
 #[test]
