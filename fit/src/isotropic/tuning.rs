@@ -248,13 +248,12 @@ pub(crate) mod factors {
     use crate::isotropic::factors::size::Size;
 
     /// Nodes over half angle, difference angle and azimuth of the tables that are tried, smallest first.
-    pub const SIZES: [Size; 6] = [
+    pub const SIZES: [Size; 5] = [
         Size::reciprocal([16, 6, 1]),
         Size::reciprocal([16, 6, 3]),
         Size::reciprocal([24, 6, 3]),
         Size::signed([16, 6, 5]),
         Size::signed([24, 6, 5]),
-        Size::reciprocal([24, 8, 4]),
     ];
     /// Largest factor.
     pub const LARGEST: f64 = 8.0;
@@ -267,7 +266,7 @@ pub(crate) mod factors {
     /// Turns of factors and lobes on one table. The steps of the solver are shared out.
     pub const TURNS: usize = 4;
     /// Largest share of the error that a larger table may leave, for every `NODES` nodes that it adds.
-    pub const MORE_NODES: f64 = 0.975;
+    pub const MORE_NODES: f64 = 0.985;
     /// Nodes to which that share belongs.
     pub const NODES: f64 = 130.0;
     /// Sweeps of the coordinate descent.
