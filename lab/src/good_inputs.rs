@@ -96,9 +96,10 @@ fn planted(args: &Args, factor: f64) -> anyhow::Result<()> {
                 continue;
             };
             let look = looked_at(source).with_context(|| name.clone())?;
-            let is_named = look.outliers.iter().any(|o| o.row.line == line);
+            let wrong = || look.outliers.iter().filter(|o| o.is_wrong);
+            let is_named = wrong().any(|o| o.row.line == line);
             named[n] += usize::from(is_named);
-            others[n] += look.outliers.len() - usize::from(is_named);
+            others[n] += wrong().count() - usize::from(is_named);
         }
     }
     println!("one sample times {factor} in each of {inputs} made-up inputs");

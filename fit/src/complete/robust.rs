@@ -2,8 +2,10 @@
 //!
 //! One model and one process predict each sample from the others. The worst sample goes, and the rest is predicted again. Samples near the
 //! peak or the back direction have to be much farther off, because neighbours say least about a peak. Samples that are off together stay,
-//! but for dead ones: the shadow of a lamp or a detector covers several. Where the neighbours of a sample are mispredicted as well, the
-//! surface is not as smooth as the process takes it to be, and the sample stays.
+//! but for dead ones: the shadow of a lamp or a detector covers several.
+//!
+//! Where the neighbours of a sample are predicted badly too, the fault may be of the prediction. Such a sample is left out as well, as it
+//! would bend the process, but it is not called wrong.
 
 use super::measurement::{Measured, Measurement};
 use super::microfacet::{Family, Microfacet};
@@ -28,6 +30,8 @@ pub struct Outlier {
     pub sample: usize,
     /// Luminance over the prediction by the others.
     pub ratio: f64,
+    /// Whether the sample is wrong: its neighbours are predicted well, and none is close to it. Otherwise the prediction may be.
+    pub is_wrong: bool,
 }
 
 /// Finds them, and leaves them out.
@@ -71,7 +75,12 @@ fn look(measurement: &Measurement) -> Vec<Outlier> {
         off.abs() > if is_at_peak { APART_AT_PEAK } else { APART }
             && share * (said(0) + said(1) + said(2)).abs() / 3.0 > LEAST * measurement.level
     };
-    let outlier = |s: &Measured, off: f64| Outlier { view: s.view, sample: s.number, ratio: libm::exp(off) };
+    let outlier = |s: &Measured, off: f64, is_wrong: bool| Outlier {
+        view: s.view,
+        sample: s.number,
+        ratio: libm::exp(off),
+        is_wrong,
+    };
 
     // Points that others speak against, with all of their samples.
     let score = |i: usize, left: &LeftOut| {
@@ -82,18 +91,21 @@ fn look(measurement: &Measurement) -> Vec<Outlier> {
         (is_out && points[i].count < OF_A_GROUP as f64).then_some(deviations)
     };
     let (gone, rest) = process.spoken_against(points.len().div_ceil(SHARE), score);
-    let gone: BTreeMap<usize, [f64; 3]> = gone
+    let gone: BTreeMap<usize, (f64, bool)> = gone
         .into_iter()
-        .filter(|&(i, above)| mean(above).abs() > OVER_NEIGHBOURS * usual_around(&points, &rest, i))
+        .map(|(i, above)| {
+            let off = mean(above);
+            (i, (off, off.abs() > OVER_NEIGHBOURS * usual_around(&points, &rest, i)))
+        })
         .collect();
     let mut found = Vec::new();
     for (s, point) in measurement.samples.iter().zip(&of) {
-        found.extend(gone.get(point).map(|&above| outlier(s, mean(above))));
+        found.extend(gone.get(point).map(|&(off, is_wrong)| outlier(s, off, is_wrong)));
     }
     found.extend(
         in_groups(&all, &of, points.len(), is_apart)
             .into_iter()
-            .map(|(i, off)| outlier(&measurement.samples[i], off)),
+            .map(|(i, off)| outlier(&measurement.samples[i], off, true)),
     );
     alone(measurement, scale, &all, found)
 }
@@ -130,13 +142,13 @@ fn is_dead(off: f64) -> bool {
 fn alone(measurement: &Measurement, scale: Scale, all: &[Point], found: Vec<Outlier>) -> Vec<Outlier> {
     let off: BTreeSet<(usize, usize)> = found.iter().map(|o| (o.view, o.sample)).collect();
     let samples = || measurement.samples.iter().zip(all);
-    let is_alone = |o: &Outlier| {
+    let alone = |mut o: Outlier| {
         let over = libm::log(o.ratio);
         if is_dead(over) {
-            return true;
+            return Some(o);
         }
         let Some((s, own)) = samples().find(|(s, _)| (s.view, s.number) == (o.view, o.sample)) else {
-            return true;
+            return Some(o);
         };
         let others = || samples().filter(|(other, _)| (other.view, other.number) != (o.view, o.sample));
         let same_view = others().filter(|(other, _)| other.view == o.view);
@@ -146,18 +158,21 @@ fn alone(measurement: &Measurement, scale: Scale, all: &[Point], found: Vec<Outl
             }),
             NEIGHBOURS,
         );
-        // A steep flank has brighter samples on one side and darker ones on the other. Elsewhere a sample that some neighbours are
-        // nearly as bright as, or nearly as dark, is not contradicted by them.
+        // A steep flank has brighter samples on one side and darker ones on the other.
         let mut levels = nearest(others().map(|(other, p)| (apart(p, own), level(other))), NEIGHBOURS);
         levels.sort_by(f64::total_cmp);
-        let is_beyond = levels.len() < 3 || {
-            let end = if over > 0.0 { levels[levels.len() - 2] } else { levels[1] };
-            let beyond = scale.to(level(s) / 3.0) - scale.to(end / 3.0);
-            beyond * over.signum() > BEYOND * over.abs()
-        };
-        is_beyond && 2.0 * of_view.iter().sum::<f64>() < NEIGHBOURS as f64
+        if levels.len() > 2 {
+            let (low, high) = (levels[1], levels[levels.len() - 2]);
+            if low < level(s) && level(s) < high {
+                return None;
+            }
+            // Neighbours that are nearly as bright, or nearly as dark, do not contradict it.
+            let beyond = scale.to(level(s) / 3.0) - scale.to(if over > 0.0 { high } else { low } / 3.0);
+            o.is_wrong &= beyond * over.signum() > BEYOND * over.abs();
+        }
+        (2.0 * of_view.iter().sum::<f64>() < NEIGHBOURS as f64).then_some(o)
     };
-    found.into_iter().filter(is_alone).collect()
+    found.into_iter().filter_map(alone).collect()
 }
 
 fn level(s: &Measured) -> f64 {

@@ -213,10 +213,10 @@ pub(crate) mod robust {
     /// Nearest samples. Most of those of the same view must not be off alike: then the surface or the instrument is so. Of all views, at
     /// most one may be brighter, or at most one darker.
     pub const NEIGHBOURS: usize = 6;
-    /// Share of its distance from the prediction by which an outlier has to be beyond these.
+    /// Share of its distance from the prediction by which a wrong sample is beyond these.
     pub const BEYOND: f64 = 0.5;
     /// Nearest points whose own distances from their predictions are looked at. An outlier is so many times as far off as the second
-    /// worst of them: fewer name samples of surfaces that are less smooth than the process, more spare faults in noise.
+    /// worst of them, or is not called wrong: a smaller factor names good samples of surfaces that are rougher than the process.
     pub const AROUND: usize = 12;
     pub const OVER_NEIGHBOURS: f64 = 4.0;
     /// Samples of one point from which on they are compared with each other.
