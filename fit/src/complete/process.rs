@@ -119,8 +119,8 @@ impl Process {
         (0..self.columns.size()).map(of).collect()
     }
 
-    /// Points that all others contradict, one after the other, each with what all others that are left say of it; and of every
-    /// point that is left, how far it is above what the others that are left say.
+    /// Points that all others contradict, one after the other, each with what all others that are left say of it. Of every
+    /// point that is left, its distance above the prediction by the others that are left.
     ///
     /// `score` says how strongly, or `None`; the strongest is taken, and the rest is looked at without it, so that one wrong point does
     /// not speak against its neighbours. At most `most` are taken.
