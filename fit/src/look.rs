@@ -94,6 +94,8 @@ pub struct Outlier {
     pub row: Row,
     /// Its luminance over that of the others there.
     pub ratio: f64,
+    /// Whether the sample is wrong; otherwise its surroundings are predicted badly too.
+    pub is_wrong: bool,
 }
 
 /// The findings about samples.
@@ -224,9 +226,7 @@ impl Look {
         if let Some(completion) = completion {
             found.push(plain(Topic::Gaps, completion.gaps.text()));
         }
-        if !self.outliers.is_empty() {
-            found.push(self.outliers_said());
-        }
+        found.extend([true, false].into_iter().filter_map(|is_wrong| self.outliers_said(is_wrong)));
         for (degrees, stated) in intake.stated.iter().take(16) {
             let ours = completion.and_then(|completion| albedo_at(completion, degrees.to_radians()));
             let beside = ours.map_or_else(String::new, |ours| format!("; ours is {ours:.3}"));
@@ -238,8 +238,13 @@ impl Look {
         found
     }
 
-    fn outliers_said(&self) -> Finding {
-        let one = |outlier: &Outlier| {
+    /// The samples that are wrong, or those that are left out though they may be right.
+    fn outliers_said(&self, is_wrong: bool) -> Option<Finding> {
+        let outliers: Vec<&Outlier> = self.outliers.iter().filter(|o| o.is_wrong == is_wrong).collect();
+        if outliers.is_empty() {
+            return None;
+        }
+        let one = |outlier: &&Outlier| {
             let Row { line, wi, wo, .. } = outlier.row;
             let angles = |d: [f64; 3]| {
                 format!("{:.1}, {:.1}", polar(d).to_degrees(), libm::atan2(d[1], d[0]).to_degrees())
@@ -251,20 +256,22 @@ impl Look {
                 outlier.ratio
             )
         };
-        let named: Vec<String> = self.outliers.iter().take(NAMED).map(one).collect();
-        let more = if self.outliers.len() > NAMED { "; ..." } else { "" };
-        let count = self.outliers.len();
+        let named: Vec<String> = outliers.iter().take(NAMED).map(one).collect();
+        let more = if outliers.len() > NAMED { "; ..." } else { "" };
+        let count = outliers.len();
         let (samples, are) = if count == 1 { ("sample", "is") } else { ("samples", "are") };
-        Finding {
+        let why = if is_wrong {
+            "that all others contradict"
+        } else {
+            "where values vary too fast to be predicted"
+        };
+        Some(Finding {
             topic: Topic::Outliers,
-            is_off: true,
-            text: format!(
-                "{count} {samples} that all others contradict {are} left out: {}{more}",
-                named.join("; ")
-            ),
+            is_off: is_wrong,
+            text: format!("{count} {samples} {why} {are} left out: {}{more}", named.join("; ")),
             option: None,
-            lines: self.outliers.iter().take(NAMED).map(|o| o.row.line).collect(),
-        }
+            lines: outliers.iter().take(NAMED).map(|o| o.row.line).collect(),
+        })
     }
 
     /// All of it as JSON.
@@ -272,7 +279,7 @@ impl Look {
         let left_out =
             |left: &LeftOut| json!({"reason": left.reason.text(), "count": left.count, "lines": left.lines});
         let finding = |f: &Finding| json!({"topic": f.topic.name(), "is_off": f.is_off, "text": f.text, "option": f.option, "lines": f.lines});
-        let outlier = |o: &Outlier| json!({"line": o.row.line, "incident": o.row.wi, "outgoing": o.row.wo, "over_what_others_say": o.ratio});
+        let outlier = |o: &Outlier| json!({"line": o.row.line, "incident": o.row.wi, "outgoing": o.row.wo, "over_what_others_say": o.ratio, "is_wrong": o.is_wrong});
         let units = |u: &Units| {
             let candidates: Vec<Value> =
                 u.candidates.iter().map(|c| json!({"divide": c.0, "albedo": c.1})).collect();
@@ -345,7 +352,8 @@ fn outliers(intake: &Intake, completion: &CompletionReport) -> Vec<Outlier> {
     let groups = intake.placed();
     let found = completion.outliers.iter().filter_map(|outlier| {
         let row = *groups.get(outlier.view)?.get(outlier.sample)?;
-        Some(Outlier { row: *intake.rows.get(row)?, ratio: outlier.ratio })
+        let (ratio, is_wrong) = (outlier.ratio, outlier.is_wrong);
+        Some(Outlier { row: *intake.rows.get(row)?, ratio, is_wrong })
     });
     found.collect()
 }

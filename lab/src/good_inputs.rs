@@ -9,6 +9,7 @@ use srbf_fit::read::{Content, Source, csv, read};
 use srbf_fit::table::Symmetry;
 use srbf_reference_renderer::command::argument;
 use srbf_reference_renderer::command::look::looked_at;
+use srbf_reference_renderer::numbers::random::Random;
 use srbf_reference_renderer::truth::networks::Networks;
 use std::path::{Path, PathBuf};
 
@@ -16,6 +17,9 @@ use std::path::{Path, PathBuf};
 ///
 /// Made-up inputs are models at the directions of usual instruments, with noise. The measured ones are all of the folder that SRBF_DATA_DIR
 /// names: Cornell's, those of other programs, RGL's, and every eighth network of MERL.
+///
+/// With `--plant` one sample of each made-up input is given a fault. How many of these are named is printed, by noise, with the number of
+/// other samples that are named.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Only made-up inputs, which need no files
@@ -27,6 +31,9 @@ pub struct Args {
     /// Seed of the noise of made-up inputs, and of the directions that lie anywhere
     #[arg(long, default_value_t = 0)]
     seed: u64,
+    /// Factor on one sample of each made-up input, which `look` then has to name
+    #[arg(long, value_name = "FACTOR", conflicts_with = "made")]
+    plant: Option<f64>,
 }
 
 /// One in this many networks is looked at.
@@ -45,6 +52,9 @@ struct Count {
 /// Runs the command.
 pub fn run(args: &Args) -> anyhow::Result<()> {
     println!("processor: {}", srbf_core::Processor::this());
+    if let Some(factor) = args.plant {
+        return planted(args, factor);
+    }
     if !args.made {
         measured(&args.only)?;
     }
@@ -61,6 +71,44 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         println!("{name:<36} {}", words.join(" / "));
     }
     println!("{} of {} made-up inputs are told something", count.told, count.inputs);
+    Ok(())
+}
+
+/// Gives each made-up input a fault, and prints how many are named.
+fn planted(args: &Args, factor: f64) -> anyhow::Result<()> {
+    let (mut named, mut others) = ([0; made::NOISES.len()], [0; made::NOISES.len()]);
+    let mut refused = [0; made::NOISES.len()];
+    let mut inputs = 0;
+    for (number, (name, of_noise)) in
+        made::all(args.seed).filter(|(name, _)| name.contains(&args.only)).enumerate()
+    {
+        inputs += 1;
+        for (n, made) in of_noise.iter().enumerate() {
+            let mut intake = csv::parse(made.text.as_bytes(), &Default::default())?;
+            let mut random = Random::new(args.seed, number as u64, n as u64);
+            let at = (f64::from(random.unit()) * intake.rows.len() as f64) as usize;
+            let row = &mut intake.rows[at];
+            row.rgb = row.rgb.map(|v| v * factor);
+            let line = row.line;
+            let Ok(source) = Source::of_samples(intake, Path::new("made.csv"), name.clone(), String::new())
+            else {
+                refused[n] += 1;
+                continue;
+            };
+            let look = looked_at(source).with_context(|| name.clone())?;
+            let wrong = || look.outliers.iter().filter(|o| o.is_wrong);
+            let is_named = wrong().any(|o| o.row.line == line);
+            named[n] += usize::from(is_named);
+            others[n] += wrong().count() - usize::from(is_named);
+        }
+    }
+    println!("one sample times {factor} in each of {inputs} made-up inputs");
+    for (n, noise) in made::NOISES.iter().enumerate() {
+        println!(
+            "noise of {noise:>2} %: {:>3} named, and {} other samples; {} inputs refused as anisotropic",
+            named[n], others[n], refused[n]
+        );
+    }
     Ok(())
 }
 

@@ -119,7 +119,8 @@ impl Process {
         (0..self.columns.size()).map(of).collect()
     }
 
-    /// Points that all others contradict, one after the other, each with what all others that are left say of it.
+    /// Points that all others contradict, one after the other, each with what all others that are left say of it. Of every
+    /// point that is left, its distance above the prediction by the others that are left.
     ///
     /// `score` says how strongly, or `None`; the strongest is taken, and the rest is looked at without it, so that one wrong point does
     /// not speak against its neighbours. At most `most` are taken.
@@ -127,7 +128,7 @@ impl Process {
         &self,
         most: usize,
         score: impl Fn(usize, &LeftOut) -> Option<f64>,
-    ) -> Vec<(usize, [f64; 3])> {
+    ) -> (Vec<(usize, [f64; 3])>, Vec<Option<f64>>) {
         let n = self.columns.size();
         let mut solution = self.solution.clone();
         let mut diagonal: Vec<f64> = (0..n).map(|i| self.columns.squared(i)).collect();
@@ -166,7 +167,9 @@ impl Process {
             diagonal.iter_mut().zip(&row).for_each(|(d, r)| *d = (*d - r * r).max(LEAST_DIAGONAL));
             rows.push(row);
         }
-        gone
+        let mean = |i: usize| solution.iter().map(|channel| channel[i]).sum::<f64>() / (3.0 * diagonal[i]);
+        let rest = (0..n).map(|i| (!is_out[i]).then(|| mean(i))).collect();
+        (gone, rest)
     }
 
     /// How far the points of a group are above what all others say of them; `None` as of [`new`](Self::new).

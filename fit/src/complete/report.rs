@@ -13,7 +13,7 @@ pub struct CompletionReport {
     pub samples: usize,
     /// How many points it is made of: fewer than samples, if close ones were taken together.
     pub points: usize,
-    /// Samples that are left out, as all others contradict them; they are not among `samples`.
+    /// Samples that are left out, as the others predict something else; they are not among `samples`.
     pub outliers: Vec<Outlier>,
     /// The part of the model beside a diffuse term and a lobe.
     pub family: Family,
@@ -41,8 +41,7 @@ impl CompletionReport {
     pub(crate) fn to_json(&self) -> Value {
         let held_out =
             |h: &HeldOut| json!({"mean_relative_l2": h.error, "root_mean_square_of_logarithms": h.logarithm});
-        let outlier =
-            |o: &Outlier| json!({"view": o.view, "sample": o.sample, "over_what_others_say": o.ratio});
+        let outlier = |o: &Outlier| json!({"view": o.view, "sample": o.sample, "over_what_others_say": o.ratio, "is_wrong": o.is_wrong});
         let albedo = |a: &(f64, [f64; 3])| json!({"theta_degrees": a.0.to_degrees(), "albedo": a.1});
         json!({
             "samples": self.samples,

@@ -3,6 +3,9 @@
 //! One model and one process predict each sample from the others. The worst sample goes, and the rest is predicted again. Samples near the
 //! peak or the back direction have to be much farther off, because neighbours say least about a peak. Samples that are off together stay,
 //! but for dead ones: the shadow of a lamp or a detector covers several.
+//!
+//! Where the neighbours of a sample are predicted badly too, the fault may be of the prediction. Such a sample is left out as well, as it
+//! would bend the process, but it is not called wrong.
 
 use super::measurement::{Measured, Measurement};
 use super::microfacet::{Family, Microfacet};
@@ -13,8 +16,8 @@ use super::scale::Scale;
 use super::tuning::choice::OF_MODEL;
 use super::{noises, width};
 use crate::complete::tuning::robust::{
-    APART, APART_AT_PEAK, BACK, DEAD, DEVIATIONS, KERNEL, KNOWN, LEAST, NEIGHBOURS, NOISE, OF_A_GROUP, PEAK,
-    ROUNDS, SHARE, THIN, THIN_DARK,
+    APART, APART_AT_PEAK, AROUND, BACK, BEYOND, DEAD, DEVIATIONS, KERNEL, KNOWN, LEAST, NEIGHBOURS, NOISE,
+    OF_A_GROUP, OVER_NEIGHBOURS, PEAK, ROUNDS, SHARE, THIN, THIN_DARK,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -27,6 +30,8 @@ pub struct Outlier {
     pub sample: usize,
     /// Luminance over the prediction by the others.
     pub ratio: f64,
+    /// Whether the sample is wrong: its neighbours are predicted well, and none is close to it. Otherwise the prediction may be.
+    pub is_wrong: bool,
 }
 
 /// Finds them, and leaves them out.
@@ -70,7 +75,12 @@ fn look(measurement: &Measurement) -> Vec<Outlier> {
         off.abs() > if is_at_peak { APART_AT_PEAK } else { APART }
             && share * (said(0) + said(1) + said(2)).abs() / 3.0 > LEAST * measurement.level
     };
-    let outlier = |s: &Measured, off: f64| Outlier { view: s.view, sample: s.number, ratio: libm::exp(off) };
+    let outlier = |s: &Measured, off: f64, is_wrong: bool| Outlier {
+        view: s.view,
+        sample: s.number,
+        ratio: libm::exp(off),
+        is_wrong,
+    };
 
     // Points that others speak against, with all of their samples.
     let score = |i: usize, left: &LeftOut| {
@@ -80,18 +90,47 @@ fn look(measurement: &Measurement) -> Vec<Outlier> {
         let is_out = is_known && deviations > DEVIATIONS && is_apart(&points[i], off);
         (is_out && points[i].count < OF_A_GROUP as f64).then_some(deviations)
     };
-    let gone: BTreeMap<usize, [f64; 3]> =
-        process.spoken_against(points.len().div_ceil(SHARE), score).into_iter().collect();
+    let (gone, rest) = process.spoken_against(points.len().div_ceil(SHARE), score);
+    let gone: BTreeMap<usize, (f64, bool)> = gone
+        .into_iter()
+        .map(|(i, above)| {
+            let off = mean(above);
+            (i, (off, off.abs() > OVER_NEIGHBOURS * usual_around(&points, &rest, i)))
+        })
+        .collect();
     let mut found = Vec::new();
     for (s, point) in measurement.samples.iter().zip(&of) {
-        found.extend(gone.get(point).map(|&above| outlier(s, mean(above))));
+        found.extend(gone.get(point).map(|&(off, is_wrong)| outlier(s, off, is_wrong)));
     }
     found.extend(
         in_groups(&all, &of, points.len(), is_apart)
             .into_iter()
-            .map(|(i, off)| outlier(&measurement.samples[i], off)),
+            .map(|(i, off)| outlier(&measurement.samples[i], off, true)),
     );
-    alone(measurement, &all, found)
+    alone(measurement, scale, &all, found)
+}
+
+/// How far the points around one that is gone are from their predictions: the second largest of such distances.
+fn usual_around(points: &[Point], rest: &[Option<f64>], of: usize) -> f64 {
+    let own = &points[of];
+    let around = points.iter().zip(rest).filter_map(|(p, off)| Some((apart(p, own), off.as_ref()?.abs())));
+    let mut off = nearest(around, AROUND);
+    off.sort_by(|a, b| b.total_cmp(a));
+    off.get(1).copied().unwrap_or(0.0)
+}
+
+/// Squared distance of two points for the process.
+fn apart(a: &Point, b: &Point) -> f64 {
+    (0..COORDINATES).map(|k| ((a.at[k] - b.at[k]) / KERNEL.lengths[k]).powi(2)).sum()
+}
+
+/// The numbers of the nearest ones, of distances and numbers.
+fn nearest(all: impl Iterator<Item = (f64, f64)>, most: usize) -> Vec<f64> {
+    let mut near: Vec<(f64, f64)> = all.collect();
+    if near.len() > most {
+        near.select_nth_unstable_by(most, |a, b| a.0.total_cmp(&b.0));
+    }
+    near.into_iter().take(most).map(|n| n.1).collect()
 }
 
 /// Whether a sample is so much darker than others say that something stood before it.
@@ -100,38 +139,40 @@ fn is_dead(off: f64) -> bool {
 }
 
 /// Those that stand out of their neighbours, and of which most neighbours of the same view are not off as well; and dead ones.
-fn alone(measurement: &Measurement, all: &[Point], found: Vec<Outlier>) -> Vec<Outlier> {
+fn alone(measurement: &Measurement, scale: Scale, all: &[Point], found: Vec<Outlier>) -> Vec<Outlier> {
     let off: BTreeSet<(usize, usize)> = found.iter().map(|o| (o.view, o.sample)).collect();
     let samples = || measurement.samples.iter().zip(all);
-    let is_alone = |o: &Outlier| {
-        if is_dead(libm::log(o.ratio)) {
-            return true;
+    let alone = |mut o: Outlier| {
+        let over = libm::log(o.ratio);
+        if is_dead(over) {
+            return Some(o);
         }
         let Some((s, own)) = samples().find(|(s, _)| (s.view, s.number) == (o.view, o.sample)) else {
-            return true;
-        };
-        let apart = |p: &Point| -> f64 {
-            (0..COORDINATES).map(|k| ((p.at[k] - own.at[k]) / KERNEL.lengths[k]).powi(2)).sum()
+            return Some(o);
         };
         let others = || samples().filter(|(other, _)| (other.view, other.number) != (o.view, o.sample));
-        let nearest = |of: &mut dyn Iterator<Item = (f64, f64)>| -> Vec<f64> {
-            let mut near: Vec<(f64, f64)> = of.collect();
-            if near.len() > NEIGHBOURS {
-                near.select_nth_unstable_by(NEIGHBOURS, |a, b| a.0.total_cmp(&b.0));
-            }
-            near.into_iter().take(NEIGHBOURS).map(|n| n.1).collect()
-        };
-        let of_view =
-            nearest(&mut others().filter(|(other, _)| other.view == o.view).map(|(other, p)| {
-                (apart(p), f64::from(u8::from(off.contains(&(other.view, other.number)))))
-            }));
+        let same_view = others().filter(|(other, _)| other.view == o.view);
+        let of_view = nearest(
+            same_view.map(|(other, p)| {
+                (apart(p, own), f64::from(u8::from(off.contains(&(other.view, other.number)))))
+            }),
+            NEIGHBOURS,
+        );
         // A steep flank has brighter samples on one side and darker ones on the other.
-        let mut levels = nearest(&mut others().map(|(other, p)| (apart(p), level(other))));
+        let mut levels = nearest(others().map(|(other, p)| (apart(p, own), level(other))), NEIGHBOURS);
         levels.sort_by(f64::total_cmp);
-        let is_between = levels.len() > 2 && levels[1] < level(s) && level(s) < levels[levels.len() - 2];
-        !is_between && 2.0 * of_view.iter().sum::<f64>() < NEIGHBOURS as f64
+        if levels.len() > 2 {
+            let (low, high) = (levels[1], levels[levels.len() - 2]);
+            if low < level(s) && level(s) < high {
+                return None;
+            }
+            // Neighbours that are nearly as bright, or nearly as dark, do not contradict it.
+            let beyond = scale.to(level(s) / 3.0) - scale.to(if over > 0.0 { high } else { low } / 3.0);
+            o.is_wrong &= beyond * over.signum() > BEYOND * over.abs();
+        }
+        (2.0 * of_view.iter().sum::<f64>() < NEIGHBOURS as f64).then_some(o)
     };
-    found.into_iter().filter(is_alone).collect()
+    found.into_iter().filter_map(alone).collect()
 }
 
 fn level(s: &Measured) -> f64 {

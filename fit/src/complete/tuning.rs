@@ -213,6 +213,12 @@ pub(crate) mod robust {
     /// Nearest samples. Most of those of the same view must not be off alike: then the surface or the instrument is so. Of all views, at
     /// most one may be brighter, or at most one darker.
     pub const NEIGHBOURS: usize = 6;
+    /// Share of its distance from the prediction by which a wrong sample is beyond these.
+    pub const BEYOND: f64 = 0.5;
+    /// Nearest points whose own distances from their predictions are looked at.
+    pub const AROUND: usize = 12;
+    /// Times that a wrong sample is as far off as the second worst of these. A smaller factor names good samples of rough surfaces.
+    pub const OVER_NEIGHBOURS: f64 = 4.0;
     /// Samples of one point from which on they are compared with each other.
     pub const OF_A_GROUP: usize = 5;
 }

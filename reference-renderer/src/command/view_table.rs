@@ -47,11 +47,12 @@ pub fn print_completion(completion: &CompletionReport) {
     if !outliers.is_empty() {
         let times =
             |o: &Outlier| format!("sample {} of view {}, {:.2} times", o.sample + 1, o.view + 1, o.ratio);
+        let wrong = outliers.iter().filter(|o| o.is_wrong).count();
         let shown: Vec<String> = outliers.iter().take(OUTLIERS).map(times).collect();
         let more = if outliers.len() > OUTLIERS { ", ..." } else { "" };
         println!(
-            "  left out, because all others contradict them: {}: {}{more}",
-            outliers.len(),
+            "  left out: {wrong} that all others contradict, {} where values vary too fast: {}{more}",
+            outliers.len() - wrong,
             shown.join("; ")
         );
     }
