@@ -15,6 +15,14 @@ const NORMAL_DEVIATION: f64 = 1.4826;
 /// Least number on the diagonal of an inverse, below which arithmetic has nothing left.
 const LEAST_DIAGONAL: f64 = 1e-12;
 
+/// Points that all others contradict.
+pub(super) struct SpokenAgainst {
+    /// Each with what all others that are left say of it.
+    pub gone: Vec<(usize, [f64; 3])>,
+    /// Of every point that is left, its distance above the prediction by the others that are left.
+    pub rest: Vec<Option<f64>>,
+}
+
 /// The prediction of a point by all others.
 pub(super) struct LeftOut {
     /// Distance of the point above it.
@@ -119,8 +127,7 @@ impl Process {
         (0..self.columns.size()).map(of).collect()
     }
 
-    /// Points that all others contradict, one after the other, each with what all others that are left say of it. Of every
-    /// point that is left, its distance above the prediction by the others that are left.
+    /// Points that all others contradict, one after the other.
     ///
     /// `score` says how strongly, or `None`; the strongest is taken, and the rest is looked at without it, so that one wrong point does
     /// not speak against its neighbours. At most `most` are taken.
@@ -128,7 +135,7 @@ impl Process {
         &self,
         most: usize,
         score: impl Fn(usize, &LeftOut) -> Option<f64>,
-    ) -> (Vec<(usize, [f64; 3])>, Vec<Option<f64>>) {
+    ) -> SpokenAgainst {
         let n = self.columns.size();
         let mut solution = self.solution.clone();
         let mut diagonal: Vec<f64> = (0..n).map(|i| self.columns.squared(i)).collect();
@@ -169,7 +176,7 @@ impl Process {
         }
         let mean = |i: usize| solution.iter().map(|channel| channel[i]).sum::<f64>() / (3.0 * diagonal[i]);
         let rest = (0..n).map(|i| (!is_out[i]).then(|| mean(i))).collect();
-        (gone, rest)
+        SpokenAgainst { gone, rest }
     }
 
     /// How far the points of a group are above what all others say of them; `None` as of [`new`](Self::new).

@@ -11,7 +11,7 @@ use super::measurement::{Measured, Measurement};
 use super::microfacet::{Family, Microfacet};
 use super::pair::COORDINATES;
 use super::points::{Point, each, grouped};
-use super::process::{LeftOut, Of, Process};
+use super::process::{LeftOut, Of, Process, SpokenAgainst};
 use super::scale::Scale;
 use super::tuning::choice::OF_MODEL;
 use super::{noises, width};
@@ -90,7 +90,7 @@ fn look(measurement: &Measurement) -> Vec<Outlier> {
         let is_out = is_known && deviations > DEVIATIONS && is_apart(&points[i], off);
         (is_out && points[i].count < OF_A_GROUP as f64).then_some(deviations)
     };
-    let (gone, rest) = process.spoken_against(points.len().div_ceil(SHARE), score);
+    let SpokenAgainst { gone, rest } = process.spoken_against(points.len().div_ceil(SHARE), score);
     let gone: BTreeMap<usize, (f64, bool)> = gone
         .into_iter()
         .map(|(i, above)| {
