@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 /// Prints how much of the residual of fits is odd in the cosine of the azimuth of the difference vector, and how much is noise.
 ///
-/// That part changes its sign when the two directions change places. Factors are the same both ways, so they cannot make it. For the
+/// That part changes its sign when the two directions change places. Factors without a sign are the same both ways, so they cannot make it. For the
 /// measured tables of the folder that SRBF_DATA_DIR names, the residual is the logarithm of the luminance of table over fit,
 /// farther than 15 degrees from the mirror direction. Columns: the share of its square that is odd; the share of the odd part
 /// that a signed table of 12 x 6 x 3 nodes explains, made of one half of the pairs and judged on the other; and their product.

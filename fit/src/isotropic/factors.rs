@@ -1,7 +1,7 @@
 //! Factors that the lobes are multiplied by: a small table over half angle, difference angle and azimuth, one for all views.
 //!
 //! No sum of lobes makes a function that is not monotone in the half angle, such as a ring of an iridescent paint. A table does.
-//! It is the same for (wi, wo) and (wo, wi), and costs no exponential. The lobes keep the peak and the density; the table has the
+//! It costs no exponential, and is the same for (wi, wo) and (wo, wi) unless it is signed. The lobes keep the peak and the density; the table has the
 //! rest. With the lobes as they are, the best table is a linear problem.
 
 mod problem;
