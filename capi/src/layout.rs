@@ -81,7 +81,7 @@ const _: () = {
     assert!(size_of::<srbf_materials>() == 2 * P);
     assert!(offset_of!(srbf_materials, first) == 0);
     assert!(offset_of!(srbf_materials, stride) == P);
-    assert!(size_of::<srbf_material_info>() == 12 * P);
+    assert!(size_of::<srbf_material_info>() == (11 * P + 8).next_multiple_of(P));
     assert!(offset_of!(srbf_material_info, views) == 0);
     assert!(offset_of!(srbf_material_info, lobes) == P);
     assert!(offset_of!(srbf_material_info, squeezed_lobes) == 2 * P);
