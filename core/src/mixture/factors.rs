@@ -31,6 +31,9 @@ use crate::material::layout::{f32_at, part};
 use crate::simd::lanes::{Lanes, NodeCodes, ROUND, dot3, splat3};
 use glam::Vec3;
 
+/// Added to the bits of a channel of a signed table.
+const SIGNED: u8 = 128;
+
 /// A table of factors in the bytes of a material.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nodes<'m> {
@@ -38,10 +41,8 @@ pub(crate) struct Nodes<'m> {
     codes: &'m [u8],
     /// Nodes along a, b and c.
     shape: [u8; 3],
-    /// Whether c has its sign.
-    is_signed: bool,
-    /// Bits of a channel.
-    bits: u8,
+    /// Bits of a channel, and [`SIGNED`] if c has its sign: in one byte, as small processors have little stack.
+    code: u8,
     /// The unit of the square of a code.
     scale: f32,
 }
@@ -74,7 +75,7 @@ impl Among {
 
 impl<'m> Nodes<'m> {
     /// None: every factor is 1.
-    pub const NONE: Self = Self { codes: &[], shape: [0; 3], is_signed: false, bits: 8, scale: 0.0 };
+    pub const NONE: Self = Self { codes: &[], shape: [0; 3], code: 8, scale: 0.0 };
 
     /// Those of a material, or none.
     #[inline(always)]
@@ -90,8 +91,7 @@ impl<'m> Nodes<'m> {
         Self {
             codes: part(material.bytes, start..end),
             shape: header.factors,
-            is_signed: header.has_signed_factors,
-            bits: header.bits,
+            code: header.bits + if header.has_signed_factors { SIGNED } else { 0 },
             scale,
         }
     }
@@ -138,7 +138,7 @@ impl<'m> Nodes<'m> {
     pub fn places<L: Lanes>(&self, [a, b, c]: [L; 3]) -> [L; 3] {
         let [half, difference, azimuth] = self.last();
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
-        let c = if self.is_signed { (c + one).max(zero) * L::splat(0.5) } else { c.abs() };
+        let c = if self.code >= SIGNED { (c + one).max(zero) * L::splat(0.5) } else { c.abs() };
         let [a, b, c] = [a.sqrt().sqrt() * half, b.sqrt() * difference, c * azimuth];
         [a.min(half), b.min(difference), c.min(azimuth)]
     }
@@ -160,7 +160,7 @@ impl<'m> Nodes<'m> {
         let (i, toward_half) = cell(a, half);
         let (j, toward_difference) = cell(b, difference);
         let mut start = i.mul_add(L::splat(difference), j);
-        let codes = NodeCodes { bytes: self.codes, bits: u32::from(self.bits) };
+        let codes = NodeCodes { bytes: self.codes, bits: u32::from(self.code % SIGNED) };
         let rows = [L::splat(1.0) - toward_half, toward_half];
         let columns = [L::splat(1.0) - toward_difference, toward_difference];
         let mut factor = [L::splat(0.0); 3];
@@ -176,7 +176,7 @@ impl<'m> Nodes<'m> {
             add_plane(codes, start, difference, rows, columns, &mut factor);
         }
         // A channel stands above the one before by as many bits as it has: here it is squared.
-        let shrink = if self.bits == 8 { 1.0 / 65_536.0 } else { 1.0 / 1_048_576.0 };
+        let shrink = if self.code % SIGNED == 8 { 1.0 / 65_536.0 } else { 1.0 / 1_048_576.0 };
         let mut scale = self.scale;
         for channel in 0..3 {
             factor[channel] = factor[channel] * L::splat(scale);
