@@ -15,7 +15,8 @@ use core::sync::atomic::{AtomicU8, Ordering};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(u8)]
 pub enum Level {
-    /// One f32 at a time: the reference for every other level, and all there is without the feature `simd`.
+    /// One f32 at a time: the reference for every other level, and all there is without the feature `simd`. With
+    /// `--cfg srbf_vectors_only` among the flags of the compiler it is not there, and the code is smaller by a third.
     Scalar = 1,
     /// `wide`: SSE2, NEON, wasm simd128, or the instructions that the whole build targets.
     Portable = 2,
@@ -25,8 +26,15 @@ pub enum Level {
     Avx512 = 4,
 }
 
-/// 0 until the first look at the processor.
+/// Whether [`Level::Scalar`] is compiled. A feature would be turned on for whoever needs it by another package that does not.
+pub(super) const HAS_SCALAR: bool = !cfg!(all(feature = "simd", srbf_vectors_only));
+
+/// The level that [`Level::set`] chose, or the best one; 0 until it is asked for.
 static CURRENT: AtomicU8 = AtomicU8::new(0);
+
+/// The best level; 0 until the first look at the processor. A virtual machine takes microseconds to tell.
+#[cfg(all(feature = "simd", target_arch = "x86_64"))]
+static BEST: AtomicU8 = AtomicU8::new(0);
 
 impl Level {
     /// Every level, slowest first.
@@ -50,7 +58,7 @@ impl Level {
     /// Whether this processor and this build can run the level.
     pub fn is_available(self) -> bool {
         match self {
-            Self::Scalar => true,
+            Self::Scalar => HAS_SCALAR,
             Self::Portable => cfg!(feature = "simd"),
             Self::Avx2 | Self::Avx512 => self <= best(),
         }
@@ -60,12 +68,18 @@ impl Level {
     /// chose.
     #[inline]
     pub fn current() -> Self {
-        match CURRENT.load(Ordering::Relaxed) {
-            1 => Self::Scalar,
-            2 => Self::Portable,
-            3 => Self::Avx2,
-            4 => Self::Avx512,
-            _ => detect_and_cache(),
+        Self::of_code(CURRENT.load(Ordering::Relaxed)).unwrap_or_else(take_the_best)
+    }
+
+    /// The level of a code; `None` for 0.
+    #[inline(always)]
+    fn of_code(code: u8) -> Option<Self> {
+        match code {
+            1 => Some(Self::Scalar),
+            2 => Some(Self::Portable),
+            3 => Some(Self::Avx2),
+            4 => Some(Self::Avx512),
+            _ => None,
         }
     }
 
@@ -83,7 +97,7 @@ impl Level {
 }
 
 #[cold]
-fn detect_and_cache() -> Level {
+fn take_the_best() -> Level {
     let level = best();
     // Two threads that both detect store the same; one that has chosen meanwhile keeps its choice. Small
     // processors without this instruction have one level to detect.
@@ -94,6 +108,16 @@ fn detect_and_cache() -> Level {
 
 #[cfg(all(feature = "simd", target_arch = "x86_64"))]
 fn best() -> Level {
+    Level::of_code(BEST.load(Ordering::Relaxed)).unwrap_or_else(|| {
+        let level = detect();
+        BEST.store(level as u8, Ordering::Relaxed);
+        level
+    })
+}
+
+#[cfg(all(feature = "simd", target_arch = "x86_64"))]
+#[cold]
+fn detect() -> Level {
     use core::arch::x86_64::{__cpuid, __cpuid_count};
     let bit = |word: u32, n: u32| word >> n & 1 == 1;
     // Leaf 1: FMA, POPCNT, XSAVE enabled by the system, AVX, F16C. Leaf 7: BMI1, AVX2, BMI2 and AVX-512.

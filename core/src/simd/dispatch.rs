@@ -3,6 +3,8 @@
 //! The functions that do so stand with their back end: the compiler makes the machine code of several modules
 //! side by side, that of one module on one core.
 
+#[cfg(feature = "simd")]
+use super::detect::HAS_SCALAR;
 use super::detect::Level;
 #[cfg(feature = "simd")]
 use super::portable;
@@ -24,7 +26,7 @@ impl Level {
             // SAFETY: as above.
             Self::Avx2 => unsafe { avx2::run(routine) },
             #[cfg(feature = "simd")]
-            Self::Portable => portable::run(routine),
+            level if level == Self::Portable || !HAS_SCALAR => portable::run(routine),
             _ => scalar::run(routine),
         }
     }
@@ -41,7 +43,7 @@ impl Level {
             // SAFETY: as above; who has AVX-512 has AVX2.
             Self::Avx2 | Self::Avx512 => unsafe { avx2::one::<S, R>(state, a, b, c) },
             #[cfg(feature = "simd")]
-            Self::Portable => portable::one::<S, R>(state, a, b, c),
+            level if level == Self::Portable || !HAS_SCALAR => portable::one::<S, R>(state, a, b, c),
             _ => scalar::one::<S, R>(state, a, b, c),
         }
     }
@@ -63,7 +65,7 @@ impl Level {
             // SAFETY: as above.
             Self::Avx2 => unsafe { avx2::draw::<S, D, R>(state, a, b, c) },
             #[cfg(feature = "simd")]
-            Self::Portable => portable::draw::<S, D, R>(state, a, b, c),
+            level if level == Self::Portable || !HAS_SCALAR => portable::draw::<S, D, R>(state, a, b, c),
             _ => scalar::draw::<S, D, R>(state, a, b, c),
         }
     }
