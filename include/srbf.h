@@ -576,7 +576,7 @@ srbf_status srbf_simd_set_level(uint32_t level);
 /// Integrates the product of two mixtures of round lobes over the domain that they share.
 ///
 /// For a material's mixture and one of lobes of radiance: the radiance that is reflected towards the viewer.
-/// Shapes: `integral` [3], overwritten. Status: `SRBF_STATUS_SQUEEZED`.
+/// Shapes: `integral` [3], overwritten. Status: `SRBF_STATUS_SQUEEZED`; `SRBF_STATUS_AMPLITUDE` where floats overflow.
 srbf_status srbf_mixture_inner_product(const struct srbf_mixture *a,
                                        const struct srbf_mixture *b,
                                        float *integral);
@@ -1025,7 +1025,7 @@ srbf_status srbf_light_block_draw(const struct srbf_environment *environment,
 /// of the surface itself, below which light counts nothing; `u` [3][count], `count` from 1 to 16, 8 serve well, uniform numbers in
 /// [0, 1): the first of all directions of the lobes, then the second, then the third; the first direction is the path's own ray,
 /// the others may be its shifts along a lattice; `choice` one more; `reflection` one, overwritten. Status: `SRBF_STATUS_ARGUMENT`
-/// for a count out of range.
+/// for a count out of range; `SRBF_STATUS_AMPLITUDE` where floats overflow.
 srbf_status srbf_mixture_reflect(const struct srbf_mixture *mixture,
                                  const struct srbf_environment *environment,
                                  const struct srbf_light_block *block,

@@ -13,7 +13,7 @@ use srbf_core::{Error, Gaussian, Lobe, Mixture, Vec3};
 /// Integrates the product of two mixtures of round lobes over the domain that they share.
 ///
 /// For a material's mixture and one of lobes of radiance: the radiance that is reflected towards the viewer.
-/// Shapes: `integral` [3], overwritten. Status: `SRBF_STATUS_SQUEEZED`.
+/// Shapes: `integral` [3], overwritten. Status: `SRBF_STATUS_SQUEEZED`; `SRBF_STATUS_AMPLITUDE` where floats overflow.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_mixture_inner_product(
     a: *const srbf_mixture,

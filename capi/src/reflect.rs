@@ -128,7 +128,7 @@ pub unsafe extern "C" fn srbf_light_block_draw(
 /// of the surface itself, below which light counts nothing; `u` [3][count], `count` from 1 to 16, 8 serve well, uniform numbers in
 /// [0, 1): the first of all directions of the lobes, then the second, then the third; the first direction is the path's own ray,
 /// the others may be its shifts along a lattice; `choice` one more; `reflection` one, overwritten. Status: `SRBF_STATUS_ARGUMENT`
-/// for a count out of range.
+/// for a count out of range; `SRBF_STATUS_AMPLITUDE` where floats overflow.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_mixture_reflect(
     mixture: *const srbf_mixture,

@@ -86,7 +86,7 @@ fn text(status: srbf_status) -> &'static CStr {
         SRBF_STATUS_UNIFORM => c"a uniform number must be within [0, 1)",
         SRBF_STATUS_AXIS => c"the axis of a lobe must be a finite unit vector",
         SRBF_STATUS_SHARPNESS => c"the sharpness of a lobe must be within [0, 1e8]",
-        SRBF_STATUS_AMPLITUDE => c"an amplitude must be finite, of a luminance that is not negative, and no channel beyond 32 times that",
+        SRBF_STATUS_AMPLITUDE => c"an amplitude and its integrals must be finite, its luminance not negative, and no channel beyond 32 times that",
         SRBF_STATUS_SQUEEZE => c"a squeeze must be within [0.01, 2]",
         SRBF_STATUS_CAPACITY => c"the mixture has room for fewer lobes than are needed",
         SRBF_STATUS_SQUEEZED => c"squeezed lobes, diffuse terms and factors have no product in closed form",

@@ -10,8 +10,8 @@ pub enum Error {
     Axis,
     /// The sharpness is NaN, negative, or above [`MAX_SHARPNESS`](crate::MAX_SHARPNESS).
     Sharpness,
-    /// An amplitude is NaN or infinite, its luminance negative or a channel more than 32 times that; or the
-    /// integral of a mixture is infinite; or the mixture has no room for a diffuse term.
+    /// An amplitude is NaN or infinite, its luminance negative or a channel more than 32 times that; or an
+    /// integral is infinite; or the mixture has no room for a diffuse term.
     Amplitude,
     /// The squeeze is NaN or outside [0.01, 2].
     Squeeze,
@@ -72,7 +72,7 @@ impl fmt::Display for Error {
             Self::Axis => f.write_str("the axis of a lobe must be a finite unit vector"),
             Self::Sharpness => f.write_str("the sharpness of a lobe must be within [0, 1e8]"),
             Self::Amplitude => f.write_str(
-                "an amplitude must be finite, of a luminance that is not negative, \
+                "an amplitude and its integrals must be finite, its luminance not negative, \
                  and no channel beyond 32 times that",
             ),
             Self::Squeeze => f.write_str("a squeeze must be within [0.01, 2]"),

@@ -149,7 +149,8 @@ impl<const N: usize> Mixture<'_, N> {
     /// serve well. `choice` one more number. Block, `u` and `choice` are independent of each other.
     ///
     /// # Errors
-    /// [`Error::Length`] for slices of different lengths, or of none or too many.
+    /// [`Error::Length`] for slices of different lengths, or of none or too many; [`Error::Amplitude`] where the
+    /// reflected light overflows f32.
     ///
     /// # Examples
     /// ```
@@ -208,6 +209,7 @@ impl<const N: usize> Mixture<'_, N> {
             drawn.shadow_value = chosen.value;
             drawn.shadow_light = chosen.light * (chosen.over_probability / LIGHT_BLOCK as f32);
         }
-        Ok(drawn)
+        let both = drawn.ray_light * drawn.ray_value + drawn.shadow_light * drawn.shadow_value;
+        if (drawn.block_sum + drawn.ray_sum + both).is_finite() { Ok(drawn) } else { Err(Error::Amplitude) }
     }
 }

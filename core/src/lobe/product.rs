@@ -129,10 +129,17 @@ impl Lobe {
         Self { gaussian: product.gaussian, amplitude }
     }
 
-    /// Integrates the product of two lobes over the sphere.
+    /// Integrates the product of two lobes over the sphere. Infinite where f32 overflows.
     #[doc(alias = "spherical singular integral")]
     pub fn inner_product(&self, other: &Self) -> Vec3 {
-        self.product(other).integral()
+        self.integrated_product(other, Gaussian::integral)
+    }
+
+    /// The product of two lobes by an integral of its Gaussian. The product alone may overflow where this does not.
+    pub(crate) fn integrated_product(&self, other: &Self, integral: impl Fn(&Gaussian) -> f32) -> Vec3 {
+        let product = self.gaussian.product(&other.gaussian);
+        let root = float::sqrt(integral(&product.gaussian));
+        attenuate(self.amplitude * root, other.amplitude * root, product.exponent)
     }
 
     /// The lobe mirrored in z = 0.

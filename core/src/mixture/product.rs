@@ -55,7 +55,7 @@ impl<const N: usize> Mixture<'_, N> {
     /// over the sphere. Between a folded mixture and one on the sphere by [`Gaussian::hemisphere_integral`].
     ///
     /// # Errors
-    /// [`Error::Squeezed`], for squeezed lobes, diffuse terms and factors.
+    /// [`Error::Squeezed`], for squeezed lobes, diffuse terms and factors; [`Error::Amplitude`] where f32 overflows.
     #[doc(alias = "spherical singular integral")]
     pub fn inner_product<const M: usize>(&self, other: &Mixture<'_, M>) -> Result<Vec3, Error> {
         self.check_round()?;
@@ -73,12 +73,11 @@ impl<const N: usize> Mixture<'_, N> {
         } else {
             for a in self.unfolded() {
                 for b in other.unfolded() {
-                    let product = a.product(&b);
-                    sum += product.amplitude * product.gaussian.hemisphere_integral();
+                    sum += a.integrated_product(&b, Gaussian::hemisphere_integral);
                 }
             }
         }
-        Ok(sum)
+        if sum.is_finite() { Ok(sum) } else { Err(Error::Amplitude) }
     }
 
     fn check_round(&self) -> Result<(), Error> {

@@ -2,7 +2,11 @@
 
 use super::input::{above, any_direction, put_right, random, uniform};
 use crate::inputs::Random;
-use srbf_core::{Environment, Error, Material, Mixture, ProductSampling, environment_len};
+use glam::Vec3;
+use srbf_core::{
+    Environment, Error, LIGHT_BLOCK, LightBlock, MAX_REFLECT_RAYS, Material, Mixture, ProductSampling,
+    environment_len,
+};
 
 /// Words of the head of a table.
 const HEAD: usize = 16;
@@ -109,6 +113,7 @@ pub fn product(bytes: &[u8]) -> bool {
         let u: [Vec<f32>; 3] =
             core::array::from_fn(|_| (0..candidates).map(|_| uniform(&mut random)).collect());
         let choice = uniform(&mut random);
+        reflect(&mixture, &environment, &frame, &u, choice, &mut random);
         let drawn = mixture
             .sample_product(&environment, &frame, &sampling, u.each_ref().map(|u| &u[..]), choice)
             .expect("three numbers a candidate");
@@ -131,4 +136,32 @@ pub fn product(bytes: &[u8]) -> bool {
         }
     }
     true
+}
+
+/// Many directions of both at once: light that is a number, or an error where it is more than a float holds.
+fn reflect(
+    mixture: &Mixture<'_, 64>,
+    environment: &Environment<Vec<u32>>,
+    frame: &[Vec3; 3],
+    u: &[Vec<f32>; 3],
+    choice: f32,
+    random: &mut Random,
+) {
+    let numbers: [[f32; LIGHT_BLOCK]; 3] =
+        core::array::from_fn(|_| core::array::from_fn(|_| uniform(random)));
+    let block = LightBlock::new(environment, numbers.each_ref());
+    let rays = u[0].len().min(MAX_REFLECT_RAYS);
+    let u = u.each_ref().map(|u| &u[..rays]);
+    let drawn = match mixture.reflect(environment, &block, frame, frame[2], u, choice) {
+        Ok(drawn) => drawn,
+        Err(error) => return assert_eq!(error, Error::Amplitude),
+    };
+    for (ray, shadow) in [(false, false), (false, true), (true, false), (true, true)] {
+        assert!(
+            !drawn.light(ray, shadow).is_nan(),
+            "powers {} and {}: {drawn:?}",
+            environment.power(),
+            mixture.power()
+        );
+    }
 }

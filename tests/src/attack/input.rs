@@ -3,7 +3,8 @@
 use crate::inputs::Random;
 use glam::Vec3;
 
-/// Writes the length and the checksum that the bytes should have, so that the fields behind them are reached.
+/// Writes the length and the checksum that the bytes should have, so that the fields behind them are reached. The checksum is
+/// CRC-32 (IEEE 802.3).
 pub fn put_right(bytes: &mut [u8]) {
     if bytes.len() < 48 {
         return;
@@ -11,24 +12,13 @@ pub fn put_right(bytes: &mut [u8]) {
     let length = bytes.len() as u32;
     bytes[16..20].copy_from_slice(&length.to_le_bytes());
     let end = bytes.len() - 4;
-    let crc = crc32(&bytes[..end]);
+    let crc = crc32fast::hash(&bytes[..end]);
     bytes[end..].copy_from_slice(&crc.to_le_bytes());
-}
-
-/// CRC-32 (IEEE 802.3, bit by bit), so that damage gets past the checksum.
-fn crc32(bytes: &[u8]) -> u32 {
-    !bytes.iter().fold(!0u32, |mut crc, &byte| {
-        crc ^= u32::from(byte);
-        for _ in 0..8 {
-            crc = if crc & 1 == 1 { 0xedb8_8320 ^ (crc >> 1) } else { crc >> 1 };
-        }
-        crc
-    })
 }
 
 /// Random numbers that follow from the bytes, so that an input always does the same.
 pub fn random(bytes: &[u8]) -> Random {
-    Random(u64::from(crc32(bytes)))
+    Random(u64::from(crc32fast::hash(bytes)))
 }
 
 /// A direction: any, or one of those where formulas change.
