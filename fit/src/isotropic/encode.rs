@@ -6,6 +6,7 @@ use crate::isotropic::model::parameters::Layout;
 use crate::isotropic::tuning::encode::{FACTORED_LOOKS, LOOKS, MOST, MOST_DIFFERENCE};
 use crate::isotropic::tuning::factors::AVERAGED_TO_STORE;
 use crate::table::luminance;
+use rayon::prelude::*;
 use srbf_core::{FactorTable, Line, PlaneLobe, View, encoded_len};
 use std::f64::consts::{FRAC_PI_2, LOG2_E};
 
@@ -42,13 +43,19 @@ pub(crate) fn encode(
     let p = layout.stride();
     let mut x = x.to_vec();
     let last = layout.view_angles.len() - 1;
-    let mut albedos = Vec::new();
-    let mut is_lowered = false;
+    let all = |x: &[f64]| -> Vec<Vec<Albedo>> {
+        (0..last.max(1)).into_par_iter().map(|stored| Albedo::around(layout, x, factors, stored)).collect()
+    };
+    let mut albedos = all(&x);
+    let (mut is_lowered, mut is_before_lowered) = (false, false);
     for stored in 0..last.max(1) {
-        albedos.push(Albedo::around(layout, &x, factors, stored));
+        if is_before_lowered {
+            albedos[stored] = Albedo::around(layout, &x, factors, stored);
+        }
         let channels = albedos[stored].iter().flat_map(|albedo| albedo.factored);
         let most = channels.fold(0.0, f64::max);
-        if most > MOST {
+        is_before_lowered = most > MOST;
+        if is_before_lowered {
             is_lowered = true;
             for k in stored..=(stored + 1).min(last) {
                 layout.luminances().for_each(|i| x[k * p + i] -= libm::log(most / MOST));
@@ -56,7 +63,7 @@ pub(crate) fn encode(
         }
     }
     if is_lowered && factors.is_some() {
-        albedos = (0..last.max(1)).map(|stored| Albedo::around(layout, &x, factors, stored)).collect();
+        albedos = all(&x);
     }
 
     let log2 = |v: f64| (v * LOG2_E) as f32;

@@ -113,10 +113,16 @@ impl Factors {
 
     /// The factors of two directions.
     pub fn at(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
-        let NodeShares { cell, shares } = place(self.size, wi, wo);
+        let NodeShares { cell: [i, j, k], shares } = place(self.size, wi, wo);
+        // Nodes that stand for others have their factors too, so that none has to be looked up.
+        let [half, difference, azimuth] = self.size.nodes;
+        let plane = half * difference;
+        let start = k * plane + i * difference + j;
+        let z_on = if k + 1 < azimuth { plane } else { 0 };
         let mut sum = [0.0; 3];
-        for (node, share) in corners(self.size, cell).into_iter().zip(shares) {
-            (0..3).for_each(|c| sum[c] += share * self.nodes[node][c]);
+        for (corner, share) in shares.into_iter().enumerate() {
+            let node = &self.nodes[start + (corner & 1) * difference + (corner >> 1 & 1) + (corner >> 2) * z_on];
+            (0..3).for_each(|c| sum[c] += share * node[c]);
         }
         sum
     }
@@ -125,11 +131,17 @@ impl Factors {
     pub fn means(&self, layout: &Layout, q: &[f64], theta: f64, averaged: usize) -> Vec<[f64; 3]> {
         let (sin, cos) = libm::sincos(theta);
         let wo = [-sin, 0.0, cos];
-        let mean = |direction: &dyn Fn(f64, f64) -> [f64; 3]| {
-            let mut sum = [0.0; 3];
-            for i in 0..averaged {
+        // Shares of a lobe, and sine and cosine about its axis.
+        let spiral: Vec<(f64, (f64, f64))> = (0..averaged)
+            .map(|i| {
                 let u = (i as f64 + 0.5) / averaged as f64;
-                let factor = self.at(direction(u, (GOLDEN_ANGLE * i as f64) % TAU), wo);
+                (u, libm::sincos((GOLDEN_ANGLE * i as f64) % TAU))
+            })
+            .collect();
+        let mean = |direction: &dyn Fn(f64, (f64, f64)) -> [f64; 3]| {
+            let mut sum = [0.0; 3];
+            for (u, turn) in &spiral {
+                let factor = self.at(direction(*u, *turn), wo);
                 (0..3).for_each(|c| sum[c] += factor[c] / averaged as f64);
             }
             sum
@@ -143,9 +155,10 @@ impl Factors {
             let along = [cos_a, 0.0, -sin_a];
             let across = [-sin_a * sin_b, cos_b, -cos_a * sin_b];
             let squeeze = if k < layout.squeezed { libm::exp(q[0]) } else { 1.0 };
-            mean(&|u, phi| {
-                let w = (-libm::log1p(u * libm::expm1(-2.0 * s)) / s).min(2.0);
-                let (r, (sp, cp)) = (libm::sqrt(w * (2.0 - w)), libm::sincos(phi));
+            let outside = libm::expm1(-2.0 * s);
+            mean(&|u, (sp, cp)| {
+                let w = (-libm::log1p(u * outside) / s).min(2.0);
+                let r = libm::sqrt(w * (2.0 - w));
                 let mut d = [0, 1, 2].map(|i| axis[i] * (1.0 - w) + r * (along[i] * cp + across[i] * sp));
                 d[1] *= squeeze;
                 let length = libm::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
@@ -153,8 +166,7 @@ impl Factors {
             })
         };
         let mut means: Vec<[f64; 3]> = (0..layout.lobes).map(lobe).collect();
-        means.push(mean(&|u, phi| {
-            let (sp, cp) = libm::sincos(phi);
+        means.push(mean(&|u, (sp, cp)| {
             let r = libm::sqrt(u);
             [r * cp, r * sp, libm::sqrt(1.0 - u)]
         }));
