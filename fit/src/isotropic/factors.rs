@@ -121,7 +121,8 @@ impl Factors {
         let z_on = if k + 1 < azimuth { plane } else { 0 };
         let mut sum = [0.0; 3];
         for (corner, share) in shares.into_iter().enumerate() {
-            let node = &self.nodes[start + (corner & 1) * difference + (corner >> 1 & 1) + (corner >> 2) * z_on];
+            let node =
+                &self.nodes[start + (corner & 1) * difference + (corner >> 1 & 1) + (corner >> 2) * z_on];
             (0..3).for_each(|c| sum[c] += share * node[c]);
         }
         sum
