@@ -17,6 +17,9 @@ use srbf_core::{Material, PackOptions};
 /// Views that a packed material is judged at.
 const JUDGED_VIEWS: usize = 12;
 
+/// Fewest nodes over the azimuth of a table that is fitted with its sign: three nodes are better used without.
+const FEWEST_SIGNED: usize = 5;
+
 /// The measurement or the fit that a material is packed from.
 pub struct Subject<'a> {
     content: &'a Content,
@@ -103,7 +106,9 @@ impl<'a> Subject<'a> {
         }
         let factors = match form.factors {
             None => FactorNodes::None,
-            Some(nodes) if nodes[2] > 1 && self.whole.has_signed_factors() => FactorNodes::Signed(nodes),
+            Some(nodes) if nodes[2] >= FEWEST_SIGNED && self.whole.has_signed_factors() => {
+                FactorNodes::Signed(nodes)
+            }
             Some(nodes) => FactorNodes::Given(nodes),
         };
         let few = Settings {
