@@ -59,7 +59,7 @@ impl Linear for Linearized {
         self.matrix.diagonal()
     }
     /// By conjugate gradients.
-    fn step(&self, added: &[f64], free: &[bool]) -> Option<Vec<f64>> {
+    fn step(&mut self, added: &[f64], free: &[bool]) -> Option<Vec<f64>> {
         let downhill: Vec<f64> = self.gradient.iter().map(|g| -g).collect();
         self.matrix.solve(added, free, &downhill, TOLERANCE, INNER_STEPS)
     }

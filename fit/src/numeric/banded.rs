@@ -10,7 +10,7 @@ use pulp::{NullaryFnOnce, Simd, WithSimd};
 ///
 /// Shapes: `n` rows, filled up to a multiple of [`WIDE`], of `width` chunks, the first the one with the diagonal; elements past
 /// the band or past column `n` are 0.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct Banded {
     n: usize,
     band: usize,
@@ -27,11 +27,27 @@ const WIDE: usize = 8;
 #[repr(align(64))]
 struct Chunk([f64; WIDE]);
 
+impl Clone for Banded {
+    fn clone(&self) -> Self {
+        Self { rows: self.rows.clone(), ..*self }
+    }
+    /// In the memory that is there.
+    fn clone_from(&mut self, source: &Self) {
+        (self.n, self.band, self.width) = (source.n, source.band, source.width);
+        self.rows.clone_from(&source.rows);
+    }
+}
+
 impl Banded {
     /// The zero matrix of `n` rows with `band` numbers off the diagonal on either side.
     pub fn zeros(n: usize, band: usize) -> Self {
         let width = band.div_ceil(WIDE) + 1;
         Self { n, band, width, rows: vec![ZERO; n.next_multiple_of(WIDE) * width] }
+    }
+
+    /// The zero matrix again.
+    pub fn clear(&mut self) {
+        self.rows.fill(ZERO);
     }
 
     /// Chunk of the element in row `i`, column `j`, which is also that in row `j`, column `i`, and its place there. `i >= j`.

@@ -35,6 +35,11 @@ pub(crate) trait LeastSquares {
     }
     fn cost(&self, x: &[f64]) -> f64;
     fn linearize(&self, x: &[f64]) -> Self::Linear;
+    /// [`linearize`](Self::linearize) in the memory of one that is not needed any more.
+    fn linearize_in(&self, x: &[f64], memory: Self::Linear) -> Self::Linear {
+        drop(memory);
+        self.linearize(x)
+    }
 }
 
 /// A sum of squares linearised at a point.
@@ -46,7 +51,7 @@ pub(crate) trait Linear {
     /// The diagonal that damping is relative to.
     fn scale(&self) -> Vec<f64>;
     /// Solves `(matrix + diagonal added) step = -gradient` for the unknowns that are free, others staying; `None` if it cannot be solved.
-    fn step(&self, added: &[f64], free: &[bool]) -> Option<Vec<f64>>;
+    fn step(&mut self, added: &[f64], free: &[bool]) -> Option<Vec<f64>>;
 }
 
 /// When to stop.
@@ -120,9 +125,7 @@ pub(crate) fn minimize<P: LeastSquares>(
             damping = (damping * (1.0 - cube * cube * cube).max(1.0 / 3.0)).max(1e-9);
             growth = 2.0;
             *x = moved;
-            // One matrix at a time.
-            drop(at);
-            at = problem.linearize(x);
+            at = problem.linearize_in(x, at);
             history.push(at.cost());
             let n = history.len();
             if n > LOOKED_BACK && history[n - 1 - LOOKED_BACK] - at.cost() < limits.improvement * at.cost() {
@@ -164,7 +167,7 @@ mod tests {
         fn scale(&self) -> Vec<f64> {
             (0..2).map(|i| self.rows.iter().map(|row| row[i] * row[i]).sum()).collect()
         }
-        fn step(&self, added: &[f64], free: &[bool]) -> Option<Vec<f64>> {
+        fn step(&mut self, added: &[f64], free: &[bool]) -> Option<Vec<f64>> {
             let at = |i: usize, j: usize| self.rows.iter().map(|row| row[i] * row[j]).sum::<f64>();
             let (a, b, d) = (at(0, 0) + added[0], at(0, 1), at(1, 1) + added[1]);
             let g = self.gradient;

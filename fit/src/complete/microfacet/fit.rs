@@ -206,7 +206,7 @@ impl Linear for At {
     fn scale(&self) -> Vec<f64> {
         (0..UNKNOWNS).map(|i| self.gram[i][i]).collect()
     }
-    fn step(&self, added: &[f64], free: &[bool]) -> Option<Vec<f64>> {
+    fn step(&mut self, added: &[f64], free: &[bool]) -> Option<Vec<f64>> {
         let mut matrix = Square::zeros(UNKNOWNS);
         for i in 0..UNKNOWNS {
             for j in 0..UNKNOWNS {

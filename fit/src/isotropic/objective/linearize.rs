@@ -44,9 +44,31 @@ pub(crate) struct Linearized {
     /// Diagonal of the matrix without the albedo terms, to which damping is relative: those terms are stiff in one direction
     /// and must not hold up the others.
     pub scale: Vec<f64>,
+    /// Room for the matrix with damping, from the first step on. Matrices of 64 lobes have 28 MB each, and an allocator that gets
+    /// and gives them at every step keeps some times as much.
+    pub damped: Option<Banded>,
 }
 
 impl Linearized {
+    /// Zeros for unknowns of which a view has `p`.
+    fn zeros(unknowns: usize, p: usize) -> Self {
+        Self {
+            cost: 0.0,
+            gradient: vec![0.0; unknowns],
+            scale: vec![0.0; unknowns],
+            matrix: Banded::zeros(unknowns, (2 * p).min(unknowns - 1)),
+            damped: None,
+        }
+    }
+
+    /// Zeros again.
+    fn clear(&mut self) {
+        self.cost = 0.0;
+        self.gradient.fill(0.0);
+        self.scale.fill(0.0);
+        self.matrix.clear();
+    }
+
     /// Adds a view to the stored views round it.
     fn add(&mut self, mut block: Block) {
         block.mirror();
@@ -74,14 +96,15 @@ impl Linearized {
 impl Objective {
     /// The problem linearised at a point. The cost is that of [`cost`](Self::cost).
     pub fn linearize(&self, x: &[f64], weights: Weights) -> Linearized {
+        self.linearize_in(x, weights, Linearized::zeros(self.layout.len(), self.layout.stride()))
+    }
+
+    /// The same in the memory of one with as many unknowns.
+    pub fn linearize_in(&self, x: &[f64], weights: Weights, memory: Linearized) -> Linearized {
         let layout = &self.layout;
         let p = layout.stride();
-        let mut sum = Linearized {
-            cost: 0.0,
-            gradient: vec![0.0; layout.len()],
-            scale: vec![0.0; layout.len()],
-            matrix: Banded::zeros(layout.len(), (2 * p).min(layout.len() - 1)),
-        };
+        let mut sum = memory;
+        sum.clear();
         for views in self.views.chunks(TOGETHER) {
             let view = |view| self.linearize_view(view, x, weights.energy);
             let blocks: Vec<Block> = views.par_iter().map(view).collect();

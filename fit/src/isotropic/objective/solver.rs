@@ -36,6 +36,9 @@ impl LeastSquares for Weighted<'_> {
     fn linearize(&self, x: &[f64]) -> Linearized {
         self.objective.linearize(x, self.weights)
     }
+    fn linearize_in(&self, x: &[f64], memory: Linearized) -> Linearized {
+        self.objective.linearize_in(x, self.weights, memory)
+    }
 }
 
 impl Linear for Linearized {
@@ -48,8 +51,9 @@ impl Linear for Linearized {
     fn scale(&self) -> Vec<f64> {
         self.scale.clone()
     }
-    fn step(&self, added: &[f64], free: &[bool]) -> Option<Vec<f64>> {
-        let mut matrix = self.matrix.clone();
+    fn step(&mut self, added: &[f64], free: &[bool]) -> Option<Vec<f64>> {
+        let matrix = self.damped.get_or_insert_with(|| self.matrix.clone());
+        matrix.clone_from(&self.matrix);
         let mut step: Vec<f64> = self.gradient.iter().map(|g| -g).collect();
         for i in 0..step.len() {
             if free[i] {
