@@ -48,11 +48,11 @@ pub(crate) fn encode(
     };
     let mut albedos = all(&x);
     let (mut is_lowered, mut is_before_lowered) = (false, false);
-    for stored in 0..last.max(1) {
+    for (stored, albedos) in albedos.iter_mut().enumerate() {
         if is_before_lowered {
-            albedos[stored] = Albedo::around(layout, &x, factors, stored);
+            *albedos = Albedo::around(layout, &x, factors, stored);
         }
-        let channels = albedos[stored].iter().flat_map(|albedo| albedo.factored);
+        let channels = albedos.iter().flat_map(|albedo| albedo.factored);
         let most = channels.fold(0.0, f64::max);
         is_before_lowered = most > MOST;
         if is_before_lowered {
