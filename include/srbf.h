@@ -494,7 +494,7 @@ typedef void (*srbf_brdf)(void *user, const float *wi, const float *wo, float *f
 /// A sharpness is NaN or outside [0, 1e8].
 #define SRBF_STATUS_SHARPNESS 12
 
-/// An amplitude is NaN or infinite, its luminance negative, or a channel beyond 32 times that.
+/// An amplitude is NaN or infinite, its luminance negative, or a channel beyond 32 times that; or an integral is infinite.
 #define SRBF_STATUS_AMPLITUDE 13
 
 /// A squeeze is NaN or outside [0.01, 2].

@@ -32,7 +32,7 @@ pub const SRBF_STATUS_UNIFORM: srbf_status = 10;
 pub const SRBF_STATUS_AXIS: srbf_status = 11;
 /// A sharpness is NaN or outside [0, 1e8].
 pub const SRBF_STATUS_SHARPNESS: srbf_status = 12;
-/// An amplitude is NaN or infinite, its luminance negative, or a channel beyond 32 times that.
+/// An amplitude is NaN or infinite, its luminance negative, or a channel beyond 32 times that; or an integral is infinite.
 pub const SRBF_STATUS_AMPLITUDE: srbf_status = 13;
 /// A squeeze is NaN or outside [0.01, 2].
 pub const SRBF_STATUS_SQUEEZE: srbf_status = 14;
