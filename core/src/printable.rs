@@ -89,6 +89,25 @@ mod tests {
             assert!(is_written == is_hidden(c), "{text}");
             assert!(!text.chars().any(is_hidden), "{text}");
         }
+        // By numbers, whatever the function above says.
+        for codes in [
+            0..=0x1f,
+            0x7f..=0x9f,
+            0xad..=0xad,
+            0x61c..=0x61c,
+            0x180e..=0x180e,
+            0x200b..=0x200f,
+            0x2028..=0x202e,
+            0x2060..=0x206f,
+            0xfeff..=0xfeff,
+            0xfff9..=0xfffb,
+            0xe0000..=0xe0fff,
+        ] {
+            for c in codes.filter_map(char::from_u32) {
+                let spelled = std::format!("a\\u{{{:x}}}b", u32::from(c));
+                assert_eq!(printable(&std::format!("a{c}b")).to_string(), spelled);
+            }
+        }
         assert_eq!(printable("").to_string(), "");
         assert_eq!(printable("\n\n").to_string(), "\\u{a}\\u{a}");
         assert_eq!(printable_lines("a\n\r\nb").to_string(), "a\n\\u{d}\nb");

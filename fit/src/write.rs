@@ -187,6 +187,18 @@ mod tests {
         std::fs::remove_dir_all(folder).unwrap();
     }
 
+    #[test]
+    fn leftovers_of_killed_processes_go_with_the_next_file() {
+        let folder = folder("leftovers");
+        std::fs::create_dir_all(&folder).unwrap();
+        // Nobody has locked it.
+        std::fs::write(folder.join(".srbf-1-0.part"), b"half").unwrap();
+        write_atomically(&folder.join("whole"), b"bytes").unwrap();
+        let names = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name());
+        assert_eq!(names.collect::<Vec<_>>(), ["whole"]);
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+
     /// A folder or a device stays, whether it is there under its name or behind a link.
     #[cfg(unix)]
     #[test]

@@ -467,6 +467,7 @@ fn hostile_bytes_are_refused_with_the_place() {
     let padding = text + 8 + PROVENANCE.len();
     assert_eq!(refused(padding - 3, *b"xxxx"), field("bytes between blocks (must be 0)", padding));
     assert_eq!(refused(36, [1, 0, 0, 0]), field("reserved field", 36));
+    assert_eq!(refused(text + 8, [0xff; 4]), field("provenance (not UTF-8)", text + 8));
 
     // Colour differences: of the diffuse term of the second view, and of its third lobe.
     let head = 48 + 4 * (3 + 4);

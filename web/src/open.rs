@@ -2,7 +2,7 @@
 
 use crate::points::points;
 use serde_json::{Value, json};
-use srbf_core::{Material, printable_lines};
+use srbf_core::{Material, printable, printable_lines};
 use srbf_evaluator::plain_bytes;
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Report, factor_words};
@@ -31,6 +31,7 @@ pub struct Opened {
 /// In words, with the name of the file and the place of the fault.
 pub fn open(name: &str, bytes: &[u8], progress: impl FnMut(f64) + Send) -> Result<Opened, String> {
     if bytes.starts_with(MAGIC) {
+        let name = &printable(name).to_string();
         let material = Material::from_bytes(bytes).map_err(|error| format!("{name}: {error}"))?;
         let json = json!({"name": stem(name), "facts": facts(&material), "findings": [], "verdict": [], "data": null});
         return Ok(Opened { bytes: plain_bytes(&material).into_owned(), json });
@@ -125,6 +126,22 @@ mod tests {
         assert!(error.starts_with("a.srbf: "), "{error}");
         let error = open("b.csv", b"neither, one\nnor, the other\n", |_| {}).unwrap_err();
         assert!(error.contains("b.csv"), "{error}");
+    }
+
+    #[test]
+    fn no_text_of_a_stranger_passes_as_it_is() {
+        let bytes = include_bytes!("../../fuzz/found/material/inspect-escape.srbf");
+        let name = "a\u{1b}[31m\u{202e}\nb.srbf";
+        let opened = open(name, bytes, |_| {}).unwrap();
+        assert_eq!(opened.json["name"], "a\\u{1b}[31m\\u{202e}\\u{a}b");
+        for fact in opened.json["facts"].as_array().unwrap() {
+            let text = fact[1].as_str().unwrap();
+            assert_eq!(text, printable_lines(text).to_string());
+        }
+        for bytes in [&b"\x89SRBF"[..], b"neither, one\nnor, the other\n"] {
+            let error = open(name, bytes, |_| {}).unwrap_err();
+            assert_eq!(error, printable(&error).to_string());
+        }
     }
 
     #[test]

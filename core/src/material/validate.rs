@@ -352,3 +352,116 @@ fn validate_grid(bytes: &[u8], header: &Header, shape: Shape) -> Result<(), Form
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::{Line, Material, PlaneLobe, View};
+    use std::vec;
+    use std::vec::Vec;
+
+    /// The bytes of a material with views at these angles, each of `count` equal lobes.
+    fn material(
+        thetas: &[f32],
+        count: usize,
+        squeezed: usize,
+        mirrored: usize,
+    ) -> Result<Vec<u8>, FormatError> {
+        let lobe = PlaneLobe {
+            angle: 0.0,
+            off_plane: 0.0,
+            log2_sharpness: 3.0,
+            log2_luminance: -1.0,
+            color_differences: [0.0; 2],
+        };
+        let lobes = vec![lobe; count];
+        let view = |&theta: &f32| View {
+            theta,
+            log2_squeeze: 0.0,
+            log2_diffuse: -3.0,
+            diffuse_color_differences: [0.0; 2],
+            lobes: &lobes,
+        };
+        let views: Vec<View<'_>> = thetas.iter().map(view).collect();
+        let line = Line { views: &views, squeezed, mirrored, factors: None };
+        let mut bytes = vec![0; line.encoded_len("test")];
+        line.encode("test", &mut bytes).map(|_| bytes)
+    }
+
+    fn field(name: &'static str, offset: usize) -> Result<Vec<u8>, FormatError> {
+        Err(FormatError::Field { name, offset })
+    }
+
+    /// As far as the room of a mixture and the bounds of the format go, and one further.
+    #[test]
+    fn counts_beyond_the_format_are_refused_with_their_place() {
+        for [count, squeezed, mirrored] in [[64, 64, 0], [63, 0, 1], [32, 0, 32], [1, 1, 0]] {
+            let bytes = material(&[0.0], count, squeezed, mirrored).unwrap();
+            assert_eq!(Material::from_bytes(bytes).unwrap().lobe_count(), count + mirrored);
+        }
+        for count in [0, 65] {
+            assert_eq!(material(&[0.0], count, 0, 0), field("number of lobes", 24));
+        }
+        assert_eq!(material(&[0.0], 3, 4, 0), field("number of squeezed lobes", 28));
+        for [count, squeezed, mirrored] in [[64, 0, 1], [33, 0, 32], [64, 0, 64], [3, 2, 2], [3, 0, 4]] {
+            let refused = material(&[0.0], count, squeezed, mirrored);
+            assert_eq!(refused, field("number of mirrored lobes", MIRRORED), "{count} {squeezed} {mirrored}");
+        }
+        let rising: Vec<f32> = (0..=MAX_VIEWS).map(|n| 1e-3 * n as f32).collect();
+        assert!(material(&rising[1..], 1, 0, 0).is_err() && material(&rising[..MAX_VIEWS], 1, 0, 0).is_ok());
+        assert_eq!(material(&rising, 1, 0, 0), field("number of views", 20));
+    }
+
+    #[test]
+    fn angles_of_views_rise_from_the_normal_or_are_refused_with_their_place() {
+        let (rise, angle) = ("angle of a view (must rise)", "angle of a view");
+        for (thetas, name, view) in [
+            ([0.0, 0.5, 0.5], rise, 2),
+            ([0.0, 0.5, 0.4], rise, 2),
+            ([0.0, 0.0, 0.4], rise, 1),
+            ([0.1, 0.2, 0.3], angle, 0),
+            ([0.0, -0.2, 0.3], angle, 1),
+            ([0.0, 0.2, 1.6], angle, 2),
+            ([0.0, f32::NAN, 0.3], angle, 1),
+        ] {
+            assert_eq!(material(&thetas, 1, 0, 0), field(name, 48 + 4 * view), "{thetas:?}");
+        }
+    }
+
+    /// Bytes of a material with some others at an offset, and the checksum that fits.
+    fn with(bytes: &[u8], offset: usize, put: &[u8]) -> Vec<u8> {
+        let mut changed = bytes.to_vec();
+        changed[offset..offset + put.len()].copy_from_slice(put);
+        let end = changed.len() - CHECKSUM;
+        let sum = crc32(&changed[..end]);
+        changed[end..].copy_from_slice(&sum.to_le_bytes());
+        changed
+    }
+
+    #[test]
+    fn no_number_may_be_nan_and_provenance_is_utf_8() {
+        let bytes = material(&[0.0, 0.7], 3, 1, 1).unwrap();
+        let Header { text, .. } = validate(&bytes).unwrap();
+        assert_eq!(with(&bytes, 40, b"LOBE"), bytes);
+        for offset in (48..text - BLOCK_HEAD).step_by(4) {
+            let refused = validate(&with(&bytes, offset, &f32::NAN.to_le_bytes())).err();
+            assert!(
+                matches!(refused, Some(FormatError::Field { offset: at, .. }) if at == offset),
+                "{offset}"
+            );
+        }
+        let refused = validate(&with(&bytes, text, &[0xff])).err();
+        assert_eq!(refused, field("provenance (not UTF-8)", text).err());
+    }
+
+    #[test]
+    fn every_flipped_bit_is_refused() {
+        let bytes = material(&[0.0, 0.7], 3, 1, 1).unwrap();
+        for at in 0..8 * bytes.len() {
+            let mut damaged = bytes.clone();
+            damaged[at / 8] ^= 1 << (at % 8);
+            assert!(validate(&damaged).is_err(), "bit {at}");
+        }
+    }
+}

@@ -73,3 +73,15 @@ fn layer(weights: &[f64], input: &[f64], out: &mut [f64]) {
         out.iter_mut().zip(row).for_each(|(o, w)| *o += v * w);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_of_the_largest_weights_are_finite() {
+        let networks = parse(&[f32::MAX.to_le_bytes(); NUMBERS].concat()).unwrap();
+        let value = networks[0].evaluate([0.6, 0.0, 0.8], [0.0, 0.0, 1.0]);
+        assert!(value.iter().all(|v| (1e29..=1e30).contains(v)), "{value:?}");
+    }
+}

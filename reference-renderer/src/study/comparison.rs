@@ -646,6 +646,16 @@ pub mod tests {
     }
 
     #[test]
+    fn a_reference_that_cannot_be_kept_fails_nothing() {
+        let file = std::env::temp_dir().join(format!("srbf-no-folder-{}", std::process::id()));
+        std::fs::write(&file, "").unwrap();
+        let kept = Plan { cache: Some(file.clone()), reference_samples: 64, ..plan(12, &["lobes"]) };
+        let result = on_sphere(&kept, LoadedMaterial::Lobes(lacquer()), false);
+        std::fs::remove_file(&file).unwrap();
+        assert!(!result.reference.was_kept && result.curves[0].points[5].mse.mean > 0.0);
+    }
+
+    #[test]
     fn ratios_of_what_is_not_known_are_not_known() {
         let points = |factor: f64| {
             [1u32, 4, 16].map(|n| point(n, 0.1 * f64::from(n), factor / f64::from(n).sqrt())).to_vec()

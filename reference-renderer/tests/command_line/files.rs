@@ -108,9 +108,12 @@ fn memory_that_is_not_there_is_an_error() {
     let sample = "0.1,0,0.99498743,0,0,1,0.2,0.1,0.05\n".repeat(1_000_000);
     text += &sample;
     std::fs::write(place.join("long.csv"), text).unwrap();
+    std::fs::write(place.join("short.csv"), rows()).unwrap();
     for (megabytes, arguments, says) in [
         (150, "fit long.csv -o out.srbf", &["long.csv", "of memory are needed"][..]),
         (20, "fit long.csv -o out.srbf", &["long.csv", "37 MB of memory are needed"]),
+        (300, "fit short.csv -o out.srbf", &["too little memory for the fit"]),
+        (300, "fit model:lambert:albedo=0.3 -o out.srbf", &["too little memory for the fit"]),
         (
             600,
             "render --material garnet_red --size 4096x4096 --spp 1 --threads 1 -o out.exr",

@@ -37,3 +37,12 @@ fn says_what_the_crates_say() {
     assert_eq!(default_of("exchanges"), format!("{}.", settings.exchanges));
     assert_eq!(default_of("smoothness"), format!("{:e}.", settings.smoothness));
 }
+
+/// A share of 0 or 1 is no error: whoever sets it is told of its weights.
+#[test]
+fn says_that_a_share_of_one_kind_has_weights_without_a_bound() {
+    let header = std::fs::read_to_string(root().join("include/srbf.h")).unwrap();
+    let (before, _) = header.split_once(" lobe_share;").expect("the settings have the field");
+    let (_, comment) = before.rsplit_once(" candidates;").expect("another stands before it");
+    assert!(comment.contains("a weight has no bound"), "{comment}");
+}

@@ -4,7 +4,7 @@ use super::container::{Field, Fields};
 use super::parse;
 use super::synthetic::{Settings, fields};
 use crate::analytic::ggx::{Facets, Ggx};
-use crate::table::{Brdf, Draws};
+use crate::table::{Brdf, Draws, direction};
 
 fn small(settings: Settings) -> Fields {
     let model = Ggx { diffuse: [0.1; 3], alpha: [0.3, 0.5], facets: Facets::Schlick([0.5; 3]) };
@@ -85,7 +85,7 @@ fn colours_of_isotropic_files_may_have_holes() {
         parse(&fields.encode())
     };
     let up = [0.0, 0.0, 1.0];
-    let grazing = crate::table::direction(1.4, 0.0);
+    let grazing = direction(1.4, 0.0);
     let some = holes(0.3).unwrap();
     // The first of three slices is that of the outgoing direction along the normal.
     assert!(some.has_holes() && some.measured(up, up) == 0.0 && some.measured(up, grazing) == 1.0);
@@ -93,6 +93,10 @@ fn colours_of_isotropic_files_may_have_holes() {
     // Draws, in pictures, see black there.
     let [u, g] = [up, grazing].map(|d| d.map(|v| v as f32));
     assert!([u, g].into_iter().all(|wi| some.look_up(wi, u).value.iter().all(|v| v.is_finite())));
+    // Between the first outgoing direction and the next, as much as was measured of the next.
+    let [mirror, between] = [std::f64::consts::PI, 0.0].map(|phi| direction(0.4, phi));
+    assert!(some.evaluate(mirror, between)[0].is_nan());
+    assert!(some.look_up(mirror.map(|v| v as f32), between.map(|v| v as f32)).value[0] > 0.0);
     assert!(!holes(0.0).unwrap().has_holes());
     let message = holes(1.0).unwrap_err().to_string();
     assert!(message.contains("no number was measured"), "{message}");
@@ -149,6 +153,37 @@ fn values_without_meaning_are_named() {
     assert!(error(anisotropic(), "vndf", &fill(0.0)).contains("vndf"));
     assert!(error(anisotropic(), "vndf", &fill(-1.0)).contains("vndf"));
     assert!(error(anisotropic(), "jacobian", &|field| field.bytes[0] = 7).contains("jacobian"));
+    // Numbers whose products and quotients are infinite.
+    for (name, value) in [
+        ("ndf", 1.1e30),
+        ("sigma", 1.1e30),
+        ("sigma", 0.9e-30),
+        ("vndf", 1.1e30),
+        ("rgb", 1.1e30),
+        ("rgb", -1.1e30),
+    ] {
+        let message = error(anisotropic(), name, &fill(value));
+        assert!(message.contains(name) && message.contains("was expected"), "{name}, {value}: {message}");
+    }
+    assert!(error(spectral(), "spectra", &fill(1.1e30)).contains("spectra"));
+}
+
+/// There a value would be 0 over 0.
+#[test]
+fn nothing_is_reflected_on_the_horizon_or_below_it() {
+    let (up, side, down) = (direction(0.4, 1.0), [1.0, 0.0, 0.0], [0.6, 0.0, -0.8]);
+    for fields in [anisotropic(), small(Settings::default())] {
+        let rgl = parse(&fields.encode()).unwrap();
+        assert!(rgl.evaluate(up, up)[0] > 0.0);
+        for [wi, wo] in
+            [[side, up], [up, side], [side, side], [[-1.0, 0.0, 0.0], side], [down, up], [up, down]]
+        {
+            let [narrow_wi, narrow_wo] = [wi, wo].map(|d| d.map(|v| v as f32));
+            let known = rgl.look_up(narrow_wi, narrow_wo);
+            assert_eq!((rgl.f_cos(wi, wo), rgl.evaluate(wi, wo)), ([0.0; 3], [0.0; 3]), "{wi:?}, {wo:?}");
+            assert_eq!((known.value, known.density), ([0.0; 3], 0.0), "{wi:?}, {wo:?}");
+        }
+    }
 }
 
 #[test]

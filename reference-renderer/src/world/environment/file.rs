@@ -203,6 +203,7 @@ mod tests {
     use super::Projection::{Angular, LatLong};
     use super::*;
     use crate::numbers::random::Random;
+    use std::sync::atomic::{AtomicU32, Ordering};
 
     /// A small map in new-style run lengths is impossible below 8 columns: 16 x 8, rows of four runs each.
     fn hdr() -> Vec<u8> {
@@ -217,7 +218,9 @@ mod tests {
     }
 
     fn exr(size: [u32; 2], pixels: &[Vec3]) -> Vec<u8> {
-        let name = format!("srbf-test-{}-{}.exr", std::process::id(), size[0]);
+        // Tests run side by side.
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let name = format!("srbf-test-{}-{}.exr", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
         let path = std::env::temp_dir().join(name);
         crate::out::picture_file::write_exr(&path, size, pixels).unwrap();
         let bytes = std::fs::read(&path).unwrap();
@@ -289,6 +292,11 @@ mod tests {
         pixels[77].y = f32::NAN;
         let error = format!("{:#}", from_exr(&exr([16, 8], &pixels), LatLong).err().unwrap());
         assert!(error.contains("column 13, row 4"), "{error}");
+        pixels[77].y = -1.0;
+        let error = format!("{:#}", from_exr(&exr([16, 8], &pixels), LatLong).err().unwrap());
+        assert!(error.contains("pixel 77: -1 where a radiance was expected"), "{error}");
+        pixels[77].y = -0.5 * ROUNDING;
+        assert!(from_exr(&exr([16, 8], &pixels), LatLong).is_ok());
         let square = format!("{:#}", from_exr(&exr([9, 9], &[Vec3::ONE; 81]), LatLong).err().unwrap());
         assert!(square.contains("twice as wide as high"), "{square}");
     }
