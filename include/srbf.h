@@ -447,6 +447,8 @@ typedef struct srbf_fit_settings {
     size_t steps;
     /// Most exchanges of lobes in a stage, 0 to 1000. Default: 15.
     size_t exchanges;
+    /// 1 for nodes over the azimuth from -1 to 1, see `srbf_material_info`, where `factor_nodes` are given; else 0, the default.
+    uint32_t has_signed_factors;
 } srbf_fit_settings;
 
 /// A BRDF of the caller: writes f (not times the cosine; linear sRGB, 1/sr) for two unit vectors with z > 0.
@@ -700,8 +702,8 @@ srbf_status srbf_material_prepare_into(const struct srbf_material *material,
 /// Gives the factor of a node. Status: `SRBF_STATUS_INDEX` past any end, and without a table.
 ///
 /// Nodes are evenly spaced from 0 to 1 in `(1 - h.z)^(1/4)`, in `(1 - h.wo)^(1/2)`, and in the squared cosine of an azimuth. It is
-/// that of `wo` round `h = (wi + wo) / |wi + wo|`, and the squared cosine is 1 in the plane of incidence. Shapes: `factor` [3],
-/// linear sRGB, overwritten.
+/// that of `wi` round `h = (wi + wo) / |wi + wo|`, and the squared cosine is 1 in the plane of incidence. Signed factors have it with
+/// the sign of the cosine, from -1 on. Shapes: `factor` [3], linear sRGB, overwritten.
 srbf_status srbf_material_factor_node(const struct srbf_material *material,
                                       size_t half,
                                       size_t difference,
@@ -711,7 +713,7 @@ srbf_status srbf_material_factor_node(const struct srbf_material *material,
 /// Evaluates the factor on the value of the lobes for a pair of directions above the horizon; 1 without a table.
 ///
 /// `srbf_mixture_evaluate` and all that gives values or weights has multiplied already; densities and draws are the lobes' alone.
-/// Shapes: `wo` and `wi` [3], unit vectors, which may be exchanged; `factor` [3], linear sRGB, overwritten.
+/// Shapes: `wo` and `wi` [3], unit vectors, which may be exchanged unless factors are signed; `factor` [3], linear sRGB, overwritten.
 srbf_status srbf_material_factor(const struct srbf_material *material,
                                  const float *wo,
                                  const float *wi,

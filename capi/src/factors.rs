@@ -11,8 +11,8 @@ use crate::status::{SRBF_STATUS_INDEX, srbf_status};
 /// Gives the factor of a node. Status: `SRBF_STATUS_INDEX` past any end, and without a table.
 ///
 /// Nodes are evenly spaced from 0 to 1 in `(1 - h.z)^(1/4)`, in `(1 - h.wo)^(1/2)`, and in the squared cosine of an azimuth. It is
-/// that of `wo` round `h = (wi + wo) / |wi + wo|`, and the squared cosine is 1 in the plane of incidence. Shapes: `factor` [3],
-/// linear sRGB, overwritten.
+/// that of `wi` round `h = (wi + wo) / |wi + wo|`, and the squared cosine is 1 in the plane of incidence. Signed factors have it with
+/// the sign of the cosine, from -1 on. Shapes: `factor` [3], linear sRGB, overwritten.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_material_factor_node(
     material: *const srbf_material,
@@ -32,7 +32,7 @@ pub unsafe extern "C" fn srbf_material_factor_node(
 /// Evaluates the factor on the value of the lobes for a pair of directions above the horizon; 1 without a table.
 ///
 /// `srbf_mixture_evaluate` and all that gives values or weights has multiplied already; densities and draws are the lobes' alone.
-/// Shapes: `wo` and `wi` [3], unit vectors, which may be exchanged; `factor` [3], linear sRGB, overwritten.
+/// Shapes: `wo` and `wi` [3], unit vectors, which may be exchanged unless factors are signed; `factor` [3], linear sRGB, overwritten.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn srbf_material_factor(
     material: *const srbf_material,

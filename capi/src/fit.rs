@@ -55,6 +55,8 @@ pub struct srbf_fit_settings {
     pub steps: usize,
     /// Most exchanges of lobes in a stage, 0 to 1000. Default: 15.
     pub exchanges: usize,
+    /// 1 for nodes over the azimuth from -1 to 1, see `srbf_material_info`, where `factor_nodes` are given; else 0, the default.
+    pub has_signed_factors: u32,
 }
 
 /// A BRDF of the caller: writes f (not times the cosine; linear sRGB, 1/sr) for two unit vectors with z > 0.
@@ -83,6 +85,7 @@ pub unsafe extern "C" fn srbf_fit_settings_default(settings: *mut srbf_fit_setti
             starts,
             steps,
             exchanges,
+            has_signed_factors: 0,
         });
         Ok(())
     })
@@ -236,6 +239,7 @@ unsafe fn settings(given: *const srbf_fit_settings) -> Result<Settings, Failure>
     let factors = match given.factor_nodes {
         [SRBF_FIT_AUTOMATIC, SRBF_FIT_AUTOMATIC, SRBF_FIT_AUTOMATIC] => FactorNodes::Chosen,
         [0, 0, 0] => FactorNodes::None,
+        nodes if given.has_signed_factors != 0 => FactorNodes::Signed(nodes),
         nodes => FactorNodes::Given(nodes),
     };
     Ok(Settings {

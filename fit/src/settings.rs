@@ -4,6 +4,7 @@ use crate::FitError;
 use crate::isotropic::model::parameters::Layout;
 use std::f64::consts::FRAC_PI_2;
 use std::ops::RangeInclusive;
+use std::str::FromStr;
 
 /// How a material is fitted.
 ///
@@ -70,6 +71,31 @@ pub enum FactorNodes {
     Given([usize; 3]),
     /// By such a table whose nodes over the azimuth know which direction is the higher one. It has the part that is not reciprocal.
     Signed([usize; 3]),
+}
+
+impl FromStr for FactorNodes {
+    type Err = String;
+
+    /// Reads `none`, `chosen`, or two or three numbers of nodes such as `24x6x3`, with `s` behind them for [`Signed`](Self::Signed).
+    fn from_str(text: &str) -> Result<Self, String> {
+        let given = || {
+            let (nodes, is_signed) = text.strip_suffix('s').map_or((text, false), |nodes| (nodes, true));
+            let numbers = nodes.split('x').map(|n| n.parse().ok()).collect::<Option<Vec<usize>>>()?;
+            match numbers[..] {
+                [half, difference, azimuth] if is_signed => Some(Self::Signed([half, difference, azimuth])),
+                [half, difference] if !is_signed => Some(Self::Given([half, difference, 1])),
+                [half, difference, azimuth] => Some(Self::Given([half, difference, azimuth])),
+                _ => None,
+            }
+        };
+        match text {
+            "none" => Ok(Self::None),
+            "chosen" => Ok(Self::Chosen),
+            _ => given().ok_or_else(|| {
+                "expected `none`, `chosen`, or numbers of nodes as in 24x6x3 or 24x6x5s".into()
+            }),
+        }
+    }
 }
 
 /// Views of an isotropic material.

@@ -119,7 +119,7 @@ def fit(
     lobes: int = 12,
     error: float | None = None,
     views: int | None = None,
-    factors: Literal["chosen", "none"] | tuple[int, int] | tuple[int, int, int] | None = None,
+    factors: str | tuple[int, int] | tuple[int, int, int] | None = None,
     squeezed: int | None = None,
     mirrored: int | None = None,
     smoothness: float | None = None,

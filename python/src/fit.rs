@@ -51,7 +51,7 @@ impl From {
 /// floats or one. It is called some million times, from one thread at a time.
 ///
 /// `lobes`: 1 to 64. `error`: the mean relative L2 error that is asked for; as few lobes as reach it are used, at most `lobes`. `views`:
-/// how many mixtures are stored. `factors`: "chosen", None, or the numbers of nodes `(half, difference, azimuth)`. `symmetry`: of a function,
+/// how many mixtures are stored. `factors`: "chosen", "none", or the numbers of nodes `(half, difference, azimuth)`, also as "24x6x3"; "24x6x5s" for signed ones. `symmetry`: of a function,
 /// "isotropic", "quadrant", "half turn" or "none". `progress`: True shows a bar, False nothing; a function is called with the share that is
 /// done, 0 to 1. An interruption (Ctrl-C, or the stop button of a notebook) ends the fit.
 #[pyfunction]
@@ -178,17 +178,13 @@ fn run(
 fn factor_nodes(factors: Option<&Bound<'_, PyAny>>) -> PyResult<FactorNodes> {
     let Some(factors) = factors else { return Ok(FactorNodes::Chosen) };
     if let Ok(word) = factors.extract::<String>() {
-        return match word.as_str() {
-            "chosen" => Ok(FactorNodes::Chosen),
-            "none" => Ok(FactorNodes::None),
-            _ => Err(PyValueError::new_err(format!(
-                "factors: \"chosen\", \"none\" or (half, difference, azimuth), not {word:?}"
-            ))),
-        };
+        return word
+            .parse()
+            .map_err(|error| PyValueError::new_err(format!("factors: {error}, not {word:?}")));
     }
     let expected = |_| {
         PyValueError::new_err(
-            "factors: \"chosen\", \"none\", (half, difference) or (half, difference, azimuth) is expected",
+            "factors: \"chosen\", \"none\", \"24x6x5s\" and the like, (half, difference) or (half, difference, azimuth) is expected",
         )
     };
     if let Ok([half, difference]) = factors.extract::<[usize; 2]>() {

@@ -185,3 +185,12 @@ def test_a_broken_file_is_named_with_its_place(tmp_path):
     path.write_bytes(b"\0" * 40)
     with pytest.raises(srbf.FitError, match="a.binary"):
         srbf.read(path)
+
+
+def test_factors_by_their_nodes():
+    model = "model:ggx:alpha=0.3,f0=0.9,diffuse=0.1"
+    signed = srbf.fit(model, lobes=3, factors="8x4x3s", **QUICK)
+    assert signed.has_signed_factors and "8 x 4 x 3 signed factors" in repr(signed)
+    assert not srbf.fit(model, lobes=3, factors=(8, 4, 3), **QUICK).has_signed_factors
+    with pytest.raises(ValueError, match="24x6x5s"):
+        srbf.fit(model, lobes=3, factors="many", **QUICK)

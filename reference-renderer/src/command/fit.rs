@@ -14,7 +14,7 @@ use crate::out::progress::Progress;
 use anyhow::{bail, ensure};
 use method::MethodName;
 use names::Job;
-pub use settings::{SettingArgs, factor_nodes};
+pub use settings::SettingArgs;
 use srbf_core::Material;
 use srbf_fit::complete::complete;
 use srbf_fit::judge::cross::{CrossValidation, cross_validate};

@@ -1,7 +1,6 @@
 //! `srbf pack`.
 
 use super::convention_args::ConventionArgs;
-use super::fit::factor_nodes;
 use crate::out::output;
 use crate::out::print::shown;
 use crate::out::progress::Progress;
@@ -46,7 +45,7 @@ pub struct Args {
     #[arg(long)]
     views: Option<usize>,
     /// `none`, or numbers of nodes as in 16x6x3 [default: all]
-    #[arg(long, value_name = "NODES", value_parser = factor_nodes)]
+    #[arg(long, value_name = "NODES")]
     factors: Option<FactorNodes>,
     /// The smallest of nine forms whose error is at most this; it goes without numbers of lobes, views and factors
     #[arg(long, value_name = "PER_CENT", conflicts_with_all = ["lobes", "views", "factors"])]

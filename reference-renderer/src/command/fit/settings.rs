@@ -40,30 +40,8 @@ pub struct SettingArgs {
     /// The table of factors over half angle, difference angle and azimuth that the lobes are multiplied by, `24x6x3` for example, or
     /// `24x10` for the two angles alone; `24x6x5s` for factors that are others where light and viewer change places; `none`; `chosen`:
     /// the gain decides [default: chosen].
-    #[arg(long, value_name = "NODES", value_parser = factor_nodes)]
+    #[arg(long, value_name = "NODES")]
     pub(super) factors: Option<FactorNodes>,
-}
-
-/// Reads `none`, `chosen`, or two or three numbers of nodes, with `s` behind them where the azimuth has its sign.
-pub fn factor_nodes(text: &str) -> Result<FactorNodes, String> {
-    let given = || {
-        let (nodes, is_signed) = text.strip_suffix('s').map_or((text, false), |nodes| (nodes, true));
-        let numbers = nodes.split('x').map(|n| n.parse().ok()).collect::<Option<Vec<usize>>>()?;
-        match numbers[..] {
-            [half, difference, azimuth] if is_signed => {
-                Some(FactorNodes::Signed([half, difference, azimuth]))
-            }
-            [half, difference] if !is_signed => Some(FactorNodes::Given([half, difference, 1])),
-            [half, difference, azimuth] => Some(FactorNodes::Given([half, difference, azimuth])),
-            _ => None,
-        }
-    };
-    match text {
-        "none" => Ok(FactorNodes::None),
-        "chosen" => Ok(FactorNodes::Chosen),
-        _ => given()
-            .ok_or_else(|| "expected `none`, `chosen`, or numbers of nodes as in 24x6x3 or 24x6x5s".into()),
-    }
 }
 
 impl SettingArgs {
