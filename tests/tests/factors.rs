@@ -397,19 +397,32 @@ fn what_has_no_place_in_a_table_is_refused_with_its_name() {
     }
 }
 
-/// CRC-32 (IEEE 802.3), bit by bit.
+/// The length and the CRC-32 (IEEE 802.3) that bytes should have.
 fn with_checksum(mut bytes: Vec<u8>) -> Vec<u8> {
     let length = bytes.len() as u32;
     bytes[16..20].copy_from_slice(&length.to_le_bytes());
     let end = bytes.len() - 4;
-    let crc = bytes[..end].iter().fold(!0u32, |crc, &byte| {
-        (0..8).fold(
-            crc ^ u32::from(byte),
-            |crc, _| if crc & 1 == 1 { 0xedb8_8320 ^ (crc >> 1) } else { crc >> 1 },
-        )
-    });
-    bytes[end..].copy_from_slice(&(!crc).to_le_bytes());
+    let crc = crc32fast::hash(&bytes[..end]);
+    bytes[end..].copy_from_slice(&crc.to_le_bytes());
     bytes
+}
+
+/// Kernels multiply the largest factor by down to 2^-48: a file with a factor of 1e-41 had a larger one than its largest.
+#[test]
+fn factors_keep_their_digits_or_are_0() {
+    for (share, is_there) in [(1e-18, true), (1e-22, false), (1e-41, false)] {
+        let mut made = Made::new(3, [4, 3, 2]);
+        made.factors.iter_mut().flatten().for_each(|factor| *factor *= share);
+        let [bytes, _] = made.encode();
+        let material = Material::from_bytes(bytes).unwrap();
+        let largest = material.largest_factor();
+        assert_eq!(largest > 0.0, is_there, "{share}");
+        for [wo, wi] in pairs(&mut Random(4)) {
+            let (got, want) = (material.factor(wo, wi).as_dvec3(), truth(&material, wo, wi));
+            let error = (got - want).abs().max_element();
+            assert!(error <= 1e-5 * f64::from(largest), "{share}, {wo}, {wi}: {got}, {want}");
+        }
+    }
 }
 
 #[test]
@@ -434,7 +447,7 @@ fn hostile_bytes_are_refused_with_the_place() {
     for head in [[5, 6, 2, 2], [5, 12, 1, 1], [5, 6, 2, 255]] {
         assert_eq!(refused(block + 8, head), field("head of the table of factors", block + 8), "{head:?}");
     }
-    for largest in [-0.1, 8.1, f32::NAN, f32::INFINITY] {
+    for largest in [-0.1, 8.1, f32::NAN, f32::INFINITY, 9e-21, f32::from_bits(1)] {
         assert_eq!(refused(nodes - 4, f32::to_le_bytes(largest)), field("largest factor", nodes - 4));
     }
     assert_eq!(refused(table + 8, f32::NAN.to_le_bytes()), field("albedo difference", table + 8));

@@ -12,6 +12,9 @@ pub(crate) const UNIT_2: f32 = 360.0;
 /// Largest factor that there is: that of the largest code of version 2, and what rounds to it.
 pub(crate) const MOST_FACTOR: f32 = (1023.5 / 360.0) * (1023.5 / 360.0);
 
+/// Least of a largest factor that is not 0: the kernels multiply it by down to 2^-48, and digits of a subnormal would be lost.
+pub(crate) const LEAST_LARGEST: f32 = 1e-20;
+
 /// Table sizes that there are, along half angle and difference angle, and along the azimuth.
 pub(crate) const SIZES: core::ops::RangeInclusive<usize> = 2..=32;
 pub(crate) const AZIMUTHS: core::ops::RangeInclusive<usize> = 1..=8;
@@ -81,7 +84,7 @@ pub struct FactorTable<'a> {
     /// cosine is positive where the incident direction is the higher one.
     pub is_signed: bool,
     /// Factors, linear sRGB, [azimuth * half * difference], those of one azimuth together, and in them those of one
-    /// half angle; [0, 8.08]. Their roots are rounded to 1/255 of the largest one. Where a half angle or a difference
+    /// half angle; [0, 8.08]. Their roots are rounded to 1/255 of the largest one; if that is below 1e-20, all are 0. Where a half angle or a difference
     /// angle is 0 there is no azimuth: there the factors of all have to be the same.
     pub factors: &'a [[f32; 3]],
     /// The change of the albedo by the factors, `(B - A) / Y`: B is the albedo with factors, A that of lobes and
@@ -124,9 +127,10 @@ impl FactorTable<'_> {
         Ok(())
     }
 
-    /// The largest factor.
+    /// The largest factor as it is written: too small a one is 0.
     pub(crate) fn largest(&self) -> f32 {
-        self.factors.iter().flatten().fold(0.0, |most, f| most.max(*f))
+        let largest = self.factors.iter().flatten().fold(0.0f32, |most, f| most.max(*f));
+        if largest < LEAST_LARGEST { 0.0 } else { largest }
     }
 
     /// A node's three codes, given the largest factor of all.

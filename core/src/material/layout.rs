@@ -83,7 +83,7 @@
 //!     u8        0, or 1 if the azimuth has its sign: then its nodes are at the same steps from -1 to 1
 //!     V differences of the albedo with factors from the lobes' own A, in red, green and blue, over the luminance
 //!       of A, each 3 f32; between views interpolated like the lobes
-//!     f32       factor of the code 255, which no factor exceeds
+//!     f32       factor of the code 255, which no factor exceeds: 0, or at least 1e-20
 //!     P H D nodes of 3 bytes, node (i, j, k) at (k H + i) D + j: red, green, blue, each a code q, of the factor
 //!               (q / 255)^2 times that number
 //! ```

@@ -2,7 +2,7 @@
 
 use super::checksum::crc32;
 use super::codes::{Codes, PACK_HEAD};
-use super::factor_table::{AZIMUTHS, MOST_FACTOR, SIZES, largest_2};
+use super::factor_table::{AZIMUTHS, LEAST_LARGEST, MOST_FACTOR, SIZES, largest_2};
 use super::format_error::{FORMAT_VERSION, FormatError};
 use super::layout::{
     BLOCK_HEAD, BLOCKS, CHECKSUM, FACT, Header, Kind, LOBE, MAGIC, MAX_LOBES, MIRRORED, PACK, SMALLEST,
@@ -225,7 +225,14 @@ fn validate_table(bytes: &[u8], header: &Header) -> Result<(), FormatError> {
     }
     let start = header.nodes();
     if header.bits == 8 {
-        return check(bytes, "largest factor", start - 4, 0.0, MOST_FACTOR);
+        let is_none = f32_at(bytes, start - 4) == 0.0;
+        return check(
+            bytes,
+            "largest factor",
+            start - 4,
+            if is_none { 0.0 } else { LEAST_LARGEST },
+            MOST_FACTOR,
+        );
     }
     let mut most = 0f32;
     for offset in (start..header.nodes_end()).step_by(4) {
