@@ -20,6 +20,7 @@ mod mixture;
 #[path = "attack/tables.rs"]
 mod tables;
 
+pub use input::put_right;
 use input::random;
 use srbf_core::Level;
 use std::path::{Path, PathBuf};

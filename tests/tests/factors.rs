@@ -5,6 +5,7 @@ use srbf_core::{
     Defensive, Draws, Error, FactorTable, FormatError, LeaveOut, Level, Line, Material, Mixture, PlaneLobe,
     PrepareOptions, Sample, Towards, View, luminance,
 };
+use srbf_tests::attack::put_right;
 use srbf_tests::inputs::Random;
 use srbf_tests::oracle;
 use srbf_tests::seeds::same_without_azimuth;
@@ -397,13 +398,9 @@ fn what_has_no_place_in_a_table_is_refused_with_its_name() {
     }
 }
 
-/// The length and the CRC-32 (IEEE 802.3) that bytes should have.
+/// Bytes with the length and the checksum that they should have.
 fn with_checksum(mut bytes: Vec<u8>) -> Vec<u8> {
-    let length = bytes.len() as u32;
-    bytes[16..20].copy_from_slice(&length.to_le_bytes());
-    let end = bytes.len() - 4;
-    let crc = crc32fast::hash(&bytes[..end]);
-    bytes[end..].copy_from_slice(&crc.to_le_bytes());
+    put_right(&mut bytes);
     bytes
 }
 

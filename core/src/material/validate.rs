@@ -225,14 +225,8 @@ fn validate_table(bytes: &[u8], header: &Header) -> Result<(), FormatError> {
     }
     let start = header.nodes();
     if header.bits == 8 {
-        let is_none = f32_at(bytes, start - 4) == 0.0;
-        return check(
-            bytes,
-            "largest factor",
-            start - 4,
-            if is_none { 0.0 } else { LEAST_LARGEST },
-            MOST_FACTOR,
-        );
+        let least = if f32_at(bytes, start - 4) == 0.0 { 0.0 } else { LEAST_LARGEST };
+        return check(bytes, "largest factor", start - 4, least, MOST_FACTOR);
     }
     let mut most = 0f32;
     for offset in (start..header.nodes_end()).step_by(4) {

@@ -61,12 +61,13 @@ impl Linearized {
         }
     }
 
-    /// Zeros again.
-    fn clear(&mut self) {
+    /// Zeros again, in the same memory.
+    pub fn cleared(mut self) -> Self {
         self.cost = 0.0;
         self.gradient.fill(0.0);
         self.scale.fill(0.0);
         self.matrix.clear();
+        self
     }
 
     /// Adds a view to the stored views round it.
@@ -96,15 +97,13 @@ impl Linearized {
 impl Objective {
     /// The problem linearised at a point. The cost is that of [`cost`](Self::cost).
     pub fn linearize(&self, x: &[f64], weights: Weights) -> Linearized {
-        self.linearize_in(x, weights, Linearized::zeros(self.layout.len(), self.layout.stride()))
+        self.linearize_onto(x, weights, Linearized::zeros(self.layout.len(), self.layout.stride()))
     }
 
-    /// The same in the memory of one with as many unknowns.
-    pub fn linearize_in(&self, x: &[f64], weights: Weights, memory: Linearized) -> Linearized {
+    /// The same, summed on zeros.
+    pub fn linearize_onto(&self, x: &[f64], weights: Weights, mut sum: Linearized) -> Linearized {
         let layout = &self.layout;
         let p = layout.stride();
-        let mut sum = memory;
-        sum.clear();
         for views in self.views.chunks(TOGETHER) {
             let view = |view| self.linearize_view(view, x, weights.energy);
             let blocks: Vec<Block> = views.par_iter().map(view).collect();

@@ -37,7 +37,7 @@ impl LeastSquares for Weighted<'_> {
         self.objective.linearize(x, self.weights)
     }
     fn linearize_in(&self, x: &[f64], memory: Linearized) -> Linearized {
-        self.objective.linearize_in(x, self.weights, memory)
+        self.objective.linearize_onto(x, self.weights, memory.cleared())
     }
 }
 
@@ -52,8 +52,13 @@ impl Linear for Linearized {
         self.scale.clone()
     }
     fn step(&mut self, added: &[f64], free: &[bool]) -> Option<Vec<f64>> {
-        let matrix = self.damped.get_or_insert_with(|| self.matrix.clone());
-        matrix.clone_from(&self.matrix);
+        let matrix = match &mut self.damped {
+            Some(room) => {
+                room.clone_from(&self.matrix);
+                room
+            }
+            none => none.insert(self.matrix.clone()),
+        };
         let mut step: Vec<f64> = self.gradient.iter().map(|g| -g).collect();
         for i in 0..step.len() {
             if free[i] {
