@@ -67,9 +67,8 @@ impl Lighting {
             let Some(surface) = scene.hit(&ray) else { continue };
             let Some(frame) = look(&surface, &ray, &mut scattering) else { continue };
             let path = Path { scene, settings, points };
-            if let Some(drawn) = path.draw_together(&lighting, &frame, &scattering) {
-                seen.push(path.survey(&frame, &drawn));
-            }
+            let drawn = path.draw_together(&lighting, &frame, &scattering);
+            seen.push(path.survey(&frame, &drawn));
         }
         lighting.open = Openness::of(&seen);
         if lighting.open.is_anywhere() {
@@ -99,24 +98,18 @@ impl<'a> Path<'_, 'a> {
         lighting.tile.block(self.points.block(0, BLOCKS))
     }
 
-    /// Draws both rays; `None` is impossible, as the numbers are as many as they may be.
-    fn draw_together(
-        &self,
-        lighting: &Lighting,
-        frame: &Frame,
-        scattering: &Scattering<'a>,
-    ) -> Option<FirstHit> {
+    /// Draws both rays: by lobes where they are known, and their products with the light are within f32.
+    fn draw_together(&self, lighting: &Lighting, frame: &Frame, scattering: &Scattering<'a>) -> FirstHit {
         let u = shifts::<RAYS>(self.points.draw(Decision::Material, 0));
         let [choice, ..] = self.points.draw(Decision::Choice, 0);
         let axes = [frame.tangent, frame.bitangent, frame.normal];
         let (block, map) = (self.block(lighting), &self.scene.environment.map);
-        let mut reflection = match scattering.lobes_for_product() {
-            Some(lobes) => {
-                let u = u.each_ref().map(|u| &u[..]);
-                lobes.reflect(map, block, &axes, frame.flat, u, choice).ok()?
-            }
-            None => even_by_density::reflect(scattering, self.scene.environment, block, frame, &u, choice),
-        };
+        let by_lobes = scattering.lobes_for_product().and_then(|lobes| {
+            lobes.reflect(map, block, &axes, frame.flat, u.each_ref().map(|u| &u[..]), choice).ok()
+        });
+        let mut reflection = by_lobes.unwrap_or_else(|| {
+            even_by_density::reflect(scattering, self.scene.environment, block, frame, &u, choice)
+        });
         let mut values = [reflection.ray_value, reflection.shadow_value];
         if let Some(ray) = &mut reflection.ray
             && let Some(truth) = scattering.other_truth(ray.direction)
@@ -129,7 +122,7 @@ impl<'a> Path<'_, 'a> {
         {
             values[1] = truth;
         }
-        Some(FirstHit { reflection, values })
+        FirstHit { reflection, values }
     }
 
     /// Whether the shadow ray of a draw is clear; one that does not exist brings nothing.
@@ -165,7 +158,7 @@ impl<'a> Path<'_, 'a> {
         together.clear();
         // All of them before the first is followed: the next surface takes the storage of this one.
         for part in 0..split {
-            together.extend(self.branch(part, split).draw_together(lighting, frame, scattering));
+            together.push(self.branch(part, split).draw_together(lighting, frame, scattering));
         }
         let mut light = Vec3::ZERO;
         for (part, drawn) in together.iter().enumerate() {
