@@ -35,9 +35,8 @@ impl<T: Real> Grid<T> {
     pub fn value(&self, point: [T; 2]) -> T {
         let (at, [x, y]) = self.cell(point);
         let v = &self.values;
-        let lerp = |a: T, b: T, t: T| a + t * (b - a);
         let upper = at + self.columns;
-        lerp(lerp(v[at], v[at + 1], x), lerp(v[upper], v[upper + 1], x), y)
+        between(between(v[at], v[at + 1], x), between(v[upper], v[upper + 1], x), y)
     }
 }
 
@@ -164,7 +163,7 @@ impl<T: Real> Warp<T> {
             inside.map(|(warp, share)| *share * f(warp)).sum::<T>()
         };
         let value = |i: usize| mix(&|w| w.grid.values[i]);
-        let lerp = |from: T, to: T| from + y * (to - from);
+        let lerp = |from: T, to: T| between(from, to, y);
         let (left, right) =
             (lerp(value(at), value(at + columns)), lerp(value(at + 1), value(at + columns + 1)));
         let running = |i: usize| mix(&|w| w.conditional[i]);
@@ -190,7 +189,7 @@ impl<T: Real> Warp<T> {
         let whole = |row: usize| mix(&|w| w.conditional[row * columns + columns - 1]);
         let (low, high) = (whole(row), whole(row + 1));
         let y = solve(low, high, u[1] - marginal(row));
-        let lerp = |from: T, to: T| from + y * (to - from);
+        let lerp = |from: T, to: T| between(from, to, y);
         let at = row * columns;
         let running =
             |i: usize| lerp(mix(&|w| w.conditional[at + i]), mix(&|w| w.conditional[at + columns + i]));
@@ -208,6 +207,12 @@ impl<T: Real> Warp<T> {
         let cells = (warps[0].0.grid.columns - 1) * (warps[0].0.grid.rows - 1);
         T::of(cells as f64) * warps.iter().map(|(warp, share)| *share * warp.grid.value(point)).sum::<T>()
     }
+}
+
+/// The number that lies a share of the way from one to another. Of positive numbers it is positive, at any ratio of the two:
+/// `from + share * (to - from)` may be 0 at the small one.
+fn between<T: Real>(from: T, to: T, share: T) -> T {
+    (T::of(1.0) - share) * from + share * to
 }
 
 /// The last of `count` numbers from 0 on for which something holds that holds for 0 and then ends.
@@ -230,6 +235,21 @@ fn solve<T: Real>(from: T, to: T, value: T) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_positive_grid_is_positive_at_any_ratio_of_its_numbers() {
+        for large in [1.0, 1e8, 1e17, 1e30] {
+            let grid = Grid::new(vec![large, 1.0, 1.0, large], 2, 2).unwrap();
+            for share in [0.0, 1e-17, 0.3, 1.0 - f64::EPSILON, 1.0] {
+                for point in [[share, 0.0], [0.0, share], [share, share], [1.0, share]] {
+                    let value = grid.value(point);
+                    let bounds = (1.0 - f64::EPSILON)..=large;
+                    assert!(bounds.contains(&value), "{large}, {point:?}: {value}");
+                }
+            }
+            assert_eq!(grid.value([1.0, 0.0]), 1.0);
+        }
+    }
 
     #[test]
     fn a_constant_warps_to_itself_and_corners_to_corners() {
