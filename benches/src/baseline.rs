@@ -1,7 +1,7 @@
 //! The baselines: C compiled by the build script, and plain Rust with `libm`.
 #![allow(unsafe_code)]
 
-use srbf_core::{Lobe, Mixture, Vec3};
+use srbf_core::{AnyMixture, Lobe, Vec3};
 
 type Loop = unsafe extern "C" fn(
     *const f32,
@@ -139,7 +139,7 @@ pub fn evaluate_libm(lobes: &[Lobe], direction: Vec3) -> Vec3 {
 
 /// One sample at a time with `libm`: lobe by a scan of the distribution, inversion, density and weight by
 /// [`evaluate_libm`].
-pub fn sample_libm<const N: usize>(lobes: &[Lobe], mixture: &Mixture<N>, u: Vec3) -> (Vec3, f32, Vec3) {
+pub fn sample_libm(lobes: &[Lobe], mixture: &AnyMixture<'_>, u: Vec3) -> (Vec3, f32, Vec3) {
     let mut target = u.x * mixture.power();
     let mut chosen = lobes.len() - 1;
     for (k, lobe) in lobes.iter().enumerate() {

@@ -7,7 +7,9 @@ pub mod device;
 pub mod ggx;
 pub mod work;
 
-use srbf_core::{Domain, FactorTable, Level, Line, Lobe, Material, Mixture, PlaneLobe, Vec3, View};
+use srbf_core::{
+    Domain, FactorTable, Groups, Level, Line, Lobe, Material, Mixture, PlaneLobe, Room, Vec3, View,
+};
 use std::sync::OnceLock;
 
 /// Lobe counts that every batch operation is measured at.
@@ -135,7 +137,10 @@ pub fn garnet_mixture() -> Mixture<'static, 64> {
 }
 
 /// The mixture of a material for an outgoing direction at 50 degrees, at the current level.
-pub fn mixture_at_50_degrees<const N: usize>(material: &'static Material) -> Mixture<'static, N> {
+pub fn mixture_at_50_degrees<const N: usize>(material: &'static Material) -> Mixture<'static, N>
+where
+    Room<N>: Groups,
+{
     let mut mixture = Mixture::empty();
     material.prepare(Vec3::new(-0.6, 0.4, 0.65).normalize(), &mut mixture).expect("a valid direction");
     mixture

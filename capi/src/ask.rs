@@ -9,10 +9,10 @@ use crate::mixtures::Mixtures;
 use crate::pointers::read;
 use crate::request::srbf_request;
 use crate::status::srbf_status;
-use crate::storage::{extents, mixture, srbf_mixture, with_mixture};
+use crate::storage::{extents, mixture, srbf_mixture};
 use crate::streams::BLOCK;
 use core::ops::Range;
-use srbf_core::{Draws, Material, Mixture, Request, Towards};
+use srbf_core::{AnyMixture, Draws, Material, Request, Towards};
 
 /// Draws and evaluates for n hits of mixtures: outputs that are given are wanted.
 ///
@@ -34,11 +34,11 @@ pub unsafe extern "C" fn srbf_mixture_ask(
         if mixture_stride == 0 {
             // SAFETY: the header's contract.
             let (any, arrays) = unsafe { (mixture(mixtures)?, Arrays::new(request, n, false)?) };
-            extents(mixtures, &any).iter().try_for_each(|place| arrays.check_object(place))?;
+            extents(mixtures, any).iter().try_for_each(|place| arrays.check_object(place))?;
             // SAFETY: the header's contract.
             return unsafe {
                 arrays.each(n, &mut |_, _, request| {
-                    with_mixture!(AnyMixture: &any, m => m.ask(request))?;
+                    any.ask(request)?;
                     Ok(())
                 })
             };
@@ -52,7 +52,7 @@ pub unsafe extern "C" fn srbf_mixture_ask(
             arrays.each(BLOCK, &mut |hits, _, mut request| {
                 all.each(hits, |mixtures, part| {
                     let request = part_of(&mut request, part);
-                    with_mixture!(AnyMixtures: mixtures, m => Mixture::ask_each(m, request))
+                    AnyMixture::ask_each(mixtures, request)
                 })
             })
         }

@@ -7,8 +7,8 @@ use crate::pointers::{Out, read_array};
 use crate::single::drawn;
 use crate::single::srbf_sample;
 use crate::status::srbf_status;
+use crate::storage::mixture;
 use crate::storage::srbf_mixture;
-use crate::storage::{mixture, with_mixture};
 use srbf_core::Defensive;
 
 /// Draws an incident direction: with probability `share` one of the cosine, else one of the mixture.
@@ -31,7 +31,7 @@ pub unsafe extern "C" fn srbf_mixture_sample_defensive(
         // SAFETY: the header's contract.
         let (mixture, u, out) = unsafe { (self::mixture(mixture)?, read_array(u)?, Out::new(sample)?) };
         let u = uniform(u)?;
-        let sample = with_mixture!(AnyMixture: &mixture, m => Defensive::new(m, share)?.sample(u));
+        let sample = Defensive::new(mixture, share)?.sample(u);
         out.set(drawn(Some(sample)));
         Ok(())
     })
@@ -51,7 +51,7 @@ pub unsafe extern "C" fn srbf_mixture_pdf_defensive(
         // SAFETY: the header's contract.
         let (mixture, wi, out) = unsafe { (self::mixture(mixture)?, read_array(wi)?, Out::new(pdf)?) };
         let wi = direction(wi)?;
-        out.set(with_mixture!(AnyMixture: &mixture, m => Defensive::new(m, share)?.pdf(wi)));
+        out.set(Defensive::new(mixture, share)?.pdf(wi));
         Ok(())
     })
 }

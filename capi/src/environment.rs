@@ -8,8 +8,8 @@ use crate::status::{
     SRBF_STATUS_ARGUMENT, SRBF_STATUS_DIRECTION, SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT,
     SRBF_STATUS_SIZE, SRBF_STATUS_UNIFORM, srbf_status,
 };
+use crate::storage::mixture;
 use crate::storage::srbf_mixture;
-use crate::storage::{mixture, with_mixture};
 use core::ops::Range;
 use core::ptr::NonNull;
 use srbf_core::{Environment, ProductSampling, Vec3, environment_len};
@@ -367,9 +367,9 @@ pub unsafe extern "C" fn srbf_mixture_sample_product(
         }
         let (first, rest) = u.split_at(n);
         let (second, third) = rest.split_at(n);
-        let drawn = with_mixture!(AnyMixture: &mixture, m => {
-            m.sample_product(&object.environment, &frame, &sampling, [first, second, third], choice)
-        })?;
+        let drawn = {
+            mixture.sample_product(&object.environment, &frame, &sampling, [first, second, third], choice)
+        }?;
         let (direction, weight) =
             drawn.map_or((frame[2], Vec3::ZERO), |drawn| (drawn.direction, drawn.weight));
         out.set(srbf_product_sample { direction: direction.to_array(), weight: weight.to_array() });

@@ -3,12 +3,12 @@
 
 use crate::convert::direction;
 use crate::guard::{Failure, guard};
+use crate::material::material;
 use crate::material::srbf_material;
-use crate::material::{material, room};
 use crate::pointers::{Out, check, check_apart, check_extent, read_array};
 use crate::status::{SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE, srbf_status};
 use crate::storage::srbf_mixture;
-use crate::storage::{check_room, mixture_mut, with_mixture};
+use crate::storage::{check_room, mixture_mut};
 use core::ops::Range;
 use srbf_core::Expanded;
 
@@ -153,12 +153,10 @@ pub unsafe extern "C" fn srbf_expanded_prepare(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (object, wo, mut mixture) =
+        let (object, wo, mixture) =
             unsafe { (object(expanded)?, direction(read_array(wo)?)?, mixture_mut(mixture)?) };
-        with_mixture!(AnyMixtureMut: &mut mixture, mixture => {
-            check_room(object.expanded.material().lobe_count(), room(mixture))?;
-            object.expanded.prepare(wo, mixture)?;
-        });
+        check_room(object.expanded.material().lobe_count(), mixture.capacity())?;
+        object.expanded.prepare(wo, mixture)?;
         Ok(())
     })
 }

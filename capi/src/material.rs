@@ -8,12 +8,12 @@ use crate::status::{
     SRBF_STATUS_DIRECTION, SRBF_STATUS_INDEX, SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE,
     SRBF_STATUS_STRIDE, srbf_status,
 };
-use crate::storage::{AnyMixtureMut, check_room, mixture_mut, size_for, with_mixture, write_empty};
-use crate::storage::{SRBF_MIXTURE_ALIGNMENT, SRBF_MIXTURE_SIZE_16, SRBF_MIXTURE_SIZE_32, srbf_mixture};
+use crate::storage::{SRBF_MIXTURE_ALIGNMENT, srbf_mixture};
+use crate::storage::{check_room, mixture_mut, size_for, write_empty};
 use crate::streams::{Inputs, srbf_vectors};
 use core::ffi::c_char;
 use core::ops::Range;
-use srbf_core::{LeaveOut, Material, Mixture, PlaneLobe, PrepareOptions, Vec3};
+use srbf_core::{AnyMixture, LeaveOut, Material, Mixture, PlaneLobe, PrepareOptions, Vec3};
 
 /// Bytes of storage for a material that `srbf_material_borrow` makes.
 pub const SRBF_MATERIAL_SIZE: usize = 128;
@@ -344,17 +344,11 @@ fn prepare(
     material: &'static Material<Bytes>,
     wo: Vec3,
     options: PrepareOptions,
-    mixture: &mut AnyMixtureMut<'_>,
+    mixture: &mut AnyMixture<'static>,
 ) -> Outcome {
-    with_mixture!(AnyMixtureMut: mixture, mixture => {
-        check_room(material.lobe_count(), room(mixture))?;
-        material.prepare_with(wo, options, mixture)?;
-    });
+    check_room(material.lobe_count(), mixture.capacity())?;
+    material.prepare_with(wo, options, mixture)?;
     Ok(())
-}
-
-pub(crate) fn room<const N: usize>(_: &Mixture<'_, N>) -> usize {
-    N
 }
 
 /// Makes the mixtures for n outgoing directions, in raw storage; no `srbf_mixture_init` is needed.
@@ -399,13 +393,7 @@ pub unsafe extern "C" fn srbf_material_prepare_into(
             first += n;
             // SAFETY: `needed` is at most the stride, so that n places of it lie within the storage, apart from one
             // another and from all that is read; the contract makes it writable.
-            unsafe {
-                match needed {
-                    SRBF_MIXTURE_SIZE_16 => prepare_many::<16>(&material.material, wo, places, stride),
-                    SRBF_MIXTURE_SIZE_32 => prepare_many::<32>(&material.material, wo, places, stride),
-                    _ => prepare_many::<64>(&material.material, wo, places, stride),
-                }
-            }
+            unsafe { prepare_many(&material.material, wo, places, needed, stride) }
         })?;
         if refused { Err(SRBF_STATUS_DIRECTION.into()) } else { Ok(()) }
     })
@@ -415,26 +403,29 @@ pub unsafe extern "C" fn srbf_material_prepare_into(
 const BLOCK: usize = 16;
 
 /// # Safety
-/// `Storage<N>` can be written every `stride` bytes from `places` on, as many as directions, and nobody else uses them.
-unsafe fn prepare_many<const N: usize>(
+/// The storage of a mixture, of `size` bytes, can be written every `stride` bytes from `places` on, as many as directions, and nobody
+/// else uses them.
+unsafe fn prepare_many(
     material: &'static Material<Bytes>,
     wo: [&[f32]; 3],
     places: *mut u8,
+    size: usize,
     stride: usize,
 ) -> Outcome {
     let n = wo[0].len();
     for from in (0..n).step_by(BLOCK) {
         let count = BLOCK.min(n - from);
-        let mut mixtures = [core::ptr::null_mut::<Mixture<'static, N>>(); BLOCK];
-        for (i, mixture) in mixtures[..count].iter_mut().enumerate() {
-            // SAFETY: the caller's word.
-            *mixture = unsafe { write_empty(places.wrapping_add((from + i) * stride)) };
+        // SAFETY (both): the caller's word; there is at least one.
+        let mut mixtures = [unsafe { write_empty(places.wrapping_add(from * stride), size) }; BLOCK];
+        for (i, mixture) in mixtures[..count].iter_mut().enumerate().skip(1) {
+            // SAFETY: as above.
+            *mixture = unsafe { write_empty(places.wrapping_add((from + i) * stride), size) };
         }
         // SAFETY: a reference has the layout of a pointer; each of the first `count` points to a mixture that has just been
         // written, no two to the same, and nobody else uses them.
-        let mixtures: &mut [&mut Mixture<'static, N>] =
+        let mixtures: &mut [&mut AnyMixture<'static>] =
             unsafe { core::slice::from_raw_parts_mut(mixtures.as_mut_ptr().cast(), count) };
-        material.prepare_into::<N>(wo.map(|s| &s[from..from + count]), mixtures)?;
+        material.prepare_into(wo.map(|s| &s[from..from + count]), mixtures)?;
     }
     Ok(())
 }

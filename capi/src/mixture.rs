@@ -6,8 +6,8 @@ use crate::lobe::srbf_lobe;
 use crate::pointers::{Out, check_apart, read_array, slice};
 use crate::status::{SRBF_STATUS_ARGUMENT, SRBF_STATUS_INDEX, srbf_status};
 use crate::storage::{SRBF_MIXTURE_SIZE_64, srbf_mixture};
-use crate::storage::{check_room, check_storage, init_at, mixture, mixture_mut, size_for, with_mixture};
-use srbf_core::{Domain, Error, Lobe, MAX_LOBES, Mixture, Vec3};
+use crate::storage::{check_room, check_storage, init_at, mixture, mixture_mut, size_for};
+use srbf_core::{AnyMixture, Domain, Lobe, MAX_LOBES, Mixture, Vec3};
 
 /// The whole sphere: no fold.
 pub const SRBF_DOMAIN_SPHERE: u32 = 0;
@@ -87,7 +87,7 @@ pub unsafe extern "C" fn srbf_mixture_from_lobes(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let mut mixture = unsafe { mixture_mut(mixture)? };
+        let mixture = unsafe { mixture_mut(mixture)? };
         let domain = match domain {
             SRBF_DOMAIN_SPHERE => Domain::Sphere,
             SRBF_DOMAIN_HEMISPHERE => Domain::Hemisphere,
@@ -106,24 +106,14 @@ pub unsafe extern "C" fn srbf_mixture_from_lobes(
         let (squeezed, round) = lobes[..lobe_count].split_at(squeezed_lobes);
         // SAFETY: the header's contract.
         let diffuse = if diffuse.is_null() { None } else { Some(unsafe { read_array(diffuse)? }) };
-        with_mixture!(AnyMixtureMut: &mut mixture, m => make(m, domain, squeeze, [squeezed, round], diffuse))?;
+        check_room(lobe_count, mixture.capacity())?;
+        let mut made = Mixture::<MAX_LOBES>::new(domain, squeeze, squeezed, round)?;
+        if let Some(albedo) = diffuse {
+            made = made.with_diffuse(Vec3::from_array(albedo))?;
+        }
+        mixture.copy_from(&made)?;
         Ok(())
     })
-}
-
-fn make<const N: usize>(
-    mixture: &mut Mixture<'_, N>,
-    domain: Domain,
-    squeeze: f32,
-    [squeezed, round]: [&[Lobe]; 2],
-    diffuse: Option<[f32; 3]>,
-) -> Result<(), Error> {
-    let mut made = Mixture::new(domain, squeeze, squeezed, round)?;
-    if let Some(albedo) = diffuse {
-        made = made.with_diffuse(Vec3::from_array(albedo))?;
-    }
-    *mixture = made;
-    Ok(())
 }
 
 /// Gives the properties of a mixture, its closed-form integral included.
@@ -135,16 +125,16 @@ pub unsafe extern "C" fn srbf_mixture_query(
     guard(|| {
         // SAFETY: the header's contract.
         let (mixture, out) = unsafe { (self::mixture(mixture)?, Out::new(info)?) };
-        out.set(with_mixture!(AnyMixture: &mixture, m => describe(m)));
+        out.set(describe(mixture));
         Ok(())
     })
 }
 
-fn describe<const N: usize>(mixture: &Mixture<N>) -> srbf_mixture_info {
+fn describe(mixture: &AnyMixture<'_>) -> srbf_mixture_info {
     srbf_mixture_info {
         lobes: mixture.len(),
         squeezed_lobes: mixture.squeezed_len(),
-        capacity: N,
+        capacity: mixture.capacity(),
         domain: match mixture.domain() {
             Domain::Sphere => SRBF_DOMAIN_SPHERE,
             Domain::Hemisphere => SRBF_DOMAIN_HEMISPHERE,

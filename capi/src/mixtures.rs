@@ -4,10 +4,10 @@
 use crate::guard::{Failure, Outcome};
 use crate::pointers::check_extent;
 use crate::status::SRBF_STATUS_STRIDE;
-use crate::storage::{AnyMixture, AnyMixtures, check_storage, extent, mixture};
 use crate::storage::{SRBF_MIXTURE_ALIGNMENT, SRBF_MIXTURE_SIZE_16, srbf_mixture};
+use crate::storage::{check_storage, extent, mixture};
 use core::ops::Range;
-use srbf_core::Error;
+use srbf_core::{AnyMixture, Error};
 
 /// n mixtures, `stride` bytes apart.
 pub(crate) struct Mixtures {
@@ -30,7 +30,7 @@ impl Mixtures {
         let mut made = Self { start, stride, extent: start.addr()..start.addr() + count * stride };
         // The last one may be of a larger capacity than the stride has room for: nothing comes behind it.
         // SAFETY: the caller's word.
-        let end = unsafe { extent(made.at(count - 1), &made.get(count - 1)?).end };
+        let end = unsafe { extent(made.at(count - 1), made.get(count - 1)?).end };
         made.extent.end = made.extent.end.max(end);
         Ok(made)
     }
@@ -48,45 +48,29 @@ impl Mixtures {
     /// # Safety
     /// As [`Self::new`]; `index` is below the count.
     #[inline(always)]
-    unsafe fn get<'a>(&self, index: usize) -> Result<AnyMixture<'a>, Failure> {
+    unsafe fn get<'a>(&self, index: usize) -> Result<&'a AnyMixture<'static>, Failure> {
         // SAFETY: within the extent that `new` has checked; the rest is the caller's word.
         unsafe { mixture(self.at(index)) }
     }
 
-    /// Calls with the mixtures of some hits, and with their places among these hits. Each call has all mixtures of one capacity
-    /// that follow each other.
+    /// Calls with the mixtures of some hits, and with their places among these hits.
     ///
     /// # Safety
     /// As [`Self::new`]; the hits are below the count.
     pub unsafe fn each(
         &self,
         hits: Range<usize>,
-        mut call: impl FnMut(AnyMixtures<'_>, Range<usize>) -> Result<(), Error>,
+        mut call: impl FnMut(&[&AnyMixture<'static>], Range<usize>) -> Result<(), Error>,
     ) -> Outcome {
-        let (from, count, mut at) = (hits.start, hits.len(), 0);
-        while at < count {
-            // SAFETY: the caller's word, as everywhere below.
-            let first = unsafe { self.get(from + at)? };
-            macro_rules! run {
-                ($capacity:ident, $first:ident) => {{
-                    let (mut run, mut len) = ([$first; RUN], 1);
-                    while len < RUN && at + len < count {
-                        // SAFETY: as above.
-                        let AnyMixture::$capacity(next) = (unsafe { self.get(from + at + len)? }) else {
-                            break;
-                        };
-                        run[len] = next;
-                        len += 1;
-                    }
-                    call(AnyMixtures::$capacity(&run[..len]), at..at + len)?;
-                    at += len;
-                }};
+        for from in (0..hits.len()).step_by(RUN) {
+            let len = RUN.min(hits.len() - from);
+            // SAFETY (both): the caller's word.
+            let mut run = [unsafe { self.get(hits.start + from)? }; RUN];
+            for (i, mixture) in run[..len].iter_mut().enumerate().skip(1) {
+                // SAFETY: as above.
+                *mixture = unsafe { self.get(hits.start + from + i)? };
             }
-            match first {
-                AnyMixture::C16(first) => run!(C16, first),
-                AnyMixture::C32(first) => run!(C32, first),
-                AnyMixture::C64(first) => run!(C64, first),
-            }
+            call(&run[..len], from..from + len)?;
         }
         Ok(())
     }

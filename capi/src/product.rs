@@ -6,9 +6,9 @@ use crate::lobe::srbf_lobe;
 use crate::pointers::{Out, check, check_apart, check_extent};
 use crate::status::{SRBF_STATUS_SIZE, srbf_status};
 use crate::storage::srbf_mixture;
-use crate::storage::{extent, mixture, with_mixture};
+use crate::storage::{extent, mixture};
 use core::mem::offset_of;
-use srbf_core::{Error, Gaussian, Lobe, Mixture, Vec3};
+use srbf_core::{Gaussian, Lobe};
 
 /// Integrates the product of two mixtures of round lobes over the domain that they share.
 ///
@@ -23,14 +23,10 @@ pub unsafe extern "C" fn srbf_mixture_inner_product(
     guard(|| {
         // SAFETY: the header's contract.
         let (a, b, out) = unsafe { (mixture(a)?, mixture(b)?, Out::<[f32; 3]>::array(integral)?) };
-        let sum = with_mixture!(AnyMixture: &a, a => with_mixture!(AnyMixture: &b, b => inner(a, b)))?;
+        let sum = a.inner_product(b)?;
         out.set(sum.to_array());
         Ok(())
     })
-}
-
-fn inner<const N: usize, const M: usize>(a: &Mixture<'_, N>, b: &Mixture<'_, M>) -> Result<Vec3, Error> {
-    a.inner_product(b)
 }
 
 /// Multiplies two mixtures of round lobes, lobe by lobe.
@@ -52,9 +48,7 @@ pub unsafe extern "C" fn srbf_mixture_product(
     guard(|| {
         // SAFETY: the header's contract.
         let (first, second, out) = unsafe { (mixture(a)?, mixture(b)?, Out::new(count)?) };
-        let needed = with_mixture!(AnyMixture: &first, x => {
-            with_mixture!(AnyMixture: &second, y => x.product_len(y))
-        });
+        let needed = first.product_len(second);
         if capacity < needed {
             out.set(needed);
             return Err(SRBF_STATUS_SIZE.into());
@@ -65,16 +59,14 @@ pub unsafe extern "C" fn srbf_mixture_product(
             check(lobes)?;
             check_extent(lobes.addr(), needed, size_of::<srbf_lobe>())?;
             let written = lobes.addr()..lobes.addr() + needed * size_of::<srbf_lobe>();
-            for object in [extent(a, &first), extent(b, &second)] {
+            for object in [extent(a, first), extent(b, second)] {
                 check_apart(&written, &object)?;
             }
             // SAFETY: not NULL, aligned, within the address space and apart from the inputs, checked above; writable
             // by the header's contract. The two structures are laid out alike, asserted below, and any bits are one.
             unsafe { core::slice::from_raw_parts_mut(lobes.cast(), needed) }
         };
-        with_mixture!(AnyMixture: &first, x => {
-            with_mixture!(AnyMixture: &second, y => multiply(x, y, room))
-        })?;
+        first.product_into(second, room)?;
         out.set(needed);
         Ok(())
     })
@@ -87,12 +79,3 @@ const _: () = assert!(
         && offset_of!(Lobe, gaussian) + offset_of!(Gaussian, sharpness) == offset_of!(srbf_lobe, sharpness)
         && offset_of!(Lobe, amplitude) == offset_of!(srbf_lobe, amplitude)
 );
-
-fn multiply<const N: usize, const M: usize>(
-    a: &Mixture<'_, N>,
-    b: &Mixture<'_, M>,
-    lobes: &mut [Lobe],
-) -> Result<(), Error> {
-    a.product_into(b, lobes)?;
-    Ok(())
-}

@@ -5,7 +5,7 @@ use crate::convert::{direction, uniform};
 use crate::environment::{axes, object};
 use crate::guard::guard;
 use crate::pointers::{Out, read, read_array, slice};
-use crate::storage::{mixture, with_mixture};
+use crate::storage::mixture;
 use crate::{
     SRBF_STATUS_ARGUMENT, SRBF_STATUS_UNIFORM, srbf_environment, srbf_mixture, srbf_sample, srbf_status,
 };
@@ -161,9 +161,8 @@ pub unsafe extern "C" fn srbf_mixture_reflect(
         let (second, third) = rest.split_at(count);
         // Copied, as a block may lie anywhere.
         let block = LightBlock { direction: block.direction, light: block.light, pdf: block.pdf };
-        let drawn = with_mixture!(AnyMixture: &mixture, m => {
-            m.reflect(&object.environment, &block, &frame, flat, [first, second, third], choice)
-        })?;
+        let drawn =
+            { mixture.reflect(&object.environment, &block, &frame, flat, [first, second, third], choice) }?;
         out.set(srbf_reflection::from_core(&drawn));
         Ok(())
     })

@@ -5,8 +5,8 @@ use crate::convert::{direction, uniform};
 use crate::guard::guard;
 use crate::pointers::{Out, read_array};
 use crate::status::srbf_status;
+use crate::storage::mixture;
 use crate::storage::srbf_mixture;
-use crate::storage::{mixture, with_mixture};
 use srbf_core::Sample;
 
 /// A direction drawn from a mixture.
@@ -36,7 +36,7 @@ pub unsafe extern "C" fn srbf_mixture_evaluate(
         let (mixture, wi, out) =
             unsafe { (self::mixture(mixture)?, read_array(wi)?, Out::<[f32; 3]>::array(value)?) };
         let wi = direction(wi)?;
-        out.set(with_mixture!(AnyMixture: &mixture, m => m.evaluate(wi)).to_array());
+        out.set(mixture.evaluate(wi).to_array());
         Ok(())
     })
 }
@@ -54,7 +54,7 @@ pub unsafe extern "C" fn srbf_mixture_pdf(
         // SAFETY: the header's contract.
         let (mixture, wi, out) = unsafe { (self::mixture(mixture)?, read_array(wi)?, Out::new(pdf)?) };
         let wi = direction(wi)?;
-        out.set(with_mixture!(AnyMixture: &mixture, m => m.pdf(wi)));
+        out.set(mixture.pdf(wi));
         Ok(())
     })
 }
@@ -75,7 +75,7 @@ pub unsafe extern "C" fn srbf_mixture_evaluate_and_pdf(
             (self::mixture(mixture)?, read_array(wi)?, Out::<[f32; 3]>::array(value)?, Out::new(pdf)?)
         };
         let wi = direction(wi)?;
-        let (value, pdf) = with_mixture!(AnyMixture: &mixture, m => m.evaluate_and_pdf(wi));
+        let (value, pdf) = mixture.evaluate_and_pdf(wi);
         value_out.set(value.to_array());
         pdf_out.set(pdf);
         Ok(())
@@ -96,7 +96,7 @@ pub unsafe extern "C" fn srbf_mixture_sample(
         // SAFETY: the header's contract.
         let (mixture, u, out) = unsafe { (self::mixture(mixture)?, read_array(u)?, Out::new(sample)?) };
         let u = uniform(u)?;
-        out.set(with_mixture!(AnyMixture: &mixture, m => drawn(m.sample(u))));
+        out.set(drawn(mixture.sample(u)));
         Ok(())
     })
 }
@@ -120,7 +120,7 @@ pub unsafe extern "C" fn srbf_mixture_sample_and_evaluate(
         let (sample_out, value_out, pdf_out) =
             unsafe { (Out::new(sample)?, Out::<[f32; 3]>::array(value)?, Out::new(pdf)?) };
         let (u, wi) = (uniform(u)?, direction(wi)?);
-        let (sample, (value, pdf)) = with_mixture!(AnyMixture: &mixture, m => m.sample_and_evaluate(u, wi));
+        let (sample, (value, pdf)) = mixture.sample_and_evaluate(u, wi);
         sample_out.set(drawn(sample));
         value_out.set(value.to_array());
         pdf_out.set(pdf);

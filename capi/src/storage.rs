@@ -5,7 +5,7 @@ use crate::guard::Failure;
 use crate::pointers::check;
 use crate::status::{SRBF_STATUS_CAPACITY, SRBF_STATUS_MISALIGNED, SRBF_STATUS_OBJECT, SRBF_STATUS_SIZE};
 use core::ops::Range;
-use srbf_core::{Lobe, MAX_LOBES, Mixture};
+use srbf_core::{AnyMixture, MAX_LOBES, Mixture};
 
 /// Alignment of the storage for a mixture, which is also what `malloc` gives on 64-bit platforms; 64 is a little faster.
 pub const SRBF_MIXTURE_ALIGNMENT: usize = 16;
@@ -35,18 +35,22 @@ const TAG: u32 = 0x5b2f_3b1d;
 
 /// The storage in full. The head comes first, so that a pointer to it is a pointer to the whole.
 #[repr(C, align(16))]
-pub(crate) struct Storage<const N: usize> {
+struct Storage<M> {
     head: srbf_mixture,
     /// Of a material with factors it reads these from the material's bytes, which live as long as the header says.
-    pub mixture: Mixture<'static, N>,
+    mixture: M,
 }
+
+type Storage16 = Storage<Mixture<'static, 16>>;
+type Storage32 = Storage<Mixture<'static, 32>>;
+type Storage64 = Storage<Mixture<'static, 64>>;
 
 // The constants of the header hold whatever core's mixture looks like.
 const _: () = assert!(
-    size_of::<Storage<16>>() <= SRBF_MIXTURE_SIZE_16
-        && size_of::<Storage<32>>() <= SRBF_MIXTURE_SIZE_32
-        && size_of::<Storage<64>>() <= SRBF_MIXTURE_SIZE_64
-        && align_of::<Storage<64>>() == SRBF_MIXTURE_ALIGNMENT
+    size_of::<Storage16>() <= SRBF_MIXTURE_SIZE_16
+        && size_of::<Storage32>() <= SRBF_MIXTURE_SIZE_32
+        && size_of::<Storage64>() <= SRBF_MIXTURE_SIZE_64
+        && align_of::<Storage64>() == SRBF_MIXTURE_ALIGNMENT
         && MAX_LOBES == 64
 );
 
@@ -64,46 +68,6 @@ pub(crate) const fn size_for(lobes: usize) -> Option<usize> {
     }
 }
 
-/// A mixture of the caller, of any capacity.
-pub(crate) enum AnyMixture<'a> {
-    C16(&'a Mixture<'static, 16>),
-    C32(&'a Mixture<'static, 32>),
-    C64(&'a Mixture<'static, 64>),
-}
-
-/// A mixture of the caller, to overwrite.
-pub(crate) enum AnyMixtureMut<'a> {
-    C16(&'a mut Mixture<'static, 16>),
-    C32(&'a mut Mixture<'static, 32>),
-    C64(&'a mut Mixture<'static, 64>),
-}
-
-/// Mixtures of the caller, all of one capacity.
-pub(crate) enum AnyMixtures<'a> {
-    C16(&'a [&'a Mixture<'static, 16>]),
-    C32(&'a [&'a Mixture<'static, 32>]),
-    C64(&'a [&'a Mixture<'static, 64>]),
-}
-
-/// Runs one text for whatever capacity the mixture has.
-macro_rules! with_mixture {
-    ($any:ident: $mixture:expr, $name:ident => $body:expr) => {
-        match $mixture {
-            $crate::storage::$any::C16($name) => $body,
-            $crate::storage::$any::C32($name) => $body,
-            $crate::storage::$any::C64($name) => $body,
-        }
-    };
-}
-pub(crate) use with_mixture;
-
-impl AnyMixture<'_> {
-    /// Lobe `k`.
-    pub fn lobe(&self, k: usize) -> Option<Lobe> {
-        with_mixture!(AnyMixture: self, mixture => mixture.lobe(k))
-    }
-}
-
 /// Reads the head of what should be a mixture; its capacity.
 ///
 /// # Safety
@@ -111,7 +75,7 @@ impl AnyMixture<'_> {
 #[inline(always)]
 unsafe fn capacity(mixture: *const srbf_mixture) -> Result<u32, Failure> {
     // The alignment of the whole, not of the head.
-    check(mixture.cast::<Storage<16>>())?;
+    check(mixture.cast::<Storage16>())?;
     // SAFETY: not NULL and aligned; readable by the contract.
     let head = unsafe { &*mixture };
     if head.tag != TAG {
@@ -125,15 +89,15 @@ unsafe fn capacity(mixture: *const srbf_mixture) -> Result<u32, Failure> {
 /// # Safety
 /// The header's contract: a pointer that is not NULL points to a mixture that nobody writes during the call.
 #[inline(always)]
-pub(crate) unsafe fn mixture<'a>(mixture: *const srbf_mixture) -> Result<AnyMixture<'a>, Failure> {
+pub(crate) unsafe fn mixture<'a>(mixture: *const srbf_mixture) -> Result<&'a AnyMixture<'static>, Failure> {
     // SAFETY: the caller's word is ours.
     match unsafe { capacity(mixture) }? {
         // SAFETY: the tag says that `init_at` wrote a storage of this capacity here.
-        16 if !IS_ONE => Ok(AnyMixture::C16(unsafe { &(*mixture.cast::<Storage<16>>()).mixture })),
+        16 if !IS_ONE => Ok(unsafe { &(*mixture.cast::<Storage16>()).mixture }),
         // SAFETY: as above.
-        32 if !IS_ONE => Ok(AnyMixture::C32(unsafe { &(*mixture.cast::<Storage<32>>()).mixture })),
+        32 if !IS_ONE => Ok(unsafe { &(*mixture.cast::<Storage32>()).mixture }),
         // SAFETY: as above.
-        64 => Ok(AnyMixture::C64(unsafe { &(*mixture.cast::<Storage<64>>()).mixture })),
+        64 => Ok(unsafe { &(*mixture.cast::<Storage64>()).mixture }),
         _ => Err(SRBF_STATUS_OBJECT.into()),
     }
 }
@@ -143,15 +107,17 @@ pub(crate) unsafe fn mixture<'a>(mixture: *const srbf_mixture) -> Result<AnyMixt
 /// # Safety
 /// The header's contract: a pointer that is not NULL points to a mixture that nobody else uses during the call.
 #[inline(always)]
-pub(crate) unsafe fn mixture_mut<'a>(mixture: *mut srbf_mixture) -> Result<AnyMixtureMut<'a>, Failure> {
+pub(crate) unsafe fn mixture_mut<'a>(
+    mixture: *mut srbf_mixture,
+) -> Result<&'a mut AnyMixture<'static>, Failure> {
     // SAFETY: the caller's word is ours.
     match unsafe { capacity(mixture) }? {
         // SAFETY: the tag says that `init_at` wrote a storage of this capacity here.
-        16 if !IS_ONE => Ok(AnyMixtureMut::C16(unsafe { &mut (*mixture.cast::<Storage<16>>()).mixture })),
+        16 if !IS_ONE => Ok(unsafe { &mut (*mixture.cast::<Storage16>()).mixture }),
         // SAFETY: as above.
-        32 if !IS_ONE => Ok(AnyMixtureMut::C32(unsafe { &mut (*mixture.cast::<Storage<32>>()).mixture })),
+        32 if !IS_ONE => Ok(unsafe { &mut (*mixture.cast::<Storage32>()).mixture }),
         // SAFETY: as above.
-        64 => Ok(AnyMixtureMut::C64(unsafe { &mut (*mixture.cast::<Storage<64>>()).mixture })),
+        64 => Ok(unsafe { &mut (*mixture.cast::<Storage64>()).mixture }),
         _ => Err(SRBF_STATUS_OBJECT.into()),
     }
 }
@@ -162,22 +128,12 @@ pub(crate) unsafe fn mixture_mut<'a>(mixture: *mut srbf_mixture) -> Result<AnyMi
 /// The header's contract: `size` bytes at `storage` are writable and nobody else uses them.
 pub(crate) unsafe fn init_at(storage: *mut u8, size: usize) -> Result<*mut srbf_mixture, Failure> {
     check_storage(storage)?;
-    let place = storage.cast::<srbf_mixture>();
-    // SAFETY (each): not NULL, aligned, `size` bytes are writable by the contract, and the constant is at least the size
-    // of the storage.
-    if size >= SRBF_MIXTURE_SIZE_64 {
-        // SAFETY: as above.
-        unsafe { write_empty::<64>(storage) };
-    } else if !IS_ONE && size >= SRBF_MIXTURE_SIZE_32 {
-        // SAFETY: as above.
-        unsafe { write_empty::<32>(storage) };
-    } else if !IS_ONE && size >= SRBF_MIXTURE_SIZE_16 {
-        // SAFETY: as above.
-        unsafe { write_empty::<16>(storage) };
-    } else {
+    if size < size_for(0).unwrap_or(usize::MAX) {
         return Err(SRBF_STATUS_SIZE.into());
     }
-    Ok(place)
+    // SAFETY: not NULL, aligned, and `size` bytes are writable by the contract.
+    unsafe { write_empty(storage, size) };
+    Ok(storage.cast())
 }
 
 /// Refuses storage that is NULL or not aligned for a mixture.
@@ -190,34 +146,46 @@ pub(crate) fn check_storage(storage: *mut u8) -> Result<(), Failure> {
     }
 }
 
-/// Writes an empty mixture; returns it within its storage.
+/// Writes an empty mixture of the largest capacity that `size` bytes hold; returns it within its storage.
 ///
 /// # Safety
-/// A `Storage<N>` can be written at `place`.
-pub(crate) unsafe fn write_empty<const N: usize>(place: *mut u8) -> *mut Mixture<'static, N> {
-    let (place, head) = (place.cast::<Storage<N>>(), srbf_mixture { tag: TAG, capacity: N as u32 });
-    // SAFETY: the caller's word.
-    unsafe {
-        place.write(Storage { head, mixture: Mixture::empty() });
-        &raw mut (*place).mixture
+/// `size` bytes, at least those of the smallest capacity, can be written at `place`, which has the alignment.
+pub(crate) unsafe fn write_empty(place: *mut u8, size: usize) -> *mut AnyMixture<'static> {
+    macro_rules! write {
+        ($storage:ty, $capacity:literal) => {{
+            let place = place.cast::<$storage>();
+            let head = srbf_mixture { tag: TAG, capacity: $capacity };
+            // SAFETY: the caller's word; the constant is at least the size of the storage.
+            unsafe {
+                place.write(Storage { head, mixture: Mixture::<$capacity>::empty() });
+                &raw mut **(&mut (*place).mixture)
+            }
+        }};
+    }
+    if IS_ONE || size >= SRBF_MIXTURE_SIZE_64 {
+        write!(Storage64, 64)
+    } else if size >= SRBF_MIXTURE_SIZE_32 {
+        write!(Storage32, 32)
+    } else {
+        write!(Storage16, 16)
     }
 }
 
 /// The bytes that a call on a mixture reads: its own, and those of the factors that it borrows.
-pub(crate) fn extents(mixture: *const srbf_mixture, any: &AnyMixture<'_>) -> [Range<usize>; 2] {
-    let factors = with_mixture!(AnyMixture: any, m => m.factor_bytes());
+pub(crate) fn extents(place: *const srbf_mixture, mixture: &AnyMixture<'_>) -> [Range<usize>; 2] {
+    let factors = mixture.factor_bytes();
     let start = factors.as_ptr().addr();
-    [extent(mixture, any), start..start + factors.len()]
+    [extent(place, mixture), start..start + factors.len()]
 }
 
 /// The bytes that a mixture lies in.
-pub(crate) fn extent(mixture: *const srbf_mixture, any: &AnyMixture<'_>) -> Range<usize> {
-    let size = match any {
-        AnyMixture::C16(_) => size_of::<Storage<16>>(),
-        AnyMixture::C32(_) => size_of::<Storage<32>>(),
-        AnyMixture::C64(_) => size_of::<Storage<64>>(),
+pub(crate) fn extent(place: *const srbf_mixture, mixture: &AnyMixture<'_>) -> Range<usize> {
+    let size = match mixture.capacity() {
+        16 => size_of::<Storage16>(),
+        32 => size_of::<Storage32>(),
+        _ => size_of::<Storage64>(),
     };
-    mixture.addr()..mixture.addr() + size
+    place.addr()..place.addr() + size
 }
 
 /// Refuses a capacity that is too small before anything is written.

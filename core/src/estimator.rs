@@ -4,7 +4,7 @@
 use crate::error::Error;
 use crate::float;
 use crate::kernel::draw::draw_one;
-use crate::mixture::rows::{Domain, Mixture, Sample, weight_of};
+use crate::mixture::rows::{AnyMixture, Domain, Sample, weight_of};
 use crate::simd::lanes::scale;
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
@@ -60,18 +60,18 @@ fn cosine_weighted(u: [f32; 2]) -> Vec3 {
 /// # Ok::<(), srbf_core::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub struct Defensive<'a, const N: usize> {
-    mixture: &'a Mixture<'a, N>,
+pub struct Defensive<'a> {
+    mixture: &'a AnyMixture<'a>,
     share: f32,
 }
 
-impl<'a, const N: usize> Defensive<'a, N> {
+impl<'a> Defensive<'a> {
     /// Adds a defensive component of a share in [0, 1]; 0.02 to 0.05 serves well. A black mixture gives it
     /// all.
     ///
     /// # Errors
     /// [`Error::Share`] for a share outside the range.
-    pub fn new(mixture: &'a Mixture<'a, N>, share: f32) -> Result<Self, Error> {
+    pub fn new(mixture: &'a AnyMixture<'a>, share: f32) -> Result<Self, Error> {
         if !(0.0..=1.0).contains(&share) {
             return Err(Error::Share);
         }
@@ -110,7 +110,7 @@ impl<'a, const N: usize> Defensive<'a, N> {
             }
         } else {
             let lobe = ((u[0] - self.share) / (1.0 - self.share)).min(1.0 - f32::EPSILON / 2.0);
-            let (d, inverse) = draw_one::<f32, N, true>(self.mixture, [lobe, u[1], u[2]]);
+            let (d, inverse) = draw_one::<f32, true>(self.mixture, [lobe, u[1], u[2]]);
             Vec3::from_array(scale(d, inverse))
         };
         let (value, pdf) = self.mixture.evaluate_and_pdf(direction);

@@ -135,7 +135,7 @@ pub use material::layout::MAX_LOBES;
 pub use material::pack::PackOptions;
 pub use material::views::{Grid, GridView, Line, PlaneLobe, TiltedLobe, View};
 pub use mixture::leave_out::LeaveOut;
-pub use mixture::rows::{Domain, Mixture, Sample};
+pub use mixture::rows::{AnyMixture, Domain, Groups, Mixture, Room, Sample};
 pub use printable::{Printable, printable, printable_lines};
 pub use simd::detect::Level;
 pub use simd::processor::Processor;

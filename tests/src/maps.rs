@@ -1,7 +1,7 @@
 //! Maps of radiance: made, and read from Radiance pictures; the truth about them in f64; and estimates by them.
 
 use glam::{DVec3, Vec3};
-use srbf_core::{Environment, Mixture, environment_len, luminance};
+use srbf_core::{AnyMixture, Environment, environment_len, luminance};
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
@@ -168,8 +168,8 @@ pub fn frame(normal: Vec3) -> [Vec3; 3] {
 
 /// The light that is reflected, estimated by one draw from the lobes and one from the environment, both weighed by the balance
 /// heuristic (Veach and Guibas 1995): two rays.
-pub fn both_ways<const N: usize>(
-    mixture: &Mixture<'_, N>,
+pub fn both_ways(
+    mixture: &AnyMixture<'_>,
     environment: &Environment<impl AsRef<[u32]>>,
     frame: &[Vec3; 3],
     u: [[f32; 3]; 2],

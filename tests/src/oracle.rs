@@ -3,7 +3,7 @@
 //! f64 has nine digits more than f32: forms that lose a digit per decade of sharpness still have eight left at 1e8.
 
 use glam::DVec3;
-use srbf_core::{Domain, Mixture};
+use srbf_core::{AnyMixture, Domain};
 use std::f64::consts::PI;
 
 /// `exp(s (cos - 1))` with the angle between two vectors of any length.
@@ -35,12 +35,12 @@ pub fn squeezed(c: f64, d: DVec3) -> (DVec3, f64) {
 }
 
 /// Value of a mixture that is in the caller's frame: linear sRGB.
-pub fn mixture<const N: usize>(m: &Mixture<N>, d: DVec3) -> DVec3 {
+pub fn mixture(m: &AnyMixture<'_>, d: DVec3) -> DVec3 {
     (0..m.len()).map(|k| mixture_lobe(m, k, d)).sum()
 }
 
 /// Value of lobe `k` of a mixture that is in the caller's frame.
-pub fn mixture_lobe<const N: usize>(m: &Mixture<N>, k: usize, d: DVec3) -> DVec3 {
+pub fn mixture_lobe(m: &AnyMixture<'_>, k: usize, d: DVec3) -> DVec3 {
     let folded = m.domain() == Domain::Hemisphere;
     if folded && d.z < 0.0 {
         return DVec3::ZERO;
@@ -98,7 +98,7 @@ pub fn factor(
 }
 
 /// Density of a mixture that is in the caller's frame.
-pub fn mixture_pdf<const N: usize>(m: &Mixture<N>, d: DVec3) -> f64 {
+pub fn mixture_pdf(m: &AnyMixture<'_>, d: DVec3) -> f64 {
     let power: f64 = (0..m.len())
         .map(|k| {
             let lobe = m.lobe(k).expect("lobe");

@@ -3,7 +3,7 @@
 
 use crate::statistics::{ChiSquare, chi_square};
 use glam::{DVec3, Vec3};
-use srbf_core::{Domain, Mixture};
+use srbf_core::{AnyMixture, Domain};
 use std::f64::consts::PI;
 
 /// Largest share of the density that a bin may hold.
@@ -142,7 +142,7 @@ impl<F: Fn(Vec3) -> f32> Builder<'_, F> {
 
 impl Partition {
     /// Splits the domain of a mixture by its density.
-    pub fn new<const N: usize>(m: &Mixture<N>, pdf: impl Fn(Vec3) -> f32) -> Self {
+    pub fn new(m: &AnyMixture<'_>, pdf: impl Fn(Vec3) -> f32) -> Self {
         let azimuth = m.azimuth_cos_sin().map(f64::from);
         let squeeze = [m.squeeze_along(), m.squeeze()].map(f64::from);
         let mut features: Vec<Feature> = (0..m.len())

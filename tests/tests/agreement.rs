@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 use srbf_core::{
-    Domain, Error, KernelTable, LeaveOut, Level, Line, Lobe, Material, Mixture, PlaneLobe, Towards, View,
-    color_differences, luminance,
+    AnyMixture, Domain, Error, KernelTable, LeaveOut, Level, Line, Lobe, Material, Mixture, PlaneLobe,
+    Towards, View, color_differences, luminance,
 };
 use srbf_tests::inputs::Random;
 
@@ -42,7 +42,7 @@ fn for_each_level(mut each: impl FnMut(Level)) {
 }
 
 /// `f cos` by a batch of one direction.
-fn in_a_batch<const N: usize>(m: &Mixture<N>, d: Vec3) -> Vec3 {
+fn in_a_batch(m: &AnyMixture<'_>, d: Vec3) -> Vec3 {
     let mut value = [[0.0]; 3];
     let [red, green, blue] = &mut value;
     m.ask(Towards { wi: [&[d.x], &[d.y], &[d.z]], value: Some([red, green, blue]), pdf: None }.into())

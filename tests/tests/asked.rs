@@ -2,7 +2,7 @@
 //! single answers.
 
 use glam::Vec3;
-use srbf_core::{Draws, Error, Material, Mixture, Processor, Request, Sample, Towards};
+use srbf_core::{AnyMixture, Draws, Error, Material, Mixture, Processor, Request, Sample, Towards};
 use srbf_tests::inputs::Random;
 use srbf_tests::kinds::{Soa, for_each_level, materials, upper};
 use srbf_tests::partition::Partition;
@@ -302,7 +302,7 @@ fn mixtures_answer_requests_as_they_answer_one_by_one() {
                 material.prepare(wo, m).unwrap();
             }
             let (mut each, mut one) = (Batch::new(n), Batch::new(n));
-            Mixture::ask_each(&mixtures, each.request(&u, &wi)).unwrap();
+            AnyMixture::ask_each(&mixtures, each.request(&u, &wi)).unwrap();
             mixtures[0].ask(one.request(&u, &wi)).unwrap();
             // Directions without densities, and weights without them, are the same ones.
             for wants_weight in [false, true] {

@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec3};
 use srbf_core::{
-    Domain, Draws, Expanded, FactorTable, Gaussian, Level, Line, Lobe, Material, Mixture, PlaneLobe, Request,
-    Towards, View, color_differences,
+    AnyMixture, Domain, Draws, Expanded, FactorTable, Gaussian, Level, Line, Lobe, Material, Mixture,
+    PlaneLobe, Request, Towards, View, color_differences,
 };
 use srbf_tests::inputs::Random;
 use srbf_tests::oracle::sphere_integral;
@@ -241,7 +241,7 @@ fn an_outgoing_direction_that_is_none_gives_0_whatever_the_incident_one_is() {
                 material.prepare_into(wo, &mut mixtures).unwrap();
                 let asks: [(&str, Ask); 3] = [
                     ("material", &|request| material.ask(wo, request).unwrap()),
-                    ("mixtures", &|request| Mixture::ask_each(&mixtures, request).unwrap()),
+                    ("mixtures", &|request| AnyMixture::ask_each(&mixtures, request).unwrap()),
                     ("expanded", &|request| expanded.ask(wo, request).unwrap()),
                 ];
                 for (name, ask) in asks {

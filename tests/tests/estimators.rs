@@ -134,7 +134,7 @@ fn inner_products_of_mixtures_are_their_integrals() {
                 * f64::from(light.amplitude.x)
                 * oracle::gaussian(light.gaussian.axis.as_dvec3(), f64::from(light.gaussian.sharpness), d)
         });
-        let light_alone = Mixture::<1>::sphere(&[light]).unwrap();
+        let light_alone = Mixture::<16>::sphere(&[light]).unwrap();
         let got = f64::from(m.inner_product(&light_alone).unwrap().x);
         assert!((got / want - 1.0).abs() < 3e-4, "light: {got}, {want}");
         let mut out = vec![light; 16];

@@ -177,7 +177,7 @@ const ORACLES: &[(&str, &str)] = &[
     ("Material::sample", "tests/asked.rs"),
     ("Material::sample_and_evaluate", "tests/asked.rs"),
     ("Mixture::ask", "tests/asked.rs"),
-    ("Mixture::ask_each", "tests/asked.rs"),
+    ("AnyMixture::ask_each", "tests/asked.rs"),
     ("Processor::this", "tests/asked.rs"),
     ("Mixture::sample_and_evaluate", "tests/verbs.rs"),
     ("Material::prepare_into", "tests/material.rs"),

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 use srbf_core::{
-    Domain, Draws, Error, Expanded, FactorTable, Grid, GridView, Level, Line, Lobe, Material, Mixture,
-    PlaneLobe, Request, TiltedLobe, Towards, View,
+    AnyMixture, Domain, Draws, Error, Expanded, FactorTable, Grid, GridView, Level, Line, Lobe, Material,
+    Mixture, PlaneLobe, Request, TiltedLobe, Towards, View,
 };
 use srbf_tests::inputs::Random;
 use srbf_tests::seeds::same_without_azimuth;
@@ -267,8 +267,8 @@ fn every_verb_gives_in_every_shape_what_single_calls_give() {
                     &of_each[..n],
                     "materials",
                 );
-                check(&|request| Mixture::ask_each(&mixtures[..n], request), &of_each[..n], "mixtures");
-                check(&|request| Mixture::ask_each(&of_each[..n], request), &of_each[..n], "references");
+                check(&|request| AnyMixture::ask_each(&mixtures[..n], request), &of_each[..n], "mixtures");
+                check(&|request| AnyMixture::ask_each(&of_each[..n], request), &of_each[..n], "references");
                 let one = &mixtures[0];
                 check(&|request| one.ask(request), &vec![one; n], "one mixture");
             }
@@ -330,6 +330,12 @@ fn mixtures_of_all_kinds_may_stand_side_by_side() {
         let wi: Vec<Vec3> = (0..PAIRS).map(|_| random.direction()).collect();
         let u: Vec<Vec3> = (0..PAIRS).map(|_| Vec3::from_array(random.three())).collect();
         let of_each: Vec<&Mixture<64>> = mixtures.iter().collect();
-        check(&|request| Mixture::ask_each(&mixtures, request), &of_each, &wi, &u, &format!("round {round}"));
+        check(
+            &|request| AnyMixture::ask_each(&mixtures, request),
+            &of_each,
+            &wi,
+            &u,
+            &format!("round {round}"),
+        );
     }
 }

@@ -6,7 +6,6 @@ use super::look_up::{Place, between, luminances, place};
 use super::sampling::{MAX_CANDIDATES, ProductSampling};
 use super::table::{Colors, Table};
 use crate::kernel::draw::sample_direction;
-use crate::kernel::lobe_sums::{STAGE, sums};
 use crate::mixture::rows::{Head, MixtureRef};
 use crate::simd::detect::Level;
 use crate::simd::lanes::{Lanes, dot3, splat3};
@@ -62,7 +61,19 @@ impl Candidates {
     ) {
         let frame = [frame[0].to_array(), frame[1].to_array(), frame[2].to_array()];
         let (lobes, count) = (sampling.lobes, sampling.count);
-        mixture.head.level.run(Draw { mixture, table, frame, lobes, count, u, to: self });
+        let mut places = Places { cell: [0; ROOM], is_other: [false; ROOM], within: [[0.0; ROOM]; 2] };
+        let to = &mut *self;
+        mixture.head.level.run(Draw { mixture, table, frame, lobes, count, u, to, places: &mut places });
+        let local = self.local.each_ref().map(|row| &row[..count]);
+        mixture.values(local, self.value.each_mut().map(|row| &mut row[..count]));
+        mixture.densities(self.value.each_ref().map(|row| &row[..count]), &mut self.pdf[..count]);
+        for i in 0..count {
+            let colors = Colors::new(&table.cells[places.cell[i] as usize], places.is_other[i]);
+            let light = between(colors, places.within[0][i], places.within[1][i]);
+            for channel in 0..3 {
+                self.light[channel][i] = light[channel];
+            }
+        }
     }
 
     /// Multiplies the values by their factors.
@@ -112,6 +123,7 @@ struct Draw<'a, 't> {
     count: usize,
     u: [&'a [f32]; 3],
     to: &'a mut Candidates,
+    places: &'a mut Places,
 }
 
 /// Where candidates lie among the cells.
@@ -127,33 +139,19 @@ impl Routine for Draw<'_, '_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(mut self) {
-        let mut places = Places { cell: [0; ROOM], is_other: [false; ROOM], within: [[0.0; ROOM]; 2] };
         // The cells are asked for as soon as they are known, and read when something else has been done.
         let mut left = [0.0; ROOM];
         for i in self.lobes..self.count {
             let (hit, rest) = self.table.hit([self.u[0][i], self.u[1][i]]);
             self.table.prefetch(hit);
-            (places.cell[i], left[i]) = (hit as u32, rest);
+            (self.places.cell[i], left[i]) = (hit as u32, rest);
         }
         // The candidates of the environment overwrite the lanes behind the last one of the lobes.
         if self.lobes > 0 {
-            self.draw_lobes::<L>(&mut places);
+            self.draw_lobes::<L>();
         }
         if self.lobes < self.count {
-            self.draw_environment::<L>(&mut left, &mut places);
-        }
-        // Fewer than a batch holds are evaluated one vector at a time.
-        if self.count > L::Batch::COUNT - L::COUNT {
-            self.evaluate::<L::Batch>();
-        } else {
-            self.evaluate::<L>();
-        }
-        for i in 0..self.count {
-            let colors = Colors::new(&self.table.cells[places.cell[i] as usize], places.is_other[i]);
-            let light = between(colors, places.within[0][i], places.within[1][i]);
-            for channel in 0..3 {
-                self.to.light[channel][i] = light[channel];
-            }
+            self.draw_environment::<L>(&mut left);
         }
     }
 }
@@ -161,7 +159,8 @@ impl Routine for Draw<'_, '_> {
 impl Draw<'_, '_> {
     /// Directions of the lobes, and where they lie.
     #[inline(always)]
-    fn draw_lobes<L: Lanes>(&mut self, places: &mut Places) {
+    fn draw_lobes<L: Lanes>(&mut self) {
+        let places = &mut *self.places;
         // 0.5 is a valid uniform number.
         let mut u = [[0.5; ROOM]; 3];
         for i in 0..3 {
@@ -199,7 +198,8 @@ impl Draw<'_, '_> {
 
     /// Directions of the environment, in cells that were hit, by the remainders `left` of the uniform numbers.
     #[inline(always)]
-    fn draw_environment<L: Lanes>(&mut self, left: &mut Row, places: &mut Places) {
+    fn draw_environment<L: Lanes>(&mut self, left: &mut Row) {
+        let places = &mut *self.places;
         let (mut bright, mut found, mut u) = ([[0.0; ROOM]; 4], [[0.0; ROOM]; 4], [0.5; ROOM]);
         u[self.lobes..self.count].copy_from_slice(&self.u[2][self.lobes..self.count]);
         for i in self.lobes..self.count {
@@ -221,21 +221,6 @@ impl Draw<'_, '_> {
             place[1].store(&mut places.within[1][at..]);
             store3(local, &mut self.to.local, at);
             store3(world, &mut self.to.world, at);
-            at += L::COUNT;
-        }
-    }
-
-    /// Values and densities.
-    #[inline(always)]
-    fn evaluate<L: Lanes>(&mut self) {
-        let m = self.mixture;
-        let mut stage = [L::splat(0.0); STAGE];
-        let mut at = 0;
-        while at < self.count {
-            let local = load3::<L>(&self.to.local, at);
-            let value = sums(m, m.head.diffuse.to_array(), local, &mut stage);
-            store3(value, &mut self.to.value, at);
-            (luminances(value) * L::splat(m.head.inverse_power)).store(&mut self.to.pdf[at..]);
             at += L::COUNT;
         }
     }

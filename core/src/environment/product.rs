@@ -17,8 +17,7 @@ use super::candidates::{Candidates, choose};
 use super::sampling::ProductSampling;
 use super::table::Environment;
 use crate::error::Error;
-use crate::mixture::row::EMPTY_BLOCKS;
-use crate::mixture::rows::Mixture;
+use crate::mixture::rows::AnyMixture;
 use glam::Vec3;
 
 /// A direction drawn for light and material together.
@@ -31,7 +30,7 @@ pub struct ProductSample {
     pub weight: Vec3,
 }
 
-impl<const N: usize> Mixture<'_, N> {
+impl AnyMixture<'_> {
     /// Draws a direction for the light of an environment and this mixture together: direct light by one
     /// shadow ray.
     ///
@@ -79,8 +78,7 @@ impl<const N: usize> Mixture<'_, N> {
         }
         let table = environment.borrowed();
         let mut candidates = Candidates::NONE;
-        let mut blocks = EMPTY_BLOCKS;
-        candidates.draw(&self.borrowed(&mut blocks), &table, frame, sampling, u);
+        candidates.draw(&self.borrowed(), &table, frame, sampling, u);
         if self.has_factors() {
             candidates.multiply(&self.head, sampling.count);
         }

@@ -56,8 +56,7 @@ use super::light_block::{LIGHT_BLOCK, LightBlock};
 use super::table::Environment;
 use super::together::{MAX_REFLECT_RAYS, Together};
 use crate::error::Error;
-use crate::mixture::row::EMPTY_BLOCKS;
-use crate::mixture::rows::{Mixture, Sample, drawn_density, weight_of};
+use crate::mixture::rows::{AnyMixture, Sample, drawn_density, weight_of};
 use glam::Vec3;
 
 /// What light a surface reflects, but for two rays: see [`Mixture::reflect`].
@@ -134,7 +133,7 @@ impl Reflection {
     }
 }
 
-impl<const N: usize> Mixture<'_, N> {
+impl AnyMixture<'_> {
     /// Draws the ray that a path goes on along, and a shadow ray, for the light of an environment. Where nothing is in the way,
     /// the reflected light is a sum over all directions of `block` and all of `u`: with evenly spread numbers it is nearly exact.
     /// See `core/src/environment/reflect.rs` for the estimator and why it is unbiased.
@@ -188,8 +187,7 @@ impl<const N: usize> Mixture<'_, N> {
         }
         let table = environment.borrowed();
         let mut together = Together::NONE;
-        let mut blocks = EMPTY_BLOCKS;
-        together.draw(&self.borrowed(&mut blocks), &table, block, frame, u);
+        together.draw(&self.borrowed(), &table, block, frame, u);
         if self.has_factors() {
             together.multiply(&self.head, count);
         }

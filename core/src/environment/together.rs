@@ -7,7 +7,6 @@ use super::light_block::{LIGHT_BLOCK, LightBlock};
 use super::look_up::{Place, between, luminances, place};
 use super::table::{Colors, Table};
 use crate::kernel::draw::sample_direction;
-use crate::kernel::lobe_sums::{STAGE, sums};
 use crate::mixture::rows::{Head, MixtureRef};
 use crate::simd::detect::Level;
 use crate::simd::lanes::{Lanes, dot3, splat3};
@@ -85,7 +84,31 @@ impl Together {
         u: [&[f32]; 3],
     ) {
         let frame = [frame[0].to_array(), frame[1].to_array(), frame[2].to_array()];
-        mixture.head.level.run(Draw { mixture, table, block, frame, u, to: self });
+        let rays = u[0].len().min(MAX_REFLECT_RAYS);
+        let (mut cells, mut within) = ([0; MAX_REFLECT_RAYS], [[0.0; MAX_REFLECT_RAYS]; 2]);
+        let to = &mut *self;
+        let (cells_to, within_to) = (&mut cells, &mut within);
+        mixture.head.level.run(Draw {
+            mixture,
+            table,
+            block,
+            frame,
+            u,
+            to,
+            cells: cells_to,
+            within: within_to,
+        });
+        let count = LIGHT_BLOCK + rays;
+        let local = self.local.each_ref().map(|row| &row[..count]);
+        mixture.values(local, self.value.each_mut().map(|row| &mut row[..count]));
+        mixture.densities(self.value.each_ref().map(|row| &row[..count]), &mut self.pdf[..count]);
+        for i in 0..rays {
+            let colors = Colors::new(&table.cells[cells[i] as usize], false);
+            let light = between(colors, within[0][i], within[1][i]);
+            for channel in 0..3 {
+                self.light[channel][LIGHT_BLOCK + i] = light[channel];
+            }
+        }
     }
 
     /// Multiplies the values by their factors.
@@ -154,16 +177,16 @@ struct Draw<'a, 't> {
     frame: [[f32; 3]; 3],
     u: [&'a [f32]; 3],
     to: &'a mut Together,
+    /// Where the directions of the lobes lie among the cells, which are asked for here, and read after the lobes have been summed.
+    cells: &'a mut [u32; MAX_REFLECT_RAYS],
+    within: &'a mut [[f32; MAX_REFLECT_RAYS]; 2],
 }
 
 impl Routine for Draw<'_, '_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(mut self) {
-        let rays = self.u[0].len();
-        // The cells of the lobes' directions are asked for here, and read after the lobes have been summed.
-        let (mut cells, mut within) = ([0u32; MAX_REFLECT_RAYS], [[0.0; MAX_REFLECT_RAYS]; 2]);
-        self.draw_lobes::<L>(&mut cells, &mut within);
+        self.draw_lobes::<L>();
         let mut at = 0;
         while at < LIGHT_BLOCK {
             let world = load3::<L, LIGHT_BLOCK>(&self.block.direction, at);
@@ -176,30 +199,14 @@ impl Routine for Draw<'_, '_> {
             store3(load3::<L, LIGHT_BLOCK>(&self.block.light, at), &mut self.to.light, at);
             at += L::COUNT;
         }
-        let count = LIGHT_BLOCK + rays;
-        if count + L::COUNT >= L::Batch::COUNT && L::Batch::COUNT <= ROOM {
-            self.evaluate::<L::Batch>(count);
-        } else {
-            self.evaluate::<L>(count);
-        }
-        for i in 0..rays {
-            let colors = Colors::new(&self.table.cells[cells[i] as usize], false);
-            let light = between(colors, within[0][i], within[1][i]);
-            for channel in 0..3 {
-                self.to.light[channel][LIGHT_BLOCK + i] = light[channel];
-            }
-        }
     }
 }
 
 impl Draw<'_, '_> {
     /// Directions of the lobes, and where they lie among the cells.
     #[inline(always)]
-    fn draw_lobes<L: Lanes>(
-        &mut self,
-        cells: &mut [u32; MAX_REFLECT_RAYS],
-        within: &mut [[f32; MAX_REFLECT_RAYS]; 2],
-    ) {
+    fn draw_lobes<L: Lanes>(&mut self) {
+        let (cells, within) = (&mut *self.cells, &mut *self.within);
         let rays = self.u[0].len().min(MAX_REFLECT_RAYS);
         // 0.5 is a valid uniform number.
         let mut u = [[0.5; MAX_REFLECT_RAYS]; 3];
@@ -230,21 +237,6 @@ impl Draw<'_, '_> {
             let (cell, down) = self.table.cell(place, self.to.world[2][LIGHT_BLOCK + i]);
             self.table.prefetch(cell);
             (cells[i], within[1][i]) = (cell as u32, down);
-        }
-    }
-
-    /// Values and densities.
-    #[inline(always)]
-    fn evaluate<L: Lanes>(&mut self, count: usize) {
-        let m = self.mixture;
-        let mut stage = [L::splat(0.0); STAGE];
-        let mut at = 0;
-        while at < count {
-            let local = load3::<L, ROOM>(&self.to.local, at);
-            let value = sums(m, m.head.diffuse.to_array(), local, &mut stage);
-            store3(value, &mut self.to.value, at);
-            (luminances(value) * L::splat(m.head.inverse_power)).store(&mut self.to.pdf[at..]);
-            at += L::COUNT;
         }
     }
 }

@@ -9,9 +9,9 @@ use crate::material::layout::{HEAD, Header, MAX_LOBES};
 use crate::mixture::factors::Among;
 use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::row;
-use crate::mixture::rows::Mixture;
+use crate::mixture::rows::AnyMixture;
 use crate::simd::elementary::{exp2, exp2_soon, sin_cos};
-use crate::simd::lanes::{Lanes, WIDEST_PAIR, dot3, splat3};
+use crate::simd::lanes::{Lanes, WIDEST, WIDEST_PAIR, dot3, splat3};
 use crate::squeeze::Squeeze;
 
 /// The bytes from `ahead` before an offset on, at least `need` of them: near either end of the file those of
@@ -166,20 +166,20 @@ pub(crate) fn views_passed_by_each<L: Lanes>(material: MaterialRef<'_>, theta: L
 /// Interpolates the views round a place. The mixture has begun, and is to be summed up.
 #[cfg_attr(not(feature = "simd"), inline(never))]
 #[cfg_attr(feature = "simd", inline(always))]
-pub(crate) fn at_place<L: Lanes, const N: usize>(
+pub(crate) fn at_place<L: Lanes>(
     material: MaterialRef<'_>,
     azimuth: [f32; 2],
     place: Place,
     leave_out: LeaveOut,
-    mixture: &mut Mixture<'_, N>,
+    mixture: &mut AnyMixture<'_>,
 ) {
     let (squeeze, diffuse) = head_at::<L>(material, place);
     mixture.head.squeeze = Squeeze::new(azimuth, 1.0, 1.0 / squeeze);
     mixture.set_diffuse(diffuse);
     if L::COUNT == 1 || material.header.mirrored > 0 {
-        lobes::<L::Lobes, N, true>(material, place, leave_out, mixture);
+        lobes::<L::Lobes, true>(material, place, leave_out, mixture);
     } else {
-        lobes::<L::Lobes, N, false>(material, place, leave_out, mixture);
+        lobes::<L::Lobes, false>(material, place, leave_out, mixture);
     }
 }
 
@@ -254,11 +254,11 @@ fn decoded_head(material: MaterialRef<'_>, view: usize) -> [u8; HEADS] {
 
 /// Interpolates the lobes and completes the mixture but for its sums. `MIRRORED`: some of them are.
 #[inline(always)]
-fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
+fn lobes<L: Lanes, const MIRRORED: bool>(
     material: MaterialRef<'_>,
     place: Place,
     leave_out: LeaveOut,
-    mixture: &mut Mixture<'_, N>,
+    mixture: &mut AnyMixture<'_>,
 ) {
     let header = material.header;
     mixture.head.in_plane = header.mirrored == 0;
@@ -269,27 +269,30 @@ fn lobes<L: Lanes, const N: usize, const MIRRORED: bool>(
     }
     let (copy_a, copy_b);
     let rows = rows_at!(L, MIRRORED, material, place, copy_a, copy_b);
-    let mut k = 0;
-    while row::is_within::<L, N>(k, rows.total()) {
-        let lobes = rows.lobes::<L, MIRRORED, false>(k);
-        let ([x, y, z], [red, green, blue]) = (lobes.axis, lobes.rgb);
-        row::store(red, &mut mixture.rows[row::RED], k);
-        row::store(green, &mut mixture.rows[row::GREEN], k);
-        row::store(blue, &mut mixture.rows[row::BLUE], k);
-        row::store(x, &mut mixture.rows[row::AXIS_X], k);
-        row::store(y, &mut mixture.rows[row::AXIS_Y], k);
-        row::store(z, &mut mixture.rows[row::AXIS_Z], k);
-        row::store(lobes.sharpness, &mut mixture.rows[row::SHARPNESS], k);
-        k += L::COUNT;
+    let (mut k, total) = (0, rows.total());
+    for group in &mut mixture.groups {
+        let mut at = 0;
+        while k < total && at + L::COUNT <= WIDEST {
+            let lobes = rows.lobes::<L, MIRRORED, false>(k);
+            let ([x, y, z], [red, green, blue]) = (lobes.axis, lobes.rgb);
+            red.store(&mut group[row::RED][at..]);
+            green.store(&mut group[row::GREEN][at..]);
+            blue.store(&mut group[row::BLUE][at..]);
+            x.store(&mut group[row::AXIS_X][at..]);
+            y.store(&mut group[row::AXIS_Y][at..]);
+            z.store(&mut group[row::AXIS_Z][at..]);
+            lobes.sharpness.store(&mut group[row::SHARPNESS][at..]);
+            (k, at) = (k + L::COUNT, at + L::COUNT);
+        }
     }
     mixture.finish_lobes::<L>(rows.total(), header.squeezed, leave_out);
 }
 
 /// Interpolates the lobes one after the other.
 #[inline(always)]
-fn one_by_one<const N: usize>(material: MaterialRef<'_>, between: Between, mixture: &mut Mixture<'_, N>) {
+fn one_by_one(material: MaterialRef<'_>, between: Between, mixture: &mut AnyMixture<'_>) {
     let from = OneRows::new(material, between);
-    for stored in 0..material.header.lobes.min(N) {
+    for stored in 0..material.header.lobes.min(mixture.capacity()) {
         let lobe = one_lobe::lobe::<false>(&from, stored);
         store_one(&lobe, stored, lobe.axis[1], mixture);
         if let Some(image) = lobe.image {
@@ -300,18 +303,18 @@ fn one_by_one<const N: usize>(material: MaterialRef<'_>, between: Between, mixtu
 
 /// Stores a lobe as the `k`-th; `y` is that of its axis.
 #[inline(always)]
-fn store_one<const N: usize>(lobe: &OneLobe, k: usize, y: f32, mixture: &mut Mixture<'_, N>) {
-    if k >= N {
+fn store_one(lobe: &OneLobe, k: usize, y: f32, mixture: &mut AnyMixture<'_>) {
+    if k >= mixture.capacity() {
         return;
     }
     let ([x, _, z], [red, green, blue]) = (lobe.axis, lobe.rgb);
-    mixture.rows[row::AXIS_X][k] = x;
-    mixture.rows[row::AXIS_Y][k] = y;
-    mixture.rows[row::AXIS_Z][k] = z;
-    mixture.rows[row::SHARPNESS][k] = lobe.sharpness;
-    mixture.rows[row::RED][k] = red;
-    mixture.rows[row::GREEN][k] = green;
-    mixture.rows[row::BLUE][k] = blue;
+    *mixture.number_mut(row::AXIS_X, k) = x;
+    *mixture.number_mut(row::AXIS_Y, k) = y;
+    *mixture.number_mut(row::AXIS_Z, k) = z;
+    *mixture.number_mut(row::SHARPNESS, k) = lobe.sharpness;
+    *mixture.number_mut(row::RED, k) = red;
+    *mixture.number_mut(row::GREEN, k) = green;
+    *mixture.number_mut(row::BLUE, k) = blue;
 }
 
 /// Lobes between two views, one a lane; behind the last ones of amplitude 0.

@@ -9,17 +9,17 @@ use super::draw::{Choice, Frame, chosen_lobe, chosen_power, draw};
 use super::one_direction::{all_lobes, with_diffuse};
 use super::sights::{sight, sights};
 use crate::mixture::row;
-use crate::mixture::rows::Mixture;
+use crate::mixture::rows::AnyMixture;
 use crate::simd::lanes::{Lanes, Numbers, WIDEST};
 use crate::simd::routine::Routine;
 
 /// Draws a direction from each of at most [`WIDEST`] mixtures. One that reflects nothing gives the normal.
-pub(crate) struct DrawBlock<'a, const N: usize> {
-    pub mixtures: &'a [&'a Mixture<'a, N>],
+pub(crate) struct DrawBlock<'a> {
+    pub mixtures: &'a [&'a AnyMixture<'a>],
     pub u: &'a [Numbers; 3],
 }
 
-impl<const N: usize> Routine for DrawBlock<'_, N> {
+impl Routine for DrawBlock<'_> {
     type Output = [Numbers; 3];
     #[inline(always)]
     fn run<L: Lanes>(self) -> [Numbers; 3] {
@@ -32,13 +32,13 @@ impl<const N: usize> Routine for DrawBlock<'_, N> {
         let (mut squeezed, mut lobe, mut dark) = (zeros, zeros, zeros);
         for (i, m) in mixtures.iter().take(WIDEST).enumerate() {
             let target = chosen_power(m.head.power, u[0][i]);
-            let k = chosen_lobe::<L, N>(m, target);
-            axis[0][i] = m.rows[row::AXIS_X][k];
-            axis[1][i] = m.rows[row::AXIS_Y][k];
-            axis[2][i] = m.rows[row::AXIS_Z][k];
-            inside[i] = m.rows[row::INSIDE][k];
-            gone[i] = m.rows[row::TAIL][k];
-            inverse_sharpness[i] = m.rows[row::INVERSE_SHARPNESS][k];
+            let k = chosen_lobe::<L>(m, target);
+            axis[0][i] = m.number(row::AXIS_X, k);
+            axis[1][i] = m.number(row::AXIS_Y, k);
+            axis[2][i] = m.number(row::AXIS_Z, k);
+            inside[i] = m.number(row::INSIDE, k);
+            gone[i] = m.number(row::TAIL, k);
+            inverse_sharpness[i] = m.number(row::INVERSE_SHARPNESS, k);
             azimuth[0][i] = m.head.squeeze.azimuth[0];
             azimuth[1][i] = m.head.squeeze.azimuth[1];
             narrow[0][i] = m.head.squeeze.along;
@@ -84,12 +84,12 @@ impl<const N: usize> Routine for DrawBlock<'_, N> {
 
 /// Evaluates each of at most [`WIDEST`] mixtures towards its direction: red, green and blue, or the luminance
 /// (`C` = 1).
-pub(crate) struct SumBlock<'a, const N: usize, const C: usize> {
-    pub mixtures: &'a [&'a Mixture<'a, N>],
+pub(crate) struct SumBlock<'a, const C: usize> {
+    pub mixtures: &'a [&'a AnyMixture<'a>],
     pub directions: &'a [Numbers; 3],
 }
 
-impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
+impl<const C: usize> Routine for SumBlock<'_, C> {
     type Output = [Numbers; C];
     #[inline(always)]
     fn run<L: Lanes>(self) -> [Numbers; C] {
@@ -113,8 +113,7 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
                 continue;
             }
             let [turned, squeezed] = sight(&sights, i);
-            let rows: [&[f32; N]; 4] =
-                [&m.rows[row::RED], &m.rows[row::GREEN], &m.rows[row::BLUE], &m.rows[row::LUMINANCE]];
+            let rows = [row::RED, row::GREEN, row::BLUE, row::LUMINANCE];
             let mut amplitudes = [rows[3]; C];
             let mut diffuse = [m.head.diffuse_power; C];
             if C == 3 {
@@ -123,7 +122,7 @@ impl<const N: usize, const C: usize> Routine for SumBlock<'_, N, C> {
                     diffuse[channel] = m.head.diffuse[channel];
                 }
             }
-            let sums = all_lobes::<L::Lobes, N, C, true>(m, amplitudes, &turned, &squeezed);
+            let sums = all_lobes::<L::Lobes, C, true>(m, amplitudes, &turned, &squeezed);
             let sums = with_diffuse(sums, diffuse, z[i]);
             for channel in 0..C {
                 out[channel][i] = sums[channel];

@@ -3,7 +3,7 @@
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
 use crate::mixture::row;
-use crate::mixture::rows::{Domain, Head, Mixture, MixtureRef};
+use crate::mixture::rows::{AnyMixture, Domain, Head, MixtureRef};
 use crate::simd::elementary::{ln_plus_times, sin_cos_turns};
 use crate::simd::lanes::{Lanes, TOGETHER, dot3, halves, of_halves, scale};
 use crate::squeeze::turn_back;
@@ -81,50 +81,50 @@ pub(crate) fn sample_direction<L: Lanes>(m: &MixtureRef<'_>, u: [L; 3]) -> [L; 3
 /// is searched. Without `SEEN`, for a mixture that neither turns nor squeezes it, that is 1 but for rounding.
 #[cfg_attr(not(feature = "simd"), inline(never))]
 #[cfg_attr(feature = "simd", inline(always))]
-pub(crate) fn draw_one<L: Lanes, const N: usize, const SEEN: bool>(
-    m: &Mixture<'_, N>,
-    u: [f32; 3],
-) -> ([f32; 3], f32) {
+pub(crate) fn draw_one<L: Lanes, const SEEN: bool>(m: &AnyMixture<'_>, u: [f32; 3]) -> ([f32; 3], f32) {
     let target = u[0] * m.head.power;
-    let k = chosen_lobe::<L, N>(m, target);
-    draw_from::<L::One, N, SEEN>(m, k, target, u)
+    let k = chosen_lobe::<L>(m, target);
+    draw_from::<L::One, SEEN>(m, k, target, u)
 }
 
 /// The lobe at a place on the running sum of powers.
 #[inline(always)]
-pub(crate) fn chosen_lobe<L: Lanes, const N: usize>(m: &Mixture<'_, N>, target: f32) -> usize {
+pub(crate) fn chosen_lobe<L: Lanes>(m: &AnyMixture<'_>, target: f32) -> usize {
     if L::COUNT == 1 {
-        let last = m.head.count.clamp(1, N) - 1;
-        let powers = m.rows[row::CUMULATIVE].iter().take(last);
-        return powers.take_while(|power| target >= **power).count().min(N - 1);
+        let last = m.head.count.clamp(1, m.capacity()) - 1;
+        let mut k = 0;
+        while k < last && target >= m.number(row::CUMULATIVE, k) {
+            k += 1;
+        }
+        return k;
     }
     // The running sum never falls: the lobes that are passed come first, and numbers stored behind the last do not matter. The
     // last ends the search whatever its sum is rounded to.
     let (mut above, mut from) = (1u64.wrapping_shl((m.head.count as u32).wrapping_sub(1)), 0);
-    while row::is_within::<L, N>(from, m.head.count) {
-        above |= L::bits(L::splat(target).lt(row::load(&m.rows[row::CUMULATIVE], from))) << from;
+    while m.has(from, m.head.count) {
+        above |= L::bits(L::splat(target).lt(m.load::<L>(row::CUMULATIVE, from))) << from;
         from += L::COUNT;
     }
-    (above.trailing_zeros() as usize).min(N - 1)
+    (above.trailing_zeros() as usize).min(m.capacity() - 1)
 }
 
 /// Draws one direction from lobe `k`, or the diffuse term; `L` has one lane.
 #[inline(always)]
-fn draw_from<L: Lanes<Index = usize>, const N: usize, const SEEN: bool>(
-    m: &Mixture<'_, N>,
+fn draw_from<L: Lanes<Index = usize>, const SEEN: bool>(
+    m: &AnyMixture<'_>,
     k: usize,
     target: f32,
     u: [f32; 3],
 ) -> ([f32; 3], f32) {
     let choice = Choice {
         axis: [
-            L::splat(m.rows[row::AXIS_X][k]),
-            L::splat(m.rows[row::AXIS_Y][k]),
-            L::splat(m.rows[row::AXIS_Z][k]),
+            L::splat(m.number(row::AXIS_X, k)),
+            L::splat(m.number(row::AXIS_Y, k)),
+            L::splat(m.number(row::AXIS_Z, k)),
         ],
-        inside: L::splat(m.rows[row::INSIDE][k]),
-        gone: L::splat(m.rows[row::TAIL][k]),
-        inverse_sharpness: L::splat(m.rows[row::INVERSE_SHARPNESS][k]),
+        inside: L::splat(m.number(row::INSIDE, k)),
+        gone: L::splat(m.number(row::TAIL, k)),
+        inverse_sharpness: L::splat(m.number(row::INVERSE_SHARPNESS, k)),
         is_squeezed: L::index_below(k, m.head.squeezed),
         is_lobe: L::splat(target).lt(L::splat(m.head.lobes_power)),
     };

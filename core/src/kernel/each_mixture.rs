@@ -18,14 +18,13 @@ use crate::material::borrowed::Material;
 use crate::material::borrowed::MaterialRef;
 #[cfg(feature = "simd")]
 use crate::mixture::factors::Nodes;
+use crate::mixture::rows::{AnyMixture, Sample, drawn_density};
 #[cfg(feature = "simd")]
-use crate::mixture::rows::{Domain, weight_of};
-use crate::mixture::rows::{Mixture, Sample, drawn_density};
+use crate::mixture::rows::{Domain, Mixture, weight_of};
 use crate::simd::detect::Level;
 #[cfg(feature = "simd")]
 use crate::simd::lanes::Numbers;
 use crate::simd::lanes::WIDEST;
-use core::borrow::{Borrow, BorrowMut};
 use glam::Vec3;
 
 impl<B: AsRef<[u8]>> Material<B> {
@@ -37,20 +36,22 @@ impl<B: AsRef<[u8]>> Material<B> {
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; [`Error::Capacity`] if a mixture has room
     /// for fewer lobes than the material has. Nothing is written then.
-    pub fn prepare_into<'a, const N: usize>(
+    pub fn prepare_into<'a>(
         &'a self,
         wo: [&[f32]; 3],
-        mixtures: &mut [impl BorrowMut<Mixture<'a, N>>],
+        mixtures: &mut [impl AsMut<AnyMixture<'a>>],
     ) -> Result<(), Error> {
         same_length(wo.iter().map(|s| s.len()).chain([mixtures.len()]))?;
-        if self.lobe_count() > N {
-            return Err(Error::Capacity { needed: self.lobe_count(), available: N });
+        let needed = self.lobe_count();
+        let capacities = mixtures.iter_mut().map(|mixture| mixture.as_mut().capacity());
+        if let Some(available) = capacities.min().filter(|least| *least < needed) {
+            return Err(Error::Capacity { needed, available });
         }
         let (material, level) = (self.borrowed(), Level::current());
         for (Block { from, count }, mixtures) in Block::all(mixtures.len()).zip(mixtures.chunks_mut(WIDEST)) {
             let wo = wo.map(|s| &s[from..from + count]);
             let mut left = mixtures.iter_mut();
-            let mut mixtures: [_; WIDEST] = core::array::from_fn(|_| left.next().map(BorrowMut::borrow_mut));
+            let mut mixtures: [_; WIDEST] = core::array::from_fn(|_| left.next().map(AsMut::as_mut));
             prepare_each(material, wo, level, &mut mixtures[..count]);
         }
         Ok(())
@@ -59,14 +60,14 @@ impl<B: AsRef<[u8]>> Material<B> {
 
 /// One direction for each of n mixtures, or references to them. Every mixture uses the kernels of its own level;
 /// those of one level and one material are taken in blocks.
-impl<'m, const N: usize> Mixture<'m, N> {
+impl<'m> AnyMixture<'m> {
     /// Draws and evaluates for n hits, each with a mixture of its own: outputs that are given are wanted.
     ///
     /// Shapes: `mixtures` `[n]`; every slice of the request `[n]`.
     ///
     /// # Errors
     /// [`Error::Length`] if the slices are not all of one length; nothing is written then.
-    pub fn ask_each(mixtures: &[impl Borrow<Self>], request: Request<'_>) -> Result<(), Error> {
+    pub fn ask_each(mixtures: &[impl AsRef<AnyMixture<'m>>], request: Request<'_>) -> Result<(), Error> {
         for_each_mixture(mixtures, request)
     }
 }
@@ -75,14 +76,14 @@ impl<'m, const N: usize> Mixture<'m, N> {
 #[cfg(feature = "simd")]
 const FEW: usize = 4;
 
-fn for_each_mixture<'m, const N: usize>(
-    mixtures: &[impl Borrow<Mixture<'m, N>>],
+fn for_each_mixture<'m>(
+    mixtures: &[impl AsRef<AnyMixture<'m>>],
     mut request: Request<'_>,
 ) -> Result<(), Error> {
     request.check(mixtures.len())?;
     for (block, mixtures) in Block::all(mixtures.len()).zip(mixtures.chunks(WIDEST)) {
         let last = mixtures.len() - 1;
-        let each: [&Mixture<'m, N>; WIDEST] = core::array::from_fn(|i| mixtures[i.min(last)].borrow());
+        let each: [&AnyMixture<'m>; WIDEST] = core::array::from_fn(|i| mixtures[i.min(last)].as_ref());
         let each = &each[..=last];
         #[cfg(feature = "simd")]
         if let Some(level) = level_of_block(each) {
@@ -99,14 +100,14 @@ fn for_each_mixture<'m, const N: usize>(
 /// The level of mixtures that can be taken together: they have it in common, live on the hemisphere, and have the
 /// same factors if any. `None` for others.
 #[cfg(feature = "simd")]
-fn level_of_block<const N: usize>(mixtures: &[&Mixture<'_, N>]) -> Option<Level> {
+fn level_of_block(mixtures: &[&AnyMixture<'_>]) -> Option<Level> {
     let level = mixtures[0].head.level;
     if mixtures.len() < FEW || level == Level::Scalar {
         return None;
     }
     let factors = mixtures.iter().map(|m| m.head.factors.nodes).find(|nodes| !nodes.is_none());
     let factors = factors.unwrap_or(Nodes::NONE);
-    let fits = |m: &&Mixture<'_, N>| {
+    let fits = |m: &&AnyMixture<'_>| {
         let nodes = m.head.factors.nodes;
         // A mixture with neither lobes nor factors may be multiplied by any factor.
         let same_factors = (nodes.is_none() && m.is_nothing()) || nodes.is(&factors);
@@ -117,7 +118,7 @@ fn level_of_block<const N: usize>(mixtures: &[&Mixture<'_, N>]) -> Option<Level>
 
 /// The densities of a block, of the values before they are multiplied by factors.
 #[cfg(feature = "simd")]
-fn densities<const N: usize>(value: &[Numbers; 3], mixtures: &[&Mixture<'_, N>], pdf: &mut [f32]) {
+fn densities(value: &[Numbers; 3], mixtures: &[&AnyMixture<'_>], pdf: &mut [f32]) {
     for (i, (m, pdf)) in mixtures.iter().zip(pdf).enumerate() {
         *pdf = luminance(Vec3::new(value[0][i], value[1][i], value[2][i])) * m.head.inverse_power;
     }
@@ -132,31 +133,37 @@ pub(crate) fn by_mixtures(
     level: Level,
     request: &mut Request<'_>,
 ) {
-    match material.header.lobe_count() {
-        0..=16 => with_room::<16>(material, wo, level, request),
-        17..=32 => with_room::<32>(material, wo, level, request),
-        _ => with_room::<64>(material, wo, level, request),
+    // Room that is not needed is not cleared.
+    if material.header.lobe_count() <= WIDEST {
+        let mut mixtures = [const { Mixture::<16>::empty() }; WIDEST];
+        let mixtures = mixtures.each_mut().map(|mixture| -> &mut AnyMixture<'_> { mixture });
+        in_room(material, wo, level, request, mixtures);
+    } else {
+        let mut mixtures = [const { Mixture::<64>::empty() }; WIDEST];
+        let mixtures = mixtures.each_mut().map(|mixture| -> &mut AnyMixture<'_> { mixture });
+        in_room(material, wo, level, request, mixtures);
     }
 }
 
 #[cfg(feature = "simd")]
-fn with_room<const N: usize>(
-    material: MaterialRef<'_>,
+fn in_room<'m>(
+    material: MaterialRef<'m>,
     wo: [&[f32]; 3],
     level: Level,
     request: &mut Request<'_>,
+    mut mixtures: [&mut AnyMixture<'m>; WIDEST],
 ) {
-    let mut mixtures = [const { Mixture::<N>::empty() }; WIDEST];
     for block in Block::all(wo[0].len()) {
         let wo = wo.map(|s| &s[block.from..block.from + block.count]);
-        let mut made = mixtures.each_mut().map(Some);
+        let mut made = mixtures.each_mut().map(|mixture| Some(&mut **mixture));
         prepare_each(material, wo, level, &mut made[..block.count]);
-        block_of(request, level, &mixtures.each_ref()[..block.count], block);
+        let made = mixtures.each_ref().map(|mixture| &**mixture);
+        block_of(request, level, &made[..block.count], block);
     }
 }
 
 /// Answers for mixture `m`, an empty one if the outgoing direction of hit `i` was none.
-fn one_of<const N: usize>(request: &mut Request<'_>, m: &Mixture<'_, N>, i: usize) {
+fn one_of(request: &mut Request<'_>, m: &AnyMixture<'_>, i: usize) {
     if let Some(draw) = &mut request.draw {
         draw_one(draw, m, i);
     }
@@ -166,7 +173,7 @@ fn one_of<const N: usize>(request: &mut Request<'_>, m: &Mixture<'_, N>, i: usiz
 }
 
 /// Draw `i`, of mixture `m`.
-pub(super) fn draw_one<const N: usize>(draw: &mut Draws<'_>, m: &Mixture<'_, N>, i: usize) {
+pub(super) fn draw_one(draw: &mut Draws<'_>, m: &AnyMixture<'_>, i: usize) {
     let u = at(&draw.u, i).to_array();
     let sample = if draw.weight.is_some() {
         m.sample(u)
@@ -180,7 +187,7 @@ pub(super) fn draw_one<const N: usize>(draw: &mut Draws<'_>, m: &Mixture<'_, N>,
 }
 
 /// Value and density of mixture `m` towards direction `i`.
-pub(super) fn evaluate_one<const N: usize>(towards: &mut Towards<'_>, m: &Mixture<'_, N>, i: usize) {
+pub(super) fn evaluate_one(towards: &mut Towards<'_>, m: &AnyMixture<'_>, i: usize) {
     let wi = at(&towards.wi, i);
     let (value, pdf) = if m.is_nothing() {
         (Vec3::ZERO, 0.0)
@@ -194,18 +201,13 @@ pub(super) fn evaluate_one<const N: usize>(towards: &mut Towards<'_>, m: &Mixtur
 
 /// Answers for the hits of a block, as many as mixtures.
 #[cfg(feature = "simd")]
-fn block_of<const N: usize>(
-    request: &mut Request<'_>,
-    level: Level,
-    mixtures: &[&Mixture<'_, N>],
-    block: Block,
-) {
+fn block_of(request: &mut Request<'_>, level: Level, mixtures: &[&AnyMixture<'_>], block: Block) {
     let (from, count) = (block.from, block.count);
     if let Some(Draws { u, direction, pdf, weight }) = &mut request.draw {
-        let directions = level.run(DrawBlock { mixtures, u: &block.padded(u) });
+        let directions = level.run_vectors(DrawBlock { mixtures, u: &block.padded(u) });
         let mut density = [0.0; WIDEST];
         if let Some(weight) = weight {
-            let mut value = level.run(SumBlock::<N, 3> { mixtures, directions: &directions });
+            let mut value = level.run_vectors(SumBlock::<3> { mixtures, directions: &directions });
             densities(&value, mixtures, &mut density[..count]);
             multiply_block(level, mixtures, &directions, &mut value);
             for (i, &density) in density[..count].iter().enumerate() {
@@ -214,7 +216,7 @@ fn block_of<const N: usize>(
                     weight_of(value, density).to_array();
             }
         } else if pdf.is_some() {
-            let [sums] = level.run(SumBlock::<N, 1> { mixtures, directions: &directions });
+            let [sums] = level.run_vectors(SumBlock::<1> { mixtures, directions: &directions });
             for (i, m) in mixtures.iter().enumerate() {
                 density[i] = sums[i] * m.head.inverse_power;
             }
@@ -229,14 +231,14 @@ fn block_of<const N: usize>(
     if let Some(Towards { wi, value, pdf }) = &mut request.evaluate {
         let directions = &block.padded(wi);
         if let Some(value) = value {
-            let mut sums = level.run(SumBlock::<N, 3> { mixtures, directions });
+            let mut sums = level.run_vectors(SumBlock::<3> { mixtures, directions });
             if let Some(pdf) = pdf {
                 densities(&sums, mixtures, &mut pdf[from..from + count]);
             }
             multiply_block(level, mixtures, directions, &mut sums);
             block.copy_out(&sums, value);
         } else if let Some(pdf) = pdf {
-            let [sums] = level.run(SumBlock::<N, 1> { mixtures, directions });
+            let [sums] = level.run_vectors(SumBlock::<1> { mixtures, directions });
             for (i, m) in mixtures.iter().enumerate() {
                 pdf[from + i] = sums[i] * m.head.inverse_power;
             }

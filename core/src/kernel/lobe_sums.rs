@@ -2,7 +2,7 @@
 //! after the other.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
-use crate::mixture::row::{self, Block};
+use crate::mixture::row::{self, Group};
 use crate::mixture::rows::{Domain, MixtureRef};
 use crate::simd::elementary::falloff;
 use crate::simd::lanes::{Lanes, Numbers, PARTS, TOGETHER, WIDEST, scale};
@@ -141,7 +141,7 @@ fn stretches<L: Lanes, const C: usize, F: Form, const PLANE: bool>(
     // either.
     let (mut k, to) = (lobes.start, lobes.end.min(WIDEST * PARTS));
     while k < to {
-        let lobes = Lobes::of_block(m.blocks[k / WIDEST]);
+        let lobes = Lobes::of_group(m.groups[k / WIDEST]);
         let (ahead, from, left) = (m.head.folded >> k, k % WIDEST, to - k);
         if ahead & 1 == 1 {
             let n = left.min(ahead.trailing_ones() as usize).min(WIDEST - from);
@@ -157,18 +157,18 @@ fn stretches<L: Lanes, const C: usize, F: Form, const PLANE: bool>(
 
 /// A block of lobes with `C` sets of amplitudes: red, green and blue, or the luminance.
 struct Lobes<'a, const C: usize> {
-    block: &'a Block,
+    group: &'a Group,
     amplitudes: [&'a Numbers; C],
 }
 
 impl<'a, const C: usize> Lobes<'a, C> {
     #[inline(always)]
-    fn of_block(block: &'a Block) -> Self {
-        let mut amplitudes = [&block[row::LUMINANCE]; C];
+    fn of_group(group: &'a Group) -> Self {
+        let mut amplitudes = [&group[row::LUMINANCE]; C];
         if C == 3 {
-            amplitudes.copy_from_slice(&[&block[row::RED], &block[row::GREEN], &block[row::BLUE]]);
+            amplitudes.copy_from_slice(&[&group[row::RED], &group[row::GREEN], &group[row::BLUE]]);
         }
-        Self { block, amplitudes }
+        Self { group, amplitudes }
     }
 }
 
@@ -199,9 +199,9 @@ fn one_by_one<L: Lanes, const C: usize, F: Form, const PLANE: bool, const FOLD: 
     range: Range<usize>,
     acc: &mut [L; C],
 ) {
-    let block = lobes.block;
-    let [x, y, z] = [&block[row::AXIS_X], &block[row::AXIS_Y], &block[row::AXIS_Z]];
-    let (rate, fold_rate) = (&block[row::RATE], &block[row::FOLD_RATE]);
+    let group = lobes.group;
+    let [x, y, z] = [&group[row::AXIS_X], &group[row::AXIS_Y], &group[row::AXIS_Z]];
+    let (rate, fold_rate) = (&group[row::RATE], &group[row::FOLD_RATE]);
     for k in range.start..range.end.min(WIDEST) {
         let t = exponent::<L, F, PLANE>([x[k], y[k], z[k]], rate[k], seen, yy);
         let mut g = falloff(t);
@@ -228,10 +228,10 @@ fn in_stages<L: Lanes, const C: usize, F: Form, const PLANE: bool, const FOLD: b
     let (mut k, to) = (range.start, range.end.min(WIDEST));
     while k < to {
         let n = (to - k).min(if FOLD { STAGE / 2 } else { STAGE });
-        let block = lobes.block;
+        let group = lobes.group;
         let (x, y, z) =
-            (&block[row::AXIS_X][k..k + n], &block[row::AXIS_Y][k..k + n], &block[row::AXIS_Z][k..k + n]);
-        let (rate, fold_rate) = (&block[row::RATE][k..k + n], &block[row::FOLD_RATE][k..k + n]);
+            (&group[row::AXIS_X][k..k + n], &group[row::AXIS_Y][k..k + n], &group[row::AXIS_Z][k..k + n]);
+        let (rate, fold_rate) = (&group[row::RATE][k..k + n], &group[row::FOLD_RATE][k..k + n]);
         for j in 0..n {
             stage[j] = exponent::<L, F, PLANE>([x[j], y[j], z[j]], rate[j], seen, yy);
             if FOLD {

@@ -1,9 +1,9 @@
 //! Multiplies values by their factors, in vectors of directions.
 
 use crate::mixture::factors::{Nodes, variables};
-use crate::mixture::rows::Head;
 #[cfg(feature = "simd")]
-use crate::mixture::rows::Mixture;
+use crate::mixture::rows::AnyMixture;
+use crate::mixture::rows::Head;
 use crate::simd::detect::Level;
 use crate::simd::lanes::{Lanes, Numbers, WIDEST, splat3};
 use crate::simd::routine::Routine;
@@ -96,9 +96,9 @@ fn times<L: Lanes>(numbers: &mut [f32], by: L, count: usize) {
 
 /// Multiplies the values of a block of mixtures, which have the same factors, each towards its own direction.
 #[cfg(feature = "simd")]
-pub(crate) fn multiply_block<const N: usize>(
+pub(crate) fn multiply_block(
     level: Level,
-    mixtures: &[&Mixture<'_, N>],
+    mixtures: &[&AnyMixture<'_>],
     directions: &[Numbers; 3],
     value: &mut [Numbers; 3],
 ) {

@@ -4,7 +4,7 @@
 use super::draw::draw_one;
 use crate::color::luminance;
 use crate::mixture::row;
-use crate::mixture::rows::{Domain, Mixture, Sample, drawn_density, lowest_bits, weight_of};
+use crate::mixture::rows::{AnyMixture, Domain, Sample, drawn_density, lowest_bits, weight_of};
 use crate::simd::ONE_TEXT;
 use crate::simd::elementary::{falloff, falloff_left, falloff_soon, is_left};
 use crate::simd::lanes::{Lanes, scale};
@@ -13,7 +13,7 @@ use crate::squeeze::{NUMBERS, Seen, Sight};
 use core::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
-impl<const N: usize> Mixture<'_, N> {
+impl AnyMixture<'_> {
     /// Evaluates `f cos` towards an incident direction, linear sRGB; 1/sr. 0 below the horizon of a
     /// hemisphere.
     ///
@@ -134,34 +134,34 @@ impl<const N: usize> Mixture<'_, N> {
 /// Value towards a direction. `SEEN`: for a mixture that turns or squeezes it.
 struct EvaluateOne<const SEEN: bool>;
 
-impl<const N: usize, const SEEN: bool> One<&Mixture<'_, N>> for EvaluateOne<SEEN> {
+impl<const SEEN: bool> One<&AnyMixture<'_>> for EvaluateOne<SEEN> {
     type Output = Vec3;
     const IS_WIDE: bool = true;
     #[inline(always)]
-    fn run<L: Lanes>(m: &Mixture<'_, N>, direction: [f32; 3]) -> Vec3 {
-        value_one::<L, N, SEEN>(m, direction)
+    fn run<L: Lanes>(m: &AnyMixture<'_>, direction: [f32; 3]) -> Vec3 {
+        value_one::<L, SEEN>(m, direction)
     }
 }
 
 /// Density at a direction. `SEEN`: for a mixture that turns or squeezes it.
 struct PdfOne<const SEEN: bool>;
 
-impl<const N: usize, const SEEN: bool> One<&Mixture<'_, N>> for PdfOne<SEEN> {
+impl<const SEEN: bool> One<&AnyMixture<'_>> for PdfOne<SEEN> {
     type Output = f32;
     const IS_WIDE: bool = true;
     #[inline(always)]
-    fn run<L: Lanes>(m: &Mixture<'_, N>, direction: [f32; 3]) -> f32 {
-        luminance_one::<L, N, SEEN>(m, direction) * m.head.inverse_power
+    fn run<L: Lanes>(m: &AnyMixture<'_>, direction: [f32; 3]) -> f32 {
+        luminance_one::<L, SEEN>(m, direction) * m.head.inverse_power
     }
 }
 
 /// A direction from three uniform numbers, and the numbers that follow from it. `SEEN`: for a mixture that turns or squeezes it.
 struct Drawn<const SEEN: bool>;
 
-impl<const N: usize, const SEEN: bool> Draw<&Mixture<'_, N>> for Drawn<SEEN> {
+impl<const SEEN: bool> Draw<&AnyMixture<'_>> for Drawn<SEEN> {
     #[inline(always)]
-    fn run<L: Lanes>(m: &Mixture<'_, N>, u: [f32; 3]) -> ([f32; 3], f32) {
-        let (d, inverse) = draw_one::<L, N, SEEN>(m, u);
+    fn run<L: Lanes>(m: &AnyMixture<'_>, u: [f32; 3]) -> ([f32; 3], f32) {
+        let (d, inverse) = draw_one::<L, SEEN>(m, u);
         // A squeezed direction has another length.
         let is_seen = if ONE_TEXT { !m.is_plain() } else { SEEN };
         if is_seen { (scale(d, inverse), 1.0) } else { (d, inverse) }
@@ -171,12 +171,12 @@ impl<const N: usize, const SEEN: bool> Draw<&Mixture<'_, N>> for Drawn<SEEN> {
 /// A direction from three uniform numbers.
 struct DirectionOne;
 
-impl<const N: usize> One<&Mixture<'_, N>> for DirectionOne {
+impl One<&AnyMixture<'_>> for DirectionOne {
     type Output = Vec3;
     const IS_WIDE: bool = false;
     #[inline(always)]
-    fn run<L: Lanes>(m: &Mixture<'_, N>, u: [f32; 3]) -> Vec3 {
-        let (d, inverse) = draw_one::<L, N, true>(m, u);
+    fn run<L: Lanes>(m: &AnyMixture<'_>, u: [f32; 3]) -> Vec3 {
+        let (d, inverse) = draw_one::<L, true>(m, u);
         Vec3::from_array(scale(d, inverse))
     }
 }
@@ -184,39 +184,38 @@ impl<const N: usize> One<&Mixture<'_, N>> for DirectionOne {
 /// Value towards one direction, and the luminance of the lobes alone there, for a mixture with factors.
 struct FactoredOne;
 
-impl<const N: usize> One<&Mixture<'_, N>> for FactoredOne {
+impl One<&AnyMixture<'_>> for FactoredOne {
     type Output = (Vec3, f32);
     const IS_WIDE: bool = true;
     #[inline(always)]
-    fn run<L: Lanes>(m: &Mixture<'_, N>, direction: [f32; 3]) -> (Vec3, f32) {
+    fn run<L: Lanes>(m: &AnyMixture<'_>, direction: [f32; 3]) -> (Vec3, f32) {
         // First, as it is the longer chain of dependent operations: the lobes are summed beside it.
         let factor = m.head.factors.nodes.towards::<L::One>(m.head.factors.wo, direction);
-        let value = value_one::<L, N, true>(m, direction);
+        let value = value_one::<L, true>(m, direction);
         (value * factor, luminance(value))
     }
 }
 
 /// Value towards one direction.
 #[inline(always)]
-fn value_one<L: Lanes, const N: usize, const SEEN: bool>(m: &Mixture<'_, N>, direction: [f32; 3]) -> Vec3 {
+fn value_one<L: Lanes, const SEEN: bool>(m: &AnyMixture<'_>, direction: [f32; 3]) -> Vec3 {
     if ONE_TEXT {
         let [x, y, z] = direction;
-        return three_sums_one::<L, N>(m, row::RED, x, y, z);
+        return three_sums_one::<L>(m, row::RED, x, y, z);
     }
-    let amplitudes = [&m.rows[row::RED], &m.rows[row::GREEN], &m.rows[row::BLUE]];
+    let amplitudes = [row::RED, row::GREEN, row::BLUE];
     let diffuse = m.head.diffuse.to_array();
-    Vec3::from_array(sums_one::<L::Lobes, N, 3, SEEN>(m, amplitudes, diffuse, direction))
+    Vec3::from_array(sums_one::<L::Lobes, 3, SEEN>(m, amplitudes, diffuse, direction))
 }
 
 /// Luminance of the value towards one direction.
 #[inline(always)]
-fn luminance_one<L: Lanes, const N: usize, const SEEN: bool>(m: &Mixture<'_, N>, direction: [f32; 3]) -> f32 {
+fn luminance_one<L: Lanes, const SEEN: bool>(m: &AnyMixture<'_>, direction: [f32; 3]) -> f32 {
     if ONE_TEXT {
         let [x, y, z] = direction;
-        return three_sums_one::<L, N>(m, row::LUMINANCE, x, y, z).x;
+        return three_sums_one::<L>(m, row::LUMINANCE, x, y, z).x;
     }
-    let [sum] =
-        sums_one::<L::Lobes, N, 1, SEEN>(m, [&m.rows[row::LUMINANCE]], [m.head.diffuse_power], direction);
+    let [sum] = sums_one::<L::Lobes, 1, SEEN>(m, [row::LUMINANCE], [m.head.diffuse_power], direction);
     sum
 }
 
@@ -224,24 +223,18 @@ fn luminance_one<L: Lanes, const N: usize, const SEEN: bool>(m: &Mixture<'_, N>,
 /// one text for value and density, which leaves two of the sums. The numbers travel in registers.
 #[cfg_attr(not(feature = "simd"), inline(never))]
 #[cfg_attr(feature = "simd", inline(always))]
-fn three_sums_one<L: Lanes, const N: usize>(
-    m: &Mixture<'_, N>,
-    first: usize,
-    x: f32,
-    y: f32,
-    z: f32,
-) -> Vec3 {
-    let Some([a, b, c]) = m.rows.get(first..).and_then(<[_]>::first_chunk) else { return Vec3::ZERO };
+fn three_sums_one<L: Lanes>(m: &AnyMixture<'_>, first: usize, x: f32, y: f32, z: f32) -> Vec3 {
+    let [a, b, c] = [first, first + 1, first + 2];
     let diffuse = if first == row::RED { m.head.diffuse.to_array() } else { [m.head.diffuse_power; 3] };
-    Vec3::from_array(sums_one::<L::Lobes, N, 3, true>(m, [a, b, c], diffuse, [x, y, z]))
+    Vec3::from_array(sums_one::<L::Lobes, 3, true>(m, [a, b, c], diffuse, [x, y, z]))
 }
 
 /// Sums the lobes towards one direction, once for each of `C` sets of amplitudes. `SEEN`: it is turned or
 /// squeezed.
 #[inline(always)]
-fn sums_one<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
-    m: &Mixture<'_, N>,
-    amplitudes: [&[f32; N]; C],
+fn sums_one<L: Lanes, const C: usize, const SEEN: bool>(
+    m: &AnyMixture<'_>,
+    amplitudes: [usize; C],
     diffuse: [f32; C],
     direction: [f32; 3],
 ) -> [f32; C] {
@@ -252,10 +245,10 @@ fn sums_one<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     }
     let sums = if !SEEN {
         let seen = m.head.squeeze.turn(direction);
-        all_lobes::<L, N, C, false>(m, amplitudes, &seen, &seen)
+        all_lobes::<L, C, false>(m, amplitudes, &seen, &seen)
     } else {
         let [turned, squeezed] = m.head.squeeze.see::<L>(direction);
-        all_lobes::<L, N, C, true>(m, amplitudes, &turned, &squeezed)
+        all_lobes::<L, C, true>(m, amplitudes, &turned, &squeezed)
     };
     if m.head.domain == Domain::Sphere {
         return sums;
@@ -274,9 +267,9 @@ pub(crate) fn with_diffuse<const C: usize>(mut sums: [f32; C], diffuse: [f32; C]
 
 /// Sums all lobes towards a direction. `SEEN`: it was turned or squeezed, and has a low part and a scale.
 #[inline(always)]
-pub(crate) fn all_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
-    m: &Mixture<'_, N>,
-    amplitudes: [&[f32; N]; C],
+pub(crate) fn all_lobes<L: Lanes, const C: usize, const SEEN: bool>(
+    m: &AnyMixture<'_>,
+    amplitudes: [usize; C],
     turned: &Sight,
     squeezed: &Sight,
 ) -> [f32; C] {
@@ -287,16 +280,16 @@ pub(crate) fn all_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bo
         let is_soon = if ONE_TEXT { m.is_plain() } else { !SEEN };
         let first = m.head.squeezed.min(m.head.count);
         let mut k = 0;
-        while row::is_within::<L, N>(k, first) {
-            add_lobe::<L, N, C, SEEN, true, false>(m, amplitudes, &squeezed, k, &mut acc);
+        while m.has(k, first) {
+            add_lobe::<L, C, SEEN, true, false>(m, amplitudes, &squeezed, k, &mut acc);
             k += 1;
         }
-        while !is_soon && row::is_within::<L, N>(k, m.head.count) {
-            add_lobe::<L, N, C, SEEN, false, false>(m, amplitudes, &turned, k, &mut acc);
+        while !is_soon && m.has(k, m.head.count) {
+            add_lobe::<L, C, SEEN, false, false>(m, amplitudes, &turned, k, &mut acc);
             k += 1;
         }
-        while is_soon && row::is_within::<L, N>(k, m.head.count) {
-            add_lobe::<L, N, C, false, false, true>(m, amplitudes, &turned, k, &mut acc);
+        while is_soon && m.has(k, m.head.count) {
+            add_lobe::<L, C, false, false, true>(m, amplitudes, &turned, k, &mut acc);
             k += 1;
         }
         return sums_of(acc);
@@ -311,18 +304,18 @@ pub(crate) fn all_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bo
             // No broadcasts under a mask; and the loop below runs.
             mix::<L>(&squeezed.splat(), &turned.splat(), m.head.squeezed)
         };
-        add_lobes::<L, N, C, SEEN>(m, amplitudes, &seen, 0, &mut acc);
+        add_lobes::<L, C, SEEN>(m, amplitudes, &seen, 0, &mut acc);
     } else {
         let (turned, squeezed) = (turned.splat(), squeezed.splat());
         let mut k = 0;
-        while row::is_within::<L, N>(k, m.head.count) {
+        while m.has(k, m.head.count) {
             if k >= m.head.squeezed {
-                add_lobes::<L, N, C, SEEN>(m, amplitudes, &turned, k, &mut acc);
+                add_lobes::<L, C, SEEN>(m, amplitudes, &turned, k, &mut acc);
             } else if k + L::COUNT <= m.head.squeezed {
-                add_lobes::<L, N, C, SEEN>(m, amplitudes, &squeezed, k, &mut acc);
+                add_lobes::<L, C, SEEN>(m, amplitudes, &squeezed, k, &mut acc);
             } else {
                 let mixed = mix::<L>(&squeezed, &turned, m.head.squeezed - k);
-                add_lobes::<L, N, C, SEEN>(m, amplitudes, &mixed, k, &mut acc);
+                add_lobes::<L, C, SEEN>(m, amplitudes, &mixed, k, &mut acc);
             }
             k += L::COUNT;
         }
@@ -343,22 +336,16 @@ fn sums_of<L: Lanes, const C: usize>(vectors: [L; C]) -> [f32; C] {
 /// Adds the lobes from `k` on, one a lane. `SEEN`: the direction was turned or squeezed, and has a low part
 /// and a scale.
 #[inline(always)]
-fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
-    m: &Mixture<'_, N>,
-    amplitudes: [&[f32; N]; C],
+fn add_lobes<L: Lanes, const C: usize, const SEEN: bool>(
+    m: &AnyMixture<'_>,
+    amplitudes: [usize; C],
     seen: &Seen<L>,
     k: usize,
     acc: &mut [L; C],
 ) {
-    let (axis, [x, y, z]) = (
-        [
-            row::load::<L, N>(&m.rows[row::AXIS_X], k),
-            row::load(&m.rows[row::AXIS_Y], k),
-            row::load(&m.rows[row::AXIS_Z], k),
-        ],
-        seen.high,
-    );
-    let mut rate = row::load::<L, N>(&m.rows[row::RATE], k);
+    let (axis, [x, y, z]) =
+        ([m.load::<L>(row::AXIS_X, k), m.load::<L>(row::AXIS_Y, k), m.load::<L>(row::AXIS_Z, k)], seen.high);
+    let mut rate = m.load::<L>(row::RATE, k);
     let [mut dx, mut dy, mut dz];
     if SEEN && L::FUSED {
         dx = axis[0].neg_mul_add(seen.length, x);
@@ -381,43 +368,36 @@ fn add_lobes<L: Lanes, const N: usize, const C: usize, const SEEN: bool>(
     let mut g = if SEEN { falloff(t) } else { falloff_soon(t) };
     if m.head.folded >> k & lowest_bits(L::COUNT) != 0 {
         // A lobe of them that does not need its fold has a rate that leaves nothing of it.
-        let t = row::load::<L, N>(&m.rows[row::FOLD_RATE], k).mul_add(seen.height, t);
+        let t = m.load::<L>(row::FOLD_RATE, k).mul_add(seen.height, t);
         g = g + if SEEN { falloff(t) } else { falloff_soon(t) };
     }
     if SEEN {
         g = g * seen.scale;
     }
     for i in 0..C {
-        acc[i] = g.mul_add(row::load(amplitudes[i], k), acc[i]);
+        acc[i] = g.mul_add(m.load::<L>(amplitudes[i], k), acc[i]);
     }
 }
 
 /// Adds lobe `k`, where vectors are one number: a lobe that has fallen to 0 is left early. `SQUEEZED`: its direction
 /// was squeezed too, else only turned. `SOON`: by [`falloff_soon`].
 #[inline(always)]
-fn add_lobe<
-    L: Lanes,
-    const N: usize,
-    const C: usize,
-    const SEEN: bool,
-    const SQUEEZED: bool,
-    const SOON: bool,
->(
-    m: &Mixture<'_, N>,
-    amplitudes: [&[f32; N]; C],
+fn add_lobe<L: Lanes, const C: usize, const SEEN: bool, const SQUEEZED: bool, const SOON: bool>(
+    m: &AnyMixture<'_>,
+    amplitudes: [usize; C],
     seen: &Seen<L>,
     k: usize,
     acc: &mut [L; C],
 ) {
     let mut apart = seen.high;
     for i in 0..3 {
-        apart[i] = apart[i] - row::load::<L, N>(&m.rows[row::AXIS_X + i], k);
+        apart[i] = apart[i] - m.load::<L>(row::AXIS_X + i, k);
         if SEEN && (SQUEEZED || i < 2) {
             apart[i] = apart[i] + seen.low[i];
         }
     }
     let [x, y, z] = apart;
-    let t = row::load::<L, N>(&m.rows[row::RATE], k) * x.mul_add(x, y.mul_add(y, z * z));
+    let t = m.load::<L>(row::RATE, k) * x.mul_add(x, y.mul_add(y, z * z));
     // Its fold has fallen further.
     if L::bits(is_left(t)) == 0 {
         return;
@@ -426,7 +406,7 @@ fn add_lobe<
     // Small processors shift a number of 64 bits by a call.
     let folded = if k < 32 { m.head.folded as u32 } else { (m.head.folded >> 32) as u32 };
     if folded >> (k % 32) & 1 == 1 {
-        let t = row::load::<L, N>(&m.rows[row::FOLD_RATE], k).mul_add(seen.height, t);
+        let t = m.load::<L>(row::FOLD_RATE, k).mul_add(seen.height, t);
         if L::bits(is_left(t)) != 0 {
             g = g + falloff_left::<L, SOON>(t);
         }
@@ -435,7 +415,7 @@ fn add_lobe<
         g = g * seen.scale;
     }
     for i in 0..C {
-        acc[i] = g.mul_add(row::load(amplitudes[i], k), acc[i]);
+        acc[i] = g.mul_add(m.load::<L>(amplitudes[i], k), acc[i]);
     }
 }
 

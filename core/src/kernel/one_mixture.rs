@@ -9,8 +9,7 @@ use super::lobe_sums::{STAGE, Stage, sums};
 use super::request::{Draws, Request, Towards};
 use crate::color::{LUMINANCE, luminance};
 use crate::error::Error;
-use crate::mixture::row::EMPTY_BLOCKS;
-use crate::mixture::rows::{LEAST_DENSITY, Mixture, MixtureRef};
+use crate::mixture::rows::{AnyMixture, LEAST_DENSITY, MixtureRef};
 use crate::simd::lanes::{Lanes, WIDEST, dot3, scale, splat3};
 use crate::simd::routine::Routine;
 use core::ops::Range;
@@ -25,7 +24,7 @@ const FEW_DRAWS: usize = 4;
 /// Fewer than this are evaluated one by one.
 const FEW: usize = 6;
 
-impl<const N: usize> Mixture<'_, N> {
+impl AnyMixture<'_> {
     /// Draws and evaluates for n hits: outputs that are given are wanted.
     ///
     /// Shapes: every slice of the request `[n]`; of draws and of directions to evaluate there may be different
@@ -49,8 +48,7 @@ impl<const N: usize> Mixture<'_, N> {
         if many_drawn.is_none() && many_towards.is_none() {
             return Ok(());
         }
-        let mut parts = EMPTY_BLOCKS;
-        let mixture = self.borrowed(&mut parts);
+        let mixture = self.borrowed();
         if let Some(draw) = many_drawn {
             mixture.draw(draw);
         }
@@ -96,7 +94,15 @@ impl MixtureRef<'_> {
     ) {
         let level = self.head.level;
         let Some([red, green, blue]) = weight else {
-            level.run(ForEach { block: DrawPdf(self), inputs: u, outputs: [x, y, z, pdf] });
+            let special = ForEach { block: DrawPdf(self), inputs: u, outputs: [x, y, z, pdf] };
+            let Err(ForEach { outputs: [x, y, z, pdf], .. }) = level.run_special(special) else { return };
+            let mut unused = [[0.0; NEAR]; 3];
+            for range in near(pdf.len()) {
+                let [red, green, blue] = unused.each_mut().map(|row| &mut row[..range.len()]);
+                let [x, y, z, pdf] = [&mut *x, &mut *y, &mut *z, &mut *pdf].map(|s| &mut s[range.clone()]);
+                let outputs = [x, y, z, pdf, red, green, blue];
+                level.run(ForEach { block: Draw(self), inputs: u.map(|s| &s[range.clone()]), outputs });
+            }
             return;
         };
         if !self.head.has_factors() {
@@ -113,28 +119,43 @@ impl MixtureRef<'_> {
         }
     }
 
+    /// Values towards directions, without factors.
+    pub(crate) fn values(&self, wi: [&[f32]; 3], value: [&mut [f32]; 3]) {
+        self.head.level.run(ForEach { block: Value(self), inputs: wi, outputs: value });
+    }
+
+    /// Densities of values without factors: they are of the lobes alone.
+    pub(crate) fn densities(&self, [red, green, blue]: [&[f32]; 3], pdf: &mut [f32]) {
+        for (i, pdf) in pdf.iter_mut().enumerate() {
+            *pdf = luminance(Vec3::new(red[i], green[i], blue[i])) * self.head.inverse_power;
+        }
+    }
+
     fn evaluate(&self, Towards { wi, value, mut pdf }: Towards<'_>) {
         let level = self.head.level;
         let Some([red, green, blue]) = value else {
             if let Some(pdf) = pdf {
-                level.run(ForEach { block: Density(self), inputs: wi, outputs: [pdf] });
+                let special = ForEach { block: Density(self), inputs: wi, outputs: [pdf] };
+                let Err(ForEach { outputs: [pdf], .. }) = level.run_special(special) else { return };
+                let mut value = [[0.0; NEAR]; 3];
+                for range in near(pdf.len()) {
+                    let [red, green, blue] = value.each_mut().map(|row| &mut row[..range.len()]);
+                    self.values(wi.map(|s| &s[range.clone()]), [&mut *red, &mut *green, &mut *blue]);
+                    self.densities([red, green, blue], &mut pdf[range]);
+                }
             }
             return;
         };
         if pdf.is_none() && !self.head.has_factors() {
-            level.run(ForEach { block: Value(self), inputs: wi, outputs: [red, green, blue] });
+            self.values(wi, [red, green, blue]);
             return;
         }
         for range in near(red.len()) {
             let inputs = wi.map(|s| &s[range.clone()]);
             let [red, green, blue] = [&mut *red, &mut *green, &mut *blue].map(|s| &mut s[range.clone()]);
-            let outputs = [&mut *red, &mut *green, &mut *blue];
-            level.run(ForEach { block: Value(self), inputs, outputs });
-            // Densities are of the lobes alone, without factors.
+            self.values(inputs, [&mut *red, &mut *green, &mut *blue]);
             if let Some(pdf) = &mut pdf {
-                for (i, pdf) in pdf[range].iter_mut().enumerate() {
-                    *pdf = luminance(Vec3::new(red[i], green[i], blue[i])) * self.head.inverse_power;
-                }
+                self.densities([red, green, blue], &mut pdf[range]);
             }
             if self.head.has_factors() {
                 self.head.multiply(inputs, [red, green, blue]);

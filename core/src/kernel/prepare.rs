@@ -8,7 +8,7 @@ use crate::material::borrowed::{Material, MaterialRef};
 use crate::material::layout::{Kind, Shape};
 use crate::mixture::factors::Factors;
 use crate::mixture::leave_out::LeaveOut;
-use crate::mixture::rows::{Domain, Mixture};
+use crate::mixture::rows::{AnyMixture, Domain};
 use crate::simd::detect::Level;
 use crate::simd::lanes::{Lanes, WIDEST_PAIR};
 use crate::simd::routine::{One, Routine};
@@ -27,11 +27,7 @@ impl<B: AsRef<[u8]>> Material<B> {
     /// [`lobe_count`](Self::lobe_count); [`Error::Direction`] if `wo`
     /// is not a finite unit vector. The mixture is empty then.
     #[inline]
-    pub fn prepare<'a, const N: usize>(
-        &'a self,
-        wo: impl Into<Vec3>,
-        mixture: &mut Mixture<'a, N>,
-    ) -> Result<(), Error> {
+    pub fn prepare<'a>(&'a self, wo: impl Into<Vec3>, mixture: &mut AnyMixture<'a>) -> Result<(), Error> {
         prepare(self.borrowed(), wo.into(), LeaveOut::default(), Level::current(), mixture)
     }
 
@@ -43,11 +39,11 @@ impl<B: AsRef<[u8]>> Material<B> {
     /// [`Error::Level`] if this processor or this build lacks the level; and those of
     /// [`prepare`](Self::prepare). The mixture is empty then.
     #[inline]
-    pub fn prepare_with<'a, const N: usize>(
+    pub fn prepare_with<'a>(
         &'a self,
         wo: impl Into<Vec3>,
         options: PrepareOptions,
-        mixture: &mut Mixture<'a, N>,
+        mixture: &mut AnyMixture<'a>,
     ) -> Result<(), Error> {
         let level = match options.level {
             None => Level::current(),
@@ -106,39 +102,39 @@ impl From<Level> for PrepareOptions {
 
 /// Makes the mixture for an outgoing direction, with the kernels of a level that is available.
 #[inline(always)]
-pub(crate) fn prepare<'m, const N: usize>(
+pub(crate) fn prepare<'m>(
     material: MaterialRef<'m>,
     wo: Vec3,
     leave_out: LeaveOut,
     level: Level,
-    mixture: &mut Mixture<'m, N>,
+    mixture: &mut AnyMixture<'m>,
 ) -> Result<(), Error> {
     level.run_one::<_, Towards>(Prepare { material, leave_out, level, mixture }, wo.to_array())
 }
 
 /// What [`Towards`] is given beside the outgoing direction.
-struct Prepare<'a, 'b, const N: usize> {
+struct Prepare<'a, 'b> {
     material: MaterialRef<'b>,
     leave_out: LeaveOut,
     /// The level that it runs on.
     level: Level,
-    mixture: &'a mut Mixture<'b, N>,
+    mixture: &'a mut AnyMixture<'b>,
 }
 
 /// The mixture for one outgoing direction.
 struct Towards;
 
-impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
+impl One<Prepare<'_, '_>> for Towards {
     type Output = Result<(), Error>;
     const IS_WIDE: bool = true;
     #[inline(always)]
-    fn run<L: Lanes>(to: Prepare<'_, '_, N>, numbers: [f32; 3]) -> Result<(), Error> {
+    fn run<L: Lanes>(to: Prepare<'_, '_>, numbers: [f32; 3]) -> Result<(), Error> {
         let Prepare { material, leave_out, level, mixture } = to;
         let wo = Vec3::from_array(numbers);
         mixture.begin(level, Domain::Hemisphere, Squeeze::NONE);
         let needed = material.header.lobe_count();
-        if needed > N {
-            return Err(Error::Capacity { needed, available: N });
+        if needed > mixture.capacity() {
+            return Err(Error::Capacity { needed, available: mixture.capacity() });
         }
         let Some(outgoing) = facing::<L>(wo) else { return Err(Error::Direction) };
         if wo.z < 0.0 {
@@ -147,10 +143,10 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
         match material.header.kind {
             Kind::Line => {
                 let passed = views_passed::<L>(material, outgoing.theta);
-                between_views::<L, N>(material, outgoing, passed, leave_out, mixture);
+                between_views::<L>(material, outgoing, passed, leave_out, mixture);
             }
             Kind::Grid(shape) => {
-                among_rings::<L, N>(material, shape, outgoing, leave_out, mixture);
+                among_rings::<L>(material, shape, outgoing, leave_out, mixture);
             }
         }
         mixture.sum_up();
@@ -160,11 +156,11 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
 
 /// Makes the mixtures for many outgoing directions, with the kernels of a level that is available: as many as
 /// directions, all there; a direction that is none leaves an empty one. They have room for all lobes.
-pub(crate) fn prepare_each<'a, 'm, const N: usize>(
+pub(crate) fn prepare_each<'a, 'm>(
     material: MaterialRef<'m>,
     wo: [&'a [f32]; 3],
     level: Level,
-    mixtures: &'a mut [Option<&'a mut Mixture<'m, N>>],
+    mixtures: &'a mut [Option<&'a mut AnyMixture<'m>>],
 ) {
     if material.header.is_isotropic() {
         level.run(PrepareInto { material, wo, level, mixtures });
@@ -179,15 +175,15 @@ pub(crate) fn prepare_each<'a, 'm, const N: usize>(
 
 /// Mixtures for many outgoing directions, of an isotropic material: lanes are directions for their angles and
 /// azimuths, lobes for the rest.
-struct PrepareInto<'a, 'b, const N: usize> {
+struct PrepareInto<'a, 'b> {
     material: MaterialRef<'b>,
     wo: [&'a [f32]; 3],
     /// The level that it runs on.
     level: Level,
-    mixtures: &'a mut [Option<&'a mut Mixture<'b, N>>],
+    mixtures: &'a mut [Option<&'a mut AnyMixture<'b>>],
 }
 
-impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
+impl Routine for PrepareInto<'_, '_> {
     type Output = ();
     #[inline(always)]
     #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
@@ -214,7 +210,7 @@ impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
                     let wo = Vec3::new(x[at + i], y[at + i], z[at + i]);
                     let outgoing = Outgoing { wo, theta: theta[i], azimuth: [azimuth[0][i], azimuth[1][i]] };
                     let passed = passed[i] as usize;
-                    between_views::<L, N>(material, outgoing, passed, LeaveOut::default(), mixture);
+                    between_views::<L>(material, outgoing, passed, LeaveOut::default(), mixture);
                 }
             }
             // Apart, so that the chains of additions of many mixtures run side by side.
@@ -229,15 +225,15 @@ impl<const N: usize> Routine for PrepareInto<'_, '_, N> {
 /// Makes a mixture, which has begun, for an outgoing direction above the horizon that has `passed` a number of views of an
 /// isotropic material; it is to be summed up.
 #[inline(always)]
-fn between_views<'m, L: Lanes, const N: usize>(
+fn between_views<'m, L: Lanes>(
     material: MaterialRef<'m>,
     outgoing: Outgoing,
     passed: usize,
     leave_out: LeaveOut,
-    mixture: &mut Mixture<'m, N>,
+    mixture: &mut AnyMixture<'m>,
 ) {
     let place = Place::after(material, passed, outgoing.theta);
-    at_place::<L, N>(material, outgoing.azimuth, place, leave_out, mixture);
+    at_place::<L>(material, outgoing.azimuth, place, leave_out, mixture);
     if material.header.has_factors() {
         mixture.head.factors = Factors::new(material, outgoing.wo, place.among());
     }
@@ -245,14 +241,14 @@ fn between_views<'m, L: Lanes, const N: usize>(
 
 /// The same for an anisotropic material.
 #[inline(always)]
-fn among_rings<'m, L: Lanes, const N: usize>(
+fn among_rings<'m, L: Lanes>(
     material: MaterialRef<'m>,
     shape: Shape,
     outgoing: Outgoing,
     leave_out: LeaveOut,
-    mixture: &mut Mixture<'m, N>,
+    mixture: &mut AnyMixture<'m>,
 ) {
-    let among = prepare_anisotropic::prepare::<L::Lobes, N>(material, shape, &outgoing, leave_out, mixture);
+    let among = prepare_anisotropic::prepare::<L::Lobes>(material, shape, &outgoing, leave_out, mixture);
     if material.header.has_factors() {
         mixture.head.factors = Factors::new(material, outgoing.wo, among);
     }

@@ -2,11 +2,11 @@
 //! have at hand.
 
 use super::leave_out::LeaveOut;
-use super::row;
-use super::rows::{Domain, Mixture, lowest_bits};
+use super::row::{self, ROWS};
+use super::rows::{AnyMixture, Domain, lowest_bits};
 use crate::color::{LUMINANCE, luminance};
 use crate::simd::elementary::exp2;
-use crate::simd::lanes::{Lanes, dot3, splat3};
+use crate::simd::lanes::{Lanes, WIDEST, dot3, splat3};
 use core::f32::consts::{LOG2_E, PI};
 use glam::Vec3;
 
@@ -42,7 +42,7 @@ pub(crate) fn tail_and_inside_of_sharp<L: Lanes>(s: L) -> [L; 2] {
     [tail, L::splat(1.0) - tail]
 }
 
-impl<const N: usize> Mixture<'_, N> {
+impl AnyMixture<'_> {
     /// Completes the mixture from axes, sharpness and amplitudes, which the caller has stored and checked;
     /// those of the places up to the next multiple of the lanes must be valid, of amplitude 0. On AVX2 `L` is
     /// a pair of vectors, as it is where one direction is evaluated.
@@ -61,55 +61,55 @@ impl<const N: usize> Mixture<'_, N> {
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let mut albedo = [zero; 3];
         let (mut folded, mut place) = (0, 1u64);
+        let is_hemisphere = self.head.domain == Domain::Hemisphere;
         let mut k = 0;
-        while row::is_within::<L, N>(k, count) {
-            let s = row::load::<L, N>(&self.rows[row::SHARPNESS], k);
-            let rate = s * L::splat(-0.5 * LOG2_E);
-            row::store(rate, &mut self.rows[row::RATE], k);
+        for group in &mut self.groups {
+            let mut at = 0;
+            while k < count && at + L::COUNT <= WIDEST {
+                let s = L::load(&group[row::SHARPNESS][at..]);
+                let rate = s * L::splat(-0.5 * LOG2_E);
+                rate.store(&mut group[row::RATE][at..]);
 
-            let s = s.max(L::splat(LEAST_SHARPNESS));
-            let inverse = one / s;
-            let [tail, inside] = tail_and_inside(s);
-            let integral = inside * inverse * L::splat(2.0 * PI);
-            row::store(inverse, &mut self.rows[row::INVERSE_SHARPNESS], k);
-            row::store(tail, &mut self.rows[row::TAIL], k);
-            row::store(inside, &mut self.rows[row::INSIDE], k);
+                let s = s.max(L::splat(LEAST_SHARPNESS));
+                let inverse = one / s;
+                let [tail, inside] = tail_and_inside(s);
+                let integral = inside * inverse * L::splat(2.0 * PI);
+                inverse.store(&mut group[row::INVERSE_SHARPNESS][at..]);
+                tail.store(&mut group[row::TAIL][at..]);
+                inside.store(&mut group[row::INSIDE][at..]);
 
-            if self.head.domain == Domain::Hemisphere {
-                let axis_z = row::load::<L, N>(&self.rows[row::AXIS_Z], k).abs();
-                row::store(axis_z, &mut self.rows[row::AXIS_Z], k);
-                // s (1 - t) = s z^2 / (1 + t), without cancellation.
-                let zz = axis_z * axis_z;
-                let t = (one - zz).max(zero).sqrt();
-                let folds = (s * zz).lt((one + t) * L::splat(leave_out.fold_exponent));
-                if L::COUNT > 1 {
-                    folded |= L::bits(folds) << k;
-                } else if L::bits(folds) != 0 {
-                    // Small processors shift a number of 64 bits by a variable one in ten instructions.
-                    folded |= place;
+                if is_hemisphere {
+                    let axis_z = L::load(&group[row::AXIS_Z][at..]).abs();
+                    axis_z.store(&mut group[row::AXIS_Z][at..]);
+                    // s (1 - t) = s z^2 / (1 + t), without cancellation.
+                    let zz = axis_z * axis_z;
+                    let t = (one - zz).max(zero).sqrt();
+                    let folds = (s * zz).lt((one + t) * L::splat(leave_out.fold_exponent));
+                    if L::COUNT > 1 {
+                        folded |= L::bits(folds) << k;
+                    } else if L::bits(folds) != 0 {
+                        // Small processors shift a number of 64 bits by a variable one in ten instructions.
+                        folded |= place;
+                    }
+                    place <<= 1;
+                    let fold_rate = rate * axis_z * L::splat(4.0);
+                    let fold_rate = L::select(folds, fold_rate, L::splat(f32::NEG_INFINITY));
+                    fold_rate.store(&mut group[row::FOLD_RATE][at..]);
                 }
-                place <<= 1;
-                let fold_rate = rate * axis_z * L::splat(4.0);
-                row::store(
-                    L::select(folds, fold_rate, L::splat(f32::NEG_INFINITY)),
-                    &mut self.rows[row::FOLD_RATE],
-                    k,
-                );
-            }
 
-            let rgb = [
-                row::load::<L, N>(&self.rows[row::RED], k),
-                row::load(&self.rows[row::GREEN], k),
-                row::load(&self.rows[row::BLUE], k),
-            ];
-            let luminance = dot3(rgb, splat3(LUMINANCE));
-            row::store(luminance, &mut self.rows[row::LUMINANCE], k);
-            // The powers first, their running sum below.
-            row::store(luminance * integral, &mut self.rows[row::CUMULATIVE], k);
-            for i in 0..3 {
-                albedo[i] = rgb[i].mul_add(integral, albedo[i]);
+                let mut rgb = [zero; 3];
+                for i in 0..3 {
+                    rgb[i] = L::load(&group[row::RED + i][at..]);
+                }
+                let luminance = dot3(rgb, splat3(LUMINANCE));
+                luminance.store(&mut group[row::LUMINANCE][at..]);
+                // The powers first, their running sum below.
+                (luminance * integral).store(&mut group[row::CUMULATIVE][at..]);
+                for i in 0..3 {
+                    albedo[i] = rgb[i].mul_add(integral, albedo[i]);
+                }
+                (k, at) = (k + L::COUNT, at + L::COUNT);
             }
-            k += L::COUNT;
         }
         self.head.folded = folded & lowest_bits(count);
         let mut lobes_albedo = Vec3::new(albedo[0].sum(), albedo[1].sum(), albedo[2].sum());
@@ -128,10 +128,13 @@ impl<const N: usize> Mixture<'_, N> {
     /// Sums up the powers of the lobes, a chain of as many dependent additions, and of the diffuse term.
     #[inline(always)]
     pub(crate) fn sum_up(&mut self) {
-        let mut power = 0.0;
-        for running in &mut self.rows[row::CUMULATIVE][..self.head.count.min(N)] {
-            power += *running;
-            *running = power;
+        let (mut power, mut left) = (0.0, self.head.count);
+        for group in &mut self.groups {
+            for running in &mut group[row::CUMULATIVE][..left.min(WIDEST)] {
+                power += *running;
+                *running = power;
+            }
+            left = left.saturating_sub(WIDEST);
         }
         self.head.lobes_power = power;
         self.add_diffuse();
@@ -146,19 +149,13 @@ impl<const N: usize> Mixture<'_, N> {
         let mut albedo = [zero; 3];
         let mut stays = 0;
         let mut k = 0;
-        while row::is_within::<L, N>(k, self.head.count) {
-            let stay = row::load::<L, N>(&self.rows[row::CUMULATIVE], k).ge(L::splat(least));
+        while self.has(k, self.head.count) {
+            let stay = self.load::<L>(row::CUMULATIVE, k).ge(L::splat(least));
             stays |= L::bits(stay) << k;
-            let integral = row::load::<L, N>(&self.rows[row::INSIDE], k)
-                * row::load(&self.rows[row::INVERSE_SHARPNESS], k);
+            let integral = self.load::<L>(row::INSIDE, k) * self.load(row::INVERSE_SHARPNESS, k);
             let integral = L::select(stay, integral, zero);
-            let rgb = [
-                row::load::<L, N>(&self.rows[row::RED], k),
-                row::load(&self.rows[row::GREEN], k),
-                row::load(&self.rows[row::BLUE], k),
-            ];
             for i in 0..3 {
-                albedo[i] = rgb[i].mul_add(integral, albedo[i]);
+                albedo[i] = self.load::<L>(row::RED + i, k).mul_add(integral, albedo[i]);
             }
             k += L::COUNT;
         }
@@ -170,7 +167,7 @@ impl<const N: usize> Mixture<'_, N> {
     /// Drops all lobes but some, one bit each, which keep their order.
     #[inline(always)]
     fn keep_lobes(&mut self, stays: u64) {
-        let count = self.head.count.min(N);
+        let count = self.head.count.min(self.capacity());
         let all = lowest_bits(count);
         // The lobes before the first that goes are in their places.
         let mut to = stays.trailing_ones() as usize;
@@ -179,19 +176,18 @@ impl<const N: usize> Mixture<'_, N> {
             let k = left.trailing_zeros() as usize;
             left &= left - 1;
             // Never so: the compiler sees that no place below lies outside.
-            if k >= N || to >= N {
+            if k >= self.capacity() || to >= self.capacity() {
                 break;
             }
-            row::move_lobe(&mut self.rows, k, to);
+            for row in 0..ROWS {
+                *self.number_mut(row, to) = self.number(row, k);
+            }
             to += 1;
         }
         for k in to..count {
-            (
-                self.rows[row::RED][k],
-                self.rows[row::GREEN][k],
-                self.rows[row::BLUE][k],
-                self.rows[row::LUMINANCE][k],
-            ) = (0.0, 0.0, 0.0, 0.0);
+            for row in [row::RED, row::GREEN, row::BLUE, row::LUMINANCE] {
+                *self.number_mut(row, k) = 0.0;
+            }
         }
         self.head.squeezed = (stays & lowest_bits(self.head.squeezed)).count_ones() as usize;
         self.head.count = to;

@@ -2,7 +2,7 @@
 
 use super::leave_out::LeaveOut;
 use super::row;
-use super::rows::{Domain, Mixture};
+use super::rows::{Domain, Groups, Mixture, Room};
 use crate::color;
 use crate::error::Error;
 use crate::lobe::gaussian::Lobe;
@@ -15,7 +15,10 @@ fn lobes_at_most(lobes: &[Lobe]) -> f32 {
     2.0 * lobes.iter().map(|lobe| lobe.amplitude.abs().max_element()).sum::<f32>()
 }
 
-impl<const N: usize> Mixture<'_, N> {
+impl<const N: usize> Mixture<'_, N>
+where
+    Room<N>: Groups,
+{
     /// Makes a mixture of folded, round lobes on the upper hemisphere.
     ///
     /// # Errors
@@ -53,12 +56,13 @@ impl<const N: usize> Mixture<'_, N> {
             let Lobe { gaussian, amplitude } =
                 Lobe::new(lobe.gaussian.axis, lobe.gaussian.sharpness, lobe.amplitude)?;
             mixture.head.in_plane &= gaussian.axis.y == 0.0;
-            mixture.rows[row::AXIS_X][k] = gaussian.axis.x;
-            mixture.rows[row::AXIS_Y][k] = gaussian.axis.y;
-            mixture.rows[row::AXIS_Z][k] = gaussian.axis.z;
-            mixture.rows[row::SHARPNESS][k] = gaussian.sharpness;
-            [mixture.rows[row::RED][k], mixture.rows[row::GREEN][k], mixture.rows[row::BLUE][k]] =
-                amplitude.to_array();
+            *mixture.number_mut(row::AXIS_X, k) = gaussian.axis.x;
+            *mixture.number_mut(row::AXIS_Y, k) = gaussian.axis.y;
+            *mixture.number_mut(row::AXIS_Z, k) = gaussian.axis.z;
+            *mixture.number_mut(row::SHARPNESS, k) = gaussian.sharpness;
+            *mixture.number_mut(row::RED, k) = amplitude.x;
+            *mixture.number_mut(row::GREEN, k) = amplitude.y;
+            *mixture.number_mut(row::BLUE, k) = amplitude.z;
         }
         mixture.finish::<f32>(needed, squeezed.len(), LeaveOut::default());
         // The most that a value can be: the fold doubles a lobe, the squeeze changes solid angles.

@@ -5,12 +5,12 @@
 //! they read the rows of a mixture, which that room may not import.
 
 use super::row;
-use super::rows::{Domain, Mixture};
+use super::rows::{AnyMixture, Domain};
 use crate::error::Error;
 use crate::lobe::gaussian::{Gaussian, Lobe};
 use glam::Vec3;
 
-impl<const N: usize> Mixture<'_, N> {
+impl AnyMixture<'_> {
     /// Multiplies two mixtures of plain lobes, lobe by lobe, into the caller's storage.
     ///
     /// A folded lobe counts as two, itself and its mirror image. The products are not folded: they are lobes of the caller's
@@ -23,11 +23,7 @@ impl<const N: usize> Mixture<'_, N> {
     /// # Errors
     /// [`Error::Capacity`]; [`Error::Squeezed`], since a squeezed lobe, a diffuse term or a factor times a
     /// lobe is not a lobe.
-    pub fn product_into<const M: usize>(
-        &self,
-        other: &Mixture<'_, M>,
-        out: &mut [Lobe],
-    ) -> Result<usize, Error> {
+    pub fn product_into(&self, other: &AnyMixture<'_>, out: &mut [Lobe]) -> Result<usize, Error> {
         self.check_round()?;
         other.check_round()?;
         let needed = self.product_len(other);
@@ -42,7 +38,7 @@ impl<const N: usize> Mixture<'_, N> {
     }
 
     /// Number of lobes that [`product_into`](Self::product_into) writes.
-    pub fn product_len<const M: usize>(&self, other: &Mixture<'_, M>) -> usize {
+    pub fn product_len(&self, other: &AnyMixture<'_>) -> usize {
         let count = |lobes: usize, folded: u64| lobes + folded.count_ones() as usize;
         count(self.head.count, self.head.folded) * count(other.head.count, other.head.folded)
     }
@@ -57,7 +53,7 @@ impl<const N: usize> Mixture<'_, N> {
     /// # Errors
     /// [`Error::Squeezed`], for squeezed lobes, diffuse terms and factors; [`Error::Amplitude`] where f32 overflows.
     #[doc(alias = "spherical singular integral")]
-    pub fn inner_product<const M: usize>(&self, other: &Mixture<'_, M>) -> Result<Vec3, Error> {
+    pub fn inner_product(&self, other: &AnyMixture<'_>) -> Result<Vec3, Error> {
         self.check_round()?;
         other.check_round()?;
         let mut sum = Vec3::ZERO;
@@ -92,11 +88,12 @@ impl<const N: usize> Mixture<'_, N> {
     /// Lobe `k < len` with its axis turned to the caller's shading frame.
     fn lobe_in_shading_frame(&self, k: usize) -> Lobe {
         let axis = Vec3::from_array(self.head.squeeze.turn_back([
-            self.rows[row::AXIS_X][k],
-            self.rows[row::AXIS_Y][k],
-            self.rows[row::AXIS_Z][k],
+            self.number(row::AXIS_X, k),
+            self.number(row::AXIS_Y, k),
+            self.number(row::AXIS_Z, k),
         ]));
-        let amplitude = Vec3::new(self.rows[row::RED][k], self.rows[row::GREEN][k], self.rows[row::BLUE][k]);
+        let amplitude =
+            Vec3::new(self.number(row::RED, k), self.number(row::GREEN, k), self.number(row::BLUE, k));
         Lobe { gaussian: Gaussian { axis, ..self.gaussian(k) }, amplitude }
     }
 

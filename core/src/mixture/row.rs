@@ -1,18 +1,12 @@
-//! The rows of a mixture, one for each number of a lobe, and vectors of lobes in them.
-//!
-//! A row need not be a multiple of the lanes: then the last vector is of fewer numbers, and goes through a padded copy.
-//! The compiler knows the case.
+//! The numbers of sixteen lobes of a mixture: a row for each number.
 
-use crate::simd::lanes::{Lanes, PARTS, WIDEST, WIDEST_PAIR};
+use crate::simd::lanes::WIDEST;
 
-/// The numbers of a mixture for each of `N` lobes: a row for each of the constants below.
+/// The numbers of sixteen lobes: a row for each of the constants below. A text finds all of them from one address.
 ///
 /// Places from the count of lobes up to the next multiple of the lobes that one direction takes at a time (two
 /// vectors on AVX2, one elsewhere) hold lobes of amplitude 0.
-pub(crate) type Rows<const N: usize> = [[f32; N]; ROWS];
-
-/// The rows of sixteen lobes. A text finds all of them from one address.
-pub(crate) type Block = Rows<WIDEST>;
+pub(crate) type Group = [[f32; WIDEST]; ROWS];
 
 /// Number of rows.
 pub(crate) const ROWS: usize = 14;
@@ -40,64 +34,5 @@ pub(crate) const TAIL: usize = 12;
 /// Running sum of the luminance of the integrals.
 pub(crate) const CUMULATIVE: usize = 13;
 
-/// Blocks for a mixture of any capacity.
-pub(crate) const EMPTY_BLOCKS: [Block; PARTS] = [[[0.0; WIDEST]; ROWS]; PARTS];
-
-/// The rows as a block, if they are as long as one.
-#[inline(always)]
-pub(crate) fn as_block<const N: usize>(rows: &Rows<N>) -> Option<&Block> {
-    let (numbers, _) = rows.as_flattened().as_chunks::<WIDEST>();
-    if N == WIDEST { numbers.first_chunk() } else { None }
-}
-
-/// Copies the rows of the first `count` lobes into blocks; returns these.
-#[inline(always)]
-pub(crate) fn copy_into<'a, const N: usize>(
-    rows: &Rows<N>,
-    count: usize,
-    blocks: &'a mut [Block; PARTS],
-) -> [&'a Block; PARTS] {
-    for (p, block) in blocks.iter_mut().enumerate().take(count.min(N).div_ceil(WIDEST)) {
-        let (from, count) = (p * WIDEST, WIDEST.min(N - p * WIDEST));
-        for (to, row) in block.iter_mut().zip(rows) {
-            to[..count].copy_from_slice(&row[from..from + count]);
-        }
-    }
-    blocks.each_ref()
-}
-
-/// Lobe `from` takes the place of lobe `to`.
-#[inline(always)]
-pub(crate) fn move_lobe<const N: usize>(rows: &mut Rows<N>, from: usize, to: usize) {
-    for row in rows {
-        row[to] = row[from];
-    }
-}
-
-/// Whether the `k`-th lobe is one of `count`, and within a row.
-#[inline(always)]
-pub(crate) fn is_within<L: Lanes, const N: usize>(k: usize, count: usize) -> bool {
-    k < count && if N.is_multiple_of(L::COUNT) { k + L::COUNT <= N } else { k < N }
-}
-
-/// The numbers from the `k`-th on; behind the end of the row 0.
-#[inline(always)]
-pub(crate) fn load<L: Lanes, const N: usize>(row: &[f32; N], k: usize) -> L {
-    if N.is_multiple_of(L::COUNT) {
-        return L::load(&row[k..]);
-    }
-    let (mut padded, count) = ([0.0; WIDEST_PAIR], L::COUNT.min(N - k));
-    padded[..count].copy_from_slice(&row[k..k + count]);
-    L::load(&padded)
-}
-
-/// Stores numbers from the `k`-th on; numbers behind the end of the row go nowhere.
-#[inline(always)]
-pub(crate) fn store<L: Lanes, const N: usize>(numbers: L, row: &mut [f32; N], k: usize) {
-    if N.is_multiple_of(L::COUNT) {
-        return numbers.store(&mut row[k..]);
-    }
-    let (mut padded, count) = ([0.0; WIDEST_PAIR], L::COUNT.min(N - k));
-    numbers.store(&mut padded);
-    row[k..k + count].copy_from_slice(&padded[..count]);
-}
+/// Lobes without an amplitude.
+pub(crate) const EMPTY_GROUP: Group = [[0.0; WIDEST]; ROWS];

@@ -1,12 +1,13 @@
 //! The numbers of a mixture, and the properties that can be read off them.
 
 use super::factors::{Factors, Nodes};
-use super::row::{self, Block, ROWS, Rows};
+use super::row::{self, EMPTY_GROUP, Group};
+use crate::error::Error;
 use crate::lobe::gaussian::{Gaussian, Lobe};
-use crate::material::layout::MAX_LOBES;
 use crate::simd::detect::Level;
-use crate::simd::lanes::{PARTS, Parts};
+use crate::simd::lanes::{Lanes, PARTS, Parts, WIDEST};
 use crate::squeeze::Squeeze;
+use core::ops::{Deref, DerefMut};
 use glam::Vec3;
 
 /// Where a mixture lives.
@@ -51,10 +52,11 @@ pub(crate) fn weight_of(value: Vec3, pdf: f32) -> Vec3 {
 
 /// A sum of lobes, and a diffuse term, for one outgoing direction; storage for `N` lobes, without allocation.
 ///
+/// `N` is 16, 32, 48 or 64. Every verb is one of [`AnyMixture`], which a mixture dereferences to.
 /// One that a material with factors has made reads them from the bytes of the material, which live for `'m`;
-/// any other lives for as long as it may. `N` is any number from 1 to 64; multiples of 16
-/// are the fastest. The first lobes see the squeezed
-/// direction, the others the direction itself. The diffuse term is `albedo cos / pi` on the hemisphere: lobes
+/// any other lives for as long as it may.
+///
+/// The first lobes see the squeezed direction, the others the direction itself. The diffuse term is `albedo cos / pi` on the hemisphere: lobes
 /// cannot make the cosine of a diffuse surface, and it keeps `f cos / pdf` bounded where the lobes end.
 ///
 /// # Which lobes are folded
@@ -77,24 +79,176 @@ pub(crate) fn weight_of(value: Vec3, pdf: f32) -> Vec3 {
 /// assert!(mixture.albedo().max_element() < 1.0);
 /// # Ok::<(), srbf_core::Error>(())
 /// ```
+/// Room for no other number of lobes compiles:
+///
+/// ```compile_fail,E0277
+/// let mixture = srbf_core::Mixture::<65>::empty();
+/// ```
 #[derive(Clone, Debug)]
-pub struct Mixture<'m, const N: usize> {
+pub struct Mixture<'m, const N: usize>(pub(crate) AnyMixture<'m, <Room<N> as Groups>::Groups>)
+where
+    Room<N>: Groups;
+
+/// A mixture with room for any number of lobes: a text that takes a reference to one takes a [`Mixture`] of any `N`.
+///
+/// `R` is what it is stored in.
+#[derive(Clone, Debug)]
+pub struct AnyMixture<'m, R: ?Sized = [Group]> {
     pub(crate) head: Head<'m>,
-    pub(crate) rows: Rows<N>,
+    pub(crate) groups: R,
+}
+
+/// Room for `N` lobes.
+#[derive(Debug)]
+pub struct Room<const N: usize>;
+
+/// A number of lobes that a [`Mixture`] can have room for.
+#[diagnostic::on_unimplemented(message = "a mixture has room for 16, 32, 48 or 64 lobes")]
+pub trait Groups {
+    /// Its groups of sixteen lobes.
+    type Groups: Clone + core::fmt::Debug;
+    #[doc(hidden)]
+    const EMPTY: Self::Groups;
+    #[doc(hidden)]
+    fn any<'a, 'm>(mixture: &'a AnyMixture<'m, Self::Groups>) -> &'a AnyMixture<'m>;
+    #[doc(hidden)]
+    fn any_mut<'a, 'm>(mixture: &'a mut AnyMixture<'m, Self::Groups>) -> &'a mut AnyMixture<'m>;
+}
+
+macro_rules! room {
+    ($($lobes:literal)*) => {
+        $(impl Groups for Room<$lobes> {
+            type Groups = [Group; $lobes / WIDEST];
+            const EMPTY: Self::Groups = [EMPTY_GROUP; $lobes / WIDEST];
+            #[inline(always)]
+            fn any<'a, 'm>(mixture: &'a AnyMixture<'m, Self::Groups>) -> &'a AnyMixture<'m> {
+                mixture
+            }
+            #[inline(always)]
+            fn any_mut<'a, 'm>(mixture: &'a mut AnyMixture<'m, Self::Groups>) -> &'a mut AnyMixture<'m> {
+                mixture
+            }
+        })*
+    };
+}
+room!(16 32 48 64);
+
+impl<'m, const N: usize> Deref for Mixture<'m, N>
+where
+    Room<N>: Groups,
+{
+    type Target = AnyMixture<'m>;
+    #[inline(always)]
+    fn deref(&self) -> &AnyMixture<'m> {
+        Room::<N>::any(&self.0)
+    }
+}
+
+impl<const N: usize> DerefMut for Mixture<'_, N>
+where
+    Room<N>: Groups,
+{
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        Room::<N>::any_mut(&mut self.0)
+    }
+}
+
+impl<'m, const N: usize> AsRef<AnyMixture<'m>> for Mixture<'m, N>
+where
+    Room<N>: Groups,
+{
+    #[inline(always)]
+    fn as_ref(&self) -> &AnyMixture<'m> {
+        self
+    }
+}
+
+impl<'m, const N: usize> AsMut<AnyMixture<'m>> for Mixture<'m, N>
+where
+    Room<N>: Groups,
+{
+    #[inline(always)]
+    fn as_mut(&mut self) -> &mut AnyMixture<'m> {
+        self
+    }
+}
+
+impl<'m> AsRef<Self> for AnyMixture<'m> {
+    #[inline(always)]
+    fn as_ref(&self) -> &Self {
+        self
+    }
+}
+
+impl<'m> AsMut<Self> for AnyMixture<'m> {
+    #[inline(always)]
+    fn as_mut(&mut self) -> &mut Self {
+        self
+    }
+}
+
+impl<'m> AnyMixture<'m> {
+    /// Room for that many lobes.
+    #[inline(always)]
+    pub fn capacity(&self) -> usize {
+        WIDEST * self.groups.len()
+    }
+
+    /// Overwrites the mixture by another one.
+    ///
+    /// # Errors
+    /// [`Error::Capacity`] if there is room for fewer lobes than the other has; the mixture stays as it was.
+    pub fn copy_from(&mut self, other: &AnyMixture<'m>) -> Result<(), Error> {
+        let (needed, available) = (other.len(), self.capacity());
+        if needed > available {
+            return Err(Error::Capacity { needed, available });
+        }
+        self.head = other.head.clone();
+        for (to, from) in self.groups.iter_mut().zip(&other.groups) {
+            *to = *from;
+        }
+        Ok(())
+    }
+
+    /// A number of lobe `k`.
+    #[inline(always)]
+    pub(crate) fn number(&self, row: usize, k: usize) -> f32 {
+        self.groups[k / WIDEST][row][k % WIDEST]
+    }
+
+    /// The same, to store it.
+    #[inline(always)]
+    pub(crate) fn number_mut(&mut self, row: usize, k: usize) -> &mut f32 {
+        &mut self.groups[k / WIDEST][row][k % WIDEST]
+    }
+
+    /// A number of each of the lobes from `k` on, of one group.
+    #[inline(always)]
+    pub(crate) fn load<L: Lanes>(&self, row: usize, k: usize) -> L {
+        let within = if L::COUNT >= WIDEST { 0 } else { k % WIDEST };
+        L::load(&self.groups[k / WIDEST][row][within..])
+    }
+
+    /// Whether lobe `k` is one of `count`, and there is room for it.
+    #[inline(always)]
+    pub(crate) fn has(&self, k: usize, count: usize) -> bool {
+        k < count && k < self.capacity()
+    }
 }
 
 /// A mixture, whatever room it has: a text over it is compiled once.
 pub(crate) struct MixtureRef<'a> {
     pub head: &'a Head<'a>,
     /// Sixteen lobes each, as many as the count says; the others are anything.
-    pub blocks: [&'a Block; PARTS],
+    pub groups: [&'a Group; PARTS],
 }
 
 impl<'a> MixtureRef<'a> {
     /// The parts of a row.
     #[inline(always)]
     pub fn row(&self, row: usize) -> Parts<'a> {
-        let [a, b, c, d] = self.blocks;
+        let [a, b, c, d] = self.groups;
         [&a[row], &b[row], &c[row], &d[row]]
     }
 }
@@ -159,34 +313,31 @@ pub(crate) const fn lowest_bits(count: usize) -> u64 {
     if count == 0 { 0 } else { u64::MAX >> (64 - count) }
 }
 
-impl<const N: usize> Default for Mixture<'_, N> {
+impl<const N: usize> Default for Mixture<'_, N>
+where
+    Room<N>: Groups,
+{
     fn default() -> Self {
         Self::empty()
     }
 }
 
-impl<const N: usize> Mixture<'_, N> {
+impl<const N: usize> Mixture<'_, N>
+where
+    Room<N>: Groups,
+{
     /// The mixture without lobes: value, albedo and density are 0, and no sample can be drawn.
-    ///
-    /// Every mixture begins as one, so that room for more than 64 lobes does not compile:
-    ///
-    /// ```compile_fail,E0080
-    /// let mixture = srbf_core::Mixture::<65>::empty();
-    /// ```
     pub const fn empty() -> Self {
-        const { assert!(1 <= N && N <= MAX_LOBES, "the N of a Mixture<N>, its room for lobes, is 1 to 64") };
-        Self { head: Head::EMPTY, rows: [[0.0; N]; ROWS] }
+        Self(AnyMixture { head: Head::EMPTY, groups: Room::<N>::EMPTY })
     }
+}
 
-    /// The mixture, whatever room it has. One with room for sixteen lobes is a block as it stands; the rows of any
-    /// other are copied to `blocks`.
+impl AnyMixture<'_> {
+    /// The mixture as batches take it.
     #[inline(always)]
-    pub(crate) fn borrowed<'a>(&'a self, blocks: &'a mut [Block; PARTS]) -> MixtureRef<'a> {
-        let blocks = match row::as_block(&self.rows) {
-            Some(block) => [block; PARTS],
-            None => row::copy_into(&self.rows, self.head.count, blocks),
-        };
-        MixtureRef { head: &self.head, blocks }
+    pub(crate) fn borrowed(&self) -> MixtureRef<'_> {
+        let group = |p: usize| self.groups.get(p).unwrap_or(&self.groups[0]);
+        MixtureRef { head: &self.head, groups: [group(0), group(1), group(2), group(3)] }
     }
 
     /// Starts over as an empty mixture, keeping the storage.
@@ -274,13 +425,14 @@ impl<const N: usize> Mixture<'_, N> {
     /// Lobe `k` in the frame of the view, or `None` past the end.
     pub fn lobe(&self, k: usize) -> Option<Lobe> {
         let amplitude =
-            || Vec3::new(self.rows[row::RED][k], self.rows[row::GREEN][k], self.rows[row::BLUE][k]);
+            || Vec3::new(self.number(row::RED, k), self.number(row::GREEN, k), self.number(row::BLUE, k));
         (k < self.head.count).then(|| Lobe { gaussian: self.gaussian(k), amplitude: amplitude() })
     }
 
     pub(crate) fn gaussian(&self, k: usize) -> Gaussian {
-        let axis = Vec3::new(self.rows[row::AXIS_X][k], self.rows[row::AXIS_Y][k], self.rows[row::AXIS_Z][k]);
-        Gaussian { axis, sharpness: self.rows[row::SHARPNESS][k] }
+        let axis =
+            Vec3::new(self.number(row::AXIS_X, k), self.number(row::AXIS_Y, k), self.number(row::AXIS_Z, k));
+        Gaussian { axis, sharpness: self.number(row::SHARPNESS, k) }
     }
 
     /// Integral of the value over the domain, in closed form: `diffuse + sum a I(s)`; linear sRGB.
@@ -319,7 +471,7 @@ impl<const N: usize> Mixture<'_, N> {
     }
 }
 
-impl<'m, const N: usize> Mixture<'m, N> {
+impl<'m> AnyMixture<'m> {
     /// Bytes of the material that the mixture reads when it is evaluated: its table of factors, empty for
     /// none.
     #[inline]

@@ -31,6 +31,40 @@ impl Level {
         }
     }
 
+    /// The same for a level that has vectors: no text is compiled of one number at a time.
+    #[cfg(feature = "simd")]
+    #[inline]
+    #[allow(unsafe_code)]
+    pub(crate) fn run_vectors<R: Routine>(self, routine: R) -> R::Output {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as above.
+            Self::Avx512 => unsafe { avx512::run(routine) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as above.
+            Self::Avx2 => unsafe { avx2::run(routine) },
+            _ => portable::run(routine),
+        }
+    }
+
+    /// Runs the text of a special case. A level without fused operations has none, and gives it back: the general
+    /// text is to run.
+    #[inline]
+    #[allow(unsafe_code)]
+    pub(crate) fn run_special<R: Routine>(self, routine: R) -> Result<R::Output, R> {
+        match self {
+            #[cfg(all(feature = "simd", target_arch = "x86_64"))]
+            // SAFETY: as above.
+            Self::Avx512 => Ok(unsafe { avx512::run(routine) }),
+            #[cfg(all(feature = "simd", target_arch = "x86_64"))]
+            // SAFETY: as above.
+            Self::Avx2 => Ok(unsafe { avx2::run(routine) }),
+            #[cfg(all(feature = "simd", not(target_arch = "x86_64")))]
+            Self::Portable if <portable::Wide as super::lanes::Lanes>::FUSED => Ok(portable::run(routine)),
+            _ => Err(routine),
+        }
+    }
+
     /// Runs a routine for one direction in the instruction set of this level.
     #[inline]
     #[allow(unsafe_code)]

@@ -8,7 +8,7 @@ pub struct Lobes<B>(pub Material<B>);
 
 impl<B: AsRef<[u8]> + Sync> Brdf for Lobes<B> {
     fn evaluate(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
-        let mut mixture: Mixture<'_, MAX_LOBES> = Mixture::empty();
+        let mut mixture = Mixture::<MAX_LOBES>::empty();
         let [wi32, wo32] = [wi, wo].map(|d| Vec3::from(d.map(|v| v as f32)));
         // A direction that rounding puts below the horizon has no value.
         if self.0.prepare(wo32, &mut mixture).is_err() {

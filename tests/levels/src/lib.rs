@@ -20,7 +20,7 @@ use alloc::vec::Vec;
 pub use findings::Findings;
 use inputs::{Case, Random};
 use outputs::{COUNTS, Guarded, slices, structure_of_arrays};
-use srbf_core::{Draws, Level, Material, Mixture, Towards, Vec3};
+use srbf_core::{AnyMixture, Draws, Level, Material, Mixture, Towards, Vec3};
 use tolerance::Worst;
 use truth::{Truth, truth};
 
@@ -199,7 +199,7 @@ fn check_pairs(material: &Material<impl AsRef<[u8]>>, random: &mut Random, found
         let [pdf, of_mixtures] = one_channel.slices();
         written = written
             .and(material.ask(wo_in, Towards { wi: wi_in, value: None, pdf: Some(pdf) }.into()))
-            .and(Mixture::ask_each(
+            .and(AnyMixture::ask_each(
                 &mixtures[..n],
                 Towards { wi: wi_in, value: None, pdf: Some(of_mixtures) }.into(),
             ));

@@ -3,7 +3,7 @@
 use super::input::{any_direction, random, uniform};
 use crate::inputs::Random;
 use glam::Vec3;
-use srbf_core::{Domain, Draws, Error, Level, Lobe, Mixture, Towards};
+use srbf_core::{AnyMixture, Domain, Draws, Error, Level, Lobe, Mixture, Towards};
 
 /// Directions of a batch: one more than fills vectors of any width.
 const BATCH: usize = 17;
@@ -33,7 +33,7 @@ pub fn mixture(bytes: &[u8]) -> bool {
     }
     // Products of round lobes: a number, or an error. Where powers multiply to more than a float holds, it may be that of amplitudes.
     let largest = lobes.iter().map(|lobe| lobe.amplitude.abs().max_element()).fold(0.0, f32::max);
-    let one = Mixture::<1>::sphere(&lobes[..1]).expect("a lobe of the mixture");
+    let one = Mixture::<16>::sphere(&lobes[..1]).expect("a lobe of the mixture");
     for product in [m.inner_product(&m), m.inner_product(&one)] {
         let holds = match product {
             Ok(integral) => integral.is_finite(),
@@ -80,7 +80,7 @@ fn lobe(bytes: &[u8; 5]) -> Option<Lobe> {
 ///
 /// # Panics
 /// If something does not hold; `place` is said then.
-pub fn check<const N: usize>(mixture: &Mixture<'_, N>, random: &mut Random, place: &str) {
+pub fn check(mixture: &AnyMixture<'_>, random: &mut Random, place: &str) {
     assert!(mixture.albedo().is_finite() && mixture.power().is_finite(), "{place}: albedo");
     let d: [Vec3; BATCH] = core::array::from_fn(|_| any_direction(random));
     let u: [[f32; 3]; BATCH] = core::array::from_fn(|_| [uniform(random), uniform(random), uniform(random)]);

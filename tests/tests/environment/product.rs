@@ -2,7 +2,8 @@
 
 use glam::{DVec3, Vec3};
 use srbf_core::{
-    Domain, Environment, Error, Level, Line, Lobe, Material, Mixture, PlaneLobe, ProductSampling, View,
+    AnyMixture, Domain, Environment, Error, Level, Line, Lobe, Material, Mixture, PlaneLobe, ProductSampling,
+    View,
 };
 use srbf_tests::inputs::{Random, UNIFORM};
 use srbf_tests::maps::{Map, Moments, both_ways, bright, frame, to_local, to_world};
@@ -97,8 +98,8 @@ fn maps() -> Vec<Map> {
 }
 
 /// One estimate: a draw with the uniform numbers of a generator.
-fn estimate<const N: usize>(
-    m: &Mixture<'_, N>,
+fn estimate(
+    m: &AnyMixture<'_>,
     environment: &Environment<Vec<u32>>,
     frame: &[Vec3; 3],
     sampling: &ProductSampling,
@@ -280,8 +281,8 @@ fn means_are_right_under_real_probes() {
 
 /// The estimator in f64, in its plainest form, of candidates that single calls draw: direction and weight; and how far the choice
 /// was from falling on another, as a share of the whole.
-fn plain<const N: usize>(
-    m: &Mixture<'_, N>,
+fn plain(
+    m: &AnyMixture<'_>,
     environment: &Environment<Vec<u32>>,
     frame: &[Vec3; 3],
     [count, lobes]: [usize; 2],

@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::mixture::complete::{LEAST_SHARPNESS, tail_and_inside, tail_and_inside_of_sharp};
 use crate::mixture::factors::Factors;
 use crate::mixture::row;
-use crate::mixture::rows::{Domain, Mixture, lowest_bits};
+use crate::mixture::rows::{AnyMixture, Domain, lowest_bits};
 use crate::simd::detect::Level;
 use crate::simd::lanes::{Lanes, Numbers, WIDEST, dot3, splat3};
 use crate::simd::routine::One;
@@ -106,38 +106,34 @@ impl Expanded<'_> {
     /// [`Error::Capacity`] if the storage has room for fewer lobes than the material has;
     /// [`Error::Direction`] if `wo` is not a finite unit vector. The mixture is empty then.
     #[inline]
-    pub fn prepare<'a, const N: usize>(
-        &'a self,
-        wo: impl Into<Vec3>,
-        mixture: &mut Mixture<'a, N>,
-    ) -> Result<(), Error> {
+    pub fn prepare<'a>(&'a self, wo: impl Into<Vec3>, mixture: &mut AnyMixture<'a>) -> Result<(), Error> {
         let level = Level::current();
         level.run_one::<_, Towards>(Prepare { expanded: self, level, mixture }, wo.into().to_array())
     }
 }
 
 /// What [`Towards`] is given beside the outgoing direction.
-struct Prepare<'a, 'm, const N: usize> {
+struct Prepare<'a, 'm> {
     expanded: &'m Expanded<'m>,
     /// The level that it runs on.
     level: Level,
-    mixture: &'a mut Mixture<'m, N>,
+    mixture: &'a mut AnyMixture<'m>,
 }
 
 /// The mixture for one outgoing direction.
 struct Towards;
 
-impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
+impl One<Prepare<'_, '_>> for Towards {
     type Output = Result<(), Error>;
     const IS_WIDE: bool = true;
     #[inline(always)]
-    fn run<L: Lanes>(to: Prepare<'_, '_, N>, numbers: [f32; 3]) -> Result<(), Error> {
+    fn run<L: Lanes>(to: Prepare<'_, '_>, numbers: [f32; 3]) -> Result<(), Error> {
         let Prepare { expanded, level, mixture } = to;
         let material = expanded.material.borrowed();
         mixture.begin(level, Domain::Hemisphere, Squeeze::NONE);
         let needed = material.header.lobe_count();
-        if needed > N {
-            return Err(Error::Capacity { needed, available: N });
+        if needed > mixture.capacity() {
+            return Err(Error::Capacity { needed, available: mixture.capacity() });
         }
         let wo = Vec3::from_array(numbers);
         let Some(outgoing) = Facing::<L::One>::new(splat3(numbers)).first(wo) else {
@@ -156,10 +152,10 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
         mixture.set_diffuse([head[DIFFUSE], head[DIFFUSE + 1], head[DIFFUSE + 2]]);
         mixture.head.in_plane = material.header.mirrored == 0;
         match (mixture.head.in_plane, expanded.is_plain) {
-            (true, true) => store_lobes::<L::Lobes, N, IN_PLANE, true>(rows, share, mixture, needed),
-            (true, false) => store_lobes::<L::Lobes, N, IN_PLANE, false>(rows, share, mixture, needed),
-            (false, true) => store_lobes::<L::Lobes, N, MIRRORED, true>(rows, share, mixture, needed),
-            (false, false) => store_lobes::<L::Lobes, N, MIRRORED, false>(rows, share, mixture, needed),
+            (true, true) => store_lobes::<L::Lobes, IN_PLANE, true>(rows, share, mixture, needed),
+            (true, false) => store_lobes::<L::Lobes, IN_PLANE, false>(rows, share, mixture, needed),
+            (false, true) => store_lobes::<L::Lobes, MIRRORED, true>(rows, share, mixture, needed),
+            (false, false) => store_lobes::<L::Lobes, MIRRORED, false>(rows, share, mixture, needed),
         }
         // Every lobe has its fold, and the sums over the lobes are interpolated.
         (mixture.head.count, mixture.head.squeezed) = (needed, material.header.squeezed);
@@ -179,37 +175,41 @@ impl<const N: usize> One<Prepare<'_, '_, N>> for Towards {
 
 /// Interpolates lobes into a mixture, complete but for its sums.
 #[inline(always)]
-fn store_lobes<L: Lanes, const N: usize, const W: usize, const P: bool>(
+fn store_lobes<L: Lanes, const W: usize, const P: bool>(
     rows: [&[Numbers]; 2],
     share: f32,
-    mixture: &mut Mixture<'_, N>,
+    mixture: &mut AnyMixture<'_>,
     count: usize,
 ) {
     let (mut k, mut passed) = (0, L::splat(0.0));
-    while row::is_within::<L, N>(k, count) {
-        let lobes = Lobes::<L>::between::<W, P>(group(rows, k / WIDEST), L::splat(share), k % WIDEST);
-        let [inverse, tail, inside] = lobes.integral::<P>();
-        let normaliser = lobes.sharpness.max(L::splat(LEAST_SHARPNESS)) * L::splat(0.5 * FRAC_1_PI) / inside;
-        let [x, y, z] = lobes.axis;
-        let rate = lobes.sharpness * L::splat(-0.5 * LOG2_E);
-        let luminance = luminance_of(lobes.power);
-        row::store(x, &mut mixture.rows[row::AXIS_X], k);
-        row::store(y, &mut mixture.rows[row::AXIS_Y], k);
-        row::store(z, &mut mixture.rows[row::AXIS_Z], k);
-        row::store(lobes.sharpness, &mut mixture.rows[row::SHARPNESS], k);
-        row::store(lobes.power[0] * normaliser, &mut mixture.rows[row::RED], k);
-        row::store(lobes.power[1] * normaliser, &mut mixture.rows[row::GREEN], k);
-        row::store(lobes.power[2] * normaliser, &mut mixture.rows[row::BLUE], k);
-        row::store(luminance * normaliser, &mut mixture.rows[row::LUMINANCE], k);
-        row::store(rate, &mut mixture.rows[row::RATE], k);
-        row::store(rate * z * L::splat(4.0), &mut mixture.rows[row::FOLD_RATE], k);
-        row::store(inverse, &mut mixture.rows[row::INVERSE_SHARPNESS], k);
-        row::store(inside, &mut mixture.rows[row::INSIDE], k);
-        row::store(tail, &mut mixture.rows[row::TAIL], k);
-        row::store(luminance.running_sum() + passed, &mut mixture.rows[row::CUMULATIVE], k);
-        k += L::COUNT;
-        if k < count {
-            passed = passed + L::splat(luminance.sum());
+    for (g, to) in mixture.groups.iter_mut().enumerate() {
+        let mut at = 0;
+        while k < count && at + L::COUNT <= WIDEST {
+            let lobes = Lobes::<L>::between::<W, P>(group(rows, g), L::splat(share), at);
+            let [inverse, tail, inside] = lobes.integral::<P>();
+            let normaliser =
+                lobes.sharpness.max(L::splat(LEAST_SHARPNESS)) * L::splat(0.5 * FRAC_1_PI) / inside;
+            let [x, y, z] = lobes.axis;
+            let rate = lobes.sharpness * L::splat(-0.5 * LOG2_E);
+            let luminance = luminance_of(lobes.power);
+            x.store(&mut to[row::AXIS_X][at..]);
+            y.store(&mut to[row::AXIS_Y][at..]);
+            z.store(&mut to[row::AXIS_Z][at..]);
+            lobes.sharpness.store(&mut to[row::SHARPNESS][at..]);
+            (lobes.power[0] * normaliser).store(&mut to[row::RED][at..]);
+            (lobes.power[1] * normaliser).store(&mut to[row::GREEN][at..]);
+            (lobes.power[2] * normaliser).store(&mut to[row::BLUE][at..]);
+            (luminance * normaliser).store(&mut to[row::LUMINANCE][at..]);
+            rate.store(&mut to[row::RATE][at..]);
+            (rate * z * L::splat(4.0)).store(&mut to[row::FOLD_RATE][at..]);
+            inverse.store(&mut to[row::INVERSE_SHARPNESS][at..]);
+            inside.store(&mut to[row::INSIDE][at..]);
+            tail.store(&mut to[row::TAIL][at..]);
+            (luminance.running_sum() + passed).store(&mut to[row::CUMULATIVE][at..]);
+            (k, at) = (k + L::COUNT, at + L::COUNT);
+            if k < count {
+                passed = passed + L::splat(luminance.sum());
+            }
         }
     }
 }

@@ -7,7 +7,6 @@ use super::table::{
 use crate::color::luminance;
 use crate::error::Error;
 use crate::material::borrowed::{Material, MaterialRef};
-use crate::material::layout::MAX_LOBES;
 use crate::mixture::complete::LEAST_WITHOUT_SERIES;
 use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::row;
@@ -126,10 +125,10 @@ fn row_of_knot(material: MaterialRef<'_>, shape: Shape, rows: usize, k: usize, b
 
 /// Prepares a material at an angle of the outgoing direction, and stores the numbers that are interpolated.
 fn fill_row(material: MaterialRef<'_>, shape: Shape, theta: f32, chunks: &mut [Numbers]) {
-    let mut m = Mixture::<MAX_LOBES>::empty();
+    let mut m = Mixture::<64>::empty();
     m.begin(Level::Scalar, Domain::Hemisphere, Squeeze::NONE);
     let place = Place::after(material, views_passed::<f32>(material, theta), theta);
-    at_place::<f32, MAX_LOBES>(material, [1.0, 0.0], place, LeaveOut::default(), &mut m);
+    at_place::<f32>(material, [1.0, 0.0], place, LeaveOut::default(), &mut m);
     m.sum_up();
 
     let (head, groups) = chunks.split_at_mut(1);
@@ -146,19 +145,20 @@ fn fill_row(material: MaterialRef<'_>, shape: Shape, theta: f32, chunks: &mut [N
             // A place without a lobe: along the normal, of no power.
             let (mut axis, mut sharpness, mut power) = (Vec3::Z, 1.0, [0.0; 3]);
             if k < m.head.count {
-                axis = Vec3::new(m.rows[row::AXIS_X][k], m.rows[row::AXIS_Y][k], m.rows[row::AXIS_Z][k]);
+                axis =
+                    Vec3::new(m.number(row::AXIS_X, k), m.number(row::AXIS_Y, k), m.number(row::AXIS_Z, k));
                 // An axis below the horizon, which the mixture has mirrored up, goes back: there is no
                 // straight line between axes on either side of a fold.
                 let of = if k < stored { k } else { k - mirrored };
                 if place.lobe_angle(material, of).abs() > FRAC_PI_2 {
                     axis.z = -axis.z;
                 }
-                sharpness = m.rows[row::SHARPNESS][k];
-                let integral = 2.0 * PI * m.rows[row::INSIDE][k] * m.rows[row::INVERSE_SHARPNESS][k];
+                sharpness = m.number(row::SHARPNESS, k);
+                let integral = 2.0 * PI * m.number(row::INSIDE, k) * m.number(row::INVERSE_SHARPNESS, k);
                 let of_each = [
-                    m.rows[row::RED][k] * integral,
-                    m.rows[row::GREEN][k] * integral,
-                    m.rows[row::BLUE][k] * integral,
+                    m.number(row::RED, k) * integral,
+                    m.number(row::GREEN, k) * integral,
+                    m.number(row::BLUE, k) * integral,
                 ];
                 if luminance(Vec3::from_array(of_each)) >= LEAST_POWER {
                     power = of_each.map(|power| if power.abs() < LEAST_POWER { 0.0 } else { power });

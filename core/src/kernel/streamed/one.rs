@@ -17,17 +17,19 @@ use super::question::{Answer, Hit, Which};
 #[cfg(feature = "simd")]
 use crate::color::luminance;
 use crate::material::borrowed::{Material, MaterialRef};
-use crate::material::layout::{MAX_LOBES, f32_at};
+#[cfg(feature = "simd")]
+use crate::material::layout::MAX_LOBES;
+use crate::material::layout::f32_at;
 #[cfg(feature = "simd")]
 use crate::mixture::factors::Nodes;
 use crate::mixture::leave_out::LeaveOut;
-use crate::mixture::rows::{Mixture, Sample};
+use crate::mixture::rows::{AnyMixture, Mixture, Sample};
 #[cfg(feature = "simd")]
 use crate::mixture::rows::{drawn_density, weight_of};
 use crate::simd::detect::Level;
-use crate::simd::lanes::Lanes;
 #[cfg(feature = "simd")]
-use crate::simd::lanes::{WIDEST, scale};
+use crate::simd::lanes::scale;
+use crate::simd::lanes::{Lanes, WIDEST};
 use crate::simd::routine::One;
 #[cfg(feature = "simd")]
 use crate::squeeze::Squeeze;
@@ -157,25 +159,33 @@ fn ask_numbers(
     if !material.header.is_isotropic() {
         let Which { draws, evaluates, colors } = which;
         let asked = Asked { u: draws.then_some(u), wi: evaluates.then_some(wi), colors };
-        return match material.header.lobe_count() {
-            0..=16 => by_mixture::<16>(material, wo.into(), asked, level),
-            // A text for each capacity: small programs have one fewer.
-            #[cfg(feature = "simd")]
-            17..=32 => by_mixture::<32>(material, wo.into(), asked, level),
-            _ => by_mixture::<MAX_LOBES>(material, wo.into(), asked, level),
-        };
+        return by_mixture(material, wo.into(), asked, level);
     }
     level.run_one::<_, Ask>(Hit { material, u, wi, which }, wo)
 }
 
 /// The same by a mixture on the stack, which only such a call takes.
 #[inline(never)]
-fn by_mixture<const N: usize>(material: MaterialRef<'_>, wo: Vec3, asked: Asked, level: Level) -> Answer {
-    let mut m = Mixture::<N>::empty();
-    if prepare(material, wo, LeaveOut::default(), level, &mut m).is_err() {
-        return Answer::NOTHING;
+fn by_mixture(material: MaterialRef<'_>, wo: Vec3, asked: Asked, level: Level) -> Answer {
+    // Room that is not needed is not cleared.
+    if material.header.lobe_count() <= WIDEST {
+        in_room(material, wo, asked, level, &mut Mixture::<16>::empty())
+    } else {
+        in_room(material, wo, asked, level, &mut Mixture::<64>::empty())
     }
+}
+
+fn in_room<'m>(
+    material: MaterialRef<'m>,
+    wo: Vec3,
+    asked: Asked,
+    level: Level,
+    m: &mut AnyMixture<'m>,
+) -> Answer {
     let mut answer = Answer::NOTHING;
+    if prepare(material, wo, LeaveOut::default(), level, m).is_err() {
+        return answer;
+    }
     if let Some(u) = asked.u {
         answer.sample = m.sample(u);
     }
@@ -204,6 +214,9 @@ impl One<Hit<'_>> for Ask {
         #[cfg(feature = "simd")]
         {
             let header = hit.material.header;
+            if !L::FUSED {
+                return answer::<L, GROUPS, true>(&hit, &outgoing);
+            }
             match (header.mirrored > 0, header.lobe_count() <= WIDEST) {
                 (false, true) => answer::<L, 1, false>(&hit, &outgoing),
                 (true, true) => answer::<L, 1, true>(&hit, &outgoing),

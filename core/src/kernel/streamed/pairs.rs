@@ -204,7 +204,7 @@ impl Hits<'_, '_> {
             block.copy_in(&towards.wi, &mut room.wi);
         }
         let (draws, evaluates) = (request.draw.is_some(), request.evaluate.is_some());
-        level.run(HitBlock::<G> { materials, count, draws, evaluates, room: &mut *room, kept });
+        level.run_vectors(HitBlock::<G> { materials, count, draws, evaluates, room: &mut *room, kept });
         let Room { wo, wi, direction, drawn, towards, power, .. } = room;
         if let Some(draw) = &mut request.draw {
             if let Some(weight) = &mut draw.weight {
