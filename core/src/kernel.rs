@@ -8,8 +8,8 @@
 //! May import: `mixture`, `material`, `squeeze`, `color`, `simd`, `error`; nothing but `estimator` and
 //! `environment` imports from here.
 
+mod answers;
 pub(crate) mod between_views;
-#[cfg(feature = "simd")]
 pub(crate) mod block;
 pub(crate) mod draw;
 mod each_mixture;

@@ -30,13 +30,13 @@ macro_rules! from_offset {
 
 pub(crate) use from_offset;
 
-/// The [`Rows`] round a place, of a material with mirrored lobes or without; the copies as in `from_offset`.
+/// The [`Rows`] round a place; the copies as in `from_offset`.
 macro_rules! rows_at {
-    ($L:ty, $mirrored:expr, $material:expr, $place:expr, $copy_a:ident, $copy_b:ident) => {{
+    ($L:ty, $material:expr, $place:expr, $copy_a:ident, $copy_b:ident) => {{
         use $crate::kernel::between_views as rows_of;
         let (material, place): ($crate::material::borrowed::MaterialRef<'_>, _) = ($material, $place);
         let header = material.header;
-        let (count, mirrored) = (header.lobes, if $mirrored { header.mirrored } else { 0 });
+        let (count, mirrored) = (header.lobes, header.mirrored);
         // From as many numbers before the view as there are images, which lie so much before their own places.
         // The last vector reaches past the view, and at the last view past the file.
         let vectors = (count + mirrored).next_multiple_of(<$L as $crate::simd::lanes::Lanes>::COUNT);
@@ -163,10 +163,10 @@ pub(crate) fn views_passed_by_each<L: Lanes>(material: MaterialRef<'_>, theta: L
     passed
 }
 
-/// Interpolates the views round a place. The mixture has begun, and is to be summed up.
+/// Interpolates the views round a place. The mixture has begun, and is to be summed up. `FEW`: it has one group of lobes.
 #[cfg_attr(not(feature = "simd"), inline(never))]
 #[cfg_attr(feature = "simd", inline(always))]
-pub(crate) fn at_place<L: Lanes>(
+pub(crate) fn at_place<L: Lanes, const FEW: bool>(
     material: MaterialRef<'_>,
     azimuth: [f32; 2],
     place: Place,
@@ -176,11 +176,7 @@ pub(crate) fn at_place<L: Lanes>(
     let (squeeze, diffuse) = head_at::<L>(material, place);
     mixture.head.squeeze = Squeeze::new(azimuth, 1.0, 1.0 / squeeze);
     mixture.set_diffuse(diffuse);
-    if L::COUNT == 1 || material.header.mirrored > 0 {
-        lobes::<L::Lobes, true>(material, place, leave_out, mixture);
-    } else {
-        lobes::<L::Lobes, false>(material, place, leave_out, mixture);
-    }
+    lobes::<L::Lobes, FEW>(material, place, leave_out, mixture);
 }
 
 /// The numbers of the head round a place, as they are stored.
@@ -252,9 +248,9 @@ fn decoded_head(material: MaterialRef<'_>, view: usize) -> [u8; HEADS] {
     bytemuck::cast(numbers.map(|n| n.to_bits().to_le()))
 }
 
-/// Interpolates the lobes and completes the mixture but for its sums. `MIRRORED`: some of them are.
+/// Interpolates the lobes and completes the mixture but for its sums.
 #[inline(always)]
-fn lobes<L: Lanes, const MIRRORED: bool>(
+fn lobes<L: Lanes, const FEW: bool>(
     material: MaterialRef<'_>,
     place: Place,
     leave_out: LeaveOut,
@@ -264,16 +260,16 @@ fn lobes<L: Lanes, const MIRRORED: bool>(
     mixture.head.in_plane = header.mirrored == 0;
     if L::COUNT == 1 {
         one_by_one(material, place.between_views(), mixture);
-        mixture.finish_lobes::<L>(header.lobe_count(), header.squeezed, leave_out);
+        mixture.finish_lobes::<L, FEW>(header.lobe_count(), header.squeezed, leave_out);
         return;
     }
     let (copy_a, copy_b);
-    let rows = rows_at!(L, MIRRORED, material, place, copy_a, copy_b);
+    let rows = rows_at!(L, material, place, copy_a, copy_b);
     let (mut k, total) = (0, rows.total());
-    for group in &mut mixture.groups {
+    for group in row::some_mut::<FEW>(&mut mixture.groups) {
         let mut at = 0;
         while k < total && at + L::COUNT <= WIDEST {
-            let lobes = rows.lobes::<L, MIRRORED, false>(k);
+            let lobes = rows.lobes::<L, false>(k);
             let ([x, y, z], [red, green, blue]) = (lobes.axis, lobes.rgb);
             red.store(&mut group[row::RED][at..]);
             green.store(&mut group[row::GREEN][at..]);
@@ -285,7 +281,7 @@ fn lobes<L: Lanes, const MIRRORED: bool>(
             (k, at) = (k + L::COUNT, at + L::COUNT);
         }
     }
-    mixture.finish_lobes::<L>(rows.total(), header.squeezed, leave_out);
+    mixture.finish_lobes::<L, FEW>(rows.total(), header.squeezed, leave_out);
 }
 
 /// Interpolates the lobes one after the other.
@@ -349,7 +345,7 @@ impl Rows<'_> {
 
     /// The lobes from the `k`-th on. `SOON`: by a shorter chain of more operations.
     #[inline(always)]
-    pub fn lobes<L: Lanes, const MIRRORED: bool, const SOON: bool>(&self, k: usize) -> Lobes<L> {
+    pub fn lobes<L: Lanes, const SOON: bool>(&self, k: usize) -> Lobes<L> {
         let (zero, none) = (L::splat(0.0), L::splat(-126.0));
         let valid = L::iota().lt(L::splat((self.total() - k) as f32));
         // Lanes without a lobe hold bytes of the next view or of the text, whose powers of two may be
@@ -368,7 +364,7 @@ impl Rows<'_> {
         };
         let (mut x, mut z) = sin_cos(angle);
         let mut y = zero;
-        if MIRRORED && k + L::COUNT > self.count - self.mirrored {
+        if self.mirrored > 0 && k + L::COUNT > self.count - self.mirrored {
             let (sin, cos) = sin_cos(self.off_plane(k));
             (x, y, z) = (x * cos, sin, z * cos);
         }

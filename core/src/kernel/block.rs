@@ -1,133 +1,345 @@
-//! A block of mixtures on the hemisphere, each with a direction of its own.
+//! A block of at most sixteen hits on the hemisphere, each with lobes of its own.
 //!
-//! Some work is needed once a mixture: the draw from the chosen lobe, the turn and squeeze of the direction. It is done for the
-//! whole block with lanes as mixtures; what every lobe needs, with lanes as lobes. So nothing waits for the long chain of
-//! dependent operations that one direction is alone.
+//! A [`Source`](super::answers::Source) fills the numbers that a hit has once ([`Hits`]), and its lobes, groups of sixteen. Here
+//! directions are drawn, and the lobes are summed towards directions. Lanes are hits for work that a hit needs once, lobes for
+//! the rest; in stages, so that a processor sees many short chains of dependent operations and not one long one.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
-use super::draw::{Choice, Frame, chosen_lobe, chosen_power, draw};
-use super::one_direction::{all_lobes, with_diffuse};
-use super::sights::{sight, sights};
-use crate::mixture::row;
-use crate::mixture::rows::AnyMixture;
-use crate::simd::lanes::{Lanes, Numbers, WIDEST};
+use super::draw::{Choice, Frame, chosen_power, draw};
+use super::sights::{Sights, folded_falloff, seen, sights};
+use crate::color::LUMINANCE;
+use crate::mixture::row::{self, Group};
+use crate::simd::lanes::{Lanes, Numbers, WIDEST, dot3, splat3};
 use crate::simd::routine::Routine;
+use crate::squeeze::Seen;
+use core::f32::consts::FRAC_1_PI;
 
-/// Draws a direction from each of at most [`WIDEST`] mixtures. One that reflects nothing gives the normal.
-pub(crate) struct DrawBlock<'a> {
-    pub mixtures: &'a [&'a AnyMixture<'a>],
-    pub u: &'a [Numbers; 3],
+const ZEROS: Numbers = [0.0; WIDEST];
+const ONES: Numbers = [1.0; WIDEST];
+
+/// The numbers that a hit of a block has once.
+pub(crate) struct Hits {
+    pub count: usize,
+    /// Lobes, and those of them that see the squeezed direction.
+    pub lobes: [usize; WIDEST],
+    pub squeezed: [usize; WIDEST],
+    /// Every axis has y = 0 in the frame of the view.
+    pub in_plane: bool,
+    /// Some lobe is squeezed; there is a diffuse term.
+    pub any_squeezed: bool,
+    pub any_diffuse: bool,
+    /// Cosine and sine, in the caller's frame, of the azimuth of +x of the view; half of what their squares exceed 1 by.
+    pub azimuth: [Numbers; 2],
+    pub excess: Numbers,
+    /// What squeezed lobes see x and y times, and what takes them back.
+    pub stretch: [Numbers; 2],
+    pub widen: [Numbers; 2],
+    /// Albedo of the diffuse term.
+    pub diffuse: [Numbers; 3],
+    /// Power of the lobes.
+    pub lobes_power: Numbers,
+    /// That and the power of the diffuse term, 0 where nothing is reflected; and its inverse, or 0.
+    pub power: Numbers,
+    pub inverse_power: Numbers,
+    /// 1 for an outgoing direction: a unit vector above the horizon.
+    pub is_there: Numbers,
 }
 
-impl Routine for DrawBlock<'_> {
-    type Output = [Numbers; 3];
+impl Hits {
+    pub const NONE: Self = Self {
+        count: 0,
+        lobes: [0; WIDEST],
+        squeezed: [0; WIDEST],
+        in_plane: false,
+        any_squeezed: true,
+        any_diffuse: true,
+        azimuth: [ONES, ZEROS],
+        excess: ZEROS,
+        stretch: [ONES; 2],
+        widen: [ONES; 2],
+        diffuse: [ZEROS; 3],
+        lobes_power: ZEROS,
+        power: ZEROS,
+        inverse_power: ZEROS,
+        is_there: ZEROS,
+    };
+
+    /// Sets what follows from azimuths: the excess.
     #[inline(always)]
-    fn run<L: Lanes>(self) -> [Numbers; 3] {
-        let Self { mixtures, u } = self;
-        let zeros = [0.0; WIDEST];
-        // Of lobes with axes in the plane of incidence y is 0, which a general frame handles as well.
-        let (mut in_plane, mut any_squeezed, mut any_diffuse) = (true, false, false);
-        let (mut axis, mut azimuth, mut narrow) = ([zeros; 3], [zeros; 2], [zeros; 2]);
-        let (mut inside, mut gone, mut inverse_sharpness) = (zeros, zeros, zeros);
-        let (mut squeezed, mut lobe, mut dark) = (zeros, zeros, zeros);
-        for (i, m) in mixtures.iter().take(WIDEST).enumerate() {
-            let target = chosen_power(m.head.power, u[0][i]);
-            let k = chosen_lobe::<L>(m, target);
-            axis[0][i] = m.number(row::AXIS_X, k);
-            axis[1][i] = m.number(row::AXIS_Y, k);
-            axis[2][i] = m.number(row::AXIS_Z, k);
-            inside[i] = m.number(row::INSIDE, k);
-            gone[i] = m.number(row::TAIL, k);
-            inverse_sharpness[i] = m.number(row::INVERSE_SHARPNESS, k);
-            azimuth[0][i] = m.head.squeeze.azimuth[0];
-            azimuth[1][i] = m.head.squeeze.azimuth[1];
-            narrow[0][i] = m.head.squeeze.along;
-            narrow[1][i] = m.head.squeeze.inverse;
-            squeezed[i] = if k < m.head.squeezed { 1.0 } else { 0.0 };
-            lobe[i] = if target < m.head.lobes_power { 1.0 } else { 0.0 };
-            dark[i] = if m.head.power == 0.0 { 1.0 } else { 0.0 };
-            in_plane &= m.head.in_plane;
-            any_squeezed |= m.head.squeezed > 0;
-            any_diffuse |= m.head.lobes_power < m.head.power;
+    pub fn set_excess(&mut self) {
+        for i in 0..WIDEST {
+            let (c, s) = (f64::from(self.azimuth[0][i]), f64::from(self.azimuth[1][i]));
+            self.excess[i] = (0.5 * (c * c + s * s - 1.0)) as f32;
         }
-        let (zero, one) = (L::splat(0.0), L::splat(1.0));
-        let half = L::splat(0.5);
-        let mut out = [zeros; 3];
+    }
+
+    /// Sets what follows from the powers of lobes and diffuse terms: their sum and its inverse.
+    #[inline(always)]
+    pub fn set_power<L: Lanes>(&mut self, diffuse_power: &Numbers) {
+        let one = L::splat(1.0);
         let mut at = 0;
-        while at < mixtures.len() && at + L::COUNT <= WIDEST {
+        while at + L::COUNT <= WIDEST {
+            let power = L::load(&self.lobes_power[at..]) + L::load(&diffuse_power[at..]);
+            let there = L::load(&self.is_there[at..]).ge(L::splat(0.5));
+            // A sum so small that its inverse is infinite reflects nothing.
+            let shines = L::both(there, power.ge(L::splat(f32::MIN_POSITIVE)));
+            power.keep(shines).store(&mut self.power[at..]);
+            (one / L::select(shines, power, one)).keep(shines).store(&mut self.inverse_power[at..]);
+            at += L::COUNT;
+        }
+    }
+}
+
+/// The inputs and outputs of a block, in room that a batch uses again for every block.
+#[repr(align(64))]
+pub(crate) struct Room {
+    /// Outgoing directions, uniform numbers, and incident directions.
+    pub wo: [Numbers; 3],
+    pub u: [Numbers; 3],
+    pub wi: [Numbers; 3],
+    /// The drawn directions, the normal where nothing is reflected, and the sums there; and the sums towards the others.
+    pub direction: [Numbers; 3],
+    pub drawn: Sums,
+    pub towards: Sums,
+    pub hits: Hits,
+    /// Sums by lane; a row is a hit.
+    lanes: Lanes3,
+}
+
+/// Sums by lane in three channels.
+type Lanes3 = [[Numbers; WIDEST]; 3];
+
+/// Values, without factors, and densities.
+pub(crate) struct Sums {
+    pub value: [Numbers; 3],
+    pub pdf: Numbers,
+}
+
+impl Room {
+    pub const NEW: Self = Self {
+        wo: [[0.5; WIDEST]; 3],
+        u: [[0.5; WIDEST]; 3],
+        wi: [[0.5; WIDEST]; 3],
+        direction: [ZEROS; 3],
+        drawn: Sums { value: [ZEROS; 3], pdf: ZEROS },
+        towards: Sums { value: [ZEROS; 3], pdf: ZEROS },
+        hits: Hits::NONE,
+        lanes: [[ZEROS; WIDEST]; 3],
+    };
+}
+
+/// Draws directions, and evaluates towards others, as asked.
+pub(crate) struct Work<'a> {
+    pub room: &'a mut Room,
+    /// The lobes of each hit: at least as many as there are.
+    pub groups: &'a [&'a [Group]; WIDEST],
+    pub draws: bool,
+    pub evaluates: bool,
+}
+
+impl Routine for Work<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { room, groups, draws, evaluates } = self;
+        let Room { u, wi, direction, drawn, towards, hits, lanes, .. } = room;
+        if evaluates {
+            hits.sums::<L>(groups, wi, lanes, towards);
+        }
+        if draws {
+            let chosen = Chosen::new::<L>(hits, groups, &u[0]);
+            *direction = hits.draw::<L>(&chosen, u);
+            hits.sums::<L>(groups, direction, lanes, drawn);
+        }
+    }
+}
+
+impl Hits {
+    /// Draws from the chosen lobes, or the diffuse terms.
+    #[inline(always)]
+    fn draw<L: Lanes>(&self, chosen: &Chosen, u: &[Numbers; 3]) -> [Numbers; 3] {
+        let (zero, one, half) = (L::splat(0.0), L::splat(1.0), L::splat(0.5));
+        let mut out = [ZEROS; 3];
+        let mut at = 0;
+        while at + L::COUNT <= WIDEST {
             let frame = Frame {
-                in_plane,
-                any_squeezed,
-                any_diffuse,
+                in_plane: self.in_plane,
+                any_squeezed: self.any_squeezed,
+                any_diffuse: self.any_diffuse,
                 is_folded: true,
-                azimuth: [L::load(&azimuth[0][at..]), L::load(&azimuth[1][at..])],
-                widen: [one / L::load(&narrow[0][at..]), one / L::load(&narrow[1][at..])],
+                azimuth: [L::load(&self.azimuth[0][at..]), L::load(&self.azimuth[1][at..])],
+                widen: [L::load(&self.widen[0][at..]), L::load(&self.widen[1][at..])],
             };
             let choice = Choice {
-                axis: [L::load(&axis[0][at..]), L::load(&axis[1][at..]), L::load(&axis[2][at..])],
-                inside: L::load(&inside[at..]),
-                gone: L::load(&gone[at..]),
-                inverse_sharpness: L::load(&inverse_sharpness[at..]),
-                is_squeezed: L::load(&squeezed[at..]).ge(half),
-                is_lobe: L::load(&lobe[at..]).ge(half),
+                axis: [
+                    L::load(&chosen.axis[0][at..]),
+                    L::load(&chosen.axis[1][at..]),
+                    L::load(&chosen.axis[2][at..]),
+                ],
+                inside: L::load(&chosen.inside[at..]),
+                gone: L::load(&chosen.gone[at..]),
+                inverse_sharpness: L::load(&chosen.inverse_sharpness[at..]),
+                is_squeezed: L::load(&chosen.squeezed[at..]).ge(half),
+                is_lobe: L::load(&chosen.target[at..]).lt(L::load(&self.lobes_power[at..])),
             };
             let [x, y, z] = draw(&frame, choice, L::load(&u[1][at..]), L::load(&u[2][at..]));
-            let is_dark = L::load(&dark[at..]).ge(half);
-            L::select(is_dark, zero, x).store(&mut out[0][at..]);
-            L::select(is_dark, zero, y).store(&mut out[1][at..]);
-            L::select(is_dark, one, z).store(&mut out[2][at..]);
+            let shines = zero.lt(L::load(&self.power[at..]));
+            L::select(shines, x, zero).store(&mut out[0][at..]);
+            L::select(shines, y, zero).store(&mut out[1][at..]);
+            L::select(shines, z, one).store(&mut out[2][at..]);
             at += L::COUNT;
         }
         out
     }
-}
 
-/// Evaluates each of at most [`WIDEST`] mixtures towards its direction: red, green and blue, or the luminance
-/// (`C` = 1).
-pub(crate) struct SumBlock<'a, const C: usize> {
-    pub mixtures: &'a [&'a AnyMixture<'a>],
-    pub directions: &'a [Numbers; 3],
-}
-
-impl<const C: usize> Routine for SumBlock<'_, C> {
-    type Output = [Numbers; C];
+    /// Values and densities towards a direction for each hit.
     #[inline(always)]
-    fn run<L: Lanes>(self) -> [Numbers; C] {
-        let Self { mixtures, directions: [_, _, z] } = self;
-        let zeros = [0.0; WIDEST];
-        let (mut azimuth, mut excess) = ([zeros; 2], zeros);
-        let (mut along, mut inverse) = ([1.0; WIDEST], [1.0; WIDEST]);
-        for (i, m) in mixtures.iter().take(WIDEST).enumerate() {
-            azimuth[0][i] = m.head.squeeze.azimuth[0];
-            azimuth[1][i] = m.head.squeeze.azimuth[1];
-            excess[i] = m.head.squeeze.excess;
-            along[i] = m.head.squeeze.along;
-            inverse[i] = m.head.squeeze.inverse;
-        }
-        let sights = sights::<L>(azimuth, excess, [along, inverse], self.directions);
-        let mut out = [zeros; C];
-        for (i, m) in mixtures.iter().take(WIDEST).enumerate() {
-            // False for a NaN too.
-            let above = z[i] >= 0.0;
-            if !above || m.is_nothing() {
-                continue;
-            }
-            let [turned, squeezed] = sight(&sights, i);
-            let rows = [row::RED, row::GREEN, row::BLUE, row::LUMINANCE];
-            let mut amplitudes = [rows[3]; C];
-            let mut diffuse = [m.head.diffuse_power; C];
-            if C == 3 {
-                for channel in 0..C {
-                    amplitudes[channel] = rows[channel];
-                    diffuse[channel] = m.head.diffuse[channel];
+    fn sums<L: Lanes>(
+        &self,
+        groups: &[&[Group]; WIDEST],
+        wi: &[Numbers; 3],
+        lanes: &mut Lanes3,
+        sums: &mut Sums,
+    ) {
+        let sights = sights::<L>(self.azimuth, self.excess, self.stretch, wi);
+        let few = L::FUSED && groups.iter().all(|groups| groups.len() == 1);
+        for i in 0..self.count.min(WIDEST) {
+            let acc = if few {
+                sum_lobes::<L::Lobes, true>(groups[i], self.lobes[i], self.squeezed[i], &sights, i)
+            } else {
+                sum_lobes::<L::Lobes, false>(groups[i], self.lobes[i], self.squeezed[i], &sights, i)
+            };
+            for channel in 0..3 {
+                let row = &mut lanes[channel][i];
+                if L::Lobes::COUNT == WIDEST {
+                    acc[channel].store(row);
+                } else {
+                    row[0] = acc[channel].sum();
                 }
             }
-            let sums = all_lobes::<L::Lobes, C, true>(m, amplitudes, &turned, &squeezed);
-            let sums = with_diffuse(sums, diffuse, z[i]);
-            for channel in 0..C {
-                out[channel][i] = sums[channel];
+        }
+        for channel in 0..3 {
+            if L::Lobes::COUNT == WIDEST {
+                sums.value[channel] = L::sums_of_rows(&lanes[channel]);
+            } else {
+                for i in 0..WIDEST {
+                    sums.value[channel][i] = lanes[channel][i][0];
+                }
             }
         }
-        out
+        self.finish::<L>(sums, &wi[2]);
     }
+
+    /// Adds the diffuse terms to the sums over the lobes, 0 for directions below the horizon; and the densities.
+    #[inline(always)]
+    fn finish<L: Lanes>(&self, sums: &mut Sums, height: &Numbers) {
+        let mut at = 0;
+        while at + L::COUNT <= WIDEST {
+            let z = L::load(&height[at..]);
+            // Not set for a NaN.
+            let there = L::load(&self.is_there[at..]).ge(L::splat(0.5));
+            let above = L::both(z.ge(L::splat(0.0)), there);
+            let mut value = [z; 3];
+            for channel in 0..3 {
+                let diffuse = L::load(&self.diffuse[channel][at..]) * L::splat(FRAC_1_PI);
+                value[channel] = diffuse.mul_add(z, L::load(&sums.value[channel][at..])).keep(above);
+                value[channel].store(&mut sums.value[channel][at..]);
+            }
+            let luminance = dot3(value, splat3(LUMINANCE));
+            (luminance * L::load(&self.inverse_power[at..])).store(&mut sums.pdf[at..]);
+            at += L::COUNT;
+        }
+    }
+}
+
+/// Sums the lobes of hit `i` in red, green and blue.
+#[inline(always)]
+fn sum_lobes<L: Lanes, const FEW: bool>(
+    groups: &[Group],
+    lobes: usize,
+    squeezed: usize,
+    sights: &Sights,
+    i: usize,
+) -> [L; 3] {
+    let mut acc = [L::splat(0.0); 3];
+    let mut k = 0;
+    for group in row::some::<FEW>(groups) {
+        let mut at = 0;
+        while k < lobes && at + L::COUNT <= WIDEST {
+            let mask = L::first_lanes(squeezed.saturating_sub(k).min(L::COUNT));
+            add::<L, false>(group, at, &seen(sights, i, mask), &mut acc);
+            (k, at) = (k + L::COUNT, at + L::COUNT);
+        }
+    }
+    acc
+}
+
+/// Adds the lobes of a group from one on. `SOON`: by a shorter chain of more operations.
+#[inline(always)]
+pub(crate) fn add<L: Lanes, const SOON: bool>(group: &Group, at: usize, seen: &Seen<L>, acc: &mut [L; 3]) {
+    let (rate, fold_rate) = (L::load(&group[row::RATE][at..]), L::load(&group[row::FOLD_RATE][at..]));
+    let axis = [
+        L::load(&group[row::AXIS_X][at..]),
+        L::load(&group[row::AXIS_Y][at..]),
+        L::load(&group[row::AXIS_Z][at..]),
+    ];
+    let g = folded_falloff::<L, SOON>(axis, rate, fold_rate, seen);
+    for channel in 0..3 {
+        acc[channel] = g.mul_add(L::load(&group[row::RED + channel][at..]), acc[channel]);
+    }
+}
+
+/// The chosen lobes of a block.
+struct Chosen {
+    axis: [Numbers; 3],
+    inside: Numbers,
+    gone: Numbers,
+    inverse_sharpness: Numbers,
+    squeezed: Numbers,
+    /// Place on the running sum of powers.
+    target: Numbers,
+}
+
+impl Chosen {
+    #[inline(always)]
+    fn new<L: Lanes>(hits: &Hits, groups: &[&[Group]; WIDEST], u: &Numbers) -> Self {
+        // Harmless ones behind the last hit.
+        let mut chosen = Self {
+            axis: [ZEROS, ZEROS, ONES],
+            inside: ONES,
+            gone: ZEROS,
+            inverse_sharpness: ONES,
+            squeezed: ZEROS,
+            target: ZEROS,
+        };
+        for i in 0..hits.count.min(WIDEST) {
+            let target = chosen_power(hits.power[i], L::One::splat(u[i])).first();
+            let k = chosen_lobe::<L::Lobes, false>(groups[i], hits.lobes[i], target);
+            let Some(group) = groups[i].get(k / WIDEST) else { continue };
+            let at = k % WIDEST;
+            for axis in 0..3 {
+                chosen.axis[axis][i] = group[row::AXIS_X + axis][at];
+            }
+            chosen.inside[i] = group[row::INSIDE][at];
+            chosen.gone[i] = group[row::TAIL][at];
+            chosen.inverse_sharpness[i] = group[row::INVERSE_SHARPNESS][at];
+            chosen.squeezed[i] = if k < hits.squeezed[i] { 1.0 } else { 0.0 };
+            chosen.target[i] = target;
+        }
+        chosen
+    }
+}
+
+/// The lobe at a place on the running sum of powers; the last one ends the search whatever the sum is rounded to.
+#[inline(always)]
+pub(crate) fn chosen_lobe<L: Lanes, const FEW: bool>(groups: &[Group], lobes: usize, target: f32) -> usize {
+    let (mut above, mut k) = (1u64.wrapping_shl((lobes as u32).wrapping_sub(1)), 0);
+    for group in row::some::<FEW>(groups) {
+        let mut at = 0;
+        while k < lobes && at + L::COUNT <= WIDEST {
+            above |= L::bits(L::splat(target).lt(L::load(&group[row::CUMULATIVE][at..]))) << k;
+            (k, at) = (k + L::COUNT, at + L::COUNT);
+        }
+    }
+    (above.trailing_zeros() as usize).min(WIDEST * groups.len() - 1)
 }

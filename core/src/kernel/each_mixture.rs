@@ -4,26 +4,24 @@
 //! other.
 
 #[cfg(feature = "simd")]
-use super::block::{DrawBlock, SumBlock};
+use super::answers::{Source, answer_block};
 #[cfg(feature = "simd")]
-use super::multiply_factors::multiply_block;
+use super::block::Room;
 use super::prepare::prepare_each;
 use super::request::{Draws, Request, Towards, at};
 use super::slices::{Block, same_length};
-#[cfg(feature = "simd")]
-use crate::color::luminance;
 use crate::error::Error;
 use crate::material::borrowed::Material;
 #[cfg(feature = "simd")]
 use crate::material::borrowed::MaterialRef;
 #[cfg(feature = "simd")]
 use crate::mixture::factors::Nodes;
+#[cfg(feature = "simd")]
+use crate::mixture::row::Group;
 use crate::mixture::rows::{AnyMixture, Sample, drawn_density};
 #[cfg(feature = "simd")]
-use crate::mixture::rows::{Domain, Mixture, weight_of};
+use crate::mixture::rows::{Domain, Mixture};
 use crate::simd::detect::Level;
-#[cfg(feature = "simd")]
-use crate::simd::lanes::Numbers;
 use crate::simd::lanes::WIDEST;
 use glam::Vec3;
 
@@ -81,13 +79,15 @@ fn for_each_mixture<'m>(
     mut request: Request<'_>,
 ) -> Result<(), Error> {
     request.check(mixtures.len())?;
+    #[cfg(feature = "simd")]
+    let mut room = Room::NEW;
     for (block, mixtures) in Block::all(mixtures.len()).zip(mixtures.chunks(WIDEST)) {
         let last = mixtures.len() - 1;
         let each: [&AnyMixture<'m>; WIDEST] = core::array::from_fn(|i| mixtures[i.min(last)].as_ref());
         let each = &each[..=last];
         #[cfg(feature = "simd")]
         if let Some(level) = level_of_block(each) {
-            block_of(&mut request, level, each, block);
+            answer_block(level, &mut Made(each), block, None, &mut request, &mut room);
             continue;
         }
         for (i, mixture) in each.iter().enumerate() {
@@ -97,30 +97,55 @@ fn for_each_mixture<'m>(
     Ok(())
 }
 
-/// The level of mixtures that can be taken together: they have it in common, live on the hemisphere, and have the
-/// same factors if any. `None` for others.
+/// The level of mixtures that can be taken together: they have it in common, and live on the hemisphere. `None` for others.
 #[cfg(feature = "simd")]
 fn level_of_block(mixtures: &[&AnyMixture<'_>]) -> Option<Level> {
     let level = mixtures[0].head.level;
-    if mixtures.len() < FEW || level == Level::Scalar {
-        return None;
-    }
-    let factors = mixtures.iter().map(|m| m.head.factors.nodes).find(|nodes| !nodes.is_none());
-    let factors = factors.unwrap_or(Nodes::NONE);
-    let fits = |m: &&AnyMixture<'_>| {
-        let nodes = m.head.factors.nodes;
-        // A mixture with neither lobes nor factors may be multiplied by any factor.
-        let same_factors = (nodes.is_none() && m.is_nothing()) || nodes.is(&factors);
-        m.head.level == level && m.head.domain == Domain::Hemisphere && same_factors
-    };
-    mixtures.iter().all(fits).then_some(level)
+    let fits = |m: &&AnyMixture<'_>| m.head.level == level && m.head.domain == Domain::Hemisphere;
+    (mixtures.len() >= FEW && level != Level::Scalar && mixtures.iter().all(fits)).then_some(level)
 }
 
-/// The densities of a block, of the values before they are multiplied by factors.
+/// The hits of a block, whose lobes are those of mixtures.
 #[cfg(feature = "simd")]
-fn densities(value: &[Numbers; 3], mixtures: &[&AnyMixture<'_>], pdf: &mut [f32]) {
-    for (i, (m, pdf)) in mixtures.iter().zip(pdf).enumerate() {
-        *pdf = luminance(Vec3::new(value[0][i], value[1][i], value[2][i])) * m.head.inverse_power;
+struct Made<'a, 'm>(&'a [&'a AnyMixture<'m>]);
+
+#[cfg(feature = "simd")]
+impl Source for Made<'_, '_> {
+    fn fill(&mut self, room: &mut Room) -> [&[Group]; WIDEST] {
+        let Room { wo, hits, .. } = room;
+        hits.count = self.0.len().min(WIDEST);
+        (hits.in_plane, hits.any_squeezed, hits.any_diffuse) = (true, false, false);
+        for (i, m) in self.0.iter().take(WIDEST).enumerate() {
+            let (head, squeeze) = (&m.head, &m.head.squeeze);
+            hits.lobes[i] = head.count;
+            hits.squeezed[i] = head.squeezed;
+            // Of lobes with axes in the plane of incidence y is 0, which a general frame handles as well.
+            hits.in_plane &= head.in_plane;
+            hits.any_squeezed |= head.squeezed > 0;
+            hits.any_diffuse |= head.lobes_power < head.power;
+            [hits.azimuth[0][i], hits.azimuth[1][i]] = squeeze.azimuth;
+            hits.excess[i] = squeeze.excess;
+            (hits.stretch[0][i], hits.stretch[1][i]) = (squeeze.along, squeeze.inverse);
+            [hits.diffuse[0][i], hits.diffuse[1][i], hits.diffuse[2][i]] = head.diffuse.to_array();
+            hits.lobes_power[i] = head.lobes_power;
+            hits.power[i] = head.power;
+            hits.inverse_power[i] = head.inverse_power;
+            hits.is_there[i] = 1.0;
+            [wo[0][i], wo[1][i], wo[2][i]] = head.factors.wo;
+        }
+        for (widen, stretch) in hits.widen.iter_mut().zip(&hits.stretch) {
+            for (widen, stretch) in widen.iter_mut().zip(stretch) {
+                *widen = 1.0 / stretch;
+            }
+        }
+        core::array::from_fn(|i| &self.0[i.min(self.0.len() - 1)].groups)
+    }
+
+    fn factors(&self, hit: usize) -> Nodes<'_> {
+        // A mixture of nothing may be multiplied by any factor, so that all have the same.
+        let hits = if self.0[hit].is_nothing() { self.0 } else { &self.0[hit..=hit] };
+        let nodes = hits.iter().map(|m| m.head.factors.nodes).find(|nodes| !nodes.is_none());
+        nodes.unwrap_or(Nodes::NONE)
     }
 }
 
@@ -153,12 +178,13 @@ fn in_room<'m>(
     request: &mut Request<'_>,
     mut mixtures: [&mut AnyMixture<'m>; WIDEST],
 ) {
+    let mut room = Room::NEW;
     for block in Block::all(wo[0].len()) {
         let wo = wo.map(|s| &s[block.from..block.from + block.count]);
         let mut made = mixtures.each_mut().map(|mixture| Some(&mut **mixture));
         prepare_each(material, wo, level, &mut made[..block.count]);
         let made = mixtures.each_ref().map(|mixture| &**mixture);
-        block_of(request, level, &made[..block.count], block);
+        answer_block(level, &mut Made(&made[..block.count]), block, None, request, &mut room);
     }
 }
 
@@ -197,51 +223,4 @@ pub(super) fn evaluate_one(towards: &mut Towards<'_>, m: &AnyMixture<'_>, i: usi
         (Vec3::ZERO, m.pdf(wi))
     };
     towards.put(i, &value, pdf);
-}
-
-/// Answers for the hits of a block, as many as mixtures.
-#[cfg(feature = "simd")]
-fn block_of(request: &mut Request<'_>, level: Level, mixtures: &[&AnyMixture<'_>], block: Block) {
-    let (from, count) = (block.from, block.count);
-    if let Some(Draws { u, direction, pdf, weight }) = &mut request.draw {
-        let directions = level.run_vectors(DrawBlock { mixtures, u: &block.padded(u) });
-        let mut density = [0.0; WIDEST];
-        if let Some(weight) = weight {
-            let mut value = level.run_vectors(SumBlock::<3> { mixtures, directions: &directions });
-            densities(&value, mixtures, &mut density[..count]);
-            multiply_block(level, mixtures, &directions, &mut value);
-            for (i, &density) in density[..count].iter().enumerate() {
-                let value = Vec3::new(value[0][i], value[1][i], value[2][i]);
-                [weight[0][from + i], weight[1][from + i], weight[2][from + i]] =
-                    weight_of(value, density).to_array();
-            }
-        } else if pdf.is_some() {
-            let [sums] = level.run_vectors(SumBlock::<1> { mixtures, directions: &directions });
-            for (i, m) in mixtures.iter().enumerate() {
-                density[i] = sums[i] * m.head.inverse_power;
-            }
-        }
-        if let Some(pdf) = pdf {
-            for (i, m) in mixtures.iter().enumerate() {
-                pdf[from + i] = if m.head.power > 0.0 { drawn_density(density[i]) } else { density[i] };
-            }
-        }
-        block.copy_out(&directions, direction);
-    }
-    if let Some(Towards { wi, value, pdf }) = &mut request.evaluate {
-        let directions = &block.padded(wi);
-        if let Some(value) = value {
-            let mut sums = level.run_vectors(SumBlock::<3> { mixtures, directions });
-            if let Some(pdf) = pdf {
-                densities(&sums, mixtures, &mut pdf[from..from + count]);
-            }
-            multiply_block(level, mixtures, directions, &mut sums);
-            block.copy_out(&sums, value);
-        } else if let Some(pdf) = pdf {
-            let [sums] = level.run_vectors(SumBlock::<1> { mixtures, directions });
-            for (i, m) in mixtures.iter().enumerate() {
-                pdf[from + i] = sums[i] * m.head.inverse_power;
-            }
-        }
-    }
 }

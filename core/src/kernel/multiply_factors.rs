@@ -1,8 +1,6 @@
 //! Multiplies values by their factors, in vectors of directions.
 
 use crate::mixture::factors::{Nodes, variables};
-#[cfg(feature = "simd")]
-use crate::mixture::rows::AnyMixture;
 use crate::mixture::rows::Head;
 use crate::simd::detect::Level;
 use crate::simd::lanes::{Lanes, Numbers, WIDEST, splat3};
@@ -91,29 +89,6 @@ fn times<L: Lanes>(numbers: &mut [f32], by: L, count: usize) {
     by.store(&mut padded);
     for i in 0..count {
         numbers[i] *= padded[i];
-    }
-}
-
-/// Multiplies the values of a block of mixtures, which have the same factors, each towards its own direction.
-#[cfg(feature = "simd")]
-pub(crate) fn multiply_block(
-    level: Level,
-    mixtures: &[&AnyMixture<'_>],
-    directions: &[Numbers; 3],
-    value: &mut [Numbers; 3],
-) {
-    // A mixture that reflects nothing has none.
-    let Some(nodes) = mixtures.iter().map(|m| &m.head.factors.nodes).find(|nodes| !nodes.is_none()) else {
-        return;
-    };
-    let mut wo = [[0.5; WIDEST]; 3];
-    for (i, m) in mixtures.iter().take(WIDEST).enumerate() {
-        [wo[0][i], wo[1][i], wo[2][i]] = m.head.factors.wo;
-    }
-    multiply_pairs(level, nodes, &wo, directions, value);
-    // The factor towards a vector that is no direction may be NaN.
-    for (i, _) in mixtures.iter().take(WIDEST).enumerate().filter(|(_, m)| m.is_nothing()) {
-        value.iter_mut().for_each(|channel| channel[i] = 0.0);
     }
 }
 

@@ -10,7 +10,7 @@ use crate::mixture::factors::Factors;
 use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::rows::{AnyMixture, Domain};
 use crate::simd::detect::Level;
-use crate::simd::lanes::{Lanes, WIDEST_PAIR};
+use crate::simd::lanes::{Lanes, WIDEST, WIDEST_PAIR};
 use crate::simd::routine::{One, Routine};
 use crate::squeeze::Squeeze;
 use glam::Vec3;
@@ -140,17 +140,30 @@ impl One<Prepare<'_, '_>> for Towards {
         if wo.z < 0.0 {
             return Ok(());
         }
-        match material.header.kind {
-            Kind::Line => {
-                let passed = views_passed::<L>(material, outgoing.theta);
-                between_views::<L>(material, outgoing, passed, leave_out, mixture);
-            }
-            Kind::Grid(shape) => {
-                among_rings::<L>(material, shape, outgoing, leave_out, mixture);
-            }
+        if L::FUSED && needed <= WIDEST {
+            interpolate::<L, true>(material, outgoing, leave_out, mixture);
+        } else {
+            interpolate::<L, false>(material, outgoing, leave_out, mixture);
         }
         mixture.sum_up();
         Ok(())
+    }
+}
+
+/// Makes a mixture, which has begun, for an outgoing direction above the horizon; it is to be summed up. `FEW`: of one group of lobes.
+#[inline(always)]
+fn interpolate<'m, L: Lanes, const FEW: bool>(
+    material: MaterialRef<'m>,
+    outgoing: Outgoing,
+    leave_out: LeaveOut,
+    mixture: &mut AnyMixture<'m>,
+) {
+    match material.header.kind {
+        Kind::Line => {
+            let passed = views_passed::<L>(material, outgoing.theta);
+            between_views::<L, FEW>(material, outgoing, passed, leave_out, mixture);
+        }
+        Kind::Grid(shape) => among_rings::<L, FEW>(material, shape, outgoing, leave_out, mixture),
     }
 }
 
@@ -162,8 +175,8 @@ pub(crate) fn prepare_each<'a, 'm>(
     level: Level,
     mixtures: &'a mut [Option<&'a mut AnyMixture<'m>>],
 ) {
-    if material.header.is_isotropic() {
-        level.run(PrepareInto { material, wo, level, mixtures });
+    if material.header.is_isotropic() && level != Level::Scalar {
+        level.run_vectors(PrepareInto { material, wo, level, mixtures });
         return;
     }
     for (i, mixture) in mixtures.iter_mut().flatten().enumerate() {
@@ -209,8 +222,12 @@ impl Routine for PrepareInto<'_, '_> {
                 if L::bits(facing.is_there()) >> i & 1 == 1 {
                     let wo = Vec3::new(x[at + i], y[at + i], z[at + i]);
                     let outgoing = Outgoing { wo, theta: theta[i], azimuth: [azimuth[0][i], azimuth[1][i]] };
-                    let passed = passed[i] as usize;
-                    between_views::<L>(material, outgoing, passed, LeaveOut::default(), mixture);
+                    let (passed, leave_out) = (passed[i] as usize, LeaveOut::default());
+                    if L::FUSED && material.header.lobe_count() <= WIDEST {
+                        between_views::<L, true>(material, outgoing, passed, leave_out, mixture);
+                    } else {
+                        between_views::<L, false>(material, outgoing, passed, leave_out, mixture);
+                    }
                 }
             }
             // Apart, so that the chains of additions of many mixtures run side by side.
@@ -225,7 +242,7 @@ impl Routine for PrepareInto<'_, '_> {
 /// Makes a mixture, which has begun, for an outgoing direction above the horizon that has `passed` a number of views of an
 /// isotropic material; it is to be summed up.
 #[inline(always)]
-fn between_views<'m, L: Lanes>(
+fn between_views<'m, L: Lanes, const FEW: bool>(
     material: MaterialRef<'m>,
     outgoing: Outgoing,
     passed: usize,
@@ -233,7 +250,7 @@ fn between_views<'m, L: Lanes>(
     mixture: &mut AnyMixture<'m>,
 ) {
     let place = Place::after(material, passed, outgoing.theta);
-    at_place::<L>(material, outgoing.azimuth, place, leave_out, mixture);
+    at_place::<L, FEW>(material, outgoing.azimuth, place, leave_out, mixture);
     if material.header.has_factors() {
         mixture.head.factors = Factors::new(material, outgoing.wo, place.among());
     }
@@ -241,14 +258,14 @@ fn between_views<'m, L: Lanes>(
 
 /// The same for an anisotropic material.
 #[inline(always)]
-fn among_rings<'m, L: Lanes>(
+fn among_rings<'m, L: Lanes, const FEW: bool>(
     material: MaterialRef<'m>,
     shape: Shape,
     outgoing: Outgoing,
     leave_out: LeaveOut,
     mixture: &mut AnyMixture<'m>,
 ) {
-    let among = prepare_anisotropic::prepare::<L::Lobes>(material, shape, &outgoing, leave_out, mixture);
+    let among = prepare_anisotropic::prepare::<L::Lobes, FEW>(material, shape, &outgoing, leave_out, mixture);
     if material.header.has_factors() {
         mixture.head.factors = Factors::new(material, outgoing.wo, among);
     }

@@ -97,7 +97,7 @@ fn between(bytes: &[u8], shape: Shape, [a, b]: [usize; 2], onward: f32, i: usize
 #[cfg_attr(not(feature = "simd"), inline(never))]
 #[cfg_attr(feature = "simd", inline(always))]
 #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
-pub(crate) fn prepare<L: Lanes>(
+pub(crate) fn prepare<L: Lanes, const FEW: bool>(
     material: MaterialRef<'_>,
     shape: Shape,
     outgoing: &Outgoing,
@@ -154,7 +154,7 @@ pub(crate) fn prepare<L: Lanes>(
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let (onward, outward) = (L::splat(place.onward), L::splat(place.outward));
     let mut k = 0;
-    for group in &mut mixture.groups {
+    for group in row::some_mut::<FEW>(&mut mixture.groups) {
         let mut at = 0;
         while k < count && at + L::COUNT <= WIDEST {
             let valid = L::iota().lt(L::splat((count - k) as f32));
@@ -202,7 +202,7 @@ pub(crate) fn prepare<L: Lanes>(
             (k, at) = (k + L::COUNT, at + L::COUNT);
         }
     }
-    mixture.finish_lobes::<L>(count, header.squeezed, leave_out);
+    mixture.finish_lobes::<L, FEW>(count, header.squeezed, leave_out);
     let views = views.map(|ring| ring.map(|view| view as u16));
     Among { views, onward: place.onward, outward: place.outward }
 }

@@ -1,10 +1,8 @@
 //! The directions of a block as the lobes see them, each in a frame of its own.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
-use crate::simd::elementary::{falloff, falloff_soon};
+use crate::simd::elementary::{falloff, falloff_soon, is_left};
 use crate::simd::lanes::{Lanes, Numbers, WIDEST};
-#[cfg(feature = "simd")]
-use crate::squeeze::Sight;
 use crate::squeeze::{NUMBERS, Precise, Seen};
 
 /// The numbers of a block's directions as round and as squeezed lobes see them: structures of arrays.
@@ -34,19 +32,6 @@ pub(crate) fn sights<L: Lanes>(
     sights
 }
 
-/// One direction of a block, as round and as squeezed lobes see it.
-#[cfg(feature = "simd")]
-#[inline(always)]
-pub(crate) fn sight(sights: &Sights, i: usize) -> [Sight; 2] {
-    let mut pair = [[0.0; NUMBERS]; 2];
-    for kind in 0..2 {
-        for n in 0..NUMBERS {
-            pair[kind][n] = sights[kind][n][i];
-        }
-    }
-    [Sight::from_numbers(pair[0]), Sight::from_numbers(pair[1])]
-}
-
 /// One direction of a block as lobes see it, squeezed in the lanes of a mask. It goes from memory to all lanes
 /// at once: as numbers in registers it would take the port of the additions.
 #[inline(always)]
@@ -64,8 +49,12 @@ pub(crate) fn seen<L: Lanes>(sights: &Sights, i: usize, squeezed: L::Mask) -> Se
 /// What lobes and their mirror images below the horizon have in a direction, of amplitude 1. `SOON`: by a shorter chain of more
 /// operations.
 #[inline(always)]
-pub(crate) fn folded_falloff<L: Lanes, const SOON: bool>([x, y, z]: [L; 3], rate: L, seen: &Seen<L>) -> L {
-    let fold_rate = rate * L::splat(4.0) * z;
+pub(crate) fn folded_falloff<L: Lanes, const SOON: bool>(
+    [x, y, z]: [L; 3],
+    rate: L,
+    fold_rate: L,
+    seen: &Seen<L>,
+) -> L {
     let (mut rate, [mut dx, mut dy, mut dz]) = (rate, seen.high);
     if L::FUSED {
         dx = x.neg_mul_add(seen.length, dx) + seen.low[0];
@@ -80,7 +69,11 @@ pub(crate) fn folded_falloff<L: Lanes, const SOON: bool>([x, y, z]: [L; 3], rate
     let t = rate * dx.mul_add(dx, dy.mul_add(dy, dz * dz));
     // |d - mirrored axis|^2 = |d - axis|^2 + 4 d.z axis.z
     let folded = fold_rate.mul_add(seen.height, t);
-    let g = if SOON { falloff_soon(t) + falloff_soon(folded) } else { falloff(t) + falloff(folded) };
+    let mut g = if SOON { falloff_soon(t) } else { falloff(t) };
+    // Few lobes reach below the horizon: where an exponential is dear, a branch is cheaper.
+    if L::FUSED || L::bits(is_left(folded)) != 0 {
+        g = g + if SOON { falloff_soon(folded) } else { falloff(folded) };
+    }
     g * seen.scale
 }
 

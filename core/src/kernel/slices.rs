@@ -37,14 +37,6 @@ impl Block {
         }
     }
 
-    /// The same, padded with harmless ones.
-    #[inline(always)]
-    pub fn padded(self, from: &[&[f32]; 3]) -> [Numbers; 3] {
-        let mut block = [[0.5; WIDEST]; 3];
-        self.copy_in(from, &mut block);
-        block
-    }
-
     /// Copies the numbers of a block out.
     #[inline(always)]
     pub fn copy_out<const C: usize>(self, block: &[Numbers; C], to: &mut [&mut [f32]; C]) {

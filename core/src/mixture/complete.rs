@@ -48,22 +48,27 @@ impl AnyMixture<'_> {
     /// a pair of vectors, as it is where one direction is evaluated.
     #[inline(always)]
     pub(crate) fn finish<L: Lanes>(&mut self, count: usize, squeezed: usize, leave_out: LeaveOut) {
-        self.finish_lobes::<L>(count, squeezed, leave_out);
+        self.finish_lobes::<L, false>(count, squeezed, leave_out);
         self.sum_up();
     }
 
-    /// The part of [`finish`](Self::finish) that every lobe needs; [`sum_up`](Self::sum_up) is to follow.
+    /// The part of [`finish`](Self::finish) that every lobe needs; [`sum_up`](Self::sum_up) is to follow. `FEW`: in one group.
     #[cfg_attr(not(feature = "simd"), inline(never))]
     #[cfg_attr(feature = "simd", inline(always))]
     #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
-    pub(crate) fn finish_lobes<L: Lanes>(&mut self, count: usize, squeezed: usize, leave_out: LeaveOut) {
+    pub(crate) fn finish_lobes<L: Lanes, const FEW: bool>(
+        &mut self,
+        count: usize,
+        squeezed: usize,
+        leave_out: LeaveOut,
+    ) {
         (self.head.count, self.head.squeezed) = (count, squeezed);
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let mut albedo = [zero; 3];
         let (mut folded, mut place) = (0, 1u64);
         let is_hemisphere = self.head.domain == Domain::Hemisphere;
         let mut k = 0;
-        for group in &mut self.groups {
+        for group in row::some_mut::<FEW>(&mut self.groups) {
             let mut at = 0;
             while k < count && at + L::COUNT <= WIDEST {
                 let s = L::load(&group[row::SHARPNESS][at..]);

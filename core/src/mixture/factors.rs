@@ -102,7 +102,6 @@ impl<'m> Nodes<'m> {
     }
 
     /// Whether they are the same bytes.
-    #[cfg(feature = "simd")]
     pub fn is(&self, other: &Self) -> bool {
         self.codes.as_ptr() == other.codes.as_ptr() || self.codes.len() + other.codes.len() == 0
     }

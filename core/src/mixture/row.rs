@@ -34,5 +34,29 @@ pub(crate) const TAIL: usize = 12;
 /// Running sum of the luminance of the integrals.
 pub(crate) const CUMULATIVE: usize = 13;
 
+/// Groups whose rows begin at cache lines: a vector that lies in two takes twice the time.
+#[repr(align(64))]
+pub(crate) struct Aligned<const G: usize>(pub [Group; G]);
+
+impl<const G: usize> Aligned<G> {
+    pub const EMPTY: Self = Self([EMPTY_GROUP; G]);
+}
+
+/// The groups; of a hit or mixture of one, which is `FEW`, that one. Texts for one have no loop: a loop keeps more constants in registers
+/// than there are, and takes a tenth more time.
+#[inline(always)]
+pub(crate) fn some<const FEW: bool>(groups: &[Group]) -> &[Group] {
+    match groups.first_chunk::<1>() {
+        Some(one) if FEW => one,
+        _ => groups,
+    }
+}
+
+/// The same, to store them.
+#[inline(always)]
+pub(crate) fn some_mut<const FEW: bool>(groups: &mut [Group]) -> &mut [Group] {
+    if FEW && !groups.is_empty() { &mut groups[..1] } else { groups }
+}
+
 /// Lobes without an amplitude.
 pub(crate) const EMPTY_GROUP: Group = [[0.0; WIDEST]; ROWS];

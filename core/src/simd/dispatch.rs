@@ -31,19 +31,21 @@ impl Level {
         }
     }
 
-    /// The same for a level that has vectors: no text is compiled of one number at a time.
-    #[cfg(feature = "simd")]
+    /// The same where there are vectors: no text is compiled of one number at a time, if the build has others.
     #[inline]
     #[allow(unsafe_code)]
     pub(crate) fn run_vectors<R: Routine>(self, routine: R) -> R::Output {
         match self {
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             // SAFETY: as above.
             Self::Avx512 => unsafe { avx512::run(routine) },
-            #[cfg(target_arch = "x86_64")]
+            #[cfg(all(feature = "simd", target_arch = "x86_64"))]
             // SAFETY: as above.
             Self::Avx2 => unsafe { avx2::run(routine) },
+            #[cfg(feature = "simd")]
             _ => portable::run(routine),
+            #[cfg(not(feature = "simd"))]
+            _ => scalar::run(routine),
         }
     }
 

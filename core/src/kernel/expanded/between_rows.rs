@@ -9,7 +9,7 @@ use super::table::{
 use crate::error::Error;
 use crate::mixture::complete::{LEAST_SHARPNESS, tail_and_inside, tail_and_inside_of_sharp};
 use crate::mixture::factors::Factors;
-use crate::mixture::row;
+use crate::mixture::row::{self, Group};
 use crate::mixture::rows::{AnyMixture, Domain, lowest_bits};
 use crate::simd::detect::Level;
 use crate::simd::lanes::{Lanes, Numbers, WIDEST, dot3, splat3};
@@ -20,7 +20,7 @@ use glam::Vec3;
 
 /// Lobes as they are interpolated.
 #[derive(Clone, Copy)]
-pub(super) struct Lobes<L> {
+struct Lobes<L> {
     /// Unit vectors above the horizon.
     pub axis: [L; 3],
     pub sharpness: L,
@@ -60,14 +60,6 @@ impl<L: Lanes> Lobes<L> {
         Self { axis, sharpness, power: [red, green, blue] }
     }
 
-    /// What powers are multiplied by for amplitudes: 1 over the integral of a Gaussian.
-    #[inline(always)]
-    pub fn normaliser<const P: bool>(&self) -> L {
-        let s = self.least_sharpness::<P>();
-        let [_, inside] = if P { tail_and_inside_of_sharp(s) } else { tail_and_inside(s) };
-        s * L::splat(0.5 * FRAC_1_PI) / inside
-    }
-
     /// `1 / s`, `exp(-2 s)` and `1 - exp(-2 s)`.
     #[inline(always)]
     fn integral<const P: bool>(&self) -> [L; 3] {
@@ -92,7 +84,7 @@ pub(super) fn blend<L: Lanes>(a: L, b: L, share: L) -> L {
 
 /// The same group of lobes of two rows, as arrays of [`Numbers`]s.
 #[inline(always)]
-pub(super) fn group<'m, const W: usize>([a, b]: [&'m [Numbers]; 2], g: usize) -> [&'m [Numbers; W]; 2] {
+fn group<'m, const W: usize>([a, b]: [&'m [Numbers]; 2], g: usize) -> [&'m [Numbers; W]; 2] {
     let part = |row: &'m [Numbers]| row[1 + g * W..].first_chunk().expect("a row has all groups");
     [part(a), part(b)]
 }
@@ -151,12 +143,7 @@ impl One<Prepare<'_, '_>> for Towards {
         mixture.head.squeeze = Squeeze::new(outgoing.azimuth, 1.0, head[INVERSE_SQUEEZE]);
         mixture.set_diffuse([head[DIFFUSE], head[DIFFUSE + 1], head[DIFFUSE + 2]]);
         mixture.head.in_plane = material.header.mirrored == 0;
-        match (mixture.head.in_plane, expanded.is_plain) {
-            (true, true) => store_lobes::<L::Lobes, IN_PLANE, true>(rows, share, mixture, needed),
-            (true, false) => store_lobes::<L::Lobes, IN_PLANE, false>(rows, share, mixture, needed),
-            (false, true) => store_lobes::<L::Lobes, MIRRORED, true>(rows, share, mixture, needed),
-            (false, false) => store_lobes::<L::Lobes, MIRRORED, false>(rows, share, mixture, needed),
-        }
+        store_lobes::<L::Lobes>(expanded, rows, share, &mut mixture.groups);
         // Every lobe has its fold, and the sums over the lobes are interpolated.
         (mixture.head.count, mixture.head.squeezed) = (needed, material.header.squeezed);
         mixture.head.folded = lowest_bits(needed);
@@ -173,16 +160,34 @@ impl One<Prepare<'_, '_>> for Towards {
     }
 }
 
-/// Interpolates lobes into a mixture, complete but for its sums.
+/// Interpolates all lobes into groups.
 #[inline(always)]
-fn store_lobes<L: Lanes, const W: usize, const P: bool>(
+pub(super) fn store_lobes<L: Lanes>(
+    expanded: &Expanded<'_>,
     rows: [&[Numbers]; 2],
     share: f32,
-    mixture: &mut AnyMixture<'_>,
+    groups: &mut [Group],
+) {
+    let header = expanded.material.borrowed().header;
+    let count = header.lobe_count();
+    match (header.mirrored == 0, expanded.is_plain) {
+        (true, true) => store_lobes_of::<L, IN_PLANE, true>(rows, share, groups, count),
+        (true, false) => store_lobes_of::<L, IN_PLANE, false>(rows, share, groups, count),
+        (false, true) => store_lobes_of::<L, MIRRORED, true>(rows, share, groups, count),
+        (false, false) => store_lobes_of::<L, MIRRORED, false>(rows, share, groups, count),
+    }
+}
+
+/// `W`: the chunks of a group; `P`: of a material that is plain.
+#[inline(always)]
+fn store_lobes_of<L: Lanes, const W: usize, const P: bool>(
+    rows: [&[Numbers]; 2],
+    share: f32,
+    groups: &mut [Group],
     count: usize,
 ) {
     let (mut k, mut passed) = (0, L::splat(0.0));
-    for (g, to) in mixture.groups.iter_mut().enumerate() {
+    for (g, to) in groups.iter_mut().enumerate() {
         let mut at = 0;
         while k < count && at + L::COUNT <= WIDEST {
             let lobes = Lobes::<L>::between::<W, P>(group(rows, g), L::splat(share), at);
@@ -216,6 +221,6 @@ fn store_lobes<L: Lanes, const W: usize, const P: bool>(
 
 /// The luminance of three numbers.
 #[inline(always)]
-pub(super) fn luminance_of<L: Lanes>(rgb: [L; 3]) -> L {
+fn luminance_of<L: Lanes>(rgb: [L; 3]) -> L {
     dot3(rgb, splat3(crate::color::LUMINANCE))
 }

@@ -128,7 +128,7 @@ fn fill_row(material: MaterialRef<'_>, shape: Shape, theta: f32, chunks: &mut [N
     let mut m = Mixture::<64>::empty();
     m.begin(Level::Scalar, Domain::Hemisphere, Squeeze::NONE);
     let place = Place::after(material, views_passed::<f32>(material, theta), theta);
-    at_place::<f32>(material, [1.0, 0.0], place, LeaveOut::default(), &mut m);
+    at_place::<f32, false>(material, [1.0, 0.0], place, LeaveOut::default(), &mut m);
     m.sum_up();
 
     let (head, groups) = chunks.split_at_mut(1);

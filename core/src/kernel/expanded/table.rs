@@ -24,8 +24,8 @@ pub(crate) const INVERSE_SQUEEZE: usize = 0;
 pub(crate) const DIFFUSE: usize = 1;
 pub(crate) const DIFFUSE_POWER: usize = 4;
 pub(crate) const LOBES_POWER: usize = 5;
-/// How many of them pairs need.
-pub(crate) const PAIR_HEAD: usize = 6;
+/// How many of them hits of a block need.
+pub(crate) const HIT_HEAD: usize = 6;
 pub(crate) const LOBES_ALBEDO: usize = 6;
 /// How many there are.
 pub(crate) const HEAD: usize = 9;

@@ -4,7 +4,9 @@ use super::super::between_views::Place;
 #[cfg(feature = "simd")]
 use super::super::between_views::{head_at, views_passed};
 #[cfg(feature = "simd")]
-use super::super::draw::{Frame, chosen_power, draw_unscaled};
+use super::super::block::{add, chosen_lobe};
+#[cfg(feature = "simd")]
+use super::super::draw::{Choice, Frame, chosen_power, draw_unscaled};
 #[cfg(feature = "simd")]
 use super::super::one_direction::with_diffuse;
 #[cfg(feature = "simd")]
@@ -12,27 +14,27 @@ use super::super::outgoing::Outgoing;
 use super::super::outgoing::facing;
 use super::super::prepare::prepare;
 #[cfg(feature = "simd")]
-use super::lobes::{Kept, NOTHING, choice, chosen_lobe, keep, numbers_of, sums};
+use super::lobes::fill;
 use super::question::{Answer, Hit, Which};
 #[cfg(feature = "simd")]
 use crate::color::luminance;
 use crate::material::borrowed::{Material, MaterialRef};
-#[cfg(feature = "simd")]
-use crate::material::layout::MAX_LOBES;
 use crate::material::layout::f32_at;
 #[cfg(feature = "simd")]
 use crate::mixture::factors::Nodes;
 use crate::mixture::leave_out::LeaveOut;
+#[cfg(feature = "simd")]
+use crate::mixture::row::{self, Aligned, Group};
 use crate::mixture::rows::{AnyMixture, Mixture, Sample};
 #[cfg(feature = "simd")]
 use crate::mixture::rows::{drawn_density, weight_of};
 use crate::simd::detect::Level;
-#[cfg(feature = "simd")]
-use crate::simd::lanes::scale;
 use crate::simd::lanes::{Lanes, WIDEST};
+#[cfg(feature = "simd")]
+use crate::simd::lanes::{PARTS, scale};
 use crate::simd::routine::One;
 #[cfg(feature = "simd")]
-use crate::squeeze::Squeeze;
+use crate::squeeze::{Sight, Squeeze};
 use glam::Vec3;
 
 /// One outgoing direction, for a few incident ones: the calls of a renderer at a hit. [`prepare`](Self::prepare) makes a
@@ -213,38 +215,39 @@ impl One<Hit<'_>> for Ask {
         return super::small::answer(&hit, &outgoing);
         #[cfg(feature = "simd")]
         {
-            let header = hit.material.header;
-            if !L::FUSED {
-                return answer::<L, GROUPS, true>(&hit, &outgoing);
-            }
-            match (header.mirrored > 0, header.lobe_count() <= WIDEST) {
-                (false, true) => answer::<L, 1, false>(&hit, &outgoing),
-                (true, true) => answer::<L, 1, true>(&hit, &outgoing),
-                (_, false) => answer::<L, GROUPS, true>(&hit, &outgoing),
+            // Room that is not needed is not cleared.
+            let (mut usual, mut most);
+            let groups: &mut [Group] = if hit.material.header.lobe_count() <= WIDEST {
+                usual = Aligned::<1>::EMPTY;
+                &mut usual.0
+            } else {
+                most = Aligned::<PARTS>::EMPTY;
+                &mut most.0
+            };
+            if L::FUSED && groups.len() == 1 {
+                answer::<L, true>(&hit, &outgoing, groups)
+            } else {
+                answer::<L, false>(&hit, &outgoing, groups)
             }
         }
     }
 }
 
-/// Most groups of sixteen lobes.
-#[cfg(feature = "simd")]
-pub(super) const GROUPS: usize = MAX_LOBES / WIDEST;
-
 #[cfg(feature = "simd")]
 #[inline(always)]
-fn answer<L: Lanes, const G: usize, const MIRRORED: bool>(hit: &Hit<'_>, outgoing: &Outgoing) -> Answer {
+fn answer<L: Lanes, const FEW: bool>(hit: &Hit<'_>, outgoing: &Outgoing, groups: &mut [Group]) -> Answer {
     let (material, header, which) = (hit.material, hit.material.header, hit.which);
     let place = Place::after(material, views_passed::<L>(material, outgoing.theta), outgoing.theta);
     let (squeeze, diffuse) = head_at::<L>(material, place);
     let diffuse_power = luminance(Vec3::from_array(diffuse));
-    let mut lobes = Lobes::<G> {
-        kept: [NOTHING; G],
+    let lobes_power = fill::<L::Lobes, FEW>(material, place, groups);
+    let lobes = Lobes {
+        groups,
         count: header.lobe_count(),
         squeezed: header.squeezed,
         squeeze: Squeeze::new(outgoing.azimuth, 1.0, 1.0 / squeeze),
         diffuse,
     };
-    let lobes_power = keep::<L::Lobes, G, MIRRORED>(material, place, &mut lobes.kept);
     let power = lobes_power + diffuse_power;
     // A sum so small that its inverse is infinite reflects nothing.
     let shines = power >= f32::MIN_POSITIVE;
@@ -254,14 +257,14 @@ fn answer<L: Lanes, const G: usize, const MIRRORED: bool>(hit: &Hit<'_>, outgoin
     let mut answer = Answer::NOTHING;
     // First, as it waits for less: the draw waits for the running sum.
     if which.evaluates {
-        (answer.value, answer.pdf) = lobes.towards::<L>(hit.wi, inverse_power, factors.as_ref());
+        (answer.value, answer.pdf) = lobes.towards::<L, FEW>(hit.wi, inverse_power, factors.as_ref());
     }
     if which.draws && shines {
         let one = L::One::splat(1.0);
         let target = chosen_power(power, L::One::splat(hit.u[0]));
-        let k = chosen_lobe::<L::Lobes, G>(&lobes.kept, lobes.count, target.first());
+        let k = chosen_lobe::<L::Lobes, FEW>(lobes.groups, lobes.count, target.first());
         let frame = Frame {
-            in_plane: !MIRRORED,
+            in_plane: header.mirrored == 0,
             any_squeezed: header.squeezed > 0,
             // Without a branch that depends on the direction.
             any_diffuse: true,
@@ -269,27 +272,34 @@ fn answer<L: Lanes, const G: usize, const MIRRORED: bool>(hit: &Hit<'_>, outgoin
             azimuth: [L::One::splat(outgoing.azimuth[0]), L::One::splat(outgoing.azimuth[1])],
             widen: [one, L::One::splat(squeeze)],
         };
-        let mut numbers = [one; 6];
-        for (to, number) in numbers.iter_mut().zip(numbers_of(&lobes.kept, k)) {
-            *to = L::One::splat(number);
-        }
-        let is_squeezed = L::One::index_below(k, header.squeezed);
-        let choice = choice(numbers, is_squeezed, target.lt(L::One::splat(lobes_power)));
+        let (group, at) = (&lobes.groups[(k / WIDEST).min(lobes.groups.len() - 1)], k % WIDEST);
+        let choice = Choice {
+            axis: [
+                L::One::splat(group[row::AXIS_X][at]),
+                L::One::splat(group[row::AXIS_Y][at]),
+                L::One::splat(group[row::AXIS_Z][at]),
+            ],
+            inside: L::One::splat(group[row::INSIDE][at]),
+            gone: L::One::splat(group[row::TAIL][at]),
+            inverse_sharpness: L::One::splat(group[row::INVERSE_SHARPNESS][at]),
+            is_squeezed: L::One::index_below(k, header.squeezed),
+            is_lobe: target.lt(L::One::splat(lobes_power)),
+        };
         let (d, inverse) =
             draw_unscaled::<L::One, true>(&frame, choice, L::One::splat(hit.u[1]), L::One::splat(hit.u[2]));
         let [x, y, z] = scale(d, inverse);
         let direction = [x.first(), y.first(), z.first()];
-        let (value, pdf) = lobes.towards::<L>(direction, inverse_power, factors.as_ref());
+        let (value, pdf) = lobes.towards::<L, FEW>(direction, inverse_power, factors.as_ref());
         let direction = Vec3::from_array(direction);
         answer.sample = Some(Sample { direction, pdf: drawn_density(pdf), weight: weight_of(value, pdf) });
     }
     answer
 }
 
-#[cfg(feature = "simd")]
 /// The lobes of one outgoing direction, with the squeeze and the diffuse term.
-struct Lobes<const G: usize> {
-    kept: Kept<G>,
+#[cfg(feature = "simd")]
+struct Lobes<'a> {
+    groups: &'a [Group],
     count: usize,
     squeezed: usize,
     squeeze: Squeeze,
@@ -297,10 +307,10 @@ struct Lobes<const G: usize> {
 }
 
 #[cfg(feature = "simd")]
-impl<const G: usize> Lobes<G> {
+impl Lobes<'_> {
     /// Value and density towards a direction.
     #[inline(always)]
-    fn towards<L: Lanes>(
+    fn towards<L: Lanes, const FEW: bool>(
         &self,
         direction: [f32; 3],
         inverse_power: f32,
@@ -313,10 +323,25 @@ impl<const G: usize> Lobes<G> {
         }
         // First, as it is the longer chain of dependent operations: the lobes are summed beside it.
         let factor = factors.map(|(nodes, wo)| nodes.towards::<L::One>(*wo, direction));
-        let sights = self.squeeze.see::<L>(direction);
-        let acc = sums::<L::Lobes, G>(&self.kept, self.count, self.squeezed, &sights);
+        let acc = self.sums::<L::Lobes, FEW>(&self.squeeze.see::<L>(direction));
         let value = Vec3::from_array(with_diffuse(L::Lobes::three_sums(acc), self.diffuse, direction[2]));
         let pdf = luminance(value) * inverse_power;
         (factor.map_or(value, |factor| value * factor), pdf)
+    }
+
+    /// Sums the lobes in red, green and blue towards a direction, as round and as squeezed ones see it.
+    #[inline(always)]
+    fn sums<L: Lanes, const FEW: bool>(&self, [turned, squeezed]: &[Sight; 2]) -> [L; 3] {
+        let mut acc = [L::splat(0.0); 3];
+        let mut k = 0;
+        for group in row::some::<FEW>(self.groups) {
+            let mut at = 0;
+            while k < self.count && at + L::COUNT <= WIDEST {
+                let mask = L::first_lanes(self.squeezed.saturating_sub(k).min(L::COUNT));
+                add::<L, true>(group, at, &Sight::splat_either::<L>(mask, squeezed, turned), &mut acc);
+                (k, at) = (k + L::COUNT, at + L::COUNT);
+            }
+        }
+        acc
     }
 }

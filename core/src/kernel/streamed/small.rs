@@ -61,7 +61,8 @@ impl Lobes<'_> {
     #[inline(always)]
     fn add(&self, k: usize, lobe: &OneLobe, sights: &[Sight; 2], sum: &mut [f32; 3]) {
         let seen = &sights[usize::from(k < self.header.squeezed)];
-        let g = folded_falloff::<f32, true>(lobe.axis, lobe.sharpness * (-0.5 * LOG2_E), seen);
+        let rate = lobe.sharpness * (-0.5 * LOG2_E);
+        let g = folded_falloff::<f32, true>(lobe.axis, rate, rate * 4.0 * lobe.axis[2], seen);
         for (sum, amplitude) in sum.iter_mut().zip(lobe.rgb) {
             *sum += g * amplitude;
         }

@@ -1,0 +1,124 @@
+//! The answers of a request for many hits, each with lobes of its own: a block at a time.
+
+use super::block::{Room, Sums, Work};
+use super::multiply_factors::multiply_pairs;
+use super::request::Request;
+use super::slices::Block;
+use crate::mixture::factors::Nodes;
+use crate::mixture::row::Group;
+use crate::mixture::rows::{drawn_density, weight_of};
+use crate::simd::detect::Level;
+use crate::simd::lanes::{Lanes, Numbers, WIDEST};
+use crate::simd::routine::One;
+use glam::Vec3;
+
+/// Where the lobes of the hits of a block come from.
+pub(crate) trait Source {
+    /// Fills the numbers of the hits, whose outgoing directions the room has, or sets them; and tells their lobes, those of the last
+    /// hit again behind it.
+    fn fill(&mut self, room: &mut Room) -> [&[Group]; WIDEST];
+    /// The factors of a hit.
+    fn factors(&self, hit: usize) -> Nodes<'_>;
+}
+
+/// Answers for the hits of a block. `wo`: their outgoing directions, if the source wants some.
+pub(crate) fn answer_block(
+    level: Level,
+    source: &mut dyn Source,
+    block: Block,
+    wo: Option<[&[f32]; 3]>,
+    request: &mut Request<'_>,
+    room: &mut Room,
+) {
+    if let Some(wo) = &wo {
+        block.copy_in(wo, &mut room.wo);
+    }
+    if let Some(draw) = &request.draw {
+        block.copy_in(&draw.u, &mut room.u);
+    }
+    if let Some(towards) = &request.evaluate {
+        block.copy_in(&towards.wi, &mut room.wi);
+    }
+    let (draws, evaluates) = (request.draw.is_some(), request.evaluate.is_some());
+    let groups = source.fill(room);
+    level.run_vectors(Work { room, groups: &groups, draws, evaluates });
+    let Room { wo, wi, direction, drawn, towards, hits, .. } = room;
+    if let Some(draw) = &mut request.draw {
+        if let Some(weight) = &mut draw.weight {
+            multiply(level, source, hits.count, wo, direction, drawn);
+            let Sums { value, pdf } = drawn;
+            for i in 0..WIDEST {
+                let colour = weight_of(Vec3::new(value[0][i], value[1][i], value[2][i]), pdf[i]);
+                [value[0][i], value[1][i], value[2][i]] = colour.to_array();
+            }
+            block.copy_out(value, weight);
+        }
+        if let Some(pdf) = &mut draw.pdf {
+            for (density, &power) in drawn.pdf.iter_mut().zip(&hits.power) {
+                if power > 0.0 {
+                    *density = drawn_density(*density);
+                }
+            }
+            block.copy_out(&[drawn.pdf], &mut [&mut **pdf]);
+        }
+        block.copy_out(direction, &mut draw.direction);
+    }
+    if let Some(evaluate) = &mut request.evaluate {
+        if let Some(pdf) = &mut evaluate.pdf {
+            block.copy_out(&[towards.pdf], &mut [&mut **pdf]);
+        }
+        if let Some(value) = &mut evaluate.value {
+            multiply(level, source, hits.count, wo, wi, towards);
+            block.copy_out(&towards.value, value);
+        }
+    }
+}
+
+/// Multiplies values by their factors: all at once where the hits have the same.
+fn multiply(
+    level: Level,
+    source: &dyn Source,
+    count: usize,
+    wo: &[Numbers; 3],
+    wi: &[Numbers; 3],
+    sums: &mut Sums,
+) {
+    let is_dark = |sums: &Sums, i: usize| sums.value.iter().all(|channel| channel[i] == 0.0);
+    let first = source.factors(0);
+    if (1..count).all(|i| first.is(&source.factors(i))) {
+        if first.is_none() {
+            return;
+        }
+        // A vector that is no direction may have a factor of NaN, and 0 times NaN is NaN.
+        let (mut outgoing, mut incident) = (*wo, *wi);
+        for i in 0..WIDEST {
+            if sums.pdf[i] == 0.0 && is_dark(sums, i) {
+                outgoing.iter_mut().chain(&mut incident).for_each(|component| component[i] = 0.5);
+            }
+        }
+        multiply_pairs(level, &first, &outgoing, &incident, &mut sums.value);
+        return;
+    }
+    for i in 0..count {
+        let nodes = source.factors(i);
+        if !nodes.is_none() && !is_dark(sums, i) {
+            let pair = (&nodes, [wo[0][i], wo[1][i], wo[2][i]]);
+            let factor = level.run_one::<_, Factor>(pair, [wi[0][i], wi[1][i], wi[2][i]]);
+            for (channel, factor) in sums.value.iter_mut().zip(factor) {
+                channel[i] *= factor;
+            }
+        }
+    }
+}
+
+/// The factor towards a direction.
+struct Factor;
+
+impl One<(&Nodes<'_>, [f32; 3])> for Factor {
+    type Output = [f32; 3];
+    const IS_WIDE: bool = false;
+    #[inline(always)]
+    fn run<L: Lanes>((nodes, wo): (&Nodes<'_>, [f32; 3]), wi: [f32; 3]) -> [f32; 3] {
+        nodes.towards::<L::One>(wo, wi).to_array()
+    }
+}
