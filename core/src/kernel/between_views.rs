@@ -11,7 +11,7 @@ use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::row;
 use crate::mixture::rows::AnyMixture;
 use crate::simd::elementary::{exp2, exp2_soon, sin_cos};
-use crate::simd::lanes::{Lanes, WIDEST, WIDEST_PAIR, dot3, splat3};
+use crate::simd::lanes::{Lanes, WIDEST_PAIR, dot3, splat3};
 use crate::squeeze::Squeeze;
 
 /// The bytes from `ahead` before an offset on, at least `need` of them: near either end of the file those of
@@ -265,22 +265,17 @@ fn lobes<L: Lanes, const FEW: bool>(
     }
     let (copy_a, copy_b);
     let rows = rows_at!(L, material, place, copy_a, copy_b);
-    let (mut k, total) = (0, rows.total());
-    for group in row::some_mut::<FEW>(&mut mixture.groups) {
-        let mut at = 0;
-        while k < total && at + L::COUNT <= WIDEST {
-            let lobes = rows.lobes::<L, false>(k);
-            let ([x, y, z], [red, green, blue]) = (lobes.axis, lobes.rgb);
-            red.store(&mut group[row::RED][at..]);
-            green.store(&mut group[row::GREEN][at..]);
-            blue.store(&mut group[row::BLUE][at..]);
-            x.store(&mut group[row::AXIS_X][at..]);
-            y.store(&mut group[row::AXIS_Y][at..]);
-            z.store(&mut group[row::AXIS_Z][at..]);
-            lobes.sharpness.store(&mut group[row::SHARPNESS][at..]);
-            (k, at) = (k + L::COUNT, at + L::COUNT);
-        }
-    }
+    row::for_lobes!(FEW, L, &mut mixture.groups, rows.total(), |group, at, k| {
+        let lobes = rows.lobes::<L, false>(k);
+        let ([x, y, z], [red, green, blue]) = (lobes.axis, lobes.rgb);
+        red.store(&mut group[row::RED][at..]);
+        green.store(&mut group[row::GREEN][at..]);
+        blue.store(&mut group[row::BLUE][at..]);
+        x.store(&mut group[row::AXIS_X][at..]);
+        y.store(&mut group[row::AXIS_Y][at..]);
+        z.store(&mut group[row::AXIS_Z][at..]);
+        lobes.sharpness.store(&mut group[row::SHARPNESS][at..]);
+    });
     mixture.finish_lobes::<L, FEW>(rows.total(), header.squeezed, leave_out);
 }
 

@@ -11,7 +11,6 @@ use crate::color::LUMINANCE;
 use crate::mixture::row::{self, Group};
 use crate::simd::lanes::{Lanes, Numbers, WIDEST, dot3, splat3};
 use crate::simd::routine::Routine;
-use crate::squeeze::Seen;
 use core::f32::consts::FRAC_1_PI;
 
 const ZEROS: Numbers = [0.0; WIDEST];
@@ -262,28 +261,25 @@ fn sum_lobes<L: Lanes, const FEW: bool>(
     i: usize,
 ) -> [L; 3] {
     let mut acc = [L::splat(0.0); 3];
-    let mut k = 0;
-    for group in row::some::<FEW>(groups) {
-        let mut at = 0;
-        while k < lobes && at + L::COUNT <= WIDEST {
-            let mask = L::first_lanes(squeezed.saturating_sub(k).min(L::COUNT));
-            add::<L, false>(group, at, &seen(sights, i, mask), &mut acc);
-            (k, at) = (k + L::COUNT, at + L::COUNT);
-        }
-    }
+    row::for_lobes!(FEW, L, groups, lobes, |group, at, k| {
+        let mask = L::first_lanes(squeezed.saturating_sub(k).min(L::COUNT));
+        let (rate, fold_rate) = (L::load(&group[row::RATE][at..]), L::load(&group[row::FOLD_RATE][at..]));
+        let g = folded_falloff::<L, false>(axes(group, at), rate, fold_rate, &seen(sights, i, mask));
+        add(group, at, g, &mut acc);
+    });
     acc
 }
 
-/// Adds the lobes of a group from one on. `SOON`: by a shorter chain of more operations.
+/// Axes of the lobes of a group from one on.
 #[inline(always)]
-pub(crate) fn add<L: Lanes, const SOON: bool>(group: &Group, at: usize, seen: &Seen<L>, acc: &mut [L; 3]) {
-    let (rate, fold_rate) = (L::load(&group[row::RATE][at..]), L::load(&group[row::FOLD_RATE][at..]));
-    let axis = [
-        L::load(&group[row::AXIS_X][at..]),
-        L::load(&group[row::AXIS_Y][at..]),
-        L::load(&group[row::AXIS_Z][at..]),
-    ];
-    let g = folded_falloff::<L, SOON>(axis, rate, fold_rate, seen);
+pub(crate) fn axes<L: Lanes>(group: &Group, at: usize) -> [L; 3] {
+    let [x, y, z] = [row::AXIS_X, row::AXIS_Y, row::AXIS_Z];
+    [L::load(&group[x][at..]), L::load(&group[y][at..]), L::load(&group[z][at..])]
+}
+
+/// Adds the lobes of a group from one on, of which a direction has the shares `g`.
+#[inline(always)]
+pub(crate) fn add<L: Lanes>(group: &Group, at: usize, g: L, acc: &mut [L; 3]) {
     for channel in 0..3 {
         acc[channel] = g.mul_add(L::load(&group[row::RED + channel][at..]), acc[channel]);
     }
@@ -333,13 +329,9 @@ impl Chosen {
 /// The lobe at a place on the running sum of powers; the last one ends the search whatever the sum is rounded to.
 #[inline(always)]
 pub(crate) fn chosen_lobe<L: Lanes, const FEW: bool>(groups: &[Group], lobes: usize, target: f32) -> usize {
-    let (mut above, mut k) = (1u64.wrapping_shl((lobes as u32).wrapping_sub(1)), 0);
-    for group in row::some::<FEW>(groups) {
-        let mut at = 0;
-        while k < lobes && at + L::COUNT <= WIDEST {
-            above |= L::bits(L::splat(target).lt(L::load(&group[row::CUMULATIVE][at..]))) << k;
-            (k, at) = (k + L::COUNT, at + L::COUNT);
-        }
-    }
+    let mut above = 1u64.wrapping_shl((lobes as u32).wrapping_sub(1));
+    row::for_lobes!(FEW, L, groups, lobes, |group, at, k| {
+        above |= L::bits(L::splat(target).lt(L::load(&group[row::CUMULATIVE][at..]))) << k;
+    });
     (above.trailing_zeros() as usize).min(WIDEST * groups.len() - 1)
 }

@@ -34,7 +34,7 @@ use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::row;
 use crate::mixture::rows::AnyMixture;
 use crate::simd::elementary::{atan2_positive, rare_exp2, sin_cos};
-use crate::simd::lanes::{Lanes, WIDEST};
+use crate::simd::lanes::Lanes;
 use crate::squeeze::Squeeze;
 use core::f32::consts::PI;
 
@@ -153,55 +153,50 @@ pub(crate) fn prepare<L: Lanes, const FEW: bool>(
 
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let (onward, outward) = (L::splat(place.onward), L::splat(place.outward));
-    let mut k = 0;
-    for group in row::some_mut::<FEW>(&mut mixture.groups) {
-        let mut at = 0;
-        while k < count && at + L::COUNT <= WIDEST {
-            let valid = L::iota().lt(L::splat((count - k) as f32));
-            let mut rows = [zero; GRID_ROWS];
-            for row in 0..GRID_ROWS {
-                let a = load_bytes::<L>(bytes, shape.row(header, views[0][0], row) + 4 * k);
-                let b = load_bytes::<L>(bytes, shape.row(header, views[0][1], row) + 4 * k);
-                rows[row] = (b - a).mul_add(onward, a);
-            }
-            if turned {
-                let [x, y] = [rows[0], rows[1]];
-                rows[0] = x.mul_add(L::splat(c), y * L::splat(s));
-                rows[1] = y.mul_add(L::splat(c), zero - x * L::splat(s));
-            }
-            for row in 0..GRID_ROWS {
-                let a = load_bytes::<L>(bytes, shape.row(header, views[1][0], row) + 4 * k);
-                let b = load_bytes::<L>(bytes, shape.row(header, views[1][1], row) + 4 * k);
-                let ring = (b - a).mul_add(onward, a);
-                rows[row] = L::select(valid, (ring - rows[row]).mul_add(outward, rows[row]), zero);
-            }
-
-            // The axis, in the frame of the eigenvectors; then as squeezed lobes see it.
-            let angle = rows[0].mul_add(rows[0], rows[1] * rows[1]).sqrt();
-            let (sin, cos) = sin_cos(angle);
-            let scale = sin / angle.max(L::splat(1e-30));
-            let (x, y) = (rows[0] * scale, rows[1] * scale);
-            let (tilt_cos, tilt_sin) = (L::splat(tilt_cos), L::splat(tilt_sin));
-            let (x, y) = (x.mul_add(tilt_cos, y * tilt_sin), y.mul_add(tilt_cos, zero - x * tilt_sin));
-            let (wide_x, wide_y) = (x * L::splat(along), y * L::splat(inverse));
-            let shrink = one / wide_x.mul_add(wide_x, wide_y.mul_add(wide_y, cos * cos)).sqrt();
-            let squeezed = L::iota().lt(L::splat(header.squeezed as f32 - k as f32));
-            L::select(squeezed, wide_x * shrink, x).store(&mut group[row::AXIS_X][at..]);
-            L::select(squeezed, wide_y * shrink, y).store(&mut group[row::AXIS_Y][at..]);
-            L::select(squeezed, cos * shrink, cos).store(&mut group[row::AXIS_Z][at..]);
-            rare_exp2(rows[2]).store(&mut group[row::SHARPNESS][at..]);
-            let first = rare_exp2(rows[3]).keep(valid);
-            let amplitude = if header.has_luminance {
-                color::rgb(first, [rows[4], rows[5]])
-            } else {
-                [first, rare_exp2(rows[4]).keep(valid), rare_exp2(rows[5]).keep(valid)]
-            };
-            amplitude[0].store(&mut group[row::RED][at..]);
-            amplitude[1].store(&mut group[row::GREEN][at..]);
-            amplitude[2].store(&mut group[row::BLUE][at..]);
-            (k, at) = (k + L::COUNT, at + L::COUNT);
+    row::for_lobes!(FEW, L, &mut mixture.groups, count, |group, at, k| {
+        let valid = L::iota().lt(L::splat((count - k) as f32));
+        let mut rows = [zero; GRID_ROWS];
+        for row in 0..GRID_ROWS {
+            let a = load_bytes::<L>(bytes, shape.row(header, views[0][0], row) + 4 * k);
+            let b = load_bytes::<L>(bytes, shape.row(header, views[0][1], row) + 4 * k);
+            rows[row] = (b - a).mul_add(onward, a);
         }
-    }
+        if turned {
+            let [x, y] = [rows[0], rows[1]];
+            rows[0] = x.mul_add(L::splat(c), y * L::splat(s));
+            rows[1] = y.mul_add(L::splat(c), zero - x * L::splat(s));
+        }
+        for row in 0..GRID_ROWS {
+            let a = load_bytes::<L>(bytes, shape.row(header, views[1][0], row) + 4 * k);
+            let b = load_bytes::<L>(bytes, shape.row(header, views[1][1], row) + 4 * k);
+            let ring = (b - a).mul_add(onward, a);
+            rows[row] = L::select(valid, (ring - rows[row]).mul_add(outward, rows[row]), zero);
+        }
+
+        // The axis, in the frame of the eigenvectors; then as squeezed lobes see it.
+        let angle = rows[0].mul_add(rows[0], rows[1] * rows[1]).sqrt();
+        let (sin, cos) = sin_cos(angle);
+        let scale = sin / angle.max(L::splat(1e-30));
+        let (x, y) = (rows[0] * scale, rows[1] * scale);
+        let (tilt_cos, tilt_sin) = (L::splat(tilt_cos), L::splat(tilt_sin));
+        let (x, y) = (x.mul_add(tilt_cos, y * tilt_sin), y.mul_add(tilt_cos, zero - x * tilt_sin));
+        let (wide_x, wide_y) = (x * L::splat(along), y * L::splat(inverse));
+        let shrink = one / wide_x.mul_add(wide_x, wide_y.mul_add(wide_y, cos * cos)).sqrt();
+        let squeezed = L::iota().lt(L::splat(header.squeezed as f32 - k as f32));
+        L::select(squeezed, wide_x * shrink, x).store(&mut group[row::AXIS_X][at..]);
+        L::select(squeezed, wide_y * shrink, y).store(&mut group[row::AXIS_Y][at..]);
+        L::select(squeezed, cos * shrink, cos).store(&mut group[row::AXIS_Z][at..]);
+        rare_exp2(rows[2]).store(&mut group[row::SHARPNESS][at..]);
+        let first = rare_exp2(rows[3]).keep(valid);
+        let amplitude = if header.has_luminance {
+            color::rgb(first, [rows[4], rows[5]])
+        } else {
+            [first, rare_exp2(rows[4]).keep(valid), rare_exp2(rows[5]).keep(valid)]
+        };
+        amplitude[0].store(&mut group[row::RED][at..]);
+        amplitude[1].store(&mut group[row::GREEN][at..]);
+        amplitude[2].store(&mut group[row::BLUE][at..]);
+    });
     mixture.finish_lobes::<L, FEW>(count, header.squeezed, leave_out);
     let views = views.map(|ring| ring.map(|view| view as u16));
     Among { views, onward: place.onward, outward: place.outward }

@@ -56,6 +56,7 @@ impl AnyMixture<'_> {
     #[cfg_attr(not(feature = "simd"), inline(never))]
     #[cfg_attr(feature = "simd", inline(always))]
     #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
+    #[allow(unused_assignments)] // `place`, where there is no loop
     pub(crate) fn finish_lobes<L: Lanes, const FEW: bool>(
         &mut self,
         count: usize,
@@ -67,55 +68,50 @@ impl AnyMixture<'_> {
         let mut albedo = [zero; 3];
         let (mut folded, mut place) = (0, 1u64);
         let is_hemisphere = self.head.domain == Domain::Hemisphere;
-        let mut k = 0;
-        for group in row::some_mut::<FEW>(&mut self.groups) {
-            let mut at = 0;
-            while k < count && at + L::COUNT <= WIDEST {
-                let s = L::load(&group[row::SHARPNESS][at..]);
-                let rate = s * L::splat(-0.5 * LOG2_E);
-                rate.store(&mut group[row::RATE][at..]);
+        row::for_lobes!(FEW, L, &mut self.groups, count, |group, at, k| {
+            let s = L::load(&group[row::SHARPNESS][at..]);
+            let rate = s * L::splat(-0.5 * LOG2_E);
+            rate.store(&mut group[row::RATE][at..]);
 
-                let s = s.max(L::splat(LEAST_SHARPNESS));
-                let inverse = one / s;
-                let [tail, inside] = tail_and_inside(s);
-                let integral = inside * inverse * L::splat(2.0 * PI);
-                inverse.store(&mut group[row::INVERSE_SHARPNESS][at..]);
-                tail.store(&mut group[row::TAIL][at..]);
-                inside.store(&mut group[row::INSIDE][at..]);
+            let s = s.max(L::splat(LEAST_SHARPNESS));
+            let inverse = one / s;
+            let [tail, inside] = tail_and_inside(s);
+            let integral = inside * inverse * L::splat(2.0 * PI);
+            inverse.store(&mut group[row::INVERSE_SHARPNESS][at..]);
+            tail.store(&mut group[row::TAIL][at..]);
+            inside.store(&mut group[row::INSIDE][at..]);
 
-                if is_hemisphere {
-                    let axis_z = L::load(&group[row::AXIS_Z][at..]).abs();
-                    axis_z.store(&mut group[row::AXIS_Z][at..]);
-                    // s (1 - t) = s z^2 / (1 + t), without cancellation.
-                    let zz = axis_z * axis_z;
-                    let t = (one - zz).max(zero).sqrt();
-                    let folds = (s * zz).lt((one + t) * L::splat(leave_out.fold_exponent));
-                    if L::COUNT > 1 {
-                        folded |= L::bits(folds) << k;
-                    } else if L::bits(folds) != 0 {
-                        // Small processors shift a number of 64 bits by a variable one in ten instructions.
-                        folded |= place;
-                    }
+            if is_hemisphere {
+                let axis_z = L::load(&group[row::AXIS_Z][at..]).abs();
+                axis_z.store(&mut group[row::AXIS_Z][at..]);
+                // s (1 - t) = s z^2 / (1 + t), without cancellation.
+                let zz = axis_z * axis_z;
+                let t = (one - zz).max(zero).sqrt();
+                let folds = (s * zz).lt((one + t) * L::splat(leave_out.fold_exponent));
+                if L::COUNT > 1 {
+                    folded |= L::bits(folds) << k;
+                } else {
+                    // Small processors shift a number of 64 bits by a variable one in ten instructions.
+                    folded |= if L::bits(folds) != 0 { place } else { 0 };
                     place <<= 1;
-                    let fold_rate = rate * axis_z * L::splat(4.0);
-                    let fold_rate = L::select(folds, fold_rate, L::splat(f32::NEG_INFINITY));
-                    fold_rate.store(&mut group[row::FOLD_RATE][at..]);
                 }
-
-                let mut rgb = [zero; 3];
-                for i in 0..3 {
-                    rgb[i] = L::load(&group[row::RED + i][at..]);
-                }
-                let luminance = dot3(rgb, splat3(LUMINANCE));
-                luminance.store(&mut group[row::LUMINANCE][at..]);
-                // The powers first, their running sum below.
-                (luminance * integral).store(&mut group[row::CUMULATIVE][at..]);
-                for i in 0..3 {
-                    albedo[i] = rgb[i].mul_add(integral, albedo[i]);
-                }
-                (k, at) = (k + L::COUNT, at + L::COUNT);
+                let fold_rate = rate * axis_z * L::splat(4.0);
+                let fold_rate = L::select(folds, fold_rate, L::splat(f32::NEG_INFINITY));
+                fold_rate.store(&mut group[row::FOLD_RATE][at..]);
             }
-        }
+
+            let mut rgb = [zero; 3];
+            for i in 0..3 {
+                rgb[i] = L::load(&group[row::RED + i][at..]);
+            }
+            let luminance = dot3(rgb, splat3(LUMINANCE));
+            luminance.store(&mut group[row::LUMINANCE][at..]);
+            // The powers first, their running sum below.
+            (luminance * integral).store(&mut group[row::CUMULATIVE][at..]);
+            for i in 0..3 {
+                albedo[i] = rgb[i].mul_add(integral, albedo[i]);
+            }
+        });
         self.head.folded = folded & lowest_bits(count);
         let mut lobes_albedo = Vec3::new(albedo[0].sum(), albedo[1].sum(), albedo[2].sum());
         if leave_out.lobes > 0.0 {

@@ -42,21 +42,33 @@ impl<const G: usize> Aligned<G> {
     pub const EMPTY: Self = Self([EMPTY_GROUP; G]);
 }
 
-/// The groups; of a hit or mixture of one, which is `FEW`, that one. Texts for one have no loop: a loop keeps more constants in registers
-/// than there are, and takes a tenth more time.
-#[inline(always)]
-pub(crate) fn some<const FEW: bool>(groups: &[Group]) -> &[Group] {
-    match groups.first_chunk::<1>() {
-        Some(one) if FEW => one,
-        _ => groups,
-    }
+/// Runs a text for the lobes of groups, a vector at a time: `$group` is the group, `$at` the place in it, `$k` the number of the first
+/// lobe of the vector. `$few`: there is one group; then there is no loop, which would keep more constants in registers than there
+/// are, and takes a tenth more time.
+macro_rules! for_lobes {
+    ($few:expr, $L:ty, $groups:expr, $count:expr, |$group:ident, $at:ident, $k:ident| $text:block) => {{
+        let (count, lanes): (usize, usize) = ($count, <$L as $crate::simd::lanes::Lanes>::COUNT);
+        let mut groups = $groups.into_iter();
+        if $few && lanes == $crate::simd::lanes::WIDEST {
+            if let Some($group) = groups.next()
+                && count > 0
+            {
+                let ($at, $k): (usize, usize) = (0, 0);
+                $text
+            }
+        } else {
+            let mut k = 0;
+            for $group in groups {
+                let mut at = 0;
+                while k < count && at + lanes <= $crate::simd::lanes::WIDEST {
+                    let ($at, $k) = (at, k);
+                    $text(k, at) = (k + lanes, at + lanes);
+                }
+            }
+        }
+    }};
 }
-
-/// The same, to store them.
-#[inline(always)]
-pub(crate) fn some_mut<const FEW: bool>(groups: &mut [Group]) -> &mut [Group] {
-    if FEW && !groups.is_empty() { &mut groups[..1] } else { groups }
-}
+pub(crate) use for_lobes;
 
 /// Lobes without an amplitude.
 pub(crate) const EMPTY_GROUP: Group = [[0.0; WIDEST]; ROWS];

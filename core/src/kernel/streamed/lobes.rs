@@ -1,5 +1,6 @@
 //! The lobes of an isotropic material for one outgoing direction, from the rows of its file into groups of sixteen: lanes
-//! are lobes. Sharpness and luminance are left out, which neither sums nor draws need.
+//! are lobes. Sharpness and luminance are left out, which neither sums nor draws need; for one hit the rates of folds too, which
+//! follow from others.
 
 use super::super::between_views::{Lobes, Place, rows_at};
 use super::super::one_lobe;
@@ -7,7 +8,7 @@ use crate::material::borrowed::MaterialRef;
 use crate::mixture::complete::LEAST_SHARPNESS;
 use crate::mixture::row::{self, Group};
 use crate::simd::elementary::exp2_and_rest;
-use crate::simd::lanes::{Lanes, WIDEST, splat3};
+use crate::simd::lanes::{Lanes, splat3};
 use core::f32::consts::{LOG2_E, PI};
 
 /// Interpolates the lobes round a place into groups, or into one, which is `FEW`; returns their power.
@@ -18,38 +19,29 @@ pub(super) fn fill<L: Lanes, const FEW: bool>(
     groups: &mut [Group],
 ) -> f32 {
     let mut passed = L::splat(0.0);
-    let mut k = 0;
     if L::COUNT == 1 {
         let from = one_lobe::OneRows::new(material, place.between_views());
-        for group in groups {
-            let mut at = 0;
-            while k < material.header.lobe_count() && at < WIDEST {
-                let is_image = k >= material.header.lobes;
-                let mut lobe =
-                    one_lobe::lobe::<true>(&from, if is_image { k - material.header.mirrored } else { k });
-                if is_image {
-                    lobe.axis[1] = 0.0 - lobe.axis[1];
-                }
-                let (sharpness, luminance) = (L::splat(lobe.sharpness), L::splat(lobe.luminance));
-                let lobes = Lobes { axis: splat3(lobe.axis), sharpness, rgb: splat3(lobe.rgb), luminance };
-                store_shape(&lobes, group, at);
-                passed = store_powers(sharpness, luminance, passed, group, at);
-                (k, at) = (k + 1, at + 1);
+        row::for_lobes!(false, L, groups, material.header.lobe_count(), |group, at, k| {
+            let is_image = k >= material.header.lobes;
+            let mut lobe =
+                one_lobe::lobe::<true>(&from, if is_image { k - material.header.mirrored } else { k });
+            if is_image {
+                lobe.axis[1] = 0.0 - lobe.axis[1];
             }
-        }
+            let (sharpness, luminance) = (L::splat(lobe.sharpness), L::splat(lobe.luminance));
+            let lobes = Lobes { axis: splat3(lobe.axis), sharpness, rgb: splat3(lobe.rgb), luminance };
+            store_shape(&lobes, group, at);
+            passed = store_powers(sharpness, luminance, passed, group, at);
+        });
         return passed.first();
     }
     let (copy_a, copy_b);
     let rows = rows_at!(L, material, place, copy_a, copy_b);
-    for group in row::some_mut::<FEW>(groups) {
-        let mut at = 0;
-        while k < rows.total() && at + L::COUNT <= WIDEST {
-            let lobes = rows.lobes::<L, true>(k);
-            store_shape(&lobes, group, at);
-            passed = store_powers(lobes.sharpness, lobes.luminance, passed, group, at);
-            (k, at) = (k + L::COUNT, at + L::COUNT);
-        }
-    }
+    row::for_lobes!(FEW, L, groups, rows.total(), |group, at, k| {
+        let lobes = rows.lobes::<L, true>(k);
+        store_shape(&lobes, group, at);
+        passed = store_powers(lobes.sharpness, lobes.luminance, passed, group, at);
+    });
     passed.first()
 }
 
@@ -62,50 +54,47 @@ pub(super) fn fill_first<L: Lanes, const FEW: bool>(
 ) {
     let (copy_a, copy_b);
     let rows = rows_at!(L, material, place, copy_a, copy_b);
-    let mut k = 0;
-    for group in row::some_mut::<FEW>(groups) {
-        let mut at = 0;
-        while k < rows.total() && at + L::COUNT <= WIDEST {
-            let lobes = rows.lobes::<L, false>(k);
-            store_shape(&lobes, group, at);
-            lobes.sharpness.store(&mut group[row::INVERSE_SHARPNESS][at..]);
-            lobes.luminance.store(&mut group[row::CUMULATIVE][at..]);
-            (k, at) = (k + L::COUNT, at + L::COUNT);
-        }
-    }
+    row::for_lobes!(FEW, L, groups, rows.total(), |group, at, k| {
+        let lobes = rows.lobes::<L, false>(k);
+        let fold_rate = store_shape(&lobes, group, at);
+        fold_rate.store(&mut group[row::FOLD_RATE][at..]);
+        lobes.sharpness.store(&mut group[row::INVERSE_SHARPNESS][at..]);
+        lobes.luminance.store(&mut group[row::CUMULATIVE][at..]);
+    });
 }
 
 /// The second stage; returns the power of the lobes.
 #[inline(always)]
 pub(super) fn fill_second<L: Lanes, const FEW: bool>(count: usize, groups: &mut [Group]) -> f32 {
     let mut passed = L::splat(0.0);
-    let mut k = 0;
-    for group in row::some_mut::<FEW>(groups) {
-        let mut at = 0;
-        while k < count && at + L::COUNT <= WIDEST {
-            let sharpness = L::load(&group[row::INVERSE_SHARPNESS][at..]);
-            let luminance = L::load(&group[row::CUMULATIVE][at..]);
-            passed = store_powers(sharpness, luminance, passed, group, at);
-            (k, at) = (k + L::COUNT, at + L::COUNT);
-        }
-    }
+    row::for_lobes!(FEW, L, groups, count, |group, at, _k| {
+        let sharpness = L::load(&group[row::INVERSE_SHARPNESS][at..]);
+        let luminance = L::load(&group[row::CUMULATIVE][at..]);
+        passed = store_powers(sharpness, luminance, passed, group, at);
+    });
     passed.first()
 }
 
-/// Stores axes, rates and amplitudes.
+/// Stores axes, rates and amplitudes; returns the rates of the folds.
 #[inline(always)]
 #[allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
-fn store_shape<L: Lanes>(lobes: &Lobes<L>, to: &mut Group, at: usize) {
+fn store_shape<L: Lanes>(lobes: &Lobes<L>, to: &mut Group, at: usize) -> L {
     let [x, y, z] = lobes.axis;
     let (z, rate) = (z.abs(), lobes.sharpness * L::splat(-0.5 * LOG2_E));
     x.store(&mut to[row::AXIS_X][at..]);
     y.store(&mut to[row::AXIS_Y][at..]);
     z.store(&mut to[row::AXIS_Z][at..]);
     rate.store(&mut to[row::RATE][at..]);
-    (rate * L::splat(4.0) * z).store(&mut to[row::FOLD_RATE][at..]);
     for channel in 0..3 {
         lobes.rgb[channel].store(&mut to[row::RED + channel][at..]);
     }
+    fold_rate(rate, z)
+}
+
+/// What a fold adds to the exponent, over d.z.
+#[inline(always)]
+pub(super) fn fold_rate<L: Lanes>(rate: L, axis_z: L) -> L {
+    rate * L::splat(4.0) * axis_z
 }
 
 /// Stores what drawing needs, and the running sum of powers beyond what `passed` has in every lane; returns its last

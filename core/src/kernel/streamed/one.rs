@@ -4,7 +4,7 @@ use super::super::between_views::Place;
 #[cfg(feature = "simd")]
 use super::super::between_views::{head_at, views_passed};
 #[cfg(feature = "simd")]
-use super::super::block::{add, chosen_lobe};
+use super::super::block::{add, axes, chosen_lobe};
 #[cfg(feature = "simd")]
 use super::super::draw::{Choice, Frame, chosen_power, draw_unscaled};
 #[cfg(feature = "simd")]
@@ -14,18 +14,20 @@ use super::super::outgoing::Outgoing;
 use super::super::outgoing::facing;
 use super::super::prepare::prepare;
 #[cfg(feature = "simd")]
-use super::lobes::fill;
+use super::super::sights::folded_falloff;
+#[cfg(feature = "simd")]
+use super::lobes::{fill, fold_rate};
 use super::question::{Answer, Hit, Which};
 #[cfg(feature = "simd")]
 use crate::color::luminance;
 use crate::material::borrowed::{Material, MaterialRef};
-use crate::material::layout::f32_at;
+use crate::material::layout::{MAX_LOBES, f32_at};
 #[cfg(feature = "simd")]
 use crate::mixture::factors::Nodes;
 use crate::mixture::leave_out::LeaveOut;
 #[cfg(feature = "simd")]
 use crate::mixture::row::{self, Aligned, Group};
-use crate::mixture::rows::{AnyMixture, Mixture, Sample};
+use crate::mixture::rows::{AnyMixture, Groups, Mixture, Room, Sample};
 #[cfg(feature = "simd")]
 use crate::mixture::rows::{drawn_density, weight_of};
 use crate::simd::detect::Level;
@@ -161,22 +163,48 @@ fn ask_numbers(
     if !material.header.is_isotropic() {
         let Which { draws, evaluates, colors } = which;
         let asked = Asked { u: draws.then_some(u), wi: evaluates.then_some(wi), colors };
-        return by_mixture(material, wo.into(), asked, level);
+        // Room that is not needed is not cleared.
+        return if material.header.lobe_count() <= WIDEST {
+            by_mixture::<16>(material, wo.into(), asked, level)
+        } else {
+            by_mixture::<MAX_LOBES>(material, wo.into(), asked, level)
+        };
     }
-    level.run_one::<_, Ask>(Hit { material, u, wi, which }, wo)
+    #[cfg(not(feature = "simd"))]
+    return level.run_one::<_, Ask>(Hit { material, u, wi, which }, wo);
+    #[cfg(feature = "simd")]
+    if material.header.lobe_count() <= WIDEST {
+        in_groups::<1>(material, u, wi, which, level, wo)
+    } else {
+        in_groups::<PARTS>(material, u, wi, which, level, wo)
+    }
+}
+
+/// The same in room on the stack, which only such a call takes.
+#[cfg(feature = "simd")]
+#[inline(never)]
+fn in_groups<const G: usize>(
+    material: MaterialRef<'_>,
+    u: [f32; 3],
+    wi: [f32; 3],
+    which: Which,
+    level: Level,
+    wo: [f32; 3],
+) -> Answer {
+    let mut groups = Aligned::<G>::EMPTY;
+    level.run_one::<_, Ask>(Hit { material, u, wi, which, groups: &mut groups.0 }, wo)
 }
 
 /// The same by a mixture on the stack, which only such a call takes.
 #[inline(never)]
-fn by_mixture(material: MaterialRef<'_>, wo: Vec3, asked: Asked, level: Level) -> Answer {
-    // Room that is not needed is not cleared.
-    if material.header.lobe_count() <= WIDEST {
-        in_room(material, wo, asked, level, &mut Mixture::<16>::empty())
-    } else {
-        in_room(material, wo, asked, level, &mut Mixture::<64>::empty())
-    }
+fn by_mixture<const N: usize>(material: MaterialRef<'_>, wo: Vec3, asked: Asked, level: Level) -> Answer
+where
+    Room<N>: Groups,
+{
+    in_room(material, wo, asked, level, &mut Mixture::<N>::empty())
 }
 
+#[inline(never)]
 fn in_room<'m>(
     material: MaterialRef<'m>,
     wo: Vec3,
@@ -215,15 +243,8 @@ impl One<Hit<'_>> for Ask {
         return super::small::answer(&hit, &outgoing);
         #[cfg(feature = "simd")]
         {
-            // Room that is not needed is not cleared.
-            let (mut usual, mut most);
-            let groups: &mut [Group] = if hit.material.header.lobe_count() <= WIDEST {
-                usual = Aligned::<1>::EMPTY;
-                &mut usual.0
-            } else {
-                most = Aligned::<PARTS>::EMPTY;
-                &mut most.0
-            };
+            let Hit { groups, .. } = hit;
+            let hit = Hit { groups: &mut [], ..hit };
             if L::FUSED && groups.len() == 1 {
                 answer::<L, true>(&hit, &outgoing, groups)
             } else {
@@ -333,15 +354,13 @@ impl Lobes<'_> {
     #[inline(always)]
     fn sums<L: Lanes, const FEW: bool>(&self, [turned, squeezed]: &[Sight; 2]) -> [L; 3] {
         let mut acc = [L::splat(0.0); 3];
-        let mut k = 0;
-        for group in row::some::<FEW>(self.groups) {
-            let mut at = 0;
-            while k < self.count && at + L::COUNT <= WIDEST {
-                let mask = L::first_lanes(self.squeezed.saturating_sub(k).min(L::COUNT));
-                add::<L, true>(group, at, &Sight::splat_either::<L>(mask, squeezed, turned), &mut acc);
-                (k, at) = (k + L::COUNT, at + L::COUNT);
-            }
-        }
+        row::for_lobes!(FEW, L, self.groups, self.count, |group, at, k| {
+            let mask = L::first_lanes(self.squeezed.saturating_sub(k).min(L::COUNT));
+            let (axis, rate) = (axes(group, at), L::load(&group[row::RATE][at..]));
+            let seen = Sight::splat_either::<L>(mask, squeezed, turned);
+            let g = folded_falloff::<L, true>(axis, rate, fold_rate(rate, axis[2]), &seen);
+            add(group, at, g, &mut acc);
+        });
         acc
     }
 }

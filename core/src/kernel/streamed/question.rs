@@ -31,4 +31,7 @@ pub(super) struct Hit<'a> {
     pub u: [f32; 3],
     pub wi: [f32; 3],
     pub which: Which,
+    /// Room for the lobes.
+    #[cfg(feature = "simd")]
+    pub groups: &'a mut [crate::mixture::row::Group],
 }
