@@ -340,7 +340,6 @@ public:
                                float &pdf) const {
         return srbf_material_sample_and_evaluate(material_, wo.data(), u.data(), &sample, wi.data(), value.data(), &pdf);
     }
-    Status prefetch(const Vec3 &wo) const { return srbf_material_prefetch(material_, wo.data()); }
     /// n hits of this material, each with an outgoing direction of its own.
     Status ask(const Request &request) const {
         if (material_ == nullptr) return SRBF_STATUS_NULL;

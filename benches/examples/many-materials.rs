@@ -16,8 +16,6 @@ const HITS: usize = 4096;
 const RUN: usize = 256;
 const ROUNDS: usize = 120;
 const COUNTS: [usize; 5] = [1, 10, 30, 100, 1000];
-/// How many hits ahead a material is asked for.
-const AHEAD: usize = 4;
 
 fn main() -> ExitCode {
     let names: Vec<String> = std::env::args().skip(1).collect();
@@ -43,7 +41,6 @@ fn main() -> ExitCode {
 enum Way {
     Prepared,
     Asked,
-    Prefetched,
     Ggx,
     EvaluatePrepared,
     EvaluateAsked,
@@ -51,15 +48,13 @@ enum Way {
     Sorted,
     SortedOneByOne,
     Batch,
-    BatchPrefetched,
     BatchOfOne,
     BatchOfEight,
 }
 
-const WAYS: [(Way, &str); 13] = [
+const WAYS: [(Way, &str); 11] = [
     (Way::Prepared, "mixture: prepared and asked"),
     (Way::Asked, "material asked"),
-    (Way::Prefetched, "material asked, prefetched 4 ahead"),
     (Way::Ggx, "GGX and diffuse, C"),
     (Way::EvaluatePrepared, "value and density alone: mixture"),
     (Way::EvaluateAsked, "value and density alone: material"),
@@ -67,7 +62,6 @@ const WAYS: [(Way, &str); 13] = [
     (Way::SortedOneByOne, "sorted, material asked one by one"),
     (Way::Sorted, "sorted, batches of 256"),
     (Way::Batch, "not sorted, batches of 256"),
-    (Way::BatchPrefetched, "not sorted, batches of 256, prefetched a batch ahead"),
     (Way::BatchOfOne, "sorted, batches of 1"),
     (Way::BatchOfEight, "sorted, batches of 8"),
 ];
@@ -149,15 +143,6 @@ impl Work {
                     sum += sample.map_or(0.0, |s| s.pdf) + pdf;
                 }
             }
-            Way::Prefetched => {
-                for (i, &k) in at_random.iter().enumerate() {
-                    let next = (i + AHEAD).min(HITS - 1);
-                    materials[at_random[next]].prefetch(wo.at(next));
-                    let (sample, (_, pdf)) =
-                        materials[k].sample_and_evaluate(wo.at(i), u.at(i).to_array(), wi.at(i));
-                    sum += sample.map_or(0.0, |s| s.pdf) + pdf;
-                }
-            }
             Way::Ggx => {
                 for (i, &k) in at_random.iter().enumerate() {
                     let wo = wo.at(i).to_array();
@@ -202,15 +187,9 @@ impl Work {
                     materials[sorted[from]].ask(wo, request(wi, u, out)).expect("equal lengths");
                 }
             }
-            Way::Batch | Way::BatchPrefetched => {
+            Way::Batch => {
                 for from in (0..HITS).step_by(RUN) {
                     let range = from..from + RUN;
-                    if let Way::BatchPrefetched = way {
-                        // All of the next batch, as a renderer does that has just sorted its rays.
-                        for next in (from + RUN..from + 2 * RUN).filter(|&next| next < HITS) {
-                            each[next].prefetch(wo.at(next));
-                        }
-                    }
                     let [wo, wi, u] = [&*wo, wi, u].map(|t| t.slices().map(|s| &s[range.clone()]));
                     let out = out.each_mut().map(|s| &mut s[range.clone()]);
                     Material::ask_each(&each[range.clone()], wo, request(wi, u, out)).expect("equal lengths");

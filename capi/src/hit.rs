@@ -128,23 +128,3 @@ pub unsafe extern "C" fn srbf_material_sample_and_evaluate(
         Ok(())
     })
 }
-
-/// Asks the processor for the memory that a hit from such a direction will read: a few hits ahead, where a scene has hundreds of
-/// materials.
-///
-/// Only a hint, and nothing for an anisotropic material.
-/// Shapes: `wo` [3], any numbers.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn srbf_material_prefetch(
-    material: *const srbf_material,
-    wo: *const f32,
-) -> srbf_status {
-    guard(|| {
-        // SAFETY: the header's contract.
-        let object = unsafe { self::material(material)? };
-        // SAFETY: the header's contract.
-        let wo: [f32; 3] = unsafe { read_array(wo)? };
-        object.material.prefetch(wo);
-        Ok(())
-    })
-}

@@ -101,7 +101,6 @@ static void test_hits(const srbf_material *material, const unsigned char *mixtur
         hit *h = &hits[i];
         float value[3], pdf;
         srbf_sample sample;
-        CHECK_OK(srbf_material_prefetch(material, hits[(i + 4) % N].wo));
         CHECK_OK(srbf_material_sample_and_evaluate(material, h->wo, h->u, &h->sample, h->wi, h->value, &h->pdf));
         CHECK_OK(srbf_material_sample(material, h->wo, h->u, &sample));
         CHECK(memcmp(&sample, &h->sample, sizeof sample) == 0);
@@ -123,11 +122,9 @@ static void test_hits(const srbf_material *material, const unsigned char *mixtur
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_evaluate_and_pdf(material, up, up, value, NULL));
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_sample(material, up, hits->u, NULL));
     CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_sample_and_evaluate(material, up, NULL, &sample, up, value, &pdf));
-    CHECK_STATUS(SRBF_STATUS_NULL, srbf_material_prefetch(NULL, up));
     CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_material_evaluate(material, none, up, value));
     CHECK_STATUS(SRBF_STATUS_DIRECTION, srbf_material_pdf(material, up, none, &pdf));
     CHECK_STATUS(SRBF_STATUS_UNIFORM, srbf_material_sample(material, up, up, &sample));
-    CHECK_OK(srbf_material_prefetch(material, none));
 }
 
 /* Requests of a material, or of those of the hits. */

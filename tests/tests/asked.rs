@@ -262,7 +262,6 @@ fn what_is_no_outgoing_direction_reflects_nothing() {
                     (None, (Vec3::ZERO, 0.0)),
                     "{name}"
                 );
-                material.prefetch(wo);
             }
             // Incident directions below the horizon.
             let below = Vec3::new(0.6, 0.0, -0.8);

@@ -173,7 +173,6 @@ const ORACLES: &[(&str, &str)] = &[
     ("Material::evaluate", "tests/asked.rs"),
     ("Material::evaluate_and_pdf", "tests/asked.rs"),
     ("Material::pdf", "tests/asked.rs"),
-    ("Material::prefetch", "tests/asked.rs"),
     ("Material::sample", "tests/asked.rs"),
     ("Material::sample_and_evaluate", "tests/asked.rs"),
     ("Mixture::ask", "tests/asked.rs"),

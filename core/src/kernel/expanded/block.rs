@@ -60,9 +60,7 @@ impl Routine for Fill<'_> {
             hits.widen[1][i] = 1.0 / numbers[INVERSE_SQUEEZE][i];
         }
         hits.stretch[1] = numbers[INVERSE_SQUEEZE];
-        for channel in 0..3 {
-            hits.diffuse[channel] = numbers[DIFFUSE + channel];
-        }
+        hits.diffuse.copy_from_slice(&numbers[DIFFUSE..DIFFUSE + 3]);
         hits.lobes_power = numbers[LOBES_POWER];
         hits.set_power::<L>(&numbers[DIFFUSE_POWER]);
     }

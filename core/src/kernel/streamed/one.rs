@@ -21,7 +21,7 @@ use super::question::{Answer, Hit, Which};
 #[cfg(feature = "simd")]
 use crate::color::luminance;
 use crate::material::borrowed::{Material, MaterialRef};
-use crate::material::layout::{MAX_LOBES, f32_at};
+use crate::material::layout::MAX_LOBES;
 #[cfg(feature = "simd")]
 use crate::mixture::factors::Nodes;
 use crate::mixture::leave_out::LeaveOut;
@@ -89,35 +89,6 @@ impl<B: AsRef<[u8]>> Material<B> {
         let asked = Asked { u: Some(u), wi: Some(wi.into().to_array()), colors: true };
         let answer = ask_one(self.borrowed(), wo.into(), asked);
         (answer.sample, (answer.value, answer.pdf))
-    }
-
-    /// Asks for the bytes that a hit from such a direction will read, so that waiting for memory and other work go
-    /// side by side: a few hits ahead, where a scene has more materials than caches hold.
-    ///
-    /// Only a hint; nothing for an anisotropic material, or one in codes.
-    #[inline]
-    pub fn prefetch(&self, wo: impl Into<Vec3>) {
-        prefetch(self.borrowed(), wo.into());
-    }
-}
-
-/// Bytes of a cache line.
-const LINE: usize = 64;
-
-fn prefetch(material: MaterialRef<'_>, wo: Vec3) {
-    let header = material.header;
-    if !header.is_isotropic() || header.codes.is_some() {
-        return;
-    }
-    // A root and a cubic: within .01 radians of the angle, and anything of a vector that is no direction.
-    let fall = 1.0 - wo.z;
-    let theta = Lanes::sqrt((fall + fall).max(0.0)) * (fall * (fall * 0.025 + 0.083) + 1.0);
-    let angles = &material.bytes[header.theta(0)..header.theta(header.views - 1)];
-    let passed = angles.chunks_exact(4).filter(|angle| theta >= f32_at(angle, 0)).count();
-    let [from, last] = Place::after(material, passed, theta).rows(header);
-    let end = (last + 4 * (5 * header.lobes + header.mirrored)).min(material.bytes.len());
-    for line in material.bytes[from..end].chunks(LINE) {
-        crate::simd::prefetch(&line[0]);
     }
 }
 
