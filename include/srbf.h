@@ -842,14 +842,6 @@ srbf_status srbf_material_sample_and_evaluate(const struct srbf_material *materi
                                               float *value,
                                               float *pdf);
 
-/// Asks the processor for the memory that a hit from such a direction will read: a few hits ahead, where a scene has hundreds of
-/// materials.
-///
-/// Only a hint, and nothing for an anisotropic material.
-/// Shapes: `wo` [3], any numbers.
-srbf_status srbf_material_prefetch(const struct srbf_material *material,
-                                   const float *wo);
-
 /// Draws an incident direction: with probability `share` one of the cosine, else one of the mixture.
 ///
 /// For a renderer that keeps another function as the truth, a measured table for example, and samples it by the mixture: where the
