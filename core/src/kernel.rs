@@ -1,10 +1,13 @@
 //! The kernels: what turns a material into a mixture, and a mixture into values, densities and samples, with
 //! the methods of both.
 //!
-//! [`prepare`] makes mixtures ([`between_views`], or [`prepare_anisotropic`]). [`one_direction`],
-//! [`one_mixture`] (many directions) and [`each_mixture`] (pairs of directions, a [`block`] at a time)
-//! evaluate and draw, all by [`draw`]; in batches by [`lobe_sums`]. A material that is asked directly
-//! ([`streamed`]), and an [`expanded`] one, do so without mixtures. A [`request`] holds the inputs and wanted outputs of a batch.
+//! [`prepare`] makes mixtures ([`between_views`], or [`prepare_anisotropic`]). [`one_direction`] and [`one_mixture`] (many
+//! directions) evaluate them and draw from them, all by [`draw`]; in batches by [`lobe_sums`].
+//!
+//! Many hits, each with lobes of its own, are taken in blocks of sixteen. *Sources* fill the lobes: from the file of a material that is
+//! asked directly ([`streamed`]), from the rows of an [`expanded`] one, from mixtures ([`each_mixture`]). A [`block`] draws and
+//! sums, whatever the source, and [`answers`] puts that into the outputs of a [`request`].
+//!
 //! May import: `mixture`, `material`, `squeeze`, `color`, `simd`, `error`; nothing but `estimator` and
 //! `environment` imports from here.
 

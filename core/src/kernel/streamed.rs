@@ -1,8 +1,8 @@
 //! A material asked directly: its lobes for one outgoing direction go from the rows of the file through
 //! registers into sums and draws. No mixture is made.
 //!
-//! `lobes` has what summing and drawing need of the lobes. [`one`] is one hit, `small` the text for it without vectors; `block`
-//! takes sixteen, and [`pairs`] any number, each with an outgoing direction and a material of its own.
+//! `lobes` fills groups of sixteen lobes. [`one`] is one hit, `small` the text for it without vectors; `block` fills those of
+//! sixteen hits, and [`pairs`] asks any number, each with an outgoing direction and a material of its own.
 
 #[cfg(feature = "simd")]
 mod block;
