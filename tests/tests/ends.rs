@@ -2,16 +2,12 @@
 
 use glam::{DVec3, Vec3};
 use srbf_core::{
-    Domain, Draws, Expanded, FactorTable, Gaussian, Level, Line, Lobe, Material, Mixture, PlaneLobe, Request,
+    Domain, Draws, Expanded, FactorTable, Gaussian, Line, Lobe, Material, Mixture, PlaneLobe, Request,
     Towards, View, color_differences,
 };
-use srbf_tests::inputs::Random;
+use srbf_tests::inputs::{Random, levels};
 use srbf_tests::oracle::sphere_integral;
 use srbf_tests::tolerance::{Worst, squeezed_unit};
-
-fn levels() -> impl Iterator<Item = Level> {
-    Level::ALL.into_iter().filter(|level| Mixture::<16>::empty().with_level(*level).is_ok())
-}
 
 fn lobe(axis: [f32; 3], sharpness: f32, amplitude: f32) -> Lobe {
     Lobe::new(Vec3::from(axis).normalize(), sharpness, Vec3::splat(amplitude)).unwrap()

@@ -2,10 +2,10 @@
 
 use glam::Vec3;
 use srbf_core::{
-    Domain, Draws, Error, Expanded, Level, Line, Lobe, Material, Mixture, PlaneLobe, Towards, View,
+    Domain, Draws, Error, Expanded, Line, Lobe, Material, Mixture, PlaneLobe, Towards, View,
     color_differences,
 };
-use srbf_tests::inputs::Random;
+use srbf_tests::inputs::{Random, levels};
 
 /// Directions of a batch: more than the widest vectors take at a time, and no multiple of any.
 const BATCH: usize = 77;
@@ -76,7 +76,7 @@ fn check<const N: usize>() {
             let made = material(&mut random, lobes, squeezed, mirrored);
             assert_eq!(made.lobe_count(), lobes);
             for wo in [Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::new(-0.48, 0.64, 0.6)] {
-                for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
+                for level in levels() {
                     let of = format!(
                         "room for {N}, {lobes} lobes, {squeezed} squeezed, {mirrored} pairs, {level:?}"
                     );
