@@ -19,7 +19,7 @@ use crate::material::borrowed::MaterialRef;
 #[cfg(feature = "simd")]
 use crate::mixture::factors::Nodes;
 #[cfg(feature = "simd")]
-use crate::mixture::rows::{Domain, weight_of};
+use crate::mixture::rows::{Domain, density_of, weight_of};
 use crate::mixture::rows::{Mixture, Sample, drawn_density};
 use crate::simd::detect::Level;
 #[cfg(feature = "simd")]
@@ -119,7 +119,8 @@ fn level_of_block<const N: usize>(mixtures: &[&Mixture<'_, N>]) -> Option<Level>
 #[cfg(feature = "simd")]
 fn densities<const N: usize>(value: &[Numbers; 3], mixtures: &[&Mixture<'_, N>], pdf: &mut [f32]) {
     for (i, (m, pdf)) in mixtures.iter().zip(pdf).enumerate() {
-        *pdf = luminance(Vec3::new(value[0][i], value[1][i], value[2][i])) * m.head.inverse_power;
+        let luminance = luminance(Vec3::new(value[0][i], value[1][i], value[2][i]));
+        *pdf = density_of(luminance, m.head.inverse_power);
     }
 }
 

@@ -10,7 +10,7 @@ use super::request::{Draws, Request, Towards};
 use crate::color::{LUMINANCE, luminance};
 use crate::error::Error;
 use crate::mixture::row::EMPTY_BLOCKS;
-use crate::mixture::rows::{LEAST_DENSITY, Mixture, MixtureRef};
+use crate::mixture::rows::{LEAST_DENSITY, Mixture, MixtureRef, density_of};
 use crate::simd::lanes::{Lanes, WIDEST, dot3, scale, splat3};
 use crate::simd::routine::Routine;
 use core::ops::Range;
@@ -133,7 +133,8 @@ impl MixtureRef<'_> {
             // Densities are of the lobes alone, without factors.
             if let Some(pdf) = &mut pdf {
                 for (i, pdf) in pdf[range].iter_mut().enumerate() {
-                    *pdf = luminance(Vec3::new(red[i], green[i], blue[i])) * self.head.inverse_power;
+                    let luminance = luminance(Vec3::new(red[i], green[i], blue[i]));
+                    *pdf = density_of(luminance, self.head.inverse_power);
                 }
             }
             if self.head.has_factors() {

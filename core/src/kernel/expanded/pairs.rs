@@ -9,7 +9,7 @@ use crate::color::luminance;
 use crate::error::Error;
 use crate::material::layout::MAX_LOBES;
 use crate::mixture::factors::Nodes;
-use crate::mixture::rows::{LEAST_DENSITY, drawn_density};
+use crate::mixture::rows::{LEAST_DENSITY, density_of, drawn_density};
 use crate::simd::detect::Level;
 use crate::simd::lanes::{Numbers, WIDEST};
 use glam::Vec3;
@@ -57,7 +57,7 @@ impl Expanded<'_> {
                 let sums = self.evaluate::<1>(level, block.count, &outgoing, &incident, &mut lanes);
                 let mut densities = sums.value;
                 for (density, inverse_power) in densities[0].iter_mut().zip(&sums.inverse_power) {
-                    *density *= inverse_power;
+                    *density = density_of(*density, *inverse_power);
                 }
                 block.copy_out(&densities, &mut [&mut **pdf]);
             }
@@ -180,7 +180,8 @@ fn densities(sums: &Sums<3>) -> Numbers {
     let mut pdf = [0.0; WIDEST];
     let [red, green, blue] = &sums.value;
     for i in 0..WIDEST {
-        pdf[i] = luminance(Vec3::new(red[i], green[i], blue[i])) * sums.inverse_power[i];
+        let luminance = luminance(Vec3::new(red[i], green[i], blue[i]));
+        pdf[i] = density_of(luminance, sums.inverse_power[i]);
     }
     pdf
 }

@@ -23,7 +23,7 @@ use crate::mixture::factors::Nodes;
 use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::rows::{Mixture, Sample};
 #[cfg(feature = "simd")]
-use crate::mixture::rows::{drawn_density, weight_of};
+use crate::mixture::rows::{density_of, drawn_density, weight_of};
 use crate::simd::detect::Level;
 use crate::simd::lanes::Lanes;
 #[cfg(feature = "simd")]
@@ -303,7 +303,7 @@ impl<const G: usize> Lobes<G> {
         let sights = self.squeeze.see::<L>(direction);
         let acc = sums::<L::Lobes, G>(&self.kept, self.count, self.squeezed, &sights);
         let value = Vec3::from_array(with_diffuse(L::Lobes::three_sums(acc), self.diffuse, direction[2]));
-        let pdf = luminance(value) * inverse_power;
+        let pdf = density_of(luminance(value), inverse_power);
         (factor.map_or(value, |factor| value * factor), pdf)
     }
 }
