@@ -154,7 +154,7 @@ fn sums_are_plain(
         }
         sample
     });
-    let count = [1, 2, 8, 15, 16][n % 5];
+    let count = [1, 2, 8, 15, 16][(n / 5 + n) % 5];
     let u = of_lobes.each_ref().map(|row| &row[..count]);
     let drawn = m.reflect(light, &block, axes, flat, u, random.next()).unwrap();
     let weight = |a: f64, b: f64| a * a / (a * a + b * b);
