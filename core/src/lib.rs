@@ -23,6 +23,7 @@
 //! | `simd` | yes | SIMD levels: portable vectors, and on x86-64 AVX2 and AVX-512, chosen at run time ([`Level`]) | `wide` |
 //! | `std` | yes | [`read_file`]; the one thing here that allocates | |
 //! | `environment` | no | light from a map of the surroundings (`Environment`); light and material sampled together (`Mixture::sample_product`) | |
+//! | `level-from-environment` | no | for tests and benches: the variable `SRBF_LEVEL` names the best [`Level`] that is found | |
 //! | `zonal` | no | zonal kernels beside the Gaussian: Abel-Poisson, tables, Legendre series, the Metropolis walk | `rand_core` |
 //!
 //! # A material

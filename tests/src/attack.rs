@@ -20,9 +20,9 @@ mod mixture;
 #[path = "attack/tables.rs"]
 mod tables;
 
+use crate::inputs::levels;
 pub use input::put_right;
 use input::random;
-use srbf_core::Level;
 use std::path::{Path, PathBuf};
 
 /// Something that takes the bytes of a stranger.
@@ -61,8 +61,8 @@ pub const TARGETS: &[Target] = &[
 /// If there is no such target, or if it finds something.
 pub fn run(name: &str, bytes: &[u8]) -> bool {
     let target = TARGETS.iter().find(|target| target.name == name).expect("the name of a target");
-    let level = Level::ALL[random(bytes).below(Level::ALL.len())];
-    if level.is_available() { level } else { Level::Portable }.set().expect("an available level");
+    let levels = levels();
+    levels[random(bytes).below(levels.len())].set().expect("an available level");
     (target.run)(bytes)
 }
 

@@ -1,9 +1,38 @@
-//! Inputs: a generator of random numbers, lobes and mixtures, and the numbers where things go wrong.
+//! Inputs: levels, a generator of random numbers, lobes and mixtures, and the numbers where things go wrong.
 
 use glam::Vec3;
 use rand_core::TryRng;
-use srbf_core::{Domain, Lobe, Mixture};
+use srbf_core::{Domain, Level, Lobe, Mixture};
 use std::convert::Infallible;
+
+/// The levels that a test runs at, slowest first: those of this machine, up to the one that the variable `SRBF_LEVEL` names.
+///
+/// # Panics
+/// If the library has others than the standard library finds: no test passes at fewer.
+pub fn levels() -> Vec<Level> {
+    let levels: Vec<Level> = Level::ALL.into_iter().filter(|level| level.is_available()).collect();
+    let cap = std::env::var("SRBF_LEVEL").map_or(Level::Avx512, |name| Level::from_name(&name).expect(&name));
+    let wanted: Vec<Level> = Level::ALL.into_iter().filter(|&level| level <= cap && is_here(level)).collect();
+    assert_eq!(levels, wanted, "left: levels of the library; right: those of this machine up to SRBF_LEVEL");
+    levels
+}
+
+#[cfg(target_arch = "x86_64")]
+fn is_here(level: Level) -> bool {
+    use std::arch::is_x86_feature_detected as has;
+    let avx2 = || has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("popcnt");
+    let avx512 = || has!("avx512f") && has!("avx512vl") && has!("avx512dq") && has!("avx512bw");
+    match level {
+        Level::Scalar | Level::Portable => true,
+        Level::Avx2 => avx2(),
+        Level::Avx512 => avx2() && avx512(),
+    }
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn is_here(level: Level) -> bool {
+    level <= Level::Portable
+}
 
 /// A small deterministic generator (SplitMix64).
 #[derive(Clone, Debug)]

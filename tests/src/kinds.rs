@@ -1,6 +1,6 @@
 //! Materials of many kinds, and what tests of pairs need: structures of arrays, and every level in turn.
 
-use crate::inputs::Random;
+use crate::inputs::{Random, levels};
 use crate::seeds::same_without_azimuth;
 use glam::Vec3;
 use srbf_core::{FactorTable, Level, Line, Material, PackOptions, PlaneLobe, View};
@@ -208,7 +208,8 @@ impl Soa {
 pub fn for_each_level(mut each: impl FnMut(Level)) {
     let _guard = ONE.lock();
     let before = Level::current();
-    for level in Level::ALL.into_iter().filter(|level| level.set().is_ok()) {
+    for level in levels() {
+        level.set().expect("an available level");
         each(level);
     }
     before.set().unwrap();

@@ -21,10 +21,11 @@ fn target() -> PathBuf {
 /// Builds the C library in the release profile, and returns the folder that holds `libsrbf.a` and `libsrbf.so`.
 ///
 /// In a folder of its own, as a C program's build would: the features of the whole workspace differ, and the two builds would
-/// replace each other's files. Cargo serialises the builds that several tests ask for.
+/// replace each other's files. The level is capped as that of a test is. Cargo serialises the builds that several tests ask for.
 pub fn library() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
-    FOLDER.get_or_init(|| build_library(&target().join("c"), "release", &["--release"]))
+    let options = ["--release", "--features", "level-from-environment"];
+    FOLDER.get_or_init(|| build_library(&target().join("c"), "release", &options))
 }
 
 /// Builds the C library with the panic that only tests have, without fits and unoptimised, which takes seconds; in a folder

@@ -1,9 +1,10 @@
 //! The 50-digit tables of `tests/data`, and the worst error of every function of `core` against them.
 
+use crate::inputs::levels;
 use crate::tolerance::Worst;
 use glam::Vec3;
 use srbf_core::special;
-use srbf_core::{AbelPoisson, Domain, Folded, Gaussian, Kernel, Level, Lobe, Mixture};
+use srbf_core::{AbelPoisson, Domain, Folded, Gaussian, Kernel, Lobe, Mixture};
 use srbf_core::{abel_poisson_coefficients_into, gaussian_coefficients_into};
 use std::path::Path;
 
@@ -163,7 +164,7 @@ fn folded() -> Vec<Worst> {
         see(&mut pdf, f.pdf(d), density, 2.0 + t, place);
     }
     let mut all = vec![value, pdf];
-    for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
+    for level in levels() {
         level.set().expect("an available level");
         let mut value = Worst::new(format!("Mixture::evaluate {}", level.name()));
         let mut pdf = Worst::new(format!("Mixture::pdf {}", level.name()));

@@ -6,6 +6,7 @@ use srbf_core::{
     Towards, View, color_differences, luminance,
 };
 use srbf_tests::inputs::Random;
+use srbf_tests::kinds::for_each_level;
 
 /// A material whose views all hold the same lobes but at the normal, where their angles are 0.
 fn material(thetas: &[f32], lobes: &[PlaneLobe], squeezed: usize, mirrored: usize, diffuse: f32) -> Vec<u8> {
@@ -28,17 +29,6 @@ fn material(thetas: &[f32], lobes: &[PlaneLobe], squeezed: usize, mirrored: usiz
 fn plane_lobe(angle: f32, log2_sharpness: f32) -> PlaneLobe {
     let (log2_luminance, color_differences) = color_differences([0.0, -1.0, -2.0]);
     PlaneLobe { angle, off_plane: 0.0, log2_sharpness, log2_luminance, color_differences }
-}
-
-/// One test at a time, as the level is that of the process.
-fn for_each_level(mut each: impl FnMut(Level)) {
-    static ONE: std::sync::Mutex<()> = std::sync::Mutex::new(());
-    let _guard = ONE.lock();
-    let before = Level::current();
-    for level in Level::ALL.into_iter().filter(|level| level.set().is_ok()) {
-        each(level);
-    }
-    before.set().unwrap();
 }
 
 /// `f cos` by a batch of one direction.

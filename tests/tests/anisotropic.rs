@@ -5,7 +5,7 @@ use glam::{DMat2, DVec2, DVec3, Vec3};
 use srbf_core::{
     Draws, FactorTable, Grid, GridView, LUMINANCE, Level, Material, Mixture, TiltedLobe, Towards,
 };
-use srbf_tests::inputs::Random;
+use srbf_tests::inputs::{Random, levels};
 use srbf_tests::oracle;
 use srbf_tests::partition::Partition;
 use srbf_tests::statistics::sidak;
@@ -330,7 +330,7 @@ fn a_mixture_that_held_more_lobes_forgets_them() {
     let few = Material::from_bytes(&bytes).unwrap();
     let many = Material::from_bytes(include_bytes!("../../presets/garnet_red.srbf")).unwrap();
     assert!(many.lobe_count() > 8 && few.lobe_count() < 8, "a vector of 8 lanes more than is needed");
-    for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
+    for level in levels() {
         level.set().unwrap();
         let mut random = Random(13);
         let mut m = Mixture::<16>::empty();
@@ -352,11 +352,7 @@ fn a_mixture_that_held_more_lobes_forgets_them() {
 fn every_level_gives_the_f64_values_one_by_one_in_batches_and_in_pairs() {
     let _guard = LEVEL.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
     let before = Level::current();
-    for level in Level::ALL {
-        if !level.is_available() {
-            println!("level {} NOT RUN: this machine lacks it", level.name());
-            continue;
-        }
+    for level in levels() {
         level.set().unwrap();
         let mut worst = 0f64;
         for (seed, azimuths, turns) in [(3, 5, 1), (4, 4, 2), (5, 1, 1), (6, 8, 1)] {

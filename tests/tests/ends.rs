@@ -2,16 +2,12 @@
 
 use glam::{DVec3, Vec3};
 use srbf_core::{
-    AnyMixture, Domain, Draws, Expanded, FactorTable, Gaussian, Level, Line, Lobe, Material, Mixture,
-    PlaneLobe, Request, Towards, View, color_differences,
+    AnyMixture, Domain, Draws, Expanded, FactorTable, Gaussian, Line, Lobe, Material, Mixture, PlaneLobe,
+    Request, Towards, View, color_differences, luminance,
 };
-use srbf_tests::inputs::Random;
+use srbf_tests::inputs::{Random, levels};
 use srbf_tests::oracle::sphere_integral;
 use srbf_tests::tolerance::{Worst, squeezed_unit};
-
-fn levels() -> impl Iterator<Item = Level> {
-    Level::ALL.into_iter().filter(|level| Mixture::<16>::empty().with_level(*level).is_ok())
-}
 
 fn lobe(axis: [f32; 3], sharpness: f32, amplitude: f32) -> Lobe {
     Lobe::new(Vec3::from(axis).normalize(), sharpness, Vec3::splat(amplitude)).unwrap()
@@ -269,6 +265,82 @@ fn an_outgoing_direction_that_is_none_gives_0_whatever_the_incident_one_is() {
                     });
                 }
             }
+        }
+    }
+}
+
+/// Where f32 rounds the channels of a value to subnormals, of which some are negative, their luminance may be below 0. No density is.
+#[test]
+fn no_density_is_below_0_where_values_are_subnormal() {
+    // With Y an eighth of the least subnormal number red is 2 of these, green -1: the share of red in the luminance is rounded to 0.
+    let lobes = [[16.0, 16.0], [16.0, 12.0], [15.0, 16.0]].map(|color_differences| {
+        [0.0, 0.9].map(|angle| PlaneLobe {
+            angle,
+            off_plane: 0.0,
+            log2_sharpness: 7.0,
+            log2_luminance: -54.0,
+            color_differences,
+        })
+    });
+    let views = [0.0, 1.4].map(|theta| (theta, lobes.map(|of_views| of_views[usize::from(theta > 0.0)])));
+    let views = views.each_ref().map(|(theta, lobes)| View {
+        theta: *theta,
+        log2_squeeze: 0.0,
+        log2_diffuse: -126.0,
+        diffuse_color_differences: [0.0; 2],
+        lobes,
+    });
+    let mut bytes = [0; 512];
+    let line = Line { views: &views, squeezed: 1, mirrored: 0, factors: None };
+    let length = line.encode("faint", &mut bytes).unwrap();
+    let material = Material::from_bytes(&bytes[..length]).unwrap();
+    let mut memory = vec![0.0; material.expanded_len(16)];
+    let expanded = Expanded::new(&material, 16, &mut memory).unwrap();
+    let mut random = Random(44);
+    let n = 20_000;
+    let mut upper = || -> [Vec<f32>; 3] {
+        let all: Vec<Vec3> = (0..n).map(|_| random.direction()).map(|d| d.with_z(d.z.abs())).collect();
+        [0, 1, 2].map(|c| all.iter().map(|d| d[c]).collect())
+    };
+    let (wo, wi) = (upper(), upper());
+    let [wo, wi] = [&wo, &wi].map(|d| d.each_ref().map(Vec::as_slice));
+    for level in levels() {
+        level.set().unwrap();
+        let mut mixtures = vec![Mixture::<16>::empty(); n];
+        material.prepare_into(wo, &mut mixtures).unwrap();
+        let three = |[x, y, z]: [&[f32]; 3], i: usize| Vec3::new(x[i], y[i], z[i]);
+        // One after the other: `Towards` of one hit.
+        let each = |of: &dyn Fn(usize, Vec3) -> (Vec3, f32), request: Request| {
+            let Some(Towards { value: Some([red, green, blue]), pdf: Some(pdf), .. }) = request.evaluate
+            else {
+                return;
+            };
+            for i in 0..n {
+                let (value, density) = of(i, three(wi, i));
+                (red[i], green[i], blue[i], pdf[i]) = (value.x, value.y, value.z, density);
+            }
+        };
+        let asks: [(&str, Ask); 6] = [
+            ("mixtures one by one", &|request| each(&|i, wi| mixtures[i].evaluate_and_pdf(wi), request)),
+            ("hits one by one", &|request| {
+                each(&|i, wi| material.evaluate_and_pdf(three(wo, i), wi), request);
+            }),
+            ("one mixture", &|request| mixtures[0].ask(request).unwrap()),
+            ("mixtures", &|request| AnyMixture::ask_each(&mixtures, request).unwrap()),
+            ("material", &|request| material.ask(wo, request).unwrap()),
+            ("expanded", &|request| expanded.ask(wo, request).unwrap()),
+        ];
+        for (name, ask) in asks {
+            let mut out = [(); 5].map(|()| vec![0.0; n]);
+            let [red, green, blue, pdf, alone] = out.each_mut().map(Vec::as_mut_slice);
+            ask(Towards { wi, value: Some([red, green, blue]), pdf: Some(pdf) }.into());
+            ask(Towards { wi, value: None, pdf: Some(alone) }.into());
+            let [red, green, blue, pdf, alone] = &out;
+            let below = (0..n).filter(|&i| luminance(three([red, green, blue], i)) < 0.0).count();
+            println!("{name}, {level:?}: {below} luminances below 0");
+            assert!(below > 0, "{name}, {level:?}: no luminance is below 0");
+            let least = pdf.iter().chain(alone).copied().fold(f32::INFINITY, f32::min);
+            assert!(least >= 0.0, "{name}, {level:?}: density {least:e}");
         }
     }
 }

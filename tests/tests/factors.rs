@@ -2,11 +2,11 @@
 
 use glam::{DVec3, Vec3};
 use srbf_core::{
-    Defensive, Draws, Error, FactorTable, FormatError, LeaveOut, Level, Line, Material, Mixture, PlaneLobe,
+    Defensive, Draws, Error, FactorTable, FormatError, LeaveOut, Line, Material, Mixture, PlaneLobe,
     PrepareOptions, Sample, Towards, View, luminance,
 };
 use srbf_tests::attack::put_right;
-use srbf_tests::inputs::Random;
+use srbf_tests::inputs::{Random, levels};
 use srbf_tests::oracle;
 use srbf_tests::seeds::same_without_azimuth;
 use srbf_tests::tolerance::SLACK;
@@ -226,7 +226,7 @@ fn values_are_those_of_the_lobes_times_the_factor_and_densities_those_of_the_lob
     let [bytes, plain] = Made::new(7, [32, 20, 3]).encode();
     let (material, plain) = (Material::from_bytes(&bytes).unwrap(), Material::from_bytes(&plain).unwrap());
     let mut random = Random(8);
-    for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
+    for level in levels() {
         for [wo, _] in pairs(&mut random).into_iter().step_by(41) {
             let (mut m, mut bare) = (Mixture::<16>::empty(), Mixture::<16>::empty());
             let leave_out = LeaveOut::new(if random.uniform() < 0.5 { 0.0 } else { 0.02 }, 1e-7).unwrap();
@@ -318,7 +318,7 @@ fn the_albedo_is_that_of_the_lobes_and_its_difference_between_the_views() {
     };
     let thetas: Vec<f32> = (0..41).map(|i| 0.0375 * i as f32).chain([0.6, 1.5, 1.57]).collect();
     let wo: Vec<Vec3> = thetas.iter().map(|&theta| at(theta, 2.0)).collect();
-    for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
+    for level in levels() {
         for (&theta, &wo) in thetas.iter().zip(&wo) {
             // Of lobes that are left out neither has the albedo.
             for share in [0.0, 0.02] {

@@ -5,9 +5,9 @@
 //! follow the coverage; its findings are kept in `fuzz/found/`.
 
 use glam::Vec3;
-use srbf_core::{Expanded, Level, Material, Mixture, Towards};
+use srbf_core::{Expanded, Material, Mixture, Towards};
 use srbf_tests::attack::{self, TARGETS};
-use srbf_tests::inputs::Random;
+use srbf_tests::inputs::{Random, levels};
 use srbf_tests::kinds::upper;
 use srbf_tests::seeds;
 
@@ -76,7 +76,7 @@ fn kept_inputs() {
         let mut accepted = 0;
         for (path, bytes) in &kept {
             println!("{}", path.display());
-            for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
+            for level in levels() {
                 level.set().expect("an available level");
                 accepted += usize::from((target.run)(bytes));
             }
@@ -145,7 +145,7 @@ fn densities_of_draws_are_those_at_their_directions_in_hostile_files() {
     let mut worst = 0f64;
     for name in ["sample-pdf-3-percent-133", "expanded-pairs-mismatch-389", "expanded-negative-pdf-97"] {
         let material = hostile(name);
-        for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
+        for level in levels() {
             let (mut random, mut m) = (Random(11), Mixture::<64>::empty());
             for _ in 0..2000 {
                 material.prepare_with(upper(&mut random), level.into(), &mut m).unwrap();

@@ -2,8 +2,9 @@
 
 use glam::Vec3;
 use srbf_core::{Draws, Level, Line, Material, Mixture, PlaneLobe, Towards, View, encoded_len};
-use srbf_tests::inputs::Random;
+use srbf_tests::inputs::{Random, levels};
 use srbf_tests::oracle;
+use std::process::Command;
 
 #[test]
 fn what_was_written_is_read_and_interpolated() {
@@ -190,6 +191,34 @@ fn pairs_are_the_mixtures_one_by_one() {
             .ask(short, Towards { wi: wi_slices, value: Some([r, g, b]), pdf: Some(pdf) }.into())
             .is_err()
     );
+}
+
+/// In processes of their own, as a process asks for the variable once.
+#[test]
+fn the_variable_caps_the_level_and_a_word_that_names_none_is_refused() {
+    let run = |word: &str| {
+        let mut child = Command::new(std::env::current_exe().unwrap());
+        child.args(["--exact", "material::levels_are_those_of_this_machine", "--nocapture"]);
+        let output = child.env("SRBF_LEVEL", word).output().unwrap();
+        let text = String::from_utf8([output.stdout, output.stderr].concat()).unwrap();
+        (output.status.success(), text)
+    };
+    for level in levels() {
+        let (is_ok, text) = run(level.name());
+        assert!(is_ok && text.contains(&format!("the best level is {}\n", level.name())), "{text}");
+    }
+    for word in ["", "AVX2", "sse2"] {
+        let (is_ok, text) = run(word);
+        let message = format!("SRBF_LEVEL is {word:?}; it may be scalar, portable, avx2 or avx512");
+        assert!(!is_ok && text.contains(&message), "{text}");
+    }
+}
+
+#[test]
+fn levels_are_those_of_this_machine() {
+    let best = levels().last().copied().unwrap();
+    assert_eq!(Mixture::<16>::empty().with_level(best).map(|m| m.level()), Ok(best));
+    println!("the best level is {}", best.name());
 }
 
 #[test]

@@ -182,7 +182,7 @@ const ORACLES: &[(&str, &str)] = &[
     ("Material::prepare_into", "tests/material.rs"),
     ("Level::name", "src/reference.rs"),
     ("Level::from_name", "tests/material.rs"),
-    ("Level::is_available", "src/reference.rs"),
+    ("Level::is_available", "src/inputs.rs"),
     ("Level::current", "tests/material.rs"),
     ("Level::set", "src/reference.rs"),
 ];

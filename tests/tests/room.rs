@@ -2,10 +2,10 @@
 
 use glam::Vec3;
 use srbf_core::{
-    AnyMixture, Domain, Draws, Error, Expanded, Groups, Level, Line, Lobe, Material, Mixture, PlaneLobe,
-    Room, Towards, View, color_differences,
+    AnyMixture, Domain, Draws, Error, Expanded, Groups, Line, Lobe, Material, Mixture, PlaneLobe, Room,
+    Towards, View, color_differences,
 };
-use srbf_tests::inputs::Random;
+use srbf_tests::inputs::{Random, levels};
 
 /// Directions of a batch: more than the widest vectors take at a time, and no multiple of any.
 const BATCH: usize = 77;
@@ -79,7 +79,7 @@ where
             let made = material(&mut random, lobes, squeezed, mirrored);
             assert_eq!(made.lobe_count(), lobes);
             for wo in [Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::new(-0.48, 0.64, 0.6)] {
-                for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
+                for level in levels() {
                     let of = format!(
                         "room for {N}, {lobes} lobes, {squeezed} squeezed, {mirrored} pairs, {level:?}"
                     );

@@ -1,8 +1,8 @@
 //! Samples against the distribution: Kolmogorov-Smirnov in the lobe's own scale, distinct directions, the ends of u.
 
 use glam::Vec3;
-use srbf_core::{AbelPoisson, Folded, Gaussian, Kernel, KernelTable, Level, Lobe, Mixture};
-use srbf_tests::inputs::{Random, SHARPNESS, UNIFORM, axes};
+use srbf_core::{AbelPoisson, Folded, Gaussian, Kernel, KernelTable, Lobe, Mixture};
+use srbf_tests::inputs::{Random, SHARPNESS, UNIFORM, axes, levels};
 use srbf_tests::oracle;
 use srbf_tests::statistics::{ks_critical, ks_distance, sidak};
 
@@ -59,7 +59,7 @@ fn the_inverse_is_exact_for_u_of_every_size() {
 #[test]
 fn samples_of_a_mixture_lie_at_the_exact_angle() {
     // Round +z the components x and y keep every digit of the angle.
-    for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
+    for level in levels() {
         level.set().unwrap();
         let mut worst = (0f64, String::new());
         for s in SHARPNESS {

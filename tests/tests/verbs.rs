@@ -2,10 +2,11 @@
 
 use glam::Vec3;
 use srbf_core::{
-    AnyMixture, Domain, Draws, Error, Expanded, FactorTable, Grid, GridView, Level, Line, Lobe, Material,
-    Mixture, PlaneLobe, Request, TiltedLobe, Towards, View,
+    AnyMixture, Domain, Draws, Error, Expanded, FactorTable, Grid, GridView, Line, Lobe, Material, Mixture,
+    PlaneLobe, Request, TiltedLobe, Towards, View,
 };
-use srbf_tests::inputs::Random;
+use srbf_tests::inputs::{Random, levels};
+use srbf_tests::kinds::for_each_level;
 use srbf_tests::seeds::same_without_azimuth;
 
 type Inputs<'a> = [&'a [f32]; 3];
@@ -227,13 +228,6 @@ fn prepared<'a>(material: &'a Material<Vec<u8>>, wo: &[Vec3]) -> Vec<Mixture<'a,
         .collect()
 }
 
-/// The level is that of the process, and no other test here reads it.
-fn for_each_level(mut each: impl FnMut(Level)) {
-    for level in Level::ALL.into_iter().filter(|level| level.set().is_ok()) {
-        each(level);
-    }
-}
-
 #[test]
 fn every_verb_gives_in_every_shape_what_single_calls_give() {
     let mut random = Random(31);
@@ -302,7 +296,7 @@ fn mixtures_of_all_kinds_may_stand_side_by_side() {
     let mut random = Random(32);
     let (plain, factored) = (isotropic(&mut random, 6, 2, 0, false), isotropic(&mut random, 9, 3, 0, true));
     let other = isotropic(&mut random, 9, 0, 2, true);
-    let levels: Vec<Level> = Level::ALL.into_iter().filter(|level| level.is_available()).collect();
+    let levels = levels();
     let upper = |random: &mut Random| {
         let d = random.direction();
         d.with_z(d.z.abs())

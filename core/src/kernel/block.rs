@@ -245,7 +245,9 @@ impl Hits {
                 value[channel].store(&mut sums.value[channel][at..]);
             }
             let luminance = dot3(value, splat3(LUMINANCE));
-            (luminance * L::load(&self.inverse_power[at..])).store(&mut sums.pdf[at..]);
+            // As `density_of`.
+            let pdf = luminance * L::load(&self.inverse_power[at..]);
+            pdf.max(L::splat(0.0)).store(&mut sums.pdf[at..]);
             at += L::COUNT;
         }
     }

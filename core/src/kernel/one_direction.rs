@@ -4,7 +4,7 @@
 use super::draw::draw_one;
 use crate::color::luminance;
 use crate::mixture::row;
-use crate::mixture::rows::{AnyMixture, Domain, Sample, drawn_density, lowest_bits, weight_of};
+use crate::mixture::rows::{AnyMixture, Domain, Sample, density_of, drawn_density, lowest_bits, weight_of};
 use crate::simd::ONE_TEXT;
 use crate::simd::elementary::{falloff, falloff_left, falloff_soon, is_left};
 use crate::simd::lanes::{Lanes, scale};
@@ -65,7 +65,7 @@ impl AnyMixture<'_> {
             let value = self.lobes_value(direction);
             (value, luminance(value))
         };
-        (value, luminance * self.head.inverse_power)
+        (value, density_of(luminance, self.head.inverse_power))
     }
 
     /// Draws an incident direction from the density: lobe by `u[0]`, direction in it by `u[1]` and `u[2]`.

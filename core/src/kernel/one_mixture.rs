@@ -9,7 +9,7 @@ use super::lobe_sums::{STAGE, Stage, sums};
 use super::request::{Draws, Request, Towards};
 use crate::color::{LUMINANCE, luminance};
 use crate::error::Error;
-use crate::mixture::rows::{AnyMixture, LEAST_DENSITY, MixtureRef};
+use crate::mixture::rows::{AnyMixture, LEAST_DENSITY, MixtureRef, density_of};
 use crate::simd::lanes::{Lanes, WIDEST, dot3, scale, splat3};
 use crate::simd::routine::Routine;
 use core::ops::Range;
@@ -127,7 +127,7 @@ impl MixtureRef<'_> {
     /// Densities of values without factors: they are of the lobes alone.
     pub(crate) fn densities(&self, [red, green, blue]: [&[f32]; 3], pdf: &mut [f32]) {
         for (i, pdf) in pdf.iter_mut().enumerate() {
-            *pdf = luminance(Vec3::new(red[i], green[i], blue[i])) * self.head.inverse_power;
+            *pdf = density_of(luminance(Vec3::new(red[i], green[i], blue[i])), self.head.inverse_power);
         }
     }
 

@@ -37,6 +37,14 @@ pub struct Sample {
 /// inverse may be infinite. Only a tail far out is so faint.
 pub(crate) const LEAST_DENSITY: f32 = f32::MIN_POSITIVE;
 
+/// The density towards a direction, of the luminance of the value there. Not below 0, as a luminance may be where f32 rounds its
+/// channels to subnormals, of which one may be negative.
+#[inline(always)]
+pub(crate) fn density_of(luminance: f32, inverse_power: f32) -> f32 {
+    let pdf = luminance * inverse_power;
+    if pdf > 0.0 { pdf } else { 0.0 }
+}
+
 /// The density that is told of a direction that was drawn, of the one that was worked out: at least
 /// [`LEAST_DENSITY`], so that it can be divided by.
 #[inline(always)]

@@ -59,8 +59,7 @@ impl Level {
     pub fn is_available(self) -> bool {
         match self {
             Self::Scalar => HAS_SCALAR,
-            Self::Portable => cfg!(feature = "simd"),
-            Self::Avx2 | Self::Avx512 => self <= best(),
+            Self::Portable | Self::Avx2 | Self::Avx512 => self <= best(),
         }
     }
 
@@ -109,7 +108,7 @@ fn take_the_best() -> Level {
 #[cfg(all(feature = "simd", target_arch = "x86_64"))]
 fn best() -> Level {
     Level::of_code(BEST.load(Ordering::Relaxed)).unwrap_or_else(|| {
-        let level = detect();
+        let level = detect().min(cap());
         BEST.store(level as u8, Ordering::Relaxed);
         level
     })
@@ -155,5 +154,20 @@ fn enabled_state() -> u64 {
 
 #[cfg(not(all(feature = "simd", target_arch = "x86_64")))]
 fn best() -> Level {
-    if cfg!(feature = "simd") { Level::Portable } else { Level::Scalar }
+    if cfg!(feature = "simd") { Level::Portable.min(cap()) } else { Level::Scalar }
+}
+
+/// The best level that may be found.
+#[cfg(not(feature = "level-from-environment"))]
+fn cap() -> Level {
+    Level::Avx512
+}
+
+/// The best level that may be found, as on a machine that has no more: the variable `SRBF_LEVEL` names it.
+#[cfg(feature = "level-from-environment")]
+fn cap() -> Level {
+    extern crate std;
+    let Some(name) = std::env::var_os("SRBF_LEVEL") else { return Level::Avx512 };
+    let level = name.to_str().and_then(Level::from_name);
+    level.unwrap_or_else(|| panic!("SRBF_LEVEL is {name:?}; it may be scalar, portable, avx2 or avx512"))
 }

@@ -10,6 +10,7 @@ use srbf_core::{Domain, FactorTable, Line, Lobe, Mixture, PlaneLobe, Vec3, View}
 pub struct Random(pub u64);
 
 impl Random {
+    /// Uniform in [0, 1).
     pub fn next(&mut self) -> f32 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -20,6 +21,7 @@ impl Random {
     fn between(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * self.next()
     }
+    /// Uniform on the sphere.
     pub fn direction(&mut self) -> Vec3 {
         let (z, phi) = (self.between(-1.0, 1.0), self.between(0.0, core::f32::consts::TAU));
         let (sin, cos) = libm::sincosf(phi);
@@ -30,7 +32,9 @@ impl Random {
 
 /// A mixture to check.
 pub struct Case {
+    /// What messages call it.
     pub name: String,
+    /// The mixture.
     pub mixture: Mixture<'static, 64>,
 }
 

@@ -8,11 +8,11 @@ extern crate alloc;
 
 mod factors;
 mod findings;
-mod inputs;
-mod outputs;
+pub mod inputs;
+pub mod outputs;
 #[path = "../../src/tolerance.rs"]
 pub mod tolerance;
-mod truth;
+pub mod truth;
 
 use alloc::format;
 use alloc::vec;

@@ -16,16 +16,20 @@ const ZONE: usize = 4;
 pub struct Guarded<const K: usize>([Vec<f32>; K], usize);
 
 impl<const K: usize> Guarded<K> {
+    /// Of `n` numbers each.
     pub fn new(n: usize) -> Self {
         Self([(); K].map(|()| vec![GUARD; n + 2 * ZONE]), n)
     }
+    /// As the library writes them.
     pub fn slices(&mut self) -> [&mut [f32]; K] {
         let n = self.1;
         self.0.each_mut().map(|v| &mut v[ZONE..ZONE + n])
     }
+    /// One number of an output.
     pub fn at(&self, which: usize, i: usize) -> f32 {
         self.0[which][ZONE + i]
     }
+    /// Whether no guard zone was written.
     pub fn is_intact(&self) -> bool {
         let zones = |v: &Vec<f32>| v[..ZONE].iter().chain(&v[ZONE + self.1..]).all(|&x| x == GUARD);
         self.0.iter().all(zones)

@@ -5,6 +5,7 @@ use srbf_core::{Domain, Mixture, Vec3};
 /// `f cos` at a direction, and what its error is divided by: the sum over the lobes of value times `2 + |t|`, `t` the
 /// exponent, as rounding `t` alone costs that much.
 pub struct Truth {
+    /// Linear sRGB.
     pub value: [f64; 3],
     /// Of magnitudes: a channel of a lobe may be negative.
     pub scale: [f64; 3],
@@ -13,6 +14,7 @@ pub struct Truth {
 }
 
 impl Truth {
+    /// Of the value.
     pub fn luminance(&self) -> f64 {
         luminance(self.value)
     }

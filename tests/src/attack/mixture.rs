@@ -1,9 +1,9 @@
 //! Mixtures of lobes of one's own, at every end of their ranges.
 
 use super::input::{any_direction, random, uniform};
-use crate::inputs::Random;
+use crate::inputs::{Random, levels};
 use glam::Vec3;
-use srbf_core::{AnyMixture, Domain, Draws, Error, Level, Lobe, Mixture, Towards};
+use srbf_core::{AnyMixture, Domain, Draws, Error, Lobe, Mixture, Towards};
 
 /// Directions of a batch: one more than fills vectors of any width.
 const BATCH: usize = 17;
@@ -27,7 +27,7 @@ pub fn mixture(bytes: &[u8]) -> bool {
     };
     let albedo = [f32::from(head[3]) / 300.0; 3];
     let m = if head[3] & 2 == 0 { m } else { m.clone().with_diffuse(albedo).unwrap_or(m) };
-    for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
+    for level in levels() {
         let m = m.clone().with_level(level).expect("an available level");
         check(&m, &mut random, &format!("{level:?}, squeeze {squeeze} of {squeezed}, {domain:?}"));
     }

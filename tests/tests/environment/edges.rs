@@ -1,8 +1,8 @@
 //! Draws at the edges of cells and of the range of uniform numbers: none has density 0.
 
 use glam::Vec3;
-use srbf_core::{Domain, Environment, Level, Lobe, Mixture, ProductSampling, luminance};
-use srbf_tests::inputs::{Random, UNIFORM};
+use srbf_core::{Domain, Environment, Lobe, Mixture, ProductSampling, luminance};
+use srbf_tests::inputs::{Random, UNIFORM, levels};
 use srbf_tests::maps::{Map, frame};
 
 /// The largest f32 below 1.
@@ -103,7 +103,7 @@ fn no_draw_of_light_and_material_is_no_number() {
         let environment = map.environment();
         let hits = hits(&environment);
         for m in &mixtures {
-            for level in Level::ALL.into_iter().filter(|level| level.is_available()) {
+            for level in levels() {
                 let m = m.clone().with_level(level).unwrap();
                 for round in 0..300 {
                     let count = [2, 16, 32][round % 3];

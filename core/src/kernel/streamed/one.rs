@@ -29,7 +29,7 @@ use crate::mixture::leave_out::LeaveOut;
 use crate::mixture::row::{self, Aligned, Group};
 use crate::mixture::rows::{AnyMixture, Groups, Mixture, Room, Sample};
 #[cfg(feature = "simd")]
-use crate::mixture::rows::{drawn_density, weight_of};
+use crate::mixture::rows::{density_of, drawn_density, weight_of};
 use crate::simd::detect::Level;
 use crate::simd::lanes::{Lanes, WIDEST};
 #[cfg(feature = "simd")]
@@ -317,7 +317,7 @@ impl Lobes<'_> {
         let factor = factors.map(|(nodes, wo)| nodes.towards::<L::One>(*wo, direction));
         let acc = self.sums::<L::Lobes, FEW>(&self.squeeze.see::<L>(direction));
         let value = Vec3::from_array(with_diffuse(L::Lobes::three_sums(acc), self.diffuse, direction[2]));
-        let pdf = luminance(value) * inverse_power;
+        let pdf = density_of(luminance(value), inverse_power);
         (factor.map_or(value, |factor| value * factor), pdf)
     }
 

@@ -13,7 +13,7 @@ use crate::material::borrowed::MaterialRef;
 use crate::material::layout::Header;
 use crate::mixture::complete::LEAST_SHARPNESS;
 use crate::mixture::factors::Nodes;
-use crate::mixture::rows::{Sample, drawn_density, weight_of};
+use crate::mixture::rows::{Sample, density_of, drawn_density, weight_of};
 use crate::simd::elementary::exp2_and_rest;
 use crate::simd::lanes::scale;
 use crate::squeeze::{Sight, Squeeze};
@@ -107,7 +107,7 @@ impl Lobes<'_> {
             return (Vec3::ZERO, 0.0);
         }
         let value = Vec3::from_array(with_diffuse(self.sum(direction), self.diffuse, direction[2]));
-        let pdf = luminance(value) * inverse_power;
+        let pdf = density_of(luminance(value), inverse_power);
         (factors.map_or(value, |(nodes, wo)| value * nodes.towards::<f32>(*wo, direction)), pdf)
     }
 
