@@ -4,6 +4,7 @@ mod files;
 mod fits;
 mod harness;
 mod options;
+mod outputs;
 mod packs;
 mod pictures;
 mod strangers;
