@@ -8,6 +8,8 @@ mod outputs;
 mod packs;
 mod pictures;
 mod strangers;
+#[cfg(target_os = "linux")]
+mod viewed;
 
 use harness::{command, folder, refused, srbf};
 
