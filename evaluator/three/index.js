@@ -2,7 +2,7 @@
 
 import * as THREE from "three";
 import text from "./text.js";
-import { wordsOf } from "./words.js";
+import { received, wordsOf } from "./words.js";
 
 const WIDTH = 1024; // words in a row of the texture
 
@@ -23,7 +23,7 @@ export function parseSrbf(data, name = "the material") {
 export async function loadSrbf(url) {
     const answer = await fetch(url);
     if (!answer.ok) throw new Error(`${url}: ${answer.status} ${answer.statusText}`);
-    return parseSrbf(await answer.arrayBuffer(), url);
+    return parseSrbf(await received(answer, url), url);
 }
 
 const vertexShader = /* glsl */ `

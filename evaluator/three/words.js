@@ -1,6 +1,12 @@
 // The words of a .srbf file, checked. It imports nothing, and needs no browser.
 
-const MAGIC = [0x42525389, 0x1a0a0d46], LOBE = 0x45424f4c, FACT = 0x54434146, PACK = 0x4b434150;
+/** Bytes at the beginning of a file that tell a material and its length. */
+export const HEAD_BYTES = 20;
+
+/** Most bytes of a material that is read: the largest have some megabytes. */
+export const MOST_BYTES = 1 << 26;
+
+const LEAST_BYTES = 60, MAGIC = [0x42525389, 0x1a0a0d46], LOBE = 0x45424f4c, FACT = 0x54434146, PACK = 0x4b434150;
 
 function crc32(bytes) {
     let crc = ~0;
@@ -11,17 +17,63 @@ function crc32(bytes) {
     return ~crc >>> 0;
 }
 
+/**
+ * The length that the first bytes of a material announce. Throws an error where they are no material's: no more need be read or copied then.
+ * @param {Uint8Array} head HEAD_BYTES bytes or more
+ */
+export function announcedLength(head, name) {
+    const expected = `a .srbf file of ${LEAST_BYTES} to ${MOST_BYTES} bytes is expected`;
+    const view = new DataView(head.buffer, head.byteOffset, head.length);
+    const begins = head.length >= HEAD_BYTES && MAGIC.every((word, i) => view.getUint32(4 * i, true) === word);
+    if (!begins) throw new Error(`${name}: ${expected}`);
+    const length = view.getUint32(16, true);
+    if (length < LEAST_BYTES || length > MOST_BYTES) throw new Error(`${name}: ${expected}, ${length} are announced`);
+    return length;
+}
+
+/** Throws an error unless a file of `size` bytes begins as a material of that length. */
+export function checkHead(head, size, name) {
+    const length = announcedLength(head, name);
+    if (length !== size) throw new Error(`${name}: ${length} bytes are expected, ${size} are there`);
+}
+
+/** The bytes of a material that a request is answered with. Of another answer the rest is not taken. */
+export async function received(answer, name) {
+    const joined = (parts, count) => {
+        const all = new Uint8Array(count);
+        parts.reduce((at, part) => (all.set(part, at), at + part.length), 0);
+        return all;
+    };
+    const reader = answer.body.getReader();
+    let parts = [], count = 0, length = Infinity;
+    try {
+        for (;;) {
+            const { done, value } = await reader.read();
+            if (!done) {
+                parts.push(value);
+                count += value.length;
+            }
+            if (length === Infinity && (done || count >= HEAD_BYTES)) {
+                parts = [joined(parts, count)];
+                length = announcedLength(parts[0], name);
+            }
+            if (count > length) throw new Error(`${name}: ${length} bytes are expected, more are there`);
+            if (done) return joined(parts, count);
+        }
+    } finally {
+        reader.cancel().catch(() => {});
+    }
+}
+
 /** Throws an error unless the words are those of a material that the shader can read without leaving them. */
 function check(words, length, name) {
     const expect = (holds, what) => { if (!holds) throw new Error(`${name}: ${what}`); };
     const within = (i, least, most, what) =>
         expect(words[i] >= least && words[i] <= most, `${what}: ${words[i]} is not from ${least} to ${most}`);
-    expect(length >= 60 && words[0] === MAGIC[0] && words[1] === MAGIC[1], "a .srbf file is expected");
     within(2, 2, 3, "format version");
     within(3, 0, 1, "kind");
     const isPacked = words[2] === 3 && words[10] === PACK;
     expect(!isPacked, "its numbers are codes; srbf pack FILE --bits 32 writes plain ones");
-    expect(words[4] === length, `${words[4]} bytes are expected, ${length} are there`);
     within(5, 1, 1024, "angles of the views");
     within(6, 1, 64, "lobes");
     within(7, 0, words[6], "squeezed lobes");
@@ -59,6 +111,7 @@ function check(words, length, name) {
  */
 export function wordsOf(data, name, row) {
     const bytes = data instanceof ArrayBuffer ? new Uint8Array(data) : data;
+    checkHead(bytes, bytes.length, name);
     const padded = new Uint8Array(4 * row * Math.max(Math.ceil(bytes.length / (4 * row)), 1));
     padded.set(bytes);
     const view = new DataView(padded.buffer);

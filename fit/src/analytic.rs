@@ -55,10 +55,7 @@ pub(super) fn parse(text: &str) -> Result<Named, FitError> {
         "ggx" => ggx::Ggx::from_parameters(&mut parameters).map(|m| Box::new(m) as _),
         "sgd" | "abc" => {
             let material = parameters.text("name").map(str::to_owned);
-            let path = match parameters.text("file") {
-                Some(file) => PathBuf::from(file),
-                None => default_file(&format!("{model}_fit_params.csv")).map_err(fault)?,
-            };
+            let path = fits_file(model, &mut parameters).map_err(fault)?;
             let bytes = read_bytes(&path, MAX_FILE, |_| Ok(()))?;
             let found = material
                 .ok_or_else(|| ReadError::Content("`name=MATERIAL` is needed".into()))
@@ -78,6 +75,18 @@ pub(super) fn parse(text: &str) -> Result<Named, FitError> {
     let brdf = brdf.map_err(fault)?;
     parameters.finish().map_err(fault)?;
     Ok(Named { brdf, name, identity })
+}
+
+/// The file that a named model reads, if it reads one: that of `sgd` and `abc`.
+pub fn file_of(text: &str) -> Option<PathBuf> {
+    let (model, rest) = text.strip_prefix(PREFIX)?.split_once(':')?;
+    ["sgd", "abc"].contains(&model).then_some(())?;
+    fits_file(model, &mut Parameters::parse(rest).ok()?).ok()
+}
+
+fn fits_file(model: &str, parameters: &mut Parameters<'_>) -> Result<PathBuf, ReadError> {
+    let name = || default_file(&format!("{model}_fit_params.csv"));
+    parameters.text("file").map_or_else(name, |file| Ok(file.into()))
 }
 
 fn default_file(name: &str) -> Result<PathBuf, ReadError> {

@@ -7,8 +7,9 @@ use crate::lobes_table::plot;
 use srbf_core::{MAX_LOBES, Material, Mixture, PackOptions, Vec3};
 use srbf_fit::pack::{PackedForm, Subject, Way, forms};
 use srbf_fit::read::read;
-use srbf_fit::{Settings, fit_content, write_atomically};
+use srbf_fit::{Settings, fit_content};
 use srbf_reference_renderer::command::fit::names;
+use srbf_reference_renderer::out::output;
 use std::fmt::Write;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
@@ -87,7 +88,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 
     print(&rows);
     let out = Path::new("out").join(format!("{name}-forms.csv"));
-    write_atomically(&out, csv(&rows).as_bytes())?;
+    output::write(&out, csv(&rows).as_bytes())?;
     let picture = out.with_extension("png");
     let calls = ["prepare", "hit", "hit, unpacked"];
     // A grey material is far from a coloured one, whatever its bytes.

@@ -7,10 +7,11 @@ pub mod plot;
 
 use anyhow::ensure;
 use srbf_core::{MAX_LOBES, Material, Mixture, Vec3};
+use srbf_fit::fit_content;
 use srbf_fit::judge::report::mean_error;
 use srbf_fit::read::read;
-use srbf_fit::{fit_content, write_atomically};
 use srbf_reference_renderer::command::fit::{SettingArgs, names};
+use srbf_reference_renderer::out::output;
 use std::fmt::Write;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
@@ -83,7 +84,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
 
     print(&rows);
     let out = Path::new("out").join(format!("{name}-lobes.csv"));
-    write_atomically(&out, csv(&rows).as_bytes())?;
+    output::write(&out, csv(&rows).as_bytes())?;
     let picture = out.with_extension("png");
     let point = |row: &LobesRow| {
         let error = row.held_out.unwrap_or(row.error);

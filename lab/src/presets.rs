@@ -4,6 +4,7 @@ use anyhow::{Context, bail, ensure};
 use srbf_fit::{FactorNodes, Settings};
 use srbf_reference_renderer::command::argument;
 use srbf_reference_renderer::command::fit::fit_file;
+use srbf_reference_renderer::out::output;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -66,7 +67,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     made.push((about, readme(&rows).into_bytes()));
     for (path, bytes) in &made {
         if !args.check {
-            srbf_fit::write_atomically(path, bytes)?;
+            output::write(path, bytes)?;
         } else if std::fs::read(path).with_context(|| path.display().to_string())? != *bytes {
             bail!("{} is not what `cargo lab presets` makes", path.display());
         }

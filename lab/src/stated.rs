@@ -18,6 +18,7 @@ use anyhow::{Context, bail, ensure};
 use figure::Figure;
 use list::SENTENCES;
 use measure::{GROUPS, Group, Needs};
+use srbf_reference_renderer::out::output;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -68,9 +69,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let table = table(&pages.table, &groups, &made)?;
     if args.write {
         for (name, text) in &pages.documents {
-            srbf_fit::write_atomically(&args.root.join(name), text.as_bytes())?;
+            output::write(&args.root.join(name), text.as_bytes())?;
         }
-        srbf_fit::write_atomically(&args.root.join(TABLE), table.as_bytes())?;
+        output::write(&args.root.join(TABLE), table.as_bytes())?;
         stale.iter().for_each(|line| println!("written: {line}"));
     }
     if args.check {

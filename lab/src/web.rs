@@ -2,6 +2,7 @@
 
 use anyhow::Context;
 use srbf_reference_renderer::command::view::files;
+use srbf_reference_renderer::out::output;
 use srbf_web::fitter_script;
 use std::path::PathBuf;
 
@@ -23,7 +24,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     files.push(("fitter.js", module.transpose()?.map(|module| fitter_script(&module)).unwrap_or_default()));
     for (name, content) in files {
         let path = args.folder.join(name);
-        srbf_fit::write_atomically(&path, &content)?;
+        output::write(&path, &content)?;
         println!("{}: {} bytes", path.display(), content.len());
     }
     Ok(())

@@ -31,6 +31,17 @@ fn a_place_that_cannot_be_written_is_found_before_the_work() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn an_input_is_not_replaced() {
+    let place = folder("lab-input");
+    std::fs::copy("../presets/garnet_red.srbf", place.join("m.srbf")).unwrap();
+    std::os::unix::fs::symlink("m.srbf", place.join("s.png")).unwrap();
+    refused(&place, &["slice", "m.srbf", "-o", "s.png"], &["s.png", "the command's own input m.srbf"]);
+    std::fs::remove_file(place.join("s.png")).unwrap();
+    assert!(srbf(&place, &["slice", "m.srbf", "-o", "s.png"]).status.success());
+}
+
 /// Before any work, and files that are there stay.
 #[cfg(unix)]
 #[test]

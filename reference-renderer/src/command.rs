@@ -9,6 +9,7 @@ mod default_job;
 mod export;
 pub mod fit;
 mod fit_page;
+pub mod inputs;
 pub mod inspect;
 pub mod judge;
 pub mod look;
@@ -71,7 +72,12 @@ enum Command {
 
 /// Reads the command line and runs its command. The exit status is 0, or 2 after an error, which is written behind `name`.
 pub fn program<C: Parser>(name: &str, run: impl FnOnce(C) -> anyhow::Result<()>) -> ExitCode {
-    let cli = C::try_parse().unwrap_or_else(|error| {
+    let mut command = C::command();
+    let parsed = command.try_get_matches_from_mut(std::env::args_os()).and_then(|matches| {
+        inputs::keep(&command, &matches);
+        C::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
+    });
+    let cli = parsed.unwrap_or_else(|error| {
         // Help and version go to standard output.
         let text = print::clap_text::<C>(&error);
         let text = text.trim_end_matches('\n');

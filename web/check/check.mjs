@@ -3,7 +3,7 @@
 // PAGE is a folder of `packaging/web`. MEASURED files are fitted, the first with a limit in seconds. Screenshots go to PAGE/shots.
 
 import { spawn, spawnSync } from "node:child_process";
-import { mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { mkdirSync, readFileSync, rmSync, truncateSync, writeFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { open, start } from "./browser.mjs";
@@ -117,6 +117,14 @@ async function used(page) {
     await page.until(`!document.getElementById("notice").hidden`);
     console.log(`refused: ${await page.call(`document.getElementById("notice").textContent`)}`);
     expectThat((await page.call(`document.getElementById("notice").textContent`)).includes("damaged.srbf"), "a fault names its file");
+    // A gigabyte of zeros, which no disk holds: its first bytes are read.
+    writeFileSync(join(taken, "large.csv"), "");
+    truncateSync(join(taken, "large.csv"), 2 ** 30);
+    const begun = Date.now();
+    await page.give("#file", [join(taken, "large.csv")]);
+    await page.until(`document.getElementById("notice").textContent.includes("large.csv")`);
+    console.log(`refused in ${Date.now() - begun} ms: ${await page.call(`document.getElementById("notice").textContent`)}`);
+    expectThat(await page.call(`document.getElementById("notice").textContent.includes("at most 268435456 bytes")`), "a large file is refused with the bound");
     await page.call(`document.querySelector("[data-name=garnet_red]").click()`);
     // The teapot.
     await page.call(`document.querySelector("#shapes [value=teapot]").click()`);

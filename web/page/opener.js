@@ -1,8 +1,14 @@
 // Files that are opened: materials at once, measurements by the fitter, in a worker that can be ended.
 import { decoded } from "./tree.js";
-import { wordsOf } from "./words.js";
+import { checkHead, wordsOf } from "./words.js";
 
 const FIRST_BYTES = [0x89, 0x53, 0x52, 0x42, 0x46];
+
+// First bytes of measurements that are no text: RGL, MERL.
+const BINARY = [[..."tensor_file"].map((c) => c.charCodeAt(0)), [90, 0, 0, 0, 90, 0, 0, 0, 180, 0, 0, 0]];
+
+const LOOKED_AT = 4096; // bytes of a file that are looked at before it is read
+const MOST_MEASURED = 1 << 28; // bytes of a measurement; a MERL file has an eighth of it
 
 /** Whether the page has a fitter beside it. */
 export const hasFitter = () => typeof self.srbfFitter === "string";
@@ -21,6 +27,19 @@ function work() {
         new Uint8Array(fitter.memory.buffer, place, bytes.length).set(bytes);
         return [place, bytes.length];
     };
+    // Part by part, so that the whole is in memory once.
+    const take = async (file) => {
+        const place = fitter.fitter_allocate(file.size), reader = file.stream().getReader();
+        let count = 0;
+        for (;;) {
+            const { done, value } = await reader.read();
+            if (done) break;
+            if (count + value.length > file.size) throw new Error("the file has changed");
+            new Uint8Array(fitter.memory.buffer, place + count, value.length).set(value);
+            count += value.length;
+        }
+        return [place, file.size];
+    };
     const part = (n) => new Uint8Array(fitter.memory.buffer, fitter.fitter_answer(n), fitter.fitter_answer_size(n)).slice();
     self.onmessage = async ({ data }) => {
         try {
@@ -35,7 +54,7 @@ function work() {
             fitter ??= (await WebAssembly.instantiate(data.module, { srbf: { progress } })).exports;
             const text = (value) => new TextEncoder().encode(value);
             const failed = data.format === undefined
-                ? fitter.fitter_open(...put(text(data.name)), ...put(data.bytes))
+                ? fitter.fitter_open(...put(text(data.file.name)), ...(await take(data.file)))
                 : fitter.fitter_export(...put(text(data.format)), ...put(data.bytes));
             const answer = new TextDecoder().decode(part(1));
             if (failed) throw new Error(answer);
@@ -84,24 +103,46 @@ function factsOf(words, size) {
 }
 
 /**
- * Opens a file: `{ answer, end }`, the answer a promise of `{ bytes, json }`.
- * @param {string} name
- * @param {Uint8Array} bytes
+ * Looks at the first bytes of a file, and at its size: whether it is a material. Throws an error that names it where it is none and cannot be
+ * a measurement either.
+ * @param {File} file
+ */
+export async function looked(file) {
+    const { name, size } = file;
+    const head = new Uint8Array(await file.slice(0, LOOKED_AT).arrayBuffer());
+    const begins = (bytes) => bytes.every((byte, i) => head[i] === byte);
+    if (begins(FIRST_BYTES)) {
+        checkHead(head, size, name);
+        return true;
+    }
+    if (!hasFitter()) {
+        throw new Error(`${name}: a .srbf file is expected. This copy of the page has no fitter: \`srbf fit ${name}\` makes one, or \`srbf view ${name}\``);
+    }
+    if (size > MOST_MEASURED) {
+        throw new Error(`${name}: a .srbf file, or a measurement of at most ${MOST_MEASURED} bytes, is expected; ${size} are there`);
+    }
+    // Every other byte of a text of 16 bits a letter may be 0.
+    const zeros = [0, 1].map((parity) => head.findIndex((byte, i) => byte === 0 && i % 2 === parity));
+    if (!BINARY.some(begins) && Math.min(...zeros) >= 0) {
+        throw new Error(`${name}: a .srbf file or a measurement is expected; byte ${Math.min(...zeros)} is 0, as in no text, and it is no RGL or MERL file`);
+    }
+    return false;
+}
+
+/**
+ * Opens a file that was looked at: `{ answer, end }`, the answer a promise of `{ bytes, json }`.
+ * @param {File} file
  * @param {(share: number) => void} onShare
  */
-export function opened(name, bytes, onShare) {
-    const isMaterial = FIRST_BYTES.every((byte, i) => bytes[i] === byte);
-    if (isMaterial && !hasFitter()) {
+export function opened(file, onShare) {
+    if (!hasFitter()) {
         const answer = (async () => {
-            const words = wordsOf(bytes, name, 1024);
-            return { bytes, json: { name: name.replace(/\.[^.]+$/, ""), facts: factsOf(words, bytes.length), findings: [], verdict: [], data: null } };
+            const bytes = new Uint8Array(await file.arrayBuffer());
+            const words = wordsOf(bytes, file.name, 1024);
+            return { bytes, json: { name: file.name.replace(/\.[^.]+$/, ""), facts: factsOf(words, bytes.length), findings: [], verdict: [], data: null } };
         })();
         return { answer, end: () => {} };
     }
-    if (!hasFitter()) {
-        const reason = `${name}: a .srbf file is expected. This copy of the page has no fitter: \`srbf fit ${name}\` makes one, or \`srbf view ${name}\``;
-        return { answer: Promise.reject(new Error(reason)), end: () => {} };
-    }
-    const { answer, end } = ask({ name, bytes }, onShare);
+    const { answer, end } = ask({ file }, onShare);
     return { answer: answer.then(({ bytes, text }) => ({ bytes, json: JSON.parse(text) })), end };
 }

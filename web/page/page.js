@@ -1,7 +1,7 @@
 // The page: what is clicked, dropped and shown.
 import { LIGHTS, SHAPES, Tracer } from "./tracer.js";
 import { COLUMNS, draw, nearest } from "./plot.js";
-import { exported, hasFitter, opened } from "./opener.js";
+import { exported, hasFitter, looked, opened } from "./opener.js";
 import { decoded } from "./tree.js";
 
 const data = self.srbfData;
@@ -192,18 +192,22 @@ function show(material) {
 async function open(file) {
     say(null);
     fitting?.end();
-    const bytes = new Uint8Array(await file.arrayBuffer());
+    let isMaterial = false;
+    try {
+        isMaterial = await looked(file);
+    } catch (error) {
+        return say(error.message);
+    }
     const start = performance.now();
     const dialog = at("fitting");
     at("fitting-name").textContent = file.name;
     at("share").value = 0;
-    const isMaterial = bytes[0] === 0x89 && bytes[1] === 0x53;
     const told = { share: 0 };
     const seconds = () => Math.round((performance.now() - start) / 1000);
     const done = () => (told.share > 0 ? `${Math.round(100 * told.share)} %` : "looking at the measurement");
     const tell = () => { at("fitting-text").textContent = `${done()}, ${seconds()} s`; };
     const clock = setInterval(tell, 500);
-    const mine = opened(file.name, bytes, (share) => {
+    const mine = opened(file, (share) => {
         // It falls where a fit misses a goal and goes on; the bar waits then.
         told.share = Math.max(told.share, share);
         at("share").value = told.share;

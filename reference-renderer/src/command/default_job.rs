@@ -1,6 +1,7 @@
 //! `srbf` without a command: pictures of a preset, error against run time, and a page of both, from embedded materials and light.
 
 use crate::numbers::points::PointsName;
+use crate::out::output;
 use crate::out::page::{Figure, Page};
 use crate::out::picture_file;
 use crate::out::print::shown;
@@ -49,17 +50,22 @@ const MATERIALS: [&str; 2] = ["garnet_red", "cayman"];
 /// Runs the job; writes into the folder.
 pub fn run(out: &Path) -> anyhow::Result<()> {
     let start = Instant::now();
+    let (csv, report) = (out.join("error-vs-time.csv"), out.join("report.html"));
+    let plot = csv.with_extension("png");
+    output::check_places(&[&csv, &plot, &report])?;
+    for picture in PICTURES {
+        let path = out.join(picture.file);
+        output::check_places(&[&path, &path.with_extension("png")])?;
+    }
     let mut page = Page::new("Measured materials as lobes");
     render(out, &mut page)?;
     let comparisons = compare()?;
 
-    let csv = out.join("error-vs-time.csv");
     report::write_csv(&csv, &comparisons)?;
-    plot::write_png(&csv.with_extension("png"), &comparisons)?;
+    plot::write_png(&plot, &comparisons)?;
     page.heading("Error against run time");
     page.paragraph(comparison::page::WORDS);
     comparison::page::add(&mut page, &comparisons)?;
-    let report = out.join("report.html");
     page.write(&report)?;
     println!("{}, plot beside it; all of it: {}", shown(&csv), shown(&report));
     println!("{:.0} s in all", start.elapsed().as_secs_f64());

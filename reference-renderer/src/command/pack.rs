@@ -76,6 +76,8 @@ fn channels(text: &str) -> Result<u8, String> {
 
 /// Runs the command.
 pub fn run(args: &Args) -> anyhow::Result<()> {
+    // Before a fit, which takes seconds; without a name the input has to be read first.
+    args.output.as_deref().map(output::check_place).transpose()?;
     let (whole, content, name) = whole(args)?;
     let output = args.output.clone().unwrap_or_else(|| Path::new("out").join(format!("{name}-packed.srbf")));
     output::check_place(&output)?;

@@ -38,7 +38,9 @@ pub fn completions(args: Completions) -> anyhow::Result<()> {
 pub fn man(args: Man) -> anyhow::Result<()> {
     let mut program = Cli::command().disable_help_subcommand(true);
     program.build();
+    let pages = output::together();
     let count = write_pages(&program, &args.folder)?;
+    pages.commit()?;
     println!("{count} pages in {}", crate::out::print::shown(&args.folder));
     Ok(())
 }

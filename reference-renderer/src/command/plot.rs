@@ -87,6 +87,8 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     let stored = StoredMaterial::load(&args.material)?;
     let output = args.output.unwrap_or_else(|| PathBuf::from(format!("out/{}.png", stored.name)));
     ball::check_output(&output)?;
+    let page = args.html.then(|| output.with_extension("html"));
+    page.as_deref().map(output::check_place).transpose()?;
     let environment = argument::environment(&args.env)?;
     let light = Light { name: &args.env, environment: &environment, samples: SAMPLES, stops: 0.0 };
     let source = args.against.as_deref().map(srbf_fit::read::read).transpose()?;
@@ -99,10 +101,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         }
         None => Vec::new(),
     };
-    let (name, page) = (stored.name.clone(), args.html.then(|| output.with_extension("html")));
-    if let Some(page) = &page {
-        output::check_place(page)?;
-    }
+    let name = stored.name.clone();
     verdict.iter().for_each(|line| println!("{line}"));
     let files = output::together();
     let seconds = write(&output, stored, beside, light, &verdict)?;

@@ -56,7 +56,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     {
         println!("note no browser was opened: {error}");
     }
-    server.run(files)
+    server.run(&files)
 }
 
 /// The files of the page but for the fitter.

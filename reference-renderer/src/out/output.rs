@@ -1,7 +1,8 @@
-//! Files that are written: their places are checked before a long work, and they are whole or absent, those that belong together too.
+//! The door through which every file leaves: whole or absent, and those that belong together too. Nothing else of the programs writes files.
 //!
-//! A file that this program did not write stays, unless `--force` says otherwise ([`keep_others`]): every
-//! format that the program writes holds its name within its first [`LOOKED_AT`] bytes, and MERL's at its end.
+//! An input of the command stays, whatever name the output has for it ([`keep_input`]). So does a file that this program did not
+//! write, unless `--force` says otherwise ([`keep_others`]): every format that the program writes holds its name within its
+//! first [`LOOKED_AT`] bytes, and MERL's at its end. Both are looked at where a file is written, and before a long work ([`check_place`]).
 
 use crate::out::print::shown;
 use anyhow::{Context, bail, ensure};
@@ -9,8 +10,9 @@ use srbf_fit::Outputs;
 use srbf_fit::export::MERL_MARK;
 use std::cell::RefCell;
 use std::io::{Read, Seek, SeekFrom};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::{Mutex, PoisonError};
 
 /// How much of a file is looked at to see whose it is.
 const LOOKED_AT: u64 = 4096;
@@ -24,21 +26,51 @@ const COMPARISON: &[u8] = b"scene,material,environment,method,";
 /// Whether files of others stay.
 static KEEPS_OTHERS: AtomicBool = AtomicBool::new(false);
 
+/// Inputs of the command, as they are named, and their identities where they were there.
+static INPUTS: Mutex<Vec<(PathBuf, Option<Identity>)>> = Mutex::new(Vec::new());
+
+/// A file, whatever its name: device and number. No name of an input is given to an output.
+#[cfg(unix)]
+type Identity = (u64, u64);
+
+/// A file, behind all links and as its folder spells it. Second names of a file are told nowhere else than on Unix.
+#[cfg(not(unix))]
+type Identity = PathBuf;
+
 thread_local! {
     /// Files that wait for those that they belong to.
     static TOGETHER: RefCell<Option<Outputs>> = const { RefCell::new(None) };
 }
 
-/// From here on, [`check_place`] refuses to overwrite files of others.
+/// From here on, files of others are not overwritten.
 pub fn keep_others() {
     KEEPS_OTHERS.store(true, Relaxed);
+}
+
+/// From here on, no output replaces this file, by any name. One that is not there yet counts when it is.
+pub fn keep_input(path: PathBuf) {
+    let identity = identity(&path);
+    INPUTS.lock().unwrap_or_else(PoisonError::into_inner).push((path, identity));
+}
+
+#[cfg(unix)]
+fn identity(path: &Path) -> Option<Identity> {
+    use std::os::unix::fs::MetadataExt;
+    let found = std::fs::metadata(path).ok()?;
+    Some((found.dev(), found.ino()))
+}
+
+#[cfg(not(unix))]
+fn identity(path: &Path) -> Option<Identity> {
+    path.canonicalize().ok()
 }
 
 /// Writes a file, with the folders above it; replaces a previous file in one step.
 ///
 /// # Errors
-/// Names the file.
+/// Names the file; an input of the command, or a file of others.
 pub fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    check_owner(path)?;
     TOGETHER
         .with_borrow_mut(|together| match together {
             Some(outputs) => outputs.add(path, bytes),
@@ -109,7 +141,24 @@ pub fn check_places(paths: &[&Path]) -> anyhow::Result<()> {
 /// Names the file.
 pub fn check_place(path: &Path) -> anyhow::Result<()> {
     srbf_fit::check_output(path).context("cannot write")?;
-    if KEEPS_OTHERS.load(Relaxed) && path.exists() && !is_ours(path) {
+    check_owner(path)
+}
+
+/// Refuses the place of a file that has to stay. Folders and devices are refused by those who write.
+fn check_owner(path: &Path) -> anyhow::Result<()> {
+    let Some(found) = identity(path).filter(|_| path.is_file()) else { return Ok(()) };
+    let inputs = INPUTS.lock().unwrap_or_else(PoisonError::into_inner);
+    let is_found = |(path, then): &&(PathBuf, Option<Identity>)| {
+        then.as_ref().map_or_else(|| identity(path).as_ref() == Some(&found), |then| *then == found)
+    };
+    if let Some((input, _)) = inputs.iter().find(is_found) {
+        bail!(
+            "output {}: it is the command's own input {}, which no output replaces, not by --force either; another name is expected",
+            shown(path),
+            shown(input)
+        );
+    }
+    if KEEPS_OTHERS.load(Relaxed) && !is_ours(path) {
         bail!("output {}: it is there, and srbf did not write it; --force overwrites it", shown(path));
     }
     Ok(())

@@ -4,7 +4,7 @@ use crate::out::print::shown;
 use anyhow::{Context, ensure};
 use sha2::{Digest, Sha256};
 use srbf_fit::read::{Source, neural};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Largest file of networks and of their names that is read, bytes.
 const MAX_FILE: u64 = 1 << 24;
@@ -27,9 +27,8 @@ impl Networks {
             .map_err(anyhow::Error::new)
             .and_then(parse)
             .with_context(|| shown(path))?;
-        let mut list = path.with_extension("").into_os_string();
-        list.push("_names.txt");
-        let list = Path::new(&list);
+        let list = Self::names_beside(path);
+        let list = list.as_path();
         let text = |bytes: Vec<u8>| Ok(String::from_utf8(bytes)?);
         let names = srbf_fit::read_at_most(list, MAX_FILE)
             .map_err(anyhow::Error::new)
@@ -45,6 +44,13 @@ impl Networks {
             shown(list)
         );
         Ok(Self { all: names.into_iter().map(str::to_owned).zip(networks).collect(), sha256 })
+    }
+
+    /// The file of the names beside a file of networks.
+    pub fn names_beside(path: &Path) -> PathBuf {
+        let mut list = path.with_extension("").into_os_string();
+        list.push("_names.txt");
+        list.into()
     }
 
     /// One of them as a measurement.

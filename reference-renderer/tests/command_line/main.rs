@@ -4,9 +4,12 @@ mod files;
 mod fits;
 mod harness;
 mod options;
+mod outputs;
 mod packs;
 mod pictures;
 mod strangers;
+#[cfg(target_os = "linux")]
+mod viewed;
 
 use harness::{command, folder, refused, srbf};
 

@@ -1,7 +1,6 @@
-//! Text of strangers, in files, names and arguments, reaches neither terminal nor page unchanged; their files stay theirs.
+//! Text of strangers, in files, names and arguments, reaches neither terminal nor page unchanged.
 
 use crate::{folder, rows, srbf};
-use std::path::Path;
 
 /// An escape sequence, a mark that turns the following text, and a line that looks like one of the program's.
 const NAME: &str = "a\u{1b}[31m\u{202e}\nforged: all is well\u{7}";
@@ -118,28 +117,4 @@ fn a_report_holds_no_text_of_a_stranger_as_it_is() {
     check(&json, "the report");
     let bytes = std::fs::read(place.join("a.srbf")).unwrap();
     assert!(!bytes.windows(2).any(|pair| pair == b"\x1b["), "the material holds the name as it was");
-}
-
-#[test]
-fn what_others_wrote_is_overwritten_by_force_alone() {
-    let place = folder("force");
-    let mine = b"a picture of somebody else";
-    for name in ["a.exr", "a.png", "b.srbf", "b.json", "c.csv", "d.csv"] {
-        std::fs::write(place.join(name), mine).unwrap();
-    }
-    let render = ["render", "--size", "4x4", "--spp", "1", "-o", "a.exr"];
-    let fit = ["fit", "model:lambert:albedo=0.3", "--lobes", "1", "--no-picture", "-o", "b.srbf"];
-    let compare = ["compare", "--side", "0", "-o", "d"];
-    for call in [&render[..], &fit, &compare] {
-        let output = srbf(&place, call);
-        assert_eq!(output.status.code(), Some(2), "{call:?}");
-    }
-    let is_theirs = |name: &str| std::fs::read(Path::new(&place).join(name)).unwrap() == mine;
-    assert!(["a.exr", "a.png", "b.srbf", "b.json", "c.csv", "d.csv"].iter().all(|name| is_theirs(name)));
-    // Its own files it overwrites.
-    for call in [&[&render[..], &["--force"]].concat(), &render[..]] {
-        let output = srbf(&place, call);
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        assert!(!is_theirs("a.exr") && !is_theirs("a.png"));
-    }
 }

@@ -110,7 +110,7 @@ fn documentation(code: &str) -> Vec<(usize, String)> {
 }
 
 /// The files below a folder, with the mark of their comments.
-fn files(folder: &Path, found: &mut Vec<(PathBuf, &'static str)>) {
+pub fn files(folder: &Path, found: &mut Vec<(PathBuf, &'static str)>) {
     for entry in folder.read_dir().expect("a folder") {
         let path = entry.expect("an entry").path();
         let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
@@ -131,7 +131,7 @@ fn words(sentence: &str) -> usize {
     sentence.split(' ').filter(|word| word.contains(char::is_alphabetic)).count()
 }
 
-fn root() -> PathBuf {
+pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 

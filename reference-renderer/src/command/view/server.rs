@@ -1,19 +1,38 @@
 //! A server of a few files on the loopback address.
 //!
-//! It answers GET and HEAD, a connection a request. Pages of other origins get nothing: a request has to name the address as its host,
-//! and no other origin may embed the files.
+//! It answers GET and HEAD, a connection a request, and reads no content of a request. Pages of other origins get nothing: a request has to
+//! name the address as its host, and no other origin may embed the files. Clients have [`Bounds`], and none of them ends the server.
 
-use anyhow::Context;
+use anyhow::{Context, ensure};
 use std::io::{self, Read, Write};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
-use std::sync::Arc;
-use std::time::Duration;
+use std::sync::mpsc::sync_channel;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
-/// Most bytes of the head of a request.
-const MOST: usize = 8192;
+/// The room and the time that clients may take.
+#[derive(Clone, Copy)]
+struct Bounds {
+    /// Connections that are answered at a time, each by a thread. Others wait in the queue of the system.
+    clients: usize,
+    /// Most bytes of the head of a request.
+    head: usize,
+    /// Time for the whole head.
+    asking: Duration,
+    /// Time for the whole answer: through a slow tunnel the page takes a minute.
+    answering: Duration,
+    /// Pause after a connection that the system could not give, as where too many files are open.
+    pause: Duration,
+}
 
-/// How long a connection may keep silent.
-const PATIENCE: Duration = Duration::from_secs(10);
+/// A browser opens six connections, some before it needs them.
+const BOUNDS: Bounds = Bounds {
+    clients: 32,
+    head: 8192,
+    asking: Duration::from_secs(10),
+    answering: Duration::from_secs(120),
+    pause: Duration::from_millis(100),
+};
 
 /// Files by name.
 type Files = Vec<(&'static str, Vec<u8>)>;
@@ -22,6 +41,7 @@ type Files = Vec<(&'static str, Vec<u8>)>;
 pub struct Server {
     listener: TcpListener,
     port: u16,
+    bounds: Bounds,
 }
 
 impl Server {
@@ -33,7 +53,7 @@ impl Server {
         let bound = TcpListener::bind((Ipv4Addr::LOCALHOST, port));
         let listener = bound.with_context(|| format!("--port {port}: a free port is expected"))?;
         let port = listener.local_addr()?.port();
-        Ok(Self { listener, port })
+        Ok(Self { listener, port, bounds: BOUNDS })
     }
 
     /// The address of the page.
@@ -42,37 +62,86 @@ impl Server {
     }
 
     /// Answers for ever.
-    pub fn run(self, files: Files) -> anyhow::Result<()> {
-        let (files, port) = (Arc::new(files), self.port);
-        for stream in self.listener.incoming() {
-            let files = Arc::clone(&files);
-            // A connection that fails is the browser's to repeat.
-            let Ok(stream) = stream else { continue };
-            // A browser opens connections before it needs them: each waits by itself.
-            std::thread::Builder::new()
-                .spawn(move || answer(stream, &files, port))
-                .context("no thread for a request")?;
-        }
-        Ok(())
+    ///
+    /// # Errors
+    /// Where there is no thread at all for requests.
+    pub fn run(self, files: &Files) -> anyhow::Result<()> {
+        let Self { listener, port, bounds } = self;
+        // Without room: a connection is handed over where a thread is free for it.
+        let (give, taken) = sync_channel::<TcpStream>(0);
+        let taken = Mutex::new(taken);
+        let next = || taken.lock().unwrap_or_else(PoisonError::into_inner).recv();
+        let work = || {
+            while let Ok(stream) = next() {
+                // A connection that fails is the browser's to repeat.
+                let _ = answer(stream, files, port, bounds);
+            }
+        };
+        std::thread::scope(|scope| {
+            let thread = |_| std::thread::Builder::new().spawn_scoped(scope, work).ok();
+            let threads = (0..bounds.clients).map_while(thread).count();
+            ensure!(threads > 0, "no thread for requests");
+            loop {
+                match listener.accept() {
+                    Ok((stream, _)) => give.send(stream)?,
+                    Err(_) => std::thread::sleep(bounds.pause),
+                }
+            }
+        })
+    }
+}
+
+/// A connection until an end.
+struct Timed {
+    stream: TcpStream,
+    end: Instant,
+}
+
+impl Timed {
+    /// The time that is left.
+    fn left(&self) -> io::Result<Option<Duration>> {
+        let left = self.end.saturating_duration_since(Instant::now());
+        if left.is_zero() { Err(io::ErrorKind::TimedOut.into()) } else { Ok(Some(left)) }
+    }
+}
+
+impl Read for Timed {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        self.stream.set_read_timeout(self.left()?)?;
+        self.stream.read(bytes)
+    }
+}
+
+impl Write for Timed {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.stream.set_write_timeout(self.left()?)?;
+        self.stream.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.stream.flush()
     }
 }
 
 /// Answers a request.
-fn answer(mut stream: TcpStream, files: &Files, port: u16) -> io::Result<()> {
-    stream.set_read_timeout(Some(PATIENCE))?;
-    stream.set_write_timeout(Some(PATIENCE))?;
-    let mut head = Vec::new();
-    let mut part = [0; 1024];
-    while !head.windows(4).any(|end| end == b"\r\n\r\n") {
+fn answer(stream: TcpStream, files: &Files, port: u16, bounds: Bounds) -> io::Result<()> {
+    let mut stream = Timed { stream, end: Instant::now() + bounds.asking };
+    let (mut head, mut part) = (Vec::new(), [0; 1024]);
+    while head.len() <= bounds.head && !head.windows(4).any(|end| end == b"\r\n\r\n") {
         let count = stream.read(&mut part)?;
-        if count == 0 || head.len() + count > MOST {
+        if count == 0 {
             return Ok(());
         }
         head.extend_from_slice(&part[..count]);
     }
-    let (status, kind, body) = found(&String::from_utf8_lossy(&head), files, port);
+    let (status, kind, body) = if head.len() > bounds.head {
+        ("431 Request Header Fields Too Large", PLAIN, &b"the head is too long\n"[..])
+    } else {
+        found(&String::from_utf8_lossy(&head), files, port)
+    };
     let mut text = format!("HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\n", body.len());
     text += "Cache-Control: no-store\r\nCross-Origin-Resource-Policy: same-origin\r\nX-Content-Type-Options: nosniff\r\nConnection: close\r\n\r\n";
+    stream.end = Instant::now() + bounds.answering;
     stream.write_all(text.as_bytes())?;
     if !head.starts_with(b"HEAD ") {
         stream.write_all(body)?;
@@ -80,20 +149,26 @@ fn answer(mut stream: TcpStream, files: &Files, port: u16) -> io::Result<()> {
     stream.flush()
 }
 
+/// The type of messages.
+const PLAIN: &str = "text/plain; charset=utf-8";
+
 /// The answer to the head of a request: status, type and content.
 fn found<'f>(head: &str, files: &'f Files, port: u16) -> (&'static str, &'static str, &'f [u8]) {
-    const PLAIN: &str = "text/plain; charset=utf-8";
     let mut lines = head.lines();
     let mut request = lines.next().unwrap_or_default().split(' ');
     let (method, path) = (request.next().unwrap_or_default(), request.next().unwrap_or_default());
     if !["GET", "HEAD"].contains(&method) {
         return ("405 Method Not Allowed", PLAIN, b"only files are given\n");
     }
-    let host =
-        lines.filter_map(|line| line.split_once(':')).find(|(name, _)| name.eq_ignore_ascii_case("host"));
-    let host = host.map_or("", |(_, value)| value.trim());
+    let fields: Vec<_> = lines.filter_map(|line| line.split_once(':')).collect();
+    let field = |wanted: &str| fields.iter().find(|(name, _)| name.eq_ignore_ascii_case(wanted));
+    let field = |wanted: &str| field(wanted).map_or("", |(_, value)| value.trim());
+    let host = field("host");
     if host != format!("127.0.0.1:{port}") && host != format!("localhost:{port}") {
         return ("403 Forbidden", PLAIN, b"the host is not this one\n");
+    }
+    if !["", "0"].contains(&field("content-length")) || !field("transfer-encoding").is_empty() {
+        return ("413 Content Too Large", PLAIN, b"a request without content is expected\n");
     }
     let name = path.split(['?', '#']).next().unwrap_or_default().trim_start_matches('/');
     let name = if name.is_empty() { "index.html" } else { name };
@@ -136,6 +211,13 @@ mod tests {
         }
         assert_eq!(status("POST / HTTP/1.1\r\nHost: 127.0.0.1:80\r\n\r\n"), "405 Method Not Allowed");
         assert_eq!(status(""), "405 Method Not Allowed");
+        for (field, expected) in [
+            ("Content-Length: 0", "200 OK"),
+            ("content-length: 9", "413 Content Too Large"),
+            ("Transfer-Encoding: chunked", "413 Content Too Large"),
+        ] {
+            assert_eq!(status(&format!("GET / HTTP/1.1\r\nHost: localhost:80\r\n{field}\r\n\r\n")), expected);
+        }
     }
 
     #[test]
@@ -147,24 +229,95 @@ mod tests {
         assert_eq!(status("GET / HTTP/1.1\r\nhost: localhost:80\r\n\r\n"), "200 OK");
     }
 
-    #[test]
-    fn a_request_is_answered_over_a_connection() {
-        let server = Server::bind(0).unwrap();
+    /// A server of these bounds; its port.
+    fn start(bounds: Bounds, files: Files) -> u16 {
+        let server = Server { bounds, ..Server::bind(0).unwrap() };
         let port = server.port;
         assert_eq!(server.address(), format!("http://127.0.0.1:{port}/"));
-        std::thread::spawn(move || server.run(files()));
-        let ask = |head: &str| {
-            let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, port)).unwrap();
-            stream.write_all(head.as_bytes()).unwrap();
-            let mut text = String::new();
-            stream.read_to_string(&mut text).unwrap();
-            text
-        };
-        let text = ask(&format!("GET /page.js HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n"));
+        std::thread::spawn(move || server.run(&files));
+        port
+    }
+
+    fn connected(port: u16) -> TcpStream {
+        let stream = TcpStream::connect((Ipv4Addr::LOCALHOST, port)).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+        stream
+    }
+
+    fn get(port: u16, path: &str) -> String {
+        format!("GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n")
+    }
+
+    /// All that is answered until the connection ends, by the server or by the fault that it had to end with.
+    fn answered(mut stream: TcpStream, head: &str) -> String {
+        let _ = stream.write_all(head.as_bytes());
+        let mut bytes = Vec::new();
+        let end = stream.read_to_end(&mut bytes);
+        assert!(!end.is_err_and(|error| error.kind() == io::ErrorKind::WouldBlock), "no end in a minute");
+        String::from_utf8(bytes).unwrap()
+    }
+
+    #[test]
+    fn a_request_is_answered_over_a_connection() {
+        let port = start(BOUNDS, files());
+        let text = answered(connected(port), &get(port, "/page.js"));
         assert!(text.starts_with("HTTP/1.1 200 OK\r\n") && text.ends_with("\r\n\r\nscript"), "{text}");
-        let text = ask(&format!("HEAD / HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n"));
+        let text = answered(connected(port), &get(port, "/").replace("GET", "HEAD"));
         assert!(text.contains("Content-Length: 4") && text.ends_with("\r\n\r\n"), "{text}");
         // A port that is taken is an error.
         assert!(Server::bind(port).is_err());
+    }
+
+    /// Little time for each part.
+    const SHORT: Bounds = Bounds {
+        clients: 2,
+        asking: Duration::from_millis(300),
+        answering: Duration::from_millis(300),
+        ..BOUNDS
+    };
+
+    #[test]
+    fn more_clients_than_threads_take_turns() {
+        let port = start(SHORT, files());
+        let silent: Vec<TcpStream> = (0..10).map(|_| connected(port)).collect();
+        // Behind five pairs, each of which has its time.
+        let start = Instant::now();
+        assert!(answered(connected(port), &get(port, "/")).ends_with("page"));
+        assert!(start.elapsed() > 3 * SHORT.asking, "{:?}", start.elapsed());
+        drop(silent);
+    }
+
+    #[test]
+    fn a_head_comes_in_its_time_and_is_not_long() {
+        let port = start(SHORT, files());
+        let mut slow = connected(port);
+        let start = Instant::now();
+        // Each byte comes long before the end, all of them never.
+        while slow.write_all(b"G").is_ok() && start.elapsed() < Duration::from_secs(30) {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        assert!(start.elapsed() < Duration::from_secs(30), "a slow sender is never left");
+        let long = get(port, &format!("/{}", "a".repeat(BOUNDS.head)));
+        assert!(answered(connected(port), &long).starts_with("HTTP/1.1 431 "));
+        // One that never ends is not read to its end.
+        let mut endless = connected(port);
+        let part = [b'a'; 1 << 16];
+        let parts = (0..1 << 14).take_while(|_| endless.write_all(&part).is_ok()).count();
+        assert!(parts < 1 << 14, "a gigabyte was taken");
+    }
+
+    #[test]
+    fn an_answer_is_taken_in_its_time() {
+        let large = 1 << 26;
+        let port = start(SHORT, vec![("index.html", vec![b'a'; large])]);
+        let mut slow = connected(port);
+        slow.write_all(get(port, "/").as_bytes()).unwrap();
+        let (mut count, mut part) = (0, [0; 1 << 16]);
+        // Each part is taken long before the end, all of them never.
+        while let Ok(size @ 1..) = slow.read(&mut part) {
+            count += size;
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        assert!(count < large, "a slow reader got {count} bytes");
     }
 }

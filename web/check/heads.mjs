@@ -1,0 +1,174 @@
+// Files are looked at before they are read or copied, by the page and by the package for three.js: node heads.mjs
+//
+// Needs no browser. Says the result as `cargo test` does, for fuzz/plant.
+
+import { copyFileSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { dirname, join } from "node:path";
+import { fileURLToPath, pathToFileURL } from "node:url";
+import { runInNewContext } from "node:vm";
+
+const root = join(dirname(fileURLToPath(import.meta.url)), "..", "..");
+const preset = new Uint8Array(readFileSync(join(root, "presets", "cayman.srbf")));
+const GIGABYTE = 2 ** 30, LITTLE = 4096;
+
+// As modules: in the page they are one script.
+const place = mkdtempSync(join(tmpdir(), "srbf-heads-"));
+process.on("exit", () => rmSync(place, { recursive: true, force: true }));
+for (const name of readdirSync(join(root, "web", "page")).filter((name) => name.endsWith(".js"))) copyFileSync(join(root, "web", "page", name), join(place, name));
+writeFileSync(join(place, "package.json"), `{ "type": "module" }`);
+globalThis.self = globalThis;
+const { looked, opened } = await import(pathToFileURL(join(place, "opener.js")));
+const { received, wordsOf } = await import(pathToFileURL(join(place, "words.js")));
+
+// The worker of the page, with a fitter that gives the file back.
+const memory = { buffer: new ArrayBuffer(1 << 16) };
+let [end, name, file] = [64, [], []]; // the next block; those of a call
+const fitter = {
+    memory,
+    fitter_allocate: (size) => (end += size) - size,
+    fitter_open: (...blocks) => { [name, file] = [blocks.slice(0, 2), blocks.slice(2)]; return 0; },
+    fitter_answer: (part) => (part === 0 ? file[0] : 0),
+    fitter_answer_size: (part) => (part === 0 ? file[1] : 2),
+};
+new Uint8Array(memory.buffer).set(new TextEncoder().encode("{}"));
+globalThis.Worker = class {
+    constructor(url) {
+        const own = { postMessage: (data) => this.onmessage({ data }) };
+        const inside = { self: own, performance, Blob, TextEncoder, TextDecoder, Uint8Array, WebAssembly: { instantiate: async () => ({ exports: fitter }), RuntimeError: Error } };
+        this.ready = fetch(url).then((answer) => answer.text()).then((text) => { runInNewContext(text, inside); return own; });
+    }
+    postMessage(data) { this.ready.then((own) => own.onmessage({ data })); }
+    terminate() {}
+};
+WebAssembly.compile = async () => "a module";
+
+let [passed, failed] = [0, 0];
+function expectThat(holds, what) {
+    if (!holds) console.log(`FAILS: ${what}`);
+    if (holds) passed += 1;
+    else failed += 1;
+}
+
+/** The bytes at the beginning of a file of a size; zeros follow. Counts the bytes that are taken of it. */
+class Counted {
+    constructor(name, start, size = start.length) {
+        Object.assign(this, { name, start, size, taken: 0, isWhole: false });
+    }
+    part(from, to) {
+        const end = Math.min(to, this.size), bytes = new Uint8Array(Math.max(end - from, 0));
+        this.taken += bytes.length;
+        bytes.set(this.start.subarray(from, end));
+        return bytes;
+    }
+    slice(from, to) { return { arrayBuffer: async () => this.part(from, to).buffer }; }
+    async arrayBuffer() {
+        this.isWhole = true;
+        if (this.size > 2 ** 28) {
+            this.taken += this.size;
+            throw new Error("all of it is read");
+        }
+        return this.part(0, this.size).buffer;
+    }
+    stream() {
+        let at = 0;
+        return new ReadableStream({ pull: (to) => {
+            if (at >= this.size) return to.close();
+            to.enqueue(this.part(at, at + 1000));
+            at += 1000;
+        } });
+    }
+}
+
+/** A material's bytes that announce another length. */
+function announcing(length) {
+    const bytes = preset.slice();
+    new DataView(bytes.buffer).setUint32(16, length, true);
+    return bytes;
+}
+
+const says = (error, words) => words.every((word) => error.includes(word));
+const message = (promise) => promise.then(() => "", (error) => error.message);
+/** As the page does it. */
+const open = async (file) => { await looked(file); return opened(file, () => {}).answer; };
+
+async function refused(file, words) {
+    const error = await message(open(file));
+    expectThat(says(error, words) && file.taken <= LITTLE, `${file.name} of ${file.size} bytes: ${file.taken} are taken, "${error}"`);
+}
+
+async function ofThePage() {
+    for (const hasFitter of [false, true]) {
+        self.srbfFitter = hasFitter ? "AA==" : undefined;
+        const most = hasFitter ? `at most ${2 ** 28} bytes` : "a .srbf file is expected";
+        await refused(new Counted("zeros.csv", new Uint8Array(0), GIGABYTE), ["zeros.csv", most]);
+        await refused(new Counted("text.csv", new TextEncoder().encode("theta_i,".repeat(600)), GIGABYTE), ["text.csv", most]);
+        await refused(new Counted("longer.srbf", preset, GIGABYTE), ["longer.srbf", `${preset.length} bytes`, `${GIGABYTE} are there`]);
+        await refused(new Counted("large.srbf", announcing(GIGABYTE), GIGABYTE), ["large.srbf", `${2 ** 26} bytes`, `${GIGABYTE} are announced`]);
+        await refused(new Counted("cut.srbf", preset.subarray(0, 12)), ["cut.srbf", "a .srbf file of"]);
+    }
+    await refused(new Counted("other.bin", preset.subarray(4), 2 ** 27), ["other.bin", "is 0"]);
+
+    self.srbfFitter = undefined;
+    const own = new Counted("cayman.srbf", preset);
+    const { bytes, json } = await open(own);
+    expectThat(Buffer.compare(bytes, preset) === 0 && json.name === "cayman" && own.taken <= LITTLE + preset.length, `a material is opened: ${own.taken} bytes are taken`);
+}
+
+async function ofTheWorker() {
+    end = 64;
+    self.srbfFitter = "AA==";
+    const rows = new TextEncoder().encode("theta_i,phi_i,theta_o,phi_o,value\n".repeat(300));
+    for (const [title, start] of [["rows.csv", rows], ["16-bits.csv", new Uint8Array(Buffer.from("theta_i,1\n".repeat(500), "utf16le"))], ["table.bsdf", new TextEncoder().encode("tensor_file\0\0\0")]]) {
+        const file = new Counted(title, start);
+        const { bytes } = await open(file);
+        const given = new TextDecoder().decode(new Uint8Array(memory.buffer, ...name));
+        expectThat(given === title && Buffer.compare(bytes, start) === 0, `the fitter gets ${title} whole: ${given}, ${bytes.length} bytes`);
+        expectThat(file.taken <= LITTLE + start.length && !file.isWhole, `${title} is taken once, part by part: ${file.taken} bytes`);
+    }
+}
+
+/** An answer to a request, in parts of a size. */
+function answered(file, size) {
+    let at = 0;
+    return { body: new ReadableStream({ pull: (to) => {
+        if (at >= file.size) return to.close();
+        to.enqueue(file.part(at, at + size));
+        at += size;
+    } }) };
+}
+
+async function ofThePackage() {
+    const before = process.memoryUsage().arrayBuffers, large = new Uint8Array(GIGABYTE);
+    const attempt = (data) => { try { wordsOf(data, "it", 1024); return ""; } catch (error) { return error.message; } };
+    expectThat(says(attempt(large), ["it: ", `to ${2 ** 26} bytes`]), "zeros are no material");
+    large.set(preset);
+    expectThat(says(attempt(large), [`${preset.length} bytes`, `${GIGABYTE} are there`]), "a longer file is refused");
+    large.set(announcing(GIGABYTE));
+    expectThat(says(attempt(large), [`${2 ** 26} bytes`, `${GIGABYTE} are announced`]), "a large file is refused");
+    const copied = process.memoryUsage().arrayBuffers - before - GIGABYTE;
+    expectThat(copied < 1e6, `nothing is copied of a gigabyte: ${copied} bytes`);
+
+    for (const size of [1, 19, 47, 1000, preset.length]) {
+        const bytes = await received(answered(new Counted("it", preset), size), "it");
+        expectThat(Buffer.compare(bytes, preset) === 0, `parts of ${size} bytes are put together`);
+    }
+    for (const [start, words] of [
+        [new Uint8Array(0), ["it: a .srbf file", `to ${2 ** 26} bytes`]],
+        [preset, [`${preset.length} bytes are expected, more are there`]],
+        [announcing(GIGABYTE), [`${GIGABYTE} are announced`]],
+    ]) {
+        // Large, but such as memory holds where all of it is taken.
+        const file = new Counted("it", start, GIGABYTE / 8);
+        const error = await message(received(answered(file, LITTLE), "it"));
+        expectThat(says(error, words) && file.taken <= 4 * LITTLE, `a large answer: ${file.taken} bytes are taken, "${error}"`);
+    }
+    expectThat(says(await message(received(answered(new Counted("it", preset.subarray(0, 9)), 4), "it")), ["it: a .srbf file"]), "a short answer is refused");
+}
+
+for (const part of [ofThePage, ofTheWorker, ofThePackage]) {
+    // A fault of the code is no failure of a test.
+    await part().catch((error) => { console.log(error.stack); process.exit(3); });
+}
+console.log(failed === 0 ? `test result: ok. ${passed} passed` : `error: test failed, ${failed} of ${passed + failed}`);
+process.exit(failed === 0 ? 0 : 1);
