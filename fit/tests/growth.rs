@@ -69,6 +69,8 @@ fn text_without_names() {
     let words = |n: usize| (0..n).map(|i| format!("word{i}")).collect::<Vec<_>>().join(",");
     grows_with("words in one line", 6000, words);
     grows_with("words in one line of 10 MB", 300_000, words);
+    let error = read(&words(1_000_000)).err().unwrap();
+    assert!(error.ends_with("the first 262144 fields are looked at"), "{error}");
     grows_with("separators alone", 2_500_000, |n| ",".repeat(n));
 }
 
