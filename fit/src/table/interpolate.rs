@@ -15,6 +15,7 @@
 //! So one sample on a spike fixes its height, and its neighbours, through the albedo that the fit is held to, its width.
 
 use super::Sample;
+use std::collections::HashMap;
 use std::f64::consts::PI;
 
 /// Ratio to its highest neighbour from which a sample counts as a lone spike.
@@ -58,9 +59,17 @@ pub(crate) struct Owners {
     order: Vec<usize>,
 }
 
+/// Directions are one if their x, and the square of their distance, are closer than this. They are looked for in strips of y that are a
+/// little wider than that distance.
+const ONE_X: f64 = 1e-6;
+const ONE_SQUARED: f64 = 1e-10;
+const STRIP: f64 = 1.1e-5;
+
 /// Finds the samples that have one direction.
 pub(crate) fn owners(samples: &[Sample]) -> Owners {
     let mut representative: Vec<usize> = Vec::with_capacity(samples.len());
+    // Places among the representatives, by strip: all samples of a plane share their x.
+    let mut strips: HashMap<i64, Vec<usize>> = HashMap::new();
     let mut order: Vec<usize> = (0..samples.len()).collect();
     order.sort_by(|&a, &b| {
         let (a, b) = (&samples[a].direction, &samples[b].direction);
@@ -69,14 +78,22 @@ pub(crate) fn owners(samples: &[Sample]) -> Owners {
     let mut owner = vec![0; samples.len()];
     for &n in &order {
         let d = samples[n].direction;
-        let twin = representative
-            .iter()
-            .rev()
-            .take_while(|&&r| d[0] - samples[r].direction[0] < 1e-6)
-            .find(|&&r| distance_squared(&samples[r].direction, &d) < 1e-10);
+        let strip = (d[1] / STRIP).floor() as i64;
+        let found = |strip: i64| {
+            let mut near = strips
+                .get(&strip)?
+                .iter()
+                .rev()
+                .map(|&place| (place, &samples[representative[place]].direction))
+                .take_while(|(_, r)| d[0] - r[0] < ONE_X);
+            near.find(|(_, r)| distance_squared(r, &d) < ONE_SQUARED).map(|(place, _)| place)
+        };
+        // The last one, as if all were gone through from the end.
+        let twin = [strip - 1, strip, strip + 1].into_iter().filter_map(found).max();
         owner[n] = match twin {
-            Some(&r) => r,
+            Some(place) => representative[place],
             None => {
+                strips.entry(strip).or_default().push(representative.len());
                 representative.push(n);
                 n
             }
@@ -226,6 +243,35 @@ pub(crate) mod tests {
             }
         }
         samples
+    }
+
+    /// Samples that share a direction, or nearly, have the owner that going through all before them finds; planes share their x.
+    #[test]
+    fn owners_are_those_of_all_before_them() {
+        let mut random = crate::numeric::random::Random::new(5);
+        let mut samples = grid(|_| 1.0);
+        for n in 0..600 {
+            let d = match n % 3 {
+                0 => direction(1.57 - 1e-5 * random.next(), 1.57 + 1e-5 * random.next()),
+                1 => direction(1e-4 * random.next(), PI / 2.0),
+                _ => samples[n / 3].direction.map(|x| x + 4e-6 * random.next()),
+            };
+            samples.push(Sample { direction: d, ..samples[0] });
+        }
+        let found = owners(&samples);
+        let mut before: Vec<usize> = Vec::new();
+        for &n in &found.order {
+            let d = samples[n].direction;
+            let twin = before.iter().rev().find(|&&r| {
+                let r = &samples[r].direction;
+                d[0] - r[0] < 1e-6 && distance_squared(r, &d) < 1e-10
+            });
+            assert_eq!(found.owner[n], twin.copied().unwrap_or(n), "{d:?}");
+            if twin.is_none() {
+                before.push(n);
+            }
+        }
+        assert!((100..samples.len() - 100).contains(&before.len()), "{} of {}", before.len(), samples.len());
     }
 
     #[test]

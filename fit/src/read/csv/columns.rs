@@ -1,8 +1,10 @@
 //! Which columns hold the two directions and the value.
 
+use super::super::decode::shortened;
 use super::super::wavelengths::{Wavelengths, rgb_of_xyz};
 use super::names::{Role, Side, Unit, role, unit};
 use crate::ReadError;
+use std::collections::HashSet;
 
 /// Where a number stands: in a column, or once above all rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,14 +80,15 @@ impl Columns {
             .filter(|r| !matches!(r, Role::Other | Role::At(_) | Role::NoWavelength | Role::Value))
             .count();
         let fail = |reason: String| Err(NoColumns { known, reason });
-        let plain = |n: usize| names[n].trim().to_lowercase();
+        let is_named = |n: usize| !names[n].trim().is_empty();
+        let mut seen = HashSet::new();
         if let Some(twice) =
-            (1..names.len()).find(|&n| !plain(n).is_empty() && (0..n).any(|m| plain(m) == plain(n)))
+            (0..names.len()).find(|&n| is_named(n) && !seen.insert(names[n].trim().to_lowercase()))
         {
-            return fail(format!("column `{}` stands there twice", names[twice].trim()));
+            return fail(format!("column `{}` stands there twice", shortened(&names[twice])));
         }
         if let Some(odd) = roles.iter().position(|r| *r == Role::NoWavelength) {
-            return fail(format!("column `{}` is named by no wavelength", names[odd].trim()));
+            return fail(format!("column `{}` is named by no wavelength", shortened(&names[odd])));
         }
         let sides = Sides { names, roles: &roles, constants };
         let mut notes = Vec::new();
@@ -100,15 +103,16 @@ impl Columns {
         if let Values::Spectrum(_, wavelengths) = &values {
             notes.extend(wavelengths.note.clone());
         }
-        let used = |n: usize| directions.has(n) || values.has(n);
+        let mut is_value = vec![false; names.len()];
+        values.places().into_iter().for_each(|n| is_value[n] = true);
         let ignored: Vec<String> = (0..names.len())
-            .filter(|&n| !used(n) && !plain(n).is_empty())
+            .filter(|&n| !directions.has(n) && !is_value[n] && is_named(n))
             .map(|n| names[n].trim().to_owned())
             .collect();
         let unit_of =
             |of: &dyn Fn(usize) -> bool| (0..names.len()).filter(|&n| of(n)).find_map(|n| unit(&names[n]));
         let angle_unit = unit_of(&|n| directions.has(n));
-        let value_unit = unit_of(&|n| values.has(n));
+        let value_unit = unit_of(&|n| is_value[n]);
         let names = names.iter().map(|name| name.trim().to_owned()).collect();
         Ok(Self { names, directions, values, angle_unit, value_unit, ignored, notes })
     }
@@ -180,7 +184,7 @@ impl Sides<'_> {
             // To take it for 0 would turn every sample.
             return Err(format!(
                 "column `{}` is an azimuth, of which direction is not known: name it phi_i, phi_o or delta_phi",
-                self.names[odd].trim()
+                shortened(&self.names[odd])
             ));
         }
         if matches!(azimuths, Azimuths::Outgoing(_) | Azimuths::Incident(_)) {
@@ -222,7 +226,7 @@ fn values(names: &[String], roles: &[Role]) -> Result<Values, String> {
             let unknown =
                 names.iter().zip(roles).find(|(name, r)| **r == Role::Other && !name.trim().is_empty());
             let hint = unknown.map_or_else(String::new, |(name, _)| {
-                format!("; if `{}` is the value, name it so", name.trim())
+                format!("; if `{}` is the value, name it so", shortened(name))
             });
             Err(format!(
                 "no column is the value: r,g,b, or X,Y,Z, or value, or wavelengths such as 400nm{hint}"
@@ -249,10 +253,6 @@ impl Directions {
 }
 
 impl Values {
-    fn has(&self, n: usize) -> bool {
-        self.places().contains(&n)
-    }
-
     /// The columns that hold the value, in the order in which [`rgb`](Self::rgb) takes their numbers.
     pub fn places(&self) -> Vec<usize> {
         match self {

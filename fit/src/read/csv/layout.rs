@@ -5,8 +5,9 @@ use super::columns::{Columns, Constants, NoColumns, fault};
 use super::names::{Role, Unit, role, unit};
 use crate::ReadError;
 
-/// Lines among which the names are looked for.
+/// Lines among which the names are looked for, and fields of all separators that are tried: other content ends the search.
 const SEARCHED: usize = 1000;
+const FIELDS: usize = 1 << 18;
 
 /// Marks of comments; a line of names may be one.
 const COMMENTS: [&str; 5] = ["//", "#", "%", "!", "$"];
@@ -63,13 +64,16 @@ impl Layout {
                     if reason.known > 0 && closest.as_ref().is_none_or(|c| reason.known > c.1.known) {
                         closest = Some((n + 1, reason));
                     }
+                    if above.fields > FIELDS {
+                        break;
+                    }
                     above.read(plain);
                 }
             }
         }
         found.ok_or_else(|| match closest {
             Some((line, reason)) => fault(line, &reason.reason),
-            None => no_names(text),
+            None => no_names(text, above.fields > FIELDS),
         })
     }
 }
@@ -80,14 +84,28 @@ struct Above {
     separator: Option<char>,
     constants: Constants,
     angle_unit: Option<Unit>,
+    /// Fields that were looked at.
+    fields: usize,
 }
 
 impl Above {
     /// The columns that a line names, and what separates them; else the attempt that knows most names.
-    fn columns(&self, line: &str) -> Result<(Columns, char), NoColumns> {
+    fn columns(&mut self, line: &str) -> Result<(Columns, char), NoColumns> {
         let mut best: Result<(Columns, char), NoColumns> = Err(NoColumns { known: 0, reason: String::new() });
         let said = self.separator.into_iter();
         for separator in said.chain(SEPARATORS.into_iter().filter(|_| self.separator.is_none())) {
+            let count = if separator == ' ' {
+                line.split_whitespace().count()
+            } else {
+                1 + line.matches(separator).count()
+            };
+            if count < 2 {
+                continue;
+            }
+            self.fields += count;
+            if self.fields > FIELDS {
+                break;
+            }
             let names = fields(line, separator);
             if names.len() < 2 {
                 continue;
@@ -167,11 +185,12 @@ fn said_separator(line: &str) -> Option<char> {
     rest.chars().next().or(Some('\t'))
 }
 
-fn no_names(text: &str) -> ReadError {
+fn no_names(text: &str, is_cut: bool) -> ReadError {
     let first = text.lines().find(|line| !line.trim().is_empty() && !is_comment(line.trim()));
     let found = first
         .map_or_else(|| "the file is empty".to_owned(), |line| format!("the first is `{}`", shortened(line)));
+    let cut = if is_cut { format!("; the first {FIELDS} fields are looked at") } else { String::new() };
     ReadError::Content(format!(
-        "no line names the columns, such as theta_i,phi_i,theta_o,phi_o,r,g,b above the rows; {found}"
+        "no line names the columns, such as theta_i,phi_i,theta_o,phi_o,r,g,b above the rows; {found}{cut}"
     ))
 }

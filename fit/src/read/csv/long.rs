@@ -28,6 +28,11 @@ pub(super) fn finish(
     groups.sort_by_key(|group| group[0].line);
     for group in groups {
         let line = group[0].line;
+        // Too few rows lack a wavelength: the work is that of the rows, however many wavelengths there are.
+        if group.len() < wavelengths.len() {
+            reading.leave_out(Reason::NoNumber, line);
+            continue;
+        }
         let mut spectrum = vec![(0.0, 0usize); wavelengths.len()];
         for row in &group {
             let at = wavelengths.partition_point(|w| *w < row.values[0]);

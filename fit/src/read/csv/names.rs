@@ -92,14 +92,19 @@ pub(super) fn unit(name: &str) -> Option<Unit> {
 
 /// The content of a column of that name.
 pub(super) fn role(name: &str) -> Role {
-    // Articles of French, and what German joins.
-    let apart =
-        ["d'", "l'", "d\u{2019}", "l\u{2019}"].iter().fold(name.to_owned(), |name, a| name.replace(a, " "));
-    let name = &ANGLES.iter().fold(apart, |name, a| name.replace(a, " angle"));
-    let plain = name.trim().to_lowercase();
-    if let Ok(number) = plain.parse::<f64>() {
+    let name = name.trim();
+    if name.is_empty() {
+        return Role::Other;
+    }
+    if let Ok(number) = name.parse::<f64>() {
         return if number.is_finite() { Role::At(number) } else { Role::NoWavelength };
     }
+    // Articles of French, and what German joins.
+    let with = |name: String, a: &str, b: &str| if name.contains(a) { name.replace(a, b) } else { name };
+    let apart =
+        ["d'", "l'", "d\u{2019}", "l\u{2019}"].iter().fold(name.to_owned(), |name, a| with(name, a, " "));
+    let name = &ANGLES.iter().fold(apart, |name, a| with(name, a, " angle"));
+    let plain = name.trim().to_lowercase();
     let is_unit = |w: &String| {
         matches!(
             w.as_str(),
