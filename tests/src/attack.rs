@@ -20,8 +20,8 @@ mod mixture;
 #[path = "attack/tables.rs"]
 mod tables;
 
-pub use input::put_right;
 use input::random;
+pub use input::{above, any_direction, mutate, put_right, uniform};
 use srbf_core::Level;
 use std::path::{Path, PathBuf};
 
