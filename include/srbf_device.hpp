@@ -47,7 +47,9 @@ SRBF_FN float srbf_dot(vec3 a, vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.
 SRBF_FN float srbf_min(float a, float b) { return a < b ? a : b; }
 SRBF_FN float srbf_max(float a, float b) { return a > b ? a : b; }
 SRBF_FN int srbf_min(int a, int b) { return a < b ? a : b; }
+// Of a NaN `low`.
 SRBF_FN float srbf_clamp(float a, float low, float high) { return srbf_min(srbf_max(a, low), high); }
+SRBF_FN int srbf_clamp(int a, int low, int high) { return a < low ? low : srbf_min(a, high); }
 SRBF_FN float srbf_sqrt(float a) { return ::sqrtf(a); }
 // Of numbers within those of an int.
 SRBF_FN float srbf_floor(float a) {
@@ -136,6 +138,9 @@ struct SrbfAngle { float s; float c; };  // sine and cosine
 
 SRBF_FN int srbf_int(const uint32_t *data, int i) { return int(data[i]); }
 SRBF_FN float srbf_float(const uint32_t *data, int i) { return srbf_bits(data[i]); }
+
+// A number from 0 on as a place up to `most`. Where a compiler forgets that there are NaN, whatever it makes of one is a place too.
+SRBF_FN int srbf_index(float x, int most) { return srbf_clamp(int(x), 0, most); }
 
 SRBF_FN SrbfMaterial srbf_material(const uint32_t *data) {
     SrbfMaterial m;
@@ -270,11 +275,14 @@ SRBF_FN SrbfLobe srbf_lobe(const SrbfMaterial &m, const SrbfView &v, int k) {
 // Finds the views round wo, and how far between them it lies.
 SRBF_FN SrbfView srbf_place(const SrbfMaterial &m, vec3 wo) {
     SrbfView v;
-    v.wo = wo;
-    float across = srbf_sqrt(wo.x * wo.x + wo.y * wo.y);
-    v.turn_x = (across > 1e-18f ? -wo.x / srbf_max(across, 1e-18f) : 1.0f);
-    v.turn_y = (across > 1e-18f ? -wo.y / srbf_max(across, 1e-18f) : 0.0f);
-    float theta = srbf_angle(across, wo.z);
+    // Any vector but a direction above the horizon has the numbers of the normal, and reflects nothing.
+    bool is_above = wo.z >= 0.0f && srbf_abs(srbf_dot(wo, wo) - 1.0f) < 0.5f;
+    v.wo = (is_above ? wo : vec3(0.0f, 0.0f, -1.0f));
+    vec3 d = (is_above ? wo : vec3(0.0f, 0.0f, 1.0f));
+    float across = srbf_sqrt(d.x * d.x + d.y * d.y);
+    v.turn_x = (across > 1e-18f ? -d.x / srbf_max(across, 1e-18f) : 1.0f);
+    v.turn_y = (across > 1e-18f ? -d.y / srbf_max(across, 1e-18f) : 0.0f);
+    float theta = srbf_angle(across, d.z);
     int before = 0;
     int after = m.angles - 1;
     while (after - before > 1) {
@@ -295,13 +303,14 @@ SRBF_FN SrbfView srbf_place(const SrbfMaterial &m, vec3 wo) {
         float quarter = srbf_angle(srbf_abs(v.turn_y), srbf_abs(v.turn_x));
         float upper = (v.turn_x > 0.0f ? 3.14159265f - quarter : quarter);
         float at = (v.turn_y > 0.0f ? 6.28318531f - upper : upper) * m.turn_views * 0.159154943f;
-        int first = int(at) % m.azimuths;
-        int second = (int(at) + 1) % m.azimuths;
+        int whole = srbf_index(at, int(m.turn_views));
+        int first = whole % m.azimuths;
+        int second = (whole + 1) % m.azimuths;
         v.within_before = (before > 0 ? 1 + (before - 1) * m.azimuths + first : 0);
         v.within_after = (before > 0 ? 1 + (before - 1) * m.azimuths + second : 0);
         v.beyond_before = (after > 0 ? 1 + (after - 1) * m.azimuths + first : 0);
         v.beyond_after = (after > 0 ? 1 + (after - 1) * m.azimuths + second : 0);
-        v.onward = at - float(int(at));
+        v.onward = at - float(whole);
         v.outward = blend;
     }
     return v;
@@ -333,7 +342,7 @@ SRBF_FN SrbfView srbf_prepare(const SrbfMaterial &m, vec3 wo) {
         yy += (srbf_beyond(m, v, m.heads, 6, 2) - yy) * v.outward;
         float h = 0.5f * (xx - yy);
         float reach = srbf_sqrt(h * h + xy * xy);
-        if (reach > 0.0f) {
+        if (reach > 1e-18f) {  // the squares of less have lost their digits
             v.tilt_x = srbf_sqrt(0.5f * (1.0f + srbf_abs(h) / reach));
             v.tilt_y = (h < 0.0f ? -xy : xy) / (2.0f * reach * v.tilt_x);
         }
@@ -375,8 +384,8 @@ SRBF_FN vec3 srbf_node(const SrbfMaterial &m, int node) {
 
 // Factors at one azimuth, from node `first` on; (a, b) is the place among its nodes.
 SRBF_FN vec3 srbf_plane(const SrbfMaterial &m, int first, float a, float b) {
-    int i = srbf_min(int(a), m.half_nodes - 2);
-    int j = srbf_min(int(b), m.difference_nodes - 2);
+    int i = srbf_index(a, m.half_nodes - 2);
+    int j = srbf_index(b, m.difference_nodes - 2);
     float x = srbf_min(a - float(i), 1.0f);
     float y = srbf_min(b - float(j), 1.0f);
     int node = first + i * m.difference_nodes + j;
@@ -400,7 +409,7 @@ SRBF_FN vec3 srbf_factor(const SrbfMaterial &m, vec3 wo, vec3 wi) {
     float c = srbf_min(d.z * d.z * n2 / srbf_max(srbf_dot(d, d) * across, 1e-30f), 1.0f);
     if (m.has_sign) { c = (d.z < 0.0f ? 0.5f - 0.5f * c : 0.5f + 0.5f * c); }
     c = c * float(m.azimuth_nodes - 1);
-    int k = srbf_min(int(c), m.azimuth_nodes - 2);
+    int k = srbf_index(c, m.azimuth_nodes - 2);
     float z = c - float(k);
     int size = m.half_nodes * m.difference_nodes;
     return srbf_plane(m, k * size, a, b) * (1.0f - z) + srbf_plane(m, (k + 1) * size, a, b) * z;
@@ -411,7 +420,8 @@ SRBF_FN SrbfValue srbf_evaluate(const SrbfMaterial &m, const SrbfView &v, vec3 w
     SrbfValue r;
     r.value = vec3(0.0f, 0.0f, 0.0f);
     r.pdf = 0.0f;
-    if (wi.z <= 0.0f || v.wo.z < 0.0f) { return r; }
+    // Nothing from below the horizon or towards it, nor from or towards a vector that is no direction.
+    if (!(wi.z > 0.0f && v.wo.z >= 0.0f && srbf_abs(srbf_dot(wi, wi) - 1.0f) < 0.5f)) { return r; }
     float c = v.turn_x * v.tilt_x - v.turn_y * v.tilt_y;
     float s = v.turn_y * v.tilt_x + v.turn_x * v.tilt_y;
     vec3 d = vec3(wi.x * c + wi.y * s, wi.y * c - wi.x * s, wi.z);
@@ -433,12 +443,13 @@ SRBF_FN SrbfValue srbf_evaluate(const SrbfMaterial &m, const SrbfView &v, vec3 w
         r.value = r.value + lobe.colour * g;
     }
     r.value = r.value * srbf_factor(m, v.wo, wi);
-    r.pdf = y / v.power;
+    r.pdf = (v.power > 0.0f ? y / v.power : 0.0f);
     return r;
 }
 
 // Draws an incident direction by three uniform numbers in [0, 1); weight = value / pdf.
-SRBF_FN SrbfSample srbf_sample(const SrbfMaterial &m, const SrbfView &v, vec3 random) {
+SRBF_FN SrbfSample srbf_sample(const SrbfMaterial &m, const SrbfView &v, vec3 u) {
+    vec3 random = vec3(u.x, srbf_clamp(u.y, 0.0f, 0.99999994f), srbf_clamp(u.z, 0.0f, 1.0f));
     float goal = srbf_min(random.x * v.power, v.power * 0.9999999f);
     SrbfAngle turn = srbf_sin_cos(6.28318531f * random.z - 3.14159265f);
     float cos_phi = -turn.c;
@@ -478,7 +489,7 @@ SRBF_FN SrbfSample srbf_sample(const SrbfMaterial &m, const SrbfView &v, vec3 ra
 
 #ifndef __CUDACC_RTC__
 // Whether words are a material that this text can read, before they are read: 0, or which word is wrong, from 1; -1 if there are too few.
-// It checks that nothing outside is read. Whether the numbers mean something is what `srbf_core` and `srbf_material_load` check.
+// Then nothing outside is read, and every result is a number, whatever the directions. The checksum is not looked at.
 inline int srbf_check(const uint32_t *words, size_t count) {
     if (count < 13) { return -1; }
     const uint32_t magic[2] = {0x42525389u, 0x1a0a0d46u};
@@ -493,15 +504,56 @@ inline int srbf_check(const uint32_t *words, size_t count) {
     if (words[6] < 1u || words[6] > 64u) { return 7; }
     if (words[7] > words[6]) { return 8; }
     const int ring = words[2] == 2u ? 9 : 8;
-    if (words[3] == 0u && (words[ring] > words[6] || words[ring] + words[6] > 64u)) { return ring + 1; }
-    if (words[3] == 1u && (words[ring] < 1u || words[ring] > 64u)) { return ring + 1; }
-    if (words[3] == 1u && (words[ring + 1] < 1u || words[ring + 1] > 2u)) { return ring + 2; }
+    const bool is_line = words[3] == 0u;
+    if (is_line && (words[ring] > words[6] - words[7] || words[ring] + words[6] > 64u)) { return ring + 1; }
+    if (!is_line && (words[ring] < 1u || words[ring] > 64u)) { return ring + 1; }
+    if (!is_line && (words[ring + 1] < 1u || words[ring + 1] > 2u)) { return ring + 2; }
     // The lobes first, before what stands behind them is looked at.
-    const size_t angles = words[5], lobes = words[6], views = words[3] == 0u ? angles : 1 + (angles - 1) * words[ring];
-    const size_t row = words[3] == 0u ? 5 * lobes + words[ring] : 6 * lobes;
-    const size_t end_of_lobes = 12 + angles + views * ((words[3] == 0u ? 4 : 6) + row);
+    const size_t angles = words[5], lobes = words[6], views = is_line ? angles : 1 + (angles - 1) * words[ring];
+    const size_t head = is_line ? 4 : 6, row = is_line ? 5 * lobes + words[ring] : 6 * lobes;
+    const size_t rows = 12 + angles + views * head, end_of_lobes = rows + views * row;
     const size_t end_of_all = size_t(words[4]) / 4;
     if (views > 4096 || end_of_lobes >= end_of_all) { return 5; }
+    // Their numbers: in the ranges of the format.
+    int wrong = 0;
+    auto expect = [&](bool holds, size_t at) { wrong = holds || wrong != 0 ? wrong : int(at) + 1; };
+    auto within = [&](size_t at, size_t n, float low, float high) {
+        for (size_t end = at + n; at < end; at++) {
+            const float number = srbf_bits(words[at]);
+            // By its bits a NaN is seen whatever the options of the compiler.
+            expect((words[at] & 0x7f800000u) != 0x7f800000u && number >= low && number <= high, at);
+        }
+    };
+    const float pi = 3.14159274f;
+    within(12, 1, 0.0f, 0.0f);
+    for (size_t i = 13; i < 12 + angles; i++) { within(i, 1, srbf_bits(words[i - 1] + 1u), 0.5f * pi); }
+    for (size_t view = 0; view < views; view++) {
+        const size_t own = 12 + angles + view * head, first = rows + view * row;
+        if (is_line) {
+            // At the normal nothing depends on an azimuth.
+            const float most = view == 0 ? 0.0f : 1.0f;
+            within(own, 1, -6.64f * most, most);
+            within(first, lobes, -pi * most, pi * most);
+            within(first + 5 * lobes, words[ring], -0.5f * pi * most, 0.5f * pi * most);
+        } else {
+            within(own, 3, -10.0f, 10.0f);
+            const float xx = srbf_bits(words[own]), xy = srbf_bits(words[own + 1]), yy = srbf_bits(words[own + 2]);
+            const float middle = 0.5f * (xx + yy), half = 0.5f * (xx - yy), reach = srbf_sqrt(half * half + xy * xy);
+            expect(middle - reach >= -5.0f && middle + reach <= 6.64f, own);
+            within(first, 2 * lobes, -pi, pi);
+            for (size_t k = first; k < first + lobes; k++) {
+                const float x = srbf_bits(words[k]), y = srbf_bits(words[k + lobes]);
+                expect(x * x + y * y <= pi * pi, k);
+            }
+        }
+        within(own + head - 3, 1, -126.0f, 2.0f);
+        within(own + head - 2, 2, -16.0f, 16.0f);
+        const size_t numbers = first + (is_line ? 1 : 2) * lobes;
+        within(numbers, lobes, -100.0f, 26.5f);
+        within(numbers + lobes, lobes, -126.0f, 60.0f);
+        within(numbers + 2 * lobes, 2 * lobes, -16.0f, 16.0f);
+    }
+    if (wrong != 0) { return wrong; }
     if (words[2] == 3u) {
         const uint32_t lobe = 0x45424f4cu, factors = 0x54434146u;
         if (words[10] != lobe || words[11] != 4 * (end_of_lobes - 12)) { return 11; }
@@ -521,7 +573,11 @@ inline int srbf_check(const uint32_t *words, size_t count) {
     if (m.half_nodes < 2 || m.half_nodes > 32 || m.difference_nodes < 2 || m.difference_nodes > 32) { return 12; }
     if (m.azimuth_nodes < 1 || m.azimuth_nodes > 8) { return 12; }
     const size_t nodes = size_t(m.half_nodes) * m.difference_nodes * m.azimuth_nodes;
-    return size_t(m.nodes) + (m.node_bits == 8 ? (3 * nodes + 3) / 4 : nodes) < end_of_all + (words[2] == 2u ? 1 : 0) ? 0 : -1;
+    if (size_t(m.nodes) + (m.node_bits == 8 ? (3 * nodes + 3) / 4 : nodes) >= end_of_all + (words[2] == 2u ? 1 : 0)) { return -1; }
+    within(size_t(m.differences), 3 * views, -16.0f, 16.0f);
+    const size_t largest = size_t(m.nodes) - 1;
+    within(largest, 1, srbf_bits(words[largest]) == 0.0f ? 0.0f : 1e-20f, 8.0831f);
+    return wrong;
 }
 #endif
 

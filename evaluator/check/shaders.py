@@ -3,8 +3,8 @@
     python shaders.py WRITE REFERENCE FOLDER
 
 WRITE is the program that writes the text, REFERENCE the one that prints the numbers of core (evaluator/examples/reference.rs), FOLDER a place for what is
-made. WGSL is compiled by naga, GLSL and HLSL by glslang to SPIR-V; all run by Vulkan, on lavapipe where there is no GPU. It needs the packages
-wgpu and srbf_brdf, glslangValidator, and a Vulkan driver.
+made, and for exports, `constants-*.wgsl`, which are compiled alone. WGSL is compiled by naga, GLSL and HLSL by glslang to SPIR-V; all run by
+Vulkan, on lavapipe where there is no GPU. Where no direction is, they have to give 0. It needs the packages wgpu and srbf_brdf, glslangValidator, and a Vulkan driver.
 """
 
 import pathlib
@@ -128,36 +128,50 @@ def main(write, program, folder):
         )
         for name, code in codes.items()
     }
+    def ask(pipeline, words, given):
+        storage = wgpu.BufferUsage.STORAGE
+        buffers = [
+            device.create_buffer_with_data(data=words, usage=storage),
+            device.create_buffer_with_data(data=given.tobytes(), usage=storage),
+            device.create_buffer(size=64 * N, usage=storage | wgpu.BufferUsage.COPY_SRC),
+        ]
+        entries = [{"binding": i, "resource": {"buffer": b, "offset": 0, "size": b.size}} for i, b in enumerate(buffers)]
+        group = device.create_bind_group(layout=pipeline.get_bind_group_layout(0), entries=entries)
+        encoder = device.create_command_encoder()
+        work = encoder.begin_compute_pass()
+        work.set_pipeline(pipeline)
+        work.set_bind_group(0, group)
+        work.dispatch_workgroups(N // 64)
+        work.end()
+        device.queue.submit([encoder.finish()])
+        return np.frombuffer(device.queue.read_buffer(buffers[2]), "<f4").reshape(N, 16)
+
+    for path in sorted(folder.glob("constants-*.wgsl")):
+        device.create_shader_module(code=path.read_text())
+        print(path.name)
     wo, wi, u = spread(N)
     given = np.ascontiguousarray(np.concatenate([wo, wi, u], axis=1).T, dtype="<f4")
+    # Numbers of which none makes a direction, in one vector of a row each.
+    ends = np.array([np.nan, np.inf, -np.inf, 1e30, -1e30, 0, 7], dtype="<f4")
+    random = np.random.default_rng(2)
+    hostile = given.copy()
+    which = random.integers(0, 3, N)
+    for row in range(9):
+        hostile[row] = np.where(which == row // 3, random.choice(ends, N), hostile[row])
     failed = False
     for name, path in make_materials(folder).items():
         words = path.read_bytes()
         words += b"\0" * (-len(words) % 4)
         want = reference(path, wo, wi, u)
         for language, pipeline in pipelines.items():
-            storage = wgpu.BufferUsage.STORAGE
-            buffers = [
-                device.create_buffer_with_data(data=words, usage=storage),
-                device.create_buffer_with_data(data=given.tobytes(), usage=storage),
-                device.create_buffer(size=64 * N, usage=storage | wgpu.BufferUsage.COPY_SRC),
-            ]
-            entries = [{"binding": i, "resource": {"buffer": b, "offset": 0, "size": b.size}} for i, b in enumerate(buffers)]
-            group = device.create_bind_group(layout=pipeline.get_bind_group_layout(0), entries=entries)
-            encoder = device.create_command_encoder()
-            work = encoder.begin_compute_pass()
-            work.set_pipeline(pipeline)
-            work.set_bind_group(0, group)
-            work.dispatch_workgroups(N // 64)
-            work.end()
-            device.queue.submit([encoder.finish()])
-            got = np.frombuffer(device.queue.read_buffer(buffers[2]), "<f4").reshape(N, 16)
-            errors, elsewhere = worst(got, want)
-            is_good = all(errors[key] <= bound for key, bound in BOUNDS.items()) and elsewhere <= 2
+            errors, elsewhere = worst(ask(pipeline, words, given), want)
+            got = ask(pipeline, words, hostile)
+            is_nothing = np.all(got[which == 0, :4] == 0) and np.all(got[which == 1, :4] == 0) and np.all(got[which == 0, 7:11] == 0)
+            is_good = all(errors[key] <= bound for key, bound in BOUNDS.items()) and elsewhere <= 2 and np.isfinite(got).all() and is_nothing
             failed |= not is_good
-            print(f"{'pass' if is_good else 'FAIL'} {name:14} {language}", *(f"{k} {v:.1e}" for k, v in errors.items()), f"other lobe {elsewhere}")
+            print(f"{'pass' if is_good else 'FAIL'} {name:14} {language}", *(f"{k} {v:.1e}" for k, v in errors.items()), f"other lobe {elsewhere}, hostile {is_nothing}")
     if failed:
-        sys.exit(f"above the bounds {BOUNDS}")
+        sys.exit(f"above the bounds {BOUNDS}, or something where no direction is")
 
 
 if __name__ == "__main__":

@@ -2,12 +2,15 @@
 
 use crate::language::Language;
 use crate::rewrite::text;
-use srbf_core::Material;
+use srbf_core::{Material, printable, printable_lines};
 use std::borrow::Cow;
 use std::fmt::Write;
 
 /// Words on a line.
 const LINE: usize = 8;
+
+/// Most characters of a provenance that an export holds; a fit writes a few hundred.
+const MOST_CHARACTERS: usize = 4000;
 
 /// Whether a material can be written out: of format version 2 or 3. The text itself reads plain numbers alone; [`export`] writes a material
 /// in codes as such.
@@ -40,7 +43,7 @@ pub fn export(material: &Material<impl AsRef<[u8]>>, language: Language) -> Stri
         let _ = writeln!(list, "    {},", line.join(", "));
     }
     let list = list.trim_end().trim_end_matches(',');
-    let provenance: String = material.provenance().lines().map(|line| format!("// {line}\n")).collect();
+    let provenance = comments(material.provenance());
     let n = words.len();
     let (before, after) = match language {
         Language::Glsl => (
@@ -73,6 +76,33 @@ pub fn export(material: &Material<impl AsRef<[u8]>>, language: Language) -> Stri
         ),
     };
     format!("{provenance}{before}{}{after}", text(language))
+}
+
+/// A text of a stranger, as much of it as an export holds.
+fn bounded(text: &str) -> Cow<'_, str> {
+    match text.char_indices().nth(MOST_CHARACTERS) {
+        Some((end, _)) => format!("{}\n(cut off)", &text[..end]).into(),
+        None => text.into(),
+    }
+}
+
+/// The same as lines of comment. In no language does one end before its line, or go on behind it.
+fn comments(text: &str) -> String {
+    let mut made = String::new();
+    for line in bounded(text).lines() {
+        // LF alone ended lines; `printable` leaves no other end of one.
+        let mut line = printable(line.trim_end()).to_string();
+        // Ends of comments, where a user's own is round this; and, in C, a backslash or its trigraph takes the end of the line away.
+        for (text, by) in [("*/", "*\\u{2f}"), ("/*", "/\\u{2a}"), ("??/", "??\\u{2f}")] {
+            line = line.replace(text, by);
+        }
+        if line.ends_with('\\') {
+            line += "u{5c}";
+        }
+        made += format!("// {line}").trim_end();
+        made.push('\n');
+    }
+    made
 }
 
 /// A word, little endian; of the last bytes, as far as they go.
@@ -131,20 +161,20 @@ pub fn json(material: &Material<impl AsRef<[u8]>>) -> String {
         material.is_isotropic(),
         material.squeezed_count(),
         material.mirrored_count(),
-        quoted(material.provenance()),
+        quoted(&printable_lines(&bounded(material.provenance())).to_string()),
         material.has_signed_factors(),
         nodes.join(", "),
         views.join(",\n")
     )
 }
 
-/// A text as JSON has it.
+/// A text as JSON has it. A page may hold it too: no mark of HTML stands in it.
 fn quoted(text: &str) -> String {
     let mut made = String::from("\"");
     for c in text.chars() {
         match c {
             '"' | '\\' => made.extend(['\\', c]),
-            c if u32::from(c) < 32 => {
+            c if u32::from(c) < 32 || c == '<' => {
                 let _ = write!(made, "\\u{:04x}", u32::from(c));
             }
             c => made.push(c),

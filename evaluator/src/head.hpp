@@ -47,7 +47,9 @@ SRBF_FN float srbf_dot(vec3 a, vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.
 SRBF_FN float srbf_min(float a, float b) { return a < b ? a : b; }
 SRBF_FN float srbf_max(float a, float b) { return a > b ? a : b; }
 SRBF_FN int srbf_min(int a, int b) { return a < b ? a : b; }
+// Of a NaN `low`.
 SRBF_FN float srbf_clamp(float a, float low, float high) { return srbf_min(srbf_max(a, low), high); }
+SRBF_FN int srbf_clamp(int a, int low, int high) { return a < low ? low : srbf_min(a, high); }
 SRBF_FN float srbf_sqrt(float a) { return ::sqrtf(a); }
 // Of numbers within those of an int.
 SRBF_FN float srbf_floor(float a) {

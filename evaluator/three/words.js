@@ -65,7 +65,7 @@ export async function received(answer, name) {
     }
 }
 
-/** Throws an error unless the words are those of a material that the shader can read without leaving them. */
+/** Throws an error unless the words are those of a material that the shader can read without leaving them, and its numbers mean something. */
 function check(words, length, name) {
     const expect = (holds, what) => { if (!holds) throw new Error(`${name}: ${what}`); };
     const within = (i, least, most, what) =>
@@ -78,13 +78,41 @@ function check(words, length, name) {
     within(6, 1, 64, "lobes");
     within(7, 0, words[6], "squeezed lobes");
     const isOld = words[2] === 2, isLine = words[3] === 0, ring = isOld ? 9 : 8;
-    if (isLine) within(ring, 0, Math.min(words[6], 64 - words[6]), "mirrored lobes");
+    if (isLine) within(ring, 0, Math.min(words[6] - words[7], 64 - words[6]), "mirrored lobes");
     else { within(ring, 1, 64, "views of a ring"); within(ring + 1, 1, 2, "turns"); }
     const [angles, lobes] = [words[5], words[6]];
     const views = isLine ? angles : 1 + (angles - 1) * words[ring];
-    const endOfLobes = 12 + angles + views * (isLine ? 4 + 5 * lobes + words[ring] : 6 + 6 * lobes);
+    const head = isLine ? 4 : 6, row = isLine ? 5 * lobes + words[ring] : 6 * lobes;
+    const rows = 12 + angles + views * head, endOfLobes = rows + views * row;
     const end = Math.floor(length / 4);
     expect(views <= 4096 && endOfLobes < end, "its views are longer than the file");
+    // The ranges of the format, a little wider where a rounding decides. A NaN is in none.
+    const numbers = new Float32Array(words.buffer);
+    const range = (i, count, least, most) => {
+        for (; count-- > 0; i++) expect(numbers[i] >= least && numbers[i] <= most, `word ${i}: ${numbers[i]} is not from ${least} to ${most}`);
+    };
+    const pi = 3.1415928;
+    range(12, 1, 0, 0);
+    for (let i = 13; i < 12 + angles; i++) range(i, 1, numbers[i - 1], pi / 2);
+    for (let view = 0; view < views; view++) {
+        const own = 12 + angles + view * head, first = rows + view * row, most = view === 0 ? 0 : 1;
+        if (isLine) {
+            // At the normal nothing depends on an azimuth.
+            range(own, 1, -6.6400001 * most, most);
+            range(first, lobes, -pi * most, pi * most);
+            range(first + 5 * lobes, words[ring], -pi / 2 * most, pi / 2 * most);
+        } else {
+            const [xx, xy, yy] = numbers.subarray(own), reach = Math.hypot((xx - yy) / 2, xy);
+            expect((xx + yy) / 2 - reach >= -5.00001 && (xx + yy) / 2 + reach <= 6.64001, `word ${own}: a squeeze out of range`);
+            for (let k = first; k < first + lobes; k++) expect(Math.hypot(numbers[k], numbers[k + lobes]) <= pi, `word ${k}: an axis out of range`);
+        }
+        range(own + head - 3, 1, -126, 2);
+        range(own + head - 2, 2, -16, 16);
+        const others = first + (isLine ? 1 : 2) * lobes;
+        range(others, lobes, -100, 26.5);
+        range(others + lobes, lobes, -126, 60);
+        range(others + 2 * lobes, 2 * lobes, -16, 16);
+    }
     let at = endOfLobes, nodes = [words[11] & 65535, words[11] >>> 16, 1];
     if (!isOld) {
         expect(length % 4 === 0 && words[10] === LOBE && words[11] === 4 * (endOfLobes - 12), "no block of lobes");
@@ -101,6 +129,8 @@ function check(words, length, name) {
     const count = nodes[0] * nodes[1] * nodes[2];
     const endOfNodes = at + 3 * views + 1 + (isOld ? count : Math.ceil((3 * count) / 4));
     expect(inRange && endOfNodes <= end, `its factors, ${nodes.join(" x ")}, do not fit into the file`);
+    range(at, 3 * views, -16, 16);
+    range(at + 3 * views, 1, numbers[at + 3 * views] === 0 ? 0 : 9.99e-21, 8.0831);
 }
 
 /**

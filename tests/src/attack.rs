@@ -21,8 +21,8 @@ mod mixture;
 mod tables;
 
 use crate::inputs::levels;
-pub use input::put_right;
 use input::random;
+pub use input::{above, any_direction, mutate, put_right, uniform};
 use std::path::{Path, PathBuf};
 
 /// Something that takes the bytes of a stranger.

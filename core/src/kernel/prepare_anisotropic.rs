@@ -141,7 +141,8 @@ pub(crate) fn prepare<L: Lanes, const FEW: bool>(
     let (middle, half, xy) = (0.5 * (head[0] + head[2]), 0.5 * (head[0] - head[2]), head[1]);
     let reach = Lanes::sqrt(half * half + xy * xy);
     let (mut tilt_cos, mut tilt_sin) = (1.0, 0.0);
-    if reach > 0.0 {
+    // The squares of less have lost their digits.
+    if reach > 1e-18 {
         tilt_cos = Lanes::sqrt(0.5 * (1.0 + half.abs() / reach));
         tilt_sin = (if half < 0.0 { -xy } else { xy }) / (2.0 * reach * tilt_cos);
     }

@@ -16,6 +16,53 @@ pub fn put_right(bytes: &mut [u8]) {
     bytes[end..].copy_from_slice(&crc.to_le_bytes());
 }
 
+/// Damages a seed in one to eight places.
+pub fn mutate(random: &mut Random, seed: &[u8]) -> Vec<u8> {
+    /// What numbers and lengths are replaced with.
+    const WORDS: [&[u8]; 12] = [
+        &[0xff; 4],
+        &[0; 8],
+        &[0x7f, 0xff, 0xff, 0xff],
+        &[0, 0, 0xc0, 0x7f],
+        &[0, 0, 0x80, 0x7f],
+        &[0, 0, 0, 0x80],
+        b" NaN ",
+        b" 1e400 ",
+        b"-1",
+        b" 99999999999999999999 ",
+        b"\n",
+        b",",
+    ];
+    let mut bytes = seed.to_vec();
+    for _ in 0..=random.below(8) {
+        let at = random.below(bytes.len().max(1));
+        match random.below(7) {
+            0 => bytes.truncate(at),
+            1 if at < bytes.len() => bytes[at] ^= 1 << random.below(8),
+            2 if at < bytes.len() => bytes[at] = random.below(256) as u8,
+            3 => {
+                let word = WORDS[random.below(WORDS.len())];
+                let end = (at + word.len()).min(bytes.len());
+                bytes[at.min(end)..end].copy_from_slice(&word[..end - at.min(end)]);
+            }
+            4 => {
+                let word = WORDS[random.below(WORDS.len())];
+                bytes.splice(at..at, word.iter().copied());
+            }
+            5 => {
+                let end = (at + random.below(64)).min(bytes.len());
+                let part = bytes[at.min(end)..end].to_vec();
+                bytes.splice(at..at, part);
+            }
+            _ => {
+                let end = (at + random.below(64)).min(bytes.len());
+                bytes.drain(at.min(end)..end);
+            }
+        }
+    }
+    bytes
+}
+
 /// Random numbers that follow from the bytes, so that an input always does the same.
 pub fn random(bytes: &[u8]) -> Random {
     Random(u64::from(crc32fast::hash(bytes)))

@@ -1,24 +1,20 @@
 //! The text as C++ and as Metal, compiled and run beside the library.
 
+use crate::driver::{Program, root};
 use srbf_core::{
     Draws, FactorTable, Grid, GridView, Line, MAX_LOBES, Material, Mixture, PlaneLobe, TiltedLobe, Towards,
     View,
 };
 use srbf_evaluator::{Language, export, text};
-use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 const N: usize = 4096;
 
 /// Largest errors: of value, density and albedo; of the density and weight at a draw. The divisor of an error of a value: itself and the density times the
 /// power. The worst is far from a lobe of sharpness 5400 at 2 degrees above the horizon: turning a direction in f32 rounds it.
-const VALUE: f32 = 3e-4;
-const AT_DRAW: f32 = 5e-4;
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
+pub const VALUE: f32 = 3e-4;
+pub const AT_DRAW: f32 = 5e-4;
 
 #[test]
 fn the_header_is_the_text() {
@@ -170,39 +166,6 @@ fn reference(bytes: &[u8]) -> (Vec<Vec<f32>>, Vec<Vec<f32>>) {
     (given, out)
 }
 
-/// Compiles `values.cpp` with the text of a language; returns the program.
-fn compile(language: Language, options: &[&str]) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(language.name());
-    std::fs::create_dir_all(&folder).expect("the target folder can be written");
-    std::fs::write(folder.join("text"), text(language)).expect("the target folder can be written");
-    let program = folder.join("values");
-    let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
-    let mut compiler = Command::new("g++");
-    compiler.args(["-std=c++17", "-O2", "-Wall", "-Wextra", "-Werror"]).args(options).arg("-I").arg(&folder);
-    if language == Language::Metal {
-        compiler.args(["-D__METAL__", "-Wno-unused-function"]).arg("-I").arg(here.join("metal"));
-    }
-    let done =
-        compiler.arg(here.join("values.cpp")).arg("-o").arg(&program).status().expect("g++ is installed");
-    assert!(done.success(), "{language:?} does not compile");
-    program
-}
-
-fn run(program: &Path, material: &Path, given: &[Vec<f32>]) -> Vec<Vec<f32>> {
-    let mut child = Command::new(program)
-        .arg(material)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .expect("the program runs");
-    let bytes: Vec<u8> = given.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
-    child.stdin.take().expect("a pipe").write_all(&bytes).expect("it reads");
-    let done = child.wait_with_output().expect("it ends");
-    assert!(done.status.success(), "{}: {}", material.display(), done.status);
-    let numbers: Vec<f32> = done.stdout.as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
-    numbers.chunks(N).map(<[f32]>::to_vec).collect()
-}
-
 fn largest<const C: usize>(numbers: [f32; C]) -> f32 {
     numbers.iter().fold(0.0, |most: f32, v| most.max(v.abs()))
 }
@@ -245,8 +208,8 @@ fn check(name: &str, language: Language, got: &[Vec<f32>], want: &[Vec<f32>]) {
 
 #[test]
 fn cpp_and_metal_say_what_the_library_says() {
-    let programs =
-        [(Language::Cpp, compile(Language::Cpp, &[])), (Language::Metal, compile(Language::Metal, &[]))];
+    let mut programs = [Language::Cpp, Language::Metal]
+        .map(|language| (language, Program::compile(language, language.name(), &["-O2"])));
     let presets = std::fs::read_dir(root().join("presets")).expect("presets are there");
     let mut materials: Vec<PathBuf> = presets
         .map(|entry| entry.expect("a file").path())
@@ -259,9 +222,10 @@ fn cpp_and_metal_say_what_the_library_says() {
         materials.push(path);
     }
     for material in materials {
-        let (given, want) = reference(&std::fs::read(&material).expect("a material"));
-        for (language, program) in &programs {
-            let got = run(program, &material, &given);
+        let bytes = std::fs::read(&material).expect("a material");
+        let (given, want) = reference(&bytes);
+        for (language, program) in &mut programs {
+            let got = program.ask(&bytes, &given).expect("it answers").expect("a material");
             check(&material.file_stem().unwrap_or_default().to_string_lossy(), *language, &got, &want);
         }
     }
@@ -305,9 +269,8 @@ fn the_lines_of_the_page_run() {
 
 #[test]
 fn words_that_are_no_material_are_refused() {
-    let program = compile(Language::Cuda, &[]);
+    let mut program = Program::compile(Language::Cuda, "cuda", &["-O2"]);
     let bytes = factored(true);
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("broken.srbf");
     let table = bytes.windows(4).position(|w| w == b"FACT").expect("there are factors");
     let with = |offset: usize, value: u8| {
         let mut broken = bytes.clone();
@@ -331,9 +294,8 @@ fn words_that_are_no_material_are_refused() {
         (table + 10, 9),
     ];
     for broken in cuts.into_iter().chain(changed.map(|(offset, value)| with(offset, value))) {
-        std::fs::write(&path, &broken).expect("the target folder can be written");
-        let status = Command::new(&program).arg(&path).stdin(Stdio::null()).status().expect("it runs");
-        assert_eq!(status.code(), Some(3), "{} bytes", broken.len());
+        let answer = program.ask(&broken, &vec![vec![]; 9]).expect("it answers");
+        assert!(answer.is_err(), "{} bytes", broken.len());
     }
 }
 
