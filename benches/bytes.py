@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What each instruction set and each capacity of a mixture costs in bytes of the C library.
+"""What each instruction set costs in bytes of the C library.
 
 Adds up the functions of a library whose names tell their purpose:
 
@@ -16,7 +16,6 @@ from collections import Counter
 
 LIBRARY = sys.argv[1] if len(sys.argv) > 1 else "target/bytes/release/libsrbf.so"
 LEVELS = ["scalar", "portable", "avx2", "avx512"]
-CAPACITIES = ["16", "32", "64"]
 
 
 def functions():
@@ -31,25 +30,19 @@ def functions():
 
 
 def main():
-    levels, capacities, crates = Counter(), Counter(), Counter()
+    levels, crates = Counter(), Counter()
     for size, name in functions():
         level = re.search(r"\bsimd::(scalar|portable|avx2|avx512)\b", name)
-        room = re.search(r"\b(?:Mixture|Rows)<(\d+)", name)
         if level:
             levels[level[1]] += size
         else:
             crate = re.search(r"[a-z_][a-z_0-9]*", name.lstrip("<&*"))
             crates[crate[0] if crate else name] += size
-        if room:
-            capacities[room[1]] += size
-    if not levels or not capacities:
-        sys.exit(f"{LIBRARY}: no names of levels and of mixtures: build it with symbol-mangling-version=v0")
+    if not levels:
+        sys.exit(f"{LIBRARY}: no names of levels: build it with symbol-mangling-version=v0")
     print("level      kB")
     for name in LEVELS:
         print(f"{name:9} {levels[name] / 1000:4.0f}")
-    print("capacity   kB, of all levels together; the rest of a level is the same code for all capacities")
-    for name in CAPACITIES:
-        print(f"{name:9} {capacities[name] / 1000:4.0f}")
     print("no level   kB")
     for name, size in crates.most_common(8):
         print(f"{name:9} {size / 1000:4.0f}")
