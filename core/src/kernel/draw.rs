@@ -5,7 +5,7 @@
 use crate::mixture::row;
 use crate::mixture::rows::{AnyMixture, Domain, Head, MixtureRef};
 use crate::simd::elementary::{ln_plus_times, sin_cos_turns};
-use crate::simd::lanes::{Lanes, TOGETHER, dot3, halves, of_halves, scale};
+use crate::simd::lanes::{Lanes, TOGETHER, WIDEST, dot3, halves, of_halves, scale};
 use crate::squeeze::turn_back;
 
 /// What drawing from a lobe needs to know of it.
@@ -100,11 +100,10 @@ pub(crate) fn chosen_lobe<L: Lanes>(m: &AnyMixture<'_>, target: f32) -> usize {
     }
     // The running sum never falls: the lobes that are passed come first, and numbers stored behind the last do not matter. The
     // last ends the search whatever its sum is rounded to.
-    let (mut above, mut from) = (1u64.wrapping_shl((m.head.count as u32).wrapping_sub(1)), 0);
-    while m.has(from, m.head.count) {
-        above |= L::bits(L::splat(target).lt(m.load::<L>(row::CUMULATIVE, from))) << from;
-        from += L::COUNT;
-    }
+    let mut above = 1u64.wrapping_shl((m.head.count as u32).wrapping_sub(1));
+    row::for_lobes!(m.head.count <= WIDEST, L, &m.groups, m.head.count, |group, at, k| {
+        above |= L::bits(L::splat(target).lt(L::load(&group[row::CUMULATIVE][at..]))) << k;
+    });
     (above.trailing_zeros() as usize).min(m.capacity() - 1)
 }
 
@@ -116,15 +115,16 @@ fn draw_from<L: Lanes<Index = usize>, const SEEN: bool>(
     target: f32,
     u: [f32; 3],
 ) -> ([f32; 3], f32) {
+    let (group, at) = (&m.groups[(k / WIDEST).min(m.groups.len() - 1)], k % WIDEST);
     let choice = Choice {
         axis: [
-            L::splat(m.number(row::AXIS_X, k)),
-            L::splat(m.number(row::AXIS_Y, k)),
-            L::splat(m.number(row::AXIS_Z, k)),
+            L::splat(group[row::AXIS_X][at]),
+            L::splat(group[row::AXIS_Y][at]),
+            L::splat(group[row::AXIS_Z][at]),
         ],
-        inside: L::splat(m.number(row::INSIDE, k)),
-        gone: L::splat(m.number(row::TAIL, k)),
-        inverse_sharpness: L::splat(m.number(row::INVERSE_SHARPNESS, k)),
+        inside: L::splat(group[row::INSIDE][at]),
+        gone: L::splat(group[row::TAIL][at]),
+        inverse_sharpness: L::splat(group[row::INVERSE_SHARPNESS][at]),
         is_squeezed: L::index_below(k, m.head.squeezed),
         is_lobe: L::splat(target).lt(L::splat(m.head.lobes_power)),
     };

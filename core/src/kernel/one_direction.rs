@@ -1,9 +1,10 @@
 //! One direction of one mixture, for renderers that shade a point at a time: lanes are lobes.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
 
+use super::block::axes;
 use super::draw::draw_one;
 use crate::color::luminance;
-use crate::mixture::row;
+use crate::mixture::row::{self, Group};
 use crate::mixture::rows::{AnyMixture, Domain, Sample, density_of, drawn_density, lowest_bits, weight_of};
 use crate::simd::ONE_TEXT;
 use crate::simd::elementary::{falloff, falloff_left, falloff_soon, is_left};
@@ -304,21 +305,22 @@ pub(crate) fn all_lobes<L: Lanes, const C: usize, const SEEN: bool>(
             // No broadcasts under a mask; and the loop below runs.
             mix::<L>(&squeezed.splat(), &turned.splat(), m.head.squeezed)
         };
-        add_lobes::<L, C, SEEN>(m, amplitudes, &seen, 0, &mut acc);
+        if let Some(group) = m.groups.first() {
+            add_lobes::<L, C, SEEN>(group, 0, m.head.folded, amplitudes, &seen, &mut acc);
+        }
     } else {
         let (turned, squeezed) = (turned.splat(), squeezed.splat());
-        let mut k = 0;
-        while m.has(k, m.head.count) {
+        row::for_lobes!(false, L, &m.groups, m.head.count, |group, at, k| {
+            let folded = m.head.folded >> k;
             if k >= m.head.squeezed {
-                add_lobes::<L, C, SEEN>(m, amplitudes, &turned, k, &mut acc);
+                add_lobes::<L, C, SEEN>(group, at, folded, amplitudes, &turned, &mut acc);
             } else if k + L::COUNT <= m.head.squeezed {
-                add_lobes::<L, C, SEEN>(m, amplitudes, &squeezed, k, &mut acc);
+                add_lobes::<L, C, SEEN>(group, at, folded, amplitudes, &squeezed, &mut acc);
             } else {
                 let mixed = mix::<L>(&squeezed, &turned, m.head.squeezed - k);
-                add_lobes::<L, C, SEEN>(m, amplitudes, &mixed, k, &mut acc);
+                add_lobes::<L, C, SEEN>(group, at, folded, amplitudes, &mixed, &mut acc);
             }
-            k += L::COUNT;
-        }
+        });
     }
     sums_of(acc)
 }
@@ -333,19 +335,19 @@ fn sums_of<L: Lanes, const C: usize>(vectors: [L; C]) -> [f32; C] {
     sums
 }
 
-/// Adds the lobes from `k` on, one a lane. `SEEN`: the direction was turned or squeezed, and has a low part
-/// and a scale.
+/// Adds the lobes of a group from one on, one a lane; the lowest bits of `folded` say which need their folds. `SEEN`: the direction
+/// was turned or squeezed, and has a low part and a scale.
 #[inline(always)]
 fn add_lobes<L: Lanes, const C: usize, const SEEN: bool>(
-    m: &AnyMixture<'_>,
+    group: &Group,
+    at: usize,
+    folded: u64,
     amplitudes: [usize; C],
     seen: &Seen<L>,
-    k: usize,
     acc: &mut [L; C],
 ) {
-    let (axis, [x, y, z]) =
-        ([m.load::<L>(row::AXIS_X, k), m.load::<L>(row::AXIS_Y, k), m.load::<L>(row::AXIS_Z, k)], seen.high);
-    let mut rate = m.load::<L>(row::RATE, k);
+    let (axis, [x, y, z]) = (axes::<L>(group, at), seen.high);
+    let mut rate = L::load(&group[row::RATE][at..]);
     let [mut dx, mut dy, mut dz];
     if SEEN && L::FUSED {
         dx = axis[0].neg_mul_add(seen.length, x);
@@ -366,16 +368,16 @@ fn add_lobes<L: Lanes, const C: usize, const SEEN: bool>(
     }
     let t = rate * dx.mul_add(dx, dy.mul_add(dy, dz * dz));
     let mut g = if SEEN { falloff(t) } else { falloff_soon(t) };
-    if m.head.folded >> k & lowest_bits(L::COUNT) != 0 {
+    if folded & lowest_bits(L::COUNT) != 0 {
         // A lobe of them that does not need its fold has a rate that leaves nothing of it.
-        let t = m.load::<L>(row::FOLD_RATE, k).mul_add(seen.height, t);
+        let t = L::load(&group[row::FOLD_RATE][at..]).mul_add(seen.height, t);
         g = g + if SEEN { falloff(t) } else { falloff_soon(t) };
     }
     if SEEN {
         g = g * seen.scale;
     }
     for i in 0..C {
-        acc[i] = g.mul_add(m.load::<L>(amplitudes[i], k), acc[i]);
+        acc[i] = g.mul_add(L::load(&group[amplitudes[i]][at..]), acc[i]);
     }
 }
 
