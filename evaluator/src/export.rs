@@ -157,7 +157,9 @@ pub fn json(material: &Material<impl AsRef<[u8]>>) -> String {
         .map(|node| numbers(&node))
         .collect();
     format!(
-        "{{\n  \"is_isotropic\": {},\n  \"squeezed\": {},\n  \"mirrored\": {},\n  \"provenance\": {},\n  \"factor_nodes\": [{half}, {difference}, {azimuth}],\n  \"has_signed_factors\": {},\n  \"factors\": [{}],\n  \"views\": [\n{}\n  ]\n}}\n",
+        "{{\n  \"by\": \"srbf {}\",\n  \"is_isotropic\": {},\n  \"squeezed\": {},\n  \"mirrored\": {},\n  \"provenance\": {},\n  \"factor_nodes\": [{half}, {difference}, {azimuth}],\n  \"has_signed_factors\": {},\n  \"factors\": [{}],\n  \"views\": [\n{}\n  ]\n}}\n",
+        // Near its start, where `srbf` looks for the maker of a file.
+        env!("CARGO_PKG_VERSION"),
         material.is_isotropic(),
         material.squeezed_count(),
         material.mirrored_count(),
