@@ -34,6 +34,7 @@ mod vfp;
 pub(crate) const ONE_TEXT: bool = !cfg!(feature = "simd");
 
 /// Asks for what will be read soon, so that waiting for memory and working go side by side.
+#[cfg(feature = "environment")]
 #[inline(always)]
 pub(crate) fn prefetch<T>(place: &T) {
     #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]

@@ -1,6 +1,7 @@
 //! SSE2, which every x86-64 processor has: the operations that a scalar inside an AVX function needs.
 #![allow(unsafe_code)]
 
+#[cfg(feature = "environment")]
 use core::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
 use core::arch::x86_64::{_mm_cvtss_f32, _mm_set_ss, _mm_sqrt_ss};
 
@@ -14,6 +15,7 @@ pub(crate) fn sqrt(x: f32) -> f32 {
 }
 
 /// Asks for the cache line at a place.
+#[cfg(feature = "environment")]
 #[inline(always)]
 pub(crate) fn prefetch<T>(place: &T) {
     // SAFETY: this file is compiled only where the whole build targets SSE2; nothing is read that a program could see.

@@ -1,8 +1,7 @@
 //! One hit on a material: values, densities and draws for one outgoing direction, without a mixture.
 
-use super::super::between_views::Place;
 #[cfg(feature = "simd")]
-use super::super::between_views::{head_at, views_passed};
+use super::super::between_views::{Place, head_at, views_passed};
 #[cfg(feature = "simd")]
 use super::super::block::{add, axes, chosen_lobe};
 #[cfg(feature = "simd")]
