@@ -1,4 +1,4 @@
-//! A fit does not depend on the processor. Alone in its process, as the level is that of the process.
+//! A fit does not depend on the processor: kernels and solvers at every level. Alone in its process, as the level is that of the process.
 
 use srbf_core::Level;
 use srbf_fit::{Settings, fit_content};

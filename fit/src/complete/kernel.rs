@@ -1,8 +1,7 @@
 //! The covariance of a Gaussian process.
 
 use super::pair::COORDINATES;
-use crate::numeric::vector;
-use pulp::NullaryFnOnce;
+use crate::numeric::vector::{self, Operation};
 
 /// How alike points are at a distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,11 +27,11 @@ struct Row<'a> {
     out: &'a mut [f64],
 }
 
-impl NullaryFnOnce for Row<'_> {
+impl Operation for Row<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn call(self) {
+    fn run<const LANES: usize>(self) {
         let Self { kernel, from, to, out } = self;
         let weights = kernel.lengths.map(|l| 5.0 / (l * l));
         let len = out.len();

@@ -3,8 +3,7 @@
 //! Own code because the linear algebra crates have no band matrices: 1000 unknowns with 128 off the diagonal on either
 //! side, the normal equations of 16 stored views with 12 lobes, are 8 million multiply-adds, a twentieth of the dense ones.
 
-use crate::numeric::vector;
-use pulp::{NullaryFnOnce, Simd, WithSimd};
+use crate::numeric::vector::{self, Operation};
 
 /// Upper half of a symmetric band matrix.
 ///
@@ -239,23 +238,23 @@ fn factor_block(own: &mut [Chunk], width: usize, chunks: usize) -> bool {
 
 struct Factor<'a>(&'a mut Banded);
 
-impl WithSimd for Factor<'_> {
+impl Operation for Factor<'_> {
     type Output = bool;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> bool {
+    fn run<const LANES: usize>(self) -> bool {
         // The sums of eight rows are all the registers that AVX2 has.
-        if S::F64_LANES == WIDE { self.0.factor_in_place::<WIDE>() } else { self.0.factor_in_place::<4>() }
+        if LANES == WIDE { self.0.factor_in_place::<WIDE>() } else { self.0.factor_in_place::<4>() }
     }
 }
 
 struct Solve<'a>(&'a Banded, &'a mut [f64]);
 
-impl NullaryFnOnce for Solve<'_> {
+impl Operation for Solve<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn call(self) {
+    fn run<const LANES: usize>(self) {
         self.0.solve_in_place(self.1);
     }
 }

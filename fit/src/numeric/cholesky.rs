@@ -3,8 +3,7 @@
 //! Both are made of inner products of rows, in tiles that stay in registers. Sums have a fixed order and are fused everywhere, so that
 //! every processor gives the same bits.
 
-use super::vector::{self, fused};
-use pulp::{Simd, WithSimd};
+use super::vector::{self, Operation, fused};
 
 /// Rows that are worked on at a time.
 const BLOCK: usize = 32;
@@ -192,13 +191,13 @@ struct Products<'a> {
     over: std::ops::Range<usize>,
 }
 
-impl WithSimd for Products<'_> {
+impl Operation for Products<'_> {
     type Output = Vec<f64>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Vec<f64> {
+    fn run<const WIDE: usize>(self) -> Vec<f64> {
         // What fits into 32 registers of all lanes, or into 16 of half of them.
-        if S::F64_LANES == LANES { self.tiles::<4>() } else { self.tiles::<2>() }
+        if WIDE == LANES { self.tiles::<4>() } else { self.tiles::<2>() }
     }
 }
 
@@ -232,35 +231,30 @@ impl Products<'_> {
     }
 }
 
-/// Inner products of some rows with some others, in lanes that are still to be added up.
+/// Inner products of some rows with some others, of whole blocks, in lanes that are still to be added up.
 #[inline(always)]
 fn tile<const SIDE: usize>(down: [&[f64]; SIDE], across: [&[f64]; SIDE]) -> [[[f64; LANES]; SIDE]; SIDE] {
     if cfg!(target_family = "wasm") {
         return vector::tile_in_pairs(down, across);
     }
+    // By whole blocks: where no place is checked, the sums stay in registers.
+    let down = down.map(|row| row.as_chunks::<BLOCK>().0);
+    let across = across.map(|row| row.as_chunks::<BLOCK>().0);
     let mut sums = [[[0.0; LANES]; SIDE]; SIDE];
-    let len = down[0].len();
-    let down = down.map(|row| &row[..len]);
-    let across = across.map(|row| &row[..len]);
-    for n in (0..len / LANES).map(|n| n * LANES) {
-        let rows = down.map(|row| lane(row, n));
-        let columns = across.map(|row| lane(row, n));
-        for i in 0..SIDE {
-            for j in 0..SIDE {
-                for lane in 0..LANES {
-                    sums[i][j][lane] = fused(rows[i][lane], columns[j][lane], sums[i][j][lane]);
+    for block in 0..down[0].len() {
+        let down = down.map(|row| &row[block]);
+        let across = across.map(|row| &row[block]);
+        for n in (0..BLOCK).step_by(LANES) {
+            for i in 0..SIDE {
+                for j in 0..SIDE {
+                    for lane in 0..LANES {
+                        sums[i][j][lane] = fused(down[i][n + lane], across[j][n + lane], sums[i][j][lane]);
+                    }
                 }
             }
         }
     }
     sums
-}
-
-#[inline(always)]
-fn lane(row: &[f64], at: usize) -> [f64; LANES] {
-    let mut lane = [0.0; LANES];
-    lane.copy_from_slice(&row[at..at + LANES]);
-    lane
 }
 
 #[cfg(test)]

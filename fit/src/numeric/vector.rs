@@ -1,20 +1,50 @@
 //! Loops as vector instructions of the machine that runs them.
 //!
-//! `pulp` compiles a loop for AVX2 and FMA beside the baseline and chooses at run time, without unsafe code here. Additions keep
-//! their order, and fused operations are fused everywhere (slowly on an x86 without FMA), so every machine gives the same bits.
-//! WebAssembly has no fused operation that is the same on every machine: there products are rounded, and every browser gives the
-//! same bits, others than those of processors.
+//! A loop is compiled for AVX-512 and for AVX2 with FMA beside the baseline, and the processor is asked at run time. The compiler makes
+//! the vectors. Additions keep their order, and fused operations are fused everywhere (slowly on an x86 without FMA), so every machine
+//! gives the same bits. WebAssembly has no fused operation that is the same on every machine: there products are rounded, and every
+//! browser gives the same bits, others than those of processors.
 
-use pulp::{Arch, WithSimd};
 use std::f64::consts::LOG2_E;
-use std::sync::LazyLock;
 use wide::f64x2;
 
-static ARCH: LazyLock<Arch> = LazyLock::new(Arch::new);
+/// A loop over numbers.
+pub(crate) trait Operation {
+    /// The result, the same for any number of lanes.
+    type Output;
+    /// Runs it, `inline(always)`, as everything has to be that it calls. `LANES`: how many numbers a register holds.
+    fn run<const LANES: usize>(self) -> Self::Output;
+}
 
-/// Runs an operation with the widest vectors there are; everything that it calls has to be `inline(always)`.
-pub(crate) fn run<Operation: WithSimd>(operation: Operation) -> Operation::Output {
-    ARCH.dispatch(operation)
+/// Runs an operation with the widest vectors of this processor, and of the level that was chosen.
+#[allow(unsafe_code, reason = "no safe call reaches instructions that not every processor has")]
+pub(crate) fn run<O: Operation>(operation: O) -> O::Output {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use srbf_core::Level;
+        use std::arch::is_x86_feature_detected as has;
+
+        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+        fn avx512<O: Operation>(operation: O) -> O::Output {
+            operation.run::<8>()
+        }
+        #[target_feature(enable = "avx2,fma")]
+        fn avx2<O: Operation>(operation: O) -> O::Output {
+            operation.run::<4>()
+        }
+        // A core that is built without vectors has no levels to choose among.
+        let most = if Level::Portable.is_available() { Level::current() } else { Level::Avx512 };
+        if most >= Level::Avx2 && has!("avx2") && has!("fma") {
+            let has_avx512 = has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl");
+            if most == Level::Avx512 && has_avx512 {
+                // SAFETY: the processor has these instructions.
+                return unsafe { avx512(operation) };
+            }
+            // SAFETY: as above.
+            return unsafe { avx2(operation) };
+        }
+    }
+    operation.run::<1>()
 }
 
 /// `a b + c`, rounded once; in WebAssembly twice, where to round once would be a function of a hundred instructions.

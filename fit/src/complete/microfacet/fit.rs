@@ -12,8 +12,7 @@ use crate::complete::tuning::microfacet_fit::{
 };
 use crate::numeric::cholesky::Square;
 use crate::numeric::levenberg::{LeastSquares, Linear};
-use crate::numeric::vector;
-use pulp::NullaryFnOnce;
+use crate::numeric::vector::{self, Operation};
 
 /// The fit: the relative L2 error of every view, and differences of logarithms, or residuals of these with a process.
 pub(super) struct Fit<'a> {
@@ -152,11 +151,11 @@ struct Apart<'a> {
     at: &'a mut At,
 }
 
-impl NullaryFnOnce for Apart<'_> {
+impl Operation for Apart<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn call(self) {
+    fn run<const LANES: usize>(self) {
         let Self { fit, values, with_slopes, at } = self;
         let mut grams = [[[0.0; OF_A_CHANNEL]; OF_A_CHANNEL]; 3];
         let mut gradients = [[0.0; OF_A_CHANNEL]; 3];

@@ -6,8 +6,7 @@
 //! gradient is exact, the steps are a little shorter or longer than Gauss-Newton's.
 
 use crate::isotropic::model::{Column, Lobes, PANEL};
-use crate::numeric::vector::{self, fused};
-use pulp::{NullaryFnOnce, Simd, WithSimd};
+use crate::numeric::vector::{self, Operation, fused};
 
 /// A sample as the fit sees it.
 #[derive(Clone, Debug)]
@@ -99,11 +98,11 @@ struct Values<'a> {
     points: &'a [Point],
 }
 
-impl NullaryFnOnce for Values<'_> {
+impl Operation for Values<'_> {
     type Output = Vec<[f64; 3]>;
 
     #[inline(always)]
-    fn call(self) -> Vec<[f64; 3]> {
+    fn run<const WIDE: usize>(self) -> Vec<[f64; 3]> {
         let mut out = Vec::with_capacity(self.points.len());
         for chunk in self.points.chunks(PANEL) {
             let panel = self.lobes.panel(chunk.iter().map(|p| p.direction));
@@ -121,11 +120,11 @@ struct Projection<'a> {
     left: &'a [[f64; 3]],
 }
 
-impl NullaryFnOnce for Projection<'_> {
+impl Operation for Projection<'_> {
     type Output = (f64, [f64; 3]);
 
     #[inline(always)]
-    fn call(self) -> (f64, [f64; 3]) {
+    fn run<const WIDE: usize>(self) -> (f64, [f64; 3]) {
         let (mut square, mut moment) = (0.0, [0.0; 3]);
         for (points, left) in self.points.chunks(PANEL).zip(self.left.chunks(PANEL)) {
             let panel = self.lobes.panel(points.iter().map(|p| p.direction));
@@ -148,13 +147,13 @@ struct AllSums<'a> {
     points: &'a [Point],
 }
 
-impl WithSimd for AllSums<'_> {
+impl Operation for AllSums<'_> {
     type Output = Sums;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Sums {
+    fn run<const WIDE: usize>(self) -> Sums {
         // What fits into 32 registers of all lanes, or into 16 of half of them.
-        if S::F64_LANES == LANES { self.sums::<4>() } else { self.sums::<2>() }
+        if WIDE == LANES { self.sums::<4>() } else { self.sums::<2>() }
     }
 }
 
