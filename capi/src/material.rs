@@ -403,8 +403,7 @@ pub unsafe extern "C" fn srbf_material_prepare_into(
 const BLOCK: usize = 16;
 
 /// # Safety
-/// The storage of a mixture, of `size` bytes, can be written every `stride` bytes from `places` on, as many as directions, and nobody
-/// else uses them.
+/// Every `stride` bytes from `places` on, as many times as directions, `size` bytes can be written, and nobody else uses them.
 unsafe fn prepare_many(
     material: &'static Material<Bytes>,
     wo: [&[f32]; 3],

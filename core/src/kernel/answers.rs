@@ -13,7 +13,7 @@ use crate::simd::routine::One;
 use glam::Vec3;
 
 /// Where the lobes of the hits of a block come from.
-pub(crate) trait Source {
+pub(crate) trait LobeSource {
     /// Fills the numbers of the hits, whose outgoing directions the room has, or sets them; and tells their lobes, those of the last
     /// hit again behind it.
     fn fill(&mut self, room: &mut Room) -> [&[Group]; WIDEST];
@@ -24,7 +24,7 @@ pub(crate) trait Source {
 /// Answers for the hits of a block. `wo`: their outgoing directions, if the source wants some.
 pub(crate) fn answer_block(
     level: Level,
-    source: &mut dyn Source,
+    source: &mut dyn LobeSource,
     block: Block,
     wo: Option<[&[f32]; 3]>,
     request: &mut Request<'_>,
@@ -77,7 +77,7 @@ pub(crate) fn answer_block(
 /// Multiplies values by their factors: all at once where the hits have the same.
 fn multiply(
     level: Level,
-    source: &dyn Source,
+    source: &dyn LobeSource,
     count: usize,
     wo: &[Numbers; 3],
     wi: &[Numbers; 3],

@@ -1,6 +1,6 @@
 //! A block of at most sixteen hits on the hemisphere, each with lobes of its own.
 //!
-//! A [`Source`](super::answers::Source) fills the numbers that a hit has once ([`Hits`]), and its lobes, groups of sixteen. Here
+//! A [`LobeSource`](super::answers::LobeSource) fills the numbers that a hit has once ([`Hits`]), and its lobes, groups of sixteen. Here
 //! directions are drawn, and the lobes are summed towards directions. Lanes are hits for work that a hit needs once, lobes for
 //! the rest; in stages, so that a processor sees many short chains of dependent operations and not one long one.
 #![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
@@ -63,7 +63,7 @@ impl Hits {
         is_there: ZEROS,
     };
 
-    /// Sets what follows from azimuths: the excess.
+    /// Sets the excess of the azimuths.
     #[inline(always)]
     pub fn set_excess(&mut self) {
         for i in 0..WIDEST {
@@ -72,7 +72,7 @@ impl Hits {
         }
     }
 
-    /// Sets what follows from the powers of lobes and diffuse terms: their sum and its inverse.
+    /// Sets the power of lobes and diffuse terms, and its inverse.
     #[inline(always)]
     pub fn set_power<L: Lanes>(&mut self, diffuse_power: &Numbers) {
         let one = L::splat(1.0);

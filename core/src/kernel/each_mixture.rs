@@ -4,7 +4,7 @@
 //! other.
 
 #[cfg(feature = "simd")]
-use super::answers::{Source, answer_block};
+use super::answers::{LobeSource, answer_block};
 #[cfg(feature = "simd")]
 use super::block::Room;
 use super::prepare::prepare_each;
@@ -110,7 +110,7 @@ fn level_of_block(mixtures: &[&AnyMixture<'_>]) -> Option<Level> {
 struct Made<'a, 'm>(&'a [&'a AnyMixture<'m>]);
 
 #[cfg(feature = "simd")]
-impl Source for Made<'_, '_> {
+impl LobeSource for Made<'_, '_> {
     fn fill(&mut self, room: &mut Room) -> [&[Group]; WIDEST] {
         let Room { wo, hits, .. } = room;
         hits.count = self.0.len().min(WIDEST);
@@ -130,7 +130,8 @@ impl Source for Made<'_, '_> {
             hits.lobes_power[i] = head.lobes_power;
             hits.power[i] = head.power;
             hits.inverse_power[i] = head.inverse_power;
-            hits.is_there[i] = 1.0;
+            // Nothing is towards any vector, also where an infinite one would make a NaN of a product with 0.
+            hits.is_there[i] = if m.is_nothing() { 0.0 } else { 1.0 };
             [wo[0][i], wo[1][i], wo[2][i]] = head.factors.wo;
         }
         for (widen, stretch) in hits.widen.iter_mut().zip(&hits.stretch) {

@@ -99,7 +99,7 @@ where
 
 /// A mixture with room for any number of lobes: a text that takes a reference to one takes a [`Mixture`] of any `N`.
 ///
-/// `R` is what it is stored in.
+/// `R`: the storage of its groups.
 #[derive(Clone, Debug)]
 pub struct AnyMixture<'m, R: ?Sized = [Group]> {
     pub(crate) head: Head<'m>,

@@ -133,7 +133,7 @@ fn product_is_plain(
     assert!((weight * count as f64 / whole - 1.0).abs() < 2e-3, "{place}: {weight} of {whole}");
 }
 
-/// The sums of light and lobes, and what is left of them where rays are blocked.
+/// The sums of light and lobes, and the rest of them where rays are blocked.
 fn sums_are_plain(
     m: &Mixture<64>,
     light: &Light,

@@ -291,7 +291,7 @@ struct Plain {
     moved: f64,
 }
 
-/// A candidate of the plain text, and what makes it one: the light that it would bring, its luminance, and the weight it is chosen by.
+/// A candidate of the plain text: the light that it would bring, its luminance, and the weight it is chosen by.
 struct Candidate {
     world: Vec3,
     light: DVec3,

@@ -1,6 +1,6 @@
 //! The verbs of an expanded material, for n hits, each with an outgoing direction of its own.
 
-use super::super::answers::{Source, answer_block};
+use super::super::answers::{LobeSource, answer_block};
 use super::super::block::Room;
 use super::super::request::Request;
 use super::super::slices::{Block, one_length};
@@ -56,7 +56,7 @@ struct Rows<'a> {
     groups: &'a mut [Group],
 }
 
-impl Source for Rows<'_> {
+impl LobeSource for Rows<'_> {
     fn fill(&mut self, room: &mut Room) -> [&[Group]; WIDEST] {
         let &mut Self { expanded, level, count, ref mut groups } = self;
         level.run_vectors(Fill { expanded, count, room, groups });

@@ -91,7 +91,7 @@ fn store_shape<L: Lanes>(lobes: &Lobes<L>, to: &mut Group, at: usize) -> L {
     fold_rate(rate, z)
 }
 
-/// What a fold adds to the exponent, over d.z.
+/// The rate of a fold: times d.z it is added to the exponent.
 #[inline(always)]
 pub(super) fn fold_rate<L: Lanes>(rate: L, axis_z: L) -> L {
     rate * L::splat(4.0) * axis_z

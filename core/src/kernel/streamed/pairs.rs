@@ -5,7 +5,7 @@
 //! material is anisotropic, one after the other.
 
 #[cfg(feature = "simd")]
-use super::super::answers::{Source, answer_block};
+use super::super::answers::{LobeSource, answer_block};
 #[cfg(feature = "simd")]
 use super::super::block::Room;
 #[cfg(feature = "simd")]
@@ -196,7 +196,7 @@ struct Files<'a, 'm> {
 }
 
 #[cfg(feature = "simd")]
-impl Source for Files<'_, '_> {
+impl LobeSource for Files<'_, '_> {
     fn fill(&mut self, room: &mut Room) -> [&[Group]; WIDEST] {
         let &mut Self { level, ref materials, count, ref mut groups, groups_of_hit } = self;
         level.run_vectors(Fill { materials, count, room, groups, groups_of_hit });
