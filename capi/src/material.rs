@@ -308,9 +308,9 @@ pub unsafe extern "C" fn srbf_material_prepare(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (material, wo, mut mixture) =
+        let (material, wo, mixture) =
             unsafe { (self::material(material)?, read_array(wo)?, mixture_mut(mixture)?) };
-        prepare(&material.material, direction(wo)?, PrepareOptions::default(), &mut mixture)
+        prepare(&material.material, direction(wo)?, PrepareOptions::default(), mixture)
     })
 }
 
@@ -331,10 +331,10 @@ pub unsafe extern "C" fn srbf_material_prepare_leaving_out(
 ) -> srbf_status {
     guard(|| {
         // SAFETY: the header's contract.
-        let (material, wo, mut mixture) =
+        let (material, wo, mixture) =
             unsafe { (self::material(material)?, read_array(wo)?, mixture_mut(mixture)?) };
         let leave_out = LeaveOut::new(lobes, folds)?;
-        prepare(&material.material, direction(wo)?, leave_out.into(), &mut mixture)
+        prepare(&material.material, direction(wo)?, leave_out.into(), mixture)
     })
 }
 
@@ -414,8 +414,9 @@ unsafe fn prepare_many(
     let n = wo[0].len();
     for from in (0..n).step_by(BLOCK) {
         let count = BLOCK.min(n - from);
-        // SAFETY (both): the caller's word; there is at least one.
-        let mut mixtures = [unsafe { write_empty(places.wrapping_add(from * stride), size) }; BLOCK];
+        // SAFETY: the caller's word; there is at least one.
+        let first = unsafe { write_empty(places.wrapping_add(from * stride), size) };
+        let mut mixtures = [first; BLOCK];
         for (i, mixture) in mixtures[..count].iter_mut().enumerate().skip(1) {
             // SAFETY: as above.
             *mixture = unsafe { write_empty(places.wrapping_add((from + i) * stride), size) };

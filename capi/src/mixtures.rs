@@ -64,8 +64,9 @@ impl Mixtures {
     ) -> Outcome {
         for from in (0..hits.len()).step_by(RUN) {
             let len = RUN.min(hits.len() - from);
-            // SAFETY (both): the caller's word.
-            let mut run = [unsafe { self.get(hits.start + from)? }; RUN];
+            // SAFETY: the caller's word.
+            let first = unsafe { self.get(hits.start + from)? };
+            let mut run = [first; RUN];
             for (i, mixture) in run[..len].iter_mut().enumerate().skip(1) {
                 // SAFETY: as above.
                 *mixture = unsafe { self.get(hits.start + from + i)? };

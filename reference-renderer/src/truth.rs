@@ -21,7 +21,7 @@ use srbf_core::{MAX_LOBES, Material, Mixture};
 use srbf_fit::table::{Brdf, Draws, Symmetry};
 
 /// Storage for the mixture of any material.
-pub type AnyMixture<'m> = Mixture<'m, MAX_LOBES>;
+pub type LargeMixture<'m> = Mixture<'m, MAX_LOBES>;
 
 /// The material that a picture shows, whatever samples it.
 #[derive(Clone, Copy)]
@@ -45,7 +45,7 @@ impl<'a> Truth<'a> {
     pub fn f_cos(&self, wi: DVec3, wo: DVec3) -> DVec3 {
         match self {
             Self::Lobes(material) => {
-                let mut mixture = AnyMixture::empty();
+                let mut mixture = LargeMixture::empty();
                 let prepared = material.prepare(wo.as_vec3(), &mut mixture);
                 if prepared.is_ok() { mixture.evaluate(wi.as_vec3()).as_dvec3() } else { DVec3::ZERO }
             }

@@ -14,7 +14,9 @@ const HEIGHT: usize = 8;
 /// A map without steep places, and its radiance in f64: linear in azimuth and height between the centres of pixels.
 fn map() -> Vec<[f32; 3]> {
     let mut random = Random(12);
-    (0..WIDTH * HEIGHT).map(|_| [0.5 + random.next(), 0.3 + random.next(), 0.8 + random.next()]).collect()
+    (0..WIDTH * HEIGHT)
+        .map(|_| [0.5 + random.uniform(), 0.3 + random.uniform(), 0.8 + random.uniform()])
+        .collect()
 }
 
 fn radiance(map: &[[f32; 3]], d: Vec3, turn: f32) -> [f64; 3] {
@@ -98,7 +100,7 @@ fn product_is_plain(
     let count = [2, 8, 15, 16, 17, 31, 32][n % 7];
     let sampling = ProductSampling::new(count, [0.5, 0.0, 0.8, 1.0][n % 4], f32::INFINITY).unwrap();
     let u: Vec<Vec3> = (0..count).map(|_| three(random)).collect();
-    let (arrays, choice) = (structure_of_arrays(&u), random.next());
+    let (arrays, choice) = (structure_of_arrays(&u), random.uniform());
     let drawn = m.sample_product(light, axes, &sampling, slices(&arrays, count), choice).unwrap();
     let lobes = sampling.lobe_candidates();
     let candidates: Vec<(Vec3, f64)> = (0..count)
@@ -143,10 +145,10 @@ fn sums_are_plain(
     place: &str,
 ) {
     let flat = (axes[2] + 0.3 * random.direction()).normalize();
-    let mut numbers = || [[0.0f32; LIGHT_BLOCK]; 3].map(|row| row.map(|_| random.next()));
+    let mut numbers = || [[0.0f32; LIGHT_BLOCK]; 3].map(|row| row.map(|_| random.uniform()));
     let (of_block, of_lobes) = (numbers(), numbers());
     // A block that sees no light above the surface.
-    let is_dark = n % 5 == 0;
+    let is_dark = n.is_multiple_of(5);
     let block = LightBlock::of(|i| {
         let mut sample = light.sample([of_block[0][i], of_block[1][i], of_block[2][i]]);
         if is_dark && sample.direction.dot(flat) > 0.0 {
@@ -156,7 +158,7 @@ fn sums_are_plain(
     });
     let count = [1, 2, 8, 15, 16][(n / 5 + n) % 5];
     let u = of_lobes.each_ref().map(|row| &row[..count]);
-    let drawn = m.reflect(light, &block, axes, flat, u, random.next()).unwrap();
+    let drawn = m.reflect(light, &block, axes, flat, u, random.uniform()).unwrap();
     let weight = |a: f64, b: f64| a * a / (a * a + b * b);
     let (mut sums, mut own) = ([[0.0; 3]; 2], [0.0; 3]);
     for i in 0..LIGHT_BLOCK {

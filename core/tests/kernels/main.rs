@@ -38,7 +38,7 @@ fn upper(random: &mut Random) -> Vec3 {
 }
 
 fn three(random: &mut Random) -> Vec3 {
-    Vec3::new(random.next(), random.next(), random.next())
+    Vec3::new(random.uniform(), random.uniform(), random.uniform())
 }
 
 /// A material of a number of stored lobes, of which the first are squeezed and the last stand for two; with factors or without.
@@ -47,11 +47,11 @@ fn made([lobes, squeezed, mirrored]: [usize; 3], has_factors: bool) -> Vec<u8> {
     let thetas = [0.0f32, 0.4, 0.9, 1.4];
     let all = thetas.map(|theta| {
         let mut lobe = |k: usize| PlaneLobe {
-            angle: if theta > 0.0 { theta + 0.4 * random.next() - 0.2 } else { 0.0 },
-            off_plane: if theta > 0.0 && k >= lobes - mirrored { 0.1 + 0.5 * random.next() } else { 0.0 },
-            log2_sharpness: 1.0 + 8.0 * random.next(),
-            log2_luminance: -3.0 + 4.0 * random.next(),
-            color_differences: [random.next() - 0.3, 2.0 * random.next() - 0.5],
+            angle: if theta > 0.0 { theta + 0.4 * random.uniform() - 0.2 } else { 0.0 },
+            off_plane: if theta > 0.0 && k >= lobes - mirrored { 0.1 + 0.5 * random.uniform() } else { 0.0 },
+            log2_sharpness: 1.0 + 8.0 * random.uniform(),
+            log2_luminance: -3.0 + 4.0 * random.uniform(),
+            color_differences: [random.uniform() - 0.3, 2.0 * random.uniform() - 0.5],
         };
         (0..lobes).map(&mut lobe).collect::<Vec<_>>()
     });

@@ -1,6 +1,6 @@
 //! `srbf inspect`.
 
-use crate::truth::AnyMixture;
+use crate::truth::LargeMixture;
 use crate::truth::stored::StoredMaterial;
 use glam::Vec3;
 use srbf_core::{MAX_LOBES, Material, printable};
@@ -50,7 +50,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     println!(
         "  view  degrees  {extra}squeeze   albedo red  green   blue    diffuse  sharpness              strongest lobe"
     );
-    let mut mixture = AnyMixture::empty();
+    let mut mixture = LargeMixture::empty();
     for view in 0..material.view_count() {
         let theta = material.view_theta(view).unwrap_or_default();
         let azimuth = material.view_azimuth(view).unwrap_or_default();

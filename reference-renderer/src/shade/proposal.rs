@@ -2,21 +2,21 @@
 
 use super::rivals::{analytic, factored, lafortune, rgl, tabulated, thesis};
 use crate::numbers::points::{Decision, Points};
-use crate::truth::AnyMixture;
+use crate::truth::LargeMixture;
 use crate::truth::ggx_parts;
 use crate::truth::plain::{UNIFORM_DENSITY, cosine, cosine_density, uniform};
 use glam::{DVec3, Vec3};
 
 /// Storage that a proposal may need: our lobes, and those of the thesis.
 pub struct Mixtures<'a> {
-    pub lobes: AnyMixture<'a>,
-    pub round: AnyMixture<'a>,
+    pub lobes: LargeMixture<'a>,
+    pub round: LargeMixture<'a>,
 }
 
 impl Mixtures<'_> {
     /// Without lobes.
     pub fn empty() -> Self {
-        Self { lobes: AnyMixture::empty(), round: AnyMixture::empty() }
+        Self { lobes: LargeMixture::empty(), round: LargeMixture::empty() }
     }
 }
 

@@ -5,7 +5,7 @@ use crate::shade::proposal::{Drawn, Mixtures, Part, Proposal};
 use crate::shade::sampler::{OWN, Sampler};
 use crate::truth::measured::MeasuredMaterial;
 use crate::truth::stored::{Bytes, StoredMaterial};
-use crate::truth::{AnyMixture, Truth};
+use crate::truth::{LargeMixture, Truth};
 use glam::{DVec3, Vec3};
 use srbf_core::{Error, Material, Sample, Towards, luminance};
 
@@ -226,7 +226,7 @@ impl<'a> Scattering<'a> {
     /// The lobes that directions are drawn from together with the light: where our lobes sample the rendered material, and bring some light
     /// from everywhere, so that no candidate that matters is passed over.
     #[inline]
-    pub fn lobes_for_product(&self) -> Option<&AnyMixture<'a>> {
+    pub fn lobes_for_product(&self) -> Option<&LargeMixture<'a>> {
         let lobes = &self.mixtures.lobes;
         let is_everywhere = self.table.is_none() || luminance(lobes.diffuse()) > 0.0;
         (matches!(self.proposal.part, Part::Lobes) && is_everywhere).then_some(lobes)
@@ -234,7 +234,7 @@ impl<'a> Scattering<'a> {
 
     /// The lobes that are rendered, or that draw.
     #[inline]
-    pub fn known_lobes(&self) -> Option<&AnyMixture<'a>> {
+    pub fn known_lobes(&self) -> Option<&LargeMixture<'a>> {
         let is_known = self.table.is_none() || matches!(self.proposal.part, Part::Lobes);
         is_known.then_some(&self.mixtures.lobes)
     }
@@ -265,7 +265,7 @@ impl<'a> Scattering<'a> {
     }
 
     /// The lobes that were prepared last.
-    pub fn lobes(&self) -> &AnyMixture<'a> {
+    pub fn lobes(&self) -> &LargeMixture<'a> {
         &self.mixtures.lobes
     }
 }

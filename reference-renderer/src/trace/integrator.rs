@@ -16,7 +16,7 @@ use crate::trace::integrator::even::{FirstHit, Lighting};
 use crate::trace::path::Path;
 use crate::trace::scene::{Scene, Surface};
 use crate::trace::settings::RenderSettings;
-use crate::truth::AnyMixture;
+use crate::truth::LargeMixture;
 use crate::world::environment::LightPlace;
 use crate::world::ray::Ray;
 use glam::Vec3;
@@ -184,7 +184,7 @@ impl<'a> Path<'_, 'a> {
         &self,
         frame: &Frame,
         scattering: &Scattering<'a>,
-        lobes: &AnyMixture<'a>,
+        lobes: &LargeMixture<'a>,
         surface: u32,
     ) -> Vec3 {
         let u = self.candidates(surface);

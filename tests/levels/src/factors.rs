@@ -134,7 +134,8 @@ fn check_samples(
     found: &mut Findings,
 ) {
     let n = COUNTS - 3;
-    let u: Vec<Vec3> = (0..n).map(|_| Vec3::new(random.next(), random.next(), random.next())).collect();
+    let u: Vec<Vec3> =
+        (0..n).map(|_| Vec3::new(random.uniform(), random.uniform(), random.uniform())).collect();
     let arrays = structure_of_arrays(&u);
     let (mut out, mut plain) = (Guarded::<7>::new(n), Guarded::<7>::new(n));
     for (m, out) in [(m, &mut out), (lobes, &mut plain)] {

@@ -11,7 +11,7 @@ pub struct Random(pub u64);
 
 impl Random {
     /// Uniform in [0, 1).
-    pub fn next(&mut self) -> f32 {
+    pub fn uniform(&mut self) -> f32 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -19,7 +19,7 @@ impl Random {
         ((z ^ z >> 31) >> 40) as f32 / (1u64 << 24) as f32
     }
     fn between(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * self.next()
+        low + (high - low) * self.uniform()
     }
     /// Uniform on the sphere.
     pub fn direction(&mut self) -> Vec3 {
@@ -64,7 +64,7 @@ fn lobe(random: &mut Random, in_plane: bool) -> Lobe {
         axis = Vec3::new(axis.x, 0.0, axis.z).normalize();
     }
     let sharpness = libm::powf(10.0, random.between(-2.0, 5.0));
-    let rgb = Vec3::new(random.next(), random.next(), random.next());
+    let rgb = Vec3::new(random.uniform(), random.uniform(), random.uniform());
     Lobe::new(axis, sharpness, rgb).expect("a valid lobe")
 }
 
@@ -77,7 +77,7 @@ pub fn material(random: &mut Random, mirrored: usize) -> Vec<u8> {
 pub fn factored(random: &mut Random) -> [Vec<u8>; 4] {
     let (half, difference, azimuth) = (32, 19, 5);
     let mut factors: Vec<[f32; 3]> =
-        (0..azimuth * half * difference).map(|_| [0.0; 3].map(|_: f32| 8.0 * random.next())).collect();
+        (0..azimuth * half * difference).map(|_| [0.0; 3].map(|_: f32| 8.0 * random.uniform())).collect();
     for n in 0..factors.len() {
         let (i, j) = (n / difference % half, n % difference);
         if i == 0 || j == 0 {
@@ -103,9 +103,9 @@ fn made(random: &mut Random, mirrored: usize, factors: &[Option<FactorTable<'_>>
             let lobes = (0..stored)
                 .map(|k| PlaneLobe {
                     angle: if v == 0 { 0.0 } else { theta * k as f32 / 11.0 },
-                    off_plane: if v == 0 || k < stored - mirrored { 0.0 } else { theta * random.next() },
-                    log2_sharpness: k as f32 + 0.3 * random.next(),
-                    log2_luminance: -3.0 - random.next() + 0.2 * k as f32,
+                    off_plane: if v == 0 || k < stored - mirrored { 0.0 } else { theta * random.uniform() },
+                    log2_sharpness: k as f32 + 0.3 * random.uniform(),
+                    log2_luminance: -3.0 - random.uniform() + 0.2 * k as f32,
                     color_differences: [random.between(-1.5, 2.0), random.between(-1.0, 5.0)],
                 })
                 .collect();

@@ -115,7 +115,8 @@ fn check_values(case: &Case, random: &mut Random, found: &mut Findings) {
 fn check_samples(m: &Mixture<64>, name: &str, random: &mut Random, found: &mut Findings) {
     // Every width that a level takes at a time, and a rest.
     let n = COUNTS - 3;
-    let u: Vec<Vec3> = (0..n).map(|_| Vec3::new(random.next(), random.next(), random.next())).collect();
+    let u: Vec<Vec3> =
+        (0..n).map(|_| Vec3::new(random.uniform(), random.uniform(), random.uniform())).collect();
     let arrays = structure_of_arrays(&u);
     let (mut out, mut bare) = (Guarded::<7>::new(n), Guarded::<4>::new(n));
     let [x, y, z, pdf, r, g, b] = out.slices();
@@ -182,7 +183,8 @@ fn check_azimuth(m: &Mixture<64>, wo: Vec3, found: &mut Findings) {
 fn check_pairs(material: &Material<impl AsRef<[u8]>>, random: &mut Random, found: &mut Findings) {
     let wo: Vec<Vec3> = (0..COUNTS).map(|_| random.direction()).collect();
     let wi: Vec<Vec3> = wo.iter().map(|d| Vec3::new(d.y, d.z, d.x)).collect();
-    let u: Vec<Vec3> = (0..COUNTS).map(|_| Vec3::new(random.next(), random.next(), random.next())).collect();
+    let u: Vec<Vec3> =
+        (0..COUNTS).map(|_| Vec3::new(random.uniform(), random.uniform(), random.uniform())).collect();
     let mut mixtures = vec![Mixture::<64>::empty(); COUNTS];
     for (m, wo) in mixtures.iter_mut().zip(&wo) {
         material.prepare(*wo, m).expect("a unit vector");

@@ -2,7 +2,7 @@
 //! below the horizon is lost.
 
 use crate::numbers::random::Random;
-use crate::truth::{AnyMixture, Truth};
+use crate::truth::{LargeMixture, Truth};
 use glam::{DVec3, Vec3};
 use srbf_core::{Error, Gaussian, LUMINANCE, Lobe, MAX_LOBES, Metropolis, Mixture, Sample};
 use srbf_fit::baselines::thesis::{RoundLobe, ThesisFit, ThesisSettings, fit_brdf};
@@ -57,7 +57,7 @@ impl Thesis {
     ///
     /// # Errors
     /// None but those of numbers that are no lobe.
-    pub fn prepare<'a>(&self, wo: DVec3, mixture: &mut AnyMixture<'a>) -> Result<ThesisProposal, Error> {
+    pub fn prepare<'a>(&self, wo: DVec3, mixture: &mut LargeMixture<'a>) -> Result<ThesisProposal, Error> {
         let across = wo.x.hypot(wo.y);
         let [cos, sin] = if across > 0.0 { [-wo.x / across, -wo.y / across] } else { [1.0, 0.0] };
         let turned = |l: &RoundLobe| -> Result<Lobe, Error> {
@@ -93,7 +93,7 @@ pub struct ThesisProposal {
 
 impl ThesisProposal {
     /// Draws a direction, maybe below the horizon; `None` if there is no lobe.
-    pub fn sample(&self, mixture: &AnyMixture<'_>, u: [f32; 3]) -> Option<Vec3> {
+    pub fn sample(&self, mixture: &LargeMixture<'_>, u: [f32; 3]) -> Option<Vec3> {
         if self.how != How::Walk {
             return mixture.sample(u).map(|sample: Sample| sample.direction);
         }
@@ -119,7 +119,7 @@ impl ThesisProposal {
         &self,
         numbers: impl ExactSizeIterator<Item = [f32; 4]>,
         directions: &mut Vec<Vec3>,
-    ) -> Option<AnyMixture<'static>> {
+    ) -> Option<LargeMixture<'static>> {
         let (n, mut counts) = (numbers.len(), [0u32; MAX_LOBES]);
         for [choice, u, v, _] in numbers {
             let lobe = self.choose(choice)?;

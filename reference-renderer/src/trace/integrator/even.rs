@@ -13,7 +13,7 @@ use crate::trace::openness::{Openness, SurveyedPath};
 use crate::trace::path::Path;
 use crate::trace::scene::Scene;
 use crate::trace::settings::RenderSettings;
-use crate::truth::AnyMixture;
+use crate::truth::LargeMixture;
 use crate::world::environment::tile::{BLOCKS, LightTile};
 use glam::Vec3;
 use srbf_core::{LightBlock, Reflection, luminance};
@@ -86,7 +86,8 @@ impl Lighting {
     /// Whether they are at a point where they may be. A surface whose lobes are unknown is taken for not matte.
     #[inline]
     pub fn helps_on(&self, scattering: &Scattering<'_>, point: Vec3) -> bool {
-        let is_matte = |lobes: &AnyMixture<'_>| luminance(lobes.diffuse()) >= MOSTLY_DIFFUSE * lobes.power();
+        let is_matte =
+            |lobes: &LargeMixture<'_>| luminance(lobes.diffuse()) >= MOSTLY_DIFFUSE * lobes.power();
         !scattering.known_lobes().is_some_and(is_matte) || self.open.is_at_matte(point)
     }
 }
