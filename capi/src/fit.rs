@@ -15,12 +15,10 @@ use crate::streams::{Inputs, srbf_vectors};
 use core::error::Error;
 use core::ffi::{c_char, c_void};
 use core::fmt::Write;
-use core::sync::atomic::{AtomicPtr, Ordering};
-use rayon::{ThreadPool, ThreadPoolBuilder};
 use srbf_fit::read::Content;
 use srbf_fit::table::Brdf;
 use srbf_fit::table::{Scattered, Table};
-use srbf_fit::{FactorNodes, FitError, Settings, fit_content, write_atomically};
+use srbf_fit::{FactorNodes, FitError, Settings, fit_content, in_threads, write_atomically};
 use std::boxed::Box;
 use std::path::Path;
 use std::string::{String, ToString};
@@ -259,49 +257,8 @@ unsafe fn settings(given: *const srbf_fit_settings) -> Result<Settings, Failure>
 }
 
 fn fit(content: &Content, settings: &Settings, out: &Out<*mut srbf_material>) -> Outcome {
-    let fit = pool()?.install(|| fit_content(content, settings, |_| ()))?;
+    let fit = in_threads(|| fit_content(content, settings, |_| ()))??;
     own(fit.bytes, out)
-}
-
-/// Threads that fits run on, and the process whose they are: a child that was forked has none of them.
-struct Threads {
-    process: u32,
-    pool: ThreadPool,
-}
-
-/// The threads of this process, which its first fit starts. Where the system refuses them, the next fit asks again: threads that
-/// start by themselves would panic then, and for ever.
-///
-/// Without a lock: one that a thread of the parent holds at a fork stays locked in the child.
-fn pool() -> Result<&'static ThreadPool, Failure> {
-    static THREADS: AtomicPtr<Threads> = AtomicPtr::new(core::ptr::null_mut());
-    let process = std::process::id();
-    let old = THREADS.load(Ordering::Acquire);
-    // SAFETY: NULL, or the text that is leaked below.
-    match unsafe { old.as_ref() } {
-        Some(threads) if threads.process == process => return Ok(&threads.pool),
-        // Forked by a function that a fit has called: this thread still waits for those of its parent.
-        Some(_) if rayon::current_thread_index().is_some() => {
-            return Err(Failure::new(SRBF_STATUS_OTHER, "no fit in a process that was forked within a fit"));
-        }
-        _ => {}
-    }
-    let pool = ThreadPoolBuilder::new()
-        .build()
-        .map_err(|error| Failure::new(SRBF_STATUS_OTHER, format_args!("no threads to fit on: {error}")))?;
-    let made = Box::into_raw(Box::new(Threads { process, pool }));
-    // The parent's are left alone: to end them would wait for threads that are not there.
-    match THREADS.compare_exchange(old, made, Ordering::AcqRel, Ordering::Acquire) {
-        // SAFETY: it was leaked above, and stays for ever.
-        Ok(_) => Ok(unsafe { &(*made).pool }),
-        Err(other) => {
-            // SAFETY: nobody else has seen the text leaked above, and a text that another thread has stored stays for ever.
-            unsafe {
-                drop(Box::from_raw(made));
-                Ok(&(*other).pool)
-            }
-        }
-    }
 }
 
 impl From<FitError> for Failure {

@@ -78,6 +78,9 @@ pub enum FitError {
     /// There is less memory than the fit takes.
     #[error("there is too little memory for the fit")]
     Memory(#[source] io::Error),
+    /// There are no threads to work on; the text says why.
+    #[error("{0}")]
+    Threads(String),
     /// The fitted lobes have no place in a material.
     #[error("the fit is no material")]
     Format(#[from] srbf_core::FormatError),

@@ -18,6 +18,7 @@ pub mod pack;
 pub mod read;
 mod settings;
 pub mod table;
+mod threads;
 mod write;
 
 pub use error::{FitError, ReadError};
@@ -26,4 +27,5 @@ pub use judge::fitted_material::view_angles;
 pub use judge::report::Fit;
 pub use read::{check_memory, read_at_most, read_if};
 pub use settings::{FactorNodes, Settings};
+pub use threads::in_threads;
 pub use write::{Outputs, check_output, write_atomically};
