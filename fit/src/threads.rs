@@ -13,8 +13,8 @@ thread_local! {
 
 /// Does work on the threads of this process, which the first call starts; within such work, in place.
 ///
-/// Whatever this crate does on several threads uses those of the caller, which without a pool of its own are the same for the whole
-/// program. A child that was forked would wait for them for ever. Libraries that are called from programs that fork work in here.
+/// Work of this crate on several threads uses those of the caller. Without a pool of its own they are the same for the whole
+/// program, and a child that was forked would wait for them for ever. Libraries that are called from programs that fork work in here.
 ///
 /// # Errors
 /// [`FitError::Threads`] where the system refuses threads: the next call asks again. And in a process that was forked by a function

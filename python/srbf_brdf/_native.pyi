@@ -34,7 +34,7 @@ class Material:
     def from_bytes(bytes: bytes) -> Material:
         """Takes the bytes of a `.srbf` file."""
     def to_bytes(self) -> bytes:
-        """The bytes of its `.srbf` file."""
+        """The bytes of its `.srbf` file. A pickle holds them, and report and verdict of its fit."""
     def save(self, path: Path) -> None:
         """Writes a `.srbf` file, never half."""
     @property
@@ -82,7 +82,10 @@ class Material:
         """A sheet of curves, albedo and ball, by matplotlib."""
 
 class Table:
-    """A measurement: scattered samples, or values at every pair of directions."""
+    """A measurement: scattered samples, or values at every pair of directions.
+
+    A pickle holds the bytes of its file, which is read once more for that, or its samples.
+    """
 
     @property
     def name(self) -> str: ...
@@ -126,8 +129,11 @@ def fit(
     starts: int | None = None,
     steps: int | None = None,
     exchanges: int | None = None,
-    symmetry: Symmetry = "isotropic",
+    symmetry: Symmetry | None = None,
     provenance: str = "",
     progress: bool | Callable[[float], object] | None = None,
 ) -> Material:
-    """Fits lobes to a measurement; a bar shows the progress, and Ctrl-C ends it."""
+    """Fits lobes to a measurement; a bar shows the progress, and Ctrl-C ends it.
+
+    `symmetry` is of a function, "isotropic" if it is None; other sources have their own.
+    """

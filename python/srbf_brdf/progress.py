@@ -75,6 +75,8 @@ def show(progress):
         return Function(progress)
     if progress is False:
         return Silent()
+    if progress not in (None, True):
+        raise ValueError(f"progress: True, False or a function is expected, not {progress!r}")
     ipython = sys.modules.get("IPython")
     shell = ipython.get_ipython() if ipython else None
     if shell is not None and hasattr(shell, "kernel"):

@@ -3,7 +3,7 @@
 use crate::error;
 use crate::material::Material;
 use crate::source::{Function, Stop, Stopped};
-use crate::table::{SYMMETRIES, Table, table};
+use crate::table::{Table, name_of, symmetry_of, table};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -11,7 +11,8 @@ use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::Input;
 use srbf_fit::judge::verdict::Verdict;
 use srbf_fit::read::Content;
-use srbf_fit::{FactorNodes, Fit, FitError, Settings};
+use srbf_fit::table::Symmetry;
+use srbf_fit::{FactorNodes, Fit, FitError, Settings, fit_content, in_threads};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -30,7 +31,7 @@ enum From {
 impl From {
     fn fit(&self, settings: &Settings, progress: impl FnMut(f64) + Send) -> Result<Fit, FitError> {
         match self {
-            Self::Table(table) => srbf_fit::fit_content(&table.get().source.content, settings, progress),
+            Self::Table(table) => fit_content(&table.get().source.content, settings, progress),
             Self::Function(function) => {
                 // The trait object has to own the function.
                 let function = Python::attach(|py| Function {
@@ -38,7 +39,7 @@ impl From {
                     symmetry: function.symmetry,
                     stop: function.stop.clone(),
                 });
-                srbf_fit::fit_content(&Content::Evaluable(Box::new(function)), settings, progress)
+                fit_content(&Content::Evaluable(Box::new(function)), settings, progress)
             }
         }
     }
@@ -52,11 +53,11 @@ impl From {
 ///
 /// `lobes`: 1 to 64. `error`: the mean relative L2 error that is asked for; as few lobes as reach it are used, at most `lobes`. `views`:
 /// how many mixtures are stored. `factors`: "chosen", "none", or the numbers of nodes `(half, difference, azimuth)`, also as "24x6x3"; "24x6x5s" for signed ones. `symmetry`: of a function,
-/// "isotropic", "quadrant", "half turn" or "none". `progress`: True shows a bar, False nothing; a function is called with the share that is
+/// "isotropic", which is usual, "quadrant", "half turn" or "none"; other sources have their own. `progress`: True shows a bar, False nothing; a function is called with the share that is
 /// done, 0 to 1. An interruption (Ctrl-C, or the stop button of a notebook) ends the fit.
 #[pyfunction]
 #[pyo3(signature = (source, *, lobes = 12, error = None, views = None, factors = None, squeezed = None, mirrored = None,
-    smoothness = None, starts = None, steps = None, exchanges = None, symmetry = "isotropic", provenance = "", progress = None))]
+    smoothness = None, starts = None, steps = None, exchanges = None, symmetry = None, provenance = "", progress = None))]
 #[allow(clippy::too_many_arguments)] // they are keywords, as Python has them
 pub fn fit<'py>(
     py: Python<'py>,
@@ -71,7 +72,7 @@ pub fn fit<'py>(
     starts: Option<usize>,
     steps: Option<usize>,
     exchanges: Option<usize>,
-    symmetry: &str,
+    symmetry: Option<&str>,
     provenance: &str,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Material> {
@@ -90,6 +91,7 @@ pub fn fit<'py>(
         ..usual
     };
     settings.check().map_err(error::fit)?;
+    let symmetry = symmetry.map(symmetry_of).transpose()?;
     let stop = Stop::default();
     let from = from(source, symmetry, &stop)?;
     let (input, first_line) = match &from {
@@ -114,13 +116,13 @@ pub fn fit<'py>(
     show.call_method0("close")?;
     let fit = made?;
     let material = Material::new(fit.bytes).map_err(error::value)?;
-    let report = || {
+    let report = || -> Result<(String, Vec<String>), FitError> {
         let json = fit.report.to_json(&material.material, &input, &settings)?;
         let verdict = Verdict::of_material(&fit.report, &reciprocity(&material.material)?);
         let notes = fit.report.notes().into_iter().map(|note| format!("note {note}"));
         Ok((json, notes.chain(verdict.lines()).collect()))
     };
-    let (json, words) = report().map_err(error::fit)?;
+    let (json, words) = error::work(py, report)?;
     Ok(material.fitted(json, words))
 }
 
@@ -144,7 +146,9 @@ fn run(
                 stop.check();
                 share.store(done.to_bits(), Ordering::Relaxed);
             };
-            let ended = catch_unwind(AssertUnwindSafe(|| from.fit(&settings, report)));
+            // On threads that a forked child has too.
+            let fit = || in_threads(|| from.fit(&settings, report)).and_then(|fit| fit);
+            let ended = catch_unwind(AssertUnwindSafe(fit));
             // Nobody listens any more if the fit was interrupted.
             let _ = sender.send(ended);
         }
@@ -193,24 +197,24 @@ fn factor_nodes(factors: Option<&Bound<'_, PyAny>>) -> PyResult<FactorNodes> {
     Ok(FactorNodes::Given(factors.extract::<[usize; 3]>().map_err(expected)?))
 }
 
-fn from(source: &Bound<'_, PyAny>, symmetry: &str, stop: &Stop) -> PyResult<From> {
+fn from(source: &Bound<'_, PyAny>, symmetry: Option<Symmetry>, stop: &Stop) -> PyResult<From> {
     if source.is_callable() {
-        let found = SYMMETRIES.iter().find(|s| s.0 == symmetry);
-        let expected = || {
-            let text =
-                format!("symmetry: isotropic, quadrant, half turn or none is expected, not {symmetry:?}");
-            PyValueError::new_err(text)
-        };
-        let symmetry = found.ok_or_else(expected)?.1;
+        let symmetry = symmetry.unwrap_or(Symmetry::Isotropic);
         let function = Function { function: source.clone().unbind(), symmetry, stop: stop.clone() };
         return Ok(From::Function(Box::new(function)));
     }
-    if let Ok((wo, wi, f)) = source.extract::<(Bound<'_, PyAny>, Bound<'_, PyAny>, Bound<'_, PyAny>)>() {
-        let made = table(source.py(), &wo, &wi, &f, "samples")?;
-        return Ok(From::Table(Py::new(source.py(), made)?));
+    let table =
+        if let Ok((wo, wi, f)) = source.extract::<(Bound<'_, PyAny>, Bound<'_, PyAny>, Bound<'_, PyAny>)>() {
+            Bound::new(source.py(), table(source.py(), &wo, &wi, &f, "samples")?)?
+        } else if source.cast::<PyDict>().is_ok() {
+            return Err(PyValueError::new_err("a tuple of arrays (wo, wi, f) is expected, not a dict"));
+        } else {
+            Table::of(source)?
+        };
+    let own = table.get().symmetry();
+    if symmetry.is_some_and(|given| name_of(given) != own) {
+        let text = format!("symmetry: that of this source is {own:?}; another one is for functions");
+        return Err(PyValueError::new_err(text));
     }
-    if source.cast::<PyDict>().is_ok() {
-        return Err(PyValueError::new_err("a tuple of arrays (wo, wi, f) is expected, not a dict"));
-    }
-    Ok(From::Table(Table::of(source)?.unbind()))
+    Ok(From::Table(table.unbind()))
 }

@@ -8,7 +8,7 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
-use srbf_core::{Draws, MAX_LOBES, Mixture, Request, Towards};
+use srbf_core::{Draws, MAX_LOBES, Mixture, Request, Towards, printable};
 use srbf_fit::judge::reciprocity::reciprocity;
 use srbf_fit::judge::report::{Input, Report, ViewReport};
 use srbf_fit::judge::verdict::Verdict;
@@ -27,9 +27,15 @@ const MAX_FILE: u64 = 1 << 26;
 #[pyclass(frozen, module = "srbf_brdf")]
 pub struct Material {
     pub material: srbf_core::Material<Vec<u8>>,
-    /// The report of the fit, as JSON, and in words; of a material that was just fitted.
-    fitted: Option<(String, Vec<String>)>,
+    /// What its fit says; of a material that was just fitted.
+    fitted: Option<Fitted>,
 }
+
+/// The report of a fit, as JSON, and in words.
+type Fitted = (String, Vec<String>);
+
+/// A pickle: a function, and its arguments.
+pub type Reduced<'py, Arguments> = (Bound<'py, PyAny>, Arguments);
 
 impl Material {
     pub fn new(bytes: Vec<u8>) -> Result<Self, srbf_core::FormatError> {
@@ -80,7 +86,8 @@ impl Material {
     #[staticmethod]
     fn load(path: PathBuf) -> PyResult<Self> {
         let bytes = srbf_fit::read_at_most(&path, MAX_FILE).map_err(|e| error::io(&path, &e))?;
-        Self::new(bytes).map_err(|e| PyValueError::new_err(format!("{}: {e}", path.display())))
+        let fault = |e| PyValueError::new_err(format!("{}: {e}", printable(&path.to_string_lossy())));
+        Self::new(bytes).map_err(fault)
     }
 
     /// Takes the bytes of a `.srbf` file.
@@ -99,8 +106,17 @@ impl Material {
         srbf_fit::write_atomically(&path, self.material.bytes()).map_err(error::fit)
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
-        Ok((py.get_type::<Self>().getattr("from_bytes")?, (self.to_bytes(py),)))
+    /// With what its fit says, which no file holds: how it is unpickled.
+    #[staticmethod]
+    fn _restored(bytes: Vec<u8>, fitted: Option<Fitted>) -> PyResult<Self> {
+        Ok(Self { fitted, ..Self::from_bytes(bytes)? })
+    }
+
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<Reduced<'py, (Bound<'py, PyBytes>, Option<Fitted>)>> {
+        Ok((py.get_type::<Self>().getattr("_restored")?, (self.to_bytes(py), self.fitted.clone())))
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
@@ -165,7 +181,7 @@ impl Material {
     /// What its fit says of itself, as a dict; None for a material that was read.
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let parse = |(json, _): &(String, _)| py.import("json")?.call_method1("loads", (json,));
+        let parse = |(json, _): &Fitted| py.import("json")?.call_method1("loads", (json,));
         self.fitted.as_ref().map(parse).transpose()
     }
 
@@ -309,7 +325,7 @@ impl Material {
             let input = Input { name: table.source.name.clone(), sha256: table.source.sha256.clone() };
             Ok((report.to_json_of(&self.material, "srbf", &input)?.to_string(), words))
         };
-        let (json, words) = py.detach(judge).map_err(error::fit)?;
+        let (json, words) = error::work(py, judge)?;
         let json = py.import("json")?.call_method1("loads", (json,))?;
         py.import("srbf_brdf.types")?.getattr("Comparison")?.call1((json, words))
     }
@@ -415,6 +431,6 @@ impl Material {
         path: &Path,
         write: impl Fn(&dyn srbf_fit::table::Brdf) -> Result<Vec<u8>, srbf_fit::FitError> + Sync,
     ) -> PyResult<()> {
-        py.detach(|| srbf_fit::write_atomically(path, &write(&AsBrdf(&self.material))?)).map_err(error::fit)
+        error::work(py, || srbf_fit::write_atomically(path, &write(&AsBrdf(&self.material))?))
     }
 }

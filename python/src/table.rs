@@ -2,14 +2,16 @@
 
 use crate::arrays::{cast, rows, table as array_of};
 use crate::error;
+use crate::material::Reduced;
 use numpy::PyArray1;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
-use srbf_fit::ReadError;
+use pyo3::types::{PyBytes, PyDict, PyTuple};
+use srbf_core::printable;
 use srbf_fit::look::{Finding, Look};
 use srbf_fit::read::{Content, Conventions, LeftOut, Reason, Source, csv};
 use srbf_fit::table::{Symmetry, evaluation_views};
+use srbf_fit::{ReadError, analytic};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -17,7 +19,23 @@ use std::path::{Path, PathBuf};
 #[pyclass(frozen, module = "srbf_brdf")]
 pub struct Table {
     pub source: Source,
+    origin: Origin,
 }
+
+/// What a table is made of once more, in another process.
+enum Origin {
+    /// A model by its name.
+    Model(PathBuf),
+    /// A file by its place, whose bytes would double the memory of the table.
+    File(PathBuf),
+    /// The bytes of a file that is elsewhere.
+    Bytes(Vec<u8>),
+    /// Samples, as a table of text.
+    Samples(String),
+}
+
+/// Most bytes of a file that is pickled.
+const MAX_FILE: u64 = 1 << 30;
 
 /// Symmetries by the names that Python has for them.
 pub const SYMMETRIES: [(&str, Symmetry); 4] = [
@@ -27,12 +45,33 @@ pub const SYMMETRIES: [(&str, Symmetry); 4] = [
     ("none", Symmetry::None),
 ];
 
+/// The symmetry of that name.
+pub fn symmetry_of(name: &str) -> PyResult<Symmetry> {
+    let expected = || {
+        let all = SYMMETRIES.map(|s| format!("{:?}", s.0)).join(", ");
+        PyValueError::new_err(format!("symmetry: one of {all} is expected, not {name:?}"))
+    };
+    SYMMETRIES.iter().find(|s| s.0 == name).map(|s| s.1).ok_or_else(expected)
+}
+
+/// The name of a symmetry.
+pub fn name_of(symmetry: Symmetry) -> &'static str {
+    SYMMETRIES.iter().find(|s| s.1 == symmetry).map_or("none", |s| s.0)
+}
+
 /// Reads a measured file: MERL `.binary`, RGL `.bsdf`, Cornell `.brdf` and `.astm`, samples as `.csv`; or `model:...`, an
 /// analytic model such as `model:ggx:alpha=0.2,f0=0.9`.
 #[pyfunction]
 pub fn read(py: Python<'_>, path: PathBuf) -> PyResult<Table> {
-    let source = py.detach(|| srbf_fit::read::read(&path)).map_err(error::fit)?;
-    Ok(Table { source })
+    let source = error::work(py, || srbf_fit::read::read(&path))?;
+    let is_model = path.to_str().is_some_and(|path| path.starts_with(analytic::PREFIX));
+    let origin = if is_model {
+        Origin::Model(path)
+    } else {
+        // Wherever this process goes from here.
+        Origin::File(std::path::absolute(&path).unwrap_or(path))
+    };
+    Ok(Table { source, origin })
 }
 
 /// Makes a table of samples: directions `wo` and `wi` and the BRDF `f` (without a cosine, 1/sr, linear sRGB), float64 of
@@ -62,7 +101,7 @@ pub fn table(
         );
         return Err(PyValueError::new_err(text));
     }
-    let make = || {
+    let text = py.detach(|| {
         // The reader of CSV groups, checks and names the fault of a line: a sample is line n + 2.
         let mut text = String::from("wo_x,wo_y,wo_z,wi_x,wi_y,wi_z,r,g,b\n");
         for i in 0..n {
@@ -72,6 +111,14 @@ pub fn table(
             // Writing to a string does not fail.
             let _ = writeln!(text, "{},{},{},{},{},{},{r},{g},{b}", o[0], o[1], o[2], d[0], d[1], d[2]);
         }
+        text
+    });
+    of_samples(py, name, text)
+}
+
+/// Makes a table of samples as text.
+fn of_samples(py: Python<'_>, name: &str, text: String) -> PyResult<Table> {
+    let make = || {
         let fault = |source| srbf_fit::FitError::Read { path: name.into(), source };
         let intake = csv::parse(text.as_bytes(), &Conventions::default()).map_err(fault)?;
         // Arrays have no lines that are broken off: NaN and directions below the horizon are mistakes.
@@ -84,10 +131,9 @@ pub fn table(
             );
             return Err(fault(ReadError::Content(text)));
         }
-        let source = Source::of_samples(intake, name.as_ref(), name.to_owned(), String::new())?;
-        Ok(Table { source })
+        Source::of_samples(intake, name.as_ref(), name.to_owned(), String::new())
     };
-    py.detach(make).map_err(error::fit)
+    Ok(Table { source: error::work(py, make)?, origin: Origin::Samples(text) })
 }
 
 impl Table {
@@ -131,12 +177,46 @@ impl Table {
 
     /// What turning or mirroring both directions leaves as it is: "isotropic", "quadrant", "half turn" or "none".
     #[getter]
-    fn symmetry(&self) -> &'static str {
-        let symmetry = match &self.source.content {
+    pub fn symmetry(&self) -> &'static str {
+        name_of(match &self.source.content {
             Content::Samples(_) => Symmetry::Isotropic,
             Content::Evaluable(brdf) => brdf.symmetry(),
+        })
+    }
+
+    /// Of the bytes of a file, or of samples as text: how it is unpickled.
+    #[staticmethod]
+    fn _restored(py: Python<'_>, name: &str, bytes: Vec<u8>, is_file: bool) -> PyResult<Self> {
+        if !is_file {
+            return of_samples(py, name, String::from_utf8(bytes)?);
+        }
+        let read = || srbf_fit::read::read_from(name, &bytes, &Conventions::default());
+        Ok(Self { source: error::work(py, read)?, origin: Origin::Bytes(bytes) })
+    }
+
+    /// A file is read once more, and has to be as it was.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py, Bound<'py, PyTuple>>> {
+        let bytes = match &self.origin {
+            Origin::Model(name) => {
+                let read = py.import("srbf_brdf")?.getattr("read")?;
+                return Ok((read, (name,).into_pyobject(py)?));
+            }
+            Origin::File(path) => {
+                let bytes = srbf_fit::read_at_most(path, MAX_FILE).map_err(|e| error::io(path, &e))?;
+                let bytes = PyBytes::new(py, &bytes);
+                let hash = py.import("hashlib")?.call_method1("sha256", (&bytes,))?;
+                if hash.call_method0("hexdigest")?.extract::<String>()? != self.source.sha256 {
+                    let path = printable(&path.to_string_lossy()).to_string();
+                    return Err(PyValueError::new_err(format!("{path}: changed since it was read")));
+                }
+                bytes
+            }
+            Origin::Bytes(bytes) => PyBytes::new(py, bytes),
+            Origin::Samples(text) => PyBytes::new(py, text.as_bytes()),
         };
-        SYMMETRIES.iter().find(|s| s.1 == symmetry).map_or("none", |s| s.0)
+        let is_file = !matches!(self.origin, Origin::Samples(_));
+        let restored = py.get_type::<Self>().getattr("_restored")?;
+        Ok((restored, (&self.source.name, bytes, is_file).into_pyobject(py)?))
     }
 
     fn __repr__(&self) -> String {
@@ -147,7 +227,7 @@ impl Table {
             }
             Content::Evaluable(_) => format!("values everywhere, symmetry {}", self.symmetry()),
         };
-        format!("<srbf_brdf.Table {}: {of}>", self.source.name)
+        format!("<srbf_brdf.Table {}: {of}>", printable(&self.source.name))
     }
 
     /// `f cos` of pairs of directions, float64 of shape (n, 3), 1/sr; only of a table with a value everywhere.
@@ -196,7 +276,7 @@ impl Table {
             Content::Evaluable(brdf) => {
                 let thetas: Vec<f64> = angles.iter().map(|a| a.to_radians()).collect();
                 let make = || evaluation_views::judging_table(brdf.as_ref(), &thetas);
-                made = py.detach(make).map_err(error::fit)?;
+                made = error::work(py, make)?;
                 &made
             }
         };
@@ -218,8 +298,9 @@ impl Table {
             return Ok(Vec::new());
         };
         let complete = || srbf_fit::complete::complete(table);
-        let completion = if quick { None } else { Some(py.detach(complete).map_err(error::fit)?) };
-        let look = py.detach(|| Look::new(intake, completion.as_ref().map(|completion| &completion.report)));
+        let completion = if quick { None } else { Some(error::work(py, complete)?) };
+        let report = completion.as_ref().map(|completion| &completion.report);
+        let look = error::work(py, || Ok(Look::new(intake, report)))?;
         let sentence = |finding: &Finding| {
             let mark = if finding.is_off { "check" } else { "note" };
             format!("{mark}: {}", finding.text)
@@ -229,8 +310,7 @@ impl Table {
 
     /// Writes it in another format, by the end of the name: MERL `.binary`, RGL `.bsdf`, `.csv` or `.astm`.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        py.detach(|| self.written(&path).and_then(|bytes| srbf_fit::write_atomically(&path, &bytes)))
-            .map_err(error::fit)
+        error::work(py, || self.written(&path).and_then(|bytes| srbf_fit::write_atomically(&path, &bytes)))
     }
 }
 

@@ -158,11 +158,41 @@ def test_a_bar_is_drawn_where_it_is_asked_for():
         (dict(factors=(1, 50)), "factors"),
         (dict(views=1), "views"),
         (dict(error=-1.0), "error"),
+        (dict(error=float("nan")), "error"),
+        (dict(smoothness=float("nan")), "smoothness"),
+        (dict(steps=0), "steps"),
+        (dict(squeezed=99), "squeezed"),
+        (dict(mirrored=99), "mirrored"),
+        (dict(symmetry="x"), 'symmetry: one of "isotropic", "quadrant", "half turn", "none" is expected, not "x"'),
+        (dict(symmetry="none"), 'symmetry: that of this source is "isotropic"'),
+        (dict(progress="no"), "progress: True, False or a function is expected, not 'no'"),
     ],
 )
 def test_settings_out_of_range_are_named(settings, text):
     with pytest.raises(ValueError, match=text):
         srbf.fit("model:lambert:albedo=0.5", **settings)
+    if "symmetry" in settings and settings["symmetry"] == "x":
+        with pytest.raises(ValueError, match=text):
+            srbf.fit(lobe, **settings)
+
+
+@pytest.mark.parametrize("angles", [[95.0], [-1.0], [float("nan")], [float("inf")], []])
+def test_angles_that_are_none_are_refused(angles):
+    table = srbf.read("model:lambert:albedo=0.5")
+    with pytest.raises(ValueError, match="degrees|view"):
+        table.samples(angles)
+    with pytest.raises(ValueError, match="degrees|view"):
+        srbf.fit(table, lobes=1, **QUICK).compare(table, angles)
+
+
+def test_names_of_a_stranger_are_spelled_out():
+    table = srbf.table(*samples(20), name="a\x1b[31m\u202eb\n")
+    assert table.name == "a\x1b[31m\u202eb\n"
+    assert repr(table).isprintable() and "a\\u{1b}[31m\\u{202e}b\\u{a}" in repr(table)
+    for call in (lambda path: srbf.load(path), lambda path: srbf.read(path)):
+        with pytest.raises((OSError, ValueError)) as caught:
+            call("/tmp/no\x1b[31m\n")
+        assert "\x1b" not in str(caught.value)
 
 
 @pytest.mark.parametrize(

@@ -67,6 +67,20 @@ fn are_declared_documented_and_tested() {
     }
 }
 
+/// Another library of a program may have any name that is plain: neither mangled nor of the compiler, which begin with `_` or have a dot.
+#[test]
+fn the_static_library_has_no_plain_names_but_ours() {
+    let mut nm = Command::new("nm");
+    nm.args(["--extern-only", "--defined-only", "--format=posix"]).arg(library().join("libsrbf.a"));
+    let output = run(&mut nm);
+    let symbols = output.lines().filter_map(|line| line.split_once(' '));
+    let names = symbols.filter(|(_, rest)| rest.split(' ').next().is_some_and(|kind| kind.len() == 1));
+    let plain: Vec<&str> =
+        names.map(|(name, _)| name).filter(|name| !name.starts_with('_') && !name.contains('.')).collect();
+    let (ours, others): (Vec<&str>, Vec<&str>) = plain.iter().partition(|name| name.starts_with("srbf_"));
+    assert!(ours.len() > 50 && others.is_empty(), "{} of ours, and {others:?}", ours.len());
+}
+
 #[test]
 fn statuses_have_numbers_of_their_own() {
     let header = std::fs::read_to_string(root().join("include/srbf.h")).expect("the header is there");
