@@ -32,6 +32,9 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     let Some(theta_i) = theta_i.filter(|theta| (0.0..180.0).contains(theta)) else {
         return fail("pgII text without #intheta: the angle of incidence, 0 to 180 degrees".into());
     };
+    if !phi_i.is_finite() {
+        return fail("pgII text whose #inphi is no number: the azimuth of incidence, in degrees".into());
+    }
     let format = said(&["#format"]).unwrap_or("theta phi BSDF");
     let Some(name) = format.split_whitespace().nth(2) else {
         return fail(format!("pgII #format `{}`: theta, phi and a value are expected", shortened(format)));
