@@ -14,7 +14,7 @@ thread_local! {
 /// Does work on the threads of this process, which the first call starts; within such work, in place.
 ///
 /// Work of this crate on several threads uses those of the caller. Without a pool of its own they are the same for the whole
-/// program, and a child that was forked would wait for them for ever. Libraries that are called from programs that fork work in here.
+/// program. A child that was forked would wait for them for ever. Libraries that are called from programs that fork work in here.
 ///
 /// # Errors
 /// [`FitError::Threads`] where the system refuses threads: the next call asks again. And in a process that was forked by a function

@@ -22,7 +22,7 @@ pub struct Table {
     origin: Origin,
 }
 
-/// What a table is made of once more, in another process.
+/// The way to make a table once more, in another process.
 enum Origin {
     /// A model by its name.
     Model(PathBuf),
