@@ -92,11 +92,16 @@ pub(crate) fn draw_one<L: Lanes, const SEEN: bool>(m: &AnyMixture<'_>, u: [f32; 
 pub(crate) fn chosen_lobe<L: Lanes>(m: &AnyMixture<'_>, target: f32) -> usize {
     if L::COUNT == 1 {
         let last = m.head.count.clamp(1, m.capacity()) - 1;
-        let mut k = 0;
-        while k < last && target >= m.number(row::CUMULATIVE, k) {
-            k += 1;
+        let mut passed = 0;
+        for group in &m.groups {
+            let powers = &group[row::CUMULATIVE][..WIDEST.min(last - passed)];
+            let within = powers.iter().take_while(|power| target >= **power).count();
+            passed += within;
+            if within < WIDEST {
+                break;
+            }
         }
-        return k;
+        return passed;
     }
     // The running sum never falls: the lobes that are passed come first, and numbers stored behind the last do not matter. The
     // last ends the search whatever its sum is rounded to.

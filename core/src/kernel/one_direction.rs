@@ -8,7 +8,7 @@ use crate::mixture::row::{self, Group};
 use crate::mixture::rows::{AnyMixture, Domain, Sample, density_of, drawn_density, lowest_bits, weight_of};
 use crate::simd::ONE_TEXT;
 use crate::simd::elementary::{falloff, falloff_left, falloff_soon, is_left};
-use crate::simd::lanes::{Lanes, scale};
+use crate::simd::lanes::{Lanes, WIDEST, scale};
 use crate::simd::routine::{Draw, One};
 use crate::squeeze::{NUMBERS, Seen, Sight};
 use core::f32::consts::FRAC_1_PI;
@@ -391,15 +391,17 @@ fn add_lobe<L: Lanes, const C: usize, const SEEN: bool, const SQUEEZED: bool, co
     k: usize,
     acc: &mut [L; C],
 ) {
+    let Some(group) = m.groups.get(k / WIDEST) else { return };
+    let at = k % WIDEST;
     let mut apart = seen.high;
     for i in 0..3 {
-        apart[i] = apart[i] - m.load::<L>(row::AXIS_X + i, k);
+        apart[i] = apart[i] - L::load(&group[row::AXIS_X + i][at..]);
         if SEEN && (SQUEEZED || i < 2) {
             apart[i] = apart[i] + seen.low[i];
         }
     }
     let [x, y, z] = apart;
-    let t = m.load::<L>(row::RATE, k) * x.mul_add(x, y.mul_add(y, z * z));
+    let t = L::load(&group[row::RATE][at..]) * x.mul_add(x, y.mul_add(y, z * z));
     // Its fold has fallen further.
     if L::bits(is_left(t)) == 0 {
         return;
@@ -408,7 +410,7 @@ fn add_lobe<L: Lanes, const C: usize, const SEEN: bool, const SQUEEZED: bool, co
     // Small processors shift a number of 64 bits by a call.
     let folded = if k < 32 { m.head.folded as u32 } else { (m.head.folded >> 32) as u32 };
     if folded >> (k % 32) & 1 == 1 {
-        let t = m.load::<L>(row::FOLD_RATE, k).mul_add(seen.height, t);
+        let t = L::load(&group[row::FOLD_RATE][at..]).mul_add(seen.height, t);
         if L::bits(is_left(t)) != 0 {
             g = g + falloff_left::<L, SOON>(t);
         }
@@ -417,7 +419,7 @@ fn add_lobe<L: Lanes, const C: usize, const SEEN: bool, const SQUEEZED: bool, co
         g = g * seen.scale;
     }
     for i in 0..C {
-        acc[i] = g.mul_add(m.load::<L>(amplitudes[i], k), acc[i]);
+        acc[i] = g.mul_add(L::load(&group[amplitudes[i]][at..]), acc[i]);
     }
 }
 
