@@ -418,8 +418,9 @@ fn add_lobe<L: Lanes, const C: usize, const SEEN: bool, const SQUEEZED: bool, co
     if SEEN && SQUEEZED {
         g = g * seen.scale;
     }
-    for i in 0..C {
-        acc[i] = g.mul_add(L::load(&group[amplitudes[i]][at..]), acc[i]);
+    // The rows follow each other, and one check of their place does.
+    for (acc, row) in acc.iter_mut().zip(group.get(amplitudes[0]..).unwrap_or_default()) {
+        *acc = g.mul_add(L::load(&row[at..]), *acc);
     }
 }
 
