@@ -295,7 +295,7 @@ fn one_by_one(material: MaterialRef<'_>, between: Between, mixture: &mut AnyMixt
 /// Stores a lobe as the `k`-th; `y` is that of its axis.
 #[inline(always)]
 fn store_one(lobe: &OneLobe, k: usize, y: f32, mixture: &mut AnyMixture<'_>) {
-    if k >= mixture.capacity() {
+    if !mixture.has_room(k) {
         return;
     }
     let ([x, _, z], [red, green, blue]) = (lobe.axis, lobe.rgb);

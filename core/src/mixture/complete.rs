@@ -168,7 +168,7 @@ impl AnyMixture<'_> {
     /// Drops all lobes but some, one bit each, which keep their order.
     #[inline(always)]
     fn keep_lobes(&mut self, stays: u64) {
-        let count = self.head.count.min(self.capacity());
+        let count = self.head.count;
         let all = lowest_bits(count);
         // The lobes before the first that goes are in their places.
         let mut to = stays.trailing_ones() as usize;
@@ -177,7 +177,7 @@ impl AnyMixture<'_> {
             let k = left.trailing_zeros() as usize;
             left &= left - 1;
             // Never so: the compiler sees that no place below lies outside.
-            if k >= self.capacity() || to >= self.capacity() {
+            if !self.has_room(k) || !self.has_room(to) {
                 break;
             }
             for row in 0..ROWS {
@@ -186,8 +186,12 @@ impl AnyMixture<'_> {
             to += 1;
         }
         for k in to..count {
-            for row in [row::RED, row::GREEN, row::BLUE, row::LUMINANCE] {
-                *self.number_mut(row, k) = 0.0;
+            if self.has_room(k) {
+                let group = &mut self.groups[k / WIDEST];
+                group[row::RED][k % WIDEST] = 0.0;
+                group[row::GREEN][k % WIDEST] = 0.0;
+                group[row::BLUE][k % WIDEST] = 0.0;
+                group[row::LUMINANCE][k % WIDEST] = 0.0;
             }
         }
         self.head.squeezed = (stays & lowest_bits(self.head.squeezed)).count_ones() as usize;

@@ -238,10 +238,17 @@ impl<'m> AnyMixture<'m> {
         L::load(&self.groups[k / WIDEST][row][within..])
     }
 
+    /// Whether there is room for lobe `k`. The compiler sees that its numbers do not lie outside the groups, which it does not see of
+    /// `k < self.capacity()`, a product that may overflow.
+    #[inline(always)]
+    pub(crate) fn has_room(&self, k: usize) -> bool {
+        k / WIDEST < self.groups.len()
+    }
+
     /// Whether lobe `k` is one of `count`, and there is room for it.
     #[inline(always)]
     pub(crate) fn has(&self, k: usize, count: usize) -> bool {
-        k < count && k < self.capacity()
+        k < count && self.has_room(k)
     }
 }
 
