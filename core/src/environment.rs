@@ -4,11 +4,12 @@
 //! [`read`] checks one that was stored. [`look_up`] finds the radiance of a direction, [`draw`] draws one;
 //! [`cell`] says how draws are shared out. A [`product`] draws from the light and a mixture together, among
 //! [`candidates`], as a [`sampling`] says. [`reflect`] sums what both would bring [`together`], over a
-//! [`light_block`] that serves many surfaces, and corrects the sums by two rays.
+//! [`light_block`] that serves many surfaces, and corrects the sums by two rays. Both work on [`directions`].
 //! May import: `kernel`, `mixture`, `color`, `simd`, `error`; nothing imports from here.
 
 pub(crate) mod candidates;
 pub(crate) mod cell;
+mod directions;
 pub(crate) mod draw;
 pub(crate) mod light_block;
 mod look_up;

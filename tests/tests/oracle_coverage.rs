@@ -177,6 +177,8 @@ const ORACLES: &[(&str, &str)] = &[
     ("Material::sample_and_evaluate", "tests/asked.rs"),
     ("AnyMixture::ask", "tests/asked.rs"),
     ("AnyMixture::ask_each", "tests/asked.rs"),
+    ("AnyMixture::capacity", "tests/verbs.rs"),
+    ("AnyMixture::copy_from", "tests/verbs.rs"),
     ("Processor::this", "tests/asked.rs"),
     ("AnyMixture::sample_and_evaluate", "tests/verbs.rs"),
     ("Material::prepare_into", "tests/material.rs"),

@@ -333,3 +333,27 @@ fn mixtures_of_all_kinds_may_stand_side_by_side() {
         );
     }
 }
+
+#[test]
+fn a_mixture_is_copied_into_any_room_that_holds_its_lobes() {
+    let mut random = Random(91);
+    let lobes: Vec<_> = (0..20).map(|_| random.lobe(0.3, 0.9)).collect();
+    let many = Mixture::<48>::hemisphere(&lobes).unwrap().with_diffuse([0.1, 0.2, 0.3]).unwrap();
+    let (mut exact, mut large) = (Mixture::<32>::empty(), Mixture::<64>::sphere(&lobes[..3]).unwrap());
+    let rooms: [&mut AnyMixture<'_>; 2] = [&mut exact, &mut large];
+    for (to, room) in rooms.into_iter().zip([32, 64]) {
+        assert_eq!(to.capacity(), room);
+        to.copy_from(&many).unwrap();
+        assert_eq!((to.len(), to.power()), (many.len(), many.power()));
+        for _ in 0..64 {
+            let (wi, u) = (random.direction(), random.three());
+            assert_eq!((to.evaluate(wi), to.pdf(wi)), (many.evaluate(wi), many.pdf(wi)));
+            assert_eq!(to.sample(u), many.sample(u));
+        }
+    }
+    // One that is too small stays as it was.
+    let mut small = Mixture::<16>::hemisphere(&lobes[..2]).unwrap();
+    let before = small.evaluate(Vec3::Z);
+    assert_eq!(small.copy_from(&many), Err(Error::Capacity { needed: 20, available: 16 }));
+    assert_eq!((small.len(), small.evaluate(Vec3::Z)), (2, before));
+}

@@ -1,0 +1,194 @@
+//! Directions of light and of lobes that are evaluated together, and of which one is chosen by its weight.
+#![allow(clippy::needless_range_loop)] // see simd/lanes.rs: kernels loop over array indices
+
+use super::look_up::{Place, between, luminances, place};
+use super::table::{Colors, Table};
+use crate::kernel::draw::sample_direction;
+use crate::mixture::rows::{Head, MixtureRef};
+use crate::simd::lanes::{Lanes, dot3, splat3};
+use core::ops::Range;
+use glam::Vec3;
+
+/// Three numbers of each of `M` directions.
+pub(super) type Rows<const M: usize> = [[f32; M]; 3];
+
+/// Where directions are thinner, 1/sr, they bring nothing: nothing is drawn there.
+pub(super) const LEAST_DENSITY: f32 = 1e-30;
+
+/// Room for `M` directions, lanes beside the last of them included: structures of arrays.
+pub(super) struct Directions<const M: usize> {
+    /// In the caller's shading frame, and in the world.
+    pub local: Rows<M>,
+    pub world: Rows<M>,
+    /// Radiance over what the caller divides it by.
+    pub light: Rows<M>,
+    /// `f cos`; 1/sr.
+    pub value: Rows<M>,
+    /// Density of the lobes; 1/sr.
+    pub pdf: [f32; M],
+    /// Weights by which one is chosen, and their running sum.
+    pub weight: [f32; M],
+    pub cumulative: [f32; M],
+}
+
+/// Where directions lie among the cells of a map.
+pub(super) struct Places<const M: usize> {
+    pub cell: [u32; M],
+    /// The light is that of the cell's other.
+    pub is_other: [bool; M],
+    /// How far to the right, and down, in the cell.
+    pub within: [[f32; M]; 2],
+}
+
+impl<const M: usize> Places<M> {
+    pub const NONE: Self = Self { cell: [0; M], is_other: [false; M], within: [[0.0; M]; 2] };
+}
+
+/// What directions of the lobes are drawn by: axes of the shading frame in the world, and three uniform numbers a direction.
+pub(super) struct FromLobes<'a, 't> {
+    pub mixture: &'a MixtureRef<'a>,
+    pub table: &'a Table<'t>,
+    pub frame: [[f32; 3]; 3],
+    pub u: [&'a [f32]; 3],
+}
+
+impl<const M: usize> Directions<M> {
+    pub const NONE: Self = Self {
+        local: [[0.0; M]; 3],
+        world: [[0.0; M]; 3],
+        light: [[0.0; M]; 3],
+        value: [[0.0; M]; 3],
+        pdf: [0.0; M],
+        weight: [0.0; M],
+        cumulative: [0.0; M],
+    };
+
+    /// Draws `count` directions of the lobes, the first at place `from`, and finds their cells, which are asked for and not yet read.
+    /// Lanes behind the last one hold anything.
+    #[inline(always)]
+    pub fn draw_lobes<L: Lanes>(
+        &mut self,
+        places: &mut Places<M>,
+        by: &FromLobes<'_, '_>,
+        from: usize,
+        count: usize,
+    ) {
+        // 0.5 is a valid uniform number.
+        let mut u = [[0.5; M]; 3];
+        for i in 0..3 {
+            u[i][..count].copy_from_slice(&by.u[i][..count]);
+        }
+        let [tangent, bitangent, normal] = by.frame;
+        let mut found = [[0.0; M]; 3];
+        let mut at = 0;
+        while at < count {
+            let local = sample_direction(by.mixture, load3::<L, M>(&u, at));
+            let mut world = local;
+            for i in 0..3 {
+                world[i] = dot3(local, splat3([tangent[i], bitangent[i], normal[i]]));
+            }
+            let Place { column, across, row, depth } = place(by.table, world);
+            store3([column, row, depth], &mut found, at);
+            store3(local, &mut self.local, from + at);
+            store3(world, &mut self.world, from + at);
+            across.store(&mut places.within[0][from + at..]);
+            at += L::COUNT;
+        }
+        for i in 0..count {
+            let at = from + i;
+            let place = Place {
+                column: found[0][i],
+                across: places.within[0][at],
+                row: found[1][i],
+                depth: found[2][i],
+            };
+            let (cell, down) = by.table.cell(place, self.world[2][at]);
+            by.table.prefetch(cell);
+            (places.cell[at], places.within[1][at]) = (cell as u32, down);
+        }
+    }
+
+    /// Evaluates `count` directions without factors, and looks up the light of those in a range.
+    #[inline(always)]
+    pub fn evaluate(
+        &mut self,
+        mixture: &MixtureRef<'_>,
+        count: usize,
+        table: &Table<'_>,
+        places: &Places<M>,
+        lit: Range<usize>,
+    ) {
+        let local = self.local.each_ref().map(|row| &row[..count]);
+        mixture.values(local, self.value.each_mut().map(|row| &mut row[..count]));
+        mixture.densities(self.value.each_ref().map(|row| &row[..count]), &mut self.pdf[..count]);
+        for i in lit {
+            let colors = Colors::new(&table.cells[places.cell[i] as usize], places.is_other[i]);
+            let light = between(colors, places.within[0][i], places.within[1][i]);
+            for channel in 0..3 {
+                self.light[channel][i] = light[channel];
+            }
+        }
+    }
+
+    /// Multiplies the values of `count` directions by their factors.
+    pub fn multiply(&mut self, mixture: &Head<'_>, count: usize) {
+        let local = self.local.each_ref().map(|row| &row[..count]);
+        mixture.multiply(local, self.value.each_mut().map(|row| &mut row[..count]));
+    }
+
+    /// Stores the weights of a vector of directions, and their running sum; `before` is the sum before, the returned one that behind.
+    #[inline(always)]
+    pub fn weigh<L: Lanes>(&mut self, weight: L, before: L, at: usize) -> L {
+        weight.store(&mut self.weight[at..]);
+        let sums = weight.running_sum() + before;
+        sums.store(&mut self.cumulative[at..]);
+        L::splat(self.cumulative[at + L::COUNT - 1])
+    }
+
+    /// Chooses one of the first `count` by its weight, at a share of their sum, in [0, 1); with the sum. `None` if all weights are 0.
+    #[inline(always)]
+    pub fn choose(&self, share: f32, count: usize) -> Option<(usize, f32)> {
+        let sums = &self.cumulative[..count];
+        let whole = sums.last().copied().filter(|&whole| whole > 0.0)?;
+        let target = share * whole;
+        let mut passed = 0;
+        for sum in sums {
+            passed += usize::from(*sum <= target);
+        }
+        // Sums that rounding has made a little larger than those before may stop at one that adds nothing.
+        let adds = |&i: &usize| self.weight[i] > 0.0;
+        let chosen = (passed..count).find(adds).or_else(|| (0..passed.min(count)).rev().find(adds))?;
+        Some((chosen, whole))
+    }
+
+    /// Three numbers of one direction.
+    #[inline(always)]
+    pub fn at(rows: &Rows<M>, i: usize) -> Vec3 {
+        Vec3::new(rows[0][i], rows[1][i], rows[2][i])
+    }
+}
+
+/// Three rows from `at` on.
+#[inline(always)]
+pub(super) fn load3<L: Lanes, const M: usize>(rows: &Rows<M>, at: usize) -> [L; 3] {
+    [L::load(&rows[0][at..]), L::load(&rows[1][at..]), L::load(&rows[2][at..])]
+}
+
+#[inline(always)]
+pub(super) fn store3<L: Lanes, const M: usize>(vector: [L; 3], rows: &mut Rows<M>, at: usize) {
+    for i in 0..3 {
+        vector[i].store(&mut rows[i][at..]);
+    }
+}
+
+/// The weights of directions: the luminance of their light, or a share of the luminance without signs, if that is more. Lobes may
+/// have channels below 0, of which coloured light may make a luminance below 0 too.
+#[inline(always)]
+pub(super) fn target_of<L: Lanes>(light: [L; 3]) -> L {
+    let unsigned = luminances([light[0].abs(), light[1].abs(), light[2].abs()]);
+    luminances(light).max(unsigned * L::splat(LEAST_SHARE))
+}
+
+/// The smaller, the farther from the mean a draw of light below 0 may be; the larger, the more others than
+/// these are off their luminance.
+const LEAST_SHARE: f32 = 1.0 / 8.0;
