@@ -39,7 +39,7 @@ impl Candidates {
         let (to, mut places) = (&mut self.0, Places::NONE);
         let by = FromLobes { mixture, table, frame, u };
         mixture.head.level.run(Draw { by, lobes, count, to, places: &mut places });
-        self.0.evaluate(mixture, count, table, &places, 0..count);
+        self.0.evaluate(mixture, table, &places, 0..count);
     }
 
     /// Multiplies the values by their factors.
@@ -84,7 +84,7 @@ impl Routine for Draw<'_, '_> {
         }
         // The candidates of the environment overwrite the lanes behind the last one of the lobes.
         if self.lobes > 0 {
-            self.to.draw_lobes::<L>(self.places, &self.by, 0, self.lobes);
+            self.to.draw_lobes::<L, ROOM>(self.places, &self.by, 0, self.lobes);
         }
         if self.lobes < self.count {
             self.draw_environment::<L>(&mut left);

@@ -31,17 +31,17 @@ pub(super) struct Directions<const M: usize> {
     pub cumulative: [f32; M],
 }
 
-/// Where directions lie among the cells of a map.
-pub(super) struct Places<const M: usize> {
-    pub cell: [u32; M],
+/// Where `R` directions, those whose light is looked up, lie among the cells of a map.
+pub(super) struct Places<const R: usize> {
+    pub cell: [u32; R],
     /// The light is that of the cell's other.
-    pub is_other: [bool; M],
+    pub is_other: [bool; R],
     /// How far to the right, and down, in the cell.
-    pub within: [[f32; M]; 2],
+    pub within: [[f32; R]; 2],
 }
 
-impl<const M: usize> Places<M> {
-    pub const NONE: Self = Self { cell: [0; M], is_other: [false; M], within: [[0.0; M]; 2] };
+impl<const R: usize> Places<R> {
+    pub const NONE: Self = Self { cell: [0; R], is_other: [false; R], within: [[0.0; R]; 2] };
 }
 
 /// What directions of the lobes are drawn by: axes of the shading frame in the world, and three uniform numbers a direction.
@@ -63,26 +63,26 @@ impl<const M: usize> Directions<M> {
         cumulative: [0.0; M],
     };
 
-    /// Draws `count` directions of the lobes, the first at place `from`, and finds their cells, which are asked for and not yet read.
+    /// Draws `count` directions of the lobes, the first at row `from`, and finds their cells, which are asked for and not yet read.
     /// Lanes behind the last one hold anything.
     #[inline(always)]
-    pub fn draw_lobes<L: Lanes>(
+    pub fn draw_lobes<L: Lanes, const R: usize>(
         &mut self,
-        places: &mut Places<M>,
+        places: &mut Places<R>,
         by: &FromLobes<'_, '_>,
         from: usize,
         count: usize,
     ) {
         // 0.5 is a valid uniform number.
-        let mut u = [[0.5; M]; 3];
+        let mut u = [[0.5; R]; 3];
         for i in 0..3 {
             u[i][..count].copy_from_slice(&by.u[i][..count]);
         }
         let [tangent, bitangent, normal] = by.frame;
-        let mut found = [[0.0; M]; 3];
+        let mut found = [[0.0; R]; 3];
         let mut at = 0;
         while at < count {
-            let local = sample_direction(by.mixture, load3::<L, M>(&u, at));
+            let local = sample_direction(by.mixture, load3::<L, R>(&u, at));
             let mut world = local;
             for i in 0..3 {
                 world[i] = dot3(local, splat3([tangent[i], bitangent[i], normal[i]]));
@@ -91,41 +91,40 @@ impl<const M: usize> Directions<M> {
             store3([column, row, depth], &mut found, at);
             store3(local, &mut self.local, from + at);
             store3(world, &mut self.world, from + at);
-            across.store(&mut places.within[0][from + at..]);
+            across.store(&mut places.within[0][at..]);
             at += L::COUNT;
         }
         for i in 0..count {
-            let at = from + i;
             let place = Place {
                 column: found[0][i],
-                across: places.within[0][at],
+                across: places.within[0][i],
                 row: found[1][i],
                 depth: found[2][i],
             };
-            let (cell, down) = by.table.cell(place, self.world[2][at]);
+            let (cell, down) = by.table.cell(place, self.world[2][from + i]);
             by.table.prefetch(cell);
-            (places.cell[at], places.within[1][at]) = (cell as u32, down);
+            (places.cell[i], places.within[1][i]) = (cell as u32, down);
         }
     }
 
-    /// Evaluates `count` directions without factors, and looks up the light of those in a range.
+    /// Evaluates all directions up to the end of a range without factors, and looks up the light of those in the range.
     #[inline(always)]
-    pub fn evaluate(
+    pub fn evaluate<const R: usize>(
         &mut self,
         mixture: &MixtureRef<'_>,
-        count: usize,
         table: &Table<'_>,
-        places: &Places<M>,
+        places: &Places<R>,
         lit: Range<usize>,
     ) {
+        let (from, count) = (lit.start, lit.end);
         let local = self.local.each_ref().map(|row| &row[..count]);
         mixture.values(local, self.value.each_mut().map(|row| &mut row[..count]));
         mixture.densities(self.value.each_ref().map(|row| &row[..count]), &mut self.pdf[..count]);
-        for i in lit {
+        for i in 0..count - from {
             let colors = Colors::new(&table.cells[places.cell[i] as usize], places.is_other[i]);
             let light = between(colors, places.within[0][i], places.within[1][i]);
             for channel in 0..3 {
-                self.light[channel][i] = light[channel];
+                self.light[channel][from + i] = light[channel];
             }
         }
     }

@@ -49,7 +49,7 @@ impl Together {
         let (to, mut places) = (&mut self.0, Places::NONE);
         let by = FromLobes { mixture, table, frame, u };
         mixture.head.level.run(Draw { by, block, to, places: &mut places });
-        self.0.evaluate(mixture, count, table, &places, LIGHT_BLOCK..count);
+        self.0.evaluate(mixture, table, &places, LIGHT_BLOCK..count);
     }
 
     /// Multiplies the values by their factors.
@@ -101,7 +101,7 @@ struct Draw<'a, 't> {
     by: FromLobes<'a, 't>,
     block: &'a LightBlock,
     to: &'a mut Directions<ROOM>,
-    places: &'a mut Places<ROOM>,
+    places: &'a mut Places<MAX_REFLECT_RAYS>,
 }
 
 impl Routine for Draw<'_, '_> {
@@ -109,7 +109,7 @@ impl Routine for Draw<'_, '_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let rays = self.by.u[0].len().min(MAX_REFLECT_RAYS);
-        self.to.draw_lobes::<L>(self.places, &self.by, LIGHT_BLOCK, rays);
+        self.to.draw_lobes::<L, MAX_REFLECT_RAYS>(self.places, &self.by, LIGHT_BLOCK, rays);
         let mut at = 0;
         while at < LIGHT_BLOCK {
             let world = load3::<L, LIGHT_BLOCK>(&self.block.direction, at);
