@@ -20,7 +20,7 @@ pub(super) struct Directions<const M: usize> {
     /// In the caller's shading frame, and in the world.
     pub local: Rows<M>,
     pub world: Rows<M>,
-    /// Radiance over what the caller divides it by.
+    /// Radiance, divided by the density or the power of the light.
     pub light: Rows<M>,
     /// `f cos`; 1/sr.
     pub value: Rows<M>,

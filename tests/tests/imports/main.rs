@@ -36,7 +36,7 @@ const PACKAGES: &[Package] = &[
             ["zonal/folded.rs", "squeeze.rs"],
             ["simd/dispatch.rs", "simd/portable.rs"],
             ["lobe/gaussian.rs", "special.rs"],
-            ["environment/candidates.rs", "kernel/draw.rs"],
+            ["environment/directions.rs", "kernel/draw.rs"],
         ],
     },
     Package { folder: "fit", may_take_from_parent: true, known: &[["fit.rs", "fewest_lobes.rs"]] },
