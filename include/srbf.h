@@ -33,8 +33,10 @@
  *   Built without `std` the library needs neither an operating system nor an allocator, and offers everything but files,
  *   fitting, messages and materials on the heap. Define SRBF_FREESTANDING before the header to hide those. A panic, a bug,
  *   stops the thread there for ever.
- *   Without SRBF_FREESTANDING the header declares everything. A library built with `std` but without `fit` has neither
- *   `srbf_fit_...` nor `srbf_material_save`: a program that calls them does not link.
+ *
+ * Two libraries
+ *   `srbf` has the functions of run time. `srbf_fit` has them too, and `srbf_fit_...` and `srbf_material_save` beside them: a
+ *   program that calls those links `srbf_fit` in the place of `srbf`.
  */
 
 #ifndef SRBF_H

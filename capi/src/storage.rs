@@ -54,13 +54,9 @@ const _: () = assert!(
         && MAX_LOBES == 64
 );
 
-/// Whether every mixture has room for 64 lobes: a third of the code, where that has to be small.
-const IS_ONE: bool = cfg!(feature = "one-capacity");
-
 /// The bytes of storage that a mixture of a number of lobes needs; `None` for more than 64.
 pub(crate) const fn size_for(lobes: usize) -> Option<usize> {
     match lobes {
-        0..=MAX_LOBES if IS_ONE => Some(SRBF_MIXTURE_SIZE_64),
         0..=16 => Some(SRBF_MIXTURE_SIZE_16),
         17..=32 => Some(SRBF_MIXTURE_SIZE_32),
         33..=MAX_LOBES => Some(SRBF_MIXTURE_SIZE_64),
@@ -93,9 +89,9 @@ pub(crate) unsafe fn mixture<'a>(mixture: *const srbf_mixture) -> Result<&'a Any
     // SAFETY: the caller's word is ours.
     match unsafe { capacity(mixture) }? {
         // SAFETY: the tag says that `init_at` wrote a storage of this capacity here.
-        16 if !IS_ONE => Ok(unsafe { &(*mixture.cast::<Storage16>()).mixture }),
+        16 => Ok(unsafe { &(*mixture.cast::<Storage16>()).mixture }),
         // SAFETY: as above.
-        32 if !IS_ONE => Ok(unsafe { &(*mixture.cast::<Storage32>()).mixture }),
+        32 => Ok(unsafe { &(*mixture.cast::<Storage32>()).mixture }),
         // SAFETY: as above.
         64 => Ok(unsafe { &(*mixture.cast::<Storage64>()).mixture }),
         _ => Err(SRBF_STATUS_OBJECT.into()),
@@ -113,9 +109,9 @@ pub(crate) unsafe fn mixture_mut<'a>(
     // SAFETY: the caller's word is ours.
     match unsafe { capacity(mixture) }? {
         // SAFETY: the tag says that `init_at` wrote a storage of this capacity here.
-        16 if !IS_ONE => Ok(unsafe { &mut (*mixture.cast::<Storage16>()).mixture }),
+        16 => Ok(unsafe { &mut (*mixture.cast::<Storage16>()).mixture }),
         // SAFETY: as above.
-        32 if !IS_ONE => Ok(unsafe { &mut (*mixture.cast::<Storage32>()).mixture }),
+        32 => Ok(unsafe { &mut (*mixture.cast::<Storage32>()).mixture }),
         // SAFETY: as above.
         64 => Ok(unsafe { &mut (*mixture.cast::<Storage64>()).mixture }),
         _ => Err(SRBF_STATUS_OBJECT.into()),
@@ -162,7 +158,7 @@ pub(crate) unsafe fn write_empty(place: *mut u8, size: usize) -> *mut AnyMixture
             }
         }};
     }
-    if IS_ONE || size >= SRBF_MIXTURE_SIZE_64 {
+    if size >= SRBF_MIXTURE_SIZE_64 {
         write!(Storage64, 64)
     } else if size >= SRBF_MIXTURE_SIZE_32 {
         write!(Storage32, 32)

@@ -18,7 +18,7 @@ fn target() -> PathBuf {
     folders.nth(3).expect("cargo runs tests from target/PROFILE/deps").to_owned()
 }
 
-/// Builds the C library in the release profile, and returns the folder that holds `libsrbf.a` and `libsrbf.so`.
+/// Builds the C library with the fits in the release profile, and returns the folder that holds `libsrbf_fit.a` and `libsrbf_fit.so`.
 ///
 /// In a folder of its own, as a C program's build would: the features of the whole workspace differ, and the two builds would
 /// replace each other's files. The level is capped as that of a test is. Cargo serialises the builds that several tests ask for.
@@ -39,13 +39,13 @@ pub fn library_with_planted_panic() -> &'static Path {
 fn build_library(target: &Path, profile: &str, options: &[&str]) -> PathBuf {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
-    command.current_dir(root()).args(["build", "--offline", "--package", "srbf-capi"]);
+    command.current_dir(root()).args(["build", "--offline", "--package", "srbf-fit-capi"]);
     command.args(options).arg("--target-dir").arg(target);
     // A folder named by the triple would be somewhere else.
     command.env_remove("CARGO_BUILD_TARGET");
     run(&mut command);
     let folder = target.join(profile);
-    for name in ["libsrbf.a", "libsrbf.so"] {
+    for name in ["libsrbf_fit.a", "libsrbf_fit.so"] {
         assert!(folder.join(name).is_file(), "cargo did not make {}", folder.join(name).display());
     }
     folder
@@ -96,9 +96,9 @@ pub fn compilers(language: Language) -> Vec<Compiler> {
 /// How a program is linked with the library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Link {
-    /// `libsrbf.a` and the libraries of the system that it needs.
+    /// `libsrbf_fit.a` and the libraries of the system that it needs.
     Static,
-    /// `libsrbf.so`, found again at run time.
+    /// `libsrbf_fit.so`, found again at run time.
     Shared,
 }
 
@@ -133,7 +133,7 @@ impl Compiler {
         command.args(options).arg(root().join("tests/c").join(source)).arg("-o").arg(&program);
         match link {
             // What `rustc --print native-static-libs` says for a staticlib on Linux with glibc.
-            Link::Static => command.arg(folder.join("libsrbf.a")).args([
+            Link::Static => command.arg(folder.join("libsrbf_fit.a")).args([
                 "-lutil",
                 "-lrt",
                 "-lpthread",
@@ -142,7 +142,7 @@ impl Compiler {
                 "-lc",
             ]),
             Link::Shared => {
-                command.arg(folder.join("libsrbf.so")).arg(format!("-Wl,-rpath,{}", folder.display()));
+                command.arg(folder.join("libsrbf_fit.so")).arg(format!("-Wl,-rpath,{}", folder.display()));
                 command.args(["-lm", "-lpthread"])
             }
         };

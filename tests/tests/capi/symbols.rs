@@ -7,7 +7,7 @@ use std::process::Command;
 /// The functions that the shared library exports.
 fn exported() -> BTreeSet<String> {
     let mut nm = Command::new("nm");
-    nm.args(["--dynamic", "--defined-only", "--format=posix"]).arg(library().join("libsrbf.so"));
+    nm.args(["--dynamic", "--defined-only", "--format=posix"]).arg(library().join("libsrbf_fit.so"));
     run(&mut nm).lines().filter_map(|line| line.split(' ').next()).map(str::to_owned).collect()
 }
 
@@ -71,7 +71,7 @@ fn are_declared_documented_and_tested() {
 #[test]
 fn the_static_library_has_no_plain_names_but_ours() {
     let mut nm = Command::new("nm");
-    nm.args(["--extern-only", "--defined-only", "--format=posix"]).arg(library().join("libsrbf.a"));
+    nm.args(["--extern-only", "--defined-only", "--format=posix"]).arg(library().join("libsrbf_fit.a"));
     let output = run(&mut nm);
     let symbols = output.lines().filter_map(|line| line.split_once(' '));
     let names = symbols.filter(|(_, rest)| rest.split(' ').next().is_some_and(|kind| kind.len() == 1));
