@@ -20,7 +20,7 @@ pub mod phong;
 pub mod sgd;
 pub mod ward;
 
-use crate::read::limit::{MAX_FILE, read_bytes};
+use crate::file::{MAX_FILE, read_bytes};
 use crate::table::Brdf;
 use crate::{FitError, ReadError};
 use parameters::Parameters;

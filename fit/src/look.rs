@@ -3,16 +3,17 @@
 //! Findings are said, not mended: where a file can be read in two ways, the finding names the option for the other way.
 
 mod highlight;
-pub(crate) mod isotropy;
 mod pairs;
 mod reciprocity;
 mod units;
 
 use crate::complete::CompletionReport;
-use crate::read::{Intake, LeftOut, Row, Values, polar};
+pub use crate::isotropy::Isotropy;
+use crate::numeric::median::median;
+use crate::read::{Intake, LeftOut, Values};
+use crate::row::{Row, polar, thin};
 pub use highlight::Highlight;
-pub use isotropy::Isotropy;
-use pairs::{Compared, Places, median};
+use pairs::{Compared, Places};
 pub use reciprocity::Reciprocity;
 use serde_json::{Value, json};
 pub use units::Units;
@@ -365,13 +366,4 @@ fn albedo_at(completion: &CompletionReport, theta: f64) -> Option<f64> {
     let part = if b.0 > a.0 { (theta - a.0) / (b.0 - a.0) } else { 0.0 };
     let of = |albedo: [f64; 3]| crate::table::luminance(albedo);
     Some(of(a.1) + part * (of(b.1) - of(a.1)))
-}
-
-/// At most `most` of the samples, spread evenly over all, the same ones each time.
-fn thin(rows: &[Row], most: usize) -> Vec<&Row> {
-    let golden = 0.618_033_988_749_894_9_f64;
-    let share = most as f64 / rows.len().max(1) as f64;
-    let kept =
-        rows.iter().enumerate().filter(|(n, _)| rows.len() <= most || (golden * *n as f64).fract() < share);
-    kept.map(|(_, row)| row).collect()
 }

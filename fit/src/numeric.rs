@@ -6,6 +6,7 @@ pub(crate) mod cholesky;
 #[cfg(feature = "baselines")]
 pub(crate) mod lbfgsb;
 pub(crate) mod levenberg;
+pub(crate) mod median;
 pub(crate) mod random;
 pub(crate) mod special;
 pub(crate) mod vector;

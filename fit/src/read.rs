@@ -5,11 +5,10 @@ pub mod astm;
 mod conventions;
 pub mod cornell;
 pub mod csv;
-mod decode;
+mod ending;
 mod filled;
 mod format;
 pub(crate) mod intake;
-pub(crate) mod limit;
 pub mod merl;
 pub mod neural;
 mod numbers;
@@ -17,8 +16,6 @@ pub mod openmaterial;
 pub mod pab_opto;
 mod reason;
 pub mod rgl;
-mod row;
-pub(crate) mod rows;
 mod rusinkiewicz;
 pub(crate) mod scatter;
 pub mod scatter_tables;
@@ -31,22 +28,21 @@ mod wavelengths;
 mod words;
 
 use crate::analytic;
-use crate::look::isotropy::Isotropy;
+use crate::file::{MAX_FILE, read_bytes};
+use crate::isotropy::Isotropy;
 use crate::table::{Brdf, Table};
 use crate::{FitError, ReadError};
 pub use filled::Filled;
 use format::Format;
-pub(crate) use scatter::polar;
 use sha2::{Digest, Sha256};
 use srbf_core::printable;
 use std::path::Path;
 
+pub use crate::file::{check_memory, read_at_most, read_if};
+pub use crate::row::Row;
 pub use conventions::{Angles, Conventions, Mirror, Values};
 pub use intake::{Intake, LeftOut, Note};
-use limit::{MAX_FILE, read_bytes};
-pub use limit::{check_memory, read_at_most, read_if};
 pub use reason::Reason;
-pub use row::Row;
 pub use spectra::Spectra;
 
 /// Memory that the samples of a text take, over its own: nine numbers of two bytes or more become two samples of 50, and stay with their
@@ -133,7 +129,7 @@ pub fn read_with(path: &Path, conventions: &Conventions) -> Result<Source, FitEr
         let analytic::Named { brdf, name, identity } = analytic::parse(text)?;
         return Ok(Source::evaluable(brdf, name, sha256(&identity)));
     }
-    let bytes = read_bytes(path, MAX_FILE, |size| limit::check_ending(&ending(path), path, size))?;
+    let bytes = read_bytes(path, MAX_FILE, |size| ending::check(&ending(path), path, size))?;
     of_bytes(path, &bytes, conventions)
 }
 

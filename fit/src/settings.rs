@@ -1,7 +1,6 @@
 //! The options of a fit.
 
 use crate::FitError;
-use crate::isotropic::model::parameters::Layout;
 use std::f64::consts::FRAC_PI_2;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
@@ -251,21 +250,6 @@ impl Settings {
             },
             "view_angles_degrees": self.view_angles.as_ref().map(degrees),
         })
-    }
-
-    /// The last line of the provenance.
-    pub(crate) fn describe(&self, layout: &Layout) -> String {
-        format!(
-            "srbf-fit {}: {} lobes, {} squeezed, {} in mirrored pairs, smoothness {:.2e}, {} starts, {} steps, {} exchanges\n",
-            env!("CARGO_PKG_VERSION"),
-            self.lobes,
-            layout.squeezed,
-            2 * layout.mirrored,
-            self.smoothness,
-            self.starts,
-            self.steps,
-            self.exchanges
-        )
     }
 }
 

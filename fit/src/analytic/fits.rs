@@ -1,7 +1,7 @@
 //! Tables of fitted parameters: a header that names the columns, then a row a material, its name first.
 
 use crate::ReadError;
-use crate::read::rows::text;
+use crate::file::rows::text;
 
 /// Finds the row of a material; the header has to be exactly the one given.
 pub(super) fn find(bytes: &[u8], header: &str, material: &str) -> Result<Vec<f64>, ReadError> {

@@ -19,6 +19,7 @@ use crate::complete::tuning::robust::{
     APART, APART_AT_PEAK, AROUND, BACK, BEYOND, DEAD, DEVIATIONS, KERNEL, KNOWN, LEAST, NEIGHBOURS, NOISE,
     OF_A_GROUP, OVER_NEIGHBOURS, PEAK, ROUNDS, SHARE, THIN, THIN_DARK,
 };
+use crate::numeric::median::median;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A sample that all others contradict.
@@ -190,20 +191,18 @@ fn in_groups(
     of.iter().enumerate().for_each(|(i, &group)| members[group].push(i));
     members.retain(|group| group.len() >= OF_A_GROUP);
     let mean = |i: usize| all[i].above.iter().sum::<f64>() / 3.0;
-    let median = |mut values: Vec<f64>| {
-        values.sort_by(f64::total_cmp);
-        values[values.len() / 2]
-    };
     let mut off = Vec::new();
     for group in &members {
-        let middle = median(group.iter().map(|&i| mean(i)).collect());
-        let own = 1.4826 * median(group.iter().map(|&i| (mean(i) - middle).abs()).collect());
-        off.extend(group.iter().map(|&i| (i, mean(i) - middle, own)));
+        let Some(middle) = median(group.iter().map(|&i| mean(i)).collect()) else { continue };
+        let Some(spread) = median(group.iter().map(|&i| (mean(i) - middle).abs()).collect()) else {
+            continue;
+        };
+        off.extend(group.iter().map(|&i| (i, mean(i) - middle, 1.4826 * spread)));
     }
-    if off.is_empty() {
+    let Some(spread) = median(off.iter().map(|o: &(usize, f64, f64)| o.1.abs()).collect()) else {
         return Vec::new();
-    }
-    let usual = 1.4826 * median(off.iter().map(|o| o.1.abs()).collect());
+    };
+    let usual = 1.4826 * spread;
     let is_out = |&(i, off, own): &(usize, f64, f64)| {
         off.abs() > DEVIATIONS * usual.max(own).max(libm::sqrt(NOISE)) && is_apart(&all[i], off)
     };

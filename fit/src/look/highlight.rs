@@ -1,7 +1,7 @@
 //! Where the brightest samples are: about the mirror direction, between samples, or where the light comes from.
 
-use super::pairs::median;
-use crate::read::{Row, polar};
+use crate::numeric::median::median;
+use crate::row::{Row, polar};
 use std::f64::consts::PI;
 
 /// Views between these angles from the normal tell a mirror direction from the back, radians.

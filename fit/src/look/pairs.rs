@@ -1,14 +1,11 @@
 //! Samples that should agree: those of swapped directions, and those on the two sides of the plane of incidence.
 
-use crate::read::{Row, polar};
+use crate::row::Row;
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
 /// Angles that are as close as this are one, radians.
 const CLOSE: f64 = 0.5 * PI / 180.0;
-
-/// Directions this close to the normal have no azimuth, radians.
-const NORMAL: f64 = 1.0 * PI / 180.0;
 
 /// Most samples that a sample is compared with.
 const MOST_OTHERS: usize = 4;
@@ -40,16 +37,8 @@ fn cell(angles: [f64; 3]) -> [i32; 3] {
 impl Places {
     pub fn of(rows: &[Row]) -> Self {
         let place = |row: &Row| {
-            let (i, o) = (polar(row.wi), polar(row.wo));
-            let turn = if i.min(o) < NORMAL {
-                0.0
-            } else {
-                libm::remainder(
-                    libm::atan2(row.wo[1], row.wo[0]) - libm::atan2(row.wi[1], row.wi[0]),
-                    2.0 * PI,
-                )
-            };
-            Placed { angles: [i, o, turn], level: row.rgb.iter().sum::<f64>() / 3.0 }
+            let ([i, o], turn) = row.angles();
+            Placed { angles: [i, o, turn.unwrap_or(0.0)], level: row.rgb.iter().sum::<f64>() / 3.0 }
         };
         let placed: Vec<Placed> = rows.iter().map(place).collect();
         let mut cells: HashMap<[i32; 3], Vec<usize>> = HashMap::new();
@@ -102,10 +91,4 @@ impl Places {
     pub fn sides(&self) -> Vec<Compared> {
         self.compared(|[i, o, turn]| (turn > 4.0 * CLOSE && turn < PI - 4.0 * CLOSE).then_some([i, o, -turn]))
     }
-}
-
-/// The middle of numbers; `None` of none.
-pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }

@@ -1,6 +1,7 @@
 //! Whether samples of swapped directions agree, as those of a BRDF do, and whether values are a BRDF times a cosine.
 
-use super::pairs::{Compared, median};
+use super::pairs::Compared;
+use crate::numeric::median::median;
 use crate::read::Values;
 
 /// Least number of pairs that tell of a cosine, and the least difference of the logarithms of their cosines.

@@ -1,8 +1,8 @@
 //! Whether values are f in 1/sr. Other units show in the albedo of the completion.
 
-use super::pairs::median;
 use crate::complete::CompletionReport;
-use crate::read::{Row, polar};
+use crate::numeric::median::median;
+use crate::row::{Row, polar};
 use crate::table::luminance;
 use std::f64::consts::PI;
 

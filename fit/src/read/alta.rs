@@ -4,11 +4,11 @@
 //! direction is at azimuths that are pi apart.
 
 use super::conventions::{Conventions, Values};
-use super::decode::{decode, shortened};
 use super::intake::{Intake, Reading};
-use super::rows::numbers;
 use super::wavelengths::rgb_of_xyz;
 use crate::ReadError;
+use crate::file::decode::{decode, shortened};
+use crate::file::rows::numbers;
 use crate::table::direction;
 
 /// Coordinates that are read, and how many numbers each has.

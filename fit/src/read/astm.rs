@@ -6,9 +6,9 @@
 
 use super::conventions::Conventions;
 use super::csv;
-use super::decode::{decode, shortened};
 use super::intake::Intake;
 use crate::ReadError;
+use crate::file::decode::{decode, shortened};
 
 /// Value of a reflectance of 1 in Cornell's files of "RGB for Trinitron phosphors": recovered from spectral files.
 const TRINITRON: [f64; 3] = [0.3575, 0.3587, 0.3575];

@@ -14,10 +14,10 @@ mod long;
 mod names;
 
 use super::conventions::Conventions;
-use super::decode::{decode, shortened};
 use super::intake::{Intake, Reading};
 use super::reason::Reason;
 use crate::ReadError;
+use crate::file::decode::{decode, shortened};
 use cells::{Cell, LARGEST};
 use columns::{Columns, Values};
 use geometry::Geometry;

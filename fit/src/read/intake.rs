@@ -6,13 +6,13 @@
 
 use super::conventions::{Conventions, Mirror, Values};
 use super::reason::Reason;
-use super::row::Row;
 use super::scatter;
 use super::sentinels::{Cells, Sentinels};
 use super::spectra::{Spectra, SpectralSums};
 use super::wavelengths::Wavelengths;
 use crate::ReadError;
-use crate::look::isotropy::Isotropy;
+use crate::isotropy::Isotropy;
+use crate::row::Row;
 use crate::table::Scattered;
 
 /// Cosine below which a direction is at the horizon: there no BRDF can be measured.

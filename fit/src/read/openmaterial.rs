@@ -3,11 +3,11 @@
 //! Angles are those of the incident and the outgoing direction from the normal, and the azimuth of the outgoing one from the incident.
 
 use super::conventions::Conventions;
-use super::decode::decode;
 use super::intake::{Intake, Reading};
 use super::reason::Reason;
 use super::wavelengths::Wavelengths;
 use crate::ReadError;
+use crate::file::decode::decode;
 use crate::table::direction;
 use serde_json::Value;
 use std::collections::BTreeMap;

@@ -4,11 +4,11 @@
 //! hold. `DSF` is the BSDF times the cosine of the outgoing direction. Angles are in degrees; behind the surface theta is above 90.
 
 use super::conventions::{Conventions, Values};
-use super::decode::{decode, shortened};
 use super::intake::{Intake, Reading};
-use super::rows::numbers;
 use super::wavelengths::rgb_of_xyz;
 use crate::ReadError;
+use crate::file::decode::{decode, shortened};
+use crate::file::rows::numbers;
 use crate::table::direction;
 
 /// Parses the bytes of a file.

@@ -4,7 +4,7 @@
 //! fewer angles is taken. Where there are many with a few samples each, neighbours are taken together: the incident direction is turned
 //! with the outgoing one, in the plane of incidence, so that its place beside the mirror direction stays the same.
 
-use super::row::Row;
+use crate::row::{Row, polar};
 use crate::table::Scattered;
 use std::f64::consts::PI;
 
@@ -44,11 +44,6 @@ pub(super) struct Group {
     pub samples: Scattered,
     /// Which of the rows they are.
     pub rows: Vec<usize>,
-}
-
-/// Angle of a unit vector from the normal, radians.
-pub(crate) fn polar(d: [f64; 3]) -> f64 {
-    libm::atan2(libm::hypot(d[0], d[1]), d[2])
 }
 
 /// The incident direction in the frame of the outgoing one, which is at -x there.

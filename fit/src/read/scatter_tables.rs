@@ -5,12 +5,12 @@
 //! scattered (TIS), which is kept to be compared with.
 
 use super::conventions::Conventions;
-use super::decode::decode;
 use super::intake::{Intake, Reading};
 use super::reason::Reason;
 use super::wavelengths::rgb_of_xyz;
 use super::words::Words;
 use crate::ReadError;
+use crate::file::decode::decode;
 use crate::table::direction;
 use std::f64::consts::PI;
 

@@ -6,12 +6,12 @@
 //! Phi is 0 on the side of the mirror direction, and 180 degrees where the light comes from.
 
 use super::conventions::Conventions;
-use super::decode::{decode, shortened};
 use super::intake::{Intake, Reading};
 use super::reason::Reason;
 use super::wavelengths::Wavelengths;
 use super::words::Words;
 use crate::ReadError;
+use crate::file::decode::{decode, shortened};
 use crate::table::direction;
 use std::f64::consts::PI;
 

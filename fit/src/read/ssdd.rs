@@ -4,13 +4,13 @@
 
 use super::alta::from_half;
 use super::conventions::Conventions;
-use super::decode::{decode, shortened};
 use super::intake::{Intake, Reading};
 use super::reason::Reason;
-use super::rows::numbers;
 use super::scatter_tables::about_mirror;
 use super::wavelengths::{Wavelengths, rgb_of_xyz};
 use crate::ReadError;
+use crate::file::decode::{decode, shortened};
+use crate::file::rows::numbers;
 use crate::table::direction;
 use std::f64::consts::PI;
 

@@ -1,7 +1,7 @@
 //! The words of a text format, one after another, each with its line for the error message.
 
-use super::decode::shortened;
 use crate::ReadError;
+use crate::file::decode::shortened;
 
 /// Words that are separated by white space; a line that begins with a mark is a comment.
 pub(super) struct Words<'a> {

@@ -3,8 +3,8 @@
 //! The terms are `diffuse`, with no lobe, and `Cxy`, `Cz` and `n` of lobes that count from 0 and are all there.
 
 use super::{CosineLobe, Lafortune};
-use crate::read::limit::read_bytes;
-use crate::read::{self, Source, rows};
+use crate::file::{read_bytes, rows};
+use crate::read::{self, Source};
 use crate::{FitError, ReadError};
 use std::path::Path;
 

@@ -1,9 +1,9 @@
 //! Which columns hold the two directions and the value.
 
-use super::super::decode::shortened;
 use super::super::wavelengths::{Wavelengths, rgb_of_xyz};
 use super::names::{Role, Side, Unit, role, unit};
 use crate::ReadError;
+use crate::file::decode::shortened;
 use std::collections::HashSet;
 
 /// Where a number stands: in a column, or once above all rows.

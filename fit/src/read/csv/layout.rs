@@ -1,9 +1,9 @@
 //! How a table of text is laid out: where the names of the columns stand, and what separates the columns.
 
-use super::super::decode::shortened;
 use super::columns::{Columns, Constants, NoColumns, fault};
 use super::names::{Role, Unit, role, unit};
 use crate::ReadError;
+use crate::file::decode::shortened;
 
 /// Lines among which the names are looked for, and fields of all separators that are tried: other content ends the search.
 const SEARCHED: usize = 1000;

@@ -1,5 +1,6 @@
 //! Rows of numbers, each with its place for the error message.
 
+use super::decode::shortened;
 use crate::ReadError;
 
 /// The text of a file.
@@ -21,7 +22,7 @@ pub(crate) fn row(line: usize, text: &str, out: &mut [f64]) -> Result<(), ReadEr
 }
 
 /// Parses a row of words into `out.len()` finite numbers; more words may follow.
-pub(super) fn numbers(line: usize, text: &str, out: &mut [f64]) -> Result<(), ReadError> {
+pub(crate) fn numbers(line: usize, text: &str, out: &mut [f64]) -> Result<(), ReadError> {
     let words = text.split_whitespace().count();
     if words < out.len() {
         return Err(ReadError::Content(format!(
@@ -38,7 +39,7 @@ fn fill<'a>(line: usize, words: impl Iterator<Item = &'a str>, out: &mut [f64]) 
             ReadError::Word {
                 line,
                 index: index + 1,
-                found: super::decode::shortened(word),
+                found: shortened(word),
                 expected: "a number, at most 1e9 in size,".to_owned(),
             }
         })?;

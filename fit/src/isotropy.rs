@@ -5,11 +5,10 @@
 //! incidence are no turn. Samples are left out one by one. The ratio of likelihoods tells a turn that matters from noise and from
 //! steep highlights, which both explain alike.
 
-use super::pairs::median;
-use super::thin;
 use crate::complete::pair::{COORDINATES, Pair};
 use crate::numeric::cholesky::Square;
-use crate::read::Row;
+use crate::numeric::median::median;
+use crate::row::{NORMAL, Row, thin};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -19,9 +18,8 @@ const MOST: usize = 400;
 /// Fewer say nothing.
 const FEWEST: usize = 24;
 
-/// Azimuths vary if the mean of `exp(2 i phi)` is shorter than 1 by this; directions this close to the normal have none.
+/// Azimuths vary if the mean of `exp(2 i phi)` is shorter than 1 by this.
 const TURNED: f64 = 0.02;
-const NORMAL: f64 = 1.0 * PI / 180.0;
 
 /// Widths of highlights, lengths, and variances of noise that are tried.
 const WIDTHS: [f64; 3] = [0.4, 0.1, 0.02];
@@ -179,13 +177,12 @@ fn apart(rows: &[Row]) -> Option<f64> {
     use std::collections::BTreeMap;
     let mut groups: BTreeMap<[i64; 3], Vec<(f64, f64)>> = BTreeMap::new();
     for row in rows {
-        let (i, o) = (crate::read::polar(row.wi), crate::read::polar(row.wo));
         let level = row.rgb.iter().sum::<f64>();
-        if i.min(o) < NORMAL || level <= 0.0 {
+        let ([i, o], Some(turn)) = row.angles() else { continue };
+        if level <= 0.0 {
             continue;
         }
         let azimuth = libm::atan2(row.wi[1], row.wi[0]);
-        let turn = libm::remainder(libm::atan2(row.wo[1], row.wo[0]) - azimuth, 2.0 * PI);
         let key = [i, o, turn].map(|angle| libm::round(angle / CLOSE) as i64);
         groups.entry(key).or_default().push((azimuth, libm::log(level)));
     }

@@ -1,4 +1,7 @@
-//! Files whose size has a limit, whatever they are.
+//! Files whose size has a limit, whatever they are, and their text.
+
+pub(crate) mod decode;
+pub(crate) mod rows;
 
 use crate::{FitError, ReadError};
 use std::io::{self, Read};
@@ -44,33 +47,6 @@ pub fn read_if(
         return Err(too_large());
     }
     Ok(bytes)
-}
-
-/// Refuses, before it is read, a file whose name says that it is binary and whose size says that it is not.
-pub(super) fn check_ending(ending: &str, path: &Path, size: u64) -> Result<(), ReadError> {
-    match ending {
-        "binary" => super::merl::check_size(size),
-        // Other programs write text with this ending, which is looked at first.
-        _ => match (ending, is_binary(path)) {
-            (_, None) => Ok(()),
-            ("bsdf", Some(_)) => super::rgl::check_size(size),
-            (_, Some(offset)) => Err(ReadError::NotText { offset }),
-        },
-    }
-}
-
-/// Where the beginning of a file has a byte that no text has, if it is no text; formats that are known by their first bytes are not asked.
-fn is_binary(path: &Path) -> Option<usize> {
-    let mut found = Vec::new();
-    // What cannot be read is said by who reads it.
-    std::fs::File::open(path).ok()?.take(4096).read_to_end(&mut found).ok()?;
-    if found.starts_with(b"tensor_file") || found.starts_with(&super::merl::HEAD) {
-        return None;
-    }
-    match super::decode::decode(&found) {
-        Err(ReadError::NotText { offset }) if found[offset] == 0 => Some(offset),
-        _ => None,
-    }
 }
 
 /// Finds out whether a number of bytes of memory is there: an allocation that fails in the middle of work ends the process.
