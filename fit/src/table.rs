@@ -3,6 +3,7 @@
 //! Frame: +z the normal, outgoing direction `(-sin theta, 0, cos theta)`, mirror direction `(sin theta, 0, cos theta)`.
 //! The materials are isotropic, so every sample is mirrored to y >= 0: a sample and its mirror image are one.
 
+pub(crate) mod albedo_bounds;
 pub(crate) mod albedo_log;
 mod brdf;
 pub mod evaluation_views;

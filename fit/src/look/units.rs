@@ -3,18 +3,11 @@
 use crate::complete::CompletionReport;
 use crate::numeric::median::median;
 use crate::row::{Row, polar};
-use crate::table::luminance;
+use crate::table::albedo_bounds::{LEAST, MOST, albedos, is_off};
 use std::f64::consts::PI;
-
-/// Outgoing directions beyond this, radians, are left out.
-const GRAZING: f64 = 75.0 * PI / 180.0;
 
 /// Share of the hemisphere without samples up to which an albedo is believed.
 const EMPTY: f64 = 0.3;
-
-/// Most that a completion makes of a surface that reflects everything, and less than any dry surface reflects: soot has 0.01.
-const MOST: f64 = 1.1;
-const LEAST: f64 = 1e-3;
 
 /// What values may be too large or too small by, and its name as an option takes it.
 const LARGER: [(&str, f64); 6] =
@@ -52,10 +45,9 @@ impl Units {
                 .map_or(1.0, |share| share.1)
         };
         let at_normal = covers_normal(rows);
-        let is_known =
-            |theta: f64| theta <= GRAZING && (empty(theta) < EMPTY || (theta < NORMAL && at_normal));
-        let known = completion.albedo.iter().filter(|(theta, _)| is_known(*theta));
-        let albedos: Vec<f64> = known.map(|(_, albedo)| luminance(*albedo)).collect();
+        let is_known = |theta: f64| empty(theta) < EMPTY || (theta < NORMAL && at_normal);
+        let known = completion.albedo.iter().copied().filter(|(theta, _)| is_known(*theta));
+        let albedos = albedos(known);
         let most = albedos.iter().copied().reduce(f64::max)?;
         let albedo = median(albedos)?;
         let factors: &[(&str, f64)] = match most {
@@ -70,7 +62,7 @@ impl Units {
 
     /// Whether values cannot be f in 1/sr.
     pub fn is_off(&self) -> bool {
-        !(LEAST..=MOST).contains(&self.most)
+        is_off(self.most)
     }
 
     /// The fault in words.
