@@ -2,7 +2,6 @@
 
 pub mod blend;
 pub mod evaluated;
-mod interpolant;
 pub mod lafortune;
 pub mod microfacets;
 pub mod thesis;

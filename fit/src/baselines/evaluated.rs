@@ -1,9 +1,9 @@
 //! Samples without lobes: completed, by the model of a completion alone, and joined by straight lines.
 
 use crate::FitError;
-use crate::baselines::interpolant::Interpolant;
 use crate::complete::{Model, complete};
 use crate::judge::method::{Fitted, FittedView, Method};
+use crate::table::interpolant::Interpolant;
 use crate::table::{Brdf, Table};
 
 /// Samples as `srbf_fit::complete` completes them: what our lobes are fitted to.

@@ -3,9 +3,9 @@
 //! The terms are `diffuse`, with no lobe, and `Cxy`, `Cz` and `n` of lobes that count from 0 and are all there.
 
 use super::{CosineLobe, Lafortune};
-use crate::file::{read_bytes, rows};
 use crate::read::{self, Source};
 use crate::{FitError, ReadError};
+use srbf_measured::file::{read_bytes, rows};
 use std::path::Path;
 
 const HEADER: &str = "material,term,lobe,r,g,b";

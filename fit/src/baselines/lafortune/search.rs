@@ -146,11 +146,11 @@ impl Data {
     /// The unknowns of a start.
     fn start(&self, lobes: usize, number: usize) -> Vec<f64> {
         let mut random = Random::new(0x1af0_0000 + number as u64);
-        let mut x = vec![0.5 * random.next() * (PI * self.lowest()).min(1.0) + 1e-3];
+        let mut x = vec![0.5 * random.uniform() * (PI * self.lowest()).min(1.0) + 1e-3];
         for _ in 0..lobes {
-            x.push(libm::log(self.brightest) - 7.0 * random.next());
-            x.push(1.25 * PI * random.next());
-            x.push(0.5 + 6.5 * random.next());
+            x.push(libm::log(self.brightest) - 7.0 * random.uniform());
+            x.push(1.25 * PI * random.uniform());
+            x.push(0.5 + 6.5 * random.uniform());
         }
         x
     }

@@ -6,8 +6,8 @@
 
 use super::cube::Cube;
 use crate::FitError;
-use crate::baselines::interpolant::Interpolant;
 use crate::table::Brdf;
+use crate::table::interpolant::Interpolant;
 use crate::table::{Table, View};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 /// A sentence if the largest albedo says that values are not f in 1/sr.
 pub(super) fn fault(views: &[ViewReport]) -> Option<String> {
     let bright = views.iter().filter(|v| !v.is_black).map(|v| (v.theta, v.data_albedo));
-    let most = albedos(bright).into_iter().reduce(f64::max).filter(|most| is_off(*most))?;
+    let most = albedos(bright).into_iter().reduce(f64::max).filter(|most| !most.is_nan() && is_off(*most))?;
     let cause = if most < LEAST {
         format!(
             "less than any surface; values of other units have to be multiplied by 10^{:.0} or so",
