@@ -3,8 +3,6 @@
 //! Measurements are read, completed and written by `srbf-measured`, whose modules and functions stand here too.
 
 mod anisotropic;
-#[cfg(feature = "baselines")]
-pub mod baselines;
 mod clock;
 mod fewest_lobes;
 mod fit;
@@ -17,6 +15,8 @@ mod settings;
 pub use fit::{Tracked, fit, fit_content};
 pub use judge::fitted_material::view_angles;
 pub use judge::report::Fit;
+#[doc(hidden)]
+pub use settings::range;
 pub use settings::{FactorNodes, Settings};
 pub use srbf_measured::{FitError, ReadError};
 pub use srbf_measured::{Outputs, check_output, write_atomically};

@@ -2,7 +2,5 @@
 
 pub(crate) mod banded;
 pub(crate) mod blocks;
-#[cfg(feature = "baselines")]
-pub(crate) mod lbfgsb;
 
 pub(crate) use srbf_measured::numeric::{GOLDEN_ANGLE, levenberg, median, random, special, vector};

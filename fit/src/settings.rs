@@ -115,7 +115,7 @@ const SHAPES: [(usize, usize); 4] = [(7, 2), (8, 0), (5, 3), (4, 4)];
 const FEW_LOBES: usize = 8;
 
 /// Refuses a setting that is not inside its range.
-pub(crate) fn range(name: &'static str, inside: bool, reason: &str) -> Result<(), FitError> {
+pub fn range(name: &'static str, inside: bool, reason: &str) -> Result<(), FitError> {
     if inside { Ok(()) } else { Err(FitError::Setting { name, reason: reason.to_owned() }) }
 }
 

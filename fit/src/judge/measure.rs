@@ -35,28 +35,33 @@ const RING: f64 = 60.0;
 const LEAST_COSINE: f64 = 0.1;
 
 /// Mean of the channels, and 0 where that is negative.
-pub(crate) fn brightness(rgb: [f64; 3]) -> f64 {
+#[doc(hidden)]
+pub fn brightness(rgb: [f64; 3]) -> f64 {
     (rgb.iter().sum::<f64>() / 3.0).max(0.0)
 }
 
 /// Mean radiance under a white sky, per channel.
-pub(crate) fn level(albedo: [f64; 3]) -> f64 {
+#[doc(hidden)]
+pub fn level(albedo: [f64; 3]) -> f64 {
     albedo.iter().sum::<f64>() / 3.0 / PI
 }
 
 /// The floor that is added to f.
-pub(crate) fn floor(level: f64) -> f64 {
+#[doc(hidden)]
+pub fn floor(level: f64) -> f64 {
     FLOOR * level
 }
 
 /// Weight of the squared differences of `f cos`, at a direction whose f has that mean, beside those of the squared relative L2
 /// error; 1 / sr is missing: the caller multiplies by the solid angle.
-pub(crate) fn weight(mean: f64, level: f64, cos: f64) -> f64 {
+#[doc(hidden)]
+pub fn weight(mean: f64, level: f64, cos: f64) -> f64 {
     AWAY_WEIGHT / (3.0 * PI * cos.max(1e-3) * (mean + floor(level)).powi(2))
 }
 
 /// Weight of errors at a direction for its angle from the mirror direction of a view.
-pub(crate) fn beside_highlight(direction: [f64; 3], theta: f64) -> f64 {
+#[doc(hidden)]
+pub fn beside_highlight(direction: [f64; 3], theta: f64) -> f64 {
     let (sin, cos) = libm::sincos(theta);
     let from_mirror = sin * direction[0] + cos * direction[2];
     let ends = (libm::cos(SKIRT.1.to_radians()), libm::cos(SKIRT.0.to_radians()));

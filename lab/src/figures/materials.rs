@@ -2,7 +2,6 @@
 
 use anyhow::{Context, bail};
 use rayon::prelude::*;
-use srbf_fit::baselines::lafortune;
 use srbf_fit::read::{Content, Source};
 use srbf_fit::{FactorNodes, Settings, fit_content};
 use srbf_reference_renderer::shade::shader::Shader;
@@ -10,6 +9,7 @@ use srbf_reference_renderer::shade::{Sampler, SamplerName};
 use srbf_reference_renderer::truth::Truth;
 use srbf_reference_renderer::truth::measured::MeasuredMaterial;
 use srbf_reference_renderer::truth::stored::StoredMaterial;
+use srbf_thesis::lafortune;
 use std::borrow::Cow;
 use std::path::Path;
 

@@ -13,8 +13,8 @@ use crate::truth::stored::Bytes;
 use anyhow::{Context, bail};
 use glam::Vec3;
 use srbf_core::{Error, Material};
-use srbf_fit::baselines::lafortune::Lafortune;
 use srbf_fit::table::Draws;
+use srbf_thesis::lafortune::Lafortune;
 
 /// Share of the cosine in a sampler that may be 0, or far too small, where the truth is not.
 const COSINE: f32 = 0.05;

@@ -45,6 +45,7 @@ const PACKAGES: &[Package] = &[
         known: &[["read.rs", "isotropy.rs"], ["look.rs", "row.rs"]],
     },
     Package { folder: "fit", may_take_from_parent: true, known: &[["fit.rs", "fewest_lobes.rs"]] },
+    Package { folder: "thesis", may_take_from_parent: true, known: &[["thesis/optimize.rs", "lbfgsb.rs"]] },
     Package { folder: "evaluator", may_take_from_parent: false, known: &[["export.rs", "language.rs"]] },
     Package {
         folder: "web",

@@ -4,10 +4,10 @@
 use crate::truth::plain::{around, cosine, cosine_density};
 use glam::DVec3;
 use srbf_core::LUMINANCE;
-use srbf_fit::baselines::lafortune::{Lafortune, LafortuneSettings};
 use srbf_fit::table::Brdf;
 use srbf_fit::table::evaluation_views::even_views;
 use srbf_fit::table::{Density, Table};
+use srbf_thesis::lafortune::{Lafortune, LafortuneSettings};
 use std::f64::consts::TAU;
 
 /// Lobes, as in the thesis; its hundred starts take most of a minute and end where these do.
@@ -106,7 +106,7 @@ impl LafortuneProposal {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use srbf_fit::baselines::lafortune::{Channel, CosineLobe};
+    use srbf_thesis::lafortune::{Channel, CosineLobe};
 
     #[test]
     fn coefficients_that_explode_do_no_harm() {

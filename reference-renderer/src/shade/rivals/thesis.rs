@@ -5,8 +5,8 @@ use crate::numbers::random::Random;
 use crate::truth::{LargeMixture, Truth};
 use glam::{DVec3, Vec3};
 use srbf_core::{Error, Gaussian, LUMINANCE, Lobe, MAX_LOBES, Metropolis, Mixture, Sample};
-use srbf_fit::baselines::thesis::{RoundLobe, ThesisFit, ThesisSettings, fit_brdf};
 use srbf_fit::table::evaluation_views::even_views;
+use srbf_thesis::thesis::{RoundLobe, ThesisFit, ThesisSettings, fit_brdf};
 
 /// Outgoing directions that are fitted. Eight or ten is what Cornell measured.
 const VIEWS: usize = 10;

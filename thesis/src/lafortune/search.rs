@@ -12,14 +12,14 @@
 //! each other.
 
 use super::{Channel, CosineLobe, Lafortune};
-use crate::FitError;
-use crate::judge::method::{Fitted, Method};
-use crate::numeric::random::Random;
-use crate::settings::range;
-use crate::table::{Table, check_bright};
 use basin::{BoundedLevenbergMarquardt, BoxBounds, ConstraintDescription, ConstraintSet, Constraints};
 use basin::{DenseMatrix, Executor, Jacobian, PointState, Residual};
 use rayon::prelude::*;
+use srbf_fit::FitError;
+use srbf_fit::judge::method::{Fitted, Method};
+use srbf_fit::range;
+use srbf_fit::table::{Table, check_bright};
+use srbf_measured::numeric::random::Random;
 use std::cell::Cell;
 use std::convert::Infallible;
 use std::f64::consts::{FRAC_1_PI, PI, SQRT_2};
@@ -127,7 +127,7 @@ impl Data {
         let mut points = Vec::new();
         for view in &table.views {
             // Relative to the norm over all channels, as the error is.
-            let square = |s: &crate::table::Sample| {
+            let square = |s: &srbf_fit::table::Sample| {
                 s.weight * s.rgb.iter().map(|v| v * v * s.direction[2] * s.direction[2]).sum::<f64>()
             };
             let norm: f64 = view.samples.iter().map(square).sum::<f64>() * table.views.len() as f64;
@@ -255,8 +255,8 @@ impl Jacobian for Problem<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::Brdf;
-    use crate::table::direction;
+    use srbf_fit::table::Brdf;
+    use srbf_fit::table::direction;
 
     fn planted() -> Lafortune {
         let lobe = |cxy, cz, n| CosineLobe { cxy, cz, n };

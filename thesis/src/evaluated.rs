@@ -1,10 +1,10 @@
 //! Samples without lobes: completed, by the model of a completion alone, and joined by straight lines.
 
-use crate::FitError;
-use crate::complete::{Model, complete};
-use crate::judge::method::{Fitted, FittedView, Method};
-use crate::table::interpolant::Interpolant;
-use crate::table::{Brdf, Table};
+use srbf_fit::FitError;
+use srbf_fit::complete::{Model, complete};
+use srbf_fit::judge::method::{Fitted, FittedView, Method};
+use srbf_fit::table::interpolant::Interpolant;
+use srbf_fit::table::{Brdf, Table};
 
 /// Samples as `srbf_fit::complete` completes them: what our lobes are fitted to.
 pub struct Completed;

@@ -178,8 +178,8 @@ pub(crate) fn sharpest(cube: &Cube) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::baselines::thesis::lobes::evaluate;
-    use crate::table::direction;
+    use crate::thesis::lobes::evaluate;
+    use srbf_fit::table::direction;
     use std::f64::consts::PI;
 
     fn planted() -> [RoundLobe; 2] {

@@ -2,14 +2,14 @@
 //!
 //! `f = d / pi + sum over two roughnesses of D G / (4 cos_i cos_o) (F0 (1 - s) + F90 s)`, s Schlick's fifth power, is linear in d, F0 and F90.
 //! So for each pair of roughnesses of a ladder the best colours, none below 0, are a small problem; the pair is then refined. The objective
-//! is the measure of our own fits (`crate::judge::measure`).
+//! is the measure of our own fits (`srbf_fit::judge::measure`).
 
-use crate::FitError;
-use crate::analytic::ggx::{Facets, Ggx};
-use crate::judge::measure::{beside_highlight, brightness, floor, level, weight};
-use crate::judge::method::{Fitted, FittedView};
-use crate::table::{Brdf, Table};
 use rayon::prelude::*;
+use srbf_fit::FitError;
+use srbf_fit::analytic::ggx::{Facets, Ggx};
+use srbf_fit::judge::measure::{beside_highlight, brightness, floor, level, weight};
+use srbf_fit::judge::method::{Fitted, FittedView};
+use srbf_fit::table::{Brdf, Table};
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2};
 
 /// Least and largest roughness, and how many there are at first, even in the logarithm.
@@ -158,7 +158,7 @@ impl FittedView for MicrofacetsView<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::Density;
+    use srbf_fit::table::Density;
 
     #[test]
     fn a_model_of_its_own_kind_is_found_again() {
@@ -169,7 +169,7 @@ mod tests {
         let table = Table::from_brdf(&truth, &views, Density::default()).unwrap();
         let found = Microfacets::fit(&table).unwrap();
         for view in &table.views {
-            let report = crate::judge::report::ViewReport::judge(&found, view).unwrap();
+            let report = srbf_fit::judge::report::ViewReport::judge(&found, view).unwrap();
             assert!(report.error < 0.1 && report.regions.chroma < 0.03, "{found:?} {report:?}");
         }
     }

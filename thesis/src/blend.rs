@@ -5,10 +5,10 @@
 //! thesis takes "3 or 4": here the three nearest, and the fourth where it is as near as the third. So the result does not depend
 //! on the order of the views. At a view its own mixture is all there is.
 
-use crate::FitError;
-use crate::judge::fitted_material::view_angles;
-use crate::judge::method::{Fitted, FittedView};
 use srbf_core::Material;
+use srbf_fit::FitError;
+use srbf_fit::judge::method::{Fitted, FittedView};
+use srbf_fit::view_angles;
 
 /// Distances closer than this are the same, radians.
 const SAME: f64 = 1e-6;

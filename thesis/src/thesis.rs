@@ -20,17 +20,17 @@ mod resample;
 
 pub use lobes::RoundLobe;
 
-use crate::FitError;
-use crate::baselines::blend::{self, Neighbours};
-use crate::judge::method::{Fitted, FittedView, Method};
-use crate::judge::report::Ending;
-use crate::settings::range;
-use crate::table::{Brdf, Symmetry};
-use crate::table::{Table, check_bright};
+use crate::blend::{self, Neighbours};
 use cube::Cube;
 use rayon::prelude::*;
 use resample::Vector;
 use srbf_core::LUMINANCE;
+use srbf_fit::FitError;
+use srbf_fit::judge::method::{Fitted, FittedView, Method};
+use srbf_fit::judge::report::Ending;
+use srbf_fit::range;
+use srbf_fit::table::{Brdf, Symmetry};
+use srbf_fit::table::{Table, check_bright};
 
 /// How the thesis's algorithm is run.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,10 +10,10 @@ mod search;
 pub use published::{names, parse, read};
 pub use search::LafortuneSettings;
 
-use crate::FitError;
-use crate::judge::method::{Fitted, FittedView};
-use crate::table::Brdf;
-use crate::table::Table;
+use srbf_fit::FitError;
+use srbf_fit::judge::method::{Fitted, FittedView};
+use srbf_fit::table::Brdf;
+use srbf_fit::table::Table;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2};
 
 /// A generalised cosine lobe of one channel.

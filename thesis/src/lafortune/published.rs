@@ -3,8 +3,8 @@
 //! The terms are `diffuse`, with no lobe, and `Cxy`, `Cz` and `n` of lobes that count from 0 and are all there.
 
 use super::{CosineLobe, Lafortune};
-use crate::read::{self, Source};
-use crate::{FitError, ReadError};
+use srbf_fit::read::{self, Source};
+use srbf_fit::{FitError, ReadError};
 use srbf_measured::file::{read_bytes, rows};
 use std::path::Path;
 
@@ -134,7 +134,7 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<(String, Lafortune)>, ReadError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::Brdf;
+    use srbf_fit::table::Brdf;
 
     const TEXT: &str = "# a comment\nmaterial,term,lobe,r,g,b\na,diffuse,,0.1,0.2,0.3\na,Cxy,0,-1,-1,-1\n\
                         a,Cz,0,1,1,1\na,n,0,10,20,30\nb,diffuse,,0,0,0.5\n";

@@ -10,8 +10,8 @@ use super::cube::Cube;
 use super::guess;
 use super::kernel::{Slope, Texels};
 use super::lobes::RoundLobe;
-use crate::judge::report::Ending;
-use crate::numeric::lbfgsb::minimize;
+use crate::lbfgsb::minimize;
+use srbf_fit::judge::report::Ending;
 
 /// Least sharpness: wider than a hemisphere.
 const WIDEST: f64 = 0.05;
@@ -150,8 +150,8 @@ fn fit_amplitudes(texels: &Texels, lobes: &mut [RoundLobe], scale: f64, steps: u
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::baselines::thesis::lobes::evaluate;
-    use crate::table::direction;
+    use crate::thesis::lobes::evaluate;
+    use srbf_fit::table::direction;
 
     fn planted() -> Vec<RoundLobe> {
         let lobe = |theta: f64, azimuth, sharpness, amplitude| RoundLobe {

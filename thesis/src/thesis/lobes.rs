@@ -50,7 +50,7 @@ pub(crate) fn evaluate(lobes: &[RoundLobe], d: &[f64; 3]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::baselines::thesis::cube::Cube;
+    use crate::thesis::cube::Cube;
 
     #[test]
     fn the_integral_is_the_sum_over_the_sphere() {

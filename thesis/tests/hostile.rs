@@ -2,12 +2,12 @@
 
 use srbf_core::{MAX_LOBES, Material, Mixture, Vec3, luminance};
 use srbf_fit::analytic::lambert::Lambert;
-use srbf_fit::baselines::lafortune::{self, Lafortune};
-use srbf_fit::baselines::thesis;
 use srbf_fit::judge::method::Fitted;
 use srbf_fit::judge::report::ViewReport;
 use srbf_fit::table::{Scattered, Table};
 use srbf_fit::{FactorNodes, Settings, fit};
+use srbf_thesis::lafortune::{self, Lafortune};
+use srbf_thesis::thesis;
 
 const FLAT: f64 = 0.2;
 

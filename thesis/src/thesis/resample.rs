@@ -5,11 +5,11 @@
 //! darker than a thousandth of their view's mean count as that, as they do in the albedo.
 
 use super::cube::Cube;
-use crate::FitError;
-use crate::table::Brdf;
-use crate::table::interpolant::Interpolant;
-use crate::table::{Table, View};
 use rayon::prelude::*;
+use srbf_fit::FitError;
+use srbf_fit::table::Brdf;
+use srbf_fit::table::interpolant::Interpolant;
+use srbf_fit::table::{Table, View};
 use std::f64::consts::FRAC_PI_2;
 
 /// The data of one outgoing direction.

@@ -1,8 +1,6 @@
 //! The methods that ours is compared with, from a table to errors and JSON.
 
 use srbf_fit::analytic::ward::Ward;
-use srbf_fit::baselines::lafortune::{self, Channel, CosineLobe, Lafortune};
-use srbf_fit::baselines::thesis;
 use srbf_fit::judge::compare::score;
 use srbf_fit::judge::method::{Fitted, FittedView, Method};
 use srbf_fit::judge::report::{Ending, Input, Report, ViewReport, mean_error};
@@ -11,6 +9,8 @@ use srbf_fit::table::Brdf;
 use srbf_fit::table::evaluation_views;
 use srbf_fit::table::{self, Table};
 use srbf_fit::{FactorNodes, FitError, Settings, Tracked, fit};
+use srbf_thesis::lafortune::{self, Channel, CosineLobe, Lafortune};
+use srbf_thesis::thesis;
 use std::path::PathBuf;
 
 fn planted() -> Lafortune {

@@ -117,8 +117,8 @@ fn unit_lobe(t: f64x4) -> f64x4 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::baselines::thesis::lobes::evaluate;
-    use crate::table::direction;
+    use crate::thesis::lobes::evaluate;
+    use srbf_fit::table::direction;
 
     #[test]
     fn cost_and_slopes_agree_with_sums_and_differences() {

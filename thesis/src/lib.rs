@@ -1,0 +1,16 @@
+//! Other ways of fitting, which our fits are compared with.
+//!
+//! | module | its model |
+//! |---|---|
+//! | [`thesis`] | round lobes of f, view by view, as S.-C. Weng's thesis does |
+//! | [`blend`] | the mixtures of the nearest views cross-faded, as the thesis does |
+//! | [`lafortune`] | generalised cosine lobes, fitted or published |
+//! | [`microfacets`] | two GGX lobes and a diffuse term |
+//! | [`evaluated`] | samples without lobes: triangles between them, their completion |
+
+pub mod blend;
+pub mod evaluated;
+pub mod lafortune;
+mod lbfgsb;
+pub mod microfacets;
+pub mod thesis;
