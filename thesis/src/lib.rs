@@ -1,4 +1,4 @@
-//! Other ways of fitting, which our fits are compared with.
+//! Other ways of fitting and of sampling, which ours are compared with.
 //!
 //! | module | its model |
 //! |---|---|
@@ -6,6 +6,7 @@
 //! | [`blend`] | the mixtures of the nearest views cross-faded, as the thesis does |
 //! | [`lafortune`] | generalised cosine lobes, fitted or published |
 //! | [`microfacets`] | two GGX lobes and a diffuse term |
+//! | [`samplers`] | samplers that others published, fitted to a reflection |
 //! | [`evaluated`] | samples without lobes: triangles between them, their completion |
 
 pub mod blend;
@@ -13,4 +14,5 @@ pub mod evaluated;
 pub mod lafortune;
 mod lbfgsb;
 pub mod microfacets;
+pub mod samplers;
 pub mod thesis;

@@ -60,7 +60,7 @@ impl Painted {
             text.to_owned()
         })?;
         let lobes = if is_published { fit_published(&file, name)? } else { StoredMaterial::load(name)? };
-        let model = srbf_reference_renderer::shade::rivals::lafortune::fit(&Truth::Table(&table))
+        let model = srbf_thesis::samplers::lafortune::fit(&Truth::Table(&table))
             .with_context(|| format!("material {name}"))?;
         let model = Source::evaluable(Box::new(model), name.to_owned(), String::new());
         Ok(Self { name, title, table, lobes, lafortune: MeasuredMaterial::new(model)? })

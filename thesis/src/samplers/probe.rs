@@ -1,4 +1,4 @@
-//! The directions and values of a truth that samplers are fitted to.
+//! The directions and values of a reflection that samplers are fitted to.
 
 use super::ggx_parts::{GgxProposal, PARTS};
 use glam::DVec3;
@@ -15,8 +15,11 @@ const LAST: f64 = 88.5;
 
 /// An incident direction, the size of `f cos` there, and its weight in a sum over the hemisphere, sr.
 pub struct Direction {
+    /// The direction.
     pub wi: DVec3,
+    /// Sum of the sizes of the channels of `f cos`, 1/sr.
     pub value: f64,
+    /// Its weight, sr.
     pub weight: f64,
 }
 

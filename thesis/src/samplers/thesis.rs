@@ -1,12 +1,13 @@
 //! The sampling of Weng and Shih 2006: round lobes on the sphere, fitted to f view by view and blended by equation 9. What falls
 //! below the horizon is lost.
 
-use crate::numbers::random::Random;
-use crate::truth::{LargeMixture, Truth};
+use super::Reflection;
+use crate::thesis::{RoundLobe, ThesisFit, ThesisSettings, fit_brdf};
 use glam::{DVec3, Vec3};
+use rand_core::Rng;
 use srbf_core::{Error, Gaussian, LUMINANCE, Lobe, MAX_LOBES, Metropolis, Mixture, Sample};
+use srbf_fit::FitError;
 use srbf_fit::table::evaluation_views::even_views;
-use srbf_thesis::thesis::{RoundLobe, ThesisFit, ThesisSettings, fit_brdf};
 
 /// Outgoing directions that are fitted. Eight or ten is what Cornell measured.
 const VIEWS: usize = 10;
@@ -34,13 +35,13 @@ pub struct Thesis {
 }
 
 impl Thesis {
-    /// Fits a truth.
+    /// Fits a reflection.
     ///
     /// # Errors
-    /// An anisotropic truth, and a black one.
-    pub fn fit(truth: &Truth<'_>, how: How) -> anyhow::Result<Self> {
+    /// An anisotropic reflection, and a black one.
+    pub fn fit(reflection: &dyn Reflection, how: How) -> Result<Self, FitError> {
         let settings = ThesisSettings { lobes: LOBES, ..ThesisSettings::default() };
-        Ok(Self { fit: fit_brdf(truth, &even_views(VIEWS), &settings)?, how })
+        Ok(Self { fit: fit_brdf(reflection, &even_views(VIEWS), &settings)?, how })
     }
 
     /// What draws, in words.
@@ -57,7 +58,11 @@ impl Thesis {
     ///
     /// # Errors
     /// None but those of numbers that are no lobe.
-    pub fn prepare<'a>(&self, wo: DVec3, mixture: &mut LargeMixture<'a>) -> Result<ThesisProposal, Error> {
+    pub fn prepare<'a>(
+        &self,
+        wo: DVec3,
+        mixture: &mut Mixture<'a, MAX_LOBES>,
+    ) -> Result<ThesisProposal, Error> {
         let across = wo.x.hypot(wo.y);
         let [cos, sin] = if across > 0.0 { [-wo.x / across, -wo.y / across] } else { [1.0, 0.0] };
         let turned = |l: &RoundLobe| -> Result<Lobe, Error> {
@@ -92,16 +97,22 @@ pub struct ThesisProposal {
 }
 
 impl ThesisProposal {
-    /// Draws a direction, maybe below the horizon; `None` if there is no lobe.
-    pub fn sample(&self, mixture: &LargeMixture<'_>, u: [f32; 3]) -> Option<Vec3> {
+    /// Draws a direction, maybe below the horizon; `None` if there is no lobe. A random walk takes more numbers than three: those of a
+    /// stream that three integers begin.
+    #[inline]
+    pub fn sample<R: Rng>(
+        &self,
+        mixture: &Mixture<'_, MAX_LOBES>,
+        u: [f32; 3],
+        stream: impl FnOnce([u64; 3]) -> R,
+    ) -> Option<Vec3> {
         if self.how != How::Walk {
             return mixture.sample(u).map(|sample: Sample| sample.direction);
         }
         let gaussian = self.lobes[self.choose(u[0])?].0;
-        // The walk takes as many numbers as it has steps: a stream that the three begin.
-        let [a, b, c] = u.map(|v| u64::from(v.to_bits()));
+        let mut numbers = stream(u.map(|v| u64::from(v.to_bits())));
         let walk = Metropolis::default();
-        Some(walk.sample(&gaussian, range(&walk, gaussian.sharpness), &mut Random::new(a, b, c)))
+        Some(walk.sample(&gaussian, range(&walk, gaussian.sharpness), &mut numbers))
     }
 
     /// The lobe at a share of the sum of integrals: equation 14.
@@ -119,7 +130,7 @@ impl ThesisProposal {
         &self,
         numbers: impl ExactSizeIterator<Item = [f32; 4]>,
         directions: &mut Vec<Vec3>,
-    ) -> Option<LargeMixture<'static>> {
+    ) -> Option<Mixture<'static, MAX_LOBES>> {
         let (n, mut counts) = (numbers.len(), [0u32; MAX_LOBES]);
         for [choice, u, v, _] in numbers {
             let lobe = self.choose(choice)?;

@@ -4,8 +4,8 @@
 //! Source: Matusik, Pfister, Brand and McMillan 2003, "Efficient Isotropic BRDF Measurement"; differs: over half vectors, so that
 //! highlights of any outgoing direction have fine cells.
 
+use super::Reflection;
 use super::half_angles::{ANGLES, Layout, Outgoing, choose, running};
-use crate::truth::Truth;
 use glam::DVec3;
 
 /// The tables of all outgoing directions.
@@ -23,15 +23,15 @@ struct RunningRow {
 }
 
 impl Tabulated {
-    /// Tabulates a truth.
-    pub fn new(truth: &Truth<'_>) -> Self {
-        let layout = Layout::new(truth);
+    /// Tabulates a reflection.
+    pub fn new(reflection: &dyn Reflection) -> Self {
+        let layout = Layout::new(reflection);
         let row = |shares: Vec<f64>| RunningRow {
             angles: running(shares.chunks_exact(layout.turns).map(|turns| turns.iter().sum())),
             turns: shares.chunks_exact(layout.turns).map(|turns| running(turns.iter().copied())).collect(),
             shares: shares.iter().map(|&share| share as f32).collect(),
         };
-        Self { layout, rows: layout.tabulate(truth).into_iter().map(row).collect() }
+        Self { layout, rows: layout.tabulate(reflection).into_iter().map(row).collect() }
     }
 
     /// Bytes of the shares and the running sums as single-precision numbers.
@@ -40,6 +40,7 @@ impl Tabulated {
     }
 
     /// Gets ready for an outgoing direction.
+    #[inline]
     pub fn proposal(&self, wo: DVec3) -> TabulatedProposal<'_> {
         TabulatedProposal { table: self, outgoing: Outgoing::new(self.layout, wo) }
     }
@@ -54,6 +55,7 @@ pub struct TabulatedProposal<'a> {
 
 impl TabulatedProposal<'_> {
     /// Draws a direction, maybe below the horizon.
+    #[inline]
     pub fn sample(&self, [mut left, u, v]: [f64; 3]) -> DVec3 {
         let mut row = self.outgoing.rows[0].0;
         for (n, share) in self.outgoing.rows {
@@ -70,6 +72,7 @@ impl TabulatedProposal<'_> {
     }
 
     /// Density of [`sample`](Self::sample); 1/sr.
+    #[inline]
     pub fn density(&self, wi: DVec3) -> f64 {
         let (cell, in_cell) = self.outgoing.cell(wi);
         let share = self

@@ -4,12 +4,11 @@
 //! Fresnel term would have it, and is the one with the least variance. The width is the one with the least mean logarithm of the
 //! relative second moment over the angles: fitted is the density, not the value.
 
+use super::Reflection;
+use super::ggx;
+use super::plain::{around, cosine, cosine_density, mirrored};
+use super::probe::{self, THETAS};
 use super::views::{Look, look};
-use crate::shade::strategy::SamplerName;
-use crate::truth::Truth;
-use crate::truth::ggx;
-use crate::truth::plain::{around, cosine, cosine_density, mirrored};
-use crate::truth::probe::{self, THETAS};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
@@ -27,23 +26,40 @@ const LEAST_COSINE: f64 = 0.05;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lobe {
     /// `cos^n` round the mirror direction (Lafortune and Willems 1994).
-    Phong { exponent: f64 },
+    Phong {
+        /// Exponent of the cosine.
+        exponent: f64,
+    },
     /// Half vectors by a Gaussian of their slope (Ward 1992; Walter 2005, "Notes on the Ward BRDF").
-    Ward { alpha: f64 },
+    Ward {
+        /// Roughness.
+        alpha: f64,
+    },
     /// Visible normals.
-    Ggx { alpha: f64 },
+    Ggx {
+        /// Roughness.
+        alpha: f64,
+    },
 }
 
 impl Lobe {
-    fn new(name: SamplerName, roughness: f64) -> Self {
-        match name {
-            SamplerName::Phong => Self::Phong { exponent: 2.0 / (roughness * roughness) },
-            SamplerName::Ward => Self::Ward { alpha: roughness },
-            _ => Self::Ggx { alpha: roughness },
-        }
+    /// Phong's lobe of the width that a roughness has.
+    pub fn phong(roughness: f64) -> Self {
+        Self::Phong { exponent: 2.0 / (roughness * roughness) }
+    }
+
+    /// Ward's lobe of a roughness.
+    pub fn ward(alpha: f64) -> Self {
+        Self::Ward { alpha }
+    }
+
+    /// Visible normals of a roughness.
+    pub fn ggx(alpha: f64) -> Self {
+        Self::Ggx { alpha }
     }
 
     /// Draws a direction, maybe below the horizon.
+    #[inline]
     pub fn sample(self, wo: DVec3, u: f64, v: f64) -> DVec3 {
         match self {
             Self::Phong { exponent } => {
@@ -60,6 +76,7 @@ impl Lobe {
     }
 
     /// Density of [`sample`](Self::sample); 1/sr.
+    #[inline]
     pub fn density(self, wo: DVec3, wi: DVec3) -> f64 {
         match self {
             Self::Phong { exponent } => {
@@ -86,22 +103,24 @@ impl Lobe {
 /// A lobe, and its share over the angle of the outgoing direction.
 #[derive(Clone, Debug)]
 pub struct Analytic {
+    /// The lobe.
     pub lobe: Lobe,
     shares: [f64; THETAS],
 }
 
 impl Analytic {
-    /// Fits Phong's, Ward's or the GGX lobe.
-    pub fn fit(name: SamplerName, truth: &Truth<'_>) -> Self {
-        let views = look(truth);
+    /// Fits a lobe: the best of those that a function makes of a roughness.
+    pub fn fit(lobe: fn(f64) -> Lobe, reflection: &dyn Reflection) -> Self {
+        let views = look(reflection);
         let width =
             |n: usize| ROUGHNESS[0] * (ROUGHNESS[1] / ROUGHNESS[0]).powf(n as f64 / (WIDTHS - 1) as f64);
-        let tried = (0..WIDTHS).into_par_iter().map(|n| at_width(Lobe::new(name, width(n)), &views));
+        let tried = (0..WIDTHS).into_par_iter().map(|n| at_width(lobe(width(n)), &views));
         let tried: Vec<(f64, Self)> = tried.collect();
         tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).expect("there are widths").1
     }
 
     /// Gets ready for an outgoing direction.
+    #[inline]
     pub fn proposal(&self, wo: DVec3) -> AnalyticProposal {
         let (before, along) = probe::place(wo.z, THETAS);
         let share = self.shares[before] + along * (self.shares[before + 1] - self.shares[before]);
@@ -139,11 +158,13 @@ pub struct AnalyticProposal {
 
 impl AnalyticProposal {
     /// Draws a direction, maybe below the horizon.
+    #[inline]
     pub fn sample(&self, [part, u, v]: [f64; 3]) -> DVec3 {
         if part < self.share { self.lobe.sample(self.wo, u, v) } else { cosine(u, v) }
     }
 
     /// Density of [`sample`](Self::sample); 1/sr.
+    #[inline]
     pub fn density(&self, wi: DVec3) -> f64 {
         self.share * self.lobe.density(self.wo, wi) + (1.0 - self.share) * cosine_density(wi)
     }

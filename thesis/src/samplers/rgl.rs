@@ -18,12 +18,14 @@ impl<'a> RglProposal<'a> {
     }
 
     /// Draws a direction, maybe below the horizon; with its value and density, 1/sr.
+    #[inline]
     pub fn draw(&self, [_, u, v]: [f32; 3]) -> (Vec3, Known) {
         let (direction, known) = self.draws.draw([u, v], self.wo.to_array());
         (Vec3::from(direction).normalize_or(Vec3::Z), known)
     }
 
     /// Value and density of a direction; 1/sr.
+    #[inline]
     pub fn look_up(&self, wi: Vec3) -> Known {
         self.draws.look_up(wi.to_array(), self.wo.to_array())
     }

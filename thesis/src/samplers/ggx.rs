@@ -8,6 +8,7 @@ use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
 /// The outgoing direction mirrored at a visible normal of roughness `alpha`; it may lie below the horizon.
+#[inline]
 pub fn reflect(wo: DVec3, alpha: f64, u: f64, v: f64) -> DVec3 {
     let stretched = DVec3::new(alpha * wo.x, alpha * wo.y, wo.z).normalize();
     let (sin, cos) = (TAU * u).sin_cos();
@@ -18,12 +19,14 @@ pub fn reflect(wo: DVec3, alpha: f64, u: f64, v: f64) -> DVec3 {
 }
 
 /// The constant part of the density for an outgoing direction: half of Smith's visible share over the cosine, over `pi alpha^2`.
+#[inline]
 pub fn scale(wo: DVec3, alpha: f64) -> f64 {
     let across = wo.x * wo.x + wo.y * wo.y;
     1.0 / (2.0 * (wo.z + (wo.z * wo.z + alpha * alpha * across).sqrt()) * PI * alpha * alpha)
 }
 
 /// Squares of the half vector's part across the normal and along it.
+#[inline]
 pub fn half_squared(wo: DVec3, wi: DVec3) -> [f64; 2] {
     let h = wo + wi;
     let squared = h.length_squared().max(f64::MIN_POSITIVE);
@@ -31,6 +34,7 @@ pub fn half_squared(wo: DVec3, wi: DVec3) -> [f64; 2] {
 }
 
 /// Density of [`reflect`] at an incident direction above the horizon; 1/sr.
+#[inline]
 pub fn density([across, along]: [f64; 2], alpha: f64, scale: f64) -> f64 {
     let q = across / (alpha * alpha) + along;
     scale / (q * q)

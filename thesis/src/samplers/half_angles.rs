@@ -1,11 +1,12 @@
 //! Cells of half vectors, and how much of `f cos` each of them reflects towards an outgoing direction.
 //!
-//! Cells are even in the azimuth of the half vector, counted from the plane of incidence, and in the root of its angle from the normal, as
-//! in the MERL tables: narrow where highlights are. Of isotropic materials the two sides of the plane of incidence are one.
+//! Cells are even in the azimuth of the half vector, counted from the plane of incidence. They are even in the root of its angle from
+//! the normal too, as in the MERL tables: narrow where highlights are. Of isotropic materials the two sides of the plane of incidence
+//! are one.
 
-use crate::truth::Truth;
-use crate::truth::plain::mirrored;
-use crate::truth::probe;
+use super::Reflection;
+use super::plain::mirrored;
+use super::probe;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -13,8 +14,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// Cells along the angle of the half vector.
 pub const ANGLES: usize = 90;
 
-/// Angles and azimuths of outgoing directions, cells along the azimuth of the half vector, and points of a cell along each side at which
-/// the truth is looked at: of isotropic and of anisotropic materials.
+/// Numbers for isotropic and for anisotropic materials: angles and azimuths of outgoing directions, and cells along the azimuth of the
+/// half vector. The last is that of points along each side of a cell.
 const SIZES: [[usize; 4]; 2] = [[45, 1, 32, 2], [16, 16, 48, 1]];
 
 /// Which outgoing directions and cells there are.
@@ -36,9 +37,9 @@ fn one_minus_cos(place: f64) -> f64 {
 }
 
 impl Layout {
-    /// The cells for a truth.
-    pub fn new(truth: &Truth<'_>) -> Self {
-        let is_folded = truth.is_isotropic();
+    /// The cells for a reflection.
+    pub fn new(reflection: &dyn Reflection) -> Self {
+        let is_folded = reflection.is_isotropic();
         let [thetas, azimuths, turns, points] = SIZES[usize::from(!is_folded)];
         Self { thetas, azimuths, turns, points, is_folded }
     }
@@ -55,11 +56,11 @@ impl Layout {
     }
 
     /// The share of each cell in the reflected light, for every outgoing direction; each row sums to 1.
-    pub fn tabulate(&self, truth: &Truth<'_>) -> Vec<Vec<f64>> {
-        (0..self.thetas * self.azimuths).into_par_iter().map(|row| self.row(truth, row)).collect()
+    pub fn tabulate(&self, reflection: &dyn Reflection) -> Vec<Vec<f64>> {
+        (0..self.thetas * self.azimuths).into_par_iter().map(|row| self.row(reflection, row)).collect()
     }
 
-    fn row(&self, truth: &Truth<'_>, row: usize) -> Vec<f64> {
+    fn row(&self, reflection: &dyn Reflection, row: usize) -> Vec<f64> {
         let azimuth = PI + TAU * (row / self.thetas) as f64 / self.azimuths as f64;
         let wo = probe::outgoing(probe::theta(row % self.thetas, self.thetas), azimuth);
         let outgoing = Outgoing::new(*self, wo);
@@ -73,7 +74,7 @@ impl Layout {
                         let cosine = wo.dot(h);
                         let wi = mirrored(wo, h);
                         let seen = cosine > 0.0 && wi.z > 0.0;
-                        if seen { 4.0 * cosine * truth.f_cos(wi, wo).abs().element_sum() } else { 0.0 }
+                        if seen { 4.0 * cosine * reflection.f_cos(wi, wo).abs().element_sum() } else { 0.0 }
                     })
                     .sum();
                 sum * self.solid_angle(cell)
@@ -132,6 +133,7 @@ impl Outgoing {
     }
 
     /// The incident direction of a place in a cell, maybe below the horizon; `turn` in [0, 1) over both sides of a folded cell.
+    #[inline]
     pub fn direction(&self, cell: usize, [angle, turn]: [f64; 2]) -> DVec3 {
         let (turn, is_mirrored) = match self.layout.is_folded {
             true if turn >= 0.5 => (2.0 * turn - 1.0, true),
@@ -142,6 +144,7 @@ impl Outgoing {
     }
 
     /// The cell of an incident direction above the horizon, and the density there of directions of that cell; 1/sr.
+    #[inline]
     pub fn cell(&self, wi: DVec3) -> (usize, f64) {
         let h = (self.wo + wi).normalize_or(DVec3::Z);
         let across = DVec2::new(h.x, h.y);
@@ -178,6 +181,7 @@ pub fn running(shares: impl IntoIterator<Item = f64>) -> Vec<f64> {
 }
 
 /// The item at a share of the whole, and how far into it, in [0, 1).
+#[inline]
 pub fn choose(running: &[f64], u: f64) -> (usize, f64) {
     let item = running.partition_point(|&end| end <= u).min(running.len() - 1);
     let start = if item == 0 { 0.0 } else { running[item - 1] };

@@ -6,9 +6,8 @@
 //! shares stay shares. The best product of a function of the angle and one of the azimuth for that divergence is that of the
 //! marginals.
 
+use super::Reflection;
 use super::half_angles::{ANGLES, Layout, Outgoing, choose, running};
-use crate::numbers::random::Random;
-use crate::truth::Truth;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -38,10 +37,10 @@ pub struct Factored {
 }
 
 impl Factored {
-    /// Tabulates a truth and factors the table.
-    pub fn new(truth: &Truth<'_>) -> Self {
-        let layout = Layout::new(truth);
-        let (of_outgoing, of_half) = factor(&layout.tabulate(truth), layout.cells());
+    /// Tabulates a reflection and factors the table, from a start that uniform numbers in [0, 1) disturb.
+    pub fn new(reflection: &dyn Reflection, uniform: impl FnMut() -> f32) -> Self {
+        let layout = Layout::new(reflection);
+        let (of_outgoing, of_half) = factor(&layout.tabulate(reflection), layout.cells(), uniform);
         let term = |shares: &Vec<f64>| {
             let angle: Vec<f64> = shares.chunks_exact(layout.turns).map(|turns| turns.iter().sum()).collect();
             let turn: Vec<f64> = (0..layout.turns)
@@ -58,6 +57,7 @@ impl Factored {
     }
 
     /// Gets ready for an outgoing direction.
+    #[inline]
     pub fn proposal(&self, wo: DVec3) -> FactoredProposal<'_> {
         let outgoing = Outgoing::new(self.layout, wo);
         let mut shares = [0.0; TERMS];
@@ -69,8 +69,11 @@ impl Factored {
 }
 
 /// Factors rows that sum to 1: shares of the terms for each row, and shares of the cells for each term, which both sum to 1.
-fn factor(rows: &[Vec<f64>], cells: usize) -> (Vec<[f64; TERMS]>, Vec<Vec<f64>>) {
-    let mut random = Random::new(2004, 0, 0);
+fn factor(
+    rows: &[Vec<f64>],
+    cells: usize,
+    mut uniform: impl FnMut() -> f32,
+) -> (Vec<[f64; TERMS]>, Vec<Vec<f64>>) {
     let mut of_row = vec![[1.0 / TERMS as f64; TERMS]; rows.len()];
     // Every term starts as the mean of neighbouring rows, a little disturbed.
     let mut of_cell: Vec<Vec<f64>> = (0..TERMS)
@@ -80,7 +83,7 @@ fn factor(rows: &[Vec<f64>], cells: usize) -> (Vec<[f64; TERMS]>, Vec<Vec<f64>>)
             let mut mean: Vec<f64> = (0..cells)
                 .map(|cell| {
                     let sum: f64 = near.iter().map(|row| row[cell]).sum();
-                    (sum / near.len() as f64 + 0.02 / cells as f64) * (0.9 + 0.2 * f64::from(random.unit()))
+                    (sum / near.len() as f64 + 0.02 / cells as f64) * (0.9 + 0.2 * f64::from(uniform()))
                 })
                 .collect();
             normalize(&mut mean);
@@ -138,6 +141,7 @@ pub struct FactoredProposal<'a> {
 
 impl FactoredProposal<'_> {
     /// Draws a direction, maybe below the horizon.
+    #[inline]
     pub fn sample(&self, [mut left, u, v]: [f64; 3]) -> DVec3 {
         let mut chosen = TERMS - 1;
         for (term, share) in self.shares.iter().enumerate() {
@@ -154,6 +158,7 @@ impl FactoredProposal<'_> {
     }
 
     /// Density of [`sample`](Self::sample); 1/sr.
+    #[inline]
     pub fn density(&self, wi: DVec3) -> f64 {
         let (cell, in_cell) = self.outgoing.cell(wi);
         let (angle, turn) = (cell / self.factored.layout.turns, cell % self.factored.layout.turns);
@@ -181,7 +186,8 @@ mod tests {
                 cells
             })
             .collect();
-        let (of_row, of_cell) = factor(&rows, 100);
+        let mut random = srbf_measured::numeric::random::Random::new(2004);
+        let (of_row, of_cell) = factor(&rows, 100, || random.uniform() as f32);
         let mut worst = 0f64;
         for (row, shares) in rows.iter().zip(&of_row) {
             assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);

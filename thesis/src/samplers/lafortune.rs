@@ -1,13 +1,14 @@
 //! Lafortune's generalised cosine lobes, sampled as Weng and Shih 2006 do: a lobe by its integral, a direction by `cos^n` round the axis
 //! that the coefficients make of the outgoing direction. What falls below the horizon is lost.
 
-use crate::truth::plain::{around, cosine, cosine_density};
+use super::plain::{around, cosine, cosine_density};
+use crate::lafortune::{Lafortune, LafortuneSettings};
 use glam::DVec3;
 use srbf_core::LUMINANCE;
+use srbf_fit::FitError;
 use srbf_fit::table::Brdf;
 use srbf_fit::table::evaluation_views::even_views;
 use srbf_fit::table::{Density, Table};
-use srbf_thesis::lafortune::{Lafortune, LafortuneSettings};
 use std::f64::consts::TAU;
 
 /// Lobes, as in the thesis; its hundred starts take most of a minute and end where these do.
@@ -29,10 +30,10 @@ const MOST_EXPONENT: f64 = 1e9;
 /// Fits the model.
 ///
 /// # Errors
-/// An anisotropic truth, and a black one.
-pub fn fit(truth: &dyn Brdf) -> anyhow::Result<Lafortune> {
-    let table = Table::from_brdf(truth, &even_views(VIEWS), DENSITY)?;
-    Ok(Lafortune::fit(&table, &SETTINGS)?)
+/// An anisotropic reflection, and a black one.
+pub fn fit(reflection: &dyn Brdf) -> Result<Lafortune, FitError> {
+    let table = Table::from_brdf(reflection, &even_views(VIEWS), DENSITY)?;
+    Lafortune::fit(&table, &SETTINGS)
 }
 
 /// The lobes for one outgoing direction.
@@ -79,6 +80,7 @@ impl LafortuneProposal {
     }
 
     /// Draws a direction, maybe below the horizon.
+    #[inline]
     pub fn sample(&self, [part, u, v]: [f64; 3]) -> DVec3 {
         let mut left = part;
         for &(share, axis, n) in &self.lobes[..self.count] {
@@ -91,6 +93,7 @@ impl LafortuneProposal {
     }
 
     /// Density of [`sample`](Self::sample); 1/sr.
+    #[inline]
     pub fn density(&self, wi: DVec3) -> f64 {
         let mut sum = self.cosine * cosine_density(wi);
         for &(share, axis, n) in &self.lobes[..self.count] {
@@ -106,7 +109,7 @@ impl LafortuneProposal {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use srbf_thesis::lafortune::{Channel, CosineLobe};
+    use crate::lafortune::{Channel, CosineLobe};
 
     #[test]
     fn coefficients_that_explode_do_no_harm() {
