@@ -29,6 +29,7 @@ make_function() {
     local number=$1 path=${2%%=*} value=${2#*=} room module name table file
     room=${path%%::*} name=${path##*::} module=${path#*::} module=${module%::*}
     table=fit/src/$room/tuning.rs
+    [ -f "$table" ] || table=measured/src/$room/tuning.rs
     [ "$path" != "$2" ] && [ -f "$table" ] || { echo "$2: expected TABLE::MODULE::NAME=VALUE, TABLE one of isotropic, anisotropic, complete" >&2; exit 2; }
     awk -v module="$module" -v name="$name" -v value="$value" -v number="$number" '
         $0 ~ "^pub\\(crate\\) mod " module " \\{" { inside = 1 }
@@ -45,7 +46,7 @@ make_function() {
         { echo "$table: no constant $module::$name on a line of its own" >&2; exit 2; }
     cp target/tuning/table.rs "$copy/$table"
     # The files that import it.
-    for file in $(grep -lrE "\b$room::tuning::$module::" "$copy/fit/src"); do
+    for file in $(grep -lrE "\b$room::tuning::$module::" "$copy"/{fit,measured}/src); do
         tr '\n' ' ' <"$file" | grep -qE "\b$room::tuning::$module::(\{[^}]*\b$name\b|$name\b)" || continue
         sed -i -E "/^ *use .*\{\$/,/\};\$/!{/^ *use /!s/\b$name\b(\(\))?/$name()/g}" "$file"
     done
@@ -54,17 +55,18 @@ make_function() {
 rm -rf "$copy"
 mkdir -p "$copy"
 git ls-files -z --cached | xargs -0 cp -a --parents -t "$copy"
-cat >>"$copy/fit/src/lib.rs" <<'RUST'
+cat >>"$copy/measured/src/lib.rs" <<'RUST'
 
 /// The number of the change that a run is made with; 0 for none.
-pub(crate) fn tuning_number() -> usize {
+pub fn tuning_number() -> usize {
     static NUMBER: std::sync::OnceLock<usize> = std::sync::OnceLock::new();
     *NUMBER.get_or_init(|| std::env::var("SRBF_TUNING").ok().and_then(|text| text.parse().ok()).unwrap_or(0))
 }
 RUST
+echo "pub(crate) use srbf_measured::tuning_number;" >>"$copy/fit/src/lib.rs"
 for i in "${!changes[@]}"; do make_function $((i + 1)) "${changes[i]}"; done
 # Files that were copied are older than a build of them that another change has altered.
-find "$copy/fit/src" -name '*.rs' -exec touch {} +
+find "$copy"/{fit,measured}/src -name '*.rs' -exec touch {} +
 (cd "$copy" && CARGO_TARGET_DIR=../build cargo build --quiet --release --package srbf-reference-renderer)
 
 echo '| change | file | stored views, L2 % | between, L2 % | measure | completion, L2 % | bytes | seconds |'

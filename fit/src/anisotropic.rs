@@ -2,6 +2,8 @@
 //!
 //! What an isotropic fit (`isotropic`) does along one angle is done here over a grid of angle and azimuth. Azimuths whose views
 //! follow by half a turn are left out; a material that has mirrors, too, is fitted over half a turn all the same.
+//!
+//! May import: `clock`, `isotropic`, `judge`, `numeric`, `settings`.
 
 mod encode;
 mod layout;
@@ -229,7 +231,7 @@ mod tests {
         use crate::read::Content;
         use crate::read::rgl::{self, synthetic};
         let model = Ggx { diffuse: [0.2; 3], alpha: [0.3, 0.6], facets: Facets::Schlick([0.8, 0.6, 0.3]) };
-        let settings = synthetic::Settings { phis: 5, range: TAU / 4.0, ..synthetic::Settings::default() };
+        let settings = synthetic::Written { phis: 5, range: TAU / 4.0, ..synthetic::Written::default() };
         let file = rgl::parse(&synthetic::write(&model, &settings)).unwrap();
         let fit = crate::fit_content(&Content::Evaluable(Box::new(file)), &small(), |_| {}).unwrap();
         let material = srbf_core::Material::from_bytes(&fit.bytes).unwrap();

@@ -1,4 +1,6 @@
 //! The entry of every fit: samples are completed to a BRDF that can be evaluated anywhere, then lobes are fitted to that.
+//!
+//! May import: `anisotropic`, `fewest_lobes`, `isotropic`, `judge`, `settings`.
 
 use crate::anisotropic;
 use crate::complete::complete;

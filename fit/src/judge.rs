@@ -1,4 +1,6 @@
 //! How good a fit is, whoever made it.
+//!
+//! May import: `clock`, `settings`.
 
 pub mod appearance;
 pub mod compare;

@@ -1,31 +1,24 @@
-//! Readers, fitters and error metrics: makes `.srbf` materials, offline.
+//! Fitters and error metrics: makes `.srbf` materials, offline.
+//!
+//! Measurements are read, completed and written by `srbf-measured`, whose modules and functions stand here too.
 
-pub mod analytic;
 mod anisotropic;
-#[cfg(feature = "baselines")]
-pub mod baselines;
 mod clock;
-pub mod complete;
-mod error;
-pub mod export;
 mod fewest_lobes;
 mod fit;
 mod isotropic;
 pub mod judge;
-pub mod look;
 mod numeric;
 pub mod pack;
-pub mod read;
 mod settings;
-pub mod table;
-mod threads;
-mod write;
 
-pub use error::{FitError, ReadError};
 pub use fit::{Tracked, fit, fit_content};
 pub use judge::fitted_material::view_angles;
 pub use judge::report::Fit;
-pub use read::{check_memory, read_at_most, read_if};
+#[doc(hidden)]
+pub use settings::range;
 pub use settings::{FactorNodes, Settings};
-pub use threads::in_threads;
-pub use write::{Outputs, check_output, write_atomically};
+pub use srbf_measured::{FitError, ReadError};
+pub use srbf_measured::{Outputs, check_output, write_atomically};
+pub use srbf_measured::{analytic, complete, export, look, read, table};
+pub use srbf_measured::{check_memory, in_threads, read_at_most, read_if};

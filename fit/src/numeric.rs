@@ -1,14 +1,6 @@
-//! Linear algebra, minimisation and random numbers: knows nothing of BRDFs.
+//! Linear algebra for the normal equations of a fit, beside that which `srbf-measured` has.
 
 pub(crate) mod banded;
 pub(crate) mod blocks;
-pub(crate) mod cholesky;
-#[cfg(feature = "baselines")]
-pub(crate) mod lbfgsb;
-pub(crate) mod levenberg;
-pub(crate) mod random;
-pub(crate) mod special;
-pub(crate) mod vector;
 
-/// Golden angle, radians: the turn from one point of an even spiral to the next.
-pub(crate) const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+pub(crate) use srbf_measured::numeric::{GOLDEN_ANGLE, levenberg, median, random, special, vector};

@@ -2,6 +2,8 @@
 //!
 //! A part of a material can be cut off, or lobes be fitted again with less of everything. Both are tried, and the nearer
 //! one is taken.
+//!
+//! May import: `fit`, `judge`, `settings`.
 
 mod cut;
 mod forms;

@@ -1,7 +1,6 @@
 //! The options of a fit.
 
 use crate::FitError;
-use crate::isotropic::model::parameters::Layout;
 use std::f64::consts::FRAC_PI_2;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
@@ -116,7 +115,7 @@ const SHAPES: [(usize, usize); 4] = [(7, 2), (8, 0), (5, 3), (4, 4)];
 const FEW_LOBES: usize = 8;
 
 /// Refuses a setting that is not inside its range.
-pub(crate) fn range(name: &'static str, inside: bool, reason: &str) -> Result<(), FitError> {
+pub fn range(name: &'static str, inside: bool, reason: &str) -> Result<(), FitError> {
     if inside { Ok(()) } else { Err(FitError::Setting { name, reason: reason.to_owned() }) }
 }
 
@@ -251,21 +250,6 @@ impl Settings {
             },
             "view_angles_degrees": self.view_angles.as_ref().map(degrees),
         })
-    }
-
-    /// The last line of the provenance.
-    pub(crate) fn describe(&self, layout: &Layout) -> String {
-        format!(
-            "srbf-fit {}: {} lobes, {} squeezed, {} in mirrored pairs, smoothness {:.2e}, {} starts, {} steps, {} exchanges\n",
-            env!("CARGO_PKG_VERSION"),
-            self.lobes,
-            layout.squeezed,
-            2 * layout.mirrored,
-            self.smoothness,
-            self.starts,
-            self.steps,
-            self.exchanges
-        )
     }
 }
 

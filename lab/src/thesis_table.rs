@@ -1,8 +1,6 @@
 //! `srbf-lab thesis-table`: Table 5.1 of the thesis, with our fit beside its two, and the error of each on left-out data.
 
 use anyhow::{Context, bail};
-use srbf_fit::baselines::lafortune;
-use srbf_fit::baselines::thesis;
 use srbf_fit::judge::compare::{Score, score};
 use srbf_fit::judge::cross::CrossValidation;
 use srbf_fit::judge::method::Method;
@@ -13,6 +11,8 @@ use srbf_fit::{Settings, Tracked};
 use srbf_reference_renderer::command::argument;
 use srbf_reference_renderer::out::output;
 use srbf_reference_renderer::out::progress::Progress;
+use srbf_thesis::lafortune;
+use srbf_thesis::thesis;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 

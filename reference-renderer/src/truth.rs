@@ -4,13 +4,9 @@
 //!
 //! May import: `out`.
 
-pub mod ggx;
-pub mod ggx_parts;
 pub mod guided;
 pub mod measured;
 pub mod networks;
-pub mod plain;
-pub mod probe;
 pub mod stored;
 
 use crate::truth::guided::Guide;
@@ -19,6 +15,7 @@ use crate::truth::stored::Bytes;
 use glam::DVec3;
 use srbf_core::{MAX_LOBES, Material, Mixture};
 use srbf_fit::table::{Brdf, Draws, Symmetry};
+use srbf_thesis::samplers::Reflection;
 
 /// Storage for the mixture of any material.
 pub type LargeMixture<'m> = Mixture<'m, MAX_LOBES>;
@@ -38,18 +35,6 @@ impl<'a> Truth<'a> {
         match self {
             Self::Lobes(material) => material.is_isotropic(),
             Self::Table(measured) => measured.is_isotropic(),
-        }
-    }
-
-    /// `f cos` of one pair of directions above the horizon; linear sRGB, 1/sr. For fits: scenes shade with [`Scattering`].
-    pub fn f_cos(&self, wi: DVec3, wo: DVec3) -> DVec3 {
-        match self {
-            Self::Lobes(material) => {
-                let mut mixture = LargeMixture::empty();
-                let prepared = material.prepare(wo.as_vec3(), &mut mixture);
-                if prepared.is_ok() { mixture.evaluate(wi.as_vec3()).as_dvec3() } else { DVec3::ZERO }
-            }
-            Self::Table(measured) => measured.f_cos(wi, wo),
         }
     }
 
@@ -75,5 +60,19 @@ impl Brdf for Truth<'_> {
 
     fn symmetry(&self) -> Symmetry {
         if self.is_isotropic() { Symmetry::Isotropic } else { Symmetry::None }
+    }
+}
+
+/// For fits: scenes shade with `Scattering`.
+impl Reflection for Truth<'_> {
+    fn f_cos(&self, wi: DVec3, wo: DVec3) -> DVec3 {
+        match self {
+            Self::Lobes(material) => {
+                let mut mixture = LargeMixture::empty();
+                let prepared = material.prepare(wo.as_vec3(), &mut mixture);
+                if prepared.is_ok() { mixture.evaluate(wi.as_vec3()).as_dvec3() } else { DVec3::ZERO }
+            }
+            Self::Table(measured) => measured.f_cos(wi, wo),
+        }
     }
 }

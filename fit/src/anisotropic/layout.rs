@@ -215,7 +215,7 @@ mod tests {
         let layout = layout();
         let mut random = Random::new(1);
         for _ in 0..200 {
-            let place = layout.place(1.5 * random.next(), 10.0 * random.next() - 5.0);
+            let place = layout.place(1.5 * random.uniform(), 10.0 * random.uniform() - 5.0);
             assert!((place.corners.iter().map(|c| c.1).sum::<f64>() - 1.0).abs() < 1e-12);
         }
         for stored in 0..layout.stored_views() {
@@ -232,7 +232,7 @@ mod tests {
     fn transposed_turn_is_the_transpose() {
         let layout = layout();
         let mut random = Random::new(2);
-        let mut vector = || (0..layout.stride()).map(|_| random.next() - 0.5).collect::<Vec<f64>>();
+        let mut vector = || (0..layout.stride()).map(|_| random.uniform() - 0.5).collect::<Vec<f64>>();
         let (a, b) = (vector(), vector());
         let azimuth = [0.6, -0.8];
         let (mut turned, mut back) = (a.clone(), b.clone());

@@ -214,13 +214,13 @@ mod tests {
         for round in 0..60 {
             let mut q = vec![0.0; layout.stride()];
             let size = if round % 3 == 0 { 1e-5 } else { 1.0 };
-            (0..3).for_each(|i| q[i] = size * (2.0 * random.next() - 0.8));
+            (0..3).for_each(|i| q[i] = size * (2.0 * random.uniform() - 0.8));
             for k in 0..4 {
-                q[layout.along(k)] = size * (3.0 * random.next() - 1.2);
-                q[layout.across(k)] = size * (2.0 * random.next() - 1.0);
-                q[layout.sharpness(k)] = 5.0 * random.next() - 1.0;
+                q[layout.along(k)] = size * (3.0 * random.uniform() - 1.2);
+                q[layout.across(k)] = size * (2.0 * random.uniform() - 1.0);
+                q[layout.sharpness(k)] = 5.0 * random.uniform() - 1.0;
             }
-            let d = direction(1.5 * random.next(), 6.2 * random.next());
+            let d = direction(1.5 * random.uniform(), 6.2 * random.uniform());
             let mut slopes = [Slopes::default(); 4];
             Lobes::new(&layout, &q).slopes(&d, &mut slopes);
             for (k, s) in slopes.iter().enumerate() {

@@ -438,13 +438,13 @@ mod tests {
         for (theta, phi) in [(0.0, 0.0), (0.3, 1.0), (0.4, 5.0), (0.6, 2.0), (0.9, 3.0), (1.3, 0.4)] {
             let mut samples = vec![];
             for _ in 0..30 {
-                let d = direction(1.5 * random.next(), 6.2 * random.next());
-                let rgb = [0.1 + random.next(), random.next(), 0.3 * random.next()];
+                let d = direction(1.5 * random.uniform(), 6.2 * random.uniform());
+                let rgb = [0.1 + random.uniform(), random.uniform(), 0.3 * random.uniform()];
                 samples.push(Sample { direction: d, rgb, weight: 0.2 });
             }
             views.push(View { theta, phi, samples, albedo: [0.5, 0.3, 0.1] });
         }
-        let mut x: Vec<f64> = (0..layout.len()).map(|_| 1.4 * random.next() - 0.6).collect();
+        let mut x: Vec<f64> = (0..layout.len()).map(|_| 1.4 * random.uniform() - 0.6).collect();
         for stored in 0..layout.stored_views() {
             (0..layout.stride())
                 .filter(|i| layout.fixed(stored, *i))
@@ -495,7 +495,7 @@ mod tests {
             let linearized = objective.linearize(&x);
             let mut random = Random::new(5);
             for _ in 0..10 {
-                let step: Vec<f64> = x.iter().map(|_| 1e-5 * (random.next() - 0.5)).collect();
+                let step: Vec<f64> = x.iter().map(|_| 1e-5 * (random.uniform() - 0.5)).collect();
                 let moved: Vec<f64> = x.iter().zip(&step).map(|(x, s)| x + s).collect();
                 let expected = objective.cost(&moved);
                 let mut product = vec![0.0; x.len()];

@@ -26,7 +26,7 @@ struct Highlight {
 pub(super) fn start(view_angles: &[View], layout: &Layout, n: usize) -> Vec<f64> {
     let mut random = Random::new(0x5eed + n as u64);
     let jitter = if n == 0 { 0.0 } else { 0.5 };
-    let mut vary = |size: f64| jitter * size * (2.0 * random.next() - 1.0);
+    let mut vary = |size: f64| jitter * size * (2.0 * random.uniform() - 1.0);
     let series = |low: f64, high: f64, i: usize, count: usize| {
         let t = if count > 1 { i as f64 / (count - 1) as f64 } else { 0.5 };
         libm::exp(libm::log(low) + t * (libm::log(high) - libm::log(low)))

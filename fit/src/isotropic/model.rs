@@ -285,13 +285,13 @@ mod tests {
         let mut random = Random::new(7);
         for _ in 0..50 {
             let mut q = vec![0.0; layout.stride()];
-            q[0] = -1.5 * random.next();
+            q[0] = -1.5 * random.uniform();
             for k in 0..4 {
-                q[layout.angle(k)] = 3.0 * random.next() - 1.2;
-                q[layout.sharpness(k)] = 6.0 * random.next() - 1.0;
+                q[layout.angle(k)] = 3.0 * random.uniform() - 1.2;
+                q[layout.sharpness(k)] = 6.0 * random.uniform() - 1.0;
             }
-            q[layout.off_plane(0)] = 1.5 * random.next();
-            let d = direction(1.5 * random.next(), 3.0 * random.next());
+            q[layout.off_plane(0)] = 1.5 * random.uniform();
+            let d = direction(1.5 * random.uniform(), 3.0 * random.uniform());
             let lobes = Lobes::new(&layout, &q);
             let panel = lobes.panel([d, d].into_iter());
             let (mut columns, mut is_used) = ([[f64::NAN; PANEL]; 16], [false; 16]);

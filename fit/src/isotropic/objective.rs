@@ -342,14 +342,14 @@ mod tests {
         for theta in [0.3, 0.5, 1.1] {
             let mut scattered = vec![];
             for _ in 0..40 {
-                let d = direction(1.5 * random.next(), 3.1 * random.next());
-                scattered.push((d, [0.1 + random.next(), random.next(), 0.3 * random.next()]));
+                let d = direction(1.5 * random.uniform(), 3.1 * random.uniform());
+                scattered.push((d, [0.1 + random.uniform(), random.uniform(), 0.3 * random.uniform()]));
             }
             views.push((theta, scattered));
         }
         let table = Table::from_scattered(views).unwrap();
         let layout = Layout::new(4, 2, 1, vec![0.0, 0.5, 1.0, 1.5]);
-        let mut x: Vec<f64> = (0..layout.len()).map(|_| 2.0 * random.next() - 0.7).collect();
+        let mut x: Vec<f64> = (0..layout.len()).map(|_| 2.0 * random.uniform() - 0.7).collect();
         x.chunks_mut(layout.stride()).for_each(|stored| stored[0] = -0.4);
         (Objective::new(&table, layout, Emphasis { tail: 0.03, measure: 1.0, energy: 1.0 }, None).unwrap(), x)
     }
@@ -398,7 +398,7 @@ mod tests {
         let scale = (0..x.len()).map(|i| linearized.matrix.diagonal(i)).fold(0.0, f64::max);
         let mut random = Random::new(5);
         for _ in 0..20 {
-            let step: Vec<f64> = x.iter().map(|_| 1e-5 * (random.next() - 0.5)).collect();
+            let step: Vec<f64> = x.iter().map(|_| 1e-5 * (random.uniform() - 0.5)).collect();
             let moved: Vec<f64> = x.iter().zip(&step).map(|(x, s)| x + s).collect();
             let expected = objective.cost(&moved, none);
             let quadratic = linearized.matrix.quadratic(&step);

@@ -78,13 +78,28 @@ pub(crate) fn run(
     balance::balance(&best.layout, &mut best.candidate.x, best.factors.as_ref(), source.albedo());
     let Finalist { layout, table, candidate, factors, .. } = best;
 
-    let text = format!("{}{}", settings.provenance, settings.describe(&layout));
+    let text = format!("{}{}", settings.provenance, described(settings, &layout));
     let bytes = encode::encode(&layout, &candidate.x, factors.as_ref(), &text)?;
     let views = reports(&bytes, &table)?;
     let evaluations = work.evaluations.into_inner();
     progress(1.0);
     let (seconds, ending) = (start.seconds(), Some(candidate.ending));
     Ok(Fit { bytes, report: Report { views, seconds, evaluations, ending, ..Report::default() } })
+}
+
+/// The last line of the provenance.
+fn described(settings: &Settings, layout: &Layout) -> String {
+    format!(
+        "srbf-fit {}: {} lobes, {} squeezed, {} in mirrored pairs, smoothness {:.2e}, {} starts, {} steps, {} exchanges\n",
+        env!("CARGO_PKG_VERSION"),
+        settings.lobes,
+        layout.squeezed,
+        2 * layout.mirrored,
+        settings.smoothness,
+        settings.starts,
+        settings.steps,
+        settings.exchanges
+    )
 }
 
 /// The task of a fit.

@@ -15,9 +15,10 @@
 
 use crate::FitError;
 use crate::judge::fitted_material::TrackedView;
-use crate::judge::measure::{chroma, median};
+use crate::judge::measure::chroma;
 use crate::judge::method::FittedView;
 use crate::numeric::GOLDEN_ANGLE;
+use crate::numeric::median::weighted_median;
 use crate::table::{Brdf, direction, luminance};
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -215,7 +216,7 @@ fn skirt(brdf: &dyn Brdf, fitted: &TrackedView<'_>, theta: f64) -> Skirt {
         all += 1;
     }
     let negative = negative as f64 / all.max(1) as f64;
-    Skirt { luminance: median(luminances), chroma: median(chromas), negative }
+    Skirt { luminance: weighted_median(luminances), chroma: weighted_median(chromas), negative }
 }
 
 /// How far the table is from its own mean over a cone.
@@ -236,7 +237,7 @@ fn noise(brdf: &dyn Brdf, theta: f64) -> Noise {
             chromas.push((chroma(mean, data), 1.0));
         }
     }
-    Noise { luminance: median(luminances), chroma: median(chromas) }
+    Noise { luminance: weighted_median(luminances), chroma: weighted_median(chromas) }
 }
 
 /// The most that the fit has beyond the skirt above all that the table has within 4 degrees, over the table's mean at the
@@ -305,7 +306,7 @@ fn ripples(brdf: &dyn Brdf, material: &Material<impl AsRef<[u8]> + Sync>) -> Res
             luminances.push((libm::sqrt(squares[0] / count.max(1.0)), 1.0));
             chromas.push((libm::sqrt(squares[1] / count.max(1.0)), 1.0));
         }
-        Ripple { luminance: median(luminances), chroma: median(chromas) }
+        Ripple { luminance: weighted_median(luminances), chroma: weighted_median(chromas) }
     };
     Ok([ripple(0), ripple(1)])
 }

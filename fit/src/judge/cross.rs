@@ -3,7 +3,7 @@
 use crate::FitError;
 use crate::judge::method::Method;
 use crate::judge::norm::{Norm, relative, squares};
-use crate::table::interpolate::owners;
+use crate::table::owners;
 use crate::table::{Scattered, Table, View};
 
 /// Errors of views whose samples were, in part or all, left out of the fit.

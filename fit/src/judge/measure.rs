@@ -10,6 +10,7 @@
 //! that black surroundings hardly count. From 1.5 to 15 degrees from the mirror direction it counts four times.
 
 use crate::judge::method::FittedView;
+use crate::numeric::median::weighted_median;
 use crate::table::{Sample, View, luminance};
 use std::f64::consts::PI;
 
@@ -34,28 +35,33 @@ const RING: f64 = 60.0;
 const LEAST_COSINE: f64 = 0.1;
 
 /// Mean of the channels, and 0 where that is negative.
-pub(crate) fn brightness(rgb: [f64; 3]) -> f64 {
+#[doc(hidden)]
+pub fn brightness(rgb: [f64; 3]) -> f64 {
     (rgb.iter().sum::<f64>() / 3.0).max(0.0)
 }
 
 /// Mean radiance under a white sky, per channel.
-pub(crate) fn level(albedo: [f64; 3]) -> f64 {
+#[doc(hidden)]
+pub fn level(albedo: [f64; 3]) -> f64 {
     albedo.iter().sum::<f64>() / 3.0 / PI
 }
 
 /// The floor that is added to f.
-pub(crate) fn floor(level: f64) -> f64 {
+#[doc(hidden)]
+pub fn floor(level: f64) -> f64 {
     FLOOR * level
 }
 
 /// Weight of the squared differences of `f cos`, at a direction whose f has that mean, beside those of the squared relative L2
 /// error; 1 / sr is missing: the caller multiplies by the solid angle.
-pub(crate) fn weight(mean: f64, level: f64, cos: f64) -> f64 {
+#[doc(hidden)]
+pub fn weight(mean: f64, level: f64, cos: f64) -> f64 {
     AWAY_WEIGHT / (3.0 * PI * cos.max(1e-3) * (mean + floor(level)).powi(2))
 }
 
 /// Weight of errors at a direction for its angle from the mirror direction of a view.
-pub(crate) fn beside_highlight(direction: [f64; 3], theta: f64) -> f64 {
+#[doc(hidden)]
+pub fn beside_highlight(direction: [f64; 3], theta: f64) -> f64 {
     let (sin, cos) = libm::sincos(theta);
     let from_mirror = sin * direction[0] + cos * direction[2];
     let ends = (libm::cos(SKIRT.1.to_radians()), libm::cos(SKIRT.0.to_radians()));
@@ -130,7 +136,7 @@ pub(crate) fn region_errors(fitted: &dyn FittedView, view: &View) -> RegionError
         }
     }
     let [peak, off_peak] = squares.map(|(d, s)| if s > 0.0 { libm::sqrt(d / s) } else { f64::NAN });
-    RegionErrors { peak, off_peak, luminance: median(luminances), chroma: median(chromas) }
+    RegionErrors { peak, off_peak, luminance: weighted_median(luminances), chroma: weighted_median(chromas) }
 }
 
 /// Share of the weight of samples that have a negative channel, and relative L2 norm of `f cos` in those channels.
@@ -162,19 +168,6 @@ pub(crate) fn chroma(value: [f64; 3], data: [f64; 3]) -> f64 {
     };
     let (a, b) = (shares(value), shares(data));
     (0..3).map(|c| (a[c] - b[c]).abs()).sum()
-}
-
-/// Weighted median; NaN of nothing.
-pub(crate) fn median(mut values: Vec<(f64, f64)>) -> f64 {
-    values.retain(|v| v.1 > 0.0);
-    values.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let half = 0.5 * values.iter().map(|v| v.1).sum::<f64>();
-    let mut sum = 0.0;
-    let middle = values.iter().find(|v| {
-        sum += v.1;
-        sum >= half
-    });
-    middle.map_or(f64::NAN, |v| v.0)
 }
 
 #[cfg(test)]
@@ -231,12 +224,5 @@ mod tests {
             let found = region_errors(&Faint, &view).luminance;
             assert!((found - 0.001 / (0.01 * 0.3 / PI)).abs() < 1e-6, "{data}: {found}");
         }
-    }
-
-    #[test]
-    fn the_median_is_by_weight() {
-        assert_eq!(median(vec![(3.0, 1.0), (1.0, 1.0), (2.0, 5.0)]), 2.0);
-        assert_eq!(median(vec![(3.0, 9.0), (1.0, 1.0), (2.0, 5.0)]), 3.0);
-        assert!(median(vec![]).is_nan());
     }
 }

@@ -6,6 +6,7 @@
 
 use crate::FitError;
 use crate::judge::method::Fitted;
+use crate::numeric::median::median;
 use crate::table::direction;
 use srbf_core::LUMINANCE;
 use std::f64::consts::{PI, TAU};
@@ -58,13 +59,9 @@ pub fn reciprocity(fit: &dyn Fitted) -> Result<Reciprocity, FitError> {
     }
     let floor = FLOOR * values.iter().flatten().sum::<f64>() / (2 * PAIRS) as f64;
     let bright = values.iter().filter(|[a, b]| *a > floor && *b > floor);
-    let mut errors: Vec<f64> = bright.map(|[a, b]| libm::log(a / b).abs()).collect();
-    errors.sort_by(f64::total_cmp);
-    Ok(Reciprocity {
-        median: errors.get(errors.len() / 2).copied().unwrap_or(0.0),
-        worst: errors.last().copied().unwrap_or(0.0),
-        pairs: errors.len(),
-    })
+    let errors: Vec<f64> = bright.map(|[a, b]| libm::log(a / b).abs()).collect();
+    let worst = errors.iter().copied().max_by(f64::total_cmp).unwrap_or(0.0);
+    Ok(Reciprocity { worst, pairs: errors.len(), median: median(errors).unwrap_or(0.0) })
 }
 
 #[cfg(test)]

@@ -289,12 +289,12 @@ mod tests {
             let mut dense = vec![vec![0.0; n]; n];
             let inside = |&(i, j): &(usize, usize)| j <= i && i - j <= band;
             for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).filter(inside) {
-                let v = if i == j { 2.0 * band as f64 + 2.0 } else { random.next() - 0.5 };
+                let v = if i == j { 2.0 * band as f64 + 2.0 } else { random.uniform() - 0.5 };
                 banded.add(i, j, v);
                 dense[i][j] = v;
                 dense[j][i] = v;
             }
-            let b: Vec<f64> = (0..n).map(|_| random.next()).collect();
+            let b: Vec<f64> = (0..n).map(|_| random.uniform()).collect();
             let mut x = b.clone();
             assert!(banded.factor());
             banded.solve(&mut x);

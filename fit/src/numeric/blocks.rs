@@ -196,7 +196,7 @@ mod tests {
             let block = m.block(row, column);
             for i in 0..size {
                 for j in 0..size {
-                    let v = random.next() - 0.5;
+                    let v = random.uniform() - 0.5;
                     if row != column {
                         block[i * size + j] = v;
                     } else if j <= i {
@@ -209,7 +209,7 @@ mod tests {
         m.add_row(vec![(0, 1.0), (7, -2.0), (19, 1.0)]);
         let added: Vec<f64> = (0..n).map(|i| 0.1 * i as f64).collect();
         let free: Vec<bool> = (0..n).map(|i| i != 3 && i != 11).collect();
-        let b: Vec<f64> = (0..n).map(|_| random.next()).collect();
+        let b: Vec<f64> = (0..n).map(|_| random.uniform()).collect();
         let x = m.solve(&added, &free, &b, 1e-13, 200).unwrap();
         let mut product = vec![0.0; n];
         m.times(&x, &mut product);

@@ -2,7 +2,6 @@
 
 use anyhow::{Context, bail};
 use rayon::prelude::*;
-use srbf_fit::baselines::lafortune;
 use srbf_fit::read::{Content, Source};
 use srbf_fit::{FactorNodes, Settings, fit_content};
 use srbf_reference_renderer::shade::shader::Shader;
@@ -10,6 +9,7 @@ use srbf_reference_renderer::shade::{Sampler, SamplerName};
 use srbf_reference_renderer::truth::Truth;
 use srbf_reference_renderer::truth::measured::MeasuredMaterial;
 use srbf_reference_renderer::truth::stored::StoredMaterial;
+use srbf_thesis::lafortune;
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -60,7 +60,7 @@ impl Painted {
             text.to_owned()
         })?;
         let lobes = if is_published { fit_published(&file, name)? } else { StoredMaterial::load(name)? };
-        let model = srbf_reference_renderer::shade::rivals::lafortune::fit(&Truth::Table(&table))
+        let model = srbf_thesis::samplers::lafortune::fit(&Truth::Table(&table))
             .with_context(|| format!("material {name}"))?;
         let model = Source::evaluable(Box::new(model), name.to_owned(), String::new());
         Ok(Self { name, title, table, lobes, lafortune: MeasuredMaterial::new(model)? })

@@ -5,13 +5,13 @@
 
 use anyhow::{Context, bail};
 use srbf_core::Material;
-use srbf_fit::baselines::evaluated::Completed;
 use srbf_fit::judge::method::{Fitted, Method};
 use srbf_fit::judge::report::ViewReport;
 use srbf_fit::read::{Content, read};
 use srbf_fit::table::{Brdf, Scattered, Table, evaluation_views};
 use srbf_fit::{Settings, fit};
 use srbf_reference_renderer::out::output;
+use srbf_thesis::evaluated::Completed;
 use std::fmt::Write as _;
 use std::path::Path;
 

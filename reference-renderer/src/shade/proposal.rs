@@ -1,11 +1,12 @@
 //! A sampler got ready for one outgoing direction.
 
-use super::rivals::{analytic, factored, lafortune, rgl, tabulated, thesis};
 use crate::numbers::points::{Decision, Points};
+use crate::numbers::random::Random;
 use crate::truth::LargeMixture;
-use crate::truth::ggx_parts;
-use crate::truth::plain::{UNIFORM_DENSITY, cosine, cosine_density, uniform};
 use glam::{DVec3, Vec3};
+use srbf_thesis::samplers::ggx_parts;
+use srbf_thesis::samplers::plain::{UNIFORM_DENSITY, cosine, cosine_density, uniform};
+use srbf_thesis::samplers::{analytic, factored, lafortune, rgl, tabulated, thesis};
 
 /// Storage that a proposal may need: our lobes, and those of the thesis.
 pub struct Mixtures<'a> {
@@ -137,7 +138,9 @@ impl Proposal<'_> {
         let wide = u.map(f64::from);
         let direction = match &self.part {
             Part::Lobes => return mixtures.lobes.sample(u).map(|sample| sample.direction),
-            Part::Thesis(lobes) => return lobes.sample(&mixtures.round, u),
+            Part::Thesis(lobes) => {
+                return lobes.sample(&mixtures.round, u, |[a, b, c]| Random::new(a, b, c));
+            }
             Part::Uniform => uniform(wide[1], wide[2]),
             Part::Cosine => cosine(wide[1], wide[2]),
             Part::Guided(proposal) => proposal.sample(wide),

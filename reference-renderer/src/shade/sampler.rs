@@ -1,20 +1,21 @@
 //! A sampler of a material: by name, fitted to the rendered material.
 
 use super::proposal::{Mixtures, Part, Proposal};
-use super::rivals::analytic::{Analytic, Lobe};
-use super::rivals::factored::Factored;
-use super::rivals::tabulated::Tabulated;
-use super::rivals::thesis::{How, Thesis};
-use super::rivals::{lafortune, rgl};
 use super::strategy::SamplerName;
+use crate::numbers::random::Random;
 use crate::truth::Truth;
 use crate::truth::guided::Guide;
 use crate::truth::stored::Bytes;
 use anyhow::{Context, bail};
 use glam::Vec3;
 use srbf_core::{Error, Material};
-use srbf_fit::baselines::lafortune::Lafortune;
 use srbf_fit::table::Draws;
+use srbf_thesis::lafortune::Lafortune;
+use srbf_thesis::samplers::analytic::{Analytic, Lobe};
+use srbf_thesis::samplers::factored::Factored;
+use srbf_thesis::samplers::tabulated::Tabulated;
+use srbf_thesis::samplers::thesis::{How, Thesis};
+use srbf_thesis::samplers::{lafortune, rgl};
 
 /// Share of the cosine in a sampler that may be 0, or far too small, where the truth is not.
 const COSINE: f32 = 0.05;
@@ -59,16 +60,20 @@ impl<'a> Sampler<'a> {
             (Truth::Table(_), Some(lobes)) => (Kind::Lobes(lobes), COSINE),
             _ => (Kind::Own, 0.0),
         };
+        let analytic = |lobe| (Kind::Analytic(Analytic::fit(lobe, truth)), COSINE);
         let thesis = |how| Thesis::fit(truth, how).map(Kind::Thesis);
         let (kind, cosine) = match name {
             SamplerName::Uniform => (Kind::Uniform, 0.0),
             SamplerName::Cosine => (Kind::Cosine, 0.0),
-            SamplerName::Phong | SamplerName::Ward | SamplerName::Ggx => {
-                (Kind::Analytic(Analytic::fit(name, truth)), COSINE)
-            }
+            SamplerName::Phong => analytic(Lobe::phong),
+            SamplerName::Ward => analytic(Lobe::ward),
+            SamplerName::Ggx => analytic(Lobe::ggx),
             SamplerName::Lafortune => (Kind::Lafortune(lafortune::fit(truth).context("lafortune")?), COSINE),
             SamplerName::Tabulated => (Kind::Tabulated(Tabulated::new(truth)), COSINE),
-            SamplerName::Factored => (Kind::Factored(Factored::new(truth)), COSINE),
+            SamplerName::Factored => {
+                let mut random = Random::new(2004, 0, 0);
+                (Kind::Factored(Factored::new(truth, || random.unit())), COSINE)
+            }
             SamplerName::Rgl => match truth.draws() {
                 Some(draws) => (Kind::Rgl(draws), COSINE),
                 None => bail!("rgl: the warps of a .bsdf file are expected, and the material has none"),

@@ -6,11 +6,11 @@ use crate::numbers::points::{Points, PointsName};
 use crate::numbers::random::Random;
 use crate::shade::shader::{Scattering, Shader};
 use crate::truth::Truth;
-use crate::truth::ggx_parts::{GgxProposal, PARTS};
 use crate::truth::measured::MeasuredMaterial;
 use crate::truth::measured::tests::{model, vivid};
 use crate::truth::stored::tests::{brushed, lacquer};
 use glam::{DVec3, Vec3};
+use srbf_thesis::samplers::ggx_parts::{GgxProposal, PARTS};
 
 /// Directions that each sampler draws, and directions of the reference.
 const DRAWN: u32 = 20_000;

@@ -4,10 +4,10 @@
 //! The weights have the least variance among all mixtures of these parts. They are tabulated over the outgoing direction and
 //! interpolated; whatever they are, the density is exact, and the estimate unbiased.
 
-use super::ggx_parts::{COSINE, GgxProposal, PARTS, Weights};
-use super::probe;
 use glam::DVec3;
 use rayon::prelude::*;
+use srbf_thesis::samplers::ggx_parts::{COSINE, GgxProposal, PARTS, Weights};
+use srbf_thesis::samplers::probe;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Share of the cosine that is always there, whatever the weights: it bounds `f cos / pdf` where the table has a highlight that
@@ -79,7 +79,7 @@ fn least_variance(f_cos: &dyn Fn(DVec3) -> DVec3, wo: DVec3, drawn: usize) -> We
 mod tests {
     use super::*;
     use crate::numbers::random::Random;
-    use crate::truth::ggx_parts::ROUGHNESS;
+    use srbf_thesis::samplers::ggx_parts::ROUGHNESS;
 
     fn direction(degrees: f64, azimuth: f64) -> DVec3 {
         let (sin, cos) = degrees.to_radians().sin_cos();

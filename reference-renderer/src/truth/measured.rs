@@ -9,10 +9,10 @@ use crate::truth::networks::Networks;
 use anyhow::Context;
 use glam::{DVec3, Vec3};
 use srbf_fit::analytic;
-use srbf_fit::baselines::lafortune;
 use srbf_fit::complete::complete;
 use srbf_fit::read::{Content, Source};
 use srbf_fit::table::{Brdf, Draws, Symmetry};
+use srbf_thesis::lafortune;
 use std::path::Path;
 use std::sync::OnceLock;
 

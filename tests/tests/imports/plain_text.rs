@@ -31,11 +31,13 @@ const CODE: &[&str] = &[
     "fuzz/src",
     "include",
     "lab",
+    "measured",
     "packaging",
     "python/src",
     "python/srbf_brdf",
     "reference-renderer",
     "tests",
+    "thesis",
     "wasm",
     "web",
 ];
@@ -47,7 +49,7 @@ const SLASHES: &[&str] = &["rs", "c", "cpp", "h", "hpp", "inc"];
 const NUMBER_SIGNS: &[&str] = &["py", "pyi", "sh", "cmake", "txt", "yml", "toml", ""];
 
 /// The packages whose documentation keeps to the length of a sentence.
-const DOCUMENTED: &[&str] = &["core/src", "fit/src", "capi/src", "web/src"];
+const DOCUMENTED: &[&str] = &["core/src", "measured/src", "fit/src", "thesis/src", "capi/src", "web/src"];
 
 /// The first phrase of a text that stands for a thing that has a name. Its words follow each other without a mark between.
 fn avoided(text: &str) -> Option<String> {

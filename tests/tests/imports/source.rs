@@ -318,7 +318,13 @@ fn defining<'a>(path: &[String], modules: &Modules<'a>, depth: usize) -> Option<
 /// The file of the module that an absolute path names something in: macros define names that no item shows.
 fn holding<'a>(path: &[String], modules: &Modules<'a>) -> Option<&'a str> {
     let length = (0..path.len()).rev().find(|n| modules.contains_key(&path[..*n]))?;
-    (!modules.contains_key(path)).then(|| modules[&path[..length]].0)
+    let (place, names) = modules[&path[..length]];
+    // A name of another package, which this one hands on, is in no file here.
+    let is_foreign = names
+        .exports
+        .iter()
+        .any(|(name, target)| *name == path[length] && absolute(target, &path[..length], modules).is_none());
+    (!modules.contains_key(path) && !is_foreign).then_some(place)
 }
 
 /// Which file imports from which.

@@ -101,13 +101,13 @@ impl<'a> Family<'a> {
     }
 
     fn random(random: &mut Random, is_beside: bool, lobes: usize) -> Self {
-        let ln_sharpness = 0.5 + 12.0 * random.next();
+        let ln_sharpness = 0.5 + 12.0 * random.uniform();
         // Sharp lobes follow the mirror direction, wide ones may point anywhere between.
         let spread = 1.0 / (1.0 + 0.2 * ln_sharpness);
-        let lean = 1.05 - spread * 2.0 * random.next();
-        let lobe = ((random.next() * lobes as f64) as usize).min(lobes - 1);
-        let (ln_sharper, widths) = (4.0 * random.next() - 2.0, 3.0 * random.next() - 1.5);
-        let off_plane = random.next();
+        let lean = 1.05 - spread * 2.0 * random.uniform();
+        let lobe = ((random.uniform() * lobes as f64) as usize).min(lobes - 1);
+        let (ln_sharper, widths) = (4.0 * random.uniform() - 2.0, 3.0 * random.uniform() - 1.5);
+        let off_plane = random.uniform();
         if is_beside {
             Self::Beside { lobe, ln_sharper, widths }
         } else {

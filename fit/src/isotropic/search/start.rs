@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 pub(crate) fn start(table: &Table, layout: &Layout, n: usize) -> Vec<f64> {
     let mut random = Random::new(0x5eed + n as u64);
     let jitter = if n == 0 { 0.0 } else { 0.5 };
-    let mut vary = |size: f64| jitter * size * (2.0 * random.next() - 1.0);
+    let mut vary = |size: f64| jitter * size * (2.0 * random.uniform() - 1.0);
 
     let top = sharpest(table) * libm::exp(vary(1.5));
     let bottom = 2.5 * libm::exp(vary(0.8));

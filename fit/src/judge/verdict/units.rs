@@ -1,26 +1,13 @@
 //! Whether the values of a table can be a BRDF: other units show in the albedo.
 
 use crate::judge::report::ViewReport;
-use crate::table::luminance;
+use crate::table::albedo_bounds::{LEAST, MOST, albedos, is_off};
 use std::f64::consts::PI;
-
-/// Outgoing directions beyond this, radians, are left out: sums over few samples are coarse there.
-const GRAZING: f64 = 75.0 * PI / 180.0;
-
-/// Most that a quadrature makes of a surface that reflects everything.
-const MOST: f64 = 1.1;
-
-/// Less than any dry surface reflects: soot has 0.01.
-const LEAST: f64 = 1e-3;
 
 /// A sentence if the largest albedo says that values are not f in 1/sr.
 pub(super) fn fault(views: &[ViewReport]) -> Option<String> {
-    let albedos =
-        views.iter().filter(|v| v.theta <= GRAZING && !v.is_black).map(|v| luminance(v.data_albedo));
-    let most = albedos.fold(f64::NAN, f64::max);
-    if most.is_nan() || (LEAST..=MOST).contains(&most) {
-        return None;
-    }
+    let bright = views.iter().filter(|v| !v.is_black).map(|v| (v.theta, v.data_albedo));
+    let most = albedos(bright).into_iter().reduce(f64::max).filter(|most| !most.is_nan() && is_off(*most))?;
     let cause = if most < LEAST {
         format!(
             "less than any surface; values of other units have to be multiplied by 10^{:.0} or so",

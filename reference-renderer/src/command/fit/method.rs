@@ -3,9 +3,6 @@
 use super::SettingArgs;
 use crate::out::print::shown;
 use anyhow::{anyhow, bail};
-use srbf_fit::baselines::evaluated::{Completed, Microfacet, Nearest};
-use srbf_fit::baselines::lafortune::{self, Lafortune};
-use srbf_fit::baselines::thesis;
 use srbf_fit::judge::cross::CrossValidation;
 use srbf_fit::judge::method::{Fitted, Method};
 use srbf_fit::judge::report::{Input, Report, ViewReport};
@@ -14,6 +11,9 @@ use srbf_fit::table::Density;
 use srbf_fit::table::Table;
 use srbf_fit::table::evaluation_views;
 use srbf_fit::{FitError, Tracked};
+use srbf_thesis::evaluated::{Completed, Microfacet, Nearest};
+use srbf_thesis::lafortune::{self, Lafortune};
+use srbf_thesis::thesis;
 use std::path::Path;
 use std::time::Instant;
 

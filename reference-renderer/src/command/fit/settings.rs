@@ -75,8 +75,8 @@ mod tests {
     use crate::command::Cli;
     use crate::command::fit::method::MethodName;
     use clap::{CommandFactory, ValueEnum};
-    use srbf_fit::baselines::lafortune;
     use srbf_fit::{FactorNodes, Settings};
+    use srbf_thesis::lafortune;
 
     #[test]
     fn the_document_states_the_defaults_and_all_methods() {

@@ -1,0 +1,156 @@
+//! Writers of the formats that the readers read, from a BRDF or from samples.
+//!
+//! A grid holds a BRDF at its nodes; its reader interpolates between them. The tests of each format state how far a smooth
+//! model is off after a round trip.
+//!
+//! May import: `error`, `read`, `table`.
+
+mod bsdf;
+mod lobes;
+mod merl;
+mod samples;
+
+use crate::FitError;
+use crate::table::{Brdf, Density, Symmetry, Table, evaluation_views};
+
+pub use bsdf::rgl;
+pub use lobes::Lobes;
+pub use merl::{MERL_MARK, merl};
+pub use samples::{astm, csv};
+
+/// Outgoing directions of samples that are made of a BRDF, and incident ones of each.
+const VIEWS: usize = 16;
+const DIRECTIONS: Density = Density { hemisphere: 1000, cap: 300 };
+
+/// Samples of an isotropic BRDF: at 16 outgoing directions from the normal to 87 degrees, some 1300 incident ones each, which lie closer
+/// round the mirror direction.
+///
+/// # Errors
+/// [`FitError::Table`] for an anisotropic BRDF and one without brightness.
+pub fn sampled(brdf: &dyn Brdf) -> Result<Table, FitError> {
+    check_isotropic(brdf)?;
+    Table::from_brdf(brdf, &evaluation_views::even_views(VIEWS), DIRECTIONS)
+}
+
+/// Refuses what no format here holds.
+fn check_isotropic(brdf: &dyn Brdf) -> Result<(), FitError> {
+    if brdf.symmetry() == Symmetry::Isotropic {
+        return Ok(());
+    }
+    Err(FitError::Table("anisotropic; only isotropic surfaces can be converted".into()))
+}
+
+/// The value of a BRDF, 0 where it is no number.
+fn finite(rgb: [f64; 3]) -> [f64; 3] {
+    rgb.map(|v| if v.is_finite() { v } else { 0.0 })
+}
+
+/// How far a BRDF is from another at four outgoing directions: angle in degrees, relative L2 error of `f cos` over the hemisphere.
+///
+/// # Errors
+/// As [`Table::from_brdf`].
+pub fn difference(of: &dyn Brdf, from: &dyn Brdf) -> Result<[(f64, f64); 4], FitError> {
+    let table = evaluation_views::judging_table(from, &evaluation_views::seen_views())?;
+    let mut found = [(0.0, 0.0); 4];
+    for (found, view) in found.iter_mut().zip(&table.views) {
+        let wo = [-libm::sin(view.theta), 0.0, libm::cos(view.theta)];
+        let (mut apart, mut all) = (0.0, 0.0);
+        for sample in &view.samples {
+            let rgb = finite(of.evaluate(sample.direction, wo));
+            let weight = sample.weight * sample.direction[2] * sample.direction[2];
+            for (a, b) in rgb.iter().zip(sample.rgb) {
+                apart += weight * (a - b) * (a - b);
+                all += weight * b * b;
+            }
+        }
+        *found = (view.theta.to_degrees(), libm::sqrt(apart / all));
+    }
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analytic;
+    use crate::read;
+    use crate::read::Content;
+
+    pub(super) fn model(text: &str) -> Box<dyn Brdf + Send> {
+        analytic::parse(text).unwrap().brdf
+    }
+
+    /// Worst of the four errors of a model after a round trip.
+    fn round_trip(text: &str, through: impl Fn(&dyn Brdf) -> Box<dyn Brdf>) -> f64 {
+        let model = model(text);
+        let errors = difference(through(model.as_ref()).as_ref(), model.as_ref()).unwrap();
+        println!("{text}: {errors:?}");
+        errors.iter().map(|e| e.1).fold(0.0, f64::max)
+    }
+
+    /// The bounds that `srbf convert --help` states.
+    #[test]
+    fn models_come_back_through_grids_within_bounds() {
+        let through_merl = |brdf: &dyn Brdf| -> Box<dyn Brdf> {
+            Box::new(read::merl::parse(&merl(brdf).unwrap().bytes).unwrap())
+        };
+        let through_rgl = |brdf: &dyn Brdf| -> Box<dyn Brdf> {
+            Box::new(read::rgl::parse(&rgl(brdf, None).unwrap()).unwrap())
+        };
+        for (text, merl, rgl) in [
+            ("lambert:albedo=0.6/0.2/0.1", 1e-7, 0.003),
+            ("ggx:alpha=0.3,f0=0.6,diffuse=0.2", 0.002, 0.005),
+            ("ggx:alpha=0.1,f0=0.9/0.5/0.1,diffuse=0.1", 0.005, 0.005),
+        ] {
+            let found = [round_trip(text, through_merl), round_trip(text, through_rgl)];
+            assert!(found[0] < merl && found[1] < rgl, "{text}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn samples_come_back_as_they_were() {
+        let table = sampled(model("ggx:alpha=0.2,f0=0.6/0.4/0.2").as_ref()).unwrap();
+        let conventions = read::Conventions::default();
+        let parse_csv = read::csv::parse(csv(&table).as_bytes(), &conventions).unwrap();
+        let parse_astm = read::astm::parse(astm(&table).as_bytes(), &conventions).unwrap();
+        for (intake, tolerance) in [(parse_csv, 1e-9), (parse_astm, 1e-9)] {
+            let back = Table::from_scattered(intake.views()).unwrap();
+            assert_eq!(back.views.len(), table.views.len());
+            for (found, view) in back.views.iter().zip(&table.views) {
+                assert!((found.theta - view.theta).abs() < tolerance);
+                assert_eq!(found.samples.len(), view.samples.len());
+                for (a, b) in found.samples.iter().zip(&view.samples) {
+                    let apart = |k: usize| (a.direction[k] - b.direction[k]).abs();
+                    assert!((0..3).all(|k| apart(k) < tolerance), "{a:?} {b:?}");
+                    assert_eq!(a.rgb, b.rgb);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_no_format_holds_is_refused() {
+        let brushed = model("ward:alpha_x=0.1,alpha_y=0.4");
+        assert!(merl(brushed.as_ref()).is_err() && rgl(brushed.as_ref(), None).is_err());
+        assert!(sampled(brushed.as_ref()).is_err());
+    }
+
+    #[test]
+    #[ignore = "needs SRBF_DATA_DIR"]
+    fn measured_tables_come_back() {
+        let data = std::env::var("SRBF_DATA_DIR").expect("SRBF_DATA_DIR names the folder of the data");
+        for name in ["cc_green_malachite", "aurora_white", "chm_light_blue"] {
+            let path = format!("{data}/rgl/{name}_rgb.bsdf");
+            let Content::Evaluable(brdf) = read::read(path.as_ref()).unwrap().content else { panic!() };
+            let worst = |back: &dyn Brdf| {
+                let errors = difference(back, brdf.as_ref()).unwrap();
+                println!("{name}: {errors:?}");
+                errors.iter().map(|e| e.1).fold(0.0, f64::max)
+            };
+            let back = read::rgl::parse(&rgl(brdf.as_ref(), None).unwrap()).unwrap();
+            assert!(worst(&back) < 0.1);
+            // MERL is reciprocal, and the measurement is not.
+            let back = read::merl::parse(&merl(brdf.as_ref()).unwrap().bytes).unwrap();
+            assert!(worst(&back) < 0.35);
+        }
+    }
+}

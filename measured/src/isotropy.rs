@@ -1,0 +1,255 @@
+//! Whether a surface was turned, and whether a turn matters: an isotropic surface is the same after it.
+//!
+//! Two processes explain the samples: one whose coordinates know nothing of a turn, and one with a term over the azimuth of the
+//! half vector beside it. Only samples whose incident *and* outgoing azimuths vary were turned: left and right of one plane of
+//! incidence are no turn. Samples are left out one by one. The ratio of likelihoods tells a turn that matters from noise and from
+//! steep highlights, which both explain alike.
+//!
+//! May import: `complete`, `numeric`, `row`.
+
+use crate::complete::pair::{COORDINATES, Pair};
+use crate::numeric::cholesky::Square;
+use crate::numeric::median::median;
+use crate::row::{NORMAL, Row, thin};
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// Samples that are looked at.
+const MOST: usize = 400;
+
+/// Fewer say nothing.
+const FEWEST: usize = 24;
+
+/// Azimuths vary if the mean of `exp(2 i phi)` is shorter than 1 by this.
+const TURNED: f64 = 0.02;
+
+/// Widths of highlights, lengths, and variances of noise that are tried.
+const WIDTHS: [f64; 3] = [0.4, 0.1, 0.02];
+const LENGTHS: [[f64; COORDINATES]; 3] = [[1.0, 0.8, 0.8, 2.0], [2.0, 1.2, 1.2, 3.0], [1.0, 0.15, 0.8, 2.0]];
+const NOISES: [f64; 4] = [1e-3, 1e-2, 0.1, 0.3];
+const VARIANCE: f64 = 3.0;
+
+/// Variances of the term over the turn, as shares of that of a process.
+const SHARES: [f64; 2] = [0.1, 1.0];
+
+/// Values below this share of the median size count as even about 0.
+const FLOOR: f64 = 0.04;
+
+/// Logarithm of the likelihood, a sample, that the turn brings: refused from here on, said from there on.
+const REFUSED: f64 = 0.1;
+const SAID: f64 = 0.04;
+
+/// Samples whose directions are as close as this, radians, but for a turn by more than that, are compared for the words.
+const CLOSE: f64 = 1.0 * PI / 180.0;
+const APART: f64 = 20.0 * PI / 180.0;
+
+/// The result of a turn of the sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Isotropy {
+    /// Logarithm of the likelihood that a turn brings, for each sample.
+    pub gain: f64,
+    /// Ratio of the largest to the least value of a pair of directions that differ by a turn alone, which nine in ten are below.
+    pub apart: Option<f64>,
+}
+
+impl Isotropy {
+    /// Looks at samples; `None` where the sample was not turned.
+    pub(crate) fn of(rows: &[Row]) -> Option<Self> {
+        if spread(rows, |row| row.wi).min(spread(rows, |row| row.wo)) < TURNED {
+            return None;
+        }
+        let few: Vec<&Row> = thin(rows, MOST);
+        if few.len() < FEWEST {
+            return None;
+        }
+        let values = values(&few)?;
+        let mut plain = Vec::new();
+        for width in WIDTHS {
+            for lengths in LENGTHS {
+                for noise in NOISES {
+                    plain.push(Candidate { width, lengths, noise, share: 0.0 });
+                }
+            }
+        }
+        let (plain, of) = best(&plain, &few, &values)?;
+        let mut turned = Vec::new();
+        for share in SHARES {
+            for noise in NOISES {
+                turned.push(Candidate { share, noise, ..of });
+            }
+        }
+        let (turned, _) = best(&turned, &few, &values)?;
+        Some(Self { gain: (turned - plain) / few.len() as f64, apart: apart(rows) })
+    }
+
+    /// Whether the surface is anisotropic beyond doubt.
+    pub fn is_anisotropic(&self) -> bool {
+        self.gain > REFUSED
+    }
+
+    /// Whether it may be.
+    pub fn is_doubtful(&self) -> bool {
+        self.gain > SAID
+    }
+
+    /// By how much a turn changes values, in words.
+    pub fn text(&self) -> String {
+        let apart = self.apart.map_or_else(String::new, |ratio| {
+            format!(", {ratio:.1} times at the 90th of 100 pairs of directions")
+        });
+        format!("values change when the sample is turned{apart}")
+    }
+}
+
+/// How far the azimuths of a direction are from lying in one plane: 0 to 1.
+fn spread(rows: &[Row], of: fn(&Row) -> [f64; 3]) -> f64 {
+    let (mut sum, mut count) = ([0.0; 2], 0.0);
+    for d in rows.iter().map(of).filter(|d| d[2] < libm::cos(NORMAL)) {
+        let (sin, cos) = libm::sincos(2.0 * libm::atan2(d[1], d[0]));
+        sum = [sum[0] + cos, sum[1] + sin];
+        count += 1.0;
+    }
+    if count > 0.0 { 1.0 - libm::hypot(sum[0], sum[1]) / count } else { 0.0 }
+}
+
+/// Values on a scale that is logarithmic where they are bright, about their mean.
+fn values(rows: &[&Row]) -> Option<Vec<f64>> {
+    let level = |row: &&Row| row.rgb.iter().sum::<f64>() / 3.0;
+    let size = median(rows.iter().map(|row| level(row).abs()).collect())?.max(1e-12);
+    let scaled: Vec<f64> = rows.iter().map(|row| libm::asinh(level(row) / (FLOOR * size))).collect();
+    let mean = scaled.iter().sum::<f64>() / scaled.len() as f64;
+    Some(scaled.into_iter().map(|v| v - mean).collect())
+}
+
+/// The candidate that explains samples best, and the logarithm of its likelihood.
+fn best(candidates: &[Candidate], rows: &[&Row], values: &[f64]) -> Option<(f64, Candidate)> {
+    let likelihoods: Vec<Option<f64>> =
+        candidates.par_iter().map(|candidate| candidate.likelihood(rows, values)).collect();
+    let found = likelihoods.into_iter().zip(candidates).filter_map(|(l, candidate)| Some((l?, *candidate)));
+    found.max_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// A process that may explain the samples.
+#[derive(Clone, Copy)]
+struct Candidate {
+    width: f64,
+    lengths: [f64; COORDINATES],
+    noise: f64,
+    /// Variance of the term over the turn.
+    share: f64,
+}
+
+impl Candidate {
+    /// Logarithm of the likelihood of samples left out one by one; `None` where the arithmetic does not suffice.
+    fn likelihood(&self, rows: &[&Row], values: &[f64]) -> Option<f64> {
+        let at: Vec<([f64; COORDINATES], f64)> = rows
+            .iter()
+            .map(|row| {
+                let half = [row.wi[0] + row.wo[0], row.wi[1] + row.wo[1]];
+                (Pair::new(row.wi, row.wo).coordinates(self.width), libm::atan2(half[1], half[0]))
+            })
+            .collect();
+        let mut matrix = Square::zeros(rows.len());
+        for i in 0..rows.len() {
+            for j in 0..=i {
+                let squared: f64 =
+                    (0..COORDINATES).map(|k| ((at[i].0[k] - at[j].0[k]) / self.lengths[k]).powi(2)).sum();
+                let r = libm::sqrt(5.0 * squared);
+                let matern = (1.0 + r + r * r / 3.0) * libm::exp(-r);
+                let turn =
+                    if self.share > 0.0 { self.share * libm::cos(2.0 * (at[i].1 - at[j].1)) } else { 0.0 };
+                matrix.row_mut(i)[j] = matern * (VARIANCE + turn);
+            }
+            matrix.row_mut(i)[i] += self.noise;
+        }
+        let factor = matrix.cholesky()?;
+        let solution = factor.solve(values);
+        let columns = factor.inverse_of_lower();
+        let one = |i: usize| {
+            let precision = columns.squared(i);
+            let left = solution[i] / precision;
+            0.5 * (libm::log(precision) - left * left * precision)
+        };
+        Some((0..rows.len()).map(one).sum()).filter(|l: &f64| l.is_finite())
+    }
+}
+
+/// The ratio of the largest to the least value that nine in ten pairs of directions are below, over turns of the sample.
+fn apart(rows: &[Row]) -> Option<f64> {
+    use std::collections::BTreeMap;
+    let mut groups: BTreeMap<[i64; 3], Vec<(f64, f64)>> = BTreeMap::new();
+    for row in rows {
+        let level = row.rgb.iter().sum::<f64>();
+        let ([i, o], Some(turn)) = row.angles() else { continue };
+        if level <= 0.0 {
+            continue;
+        }
+        let azimuth = libm::atan2(row.wi[1], row.wi[0]);
+        let key = [i, o, turn].map(|angle| libm::round(angle / CLOSE) as i64);
+        groups.entry(key).or_default().push((azimuth, libm::log(level)));
+    }
+    let mut found = Vec::new();
+    for group in groups.values() {
+        let Some((first, others)) = group.split_first() else { continue };
+        let is_turned = |b: &(f64, f64)| libm::remainder(first.0 - b.0, 2.0 * PI).abs() > APART;
+        if others.iter().any(is_turned) {
+            let (least, most) =
+                group.iter().fold((first.1, first.1), |(least, most), v| (least.min(v.1), most.max(v.1)));
+            found.push(most - least);
+        }
+    }
+    found.sort_by(f64::total_cmp);
+    (found.len() >= 10).then(|| libm::exp(found[found.len() * 9 / 10]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table::direction;
+
+    /// Samples of f at four turns of the sample, with noise.
+    fn rows(noise: f64, f: impl Fn([f64; 3], [f64; 3]) -> f64) -> Vec<Row> {
+        let mut random = crate::numeric::random::Random::new(7);
+        let mut rows = Vec::new();
+        for turn in 0..4 {
+            let azimuth = 0.7 * f64::from(turn);
+            for (i, o, p) in (0..125).map(|n| (n % 5, n / 5 % 5, n / 25)) {
+                let wi = direction(0.2 + 0.25 * f64::from(i), azimuth);
+                let wo = direction(0.15 + 0.27 * f64::from(o), azimuth + PI - 0.4 * f64::from(p));
+                let value = f(wi, wo) * libm::exp(noise * (random.uniform() - 0.5) * 3.46);
+                rows.push(Row { line: 1, wi, wo, rgb: [value; 3] });
+            }
+        }
+        rows
+    }
+
+    fn ward(alpha: [f64; 2]) -> impl Fn([f64; 3], [f64; 3]) -> f64 {
+        move |wi, wo| {
+            let half = [0, 1, 2].map(|k| wi[k] + wo[k]);
+            let slope = (half[0] / half[2] / alpha[0]).powi(2) + (half[1] / half[2] / alpha[1]).powi(2);
+            0.05 + 0.3 * libm::exp(-slope) / libm::sqrt(wi[2] * wo[2])
+        }
+    }
+
+    #[test]
+    fn a_turn_that_matters_is_told_from_noise_and_gloss() {
+        for (noise, alpha, is) in [
+            (0.0, [0.3, 0.3], false),
+            (0.3, [0.3, 0.3], false),
+            (0.05, [0.05, 0.05], false),
+            (0.0, [0.1, 0.4], true),
+            (0.1, [0.2, 0.4], true),
+        ] {
+            let found = Isotropy::of(&rows(noise, ward(alpha))).unwrap();
+            println!("noise {noise}, {alpha:?}: {found:?}");
+            assert_eq!(found.is_anisotropic(), is, "noise {noise}, {alpha:?}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn both_sides_of_one_plane_of_incidence_are_no_turn() {
+        let mut rows = rows(0.0, ward([0.1, 0.4]));
+        rows.retain(|row| row.wi[1].abs() < 1e-9);
+        assert_eq!(Isotropy::of(&rows), None);
+    }
+}

@@ -1,0 +1,180 @@
+//! Loops as vector instructions of the machine that runs them.
+//!
+//! A loop is compiled for AVX-512 and for AVX2 with FMA beside the baseline, and the processor is asked at run time. The compiler makes
+//! the vectors. Additions keep their order, and fused operations are fused everywhere (slowly on an x86 without FMA), so every machine
+//! gives the same bits. WebAssembly has no fused operation that is the same on every machine: there products are rounded, and every
+//! browser gives the same bits, others than those of processors.
+
+use std::f64::consts::LOG2_E;
+use wide::f64x2;
+
+/// A loop over numbers.
+pub trait Operation {
+    /// The result, the same for any number of lanes.
+    type Output;
+    /// Runs it, `inline(always)`, as everything has to be that it calls. `LANES`: how many numbers a register holds.
+    fn run<const LANES: usize>(self) -> Self::Output;
+}
+
+/// Runs an operation with the widest vectors of this processor, and of the level that was chosen.
+#[allow(unsafe_code, reason = "no safe call reaches instructions that not every processor has")]
+pub fn run<O: Operation>(operation: O) -> O::Output {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use srbf_core::Level;
+        use std::arch::is_x86_feature_detected as has;
+
+        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+        fn avx512<O: Operation>(operation: O) -> O::Output {
+            operation.run::<8>()
+        }
+        #[target_feature(enable = "avx2,fma")]
+        fn avx2<O: Operation>(operation: O) -> O::Output {
+            operation.run::<4>()
+        }
+        // A core that is built without vectors has no levels to choose among.
+        let most = if Level::Portable.is_available() { Level::current() } else { Level::Avx512 };
+        if most >= Level::Avx2 && has!("avx2") && has!("fma") {
+            let has_avx512 = has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl");
+            if most == Level::Avx512 && has_avx512 {
+                // SAFETY: the processor has these instructions.
+                return unsafe { avx512(operation) };
+            }
+            // SAFETY: as above.
+            return unsafe { avx2(operation) };
+        }
+    }
+    operation.run::<1>()
+}
+
+/// `a b + c`, rounded once; in WebAssembly twice, where to round once would be a function of a hundred instructions.
+#[inline(always)]
+pub fn fused(a: f64, b: f64, c: f64) -> f64 {
+    if cfg!(target_family = "wasm") { a * b + c } else { a.mul_add(b, c) }
+}
+
+/// Below this the exponential is 0: it is under the rounding of anything that it is added to.
+const SMALLEST: f64 = -60.0;
+
+/// Adding it rounds a number to the nearest whole one, and leaves that in the low bits.
+const ROUND: f64 = 6_755_399_441_055_744.0;
+
+/// High part of ln 2, with so few bits that whole multiples up to 1000 are exact, and the rest.
+const LN_2_HIGH: f64 = 0.693_147_180_369_123_8;
+const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
+
+/// One over the factorials, highest first.
+const TAYLOR: [f64; 13] = [
+    1.0 / 479_001_600.0,
+    1.0 / 39_916_800.0,
+    1.0 / 3_628_800.0,
+    1.0 / 362_880.0,
+    1.0 / 40_320.0,
+    1.0 / 5040.0,
+    1.0 / 720.0,
+    1.0 / 120.0,
+    1.0 / 24.0,
+    1.0 / 6.0,
+    0.5,
+    1.0,
+    1.0,
+];
+
+/// The exponential of a number that is at most about 1; 0 below -60. Relative error below 4e-16.
+#[inline(always)]
+pub fn exp(t: f64) -> f64 {
+    let inside = if t > SMALLEST { t } else { SMALLEST };
+    let shifted = fused(inside, LOG2_E, ROUND);
+    let whole = shifted - ROUND;
+    let r = fused(whole, -LN_2_LOW, fused(whole, -LN_2_HIGH, inside));
+    let mut p = TAYLOR[0];
+    for c in &TAYLOR[1..] {
+        p = fused(p, r, *c);
+    }
+    let scaled = f64::from_bits(p.to_bits().wrapping_add(shifted.to_bits() << 52));
+    if t > SMALLEST { scaled } else { 0.0 }
+}
+
+/// Inner products of some rows with some others, of whole lanes of eight, in lanes that are still to be added up: for WebAssembly, whose
+/// compiler leaves such a loop in scalars. Half of the lanes at a time fit into the registers of most processors.
+#[inline(always)]
+pub fn tile_in_pairs<const SIDE: usize>(
+    down: [&[f64]; SIDE],
+    across: [&[f64]; SIDE],
+) -> [[[f64; 8]; SIDE]; SIDE] {
+    let mut out = [[[0.0; 8]; SIDE]; SIDE];
+    // By chunks, so that no place within one is checked.
+    let count = down[0].len() / 8;
+    let down: [&[[f64; 8]]; SIDE] = std::array::from_fn(|i| &down[i].as_chunks().0[..count]);
+    let across: [&[[f64; 8]]; SIDE] = std::array::from_fn(|i| &across[i].as_chunks().0[..count]);
+    for half in [0, 4] {
+        let pairs = |chunk: &[f64; 8]| {
+            [f64x2::from([chunk[half], chunk[half + 1]]), f64x2::from([chunk[half + 2], chunk[half + 3]])]
+        };
+        let mut sums = [[[f64x2::ZERO; 2]; SIDE]; SIDE];
+        for n in 0..count {
+            let rows = down.map(|row| pairs(&row[n]));
+            let columns = across.map(|row| pairs(&row[n]));
+            for i in 0..SIDE {
+                for j in 0..SIDE {
+                    for k in 0..2 {
+                        sums[i][j][k] += rows[i][k] * columns[j][k];
+                    }
+                }
+            }
+        }
+        for i in 0..SIDE {
+            for j in 0..SIDE {
+                let [[a, b], [c, d]] = sums[i][j].map(f64x2::to_array);
+                out[i][j][half..half + 4].copy_from_slice(&[a, b, c, d]);
+            }
+        }
+    }
+    out
+}
+
+/// Inner product in eight running sums, which the compiler may turn into lanes; the order is fixed.
+#[inline(always)]
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 8];
+    let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest: f64 = a8.remainder().iter().zip(b8.remainder()).map(|(x, y)| x * y).sum();
+    for (x, y) in a8.zip(b8) {
+        for k in 0..8 {
+            sums[k] += x[k] * y[k];
+        }
+    }
+    ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7])) + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_are_inner_products_in_lanes() {
+        let row = |seed: usize| (0..24).map(|n| ((seed * 7 + n * 5) % 11) as f64).collect::<Vec<_>>();
+        let rows = [1, 2, 3, 4].map(row);
+        let found = tile_in_pairs([&rows[0][..], &rows[1][..]], [&rows[2][..], &rows[3][..]]);
+        for i in 0..2 {
+            for j in 0..2 {
+                for lane in 0..8 {
+                    let products = (0..3).map(|n| rows[i][8 * n + lane] * rows[2 + j][8 * n + lane]);
+                    assert_eq!(found[i][j][lane], products.sum::<f64>());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_exponential_agrees_with_libm() {
+        for i in 0..200_000 {
+            let t = 1.0 - f64::from(i) * 3e-4;
+            let (ours, theirs) = (exp(t), libm::exp(t));
+            assert!((ours - theirs).abs() <= 4e-16 * theirs, "{t}: {ours} {theirs}");
+        }
+        assert_eq!(exp(0.0), 1.0);
+        assert_eq!([exp(-60.1), exp(-1e9), exp(f64::NEG_INFINITY)], [0.0; 3]);
+        assert!((LN_2_HIGH + LN_2_LOW - std::f64::consts::LN_2).abs() < 1e-17);
+    }
+}

@@ -1,0 +1,212 @@
+//! Readers: samples, or a BRDF, from a file.
+//!
+//! May import: `analytic`, `complete`, `error`, `file`, `isotropy`, `numeric`, `row`, `table`.
+
+pub mod alta;
+pub mod astm;
+mod conventions;
+pub mod cornell;
+pub mod csv;
+mod ending;
+mod filled;
+mod format;
+pub(crate) mod intake;
+pub mod merl;
+pub mod neural;
+mod numbers;
+pub mod openmaterial;
+pub mod pab_opto;
+mod reason;
+pub mod rgl;
+mod rusinkiewicz;
+pub(crate) mod scatter;
+pub mod scatter_tables;
+mod sentinels;
+mod spectra;
+mod spectrum;
+pub mod speos;
+pub mod ssdd;
+mod wavelengths;
+mod words;
+
+use crate::analytic;
+use crate::file::{MAX_FILE, read_bytes};
+use crate::isotropy::Isotropy;
+use crate::table::{Brdf, Table};
+use crate::{FitError, ReadError};
+pub use filled::Filled;
+use format::Format;
+use sha2::{Digest, Sha256};
+use srbf_core::printable;
+use std::path::Path;
+
+pub use crate::file::{check_memory, read_at_most, read_if};
+pub use crate::row::Row;
+pub use conventions::{Angles, Conventions, Mirror, Values};
+pub use intake::{Intake, LeftOut, Note};
+pub use reason::Reason;
+pub use spectra::Spectra;
+
+/// Memory that the samples of a text take, over its own: nine numbers of two bytes or more become two samples of 50, and stay with their
+/// lines.
+const TEXT: u64 = 16;
+
+/// The content of a file.
+pub enum Content {
+    /// Scattered samples.
+    Samples(Table),
+    /// Values at every pair of directions.
+    Evaluable(Box<dyn Brdf + Send>),
+}
+
+/// A measurement and the file that it came from.
+///
+/// # Examples
+/// ```
+/// use srbf_measured::read::{Content, read};
+///
+/// let source = read("model:ggx:alpha=0.2,f0=0.9".as_ref())?;
+/// let Content::Evaluable(brdf) = source.content else { unreachable!("a model is known everywhere") };
+/// assert!(brdf.evaluate([-0.6, 0.0, 0.8], [0.6, 0.0, 0.8])[0] > 1.0);
+/// # Ok::<(), srbf_measured::FitError>(())
+/// ```
+pub struct Source {
+    /// The measurement.
+    pub content: Content,
+    /// Name of the file, without its folder, or of the model; [`printable`].
+    pub name: String,
+    /// SHA-256 of the file, hexadecimal; of a model, that of its name and parameters.
+    pub sha256: String,
+    /// Samples as they stand in the file, and rows that were left out. `None` for a BRDF.
+    pub intake: Option<Intake>,
+}
+
+impl Source {
+    /// A BRDF.
+    pub fn evaluable(brdf: Box<dyn Brdf + Send>, name: String, sha256: String) -> Self {
+        Self { content: Content::Evaluable(brdf), name, sha256, intake: None }
+    }
+
+    /// Samples of an isotropic surface; `path` is for messages.
+    ///
+    /// # Errors
+    /// [`FitError::Read`] for those of an anisotropic one; [`FitError::Table`] for samples that make no table.
+    pub fn of_samples(intake: Intake, path: &Path, name: String, sha256: String) -> Result<Self, FitError> {
+        let intake = Intake { isotropy: Isotropy::of(&intake.rows), ..intake };
+        if let Some(found) = intake.isotropy.filter(Isotropy::is_anisotropic) {
+            let text = format!(
+                "samples of an anisotropic surface: {}. Samples have to be of an isotropic surface; a table of an anisotropic one is read \
+                 from .bsdf",
+                found.text()
+            );
+            return Err(FitError::Read { path: path.to_path_buf(), source: ReadError::Content(text) });
+        }
+        let table = Table::from_scattered(intake.views())?;
+        Ok(Self { content: Content::Samples(table), name, sha256, intake: Some(intake) })
+    }
+}
+
+/// Reads a measured file; the format follows from its first bytes, not from its name. `model:...` in its place is an
+/// [`analytic`] model.
+///
+/// Tables of text: [`csv`]; Cornell's: [`cornell`], [`astm`]; MERL's: [`merl`]; RGL's: [`rgl`]; of optics programs: [`scatter_tables`]
+/// (Zemax, LightTools), [`speos`], [`openmaterial`], [`alta`], [`pab_opto`], [`ssdd`].
+///
+/// # Errors
+/// [`FitError::Io`]; [`FitError::Read`] with the place of the fault; [`FitError::Table`].
+pub fn read(path: &Path) -> Result<Source, FitError> {
+    read_with(path, &Conventions::default())
+}
+
+/// [`read()`] of a file of which one knows more than stands in it.
+///
+/// # Errors
+/// As `read`; conventions for a file that has no samples are an error.
+pub fn read_with(path: &Path, conventions: &Conventions) -> Result<Source, FitError> {
+    check_conventions(path, conventions)?;
+    if let Some(text) = path.to_str().and_then(|p| p.strip_prefix(analytic::PREFIX)) {
+        if *conventions != Conventions::default() {
+            return Err(needless(path));
+        }
+        let analytic::Named { brdf, name, identity } = analytic::parse(text)?;
+        return Ok(Source::evaluable(brdf, name, sha256(&identity)));
+    }
+    let bytes = read_bytes(path, MAX_FILE, |size| ending::check(&ending(path), path, size))?;
+    of_bytes(path, &bytes, conventions)
+}
+
+/// [`read_with`] of the bytes of a file, where no file can be opened: in a browser. `name` is the file's, of which the ending counts.
+///
+/// # Errors
+/// As `read_with`.
+pub fn read_from(name: &str, bytes: &[u8], conventions: &Conventions) -> Result<Source, FitError> {
+    let path = Path::new(name);
+    check_conventions(path, conventions)?;
+    of_bytes(path, bytes, conventions)
+}
+
+/// The end of a file's name in lower case.
+fn ending(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
+}
+
+/// Refuses conventions that are out of range.
+fn check_conventions(path: &Path, conventions: &Conventions) -> Result<(), FitError> {
+    let fault = |text| FitError::Read { path: path.to_path_buf(), source: ReadError::Content(text) };
+    conventions.check().map_err(fault)
+}
+
+/// The error of conventions that a file leaves no room for.
+fn needless(path: &Path) -> FitError {
+    let text = "conventions of angles, mirror, values and units are for samples; this file states its own";
+    FitError::Read { path: path.to_path_buf(), source: ReadError::Content(text.into()) }
+}
+
+/// The measurement in the bytes of a file; `path` is for its name, its ending and messages.
+fn of_bytes(path: &Path, bytes: &[u8], conventions: &Conventions) -> Result<Source, FitError> {
+    let fault = |source| FitError::Read { path: path.to_path_buf(), source };
+    let format = format::recognise(bytes, &ending(path)).map_err(fault)?;
+    let is_text = !matches!(format, Format::Merl | Format::Rgl);
+    check_memory(if is_text { TEXT } else { 1 } * bytes.len() as u64).map_err(FitError::io(path))?;
+    let name = printable(&path.file_name().unwrap_or_default().to_string_lossy()).to_string();
+    let sha256 = sha256(bytes);
+    if !is_text && *conventions != Conventions::default() {
+        return Err(needless(path));
+    }
+    let intake = match format {
+        Format::Merl => {
+            let grid = merl::parse(bytes).map_err(fault)?;
+            return Ok(Source::evaluable(filled(grid)?, name, sha256));
+        }
+        Format::Rgl => {
+            let file = rgl::parse(bytes).map_err(fault)?;
+            let brdf: Box<dyn Brdf + Send> =
+                if file.has_holes() { Box::new(Filled::of_rgl(file)?) } else { Box::new(file) };
+            return Ok(Source::evaluable(brdf, name, sha256));
+        }
+        Format::Cornell => cornell::parse(bytes, conventions),
+        Format::Astm => astm::parse(bytes, conventions),
+        Format::Zemax => scatter_tables::zemax(bytes, conventions),
+        Format::LightTools => scatter_tables::lighttools(bytes, conventions),
+        Format::OpenMaterial => openmaterial::parse(bytes, conventions),
+        Format::Alta => alta::parse(bytes, conventions),
+        Format::SpeosAnisotropic => speos::anisotropic(bytes, conventions),
+        Format::SpeosSpectral => speos::spectral(bytes, conventions),
+        Format::PabOpto => pab_opto::parse(bytes, conventions),
+        Format::Ssdd => ssdd::parse(bytes, conventions),
+        Format::Text => csv::parse(bytes, conventions),
+    }
+    .map_err(fault)?;
+    Source::of_samples(intake, path, name, sha256)
+}
+
+/// A MERL material with what its holes are filled by, if it has some above the horizon.
+fn filled(grid: merl::Merl) -> Result<Box<dyn Brdf + Send>, FitError> {
+    if grid.missing() > 0.0 { Ok(Box::new(Filled::new(grid)?)) } else { Ok(Box::new(grid)) }
+}
+
+/// The SHA-256 of bytes, hexadecimal.
+#[doc(hidden)]
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
+}

@@ -1,0 +1,73 @@
+//! Conventions of the numbers of a file, where the file itself does not state them.
+
+/// Units of angles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Angles {
+    /// 90 is the horizon.
+    Degrees,
+    /// pi / 2 is the horizon.
+    Radians,
+}
+
+/// Where the mirror direction is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mirror {
+    /// Azimuths 180 degrees apart, as both directions point away from the surface; in a plane, angles of opposite signs.
+    Opposite,
+    /// Equal azimuths; in a plane, equal angles.
+    Equal,
+}
+
+/// The kind of a value, up to a factor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Values {
+    /// The BRDF f.
+    #[default]
+    Brdf,
+    /// f times the cosine of the outgoing direction, as detectors that see a fixed patch measure it.
+    CosineOutgoing,
+    /// f times the cosine of the incident direction.
+    CosineIncident,
+}
+
+/// A caller's knowledge of a file beyond its content. The default lets the file speak.
+///
+/// # Examples
+/// ```
+/// use srbf_measured::read::{Conventions, Mirror};
+///
+/// let conventions = Conventions { mirror: Some(Mirror::Equal), divide: std::f64::consts::PI, ..Conventions::default() };
+/// assert!(conventions.check().is_ok());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conventions {
+    /// Units of angles; `None`: as the file says, or as its numbers show.
+    pub angles: Option<Angles>,
+    /// Where the mirror direction is; `None`: as the format has it.
+    pub mirror: Option<Mirror>,
+    /// The kind of the values; `None`: as the format has it.
+    pub values: Option<Values>,
+    /// What values are divided by to be in 1/sr; above 0.
+    pub divide: f64,
+}
+
+impl Default for Conventions {
+    fn default() -> Self {
+        Self { angles: None, mirror: None, values: None, divide: 1.0 }
+    }
+}
+
+impl Conventions {
+    /// Refuses a factor that is no finite number above 0.
+    ///
+    /// # Errors
+    /// The expected form.
+    pub fn check(&self) -> Result<(), String> {
+        let fits = self.divide.is_finite() && (1e-12..=1e12).contains(&self.divide);
+        if fits {
+            Ok(())
+        } else {
+            Err(format!("values are divided by {}; 1e-12 to 1e12 is expected", self.divide))
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! How a table of text is laid out: where the names of the columns stand, and what separates the columns.
+
+use super::columns::{Columns, Constants, NoColumns, fault};
+use super::names::{Role, Unit, role, unit};
+use crate::ReadError;
+use crate::file::decode::shortened;
+
+/// Lines among which the names are looked for, and fields of all separators that are tried: other content ends the search.
+const SEARCHED: usize = 1000;
+const FIELDS: usize = 1 << 18;
+
+/// Marks of comments; a line of names may be one.
+const COMMENTS: [&str; 5] = ["//", "#", "%", "!", "$"];
+
+/// What separates columns, in the order in which it is tried: `' '` is any white space.
+const SEPARATORS: [char; 5] = ['\t', ';', ',', '|', ' '];
+
+/// The layout of a table.
+#[derive(Debug)]
+pub(super) struct Layout {
+    pub columns: Columns,
+    pub separator: char,
+    /// Line of the names, from 1, and the byte after it.
+    pub line: usize,
+    pub rows_at: usize,
+    /// A unit of angles that is said above the columns.
+    pub angle_unit: Option<Unit>,
+}
+
+impl Layout {
+    /// Finds the names of the columns.
+    ///
+    /// # Errors
+    /// [`ReadError::Content`] with the line that comes closest, and the columns that it lacks.
+    pub fn find(text: &str) -> Result<Self, ReadError> {
+        let mut above = Above::default();
+        let mut closest: Option<(usize, NoColumns)> = None;
+        let mut found: Option<Self> = None;
+        let mut at = 0;
+        for (n, line) in text.split_inclusive('\n').enumerate().take(SEARCHED) {
+            at += line.len();
+            let (plain, is_comment) = without_mark(line.trim());
+            if plain.is_empty() {
+                continue;
+            }
+            if found.is_some() && is_comment {
+                continue;
+            }
+            if let Some(separator) = said_separator(plain) {
+                above.separator = Some(separator);
+                continue;
+            }
+            match above.columns(plain) {
+                Ok((columns, separator)) => {
+                    let angle_unit = above.angle_unit;
+                    found = Some(Self { columns, separator, line: n + 1, rows_at: at, angle_unit });
+                    // Names in a comment may be those of an example; the line after it knows better.
+                    if !is_comment {
+                        break;
+                    }
+                }
+                Err(_) if found.is_some() => break,
+                Err(reason) => {
+                    if reason.known > 0 && closest.as_ref().is_none_or(|c| reason.known > c.1.known) {
+                        closest = Some((n + 1, reason));
+                    }
+                    if above.fields > FIELDS {
+                        break;
+                    }
+                    above.read(plain);
+                }
+            }
+        }
+        found.ok_or_else(|| match closest {
+            Some((line, reason)) => fault(line, &reason.reason),
+            None => no_names(text, above.fields > FIELDS),
+        })
+    }
+}
+
+/// What stands above the names.
+#[derive(Debug, Default)]
+struct Above {
+    separator: Option<char>,
+    constants: Constants,
+    angle_unit: Option<Unit>,
+    /// Fields that were looked at.
+    fields: usize,
+}
+
+impl Above {
+    /// The columns that a line names, and what separates them; else the attempt that knows most names.
+    fn columns(&mut self, line: &str) -> Result<(Columns, char), NoColumns> {
+        let mut best: Result<(Columns, char), NoColumns> = Err(NoColumns { known: 0, reason: String::new() });
+        let said = self.separator.into_iter();
+        for separator in said.chain(SEPARATORS.into_iter().filter(|_| self.separator.is_none())) {
+            let count = if separator == ' ' {
+                line.split_whitespace().count()
+            } else {
+                1 + line.matches(separator).count()
+            };
+            if count < 2 {
+                continue;
+            }
+            self.fields += count;
+            if self.fields > FIELDS {
+                break;
+            }
+            let names = fields(line, separator);
+            if names.len() < 2 {
+                continue;
+            }
+            let found = Columns::find(&names, &self.constants).map(|columns| (columns, separator));
+            let is_better = match (&best, &found) {
+                (Err(best), Err(found)) => found.known > best.known,
+                (Err(_), Ok(_)) => true,
+                (Ok(best), Ok(found)) => found.0.names.len() > best.0.names.len(),
+                (Ok(_), Err(_)) => false,
+            };
+            if is_better {
+                best = found;
+            }
+        }
+        best
+    }
+
+    /// `name: number` is a direction or wavelength of all rows; a word tells the unit of angles.
+    fn read(&mut self, line: &str) {
+        let lower = line.to_lowercase();
+        if lower.contains("angle") || lower.contains("unit") {
+            self.angle_unit = unit(line).filter(|u| *u != Unit::Percent).or(self.angle_unit);
+        }
+        let Some((name, value)) = line.split_once([':', '=', ',', ';', '\t']) else { return };
+        let first = value.split([',', ';', '\t', ' ']).find(|word| !word.trim().is_empty()).unwrap_or("");
+        let Some(number) = super::cells::number(first) else { return };
+        let role = role(name);
+        if matches!(role, Role::Theta(_) | Role::Phi(_)) {
+            self.angle_unit = unit(line).filter(|u| *u != Unit::Percent).or(self.angle_unit);
+            self.constants.push((role, number));
+        }
+    }
+}
+
+/// The fields of a line; quotes keep a separator that stands within.
+pub(super) fn fields(line: &str, separator: char) -> Vec<String> {
+    if separator == ' ' {
+        return line.split_whitespace().map(|field| field.trim_matches('"').to_owned()).collect();
+    }
+    // Most lines have no quotes, and a reader of its own costs a line some microseconds.
+    if separator.is_ascii() && !line.is_empty() && !line.contains(['"', '\r', '\n']) {
+        return line.split(separator).map(|field| field.trim().to_owned()).collect();
+    }
+    let mut reader = reader(line, separator);
+    let mut record = csv::StringRecord::new();
+    match reader.read_record(&mut record) {
+        Ok(true) => record.iter().map(str::to_owned).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// A reader of separated columns.
+pub(super) fn reader(text: &str, separator: char) -> csv::Reader<&[u8]> {
+    csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .delimiter(u8::try_from(separator).unwrap_or(b','))
+        .from_reader(text.as_bytes())
+}
+
+fn without_mark(line: &str) -> (&str, bool) {
+    let bare = COMMENTS.iter().find_map(|mark| line.strip_prefix(mark));
+    (bare.unwrap_or(line).trim_start_matches(['#', '/', '%', '!']).trim(), bare.is_some())
+}
+
+/// Whether a line is a comment.
+pub(super) fn is_comment(line: &str) -> bool {
+    COMMENTS.iter().any(|mark| line.starts_with(mark))
+}
+
+/// Excel's `sep=,`.
+fn said_separator(line: &str) -> Option<char> {
+    let said = line.trim_matches('"');
+    let rest = said.get(..4).filter(|start| start.eq_ignore_ascii_case("sep=")).map(|_| &said[4..])?;
+    rest.chars().next().or(Some('\t'))
+}
+
+fn no_names(text: &str, is_cut: bool) -> ReadError {
+    let first = text.lines().find(|line| !line.trim().is_empty() && !is_comment(line.trim()));
+    let found = first
+        .map_or_else(|| "the file is empty".to_owned(), |line| format!("the first is `{}`", shortened(line)));
+    let cut = if is_cut { format!("; the first {FIELDS} fields are looked at") } else { String::new() };
+    ReadError::Content(format!(
+        "no line names the columns, such as theta_i,phi_i,theta_o,phi_o,r,g,b above the rows; {found}{cut}"
+    ))
+}

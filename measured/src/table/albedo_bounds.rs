@@ -1,0 +1,23 @@
+//! The bounds that a surface sets to the albedo: values in other units than 1/sr break them.
+
+use super::luminance;
+use std::f64::consts::PI;
+
+/// Outgoing directions beyond this, radians, are left out: sums over few samples are coarse there.
+const GRAZING: f64 = 75.0 * PI / 180.0;
+
+/// Most that a quadrature makes of a surface that reflects everything.
+pub const MOST: f64 = 1.1;
+
+/// Less than any dry surface reflects: soot has 0.01.
+pub const LEAST: f64 = 1e-3;
+
+/// Luminances of albedos at angles, radians, that are not grazing.
+pub fn albedos(at: impl IntoIterator<Item = (f64, [f64; 3])>) -> Vec<f64> {
+    at.into_iter().filter(|(theta, _)| *theta <= GRAZING).map(|(_, albedo)| luminance(albedo)).collect()
+}
+
+/// Whether no surface has a largest albedo such as this.
+pub fn is_off(most: f64) -> bool {
+    !(LEAST..=MOST).contains(&most)
+}
