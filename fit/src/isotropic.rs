@@ -3,9 +3,6 @@
 mod balance;
 mod effort;
 mod encode;
-mod factors;
-pub(crate) mod model;
-pub(crate) mod objective;
 mod resample;
 pub(crate) mod search;
 mod source;

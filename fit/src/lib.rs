@@ -8,6 +8,7 @@ mod clock;
 pub mod complete;
 mod error;
 pub mod export;
+mod family;
 mod fewest_lobes;
 mod fit;
 mod isotropic;

@@ -1,7 +1,7 @@
 //! The options of a fit.
 
 use crate::FitError;
-use crate::isotropic::model::parameters::Layout;
+use crate::family::layout::Layout;
 use std::f64::consts::FRAC_PI_2;
 use std::ops::RangeInclusive;
 use std::str::FromStr;

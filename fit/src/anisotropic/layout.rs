@@ -7,7 +7,7 @@
 //! `core/src/kernel/prepare_anisotropic.rs`, which also says why that is continuous at the normal.
 
 use crate::anisotropic::tuning::layout::{LN_AMPLITUDE, LN_SHARPNESS, SHEAR, SQUEEZE, TILT};
-use crate::isotropic::model::parameters::rgb;
+use crate::family::layout::rgb;
 use crate::isotropic::tuning::parameters::COLORS;
 use crate::numeric::special::sphere_integral;
 use crate::table::luminance;

@@ -9,7 +9,7 @@ use super::model::{Lobes, Slopes};
 use super::table::View;
 use crate::FitError;
 use crate::anisotropic::tuning::objective::{ENERGY, INNER_STEPS, TAIL, TAIL_FLOOR, TOLERANCE};
-use crate::isotropic::model::parameters::{COLOR_SLOPES, rgb};
+use crate::family::layout::{COLOR_SLOPES, rgb};
 use crate::isotropic::tuning::schedule::FAINT_COLOR;
 use crate::isotropic::tuning::solver::COLOR_STEP;
 use crate::judge::energy::EnergyError;

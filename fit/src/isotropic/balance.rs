@@ -5,8 +5,8 @@
 //! function of the angle: so the best factors are the solution of a linear problem, in the norm of a high power,
 //! by iteratively reweighted least squares (Lawson 1961; Karlovitz 1970 for the shortened step).
 
-use crate::isotropic::factors::Factors;
-use crate::isotropic::model::parameters::{Layout, rgb};
+use crate::family::factors::Factors;
+use crate::family::layout::{Layout, rgb};
 use crate::isotropic::tuning::balance::{MOST, PASSES, POWER, STAY, STEPS, UNCERTAIN};
 use crate::isotropic::tuning::factors::AVERAGED;
 use crate::judge::energy::EnergyError;

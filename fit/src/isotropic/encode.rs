@@ -1,8 +1,8 @@
 //! From fitted unknowns to `.srbf` bytes.
 
 use crate::FitError;
-use crate::isotropic::factors::{Factors, Size};
-use crate::isotropic::model::parameters::Layout;
+use crate::family::factors::{Factors, Size};
+use crate::family::layout::Layout;
 use crate::isotropic::tuning::encode::{FACTORED_LOOKS, LOOKS, MOST, MOST_DIFFERENCE};
 use crate::isotropic::tuning::factors::AVERAGED_TO_STORE;
 use crate::table::luminance;

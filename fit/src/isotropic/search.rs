@@ -12,12 +12,12 @@ pub(crate) mod schedule;
 mod start;
 
 use crate::clock::Clock;
+use crate::family::factors::{Factors, Size};
+use crate::family::layout::Layout;
+use crate::family::objective::Emphasis;
 use crate::isotropic::balance;
 use crate::isotropic::effort::Effort;
 use crate::isotropic::encode;
-use crate::isotropic::factors::{Factors, Size};
-use crate::isotropic::model::parameters::Layout;
-use crate::isotropic::objective::Emphasis;
 use crate::isotropic::search::candidates::{Work, scout};
 use crate::isotropic::search::finalist::{Finalist, refine, reports};
 use crate::isotropic::tuning::factors::TURNS;

@@ -245,7 +245,7 @@ pub(crate) mod encode {
 
 /// Factors on lobes.
 pub(crate) mod factors {
-    use crate::isotropic::factors::size::Size;
+    use crate::family::factors::size::Size;
 
     /// Nodes over half angle, difference angle and azimuth of the tables that are tried, smallest first.
     pub const SIZES: [Size; 5] = [

@@ -8,9 +8,9 @@
 
 mod stray;
 
-use crate::isotropic::model::Lobes;
-use crate::isotropic::objective::data_term::{self, Point};
-use crate::isotropic::objective::{Objective, Weighted, Weights};
+use crate::family::lobes::Lobes;
+use crate::family::objective::data_term::{self, Point};
+use crate::family::objective::{Objective, Weighted, Weights};
 use crate::isotropic::tuning::exchange::{
     CAUTION, FAMILIES, IMPROVEMENT, PATIENCE, STRAY, STRAY_LN_SHARPNESS,
 };
@@ -150,7 +150,7 @@ impl Objective {
     fn residuals(&self, x: &[f64]) -> Vec<Residual> {
         let layout = &self.layout;
         let count = layout.lobes + 1;
-        let view = |data: &crate::isotropic::objective::Data| {
+        let view = |data: &crate::family::objective::Data| {
             let mut q = vec![0.0; layout.stride()];
             layout.interpolate(x, data.place, &mut q);
             let lobes = Lobes::new(layout, &q);
@@ -256,8 +256,8 @@ fn inverse_diagonal(lower: &[f64], n: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::isotropic::model::parameters::Layout;
-    use crate::isotropic::objective::Emphasis;
+    use crate::family::layout::Layout;
+    use crate::family::objective::Emphasis;
     use crate::table::{Table, direction};
 
     #[test]

@@ -1,10 +1,10 @@
 //! The best candidate of a shape: its goals, its rank, and the table that is sampled again for it.
 
+use crate::family::factors::{Factors, Size};
+use crate::family::layout::Layout;
+use crate::family::objective::{Emphasis, Objective};
 use crate::isotropic::balance;
 use crate::isotropic::encode;
-use crate::isotropic::factors::{Factors, Size};
-use crate::isotropic::model::parameters::Layout;
-use crate::isotropic::objective::{Emphasis, Objective};
 use crate::isotropic::search::candidates::{Candidate, Task, Work, advance};
 use crate::isotropic::search::schedule::{Resampling, Stage, WIDE, side_by_side};
 use crate::isotropic::search::{DrawnBy, Source};

@@ -6,8 +6,8 @@
 //! view. Mirrored lobes are narrow ones beside the plane of incidence, a little more than their width off it: a peak that is no
 //! Gaussian needs several lobes side by side. Starts differ in the range of the series, in `s0`, and by a jitter.
 
-use crate::isotropic::model::Lobes;
-use crate::isotropic::model::parameters::Layout;
+use crate::family::layout::Layout;
+use crate::family::lobes::Lobes;
 use crate::isotropic::tuning::start::{BRIGHTEST, FAINT, LEAST_SQUEEZE, MIRRORED, SWEEPS, WIDTHS};
 use crate::numeric::random::Random;
 use crate::table::{Table, View, luminance};

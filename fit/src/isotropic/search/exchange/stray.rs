@@ -4,8 +4,8 @@
 //! them. The residual shows it: most of its squares lie close together.
 
 use super::Residual;
-use crate::isotropic::objective::Data;
-use crate::isotropic::objective::data_term::Point;
+use crate::family::objective::Data;
+use crate::family::objective::data_term::Point;
 use crate::judge::measure::brightness;
 
 /// Least distance of a stray peak from the mirror direction, and largest distance from the plane of incidence, radians.

@@ -18,9 +18,9 @@ mod linearize;
 pub(crate) mod solver;
 
 use crate::FitError;
-use crate::isotropic::factors::{Demand, Factors};
-use crate::isotropic::model::Lobes;
-use crate::isotropic::model::parameters::Layout;
+use crate::family::factors::{Demand, Factors};
+use crate::family::layout::Layout;
+use crate::family::lobes::Lobes;
 use crate::isotropic::tuning::factors::{AVERAGED, ENERGY};
 use crate::isotropic::tuning::parameters::LN_SHARPNESS_DEFENSIVE;
 use crate::judge::energy::EnergyError;

@@ -18,9 +18,7 @@
 //! the exponential is our own. So the loops over directions become vector instructions of any width (`crate::numeric::vector`),
 //! with the same results to the last bit.
 
-pub(crate) mod parameters;
-
-use crate::isotropic::model::parameters::Layout;
+use crate::family::layout::Layout;
 use crate::isotropic::tuning::model::NEGLIGIBLE;
 use crate::numeric::vector::{exp, fused};
 use std::f64::consts::FRAC_1_PI;

@@ -5,8 +5,8 @@
 
 use super::data_term;
 use super::{Data, Objective, Weights};
-use crate::isotropic::model::Lobes;
-use crate::isotropic::model::parameters::{COLOR_SLOPES, rgb};
+use crate::family::layout::{COLOR_SLOPES, rgb};
+use crate::family::lobes::Lobes;
 use crate::numeric::banded::Banded;
 use crate::numeric::special::sphere_integral;
 use rayon::prelude::*;

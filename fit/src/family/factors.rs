@@ -7,7 +7,7 @@
 mod problem;
 pub(crate) mod size;
 
-use crate::isotropic::model::parameters::Layout;
+use crate::family::layout::Layout;
 use crate::isotropic::tuning::factors::{MORE_NODES, NODES};
 use crate::numeric::GOLDEN_ANGLE;
 use problem::Problem;
