@@ -3,6 +3,7 @@
 mod balance;
 mod effort;
 mod encode;
+pub(crate) mod line;
 mod resample;
 pub(crate) mod search;
 mod source;

@@ -1,7 +1,7 @@
 //! The options of a fit.
 
 use crate::FitError;
-use crate::family::layout::Layout;
+use crate::isotropic::line::Layout;
 use std::f64::consts::FRAC_PI_2;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
@@ -260,7 +260,7 @@ impl Settings {
             env!("CARGO_PKG_VERSION"),
             self.lobes,
             layout.squeezed,
-            2 * layout.mirrored,
+            2 * layout.aside,
             self.smoothness,
             self.starts,
             self.steps,

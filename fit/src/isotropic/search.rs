@@ -13,14 +13,14 @@ mod start;
 
 use crate::clock::Clock;
 use crate::family::factors::{Factors, Size};
-use crate::family::layout::Layout;
 use crate::family::objective::Emphasis;
+use crate::family::tuning::factors::TURNS;
 use crate::isotropic::balance;
 use crate::isotropic::effort::Effort;
 use crate::isotropic::encode;
+use crate::isotropic::line::Layout;
 use crate::isotropic::search::candidates::{Work, scout};
 use crate::isotropic::search::finalist::{Finalist, refine, reports};
-use crate::isotropic::tuning::factors::TURNS;
 use crate::isotropic::tuning::schedule::HEAVY_TAIL;
 use crate::isotropic::tuning::search::{MORE_ENERGY, MORE_TAIL, MOST_BYTES, MOST_ENERGY};
 use crate::judge::report::{Fit, Report};

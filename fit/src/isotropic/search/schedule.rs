@@ -4,9 +4,10 @@
 
 use crate::Settings;
 use crate::family::objective::{Emphasis, Weights};
+use crate::family::tuning::solver::FAINT_COLOR;
 use crate::isotropic::tuning::schedule::{
-    FACTORED_TAIL, FAINT_COLOR, FIRST_ENERGY, HEAVY_TAIL, LAST_MEASURE, LIGHT_TAIL, LOOSENED, MANY_LOBES,
-    MOST_TIMES, SIDE_BY_SIDE, USUAL_LOBES,
+    FACTORED_TAIL, FIRST_ENERGY, HEAVY_TAIL, LAST_MEASURE, LIGHT_TAIL, LOOSENED, MANY_LOBES, MOST_TIMES,
+    SIDE_BY_SIDE, USUAL_LOBES,
 };
 use crate::numeric::levenberg::Limits;
 
