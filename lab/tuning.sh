@@ -3,7 +3,7 @@
 #
 #     bash lab/tuning.sh isotropic::exchange::FAMILIES=30 complete::robust::ROUNDS=1 [-- FILE...]
 #
-# A change names the table (fit/src/isotropic/tuning.rs), the module in it, the constant and its other value. Each line has the change,
+# A change names the table (isotropic: fit/src/isotropic/tuning.rs), the module in it, the constant and its other value. Each line has the change,
 # the file, the mean relative L2 error at the stored views and halfway between them in %, the mean of the measure at the stored views,
 # the L2 error of the completion at left-out views in %, the bytes, and the processor seconds. A file may be a model.
 #
@@ -30,7 +30,7 @@ make_function() {
     room=${path%%::*} name=${path##*::} module=${path#*::} module=${module%::*}
     table=fit/src/$room/tuning.rs
     [ -f "$table" ] || table=measured/src/$room/tuning.rs
-    [ "$path" != "$2" ] && [ -f "$table" ] || { echo "$2: expected TABLE::MODULE::NAME=VALUE, TABLE one of isotropic, anisotropic, complete" >&2; exit 2; }
+    [ "$path" != "$2" ] && [ -f "$table" ] || { echo "$2: expected TABLE::MODULE::NAME=VALUE, TABLE one of family, isotropic, anisotropic, complete" >&2; exit 2; }
     awk -v module="$module" -v name="$name" -v value="$value" -v number="$number" '
         $0 ~ "^pub\\(crate\\) mod " module " \\{" { inside = 1 }
         /^}/ { inside = 0 }

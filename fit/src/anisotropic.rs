@@ -5,26 +5,30 @@
 //!
 //! May import: `clock`, `isotropic`, `judge`, `numeric`, `settings`.
 
+mod coupled;
 mod encode;
-mod layout;
-mod model;
-mod objective;
+mod family;
+mod grid;
 mod report;
+mod shape;
 mod start;
 mod table;
 mod tuning;
 
+use crate::anisotropic::grid::{Grid, Layout, Objective};
+use crate::anisotropic::table::TurnedView;
+use crate::anisotropic::tuning::objective::{ENERGY, TAIL};
 use crate::anisotropic::tuning::views::{
     AT_STORED_VIEWS, AZIMUTHS, BETWEEN, EVERY, IMPROVEMENT, PER_CELL, RINGS, ROUGHNESS, SCOUTING, STARTS,
     STIFF,
 };
 use crate::clock::Clock;
+use crate::family::objective::{Emphasis, Weighted, Weights};
+use crate::family::tuning::solver::FAINT_COLOR;
 use crate::judge::report::Report;
 use crate::numeric::levenberg::{Limits, minimize};
 use crate::table::{Brdf, Density, Symmetry};
 use crate::{Fit, FitError, Settings};
-use layout::Layout;
-use objective::Objective;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -46,13 +50,19 @@ pub(crate) fn fit_brdf(
         return Err(FitError::Setting { name: "view_angles", reason: format!("at most {MAX_RINGS} rings") });
     }
     let layout = layout(brdf.symmetry(), settings);
-    let view_angles: Vec<(f64, f64)> = (0..layout.stored_views()).map(|k| layout.angles(k)).collect();
+    let view_angles: Vec<(f64, f64)> = (0..layout.stored_views()).map(|k| layout.views.angles(k)).collect();
     let mut views = table::tabulate(brdf, &view_angles, AT_STORED_VIEWS);
     let at_stored = views.clone();
-    views.extend(table::tabulate(brdf, &between(&layout), BETWEEN));
+    views.extend(table::tabulate(brdf, &between(&layout.views), BETWEEN));
 
+    let placed: Vec<_> =
+        views.iter().map(|TurnedView { phi, view }| (layout.views.place(view.theta, *phi), view)).collect();
+    let emphasis = Emphasis { tail: TAIL, measure: 0.0, energy: ENERGY };
+    let objective = Objective::over(&placed, layout.clone(), emphasis, None)?;
     let smoothness = ROUGHNESS * settings.smoothness;
-    let thin = Objective::new(&views, layout.clone(), STIFF * smoothness, EVERY)?;
+    let weights = Weights { smoothness, energy: emphasis.energy, faint_color: FAINT_COLOR };
+    let stiff = Weights { smoothness: STIFF * smoothness, ..weights };
+    let thin = objective.clone().thinned(EVERY);
     let starts = settings.starts.min(STARTS);
     let total = (SCOUTING + settings.steps) as f64;
     progress(0.0);
@@ -65,17 +75,17 @@ pub(crate) fn fit_brdf(
                 evaluations.fetch_add(1, Ordering::Relaxed);
             };
             let limits = Limits { steps: SCOUTING, improvement: 1e-3 };
-            (minimize(&thin, &mut x, limits, count).0, n, x)
+            (minimize(&Weighted { objective: &thin, weights: stiff }, &mut x, limits, count).0, n, x)
         })
         .collect();
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let Some((_, _, mut x)) = candidates.into_iter().next() else {
         return Err(FitError::Setting { name: "starts", reason: "at least 1".into() });
     };
-    let full = Objective::new(&views, layout.clone(), smoothness, 1)?;
+    drop(thin);
     let mut done = SCOUTING;
     let limits = Limits { steps: settings.steps, improvement: IMPROVEMENT };
-    let (_, ending) = minimize(&full, &mut x, limits, || {
+    let (_, ending) = minimize(&Weighted { objective: &objective, weights }, &mut x, limits, || {
         done += 1;
         progress(done as f64 / total);
     });
@@ -83,8 +93,8 @@ pub(crate) fn fit_brdf(
     let text = format!("{}{}", settings.provenance, describe(settings, &layout));
     let bytes = encode::encode(&layout, &x, &text)?;
     let finer = Density { hemisphere: 1000, cap: 300 };
-    let held_out = table::tabulate(brdf, &middles(&layout), finer);
-    let judge = |views: &[table::View]| report::judge(&bytes, views);
+    let held_out = table::tabulate(brdf, &middles(&layout.views), finer);
+    let judge = |views: &[TurnedView]| report::judge(&bytes, views);
     let report = Report {
         views: judge(&views)?,
         held_out: judge(&held_out)?,
@@ -100,25 +110,25 @@ pub(crate) fn fit_brdf(
 fn layout(symmetry: Symmetry, settings: &Settings) -> Layout {
     let turns = if symmetry == Symmetry::None { 1 } else { 2 };
     let default = || RINGS.map(f64::to_radians).to_vec();
+    let thetas = settings.view_angles.clone().unwrap_or_else(default);
     Layout {
         lobes: settings.lobes,
         squeezed: settings.squeezed.unwrap_or((3 * settings.lobes).div_ceil(4)),
-        thetas: settings.view_angles.clone().unwrap_or_else(default),
-        azimuths: AZIMUTHS * 2 / turns,
-        turns,
+        aside: settings.lobes,
+        views: Grid { thetas, azimuths: AZIMUTHS * 2 / turns, turns },
     }
 }
 
 /// Outgoing directions at irregular places of every cell, so that errors between stored views are met wherever they are.
-fn between(layout: &Layout) -> Vec<(f64, f64)> {
+fn between(grid: &Grid) -> Vec<(f64, f64)> {
     let mut directions = Vec::new();
-    for (n, rings) in layout.thetas.windows(2).enumerate() {
-        for azimuth in 0..layout.azimuths {
+    for (n, rings) in grid.thetas.windows(2).enumerate() {
+        for azimuth in 0..grid.azimuths {
             for i in 0..PER_CELL {
                 // The generalised golden ratio of two dimensions (Roberts 2018) fills a square evenly.
-                let index = ((n * layout.azimuths + azimuth) * PER_CELL + i) as f64;
+                let index = ((n * grid.azimuths + azimuth) * PER_CELL + i) as f64;
                 let (u, v) = ((0.754_877_666 * index).fract(), (0.569_840_291 * index).fract());
-                let step = TAU / (layout.turns * layout.azimuths) as f64;
+                let step = TAU / (grid.turns * grid.azimuths) as f64;
                 directions.push((rings[0] + u * (rings[1] - rings[0]), (azimuth as f64 + v) * step));
             }
         }
@@ -127,11 +137,11 @@ fn between(layout: &Layout) -> Vec<(f64, f64)> {
 }
 
 /// The middle of every cell.
-fn middles(layout: &Layout) -> Vec<(f64, f64)> {
-    let step = TAU / (layout.turns * layout.azimuths) as f64;
-    let cells = layout.thetas.windows(2).flat_map(|w| {
+fn middles(grid: &Grid) -> Vec<(f64, f64)> {
+    let step = TAU / (grid.turns * grid.azimuths) as f64;
+    let cells = grid.thetas.windows(2).flat_map(|w| {
         let theta = 0.5 * (w[0] + w[1]);
-        (0..layout.azimuths).map(move |a| (theta, (a as f64 + 0.5) * step))
+        (0..grid.azimuths).map(move |a| (theta, (a as f64 + 0.5) * step))
     });
     cells.collect()
 }
@@ -142,20 +152,28 @@ fn describe(settings: &Settings, layout: &Layout) -> String {
         env!("CARGO_PKG_VERSION"),
         layout.lobes,
         layout.squeezed,
-        layout.thetas.len() - 1,
-        layout.azimuths,
-        layout.turns,
+        layout.views.thetas.len() - 1,
+        layout.views.azimuths,
+        layout.views.turns,
         settings.smoothness,
         settings.steps
     )
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::analytic::lambert::Lambert;
     use crate::analytic::ward::Ward;
     use crate::judge::report::mean_error;
+
+    pub(crate) use crate::anisotropic::grid::Grid;
+
+    /// Three lobes, two of them squeezed, at two rings of some azimuths.
+    pub(crate) fn grid_layout(azimuths: usize, turns: usize) -> Layout {
+        let views = Grid { thetas: vec![0.0, 0.6, 1.2], azimuths, turns };
+        Layout { lobes: 3, squeezed: 2, aside: 3, views }
+    }
 
     fn small() -> Settings {
         let view_angles = Some(vec![0.0, 0.35, 0.7, 1.0]);
@@ -236,7 +254,7 @@ mod tests {
         let fit = crate::fit_content(&Content::Evaluable(Box::new(file)), &small(), |_| {}).unwrap();
         let material = srbf_core::Material::from_bytes(&fit.bytes).unwrap();
         assert!(!material.is_isotropic());
-        let views = table::tabulate(&model, &middles(&layout(Symmetry::Quadrant, &small())), BETWEEN);
+        let views = table::tabulate(&model, &middles(&layout(Symmetry::Quadrant, &small()).views), BETWEEN);
         let error = mean_error(&report::judge(&fit.bytes, &views).unwrap());
         println!("{error}");
         assert!(error < 0.1, "{error}");
@@ -269,8 +287,8 @@ mod tests {
             [(Symmetry::None, 16, 1), (Symmetry::HalfTurn, 8, 2), (Symmetry::Quadrant, 8, 2)]
         {
             let layout = layout(symmetry, &Settings::default());
-            assert_eq!((layout.azimuths, layout.turns), (azimuths, turns));
-            for (theta, phi) in between(&layout) {
+            assert_eq!((layout.views.azimuths, layout.views.turns), (azimuths, turns));
+            for (theta, phi) in between(&layout.views) {
                 assert!((0.0..1.52).contains(&theta) && (0.0..TAU / turns as f64).contains(&phi));
             }
         }

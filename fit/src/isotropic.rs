@@ -5,9 +5,7 @@
 mod balance;
 mod effort;
 mod encode;
-mod factors;
-pub(crate) mod model;
-pub(crate) mod objective;
+pub(crate) mod line;
 mod resample;
 pub(crate) mod search;
 mod source;

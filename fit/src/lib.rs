@@ -4,6 +4,7 @@
 
 mod anisotropic;
 mod clock;
+mod family;
 mod fewest_lobes;
 mod fit;
 mod isotropic;

@@ -1,10 +1,12 @@
 //! From the fitted unknowns of an anisotropic material to `.srbf` bytes.
 
-use super::layout::Layout;
 use crate::FitError;
-use crate::anisotropic::tuning::encode::{LOOKS, MOST};
+use crate::anisotropic::grid::Layout;
+use crate::anisotropic::tuning::encode::LOOKS;
+use crate::family::layout::stored_log2;
+use crate::family::tuning::encode::MOST;
 use srbf_core::{Grid, GridView, TiltedLobe};
-use std::f64::consts::{LOG2_E, TAU};
+use std::f64::consts::TAU;
 
 /// Logarithm of a luminance, and colour differences.
 type Color = (f32, [f32; 2]);
@@ -15,25 +17,19 @@ pub(super) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec
     let mut x = x.to_vec();
     keep_energy(layout, &mut x);
 
-    let log2 = |v: f64| (v * LOG2_E) as f32;
     let stored: Vec<([f32; 3], Color, Vec<TiltedLobe>)> = x
         .chunks_exact(p)
         .map(|q| {
-            let color = |k: usize| {
-                let [luminance, red, blue] = layout.tint(k).map(|i| q[i]);
-                // A lobe of amplitude 0 has no logarithm.
-                (log2(luminance).max(-126.0), [red as f32, blue as f32])
-            };
             let lobes = (0..layout.lobes).map(|k| {
-                let (log2_luminance, color_differences) = color(k);
+                let (log2_luminance, color_differences) = layout.stored_tint(q, k);
                 TiltedLobe {
-                    tilt: [q[layout.along(k)] as f32, q[layout.across(k)] as f32],
-                    log2_sharpness: log2(q[layout.sharpness(k)]),
+                    tilt: [q[layout.angle(k)] as f32, q[layout.off_plane(k)] as f32],
+                    log2_sharpness: stored_log2(q[layout.sharpness(k)]),
                     log2_luminance,
                     color_differences,
                 }
             });
-            ([0, 1, 2].map(|i| log2(q[i])), color(layout.lobes), lobes.collect())
+            ([0, 1, 2].map(|i| stored_log2(q[i])), layout.stored_tint(q, layout.lobes), lobes.collect())
         })
         .collect();
     let views: Vec<GridView<'_>> = stored
@@ -45,11 +41,11 @@ pub(super) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec
             lobes,
         })
         .collect();
-    let thetas: Vec<f32> = layout.thetas.iter().map(|t| *t as f32).collect();
+    let thetas: Vec<f32> = layout.views.thetas.iter().map(|t| *t as f32).collect();
     let grid = Grid {
         thetas: &thetas,
-        azimuths: layout.azimuths,
-        turns: layout.turns,
+        azimuths: layout.views.azimuths,
+        turns: layout.views.turns,
         views: &views,
         squeezed: layout.squeezed,
         factors: None,
@@ -61,8 +57,8 @@ pub(super) fn encode(layout: &Layout, x: &[f64], provenance: &str) -> Result<Vec
 
 fn keep_energy(layout: &Layout, x: &mut [f64]) {
     let p = layout.stride();
-    let last = *layout.thetas.last().unwrap_or(&0.0);
-    let rings = layout.thetas.len().max(2) - 1;
+    let last = *layout.views.thetas.last().unwrap_or(&0.0);
+    let rings = layout.views.thetas.len().max(2) - 1;
     let mut q = vec![0.0; p];
     // A lowered stored view lowers its other sides too, so one pass is enough.
     for i in 0..=rings * LOOKS {
@@ -70,20 +66,17 @@ fn keep_energy(layout: &Layout, x: &mut [f64]) {
         let theta = if ring == rings {
             last
         } else {
-            layout.thetas[ring] + look * (layout.thetas.get(ring + 1).unwrap_or(&last) - layout.thetas[ring])
+            layout.views.thetas[ring]
+                + look * (layout.views.thetas.get(ring + 1).unwrap_or(&last) - layout.views.thetas[ring])
         };
-        for j in 0..layout.azimuths * LOOKS {
-            let phi = TAU * j as f64 / (layout.turns * layout.azimuths * LOOKS) as f64;
-            let place = layout.place(theta, phi);
-            layout.interpolate(x, &place, &mut q);
-            let most = layout.albedo(&q).into_iter().fold(0.0, f64::max);
+        for j in 0..layout.views.azimuths * LOOKS {
+            let phi = TAU * j as f64 / (layout.views.turns * layout.views.azimuths * LOOKS) as f64;
+            let place = layout.views.place(theta, phi);
+            layout.interpolate(x, place, &mut q);
+            let most = layout.albedo(&q, None).into_iter().fold(0.0, f64::max);
             if most > MOST {
                 let less = libm::log(most / MOST);
-                let mut view_angles: Vec<usize> =
-                    place.corners.iter().filter(|c| c.1 > 0.0).map(|c| c.0).collect();
-                view_angles.sort_unstable();
-                view_angles.dedup();
-                for k in view_angles {
+                for (k, _) in place.stored() {
                     layout.darken(&mut x[k * p..(k + 1) * p], less);
                 }
             }

@@ -5,12 +5,15 @@
 //! their own; narrow lobes point to the highlight, wide ones towards the normal. The amplitudes are the best non-negative ones,
 //! stored view by stored view. Starts differ in the range of the series and by a jitter.
 
-use super::layout::Layout;
-use super::model::{Lobes, exponential};
-use super::table::View;
-use crate::anisotropic::tuning::start::{BRIGHTEST, FAINT, LEAST, SWEEPS};
+use crate::anisotropic::grid::Layout;
+use crate::anisotropic::shape::{exponential, frame};
+use crate::anisotropic::table::TurnedView;
+use crate::anisotropic::tuning::start::LEAST;
+use crate::family::lobes::Lobes;
+use crate::family::start::{dim, paint, series};
+use crate::family::unit::dot;
 use crate::numeric::random::Random;
-use crate::table::{DARKEST, luminance};
+use crate::table::{DARKEST, View, luminance};
 
 /// A highlight as one Gaussian.
 struct Highlight {
@@ -23,14 +26,10 @@ struct Highlight {
 }
 
 /// Makes the unknowns of start number `n`, from tables at the stored views.
-pub(super) fn start(view_angles: &[View], layout: &Layout, n: usize) -> Vec<f64> {
+pub(super) fn start(table: &[TurnedView], layout: &Layout, n: usize) -> Vec<f64> {
     let mut random = Random::new(0x5eed + n as u64);
     let jitter = if n == 0 { 0.0 } else { 0.5 };
     let mut vary = |size: f64| jitter * size * (2.0 * random.uniform() - 1.0);
-    let series = |low: f64, high: f64, i: usize, count: usize| {
-        let t = if count > 1 { i as f64 / (count - 1) as f64 } else { 0.5 };
-        libm::exp(libm::log(low) + t * (libm::log(high) - libm::log(low)))
-    };
     let (widest, narrowest) = (0.04 * libm::exp(vary(1.2)), 1.8 * libm::exp(vary(0.8)));
     let (round_low, round_high) = (1.2, 30.0 * libm::exp(vary(1.5)));
     let relative: Vec<f64> = (0..layout.lobes)
@@ -49,9 +48,9 @@ pub(super) fn start(view_angles: &[View], layout: &Layout, n: usize) -> Vec<f64>
     let p = layout.stride();
     let mut x = vec![0.0; layout.len()];
     // Relative to a table that is dark: a start that is brighter by decades takes many steps to fade.
-    let brightest = view_angles.iter().map(|view| luminance(view.albedo)).fold(DARKEST, f64::max);
+    let brightest = table.iter().map(|at| luminance(at.view.albedo)).fold(DARKEST, f64::max);
     let least = LEAST * brightest.min(1.0);
-    for (stored, view) in view_angles.iter().enumerate() {
+    for (stored, TurnedView { view, .. }) in table.iter().enumerate() {
         let highlight = Highlight::new(view);
         let q = &mut x[stored * p..(stored + 1) * p];
         q[..3].copy_from_slice(&highlight.squeeze);
@@ -62,30 +61,21 @@ pub(super) fn start(view_angles: &[View], layout: &Layout, n: usize) -> Vec<f64>
             let width = if squeezed { 1.0 / libm::sqrt(s.max(4.0)) } else { 0.1 };
             q[layout.sharpness(k)] = libm::log(s).clamp(-1.0, 13.0);
             if stored > 0 {
-                q[layout.along(k)] = lean * highlight.tilt[0] + width * spread[k][0];
-                q[layout.across(k)] = lean * highlight.tilt[1] + width * spread[k][1] * libm::sin(view.theta);
+                q[layout.angle(k)] = lean * highlight.tilt[0] + width * spread[k][0];
+                q[layout.off_plane(k)] =
+                    lean * highlight.tilt[1] + width * spread[k][1] * libm::sin(view.theta);
             }
         }
         if stored == 0 {
             // The view of the normal looks along azimuth 0, its +x at half a turn: which a matrix does not see.
             for k in 0..layout.lobes {
-                (q[layout.along(k)], q[layout.across(k)]) = (0.0, 0.0);
+                (q[layout.angle(k)], q[layout.off_plane(k)]) = (0.0, 0.0);
             }
         }
         let lobes = Lobes::new(layout, q);
-        let found = best_amplitudes(view, &lobes);
-        let color = |k: usize| [0, 1, 2].map(|c| found[c][k]);
-        let largest = (0..=layout.lobes).map(|k| luminance(color(k))).fold(least, f64::max);
-        for k in 0..layout.lobes {
-            let faint = FAINT * largest / libm::exp(q[layout.sharpness(k)]).max(1.0);
-            layout.set_tint(q, k, color(k), faint);
-        }
-        layout.set_tint(q, layout.lobes, color(layout.lobes), 1e-3 * luminance(view.albedo).max(0.0) + least);
-        let most = layout.albedo(q).into_iter().fold(0.0, f64::max);
-        if most > BRIGHTEST {
-            let less = libm::log(most / BRIGHTEST);
-            layout.darken(q, less);
-        }
+        let sharpness: Vec<f64> = (0..layout.lobes).map(|k| libm::exp(q[layout.sharpness(k)])).collect();
+        paint(layout, (view, &lobes), &sharpness, least, q);
+        dim(layout, q);
     }
     x
 }
@@ -98,15 +88,15 @@ impl Highlight {
         let Some(peak) = peak else { return Self { tilt: [0.0; 2], squeeze: [0.0; 3], sharpness: 10.0 } };
         let axis = peak.direction;
         let angle = libm::acos(axis[2].min(1.0));
-        let across = libm::hypot(axis[0], axis[1]);
-        let (c, s) = if across > 1e-9 { (axis[0] / across, axis[1] / across) } else { (1.0, 0.0) };
-        let frame = [[axis[2] * c, axis[2] * s, -across], [-s, c, 0.0]];
+        let [_, along, aside] = frame(axis);
+        let (c, s) = (aside[1], -aside[0]);
+        let frame = [along, aside];
 
         let half = 0.25 * value(peak);
         let (mut sum, mut first, mut second) = (0.0, [0.0; 2], [0.0; 3]);
         for sample in view.samples.iter().filter(|s| value(s) > half) {
             let d = sample.direction;
-            let [x, y] = frame.map(|t| (0..3).map(|k| t[k] * d[k]).sum::<f64>());
+            let [x, y] = frame.map(|t| dot(&t, &d));
             let w = sample.weight * value(sample) * value(sample);
             sum += w;
             first = [first[0] + w * x, first[1] + w * y];
@@ -206,36 +196,4 @@ fn solve3(mut a: [[f64; 3]; 3], mut b: [f64; 3]) -> [f64; 3] {
         b[k] = (b[k] - (k + 1..3).map(|j| a[k][j] * b[j]).sum::<f64>()) / a[k][k];
     }
     b
-}
-
-/// Best non-negative amplitudes of lobes and diffuse term, per channel, by coordinate descent on the normal equations.
-fn best_amplitudes(view: &View, lobes: &Lobes) -> [Vec<f64>; 3] {
-    let count = lobes.len() + 1;
-    let mut gram = vec![0.0; count * count];
-    let mut moment = [vec![0.0; count], vec![0.0; count], vec![0.0; count]];
-    let mut unit = vec![0.0; count];
-    for s in &view.samples {
-        lobes.values(&s.direction, &mut unit);
-        for i in 0..count {
-            for j in 0..count {
-                gram[i * count + j] += s.weight * unit[i] * unit[j];
-            }
-            for (c, m) in moment.iter_mut().enumerate() {
-                m[i] += s.weight * unit[i] * s.rgb[c] * s.direction[2];
-            }
-        }
-    }
-    moment.map(|moment| {
-        let mut a = vec![0.0; count];
-        for _ in 0..SWEEPS {
-            for i in 0..count {
-                let row = &gram[i * count..(i + 1) * count];
-                if row[i] > 0.0 {
-                    let slope = moment[i] - row.iter().zip(&a).map(|(g, a)| g * a).sum::<f64>();
-                    a[i] = (a[i] + slope / row[i]).max(0.0);
-                }
-            }
-        }
-        a
-    })
 }

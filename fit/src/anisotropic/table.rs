@@ -3,29 +3,27 @@
 //! As for isotropic ones (`table/evaluable.rs`), the directions of a view are drawn from a mixture of a uniform hemisphere and
 //! caps round the peak, ever narrower; but the peak is looked for in two dimensions, and nothing is mirrored.
 
+use crate::anisotropic::shape::frame;
 use crate::anisotropic::tuning::table::{NARROWER, NARROWEST, WIDEST};
 use crate::numeric::GOLDEN_ANGLE;
-use crate::table::Sample;
-use crate::table::{Brdf, Density};
+use crate::table::{Brdf, Density, Sample, View};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// The samples for one outgoing direction, in the frame of the view: +x in the plane of incidence, away from it.
+/// A view at an azimuth. Its samples are in the frame of the view: +x in the plane of incidence, away from the outgoing direction.
 #[derive(Clone, Debug)]
-pub(super) struct View {
-    /// Angle of the outgoing direction from the normal, and its azimuth; radians.
-    pub theta: f64,
+pub(super) struct TurnedView {
+    /// Azimuth of the outgoing direction, radians.
     pub phi: f64,
-    pub samples: Vec<Sample>,
-    pub albedo: [f64; 3],
+    pub view: View,
 }
 
 /// Tabulates a BRDF at outgoing directions, angle and azimuth.
-pub(super) fn tabulate(brdf: &dyn Brdf, directions: &[(f64, f64)], density: Density) -> Vec<View> {
+pub(super) fn tabulate(brdf: &dyn Brdf, directions: &[(f64, f64)], density: Density) -> Vec<TurnedView> {
     directions.par_iter().map(|&(theta, phi)| tabulate_view(brdf, theta, phi, density)).collect()
 }
 
-fn tabulate_view(brdf: &dyn Brdf, theta: f64, phi: f64, density: Density) -> View {
+fn tabulate_view(brdf: &dyn Brdf, theta: f64, phi: f64, density: Density) -> TurnedView {
     let wo = crate::table::direction(theta, phi);
     let (sin, cos) = libm::sincos(phi + PI);
     let value = |d: [f64; 3]| {
@@ -70,15 +68,12 @@ fn tabulate_view(brdf: &dyn Brdf, theta: f64, phi: f64, density: Density) -> Vie
     for s in &samples {
         (0..3).for_each(|c| albedo[c] += s.weight * s.rgb[c] * s.direction[2]);
     }
-    View { theta, phi, samples, albedo }
+    TurnedView { phi, view: View { theta, samples, albedo, uncut_albedo: albedo, floor: 0.0 } }
 }
 
 /// The direction at `w = 1 - cos` from an axis, at an angle round it.
 fn around(axis: [f64; 3], w: f64, angle: f64) -> [f64; 3] {
-    let (sin_axis, cos_axis) = (libm::hypot(axis[0], axis[1]), axis[2]);
-    let (c, s) = if sin_axis > 0.0 { (axis[0] / sin_axis, axis[1] / sin_axis) } else { (1.0, 0.0) };
-    let tangent = [cos_axis * c, cos_axis * s, -sin_axis];
-    let bitangent = [-s, c, 0.0];
+    let [_, tangent, bitangent] = frame(axis);
     let r = libm::sqrt(w * (2.0 - w));
     let (sin, cos) = libm::sincos(angle);
     [0, 1, 2].map(|k| axis[k] * (1.0 - w) + r * (tangent[k] * cos + bitangent[k] * sin))
@@ -140,14 +135,14 @@ mod tests {
     fn albedo_and_mirror_images_are_those_of_the_model() {
         let ward = |x, y| Ward { diffuse: [0.1; 3], specular: [0.5; 3], alpha: [x, y] };
         let at = |w: &Ward, phi: f64| {
-            tabulate(w, &[(0.9, phi)], Density { hemisphere: 3000, cap: 3000 })[0].albedo[0]
+            tabulate(w, &[(0.9, phi)], Density { hemisphere: 3000, cap: 3000 })[0].view.albedo[0]
         };
         let (a, b) = (ward(0.1, 0.4), ward(0.4, 0.1));
         assert!((at(&a, 0.3) - at(&a, -0.3)).abs() < 2e-3);
         assert!((at(&a, 0.3) - at(&b, 0.3 + PI / 2.0)).abs() < 2e-3);
         assert!((at(&a, 0.0) - at(&b, 0.0)).abs() > 5e-3, "the test needs a difference");
         // And coarse quadrature is as good as the fit needs.
-        let coarse = tabulate(&a, &[(0.9, 0.3)], Density { hemisphere: 500, cap: 120 })[0].albedo[0];
+        let coarse = tabulate(&a, &[(0.9, 0.3)], Density { hemisphere: 500, cap: 120 })[0].view.albedo[0];
         assert!((coarse / at(&a, 0.3) - 1.0).abs() < 0.01, "{coarse}");
     }
 }

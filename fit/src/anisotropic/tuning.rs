@@ -35,10 +35,10 @@ pub(crate) mod views {
 pub(crate) mod objective {
     /// Weight of the relative variance over that of the squared relative L2 error.
     pub const TAIL: f64 = 0.03;
-    /// Share of the mean of a view below which the tail is noise and weighs less.
-    pub const TAIL_FLOOR: f64 = 0.05;
     /// Weight of the squared relative error of the albedo.
     pub const ENERGY: f64 = 1.0;
+    /// Longest step.
+    pub const LONGEST_STEP: f64 = 2.0;
     /// Relative residual of a step. A tenth of it changes the result less than another start, in three times the time.
     pub const TOLERANCE: f64 = 0.02;
     /// Most inner steps of a step.
@@ -47,14 +47,8 @@ pub(crate) mod objective {
 
 /// Starts.
 pub(crate) mod start {
-    /// Amplitude of a lobe that the best amplitudes leave out, over that of the largest: enough for the solver to move it.
-    pub const FAINT: f64 = 2e-3;
     /// Least luminance of a start, for albedos of about 1.
     pub const LEAST: f64 = 1e-9;
-    /// Largest albedo of a start.
-    pub const BRIGHTEST: f64 = 0.9;
-    /// Sweeps of the coordinate descent for amplitudes.
-    pub const SWEEPS: usize = 200;
 }
 
 /// Bounds of the unknowns: within those of the format, and no wider than fits need.
@@ -65,10 +59,6 @@ pub(crate) mod layout {
     pub const SHEAR: (f64, f64) = (-1.4, 1.4);
     /// Coordinates of the axes.
     pub const TILT: (f64, f64) = (-2.1, 2.1);
-    /// Logarithm of the sharpness.
-    pub const LN_SHARPNESS: (f64, f64) = (-3.0, 14.0);
-    /// Logarithm of the amplitude.
-    pub const LN_AMPLITUDE: (f64, f64) = (-40.0, 30.0);
 }
 
 /// Caps of directions round the peak of a view.
@@ -81,16 +71,8 @@ pub(crate) mod table {
     pub const NARROWEST: f64 = 4e6;
 }
 
-/// Lobes.
-pub(crate) mod model {
-    /// Exponent below which an exponential is left out: it is below the rounding of every sum.
-    pub const SMALLEST: f64 = -60.0;
-}
-
 /// The material that is written.
 pub(crate) mod encode {
-    /// Largest albedo of a material, at any view.
-    pub const MOST: f64 = 0.999;
     /// Places between two stored views, each way, at which the albedo is held below that.
     pub const LOOKS: usize = 8;
 }

@@ -5,10 +5,11 @@
 //! function of the angle: so the best factors are the solution of a linear problem, in the norm of a high power,
 //! by iteratively reweighted least squares (Lawson 1961; Karlovitz 1970 for the shortened step).
 
-use crate::isotropic::factors::Factors;
-use crate::isotropic::model::parameters::{Layout, rgb};
+use crate::family::factors::Factors;
+use crate::family::layout::rgb;
+use crate::family::tuning::factors::AVERAGED;
+use crate::isotropic::line::Layout;
 use crate::isotropic::tuning::balance::{MOST, PASSES, POWER, STAY, STEPS, UNCERTAIN};
-use crate::isotropic::tuning::factors::AVERAGED;
 use crate::judge::energy::EnergyError;
 use crate::numeric::banded::Banded;
 use crate::table::luminance;
@@ -42,7 +43,7 @@ pub(crate) fn balance(
     let mut at = rows(x);
     for _ in 0..PASSES {
         let factors = [0, 1, 2]
-            .map(|c| factors(&at.iter().map(|row| row[c]).collect::<Vec<_>>(), layout.view_angles.len()));
+            .map(|c| factors(&at.iter().map(|row| row[c]).collect::<Vec<_>>(), layout.views.angles.len()));
         let mut is_kept = [true; 3];
         for _ in 0..2 {
             let moved = scaled(layout, x, &factors, is_kept);

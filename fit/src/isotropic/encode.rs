@@ -1,32 +1,35 @@
 //! From fitted unknowns to `.srbf` bytes.
 
 use crate::FitError;
-use crate::isotropic::factors::{Factors, Size};
-use crate::isotropic::model::parameters::Layout;
-use crate::isotropic::tuning::encode::{FACTORED_LOOKS, LOOKS, MOST, MOST_DIFFERENCE};
-use crate::isotropic::tuning::factors::AVERAGED_TO_STORE;
+use crate::family::factors::{Factors, Size};
+use crate::family::layout::stored_log2;
+use crate::family::tuning::encode::MOST;
+use crate::family::tuning::factors::AVERAGED_TO_STORE;
+use crate::isotropic::line::Layout;
+use crate::isotropic::tuning::encode::{FACTORED_LOOKS, LOOKS, MOST_DIFFERENCE};
 use crate::table::luminance;
 use rayon::prelude::*;
 use srbf_core::{FactorTable, Line, PlaneLobe, View, encoded_len};
-use std::f64::consts::{FRAC_PI_2, LOG2_E};
+use std::f64::consts::FRAC_PI_2;
 
 /// Views that take no more bytes than those of a layout with `lobes` lobes, none of which stands for two; at most twice as
 /// many.
 pub(crate) fn views_of_equal_size(layout: &Layout, lobes: usize) -> usize {
-    let views = layout.view_angles.len();
+    let views = layout.views.angles.len();
     let size = encoded_len(views, lobes, 0, "");
     (views..=2 * views)
         .rev()
-        .find(|&n| encoded_len(n, layout.lobes, layout.mirrored, "") <= size)
+        .find(|&n| encoded_len(n, layout.lobes, layout.aside, "") <= size)
         .unwrap_or(views)
 }
 
 /// Bytes of a layout with a table of factors, without provenance.
 pub(crate) fn len(layout: &Layout, factors: Option<Size>) -> usize {
     // The head of the block, that of the table, the largest factor and the albedo differences; then the nodes.
-    let table = factors
-        .map_or(0, |size| (8 + 4 + 4 + 12 * layout.view_angles.len() + 3 * size.count()).next_multiple_of(4));
-    encoded_len(layout.view_angles.len(), layout.lobes, layout.mirrored, "") + table
+    let table = factors.map_or(0, |size| {
+        (8 + 4 + 4 + 12 * layout.views.angles.len() + 3 * size.count()).next_multiple_of(4)
+    });
+    encoded_len(layout.views.angles.len(), layout.lobes, layout.aside, "") + table
 }
 
 /// Encodes unknowns as a material.
@@ -42,7 +45,7 @@ pub(crate) fn encode(
 ) -> Result<Vec<u8>, FitError> {
     let p = layout.stride();
     let mut x = x.to_vec();
-    let last = layout.view_angles.len() - 1;
+    let last = layout.views.angles.len() - 1;
     let all = |x: &[f64]| -> Vec<Vec<Albedo>> {
         (0..last.max(1)).into_par_iter().map(|stored| Albedo::around(layout, x, factors, stored)).collect()
     };
@@ -58,7 +61,7 @@ pub(crate) fn encode(
         if is_before_lowered {
             is_lowered = true;
             for k in stored..=(stored + 1).min(last) {
-                layout.luminances().for_each(|i| x[k * p + i] -= libm::log(most / MOST));
+                layout.darken(&mut x[k * p..(k + 1) * p], libm::log(most / MOST));
             }
         }
     }
@@ -66,30 +69,29 @@ pub(crate) fn encode(
         albedos = all(&x);
     }
 
-    let log2 = |v: f64| (v * LOG2_E) as f32;
     let stored_lobes = |q: &[f64]| -> Vec<PlaneLobe> {
         let lobes = (0..layout.lobes).map(|k| {
-            let [log_luminance, red, blue] = layout.tint(k).map(|i| q[i]);
-            let mirrored = k.checked_sub(layout.first_mirrored());
+            let (log2_luminance, color_differences) = layout.stored_tint(q, k);
+            let mirrored = k.checked_sub(layout.first_aside());
             PlaneLobe {
                 angle: q[layout.angle(k)] as f32,
                 off_plane: mirrored.map_or(0.0, |m| off_plane(q[layout.off_plane(m)])),
-                log2_sharpness: log2(q[layout.sharpness(k)]),
-                log2_luminance: log2(log_luminance),
-                color_differences: [red as f32, blue as f32],
+                log2_sharpness: stored_log2(q[layout.sharpness(k)]),
+                log2_luminance,
+                color_differences,
             }
         });
         lobes.collect()
     };
     let lobes: Vec<Vec<PlaneLobe>> = x.chunks_exact(p).map(stored_lobes).collect();
     let mut views: Vec<View<'_>> = Vec::with_capacity(lobes.len());
-    for ((theta, q), lobes) in layout.view_angles.iter().zip(x.chunks_exact(p)).zip(&lobes) {
-        let [log_luminance, red, blue] = layout.tint(layout.lobes).map(|i| q[i]);
+    for ((theta, q), lobes) in layout.views.angles.iter().zip(x.chunks_exact(p)).zip(&lobes) {
+        let (log2_diffuse, diffuse_color_differences) = layout.stored_tint(q, layout.lobes);
         views.push(View {
             theta: if *theta >= FRAC_PI_2 { std::f32::consts::FRAC_PI_2 } else { *theta as f32 },
-            log2_squeeze: log2(q[0]),
-            log2_diffuse: log2(log_luminance),
-            diffuse_color_differences: [red as f32, blue as f32],
+            log2_squeeze: stored_log2(q[0]),
+            log2_diffuse,
+            diffuse_color_differences,
             lobes,
         });
     }
@@ -103,7 +105,7 @@ pub(crate) fn encode(
         factors: &nodes,
         albedo_differences: &albedo_differences,
     });
-    let line = Line { views: &views, squeezed: layout.squeezed, mirrored: layout.mirrored, factors: table };
+    let line = Line { views: &views, squeezed: layout.squeezed, mirrored: layout.aside, factors: table };
     let mut bytes = vec![0; line.encoded_len(provenance)];
     line.encode(provenance, &mut bytes)?;
     Ok(bytes)
@@ -128,7 +130,7 @@ impl Albedo {
             let means = factors.map(|f| f.means(layout, &q, layout.theta(place), AVERAGED_TO_STORE));
             Self { lobes, factored: means.map_or(lobes, |means| layout.albedo(&q, Some(&means))) }
         };
-        (0..=if layout.view_angles.len() == 1 { 0 } else { looks }).map(&mut at).collect()
+        (0..=if layout.views.angles.len() == 1 { 0 } else { looks }).map(&mut at).collect()
     }
 
     /// The change by the factors, relative to the luminance of the lobes.

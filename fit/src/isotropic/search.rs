@@ -12,15 +12,15 @@ pub(crate) mod schedule;
 mod start;
 
 use crate::clock::Clock;
+use crate::family::factors::{Factors, Size};
+use crate::family::objective::Emphasis;
+use crate::family::tuning::factors::TURNS;
 use crate::isotropic::balance;
 use crate::isotropic::effort::Effort;
 use crate::isotropic::encode;
-use crate::isotropic::factors::{Factors, Size};
-use crate::isotropic::model::parameters::Layout;
-use crate::isotropic::objective::Emphasis;
+use crate::isotropic::line::Layout;
 use crate::isotropic::search::candidates::{Work, scout};
 use crate::isotropic::search::finalist::{Finalist, refine, reports};
-use crate::isotropic::tuning::factors::TURNS;
 use crate::isotropic::tuning::schedule::HEAVY_TAIL;
 use crate::isotropic::tuning::search::{MORE_ENERGY, MORE_TAIL, MOST_BYTES, MOST_ENERGY};
 use crate::judge::report::{Fit, Report};
@@ -94,7 +94,7 @@ fn described(settings: &Settings, layout: &Layout) -> String {
         env!("CARGO_PKG_VERSION"),
         settings.lobes,
         layout.squeezed,
-        2 * layout.mirrored,
+        2 * layout.aside,
         settings.smoothness,
         settings.starts,
         settings.steps,

@@ -53,49 +53,6 @@ pub(crate) mod stored_views {
     pub const BULGE: f64 = 1.5;
 }
 
-/// Stages of the search, beside its recipe in `search/schedule.rs`.
-pub(crate) mod schedule {
-    /// Lobes for which the recipe states numbers of candidates. Fewer lobes have more minima and cost less, so more take part.
-    pub const USUAL_LOBES: usize = 12;
-    /// Largest factor on the candidates of fewer lobes.
-    pub const MOST_TIMES: usize = 4;
-    /// Lobes from which on starts, exchanges and candidates fall in proportion: a step costs the square of the lobes.
-    pub const MANY_LOBES: usize = 20;
-    /// Candidates of many lobes that are moved at a time: with 64 lobes each holds 25 MB.
-    pub const SIDE_BY_SIDE: usize = 2;
-    /// Factor on the stiffness of the last stages after exchanges. Lobes keep their order by then.
-    pub const LOOSENED: f64 = 0.3;
-    /// Weight of the tail in the first round. Over 22 materials the median error is 3.10 %, and 3.55 % with ten times as much.
-    pub const LIGHT_TAIL: f64 = 0.003;
-    /// The same in the last round with factors, if weights are near their limit. The largest weight of the flake is 15 with it, and 23
-    /// with the light one; ripples of other tables are larger.
-    pub const FACTORED_TAIL: f64 = 0.012;
-    /// Least weight of the tail after a goal was missed.
-    pub const HEAVY_TAIL: f64 = 0.03;
-    /// Weight of the albedo in the first round.
-    pub const FIRST_ENERGY: f64 = 10.0;
-    /// Weight of the error away from the peak in the last stage. In earlier stages it costs L2: malachite 13.7 %, not 10.8.
-    pub const LAST_MEASURE: f64 = 1.0;
-    /// Damping of colours, over the cost. Malachite ends at 11.1 % with it, and at 16.4 % without.
-    pub const FAINT_COLOR: f64 = 1e-3;
-}
-
-/// Starts.
-pub(crate) mod start {
-    /// Least squeeze of a start: the cosine of a view is 0 at the horizon.
-    pub const LEAST_SQUEEZE: f64 = 0.08;
-    /// Amplitude of a lobe that the best amplitudes leave out, over that of the largest: enough for the solver to move it.
-    pub const FAINT: f64 = 2e-3;
-    /// Sharpness of the widest and the narrowest mirrored lobe, over that of the narrowest lobe.
-    pub const MIRRORED: (f64, f64) = (0.03, 0.5);
-    /// Angle of mirrored lobes out of the plane of incidence, in widths of the lobe.
-    pub const WIDTHS: f64 = 1.2;
-    /// Largest albedo of a start.
-    pub const BRIGHTEST: f64 = 0.9;
-    /// Sweeps of the coordinate descent for amplitudes.
-    pub const SWEEPS: usize = 200;
-}
-
 /// Candidates on their way.
 pub(crate) mod candidates {
     /// Samples of the thinned table. More take time in stages that keep most candidates.
@@ -153,68 +110,6 @@ pub(crate) mod search {
     pub const MORE_TAIL: f64 = 3.0;
 }
 
-/// The sum of squares.
-pub(crate) mod objective {
-    /// Share of the mean of a view below which the tail is noise and weighs less.
-    pub const TAIL_FLOOR: f64 = 0.05;
-    /// Factor by which lobes may fall short of the table before the tail weighs more: chrome has weights of 10, and 27 without.
-    pub const SHORT: f64 = 3.0;
-    /// Largest factor on the tail for that.
-    pub const MOST_SHORT: f64 = 1000.0;
-    /// Least share of the albedo in the defensive lobe. It bounds weights: a density of at least 2.5e-5 / sr everywhere.
-    pub const DEFENSIVE: f64 = 0.002;
-    /// The same share in the diffuse term, where no lobe is defensive.
-    pub const DEFENSIVE_DIFFUSE: f64 = 0.01;
-    /// Error of an albedo from which on it weighs more: the goal is for the largest.
-    pub const ALBEDO_ERROR: f64 = 0.005;
-    /// Largest factor on an error of the albedo for that.
-    pub const MOST_ALBEDO: f64 = 10.0;
-    /// Albedo from which on a view is pulled down.
-    pub const CEILING: f64 = 0.96;
-    /// Weight of an albedo above the ceiling.
-    pub const CEILING_WEIGHT: f64 = 30.0;
-    /// Views between two stored views at which the ceiling holds.
-    pub const WATCHED: usize = 4;
-    /// Largest factor on the weight of a view for its error.
-    pub const MOST_FACTOR: f64 = 2.5;
-    /// Weight of the change in the last interval over that of second differences.
-    pub const HOLD: f64 = 0.1;
-}
-
-/// Steps of the solver.
-pub(crate) mod solver {
-    /// Change of a colour difference that is as long as a change of 1 of a logarithm.
-    pub const COLOR_STEP: f64 = 4.0;
-    /// Longest step. Half of it finds better minima of mirror-like materials, with twice the steps to leave a bad start.
-    pub const LONGEST_STEP: f64 = 3.0;
-}
-
-/// Bounds of the unknowns: within those of the format, and no wider than fits need.
-pub(crate) mod parameters {
-    /// Angles of the axes, radians.
-    pub const ANGLE: (f64, f64) = (-1.8, 2.2);
-    /// Angles of the axes out of the plane of incidence, radians.
-    pub const OFF_PLANE: (f64, f64) = (0.0, 1.55);
-    /// Logarithm of the squeeze.
-    pub const LN_SQUEEZE: (f64, f64) = (-4.5, 0.69);
-    /// Logarithm of the sharpness.
-    pub const LN_SHARPNESS: (f64, f64) = (-3.0, 14.0);
-    /// Logarithm of the amplitude.
-    pub const LN_AMPLITUDE: (f64, f64) = (-40.0, 30.0);
-    /// Red and blue difference. sRGB has -1 to 3.7 and to 12.9; single lobes may lie outside. With -2 malachite is worse.
-    pub const COLORS: [(f64, f64); 2] = [(-15.0, 15.0); 2];
-    /// Angle of the defensive lobe, radians: nowhere on the hemisphere is it below a fiftieth of its peak.
-    pub const ANGLE_DEFENSIVE: (f64, f64) = (-0.6, 0.6);
-    /// Logarithm of its sharpness. At most 0 would bound weights better, and fits garnet red to 1.7 %, not 1.6.
-    pub const LN_SHARPNESS_DEFENSIVE: (f64, f64) = (-3.0, 1.0);
-}
-
-/// Lobes at a panel of directions.
-pub(crate) mod model {
-    /// Exponent below which a lobe counts as 0 at a whole panel: 4e-18 of its peak.
-    pub const NEGLIGIBLE: f64 = -40.0;
-}
-
 /// The last touch: albedos.
 pub(crate) mod balance {
     /// Power of the norm: with this one only the largest errors count.
@@ -231,48 +126,79 @@ pub(crate) mod balance {
     pub const STEPS: usize = 150;
 }
 
+/// Stages of the search, beside its recipe in `search/schedule.rs`.
+pub(crate) mod schedule {
+    /// Lobes for which the recipe states numbers of candidates. Fewer lobes have more minima and cost less, so more take part.
+    pub const USUAL_LOBES: usize = 12;
+    /// Largest factor on the candidates of fewer lobes.
+    pub const MOST_TIMES: usize = 4;
+    /// Lobes from which on starts, exchanges and candidates fall in proportion: a step costs the square of the lobes.
+    pub const MANY_LOBES: usize = 20;
+    /// Candidates of many lobes that are moved at a time: with 64 lobes each holds 25 MB.
+    pub const SIDE_BY_SIDE: usize = 2;
+    /// Factor on the stiffness of the last stages after exchanges. Lobes keep their order by then.
+    pub const LOOSENED: f64 = 0.3;
+    /// Weight of the tail in the first round. Over 22 materials the median error is 3.10 %, and 3.55 % with ten times as much.
+    pub const LIGHT_TAIL: f64 = 0.003;
+    /// The same in the last round with factors, if weights are near their limit. The largest weight of the flake is 15 with it, and 23
+    /// with the light one; ripples of other tables are larger.
+    pub const FACTORED_TAIL: f64 = 0.012;
+    /// Least weight of the tail after a goal was missed.
+    pub const HEAVY_TAIL: f64 = 0.03;
+    /// Weight of the albedo in the first round.
+    pub const FIRST_ENERGY: f64 = 10.0;
+    /// Weight of the error away from the peak in the last stage. In earlier stages it costs L2: malachite 13.7 %, not 10.8.
+    pub const LAST_MEASURE: f64 = 1.0;
+}
+
+/// Starts.
+pub(crate) mod start {
+    /// Least squeeze of a start: the cosine of a view is 0 at the horizon.
+    pub const LEAST_SQUEEZE: f64 = 0.08;
+    /// Sharpness of the widest and the narrowest mirrored lobe, over that of the narrowest lobe.
+    pub const MIRRORED: (f64, f64) = (0.03, 0.5);
+    /// Angle of mirrored lobes out of the plane of incidence, in widths of the lobe.
+    pub const WIDTHS: f64 = 1.2;
+}
+
+/// The sum of squares: numbers of isotropic fits alone.
+pub(crate) mod objective {
+    /// Least share of the albedo in the defensive lobe. It bounds weights: a density of at least 2.5e-5 / sr everywhere.
+    pub const DEFENSIVE: f64 = 0.002;
+    /// The same share in the diffuse term, where no lobe is defensive.
+    pub const DEFENSIVE_DIFFUSE: f64 = 0.01;
+    /// Views between two stored views at which the ceiling holds.
+    pub const WATCHED: usize = 4;
+    /// Weight of the change in the last interval over that of second differences.
+    pub const HOLD: f64 = 0.1;
+}
+
+/// Steps of the solver.
+pub(crate) mod solver {
+    /// Longest step. Half of it finds better minima of mirror-like materials, with twice the steps to leave a bad start.
+    pub const LONGEST_STEP: f64 = 3.0;
+}
+
+/// Bounds of the unknowns: within those of the format, and no wider than fits need.
+pub(crate) mod parameters {
+    /// Angles of the axes, radians.
+    pub const ANGLE: (f64, f64) = (-1.8, 2.2);
+    /// Angles of the axes out of the plane of incidence, radians.
+    pub const OFF_PLANE: (f64, f64) = (0.0, 1.55);
+    /// Logarithm of the squeeze.
+    pub const LN_SQUEEZE: (f64, f64) = (-4.5, 0.69);
+    /// Angle of the defensive lobe, radians: nowhere on the hemisphere is it below a fiftieth of its peak.
+    pub const ANGLE_DEFENSIVE: (f64, f64) = (-0.6, 0.6);
+    /// Logarithm of its sharpness. At most 0 would bound weights better, and fits garnet red to 1.7 %, not 1.6.
+    pub const LN_SHARPNESS_DEFENSIVE: (f64, f64) = (-3.0, 1.0);
+}
+
 /// The material that is written.
 pub(crate) mod encode {
-    /// Largest albedo of a material, at any view.
-    pub const MOST: f64 = 0.999;
     /// Views between two stored views at which the albedo is held below that.
     pub const LOOKS: usize = 64;
     /// The same with factors, whose means take long.
     pub const FACTORED_LOOKS: usize = 16;
     /// Largest difference of albedos that is stored.
     pub const MOST_DIFFERENCE: f64 = 16.0;
-}
-
-/// Factors on lobes.
-pub(crate) mod factors {
-    use crate::isotropic::factors::size::Size;
-
-    /// Nodes over half angle, difference angle and azimuth of the tables that are tried, smallest first.
-    pub const SIZES: [Size; 5] = [
-        Size::reciprocal([16, 6, 1]),
-        Size::reciprocal([16, 6, 3]),
-        Size::reciprocal([24, 6, 3]),
-        Size::signed([16, 6, 5]),
-        Size::signed([24, 6, 5]),
-    ];
-    /// Largest factor.
-    pub const LARGEST: f64 = 8.0;
-    /// Weight of squared second differences over that of squared errors: without data a factor continues its neighbours.
-    pub const SMOOTH: f64 = 3e-8;
-    /// Weight of the squared distance from 1: far from data a factor ends at 1.
-    pub const PULL: f64 = 3e-8;
-    /// Weight of the albedo beside the squared errors. With ten times as much, weights of chm_mint are 40, not 10.
-    pub const ENERGY: f64 = 1.0;
-    /// Turns of factors and lobes on one table. The steps of the solver are shared out.
-    pub const TURNS: usize = 4;
-    /// Largest share of the error that a larger table may leave, for every `NODES` nodes that it adds.
-    pub const MORE_NODES: f64 = 0.985;
-    /// Nodes to which that share belongs.
-    pub const NODES: f64 = 130.0;
-    /// Sweeps of the coordinate descent.
-    pub const SWEEPS: usize = 400;
-    /// Directions of a lobe over which factors are averaged in the search.
-    pub const AVERAGED: usize = 200;
-    /// The same for stored albedos. The fewer directions of the search leave them 2 % off at grazing angles.
-    pub const AVERAGED_TO_STORE: usize = 2000;
 }

@@ -75,13 +75,6 @@ impl Banded {
         }
     }
 
-    /// The diagonal, for tests.
-    #[cfg(test)]
-    pub fn diagonal(&self, i: usize) -> f64 {
-        let (chunk, n) = self.place(i, i);
-        self.rows[chunk].0[n]
-    }
-
     /// Replaces row and column `i` by those of the unit matrix.
     pub fn isolate(&mut self, i: usize) {
         self.rows[i * self.width..(i + 1) * self.width].fill(ZERO);
@@ -89,20 +82,6 @@ impl Banded {
             let (chunk, n) = self.place(i, j);
             self.rows[chunk].0[n] = if i == j { 1.0 } else { 0.0 };
         }
-    }
-
-    /// `v^T A v`, for tests.
-    #[cfg(test)]
-    pub fn quadratic(&self, v: &[f64]) -> f64 {
-        let mut sum = 0.0;
-        for i in 0..self.n {
-            for j in i.saturating_sub(self.band)..=i {
-                let (chunk, n) = self.place(i, j);
-                let share = if i == j { 1.0 } else { 2.0 };
-                sum += share * self.rows[chunk].0[n] * v[i] * v[j];
-            }
-        }
-        sum
     }
 
     /// Factors into `U^T U` in place; false if the matrix is not positive definite.

@@ -1,8 +1,8 @@
 //! Starts on their way to a fit: moved downhill side by side, the best of them further.
 
 use crate::FitError;
-use crate::isotropic::model::parameters::Layout;
-use crate::isotropic::objective::{Emphasis, Objective, Weighted};
+use crate::family::objective::{Emphasis, Weighted};
+use crate::isotropic::line::{Layout, Objective};
 use crate::isotropic::search::exchange::exchange;
 use crate::isotropic::search::schedule::{Stage, side_by_side};
 use crate::isotropic::search::start;

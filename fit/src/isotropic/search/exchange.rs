@@ -8,9 +8,10 @@
 
 mod stray;
 
-use crate::isotropic::model::Lobes;
-use crate::isotropic::objective::data_term::{self, Point};
-use crate::isotropic::objective::{Objective, Weighted, Weights};
+use crate::family::lobes::Lobes;
+use crate::family::objective::data_term::{self, Point};
+use crate::family::objective::{Weighted, Weights};
+use crate::isotropic::line::{Line, Objective};
 use crate::isotropic::tuning::exchange::{
     CAUTION, FAMILIES, IMPROVEMENT, PATIENCE, STRAY, STRAY_LN_SHARPNESS,
 };
@@ -118,7 +119,7 @@ impl<'a> Family<'a> {
     /// The unknowns of a view with the family in a slot, amplitudes as they were.
     fn shape(&self, objective: &Objective, slot: usize, theta: f64, q: &mut [f64]) {
         let layout = &objective.layout;
-        let mirrored = slot.checked_sub(layout.first_mirrored());
+        let mirrored = slot.checked_sub(layout.first_aside());
         let (angle, off_plane, ln_sharpness) = match *self {
             Self::Alone { ln_sharpness, lean, off_plane } => (lean * theta, off_plane * theta, ln_sharpness),
             Self::Along { track, ln_sharpness } => (track.at(theta), 0.0, ln_sharpness),
@@ -150,7 +151,7 @@ impl Objective {
     fn residuals(&self, x: &[f64]) -> Vec<Residual> {
         let layout = &self.layout;
         let count = layout.lobes + 1;
-        let view = |data: &crate::isotropic::objective::Data| {
+        let view = |data: &crate::family::objective::Data<Line>| {
             let mut q = vec![0.0; layout.stride()];
             layout.interpolate(x, data.place, &mut q);
             let lobes = Lobes::new(layout, &q);
@@ -212,7 +213,7 @@ impl Objective {
         let found: Vec<[f64; 3]> =
             residuals.iter().enumerate().map(|(n, r)| self.best(n, r, slot, family).0).collect();
         let largest = found.iter().map(|color| luminance(*color)).fold(1e-9, f64::max);
-        for (stored, &theta) in layout.view_angles.iter().enumerate() {
+        for (stored, &theta) in layout.views.angles.iter().enumerate() {
             let q = &mut x[stored * p..(stored + 1) * p];
             family.shape(self, slot, theta, q);
             let closer = |a: &usize, b: &usize| {
@@ -256,8 +257,8 @@ fn inverse_diagonal(lower: &[f64], n: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::isotropic::model::parameters::Layout;
-    use crate::isotropic::objective::Emphasis;
+    use crate::family::objective::Emphasis;
+    use crate::isotropic::line::Layout;
     use crate::table::{Table, direction};
 
     #[test]

@@ -1,14 +1,14 @@
 //! The best candidate of a shape: its goals, its rank, and the table that is sampled again for it.
 
+use crate::family::factors::{Factors, Size};
+use crate::family::objective::Emphasis;
+use crate::family::tuning::factors::SIZES;
 use crate::isotropic::balance;
 use crate::isotropic::encode;
-use crate::isotropic::factors::{Factors, Size};
-use crate::isotropic::model::parameters::Layout;
-use crate::isotropic::objective::{Emphasis, Objective};
+use crate::isotropic::line::{Layout, Objective};
 use crate::isotropic::search::candidates::{Candidate, Task, Work, advance};
 use crate::isotropic::search::schedule::{Resampling, Stage, WIDE, side_by_side};
 use crate::isotropic::search::{DrawnBy, Source};
-use crate::isotropic::tuning::factors::SIZES;
 use crate::isotropic::tuning::finalist::{
     DOUBLING, MISSED, NEAR_LARGEST, RAMP, STEEPEST, TOLERATED, WIDENED, WORTH_RANK,
 };
@@ -58,10 +58,10 @@ impl<'a> Finalist<'a> {
         };
         // Few lobes, or lobes in pairs, are fewer bytes, which are spent on more views.
         let views = encode::views_of_equal_size(&new.layout, settings.lobes_of_size());
-        if settings.view_angles.is_none() && views > new.layout.view_angles.len() {
-            let denser = Layout { view_angles: source.view_angles(views), ..new.layout.clone() };
+        if settings.view_angles.is_none() && views > new.layout.views.angles.len() {
+            let denser = new.layout.at(source.view_angles(views));
             new.candidate.x = new.layout.resampled(&new.candidate.x, &denser);
-            new.table = Cow::Owned(source.table(&denser.view_angles, None)?);
+            new.table = Cow::Owned(source.table(&denser.views.angles, None)?);
             new.layout = denser;
         }
         Ok(new)
@@ -127,11 +127,11 @@ impl<'a> Finalist<'a> {
 
     /// Adds a stored view next to the normal, of interpolated lobes, unless there is one.
     pub fn add_view(&mut self, theta: f64) {
-        if self.layout.view_angles.len() < 3 || self.layout.view_angles[1] < 2.0 * theta {
+        if self.layout.views.angles.len() < 3 || self.layout.views.angles[1] < 2.0 * theta {
             return;
         }
         let mut denser = self.layout.clone();
-        denser.view_angles.insert(1, theta);
+        denser.views.angles.insert(1, theta);
         self.candidate.x = self.layout.resampled(&self.candidate.x, &denser);
         self.layout = denser;
     }
@@ -178,7 +178,7 @@ impl<'a> Finalist<'a> {
         self.energy_error = balance::balance(&self.layout, &mut x, self.factors.as_ref(), source.albedo());
         let bytes = encode::encode(&self.layout, &x, self.factors.as_ref(), "")?;
         let mut resampled =
-            source.table(&self.layout.view_angles, Some(DrawnBy { bytes: &bytes, resampling }))?;
+            source.table(&self.layout.views.angles, Some(DrawnBy { bytes: &bytes, resampling }))?;
         let reports = reports(&bytes, &resampled)?;
         self.error = mean_over_angle(&reports, |report| report.measure + report.energy_error());
         let asked_for = reports.iter().filter(|view| view.theta < STEEPEST);

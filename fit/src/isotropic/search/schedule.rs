@@ -3,10 +3,11 @@
 //! The recipe, [`RECIPE`], is a table that can be read from top to bottom. [`stages`] puts in the numbers of the settings.
 
 use crate::Settings;
-use crate::isotropic::objective::{Emphasis, Weights};
+use crate::family::objective::{Emphasis, Weights};
+use crate::family::tuning::solver::FAINT_COLOR;
 use crate::isotropic::tuning::schedule::{
-    FACTORED_TAIL, FAINT_COLOR, FIRST_ENERGY, HEAVY_TAIL, LAST_MEASURE, LIGHT_TAIL, LOOSENED, MANY_LOBES,
-    MOST_TIMES, SIDE_BY_SIDE, USUAL_LOBES,
+    FACTORED_TAIL, FIRST_ENERGY, HEAVY_TAIL, LAST_MEASURE, LIGHT_TAIL, LOOSENED, MANY_LOBES, MOST_TIMES,
+    SIDE_BY_SIDE, USUAL_LOBES,
 };
 use crate::numeric::levenberg::Limits;
 

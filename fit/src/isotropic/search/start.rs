@@ -6,11 +6,12 @@
 //! view. Mirrored lobes are narrow ones beside the plane of incidence, a little more than their width off it: a peak that is no
 //! Gaussian needs several lobes side by side. Starts differ in the range of the series, in `s0`, and by a jitter.
 
-use crate::isotropic::model::Lobes;
-use crate::isotropic::model::parameters::Layout;
-use crate::isotropic::tuning::start::{BRIGHTEST, FAINT, LEAST_SQUEEZE, MIRRORED, SWEEPS, WIDTHS};
+use crate::family::lobes::Lobes;
+use crate::family::start::{dim, paint, series};
+use crate::isotropic::line::Layout;
+use crate::isotropic::tuning::start::{LEAST_SQUEEZE, MIRRORED, WIDTHS};
 use crate::numeric::random::Random;
-use crate::table::{Table, View, luminance};
+use crate::table::{Table, View};
 use std::f64::consts::PI;
 
 /// Makes the unknowns of start number `n`.
@@ -23,20 +24,16 @@ pub(crate) fn start(table: &Table, layout: &Layout, n: usize) -> Vec<f64> {
     let bottom = 2.5 * libm::exp(vary(0.8));
     let round_top = libm::sqrt(top) * 4.0 * libm::exp(vary(1.5));
     let s0 = 6.0 * libm::exp(vary(1.0));
-    let series = |low: f64, high: f64, i: usize, count: usize| {
-        let t = if count > 1 { i as f64 / (count - 1) as f64 } else { 0.5 };
-        libm::exp(libm::log(low) + t * (libm::log(high.max(2.0 * low)) - libm::log(low)))
-    };
     let sharpness: Vec<f64> = (0..layout.lobes)
         .map(|k| {
-            let in_plane = layout.first_mirrored();
+            let in_plane = layout.first_aside();
             let s = if k < layout.squeezed {
-                series(bottom, top, k, layout.squeezed)
+                series(bottom, top.max(2.0 * bottom), k, layout.squeezed)
             } else if k < in_plane {
                 // The widest is the last, which may be the defensive lobe.
-                series(1.2, round_top, in_plane - 1 - k, in_plane - layout.squeezed)
+                series(1.2, round_top.max(2.4), in_plane - 1 - k, in_plane - layout.squeezed)
             } else {
-                series(MIRRORED.0 * top, MIRRORED.1 * top, k - in_plane, layout.mirrored)
+                series(MIRRORED.0 * top, MIRRORED.1 * top, k - in_plane, layout.aside)
             };
             s * libm::exp(vary(0.7))
         })
@@ -45,7 +42,7 @@ pub(crate) fn start(table: &Table, layout: &Layout, n: usize) -> Vec<f64> {
 
     let p = layout.stride();
     let mut x = vec![0.0; layout.len()];
-    for (stored, &theta) in layout.view_angles.iter().enumerate() {
+    for (stored, &theta) in layout.views.angles.iter().enumerate() {
         let q = &mut x[stored * p..(stored + 1) * p];
         shape(layout, theta, &sharpness, &lean, q);
         if let Some(view) = nearest(table, theta) {
@@ -53,21 +50,10 @@ pub(crate) fn start(table: &Table, layout: &Layout, n: usize) -> Vec<f64> {
             let mut at_view = vec![0.0; p];
             shape(layout, view.theta, &sharpness, &lean, &mut at_view);
             let lobes = Lobes::new(layout, &at_view);
-            let found = best_amplitudes(view, &lobes, layout.lobes + 1);
-            let color = |k: usize| [0, 1, 2].map(|c| found[c][k]);
-            let largest = (0..=layout.lobes).map(|k| luminance(color(k))).fold(1e-9, f64::max);
-            for (k, sharpness) in sharpness.iter().enumerate() {
-                let faint = FAINT * largest / sharpness.max(1.0);
-                layout.set_tint(q, k, color(k), faint);
-            }
-            let faint = 1e-3 * luminance(view.albedo).max(0.0) + 1e-9;
-            layout.set_tint(q, layout.lobes, color(layout.lobes), faint);
+            paint(layout, (view, &lobes), &sharpness, 1e-9, q);
         }
         // A stored view without a view may hold too much light with borrowed amplitudes.
-        let most = layout.albedo(q, None).into_iter().fold(0.0, f64::max);
-        if most > BRIGHTEST {
-            layout.luminances().for_each(|i| q[i] -= libm::log(most / BRIGHTEST));
-        }
+        dim(layout, q);
     }
     x
 }
@@ -78,10 +64,10 @@ fn shape(layout: &Layout, theta: f64, sharpness: &[f64], lean: &[f64], q: &mut [
         q[layout.angle(k)] = theta * lean[k];
         q[layout.sharpness(k)] = libm::log(sharpness[k]);
     }
-    for m in 0..layout.mirrored {
+    for m in 0..layout.aside {
         // At the normal every axis is the normal.
         let is_free = f64::from(u8::from(theta != 0.0));
-        q[layout.off_plane(m)] = is_free * WIDTHS / libm::sqrt(sharpness[layout.first_mirrored() + m]);
+        q[layout.off_plane(m)] = is_free * WIDTHS / libm::sqrt(sharpness[layout.first_aside() + m]);
     }
 }
 
@@ -97,71 +83,4 @@ fn sharpest(table: &Table) -> f64 {
 
 fn nearest(table: &Table, theta: f64) -> Option<&View> {
     table.views.iter().min_by(|a, b| (a.theta - theta).abs().total_cmp(&(b.theta - theta).abs()))
-}
-
-/// Best non-negative amplitudes of the first `count` of lobes and diffuse term, per channel, by coordinate descent on the normal
-/// equations.
-pub(crate) fn best_amplitudes(view: &View, lobes: &Lobes, count: usize) -> [Vec<f64>; 3] {
-    let mut gram = vec![0.0; count * count];
-    let mut moment = [vec![0.0; count], vec![0.0; count], vec![0.0; count]];
-    let mut unit = vec![0.0; lobes.len() + 1];
-    for s in &view.samples {
-        lobes.values(&s.direction, &mut unit);
-        for i in 0..count {
-            for j in 0..count {
-                gram[i * count + j] += s.weight * unit[i] * unit[j];
-            }
-            for (c, m) in moment.iter_mut().enumerate() {
-                m[i] += s.weight * unit[i] * s.rgb[c] * s.direction[2];
-            }
-        }
-    }
-    moment.map(|moment| {
-        let mut a = vec![0.0; count];
-        for _ in 0..SWEEPS {
-            for i in 0..count {
-                let diagonal = gram[i * count + i];
-                if diagonal > 0.0 {
-                    let row = &gram[i * count..(i + 1) * count];
-                    let slope = moment[i] - row.iter().zip(&a).map(|(g, a)| g * a).sum::<f64>();
-                    a[i] = (a[i] + slope / diagonal).max(0.0);
-                }
-            }
-        }
-        a
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::table::{Table, direction};
-
-    #[test]
-    fn amplitudes_of_lobes_that_made_the_table_are_found_again() {
-        let layout = Layout::new(3, 1, 0, vec![0.0, 1.0]);
-        let mut q = vec![0.0; layout.stride()];
-        shape(&layout, 0.6, &[40.0, 5.0, 1.5], &[1.0, 0.5, 0.0], &mut q);
-        let lobes = Lobes::new(&layout, &q);
-        let truth = [2.0, 0.0, 0.5];
-        let mut scattered = vec![];
-        for theta in 0..28 {
-            for phi in 0..19 {
-                let d = direction(f64::from(theta) * 0.05, f64::from(10 * phi).to_radians());
-                let mut unit = [0.0; 4];
-                lobes.values(&d, &mut unit);
-                let v = truth.iter().zip(unit).map(|(a, u)| a * u).sum::<f64>() / d[2];
-                scattered.push((d, [v, 2.0 * v, 0.0]));
-            }
-        }
-        let table = Table::from_scattered(vec![(0.6, scattered)]).unwrap();
-        let found = best_amplitudes(&table.views[0], &lobes, 4);
-        for k in 0..3 {
-            assert!(
-                (found[0][k] - truth[k]).abs() < 1e-3 && (found[1][k] - 2.0 * truth[k]).abs() < 2e-3,
-                "{found:?}"
-            );
-            assert_eq!(found[2][k], 0.0);
-        }
-    }
 }

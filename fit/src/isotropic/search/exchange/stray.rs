@@ -4,8 +4,9 @@
 //! them. The residual shows it: most of its squares lie close together.
 
 use super::Residual;
-use crate::isotropic::objective::Data;
-use crate::isotropic::objective::data_term::Point;
+use crate::family::objective::Data;
+use crate::family::objective::data_term::Point;
+use crate::isotropic::line::Line;
 use crate::judge::measure::brightness;
 
 /// Least distance of a stray peak from the mirror direction, and largest distance from the plane of incidence, radians.
@@ -21,8 +22,8 @@ pub(super) struct Track(Vec<(f64, f64)>);
 
 impl Track {
     /// The track of a peak that most of the views have.
-    pub fn find(views: &[Data], residuals: &[Residual]) -> Option<Self> {
-        let found = |(view, residual): (&Data, &Residual)| {
+    pub fn find(views: &[Data<Line>], residuals: &[Residual]) -> Option<Self> {
+        let found = |(view, residual): (&Data<Line>, &Residual)| {
             top(residual.theta, &view.points, &residual.left).map(|angle| (residual.theta, angle))
         };
         let places: Vec<(f64, f64)> = views.iter().zip(residuals).filter_map(found).collect();

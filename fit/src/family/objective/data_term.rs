@@ -5,7 +5,8 @@
 //! differences are three more columns of it. Where factors give the channels weights of their own, the matrix has their mean: the
 //! gradient is exact, the steps are a little shorter or longer than Gauss-Newton's.
 
-use crate::isotropic::model::{Column, Lobes, PANEL};
+use crate::family::lobes::Lobes;
+use crate::family::unit::{Column, PANEL};
 use crate::numeric::vector::{self, Operation, fused};
 
 /// A sample as the fit sees it.

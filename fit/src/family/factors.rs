@@ -7,8 +7,8 @@
 mod problem;
 pub(crate) mod size;
 
-use crate::isotropic::model::parameters::Layout;
-use crate::isotropic::tuning::factors::{MORE_NODES, NODES};
+use crate::family::layout::{Layout, Views};
+use crate::family::tuning::factors::{MORE_NODES, NODES};
 use crate::numeric::GOLDEN_ANGLE;
 use problem::Problem;
 use rayon::prelude::*;
@@ -129,7 +129,13 @@ impl Factors {
     }
 
     /// Means over each lobe of the interpolated unknowns `q` of a view, and over the diffuse term, of `averaged` directions each.
-    pub fn means(&self, layout: &Layout, q: &[f64], theta: f64, averaged: usize) -> Vec<[f64; 3]> {
+    pub fn means<V: Views>(
+        &self,
+        layout: &Layout<V>,
+        q: &[f64],
+        theta: f64,
+        averaged: usize,
+    ) -> Vec<[f64; 3]> {
         let (sin, cos) = libm::sincos(theta);
         let wo = [-sin, 0.0, cos];
         // Shares of a lobe, and sine and cosine about its axis.
@@ -149,21 +155,16 @@ impl Factors {
         };
         let lobe = |k: usize| {
             let s = libm::exp(q[layout.sharpness(k)]);
-            let (sin_a, cos_a) = libm::sincos(q[layout.angle(k)]);
-            let mirrored = k.checked_sub(layout.first_mirrored());
-            let (sin_b, cos_b) = libm::sincos(mirrored.map_or(0.0, |m| q[layout.off_plane(m)]));
-            let axis = [sin_a * cos_b, sin_b, cos_a * cos_b];
-            let along = [cos_a, 0.0, -sin_a];
-            let across = [-sin_a * sin_b, cos_b, -cos_a * sin_b];
-            let squeeze = if k < layout.squeezed { libm::exp(q[0]) } else { 1.0 };
+            let [axis, along, across] = V::frame(layout, q, k);
+            let [xx, xy, yy] = if k < layout.squeezed { V::stretch(q) } else { [1.0, 0.0, 1.0] };
             let outside = libm::expm1(-2.0 * s);
             mean(&|u, (sp, cp)| {
                 let w = (-libm::log1p(u * outside) / s).min(2.0);
                 let r = libm::sqrt(w * (2.0 - w));
-                let mut d = [0, 1, 2].map(|i| axis[i] * (1.0 - w) + r * (along[i] * cp + across[i] * sp));
-                d[1] *= squeeze;
-                let length = libm::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-                [d[0] / length, d[1] / length, d[2].abs() / length]
+                let [x, y, z] = [0, 1, 2].map(|i| axis[i] * (1.0 - w) + r * (along[i] * cp + across[i] * sp));
+                let (x, y) = (xx * x + xy * y, xy * x + yy * y);
+                let length = libm::sqrt(x * x + y * y + z * z);
+                [x / length, y / length, z.abs() / length]
             })
         };
         let mut means: Vec<[f64; 3]> = (0..layout.lobes).map(lobe).collect();
@@ -224,7 +225,10 @@ impl Factors {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::isotropic::tuning::factors::AVERAGED;
+    use crate::anisotropic::tests::grid_layout;
+    use crate::family::lobes::Lobes;
+    use crate::family::tuning::factors::AVERAGED;
+    use crate::isotropic::line;
     use crate::table::direction;
 
     /// Directions of some views with the factors of a function of half angle, difference angle and the squared cosine of the
@@ -325,11 +329,55 @@ mod tests {
 
     #[test]
     fn the_mean_of_a_diffuse_term_is_by_the_cosine() {
-        let layout = Layout::new(1, 0, 0, vec![0.0]);
+        let layout = line::Layout::new(1, 0, 0, vec![0.0]);
         let mut factors = Factors::fit(Size::reciprocal([16, 6, 3]), &[]);
         let q = vec![0.0; layout.stride()];
         assert!(factors.means(&layout, &q, 0.5, AVERAGED).iter().flatten().all(|m| (m - 1.0).abs() < 1e-9));
         factors.nodes.iter_mut().for_each(|n| n[1] = 3.0);
         assert!((factors.means(&layout, &q, 0.5, AVERAGED)[1][1] - 3.0).abs() < 1e-9);
+    }
+
+    /// The mean over a lobe is that of its values over the hemisphere.
+    fn check_means<V: Views>(layout: &Layout<V>, q: &[f64], factors: &Factors) {
+        let theta = 0.6;
+        let found = factors.means(layout, q, theta, 20_000);
+        let lobes = Lobes::new(layout, q);
+        let (mut sums, mut unit) = (vec![(0.0, 0.0); layout.lobes], vec![0.0; layout.lobes + 1]);
+        for i in 0..200_000 {
+            let z = (f64::from(i) + 0.5) / 200_000.0;
+            let wi = direction(libm::acos(z), GOLDEN_ANGLE * f64::from(i));
+            lobes.values(&wi, &mut unit);
+            let factor = factors.at(wi, direction(theta, std::f64::consts::PI))[0];
+            for (sum, value) in sums.iter_mut().zip(&unit) {
+                *sum = (sum.0 + value * factor, sum.1 + value);
+            }
+        }
+        for (k, (sum, weight)) in sums.into_iter().enumerate() {
+            // A lobe that stands for two has the same mean on either side.
+            assert!((found[k][0] - sum / weight).abs() < 5e-3, "{k}: {} {}", found[k][0], sum / weight);
+        }
+    }
+
+    #[test]
+    fn means_over_lobes_of_both_kinds_are_by_their_values() {
+        let size = Size::reciprocal([16, 6, 3]);
+        let mut factors = Factors::fit(size, &[]);
+        let nodes = factors.nodes.len();
+        let vary = |n: usize| [1.0 + 0.5 * libm::sin(own(size, n) as f64 / nodes as f64 * 20.0); 3];
+        factors.nodes.iter_mut().enumerate().for_each(|(n, node)| *node = vary(n));
+        let layout = line::Layout::new(3, 1, 1, vec![0.0]);
+        let mut q = vec![0.0; layout.stride()];
+        (q[0], q[layout.off_plane(0)]) = (-0.5, 0.4);
+        for k in 0..3 {
+            (q[layout.angle(k)], q[layout.sharpness(k)]) = (0.5, 3.0);
+        }
+        check_means(&layout, &q, &factors);
+        let layout = grid_layout(1, 1);
+        let mut q = vec![0.0; layout.stride()];
+        q[..3].copy_from_slice(&[0.3, -0.4, 0.7]);
+        for k in 0..3 {
+            (q[layout.angle(k)], q[layout.off_plane(k)], q[layout.sharpness(k)]) = (0.5, -0.2, 3.0);
+        }
+        check_means(&layout, &q, &factors);
     }
 }

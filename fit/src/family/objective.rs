@@ -8,32 +8,29 @@
 //!   value at its direction;
 //! * *energy*: the albedo minus the table's, relative to that, per channel;
 //! * *ceiling*: what any channel's albedo exceeds `CEILING` by, at the views, at the stored views and between them;
-//! * *roughness*: second differences of the unknowns from stored view to stored view, with the symmetry at the normal (angles are
-//!   odd in theta, the rest even); and a weak pull towards no change in the last interval, which Cornell's data do not reach.
+//! * *roughness*: differences of the unknowns from stored view to stored view (`Views::differences`).
 //!
-//! A view sees only the two stored views round it, and roughness three in a row. So the matrix is a band two stored views wide.
+//! A view sees only the stored views round it, and roughness the next ones. So most of the matrix is 0.
 
 pub(crate) mod data_term;
 mod linearize;
 pub(crate) mod solver;
+#[cfg(test)]
+mod tests;
 
 use crate::FitError;
-use crate::isotropic::factors::{Demand, Factors};
-use crate::isotropic::model::Lobes;
-use crate::isotropic::model::parameters::Layout;
-use crate::isotropic::tuning::factors::{AVERAGED, ENERGY};
-use crate::isotropic::tuning::parameters::LN_SHARPNESS_DEFENSIVE;
+use crate::family::factors::{Demand, Factors};
+use crate::family::layout::{Layout, Views};
+use crate::family::lobes::Lobes;
+use crate::family::tuning::factors::{AVERAGED, ENERGY};
+use crate::family::tuning::objective::{
+    ALBEDO_ERROR, CEILING, CEILING_WEIGHT, MOST_ALBEDO, MOST_FACTOR, MOST_SHORT, SHORT, TAIL_FLOOR,
+};
 use crate::judge::energy::EnergyError;
 use crate::judge::measure::{self, brightness};
-use crate::numeric::special::sphere_integral;
-use crate::table::{ALBEDO_LIMIT, Table, View, check_bright, check_storable, luminance};
+use crate::table::{Sample, View, check_bright, check_storable};
 use data_term::Point;
 use rayon::prelude::*;
-
-use crate::isotropic::tuning::objective::{
-    ALBEDO_ERROR, CEILING, CEILING_WEIGHT, DEFENSIVE, DEFENSIVE_DIFFUSE, HOLD, MOST_ALBEDO, MOST_FACTOR,
-    MOST_SHORT, SHORT, TAIL_FLOOR, WATCHED,
-};
 pub(crate) use solver::Weighted;
 
 /// What counts beside the squared relative L2 error.
@@ -60,8 +57,8 @@ pub(crate) struct Weights {
 
 /// One view as the fit sees it.
 #[derive(Clone)]
-pub(crate) struct Data {
-    pub place: (usize, f64),
+pub(crate) struct Data<V: Views> {
+    pub place: V::Place,
     pub points: Vec<Point>,
     albedo: [f64; 3],
     /// Solid angle of a sample over its weight in the squared relative L2 error.
@@ -74,32 +71,32 @@ pub(crate) struct Data {
 
 /// The sum of squares over a table, for a layout.
 #[derive(Clone)]
-pub(crate) struct Objective {
-    pub layout: Layout,
-    pub views: Vec<Data>,
-    watched: Vec<(usize, f64)>,
-    /// Least logarithm of the luminance of the defensive lobe, by stored view.
-    ln_defensive: Vec<f64>,
+pub(crate) struct Objective<V: Views> {
+    pub layout: Layout<V>,
+    pub views: Vec<Data<V>>,
+    watched: Vec<V::Place>,
+    /// Least and greatest value of each unknown.
+    bounds: Vec<(f64, f64)>,
     energy: EnergyError,
     factors: Option<Factors>,
 }
 
-impl Objective {
-    /// `factors`: the table that multiplies the lobes.
-    pub fn new(
-        table: &Table,
-        layout: Layout,
+impl<V: Views> Objective<V> {
+    /// Over views and where they lie. `factors`: the table that multiplies the lobes.
+    pub fn over(
+        table: &[(V::Place, &View)],
+        layout: Layout<V>,
         emphasis: Emphasis,
         factors: Option<&Factors>,
     ) -> Result<Self, FitError> {
-        let brightest = table.views.iter().flat_map(|v| v.albedo).fold(0.0, f64::max);
-        let count = table.views.len() as f64;
-        let strongest = table.views.iter().map(norm_squared).fold(0.0, f64::max);
-        check_storable(table.views.iter().flat_map(|view| &view.samples))?;
+        let brightest = table.iter().flat_map(|(_, v)| v.albedo).fold(0.0, f64::max);
+        let count = table.len() as f64;
+        let strongest = table.iter().map(|(_, v)| norm_squared(v)).fold(0.0, f64::max);
+        check_storable(table.iter().flat_map(|(_, view)| &view.samples))?;
         check_bright(strongest > 0.0 && strongest.is_finite())?;
-        let data = |view: &View| {
+        let data = |&(place, view): &(V::Place, &View)| {
             let norm = norm_squared(view).max(1e-9 * strongest);
-            let bright = |s: &crate::table::Sample| brightness(s.rgb) * s.direction[2];
+            let bright = |s: &Sample| brightness(s.rgb) * s.direction[2];
             let energy: f64 = view.samples.iter().map(|s| s.weight * bright(s)).sum();
             let solid: f64 = view.samples.iter().map(|s| s.weight).sum();
             let mean = (energy / solid).max(1e-9 * brightest);
@@ -120,13 +117,13 @@ impl Objective {
                         * measure::beside_highlight(s.direction, view.theta),
                     measure_floor: measure::floor(level) * s.direction[2],
                     tail: emphasis.tail * s.weight / (mean * solid) / 3.0 / count,
-                    floor: TAIL_FLOOR * mean * 2.0 * s.direction[2],
+                    floor: TAIL_FLOOR * mean * V::tail_floor(s.direction[2]),
                 };
                 point.weigh(point.base + point.measure, point.tail / (bright(s) + point.floor));
                 point
             });
             Data {
-                place: layout.place(view.theta),
+                place,
                 points: points.collect(),
                 albedo: view.albedo,
                 solid_angle: norm * count,
@@ -134,47 +131,34 @@ impl Objective {
                 energy: [1.0; 3],
             }
         };
-        let views = table.views.iter().map(data).collect();
-        let albedo = |theta: f64| {
-            let far = |v: &&View| (v.theta - theta).abs();
-            table.views.iter().min_by(|a, b| far(a).total_cmp(&far(b))).map_or([0.0; 3], |v| v.albedo)
+        let views = table.iter().map(data).collect();
+        let p = layout.stride();
+        let bounds = |unknown: usize| {
+            let (stored, index) = (unknown / p, unknown % p);
+            if V::fixed(&layout, stored, index) { (0.0, 0.0) } else { layout.bounds(index) }
         };
-        let ln_defensive = layout.view_angles.iter().map(|&theta| {
-            let albedo = albedo(theta);
-            // A share of the largest albedo that a fit may have, because the table's own may be any number.
-            let share = DEFENSIVE * luminance(albedo).max(1e-9 * brightest).min(ALBEDO_LIMIT);
-            libm::log(share / sphere_integral(LN_SHARPNESS_DEFENSIVE.1).0)
-        });
-        let ln_defensive = ln_defensive.collect();
-        let last = layout.view_angles.len() - 1;
-        let between = |stored: usize| (0..WATCHED).map(move |i| (stored, i as f64 / WATCHED as f64));
-        let mut watched: Vec<(usize, f64)> = (0..last).flat_map(between).collect();
-        watched.push((last - usize::from(last > 0), if last > 0 { 1.0 } else { 0.0 }));
+        let mut bounds: Vec<(f64, f64)> = (0..layout.len()).map(bounds).collect();
+        V::narrow(&layout, table, &mut bounds);
         Ok(Self {
+            watched: layout.views.watched(),
             layout,
             views,
-            watched,
-            ln_defensive,
-            energy: EnergyError::new(table.views.iter().map(|v| v.albedo)),
+            bounds,
+            energy: EnergyError::new(table.iter().map(|(_, v)| v.albedo)),
             factors: factors.cloned(),
         })
     }
 
-    /// Least and greatest value of an unknown, at its stored view.
-    pub fn bounds(&self, unknown: usize) -> (f64, f64) {
-        let (stored, index) = (unknown / self.layout.stride(), unknown % self.layout.stride());
-        if self.layout.fixed(stored, index) {
-            return (0.0, 0.0);
-        }
-        let (low, high) = self.layout.bounds(index);
-        match self.layout.defensive() {
-            Some(lobe) if index == self.layout.luminance(lobe) => (low.max(self.ln_defensive[stored]), high),
-            None if index == self.layout.diffuse() => {
-                let share = sphere_integral(LN_SHARPNESS_DEFENSIVE.1).0 * DEFENSIVE_DIFFUSE / DEFENSIVE;
-                (low.max(self.ln_defensive[stored] + libm::log(share)), high)
+    /// One sample of each view for `every` of them, with the weight of all.
+    pub fn thinned(mut self, every: usize) -> Self {
+        for view in &mut self.views {
+            view.points = view.points.iter().step_by(every).cloned().collect();
+            for point in &mut view.points {
+                point.weight = point.weight.map(|weight| every as f64 * weight);
+                point.rest *= every as f64;
             }
-            _ => (low, high),
         }
+        self
     }
 
     /// The same with weights that follow the fit. Views count in inverse proportion to their error, so that the
@@ -276,7 +260,7 @@ impl Objective {
             layout.interpolate(x, place, &mut q);
             cost += layout.albedo(&q, None).iter().map(|a| self.excess(*a).powi(2)).sum::<f64>();
         }
-        self.for_each_difference(weights.smoothness, |terms| {
+        V::differences(layout, weights.smoothness, |terms| {
             let r: f64 = terms.iter().map(|&(index, factor)| factor * x[index]).sum();
             cost += r * r;
         });
@@ -284,7 +268,7 @@ impl Objective {
     }
 
     /// Residuals of the channels of an albedo, and their derivatives by it.
-    fn energy_residuals(&self, fitted: [f64; 3], view: &Data, weight: f64) -> [(f64, f64); 3] {
+    fn energy_residuals(&self, fitted: [f64; 3], view: &Data<V>, weight: f64) -> [(f64, f64); 3] {
         let (errors, slopes) = (self.energy.errors(fitted, view.albedo), self.energy.slopes(view.albedo));
         [0, 1, 2].map(|c| {
             let weight = libm::sqrt(view.energy[c] * weight / (3.0 * self.views.len() as f64));
@@ -295,114 +279,10 @@ impl Objective {
     fn excess(&self, albedo: f64) -> f64 {
         libm::sqrt(CEILING_WEIGHT / self.watched.len() as f64) * (albedo - CEILING).max(0.0)
     }
-
-    /// Calls with the terms (unknown, factor) of each residual of the roughness, unknowns rising.
-    fn for_each_difference(&self, smoothness: f64, mut each: impl FnMut(&[(usize, f64)])) {
-        let layout = &self.layout;
-        let view_angles = &layout.view_angles;
-        let (p, last) = (layout.stride(), view_angles.len() - 1);
-        if last == 0 || smoothness == 0.0 {
-            return;
-        }
-        let first = layout.first_smooth();
-        let mean = view_angles[last] / last as f64;
-        let per_interval: Vec<f64> = view_angles.windows(2).map(|w| mean / (w[1] - w[0])).collect();
-        for index in 0..p {
-            let weight = libm::sqrt(smoothness / ((last as f64) * p as f64)) / layout.unit(index);
-            if !layout.angles().contains(&index) {
-                let d = 2.0 * weight * per_interval[first];
-                each(&[(first * p + index, -d), ((first + 1) * p + index, d)]);
-            }
-            for k in first + 1..last {
-                let (a, b) = (weight * per_interval[k - 1], weight * per_interval[k]);
-                each(&[((k - 1) * p + index, a), (k * p + index, -a - b), ((k + 1) * p + index, b)]);
-            }
-            let d = HOLD * weight * per_interval[last - 1];
-            each(&[((last - 1) * p + index, -d), (last * p + index, d)]);
-        }
-    }
 }
 
 /// Squared norm of `f cos` over a view.
 fn norm_squared(view: &View) -> f64 {
-    let square =
-        |s: &crate::table::Sample| s.rgb.iter().map(|v| v * v).sum::<f64>() * s.direction[2] * s.direction[2];
+    let square = |s: &Sample| s.rgb.iter().map(|v| v * v).sum::<f64>() * s.direction[2] * s.direction[2];
     view.samples.iter().map(|s| s.weight * square(s)).sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::numeric::random::Random;
-    use crate::table::direction;
-
-    fn problem() -> (Objective, Vec<f64>) {
-        let mut random = Random::new(3);
-        let mut views = vec![];
-        for theta in [0.3, 0.5, 1.1] {
-            let mut scattered = vec![];
-            for _ in 0..40 {
-                let d = direction(1.5 * random.uniform(), 3.1 * random.uniform());
-                scattered.push((d, [0.1 + random.uniform(), random.uniform(), 0.3 * random.uniform()]));
-            }
-            views.push((theta, scattered));
-        }
-        let table = Table::from_scattered(views).unwrap();
-        let layout = Layout::new(4, 2, 1, vec![0.0, 0.5, 1.0, 1.5]);
-        let mut x: Vec<f64> = (0..layout.len()).map(|_| 2.0 * random.uniform() - 0.7).collect();
-        x.chunks_mut(layout.stride()).for_each(|stored| stored[0] = -0.4);
-        (Objective::new(&table, layout, Emphasis { tail: 0.03, measure: 1.0, energy: 1.0 }, None).unwrap(), x)
-    }
-
-    #[test]
-    fn gradient_and_cost_agree_with_differences() {
-        let (objective, x) = problem();
-        let smoothness = Weights { smoothness: 0.1, energy: 2.0, faint_color: 0.0 };
-        let linearized = objective.linearize(&x, smoothness);
-        let cost = objective.cost(&x, smoothness);
-        assert!((linearized.cost - cost).abs() < 1e-12 * cost, "{} {cost}", linearized.cost);
-        for i in 0..x.len() {
-            let at = |h: f64| {
-                let mut x = x.clone();
-                x[i] += h;
-                objective.cost(&x, smoothness)
-            };
-            let h = 1e-5;
-            // `gradient` is that of half the cost.
-            let difference = (at(h) - at(-h)) / (4.0 * h);
-            let g = linearized.gradient[i];
-            assert!((difference - g).abs() < 1e-6 * (g.abs() + cost), "{i}: {difference} {g}");
-        }
-    }
-
-    #[test]
-    fn the_matrix_is_the_second_derivative_where_the_data_are_met() {
-        // Gauss-Newton is exact where residuals vanish: make the targets the values themselves.
-        let (mut objective, x) = problem();
-        let layout = objective.layout.clone();
-        objective.watched.clear();
-        for view in &mut objective.views {
-            let mut q = vec![0.0; layout.stride()];
-            layout.interpolate(&x, view.place, &mut q);
-            view.albedo = layout.albedo(&q, None);
-            let (lobes, a) = (Lobes::new(&layout, &q), layout.amplitudes(&q));
-            for point in &mut view.points {
-                let mut unit = [0.0; 5];
-                lobes.values(&point.direction, &mut unit);
-                point.target = [0, 1, 2].map(|c| (0..5).map(|k| a[c][k] * unit[k]).sum());
-                point.weigh(point.base, 0.0);
-            }
-        }
-        let none = Weights { smoothness: 0.0, energy: 1.0, faint_color: 0.0 };
-        let linearized = objective.linearize(&x, none);
-        let scale = (0..x.len()).map(|i| linearized.matrix.diagonal(i)).fold(0.0, f64::max);
-        let mut random = Random::new(5);
-        for _ in 0..20 {
-            let step: Vec<f64> = x.iter().map(|_| 1e-5 * (random.uniform() - 0.5)).collect();
-            let moved: Vec<f64> = x.iter().zip(&step).map(|(x, s)| x + s).collect();
-            let expected = objective.cost(&moved, none);
-            let quadratic = linearized.matrix.quadratic(&step);
-            assert!((expected - quadratic).abs() < 1e-3 * expected + 1e-16 * scale, "{expected} {quadratic}");
-        }
-    }
 }

@@ -5,7 +5,7 @@
 //! sums are kept as they are, and the solver carries them along.
 
 use super::{CORNERS, Demand, NodeShares, Size, corners, node, place};
-use crate::isotropic::tuning::factors::{LARGEST, PULL, SMOOTH, SWEEPS};
+use crate::family::tuning::factors::{LARGEST, PULL, SMOOTH, SWEEPS};
 use rayon::prelude::*;
 
 /// Pairs of corners, the second not before the first.
