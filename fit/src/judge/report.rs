@@ -13,6 +13,7 @@ use crate::judge::measure::{RegionErrors, away, negatives, region_errors};
 use crate::judge::method::{Fitted, FittedView};
 use crate::judge::norm::{Norm, relative, squares};
 use crate::look::Look;
+#[doc(inline)]
 pub use crate::numeric::levenberg::Ending;
 use crate::table::{DARKEST, Sample, View, luminance};
 use serde_json::{Value, json};
