@@ -3,7 +3,7 @@
 //! What an isotropic fit (`isotropic`) does along one angle is done here over a grid of angle and azimuth. Azimuths whose views
 //! follow by half a turn are left out; a material that has mirrors, too, is fitted over half a turn all the same.
 //!
-//! May import: `clock`, `isotropic`, `judge`, `numeric`, `settings`.
+//! May import: `clock`, `family`, `judge`, `numeric`, `settings`.
 
 mod coupled;
 mod encode;

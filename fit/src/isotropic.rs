@@ -1,6 +1,6 @@
 //! The fit of isotropic materials: one family of lobes, followed along the angle of the outgoing direction.
 //!
-//! May import: `clock`, `judge`, `numeric`, `settings`.
+//! May import: `clock`, `family`, `judge`, `numeric`, `settings`.
 
 mod balance;
 mod effort;
