@@ -3,7 +3,7 @@
 //! Lobe k of one stored view is lobe k of the next. The room has the unknowns, the lobes of a view, the table of factors, the sum of
 //! squares and what starts share. `layout::Views` says where stored views stand: `isotropic` has them on a line, `anisotropic` on a grid.
 //!
-//! May import: `judge`, `numeric`.
+//! May import: `judge`.
 
 pub(crate) mod factors;
 pub(crate) mod layout;
