@@ -18,7 +18,7 @@ fn main() -> std::process::ExitCode {
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use srbf_benches::clock::Probe;
-    use srbf_benches::levels;
+    use srbf_benches::harness::{Table, arguments, levels_of};
     use srbf_benches::work::{Operation, Subject, Work};
     use srbf_core::Level;
     use std::process::ExitCode;
@@ -57,14 +57,10 @@ mod x86 {
     }
 
     pub fn main() -> ExitCode {
-        let names: Vec<String> = std::env::args().skip(1).collect();
-        let is_missing = |name: &&String| Level::from_name(name).is_none_or(|level| !level.is_available());
-        if let Some(name) = names.iter().find(is_missing) {
-            eprintln!("cycles: no such level here: {name}");
-            return ExitCode::from(2);
-        }
-        let is_asked_for = |level: &Level| names.is_empty() || names.iter().any(|name| name == level.name());
-        let levels: Vec<Level> = levels().filter(is_asked_for).collect();
+        let levels = match levels_of("cycles", &arguments()) {
+            Ok(levels) => levels,
+            Err(status) => return status,
+        };
         let row = |level, (name, operation), subject| Row { level, name, operation, subject, rounds: vec![] };
         let mut rows = vec![];
         for &level in &levels {
@@ -86,15 +82,12 @@ mod x86 {
         let mut rates: Vec<f64> = rows.iter().flat_map(|row| row.rounds.iter().map(|r| r.rate)).collect();
         rates.sort_by(f64::total_cmp);
         let (full, typical) = (rates[rates.len() * 99 / 100], rates[rates.len() / 2]);
-        println!("processor: {}", srbf_core::Processor::this());
         println!(
             "instructions that do nothing, a cycle: up to {full:.2}, {typical:.2} in the median of all rounds"
         );
-        println!(
-            "{:9} {:25} {:>9} {:>14}   rounds that count",
-            "level", "operation", "cycles", "ns at 3.7 GHz"
-        );
-        rows.iter().for_each(|row| row.print(FULL * full));
+        let mut table = Table::new("operation", ["cycles", "ns at 3.7 GHz", "rounds that count"]);
+        rows.iter().for_each(|row| row.tell(FULL * full, &mut table));
+        table.print();
         ExitCode::SUCCESS
     }
 
@@ -120,22 +113,23 @@ mod x86 {
             }
         }
 
-        /// Prints the median of the rounds of at least some rate.
-        fn print(&self, rate: f64) {
+        /// Tells the median of the rounds of at least some rate.
+        fn tell(&self, rate: f64, table: &mut Table) {
             let counts = |r: &&Round| r.is_steady && r.rate >= rate;
             let mut cycles: Vec<f64> = self.rounds.iter().filter(counts).map(|r| r.cycles).collect();
             cycles.sort_by(f64::total_cmp);
             let is_own = |(subject, _, _): &&(Subject, &str, &str)| *subject == self.subject;
             let (_, before, behind) = Subject::ALL.iter().find(is_own).expect("all subjects");
-            let name = format!("{before}{}{behind}", self.name);
+            let name = format!("{} {before}{}{behind}", self.level.name(), self.name);
             let lobes = if let Operation::Evaluate | Operation::Pdf = self.operation { LOBES } else { 1.0 };
-            let (level, counted, all) = (self.level.name(), cycles.len(), self.rounds.len());
-            if counted < ENOUGH {
-                println!("{level:9} {name:25} {:>24}   {counted} of {all}", "the core was shared");
+            let (counted, all) = (cycles.len(), self.rounds.len());
+            let [cycles, ns] = if counted < ENOUGH {
+                ["the core was shared".to_owned(), String::new()]
             } else {
                 let each = cycles[counted / 2] / lobes;
-                println!("{level:9} {name:25} {each:9.3} {:14.3}   {counted} of {all}", each / CLOCK);
-            }
+                [format!("{each:.3}"), format!("{:.3}", each / CLOCK)]
+            };
+            table.row(&name, [cycles, ns, format!("{counted} of {all}")]);
         }
     }
 }

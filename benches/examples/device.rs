@@ -4,10 +4,10 @@
 //! least of all rounds, nanoseconds of a hit.
 
 use srbf_benches::device::{DeviceText, Verbs, words};
+use srbf_benches::harness::{Table, least_of};
 use srbf_benches::{GARNET_RED, Triples, garnet_red};
 use srbf_core::{Mixture, Processor};
 use std::hint::black_box;
-use std::time::Instant;
 
 const HITS: usize = 1024;
 const ROUNDS: usize = 300;
@@ -19,10 +19,7 @@ fn main() {
         (Triples::directions(HITS, 1), Triples::directions(HITS, 2), Triples::uniforms(HITS, 3));
     let mut mixture = Mixture::<16>::empty();
     material.prepare(wo.at(0), &mut mixture).expect("a direction");
-    println!(
-        "{:<44}{:>10}{:>10}{:>8}{:>12}{:>8}",
-        "ns a hit", "library", "header", "ratio", "-ffast-math", "ratio"
-    );
+    let mut table = Table::new("ns a hit", ["library", "header", "ratio", "-ffast-math", "ratio"]);
     for (name, draws, evaluates, keeps) in [
         ("a material: value and density", false, true, false),
         ("a material: draw", true, false, false),
@@ -59,19 +56,12 @@ fn main() {
         let (a, b) = (library(), careful());
         assert!((a - b).abs() < 1e-2 * a.abs(), "{name}: {a} and {b} are apart");
         let ways: [&dyn Fn() -> f32; 3] = [&library, &careful, &fast];
-        let mut least = [f64::INFINITY; 3];
-        for _ in 0..ROUNDS {
-            for (way, least) in ways.iter().zip(&mut least) {
-                let start = Instant::now();
-                black_box(way());
-                *least = least.min(start.elapsed().as_secs_f64() * 1e9 / HITS as f64);
-            }
-        }
-        let [library, careful, fast] = least;
-        println!(
-            "{name:<44}{library:>10.1}{careful:>10.1}{:>8.2}{fast:>12.1}{:>8.2}",
-            careful / library,
-            fast / library
-        );
+        let least = least_of(ROUNDS, ways.len(), HITS, |way| {
+            black_box(ways[way]());
+        });
+        let [library, careful, fast] =
+            [0, 1, 2].map(|way| (format!("{:.1}", least[way]), format!("{:.2}", least[way] / least[0])));
+        table.row(name, [library.0, careful.0, careful.1, fast.0, fast.1]);
     }
+    table.print();
 }

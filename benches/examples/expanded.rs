@@ -6,10 +6,10 @@
 //! 4096 pairs, each with its own outgoing direction; ratios are to the exact path for pairs (`Material::ask`), round by
 //! round in turn with it.
 
-use srbf_benches::{Triples, factored_material, garnet_red, levels, mirror_like};
+use srbf_benches::harness::{Table, arguments, least_of, levels_of};
+use srbf_benches::{Triples, factored_material, garnet_red, mirror_like};
 use srbf_core::{Draws, Expanded, Level, Material, Mixture, Request, Towards, Vec3};
 use std::process::ExitCode;
-use std::time::Instant;
 
 const PAIRS: usize = 4096;
 const ROUNDS: usize = 60;
@@ -17,12 +17,11 @@ const ROWS: [usize; 5] = [64, 128, 256, 512, 1024];
 
 fn main() -> ExitCode {
     let (files, names): (Vec<String>, Vec<String>) =
-        std::env::args().skip(1).partition(|argument| argument.ends_with(".srbf"));
-    let is_missing = |name: &&String| Level::from_name(name).is_none_or(|level| !level.is_available());
-    if let Some(name) = names.iter().find(is_missing) {
-        eprintln!("expanded: no such level here: {name}");
-        return ExitCode::from(2);
-    }
+        arguments().into_iter().partition(|argument| argument.ends_with(".srbf"));
+    let levels = match levels_of("expanded", &names) {
+        Ok(levels) => levels,
+        Err(status) => return status,
+    };
     let mut materials = vec![
         ("garnet red".to_string(), garnet_red().bytes().to_vec()),
         ("garnet red with factors".to_string(), factored_material().bytes().to_vec()),
@@ -37,8 +36,7 @@ fn main() -> ExitCode {
             }
         }
     }
-    println!("processor: {}", srbf_core::Processor::this());
-    for level in levels().filter(|level| names.is_empty() || names.iter().any(|name| name == level.name())) {
+    for level in levels {
         level.set().expect("an available level");
         for (name, bytes) in &materials {
             match Material::from_bytes(bytes) {
@@ -88,18 +86,6 @@ impl Work {
         }
     }
 
-    /// Nanoseconds a pair.
-    fn time(
-        &mut self,
-        verb: Verb,
-        material: &Material<impl AsRef<[u8]>>,
-        expanded: Option<&Expanded<'_>>,
-    ) -> f64 {
-        let start = Instant::now();
-        self.run(verb, material, expanded);
-        start.elapsed().as_secs_f64() * 1e9 / PAIRS as f64
-    }
-
     fn run(&mut self, verb: Verb, material: &Material<impl AsRef<[u8]>>, expanded: Option<&Expanded<'_>>) {
         let (wo, wi, u) = (self.wo.slices(), self.wi.slices(), self.u.slices());
         let [x, y, z, pdf, red, green, blue, r, g, b, p] = &mut self.out;
@@ -140,35 +126,28 @@ fn report(level: Level, name: &str, material: &Material<impl AsRef<[u8]>>) {
         .zip(&mut memory)
         .map(|(&rows, memory)| Expanded::new(material, rows, memory).expect("an isotropic material"))
         .collect();
-    println!(
-        "{} {name}, {} lobes; ns a pair, and relative to the exact path",
-        level.name(),
-        material.lobe_count()
-    );
-    let mut work = Work::new();
-    let mut least = vec![[f64::INFINITY; VERBS.len()]; ROWS.len() + 1];
-    for _ in 0..ROUNDS {
-        for (v, (verb, _)) in VERBS.iter().enumerate() {
-            for (i, e) in [None].into_iter().chain(expanded.iter().map(Some)).enumerate() {
-                least[i][v] = least[i][v].min(work.time(*verb, material, e));
-            }
-        }
-    }
-    let mut head = format!("{:>6} {:>9} {:>9}", "rows", "bytes", "error");
-    let mut exact = format!("{:>6} {:>9} {:>9}", "exact", material.bytes().len(), "");
-    for (v, (_, name)) in VERBS.iter().enumerate() {
-        head += &format!(" {name:>15}");
-        exact += &format!(" {:>15.1}", least[0][v]);
-    }
-    println!("{head}\n{exact}");
+    let (mut work, ways) = (Work::new(), ROWS.len() + 1);
+    // The exact path, then each expanded material; for each verb.
+    let least = least_of(ROUNDS, ways * VERBS.len(), PAIRS, |way| {
+        let expanded = (way % ways).checked_sub(1).map(|row| &expanded[row]);
+        work.run(VERBS[way / ways].0, material, expanded);
+    });
+    let title = format!("{} {name}, {} lobes; ns a pair; rows", level.name(), material.lobe_count());
+    let mut table = Table::new(&title, ["bytes", "error"].into_iter().chain(VERBS.map(|(_, name)| name)));
+    let times = |row: usize| {
+        let least = &least;
+        (0..VERBS.len()).map(move |verb| {
+            let (ns, exact) = (least[verb * ways + row], least[verb * ways]);
+            if row == 0 { format!("{ns:.1}") } else { format!("{ns:.1} ({:.2})", ns / exact) }
+        })
+    };
+    table.row("exact", [material.bytes().len().to_string(), String::new()].into_iter().chain(times(0)));
     for (i, e) in expanded.iter().enumerate() {
-        let mut line =
-            format!("{:>6} {:>9} {:>9.1e}", ROWS[i], 4 * material.expanded_len(ROWS[i]), error(material, e));
-        for (time, exact) in least[i + 1].iter().zip(&least[0]) {
-            line += &format!(" {time:>8.1} ({:.2})", time / exact);
-        }
-        println!("{line}");
+        let bytes = 4 * material.expanded_len(ROWS[i]);
+        let cells = [bytes.to_string(), format!("{:.1e}", error(material, e))];
+        table.row(&ROWS[i].to_string(), cells.into_iter().chain(times(i + 1)));
     }
+    table.print();
 }
 
 /// Largest difference from the exact preparation, relative to the largest value for that outgoing direction.

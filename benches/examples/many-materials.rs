@@ -6,11 +6,11 @@
 //! turns, in nanoseconds of this thread's time a hit.
 
 use srbf_benches::ggx::Ggx;
-use srbf_benches::{Random, Triples, different_materials, levels};
-use srbf_core::{Draws, Level, Material, Mixture, Processor, Request, Towards};
+use srbf_benches::harness::{Table, arguments, least_of, levels_of};
+use srbf_benches::{Random, Triples, different_materials};
+use srbf_core::{Draws, Level, Material, Mixture, Request, Towards};
 use std::hint::black_box;
 use std::process::ExitCode;
-use std::time::Instant;
 
 const HITS: usize = 4096;
 const RUN: usize = 256;
@@ -18,17 +18,14 @@ const ROUNDS: usize = 120;
 const COUNTS: [usize; 5] = [1, 10, 30, 100, 1000];
 
 fn main() -> ExitCode {
-    let names: Vec<String> = std::env::args().skip(1).collect();
-    let is_missing = |name: &&String| Level::from_name(name).is_none_or(|level| !level.is_available());
-    if let Some(name) = names.iter().find(is_missing) {
-        eprintln!("many-materials: no such level here: {name}");
-        return ExitCode::from(2);
-    }
+    let levels = match levels_of("many-materials", &arguments()) {
+        Ok(levels) => levels,
+        Err(status) => return status,
+    };
     let bytes = different_materials(COUNTS[COUNTS.len() - 1]);
     let materials: Vec<Material<&[u8]>> =
         bytes.iter().map(|bytes| Material::from_bytes(&bytes[..]).expect("a valid material")).collect();
-    println!("processor: {}", Processor::this());
-    for level in levels().filter(|level| names.is_empty() || names.iter().any(|name| name == level.name())) {
+    for level in levels {
         level.set().expect("an available level");
         report(level, &materials);
     }
@@ -90,30 +87,26 @@ fn report(level: Level, materials: &[Material<&[u8]>]) {
             })
             .collect(),
     };
-    println!(
-        "\n{}, ns a hit\n\n{:<52}{}",
-        level.name(),
-        "materials",
-        COUNTS.map(|n| format!("{n:>8}")).concat()
-    );
-    let mut times = [[f64::INFINITY; COUNTS.len()]; WAYS.len()];
-    for (column, &count) in COUNTS.iter().enumerate() {
+    let mut times = Vec::new();
+    for count in COUNTS {
         let at_random: Vec<usize> =
             (0..HITS).map(|_| (random.uniform() * count as f32) as usize % count).collect();
         let sorted: Vec<usize> = (0..HITS).map(|i| at_random[i / RUN * RUN]).collect();
         let each: Vec<&Material<&[u8]>> = at_random.iter().map(|&m| &materials[m]).collect();
-        for _ in 0..ROUNDS {
-            for (row, &(way, _)) in WAYS.iter().enumerate() {
-                let before = Instant::now();
-                work.run(way, materials, &at_random, &sorted, &each);
-                let ns = before.elapsed().as_secs_f64() * 1e9 / HITS as f64;
-                times[row][column] = times[row][column].min(ns);
-            }
-        }
+        times.push(least_of(ROUNDS, WAYS.len(), HITS, |way| {
+            work.run(WAYS[way].0, materials, &at_random, &sorted, &each);
+        }));
     }
+    let mut table = counted(&format!("{}, ns a hit; materials", level.name()));
     for (row, (_, name)) in WAYS.iter().enumerate() {
-        println!("{name:<52}{}", times[row].map(|ns| format!("{ns:>8.1}")).concat());
+        table.row(name, times.iter().map(|times| format!("{:.1}", times[row])));
     }
+    table.print();
+}
+
+/// A table with a column for each number of materials.
+fn counted(title: &str) -> Table {
+    Table::new(title, COUNTS.map(|n| n.to_string()))
 }
 
 impl Work {
@@ -213,11 +206,12 @@ fn request<'a>(wi: [&'a [f32]; 3], u: [&'a [f32]; 3], out: [&'a mut [f32]; 11]) 
 fn memory(materials: &[Material<&[u8]>]) {
     let bytes: usize = materials.iter().map(|m| m.bytes().len()).sum();
     let one = bytes as f64 / materials.len() as f64;
-    println!("\n{:<52}{}", "memory, kB", COUNTS.map(|n| format!("{n:>8}")).concat());
-    let row = |name: &str, one: f64| {
-        println!("{name:<52}{}", COUNTS.map(|n| format!("{:>8.0}", one * n as f64 / 1000.0)).concat());
+    let mut table = counted("memory, kB; materials");
+    let mut row = |name: &str, one: f64| {
+        table.row(name, COUNTS.map(|n| format!("{:.0}", one * n as f64 / 1000.0)));
     };
     row("materials, the bytes of their files", one);
     row("GGX, parameters", std::mem::size_of::<Ggx>() as f64);
     row("RGL tables", 659_000.0);
+    table.print();
 }

@@ -4,7 +4,8 @@
 //! `cargo run --release -p srbf-benches --example product [LEVEL...]`, five seconds a level. Times are the least of many rounds,
 //! all in turn, over mixtures of garnet red for 64 outgoing directions; random numbers are drawn within, as a renderer would.
 
-use srbf_benches::{GARNET_RED, Random, Triples, levels};
+use srbf_benches::harness::{Table, arguments, least_of, levels_of};
+use srbf_benches::{GARNET_RED, Random, Triples};
 use srbf_core::{Environment, Level, Material, Mixture, ProductSampling, Vec3, environment_len};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -14,22 +15,21 @@ const ROUNDS: usize = 400;
 const CANDIDATES: [usize; 3] = [8, 16, 32];
 
 fn main() -> ExitCode {
-    let names: Vec<String> = std::env::args().skip(1).collect();
-    let is_missing = |name: &&String| Level::from_name(name).is_none_or(|level| !level.is_available());
-    if let Some(name) = names.iter().find(is_missing) {
-        eprintln!("product: no such level here: {name}");
-        return ExitCode::from(2);
-    }
+    let levels = match levels_of("product", &arguments()) {
+        Ok(levels) => levels,
+        Err(status) => return status,
+    };
     let material = Material::from_bytes(GARNET_RED).expect("a valid material");
-    println!("processor: {}", srbf_core::Processor::this());
-    println!("ns a draw, and relative to one by multiple importance sampling");
-    for level in levels().filter(|level| names.is_empty() || names.iter().any(|name| name == level.name())) {
+    let heads = ["mis".to_owned()].into_iter().chain(CANDIDATES.map(|n| format!("{n} candidates")));
+    let mut table = Table::new("ns a draw, and relative to one by multiple importance sampling", heads);
+    for level in levels {
         level.set().expect("an available level");
         for width in [256, 1024] {
             let environment = environment(width);
-            report(level, &Work::new(&material), &environment);
+            report(level, &Work::new(&material), &environment, &mut table);
         }
     }
+    table.print();
     ExitCode::SUCCESS
 }
 
@@ -69,14 +69,13 @@ impl<'m> Work<'m> {
         Self { mixtures: mixtures.collect(), frames: (0..64).map(|i| frame(normals.at(i))).collect() }
     }
 
-    /// Nanoseconds of a draw by `one`.
-    fn time(&self, mut one: impl FnMut(&Mixture<'_, 16>, &[Vec3; 3]) -> Vec3) -> f64 {
-        let (start, mut sum) = (Instant::now(), Vec3::ZERO);
+    /// All draws, by `one`.
+    fn run(&self, mut one: impl FnMut(&Mixture<'_, 16>, &[Vec3; 3]) -> Vec3) {
+        let mut sum = Vec3::ZERO;
         for i in 0..DRAWS {
             sum += one(&self.mixtures[i % 64], &self.frames[i % 64]);
         }
         assert!(std::hint::black_box(sum).is_finite());
-        start.elapsed().as_secs_f64() * 1e9 / DRAWS as f64
     }
 }
 
@@ -100,31 +99,22 @@ fn both_ways(
     sum + value * sample.radiance / (sample.pdf + pdf)
 }
 
-fn report(level: Level, work: &Work<'_>, environment: &Environment<Vec<u32>>) {
+fn report(level: Level, work: &Work<'_>, environment: &Environment<Vec<u32>>, table: &mut Table) {
     let mut random = Random(9);
-    let mut least = [f64::INFINITY; 1 + CANDIDATES.len()];
     let mut u = [[0.0; 32]; 3];
-    for _ in 0..ROUNDS {
-        least[0] = least[0].min(work.time(|m, frame| both_ways(m, environment, frame, &mut random)));
-        for (least, candidates) in least[1..].iter_mut().zip(CANDIDATES) {
-            let sampling = ProductSampling::new(candidates, 0.5, f32::INFINITY).expect("in range");
-            *least = least.min(work.time(|m, frame| {
-                u.iter_mut().for_each(|u| u[..candidates].fill_with(|| random.uniform()));
-                let u = u.each_ref().map(|u| &u[..candidates]);
-                let drawn = m.sample_product(environment, frame, &sampling, u, random.uniform());
-                drawn.expect("equal lengths").map_or(Vec3::ZERO, |drawn| drawn.weight)
-            }));
+    let least = least_of(ROUNDS, 1 + CANDIDATES.len(), DRAWS, |way| {
+        if way == 0 {
+            return work.run(|m, frame| both_ways(m, environment, frame, &mut random));
         }
-    }
-    let mut line = format!(
-        "{:8} {:4} x {:<4} mis {:6.1}",
-        level.name(),
-        environment.width(),
-        environment.height(),
-        least[0]
-    );
-    for (time, candidates) in least[1..].iter().zip(CANDIDATES) {
-        line += &format!("   {candidates:2}: {time:6.1} ({:.2})", time / least[0]);
-    }
-    println!("{line}");
+        let candidates = CANDIDATES[way - 1];
+        let sampling = ProductSampling::new(candidates, 0.5, f32::INFINITY).expect("in range");
+        work.run(|m, frame| {
+            u.iter_mut().for_each(|u| u[..candidates].fill_with(|| random.uniform()));
+            let u = u.each_ref().map(|u| &u[..candidates]);
+            let drawn = m.sample_product(environment, frame, &sampling, u, random.uniform());
+            drawn.expect("equal lengths").map_or(Vec3::ZERO, |drawn| drawn.weight)
+        });
+    });
+    let name = format!("{} {} x {}", level.name(), environment.width(), environment.height());
+    table.row(&name, least.iter().map(|ns| format!("{ns:.1} ({:.2})", ns / least[0])));
 }

@@ -9,10 +9,10 @@
 
 use srbf::{srbf_material, srbf_mixture, srbf_numbers_out, srbf_request, srbf_sample, srbf_status};
 use srbf::{srbf_samples_out, srbf_vectors, srbf_vectors_out};
+use srbf_benches::harness::{Table, least_of};
 use srbf_benches::{GARNET_RED, Triples, garnet_red};
 use srbf_core::{Draws, Material, Mixture, Processor, Request, Towards};
 use std::hint::black_box;
-use std::time::Instant;
 
 const HITS: usize = 1024;
 const ROUNDS: usize = 400;
@@ -71,30 +71,17 @@ fn main() {
 }
 
 fn report(work: &mut Work, subject: Subject, draws: bool, rounds: usize) {
-    let mut times = [[f64::INFINITY; COUNTS.len()]; WAYS.len()];
-    for _ in 0..rounds {
-        for (column, &n) in COUNTS.iter().enumerate() {
-            for (row, &(way, _)) in WAYS.iter().enumerate() {
-                let before = Instant::now();
-                work.run(way, subject, draws, n);
-                let ns = before.elapsed().as_secs_f64() * 1e9 / HITS as f64;
-                times[row][column] = times[row][column].min(ns);
-            }
-        }
-    }
+    let times =
+        COUNTS.map(|n| least_of(rounds, WAYS.len(), HITS, |way| work.run(WAYS[way].0, subject, draws, n)));
     let of = if subject == Subject::Material { "a material" } else { "a mixture" };
     let what = if draws { "draw, and value and density" } else { "value and density" };
-    println!("\n{of}: {what}; hits a call:");
-    println!("{:<28}{}", "", COUNTS.map(|n| format!("{n:>14}")).concat());
+    let mut table = Table::new(&format!("{of}: {what}; hits a call"), COUNTS.map(|n| n.to_string()));
     for (row, (_, name)) in WAYS.iter().enumerate() {
-        let cell = |column: usize| {
-            format!("{:>8.1} {:>5.2}", times[row][column], times[row][column] / times[0][column])
-        };
-        println!("{name:<28}{}", [0, 1, 2, 3, 4].map(cell).concat());
+        table.row(name, times.iter().map(|ns| format!("{:.1} {:.2}", ns[row], ns[row] / ns[0])));
     }
-    let more =
-        |column: usize| format!("{:>14.0}", (times[2][column] - times[4][column]) * COUNTS[column] as f64);
-    println!("{:<28}{}", "C over Rust, ns a call", [0, 1, 2, 3, 4].map(more).concat());
+    let more = times.iter().zip(COUNTS).map(|(ns, n)| format!("{:.0}", (ns[2] - ns[4]) * n as f64));
+    table.row("C over Rust, ns a call", more);
+    table.print();
 }
 
 #[repr(align(64))]

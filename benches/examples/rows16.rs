@@ -5,6 +5,7 @@
 //! same outgoing direction, over 200 outgoing directions between and upon the views, and 500 incident ones each, of which half are
 //! drawn from the lobes.
 
+use srbf_benches::harness::Table;
 use srbf_benches::{GARNET_RED, Random};
 use srbf_core::{Line, Material, Mixture, PlaneLobe, View};
 
@@ -15,10 +16,8 @@ const SQUEEZE: [f32; 2] = [-5.0, 6.64];
 const DIFFERENCE: [f32; 2] = [-16.0, 16.0];
 
 fn main() {
-    println!(
-        "{:<14}{:>10}{:>12}{:>22}{:>22}",
-        "preset", "bytes", "of 16 bits", "file's range: largest", "preset's own: largest"
-    );
+    let heads = ["bytes", "of 16 bits", "file's range: largest, mean", "preset's own: largest, mean"];
+    let mut table = Table::new("preset", heads);
     for (name, bytes) in [
         ("garnet_red", GARNET_RED),
         ("cayman", &include_bytes!("../../presets/cayman.srbf")[..]),
@@ -30,10 +29,10 @@ fn main() {
         let saved = 2 * views * (4 * lobes + 4);
         let wide = [SHARPNESS, LUMINANCE, SQUEEZE, DIFFERENCE];
         let errors = [error(&material, wide), error(&material, own(&material))];
-        let [wide, own] = errors.map(|[largest, mean]| format!("{largest:>12.1e} {mean:>9.1e}"));
-        println!("{name:<14}{:>10}{:>12}{wide}{own}", bytes.len(), bytes.len() - saved);
+        let [wide, own] = errors.map(|[largest, mean]| format!("{largest:.1e} {mean:.1e}"));
+        table.row(name, [bytes.len().to_string(), (bytes.len() - saved).to_string(), wide, own]);
     }
-    println!("errors: the largest, and the mean");
+    table.print();
 }
 
 /// The lobes of a view.

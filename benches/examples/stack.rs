@@ -4,6 +4,7 @@
 #![allow(unsafe_code, reason = "calls the C interface as C does, and looks below its own stack")]
 
 use srbf::{srbf_material, srbf_mixture, srbf_request, srbf_sample, srbf_vectors, srbf_vectors_out};
+use srbf_benches::harness::Table;
 use srbf_benches::{GARNET_RED, Triples, factored_material, levels};
 use srbf_core::{Grid, GridView, Level, Line, PlaneLobe, Processor, TiltedLobe, View};
 use std::hint::black_box;
@@ -24,8 +25,8 @@ fn main() {
 }
 
 fn report(level: Level) {
-    let columns = ["ask", "members", "single", "prepare", "albedo"].map(|name| format!("{name:>9}")).concat();
-    println!("{:<34}{columns}", format!("{}, bytes", level.name()));
+    let heads = ["ask", "members", "single", "prepare", "albedo"];
+    let mut table = Table::new(&format!("{}, bytes", level.name()), heads);
     for (name, bytes) in [
         ("garnet red", GARNET_RED.to_vec()),
         ("garnet red with factors", factored_material().bytes().to_vec()),
@@ -34,8 +35,9 @@ fn report(level: Level) {
     ] {
         let used = std::thread::Builder::new().stack_size(4 * REACH).spawn(move || of(&bytes));
         let used = used.expect("a thread").join().expect("no panic");
-        println!("{name:<34}{}", used.map(|bytes| format!("{bytes:>9}")).concat());
+        table.row(name, used.map(|bytes| bytes.to_string()));
     }
+    table.print();
 }
 
 /// A material of stored lobes, of which some stand for two.

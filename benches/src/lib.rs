@@ -5,6 +5,7 @@ pub mod baseline;
 pub mod clock;
 pub mod device;
 pub mod ggx;
+pub mod harness;
 pub mod work;
 
 use srbf_core::{

@@ -3,7 +3,8 @@
 //! Forms take turns, many times over, and the least time of each is kept: what disturbs the machine disturbs all of them, and only
 //! ever adds.
 
-use crate::lobes_table::plot;
+mod plot;
+
 use srbf_core::{MAX_LOBES, Material, Mixture, PackOptions, Vec3};
 use srbf_fit::pack::{PackedForm, Subject, Way, forms};
 use srbf_fit::read::read;

@@ -14,7 +14,6 @@ mod good_inputs;
 #[cfg(test)]
 mod imagined;
 mod leave_out;
-mod lobes_table;
 mod presets;
 mod residuals;
 mod samples;
@@ -49,7 +48,6 @@ enum Command {
     Figures(figures::Args),
     GoodInputs(good_inputs::Args),
     ThesisTable(thesis_table::Args),
-    LobesTable(lobes_table::Args),
     Forms(forms::Args),
     EqualTime(equal_time::Args),
     Stability(stability::Args),
@@ -74,7 +72,6 @@ fn main() -> ExitCode {
             Command::Figures(args) => figures::run(&args),
             Command::GoodInputs(args) => good_inputs::run(&args),
             Command::ThesisTable(args) => thesis_table::run(args),
-            Command::LobesTable(args) => lobes_table::run(args),
             Command::Forms(args) => forms::run(&args),
             Command::EqualTime(args) => equal_time::run(&args),
             Command::Stability(args) => stability::run(args),

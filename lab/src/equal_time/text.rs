@@ -60,6 +60,14 @@ impl After {
         }
     }
 
+    /// As the file of numbers says it.
+    fn word(self) -> &'static str {
+        match self {
+            Self::Time => "time",
+            Self::Samples => "samples",
+        }
+    }
+
     fn of(self, ratio: Ratio) -> Option<Estimate> {
         match self {
             Self::Time => ratio.time,
@@ -105,11 +113,14 @@ impl Text<'_> {
         t_factor(self.args.repeats)
     }
 
-    /// The page as Markdown.
+    /// The page as Markdown: several cases together. Each of them is in [`csv`](Self::csv).
     pub fn markdown(&self) -> String {
-        let mut text =
-            format!("# Error against time\n\n{}\n\n    {}\n", self.words().join("\n\n"), self.command());
-        for (heading, grids) in self.parts() {
+        let mut text = format!(
+            "# Error against time\n\n{}\n\n    {}\n\nEvery ratio by itself is in the `.csv` file beside this page.\n",
+            self.words().join("\n\n"),
+            self.command()
+        );
+        for (heading, grids) in self.together() {
             text += &format!("\n## {heading}\n");
             for grid in grids {
                 text += &format!("\n{}", grid.markdown());
@@ -123,7 +134,7 @@ impl Text<'_> {
         let mut page = Page::new("Error against time");
         self.words().iter().for_each(|words| page.paragraph(&words.replace('`', "")));
         page.lines(&self.command());
-        for (heading, grids) in self.parts() {
+        for (heading, grids) in self.together().into_iter().chain(self.one_by_one()) {
             page.heading(&heading);
             grids.iter().for_each(|grid| page.table(&grid.table()));
         }
@@ -161,11 +172,49 @@ impl Text<'_> {
         ]
     }
 
-    fn parts(&self) -> Vec<(String, Vec<Grid>)> {
-        let mut parts = vec![
+    /// Every ratio to even sums: a line for each case, a column for each method, and the names of the methods whose ratio is not
+    /// certain in the last one.
+    ///
+    /// # Errors
+    /// Memory.
+    pub fn csv(&self) -> anyhow::Result<Vec<u8>> {
+        let names: Vec<String> = method_names(&self.args.samplers).into_iter().skip(1).collect();
+        let mut lines = csv::Writer::from_writer(Vec::new());
+        let head = ["material", "scene", "light", "rendered", "points", "after"];
+        lines.write_record(head.into_iter().chain(names.iter().map(String::as_str)).chain(["open"]))?;
+        for case in self.measured {
+            let Measured { rendered, points, comparison } = case;
+            for after in [After::Time, After::Samples] {
+                let Comparison { scene, material, environment, .. } = comparison;
+                let mut line =
+                    vec![material.as_str(), scene, environment, rendered.text(), points_text(*points)];
+                line.push(after.word());
+                let of = |name: &String| after.of(Ratio::of(comparison, name, "even"));
+                let ratios: Vec<String> =
+                    names.iter().map(|name| of(name).map_or_else(String::new, |r| short(r.mean))).collect();
+                let is_open =
+                    |name: &&String| of(name).is_some_and(|r| certain(r, self.t()) == Certain::Open);
+                let open: Vec<&str> = names.iter().filter(is_open).map(String::as_str).collect();
+                let open = open.join(" ");
+                lines.write_record(
+                    line.into_iter().chain(ratios.iter().map(String::as_str)).chain([&*open]),
+                )?;
+            }
+        }
+        Ok(lines.into_inner()?)
+    }
+
+    /// Ratios over many cases.
+    fn together(&self) -> Vec<(String, Vec<Grid>)> {
+        vec![
             ("Another sampler, the same way with the light".to_owned(), self.samplers()),
             ("Another way with the light, the same lobes".to_owned(), self.ways()),
-        ];
+        ]
+    }
+
+    /// Ratios of each case, by material.
+    fn one_by_one(&self) -> Vec<(String, Vec<Grid>)> {
+        let mut parts = Vec::new();
         let mut materials: Vec<&str> = self.measured.iter().map(|m| m.comparison.material.as_str()).collect();
         materials.dedup();
         materials.dedup();
@@ -329,10 +378,10 @@ mod tests {
         let args = Cli::parse_from(["x"]).args;
         let text = Text { measured: &measured, args: &args, minutes: 1.0, commit: "0fa598b" };
         let page = text.markdown();
-        assert!(
-            page.contains("| sphere, forest; lobes; Sobol | **4.00** | **16.0** | **0.25** | 1.00 |"),
-            "{page}"
-        );
+        let lines = String::from_utf8(text.csv().unwrap()).unwrap();
+        let lines: Vec<&str> = lines.lines().collect();
+        assert!(lines[0].starts_with("material,scene,light,rendered,points,after,lobes,ggx,"), "{lines:?}");
+        assert_eq!(lines[1], "paint,sphere,forest,lobes,Sobol,time,,,,,4.00,16.0,,,0.25,,,1.00,product");
         assert!(
             page.contains("| `ggx+mis` over `mis` | 4.00 (4.00 to 4.00); 0 better, 1 worse of 1 | - |"),
             "{page}"
