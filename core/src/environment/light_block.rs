@@ -8,7 +8,7 @@ use glam::Vec3;
 /// Samples in a block.
 pub const LIGHT_BLOCK: usize = 16;
 
-/// Sixteen samples of an environment as rows, each a cache line: what [`reflect`](crate::Mixture::reflect)
+/// Sixteen samples of an environment as rows, each a cache line: what [`reflect`](crate::AnyMixture::reflect)
 /// reads.
 ///
 /// Blocks are made before rendering, as many as the caller has memory for, 448 bytes each. A *tile* is a few

@@ -59,7 +59,7 @@ use crate::error::Error;
 use crate::mixture::rows::{AnyMixture, Sample, drawn_density, weight_of};
 use glam::Vec3;
 
-/// What light a surface reflects, but for two rays: see [`Mixture::reflect`].
+/// What light a surface reflects, but for two rays: see [`AnyMixture::reflect`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reflection {
     /// The path's own ray, drawn from the mixture: direction in the caller's shading frame, density and

@@ -72,7 +72,7 @@ impl ProductSampling {
     }
 
     /// The factor on the light that a path meets along its own ray. The path drew the ray by
-    /// [`Mixture::sample`](crate::Mixture::sample) with density `pdf`; the environment has
+    /// [`AnyMixture::sample`](crate::AnyMixture::sample) with density `pdf`; the environment has
     /// [`Environment::pdf`](crate::Environment::pdf) `environment_pdf` there.
     ///
     /// `p_b / (p_b + kappa p)`, `p` the density of the candidates; 0 for an infinite kappa. In [0, 1] whatever

@@ -12,7 +12,7 @@ use crate::simd::lanes::{Lanes, dot3, splat3};
 use crate::simd::routine::Routine;
 use glam::Vec3;
 
-/// Most directions of the lobes that [`reflect`](crate::Mixture::reflect) takes.
+/// Most directions of the lobes that [`reflect`](crate::AnyMixture::reflect) takes.
 pub const MAX_REFLECT_RAYS: usize = 16;
 
 /// Places: those of the block, then those of the lobes, of which each begins a vector at every level.

@@ -59,7 +59,7 @@ impl AnyMixture<'_> {
     }
 }
 
-/// The draws and the sums of [`Mixture::ask`]; all slices of a request have one length.
+/// The draws and the sums of [`AnyMixture::ask`]; all slices of a request have one length.
 impl MixtureRef<'_> {
     fn draw(&self, Draws { u, direction: [x, y, z], pdf, mut weight }: Draws<'_>) {
         if self.head.power == 0.0 {

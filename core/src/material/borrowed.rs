@@ -226,7 +226,7 @@ impl<B: AsRef<[u8]>> Material<B> {
     }
 
     /// The change of the albedo of a view by the factors, relative to the luminance of the lobes' own, linear sRGB, as
-    /// it is stored; `None` past the end, and without a table. [`Mixture::albedo`](crate::Mixture::albedo) has it in it.
+    /// it is stored; `None` past the end, and without a table. [`AnyMixture::albedo`](crate::AnyMixture::albedo) has it in it.
     pub fn view_albedo_difference(&self, view: usize) -> Option<[f32; 3]> {
         let number = |i: usize| f32_at(self.bytes(), self.header.albedo_difference(view) + 4 * i);
         (self.factor_nodes().is_some() && view < self.header.views).then(|| [0, 1, 2].map(number))
