@@ -3,7 +3,7 @@
 use crate::arrays::{Shape, Vectors, broadcast, room, slices_mut};
 use crate::error;
 use crate::source::AsBrdf;
-use crate::table::Table;
+use crate::table::{Reduced, Table};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -33,9 +33,6 @@ pub struct Material {
 
 /// The report of a fit, as JSON, and in words.
 type Fitted = (String, Vec<String>);
-
-/// A pickle: a function, and its arguments.
-pub type Reduced<'py, Arguments> = (Bound<'py, PyAny>, Arguments);
 
 impl Material {
     pub fn new(bytes: Vec<u8>) -> Result<Self, srbf_core::FormatError> {

@@ -2,7 +2,6 @@
 
 use crate::arrays::{cast, rows, table as array_of};
 use crate::error;
-use crate::material::Reduced;
 use numpy::PyArray1;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -14,6 +13,9 @@ use srbf_fit::table::{Symmetry, evaluation_views};
 use srbf_fit::{ReadError, analytic};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+
+/// A pickle: a function, and its arguments.
+pub type Reduced<'py, Arguments> = (Bound<'py, PyAny>, Arguments);
 
 /// A measurement: scattered samples, or values at every pair of directions.
 #[pyclass(frozen, module = "srbf_brdf")]

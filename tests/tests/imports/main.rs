@@ -64,6 +64,7 @@ const PACKAGES: &[Package] = &[
     },
     Package { folder: "lab", may_take_from_parent: true, known: &[["figures.rs", "samples.rs"]] },
     Package { folder: "tests", may_take_from_parent: false, known: &[["reference.rs", "tolerance.rs"]] },
+    Package { folder: "python", may_take_from_parent: false, known: &[["material.rs", "table.rs"]] },
     Package { folder: "tests/levels", may_take_from_parent: false, known: &[] },
     Package { folder: "benches", may_take_from_parent: false, known: &[] },
 ];

@@ -68,7 +68,7 @@ fn from_hdr(bytes: &[u8], projection: Projection) -> anyhow::Result<Environment>
     let picture = image::DynamicImage::from_decoder(decoder).with_context(|| {
         format!("{width} x {height} pixels are announced, and the file ends early or is damaged")
     })?;
-    let pixels = picture.to_rgb32f().pixels().map(|p| Vec3::from_array(p.0) / exposure).collect();
+    let pixels = picture.into_rgb32f().pixels().map(|p| Vec3::from_array(p.0) / exposure).collect();
     Map { width: width as usize, pixels }.environment(projection)
 }
 
