@@ -281,17 +281,20 @@ pub(crate) fn all_lobes<L: Lanes, const C: usize, const SEEN: bool>(
         let is_soon = if ONE_TEXT { m.is_plain() } else { !SEEN };
         let first = m.head.squeezed.min(m.head.count);
         let mut k = 0;
-        while m.has(k, first) {
-            add_lobe::<L, C, SEEN, true, false>(m, amplitudes, &squeezed, k, &mut acc);
-            k += 1;
-        }
-        while !is_soon && m.has(k, m.head.count) {
-            add_lobe::<L, C, SEEN, false, false>(m, amplitudes, &turned, k, &mut acc);
-            k += 1;
-        }
-        while is_soon && m.has(k, m.head.count) {
-            add_lobe::<L, C, false, false, true>(m, amplitudes, &turned, k, &mut acc);
-            k += 1;
+        for (n, group) in m.groups.iter().enumerate() {
+            let end = m.head.count.min(WIDEST * (n + 1));
+            while k < first.min(end) {
+                add_lobe::<L, C, SEEN, true, false>(m, group, amplitudes, &squeezed, k, &mut acc);
+                k += 1;
+            }
+            while !is_soon && k < end {
+                add_lobe::<L, C, SEEN, false, false>(m, group, amplitudes, &turned, k, &mut acc);
+                k += 1;
+            }
+            while is_soon && k < end {
+                add_lobe::<L, C, false, false, true>(m, group, amplitudes, &turned, k, &mut acc);
+                k += 1;
+            }
         }
         return sums_of(acc);
     }
@@ -381,17 +384,17 @@ fn add_lobes<L: Lanes, const C: usize, const SEEN: bool>(
     }
 }
 
-/// Adds lobe `k`, where vectors are one number: a lobe that has fallen to 0 is left early. `SQUEEZED`: its direction
+/// Adds lobe `k`, one of `group`, where vectors are one number: a lobe that has fallen to 0 is left early. `SQUEEZED`: its direction
 /// was squeezed too, else only turned. `SOON`: by [`falloff_soon`].
 #[inline(always)]
 fn add_lobe<L: Lanes, const C: usize, const SEEN: bool, const SQUEEZED: bool, const SOON: bool>(
     m: &AnyMixture<'_>,
+    group: &Group,
     amplitudes: [usize; C],
     seen: &Seen<L>,
     k: usize,
     acc: &mut [L; C],
 ) {
-    let Some(group) = m.groups.get(k / WIDEST) else { return };
     let at = k % WIDEST;
     let mut apart = seen.high;
     for i in 0..3 {
