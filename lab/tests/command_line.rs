@@ -58,7 +58,6 @@ fn only_files_are_written() {
 fn options_that_do_not_fit_are_refused_by_name() {
     let place = folder("lab-options");
     refused(&place, &["survey"], &["SRBF_DATA_DIR"]);
-    refused(&place, &["lobes-table", "diffuse.csv", "--lobes", "3"], &["--lobes", "of its own"]);
     refused(&place, &["equal-time", "--repeats", "1"], &["--repeats"]);
     refused(&place, &["equal-time"], &["SRBF_DATA_DIR"]);
     refused(&place, &["samples", "--steps", "4294967295"], &["--steps"]);
