@@ -3,7 +3,7 @@
 //! Own code because the linear algebra crates have no band matrices: 1000 unknowns with 128 off the diagonal on either
 //! side, the normal equations of 16 stored views with 12 lobes, are 8 million multiply-adds, a twentieth of the dense ones.
 
-use crate::numeric::vector::{self, Operation};
+use crate::numeric::vector::{self, Operation, Vectors};
 
 /// Upper half of a symmetric band matrix.
 ///
@@ -221,9 +221,9 @@ impl Operation for Factor<'_> {
     type Output = bool;
 
     #[inline(always)]
-    fn run<const LANES: usize>(self) -> bool {
+    fn run<V: Vectors>(self, _: V) -> bool {
         // The sums of eight rows are all the registers that AVX2 has.
-        if LANES == WIDE { self.0.factor_in_place::<WIDE>() } else { self.0.factor_in_place::<4>() }
+        if V::LANES == WIDE { self.0.factor_in_place::<WIDE>() } else { self.0.factor_in_place::<4>() }
     }
 }
 
@@ -233,7 +233,7 @@ impl Operation for Solve<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<const LANES: usize>(self) {
+    fn run<V: Vectors>(self, _: V) {
         self.0.solve_in_place(self.1);
     }
 }

@@ -1,7 +1,7 @@
 //! The covariance of a Gaussian process.
 
 use super::pair::COORDINATES;
-use crate::numeric::vector::{self, Operation};
+use crate::numeric::vector::{self, Operation, Vectors};
 
 /// How alike points are at a distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +31,7 @@ impl Operation for Row<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<const LANES: usize>(self) {
+    fn run<V: Vectors>(self, _: V) {
         let Self { kernel, from, to, out } = self;
         let weights = kernel.lengths.map(|l| 5.0 / (l * l));
         let len = out.len();

@@ -3,13 +3,10 @@
 //! Both are made of inner products of rows, in tiles that stay in registers. Sums have a fixed order and are fused everywhere, so that
 //! every processor gives the same bits.
 
-use super::vector::{self, Operation, fused};
+use super::vector::{self, Operation, Vectors, WIDEST};
 
 /// Rows that are worked on at a time.
 const BLOCK: usize = 32;
-
-/// Lanes of a running sum.
-const LANES: usize = 8;
 
 /// A square matrix by rows, each padded with zeros to whole lanes.
 pub struct Square {
@@ -21,13 +18,13 @@ pub struct Square {
 impl Square {
     /// Zeros.
     pub fn zeros(size: usize) -> Self {
-        let stride = size.next_multiple_of(LANES);
+        let stride = size.next_multiple_of(WIDEST);
         Self { size, stride, values: vec![0.0; size * stride] }
     }
 
     /// Some rows of zeros, as long as a matrix of that size is wide: right sides.
     pub fn rows(count: usize, size: usize) -> Self {
-        let stride = size.next_multiple_of(LANES);
+        let stride = size.next_multiple_of(WIDEST);
         Self { size, stride, values: vec![0.0; count * stride] }
     }
 
@@ -48,7 +45,7 @@ impl Square {
 
     /// A row from the beginning of the lanes that hold column `from` up to the end of those that hold `to`.
     fn lanes(&self, i: usize, from: usize, to: usize) -> &[f64] {
-        let (from, to) = (from / LANES * LANES, to.next_multiple_of(LANES));
+        let (from, to) = (from / WIDEST * WIDEST, to.next_multiple_of(WIDEST));
         &self.values[i * self.stride + from..i * self.stride + to]
     }
 
@@ -195,15 +192,18 @@ impl Operation for Products<'_> {
     type Output = Vec<f64>;
 
     #[inline(always)]
-    fn run<const WIDE: usize>(self) -> Vec<f64> {
-        // What fits into 32 registers of all lanes, or into 16 of half of them.
-        if WIDE == LANES { self.tiles::<4>() } else { self.tiles::<2>() }
+    fn run<V: Vectors>(self, vectors: V) -> Vec<f64> {
+        match V::LANES {
+            WIDEST => self.tiles::<V, 4>(vectors),
+            4 => self.tiles::<V, 3>(vectors),
+            _ => self.tiles::<V, 2>(vectors),
+        }
     }
 }
 
 impl Products<'_> {
     #[inline(always)]
-    fn tiles<const SIDE: usize>(self) -> Vec<f64> {
+    fn tiles<V: Vectors, const SIDE: usize>(self, vectors: V) -> Vec<f64> {
         let mut out = vec![0.0; BLOCK * BLOCK];
         if self.over.is_empty() {
             return out;
@@ -218,7 +218,7 @@ impl Products<'_> {
                 let across: [&[f64]; SIDE] = std::array::from_fn(|n| {
                     self.b.lanes(self.columns.0 + (j + n).min(last(self.columns.1)), over.start, over.end)
                 });
-                let tile = tile(down, across);
+                let tile = vectors.tile(down, across);
                 for (n, row) in tile.iter().enumerate().take(self.rows.1 - i) {
                     for (m, sums) in row.iter().enumerate().take(self.columns.1 - j) {
                         let [a, b, c, d, e, f, g, h] = *sums;
@@ -229,32 +229,6 @@ impl Products<'_> {
         }
         out
     }
-}
-
-/// Inner products of some rows with some others, of whole blocks, in lanes that are still to be added up.
-#[inline(always)]
-fn tile<const SIDE: usize>(down: [&[f64]; SIDE], across: [&[f64]; SIDE]) -> [[[f64; LANES]; SIDE]; SIDE] {
-    if cfg!(target_family = "wasm") {
-        return vector::tile_in_pairs(down, across);
-    }
-    // By whole blocks: where no place is checked, the sums stay in registers.
-    let down = down.map(|row| row.as_chunks::<BLOCK>().0);
-    let across = across.map(|row| row.as_chunks::<BLOCK>().0);
-    let mut sums = [[[0.0; LANES]; SIDE]; SIDE];
-    for block in 0..down[0].len() {
-        let down = down.map(|row| &row[block]);
-        let across = across.map(|row| &row[block]);
-        for n in (0..BLOCK).step_by(LANES) {
-            for i in 0..SIDE {
-                for j in 0..SIDE {
-                    for lane in 0..LANES {
-                        sums[i][j][lane] = fused(down[i][n + lane], across[j][n + lane], sums[i][j][lane]);
-                    }
-                }
-            }
-        }
-    }
-    sums
 }
 
 #[cfg(test)]

@@ -8,12 +8,125 @@
 use std::f64::consts::LOG2_E;
 use wide::f64x2;
 
+/// Lanes in which inner products are summed: the widest registers hold this number.
+pub const WIDEST: usize = 8;
+
 /// A loop over numbers.
 pub trait Operation {
-    /// The result, the same for any number of lanes.
+    /// The result, the same with any vectors.
     type Output;
-    /// Runs it, `inline(always)`, as everything has to be that it calls. `LANES`: how many numbers a register holds.
-    fn run<const LANES: usize>(self) -> Self::Output;
+    /// Runs it, `inline(always)`, as everything has to be that it calls.
+    fn run<V: Vectors>(self, vectors: V) -> Self::Output;
+}
+
+/// The vectors of a level. There is a value of such a type only where the processor has them.
+pub trait Vectors: Copy {
+    /// How many numbers a register holds.
+    const LANES: usize;
+    /// Inner products of some rows with some others, of whole lanes of [`WIDEST`], in lanes that are still to be added up. Numbers beyond
+    /// the shortest row do not count. Registers have room for a `SIDE` of 4 where they hold 8 numbers, of 3 where they hold 4, and of 2.
+    fn tile<const SIDE: usize>(self, down: [&[f64]; SIDE], across: [&[f64]; SIDE]) -> Tile<SIDE>;
+}
+
+/// Inner products in lanes.
+pub type Tile<const SIDE: usize> = [[[f64; WIDEST]; SIDE]; SIDE];
+
+/// Loops as the compiler makes them for every processor of a kind.
+#[derive(Clone, Copy)]
+pub struct Baseline(());
+
+impl Vectors for Baseline {
+    const LANES: usize = 1;
+
+    #[inline(always)]
+    fn tile<const SIDE: usize>(self, down: [&[f64]; SIDE], across: [&[f64]; SIDE]) -> Tile<SIDE> {
+        if cfg!(target_family = "wasm") { in_pairs(down, across) } else { by_loops(down, across) }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code, reason = "vectors are read and written by their addresses")]
+mod x86 {
+    use super::{Tile, Vectors, WIDEST, whole_lanes};
+    use std::arch::x86_64::*;
+
+    // Explicit vectors: left to itself the compiler sums one product after the other with AVX2, and keeps all rows in memory.
+    macro_rules! level {
+        ($name:ident, $tile:ident, $features:literal, $lanes:literal, $zero:ident, $load:ident, $fused:ident, $store:ident) => {
+            #[doc = concat!("Proof of ", $features, ".")]
+            #[derive(Clone, Copy)]
+            pub struct $name(());
+
+            impl $name {
+                /// # Safety
+                /// The processor has these instructions.
+                pub(super) unsafe fn new() -> Self {
+                    Self(())
+                }
+            }
+
+            impl Vectors for $name {
+                const LANES: usize = $lanes;
+
+                #[inline(always)]
+                fn tile<const SIDE: usize>(self, down: [&[f64]; SIDE], across: [&[f64]; SIDE]) -> Tile<SIDE> {
+                    // SAFETY: there is a value of this type, so the processor has these instructions.
+                    unsafe { $tile(down, across) }
+                }
+            }
+
+            #[target_feature(enable = $features)]
+            fn $tile<const SIDE: usize>(down: [&[f64]; SIDE], across: [&[f64]; SIDE]) -> Tile<SIDE> {
+                let (down, across) = whole_lanes(down, across);
+                let mut out = [[[0.0; WIDEST]; SIDE]; SIDE];
+                for first in (0..WIDEST).step_by($lanes) {
+                    let mut sums = [[$zero(); SIDE]; SIDE];
+                    for n in 0..down[0].len() {
+                        // By a loop: a closure would not have the instructions of this function, and be called.
+                        let mut right = [$zero(); SIDE];
+                        for j in 0..SIDE {
+                            // SAFETY: the lanes from `first` on are within the eight.
+                            right[j] = unsafe { $load(across[j][n][first..].as_ptr()) };
+                        }
+                        for i in 0..SIDE {
+                            // SAFETY: as above.
+                            let left = unsafe { $load(down[i][n][first..].as_ptr()) };
+                            for j in 0..SIDE {
+                                sums[i][j] = $fused(left, right[j], sums[i][j]);
+                            }
+                        }
+                    }
+                    for i in 0..SIDE {
+                        for j in 0..SIDE {
+                            // SAFETY: as above.
+                            unsafe { $store(out[i][j][first..].as_mut_ptr(), sums[i][j]) };
+                        }
+                    }
+                }
+                out
+            }
+        };
+    }
+    level!(
+        Avx2,
+        tile_avx2,
+        "avx2,fma",
+        4,
+        _mm256_setzero_pd,
+        _mm256_loadu_pd,
+        _mm256_fmadd_pd,
+        _mm256_storeu_pd
+    );
+    level!(
+        Avx512,
+        tile_avx512,
+        "avx512f,avx512bw,avx512dq,avx512vl",
+        8,
+        _mm512_setzero_pd,
+        _mm512_loadu_pd,
+        _mm512_fmadd_pd,
+        _mm512_storeu_pd
+    );
 }
 
 /// Runs an operation with the widest vectors of this processor, and of the level that was chosen.
@@ -25,12 +138,12 @@ pub fn run<O: Operation>(operation: O) -> O::Output {
         use std::arch::is_x86_feature_detected as has;
 
         #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-        fn avx512<O: Operation>(operation: O) -> O::Output {
-            operation.run::<8>()
+        fn avx512<O: Operation>(operation: O, vectors: x86::Avx512) -> O::Output {
+            operation.run(vectors)
         }
         #[target_feature(enable = "avx2,fma")]
-        fn avx2<O: Operation>(operation: O) -> O::Output {
-            operation.run::<4>()
+        fn avx2<O: Operation>(operation: O, vectors: x86::Avx2) -> O::Output {
+            operation.run(vectors)
         }
         // A core that is built without vectors has no levels to choose among.
         let most = if Level::Portable.is_available() { Level::current() } else { Level::Avx512 };
@@ -38,13 +151,13 @@ pub fn run<O: Operation>(operation: O) -> O::Output {
             let has_avx512 = has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl");
             if most == Level::Avx512 && has_avx512 {
                 // SAFETY: the processor has these instructions.
-                return unsafe { avx512(operation) };
+                return unsafe { avx512(operation, x86::Avx512::new()) };
             }
             // SAFETY: as above.
-            return unsafe { avx2(operation) };
+            return unsafe { avx2(operation, x86::Avx2::new()) };
         }
     }
-    operation.run::<1>()
+    operation.run(Baseline(()))
 }
 
 /// `a b + c`, rounded once; in WebAssembly twice, where to round once would be a function of a hundred instructions.
@@ -95,24 +208,45 @@ pub fn exp(t: f64) -> f64 {
     if t > SMALLEST { scaled } else { 0.0 }
 }
 
-/// Inner products of some rows with some others, of whole lanes of eight, in lanes that are still to be added up: for WebAssembly, whose
-/// compiler leaves such a loop in scalars. Half of the lanes at a time fit into the registers of most processors.
+/// Rows as whole lanes, all of them as many as the shortest has, so that no place within them is checked.
 #[inline(always)]
-pub fn tile_in_pairs<const SIDE: usize>(
-    down: [&[f64]; SIDE],
-    across: [&[f64]; SIDE],
-) -> [[[f64; 8]; SIDE]; SIDE] {
-    let mut out = [[[0.0; 8]; SIDE]; SIDE];
-    // By chunks, so that no place within one is checked.
-    let count = down[0].len() / 8;
-    let down: [&[[f64; 8]]; SIDE] = std::array::from_fn(|i| &down[i].as_chunks().0[..count]);
-    let across: [&[[f64; 8]]; SIDE] = std::array::from_fn(|i| &across[i].as_chunks().0[..count]);
+fn whole_lanes<'a, const SIDE: usize>(
+    down: [&'a [f64]; SIDE],
+    across: [&'a [f64]; SIDE],
+) -> ([&'a [[f64; WIDEST]]; SIDE], [&'a [[f64; WIDEST]]; SIDE]) {
+    let count = down.iter().chain(&across).map(|row| row.len() / WIDEST).min().unwrap_or(0);
+    // A number that the compiler does not know: unrolled as a whole, the sums of a tile leave the registers.
+    let count = std::hint::black_box(count);
+    (down.map(|row| &row.as_chunks().0[..count]), across.map(|row| &row.as_chunks().0[..count]))
+}
+
+#[inline(always)]
+fn by_loops<const SIDE: usize>(down: [&[f64]; SIDE], across: [&[f64]; SIDE]) -> Tile<SIDE> {
+    let (down, across) = whole_lanes(down, across);
+    let mut sums = [[[0.0; WIDEST]; SIDE]; SIDE];
+    for n in 0..down[0].len() {
+        for i in 0..SIDE {
+            for j in 0..SIDE {
+                for lane in 0..WIDEST {
+                    sums[i][j][lane] = fused(down[i][n][lane], across[j][n][lane], sums[i][j][lane]);
+                }
+            }
+        }
+    }
+    sums
+}
+
+/// For WebAssembly, whose compiler leaves such a loop in scalars. Half of the lanes at a time fit into the registers of most processors.
+#[inline(always)]
+fn in_pairs<const SIDE: usize>(down: [&[f64]; SIDE], across: [&[f64]; SIDE]) -> Tile<SIDE> {
+    let (down, across) = whole_lanes(down, across);
+    let mut out = [[[0.0; WIDEST]; SIDE]; SIDE];
     for half in [0, 4] {
-        let pairs = |chunk: &[f64; 8]| {
+        let pairs = |chunk: &[f64; WIDEST]| {
             [f64x2::from([chunk[half], chunk[half + 1]]), f64x2::from([chunk[half + 2], chunk[half + 3]])]
         };
         let mut sums = [[[f64x2::ZERO; 2]; SIDE]; SIDE];
-        for n in 0..count {
+        for n in 0..down[0].len() {
             let rows = down.map(|row| pairs(&row[n]));
             let columns = across.map(|row| pairs(&row[n]));
             for i in 0..SIDE {
@@ -154,15 +288,31 @@ mod tests {
     #[test]
     fn tiles_are_inner_products_in_lanes() {
         let row = |seed: usize| (0..24).map(|n| ((seed * 7 + n * 5) % 11) as f64).collect::<Vec<_>>();
-        let rows = [1, 2, 3, 4].map(row);
-        let found = tile_in_pairs([&rows[0][..], &rows[1][..]], [&rows[2][..], &rows[3][..]]);
-        for i in 0..2 {
-            for j in 0..2 {
-                for lane in 0..8 {
-                    let products = (0..3).map(|n| rows[i][8 * n + lane] * rows[2 + j][8 * n + lane]);
-                    assert_eq!(found[i][j][lane], products.sum::<f64>());
-                }
+        let rows: Vec<Vec<f64>> = (1..7).map(row).collect();
+        let down: [&[f64]; 3] = std::array::from_fn(|i| &rows[i][..]);
+        // Of the last row, a lane that is not whole.
+        let across = [&rows[3][..], &rows[4][..], &rows[5][..23]];
+        let of_this_machine = run(OneTile { down, across });
+        let sum = |i: usize, j: usize, lane: usize, count: usize| -> f64 {
+            (0..count).map(|n| rows[i][8 * n + lane] * rows[3 + j][8 * n + lane]).sum()
+        };
+        for found in [of_this_machine, by_loops(down, across), in_pairs(down, across)] {
+            for (i, j, lane) in (0..72).map(|n| (n / 24, n / 8 % 3, n % 8)) {
+                assert_eq!(found[i][j][lane], sum(i, j, lane, 2));
             }
+        }
+    }
+
+    struct OneTile<'a> {
+        down: [&'a [f64]; 3],
+        across: [&'a [f64]; 3],
+    }
+
+    impl Operation for OneTile<'_> {
+        type Output = Tile<3>;
+        #[inline(always)]
+        fn run<V: Vectors>(self, vectors: V) -> Tile<3> {
+            vectors.tile(self.down, self.across)
         }
     }
 

@@ -6,8 +6,8 @@
 //! gradient is exact, the steps are a little shorter or longer than Gauss-Newton's.
 
 use crate::family::lobes::Lobes;
-use crate::family::unit::{Column, PANEL};
-use crate::numeric::vector::{self, Operation, fused};
+use crate::family::unit::PANEL;
+use crate::numeric::vector::{self, Operation, Vectors, WIDEST, fused};
 
 /// A sample as the fit sees it.
 #[derive(Clone, Debug)]
@@ -103,7 +103,7 @@ impl Operation for Values<'_> {
     type Output = Vec<[f64; 3]>;
 
     #[inline(always)]
-    fn run<const WIDE: usize>(self) -> Vec<[f64; 3]> {
+    fn run<V: Vectors>(self, _: V) -> Vec<[f64; 3]> {
         let mut out = Vec::with_capacity(self.points.len());
         for chunk in self.points.chunks(PANEL) {
             let panel = self.lobes.panel(chunk.iter().map(|p| p.direction));
@@ -125,7 +125,7 @@ impl Operation for Projection<'_> {
     type Output = (f64, [f64; 3]);
 
     #[inline(always)]
-    fn run<const WIDE: usize>(self) -> (f64, [f64; 3]) {
+    fn run<V: Vectors>(self, _: V) -> (f64, [f64; 3]) {
         let (mut square, mut moment) = (0.0, [0.0; 3]);
         for (points, left) in self.points.chunks(PANEL).zip(self.left.chunks(PANEL)) {
             let panel = self.lobes.panel(points.iter().map(|p| p.direction));
@@ -139,9 +139,6 @@ impl Operation for Projection<'_> {
     }
 }
 
-/// Lanes in which the products of two columns are summed: the widest registers hold this number.
-const LANES: usize = 8;
-
 struct AllSums<'a> {
     lobes: &'a Lobes,
     amplitudes: &'a [Vec<f64>; 3],
@@ -152,16 +149,19 @@ impl Operation for AllSums<'_> {
     type Output = Sums;
 
     #[inline(always)]
-    fn run<const WIDE: usize>(self) -> Sums {
-        // What fits into 32 registers of all lanes, or into 16 of half of them.
-        if WIDE == LANES { self.sums::<4>() } else { self.sums::<2>() }
+    fn run<V: Vectors>(self, vectors: V) -> Sums {
+        match V::LANES {
+            WIDEST => self.sums::<V, 4>(vectors),
+            4 => self.sums::<V, 3>(vectors),
+            _ => self.sums::<V, 2>(vectors),
+        }
     }
 }
 
 impl AllSums<'_> {
     /// The Gram matrix in tiles of `SIDE` columns across and down.
     #[inline(always)]
-    fn sums<const SIDE: usize>(self) -> Sums {
+    fn sums<V: Vectors, const SIDE: usize>(self, vectors: V) -> Sums {
         let k = self.lobes.len();
         let width = self.lobes.slopes_len();
         // Derivatives, three differences, and a column of zeros that fills tiles up.
@@ -170,7 +170,7 @@ impl AllSums<'_> {
         let mut columns = vec![[0.0; PANEL]; stride];
         let mut is_used = vec![true; width];
         let mut used: Vec<usize> = Vec::with_capacity(stride + SIDE);
-        let mut gram = vec![[0.0; LANES / 2]; stride * stride];
+        let mut gram = vec![[0.0; WIDEST / 2]; stride * stride];
         let mut cost = 0.0;
         for chunk in self.points.chunks(PANEL) {
             let panel = self.lobes.panel(chunk.iter().map(|p| p.direction));
@@ -203,13 +203,13 @@ impl AllSums<'_> {
             used.extend((0..zero).filter(|&i| i >= width || is_used[i]));
             used.resize(used.len().next_multiple_of(SIDE), zero);
             for (first, across) in used.chunks_exact(SIDE).enumerate() {
-                let right: [&Column; SIDE] = std::array::from_fn(|i| &columns[across[i]]);
+                let right: [&[f64]; SIDE] = std::array::from_fn(|i| &columns[across[i]][..]);
                 for down in used[SIDE * first..].chunks_exact(SIDE) {
-                    let tile = tile::<SIDE>(std::array::from_fn(|i| &columns[down[i]]), right);
+                    let tile = vectors.tile(std::array::from_fn(|i| &columns[down[i]][..]), right);
                     for (i, row) in down.iter().zip(tile) {
                         for (j, product) in across.iter().zip(row) {
                             let sum = &mut gram[i * stride + j];
-                            (0..LANES / 2).for_each(|n| sum[n] += product[n] + product[n + LANES / 2]);
+                            (0..WIDEST / 2).for_each(|n| sum[n] += product[n] + product[n + WIDEST / 2]);
                         }
                     }
                 }
@@ -227,23 +227,4 @@ impl AllSums<'_> {
             moment: [0, 1, 2].map(|c| (0..width).map(|i| sum(width + c, i)).collect()),
         }
     }
-}
-
-/// Inner products of some columns with some others, in lanes that are still to be added up.
-#[inline(always)]
-fn tile<const SIDE: usize>(down: [&Column; SIDE], across: [&Column; SIDE]) -> [[[f64; LANES]; SIDE]; SIDE] {
-    if cfg!(target_family = "wasm") {
-        return vector::tile_in_pairs(down.map(|column| &column[..]), across.map(|column| &column[..]));
-    }
-    let mut sums = [[[0.0; LANES]; SIDE]; SIDE];
-    for n in (0..PANEL).step_by(LANES) {
-        for i in 0..SIDE {
-            for j in 0..SIDE {
-                for lane in 0..LANES {
-                    sums[i][j][lane] = fused(down[i][n + lane], across[j][n + lane], sums[i][j][lane]);
-                }
-            }
-        }
-    }
-    sums
 }

@@ -12,7 +12,7 @@ use crate::complete::tuning::microfacet_fit::{
 };
 use crate::numeric::cholesky::Square;
 use crate::numeric::levenberg::{LeastSquares, Linear};
-use crate::numeric::vector::{self, Operation};
+use crate::numeric::vector::{self, Operation, Vectors};
 
 /// The fit: the relative L2 error of every view, and differences of logarithms, or residuals of these with a process.
 pub(super) struct Fit<'a> {
@@ -155,7 +155,7 @@ impl Operation for Apart<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<const LANES: usize>(self) {
+    fn run<V: Vectors>(self, _: V) {
         let Self { fit, values, with_slopes, at } = self;
         let mut grams = [[[0.0; OF_A_CHANNEL]; OF_A_CHANNEL]; 3];
         let mut gradients = [[0.0; OF_A_CHANNEL]; 3];
