@@ -63,15 +63,26 @@ impl Banded {
         self.rows[chunk].0[n] += value;
     }
 
+    /// [`add`](Self::add) of a factor times the numbers of a symmetric square matrix, of which the first is added to row `i`, column `j`;
+    /// on the diagonal its lower half.
+    pub fn add_block(&mut self, i: usize, j: usize, factor: f64, block: &[f64], size: usize) {
+        vector::run(AddBlock { matrix: self, at: (i, j), factor, block, size });
+    }
+
     /// [`add`](Self::add) of a factor times numbers to those in column `j` from row `i` on.
-    #[inline]
-    pub fn add_run(&mut self, i: usize, j: usize, factor: f64, values: &[f64]) {
+    #[inline(always)]
+    fn add_run(&mut self, i: usize, j: usize, factor: f64, values: &[f64]) {
         debug_assert!(i - j + values.len() <= self.band + 1 && i + values.len() <= self.n);
         let (chunk, n) = self.place(i, j);
         let (first, rest) = values.split_at((WIDE - n).min(values.len()));
-        self.rows[chunk].0[n..].iter_mut().zip(first).for_each(|(v, add)| *v += factor * add);
-        for (chunk, values) in self.rows[chunk + 1..].iter_mut().zip(rest.chunks(WIDE)) {
-            chunk.0.iter_mut().zip(values).for_each(|(v, add)| *v += factor * add);
+        let (first_chunk, chunks) = self.rows[chunk..].split_at_mut(1);
+        first_chunk[0].0[n..].iter_mut().zip(first).for_each(|(v, add)| *v += factor * add);
+        let (whole, last) = rest.as_chunks::<WIDE>();
+        for (chunk, values) in chunks.iter_mut().zip(whole) {
+            (0..WIDE).for_each(|n| chunk.0[n] += factor * values[n]);
+        }
+        if let Some(chunk) = chunks.get_mut(whole.len()) {
+            chunk.0.iter_mut().zip(last).for_each(|(v, add)| *v += factor * add);
         }
     }
 
@@ -224,6 +235,27 @@ impl Operation for Factor<'_> {
     fn run<V: Vectors>(self, _: V) -> bool {
         // The sums of eight rows are all the registers that AVX2 has.
         if V::LANES == WIDE { self.0.factor_in_place::<WIDE>() } else { self.0.factor_in_place::<4>() }
+    }
+}
+
+struct AddBlock<'a> {
+    matrix: &'a mut Banded,
+    at: (usize, usize),
+    factor: f64,
+    block: &'a [f64],
+    size: usize,
+}
+
+impl Operation for AddBlock<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Vectors>(self, _: V) {
+        let Self { matrix, at: (i, j), factor, block, size } = self;
+        for (n, row) in block.chunks_exact(size).enumerate() {
+            let start = if i == j { n } else { 0 };
+            matrix.add_run(i + start, j + n, factor, &row[start..]);
+        }
     }
 }
 

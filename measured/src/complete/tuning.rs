@@ -26,6 +26,10 @@ pub(crate) mod choice {
     ];
     /// Variances of the noise of a sample that are tried, on the scale.
     pub const NOISES: [f64; 2] = [1e-2, 1e-3];
+    /// Samples by which processes are compared first: the time of one grows with the cube.
+    pub const RANKED: usize = 600;
+    /// Processes that are compared by all samples then.
+    pub const GO_ON: usize = 4;
     /// Share of the error at left-out views below which the model goes without a process.
     pub const ALONE: f64 = 0.9;
 }
