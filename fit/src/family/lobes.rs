@@ -2,7 +2,7 @@
 
 use crate::family::layout::{Layout, Views};
 use crate::family::unit::{Column, Directions, PANEL, Unit, ViewSqueeze};
-use crate::numeric::vector::{exp, fused};
+use crate::numeric::vector::{exp_f32, fused_f32};
 use std::f64::consts::FRAC_1_PI;
 
 /// The lobes of one view, ready to be evaluated at many directions.
@@ -51,20 +51,16 @@ impl Lobes {
         out[self.len()] = d[2] * FRAC_1_PI;
     }
 
-    /// At most [`PANEL`] directions side by side, those that lack straight up.
+    /// Directions as the lobes see them.
     #[inline(always)]
-    pub fn panel(&self, directions: impl Iterator<Item = [f64; 3]>) -> Panel {
-        let zero = [0.0; PANEL];
-        let mut round = Directions { at: [zero, zero, [1.0; PANEL]], jacobian: [1.0; PANEL] };
-        for (n, d) in directions.enumerate() {
-            (0..3).for_each(|axis| round.at[axis][n] = d[axis]);
-        }
-        let mut squeezed = Directions { at: [zero; 3], jacobian: zero };
+    pub fn panel(&self, at: &[Column; 3]) -> Panel {
+        let round = Directions { at: *at, jacobian: [1.0; PANEL] };
+        let mut squeezed = Directions { at: *at, jacobian: [0.0; PANEL] };
         if self.squeezed > 0 {
             for n in 0..PANEL {
-                let (u, j) = self.squeeze(&[round.at[0][n], round.at[1][n], round.at[2][n]]);
-                (0..3).for_each(|axis| squeezed.at[axis][n] = u[axis]);
-                squeezed.jacobian[n] = j;
+                let (u, j) = self.squeeze(&[at[0][n], at[1][n], at[2][n]].map(f64::from));
+                (0..3).for_each(|axis| squeezed.at[axis][n] = u[axis] as f32);
+                squeezed.jacobian[n] = j as f32;
             }
         }
         Panel { round, squeezed }
@@ -82,7 +78,7 @@ impl Lobes {
             if lobe.exponents(axis, directions, &mut exponents) {
                 is_near = true;
                 for n in 0..PANEL {
-                    sums[n] += directions.jacobian[n] * exp(lobe.sharpness * exponents[n]);
+                    sums[n] += directions.jacobian[n] * exp_f32(lobe.sharpness as f32 * exponents[n]);
                 }
             }
         }
@@ -92,13 +88,16 @@ impl Lobes {
     /// [`values`](Self::values) at a panel of directions, summed over the lobes. Shapes: `amplitudes` [K + 1] per channel.
     #[inline(always)]
     pub fn sums(&self, panel: &Panel, amplitudes: &[Vec<f64>; 3]) -> [Column; 3] {
-        let diffuse = |a: &Vec<f64>| panel.round.at[2].map(|cos| a[self.len()] * FRAC_1_PI * cos);
+        let diffuse = |a: &Vec<f64>| {
+            let radiance = (a[self.len()] * FRAC_1_PI) as f32;
+            panel.round.at[2].map(|cos| radiance * cos)
+        };
         let mut sums = [diffuse(&amplitudes[0]), diffuse(&amplitudes[1]), diffuse(&amplitudes[2])];
-        for k in 0..self.len() {
+        for k in (0..self.len()).filter(|&k| amplitudes.iter().any(|a| a[k] != 0.0)) {
             let Some(value) = self.column(k, panel) else { continue };
             for (sum, amplitudes) in sums.iter_mut().zip(amplitudes) {
-                let amplitude = amplitudes[k];
-                sum.iter_mut().zip(&value).for_each(|(sum, v)| *sum = fused(amplitude, *v, *sum));
+                let amplitude = amplitudes[k] as f32;
+                sum.iter_mut().zip(&value).for_each(|(sum, v)| *sum = fused_f32(amplitude, *v, *sum));
             }
         }
         sums
@@ -144,7 +143,7 @@ impl Lobes {
         let last = self.slopes_len() - 1;
         is_used[last] = true;
         for n in 0..PANEL {
-            out[last][n] = scale[n] * panel.round.at[2][n] * FRAC_1_PI;
+            out[last][n] = scale[n] * panel.round.at[2][n] * std::f32::consts::FRAC_1_PI;
         }
     }
 }

@@ -79,7 +79,9 @@ impl Banded {
         first_chunk[0].0[n..].iter_mut().zip(first).for_each(|(v, add)| *v += factor * add);
         let (whole, last) = rest.as_chunks::<WIDE>();
         for (chunk, values) in chunks.iter_mut().zip(whole) {
-            (0..WIDE).for_each(|n| chunk.0[n] += factor * values[n]);
+            let mut sum = chunk.0;
+            (0..WIDE).for_each(|n| sum[n] += factor * values[n]);
+            chunk.0 = sum;
         }
         if let Some(chunk) = chunks.get_mut(whole.len()) {
             chunk.0.iter_mut().zip(last).for_each(|(v, add)| *v += factor * add);
@@ -95,7 +97,7 @@ impl Banded {
         }
     }
 
-    /// Factors into `U^T U` in place; false if the matrix is not positive definite.
+    /// Factors into `U^T U` in place, with the inverses of the diagonal of U; false if the matrix is not positive definite.
     pub fn factor(&mut self) -> bool {
         // The rows that fill up are those of the unit matrix.
         for i in self.n..self.rows.len() / self.width {
@@ -156,7 +158,7 @@ impl Banded {
         let rows = || self.rows.chunks_exact(self.width).enumerate().take(self.n);
         for (i, row) in rows() {
             let (block, n) = (i / WIDE, i % WIDE);
-            let value = x[block].0[n] / row[0].0[n];
+            let value = x[block].0[n] * row[0].0[n];
             x[block..].iter_mut().zip(row).for_each(|(x, u)| x.subtract(value, u));
             x[block].0[n] = value;
         }
@@ -168,7 +170,7 @@ impl Banded {
                 (0..WIDE).for_each(|n| sums.0[n] = vector::fused(x.0[n], u.0[n], sums.0[n]));
             }
             let [a, b, c, d, e, f, g, h] = sums.0;
-            x[block].0[n] = (value - (((a + e) + (c + g)) + ((b + f) + (d + h)))) / row[0].0[n];
+            x[block].0[n] = (value - (((a + e) + (c + g)) + ((b + f) + (d + h)))) * row[0].0[n];
         }
         for (x, b) in x.iter().zip(b.chunks_mut(WIDE)) {
             b.copy_from_slice(&x.0[..b.len()]);
@@ -207,7 +209,8 @@ fn factor_block(own: &mut [Chunk], width: usize, chunks: usize) -> bool {
         for n in 0..WIDE {
             row.0[n] = if n > k { row.0[n] * inverse[k] } else { 0.0 };
         }
-        row.0[k] = root;
+        // Solutions are divided by the root, and sums leave it out.
+        row.0[k] = inverse[k];
         pivots[k] = row;
         own[k * width] = row;
     }

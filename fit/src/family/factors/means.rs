@@ -2,7 +2,7 @@
 
 use super::{Factors, place};
 use crate::family::layout::{Layout, Views};
-use crate::family::unit::{Column, PANEL};
+use crate::family::unit::PANEL;
 use crate::numeric::GOLDEN_ANGLE;
 use crate::numeric::vector::{Operation, Vectors};
 use std::f64::consts::TAU;
@@ -16,6 +16,9 @@ pub(super) struct Means<'a, V: Views> {
     /// Directions of each mean.
     pub averaged: usize,
 }
+
+/// A number for every direction of a panel.
+type Column = [f64; PANEL];
 
 /// Points of the spiral: the share of a lobe that is within each, and the sine and the cosine of its angle about the axis.
 struct Spiral {

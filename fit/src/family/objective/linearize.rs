@@ -88,7 +88,7 @@ impl<V: Views> Objective<V> {
         let lobes = Lobes::new(layout, &q);
         let amplitude = layout.amplitudes(&q);
 
-        let data_term::Sums { cost, gram, moment } = data_term::sums(&lobes, &amplitude, &view.points);
+        let data_term::Sums { cost, gram, moment } = data_term::sums(&lobes, &amplitude, &view.panels);
 
         // From derivatives of unit lobes to derivatives by the unknowns.
         let width = lobes.slopes_len();

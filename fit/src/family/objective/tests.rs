@@ -1,5 +1,6 @@
 //! Gradient and matrix against differences of the cost, for stored views on a line and on a grid.
 
+use super::data_term::Panels;
 use super::{Emphasis, Objective, Weights};
 use crate::anisotropic::tests::{Grid, grid_layout};
 use crate::family::layout::{Layout, Views};
@@ -69,6 +70,7 @@ fn check_matrix<V: Views>((mut objective, x): (Objective<V>, Vec<f64>)) {
             point.target = [0, 1, 2].map(|c| a[c].iter().zip(&unit).map(|(a, u)| a * u).sum());
             point.weigh(point.base, 0.0);
         }
+        view.panels = Panels::new(&view.points);
     }
     let none = Weights { smoothness: 0.0, energy: 1.0, faint_color: 0.0 };
     // A step along each unknown in turn has the diagonal, and some random ones the rest: the solution of `A s = b` is known.

@@ -156,11 +156,11 @@ impl Objective {
             layout.interpolate(x, data.place, &mut q);
             let lobes = Lobes::new(layout, &q);
             let amplitudes = layout.amplitudes(&q);
-            let values = data_term::values(&lobes, &amplitudes, &data.points);
+            let values = data_term::values(&lobes, &amplitudes, &data.panels);
             let difference = |(p, v): (&Point, &[f64; 3])| [0, 1, 2].map(|c| p.aim[c] - v[c]);
             let left = data.points.iter().zip(&values).map(difference).collect();
             // Of all derivatives, the values themselves.
-            let sums = data_term::sums(&lobes, &amplitudes, &data.points);
+            let sums = data_term::sums(&lobes, &amplitudes, &data.panels);
             let width = lobes.slopes_len();
             let column = |k: usize| if k < layout.lobes { 2 * layout.lobes + k } else { width - 1 };
             let product = |n: usize| sums.gram[column(n / count) * width + column(n % count)];
@@ -181,7 +181,7 @@ impl Objective {
             for (k, a) in alone.iter_mut().flat_map(|a| a.iter_mut().enumerate()) {
                 *a *= f64::from(u8::from(k == slot));
             }
-            let values = data_term::values(&lobes, &alone, &view.points);
+            let values = data_term::values(&lobes, &alone, &view.panels);
             for (left, value) in residual.left.iter_mut().zip(values) {
                 (0..3).for_each(|c| left[c] += value[c]);
             }
@@ -194,7 +194,7 @@ impl Objective {
         let mut q = residual.q.clone();
         family.shape(self, slot, residual.theta, &mut q);
         let lobes = Lobes::new(layout, &q);
-        let (square, moment) = data_term::projection(&lobes, slot, &self.views[view].points, &residual.left);
+        let (square, moment) = data_term::projection(&lobes, slot, &self.views[view].panels, &residual.left);
         let amplitude = moment.map(|m| if square > 0.0 { m / square } else { 0.0 });
         // A lobe without luminance has no colour either.
         if luminance(amplitude) <= 0.0 {
