@@ -24,7 +24,7 @@ pub use brdf::{Brdf, Draws, Known, Symmetry};
 pub use interpolate::owners;
 pub use tabulate::Density;
 #[doc(hidden)]
-pub use tabulate::{Drawn, tabulate};
+pub use tabulate::{Drawn, Tabulation};
 
 /// Largest albedo that is believed: no surface reflects more than it receives.
 #[doc(hidden)]

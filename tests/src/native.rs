@@ -20,26 +20,26 @@ fn target() -> PathBuf {
 
 /// Builds the C library with the fits in the release profile, and returns the folder that holds `libsrbf_fit.a` and `libsrbf_fit.so`.
 ///
-/// In a folder of its own, as a C program's build would: the features of the whole workspace differ, and the two builds would
-/// replace each other's files. The level is capped as that of a test is. Cargo serialises the builds that several tests ask for.
+/// With the whole workspace, whose features it has then: `cargo test` has compiled all but the library itself, and the level is capped as
+/// that of a test is. `.ci/checks/20-install` tries the library as a C program's build makes it. Cargo serialises the builds that several
+/// tests ask for.
 pub fn library() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
-    let options = ["--release", "--features", "level-from-environment"];
-    FOLDER.get_or_init(|| build_library(&target().join("c"), "release", &options))
+    FOLDER.get_or_init(|| build_library(&target(), "release", &["--release", "--workspace", "--lib"]))
 }
 
 /// Builds the C library with the panic that only tests have, without fits and unoptimised, which takes seconds; in a folder
 /// of its own, so that the two never mix.
 pub fn library_with_planted_panic() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
-    let options = ["--no-default-features", "--features", "std,planted-panic"];
+    let options = ["--package", "srbf-fit-capi", "--no-default-features", "--features", "std,planted-panic"];
     FOLDER.get_or_init(|| build_library(&target().join("planted-panic"), "debug", &options))
 }
 
 fn build_library(target: &Path, profile: &str, options: &[&str]) -> PathBuf {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
-    command.current_dir(root()).args(["build", "--offline", "--package", "srbf-fit-capi"]);
+    command.current_dir(root()).args(["build", "--offline"]);
     command.args(options).arg("--target-dir").arg(target);
     // A folder named by the triple would be somewhere else.
     command.env_remove("CARGO_BUILD_TARGET");

@@ -202,6 +202,7 @@ mod tests {
     use crate::family::lobes::Lobes;
     use crate::family::tuning::factors::AVERAGED;
     use crate::isotropic::line;
+    use crate::numeric::GOLDEN_ANGLE;
     use crate::table::direction;
 
     /// Directions of some views with the factors of a function of half angle, difference angle and the squared cosine of the

@@ -183,19 +183,20 @@ mod tests {
         let d = direction(1.5 * random.uniform(), 6.2 * random.uniform());
 
         let lobes = Lobes::new(layout, &q);
-        let panel = lobes.panel([d, d].into_iter());
+        let panel = lobes.panel(&d.map(|v| [v as f32; PANEL]));
         let width = lobes.slopes_len();
-        let (mut columns, mut is_used) = (vec![[f64::NAN; PANEL]; width], vec![false; width]);
+        let (mut columns, mut is_used) = (vec![[f32::NAN; PANEL]; width], vec![false; width]);
         let scale = std::array::from_fn(|n| if n == 1 { 0.5 } else { 1.0 });
         lobes.slopes(&panel, &scale, &mut columns, &mut is_used);
-        let slopes: Vec<f64> = (0..width).map(|i| if is_used[i] { columns[i][0] } else { 0.0 }).collect();
-        assert!((0..width).all(|i| !is_used[i] || (columns[i][1] - 0.5 * slopes[i]).abs() < 1e-13));
-        assert!((slopes[width - 1] - d[2] * FRAC_1_PI).abs() < 1e-15);
+        let slopes: Vec<f64> =
+            (0..width).map(|i| if is_used[i] { f64::from(columns[i][0]) } else { 0.0 }).collect();
+        assert!((0..width).all(|i| !is_used[i] || f64::from(columns[i][1]) == 0.5 * slopes[i]));
+        assert!((slopes[width - 1] - d[2] * FRAC_1_PI).abs() < 1e-7);
         let numbers: Vec<f64> = (0..=count).map(|k| k as f64).collect();
         let sums = lobes.sums(&panel, &[vec![1.0; count + 1], vec![0.0; count + 1], numbers.clone()]);
         let values: Vec<f64> = (2 * count..3 * count).chain([width - 1]).map(|i| slopes[i]).collect();
         let weighted: f64 = values.iter().zip(&numbers).map(|(v, n)| v * n).sum();
-        assert!((sums[2][0] - weighted).abs() < 1e-12 * weighted && sums[1] == [0.0; PANEL]);
+        assert!((f64::from(sums[2][0]) - weighted).abs() < 2e-6 * weighted && sums[1] == [0.0; PANEL]);
 
         let squeezes = layout.squeezes();
         for k in 0..count {
@@ -217,8 +218,9 @@ mod tests {
                 let h = 1e-5;
                 let (difference, slope) = ((at(h) - at(-h)) / (2.0 * h), slopes[column]);
                 let scale = (values[k].abs() + slope.abs() + 1e-9).max(1.0);
-                assert!((difference - slope).abs() < 2e-6 * scale, "{k} {index}: {difference} {slope}");
-                assert!((at(0.0) - values[k]).abs() < 1e-12 * scale);
+                // Columns are f32, and differences f64.
+                assert!((difference - slope).abs() < 5e-6 * scale, "{k} {index}: {difference} {slope}");
+                assert!((at(0.0) - values[k]).abs() < 2e-6 * scale);
             }
         }
     }

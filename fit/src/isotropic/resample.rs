@@ -2,27 +2,24 @@
 
 use crate::FitError;
 use crate::judge::fitted_material::TrackedView;
-use crate::table::{Brdf, Density, Drawn, Table, tabulate};
+use crate::table::{Drawn, Table, Tabulation};
 use srbf_core::Material;
 
-/// [`Table::from_brdf`] with directions drawn from the lobes of a material beside those of `density`, other
-/// ones in every `round`.
+/// A table with directions drawn from the lobes of a material beside the others, other ones in every `round`.
 ///
 /// # Errors
 /// As [`Table::from_brdf`]; [`FitError::Format`] and [`FitError::Core`] for bytes that are no material.
 pub(super) fn resampled(
-    brdf: &dyn Brdf,
+    tabulation: &Tabulation<'_>,
     thetas: &[f64],
-    density: Density,
     bytes: &[u8],
     round: usize,
 ) -> Result<Table, FitError> {
     let material = Material::from_bytes(bytes)?;
-    let drawn = |theta| {
+    tabulation.table(thetas, &|theta| {
         let view = TrackedView::new(&material, theta, 0.0)?;
-        Drawn::new(&view.mixture, density, round).map(Some)
-    };
-    tabulate(brdf, thetas, density, &drawn)
+        Drawn::new(&view.mixture, tabulation.density(), round).map(Some)
+    })
 }
 
 #[cfg(test)]
@@ -69,7 +66,7 @@ mod tests {
         let hidden = error(Table::from_brdf(&Diffuse, &[0.7], density).unwrap());
         let truth = 64.0 * libm::sqrt(PI / 131_072.0 / (0.25 / PI / PI * 2.0 * PI / 3.0));
         for round in 0..3 {
-            let table = resampled(&Diffuse, &[0.7], density, &bytes, round).unwrap();
+            let table = resampled(&Tabulation::new(&Diffuse, density), &[0.7], &bytes, round).unwrap();
             let sum: f64 = table.views[0].samples.iter().map(|s| s.weight).sum();
             assert!((sum / (2.0 * PI) - 1.0).abs() < 0.01, "{round}: {sum}");
             let seen = error(table);

@@ -12,7 +12,7 @@ use crate::judge::appearance::Appearance;
 use crate::judge::fitted_material::view_angles as view_angles_of;
 use crate::judge::report::ViewReport;
 use crate::table::evaluation_views;
-use crate::table::{Brdf, Density, Sample, Table, View};
+use crate::table::{Brdf, Density, Sample, Table, Tabulation, View};
 use crate::{Fit, FitError, Settings};
 use srbf_core::Material;
 
@@ -62,7 +62,8 @@ fn fit_both(
     let start = Clock::start();
     let probes = Probes::new(brdf, LAST_VIEW.to_radians(), settings.view_count())?;
     let effort = if samples.is_some() { &COMPLETED } else { &MEASURED };
-    let source = Evaluable { brdf, samples, probes, effort };
+    let tabulation = Tabulation::new(brdf, effort.density);
+    let source = Evaluable { samples, probes, effort, tabulation };
     let settings = Settings {
         smoothness: DENSE * settings.smoothness,
         starts: settings.starts.div_ceil(effort.starts),
@@ -86,11 +87,11 @@ fn fit_both(
 
 /// A BRDF with the samples that it completes, if any.
 struct Evaluable<'a> {
-    brdf: &'a dyn Brdf,
     /// The samples, if the BRDF is their completion.
     samples: Option<&'a Table>,
     probes: Probes,
     effort: &'static Effort,
+    tabulation: Tabulation<'a>,
 }
 
 impl Evaluable<'_> {
@@ -131,14 +132,14 @@ impl Source for Evaluable<'_> {
 
     fn table(&self, view_angles: &[f64], drawn: Option<DrawnBy<'_>>) -> Result<Table, FitError> {
         let end = view_angles[view_angles.len() - 1].min(LAST_VIEW.to_radians());
-        let (density, between) = (self.effort.density, self.effort.views_between);
+        let between = self.effort.views_between;
         let resampling = drawn.map(|drawn| drawn.resampling);
         let thetas: Vec<f64> =
             tabulated(view_angles, end, resampling, between).into_iter().chain(self.sampled(end)).collect();
         let mut table = match drawn {
-            None => Table::from_brdf(self.brdf, &thetas, density)?,
+            None => self.tabulation.table(&thetas, &|_| Ok(None))?,
             Some(DrawnBy { bytes, resampling }) => {
-                resampled(self.brdf, &thetas, density, bytes, resampling.number())?
+                resampled(&self.tabulation, &thetas, bytes, resampling.number())?
             }
         };
         self.with_samples(&mut table);

@@ -4,7 +4,7 @@ use crate::FitError;
 use crate::clock::Clock;
 use crate::judge::cross::{CrossValidation, cross_validate};
 use crate::judge::method::Method;
-use crate::judge::norm::{Norm, relative, squares};
+use crate::judge::norm::{Norm, relative, squares, values};
 use crate::table::{Table, View};
 
 /// The fit of a table by a method.
@@ -36,7 +36,8 @@ pub fn score(table: &Table, method: &dyn Method, cross: bool) -> Result<Score, F
     let bright = table.views.iter().filter(is_bright).count();
     for view in &table.views {
         let fitted = fitted.view(view.theta)?;
-        let [f_cos, f] = [Norm::FCos, Norm::F].map(|norm| squares(fitted.as_ref(), view, norm));
+        let values = values(fitted.as_ref(), view);
+        let [f_cos, f] = [Norm::FCos, Norm::F].map(|norm| squares(&values, view, norm));
         difference += f_cos.0;
         data += f_cos.1;
         if f_cos.1 > 0.0 {

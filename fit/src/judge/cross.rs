@@ -2,7 +2,7 @@
 
 use crate::FitError;
 use crate::judge::method::Method;
-use crate::judge::norm::{Norm, relative, squares};
+use crate::judge::norm::{Norm, relative, squares, values};
 use crate::table::owners;
 use crate::table::{Scattered, Table, View};
 
@@ -83,7 +83,11 @@ pub fn cross_validate(table: &Table, method: &dyn Method) -> Result<CrossValidat
         for (sum, (view, fold_of)) in squared.iter_mut().zip(table.views.iter().zip(&fold_of)) {
             let gone = view.samples.iter().zip(fold_of).filter(|(_, f)| **f == fold);
             let gone = View { samples: gone.map(|(s, _)| *s).collect(), ..*view };
-            let error = relative_or_nan(squares(fitted.view(view.theta)?.as_ref(), &gone, Norm::FCos));
+            let error = relative_or_nan(squares(
+                &values(fitted.view(view.theta)?.as_ref(), &gone),
+                &gone,
+                Norm::FCos,
+            ));
             if !error.is_nan() {
                 *sum = (sum.0 + error * error, sum.1 + 1);
             }
@@ -94,7 +98,8 @@ pub fn cross_validate(table: &Table, method: &dyn Method) -> Result<CrossValidat
         let mut rest = table.clone();
         let view = rest.views.remove(gone);
         let fitted = method.fit(&rest)?;
-        let error = relative_or_nan(squares(fitted.view(view.theta)?.as_ref(), &view, Norm::FCos));
+        let error =
+            relative_or_nan(squares(&values(fitted.view(view.theta)?.as_ref(), &view), &view, Norm::FCos));
         left_out.push((view.theta, error));
     }
     let folds = squared.into_iter().map(|(sum, count)| libm::sqrt(sum / f64::from(count)));

@@ -9,7 +9,6 @@
 //! `cos / pi |df|^2 / 3 / (f + floor)^2` where it is small, for every channel. The floor is a hundredth of the mean radiance, so
 //! that black surroundings hardly count. From 1.5 to 15 degrees from the mirror direction it counts four times.
 
-use crate::judge::method::FittedView;
 use crate::numeric::median::weighted_median;
 use crate::table::{Sample, View, luminance};
 use std::f64::consts::PI;
@@ -79,21 +78,20 @@ pub(crate) fn secant(value: f64, data: f64, floor: f64) -> f64 {
     (slope * slope).clamp(SECANT.0, SECANT.1)
 }
 
-/// The squared error of a view away from its peak, times [`AWAY_WEIGHT`].
-pub(crate) fn away(fitted: &dyn FittedView, view: &View) -> f64 {
+/// The squared error of a view away from its peak, times [`AWAY_WEIGHT`]. `values`: `f cos` at every sample.
+pub(crate) fn away(values: &[[f64; 3]], view: &View) -> f64 {
     let level = level(view.uncut_albedo);
     if level <= 0.0 {
         return 0.0;
     }
-    let square = |s: &Sample| {
+    let square = |(s, value): (&Sample, &[f64; 3])| {
         let cos = s.direction[2];
-        let value = fitted.f_cos(s.direction);
-        let secant = secant(brightness(value) / cos, brightness(s.rgb), floor(level));
+        let secant = secant(brightness(*value) / cos, brightness(s.rgb), floor(level));
         let distance: f64 = (0..3).map(|c| (value[c] - s.rgb[c] * cos).powi(2)).sum();
         let more = beside_highlight(s.direction, view.theta);
         s.weight * more * secant * weight(brightness(s.rgb), level, cos) * distance
     };
-    view.samples.iter().map(square).sum()
+    view.samples.iter().zip(values).map(square).sum()
 }
 
 /// Errors of one view, by where they are.
@@ -110,18 +108,17 @@ pub struct RegionErrors {
     pub chroma: f64,
 }
 
-/// Compares a fit with one view of a table.
-pub(crate) fn region_errors(fitted: &dyn FittedView, view: &View) -> RegionErrors {
+/// Compares `f cos` at every sample with one view of a table.
+pub(crate) fn region_errors(values: &[[f64; 3]], view: &View) -> RegionErrors {
     let (sin, cos) = libm::sincos(view.theta);
     let (peak, far) = (libm::cos(PEAK.to_radians()), libm::cos(RING.to_radians()));
     let mut squares = [(0.0, 0.0); 2];
     let (mut luminances, mut chromas) = (Vec::new(), Vec::new());
     let floor = floor(level(view.uncut_albedo).max(0.0));
-    for s in &view.samples {
+    for (s, &value) in view.samples.iter().zip(values) {
         let from_mirror = s.direction[0] * sin + s.direction[2] * cos;
         let is_off = from_mirror < peak;
         let data = s.rgb.map(|v| v * s.direction[2]);
-        let value = fitted.f_cos(s.direction);
         let (difference, sum) = &mut squares[usize::from(is_off)];
         for c in 0..3 {
             *difference += s.weight * (value[c] - data[c]) * (value[c] - data[c]);
@@ -173,6 +170,8 @@ pub(crate) fn chroma(value: [f64; 3], data: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::judge::method::FittedView;
+    use crate::judge::norm::values;
     use crate::table::direction;
 
     /// Three times the data within the peak; beyond, twice the data, in another colour.
@@ -195,7 +194,7 @@ mod tests {
             |(t, p): (f64, f64)| Sample { direction: direction(t, p), rgb: [1.0; 3], weight: libm::sin(t) };
         let samples = spread.map(sample).collect();
         let view = View { theta: 0.5, samples, albedo: [1.0; 3], uncut_albedo: [1.0; 3], floor: 0.0 };
-        let found = region_errors(&Off, &view);
+        let found = region_errors(&values(&Off, &view), &view);
         assert!((found.peak - 2.0).abs() < 0.02, "{found:?}");
         assert!((found.off_peak - 1.0).abs() < 0.02, "{found:?}");
         assert!(
@@ -221,7 +220,7 @@ mod tests {
                 |i| Sample { direction: direction(0.015 * f64::from(i), 1.0), rgb: [data; 3], weight: 1.0 };
             let samples = (0..100).map(sample).collect();
             let view = View { theta: 0.5, samples, albedo: [0.3; 3], uncut_albedo: [0.3; 3], floor: 0.0 };
-            let found = region_errors(&Faint, &view).luminance;
+            let found = region_errors(&values(&Faint, &view), &view).luminance;
             assert!((found - 0.001 / (0.01 * 0.3 / PI)).abs() < 1e-6, "{data}: {found}");
         }
     }

@@ -14,7 +14,12 @@ pub enum Norm {
 
 /// Relative L2 error over the samples of a view and the channels, with the quadrature weights of the table.
 pub fn relative_l2(fitted: &dyn FittedView, view: &View, norm: Norm) -> f64 {
-    relative(squares(fitted, view, norm))
+    relative(squares(&values(fitted, view), view, norm))
+}
+
+/// `f cos` at every sample of a view.
+pub(crate) fn values(fitted: &dyn FittedView, view: &View) -> Vec<[f64; 3]> {
+    view.samples.iter().map(|s| fitted.f_cos(s.direction)).collect()
 }
 
 /// Root of a squared difference over the squares of the data; of the difference alone if the data are black.
@@ -22,11 +27,10 @@ pub(crate) fn relative((difference, data): (f64, f64)) -> f64 {
     libm::sqrt(if data > 0.0 { difference / data } else { difference })
 }
 
-/// Sums of squares over a view: of the difference, and of the data.
-pub(crate) fn squares(fitted: &dyn FittedView, view: &View, norm: Norm) -> (f64, f64) {
+/// Sums of squares over a view: of the difference of [`values`], and of the data.
+pub(crate) fn squares(values: &[[f64; 3]], view: &View, norm: Norm) -> (f64, f64) {
     let (mut difference, mut sum) = (0.0, 0.0);
-    for s in &view.samples {
-        let value = fitted.f_cos(s.direction);
+    for (s, &value) in view.samples.iter().zip(values) {
         let cosine = match norm {
             Norm::FCos => 1.0,
             Norm::F => s.direction[2],

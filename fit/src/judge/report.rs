@@ -11,7 +11,7 @@ use crate::judge::energy::EnergyError;
 use crate::judge::fitted_material::TrackedView;
 use crate::judge::measure::{RegionErrors, away, negatives, region_errors};
 use crate::judge::method::{Fitted, FittedView};
-use crate::judge::norm::{Norm, relative, squares};
+use crate::judge::norm::{Norm, relative, squares, values};
 use crate::look::Look;
 #[doc(inline)]
 pub use crate::numeric::levenberg::Ending;
@@ -154,18 +154,19 @@ impl ViewReport {
 
     pub(crate) fn of(fitted: &dyn FittedView, view: &View) -> Self {
         let mut sums = Sums::default();
-        view.samples.iter().for_each(|s| sums.add(s, fitted));
+        let values = values(fitted, view);
+        view.samples.iter().zip(&values).for_each(|(s, value)| sums.add(s, *value, fitted));
         let density = sums.density / fitted.share_above_horizon();
         let (albedo, data_albedo) = match fitted.albedo() {
             Some(albedo) => (albedo, view.uncut_albedo),
             None => (sums.albedo, sums.data_albedo),
         };
-        let square = squares(fitted, view, Norm::FCos);
+        let square = squares(&values, view, Norm::FCos);
         Self {
             theta: view.theta,
             azimuth: 0.0,
             error: relative(square),
-            measure: libm::sqrt(relative(square).powi(2) + away(fitted, view)),
+            measure: libm::sqrt(relative(square).powi(2) + away(&values, view)),
             is_black: square.1 <= 0.0,
             albedo,
             data_albedo,
@@ -173,7 +174,7 @@ impl ViewReport {
             density,
             largest_weight: sums.largest_weight(density),
             variance: sums.variance(density),
-            regions: region_errors(fitted, view),
+            regions: region_errors(&values, view),
             floor: view.floor,
             negatives: negatives(&view.samples),
         }
@@ -194,8 +195,7 @@ struct Sums {
 }
 
 impl Sums {
-    fn add(&mut self, s: &Sample, fitted: &dyn FittedView) {
-        let value = fitted.f_cos(s.direction);
+    fn add(&mut self, s: &Sample, value: [f64; 3], fitted: &dyn FittedView) {
         let data = s.rgb.map(|v| v * s.direction[2]);
         for c in 0..3 {
             self.albedo[c] += s.weight * value[c];

@@ -29,7 +29,7 @@ pub(crate) mod choice {
     /// Samples by which processes are compared first: the time of one grows with the cube.
     pub const RANKED: usize = 600;
     /// Processes that are compared by all samples then.
-    pub const GO_ON: usize = 4;
+    pub const GO_ON: usize = 2;
     /// Share of the error at left-out views below which the model goes without a process.
     pub const ALONE: f64 = 0.9;
 }
@@ -56,7 +56,7 @@ pub(crate) mod family {
     /// Most models that go on.
     pub const MODELS: usize = 2;
     /// Samples by which families are compared.
-    pub const COMPARED: usize = 1500;
+    pub const COMPARED: usize = 1000;
     /// Parts in which samples are left out.
     pub const FOLDS: usize = 5;
     /// Factor on the least error up to which families are compared with a process too.

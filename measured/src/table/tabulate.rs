@@ -21,7 +21,9 @@ use crate::numeric::special::sphere_integral;
 use peaks::Peak;
 use rayon::prelude::*;
 use srbf_core::{Domain, Level, Lobe, MAX_LOBES, Mixture, Vec3};
+use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// How densely a BRDF is tabulated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +46,9 @@ const NARROWER: f64 = 6.0;
 
 /// Sharpness that caps may reach.
 const NARROWEST: f64 = 4e6;
+
+/// Exponent below which a cap has no direction: beside those of the hemisphere its density is lost in rounding.
+const NOTHING: f64 = -60.0;
 
 /// Directions for the albedo, over those of the samples.
 const FINER: usize = 6;
@@ -71,40 +76,82 @@ impl Table {
     /// # Errors
     /// [`FitError::Table`] for no view, too many, angles out of range, and a BRDF that is anisotropic.
     pub fn from_brdf(brdf: &dyn Brdf, thetas: &[f64], density: Density) -> Result<Self, FitError> {
-        tabulate(brdf, thetas, density, &|_| Ok(None))
+        Tabulation::new(brdf, density).table(thetas, &|_| Ok(None))
     }
 }
 
-/// Tabulates a BRDF at views, with directions drawn beside those that `density` says.
-pub fn tabulate(
-    brdf: &dyn Brdf,
-    thetas: &[f64],
+/// Tables of one BRDF. Peaks and albedo of a view are looked for once, however many tables have it.
+pub struct Tabulation<'a> {
+    brdf: &'a dyn Brdf,
     density: Density,
-    drawn: &(dyn Fn(f64) -> Result<Option<Drawn>, FitError> + Sync),
-) -> Result<Table, FitError> {
-    if thetas.is_empty() || thetas.len() > super::MAX_VIEWS {
-        return Err(FitError::Table(format!("{} views; from 1 to {}", thetas.len(), super::MAX_VIEWS)));
+    /// By the bits of the angle.
+    seen: Mutex<BTreeMap<u64, Arc<Seen>>>,
+}
+
+/// What is known of a view.
+struct Seen {
+    wo: [f64; 3],
+    caps: Vec<Caps>,
+    albedo: [f64; 3],
+}
+
+impl<'a> Tabulation<'a> {
+    /// Of a BRDF, in so many directions.
+    pub fn new(brdf: &'a dyn Brdf, density: Density) -> Self {
+        Self { brdf, density, seen: Mutex::default() }
     }
-    if let Some(theta) = thetas.iter().find(|t| !(0.0..FRAC_PI_2).contains(*t)) {
-        return Err(FitError::Table(format!("view at {} degrees", theta.to_degrees())));
+
+    /// How densely.
+    pub fn density(&self) -> Density {
+        self.density
     }
-    if brdf.symmetry() != Symmetry::Isotropic {
-        return Err(FitError::Table("it is anisotropic: views at one azimuth do not describe it".into()));
+
+    /// Tabulates it at views, with directions drawn beside the others.
+    ///
+    /// # Errors
+    /// As [`Table::from_brdf`], and those of `drawn`.
+    pub fn table(
+        &self,
+        thetas: &[f64],
+        drawn: &(dyn Fn(f64) -> Result<Option<Drawn>, FitError> + Sync),
+    ) -> Result<Table, FitError> {
+        let Self { brdf, density, .. } = *self;
+        if thetas.is_empty() || thetas.len() > super::MAX_VIEWS {
+            return Err(FitError::Table(format!("{} views; from 1 to {}", thetas.len(), super::MAX_VIEWS)));
+        }
+        if let Some(theta) = thetas.iter().find(|t| !(0.0..FRAC_PI_2).contains(*t)) {
+            return Err(FitError::Table(format!("view at {} degrees", theta.to_degrees())));
+        }
+        if brdf.symmetry() != Symmetry::Isotropic {
+            return Err(FitError::Table("it is anisotropic: views at one azimuth do not describe it".into()));
+        }
+        let view = |&theta: &f64| {
+            let seen = self.seen(theta);
+            let mut samples = draw(brdf, seen.wo, &seen.caps, density, drawn(theta)?.as_ref());
+            let floor = if theta < AT_NORMAL { make_round(brdf, &mut samples) } else { 0.0 };
+            Ok(View { theta, samples, albedo: seen.albedo, uncut_albedo: seen.albedo, floor })
+        };
+        let mut views = thetas.par_iter().map(view).collect::<Result<Vec<View>, FitError>>()?;
+        views.sort_by(|a, b| a.theta.total_cmp(&b.theta));
+        Ok(Table { views })
     }
-    let view = |&theta: &f64| {
-        let (wo, caps) = look(brdf, theta);
-        let mut samples = draw(brdf, wo, &caps, density, drawn(theta)?.as_ref());
-        let floor = if theta < AT_NORMAL { make_round(brdf, &mut samples) } else { 0.0 };
-        let finer = Density { hemisphere: FINER * density.hemisphere, cap: FINER * density.cap };
+
+    fn seen(&self, theta: f64) -> Arc<Seen> {
+        // A map is whole whenever somebody has failed.
+        let map = || self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(seen) = map().get(&theta.to_bits()) {
+            return seen.clone();
+        }
+        let (wo, caps) = look(self.brdf, theta);
+        let finer = Density { hemisphere: FINER * self.density.hemisphere, cap: FINER * self.density.cap };
         let mut albedo = [0.0; 3];
-        for s in &draw(brdf, wo, &caps, finer, None) {
+        for s in &draw(self.brdf, wo, &caps, finer, None) {
             (0..3).for_each(|c| albedo[c] += s.weight * s.rgb[c] * s.direction[2]);
         }
-        Ok(View { theta, samples, albedo, uncut_albedo: albedo, floor })
-    };
-    let mut views = thetas.par_iter().map(view).collect::<Result<Vec<View>, FitError>>()?;
-    views.sort_by(|a, b| a.theta.total_cmp(&b.theta));
-    Ok(Table { views })
+        let seen = Arc::new(Seen { wo, caps, albedo });
+        map().insert(theta.to_bits(), seen.clone());
+        seen
+    }
 }
 
 /// The value with everything that is no value taken as 0.
@@ -147,25 +194,26 @@ fn look(brdf: &dyn Brdf, theta: f64) -> ([f64; 3], Vec<Caps>) {
 struct Caps {
     axis: [f64; 3],
     squeeze: f64,
-    /// Sharpness of each, rising.
-    sharpness: Vec<f64>,
+    /// Sharpness of each, rising, and the height of a lobe of it whose integral over the sphere is 1.
+    sharpness: Vec<(f64, f64)>,
 }
 
 impl Caps {
     /// Caps down to the half width of a peak along the plane of incidence; across it they are squeezed by the cosine.
     fn new(Peak { angle, width }: Peak, cos: f64) -> Self {
         let sharpest = (1.0 / (width * width)).min(NARROWEST);
-        let mut sharpness = vec![WIDEST];
-        while sharpness[sharpness.len() - 1] < sharpest {
-            sharpness.push(NARROWER * sharpness[sharpness.len() - 1]);
+        let mut all = vec![WIDEST];
+        while all[all.len() - 1] < sharpest {
+            all.push(NARROWER * all[all.len() - 1]);
         }
+        let sharpness = all.into_iter().map(|s| (s, s / (-2.0 * PI * libm::expm1(-2.0 * s)))).collect();
         let axis = direction(angle.abs(), if angle < 0.0 { PI } else { 0.0 });
         Self { axis, squeeze: cos.max(LEAST_SQUEEZE), sharpness }
     }
 
     /// Direction number `i` of `count` of a cap.
     fn direction(&self, cap: usize, i: usize, count: usize) -> [f64; 3] {
-        let s = self.sharpness[cap];
+        let (s, _) = self.sharpness[cap];
         let u = (i as f64 + 0.5) / count as f64;
         let w = -libm::log1p(u * libm::expm1(-2.0 * s)) / s;
         let r = libm::sqrt(w * (2.0 - w));
@@ -188,10 +236,9 @@ impl Caps {
             at[0] * at[0] + at[1] * at[1] + at[2] * at[2]
         };
         let (above, below) = (chord(u[2]), chord(-u[2]));
-        let cap = |s: &f64| {
-            let lobes = libm::exp(-0.5 * s * above) + libm::exp(-0.5 * s * below);
-            s / (-2.0 * PI * libm::expm1(-2.0 * s)) * lobes
-        };
+        // Most directions are far from most caps.
+        let lobe = |t: f64| if t > NOTHING { libm::exp(t) } else { 0.0 };
+        let cap = |(s, height): &(f64, f64)| height * (lobe(-0.5 * s * above) + lobe(-0.5 * s * below));
         let sum: f64 = self.sharpness.iter().map(cap).sum();
         count as f64 * sum / (self.squeeze * r * r * r)
     }

@@ -108,7 +108,7 @@ impl Panels {
 pub(crate) struct Sums {
     /// Sum of the weighted squared differences.
     pub cost: f64,
-    /// Products of derivatives of unit lobes; [width * width], lower half.
+    /// Products of derivatives of unit lobes; [width * width].
     pub gram: Vec<f64>,
     /// Products of derivatives of unit lobes with the difference, per channel; [width].
     pub moment: [Vec<f64>; 3],
@@ -294,7 +294,7 @@ impl AllSums<'_> {
         Sums {
             cost: largest * squares.iter().sum::<f64>() + self.samples.rest,
             gram: (0..width * width)
-                .map(|n| if n % width <= n / width { sum(n / width, n % width) } else { 0.0 })
+                .map(|n| sum((n / width).max(n % width), (n / width).min(n % width)))
                 .collect(),
             moment: [0, 1, 2].map(|c| (0..width).map(|i| sum(width + c, i)).collect()),
         }

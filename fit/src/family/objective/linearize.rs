@@ -34,8 +34,7 @@ impl<V: Views> Linearized<V> {
     }
 
     /// Adds a view to the stored views round it.
-    fn add(&mut self, layout: &Layout<V>, mut block: Block<V::Place>) {
-        block.mirror();
+    fn add(&mut self, layout: &Layout<V>, block: Block<V::Place>) {
         self.cost += block.cost;
         self.matrix.add_view(layout, &block, &mut self.gradient);
     }
@@ -94,13 +93,12 @@ impl<V: Views> Objective<V> {
         let width = lobes.slopes_len();
         let mut block = Block { cost, ..Block::zeros(view.place, p) };
         let targets = self.columns(width, &q);
-        for (n, &(a, i, by)) in targets.iter().enumerate() {
+        for &(a, i, by) in &targets {
             block.gradient[a] += (0..3).map(|c| by[c] * moment[c][i]).sum::<f64>();
-            for (m, &(b, j, other)) in targets[..=n].iter().enumerate() {
-                let value = dot(&by, &other) * gram[i.max(j) * width + i.min(j)];
-                // Both (i, j) and (j, i) of the Gram matrix may fall on one element: the squeeze is shared.
-                let both = if a == b && m < n { 2.0 } else { 1.0 };
-                block.matrix[a.min(b) * p + a.max(b)] += both * value;
+            let (from, to) = (&gram[i * width..(i + 1) * width], &mut block.matrix[a * p..(a + 1) * p]);
+            // Several derivatives may be of one unknown: the squeeze is shared.
+            for &(b, j, other) in &targets {
+                to[b] += dot(&by, &other) * from[j];
             }
         }
         (0..p).for_each(|i| block.scale[i] = block.matrix[i * p + i]);
@@ -168,9 +166,8 @@ impl<V: Views> Objective<V> {
         block.cost += dot(&residuals, &residuals);
         for &(i, a) in &row {
             block.gradient[i] += dot(&a, &residuals);
-            for &(j, b) in row.iter().filter(|e| e.0 <= i) {
-                block.matrix[j * p + i] += dot(&a, &b);
-            }
+            let to = &mut block.matrix[i * p..(i + 1) * p];
+            row.iter().for_each(|&(j, b)| to[j] += dot(&a, &b));
         }
     }
 }
