@@ -78,7 +78,7 @@ fn place(size: Size, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
     let distance = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
     let c = d[2] * d[2].abs() * square / (distance * across).max(1e-30);
     let c = if size.is_signed { 0.5 + 0.5 * c } else { c.abs() };
-    let at = |v: f64, count: usize| v.max(0.0).min(1.0) * (count - 1) as f64;
+    let at = |v: f64, count: usize| v.clamp(0.0, 1.0) * (count - 1) as f64;
     [at(a.sqrt().sqrt(), size.nodes[0]), at(b.sqrt(), size.nodes[1]), at(c, size.nodes[2])]
 }
 

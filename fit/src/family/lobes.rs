@@ -57,8 +57,9 @@ impl Lobes {
         let round = Directions { at: *at, jacobian: [1.0; PANEL] };
         let mut squeezed = Directions { at: *at, jacobian: [0.0; PANEL] };
         if self.squeezed > 0 {
+            let [x, y, z] = at;
             for n in 0..PANEL {
-                let (u, j) = self.squeeze(&[at[0][n], at[1][n], at[2][n]].map(f64::from));
+                let (u, j) = self.squeeze(&[x[n], y[n], z[n]].map(f64::from));
                 (0..3).for_each(|axis| squeezed.at[axis][n] = u[axis] as f32);
                 squeezed.jacobian[n] = j as f32;
             }

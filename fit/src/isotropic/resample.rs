@@ -26,6 +26,7 @@ pub(super) fn resampled(
 mod tests {
     use super::*;
     use crate::judge::report::ViewReport;
+    use crate::table::{Brdf, Density};
     use srbf_core::{Line, PlaneLobe};
     use std::f64::consts::PI;
 

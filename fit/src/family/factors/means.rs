@@ -90,12 +90,9 @@ impl<V: Views> Operation for Means<'_, V> {
         }
         let mut sum = [0.0; 4];
         for panel in &spiral {
-            let mut at = [[0.0; PANEL]; 3];
-            for n in 0..PANEL {
-                let r = panel.share[n].sqrt();
-                (at[0][n], at[1][n]) = (r * panel.cos[n], r * panel.sin[n]);
-                at[2][n] = (1.0 - panel.share[n]).sqrt();
-            }
+            let r = panel.share.map(f64::sqrt);
+            let times = |column: &Column| std::array::from_fn(|n| r[n] * column[n]);
+            let at = [times(&panel.cos), times(&panel.sin), panel.share.map(|u| (1.0 - u).sqrt())];
             self.add(panel.count, &at, &nodes, &mut sum);
         }
         means.push([0, 1, 2].map(|c| sum[c] / averaged as f64));
@@ -112,8 +109,9 @@ impl<V: Views> Means<'_, V> {
             let [x, y, z] = place(self.factors.size, [at[0][n], at[1][n], at[2][n]], self.wo);
             (places[0][n], places[1][n], places[2][n]) = (x, y, z);
         }
-        for n in 0..count {
-            let factor = self.factors.of([places[0][n], places[1][n], places[2][n]], |node| nodes[node]);
+        let [x, y, z] = &places;
+        for ((x, y), z) in x.iter().zip(y).zip(z).take(count) {
+            let factor = self.factors.of([*x, *y, *z], |node| nodes[node]);
             (0..4).for_each(|c| sum[c] += factor[c]);
         }
     }

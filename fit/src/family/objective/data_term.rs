@@ -167,10 +167,8 @@ impl Operation for Cost<'_> {
         let mut sums = [0.0; WIDEST];
         for panel in &samples.panels {
             let values = lobes.sums(&lobes.panel(&panel.at), amplitudes);
-            for c in 0..3 {
-                add_squares(&mut sums, &panel.share[c], |n| {
-                    panel.scale[n] * (values[c][n] - panel.aim[c][n])
-                });
+            for (values, (aim, share)) in values.iter().zip(panel.aim.iter().zip(&panel.share)) {
+                add_squares(&mut sums, share, |n| panel.scale[n] * (values[n] - aim[n]));
             }
         }
         samples.largest * sums.iter().sum::<f64>() + samples.rest
@@ -253,10 +251,7 @@ impl AllSums<'_> {
             let directions = self.lobes.panel(&panel.at);
             self.lobes.slopes(&directions, &panel.scale, &mut columns[..width], &mut is_used);
             for c in 0..3 {
-                let mut difference = [0.0; PANEL];
-                for n in 0..PANEL {
-                    difference[n] = -panel.scale[n] * panel.aim[c][n];
-                }
+                let mut difference: Column = std::array::from_fn(|n| -panel.scale[n] * panel.aim[c][n]);
                 let values = (0..k).map(|k| (k, 2 * self.lobes.len() + k)).chain([(k, width - 1)]);
                 for (lobe, column) in values.filter(|v| is_used[v.1]) {
                     let amplitude = self.amplitudes[c][lobe] as f32;
