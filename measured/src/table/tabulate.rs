@@ -88,7 +88,7 @@ pub struct Tabulation<'a> {
     seen: Mutex<BTreeMap<u64, Arc<Seen>>>,
 }
 
-/// What is known of a view.
+/// The outgoing direction of a view, its peaks and its albedo.
 struct Seen {
     wo: [f64; 3],
     caps: Vec<Caps>,
@@ -96,7 +96,7 @@ struct Seen {
 }
 
 impl<'a> Tabulation<'a> {
-    /// Of a BRDF, in so many directions.
+    /// Of a BRDF, in directions of that density.
     pub fn new(brdf: &'a dyn Brdf, density: Density) -> Self {
         Self { brdf, density, seen: Mutex::default() }
     }

@@ -81,7 +81,7 @@ fn check_matrix<V: Views>((mut objective, x): (Objective<V>, Vec<f64>)) {
     for _ in 0..5 {
         let mut linearized = objective.linearize(&x, none);
         let downhill: Vec<f64> = x.iter().map(|_| random.uniform() - 0.5).collect();
-        // No unknown is so free that what it changes is less than the rounding of f32.
+        // No unknown is so free that its change of the cost is lost in the rounding of f32.
         let diagonal = linearized.matrix.scale();
         let free = 1e-3 * diagonal.iter().fold(0.0, |most: f64, d| most.max(*d));
         let added: Vec<f64> = diagonal.iter().map(|d| 0.3 * d + free).collect();
