@@ -27,6 +27,14 @@ impl Lobes {
         Self { squeezed: layout.squeezed, aside: layout.aside, squeeze, lobes }
     }
 
+    /// One lobe of a view alone, as number 0.
+    pub fn alone<V: Views>(layout: &Layout<V>, q: &[f64], k: usize) -> Self {
+        let squeeze = V::squeeze(q);
+        let lobes = vec![V::unit(layout, q, k, &squeeze)];
+        let aside = usize::from(k >= layout.first_aside());
+        Self { squeezed: usize::from(k < layout.squeezed), aside, squeeze, lobes }
+    }
+
     /// How many lobes there are, the diffuse term not counted.
     pub fn len(&self) -> usize {
         self.lobes.len()

@@ -126,10 +126,10 @@ pub(crate) fn cost(lobes: &Lobes, amplitudes: &[Vec<f64>; 3], samples: &Panels) 
     vector::run(Cost(Values { lobes, amplitudes, samples }))
 }
 
-/// Sum of the weighted squares of a unit lobe, and of its weighted products with the residual `left` at every sample, per channel. The
+/// Sum of the weighted squares of the first unit lobe, and of its weighted products with the residual `left` at every sample, per channel. The
 /// squares are by the mean weight of the channels.
-pub(crate) fn projection(lobes: &Lobes, k: usize, samples: &Panels, left: &[[f64; 3]]) -> (f64, [f64; 3]) {
-    vector::run(Projection { lobes, k, samples, left })
+pub(crate) fn projection(lobes: &Lobes, samples: &Panels, left: &[[f64; 3]]) -> (f64, [f64; 3]) {
+    vector::run(Projection { lobes, samples, left })
 }
 
 /// All sums.
@@ -190,7 +190,6 @@ fn add_squares(sums: &mut [f64; WIDEST], weights: &Column, at: impl Fn(usize) ->
 
 struct Projection<'a> {
     lobes: &'a Lobes,
-    k: usize,
     samples: &'a Panels,
     left: &'a [[f64; 3]],
 }
@@ -202,7 +201,7 @@ impl Operation for Projection<'_> {
     fn run<V: Vectors>(self, _: V) -> (f64, [f64; 3]) {
         let (mut square, mut moment) = (0.0, [0.0; 3]);
         for (panel, left) in self.samples.panels.iter().zip(self.left.chunks(PANEL)) {
-            let Some(values) = self.lobes.column(self.k, &self.lobes.panel(&panel.at)) else { continue };
+            let Some(values) = self.lobes.column(0, &self.lobes.panel(&panel.at)) else { continue };
             for (n, left) in left.iter().enumerate() {
                 let value = f64::from(values[n]);
                 let weighted = f64::from(panel.scale[n] * panel.scale[n]) * value;
