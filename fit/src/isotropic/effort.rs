@@ -26,7 +26,7 @@ pub(crate) const MEASURED: Effort = Effort {
     steps: 1,
     rounds: 3,
     factor_rounds: 2,
-    density: Density { hemisphere: 250, cap: 60 },
+    density: Density { hemisphere: 350, cap: 100 },
     views_between: 3,
 };
 
@@ -37,6 +37,6 @@ pub(crate) const COMPLETED: Effort = Effort {
     steps: 2,
     rounds: 1,
     factor_rounds: 1,
-    density: Density { hemisphere: 250, cap: 60 },
+    density: Density { hemisphere: 350, cap: 100 },
     views_between: 3,
 };
