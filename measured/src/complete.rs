@@ -37,9 +37,7 @@ mod scale;
 mod tuning;
 
 use crate::FitError;
-use crate::complete::tuning::choice::{
-    ALONE, BRIGHTER, FARTHEST, GO_ON, KERNELS, LEAST_WIDTH, NOISES, OF_MODEL, RANKED,
-};
+use crate::complete::tuning::choice::{ALONE, BRIGHTER, FARTHEST, KERNELS, LEAST_WIDTH, NOISES, OF_MODEL};
 use crate::table::{Brdf, Table, check_storable};
 use energy::Energy;
 use family::{Models, models, unseen};
@@ -123,7 +121,7 @@ fn completed(measurement: Measurement) -> Result<Completion, FitError> {
 
 /// What fares best at samples and views that are left out.
 fn best(measurement: &Measurement, scale: Scale, models: &Models) -> Option<Candidate> {
-    let ranked = |measurement: &Measurement, tried: Vec<(Microfacet, Kernel, f64)>| {
+    let ranked = |tried: Vec<(Microfacet, Kernel, f64)>| {
         let candidate = |(model, kernel, noise): (Microfacet, Kernel, f64)| {
             let points = points(measurement, &model, scale, width(&model));
             let process = Process::new(&points, kernel, &noises(&points, noise), Of::Values)?;
@@ -140,13 +138,7 @@ fn best(measurement: &Measurement, scale: Scale, models: &Models) -> Option<Cand
         let model = *model;
         KERNELS.into_iter().flat_map(move |kernel| NOISES.map(|noise| (model, kernel, noise)))
     };
-    let mut tried: Vec<_> = models.all.iter().flat_map(of_model).collect();
-    // By a part of the samples first.
-    if measurement.samples.len() > RANKED {
-        let few = ranked(&measurement.thinned(RANKED), tried);
-        tried = few.into_iter().take(GO_ON).map(|c| (c.model, c.kernel, c.noise)).collect();
-    }
-    ranked(measurement, tried).into_iter().next()
+    ranked(models.all.iter().flat_map(of_model).collect()).into_iter().next()
 }
 
 /// Whether the model without a process predicts left-out samples and left-out views better.

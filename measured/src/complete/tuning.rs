@@ -26,10 +26,6 @@ pub(crate) mod choice {
     ];
     /// Variances of the noise of a sample that are tried, on the scale.
     pub const NOISES: [f64; 2] = [1e-2, 1e-3];
-    /// Samples by which processes are compared first: the time of one grows with the cube.
-    pub const RANKED: usize = 600;
-    /// Processes that are compared by all samples then.
-    pub const GO_ON: usize = 2;
     /// Share of the error at left-out views below which the model goes without a process.
     pub const ALONE: f64 = 0.9;
 }
@@ -56,7 +52,7 @@ pub(crate) mod family {
     /// Most models that go on.
     pub const MODELS: usize = 2;
     /// Samples by which families are compared.
-    pub const COMPARED: usize = 1000;
+    pub const COMPARED: usize = 1500;
     /// Parts in which samples are left out.
     pub const FOLDS: usize = 5;
     /// Factor on the least error up to which families are compared with a process too.
