@@ -208,12 +208,15 @@ pub fn exp(t: f64) -> f64 {
     if t > SMALLEST { scaled } else { 0.0 }
 }
 
+/// Rows as whole lanes.
+type Lanes<'a, const SIDE: usize> = [&'a [[f64; WIDEST]]; SIDE];
+
 /// Rows as whole lanes, all of them as many as the shortest has, so that no place within them is checked.
 #[inline(always)]
 fn whole_lanes<'a, const SIDE: usize>(
     down: [&'a [f64]; SIDE],
     across: [&'a [f64]; SIDE],
-) -> ([&'a [[f64; WIDEST]]; SIDE], [&'a [[f64; WIDEST]]; SIDE]) {
+) -> (Lanes<'a, SIDE>, Lanes<'a, SIDE>) {
     let count = down.iter().chain(&across).map(|row| row.len() / WIDEST).min().unwrap_or(0);
     // A number that the compiler does not know: unrolled as a whole, the sums of a tile leave the registers.
     let count = std::hint::black_box(count);
