@@ -135,6 +135,11 @@ impl Between {
         let [a, b] = self.views.map(|view| f64::from(number(view)));
         a + (b - a) * self.share
     }
+    /// How far the number goes from one view to the other: an error of the share counts by this.
+    fn step(self, number: impl Fn(usize) -> f32) -> f64 {
+        let [a, b] = self.views.map(|view| f64::from(number(view)));
+        (b - a).abs()
+    }
 }
 
 #[test]
@@ -167,9 +172,9 @@ fn is_between_views(material: &Material<Vec<u8>>, m: &Mixture<64>, wo: Vec3, pla
     let (stored, mirrored) = (material.view_lobe_count(), material.mirrored_count());
     assert_eq!(m.len(), stored + mirrored, "{place}");
     for k in 0..m.len() {
-        let of = if k < stored { k } else { k - mirrored };
+        let of_stored = if k < stored { k } else { k - mirrored };
         let number =
-            |number: fn(PlaneLobe) -> f32| between.of(|v| number(material.view_lobe(v, of).unwrap()));
+            |number: fn(PlaneLobe) -> f32| between.of(|v| number(material.view_lobe(v, of_stored).unwrap()));
         let [angle, off_plane] = [number(|lobe| lobe.angle), number(|lobe| lobe.off_plane)];
         let off_plane = if k < stored { off_plane } else { -off_plane };
         let axis = [angle.sin() * off_plane.cos(), off_plane.sin(), (angle.cos() * off_plane.cos()).abs()];
@@ -178,7 +183,9 @@ fn is_between_views(material: &Material<Vec<u8>>, m: &Mixture<64>, wo: Vec3, pla
         let rgb = color(luminance, [number(|l| l.color_differences[0]), number(|l| l.color_differences[1])]);
         let lobe = m.lobe(k).unwrap();
         let (got, of) = (lobe.gaussian.axis, format!("{place}, lobe {k}: {lobe:?}"));
-        assert!((0..3).all(|c| is_near(got[c], axis[c], 1.0, 40.0)), "{of}, axis {axis:?}");
+        // A share has up to 40 roundings of its own, since an angle near grazing has few digits of the step between two views.
+        let step = between.step(|v| material.view_lobe(v, of_stored).unwrap().angle);
+        assert!((0..3).all(|c| is_near(got[c], axis[c], 1.0 + step, 40.0)), "{of}, axis {axis:?}");
         assert!(is_near(lobe.gaussian.sharpness, sharpness, sharpness, 200.0), "{of}, sharpness {sharpness}");
         for c in 0..3 {
             assert!(is_near(lobe.amplitude[c], rgb[c], 20.0 * luminance, 200.0), "{of}, amplitude {rgb:?}");

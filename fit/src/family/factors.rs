@@ -4,16 +4,16 @@
 //! It costs no exponential, and is the same for (wi, wo) and (wo, wi) unless it is signed. The lobes keep the peak and the density; the table has the
 //! rest. With the lobes as they are, the best table is a linear problem.
 
+mod means;
 mod problem;
 pub(crate) mod size;
 
 use crate::family::layout::{Layout, Views};
 use crate::family::tuning::factors::{MORE_NODES, NODES};
-use crate::numeric::GOLDEN_ANGLE;
+use crate::numeric::vector;
 use problem::Problem;
 use rayon::prelude::*;
 pub(crate) use size::Size;
-use std::f64::consts::TAU;
 
 /// Code of the largest factor of a table: factors are stored as the squares of codes.
 const MOST_CODE: f64 = 255.0;
@@ -64,32 +64,35 @@ fn own(size: Size, n: usize) -> usize {
     node(size, [n / difference % half, n % difference, n / (half * difference)])
 }
 
-/// Place of two directions among the nodes. These are even in the fourth root of `1 - cos` of the half angle and in the square
+/// Place of two directions among the nodes, in nodes. These are even in the fourth root of `1 - cos` of the half angle and in the square
 /// root of that of the difference angle; also in the squared cosine of the azimuth, with its sign or without; as `srbf_core` has it.
-fn place(size: Size, wi: [f64; 3], wo: [f64; 3]) -> NodeShares {
+#[inline(always)]
+fn place(size: Size, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
     let s = [wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]];
     let d = [wi[0] - wo[0], wi[1] - wo[1], wi[2] - wo[2]];
     let across = s[0] * s[0] + s[1] * s[1];
     let square = (across + s[2] * s[2]).max(1e-30);
-    let length = libm::sqrt(square);
+    let length = square.sqrt();
     let a = across / square / (1.0 + s[2] / length);
     let b = 1.0 - (0.5 * length).min(1.0);
     let distance = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
     let c = d[2] * d[2].abs() * square / (distance * across).max(1e-30);
     let c = if size.is_signed { 0.5 + 0.5 * c } else { c.abs() };
-    let at = |v: f64, count: usize| {
-        let x = v.clamp(0.0, 1.0) * (count - 1) as f64;
-        let i = (x as usize).min(count.saturating_sub(2));
-        (i, x - i as f64)
-    };
-    let (i, x) = at(libm::sqrt(libm::sqrt(a)), size.nodes[0]);
-    let (j, y) = at(libm::sqrt(b), size.nodes[1]);
-    let (k, z) = at(c, size.nodes[2]);
+    let at = |v: f64, count: usize| v.clamp(0.0, 1.0) * (count - 1) as f64;
+    [at(a.sqrt().sqrt(), size.nodes[0]), at(b.sqrt(), size.nodes[1]), at(c, size.nodes[2])]
+}
+
+/// The cell of a place.
+#[inline(always)]
+fn cell(size: Size, place: [f64; 3]) -> NodeShares {
+    let cell: [usize; 3] =
+        std::array::from_fn(|axis| (place[axis] as usize).min(size.nodes[axis].saturating_sub(2)));
+    let inside: [f64; 3] = std::array::from_fn(|axis| place[axis] - cell[axis] as f64);
     let shares = std::array::from_fn(|corner| {
-        let share = |axis: usize, share: f64| if corner >> axis & 1 == 1 { share } else { 1.0 - share };
-        share(0, x) * share(1, y) * share(2, z)
+        let share = |axis: usize| if corner >> axis & 1 == 1 { inside[axis] } else { 1.0 - inside[axis] };
+        share(0) * share(1) * share(2)
     });
-    NodeShares { cell: [i, j, k], shares }
+    NodeShares { cell, shares }
 }
 
 /// The nodes at the corners of a cell.
@@ -113,17 +116,22 @@ impl Factors {
 
     /// The factors of two directions.
     pub fn at(&self, wi: [f64; 3], wo: [f64; 3]) -> [f64; 3] {
-        let NodeShares { cell: [i, j, k], shares } = place(self.size, wi, wo);
+        self.of(place(self.size, wi, wo), |node| self.nodes[node])
+    }
+
+    /// The factors of a place, by the numbers of a node.
+    #[inline(always)]
+    fn of<const N: usize>(&self, place: [f64; 3], numbers: impl Fn(usize) -> [f64; N]) -> [f64; N] {
+        let NodeShares { cell: [i, j, k], shares } = cell(self.size, place);
         // Nodes that stand for others have their factors too, so that none has to be looked up.
         let [half, difference, azimuth] = self.size.nodes;
         let plane = half * difference;
         let start = k * plane + i * difference + j;
         let z_on = if k + 1 < azimuth { plane } else { 0 };
-        let mut sum = [0.0; 3];
+        let mut sum = [0.0; N];
         for (corner, share) in shares.into_iter().enumerate() {
-            let node =
-                &self.nodes[start + (corner & 1) * difference + (corner >> 1 & 1) + (corner >> 2) * z_on];
-            (0..3).for_each(|c| sum[c] += share * node[c]);
+            let node = numbers(start + (corner & 1) * difference + (corner >> 1 & 1) + (corner >> 2) * z_on);
+            (0..N).for_each(|c| sum[c] += share * node[c]);
         }
         sum
     }
@@ -137,42 +145,7 @@ impl Factors {
         averaged: usize,
     ) -> Vec<[f64; 3]> {
         let (sin, cos) = libm::sincos(theta);
-        let wo = [-sin, 0.0, cos];
-        // Shares of a lobe, and sine and cosine about its axis.
-        let spiral: Vec<(f64, (f64, f64))> = (0..averaged)
-            .map(|i| {
-                let u = (i as f64 + 0.5) / averaged as f64;
-                (u, libm::sincos((GOLDEN_ANGLE * i as f64) % TAU))
-            })
-            .collect();
-        let mean = |direction: &dyn Fn(f64, (f64, f64)) -> [f64; 3]| {
-            let mut sum = [0.0; 3];
-            for (u, turn) in &spiral {
-                let factor = self.at(direction(*u, *turn), wo);
-                (0..3).for_each(|c| sum[c] += factor[c] / averaged as f64);
-            }
-            sum
-        };
-        let lobe = |k: usize| {
-            let s = libm::exp(q[layout.sharpness(k)]);
-            let [axis, along, across] = V::frame(layout, q, k);
-            let [xx, xy, yy] = if k < layout.squeezed { V::stretch(q) } else { [1.0, 0.0, 1.0] };
-            let outside = libm::expm1(-2.0 * s);
-            mean(&|u, (sp, cp)| {
-                let w = (-libm::log1p(u * outside) / s).min(2.0);
-                let r = libm::sqrt(w * (2.0 - w));
-                let [x, y, z] = [0, 1, 2].map(|i| axis[i] * (1.0 - w) + r * (along[i] * cp + across[i] * sp));
-                let (x, y) = (xx * x + xy * y, xy * x + yy * y);
-                let length = libm::sqrt(x * x + y * y + z * z);
-                [x / length, y / length, z.abs() / length]
-            })
-        };
-        let mut means: Vec<[f64; 3]> = (0..layout.lobes).map(lobe).collect();
-        means.push(mean(&|u, (sp, cp)| {
-            let r = libm::sqrt(u);
-            [r * cp, r * sp, libm::sqrt(1.0 - u)]
-        }));
-        means
+        vector::run(means::Means { factors: self, layout, q, wo: [-sin, 0.0, cos], averaged })
     }
 
     /// The best factors for the demands, rounded as they are stored.
@@ -229,6 +202,7 @@ mod tests {
     use crate::family::lobes::Lobes;
     use crate::family::tuning::factors::AVERAGED;
     use crate::isotropic::line;
+    use crate::numeric::GOLDEN_ANGLE;
     use crate::table::direction;
 
     /// Directions of some views with the factors of a function of half angle, difference angle and the squared cosine of the

@@ -2,7 +2,7 @@
 
 use crate::family::layout::{Layout, Views};
 use crate::family::unit::{Column, Directions, PANEL, Unit, ViewSqueeze};
-use crate::numeric::vector::{exp, fused};
+use crate::numeric::vector::{exp_f32, fused_f32};
 use std::f64::consts::FRAC_1_PI;
 
 /// The lobes of one view, ready to be evaluated at many directions.
@@ -25,6 +25,14 @@ impl Lobes {
         let squeeze = V::squeeze(q);
         let lobes = (0..layout.lobes).map(|k| V::unit(layout, q, k, &squeeze)).collect();
         Self { squeezed: layout.squeezed, aside: layout.aside, squeeze, lobes }
+    }
+
+    /// One lobe of a view alone, as number 0.
+    pub fn alone<V: Views>(layout: &Layout<V>, q: &[f64], k: usize) -> Self {
+        let squeeze = V::squeeze(q);
+        let lobes = vec![V::unit(layout, q, k, &squeeze)];
+        let aside = usize::from(k >= layout.first_aside());
+        Self { squeezed: usize::from(k < layout.squeezed), aside, squeeze, lobes }
     }
 
     /// How many lobes there are, the diffuse term not counted.
@@ -51,20 +59,17 @@ impl Lobes {
         out[self.len()] = d[2] * FRAC_1_PI;
     }
 
-    /// At most [`PANEL`] directions side by side, those that lack straight up.
+    /// Directions as the lobes see them.
     #[inline(always)]
-    pub fn panel(&self, directions: impl Iterator<Item = [f64; 3]>) -> Panel {
-        let zero = [0.0; PANEL];
-        let mut round = Directions { at: [zero, zero, [1.0; PANEL]], jacobian: [1.0; PANEL] };
-        for (n, d) in directions.enumerate() {
-            (0..3).for_each(|axis| round.at[axis][n] = d[axis]);
-        }
-        let mut squeezed = Directions { at: [zero; 3], jacobian: zero };
+    pub fn panel(&self, at: &[Column; 3]) -> Panel {
+        let round = Directions { at: *at, jacobian: [1.0; PANEL] };
+        let mut squeezed = Directions { at: *at, jacobian: [0.0; PANEL] };
         if self.squeezed > 0 {
+            let [x, y, z] = at;
             for n in 0..PANEL {
-                let (u, j) = self.squeeze(&[round.at[0][n], round.at[1][n], round.at[2][n]]);
-                (0..3).for_each(|axis| squeezed.at[axis][n] = u[axis]);
-                squeezed.jacobian[n] = j;
+                let (u, j) = self.squeeze(&[x[n], y[n], z[n]].map(f64::from));
+                (0..3).for_each(|axis| squeezed.at[axis][n] = u[axis] as f32);
+                squeezed.jacobian[n] = j as f32;
             }
         }
         Panel { round, squeezed }
@@ -82,7 +87,7 @@ impl Lobes {
             if lobe.exponents(axis, directions, &mut exponents) {
                 is_near = true;
                 for n in 0..PANEL {
-                    sums[n] += directions.jacobian[n] * exp(lobe.sharpness * exponents[n]);
+                    sums[n] += directions.jacobian[n] * exp_f32(lobe.sharpness as f32 * exponents[n]);
                 }
             }
         }
@@ -92,13 +97,16 @@ impl Lobes {
     /// [`values`](Self::values) at a panel of directions, summed over the lobes. Shapes: `amplitudes` [K + 1] per channel.
     #[inline(always)]
     pub fn sums(&self, panel: &Panel, amplitudes: &[Vec<f64>; 3]) -> [Column; 3] {
-        let diffuse = |a: &Vec<f64>| panel.round.at[2].map(|cos| a[self.len()] * FRAC_1_PI * cos);
+        let diffuse = |a: &Vec<f64>| {
+            let radiance = (a[self.len()] * FRAC_1_PI) as f32;
+            panel.round.at[2].map(|cos| radiance * cos)
+        };
         let mut sums = [diffuse(&amplitudes[0]), diffuse(&amplitudes[1]), diffuse(&amplitudes[2])];
-        for k in 0..self.len() {
+        for k in (0..self.len()).filter(|&k| amplitudes.iter().any(|a| a[k] != 0.0)) {
             let Some(value) = self.column(k, panel) else { continue };
             for (sum, amplitudes) in sums.iter_mut().zip(amplitudes) {
-                let amplitude = amplitudes[k];
-                sum.iter_mut().zip(&value).for_each(|(sum, v)| *sum = fused(amplitude, *v, *sum));
+                let amplitude = amplitudes[k] as f32;
+                sum.iter_mut().zip(&value).for_each(|(sum, v)| *sum = fused_f32(amplitude, *v, *sum));
             }
         }
         sums
@@ -144,7 +152,7 @@ impl Lobes {
         let last = self.slopes_len() - 1;
         is_used[last] = true;
         for n in 0..PANEL {
-            out[last][n] = scale[n] * panel.round.at[2][n] * FRAC_1_PI;
+            out[last][n] = scale[n] * panel.round.at[2][n] * std::f32::consts::FRAC_1_PI;
         }
     }
 }
@@ -184,19 +192,20 @@ mod tests {
         let d = direction(1.5 * random.uniform(), 6.2 * random.uniform());
 
         let lobes = Lobes::new(layout, &q);
-        let panel = lobes.panel([d, d].into_iter());
+        let panel = lobes.panel(&d.map(|v| [v as f32; PANEL]));
         let width = lobes.slopes_len();
-        let (mut columns, mut is_used) = (vec![[f64::NAN; PANEL]; width], vec![false; width]);
+        let (mut columns, mut is_used) = (vec![[f32::NAN; PANEL]; width], vec![false; width]);
         let scale = std::array::from_fn(|n| if n == 1 { 0.5 } else { 1.0 });
         lobes.slopes(&panel, &scale, &mut columns, &mut is_used);
-        let slopes: Vec<f64> = (0..width).map(|i| if is_used[i] { columns[i][0] } else { 0.0 }).collect();
-        assert!((0..width).all(|i| !is_used[i] || (columns[i][1] - 0.5 * slopes[i]).abs() < 1e-13));
-        assert!((slopes[width - 1] - d[2] * FRAC_1_PI).abs() < 1e-15);
+        let slopes: Vec<f64> =
+            (0..width).map(|i| if is_used[i] { f64::from(columns[i][0]) } else { 0.0 }).collect();
+        assert!((0..width).all(|i| !is_used[i] || f64::from(columns[i][1]) == 0.5 * slopes[i]));
+        assert!((slopes[width - 1] - d[2] * FRAC_1_PI).abs() < 1e-7);
         let numbers: Vec<f64> = (0..=count).map(|k| k as f64).collect();
         let sums = lobes.sums(&panel, &[vec![1.0; count + 1], vec![0.0; count + 1], numbers.clone()]);
         let values: Vec<f64> = (2 * count..3 * count).chain([width - 1]).map(|i| slopes[i]).collect();
         let weighted: f64 = values.iter().zip(&numbers).map(|(v, n)| v * n).sum();
-        assert!((sums[2][0] - weighted).abs() < 1e-12 * weighted && sums[1] == [0.0; PANEL]);
+        assert!((f64::from(sums[2][0]) - weighted).abs() < 2e-6 * weighted && sums[1] == [0.0; PANEL]);
 
         let squeezes = layout.squeezes();
         for k in 0..count {
@@ -218,8 +227,9 @@ mod tests {
                 let h = 1e-5;
                 let (difference, slope) = ((at(h) - at(-h)) / (2.0 * h), slopes[column]);
                 let scale = (values[k].abs() + slope.abs() + 1e-9).max(1.0);
-                assert!((difference - slope).abs() < 2e-6 * scale, "{k} {index}: {difference} {slope}");
-                assert!((at(0.0) - values[k]).abs() < 1e-12 * scale);
+                // Columns are f32, and differences f64.
+                assert!((difference - slope).abs() < 5e-6 * scale, "{k} {index}: {difference} {slope}");
+                assert!((at(0.0) - values[k]).abs() < 2e-6 * scale);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! The matrix of a step, and the share that a view adds to it.
 
-/// Linearisation in one view: half the gradient, and the upper half of the Gauss-Newton matrix, by its unknowns.
+/// Linearisation in one view: half the gradient, and the Gauss-Newton matrix, by its unknowns.
 pub(crate) struct Block<P> {
     pub place: P,
     /// Diagonal of the data term.
@@ -14,16 +14,6 @@ impl<P> Block<P> {
     pub fn zeros(place: P, p: usize) -> Self {
         Self { place, scale: vec![0.0; p], cost: 0.0, gradient: vec![0.0; p], matrix: vec![0.0; p * p] }
     }
-
-    /// Makes the lower half of the matrix that of the upper.
-    pub fn mirror(&mut self) {
-        let p = self.gradient.len();
-        for i in 0..p {
-            for j in 0..i {
-                self.matrix[i * p + j] = self.matrix[j * p + i];
-            }
-        }
-    }
 }
 
 /// The Gauss-Newton matrix of all unknowns, for layouts L with places P.
@@ -31,7 +21,7 @@ pub(crate) trait Matrix<L, P>: Sized {
     fn zeros(layout: &L) -> Self;
     /// Zeros again, in the same memory where that is worth it.
     fn cleared(self, layout: &L) -> Self;
-    /// Adds the gradient and the matrix of a view, both halves of it, to those of the stored views round it.
+    /// Adds the gradient and the matrix of a view to those of the stored views round it.
     fn add_view(&mut self, layout: &L, block: &Block<P>, gradient: &mut [f64]);
     /// Adds the square of a sum of terms (unknown, factor).
     fn add_row(&mut self, terms: &[(usize, f64)]);

@@ -29,7 +29,7 @@ use crate::family::tuning::objective::{
 use crate::judge::energy::EnergyError;
 use crate::judge::measure::{self, brightness};
 use crate::table::{Sample, View, check_bright, check_storable};
-use data_term::Point;
+use data_term::{Panels, Point};
 use rayon::prelude::*;
 pub(crate) use solver::Weighted;
 
@@ -60,6 +60,8 @@ pub(crate) struct Weights {
 pub(crate) struct Data<V: Views> {
     pub place: V::Place,
     pub points: Vec<Point>,
+    /// The points as sums over them read them; made again wherever these change.
+    pub panels: Panels,
     albedo: [f64; 3],
     /// Solid angle of a sample over its weight in the squared relative L2 error.
     solid_angle: f64,
@@ -122,9 +124,11 @@ impl<V: Views> Objective<V> {
                 point.weigh(point.base + point.measure, point.tail / (bright(s) + point.floor));
                 point
             });
+            let points: Vec<Point> = points.collect();
             Data {
                 place,
-                points: points.collect(),
+                panels: Panels::new(&points),
+                points,
                 albedo: view.albedo,
                 solid_angle: norm * count,
                 factors: None,
@@ -157,6 +161,7 @@ impl<V: Views> Objective<V> {
                 point.weight = point.weight.map(|weight| every as f64 * weight);
                 point.rest *= every as f64;
             }
+            view.panels = Panels::new(&view.points);
         }
         self
     }
@@ -174,7 +179,7 @@ impl<V: Views> Objective<V> {
             self.layout.interpolate(x, view.place, &mut q);
             let (lobes, amplitudes) = (Lobes::new(&self.layout, &q), self.layout.amplitudes(&q));
             let mut square = 0.0;
-            let values = data_term::values(&lobes, &amplitudes, &view.points);
+            let values = data_term::values(&lobes, &amplitudes, &view.panels);
             let terms = view.points.iter().zip(values).map(|(point, lobes)| {
                 let value = [0, 1, 2].map(|c| lobes[c] * point.factor[c]);
                 let distance: f64 = (0..3).map(|c| (value[c] - point.target[c]).powi(2)).sum();
@@ -202,6 +207,7 @@ impl<V: Views> Objective<V> {
             for (point, (measure, density)) in view.points.iter_mut().zip(weights) {
                 point.weigh(factor * (point.base + measure), density);
             }
+            view.panels = Panels::new(&view.points);
         }
         self.views = views;
         self
@@ -219,7 +225,7 @@ impl<V: Views> Objective<V> {
             let mut q = vec![0.0; self.layout.stride()];
             self.layout.interpolate(x, view.place, &mut q);
             let values =
-                data_term::values(&Lobes::new(&self.layout, &q), &self.layout.amplitudes(&q), &view.points);
+                data_term::values(&Lobes::new(&self.layout, &q), &self.layout.amplitudes(&q), &view.panels);
             let (sin, cos) = libm::sincos(self.layout.theta(view.place));
             let demand = |(point, lobes): (&Point, [f64; 3])| Demand {
                 wi: point.direction,
@@ -247,7 +253,7 @@ impl<V: Views> Objective<V> {
                 layout.interpolate(x, view.place, &mut q);
                 let lobes = Lobes::new(layout, &q);
                 let amplitudes = layout.amplitudes(&q);
-                let mut cost = data_term::cost(&lobes, &amplitudes, &view.points);
+                let mut cost = data_term::cost(&lobes, &amplitudes, &view.panels);
                 let albedo = layout.albedo(&q, view.factors.as_deref());
                 let residuals = self.energy_residuals(albedo, view, weights.energy);
                 cost += residuals.iter().map(|r| r.0 * r.0).sum::<f64>();

@@ -15,18 +15,18 @@
 //! `(0, -u.y, 0)` for ln c, and the last line is `j sum_m E_m (-1 + 3 u.y^2 + s u.y^2 u.m)`. In the other kind M is any symmetric
 //! matrix, and axes are given as the surface has them; so they move with M.
 //!
-//! In f64 the dot form loses nothing that matters: sharpness 1e6 leaves ten digits. Directions come in panels of a fixed size, and
-//! the exponential is our own. So the loops over directions become vector instructions of any width (`crate::numeric::vector`),
-//! with the same results to the last bit.
+//! Panels of directions are in f32. So `u.m - 1` is `-|u - m|^2 / 2` there, and a derivative of an axis, which is perpendicular to it, meets
+//! `u - m` and not `u`: a value at sharpness 1e6 is within 1e-3 of its own, one at 1e3 within 1e-5. The exponential is our own. So the loops
+//! over directions become vector instructions of any width (`crate::numeric::vector`), with the same results to the last bit.
 
 use crate::family::tuning::lobes::NEGLIGIBLE;
-use crate::numeric::vector::exp;
+use crate::numeric::vector::{exp, exp_f32, fused_f32};
 
 /// Directions of a panel.
 pub(crate) const PANEL: usize = 64;
 
 /// A number for every direction of a panel.
-pub(crate) type Column = [f64; PANEL];
+pub(crate) type Column = [f32; PANEL];
 
 /// How a view's squeezed lobes see directions.
 pub(crate) struct ViewSqueeze {
@@ -73,14 +73,16 @@ impl Unit {
         self.axes().iter().map(|axis| exp(self.sharpness * (dot(u, &axis.at) - 1.0))).sum()
     }
 
-    /// Exponents at a panel of directions; false if all are too low to count.
+    /// Exponents over the sharpness at a panel of directions; false if all are too low to count.
     #[inline(always)]
     pub fn exponents(&self, axis: &Axis, directions: &Directions, out: &mut Column) -> bool {
         let [x, y, z] = &directions.at;
-        let least = NEGLIGIBLE / self.sharpness;
+        let [ax, ay, az] = in_f32(axis.at);
+        let least = (NEGLIGIBLE / self.sharpness) as f32;
         let mut is_near = false;
         for n in 0..PANEL {
-            let t = x[n] * axis.at[0] + (y[n] * axis.at[1] + z[n] * axis.at[2]) - 1.0;
+            let [dx, dy, dz] = [x[n] - ax, y[n] - ay, z[n] - az];
+            let t = -0.5 * fused_f32(dx, dx, fused_f32(dy, dy, dz * dz));
             is_near |= t > least;
             out[n] = t;
         }
@@ -104,45 +106,56 @@ impl Unit {
         let mut exponents = [0.0; PANEL];
         let mut values = [0.0; PANEL];
         let mut is_near = false;
-        let s = self.sharpness;
+        let s = self.sharpness as f32;
         let [x, y, z] = &directions.at;
         for axis in self.axes() {
             if !self.exponents(axis, directions, &mut exponents) {
                 continue;
             }
             is_near = true;
-            let [ax, ay, az] = axis.by_angle;
-            let [bx, by, bz] = axis.by_off_plane;
+            let at = in_f32(axis.at);
+            let [ax, ay, az] = in_f32(axis.by_angle);
+            let [bx, by, bz] = in_f32(axis.by_off_plane);
             for n in 0..PANEL {
                 let t = exponents[n];
-                let e = scale[n] * directions.jacobian[n] * exp(s * t);
+                let [dx, dy, dz] = [x[n] - at[0], y[n] - at[1], z[n] - at[2]];
+                let e = scale[n] * directions.jacobian[n] * exp_f32(s * t);
+                let se = s * e;
                 // In the plane of incidence `ay` is 0.
-                let along = if N == 4 { z[n] * az } else { y[n] * ay + z[n] * az };
-                sums[0][n] += s * e * (x[n] * ax + along);
-                sums[1][n] += s * e * t;
+                let along = if N == 4 { dz * az } else { fused_f32(dy, ay, dz * az) };
+                sums[0][n] += se * fused_f32(dx, ax, along);
+                sums[1][n] += se * t;
                 sums[2][n] += e;
                 sums[3][n] += if N == 4 && is_squeezed {
                     let yy = y[n] * y[n];
-                    e * (3.0 * yy - 1.0 + s * yy * (t + 1.0))
+                    fused_f32(se * yy, t + 1.0, e * fused_f32(3.0, yy, -1.0))
                 } else {
-                    s * e * (x[n] * bx + (y[n] * by + z[n] * bz))
+                    se * fused_f32(dx, bx, fused_f32(dy, by, dz * bz))
                 };
                 values[n] = e;
             }
             let growth = growth.filter(|_| N > 4 && is_squeezed);
-            for (q, [xx, xy, yx, yy]) in growth.into_iter().flatten().enumerate() {
+            for (q, [xx, xy, yx, yy]) in growth.into_iter().flatten().map(|g| g.map(|v| v as f32)).enumerate()
+            {
+                let moved = in_f32(axis.by_squeeze[q]);
                 for n in 0..PANEL {
+                    let d = [x[n] - at[0], y[n] - at[1], z[n] - at[2]];
                     let v = [xx * x[n] + xy * y[n], yx * x[n] + yy * y[n]];
                     let along = v[0] * x[n] + v[1] * y[n];
-                    let moved = dot(&[x[n], y[n], z[n]], &axis.by_squeeze[q]);
-                    let turned = v[0] * axis.at[0] + v[1] * axis.at[1] + moved;
-                    let change = s * (turned - along * (exponents[n] + 1.0)) + (xx + yy - 3.0 * along);
+                    // v.m - (u.v) u.m is -v.(u - m) - (u.v) (u.m - 1).
+                    let turned = (moved[0] - v[0]) * d[0] + (moved[1] - v[1]) * d[1] + moved[2] * d[2];
+                    let change = s * (turned - along * exponents[n]) + (xx + yy - 3.0 * along);
                     sums[4 + q][n] += values[n] * change;
                 }
             }
         }
         is_near.then_some(sums)
     }
+}
+
+#[inline(always)]
+fn in_f32(v: [f64; 3]) -> [f32; 3] {
+    v.map(|v| v as f32)
 }
 
 #[inline(always)]

@@ -296,12 +296,7 @@ impl Matrix<Layout, LinePlace> for Band {
                 self.scale[stored_a * p + i] += share_a * share_a * block.scale[i];
             }
             for (stored_b, share_b) in ends.into_iter().take(a + 1).filter(|e| e.1 > 0.0) {
-                let share = share_a * share_b;
-                for j in 0..p {
-                    let start = if stored_a == stored_b { j } else { 0 };
-                    let row = &block.matrix[j * p + start..(j + 1) * p];
-                    self.matrix.add_run(stored_a * p + start, stored_b * p + j, share, row);
-                }
+                self.matrix.add_block(stored_a * p, stored_b * p, share_a * share_b, &block.matrix, p);
             }
         }
     }

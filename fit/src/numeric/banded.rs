@@ -63,15 +63,28 @@ impl Banded {
         self.rows[chunk].0[n] += value;
     }
 
+    /// [`add`](Self::add) of a factor times the numbers of a symmetric square matrix, of which the first is added to row `i`, column `j`;
+    /// on the diagonal its lower half.
+    pub fn add_block(&mut self, i: usize, j: usize, factor: f64, block: &[f64], size: usize) {
+        vector::run(AddBlock { matrix: self, at: (i, j), factor, block, size });
+    }
+
     /// [`add`](Self::add) of a factor times numbers to those in column `j` from row `i` on.
-    #[inline]
-    pub fn add_run(&mut self, i: usize, j: usize, factor: f64, values: &[f64]) {
+    #[inline(always)]
+    fn add_run(&mut self, i: usize, j: usize, factor: f64, values: &[f64]) {
         debug_assert!(i - j + values.len() <= self.band + 1 && i + values.len() <= self.n);
         let (chunk, n) = self.place(i, j);
         let (first, rest) = values.split_at((WIDE - n).min(values.len()));
-        self.rows[chunk].0[n..].iter_mut().zip(first).for_each(|(v, add)| *v += factor * add);
-        for (chunk, values) in self.rows[chunk + 1..].iter_mut().zip(rest.chunks(WIDE)) {
-            chunk.0.iter_mut().zip(values).for_each(|(v, add)| *v += factor * add);
+        let (first_chunk, chunks) = self.rows[chunk..].split_at_mut(1);
+        first_chunk[0].0[n..].iter_mut().zip(first).for_each(|(v, add)| *v += factor * add);
+        let (whole, last) = rest.as_chunks::<WIDE>();
+        for (chunk, values) in chunks.iter_mut().zip(whole) {
+            let mut sum = chunk.0;
+            (0..WIDE).for_each(|n| sum[n] += factor * values[n]);
+            chunk.0 = sum;
+        }
+        if let Some(chunk) = chunks.get_mut(whole.len()) {
+            chunk.0.iter_mut().zip(last).for_each(|(v, add)| *v += factor * add);
         }
     }
 
@@ -84,7 +97,7 @@ impl Banded {
         }
     }
 
-    /// Factors into `U^T U` in place; false if the matrix is not positive definite.
+    /// Factors into `U^T U` in place, with the inverses of the diagonal of U; false if the matrix is not positive definite.
     pub fn factor(&mut self) -> bool {
         // The rows that fill up are those of the unit matrix.
         for i in self.n..self.rows.len() / self.width {
@@ -145,7 +158,7 @@ impl Banded {
         let rows = || self.rows.chunks_exact(self.width).enumerate().take(self.n);
         for (i, row) in rows() {
             let (block, n) = (i / WIDE, i % WIDE);
-            let value = x[block].0[n] / row[0].0[n];
+            let value = x[block].0[n] * row[0].0[n];
             x[block..].iter_mut().zip(row).for_each(|(x, u)| x.subtract(value, u));
             x[block].0[n] = value;
         }
@@ -157,7 +170,7 @@ impl Banded {
                 (0..WIDE).for_each(|n| sums.0[n] = vector::fused(x.0[n], u.0[n], sums.0[n]));
             }
             let [a, b, c, d, e, f, g, h] = sums.0;
-            x[block].0[n] = (value - (((a + e) + (c + g)) + ((b + f) + (d + h)))) / row[0].0[n];
+            x[block].0[n] = (value - (((a + e) + (c + g)) + ((b + f) + (d + h)))) * row[0].0[n];
         }
         for (x, b) in x.iter().zip(b.chunks_mut(WIDE)) {
             b.copy_from_slice(&x.0[..b.len()]);
@@ -196,7 +209,8 @@ fn factor_block(own: &mut [Chunk], width: usize, chunks: usize) -> bool {
         for n in 0..WIDE {
             row.0[n] = if n > k { row.0[n] * inverse[k] } else { 0.0 };
         }
-        row.0[k] = root;
+        // Solutions are divided by the root, and sums leave it out.
+        row.0[k] = inverse[k];
         pivots[k] = row;
         own[k * width] = row;
     }
@@ -224,6 +238,27 @@ impl Operation for Factor<'_> {
     fn run<V: Vectors>(self, _: V) -> bool {
         // The sums of eight rows are all the registers that AVX2 has.
         if V::LANES == WIDE { self.0.factor_in_place::<WIDE>() } else { self.0.factor_in_place::<4>() }
+    }
+}
+
+struct AddBlock<'a> {
+    matrix: &'a mut Banded,
+    at: (usize, usize),
+    factor: f64,
+    block: &'a [f64],
+    size: usize,
+}
+
+impl Operation for AddBlock<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Vectors>(self, _: V) {
+        let Self { matrix, at: (i, j), factor, block, size } = self;
+        for (n, row) in block.chunks_exact(size).enumerate() {
+            let start = if i == j { n } else { 0 };
+            matrix.add_run(i + start, j + n, factor, &row[start..]);
+        }
     }
 }
 

@@ -44,7 +44,7 @@ pub const SENTENCES: &[Sentence] = &[
     figures("| Mixture::reflect | {stability Mixture::reflect} |"),
     figures("| one peak, sharpness 300 | {solver one peak views}, {solver one peak between} | {solver one peak height} | {solver one peak evaluations} | over 1e16 |"),
     figures("| two peaks, 3e4, .3 radians apart | {solver two peaks far apart views}, {solver two peaks far apart between} | {solver two peaks far apart height}, {solver two peaks far apart second height} | {solver two peaks far apart evaluations} | {solver two peaks far apart condition} |"),
-    figures("| two peaks, 3e4, .01 radians apart | {solver two peaks that overlap views}, {solver two peaks that overlap between} | {solver two peaks that overlap height}, {solver two peaks that overlap second height} | {solver two peaks that overlap evaluations} | {solver two peaks that overlap condition} |"),
+    figures("| two peaks, 3e4, .01 radians apart | {solver two peaks that overlap views}, {solver two peaks that overlap between} | {solver two peaks that overlap height}, {solver two peaks that overlap second height} | {solver two peaks that overlap evaluations} | over 1e16 |"),
     figures("| two peaks, 1e6, .3 radians apart | {solver two needles views}, {solver two needles between} | {solver two needles height}, {solver two needles second height} | {solver two needles evaluations} | over 1e16 |"),
     figures("red {furnace red} ± {furnace error} against {furnace closed}."),
     figures("from 12 to {left-out cayman lobes} lobes and garnet red to {left-out garnet_red lobes}."),

@@ -238,7 +238,8 @@ fn judge(outcomes: &[Outcome]) {
     let far = 4.6; // probability 4e-6
     assert!(worst < far && sidak(0.01, 2 * outcomes.len()) > 4e-6, "{worst} standard errors");
     let plain: Vec<f64> = outcomes.iter().filter(|o| !o.is_signed).map(|o| o.variance).collect();
-    assert!(plain.len() as f64 > 0.9 * n);
+    // Measured paints outside the gamut have light below 0, with their highlights on a lamp; most cases have none.
+    assert!(plain.len() as f64 > 0.8 * n, "{} of {n}", plain.len());
     let mean = plain.iter().sum::<f64>() / plain.len() as f64;
     println!(
         "{n} cases, {} with light below 0: at most {worst:.2} standard errors, variance {mean:.4} in the mean, {largest:.4} at most",

@@ -4,7 +4,7 @@
 //! neighbours of its node. The squared error of an albedo couples all nodes, but is a square of one sum for each view. These
 //! sums are kept as they are, and the solver carries them along.
 
-use super::{CORNERS, Demand, NodeShares, Size, corners, node, place};
+use super::{CORNERS, Demand, NodeShares, Size, cell, corners, node, place};
 use crate::family::tuning::factors::{LARGEST, PULL, SMOOTH, SWEEPS};
 use rayon::prelude::*;
 
@@ -110,7 +110,7 @@ impl Problem {
         for view in demands.chunk_by(|a, b| a.view == b.view) {
             let (mut slopes, mut target) = (vec![[0.0; 3]; self.rows.len()], [0.0; 3]);
             for d in view {
-                let NodeShares { cell: [i, j, k], shares } = place(size, d.wi, d.wo);
+                let NodeShares { cell: [i, j, k], shares } = cell(size, place(size, d.wi, d.wo));
                 sums[(k * cells[1] + j) * cells[0] + i].add(&shares, d);
                 for (node, share) in corners(size, [i, j, k]).into_iter().zip(shares) {
                     (0..3).for_each(|c| slopes[node][c] += share * d.by_energy[c] * d.lobes[c]);

@@ -8,6 +8,7 @@ use super::{Data, Objective, Weights};
 use crate::family::layout::{COLOR_SLOPES, Layout, Views, rgb};
 use crate::family::lobes::Lobes;
 use crate::family::matrix::{Block, Matrix};
+use crate::family::unit::dot;
 use crate::numeric::special::sphere_integral;
 use rayon::prelude::*;
 
@@ -33,8 +34,7 @@ impl<V: Views> Linearized<V> {
     }
 
     /// Adds a view to the stored views round it.
-    fn add(&mut self, layout: &Layout<V>, mut block: Block<V::Place>) {
-        block.mirror();
+    fn add(&mut self, layout: &Layout<V>, block: Block<V::Place>) {
         self.cost += block.cost;
         self.matrix.add_view(layout, &block, &mut self.gradient);
     }
@@ -63,13 +63,11 @@ impl<V: Views> Objective<V> {
                 continue;
             }
             let mut block = Block::zeros(place, p);
-            for (channel, &a) in albedo.iter().enumerate() {
+            let row = |a: f64| {
                 let excess = self.excess(a);
-                if excess > 0.0 {
-                    let slope = self.excess(a + 1.0) - excess;
-                    self.add_albedo_row(&mut block, &q, (channel, None), (excess, slope));
-                }
-            }
+                (excess, if excess > 0.0 { self.excess(a + 1.0) - excess } else { 0.0 })
+            };
+            self.add_albedo(&mut block, &q, None, albedo.map(row));
             sum.add(layout, block);
         }
         V::differences(layout, weights.smoothness, |terms| {
@@ -89,30 +87,24 @@ impl<V: Views> Objective<V> {
         let lobes = Lobes::new(layout, &q);
         let amplitude = layout.amplitudes(&q);
 
-        let data_term::Sums { cost, gram, moment } = data_term::sums(&lobes, &amplitude, &view.points);
+        let data_term::Sums { cost, gram, moment } = data_term::sums(&lobes, &amplitude, &view.panels);
 
         // From derivatives of unit lobes to derivatives by the unknowns.
         let width = lobes.slopes_len();
         let mut block = Block { cost, ..Block::zeros(view.place, p) };
-        let columns = self.columns(width, &q);
-        for c in 0..3 {
-            let targets: Vec<(usize, usize, f64)> =
-                columns.iter().map(|&(a, i, by)| (a, i, by[c])).filter(|target| target.2 != 0.0).collect();
-            for (n, &(a, i, by)) in targets.iter().enumerate() {
-                block.gradient[a] += by * moment[c][i];
-                for (m, &(b, j, other)) in targets[..=n].iter().enumerate() {
-                    let value = by * other * gram[i.max(j) * width + i.min(j)];
-                    // Both (i, j) and (j, i) of the Gram matrix may fall on one element: the squeeze is shared.
-                    let both = if a == b && m < n { 2.0 } else { 1.0 };
-                    block.matrix[a.min(b) * p + a.max(b)] += both * value;
-                }
+        let targets = self.columns(width, &q);
+        for &(a, i, by) in &targets {
+            block.gradient[a] += (0..3).map(|c| by[c] * moment[c][i]).sum::<f64>();
+            let (from, to) = (&gram[i * width..(i + 1) * width], &mut block.matrix[a * p..(a + 1) * p]);
+            // Several derivatives may be of one unknown: the squeeze is shared.
+            for &(b, j, other) in &targets {
+                to[b] += dot(&by, &other) * from[j];
             }
         }
         (0..p).for_each(|i| block.scale[i] = block.matrix[i * p + i]);
         let albedo = layout.albedo(&q, view.factors.as_deref());
-        for (c, row) in self.energy_residuals(albedo, view, energy).into_iter().enumerate() {
-            self.add_albedo_row(&mut block, &q, (c, view.factors.as_deref()), row);
-        }
+        let residuals = self.energy_residuals(albedo, view, energy);
+        self.add_albedo(&mut block, &q, view.factors.as_deref(), residuals);
         block
     }
 
@@ -141,38 +133,41 @@ impl<V: Views> Objective<V> {
         columns
     }
 
-    /// Adds the square of a residual of one channel's albedo, of which the derivative by the albedo is given, to a view.
-    fn add_albedo_row(
+    /// Adds the squares of residuals of the channels' albedos, each with its derivative by the albedo, to a view.
+    fn add_albedo(
         &self,
         block: &mut Block<V::Place>,
         q: &[f64],
-        (channel, factors): (usize, Option<&[[f64; 3]]>),
-        (residual, by_albedo): (f64, f64),
+        factors: Option<&[[f64; 3]]>,
+        residuals: [(f64, f64); 3],
     ) {
         let layout = &self.layout;
         let p = layout.stride();
         let mut row = Vec::with_capacity(4 * layout.lobes + 3);
         for k in 0..=layout.lobes {
             let [luminance, red, blue] = layout.tint(k);
-            let by = by_albedo * factors.map_or(1.0, |factors| factors[k][channel]);
-            let color = by * rgb([luminance, red, blue].map(|i| q[i]))[channel];
+            let factor = factors.map_or([1.0; 3], |factors| factors[k]);
+            let color = rgb([luminance, red, blue].map(|i| q[i]));
             let (integral, slope) =
                 if k < layout.lobes { sphere_integral(q[layout.sharpness(k)]) } else { (1.0, 0.0) };
             let copies = if k < layout.lobes { layout.copies(k) } else { 1.0 };
+            let by = |size: f64, color: [f64; 3]| {
+                [0, 1, 2].map(|c| residuals[c].1 * factor[c] * copies * size * color[c])
+            };
             if k < layout.lobes {
-                row.push((layout.sharpness(k), color * copies * slope));
+                row.push((layout.sharpness(k), by(slope, color)));
             }
-            row.push((luminance, color * copies * integral));
-            let y = by * libm::exp(q[luminance]) * copies * integral;
-            row.push((red, y * COLOR_SLOPES[0][channel]));
-            row.push((blue, y * COLOR_SLOPES[1][channel]));
+            let y = libm::exp(q[luminance]) * integral;
+            row.push((luminance, by(integral, color)));
+            row.push((red, by(y, COLOR_SLOPES[0])));
+            row.push((blue, by(y, COLOR_SLOPES[1])));
         }
-        block.cost += residual * residual;
+        let residuals = residuals.map(|r| r.0);
+        block.cost += dot(&residuals, &residuals);
         for &(i, a) in &row {
-            block.gradient[i] += a * residual;
-            for &(j, b) in row.iter().filter(|e| e.0 <= i) {
-                block.matrix[j * p + i] += a * b;
-            }
+            block.gradient[i] += dot(&a, &residuals);
+            let to = &mut block.matrix[i * p..(i + 1) * p];
+            row.iter().for_each(|&(j, b)| to[j] += dot(&a, &b));
         }
     }
 }

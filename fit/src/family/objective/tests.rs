@@ -1,5 +1,6 @@
 //! Gradient and matrix against differences of the cost, for stored views on a line and on a grid.
 
+use super::data_term::Panels;
 use super::{Emphasis, Objective, Weights};
 use crate::anisotropic::tests::{Grid, grid_layout};
 use crate::family::layout::{Layout, Views};
@@ -39,18 +40,20 @@ fn check_gradient<V: Views>((objective, x): (Objective<V>, Vec<f64>)) {
     let weights = Weights { smoothness: 0.1, energy: 2.0, faint_color: 0.0 };
     let linearized = objective.linearize(&x, weights);
     let cost = objective.cost(&x, weights);
-    assert!((linearized.cost - cost).abs() < 1e-12 * cost, "{} {cost}", linearized.cost);
+    // Values are f32.
+    assert!((linearized.cost - cost).abs() < 1e-6 * cost, "{} {cost}", linearized.cost);
     for i in 0..x.len() {
         let at = |h: f64| {
             let mut x = x.clone();
             x[i] += h;
             objective.cost(&x, weights)
         };
-        let h = 1e-5;
+        // Wide enough for a difference of f32.
+        let h = 3e-3;
         // `gradient` is that of half the cost.
         let difference = (at(h) - at(-h)) / (4.0 * h);
         let g = linearized.gradient[i];
-        assert!((difference - g).abs() < 1e-6 * (g.abs() + cost), "{i}: {difference} {g}");
+        assert!((difference - g).abs() < 2e-4 * (g.abs() + cost), "{i}: {difference} {g}");
     }
 }
 
@@ -69,6 +72,7 @@ fn check_matrix<V: Views>((mut objective, x): (Objective<V>, Vec<f64>)) {
             point.target = [0, 1, 2].map(|c| a[c].iter().zip(&unit).map(|(a, u)| a * u).sum());
             point.weigh(point.base, 0.0);
         }
+        view.panels = Panels::new(&view.points);
     }
     let none = Weights { smoothness: 0.0, energy: 1.0, faint_color: 0.0 };
     // A step along each unknown in turn has the diagonal, and some random ones the rest: the solution of `A s = b` is known.
@@ -77,11 +81,14 @@ fn check_matrix<V: Views>((mut objective, x): (Objective<V>, Vec<f64>)) {
     for _ in 0..5 {
         let mut linearized = objective.linearize(&x, none);
         let downhill: Vec<f64> = x.iter().map(|_| random.uniform() - 0.5).collect();
-        let added: Vec<f64> = linearized.matrix.scale().iter().map(|d| 0.3 * d + 1e-9).collect();
+        // No unknown is so free that its change of the cost is lost in the rounding of f32.
+        let diagonal = linearized.matrix.scale();
+        let free = 1e-3 * diagonal.iter().fold(0.0, |most: f64, d| most.max(*d));
+        let added: Vec<f64> = diagonal.iter().map(|d| 0.3 * d + free).collect();
         let step = linearized.matrix.step(&added, &all, downhill.clone()).unwrap();
         // Of `s (A + D) s / 2 - b s` the solution is the minimum, which is `-b s / 2`.
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let scale = 1e-5 / step.iter().fold(0.0, |most: f64, s| most.max(s.abs()));
+        let scale = 1e-3 / step.iter().fold(0.0, |most: f64, s| most.max(s.abs()));
         let moved: Vec<f64> = x.iter().zip(&step).map(|(x, s)| x + scale * s).collect();
         let quadratic = objective.cost(&moved, none) / (scale * scale)
             + step.iter().zip(&added).map(|(s, d)| s * s * d).sum::<f64>();

@@ -156,11 +156,11 @@ impl Objective {
             layout.interpolate(x, data.place, &mut q);
             let lobes = Lobes::new(layout, &q);
             let amplitudes = layout.amplitudes(&q);
-            let values = data_term::values(&lobes, &amplitudes, &data.points);
+            let values = data_term::values(&lobes, &amplitudes, &data.panels);
             let difference = |(p, v): (&Point, &[f64; 3])| [0, 1, 2].map(|c| p.aim[c] - v[c]);
             let left = data.points.iter().zip(&values).map(difference).collect();
             // Of all derivatives, the values themselves.
-            let sums = data_term::sums(&lobes, &amplitudes, &data.points);
+            let sums = data_term::sums(&lobes, &amplitudes, &data.panels);
             let width = lobes.slopes_len();
             let column = |k: usize| if k < layout.lobes { 2 * layout.lobes + k } else { width - 1 };
             let product = |n: usize| sums.gram[column(n / count) * width + column(n % count)];
@@ -176,12 +176,10 @@ impl Objective {
     /// Adds the value of the lobe in a slot to the residuals.
     fn take_out(&self, residuals: &mut [Residual], slot: usize) {
         for (view, residual) in self.views.iter().zip(residuals) {
-            let lobes = Lobes::new(&self.layout, &residual.q);
-            let mut alone = self.layout.amplitudes(&residual.q);
-            for (k, a) in alone.iter_mut().flat_map(|a| a.iter_mut().enumerate()) {
-                *a *= f64::from(u8::from(k == slot));
-            }
-            let values = data_term::values(&lobes, &alone, &view.points);
+            let lobe = Lobes::alone(&self.layout, &residual.q, slot);
+            // Without the diffuse term.
+            let amplitudes = self.layout.amplitudes(&residual.q).map(|a| vec![a[slot], 0.0]);
+            let values = data_term::values(&lobe, &amplitudes, &view.panels);
             for (left, value) in residual.left.iter_mut().zip(values) {
                 (0..3).for_each(|c| left[c] += value[c]);
             }
@@ -193,8 +191,8 @@ impl Objective {
         let layout = &self.layout;
         let mut q = residual.q.clone();
         family.shape(self, slot, residual.theta, &mut q);
-        let lobes = Lobes::new(layout, &q);
-        let (square, moment) = data_term::projection(&lobes, slot, &self.views[view].points, &residual.left);
+        let (lobe, panels) = (Lobes::alone(layout, &q, slot), &self.views[view].panels);
+        let (square, moment) = data_term::projection(&lobe, panels, &residual.left);
         let amplitude = moment.map(|m| if square > 0.0 { m / square } else { 0.0 });
         // A lobe without luminance has no colour either.
         if luminance(amplitude) <= 0.0 {
