@@ -7,10 +7,14 @@ use crate::material::{Bytes, material};
 use crate::pointers::{Out, check, slice};
 use crate::status::{SRBF_STATUS_FILE, SRBF_STATUS_OTHER, SRBF_STATUS_TEXT, srbf_status};
 use core::ffi::{CStr, c_char};
-use srbf_core::{FileError, Material, read_file};
+use srbf_core::{FileError, FormatError, Material, read_file};
 use std::boxed::Box;
 use std::path::Path;
 use std::vec::Vec;
+
+/// Bytes that say how long a material is.
+#[cfg(feature = "std")]
+const HEAD: usize = 52;
 
 /// Makes a material of `.srbf` bytes, which are copied. Release it with `srbf_material_free`.
 ///
@@ -27,8 +31,14 @@ pub unsafe extern "C" fn srbf_material_from_bytes(
     guard(|| {
         // SAFETY: the header's contract.
         let (bytes, out) = unsafe { (slice(bytes, byte_count)?, Out::new(material)?) };
-        // Before a copy is made, which may have any number of bytes.
-        Material::from_bytes(bytes)?;
+        // Before a copy is made, which may have any number of bytes: a head alone is refused by the length that it announces.
+        match Material::from_bytes(&bytes[..byte_count.min(HEAD)]) {
+            Err(FormatError::Length { expected, .. }) if expected == byte_count => {}
+            Err(FormatError::Length { expected, .. }) if byte_count > HEAD => {
+                Err(FormatError::Length { expected, actual: byte_count })?;
+            }
+            head => drop(head?),
+        }
         own(copy(bytes)?, &out)
     })
 }
