@@ -1,5 +1,6 @@
 //! From the numbers of a row to two unit vectors.
 
+use super::super::alta::from_half;
 use super::super::conventions::{Angles, Conventions, Mirror};
 use super::super::intake::Reading;
 use super::columns::{Azimuths, Columns, Directions, Place};
@@ -24,6 +25,8 @@ const BRIGHTER: f64 = 1.5;
 /// How the directions of a file are meant.
 pub(super) struct Geometry {
     is_vectors: bool,
+    /// Whether angles are of the half vector, and from it.
+    is_half: bool,
     /// Radians of a unit of the file.
     radians: f64,
     azimuths: Option<Azimuths>,
@@ -35,6 +38,10 @@ pub(super) struct Geometry {
 pub(super) fn places(directions: &Directions) -> [Option<Place>; 6] {
     match directions {
         Directions::Vectors([i, o]) => [i[0], i[1], i[2], o[0], o[1], o[2]].map(|n| Some(Place::Column(n))),
+        Directions::Half([half, theta, phi]) => {
+            let column = |n: &usize| Some(Place::Column(*n));
+            [column(half), column(theta), None, column(phi), None, None]
+        }
         Directions::Angles { thetas: [i, o], azimuths } => {
             let [phi_i, phi_o] = match azimuths {
                 Azimuths::Both([i, o]) => [Some(*i), Some(*o)],
@@ -66,10 +73,15 @@ impl Geometry {
         reading: &mut Reading,
     ) -> Result<Self, ReadError> {
         let azimuths = match &columns.directions {
-            Directions::Vectors(_) => None,
+            Directions::Vectors(_) | Directions::Half(_) => None,
             Directions::Angles { azimuths, .. } => Some(*azimuths),
         };
-        let mut geometry = Self { is_vectors: azimuths.is_none(), radians: 1.0, azimuths, plane: PI };
+        let (is_vectors, is_half) = match &columns.directions {
+            Directions::Vectors(_) => (true, false),
+            Directions::Half(_) => (false, true),
+            Directions::Angles { .. } => (false, false),
+        };
+        let mut geometry = Self { is_vectors, is_half, radians: 1.0, azimuths, plane: PI };
         if geometry.is_vectors {
             return Ok(geometry);
         }
@@ -119,6 +131,9 @@ impl Geometry {
                 );
                 return Err(ReadError::Content(text));
             }
+        }
+        if self.is_half {
+            return Ok(from_half(d[0] * self.radians, d[1] * self.radians, phi_o * self.radians));
         }
         Ok([self.vector(d[0], phi_i), self.vector(d[1], phi_o)])
     }

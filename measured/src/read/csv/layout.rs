@@ -6,14 +6,17 @@ use crate::ReadError;
 use crate::file::decode::shortened;
 
 /// Lines among which the names are looked for, and fields of all separators that are tried: other content ends the search.
-const SEARCHED: usize = 1000;
+pub(super) const SEARCHED: usize = 1000;
 const FIELDS: usize = 1 << 18;
+
+/// Known names that make a line one of names.
+const NAMES: usize = 2;
 
 /// Marks of comments; a line of names may be one.
 const COMMENTS: [&str; 5] = ["//", "#", "%", "!", "$"];
 
 /// What separates columns, in the order in which it is tried: `' '` is any white space.
-const SEPARATORS: [char; 5] = ['\t', ';', ',', '|', ' '];
+pub(super) const SEPARATORS: [char; 5] = ['\t', ';', ',', '|', ' '];
 
 /// The layout of a table.
 #[derive(Debug)]
@@ -72,7 +75,11 @@ impl Layout {
             }
         }
         found.ok_or_else(|| match closest {
-            Some((line, reason)) => fault(line, &reason.reason),
+            Some((line, reason)) if reason.known >= NAMES => fault(line, &reason.reason),
+            Some((line, reason)) => ReadError::Content(format!(
+                "no line names the columns; line {line} comes closest: {}",
+                reason.reason
+            )),
             None => no_names(text, above.fields > FIELDS),
         })
     }
@@ -80,10 +87,10 @@ impl Layout {
 
 /// What stands above the names.
 #[derive(Debug, Default)]
-struct Above {
+pub(super) struct Above {
     separator: Option<char>,
-    constants: Constants,
-    angle_unit: Option<Unit>,
+    pub constants: Constants,
+    pub angle_unit: Option<Unit>,
     /// Fields that were looked at.
     fields: usize,
 }
@@ -130,14 +137,30 @@ impl Above {
         if lower.contains("angle") || lower.contains("unit") {
             self.angle_unit = unit(line).filter(|u| *u != Unit::Percent).or(self.angle_unit);
         }
-        let Some((name, value)) = line.split_once([':', '=', ',', ';', '\t']) else { return };
-        let first = value.split([',', ';', '\t', ' ']).find(|word| !word.trim().is_empty()).unwrap_or("");
-        let Some(number) = super::cells::number(first) else { return };
-        let role = role(name);
-        if matches!(role, Role::Theta(_) | Role::Phi(_)) {
+        if let Some(constant) = constant(line) {
             self.angle_unit = unit(line).filter(|u| *u != Unit::Percent).or(self.angle_unit);
-            self.constants.push((role, number));
+            // The last one above the names is that of the rows.
+            self.constants.retain(|known| known.0 != constant.0);
+            self.constants.push(constant);
         }
+    }
+}
+
+/// The direction that a line names, with its angle: `AOI: 30`.
+pub(super) fn constant(line: &str) -> Option<(Role, f64)> {
+    let (plain, _) = without_mark(line.trim());
+    let (name, value) = plain.split_once([':', '=', ',', ';', '\t'])?;
+    let first = value.split([',', ';', '\t', ' ']).find(|word| !word.trim().is_empty())?;
+    let (role, number) = (role(name), super::cells::number(first)?);
+    matches!(role, Role::Theta(_) | Role::Phi(_)).then_some((role, number))
+}
+
+impl Above {
+    /// What the lines above a place say.
+    pub fn of<'a>(lines: impl Iterator<Item = &'a str>) -> Self {
+        let mut above = Self::default();
+        lines.for_each(|line| above.read(without_mark(line.trim()).0));
+        above
     }
 }
 

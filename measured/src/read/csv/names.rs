@@ -24,8 +24,12 @@ pub(super) enum Role {
     OddPhi,
     /// A part of a unit vector: 0 x, 1 y, 2 z.
     Vector(Side, usize),
-    /// Half and difference angles, which need a column each.
-    Half,
+    /// Angle of the half vector from the normal.
+    ThetaHalf,
+    /// Angle between the half vector and a direction, if there is one of the half vector.
+    ThetaDifference,
+    /// Azimuth about the half vector.
+    PhiDifference,
     /// The cosine of an angle.
     Cosine,
     /// One value.
@@ -36,12 +40,44 @@ pub(super) enum Role {
     Xyz(usize),
     /// The wavelength of a row, where each has one.
     Wavelength,
+    /// A logarithm of the value, or decibels.
+    Logarithm,
     /// A value at a wavelength.
     At(f64),
+    /// A number that is a wavelength only in a series of them.
+    Numbered(f64),
     /// A name that is no number, where a wavelength was meant.
     NoWavelength,
     /// Anything else.
     Other,
+}
+
+impl Role {
+    /// What a column of that role holds, in words; `None` for what is not known by its name alone.
+    pub fn words(&self) -> Option<&'static str> {
+        Some(match self {
+            Self::Theta(Side::Incident) => "the angle of the incident direction",
+            Self::Theta(Side::Outgoing) => "the angle of the outgoing direction",
+            Self::Theta(Side::Either) | Self::ThetaAlone => "the angle of a direction",
+            Self::Phi(Side::Incident) => "the azimuth of the incident direction",
+            Self::Phi(Side::Outgoing) => "the azimuth of the outgoing direction",
+            Self::Phi(Side::Either) | Self::OddPhi => "the azimuth of a direction",
+            Self::DeltaPhi => "the one azimuth",
+            Self::Vector(Side::Incident, _) => "a part of the incident vector",
+            Self::Vector(Side::Outgoing, _) => "a part of the outgoing vector",
+            Self::Vector(Side::Either, _) => "a part of a vector",
+            Self::ThetaHalf => "the angle of the half vector",
+            Self::ThetaDifference | Self::PhiDifference => "an angle from the half vector",
+            Self::Cosine => "a cosine",
+            Self::Value => "a value",
+            Self::Rgb(_) => "a channel",
+            Self::Xyz(_) => "a tristimulus value",
+            Self::Wavelength => "a wavelength",
+            Self::Logarithm => "a logarithm",
+            Self::At(_) => "a value at a wavelength",
+            Self::Numbered(_) | Self::NoWavelength | Self::Other => return None,
+        })
+    }
 }
 
 /// A unit that a name carries.
@@ -56,7 +92,7 @@ const INCIDENT: &str = "i in inc inci incident incidence incoming input l light 
     irradiation ill incid ein einfall einfalls lichtquelle laser licht beleuchtung beleuchtungs einstrahlung einstrahl \
     incidencia incidente incidenza éclairage eclairage éclairement lumière";
 const OUTGOING: &str = "o out outgoing output r refl reflected reflection v view viewer viewing cam camera det detector d \
-    sensor rec receiver e em emission emitted exit measure measured measurement obs observation observer \
+    sensor satellite rec receive receiver receiving e em emission emitted exit measure measured measurement obs observation observer \
     scat scatter scattered scattering emergent emergence aus ausfall ausfalls beobachter beobachtungs betrachtungs detektor \
     reflexion reflexions réflexion streu \
     beobachtung betrachtung betrachter detektion mess messung messkopf reflektiert sicht blick observación observacion \
@@ -72,7 +108,10 @@ const CHANNELS: [&str; 3] =
     ["r red rot rouge rojo rosso vermelho", "g green grün vert verde", "b blue blau bleu azul blu"];
 /// Before a channel or a wavelength.
 const BEFORE: &str = "brdf bsdf value reflectance refl linear lin srgb rgb f fr xyz r";
-const BEFORE_WAVELENGTH: &str = "wavelength lambda wl w brdf bsdf value reflectance refl f fr r nm l";
+const BEFORE_WAVELENGTH: &str = "wavelength lambda \u{3bb} wl w brdf bsdf value reflectance refl f fr r nm l";
+
+/// Digits from which on a number is a wavelength without a unit.
+const WAVELENGTH_DIGITS: usize = 3;
 
 /// A name and the unit that it carries, or that stands in brackets after it.
 pub(super) fn unit(name: &str) -> Option<Unit> {
@@ -96,8 +135,8 @@ pub(super) fn role(name: &str) -> Role {
     if name.is_empty() {
         return Role::Other;
     }
-    if let Ok(number) = name.parse::<f64>() {
-        return if number.is_finite() { Role::At(number) } else { Role::NoWavelength };
+    if name.parse::<f64>().is_ok_and(|number| !number.is_finite()) {
+        return Role::NoWavelength;
     }
     // Articles of French, and what German joins.
     let with = |name: String, a: &str, b: &str| if name.contains(a) { name.replace(a, b) } else { name };
@@ -125,7 +164,19 @@ pub(super) fn role(name: &str) -> Role {
     let is_filler = |w: &String| {
         matches!(
             w.as_str(),
-            "of" | "the" | "de" | "di" | "del" | "della" | "direction" | "dir" | "angles" | "angle" | "vec"
+            "of" | "the"
+                | "de"
+                | "di"
+                | "del"
+                | "della"
+                | "to"
+                | "toward"
+                | "towards"
+                | "direction"
+                | "dir"
+                | "angles"
+                | "angle"
+                | "vec"
         )
     };
     let all = words(name);
@@ -144,11 +195,22 @@ pub(super) fn role(name: &str) -> Role {
         | "wellenlänge" | "longueurdonde" => return Role::Wavelength,
         _ => {}
     }
+    if is_logarithm(&plain, &kept) {
+        return Role::Logarithm;
+    }
     if let Some(found) = spectral(&plain) {
         return found;
     }
-    if matches!(joined.as_str(), "thetah" | "thetahalf" | "halfangle" | "thetadiff" | "phih") {
-        return Role::Half;
+    match joined.as_str() {
+        "thetah" | "thetahalf" | "halfangle" | "halftheta" => return Role::ThetaHalf,
+        "thetadiff" | "thetadifference" | "differenceangle" => return Role::ThetaDifference,
+        "phidiff" | "phidifference" => return Role::PhiDifference,
+        "incidence" => return Role::Theta(Side::Incident),
+        "receive" => return Role::Theta(Side::Outgoing),
+        _ => {}
+    }
+    if let Some(side) = kept.strip_suffix('a').filter(|rest| rest.len() > 2).and_then(side) {
+        return Role::Phi(side);
     }
     if let Some(rest) = kept.strip_prefix("cosine").or_else(|| kept.strip_prefix("cos")) {
         let of = around(rest, POLAR).unwrap_or_else(|| rest.to_owned());
@@ -242,25 +304,34 @@ fn channel(name: &str) -> Option<Role> {
     })
 }
 
-/// A value at a wavelength: a number with nothing but a unit or a plain word about it.
+/// Whether a name is that of a logarithm of the value: `log10(BRDF)`, `BRDF [dB]`.
+fn is_logarithm(plain: &str, kept: &str) -> bool {
+    let before = ["log10", "log", "lg", "ln"].iter().find_map(|log| kept.strip_prefix(log));
+    let is_value = |name: &str| has(VALUES, name) && !name.is_empty();
+    before.is_some_and(is_value)
+        || ["[db]", "(db)", "_db", " db", "decibel"].iter().any(|end| plain.ends_with(end))
+}
+
+/// A value at a wavelength: a number with nothing but a unit or a plain word about it. A unit or three digits make it a wavelength.
 fn spectral(plain: &str) -> Option<Role> {
     let micro = ["um", "\u{b5}m", "\u{3bc}m", "micron", "microns"];
     let without: String = plain.chars().filter(|c| !" _-[](){}/=:".contains(*c)).collect();
     let (bare, unit) = match without.strip_suffix("nm") {
-        Some(bare) => (bare.to_owned(), 1.0),
+        Some(bare) => (bare.to_owned(), Some(1.0)),
         None => match micro.iter().find_map(|unit| without.strip_suffix(unit)) {
-            Some(bare) => (bare.to_owned(), 1e3),
-            None => (without.clone(), 1.0),
+            Some(bare) => (bare.to_owned(), Some(1e3)),
+            None => (without.clone(), None),
         },
     };
     let number = |text: &str| text.replace(',', ".").parse::<f64>().ok();
     let starts = BEFORE_WAVELENGTH.split(' ').filter_map(|before| bare.strip_prefix(before));
-    let found = std::iter::once(bare.as_str()).chain(starts).find_map(number);
-    match found {
-        Some(w) if w.is_finite() => Some(Role::At(w * unit)),
-        Some(_) => Some(Role::NoWavelength),
-        None => None,
-    }
+    let found = std::iter::once(bare.as_str()).chain(starts).find_map(number)?;
+    let digits = bare.chars().filter(char::is_ascii_digit).count();
+    Some(match found {
+        w if !w.is_finite() => Role::NoWavelength,
+        w if unit.is_some() || digits >= WAVELENGTH_DIGITS => Role::At(w * unit.unwrap_or(1.0)),
+        w => Role::Numbered(w),
+    })
 }
 
 /// The words of a name, in lower case: at changes of case, at signs, at brackets. Greek letters are words.
@@ -346,9 +417,16 @@ mod tests {
             ("X|x", Xyz(0)),
             ("Y", Xyz(1)),
             ("wavelength|lambda|\u{3bb}|wavelength [nm]|Wavelength_nm", Wavelength),
-            ("400|400nm| 400 nm |wl_400|lambda400|brdf_400nm|0.4um|0.4 \u{b5}m", At(400.0)),
+            ("400|400nm| 400 nm |wl_400|lambda400|\u{3bb}=400 nm|brdf_400nm|0.4um|0.4 \u{b5}m", At(400.0)),
             ("NaN|inf|-inf|nan nm", NoWavelength),
-            ("theta_h|halfangle", Half),
+            ("theta_h|halfangle", ThetaHalf),
+            ("src_a|sun_a", Phi(Incident)),
+            ("view_a|phi_d", Phi(Outgoing)),
+            ("to-sun-zenith|Solar Zenith Angle|incidence", Theta(Incident)),
+            ("to-sensor-zenith|sensor zenith|receive", Theta(Outgoing)),
+            ("to-sun-azimuth", Phi(Incident)),
+            ("log10(BRDF)|ln f|BRDF [dB]|brdf_db|log_brdf", Logarithm),
+            ("fr11|BRDF11|11", Numbered(11.0)),
             ("sigma|weight|comment|sample|uncertainty|date|n_x|index", Other),
         ] {
             for name in names.split('|') {
