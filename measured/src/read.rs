@@ -1,6 +1,6 @@
 //! Readers: samples, or a BRDF, from a file.
 //!
-//! May import: `analytic`, `complete`, `error`, `file`, `isotropy`, `numeric`, `row`, `table`.
+//! May import: `analytic`, `complete`, `error`, `file`, `isotropy`, `numeric`, `reciprocity`, `row`, `table`.
 
 pub mod alta;
 pub mod astm;

@@ -21,7 +21,7 @@ fn chain(error: &dyn std::error::Error) -> String {
 const AT: f64 = 0.999_96;
 
 /// The mean of the samples at a pair of directions, whatever frame they are in: theta_i, theta_o, and the difference of azimuths.
-fn value(intake: &Intake, theta_i: f64, theta_o: f64, turn: f64) -> [f64; 3] {
+fn value(intake: &Intake, theta_i: f64, theta_o: f64, turn: f64) -> Option<[f64; 3]> {
     let [i, o, turn] = [theta_i, theta_o, turn].map(f64::to_radians);
     let between = i.sin() * o.sin() * turn.cos() + i.cos() * o.cos();
     let mut found = Vec::new();
@@ -34,8 +34,8 @@ fn value(intake: &Intake, theta_i: f64, theta_o: f64, turn: f64) -> [f64; 3] {
             found.push(row.rgb);
         }
     }
-    assert!(!found.is_empty(), "no sample at ({theta_i}, {theta_o}; {turn})");
-    [0, 1, 2].map(|c| found.iter().map(|rgb| rgb[c]).sum::<f64>() / found.len() as f64)
+    let mean = |c: usize| found.iter().map(|rgb: &[f64; 3]| rgb[c]).sum::<f64>() / found.len() as f64;
+    (!found.is_empty()).then(|| [0, 1, 2].map(mean))
 }
 
 /// What is right for one input.
@@ -74,7 +74,7 @@ const MORE: &[(&str, Right)] = &[
         Read(18, 0, &[], &["where the light comes from", "guess"], &["mirror directions at equal azimuths"]),
     ),
     ("log10.csv", Refused(&["logarithm"])),
-    ("fred.txt", Read(0, 0, &[], &["phi 0"], &[])),
+    ("fred.txt", Read(0, 0, &[[50.0, 50.0, 180.0, 0.176]], &["phi 0"], &[])),
     ("src_z.txt", Read(75, 0, &[], &["--divide pi"], &[])),
     ("lambda_equals.csv", Read(75, 0, &[], &[], &["one wavelength"])),
     ("pivot.csv", Read(165, 0, &[], &["matrix"], &[])),
@@ -99,7 +99,7 @@ const MORE: &[(&str, Right)] = &[
 
 const FIRST: &[(&str, Right)] = &[
     ("x_noise30.csv", Read(0, 0, &[], &[], &[])),
-    ("x_aniso.csv", Refused(&["anisotropic", "11"])),
+    ("x_aniso.csv", Refused(&["anisotropic", "times"])),
     ("p_1dsharp.csv", Read(0, 0, &[], &[], &["--divide"])),
     ("u_percent.csv", Read(450, 0, &[], &["--divide 100pi"], &[])),
     ("u_milli.csv", Read(450, 0, &[], &["--divide 0.001"], &[])),
@@ -107,7 +107,7 @@ const FIRST: &[(&str, Right)] = &[
     ("m_m1.csv", Read(437, 13, &[], &[], &[])),
     ("m_nan.csv", Read(0, 0, &[], &["without a number"], &[])),
     ("m_empty.csv", Read(0, 0, &[], &["without a number"], &[])),
-    ("q_retro.csv", Read(0, 0, &[[10.0, 10.0, 0.0, 20.05]], &[], &["no sample is within"])),
+    ("q_retro.csv", Read(0, 0, &[], &[], &["no sample is within"])),
     ("a_rad.csv", Refused(&["radians?"])),
     ("a_mirror0.csv", Read(450, 0, &[], &["--mirror equal"], &[])),
     ("u_cos.csv", Read(450, 0, &[], &["values are multiplied by the cosine"], &[])),
@@ -168,8 +168,8 @@ fn faults(path: &Path, right: &Right) -> Vec<String> {
                 faults.push(format!("{} rows, {}", intake.rows.len(), intake.left_out_text()));
             }
             for [i, o, turn, f] in *values {
-                let found = value(intake, *i, *o, *turn)[1];
-                if (found / f - 1.0).abs() > 0.01 {
+                let found = value(intake, *i, *o, *turn).map_or(f64::NAN, |rgb| rgb[1]);
+                if !((found / f - 1.0).abs() < 0.01) {
                     faults.push(format!("f {found} at ({i}, {o}; {turn}), not {f}"));
                 }
             }
@@ -206,9 +206,11 @@ fn notes_follow_the_option_that_was_given() {
     let plain = Conventions { values: Some(Values::Brdf), ..Conventions::default() };
     let source = with("alta_false_cosine.dat", plain);
     assert!(!said(&source).contains("divided"), "{}", said(&source));
-    let f = value(source.intake.as_ref().unwrap(), 40.0, 30.0, 20.0)[1];
+    let f = value(source.intake.as_ref().unwrap(), 40.0, 30.0, 20.0).unwrap()[1];
     assert!((f / 0.0998 - 1.0).abs() < 0.01, "{f}");
     let mirror = Conventions { mirror: Some(Mirror::Opposite), ..Conventions::default() };
     let turned = with("transposed.csv", mirror);
-    assert!((value(turned.intake.as_ref().unwrap(), 10.0, 20.0, 0.0)[1] / 0.126906 - 1.0).abs() < 0.01);
+    assert!(
+        (value(turned.intake.as_ref().unwrap(), 10.0, 20.0, 0.0).unwrap()[1] / 0.126906 - 1.0).abs() < 0.01
+    );
 }

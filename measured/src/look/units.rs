@@ -35,17 +35,8 @@ pub struct Units {
 impl Units {
     /// Albedo of the completion; `None` where samples cover the hemisphere at no angle.
     pub(super) fn of(rows: &[Row], completion: &CompletionReport) -> Option<Self> {
-        let empty = |theta: f64| {
-            let near = |share: &&(f64, f64)| (share.0.to_radians() - theta).abs();
-            completion
-                .gaps
-                .shares
-                .iter()
-                .min_by(|a, b| near(a).total_cmp(&near(b)))
-                .map_or(1.0, |share| share.1)
-        };
         let at_normal = covers_normal(rows);
-        let is_known = |theta: f64| empty(theta) < EMPTY || (theta < NORMAL && at_normal);
+        let is_known = |theta: f64| completion.gaps.share_at(theta) < EMPTY || (theta < NORMAL && at_normal);
         let known = completion.albedo.iter().copied().filter(|(theta, _)| is_known(*theta));
         let albedos = albedos(known);
         let most = albedos.iter().copied().reduce(f64::max)?;

@@ -38,10 +38,6 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     let of_values = said("#PARAM_OUT").unwrap_or("INV_STERADIAN");
     if of_values == "INV_STERADIAN_COSINE_FACTOR" {
         reading.values_are(Values::CosineOutgoing);
-        reading.note_option(
-            "values are f times the cosine of the viewer, as the file says, and are divided by it",
-            "--values",
-        );
     }
     let channels = match said("#DIM").map(|dim| dim.split_whitespace().nth(1).map(str::parse::<usize>)) {
         Some(Some(Ok(n))) if n == 1 || n == 3 => n,
