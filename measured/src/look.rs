@@ -189,9 +189,14 @@ impl Look {
             ..plain(Topic::Convention, note.text.clone())
         };
         let mut found: Vec<Finding> = intake.notes.iter().map(note).collect();
-        if self.highlight.is_at_back() {
-            let text = "the brightest samples are where the light comes from: a retro-reflector, or mirror directions at equal azimuths";
+        if self.highlight.is_at_back() && intake.mirror.is_none() {
+            let text = "the brightest samples are where the light comes from: a retro-reflector or the hot spot of a rough ground, or \
+                        mirror directions at equal azimuths";
             found.push(Finding { option: Some("--mirror equal"), ..plain(Topic::Convention, text.into()) });
+        }
+        if self.highlight.is_back_alone {
+            let text = "all samples are where the light comes from, as those of a lidar: all else, and the mirror side, is a guess";
+            found.push(off(Topic::Highlight, text.into()));
         }
         if intake.left_out_count() > 0 {
             let lines = intake.left_out.iter().flat_map(|left| left.lines.iter().copied()).collect();
@@ -306,6 +311,7 @@ impl Look {
                 "views": self.highlight.views,
                 "views_without_a_sample_in_it": self.highlight.unseen,
                 "is_where_the_light_comes_from": self.highlight.is_at_back(),
+                "are_all_samples_there": self.highlight.is_back_alone,
             },
             "units": self.units.as_ref().map(units),
             "outliers": self.outliers.iter().map(outlier).collect::<Vec<_>>(),

@@ -1,9 +1,10 @@
 //! Inputs that people sent or that were made from the layouts of public files, each with its right values: the folders `field-cases` and
 //! `field-cases/more` beside the data folder, which no repository holds.
 
-use srbf_measured::complete::complete;
+use srbf_measured::complete::{Completion, complete};
 use srbf_measured::look::Look;
 use srbf_measured::read::{Content, Conventions, Intake, Mirror, Source, Values, read, read_with};
+use srbf_measured::table::Brdf;
 use std::path::{Path, PathBuf};
 
 fn folder() -> PathBuf {
@@ -38,6 +39,11 @@ fn value(intake: &Intake, theta_i: f64, theta_o: f64, turn: f64) -> Option<[f64;
     (!found.is_empty()).then(|| [0, 1, 2].map(mean))
 }
 
+fn direction(theta: f64, phi: f64) -> [f64; 3] {
+    let ((st, ct), (sp, cp)) = (theta.to_radians().sin_cos(), phi.to_radians().sin_cos());
+    [st * cp, st * sp, ct]
+}
+
 /// What is right for one input.
 enum Right {
     /// Samples, rows left out, values in green (theta_i, theta_o, turn; f), words that notes have, and words that they have not.
@@ -53,7 +59,10 @@ const PLASTIC: [f64; 4] = [40.0, 30.0, 20.0, 0.0998];
 const OTHER: [f64; 4] = [25.0, 40.0, 100.0, 0.1060];
 
 const MORE: &[(&str, Right)] = &[
-    ("speos_both.brdf", Read(291, 291, &[[50.0, 50.0, 180.0, 0.176]], &["states a reflectance"], &["0.50"])),
+    (
+        "speos_both.brdf",
+        Read(291, 426, &[], &["states a reflectance of 0.350 at 50 degrees; ours is 0.35"], &["check"]),
+    ),
     ("mueller.csv", Read(75, 0, &[], &["m12", "fr11"], &["11000"])),
     ("speos_0_360.anisotropicbsdf", Read(291, 0, &[], &[], &[])),
     ("null_value.xompt", Read(71, 4, &[], &["905"], &[])),
@@ -64,9 +73,9 @@ const MORE: &[(&str, Right)] = &[
         Read(
             0,
             0,
-            &[[35.0, 35.0, 0.0, 0.0936]],
+            &[[38.0, 38.0, 180.0, 0.0457], [35.0, 35.0, 0.0, 0.0936]],
             &[],
-            &["no sample is within the highlight", "mirror directions at equal azimuths"],
+            &["no sample is within the highlight"],
         ),
     ),
     (
@@ -117,7 +126,7 @@ const FIRST: &[(&str, Right)] = &[
     ("n_quoted.csv", Read(24, 0, &[], &[], &[])),
     ("l_german.csv", Read(24, 0, &[], &[], &[])),
     ("l_tab.csv", Read(24, 0, &[], &[], &[])),
-    ("l_sep.csv", Read(24, 0, &[], &[], &[])),
+    ("l_sep.csv", Read(23, 0, &[], &[], &[])),
     ("l_trail.csv", Read(24, 0, &[], &[], &[])),
     ("s_laser_nm.csv", Read(24, 0, &[], &["one wavelength"], &[])),
     ("s_rev.csv", Read(24, 0, &[], &[], &[])),
@@ -132,12 +141,14 @@ const FIRST: &[(&str, Right)] = &[
     ("a_i90.csv", Read(0, 0, &[], &["horizon"], &[])),
 ];
 
-/// Everything that is said about a source.
-fn said(source: &Source) -> String {
+fn completed(source: &Source) -> Completion {
     let Content::Samples(table) = &source.content else { panic!("samples") };
-    let report = complete(table).map(|completion| completion.report);
-    let report = report.unwrap_or_else(|error| panic!("{}: {}", source.name, chain(&error)));
-    let look = Look::new(source.intake.as_ref().unwrap(), Some(&report));
+    complete(table).unwrap_or_else(|error| panic!("{}: {}", source.name, chain(&error)))
+}
+
+/// Everything that is said about a source.
+fn said(source: &Source, completion: &Completion) -> String {
+    let look = Look::new(source.intake.as_ref().unwrap(), Some(&completion.report));
     let one = |f: &srbf_measured::look::Finding| {
         format!("{} {} ({})", if f.is_off { "check" } else { "note" }, f.text, f.option.unwrap_or(""))
     };
@@ -162,14 +173,19 @@ fn faults(path: &Path, right: &Right) -> Vec<String> {
         (Ok(_), Refused(_)) => faults.push("is read".into()),
         (Ok(source), Read(rows, left_out, values, has, has_not)) => {
             let intake = source.intake.as_ref().unwrap();
-            let text = said(&source);
+            let completion = completed(&source);
+            let text = said(&source, &completion);
             println!("  {} rows, {} left out\n{text}", intake.rows.len(), intake.left_out_count());
             if *rows > 0 && (intake.rows.len(), intake.left_out_count()) != (*rows, *left_out) {
                 faults.push(format!("{} rows, {}", intake.rows.len(), intake.left_out_text()));
             }
             for [i, o, turn, f] in *values {
-                let found = value(intake, *i, *o, *turn).map_or(f64::NAN, |rgb| rgb[1]);
-                if !((found / f - 1.0).abs() < 0.01) {
+                let measured = value(intake, *i, *o, *turn);
+                let (found, most) = match measured {
+                    Some(rgb) => (rgb[1], 0.01),
+                    None => (completion.evaluate(direction(*i, 0.0), direction(*o, *turn))[1], 0.05),
+                };
+                if !((found / f - 1.0).abs() < most) {
                     faults.push(format!("f {found} at ({i}, {o}; {turn}), not {f}"));
                 }
             }
@@ -205,7 +221,8 @@ fn notes_follow_the_option_that_was_given() {
     let with = |name: &str, conventions: Conventions| read_with(&more.join(name), &conventions).unwrap();
     let plain = Conventions { values: Some(Values::Brdf), ..Conventions::default() };
     let source = with("alta_false_cosine.dat", plain);
-    assert!(!said(&source).contains("divided"), "{}", said(&source));
+    let text = said(&source, &completed(&source));
+    assert!(!text.contains("divided"), "{text}");
     let f = value(source.intake.as_ref().unwrap(), 40.0, 30.0, 20.0).unwrap()[1];
     assert!((f / 0.0998 - 1.0).abs() < 0.01, "{f}");
     let mirror = Conventions { mirror: Some(Mirror::Opposite), ..Conventions::default() };

@@ -74,6 +74,8 @@ pub struct Intake {
     pub stated: Vec<(f64, f64)>,
     /// What the numbers of the file were taken for.
     pub values: Values,
+    /// Where the mirror direction is, if an option or the format's program says it.
+    pub mirror: Option<Mirror>,
     /// Whether the incident directions are the views, by reciprocity.
     pub is_light_fixed: bool,
     /// The result of a turn of the sample; `None` where it was not turned.
@@ -98,7 +100,7 @@ pub(crate) struct Reading {
 impl Reading {
     pub fn new(format: &'static str, conventions: &Conventions) -> Self {
         let mut conventions = *conventions;
-        let mut intake = Intake { format, ..Intake::default() };
+        let mut intake = Intake { format, mirror: conventions.mirror, ..Intake::default() };
         if conventions.divide != 1.0 {
             let text = format!("values are divided by {}", conventions.divide);
             intake.notes.push(Note { text, option: None, is_off: false });
