@@ -380,13 +380,21 @@ mod tests {
         // A constant f reflects pi f.
         assert!(intake.rows.iter().all(|row| (row.rgb[1] - 0.5 / PI).abs() < 0.01), "{:?}", intake.rows[0]);
         assert_eq!((intake.rows.len(), intake.left_out_count()), (14, 6));
-        let turned = text.replacen("1\n1\n0\n2\n", "1\n2\n0 90\n2\n", 1);
-        assert!(
-            anisotropic(turned.as_bytes(), &Conventions::default())
-                .unwrap_err()
-                .to_string()
-                .contains("isotropic")
-        );
+        // Two angles of the sample: tables that differ are refused, a whole turn and equal tables are one.
+        let both = |angles: &str, second: &str| {
+            head("Anisotropic BSDF surface file v8.0")
+                + &format!("0 1 0\n1 0\n1\n2\n{angles}\n1\n20\n1\n20\n20 0\n\n2\n350 50\n850 50\n")
+                + &grid(7.0)
+                + second
+        };
+        let parse = |text: &str| anisotropic(text.as_bytes(), &Conventions::default());
+        let other = grid(7.0).replace("30\t7", "30\t9");
+        assert!(parse(&both("0 90", &other)).unwrap_err().to_string().contains("isotropic"));
+        assert_eq!(parse(&both("0 90", &grid(7.0))).unwrap().rows.len(), 7);
+        assert_eq!(parse(&both("0 360", &other)).unwrap().rows.len(), 7);
+        let behind =
+            text.replace("\n60\t", "\n160\t").replace("\n30\t", "\n130\t").replace("\n0\t7", "\n100\t7");
+        assert!(parse(&behind).unwrap_err().to_string().contains("reflection is due"));
         for cut in (0..text.len() - 40).step_by(3) {
             assert!(anisotropic(&text.as_bytes()[..cut], &Conventions::default()).is_err(), "{cut}");
         }

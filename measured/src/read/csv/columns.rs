@@ -121,23 +121,25 @@ impl Columns {
 
 /// A reason, and what the names are known for.
 fn with_names(reason: String, names: &[String], roles: &[Role]) -> String {
-    let all = || names.iter().zip(roles).filter(|(name, _)| !name.trim().is_empty());
-    let known: Vec<String> = all()
-        .filter_map(|(name, role)| Some(format!("`{}` is {}", shortened(name), role.words()?)))
-        .collect();
-    let unknown: Vec<String> = all()
-        .filter(|(_, role)| role.words().is_none())
-        .map(|(name, _)| format!("`{}`", shortened(name)))
-        .collect();
-    let list = |words: Vec<String>, many: &str| match words.len() {
-        n if n > NAMED => format!("{}, {many}", words[..NAMED].join(", ")),
-        _ => words.join(", "),
-    };
-    match (known.is_empty(), unknown.is_empty()) {
-        (true, _) => reason,
-        (false, true) => format!("{reason} ({})", list(known, "...")),
-        (false, false) => format!("{reason} ({}; not known: {})", list(known, "..."), list(unknown, "...")),
+    let short = |name: &String| name.trim().chars().take(LONGEST).collect::<String>();
+    let (mut known, mut unknown) = (Vec::new(), Vec::new());
+    for (name, role) in names.iter().zip(roles).filter(|(name, _)| !name.trim().is_empty()) {
+        match role.words() {
+            Some(words) => known.push(format!("`{}` {words}", short(name))),
+            None => unknown.push(format!("`{}`", short(name))),
+        }
     }
+    let list = |words: &[String]| {
+        let more = if words.len() > NAMED { ", ..." } else { "" };
+        words[..words.len().min(NAMED)].join(", ") + more
+    };
+    let parts = [("known: ", &known), ("not known: ", &unknown)];
+    let parts: Vec<String> = parts
+        .iter()
+        .filter(|part| !part.1.is_empty())
+        .map(|(what, names)| what.to_string() + &list(names))
+        .collect();
+    if known.is_empty() { reason } else { format!("{reason} ({})", parts.join("; ")) }
 }
 
 /// Gives roles that one name alone does not have: of a series, of half and difference angles, of zenith and azimuth by one letter.
@@ -180,8 +182,9 @@ fn settle(names: &[String], roles: &mut [Role]) {
     }
 }
 
-/// Names that are listed in a message, and numbers that make a series.
-const NAMED: usize = 12;
+/// Names that are listed in a message, their characters, and numbers that make a series.
+const NAMED: usize = 6;
+const LONGEST: usize = 16;
 const SERIES: usize = 3;
 
 /// The columns and constants by their kind.
