@@ -58,15 +58,16 @@ impl Units {
 
     /// The fault in words.
     pub fn text(&self) -> String {
-        let more = if self.most > MOST { "more" } else { "less" };
+        let than = if self.most > MOST {
+            "more than any surface"
+        } else {
+            "as little as a light trap or the blackest coatings do; if it is none of these, units are others"
+        };
         let each = |(name, albedo): &(&str, f64)| format!("--divide {name} gives {albedo:.2}");
         let candidates: Vec<String> = self.candidates.iter().map(each).collect();
         let which =
             if candidates.is_empty() { "no usual factor explains it".into() } else { candidates.join(", ") };
-        format!(
-            "as f in 1/sr they reflect up to {:.3e} of the light, {more} than any surface; {which}",
-            self.most
-        )
+        format!("as f in 1/sr they reflect up to {:.3e} of the light, {than}; {which}", self.most)
     }
 }
 

@@ -31,6 +31,9 @@ const NEGATIVE: f64 = 0.8;
 const OFTEN: usize = 5;
 const NEXT: usize = 20;
 
+/// The f of a surface of which nothing was measured to be brighter than 0: below the noise of any instrument.
+const BLACK: f64 = 1e-9;
+
 /// Samples whose swapped pairs are looked at.
 const MOST_COMPARED: usize = 50_000;
 
@@ -199,12 +202,13 @@ impl Reading {
         self.saturation(&mut kept);
         self.intake.rows = kept.into_iter().map(|kept| kept.0).collect();
         self.check_cosine();
+        self.blacken();
         self.intake.values = self.conventions.values.unwrap_or_default();
         if self.intake.rows.is_empty() && self.behind > 0 && self.behind == self.rows {
             return Err(ReadError::Content(format!(
-                "no samples: in all {} rows the incident direction is behind the surface. Either they are transmission, or do all incident \
-                 directions point along the light? --incident along-light turns them",
-                self.rows
+                "no samples: {}. In all of them it is the incident direction: either they are transmission, or do all incident directions \
+                 point along the light? --incident along-light turns them",
+                self.intake.left_out_text()
             )));
         }
         if self.intake.rows.is_empty() {
@@ -230,6 +234,16 @@ impl Reading {
             "{below} of {} values are below 0: are they logarithms or decibels? The values of f themselves are expected",
             self.cells.len()
         )))
+    }
+
+    /// Takes samples of which none is above 0 for black: lobes need some brightness.
+    fn blacken(&mut self) {
+        let is_black = |row: &Row| row.rgb.iter().all(|v| *v <= 0.0);
+        if self.intake.rows.is_empty() || !self.intake.rows.iter().all(is_black) {
+            return;
+        }
+        self.intake.rows.iter_mut().for_each(|row| row.rgb = [BLACK; 3]);
+        self.note(format!("no value is above 0: the surface is taken as black, with f of {BLACK:e} / sr"));
     }
 
     /// Asks about a largest value that is repeated, or leaves those rows out.
