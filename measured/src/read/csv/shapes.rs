@@ -10,6 +10,9 @@ use crate::read::Mirror;
 /// Larger texts are no tables of these shapes.
 const LARGEST: usize = 1 << 26;
 
+/// Longest name.
+const LONGEST: usize = 100;
+
 /// Least columns of numbers.
 const COLUMNS: usize = 2;
 
@@ -23,6 +26,14 @@ pub(super) fn find(text: &str) -> Option<Made> {
         .find_map(|separator| matrix(text, separator).or_else(|| by_column(text, separator)))
 }
 
+/// The first field of a line, if it may be a name.
+fn first(line: &str, separator: char) -> Option<&str> {
+    let field =
+        if separator == ' ' { line.split_whitespace().next()? } else { line.split(separator).next()? };
+    let name = field.trim().trim_matches('"').trim();
+    (name.len() <= LONGEST && name.starts_with(char::is_alphabetic)).then_some(name)
+}
+
 /// The fields of a line after the first, if they are numbers or empty.
 fn numbers(fields: &[String]) -> Option<&[String]> {
     let rest = fields.get(1..)?;
@@ -34,14 +45,14 @@ fn numbers(fields: &[String]) -> Option<&[String]> {
 /// `theta_o\\theta_i, 10, 25, 40` above rows that begin with an angle.
 fn matrix(text: &str, separator: char) -> Option<Made> {
     let (at, head, names) = text.lines().take(SEARCHED).enumerate().find_map(|(at, line)| {
-        let head = fields(line, separator);
         let names: Vec<String> =
-            head.first()?.split(['\\', '/', '|']).map(|name| name.trim().to_owned()).collect();
+            first(line, separator)?.split(['\\', '/', '|']).map(|name| name.trim().to_owned()).collect();
         let is_angle = |name: &String| {
             matches!(role(name), Role::Theta(_) | Role::ThetaAlone | Role::Phi(_) | Role::DeltaPhi)
         };
-        let fits = names.len() == 2 && names.iter().all(is_angle) && numbers(&head).is_some();
-        fits.then_some((at, head, names))
+        let is_corner = names.len() == 2 && names.iter().all(is_angle);
+        let head = is_corner.then(|| fields(line, separator))?;
+        numbers(&head).is_some().then_some((at, head, names))
     })?;
     let across = numbers(&head)?;
     let mut rows = Vec::new();
@@ -65,10 +76,9 @@ fn by_column(text: &str, separator: char) -> Option<Made> {
         .lines()
         .enumerate()
         .take(SEARCHED)
+        .filter(|(_, line)| first(line, separator).is_some_and(|name| role(name).words().is_some()))
         .map(|(at, line)| (at, fields(line, separator)))
-        .filter(|(_, fields)| {
-            fields.first().is_some_and(|name| role(name).words().is_some()) && numbers(fields).is_some()
-        })
+        .filter(|(_, fields)| numbers(fields).is_some())
         .collect();
     let count = named.iter().map(|(_, fields)| fields.len()).max()?;
     let names: Vec<String> = named.iter().map(|(_, fields)| fields[0].clone()).collect();
