@@ -8,7 +8,7 @@
 //! * *Ripple*: a light stands still, and the view is turned. Errors that change their sign from view to view are seen as
 //!   rings that move with the camera. Colour and logarithm of luminance have means over 8 degrees of the view to either side. The
 //!   measured number is their distance from these means, of the fit and of the table.
-//! * *Skirt*: from 1.5 to 15 degrees from the mirror direction.
+//! * *Skirt*: from 1.5 to 15 degrees from the middle of the highlight, which is where the table is brightest.
 //! * *Ghosts*: light of the fit beyond that, where the table is dark all round, over the mean of the table within 3 degrees
 //!   of the mirror direction.
 //! * *Noise*: how far the table is from its own mean over a cone of 3 degrees, away from the peak.
@@ -34,7 +34,7 @@ const ELSEWHERE: f64 = 2.0;
 const VIEWS: [f64; 3] = [5.0, 30.0, 60.0];
 /// Least cosine of compared directions.
 const LEAST_COSINE: f64 = 0.1;
-/// Directions of a skirt, and the angles from the mirror direction where it begins and ends, degrees.
+/// Directions of a skirt, and the angles from the middle of the highlight where it begins and ends, degrees.
 const SKIRT: usize = 400;
 const BEGIN: f64 = 1.5;
 const END: f64 = 15.0;

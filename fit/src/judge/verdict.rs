@@ -318,7 +318,8 @@ fn sentence_by_highlight(report: &Report) -> String {
     let views = if report.held_out.is_empty() { &report.views } else { &report.held_out };
     let error =
         Spread::of(judged(views).filter(|v| v.theta <= STEEPEST), L2.number).map_or(1.0, |s| s.median);
-    let highlight = format!("the table is a highlight over black, and that is {:.1} % off", 100.0 * error);
+    let highlight =
+        format!("the table is black, or a highlight over black, and that is {:.1} % off", 100.0 * error);
     match error {
         error if error <= L2.good => format!("use it: {highlight}"),
         error if error <= L2.most => format!("use it with care: {highlight}"),
@@ -490,7 +491,7 @@ impl Verdict {
         if has_rings(found) { &mut self.off } else { &mut self.good }.push(text);
         let skirt = found.skirt;
         let text = format!(
-            "1.5 to 15 degrees from the mirror: luminance {:.1} %, colour {:.3}, falsely negative {:.0} %",
+            "1.5 to 15 degrees from the highlight: luminance {:.1} %, colour {:.3}, falsely negative {:.0} %",
             100.0 * skirt.luminance,
             skirt.chroma,
             100.0 * skirt.negative

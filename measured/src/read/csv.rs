@@ -37,7 +37,8 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     };
     let (separator, first) = (layout.separator, layout.line + 1);
     let rows = Rows::Text { text: &text[layout.rows_at..], separator, first };
-    let reading = Reading::new("table of text", conventions);
+    let mut reading = Reading::new("table of text", conventions);
+    reading.announced = layout.announced;
     table(reading, &layout.columns, rows, (layout.angle_unit, Unknown::IsAsked), conventions)
 }
 
@@ -132,6 +133,11 @@ fn table(
         let (s, are) = if columns.ignored.len() == 1 { ("", "is") } else { ("s", "are") };
         reading.note(format!("column{s} {} {are} not read", names.join(", ")));
     }
+    if let Values::One(n) | Values::Long([_, n]) = columns.values
+        && names::is_times_cosine(&columns.names[n])
+    {
+        reading.values_are(super::conventions::Values::CosineOutgoing);
+    }
     let mut parsing = Parsing {
         columns,
         directions: columns.directions.clone(),
@@ -151,6 +157,8 @@ fn table(
     let share = if percent { 0.01 } else { 1.0 };
     let geometry = Geometry::new(columns, &found, (unit, unknown), conventions, &mut reading)?;
     if let Values::Long(_) = columns.values {
+        // Rows of one pair of directions become one sample.
+        reading.announced = None;
         return long::finish(&geometry, found, share, reading);
     }
     if let Values::Spectrum(_, wavelengths) = &columns.values {

@@ -31,6 +31,13 @@ const NEGATIVE: f64 = 0.8;
 const OFTEN: usize = 5;
 const NEXT: usize = 20;
 
+/// Values are noise about 0 if there are so many, so large a share is below 0, their mean is within so many standard errors of 0, and none
+/// is beyond so many deviations.
+const NOISY: usize = 20;
+const NOISE_BELOW: f64 = 0.2;
+const ERRORS: f64 = 3.0;
+const STANDS_OUT: f64 = 5.0;
+
 /// The f of a surface of which nothing was measured to be brighter than 0: below the noise of any instrument.
 const BLACK: f64 = 1e-9;
 
@@ -95,6 +102,8 @@ pub(crate) struct Reading {
     spectra: Option<SpectralSums>,
     /// The kind of values that the file itself states, if no option says another.
     stated: Option<Values>,
+    /// How many rows the file announces.
+    pub announced: Option<usize>,
     /// Rows, and those of them whose incident direction alone is behind the surface.
     rows: usize,
     behind: usize,
@@ -109,7 +118,16 @@ impl Reading {
             intake.notes.push(Note { text, option: None, is_off: false });
         }
         conventions.mirror.get_or_insert(Mirror::Opposite);
-        Self { intake, conventions, cells: Vec::new(), spectra: None, stated: None, rows: 0, behind: 0 }
+        Self {
+            intake,
+            conventions,
+            cells: Vec::new(),
+            spectra: None,
+            stated: None,
+            announced: None,
+            rows: 0,
+            behind: 0,
+        }
     }
 
     /// The kind of values that the file states, where the caller does not know better.
@@ -140,8 +158,8 @@ impl Reading {
         self.intake.notes.push(Note { text: text.into(), option: Some(option), is_off: false });
     }
 
-    fn fault(&mut self, text: String, option: &'static str) {
-        self.intake.notes.push(Note { text, option: Some(option), is_off: true });
+    fn fault(&mut self, text: String, option: impl Into<Option<&'static str>>) {
+        self.intake.notes.push(Note { text, option: option.into(), is_off: true });
     }
 
     pub fn state(&mut self, degrees: f64, reflectance: f64) {
@@ -203,6 +221,7 @@ impl Reading {
         self.intake.rows = kept.into_iter().map(|kept| kept.0).collect();
         self.check_cosine();
         self.blacken();
+        self.check_count();
         self.intake.values = self.conventions.values.unwrap_or_default();
         if self.intake.rows.is_empty() && self.behind > 0 && self.behind == self.rows {
             return Err(ReadError::Content(format!(
@@ -236,14 +255,36 @@ impl Reading {
         )))
     }
 
-    /// Takes samples of which none is above 0 for black: lobes need some brightness.
-    fn blacken(&mut self) {
-        let is_black = |row: &Row| row.rgb.iter().all(|v| *v <= 0.0);
-        if self.intake.rows.is_empty() || !self.intake.rows.iter().all(is_black) {
-            return;
+    /// Holds the number of rows that the file announces against those that are there.
+    fn check_count(&mut self) {
+        let found = self.intake.rows.len() + self.intake.left_out_count();
+        if let Some(announced) = self.announced.filter(|announced| *announced != found) {
+            self.fault(format!("the file announces {announced} rows, and has {found}"), None);
         }
-        self.intake.rows.iter_mut().for_each(|row| row.rgb = [BLACK; 3]);
-        self.note(format!("no value is above 0: the surface is taken as black, with f of {BLACK:e} / sr"));
+    }
+
+    /// Takes samples that are 0, or noise about 0, for black: lobes need some brightness.
+    fn blacken(&mut self) {
+        let rows = &mut self.intake.rows;
+        let count = rows.len() as f64;
+        let mean_of = |of: &dyn Fn(&Row) -> f64| rows.iter().map(of).sum::<f64>() / count;
+        let level = |row: &Row| row.rgb.iter().sum::<f64>() / 3.0;
+        let mean = mean_of(&level);
+        let deviation = libm::sqrt(mean_of(&|row| (level(row) - mean).powi(2)));
+        let largest = rows.iter().map(level).fold(f64::NEG_INFINITY, f64::max);
+        let below = rows.iter().filter(|row| level(row) < 0.0).count() as f64;
+        let error = deviation / libm::sqrt(count);
+        let is_zero = !rows.is_empty() && rows.iter().all(|row| row.rgb.iter().all(|v| *v <= 0.0));
+        let is_noise = rows.len() >= NOISY
+            && below > NOISE_BELOW * count
+            && mean < ERRORS * error
+            && largest < STANDS_OUT * deviation;
+        if is_zero || is_noise {
+            let black = mean.max(error).max(BLACK);
+            rows.iter_mut().for_each(|row| row.rgb = [black; 3]);
+            let what = if is_zero { "no value is above 0" } else { "values are noise about 0" };
+            self.note(format!("{what}: the surface is taken as black, with f of {black:.1e} / sr"));
+        }
     }
 
     /// Asks about a largest value that is repeated, or leaves those rows out.

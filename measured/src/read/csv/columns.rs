@@ -32,6 +32,8 @@ pub(super) enum Azimuths {
     Outgoing(Place),
     /// Of the incident direction alone.
     Incident(Place),
+    /// The angle between both directions tells it, but for its sign.
+    Phase(Place),
     /// None: all is in the plane of incidence, and angles have a sign.
     InPlane,
 }
@@ -255,7 +257,10 @@ impl Sides<'_> {
             (_, Some(delta)) => Azimuths::Outgoing(delta),
             ([None, Some(o)], None) => Azimuths::Outgoing(o),
             ([Some(i), None], None) => Azimuths::Incident(i),
-            ([None, None], None) => Azimuths::InPlane,
+            ([None, None], None) => match self.place(&Role::Phase) {
+                Some(phase) => Azimuths::Phase(phase),
+                None => Azimuths::InPlane,
+            },
         };
         if let (false, Some(odd)) = (matches!(azimuths, Azimuths::Both(_)), self.odd_azimuth()) {
             // To take it for 0 would turn every sample.
@@ -266,6 +271,9 @@ impl Sides<'_> {
         }
         if matches!(azimuths, Azimuths::Outgoing(_) | Azimuths::Incident(_)) {
             notes.push("there is one azimuth; that of the other direction is taken as 0".into());
+        }
+        if matches!(azimuths, Azimuths::Phase(_)) {
+            notes.push("azimuths follow from the phase angle, which is between both directions".into());
         }
         Ok(Directions::Angles { thetas: [i, o], azimuths })
     }
@@ -395,7 +403,9 @@ impl Directions {
                 thetas.iter().any(is)
                     || match azimuths {
                         Azimuths::Both(places) => places.iter().any(is),
-                        Azimuths::Outgoing(place) | Azimuths::Incident(place) => is(place),
+                        Azimuths::Outgoing(place) | Azimuths::Incident(place) | Azimuths::Phase(place) => {
+                            is(place)
+                        }
                         Azimuths::InPlane => false,
                     }
             }

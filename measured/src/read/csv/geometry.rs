@@ -15,6 +15,9 @@ const UNIT: f64 = 1e-3;
 /// What rounding adds to the largest angles.
 const ROUNDING: f64 = 1e-3;
 
+/// What rounding makes of the cosine of a phase angle.
+const PHASE: f64 = 0.02;
+
 /// Largest azimuth that is believed, degrees.
 const TURNS: f64 = 36000.0;
 
@@ -45,7 +48,7 @@ pub(super) fn places(directions: &Directions) -> [Option<Place>; 6] {
         Directions::Angles { thetas: [i, o], azimuths } => {
             let [phi_i, phi_o] = match azimuths {
                 Azimuths::Both([i, o]) => [Some(*i), Some(*o)],
-                Azimuths::Outgoing(o) => [None, Some(*o)],
+                Azimuths::Outgoing(o) | Azimuths::Phase(o) => [None, Some(*o)],
                 Azimuths::Incident(i) => [Some(*i), None],
                 Azimuths::InPlane => [None, None],
             };
@@ -131,6 +134,19 @@ impl Geometry {
                 );
                 return Err(ReadError::Content(text));
             }
+        }
+        if let Some(Azimuths::Phase(_)) = self.azimuths {
+            let [i, o] = [d[0] * self.radians, d[1] * self.radians];
+            let both = libm::sin(i) * libm::sin(o);
+            let across = libm::cos(phi_o * self.radians) - libm::cos(i) * libm::cos(o);
+            if across.abs() > both.abs() + PHASE {
+                return Err(ReadError::Content(format!(
+                    "line {}: no azimuth makes the phase angle {phi_o} of these two directions",
+                    row.line
+                )));
+            }
+            let turn = if both.abs() > PHASE { libm::acos((across / both).clamp(-1.0, 1.0)) } else { 0.0 };
+            return Ok([self.vector(d[0], 0.0), self.vector(d[1], turn / self.radians)]);
         }
         if self.is_half {
             return Ok(from_half(d[0] * self.radians, d[1] * self.radians, phi_o * self.radians));

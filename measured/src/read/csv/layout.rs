@@ -28,6 +28,8 @@ pub(super) struct Layout {
     pub rows_at: usize,
     /// A unit of angles that is said above the columns.
     pub angle_unit: Option<Unit>,
+    /// How many rows are announced there.
+    pub announced: Option<usize>,
 }
 
 impl Layout {
@@ -55,8 +57,9 @@ impl Layout {
             }
             match above.columns(plain) {
                 Ok((columns, separator)) => {
-                    let angle_unit = above.angle_unit;
-                    found = Some(Self { columns, separator, line: n + 1, rows_at: at, angle_unit });
+                    let Above { angle_unit, announced, .. } = above;
+                    found =
+                        Some(Self { columns, separator, line: n + 1, rows_at: at, angle_unit, announced });
                     // Names in a comment may be those of an example; the line after it knows better.
                     if !is_comment {
                         break;
@@ -91,6 +94,7 @@ pub(super) struct Above {
     separator: Option<char>,
     pub constants: Constants,
     pub angle_unit: Option<Unit>,
+    announced: Option<usize>,
     /// Fields that were looked at.
     fields: usize,
 }
@@ -121,7 +125,8 @@ impl Above {
             let is_better = match (&best, &found) {
                 (Err(best), Err(found)) => found.known > best.known,
                 (Err(_), Ok(_)) => true,
-                (Ok(best), Ok(found)) => found.0.names.len() > best.0.names.len(),
+                // White space separates words of a name too.
+                (Ok(best), Ok(found)) => separator != ' ' && found.0.names.len() > best.0.names.len(),
                 (Ok(_), Err(_)) => false,
             };
             if is_better {
@@ -137,6 +142,7 @@ impl Above {
         if lower.contains("angle") || lower.contains("unit") {
             self.angle_unit = unit(line).filter(|u| *u != Unit::Percent).or(self.angle_unit);
         }
+        self.announced = announced(line).or(self.announced);
         if let Some(constant) = constant(line) {
             self.angle_unit = unit(line).filter(|u| *u != Unit::Percent).or(self.angle_unit);
             // The last one above the names is that of the rows.
@@ -144,6 +150,25 @@ impl Above {
             self.constants.push(constant);
         }
     }
+}
+
+/// The number of rows that a line announces: `points: 75`.
+fn announced(line: &str) -> Option<usize> {
+    let (name, value) = line.split_once([':', '=', ',', ';', '\t', ' '])?;
+    let bare = name.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "");
+    let is_count = matches!(
+        bare.as_str(),
+        "numpoints"
+            | "npoints"
+            | "points"
+            | "numberofpoints"
+            | "datapoints"
+            | "rows"
+            | "numrows"
+            | "numberofrows"
+            | "numberofmeasurements"
+    );
+    is_count.then(|| value.trim_matches([' ', ',', ';', '\t']).parse().ok())?
 }
 
 /// The direction that a line names, with its angle: `AOI: 30`.

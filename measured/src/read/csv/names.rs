@@ -20,6 +20,8 @@ pub(super) enum Role {
     Phi(Side),
     /// Difference of the azimuths, or the one azimuth that there is.
     DeltaPhi,
+    /// Angle between the two directions.
+    Phase,
     /// Azimuth of a direction that the name does not say in a known word.
     OddPhi,
     /// A part of a unit vector: 0 x, 1 y, 2 z.
@@ -62,6 +64,7 @@ impl Role {
             Self::Phi(Side::Incident) => "incident azimuth",
             Self::Phi(Side::Outgoing) => "outgoing azimuth",
             Self::Phi(Side::Either) | Self::OddPhi => "azimuth",
+            Self::Phase => "phase angle",
             Self::DeltaPhi => "azimuth",
             Self::Vector(Side::Incident, _) => "incident vector",
             Self::Vector(Side::Outgoing, _) => "outgoing vector",
@@ -88,19 +91,19 @@ pub(super) enum Unit {
     Percent,
 }
 
-const INCIDENT: &str = "i in inc inci incident incidence incoming input l light src source sun solar lamp illumination illum \
+const INCIDENT: &str = "i in inc inci incident incidence incoming input l light src source sun sol solar lamp illumination illum \
     irradiation ill incid ein einfall einfalls lichtquelle laser licht beleuchtung beleuchtungs einstrahlung einstrahl \
     incidencia incidente incidenza éclairage eclairage éclairement lumière";
 const OUTGOING: &str = "o out outgoing output r refl reflected reflection v view viewer viewing cam camera det detector d \
     sensor satellite rec receive receiver receiving e em emission emitted exit measure measured measurement obs observation observer \
-    scat scatter scattered scattering emergent emergence aus ausfall ausfalls beobachter beobachtungs betrachtungs detektor \
+    scat sct scatter scattered scattering emergent emergence aus ausfall ausfalls beobachter beobachtungs betrachtungs detektor \
     reflexion reflexions réflexion streu \
     beobachtung betrachtung betrachter detektion mess messung messkopf reflektiert sicht blick observación observacion \
     reflexión osservazione riflessione visée visee vision capteur empfänger";
-const POLAR: &str = "theta zenith zenit polar inclination th tht vertical";
+const POLAR: &str = "theta zenith zenit zen polar inclination th tht vertical";
 const AZIMUTH: &str = "azimuthal azimuth azimutal azimut acimut azim azi phi az";
 const VALUES: &str = "value val values f fr brdf bsdf y luminance lum grey gray intensity reflectance rho \
-    reflectancefactor radiance brdfvalue brf hdrf wert valeur bidir brdfsr fbrdf signal data messwert";
+    reflectancefactor radiance brdfvalue brf hdrf wert valeur bidir brdfsr fbrdf signal data messwert ars ccbrdf cosinecorrectedbrdf";
 /// Angles in German, Spanish and Italian.
 const ANGLES: [&str; 8] = ["winkel", "Winkel", "ángulo", "Ángulo", "angulo", "Angulo", "angolo", "Angolo"];
 /// Names of the channels, in six languages.
@@ -108,7 +111,14 @@ const CHANNELS: [&str; 3] =
     ["r red rot rouge rojo rosso vermelho", "g green grün vert verde", "b blue blau bleu azul blu"];
 /// Before a channel or a wavelength.
 const BEFORE: &str = "brdf bsdf value reflectance refl linear lin srgb rgb f fr xyz r";
-const BEFORE_WAVELENGTH: &str = "wavelength lambda \u{3bb} wl w brdf bsdf value reflectance refl f fr r nm l";
+const BEFORE_WAVELENGTH: &str =
+    "wavelength lambda \u{3bb} \u{3c1} wl w brdf bsdf value reflectance refl f fr r nm l";
+
+/// Whether a value of that name is f times the cosine of the outgoing direction: angle-resolved scatter.
+pub(super) fn is_times_cosine(name: &str) -> bool {
+    let bare: String = words(name).into_iter().filter(|word| !matches!(word.as_str(), "1" | "sr")).collect();
+    matches!(bare.as_str(), "ars" | "ccbrdf" | "cosinecorrectedbrdf")
+}
 
 /// Digits from which on a number is a wavelength without a unit.
 const WAVELENGTH_DIGITS: usize = 3;
@@ -205,6 +215,7 @@ pub(super) fn role(name: &str) -> Role {
         "thetah" | "thetahalf" | "halfangle" | "halftheta" => return Role::ThetaHalf,
         "thetadiff" | "thetadifference" | "differenceangle" => return Role::ThetaDifference,
         "phidiff" | "phidifference" => return Role::PhiDifference,
+        "phase" | "phaseangle" | "phasenwinkel" => return Role::Phase,
         "incidence" => return Role::Theta(Side::Incident),
         "receive" => return Role::Theta(Side::Outgoing),
         _ => {}
@@ -233,14 +244,21 @@ pub(super) fn role(name: &str) -> Role {
         "delta",
         "d",
         "difference",
+        "differenz",
+        "differenza",
+        "diferencia",
+        "différence",
         "diff",
+        "iv",
+        "io",
+        "ir",
     ];
     if let Some(rest) = around(&kept, AZIMUTH) {
         return match side(&rest) {
             Some(side) if rest != "d" || kept.starts_with("phi") => Role::Phi(side),
             _ if rest.is_empty() || relative.contains(&rest.as_str()) => Role::DeltaPhi,
             // Shorter words may be the end of any name.
-            _ if kept.contains("azim") || kept.contains("acim") => Role::OddPhi,
+            _ if kept.contains("azim") || kept.contains("acim") || kept.starts_with("phi") => Role::OddPhi,
             _ => Role::Other,
         };
     }
@@ -257,7 +275,7 @@ pub(super) fn role(name: &str) -> Role {
     if let (true, Some(side)) = (has_angle, side(&kept)) {
         return Role::Theta(side);
     }
-    if let Some(vector) = vector(&kept) {
+    if let Some(vector) = vector(&kept).or_else(|| vector_by_axis(&kept)) {
         return vector;
     }
     channel(&kept).unwrap_or(Role::Other)
@@ -288,6 +306,12 @@ fn vector(name: &str) -> Option<Role> {
     let rest = &name[..name.len() - 1];
     let bare = rest.strip_prefix("omega").or_else(|| rest.strip_prefix('w')).unwrap_or(rest);
     side(bare).filter(|_| !bare.is_empty()).map(|side| Role::Vector(side, axis))
+}
+
+/// `x_i`, `z_out`: the axis first.
+fn vector_by_axis(name: &str) -> Option<Role> {
+    let axis = ["x", "y", "z"].iter().position(|axis| name.starts_with(axis))?;
+    side(&name[1..]).map(|side| Role::Vector(side, axis))
 }
 
 fn channel(name: &str) -> Option<Role> {
@@ -425,6 +449,11 @@ mod tests {
             ("to-sun-zenith|Solar Zenith Angle|incidence", Theta(Incident)),
             ("to-sensor-zenith|sensor zenith|receive", Theta(Outgoing)),
             ("to-sun-azimuth", Phi(Incident)),
+            ("SolZen", Theta(Incident)),
+            ("x_i|xi", Vector(Incident, 0)),
+            ("phase angle", Phase),
+            ("Azimutdifferenz|phi_iv", DeltaPhi),
+            ("phi_tilt", OddPhi),
             ("log10(BRDF)|ln f|BRDF [dB]|brdf_db|log_brdf", Logarithm),
             ("fr11|BRDF11|11", Numbered(11.0)),
             ("sigma|weight|comment|sample|uncertainty|date|n_x|index", Other),
