@@ -31,7 +31,7 @@ const TILTED: f64 = 0.05;
 const NAMED: usize = 8;
 
 /// Stated reflectances that are said; the share by which one may be off, where so little of the hemisphere is without samples, up to that
-/// angle: towards grazing, instruments take what they do not see for 0.
+/// angle: towards grazing, instruments take unseen light for 0.
 const STATED: usize = 32;
 const STATED_OFF: f64 = 0.2;
 const KNOWN: f64 = 0.3;

@@ -44,7 +44,7 @@ fn direction(theta: f64, phi: f64) -> [f64; 3] {
     [st * cp, st * sp, ct]
 }
 
-/// What is right for one input.
+/// The right reading of one input.
 enum Right {
     /// Samples, rows left out, values in green (theta_i, theta_o, turn; f), words that notes have, and words that they have not.
     Read(usize, usize, &'static [[f64; 4]], &'static [&'static str], &'static [&'static str]),
@@ -213,7 +213,7 @@ fn kept_inputs_are_read_and_spoken_of_as_they_should_be() {
     assert!(all.is_empty(), "{}", all.join("\n"));
 }
 
-/// An option changes what a note says, as well as the values.
+/// An option changes notes as well as values.
 #[test]
 #[ignore = "needs SRBF_DATA_DIR"]
 fn notes_follow_the_option_that_was_given() {

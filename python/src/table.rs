@@ -123,7 +123,7 @@ pub fn table(
     of_samples(py, name, text)
 }
 
-/// An array with NaN in place of what is masked.
+/// An array with NaN in place of masked values.
 fn unmasked<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let masked = object.py().import("numpy")?.getattr("ma")?;
     if !masked.call_method1("isMaskedArray", (object,))?.is_truthy()? {

@@ -198,7 +198,7 @@ impl Appearance {
 }
 
 /// The highlight of a view: where the table is brightest.
-struct Highlight {
+struct BrightPlace {
     /// Its middle: the mirror direction, if the table is not much brighter elsewhere, as a retro-reflector is.
     at: [f64; 3],
     /// The mirror direction.
@@ -207,7 +207,7 @@ struct Highlight {
     level: f64,
 }
 
-impl Highlight {
+impl BrightPlace {
     fn of(brdf: &dyn Brdf, theta: f64) -> Self {
         let mirror = direction(theta, 0.0);
         let level = |at: [f64; 3]| {
@@ -244,7 +244,7 @@ fn searched() -> impl Iterator<Item = [f64; 3]> {
 
 /// Errors from 1.5 to 15 degrees from the highlight's middle, spread evenly over the logarithm of that angle.
 fn skirt(brdf: &dyn Brdf, fitted: &TrackedView<'_>, theta: f64) -> Skirt {
-    let middle = Highlight::of(brdf, theta).at;
+    let middle = BrightPlace::of(brdf, theta).at;
     let (mut luminances, mut chromas, mut negative, mut all) = (Vec::new(), Vec::new(), 0usize, 0usize);
     for i in 0..SKIRT {
         let share = (i as f64 + 0.5) / SKIRT as f64;
@@ -269,7 +269,7 @@ fn skirt(brdf: &dyn Brdf, fitted: &TrackedView<'_>, theta: f64) -> Skirt {
 
 /// How far the table is from its own mean over a cone.
 fn noise(brdf: &dyn Brdf, theta: f64) -> Noise {
-    let highlight = Highlight::of(brdf, theta);
+    let highlight = BrightPlace::of(brdf, theta);
     let (mut luminances, mut chromas) = (Vec::new(), Vec::new());
     for i in 0..NOISY {
         let z = libm::sqrt((i as f64 + 0.5) / NOISY as f64);
@@ -291,7 +291,7 @@ fn noise(brdf: &dyn Brdf, theta: f64) -> Noise {
 /// The most that the fit has beyond the skirt above all that the table has within 4 degrees, over the table's mean at the
 /// highlight.
 fn largest_ghost(brdf: &dyn Brdf, fitted: &TrackedView<'_>, theta: f64) -> f64 {
-    let highlight = Highlight::of(brdf, theta);
+    let highlight = BrightPlace::of(brdf, theta);
     let data = |wi: [f64; 3]| luminance(f_cos(brdf, wi, theta));
     let mut most: f64 = 0.0;
     for wi in searched().filter(|wi| !highlight.has(*wi)) {

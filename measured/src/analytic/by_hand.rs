@@ -80,7 +80,7 @@ const FORMULAS: [Formula; 8] = [
     },
 ];
 
-/// What the formulas are over.
+/// The arguments of the formulas.
 struct Angles {
     /// Cosines and tangents of both angles from the normal.
     cos: [f64; 2],

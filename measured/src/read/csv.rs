@@ -332,7 +332,7 @@ impl Parsing<'_> {
         is_comment
     }
 
-    /// What the rows were seen to be.
+    /// Findings about the rows.
     fn notes(&self, reading: &mut Reading) {
         if self.blocks > 1 {
             reading.note(format!("{} blocks of rows, each under the angle that it is of", self.blocks));

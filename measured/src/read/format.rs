@@ -98,7 +98,7 @@ const PICTURE: &str =
     "a picture, not a measurement: samples of a BRDF are expected, each with its two directions";
 const COMPRESSED: &str = "a compressed file: unpack it, or compress it by gzip, which is opened";
 
-/// What a file is that its first bytes tell to be no measurement as it stands.
+/// The error of a file that is no measurement as it stands, by its first bytes.
 pub(super) fn foreign(bytes: &[u8]) -> Option<ReadError> {
     let known = FOREIGN.iter().find(|(head, _)| bytes.starts_with(head)).map(|known| known.1);
     let speos = || {

@@ -4,7 +4,7 @@
 //! exact 0 where all others are far from it; a direction at the horizon or behind the surface: none becomes a sample, none becomes
 //! 0. Rows that are left out are counted and listed by line.
 //!
-//! What the file states of its values is held against them: a cosine that swapped samples deny, logarithms, saturation.
+//! Statements of the file about its values are held against them: a cosine that swapped samples deny, logarithms, saturation.
 
 use super::conventions::{Conventions, Mirror, Values};
 use super::reason::Reason;
@@ -27,12 +27,11 @@ const HORIZON: f64 = 1e-5;
 const LOGARITHMS: usize = 10;
 const NEGATIVE: f64 = 0.8;
 
-/// The largest value is saturation if it stands at so many places, and so many times as often as the next distinct values.
+/// Least number of places of a saturated value, and of times that it is as frequent as any of the next distinct values.
 const OFTEN: usize = 5;
 const NEXT: usize = 20;
 
-/// Values are noise about 0 if there are so many, so large a share is below 0, their mean is within so many standard errors of 0, and none
-/// is beyond so many deviations.
+/// Noise about 0: least number of values; share of them below 0. Their mean in standard errors, and the largest in deviations, at most.
 const NOISY: usize = 20;
 const NOISE_BELOW: f64 = 0.2;
 const ERRORS: f64 = 3.0;
@@ -82,7 +81,7 @@ pub struct Intake {
     pub notes: Vec<Note>,
     /// Reflectance that the file itself states: angle of incidence, degrees, and share of the light.
     pub stated: Vec<(f64, f64)>,
-    /// What the numbers of the file were taken for.
+    /// The kind of values that the file was read by.
     pub values: Values,
     /// Where the mirror direction is, if an option or the format's program says it.
     pub mirror: Option<Mirror>,

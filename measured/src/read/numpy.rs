@@ -18,7 +18,7 @@ const VECTORS: [(usize, &[&str]); 2] = [
     (9, &["wi_x", "wi_y", "wi_z", "wo_x", "wo_y", "wo_z", "r", "g", "b"]),
 ];
 
-/// The way in of what is not read.
+/// Advice for arrays that are not read.
 const WAY: &str = "save it with names, as a structured array or by numpy.savetxt with header='theta_i phi_i theta_o phi_o value'; or give it \
                    in Python to srbf_brdf.table(wo, wi, f)";
 
@@ -96,7 +96,8 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     };
     let (names, kinds, rows): (Vec<&str>, Vec<Kind>, usize) = if is_structured {
         let kinds = quoted.iter().skip(1).step_by(2).map(kind).collect::<Result<Vec<_>, _>>()?;
-        (quoted.iter().copied().step_by(2).collect(), kinds, shape.iter().product())
+        let rows = shape.iter().try_fold(1usize, |all, n| all.checked_mul(*n)).ok_or_else(damaged)?;
+        (quoted.iter().copied().step_by(2).collect(), kinds, rows)
     } else {
         let [rows, columns] = *shape else {
             return Err(fail(format!("of shape {shape:?}: rows by columns are expected; {WAY}")));

@@ -121,11 +121,8 @@ fn write_grid(output: &Path, format: Format, source: Source) -> anyhow::Result<(
     if !material.gaps.is_empty() {
         // Samples are all completed; of a table, MERL has a mark for cells that were not measured.
         let is_marked = matches!(format, Format::Merl) && material.completed.is_none();
-        let there = if is_marked {
-            "those cells stay marked"
-        } else {
-            "what is written there is completed, not measured"
-        };
+        let there =
+            if is_marked { "those cells stay marked" } else { "values there are completed, not measured" };
         println!("note {}; {there}", material.gaps);
     }
     let (bytes, back): (Vec<u8>, Box<dyn Brdf>) = if let Format::Rgl = format {

@@ -42,7 +42,7 @@ pub struct MeasuredMaterial {
     is_isotropic: bool,
     /// Samples that were completed, if it was not measured at every pair of directions.
     pub completed: Option<usize>,
-    /// What was not measured, in words; empty for nothing.
+    /// Its gaps in words; empty for none.
     pub gaps: String,
     /// Made when it is asked for.
     guide: OnceLock<Guide>,

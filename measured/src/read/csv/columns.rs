@@ -121,7 +121,7 @@ impl Columns {
     }
 }
 
-/// A reason, and what the names are known for.
+/// A reason, and the known meaning of the names.
 fn with_names(reason: String, names: &[String], roles: &[Role]) -> String {
     let short = |name: &String| name.trim().chars().take(LONGEST).collect::<String>();
     let (mut known, mut unknown) = (Vec::new(), Vec::new());

@@ -181,7 +181,7 @@ pub(super) fn constant(line: &str) -> Option<(Role, f64)> {
 }
 
 impl Above {
-    /// What the lines above a place say.
+    /// From the lines above a place.
     pub fn of<'a>(lines: impl Iterator<Item = &'a str>) -> Self {
         let mut above = Self::default();
         lines.for_each(|line| above.read(without_mark(line.trim()).0));

@@ -55,7 +55,7 @@ pub(super) enum Role {
 }
 
 impl Role {
-    /// What a column of that role holds, in words; `None` for what is not known by its name alone.
+    /// The content of a column of that role, in words; `None` where the name alone does not tell.
     pub fn words(&self) -> Option<&'static str> {
         Some(match self {
             Self::Theta(Side::Incident) => "incident angle",
