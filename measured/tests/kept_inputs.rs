@@ -91,7 +91,7 @@ const MORE: &[(&str, Right)] = &[
     ("cr.csv", Read(75, 0, &[], &[], &[])),
     ("records.json", Read(75, 0, &[], &[], &[])),
     ("rows.npy", Read(75, 0, &[], &["no names"], &[])),
-    ("half_difference.csv", Read(75, 0, &[], &[], &[])),
+    ("half_difference.csv", Read(75, 0, &[], &[], &["turned"])),
     ("speos_binary.anisotropicbsdf", Refused(&["SPEOS", "mode 1", "as text"])),
     ("window.xml", Refused(&["window", "WINDOW"])),
     (
