@@ -6,13 +6,22 @@
 //! | `phong` | `diffuse=0.3`, `specular=0.3`, `exponent=50` |
 //! | `ward` | `diffuse=0.2`, `specular=0.3`, `alpha=0.2` or `alpha_x`, `alpha_y` |
 //! | `ggx` | `diffuse=0`, `alpha=0.2` or `alpha_x`, `alpha_y`, and `f0=0.9` (Schlick) or `ior` (dielectric) |
+//! | `ross-li` | `iso=0.2`, `vol=0.1`, `geo=0.03`: crops and forests |
+//! | `rpv` | `rho0=0.1`, `k=0.7`, `theta=-0.15`: the same |
+//! | `hapke` | `w=0.5`, `g=-0.2`, `b0=1`, `h=0.06`: soils and regoliths |
+//! | `cox-munk` | `wind=5`, `ior=1.34`: the sea |
+//! | `abg` | `a=0.001`, `b=0.0001`, `g=2`: polished surfaces |
+//! | `harvey-shack` | `b0=10`, `l=0.01`, `s=-2`: the same |
+//! | `oren-nayar` | `albedo=0.5`, `sigma=0.35`: plaster |
+//! | `sheen` | `alpha=0.5`: cloth |
 //! | `sgd`, `abc` | `name` of the material, `file` of the fits; else that in the folder that `SRBF_DATA_DIR` names |
 //!
-//! A colour is one number or three, `0.6/0.2/0.1`, linear sRGB.
+//! A colour is one number or three, `0.6/0.2/0.1`, linear sRGB. Models from `ross-li` to `sheen` are grey, times the colour `tint=1`.
 //!
 //! May import: `error`, `file`, `table`.
 
 pub mod abc;
+pub mod by_hand;
 mod fits;
 mod fresnel;
 pub mod ggx;
@@ -32,7 +41,7 @@ use std::path::{Path, PathBuf};
 pub const PREFIX: &str = "model:";
 
 /// The names of the models.
-const NAMES: &str = "lambert, phong, ward, ggx, sgd, abc";
+const NAMES: &str = "lambert, phong, ward, ggx, ross-li, rpv, hapke, cox-munk, abg, harvey-shack, oren-nayar, sheen, sgd, abc";
 
 /// A model that was named, and what identifies it.
 pub(super) struct Named {
@@ -72,7 +81,10 @@ pub(super) fn parse(text: &str) -> Result<Named, FitError> {
             identity.extend(bytes);
             found.map_err(|source| FitError::Read { path, source }).map(Ok)?
         }
-        _ => Err(ReadError::Content(format!("no model `{model}`; there are {NAMES}"))),
+        _ => match by_hand::ByHand::from_parameters(model, &mut parameters) {
+            Some(made) => made.map(|m| Box::new(m) as _),
+            None => Err(ReadError::Content(format!("no model `{model}`; there are {NAMES}"))),
+        },
     };
     let brdf = brdf.map_err(fault)?;
     parameters.finish().map_err(fault)?;
@@ -145,7 +157,16 @@ mod tests {
         sum
     }
 
-    const ALL: [&str; 8] = [
+    const ALL: [&str; 17] = [
+        "ross-li",
+        "rpv",
+        "hapke",
+        "hapke:w=0.99",
+        "cox-munk",
+        "abg",
+        "harvey-shack",
+        "oren-nayar:albedo=1,sigma=0.5",
+        "sheen:alpha=0.3,tint=0.9/0.5/0.1",
         "lambert",
         "lambert:albedo=0.1/0.2/0.3",
         "phong:exponent=20",

@@ -83,12 +83,23 @@ struct Candidate {
     rank: f64,
 }
 
+/// Least number of samples: as many as the model has unknowns in one channel.
+const FEWEST: usize = 5;
+
 /// Completes the samples of a table.
 ///
 /// # Errors
-/// [`FitError::Table`] for samples that are black, or darker than lobes can be.
+/// [`FitError::Table`] for fewer than five samples, and for some that are black, or darker than lobes can be.
 pub fn complete(table: &Table) -> Result<Completion, FitError> {
-    check_storable(table.views.iter().flat_map(|view| &view.samples))?;
+    let samples = || table.views.iter().flat_map(|view| &view.samples);
+    let count = samples().count();
+    if count < FEWEST {
+        let s = if count == 1 { "" } else { "s" };
+        return Err(FitError::Table(format!(
+            "{count} sample{s}; a diffuse term and a highlight need {FEWEST} at least"
+        )));
+    }
+    check_storable(samples())?;
     let mut completion = completed(Measurement::new(table))?;
     completion.report.gaps = gaps(table);
     Ok(completion)

@@ -32,6 +32,26 @@ pub fn sampled(brdf: &dyn Brdf) -> Result<Table, FitError> {
     Table::from_brdf(brdf, &evaluation_views::even_views(VIEWS), DIRECTIONS)
 }
 
+/// [`sampled`] without samples most of whose value was not measured, and the share of those.
+///
+/// # Errors
+/// As `sampled`; [`FitError::Table`] where nothing was measured.
+pub fn measured(brdf: &dyn Brdf) -> Result<(Table, f64), FitError> {
+    let mut table = sampled(brdf)?;
+    let count = |table: &Table| table.views.iter().map(|view| view.samples.len()).sum::<usize>();
+    let all = count(&table);
+    for view in &mut table.views {
+        let wo = [-libm::sin(view.theta), 0.0, libm::cos(view.theta)];
+        view.samples.retain(|sample| brdf.measured(sample.direction, wo) >= 0.5);
+    }
+    table.views.retain(|view| !view.samples.is_empty());
+    if table.views.is_empty() {
+        return Err(FitError::Table("nothing of it was measured".into()));
+    }
+    let left_out = 1.0 - count(&table) as f64 / all as f64;
+    Ok((table, left_out))
+}
+
 /// Refuses what no format here holds.
 fn check_isotropic(brdf: &dyn Brdf) -> Result<(), FitError> {
     if brdf.symmetry() == Symmetry::Isotropic {

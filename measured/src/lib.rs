@@ -16,6 +16,7 @@ pub mod look;
 #[doc(hidden)]
 pub mod numeric;
 pub mod read;
+mod reciprocity;
 mod row;
 pub mod table;
 mod threads;

@@ -2,21 +2,19 @@
 //!
 //! Findings are said, not mended: where a file can be read in two ways, the finding names the option for the other way.
 //!
-//! May import: `complete`, `isotropy`, `numeric`, `read`, `row`, `table`.
+//! May import: `complete`, `isotropy`, `numeric`, `read`, `reciprocity`, `row`, `table`.
 
 mod highlight;
-mod pairs;
-mod reciprocity;
 mod units;
 
 use crate::complete::CompletionReport;
 pub use crate::isotropy::Isotropy;
 use crate::numeric::median::median;
 use crate::read::{Intake, LeftOut, Values};
+pub use crate::reciprocity::Reciprocity;
+use crate::reciprocity::pairs::{Compared, Places};
 use crate::row::{Row, polar, thin};
 pub use highlight::Highlight;
-use pairs::{Compared, Places};
-pub use reciprocity::Reciprocity;
 use serde_json::{Value, json};
 pub use units::Units;
 
@@ -31,6 +29,13 @@ const TILTED: f64 = 0.05;
 
 /// Samples that are named.
 const NAMED: usize = 8;
+
+/// Stated reflectances that are said; the share by which one may be off, where so little of the hemisphere is without samples, up to that
+/// angle: towards grazing, instruments take unseen light for 0.
+const STATED: usize = 32;
+const STATED_OFF: f64 = 0.2;
+const KNOWN: f64 = 0.3;
+const STEEPEST: f64 = 72.0;
 
 /// The subject of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -180,12 +185,18 @@ impl Look {
         let off = |topic, text: String| Finding { is_off: true, ..plain(topic, text) };
         let note = |note: &crate::read::Note| Finding {
             option: note.option,
+            is_off: note.is_off,
             ..plain(Topic::Convention, note.text.clone())
         };
         let mut found: Vec<Finding> = intake.notes.iter().map(note).collect();
-        if self.highlight.is_at_back() {
-            let text = "the brightest samples are where the light comes from: a retro-reflector, or mirror directions at equal azimuths";
+        if self.highlight.is_at_back() && intake.mirror.is_none() {
+            let text = "the brightest samples are where the light comes from: a retro-reflector or the hot spot of a rough ground, or \
+                        mirror directions at equal azimuths";
             found.push(Finding { option: Some("--mirror equal"), ..plain(Topic::Convention, text.into()) });
+        }
+        if self.highlight.is_back_alone {
+            let text = "all samples are where the light comes from, as those of a lidar: all else, and the mirror side, is a guess";
+            found.push(off(Topic::Highlight, text.into()));
         }
         if intake.left_out_count() > 0 {
             let lines = intake.left_out.iter().flat_map(|left| left.lines.iter().copied()).collect();
@@ -208,7 +219,7 @@ impl Look {
             found.push(Finding { option: Some("--divide"), ..off(Topic::Units, units.text()) });
         }
         if let Some(reciprocity) = &self.reciprocity {
-            found.push(reciprocity_said(reciprocity));
+            found.push(reciprocity_said(reciprocity, intake.values));
         }
         if let Some((middle, pairs)) = self.sides {
             let text = format!(
@@ -230,14 +241,7 @@ impl Look {
             found.push(plain(Topic::Gaps, completion.gaps.text()));
         }
         found.extend([true, false].into_iter().filter_map(|is_wrong| self.outliers_said(is_wrong)));
-        for (degrees, stated) in intake.stated.iter().take(16) {
-            let ours = completion.and_then(|completion| albedo_at(completion, degrees.to_radians()));
-            let beside = ours.map_or_else(String::new, |ours| format!("; ours is {ours:.3}"));
-            found.push(plain(
-                Topic::Stated,
-                format!("the file states a reflectance of {stated:.3} at {degrees} degrees{beside}"),
-            ));
-        }
+        found.extend(intake.stated.iter().take(STATED).map(|stated| stated_said(*stated, completion)));
         found
     }
 
@@ -307,6 +311,7 @@ impl Look {
                 "views": self.highlight.views,
                 "views_without_a_sample_in_it": self.highlight.unseen,
                 "is_where_the_light_comes_from": self.highlight.is_at_back(),
+                "are_all_samples_there": self.highlight.is_back_alone,
             },
             "units": self.units.as_ref().map(units),
             "outliers": self.outliers.iter().map(outlier).collect::<Vec<_>>(),
@@ -316,7 +321,32 @@ impl Look {
     }
 }
 
-fn reciprocity_said(found: &Reciprocity) -> Finding {
+/// A reflectance that the file states, beside ours.
+fn stated_said((degrees, stated): (f64, f64), completion: Option<&CompletionReport>) -> Finding {
+    let theta = degrees.to_radians();
+    let ours = completion.and_then(|completion| {
+        let is_known = completion.gaps.share_at(theta) < KNOWN && degrees <= STEEPEST;
+        albedo_at(completion, theta).map(|ours| (ours, is_known))
+    });
+    let is_off = ours
+        .is_some_and(|(ours, is_known)| is_known && stated > 0.0 && (ours / stated - 1.0).abs() > STATED_OFF);
+    let beside = match ours {
+        Some((ours, _)) if is_off => {
+            format!(
+                "; the samples reflect {ours:.3}, {:.0} % off: one of both is wrong",
+                100.0 * (ours / stated - 1.0).abs()
+            )
+        }
+        Some((ours, _)) => format!("; ours is {ours:.3}"),
+        None => String::new(),
+    };
+    let text = format!("the file states a reflectance of {stated:.3} at {degrees} degrees{beside}");
+    Finding { topic: Topic::Stated, is_off, text, option: None, lines: Vec::new() }
+}
+
+/// What swapped samples say, of values that were taken for what `taken` says.
+fn reciprocity_said(found: &Reciprocity, taken: Values) -> Finding {
+    let Reciprocity { pairs, apart, cosine } = *found;
     let plain = |text: String| Finding {
         topic: Topic::Reciprocity,
         is_off: false,
@@ -324,20 +354,30 @@ fn reciprocity_said(found: &Reciprocity) -> Finding {
         option: None,
         lines: Vec::new(),
     };
-    let percent = 100.0 * libm::expm1(found.apart);
-    let of = |which: &str, option| Finding {
-        is_off: true,
-        option: Some(option),
-        ..plain(format!(
-            "values are multiplied by the cosine of the {which} direction: without it, {} swapped pairs of samples agree",
-            found.pairs
-        ))
+    let off = |text: String, option| Finding { is_off: true, option: Some(option), ..plain(text) };
+    let multiplied = |which: &str| {
+        format!(
+            "values are multiplied by the cosine of the {which} direction: without it, {pairs} swapped pairs of samples agree"
+        )
     };
-    match found.cosine {
-        Some(Values::CosineOutgoing) => of("outgoing", "--values cosine-outgoing"),
-        Some(Values::CosineIncident) => of("incident", "--values cosine-incident"),
+    match (taken, cosine) {
+        (Values::Brdf, Some(Values::CosineOutgoing)) => {
+            off(multiplied("outgoing"), "--values cosine-outgoing")
+        }
+        (Values::Brdf, Some(Values::CosineIncident)) => {
+            off(multiplied("incident"), "--values cosine-incident")
+        }
+        // Divided by one cosine, f itself looks as if it were multiplied by the other.
+        (Values::CosineOutgoing, Some(Values::CosineIncident))
+        | (Values::CosineIncident, Some(Values::CosineOutgoing)) => off(
+            format!(
+                "values are divided by a cosine: without dividing, {pairs} swapped pairs of samples agree"
+            ),
+            "--values brdf",
+        ),
         _ => {
-            plain(format!("{} swapped pairs of samples differ by {percent:.0} % in the median", found.pairs))
+            let percent = 100.0 * libm::expm1(apart);
+            plain(format!("{pairs} swapped pairs of samples differ by {percent:.0} % in the median"))
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Readers: samples, or a BRDF, from a file.
 //!
-//! May import: `analytic`, `complete`, `error`, `file`, `isotropy`, `numeric`, `row`, `table`.
+//! May import: `analytic`, `complete`, `error`, `file`, `isotropy`, `numeric`, `reciprocity`, `row`, `table`.
 
 pub mod alta;
 pub mod astm;
@@ -10,13 +10,17 @@ pub mod csv;
 mod ending;
 mod filled;
 mod format;
+pub mod fred;
+mod gzip;
 pub(crate) mod intake;
 pub mod merl;
 pub mod neural;
 mod numbers;
+pub mod numpy;
 pub mod openmaterial;
 pub mod pab_opto;
 mod reason;
+pub mod records;
 pub mod rgl;
 mod rusinkiewicz;
 pub(crate) mod scatter;
@@ -26,6 +30,7 @@ mod spectra;
 mod spectrum;
 pub mod speos;
 pub mod ssdd;
+pub mod utia;
 mod wavelengths;
 mod words;
 
@@ -110,7 +115,8 @@ impl Source {
 /// [`analytic`] model.
 ///
 /// Tables of text: [`csv`]; Cornell's: [`cornell`], [`astm`]; MERL's: [`merl`]; RGL's: [`rgl`]; of optics programs: [`scatter_tables`]
-/// (Zemax, LightTools), [`speos`], [`openmaterial`], [`alta`], [`pab_opto`], [`ssdd`].
+/// (Zemax, LightTools), [`speos`], [`fred`], [`openmaterial`], [`alta`], [`pab_opto`], [`ssdd`], [`utia`]; of programs: [`numpy`],
+/// [`records`]. A file that gzip compressed is opened.
 ///
 /// # Errors
 /// [`FitError::Io`]; [`FitError::Read`] with the place of the fault; [`FitError::Table`].
@@ -145,8 +151,10 @@ pub fn read_from(name: &str, bytes: &[u8], conventions: &Conventions) -> Result<
     of_bytes(path, bytes, conventions)
 }
 
-/// The end of a file's name in lower case.
+/// The end of a file's name in lower case, but for `.gz`.
 fn ending(path: &Path) -> String {
+    let is_packed = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("gz"));
+    let path = if is_packed { Path::new(path.file_stem().unwrap_or_default()) } else { path };
     path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
 }
 
@@ -165,11 +173,14 @@ fn needless(path: &Path) -> FitError {
 /// The measurement in the bytes of a file; `path` is for its name, its ending and messages.
 fn of_bytes(path: &Path, bytes: &[u8], conventions: &Conventions) -> Result<Source, FitError> {
     let fault = |source| FitError::Read { path: path.to_path_buf(), source };
+    let sha256 = sha256(bytes);
+    let unpacked = bytes.starts_with(gzip::HEAD).then(|| gzip::unpacked(bytes)).transpose();
+    let unpacked = unpacked.map_err(FitError::io(path))?;
+    let bytes = unpacked.as_deref().unwrap_or(bytes);
     let format = format::recognise(bytes, &ending(path)).map_err(fault)?;
     let is_text = !matches!(format, Format::Merl | Format::Rgl);
     check_memory(if is_text { TEXT } else { 1 } * bytes.len() as u64).map_err(FitError::io(path))?;
     let name = printable(&path.file_name().unwrap_or_default().to_string_lossy()).to_string();
-    let sha256 = sha256(bytes);
     if !is_text && *conventions != Conventions::default() {
         return Err(needless(path));
     }
@@ -194,6 +205,10 @@ fn of_bytes(path: &Path, bytes: &[u8], conventions: &Conventions) -> Result<Sour
         Format::SpeosSpectral => speos::spectral(bytes, conventions),
         Format::PabOpto => pab_opto::parse(bytes, conventions),
         Format::Ssdd => ssdd::parse(bytes, conventions),
+        Format::Fred => fred::parse(bytes, conventions),
+        Format::NumPy => numpy::parse(bytes, conventions),
+        Format::Utia => utia::parse(bytes, conventions),
+        Format::Records => records::parse(bytes, conventions),
         Format::Text => csv::parse(bytes, conventions),
     }
     .map_err(fault)?;

@@ -5,6 +5,18 @@ use std::f64::consts::PI;
 /// Directions this close to the normal have no azimuth, radians.
 pub(crate) const NORMAL: f64 = 1.0 * PI / 180.0;
 
+/// The kind of a value, up to a factor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Values {
+    /// The BRDF f.
+    #[default]
+    Brdf,
+    /// f times the cosine of the outgoing direction, as detectors that see a fixed patch measure it.
+    CosineOutgoing,
+    /// f times the cosine of the incident direction.
+    CosineIncident,
+}
+
 /// One sample as it stands in a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {

@@ -2,7 +2,7 @@
 
 use crate::arrays::{cast, rows, table as array_of};
 use crate::error;
-use numpy::PyArray1;
+use numpy::{PyArray1, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
@@ -77,7 +77,7 @@ pub fn read(py: Python<'_>, path: PathBuf) -> PyResult<Table> {
 }
 
 /// Makes a table of samples: directions `wo` and `wi` and the BRDF `f` (without a cosine, 1/sr, linear sRGB), float64 of
-/// shape (n, 3) each. `f` of shape (n,) is grey.
+/// shape (n, 3) each. `f` of shape (n,) is grey. Samples whose `f` is NaN or masked are left out, and `left_out` counts them.
 #[pyfunction]
 #[pyo3(signature = (wo, wi, f, name = "samples"))]
 pub fn table(
@@ -90,19 +90,24 @@ pub fn table(
     let (wo_array, wi_array) = (cast::<f64>(wo, "wo")?, cast::<f64>(wi, "wi")?);
     let (wo, is_single) = rows(&wo_array, wo, "wo")?;
     let (wi, _) = rows(&wi_array, wi, "wi")?;
-    let f = cast::<f64>(f, "f")?;
-    let f = f.as_slice().map_err(|e| PyValueError::new_err(format!("f: {e}")))?;
+    let f = cast::<f64>(&unmasked(f)?, "f")?;
     let n = wi.len() / 3;
-    let channels = f.len().checked_div(n).unwrap_or(0);
-    let is_of_one_length = (is_single || wo.len() == wi.len()) && f.len() == n * channels;
-    if n == 0 || !is_of_one_length || !(channels == 1 || channels == 3) {
+    // Not by the count of numbers: (3, n) has as many as (n, 3).
+    let channels = match f.shape() {
+        [rows] | [rows, 1] if *rows == n => 1,
+        [rows, 3] if *rows == n => 3,
+        [3] if n == 1 => 3,
+        _ => 0,
+    };
+    if n == 0 || channels == 0 || !(is_single || wo.len() == wi.len()) {
         let text = format!(
-            "wo has {} rows, wi {n}, f {} numbers; as many rows, and one or three numbers for each, are expected",
+            "wo has {} rows, wi {n}, f the shape {:?}; as many rows, and f of shape (n,) or (n, 3), are expected",
             wo.len() / 3,
-            f.len()
+            f.shape()
         );
         return Err(PyValueError::new_err(text));
     }
+    let f = f.as_slice().map_err(|e| PyValueError::new_err(format!("f: {e}")))?;
     let text = py.detach(|| {
         // The reader of CSV groups, checks and names the fault of a line: a sample is line n + 2.
         let mut text = String::from("wo_x,wo_y,wo_z,wi_x,wi_y,wi_z,r,g,b\n");
@@ -118,19 +123,24 @@ pub fn table(
     of_samples(py, name, text)
 }
 
+/// An array with NaN in place of masked values.
+fn unmasked<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let masked = object.py().import("numpy")?.getattr("ma")?;
+    if !masked.call_method1("isMaskedArray", (object,))?.is_truthy()? {
+        return Ok(object.clone());
+    }
+    object.call_method1("astype", ("float64",))?.call_method1("filled", (f64::NAN,))
+}
+
 /// Makes a table of samples as text.
 fn of_samples(py: Python<'_>, name: &str, text: String) -> PyResult<Table> {
     let make = || {
         let fault = |source| srbf_fit::FitError::Read { path: name.into(), source };
         let intake = csv::parse(text.as_bytes(), &Conventions::default()).map_err(fault)?;
-        // Arrays have no lines that are broken off: NaN and directions below the horizon are mistakes.
-        let is_fault =
-            |left: &LeftOut| matches!(left.reason, Reason::NoNumber | Reason::Transmission | Reason::Behind);
+        // Directions below the horizon are mistakes; NaN is a value that was not measured.
+        let is_fault = |left: &LeftOut| matches!(left.reason, Reason::Transmission | Reason::Behind);
         if intake.left_out.iter().any(is_fault) {
-            let text = format!(
-                "{}; numbers, and directions above the horizon, are expected",
-                intake.left_out_text()
-            );
+            let text = format!("{}; directions above the horizon are expected", intake.left_out_text());
             return Err(fault(ReadError::Content(text)));
         }
         Source::of_samples(intake, name.as_ref(), name.to_owned(), String::new())

@@ -83,7 +83,6 @@ def test_arrays_of_samples():
         (lambda wo, wi, f: (wo, wi, f[:, :2]), "as many rows|numbers"),
         (lambda wo, wi, f: (wo, -wi, f), "behind.*lines 2, 3, 4"),
         (lambda wo, wi, f: (wo, wi, f * np.nan), "number.*lines 2, 3, 4"),
-        (lambda wo, wi, f: (wo, wi, np.concatenate([f[:1] * np.nan, f[1:]])), "number.*line 2"),
         (lambda wo, wi, f: (wo, np.concatenate([wi[:1] * [1, 1, -1], wi[1:]]), f), "behind.*line 2"),
         (lambda wo, wi, f: (wo[:0], wi[:0], f[:0]), "0"),
     ],
@@ -91,6 +90,20 @@ def test_arrays_of_samples():
 def test_arrays_that_are_no_samples_are_named(change, text):
     with pytest.raises(ValueError, match=text):
         srbf.table(*change(*samples(3)))
+
+
+def test_what_was_not_measured_is_left_out():
+    wo, wi, f = samples(20)
+    f[3] = np.nan
+    for values in [f, np.ma.masked_invalid(f), np.ma.masked_invalid(f[:, 0])]:
+        table = srbf.table(wo, wi, values)
+        assert len(table.samples()["f"]) == len(f) - 1 and "1 row without a number (line 5)" in table.left_out
+
+
+def test_channels_first_are_refused_whatever_their_count():
+    wo, wi, f = samples(90)
+    with pytest.raises(ValueError, match=r"\(n, 3\)"):
+        srbf.table(wo, wi, np.ascontiguousarray(f.T))
 
 
 def test_a_function_of_python():

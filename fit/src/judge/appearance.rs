@@ -8,7 +8,7 @@
 //! * *Ripple*: a light stands still, and the view is turned. Errors that change their sign from view to view are seen as
 //!   rings that move with the camera. Colour and logarithm of luminance have means over 8 degrees of the view to either side. The
 //!   measured number is their distance from these means, of the fit and of the table.
-//! * *Skirt*: from 1.5 to 15 degrees from the mirror direction.
+//! * *Skirt*: from 1.5 to 15 degrees from the middle of the highlight, which is where the table is brightest.
 //! * *Ghosts*: light of the fit beyond that, where the table is dark all round, over the mean of the table within 3 degrees
 //!   of the mirror direction.
 //! * *Noise*: how far the table is from its own mean over a cone of 3 degrees, away from the peak.
@@ -27,11 +27,14 @@ use std::f64::consts::PI;
 
 const SECTION: f64 = 0.618_033_988_75;
 
+/// A highlight is elsewhere than about the mirror direction where the table is brighter by so much.
+const ELSEWHERE: f64 = 2.0;
+
 /// Angles of views at which skirt, ghosts and noise are looked at, degrees.
 const VIEWS: [f64; 3] = [5.0, 30.0, 60.0];
 /// Least cosine of compared directions.
 const LEAST_COSINE: f64 = 0.1;
-/// Directions of a skirt, and the angles from the mirror direction where it begins and ends, degrees.
+/// Directions of a skirt, and the angles from the middle of the highlight where it begins and ends, degrees.
 const SKIRT: usize = 400;
 const BEGIN: f64 = 1.5;
 const END: f64 = 15.0;
@@ -194,13 +197,58 @@ impl Appearance {
     }
 }
 
-/// Errors from 1.5 to 15 degrees from the mirror direction, spread evenly over the logarithm of that angle.
+/// The highlight of a view: where the table is brightest.
+struct BrightPlace {
+    /// Its middle: the mirror direction, if the table is not much brighter elsewhere, as a retro-reflector is.
+    at: [f64; 3],
+    /// The mirror direction.
+    mirror: [f64; 3],
+    /// Mean of the table in a cone about the middle.
+    level: f64,
+}
+
+impl BrightPlace {
+    fn of(brdf: &dyn Brdf, theta: f64) -> Self {
+        let mirror = direction(theta, 0.0);
+        let level = |at: [f64; 3]| {
+            let around = (0..CONE).map(|i| {
+                let angle = CONE_ANGLE.to_radians() * libm::sqrt((i as f64 + 0.5) / CONE as f64);
+                luminance(f_cos(brdf, aside(at, angle, GOLDEN_ANGLE * i as f64), theta))
+            });
+            around.sum::<f64>() / CONE as f64
+        };
+        let value = |wi: &[f64; 3]| luminance(f_cos(brdf, *wi, theta));
+        let back = direction(theta, PI);
+        let all = searched().filter(|wi| dot(*wi, mirror) < libm::cos(END.to_radians())).chain([back]);
+        let brightest = all.max_by(|a, b| value(a).total_cmp(&value(b))).unwrap_or(back);
+        let [at_mirror, elsewhere] = [mirror, brightest].map(level);
+        let is_elsewhere = elsewhere > ELSEWHERE * at_mirror;
+        let (at, level) = if is_elsewhere { (brightest, elsewhere) } else { (mirror, at_mirror) };
+        Self { at, mirror, level }
+    }
+
+    /// Whether a direction is of the highlight, or near to the mirror direction.
+    fn has(&self, wi: [f64; 3]) -> bool {
+        dot(wi, self.mirror).max(dot(wi, self.at)) > libm::cos(END.to_radians())
+    }
+}
+
+/// The directions in which ghosts are looked for.
+fn searched() -> impl Iterator<Item = [f64; 3]> {
+    let angles =
+        (-43i32..=43).flat_map(|i| [0.0, 12.0, 40.0f64].map(|azimuth| (2.0 * f64::from(i), azimuth)));
+    angles
+        .map(|(theta, azimuth)| direction(theta.to_radians(), azimuth.to_radians()))
+        .filter(|wi| wi[2] >= 0.02)
+}
+
+/// Errors from 1.5 to 15 degrees from the highlight's middle, spread evenly over the logarithm of that angle.
 fn skirt(brdf: &dyn Brdf, fitted: &TrackedView<'_>, theta: f64) -> Skirt {
-    let mirror = direction(theta, 0.0);
+    let middle = BrightPlace::of(brdf, theta).at;
     let (mut luminances, mut chromas, mut negative, mut all) = (Vec::new(), Vec::new(), 0usize, 0usize);
     for i in 0..SKIRT {
         let share = (i as f64 + 0.5) / SKIRT as f64;
-        let wi = aside(mirror, (BEGIN * libm::pow(END / BEGIN, share)).to_radians(), GOLDEN_ANGLE * i as f64);
+        let wi = aside(middle, (BEGIN * libm::pow(END / BEGIN, share)).to_radians(), GOLDEN_ANGLE * i as f64);
         if wi[2] < LEAST_COSINE {
             continue;
         }
@@ -221,14 +269,14 @@ fn skirt(brdf: &dyn Brdf, fitted: &TrackedView<'_>, theta: f64) -> Skirt {
 
 /// How far the table is from its own mean over a cone.
 fn noise(brdf: &dyn Brdf, theta: f64) -> Noise {
-    let mirror = direction(theta, 0.0);
+    let highlight = BrightPlace::of(brdf, theta);
     let (mut luminances, mut chromas) = (Vec::new(), Vec::new());
     for i in 0..NOISY {
         let z = libm::sqrt((i as f64 + 0.5) / NOISY as f64);
         let r = libm::sqrt(1.0 - z * z);
         let (sin, cos) = libm::sincos(GOLDEN_ANGLE * i as f64);
         let wi = [r * cos, r * sin, z];
-        if z < 0.17 || dot(wi, mirror) > libm::cos(END.to_radians()) {
+        if z < 0.17 || highlight.has(wi) {
             continue;
         }
         let (data, mean) = (f_cos(brdf, wi, theta), cone_mean(brdf, wi, theta));
@@ -243,28 +291,16 @@ fn noise(brdf: &dyn Brdf, theta: f64) -> Noise {
 /// The most that the fit has beyond the skirt above all that the table has within 4 degrees, over the table's mean at the
 /// highlight.
 fn largest_ghost(brdf: &dyn Brdf, fitted: &TrackedView<'_>, theta: f64) -> f64 {
-    let mirror = direction(theta, 0.0);
+    let highlight = BrightPlace::of(brdf, theta);
     let data = |wi: [f64; 3]| luminance(f_cos(brdf, wi, theta));
-    let around = (0..CONE).map(|i| {
-        let angle = CONE_ANGLE.to_radians() * libm::sqrt((i as f64 + 0.5) / CONE as f64);
-        data(aside(mirror, angle, GOLDEN_ANGLE * i as f64))
-    });
-    let highlight = around.sum::<f64>() / CONE as f64;
     let mut most: f64 = 0.0;
-    for i in -43i32..=43 {
-        for azimuth in [0.0, 12.0, 40.0f64] {
-            let mut wi = direction((2.0 * f64::from(i)).to_radians(), azimuth.to_radians());
-            wi[2] = wi[2].max(0.0);
-            if wi[2] < 0.02 || dot(wi, mirror) > libm::cos(END.to_radians()) {
-                continue;
-            }
-            let value = luminance(fitted.f_cos(wi));
-            // Most directions have none: the table is asked for where there may be one.
-            if value - data(wi) > most * highlight {
-                let near = (0..8).map(|n| data(aside(wi, 4f64.to_radians(), f64::from(n) * PI / 4.0)));
-                let near = near.fold(data(wi), f64::max);
-                most = most.max((value - near) / highlight.max(1e-12));
-            }
+    for wi in searched().filter(|wi| !highlight.has(*wi)) {
+        let value = luminance(fitted.f_cos(wi));
+        // Most directions have none: the table is asked for where there may be one.
+        if value - data(wi) > most * highlight.level {
+            let near = (0..8).map(|n| data(aside(wi, 4f64.to_radians(), f64::from(n) * PI / 4.0)));
+            let near = near.fold(data(wi), f64::max);
+            most = most.max((value - near) / highlight.level.max(1e-12));
         }
     }
     most

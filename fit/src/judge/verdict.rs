@@ -8,6 +8,7 @@ mod units;
 use crate::judge::appearance::Appearance;
 use crate::judge::reciprocity::Reciprocity;
 use crate::judge::report::{Ending, Report, ViewReport};
+use crate::table::albedo_bounds::{LEAST, albedos};
 use serde_json::{Value, json};
 
 /// A number over several views.
@@ -318,7 +319,10 @@ fn sentence_by_highlight(report: &Report) -> String {
     let views = if report.held_out.is_empty() { &report.views } else { &report.held_out };
     let error =
         Spread::of(judged(views).filter(|v| v.theta <= STEEPEST), L2.number).map_or(1.0, |s| s.median);
-    let highlight = format!("the table is a highlight over black, and that is {:.1} % off", 100.0 * error);
+    let is_black =
+        albedos(views.iter().map(|v| (v.theta, v.data_albedo))).iter().all(|albedo| *albedo < LEAST);
+    let what = if is_black { "black" } else { "a highlight over black" };
+    let highlight = format!("the table is {what}, and that is {:.1} % off", 100.0 * error);
     match error {
         error if error <= L2.good => format!("use it: {highlight}"),
         error if error <= L2.most => format!("use it with care: {highlight}"),
@@ -490,7 +494,7 @@ impl Verdict {
         if has_rings(found) { &mut self.off } else { &mut self.good }.push(text);
         let skirt = found.skirt;
         let text = format!(
-            "1.5 to 15 degrees from the mirror: luminance {:.1} %, colour {:.3}, falsely negative {:.0} %",
+            "1.5 to 15 degrees from the highlight: luminance {:.1} %, colour {:.3}, falsely negative {:.0} %",
             100.0 * skirt.luminance,
             skirt.chroma,
             100.0 * skirt.negative

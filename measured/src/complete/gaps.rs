@@ -35,6 +35,12 @@ impl Gaps {
         self.shares.iter().map(|s| s.1).sum::<f64>() / self.shares.len().max(1) as f64
     }
 
+    /// The share at the angle that is closest to one, radians; 1 where there is none.
+    pub fn share_at(&self, theta: f64) -> f64 {
+        let apart = |share: &&(f64, f64)| (share.0.to_radians() - theta).abs();
+        self.shares.iter().min_by(|a, b| apart(a).total_cmp(&apart(b))).map_or(1.0, |share| share.1)
+    }
+
     /// Angles, degrees, at which most of the hemisphere has no sample near: the first and the last of each run.
     pub fn empty(&self) -> Vec<(f64, f64)> {
         let mut runs: Vec<(f64, f64)> = Vec::new();

@@ -33,12 +33,15 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, ReadError> {
         }
     }
     let text = &bytes[marked.map_or(0, |(_, mark)| mark.len())..];
-    Ok(match encoding {
+    let text: Cow<'_, str> = match encoding {
         Encoding::Utf8 => String::from_utf8_lossy(text),
         Encoding::Utf16Le => utf16(text, u16::from_le_bytes).into(),
         Encoding::Utf16Be => utf16(text, u16::from_be_bytes).into(),
         Encoding::Western => text.iter().map(|b| western(*b)).collect::<String>().into(),
-    })
+    };
+    // Old programs end lines by CR alone.
+    let is_old = text.contains('\r') && !text.contains('\n');
+    Ok(if is_old { text.replace('\r', "\n").into() } else { text })
 }
 
 /// How characters are stored.

@@ -1,4 +1,4 @@
-//! Where the brightest samples are: about the mirror direction, between samples, or where the light comes from.
+//! The highlight: it is where the brightest samples are, about the mirror direction, between samples, or where the light comes from.
 
 use crate::numeric::median::median;
 use crate::row::{Row, polar};
@@ -33,6 +33,8 @@ pub struct Highlight {
     pub telling: usize,
     /// How many of these are brightest at the back.
     pub at_back: usize,
+    /// Whether all samples are where the light comes from.
+    pub is_back_alone: bool,
     /// Views.
     pub views: usize,
     /// How many of them have no sample within the highlight's width; 0 for a wide one.
@@ -52,7 +54,11 @@ impl Highlight {
         // Without a highlight the width of the model means nothing.
         let has_highlight = median(levels).is_some_and(|middle| brightest > CONTRAST * middle);
         let width = width.map(libm::atan).filter(|_| has_highlight);
-        let mut found = Self { width_degrees: width.unwrap_or(0.0).to_degrees(), ..Self::default() };
+        let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| a[k] * b[k]).sum::<f64>();
+        let is_back = |row: &Row| dot(row.wi, row.wo) > libm::cos(NEAR);
+        let is_back_alone = rows.iter().all(is_back) && rows.iter().any(|row| held(row) > FROM);
+        let width_degrees = width.unwrap_or(0.0).to_degrees();
+        let mut found = Self { is_back_alone, width_degrees, ..Self::default() };
         for view in sorted.chunk_by(|a, b| held(b) - held(a) < SAME) {
             found.views += 1;
             let half = |row: &&Row| {
@@ -69,10 +75,9 @@ impl Highlight {
             let brightest = |is: &dyn Fn(&Row) -> bool| {
                 view.iter().filter(|row| is(row)).map(|row| level(row)).fold(f64::NAN, f64::max)
             };
-            let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| a[k] * b[k]).sum::<f64>();
             let mirror =
                 brightest(&|row| dot([-row.wi[0], -row.wi[1], row.wi[2]], row.wo) > libm::cos(2.0 * NEAR));
-            let back = brightest(&|row| dot(row.wi, row.wo) > libm::cos(NEAR));
+            let back = brightest(&is_back);
             // A wide highlight is brightest nearer to the horizon, on its own side.
             let across = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1];
             let is_beside = |row: &Row| {
@@ -85,6 +90,10 @@ impl Highlight {
             }
             found.telling += 1;
             found.at_back += usize::from(beside >= all && back > BRIGHTER * mirror);
+        }
+        // The width is that of facets about the mirror direction, and means nothing of a highlight elsewhere.
+        if found.is_at_back() || found.is_back_alone {
+            found.unseen = 0;
         }
         found
     }

@@ -35,17 +35,8 @@ pub struct Units {
 impl Units {
     /// Albedo of the completion; `None` where samples cover the hemisphere at no angle.
     pub(super) fn of(rows: &[Row], completion: &CompletionReport) -> Option<Self> {
-        let empty = |theta: f64| {
-            let near = |share: &&(f64, f64)| (share.0.to_radians() - theta).abs();
-            completion
-                .gaps
-                .shares
-                .iter()
-                .min_by(|a, b| near(a).total_cmp(&near(b)))
-                .map_or(1.0, |share| share.1)
-        };
         let at_normal = covers_normal(rows);
-        let is_known = |theta: f64| empty(theta) < EMPTY || (theta < NORMAL && at_normal);
+        let is_known = |theta: f64| completion.gaps.share_at(theta) < EMPTY || (theta < NORMAL && at_normal);
         let known = completion.albedo.iter().copied().filter(|(theta, _)| is_known(*theta));
         let albedos = albedos(known);
         let most = albedos.iter().copied().reduce(f64::max)?;
@@ -67,15 +58,16 @@ impl Units {
 
     /// The fault in words.
     pub fn text(&self) -> String {
-        let more = if self.most > MOST { "more" } else { "less" };
+        let than = if self.most > MOST {
+            "more than any surface"
+        } else {
+            "as little as a light trap or the blackest coatings do; if it is none of these, units are others"
+        };
         let each = |(name, albedo): &(&str, f64)| format!("--divide {name} gives {albedo:.2}");
         let candidates: Vec<String> = self.candidates.iter().map(each).collect();
         let which =
             if candidates.is_empty() { "no usual factor explains it".into() } else { candidates.join(", ") };
-        format!(
-            "as f in 1/sr they reflect up to {:.3e} of the light, {more} than any surface; {which}",
-            self.most
-        )
+        format!("as f in 1/sr they reflect up to {:.3e} of the light, {than}; {which}", self.most)
     }
 }
 

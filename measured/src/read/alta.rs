@@ -38,10 +38,6 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     let of_values = said("#PARAM_OUT").unwrap_or("INV_STERADIAN");
     if of_values == "INV_STERADIAN_COSINE_FACTOR" {
         reading.values_are(Values::CosineOutgoing);
-        reading.note_option(
-            "values are f times the cosine of the viewer, as the file says, and are divided by it",
-            "--values",
-        );
     }
     let channels = match said("#DIM").map(|dim| dim.split_whitespace().nth(1).map(str::parse::<usize>)) {
         Some(Some(Ok(n))) if n == 1 || n == 3 => n,
@@ -79,13 +75,17 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     reading.finish()
 }
 
-/// Incident and outgoing direction from half and difference angles, the half vector at azimuth 0.
+/// Incident and outgoing direction from half and difference angles, turned so that the incident one is at azimuth 0: none of the turns of
+/// the half vector is one of the sample.
 pub(super) fn from_half(theta_h: f64, theta_d: f64, phi_d: f64) -> [[f64; 3]; 2] {
     let (sin, cos) = libm::sincos(theta_h);
-    [phi_d, phi_d + std::f64::consts::PI].map(|phi| {
+    let [i, o] = [phi_d, phi_d + std::f64::consts::PI].map(|phi| {
         let [x, y, z] = direction(theta_d, phi);
         [x * cos + z * sin, y, z * cos - x * sin]
-    })
+    });
+    let across = libm::hypot(i[0], i[1]);
+    let (c, s) = if across > 0.0 { (i[0] / across, i[1] / across) } else { (1.0, 0.0) };
+    [i, o].map(|d| [c * d[0] + s * d[1], c * d[1] - s * d[0], d[2]])
 }
 
 #[cfg(test)]

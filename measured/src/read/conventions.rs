@@ -1,5 +1,7 @@
 //! Conventions of the numbers of a file, where the file itself does not state them.
 
+pub use crate::row::Values;
+
 /// Units of angles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Angles {
@@ -16,18 +18,6 @@ pub enum Mirror {
     Opposite,
     /// Equal azimuths; in a plane, equal angles.
     Equal,
-}
-
-/// The kind of a value, up to a factor.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Values {
-    /// The BRDF f.
-    #[default]
-    Brdf,
-    /// f times the cosine of the outgoing direction, as detectors that see a fixed patch measure it.
-    CosineOutgoing,
-    /// f times the cosine of the incident direction.
-    CosineIncident,
 }
 
 /// A caller's knowledge of a file beyond its content. The default lets the file speak.
@@ -47,13 +37,24 @@ pub struct Conventions {
     pub mirror: Option<Mirror>,
     /// The kind of the values; `None`: as the format has it.
     pub values: Option<Values>,
+    /// Whether incident directions are those in which light travels, and are turned about.
+    pub is_along_light: bool,
+    /// Whether samples of the largest value are left out, at which the detector was saturated.
+    pub is_saturated: bool,
     /// What values are divided by to be in 1/sr; above 0.
     pub divide: f64,
 }
 
 impl Default for Conventions {
     fn default() -> Self {
-        Self { angles: None, mirror: None, values: None, divide: 1.0 }
+        Self {
+            angles: None,
+            mirror: None,
+            values: None,
+            is_along_light: false,
+            is_saturated: false,
+            divide: 1.0,
+        }
     }
 }
 

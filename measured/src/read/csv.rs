@@ -12,14 +12,15 @@ mod geometry;
 mod layout;
 mod long;
 mod names;
+mod shapes;
 
-use super::conventions::Conventions;
+use super::conventions::{Conventions, Mirror};
 use super::intake::{Intake, Reading};
 use super::reason::Reason;
 use crate::ReadError;
 use crate::file::decode::{decode, shortened};
 use cells::{Cell, LARGEST};
-use columns::{Columns, Values};
+use columns::{Columns, Directions, Values};
 use geometry::Geometry;
 use layout::{Layout, fields, is_comment, reader};
 use names::Unit;
@@ -30,10 +31,47 @@ use names::Unit;
 /// [`ReadError`], with the line, column or separator that stopped it.
 pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadError> {
     let text = decode(bytes)?;
-    let layout = Layout::find(&text)?;
-    let rows = Rows { text: &text[layout.rows_at..], separator: layout.separator, first: layout.line + 1 };
-    let said = layout.angle_unit;
-    table("table of text", &layout.columns, rows, (said, Unknown::IsAsked), conventions)
+    let layout = match Layout::find(&text) {
+        Ok(layout) => layout,
+        Err(error) => return of_made("table of text", shapes::find(&text).ok_or(error)?, conventions),
+    };
+    let (separator, first) = (layout.separator, layout.line + 1);
+    let rows = Rows::Text { text: &text[layout.rows_at..], separator, first };
+    let mut reading = Reading::new("table of text", conventions);
+    reading.announced = layout.announced;
+    table(reading, &layout.columns, rows, (layout.angle_unit, Unknown::IsAsked), conventions)
+}
+
+/// A table that was of another shape: a sample a row.
+struct Made {
+    columns: Columns,
+    /// With the line of each, or the number of its entry.
+    rows: Vec<(usize, Vec<String>)>,
+    angle_unit: Option<Unit>,
+    notes: Vec<String>,
+    /// Where its program has the mirror direction.
+    mirror: Option<Mirror>,
+}
+
+/// Rows of cells under names, as other formats hold them.
+pub(super) fn parse_rows(
+    format: &'static str,
+    names: &[String],
+    rows: Vec<(usize, Vec<String>)>,
+    notes: Vec<String>,
+    conventions: &Conventions,
+) -> Result<Intake, ReadError> {
+    let columns = Columns::find(names, &Vec::new())
+        .map_err(|no| ReadError::Content(format!("names of the columns: {}", no.reason)))?;
+    of_made(format, Made { columns, rows, angle_unit: None, notes, mirror: None }, conventions)
+}
+
+fn of_made(format: &'static str, made: Made, conventions: &Conventions) -> Result<Intake, ReadError> {
+    let Made { columns, rows, angle_unit, notes, mirror } = made;
+    let conventions = Conventions { mirror: conventions.mirror.or(mirror), ..*conventions };
+    let mut reading = Reading::new(format, &conventions);
+    notes.into_iter().for_each(|note| reading.note(note));
+    table(reading, &columns, Rows::Made(rows), (angle_unit, Unknown::IsAsked), &conventions)
 }
 
 /// Parses rows whose names a format of its own has: in radians, where the numbers do not show that they are degrees.
@@ -48,8 +86,9 @@ pub(super) fn parse_named(
     let columns = Columns::find(&fields(names, separator), &Vec::new())
         .map_err(|no| ReadError::Content(format!("VARS names the columns: {}", no.reason)))?;
     let separator = if text.contains(',') { ',' } else { ' ' };
-    let rows = Rows { text, separator, first };
-    let mut intake = table(format, &columns, rows, (None, Unknown::IsRadians), conventions)?;
+    let rows = Rows::Text { text, separator, first };
+    let reading = Reading::new(format, conventions);
+    let mut intake = table(reading, &columns, rows, (None, Unknown::IsRadians), conventions)?;
     for row in &mut intake.rows {
         row.rgb = [0, 1, 2].map(|c| row.rgb[c] / scale[c]);
     }
@@ -63,11 +102,12 @@ pub(super) enum Unknown {
     IsRadians,
 }
 
-/// The text of the rows, and the line of the first.
-struct Rows<'a> {
-    text: &'a str,
-    separator: char,
-    first: usize,
+/// The rows.
+enum Rows<'a> {
+    /// Their text, and the line of the first.
+    Text { text: &'a str, separator: char, first: usize },
+    /// Their cells.
+    Made(Vec<(usize, Vec<String>)>),
 }
 
 /// A row as numbers.
@@ -79,13 +119,12 @@ struct Numbers {
 }
 
 fn table(
-    format: &'static str,
+    mut reading: Reading,
     columns: &Columns,
     rows: Rows<'_>,
     (said, unknown): (Option<Unit>, Unknown),
     conventions: &Conventions,
 ) -> Result<Intake, ReadError> {
-    let mut reading = Reading::new(format, conventions);
     for note in &columns.notes {
         reading.note(note.clone());
     }
@@ -94,8 +133,22 @@ fn table(
         let (s, are) = if columns.ignored.len() == 1 { ("", "is") } else { ("s", "are") };
         reading.note(format!("column{s} {} {are} not read", names.join(", ")));
     }
-    let mut parsing = Parsing { columns, places: columns.values.places(), found: Vec::new(), unit: said };
+    if let Values::One(n) | Values::Long([_, n]) = columns.values
+        && names::is_times_cosine(&columns.names[n])
+    {
+        reading.values_are(super::conventions::Values::CosineOutgoing);
+    }
+    let mut parsing = Parsing {
+        columns,
+        directions: columns.directions.clone(),
+        places: columns.values.places(),
+        found: Vec::new(),
+        unit: said,
+        names_again: Vec::new(),
+        blocks: 1,
+    };
     rows.each(&mut |line, cells: &mut dyn Iterator<Item = &str>| parsing.row(line, cells, &mut reading))?;
+    parsing.notes(&mut reading);
     let Parsing { found, unit, .. } = parsing;
     let percent = columns.value_unit == Some(Unit::Percent);
     if percent {
@@ -104,6 +157,8 @@ fn table(
     let share = if percent { 0.01 } else { 1.0 };
     let geometry = Geometry::new(columns, &found, (unit, unknown), conventions, &mut reading)?;
     if let Values::Long(_) = columns.values {
+        // Rows of one pair of directions become one sample.
+        reading.announced = None;
         return long::finish(&geometry, found, share, reading);
     }
     if let Values::Spectrum(_, wavelengths) = &columns.values {
@@ -123,29 +178,36 @@ type CallWithRow<'a> = dyn FnMut(usize, &mut dyn Iterator<Item = &str>) -> Resul
 impl Rows<'_> {
     /// Calls with the line and the fields of each row.
     fn each(&self, call: &mut CallWithRow<'_>) -> Result<(), ReadError> {
-        if self.separator == ' ' {
-            for (n, line) in self.text.lines().enumerate() {
+        let (text, separator, first) = match self {
+            Self::Text { text, separator, first } => (*text, *separator, *first),
+            Self::Made(rows) => {
+                return rows
+                    .iter()
+                    .try_for_each(|(line, cells)| call(*line, &mut cells.iter().map(String::as_str)));
+            }
+        };
+        if separator == ' ' {
+            for (n, line) in text.lines().enumerate() {
                 let line = line.trim();
-                if !line.is_empty() && !is_comment(line) {
-                    call(self.first + n, &mut line.split_whitespace())?;
+                if !line.is_empty() {
+                    call(first + n, &mut line.split_whitespace())?;
                 }
             }
             return Ok(());
         }
-        let mut reader = reader(self.text, self.separator);
+        let mut reader = reader(text, separator);
         let mut record = csv::StringRecord::new();
         loop {
             let more = reader.read_record(&mut record);
             // A record begins where the last one ended, before the empty lines between them.
-            let line = record.position().map_or(self.first, |p| {
-                let rest = self.text.get(p.byte() as usize..).unwrap_or("").bytes();
+            let line = record.position().map_or(first, |p| {
+                let rest = text.get(p.byte() as usize..).unwrap_or("").bytes();
                 let empty = rest.take_while(|b| matches!(b, b'\r' | b'\n')).filter(|b| *b == b'\n').count();
-                self.first + p.line() as usize - 1 + empty
+                first + p.line() as usize - 1 + empty
             });
             match more {
                 Ok(false) => return Ok(()),
                 Ok(true) if record.iter().all(str::is_empty) => {}
-                Ok(true) if record.get(0).is_some_and(is_comment) => {}
                 Ok(true) => call(line, &mut record.iter())?,
                 Err(error) => return Err(ReadError::Content(format!("line {line}: {error}"))),
             }
@@ -156,9 +218,15 @@ impl Rows<'_> {
 /// Rows on their way to numbers.
 struct Parsing<'a> {
     columns: &'a Columns,
+    /// With the angles that stand above the rows of the block.
+    directions: Directions,
     places: Vec<usize>,
     found: Vec<Numbers>,
     unit: Option<Unit>,
+    /// Lines that name the columns again.
+    names_again: Vec<usize>,
+    /// Runs of rows under an angle.
+    blocks: usize,
 }
 
 impl Parsing<'_> {
@@ -170,10 +238,13 @@ impl Parsing<'_> {
     ) -> Result<(), ReadError> {
         let names = &self.columns.names;
         let cells: Vec<&str> = cells.collect();
+        if self.is_between(line, &cells) {
+            return Ok(());
+        }
         // A separator at the end of a line makes an empty column more.
         let count = cells.len() - cells.iter().rev().take_while(|cell| cell.is_empty()).count();
         let last = self.places.iter().copied().max().unwrap_or(0);
-        let needed = 1 + last.max(geometry::last_column(&self.columns.directions));
+        let needed = 1 + last.max(geometry::last_column(&self.directions));
         if count > names.len() || cells.len() < needed {
             let hint = if count > names.len() && self.commas(&cells) {
                 "; with decimal commas, columns have to be separated by ; or tabs"
@@ -202,7 +273,7 @@ impl Parsing<'_> {
             return Ok(());
         }
         let mut directions = [0.0; 6];
-        for (at, place) in geometry::places(&self.columns.directions).into_iter().enumerate() {
+        for (at, place) in geometry::places(&self.directions).into_iter().enumerate() {
             directions[at] = match place {
                 None => continue,
                 Some(columns::Place::Constant(number)) => number,
@@ -231,9 +302,57 @@ impl Parsing<'_> {
         Ok(())
     }
 
+    /// Whether a line is none of numbers: a comment, the names again, or the angle of the rows below it.
+    fn is_between(&mut self, line: usize, cells: &[&str]) -> bool {
+        let Some(first) = cells.first() else { return true };
+        if Cell::of(first) != Cell::Odd {
+            return false;
+        }
+        let is_comment = is_comment(first);
+        // An angle above a block may be a comment.
+        let has_constants = !self.directions.constants().is_empty();
+        if has_constants && (is_comment || cells.len() <= 3) {
+            let joined = cells.join(if is_comment || cells.len() > 2 { " " } else { "," });
+            if let Some((role, angle)) = layout::constant(&joined)
+                && self.directions.set(&role, angle)
+            {
+                self.blocks += usize::from(!self.found.is_empty());
+                return true;
+            }
+        }
+        let bare = first.trim_start_matches(['#', '%', '!', '/', ' ']);
+        let is_name = |(n, cell): (usize, &&str)| {
+            let cell = if n == 0 { bare } else { cell };
+            self.columns.names.get(n).is_some_and(|name| name == cell.trim().trim_matches('"'))
+        };
+        if !is_comment && cells.len() >= 2 && cells.iter().enumerate().all(is_name) {
+            self.names_again.push(line);
+            return true;
+        }
+        is_comment
+    }
+
+    /// Findings about the rows.
+    fn notes(&self, reading: &mut Reading) {
+        if self.blocks > 1 {
+            reading.note(format!("{} blocks of rows, each under the angle that it is of", self.blocks));
+        } else {
+            for angle in self.columns.directions.constants() {
+                reading
+                    .note(format!("one direction is the same in all rows: {angle}, from above the columns"));
+            }
+        }
+        if let Some(line) = self.names_again.first() {
+            reading.note(format!(
+                "the names of the columns stand there {} times more, the first in line {line}: files were put together",
+                self.names_again.len()
+            ));
+        }
+    }
+
     /// Whether a row is one of units, below the names: words in place of numbers.
     fn is_units(&self, cells: &[&str]) -> bool {
-        let places = geometry::places(&self.columns.directions);
+        let places = geometry::places(&self.directions);
         let cell = |place: &columns::Place| match place {
             columns::Place::Column(place) => cells.get(*place).copied(),
             columns::Place::Constant(_) => None,

@@ -10,24 +10,28 @@ pub(super) fn check(ending: &str, path: &Path, size: u64) -> Result<(), ReadErro
     match ending {
         "binary" => super::merl::check_size(size),
         // Other programs write text with this ending, which is looked at first.
-        _ => match (ending, is_binary(path)) {
-            (_, None) => Ok(()),
-            ("bsdf", Some(_)) => super::rgl::check_size(size),
-            (_, Some(offset)) => Err(ReadError::NotText { offset }),
+        _ => match (ending, check_head(path, size)) {
+            (_, Ok(())) => Ok(()),
+            ("bsdf", Err(ReadError::NotText { .. })) => super::rgl::check_size(size),
+            (_, fault) => fault,
         },
     }
 }
 
-/// Where the beginning of a file has a byte that no text has, if it is no text; formats that are known by their first bytes are not asked.
-fn is_binary(path: &Path) -> Option<usize> {
+/// Refuses a file by its beginning: one of another program, and one with a byte that no text has. Formats that are known by their first
+/// bytes are not asked.
+fn check_head(path: &Path, size: u64) -> Result<(), ReadError> {
     let mut found = Vec::new();
     // What cannot be read is said by who reads it.
-    std::fs::File::open(path).ok()?.take(4096).read_to_end(&mut found).ok()?;
-    if found.starts_with(b"tensor_file") || found.starts_with(&super::merl::HEAD) {
-        return None;
+    let Ok(file) = std::fs::File::open(path) else { return Ok(()) };
+    if file.take(4096).read_to_end(&mut found).is_err() || super::format::is_known_binary(&found, size) {
+        return Ok(());
+    }
+    if let Some(fault) = super::format::foreign(&found) {
+        return Err(fault);
     }
     match decode(&found) {
-        Err(ReadError::NotText { offset }) if found[offset] == 0 => Some(offset),
-        _ => None,
+        Err(ReadError::NotText { offset }) if found[offset] == 0 => Err(ReadError::NotText { offset }),
+        _ => Ok(()),
     }
 }

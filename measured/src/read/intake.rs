@@ -3,6 +3,8 @@
 //! *Not measured* is one notion from here on. A cell that is empty or no number; a value that stands for nothing (-1, -999); an
 //! exact 0 where all others are far from it; a direction at the horizon or behind the surface: none becomes a sample, none becomes
 //! 0. Rows that are left out are counted and listed by line.
+//!
+//! Statements of the file about its values are held against them: a cosine that swapped samples deny, logarithms, saturation.
 
 use super::conventions::{Conventions, Mirror, Values};
 use super::reason::Reason;
@@ -12,11 +14,34 @@ use super::spectra::{Spectra, SpectralSums};
 use super::wavelengths::Wavelengths;
 use crate::ReadError;
 use crate::isotropy::Isotropy;
-use crate::row::Row;
+use crate::reciprocity::Reciprocity;
+use crate::reciprocity::pairs::Places;
+use crate::row::{Row, thin};
 use crate::table::Scattered;
+use std::collections::HashSet;
 
 /// Cosine below which a direction is at the horizon: there no BRDF can be measured.
 const HORIZON: f64 = 1e-5;
+
+/// Least number of rows, and share of values below 0, by which they are logarithms.
+const LOGARITHMS: usize = 10;
+const NEGATIVE: f64 = 0.8;
+
+/// Least number of places of a saturated value, and of times that it is as frequent as any of the next distinct values.
+const OFTEN: usize = 5;
+const NEXT: usize = 20;
+
+/// Noise about 0: least number of values; share of them below 0. Their mean in standard errors, and the largest in deviations, at most.
+const NOISY: usize = 20;
+const NOISE_BELOW: f64 = 0.2;
+const ERRORS: f64 = 3.0;
+const STANDS_OUT: f64 = 5.0;
+
+/// The f of a surface of which nothing was measured to be brighter than 0: below the noise of any instrument.
+const BLACK: f64 = 1e-9;
+
+/// Samples whose swapped pairs are looked at.
+const MOST_COMPARED: usize = 50_000;
 
 /// Most listed lines of rows that are left out.
 const LISTED: usize = 8;
@@ -39,6 +64,8 @@ pub struct Note {
     pub text: String,
     /// The option of the command line that reads it otherwise.
     pub option: Option<&'static str>,
+    /// Whether it is, or may be, a fault.
+    pub is_off: bool,
 }
 
 /// Samples as a file has them.
@@ -54,6 +81,10 @@ pub struct Intake {
     pub notes: Vec<Note>,
     /// Reflectance that the file itself states: angle of incidence, degrees, and share of the light.
     pub stated: Vec<(f64, f64)>,
+    /// The kind of values that the file was read by.
+    pub values: Values,
+    /// Where the mirror direction is, if an option or the format's program says it.
+    pub mirror: Option<Mirror>,
     /// Whether the incident directions are the views, by reciprocity.
     pub is_light_fixed: bool,
     /// The result of a turn of the sample; `None` where it was not turned.
@@ -68,24 +99,41 @@ pub(crate) struct Reading {
     conventions: Conventions,
     cells: Vec<Cells>,
     spectra: Option<SpectralSums>,
+    /// The kind of values that the file itself states, if no option says another.
+    stated: Option<Values>,
+    /// How many rows the file announces.
+    pub announced: Option<usize>,
+    /// Rows, and those of them whose incident direction alone is behind the surface.
+    rows: usize,
+    behind: usize,
 }
 
 impl Reading {
     pub fn new(format: &'static str, conventions: &Conventions) -> Self {
         let mut conventions = *conventions;
-        let mut intake = Intake { format, ..Intake::default() };
+        let mut intake = Intake { format, mirror: conventions.mirror, ..Intake::default() };
         if conventions.divide != 1.0 {
-            intake
-                .notes
-                .push(Note { text: format!("values are divided by {}", conventions.divide), option: None });
+            let text = format!("values are divided by {}", conventions.divide);
+            intake.notes.push(Note { text, option: None, is_off: false });
         }
         conventions.mirror.get_or_insert(Mirror::Opposite);
-        Self { intake, conventions, cells: Vec::new(), spectra: None }
+        Self {
+            intake,
+            conventions,
+            cells: Vec::new(),
+            spectra: None,
+            stated: None,
+            announced: None,
+            rows: 0,
+            behind: 0,
+        }
     }
 
-    /// The kind of values in the format, where the caller does not state it.
+    /// The kind of values that the file states, where the caller does not know better.
     pub fn values_are(&mut self, values: Values) {
-        self.conventions.values.get_or_insert(values);
+        if self.conventions.values.is_none() {
+            (self.conventions.values, self.stated) = (Some(values), Some(values));
+        }
     }
 
     /// States that the numbers of each row are a spectrum, and says how it is used.
@@ -102,11 +150,15 @@ impl Reading {
     }
 
     pub fn note(&mut self, text: impl Into<String>) {
-        self.intake.notes.push(Note { text: text.into(), option: None });
+        self.intake.notes.push(Note { text: text.into(), option: None, is_off: false });
     }
 
     pub fn note_option(&mut self, text: impl Into<String>, option: &'static str) {
-        self.intake.notes.push(Note { text: text.into(), option: Some(option) });
+        self.intake.notes.push(Note { text: text.into(), option: Some(option), is_off: false });
+    }
+
+    fn fault(&mut self, text: String, option: impl Into<Option<&'static str>>) {
+        self.intake.notes.push(Note { text, option: option.into(), is_off: true });
     }
 
     pub fn state(&mut self, degrees: f64, reflectance: f64) {
@@ -119,6 +171,9 @@ impl Reading {
 
     /// Adds a sample; `cells`: its numbers before they became a colour, for values that stand for nothing.
     pub fn push(&mut self, line: usize, [wi, wo]: [[f64; 3]; 2], rgb: [f64; 3], cells: &[f64]) {
+        let wi = if self.conventions.is_along_light { wi.map(|v| -v) } else { wi };
+        self.rows += 1;
+        self.behind += usize::from(wi[2] < -HORIZON && wo[2] > HORIZON);
         let (below, at) = (|d: &[f64; 3]| d[2] < -HORIZON, |d: &[f64; 3]| d[2].abs() <= HORIZON);
         let reason = match (below(&wi), below(&wo)) {
             _ if at(&wi) || at(&wo) => Some(Reason::Horizon),
@@ -151,13 +206,28 @@ impl Reading {
     /// # Errors
     /// [`ReadError`] where no sample is left.
     pub fn finish(mut self) -> Result<Intake, ReadError> {
+        self.check_logarithms()?;
         let sentinels = Sentinels::of(&self.cells);
         let rows = std::mem::take(&mut self.intake.rows);
-        for (row, cells) in rows.into_iter().zip(&self.cells) {
-            match sentinels.reason(cells) {
+        let mut kept = Vec::with_capacity(rows.len());
+        for (row, cells) in rows.into_iter().zip(std::mem::take(&mut self.cells)) {
+            match sentinels.reason(&cells) {
                 Some(reason) => self.intake.leave_out(reason, row.line),
-                None => self.intake.rows.push(row),
+                None => kept.push((row, cells.largest())),
             }
+        }
+        self.saturation(&mut kept);
+        self.intake.rows = kept.into_iter().map(|kept| kept.0).collect();
+        self.check_cosine();
+        self.blacken();
+        self.check_count();
+        self.intake.values = self.conventions.values.unwrap_or_default();
+        if self.intake.rows.is_empty() && self.behind > 0 && self.behind == self.rows {
+            return Err(ReadError::Content(format!(
+                "no samples: {}. In all of them it is the incident direction: either they are transmission, or do all incident directions \
+                 point along the light? --incident along-light turns them",
+                self.intake.left_out_text()
+            )));
         }
         if self.intake.rows.is_empty() {
             let left_out = self.intake.left_out_text();
@@ -169,6 +239,125 @@ impl Reading {
         self.intake.is_light_fixed = scatter::is_light_fixed(&self.intake.rows);
         Ok(self.intake)
     }
+}
+
+impl Reading {
+    /// Refuses values most of which are below 0.
+    fn check_logarithms(&self) -> Result<(), ReadError> {
+        let below = self.cells.iter().filter(|cells| cells.is_negative()).count();
+        if self.cells.len() < LOGARITHMS || below as f64 <= NEGATIVE * self.cells.len() as f64 {
+            return Ok(());
+        }
+        Err(ReadError::Content(format!(
+            "{below} of {} values are below 0: are they logarithms or decibels? The values of f themselves are expected",
+            self.cells.len()
+        )))
+    }
+
+    /// Holds the number of rows that the file announces against those that are there.
+    fn check_count(&mut self) {
+        let found = self.intake.rows.len() + self.intake.left_out_count();
+        if let Some(announced) = self.announced.filter(|announced| *announced != found) {
+            self.fault(format!("the file announces {announced} rows, and has {found}"), None);
+        }
+    }
+
+    /// Takes samples that are 0, or noise about 0, for black: lobes need some brightness.
+    fn blacken(&mut self) {
+        let rows = &mut self.intake.rows;
+        let count = rows.len() as f64;
+        let mean_of = |of: &dyn Fn(&Row) -> f64| rows.iter().map(of).sum::<f64>() / count;
+        let level = |row: &Row| row.rgb.iter().sum::<f64>() / 3.0;
+        let mean = mean_of(&level);
+        let deviation = libm::sqrt(mean_of(&|row| (level(row) - mean).powi(2)));
+        let largest = rows.iter().map(level).fold(f64::NEG_INFINITY, f64::max);
+        let below = rows.iter().filter(|row| level(row) < 0.0).count() as f64;
+        let error = deviation / libm::sqrt(count);
+        let is_zero = !rows.is_empty() && rows.iter().all(|row| row.rgb.iter().all(|v| *v <= 0.0));
+        let is_noise = rows.len() >= NOISY
+            && below > NOISE_BELOW * count
+            && mean < ERRORS * error
+            && largest < STANDS_OUT * deviation;
+        if is_zero || is_noise {
+            let black = mean.max(error).max(BLACK);
+            rows.iter_mut().for_each(|row| row.rgb = [black; 3]);
+            let what = if is_zero { "no value is above 0" } else { "values are noise about 0" };
+            self.note(format!("{what}: the surface is taken as black, with f of {black:.1e} / sr"));
+        }
+    }
+
+    /// Asks about a largest value that is repeated, or leaves those rows out.
+    fn saturation(&mut self, kept: &mut Vec<(Row, f64)>) {
+        let largest = kept.iter().map(|row| row.1).fold(f64::NEG_INFINITY, f64::max);
+        if self.conventions.is_saturated {
+            for (row, _) in kept.iter().filter(|row| row.1 == largest) {
+                self.intake.leave_out(Reason::Saturated(largest), row.line);
+            }
+            return kept.retain(|row| row.1 < largest);
+        }
+        if let Some(count) = saturated(kept) {
+            self.fault(
+                format!(
+                    "the largest value, {largest}, stands there {count} times: is the detector saturated?"
+                ),
+                "--saturated leave-out",
+            );
+        }
+    }
+
+    /// Holds a cosine that the file states against its swapped samples.
+    fn check_cosine(&mut self) {
+        let (which, option, denial) = match self.stated {
+            Some(Values::CosineOutgoing) => ("viewer", "--values cosine-outgoing", Values::CosineIncident),
+            Some(Values::CosineIncident) => ("light", "--values cosine-incident", Values::CosineOutgoing),
+            Some(Values::Brdf) | None => return,
+        };
+        let few: Vec<Row> = thin(&self.intake.rows, MOST_COMPARED).into_iter().copied().collect();
+        let found = Reciprocity::of(&Places::of(&few).swapped());
+        // Divided by one cosine, f itself looks as if it were multiplied by the other.
+        let Some(found) = found.filter(|found| found.cosine == Some(denial)) else {
+            self.note_option(
+                format!(
+                    "values are f times the cosine of the {which}, as the file says, and are divided by it"
+                ),
+                "--values brdf",
+            );
+            return;
+        };
+        for row in &mut self.intake.rows {
+            let cosine = if denial == Values::CosineIncident { row.wo[2] } else { row.wi[2] };
+            row.rgb = row.rgb.map(|v| v * cosine);
+        }
+        self.conventions.values = Some(Values::Brdf);
+        self.fault(
+            format!(
+                "the file says that values are f times the cosine of the {which}, but its {} swapped pairs of samples agree without \
+                 dividing: they are read as f, as by --values brdf; as the file says",
+                found.pairs
+            ),
+            option,
+        );
+    }
+}
+
+/// How often the largest value stands there, if it is too often for a measurement.
+fn saturated(rows: &[(Row, f64)]) -> Option<usize> {
+    let mut values: Vec<f64> = rows.iter().map(|row| row.1).collect();
+    values.sort_by(|a, b| b.total_cmp(a));
+    let mut runs = values.chunk_by(|a, b| a == b).map(|run| (run[0], run.len()));
+    let (largest, count) = runs.next()?;
+    let next = runs.take(NEXT).map(|run| run.1).max()?;
+    if largest <= 0.0 || count < OFTEN * next || 2 * count > rows.len() {
+        return None;
+    }
+    // At the normal one pair of directions has many names.
+    let place = |row: &Row| {
+        let dot = (0..3).map(|k| row.wi[k] * row.wo[k]).sum::<f64>();
+        [row.wi[2], row.wo[2], dot].map(|v| libm::round(1e3 * v) as i64)
+    };
+    let places: HashSet<[i64; 3]> =
+        rows.iter().filter(|row| row.1 == largest).map(|row| place(&row.0)).collect();
+    (places.len() >= OFTEN).then_some(count)
 }
 
 impl Intake {

@@ -23,6 +23,9 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     let json: Value = serde_json::from_str(text.trim_start_matches('\u{feff}'))
         .map_err(|error| ReadError::Content(format!("JSON: {error}")))?;
     let Some(table) = json.pointer("/brdf/lookupTable").and_then(Value::as_array) else {
+        if let Some(intake) = super::records::of_json(&json, conventions)? {
+            return Ok(intake);
+        }
         return fail("OpenMATERIAL without brdf.lookupTable: a file of a BRDF is expected".into());
     };
     let mut reading = Reading::new("ASAM OpenMATERIAL", conventions);
@@ -30,11 +33,12 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     let mut pairs: BTreeMap<[u64; 3], (usize, BTreeMap<u64, f64>)> = BTreeMap::new();
     let mut wavelengths: Vec<f64> = Vec::new();
     for (n, row) in table.iter().enumerate() {
-        let numbers: Option<Vec<f64>> =
-            row.as_array().map(|row| row.iter().filter_map(Value::as_f64).collect());
-        let Some([wavelength, theta_i, theta_o, phi_o, value]) =
-            numbers.and_then(|numbers| <[f64; 5]>::try_from(numbers).ok())
-        else {
+        let cells = row.as_array().map_or(&[][..], Vec::as_slice);
+        // The schema allows values that are null.
+        let is_null = |n: usize, cell: &Value| n == 4 && cell.is_null();
+        let number = |(n, cell): (usize, &Value)| cell.as_f64().or(is_null(n, cell).then_some(f64::NAN));
+        let numbers: Vec<f64> = cells.iter().enumerate().filter_map(number).collect();
+        let Ok([wavelength, theta_i, theta_o, phi_o, value]) = <[f64; 5]>::try_from(numbers) else {
             return fail(format!(
                 "brdf.lookupTable, row {}: five numbers are expected, wavelength, theta_in, theta_out, phi_out and value",
                 n + 1
@@ -51,7 +55,9 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
         let key = [theta_i, theta_o, phi_o].map(f64::to_bits);
         let (_, spectrum) = pairs.entry(key).or_insert_with(|| (n + 1, BTreeMap::new()));
         // A wavelength is above 0, so that its bits are in its order.
-        spectrum.insert(wavelength.to_bits(), value);
+        if !value.is_nan() {
+            spectrum.insert(wavelength.to_bits(), value);
+        }
     }
     wavelengths.sort_by(f64::total_cmp);
     wavelengths.dedup();

@@ -41,10 +41,6 @@ pub fn parse(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
     };
     if name.eq_ignore_ascii_case("DSF") {
         reading.values_are(Values::CosineOutgoing);
-        reading.note_option(
-            "values are DSF, f times the cosine of the viewer, as the file says, and are divided by it",
-            "--values",
-        );
     }
     let is_xyz = said(&["#colorimetry"]).is_some_and(|colours| colours.contains("CIE-XYZ"));
     let mut row = vec![0.0; if is_xyz { 5 } else { 3 }];

@@ -7,6 +7,8 @@ pub enum Reason {
     NoNumber,
     /// This value stands for nothing measured.
     Sentinel(f64),
+    /// The largest value of all, at which the detector was saturated.
+    Saturated(f64),
     /// Exactly 0 where no other value is near 0: the shadow of the lamp, or of the horizon.
     DeadZero,
     /// A direction is at the horizon, 90 degrees from the normal.
@@ -23,6 +25,9 @@ impl Reason {
         match self {
             Self::NoNumber => "without a number".into(),
             Self::Sentinel(value) => format!("with the value {value}, which stands for nothing measured"),
+            Self::Saturated(value) => {
+                format!("with the largest value, {value}, at which the detector was saturated")
+            }
             Self::DeadZero => {
                 "with exactly 0 where no other value is near 0, as in the shadow of a lamp or detector".into()
             }

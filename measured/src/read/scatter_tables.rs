@@ -93,7 +93,8 @@ pub fn zemax(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadErro
             head.symmetry
         ));
     }
-    if head.rotations.len() > 1 {
+    let is_turned = |angle: &f64| libm::remainder(angle - head.rotations[0], 360.0).abs() > 1e-6;
+    if head.rotations.iter().any(is_turned) {
         return fail(format!(
             "{} rotations of the sample: only one is read, an isotropic surface",
             head.rotations.len()
@@ -220,7 +221,7 @@ pub fn lighttools(bytes: &[u8], conventions: &Conventions) -> Result<Intake, Rea
     if back > 0 {
         reading.note(format!("{back} values of the back of the sample are not read"));
     }
-    if parts.iter().any(|part| part.plane != parts[0].plane) {
+    if parts.iter().any(|part| libm::remainder(part.plane - parts[0].plane, 360.0).abs() > 1e-6) {
         return fail(
             "more than one plane of incidence: the sample was turned, and only isotropic surfaces are read",
         );

@@ -40,6 +40,14 @@ impl Cells {
         }
     }
 
+    pub fn largest(&self) -> f64 {
+        self.largest
+    }
+
+    pub fn is_negative(&self) -> bool {
+        self.mean < 0.0
+    }
+
     fn is_zero(&self) -> bool {
         self.least == 0.0 && self.largest == 0.0
     }

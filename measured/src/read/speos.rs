@@ -12,7 +12,7 @@ use super::wavelengths::Wavelengths;
 use super::words::Words;
 use crate::ReadError;
 use crate::file::decode::{decode, shortened};
-use crate::table::direction;
+use crate::table::{direction, luminance};
 use std::f64::consts::PI;
 
 /// Most numbers of one list.
@@ -44,6 +44,32 @@ impl Grid {
             values.extend(words.numbers(columns, "a value of the table")?);
         }
         Ok(Self { thetas, phis, values })
+    }
+
+    /// Reads one of reflection.
+    fn read_front(words: &mut Words<'_>) -> Result<Self, ReadError> {
+        let grid = Self::read(words)?;
+        if grid.is_behind() {
+            return fail(format!(
+                "line {}: a table of theta from 90 degrees on, behind the surface, stands where reflection is due",
+                grid.thetas[0].1
+            ));
+        }
+        Ok(grid)
+    }
+
+    /// Whether all of it is behind the surface.
+    fn is_behind(&self) -> bool {
+        self.thetas.iter().all(|theta| theta.0 >= 90.0)
+    }
+
+    /// Whether another has the same angles and values, but for rounding.
+    fn is_same(&self, other: &Self) -> bool {
+        let most = self.values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        let is_close = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-4 * most;
+        self.phis == other.phis
+            && self.thetas.iter().map(|t| t.0).eq(other.thetas.iter().map(|t| t.0))
+            && self.values.iter().zip(&other.values).all(is_close)
     }
 
     /// Integral of the values times the cosine over the hemisphere, linear between angles.
@@ -130,21 +156,37 @@ pub fn anisotropic(bytes: &[u8], conventions: &Conventions) -> Result<Intake, Re
         return fail("SPEOS .anisotropicbsdf of transmission alone: only reflection is read");
     }
     let turns = words.count("how many angles of anisotropy there are", MOST)?;
-    words.numbers(turns, "an angle of anisotropy")?;
-    if turns != 1 {
-        return fail(format!(
-            "SPEOS .anisotropicbsdf of {turns} angles of the sample: only one is read, an isotropic surface"
-        ));
+    let angles = words.numbers(turns, "an angle of anisotropy")?;
+    // Each angle of the sample has a list, and the tables follow in the same order.
+    let mut lists = Vec::new();
+    for _ in 0..turns {
+        let count = words.count("how many angles of incidence there are", MOST)?;
+        lists.push(words.numbers(count, "an angle of incidence in degrees")?);
     }
-    let count = words.count("how many angles of incidence there are", MOST)?;
-    let incidence = words.numbers(count, "an angle of incidence in degrees")?;
     let reference = words.numbers(2, "the direction of the spectrum")?[0];
     let lines = words.count("how many wavelengths there are", MOST)?;
     let spectrum: Vec<[f64; 2]> = (0..lines)
         .map(|_| Ok([words.number("a wavelength in nm")?, words.number("a reflectance in per cent")?]))
         .collect::<Result<_, ReadError>>()?;
-    let tables: Vec<Grid> =
-        incidence.iter().map(|_| Grid::read(&mut words)).collect::<Result<_, ReadError>>()?;
+    let mut tables: Vec<Vec<Grid>> = Vec::new();
+    for list in &lists {
+        tables.push(list.iter().map(|_| Grid::read_front(&mut words)).collect::<Result<_, ReadError>>()?);
+    }
+    let is_same = |n: usize| {
+        let is_angle = libm::remainder(angles[n] - angles[0], 360.0).abs() < 1e-6;
+        lists[n] == lists[0] && (is_angle || tables[n].iter().zip(&tables[0]).all(|(a, b)| a.is_same(b)))
+    };
+    if !(1..turns).all(is_same) {
+        return fail(format!(
+            "SPEOS .anisotropicbsdf of {turns} angles of the sample: only one is read, an isotropic surface"
+        ));
+    }
+    if turns > 1 {
+        reading.note(format!("the {turns} angles of the sample are one: their tables are the same, or they are a whole turn apart"));
+    }
+    let (Some(incidence), Some(tables)) = (lists.first(), tables.into_iter().next()) else {
+        return fail("SPEOS .anisotropicbsdf without an angle of the sample");
+    };
     let colour = colour(&spectrum, &mut reading)?;
     let grids: Vec<Grid> = tables
         .into_iter()
@@ -165,7 +207,7 @@ pub fn anisotropic(bytes: &[u8], conventions: &Conventions) -> Result<Intake, Re
         return fail("the table whose reflectance is known is black");
     }
     let mean = colour.iter().sum::<f64>() / 3.0;
-    reading.state(incidence[of], mean);
+    reading.state(incidence[of], luminance(colour));
     reading.note(format!(
         "values are scaled to reflect {mean:.3} of the light at {} degrees, as the file says",
         incidence[of]
@@ -230,13 +272,13 @@ pub fn spectral(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadE
     if let Some(note) = &wavelengths.note {
         reading.note(note.clone());
     }
-    let mut transmission = 0;
+    let count = incidence.len().saturating_mul(lines);
+    let (tables, transmission) = of_reflection(&mut words, head.has[1], count, &mut reading)?;
+    let mut tables = tables.into_iter();
     for theta_i in incidence {
         let mut grids = Vec::with_capacity(lines.min(1000));
         let mut totals = Vec::new();
-        for _ in 0..lines {
-            let total = 0.01 * words.number("a reflectance in per cent")?;
-            let mut grid = Grid::read(&mut words)?;
+        for (total, mut grid) in tables.by_ref().take(lines) {
             if !head.is_bsdf {
                 grid.divide_by_cosine();
             }
@@ -246,19 +288,13 @@ pub fn spectral(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadE
             totals.push(total);
             grids.push(grid);
         }
-        if head.has[1] {
-            for _ in 0..lines {
-                words.number("a transmittance in per cent")?;
-                transmission += Grid::read(&mut words)?.values.len();
-            }
-        }
         let Some(first) = grids.first() else { return fail("SPEOS .brdf without a wavelength") };
         if grids.iter().any(|grid| grid.thetas.len() != first.thetas.len() || grid.phis != first.phis) {
             return fail(format!(
                 "tables of {theta_i} degrees differ in their angles from one wavelength to the next"
             ));
         }
-        reading.state(theta_i, totals.iter().sum::<f64>() / totals.len() as f64);
+        reading.state(theta_i, luminance(wavelengths.rgb(&totals)));
         let mut at = 0;
         let count = first.phis.len();
         let turned = (first.phis[count - 1] - first.phis[0] - 360.0).abs() < 1e-6;
@@ -277,10 +313,44 @@ pub fn spectral(bytes: &[u8], conventions: &Conventions) -> Result<Intake, ReadE
             }
         }
     }
-    for _ in 0..transmission {
-        reading.leave_out(Reason::Transmission, words.line());
+    for line in transmission {
+        reading.leave_out(Reason::Transmission, line);
     }
     reading.finish()
+}
+
+/// The tables of reflection, each with its total, and the lines of the values of transmission.
+///
+/// Tables behind the surface have theta from 90 degrees on, wherever they stand. Where all angles are below, those of reflection are first.
+fn of_reflection(
+    words: &mut Words<'_>,
+    has_both: bool,
+    count: usize,
+    reading: &mut Reading,
+) -> Result<(Vec<(f64, Grid)>, Vec<usize>), ReadError> {
+    let (mut front, mut behind) = (Vec::new(), Vec::new());
+    for n in 0..count.saturating_mul(1 + usize::from(has_both)) {
+        let total = 0.01 * words.number("a share of the light in per cent")?;
+        let grid = if has_both { Grid::read(words)? } else { Grid::read_front(words)? };
+        if grid.is_behind() || (n >= count && behind.is_empty()) || front.len() == count {
+            behind.push(grid);
+        } else {
+            front.push((total, grid));
+        }
+    }
+    if front.len() != count {
+        return fail(format!(
+            "{} of the tables are behind the surface, with theta from 90 degrees on, where {count} are expected",
+            behind.len()
+        ));
+    }
+    if has_both && behind.iter().any(|grid| !grid.is_behind()) {
+        reading.note(
+            "the tables of transmission have angles below 90 degrees: those of reflection are taken to be the first half of all",
+        );
+    }
+    let lines = behind.iter().flat_map(|grid| grid.thetas.iter().flat_map(|t| grid.phis.iter().map(|_| t.1)));
+    Ok((front, lines.collect()))
 }
 
 #[cfg(test)]
@@ -310,13 +380,21 @@ mod tests {
         // A constant f reflects pi f.
         assert!(intake.rows.iter().all(|row| (row.rgb[1] - 0.5 / PI).abs() < 0.01), "{:?}", intake.rows[0]);
         assert_eq!((intake.rows.len(), intake.left_out_count()), (14, 6));
-        let turned = text.replacen("1\n1\n0\n2\n", "1\n2\n0 90\n2\n", 1);
-        assert!(
-            anisotropic(turned.as_bytes(), &Conventions::default())
-                .unwrap_err()
-                .to_string()
-                .contains("isotropic")
-        );
+        // Two angles of the sample: tables that differ are refused, a whole turn and equal tables are one.
+        let both = |angles: &str, second: &str| {
+            head("Anisotropic BSDF surface file v8.0")
+                + &format!("0 1 0\n1 0\n1\n2\n{angles}\n1\n20\n1\n20\n20 0\n\n2\n350 50\n850 50\n")
+                + &grid(7.0)
+                + second
+        };
+        let parse = |text: &str| anisotropic(text.as_bytes(), &Conventions::default());
+        let other = grid(7.0).replace("30\t7", "30\t9");
+        assert!(parse(&both("0 90", &other)).unwrap_err().to_string().contains("isotropic"));
+        assert_eq!(parse(&both("0 90", &grid(7.0))).unwrap().rows.len(), 7);
+        assert_eq!(parse(&both("0 360", &other)).unwrap().rows.len(), 7);
+        let behind =
+            text.replace("\n60\t", "\n160\t").replace("\n30\t", "\n130\t").replace("\n0\t7", "\n100\t7");
+        assert!(parse(&behind).unwrap_err().to_string().contains("reflection is due"));
         for cut in (0..text.len() - 40).step_by(3) {
             assert!(anisotropic(&text.as_bytes()[..cut], &Conventions::default()).is_err(), "{cut}");
         }

@@ -9,7 +9,7 @@ const GRAZING: f64 = 75.0 * PI / 180.0;
 /// Most that a quadrature makes of a surface that reflects everything.
 pub const MOST: f64 = 1.1;
 
-/// Less than any dry surface reflects: soot has 0.01.
+/// Less than surfaces reflect but for light traps and the blackest coatings: soot has 0.01.
 pub const LEAST: f64 = 1e-3;
 
 /// Luminances of albedos at angles, radians, that are not grazing.
@@ -17,7 +17,7 @@ pub fn albedos(at: impl IntoIterator<Item = (f64, [f64; 3])>) -> Vec<f64> {
     at.into_iter().filter(|(theta, _)| *theta <= GRAZING).map(|(_, albedo)| luminance(albedo)).collect()
 }
 
-/// Whether no surface has a largest albedo such as this.
+/// Whether hardly a surface has a largest albedo such as this.
 pub fn is_off(most: f64) -> bool {
     !(LEAST..=MOST).contains(&most)
 }

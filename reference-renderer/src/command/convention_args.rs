@@ -16,6 +16,12 @@ pub struct ConventionArgs {
     /// What values are: the BRDF, or the BRDF times the cosine of the outgoing or incident direction
     #[arg(long, value_name = "WHAT")]
     values: Option<ValuesName>,
+    /// Where incident directions point: towards the light, or along it, into the surface
+    #[arg(long, value_name = "WHERE")]
+    incident: Option<IncidentName>,
+    /// Samples of the largest value, at which the detector may have been saturated: kept, or left out
+    #[arg(long, value_name = "WHAT")]
+    saturated: Option<SaturatedName>,
     /// What values are divided by to be in 1/sr: a number, or one with pi at its end, such as 100pi
     #[arg(long, value_name = "NUMBER", value_parser = factor, default_value = "1", hide_default_value = true)]
     divide: f64,
@@ -38,6 +44,18 @@ enum ValuesName {
     Brdf,
     CosineOutgoing,
     CosineIncident,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, clap::ValueEnum)]
+enum IncidentName {
+    TowardsLight,
+    AlongLight,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, clap::ValueEnum)]
+enum SaturatedName {
+    Keep,
+    LeaveOut,
 }
 
 fn factor(text: &str) -> Result<f64, String> {
@@ -68,6 +86,8 @@ impl ConventionArgs {
                 ValuesName::CosineOutgoing => Values::CosineOutgoing,
                 ValuesName::CosineIncident => Values::CosineIncident,
             }),
+            is_along_light: self.incident == Some(IncidentName::AlongLight),
+            is_saturated: self.saturated == Some(SaturatedName::LeaveOut),
             divide: self.divide,
         }
     }

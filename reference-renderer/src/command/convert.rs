@@ -96,8 +96,14 @@ fn source(input: &Path, conventions: &Conventions) -> anyhow::Result<Source> {
 /// Writes samples: those that were read, or those of a BRDF.
 fn write_samples(output: &Path, source: Source, text: fn(&Table) -> String) -> anyhow::Result<()> {
     let (table, are) = match source.content {
-        Content::Samples(table) => (table, "as they were read"),
-        Content::Evaluable(brdf) => (export::sampled(brdf.as_ref())?, "chosen here"),
+        Content::Samples(table) => (table, "as they were read".to_owned()),
+        Content::Evaluable(brdf) => match export::measured(brdf.as_ref())? {
+            (table, 0.0) => (table, "chosen here".to_owned()),
+            (table, left_out) => (
+                table,
+                format!("chosen here; {:.0} % of them were not measured, and are left out", 100.0 * left_out),
+            ),
+        },
     };
     output::write(output, text(&table).as_bytes())?;
     let count: usize = table.views.iter().map(|view| view.samples.len()).sum();
@@ -112,6 +118,13 @@ fn write_grid(output: &Path, format: Format, source: Source) -> anyhow::Result<(
     }
     let spectra = source.intake.as_ref().and_then(|intake| intake.spectra.clone());
     let material = MeasuredMaterial::new(source)?;
+    if !material.gaps.is_empty() {
+        // Samples are all completed; of a table, MERL has a mark for cells that were not measured.
+        let is_marked = matches!(format, Format::Merl) && material.completed.is_none();
+        let there =
+            if is_marked { "those cells stay marked" } else { "values there are completed, not measured" };
+        println!("note {}; {there}", material.gaps);
+    }
     let (bytes, back): (Vec<u8>, Box<dyn Brdf>) = if let Format::Rgl = format {
         let bytes = export::rgl(material.brdf(), spectra.as_ref())?;
         if let Some(Spectra { wavelengths, error, .. }) = &spectra {

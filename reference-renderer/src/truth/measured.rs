@@ -9,7 +9,7 @@ use crate::truth::networks::Networks;
 use anyhow::Context;
 use glam::{DVec3, Vec3};
 use srbf_fit::analytic;
-use srbf_fit::complete::complete;
+use srbf_fit::complete::{Gaps, complete};
 use srbf_fit::read::{Content, Source};
 use srbf_fit::table::{Brdf, Draws, Symmetry};
 use srbf_thesis::lafortune;
@@ -17,8 +17,22 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 /// Ends of the names of tables.
-const ENDINGS: [&str; 11] =
-    ["brdf", "astm", "csv", "binary", "bsdf", "txt", "tsv", "dat", "xompt", "anisotropicbsdf", "ssdd"];
+const ENDINGS: [&str; 14] = [
+    "brdf",
+    "astm",
+    "csv",
+    "binary",
+    "bsdf",
+    "txt",
+    "tsv",
+    "dat",
+    "xompt",
+    "anisotropicbsdf",
+    "ssdd",
+    "json",
+    "npy",
+    "gz",
+];
 
 /// The BRDF.
 pub struct MeasuredMaterial {
@@ -28,6 +42,8 @@ pub struct MeasuredMaterial {
     is_isotropic: bool,
     /// Samples that were completed, if it was not measured at every pair of directions.
     pub completed: Option<usize>,
+    /// Its gaps in words; empty for none.
+    pub gaps: String,
     /// Made when it is asked for.
     guide: OnceLock<Guide>,
 }
@@ -55,11 +71,19 @@ impl MeasuredMaterial {
     /// # Errors
     /// Samples that cannot be completed: black ones.
     pub fn new(source: Source) -> anyhow::Result<Self> {
-        let (brdf, completed): (Box<dyn Brdf + Send>, _) = match source.content {
-            Content::Evaluable(brdf) => (brdf, None),
+        let (brdf, completed, gaps): (Box<dyn Brdf + Send>, _, _) = match source.content {
+            Content::Evaluable(brdf) => {
+                // Anisotropic tables have no pairs of directions in the frame of a view.
+                let is_isotropic = brdf.symmetry() == Symmetry::Isotropic;
+                let gaps =
+                    Some(Gaps::of_table(brdf.as_ref())).filter(|gaps| is_isotropic && gaps.mean() > 0.0);
+                (brdf, None, gaps.map_or_else(String::new, |gaps| gaps.text()))
+            }
             Content::Samples(table) => {
                 let samples = table.views.iter().map(|view| view.samples.len()).sum();
-                (Box::new(complete(&table)?), Some(samples))
+                let completion = complete(&table)?;
+                let gaps = completion.report.gaps.text();
+                (Box::new(completion), Some(samples), gaps)
             }
         };
         let is_isotropic = brdf.symmetry() == Symmetry::Isotropic;
@@ -69,7 +93,7 @@ impl MeasuredMaterial {
             end.eq_ignore_ascii_case(ending).then_some(stem)
         });
         let name = plain.unwrap_or(&name).to_owned();
-        Ok(Self { name, brdf, is_isotropic, completed, guide: OnceLock::new() })
+        Ok(Self { name, brdf, is_isotropic, completed, gaps, guide: OnceLock::new() })
     }
 
     /// Whether the values do not change when both directions turn round the normal.

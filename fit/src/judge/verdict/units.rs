@@ -10,7 +10,7 @@ pub(super) fn fault(views: &[ViewReport]) -> Option<String> {
     let most = albedos(bright).into_iter().reduce(f64::max).filter(|most| !most.is_nan() && is_off(*most))?;
     let cause = if most < LEAST {
         format!(
-            "less than any surface; values of other units have to be multiplied by 10^{:.0} or so",
+            "as little as a light trap or the blackest coatings do; values of other units have to be multiplied by 10^{:.0} or so",
             (0.1 / most).log10().round()
         )
     } else if most <= MOST * PI {

@@ -20,6 +20,8 @@ pub(super) enum Directions {
     Vectors([[usize; 3]; 2]),
     /// Angles from the normal and azimuths.
     Angles { thetas: [Place; 2], azimuths: Azimuths },
+    /// Angle of the half vector from the normal, angle of a direction from it, and azimuth about it.
+    Half([usize; 3]),
 }
 
 /// How azimuths are written.
@@ -30,6 +32,8 @@ pub(super) enum Azimuths {
     Outgoing(Place),
     /// Of the incident direction alone.
     Incident(Place),
+    /// The angle between both directions tells it, but for its sign.
+    Phase(Place),
     /// None: all is in the plane of incidence, and angles have a sign.
     InPlane,
 }
@@ -74,19 +78,12 @@ pub(super) type Constants = Vec<(Role, f64)>;
 impl Columns {
     /// From the names, and from what stands above them.
     pub fn find(names: &[String], constants: &Constants) -> Result<Self, NoColumns> {
-        let roles: Vec<Role> = names.iter().map(|name| role(name)).collect();
-        let known = roles
-            .iter()
-            .filter(|r| !matches!(r, Role::Other | Role::At(_) | Role::NoWavelength | Role::Value))
-            .count();
-        let fail = |reason: String| Err(NoColumns { known, reason });
+        let mut roles: Vec<Role> = names.iter().map(|name| role(name)).collect();
+        settle(names, &mut roles);
+        let is_known = |r: &&Role| r.words().is_some() && !matches!(r, Role::At(_) | Role::Value);
+        let known = roles.iter().filter(is_known).count();
+        let fail = |reason: String| Err(NoColumns { known, reason: with_names(reason, names, &roles) });
         let is_named = |n: usize| !names[n].trim().is_empty();
-        let mut seen = HashSet::new();
-        if let Some(twice) =
-            (0..names.len()).find(|&n| is_named(n) && !seen.insert(names[n].trim().to_lowercase()))
-        {
-            return fail(format!("column `{}` stands there twice", shortened(&names[twice])));
-        }
         if let Some(odd) = roles.iter().position(|r| *r == Role::NoWavelength) {
             return fail(format!("column `{}` is named by no wavelength", shortened(&names[odd])));
         }
@@ -96,7 +93,13 @@ impl Columns {
             Ok(directions) => directions,
             Err(missing) => return fail(missing),
         };
-        let values = match values(names, &roles) {
+        let mut seen = HashSet::new();
+        let is_twice =
+            |n: &usize| roles[*n].words().is_some() && !seen.insert(names[*n].trim().to_lowercase());
+        if let Some(twice) = (0..names.len()).find(is_twice) {
+            return fail(format!("column `{}` stands there twice", shortened(&names[twice])));
+        }
+        let values = match values(names, &roles, &mut notes) {
             Ok(values) => values,
             Err(missing) => return fail(missing),
         };
@@ -117,6 +120,74 @@ impl Columns {
         Ok(Self { names, directions, values, angle_unit, value_unit, ignored, notes })
     }
 }
+
+/// A reason, and the known meaning of the names.
+fn with_names(reason: String, names: &[String], roles: &[Role]) -> String {
+    let short = |name: &String| name.trim().chars().take(LONGEST).collect::<String>();
+    let (mut known, mut unknown) = (Vec::new(), Vec::new());
+    for (name, role) in names.iter().zip(roles).filter(|(name, _)| !name.trim().is_empty()) {
+        match role.words() {
+            Some(words) => known.push(format!("`{}` {words}", short(name))),
+            None => unknown.push(format!("`{}`", short(name))),
+        }
+    }
+    let list = |words: &[String]| {
+        let more = if words.len() > NAMED { ", ..." } else { "" };
+        words[..words.len().min(NAMED)].join(", ") + more
+    };
+    let parts = [("known: ", &known), ("not known: ", &unknown)];
+    let parts: Vec<String> = parts
+        .iter()
+        .filter(|part| !part.1.is_empty())
+        .map(|(what, names)| what.to_string() + &list(names))
+        .collect();
+    if known.is_empty() { reason } else { format!("{reason} ({})", parts.join("; ")) }
+}
+
+/// Gives roles that one name alone does not have: of a series, of half and difference angles, of zenith and azimuth by one letter.
+fn settle(names: &[String], roles: &mut [Role]) {
+    for side in [Side::Incident, Side::Outgoing] {
+        let has = |roles: &[Role], role: Role| roles.contains(&role);
+        let is_vector = has(roles, Role::Vector(side, 0)) || has(roles, Role::Vector(side, 1));
+        if is_vector || !has(roles, Role::Phi(side)) {
+            continue;
+        }
+        // `src_z`, `src_a`; but `wi_z` is a cosine.
+        for (name, role) in names.iter().zip(roles.iter_mut()) {
+            if *role == Role::Vector(side, 2) && !name.trim().to_lowercase().starts_with(['w', 'o']) {
+                *role = Role::Theta(side);
+            }
+        }
+    }
+    if roles.contains(&Role::ThetaHalf) {
+        for (name, role) in names.iter().zip(roles.iter_mut()) {
+            match name.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "").as_str() {
+                n if n.starts_with("thetad") => *role = Role::ThetaDifference,
+                n if n.starts_with("phid") => *role = Role::PhiDifference,
+                _ => {}
+            }
+        }
+    }
+    let number = |role: &Role| match role {
+        Role::At(w) | Role::Numbered(w) => Some(*w),
+        _ => None,
+    };
+    let series: Vec<f64> = roles.iter().filter_map(number).collect();
+    let is_steady = series.windows(2).all(|w| w[1] > w[0]) || series.windows(2).all(|w| w[1] < w[0]);
+    // Whole numbers below 100 count something else.
+    let is_fine = series.iter().any(|w| *w >= 100.0 || (w.fract() != 0.0 && *w > 0.1 && *w < 20.0));
+    let is_series = series.len() >= SERIES && is_steady && is_fine && !roles.contains(&Role::Wavelength);
+    for role in roles.iter_mut() {
+        if let (Role::Numbered(w), true) = (&*role, is_series) {
+            *role = Role::At(*w);
+        }
+    }
+}
+
+/// Names that are listed in a message, their characters, and numbers that make a series.
+const NAMED: usize = 6;
+const LONGEST: usize = 16;
+const SERIES: usize = 3;
 
 /// The columns and constants by their kind.
 struct Sides<'a> {
@@ -155,8 +226,16 @@ impl Sides<'_> {
         if let (Some(i), Some(o)) = (self.vector(Side::Incident), self.vector(Side::Outgoing)) {
             return Ok(Directions::Vectors([i, o]));
         }
-        if self.roles.contains(&Role::Half) {
-            return Err("half and difference angles are not read; give the angles of both directions".into());
+        let column = |role: Role| self.roles.iter().position(|r| *r == role);
+        if let Some(half) = column(Role::ThetaHalf) {
+            let difference = [Role::ThetaDifference, Role::PhiDifference].map(column);
+            return match difference {
+                [Some(theta), Some(phi)] => Ok(Directions::Half([half, theta, phi])),
+                _ => {
+                    Err("half and difference angles are theta_h, theta_d and phi_d: three columns are needed"
+                        .into())
+                }
+            };
         }
         let [mut i, mut o] = [Side::Incident, Side::Outgoing].map(|side| self.of(side, Role::Theta));
         if i.is_some() != o.is_some() {
@@ -178,7 +257,10 @@ impl Sides<'_> {
             (_, Some(delta)) => Azimuths::Outgoing(delta),
             ([None, Some(o)], None) => Azimuths::Outgoing(o),
             ([Some(i), None], None) => Azimuths::Incident(i),
-            ([None, None], None) => Azimuths::InPlane,
+            ([None, None], None) => match self.place(&Role::Phase) {
+                Some(phase) => Azimuths::Phase(phase),
+                None => Azimuths::InPlane,
+            },
         };
         if let (false, Some(odd)) = (matches!(azimuths, Azimuths::Both(_)), self.odd_azimuth()) {
             // To take it for 0 would turn every sample.
@@ -190,17 +272,15 @@ impl Sides<'_> {
         if matches!(azimuths, Azimuths::Outgoing(_) | Azimuths::Incident(_)) {
             notes.push("there is one azimuth; that of the other direction is taken as 0".into());
         }
-        for place in [i, o] {
-            if let Place::Constant(angle) = place {
-                notes.push(format!("one direction is the same in all rows: {angle}, from above the columns"));
-            }
+        if matches!(azimuths, Azimuths::Phase(_)) {
+            notes.push("azimuths follow from the phase angle, which is between both directions".into());
         }
         Ok(Directions::Angles { thetas: [i, o], azimuths })
     }
 }
 
 /// What holds the value.
-fn values(names: &[String], roles: &[Role]) -> Result<Values, String> {
+fn values(names: &[String], roles: &[Role], notes: &mut Vec<String>) -> Result<Values, String> {
     let column = |wanted: Role| roles.iter().position(|r| *r == wanted);
     let three = |of: fn(usize) -> Role| Some([column(of(0))?, column(of(1))?, column(of(2))?]);
     if let Some(rgb) = three(Role::Rgb) {
@@ -209,42 +289,123 @@ fn values(names: &[String], roles: &[Role]) -> Result<Values, String> {
     if let Some(xyz) = three(Role::Xyz) {
         return Ok(Values::Xyz(xyz));
     }
+    let one = one_value(names, roles, notes)?.or(column(Role::Xyz(1)));
+    let wavelength = column(Role::Wavelength);
+    if let (Some(wavelength), Some(value)) = (wavelength, one) {
+        return Ok(Values::Long([wavelength, value]));
+    }
     let at = |(place, role): (usize, &Role)| match role {
         Role::At(wavelength) => Some((place, *wavelength)),
         _ => None,
     };
     let (places, numbers): (Vec<usize>, Vec<f64>) = roles.iter().enumerate().filter_map(at).unzip();
-    if !places.is_empty() {
-        let wavelengths = Wavelengths::new(&numbers).map_err(|error| error.to_string())?;
-        return Ok(Values::Spectrum(places, wavelengths));
-    }
-    let one = column(Role::Value).or(column(Role::Xyz(1)));
-    match (one, column(Role::Wavelength)) {
-        (Some(value), Some(wavelength)) => Ok(Values::Long([wavelength, value])),
-        (Some(value), None) => Ok(Values::One(value)),
-        (None, _) => {
-            let unknown =
-                names.iter().zip(roles).find(|(name, r)| **r == Role::Other && !name.trim().is_empty());
-            let hint = unknown.map_or_else(String::new, |(name, _)| {
-                format!("; if `{}` is the value, name it so", shortened(name))
-            });
-            Err(format!(
-                "no column is the value: r,g,b, or X,Y,Z, or value, or wavelengths such as 400nm{hint}"
-            ))
+    match (places.first(), wavelength) {
+        (Some(at), Some(wavelength)) => {
+            return Err(format!(
+                "`{}` is a column of wavelengths, and `{}` is named by one",
+                shortened(&names[wavelength]),
+                shortened(&names[*at])
+            ));
         }
+        (Some(_), None) => {
+            let wavelengths = Wavelengths::new(&numbers).map_err(|error| error.to_string())?;
+            return Ok(Values::Spectrum(places, wavelengths));
+        }
+        (None, _) => {}
     }
+    if let Some(one) = one {
+        return Ok(Values::One(one));
+    }
+    if let Some(log) = column(Role::Logarithm) {
+        return Err(format!(
+            "column `{}` holds logarithms or decibels: give the values themselves, in a column named value",
+            shortened(&names[log])
+        ));
+    }
+    let unknown = names.iter().zip(roles).find(|(name, r)| **r == Role::Other && !name.trim().is_empty());
+    let hint = unknown
+        .map_or_else(String::new, |(name, _)| format!("; if `{}` is the value, name it so", shortened(name)));
+    Err(format!("no column is the value: r,g,b, or X,Y,Z, or value, or wavelengths such as 400nm{hint}"))
+}
+
+/// The column of one value. Of several, that of a name of the BRDF; the first of a matrix of Mueller.
+fn one_value(names: &[String], roles: &[Role], notes: &mut Vec<String>) -> Result<Option<usize>, String> {
+    let of =
+        |is: &dyn Fn(&Role) -> bool| -> Vec<usize> { (0..roles.len()).filter(|&n| is(&roles[n])).collect() };
+    let listed = |places: &[usize]| {
+        places.iter().map(|&n| format!("`{}`", shortened(names[n].trim()))).collect::<Vec<_>>().join(" and ")
+    };
+    let plain = of(&|r| *r == Role::Value);
+    if !plain.is_empty() {
+        let is_brdf = |n: &&usize| {
+            let name = names[**n].trim().to_lowercase();
+            ["brdf", "bsdf", "value", "fr", "f_r", "f"].iter().any(|known| name.starts_with(known))
+        };
+        let found = plain.iter().find(is_brdf).unwrap_or(&plain[0]);
+        if plain.len() > 1 {
+            notes.push(format!("{} may each be the value; {} is read", listed(&plain), listed(&[*found])));
+        }
+        return Ok(Some(*found));
+    }
+    if roles.iter().any(|r| matches!(r, Role::At(_))) {
+        return Ok(None);
+    }
+    let is_value = |n: &usize| names[*n].trim().chars().next().is_some_and(char::is_alphabetic);
+    let numbered: Vec<usize> = of(&|r| matches!(r, Role::Numbered(_))).into_iter().filter(is_value).collect();
+    let first = numbered.iter().copied().find(|&n| roles[n] == Role::Numbered(11.0));
+    let found = match numbered.as_slice() {
+        [] => return Ok(None),
+        [one] => *one,
+        many => first.ok_or_else(|| format!("{} may each be the value: name one value", listed(many)))?,
+    };
+    notes.push(format!("{} is taken as the value", listed(&[found])));
+    Ok(Some(found))
 }
 
 impl Directions {
+    /// Changes an angle that stands above the rows; false where there is none of that role.
+    pub fn set(&mut self, role: &Role, angle: f64) -> bool {
+        let Self::Angles { thetas, azimuths } = self else { return false };
+        let places: &mut [Place] = match (role, azimuths) {
+            (Role::Theta(Side::Incident), _) => &mut thetas[..1],
+            (Role::Theta(Side::Outgoing), _) => &mut thetas[1..],
+            (Role::Theta(Side::Either) | Role::ThetaAlone, _) => thetas,
+            (Role::Phi(Side::Incident), Azimuths::Both(phis)) => &mut phis[..1],
+            (Role::Phi(Side::Outgoing), Azimuths::Both(phis)) => &mut phis[1..],
+            (Role::Phi(_) | Role::DeltaPhi, Azimuths::Outgoing(phi) | Azimuths::Incident(phi)) => {
+                std::slice::from_mut(phi)
+            }
+            _ => return false,
+        };
+        let Some(place) = places.iter_mut().find(|place| matches!(place, Place::Constant(_))) else {
+            return false;
+        };
+        *place = Place::Constant(angle);
+        true
+    }
+
+    /// The angles from the normal that stand above the rows.
+    pub fn constants(&self) -> Vec<f64> {
+        let Self::Angles { thetas, .. } = self else { return Vec::new() };
+        let angle = |place: &Place| match place {
+            Place::Constant(angle) => Some(*angle),
+            Place::Column(_) => None,
+        };
+        thetas.iter().filter_map(angle).collect()
+    }
+
     fn has(&self, n: usize) -> bool {
         let is = |place: &Place| *place == Place::Column(n);
         match self {
             Self::Vectors(places) => places.as_flattened().contains(&n),
+            Self::Half(places) => places.contains(&n),
             Self::Angles { thetas, azimuths } => {
                 thetas.iter().any(is)
                     || match azimuths {
                         Azimuths::Both(places) => places.iter().any(is),
-                        Azimuths::Outgoing(place) | Azimuths::Incident(place) => is(place),
+                        Azimuths::Outgoing(place) | Azimuths::Incident(place) | Azimuths::Phase(place) => {
+                            is(place)
+                        }
                         Azimuths::InPlane => false,
                     }
             }

@@ -1,5 +1,6 @@
 //! From the numbers of a row to two unit vectors.
 
+use super::super::alta::from_half;
 use super::super::conventions::{Angles, Conventions, Mirror};
 use super::super::intake::Reading;
 use super::columns::{Azimuths, Columns, Directions, Place};
@@ -14,6 +15,9 @@ const UNIT: f64 = 1e-3;
 /// What rounding adds to the largest angles.
 const ROUNDING: f64 = 1e-3;
 
+/// What rounding makes of the cosine of a phase angle.
+const PHASE: f64 = 0.02;
+
 /// Largest azimuth that is believed, degrees.
 const TURNS: f64 = 36000.0;
 
@@ -24,6 +28,8 @@ const BRIGHTER: f64 = 1.5;
 /// How the directions of a file are meant.
 pub(super) struct Geometry {
     is_vectors: bool,
+    /// Whether angles are of the half vector, and from it.
+    is_half: bool,
     /// Radians of a unit of the file.
     radians: f64,
     azimuths: Option<Azimuths>,
@@ -35,10 +41,14 @@ pub(super) struct Geometry {
 pub(super) fn places(directions: &Directions) -> [Option<Place>; 6] {
     match directions {
         Directions::Vectors([i, o]) => [i[0], i[1], i[2], o[0], o[1], o[2]].map(|n| Some(Place::Column(n))),
+        Directions::Half([half, theta, phi]) => {
+            let column = |n: &usize| Some(Place::Column(*n));
+            [column(half), column(theta), None, column(phi), None, None]
+        }
         Directions::Angles { thetas: [i, o], azimuths } => {
             let [phi_i, phi_o] = match azimuths {
                 Azimuths::Both([i, o]) => [Some(*i), Some(*o)],
-                Azimuths::Outgoing(o) => [None, Some(*o)],
+                Azimuths::Outgoing(o) | Azimuths::Phase(o) => [None, Some(*o)],
                 Azimuths::Incident(i) => [Some(*i), None],
                 Azimuths::InPlane => [None, None],
             };
@@ -66,10 +76,15 @@ impl Geometry {
         reading: &mut Reading,
     ) -> Result<Self, ReadError> {
         let azimuths = match &columns.directions {
-            Directions::Vectors(_) => None,
+            Directions::Vectors(_) | Directions::Half(_) => None,
             Directions::Angles { azimuths, .. } => Some(*azimuths),
         };
-        let mut geometry = Self { is_vectors: azimuths.is_none(), radians: 1.0, azimuths, plane: PI };
+        let (is_vectors, is_half) = match &columns.directions {
+            Directions::Vectors(_) => (true, false),
+            Directions::Half(_) => (false, true),
+            Directions::Angles { .. } => (false, false),
+        };
+        let mut geometry = Self { is_vectors, is_half, radians: 1.0, azimuths, plane: PI };
         if geometry.is_vectors {
             return Ok(geometry);
         }
@@ -119,6 +134,22 @@ impl Geometry {
                 );
                 return Err(ReadError::Content(text));
             }
+        }
+        if let Some(Azimuths::Phase(_)) = self.azimuths {
+            let [i, o] = [d[0] * self.radians, d[1] * self.radians];
+            let both = libm::sin(i) * libm::sin(o);
+            let across = libm::cos(phi_o * self.radians) - libm::cos(i) * libm::cos(o);
+            if across.abs() > both.abs() + PHASE {
+                return Err(ReadError::Content(format!(
+                    "line {}: no azimuth makes the phase angle {phi_o} of these two directions",
+                    row.line
+                )));
+            }
+            let turn = if both.abs() > PHASE { libm::acos((across / both).clamp(-1.0, 1.0)) } else { 0.0 };
+            return Ok([self.vector(d[0], 0.0), self.vector(d[1], turn / self.radians)]);
+        }
+        if self.is_half {
+            return Ok(from_half(d[0] * self.radians, d[1] * self.radians, phi_o * self.radians));
         }
         Ok([self.vector(d[0], phi_i), self.vector(d[1], phi_o)])
     }

@@ -6,14 +6,17 @@ use crate::ReadError;
 use crate::file::decode::shortened;
 
 /// Lines among which the names are looked for, and fields of all separators that are tried: other content ends the search.
-const SEARCHED: usize = 1000;
+pub(super) const SEARCHED: usize = 1000;
 const FIELDS: usize = 1 << 18;
+
+/// Known names that make a line one of names.
+const NAMES: usize = 2;
 
 /// Marks of comments; a line of names may be one.
 const COMMENTS: [&str; 5] = ["//", "#", "%", "!", "$"];
 
 /// What separates columns, in the order in which it is tried: `' '` is any white space.
-const SEPARATORS: [char; 5] = ['\t', ';', ',', '|', ' '];
+pub(super) const SEPARATORS: [char; 5] = ['\t', ';', ',', '|', ' '];
 
 /// The layout of a table.
 #[derive(Debug)]
@@ -25,6 +28,8 @@ pub(super) struct Layout {
     pub rows_at: usize,
     /// A unit of angles that is said above the columns.
     pub angle_unit: Option<Unit>,
+    /// How many rows are announced there.
+    pub announced: Option<usize>,
 }
 
 impl Layout {
@@ -52,8 +57,9 @@ impl Layout {
             }
             match above.columns(plain) {
                 Ok((columns, separator)) => {
-                    let angle_unit = above.angle_unit;
-                    found = Some(Self { columns, separator, line: n + 1, rows_at: at, angle_unit });
+                    let Above { angle_unit, announced, .. } = above;
+                    found =
+                        Some(Self { columns, separator, line: n + 1, rows_at: at, angle_unit, announced });
                     // Names in a comment may be those of an example; the line after it knows better.
                     if !is_comment {
                         break;
@@ -72,7 +78,11 @@ impl Layout {
             }
         }
         found.ok_or_else(|| match closest {
-            Some((line, reason)) => fault(line, &reason.reason),
+            Some((line, reason)) if reason.known >= NAMES => fault(line, &reason.reason),
+            Some((line, reason)) => ReadError::Content(format!(
+                "no line names the columns; line {line} comes closest: {}",
+                reason.reason
+            )),
             None => no_names(text, above.fields > FIELDS),
         })
     }
@@ -80,10 +90,11 @@ impl Layout {
 
 /// What stands above the names.
 #[derive(Debug, Default)]
-struct Above {
+pub(super) struct Above {
     separator: Option<char>,
-    constants: Constants,
-    angle_unit: Option<Unit>,
+    pub constants: Constants,
+    pub angle_unit: Option<Unit>,
+    announced: Option<usize>,
     /// Fields that were looked at.
     fields: usize,
 }
@@ -114,7 +125,8 @@ impl Above {
             let is_better = match (&best, &found) {
                 (Err(best), Err(found)) => found.known > best.known,
                 (Err(_), Ok(_)) => true,
-                (Ok(best), Ok(found)) => found.0.names.len() > best.0.names.len(),
+                // White space separates words of a name too.
+                (Ok(best), Ok(found)) => separator != ' ' && found.0.names.len() > best.0.names.len(),
                 (Ok(_), Err(_)) => false,
             };
             if is_better {
@@ -130,14 +142,50 @@ impl Above {
         if lower.contains("angle") || lower.contains("unit") {
             self.angle_unit = unit(line).filter(|u| *u != Unit::Percent).or(self.angle_unit);
         }
-        let Some((name, value)) = line.split_once([':', '=', ',', ';', '\t']) else { return };
-        let first = value.split([',', ';', '\t', ' ']).find(|word| !word.trim().is_empty()).unwrap_or("");
-        let Some(number) = super::cells::number(first) else { return };
-        let role = role(name);
-        if matches!(role, Role::Theta(_) | Role::Phi(_)) {
+        self.announced = announced(line).or(self.announced);
+        if let Some(constant) = constant(line) {
             self.angle_unit = unit(line).filter(|u| *u != Unit::Percent).or(self.angle_unit);
-            self.constants.push((role, number));
+            // The last one above the names is that of the rows.
+            self.constants.retain(|known| known.0 != constant.0);
+            self.constants.push(constant);
         }
+    }
+}
+
+/// The number of rows that a line announces: `points: 75`.
+fn announced(line: &str) -> Option<usize> {
+    let (name, value) = line.split_once([':', '=', ',', ';', '\t', ' '])?;
+    let bare = name.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "");
+    let is_count = matches!(
+        bare.as_str(),
+        "numpoints"
+            | "npoints"
+            | "points"
+            | "numberofpoints"
+            | "datapoints"
+            | "rows"
+            | "numrows"
+            | "numberofrows"
+            | "numberofmeasurements"
+    );
+    is_count.then(|| value.trim_matches([' ', ',', ';', '\t']).parse().ok())?
+}
+
+/// The direction that a line names, with its angle: `AOI: 30`.
+pub(super) fn constant(line: &str) -> Option<(Role, f64)> {
+    let (plain, _) = without_mark(line.trim());
+    let (name, value) = plain.split_once([':', '=', ',', ';', '\t'])?;
+    let first = value.split([',', ';', '\t', ' ']).find(|word| !word.trim().is_empty())?;
+    let (role, number) = (role(name), super::cells::number(first)?);
+    matches!(role, Role::Theta(_) | Role::Phi(_)).then_some((role, number))
+}
+
+impl Above {
+    /// From the lines above a place.
+    pub fn of<'a>(lines: impl Iterator<Item = &'a str>) -> Self {
+        let mut above = Self::default();
+        lines.for_each(|line| above.read(without_mark(line.trim()).0));
+        above
     }
 }
 

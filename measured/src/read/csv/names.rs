@@ -20,12 +20,18 @@ pub(super) enum Role {
     Phi(Side),
     /// Difference of the azimuths, or the one azimuth that there is.
     DeltaPhi,
+    /// Angle between the two directions.
+    Phase,
     /// Azimuth of a direction that the name does not say in a known word.
     OddPhi,
     /// A part of a unit vector: 0 x, 1 y, 2 z.
     Vector(Side, usize),
-    /// Half and difference angles, which need a column each.
-    Half,
+    /// Angle of the half vector from the normal.
+    ThetaHalf,
+    /// Angle between the half vector and a direction, if there is one of the half vector.
+    ThetaDifference,
+    /// Azimuth about the half vector.
+    PhiDifference,
     /// The cosine of an angle.
     Cosine,
     /// One value.
@@ -36,12 +42,45 @@ pub(super) enum Role {
     Xyz(usize),
     /// The wavelength of a row, where each has one.
     Wavelength,
+    /// A logarithm of the value, or decibels.
+    Logarithm,
     /// A value at a wavelength.
     At(f64),
+    /// A number that is a wavelength only in a series of them.
+    Numbered(f64),
     /// A name that is no number, where a wavelength was meant.
     NoWavelength,
     /// Anything else.
     Other,
+}
+
+impl Role {
+    /// The content of a column of that role, in words; `None` where the name alone does not tell.
+    pub fn words(&self) -> Option<&'static str> {
+        Some(match self {
+            Self::Theta(Side::Incident) => "incident angle",
+            Self::Theta(Side::Outgoing) => "outgoing angle",
+            Self::Theta(Side::Either) | Self::ThetaAlone => "angle",
+            Self::Phi(Side::Incident) => "incident azimuth",
+            Self::Phi(Side::Outgoing) => "outgoing azimuth",
+            Self::Phi(Side::Either) | Self::OddPhi => "azimuth",
+            Self::Phase => "phase angle",
+            Self::DeltaPhi => "azimuth",
+            Self::Vector(Side::Incident, _) => "incident vector",
+            Self::Vector(Side::Outgoing, _) => "outgoing vector",
+            Self::Vector(Side::Either, _) => "vector",
+            Self::ThetaHalf => "half angle",
+            Self::ThetaDifference | Self::PhiDifference => "difference angle",
+            Self::Cosine => "cosine",
+            Self::Value => "value",
+            Self::Rgb(_) => "channel",
+            Self::Xyz(_) => "tristimulus",
+            Self::Wavelength => "wavelength",
+            Self::Logarithm => "logarithm",
+            Self::At(_) => "at a wavelength",
+            Self::Numbered(_) | Self::NoWavelength | Self::Other => return None,
+        })
+    }
 }
 
 /// A unit that a name carries.
@@ -52,19 +91,19 @@ pub(super) enum Unit {
     Percent,
 }
 
-const INCIDENT: &str = "i in inc inci incident incidence incoming input l light src source sun solar lamp illumination illum \
+const INCIDENT: &str = "i in inc inci incident incidence incoming input l light src source sun sol solar lamp illumination illum \
     irradiation ill incid ein einfall einfalls lichtquelle laser licht beleuchtung beleuchtungs einstrahlung einstrahl \
     incidencia incidente incidenza éclairage eclairage éclairement lumière";
 const OUTGOING: &str = "o out outgoing output r refl reflected reflection v view viewer viewing cam camera det detector d \
-    sensor rec receiver e em emission emitted exit measure measured measurement obs observation observer \
-    scat scatter scattered scattering emergent emergence aus ausfall ausfalls beobachter beobachtungs betrachtungs detektor \
+    sensor satellite rec receive receiver receiving e em emission emitted exit measure measured measurement obs observation observer \
+    scat sct scatter scattered scattering emergent emergence aus ausfall ausfalls beobachter beobachtungs betrachtungs detektor \
     reflexion reflexions réflexion streu \
     beobachtung betrachtung betrachter detektion mess messung messkopf reflektiert sicht blick observación observacion \
     reflexión osservazione riflessione visée visee vision capteur empfänger";
-const POLAR: &str = "theta zenith zenit polar inclination th tht vertical";
+const POLAR: &str = "theta zenith zenit zen polar inclination th tht vertical";
 const AZIMUTH: &str = "azimuthal azimuth azimutal azimut acimut azim azi phi az";
 const VALUES: &str = "value val values f fr brdf bsdf y luminance lum grey gray intensity reflectance rho \
-    reflectancefactor radiance brdfvalue brf hdrf wert valeur bidir brdfsr fbrdf signal data messwert";
+    reflectancefactor radiance brdfvalue brf hdrf wert valeur bidir brdfsr fbrdf signal data messwert ars ccbrdf cosinecorrectedbrdf";
 /// Angles in German, Spanish and Italian.
 const ANGLES: [&str; 8] = ["winkel", "Winkel", "ángulo", "Ángulo", "angulo", "Angulo", "angolo", "Angolo"];
 /// Names of the channels, in six languages.
@@ -72,7 +111,17 @@ const CHANNELS: [&str; 3] =
     ["r red rot rouge rojo rosso vermelho", "g green grün vert verde", "b blue blau bleu azul blu"];
 /// Before a channel or a wavelength.
 const BEFORE: &str = "brdf bsdf value reflectance refl linear lin srgb rgb f fr xyz r";
-const BEFORE_WAVELENGTH: &str = "wavelength lambda wl w brdf bsdf value reflectance refl f fr r nm l";
+const BEFORE_WAVELENGTH: &str =
+    "wavelength lambda \u{3bb} \u{3c1} wl w brdf bsdf value reflectance refl f fr r nm l";
+
+/// Whether a value of that name is f times the cosine of the outgoing direction: angle-resolved scatter.
+pub(super) fn is_times_cosine(name: &str) -> bool {
+    let bare: String = words(name).into_iter().filter(|word| !matches!(word.as_str(), "1" | "sr")).collect();
+    matches!(bare.as_str(), "ars" | "ccbrdf" | "cosinecorrectedbrdf")
+}
+
+/// Digits from which on a number is a wavelength without a unit.
+const WAVELENGTH_DIGITS: usize = 3;
 
 /// A name and the unit that it carries, or that stands in brackets after it.
 pub(super) fn unit(name: &str) -> Option<Unit> {
@@ -96,8 +145,8 @@ pub(super) fn role(name: &str) -> Role {
     if name.is_empty() {
         return Role::Other;
     }
-    if let Ok(number) = name.parse::<f64>() {
-        return if number.is_finite() { Role::At(number) } else { Role::NoWavelength };
+    if name.parse::<f64>().is_ok_and(|number| !number.is_finite()) {
+        return Role::NoWavelength;
     }
     // Articles of French, and what German joins.
     let with = |name: String, a: &str, b: &str| if name.contains(a) { name.replace(a, b) } else { name };
@@ -125,7 +174,19 @@ pub(super) fn role(name: &str) -> Role {
     let is_filler = |w: &String| {
         matches!(
             w.as_str(),
-            "of" | "the" | "de" | "di" | "del" | "della" | "direction" | "dir" | "angles" | "angle" | "vec"
+            "of" | "the"
+                | "de"
+                | "di"
+                | "del"
+                | "della"
+                | "to"
+                | "toward"
+                | "towards"
+                | "direction"
+                | "dir"
+                | "angles"
+                | "angle"
+                | "vec"
         )
     };
     let all = words(name);
@@ -144,11 +205,23 @@ pub(super) fn role(name: &str) -> Role {
         | "wellenlänge" | "longueurdonde" => return Role::Wavelength,
         _ => {}
     }
+    if is_logarithm(&plain, &kept) {
+        return Role::Logarithm;
+    }
     if let Some(found) = spectral(&plain) {
         return found;
     }
-    if matches!(joined.as_str(), "thetah" | "thetahalf" | "halfangle" | "thetadiff" | "phih") {
-        return Role::Half;
+    match joined.as_str() {
+        "thetah" | "thetahalf" | "halfangle" | "halftheta" => return Role::ThetaHalf,
+        "thetadiff" | "thetadifference" | "differenceangle" => return Role::ThetaDifference,
+        "phidiff" | "phidifference" => return Role::PhiDifference,
+        "phase" | "phaseangle" | "phasenwinkel" => return Role::Phase,
+        "incidence" => return Role::Theta(Side::Incident),
+        "receive" => return Role::Theta(Side::Outgoing),
+        _ => {}
+    }
+    if let Some(side) = kept.strip_suffix('a').filter(|rest| rest.len() > 2).and_then(side) {
+        return Role::Phi(side);
     }
     if let Some(rest) = kept.strip_prefix("cosine").or_else(|| kept.strip_prefix("cos")) {
         let of = around(rest, POLAR).unwrap_or_else(|| rest.to_owned());
@@ -171,14 +244,21 @@ pub(super) fn role(name: &str) -> Role {
         "delta",
         "d",
         "difference",
+        "differenz",
+        "differenza",
+        "diferencia",
+        "différence",
         "diff",
+        "iv",
+        "io",
+        "ir",
     ];
     if let Some(rest) = around(&kept, AZIMUTH) {
         return match side(&rest) {
             Some(side) if rest != "d" || kept.starts_with("phi") => Role::Phi(side),
             _ if rest.is_empty() || relative.contains(&rest.as_str()) => Role::DeltaPhi,
             // Shorter words may be the end of any name.
-            _ if kept.contains("azim") || kept.contains("acim") => Role::OddPhi,
+            _ if kept.contains("azim") || kept.contains("acim") || kept.starts_with("phi") => Role::OddPhi,
             _ => Role::Other,
         };
     }
@@ -195,7 +275,7 @@ pub(super) fn role(name: &str) -> Role {
     if let (true, Some(side)) = (has_angle, side(&kept)) {
         return Role::Theta(side);
     }
-    if let Some(vector) = vector(&kept) {
+    if let Some(vector) = vector(&kept).or_else(|| vector_by_axis(&kept)) {
         return vector;
     }
     channel(&kept).unwrap_or(Role::Other)
@@ -228,6 +308,12 @@ fn vector(name: &str) -> Option<Role> {
     side(bare).filter(|_| !bare.is_empty()).map(|side| Role::Vector(side, axis))
 }
 
+/// `x_i`, `z_out`: the axis first.
+fn vector_by_axis(name: &str) -> Option<Role> {
+    let axis = ["x", "y", "z"].iter().position(|axis| name.starts_with(axis))?;
+    side(&name[1..]).map(|side| Role::Vector(side, axis))
+}
+
 fn channel(name: &str) -> Option<Role> {
     let xyz = ["x", "y", "z"];
     if has(VALUES, name) && name != "y" {
@@ -242,25 +328,34 @@ fn channel(name: &str) -> Option<Role> {
     })
 }
 
-/// A value at a wavelength: a number with nothing but a unit or a plain word about it.
+/// Whether a name is that of a logarithm of the value: `log10(BRDF)`, `BRDF [dB]`.
+fn is_logarithm(plain: &str, kept: &str) -> bool {
+    let before = ["log10", "log", "lg", "ln"].iter().find_map(|log| kept.strip_prefix(log));
+    let is_value = |name: &str| has(VALUES, name) && !name.is_empty();
+    before.is_some_and(is_value)
+        || ["[db]", "(db)", "_db", " db", "decibel"].iter().any(|end| plain.ends_with(end))
+}
+
+/// A value at a wavelength: a number with nothing but a unit or a plain word about it. A unit or three digits make it a wavelength.
 fn spectral(plain: &str) -> Option<Role> {
     let micro = ["um", "\u{b5}m", "\u{3bc}m", "micron", "microns"];
     let without: String = plain.chars().filter(|c| !" _-[](){}/=:".contains(*c)).collect();
     let (bare, unit) = match without.strip_suffix("nm") {
-        Some(bare) => (bare.to_owned(), 1.0),
+        Some(bare) => (bare.to_owned(), Some(1.0)),
         None => match micro.iter().find_map(|unit| without.strip_suffix(unit)) {
-            Some(bare) => (bare.to_owned(), 1e3),
-            None => (without.clone(), 1.0),
+            Some(bare) => (bare.to_owned(), Some(1e3)),
+            None => (without.clone(), None),
         },
     };
     let number = |text: &str| text.replace(',', ".").parse::<f64>().ok();
     let starts = BEFORE_WAVELENGTH.split(' ').filter_map(|before| bare.strip_prefix(before));
-    let found = std::iter::once(bare.as_str()).chain(starts).find_map(number);
-    match found {
-        Some(w) if w.is_finite() => Some(Role::At(w * unit)),
-        Some(_) => Some(Role::NoWavelength),
-        None => None,
-    }
+    let found = std::iter::once(bare.as_str()).chain(starts).find_map(number)?;
+    let digits = bare.chars().filter(char::is_ascii_digit).count();
+    Some(match found {
+        w if !w.is_finite() => Role::NoWavelength,
+        w if unit.is_some() || digits >= WAVELENGTH_DIGITS => Role::At(w * unit.unwrap_or(1.0)),
+        w => Role::Numbered(w),
+    })
 }
 
 /// The words of a name, in lower case: at changes of case, at signs, at brackets. Greek letters are words.
@@ -346,9 +441,21 @@ mod tests {
             ("X|x", Xyz(0)),
             ("Y", Xyz(1)),
             ("wavelength|lambda|\u{3bb}|wavelength [nm]|Wavelength_nm", Wavelength),
-            ("400|400nm| 400 nm |wl_400|lambda400|brdf_400nm|0.4um|0.4 \u{b5}m", At(400.0)),
+            ("400|400nm| 400 nm |wl_400|lambda400|\u{3bb}=400 nm|brdf_400nm|0.4um|0.4 \u{b5}m", At(400.0)),
             ("NaN|inf|-inf|nan nm", NoWavelength),
-            ("theta_h|halfangle", Half),
+            ("theta_h|halfangle", ThetaHalf),
+            ("src_a|sun_a", Phi(Incident)),
+            ("view_a|phi_d", Phi(Outgoing)),
+            ("to-sun-zenith|Solar Zenith Angle|incidence", Theta(Incident)),
+            ("to-sensor-zenith|sensor zenith|receive", Theta(Outgoing)),
+            ("to-sun-azimuth", Phi(Incident)),
+            ("SolZen", Theta(Incident)),
+            ("x_i|xi", Vector(Incident, 0)),
+            ("phase angle", Phase),
+            ("Azimutdifferenz|phi_iv", DeltaPhi),
+            ("phi_tilt", OddPhi),
+            ("log10(BRDF)|ln f|BRDF [dB]|brdf_db|log_brdf", Logarithm),
+            ("fr11|BRDF11|11", Numbered(11.0)),
             ("sigma|weight|comment|sample|uncertainty|date|n_x|index", Other),
         ] {
             for name in names.split('|') {

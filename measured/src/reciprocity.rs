@@ -1,8 +1,12 @@
 //! Whether samples of swapped directions agree, as those of a BRDF do, and whether values are a BRDF times a cosine.
+//!
+//! May import: `numeric`, `row`.
 
-use super::pairs::Compared;
+pub(crate) mod pairs;
+
 use crate::numeric::median::median;
-use crate::read::Values;
+use crate::row::Values;
+use pairs::Compared;
 
 /// Least number of pairs that tell of a cosine, and the least difference of the logarithms of their cosines.
 const ENOUGH: usize = 10;
@@ -27,7 +31,7 @@ pub struct Reciprocity {
 }
 
 impl Reciprocity {
-    pub(super) fn of(pairs: &[Compared]) -> Option<Self> {
+    pub(crate) fn of(pairs: &[Compared]) -> Option<Self> {
         let apart = median(pairs.iter().map(|p| p.log_ratio.abs()).collect())?;
         Some(Self { pairs: pairs.len(), apart, cosine: cosine(pairs) })
     }

@@ -18,14 +18,14 @@ struct Placed {
 }
 
 /// Samples by where they are.
-pub(super) struct Places {
+pub(crate) struct Places {
     placed: Vec<Placed>,
     cells: HashMap<[i32; 3], Vec<usize>>,
 }
 
 /// Two samples that should agree: logarithm of the ratio of the first to the second, and the cosines of the first, incident and outgoing.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Compared {
+pub(crate) struct Compared {
     pub log_ratio: f64,
     pub cosines: [f64; 2],
 }
