@@ -198,7 +198,8 @@ impl<'a> SpectralMap<'a> {
         }
         let scale = Scale::at(content, scales);
         let most = if bits == 8 { u16::from(u8::MAX) } else { u16::MAX };
-        if scale.is_relative || [0, most].iter().any(|code| !(scale.decode(*code, 0.0).abs() <= MOST)) {
+        // False for NaN too.
+        if scale.is_relative || ![0, most].iter().all(|code| scale.decode(*code, 0.0).abs() <= MOST) {
             return field("scale of the spectra", scales);
         }
         Ok(Self { content })

@@ -1,5 +1,7 @@
 //! Conventions of the numbers of a file, where the file itself does not state them.
 
+use super::chosen::ChosenWavelengths;
+
 /// Units of angles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Angles {
@@ -49,11 +51,13 @@ pub struct Conventions {
     pub values: Option<Values>,
     /// What values are divided by to be in 1/sr; above 0.
     pub divide: f64,
+    /// The wavelengths that are read, of a file that has some; `None`: all.
+    pub wavelengths: Option<ChosenWavelengths>,
 }
 
 impl Default for Conventions {
     fn default() -> Self {
-        Self { angles: None, mirror: None, values: None, divide: 1.0 }
+        Self { angles: None, mirror: None, values: None, divide: 1.0, wavelengths: None }
     }
 }
 

@@ -68,6 +68,9 @@ pub(crate) struct Reading {
     conventions: Conventions,
     cells: Vec<Cells>,
     spectra: Option<SpectralSums>,
+    /// A value is so many times a number of a spectrum.
+    share: f64,
+    has_wavelengths: bool,
 }
 
 impl Reading {
@@ -80,7 +83,7 @@ impl Reading {
                 .push(Note { text: format!("values are divided by {}", conventions.divide), option: None });
         }
         conventions.mirror.get_or_insert(Mirror::Opposite);
-        Self { intake, conventions, cells: Vec::new(), spectra: None }
+        Self { intake, conventions, cells: Vec::new(), spectra: None, share: 1.0, has_wavelengths: false }
     }
 
     /// The kind of values in the format, where the caller does not state it.
@@ -88,17 +91,22 @@ impl Reading {
         self.conventions.values.get_or_insert(values);
     }
 
-    /// States that the numbers of each row are a spectrum, and says how it is used.
-    pub fn wavelengths_are(&mut self, wavelengths: &Wavelengths) {
+    /// States that the numbers of each row are a spectrum, and says how it is used; gives the wavelengths that are. A value is `share` of
+    /// such a number.
+    ///
+    /// # Errors
+    /// [`ReadError`] where none of them is chosen.
+    pub fn wavelengths_are(
+        &mut self,
+        wavelengths: Wavelengths,
+        share: f64,
+    ) -> Result<Wavelengths, ReadError> {
+        let wavelengths = wavelengths.chosen(self.conventions.wavelengths)?;
         if let Some(note) = &wavelengths.note {
             self.note(note.clone());
         }
-        self.spectra_are(wavelengths);
-    }
-
-    /// The same of which the use is said already.
-    pub fn spectra_are(&mut self, wavelengths: &Wavelengths) {
-        self.spectra = wavelengths.sums();
+        (self.spectra, self.share, self.has_wavelengths) = (wavelengths.sums(), share, true);
+        Ok(wavelengths)
     }
 
     pub fn note(&mut self, text: impl Into<String>) {
@@ -118,7 +126,18 @@ impl Reading {
     }
 
     /// Adds a sample; `cells`: its numbers before they became a colour, for values that stand for nothing.
-    pub fn push(&mut self, line: usize, [wi, wo]: [[f64; 3]; 2], rgb: [f64; 3], cells: &[f64]) {
+    pub fn push(&mut self, line: usize, pair: [[f64; 3]; 2], rgb: [f64; 3], cells: &[f64]) {
+        self.push_spectrum(line, pair, rgb, [cells, cells]);
+    }
+
+    /// The same of a spectrum that is not what stands in the file.
+    pub fn push_spectrum(
+        &mut self,
+        line: usize,
+        [wi, wo]: [[f64; 3]; 2],
+        rgb: [f64; 3],
+        [cells, spectrum]: [&[f64]; 2],
+    ) {
         let (below, at) = (|d: &[f64; 3]| d[2] < -HORIZON, |d: &[f64; 3]| d[2].abs() <= HORIZON);
         let reason = match (below(&wi), below(&wo)) {
             _ if at(&wi) || at(&wo) => Some(Reason::Horizon),
@@ -133,15 +152,16 @@ impl Reading {
             Some(Mirror::Equal) => [-wo[0], -wo[1], wo[2]],
             _ => wo,
         };
-        if let Some(spectra) = &mut self.spectra {
-            spectra.add(cells);
-        }
         let cosine = match self.conventions.values {
             Some(Values::CosineOutgoing) => wo[2],
             Some(Values::CosineIncident) => wi[2],
             _ => 1.0,
         };
-        let rgb = rgb.map(|v| v / (self.conventions.divide * cosine));
+        let divisor = self.conventions.divide * cosine;
+        let rgb = rgb.map(|v| v / divisor);
+        if let Some(spectra) = &mut self.spectra {
+            spectra.add(spectrum, self.share / divisor, [wi, wo]);
+        }
         self.cells.push(Cells::of(cells));
         self.intake.rows.push(Row { line, wi, wo, rgb });
     }
@@ -151,6 +171,10 @@ impl Reading {
     /// # Errors
     /// [`ReadError`] where no sample is left.
     pub fn finish(mut self) -> Result<Intake, ReadError> {
+        if self.conventions.wavelengths.is_some() && !self.has_wavelengths {
+            let text = "--wavelengths: the file has none; spectra or a column of wavelengths are expected";
+            return Err(ReadError::Content(text.into()));
+        }
         let sentinels = Sentinels::of(&self.cells);
         let rows = std::mem::take(&mut self.intake.rows);
         for (row, cells) in rows.into_iter().zip(&self.cells) {
