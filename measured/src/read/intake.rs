@@ -8,7 +8,7 @@ use super::conventions::{Conventions, Mirror, Values};
 use super::reason::Reason;
 use super::scatter;
 use super::sentinels::{Cells, Sentinels};
-use super::spectra::{Spectra, SpectralSums};
+use super::spectra::{Spectra, SpectralSamples};
 use super::wavelengths::Wavelengths;
 use crate::ReadError;
 use crate::isotropy::Isotropy;
@@ -67,7 +67,7 @@ pub(crate) struct Reading {
     intake: Intake,
     conventions: Conventions,
     cells: Vec<Cells>,
-    spectra: Option<SpectralSums>,
+    spectra: Option<SpectralSamples>,
     /// A value is so many times a number of a spectrum.
     share: f64,
     has_wavelengths: bool,
@@ -105,7 +105,7 @@ impl Reading {
         if let Some(note) = &wavelengths.note {
             self.note(note.clone());
         }
-        (self.spectra, self.share, self.has_wavelengths) = (wavelengths.sums(), share, true);
+        (self.spectra, self.share, self.has_wavelengths) = (wavelengths.samples(), share, true);
         Ok(wavelengths)
     }
 
@@ -177,9 +177,10 @@ impl Reading {
         }
         let sentinels = Sentinels::of(&self.cells);
         let rows = std::mem::take(&mut self.intake.rows);
-        for (row, cells) in rows.into_iter().zip(&self.cells) {
-            match sentinels.reason(cells) {
-                Some(reason) => self.intake.leave_out(reason, row.line),
+        let reasons: Vec<Option<Reason>> = self.cells.iter().map(|cells| sentinels.reason(cells)).collect();
+        for (row, reason) in rows.into_iter().zip(&reasons) {
+            match reason {
+                Some(reason) => self.intake.leave_out(*reason, row.line),
                 None => self.intake.rows.push(row),
             }
         }
@@ -189,7 +190,8 @@ impl Reading {
                 if left_out.is_empty() { "no samples".into() } else { format!("no samples: {left_out}") };
             return Err(ReadError::Content(text));
         }
-        self.intake.spectra = self.spectra.take().and_then(SpectralSums::finish);
+        self.intake.spectra =
+            self.spectra.take().and_then(|found| found.finish(|row| reasons[row].is_none()));
         self.intake.is_light_fixed = scatter::is_light_fixed(&self.intake.rows);
         Ok(self.intake)
     }

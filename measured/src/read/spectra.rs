@@ -15,8 +15,8 @@ use std::ops::Range;
 /// Most wavelengths that are kept.
 const MOST: usize = 64;
 
-/// Most samples whose spectra are kept, to judge a map by.
-const MOST_SAMPLES: usize = 2048;
+/// Most samples whose spectra are kept.
+const MOST_SAMPLES: usize = 4096;
 
 /// The longest wavelength that a material stores, nm.
 pub(super) const LONGEST: f64 = 6553.5;
@@ -57,7 +57,7 @@ pub struct Spectra {
     pub is_grey: bool,
     /// How far the samples' own spectra are from those of their colours.
     pub errors: SpectralErrors,
-    /// Samples with their spectra: all, or of many every second, fourth, and so on.
+    /// Samples with their spectra, from which the map follows: all, or of many every second, fourth, and so on.
     pub samples: Vec<SpectralSample>,
     /// Places of the wavelengths that make the colour.
     visible: Range<usize>,
@@ -113,6 +113,10 @@ impl Spectra {
         let lights =
             Illuminant::ALL.map(|light| if self.is_grey { Vec::new() } else { light.weights(lines) });
         let mut colours: [Vec<f64>; 3] = Default::default();
+        let mut greens: Vec<f64> = self.samples.iter().map(|sample| sample.rgb[1]).collect();
+        greens.sort_by(f64::total_cmp);
+        // The darkest twentieth is noise.
+        let darkest = greens.get(greens.len() / 20).copied().unwrap_or_default();
         for sample in &self.samples {
             let found: Vec<f64> = self.of(rgb(sample)).collect();
             let square = sample.wi[2] * sample.wi[2];
@@ -120,7 +124,7 @@ impl Spectra {
                 apart[n] += square * (found - value) * (found - value);
                 whole[n] += square * value * value;
             }
-            if !self.is_grey {
+            if sample.rgb[1] >= darkest && !self.is_grey {
                 for (weights, colours) in lights.iter().zip(&mut colours) {
                     let seen =
                         |spectrum: &[f64]| weighed(weights, spectrum[self.visible.clone()].iter().copied());
@@ -181,26 +185,23 @@ fn spread(mut all: Vec<f64>) -> [f64; 2] {
     [last / 2, last * 19 / 20].map(|n| all.get(n).copied().unwrap_or_default())
 }
 
-/// Sums over samples, from which [`Spectra`] follow.
+/// Spectra of samples, from which [`Spectra`] follow.
 #[derive(Clone, Debug)]
-pub(crate) struct SpectralSums {
+pub(crate) struct SpectralSamples {
     wavelengths: Vec<f64>,
     /// Places of these among the values of a row.
     places: Vec<usize>,
     /// Weights of the wavelengths to the channels: red, green and blue, or a grey one alone.
     weights: Vec<[f64; 3]>,
-    channels: usize,
     visible: Range<usize>,
-    /// Sums of products of two channels; of a channel and a wavelength.
-    colours: [[f64; 3]; 3],
-    mixed: Vec<[f64; 3]>,
-    samples: Vec<SpectralSample>,
-    /// One of so many samples is kept.
+    /// Samples with the numbers of their rows.
+    kept: Vec<(usize, SpectralSample)>,
+    /// One of so many is kept.
     every: usize,
     count: usize,
 }
 
-impl SpectralSums {
+impl SpectralSamples {
     /// For values of rising wavelengths, nm, at these places of a row. Those from one place to another make the colour; none: their mean
     /// is grey. `None` where they do not rise.
     pub fn new(wavelengths: &[f64], places: &[usize], visible: Range<usize>) -> Option<Self> {
@@ -210,80 +211,70 @@ impl SpectralSums {
         let visible = visible.start.div_ceil(every)..visible.end.div_ceil(every);
         let mut weights = vec![[0.0; 3]; wavelengths.len()];
         if visible.is_empty() {
-            weights = vec![[1.0 / wavelengths.len() as f64, 0.0, 0.0]; wavelengths.len()];
+            weights.fill([1.0 / wavelengths.len() as f64, 0.0, 0.0]);
         } else {
             let to_rgb = ToRgb::extended(&wavelengths[visible.clone()]).ok()?;
             weights[visible.clone()].copy_from_slice(to_rgb.weights());
         }
-        Some(Self {
-            mixed: vec![[0.0; 3]; wavelengths.len()],
-            wavelengths,
-            places,
-            weights,
-            channels: if visible.is_empty() { 1 } else { 3 },
-            visible,
-            colours: [[0.0; 3]; 3],
-            samples: Vec::new(),
-            every: 1,
-            count: 0,
-        })
+        Some(Self { wavelengths, places, weights, visible, kept: Vec::new(), every: 1, count: 0 })
     }
 
-    /// Adds a row of values, and its sample, whose own values are so many times these. Marks of values that are missing are no spectra.
+    /// Adds the sample of the next row, whose own values are so many times those of the row.
     pub fn add(&mut self, row: &[f64], times: f64, [wi, wo]: [[f64; 3]; 2]) {
-        let spectrum: Vec<f64> = self.places.iter().filter_map(|&place| row.get(place).copied()).collect();
-        if spectrum.len() < self.places.len() || spectrum.iter().any(|v| *v <= 0.0) {
-            return;
-        }
-        let colour = weighed(&self.weights, spectrum.iter().copied());
-        let square: f64 = colour.iter().map(|v| v * v).sum();
-        if square <= 0.0 {
-            return;
-        }
-        let weight = 1.0 / square;
-        for (a, sums) in self.colours.iter_mut().enumerate() {
-            sums.iter_mut().zip(colour).for_each(|(sum, b)| *sum += weight * colour[a] * b);
-        }
-        for (sums, value) in self.mixed.iter_mut().zip(&spectrum) {
-            sums.iter_mut().zip(colour).for_each(|(sum, c)| *sum += weight * c * value);
-        }
-        if self.count.is_multiple_of(self.every) {
-            if self.samples.len() == MOST_SAMPLES {
-                let mut n = 0;
-                self.samples.retain(|_| {
-                    n += 1;
-                    n % 2 == 1
-                });
-                self.every *= 2;
-            }
-            if self.count.is_multiple_of(self.every) {
-                let rgb = if self.channels == 3 { colour } else { [colour[0]; 3] };
-                let [rgb, values] =
-                    [rgb.to_vec(), spectrum].map(|v| v.into_iter().map(|v| times * v).collect::<Vec<_>>());
-                self.samples.push(SpectralSample { wi, wo, rgb: [rgb[0], rgb[1], rgb[2]], values });
-            }
-        }
+        let number = self.count;
         self.count += 1;
+        if !number.is_multiple_of(self.every) {
+            return;
+        }
+        if self.kept.len() == MOST_SAMPLES {
+            self.every *= 2;
+            self.kept.retain(|(number, _)| number.is_multiple_of(self.every));
+            if !number.is_multiple_of(self.every) {
+                return;
+            }
+        }
+        let values: Vec<f64> =
+            self.places.iter().filter_map(|&place| row.get(place)).map(|v| times * v).collect();
+        if values.len() == self.places.len() {
+            let rgb = self.channels(weighed(&self.weights, values.iter().copied()));
+            self.kept.push((number, SpectralSample { wi, wo, rgb, values }));
+        }
     }
 
-    /// The map; `None` without samples.
-    pub fn finish(self) -> Option<Spectra> {
-        if self.count == 0 {
-            return None;
+    /// The colour that channels are.
+    fn channels(&self, channels: [f64; 3]) -> [f64; 3] {
+        if self.visible.is_empty() { [channels[0]; 3] } else { channels }
+    }
+
+    /// The map of the rows that are samples; `None` without any.
+    pub fn finish(mut self, is_sample: impl Fn(usize) -> bool) -> Option<Spectra> {
+        self.kept.retain(|(number, _)| is_sample(*number));
+        let channels = if self.visible.is_empty() { 1 } else { 3 };
+        let mut matrix = Square::zeros(channels);
+        let mut mixed = vec![[0.0; 3]; self.wavelengths.len()];
+        for (_, sample) in &self.kept {
+            let square: f64 = sample.rgb.iter().map(|v| v * v).sum();
+            if square <= 0.0 {
+                continue;
+            }
+            // A compromise between the highlight, whose squares are all there is without it, and the dark samples, which are noisy.
+            let weight = sample.wi[2].abs() / libm::sqrt(square);
+            for a in 0..channels {
+                let row = matrix.row_mut(a).iter_mut();
+                row.zip(sample.rgb).for_each(|(sum, b)| *sum += weight * sample.rgb[a] * b);
+            }
+            for (sums, value) in mixed.iter_mut().zip(&sample.values) {
+                sums.iter_mut().zip(sample.rgb).for_each(|(sum, c)| *sum += weight * c * value);
+            }
         }
-        let channels = self.channels;
         let smooth = smoothest(&self.weights, channels)?;
         // One channel is never without a spread.
         let smoothed = if channels == 1 { 0.0 } else { SMOOTH };
-        let share = smoothed * (0..channels).map(|c| self.colours[c][c]).sum::<f64>() / channels as f64;
-        let mut matrix = Square::zeros(channels);
-        for (a, sums) in self.colours.iter().enumerate().take(channels) {
-            matrix.row_mut(a).copy_from_slice(&sums[..channels]);
-            matrix.row_mut(a)[a] += share;
-        }
+        let share = smoothed * (0..channels).map(|c| matrix.row(c)[c]).sum::<f64>() / channels as f64;
+        (0..channels).for_each(|c| matrix.row_mut(c)[c] += share);
         let factor = matrix.cholesky()?;
         let is_grey = channels == 1;
-        let of_rgb = self.mixed.iter().zip(&smooth).map(|(mixed, smooth)| {
+        let of_rgb = mixed.iter().zip(&smooth).map(|(mixed, smooth)| {
             let right: Vec<f64> = (0..channels).map(|c| mixed[c] + share * smooth[c]).collect();
             let solved = factor.solve(&right);
             // A grey one is the luminance.
@@ -295,7 +286,7 @@ impl SpectralSums {
             wavelengths: self.wavelengths,
             is_grey,
             errors: SpectralErrors::default(),
-            samples: self.samples,
+            samples: self.kept.into_iter().map(|(_, sample)| sample).collect(),
             visible: self.visible,
         };
         spectra.errors = spectra.errors_of(|sample| sample.rgb);
@@ -359,7 +350,7 @@ mod tests {
             let value = |w: &f64| a * bump(*w, 620.0, 50.0) + b + c * bump(*w, 480.0, 40.0) + 0.01;
             wavelengths.iter().map(value).collect()
         };
-        let mut sums = SpectralSums::new(&wavelengths, &places, 0..31).unwrap();
+        let mut sums = SpectralSamples::new(&wavelengths, &places, 0..31).unwrap();
         let mut one_hue = sums.clone();
         for n in 0..60 {
             let n = f64::from(n);
@@ -367,10 +358,10 @@ mod tests {
             sums.add(&spectrum, 2.0, UP);
             let spectrum: Vec<f64> = mixture(0.5, 0.1, 0.1).iter().map(|v| v * (1.0 + n)).collect();
             one_hue.add(&spectrum, 1.0, UP);
-            // Marks of missing values.
+            // Marks of missing values are no samples.
             one_hue.add(&[-1.0; 31], 1.0, UP);
         }
-        let spectra = sums.finish().unwrap();
+        let spectra = sums.finish(|_| true).unwrap();
         let SpectralErrors { error, of_wavelength, colour } = &spectra.errors;
         assert!(*error < 0.01 && of_wavelength.iter().all(|e| *e < 0.03), "{error} {of_wavelength:?}");
         let [[exact, _], [lamp, most], _] = colour.unwrap();
@@ -380,7 +371,7 @@ mod tests {
         let found: Vec<f64> = spectra.of(to_rgb.convert(&truth)).collect();
         let apart = found.iter().zip(&truth).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(apart < 0.02, "{apart}");
-        for spectra in [spectra, one_hue.finish().unwrap()] {
+        for spectra in [spectra, one_hue.finish(|row| row % 2 == 0).unwrap()] {
             for rgb in [[0.5, 0.2, 0.1], [1.0; 3], [-0.1, 0.4, 0.2]] {
                 let of = |by: &[f64; 3]| by[0] * rgb[0] + by[1] * rgb[1] + by[2] * rgb[2];
                 let back = to_rgb.convert(&spectra.of_rgb.iter().map(of).collect::<Vec<_>>());
@@ -393,7 +384,7 @@ mod tests {
     fn the_smoothest_spectrum_of_white_is_even() {
         let smooth = smoothest(ToRgb::new(&wavelengths()).unwrap().weights(), 3).unwrap();
         assert!(smooth.iter().all(|by| (by.iter().sum::<f64>() - 1.0).abs() < 1e-3), "{smooth:?}");
-        assert_eq!(SpectralSums::new(&[500.0, 600.0], &[0, 1], 0..2).unwrap().finish(), None);
+        assert_eq!(SpectralSamples::new(&[500.0, 600.0], &[0, 1], 0..2).unwrap().finish(|_| true), None);
     }
 
     /// One wavelength is itself; two have their shares of the mean, and the infrared beside a colour has columns too.
@@ -401,12 +392,12 @@ mod tests {
     fn wavelengths_that_are_no_colour_have_a_map_too() {
         let laser = |times: f64, count: usize| {
             let nm: Vec<f64> = (0..count).map(|n| 905.0 + 645.0 * n as f64).collect();
-            let mut sums = SpectralSums::new(&nm, &(0..count).collect::<Vec<_>>(), 0..0).unwrap();
-            for n in 1..2 * MOST_SAMPLES {
-                let values: Vec<f64> = (0..count).map(|w| n as f64 * (1.0 + w as f64)).collect();
+            let mut sums = SpectralSamples::new(&nm, &(0..count).collect::<Vec<_>>(), 0..0).unwrap();
+            for n in 0..2 * MOST_SAMPLES {
+                let values: Vec<f64> = (0..count).map(|w| (1.0 + n as f64) * (1.0 + w as f64)).collect();
                 sums.add(&values, times, UP);
             }
-            sums.finish().unwrap()
+            sums.finish(|_| true).unwrap()
         };
         let one = laser(0.5, 1);
         assert!(one.is_grey && one.errors.error < 1e-6 && one.errors.colour.is_none(), "{:?}", one.errors);
@@ -418,14 +409,14 @@ mod tests {
 
         let mut nm = wavelengths();
         nm.extend([905.0, 1550.0]);
-        let mut sums = SpectralSums::new(&nm, &(0..33).collect::<Vec<_>>(), 0..31).unwrap();
+        let mut sums = SpectralSamples::new(&nm, &(0..33).collect::<Vec<_>>(), 0..31).unwrap();
         for n in 0..40 {
             let n = f64::from(n);
             let [a, b, c] = [0.3, 0.618, 0.755].map(|step: f64| 0.1 + (step * n).fract());
             let value = |w: &f64| a + b * (w - 300.0) / 400.0 + c * libm::exp(-((w - 550.0) / 60.0).powi(2));
             sums.add(&nm.iter().map(value).collect::<Vec<_>>(), 1.0, UP);
         }
-        let spectra = sums.finish().unwrap();
+        let spectra = sums.finish(|_| true).unwrap();
         let bands = spectra.bands(&spectra.errors);
         assert_eq!((bands.len(), bands[3].ends), (4, [905.0, 1550.0]));
         assert!(bands.iter().all(|band| band.error < 0.01), "{bands:?}");

@@ -1,7 +1,7 @@
 //! A spectrum in whatever wavelengths a file has, made a colour where it is one, and grey where it is none.
 
 use super::chosen::ChosenWavelengths;
-use super::spectra::{LONGEST, SpectralSums};
+use super::spectra::{LONGEST, SpectralSamples};
 use super::spectrum::ToRgb;
 use crate::ReadError;
 use std::ops::Range;
@@ -116,10 +116,10 @@ impl Wavelengths {
         Ok(grey(format!("wavelengths from {low} to {high} nm make no colour: their mean is taken as grey")))
     }
 
-    /// Sums for spectra of colours; `None` for wavelengths that are too long to be stored.
-    pub fn sums(&self) -> Option<SpectralSums> {
+    /// A place for spectra of samples; `None` for wavelengths that are too long to be stored.
+    pub fn samples(&self) -> Option<SpectralSamples> {
         let is_stored = self.nm.last().is_some_and(|nm| *nm <= LONGEST);
-        is_stored.then(|| SpectralSums::new(&self.nm, &self.places, self.visible.clone()))?
+        is_stored.then(|| SpectralSamples::new(&self.nm, &self.places, self.visible.clone()))?
     }
 
     /// Linear sRGB of the values in the order of the file.
