@@ -294,6 +294,11 @@ pub struct Primaries<const N: usize> {
 }
 
 impl<const N: usize> Primaries<N> {
+    /// Of columns as [`columns`](Self::columns) gives them.
+    pub const fn from_columns(columns: [[f32; 3]; N]) -> Self {
+        Self { columns }
+    }
+
     /// The values of a colour at the wavelengths: of a value, a weight or an albedo of the material. None is below 0.
     #[inline]
     pub fn of(&self, rgb: impl Into<Vec3>) -> [f32; N] {
