@@ -6,8 +6,7 @@ use crate::material::{material, srbf_material};
 use crate::pointers::{Out, check, check_apart, check_extent, read_array, slice};
 use crate::status::srbf_status;
 use core::ops::Range;
-use glam::Vec3;
-use srbf_core::Primaries;
+use srbf_core::{Primaries, Vec3};
 
 /// The map of a material from its colours to spectra.
 #[derive(Clone, Copy)]
