@@ -73,7 +73,10 @@ impl Wavelengths {
         if let Some(twice) = order.windows(2).find(|pair| nm[pair[0]] == nm[pair[1]]) {
             return fail(format!("wavelength {} nm stands there twice", nm[twice[0]]));
         }
-        let range = |order: &[usize]| format!("{} to {} nm", nm[order[0]], nm[order[order.len() - 1]]);
+        let range = |order: &[usize]| match order {
+            [first, .., last] => format!("{} to {} nm", nm[*first], nm[*last]),
+            _ => format!("{} nm", nm[order[0]]),
+        };
         if let Some(chosen) = chosen {
             let all = range(&order);
             order.retain(|place| chosen.has(nm[*place]));
