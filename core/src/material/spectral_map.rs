@@ -169,7 +169,7 @@ impl<'a> SpectralMap<'a> {
         if content.len() < HEAD {
             return field("head of the spectra (cut off)", 0);
         }
-        let [kind, bits] = [content[0], content[1]];
+        let [kind, bits, ..] = u32_at(content, 0).to_le_bytes();
         if kind > GREY {
             return field("kind of the spectra (0 or 1)", 0);
         }
